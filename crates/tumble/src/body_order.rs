@@ -1,0 +1,40 @@
+use hecs::{Entity, World};
+
+use crate::components::{BodyId, Pose};
+
+/// The bodies of a world in an order that does not depend on how they lie in memory: by [`BodyId`], and after them, by entity, those
+/// without one. A body is an entity with a [`Pose`].
+///
+/// It is a list made once: bodies spawned or despawned later are not followed.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct BodyOrder {
+    entities: Vec<Entity>,
+}
+
+impl BodyOrder {
+    /// The bodies that are in the world now.
+    pub fn of(world: &World) -> Self {
+        let mut keyed: Vec<(Option<BodyId>, Entity)> = world
+            .query::<(Entity, &Pose, Option<&BodyId>)>()
+            .iter()
+            .map(|(entity, _, id)| (id.copied(), entity))
+            .collect();
+        keyed.sort_unstable_by_key(|(id, entity)| (id.is_none(), *id, entity.id()));
+        Self { entities: keyed.into_iter().map(|(_, entity)| entity).collect() }
+    }
+
+    /// The bodies, in order.
+    pub fn entities(&self) -> &[Entity] {
+        &self.entities
+    }
+
+    /// How many there are.
+    pub fn len(&self) -> usize {
+        self.entities.len()
+    }
+
+    /// Whether there are none.
+    pub fn is_empty(&self) -> bool {
+        self.entities.is_empty()
+    }
+}

@@ -1,0 +1,115 @@
+use glam::DVec3;
+use tumble_math::{InertiaError, InertiaTensor};
+
+use crate::math::{Mat3, Quat, Vec3, vec3};
+use crate::property_error::PropertyError;
+
+/// Principal moments of inertia about the centre of mass [kg m^2], with their inverses.
+///
+/// A body whose frame is not the principal one also has [`PrincipalAxes`]. A body without `Inertia` is a point mass: it does not
+/// turn. Replacing the component while the simulation runs keeps the angular momentum, so the body spins up or down, as a skater does.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Inertia {
+    moments: Vec3,
+    inverse_moments: Vec3,
+}
+
+impl Inertia {
+    /// The three principal moments [kg m^2].
+    ///
+    /// # Errors
+    /// [`InertiaError`] where they are not positive and finite, or one is larger than the sum of the others.
+    ///
+    /// ```
+    /// # use tumble::{Inertia, math::Vec3};
+    /// let inertia = Inertia::new(Vec3::new(1.0, 2.0, 2.5))?;
+    /// assert_eq!(inertia.inverse_moments().y, 0.5);
+    /// assert!(Inertia::new(Vec3::new(1.0, 2.0, 3.5)).is_err());
+    /// # Ok::<(), tumble::InertiaComponentError>(())
+    /// ```
+    pub fn new(moments: impl Into<DVec3>) -> Result<Self, InertiaComponentError> {
+        let moments = moments.into();
+        InertiaTensor::from_principal(moments, glam::DQuat::IDENTITY)?;
+        for moment in moments.to_array() {
+            PropertyError::check("principal moment", moment)?;
+        }
+        Ok(Self { moments: vec3(moments), inverse_moments: vec3(moments.recip()) })
+    }
+
+    /// The principal moments [kg m^2].
+    #[inline]
+    pub fn moments(&self) -> Vec3 {
+        self.moments
+    }
+
+    /// Their inverses [1/(kg m^2)].
+    #[inline]
+    pub fn inverse_moments(&self) -> Vec3 {
+        self.inverse_moments
+    }
+
+    /// Angular momentum in the world frame [kg m^2/s] at an angular velocity in the world frame [rad/s]: `L = R I R^T w`.
+    ///
+    /// `frame` takes principal-frame coordinates to world coordinates: the orientation, times the principal axes where there are any.
+    ///
+    /// This is the Unity idiom for a wanted spin: `inertia.angular_momentum(frame, wanted) - momentum.angular` is the angular
+    /// impulse that reaches it at once, and divided by the step it is the torque that reaches it in one step.
+    pub fn angular_momentum(&self, frame: Quat, angular_velocity: Vec3) -> Vec3 {
+        frame * (self.moments * (frame.conjugate() * angular_velocity))
+    }
+}
+
+/// Why principal moments are refused.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum InertiaComponentError {
+    /// No rigid body has such moments.
+    #[error(transparent)]
+    Impossible(#[from] InertiaError),
+    /// A moment does not fit the precision of the build.
+    #[error(transparent)]
+    Property(#[from] PropertyError),
+}
+
+/// The rotation whose matrix has the principal axes, in body coordinates, as columns: it takes principal-frame coordinates to
+/// body-frame coordinates, `I_body = R diag(moments) R^T`. A body whose frame is principal does without.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct PrincipalAxes(pub Quat);
+
+/// The centre of mass in the body's own frame [m]. A body whose frame has its origin there does without.
+///
+/// The state is that of the centre of mass; [`Pose::origin`](crate::Pose::origin) gives where the frame's origin is.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct CenterOfMass(pub Vec3);
+
+/// Inverse inertia tensor about the centre of mass in the world frame [1/(kg m^2)], symmetric: what a torque is multiplied with to
+/// give an angular acceleration. Derived by [`update_derived`](crate::update_derived).
+#[derive(Clone, Copy, Debug, PartialEq, Default)]
+pub struct InverseInertia {
+    /// `xx, yy, zz`.
+    pub diagonal: Vec3,
+    /// `yz, zx, xy`.
+    pub off_diagonal: Vec3,
+}
+
+impl InverseInertia {
+    /// The tensor as a matrix.
+    pub fn to_mat3(self) -> Mat3 {
+        let (d, o) = (self.diagonal, self.off_diagonal);
+        Mat3::from_cols(Vec3::new(d.x, o.z, o.y), Vec3::new(o.z, d.y, o.x), Vec3::new(o.y, o.x, d.z))
+    }
+}
+
+/// The angular acceleration [rad/s^2] that a torque [N m] gives a body that does not spin, `I^-1 tau`, in the world frame.
+impl std::ops::Mul<Vec3> for InverseInertia {
+    type Output = Vec3;
+    #[inline]
+    fn mul(self, v: Vec3) -> Vec3 {
+        let (d, o) = (self.diagonal, self.off_diagonal);
+        Vec3::new(
+            d.x * v.x + o.z * v.y + o.y * v.z,
+            o.z * v.x + d.y * v.y + o.x * v.z,
+            o.y * v.x + o.x * v.y + d.z * v.z,
+        )
+    }
+}

@@ -1,0 +1,65 @@
+use super::CenterOfMass;
+use crate::math::{Mat4, Quat, Real, Vec3};
+
+/// Where a body is: the centre of mass and the orientation of its frame.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Pose {
+    /// Position of the centre of mass in the world [m].
+    pub position: Vec3,
+    /// Unit quaternion that takes body coordinates to world coordinates.
+    pub orientation: Quat,
+}
+
+impl Default for Pose {
+    fn default() -> Self {
+        Self { position: Vec3::ZERO, orientation: Quat::IDENTITY }
+    }
+}
+
+impl Pose {
+    /// World coordinates [m] of a point given relative to the centre of mass along the body's axes.
+    #[inline]
+    pub fn transform_point(&self, point_body: Vec3) -> Vec3 {
+        self.position + self.orientation * point_body
+    }
+
+    /// Coordinates relative to the centre of mass along the body's axes [m] of a point in the world.
+    #[inline]
+    pub fn inverse_transform_point(&self, point_world: Vec3) -> Vec3 {
+        self.orientation.conjugate() * (point_world - self.position)
+    }
+
+    /// The origin of the body's own frame in the world [m]: where the centre of mass is not, if the body has a [`CenterOfMass`].
+    #[inline]
+    pub fn origin(&self, center_of_mass: Option<&CenterOfMass>) -> Vec3 {
+        center_of_mass.map_or(self.position, |offset| self.transform_point(-offset.0))
+    }
+
+    /// The 4x4 transform from body coordinates (relative to the centre of mass) to world coordinates, as renderers take it.
+    #[inline]
+    pub fn to_mat4(&self) -> Mat4 {
+        Mat4::from_rotation_translation(self.orientation, self.position)
+    }
+
+    /// The pose at the fraction `alpha` of the way from `self` (0) to `next` (1): straight in position, slerp in orientation.
+    /// For rendering between two steps.
+    ///
+    /// ```
+    /// # use tumble::{Pose, math::{Quat, Vec3}};
+    /// let next = Pose { position: Vec3::X, orientation: Quat::from_rotation_z(1.0) };
+    /// let half = Pose::default().interpolate(&next, 0.5);
+    /// assert_eq!(half.position, Vec3::X * 0.5);
+    /// assert!(half.orientation.angle_between(Quat::from_rotation_z(0.5)) < 1e-3);
+    /// ```
+    pub fn interpolate(&self, next: &Self, alpha: Real) -> Self {
+        Self {
+            position: self.position.lerp(next.position, alpha),
+            orientation: self.orientation.slerp(next.orientation, alpha),
+        }
+    }
+}
+
+/// The pose before the last step. The step keeps it up to date on bodies that have it, for
+/// [`Pose::interpolate`] to draw frames between steps.
+#[derive(Clone, Copy, Debug, PartialEq, Default)]
+pub struct PreviousPose(pub Pose);

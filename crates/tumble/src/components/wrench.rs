@@ -1,0 +1,41 @@
+use crate::math::Vec3;
+
+/// Sum of the forces [N] and of their torques about the centre of mass [N m] that act during the next step, in the world frame.
+///
+/// D'Alembert's accumulators: however many forces act, the body moves as under these two. The step that consumes the wrench zeroes
+/// it, so a force that is to last is added before every step.
+#[derive(Clone, Copy, Debug, PartialEq, Default)]
+pub struct Wrench {
+    /// Sum of forces [N].
+    pub force: Vec3,
+    /// Sum of torques about the centre of mass [N m].
+    pub torque: Vec3,
+}
+
+impl Wrench {
+    /// Adds a force [N] through the centre of mass.
+    #[inline]
+    pub fn add_force(&mut self, force: Vec3) {
+        self.force += force;
+    }
+
+    /// Adds a force [N] at a point, both in the world frame; `center` is the centre of mass, the pose's position.
+    ///
+    /// ```
+    /// # use tumble::{Wrench, math::Vec3};
+    /// let mut wrench = Wrench::default();
+    /// wrench.add_force_at(Vec3::Y * 10.0, Vec3::new(0.5, 0.0, 0.0), Vec3::ZERO);
+    /// assert_eq!((wrench.force, wrench.torque), (Vec3::Y * 10.0, Vec3::Z * 5.0));
+    /// ```
+    #[inline]
+    pub fn add_force_at(&mut self, force: Vec3, point: Vec3, center: Vec3) {
+        self.force += force;
+        self.torque += (point - center).cross(force);
+    }
+
+    /// Adds a torque [N m] in the world frame.
+    #[inline]
+    pub fn add_torque(&mut self, torque: Vec3) {
+        self.torque += torque;
+    }
+}

@@ -1,0 +1,23 @@
+//! The integration schemes: each advances one state over one substep of length `h` [s].
+//!
+//! They are generic over [`Lane`](tumble_math::lane::Lane), so one body and a tile of bodies run the same code.
+
+mod damped;
+mod moser_veselov;
+mod runge_kutta4;
+mod semi_implicit_euler;
+
+pub(crate) use moser_veselov::MoserVeselov;
+pub(crate) use runge_kutta4::{RungeKutta4, derivative};
+pub(crate) use semi_implicit_euler::SemiImplicitEuler;
+
+use crate::state::{Constants, State};
+
+/// One integration scheme, prepared for one body and one length of substep.
+pub(crate) trait Scheme<L> {
+    /// What of the scheme depends on the body and the substep but not on the state.
+    fn new(constants: &Constants<L>, h: L) -> Self;
+
+    /// The state one substep later.
+    fn advance(&self, state: State<L>) -> State<L>;
+}

@@ -1,0 +1,72 @@
+//! The precision the engine simulates in: glam's `f32` types, or with the cargo feature `f64` its `f64` types.
+
+#[cfg(not(feature = "f64"))]
+mod chosen {
+    /// A real number of the simulation: `f32`, or `f64` with the cargo feature `f64`.
+    pub type Real = f32;
+    /// A vector of three [`Real`]s.
+    pub type Vec3 = glam::Vec3;
+    /// A quaternion of four [`Real`]s; orientations take body coordinates to world coordinates.
+    pub type Quat = glam::Quat;
+    /// A 3x3 matrix of [`Real`]s.
+    pub type Mat3 = glam::Mat3;
+    /// A 4x4 matrix of [`Real`]s.
+    pub type Mat4 = glam::Mat4;
+    /// `"f32"` or `"f64"`: the precision this build simulates in.
+    pub const PRECISION: &str = "f32";
+
+    pub(crate) fn real(value: f64) -> Real {
+        value as f32
+    }
+
+    pub(crate) fn vec3(value: glam::DVec3) -> Vec3 {
+        value.as_vec3()
+    }
+
+    pub(crate) fn quat(value: glam::DQuat) -> Quat {
+        value.as_quat()
+    }
+
+    pub(crate) fn dquat(value: Quat) -> glam::DQuat {
+        value.as_dquat()
+    }
+}
+
+#[cfg(feature = "f64")]
+mod chosen {
+    /// A real number of the simulation: `f64` in this build.
+    pub type Real = f64;
+    /// A vector of three [`Real`]s.
+    pub type Vec3 = glam::DVec3;
+    /// A quaternion of four [`Real`]s; orientations take body coordinates to world coordinates.
+    pub type Quat = glam::DQuat;
+    /// A 3x3 matrix of [`Real`]s.
+    pub type Mat3 = glam::DMat3;
+    /// A 4x4 matrix of [`Real`]s.
+    pub type Mat4 = glam::DMat4;
+    /// `"f32"` or `"f64"`: the precision this build simulates in.
+    pub const PRECISION: &str = "f64";
+
+    pub(crate) fn real(value: f64) -> Real {
+        value
+    }
+
+    pub(crate) fn vec3(value: glam::DVec3) -> Vec3 {
+        value
+    }
+
+    pub(crate) fn quat(value: glam::DQuat) -> Quat {
+        value
+    }
+
+    pub(crate) fn dquat(value: Quat) -> glam::DQuat {
+        value
+    }
+}
+
+pub use chosen::*;
+
+/// A vector in double precision, whatever the build simulates in.
+pub(crate) fn dvec3(value: Vec3) -> glam::DVec3 {
+    value.into()
+}

@@ -1,0 +1,94 @@
+use crate::integrator::Integrator;
+use crate::math::{Real, Vec3};
+
+/// What one simulation is run with.
+///
+/// ```
+/// # use tumble::{Integrator, Settings, math::Vec3};
+/// let settings = Settings::default().with_gravity(Vec3::ZERO).with_dt(1.0 / 240.0);
+/// assert_eq!(settings.integrator, Integrator::MoserVeselov);
+/// ```
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
+pub struct Settings {
+    /// Acceleration of gravity in the world frame [m/s^2]. (0, -9.81, 0) unless set.
+    pub gravity: Vec3,
+    /// Length of a step [s]. 1/60 unless set.
+    pub dt: Real,
+    /// How many equal parts the integration of a step is divided into; the forces are taken as constant over them. 1 unless set.
+    pub substeps: u32,
+    /// How the state is advanced.
+    pub integrator: Integrator,
+}
+
+impl Default for Settings {
+    fn default() -> Self {
+        Self { gravity: Vec3::new(0.0, -9.81, 0.0), dt: 1.0 / 60.0, substeps: 1, integrator: Integrator::default() }
+    }
+}
+
+impl Settings {
+    /// The most substeps a step can have.
+    pub const MOST_SUBSTEPS: u32 = 1_000_000;
+
+    /// The same with another gravity [m/s^2].
+    #[must_use]
+    pub fn with_gravity(self, gravity: Vec3) -> Self {
+        Self { gravity, ..self }
+    }
+
+    /// The same with another step [s].
+    #[must_use]
+    pub fn with_dt(self, dt: Real) -> Self {
+        Self { dt, ..self }
+    }
+
+    /// The same with another number of substeps.
+    #[must_use]
+    pub fn with_substeps(self, substeps: u32) -> Self {
+        Self { substeps, ..self }
+    }
+
+    /// The same with another integrator.
+    #[must_use]
+    pub fn with_integrator(self, integrator: Integrator) -> Self {
+        Self { integrator, ..self }
+    }
+
+    /// Whether a simulation can run with these.
+    ///
+    /// # Errors
+    /// [`SettingsError`] names the first setting that cannot be.
+    pub fn validate(&self) -> Result<(), SettingsError> {
+        if !(self.dt.is_normal() && self.dt > 0.0) {
+            return Err(SettingsError::Step(self.dt));
+        }
+        if !self.gravity.is_finite() {
+            return Err(SettingsError::Gravity(self.gravity));
+        }
+        if self.substeps == 0 || self.substeps > Self::MOST_SUBSTEPS {
+            return Err(SettingsError::Substeps(self.substeps));
+        }
+        Ok(())
+    }
+
+    /// Length of a substep [s].
+    pub(crate) fn substep(&self) -> Real {
+        self.dt / self.substeps as Real
+    }
+}
+
+/// A setting that no simulation can run with.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum SettingsError {
+    /// The step is zero, negative or not a normal finite number.
+    #[error("dt must be positive and finite, got {0}")]
+    Step(Real),
+    /// Gravity is not finite.
+    #[error("gravity must be finite, got {0}")]
+    Gravity(Vec3),
+    /// No substeps, or more than [`Settings::MOST_SUBSTEPS`].
+    #[error("substeps must be from 1 to {most}, got {0}", most = Settings::MOST_SUBSTEPS)]
+    Substeps(u32),
+}

@@ -1,0 +1,122 @@
+use hecs::World;
+
+use crate::math::Real;
+use crate::phase_times::PhaseTimes;
+use crate::settings::{Settings, SettingsError};
+use crate::step::{step, step_timed};
+
+/// Steps a world with validated settings and keeps the time.
+///
+/// ```
+/// use tumble::prelude::*;
+///
+/// let mut world = hecs::World::new();
+/// let brick = RigidBody::new(Shape::cuboid([0.1, 0.05, 0.03]))
+///     .mass(2.0)
+///     .angular_velocity(Vec3::new(0.1, 5.0, 0.1))
+///     .build()?
+///     .spawn(&mut world);
+///
+/// let mut simulation = Simulation::new(Settings::default())?;
+/// for _ in 0..60 {
+///     simulation.step(&mut world);
+/// }
+/// let pose = world.get::<&Pose>(brick)?;
+/// assert!((pose.position.y + 0.5 * 9.81).abs() < 1e-3);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+#[derive(Clone, Debug)]
+pub struct Simulation {
+    settings: Settings,
+    steps: u64,
+    /// Steps and time [s] when the settings were last changed; from there on time is a multiple of the step.
+    since: (u64, f64),
+    /// Frame time that no step has covered yet [s], in [0, dt).
+    owed: f64,
+}
+
+impl Simulation {
+    /// The most steps that one [`advance`](Self::advance) takes; the time beyond is dropped, so that a slow frame is not followed by slower ones.
+    pub const MOST_STEPS_A_FRAME: u32 = 8;
+
+    /// A simulation at time zero.
+    ///
+    /// # Errors
+    /// [`SettingsError`] where the settings are ones that nothing can be simulated with.
+    pub fn new(settings: Settings) -> Result<Self, SettingsError> {
+        settings.validate()?;
+        Ok(Self { settings, steps: 0, since: (0, 0.0), owed: 0.0 })
+    }
+
+    /// What the simulation is run with.
+    pub fn settings(&self) -> &Settings {
+        &self.settings
+    }
+
+    /// Goes on with other settings; time and state stay.
+    ///
+    /// # Errors
+    /// [`SettingsError`], and the old settings stay.
+    pub fn set_settings(&mut self, settings: Settings) -> Result<(), SettingsError> {
+        settings.validate()?;
+        self.since = (self.steps, self.time());
+        self.settings = settings;
+        Ok(())
+    }
+
+    /// How many steps have been taken.
+    pub fn steps(&self) -> u64 {
+        self.steps
+    }
+
+    /// Simulated time [s].
+    pub fn time(&self) -> f64 {
+        let (steps, time) = self.since;
+        time + (self.steps - steps) as f64 * f64::from(self.settings.dt)
+    }
+
+    /// Advances the world by one step of `settings.dt`; see [`step`](crate::step()).
+    pub fn step(&mut self, world: &mut World) {
+        step(world, &self.settings);
+        self.steps += 1;
+    }
+
+    /// [`step`](Self::step), adding to `times` how long each system took.
+    pub fn step_timed(&mut self, world: &mut World, times: &PhaseTimes) {
+        step_timed(world, &self.settings, Some(times));
+        self.steps += 1;
+    }
+
+    /// Takes as many whole steps as fit into the frame time that has passed, and keeps the rest for the next frame.
+    ///
+    /// Returns `alpha`, how far the frame is from the last step to the next, in [0, 1). Bodies with a
+    /// [`PreviousPose`](crate::PreviousPose) are drawn at `previous.0.interpolate(&pose, alpha)`: smooth at any frame rate, one
+    /// step late. A frame time that is not positive and finite counts as none.
+    ///
+    /// ```
+    /// # use tumble::{Settings, Simulation};
+    /// # let mut world = hecs::World::new();
+    /// let mut simulation = Simulation::new(Settings::default().with_dt(0.01))?;
+    /// let alpha = simulation.advance(&mut world, 0.025);
+    /// assert_eq!(simulation.steps(), 2);
+    /// assert!((alpha - 0.5).abs() < 1e-4);
+    /// # Ok::<(), tumble::SettingsError>(())
+    /// ```
+    pub fn advance(&mut self, world: &mut World, frame_seconds: f64) -> Real {
+        let dt = f64::from(self.settings.dt);
+        if frame_seconds > 0.0 && frame_seconds.is_finite() {
+            self.owed += frame_seconds;
+        }
+        let mut taken = 0;
+        while self.owed >= dt && taken < Self::MOST_STEPS_A_FRAME {
+            self.step(world);
+            self.owed -= dt;
+            taken += 1;
+        }
+        if self.owed >= dt {
+            self.owed %= dt;
+        }
+        // A quotient just below one may round up to it.
+        crate::math::real(self.owed / dt).min(1.0 - Real::EPSILON)
+    }
+}

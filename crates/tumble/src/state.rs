@@ -1,0 +1,86 @@
+//! One body, or a tile of bodies side by side, as the integrators see it.
+
+use tumble_math::lane::{Lane, Quat, Vec3};
+
+use crate::components::{Inertia, Momentum, Pose, PrincipalAxes};
+use crate::math::Real;
+
+/// What does not change during a step.
+#[derive(Clone, Copy)]
+pub(crate) struct Constants<L> {
+    /// Mass [kg].
+    pub(crate) mass: L,
+    /// What resists turning; a point mass has none and does not turn.
+    pub(crate) inertia: Option<Moments<L>>,
+    /// Sum of the forces [N] and torques about the centre of mass [N m], world frame.
+    pub(crate) force: Vec3<L>,
+    pub(crate) torque: Vec3<L>,
+    /// Rates [1/s] at which momentum decays.
+    pub(crate) damping: Option<Rates<L>>,
+}
+
+/// Principal moments [kg m^2], their inverses, and the rotation from the principal frame to the body frame where they differ.
+#[derive(Clone, Copy)]
+pub(crate) struct Moments<L> {
+    pub(crate) moments: Vec3<L>,
+    pub(crate) inverse_moments: Vec3<L>,
+    pub(crate) axes: Option<Quat<L>>,
+}
+
+/// Rates of decay [1/s].
+#[derive(Clone, Copy)]
+pub(crate) struct Rates<L> {
+    pub(crate) linear: L,
+    pub(crate) angular: L,
+}
+
+/// The state of a body: what a step advances.
+#[derive(Clone, Copy)]
+pub(crate) struct State<L> {
+    /// Centre of mass [m].
+    pub(crate) position: Vec3<L>,
+    /// Unit quaternion, body frame to world.
+    pub(crate) orientation: Quat<L>,
+    /// Linear momentum [kg m/s], world frame.
+    pub(crate) linear: Vec3<L>,
+    /// Angular momentum about the centre of mass [kg m^2/s], world frame.
+    pub(crate) angular: Vec3<L>,
+}
+
+impl<L: Lane> Constants<L> {
+    /// `v = P/M` [m/s].
+    #[inline(always)]
+    pub(crate) fn velocity(&self, linear_momentum: Vec3<L>) -> Vec3<L> {
+        linear_momentum * (L::splat(1.0) / self.mass)
+    }
+}
+
+impl<L: Lane> Moments<L> {
+    /// `w = R I^-1 R^T L` [rad/s], world frame, for a unit orientation.
+    #[inline(always)]
+    pub(crate) fn angular_velocity(&self, orientation: Quat<L>, angular_momentum: Vec3<L>) -> Vec3<L> {
+        let frame = self.axes.map_or(orientation, |axes| orientation * axes);
+        frame.rotate(frame.rotate_back(angular_momentum).scale(self.inverse_moments))
+    }
+}
+
+impl Moments<Real> {
+    pub(crate) fn new(inertia: &Inertia, axes: Option<&PrincipalAxes>) -> Self {
+        Self {
+            moments: inertia.moments().into(),
+            inverse_moments: inertia.inverse_moments().into(),
+            axes: axes.map(|axes| axes.0.into()),
+        }
+    }
+}
+
+impl State<Real> {
+    pub(crate) fn new(pose: &Pose, momentum: &Momentum) -> Self {
+        Self {
+            position: pose.position.into(),
+            orientation: pose.orientation.into(),
+            linear: momentum.linear.into(),
+            angular: momentum.angular.into(),
+        }
+    }
+}

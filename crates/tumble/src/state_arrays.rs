@@ -1,0 +1,154 @@
+//! The state of all bodies as one flat array, for ODE solvers that are not ours.
+//!
+//! Thirteen numbers a body, in the order of the course notes that the names come from (D. Baraff, "Rigid body simulation", part I,
+//! section 5): position x y z, orientation w x y z, linear momentum x y z, angular momentum x y z; body after body.
+
+use hecs::{Entity, World};
+use tumble_math::lane::Vec3 as LaneVec3;
+
+use crate::body_order::BodyOrder;
+use crate::components::{Damping, GravityScale, Inertia, Mass, Momentum, Pose, PrincipalAxes, Wrench};
+use crate::integrators::derivative;
+use crate::math::{Quat, Real, Vec3};
+use crate::settings::Settings;
+use crate::state::{Constants, Moments, State};
+
+/// Numbers that the state of one body takes: 3 + 4 + 3 + 3.
+pub const STATE_SIZE: usize = 13;
+
+/// A state array that does not fit the bodies.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum StateArrayError {
+    /// The array's length is not [`STATE_SIZE`] times the number of bodies.
+    #[error("an array of {found} numbers is not the state of {bodies} bodies, which takes {expected}")]
+    Length {
+        /// Length of the array.
+        found: usize,
+        /// How many bodies the order lists.
+        bodies: usize,
+        /// The length it should have.
+        expected: usize,
+    },
+    /// An entity that the order lists is gone or lacks a component of a moving body.
+    #[error("entity {0:?} is not a moving body: it needs Pose, Momentum and Mass")]
+    NotMoving(Entity),
+}
+
+/// One body's 13 numbers.
+struct Numbers<'a>(&'a mut [Real]);
+
+impl Numbers<'_> {
+    fn write(&mut self, position: [Real; 3], orientation: Quat, linear: [Real; 3], angular: [Real; 3]) {
+        self.0[0..3].copy_from_slice(&position);
+        self.0[3..7].copy_from_slice(&[orientation.w, orientation.x, orientation.y, orientation.z]);
+        self.0[7..10].copy_from_slice(&linear);
+        self.0[10..13].copy_from_slice(&angular);
+    }
+}
+
+fn check_length(array: &[Real], order: &BodyOrder) -> Result<(), StateArrayError> {
+    let expected = order.len() * STATE_SIZE;
+    if array.len() == expected {
+        Ok(())
+    } else {
+        Err(StateArrayError::Length { found: array.len(), bodies: order.len(), expected })
+    }
+}
+
+/// Copies the bodies' state into the array, in the given order.
+///
+/// # Errors
+/// [`StateArrayError`] where the array has another length, or a listed entity is not a moving body; the array is then partly written.
+pub fn state_to_array(world: &World, order: &BodyOrder, array: &mut [Real]) -> Result<(), StateArrayError> {
+    check_length(array, order)?;
+    for (&entity, numbers) in order.entities().iter().zip(array.chunks_exact_mut(STATE_SIZE)) {
+        let mut query = world.query_one::<(&Pose, &Momentum)>(entity);
+        let (pose, momentum) = query.get().map_err(|_| StateArrayError::NotMoving(entity))?;
+        Numbers(numbers).write(
+            pose.position.to_array(),
+            pose.orientation,
+            momentum.linear.to_array(),
+            momentum.angular.to_array(),
+        );
+    }
+    Ok(())
+}
+
+/// Copies the array into the bodies' state. Orientations are normalised; one that is zero or not finite is taken as it is.
+///
+/// [`Velocity`](crate::Velocity) and [`InverseInertia`](crate::InverseInertia) are not touched: run
+/// [`update_derived`](crate::update_derived) if they are needed.
+///
+/// # Errors
+/// [`StateArrayError`], and the world is unchanged.
+pub fn array_to_state(world: &mut World, order: &BodyOrder, array: &[Real]) -> Result<(), StateArrayError> {
+    check_length(array, order)?;
+    if let Some(&entity) = order.entities().iter().find(|&&entity| !world.satisfies::<(&Pose, &Momentum)>(entity)) {
+        return Err(StateArrayError::NotMoving(entity));
+    }
+    for (&entity, numbers) in order.entities().iter().zip(array.chunks_exact(STATE_SIZE)) {
+        if let Ok((pose, momentum)) = world.query_one_mut::<(&mut Pose, &mut Momentum)>(entity) {
+            let orientation = Quat::from_xyzw(numbers[4], numbers[5], numbers[6], numbers[3]);
+            pose.position = Vec3::from_slice(&numbers[0..3]);
+            let length = orientation.length();
+            pose.orientation = if length.is_normal() { orientation / length } else { orientation };
+            momentum.linear = Vec3::from_slice(&numbers[7..10]);
+            momentum.angular = Vec3::from_slice(&numbers[10..13]);
+        }
+    }
+    Ok(())
+}
+
+/// The rate of change of a state array: `dx/dt = P/M`, `dq/dt = 1/2 [0, w] q`, `dP/dt = F`, `dL/dt = tau`.
+///
+/// Takes the state from `array`, and from the world only what is constant: masses, wrenches, gravity scales, damping. The
+/// forces are what a step with these settings would apply. The world does not change.
+///
+/// # Errors
+/// [`StateArrayError`] where an array has another length, or a listed entity is not a moving body.
+pub fn derivative_to_array(
+    world: &World,
+    settings: &Settings,
+    order: &BodyOrder,
+    array: &[Real],
+    rates: &mut [Real],
+) -> Result<(), StateArrayError> {
+    check_length(array, order)?;
+    check_length(rates, order)?;
+    let numbers = array.chunks_exact(STATE_SIZE).zip(rates.chunks_exact_mut(STATE_SIZE));
+    for (&entity, (state, rates)) in order.entities().iter().zip(numbers) {
+        let (constants, damping) = forced(world, settings, entity).ok_or(StateArrayError::NotMoving(entity))?;
+        let vector = |from: usize| LaneVec3::new(state[from], state[from + 1], state[from + 2]);
+        let state = State {
+            position: vector(0),
+            orientation: Quat::from_xyzw(state[4], state[5], state[6], state[3]).into(),
+            linear: vector(7),
+            angular: vector(10),
+        };
+        let rate = derivative(&constants, state);
+        let linear = rate.linear + state.linear * -damping.linear;
+        let angular = rate.angular + state.angular * -damping.angular;
+        Numbers(rates).write(
+            Vec3::from(rate.position).to_array(),
+            rate.orientation.into(),
+            Vec3::from(linear).to_array(),
+            Vec3::from(angular).to_array(),
+        );
+    }
+    Ok(())
+}
+
+/// One body's constants, with the force that a step would apply, and its rates of damping.
+fn forced(world: &World, settings: &Settings, entity: Entity) -> Option<(Constants<Real>, Damping)> {
+    let body = world.entity(entity).ok()?;
+    let mass = body.get::<&Mass>()?.kilograms();
+    let wrench = body.get::<&Wrench>().map_or(Wrench::default(), |wrench| *wrench);
+    let scale = body.get::<&GravityScale>().map_or(1.0, |scale| scale.0);
+    let inertia = body
+        .get::<&Inertia>()
+        .map(|inertia| Moments::new(&inertia, body.get::<&PrincipalAxes>().map(|axes| *axes).as_ref()));
+    let force = wrench.force + settings.gravity * (mass * scale);
+    let constants = Constants { mass, inertia, force: force.into(), torque: wrench.torque.into(), damping: None };
+    Some((constants, body.get::<&Damping>().map_or(Damping::default(), |damping| *damping)))
+}

@@ -1,0 +1,33 @@
+use hecs::World;
+
+use crate::columns::for_each_chunk;
+use crate::kinematic::move_kinematic_bodies;
+use crate::phase_times::{Phase, PhaseTimes};
+use crate::settings::Settings;
+use crate::systems::{accumulate_forces_of, integrate_bodies, remember_poses, update_derived_of};
+
+/// Advances every body of the world by `settings.dt`.
+///
+/// The systems of a step use only a body's own components, so all of them run on a chunk of bodies while it is in cache. Running
+/// [`accumulate_forces`](crate::accumulate_forces), [`integrate`](crate::integrate) and [`update_derived`](crate::update_derived)
+/// one after the other over the whole world gives the same bits.
+///
+/// The settings are not [validated](Settings::validate) here; [`Simulation`](crate::Simulation) does that once.
+pub fn step(world: &mut World, settings: &Settings) {
+    step_timed(world, settings, None);
+}
+
+/// [`step`], adding to `times` how long each phase took.
+pub(crate) fn step_timed(world: &mut World, settings: &Settings, times: Option<&PhaseTimes>) {
+    for_each_chunk(world, |mut bodies| {
+        let mut clock = PhaseTimes::start(times);
+        remember_poses(&mut bodies);
+        accumulate_forces_of(&mut bodies, settings);
+        clock.end_of(Phase::AccumulateForces);
+        integrate_bodies(&mut bodies, settings);
+        clock.end_of(Phase::Integrate);
+        update_derived_of(&mut bodies);
+        clock.end_of(Phase::UpdateDerived);
+    });
+    move_kinematic_bodies(world, settings.dt);
+}

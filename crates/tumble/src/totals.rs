@@ -1,0 +1,73 @@
+use glam::DVec3;
+use hecs::{Entity, EntityRef, World};
+
+use crate::body_order::BodyOrder;
+use crate::components::{GravityScale, Inertia, Mass, Momentum, Pose, PrincipalAxes};
+use crate::math::{dquat, dvec3};
+use crate::settings::Settings;
+
+/// What a system of bodies has in all, in double precision. Only bodies with momentum count.
+#[derive(Clone, Copy, Debug, PartialEq, Default)]
+pub struct Totals {
+    /// Kinetic energy of the centres of mass, `sum P^2/2M` [J].
+    pub linear_kinetic: f64,
+    /// Kinetic energy of rotation, `sum L.w/2` [J].
+    pub rotational_kinetic: f64,
+    /// Energy in the simulation's gravity, zero at the world's origin, `-sum M g.x` [J].
+    pub potential: f64,
+    /// `sum P` [kg m/s].
+    pub linear_momentum: DVec3,
+    /// Angular momentum about the world's origin, `sum x x P + L` [kg m^2/s].
+    pub angular_momentum: DVec3,
+    /// The first body whose state is not finite; it is left out of the sums.
+    pub non_finite: Option<Entity>,
+}
+
+impl Totals {
+    /// Kinetic and potential energy [J].
+    pub fn energy(&self) -> f64 {
+        self.linear_kinetic + self.rotational_kinetic + self.potential
+    }
+
+    fn add(&mut self, body: EntityRef<'_>, settings: &Settings) {
+        let columns = (body.get::<&Pose>(), body.get::<&Momentum>(), body.get::<&Mass>());
+        let (Some(pose), Some(momentum), Some(mass)) = columns else { return };
+        let (position, orientation) = (dvec3(pose.position), dquat(pose.orientation));
+        let (linear, angular) = (dvec3(momentum.linear), dvec3(momentum.angular));
+        let mass = f64::from(mass.kilograms());
+        if !(position.is_finite() && orientation.is_finite() && linear.is_finite() && angular.is_finite()) {
+            self.non_finite = self.non_finite.or(Some(body.entity()));
+            return;
+        }
+        self.linear_kinetic += linear.length_squared() / (2.0 * mass);
+        if let Some(inertia) = body.get::<&Inertia>() {
+            let axes = body.get::<&PrincipalAxes>().map_or(glam::DQuat::IDENTITY, |axes| dquat(axes.0));
+            let principal = (orientation * axes).normalize().inverse() * angular;
+            self.rotational_kinetic += 0.5 * (principal * principal / dvec3(inertia.moments())).element_sum();
+        }
+        let scale = body.get::<&GravityScale>().map_or(1.0, |scale| f64::from(scale.0));
+        self.potential -= mass * scale * dvec3(settings.gravity).dot(position);
+        self.linear_momentum += linear;
+        self.angular_momentum += position.cross(linear) + angular;
+    }
+}
+
+/// Sums up energy and momentum of the moving bodies, one after the other in the given order, so that the sums have the same bits for
+/// any number of threads.
+///
+/// ```
+/// # use tumble::prelude::*;
+/// # use tumble::{BodyOrder, measure};
+/// let mut world = hecs::World::new();
+/// RigidBody::new(Shape::Point).mass(2.0).linear_velocity(Vec3::X * 3.0).build()?.spawn(&mut world);
+/// let totals = measure(&world, &Settings::default(), &BodyOrder::of(&world));
+/// assert_eq!(totals.linear_kinetic, 9.0);
+/// # Ok::<(), tumble::BodyError>(())
+/// ```
+pub fn measure(world: &World, settings: &Settings, order: &BodyOrder) -> Totals {
+    let mut totals = Totals::default();
+    for body in order.entities().iter().filter_map(|&entity| world.entity(entity).ok()) {
+        totals.add(body, settings);
+    }
+    totals
+}
