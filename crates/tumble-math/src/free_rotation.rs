@@ -80,45 +80,68 @@ pub fn rotate_freely<L: Lane>(
     moments: Vec3<L>,
     h: L,
 ) -> Quat<L> {
-    let (zero, one) = (L::splat(0.0), L::splat(1.0));
-    let ratios = Ratios::new(moments);
-    let to_angles = Vec3::new(h / moments.x, h / moments.y, h / moments.z);
-    let angles = |q: Quat<L>| principal_components(q, axes, angular_momentum).scale(to_angles);
+    let one = L::splat(1.0);
+    let inverse_moments = Vec3::new(one / moments.x, one / moments.y, one / moments.z);
+    FreeRotation::new(moments, inverse_moments, axes, h).rotate(orientation, angular_momentum)
+}
 
-    let invariants = ratios.invariants(angles(orientation));
-    let kappa = ratios.kappa(invariants);
-    let slow_enough = kappa.lt(L::splat(LARGEST_KAPPA * MOST_PARTS * MOST_PARTS));
-    let parts = parts_needed(L::select(slow_enough, kappa, zero));
-    let part = one / parts;
-    let (h2, d2) = invariants;
-    let map = ratios.map((h2 * (part * part), d2 * (part * part)));
+/// The free rotation of one body over steps of one length: what of [`rotate_freely`] does not depend on the state.
+#[derive(Clone, Copy)]
+pub struct FreeRotation<L> {
+    ratios: Ratios<L>,
+    axes: Option<Quat<L>>,
+    /// `h/I_j`: what takes the angular momentum in the principal frame to the angles `h w_j`.
+    to_angles: Vec3<L>,
+}
 
-    let mut turned = orientation;
-    let mut left = parts;
-    loop {
-        let u = map.turn(angles(turned) * part);
-        let turn = Quat::from_parts(one, axes.map_or(u, |axes| axes.rotate(u)));
-        let open = L::splat(0.5).lt(left);
-        turned = Quat::select(open, (turned * turn).normalize(), turned);
-        left = left - one;
-        if !L::any(L::splat(0.5).lt(left)) {
-            break;
+impl<L: Lane> FreeRotation<L> {
+    /// Prepares steps of length `h` [s], for the arguments of [`rotate_freely`].
+    #[inline(always)]
+    pub fn new(moments: Vec3<L>, inverse_moments: Vec3<L>, axes: Option<Quat<L>>, h: L) -> Self {
+        Self { ratios: Ratios::new(moments, inverse_moments), axes, to_angles: inverse_moments * h }
+    }
+
+    /// The orientation one step later; see [`rotate_freely`].
+    #[inline(always)]
+    pub fn rotate(&self, orientation: Quat<L>, angular_momentum: Vec3<L>) -> Quat<L> {
+        let (zero, one, half) = (L::splat(0.0), L::splat(1.0), L::splat(0.5));
+        let angles = |q: Quat<L>| principal_components(q, self.axes, angular_momentum).scale(self.to_angles);
+        let first_angles = angles(orientation);
+        let (h2, d2) = self.ratios.invariants(first_angles);
+        let kappa = self.ratios.kappa((h2, d2));
+        let slow_enough = kappa.lt(L::splat(LARGEST_KAPPA * MOST_PARTS * MOST_PARTS));
+        let parts = parts_needed(L::select(slow_enough, kappa, zero));
+        let part = one / parts;
+        let map = self.ratios.map((h2 * (part * part), d2 * (part * part)));
+
+        let mut turned = self.turned(orientation, map.turn(first_angles * part));
+        let mut left = parts - one;
+        while L::any(half.lt(left)) {
+            let next = self.turned(turned, map.turn(angles(turned) * part));
+            turned = Quat::select(half.lt(left), next, turned);
+            left = left - one;
         }
+        turned = Quat::select(zero.lt(kappa), turned, orientation);
+        if L::all(slow_enough) {
+            return turned;
+        }
+        let body = self.axes.map_or(first_angles, |axes| axes.rotate(first_angles));
+        Quat::select(slow_enough, turned, rotate_exactly(orientation, orientation.rotate(body), one))
     }
-    turned = Quat::select(zero.lt(kappa), turned, orientation);
-    if L::all(slow_enough) {
-        return turned;
+
+    /// `q (1, u)/|q (1, u)|`, with `u` in the principal frame.
+    #[inline(always)]
+    fn turned(&self, orientation: Quat<L>, u: Vec3<L>) -> Quat<L> {
+        let u_body = self.axes.map_or(u, |axes| axes.rotate(u));
+        (orientation * Quat::from_parts(L::splat(1.0), u_body)).normalize()
     }
-    let principal = angles(orientation);
-    let body = axes.map_or(principal, |axes| axes.rotate(principal));
-    Quat::select(slow_enough, turned, rotate_exactly(orientation, orientation.rotate(body), one))
 }
 
 /// `y = R^T L`: the world-frame vector in the principal frame.
 #[inline(always)]
 fn principal_components<L: Lane>(orientation: Quat<L>, axes: Option<Quat<L>>, world: Vec3<L>) -> Vec3<L> {
-    let body = orientation.rotate_back(world);
-    axes.map_or(body, |axes| axes.rotate_back(body))
+    let [a, b, c] = axes.map_or(orientation, |axes| orientation * axes).axes();
+    Vec3::new(a.dot(world), b.dot(world), c.dot(world))
 }
 
 /// The least whole number of parts, at least one, whose kappa is at most [`LARGEST_KAPPA`].
@@ -146,22 +169,23 @@ struct Ratios<L> {
 
 impl<L: Lane> Ratios<L> {
     #[inline(always)]
-    fn new(moments: Vec3<L>) -> Self {
+    fn new(moments: Vec3<L>, inverse_moments: Vec3<L>) -> Self {
         let (a, b, c) = (moments.x, moments.y, moments.z);
-        let unit = L::splat(2.0) / ((a + b) + c);
-        let half = L::splat(0.5);
+        let half_sum = ((a + b) + c) * L::splat(0.5);
+        let unit = L::splat(1.0) / half_sum;
+        let half_unit = unit * L::splat(0.5);
         // Differences first: they are exact where two moments nearly agree. Rounded moments of a flat body may miss zero.
-        let second = |sum: L| (sum * half * unit).max(L::splat(0.0));
+        let second = |sum: L| (sum * half_unit).max(L::splat(0.0));
         let seconds = Vec3::new(second((b - a) + c), second((c - b) + a), second((a - c) + b));
         let (t1, t2, t3) = (seconds.x, seconds.y, seconds.z);
-        let moments = moments * unit;
+        let inverses = inverse_moments * half_sum;
         Self {
-            moments,
+            moments: moments * unit,
             seconds,
-            anisotropy: Vec3::new((c - b) / a, (a - c) / b, (b - a) / c),
+            anisotropy: Vec3::new(c - b, a - c, b - a).scale(inverse_moments),
             t2: t1 * t2 + t2 * t3 + t3 * t1,
             t3: t1 * t2 * t3,
-            inverse_e: L::splat(1.0) / (moments.x * moments.y * moments.z),
+            inverse_e: inverses.x * inverses.y * inverses.z,
         }
     }
 

@@ -246,6 +246,24 @@ impl<L: Lane> Quat<L> {
         self * (L::splat(1.0) / self.length_squared().sqrt())
     }
 
+    /// The columns of this unit quaternion's rotation matrix: the turned x, y and z axes.
+    ///
+    /// Row by row, with the scalar part s: `1 - 2y^2 - 2z^2, 2xy - 2sz, 2xz + 2sy`; `2xy + 2sz, 1 - 2x^2 - 2z^2, 2yz - 2sx`;
+    /// `2xz - 2sy, 2yz + 2sx, 1 - 2x^2 - 2y^2`.
+    #[inline(always)]
+    pub fn axes(self) -> [Vec3<L>; 3] {
+        let one = L::splat(1.0);
+        let (x2, y2, z2) = (self.x + self.x, self.y + self.y, self.z + self.z);
+        let (xx, yy, zz) = (self.x * x2, self.y * y2, self.z * z2);
+        let (xy, yz, zx) = (self.x * y2, self.y * z2, self.z * x2);
+        let (sx, sy, sz) = (self.w * x2, self.w * y2, self.w * z2);
+        [
+            Vec3::new(one - (yy + zz), xy + sz, zx - sy),
+            Vec3::new(xy - sz, one - (xx + zz), yz + sx),
+            Vec3::new(zx + sy, yz - sx, one - (xx + yy)),
+        ]
+    }
+
     /// The vector turned by this unit quaternion: body coordinates to world coordinates when it is a body's orientation.
     #[inline(always)]
     pub fn rotate(self, vector: Vec3<L>) -> Vec3<L> {

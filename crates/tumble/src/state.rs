@@ -59,12 +59,21 @@ impl<L: Lane> Moments<L> {
     /// `w = R I^-1 R^T L` [rad/s], world frame, for a unit orientation.
     #[inline(always)]
     pub(crate) fn angular_velocity(&self, orientation: Quat<L>, angular_momentum: Vec3<L>) -> Vec3<L> {
-        let frame = self.axes.map_or(orientation, |axes| orientation * axes);
-        frame.rotate(frame.rotate_back(angular_momentum).scale(self.inverse_moments))
+        let [a, b, c] = self.world_axes(orientation);
+        let m = self.inverse_moments;
+        let l = angular_momentum;
+        a * (a.dot(l) * m.x) + b * (b.dot(l) * m.y) + c * (c.dot(l) * m.z)
+    }
+
+    /// The principal axes in the world frame, for a unit orientation.
+    #[inline(always)]
+    pub(crate) fn world_axes(&self, orientation: Quat<L>) -> [Vec3<L>; 3] {
+        self.axes.map_or(orientation, |axes| orientation * axes).axes()
     }
 }
 
 impl Moments<Real> {
+    #[inline(always)]
     pub(crate) fn new(inertia: &Inertia, axes: Option<&PrincipalAxes>) -> Self {
         Self {
             moments: inertia.moments().into(),
@@ -75,6 +84,7 @@ impl Moments<Real> {
 }
 
 impl State<Real> {
+    #[inline(always)]
     pub(crate) fn new(pose: &Pose, momentum: &Momentum) -> Self {
         Self {
             position: pose.position.into(),

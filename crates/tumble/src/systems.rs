@@ -1,7 +1,7 @@
 //! The systems of a step: what each does to a chunk of bodies, and each as a function of its own.
 
 use hecs::World;
-use tumble_math::lane::{Quat as LaneQuat, Vec3 as LaneVec3};
+use tumble_math::lane::Vec3 as LaneVec3;
 
 use crate::columns::{Chunk, for_each_chunk};
 use crate::components::{InverseInertia, Momentum, Pose, PreviousPose, Velocity};
@@ -93,6 +93,7 @@ pub(crate) fn update_derived_of(bodies: &mut Chunk<'_>) {
 }
 
 /// `v = P/M`, `I^-1 = R I_body^-1 R^T` and `w = I^-1 L` of one body.
+#[inline(always)]
 pub(crate) fn derived(constants: &Constants<Real>, state: &State<Real>) -> (Velocity, InverseInertia) {
     let inverse_inertia = constants.inertia.map_or(InverseInertia::default(), |inertia| world_inverse(&inertia, state));
     let linear = constants.velocity(state.linear).into();
@@ -100,10 +101,9 @@ pub(crate) fn derived(constants: &Constants<Real>, state: &State<Real>) -> (Velo
 }
 
 /// `R diag(1/I) R^T`: the sum over the principal axes `r` in the world of `r r^T/I`.
+#[inline(always)]
 fn world_inverse(inertia: &Moments<Real>, state: &State<Real>) -> InverseInertia {
-    let frame: LaneQuat<Real> = inertia.axes.map_or(state.orientation, |axes| state.orientation * axes);
-    let axis = |x, y, z| frame.rotate(LaneVec3::new(x, y, z));
-    let (a, b, c) = (axis(1.0, 0.0, 0.0), axis(0.0, 1.0, 0.0), axis(0.0, 0.0, 1.0));
+    let [a, b, c] = inertia.world_axes(state.orientation);
     let m = inertia.inverse_moments;
     let sum = |p: LaneVec3<Real>, q: LaneVec3<Real>, r: LaneVec3<Real>| p * m.x + q * m.y + r * m.z;
     let other = |v: LaneVec3<Real>| LaneVec3::new(v.y * v.z, v.z * v.x, v.x * v.y);
@@ -114,6 +114,7 @@ fn world_inverse(inertia: &Moments<Real>, state: &State<Real>) -> InverseInertia
 }
 
 impl Chunk<'_> {
+    #[inline(always)]
     fn constants(&self, i: usize) -> Constants<Real> {
         Constants {
             mass: self.mass[i].kilograms(),
@@ -124,10 +125,12 @@ impl Chunk<'_> {
         }
     }
 
+    #[inline(always)]
     fn state(&self, i: usize) -> State<Real> {
         State::new(&self.pose[i], &self.momentum[i])
     }
 
+    #[inline(always)]
     fn set_state(&mut self, i: usize, state: State<Real>) {
         self.pose[i] = Pose { position: state.position.into(), orientation: state.orientation.into() };
         self.momentum[i] = Momentum { linear: state.linear.into(), angular: state.angular.into() };

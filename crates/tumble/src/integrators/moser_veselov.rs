@@ -1,16 +1,15 @@
+use tumble_math::FreeRotation;
 use tumble_math::lane::Lane;
-use tumble_math::rotate_freely;
 
 use super::Scheme;
 use super::damped::Kick;
-use crate::state::{Constants, Moments, State};
+use crate::state::{Constants, State};
 
-/// Half a kick, free flight, half a kick. The flight keeps both momenta; [`rotate_freely`] turns the body.
+/// Half a kick, free flight, half a kick. The flight keeps both momenta; [`FreeRotation`] turns the body.
 pub(crate) struct MoserVeselov<L> {
     half_kick: Kick<L>,
-    inertia: Option<Moments<L>>,
+    rotation: Option<FreeRotation<L>>,
     step_per_mass: L,
-    h: L,
 }
 
 impl<L: Lane> Scheme<L> for MoserVeselov<L> {
@@ -18,9 +17,10 @@ impl<L: Lane> Scheme<L> for MoserVeselov<L> {
     fn new(constants: &Constants<L>, h: L) -> Self {
         Self {
             half_kick: Kick::new(constants, h * L::splat(0.5)),
-            inertia: constants.inertia,
+            rotation: constants
+                .inertia
+                .map(|inertia| FreeRotation::new(inertia.moments, inertia.inverse_moments, inertia.axes, h)),
             step_per_mass: h / constants.mass,
-            h,
         }
     }
 
@@ -30,9 +30,7 @@ impl<L: Lane> Scheme<L> for MoserVeselov<L> {
         let angular = self.half_kick.angular(state.angular);
         State {
             position: state.position + linear * self.step_per_mass,
-            orientation: self.inertia.map_or(state.orientation, |inertia| {
-                rotate_freely(state.orientation, inertia.axes, angular, inertia.moments, self.h)
-            }),
+            orientation: self.rotation.map_or(state.orientation, |free| free.rotate(state.orientation, angular)),
             linear: self.half_kick.linear(linear),
             angular: self.half_kick.angular(angular),
         }
