@@ -57,10 +57,7 @@ pub fn decay<L: Lane>(x: L) -> Decay<L> {
     let scale = (-n).exp2_of_integer();
     let lost = (one - scale) + scale * lost_in_r;
     let tiny = x.lt(L::splat(L::ROUNDING));
-    Decay {
-        kept: (one - lost_in_r) * scale,
-        mean: L::select(tiny, one, lost / L::select(tiny, one, x)),
-    }
+    Decay { kept: (one - lost_in_r) * scale, mean: L::select(tiny, one, lost / L::select(tiny, one, x)) }
 }
 
 #[cfg(test)]

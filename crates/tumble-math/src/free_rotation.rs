@@ -277,9 +277,7 @@ mod tests {
 
     fn run(moments: DVec3, angular_velocity: DVec3, dt: f64, steps: u32) -> DQuat {
         let momentum = (moments * angular_velocity).into();
-        (0..steps)
-            .fold(DQuat::IDENTITY.into(), |q, _| rotate_freely(q, None, momentum, moments.into(), dt))
-            .into()
+        (0..steps).fold(DQuat::IDENTITY.into(), |q, _| rotate_freely(q, None, momentum, moments.into(), dt)).into()
     }
 
     /// The attitude error after a second falls with the sixth power of the step.

@@ -161,7 +161,7 @@ impl InertiaTensor {
         }
     }
 
-    /// From the centre of mass to a point `offset` [m] away, `mass` in kg: the parallel-axis theorem as a tensor
+    /// From the centre of mass to a point `offset` \[m\] away, `mass` in kg: the parallel-axis theorem as a tensor
     /// (Steiner), `I' = I + m (d^2 E - d d^T)`. Axes stay parallel.
     ///
     /// # Errors
@@ -170,7 +170,7 @@ impl InertiaTensor {
         Self::new(self.0 + steiner(mass, offset.into())?)
     }
 
-    /// From a point to the centre of mass `offset` [m] away (either sign), `mass` in kg: `I' = I - m (d^2 E - d d^T)`.
+    /// From a point to the centre of mass `offset` \[m\] away (either sign), `mass` in kg: `I' = I - m (d^2 E - d d^T)`.
     ///
     /// # Errors
     /// As [`new`](Self::new): too large a mass or offset leaves moments that no body has. Mass and
@@ -185,7 +185,7 @@ impl InertiaTensor {
         self.0 * angular_velocity.into()
     }
 
-    /// Kinetic energy of rotation `1/2 w . I w` [J] at the angular velocity `w` [rad/s] in the tensor's frame.
+    /// Kinetic energy of rotation `1/2 w . I w` \[J\] at the angular velocity `w` [rad/s] in the tensor's frame.
     #[must_use]
     pub fn kinetic_energy(&self, angular_velocity: impl Into<DVec3>) -> f64 {
         let w = angular_velocity.into();
@@ -225,7 +225,7 @@ fn steiner(mass: f64, offset: DVec3) -> Result<DMat3, InertiaError> {
     if term.is_finite() { Ok(term) } else { Err(InertiaError::Offset { offset }) }
 }
 
-/// `m (d^2 E - d d^T)` [kg m^2]: the inertia about the origin of a point mass `m` [kg] at `d` [m], and the term of the
+/// `m (d^2 E - d d^T)` [kg m^2]: the inertia about the origin of a point mass `m` \[kg\] at `d` \[m\], and the term of the
 /// parallel-axis theorem. Diagonal elements as sums of two squares, so nothing cancels.
 pub(crate) fn parallel_axis(mass: f64, d: DVec3) -> DMat3 {
     let (x, y, z) = (d.x, d.y, d.z);

@@ -8,7 +8,7 @@ use thiserror::Error;
 #[non_exhaustive]
 pub enum InertiaError {
     /// An element is NaN or infinite.
-    #[error("inertia element ({row}, {column}) is {value}, not a finite number")]
+    #[error("inertia element ({row}, {column}) is {value:?}, not a finite number")]
     NotFinite {
         /// Row, from 0.
         row: usize,
@@ -18,7 +18,7 @@ pub enum InertiaError {
         value: f64,
     },
     /// Two mirrored elements differ by more than the tolerance allows.
-    #[error("inertia is not symmetric: element ({row}, {column}) is {upper}, element ({column}, {row}) is {lower}")]
+    #[error("inertia is not symmetric: element ({row}, {column}) is {upper:?}, element ({column}, {row}) is {lower:?}")]
     NotSymmetric {
         /// Row of the upper element, from 0.
         row: usize,
@@ -31,7 +31,7 @@ pub enum InertiaError {
     },
     /// A principal moment is zero, negative or lost in rounding: a torque would turn the body
     /// infinitely fast. Point masses and thin rods are like that.
-    #[error("principal moments of inertia must be positive, they are ({}, {}, {})", .principal.x, .principal.y, .principal.z)]
+    #[error("principal moments of inertia must be positive, beyond rounding of the largest; they are ({:?}, {:?}, {:?})", .principal.x, .principal.y, .principal.z)]
     NotPositive {
         /// The principal moments [kg m^2], ascending.
         principal: DVec3,
@@ -39,7 +39,7 @@ pub enum InertiaError {
     /// The largest principal moment is more than the other two together, which no distribution of
     /// mass has: `I1 + I2 - I3 = 2 * integral of z^2 dm >= 0`.
     #[error(
-        "principal moments of inertia ({}, {}, {}) break the triangle inequality: no moment may exceed the sum of the others",
+        "principal moments of inertia ({:?}, {:?}, {:?}) break the triangle inequality: no moment may exceed the sum of the others",
         .principal.x, .principal.y, .principal.z
     )]
     TriangleInequality {
@@ -47,33 +47,33 @@ pub enum InertiaError {
         principal: DVec3,
     },
     /// A principal moment is outside [`InertiaTensor::MOMENTS`](crate::InertiaTensor::MOMENTS).
-    #[error("principal moments of inertia ({}, {}, {}) are outside 1e-300 to 1e300 kg m^2", .principal.x, .principal.y, .principal.z)]
+    #[error("principal moments of inertia ({:?}, {:?}, {:?}) are outside 1e-300 to 1e300 kg m^2", .principal.x, .principal.y, .principal.z)]
     OutOfRange {
         /// The principal moments [kg m^2], ascending.
         principal: DVec3,
     },
     /// The quaternion of a rotation is not a unit quaternion: its length is further than 1e-3 from one.
-    #[error("a rotation needs a unit quaternion, its length is {length}")]
+    #[error("a rotation needs a unit quaternion, its length is {length:?}")]
     Orientation {
         /// Length of the quaternion.
         length: f64,
     },
     /// An axis is zero or not finite and so has no direction.
-    #[error("the axis ({}, {}, {}) has no direction", .axis.x, .axis.y, .axis.z)]
+    #[error("the axis ({:?}, {:?}, {:?}) has no direction", .axis.x, .axis.y, .axis.z)]
     Axis {
         /// The axis as given.
         axis: DVec3,
     },
     /// A mass in a parallel-axis shift is negative or not finite.
-    #[error("a parallel-axis shift needs a finite mass of at least zero, it is {mass}")]
+    #[error("a parallel-axis shift needs a finite mass of at least zero, it is {mass:?}")]
     Mass {
-        /// The mass [kg].
+        /// The mass \[kg\].
         mass: f64,
     },
     /// An offset in a parallel-axis shift is not finite, or so long that its square overflows.
-    #[error("the offset ({}, {}, {}) is not finite or too long", .offset.x, .offset.y, .offset.z)]
+    #[error("the offset ({:?}, {:?}, {:?}) is not finite or too long", .offset.x, .offset.y, .offset.z)]
     Offset {
-        /// The offset [m].
+        /// The offset \[m\].
         offset: DVec3,
     },
 }

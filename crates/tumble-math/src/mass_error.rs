@@ -8,31 +8,31 @@ use thiserror::Error;
 #[non_exhaustive]
 pub enum MassError {
     /// The mass is NaN or infinite.
-    #[error("mass is {mass}, not a finite number")]
+    #[error("mass is {mass:?}, not a finite number")]
     NotFinite {
-        /// The mass [kg].
+        /// The mass \[kg\].
         mass: f64,
     },
     /// The mass is zero or negative.
-    #[error("mass must be positive, it is {mass}")]
+    #[error("mass must be positive, it is {mass:?}")]
     NotPositive {
-        /// The mass [kg].
+        /// The mass \[kg\].
         mass: f64,
     },
     /// The mass is outside [`MassProperties::MASSES`](crate::MassProperties::MASSES).
-    #[error("mass is {mass}, outside 1e-100 to 1e100 kg")]
+    #[error("mass is {mass:?}, outside 1e-100 to 1e100 kg")]
     OutOfRange {
-        /// The mass [kg].
+        /// The mass \[kg\].
         mass: f64,
     },
     /// A position is not finite or further out than [`MassProperties::REACH`](crate::MassProperties::REACH).
-    #[error("position ({}, {}, {}) is not finite or beyond 1e90 m", .position.x, .position.y, .position.z)]
+    #[error("position ({:?}, {:?}, {:?}) is not finite or beyond 1e90 m", .position.x, .position.y, .position.z)]
     Position {
-        /// The position [m].
+        /// The position \[m\].
         position: DVec3,
     },
     /// A quaternion's length is further than 1e-3 from one.
-    #[error("orientation must be a unit quaternion, its length is {length}")]
+    #[error("orientation must be a unit quaternion, its length is {length:?}")]
     Orientation {
         /// Length of the quaternion.
         length: f64,
@@ -49,11 +49,11 @@ pub enum MassError {
         source: Box<MassError>,
     },
     /// Nothing that could be a body remains once the hole is taken away.
-    #[error("a hole of {hole} kg cannot be taken from this body of {mass} kg: it is too heavy or sticks out")]
+    #[error("a hole of {hole:?} kg cannot be taken from this body of {mass:?} kg: it is too heavy or sticks out")]
     Hole {
-        /// Mass of the body before [kg].
+        /// Mass of the body before \[kg\].
         mass: f64,
-        /// Mass of what is taken away [kg].
+        /// Mass of what is taken away \[kg\].
         hole: f64,
     },
 }

@@ -4,14 +4,14 @@ use std::ops::{Add, RangeInclusive};
 
 use glam::{DMat3, DQuat, DVec3};
 
-use crate::inertia::{InertiaTensor, mirrored, parallel_axis};
+use crate::inertia::{InertiaTensor, parallel_axis};
 use crate::inertia_error::InertiaError;
 use crate::mass_error::MassError;
 use crate::rotation::change_of_basis;
 use crate::symmetric_eigen::symmetric_eigen;
 use crate::unit::unit_quaternion;
 
-/// Mass [kg], centre of mass [m] and inertia tensor about the centre of mass [kg m^2] of a rigid body, in one frame.
+/// Mass \[kg\], centre of mass \[m\] and inertia tensor about the centre of mass [kg m^2] of a rigid body, in one frame.
 ///
 /// The tensor may be singular, unlike an [`InertiaTensor`]: a point mass has none, a thin rod none about itself. Two
 /// bodies fixed to each other add; a hole is taken away with [`without`](Self::without).
@@ -41,13 +41,13 @@ pub struct MassProperties {
 }
 
 impl MassProperties {
-    /// Masses outside this range [kg] are refused. An electron has 1e-30, the observable universe 1e53.
+    /// Masses outside this range \[kg\] are refused. An electron has 1e-30, the observable universe 1e53.
     pub const MASSES: RangeInclusive<f64> = 1e-100..=1e100;
 
-    /// Coordinates further out than this [m] are refused: mass times distance squared must stay far from overflow.
+    /// Coordinates further out than this \[m\] are refused: mass times distance squared must stay far from overflow.
     pub const REACH: f64 = 1e90;
 
-    /// From a mass [kg], the centre of mass [m] and the inertia about the centre of mass [kg m^2].
+    /// From a mass \[kg\], the centre of mass \[m\] and the inertia about the centre of mass [kg m^2].
     ///
     /// # Errors
     /// A mass or a position out of range.
@@ -55,7 +55,7 @@ impl MassProperties {
         Self::from_parts(mass, center_of_mass.into(), inertia.matrix())
     }
 
-    /// A point mass [kg] at `position` [m]. Its tensor about itself is zero.
+    /// A point mass \[kg\] at `position` \[m\]. Its tensor about itself is zero.
     ///
     /// # Errors
     /// A mass or a position out of range.
@@ -63,7 +63,7 @@ impl MassProperties {
         Self::from_parts(mass, position.into(), DMat3::ZERO)
     }
 
-    /// Particles `(mass [kg], position [m])` fixed to each other.
+    /// Particles `(mass \[kg\], position \[m\])` fixed to each other.
     ///
     /// ```text
     /// M = sum m_i      c = sum m_i x_i / M      I = sum m_i (|r_i|^2 E - r_i r_i^T),  r_i = x_i - c
@@ -97,13 +97,13 @@ impl MassProperties {
         Ok(Self { mass, center_of_mass, tensor })
     }
 
-    /// Mass [kg].
+    /// Mass \[kg\].
     #[must_use]
     pub fn mass(&self) -> f64 {
         self.mass
     }
 
-    /// Centre of mass [m].
+    /// Centre of mass \[m\].
     #[must_use]
     pub fn center_of_mass(&self) -> DVec3 {
         self.center_of_mass
@@ -115,7 +115,7 @@ impl MassProperties {
         self.tensor
     }
 
-    /// Inertia tensor about any point [m], axes parallel to those of the frame [kg m^2].
+    /// Inertia tensor about any point \[m\], axes parallel to those of the frame [kg m^2].
     #[must_use]
     pub fn tensor_about(&self, point: impl Into<DVec3>) -> DMat3 {
         self.tensor + parallel_axis(self.mass, self.center_of_mass - point.into())
@@ -129,7 +129,7 @@ impl MassProperties {
         InertiaTensor::new(self.tensor)
     }
 
-    /// The same body turned by `orientation` about the origin, then moved by `position` [m]. Seen otherwise, in the frame in which
+    /// The same body turned by `orientation` about the origin, then moved by `position` \[m\]. Seen otherwise, in the frame in which
     /// the body's frame has this pose.
     ///
     /// # Errors
@@ -178,20 +178,30 @@ impl MassProperties {
         let share = hole.mass / mass;
         let d = hole.center_of_mass - self.center_of_mass;
         let center_of_mass = self.center_of_mass - d * share;
-        let tensor = self.tensor - hole.tensor - parallel_axis(self.mass * share, d);
-        if mass > 0.0 && is_a_distribution_of_mass(tensor, self.tensor) {
+        let shift = parallel_axis(self.mass * share, d);
+        let tensor = self.tensor - hole.tensor - shift;
+        // What rounding in the three terms can amount to: a few eps of each, of the masses' difference (hence their
+        // ratio), and of the two centres, whose difference d may be small beside them.
+        let reach = self.center_of_mass.length() + hole.center_of_mass.length();
+        let terms = half_trace(self.tensor) + half_trace(hole.tensor) + half_trace(shift);
+        let rounding = 8.0 * f64::EPSILON * (self.mass / mass) * (terms + self.mass * share * d.length() * reach);
+        if mass > 0.0 && is_a_distribution_of_mass(tensor, rounding) {
             Self::from_parts(mass, center_of_mass, tensor)
         } else {
             Err(MassError::Hole { mass: self.mass, hole: hole.mass })
         }
     }
 
-    /// The same distribution of mass with another total [kg].
+    /// The same distribution of mass with another total \[kg\].
     ///
     /// # Errors
     /// A mass out of range.
     pub fn scaled_to_mass(&self, mass: f64) -> Result<Self, MassError> {
-        Self::from_parts(mass, self.center_of_mass, self.tensor * (mass / self.mass))
+        let tensor = self.tensor * (mass / self.mass);
+        if mass.is_finite() && !tensor.is_finite() {
+            return Err(MassError::OutOfRange { mass });
+        }
+        Self::from_parts(mass, self.center_of_mass, tensor)
     }
 }
 
@@ -204,14 +214,15 @@ impl Add for MassProperties {
     }
 }
 
-/// Whether `tensor` can be that of a body: `integral of r r^T dm = 1/2 tr(I) E - I` has no negative eigenvalue.
-/// That holds the triangle inequality too. Rounding is judged against the body before the hole was made.
-fn is_a_distribution_of_mass(tensor: DMat3, before: DMat3) -> bool {
-    let half_trace = |m: DMat3| 0.5 * (m.x_axis.x + m.y_axis.y + m.z_axis.z);
+/// Whether `tensor`, known within `rounding`, can be that of a body: `integral of r r^T dm = 1/2 tr(I) E - I` has no
+/// negative eigenvalue. That holds the triangle inequality too.
+fn is_a_distribution_of_mass(tensor: DMat3, rounding: f64) -> bool {
     let second_moments = DMat3::from_diagonal(DVec3::splat(half_trace(tensor))) - tensor;
-    // A few additions, each with an error of one eps of what was there before.
-    let rounding = 8.0 * f64::EPSILON * half_trace(before);
-    second_moments.is_finite() && symmetric_eigen(mirrored(second_moments)).0.min_element() >= -rounding
+    second_moments.is_finite() && symmetric_eigen(second_moments).0.min_element() >= -rounding
+}
+
+fn half_trace(m: DMat3) -> f64 {
+    0.5 * (m.x_axis.x + m.y_axis.y + m.z_axis.z)
 }
 
 pub(crate) fn check_mass(mass: f64) -> Result<(), MassError> {

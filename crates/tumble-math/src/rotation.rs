@@ -15,13 +15,13 @@ pub const ROTATION_TOLERANCE: f64 = 2e-6;
 #[non_exhaustive]
 pub enum NotARotation {
     /// The rows are not orthonormal within [`ROTATION_TOLERANCE`], or not finite.
-    #[error("the rows of the matrix are not orthonormal: R R^T differs from the identity by {error}")]
+    #[error("the rows of the matrix are not orthonormal: R R^T differs from the identity by {error:?}")]
     NotOrthonormal {
         /// Largest element of `|R R^T - E|`; NaN if the matrix is not finite.
         error: f64,
     },
     /// The matrix is orthonormal but mirrors: its determinant is -1.
-    #[error("the matrix is a reflection (determinant {determinant}), not a rotation")]
+    #[error("the matrix is a reflection (determinant {determinant:?}), not a rotation")]
     Reflection {
         /// The determinant.
         determinant: f64,
@@ -78,7 +78,7 @@ pub fn to_axis_angle(q: DQuat) -> (DVec3, f64) {
     }
 }
 
-/// The rotation `q` as a vector along its axis with the angle, in `[0, pi]`, as length [rad].
+/// The rotation `q` as a vector along its axis with the angle, in `[0, pi]`, as length \[rad\].
 ///
 /// The inverse of [`from_scaled_axis`] up to half a turn. At exactly half a turn both directions are right.
 #[must_use]
@@ -87,26 +87,32 @@ pub fn to_scaled_axis(q: DQuat) -> DVec3 {
     axis * angle
 }
 
-/// The unit quaternion of the rotation about `v` by the angle `|v|` [rad].
+/// The unit quaternion of the rotation about `v` by the angle `|v|` \[rad\].
 ///
 /// `w = cos(|v|/2)`, `(x, y, z) = sin(|v|/2) / |v| v`. Exact to rounding for tiny `v` too, also where
 /// `|v|^2` vanishes; NaN where `v` is not finite.
 #[must_use]
 pub fn from_scaled_axis(v: DVec3) -> DQuat {
     let Some(axis) = unit_vector(v) else {
-        return if v == DVec3::ZERO { DQuat::IDENTITY } else { DQuat::from_xyzw(f64::NAN, f64::NAN, f64::NAN, f64::NAN) };
+        return if v == DVec3::ZERO {
+            DQuat::IDENTITY
+        } else {
+            DQuat::from_xyzw(f64::NAN, f64::NAN, f64::NAN, f64::NAN)
+        };
     };
     let (sin, cos) = (0.5 * v.dot(axis)).sin_cos();
     DQuat::from_xyzw(axis.x * sin, axis.y * sin, axis.z * sin, cos)
 }
 
-/// Angle in `[0, pi]` between two orientations [rad]: that of the turn which takes one to the other.
+/// Angle in `[0, pi]` between two orientations \[rad\]: that of the turn which takes one to the other.
 ///
 /// `2 atan2(|v|, |w|)` of `a* b`, exact at every angle; `DQuat::angle_between` takes an arc cosine, which knows no
 /// angle below 2e-8. Neither quaternion need be of unit length.
 #[must_use]
 pub fn angle_between(a: DQuat, b: DQuat) -> f64 {
-    to_axis_angle(a.conjugate() * b).1
+    // The product a* b, grouped so that equal quaternions give exactly zero.
+    let v = (b.xyz() * a.w - a.xyz() * b.w) - a.xyz().cross(b.xyz());
+    to_axis_angle(DQuat::from_vec4(v.extend(a.dot(b)))).1
 }
 
 /// The matrix `w*` of the cross product, `w* r = w x r`, with which a rotation matrix obeys `dR/dt = w* R`.

@@ -23,7 +23,7 @@ use crate::shape_error::{ShapeError, ShapeErrorReason};
 /// assert!((brick.mass() - 2.4).abs() < 1e-15);
 ///
 /// let error = Shape::sphere(-1.0).mass_properties(Amount::Mass(1.0)).unwrap_err();
-/// assert_eq!(error.to_string(), "radius must be a length from 1e-90 to 1e90 m, it is -1");
+/// assert_eq!(error.to_string(), "radius must be a length from 1e-90 to 1e90 m, it is -1.0");
 /// # Ok::<(), tumble_math::ShapeError>(())
 /// ```
 #[derive(Clone, Debug, PartialEq)]
@@ -33,24 +33,24 @@ pub enum Shape {
     Point,
     /// A solid sphere. `I = 2/5 m r^2`.
     Sphere {
-        /// Radius [m].
+        /// Radius \[m\].
         radius: f64,
     },
     /// An infinitely thin spherical shell. `I = 2/3 m r^2`. It has no volume, so it needs a mass.
     HollowSphere {
-        /// Radius [m].
+        /// Radius \[m\].
         radius: f64,
     },
     /// A block. `I_xx = m/3 (b^2 + c^2)` with half extents `a, b, c`.
     Cuboid {
-        /// Half the lengths of the edges along x, y, z [m].
+        /// Half the lengths of the edges along x, y, z \[m\].
         half_extents: DVec3,
     },
     /// A solid cylinder along y. `I_yy = m r^2/2`, `I_xx = I_zz = m (r^2/4 + h^2/3)`.
     Cylinder {
-        /// Radius [m].
+        /// Radius \[m\].
         radius: f64,
-        /// Half the height [m].
+        /// Half the height \[m\].
         half_height: f64,
     },
     /// A cylinder along y with a half sphere on each end.
@@ -58,22 +58,22 @@ pub enum Shape {
     /// With the masses `c` of the cylinder and `s` of the two caps, `c : s = 3h : 2r`,
     /// `I_yy = c r^2/2 + 2/5 s r^2` and `I_xx = I_zz = c (r^2/4 + h^2/3) + s (2/5 r^2 + 3/4 h r + h^2)`.
     Capsule {
-        /// Radius [m].
+        /// Radius \[m\].
         radius: f64,
-        /// Half the distance between the centres of the caps [m].
+        /// Half the distance between the centres of the caps \[m\].
         half_height: f64,
     },
     /// A solid cone along y, apex at `+half_height`, base at `-half_height`; its centre of mass is at `-half_height/2`.
     /// `I_yy = 3/10 m r^2`, `I_xx = I_zz = 3/20 m (r^2 + h^2)`.
     Cone {
-        /// Radius of the base [m].
+        /// Radius of the base \[m\].
         radius: f64,
-        /// Half the height [m].
+        /// Half the height \[m\].
         half_height: f64,
     },
     /// A solid ellipsoid. `I_xx = m/5 (b^2 + c^2)` with semi-axes `a, b, c`.
     Ellipsoid {
-        /// Semi-axes along x, y, z [m].
+        /// Semi-axes along x, y, z \[m\].
         radii: DVec3,
     },
     /// Shapes fixed to each other, each with its own pose and mass. Where they overlap, both masses count.
@@ -85,7 +85,7 @@ pub enum Shape {
 pub struct Part {
     /// Shape of the part.
     pub shape: Shape,
-    /// Position of the part's frame in the compound's [m].
+    /// Position of the part's frame in the compound's \[m\].
     pub position: DVec3,
     /// Rotation from the part's frame to the compound's.
     pub orientation: DQuat,
@@ -96,7 +96,7 @@ pub struct Part {
 /// How much matter: a mass or a density.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Amount {
-    /// Mass [kg].
+    /// Mass \[kg\].
     Mass(f64),
     /// Density [kg/m^3].
     Density(f64),
@@ -109,7 +109,7 @@ impl Part {
         Self { shape, position: DVec3::ZERO, orientation: DQuat::IDENTITY, amount }
     }
 
-    /// The part moved to `position` [m].
+    /// The part moved to `position` \[m\].
     #[must_use]
     pub fn at(self, position: impl Into<DVec3>) -> Self {
         Self { position: position.into(), ..self }
@@ -123,49 +123,49 @@ impl Part {
 }
 
 impl Shape {
-    /// Lengths outside this range [m] are refused: their squares times a mass must stay far from underflow and overflow.
+    /// Lengths outside this range \[m\] are refused: their squares times a mass must stay far from underflow and overflow.
     pub const LENGTHS: RangeInclusive<f64> = 1e-90..=1e90;
 
     /// How deep compounds may be nested.
     pub const MAX_DEPTH: usize = 32;
 
-    /// A solid sphere of this radius [m].
+    /// A solid sphere of this radius \[m\].
     #[must_use]
     pub fn sphere(radius: impl Into<f64>) -> Self {
         Self::Sphere { radius: radius.into() }
     }
 
-    /// A thin spherical shell of this radius [m].
+    /// A thin spherical shell of this radius \[m\].
     #[must_use]
     pub fn hollow_sphere(radius: impl Into<f64>) -> Self {
         Self::HollowSphere { radius: radius.into() }
     }
 
-    /// A block with these half extents [m].
+    /// A block with these half extents \[m\].
     #[must_use]
     pub fn cuboid(half_extents: impl Into<DVec3>) -> Self {
         Self::Cuboid { half_extents: half_extents.into() }
     }
 
-    /// A cylinder along y: radius and half height [m].
+    /// A cylinder along y: radius and half height \[m\].
     #[must_use]
     pub fn cylinder(radius: impl Into<f64>, half_height: impl Into<f64>) -> Self {
         Self::Cylinder { radius: radius.into(), half_height: half_height.into() }
     }
 
-    /// A capsule along y: radius and half the distance of the cap centres [m].
+    /// A capsule along y: radius and half the distance of the cap centres \[m\].
     #[must_use]
     pub fn capsule(radius: impl Into<f64>, half_height: impl Into<f64>) -> Self {
         Self::Capsule { radius: radius.into(), half_height: half_height.into() }
     }
 
-    /// A cone along y: radius of the base and half height [m].
+    /// A cone along y: radius of the base and half height \[m\].
     #[must_use]
     pub fn cone(radius: impl Into<f64>, half_height: impl Into<f64>) -> Self {
         Self::Cone { radius: radius.into(), half_height: half_height.into() }
     }
 
-    /// An ellipsoid with these semi-axes [m].
+    /// An ellipsoid with these semi-axes \[m\].
     #[must_use]
     pub fn ellipsoid(radii: impl Into<DVec3>) -> Self {
         Self::Ellipsoid { radii: radii.into() }
@@ -266,8 +266,7 @@ impl Shape {
                 let cylinder = m * (3.0 * h / (3.0 * h + 2.0 * r));
                 let caps = m * (2.0 * r / (3.0 * h + 2.0 * r));
                 let axial = 0.5 * cylinder * r * r + 0.4 * caps * r * r;
-                let transverse =
-                    cylinder * (0.25 * r * r + h * h / 3.0) + caps * (0.4 * r * r + 0.75 * h * r + h * h);
+                let transverse = cylinder * (0.25 * r * r + h * h / 3.0) + caps * (0.4 * r * r + 0.75 * h * r + h * h);
                 axial_and_transverse(axial, transverse)
             }
         }
@@ -298,13 +297,13 @@ impl Shape {
             Self::Capsule { .. } => "capsule",
             Self::Cone { .. } => "cone",
             Self::Ellipsoid { .. } => "ellipsoid",
-            Self::Compound(_) => "compound with such a part",
+            Self::Compound(_) => "compound that holds a point or a shell",
         }
     }
 }
 
 impl Amount {
-    /// The mass [kg] this makes of a volume [m^3], checked. `shape` is the name for the error.
+    /// The mass \[kg\] this makes of a volume [m^3], checked. `shape` is the name for the error.
     pub(crate) fn mass(self, volume: Option<f64>, shape: &'static str) -> Result<f64, ShapeError> {
         let mass = match (self, volume) {
             (Self::Mass(mass), _) => mass,

@@ -8,7 +8,7 @@ use crate::mass_error::MassError;
 
 /// Why a shape has no mass properties: what is wrong, and in a compound where.
 ///
-/// Displays as one line that begins with the place: `parts[2].shape.radius must be positive and finite, it is -1`.
+/// Displays as one line that begins with the place: `parts[2].radius must be a length from 1e-90 to 1e90 m, it is -1.0`.
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct ShapeError {
@@ -23,29 +23,29 @@ pub struct ShapeError {
 #[non_exhaustive]
 pub enum ShapeErrorReason {
     /// A length is zero, negative, not finite, or outside [`Shape::LENGTHS`](crate::Shape::LENGTHS).
-    #[error("must be a length from 1e-90 to 1e90 m, it is {value}")]
+    #[error("must be a length from 1e-90 to 1e90 m, it is {value:?}")]
     Length {
         /// Name of the parameter, as in [`Shape`](crate::Shape).
         name: &'static str,
-        /// Its value (of a vector, the first component at fault) [m].
+        /// Its value (of a vector, the first component at fault) \[m\].
         value: f64,
     },
     /// The inside of a hollow solid is not smaller than the outside.
-    #[error("must be smaller than the outer radius {outer}, it is {inner}")]
+    #[error("must be smaller than the outer radius {outer:?}, it is {inner:?}")]
     Inner {
-        /// Inner radius [m].
+        /// Inner radius \[m\].
         inner: f64,
-        /// Outer radius [m].
+        /// Outer radius \[m\].
         outer: f64,
     },
     /// A density is zero, negative or not finite.
-    #[error("must be positive and finite, it is {value}")]
+    #[error("must be positive and finite, it is {value:?}")]
     Density {
         /// The density [kg/m^3].
         value: f64,
     },
     /// A density was given to a shape without volume, such as a point or a thin shell. Give its mass.
-    #[error("has no meaning for a {shape}, which has no volume: give a mass")]
+    #[error("has no meaning for a {shape}: it has no volume, give a mass")]
     NoVolume {
         /// What the shape is.
         shape: &'static str,

@@ -12,7 +12,7 @@ use crate::shape::{Amount, axial_and_transverse, check_length};
 use crate::shape_error::{ShapeError, ShapeErrorReason};
 
 impl MassProperties {
-    /// Half a solid sphere: flat face in the plane y = 0, centred on the origin, dome towards +y [m].
+    /// Half a solid sphere: flat face in the plane y = 0, centred on the origin, dome towards +y \[m\].
     ///
     /// Centre of mass at `y = 3/8 r`; `I_yy = 2/5 m r^2`, `I_xx = I_zz = 83/320 m r^2`.
     ///
@@ -25,12 +25,12 @@ impl MassProperties {
         solid(m, 0.375 * radius, axial_and_transverse(0.4 * m * r2, 83.0 / 320.0 * m * r2))
     }
 
-    /// A solid frustum of a cone, radii `bottom` at `-half_height` and `top` at `+half_height` [m].
+    /// A solid frustum of a cone, radii `bottom` at `-half_height` and `top` at `+half_height` \[m\].
     ///
     /// With `a`, `b` the two radii, `H` the height, `S2 = a^2 + ab + b^2`, `S4 = a^4 + a^3 b + a^2 b^2 + a b^3 + b^4`:
     ///
     /// ```text
-    /// V = pi H S2/3              y_c = H (b^2 - a^2)/(4 S2) · (a^2 + 2ab + b^2)/(a + b)^2 = H (b - a)(a + b)/(4 S2)
+    /// V = pi H S2/3              y_c = H (b - a)(b + a)/(4 S2)
     /// I_yy = 3/10 m S4/S2        I_xx = I_zz = 1/2 I_yy + 3/80 m H^2 (a^4 + 4a^3 b + 10a^2 b^2 + 4a b^3 + b^4)/S2^2
     /// ```
     ///
@@ -55,7 +55,7 @@ impl MassProperties {
         solid(m, 0.25 * height * (b - a) * (a + b) / s2, axial_and_transverse(axial, transverse))
     }
 
-    /// A solid pyramid on a rectangle: base `2 half_x` by `2 half_z` at `y = -half_height`, apex at `+half_height` [m].
+    /// A solid pyramid on a rectangle: base `2 half_x` by `2 half_z` at `y = -half_height`, apex at `+half_height` \[m\].
     ///
     /// Centre of mass at `y = -h/2`; `I_yy = m/5 (a^2 + b^2)`, `I_xx = m (b^2/5 + 3/20 h^2)`, `I_zz = m (a^2/5 + 3/20 h^2)` with
     /// `a, b` the halves along x and z and `h` the half height.
@@ -71,7 +71,7 @@ impl MassProperties {
         solid(m, -0.5 * half_height, DVec3::new(z2 + h2, x2 + z2, x2 + h2) * m)
     }
 
-    /// A solid tetrahedron with these corners [m], in any order.
+    /// A solid tetrahedron with these corners \[m\], in any order.
     ///
     /// About its centre it has the inertia of four particles of `m/20` at the corners, since
     /// `integral of x x^T dV = V/20 (sum p_i p_i^T + (sum p_i)(sum p_i)^T)` and the last sum is zero there.
@@ -100,7 +100,7 @@ impl MassProperties {
             .map_err(|error| ShapeError::here(ShapeErrorReason::Pose(error)))
     }
 
-    /// A hollow cylinder with a wall of any thickness: radii `outer` and `inner`, half height [m].
+    /// A hollow cylinder with a wall of any thickness: radii `outer` and `inner`, half height \[m\].
     ///
     /// `V = 2 pi h (R - r)(R + r)`, `I_yy = m (R^2 + r^2)/2`, `I_xx = I_zz = m ((R^2 + r^2)/4 + h^2/3)`.
     ///
@@ -122,7 +122,7 @@ impl MassProperties {
         solid(m, 0.0, axial_and_transverse(0.5 * m * squares, transverse))
     }
 
-    /// A hollow sphere with a wall of any thickness: radii `outer` and `inner` [m].
+    /// A hollow sphere with a wall of any thickness: radii `outer` and `inner` \[m\].
     ///
     /// ```text
     /// I = 2/5 m (R^5 - r^5)/(R^3 - r^3) = 2/5 m (R^4 + R^3 r + R^2 r^2 + R r^3 + r^4)/(R^2 + R r + r^2)
@@ -139,7 +139,7 @@ impl MassProperties {
         solid(m, 0.0, DVec3::splat(0.4 * m * (s4 / s2) * outer * outer))
     }
 
-    /// An infinitely thin rod of `mass` [kg] along y, `half_length` [m]. `I_xx = I_zz = m l^2/3`, none about y, so
+    /// An infinitely thin rod of `mass` \[kg\] along y, `half_length` \[m\]. `I_xx = I_zz = m l^2/3`, none about y, so
     /// [`inertia`](Self::inertia) refuses it.
     ///
     /// # Errors
@@ -150,7 +150,7 @@ impl MassProperties {
         solid(m, 0.0, axial_and_transverse(0.0, m * half_length * half_length / 3.0))
     }
 
-    /// An infinitely thin disc of `mass` [kg] across y, `radius` [m]. `I_yy = m r^2/2 = I_xx + I_zz`.
+    /// An infinitely thin disc of `mass` \[kg\] across y, `radius` \[m\]. `I_yy = m r^2/2 = I_xx + I_zz`.
     ///
     /// # Errors
     /// As [`hemisphere`](Self::hemisphere).
