@@ -53,8 +53,6 @@ impl Body {
         let constants = Constants {
             mass: mass.kilograms(),
             inertia: self.inertia.map(|inertia| Moments::new(&inertia, self.axes.as_ref())),
-            force: Wrench::default().force.into(),
-            torque: Wrench::default().torque.into(),
             damping: None,
         };
         derived(&constants, &State::new(&self.pose, &momentum))

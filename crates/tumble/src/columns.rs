@@ -7,8 +7,10 @@
 use hecs::{Archetype, ArchetypeColumn, ArchetypeColumnMut, World};
 
 use crate::components::{
-    Damping, GravityScale, Inertia, InverseInertia, Mass, Momentum, Pose, PreviousPose, PrincipalAxes, Velocity, Wrench,
+    Damping, GravityScale, Inertia, InverseInertia, Mass, Momentum, Pose, PreviousPose, PrincipalAxes, Velocity, Work,
+    Wrench,
 };
+use crate::force_laws::{Borrowed, ForceLaws, LawRows};
 
 /// Bodies per chunk: with all their columns about 150 KiB, so that a chunk stays in the second-level cache from one system to the next.
 const CHUNK: usize = 1024;
@@ -44,8 +46,10 @@ macro_rules! columns {
                 })
             }
 
-            fn chunk(&mut self) -> Chunk<'_> {
+            fn chunk<'a>(&'a mut self, laws: &'a [(usize, Box<dyn LawRows + 'a>)]) -> Chunk<'a> {
                 Chunk {
+                    laws,
+                    first_row: 0,
                     $($written: &mut self.$written,)+
                     $($read: &self.$read,)+
                     $($maybe_written: self.$maybe_written.as_deref_mut(),)+
@@ -56,6 +60,10 @@ macro_rules! columns {
 
         /// Some of the bodies of one archetype: the same rows of each of their columns.
         pub(crate) struct Chunk<'a> {
+            /// The laws that act on these bodies, with their index among all laws.
+            pub(crate) laws: &'a [(usize, Box<dyn LawRows + 'a>)],
+            /// The row of the archetype that is the first row here.
+            pub(crate) first_row: usize,
             $(pub(crate) $written: &'a mut [$Written],)+
             $(pub(crate) $read: &'a [$Read],)+
             $(pub(crate) $maybe_written: Option<&'a mut [$MaybeWritten]>,)+
@@ -70,12 +78,16 @@ macro_rules! columns {
                 $(let $maybe_read = self.$maybe_read.map(|column| column.split_at(middle)).unzip();)+
                 (
                     Self {
+                        laws: self.laws,
+                        first_row: self.first_row,
                         $($written: $written.0,)+
                         $($read: $read.0,)+
                         $($maybe_written: $maybe_written.0,)+
                         $($maybe_read: $maybe_read.0,)+
                     },
                     Self {
+                        laws: self.laws,
+                        first_row: self.first_row + middle,
                         $($written: $written.1,)+
                         $($read: $read.1,)+
                         $($maybe_written: $maybe_written.1,)+
@@ -90,7 +102,7 @@ macro_rules! columns {
 columns! {
     written: pose: Pose, momentum: Momentum, wrench: Wrench;
     read: mass: Mass;
-    written_if_present: velocity: Velocity, inverse_inertia: InverseInertia, previous_pose: PreviousPose;
+    written_if_present: velocity: Velocity, inverse_inertia: InverseInertia, previous_pose: PreviousPose, work: Work;
     read_if_present: inertia: Inertia, axes: PrincipalAxes, gravity_scale: GravityScale, damping: Damping;
 }
 
@@ -102,14 +114,26 @@ impl Chunk<'_> {
 }
 
 /// Calls `system` once for every chunk of moving bodies, in parallel. Moving bodies have [`Pose`], [`Momentum`], [`Mass`] and
-/// [`Wrench`]; the other columns of a chunk are there where its archetype has them.
-pub(crate) fn for_each_chunk(world: &mut World, system: impl Fn(Chunk<'_>) + Sync) {
-    let mut columns: Vec<Columns<'_>> = world.archetypes().filter_map(Columns::borrow).collect();
-    // The lock-step of two ends: archetypes are split among threads, and then each archetype's rows.
-    let mut chunks: Vec<Option<Chunk<'_>>> = columns.iter_mut().map(|columns| Some(columns.chunk())).collect();
+/// [`Wrench`]; the other columns of a chunk are there where its archetype has them, the laws where they act on it.
+pub(crate) fn for_each_chunk(world: &mut World, laws: &ForceLaws, system: impl Fn(Chunk<'_>) + Sync) {
+    let (mut columns, mut borrowed_laws) = (Vec::new(), Vec::new());
+    for archetype in world.archetypes() {
+        if let Some(borrowed) = Columns::borrow(archetype) {
+            columns.push(borrowed);
+            borrowed_laws.push(laws.borrow(archetype));
+        }
+    }
+    let law_rows: Vec<Vec<_>> = borrowed_laws.iter().map(|laws| rows_of(laws)).collect();
+    let mut chunks: Vec<Option<Chunk<'_>>> =
+        columns.iter_mut().zip(&law_rows).map(|(columns, laws)| Some(columns.chunk(laws))).collect();
     run_all(&mut chunks, &system);
 }
 
+fn rows_of<'a>(laws: &'a [(usize, Box<dyn Borrowed + '_>)]) -> Vec<(usize, Box<dyn LawRows + 'a>)> {
+    laws.iter().map(|(index, law)| (*index, law.rows())).collect()
+}
+
+/// Splits the archetypes among threads, and then each archetype's rows.
 fn run_all(chunks: &mut [Option<Chunk<'_>>], system: &(impl Fn(Chunk<'_>) + Sync)) {
     if let [chunk] = chunks {
         if let Some(chunk) = chunk.take() {

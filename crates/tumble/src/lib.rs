@@ -35,9 +35,13 @@ mod body_error;
 mod body_order;
 mod columns;
 mod components;
+mod force_law;
+mod force_laws;
 mod integrator;
 mod integrators;
 mod kinematic;
+mod law_forces;
+mod ledger;
 pub mod math;
 mod phase_times;
 mod property_error;
@@ -56,9 +60,12 @@ pub use body_error::BodyError;
 pub use body_order::BodyOrder;
 pub use components::{
     BodyId, CenterOfMass, Damping, GravityScale, Inertia, InertiaComponentError, InverseInertia, Mass, Momentum, Pose,
-    PreviousPose, PrincipalAxes, Velocity, Wrench,
+    PreviousPose, PrincipalAxes, Velocity, Work, Wrench,
 };
+pub use force_law::{BodyState, ForceLaw};
+pub use force_laws::ForceLaws;
 pub use integrator::{Integrator, UnknownIntegrator};
+pub use ledger::{Ledger, LedgerEntry};
 pub use phase_times::PhaseTimes;
 pub use property_error::PropertyError;
 pub use rigid_body::RigidBody;
@@ -67,7 +74,7 @@ pub use simulation::Simulation;
 pub use state_arrays::{STATE_SIZE, StateArrayError, array_to_state, derivative_to_array, state_to_array};
 pub use state_hash::state_hash;
 pub use step::step;
-pub use systems::{accumulate_forces, integrate, update_derived};
+pub use systems::{accumulate_forces, integrate, integrate_under_laws, update_derived};
 pub use totals::{Totals, measure};
 
 pub use tumble_math::{Amount, InertiaTensor, MassProperties, Part, PrincipalInertia, Shape};

@@ -1,9 +1,11 @@
-use hecs::World;
+use hecs::{Component, World};
 
+use crate::force_law::ForceLaw;
+use crate::force_laws::ForceLaws;
 use crate::math::Real;
 use crate::phase_times::PhaseTimes;
 use crate::settings::{Settings, SettingsError};
-use crate::step::{step, step_timed};
+use crate::step::step_under_laws;
 
 /// Steps a world with validated settings and keeps the time.
 ///
@@ -28,6 +30,7 @@ use crate::step::{step, step_timed};
 #[derive(Clone, Debug)]
 pub struct Simulation {
     settings: Settings,
+    laws: ForceLaws,
     steps: u64,
     /// Steps and time [s] when the settings were last changed; from there on time is a multiple of the step.
     since: (u64, f64),
@@ -45,7 +48,7 @@ impl Simulation {
     /// [`SettingsError`] where the settings are ones that nothing can be simulated with.
     pub fn new(settings: Settings) -> Result<Self, SettingsError> {
         settings.validate()?;
-        Ok(Self { settings, steps: 0, since: (0, 0.0), owed: 0.0 })
+        Ok(Self { settings, laws: ForceLaws::default(), steps: 0, since: (0, 0.0), owed: 0.0 })
     }
 
     /// What the simulation is run with.
@@ -64,6 +67,21 @@ impl Simulation {
         Ok(())
     }
 
+    /// Makes a [`ForceLaw`] known that is a component of the bodies it acts on.
+    pub fn add_law<L: ForceLaw + Component>(&mut self) {
+        self.laws.add::<L>();
+    }
+
+    /// Adds a [`ForceLaw`] that acts on every moving body.
+    pub fn add_law_everywhere<L: ForceLaw>(&mut self, law: L) {
+        self.laws.add_everywhere(law);
+    }
+
+    /// The force laws that were added.
+    pub fn laws(&self) -> &ForceLaws {
+        &self.laws
+    }
+
     /// How many steps have been taken.
     pub fn steps(&self) -> u64 {
         self.steps
@@ -77,13 +95,13 @@ impl Simulation {
 
     /// Advances the world by one step of `settings.dt`; see [`step`](crate::step()).
     pub fn step(&mut self, world: &mut World) {
-        step(world, &self.settings);
+        step_under_laws(world, &self.settings, &self.laws, self.time(), None);
         self.steps += 1;
     }
 
     /// [`step`](Self::step), adding to `times` how long each system took.
     pub fn step_timed(&mut self, world: &mut World, times: &PhaseTimes) {
-        step_timed(world, &self.settings, Some(times));
+        step_under_laws(world, &self.settings, &self.laws, self.time(), Some(times));
         self.steps += 1;
     }
 

@@ -2,7 +2,7 @@
 
 use tumble_math::lane::{Lane, Quat, Vec3};
 
-use crate::components::{Inertia, Momentum, Pose, PrincipalAxes};
+use crate::components::{Inertia, Momentum, Pose, PrincipalAxes, Wrench};
 use crate::math::Real;
 
 /// What does not change during a step.
@@ -12,9 +12,6 @@ pub(crate) struct Constants<L> {
     pub(crate) mass: L,
     /// What resists turning; a point mass has none and does not turn.
     pub(crate) inertia: Option<Moments<L>>,
-    /// Sum of the forces [N] and torques about the centre of mass [N m], world frame.
-    pub(crate) force: Vec3<L>,
-    pub(crate) torque: Vec3<L>,
     /// Rates [1/s] at which momentum decays.
     pub(crate) damping: Option<Rates<L>>,
 }
@@ -32,6 +29,13 @@ pub(crate) struct Moments<L> {
 pub(crate) struct Rates<L> {
     pub(crate) linear: L,
     pub(crate) angular: L,
+}
+
+/// Sum of forces [N] and of torques about the centre of mass [N m], world frame.
+#[derive(Clone, Copy)]
+pub(crate) struct Force<L> {
+    pub(crate) force: Vec3<L>,
+    pub(crate) torque: Vec3<L>,
 }
 
 /// The state of a body: what a step advances.
@@ -80,6 +84,13 @@ impl Moments<Real> {
             inverse_moments: inertia.inverse_moments().into(),
             axes: axes.map(|axes| axes.0.into()),
         }
+    }
+}
+
+impl From<Wrench> for Force<Real> {
+    #[inline(always)]
+    fn from(wrench: Wrench) -> Self {
+        Self { force: wrench.force.into(), torque: wrench.torque.into() }
     }
 }
 

@@ -11,7 +11,7 @@ use crate::components::{Damping, GravityScale, Inertia, Mass, Momentum, Pose, Pr
 use crate::integrators::derivative;
 use crate::math::{Quat, Real, Vec3};
 use crate::settings::Settings;
-use crate::state::{Constants, Moments, State};
+use crate::state::{Constants, Force, Moments, State};
 
 /// Numbers that the state of one body takes: 3 + 4 + 3 + 3.
 pub const STATE_SIZE: usize = 13;
@@ -118,7 +118,7 @@ pub fn derivative_to_array(
     check_length(rates, order)?;
     let numbers = array.chunks_exact(STATE_SIZE).zip(rates.chunks_exact_mut(STATE_SIZE));
     for (&entity, (state, rates)) in order.entities().iter().zip(numbers) {
-        let (constants, damping) = forced(world, settings, entity).ok_or(StateArrayError::NotMoving(entity))?;
+        let (constants, force, damping) = forced(world, settings, entity).ok_or(StateArrayError::NotMoving(entity))?;
         let vector = |from: usize| LaneVec3::new(state[from], state[from + 1], state[from + 2]);
         let state = State {
             position: vector(0),
@@ -126,7 +126,7 @@ pub fn derivative_to_array(
             linear: vector(7),
             angular: vector(10),
         };
-        let rate = derivative(&constants, state);
+        let rate = derivative(&constants, force, &state);
         let linear = rate.linear + state.linear * -damping.linear;
         let angular = rate.angular + state.angular * -damping.angular;
         Numbers(rates).write(
@@ -139,16 +139,16 @@ pub fn derivative_to_array(
     Ok(())
 }
 
-/// One body's constants, with the force that a step would apply, and its rates of damping.
-fn forced(world: &World, settings: &Settings, entity: Entity) -> Option<(Constants<Real>, Damping)> {
+/// One body's constants, the force that a step would apply, and the rates of damping.
+fn forced(world: &World, settings: &Settings, entity: Entity) -> Option<(Constants<Real>, Force<Real>, Damping)> {
     let body = world.entity(entity).ok()?;
     let mass = body.get::<&Mass>()?.kilograms();
-    let wrench = body.get::<&Wrench>().map_or(Wrench::default(), |wrench| *wrench);
+    let mut wrench = body.get::<&Wrench>().map_or(Wrench::default(), |wrench| *wrench);
     let scale = body.get::<&GravityScale>().map_or(1.0, |scale| scale.0);
+    wrench.force += settings.gravity * (mass * scale);
     let inertia = body
         .get::<&Inertia>()
         .map(|inertia| Moments::new(&inertia, body.get::<&PrincipalAxes>().map(|axes| *axes).as_ref()));
-    let force = wrench.force + settings.gravity * (mass * scale);
-    let constants = Constants { mass, inertia, force: force.into(), torque: wrench.torque.into(), damping: None };
-    Some((constants, body.get::<&Damping>().map_or(Damping::default(), |damping| *damping)))
+    let damping = body.get::<&Damping>().map_or(Damping::default(), |damping| *damping);
+    Some((Constants { mass, inertia, damping: None }, wrench.into(), damping))
 }

@@ -1,6 +1,7 @@
 use hecs::World;
 
 use crate::columns::for_each_chunk;
+use crate::force_laws::ForceLaws;
 use crate::kinematic::move_kinematic_bodies;
 use crate::phase_times::{Phase, PhaseTimes};
 use crate::settings::Settings;
@@ -12,19 +13,26 @@ use crate::systems::{accumulate_forces_of, integrate_bodies, remember_poses, upd
 /// [`accumulate_forces`](crate::accumulate_forces), [`integrate`](crate::integrate) and [`update_derived`](crate::update_derived)
 /// one after the other over the whole world gives the same bits.
 ///
-/// The settings are not [validated](Settings::validate) here; [`Simulation`](crate::Simulation) does that once.
+/// The settings are not [validated](Settings::validate) here; [`Simulation`](crate::Simulation) does that once, and knows the force
+/// laws and the time.
 pub fn step(world: &mut World, settings: &Settings) {
-    step_timed(world, settings, None);
+    step_under_laws(world, settings, &ForceLaws::default(), 0.0, None);
 }
 
-/// [`step`], adding to `times` how long each phase took.
-pub(crate) fn step_timed(world: &mut World, settings: &Settings, times: Option<&PhaseTimes>) {
-    for_each_chunk(world, |mut bodies| {
+/// [`step`] under force laws, starting at a time [s], adding to `times` how long each phase took.
+pub(crate) fn step_under_laws(
+    world: &mut World,
+    settings: &Settings,
+    laws: &ForceLaws,
+    time: f64,
+    times: Option<&PhaseTimes>,
+) {
+    for_each_chunk(world, laws, |mut bodies| {
         let mut clock = PhaseTimes::start(times);
         remember_poses(&mut bodies);
         accumulate_forces_of(&mut bodies, settings);
         clock.end_of(Phase::AccumulateForces);
-        integrate_bodies(&mut bodies, settings);
+        integrate_bodies(&mut bodies, settings, time);
         clock.end_of(Phase::Integrate);
         update_derived_of(&mut bodies);
         clock.end_of(Phase::UpdateDerived);

@@ -4,9 +4,11 @@ use hecs::World;
 use tumble_math::lane::Vec3 as LaneVec3;
 
 use crate::columns::{Chunk, for_each_chunk};
-use crate::components::{InverseInertia, Momentum, Pose, PreviousPose, Velocity};
+use crate::components::{InverseInertia, Momentum, Pose, PreviousPose, Velocity, Work, Wrench};
+use crate::force_laws::ForceLaws;
 use crate::integrator::Integrator;
-use crate::integrators::{MoserVeselov, RungeKutta4, Scheme, SemiImplicitEuler};
+use crate::integrators::{ConstantForce, MoserVeselov, NoAccount, RungeKutta4, Scheme, SemiImplicitEuler};
+use crate::law_forces::{LawForces, WorkAccount, kinetic_energy};
 use crate::math::{Real, Vec3};
 use crate::settings::Settings;
 use crate::state::{Constants, Moments, Rates, State};
@@ -16,20 +18,24 @@ use crate::state::{Constants, Moments, Rates, State};
 ///
 /// [`Damping`](crate::Damping) is not among them: it is a decay, which [`integrate`] treats exactly.
 pub fn accumulate_forces(world: &mut World, settings: &Settings) {
-    for_each_chunk(world, |mut bodies| accumulate_forces_of(&mut bodies, settings));
+    for_each_chunk(world, &ForceLaws::default(), |mut bodies| accumulate_forces_of(&mut bodies, settings));
 }
 
-/// [`Wrench`](crate::Wrench), [`Momentum`](crate::Momentum), [`Pose`](crate::Pose) to [`Momentum`](crate::Momentum),
-/// [`Pose`](crate::Pose): advances the state by `settings.dt` with the chosen [`Integrator`], in `settings.substeps` equal parts,
-/// and zeroes the wrench it has consumed.
+/// [`Wrench`], [`Momentum`], [`Pose`] to [`Momentum`], [`Pose`]: advances the state by `settings.dt` with the chosen [`Integrator`], in
+/// `settings.substeps` equal parts, and zeroes the wrench it has consumed.
 pub fn integrate(world: &mut World, settings: &Settings) {
-    for_each_chunk(world, |mut bodies| integrate_bodies(&mut bodies, settings));
+    integrate_under_laws(world, settings, &ForceLaws::default(), 0.0);
+}
+
+/// [`integrate`] under force laws, which are evaluated at every stage; `time` [s] is the simulated time at the start of the step.
+pub fn integrate_under_laws(world: &mut World, settings: &Settings, laws: &ForceLaws, time: f64) {
+    for_each_chunk(world, laws, |mut bodies| integrate_bodies(&mut bodies, settings, time));
 }
 
 /// [`Pose`](crate::Pose), [`Momentum`](crate::Momentum), [`Mass`](crate::Mass), [`Inertia`](crate::Inertia) to [`Velocity`] and
 /// [`InverseInertia`], on the moving bodies that have them: `v = P/M`, `I^-1 = R I_body^-1 R^T`, `w = I^-1 L`.
 pub fn update_derived(world: &mut World) {
-    for_each_chunk(world, |mut bodies| update_derived_of(&mut bodies));
+    for_each_chunk(world, &ForceLaws::default(), |mut bodies| update_derived_of(&mut bodies));
 }
 
 pub(crate) fn remember_poses(bodies: &mut Chunk<'_>) {
@@ -41,40 +47,67 @@ pub(crate) fn remember_poses(bodies: &mut Chunk<'_>) {
 }
 
 pub(crate) fn accumulate_forces_of(bodies: &mut Chunk<'_>, settings: &Settings) {
-    let gravity = settings.gravity;
-    match bodies.gravity_scale {
-        None => {
-            for (wrench, mass) in bodies.wrench.iter_mut().zip(bodies.mass) {
-                wrench.force += gravity * mass.kilograms();
-            }
-        }
-        Some(scales) => {
-            for ((wrench, mass), scale) in bodies.wrench.iter_mut().zip(bodies.mass).zip(scales) {
-                wrench.force += gravity * (mass.kilograms() * scale.0);
-            }
-        }
+    for i in 0..bodies.len() {
+        bodies.wrench[i].force += bodies.gravity(i, settings);
     }
 }
 
-pub(crate) fn integrate_bodies(bodies: &mut Chunk<'_>, settings: &Settings) {
+pub(crate) fn integrate_bodies(bodies: &mut Chunk<'_>, settings: &Settings, time: f64) {
     match settings.integrator {
-        Integrator::SemiImplicitEuler => integrate_with::<SemiImplicitEuler<Real>>(bodies, settings),
-        Integrator::RungeKutta4 => integrate_with::<RungeKutta4<Real>>(bodies, settings),
-        Integrator::MoserVeselov => integrate_with::<MoserVeselov<Real>>(bodies, settings),
+        Integrator::SemiImplicitEuler => integrate_with::<SemiImplicitEuler<Real>>(bodies, settings, time),
+        Integrator::RungeKutta4 => integrate_with::<RungeKutta4<Real>>(bodies, settings, time),
+        Integrator::MoserVeselov => integrate_with::<MoserVeselov<Real>>(bodies, settings, time),
     }
 }
 
-fn integrate_with<S: Scheme<Real>>(bodies: &mut Chunk<'_>, settings: &Settings) {
+fn integrate_with<S: Scheme<Real>>(bodies: &mut Chunk<'_>, settings: &Settings, time: f64) {
+    if bodies.laws.is_empty() && bodies.work.is_none() {
+        integrate_under_constant_forces::<S>(bodies, settings);
+    } else {
+        integrate_under_varying_forces::<S>(bodies, settings, time);
+    }
+    bodies.wrench.fill(Wrench::default());
+}
+
+fn integrate_under_constant_forces<S: Scheme<Real>>(bodies: &mut Chunk<'_>, settings: &Settings) {
     let h = settings.substep();
     for i in 0..bodies.len() {
         let scheme = S::new(&bodies.constants(i), h);
+        let forces = ConstantForce(bodies.wrench[i].into());
         let mut state = bodies.state(i);
         for _ in 0..settings.substeps {
-            state = scheme.advance(state);
+            state = scheme.advance(state, &forces, &mut NoAccount);
         }
         bodies.set_state(i, state);
     }
-    bodies.wrench.fill(Default::default());
+}
+
+fn integrate_under_varying_forces<S: Scheme<Real>>(bodies: &mut Chunk<'_>, settings: &Settings, time: f64) {
+    let h = settings.substep();
+    for i in 0..bodies.len() {
+        let constants = bodies.constants(i);
+        let scheme = S::new(&constants, h);
+        let gravity = bodies.gravity(i, settings);
+        let (start, laws, row) = (bodies.state(i), bodies.laws, bodies.first_row + i);
+        let mut work = Work::default();
+        let mut state = start;
+        for substep in 0..settings.substeps {
+            let time = time + f64::from(substep) * f64::from(h);
+            let forces = LawForces { constants: &constants, wrench: bodies.wrench[i], laws, row, time };
+            state = if bodies.work.is_some() {
+                let mut account = WorkAccount { work: &mut work, forces: &forces, gravity };
+                scheme.advance(state, &forces, &mut account)
+            } else {
+                scheme.advance(state, &forces, &mut NoAccount)
+            };
+        }
+        bodies.set_state(i, state);
+        if let Some(column) = bodies.work.as_deref_mut() {
+            let change = kinetic_energy(&constants, &state) - kinetic_energy(&constants, &start);
+            work.integrator = change - work.total();
+            column[i] += work;
+        }
+    }
 }
 
 pub(crate) fn update_derived_of(bodies: &mut Chunk<'_>) {
@@ -114,13 +147,18 @@ fn world_inverse(inertia: &Moments<Real>, state: &State<Real>) -> InverseInertia
 }
 
 impl Chunk<'_> {
+    /// The force of gravity on a body [N].
+    #[inline(always)]
+    fn gravity(&self, i: usize, settings: &Settings) -> Vec3 {
+        let scale = self.gravity_scale.map_or(1.0, |scales| scales[i].0);
+        settings.gravity * (self.mass[i].kilograms() * scale)
+    }
+
     #[inline(always)]
     fn constants(&self, i: usize) -> Constants<Real> {
         Constants {
             mass: self.mass[i].kilograms(),
             inertia: self.inertia.map(|inertia| Moments::new(&inertia[i], self.axes.map(|axes| &axes[i]))),
-            force: self.wrench[i].force.into(),
-            torque: self.wrench[i].torque.into(),
             damping: self.damping.map(|damping| Rates { linear: damping[i].linear, angular: damping[i].angular }),
         }
     }

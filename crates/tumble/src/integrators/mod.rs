@@ -2,11 +2,15 @@
 //!
 //! They are generic over [`Lane`](tumble_math::lane::Lane), so one body and a tile of bodies run the same code.
 
-mod damped;
+mod account;
+mod forces;
+mod kick;
 mod moser_veselov;
 mod runge_kutta4;
 mod semi_implicit_euler;
 
+pub(crate) use account::{Account, Mean, NoAccount};
+pub(crate) use forces::{ConstantForce, Forces};
 pub(crate) use moser_veselov::MoserVeselov;
 pub(crate) use runge_kutta4::{RungeKutta4, derivative};
 pub(crate) use semi_implicit_euler::SemiImplicitEuler;
@@ -18,6 +22,6 @@ pub(crate) trait Scheme<L> {
     /// What of the scheme depends on the body and the substep but not on the state.
     fn new(constants: &Constants<L>, h: L) -> Self;
 
-    /// The state one substep later.
-    fn advance(&self, state: State<L>) -> State<L>;
+    /// The state one substep later, under forces that are evaluated at every stage and, where asked for, with an account of their work.
+    fn advance<F: Forces<L>, A: Account<L>>(&self, state: State<L>, forces: &F, account: &mut A) -> State<L>;
 }

@@ -1,8 +1,8 @@
 use tumble_math::FreeRotation;
 use tumble_math::lane::Lane;
 
-use super::Scheme;
-use super::damped::Kick;
+use super::kick::Kick;
+use super::{Account, Forces, Scheme};
 use crate::state::{Constants, State};
 
 /// Half a kick, free flight, half a kick. The flight keeps both momenta; [`FreeRotation`] turns the body.
@@ -10,6 +10,7 @@ pub(crate) struct MoserVeselov<L> {
     half_kick: Kick<L>,
     rotation: Option<FreeRotation<L>>,
     step_per_mass: L,
+    h: L,
 }
 
 impl<L: Lane> Scheme<L> for MoserVeselov<L> {
@@ -21,18 +22,20 @@ impl<L: Lane> Scheme<L> for MoserVeselov<L> {
                 .inertia
                 .map(|inertia| FreeRotation::new(inertia.moments, inertia.inverse_moments, inertia.axes, h)),
             step_per_mass: h / constants.mass,
+            h,
         }
     }
 
     #[inline(always)]
-    fn advance(&self, state: State<L>) -> State<L> {
-        let linear = self.half_kick.linear(state.linear);
-        let angular = self.half_kick.angular(state.angular);
-        State {
-            position: state.position + linear * self.step_per_mass,
-            orientation: self.rotation.map_or(state.orientation, |free| free.rotate(state.orientation, angular)),
-            linear: self.half_kick.linear(linear),
-            angular: self.half_kick.angular(angular),
-        }
+    fn advance<F: Forces<L>, A: Account<L>>(&self, state: State<L>, forces: &F, account: &mut A) -> State<L> {
+        let flying = self.half_kick.apply(state, L::splat(0.0), forces, account);
+        let landed = State {
+            position: flying.position + flying.linear * self.step_per_mass,
+            orientation: self
+                .rotation
+                .map_or(flying.orientation, |rotation| rotation.rotate(flying.orientation, flying.angular)),
+            ..flying
+        };
+        self.half_kick.apply_to_end(landed, self.h, forces, account)
     }
 }

@@ -1,8 +1,8 @@
 use tumble_math::lane::Lane;
 use tumble_math::rotate_to_first_order;
 
-use super::Scheme;
-use super::damped::Kick;
+use super::kick::Kick;
+use super::{Account, Forces, Scheme};
 use crate::state::{Constants, Moments, State};
 
 /// `P += F h`, `L += tau h`, `x += P/M h`, `q += 1/2 [0, w] q h`, normalised.
@@ -20,17 +20,15 @@ impl<L: Lane> Scheme<L> for SemiImplicitEuler<L> {
     }
 
     #[inline(always)]
-    fn advance(&self, state: State<L>) -> State<L> {
-        let linear = self.kick.linear(state.linear);
-        let angular = self.kick.angular(state.angular);
+    fn advance<F: Forces<L>, A: Account<L>>(&self, state: State<L>, forces: &F, account: &mut A) -> State<L> {
+        let kicked = self.kick.apply(state, L::splat(0.0), forces, account);
         State {
-            position: state.position + linear * self.step_per_mass,
-            orientation: self.inertia.map_or(state.orientation, |inertia| {
-                let angular_velocity = inertia.angular_velocity(state.orientation, angular);
-                rotate_to_first_order(state.orientation, angular_velocity, self.h)
+            position: kicked.position + kicked.linear * self.step_per_mass,
+            orientation: self.inertia.map_or(kicked.orientation, |inertia| {
+                let angular_velocity = inertia.angular_velocity(kicked.orientation, kicked.angular);
+                rotate_to_first_order(kicked.orientation, angular_velocity, self.h)
             }),
-            linear,
-            angular,
+            ..kicked
         }
     }
 }

@@ -1,0 +1,142 @@
+//! Forces that depend on the state of a body or on time, as the caller writes them.
+
+use tumble_math::lane::Vec3 as LaneVec3;
+
+use crate::components::Wrench;
+use crate::math::{Quat, Real, Vec3};
+use crate::state::{Constants, State};
+
+/// A force on a body that depends on its state, or on time.
+///
+/// A law is a component of the bodies it acts on, made known by [`Simulation::add_law`](crate::Simulation::add_law), or it acts on
+/// every moving body ([`Simulation::add_law_everywhere`](crate::Simulation::add_law_everywhere)). Every integrator evaluates it at every
+/// stage, with the time and the state of that stage:
+///
+/// | integrator | evaluations a substep | order under laws |
+/// |---|---|---|
+/// | `SemiImplicitEuler` | 1, at the start | 1 |
+/// | `RungeKutta4` | 4 | 4 |
+/// | `MoserVeselov` | 2, at start and end; 3 where the law [depends on velocity](Self::depends_on_velocity) | 2 |
+///
+/// A law must not depend on anything but its own data and the state it is given, and should keep to basic arithmetic if the bits are to be the
+/// same on every machine.
+///
+/// ```
+/// use tumble::prelude::*;
+/// use tumble::{BodyState, ForceLaw};
+///
+/// /// Pulls towards the origin.
+/// struct Tether { stiffness: Real }
+///
+/// impl ForceLaw for Tether {
+///     fn wrench(&self, state: &BodyState<'_>) -> Wrench {
+///         Wrench { force: state.position * -self.stiffness, torque: Vec3::ZERO }
+///     }
+///     fn depends_on_velocity(&self) -> bool {
+///         false
+///     }
+///     fn potential(&self, state: &BodyState<'_>) -> f64 {
+///         0.5 * f64::from(self.stiffness * state.position.length_squared())
+///     }
+/// }
+///
+/// let mut world = hecs::World::new();
+/// let body = RigidBody::new(Shape::Point).mass(1.0).position(Vec3::X).build()?.spawn(&mut world);
+/// world.insert_one(body, Tether { stiffness: 4.0 })?;
+/// let mut simulation = Simulation::new(Settings::default().with_gravity(Vec3::ZERO).with_dt(0.01))?;
+/// simulation.add_law::<Tether>();
+/// for _ in 0..314 {
+///     simulation.step(&mut world); // one period is pi seconds
+/// }
+/// assert!((world.get::<&Pose>(body)?.position - Vec3::X).length() < 1e-2);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+pub trait ForceLaw: Send + Sync + 'static {
+    /// Force [N] and torque about the centre of mass [N m], both in the world frame.
+    /// [`BodyState::from_body_frame`] makes one from forces given in the body's frame.
+    fn wrench(&self, state: &BodyState<'_>) -> Wrench;
+
+    /// Whether the force depends on velocity or momentum; `false` saves an evaluation.
+    fn depends_on_velocity(&self) -> bool {
+        true
+    }
+
+    /// Potential energy [J] of a conservative law, zero for others. Only the ledger asks for it.
+    fn potential(&self, state: &BodyState<'_>) -> f64 {
+        let _ = state;
+        0.0
+    }
+}
+
+/// What a law sees of a body at one stage of an integrator.
+#[derive(Clone, Copy)]
+pub struct BodyState<'a> {
+    /// Simulated time of the stage [s].
+    pub time: f64,
+    /// Centre of mass [m], world frame.
+    pub position: Vec3,
+    /// Unit quaternion, body frame to world.
+    pub orientation: Quat,
+    /// Velocity of the centre of mass [m/s], world frame.
+    pub linear_velocity: Vec3,
+    /// Angular velocity [rad/s], world frame.
+    pub angular_velocity: Vec3,
+    /// Mass [kg].
+    pub mass: Real,
+    constants: &'a Constants<Real>,
+}
+
+impl<'a> BodyState<'a> {
+    pub(crate) fn new(time: f64, constants: &'a Constants<Real>, state: &State<Real>) -> Self {
+        let orientation = state.orientation.normalize();
+        let angular_velocity =
+            constants.inertia.map_or(LaneVec3::zero(), |inertia| inertia.angular_velocity(orientation, state.angular));
+        Self {
+            time,
+            position: state.position.into(),
+            orientation: orientation.into(),
+            linear_velocity: constants.velocity(state.linear).into(),
+            angular_velocity: angular_velocity.into(),
+            mass: constants.mass,
+            constants,
+        }
+    }
+
+    /// World coordinates [m] of a point given relative to the centre of mass along the body's axes.
+    pub fn point_to_world(&self, point_body: Vec3) -> Vec3 {
+        self.position + self.orientation * point_body
+    }
+
+    /// A direction of the body's frame in the world frame.
+    pub fn to_world(&self, vector_body: Vec3) -> Vec3 {
+        self.orientation * vector_body
+    }
+
+    /// A direction of the world frame in the body's frame.
+    pub fn to_body(&self, vector_world: Vec3) -> Vec3 {
+        self.orientation.conjugate() * vector_world
+    }
+
+    /// The wrench of a force [N] through the centre of mass and a torque [N m], both given in the body's frame.
+    pub fn from_body_frame(&self, force_body: Vec3, torque_body: Vec3) -> Wrench {
+        Wrench { force: self.to_world(force_body), torque: self.to_world(torque_body) }
+    }
+
+    /// The wrench of a force [N] that acts at a point [m], both in the world frame.
+    pub fn force_at(&self, force: Vec3, point: Vec3) -> Wrench {
+        Wrench { force, torque: (point - self.position).cross(force) }
+    }
+
+    /// Velocity [m/s] of the body's material at a point of the world.
+    pub fn velocity_at(&self, point: Vec3) -> Vec3 {
+        self.linear_velocity + self.angular_velocity.cross(point - self.position)
+    }
+
+    /// The inertia tensor times a vector, `R I R^T v`, in the world frame; zero for a point mass.
+    pub fn apply_inertia(&self, vector: Vec3) -> Vec3 {
+        let Some(inertia) = self.constants.inertia else { return Vec3::ZERO };
+        let [a, b, c] = inertia.world_axes(self.orientation.into());
+        let (m, v) = (inertia.moments, LaneVec3::from(vector));
+        (a * (a.dot(v) * m.x) + b * (b.dot(v) * m.y) + c * (c.dot(v) * m.z)).into()
+    }
+}

@@ -1,0 +1,127 @@
+use tumble_math::lane::{Lane, Vec3};
+use tumble_math::{Decay, decay};
+
+use super::{Account, Forces, Mean};
+use crate::state::{Constants, Force, State};
+
+/// What a force and a damping do to the momenta over a fixed time: `p <- kept p + weight F`, exact for a constant force.
+#[derive(Clone, Copy)]
+pub(crate) struct Kick<L> {
+    constants: Constants<L>,
+    linear: Part<L>,
+    angular: Part<L>,
+}
+
+#[derive(Clone, Copy)]
+struct Part<L> {
+    /// `e^(-c t)`; `None` without damping, so that an undamped momentum is not touched.
+    kept: Option<L>,
+    /// The time, each moment weighed by how much of what it adds is left at the end [s].
+    weight: L,
+}
+
+impl<L: Lane> Part<L> {
+    #[inline(always)]
+    fn new(rate: Option<L>, t: L) -> Self {
+        match rate.map(|rate| decay(rate * t)) {
+            None => Self { kept: None, weight: t },
+            Some(Decay { kept, mean }) => Self { kept: Some(kept), weight: mean * t },
+        }
+    }
+
+    #[inline(always)]
+    fn apply(&self, momentum: Vec3<L>, force: Vec3<L>) -> Vec3<L> {
+        self.kept.map_or(momentum, |kept| momentum * kept) + force * self.weight
+    }
+
+    /// What damping adds to the momentum.
+    #[inline(always)]
+    fn damped(&self, momentum: Vec3<L>) -> Vec3<L> {
+        self.kept.map_or(Vec3::zero(), |kept| momentum * (kept - L::splat(1.0)))
+    }
+}
+
+impl<L: Lane> Kick<L> {
+    /// A kick over the time `t` [s].
+    #[inline(always)]
+    pub(crate) fn new(constants: &Constants<L>, t: L) -> Self {
+        let rates = constants.damping;
+        Self {
+            constants: *constants,
+            linear: Part::new(rates.map(|rates| rates.linear), t),
+            angular: Part::new(rates.map(|rates| rates.angular), t),
+        }
+    }
+
+    /// The state with its momenta kicked by the forces as they are at the state itself.
+    #[inline(always)]
+    pub(crate) fn apply(
+        &self,
+        state: State<L>,
+        offset: L,
+        forces: &impl Forces<L>,
+        account: &mut impl Account<L>,
+    ) -> State<L> {
+        self.apply_as_at(state, offset, &state, forces, account)
+    }
+
+    /// The state with its momenta kicked so that the forces are those at the end of the kick, to second order: a force that depends on
+    /// velocity is evaluated again, at the state that its first value leads to.
+    #[inline(always)]
+    pub(crate) fn apply_to_end(
+        &self,
+        state: State<L>,
+        offset: L,
+        forces: &impl Forces<L>,
+        account: &mut impl Account<L>,
+    ) -> State<L> {
+        if forces.depends_on_velocity() {
+            let predicted = self.kicked(state, forces.at(offset, &state));
+            self.apply_as_at(state, offset, &predicted, forces, account)
+        } else {
+            self.apply(state, offset, forces, account)
+        }
+    }
+
+    #[inline(always)]
+    fn apply_as_at<A: Account<L>>(
+        &self,
+        state: State<L>,
+        offset: L,
+        evaluated_at: &State<L>,
+        forces: &impl Forces<L>,
+        account: &mut A,
+    ) -> State<L> {
+        let kicked = self.kicked(state, forces.at(offset, evaluated_at));
+        if A::KEPT {
+            let mean = self.constants.mean(&state, &kicked);
+            account.impulse(offset, evaluated_at, (self.linear.weight, self.angular.weight), &mean);
+            account.damping(self.linear.damped(state.linear), self.angular.damped(state.angular), &mean);
+        }
+        kicked
+    }
+
+    #[inline(always)]
+    fn kicked(&self, state: State<L>, force: Force<L>) -> State<L> {
+        State {
+            linear: self.linear.apply(state.linear, force.force),
+            angular: self.angular.apply(state.angular, force.torque),
+            ..state
+        }
+    }
+}
+
+impl<L: Lane> Constants<L> {
+    /// Mean velocities of two states, each with its own orientation.
+    #[inline(always)]
+    pub(super) fn mean(&self, before: &State<L>, after: &State<L>) -> Mean<L> {
+        let half = L::splat(0.5);
+        let angular_velocity = |state: &State<L>| {
+            self.inertia.map_or(Vec3::zero(), |inertia| inertia.angular_velocity(state.orientation, state.angular))
+        };
+        Mean {
+            linear: self.velocity(before.linear + after.linear) * half,
+            angular: (angular_velocity(before) + angular_velocity(after)) * half,
+        }
+    }
+}

@@ -1,0 +1,100 @@
+//! The forces on one body where force laws act, and the account of their work.
+
+use glam::DVec3;
+use tumble_math::lane::Vec3 as LaneVec3;
+
+use crate::components::{Work, Wrench};
+use crate::force_law::BodyState;
+use crate::force_laws::LawRows;
+use crate::integrators::{Account, Forces, Mean};
+use crate::math::{Real, Vec3, dvec3};
+use crate::state::{Constants, Force, State};
+
+/// All that pushes one body during a substep.
+pub(crate) struct LawForces<'a> {
+    pub(crate) constants: &'a Constants<Real>,
+    /// Gravity and what the caller applied, constant over the step.
+    pub(crate) wrench: Wrench,
+    pub(crate) laws: &'a [(usize, Box<dyn LawRows + 'a>)],
+    /// The body's row among the laws' rows.
+    pub(crate) row: usize,
+    /// Time at the start of the substep [s].
+    pub(crate) time: f64,
+}
+
+impl LawForces<'_> {
+    fn seen_by_laws(&self, offset: Real, state: &State<Real>) -> BodyState<'_> {
+        BodyState::new(self.time + f64::from(offset), self.constants, state)
+    }
+}
+
+impl Forces<Real> for LawForces<'_> {
+    fn at(&self, offset: Real, state: &State<Real>) -> Force<Real> {
+        let mut sum = self.wrench;
+        if !self.laws.is_empty() {
+            let seen = self.seen_by_laws(offset, state);
+            for (_, law) in self.laws {
+                let wrench = law.wrench(self.row, &seen);
+                sum.force += wrench.force;
+                sum.torque += wrench.torque;
+            }
+        }
+        sum.into()
+    }
+
+    fn depends_on_velocity(&self) -> bool {
+        self.laws.iter().any(|(_, law)| law.depends_on_velocity(self.row))
+    }
+}
+
+/// Adds up the work done on one body.
+pub(crate) struct WorkAccount<'a> {
+    pub(crate) work: &'a mut Work,
+    pub(crate) forces: &'a LawForces<'a>,
+    /// The part of the constant force that is gravity [N].
+    pub(crate) gravity: Vec3,
+}
+
+fn double(v: LaneVec3<Real>) -> DVec3 {
+    dvec3(v.into())
+}
+
+impl Account<Real> for WorkAccount<'_> {
+    const KEPT: bool = true;
+
+    fn impulse(&mut self, offset: Real, at: &State<Real>, weight: (Real, Real), mean: &Mean<Real>) {
+        let linear = double(mean.linear) * f64::from(weight.0);
+        let angular = double(mean.angular) * f64::from(weight.1);
+        let gravity = dvec3(self.gravity);
+        let wrench = self.forces.wrench;
+        self.work.gravity += gravity.dot(linear);
+        self.work.applied += (dvec3(wrench.force) - gravity).dot(linear) + dvec3(wrench.torque).dot(angular);
+        if self.forces.laws.is_empty() {
+            return;
+        }
+        let seen = self.forces.seen_by_laws(offset, at);
+        for (index, law) in self.forces.laws {
+            let wrench = law.wrench(self.forces.row, &seen);
+            let work = dvec3(wrench.force).dot(linear) + dvec3(wrench.torque).dot(angular);
+            self.work.laws[(*index).min(Work::LAWS - 1)] += work;
+        }
+    }
+
+    fn damping(&mut self, linear: LaneVec3<Real>, angular: LaneVec3<Real>, mean: &Mean<Real>) {
+        self.work.damping += double(linear).dot(double(mean.linear)) + double(angular).dot(double(mean.angular));
+    }
+}
+
+/// Kinetic energy of one body [J], in double precision.
+pub(crate) fn kinetic_energy(constants: &Constants<Real>, state: &State<Real>) -> f64 {
+    let linear = double(state.linear).length_squared() / (2.0 * f64::from(constants.mass));
+    let rotational = constants.inertia.map_or(0.0, |inertia| {
+        // The axes are rounded, so their common length, one up to rounding, is divided out.
+        let axes = inertia.world_axes(state.orientation).map(double);
+        let momentum = double(state.angular);
+        let moments = double(inertia.moments).to_array();
+        let energies = axes.iter().zip(moments).map(|(axis, moment)| axis.dot(momentum).powi(2) / moment);
+        0.5 * energies.sum::<f64>()
+    });
+    linear + rotational
+}

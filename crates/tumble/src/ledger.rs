@@ -1,0 +1,136 @@
+use hecs::{Entity, Without, World};
+
+use crate::body_order::BodyOrder;
+use crate::components::{Inertia, Mass, Momentum, Pose, PrincipalAxes, Work, Wrench};
+use crate::force_law::BodyState;
+use crate::simulation::Simulation;
+use crate::state::{Constants, Moments, State};
+use crate::totals::{Totals, measure};
+
+/// Keeps the books of a simulation: energy and momentum, and the work that each source of force has done.
+///
+/// While it is attached, every step adds up the work on each body, so that the change of kinetic energy is the sum of works, to
+/// rounding; whatever no force did is the integrator's own error. Sums over bodies are taken in [`BodyOrder`]. A world that no
+/// ledger was attached to pays nothing.
+///
+/// ```
+/// use tumble::prelude::*;
+/// use tumble::Ledger;
+///
+/// let mut world = hecs::World::new();
+/// RigidBody::new(Shape::sphere(0.1)).mass(2.0).build()?.spawn(&mut world);
+/// let mut simulation = Simulation::new(Settings::default())?;
+/// let mut ledger = Ledger::attach(&mut world, &simulation);
+/// for _ in 0..60 {
+///     simulation.step(&mut world);
+/// }
+/// let entry = ledger.record(&world, &simulation);
+/// // A second of fall: kinetic energy m (g t)^2/2, all of it gravity's work.
+/// assert!((entry.work.gravity - 9.81 * 9.81).abs() < 1e-3);
+/// assert!((entry.totals.energy() + entry.law_potential).abs() < 1e-3);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+#[derive(Clone, Debug)]
+pub struct Ledger {
+    order: BodyOrder,
+    laws: Vec<&'static str>,
+    entries: Vec<LedgerEntry>,
+}
+
+/// The books at one moment.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
+pub struct LedgerEntry {
+    /// Steps taken.
+    pub step: u64,
+    /// Simulated time [s].
+    pub time: f64,
+    /// Energy in gravity, momentum, and the first body whose state is not finite.
+    pub totals: Totals,
+    /// Potential energy in the force laws [J].
+    pub law_potential: f64,
+    /// Work done since the ledger was attached [J].
+    pub work: Work,
+}
+
+impl LedgerEntry {
+    /// Kinetic energy [J].
+    pub fn kinetic(&self) -> f64 {
+        self.totals.linear_kinetic + self.totals.rotational_kinetic
+    }
+
+    /// Kinetic and potential energy [J], with the laws' potentials.
+    pub fn energy(&self) -> f64 {
+        self.totals.energy() + self.law_potential
+    }
+}
+
+impl Ledger {
+    /// Opens the books: every moving body that has none gets a [`Work`] component, and the first entry is made.
+    ///
+    /// Bodies spawned later are not in the books.
+    pub fn attach(world: &mut World, simulation: &Simulation) -> Self {
+        type Moving<'a> = (&'a Pose, &'a Momentum, &'a Mass, &'a Wrench);
+        let unbooked: Vec<Entity> =
+            world.query_mut::<Without<(Entity, Moving<'_>), &Work>>().into_iter().map(|(entity, _)| entity).collect();
+        for entity in unbooked {
+            // The entity was found in this world a moment ago, so inserting cannot fail.
+            let inserted = world.insert_one(entity, Work::default());
+            debug_assert!(inserted.is_ok());
+        }
+        let mut ledger =
+            Self { order: BodyOrder::of(world), laws: simulation.laws().names().collect(), entries: Vec::new() };
+        ledger.record(world, simulation);
+        ledger
+    }
+
+    /// Takes the [`Work`] components away, so that steps cost what they did before.
+    pub fn detach(&self, world: &mut World) {
+        for &entity in self.order.entities() {
+            // A body that is gone or was never booked has none to take.
+            let _ = world.remove_one::<Work>(entity);
+        }
+    }
+
+    /// Makes an entry of how things stand now.
+    pub fn record(&mut self, world: &World, simulation: &Simulation) -> LedgerEntry {
+        let mut work = Work::default();
+        let mut law_potential = 0.0;
+        for body in self.order.entities().iter().filter_map(|&entity| world.entity(entity).ok()) {
+            if let Some(done) = body.get::<&Work>() {
+                work += *done;
+            }
+            if let Some((constants, state)) = seen(body) {
+                let seen = BodyState::new(simulation.time(), &constants, &state);
+                law_potential += simulation.laws().potential(body, &seen);
+            }
+        }
+        let entry = LedgerEntry {
+            step: simulation.steps(),
+            time: simulation.time(),
+            totals: measure(world, simulation.settings(), &self.order),
+            law_potential,
+            work,
+        };
+        self.entries.push(entry);
+        entry
+    }
+
+    /// All entries, the first from when the ledger was attached.
+    pub fn entries(&self) -> &[LedgerEntry] {
+        &self.entries
+    }
+
+    /// The type names of the force laws, in the order of [`Work::laws`].
+    pub fn laws(&self) -> &[&'static str] {
+        &self.laws
+    }
+}
+
+/// A moving body as force laws see it.
+fn seen(body: hecs::EntityRef<'_>) -> Option<(Constants<crate::math::Real>, State<crate::math::Real>)> {
+    let axes = body.get::<&PrincipalAxes>().map(|axes| *axes);
+    let inertia = body.get::<&Inertia>().map(|inertia| Moments::new(&inertia, axes.as_ref()));
+    let constants = Constants { mass: body.get::<&Mass>()?.kilograms(), inertia, damping: None };
+    Some((constants, State::new(&*body.get::<&Pose>()?, &*body.get::<&Momentum>()?)))
+}
