@@ -104,29 +104,47 @@ impl<L: Lane> FreeRotation<L> {
     /// The orientation one step later; see [`rotate_freely`].
     #[inline(always)]
     pub fn rotate(&self, orientation: Quat<L>, angular_momentum: Vec3<L>) -> Quat<L> {
+        let angles = self.angles(orientation, angular_momentum);
+        let invariants = self.ratios.invariants(angles);
+        let kappa = self.ratios.kappa(invariants);
+        let turned = if L::all(kappa.lt(L::splat(LARGEST_KAPPA))) {
+            self.turned(orientation, self.ratios.map(invariants).turn(angles))
+        } else {
+            self.rotate_in_parts(orientation, angular_momentum, angles, invariants)
+        };
+        Quat::select(L::splat(0.0).lt(kappa), turned, orientation)
+    }
+
+    /// A step in which some body needs several parts. A body that needs one gets the bits that it gets without the others.
+    #[cold]
+    fn rotate_in_parts(&self, orientation: Quat<L>, momentum: Vec3<L>, angles: Vec3<L>, (h2, d2): (L, L)) -> Quat<L> {
         let (zero, one, half) = (L::splat(0.0), L::splat(1.0), L::splat(0.5));
-        let angles = |q: Quat<L>| principal_components(q, self.axes, angular_momentum).scale(self.to_angles);
-        let first_angles = angles(orientation);
-        let (h2, d2) = self.ratios.invariants(first_angles);
         let kappa = self.ratios.kappa((h2, d2));
         let slow_enough = kappa.lt(L::splat(LARGEST_KAPPA * MOST_PARTS * MOST_PARTS));
         let parts = parts_needed(L::select(slow_enough, kappa, zero));
         let part = one / parts;
         let map = self.ratios.map((h2 * (part * part), d2 * (part * part)));
 
-        let mut turned = self.turned(orientation, map.turn(first_angles * part));
+        let mut turned = self.turned(orientation, map.turn(angles * part));
         let mut left = parts - one;
         while L::any(half.lt(left)) {
-            let next = self.turned(turned, map.turn(angles(turned) * part));
+            let next = self.turned(turned, map.turn(self.angles(turned, momentum) * part));
             turned = Quat::select(half.lt(left), next, turned);
             left = left - one;
         }
-        turned = Quat::select(zero.lt(kappa), turned, orientation);
         if L::all(slow_enough) {
             return turned;
         }
-        let body = self.axes.map_or(first_angles, |axes| axes.rotate(first_angles));
+        let body = self.axes.map_or(angles, |axes| axes.rotate(angles));
         Quat::select(slow_enough, turned, rotate_exactly(orientation, orientation.rotate(body), one))
+    }
+
+    /// The angles `h w_j` about the principal axes.
+    #[inline(always)]
+    fn angles(&self, orientation: Quat<L>, angular_momentum: Vec3<L>) -> Vec3<L> {
+        let [a, b, c] = self.axes.map_or(orientation, |axes| orientation * axes).axes();
+        let l = angular_momentum;
+        Vec3::new(a.dot(l), b.dot(l), c.dot(l)).scale(self.to_angles)
     }
 
     /// `q (1, u)/|q (1, u)|`, with `u` in the principal frame.
@@ -135,13 +153,6 @@ impl<L: Lane> FreeRotation<L> {
         let u_body = self.axes.map_or(u, |axes| axes.rotate(u));
         (orientation * Quat::from_parts(L::splat(1.0), u_body)).normalize()
     }
-}
-
-/// `y = R^T L`: the world-frame vector in the principal frame.
-#[inline(always)]
-fn principal_components<L: Lane>(orientation: Quat<L>, axes: Option<Quat<L>>, world: Vec3<L>) -> Vec3<L> {
-    let [a, b, c] = axes.map_or(orientation, |axes| orientation * axes).axes();
-    Vec3::new(a.dot(world), b.dot(world), c.dot(world))
 }
 
 /// The least whole number of parts, at least one, whose kappa is at most [`LARGEST_KAPPA`].
@@ -277,7 +288,9 @@ mod tests {
 
     fn run(moments: DVec3, angular_velocity: DVec3, dt: f64, steps: u32) -> DQuat {
         let momentum = (moments * angular_velocity).into();
-        (0..steps).fold(DQuat::IDENTITY.into(), |q, _| rotate_freely(q, None, momentum, moments.into(), dt)).into()
+        (0..steps)
+            .fold(DQuat::IDENTITY.into(), |q, _| rotate_freely(q, None, momentum, moments.into(), dt))
+            .into()
     }
 
     /// The attitude error after a second falls with the sixth power of the step.
