@@ -20,8 +20,8 @@ use crate::unit::{unit_quaternion, unit_vector};
 /// The off-diagonal elements are *matrix elements*: minus the integrals of `x y`, `y z`, `x z`.
 /// Some tables list the integrals themselves as "products of inertia" (NASA's do); negate those.
 ///
-/// A value of this type is finite, symmetric to the bit, positive definite, and obeys the triangle inequality of
-/// principal moments, all within a stated tolerance. Which point and which frame it belongs to is the
+/// A value of this type is finite, symmetric to the bit, positive definite, and obeys the triangle inequality
+/// of principal moments, all within a stated tolerance. Which point and which frame it belongs to is the
 /// caller's to know; the mass properties of a body keep it about the centre of mass, in body axes.
 ///
 /// Source: H. Goldstein, C. Poole, J. Safko, "Classical Mechanics", 3rd ed., sections 5.3 and 5.4.
@@ -54,9 +54,9 @@ impl InertiaTensor {
         Self::with_tolerance(matrix, Self::TOLERANCE)
     }
 
-    /// A tensor from its matrix [kg m^2]. Mirrored elements may differ by `relative` times the largest element (their
-    /// mean is kept), and the largest principal moment may exceed the sum of the others by `relative` times
-    /// itself. Published moments of flat bodies, rounded to three digits, need about 3e-3.
+    /// A tensor from its matrix [kg m^2]. Mirrored elements may differ by `relative` times the largest element
+    /// (their mean is kept), and the largest principal moment may exceed the sum of the others by `relative`
+    /// times itself. Published moments of flat bodies, rounded to three digits, need about 3e-3.
     ///
     /// Positive definite is meant up to rounding, with no tolerance: with `S = diag(I)^(-1/2)`, the smallest
     /// eigenvalue of `S I S` must exceed 16 eps. So moments of 1e-12, 1e12 and 1e12 pass where the
@@ -113,8 +113,8 @@ impl InertiaTensor {
         self.0
     }
 
-    /// The inverse matrix [1/(kg m^2)], symmetric to the bit. By `L D L^T` factors, whose error does not grow when
-    /// the three axes have very different moments; a diagonal tensor gives exact reciprocals.
+    /// The inverse matrix [1/(kg m^2)], symmetric to the bit. By `L D L^T` factors, whose error does not grow
+    /// when the three axes have very different moments; a diagonal tensor gives exact reciprocals.
     #[must_use]
     pub fn inverse(&self) -> DMat3 {
         let m = self.0;
@@ -145,24 +145,22 @@ impl InertiaTensor {
         unit_vector(axis.into()).map_or(f64::NAN, |n| n.dot(self.0 * n))
     }
 
-    /// The tensor of the body turned by `rotation` about the tensor's point: `R I R^T`. Seen otherwise, `rotation` takes coordinates
-    /// of the frame the tensor is given in to those of the frame wanted.
+    /// The tensor of the body turned by `rotation` about the tensor's point: `R I R^T`. Seen otherwise,
+    /// `rotation` takes coordinates of the frame the tensor is given in to those of the frame wanted.
     ///
     /// # Errors
-    /// [`InertiaError::Orientation`] if the length of `rotation` is further than 1e-3 from one (closer is normalised), and
-    /// [`InertiaError::NotPositive`] if a moment is so small that the turned matrix cannot hold it.
+    /// [`InertiaError::Orientation`] if the length of `rotation` is further than 1e-3 from one (closer is
+    /// normalised), and [`InertiaError::NotPositive`] if a moment is so small that the turned matrix cannot
+    /// hold it.
     pub fn rotated(&self, rotation: DQuat) -> Result<Self, InertiaError> {
         let rotation = unit_quaternion(rotation).map_err(|length| InertiaError::Orientation { length })?;
         let turned = change_of_basis(self.0, rotation);
-        if definite_beyond_rounding(turned) {
-            Ok(Self(turned))
-        } else {
-            Err(InertiaError::NotPositive { principal: sorted(symmetric_eigen(turned).0) })
-        }
+        definite_after_turning(turned)?;
+        Ok(Self(turned))
     }
 
-    /// From the centre of mass to a point `offset` \[m\] away, `mass` in kg: the parallel-axis theorem as a tensor
-    /// (Steiner), `I' = I + m (d^2 E - d d^T)`. Axes stay parallel.
+    /// From the centre of mass to a point `offset` \[m\] away, `mass` in kg: the parallel-axis theorem as a
+    /// tensor (Steiner), `I' = I + m (d^2 E - d d^T)`. Axes stay parallel.
     ///
     /// # Errors
     /// A mass that is negative or not finite, an offset that is not finite, or a result out of range.
@@ -170,13 +168,21 @@ impl InertiaTensor {
         Self::new(self.0 + steiner(mass, offset.into())?)
     }
 
-    /// From a point to the centre of mass `offset` \[m\] away (either sign), `mass` in kg: `I' = I - m (d^2 E - d d^T)`.
+    /// From a point to the centre of mass `offset` \[m\] away (either sign), `mass` in kg:
+    /// `I' = I - m (d^2 E - d d^T)`.
     ///
     /// # Errors
     /// As [`new`](Self::new): too large a mass or offset leaves moments that no body has. Mass and
     /// offset as in [`shifted_from_center`](Self::shifted_from_center).
     pub fn shifted_to_center(&self, mass: f64, offset: impl Into<DVec3>) -> Result<Self, InertiaError> {
-        Self::new(self.0 - steiner(mass, offset.into())?)
+        let moved = Self::new(self.0 - steiner(mass, offset.into())?)?;
+        let principal = sorted(symmetric_eigen(moved.0).0);
+        // The subtraction leaves a few eps of what was there before.
+        if principal.x > 8.0 * f64::EPSILON * symmetric_eigen(self.0).0.max_element() {
+            Ok(moved)
+        } else {
+            Err(InertiaError::NotPositive { principal })
+        }
     }
 
     /// Angular momentum `L = I w` [kg m^2/s] at the angular velocity `w` [rad/s], both in the tensor's frame.
@@ -185,15 +191,16 @@ impl InertiaTensor {
         self.0 * angular_velocity.into()
     }
 
-    /// Kinetic energy of rotation `1/2 w . I w` \[J\] at the angular velocity `w` [rad/s] in the tensor's frame.
+    /// Kinetic energy of rotation `1/2 w . I w` \[J\] at the angular velocity `w` [rad/s] in the tensor's
+    /// frame.
     #[must_use]
     pub fn kinetic_energy(&self, angular_velocity: impl Into<DVec3>) -> f64 {
         let w = angular_velocity.into();
         0.5 * w.dot(self.0 * w)
     }
 
-    /// Principal moments and axes. A diagonal tensor gives its diagonal, in its order, and the identity, exactly.
-    /// See [`PrincipalInertia`] for which of the possible frames it is.
+    /// Principal moments and axes. A diagonal tensor gives its diagonal, in its order, and the identity,
+    /// exactly. See [`PrincipalInertia`] for which of the possible frames it is.
     ///
     /// The moments have a small relative error as long as the tensor is well conditioned up to the scale of
     /// its axes; the axes put together again give the tensor within a few eps of its largest element.
@@ -216,7 +223,8 @@ impl Add for InertiaTensor {
     }
 }
 
-/// `m (d^2 E - d d^T)`: the inertia of a mass `m` at `d` about the origin, of [`parallel_axis`] with its input checked.
+/// `m (d^2 E - d d^T)`: the inertia of a mass `m` at `d` about the origin, of [`parallel_axis`] with its input
+/// checked.
 fn steiner(mass: f64, offset: DVec3) -> Result<DMat3, InertiaError> {
     if !(mass.is_finite() && mass >= 0.0) {
         return Err(InertiaError::Mass { mass });
@@ -225,8 +233,8 @@ fn steiner(mass: f64, offset: DVec3) -> Result<DMat3, InertiaError> {
     if term.is_finite() { Ok(term) } else { Err(InertiaError::Offset { offset }) }
 }
 
-/// `m (d^2 E - d d^T)` [kg m^2]: the inertia about the origin of a point mass `m` \[kg\] at `d` \[m\], and the term of the
-/// parallel-axis theorem. Diagonal elements as sums of two squares, so nothing cancels.
+/// `m (d^2 E - d d^T)` [kg m^2]: the inertia about the origin of a point mass `m` \[kg\] at `d` \[m\], and the
+/// term of the parallel-axis theorem. Diagonal elements as sums of two squares, so nothing cancels.
 pub(crate) fn parallel_axis(mass: f64, d: DVec3) -> DMat3 {
     let (x, y, z) = (d.x, d.y, d.z);
     let (xy, xz, yz) = (-mass * x * y, -mass * x * z, -mass * y * z);
@@ -301,9 +309,19 @@ fn check_moments(moments: DVec3, relative: f64) -> Result<(), InertiaError> {
     }
 }
 
-/// Whether a symmetric matrix is positive definite by more than its rounding, whatever the units of each axis: the smallest
-/// eigenvalue of `S I S`, `S = diag(I)^(-1/2)`, exceeds 16 eps. The elements of `S I S` are at most 1 and carry
-/// a few eps each of error from having been computed, and so do its eigenvalues.
+/// Whether a matrix that has been turned, with every element known to a few eps of the largest moment, is positive
+/// definite beyond that: a thin rod turned a little has a smallest moment that is all rounding. 32 eps: a turn,
+/// `R I R^T`, costs up to 25. A diagonal matrix has not been turned, or not by more than a renaming of its axes.
+pub(crate) fn definite_after_turning(m: DMat3) -> Result<(), InertiaError> {
+    let diagonal = m.y_axis.x == 0.0 && m.z_axis.x == 0.0 && m.z_axis.y == 0.0;
+    let principal = sorted(symmetric_eigen(m).0);
+    let rounding = if diagonal { 0.0 } else { 32.0 * f64::EPSILON * principal.z };
+    if principal.x > rounding { Ok(()) } else { Err(InertiaError::NotPositive { principal }) }
+}
+
+/// Whether a symmetric matrix is positive definite by more than its rounding, whatever the units of each axis:
+/// the smallest eigenvalue of `S I S`, `S = diag(I)^(-1/2)`, exceeds 16 eps. The elements of `S I S` are at
+/// most 1 and carry a few eps each of error from having been computed, and so do its eigenvalues.
 fn definite_beyond_rounding(m: DMat3) -> bool {
     let diagonal = DVec3::new(m.x_axis.x, m.y_axis.y, m.z_axis.z);
     if diagonal.min_element() <= 0.0 {

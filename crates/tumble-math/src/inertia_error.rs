@@ -31,7 +31,7 @@ pub enum InertiaError {
     },
     /// A principal moment is zero, negative or lost in rounding: a torque would turn the body
     /// infinitely fast. Point masses and thin rods are like that.
-    #[error("principal moments of inertia must be positive, beyond rounding of the largest; they are ({:?}, {:?}, {:?})", .principal.x, .principal.y, .principal.z)]
+    #[error("principal moments of inertia must be positive beyond rounding, they are {}", listed(*.principal))]
     NotPositive {
         /// The principal moments [kg m^2], ascending.
         principal: DVec3,
@@ -39,15 +39,16 @@ pub enum InertiaError {
     /// The largest principal moment is more than the other two together, which no distribution of
     /// mass has: `I1 + I2 - I3 = 2 * integral of z^2 dm >= 0`.
     #[error(
-        "principal moments of inertia ({:?}, {:?}, {:?}) break the triangle inequality: no moment may exceed the sum of the others",
-        .principal.x, .principal.y, .principal.z
+        "principal moments of inertia {} break the triangle inequality: \
+         no moment may exceed the sum of the others",
+        listed(*.principal)
     )]
     TriangleInequality {
         /// The principal moments [kg m^2], ascending.
         principal: DVec3,
     },
     /// A principal moment is outside [`InertiaTensor::MOMENTS`](crate::InertiaTensor::MOMENTS).
-    #[error("principal moments of inertia ({:?}, {:?}, {:?}) are outside 1e-300 to 1e300 kg m^2", .principal.x, .principal.y, .principal.z)]
+    #[error("principal moments of inertia {} are outside 1e-300 to 1e300 kg m^2", listed(*.principal))]
     OutOfRange {
         /// The principal moments [kg m^2], ascending.
         principal: DVec3,
@@ -59,7 +60,7 @@ pub enum InertiaError {
         length: f64,
     },
     /// An axis is zero or not finite and so has no direction.
-    #[error("the axis ({:?}, {:?}, {:?}) has no direction", .axis.x, .axis.y, .axis.z)]
+    #[error("the axis {} has no direction", listed(*.axis))]
     Axis {
         /// The axis as given.
         axis: DVec3,
@@ -71,9 +72,14 @@ pub enum InertiaError {
         mass: f64,
     },
     /// An offset in a parallel-axis shift is not finite, or so long that its square overflows.
-    #[error("the offset ({:?}, {:?}, {:?}) is not finite or too long", .offset.x, .offset.y, .offset.z)]
+    #[error("the offset {} is not finite or too long", listed(*.offset))]
     Offset {
         /// The offset \[m\].
         offset: DVec3,
     },
+}
+
+/// `(1.0, 2.0, 1e300)`: the shortest digits that read back the same, with an exponent where that is shorter.
+pub(crate) fn listed(v: DVec3) -> String {
+    format!("({:?}, {:?}, {:?})", v.x, v.y, v.z)
 }

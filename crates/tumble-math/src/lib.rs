@@ -26,10 +26,11 @@
 //!
 //! # What to take from glam
 //!
-//! glam's types are used as they are, and what glam does exactly is not wrapped: products, conjugates, [slerp](glam::DQuat::slerp),
-//! [quaternion to matrix](glam::DMat3::from_quat), [axis and angle to quaternion](glam::DQuat::from_axis_angle) and
-//! [to matrix](glam::DMat3::from_axis_angle), [Euler angles to quaternion](glam::DQuat::from_euler), [4x4
-//! transforms](glam::DMat4::from_rotation_translation). Its ways back lose digits in places; use [`to_axis_angle`],
+//! glam's types are used as they are, and what glam does exactly is not wrapped: products, conjugates,
+//! [slerp](glam::DQuat::slerp), [quaternion to matrix](glam::DMat3::from_quat), [axis and angle to
+//! quaternion](glam::DQuat::from_axis_angle) and [to matrix](glam::DMat3::from_axis_angle), [Euler angles to
+//! quaternion](glam::DQuat::from_euler), [4x4 transforms](glam::DMat4::from_rotation_translation). Its ways back
+//! lose digits in places; use [`to_axis_angle`],
 //! [`to_scaled_axis`], [`to_euler`], [`angle_between`] and the checked [`quat_from_matrix`] of this crate.
 
 pub mod lane;

@@ -3,6 +3,8 @@
 use glam::DVec3;
 use thiserror::Error;
 
+use crate::inertia_error::listed;
+
 /// Why mass properties cannot be made, with the offending number.
 #[derive(Clone, Debug, PartialEq, Error)]
 #[non_exhaustive]
@@ -26,7 +28,7 @@ pub enum MassError {
         mass: f64,
     },
     /// A position is not finite or further out than [`MassProperties::REACH`](crate::MassProperties::REACH).
-    #[error("position ({:?}, {:?}, {:?}) is not finite or beyond 1e90 m", .position.x, .position.y, .position.z)]
+    #[error("position {} is not finite or beyond 1e90 m", listed(*.position))]
     Position {
         /// The position \[m\].
         position: DVec3,

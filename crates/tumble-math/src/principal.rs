@@ -11,9 +11,9 @@ const PERMUTATIONS: [[usize; 3]; 6] = [[0, 1, 2], [1, 2, 0], [2, 0, 1], [0, 2, 1
 /// Principal moments of inertia and the frame in which the tensor is diagonal:
 /// `I = R(axes) diag(moments) R(axes)^T`.
 ///
-/// `axes` takes principal-frame coordinates to body-frame coordinates; its columns `R x, R y, R z` are the principal
-/// axes, right-handed. Of the 24 right-handed frames along the same three lines it is the one nearest the body
-/// frame (largest trace of R), so a diagonal tensor has the identity here and keeps the order of its
+/// `axes` takes principal-frame coordinates to body-frame coordinates; its columns `R x, R y, R z` are the
+/// principal axes, right-handed. Of the 24 right-handed frames along the same three lines it is the one nearest
+/// the body frame (largest trace of R), so a diagonal tensor has the identity here and keeps the order of its
 /// moments. Where moments are equal, the axes within their plane are one choice of many.
 ///
 /// ```
@@ -35,19 +35,30 @@ pub struct PrincipalInertia {
 }
 
 impl PrincipalInertia {
-    /// From eigenvalues and orthonormal eigenvectors (columns) in any order and of any handedness.
+    /// From eigenvalues and orthonormal right-handed eigenvectors (columns) in any order.
+    ///
+    /// For each order of the columns the signs that make the diagonal positive give the largest trace. The best
+    /// of the six is right-handed without being told so: two cubes are never turned by more than 62.8 degrees
+    /// against each other (J. K. Mackenzie, Biometrika 45, 1958), so a right-handed frame reaches a trace of 1
+    /// + 2 cos(62.8 deg) = 1.9, and a left-handed one, minus a rotation, none above 1.
     pub(crate) fn nearest_frame(moments: DVec3, vectors: DMat3) -> Self {
-        let mut best = (f64::NEG_INFINITY, PERMUTATIONS[0], [1.0; 3]);
+        let trace = |order: [usize; 3]| -> f64 { (0..3).map(|row| vectors.col(order[row])[row].abs()).sum() };
+        let mut best = PERMUTATIONS[0];
         for order in PERMUTATIONS {
-            let (trace, signs) = largest_trace(vectors, order);
-            if trace > best.0 {
-                best = (trace, order, signs);
+            // Strictly: of equals the first, so that the identity stays.
+            if trace(order) > trace(best) {
+                best = order;
             }
         }
-        let (_, [i, j, k], signs) = best;
-        let column = |index: usize, sign: f64| vectors.col(index) * sign;
-        let r = DMat3::from_cols(column(i, signs[0]), column(j, signs[1]), column(k, signs[2]));
-        Self { moments: DVec3::new(moments[i], moments[j], moments[k]), axes: quat_from_orthonormal(r) }
+        let axis = |row: usize| {
+            let column = vectors.col(best[row]);
+            column * 1.0_f64.copysign(column[row])
+        };
+        let [i, j, k] = best;
+        Self {
+            moments: DVec3::new(moments[i], moments[j], moments[k]),
+            axes: quat_from_orthonormal(DMat3::from_cols(axis(0), axis(1), axis(2))),
+        }
     }
 
     /// The matrix `R(axes) diag(moments) R(axes)^T` [kg m^2] in the body frame.
@@ -57,11 +68,12 @@ impl PrincipalInertia {
         mirrored(r * DMat3::from_diagonal(self.moments) * r.transpose())
     }
 
-    /// Angular momentum in the world frame [kg m^2/s] of a body with `orientation` (body to world) at the world-frame angular
-    /// velocity `w` [rad/s]: with `q = orientation * axes`, `L = q (moments * (q^-1 w))`.
+    /// Angular momentum in the world frame [kg m^2/s] of a body with `orientation` (body to world) at the
+    /// world-frame angular velocity `w` [rad/s]: with `q = orientation * axes`, `L = q (moments * (q^-1 w))`.
     ///
-    /// For a change of angular velocity it is the angular impulse [N m s] that brings the change about, and over `dt` seconds
-    /// the torque [N m] to apply: the idiom of Unity's `inertiaTensor` and `inertiaTensorRotation`.
+    /// For a change of angular velocity it is the angular impulse [N m s] that brings the change about, and
+    /// over `dt` seconds the torque [N m] to apply: the idiom of Unity's `inertiaTensor` and
+    /// `inertiaTensorRotation`.
     ///
     /// ```
     /// use tumble_math::PrincipalInertia;
@@ -78,8 +90,8 @@ impl PrincipalInertia {
         q * (self.moments * (q.conjugate() * angular_velocity))
     }
 
-    /// How a small disturbance of a spin about principal axis `axis` (0, 1 or 2) grows: the square of its rate over the
-    /// square of the spin,
+    /// How a small disturbance of a spin about principal axis `axis` (0, 1 or 2) grows: the square of its rate
+    /// over the square of the spin,
     ///
     /// ```text
     /// (lambda / w)^2 = (I_j - I_i)(I_i - I_k) / (I_j I_k)        i the axis, j and k the other two
@@ -111,23 +123,4 @@ impl From<InertiaTensor> for PrincipalInertia {
     fn from(inertia: InertiaTensor) -> Self {
         inertia.principal()
     }
-}
-
-/// The signs that make the columns in this order right-handed with the largest trace, and that trace.
-fn largest_trace(vectors: DMat3, order: [usize; 3]) -> (f64, [f64; 3]) {
-    let diagonal = [0, 1, 2].map(|row| vectors.col(order[row])[row]);
-    let mut signs = diagonal.map(|x| 1.0_f64.copysign(x));
-    let permuted = DMat3::from_cols(
-        vectors.col(order[0]) * signs[0],
-        vectors.col(order[1]) * signs[1],
-        vectors.col(order[2]) * signs[2],
-    );
-    let mut trace: f64 = diagonal.iter().map(|x| x.abs()).sum();
-    if permuted.determinant() < 0.0 {
-        // Turn the column that costs least.
-        let weakest = (0..3).min_by(|&a, &b| diagonal[a].abs().total_cmp(&diagonal[b].abs())).unwrap_or(0);
-        signs[weakest] = -signs[weakest];
-        trace -= 2.0 * diagonal[weakest].abs();
-    }
-    (trace, signs)
 }

@@ -6,8 +6,8 @@ use thiserror::Error;
 use crate::inertia::mirrored;
 use crate::unit::{unit_quaternion, unit_vector};
 
-/// How far `R R^T` may be from the identity, element by element, and the matrix still be taken for a rotation that was
-/// rounded: about 17 rounding units of f32, and what a matrix printed with six digits needs.
+/// How far `R R^T` may be from the identity, element by element, and the matrix still be taken for a rotation
+/// that was rounded: about 17 rounding units of f32, and what a matrix printed with six digits needs.
 pub const ROTATION_TOLERANCE: f64 = 2e-6;
 
 /// A matrix that is no rotation.
@@ -28,7 +28,8 @@ pub enum NotARotation {
     },
 }
 
-/// The matrix of multiplication by `q` from the left, `M(q) p = q p`, with quaternions as columns `(x, y, z, w)`.
+/// The matrix of multiplication by `q` from the left, `M(q) p = q p`, with quaternions as columns
+/// `(x, y, z, w)`.
 ///
 /// `M(a b) = M(a) M(b)`, and for a unit quaternion M is orthogonal.
 ///
@@ -46,7 +47,8 @@ pub fn left_multiplication_matrix(q: DQuat) -> DMat4 {
     DMat4::from_cols_array(&[w, z, -y, -x, -z, w, x, -y, y, -x, w, -z, x, y, z, w])
 }
 
-/// The matrix of multiplication by `q` from the right, `M(q) p = p q`, with quaternions as columns `(x, y, z, w)`.
+/// The matrix of multiplication by `q` from the right, `M(q) p = p q`, with quaternions as columns
+/// `(x, y, z, w)`.
 ///
 /// With [`left_multiplication_matrix`], `M_left(q) M_right(q*)` is the rotation matrix of a unit
 /// quaternion bordered by zeros and a one.
@@ -58,7 +60,7 @@ pub fn right_multiplication_matrix(q: DQuat) -> DMat4 {
 
 /// Axis (unit) and angle in `[0, pi]` of the rotation `q`, which need not be of unit length.
 ///
-/// `q` and `-q` give the same answer. Exact to rounding at every angle: glam's method gives zero for angles
+/// `q` and `-q` give the same answer (at exactly half a turn, `w = 0`, opposite axes). Exact to rounding at every angle: glam's method gives zero for angles
 /// below 2e-8 and angles up to 2 pi. No rotation, or no quaternion at all (zero, not finite), gives `(X, 0)`.
 ///
 /// ```
@@ -106,8 +108,8 @@ pub fn from_scaled_axis(v: DVec3) -> DQuat {
 
 /// Angle in `[0, pi]` between two orientations \[rad\]: that of the turn which takes one to the other.
 ///
-/// `2 atan2(|v|, |w|)` of `a* b`, exact at every angle; `DQuat::angle_between` takes an arc cosine, which knows no
-/// angle below 2e-8. Neither quaternion need be of unit length.
+/// `2 atan2(|v|, |w|)` of `a* b`, exact at every angle; `DQuat::angle_between` takes an arc cosine, which knows
+/// no angle below 2e-8. Neither quaternion need be of unit length.
 #[must_use]
 pub fn angle_between(a: DQuat, b: DQuat) -> f64 {
     // The product a* b, grouped so that equal quaternions give exactly zero.
@@ -130,8 +132,8 @@ pub fn cross_product_matrix(w: DVec3) -> DMat3 {
 
 /// The unit quaternion, with `w >= 0`, of a rotation matrix.
 ///
-/// The matrix is checked, within [`ROTATION_TOLERANCE`]; then the largest of the four components is taken from the
-/// diagonal and the others from the off-diagonal elements, so nothing cancels at any angle. Half a turn
+/// The matrix is checked, within [`ROTATION_TOLERANCE`]; then the largest of the four components is taken from
+/// the diagonal and the others from the off-diagonal elements, so nothing cancels at any angle. Half a turn
 /// (`w = 0`) has two quaternions; the one is returned whose largest component is positive.
 ///
 /// Source: S. W. Shepperd, "Quaternion from rotation matrix", J. Guidance and Control 1 (1978).
@@ -147,8 +149,9 @@ pub fn cross_product_matrix(w: DVec3) -> DMat3 {
 /// ```
 pub fn quat_from_matrix(matrix: DMat3) -> Result<DQuat, NotARotation> {
     let difference = (matrix * matrix.transpose() - DMat3::IDENTITY).to_cols_array();
-    let error = difference.iter().fold(0.0_f64, |error, x| if x.is_nan() { f64::NAN } else { error.max(x.abs()) });
-    let orthonormal = error <= ROTATION_TOLERANCE && matrix.is_finite();
+    let largest = difference.iter().fold(0.0_f64, |largest, x| largest.max(x.abs()));
+    let error = if matrix.is_finite() { largest } else { f64::NAN };
+    let orthonormal = error <= ROTATION_TOLERANCE;
     if !orthonormal {
         return Err(NotARotation::NotOrthonormal { error });
     }
@@ -179,7 +182,8 @@ pub(crate) fn quat_from_orthonormal(m: DMat3) -> DQuat {
     if q.w < 0.0 { -q } else { q }
 }
 
-/// The matrix `m` of the frame `B` seen from the frame `A`, where `basis` takes coordinates of `B` to those of `A`: `R m R^T`.
+/// The matrix `m` of the frame `B` seen from the frame `A`, where `basis` takes coordinates of `B` to those of
+/// `A`: `R m R^T`.
 ///
 /// `R`, of determinant one, is that of the normalised `basis`, which must not be zero. A symmetric
 /// matrix stays symmetric to the bit; anything else is computed as it stands.

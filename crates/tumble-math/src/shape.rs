@@ -10,11 +10,12 @@ use crate::shape_error::{ShapeError, ShapeErrorReason};
 
 /// The shape of a homogeneous body, in its own frame.
 ///
-/// Axes of revolution lie along local y, the origin is at mid-height (as in parry and in glTF's KHR_implicit_shapes). The inertia is
-/// about the centre of mass, `m` is the mass, `h` the half height, `r` the radius.
+/// Axes of revolution lie along local y, the origin is at mid-height (as in parry and in glTF's
+/// KHR_implicit_shapes). The inertia is about the centre of mass, `m` is the mass, `h` the half height, `r` the
+/// radius.
 ///
-/// Nothing is checked until [`mass_properties`](Self::mass_properties), whose errors name the parameter. The formulas
-/// are textbook ones, tested against 40-digit integrals.
+/// Nothing is checked until [`mass_properties`](Self::mass_properties), whose errors name the parameter. The
+/// formulas are textbook ones, tested against 40-digit integrals.
 ///
 /// ```
 /// use tumble_math::{Amount, Shape};
@@ -63,8 +64,8 @@ pub enum Shape {
         /// Half the distance between the centres of the caps \[m\].
         half_height: f64,
     },
-    /// A solid cone along y, apex at `+half_height`, base at `-half_height`; its centre of mass is at `-half_height/2`.
-    /// `I_yy = 3/10 m r^2`, `I_xx = I_zz = 3/20 m (r^2 + h^2)`.
+    /// A solid cone along y, apex at `+half_height`, base at `-half_height`; its centre of mass is at
+    /// `-half_height/2`. `I_yy = 3/10 m r^2`, `I_xx = I_zz = 3/20 m (r^2 + h^2)`.
     Cone {
         /// Radius of the base \[m\].
         radius: f64,
@@ -123,7 +124,8 @@ impl Part {
 }
 
 impl Shape {
-    /// Lengths outside this range \[m\] are refused: their squares times a mass must stay far from underflow and overflow.
+    /// Lengths outside this range \[m\] are refused: their squares times a mass must stay far from underflow
+    /// and overflow.
     pub const LENGTHS: RangeInclusive<f64> = 1e-90..=1e90;
 
     /// How deep compounds may be nested.
@@ -188,8 +190,9 @@ impl Shape {
         Self::Compound(parts.into_iter().collect())
     }
 
-    /// Volume [m^3]; `None` for a point and a thin shell. Of a compound, the sum over the parts (overlaps count twice), `None` if
-    /// it has no parts or one of them has no volume. Not checked: nonsense lengths give a nonsense volume.
+    /// Volume [m^3]; `None` for a point and a thin shell. Of a compound, the sum over the parts (overlaps count
+    /// twice), `None` if it has no parts or one of them has no volume. Not checked: nonsense lengths give a
+    /// nonsense volume.
     #[must_use]
     pub fn volume(&self) -> Option<f64> {
         self.volume_within(0)
@@ -211,12 +214,13 @@ impl Shape {
 
     /// Mass properties in the shape's own frame.
     ///
-    /// A compound is put together from its parts, each with its own amount, and then scaled to the mass given here, or to the
-    /// mass that the density given here makes of its volume; see [`own_mass_properties`](Self::own_mass_properties).
+    /// A compound is put together from its parts, each with its own amount, and then scaled to the mass given
+    /// here, or to the mass that the density given here makes of its volume; see
+    /// [`own_mass_properties`](Self::own_mass_properties).
     ///
     /// # Errors
-    /// [`ShapeError`] names the parameter at fault and, in a compound, the part: a length, a mass or a density that is zero,
-    /// negative, not finite or absurd, a density for a shape without volume, an empty compound.
+    /// [`ShapeError`] names the parameter at fault and, in a compound, the part: a length, a mass or a density
+    /// that is zero, negative, not finite or absurd, a density for a shape without volume, an empty compound.
     pub fn mass_properties(&self, amount: Amount) -> Result<MassProperties, ShapeError> {
         self.mass_properties_within(amount, 0)
     }

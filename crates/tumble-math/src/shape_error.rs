@@ -8,7 +8,8 @@ use crate::mass_error::MassError;
 
 /// Why a shape has no mass properties: what is wrong, and in a compound where.
 ///
-/// Displays as one line that begins with the place: `parts[2].radius must be a length from 1e-90 to 1e90 m, it is -1.0`.
+/// Displays as one line that begins with the place:
+/// `parts[2].radius must be a length from 1e-90 to 1e90 m, it is -1.0`.
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct ShapeError {
@@ -81,8 +82,8 @@ impl ShapeError {
         self
     }
 
-    /// Name of the field at fault: `radius`, `half_height`, `half_extents`, `radii`, `mass`, `density`, `position`, `orientation`,
-    /// `parts`, …
+    /// Name of the field at fault: `radius`, `half_height`, `half_extents`, `radii`, `mass`, `density`,
+    /// `position`, `orientation`, `parts`, …
     #[must_use]
     pub fn field(&self) -> &'static str {
         match &self.reason {

@@ -27,14 +27,16 @@ impl MassProperties {
 
     /// A solid frustum of a cone, radii `bottom` at `-half_height` and `top` at `+half_height` \[m\].
     ///
-    /// With `a`, `b` the two radii, `H` the height, `S2 = a^2 + ab + b^2`, `S4 = a^4 + a^3 b + a^2 b^2 + a b^3 + b^4`:
+    /// With `a`, `b` the two radii, `H` the height, `S2 = a^2 + ab + b^2`,
+    /// `S4 = a^4 + a^3 b + a^2 b^2 + a b^3 + b^4`:
     ///
     /// ```text
     /// V = pi H S2/3              y_c = H (b - a)(b + a)/(4 S2)
     /// I_yy = 3/10 m S4/S2        I_xx = I_zz = 1/2 I_yy + 3/80 m H^2 (a^4 + 4a^3 b + 10a^2 b^2 + 4a b^3 + b^4)/S2^2
     /// ```
     ///
-    /// From the integrals of `r^2`, `t r^2`, `t^2 r^2` and `r^4` over `r = a + (b - a) t`; all terms positive, so nothing cancels.
+    /// From the integrals of `r^2`, `t r^2`, `t^2 r^2` and `r^4` over `r = a + (b - a) t`; all terms positive,
+    /// so nothing cancels.
     ///
     /// # Errors
     /// As [`hemisphere`](Self::hemisphere).
@@ -55,10 +57,11 @@ impl MassProperties {
         solid(m, 0.25 * height * (b - a) * (a + b) / s2, axial_and_transverse(axial, transverse))
     }
 
-    /// A solid pyramid on a rectangle: base `2 half_x` by `2 half_z` at `y = -half_height`, apex at `+half_height` \[m\].
+    /// A solid pyramid on a rectangle: base `2 half_x` by `2 half_z` at `y = -half_height`, apex at
+    /// `+half_height` \[m\].
     ///
-    /// Centre of mass at `y = -h/2`; `I_yy = m/5 (a^2 + b^2)`, `I_xx = m (b^2/5 + 3/20 h^2)`, `I_zz = m (a^2/5 + 3/20 h^2)` with
-    /// `a, b` the halves along x and z and `h` the half height.
+    /// Centre of mass at `y = -h/2`; `I_yy = m/5 (a^2 + b^2)`, `I_xx = m (b^2/5 + 3/20 h^2)`,
+    /// `I_zz = m (a^2/5 + 3/20 h^2)` with `a, b` the halves along x and z and `h` the half height.
     ///
     /// # Errors
     /// As [`hemisphere`](Self::hemisphere).
@@ -75,7 +78,8 @@ impl MassProperties {
     ///
     /// About its centre it has the inertia of four particles of `m/20` at the corners, since
     /// `integral of x x^T dV = V/20 (sum p_i p_i^T + (sum p_i)(sum p_i)^T)` and the last sum is zero there.
-    /// Source: F. Tonon, "Explicit exact formulas for the 3-D tetrahedron inertia tensor", J. Math. Stat. 1 (2005).
+    /// Source: F. Tonon, "Explicit exact formulas for the 3-D tetrahedron inertia tensor", J. Math. Stat. 1
+    /// (2005).
     ///
     /// # Errors
     /// As [`hemisphere`](Self::hemisphere); corners that lie in a plane.
@@ -139,8 +143,8 @@ impl MassProperties {
         solid(m, 0.0, DVec3::splat(0.4 * m * (s4 / s2) * outer * outer))
     }
 
-    /// An infinitely thin rod of `mass` \[kg\] along y, `half_length` \[m\]. `I_xx = I_zz = m l^2/3`, none about y, so
-    /// [`inertia`](Self::inertia) refuses it.
+    /// An infinitely thin rod of `mass` \[kg\] along y, `half_length` \[m\]. `I_xx = I_zz = m l^2/3`, none
+    /// about y, so [`inertia`](Self::inertia) refuses it.
     ///
     /// # Errors
     /// As [`hemisphere`](Self::hemisphere).

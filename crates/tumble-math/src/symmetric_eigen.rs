@@ -10,11 +10,11 @@ const MAX_SWEEPS: usize = 30;
 /// `V` is orthogonal with determinant +1; the order is the one the rotations leave. A diagonal
 /// matrix gives its diagonal and the identity exactly.
 ///
-/// An off-diagonal element counts as zero once `|a_pq| <= eps sqrt(|a_pp a_qq|)`. With that rule
-/// the eigenvalues of a positive definite matrix come out with small *relative* errors, also
-/// where they differ by many orders of magnitude (J. Demmel and K. Veselić, "Jacobi's method is more accurate than QR",
-/// SIAM J. Matrix Anal. Appl. 13, 1992). Rotation angle: W. H. Press et al., "Numerical
-/// Recipes", 3rd ed., section 11.1.
+/// An off-diagonal element counts as zero once `|a_pq| <= eps sqrt(|a_pp a_qq|)`. With that rule the
+/// eigenvalues of a positive definite matrix come out with small *relative* errors, also where they differ by
+/// many orders of magnitude (J. Demmel and K. Veselić, "Jacobi's method is more accurate than QR", SIAM J.
+/// Matrix Anal. Appl. 13, 1992). Rotation angle: W. H. Press et al., "Numerical Recipes", 3rd ed., section
+/// 11.1.
 ///
 /// Only the upper triangle is read. The elements must be finite.
 pub(crate) fn symmetric_eigen(matrix: DMat3) -> (DVec3, DMat3) {
@@ -97,8 +97,9 @@ mod tests {
         values
     }
 
-    /// `A = D B D` with `D` from 1e-12 to 1e12 and `B` well conditioned: no body has such moments, but the solver finds them to a few eps
-    /// each, where methods that look at the largest element would give the smallest no digit at all.
+    /// `A = D B D` with `D` from 1e-12 to 1e12 and `B` well conditioned: no body has such moments, but the
+    /// solver finds them to a few eps each, where methods that look at the largest element would give the
+    /// smallest no digit at all.
     #[test]
     fn graded_matrices_to_full_relative_precision() {
         let matrix = symmetric(1e-24, 1.0, 1e24, 0.25e-12, 0.125, -0.25e12);
