@@ -53,7 +53,7 @@ pub const MOST_PARTS: f64 = 64.0;
 /// Newton iterations at most; from the starting value below two or three are enough.
 const MOST_ITERATIONS: u32 = 6;
 
-/// The orientation after the time `h` [s] of a body on which nothing acts.
+/// The orientation after the time `h` \[s\] of a body on which nothing acts.
 ///
 /// - `orientation`: unit quaternion, body frame to world;
 /// - `axes`: unit quaternion, principal frame to body frame, where the two differ;
@@ -96,7 +96,7 @@ pub struct FreeRotation<L> {
 }
 
 impl<L: Lane> FreeRotation<L> {
-    /// Prepares steps of length `h` [s], for the arguments of [`rotate_freely`].
+    /// Prepares steps of length `h` \[s\], for the arguments of [`rotate_freely`].
     #[inline(always)]
     pub fn new(moments: Vec3<L>, inverse_moments: Vec3<L>, axes: Option<Quat<L>>, h: L) -> Self {
         let ratios = Ratios::new(moments, inverse_moments);

@@ -52,7 +52,7 @@ use crate::state::{Constants, State};
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 pub trait ForceLaw: Send + Sync + 'static {
-    /// Force [N] and torque about the centre of mass [N m], both in the world frame.
+    /// Force \[N\] and torque about the centre of mass [N m], both in the world frame.
     /// [`BodyState::from_body_frame`] makes one from forces given in the body's frame.
     fn wrench(&self, state: &BodyState<'_>) -> Wrench;
 
@@ -61,7 +61,7 @@ pub trait ForceLaw: Send + Sync + 'static {
         true
     }
 
-    /// Potential energy [J] of a conservative law, zero for others. Only the ledger asks for it.
+    /// Potential energy \[J\] of a conservative law, zero for others. Only the ledger asks for it.
     fn potential(&self, state: &BodyState<'_>) -> f64 {
         let _ = state;
         0.0
@@ -71,9 +71,9 @@ pub trait ForceLaw: Send + Sync + 'static {
 /// What a law sees of a body at one stage of an integrator.
 #[derive(Clone, Copy)]
 pub struct BodyState<'a> {
-    /// Simulated time of the stage [s].
+    /// Simulated time of the stage \[s\].
     pub time: f64,
-    /// Centre of mass [m], world frame.
+    /// Centre of mass \[m\], world frame.
     pub position: Vec3,
     /// Unit quaternion, body frame to world.
     pub orientation: Quat,
@@ -81,7 +81,7 @@ pub struct BodyState<'a> {
     pub linear_velocity: Vec3,
     /// Angular velocity [rad/s], world frame.
     pub angular_velocity: Vec3,
-    /// Mass [kg].
+    /// Mass \[kg\].
     pub mass: Real,
     constants: &'a Constants<Real>,
 }
@@ -102,7 +102,7 @@ impl<'a> BodyState<'a> {
         }
     }
 
-    /// World coordinates [m] of a point given relative to the centre of mass along the body's axes.
+    /// World coordinates \[m\] of a point given relative to the centre of mass along the body's axes.
     pub fn point_to_world(&self, point_body: Vec3) -> Vec3 {
         self.position + self.orientation * point_body
     }
@@ -117,12 +117,12 @@ impl<'a> BodyState<'a> {
         self.orientation.conjugate() * vector_world
     }
 
-    /// The wrench of a force [N] through the centre of mass and a torque [N m], both given in the body's frame.
+    /// The wrench of a force \[N\] through the centre of mass and a torque [N m], both given in the body's frame.
     pub fn from_body_frame(&self, force_body: Vec3, torque_body: Vec3) -> Wrench {
         Wrench { force: self.to_world(force_body), torque: self.to_world(torque_body) }
     }
 
-    /// The wrench of a force [N] that acts at a point [m], both in the world frame.
+    /// The wrench of a force \[N\] that acts at a point \[m\], both in the world frame.
     pub fn force_at(&self, force: Vec3, point: Vec3) -> Wrench {
         Wrench { force, torque: (point - self.position).cross(force) }
     }

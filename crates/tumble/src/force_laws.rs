@@ -26,7 +26,7 @@ trait Source: Send + Sync {
     /// The law's column of an archetype, where its bodies are subject to the law.
     fn borrow<'w>(&'w self, archetype: &'w Archetype) -> Option<Box<dyn Borrowed + 'w>>;
 
-    /// The potential energy [J] of one body.
+    /// The potential energy \[J\] of one body.
     fn potential(&self, body: EntityRef<'_>, state: &BodyState<'_>) -> f64;
 }
 
@@ -63,7 +63,7 @@ impl ForceLaws {
         laws.filter_map(|(index, source)| Some((index, source.borrow(archetype)?))).collect()
     }
 
-    /// The potential energy [J] of one body in all laws.
+    /// The potential energy \[J\] of one body in all laws.
     pub(crate) fn potential(&self, body: EntityRef<'_>, state: &BodyState<'_>) -> f64 {
         self.sources.iter().map(|source| source.potential(body, state)).sum()
     }

@@ -18,7 +18,7 @@ pub(crate) struct LawForces<'a> {
     pub(crate) laws: &'a [(usize, Box<dyn LawRows + 'a>)],
     /// The body's row among the laws' rows.
     pub(crate) row: usize,
-    /// Time at the start of the substep [s].
+    /// Time at the start of the substep \[s\].
     pub(crate) time: f64,
 }
 
@@ -51,7 +51,7 @@ impl Forces<Real> for LawForces<'_> {
 pub(crate) struct WorkAccount<'a> {
     pub(crate) work: &'a mut Work,
     pub(crate) forces: &'a LawForces<'a>,
-    /// The part of the constant force that is gravity [N].
+    /// The part of the constant force that is gravity \[N\].
     pub(crate) gravity: Vec3,
 }
 
@@ -85,7 +85,7 @@ impl Account<Real> for WorkAccount<'_> {
     }
 }
 
-/// Kinetic energy of one body [J], in double precision.
+/// Kinetic energy of one body \[J\], in double precision.
 pub(crate) fn kinetic_energy(constants: &Constants<Real>, state: &State<Real>) -> f64 {
     let linear = double(state.linear).length_squared() / (2.0 * f64::from(constants.mass));
     let rotational = constants.inertia.map_or(0.0, |inertia| {

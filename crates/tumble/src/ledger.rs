@@ -43,23 +43,23 @@ pub struct Ledger {
 pub struct LedgerEntry {
     /// Steps taken.
     pub step: u64,
-    /// Simulated time [s].
+    /// Simulated time \[s\].
     pub time: f64,
     /// Energy in gravity, momentum, and the first body whose state is not finite.
     pub totals: Totals,
-    /// Potential energy in the force laws [J].
+    /// Potential energy in the force laws \[J\].
     pub law_potential: f64,
-    /// Work done since the ledger was attached [J].
+    /// Work done since the ledger was attached \[J\].
     pub work: Work,
 }
 
 impl LedgerEntry {
-    /// Kinetic energy [J].
+    /// Kinetic energy \[J\].
     pub fn kinetic(&self) -> f64 {
         self.totals.linear_kinetic + self.totals.rotational_kinetic
     }
 
-    /// Kinetic and potential energy [J], with the laws' potentials.
+    /// Kinetic and potential energy \[J\], with the laws' potentials.
     pub fn energy(&self) -> f64 {
         self.totals.energy() + self.law_potential
     }

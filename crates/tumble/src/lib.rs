@@ -30,6 +30,11 @@
 //! The arithmetic of a step is the same on every machine: no fused multiply-add, no platform mathematics library, and
 //! no body's result depends on another's or on the number of threads.
 
+#![cfg_attr(
+    feature = "f64",
+    allow(clippy::useless_conversion, reason = "Real is f64 in this build; the same line converts from f32 in the other")
+)]
+
 mod body;
 mod body_error;
 mod body_order;

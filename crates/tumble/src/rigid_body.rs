@@ -80,7 +80,7 @@ impl RigidBody {
         Self { motion: Motion::Kinematic, ..self }
     }
 
-    /// Its mass [kg]. Replaces a density.
+    /// Its mass \[kg\]. Replaces a density.
     pub fn mass(self, kilograms: impl Into<f64>) -> Self {
         Self { amount: Some(Amount::Mass(kilograms.into())), ..self }
     }
@@ -100,7 +100,7 @@ impl RigidBody {
         Self { inertia: Some(inertia), ..self }
     }
 
-    /// Where the origin of its frame is in the world [m].
+    /// Where the origin of its frame is in the world \[m\].
     pub fn position(self, position: Vec3) -> Self {
         Self { position, ..self }
     }

@@ -13,7 +13,7 @@ use crate::math::{Real, Vec3};
 pub struct Settings {
     /// Acceleration of gravity in the world frame [m/s^2]. (0, -9.81, 0) unless set.
     pub gravity: Vec3,
-    /// Length of a step [s]. 1/60 unless set.
+    /// Length of a step \[s\]. 1/60 unless set.
     pub dt: Real,
     /// How many equal parts the integration of a step is divided into; the forces are taken as constant over them. 1 unless set.
     pub substeps: u32,
@@ -37,7 +37,7 @@ impl Settings {
         Self { gravity, ..self }
     }
 
-    /// The same with another step [s].
+    /// The same with another step \[s\].
     #[must_use]
     pub fn with_dt(self, dt: Real) -> Self {
         Self { dt, ..self }
@@ -72,7 +72,7 @@ impl Settings {
         Ok(())
     }
 
-    /// Length of a substep [s].
+    /// Length of a substep \[s\].
     pub(crate) fn substep(&self) -> Real {
         self.dt / self.substeps as Real
     }

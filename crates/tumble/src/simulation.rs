@@ -32,9 +32,9 @@ pub struct Simulation {
     settings: Settings,
     laws: ForceLaws,
     steps: u64,
-    /// Steps and time [s] when the settings were last changed; from there on time is a multiple of the step.
+    /// Steps and time \[s\] when the settings were last changed; from there on time is a multiple of the step.
     since: (u64, f64),
-    /// Frame time that no step has covered yet [s], in [0, dt).
+    /// Frame time that no step has covered yet \[s\], in [0, dt).
     owed: f64,
 }
 
@@ -87,7 +87,7 @@ impl Simulation {
         self.steps
     }
 
-    /// Simulated time [s].
+    /// Simulated time \[s\].
     pub fn time(&self) -> f64 {
         let (steps, time) = self.since;
         time + (self.steps - steps) as f64 * f64::from(self.settings.dt)

@@ -8,7 +8,7 @@ use crate::math::Real;
 /// What does not change during a step.
 #[derive(Clone, Copy)]
 pub(crate) struct Constants<L> {
-    /// Mass [kg].
+    /// Mass \[kg\].
     pub(crate) mass: L,
     /// What resists turning; a point mass has none and does not turn.
     pub(crate) inertia: Option<Moments<L>>,
@@ -31,7 +31,7 @@ pub(crate) struct Rates<L> {
     pub(crate) angular: L,
 }
 
-/// Sum of forces [N] and of torques about the centre of mass [N m], world frame.
+/// Sum of forces \[N\] and of torques about the centre of mass [N m], world frame.
 #[derive(Clone, Copy)]
 pub(crate) struct Force<L> {
     pub(crate) force: Vec3<L>,
@@ -41,7 +41,7 @@ pub(crate) struct Force<L> {
 /// The state of a body: what a step advances.
 #[derive(Clone, Copy)]
 pub(crate) struct State<L> {
-    /// Centre of mass [m].
+    /// Centre of mass \[m\].
     pub(crate) position: Vec3<L>,
     /// Unit quaternion, body frame to world.
     pub(crate) orientation: Quat<L>,

@@ -19,7 +19,7 @@ pub fn step(world: &mut World, settings: &Settings) {
     step_under_laws(world, settings, &ForceLaws::default(), 0.0, None);
 }
 
-/// [`step`] under force laws, starting at a time [s], adding to `times` how long each phase took.
+/// [`step`] under force laws, starting at a time \[s\], adding to `times` how long each phase took.
 pub(crate) fn step_under_laws(
     world: &mut World,
     settings: &Settings,

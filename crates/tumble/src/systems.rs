@@ -27,7 +27,7 @@ pub fn integrate(world: &mut World, settings: &Settings) {
     integrate_under_laws(world, settings, &ForceLaws::default(), 0.0);
 }
 
-/// [`integrate`] under force laws, which are evaluated at every stage; `time` [s] is the simulated time at the start of the step.
+/// [`integrate`] under force laws, which are evaluated at every stage; `time` \[s\] is the simulated time at the start of the step.
 pub fn integrate_under_laws(world: &mut World, settings: &Settings, laws: &ForceLaws, time: f64) {
     for_each_chunk(world, laws, |mut bodies| integrate_bodies(&mut bodies, settings, time));
 }
@@ -147,7 +147,7 @@ fn world_inverse(inertia: &Moments<Real>, state: &State<Real>) -> InverseInertia
 }
 
 impl Chunk<'_> {
-    /// The force of gravity on a body [N].
+    /// The force of gravity on a body \[N\].
     #[inline(always)]
     fn gravity(&self, i: usize, settings: &Settings) -> Vec3 {
         let scale = self.gravity_scale.map_or(1.0, |scales| scales[i].0);

@@ -9,11 +9,11 @@ use crate::settings::Settings;
 /// What a system of bodies has in all, in double precision. Only bodies with momentum count.
 #[derive(Clone, Copy, Debug, PartialEq, Default)]
 pub struct Totals {
-    /// Kinetic energy of the centres of mass, `sum P^2/2M` [J].
+    /// Kinetic energy of the centres of mass, `sum P^2/2M` \[J\].
     pub linear_kinetic: f64,
-    /// Kinetic energy of rotation, `sum L.w/2` [J].
+    /// Kinetic energy of rotation, `sum L.w/2` \[J\].
     pub rotational_kinetic: f64,
-    /// Energy in the simulation's gravity, zero at the world's origin, `-sum M g.x` [J].
+    /// Energy in the simulation's gravity, zero at the world's origin, `-sum M g.x` \[J\].
     pub potential: f64,
     /// `sum P` [kg m/s].
     pub linear_momentum: DVec3,
@@ -24,7 +24,7 @@ pub struct Totals {
 }
 
 impl Totals {
-    /// Kinetic and potential energy [J].
+    /// Kinetic and potential energy \[J\].
     pub fn energy(&self) -> f64 {
         self.linear_kinetic + self.rotational_kinetic + self.potential
     }

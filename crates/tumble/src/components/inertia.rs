@@ -76,7 +76,7 @@ pub enum InertiaComponentError {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PrincipalAxes(pub Quat);
 
-/// The centre of mass in the body's own frame [m]. A body whose frame has its origin there does without.
+/// The centre of mass in the body's own frame \[m\]. A body whose frame has its origin there does without.
 ///
 /// The state is that of the centre of mass; [`Pose::origin`](crate::Pose::origin) gives where the frame's origin is.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -1,7 +1,7 @@
 use crate::math::{Real, real};
 use crate::property_error::PropertyError;
 
-/// Mass of a body [kg]: positive and finite, as is its inverse.
+/// Mass of a body \[kg\]: positive and finite, as is its inverse.
 ///
 /// ```
 /// # use tumble::Mass;
@@ -14,7 +14,7 @@ use crate::property_error::PropertyError;
 pub struct Mass(Real);
 
 impl Mass {
-    /// A mass [kg].
+    /// A mass \[kg\].
     ///
     /// # Errors
     /// [`PropertyError`] where the mass is not positive and finite, or too large or small for the precision of the build.
@@ -22,7 +22,7 @@ impl Mass {
         PropertyError::check("mass", kilograms.into()).map(|mass| Self(real(mass)))
     }
 
-    /// The mass [kg].
+    /// The mass \[kg\].
     #[inline]
     pub fn kilograms(self) -> Real {
         self.0

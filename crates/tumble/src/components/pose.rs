@@ -4,7 +4,7 @@ use crate::math::{Mat4, Quat, Real, Vec3};
 /// Where a body is: the centre of mass and the orientation of its frame.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Pose {
-    /// Position of the centre of mass in the world [m].
+    /// Position of the centre of mass in the world \[m\].
     pub position: Vec3,
     /// Unit quaternion that takes body coordinates to world coordinates.
     pub orientation: Quat,
@@ -17,19 +17,19 @@ impl Default for Pose {
 }
 
 impl Pose {
-    /// World coordinates [m] of a point given relative to the centre of mass along the body's axes.
+    /// World coordinates \[m\] of a point given relative to the centre of mass along the body's axes.
     #[inline]
     pub fn transform_point(&self, point_body: Vec3) -> Vec3 {
         self.position + self.orientation * point_body
     }
 
-    /// Coordinates relative to the centre of mass along the body's axes [m] of a point in the world.
+    /// Coordinates relative to the centre of mass along the body's axes \[m\] of a point in the world.
     #[inline]
     pub fn inverse_transform_point(&self, point_world: Vec3) -> Vec3 {
         self.orientation.conjugate() * (point_world - self.position)
     }
 
-    /// The origin of the body's own frame in the world [m]: where the centre of mass is not, if the body has a [`CenterOfMass`].
+    /// The origin of the body's own frame in the world \[m\]: where the centre of mass is not, if the body has a [`CenterOfMass`].
     #[inline]
     pub fn origin(&self, center_of_mass: Option<&CenterOfMass>) -> Vec3 {
         center_of_mass.map_or(self.position, |offset| self.transform_point(-offset.0))

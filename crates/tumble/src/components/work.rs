@@ -1,6 +1,6 @@
 use std::ops::AddAssign;
 
-/// Work done on a body since it got this component [J], by what did it. [`Ledger::attach`](crate::Ledger::attach) adds it.
+/// Work done on a body since it got this component \[J\], by what did it. [`Ledger::attach`](crate::Ledger::attach) adds it.
 ///
 /// The sum is the change of the body's kinetic energy.
 #[derive(Clone, Copy, Debug, PartialEq, Default)]
@@ -21,7 +21,7 @@ impl Work {
     /// How many force laws have an entry of their own.
     pub const LAWS: usize = 8;
 
-    /// By all of them [J].
+    /// By all of them \[J\].
     pub fn total(&self) -> f64 {
         self.gravity + self.applied + self.damping + self.integrator + self.laws.iter().sum::<f64>()
     }

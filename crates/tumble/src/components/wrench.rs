@@ -1,25 +1,25 @@
 use crate::math::Vec3;
 
-/// Sum of the forces [N] and of their torques about the centre of mass [N m] that act during the next step, in the world frame.
+/// Sum of the forces \[N\] and of their torques about the centre of mass [N m] that act during the next step, in the world frame.
 ///
 /// D'Alembert's accumulators: however many forces act, the body moves as under these two. The step that consumes the wrench zeroes
 /// it, so a force that is to last is added before every step.
 #[derive(Clone, Copy, Debug, PartialEq, Default)]
 pub struct Wrench {
-    /// Sum of forces [N].
+    /// Sum of forces \[N\].
     pub force: Vec3,
     /// Sum of torques about the centre of mass [N m].
     pub torque: Vec3,
 }
 
 impl Wrench {
-    /// Adds a force [N] through the centre of mass.
+    /// Adds a force \[N\] through the centre of mass.
     #[inline]
     pub fn add_force(&mut self, force: Vec3) {
         self.force += force;
     }
 
-    /// Adds a force [N] at a point, both in the world frame; `center` is the centre of mass, the pose's position.
+    /// Adds a force \[N\] at a point, both in the world frame; `center` is the centre of mass, the pose's position.
     ///
     /// ```
     /// # use tumble::{Wrench, math::Vec3};

@@ -10,7 +10,7 @@ pub(crate) trait Account<L> {
     /// Whether anything is kept; `false` lets a scheme leave out what only an account needs.
     const KEPT: bool;
 
-    /// The forces at a state, `offset` [s] into the substep, have added their `weight` [s] to the linear and the angular momentum.
+    /// The forces at a state, `offset` \[s\] into the substep, have added their `weight` \[s\] to the linear and the angular momentum.
     fn impulse(&mut self, offset: L, at: &State<L>, weight: (L, L), mean: &Mean<L>);
 
     /// Damping has added these to the momenta.

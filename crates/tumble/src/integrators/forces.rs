@@ -2,7 +2,7 @@ use crate::state::{Force, State};
 
 /// What pushes a body, at any stage of a substep.
 pub(crate) trait Forces<L> {
-    /// Force and torque at a state, `offset` [s] after the start of the substep.
+    /// Force and torque at a state, `offset` \[s\] after the start of the substep.
     fn at(&self, offset: L, state: &State<L>) -> Force<L>;
 
     /// Whether the force depends on the momenta.

@@ -16,7 +16,7 @@ pub(crate) struct Kick<L> {
 struct Part<L> {
     /// `e^(-c t)`; `None` without damping, so that an undamped momentum is not touched.
     kept: Option<L>,
-    /// The time, each moment weighed by how much of what it adds is left at the end [s].
+    /// The time, each moment weighed by how much of what it adds is left at the end \[s\].
     weight: L,
 }
 
@@ -42,7 +42,7 @@ impl<L: Lane> Part<L> {
 }
 
 impl<L: Lane> Kick<L> {
-    /// A kick over the time `t` [s].
+    /// A kick over the time `t` \[s\].
     #[inline(always)]
     pub(crate) fn new(constants: &Constants<L>, t: L) -> Self {
         let rates = constants.damping;

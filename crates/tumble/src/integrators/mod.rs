@@ -1,4 +1,4 @@
-//! The integration schemes: each advances one state over one substep of length `h` [s].
+//! The integration schemes: each advances one state over one substep of length `h` \[s\].
 //!
 //! They are generic over [`Lane`](tumble_math::lane::Lane), so one body and a tile of bodies run the same code.
 

@@ -1,0 +1,44 @@
+//! Why the program did not end with 0.
+
+use std::path::Path;
+
+/// Each variant has an exit code of its own.
+#[derive(Debug, thiserror::Error)]
+pub(crate) enum Failure {
+    /// A scene, an option or an output that cannot be used; found before the first step.
+    #[error("{0}")]
+    Input(String),
+    /// Something went wrong after the first step.
+    #[error("{0}")]
+    Running(String),
+    /// Ctrl-C; everything is finished and reported already.
+    #[error("interrupted")]
+    Interrupted,
+}
+
+impl Failure {
+    pub(crate) fn exit_code(&self) -> u8 {
+        match self {
+            Self::Running(_) => 1,
+            Self::Input(_) => 2,
+            // 128 + SIGINT, as shells have it.
+            Self::Interrupted => 130,
+        }
+    }
+
+    /// An output that cannot be opened.
+    pub(crate) fn opening(path: &Path, error: &std::io::Error) -> Self {
+        Self::Input(format!("{}: cannot be written: {error}", path.display()))
+    }
+
+    /// An output that was open and failed.
+    pub(crate) fn writing(path: &Path, error: &std::io::Error) -> Self {
+        Self::Running(format!("{}: writing failed: {error}", path.display()))
+    }
+}
+
+impl From<tumble_scene::SceneError> for Failure {
+    fn from(error: tumble_scene::SceneError) -> Self {
+        Self::Input(error.to_string())
+    }
+}

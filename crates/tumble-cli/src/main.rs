@@ -1,0 +1,38 @@
+//! The `tumble` program: runs scenes of rigid bodies and inspects their mass properties.
+//!
+//! Exit codes: 0 all well, 1 a failure while running, 2 bad input or usage, 130 interrupted (with
+//! what was recorded until then finished and readable).
+
+mod drift;
+mod failure;
+mod inspect;
+mod interrupt;
+mod options;
+mod outputs;
+mod print;
+mod progress;
+mod run;
+mod table;
+
+use std::process::ExitCode;
+
+use clap::Parser as _;
+
+use crate::failure::Failure;
+use crate::options::{Command, Options, RunOptions};
+
+fn main() -> ExitCode {
+    let done = match Options::parse().command.unwrap_or_else(|| Command::Run(RunOptions::default())) {
+        Command::Run(options) => run::run(&options),
+        Command::Inspect(options) => inspect::inspect(&options),
+    };
+    match done {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(failure) => {
+            if !matches!(failure, Failure::Interrupted) {
+                print::error(&failure);
+            }
+            ExitCode::from(failure.exit_code())
+        }
+    }
+}

@@ -1,0 +1,174 @@
+//! The command line.
+
+use std::num::NonZeroU64;
+use std::path::PathBuf;
+
+use clap::{Args, Parser, Subcommand};
+use tumble::math::Real;
+use tumble::{Integrator, Settings};
+use tumble_scene::{MAX_BODIES, TIME_STEPS, step_count, time_step};
+
+/// Threads that can be asked for.
+const MAX_THREADS: u64 = 1024;
+
+/// Simulates rigid bodies.
+///
+/// Without arguments: runs the built-in stress scene, 10 000 tumbling shapes over 600 steps.
+#[derive(Debug, Parser)]
+#[command(version, after_help = EXIT_CODES)]
+pub(crate) struct Options {
+    #[command(subcommand)]
+    pub(crate) command: Option<Command>,
+}
+
+const EXIT_CODES: &str = "Exit codes: 0 all well, 1 a failure while running, 2 bad input or usage, 130 interrupted";
+
+#[derive(Debug, Subcommand)]
+pub(crate) enum Command {
+    /// Run a scene and report what happened
+    #[command(after_help = EXIT_CODES)]
+    Run(RunOptions),
+    /// Show the mass properties of a scene's bodies
+    #[command(after_help = "Exit codes: 0 all well, 2 bad input or a body with problems")]
+    Inspect(InspectOptions),
+}
+
+#[derive(Debug, Default, Args)]
+pub(crate) struct RunOptions {
+    /// A .json or .ron file, or the name of a built-in scene [default: stress]
+    ///
+    /// What has an extension or a slash is a file.
+    #[arg(value_name = "SCENE")]
+    pub(crate) scene: Option<String>,
+    /// Steps to run, instead of the scene's
+    #[arg(long, value_name = "N", allow_negative_numbers = true, value_parser = steps, conflicts_with = "duration")]
+    pub(crate) steps: Option<u64>,
+    /// Simulated time to run in seconds, rounded to whole steps
+    #[arg(long, value_name = "S", allow_negative_numbers = true, value_parser = duration)]
+    pub(crate) duration: Option<f64>,
+    /// Time step in seconds, instead of the scene's
+    #[arg(long, value_name = "S", allow_negative_numbers = true, value_parser = dt)]
+    pub(crate) dt: Option<Real>,
+    /// Equal parts that each step is divided into
+    #[arg(long, value_name = "N", allow_negative_numbers = true, value_parser = clap::value_parser!(u32).range(1..=i64::from(Settings::MOST_SUBSTEPS)))]
+    pub(crate) substeps: Option<u32>,
+    /// semi-implicit-euler, runge-kutta4 or moser-veselov
+    #[arg(long, value_name = "NAME", value_parser = str::parse::<Integrator>)]
+    pub(crate) integrator: Option<Integrator>,
+    /// Threads [default: one for each core]
+    #[arg(long, value_name = "N", allow_negative_numbers = true, value_parser = clap::value_parser!(u64).range(1..=MAX_THREADS))]
+    pub(crate) threads: Option<u64>,
+    /// Bodies of the stress scene [default: 10000]
+    #[arg(long, value_name = "N", allow_negative_numbers = true, value_parser = clap::value_parser!(u64).range(1..=MAX_BODIES as u64))]
+    pub(crate) bodies: Option<u64>,
+    /// Seed of the stress scene [default: 0]
+    #[arg(long, value_name = "N", allow_negative_numbers = true)]
+    pub(crate) seed: Option<u64>,
+    /// Write the states of all bodies to a .csv file
+    #[arg(long, value_name = "FILE")]
+    pub(crate) record: Option<PathBuf>,
+    /// Record every K-th step [default: 1]
+    #[arg(long, value_name = "K", allow_negative_numbers = true, requires = "record")]
+    pub(crate) every: Option<NonZeroU64>,
+    /// Write summary.json into a directory, which is made if need be
+    #[arg(long, value_name = "DIR")]
+    pub(crate) report: Option<PathBuf>,
+    /// Print nothing unless something goes wrong
+    #[arg(long)]
+    pub(crate) quiet: bool,
+}
+
+#[derive(Debug, Args)]
+pub(crate) struct InspectOptions {
+    /// A .json or .ron file, or the name of a built-in scene
+    #[arg(value_name = "SCENE")]
+    pub(crate) scene: String,
+    /// Print JSON
+    #[arg(long)]
+    pub(crate) json: bool,
+}
+
+fn steps(text: &str) -> Result<u64, String> {
+    step_count(text.parse().map_err(|error| format!("{error}"))?)
+}
+
+fn dt(text: &str) -> Result<Real, String> {
+    time_step(number(text)?)
+}
+
+fn duration(text: &str) -> Result<f64, String> {
+    let seconds = number(text)?;
+    // The longest run of the longest steps.
+    let longest = TIME_STEPS.end() * tumble_scene::MAX_STEPS as f64;
+    if (0.0..=longest).contains(&seconds) {
+        Ok(seconds)
+    } else {
+        Err(format!("must be from 0 to {longest:e} seconds, not {seconds}"))
+    }
+}
+
+fn number(text: &str) -> Result<f64, String> {
+    text.parse().map_err(|_| "not a number".to_owned())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use clap::CommandFactory as _;
+
+    fn run(arguments: &[&str]) -> Result<RunOptions, clap::Error> {
+        let all = ["tumble", "run"].iter().chain(arguments);
+        Options::try_parse_from(all).map(|options| match options.command {
+            Some(Command::Run(options)) => options,
+            other => panic!("not run: {other:?}"),
+        })
+    }
+
+    #[test]
+    fn the_definition_is_consistent() {
+        Options::command().debug_assert();
+    }
+
+    #[test]
+    fn absurd_values_are_refused() {
+        for bad in [
+            ["--dt", "0"],
+            ["--dt", "-0.1"],
+            ["--dt", "nan"],
+            ["--dt", "inf"],
+            ["--dt", "1e300"],
+            ["--dt", "1e-300"],
+            ["--steps", "1e300"],
+            ["--steps", "-1"],
+            ["--steps", "99999999999999999999"],
+            ["--steps", "1000000000001"],
+            ["--duration", "nan"],
+            ["--duration", "-1"],
+            ["--duration", "1e300"],
+            ["--substeps", "0"],
+            ["--substeps", "1000001"],
+            ["--threads", "0"],
+            ["--threads", "1025"],
+            ["--bodies", "0"],
+            ["--bodies", "1000000000000"],
+            ["--seed", "-1"],
+            ["--integrator", "euler"],
+        ] {
+            let error = run(&bad).unwrap_err();
+            assert_eq!(error.exit_code(), 2, "{bad:?}");
+            assert!(error.to_string().contains(bad[0]), "{bad:?}: {error}");
+        }
+        assert!(run(&["--steps", "1", "--duration", "1"]).is_err());
+        assert!(run(&["--every", "2"]).is_err());
+        assert!(run(&["--every", "0", "--record", "a.csv"]).is_err());
+    }
+
+    #[test]
+    fn sensible_values_are_taken() {
+        let options =
+            run(&["iss", "--duration", "2.5", "--dt", "0.25", "--threads", "1024", "--integrator", "runge-kutta4"]);
+        let options = options.unwrap();
+        assert_eq!((options.duration, options.dt), (Some(2.5), Some(0.25)));
+        assert_eq!(options.integrator, Some(Integrator::RungeKutta4));
+    }
+}

@@ -1,0 +1,116 @@
+//! The files of a run: opened before the first step, so that what cannot be written is known early,
+//! and renamed into place at the end.
+
+use std::fs;
+use std::io::{self, Write};
+use std::path::{Path, PathBuf};
+
+use hecs::World;
+use tumble::BodyOrder;
+use tumble_scene::{Names, PendingFile, Summary, TrajectoryWriter};
+
+use crate::failure::Failure;
+use crate::options::RunOptions;
+
+/// What a run writes; dropped before [`finish`](Self::finish), it leaves nothing behind.
+pub(crate) struct Outputs {
+    record: Option<(PathBuf, TrajectoryWriter<PendingFile>)>,
+    report: Option<(PathBuf, PendingFile)>,
+    // Last, for fields are dropped in order and only an empty directory can be removed.
+    directories: NewDirectories,
+}
+
+impl Outputs {
+    pub(crate) fn open(options: &RunOptions) -> Result<Self, Failure> {
+        let mut outputs = Self { record: None, report: None, directories: NewDirectories(Vec::new()) };
+        let is_csv = |path: &&PathBuf| path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("csv"));
+        if let Some(path) = options.record.as_ref().filter(|path| !is_csv(path)) {
+            return Err(Failure::Input(format!("{}: the name of a record ends in .csv", path.display())));
+        }
+        if let Some(directory) = &options.report {
+            outputs.directories.create(directory).map_err(|error| Failure::opening(directory, &error))?;
+            let path = directory.join("summary.json");
+            refuse_scene(options, &path)?;
+            let file = PendingFile::create(&path).map_err(|error| Failure::opening(&path, &error))?;
+            outputs.report = Some((path, file));
+        }
+        if let Some(path) = &options.record {
+            let writer = PendingFile::create(path).and_then(TrajectoryWriter::new);
+            outputs.record = Some((path.clone(), writer.map_err(|error| Failure::opening(path, &error))?));
+        }
+        Ok(outputs)
+    }
+
+    /// Writes one state of every body, if the run is recorded.
+    pub(crate) fn record(
+        &mut self,
+        step: u64,
+        time: f64,
+        world: &World,
+        order: &BodyOrder,
+        names: &Names,
+    ) -> Result<(), Failure> {
+        match &mut self.record {
+            Some((path, writer)) => {
+                writer.record(step, time, world, order, names).map_err(|error| Failure::writing(path, &error))
+            }
+            None => Ok(()),
+        }
+    }
+
+    /// Renames the record into its place, and with it the summary where there is one to write.
+    pub(crate) fn finish(mut self, summary: Option<&Summary>) -> Result<(), Failure> {
+        if let Some((path, writer)) = self.record.take() {
+            let finished = writer.finish().and_then(PendingFile::finish);
+            finished.map_err(|error| Failure::writing(&path, &error))?;
+        }
+        if let (Some((path, file)), Some(summary)) = (self.report.take(), summary) {
+            write_summary(file, summary).map_err(|error| Failure::writing(&path, &error))?;
+            self.directories.0.clear();
+        }
+        Ok(())
+    }
+}
+
+fn write_summary(mut file: PendingFile, summary: &Summary) -> io::Result<()> {
+    serde_json::to_writer_pretty(&mut file, summary)?;
+    file.write_all(b"\n")?;
+    file.finish()
+}
+
+/// The summary must not replace the scene it came from.
+fn refuse_scene(options: &RunOptions, summary: &Path) -> Result<(), Failure> {
+    let scene = options.scene.as_ref().and_then(|scene| fs::canonicalize(scene).ok());
+    match (scene, fs::canonicalize(summary)) {
+        (Some(scene), Ok(summary)) if scene == summary => {
+            Err(Failure::Input(format!("{}: is the scene itself, it cannot be the report", summary.display())))
+        }
+        _ => Ok(()),
+    }
+}
+
+/// Directories that did not exist before, outermost first; removed again if they stay empty.
+struct NewDirectories(Vec<PathBuf>);
+
+impl NewDirectories {
+    fn create(&mut self, directory: &Path) -> io::Result<()> {
+        let missing = directory.ancestors().take_while(|path| !path.as_os_str().is_empty() && !path.exists());
+        let mut missing: Vec<PathBuf> = missing.map(Path::to_owned).collect();
+        missing.reverse();
+        for path in missing {
+            fs::create_dir(&path)?;
+            self.0.push(path);
+        }
+        // Also says so if something else than a directory stands there.
+        fs::create_dir_all(directory)
+    }
+}
+
+impl Drop for NewDirectories {
+    fn drop(&mut self) {
+        for path in self.0.iter().rev() {
+            // Someone else may have put a file there; then it stays.
+            drop(fs::remove_dir(path));
+        }
+    }
+}

@@ -1,0 +1,43 @@
+//! A bar on a terminal, nothing anywhere else.
+
+use std::io::IsTerminal as _;
+use std::time::Duration;
+
+use indicatif::{ProgressBar, ProgressDrawTarget, ProgressState, ProgressStyle};
+
+/// Ten times a second is smooth enough and costs nothing.
+const REDRAW: Duration = Duration::from_millis(100);
+
+/// Shows steps, body-steps per second and the time left.
+pub(crate) struct Progress {
+    bar: ProgressBar,
+}
+
+impl Progress {
+    pub(crate) fn start(bodies: u64, steps: u64, quiet: bool) -> Self {
+        if quiet || !std::io::stderr().is_terminal() {
+            return Self { bar: ProgressBar::hidden() };
+        }
+        let bar = ProgressBar::with_draw_target(Some(steps), ProgressDrawTarget::stderr_with_hz(10));
+        let rate = move |state: &ProgressState, text: &mut dyn std::fmt::Write| {
+            // A bar that cannot be drawn is no reason to stop.
+            let _ = write!(text, "{:.2e}", state.per_sec() * bodies as f64);
+        };
+        let template = "{wide_bar} step {pos}/{len}  {rate} body-steps/s  {eta_precise} left";
+        if let Ok(style) = ProgressStyle::with_template(template) {
+            bar.set_style(style.with_key("rate", rate));
+        }
+        bar.enable_steady_tick(REDRAW);
+        Self { bar }
+    }
+
+    pub(crate) fn at(&self, steps: u64) {
+        self.bar.set_position(steps);
+    }
+}
+
+impl Drop for Progress {
+    fn drop(&mut self) {
+        self.bar.finish_and_clear();
+    }
+}

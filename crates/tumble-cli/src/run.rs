@@ -1,0 +1,225 @@
+//! `tumble run`.
+
+use std::time::{Duration, Instant};
+
+use hecs::World;
+use rayon::{ThreadPool, ThreadPoolBuilder};
+use tumble::math::PRECISION;
+use tumble::{BodyId, BodyOrder, PhaseTimes, Simulation, simd_name, state_hash};
+use tumble_scene::{MAX_STEPS, Names, Scene, Summary};
+
+use crate::drift::{Drift, NotFinite, interval};
+use crate::failure::Failure;
+use crate::options::RunOptions;
+use crate::outputs::Outputs;
+use crate::progress::Progress;
+use crate::table::Report;
+use crate::{interrupt, print};
+
+/// Between two looks at the clock, at Ctrl-C and at the progress bar.
+const BURST: Duration = Duration::from_millis(50);
+
+/// Runs a scene, records and reports.
+pub(crate) fn run(options: &RunOptions) -> Result<(), Failure> {
+    let scene = scene(options)?;
+    let steps = steps(options, &scene)?;
+    let bodies = scene.body_count() as u64;
+    let pool = pool(options)?;
+    // First, so that a Ctrl-C from here on leaves no unfinished files.
+    interrupt::watch()?;
+    let outputs = Outputs::open(options)?;
+    let simulation = Simulation::new(scene.settings).map_err(|error| Failure::Input(error.to_string()))?;
+    let mut world = World::new();
+    let names = scene.spawn(&mut world)?;
+    let run = Run {
+        order: BodyOrder::of(&world),
+        world,
+        names,
+        simulation,
+        outputs,
+        progress: Progress::start(bodies, steps, options.quiet),
+        times: PhaseTimes::default(),
+        step_time: Duration::ZERO,
+        every: options.every.map_or(1, std::num::NonZero::get),
+    };
+    pool.install(|| run.complete(options, bodies, steps, pool.current_num_threads() as u64))
+}
+
+/// The scene with the options applied.
+fn scene(options: &RunOptions) -> Result<Scene, Failure> {
+    let name = options.scene.as_deref().unwrap_or("stress");
+    let mut scene = if name == "stress" && (options.bodies.is_some() || options.seed.is_some()) {
+        let default = Scene::open(name)?.body_count();
+        let bodies = options.bodies.and_then(|bodies| usize::try_from(bodies).ok());
+        Scene::stress(bodies.unwrap_or(default), options.seed.unwrap_or(0))?
+    } else if options.bodies.is_some() || options.seed.is_some() {
+        let option = if options.bodies.is_some() { "--bodies" } else { "--seed" };
+        return Err(Failure::Input(format!("{option} goes with the stress scene only, not with {name:?}")));
+    } else {
+        Scene::open(name)?
+    };
+    if let Some(dt) = options.dt {
+        scene.settings.dt = dt;
+    }
+    if let Some(substeps) = options.substeps {
+        scene.settings.substeps = substeps;
+    }
+    if let Some(integrator) = options.integrator {
+        scene.settings.integrator = integrator;
+    }
+    Ok(scene)
+}
+
+/// A duration is rounded to the nearest whole number of steps.
+#[allow(clippy::useless_conversion, reason = "dt is f64 already in one of the two builds")]
+fn steps(options: &RunOptions, scene: &Scene) -> Result<u64, Failure> {
+    let Some(seconds) = options.duration else { return Ok(options.steps.unwrap_or(scene.steps)) };
+    let steps = (seconds / f64::from(scene.settings.dt)).round();
+    if steps <= MAX_STEPS as f64 {
+        Ok(steps as u64)
+    } else {
+        Err(Failure::Input(format!("--duration {seconds} makes {steps:e} steps, more than {MAX_STEPS}")))
+    }
+}
+
+fn pool(options: &RunOptions) -> Result<ThreadPool, Failure> {
+    // Zero lets rayon choose.
+    let threads = options.threads.and_then(|threads| usize::try_from(threads).ok()).unwrap_or(0);
+    ThreadPoolBuilder::new()
+        .num_threads(threads)
+        .build()
+        .map_err(|error| Failure::Running(format!("cannot start {threads} threads: {error}")))
+}
+
+struct Run {
+    order: BodyOrder,
+    world: World,
+    names: Names,
+    simulation: Simulation,
+    outputs: Outputs,
+    progress: Progress,
+    times: PhaseTimes,
+    step_time: Duration,
+    every: u64,
+}
+
+impl Run {
+    fn complete(mut self, options: &RunOptions, bodies: u64, steps: u64, threads: u64) -> Result<(), Failure> {
+        let started = Instant::now();
+        let stepped = self.all_steps(interval(bodies, steps), steps);
+        let wall_time = started.elapsed();
+        let drift = match stepped {
+            Ok(drift) => drift,
+            Err(Stopped::Failed(failure)) => return Err(failure),
+            Err(Stopped::NotFinite(what)) => {
+                let failure = self.not_finite(&what);
+                // The way there is worth a look, but its sums mean nothing.
+                self.outputs.finish(None)?;
+                return Err(failure);
+            }
+        };
+        drop(self.progress);
+        let summary = Summary {
+            bodies,
+            worlds: 1,
+            steps: self.simulation.steps(),
+            dt: self.simulation.settings().dt,
+            substeps: self.simulation.settings().substeps,
+            integrator: self.simulation.settings().integrator.name().to_owned(),
+            precision: PRECISION.to_owned(),
+            threads,
+            simd: simd_name().to_owned(),
+            wall_seconds: wall_time.as_secs_f64(),
+            step_seconds: self.step_time.as_secs_f64(),
+            body_steps_per_second: rate(bodies, self.simulation.steps(), self.step_time),
+            energy: drift.energy(),
+            linear_momentum: drift.linear_momentum(),
+            angular_momentum: drift.angular_momentum(),
+            state_hash: format!("{:016x}", state_hash(&self.world, &self.order)),
+        };
+        self.outputs.finish(Some(&summary))?;
+        let interrupted = summary.steps < steps;
+        if !options.quiet {
+            let simulated = self.simulation.time();
+            let report = Report { summary: &summary, drift: &drift, times: &self.times, simulated, asked: steps };
+            print::output(&report.to_string())?;
+        }
+        if interrupted { Err(Failure::Interrupted) } else { Ok(()) }
+    }
+
+    /// Steps, records and samples until all steps are done or Ctrl-C came.
+    fn all_steps(&mut self, interval: u64, steps: u64) -> Result<Drift, Stopped> {
+        self.record()?;
+        let mut drift = Drift::start(&self.world, self.simulation.settings(), &self.order)?;
+        while self.simulation.steps() < steps && !interrupt::asked() {
+            let done = self.simulation.steps();
+            let next = |every: u64| (done / every + 1).saturating_mul(every);
+            self.burst(steps.min(next(interval)).min(next(self.every)));
+            let done = self.simulation.steps();
+            if done.is_multiple_of(self.every) {
+                self.record()?;
+            }
+            if done.is_multiple_of(interval) {
+                drift.sample(&self.world, self.simulation.settings(), &self.order)?;
+            }
+            self.progress.at(done);
+        }
+        if !self.simulation.steps().is_multiple_of(interval) {
+            drift.sample(&self.world, self.simulation.settings(), &self.order)?;
+        }
+        Ok(drift)
+    }
+
+    /// Steps to the given number, or for as long as a burst lasts.
+    fn burst(&mut self, until: u64) {
+        let started = Instant::now();
+        while self.simulation.steps() < until {
+            self.simulation.step_timed(&mut self.world, &self.times);
+            if started.elapsed() > BURST {
+                break;
+            }
+        }
+        self.step_time += started.elapsed();
+    }
+
+    fn record(&mut self) -> Result<(), Failure> {
+        let (step, time) = (self.simulation.steps(), self.simulation.time());
+        self.outputs.record(step, time, &self.world, &self.order, &self.names)
+    }
+
+    fn not_finite(&self, what: &NotFinite) -> Failure {
+        let step = self.simulation.steps();
+        let what = match *what {
+            NotFinite::Total => "the total energy or momentum".to_owned(),
+            NotFinite::Body(entity) => match self.world.get::<&BodyId>(entity) {
+                Ok(id) => format!("body {:?} (bodies[{}])", self.names.of(id.0), id.0),
+                Err(_) => "a body".to_owned(),
+            },
+        };
+        Failure::Running(format!("{what} is not finite after step {step}; the run ends there"))
+    }
+}
+
+/// Why the steps were not all done, other than by Ctrl-C.
+enum Stopped {
+    Failed(Failure),
+    NotFinite(NotFinite),
+}
+
+impl From<Failure> for Stopped {
+    fn from(failure: Failure) -> Self {
+        Self::Failed(failure)
+    }
+}
+
+impl From<NotFinite> for Stopped {
+    fn from(what: NotFinite) -> Self {
+        Self::NotFinite(what)
+    }
+}
+
+/// Body-steps per second; 0 where nothing was done.
+fn rate(bodies: u64, steps: u64, time: Duration) -> f64 {
+    let rate = bodies as f64 * steps as f64 / time.as_secs_f64();
+    if rate.is_finite() { rate } else { 0.0 }
+}

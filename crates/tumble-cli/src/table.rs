@@ -1,0 +1,94 @@
+//! What a run did, for people.
+
+use std::fmt::{self, Display};
+use std::time::Duration;
+
+use tumble::{PhaseTimes, Totals};
+use tumble_scene::{Conserved, Summary};
+
+use crate::drift::Drift;
+
+/// The table at the end of a run.
+pub(crate) struct Report<'a> {
+    pub(crate) summary: &'a Summary,
+    pub(crate) drift: &'a Drift,
+    pub(crate) times: &'a PhaseTimes,
+    /// Simulated time \[s\].
+    pub(crate) simulated: f64,
+    /// Steps that were asked for.
+    pub(crate) asked: u64,
+}
+
+impl Display for Report<'_> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let summary = self.summary;
+        line(f, "bodies", summary.bodies)?;
+        if summary.steps < self.asked {
+            line(f, "steps", format_args!("{} (interrupted, of {})", summary.steps, self.asked))?;
+        } else {
+            line(f, "steps", summary.steps)?;
+        }
+        let parts = if summary.substeps == 1 { String::new() } else { format!(" in {} parts", summary.substeps) };
+        line(f, "step", format_args!("{} s{parts}, {}, {}", summary.dt, summary.integrator, summary.precision))?;
+        line(f, "threads", format_args!("{}, {}", summary.threads, summary.simd))?;
+        line(f, "simulated time", format_args!("{:.6} s", self.simulated))?;
+        line(f, "wall time", format_args!("{:.6} s", summary.wall_seconds))?;
+        line(f, "stepping", format_args!("{:.6} s", summary.step_seconds))?;
+        self.systems(f)?;
+        line(f, "body-steps per second", format_args!("{:.4e}", summary.body_steps_per_second))?;
+        self.conserved(f)?;
+        line(f, "state hash", &summary.state_hash)
+    }
+}
+
+impl Report<'_> {
+    fn systems(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let systems = [
+            ("  accumulate_forces", self.times.accumulate_forces()),
+            ("  integrate", self.times.integrate()),
+            ("  update_derived", self.times.update_derived()),
+        ];
+        let all: Duration = systems.iter().map(|(_, time)| *time).sum();
+        for (system, time) in systems {
+            // No time at all has no shares.
+            let share = 100.0 * time.as_secs_f64() / all.as_secs_f64().max(f64::MIN_POSITIVE);
+            line(f, system, format_args!("{:.6} s on all threads, {share:.0} %", time.as_secs_f64()))?;
+        }
+        Ok(())
+    }
+
+    fn conserved(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let (start, end) = (self.drift.initial(), self.drift.latest());
+        writeln!(f, "\n{:<22} {:>15} {:>15} {:>15}", "", "start", "end", "largest drift")?;
+        let kinetic = |totals: &Totals| totals.linear_kinetic + totals.rotational_kinetic;
+        row(f, "kinetic energy [J]", kinetic(start), kinetic(end), None)?;
+        row(f, "potential energy [J]", start.potential, end.potential, None)?;
+        let energy = &self.summary.energy;
+        row(f, "energy [J]", energy.initial, energy.r#final, Some(energy.max_relative_drift))?;
+        vector(f, "momentum [kg m/s]", &self.summary.linear_momentum)?;
+        vector(f, "ang. mom. [kg m2/s]", &self.summary.angular_momentum)?;
+        writeln!(f)
+    }
+}
+
+fn line(f: &mut fmt::Formatter<'_>, label: &str, value: impl Display) -> fmt::Result {
+    writeln!(f, "{label:<22} {value}")
+}
+
+fn row(f: &mut fmt::Formatter<'_>, label: &str, start: f64, end: f64, drift: Option<f64>) -> fmt::Result {
+    write!(f, "{label:<22} {start:>15.7e} {end:>15.7e}")?;
+    match drift {
+        Some(drift) => writeln!(f, " {drift:>15.2e}"),
+        None => writeln!(f),
+    }
+}
+
+/// The drift is that of the vector, so it stands in the first row only.
+fn vector(f: &mut fmt::Formatter<'_>, label: &str, vector: &Conserved<[f64; 3]>) -> fmt::Result {
+    let drift = vector.max_relative_drift;
+    for (axis, (start, end)) in ["x", "y", "z"].iter().zip(vector.initial.iter().zip(vector.r#final)) {
+        let first = (*axis == "x").then_some(drift);
+        row(f, &format!("{label} {axis}"), *start, end, first)?;
+    }
+    Ok(())
+}

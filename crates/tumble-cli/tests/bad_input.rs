@@ -1,0 +1,264 @@
+//! Bad input ends with exit code 2, one line that names file, body and field, and no file written.
+//!
+//! A user with a scene of a thousand bodies must be told which number is wrong. It would fail if a check were
+//! missing, came after the first step, or lost the place on its way to the message.
+
+mod support;
+
+use support::{Place, stderr};
+
+/// Runs the file with both outputs asked for, and checks the whole of the promise.
+fn refused(file: &str, contents: &[u8], wanted: &[&str]) {
+    let place = Place::new();
+    place.write(file, contents);
+    let output = place.run(&["run", file, "--record", "record.csv", "--report", "made/report"]);
+    let message = stderr(&output);
+    assert_eq!(output.status.code(), Some(2), "{wanted:?}: {message}");
+    assert_eq!(message.lines().count(), 1, "{message}");
+    assert!(message.starts_with(&format!("tumble: {file}: ")), "{message}");
+    for part in wanted {
+        assert!(message.contains(part), "{part:?} is not in {message}");
+    }
+    assert!(output.stdout.is_empty());
+    assert_eq!(place.entries(), [file], "something was written");
+}
+
+/// The fields of a second body, after a good first one.
+fn body(fields: &str, field: &str, value: &str) {
+    let scene = format!(r#"{{ "bodies": [ {{ "mass": 1 }}, {{ "name": "brick", {fields} }} ] }}"#);
+    let place = format!("body \"brick\" (bodies[1]), field {field}: ");
+    refused("scene.json", scene.as_bytes(), &[&place, value]);
+}
+
+const CUBE: &str = r#""shape": { "cuboid": { "half_extents": [1, 1, 1] } }"#;
+
+#[test]
+fn unknown_keys() {
+    body(r#""mass": 1, "colour": "red""#, "colour", "unknown field `colour`");
+    body(r#""mass": 1, "shape": { "sphere": { "radius": 1, "height": 2 } }"#, "shape.sphere.height", "`height`");
+    body(r#""mass": 1, "shape": { "teapot": {} }"#, "shape", "`teapot`");
+    body(r#""mass": 1, "forces": [ { "wind": 1 } ]"#, "forces[0]", "`wind`");
+    refused("scene.json", br#"{ "gravitas": 1 }"#, &["field gravitas: ", "unknown field"]);
+    refused("scene.ron", b"(bodies: [(name: \"brick\", mass: 1, hue: 3)])", &["(bodies[0]), field hue: ", "\"brick\""]);
+}
+
+#[test]
+fn wrong_types() {
+    body(r#""mass": "heavy""#, "mass", "\"heavy\"");
+    body(r#""mass": 1, "position": [1, 2]"#, "position", "3 values");
+    body(r#""mass": 1, "position": [1, 2, 3, 4]"#, "position", "more than 3 values");
+    body(r#""mass": 1, "position": [1, "two", 3]"#, "position[1]", "\"two\"");
+    body(r#""mass": 1, "fixed": 1"#, "fixed", "`1`");
+    refused("scene.json", br#"{ "steps": -1 }"#, &["field steps: ", "-1"]);
+    refused("scene.json", br#"{ "steps": 1.5 }"#, &["field steps: ", "1.5"]);
+    refused("scene.json", br#"{ "bodies": {} }"#, &["field bodies: "]);
+}
+
+#[test]
+fn missing_and_doubled_mass() {
+    body(CUBE, "mass", "missing");
+    body(r#""density": 1"#, "density", "needs a shape");
+    body(&format!(r#"{CUBE}, "mass": 1, "density": 2"#), "density", "mass is given too");
+    body(r#""shape": { "compound": { "parts": [ { "shape": "point" } ] } }"#, "shape.parts[0].mass", "missing");
+    body(r#""shape": { "compound": { "parts": [] } }"#, "shape.parts", "");
+    body(r#""shape": { "hollow_sphere": { "radius": 1 } }, "density": 1"#, "density", "no volume");
+}
+
+#[test]
+fn masses_that_are_no_masses() {
+    for (mass, value) in [("0", "0"), ("-2", "-2"), ("NaN", "NaN"), ("1e999", "1e999"), ("1e300", "1e300")] {
+        body(&format!(r#"{CUBE}, "mass": {mass}"#), "mass", value);
+    }
+    body(&format!(r#"{CUBE}, "density": -5"#), "density", "-5");
+    let scene = b"(bodies: [(name: \"brick\", mass: inf)])";
+    refused("scene.ron", scene, &["body \"brick\" (bodies[0]), field mass: ", "inf"]);
+}
+
+#[test]
+fn absurd_numbers() {
+    body(r#""mass": 1, "position": [0, 1e30, 0]"#, "position", "1e30");
+    body(r#""mass": 1, "linear_velocity": [0, -1e19, 0]"#, "linear_velocity", "-1e19");
+    body(r#""mass": 1, "angular_velocity": [1e99, 0, 0]"#, "angular_velocity", "1e99");
+    body(r#""mass": 1, "gravity_scale": 1e40"#, "gravity_scale", "1e40");
+    body(r#""mass": 1, "shape": { "sphere": { "radius": 0 } }"#, "shape.radius", "0");
+    body(r#""mass": 1, "shape": { "sphere": { "radius": -3 } }"#, "shape.radius", "-3");
+    body(r#""mass": 1, "forces": [ { "damping": { "linear": -1 } } ]"#, "forces[0].damping.linear", "-1");
+    for dt in ["0", "-0.1", "1e300", "1e-300"] {
+        refused("scene.json", format!(r#"{{ "dt": {dt} }}"#).as_bytes(), &["field dt: ", &format!("not {dt}")]);
+    }
+    refused("scene.json", br#"{ "gravity": [0, 1e40, 0] }"#, &["field gravity: ", "1e40"]);
+    refused("scene.json", br#"{ "steps": 2000000000000 }"#, &["field steps: ", "2000000000000"]);
+    refused("scene.json", br#"{ "substeps": 0 }"#, &["field substeps: ", "0"]);
+    refused("scene.json", br#"{ "integrator": "euler" }"#, &["field integrator: ", "\"euler\"", "moser-veselov"]);
+    refused("scene.ron", b"(gravity: (0, NaN, 0))", &["field gravity: ", "NaN"]);
+}
+
+#[test]
+fn impossible_inertia() {
+    let inertia = |inertia: &str, field: &str, value: &str| {
+        body(&format!(r#""mass": 1, "inertia": {{ {inertia} }}"#), field, value);
+    };
+    inertia(r#""principal": [0, 1, 1]"#, "inertia.principal", "must be positive");
+    inertia(r#""principal": [-1, 1, 1]"#, "inertia.principal", "-1");
+    inertia(r#""principal": [1, 1, 3]"#, "inertia.principal", "triangle inequality");
+    inertia(r#""tensor": [[1, 0.5, 0], [0, 1, 0], [0, 0, 1]]"#, "inertia.tensor", "0.5");
+    inertia(r#""tensor": [[1, 0, 0], [0, 1, 0], [0, 0, 3]]"#, "inertia.tensor", "triangle inequality");
+    inertia(r#""tensor": [[1, 2, 0], [2, 1, 0], [0, 0, 1]]"#, "inertia.tensor", "-1");
+    inertia(r#""principal": [1, 1, 1], "axes": [0, 0, 0, 2]"#, "inertia.axes", "length is 2");
+    inertia(r#""principal": [1, 1, 1], "tensor": [[1,0,0],[0,1,0],[0,0,1]]"#, "inertia.tensor", "principal");
+    inertia(r#""axes": [0, 0, 0, 1]"#, "inertia", "needs principal or tensor");
+    inertia("", "inertia", "needs principal or tensor");
+    body(r#""mass": 1, "angular_velocity": [1, 0, 0]"#, "angular_velocity", "inertia");
+}
+
+#[test]
+fn quaternions_that_are_no_rotations() {
+    body(r#""mass": 1, "orientation": [0, 0, 0, 0]"#, "orientation", "length is 0");
+    body(r#""mass": 1, "orientation": [0, 0, 0, 1.01]"#, "orientation", "length is 1.01");
+    let part = r#"{ "shape": "point", "mass": 1, "orientation": [1, 1, 0, 0] }"#;
+    let compound = format!(r#""shape": {{ "compound": {{ "parts": [ {part} ] }} }}"#);
+    body(&compound, "shape.parts[0].orientation", "1.41");
+}
+
+#[test]
+fn names() {
+    let twice = br#"{ "bodies": [ { "name": "a", "mass": 1 }, { "mass": 1 }, { "name": "a", "mass": 1 } ] }"#;
+    refused("scene.json", twice, &["body \"a\" (bodies[2]), field name: ", "bodies[0]"]);
+    let made = br#"{ "bodies": [ { "name": "body-1", "mass": 1 }, { "mass": 1 } ] }"#;
+    refused("scene.json", made, &["(bodies[1]), field name: "]);
+    refused("scene.json", br#"{ "bodies": [ { "name": "", "mass": 1 } ] }"#, &["(bodies[0]), field name: ", "empty"]);
+    refused("scene.json", br#"{ "bodies": [ { "name": "a\u001b", "mass": 1 } ] }"#, &["field name: ", "control"]);
+}
+
+#[test]
+fn motion_that_contradicts_itself() {
+    body(r#""fixed": true, "kinematic": true"#, "kinematic", "not both");
+    body(r#""fixed": true, "linear_velocity": [1, 0, 0]"#, "linear_velocity", "does not move");
+}
+
+#[test]
+fn files_that_are_no_scenes() {
+    refused("scene.json", b"", &["EOF"]);
+    refused("scene.json", b"[]", &["scene"]);
+    refused("scene.json", b"{ \"bodies\": [ {", &["EOF"]);
+    refused("scene.json", b"{} trailing", &["trailing", "line 1"]);
+    refused("scene.json", b"{ \"name\": \"\xff\" }", &["UTF-8", "offset 11"]);
+    refused("scene.ron", b"(", &[""]);
+    refused("scene.txt", b"{}", &[".json or .ron"]);
+    refused("scene.json", "[".repeat(200_000).as_bytes(), &[""]);
+    let deep = r#"{ "bodies": [ { "shape": "#.to_owned() + &r#"{"compound":{"parts":[{"shape":"#.repeat(5000);
+    refused("scene.json", deep.as_bytes(), &["recursion limit"]);
+    refused("scene.ron", "(bodies:".repeat(100_000).as_bytes(), &[""]);
+}
+
+#[test]
+fn paths_that_cannot_be_read() {
+    let place = Place::new();
+    std::fs::create_dir(place.path("directory.json")).unwrap();
+    for (path, reason) in [("missing.json", ""), ("directory.json", "directory"), ("no/such.ron", "")] {
+        let output = place.run(&["run", path, "--record", "record.csv"]);
+        let message = stderr(&output);
+        assert_eq!(output.status.code(), Some(2));
+        assert!(message.starts_with(&format!("tumble: {path}: cannot be read: ")), "{message}");
+        assert!(message.contains(reason), "{message}");
+    }
+    assert_eq!(place.entries(), ["directory.json"]);
+}
+
+#[cfg(unix)]
+#[test]
+fn a_pipe_is_refused_and_not_waited_for() {
+    let place = Place::new();
+    let kind = rustix::fs::FileType::Fifo;
+    let mode = rustix::fs::Mode::from_raw_mode(0o600);
+    rustix::fs::mknodat(rustix::fs::CWD, place.path("pipe.json"), kind, mode, 0).unwrap();
+    let output = place.run(&["run", "pipe.json"]);
+    assert_eq!(output.status.code(), Some(2));
+    assert!(stderr(&output).contains("not a regular file"), "{}", stderr(&output));
+}
+
+#[test]
+fn a_file_beyond_the_limit_is_not_read() {
+    let place = Place::new();
+    // Sparse: it takes no space, and reading it would show as a complaint about its zeros.
+    let file = std::fs::File::create(place.path("large.json")).unwrap();
+    file.set_len(tumble_scene::MAX_FILE_BYTES + 1).unwrap();
+    let output = place.run(&["run", "large.json"]);
+    assert_eq!(output.status.code(), Some(2));
+    assert!(stderr(&output).contains("larger than 268435456 bytes"), "{}", stderr(&output));
+}
+
+#[test]
+fn names_of_no_scene_list_those_there_are() {
+    let output = Place::new().run(&["run", "nope"]);
+    assert_eq!(output.status.code(), Some(2));
+    let message = stderr(&output);
+    for name in tumble_scene::builtin_names().chain(["\"nope\""]) {
+        assert!(message.contains(name), "{message}");
+    }
+}
+
+#[test]
+fn options_of_the_stress_scene_go_with_no_other() {
+    for arguments in [["run", "iss", "--bodies", "5"], ["run", "iss", "--seed", "5"]] {
+        let output = Place::new().run(&arguments);
+        assert_eq!(output.status.code(), Some(2));
+        assert!(stderr(&output).contains(arguments[2]), "{}", stderr(&output));
+    }
+}
+
+#[test]
+fn options_that_make_no_sense() {
+    let place = Place::new();
+    for arguments in [
+        &["run", "iss", "--steps", "1e300"][..],
+        &["run", "iss", "--dt", "0"],
+        &["run", "iss", "--dt", "NaN"],
+        &["run", "iss", "--steps", "1", "--duration", "1"],
+        &["run", "iss", "--dt", "1e-12", "--duration", "1e6"],
+        &["run", "iss", "--threads", "0"],
+        &["run", "iss", "--threads", "1000000"],
+        &["run", "--bodies", "1000000000000"],
+        &["run", "iss", "--every", "2"],
+        &["run", "iss", "--record", "record.txt"],
+        &["run", "iss", "--record", "record.parquet"],
+        &["run", "iss", "--record", "no/such/directory/record.csv"],
+        &["fly"],
+        &["inspect"],
+    ] {
+        let output = place.run(arguments);
+        assert_eq!(output.status.code(), Some(2), "{arguments:?}");
+        assert!(!stderr(&output).is_empty() && output.stdout.is_empty(), "{arguments:?}");
+    }
+    assert!(place.entries().is_empty());
+}
+
+#[test]
+fn outputs_that_cannot_be_written() {
+    let place = Place::new();
+    place.write("file", "kept");
+    std::fs::create_dir(place.path("directory.csv")).unwrap();
+    for arguments in [
+        ["run", "iss", "--report", "file", "--quiet", "--quiet"],
+        ["run", "iss", "--report", "file/below", "--record", "record.csv"],
+        ["run", "iss", "--report", "new/report", "--record", "directory.csv"],
+        ["run", "iss", "--report", "new/report", "--record", "missing/record.csv"],
+    ] {
+        let arguments = if arguments[5] == "--quiet" { &arguments[..5] } else { &arguments[..] };
+        let output = place.run(arguments);
+        assert_eq!(output.status.code(), Some(2), "{arguments:?}: {}", stderr(&output));
+        assert!(stderr(&output).contains("cannot be written"), "{}", stderr(&output));
+    }
+    assert_eq!(place.entries(), ["directory.csv", "file"]);
+    assert_eq!(place.read("file"), "kept");
+}
+
+#[test]
+fn a_report_does_not_replace_its_scene() {
+    let place = Place::new();
+    place.write("summary.json", "{}");
+    let output = place.run(&["run", "./summary.json", "--report", "."]);
+    assert_eq!(output.status.code(), Some(2));
+    assert_eq!(place.read("summary.json"), "{}");
+    assert_eq!(place.entries(), ["summary.json"]);
+}

@@ -1,0 +1,116 @@
+//! However a run is cut short, what it leaves behind is whole.
+//!
+//! A long run is the one that gets interrupted. It would fail if Ctrl-C killed the program before the record was
+//! renamed into place, or if a reader that went away made it panic.
+#![allow(clippy::unwrap_used, reason = "a test fails by panicking, in its helper functions too")]
+#![cfg(unix)]
+
+mod support;
+
+use std::io::Read;
+use std::process::{Child, Stdio};
+use std::time::{Duration, Instant};
+
+use rustix::process::{Pid, Signal, kill_process};
+use support::{Place, stderr};
+
+/// Far more than any of these runs takes; only a hang reaches it.
+const PATIENCE: Duration = Duration::from_secs(60);
+
+/// Waits until the run has surely begun to record: its unfinished file has something in it.
+fn wait_for_rows(place: &Place) {
+    let started = Instant::now();
+    loop {
+        let part = place.entries().into_iter().find(|name| name.ends_with(".part") && name.contains("out.csv"));
+        if part.is_some_and(|name| std::fs::metadata(place.path(&name)).is_ok_and(|file| file.len() > 0)) {
+            return;
+        }
+        assert!(started.elapsed() < PATIENCE, "nothing was recorded");
+        std::thread::sleep(Duration::from_millis(5));
+    }
+}
+
+fn signal(child: &Child, signal: Signal) {
+    kill_process(Pid::from_child(child), signal).unwrap();
+}
+
+fn interrupted_by(how: Signal) {
+    let place = Place::new();
+    let arguments = [
+        "run",
+        "--bodies",
+        "100",
+        "--steps",
+        "1000000000",
+        "--record",
+        "out.csv",
+        "--every",
+        "100",
+        "--report",
+        "report",
+    ];
+    let child = place.command(&arguments).stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap();
+    wait_for_rows(&place);
+    signal(&child, how);
+    let output = child.wait_with_output().unwrap();
+    assert_eq!(output.status.code(), Some(130), "{}", stderr(&output));
+    assert!(String::from_utf8_lossy(&output.stdout).contains("interrupted, of 1000000000"));
+    assert_eq!(place.entries(), ["out.csv", "report"]);
+    let record = place.record("out.csv");
+    assert!(record.len() >= 200 && record.len().is_multiple_of(100), "{}", record.len());
+    assert!(record.iter().all(|line| line.len() == 16));
+    let steps = place.summary()["steps"].as_u64().unwrap();
+    assert!((1..1_000_000_000).contains(&steps));
+}
+
+#[test]
+fn ctrl_c_leaves_a_readable_record_and_report() {
+    interrupted_by(Signal::INT);
+}
+
+#[test]
+fn so_does_a_request_to_terminate() {
+    interrupted_by(Signal::TERM);
+}
+
+#[test]
+fn a_reader_that_goes_away_is_no_failure() {
+    let place = Place::new();
+    for arguments in [&["run", "mujoco-box"][..], &["inspect", "stress", "--json"]] {
+        let mut child = place.command(arguments).stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap();
+        drop(child.stdout.take());
+        let mut message = String::new();
+        child.stderr.take().unwrap().read_to_string(&mut message).unwrap();
+        assert_eq!((child.wait().unwrap().code(), message.as_str()), (Some(0), ""), "{arguments:?}");
+    }
+}
+
+/// `/dev/full` is a disk without space.
+#[cfg(target_os = "linux")]
+#[test]
+fn a_full_standard_output_is_a_failure_while_running() {
+    let full = std::fs::OpenOptions::new().write(true).open("/dev/full").unwrap();
+    let output = Place::new().command(&["run", "mujoco-box"]).stdout(full).output().unwrap();
+    assert_eq!(output.status.code(), Some(1));
+    assert!(stderr(&output).contains("standard output"), "{}", stderr(&output));
+}
+
+/// The limit on the size of a file stands in for a disk that fills up.
+#[test]
+fn a_record_that_cannot_grow_is_a_failure_while_running_and_leaves_nothing() {
+    let place = Place::new();
+    let program = env!("CARGO_BIN_EXE_tumble");
+    // Ignoring SIGXFSZ turns the signal into an error of the write, as on a full disk. Units of 512 or 1024 bytes.
+    let script = format!(
+        "trap '' XFSZ; ulimit -f 200; exec '{program}' run --bodies 1000 --steps 50 --record out.csv --report report"
+    );
+    let output = std::process::Command::new("sh")
+        .args(["-c", &script])
+        .current_dir(place.path(""))
+        .stdin(Stdio::null())
+        .output()
+        .unwrap();
+    assert_eq!(output.status.code(), Some(1), "{}", stderr(&output));
+    assert!(stderr(&output).contains("out.csv: writing failed"), "{}", stderr(&output));
+    assert!(place.entries().is_empty(), "{:?}", place.entries());
+}

@@ -1,0 +1,244 @@
+//! `tumble run` does what its options say, and its files are the contract.
+//!
+//! Scripts and notebooks read these files. It would fail if a key, a column or a rule for steps changed.
+
+mod support;
+
+use support::Place;
+
+const SCENE: &str = r#"{ "gravity": [0, -9.81, 0], "dt": 0.01, "steps": 100, "integrator": "runge-kutta4",
+  "bodies": [
+    { "name": "brick", "shape": { "cuboid": { "half_extents": [0.1, 0.05, 0.03] } }, "mass": 2.0,
+      "orientation": [0, 0, 0.6, 0.8], "linear_velocity": [1, 2, 3], "angular_velocity": [1, 5, 0.1],
+      "forces": [ { "damping": { "linear": 0.1, "angular": 0.2 } } ] },
+    { "shape": { "cone": { "radius": 1, "half_height": 0.5 } }, "density": 10, "gravity_scale": 0.5 },
+    { "name": "floor", "fixed": true, "position": [0, -1, 0] },
+    { "name": "belt", "kinematic": true, "linear_velocity": [0, 1, 0] } ] }"#;
+
+const SAME_IN_RON: &str = r#"Scene( gravity: (0, -9.81, 0), dt: 0.01, steps: 100, integrator: "runge-kutta4",
+  bodies: [
+    ( name: "brick", shape: cuboid(half_extents: (0.1, 0.05, 0.03)), mass: 2.0,
+      orientation: (0, 0, 0.6, 0.8), linear_velocity: [1, 2, 3], angular_velocity: (1, 5, 0.1),
+      forces: [ damping(linear: 0.1, angular: 0.2) ] ),
+    ( shape: cone(radius: 1, half_height: 0.5), density: 10, gravity_scale: 0.5 ),
+    ( name: "floor", fixed: true, position: (0, -1, 0) ),
+    ( name: "belt", kinematic: true, linear_velocity: (0, 1, 0) ), ] )"#;
+
+#[test]
+fn json_and_ron_give_the_same_hash() {
+    let place = Place::new();
+    place.write("scene.json", SCENE);
+    place.write("scene.ron", SAME_IN_RON);
+    assert_eq!(place.hash(&["run", "scene.json"]), place.hash(&["run", "scene.ron"]));
+}
+
+#[test]
+fn the_number_of_threads_does_not_change_a_bit() {
+    let place = Place::new();
+    let hash = |threads: &str| place.hash(&["run", "--bodies", "5000", "--steps", "60", "--threads", threads]);
+    let one = hash("1");
+    assert_eq!(one, hash("2"));
+    assert_eq!(one, hash("7"));
+}
+
+#[test]
+fn a_seed_makes_another_scene_and_the_default_seed_is_zero() {
+    let place = Place::new();
+    let hash = |seed: &[&str]| place.hash(&[&["run", "stress", "--bodies", "50", "--steps", "5"], seed].concat());
+    assert_eq!(hash(&[]), hash(&["--seed", "0"]));
+    assert_ne!(hash(&[]), hash(&["--seed", "1"]));
+}
+
+#[test]
+fn the_summary_has_exactly_the_keys_in_order() {
+    let place = Place::new();
+    place.write("scene.json", SCENE);
+    place.succeed(&["run", "scene.json", "--report", "report", "--threads", "2", "--substeps", "3"]);
+    let text = place.read("report/summary.json");
+    let keys: Vec<&str> =
+        text.lines().filter_map(|line| line.strip_prefix("  \"").and_then(|rest| rest.split('"').next())).collect();
+    assert_eq!(
+        keys,
+        [
+            "bodies",
+            "worlds",
+            "steps",
+            "dt",
+            "substeps",
+            "integrator",
+            "precision",
+            "threads",
+            "simd",
+            "wall_seconds",
+            "step_seconds",
+            "body_steps_per_second",
+            "energy",
+            "linear_momentum",
+            "angular_momentum",
+            "state_hash",
+        ]
+    );
+    let summary = place.summary();
+    assert_eq!(summary["bodies"], 4);
+    assert_eq!(summary["worlds"], 1);
+    assert_eq!(summary["steps"], 100);
+    assert_eq!(summary["dt"], 0.01);
+    assert_eq!(summary["substeps"], 3);
+    assert_eq!(summary["integrator"], "runge-kutta4");
+    assert_eq!(summary["threads"], 2);
+    assert_eq!(summary["precision"], tumble::math::PRECISION);
+    let rate = 400.0 / summary["step_seconds"].as_f64().unwrap();
+    assert!((summary["body_steps_per_second"].as_f64().unwrap() / rate - 1.0).abs() < 1e-12);
+    let hash = summary["state_hash"].as_str().unwrap();
+    assert!(hash.len() == 16 && hash.bytes().all(|byte| byte.is_ascii_hexdigit()));
+    for (quantity, parts) in [("energy", 1), ("linear_momentum", 3), ("angular_momentum", 3)] {
+        let keys: Vec<&String> = summary[quantity].as_object().unwrap().keys().collect();
+        assert_eq!(keys.len(), 3, "{keys:?}");
+        assert!(summary[quantity]["max_relative_drift"].as_f64().unwrap() >= 0.0);
+        for end in ["initial", "final"] {
+            let value = &summary[quantity][end];
+            assert_eq!(value.as_array().map_or(1, Vec::len), parts);
+            assert!(value.is_number() || value.as_array().unwrap().iter().all(serde_json::Value::is_number));
+        }
+    }
+    assert_eq!(place.entries(), ["report", "scene.json"]);
+}
+
+#[test]
+fn the_record_has_the_columns_and_starts_with_the_scene() {
+    let place = Place::new();
+    place.write("scene.json", SCENE);
+    place.succeed(&["run", "scene.json", "--record", "out.csv", "--every", "30", "--quiet"]);
+    let text = place.read("out.csv");
+    assert_eq!(text.lines().next(), Some("step,time,body,px,py,pz,qx,qy,qz,qw,vx,vy,vz,wx,wy,wz"));
+    let record = place.record("out.csv");
+    let steps: Vec<&str> = record.iter().step_by(4).map(|line| &line[0]).collect();
+    assert_eq!(steps, ["0", "30", "60", "90"]);
+    let bodies: Vec<&str> = record.iter().take(4).map(|line| &line[2]).collect();
+    assert_eq!(bodies, ["brick", "body-1", "floor", "belt"]);
+    let brick: Vec<tumble::math::Real> = record[0].iter().skip(3).map(|field| field.parse().unwrap()).collect();
+    assert_eq!(brick[..3], [0.0, 0.0, 0.0]);
+    // Velocities went through momentum and back: a few roundings of f32.
+    for (velocity, given) in brick[7..].iter().zip([1.0, 2.0, 3.0, 1.0, 5.0, 0.1]) {
+        assert!((velocity - given).abs() < 5e-6, "{velocity} is not {given}");
+    }
+    // The record is at the centre of mass, half a half height below the middle of the cone.
+    assert_eq!(record[1][4].parse(), Ok(-0.25));
+    // What moves as it is told is where it was told to be: 0.9 s at 1 m/s.
+    let belt: f64 = record.last().unwrap()[4].parse().unwrap();
+    // Ninety additions of 0.01 in f32.
+    assert!((belt - 0.9).abs() < 1e-5, "{belt}");
+    assert_eq!(place.entries(), ["out.csv", "scene.json"]);
+}
+
+#[test]
+fn a_record_of_the_last_step_is_the_hashed_state() {
+    // Two runs, one recording: writing must not disturb the simulation.
+    let place = Place::new();
+    let stress = ["run", "--bodies", "20", "--steps", "10"];
+    let plain = place.hash(&stress);
+    let recorded = place.hash(&[&stress[..], &["--record", "out.csv"]].concat());
+    assert_eq!(plain, recorded);
+    assert_eq!(place.record("out.csv").len(), 11 * 20);
+}
+
+#[test]
+fn quiet_prints_nothing() {
+    let output = Place::new().run(&["run", "mujoco-box", "--quiet"]);
+    assert_eq!(output.status.code(), Some(0));
+    assert!(output.stdout.is_empty() && output.stderr.is_empty());
+}
+
+#[test]
+fn a_pipe_gets_the_table_and_no_progress_bar() {
+    let output = Place::new().run(&["run", "--bodies", "100", "--steps", "10"]);
+    assert!(output.stderr.is_empty(), "{}", support::stderr(&output));
+    let table = String::from_utf8(output.stdout).unwrap();
+    for row in [
+        "bodies ",
+        "steps ",
+        "simulated time ",
+        "wall time ",
+        "accumulate_forces ",
+        "integrate ",
+        "update_derived ",
+        "body-steps per second ",
+        "kinetic energy ",
+        "potential energy ",
+        "momentum ",
+        "ang. mom. ",
+        "largest drift",
+        "state hash ",
+    ] {
+        assert!(table.contains(row), "{row} is not in\n{table}");
+    }
+    assert!(!table.contains('\u{1b}'));
+}
+
+#[test]
+fn no_arguments_run_the_stress_scene() {
+    let table = Place::new().succeed(&[]);
+    assert!(table.contains("bodies                 10000\n"), "{table}");
+    assert!(table.contains("steps                  600\n"), "{table}");
+}
+
+#[test]
+fn durations_are_rounded_to_whole_steps() {
+    let place = Place::new();
+    for (duration, dt, steps) in [("1", "0.01", 100), ("0.104", "0.01", 10), ("0.106", "0.01", 11), ("0", "0.5", 0)] {
+        place.succeed(&["run", "mujoco-box", "--duration", duration, "--dt", dt, "--report", "report", "--quiet"]);
+        assert_eq!(place.summary()["steps"], steps, "{duration} s");
+    }
+}
+
+#[test]
+fn no_steps_and_no_bodies_give_finite_numbers() {
+    let place = Place::new();
+    place.write("empty.json", "{}");
+    for arguments in [["run", "empty.json", "--steps", "5"], ["run", "iss", "--steps", "0"]] {
+        place.succeed(&[&arguments[..], &["--report", "report", "--record", "out.csv"]].concat());
+        assert!(!place.read("report/summary.json").contains("null"));
+        assert_eq!(place.summary()["body_steps_per_second"], 0.0);
+    }
+    assert_eq!(place.record("out.csv").len(), 1);
+}
+
+#[test]
+fn every_integrator_can_be_asked_for() {
+    let place = Place::new();
+    let mut hashes: Vec<String> = tumble::Integrator::ALL
+        .iter()
+        .map(|integrator| place.hash(&["run", "mujoco-box", "--integrator", integrator.name()]))
+        .collect();
+    hashes.sort();
+    hashes.dedup();
+    assert_eq!(hashes.len(), tumble::Integrator::ALL.len());
+}
+
+#[test]
+fn a_name_without_extension_is_a_built_in_even_if_a_file_has_it() {
+    let place = Place::new();
+    place.write("iss", "not a scene");
+    place.succeed(&["run", "iss", "--steps", "1"]);
+    // With a slash it is the file, which has no extension that names a format.
+    assert_eq!(place.run(&["run", "./iss", "--steps", "1"]).status.code(), Some(2));
+}
+
+#[test]
+fn a_body_that_leaves_the_numbers_is_named() {
+    let place = Place::new();
+    // 1e18 m/s2, 1e18 times over, for 1e6 s: beyond f32 at once. The limits of a scene keep f64 within its range.
+    let scene = r#"{ "gravity": [0, 1e18, 0], "dt": 1e6, "steps": 1000, "bodies": [
+        { "mass": 1, "gravity_scale": 0 }, { "name": "runaway", "mass": 1, "gravity_scale": 1e18 } ] }"#;
+    place.write("scene.json", scene);
+    let output = place.run(&["run", "scene.json", "--record", "out.csv", "--report", "report"]);
+    if tumble::math::PRECISION == "f64" {
+        assert_eq!(output.status.code(), Some(0), "{}", support::stderr(&output));
+        assert!(!place.read("report/summary.json").contains("null"));
+        return;
+    }
+    assert_eq!(output.status.code(), Some(1), "{}", support::stderr(&output));
+    assert!(support::stderr(&output).contains("\"runaway\" (bodies[1])"), "{}", support::stderr(&output));
+    assert_eq!(place.record("out.csv").len() % 2, 0);
+    assert_eq!(place.entries(), ["out.csv", "scene.json"]);
+}

@@ -1,0 +1,148 @@
+//! The mass properties of a scene's bodies, and what is wrong with them.
+
+use std::path::Path;
+
+use serde::Serialize;
+use tumble::Body;
+
+use crate::builtin;
+use crate::convert;
+use crate::error::{FieldError, SceneError};
+use crate::model::SceneModel;
+use crate::scene::{duplicates, generated, invalid, is_path, load_model, settings, unknown};
+use crate::stress::{DEFAULT_BODIES, StressBodies};
+
+/// Each body of a scene as `tumble inspect` shows it.
+///
+/// Unlike [`Scene::open`](crate::Scene::open) it does not stop at the first impossible body.
+///
+/// ```
+/// use tumble_scene::Audit;
+///
+/// let audit = Audit::from_json(r#"{ "bodies": [ { "mass": -1 }, { "mass": 1 } ] }"#, "two.json")?;
+/// assert_eq!(audit.bodies[0].problems, ["mass: must be positive and finite, not -1"]);
+/// assert!(audit.bodies[1].problems.is_empty());
+/// # Ok::<(), tumble_scene::SceneError>(())
+/// ```
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Audit {
+    /// In the order of the scene.
+    pub bodies: Vec<AuditedBody>,
+}
+
+/// The mass properties of one body in its own frame.
+///
+/// `None` (`null` in JSON) is what a body does not have: all of it if something is wrong with it, and
+/// the mass and what follows from it if it is fixed or kinematic and was given none.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct AuditedBody {
+    /// Its name, given or made from its index.
+    pub name: String,
+    /// Mass \[kg\].
+    pub mass: Option<f64>,
+    /// Centre of mass in the body's frame \[m\].
+    pub center_of_mass: Option<[f64; 3]>,
+    /// Inertia tensor about the centre of mass, axes of the body's frame, row by row \[kg m^2\].
+    pub tensor: Option<[[f64; 3]; 3]>,
+    /// Principal moments \[kg m^2\]; zeros for a point mass.
+    pub principal: Option<[f64; 3]>,
+    /// Quaternion `x, y, z, w` that takes principal-frame to body-frame coordinates.
+    pub axes: Option<[f64; 4]>,
+    /// Everything wrong with the body, each as `field: problem`.
+    pub problems: Vec<String>,
+}
+
+impl Audit {
+    /// Audits a file or a built-in scene; names as in [`Scene::open`](crate::Scene::open).
+    ///
+    /// # Errors
+    /// [`SceneError`] if the text is not a scene at all, or a setting of the scene is wrong.
+    pub fn open(name_or_path: &str) -> Result<Self, SceneError> {
+        if is_path(name_or_path) {
+            return Self::of_model(&load_model(Path::new(name_or_path))?, name_or_path);
+        }
+        if name_or_path == builtin::STRESS {
+            return stress();
+        }
+        match builtin::model(name_or_path) {
+            Some(model) => Self::of_model(&model?, name_or_path),
+            None => Err(unknown(name_or_path)),
+        }
+    }
+
+    /// Audits a scene in JSON text; `file` is what messages call it.
+    ///
+    /// # Errors
+    /// As [`open`](Self::open).
+    pub fn from_json(text: &str, file: &str) -> Result<Self, SceneError> {
+        Self::of_model(&crate::parse::parse(text, crate::Format::Json, file)?, file)
+    }
+
+    /// Whether anything is wrong with any body.
+    #[must_use]
+    pub fn has_problems(&self) -> bool {
+        self.bodies.iter().any(|body| !body.problems.is_empty())
+    }
+
+    fn of_model(model: &SceneModel, file: &str) -> Result<Self, SceneError> {
+        settings(model).map_err(|error| invalid(file, None, error))?;
+        let mut names = Vec::with_capacity(model.bodies.len());
+        let mut bodies = Vec::with_capacity(model.bodies.len());
+        for (index, body) in model.bodies.iter().enumerate() {
+            let name = convert::name(body, index);
+            names.push(name.clone());
+            bodies.push(match convert::body(body, index) {
+                Ok(body) => AuditedBody::of(name, &body),
+                Err(problems) => AuditedBody::impossible(name, &problems),
+            });
+        }
+        for (index, error) in duplicates(&names) {
+            if let Some(body) = bodies.get_mut(index) {
+                body.problems.push(error.to_string());
+            }
+        }
+        Ok(Self { bodies })
+    }
+}
+
+fn stress() -> Result<Audit, SceneError> {
+    let bodies = StressBodies::new(DEFAULT_BODIES, 0).enumerate().map(|(index, body)| {
+        let body = body.map_err(|error| generated(index, &error))?;
+        Ok(AuditedBody::of(convert::numbered(index as u64), &body))
+    });
+    Ok(Audit { bodies: bodies.collect::<Result<_, _>>()? })
+}
+
+impl AuditedBody {
+    fn of(name: String, body: &Body) -> Self {
+        let mut audited = Self::impossible(name, &[]);
+        let Some(properties) = body.properties() else { return audited };
+        let rows = properties.tensor_about_center().transpose();
+        audited.mass = Some(properties.mass());
+        audited.center_of_mass = Some(properties.center_of_mass().to_array());
+        audited.tensor = Some(rows.to_cols_array_2d());
+        let (moments, axes) = match properties.inertia() {
+            Ok(inertia) => {
+                let principal = inertia.principal();
+                (principal.moments.to_array(), principal.axes.to_array())
+            }
+            // A point mass, which alone of all bodies without inertia is let through.
+            Err(_) => ([0.0; 3], [0.0, 0.0, 0.0, 1.0]),
+        };
+        audited.principal = Some(moments);
+        audited.axes = Some(axes);
+        audited
+    }
+
+    fn impossible(name: String, problems: &[FieldError]) -> Self {
+        Self {
+            name,
+            mass: None,
+            center_of_mass: None,
+            tensor: None,
+            principal: None,
+            axes: None,
+            problems: problems.iter().map(ToString::to_string).collect(),
+        }
+    }
+}

@@ -1,0 +1,54 @@
+//! Scenes that are found by name.
+
+use crate::SceneError;
+use crate::model::SceneModel;
+use crate::parse::{Format, parse};
+
+/// Name of the generated scene; see [`Scene::stress`](crate::Scene::stress).
+pub(crate) const STRESS: &str = "stress";
+
+/// Real bodies, each with the source of its figures in the file.
+const FILES: [(&str, &str); 5] = [
+    ("drake-cylinder", include_str!("../scenes/drake-cylinder.json")),
+    ("iss", include_str!("../scenes/iss.json")),
+    ("mujoco-box", include_str!("../scenes/mujoco-box.json")),
+    ("t-handle", include_str!("../scenes/t-handle.json")),
+    ("van-zon-top", include_str!("../scenes/van-zon-top.json")),
+];
+
+/// Names of the built-in scenes, in alphabetical order; `stress` among them.
+///
+/// ```
+/// assert!(tumble_scene::builtin_names().any(|name| name == "t-handle"));
+/// ```
+pub fn builtin_names() -> impl Iterator<Item = &'static str> {
+    let mut names: Vec<_> = FILES.iter().map(|(name, _)| *name).chain([STRESS]).collect();
+    names.sort_unstable();
+    names.into_iter()
+}
+
+/// The file of that name, if it is one.
+pub(crate) fn model(name: &str) -> Option<Result<SceneModel, SceneError>> {
+    FILES.iter().find(|(known, _)| *known == name).map(|(name, text)| parse(text, Format::Json, name))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_file_is_a_scene_with_a_source_and_its_own_name() {
+        for (name, text) in FILES {
+            let model = parse(text, Format::Json, name).unwrap();
+            assert_eq!(model.name.as_deref(), Some(name));
+            assert!(model.source.is_some_and(|source| source.len() > 20), "{name}");
+            assert!(model.description.is_some_and(|description| !description.is_empty()), "{name}");
+        }
+    }
+
+    #[test]
+    fn the_names_are_sorted_and_complete() {
+        let names: Vec<_> = builtin_names().collect();
+        assert_eq!(names, ["drake-cylinder", "iss", "mujoco-box", "stress", "t-handle", "van-zon-top"]);
+    }
+}

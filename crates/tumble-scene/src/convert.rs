@@ -1,0 +1,320 @@
+//! Model to bodies: every value is checked here, with the field it came from.
+
+use glam::{DMat3, DQuat, DVec3};
+use tumble::math::{Quat, Real, Vec3};
+use tumble::{Amount, Body, BodyId, Damping, InertiaTensor, Part, PrincipalInertia, RigidBody, Shape};
+
+use crate::error::{FieldError, shortest};
+use crate::model::{BodyModel, ForceModel, InertiaModel, PartModel, Quadruple, ShapeModel, Triple};
+
+/// Larger components of positions, velocities and gravity are refused as absurd: the square of
+/// 1e18 still has room in f32.
+const LARGEST: f64 = 1e18;
+
+/// A quaternion further than this from unit length is a mistake, not rounding.
+const UNIT_TOLERANCE: f64 = 1e-3;
+
+/// Longest name of a body \[bytes\].
+const LONGEST_NAME: usize = 256;
+
+/// The model's body with its name, or everything that is wrong with it.
+pub(crate) fn body(model: &BodyModel, index: usize) -> Result<Body, Vec<FieldError>> {
+    let mut problems = Vec::new();
+    let body = with_fields(model, index, &mut problems);
+    if !problems.is_empty() {
+        return Err(problems);
+    }
+    body.build().map_err(|error| vec![FieldError::new(error.field(), error)])
+}
+
+/// The name given, or `body-<index>`.
+pub(crate) fn name(model: &BodyModel, index: usize) -> String {
+    model.name.clone().unwrap_or_else(|| numbered(index as u64))
+}
+
+/// The name of a body that was given none.
+pub(crate) fn numbered(index: u64) -> String {
+    format!("body-{index}")
+}
+
+pub(crate) fn check_name(name: &str) -> Result<(), FieldError> {
+    let problem = if name.is_empty() {
+        "is empty".to_owned()
+    } else if name.len() > LONGEST_NAME {
+        format!("is {} bytes long, more than {LONGEST_NAME}", name.len())
+    } else if name.chars().any(char::is_control) {
+        format!("{name:?} has a control character")
+    } else {
+        return Ok(());
+    };
+    Err(FieldError::new("name", problem))
+}
+
+/// Takes over one field after the other; what fails is noted and left out.
+fn with_fields(model: &BodyModel, index: usize, problems: &mut Vec<FieldError>) -> RigidBody {
+    let shape = note(problems, shape(model.shape.as_ref()));
+    let mut body = kind(model, shape.unwrap_or(Shape::Point), problems).id(BodyId(index as u64));
+    if let Some(name) = &model.name {
+        note(problems, check_name(name));
+    }
+    body = with_mass(model, body, problems);
+    if let Some(inertia) = model.inertia.as_ref().and_then(|inertia| note(problems, principal_inertia(inertia))) {
+        body = body.principal_inertia(inertia);
+    }
+    if let Some(position) = triple(&model.position, "position", problems) {
+        body = body.position(position);
+    }
+    let unit = |orientation| unit_quaternion("orientation", orientation);
+    if let Some(unit) = model.orientation.as_ref().and_then(|orientation| note(problems, unit(orientation))) {
+        body = body.orientation(real_quaternion(unit));
+    }
+    if let Some(velocity) = triple(&model.linear_velocity, "linear_velocity", problems) {
+        body = body.linear_velocity(velocity);
+    }
+    if let Some(velocity) = triple(&model.angular_velocity, "angular_velocity", problems) {
+        body = body.angular_velocity(velocity);
+    }
+    with_forces(model, body, problems)
+}
+
+fn kind(model: &BodyModel, shape: Shape, problems: &mut Vec<FieldError>) -> RigidBody {
+    match (model.fixed, model.kinematic) {
+        (true, true) => {
+            problems.push(FieldError::new("kinematic", "a body is fixed or kinematic, not both"));
+            RigidBody::new(shape).fixed()
+        }
+        (true, false) => {
+            let moves = [("linear_velocity", &model.linear_velocity), ("angular_velocity", &model.angular_velocity)];
+            for (field, velocity) in moves {
+                if velocity.is_some_and(|velocity| velocity.0 != [0.0; 3]) {
+                    problems.push(FieldError::new(field, "a fixed body does not move"));
+                }
+            }
+            RigidBody::new(shape).fixed()
+        }
+        (false, true) => RigidBody::new(shape).kinematic(),
+        (false, false) => RigidBody::new(shape),
+    }
+}
+
+fn with_mass(model: &BodyModel, body: RigidBody, problems: &mut Vec<FieldError>) -> RigidBody {
+    let own_mass = matches!(model.shape, Some(ShapeModel::Compound { .. }));
+    let needs_none = own_mass || model.fixed || model.kinematic;
+    match (model.mass, model.density) {
+        (Some(_), Some(density)) => {
+            let problem = format!("is {density}, but mass is given too: give one of them");
+            problems.push(FieldError::new("density", problem));
+            body
+        }
+        (Some(mass), None) => match note(problems, positive("mass", mass)) {
+            Some(mass) => body.mass(mass),
+            None => body,
+        },
+        (None, Some(density)) => match note(problems, positive("density", density)) {
+            Some(_) if model.shape.is_none() => {
+                problems.push(FieldError::new("density", "needs a shape"));
+                body
+            }
+            Some(density) => body.density(density),
+            None => body,
+        },
+        (None, None) => {
+            if !needs_none {
+                problems.push(FieldError::new("mass", "is missing: give a mass, or a density with a shape"));
+            }
+            body
+        }
+    }
+}
+
+fn with_forces(model: &BodyModel, mut body: RigidBody, problems: &mut Vec<FieldError>) -> RigidBody {
+    let mut damped = false;
+    let mut scale = model.gravity_scale.map(|scale| ("gravity_scale".to_owned(), scale));
+    for (index, force) in model.forces.iter().enumerate() {
+        let field = format!("forces[{index}]");
+        match *force {
+            ForceModel::Damping { .. } if damped => {
+                problems.push(FieldError::new(format!("{field}.damping"), "is given twice"));
+            }
+            ForceModel::Damping { linear, angular } => {
+                damped = true;
+                let linear = note(problems, rate(format!("{field}.damping.linear"), linear));
+                let angular = note(problems, rate(format!("{field}.damping.angular"), angular));
+                if let (Some(linear), Some(angular)) = (linear, angular) {
+                    body = body.damping(Damping { linear, angular });
+                }
+            }
+            ForceModel::GravityScale(_) if scale.is_some() => {
+                problems.push(FieldError::new(format!("{field}.gravity_scale"), "is given twice"));
+            }
+            ForceModel::GravityScale(value) => scale = Some((format!("{field}.gravity_scale"), value)),
+        }
+    }
+    match scale.and_then(|(field, scale)| note(problems, finite(&field, scale))) {
+        Some(scale) => body.gravity_scale(real(scale)),
+        None => body,
+    }
+}
+
+/// The shape with its lengths and parts checked.
+fn shape(model: Option<&ShapeModel>) -> Result<Shape, FieldError> {
+    let Some(model) = model else { return Ok(Shape::Point) };
+    let shape = unchecked_shape(model).map_err(|error| error.inside("shape"))?;
+    // Lengths must be good even where no mass comes of them, so any mass will do for the check.
+    let checked = match shape {
+        Shape::Compound(_) => shape.own_mass_properties(),
+        _ => shape.mass_properties(Amount::Mass(1.0)),
+    };
+    match checked {
+        Ok(_) => Ok(shape),
+        Err(error) => Err(FieldError::new(format!("shape.{}", error.path()), error)),
+    }
+}
+
+fn unchecked_shape(model: &ShapeModel) -> Result<Shape, FieldError> {
+    Ok(match *model {
+        ShapeModel::Point => Shape::Point,
+        ShapeModel::Sphere { radius } => Shape::sphere(radius),
+        ShapeModel::HollowSphere { radius } => Shape::hollow_sphere(radius),
+        ShapeModel::Cuboid { half_extents } => Shape::cuboid(half_extents.0),
+        ShapeModel::Cylinder { radius, half_height } => Shape::cylinder(radius, half_height),
+        ShapeModel::Capsule { radius, half_height } => Shape::capsule(radius, half_height),
+        ShapeModel::Cone { radius, half_height } => Shape::cone(radius, half_height),
+        ShapeModel::Ellipsoid { radii } => Shape::ellipsoid(radii.0),
+        ShapeModel::Compound { ref parts } => {
+            let part = |(index, model): (usize, &PartModel)| {
+                part(model).map_err(|error| error.inside(&format!("parts[{index}]")))
+            };
+            Shape::Compound(parts.iter().enumerate().map(part).collect::<Result<_, _>>()?)
+        }
+    })
+}
+
+fn part(model: &PartModel) -> Result<Part, FieldError> {
+    let shape = unchecked_shape(&model.shape).map_err(|error| error.inside("shape"))?;
+    let amount = match (model.mass, model.density) {
+        (Some(_), Some(density)) => {
+            let problem = format!("is {density}, but mass is given too: give one of them");
+            return Err(FieldError::new("density", problem));
+        }
+        (Some(mass), None) => Amount::Mass(positive("mass", mass)?),
+        (None, Some(density)) => Amount::Density(positive("density", density)?),
+        // A compound as a part knows its own mass.
+        (None, None) if matches!(shape, Shape::Compound(_)) => own_amount(&shape)?,
+        (None, None) => return Err(FieldError::new("mass", "is missing: give a mass or a density")),
+    };
+    let mut part = Part::new(shape, amount);
+    if let Some(position) = &model.position {
+        part = part.at(finite_triple("position", position)?);
+    }
+    if let Some(orientation) = &model.orientation {
+        part = part.turned(unit_quaternion("orientation", orientation)?);
+    }
+    Ok(part)
+}
+
+fn own_amount(compound: &Shape) -> Result<Amount, FieldError> {
+    match compound.own_mass_properties() {
+        Ok(properties) => Ok(Amount::Mass(properties.mass())),
+        Err(error) => Err(FieldError::new(format!("shape.{}", error.path()), error)),
+    }
+}
+
+fn principal_inertia(model: &InertiaModel) -> Result<PrincipalInertia, FieldError> {
+    match (&model.principal, &model.tensor) {
+        (Some(_), Some(_)) => Err(FieldError::new("inertia.tensor", "principal is given too: give one of them")),
+        (None, None) => Err(FieldError::new("inertia", "needs principal or tensor")),
+        (None, Some(_)) if model.axes.is_some() => {
+            Err(FieldError::new("inertia.axes", "belongs to principal, not to tensor"))
+        }
+        (None, Some(rows)) => {
+            let [x, y, z] = rows.0.map(|row| DVec3::from_array(row.0));
+            InertiaTensor::new(DMat3::from_cols(x, y, z).transpose())
+                .map(|tensor| tensor.principal())
+                .map_err(|error| FieldError::new("inertia.tensor", error))
+        }
+        (Some(moments), None) => {
+            let axes = match &model.axes {
+                Some(axes) => unit_quaternion("inertia.axes", axes)?,
+                None => DQuat::IDENTITY,
+            };
+            // The tensor is made for its checks; moments and axes keep the order they were given in.
+            InertiaTensor::from_principal(moments.0, axes)
+                .map(|_| PrincipalInertia { moments: DVec3::from_array(moments.0), axes })
+                .map_err(|error| FieldError::new("inertia.principal", error))
+        }
+    }
+}
+
+/// Unit length within [`UNIT_TOLERANCE`] is taken as rounding and normalised.
+fn unit_quaternion(field: &str, components: &Quadruple) -> Result<DQuat, FieldError> {
+    let [x, y, z, w] = components.0;
+    let quaternion = DQuat::from_xyzw(x, y, z, w);
+    let length = quaternion.length();
+    if (length - 1.0).abs() <= UNIT_TOLERANCE {
+        Ok(quaternion.normalize())
+    } else {
+        let problem = format!("[{x}, {y}, {z}, {w}] is not a unit quaternion, its length is {length}");
+        Err(FieldError::new(field, problem))
+    }
+}
+
+/// In the engine's precision.
+#[allow(clippy::unnecessary_cast, reason = "Real is f64 in one of the two builds")]
+pub(crate) fn real(value: f64) -> Real {
+    value as Real
+}
+
+/// A vector in the engine's precision.
+pub(crate) fn real_vector(vector: DVec3) -> Vec3 {
+    Vec3::from_array(vector.to_array().map(real))
+}
+
+/// A quaternion in the engine's precision.
+pub(crate) fn real_quaternion(quaternion: DQuat) -> Quat {
+    Quat::from_array(quaternion.to_array().map(real))
+}
+
+fn triple(value: &Option<Triple>, field: &str, problems: &mut Vec<FieldError>) -> Option<Vec3> {
+    note(problems, finite_triple(field, value.as_ref()?)).map(real_vector)
+}
+
+pub(crate) fn finite_triple(field: &str, components: &Triple) -> Result<DVec3, FieldError> {
+    for component in components.0 {
+        finite(field, component)?;
+    }
+    Ok(DVec3::from_array(components.0))
+}
+
+fn finite(field: &str, value: f64) -> Result<f64, FieldError> {
+    if !value.is_finite() {
+        Err(FieldError::new(field, format!("{value} is not a finite number")))
+    } else if value.abs() > LARGEST {
+        Err(FieldError::new(field, format!("{} is absurd: more than {LARGEST:e}", shortest(value))))
+    } else {
+        Ok(value)
+    }
+}
+
+/// Upper bounds of masses are the engine's affair: they depend on its precision.
+fn positive(field: &str, value: f64) -> Result<f64, FieldError> {
+    if value.is_finite() && value > 0.0 {
+        Ok(value)
+    } else {
+        Err(FieldError::new(field, format!("must be positive and finite, not {}", shortest(value))))
+    }
+}
+
+/// A damping rate \[1/s\].
+fn rate(field: String, value: f64) -> Result<Real, FieldError> {
+    if (0.0..=LARGEST).contains(&value) {
+        Ok(real(value))
+    } else {
+        Err(FieldError::new(field, format!("must be a rate from 0 to {LARGEST:e}, not {}", shortest(value))))
+    }
+}
+
+/// The value, or a note of what is wrong with it.
+fn note<T>(problems: &mut Vec<FieldError>, result: Result<T, FieldError>) -> Option<T> {
+    result.map_err(|problem| problems.push(problem)).ok()
+}

@@ -1,0 +1,45 @@
+//! Scene files for [`tumble`] in, trajectories and summaries out.
+//!
+//! A scene is settings and bodies, written as JSON or RON after one model. [`Scene::open`] reads and checks
+//! it whole before anything is spawned, and a mistake is a [`SceneError`] of one line that names
+//! file, body and field. [`Audit`] shows the mass properties of every body,
+//! [`TrajectoryWriter`] records states, [`Summary`] is what a run reports, and
+//! [`PendingFile`] makes files appear whole or not at all.
+//!
+//! ```
+//! use tumble_scene::Scene;
+//!
+//! let scene = Scene::open("t-handle")?;
+//! let mut simulation = tumble::Simulation::new(scene.settings)?;
+//! let mut world = hecs::World::new();
+//! scene.spawn(&mut world)?;
+//! simulation.step(&mut world);
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+
+mod audit;
+mod builtin;
+mod convert;
+mod error;
+mod limits;
+mod model;
+mod output;
+mod parse;
+mod plot;
+mod read;
+mod recover;
+mod scene;
+mod stress;
+mod summary;
+mod trajectory;
+
+pub use audit::{Audit, AuditedBody};
+pub use builtin::builtin_names;
+pub use error::{Place, SceneError};
+pub use limits::{MAX_BODIES, MAX_FILE_BYTES, MAX_PARTS, MAX_STEPS, TIME_STEPS, step_count, time_step};
+pub use output::PendingFile;
+pub use parse::Format;
+pub use plot::{Mark, Plot, Scale};
+pub use scene::{DEFAULT_STEPS, Names, Scene};
+pub use summary::{Conserved, Summary};
+pub use trajectory::{COLUMNS, TrajectoryWriter};

@@ -1,0 +1,55 @@
+//! What is refused as absurd, so that a slip of a finger does not fill a disk or a memory.
+
+use std::ops::RangeInclusive;
+
+use tumble::math::Real;
+
+/// Largest scene file that is read \[bytes\].
+pub const MAX_FILE_BYTES: u64 = 256 << 20;
+
+/// Most bodies of a scene, listed or generated.
+pub const MAX_BODIES: usize = 10_000_000;
+
+/// Most parts of one compound.
+pub const MAX_PARTS: usize = 100_000;
+
+/// Most steps of a run.
+pub const MAX_STEPS: u64 = 1_000_000_000_000;
+
+/// Time steps that make sense \[s\].
+pub const TIME_STEPS: RangeInclusive<f64> = 1e-12..=1e6;
+
+/// The time step \[s\] in the build's precision.
+///
+/// # Errors
+/// A sentence about a step outside [`TIME_STEPS`], to stand behind the field's name.
+///
+/// ```
+/// assert_eq!(tumble_scene::time_step(0.25), Ok(0.25));
+/// assert!(tumble_scene::time_step(f64::NAN).is_err());
+/// ```
+pub fn time_step(seconds: f64) -> Result<Real, String> {
+    if TIME_STEPS.contains(&seconds) {
+        Ok(crate::convert::real(seconds))
+    } else {
+        Err(format!(
+            "must be from {:e} to {:e} seconds, not {}",
+            TIME_STEPS.start(),
+            TIME_STEPS.end(),
+            crate::error::shortest(seconds)
+        ))
+    }
+}
+
+/// The number of steps of a run.
+///
+/// # Errors
+/// A sentence about a number over [`MAX_STEPS`], to stand behind the field's name.
+///
+/// ```
+/// assert_eq!(tumble_scene::step_count(1000), Ok(1000));
+/// assert!(tumble_scene::step_count(u64::MAX).is_err());
+/// ```
+pub fn step_count(steps: u64) -> Result<u64, String> {
+    if steps <= MAX_STEPS { Ok(steps) } else { Err(format!("must be at most {MAX_STEPS}, not {steps}")) }
+}

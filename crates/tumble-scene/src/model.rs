@@ -1,0 +1,177 @@
+//! The one serde model behind `.json` and `.ron`: what a scene file may say.
+//!
+//! Nothing is checked here but names and types; `convert.rs` checks values. The names that serde is told are those
+//! that RON may write before a bracket and that messages use.
+
+use std::fmt;
+use std::marker::PhantomData;
+
+use serde::de::{Deserialize, Deserializer, Error as _, IgnoredAny, SeqAccess, Visitor};
+
+use crate::{MAX_BODIES, MAX_PARTS};
+
+/// A whole file. `name`, `description` and `source` are for people.
+#[derive(Clone, Debug, Default, serde::Deserialize)]
+#[serde(deny_unknown_fields, rename = "Scene", expecting = "a scene with named fields")]
+pub(crate) struct SceneModel {
+    pub(crate) name: Option<String>,
+    pub(crate) description: Option<String>,
+    pub(crate) source: Option<String>,
+    pub(crate) gravity: Option<Triple>,
+    pub(crate) dt: Option<f64>,
+    pub(crate) steps: Option<u64>,
+    pub(crate) substeps: Option<u32>,
+    pub(crate) integrator: Option<String>,
+    #[serde(default, deserialize_with = "bodies")]
+    pub(crate) bodies: Vec<BodyModel>,
+}
+
+#[derive(Clone, Debug, Default, serde::Deserialize)]
+#[serde(deny_unknown_fields, rename = "Body", expecting = "a body with named fields")]
+pub(crate) struct BodyModel {
+    pub(crate) name: Option<String>,
+    pub(crate) shape: Option<ShapeModel>,
+    pub(crate) mass: Option<f64>,
+    pub(crate) density: Option<f64>,
+    pub(crate) inertia: Option<Box<InertiaModel>>,
+    pub(crate) position: Option<Triple>,
+    pub(crate) orientation: Option<Quadruple>,
+    pub(crate) linear_velocity: Option<Triple>,
+    pub(crate) angular_velocity: Option<Triple>,
+    pub(crate) gravity_scale: Option<f64>,
+    #[serde(default)]
+    pub(crate) fixed: bool,
+    #[serde(default)]
+    pub(crate) kinematic: bool,
+    #[serde(default)]
+    pub(crate) forces: Vec<ForceModel>,
+}
+
+#[derive(Clone, Debug, serde::Deserialize)]
+#[serde(deny_unknown_fields, rename = "Shape", rename_all = "snake_case")]
+pub(crate) enum ShapeModel {
+    Point,
+    Sphere {
+        radius: f64,
+    },
+    HollowSphere {
+        radius: f64,
+    },
+    Cuboid {
+        half_extents: Triple,
+    },
+    Cylinder {
+        radius: f64,
+        half_height: f64,
+    },
+    Capsule {
+        radius: f64,
+        half_height: f64,
+    },
+    Cone {
+        radius: f64,
+        half_height: f64,
+    },
+    Ellipsoid {
+        radii: Triple,
+    },
+    Compound {
+        #[serde(deserialize_with = "parts")]
+        parts: Vec<PartModel>,
+    },
+}
+
+#[derive(Clone, Debug, serde::Deserialize)]
+#[serde(deny_unknown_fields, rename = "Part", expecting = "a part with named fields")]
+pub(crate) struct PartModel {
+    pub(crate) shape: ShapeModel,
+    pub(crate) position: Option<Triple>,
+    pub(crate) orientation: Option<Quadruple>,
+    pub(crate) mass: Option<f64>,
+    pub(crate) density: Option<f64>,
+}
+
+/// Either `principal` with optional `axes`, or `tensor`.
+#[derive(Clone, Debug, Default, serde::Deserialize)]
+#[serde(deny_unknown_fields, rename = "Inertia", expecting = "a inertia with named fields")]
+pub(crate) struct InertiaModel {
+    pub(crate) principal: Option<Triple>,
+    pub(crate) axes: Option<Quadruple>,
+    pub(crate) tensor: Option<Tuple<Triple, 3>>,
+}
+
+#[derive(Clone, Debug, serde::Deserialize)]
+#[serde(deny_unknown_fields, rename = "Force", rename_all = "snake_case")]
+pub(crate) enum ForceModel {
+    Damping {
+        #[serde(default)]
+        linear: f64,
+        #[serde(default)]
+        angular: f64,
+    },
+    GravityScale(f64),
+}
+
+pub(crate) type Triple = Tuple<f64, 3>;
+pub(crate) type Quadruple = Tuple<f64, 4>;
+
+/// Exactly `N` values, written `[..]` in JSON and `[..]` or `(..)` in RON.
+///
+/// serde's own arrays are tuples, which RON takes only in round brackets.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Tuple<T, const N: usize>(pub(crate) [T; N]);
+
+impl<'de, T: Deserialize<'de>, const N: usize> Deserialize<'de> for Tuple<T, N> {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        let values =
+            deserializer.deserialize_any(List { exactly: Some(N), at_most: N, noun: "values", of: PhantomData })?;
+        let count = values.len();
+        <[T; N]>::try_from(values)
+            .map(Tuple)
+            .map_err(|_| D::Error::invalid_length(count, &format!("{N} values").as_str()))
+    }
+}
+
+fn bodies<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Vec<BodyModel>, D::Error> {
+    deserializer.deserialize_seq(List { exactly: None, at_most: MAX_BODIES, noun: "bodies", of: PhantomData })
+}
+
+fn parts<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Vec<PartModel>, D::Error> {
+    deserializer.deserialize_seq(List { exactly: None, at_most: MAX_PARTS, noun: "parts", of: PhantomData })
+}
+
+/// Reads a list, and stops reading where it is longer than anything sensible.
+struct List<T> {
+    exactly: Option<usize>,
+    at_most: usize,
+    noun: &'static str,
+    of: PhantomData<T>,
+}
+
+impl<'de, T: Deserialize<'de>> Visitor<'de> for List<T> {
+    type Value = Vec<T>;
+
+    fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self.exactly {
+            Some(count) => write!(f, "a list of {count} {}", self.noun),
+            None => write!(f, "a list of {}", self.noun),
+        }
+    }
+
+    fn visit_seq<A: SeqAccess<'de>>(self, mut list: A) -> Result<Vec<T>, A::Error> {
+        let mut values = Vec::with_capacity(self.exactly.unwrap_or(0));
+        while values.len() < self.at_most {
+            match list.next_element()? {
+                Some(value) => values.push(value),
+                None => break,
+            }
+        }
+        match self.exactly {
+            Some(count) if values.len() < count => Err(A::Error::invalid_length(values.len(), &self)),
+            _ if values.len() == self.at_most && list.next_element::<IgnoredAny>()?.is_some() => {
+                Err(A::Error::custom(format_args!("more than {} {}", self.at_most, self.noun)))
+            }
+            _ => Ok(values),
+        }
+    }
+}

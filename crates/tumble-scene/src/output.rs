@@ -1,0 +1,191 @@
+//! Files that appear whole or not at all.
+
+use std::fs::{self, File, OpenOptions};
+use std::io::{self, BufWriter, Write};
+use std::path::{Path, PathBuf};
+
+/// A file that is written beside its place and renamed into it by [`finish`](Self::finish).
+///
+/// Dropped before that, it leaves nothing behind and whatever stood in its place untouched.
+/// The target may be absent, a regular file or a link to one; anything else (a directory, a
+/// device, a pipe) is refused, for a rename would replace it.
+///
+/// ```
+/// use std::io::Write;
+/// use tumble_scene::PendingFile;
+///
+/// let path = std::env::temp_dir().join(format!("tumble-doc-{}.txt", std::process::id()));
+/// let mut file = PendingFile::create(&path)?;
+/// file.write_all(b"whole")?;
+/// assert!(!path.exists());
+/// file.finish()?;
+/// assert_eq!(std::fs::read_to_string(&path)?, "whole");
+/// # std::fs::remove_file(&path)?;
+/// # Ok::<(), std::io::Error>(())
+/// ```
+#[derive(Debug)]
+pub struct PendingFile {
+    /// `None` once finished or being dropped.
+    writer: Option<BufWriter<File>>,
+    beside: PathBuf,
+    target: PathBuf,
+}
+
+impl PendingFile {
+    /// Opens a file beside `target`, in the same directory, so that the rename cannot cross
+    /// file systems.
+    ///
+    /// # Errors
+    /// If the directory is missing or cannot be written, or `target` is something else than a
+    /// regular file.
+    pub fn create(target: &Path) -> io::Result<Self> {
+        let target = real_target(target)?;
+        let name = target.file_name().ok_or_else(|| io::Error::new(io::ErrorKind::InvalidInput, "it names no file"))?;
+        // The process id keeps two programs apart, the counter two files of one program.
+        for attempt in 0..1000_u32 {
+            let mut hidden = std::ffi::OsString::from(".");
+            hidden.push(name);
+            hidden.push(format!(".{}-{attempt}.part", std::process::id()));
+            let beside = target.with_file_name(hidden);
+            match OpenOptions::new().write(true).create_new(true).open(&beside) {
+                Ok(file) => {
+                    let writer = Some(BufWriter::with_capacity(1 << 16, file));
+                    return Ok(Self { writer, beside, target });
+                }
+                Err(error) if error.kind() == io::ErrorKind::AlreadyExists => {}
+                Err(error) => return Err(error),
+            }
+        }
+        Err(io::Error::new(io::ErrorKind::AlreadyExists, "too many unfinished files beside it"))
+    }
+
+    /// Writes what is buffered through to the disk and renames the file into its place.
+    ///
+    /// # Errors
+    /// If the disk is full or the rename is refused; nothing is left behind then.
+    pub fn finish(mut self) -> io::Result<()> {
+        let Some(writer) = self.writer.take() else { return Ok(()) };
+        let renamed = writer
+            .into_inner()
+            .map_err(io::IntoInnerError::into_error)
+            .and_then(|file| file.sync_all())
+            .and_then(|()| fs::rename(&self.beside, &self.target));
+        if renamed.is_err() {
+            remove_quietly(&self.beside);
+        }
+        renamed
+    }
+}
+
+impl Write for PendingFile {
+    fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
+        match &mut self.writer {
+            Some(writer) => writer.write(bytes),
+            None => Err(io::Error::other("the file is finished")),
+        }
+    }
+
+    fn flush(&mut self) -> io::Result<()> {
+        self.writer.as_mut().map_or(Ok(()), Write::flush)
+    }
+}
+
+impl Drop for PendingFile {
+    fn drop(&mut self) {
+        if let Some(writer) = self.writer.take() {
+            // Closed without flushing: nobody will read it.
+            drop(writer.into_parts());
+            remove_quietly(&self.beside);
+        }
+    }
+}
+
+/// Nothing sensible can be done if even the removal fails, and nobody waits for the answer.
+fn remove_quietly(path: &Path) {
+    drop(fs::remove_file(path));
+}
+
+/// Follows links, so that a link keeps pointing at the new file; refuses what is not a file.
+fn real_target(target: &Path) -> io::Result<PathBuf> {
+    match fs::symlink_metadata(target) {
+        Err(error) if error.kind() == io::ErrorKind::NotFound => Ok(target.to_owned()),
+        Err(error) => Err(error),
+        Ok(_) => {
+            let real = fs::canonicalize(target)?;
+            let metadata = fs::metadata(&real)?;
+            if metadata.is_dir() {
+                Err(io::Error::new(io::ErrorKind::IsADirectory, "it is a directory"))
+            } else if !metadata.is_file() {
+                Err(io::Error::new(io::ErrorKind::InvalidInput, "it is not a regular file"))
+            } else if metadata.permissions().readonly() {
+                // A rename would not ask the file itself.
+                Err(io::Error::new(io::ErrorKind::PermissionDenied, "it is read-only"))
+            } else {
+                Ok(real)
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn entries(directory: &Path) -> usize {
+        fs::read_dir(directory).unwrap().count()
+    }
+
+    #[test]
+    fn a_dropped_file_leaves_the_old_one() {
+        let directory = tempfile::tempdir().unwrap();
+        let path = directory.path().join("a.csv");
+        fs::write(&path, "old").unwrap();
+        let mut file = PendingFile::create(&path).unwrap();
+        file.write_all(b"new").unwrap();
+        drop(file);
+        assert_eq!(fs::read_to_string(&path).unwrap(), "old");
+        assert_eq!(entries(directory.path()), 1);
+    }
+
+    #[test]
+    fn a_finished_file_replaces_the_old_one_and_nothing_else_stays() {
+        let directory = tempfile::tempdir().unwrap();
+        let path = directory.path().join("a.csv");
+        fs::write(&path, "old").unwrap();
+        let mut file = PendingFile::create(&path).unwrap();
+        let other = PendingFile::create(&path).unwrap();
+        file.write_all(b"new").unwrap();
+        file.finish().unwrap();
+        drop(other);
+        assert_eq!(fs::read_to_string(&path).unwrap(), "new");
+        assert_eq!(entries(directory.path()), 1);
+    }
+
+    #[test]
+    fn what_is_not_a_file_is_refused() {
+        let directory = tempfile::tempdir().unwrap();
+        assert!(PendingFile::create(directory.path()).is_err());
+        assert!(PendingFile::create(&directory.path().join("missing/a.csv")).is_err());
+        assert!(PendingFile::create(Path::new("..")).is_err());
+        let read_only = directory.path().join("read-only.csv");
+        fs::write(&read_only, "kept").unwrap();
+        let mut permissions = fs::metadata(&read_only).unwrap().permissions();
+        permissions.set_readonly(true);
+        fs::set_permissions(&read_only, permissions).unwrap();
+        assert!(PendingFile::create(&read_only).is_err());
+    }
+
+    #[cfg(unix)]
+    #[test]
+    fn a_link_stays_a_link() {
+        let directory = tempfile::tempdir().unwrap();
+        let (real, link) = (directory.path().join("real.csv"), directory.path().join("link.csv"));
+        fs::write(&real, "old").unwrap();
+        std::os::unix::fs::symlink(&real, &link).unwrap();
+        let mut file = PendingFile::create(&link).unwrap();
+        file.write_all(b"new").unwrap();
+        file.finish().unwrap();
+        assert!(fs::symlink_metadata(&link).unwrap().file_type().is_symlink());
+        assert_eq!(fs::read_to_string(&real).unwrap(), "new");
+    }
+}

@@ -1,0 +1,265 @@
+//! A scene: settings, bodies and their names.
+
+use std::borrow::Cow;
+use std::collections::HashMap;
+use std::path::Path;
+
+use hecs::World;
+use tumble::{Body, BodyError, Settings};
+
+use crate::builtin::{self, builtin_names};
+use crate::convert;
+use crate::error::{FieldError, Place, SceneError, one_line};
+use crate::limits::{MAX_BODIES, step_count, time_step};
+use crate::model::SceneModel;
+use crate::parse::{Format, parse};
+use crate::read::read_text;
+use crate::stress::{self, StressBodies};
+
+/// Steps of a scene that does not say how many.
+pub const DEFAULT_STEPS: u64 = 600;
+
+/// Bodies with names, and what to run them with. Everything in it is checked.
+///
+/// ```
+/// use tumble_scene::Scene;
+///
+/// let scene = Scene::from_ron(
+///     r#"( gravity: (0, 0, 0), bodies: [ ( name: "ball", shape: sphere(radius: 0.5), mass: 2 ) ] )"#,
+///     "ball.ron",
+/// )?;
+/// let mut world = hecs::World::new();
+/// let names = scene.spawn(&mut world)?;
+/// assert_eq!((names.of(0).as_ref(), world.len()), ("ball", 1));
+/// # Ok::<(), tumble_scene::SceneError>(())
+/// ```
+#[derive(Clone, Debug)]
+pub struct Scene {
+    /// Where the scene came from: a file, or the name of a built-in.
+    pub origin: String,
+    /// What the scene is called, if it says so.
+    pub name: Option<String>,
+    /// What it shows, if it says so.
+    pub description: Option<String>,
+    /// Where its figures come from, if it says so.
+    pub source: Option<String>,
+    /// What to run it with; gravity \[m/s^2\], time step \[s\].
+    pub settings: Settings,
+    /// How many steps to run.
+    pub steps: u64,
+    bodies: Bodies,
+}
+
+#[derive(Clone, Debug)]
+enum Bodies {
+    Listed { bodies: Vec<Body>, names: Vec<String> },
+    Stress { count: usize, seed: u64 },
+}
+
+impl Scene {
+    /// Opens a file or a built-in scene.
+    ///
+    /// What has an extension or a slash is a file; every other name is that of a built-in scene, even
+    /// where a file of that name exists.
+    ///
+    /// # Errors
+    /// [`SceneError`], whose message names file, body and field.
+    pub fn open(name_or_path: &str) -> Result<Self, SceneError> {
+        if is_path(name_or_path) {
+            return Self::load(Path::new(name_or_path));
+        }
+        if name_or_path == builtin::STRESS {
+            return Self::stress(stress::DEFAULT_BODIES, 0);
+        }
+        match builtin::model(name_or_path) {
+            Some(model) => Self::from_model(&model?, name_or_path),
+            None => Err(unknown(name_or_path)),
+        }
+    }
+
+    /// Reads a `.json` or `.ron` file.
+    ///
+    /// # Errors
+    /// [`SceneError`], whose message names file, body and field.
+    pub fn load(path: &Path) -> Result<Self, SceneError> {
+        let file = path.to_string_lossy();
+        Self::from_model(&load_model(path)?, &file)
+    }
+
+    /// Reads a scene from JSON text; `file` is what messages call it.
+    ///
+    /// # Errors
+    /// [`SceneError`], whose message names file, body and field.
+    pub fn from_json(text: &str, file: &str) -> Result<Self, SceneError> {
+        Self::from_model(&parse(text, Format::Json, file)?, file)
+    }
+
+    /// Reads a scene from RON text; `file` is what messages call it.
+    ///
+    /// # Errors
+    /// [`SceneError`], whose message names file, body and field.
+    pub fn from_ron(text: &str, file: &str) -> Result<Self, SceneError> {
+        Self::from_model(&parse(text, Format::Ron, file)?, file)
+    }
+
+    /// The generated scene: mixed tumbling shapes on a grid, falling, the same bits on every
+    /// platform for the same count and seed (PCG32 and plain arithmetic).
+    ///
+    /// # Errors
+    /// [`SceneError::Invalid`] for more bodies than [`MAX_BODIES`].
+    pub fn stress(bodies: usize, seed: u64) -> Result<Self, SceneError> {
+        if bodies > MAX_BODIES {
+            let problem = format!("at most {MAX_BODIES}, not {bodies}");
+            return Err(invalid(builtin::STRESS, None, FieldError::new("bodies", problem)));
+        }
+        Ok(Self {
+            origin: builtin::STRESS.to_owned(),
+            name: Some(builtin::STRESS.to_owned()),
+            description: Some("Mixed tumbling shapes from a seed, falling together.".to_owned()),
+            source: None,
+            settings: Settings::default(),
+            steps: stress::STEPS,
+            bodies: Bodies::Stress { count: bodies, seed },
+        })
+    }
+
+    /// How many bodies.
+    #[must_use]
+    pub fn body_count(&self) -> usize {
+        match &self.bodies {
+            Bodies::Listed { bodies, .. } => bodies.len(),
+            Bodies::Stress { count, .. } => *count,
+        }
+    }
+
+    /// Spawns the bodies, with their index as [`BodyId`](tumble::BodyId), and gives their names.
+    ///
+    /// # Errors
+    /// [`SceneError::Invalid`] if the generated scene made an impossible body, which its tests deny.
+    pub fn spawn(self, world: &mut World) -> Result<Names, SceneError> {
+        match self.bodies {
+            Bodies::Listed { bodies, names } => {
+                for body in bodies {
+                    body.spawn(world);
+                }
+                Ok(Names { given: Some(names) })
+            }
+            Bodies::Stress { count, seed } => {
+                for (index, body) in StressBodies::new(count, seed).enumerate() {
+                    body.map_err(|error| generated(index, &error))?.spawn(world);
+                }
+                Ok(Names { given: None })
+            }
+        }
+    }
+
+    pub(crate) fn from_model(model: &SceneModel, file: &str) -> Result<Self, SceneError> {
+        let (settings, steps) = settings(model).map_err(|error| invalid(file, None, error))?;
+        let mut bodies = Vec::with_capacity(model.bodies.len());
+        for (index, body) in model.bodies.iter().enumerate() {
+            match convert::body(body, index) {
+                Ok(body) => bodies.push(body),
+                Err(problems) => {
+                    let place = Some((index, Some(convert::name(body, index))));
+                    let first = problems.into_iter().next();
+                    return Err(invalid(
+                        file,
+                        place,
+                        first.unwrap_or_else(|| FieldError::new("body", "is impossible")),
+                    ));
+                }
+            }
+        }
+        let names: Vec<String> =
+            model.bodies.iter().enumerate().map(|(index, body)| convert::name(body, index)).collect();
+        if let Some((index, error)) = duplicates(&names).into_iter().next() {
+            return Err(invalid(file, Some((index, names.get(index).cloned())), error));
+        }
+        Ok(Self {
+            origin: file.to_owned(),
+            name: model.name.clone(),
+            description: model.description.clone(),
+            source: model.source.clone(),
+            settings,
+            steps,
+            bodies: Bodies::Listed { bodies, names },
+        })
+    }
+}
+
+/// The names of a scene's bodies, by [`BodyId`](tumble::BodyId).
+#[derive(Clone, Debug)]
+pub struct Names {
+    /// `None` where all are called by their number.
+    given: Option<Vec<String>>,
+}
+
+impl Names {
+    /// The name of the body with this id; `body-<id>` for one that the scene does not know.
+    #[must_use]
+    pub fn of(&self, id: u64) -> Cow<'_, str> {
+        let given = self.given.as_ref().zip(usize::try_from(id).ok());
+        match given.and_then(|(names, index)| names.get(index)) {
+            Some(name) => Cow::Borrowed(name),
+            None => Cow::Owned(convert::numbered(id)),
+        }
+    }
+}
+
+/// What `open` takes for a path.
+pub(crate) fn is_path(name: &str) -> bool {
+    let path = Path::new(name);
+    path.extension().is_some() || name.contains(std::path::is_separator)
+}
+
+pub(crate) fn unknown(name: &str) -> SceneError {
+    SceneError::UnknownName { name: one_line(name), known: builtin_names().collect::<Vec<_>>().join(", ") }
+}
+
+pub(crate) fn load_model(path: &Path) -> Result<SceneModel, SceneError> {
+    let file = path.to_string_lossy();
+    let format = Format::of_path(path).ok_or_else(|| SceneError::UnknownFormat { file: one_line(&file) })?;
+    parse(&read_text(path)?, format, &file)
+}
+
+pub(crate) fn invalid(file: &str, body: Option<(usize, Option<String>)>, error: FieldError) -> SceneError {
+    SceneError::Invalid { file: one_line(file), place: Place { body, field: error.field }, problem: error.problem }
+}
+
+pub(crate) fn generated(index: usize, error: &BodyError) -> SceneError {
+    let place = Some((index, Some(convert::numbered(index as u64))));
+    invalid(builtin::STRESS, place, FieldError::new(error.field(), error))
+}
+
+/// Settings and number of steps.
+pub(crate) fn settings(model: &SceneModel) -> Result<(Settings, u64), FieldError> {
+    let mut settings = Settings::default();
+    if let Some(gravity) = &model.gravity {
+        settings = settings.with_gravity(convert::real_vector(convert::finite_triple("gravity", gravity)?));
+    }
+    if let Some(dt) = model.dt {
+        settings = settings.with_dt(time_step(dt).map_err(|problem| FieldError::new("dt", problem))?);
+    }
+    if let Some(substeps) = model.substeps {
+        settings = settings.with_substeps(substeps);
+        settings.validate().map_err(|error| FieldError::new("substeps", error))?;
+    }
+    if let Some(integrator) = &model.integrator {
+        let integrator = integrator.parse().map_err(|error| FieldError::new("integrator", error))?;
+        settings = settings.with_integrator(integrator);
+    }
+    let steps = step_count(model.steps.unwrap_or(DEFAULT_STEPS));
+    Ok((settings, steps.map_err(|problem| FieldError::new("steps", problem))?))
+}
+
+/// Every body whose name an earlier one has, with the complaint.
+pub(crate) fn duplicates(names: &[String]) -> Vec<(usize, FieldError)> {
+    let mut first = HashMap::with_capacity(names.len());
+    let mut found = Vec::new();
+    for (index, name) in names.iter().enumerate() {
+        if let Some(earlier) = first.insert(name, index) {
+            found.push((index, FieldError::new("name", format!("{name:?} is also the name of bodies[{earlier}]"))));
+        }
+    }
+    found
+}

@@ -1,0 +1,146 @@
+//! No text, however broken, makes the library panic, and every refusal is one readable line.
+//!
+//! A reader that panics takes the program down without saying which file was at fault. It would fail by
+//! an index, an overflow or an `unwrap` on a path that no hand-written example takes.
+#![allow(clippy::unwrap_used, reason = "a test fails by panicking, in its helper functions too")]
+
+use proptest::prelude::*;
+use tumble_scene::{Audit, Scene, SceneError};
+
+const JSON: &str = r#"{ "name": "mixed", "gravity": [0, -9.81, 0], "dt": 0.01, "steps": 10, "substeps": 2,
+  "integrator": "runge-kutta4", "bodies": [
+  { "name": "brick", "shape": { "cuboid": { "half_extents": [0.1, 0.05, 0.03] } }, "mass": 2.0,
+    "inertia": { "principal": [1, 2, 2.5], "axes": [0, 0, 0.6, 0.8] }, "position": [1, 2, 3],
+    "orientation": [0, 0.6, 0, 0.8], "linear_velocity": [1, 0, 0], "angular_velocity": [1, 2, 3],
+    "forces": [ { "damping": { "linear": 0.1, "angular": 0.2 } }, { "gravity_scale": 0.5 } ] },
+  { "shape": { "compound": { "parts": [ { "shape": { "sphere": { "radius": 1 } }, "density": 10 },
+    { "shape": "point", "mass": 1, "position": [1, 0, 0], "orientation": [0, 0, 0, 1] } ] } } },
+  { "name": "floor", "fixed": true, "shape": { "cone": { "radius": 1, "half_height": 2 } } },
+  { "name": "belt", "kinematic": true, "angular_velocity": [0, 1, 0] },
+  { "name": "tensor", "mass": 1, "inertia": { "tensor": [[2, 0.1, 0], [0.1, 2, 0], [0, 0, 2]] } } ] }"#;
+
+const RON: &str = r#"( name: "mixed", gravity: (0, -9.81, 0), dt: 0.01, steps: 10, integrator: "moser-veselov", bodies: [
+  ( name: "brick", shape: cuboid(half_extents: (0.1, 0.05, 0.03)), mass: 2.0,
+    inertia: (principal: [1, 2, 2.5], axes: (0, 0, 0.6, 0.8)), position: (1, 2, 3), orientation: [0, 0.6, 0, 0.8],
+    forces: [ damping(linear: 0.1, angular: 0.2), gravity_scale(0.5) ] ),
+  ( shape: compound(parts: [ (shape: capsule(radius: 1, half_height: 2), density: 10), (shape: point, mass: 1) ]) ),
+  ( fixed: true, shape: ellipsoid(radii: (1, 2, 3)) ) ] )"#;
+
+/// What slips of fingers and hostile minds put in the place of something else.
+const NASTY: [&str; 22] = [
+    "NaN",
+    "-1",
+    "0",
+    "1e308",
+    "-1e308",
+    "1e-308",
+    "1e999",
+    "null",
+    "[]",
+    "{}",
+    "()",
+    "\"\"",
+    "true",
+    "inf",
+    "1e38",
+    "-0.0",
+    "18446744073709551616",
+    "\"\\u0000\"",
+    "Some(1)",
+    "[[[[",
+    "\u{feff}",
+    ",",
+];
+
+/// Replaces a stretch of a text, given as fractions of its length.
+#[derive(Clone, Debug)]
+struct Edit {
+    at: f64,
+    length: usize,
+    with: String,
+}
+
+fn edit() -> impl Strategy<Value = Edit> {
+    let nasty = prop::sample::select(NASTY.to_vec()).prop_map(str::to_owned);
+    let with = prop_oneof![4 => nasty, 1 => "\\PC{0,6}", 1 => Just(String::new())];
+    (0.0..1.0, 0_usize..12, with).prop_map(|(at, length, with)| Edit { at, length, with })
+}
+
+/// Half of the edits hit whole numbers and words, where most mistakes are made.
+fn apply(text: &str, edits: &[Edit]) -> String {
+    let mut characters: Vec<char> = text.chars().collect();
+    for edit in edits {
+        let mut start = (edit.at * characters.len() as f64) as usize;
+        let mut end = (start + edit.length).min(characters.len());
+        if edit.length % 2 == 0 {
+            let word = |character: &char| character.is_alphanumeric() || "+-._\"".contains(*character);
+            start -= characters[..start].iter().rev().take_while(|character| word(character)).count();
+            end = start + characters[start..].iter().take_while(|character| word(character)).count();
+        }
+        characters.splice(start..end, edit.with.chars());
+    }
+    characters.into_iter().collect()
+}
+
+fn check(scene: Result<Scene, SceneError>) -> Result<(), TestCaseError> {
+    match scene {
+        Ok(scene) => {
+            let mut simulation = tumble::Simulation::new(scene.settings).unwrap();
+            let mut world = hecs::World::new();
+            scene.spawn(&mut world).unwrap();
+            simulation.step(&mut world);
+            simulation.step(&mut world);
+        }
+        Err(error) => {
+            let message = error.to_string();
+            prop_assert!(message.starts_with("scene.x: "), "{message}");
+            prop_assert!(!message.chars().any(char::is_control), "{message:?}");
+            prop_assert!(message.len() < 10_000, "{message}");
+        }
+    }
+    Ok(())
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig { cases: 2000, failure_persistence: None, ..ProptestConfig::default() })]
+
+    #[test]
+    fn mutated_json(edits in prop::collection::vec(edit(), 1..4)) {
+        let text = apply(JSON, &edits);
+        check(Scene::from_json(&text, "scene.x"))?;
+        drop(Audit::from_json(&text, "scene.x"));
+    }
+
+    #[test]
+    fn mutated_ron(edits in prop::collection::vec(edit(), 1..4)) {
+        check(Scene::from_ron(&apply(RON, &edits), "scene.x"))?;
+    }
+
+    #[test]
+    fn arbitrary_text(text in "\\PC{0,200}") {
+        check(Scene::from_json(&text, "scene.x"))?;
+        check(Scene::from_ron(&text, "scene.x"))?;
+    }
+}
+
+proptest! {
+    // Each case writes a file.
+    #![proptest_config(ProptestConfig { cases: 200, failure_persistence: None, ..ProptestConfig::default() })]
+
+    #[test]
+    fn arbitrary_bytes(bytes in prop::collection::vec(any::<u8>(), 0..300), ron: bool) {
+        let directory = tempfile::tempdir().unwrap();
+        let path = directory.path().join(if ron { "scene.ron" } else { "scene.json" });
+        std::fs::write(&path, &bytes).unwrap();
+        if let Err(error) = Scene::load(&path) {
+            prop_assert!(!error.to_string().contains('\n'));
+        }
+    }
+}
+
+#[test]
+fn the_unmutated_scenes_are_good() {
+    // Without this the tests above could pass on texts that are refused at the first letter.
+    assert_eq!(Scene::from_json(JSON, "scene.x").unwrap().body_count(), 5);
+    assert_eq!(Scene::from_ron(RON, "scene.x").unwrap().body_count(), 3);
+}
