@@ -5,7 +5,7 @@ use tumble::{BodyOrder, Momentum, Pose, Settings, Totals, measure};
 use tumble_scene::Conserved;
 
 /// Up to so many body-steps every step is a sample: measuring them all takes a second at most.
-const EVERY_STEP_UP_TO: u64 = 1_000_000;
+pub(crate) const EVERY_STEP_UP_TO: u64 = 1_000_000;
 
 /// Samples of longer runs.
 const SAMPLES: u64 = 64;

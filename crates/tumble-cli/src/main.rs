@@ -5,6 +5,7 @@
 
 mod drift;
 mod failure;
+mod history;
 mod inspect;
 mod interrupt;
 mod options;

@@ -10,12 +10,13 @@ use tumble::BodyOrder;
 use tumble_scene::{Names, PendingFile, Summary, TrajectoryWriter};
 
 use crate::failure::Failure;
+use crate::history::History;
 use crate::options::RunOptions;
 
 /// What a run writes; dropped before [`finish`](Self::finish), it leaves nothing behind.
 pub(crate) struct Outputs {
     record: Option<(PathBuf, TrajectoryWriter<PendingFile>)>,
-    report: Option<(PathBuf, PendingFile)>,
+    report: Option<Report>,
     // Last, for fields are dropped in order and only an empty directory can be removed.
     directories: NewDirectories,
 }
@@ -29,10 +30,7 @@ impl Outputs {
         }
         if let Some(directory) = &options.report {
             outputs.directories.create(directory).map_err(|error| Failure::opening(directory, &error))?;
-            let path = directory.join("summary.json");
-            refuse_scene(options, &path)?;
-            let file = PendingFile::create(&path).map_err(|error| Failure::opening(&path, &error))?;
-            outputs.report = Some((path, file));
+            outputs.report = Some(Report::open(options, directory)?);
         }
         if let Some(path) = &options.record {
             let writer = PendingFile::create(path).and_then(TrajectoryWriter::new);
@@ -58,32 +56,71 @@ impl Outputs {
         }
     }
 
-    /// Renames the record into its place, and with it the summary where there is one to write.
-    pub(crate) fn finish(mut self, summary: Option<&Summary>) -> Result<(), Failure> {
+    /// Renames the record into its place, and with it the report where there is one to write.
+    pub(crate) fn finish(mut self, report: Option<(&Summary, Option<&History>)>) -> Result<(), Failure> {
         if let Some((path, writer)) = self.record.take() {
             let finished = writer.finish().and_then(PendingFile::finish);
             finished.map_err(|error| Failure::writing(&path, &error))?;
         }
-        if let (Some((path, file)), Some(summary)) = (self.report.take(), summary) {
-            write_summary(file, summary).map_err(|error| Failure::writing(&path, &error))?;
+        if let (Some(files), Some((summary, history))) = (self.report.take(), report) {
+            files.finish(summary, history)?;
             self.directories.0.clear();
         }
         Ok(())
     }
 }
 
-fn write_summary(mut file: PendingFile, summary: &Summary) -> io::Result<()> {
-    serde_json::to_writer_pretty(&mut file, summary)?;
-    file.write_all(b"\n")?;
-    file.finish()
+/// The files of `--report`, each a path and what is being written beside it.
+struct Report {
+    summary: (PathBuf, PendingFile),
+    ledger: (PathBuf, PendingFile),
+    energy: (PathBuf, PendingFile),
+    drift: (PathBuf, PendingFile),
 }
 
-/// The summary must not replace the scene it came from.
-fn refuse_scene(options: &RunOptions, summary: &Path) -> Result<(), Failure> {
+impl Report {
+    fn open(options: &RunOptions, directory: &Path) -> Result<Self, Failure> {
+        let open = |name: &str| -> Result<(PathBuf, PendingFile), Failure> {
+            let path = directory.join(name);
+            refuse_scene(options, &path)?;
+            let file = PendingFile::create(&path).map_err(|error| Failure::opening(&path, &error))?;
+            Ok((path, file))
+        };
+        Ok(Self {
+            summary: open("summary.json")?,
+            ledger: open("ledger.csv")?,
+            energy: open("energy.svg")?,
+            drift: open("drift.svg")?,
+        })
+    }
+
+    fn finish(self, summary: &Summary, history: Option<&History>) -> Result<(), Failure> {
+        if let Some(history) = history {
+            write(self.ledger, |file| history.write_csv(file))?;
+            write(self.energy, |file| file.write_all(history.energy_plot().to_svg().as_bytes()))?;
+            write(self.drift, |file| file.write_all(history.drift_plot().to_svg().as_bytes()))?;
+        }
+        write(self.summary, |file| {
+            serde_json::to_writer_pretty(&mut *file, summary)?;
+            file.write_all(b"\n")
+        })
+    }
+}
+
+/// Writes one file whole and renames it into its place.
+fn write(
+    (path, mut file): (PathBuf, PendingFile),
+    content: impl FnOnce(&mut PendingFile) -> io::Result<()>,
+) -> Result<(), Failure> {
+    content(&mut file).and_then(|()| file.finish()).map_err(|error| Failure::writing(&path, &error))
+}
+
+/// A report must not replace the scene it came from.
+fn refuse_scene(options: &RunOptions, file: &Path) -> Result<(), Failure> {
     let scene = options.scene.as_ref().and_then(|scene| fs::canonicalize(scene).ok());
-    match (scene, fs::canonicalize(summary)) {
-        (Some(scene), Ok(summary)) if scene == summary => {
-            Err(Failure::Input(format!("{}: is the scene itself, it cannot be the report", summary.display())))
+    match (scene, fs::canonicalize(file)) {
+        (Some(scene), Ok(same)) if scene == same => {
+            Err(Failure::Input(format!("{}: is the scene itself, it cannot be the report", file.display())))
         }
         _ => Ok(()),
     }

@@ -10,6 +10,7 @@ use tumble_scene::{MAX_STEPS, Names, Scene, Summary};
 
 use crate::drift::{Drift, NotFinite, interval};
 use crate::failure::Failure;
+use crate::history::History;
 use crate::options::RunOptions;
 use crate::outputs::Outputs;
 use crate::progress::Progress;
@@ -31,10 +32,12 @@ pub(crate) fn run(options: &RunOptions) -> Result<(), Failure> {
     let simulation = Simulation::new(scene.settings).map_err(|error| Failure::Input(error.to_string()))?;
     let mut world = World::new();
     let names = scene.spawn(&mut world)?;
+    let history = options.report.is_some().then(|| History::open(&mut world, &simulation, bodies, steps));
     let run = Run {
         order: BodyOrder::of(&world),
         world,
         names,
+        history,
         simulation,
         outputs,
         progress: Progress::start(bodies, steps, options.quiet),
@@ -95,6 +98,7 @@ struct Run {
     order: BodyOrder,
     world: World,
     names: Names,
+    history: Option<History>,
     simulation: Simulation,
     outputs: Outputs,
     progress: Progress,
@@ -137,7 +141,7 @@ impl Run {
             angular_momentum: drift.angular_momentum(),
             state_hash: format!("{:016x}", state_hash(&self.world, &self.order)),
         };
-        self.outputs.finish(Some(&summary))?;
+        self.outputs.finish(Some((&summary, self.history.as_ref())))?;
         let interrupted = summary.steps < steps;
         if !options.quiet {
             let simulated = self.simulation.time();
@@ -160,14 +164,22 @@ impl Run {
                 self.record()?;
             }
             if done.is_multiple_of(interval) {
-                drift.sample(&self.world, self.simulation.settings(), &self.order)?;
+                self.sample(&mut drift)?;
             }
             self.progress.at(done);
         }
         if !self.simulation.steps().is_multiple_of(interval) {
-            drift.sample(&self.world, self.simulation.settings(), &self.order)?;
+            self.sample(&mut drift)?;
         }
         Ok(drift)
+    }
+
+    fn sample(&mut self, drift: &mut Drift) -> Result<(), NotFinite> {
+        drift.sample(&self.world, self.simulation.settings(), &self.order)?;
+        if let Some(history) = &mut self.history {
+            history.record(&self.world, &self.simulation);
+        }
+        Ok(())
     }
 
     /// Steps to the given number, or for as long as a burst lasts.

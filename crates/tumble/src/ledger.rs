@@ -78,6 +78,11 @@ impl Ledger {
             let inserted = world.insert_one(entity, Work::default());
             debug_assert!(inserted.is_ok());
         }
+        Self::watch(world, simulation)
+    }
+
+    /// Opens books in which energy and momentum are entered but no work: the world stays as it is, and steps cost what they did.
+    pub fn watch(world: &World, simulation: &Simulation) -> Self {
         let mut ledger =
             Self { order: BodyOrder::of(world), laws: simulation.laws().names().collect(), entries: Vec::new() };
         ledger.record(world, simulation);
