@@ -60,20 +60,20 @@ impl History {
             .series("sum", Mark::Line, self.over_time(LedgerEntry::energy))
     }
 
-    /// How far the energy is from where it began, relative to the largest kinetic or potential energy so far.
+    /// How far the energy is from where it began, relative to the kinetic energy at the start or the most that the potential has
+    /// changed so far, whichever is larger.
     pub(crate) fn drift_plot(&self) -> Plot {
-        let mut largest = 0.0_f64;
-        let first = self.ledger.entries().first().map_or(0.0, LedgerEntry::energy);
-        let drift: Vec<_> = self
-            .over_time(|entry| {
-                largest = largest.max(entry.kinetic()).max(entry.totals.potential.abs());
-                if largest > 0.0 { (entry.energy() - first) / largest } else { 0.0 }
-            })
-            .collect();
+        let entries = self.ledger.entries();
+        let (energy, potential) = entries.first().map_or((0.0, 0.0), |first| (first.energy(), first.totals.potential));
+        let mut scale = entries.first().map_or(0.0, LedgerEntry::kinetic);
+        let drift = self.over_time(move |entry| {
+            scale = scale.max((entry.totals.potential - potential).abs());
+            if scale > 0.0 { (entry.energy() - energy) / scale } else { 0.0 }
+        });
         Plot::new("Change of energy")
             .x_axis("time [s]", Scale::Linear)
-            .y_axis("relative to the energy that moves", Scale::Linear)
-            .series("change of energy", Mark::Line, drift)
+            .y_axis("relative to the energy at play", Scale::Linear)
+            .series("", Mark::Line, drift)
     }
 
     fn over_time<'a>(
