@@ -41,7 +41,8 @@ pub fn decay<L: Lane>(x: L) -> Decay<L> {
     let one = L::splat(1.0);
     let zero = L::splat(0.0);
     // `max` gives its argument where `x` is NaN, so whatever arrives is in range from here on.
-    let x = x.max(zero).min(L::splat(LONGEST));
+    let whole = x.max(zero);
+    let x = whole.min(L::splat(LONGEST));
     // x = n ln 2 + r with |r| <= ln(2)/2: adding and taking away 1.5 * 2^mantissa rounds to the nearest whole number.
     let rounder = L::splat(0.75 / L::ROUNDING);
     let n = (x * L::splat(LOG2_E) + rounder) - rounder;
@@ -56,8 +57,8 @@ pub fn decay<L: Lane>(x: L) -> Decay<L> {
     let lost_in_r = r * series;
     let scale = (-n).exp2_of_integer();
     let lost = (one - scale) + scale * lost_in_r;
-    let tiny = x.lt(L::splat(L::ROUNDING));
-    Decay { kept: (one - lost_in_r) * scale, mean: L::select(tiny, one, lost / L::select(tiny, one, x)) }
+    let tiny = whole.lt(L::splat(L::ROUNDING));
+    Decay { kept: (one - lost_in_r) * scale, mean: L::select(tiny, one, lost / L::select(tiny, one, whole)) }
 }
 
 #[cfg(test)]
@@ -100,5 +101,14 @@ mod tests {
             assert_eq!(decay(x), Decay { kept: 1.0, mean: 1.0 });
         }
         assert!(decay(f64::INFINITY).kept < 1e-34);
+        assert_eq!(decay(f64::INFINITY).mean, 0.0);
+    }
+
+    #[test]
+    fn past_the_longest_decay_the_mean_goes_on_falling() {
+        for x in [80.0, 81.0, 1e3, 1e30] {
+            let mean = decay(x).mean;
+            assert!((mean * x - 1.0).abs() <= 2.0 * f64::EPSILON, "phi({x}) = {mean}");
+        }
     }
 }

@@ -41,14 +41,14 @@
 //!
 //! `kappa = h^2 (t2 H + D)/(3 e)` is, like H and C, the same all along the motion and is `(h|w|/2)^2` for a sphere: the square of the
 //! largest half-turn a step can make. A step with kappa over [`LARGEST_KAPPA`] is divided into equal parts, at most [`MOST_PARTS`]; beyond,
-//! where a step turns the body by about five whole turns, it turns about its present angular velocity at its present rate.
+//! where a step turns the body more than four times around, it turns about its present angular velocity at its present rate.
 
 use crate::lane::{Lane, Quat, Vec3};
 use crate::orientation::rotate_exactly;
 
 /// The largest `(h|w|/2)^2` that the map takes in one part: a turn of about half a radian.
 pub const LARGEST_KAPPA: f64 = 0.06;
-/// The most parts a step is divided into; past it a step turns the body by more than 31 radians.
+/// The most parts a step is divided into; past it a step turns the body by more than 27 radians.
 pub const MOST_PARTS: f64 = 64.0;
 /// Newton iterations at most; from the starting value below two or three are enough.
 const MOST_ITERATIONS: u32 = 6;
@@ -119,7 +119,7 @@ impl<L: Lane> FreeRotation<L> {
     }
 
     /// A step in which some body needs several parts. A body that needs one gets the bits that it gets without the others.
-    #[cold]
+    #[inline(always)]
     fn rotate_in_parts(&self, orientation: Quat<L>, momentum: Vec3<L>, y: Vec3<L>, (h2, d2): (L, L)) -> Quat<L> {
         let (zero, one, half) = (L::splat(0.0), L::splat(1.0), L::splat(0.5));
         let kappa = self.ratios.kappa((h2, d2));
@@ -140,7 +140,7 @@ impl<L: Lane> FreeRotation<L> {
             return turned;
         }
         let angles = y.scale(self.to_angles);
-        let body = self.axes.map_or(angles, |axes| axes.rotate(angles));
+        let body = self.in_body_frame(angles);
         Quat::select(slow_enough, turned, rotate_exactly(orientation, orientation.rotate(body), one))
     }
 
@@ -148,7 +148,19 @@ impl<L: Lane> FreeRotation<L> {
     #[inline(always)]
     fn principal_components(&self, orientation: Quat<L>, angular_momentum: Vec3<L>) -> Vec3<L> {
         let body = turned_back(orientation, angular_momentum);
-        self.axes.map_or(body, |axes| axes.rotate_back(body))
+        match self.axes {
+            Some(axes) => axes.rotate_back(body),
+            None => body,
+        }
+    }
+
+    /// A vector of the principal frame in the body frame.
+    #[inline(always)]
+    fn in_body_frame(&self, principal: Vec3<L>) -> Vec3<L> {
+        match self.axes {
+            Some(axes) => axes.rotate(principal),
+            None => principal,
+        }
     }
 
     /// `q (1, u)/|q (1, u)|`, with `u` in the principal frame, for a `q` of unit length up to rounding.
@@ -158,7 +170,7 @@ impl<L: Lane> FreeRotation<L> {
     #[inline(always)]
     fn turned(&self, q: Quat<L>, u: Vec3<L>) -> Quat<L> {
         let (one, half) = (L::splat(1.0), L::splat(0.5));
-        let u_body = self.axes.map_or(u, |axes| axes.rotate(u));
+        let u_body = self.in_body_frame(u);
         let uu = u_body.dot(u_body);
         let s = (one + uu).sqrt();
         // 1/sqrt(1 + u^2) - 1 without its cancellation, and half of what |q|^2 lacks to one.
@@ -213,8 +225,9 @@ impl<L: Lane> Ratios<L> {
         let unit = L::splat(1.0) / half_sum;
         let half_unit = unit * L::splat(0.5);
         // Differences first: they are exact where two moments nearly agree. Rounded moments of a flat body may miss zero.
-        let second = |sum: L| (sum * half_unit).max(L::splat(0.0));
-        let seconds = Vec3::new(second((b - a) + c), second((c - b) + a), second((a - c) + b));
+        let seconds = Vec3::new((b - a) + c, (c - b) + a, (a - c) + b) * half_unit;
+        let zero = L::splat(0.0);
+        let seconds = Vec3::new(seconds.x.max(zero), seconds.y.max(zero), seconds.z.max(zero));
         let (t1, t2, t3) = (seconds.x, seconds.y, seconds.z);
         let inverses = inverse_moments * half_sum;
         Self {
@@ -290,10 +303,8 @@ impl<L: Lane> Map<L> {
         let (zero, one, two) = (L::splat(0.0), L::splat(1.0), L::splat(2.0));
         let k = self.differences.scale(self.inverses);
         let m = b.scale(self.inverses);
-        let pairs = |u: Vec3<L>| Vec3::new(u.y * u.z, u.z * u.x, u.x * u.y);
-        let fixed_point = |u: Vec3<L>| m * (one + u.dot(u)) - k.scale(pairs(u));
         let m2 = m * two;
-        let mut u = fixed_point(fixed_point(fixed_point(m)));
+        let mut u = fixed_point(m, k, fixed_point(m, k, fixed_point(m, k, m)));
         let mut open = one;
         for _ in 0..MOST_ITERATIONS {
             let p = pairs(u);
@@ -320,6 +331,18 @@ impl<L: Lane> Map<L> {
         }
         u
     }
+}
+
+/// `(u_2 u_3, u_3 u_1, u_1 u_2)`.
+#[inline(always)]
+fn pairs<L: Lane>(u: Vec3<L>) -> Vec3<L> {
+    Vec3::new(u.y * u.z, u.z * u.x, u.x * u.y)
+}
+
+/// The next approximation to `u_1 + k_1 u_2 u_3 = m_1 (1 + |u|^2)`.
+#[inline(always)]
+fn fixed_point<L: Lane>(m: Vec3<L>, k: Vec3<L>, u: Vec3<L>) -> Vec3<L> {
+    m * (L::splat(1.0) + u.dot(u)) - k.scale(pairs(u))
 }
 
 /// `a - b` rounded, and what rounding took from it: their sum is the difference exactly (D. E. Knuth, The Art of Computer Programming,

@@ -264,6 +264,15 @@ impl<L: Lane> Quat<L> {
         ]
     }
 
+    /// [`normalize`](Self::normalize), or `fallback` where the squared length is zero or not finite.
+    #[inline(always)]
+    pub fn normalize_or(self, fallback: Self) -> Self {
+        let length_squared = self.length_squared();
+        let finite = length_squared.lt(L::splat(f64::INFINITY));
+        let unit = Self::select(finite, self * (L::splat(1.0) / length_squared.sqrt()), fallback);
+        Self::select(L::splat(0.0).lt(length_squared), unit, fallback)
+    }
+
     /// The vector turned by this unit quaternion: body coordinates to world coordinates when it is a body's orientation.
     #[inline(always)]
     pub fn rotate(self, vector: Vec3<L>) -> Vec3<L> {

@@ -27,9 +27,10 @@ pub fn orientation_rate<L: Lane>(orientation: Quat<L>, angular_velocity: Vec3<L>
 /// The orientation after `dt` to first order, `normalise(q + dt/2 [0, w] q)`.
 ///
 /// The turn comes out as `2 atan(|w| dt/2)` about the right axis, short by `(|w| dt)^3/12`; [`rotate_exactly`] has no such error.
+/// A rate too large to compute with leaves the orientation as it was.
 #[inline(always)]
 pub fn rotate_to_first_order<L: Lane>(orientation: Quat<L>, angular_velocity: Vec3<L>, dt: L) -> Quat<L> {
-    (orientation + orientation_rate(orientation, angular_velocity) * dt).normalize()
+    (orientation + orientation_rate(orientation, angular_velocity) * dt).normalize_or(orientation)
 }
 
 /// The orientation after turning with a constant world-frame angular velocity [rad/s] for `dt`, exactly:

@@ -5,8 +5,8 @@ use crate::components::{
     BodyId, CenterOfMass, Damping, GravityScale, Inertia, InverseInertia, Mass, Momentum, Pose, PreviousPose,
     PrincipalAxes, Velocity, Wrench,
 };
+use crate::derived::derived;
 use crate::state::{Constants, Moments, State};
-use crate::systems::derived;
 
 /// The components of a body that [`RigidBody::build`](crate::RigidBody::build) has checked, ready to be spawned any number of times.
 #[derive(Clone, Debug)]
@@ -55,7 +55,7 @@ impl Body {
             inertia: self.inertia.map(|inertia| Moments::new(&inertia, self.axes.as_ref())),
             damping: None,
         };
-        derived(&constants, &State::new(&self.pose, &momentum))
+        derived(&constants, &State::new(&self.pose, &momentum)).into()
     }
 
     /// Mass, centre of mass and inertia in double precision, in the body's own frame; `None` for a body that forces do not move.

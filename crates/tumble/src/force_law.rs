@@ -89,8 +89,7 @@ pub struct BodyState<'a> {
 impl<'a> BodyState<'a> {
     pub(crate) fn new(time: f64, constants: &'a Constants<Real>, state: &State<Real>) -> Self {
         let orientation = state.orientation.normalize();
-        let angular_velocity =
-            constants.inertia.map_or(LaneVec3::zero(), |inertia| inertia.angular_velocity(orientation, state.angular));
+        let angular_velocity = constants.angular_velocity(&State { orientation, ..*state });
         Self {
             time,
             position: state.position.into(),

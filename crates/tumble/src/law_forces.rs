@@ -29,8 +29,14 @@ impl LawForces<'_> {
 }
 
 impl Forces<Real> for LawForces<'_> {
-    fn at(&self, offset: Real, state: &State<Real>) -> Force<Real> {
-        let mut sum = self.wrench;
+    const VARY: bool = true;
+
+    fn constant(&self) -> Force<Real> {
+        self.wrench.into()
+    }
+
+    fn varying(&self, offset: Real, state: &State<Real>) -> Force<Real> {
+        let mut sum = Wrench::default();
         if !self.laws.is_empty() {
             let seen = self.seen_by_laws(offset, state);
             for (_, law) in self.laws {
@@ -62,16 +68,21 @@ fn double(v: LaneVec3<Real>) -> DVec3 {
 impl Account<Real> for WorkAccount<'_> {
     const KEPT: bool = true;
 
-    fn impulse(&mut self, offset: Real, at: &State<Real>, weight: (Real, Real), mean: &Mean<Real>) {
+    fn constant_impulse(&mut self, weight: (Real, Real), mean: &Mean<Real>) {
         let linear = double(mean.linear) * f64::from(weight.0);
         let angular = double(mean.angular) * f64::from(weight.1);
         let gravity = dvec3(self.gravity);
         let wrench = self.forces.wrench;
         self.work.gravity += gravity.dot(linear);
         self.work.applied += (dvec3(wrench.force) - gravity).dot(linear) + dvec3(wrench.torque).dot(angular);
+    }
+
+    fn varying_impulse(&mut self, offset: Real, at: &State<Real>, weight: (Real, Real), mean: &Mean<Real>) {
         if self.forces.laws.is_empty() {
             return;
         }
+        let linear = double(mean.linear) * f64::from(weight.0);
+        let angular = double(mean.angular) * f64::from(weight.1);
         let seen = self.forces.seen_by_laws(offset, at);
         for (index, law) in self.forces.laws {
             let wrench = law.wrench(self.forces.row, &seen);

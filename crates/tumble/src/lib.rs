@@ -32,7 +32,10 @@
 
 #![cfg_attr(
     feature = "f64",
-    allow(clippy::useless_conversion, reason = "Real is f64 in this build; the same line converts from f32 in the other")
+    allow(
+        clippy::useless_conversion,
+        reason = "Real is f64 in this build; the same line converts from f32 in the other"
+    )
 )]
 
 mod body;
@@ -40,6 +43,7 @@ mod body_error;
 mod body_order;
 mod columns;
 mod components;
+mod derived;
 mod force_law;
 mod force_laws;
 mod integrator;
@@ -52,12 +56,14 @@ mod phase_times;
 mod property_error;
 mod rigid_body;
 mod settings;
+mod simd;
 mod simulation;
 mod state;
 mod state_arrays;
 mod state_hash;
 mod step;
 mod systems;
+mod tile;
 mod totals;
 
 pub use body::Body;
@@ -75,6 +81,7 @@ pub use phase_times::PhaseTimes;
 pub use property_error::PropertyError;
 pub use rigid_body::RigidBody;
 pub use settings::{Settings, SettingsError};
+pub use simd::simd_name;
 pub use simulation::Simulation;
 pub use state_arrays::{STATE_SIZE, StateArrayError, array_to_state, derivative_to_array, state_to_array};
 pub use state_hash::state_hash;
@@ -83,11 +90,6 @@ pub use systems::{accumulate_forces, integrate, integrate_under_laws, update_der
 pub use totals::{Totals, measure};
 
 pub use tumble_math::{Amount, InertiaTensor, MassProperties, Part, PrincipalInertia, Shape};
-
-/// The vector code the step runs: `"scalar"`, one body at a time.
-pub fn simd_name() -> &'static str {
-    "scalar"
-}
 
 /// What most programs need: `use tumble::prelude::*;`.
 pub mod prelude {

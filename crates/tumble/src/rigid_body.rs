@@ -31,7 +31,7 @@ enum Motion {
 /// assert!(world.get::<&Mass>(entity)?.kilograms() > 2.5);
 ///
 /// let error = RigidBody::new(Shape::sphere(0.5)).mass(-1.0).build().unwrap_err();
-/// assert_eq!((error.field().as_str(), error.to_string().as_str()), ("mass", "mass must be positive, it is -1"));
+/// assert_eq!((error.field().as_str(), error.to_string().as_str()), ("mass", "mass must be positive, it is -1.0"));
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 #[derive(Clone, Debug)]

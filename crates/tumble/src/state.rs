@@ -38,6 +38,14 @@ pub(crate) struct Force<L> {
     pub(crate) torque: Vec3<L>,
 }
 
+impl<L: Lane> Force<L> {
+    /// No force.
+    #[inline(always)]
+    pub(crate) fn zero() -> Self {
+        Self { force: Vec3::zero(), torque: Vec3::zero() }
+    }
+}
+
 /// The state of a body: what a step advances.
 #[derive(Clone, Copy)]
 pub(crate) struct State<L> {
@@ -57,6 +65,15 @@ impl<L: Lane> Constants<L> {
     pub(crate) fn velocity(&self, linear_momentum: Vec3<L>) -> Vec3<L> {
         linear_momentum * (L::splat(1.0) / self.mass)
     }
+
+    /// `w = I^-1 L` \[rad/s\], world frame, for a unit orientation; zero for a point mass.
+    #[inline(always)]
+    pub(crate) fn angular_velocity(&self, state: &State<L>) -> Vec3<L> {
+        match &self.inertia {
+            Some(inertia) => inertia.angular_velocity(state.orientation, state.angular),
+            None => Vec3::zero(),
+        }
+    }
 }
 
 impl<L: Lane> Moments<L> {
@@ -72,7 +89,11 @@ impl<L: Lane> Moments<L> {
     /// The principal axes in the world frame, for a unit orientation.
     #[inline(always)]
     pub(crate) fn world_axes(&self, orientation: Quat<L>) -> [Vec3<L>; 3] {
-        self.axes.map_or(orientation, |axes| orientation * axes).axes()
+        match self.axes {
+            Some(axes) => orientation * axes,
+            None => orientation,
+        }
+        .axes()
     }
 }
 

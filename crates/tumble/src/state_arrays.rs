@@ -127,8 +127,8 @@ pub fn derivative_to_array(
             angular: vector(10),
         };
         let rate = derivative(&constants, force, &state);
-        let linear = rate.linear + state.linear * -damping.linear;
-        let angular = rate.angular + state.angular * -damping.angular;
+        let linear = rate.force.force + state.linear * -damping.linear;
+        let angular = rate.force.torque + state.angular * -damping.angular;
         Numbers(rates).write(
             Vec3::from(rate.position).to_array(),
             rate.orientation.into(),

@@ -1,17 +1,18 @@
 //! The systems of a step: what each does to a chunk of bodies, and each as a function of its own.
 
 use hecs::World;
-use tumble_math::lane::Vec3 as LaneVec3;
 
 use crate::columns::{Chunk, for_each_chunk};
-use crate::components::{InverseInertia, Momentum, Pose, PreviousPose, Velocity, Work, Wrench};
+use crate::components::{PreviousPose, Work, Wrench};
+use crate::derived::derived;
 use crate::force_laws::ForceLaws;
 use crate::integrator::Integrator;
 use crate::integrators::{ConstantForce, MoserVeselov, NoAccount, RungeKutta4, Scheme, SemiImplicitEuler};
 use crate::law_forces::{LawForces, WorkAccount, kinetic_energy};
 use crate::math::{Real, Vec3};
 use crate::settings::Settings;
-use crate::state::{Constants, Moments, Rates, State};
+use crate::simd::{Kernel, Tile, dispatch};
+use crate::tile::store;
 
 /// Generators and applied forces to [`Wrench`](crate::Wrench): adds to each moving body's wrench the forces of what acts on it
 /// all the time, which is gravity, scaled by its [`GravityScale`](crate::GravityScale).
@@ -21,7 +22,7 @@ pub fn accumulate_forces(world: &mut World, settings: &Settings) {
     for_each_chunk(world, &ForceLaws::default(), |mut bodies| accumulate_forces_of(&mut bodies, settings));
 }
 
-/// [`Wrench`], [`Momentum`], [`Pose`] to [`Momentum`], [`Pose`]: advances the state by `settings.dt` with the chosen [`Integrator`], in
+/// [`Wrench`], [`Momentum`](crate::Momentum), [`Pose`](crate::Pose) to the same: advances the state by `settings.dt` with the chosen [`Integrator`], in
 /// `settings.substeps` equal parts, and zeroes the wrench it has consumed.
 pub fn integrate(world: &mut World, settings: &Settings) {
     integrate_under_laws(world, settings, &ForceLaws::default(), 0.0);
@@ -32,8 +33,8 @@ pub fn integrate_under_laws(world: &mut World, settings: &Settings, laws: &Force
     for_each_chunk(world, laws, |mut bodies| integrate_bodies(&mut bodies, settings, time));
 }
 
-/// [`Pose`](crate::Pose), [`Momentum`](crate::Momentum), [`Mass`](crate::Mass), [`Inertia`](crate::Inertia) to [`Velocity`] and
-/// [`InverseInertia`], on the moving bodies that have them: `v = P/M`, `I^-1 = R I_body^-1 R^T`, `w = I^-1 L`.
+/// [`Pose`](crate::Pose), [`Momentum`](crate::Momentum), [`Mass`](crate::Mass), [`Inertia`](crate::Inertia) to
+/// [`Velocity`](crate::Velocity) and [`InverseInertia`](crate::InverseInertia), on the moving bodies that have them: `v = P/M`, `I^-1 = R I_body^-1 R^T`, `w = I^-1 L`.
 pub fn update_derived(world: &mut World) {
     for_each_chunk(world, &ForceLaws::default(), |mut bodies| update_derived_of(&mut bodies));
 }
@@ -52,43 +53,82 @@ pub(crate) fn accumulate_forces_of(bodies: &mut Chunk<'_>, settings: &Settings) 
     }
 }
 
-pub(crate) fn integrate_bodies(bodies: &mut Chunk<'_>, settings: &Settings, time: f64) {
-    match settings.integrator {
-        Integrator::SemiImplicitEuler => integrate_with::<SemiImplicitEuler<Real>>(bodies, settings, time),
-        Integrator::RungeKutta4 => integrate_with::<RungeKutta4<Real>>(bodies, settings, time),
-        Integrator::MoserVeselov => integrate_with::<MoserVeselov<Real>>(bodies, settings, time),
+impl Chunk<'_> {
+    /// The force of gravity on a body \[N\].
+    #[inline(always)]
+    fn gravity(&self, i: usize, settings: &Settings) -> Vec3 {
+        let scale = self.gravity_scale.map_or(1.0, |scales| scales[i].0);
+        settings.gravity * (self.mass[i].kilograms() * scale)
     }
 }
 
-fn integrate_with<S: Scheme<Real>>(bodies: &mut Chunk<'_>, settings: &Settings, time: f64) {
+pub(crate) fn integrate_bodies(bodies: &mut Chunk<'_>, settings: &Settings, time: f64) {
     if bodies.laws.is_empty() && bodies.work.is_none() {
-        integrate_under_constant_forces::<S>(bodies, settings);
+        dispatch(UnderConstantForces { bodies, settings });
     } else {
-        integrate_under_varying_forces::<S>(bodies, settings, time);
+        match settings.integrator {
+            Integrator::SemiImplicitEuler => {
+                integrate_under_varying_forces::<SemiImplicitEuler<Real>>(bodies, settings, time);
+            }
+            Integrator::RungeKutta4 => integrate_under_varying_forces::<RungeKutta4<Real>>(bodies, settings, time),
+            Integrator::MoserVeselov => integrate_under_varying_forces::<MoserVeselov<Real>>(bodies, settings, time),
+        }
     }
     bodies.wrench.fill(Wrench::default());
 }
 
-fn integrate_under_constant_forces<S: Scheme<Real>>(bodies: &mut Chunk<'_>, settings: &Settings) {
-    let h = settings.substep();
-    for i in 0..bodies.len() {
-        let scheme = S::new(&bodies.constants(i), h);
-        let forces = ConstantForce(bodies.wrench[i].into());
-        let mut state = bodies.state(i);
-        for _ in 0..settings.substeps {
-            state = scheme.advance(state, &forces, &mut NoAccount);
+/// Integrates bodies whose forces are the same at every stage: a tile at a time, all substeps of it.
+struct UnderConstantForces<'k, 'a> {
+    bodies: &'k mut Chunk<'a>,
+    settings: &'k Settings,
+}
+
+impl Kernel for UnderConstantForces<'_, '_> {
+    #[inline(always)]
+    fn run<T: Tile>(self) {
+        match self.settings.integrator {
+            Integrator::SemiImplicitEuler => self.run_with::<T, SemiImplicitEuler<T>, SemiImplicitEuler<Real>>(),
+            Integrator::RungeKutta4 => self.run_with::<T, RungeKutta4<T>, RungeKutta4<Real>>(),
+            Integrator::MoserVeselov => self.run_with::<T, MoserVeselov<T>, MoserVeselov<Real>>(),
         }
-        bodies.set_state(i, state);
     }
+}
+
+impl UnderConstantForces<'_, '_> {
+    /// Whole tiles, and one by one what is left of the chunk.
+    #[inline(always)]
+    fn run_with<T: Tile, S: Scheme<T>, One: Scheme<Real>>(self) {
+        let whole = self.bodies.len() - self.bodies.len() % T::WIDTH;
+        let mut i = 0;
+        while i < whole {
+            advance_tile::<T, S>(self.bodies, i, self.settings);
+            i += T::WIDTH;
+        }
+        while i < self.bodies.len() {
+            advance_tile::<Real, One>(self.bodies, i, self.settings);
+            i += 1;
+        }
+    }
+}
+
+#[inline(always)]
+fn advance_tile<T: Tile, S: Scheme<T>>(bodies: &mut Chunk<'_>, i: usize, settings: &Settings) {
+    let scheme = S::new(&bodies.constants::<T>(i), T::splat(settings.substep().into()));
+    let forces = ConstantForce(bodies.force::<T>(i));
+    let mut state = bodies.state::<T>(i);
+    for _ in 0..settings.substeps {
+        state = scheme.advance(state, &forces, &mut NoAccount);
+    }
+    bodies.set_state(i, &state);
 }
 
 fn integrate_under_varying_forces<S: Scheme<Real>>(bodies: &mut Chunk<'_>, settings: &Settings, time: f64) {
     let h = settings.substep();
     for i in 0..bodies.len() {
-        let constants = bodies.constants(i);
+        let constants = bodies.constants::<Real>(i);
         let scheme = S::new(&constants, h);
         let gravity = bodies.gravity(i, settings);
-        let (start, laws, row) = (bodies.state(i), bodies.laws, bodies.first_row + i);
+        let (start, laws, row) = (bodies.state::<Real>(i), bodies.laws, bodies.first_row + i);
         let mut work = Work::default();
         let mut state = start;
         for substep in 0..settings.substeps {
@@ -101,7 +141,7 @@ fn integrate_under_varying_forces<S: Scheme<Real>>(bodies: &mut Chunk<'_>, setti
                 scheme.advance(state, &forces, &mut NoAccount)
             };
         }
-        bodies.set_state(i, state);
+        bodies.set_state(i, &state);
         if let Some(column) = bodies.work.as_deref_mut() {
             let change = kinetic_energy(&constants, &state) - kinetic_energy(&constants, &start);
             work.integrator = change - work.total();
@@ -111,66 +151,43 @@ fn integrate_under_varying_forces<S: Scheme<Real>>(bodies: &mut Chunk<'_>, setti
 }
 
 pub(crate) fn update_derived_of(bodies: &mut Chunk<'_>) {
-    if bodies.velocity.is_none() && bodies.inverse_inertia.is_none() {
-        return;
+    if bodies.velocity.is_some() || bodies.inverse_inertia.is_some() {
+        dispatch(Derive { bodies });
     }
-    for i in 0..bodies.len() {
-        let (velocity, inverse_inertia) = derived(&bodies.constants(i), &bodies.state(i));
-        if let Some(column) = bodies.velocity.as_deref_mut() {
-            column[i] = velocity;
+}
+
+/// Computes velocities and world-frame inverse inertias, a tile at a time.
+struct Derive<'k, 'a> {
+    bodies: &'k mut Chunk<'a>,
+}
+
+impl Kernel for Derive<'_, '_> {
+    #[inline(always)]
+    fn run<T: Tile>(self) {
+        let whole = self.bodies.len() - self.bodies.len() % T::WIDTH;
+        let mut i = 0;
+        while i < whole {
+            derive_tile::<T>(self.bodies, i);
+            i += T::WIDTH;
         }
-        if let Some(column) = bodies.inverse_inertia.as_deref_mut() {
-            column[i] = inverse_inertia;
+        while i < self.bodies.len() {
+            derive_tile::<Real>(self.bodies, i);
+            i += 1;
         }
     }
 }
 
-/// `v = P/M`, `I^-1 = R I_body^-1 R^T` and `w = I^-1 L` of one body.
 #[inline(always)]
-pub(crate) fn derived(constants: &Constants<Real>, state: &State<Real>) -> (Velocity, InverseInertia) {
-    let inverse_inertia = constants.inertia.map_or(InverseInertia::default(), |inertia| world_inverse(&inertia, state));
-    let linear = constants.velocity(state.linear).into();
-    (Velocity { linear, angular: inverse_inertia * Vec3::from(state.angular) }, inverse_inertia)
-}
-
-/// `R diag(1/I) R^T`: the sum over the principal axes `r` in the world of `r r^T/I`.
-#[inline(always)]
-fn world_inverse(inertia: &Moments<Real>, state: &State<Real>) -> InverseInertia {
-    let [a, b, c] = inertia.world_axes(state.orientation);
-    let m = inertia.inverse_moments;
-    let sum = |p: LaneVec3<Real>, q: LaneVec3<Real>, r: LaneVec3<Real>| p * m.x + q * m.y + r * m.z;
-    let other = |v: LaneVec3<Real>| LaneVec3::new(v.y * v.z, v.z * v.x, v.x * v.y);
-    InverseInertia {
-        diagonal: sum(a.scale(a), b.scale(b), c.scale(c)).into(),
-        off_diagonal: sum(other(a), other(b), other(c)).into(),
+fn derive_tile<T: Tile>(bodies: &mut Chunk<'_>, i: usize) {
+    let derived = derived(&bodies.constants::<T>(i), &bodies.state::<T>(i));
+    if let Some(column) = bodies.velocity.as_deref_mut() {
+        let column = &mut column[i..i + T::WIDTH];
+        store(derived.linear, |body, x| column[body].linear = x);
+        store(derived.angular, |body, x| column[body].angular = x);
     }
-}
-
-impl Chunk<'_> {
-    /// The force of gravity on a body \[N\].
-    #[inline(always)]
-    fn gravity(&self, i: usize, settings: &Settings) -> Vec3 {
-        let scale = self.gravity_scale.map_or(1.0, |scales| scales[i].0);
-        settings.gravity * (self.mass[i].kilograms() * scale)
-    }
-
-    #[inline(always)]
-    fn constants(&self, i: usize) -> Constants<Real> {
-        Constants {
-            mass: self.mass[i].kilograms(),
-            inertia: self.inertia.map(|inertia| Moments::new(&inertia[i], self.axes.map(|axes| &axes[i]))),
-            damping: self.damping.map(|damping| Rates { linear: damping[i].linear, angular: damping[i].angular }),
-        }
-    }
-
-    #[inline(always)]
-    fn state(&self, i: usize) -> State<Real> {
-        State::new(&self.pose[i], &self.momentum[i])
-    }
-
-    #[inline(always)]
-    fn set_state(&mut self, i: usize, state: State<Real>) {
-        self.pose[i] = Pose { position: state.position.into(), orientation: state.orientation.into() };
-        self.momentum[i] = Momentum { linear: state.linear.into(), angular: state.angular.into() };
+    if let Some(column) = bodies.inverse_inertia.as_deref_mut() {
+        let column = &mut column[i..i + T::WIDTH];
+        store(derived.diagonal, |body, x| column[body].diagonal = x);
+        store(derived.off_diagonal, |body, x| column[body].off_diagonal = x);
     }
 }

@@ -10,8 +10,11 @@ pub(crate) trait Account<L> {
     /// Whether anything is kept; `false` lets a scheme leave out what only an account needs.
     const KEPT: bool;
 
-    /// The forces at a state, `offset` \[s\] into the substep, have added their `weight` \[s\] to the linear and the angular momentum.
-    fn impulse(&mut self, offset: L, at: &State<L>, weight: (L, L), mean: &Mean<L>);
+    /// The constant forces have added their `weight` \[s\] to the linear and the angular momentum.
+    fn constant_impulse(&mut self, weight: (L, L), mean: &Mean<L>);
+
+    /// The varying forces at a state, `offset` \[s\] into the substep, have added their `weight` \[s\] to the momenta.
+    fn varying_impulse(&mut self, offset: L, at: &State<L>, weight: (L, L), mean: &Mean<L>);
 
     /// Damping has added these to the momenta.
     fn damping(&mut self, linear: Vec3<L>, angular: Vec3<L>, mean: &Mean<L>);
@@ -31,7 +34,10 @@ impl<L> Account<L> for NoAccount {
     const KEPT: bool = false;
 
     #[inline(always)]
-    fn impulse(&mut self, _: L, _: &State<L>, _: (L, L), _: &Mean<L>) {}
+    fn constant_impulse(&mut self, _: (L, L), _: &Mean<L>) {}
+
+    #[inline(always)]
+    fn varying_impulse(&mut self, _: L, _: &State<L>, _: (L, L), _: &Mean<L>) {}
 
     #[inline(always)]
     fn damping(&mut self, _: Vec3<L>, _: Vec3<L>, _: &Mean<L>) {}

@@ -23,21 +23,27 @@ struct Part<L> {
 impl<L: Lane> Part<L> {
     #[inline(always)]
     fn new(rate: Option<L>, t: L) -> Self {
-        match rate.map(|rate| decay(rate * t)) {
-            None => Self { kept: None, weight: t },
-            Some(Decay { kept, mean }) => Self { kept: Some(kept), weight: mean * t },
-        }
+        let Some(rate) = rate else { return Self { kept: None, weight: t } };
+        let Decay { kept, mean } = decay(rate * t);
+        Self { kept: Some(kept), weight: mean * t }
     }
 
     #[inline(always)]
     fn apply(&self, momentum: Vec3<L>, force: Vec3<L>) -> Vec3<L> {
-        self.kept.map_or(momentum, |kept| momentum * kept) + force * self.weight
+        let kept = match self.kept {
+            Some(kept) => momentum * kept,
+            None => momentum,
+        };
+        kept + force * self.weight
     }
 
     /// What damping adds to the momentum.
     #[inline(always)]
     fn damped(&self, momentum: Vec3<L>) -> Vec3<L> {
-        self.kept.map_or(Vec3::zero(), |kept| momentum * (kept - L::splat(1.0)))
+        match self.kept {
+            Some(kept) => momentum * (kept - L::splat(1.0)),
+            None => Vec3::zero(),
+        }
     }
 }
 
@@ -95,14 +101,29 @@ impl<L: Lane> Kick<L> {
         let kicked = self.kicked(state, forces.at(offset, evaluated_at));
         if A::KEPT {
             let mean = self.constants.mean(&state, &kicked);
-            account.impulse(offset, evaluated_at, (self.linear.weight, self.angular.weight), &mean);
-            account.damping(self.linear.damped(state.linear), self.angular.damped(state.angular), &mean);
+            account.varying_impulse(offset, evaluated_at, (self.linear.weight, self.angular.weight), &mean);
+            self.account_for_the_rest(&state, account, &mean);
         }
         kicked
     }
 
+    /// Enters what constant forces and damping do in a kick of this state.
     #[inline(always)]
-    fn kicked(&self, state: State<L>, force: Force<L>) -> State<L> {
+    pub(super) fn account_for_the_rest(&self, state: &State<L>, account: &mut impl Account<L>, mean: &Mean<L>) {
+        account.constant_impulse((self.linear.weight, self.angular.weight), mean);
+        account.damping(self.linear.damped(state.linear), self.angular.damped(state.angular), mean);
+    }
+
+    /// What is left of a momentum that is added at the start of the kick: of the linear and the angular one.
+    #[inline(always)]
+    pub(super) fn kept(&self) -> (L, L) {
+        let one = L::splat(1.0);
+        (self.linear.kept.unwrap_or(one), self.angular.kept.unwrap_or(one))
+    }
+
+    /// The state with its momenta kicked by a force.
+    #[inline(always)]
+    pub(super) fn kicked(&self, state: State<L>, force: Force<L>) -> State<L> {
         State {
             linear: self.linear.apply(state.linear, force.force),
             angular: self.angular.apply(state.angular, force.torque),
@@ -116,12 +137,9 @@ impl<L: Lane> Constants<L> {
     #[inline(always)]
     pub(super) fn mean(&self, before: &State<L>, after: &State<L>) -> Mean<L> {
         let half = L::splat(0.5);
-        let angular_velocity = |state: &State<L>| {
-            self.inertia.map_or(Vec3::zero(), |inertia| inertia.angular_velocity(state.orientation, state.angular))
-        };
         Mean {
             linear: self.velocity(before.linear + after.linear) * half,
-            angular: (angular_velocity(before) + angular_velocity(after)) * half,
+            angular: (self.angular_velocity(before) + self.angular_velocity(after)) * half,
         }
     }
 }

@@ -2,6 +2,8 @@
 //!
 //! They are generic over [`Lane`](tumble_math::lane::Lane), so one body and a tile of bodies run the same code.
 
+#![allow(clippy::manual_map, reason = "a closure that computes with tiles is compiled without their instruction set")]
+
 mod account;
 mod forces;
 mod kick;
@@ -15,10 +17,12 @@ pub(crate) use moser_veselov::MoserVeselov;
 pub(crate) use runge_kutta4::{RungeKutta4, derivative};
 pub(crate) use semi_implicit_euler::SemiImplicitEuler;
 
+use tumble_math::lane::Lane;
+
 use crate::state::{Constants, State};
 
 /// One integration scheme, prepared for one body and one length of substep.
-pub(crate) trait Scheme<L> {
+pub(crate) trait Scheme<L: Lane> {
     /// What of the scheme depends on the body and the substep but not on the state.
     fn new(constants: &Constants<L>, h: L) -> Self;
 

@@ -16,26 +16,22 @@ pub(crate) struct MoserVeselov<L> {
 impl<L: Lane> Scheme<L> for MoserVeselov<L> {
     #[inline(always)]
     fn new(constants: &Constants<L>, h: L) -> Self {
-        Self {
-            half_kick: Kick::new(constants, h * L::splat(0.5)),
-            rotation: constants
-                .inertia
-                .map(|inertia| FreeRotation::new(inertia.moments, inertia.inverse_moments, inertia.axes, h)),
-            step_per_mass: h / constants.mass,
-            h,
-        }
+        let rotation = match &constants.inertia {
+            Some(inertia) => Some(FreeRotation::new(inertia.moments, inertia.inverse_moments, inertia.axes, h)),
+            None => None,
+        };
+        Self { half_kick: Kick::new(constants, h * L::splat(0.5)), rotation, step_per_mass: h / constants.mass, h }
     }
 
     #[inline(always)]
     fn advance<F: Forces<L>, A: Account<L>>(&self, state: State<L>, forces: &F, account: &mut A) -> State<L> {
         let flying = self.half_kick.apply(state, L::splat(0.0), forces, account);
-        let landed = State {
-            position: flying.position + flying.linear * self.step_per_mass,
-            orientation: self
-                .rotation
-                .map_or(flying.orientation, |rotation| rotation.rotate(flying.orientation, flying.angular)),
-            ..flying
+        let orientation = match &self.rotation {
+            Some(rotation) => rotation.rotate(flying.orientation, flying.angular),
+            None => flying.orientation,
         };
+        let position = flying.position + flying.linear * self.step_per_mass;
+        let landed = State { position, orientation, ..flying };
         self.half_kick.apply_to_end(landed, self.h, forces, account)
     }
 }

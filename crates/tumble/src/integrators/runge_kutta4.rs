@@ -1,73 +1,77 @@
 use tumble_math::lane::{Lane, Quat, Vec3};
-use tumble_math::{decay, orientation_rate};
+use tumble_math::orientation_rate;
 
+use super::kick::Kick;
 use super::{Account, Forces, Scheme};
 use crate::state::{Constants, Force, State};
 
-/// The classical Runge-Kutta method, with the damping taken out by an integrating factor.
+/// The classical Runge-Kutta method, with constant forces and damping taken out.
 ///
-/// With `p = e^(-c t) s` the equation `dp/dt = F - c p` becomes `ds/dt = e^(c t) F`, to which the method is applied; so damping alone
-/// is exact and never limits the step (J. D. Lawson, SIAM J. Numer. Anal. 4, 1967). Without damping the factors are one and
-/// this is the classical method.
+/// The momenta are split, `p = a + b`: `da/dt = F - c a` under the constant force has an exact solution, and `db/dt = f - c b` under the
+/// varying one, with `b = e^(-c t) s`, becomes `ds/dt = e^(c t) f`, to which the method is applied (J. D. Lawson, SIAM J. Numer.
+/// Anal. 4, 1967). So damping and constant forces are exact and never limit the step, and the rest is of fourth order.
 pub(crate) struct RungeKutta4<L> {
     constants: Constants<L>,
-    /// What is left of each momentum after half a step.
-    kept: Option<(L, L)>,
+    /// What constant forces and damping do to the momenta in half a step and in a whole one.
+    half: Kick<L>,
+    whole: Kick<L>,
     h: L,
 }
 
-/// The rates of change of a state: what the seeds' form of the equations of motion gives an ODE solver.
+/// The rates of change of a state but for damping: what the seeds' form of the equations of motion gives an ODE solver.
 #[derive(Clone, Copy)]
 pub(crate) struct Rates<L> {
     pub(crate) position: Vec3<L>,
     pub(crate) orientation: Quat<L>,
-    pub(crate) linear: Vec3<L>,
-    pub(crate) angular: Vec3<L>,
+    pub(crate) force: Force<L>,
 }
 
 /// `dx/dt = P/M`, `dq/dt = 1/2 [0, w] q`, `dP/dt = F`, `dL/dt = tau`, without the damping. The orientation need not be of unit length.
 #[inline(always)]
 pub(crate) fn derivative<L: Lane>(constants: &Constants<L>, force: Force<L>, state: &State<L>) -> Rates<L> {
-    let angular_velocity = constants
-        .inertia
-        .map_or(Vec3::zero(), |inertia| inertia.angular_velocity(state.orientation.normalize(), state.angular));
+    let angular_velocity = constants.angular_velocity(&State { orientation: state.orientation.normalize(), ..*state });
     Rates {
         position: constants.velocity(state.linear),
         orientation: orientation_rate(state.orientation, angular_velocity),
-        linear: force.force,
-        angular: force.torque,
+        force,
     }
 }
 
 impl<L: Lane> Scheme<L> for RungeKutta4<L> {
     #[inline(always)]
     fn new(constants: &Constants<L>, h: L) -> Self {
-        let half = h * L::splat(0.5);
-        Self {
-            constants: *constants,
-            kept: constants.damping.map(|rates| (decay(rates.linear * half).kept, decay(rates.angular * half).kept)),
-            h,
-        }
+        let half = Kick::new(constants, h * L::splat(0.5));
+        Self { constants: *constants, half, whole: Kick::new(constants, h), h }
     }
 
     #[inline(always)]
     fn advance<F: Forces<L>, A: Account<L>>(&self, start: State<L>, forces: &F, account: &mut A) -> State<L> {
         let (zero, half, h) = (L::splat(0.0), self.h * L::splat(0.5), self.h);
-        let half_later = |state: State<L>| self.half_a_step_of_decay(state);
-        let rates = |offset: L, state: &State<L>| derivative(&self.constants, forces.at(offset, state), state);
-        let k1 = rates(zero, &start);
-        let second = half_later(moved(start, &k1, half));
-        let k2 = rates(half, &second);
-        let third = moved(half_later(start), &k2, half);
-        let k3 = rates(half, &third);
-        let fourth = half_later(moved(half_later(start), &k3, h));
-        let k4 = rates(h, &fourth);
+        let (kept, one) = (self.half.kept(), (L::splat(1.0), L::splat(1.0)));
+        // What the momenta would be without the varying forces.
+        let halfway = self.half.kicked(start, forces.constant());
+        let at_end = self.whole.kicked(start, forces.constant());
+
+        let k1 = self.rates(forces, zero, &start);
+        let second = moved(&start, &k1, half).with_momenta(&halfway, &k1.force, half, kept);
+        let k2 = self.rates(forces, half, &second);
+        let third = moved(&start, &k2, half).with_momenta(&halfway, &k2.force, half, one);
+        let k3 = self.rates(forces, half, &third);
+        let fourth = moved(&start, &k3, h).with_momenta(&at_end, &k3.force, h, kept);
+        let k4 = self.rates(forces, h, &fourth);
 
         let (sixth, a_third) = (h * L::splat(1.0 / 6.0), h * L::splat(1.0 / 3.0));
-        let middle = moved(moved(half_later(moved(start, &k1, sixth)), &k2, a_third), &k3, a_third);
-        let end = moved(half_later(middle), &k4, sixth);
-        let orientation = self.constants.inertia.map_or(start.orientation, |_| end.orientation.normalize());
-        let end = State { orientation, ..end };
+        let mut end = moved(&moved(&moved(&moved(&start, &k1, sixth), &k2, a_third), &k3, a_third), &k4, sixth);
+        end = end.with_momenta(&at_end, &k1.force, sixth, (kept.0 * kept.0, kept.1 * kept.1));
+        if F::VARY {
+            end = end.with_momenta(&end, &k2.force, a_third, kept);
+            end = end.with_momenta(&end, &k3.force, a_third, kept);
+            end = end.with_momenta(&end, &k4.force, sixth, one);
+        }
+        end.orientation = match self.constants.inertia {
+            Some(_) => end.orientation.normalize_or(start.orientation),
+            None => start.orientation,
+        };
         if A::KEPT {
             self.account(account, &start, &end, [&second, &third, &fourth]);
         }
@@ -76,41 +80,47 @@ impl<L: Lane> Scheme<L> for RungeKutta4<L> {
 }
 
 impl<L: Lane> RungeKutta4<L> {
+    /// The rates at a stage, of the momenta those by the varying forces.
     #[inline(always)]
-    fn half_a_step_of_decay(&self, state: State<L>) -> State<L> {
-        self.kept.map_or(state, |(linear, angular)| State {
-            linear: state.linear * linear,
-            angular: state.angular * angular,
-            ..state
-        })
+    fn rates<F: Forces<L>>(&self, forces: &F, offset: L, state: &State<L>) -> Rates<L> {
+        let varying = if F::VARY { forces.varying(offset, state) } else { Force::zero() };
+        derivative(&self.constants, varying, state)
     }
 
     /// Each stage's share: its weight in the method, decayed from the stage to the end.
     #[inline(always)]
     fn account(&self, account: &mut impl Account<L>, start: &State<L>, end: &State<L>, stages: [&State<L>; 3]) {
-        let one = L::splat(1.0);
         let (zero, half) = (L::splat(0.0), self.h * L::splat(0.5));
         let (sixth, third) = (self.h * L::splat(1.0 / 6.0), self.h * L::splat(1.0 / 3.0));
-        let kept = self.kept.unwrap_or((one, one));
-        let whole = (kept.0 * kept.0, kept.1 * kept.1);
-        let weight = |factor: L, kept: (L, L)| (factor * kept.0, factor * kept.1);
+        let (linear, angular) = self.half.kept();
         let mean = self.constants.mean(start, end);
         let [second, third_stage, fourth] = stages;
-        account.impulse(zero, start, weight(sixth, whole), &mean);
-        account.impulse(half, second, weight(third, kept), &mean);
-        account.impulse(half, third_stage, weight(third, kept), &mean);
-        account.impulse(self.h, fourth, (sixth, sixth), &mean);
-        account.damping(start.linear * (whole.0 - one), start.angular * (whole.1 - one), &mean);
+        account.varying_impulse(zero, start, (sixth * (linear * linear), sixth * (angular * angular)), &mean);
+        account.varying_impulse(half, second, (third * linear, third * angular), &mean);
+        account.varying_impulse(half, third_stage, (third * linear, third * angular), &mean);
+        account.varying_impulse(self.h, fourth, (sixth, sixth), &mean);
+        self.whole.account_for_the_rest(start, account, &mean);
     }
 }
 
-/// The state moved along the rates for a time.
+/// Position and orientation moved along the rates for a time; the momenta stay.
 #[inline(always)]
-fn moved<L: Lane>(state: State<L>, rates: &Rates<L>, time: L) -> State<L> {
+fn moved<L: Lane>(state: &State<L>, rates: &Rates<L>, time: L) -> State<L> {
     State {
         position: state.position + rates.position * time,
         orientation: state.orientation + rates.orientation * time,
-        linear: state.linear + rates.linear * time,
-        angular: state.angular + rates.angular * time,
+        ..*state
+    }
+}
+
+impl<L: Lane> State<L> {
+    /// The same with another state's momenta, and what a force adds to them in a time, of which a part is kept.
+    #[inline(always)]
+    fn with_momenta(self, momenta: &Self, force: &Force<L>, time: L, kept: (L, L)) -> Self {
+        Self {
+            linear: momenta.linear + force.force * (time * kept.0),
+            angular: momenta.angular + force.torque * (time * kept.1),
+            ..self
+        }
     }
 }

@@ -22,13 +22,13 @@ impl<L: Lane> Scheme<L> for SemiImplicitEuler<L> {
     #[inline(always)]
     fn advance<F: Forces<L>, A: Account<L>>(&self, state: State<L>, forces: &F, account: &mut A) -> State<L> {
         let kicked = self.kick.apply(state, L::splat(0.0), forces, account);
-        State {
-            position: kicked.position + kicked.linear * self.step_per_mass,
-            orientation: self.inertia.map_or(kicked.orientation, |inertia| {
+        let orientation = match &self.inertia {
+            Some(inertia) => {
                 let angular_velocity = inertia.angular_velocity(kicked.orientation, kicked.angular);
                 rotate_to_first_order(kicked.orientation, angular_velocity, self.h)
-            }),
-            ..kicked
-        }
+            }
+            None => kicked.orientation,
+        };
+        State { position: kicked.position + kicked.linear * self.step_per_mass, orientation, ..kicked }
     }
 }

@@ -1,0 +1,53 @@
+//! The derived quantities of one body, or of a tile of bodies.
+
+use tumble_math::lane::{Lane, Vec3};
+
+use crate::components::{InverseInertia, Velocity};
+use crate::math::Real;
+use crate::state::{Constants, State};
+
+/// `v = P/M`, `w = I^-1 L` and `I^-1 = R I_body^-1 R^T`, all in the world frame.
+#[derive(Clone, Copy)]
+pub(crate) struct Derived<L> {
+    pub(crate) linear: Vec3<L>,
+    pub(crate) angular: Vec3<L>,
+    /// `xx, yy, zz` of the inverse inertia.
+    pub(crate) diagonal: Vec3<L>,
+    /// `yz, zx, xy` of the inverse inertia.
+    pub(crate) off_diagonal: Vec3<L>,
+}
+
+/// The derived quantities; a point mass has no inverse inertia and does not turn.
+#[inline(always)]
+pub(crate) fn derived<L: Lane>(constants: &Constants<L>, state: &State<L>) -> Derived<L> {
+    let (mut d, mut o) = (Vec3::zero(), Vec3::zero());
+    if let Some(inertia) = &constants.inertia {
+        // The sum over the principal axes r in the world of r r^T/I.
+        let [a, b, c] = inertia.world_axes(state.orientation);
+        let m = inertia.inverse_moments;
+        d = a.scale(a) * m.x + b.scale(b) * m.y + c.scale(c) * m.z;
+        o = products(a) * m.x + products(b) * m.y + products(c) * m.z;
+    }
+    let l = state.angular;
+    let angular = Vec3::new(
+        d.x * l.x + o.z * l.y + o.y * l.z,
+        o.z * l.x + d.y * l.y + o.x * l.z,
+        o.y * l.x + o.x * l.y + d.z * l.z,
+    );
+    Derived { linear: constants.velocity(state.linear), angular, diagonal: d, off_diagonal: o }
+}
+
+/// `(y z, z x, x y)`.
+#[inline(always)]
+fn products<L: Lane>(v: Vec3<L>) -> Vec3<L> {
+    Vec3::new(v.y * v.z, v.z * v.x, v.x * v.y)
+}
+
+impl From<Derived<Real>> for (Velocity, InverseInertia) {
+    fn from(derived: Derived<Real>) -> Self {
+        (
+            Velocity { linear: derived.linear.into(), angular: derived.angular.into() },
+            InverseInertia { diagonal: derived.diagonal.into(), off_diagonal: derived.off_diagonal.into() },
+        )
+    }
+}

@@ -1,0 +1,266 @@
+//! Tiles of SSE2, AVX2 and AVX-512.
+//!
+//! The one module with `unsafe`: the intrinsics of an instruction set may only run where the machine has it. Tiles are private to this
+//! module, and the only way to one is a `with_*` function, whose caller has looked.
+
+#![allow(unsafe_code, reason = "intrinsics; see the SAFETY notes")]
+
+use std::arch::x86_64::*;
+use std::ops::{Add, Div, Mul, Neg, Sub};
+
+use tumble_math::lane::Lane;
+
+use super::{Kernel, Tile};
+use crate::math::Real;
+
+/// Runs a kernel on SSE2 tiles, which every x86-64 machine has.
+pub(super) fn with_sse2(kernel: impl Kernel) {
+    kernel.run::<Sse2>();
+}
+
+/// Runs a kernel on AVX2 tiles. To be called where the machine has AVX2.
+pub(super) fn with_avx2(kernel: impl Kernel) {
+    #[target_feature(enable = "avx2")]
+    fn enabled(kernel: impl Kernel) {
+        kernel.run::<Avx2>();
+    }
+    debug_assert!(std::arch::is_x86_feature_detected!("avx2"));
+    // SAFETY: `Level::is_available` has found AVX2 before this level could be chosen.
+    unsafe { enabled(kernel) }
+}
+
+/// Runs a kernel on AVX-512 tiles. To be called where the machine has AVX-512F.
+pub(super) fn with_avx512(kernel: impl Kernel) {
+    #[target_feature(enable = "avx512f")]
+    fn enabled(kernel: impl Kernel) {
+        kernel.run::<Avx512>();
+    }
+    debug_assert!(std::arch::is_x86_feature_detected!("avx512f"));
+    // SAFETY: `Level::is_available` has found AVX-512F before this level could be chosen.
+    unsafe { enabled(kernel) }
+}
+
+/// Declares a tile: its intrinsics, and the few operations that differ in more than a name.
+macro_rules! tile {
+    (
+        $Tile:ident, $Vector:ident, $Mask:ident, $width:literal,
+        $set1:ident, $load:ident, $store:ident, $add:ident, $sub:ident, $mul:ident, $div:ident, $sqrt:ident,
+        neg: |$n:ident| $neg:expr,
+        lt: |$a:ident, $b:ident| $lt:expr,
+        select: |$mask:ident, $if_true:ident, $if_false:ident| $select:expr,
+        bits: |$m:ident| $bits:expr,
+        exp2: |$e:ident| $exp2:expr,
+    ) => {
+        #[derive(Clone, Copy)]
+        pub(super) struct $Tile($Vector);
+
+        impl Tile for $Tile {
+            const WIDTH: usize = $width;
+
+            #[inline(always)]
+            fn from_fn(mut number: impl FnMut(usize) -> Real) -> Self {
+                let mut numbers: [Real; $width] = [0.0; $width];
+                for (i, slot) in numbers.iter_mut().enumerate() {
+                    *slot = number(i);
+                }
+                // SAFETY: the array has the size of the vector, and an unaligned load is used; for the rest see the module.
+                Self(unsafe { $load(numbers.as_ptr()) })
+            }
+
+            #[inline(always)]
+            fn for_each(self, mut store: impl FnMut(usize, Real)) {
+                let mut numbers: [Real; $width] = [0.0; $width];
+                // SAFETY: the array has the size of the vector, and an unaligned store is used; for the rest see the module.
+                unsafe { $store(numbers.as_mut_ptr(), self.0) };
+                for (i, number) in numbers.into_iter().enumerate() {
+                    store(i, number);
+                }
+            }
+        }
+
+        tile!(@operator $Tile, Add, add, $add);
+        tile!(@operator $Tile, Sub, sub, $sub);
+        tile!(@operator $Tile, Mul, mul, $mul);
+        tile!(@operator $Tile, Div, div, $div);
+
+        impl Neg for $Tile {
+            type Output = Self;
+            #[inline(always)]
+            fn neg(self) -> Self {
+                let $n = self.0;
+                // SAFETY: see the module.
+                Self(unsafe { $neg })
+            }
+        }
+
+        impl Lane for $Tile {
+            type Mask = $Mask;
+
+            const ROUNDING: f64 = <Real as Lane>::ROUNDING;
+
+            #[inline(always)]
+            fn splat(value: f64) -> Self {
+                // SAFETY: see the module.
+                Self(unsafe { $set1(Real::splat(value)) })
+            }
+
+            #[inline(always)]
+            fn sqrt(self) -> Self {
+                // SAFETY: see the module.
+                Self(unsafe { $sqrt(self.0) })
+            }
+
+            #[inline(always)]
+            fn lt(self, other: Self) -> $Mask {
+                let ($a, $b) = (self.0, other.0);
+                // SAFETY: see the module.
+                unsafe { $lt }
+            }
+
+            #[inline(always)]
+            fn select($mask: $Mask, if_true: Self, if_false: Self) -> Self {
+                let ($if_true, $if_false) = (if_true.0, if_false.0);
+                // SAFETY: see the module.
+                Self(unsafe { $select })
+            }
+
+            #[inline(always)]
+            fn any($m: $Mask) -> bool {
+                let bits = $bits as u32;
+                bits != 0
+            }
+
+            #[inline(always)]
+            fn all($m: $Mask) -> bool {
+                let bits = $bits as u32;
+                bits == (1 << $width) - 1
+            }
+
+            #[inline(always)]
+            fn exp2_of_integer(self) -> Self {
+                let $e = self.0;
+                // SAFETY: see the module.
+                Self(unsafe { $exp2 })
+            }
+
+            #[inline(always)]
+            fn sin_cos(self) -> (Self, Self) {
+                let mut both = [(0.0, 0.0); $width];
+                self.for_each(|i, angle| both[i] = <Real as Lane>::sin_cos(angle));
+                (Self::from_fn(|i| both[i].0), Self::from_fn(|i| both[i].1))
+            }
+        }
+    };
+    (@operator $Tile:ident, $Operator:ident, $method:ident, $intrinsic:ident) => {
+        impl $Operator for $Tile {
+            type Output = Self;
+            #[inline(always)]
+            fn $method(self, other: Self) -> Self {
+                // SAFETY: see the module.
+                Self(unsafe { $intrinsic(self.0, other.0) })
+            }
+        }
+    };
+}
+
+#[cfg(not(feature = "f64"))]
+mod precision {
+    use super::*;
+
+    tile! {
+        Sse2, __m128, __m128, 4,
+        _mm_set1_ps, _mm_loadu_ps, _mm_storeu_ps, _mm_add_ps, _mm_sub_ps, _mm_mul_ps, _mm_div_ps, _mm_sqrt_ps,
+        neg: |n| _mm_xor_ps(n, _mm_set1_ps(-0.0)),
+        lt: |a, b| _mm_cmplt_ps(a, b),
+        select: |mask, t, f| _mm_or_ps(_mm_and_ps(mask, t), _mm_andnot_ps(mask, f)),
+        // SAFETY: see the module.
+        bits: |m| unsafe { _mm_movemask_ps(m) },
+        exp2: |e| _mm_castsi128_ps(_mm_slli_epi32::<23>(_mm_add_epi32(_mm_cvttps_epi32(e), _mm_set1_epi32(127)))),
+    }
+
+    tile! {
+        Avx2, __m256, __m256, 8,
+        _mm256_set1_ps, _mm256_loadu_ps, _mm256_storeu_ps, _mm256_add_ps, _mm256_sub_ps, _mm256_mul_ps, _mm256_div_ps,
+        _mm256_sqrt_ps,
+        neg: |n| _mm256_xor_ps(n, _mm256_set1_ps(-0.0)),
+        lt: |a, b| _mm256_cmp_ps::<_CMP_LT_OQ>(a, b),
+        select: |mask, t, f| _mm256_blendv_ps(f, t, mask),
+        // SAFETY: see the module.
+        bits: |m| unsafe { _mm256_movemask_ps(m) },
+        exp2: |e| _mm256_castsi256_ps(_mm256_slli_epi32::<23>(_mm256_add_epi32(
+            _mm256_cvttps_epi32(e),
+            _mm256_set1_epi32(127),
+        ))),
+    }
+
+    tile! {
+        Avx512, __m512, __mmask16, 16,
+        _mm512_set1_ps, _mm512_loadu_ps, _mm512_storeu_ps, _mm512_add_ps, _mm512_sub_ps, _mm512_mul_ps, _mm512_div_ps,
+        _mm512_sqrt_ps,
+        neg: |n| _mm512_castsi512_ps(_mm512_xor_si512(_mm512_castps_si512(n), _mm512_set1_epi32(i32::MIN))),
+        lt: |a, b| _mm512_cmp_ps_mask::<_CMP_LT_OQ>(a, b),
+        select: |mask, t, f| _mm512_mask_blend_ps(mask, f, t),
+        bits: |m| m,
+        exp2: |e| _mm512_castsi512_ps(_mm512_slli_epi32::<23>(_mm512_add_epi32(
+            _mm512_cvttps_epi32(e),
+            _mm512_set1_epi32(127),
+        ))),
+    }
+}
+
+#[cfg(feature = "f64")]
+mod precision {
+    use super::*;
+
+    /// 2^n in the exponent bits, for whole numbers n in the low halves.
+    #[inline(always)]
+    unsafe fn exponents_128(n: __m128i) -> __m128d {
+        // SAFETY: SSE2 is part of x86-64. Biased exponents are positive, so zeros extend them to 64 bits.
+        unsafe {
+            let biased = _mm_add_epi32(n, _mm_set1_epi32(1023));
+            _mm_castsi128_pd(_mm_slli_epi64::<52>(_mm_unpacklo_epi32(biased, _mm_setzero_si128())))
+        }
+    }
+
+    tile! {
+        Sse2, __m128d, __m128d, 2,
+        _mm_set1_pd, _mm_loadu_pd, _mm_storeu_pd, _mm_add_pd, _mm_sub_pd, _mm_mul_pd, _mm_div_pd, _mm_sqrt_pd,
+        neg: |n| _mm_xor_pd(n, _mm_set1_pd(-0.0)),
+        lt: |a, b| _mm_cmplt_pd(a, b),
+        select: |mask, t, f| _mm_or_pd(_mm_and_pd(mask, t), _mm_andnot_pd(mask, f)),
+        // SAFETY: see the module.
+        bits: |m| unsafe { _mm_movemask_pd(m) },
+        exp2: |e| exponents_128(_mm_cvttpd_epi32(e)),
+    }
+
+    tile! {
+        Avx2, __m256d, __m256d, 4,
+        _mm256_set1_pd, _mm256_loadu_pd, _mm256_storeu_pd, _mm256_add_pd, _mm256_sub_pd, _mm256_mul_pd, _mm256_div_pd,
+        _mm256_sqrt_pd,
+        neg: |n| _mm256_xor_pd(n, _mm256_set1_pd(-0.0)),
+        lt: |a, b| _mm256_cmp_pd::<_CMP_LT_OQ>(a, b),
+        select: |mask, t, f| _mm256_blendv_pd(f, t, mask),
+        // SAFETY: see the module.
+        bits: |m| unsafe { _mm256_movemask_pd(m) },
+        exp2: |e| _mm256_castsi256_pd(_mm256_slli_epi64::<52>(_mm256_add_epi64(
+            _mm256_cvtepi32_epi64(_mm256_cvttpd_epi32(e)),
+            _mm256_set1_epi64x(1023),
+        ))),
+    }
+
+    tile! {
+        Avx512, __m512d, __mmask8, 8,
+        _mm512_set1_pd, _mm512_loadu_pd, _mm512_storeu_pd, _mm512_add_pd, _mm512_sub_pd, _mm512_mul_pd, _mm512_div_pd,
+        _mm512_sqrt_pd,
+        neg: |n| _mm512_castsi512_pd(_mm512_xor_si512(_mm512_castpd_si512(n), _mm512_set1_epi64(i64::MIN))),
+        lt: |a, b| _mm512_cmp_pd_mask::<_CMP_LT_OQ>(a, b),
+        select: |mask, t, f| _mm512_mask_blend_pd(mask, f, t),
+        bits: |m| m,
+        exp2: |e| _mm512_castsi512_pd(_mm512_slli_epi64::<52>(_mm512_add_epi64(
+            _mm512_cvtepi32_epi64(_mm512_cvttpd_epi32(e)),
+            _mm512_set1_epi64(1023),
+        ))),
+    }
+}
+
+use precision::{Avx2, Avx512, Sse2};
