@@ -1,13 +1,12 @@
 //! The forces on one body where force laws act, and the account of their work.
 
-use glam::DVec3;
 use tumble_math::lane::Vec3 as LaneVec3;
 
 use crate::components::{Work, Wrench};
 use crate::force_law::BodyState;
 use crate::force_laws::LawRows;
 use crate::integrators::{Account, Forces, Mean};
-use crate::math::{Real, Vec3, dvec3};
+use crate::math::{Real, Vec3, double, dvec3};
 use crate::state::{Constants, Force, State};
 
 /// All that pushes one body during a substep.
@@ -61,10 +60,6 @@ pub(crate) struct WorkAccount<'a> {
     pub(crate) gravity: Vec3,
 }
 
-fn double(v: LaneVec3<Real>) -> DVec3 {
-    dvec3(v.into())
-}
-
 impl Account<Real> for WorkAccount<'_> {
     const KEPT: bool = true;
 
@@ -94,18 +89,4 @@ impl Account<Real> for WorkAccount<'_> {
     fn damping(&mut self, linear: LaneVec3<Real>, angular: LaneVec3<Real>, mean: &Mean<Real>) {
         self.work.damping += double(linear).dot(double(mean.linear)) + double(angular).dot(double(mean.angular));
     }
-}
-
-/// Kinetic energy of one body \[J\], in double precision.
-pub(crate) fn kinetic_energy(constants: &Constants<Real>, state: &State<Real>) -> f64 {
-    let linear = double(state.linear).length_squared() / (2.0 * f64::from(constants.mass));
-    let rotational = constants.inertia.map_or(0.0, |inertia| {
-        // The axes are rounded, so their common length, one up to rounding, is divided out.
-        let axes = inertia.world_axes(state.orientation).map(double);
-        let momentum = double(state.angular);
-        let moments = double(inertia.moments).to_array();
-        let energies = axes.iter().zip(moments).map(|(axis, moment)| axis.dot(momentum).powi(2) / moment);
-        0.5 * energies.sum::<f64>()
-    });
-    linear + rotational
 }

@@ -1,10 +1,10 @@
 use hecs::{Entity, Without, World};
 
 use crate::body_order::BodyOrder;
-use crate::components::{Inertia, Mass, Momentum, Pose, PrincipalAxes, Work, Wrench};
+use crate::components::{Mass, Momentum, Pose, Work, Wrench};
 use crate::force_law::BodyState;
 use crate::simulation::Simulation;
-use crate::state::{Constants, Moments, State};
+use crate::state::moving_body;
 use crate::totals::{Totals, measure};
 
 /// Keeps the books of a simulation: energy and momentum, and the work that each source of force has done.
@@ -105,7 +105,7 @@ impl Ledger {
             if let Some(done) = body.get::<&Work>() {
                 work += *done;
             }
-            if let Some((constants, state)) = seen(body) {
+            if let Some((constants, state)) = moving_body(body) {
                 let seen = BodyState::new(simulation.time(), &constants, &state);
                 law_potential += simulation.laws().potential(body, &seen);
             }
@@ -130,12 +130,4 @@ impl Ledger {
     pub fn laws(&self) -> &[&'static str] {
         &self.laws
     }
-}
-
-/// A moving body as force laws see it.
-fn seen(body: hecs::EntityRef<'_>) -> Option<(Constants<crate::math::Real>, State<crate::math::Real>)> {
-    let axes = body.get::<&PrincipalAxes>().map(|axes| *axes);
-    let inertia = body.get::<&Inertia>().map(|inertia| Moments::new(&inertia, axes.as_ref()));
-    let constants = Constants { mass: body.get::<&Mass>()?.kilograms(), inertia, damping: None };
-    Some((constants, State::new(&*body.get::<&Pose>()?, &*body.get::<&Momentum>()?)))
 }

@@ -70,3 +70,13 @@ pub use chosen::*;
 pub(crate) fn dvec3(value: Vec3) -> glam::DVec3 {
     value.into()
 }
+
+/// One body's vector in double precision.
+pub(crate) fn double(vector: tumble_math::lane::Vec3<Real>) -> glam::DVec3 {
+    dvec3(vector.into())
+}
+
+/// One body's quaternion in double precision.
+pub(crate) fn double_quat(quat: tumble_math::lane::Quat<Real>) -> glam::DQuat {
+    dquat(quat.into())
+}

@@ -1,8 +1,9 @@
 //! One body, or a tile of bodies side by side, as the integrators see it.
 
+use hecs::EntityRef;
 use tumble_math::lane::{Lane, Quat, Vec3};
 
-use crate::components::{Inertia, Momentum, Pose, PrincipalAxes, Wrench};
+use crate::components::{Inertia, Mass, Momentum, Pose, PrincipalAxes, Wrench};
 use crate::math::Real;
 
 /// What does not change during a step.
@@ -125,4 +126,12 @@ impl State<Real> {
             angular: momentum.angular.into(),
         }
     }
+}
+
+/// The constants, without the damping, and the state of a body that has them: of one that forces move.
+pub(crate) fn moving_body(body: EntityRef<'_>) -> Option<(Constants<Real>, State<Real>)> {
+    let axes = body.get::<&PrincipalAxes>().map(|axes| *axes);
+    let inertia = body.get::<&Inertia>().map(|inertia| Moments::new(&inertia, axes.as_ref()));
+    let constants = Constants { mass: body.get::<&Mass>()?.kilograms(), inertia, damping: None };
+    Some((constants, State::new(&*body.get::<&Pose>()?, &*body.get::<&Momentum>()?)))
 }

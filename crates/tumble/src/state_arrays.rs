@@ -7,11 +7,11 @@ use hecs::{Entity, World};
 use tumble_math::lane::Vec3 as LaneVec3;
 
 use crate::body_order::BodyOrder;
-use crate::components::{Damping, GravityScale, Inertia, Mass, Momentum, Pose, PrincipalAxes, Wrench};
+use crate::components::{Damping, GravityScale, Momentum, Pose, Wrench};
 use crate::integrators::derivative;
 use crate::math::{Quat, Real, Vec3};
 use crate::settings::Settings;
-use crate::state::{Constants, Force, Moments, State};
+use crate::state::{Constants, Force, State, moving_body};
 
 /// Numbers that the state of one body takes: 3 + 4 + 3 + 3.
 pub const STATE_SIZE: usize = 13;
@@ -142,13 +142,10 @@ pub fn derivative_to_array(
 /// One body's constants, the force that a step would apply, and the rates of damping.
 fn forced(world: &World, settings: &Settings, entity: Entity) -> Option<(Constants<Real>, Force<Real>, Damping)> {
     let body = world.entity(entity).ok()?;
-    let mass = body.get::<&Mass>()?.kilograms();
+    let (constants, _) = moving_body(body)?;
     let mut wrench = body.get::<&Wrench>().map_or(Wrench::default(), |wrench| *wrench);
     let scale = body.get::<&GravityScale>().map_or(1.0, |scale| scale.0);
-    wrench.force += settings.gravity * (mass * scale);
-    let inertia = body
-        .get::<&Inertia>()
-        .map(|inertia| Moments::new(&inertia, body.get::<&PrincipalAxes>().map(|axes| *axes).as_ref()));
+    wrench.force += settings.gravity * (constants.mass * scale);
     let damping = body.get::<&Damping>().map_or(Damping::default(), |damping| *damping);
-    Some((Constants { mass, inertia, damping: None }, wrench.into(), damping))
+    Some((constants, wrench.into(), damping))
 }

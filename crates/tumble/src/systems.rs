@@ -8,11 +8,12 @@ use crate::derived::derived;
 use crate::force_laws::ForceLaws;
 use crate::integrator::Integrator;
 use crate::integrators::{ConstantForce, MoserVeselov, NoAccount, RungeKutta4, Scheme, SemiImplicitEuler};
-use crate::law_forces::{LawForces, WorkAccount, kinetic_energy};
+use crate::law_forces::{LawForces, WorkAccount};
 use crate::math::{Real, Vec3};
 use crate::settings::Settings;
 use crate::simd::{Kernel, Tile, dispatch};
 use crate::tile::store;
+use crate::totals::KineticEnergy;
 
 /// Generators and applied forces to [`Wrench`](crate::Wrench): adds to each moving body's wrench the forces of what acts on it
 /// all the time, which is gravity, scaled by its [`GravityScale`](crate::GravityScale).
@@ -143,7 +144,7 @@ fn integrate_under_varying_forces<S: Scheme<Real>>(bodies: &mut Chunk<'_>, setti
         }
         bodies.set_state(i, &state);
         if let Some(column) = bodies.work.as_deref_mut() {
-            let change = kinetic_energy(&constants, &state) - kinetic_energy(&constants, &start);
+            let change = KineticEnergy::of(&constants, &state).sum() - KineticEnergy::of(&constants, &start).sum();
             work.integrator = change - work.total();
             column[i] += work;
         }

@@ -2,9 +2,10 @@ use glam::DVec3;
 use hecs::{Entity, EntityRef, World};
 
 use crate::body_order::BodyOrder;
-use crate::components::{GravityScale, Inertia, Mass, Momentum, Pose, PrincipalAxes};
-use crate::math::{dquat, dvec3};
+use crate::components::GravityScale;
+use crate::math::{Real, double, double_quat, dvec3};
 use crate::settings::Settings;
+use crate::state::{Constants, State, moving_body};
 
 /// What a system of bodies has in all, in double precision. Only bodies with momentum count.
 #[derive(Clone, Copy, Debug, PartialEq, Default)]
@@ -30,25 +31,48 @@ impl Totals {
     }
 
     fn add(&mut self, body: EntityRef<'_>, settings: &Settings) {
-        let columns = (body.get::<&Pose>(), body.get::<&Momentum>(), body.get::<&Mass>());
-        let (Some(pose), Some(momentum), Some(mass)) = columns else { return };
-        let (position, orientation) = (dvec3(pose.position), dquat(pose.orientation));
-        let (linear, angular) = (dvec3(momentum.linear), dvec3(momentum.angular));
-        let mass = f64::from(mass.kilograms());
-        if !(position.is_finite() && orientation.is_finite() && linear.is_finite() && angular.is_finite()) {
+        let Some((constants, state)) = moving_body(body) else { return };
+        let (position, linear, angular) = (double(state.position), double(state.linear), double(state.angular));
+        if !(position.is_finite()
+            && double_quat(state.orientation).is_finite()
+            && linear.is_finite()
+            && angular.is_finite())
+        {
             self.non_finite = self.non_finite.or(Some(body.entity()));
             return;
         }
-        self.linear_kinetic += linear.length_squared() / (2.0 * mass);
-        if let Some(inertia) = body.get::<&Inertia>() {
-            let axes = body.get::<&PrincipalAxes>().map_or(glam::DQuat::IDENTITY, |axes| dquat(axes.0));
-            let principal = (orientation * axes).normalize().inverse() * angular;
-            self.rotational_kinetic += 0.5 * (principal * principal / dvec3(inertia.moments())).element_sum();
-        }
+        let kinetic = KineticEnergy::of(&constants, &state);
+        self.linear_kinetic += kinetic.linear;
+        self.rotational_kinetic += kinetic.rotational;
         let scale = body.get::<&GravityScale>().map_or(1.0, |scale| f64::from(scale.0));
-        self.potential -= mass * scale * dvec3(settings.gravity).dot(position);
+        self.potential -= f64::from(constants.mass) * scale * dvec3(settings.gravity).dot(position);
         self.linear_momentum += linear;
         self.angular_momentum += position.cross(linear) + angular;
+    }
+}
+
+/// Kinetic energy of one body \[J\], in double precision.
+#[derive(Clone, Copy)]
+pub(crate) struct KineticEnergy {
+    /// `P^2/2M`.
+    pub(crate) linear: f64,
+    /// `L.w/2`.
+    pub(crate) rotational: f64,
+}
+
+impl KineticEnergy {
+    pub(crate) fn of(constants: &Constants<Real>, state: &State<Real>) -> Self {
+        let rotational = constants.inertia.map_or(0.0, |inertia| {
+            let orientation = double_quat(state.orientation);
+            let frame = inertia.axes.map_or(orientation, |axes| orientation * double_quat(axes)).normalize();
+            let principal = frame.inverse() * double(state.angular);
+            0.5 * (principal * principal / double(inertia.moments)).element_sum()
+        });
+        Self { linear: double(state.linear).length_squared() / (2.0 * f64::from(constants.mass)), rotational }
+    }
+
+    pub(crate) fn sum(self) -> f64 {
+        self.linear + self.rotational
     }
 }
 

@@ -100,18 +100,27 @@ impl<L: Lane> Kick<L> {
     ) -> State<L> {
         let kicked = self.kicked(state, forces.at(offset, evaluated_at));
         if A::KEPT {
-            let mean = self.constants.mean(&state, &kicked);
+            let mean = self.account_for_the_rest(&state, &kicked, account);
             account.varying_impulse(offset, evaluated_at, (self.linear.weight, self.angular.weight), &mean);
-            self.account_for_the_rest(&state, account, &mean);
         }
         kicked
     }
 
-    /// Enters what constant forces and damping do in a kick of this state.
+    /// Enters what damping and constant forces do in a kick from this state to that, and returns the mean velocities over which all forces
+    /// act: damping comes first, so that it is given what it takes from the momenta at the start, which is never positive.
     #[inline(always)]
-    pub(super) fn account_for_the_rest(&self, state: &State<L>, account: &mut impl Account<L>, mean: &Mean<L>) {
-        account.constant_impulse((self.linear.weight, self.angular.weight), mean);
-        account.damping(self.linear.damped(state.linear), self.angular.damped(state.angular), mean);
+    pub(super) fn account_for_the_rest(
+        &self,
+        start: &State<L>,
+        end: &State<L>,
+        account: &mut impl Account<L>,
+    ) -> Mean<L> {
+        let damped = self.kicked(*start, Force { force: Vec3::zero(), torque: Vec3::zero() });
+        let lost = (self.linear.damped(start.linear), self.angular.damped(start.angular));
+        account.damping(lost.0, lost.1, &self.constants.mean(start, &damped));
+        let mean = self.constants.mean(&damped, end);
+        account.constant_impulse((self.linear.weight, self.angular.weight), &mean);
+        mean
     }
 
     /// What is left of a momentum that is added at the start of the kick: of the linear and the angular one.

@@ -93,13 +93,12 @@ impl<L: Lane> RungeKutta4<L> {
         let (zero, half) = (L::splat(0.0), self.h * L::splat(0.5));
         let (sixth, third) = (self.h * L::splat(1.0 / 6.0), self.h * L::splat(1.0 / 3.0));
         let (linear, angular) = self.half.kept();
-        let mean = self.constants.mean(start, end);
+        let mean = self.whole.account_for_the_rest(start, end, account);
         let [second, third_stage, fourth] = stages;
         account.varying_impulse(zero, start, (sixth * (linear * linear), sixth * (angular * angular)), &mean);
         account.varying_impulse(half, second, (third * linear, third * angular), &mean);
         account.varying_impulse(half, third_stage, (third * linear, third * angular), &mean);
         account.varying_impulse(self.h, fourth, (sixth, sixth), &mean);
-        self.whole.account_for_the_rest(start, account, &mean);
     }
 }
 

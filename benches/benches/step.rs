@@ -1,0 +1,39 @@
+//! A whole step with each integrator: bodies of every kind, 100 to a million of them, on one and on two threads.
+//!
+//! `cargo bench --bench step -- moser-veselov/2` picks some by name. The throughput is in bodies a second.
+
+use std::time::Duration;
+
+use criterion::{BenchmarkId, Criterion, Throughput, criterion_group, criterion_main};
+use tumble::{Integrator, Settings, Simulation};
+use tumble_benches::{SIZES, label, mixed_bodies, pools};
+
+fn step(criterion: &mut Criterion) {
+    let pools = pools();
+    for size in SIZES {
+        let mut world = mixed_bodies(size);
+        for integrator in Integrator::ALL {
+            let mut group = criterion.benchmark_group(integrator.name());
+            group.throughput(Throughput::Elements(size as u64));
+            for pool in &pools {
+                let Ok(mut simulation) = Simulation::new(Settings::default().with_integrator(integrator)) else {
+                    return;
+                };
+                group.bench_function(BenchmarkId::new(label(pool), size), |bencher| {
+                    pool.install(|| bencher.iter(|| simulation.step(&mut world)));
+                });
+            }
+        }
+    }
+}
+
+criterion_group! {
+    name = benches;
+    // Ten samples even where a step of a million bodies takes a tenth of a second.
+    config = Criterion::default()
+        .sample_size(10)
+        .warm_up_time(Duration::from_millis(500))
+        .measurement_time(Duration::from_secs(2));
+    targets = step
+}
+criterion_main!(benches);

@@ -1,0 +1,44 @@
+//! Each system of the step alone: bodies of every kind, 100 to a million of them, on one and on two threads. `integrate` is with
+//! the default integrator; the others are in `step.rs`.
+
+use std::time::Duration;
+
+use criterion::{BenchmarkId, Criterion, Throughput, criterion_group, criterion_main};
+use hecs::World;
+use tumble::{Settings, accumulate_forces, integrate, update_derived};
+use tumble_benches::{SIZES, label, mixed_bodies, pools};
+
+/// A system as the benches call it.
+type System = fn(&mut World, &Settings);
+
+fn systems(criterion: &mut Criterion) {
+    let pools = pools();
+    let settings = Settings::default();
+    let systems: [(&str, System); 3] = [
+        ("accumulate_forces", accumulate_forces),
+        ("integrate", integrate),
+        ("update_derived", |world, _| update_derived(world)),
+    ];
+    for size in SIZES {
+        let mut world = mixed_bodies(size);
+        for (name, system) in systems {
+            let mut group = criterion.benchmark_group(name);
+            group.throughput(Throughput::Elements(size as u64));
+            for pool in &pools {
+                group.bench_function(BenchmarkId::new(label(pool), size), |bencher| {
+                    pool.install(|| bencher.iter(|| system(&mut world, &settings)));
+                });
+            }
+        }
+    }
+}
+
+criterion_group! {
+    name = benches;
+    config = Criterion::default()
+        .sample_size(10)
+        .warm_up_time(Duration::from_millis(500))
+        .measurement_time(Duration::from_secs(2));
+    targets = systems
+}
+criterion_main!(benches);

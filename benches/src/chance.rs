@@ -1,0 +1,46 @@
+use tumble::math::{Quat, Real, Vec3};
+
+/// Numbers that look random, the same ones for the same seed everywhere and for ever.
+///
+/// SplitMix64 (G. L. Steele, D. Lea, C. H. Flood, "Fast splittable pseudorandom number generators", OOPSLA 2014).
+#[derive(Clone, Debug)]
+pub struct Chance(u64);
+
+impl Chance {
+    /// The sequence that belongs to a seed.
+    pub fn new(seed: u64) -> Self {
+        Self(seed)
+    }
+
+    /// 64 random bits.
+    pub fn bits(&mut self) -> u64 {
+        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
+        let z = (self.0 ^ (self.0 >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+        let z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
+        z ^ (z >> 31)
+    }
+
+    /// From `low` to `high`: one of 2^24 equally likely numbers, which every precision of the build can hold.
+    pub fn between(&mut self, low: Real, high: Real) -> Real {
+        let unit = (self.bits() >> 40) as Real / (1_u32 << 24) as Real;
+        low + (high - low) * unit
+    }
+
+    /// Each component from `low` to `high`.
+    pub fn vector(&mut self, low: Real, high: Real) -> Vec3 {
+        let (x, y, z) = (self.between(low, high), self.between(low, high), self.between(low, high));
+        Vec3::new(x, y, z)
+    }
+
+    /// A unit quaternion, every orientation equally likely.
+    pub fn orientation(&mut self) -> Quat {
+        loop {
+            let (v, w) = (self.vector(-1.0, 1.0), self.between(-1.0, 1.0));
+            let squared = v.x * v.x + v.y * v.y + v.z * v.z + w * w;
+            if (0.01..=1.0).contains(&squared) {
+                let scale = 1.0 / squared.sqrt();
+                return Quat::from_xyzw(v.x * scale, v.y * scale, v.z * scale, w * scale);
+            }
+        }
+    }
+}

@@ -1,0 +1,20 @@
+//! The scenes that the benches run, and the tests that are about many bodies at once.
+//!
+//! The same numbers on every machine and in every run: the only source of chance is [`Chance`], and nothing but basic
+//! arithmetic and square roots is used.
+
+#![cfg_attr(
+    feature = "f64",
+    allow(
+        clippy::useless_conversion,
+        reason = "Real is f64 in this build; the same line converts from f32 in the other"
+    )
+)]
+
+mod chance;
+mod scenes;
+mod threads;
+
+pub use chance::Chance;
+pub use scenes::{mixed_bodies, mixed_body, mixed_moving_bodies, tumbling_boxes};
+pub use threads::{SIZES, label, pools};

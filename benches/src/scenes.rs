@@ -1,0 +1,102 @@
+use hecs::World;
+use tumble::math::{Real, Vec3};
+use tumble::{Amount, Body, BodyId, Damping, Part, RigidBody, Shape};
+
+use crate::chance::Chance;
+
+/// Every so many bodies the kinds repeat; the last two are kinematic and fixed.
+const KINDS: u64 = 16;
+const KINEMATIC: u64 = 14;
+const FIXED: u64 = 15;
+
+/// `count` boxes of all proportions, tumbling at up to 9 rad/s: bodies of one kind, with nothing but what a body needs.
+pub fn tumbling_boxes(count: usize) -> World {
+    let mut chance = Chance::new(0xb0);
+    let mut world = World::new();
+    for _ in 0..count {
+        let shape = Shape::cuboid(chance.vector(0.1, 1.0));
+        place(RigidBody::new(shape).density(1000.0), &mut chance).spawn(&mut world);
+    }
+    world
+}
+
+/// `count` bodies of every kind there is: all shapes, with their own principal axes and centres of mass or without, damped or
+/// not, heavier or lighter in gravity, points, kinematic ones and fixed ones. Their [`BodyId`]s count from zero.
+pub fn mixed_bodies(count: usize) -> World {
+    let mut world = World::new();
+    for id in 0..count as u64 {
+        mixed_body(id).spawn(&mut world);
+    }
+    world
+}
+
+/// Those of [`mixed_bodies`] that forces move.
+pub fn mixed_moving_bodies(count: usize) -> World {
+    let mut world = World::new();
+    for id in (0..count as u64).filter(|id| id % KINDS < KINEMATIC) {
+        mixed_body(id).spawn(&mut world);
+    }
+    world
+}
+
+/// The body with this [`BodyId`] of [`mixed_bodies`].
+pub fn mixed_body(id: u64) -> Body {
+    let mut chance = Chance::new(id.wrapping_mul(0x5851_f42d_4c95_7f2d));
+    let kind = id % KINDS;
+    let mut body = RigidBody::new(mixed_shape(kind, &mut chance)).id(BodyId(id));
+    body = match kind {
+        KINEMATIC => return place(body.kinematic(), &mut chance),
+        FIXED => return place(body.fixed(), &mut chance),
+        9 => body,
+        10 => body.mass(chance.between(0.1, 5.0)),
+        _ => body.density(chance.between(100.0, 8000.0)),
+    };
+    if kind % 3 == 1 {
+        body = body.damping(Damping { linear: chance.between(0.0, 0.5), angular: chance.between(0.0, 0.5) });
+    }
+    if kind % 4 == 2 {
+        body = body.gravity_scale(chance.between(-1.0, 1.5));
+    }
+    if kind == 10 {
+        // A point cannot spin.
+        return built(body.position(chance.vector(-50.0, 50.0)));
+    }
+    place(body, &mut chance)
+}
+
+fn mixed_shape(kind: u64, chance: &mut Chance) -> Shape {
+    let mut length = || chance.between(0.05, 0.5);
+    match kind {
+        0 => Shape::sphere(length()),
+        1 => Shape::cylinder(length(), length()),
+        2 => Shape::capsule(length(), length()),
+        3 => Shape::cone(length(), length()),
+        4 => Shape::ellipsoid([length(), length(), length()].map(f64::from)),
+        9 => {
+            // A weight on a sphere: neither the centre of mass nor the principal axes are those of the frame.
+            let (radius, weight) = (length(), f64::from(length()) * 0.1);
+            let sphere = Part::new(Shape::sphere(radius), Amount::Density(700.0));
+            let at = chance.vector(-1.0, 1.0) * radius;
+            let ball = Part::new(Shape::cuboid([weight, 2.0 * weight, 3.0 * weight]), Amount::Density(7800.0)).at(at);
+            Shape::compound([sphere, ball])
+        }
+        10 => Shape::Point,
+        _ => Shape::cuboid([length(), length(), length()].map(f64::from)),
+    }
+}
+
+/// Somewhere within 50 m, turned and moving.
+fn place(body: RigidBody, chance: &mut Chance) -> Body {
+    let spin: Real = 5.0;
+    built(
+        body.position(chance.vector(-50.0, 50.0))
+            .orientation(chance.orientation())
+            .linear_velocity(chance.vector(-3.0, 3.0))
+            .angular_velocity(Vec3::from(chance.vector(-spin, spin))),
+    )
+}
+
+#[allow(clippy::expect_used, reason = "the bodies made above are possible")]
+fn built(body: RigidBody) -> Body {
+    body.build().expect("a possible body")
+}

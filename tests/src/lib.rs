@@ -1,0 +1,29 @@
+//! What the tests share: exact solutions of free bodies, and how to compare with them.
+
+#![allow(
+    clippy::expect_used,
+    clippy::missing_panics_doc,
+    reason = "where a test's data are not as it needs them, it is to fail"
+)]
+#![cfg_attr(
+    feature = "f64",
+    allow(
+        clippy::useless_conversion,
+        clippy::unnecessary_cast,
+        reason = "Real is f64 in this build, f32 in the other"
+    )
+)]
+
+mod comparison;
+mod free_body;
+pub mod references;
+
+pub use comparison::{DOUBLE, EPSILON, attitude_error, by_precision, dquat, dvec3, energy_of, seconds};
+pub use free_body::{Elliptic, FreeBody, Sample, Translation};
+
+/// The snippets of the documents, run as doctests.
+#[cfg(doctest)]
+mod documents {
+    #[doc = include_str!("../../README.md")]
+    struct Readme;
+}

@@ -1,0 +1,280 @@
+//! Promise: the same bodies give the same bits, whatever the number of threads, the order they were spawned in, what was despawned
+//! between, how archetypes split them, how many there are beside, and whether the systems run together or one by one. The bits
+//! are pinned: they are the same on every machine and change only when the arithmetic is changed on purpose.
+//!
+//! Why: replays, lock-step networking and regression hunts need it. It fails if a body's result depends on its neighbours in a chunk, a
+//! reduction follows memory order, a platform's mathematics library or a fused multiply-add gets in, or threads share state.
+
+#![allow(clippy::unwrap_used, reason = "a test without what it tests is to fail")]
+#![cfg_attr(
+    feature = "f64",
+    allow(
+        clippy::useless_conversion,
+        clippy::unnecessary_cast,
+        reason = "Real is f64 in this build, f32 in the other"
+    )
+)]
+
+use std::process::Command;
+
+use hecs::World;
+use rayon::{ThreadPool, ThreadPoolBuilder};
+use tumble::math::{PRECISION, Real};
+use tumble::{
+    BodyId, BodyOrder, Integrator, Momentum, Settings, Simulation, accumulate_forces, integrate, measure, simd_name,
+    state_hash, update_derived,
+};
+use tumble_benches::{mixed_bodies, mixed_body, mixed_moving_bodies, tumbling_boxes};
+
+fn settings(integrator: Integrator) -> Settings {
+    Settings::default().with_dt(1.0 / 128.0).with_integrator(integrator)
+}
+
+fn hash(world: &World) -> u64 {
+    state_hash(world, &BodyOrder::of(world))
+}
+
+/// Steps in a pool of its own; the hash of the end.
+fn hash_after(world: &mut World, settings: Settings, steps: u32) -> u64 {
+    let mut simulation = Simulation::new(settings).unwrap();
+    for _ in 0..steps {
+        simulation.step(world);
+    }
+    hash(world)
+}
+
+fn pool(threads: usize) -> ThreadPool {
+    ThreadPoolBuilder::new().num_threads(threads).build().unwrap()
+}
+
+/// Several chunks in each of many archetypes, on one thread, two, and more than there are processors.
+#[test]
+fn the_number_of_threads_does_not_matter() {
+    for integrator in Integrator::ALL {
+        let hashes = [1, 2, 4].map(|threads| {
+            let mut world = mixed_bodies(20_000);
+            let mut boxes = tumbling_boxes(5_000);
+            let hash = pool(threads).install(|| hash_after(&mut world, settings(integrator), 20));
+            (hash, pool(threads).install(|| hash_after(&mut boxes, settings(integrator), 20)))
+        });
+        assert_eq!(hashes[0], hashes[1], "{integrator}");
+        assert_eq!(hashes[0], hashes[2], "{integrator}");
+    }
+}
+
+const BODIES: u64 = 1500;
+
+fn reference(integrator: Integrator) -> u64 {
+    hash_after(&mut mixed_bodies(BODIES as usize), settings(integrator), 50)
+}
+
+#[test]
+fn the_order_of_spawning_does_not_matter() {
+    for integrator in Integrator::ALL {
+        let mut backwards = World::new();
+        for id in (0..BODIES).rev() {
+            mixed_body(id).spawn(&mut backwards);
+        }
+        assert_eq!(hash_after(&mut backwards, settings(integrator), 50), reference(integrator), "{integrator}");
+    }
+}
+
+/// Others come and go, before and during the run; hecs fills their rows with the last ones of the archetype.
+#[test]
+fn despawned_bodies_leave_no_trace() {
+    for integrator in Integrator::ALL {
+        let mut world = World::new();
+        let mut passing = Vec::new();
+        for id in 0..BODIES {
+            passing.push(mixed_body(BODIES + id).spawn(&mut world));
+            mixed_body(id).spawn(&mut world);
+        }
+        let mut simulation = Simulation::new(settings(integrator)).unwrap();
+        for step in 0..50 {
+            for _ in 0..passing.len().div_ceil(50 - step) {
+                world.despawn(passing.swap_remove(passing.len() / 2)).unwrap();
+            }
+            simulation.step(&mut world);
+        }
+        assert!(passing.is_empty());
+        assert_eq!(hash(&world), reference(integrator), "{integrator}");
+    }
+}
+
+/// Components of the caller split the bodies into other archetypes, also while they run.
+#[test]
+fn archetypes_do_not_matter() {
+    struct Red;
+    struct Armour(#[expect(dead_code, reason = "only its presence counts")] [u64; 9]);
+    for integrator in Integrator::ALL {
+        let mut world = mixed_bodies(BODIES as usize);
+        let mut simulation = Simulation::new(settings(integrator)).unwrap();
+        for step in 0..50 {
+            for (i, &entity) in BodyOrder::of(&world).entities().iter().enumerate() {
+                if (i * 7 + step) % 50 == 0 {
+                    world.insert_one(entity, Red).unwrap();
+                } else if (i * 11 + step) % 60 == 0 {
+                    world.insert_one(entity, Armour([1; 9])).unwrap();
+                } else if (i + step) % 40 == 0 {
+                    let _ = world.remove_one::<Red>(entity);
+                }
+            }
+            simulation.step(&mut world);
+        }
+        assert_eq!(hash(&world), reference(integrator), "{integrator}");
+    }
+}
+
+/// A body in a crowd moves as it does alone, wherever in a chunk it is.
+#[test]
+fn neighbours_do_not_matter() {
+    for integrator in Integrator::ALL {
+        let mut crowd = mixed_bodies(BODIES as usize);
+        hash_after(&mut crowd, settings(integrator), 50);
+        let order = BodyOrder::of(&crowd);
+        for id in (0..BODIES).step_by(37) {
+            let mut alone = World::new();
+            let entity = mixed_body(id).spawn(&mut alone);
+            hash_after(&mut alone, settings(integrator), 50);
+            let in_crowd = order.entities()[id as usize];
+            assert_eq!(*crowd.get::<&BodyId>(in_crowd).unwrap(), BodyId(id));
+            let same = *alone.get::<&tumble::Pose>(entity).unwrap() == *crowd.get::<&tumble::Pose>(in_crowd).unwrap();
+            assert!(same, "{integrator}, body {id}");
+            let momentum = |world: &World, entity| world.get::<&Momentum>(entity).map(|momentum| *momentum).ok();
+            assert_eq!(momentum(&alone, entity), momentum(&crowd, in_crowd), "{integrator}, body {id}");
+        }
+    }
+}
+
+/// Full chunks, a body less and a body more.
+#[test]
+fn the_size_of_the_world_does_not_matter() {
+    let boxes = |count: usize| {
+        let mut world = tumbling_boxes(count);
+        hash_after(&mut world, settings(Integrator::default()), 10);
+        let first: Vec<_> = world.query_mut::<&tumble::Pose>().into_iter().take(1000).copied().collect();
+        first
+    };
+    let few = boxes(1000);
+    for count in [1023, 1024, 1025, 2048, 2049, 4097] {
+        assert_eq!(boxes(count), few, "{count} bodies");
+    }
+}
+
+/// `step` is `accumulate_forces`, `integrate` and `update_derived`, on bodies that forces move, one after the other over the whole world.
+#[test]
+fn the_systems_one_by_one_are_the_step() {
+    for integrator in Integrator::ALL {
+        let settings = settings(integrator).with_substeps(2);
+        // Kinematic bodies are moved by the step alone.
+        let dynamic = || mixed_moving_bodies(BODIES as usize);
+        let (mut together, mut apart) = (dynamic(), dynamic());
+        let mut simulation = Simulation::new(settings).unwrap();
+        for _ in 0..50 {
+            simulation.step(&mut together);
+            accumulate_forces(&mut apart, &settings);
+            integrate(&mut apart, &settings);
+            update_derived(&mut apart);
+        }
+        assert_eq!(hash(&together), hash(&apart), "{integrator}");
+        let velocities = |world: &mut World| -> Vec<tumble::Velocity> {
+            world.query_mut::<&tumble::Velocity>().into_iter().copied().collect()
+        };
+        assert_eq!(velocities(&mut together), velocities(&mut apart), "{integrator}");
+    }
+}
+
+/// Under forces that stay the same, such as gravity, a step of so many substeps is so many steps of that length.
+#[test]
+fn substeps_are_shorter_steps() {
+    for integrator in Integrator::ALL {
+        for substeps in [2, 3, 7] {
+            let dt: Real = 1.0 / 60.0;
+            let dynamic = || mixed_moving_bodies(500);
+            let coarse = settings(integrator).with_dt(dt).with_substeps(substeps);
+            let fine = settings(integrator).with_dt(dt / substeps as Real);
+            let hashes = (hash_after(&mut dynamic(), coarse, 20), hash_after(&mut dynamic(), fine, 20 * substeps));
+            assert_eq!(hashes.0, hashes.1, "{integrator}, {substeps} substeps");
+        }
+    }
+}
+
+/// Sums over bodies are taken in their order, so they have the same bits too.
+#[test]
+fn totals_do_not_depend_on_the_order_of_spawning() {
+    let mut backwards = World::new();
+    for id in (0..BODIES).rev() {
+        mixed_body(id).spawn(&mut backwards);
+    }
+    let forwards = mixed_bodies(BODIES as usize);
+    let settings = Settings::default();
+    let totals = |world: &World| measure(world, &settings, &BodyOrder::of(world));
+    assert_eq!(totals(&backwards), totals(&forwards));
+    assert!(totals(&forwards).rotational_kinetic > 0.0);
+}
+
+/// One bit of one body changes the hash.
+#[test]
+fn the_hash_sees_a_single_bit() {
+    let world = mixed_bodies(100);
+    let before = hash(&world);
+    let entity = BodyOrder::of(&world).entities()[57];
+    let x = world.get::<&tumble::Pose>(entity).unwrap().position.x;
+    world.get::<&mut tumble::Pose>(entity).unwrap().position.x = Real::from_bits(x.to_bits() ^ 1);
+    assert_ne!(hash(&world), before);
+    world.get::<&mut tumble::Pose>(entity).unwrap().position.x = x;
+    assert_eq!(hash(&world), before);
+}
+
+/// 2000 bodies of every kind after 1000 steps.
+///
+/// A new hash is a new arithmetic: every recorded run of every user changes with it. Where that is meant, put the printed number here and
+/// say so in the changelog.
+#[test]
+fn the_bits_are_pinned() {
+    let pinned = match PRECISION {
+        "f32" => [
+            (Integrator::SemiImplicitEuler, 0x3dfb_2099_2a23_8f88_u64),
+            (Integrator::RungeKutta4, 0x2c7d_8c7c_a8a2_08ea),
+            (Integrator::MoserVeselov, 0xb14c_757b_76bf_8e9f),
+        ],
+        _ => [
+            (Integrator::SemiImplicitEuler, 0xf348_153e_7d2d_ed93),
+            (Integrator::RungeKutta4, 0x2357_723b_af0d_4bf3),
+            (Integrator::MoserVeselov, 0x0204_387f_d417_4a04),
+        ],
+    };
+    let found =
+        pinned.map(|(integrator, _)| (integrator, hash_after(&mut mixed_bodies(2000), settings(integrator), 1000)));
+    println!("\nran on {}", simd_name());
+    for (integrator, hash) in found {
+        println!("{PRECISION} {integrator}: {hash:#018x}");
+    }
+    assert_eq!(found, pinned, "in hexadecimal: {found:#018x?}");
+}
+
+/// Every instruction set gives the pinned bits: each is forced in turn on the test above, in a process of its own, since a process
+/// chooses once. On a machine without one of them the choice falls back to what it has.
+#[test]
+fn every_instruction_set_gives_the_same_bits() {
+    for name in ["scalar", "baseline", "avx2", "avx512"] {
+        let output = Command::new(std::env::current_exe().unwrap())
+            .args(["the_bits_are_pinned", "--exact", "--nocapture"])
+            .env("TUMBLE_SIMD", name)
+            .output()
+            .unwrap();
+        let said = String::from_utf8_lossy(&output.stdout);
+        assert!(output.status.success() && said.contains("1 passed"), "{name}: {said}");
+        // The reference is there on every machine, so that it at least was forced is certain.
+        let ran_on = said.lines().find_map(|line| line.strip_prefix("ran on ")).unwrap();
+        assert!(name != "scalar" || ran_on == "scalar", "{name} was asked for, {ran_on} ran");
+    }
+}
+
+/// The scene that is hashed, before any step: if this differs, it is the making of bodies that changed, not the stepping.
+#[test]
+fn the_start_is_pinned() {
+    let pinned = if PRECISION == "f32" { 0xf8d2_a96f_b8b7_899d } else { 0xc185_b6e3_a4fb_1f55 };
+    let found = hash(&mixed_bodies(2000));
+    assert_eq!(found, pinned, "{found:#018x}");
+}

@@ -1,0 +1,241 @@
+//! Promise: the workspace keeps the rules it is built by: dependencies point one way, unsafe code is in a listed place only, files stay
+//! small, nothing is left to do or skipped, and every path that the documents name exists.
+//!
+//! Why: rules that no one checks are broken by the third change. Each test fails with the file and line that breaks its rule.
+
+#![allow(clippy::unwrap_used, reason = "a test without what it tests is to fail")]
+
+use std::collections::BTreeSet;
+use std::path::{Path, PathBuf};
+
+/// Files that may have unsafe code, from the root: the vector code.
+const UNSAFE_ALLOWED: [&str; 1] = ["crates/tumble/src/simd/x86_64.rs"];
+const MOST_LINES: usize = 600;
+
+/// What a crate may depend on: other members of the workspace and, where it is to stay small, crates from outside.
+struct Rule {
+    member: &'static str,
+    members: &'static [&'static str],
+    outside: Option<&'static [&'static str]>,
+}
+
+/// The workspace from the bottom up. The engine adds a mathematics crate to what it depends on, and so may those above it.
+const RULES: [Rule; 6] = [
+    Rule { member: "crates/tumble-math", members: &[], outside: Some(&["glam", "libm", "thiserror"]) },
+    Rule {
+        member: "crates/tumble",
+        members: &["tumble-math"],
+        outside: Some(&["glam", "hecs", "libm", "rayon", "thiserror"]),
+    },
+    Rule { member: "crates/tumble-scene", members: &["tumble", "tumble-math"], outside: None },
+    Rule { member: "crates/tumble-cli", members: &["tumble", "tumble-math", "tumble-scene"], outside: None },
+    Rule { member: "benches", members: &["tumble", "tumble-math", "tumble-scene"], outside: None },
+    Rule { member: "tests", members: &["tumble", "tumble-benches", "tumble-math", "tumble-scene"], outside: None },
+];
+
+fn root() -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).parent().unwrap().to_path_buf()
+}
+
+/// All files of the workspace with one of the endings, but for what is built or hidden, as paths from the root.
+fn files(endings: &[&str]) -> Vec<PathBuf> {
+    fn visit(directory: &Path, endings: &[&str], found: &mut Vec<PathBuf>) {
+        for entry in std::fs::read_dir(directory).unwrap() {
+            let path = entry.unwrap().path();
+            let name = path.file_name().unwrap().to_str().unwrap();
+            if path.is_dir() && name != "target" && !name.starts_with('.') {
+                visit(&path, endings, found);
+            } else if path.extension().is_some_and(|ending| endings.iter().any(|e| ending == *e)) {
+                found.push(path);
+            }
+        }
+    }
+    let mut found = Vec::new();
+    visit(&root(), endings, &mut found);
+    found.sort();
+    assert!(!found.is_empty(), "the search itself is broken");
+    found
+}
+
+fn from_root(path: &Path) -> String {
+    path.strip_prefix(root()).unwrap().to_str().unwrap().replace('\\', "/")
+}
+
+fn manifest(member: &str) -> toml::Table {
+    std::fs::read_to_string(root().join(member).join("Cargo.toml")).unwrap().parse().unwrap()
+}
+
+/// Names of the packages under a key such as `dependencies`, for every platform.
+fn dependencies(manifest: &toml::Table, key: &str) -> BTreeSet<String> {
+    let mut tables = vec![manifest];
+    if let Some(targets) = manifest.get("target").and_then(toml::Value::as_table) {
+        tables.extend(targets.values().filter_map(toml::Value::as_table));
+    }
+    let lists = tables.into_iter().filter_map(|table| table.get(key)?.as_table());
+    // A renamed dependency counts under its package's name.
+    lists
+        .flatten()
+        .map(|(name, value)| value.get("package").and_then(toml::Value::as_str).unwrap_or(name).to_owned())
+        .collect()
+}
+
+/// Every member has a rule, and what it depends on, for building and running, is in it. Tests of a crate may use more from outside,
+/// but nothing above the crate.
+#[test]
+fn dependencies_point_one_way() {
+    let crates = std::fs::read_dir(root().join("crates")).unwrap();
+    let mut members: BTreeSet<String> =
+        crates.map(|entry| from_root(&entry.unwrap().path())).filter(|path| root().join(path).is_dir()).collect();
+    members.extend(["tests".into(), "benches".into()]);
+    assert_eq!(members, RULES.iter().map(|rule| rule.member.to_owned()).collect(), "each member needs a rule here");
+
+    let names: BTreeSet<String> =
+        RULES.iter().map(|rule| manifest(rule.member)["package"]["name"].as_str().unwrap().to_owned()).collect();
+    for rule in &RULES {
+        let manifest = manifest(rule.member);
+        for key in ["dependencies", "build-dependencies", "dev-dependencies"] {
+            for dependency in dependencies(&manifest, key) {
+                let inside = names.contains(&dependency);
+                let allowed = match rule.outside {
+                    _ if inside => rule.members.contains(&dependency.as_str()),
+                    Some(outside) if key != "dev-dependencies" => outside.contains(&dependency.as_str()),
+                    _ => true,
+                };
+                assert!(allowed, "{}/Cargo.toml: {dependency} is not to be among the {key}", rule.member);
+            }
+        }
+    }
+}
+
+/// Code with comments and the contents of strings taken out, so that words in them do not count.
+fn code(text: &str) -> String {
+    let mut result = String::new();
+    for line in text.lines() {
+        let mut inside_string = false;
+        let mut previous = ' ';
+        for (i, c) in line.char_indices() {
+            if !inside_string && line[i..].starts_with("//") {
+                break;
+            }
+            if c == '"' && previous != '\\' && previous != '\'' {
+                inside_string = !inside_string;
+            } else if !inside_string {
+                result.push(c);
+            }
+            previous = c;
+        }
+        result.push('\n');
+    }
+    result
+}
+
+/// Lines in the Rust files where the word stands in code, as `file:line`.
+fn lines_with(word: &str) -> Vec<String> {
+    let is_part = |c: char| c.is_alphanumeric() || c == '_';
+    let mut found = Vec::new();
+    for path in files(&["rs"]) {
+        for (number, line) in code(&std::fs::read_to_string(&path).unwrap()).lines().enumerate() {
+            let stands = line
+                .match_indices(word)
+                .any(|(i, _)| !line[..i].ends_with(is_part) && !line[i + word.len()..].starts_with(is_part));
+            if stands {
+                found.push(format!("{}:{}", from_root(&path), number + 1));
+            }
+        }
+    }
+    found
+}
+
+#[test]
+fn unsafe_code_is_where_it_is_allowed() {
+    let found: Vec<String> = lines_with("unsafe")
+        .into_iter()
+        .filter(|place| !UNSAFE_ALLOWED.iter().any(|file| place.starts_with(&format!("{file}:"))))
+        .collect();
+    assert!(found.is_empty(), "unsafe code in {found:?}");
+    for file in UNSAFE_ALLOWED {
+        assert!(root().join(file).is_file(), "{file} is allowed unsafe code and does not exist");
+    }
+}
+
+/// A fused multiply-add gives other bits where the processor has it.
+#[test]
+fn nothing_is_fused() {
+    for word in ["mul_add", "fma", "fmaf"] {
+        assert_eq!(lines_with(word), Vec::<String>::new(), "{word}");
+    }
+}
+
+#[test]
+fn nothing_is_left_to_do_or_skipped() {
+    for word in ["todo!", "unimplemented!", "dbg!", "#[ignore"] {
+        let found: Vec<String> = files(&["rs"])
+            .into_iter()
+            .filter(|path| code(&std::fs::read_to_string(path).unwrap()).contains(word))
+            .map(|path| from_root(&path))
+            .collect();
+        assert!(found.is_empty(), "{word} in {found:?}");
+    }
+}
+
+#[test]
+fn files_stay_small() {
+    for path in files(&["rs", "toml", "md"]) {
+        let lines = std::fs::read_to_string(&path).unwrap().lines().count();
+        assert!(lines <= MOST_LINES, "{} has {lines} lines", from_root(&path));
+    }
+}
+
+/// What a document names as a path: the targets of its links, and what it sets in code that begins with a directory of the root or
+/// is the name of a source, manifest or document.
+fn named_paths(text: &str) -> BTreeSet<String> {
+    let mut found = BTreeSet::new();
+    let is_path = |word: &str| word.chars().all(|c| c.is_ascii_alphanumeric() || "._-/".contains(c));
+    let in_code = text.split("```").step_by(2).flat_map(|prose| prose.split('`').skip(1).step_by(2));
+    for word in in_code {
+        let first = word.split('/').next().unwrap_or_default();
+        let of_ours = word.contains('/') && !first.is_empty() && first != "target" && root().join(first).exists();
+        let a_file = [".rs", ".toml", ".md"].iter().any(|ending| word.len() > ending.len() && word.ends_with(ending));
+        if is_path(word) && (of_ours || a_file) {
+            found.insert(word.to_owned());
+        }
+    }
+    for link in text.split("](").skip(1) {
+        let target = link.split([')', '#', ' ']).next().unwrap_or_default();
+        if !target.is_empty() && !target.contains("://") {
+            found.insert(target.to_owned());
+        }
+    }
+    found
+}
+
+/// A path is one from the root or from the document; a file may also be named by the end of its path, as in a map of a crate.
+#[test]
+fn documents_name_paths_that_exist() {
+    let everything: Vec<PathBuf> = files(&["rs", "toml", "md"]);
+    for required in ["ARCHITECTURE.md", "README.md"] {
+        assert!(root().join(required).is_file(), "{required} is missing");
+    }
+    for document in files(&["md"]) {
+        let text = std::fs::read_to_string(&document).unwrap();
+        for named in named_paths(&text) {
+            let end_of_one = everything.iter().any(|path| path.ends_with(&named));
+            let exists = end_of_one || root().join(&named).exists() || document.with_file_name(&named).exists();
+            assert!(exists, "{} names {named}, which does not exist", from_root(&document));
+        }
+    }
+}
+
+/// The checks above would find what they look for.
+#[test]
+fn the_checks_themselves_work() {
+    let text = "let a = \"unsafe\"; // unsafe\n/// unsafe\nunsafe { b }";
+    assert_eq!(code(text).lines().filter(|line| line.contains("unsafe")).count(), 1);
+    let named =
+        named_paths("see `crates/nowhere.rs`, `gone.md`, `m/s`, `a b.rs`, [x](docs/y.md#z) and <https://a.b/c>");
+    let expected = ["crates/nowhere.rs", "gone.md", "docs/y.md"].map(str::to_owned);
+    assert_eq!(named, BTreeSet::from(expected));
+    let table: toml::Table =
+        "[target.'cfg(unix)'.dependencies]\nx = '1'\n[dependencies]\ny = { package = 'z' }".parse().unwrap();
+    assert_eq!(dependencies(&table, "dependencies"), BTreeSet::from(["x".to_owned(), "z".to_owned()]));
+}
