@@ -7,6 +7,7 @@ use glam::{DMat3, DQuat, DVec3};
 use crate::inertia_error::InertiaError;
 use crate::principal::PrincipalInertia;
 use crate::rotation::change_of_basis;
+use crate::symmetric::mirrored;
 use crate::symmetric_eigen::symmetric_eigen;
 use crate::unit::{unit_quaternion, unit_vector};
 
@@ -248,15 +249,6 @@ pub(crate) fn parallel_axis(mass: f64, d: DVec3) -> DMat3 {
 /// `n n^T`.
 fn outer(n: DVec3) -> DMat3 {
     DMat3::from_cols(n * n.x, n * n.y, n * n.z)
-}
-
-/// The upper triangle, mirrored: rounding may leave the two halves an ulp apart.
-pub(crate) fn mirrored(m: DMat3) -> DMat3 {
-    DMat3::from_cols(
-        DVec3::new(m.x_axis.x, m.y_axis.x, m.z_axis.x),
-        DVec3::new(m.y_axis.x, m.y_axis.y, m.z_axis.y),
-        DVec3::new(m.z_axis.x, m.z_axis.y, m.z_axis.z),
-    )
 }
 
 /// Checks finiteness and symmetry; gives the mean of the two halves.

@@ -54,6 +54,7 @@ mod rotation;
 mod shape;
 mod shape_error;
 mod solids;
+mod symmetric;
 mod symmetric_eigen;
 mod unit;
 

@@ -2,8 +2,9 @@
 
 use glam::{DMat3, DQuat, DVec3};
 
-use crate::inertia::{InertiaTensor, mirrored};
+use crate::inertia::InertiaTensor;
 use crate::rotation::quat_from_orthonormal;
+use crate::symmetric::mirrored;
 
 /// The six orders of three columns; the first leaves them as they are.
 const PERMUTATIONS: [[usize; 3]; 6] = [[0, 1, 2], [1, 2, 0], [2, 0, 1], [0, 2, 1], [2, 1, 0], [1, 0, 2]];

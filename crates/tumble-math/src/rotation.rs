@@ -3,7 +3,7 @@
 use glam::{DMat3, DMat4, DQuat, DVec3};
 use thiserror::Error;
 
-use crate::inertia::mirrored;
+use crate::symmetric::mirrored;
 use crate::unit::{unit_quaternion, unit_vector};
 
 /// How far `R R^T` may be from the identity, element by element, and the matrix still be taken for a rotation
