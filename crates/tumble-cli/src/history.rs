@@ -10,7 +10,7 @@ use crate::drift::EVERY_STEP_UP_TO;
 
 /// Energy, momentum and work at every sample of a run.
 ///
-/// Booking the work makes a step two to four times as expensive. Long runs do without, so that the speed a report states is the engine's.
+/// Booking the work makes a step about ten times as expensive. Long runs do without, so that the speed a report states is the engine's.
 pub(crate) struct History {
     ledger: Ledger,
     works: bool,
