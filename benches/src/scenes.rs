@@ -46,7 +46,7 @@ pub fn mixed_body(id: u64) -> Body {
     let mut body = RigidBody::new(mixed_shape(kind, &mut chance)).id(BodyId(id));
     body = match kind {
         KINEMATIC => return place(body.kinematic(), &mut chance),
-        FIXED => return place(body.fixed(), &mut chance),
+        FIXED => return built(somewhere(body.fixed(), &mut chance)),
         9 => body,
         10 => body.mass(chance.between(0.1, 5.0)),
         _ => body.density(chance.between(100.0, 8000.0)),
@@ -85,12 +85,16 @@ fn mixed_shape(kind: u64, chance: &mut Chance) -> Shape {
     }
 }
 
-/// Somewhere within 50 m, turned and moving.
+/// Within 50 m, turned.
+fn somewhere(body: RigidBody, chance: &mut Chance) -> RigidBody {
+    body.position(chance.vector(-50.0, 50.0)).orientation(chance.orientation())
+}
+
+/// Somewhere, and moving.
 fn place(body: RigidBody, chance: &mut Chance) -> Body {
     let spin: Real = 5.0;
     built(
-        body.position(chance.vector(-50.0, 50.0))
-            .orientation(chance.orientation())
+        somewhere(body, chance)
             .linear_velocity(chance.vector(-3.0, 3.0))
             .angular_velocity(Vec3::from(chance.vector(-spin, spin))),
     )

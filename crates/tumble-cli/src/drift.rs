@@ -12,7 +12,7 @@ const SAMPLES: u64 = 64;
 
 /// Steps between samples; the last step is always one.
 pub(crate) fn interval(bodies: u64, steps: u64) -> u64 {
-    if bodies.saturating_mul(steps) <= EVERY_STEP_UP_TO { 1 } else { steps.div_ceil(SAMPLES).max(1) }
+    if bodies.max(1).saturating_mul(steps) <= EVERY_STEP_UP_TO { 1 } else { steps.div_ceil(SAMPLES).max(1) }
 }
 
 /// Why a sample cannot be taken.

@@ -14,17 +14,26 @@ use crate::drift::EVERY_STEP_UP_TO;
 pub(crate) struct History {
     ledger: Ledger,
     works: bool,
+    /// Steps from one entry to the next.
+    every: u64,
+    steps: u64,
 }
+
+/// Entries of a long run: more than a plot can show, few enough to hold.
+const MOST_ENTRIES: u64 = 10_000;
 
 impl History {
     pub(crate) fn open(world: &mut World, simulation: &Simulation, bodies: u64, steps: u64) -> Self {
         let works = bodies.saturating_mul(steps) <= EVERY_STEP_UP_TO;
         let ledger = if works { Ledger::attach(world, simulation) } else { Ledger::watch(world, simulation) };
-        Self { ledger, works }
+        Self { ledger, works, every: steps.div_ceil(MOST_ENTRIES).max(1), steps }
     }
 
     pub(crate) fn record(&mut self, world: &World, simulation: &Simulation) {
-        self.ledger.record(world, simulation);
+        let step = simulation.steps();
+        if step.is_multiple_of(self.every) || step == self.steps {
+            self.ledger.record(world, simulation);
+        }
     }
 
     /// One row a sample: energies and works \[J\], momenta \[kg m/s\], \[kg m^2/s\] about the world's origin.

@@ -30,7 +30,7 @@ const TERMS: i32 = 13;
 
 /// The factors of an exponential decay over `x = rate * time`. Zero, negative and NaN `x` decay nothing: `(1, 1)`.
 ///
-/// Both are within two units in the last place, from correctly rounded operations only, so they have the same bits everywhere.
+/// Both are within three units in the last place, from correctly rounded operations only, so they have the same bits everywhere.
 ///
 /// ```
 /// let half_life = tumble_math::decay(std::f64::consts::LN_2);
@@ -71,9 +71,9 @@ mod tests {
             let x = f64::from(i) * 1e-3;
             let d = decay(x);
             let exact = libm::exp(-x);
-            assert!((d.kept - exact).abs() <= 4.0 * f64::EPSILON * exact, "e^-{x}: {} not {exact}", d.kept);
+            assert!((d.kept - exact).abs() <= 3.0 * f64::EPSILON * exact, "e^-{x}: {} not {exact}", d.kept);
             let mean = if i == 0 { 1.0 } else { -libm::expm1(-x) / x };
-            assert!((d.mean - mean).abs() <= 4.0 * f64::EPSILON * mean, "phi({x}): {} not {mean}", d.mean);
+            assert!((d.mean - mean).abs() <= 3.0 * f64::EPSILON * mean, "phi({x}): {} not {mean}", d.mean);
         }
     }
 
@@ -83,7 +83,9 @@ mod tests {
             let x = i as f32 * 1e-3;
             let d = decay(x);
             let exact = libm::exp(-f64::from(x));
-            assert!((f64::from(d.kept) - exact).abs() <= 4.0 * f64::from(f32::EPSILON) * exact, "e^-{x}");
+            assert!((f64::from(d.kept) - exact).abs() <= 3.0 * f64::from(f32::EPSILON) * exact, "e^-{x}");
+            let mean = if i == 0 { 1.0 } else { -libm::expm1(-f64::from(x)) / f64::from(x) };
+            assert!((f64::from(d.mean) - mean).abs() <= 3.0 * f64::from(f32::EPSILON) * mean, "phi({x})");
         }
     }
 

@@ -41,14 +41,15 @@
 //!
 //! `kappa = h^2 (t2 H + D)/(3 e)` is, like H and C, the same all along the motion and is `(h|w|/2)^2` for a sphere: the square of the
 //! largest half-turn a step can make. A step with kappa over [`LARGEST_KAPPA`] is divided into equal parts, at most [`MOST_PARTS`]; beyond,
-//! where a step turns the body more than four times around, it turns about its present angular velocity at its present rate.
+//! where a step turns the body more than four times around, it turns about its present angular velocity at its present rate,
+//! which keeps the momentum but not the energy.
 
 use crate::lane::{Lane, Quat, Vec3};
 use crate::orientation::rotate_exactly;
 
 /// The largest `(h|w|/2)^2` that the map takes in one part: a turn of about half a radian.
 pub const LARGEST_KAPPA: f64 = 0.06;
-/// The most parts a step is divided into; past it a step turns the body by more than 27 radians.
+/// The most parts a step is divided into; past it a step turns the body by more than 25 radians.
 pub const MOST_PARTS: f64 = 64.0;
 /// Newton iterations at most; from the starting value below two or three are enough.
 const MOST_ITERATIONS: u32 = 6;
@@ -60,8 +61,8 @@ const MOST_ITERATIONS: u32 = 6;
 /// - `angular_momentum`: in the world frame [kg m^2/s], the same before and after;
 /// - `moments`: the principal moments of inertia [kg m^2], positive, none above the sum of the others, up to rounding.
 ///
-/// Sixth order in `h`. Kinetic energy and angular momentum are kept to rounding at any `h`; the result is of unit length, and
-/// for finite arguments finite. A body at rest keeps its orientation to the bit.
+/// Sixth order in `h`. Angular momentum is kept at any `h`, kinetic energy to rounding up to a turn of about 25 rad; the result is of unit
+/// length, and for finite arguments finite. A body at rest keeps its orientation to the bit.
 ///
 /// ```
 /// use glam::{DQuat, DVec3};
@@ -107,6 +108,18 @@ impl<L: Lane> FreeRotation<L> {
     /// The orientation one step later; see [`rotate_freely`].
     #[inline(always)]
     pub fn rotate(&self, orientation: Quat<L>, angular_momentum: Vec3<L>) -> Quat<L> {
+        let lack = (L::splat(1.0) - orientation.length_squared()).abs();
+        let far_from_unit = L::splat(1e-2).lt(lack);
+        if L::any(far_from_unit) {
+            // Not what a step leaves, but what a caller may have set: it is made a rotation first.
+            let unit = orientation.normalize_or(Quat::from_parts(L::splat(1.0), Vec3::zero()));
+            return self.rotate_unit(Quat::select(far_from_unit, unit, orientation), angular_momentum);
+        }
+        self.rotate_unit(orientation, angular_momentum)
+    }
+
+    #[inline(always)]
+    fn rotate_unit(&self, orientation: Quat<L>, angular_momentum: Vec3<L>) -> Quat<L> {
         let y = self.principal_components(orientation, angular_momentum);
         let invariants = self.ratios.invariants(y.scale(self.to_angles));
         let kappa = self.ratios.kappa(invariants);
@@ -329,7 +342,9 @@ impl<L: Lane> Map<L> {
                 break;
             }
         }
-        u
+        // Where the moments are so unequal that their rounded differences mean nothing, there may be no solution; then the
+        // body turns about its present angular velocity.
+        Vec3::select(u.dot(u).lt(one), u, m)
     }
 }
 

@@ -51,7 +51,7 @@ pub fn rotate_exactly<L: Lane>(orientation: Quat<L>, angular_velocity: Vec3<L>, 
     let still = half_angle.lt(L::splat(f64::from(f32::MIN_POSITIVE)));
     let ratio = L::select(still, L::splat(1.0), sine / L::select(still, L::splat(1.0), half_angle));
     let turn = Quat::from_parts(L::select(still, L::splat(1.0), cosine), half * ratio);
-    let turned = (turn * orientation).normalize();
+    let turned = (turn * orientation).normalize_or(orientation);
     // A non-finite rate leaves the orientation as it was: a direction cannot be infinite.
     let finite = half_angle.lt(L::splat(f64::INFINITY));
     Quat::select(finite, turned, orientation)

@@ -4,7 +4,7 @@ use std::io::{self, Write};
 
 use hecs::World;
 use tumble::math::Real;
-use tumble::{BodyOrder, Pose, Velocity};
+use tumble::{BodyId, BodyOrder, Pose, Velocity};
 
 use crate::Names;
 
@@ -60,14 +60,14 @@ impl<W: Write> TrajectoryWriter<W> {
     pub fn record(&mut self, step: u64, time: f64, world: &World, order: &BodyOrder, names: &Names) -> io::Result<()> {
         let (mut digits, mut shortest) = (itoa::Buffer::new(), zmij::Buffer::new());
         let (step, time) = (digits.format(step), shortest.format(time).to_owned());
-        let states = world.view::<(&Pose, Option<&Velocity>)>();
+        let states = world.view::<(&Pose, Option<&Velocity>, Option<&BodyId>)>();
         for (index, &entity) in order.entities().iter().enumerate() {
-            let Some((pose, velocity)) = states.get(entity) else { continue };
+            let Some((pose, velocity, id)) = states.get(entity) else { continue };
             // A fixed body has no velocity.
             let velocity = velocity.copied().unwrap_or_default();
             self.csv.write_field(step)?;
             self.csv.write_field(&time)?;
-            self.csv.write_field(&*names.of(index as u64))?;
+            self.csv.write_field(&*names.of(id.map_or(index as u64, |id| id.0)))?;
             self.numbers(&pose.position.to_array())?;
             self.numbers(&pose.orientation.to_array())?;
             self.numbers(&velocity.linear.to_array())?;

@@ -47,6 +47,9 @@ pub enum BodyError {
     /// The orientation's length is further than 1e-3 from one.
     #[error("orientation must be a unit quaternion, its length is {0}")]
     NotUnit(f64),
+    /// A fixed body was given a velocity.
+    #[error("linear_velocity and angular_velocity of a fixed body must be zero")]
+    MovingFixed,
     /// A point mass, having no inertia, cannot have an angular velocity.
     #[error("angular_velocity of a point mass must be zero: it has no inertia")]
     SpinningPoint,
@@ -64,6 +67,7 @@ impl BodyError {
             Self::Inertia(_) | Self::InertiaRange(_) => "inertia".to_owned(),
             Self::NotFinite { field, .. } | Self::Number { field, .. } => (*field).to_owned(),
             Self::NotUnit(_) => "orientation".to_owned(),
+            Self::MovingFixed => "linear_velocity".to_owned(),
             Self::SpinningPoint => "angular_velocity".to_owned(),
         }
     }

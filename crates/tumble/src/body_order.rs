@@ -1,6 +1,6 @@
 use hecs::{Entity, World};
 
-use crate::components::{BodyId, Pose};
+use crate::components::{BodyId, Mass, Momentum, Pose};
 
 /// The bodies of a world in an order that does not depend on how they lie in memory: by [`BodyId`], and after them, by entity, those
 /// without one. A body is an entity with a [`Pose`].
@@ -14,11 +14,17 @@ pub struct BodyOrder {
 impl BodyOrder {
     /// The bodies that are in the world now.
     pub fn of(world: &World) -> Self {
-        let mut keyed: Vec<(Option<BodyId>, Entity)> = world
-            .query::<(Entity, &Pose, Option<&BodyId>)>()
-            .iter()
-            .map(|(entity, _, id)| (id.copied(), entity))
-            .collect();
+        let mut bodies = world.query::<(Entity, &Pose, Option<&BodyId>)>();
+        Self::sorted(bodies.iter().map(|(entity, _, id)| (id.copied(), entity)).collect())
+    }
+
+    /// Those that forces move: the ones that have a state array.
+    pub fn moving(world: &World) -> Self {
+        let mut bodies = world.query::<(Entity, &Pose, &Momentum, &Mass, Option<&BodyId>)>();
+        Self::sorted(bodies.iter().map(|(entity, _, _, _, id)| (id.copied(), entity)).collect())
+    }
+
+    fn sorted(mut keyed: Vec<(Option<BodyId>, Entity)>) -> Self {
         keyed.sort_unstable_by_key(|(id, entity)| (id.is_none(), *id, entity.id()));
         Self { entities: keyed.into_iter().map(|(_, entity)| entity).collect() }
     }

@@ -1,4 +1,4 @@
-//! The one place that knows archetypes and threads.
+//! Archetypes and threads: the one place that borrows the columns of bodies and hands them out.
 //!
 //! hecs keeps the entities that have the same set of components together, each component in a contiguous column. The columns of
 //! every archetype of moving bodies are borrowed as slices, cut into chunks of [`CHUNK`] bodies, and each chunk is handed to one

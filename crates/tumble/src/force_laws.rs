@@ -3,7 +3,7 @@
 //! A law is a type of the caller's, so the step reaches it through trait objects: once per archetype and law for its column,
 //! once per body and evaluation for its force.
 
-use std::any::type_name;
+use std::any::{TypeId, type_name};
 use std::fmt;
 use std::marker::PhantomData;
 use std::sync::Arc;
@@ -22,6 +22,9 @@ pub struct ForceLaws {
 /// One law that can act on the bodies of an archetype.
 trait Source: Send + Sync {
     fn name(&self) -> &'static str;
+
+    /// The component that the law is; none of one that acts everywhere.
+    fn component(&self) -> Option<TypeId>;
 
     /// The law's column of an archetype, where its bodies are subject to the law.
     fn borrow<'w>(&'w self, archetype: &'w Archetype) -> Option<Box<dyn Borrowed + 'w>>;
@@ -42,9 +45,11 @@ pub(crate) trait LawRows: Sync {
 }
 
 impl ForceLaws {
-    /// Adds the law that is a component of some bodies.
+    /// Adds the law that is a component of some bodies; once, however often it is called.
     pub fn add<L: ForceLaw + Component>(&mut self) {
-        self.sources.push(Arc::new(ComponentLaw::<L>(PhantomData)));
+        if self.sources.iter().all(|source| source.component() != Some(TypeId::of::<L>())) {
+            self.sources.push(Arc::new(ComponentLaw::<L>(PhantomData)));
+        }
     }
 
     /// Adds a law that acts on every moving body.
@@ -86,6 +91,10 @@ fn short_name<L>() -> &'static str {
 struct ComponentLaw<L>(PhantomData<fn() -> L>);
 
 impl<L: ForceLaw + Component> Source for ComponentLaw<L> {
+    fn component(&self) -> Option<TypeId> {
+        Some(TypeId::of::<L>())
+    }
+
     fn name(&self) -> &'static str {
         short_name::<L>()
     }
@@ -120,6 +129,10 @@ impl<L: ForceLaw> LawRows for Column<'_, L> {
 struct EverywhereLaw<L>(L);
 
 impl<L: ForceLaw> Source for EverywhereLaw<L> {
+    fn component(&self) -> Option<TypeId> {
+        None
+    }
+
     fn name(&self) -> &'static str {
         short_name::<L>()
     }

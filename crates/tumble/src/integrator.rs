@@ -20,7 +20,7 @@ pub enum Integrator {
     /// Half a kick, free flight, half a kick; the flight turns the body by the preprocessed discrete Moser-Veselov map
     /// ([`tumble_math::rotate_freely`]).
     ///
-    /// Free rotation is of sixth order and keeps energy and angular momentum to rounding at any step; under forces it is of second
+    /// Free rotation is of sixth order and keeps energy and angular momentum to rounding, at any step that turns the body by less than 25 rad; under forces it is of second
     /// order, symmetric and without drift. A thrown body is on its parabola to rounding.
     #[default]
     MoserVeselov,

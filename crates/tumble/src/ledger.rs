@@ -1,4 +1,4 @@
-use hecs::{Entity, Without, World};
+use hecs::{Entity, World};
 
 use crate::body_order::BodyOrder;
 use crate::components::{Mass, Momentum, Pose, Work, Wrench};
@@ -66,14 +66,14 @@ impl LedgerEntry {
 }
 
 impl Ledger {
-    /// Opens the books: every moving body that has none gets a [`Work`] component, and the first entry is made.
+    /// Opens the books: every moving body gets a [`Work`] component of zeros, and the first entry is made.
     ///
-    /// Bodies spawned later are not in the books.
+    /// Bodies spawned later are not in the books. A world has one ledger at a time: attaching another ends the first one's sums.
     pub fn attach(world: &mut World, simulation: &Simulation) -> Self {
         type Moving<'a> = (&'a Pose, &'a Momentum, &'a Mass, &'a Wrench);
-        let unbooked: Vec<Entity> =
-            world.query_mut::<Without<(Entity, Moving<'_>), &Work>>().into_iter().map(|(entity, _)| entity).collect();
-        for entity in unbooked {
+        let moving: Vec<Entity> =
+            world.query_mut::<(Entity, Moving<'_>)>().into_iter().map(|(entity, _)| entity).collect();
+        for entity in moving {
             // The entity was found in this world a moment ago, so inserting cannot fail.
             let inserted = world.insert_one(entity, Work::default());
             debug_assert!(inserted.is_ok());
@@ -102,10 +102,11 @@ impl Ledger {
         let mut work = Work::default();
         let mut law_potential = 0.0;
         for body in self.order.entities().iter().filter_map(|&entity| world.entity(entity).ok()) {
-            if let Some(done) = body.get::<&Work>() {
-                work += *done;
-            }
-            if let Some((constants, state)) = moving_body(body) {
+            // A body that is not finite is named in the totals and left out of all sums.
+            if let Some((constants, state)) = moving_body(body).filter(|(_, state)| state.is_finite()) {
+                if let Some(done) = body.get::<&Work>() {
+                    work += *done;
+                }
                 let seen = BodyState::new(simulation.time(), &constants, &state);
                 law_potential += simulation.laws().potential(body, &seen);
             }

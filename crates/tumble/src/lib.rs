@@ -1,6 +1,7 @@
 //! ECS-based batch simulation of rigid bodies in the caller's own [`hecs::World`].
 //!
-//! Bodies are entities; mass, inertia, pose and momentum are separate components. A step runs three systems over them in
+//! Bodies are entities; mass, inertia, pose and momentum are separate components. What has [`Pose`], [`Momentum`], [`Mass`] and [`Wrench`]
+//! is moved; [`RigidBody`] makes them all. A step runs three systems over them in
 //! parallel: [`accumulate_forces`], [`integrate`], [`update_derived`].
 //!
 //! ```
@@ -89,13 +90,15 @@ pub use step::step;
 pub use systems::{accumulate_forces, integrate, integrate_under_laws, update_derived};
 pub use totals::{Totals, measure};
 
+pub use {glam, hecs};
+
 pub use tumble_math::{Amount, InertiaTensor, MassProperties, Part, PrincipalInertia, Shape};
 
 /// What most programs need: `use tumble::prelude::*;`.
 pub mod prelude {
     pub use crate::math::{Mat3, Quat, Real, Vec3};
     pub use crate::{
-        BodyId, Damping, GravityScale, Inertia, Integrator, Mass, Momentum, Pose, PreviousPose, RigidBody, Settings,
-        Shape, Simulation, Velocity, Wrench,
+        BodyId, BodyState, CenterOfMass, Damping, ForceLaw, GravityScale, Inertia, Integrator, Ledger, Mass, Momentum,
+        Pose, PreviousPose, PrincipalAxes, RigidBody, Settings, Shape, Simulation, Velocity, Wrench,
     };
 }

@@ -12,6 +12,14 @@ pub enum PropertyError {
         /// What was given.
         value: f64,
     },
+    /// The moments of a body are too unequal: the angular momentum cannot hold the spin about the axis of the smallest.
+    #[error("the principal moments {smallest:e} and {largest:e} are too unequal for {PRECISION}, which resolves one part in {:.0e}", 1.0 / f64::from(Real::EPSILON))]
+    TooUnequal {
+        /// The smallest principal moment [kg m^2].
+        smallest: f64,
+        /// The largest principal moment [kg m^2].
+        largest: f64,
+    },
     /// The number or its inverse does not fit the precision that the engine simulates in.
     #[error("{quantity} {value:e} or its inverse is out of the range of {PRECISION}")]
     OutOfRange {

@@ -150,8 +150,14 @@ impl RigidBody {
         let pose = Pose { position: self.position, orientation: quat(orientation) };
         let mut body = Body { id: self.id, ..Body::at(pose) };
         match self.motion {
-            Motion::Fixed => {}
+            Motion::Fixed => {
+                self.check_shape()?;
+                if (self.linear_velocity, self.angular_velocity) != (Vec3::ZERO, Vec3::ZERO) {
+                    return Err(BodyError::MovingFixed);
+                }
+            }
             Motion::Kinematic => {
+                self.check_shape()?;
                 body.velocity = Some(Velocity { linear: self.linear_velocity, angular: self.angular_velocity });
             }
             Motion::Dynamic => self.make_dynamic(&mut body, orientation)?,
@@ -205,6 +211,15 @@ impl RigidBody {
         let is_point = properties.tensor_about_center() == glam::DMat3::ZERO;
         let principal = if is_point { None } else { Some(properties.inertia()?.principal()) };
         Ok((properties, principal))
+    }
+
+    /// Checks the shape, and the mass if there is one, of a body that needs neither.
+    fn check_shape(&self) -> Result<(), BodyError> {
+        match (self.amount, &self.shape) {
+            (None, Shape::Compound(_)) => self.shape.own_mass_properties()?,
+            (amount, _) => self.shape.mass_properties(amount.unwrap_or(Amount::Mass(1.0)))?,
+        };
+        Ok(())
     }
 
     fn unit_orientation(&self) -> Result<DQuat, BodyError> {

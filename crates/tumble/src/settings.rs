@@ -15,7 +15,8 @@ pub struct Settings {
     pub gravity: Vec3,
     /// Length of a step \[s\]. 1/60 unless set.
     pub dt: Real,
-    /// How many equal parts the integration of a step is divided into; the forces are taken as constant over them. 1 unless set.
+    /// How many equal parts the integration of a step is divided into. Gravity and wrenches are constant over them, force laws are
+    /// evaluated in each. 1 unless set.
     pub substeps: u32,
     /// How the state is advanced.
     pub integrator: Integrator,
@@ -63,6 +64,9 @@ impl Settings {
         if !(self.dt.is_normal() && self.dt > 0.0) {
             return Err(SettingsError::Step(self.dt));
         }
+        if self.substeps > 0 && !self.substep().is_normal() {
+            return Err(SettingsError::Step(self.substep()));
+        }
         if !self.gravity.is_finite() {
             return Err(SettingsError::Gravity(self.gravity));
         }
@@ -83,7 +87,7 @@ impl Settings {
 #[non_exhaustive]
 pub enum SettingsError {
     /// The step is zero, negative or not a normal finite number.
-    #[error("dt must be positive and finite, got {0}")]
+    #[error("dt, divided by the substeps, must be a positive normal number, got {0}")]
     Step(Real),
     /// Gravity is not finite.
     #[error("gravity must be finite, got {0}")]

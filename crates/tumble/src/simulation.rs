@@ -111,6 +111,9 @@ impl Simulation {
     /// [`PreviousPose`](crate::PreviousPose) are drawn at `previous.0.interpolate(&pose, alpha)`: smooth at any frame rate, one
     /// step late. A frame time that is not positive and finite counts as none.
     ///
+    /// A frame has no step, or several; a [`Wrench`](crate::Wrench) added once a frame acts in the first only. Forces belong into
+    /// [`advance_with`](Self::advance_with), or into a [`ForceLaw`].
+    ///
     /// ```
     /// # use tumble::{Settings, Simulation};
     /// # let mut world = hecs::World::new();
@@ -121,12 +124,38 @@ impl Simulation {
     /// # Ok::<(), tumble::SettingsError>(())
     /// ```
     pub fn advance(&mut self, world: &mut World, frame_seconds: f64) -> Real {
+        self.advance_with(world, frame_seconds, |_| ())
+    }
+
+    /// [`advance`](Self::advance), calling `before_step` before every step: the place to add the forces of that step.
+    ///
+    /// ```
+    /// # use tumble::prelude::*;
+    /// # let mut world = hecs::World::new();
+    /// # let body = RigidBody::new(Shape::Point).mass(1.0).build()?.spawn(&mut world);
+    /// let mut simulation = Simulation::new(Settings::default().with_gravity(Vec3::ZERO).with_dt(0.01))?;
+    /// simulation.advance_with(&mut world, 0.055, |world| {
+    ///     for wrench in world.query_mut::<&mut Wrench>() {
+    ///         wrench.add_force(Vec3::X * 2.0);
+    ///     }
+    /// });
+    /// // Five steps, a hundredth of a second each.
+    /// assert!((world.get::<&Momentum>(body)?.linear.x - 0.1).abs() < 1e-6);
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    pub fn advance_with(
+        &mut self,
+        world: &mut World,
+        frame_seconds: f64,
+        mut before_step: impl FnMut(&mut World),
+    ) -> Real {
         let dt = f64::from(self.settings.dt);
         if frame_seconds > 0.0 && frame_seconds.is_finite() {
             self.owed += frame_seconds;
         }
         let mut taken = 0;
         while self.owed >= dt && taken < Self::MOST_STEPS_A_FRAME {
+            before_step(world);
             self.step(world);
             self.owed -= dt;
             taken += 1;

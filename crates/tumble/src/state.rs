@@ -4,7 +4,7 @@ use hecs::EntityRef;
 use tumble_math::lane::{Lane, Quat, Vec3};
 
 use crate::components::{Inertia, Mass, Momentum, Pose, PrincipalAxes, Wrench};
-use crate::math::Real;
+use crate::math::{Real, double, double_quat};
 
 /// What does not change during a step.
 #[derive(Clone, Copy)]
@@ -117,6 +117,12 @@ impl From<Wrench> for Force<Real> {
 }
 
 impl State<Real> {
+    /// Whether every number of it is finite.
+    pub(crate) fn is_finite(&self) -> bool {
+        let vectors = [self.position, self.linear, self.angular].map(double);
+        vectors.iter().all(|vector| vector.is_finite()) && double_quat(self.orientation).is_finite()
+    }
+
     #[inline(always)]
     pub(crate) fn new(pose: &Pose, momentum: &Momentum) -> Self {
         Self {

@@ -1,7 +1,7 @@
 //! The state of all bodies as one flat array, for ODE solvers that are not ours.
 //!
 //! Thirteen numbers a body, in the order of the course notes that the names come from (D. Baraff, "Rigid body simulation", part I,
-//! section 5): position x y z, orientation w x y z, linear momentum x y z, angular momentum x y z; body after body.
+//! section 5), of the bodies of [`BodyOrder::moving`]: position x y z, orientation w x y z, linear momentum x y z, angular momentum x y z; body after body.
 
 use hecs::{Entity, World};
 use tumble_math::lane::Vec3 as LaneVec3;
@@ -103,7 +103,7 @@ pub fn array_to_state(world: &mut World, order: &BodyOrder, array: &[Real]) -> R
 /// The rate of change of a state array: `dx/dt = P/M`, `dq/dt = 1/2 [0, w] q`, `dP/dt = F`, `dL/dt = tau`.
 ///
 /// Takes the state from `array`, and from the world only what is constant: masses, wrenches, gravity scales, damping. The
-/// forces are what a step with these settings would apply. The world does not change.
+/// forces are what a step with these settings would apply, but for force laws, which are not known here. The world does not change.
 ///
 /// # Errors
 /// [`StateArrayError`] where an array has another length, or a listed entity is not a moving body.

@@ -11,7 +11,8 @@ use crate::systems::{accumulate_forces_of, integrate_bodies, remember_poses, upd
 ///
 /// The systems of a step use only a body's own components, so all of them run on a chunk of bodies while it is in cache. Running
 /// [`accumulate_forces`](crate::accumulate_forces), [`integrate`](crate::integrate) and [`update_derived`](crate::update_derived)
-/// one after the other over the whole world gives the same bits.
+/// one after the other over the whole world gives moving bodies the same bits. A step also moves the kinematic bodies, one after the
+/// other, and keeps [`PreviousPose`](crate::PreviousPose) up to date.
 ///
 /// The settings are not [validated](Settings::validate) here; [`Simulation`](crate::Simulation) does that once, and knows the force
 /// laws and the time.
@@ -28,8 +29,8 @@ pub(crate) fn step_under_laws(
     times: Option<&PhaseTimes>,
 ) {
     for_each_chunk(world, laws, |mut bodies| {
-        let mut clock = PhaseTimes::start(times);
         remember_poses(&mut bodies);
+        let mut clock = PhaseTimes::start(times);
         accumulate_forces_of(&mut bodies, settings);
         clock.end_of(Phase::AccumulateForces);
         integrate_bodies(&mut bodies, settings, time);

@@ -33,11 +33,7 @@ impl Totals {
     fn add(&mut self, body: EntityRef<'_>, settings: &Settings) {
         let Some((constants, state)) = moving_body(body) else { return };
         let (position, linear, angular) = (double(state.position), double(state.linear), double(state.angular));
-        if !(position.is_finite()
-            && double_quat(state.orientation).is_finite()
-            && linear.is_finite()
-            && angular.is_finite())
-        {
+        if !state.is_finite() {
             self.non_finite = self.non_finite.or(Some(body.entity()));
             return;
         }

@@ -1,7 +1,7 @@
 use glam::DVec3;
 use tumble_math::{InertiaError, InertiaTensor};
 
-use crate::math::{Mat3, Quat, Vec3, vec3};
+use crate::math::{Mat3, Quat, Real, Vec3, vec3};
 use crate::property_error::PropertyError;
 
 /// Principal moments of inertia about the centre of mass [kg m^2], with their inverses.
@@ -18,7 +18,8 @@ impl Inertia {
     /// The three principal moments [kg m^2].
     ///
     /// # Errors
-    /// [`InertiaError`] where they are not positive and finite, or one is larger than the sum of the others.
+    /// [`InertiaError`] where they are not positive and finite, or one is larger than the sum of the others; [`PropertyError`] where
+    /// they do not fit the precision of the build, or differ by more than it resolves (1e7 in single precision).
     ///
     /// ```
     /// # use tumble::{Inertia, math::Vec3};
@@ -32,6 +33,10 @@ impl Inertia {
         InertiaTensor::from_principal(moments, glam::DQuat::IDENTITY)?;
         for moment in moments.to_array() {
             PropertyError::check("principal moment", moment)?;
+        }
+        let (smallest, largest) = (moments.min_element(), moments.max_element());
+        if smallest < largest * f64::from(Real::EPSILON) {
+            return Err(PropertyError::TooUnequal { smallest, largest }.into());
         }
         Ok(Self { moments: vec3(moments), inverse_moments: vec3(moments.recip()) })
     }

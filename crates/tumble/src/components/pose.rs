@@ -1,7 +1,8 @@
 use super::CenterOfMass;
 use crate::math::{Mat4, Quat, Real, Vec3};
 
-/// Where a body is: the centre of mass and the orientation of its frame.
+/// Where a body is: the centre of mass and the orientation of its frame. Of a fixed or kinematic body, which has no mass, the origin of its
+/// frame stands for the centre of mass.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Pose {
     /// Position of the centre of mass in the world \[m\].

@@ -2,7 +2,8 @@ use std::ops::AddAssign;
 
 /// Work done on a body since it got this component \[J\], by what did it. [`Ledger::attach`](crate::Ledger::attach) adds it.
 ///
-/// The sum is the change of the body's kinetic energy.
+/// The sum is the change of the body's kinetic energy in steps. What happens between steps, such as an impulse or another
+/// [`Inertia`](crate::Inertia), is not in it.
 #[derive(Clone, Copy, Debug, PartialEq, Default)]
 pub struct Work {
     /// By gravity.

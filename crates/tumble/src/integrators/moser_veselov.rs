@@ -9,7 +9,7 @@ use crate::state::{Constants, State};
 pub(crate) struct MoserVeselov<L> {
     half_kick: Kick<L>,
     rotation: Option<FreeRotation<L>>,
-    step_per_mass: L,
+    inverse_mass: L,
     h: L,
 }
 
@@ -20,7 +20,12 @@ impl<L: Lane> Scheme<L> for MoserVeselov<L> {
             Some(inertia) => Some(FreeRotation::new(inertia.moments, inertia.inverse_moments, inertia.axes, h)),
             None => None,
         };
-        Self { half_kick: Kick::new(constants, h * L::splat(0.5)), rotation, step_per_mass: h / constants.mass, h }
+        Self {
+            half_kick: Kick::new(constants, h * L::splat(0.5)),
+            rotation,
+            inverse_mass: L::splat(1.0) / constants.mass,
+            h,
+        }
     }
 
     #[inline(always)]
@@ -30,7 +35,7 @@ impl<L: Lane> Scheme<L> for MoserVeselov<L> {
             Some(rotation) => rotation.rotate(flying.orientation, flying.angular),
             None => flying.orientation,
         };
-        let position = flying.position + flying.linear * self.step_per_mass;
+        let position = flying.position + flying.linear * self.inverse_mass * self.h;
         let landed = State { position, orientation, ..flying };
         self.half_kick.apply_to_end(landed, self.h, forces, account)
     }

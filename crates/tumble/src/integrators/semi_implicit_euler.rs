@@ -9,14 +9,19 @@ use crate::state::{Constants, Moments, State};
 pub(crate) struct SemiImplicitEuler<L> {
     kick: Kick<L>,
     inertia: Option<Moments<L>>,
-    step_per_mass: L,
+    inverse_mass: L,
     h: L,
 }
 
 impl<L: Lane> Scheme<L> for SemiImplicitEuler<L> {
     #[inline(always)]
     fn new(constants: &Constants<L>, h: L) -> Self {
-        Self { kick: Kick::new(constants, h), inertia: constants.inertia, step_per_mass: h / constants.mass, h }
+        Self {
+            kick: Kick::new(constants, h),
+            inertia: constants.inertia,
+            inverse_mass: L::splat(1.0) / constants.mass,
+            h,
+        }
     }
 
     #[inline(always)]
@@ -29,6 +34,6 @@ impl<L: Lane> Scheme<L> for SemiImplicitEuler<L> {
             }
             None => kicked.orientation,
         };
-        State { position: kicked.position + kicked.linear * self.step_per_mass, orientation, ..kicked }
+        State { position: kicked.position + kicked.linear * self.inverse_mass * self.h, orientation, ..kicked }
     }
 }

@@ -18,26 +18,32 @@ pub(super) fn with_sse2(kernel: impl Kernel) {
     kernel.run::<Sse2>();
 }
 
-/// Runs a kernel on AVX2 tiles. To be called where the machine has AVX2.
+/// Runs a kernel on AVX2 tiles, or on SSE2 tiles where the machine has no AVX2.
 pub(super) fn with_avx2(kernel: impl Kernel) {
     #[target_feature(enable = "avx2")]
     fn enabled(kernel: impl Kernel) {
         kernel.run::<Avx2>();
     }
-    debug_assert!(std::arch::is_x86_feature_detected!("avx2"));
-    // SAFETY: `Level::is_available` has found AVX2 before this level could be chosen.
-    unsafe { enabled(kernel) }
+    if std::arch::is_x86_feature_detected!("avx2") {
+        // SAFETY: the machine has AVX2.
+        unsafe { enabled(kernel) }
+    } else {
+        with_sse2(kernel);
+    }
 }
 
-/// Runs a kernel on AVX-512 tiles. To be called where the machine has AVX-512F.
+/// Runs a kernel on AVX-512 tiles, or on AVX2 tiles where the machine has no AVX-512F.
 pub(super) fn with_avx512(kernel: impl Kernel) {
     #[target_feature(enable = "avx512f")]
     fn enabled(kernel: impl Kernel) {
         kernel.run::<Avx512>();
     }
-    debug_assert!(std::arch::is_x86_feature_detected!("avx512f"));
-    // SAFETY: `Level::is_available` has found AVX-512F before this level could be chosen.
-    unsafe { enabled(kernel) }
+    if std::arch::is_x86_feature_detected!("avx512f") {
+        // SAFETY: the machine has AVX-512F.
+        unsafe { enabled(kernel) }
+    } else {
+        with_avx2(kernel);
+    }
 }
 
 /// Declares a tile: its intrinsics, and the few operations that differ in more than a name.
