@@ -24,6 +24,7 @@ const BURST: Duration = Duration::from_millis(50);
 pub(crate) fn run(options: &RunOptions) -> Result<(), Failure> {
     let scene = scene(options)?;
     let steps = steps(options, &scene)?;
+    check_simd()?;
     let bodies = scene.body_count() as u64;
     let pool = pool(options)?;
     // First, so that a Ctrl-C from here on leaves no unfinished files.
@@ -46,6 +47,17 @@ pub(crate) fn run(options: &RunOptions) -> Result<(), Failure> {
         every: options.every.map_or(1, std::num::NonZero::get),
     };
     pool.install(|| run.complete(options, bodies, steps, pool.current_num_threads() as u64))
+}
+
+/// The instruction set that the environment asks for, if any, is to be the one that runs: a figure must not be another's.
+fn check_simd() -> Result<(), Failure> {
+    match std::env::var("TUMBLE_SIMD") {
+        Ok(wanted) if wanted != simd_name() => Err(Failure::Input(format!(
+            "TUMBLE_SIMD={wanted} is not to be had, this machine would run {}; there are scalar, baseline, avx2 and avx512",
+            simd_name()
+        ))),
+        _ => Ok(()),
+    }
 }
 
 /// The scene with the options applied.

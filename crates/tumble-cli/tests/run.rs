@@ -242,3 +242,14 @@ fn a_body_that_leaves_the_numbers_is_named() {
     assert_eq!(place.record("out.csv").len() % 2, 0);
     assert_eq!(place.entries(), ["out.csv", "scene.json"]);
 }
+
+#[test]
+fn an_instruction_set_that_is_not_there_is_refused() {
+    let output = std::process::Command::new(env!("CARGO_BIN_EXE_tumble"))
+        .args(["run", "t-handle", "--steps", "1", "--quiet"])
+        .env("TUMBLE_SIMD", "abacus")
+        .output()
+        .unwrap();
+    assert_eq!(output.status.code(), Some(2));
+    assert!(String::from_utf8_lossy(&output.stderr).contains("TUMBLE_SIMD=abacus"));
+}
