@@ -35,13 +35,13 @@
 //! All sums in alpha are of non-negative terms. The same coefficients in the elementary symmetric functions of the moments cancel
 //! catastrophically for a needle (moments 1, 1, 1e-6), where each of their terms is a million times their sum.
 //!
-//! `u` is found from the equation divided by `J_j`, in which every coefficient is at most about one, by Newton's method to rounding.
+//! `u` is found by Newton's method, to rounding, from differences of the moments that are kept exactly.
 //!
 //! # Long steps
 //!
 //! `kappa = h^2 (t2 H + D)/(3 e)` is, like H and C, the same all along the motion and is `(h|w|/2)^2` for a sphere: the square of the
 //! largest half-turn a step can make. A step with kappa over [`LARGEST_KAPPA`] is divided into equal parts, at most [`MOST_PARTS`]; beyond,
-//! where a step turns the body more than four times around, it turns about its present angular velocity at its present rate,
+//! where a step turns the body about four times around, it turns about its present angular velocity at its present rate,
 //! which keeps the momentum but not the energy.
 
 use crate::lane::{Lane, Quat, Vec3};
@@ -110,16 +110,13 @@ impl<L: Lane> FreeRotation<L> {
     pub fn rotate(&self, orientation: Quat<L>, angular_momentum: Vec3<L>) -> Quat<L> {
         let lack = (L::splat(1.0) - orientation.length_squared()).abs();
         let far_from_unit = L::splat(1e-2).lt(lack);
-        if L::any(far_from_unit) {
+        let orientation = if L::any(far_from_unit) {
             // Not what a step leaves, but what a caller may have set: it is made a rotation first.
             let unit = orientation.normalize_or(Quat::from_parts(L::splat(1.0), Vec3::zero()));
-            return self.rotate_unit(Quat::select(far_from_unit, unit, orientation), angular_momentum);
-        }
-        self.rotate_unit(orientation, angular_momentum)
-    }
-
-    #[inline(always)]
-    fn rotate_unit(&self, orientation: Quat<L>, angular_momentum: Vec3<L>) -> Quat<L> {
+            Quat::select(far_from_unit, unit, orientation)
+        } else {
+            orientation
+        };
         let y = self.principal_components(orientation, angular_momentum);
         let invariants = self.ratios.invariants(y.scale(self.to_angles));
         let kappa = self.ratios.kappa(invariants);
