@@ -5,7 +5,9 @@ use crate::components::{BodyId, Mass, Momentum, Pose};
 /// The bodies of a world in an order that does not depend on how they lie in memory: by [`BodyId`], and after them, by entity, those
 /// without one. A body is an entity with a [`Pose`].
 ///
-/// It is a list made once: bodies spawned or despawned later are not followed.
+/// It is a list made once: bodies spawned or despawned later are not followed. Making it reads the world and, like every query of
+/// hecs, panics while the caller holds a mutable reference to one of the components; so do [`measure`](crate::measure),
+/// [`state_hash`](crate::state_hash()) and what else takes an order.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct BodyOrder {
     entities: Vec<Entity>,

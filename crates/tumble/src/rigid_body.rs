@@ -151,13 +151,14 @@ impl RigidBody {
         let mut body = Body { id: self.id, ..Body::at(pose) };
         match self.motion {
             Motion::Fixed => {
-                self.check_shape()?;
+                // It needs no mass, but its shape and what was given must be possible.
+                self.shape_properties(Some(Amount::Mass(1.0)))?;
                 if (self.linear_velocity, self.angular_velocity) != (Vec3::ZERO, Vec3::ZERO) {
                     return Err(BodyError::MovingFixed);
                 }
             }
             Motion::Kinematic => {
-                self.check_shape()?;
+                self.shape_properties(Some(Amount::Mass(1.0)))?;
                 body.velocity = Some(Velocity { linear: self.linear_velocity, angular: self.angular_velocity });
             }
             Motion::Dynamic => self.make_dynamic(&mut body, orientation)?,
@@ -199,27 +200,24 @@ impl RigidBody {
 
     /// Mass and centre of mass, and the principal inertia of a body that has any extent.
     fn mass_properties(&self) -> Result<(MassProperties, Option<PrincipalInertia>), BodyError> {
-        let properties = match self.amount {
-            Some(amount) => self.shape.mass_properties(amount)?,
-            None if matches!(self.shape, Shape::Compound(_)) => self.shape.own_mass_properties()?,
-            None => return Err(BodyError::MissingMass),
-        };
+        let properties = self.shape_properties(None)?;
         if let Some(principal) = self.inertia {
             let tensor = InertiaTensor::from_principal(principal.moments, principal.axes)?;
-            return Ok((MassProperties::new(properties.mass(), properties.center_of_mass(), tensor)?, Some(principal)));
+            let given = MassProperties::new(properties.mass(), properties.center_of_mass(), tensor)?;
+            return Ok((given, Some(PrincipalInertia { axes: principal.axes.normalize(), ..principal })));
         }
         let is_point = properties.tensor_about_center() == glam::DMat3::ZERO;
         let principal = if is_point { None } else { Some(properties.inertia()?.principal()) };
         Ok((properties, principal))
     }
 
-    /// Checks the shape, and the mass if there is one, of a body that needs neither.
-    fn check_shape(&self) -> Result<(), BodyError> {
-        match (self.amount, &self.shape) {
-            (None, Shape::Compound(_)) => self.shape.own_mass_properties()?,
-            (amount, _) => self.shape.mass_properties(amount.unwrap_or(Amount::Mass(1.0)))?,
-        };
-        Ok(())
+    /// The shape's mass properties, with `otherwise` for the amount that was not given; a compound has its own.
+    fn shape_properties(&self, otherwise: Option<Amount>) -> Result<MassProperties, BodyError> {
+        Ok(match (self.amount, &self.shape) {
+            (Some(amount), shape) => shape.mass_properties(amount)?,
+            (None, shape @ Shape::Compound(_)) => shape.own_mass_properties()?,
+            (None, shape) => shape.mass_properties(otherwise.ok_or(BodyError::MissingMass)?)?,
+        })
     }
 
     fn unit_orientation(&self) -> Result<DQuat, BodyError> {
