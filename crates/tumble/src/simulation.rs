@@ -99,6 +99,15 @@ impl Simulation {
         self.steps += 1;
     }
 
+    /// Advances the world by `count` steps, with the same bits as `count` calls of [`step`](Self::step).
+    ///
+    /// For when nothing is looked at or changed in between: [`Wrench`](crate::Wrench)es act in the first step only.
+    pub fn step_many(&mut self, world: &mut World, count: u32) {
+        for _ in 0..count {
+            self.step(world);
+        }
+    }
+
     /// [`step`](Self::step), adding to `times` how long each system took.
     pub fn step_timed(&mut self, world: &mut World, times: &PhaseTimes) {
         step_under_laws(world, &self.settings, &self.laws, self.time(), Some(times));
