@@ -2,7 +2,7 @@
 //!
 //! The first and the last are to cost the same; `cargo bench --bench ledger`.
 
-use std::time::Duration;
+mod setup;
 
 use criterion::{BenchmarkId, Criterion, Throughput, criterion_group, criterion_main};
 use hecs::World;
@@ -37,10 +37,7 @@ fn ledger(criterion: &mut Criterion) {
 
 criterion_group! {
     name = benches;
-    config = Criterion::default()
-        .sample_size(20)
-        .warm_up_time(Duration::from_millis(500))
-        .measurement_time(Duration::from_secs(2));
+    config = setup::criterion();
     targets = ledger
 }
 criterion_main!(benches);

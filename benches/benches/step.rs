@@ -2,7 +2,7 @@
 //!
 //! `cargo bench --bench step -- moser-veselov/2` picks some by name. The throughput is in bodies a second.
 
-use std::time::Duration;
+mod setup;
 
 use criterion::{BenchmarkId, Criterion, Throughput, criterion_group, criterion_main};
 use tumble::{Integrator, Settings, Simulation};
@@ -29,11 +29,7 @@ fn step(criterion: &mut Criterion) {
 
 criterion_group! {
     name = benches;
-    // Ten samples even where a step of a million bodies takes a tenth of a second.
-    config = Criterion::default()
-        .sample_size(10)
-        .warm_up_time(Duration::from_millis(500))
-        .measurement_time(Duration::from_secs(2));
+    config = setup::criterion();
     targets = step
 }
 criterion_main!(benches);

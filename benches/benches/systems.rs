@@ -1,7 +1,7 @@
 //! Each system of the step alone: bodies of every kind, 100 to a million of them, on one and on two threads. `integrate` is with
 //! the default integrator; the others are in `step.rs`.
 
-use std::time::Duration;
+mod setup;
 
 use criterion::{BenchmarkId, Criterion, Throughput, criterion_group, criterion_main};
 use hecs::World;
@@ -35,10 +35,7 @@ fn systems(criterion: &mut Criterion) {
 
 criterion_group! {
     name = benches;
-    config = Criterion::default()
-        .sample_size(10)
-        .warm_up_time(Duration::from_millis(500))
-        .measurement_time(Duration::from_secs(2));
+    config = setup::criterion();
     targets = systems
 }
 criterion_main!(benches);

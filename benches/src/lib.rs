@@ -11,10 +11,9 @@
     )
 )]
 
-mod chance;
 mod scenes;
 mod threads;
 
-pub use chance::Chance;
-pub use scenes::{mixed_bodies, mixed_body, mixed_moving_bodies, tumbling_boxes};
-pub use threads::{SIZES, label, pools};
+pub use scenes::{mixed_bodies, mixed_body, mixed_moving_bodies, tumbling_box, tumbling_boxes};
+pub use threads::{SIZES, label, pool, pools};
+pub use tumble::Chance;

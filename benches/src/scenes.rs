@@ -1,8 +1,6 @@
 use hecs::World;
 use tumble::math::{Real, Vec3};
-use tumble::{Amount, Body, BodyId, Damping, Part, RigidBody, Shape};
-
-use crate::chance::Chance;
+use tumble::{Amount, Body, BodyId, Chance, Damping, Part, RigidBody, Shape, spawn_bodies};
 
 /// Every so many bodies the kinds repeat; the last two are kinematic and fixed.
 const KINDS: u64 = 16;
@@ -13,11 +11,14 @@ const FIXED: u64 = 15;
 pub fn tumbling_boxes(count: usize) -> World {
     let mut chance = Chance::new(0xb0);
     let mut world = World::new();
-    for _ in 0..count {
-        let shape = Shape::cuboid(chance.vector(0.1, 1.0));
-        place(RigidBody::new(shape).density(1000.0), &mut chance).spawn(&mut world);
-    }
+    spawn_bodies(&mut world, (0..count).map(|_| tumbling_box(&mut chance)));
     world
+}
+
+/// The next of [`tumbling_boxes`].
+pub fn tumbling_box(chance: &mut Chance) -> Body {
+    let shape = Shape::cuboid(chance.vector(0.1, 1.0));
+    place(RigidBody::new(shape).density(1000.0), chance)
 }
 
 /// `count` bodies of every kind there is: all shapes, with their own principal axes and centres of mass or without, damped or

@@ -3,13 +3,21 @@ use rayon::{ThreadPool, ThreadPoolBuilder};
 /// The numbers of bodies that each bench runs with.
 pub const SIZES: [usize; 5] = [100, 1_000, 10_000, 100_000, 1_000_000];
 
-/// A pool of one thread and one of two: made once, since starting threads is not what is measured.
+/// A pool of one thread and one of two.
+///
+/// # Panics
+/// As [`pool`] does.
+pub fn pools() -> [ThreadPool; 2] {
+    [1, 2].map(pool)
+}
+
+/// A pool of so many threads: made once, since starting threads is not what is measured.
 ///
 /// # Panics
 /// Where the system has no threads to give; there is nothing to measure then.
 #[allow(clippy::expect_used, reason = "without threads there is nothing to measure")]
-pub fn pools() -> [ThreadPool; 2] {
-    [1, 2].map(|threads| ThreadPoolBuilder::new().num_threads(threads).build().expect("a thread pool"))
+pub fn pool(threads: usize) -> ThreadPool {
+    ThreadPoolBuilder::new().num_threads(threads).build().expect("a thread pool")
 }
 
 /// How a bench is called that runs on a pool, such as `"2 threads"`.

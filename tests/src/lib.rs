@@ -26,4 +26,10 @@ pub use free_body::{Elliptic, FreeBody, Sample, Translation};
 mod documents {
     #[doc = include_str!("../../README.md")]
     struct Readme;
+
+    #[doc = include_str!("../../docs/batch.md")]
+    struct Batches;
+
+    #[doc = include_str!("../../docs/rollback.md")]
+    struct Rollback;
 }

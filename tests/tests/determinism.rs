@@ -19,10 +19,11 @@ use std::process::Command;
 
 use hecs::World;
 use rayon::{ThreadPool, ThreadPoolBuilder};
-use tumble::math::{PRECISION, Real};
+use tumble::math::{PRECISION, Real, Vec3};
 use tumble::{
-    BodyId, BodyOrder, Integrator, Momentum, Settings, Simulation, accumulate_forces, integrate, measure, simd_name,
-    state_hash, update_derived,
+    BodyId, BodyOrder, BodySlices, BodyState, ForceLaw, Inertia, Integrator, Mass, Momentum, Pose, PreviousPose,
+    Settings, Simulation, UnequalSlices, Wrench, accumulate_forces, integrate, measure, simd_name, state_hash,
+    update_derived,
 };
 use tumble_benches::{mixed_bodies, mixed_body, mixed_moving_bodies, tumbling_boxes};
 
@@ -159,6 +160,119 @@ fn the_size_of_the_world_does_not_matter() {
     for count in [1023, 1024, 1025, 2048, 2049, 4097] {
         assert_eq!(boxes(count), few, "{count} bodies");
     }
+    // What is left of whole tiles, in tiles of every width.
+    for count in 1..=70 {
+        assert_eq!(boxes(count), few[..count], "{count} bodies");
+    }
+}
+
+/// Slows a body down, more as time goes on.
+struct Brake;
+
+impl ForceLaw for Brake {
+    fn wrench(&self, state: &BodyState<'_>) -> Wrench {
+        Wrench { force: state.linear_velocity * (state.time as Real * -0.1), ..Wrench::default() }
+    }
+}
+
+#[derive(Clone, Copy)]
+enum How {
+    AtOnce,
+    OneByOne,
+}
+
+/// `step_many` is so many calls of `step`: on bodies with and without laws, wrenches that act in the first step, previous poses, and kinematic
+/// bodies.
+#[test]
+fn many_steps_at_once_are_single_steps() {
+    for integrator in Integrator::ALL {
+        let run = |how: How| {
+            let mut world = mixed_bodies(1500);
+            for (i, entity) in BodyOrder::of(&world).entities().iter().enumerate() {
+                if i % 5 == 0 {
+                    world.insert_one(*entity, Brake).unwrap();
+                }
+                if i % 2 == 0 {
+                    world.insert_one(*entity, PreviousPose(Pose::default())).unwrap();
+                }
+            }
+            let mut simulation = Simulation::new(settings(integrator).with_substeps(2)).unwrap();
+            simulation.add_law::<Brake>();
+            for steps in [7, 12] {
+                for wrench in world.query_mut::<&mut Wrench>() {
+                    wrench.add_force(Vec3::new(30.0, 2.0, 0.0));
+                    wrench.add_torque(Vec3::new(0.0, 0.1, 0.01));
+                }
+                match how {
+                    How::AtOnce => simulation.step_many(&mut world, steps),
+                    How::OneByOne => (0..steps).for_each(|_| simulation.step(&mut world)),
+                }
+            }
+            let order = BodyOrder::of(&world);
+            let rest: Vec<_> = order.entities().iter().map(|&body| everything_else(&world, body)).collect();
+            (hash(&world), simulation.time(), simulation.steps(), rest)
+        };
+        assert_eq!(run(How::AtOnce), run(How::OneByOne), "{integrator}");
+    }
+}
+
+type Rest = (Option<PreviousPose>, Option<tumble::Velocity>, Option<tumble::InverseInertia>, Option<Wrench>);
+
+/// What is not in the hash.
+fn everything_else(world: &World, body: hecs::Entity) -> Rest {
+    let body = world.entity(body).unwrap();
+    (
+        body.get::<&PreviousPose>().map(|pose| *pose),
+        body.get::<&tumble::Velocity>().map(|velocity| *velocity),
+        body.get::<&tumble::InverseInertia>().map(|inertia| *inertia),
+        body.get::<&Wrench>().map(|wrench| *wrench),
+    )
+}
+
+/// Bodies in plain slices get the bits of bodies in a world, on any number of threads.
+#[test]
+fn slices_are_as_good_as_a_world() {
+    for integrator in Integrator::ALL {
+        let mut world = tumbling_boxes(5000);
+        type Body<'a> = (&'a Pose, &'a Momentum, &'a Wrench, &'a Mass, &'a Inertia);
+        let rows: Vec<_> =
+            world.query_mut::<Body<'_>>().into_iter().map(|(p, m, w, k, i)| (*p, *m, *w, *k, *i)).collect();
+        let (mut poses, mut momenta): (Vec<_>, Vec<_>) = rows.iter().map(|row| (row.0, row.1)).unzip();
+        let (mut wrenches, masses): (Vec<_>, Vec<_>) = rows.iter().map(|row| (row.2, row.3)).unzip();
+        let inertias: Vec<_> = rows.iter().map(|row| row.4).collect();
+        let mut velocities = vec![tumble::Velocity::default(); rows.len()];
+
+        let mut bodies = BodySlices::new(&mut poses, &mut momenta, &mut wrenches, &masses);
+        bodies.inertia = Some(&inertias);
+        bodies.velocity = Some(&mut velocities);
+        pool(2).install(|| {
+            bodies.step(&settings(integrator)).unwrap();
+            bodies.step_many(&settings(integrator), 9).unwrap();
+        });
+        hash_after(&mut world, settings(integrator), 10);
+        let found: Vec<_> = poses.into_iter().zip(momenta).zip(velocities).collect();
+        type Moved<'a> = (&'a Pose, &'a Momentum, &'a tumble::Velocity);
+        let expected: Vec<_> = world
+            .query_mut::<Moved<'_>>()
+            .into_iter()
+            .map(|(pose, momentum, velocity)| ((*pose, *momentum), *velocity))
+            .collect();
+        assert_eq!(found, expected, "{integrator}");
+    }
+}
+
+/// Slices of different lengths are refused by name, and nothing is moved.
+#[test]
+fn unequal_slices_are_refused() {
+    let (mut poses, mut momenta, mut wrenches) =
+        ([Pose::default(); 3], [Momentum::default(); 3], [Wrench::default(); 3]);
+    let masses = [Mass::new(1.0).unwrap(); 3];
+    let mut bodies = BodySlices::new(&mut poses, &mut momenta, &mut wrenches, &masses);
+    bodies.damping = Some(&[]);
+    let error = bodies.step(&Settings::default()).unwrap_err();
+    assert_eq!(error, UnequalSlices { column: "damping", rows: 0, bodies: 3 });
+    assert_eq!(error.to_string(), "damping has 0 rows, and there are 3 poses");
+    assert_eq!(poses, [Pose::default(); 3]);
 }
 
 /// `step` is `accumulate_forces`, `integrate` and `update_derived`, on bodies that forces move, one after the other over the whole world.

@@ -8,8 +8,8 @@
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
-/// Files that may have unsafe code, from the root: the vector code.
-const UNSAFE_ALLOWED: [&str; 1] = ["crates/tumble/src/simd/x86_64.rs"];
+/// The one module that may have unsafe code, from the root: the vector code.
+const UNSAFE_ALLOWED: &str = "crates/tumble/src/simd/";
 const MOST_LINES: usize = 600;
 
 /// What a crate may depend on: other members of the workspace and, where it is to stay small, crates from outside.
@@ -25,7 +25,7 @@ const RULES: [Rule; 6] = [
     Rule {
         member: "crates/tumble",
         members: &["tumble-math"],
-        outside: Some(&["glam", "hecs", "libm", "rayon", "thiserror"]),
+        outside: Some(&["glam", "hecs", "libm", "profiling", "rayon", "serde", "thiserror"]),
     },
     Rule { member: "crates/tumble-scene", members: &["tumble", "tumble-math"], outside: None },
     Rule { member: "crates/tumble-cli", members: &["tumble", "tumble-math", "tumble-scene"], outside: None },
@@ -148,14 +148,10 @@ fn lines_with(word: &str) -> Vec<String> {
 
 #[test]
 fn unsafe_code_is_where_it_is_allowed() {
-    let found: Vec<String> = lines_with("unsafe")
-        .into_iter()
-        .filter(|place| !UNSAFE_ALLOWED.iter().any(|file| place.starts_with(&format!("{file}:"))))
-        .collect();
+    let all = lines_with("unsafe");
+    let found: Vec<_> = all.iter().filter(|place| !place.starts_with(UNSAFE_ALLOWED)).collect();
     assert!(found.is_empty(), "unsafe code in {found:?}");
-    for file in UNSAFE_ALLOWED {
-        assert!(root().join(file).is_file(), "{file} is allowed unsafe code and does not exist");
-    }
+    assert!(found.len() < all.len(), "no unsafe code in {UNSAFE_ALLOWED}: the rule is out of date");
 }
 
 /// A fused multiply-add gives other bits where the processor has it.

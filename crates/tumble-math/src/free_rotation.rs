@@ -197,7 +197,8 @@ impl<L: Lane> FreeRotation<L> {
 #[inline(always)]
 fn turned_back<L: Lane>(q: Quat<L>, vector: Vec3<L>) -> Vec3<L> {
     let axis = q.vector();
-    let half_turned = vector.cross(axis) * L::splat(2.0);
+    let half_turned = vector.cross(axis);
+    let half_turned = half_turned + half_turned;
     let change = half_turned * q.w + half_turned.cross(axis);
     vector + (change + change * (L::splat(1.0) - q.length_squared()))
 }
@@ -310,10 +311,10 @@ impl<L: Lane> Map<L> {
     /// `u`, solved to rounding.
     #[inline(always)]
     fn turn(&self, b: Vec3<L>) -> Vec3<L> {
-        let (zero, one, two) = (L::splat(0.0), L::splat(1.0), L::splat(2.0));
+        let (zero, one) = (L::splat(0.0), L::splat(1.0));
         let k = self.differences.scale(self.inverses);
         let m = b.scale(self.inverses);
-        let m2 = m * two;
+        let m2 = m + m;
         let mut u = fixed_point(m, k, fixed_point(m, k, fixed_point(m, k, m)));
         let mut open = one;
         for _ in 0..MOST_ITERATIONS {

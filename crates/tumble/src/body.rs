@@ -8,6 +8,10 @@ use crate::components::{
 use crate::derived::derived;
 use crate::state::{Constants, Moments, State};
 
+/// What a body that forces move has if nothing more is asked of it.
+type Plain = (Pose, Momentum, Mass, Inertia, Wrench, Velocity, InverseInertia);
+type PlainWithId = (Pose, Momentum, Mass, Inertia, Wrench, Velocity, InverseInertia, BodyId);
+
 /// The components of a body that [`RigidBody::build`](crate::RigidBody::build) has checked, ready to be spawned any number of times.
 #[derive(Clone, Debug)]
 pub struct Body {
@@ -96,10 +100,48 @@ impl Body {
         add(entity, self.id);
     }
 
-    /// Spawns an entity with the body's components.
+    /// Spawns an entity with the body's components. Many at once come much sooner from [`spawn_copies`](Self::spawn_copies) and
+    /// [`spawn_bodies`](crate::spawn_bodies).
     pub fn spawn(&self, world: &mut World) -> Entity {
-        let mut entity = EntityBuilder::new();
-        self.insert_into(&mut entity);
-        world.spawn(entity.build())
+        // hecs knows the archetype of a tuple at once, and has to look for that of an `EntityBuilder`.
+        match (self.as_tuple(), self.id) {
+            (Some(plain), None) => world.spawn(plain),
+            (Some((a, b, c, d, e, f, g)), Some(id)) => world.spawn((a, b, c, d, e, f, g, id)),
+            (None, _) => {
+                let mut entity = EntityBuilder::new();
+                self.insert_into(&mut entity);
+                world.spawn(entity.build())
+            }
+        }
+    }
+
+    /// Makes room in the world for more bodies of this kind, where hecs lets us: of the kind that most are.
+    pub(crate) fn reserve(&self, world: &mut World, additional: u32) {
+        match (self.as_tuple(), self.id) {
+            (Some(_), None) => world.reserve::<Plain>(additional),
+            (Some(_), Some(_)) => world.reserve::<PlainWithId>(additional),
+            (None, _) => {}
+        }
+    }
+
+    /// The components of a body that has nothing but what most have, without its id.
+    fn as_tuple(&self) -> Option<Plain> {
+        let plain = self.axes.is_none()
+            && self.center_of_mass.is_none()
+            && self.gravity_scale.is_none()
+            && self.damping.is_none()
+            && self.previous_pose.is_none();
+        if !plain {
+            return None;
+        }
+        Some((
+            self.pose,
+            self.momentum?,
+            self.mass?,
+            self.inertia?,
+            self.wrench?,
+            self.velocity?,
+            self.inverse_inertia?,
+        ))
     }
 }

@@ -4,13 +4,23 @@
 //! every archetype of moving bodies are borrowed as slices, cut into chunks of [`CHUNK`] bodies, and each chunk is handed to one
 //! call of the caller's function, in parallel. A function that only uses its own chunk gives the same result for any number of threads.
 
+use std::ops::Range;
+use std::slice::{from_mut, from_ref};
+
 use hecs::{Archetype, ArchetypeColumn, ArchetypeColumnMut, World};
 
 use crate::components::{
     Damping, GravityScale, Inertia, InverseInertia, Mass, Momentum, Pose, PreviousPose, PrincipalAxes, Velocity, Work,
     Wrench,
 };
-use crate::force_laws::{Borrowed, ForceLaws, LawRows};
+use crate::force_laws::{ForceLaws, Laws};
+use crate::simd::{WIDEST, narrowest_for, widest};
+
+/// So few bodies are gone through one by one: borrowing a dozen columns takes longer than a query.
+const FEW: u32 = 2;
+
+/// Archetypes whose columns are borrowed at a time.
+const ARCHETYPES: usize = 32;
 
 /// Bodies per chunk: with all their columns about 150 KiB, so that a chunk stays in the second-level cache from one system to the next.
 const CHUNK: usize = 1024;
@@ -34,8 +44,7 @@ macro_rules! columns {
         impl<'w> Columns<'w> {
             /// `None` where the archetype's entities are not moving bodies.
             fn borrow(archetype: &'w Archetype) -> Option<Self> {
-                let all = $(archetype.has::<$Written>())&&+ && $(archetype.has::<$Read>())&&+;
-                if !all || archetype.is_empty() {
+                if archetype.is_empty() {
                     return None;
                 }
                 Some(Self {
@@ -46,7 +55,7 @@ macro_rules! columns {
                 })
             }
 
-            fn chunk<'a>(&'a mut self, laws: &'a [(usize, Box<dyn LawRows + 'a>)]) -> Chunk<'a> {
+            fn chunk<'a>(&'a mut self, laws: Laws<'a>) -> Chunk<'a> {
                 Chunk {
                     laws,
                     first_row: 0,
@@ -60,8 +69,8 @@ macro_rules! columns {
 
         /// Some of the bodies of one archetype: the same rows of each of their columns.
         pub(crate) struct Chunk<'a> {
-            /// The laws that act on these bodies, with their index among all laws.
-            pub(crate) laws: &'a [(usize, Box<dyn LawRows + 'a>)],
+            /// The laws that act on these bodies.
+            pub(crate) laws: Laws<'a>,
             /// The row of the archetype that is the first row here.
             pub(crate) first_row: usize,
             $(pub(crate) $written: &'a mut [$Written],)+
@@ -70,7 +79,27 @@ macro_rules! columns {
             $(pub(crate) $maybe_read: Option<&'a [$MaybeRead]>,)+
         }
 
+        /// One body's components.
+        type Row<'a> = (
+            $(&'a mut $Written,)+
+            $(&'a $Read,)+
+            $(Option<&'a mut $MaybeWritten>,)+
+            $(Option<&'a $MaybeRead>,)+
+        );
+
         impl<'a> Chunk<'a> {
+            /// A chunk of one body.
+            fn of_row(($($written,)+ $($read,)+ $($maybe_written,)+ $($maybe_read,)+): Row<'a>) -> Self {
+                Self {
+                    laws: Laws::default(),
+                    first_row: 0,
+                    $($written: from_mut($written),)+
+                    $($read: from_ref($read),)+
+                    $($maybe_written: $maybe_written.map(from_mut),)+
+                    $($maybe_read: $maybe_read.map(from_ref),)+
+                }
+            }
+
             fn split_at(self, middle: usize) -> (Self, Self) {
                 $(let $written = self.$written.split_at_mut(middle);)+
                 $(let $read = self.$read.split_at(middle);)+
@@ -95,6 +124,57 @@ macro_rules! columns {
                     },
                 )
             }
+
+            /// Some of the rows.
+            fn rows(&mut self, rows: Range<usize>) -> Chunk<'_> {
+                Chunk {
+                    laws: self.laws,
+                    first_row: self.first_row + rows.start,
+                    $($written: &mut self.$written[rows.clone()],)+
+                    $($read: &self.$read[rows.clone()],)+
+                    $($maybe_written: self.$maybe_written.as_deref_mut().map(|column| &mut column[rows.clone()]),)+
+                    $($maybe_read: self.$maybe_read.map(|column| &column[rows.clone()]),)+
+                }
+            }
+        }
+
+        /// Copies of the last rows of a chunk, and of the very last as often as it takes to fill `W` rows.
+        struct Padded<const W: usize> {
+            $($written: [$Written; W],)+
+            $($read: [$Read; W],)+
+            $($maybe_written: Option<[$MaybeWritten; W]>,)+
+            $($maybe_read: Option<[$MaybeRead; W]>,)+
+        }
+
+        impl<const W: usize> Padded<W> {
+            fn of(last: &Chunk<'_>) -> Self {
+                Self {
+                    $($written: padded(last.$written),)+
+                    $($read: padded(last.$read),)+
+                    $($maybe_written: last.$maybe_written.as_deref().map(padded),)+
+                    $($maybe_read: last.$maybe_read.map(padded),)+
+                }
+            }
+
+            fn chunk<'a>(&'a mut self, laws: Laws<'a>, first_row: usize) -> Chunk<'a> {
+                Chunk {
+                    laws,
+                    first_row,
+                    $($written: &mut self.$written,)+
+                    $($read: &self.$read,)+
+                    $($maybe_written: self.$maybe_written.as_mut().map(|column| &mut column[..]),)+
+                    $($maybe_read: self.$maybe_read.as_ref().map(|column| &column[..]),)+
+                }
+            }
+
+            fn write_back(&self, last: &mut Chunk<'_>) {
+                $(last.$written.copy_from_slice(&self.$written[..last.$written.len()]);)+
+                $(
+                    if let (Some(column), Some(copy)) = (last.$maybe_written.as_deref_mut(), &self.$maybe_written) {
+                        column.copy_from_slice(&copy[..column.len()]);
+                    }
+                )+
+            }
         }
     };
 }
@@ -111,37 +191,94 @@ impl Chunk<'_> {
     pub(crate) fn len(&self) -> usize {
         self.pose.len()
     }
+
+    /// Runs `tiles` on a multiple of the widest tile's bodies, and on the rest, brought to the width of a tile with copies that are
+    /// thrown away.
+    pub(crate) fn in_whole_tiles(&mut self, mut tiles: impl FnMut(&mut Chunk<'_>)) {
+        let left = self.len() % widest();
+        let whole = self.len() - left;
+        let width = narrowest_for(left);
+        if left == 0 || width == left {
+            return tiles(self);
+        }
+        if whole > 0 {
+            tiles(&mut self.rows(0..whole));
+        }
+        let mut last = self.rows(whole..whole + left);
+        match width {
+            2 => in_padded_tile::<2>(&mut last, tiles),
+            4 => in_padded_tile::<4>(&mut last, tiles),
+            8 => in_padded_tile::<8>(&mut last, tiles),
+            _ => in_padded_tile::<WIDEST>(&mut last, tiles),
+        }
+    }
+}
+
+fn in_padded_tile<const W: usize>(last: &mut Chunk<'_>, mut tiles: impl FnMut(&mut Chunk<'_>)) {
+    let mut padded = Padded::<W>::of(last);
+    tiles(&mut padded.chunk(last.laws, last.first_row));
+    padded.write_back(last);
+}
+
+/// The rows, and the last of them as often as it takes.
+fn padded<T: Copy, const W: usize>(rows: &[T]) -> [T; W] {
+    std::array::from_fn(|i| rows[i.min(rows.len() - 1)])
 }
 
 /// Calls `system` once for every chunk of moving bodies, in parallel. Moving bodies have [`Pose`], [`Momentum`], [`Mass`] and
 /// [`Wrench`]; the other columns of a chunk are there where its archetype has them, the laws where they act on it.
-pub(crate) fn for_each_chunk(world: &mut World, laws: &ForceLaws, system: impl Fn(Chunk<'_>) + Sync) {
-    let (mut columns, mut borrowed_laws) = (Vec::new(), Vec::new());
-    for archetype in world.archetypes() {
-        if let Some(borrowed) = Columns::borrow(archetype) {
-            columns.push(borrowed);
-            borrowed_laws.push(laws.borrow(archetype));
-        }
+pub(crate) fn for_each_chunk(world: &mut World, laws: &ForceLaws, system: impl Fn(&mut Chunk<'_>) + Sync) {
+    if (1..=FEW).contains(&world.len()) && laws.is_empty() {
+        return world.query_mut::<Row<'_>>().into_iter().for_each(|row| system(&mut Chunk::of_row(row)));
     }
-    let law_rows: Vec<Vec<_>> = borrowed_laws.iter().map(|laws| rows_of(laws)).collect();
-    let mut chunks: Vec<Option<Chunk<'_>>> =
-        columns.iter_mut().zip(&law_rows).map(|(columns, laws)| Some(columns.chunk(laws))).collect();
-    run_all(&mut chunks, &system);
+    if world.len() as usize <= CHUNK {
+        return for_each_archetype(world, laws, &system);
+    }
+    let mut archetypes = world.archetypes();
+    loop {
+        // Some at a time, so that they need no memory but the stack's.
+        let mut columns = [const { None }; ARCHETYPES];
+        let mut found = 0;
+        while found < ARCHETYPES
+            && let Some(archetype) = archetypes.next()
+        {
+            let Some(mut borrowed) = Columns::borrow(archetype) else { continue };
+            if laws.act_on(archetype) {
+                laws.with_rows(archetype, &mut |laws| for_each_part(borrowed.chunk(laws), &system));
+            } else {
+                columns[found] = Some(borrowed);
+                found += 1;
+            }
+        }
+        if found == 0 {
+            return;
+        }
+        let mut chunks = [const { None }; ARCHETYPES];
+        for (chunk, columns) in chunks.iter_mut().zip(&mut columns) {
+            *chunk = columns.as_mut().map(|columns| columns.chunk(Laws::default()));
+        }
+        run_all(&mut chunks[..found], &system);
+    }
 }
 
-fn rows_of<'a>(laws: &'a [(usize, Box<dyn Borrowed + '_>)]) -> Vec<(usize, Box<dyn LawRows + 'a>)> {
-    laws.iter().map(|(index, law)| (*index, law.rows())).collect()
+/// One archetype after the other.
+fn for_each_archetype(world: &World, laws: &ForceLaws, system: &(impl Fn(&mut Chunk<'_>) + Sync)) {
+    for archetype in world.archetypes() {
+        if let Some(mut columns) = Columns::borrow(archetype) {
+            laws.with_rows(archetype, &mut |laws| for_each_part(columns.chunk(laws), system));
+        }
+    }
 }
 
 /// Splits the archetypes among threads, and then each archetype's rows.
-fn run_all(chunks: &mut [Option<Chunk<'_>>], system: &(impl Fn(Chunk<'_>) + Sync)) {
+fn run_all(chunks: &mut [Option<Chunk<'_>>], system: &(impl Fn(&mut Chunk<'_>) + Sync)) {
     if let [chunk] = chunks {
         if let Some(chunk) = chunk.take() {
-            run(chunk, system);
+            for_each_part(chunk, system);
         }
     } else if !chunks.is_empty() {
+        let bodies: usize = chunks.iter().flatten().map(Chunk::len).sum();
         let (first, second) = chunks.split_at_mut(chunks.len() / 2);
-        let bodies: usize = first.iter().chain(&*second).flatten().map(Chunk::len).sum();
         if bodies <= CHUNK {
             run_all(first, system);
             run_all(second, system);
@@ -151,13 +288,14 @@ fn run_all(chunks: &mut [Option<Chunk<'_>>], system: &(impl Fn(Chunk<'_>) + Sync
     }
 }
 
-fn run(chunk: Chunk<'_>, system: &(impl Fn(Chunk<'_>) + Sync)) {
+/// Cuts the bodies into chunks and calls `system` once for each, in parallel.
+pub(crate) fn for_each_part(mut chunk: Chunk<'_>, system: &(impl Fn(&mut Chunk<'_>) + Sync)) {
     if chunk.len() <= CHUNK {
-        system(chunk);
+        system(&mut chunk);
     } else {
         // Cut at a multiple of the chunk, so that all but the last are full.
         let middle = (chunk.len() / 2).next_multiple_of(CHUNK);
         let (first, second) = chunk.split_at(middle);
-        rayon::join(|| run(first, system), || run(second, system));
+        rayon::join(|| for_each_part(first, system), || for_each_part(second, system));
     }
 }

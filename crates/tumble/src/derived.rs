@@ -22,11 +22,12 @@ pub(crate) struct Derived<L> {
 pub(crate) fn derived<L: Lane>(constants: &Constants<L>, state: &State<L>) -> Derived<L> {
     let (mut d, mut o) = (Vec3::zero(), Vec3::zero());
     if let Some(inertia) = &constants.inertia {
-        // The sum over the principal axes r in the world of r r^T/I.
-        let [a, b, c] = inertia.world_axes(state.orientation);
+        // The sum over the principal axes r in the world of r r^T/I; and the three r r^T add up to the unit matrix.
+        let [a, b, _] = inertia.world_axes(state.orientation);
         let m = inertia.inverse_moments;
-        d = a.scale(a) * m.x + b.scale(b) * m.y + c.scale(c) * m.z;
-        o = products(a) * m.x + products(b) * m.y + products(c) * m.z;
+        let (a_weighed, b_weighed) = (a * (m.x - m.z), b * (m.y - m.z));
+        d = Vec3::splat(m.z) + (a.scale(a_weighed) + b.scale(b_weighed));
+        o = products(a, a_weighed) + products(b, b_weighed);
     }
     let l = state.angular;
     let angular = Vec3::new(
@@ -37,10 +38,10 @@ pub(crate) fn derived<L: Lane>(constants: &Constants<L>, state: &State<L>) -> De
     Derived { linear: constants.velocity(state.linear), angular, diagonal: d, off_diagonal: o }
 }
 
-/// `(y z, z x, x y)`.
+/// `(y z', z x', x y')`.
 #[inline(always)]
-fn products<L: Lane>(v: Vec3<L>) -> Vec3<L> {
-    Vec3::new(v.y * v.z, v.z * v.x, v.x * v.y)
+fn products<L: Lane>(v: Vec3<L>, w: Vec3<L>) -> Vec3<L> {
+    Vec3::new(v.y * w.z, v.z * w.x, v.x * w.y)
 }
 
 impl From<Derived<Real>> for (Velocity, InverseInertia) {

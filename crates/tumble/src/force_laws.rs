@@ -8,7 +8,7 @@ use std::fmt;
 use std::marker::PhantomData;
 use std::sync::Arc;
 
-use hecs::{Archetype, ArchetypeColumn, Component, EntityRef};
+use hecs::{Archetype, Component, EntityRef};
 
 use crate::components::Wrench;
 use crate::force_law::{BodyState, ForceLaw};
@@ -26,16 +26,41 @@ trait Source: Send + Sync {
     /// The component that the law is; none of one that acts everywhere.
     fn component(&self) -> Option<TypeId>;
 
-    /// The law's column of an archetype, where its bodies are subject to the law.
-    fn borrow<'w>(&'w self, archetype: &'w Archetype) -> Option<Box<dyn Borrowed + 'w>>;
+    /// Whether the bodies of an archetype are subject to the law.
+    fn acts_on(&self, archetype: &Archetype) -> bool;
+
+    /// Calls `then` with the law of each body of an archetype that [it acts on](Self::acts_on).
+    fn with_rows(&self, archetype: &Archetype, then: &mut dyn FnMut(&dyn LawRows));
 
     /// The potential energy \[J\] of one body.
     fn potential(&self, body: EntityRef<'_>, state: &BodyState<'_>) -> f64;
 }
 
-/// A law's column, kept borrowed.
-pub(crate) trait Borrowed {
-    fn rows(&self) -> Box<dyn LawRows + '_>;
+/// Laws that act on the bodies of one archetype: a list whose links lie on the stack of the step.
+#[derive(Clone, Copy, Default)]
+pub(crate) struct Laws<'a>(Option<&'a Link<'a>>);
+
+struct Link<'a> {
+    index: usize,
+    rows: &'a dyn LawRows,
+    next: Laws<'a>,
+}
+
+impl<'a> Laws<'a> {
+    pub(crate) fn is_empty(self) -> bool {
+        self.0.is_none()
+    }
+}
+
+impl<'a> Iterator for Laws<'a> {
+    /// A law's index among all laws, and the law of each body.
+    type Item = (usize, &'a dyn LawRows);
+
+    fn next(&mut self) -> Option<Self::Item> {
+        let link = self.0?;
+        *self = link.next;
+        Some((link.index, link.rows))
+    }
 }
 
 /// The law of each body of an archetype, by row.
@@ -62,15 +87,42 @@ impl ForceLaws {
         self.sources.iter().map(|source| source.name())
     }
 
-    /// The laws that act in an archetype, with their index.
-    pub(crate) fn borrow<'w>(&'w self, archetype: &'w Archetype) -> Vec<(usize, Box<dyn Borrowed + 'w>)> {
-        let laws = self.sources.iter().enumerate();
-        laws.filter_map(|(index, source)| Some((index, source.borrow(archetype)?))).collect()
+    /// Whether there are none.
+    pub(crate) fn is_empty(&self) -> bool {
+        self.sources.is_empty()
+    }
+
+    /// Whether any law acts in an archetype.
+    pub(crate) fn act_on(&self, archetype: &Archetype) -> bool {
+        self.sources.iter().any(|source| source.acts_on(archetype))
+    }
+
+    /// Calls `then` with the laws that act in an archetype, in order.
+    pub(crate) fn with_rows(&self, archetype: &Archetype, then: &mut dyn FnMut(Laws<'_>)) {
+        with_rows_before(&self.sources, archetype, Laws::default(), then);
     }
 
     /// The potential energy \[J\] of one body in all laws.
     pub(crate) fn potential(&self, body: EntityRef<'_>, state: &BodyState<'_>) -> f64 {
         self.sources.iter().map(|source| source.potential(body, state)).sum()
+    }
+}
+
+/// Puts the laws of `sources` before those that are there: one call deeper for each, which keeps its column borrowed.
+fn with_rows_before(
+    sources: &[Arc<dyn Source>],
+    archetype: &Archetype,
+    laws: Laws<'_>,
+    then: &mut dyn FnMut(Laws<'_>),
+) {
+    let Some((source, before)) = sources.split_last() else { return then(laws) };
+    if source.acts_on(archetype) {
+        source.with_rows(archetype, &mut |rows| {
+            let link = Link { index: before.len(), rows, next: laws };
+            with_rows_before(before, archetype, Laws(Some(&link)), then);
+        });
+    } else {
+        with_rows_before(before, archetype, laws, then);
     }
 }
 
@@ -99,18 +151,18 @@ impl<L: ForceLaw + Component> Source for ComponentLaw<L> {
         short_name::<L>()
     }
 
-    fn borrow<'w>(&'w self, archetype: &'w Archetype) -> Option<Box<dyn Borrowed + 'w>> {
-        Some(Box::new(archetype.get::<&L>()?))
+    fn acts_on(&self, archetype: &Archetype) -> bool {
+        archetype.has::<L>()
+    }
+
+    fn with_rows(&self, archetype: &Archetype, then: &mut dyn FnMut(&dyn LawRows)) {
+        if let Some(column) = archetype.get::<&L>() {
+            then(&Column(&column));
+        }
     }
 
     fn potential(&self, body: EntityRef<'_>, state: &BodyState<'_>) -> f64 {
         body.get::<&L>().map_or(0.0, |law| law.potential(state))
-    }
-}
-
-impl<L: ForceLaw + Component> Borrowed for ArchetypeColumn<'_, L> {
-    fn rows(&self) -> Box<dyn LawRows + '_> {
-        Box::new(Column(self))
     }
 }
 
@@ -137,18 +189,16 @@ impl<L: ForceLaw> Source for EverywhereLaw<L> {
         short_name::<L>()
     }
 
-    fn borrow<'w>(&'w self, _: &'w Archetype) -> Option<Box<dyn Borrowed + 'w>> {
-        Some(Box::new(&self.0))
+    fn acts_on(&self, _: &Archetype) -> bool {
+        true
+    }
+
+    fn with_rows(&self, _: &Archetype, then: &mut dyn FnMut(&dyn LawRows)) {
+        then(&Same(&self.0));
     }
 
     fn potential(&self, _: EntityRef<'_>, state: &BodyState<'_>) -> f64 {
         self.0.potential(state)
-    }
-}
-
-impl<L: ForceLaw> Borrowed for &L {
-    fn rows(&self) -> Box<dyn LawRows + '_> {
-        Box::new(Same(*self))
     }
 }
 

@@ -4,7 +4,7 @@ use tumble_math::lane::Vec3 as LaneVec3;
 
 use crate::components::{Work, Wrench};
 use crate::force_law::BodyState;
-use crate::force_laws::LawRows;
+use crate::force_laws::Laws;
 use crate::integrators::{Account, Forces, Mean};
 use crate::math::{Real, Vec3, double, dvec3};
 use crate::state::{Constants, Force, State};
@@ -14,7 +14,7 @@ pub(crate) struct LawForces<'a> {
     pub(crate) constants: &'a Constants<Real>,
     /// Gravity and what the caller applied, constant over the step.
     pub(crate) wrench: Wrench,
-    pub(crate) laws: &'a [(usize, Box<dyn LawRows + 'a>)],
+    pub(crate) laws: Laws<'a>,
     /// The body's row among the laws' rows.
     pub(crate) row: usize,
     /// Time at the start of the substep \[s\].
@@ -48,7 +48,7 @@ impl Forces<Real> for LawForces<'_> {
     }
 
     fn depends_on_velocity(&self) -> bool {
-        self.laws.iter().any(|(_, law)| law.depends_on_velocity(self.row))
+        self.laws.into_iter().any(|(_, law)| law.depends_on_velocity(self.row))
     }
 }
 
@@ -82,7 +82,7 @@ impl Account<Real> for WorkAccount<'_> {
         for (index, law) in self.forces.laws {
             let wrench = law.wrench(self.forces.row, &seen);
             let work = dvec3(wrench.force).dot(linear) + dvec3(wrench.torque).dot(angular);
-            self.work.laws[(*index).min(Work::LAWS - 1)] += work;
+            self.work.laws[index.min(Work::LAWS - 1)] += work;
         }
     }
 

@@ -39,9 +39,13 @@
     )
 )]
 
+mod batch;
 mod body;
+mod body_columns;
 mod body_error;
 mod body_order;
+mod chance;
+mod clock;
 mod columns;
 mod components;
 mod derived;
@@ -56,20 +60,30 @@ pub mod math;
 mod phase_times;
 mod property_error;
 mod rigid_body;
+mod rollback;
+mod scope;
 mod settings;
 mod simd;
 mod simulation;
+mod slices;
+mod snapshot;
+mod spawn_bodies;
 mod state;
 mod state_arrays;
 mod state_hash;
 mod step;
+mod stream;
 mod systems;
 mod tile;
 mod totals;
+mod trial;
 
+pub use batch::Batch;
 pub use body::Body;
 pub use body_error::BodyError;
 pub use body_order::BodyOrder;
+pub use chance::Chance;
+pub use clock::Clock;
 pub use components::{
     BodyId, CenterOfMass, Damping, GravityScale, Inertia, InertiaComponentError, InverseInertia, Mass, Momentum, Pose,
     PreviousPose, PrincipalAxes, Velocity, Work, Wrench,
@@ -81,14 +95,20 @@ pub use ledger::{Ledger, LedgerEntry};
 pub use phase_times::PhaseTimes;
 pub use property_error::PropertyError;
 pub use rigid_body::RigidBody;
+pub use rollback::{Rollback, RollbackError};
 pub use settings::{Settings, SettingsError};
 pub use simd::simd_name;
 pub use simulation::Simulation;
+pub use slices::{BodySlices, UnequalSlices};
+pub use snapshot::{BodyKind, Snapshot, SnapshotError};
+pub use spawn_bodies::spawn_bodies;
 pub use state_arrays::{STATE_SIZE, StateArrayError, array_to_state, derivative_to_array, state_to_array};
 pub use state_hash::state_hash;
 pub use step::step;
+pub use stream::stream;
 pub use systems::{accumulate_forces, integrate, integrate_under_laws, update_derived};
 pub use totals::{Totals, measure};
+pub use trial::Trial;
 
 pub use {glam, hecs};
 

@@ -1,11 +1,12 @@
 use hecs::{Component, World};
 
+use crate::clock::Clock;
 use crate::force_law::ForceLaw;
 use crate::force_laws::ForceLaws;
 use crate::math::Real;
 use crate::phase_times::PhaseTimes;
 use crate::settings::{Settings, SettingsError};
-use crate::step::step_under_laws;
+use crate::step::steps_under_laws;
 
 /// Steps a world with validated settings and keeps the time.
 ///
@@ -89,29 +90,50 @@ impl Simulation {
 
     /// Simulated time \[s\].
     pub fn time(&self) -> f64 {
-        let (steps, time) = self.since;
-        time + (self.steps - steps) as f64 * f64::from(self.settings.dt)
+        self.time_after(0)
+    }
+
+    /// Simulated time \[s\] so many steps from now.
+    fn time_after(&self, steps: u32) -> f64 {
+        let (since, time) = self.since;
+        time + (self.steps + u64::from(steps) - since) as f64 * f64::from(self.settings.dt)
+    }
+
+    /// Where the simulation stands in time: what a run is continued from, beside the state of the bodies.
+    pub fn clock(&self) -> Clock {
+        Clock { steps: self.steps, since: self.since, dt: self.settings.dt, owed: self.owed }
+    }
+
+    /// Goes on from where this or another simulation stood. With another step than that had, time goes on from there in steps of its own.
+    pub fn set_clock(&mut self, clock: Clock) {
+        self.steps = clock.steps;
+        self.owed = clock.owed;
+        self.since = if clock.dt == self.settings.dt { clock.since } else { (clock.steps, clock.time()) };
     }
 
     /// Advances the world by one step of `settings.dt`; see [`step`](crate::step()).
     pub fn step(&mut self, world: &mut World) {
-        step_under_laws(world, &self.settings, &self.laws, self.time(), None);
-        self.steps += 1;
+        self.step_many(world, 1);
     }
 
     /// Advances the world by `count` steps, with the same bits as `count` calls of [`step`](Self::step).
     ///
-    /// For when nothing is looked at or changed in between: [`Wrench`](crate::Wrench)es act in the first step only.
+    /// For when nothing is looked at or changed in between: bodies that nothing couples stay in registers from the first step to the last.
     pub fn step_many(&mut self, world: &mut World, count: u32) {
-        for _ in 0..count {
-            self.step(world);
-        }
+        self.advance_by(world, count, None);
     }
 
-    /// [`step`](Self::step), adding to `times` how long each system took.
+    /// [`step`](Self::step), adding to `times` how long each system took. The systems run one after the other on each chunk of bodies
+    /// then, which takes longer than a step that no one times.
     pub fn step_timed(&mut self, world: &mut World, times: &PhaseTimes) {
-        step_under_laws(world, &self.settings, &self.laws, self.time(), Some(times));
-        self.steps += 1;
+        self.advance_by(world, 1, Some(times));
+    }
+
+    fn advance_by(&mut self, world: &mut World, count: u32, times: Option<&PhaseTimes>) {
+        if count > 0 {
+            steps_under_laws(world, &self.settings, &self.laws, count, |step| self.time_after(step), times);
+            self.steps += u64::from(count);
+        }
     }
 
     /// Takes as many whole steps as fit into the frame time that has passed, and keeps the rest for the next frame.

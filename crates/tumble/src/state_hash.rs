@@ -15,25 +15,53 @@ use crate::math::Real;
 /// assert_eq!(state_hash(&world, &BodyOrder::of(&world)), 0xcbf2_9ce4_8422_2325);
 /// ```
 pub fn state_hash(world: &World, order: &BodyOrder) -> u64 {
-    const OFFSET_BASIS: u64 = 0xcbf2_9ce4_8422_2325;
-    const PRIME: u64 = 0x0000_0100_0000_01b3;
-    let mut hash = OFFSET_BASIS;
-    let mut add = |numbers: &[Real]| {
-        for number in numbers {
-            for byte in number.to_le_bytes() {
-                hash = (hash ^ u64::from(byte)).wrapping_mul(PRIME);
-            }
-        }
-    };
+    let mut hash = Fnv::default();
     for body in order.entities().iter().filter_map(|&entity| world.entity(entity).ok()) {
         if let Some(pose) = body.get::<&Pose>() {
-            add(&pose.position.to_array());
-            add(&pose.orientation.to_array());
+            hash.add_pose(&pose);
         }
         if let Some(momentum) = body.get::<&Momentum>() {
-            add(&momentum.linear.to_array());
-            add(&momentum.angular.to_array());
+            hash.add_momentum(&momentum);
         }
     }
-    hash
+    hash.value()
+}
+
+/// 64-bit FNV-1a.
+pub(crate) struct Fnv(u64);
+
+impl Default for Fnv {
+    fn default() -> Self {
+        Self(0xcbf2_9ce4_8422_2325)
+    }
+}
+
+impl Fnv {
+    const PRIME: u64 = 0x0000_0100_0000_01b3;
+
+    pub(crate) fn add_bytes(&mut self, bytes: &[u8]) {
+        for &byte in bytes {
+            self.0 = (self.0 ^ u64::from(byte)).wrapping_mul(Self::PRIME);
+        }
+    }
+
+    fn add_numbers(&mut self, numbers: &[Real]) {
+        for number in numbers {
+            self.add_bytes(&number.to_le_bytes());
+        }
+    }
+
+    pub(crate) fn add_pose(&mut self, pose: &Pose) {
+        self.add_numbers(&pose.position.to_array());
+        self.add_numbers(&pose.orientation.to_array());
+    }
+
+    pub(crate) fn add_momentum(&mut self, momentum: &Momentum) {
+        self.add_numbers(&momentum.linear.to_array());
+        self.add_numbers(&momentum.angular.to_array());
+    }
+
+    pub(crate) fn value(&self) -> u64 {
+        self.0
+    }
 }

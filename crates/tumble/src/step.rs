@@ -5,7 +5,9 @@ use crate::force_laws::ForceLaws;
 use crate::kinematic::move_kinematic_bodies;
 use crate::phase_times::{Phase, PhaseTimes};
 use crate::settings::Settings;
-use crate::systems::{accumulate_forces_of, integrate_bodies, remember_poses, update_derived_of};
+use crate::systems::{
+    accumulate_forces_of, integrate_bodies, remember_poses, step_under_constant_forces, update_derived_of,
+};
 
 /// Advances every body of the world by `settings.dt`.
 ///
@@ -17,26 +19,33 @@ use crate::systems::{accumulate_forces_of, integrate_bodies, remember_poses, upd
 /// The settings are not [validated](Settings::validate) here; [`Simulation`](crate::Simulation) does that once, and knows the force
 /// laws and the time.
 pub fn step(world: &mut World, settings: &Settings) {
-    step_under_laws(world, settings, &ForceLaws::default(), 0.0, None);
+    steps_under_laws(world, settings, &ForceLaws::default(), 1, |_| 0.0, None);
 }
 
-/// [`step`] under force laws, starting at a time \[s\], adding to `times` how long each phase took.
-pub(crate) fn step_under_laws(
+/// So many [`step`]s under force laws, starting at times \[s\], adding to `times` how long each phase took.
+pub(crate) fn steps_under_laws(
     world: &mut World,
     settings: &Settings,
     laws: &ForceLaws,
-    time: f64,
+    steps: u32,
+    time_of_step: impl Fn(u32) -> f64 + Sync,
     times: Option<&PhaseTimes>,
 ) {
-    for_each_chunk(world, laws, |mut bodies| {
-        remember_poses(&mut bodies);
-        let mut clock = PhaseTimes::start(times);
-        accumulate_forces_of(&mut bodies, settings);
-        clock.end_of(Phase::AccumulateForces);
-        integrate_bodies(&mut bodies, settings, time);
-        clock.end_of(Phase::Integrate);
-        update_derived_of(&mut bodies);
-        clock.end_of(Phase::UpdateDerived);
+    crate::scope::scope!("tumble::step");
+    for_each_chunk(world, laws, |bodies| {
+        if bodies.have_constant_forces() && times.is_none() {
+            return step_under_constant_forces(bodies, settings, steps);
+        }
+        for step in 0..steps {
+            remember_poses(bodies);
+            let mut clock = PhaseTimes::start(times);
+            accumulate_forces_of(bodies, settings);
+            clock.end_of(Phase::AccumulateForces);
+            integrate_bodies(bodies, settings, time_of_step(step));
+            clock.end_of(Phase::Integrate);
+            update_derived_of(bodies);
+            clock.end_of(Phase::UpdateDerived);
+        }
     });
-    move_kinematic_bodies(world, settings.dt);
+    move_kinematic_bodies(world, settings.dt, steps);
 }

@@ -1,18 +1,22 @@
 //! The systems of a step: what each does to a chunk of bodies, and each as a function of its own.
 
+use std::marker::PhantomData;
+
 use hecs::World;
+use tumble_math::lane::Vec3 as LaneVec3;
 
 use crate::columns::{Chunk, for_each_chunk};
 use crate::components::{PreviousPose, Work, Wrench};
 use crate::derived::derived;
 use crate::force_laws::ForceLaws;
 use crate::integrator::Integrator;
-use crate::integrators::{ConstantForce, MoserVeselov, NoAccount, RungeKutta4, Scheme, SemiImplicitEuler};
+use crate::integrators::{AnyWidth, ConstantForce, MoserVeselov, NoAccount, RungeKutta4, Scheme, SemiImplicitEuler};
 use crate::law_forces::{LawForces, WorkAccount};
 use crate::math::{Real, Vec3};
 use crate::settings::Settings;
 use crate::simd::{Kernel, Tile, dispatch};
-use crate::tile::store;
+use crate::state::{Force, State};
+use crate::tile::splat;
 use crate::totals::KineticEnergy;
 
 /// Generators and applied forces to [`Wrench`](crate::Wrench): adds to each moving body's wrench the forces of what acts on it
@@ -20,7 +24,7 @@ use crate::totals::KineticEnergy;
 ///
 /// [`Damping`](crate::Damping) is not among them: it is a decay, which [`integrate`] treats exactly.
 pub fn accumulate_forces(world: &mut World, settings: &Settings) {
-    for_each_chunk(world, &ForceLaws::default(), |mut bodies| accumulate_forces_of(&mut bodies, settings));
+    for_each_chunk(world, &ForceLaws::default(), |bodies| accumulate_forces_of(bodies, settings));
 }
 
 /// [`Wrench`], [`Momentum`](crate::Momentum), [`Pose`](crate::Pose) to the same: advances the state by `settings.dt` with the chosen [`Integrator`], in
@@ -31,13 +35,13 @@ pub fn integrate(world: &mut World, settings: &Settings) {
 
 /// [`integrate`] under force laws, which are evaluated at every stage; `time` \[s\] is the simulated time at the start of the step.
 pub fn integrate_under_laws(world: &mut World, settings: &Settings, laws: &ForceLaws, time: f64) {
-    for_each_chunk(world, laws, |mut bodies| integrate_bodies(&mut bodies, settings, time));
+    for_each_chunk(world, laws, |bodies| integrate_bodies(bodies, settings, time));
 }
 
 /// [`Pose`](crate::Pose), [`Momentum`](crate::Momentum), [`Mass`](crate::Mass), [`Inertia`](crate::Inertia) to
 /// [`Velocity`](crate::Velocity) and [`InverseInertia`](crate::InverseInertia), on the moving bodies that have them: `v = P/M`, `I^-1 = R I_body^-1 R^T`, `w = I^-1 L`.
 pub fn update_derived(world: &mut World) {
-    for_each_chunk(world, &ForceLaws::default(), |mut bodies| update_derived_of(&mut bodies));
+    for_each_chunk(world, &ForceLaws::default(), update_derived_of);
 }
 
 pub(crate) fn remember_poses(bodies: &mut Chunk<'_>) {
@@ -49,23 +53,30 @@ pub(crate) fn remember_poses(bodies: &mut Chunk<'_>) {
 }
 
 pub(crate) fn accumulate_forces_of(bodies: &mut Chunk<'_>, settings: &Settings) {
+    crate::scope::scope!("tumble::accumulate_forces");
     for i in 0..bodies.len() {
-        bodies.wrench[i].force += bodies.gravity(i, settings);
+        bodies.wrench[i].force += bodies.gravity_on(i, settings);
     }
 }
 
 impl Chunk<'_> {
     /// The force of gravity on a body \[N\].
-    #[inline(always)]
-    fn gravity(&self, i: usize, settings: &Settings) -> Vec3 {
-        let scale = self.gravity_scale.map_or(1.0, |scales| scales[i].0);
-        settings.gravity * (self.mass[i].kilograms() * scale)
+    fn gravity_on(&self, i: usize, settings: &Settings) -> Vec3 {
+        self.gravity(i, self.mass[i].kilograms(), splat(settings.gravity)).into()
     }
 }
 
+/// All systems of some steps, of bodies whose forces are the same at every stage: the bodies stay in registers from the first system of the first step
+/// to the last of the last.
+pub(crate) fn step_under_constant_forces(bodies: &mut Chunk<'_>, settings: &Settings, steps: u32) {
+    crate::scope::scope!("tumble::step_chunk");
+    advance(bodies, settings, Extent::Steps(steps));
+}
+
 pub(crate) fn integrate_bodies(bodies: &mut Chunk<'_>, settings: &Settings, time: f64) {
-    if bodies.laws.is_empty() && bodies.work.is_none() {
-        dispatch(UnderConstantForces { bodies, settings });
+    crate::scope::scope!("tumble::integrate");
+    if bodies.have_constant_forces() {
+        advance(bodies, settings, Extent::Integration);
     } else {
         match settings.integrator {
             Integrator::SemiImplicitEuler => {
@@ -74,53 +85,82 @@ pub(crate) fn integrate_bodies(bodies: &mut Chunk<'_>, settings: &Settings, time
             Integrator::RungeKutta4 => integrate_under_varying_forces::<RungeKutta4<Real>>(bodies, settings, time),
             Integrator::MoserVeselov => integrate_under_varying_forces::<MoserVeselov<Real>>(bodies, settings, time),
         }
+        bodies.wrench.fill(Wrench::default());
     }
-    bodies.wrench.fill(Wrench::default());
 }
 
-/// Integrates bodies whose forces are the same at every stage: a tile at a time, all substeps of it.
-struct UnderConstantForces<'k, 'a> {
+/// How much of how many steps is done.
+#[derive(Clone, Copy)]
+enum Extent {
+    /// The integration of one step, under the wrenches as they are.
+    Integration,
+    /// All systems of so many steps.
+    Steps(u32),
+}
+
+fn advance(bodies: &mut Chunk<'_>, settings: &Settings, extent: Extent) {
+    match settings.integrator {
+        Integrator::SemiImplicitEuler => advance_with::<SemiImplicitEuler<()>>(bodies, settings, extent),
+        Integrator::RungeKutta4 => advance_with::<RungeKutta4<()>>(bodies, settings, extent),
+        Integrator::MoserVeselov => advance_with::<MoserVeselov<()>>(bodies, settings, extent),
+    }
+}
+
+fn advance_with<S: AnyWidth>(bodies: &mut Chunk<'_>, settings: &Settings, extent: Extent) {
+    bodies.in_whole_tiles(|bodies| {
+        dispatch(&mut UnderConstantForces { bodies, settings, extent, scheme: PhantomData::<S> });
+    });
+}
+
+/// Advances bodies whose forces are the same at every stage, a tile at a time.
+struct UnderConstantForces<'k, 'a, S> {
     bodies: &'k mut Chunk<'a>,
     settings: &'k Settings,
+    extent: Extent,
+    scheme: PhantomData<S>,
 }
 
-impl Kernel for UnderConstantForces<'_, '_> {
+impl<S: AnyWidth> Kernel for UnderConstantForces<'_, '_, S> {
     #[inline(always)]
-    fn run<T: Tile>(self) {
-        match self.settings.integrator {
-            Integrator::SemiImplicitEuler => self.run_with::<T, SemiImplicitEuler<T>, SemiImplicitEuler<Real>>(),
-            Integrator::RungeKutta4 => self.run_with::<T, RungeKutta4<T>, RungeKutta4<Real>>(),
-            Integrator::MoserVeselov => self.run_with::<T, MoserVeselov<T>, MoserVeselov<Real>>(),
-        }
+    fn len(&self) -> usize {
+        self.bodies.len()
     }
-}
 
-impl UnderConstantForces<'_, '_> {
-    /// Whole tiles, and one by one what is left of the chunk.
     #[inline(always)]
-    fn run_with<T: Tile, S: Scheme<T>, One: Scheme<Real>>(self) {
-        let whole = self.bodies.len() - self.bodies.len() % T::WIDTH;
-        let mut i = 0;
-        while i < whole {
-            advance_tile::<T, S>(self.bodies, i, self.settings);
-            i += T::WIDTH;
+    fn tile<T: Tile>(&mut self, i: usize) {
+        let (bodies, settings) = (&mut *self.bodies, self.settings);
+        let constants = bodies.constants::<T>(i);
+        let scheme = S::Of::<T>::new(&constants, T::splat(settings.substep().into()));
+        let mut force = bodies.take_force::<T>(i);
+        let mut state = bodies.state::<T>(i);
+        match self.extent {
+            Extent::Integration => state = substeps(&scheme, state, force, settings),
+            Extent::Steps(steps) => {
+                let gravity = bodies.gravity::<T>(i, constants.mass, splat(settings.gravity));
+                force.force = force.force + gravity;
+                for step in 1..=steps {
+                    if step == steps {
+                        bodies.set_previous_pose(i, &state);
+                    }
+                    state = substeps(&scheme, state, force, settings);
+                    // The wrench is consumed, and gravity added to nothing, as a step of its own does it.
+                    force = Force { force: LaneVec3::zero() + gravity, torque: LaneVec3::zero() };
+                }
+                if bodies.velocity.is_some() || bodies.inverse_inertia.is_some() {
+                    bodies.set_derived(i, &derived(&constants, &state));
+                }
+            }
         }
-        while i < self.bodies.len() {
-            advance_tile::<Real, One>(self.bodies, i, self.settings);
-            i += 1;
-        }
+        bodies.set_state(i, &state);
     }
 }
 
 #[inline(always)]
-fn advance_tile<T: Tile, S: Scheme<T>>(bodies: &mut Chunk<'_>, i: usize, settings: &Settings) {
-    let scheme = S::new(&bodies.constants::<T>(i), T::splat(settings.substep().into()));
-    let forces = ConstantForce(bodies.force::<T>(i));
-    let mut state = bodies.state::<T>(i);
+fn substeps<T: Tile, S: Scheme<T>>(scheme: &S, mut state: State<T>, force: Force<T>, settings: &Settings) -> State<T> {
     for _ in 0..settings.substeps {
-        state = scheme.advance(state, &forces, &mut NoAccount);
+        state = scheme.advance(state, &ConstantForce(force), &mut NoAccount);
     }
-    bodies.set_state(i, &state);
+    state
 }
 
 fn integrate_under_varying_forces<S: Scheme<Real>>(bodies: &mut Chunk<'_>, settings: &Settings, time: f64) {
@@ -128,7 +168,7 @@ fn integrate_under_varying_forces<S: Scheme<Real>>(bodies: &mut Chunk<'_>, setti
     for i in 0..bodies.len() {
         let constants = bodies.constants::<Real>(i);
         let scheme = S::new(&constants, h);
-        let gravity = bodies.gravity(i, settings);
+        let gravity = bodies.gravity_on(i, settings);
         let (start, laws, row) = (bodies.state::<Real>(i), bodies.laws, bodies.first_row + i);
         let mut work = Work::default();
         let mut state = start;
@@ -152,8 +192,9 @@ fn integrate_under_varying_forces<S: Scheme<Real>>(bodies: &mut Chunk<'_>, setti
 }
 
 pub(crate) fn update_derived_of(bodies: &mut Chunk<'_>) {
+    crate::scope::scope!("tumble::update_derived");
     if bodies.velocity.is_some() || bodies.inverse_inertia.is_some() {
-        dispatch(Derive { bodies });
+        bodies.in_whole_tiles(|bodies| dispatch(&mut Derive { bodies }));
     }
 }
 
@@ -164,31 +205,13 @@ struct Derive<'k, 'a> {
 
 impl Kernel for Derive<'_, '_> {
     #[inline(always)]
-    fn run<T: Tile>(self) {
-        let whole = self.bodies.len() - self.bodies.len() % T::WIDTH;
-        let mut i = 0;
-        while i < whole {
-            derive_tile::<T>(self.bodies, i);
-            i += T::WIDTH;
-        }
-        while i < self.bodies.len() {
-            derive_tile::<Real>(self.bodies, i);
-            i += 1;
-        }
+    fn len(&self) -> usize {
+        self.bodies.len()
     }
-}
 
-#[inline(always)]
-fn derive_tile<T: Tile>(bodies: &mut Chunk<'_>, i: usize) {
-    let derived = derived(&bodies.constants::<T>(i), &bodies.state::<T>(i));
-    if let Some(column) = bodies.velocity.as_deref_mut() {
-        let column = &mut column[i..i + T::WIDTH];
-        store(derived.linear, |body, x| column[body].linear = x);
-        store(derived.angular, |body, x| column[body].angular = x);
-    }
-    if let Some(column) = bodies.inverse_inertia.as_deref_mut() {
-        let column = &mut column[i..i + T::WIDTH];
-        store(derived.diagonal, |body, x| column[body].diagonal = x);
-        store(derived.off_diagonal, |body, x| column[body].off_diagonal = x);
+    #[inline(always)]
+    fn tile<T: Tile>(&mut self, i: usize) {
+        let derived = derived(&self.bodies.constants::<T>(i), &self.bodies.state::<T>(i));
+        self.bodies.set_derived(i, &derived);
     }
 }

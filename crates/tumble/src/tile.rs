@@ -1,114 +1,118 @@
 //! From columns to tiles and back.
 
-use tumble_math::lane::{Quat as LaneQuat, Vec3 as LaneVec3};
+use tumble_math::lane::{Lane, Quat, Vec3};
 
 use crate::columns::Chunk;
-use crate::math::{Quat, Vec3};
+use crate::derived::Derived;
 use crate::simd::Tile;
 use crate::state::{Constants, Force, Moments, Rates, State};
-
-/// Bodies in the widest tile.
-const WIDEST: usize = 16;
-
-/// The vectors of a tile of bodies.
-#[inline(always)]
-fn load<T: Tile>(vector: impl Fn(usize) -> Vec3) -> LaneVec3<T> {
-    LaneVec3::new(
-        T::from_fn(|body| vector(body).x),
-        T::from_fn(|body| vector(body).y),
-        T::from_fn(|body| vector(body).z),
-    )
-}
-
-/// The quaternions of a tile of bodies.
-#[inline(always)]
-fn load_quat<T: Tile>(quat: impl Fn(usize) -> Quat) -> LaneQuat<T> {
-    LaneQuat {
-        x: T::from_fn(|body| quat(body).x),
-        y: T::from_fn(|body| quat(body).y),
-        z: T::from_fn(|body| quat(body).z),
-        w: T::from_fn(|body| quat(body).w),
-    }
-}
-
-/// Hands each body's vector to `set`.
-#[inline(always)]
-pub(crate) fn store<T: Tile>(vectors: LaneVec3<T>, mut set: impl FnMut(usize, Vec3)) {
-    let (mut x, mut y) = ([0.0; WIDEST], [0.0; WIDEST]);
-    vectors.x.for_each(|body, number| x[body] = number);
-    vectors.y.for_each(|body, number| y[body] = number);
-    vectors.z.for_each(|body, number| set(body, Vec3::new(x[body], y[body], number)));
-}
 
 impl Chunk<'_> {
     /// What does not change during a step, of the bodies from row `i`.
     #[inline(always)]
     pub(crate) fn constants<T: Tile>(&self, i: usize) -> Constants<T> {
-        let rows = i..i + T::WIDTH;
-        let mass = &self.mass[rows.clone()];
+        let [mass] = T::load(&self.mass[i..]);
         let inertia = match self.inertia {
             Some(inertia) => {
-                let inertia = &inertia[rows.clone()];
+                let [a, b, c, inverse_a, inverse_b, inverse_c] = T::load(&inertia[i..]);
                 let axes = match self.axes {
                     Some(axes) => {
-                        let axes = &axes[rows.clone()];
-                        Some(load_quat(|body| axes[body].0))
+                        let [x, y, z, w] = T::load(&axes[i..]);
+                        Some(Quat { x, y, z, w })
                     }
                     None => None,
                 };
-                Some(Moments {
-                    moments: load(|body| inertia[body].moments()),
-                    inverse_moments: load(|body| inertia[body].inverse_moments()),
-                    axes,
-                })
+                let inverse_moments = Vec3::new(inverse_a, inverse_b, inverse_c);
+                Some(Moments { moments: Vec3::new(a, b, c), inverse_moments, axes })
             }
             None => None,
         };
         let damping = match self.damping {
             Some(damping) => {
-                let damping = &damping[rows];
-                Some(Rates {
-                    linear: T::from_fn(|body| damping[body].linear),
-                    angular: T::from_fn(|body| damping[body].angular),
-                })
+                let [linear, angular] = T::load(&damping[i..]);
+                Some(Rates { linear, angular })
             }
             None => None,
         };
-        Constants { mass: T::from_fn(|body| mass[body].kilograms()), inertia, damping }
+        Constants { mass, inertia, damping }
     }
 
-    /// The wrenches of the bodies from row `i`.
+    /// The force of gravity on the bodies from row `i`, with their masses, in a field [m/s^2].
     #[inline(always)]
-    pub(crate) fn force<T: Tile>(&self, i: usize) -> Force<T> {
-        let wrench = &self.wrench[i..i + T::WIDTH];
-        Force { force: load(|body| wrench[body].force), torque: load(|body| wrench[body].torque) }
+    pub(crate) fn gravity<T: Tile>(&self, i: usize, mass: T, field: Vec3<T>) -> Vec3<T> {
+        let scale = match self.gravity_scale {
+            Some(scales) => {
+                let [scale] = T::load(&scales[i..]);
+                scale
+            }
+            None => T::splat(1.0),
+        };
+        field * (mass * scale)
+    }
+
+    /// Whether nothing pushes the bodies that depends on their state or is booked.
+    pub(crate) fn have_constant_forces(&self) -> bool {
+        self.laws.is_empty() && self.work.is_none()
+    }
+
+    /// The wrenches of the bodies from row `i`, which are zero afterwards. Where they are zero already nothing is written: memory that is not
+    /// written need not be brought back.
+    #[inline(always)]
+    pub(crate) fn take_force<T: Tile>(&mut self, i: usize) -> Force<T> {
+        let wrenches = T::load(&self.wrench[i..]);
+        if !T::are_zero(wrenches) {
+            T::store([T::splat(0.0); 6], &mut self.wrench[i..]);
+        }
+        let [x, y, z, a, b, c] = wrenches;
+        Force { force: Vec3::new(x, y, z), torque: Vec3::new(a, b, c) }
     }
 
     /// The state of the bodies from row `i`.
     #[inline(always)]
     pub(crate) fn state<T: Tile>(&self, i: usize) -> State<T> {
-        let (pose, momentum) = (&self.pose[i..i + T::WIDTH], &self.momentum[i..i + T::WIDTH]);
+        let [qx, qy, qz, qw, x, y, z] = T::load(&self.pose[i..]);
+        let [px, py, pz, lx, ly, lz] = T::load(&self.momentum[i..]);
         State {
-            position: load(|body| pose[body].position),
-            orientation: load_quat(|body| pose[body].orientation),
-            linear: load(|body| momentum[body].linear),
-            angular: load(|body| momentum[body].angular),
+            position: Vec3::new(x, y, z),
+            orientation: Quat { x: qx, y: qy, z: qz, w: qw },
+            linear: Vec3::new(px, py, pz),
+            angular: Vec3::new(lx, ly, lz),
         }
     }
 
     /// Writes back the state of the bodies from row `i`.
     #[inline(always)]
     pub(crate) fn set_state<T: Tile>(&mut self, i: usize, state: &State<T>) {
-        let pose = &mut self.pose[i..i + T::WIDTH];
-        store(state.position, |body, position| pose[body].position = position);
-        let q = state.orientation;
-        let (mut x, mut y, mut z) = ([0.0; WIDEST], [0.0; WIDEST], [0.0; WIDEST]);
-        q.x.for_each(|body, number| x[body] = number);
-        q.y.for_each(|body, number| y[body] = number);
-        q.z.for_each(|body, number| z[body] = number);
-        q.w.for_each(|body, w| pose[body].orientation = Quat::from_xyzw(x[body], y[body], z[body], w));
-        let momentum = &mut self.momentum[i..i + T::WIDTH];
-        store(state.linear, |body, linear| momentum[body].linear = linear);
-        store(state.angular, |body, angular| momentum[body].angular = angular);
+        let (q, x, p, l) = (state.orientation, state.position, state.linear, state.angular);
+        T::store([q.x, q.y, q.z, q.w, x.x, x.y, x.z], &mut self.pose[i..]);
+        T::store([p.x, p.y, p.z, l.x, l.y, l.z], &mut self.momentum[i..]);
     }
+
+    /// Writes the poses of the bodies from row `i` as the previous ones, where those are kept.
+    #[inline(always)]
+    pub(crate) fn set_previous_pose<T: Tile>(&mut self, i: usize, state: &State<T>) {
+        if let Some(previous) = self.previous_pose.as_deref_mut() {
+            let (q, x) = (state.orientation, state.position);
+            T::store([q.x, q.y, q.z, q.w, x.x, x.y, x.z], &mut previous[i..]);
+        }
+    }
+
+    /// Writes the derived quantities of the bodies from row `i` to the columns that there are.
+    #[inline(always)]
+    pub(crate) fn set_derived<T: Tile>(&mut self, i: usize, derived: &Derived<T>) {
+        if let Some(column) = self.velocity.as_deref_mut() {
+            let (v, w) = (derived.linear, derived.angular);
+            T::store([v.x, v.y, v.z, w.x, w.y, w.z], &mut column[i..]);
+        }
+        if let Some(column) = self.inverse_inertia.as_deref_mut() {
+            let (d, o) = (derived.diagonal, derived.off_diagonal);
+            T::store([d.x, d.y, d.z, o.x, o.y, o.z], &mut column[i..]);
+        }
+    }
+}
+
+/// The same vector for every body.
+#[inline(always)]
+pub(crate) fn splat<L: Lane>(vector: crate::math::Vec3) -> Vec3<L> {
+    Vec3::new(L::splat(vector.x.into()), L::splat(vector.y.into()), L::splat(vector.z.into()))
 }

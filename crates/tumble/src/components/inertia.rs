@@ -9,6 +9,7 @@ use crate::property_error::PropertyError;
 /// A body whose frame is not the principal one also has [`PrincipalAxes`]. A body without `Inertia` is a point mass: it does not
 /// turn. Replacing the component while the simulation runs keeps the angular momentum, so the body spins up or down, as a skater does.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[repr(C)]
 pub struct Inertia {
     moments: Vec3,
     inverse_moments: Vec3,
@@ -79,6 +80,7 @@ pub enum InertiaComponentError {
 /// The rotation whose matrix has the principal axes, in body coordinates, as columns: it takes principal-frame coordinates to
 /// body-frame coordinates, `I_body = R diag(moments) R^T`. A body whose frame is principal does without.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[repr(transparent)]
 pub struct PrincipalAxes(pub Quat);
 
 /// The centre of mass in the body's own frame \[m\]. A body whose frame has its origin there does without.
@@ -90,6 +92,7 @@ pub struct CenterOfMass(pub Vec3);
 /// Inverse inertia tensor about the centre of mass in the world frame [1/(kg m^2)], symmetric: what a torque is multiplied with to
 /// give an angular acceleration. Derived by [`update_derived`](crate::update_derived).
 #[derive(Clone, Copy, Debug, PartialEq, Default)]
+#[repr(C)]
 pub struct InverseInertia {
     /// `xx, yy, zz`.
     pub diagonal: Vec3,

@@ -11,6 +11,7 @@ use crate::property_error::PropertyError;
 /// # Ok::<(), tumble::PropertyError>(())
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[repr(transparent)]
 pub struct Mass(Real);
 
 impl Mass {

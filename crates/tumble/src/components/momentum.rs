@@ -4,6 +4,7 @@ use crate::math::Vec3;
 ///
 /// Momentum, not velocity, is the state: without forces it does not change, to the bit. A body without it does not move.
 #[derive(Clone, Copy, Debug, PartialEq, Default)]
+#[repr(C)]
 pub struct Momentum {
     /// `P = M v` [kg m/s].
     pub linear: Vec3,

@@ -4,11 +4,12 @@ use crate::math::{Mat4, Quat, Real, Vec3};
 /// Where a body is: the centre of mass and the orientation of its frame. Of a fixed or kinematic body, which has no mass, the origin of its
 /// frame stands for the centre of mass.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[repr(C)]
 pub struct Pose {
-    /// Position of the centre of mass in the world \[m\].
-    pub position: Vec3,
     /// Unit quaternion that takes body coordinates to world coordinates.
     pub orientation: Quat,
+    /// Position of the centre of mass in the world \[m\].
+    pub position: Vec3,
 }
 
 impl Default for Pose {
@@ -63,4 +64,5 @@ impl Pose {
 /// The pose before the last step. The step keeps it up to date on bodies that have it, for
 /// [`Pose::interpolate`] to draw frames between steps.
 #[derive(Clone, Copy, Debug, PartialEq, Default)]
+#[repr(transparent)]
 pub struct PreviousPose(pub Pose);

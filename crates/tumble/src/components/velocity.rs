@@ -5,6 +5,7 @@ use crate::math::Vec3;
 /// On a body with [`Momentum`](crate::Momentum) it is derived by [`update_derived`](crate::update_derived); change the momentum,
 /// not this. A body with a velocity and no momentum is *kinematic*: it moves as told, whatever pushes it.
 #[derive(Clone, Copy, Debug, PartialEq, Default)]
+#[repr(C)]
 pub struct Velocity {
     /// `v = P/M` [m/s].
     pub linear: Vec3,

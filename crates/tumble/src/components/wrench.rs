@@ -5,6 +5,7 @@ use crate::math::Vec3;
 /// D'Alembert's accumulators: however many forces act, the body moves as under these two. The step that consumes the wrench zeroes
 /// it, so a force that is to last is added before every step.
 #[derive(Clone, Copy, Debug, PartialEq, Default)]
+#[repr(C)]
 pub struct Wrench {
     /// Sum of forces \[N\].
     pub force: Vec3,

@@ -29,3 +29,21 @@ pub(crate) trait Scheme<L: Lane> {
     /// The state one substep later, under forces that are evaluated at every stage and, where asked for, with an account of their work.
     fn advance<F: Forces<L>, A: Account<L>>(&self, state: State<L>, forces: &F, account: &mut A) -> State<L>;
 }
+
+/// An integration scheme, of one body or of a tile of any width.
+pub(crate) trait AnyWidth {
+    /// The scheme for tiles of one width.
+    type Of<L: Lane>: Scheme<L>;
+}
+
+macro_rules! any_width {
+    ($($Scheme:ident),+) => {
+        $(
+            impl AnyWidth for $Scheme<()> {
+                type Of<L: Lane> = $Scheme<L>;
+            }
+        )+
+    };
+}
+
+any_width!(SemiImplicitEuler, RungeKutta4, MoserVeselov);

@@ -13,68 +13,101 @@ use tumble_math::lane::Lane;
 
 use crate::math::Real;
 
-#[cfg(target_arch = "x86_64")]
+#[cfg(vector_code)]
+mod pair;
+mod record;
+#[cfg(vector_code)]
 mod x86_64;
+
+pub(crate) use record::Record;
+
+/// The widest tile there is.
+pub(crate) const WIDEST: usize = 16;
 
 /// A lane whose bodies are loaded from and stored to columns.
 pub(crate) trait Tile: Lane {
     /// How many bodies.
     const WIDTH: usize;
 
-    /// The tile with `number(i)` for body `i`.
-    fn from_fn(number: impl FnMut(usize) -> Real) -> Self;
+    /// The first `N` numbers of each of the first rows, as many as there are bodies.
+    fn load<R: Record, const N: usize>(rows: &[R]) -> [Self; N];
 
-    /// Hands each body's number to `store`.
-    fn for_each(self, store: impl FnMut(usize, Real));
+    /// Overwrites the first `N` numbers of each of the first rows.
+    fn store<R: Record, const N: usize>(numbers: [Self; N], rows: &mut [R]);
+
+    /// Whether all of these are positive zeros.
+    fn are_zero<const N: usize>(numbers: [Self; N]) -> bool;
 }
 
 impl Tile for Real {
     const WIDTH: usize = 1;
 
     #[inline(always)]
-    fn from_fn(mut number: impl FnMut(usize) -> Real) -> Self {
-        number(0)
+    fn load<R: Record, const N: usize>(rows: &[R]) -> [Self; N] {
+        record::numbers(&rows[0])
     }
 
     #[inline(always)]
-    fn for_each(self, mut store: impl FnMut(usize, Real)) {
-        store(0, self);
+    fn store<R: Record, const N: usize>(numbers: [Self; N], rows: &mut [R]) {
+        record::set_numbers(&mut rows[0], numbers);
+    }
+
+    #[inline(always)]
+    fn are_zero<const N: usize>(numbers: [Self; N]) -> bool {
+        let mut bits = 0;
+        for number in numbers {
+            bits |= number.to_bits();
+        }
+        bits == 0
     }
 }
 
 /// A computation over tiles of any width.
 pub(crate) trait Kernel {
-    /// Runs it. Must be `#[inline(always)]`, as must be all that it calls with tiles, and no closure may compute with them: what is
-    /// not inlined is compiled without the instruction set, and calls a function for every operation.
-    fn run<T: Tile>(self);
+    /// How many bodies there are.
+    fn len(&self) -> usize;
+
+    /// Runs it on the tile of bodies from row `i`. Must be `#[inline(always)]`, as must be all that it calls with tiles, and no closure may
+    /// compute with them: what is not inlined is compiled without the instruction set, and calls a function for every operation.
+    fn tile<T: Tile>(&mut self, i: usize);
+}
+
+/// Runs a kernel on whole tiles from row `i` on, and returns the first row that is left.
+#[inline(always)]
+fn tiles<T: Tile>(kernel: &mut impl Kernel, mut i: usize) -> usize {
+    while i + T::WIDTH <= kernel.len() {
+        kernel.tile::<T>(i);
+        i += T::WIDTH;
+    }
+    i
 }
 
 /// An instruction set.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Level {
     Scalar,
-    #[cfg(target_arch = "x86_64")]
+    #[cfg(vector_code)]
     Baseline,
-    #[cfg(target_arch = "x86_64")]
+    #[cfg(vector_code)]
     Avx2,
-    #[cfg(target_arch = "x86_64")]
+    #[cfg(vector_code)]
     Avx512,
 }
 
 impl Level {
-    #[cfg(target_arch = "x86_64")]
+    #[cfg(vector_code)]
     const ALL: [Self; 4] = [Self::Scalar, Self::Baseline, Self::Avx2, Self::Avx512];
-    #[cfg(not(target_arch = "x86_64"))]
+    #[cfg(not(vector_code))]
     const ALL: [Self; 1] = [Self::Scalar];
 
     fn name(self) -> &'static str {
         match self {
             Self::Scalar => "scalar",
-            #[cfg(target_arch = "x86_64")]
+            #[cfg(vector_code)]
             Self::Baseline => "baseline",
-            #[cfg(target_arch = "x86_64")]
+            #[cfg(vector_code)]
             Self::Avx2 => "avx2",
-            #[cfg(target_arch = "x86_64")]
+            #[cfg(vector_code)]
             Self::Avx512 => "avx512",
         }
     }
@@ -82,12 +115,28 @@ impl Level {
     fn is_available(self) -> bool {
         match self {
             Self::Scalar => true,
-            #[cfg(target_arch = "x86_64")]
+            #[cfg(vector_code)]
             Self::Baseline => true,
-            #[cfg(target_arch = "x86_64")]
+            #[cfg(vector_code)]
             Self::Avx2 => std::arch::is_x86_feature_detected!("avx2"),
-            #[cfg(target_arch = "x86_64")]
+            #[cfg(vector_code)]
             Self::Avx512 => std::arch::is_x86_feature_detected!("avx512f"),
+        }
+    }
+
+    /// Widths of the tiles that it has, the widest first.
+    fn widths(self) -> &'static [usize] {
+        /// Numbers in 16 bytes.
+        #[cfg(vector_code)]
+        const FOUR_OR_TWO: usize = 16 / size_of::<Real>();
+        match self {
+            Self::Scalar => &[1],
+            #[cfg(vector_code)]
+            Self::Baseline => &[FOUR_OR_TWO, 1],
+            #[cfg(vector_code)]
+            Self::Avx2 => &[2 * FOUR_OR_TWO, FOUR_OR_TWO, 1],
+            #[cfg(vector_code)]
+            Self::Avx512 => &[4 * FOUR_OR_TWO, 2 * FOUR_OR_TWO, FOUR_OR_TWO, 1],
         }
     }
 
@@ -109,16 +158,29 @@ pub fn simd_name() -> &'static str {
     Level::chosen().name()
 }
 
-/// Runs a kernel with the widest tiles of this machine.
+/// Runs a kernel with the widest tiles of this machine that fit, and narrower ones on what is left.
 #[inline]
-pub(crate) fn dispatch(kernel: impl Kernel) {
+pub(crate) fn dispatch(kernel: &mut impl Kernel) {
     match Level::chosen() {
-        Level::Scalar => kernel.run::<Real>(),
-        #[cfg(target_arch = "x86_64")]
+        Level::Scalar => {
+            tiles::<Real>(kernel, 0);
+        }
+        #[cfg(vector_code)]
         Level::Baseline => x86_64::with_sse2(kernel),
-        #[cfg(target_arch = "x86_64")]
+        #[cfg(vector_code)]
         Level::Avx2 => x86_64::with_avx2(kernel),
-        #[cfg(target_arch = "x86_64")]
+        #[cfg(vector_code)]
         Level::Avx512 => x86_64::with_avx512(kernel),
     }
+}
+
+/// The width of the widest tile of this machine.
+pub(crate) fn widest() -> usize {
+    Level::chosen().widths()[0]
+}
+
+/// The width of the narrowest tile of this machine that has room for so many bodies, at most those of the widest.
+pub(crate) fn narrowest_for(bodies: usize) -> usize {
+    let widths = Level::chosen().widths();
+    widths.iter().rev().copied().find(|&width| width >= bodies).unwrap_or(widths[0])
 }

@@ -10,19 +10,29 @@ use std::ops::{Add, Div, Mul, Neg, Sub};
 
 use tumble_math::lane::Lane;
 
-use super::{Kernel, Tile};
+use super::pair::Pair;
+use super::record::{numbers, set_numbers};
+use super::{Kernel, Record, Tile, tiles};
 use crate::math::Real;
 
+mod blocks;
+mod wide;
+
 /// Runs a kernel on SSE2 tiles, which every x86-64 machine has.
-pub(super) fn with_sse2(kernel: impl Kernel) {
-    kernel.run::<Sse2>();
+pub(super) fn with_sse2(kernel: &mut impl Kernel) {
+    let left = tiles::<Sse2>(kernel, 0);
+    tiles::<Real>(kernel, left);
 }
 
 /// Runs a kernel on AVX2 tiles, or on SSE2 tiles where the machine has no AVX2.
-pub(super) fn with_avx2(kernel: impl Kernel) {
+pub(super) fn with_avx2(kernel: &mut impl Kernel) {
     #[target_feature(enable = "avx2")]
-    fn enabled(kernel: impl Kernel) {
-        kernel.run::<Avx2>();
+    fn enabled(kernel: &mut impl Kernel) {
+        align_the_stack();
+        let left = tiles::<Pair<Avx2>>(kernel, 0);
+        let left = tiles::<Avx2>(kernel, left);
+        let left = tiles::<Sse2>(kernel, left);
+        tiles::<Real>(kernel, left);
     }
     if std::arch::is_x86_feature_detected!("avx2") {
         // SAFETY: the machine has AVX2.
@@ -33,10 +43,15 @@ pub(super) fn with_avx2(kernel: impl Kernel) {
 }
 
 /// Runs a kernel on AVX-512 tiles, or on AVX2 tiles where the machine has no AVX-512F.
-pub(super) fn with_avx512(kernel: impl Kernel) {
+pub(super) fn with_avx512(kernel: &mut impl Kernel) {
     #[target_feature(enable = "avx512f")]
-    fn enabled(kernel: impl Kernel) {
-        kernel.run::<Avx512>();
+    fn enabled(kernel: &mut impl Kernel) {
+        align_the_stack();
+        let left = tiles::<Pair<Avx512>>(kernel, 0);
+        let left = tiles::<Avx512>(kernel, left);
+        let left = tiles::<Avx2>(kernel, left);
+        let left = tiles::<Sse2>(kernel, left);
+        tiles::<Real>(kernel, left);
     }
     if std::arch::is_x86_feature_detected!("avx512f") {
         // SAFETY: the machine has AVX-512F.
@@ -44,6 +59,15 @@ pub(super) fn with_avx512(kernel: impl Kernel) {
     } else {
         with_avx2(kernel);
     }
+}
+
+/// Has the function that this is inlined into keep its stack at multiples of 64 bytes. The compiler lets vectors that it runs out of registers
+/// for lie across cache lines otherwise, since it learns too late that there are any.
+#[inline(always)]
+fn align_the_stack() {
+    #[repr(align(64))]
+    struct CacheLine(u8);
+    std::hint::black_box(&mut CacheLine(0).0);
 }
 
 /// Declares a tile: its intrinsics, and the few operations that differ in more than a name.
@@ -56,31 +80,95 @@ macro_rules! tile {
         select: |$mask:ident, $if_true:ident, $if_false:ident| $select:expr,
         bits: |$m:ident| $bits:expr,
         exp2: |$e:ident| $exp2:expr,
+        or: |$x:ident, $y:ident| $or:expr,
+        is_zero: |$v:ident| $is_zero:expr,
+        rows: $rows:ident,
     ) => {
         #[derive(Clone, Copy)]
         pub(super) struct $Tile($Vector);
 
-        impl Tile for $Tile {
-            const WIDTH: usize = $width;
-
+        impl $Tile {
             #[inline(always)]
-            fn from_fn(mut number: impl FnMut(usize) -> Real) -> Self {
-                let mut numbers: [Real; $width] = [0.0; $width];
-                for (i, slot) in numbers.iter_mut().enumerate() {
-                    *slot = number(i);
-                }
+            fn from_array(numbers: &[Real; $width]) -> Self {
                 // SAFETY: the array has the size of the vector, and an unaligned load is used; for the rest see the module.
                 Self(unsafe { $load(numbers.as_ptr()) })
             }
 
             #[inline(always)]
-            fn for_each(self, mut store: impl FnMut(usize, Real)) {
-                let mut numbers: [Real; $width] = [0.0; $width];
+            fn to_array(self) -> [Real; $width] {
+                let mut numbers = [0.0; $width];
                 // SAFETY: the array has the size of the vector, and an unaligned store is used; for the rest see the module.
                 unsafe { $store(numbers.as_mut_ptr(), self.0) };
-                for (i, number) in numbers.into_iter().enumerate() {
-                    store(i, number);
+                numbers
+            }
+        }
+
+        impl Tile for $Tile {
+            const WIDTH: usize = $width;
+
+            #[inline(always)]
+            fn load<R: Record, const N: usize>(rows: &[R]) -> [Self; N] {
+                let rows = &rows[..$width];
+                let mut tiles = [Self::splat(0.0); N];
+                if $rows::transposes::<R, N>() {
+                    // SAFETY: as many rows as the tile is wide, of at least N numbers each; for the rest see the module.
+                    let vectors: [$Vector; N] = unsafe { $rows::load_rows(rows.as_ptr().cast(), R::STRIDE) };
+                    let mut c = 0;
+                    while c < N {
+                        tiles[c] = Self(vectors[c]);
+                        c += 1;
+                    }
+                } else {
+                    let mut c = 0;
+                    while c < N {
+                        let mut lanes = [0.0; $width];
+                        for (lane, row) in lanes.iter_mut().zip(rows) {
+                            *lane = numbers::<R, N>(row)[c];
+                        }
+                        tiles[c] = Self::from_array(&lanes);
+                        c += 1;
+                    }
                 }
+                tiles
+            }
+
+            #[inline(always)]
+            fn store<R: Record, const N: usize>(tiles: [Self; N], rows: &mut [R]) {
+                let rows = &mut rows[..$width];
+                if $rows::transposes::<R, N>() {
+                    let mut vectors = [tiles[0].0; N];
+                    let mut c = 1;
+                    while c < N {
+                        vectors[c] = tiles[c].0;
+                        c += 1;
+                    }
+                    // SAFETY: as many rows as the tile is wide, of at least N numbers each; for the rest see the module.
+                    unsafe { $rows::store_rows(vectors, rows.as_mut_ptr().cast(), R::STRIDE) };
+                } else {
+                    let mut lanes = [[0.0; $width]; N];
+                    let mut c = 0;
+                    while c < N {
+                        lanes[c] = tiles[c].to_array();
+                        c += 1;
+                    }
+                    for (i, row) in rows.iter_mut().enumerate() {
+                        set_numbers::<R, N>(row, std::array::from_fn(|c| lanes[c][i]));
+                    }
+                }
+            }
+
+            #[inline(always)]
+            fn are_zero<const N: usize>(numbers: [Self; N]) -> bool {
+                let mut $v = numbers[0].0;
+                let mut c = 1;
+                while c < N {
+                    let ($x, $y) = ($v, numbers[c].0);
+                    // SAFETY: see the module.
+                    $v = unsafe { $or };
+                    c += 1;
+                }
+                // SAFETY: see the module.
+                unsafe { $is_zero }
             }
         }
 
@@ -151,9 +239,11 @@ macro_rules! tile {
 
             #[inline(always)]
             fn sin_cos(self) -> (Self, Self) {
-                let mut both = [(0.0, 0.0); $width];
-                self.for_each(|i, angle| both[i] = <Real as Lane>::sin_cos(angle));
-                (Self::from_fn(|i| both[i].0), Self::from_fn(|i| both[i].1))
+                let (mut sines, mut cosines) = (self.to_array(), [0.0; $width]);
+                for (sine, cosine) in sines.iter_mut().zip(&mut cosines) {
+                    (*sine, *cosine) = <Real as Lane>::sin_cos(*sine);
+                }
+                (Self::from_array(&sines), Self::from_array(&cosines))
             }
         }
     };
@@ -182,6 +272,9 @@ mod precision {
         // SAFETY: see the module.
         bits: |m| unsafe { _mm_movemask_ps(m) },
         exp2: |e| _mm_castsi128_ps(_mm_slli_epi32::<23>(_mm_add_epi32(_mm_cvttps_epi32(e), _mm_set1_epi32(127)))),
+        or: |x, y| _mm_or_ps(x, y),
+        is_zero: |v| _mm_movemask_epi8(_mm_cmpeq_epi32(_mm_castps_si128(v), _mm_setzero_si128())) == 0xffff,
+        rows: blocks,
     }
 
     tile! {
@@ -197,6 +290,9 @@ mod precision {
             _mm256_cvttps_epi32(e),
             _mm256_set1_epi32(127),
         ))),
+        or: |x, y| _mm256_or_ps(x, y),
+        is_zero: |v| _mm256_testz_si256(_mm256_castps_si256(v), _mm256_castps_si256(v)) == 1,
+        rows: blocks,
     }
 
     tile! {
@@ -211,6 +307,9 @@ mod precision {
             _mm512_cvttps_epi32(e),
             _mm512_set1_epi32(127),
         ))),
+        or: |x, y| _mm512_castsi512_ps(_mm512_or_si512(_mm512_castps_si512(x), _mm512_castps_si512(y))),
+        is_zero: |v| _mm512_test_epi32_mask(_mm512_castps_si512(v), _mm512_castps_si512(v)) == 0,
+        rows: wide,
     }
 }
 
@@ -237,6 +336,9 @@ mod precision {
         // SAFETY: see the module.
         bits: |m| unsafe { _mm_movemask_pd(m) },
         exp2: |e| exponents_128(_mm_cvttpd_epi32(e)),
+        or: |x, y| _mm_or_pd(x, y),
+        is_zero: |v| _mm_movemask_epi8(_mm_cmpeq_epi32(_mm_castpd_si128(v), _mm_setzero_si128())) == 0xffff,
+        rows: blocks,
     }
 
     tile! {
@@ -252,6 +354,9 @@ mod precision {
             _mm256_cvtepi32_epi64(_mm256_cvttpd_epi32(e)),
             _mm256_set1_epi64x(1023),
         ))),
+        or: |x, y| _mm256_or_pd(x, y),
+        is_zero: |v| _mm256_testz_si256(_mm256_castpd_si256(v), _mm256_castpd_si256(v)) == 1,
+        rows: blocks,
     }
 
     tile! {
@@ -266,6 +371,9 @@ mod precision {
             _mm512_cvtepi32_epi64(_mm512_cvttpd_epi32(e)),
             _mm512_set1_epi64(1023),
         ))),
+        or: |x, y| _mm512_castsi512_pd(_mm512_or_si512(_mm512_castpd_si512(x), _mm512_castpd_si512(y))),
+        is_zero: |v| _mm512_test_epi32_mask(_mm512_castpd_si512(v), _mm512_castpd_si512(v)) == 0,
+        rows: wide,
     }
 }
 

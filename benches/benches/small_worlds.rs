@@ -1,0 +1,37 @@
+//! Worlds so small that what counts is what a step costs besides its bodies: none to a hundred boxes, called as a game calls it, from a
+//! thread that is not one of rayon's.
+//!
+//! `step` is one step; `step_many` is 120, divided by 120 in the throughput. `cargo bench --bench small_worlds -- step/`.
+
+mod setup;
+
+use criterion::{BenchmarkId, Criterion, Throughput, criterion_group, criterion_main};
+use tumble::{Settings, Simulation};
+use tumble_benches::tumbling_boxes;
+
+const STEPS: u32 = 120;
+
+fn small_worlds(criterion: &mut Criterion) {
+    for (name, steps) in [("step", 1), ("step_many", STEPS)] {
+        let mut group = criterion.benchmark_group(name);
+        for size in [0, 1, 2, 8, 10, 16, 100] {
+            let Ok(mut simulation) = Simulation::new(Settings::default()) else { return };
+            let mut world = tumbling_boxes(size);
+            // The throughput of an empty world is in steps.
+            group.throughput(Throughput::Elements(size.max(1) as u64 * u64::from(steps)));
+            group.bench_function(BenchmarkId::from_parameter(size), |bencher| {
+                bencher.iter(|| match steps {
+                    1 => simulation.step(&mut world),
+                    _ => simulation.step_many(&mut world, steps),
+                });
+            });
+        }
+    }
+}
+
+criterion_group! {
+    name = benches;
+    config = setup::criterion();
+    targets = small_worlds
+}
+criterion_main!(benches);

@@ -1,0 +1,232 @@
+//! A snapshot as bytes. All numbers are little-endian.
+//!
+//! | bytes | what |
+//! |---|---|
+//! | 8 | `TUMBLE-S` |
+//! | 4, 4 | version of the format; bytes of a number, 4 or 8 |
+//! | 8, 8, 8 | how many moving, kinematic and fixed bodies |
+//! | 8 | 1 with a clock, 0 without; the clock's five fields are then zero |
+//! | 8, 8, 8, 8, 8 | steps; steps and time when the settings last changed; dt; frame time owed |
+//! | 8 a body | identities: of moving, kinematic and fixed bodies, each in ascending order |
+//! | 7 numbers a body | position, orientation x y z w |
+//! | 6 numbers a moving body | linear and angular momentum |
+//! | 6 numbers a kinematic body | linear and angular velocity |
+//! | 8 | 64-bit FNV-1a of all before |
+
+use super::{BodyKind, Segment, Snapshot, SnapshotError, first_duplicate};
+use crate::clock::Clock;
+use crate::components::{BodyId, Momentum, Pose, Velocity};
+use crate::math::{Quat, Real, Vec3, dquat, real};
+use crate::state_hash::Fnv;
+
+const MAGIC: [u8; 8] = *b"TUMBLE-S";
+const HEADER: usize = 88;
+const CHECKSUM: usize = 8;
+const NUMBER: usize = size_of::<Real>();
+/// How far from one the length of an orientation may be: as far as [`RigidBody`](crate::RigidBody) allows.
+const UNIT_TOLERANCE: f64 = 1e-3;
+
+impl Snapshot {
+    /// The version of the format of [`to_bytes`](Self::to_bytes).
+    pub const VERSION: u32 = 1;
+
+    /// The snapshot as bytes for a file or a peer: 96 bytes and 60 a body in single precision, 112 in double. Bodies are in the
+    /// order of their [`BodyId`]s, so the same state gives the same bytes, whatever the order they were spawned in.
+    ///
+    /// With the cargo feature `serde` a snapshot is serialised as these bytes.
+    ///
+    /// ```
+    /// # use tumble::Snapshot;
+    /// # let world = hecs::World::new();
+    /// let bytes = Snapshot::capture(&world)?.to_bytes();
+    /// assert_eq!(bytes.len(), 96);
+    /// assert!(Snapshot::from_bytes(&bytes)?.is_empty());
+    /// # Ok::<(), tumble::SnapshotError>(())
+    /// ```
+    pub fn to_bytes(&self) -> Vec<u8> {
+        let mut bytes = Vec::with_capacity(HEADER + self.len() * (8 + 13 * NUMBER) + CHECKSUM);
+        self.write_header(&mut bytes);
+        let rows: Vec<usize> = BodyKind::ALL.into_iter().flat_map(|kind| self.rows_by_id(self.rows(kind))).collect();
+        for &row in &rows {
+            bytes.extend(self.ids[row].0.to_le_bytes());
+        }
+        for part in [0..7, 7..13] {
+            for &row in &rows {
+                let numbers = self.numbers(row).skip(part.start).take(part.len());
+                numbers.for_each(|number| bytes.extend(number.to_le_bytes()));
+            }
+        }
+        let sum = checksum(&bytes);
+        bytes.extend(sum.to_le_bytes());
+        bytes
+    }
+
+    fn write_header(&self, bytes: &mut Vec<u8>) {
+        bytes.extend(MAGIC);
+        bytes.extend(Self::VERSION.to_le_bytes());
+        bytes.extend((NUMBER as u32).to_le_bytes());
+        for kind in BodyKind::ALL {
+            bytes.extend((self.rows(kind).len() as u64).to_le_bytes());
+        }
+        let fields = self.clock.map_or([0; 6], |clock| {
+            let (steps, time) = clock.since;
+            [1, clock.steps, steps, time.to_bits(), f64::from(clock.dt).to_bits(), clock.owed.to_bits()]
+        });
+        bytes.extend(fields.into_iter().flat_map(u64::to_le_bytes));
+    }
+
+    /// The snapshot that [`to_bytes`](Self::to_bytes) has written.
+    ///
+    /// # Errors
+    /// [`SnapshotError`] where the bytes are not a snapshot, of another version or precision, cut short or damaged, or hold a state that no
+    /// world can have.
+    pub fn from_bytes(bytes: &[u8]) -> Result<Self, SnapshotError> {
+        let header = Header::read(bytes)?;
+        let mut rest = Reader { rest: &bytes[HEADER..bytes.len() - CHECKSUM], found: bytes.len() };
+        let bodies = header.counts.iter().sum();
+        let ids = rest.many(bodies, |rest| rest.u64().map(BodyId))?;
+        let poses = rest.many(bodies, Reader::pose)?;
+        let momenta = rest.many(header.counts[0], Reader::momentum)?;
+        let velocities = rest.many(header.counts[1], Reader::velocity)?;
+        let mut snapshot = Self { ids, poses, momenta, velocities, segments: Vec::new(), clock: header.clock };
+        for kind in BodyKind::ALL {
+            let rows = snapshot.rows(kind);
+            snapshot.segments.push(Segment { archetype: usize::MAX, start: rows.start, len: rows.len() });
+        }
+        snapshot.check()?;
+        Ok(snapshot)
+    }
+
+    /// Whether a world can have this state.
+    fn check(&self) -> Result<(), SnapshotError> {
+        if let Some(id) = first_duplicate(&self.ids) {
+            return Err(SnapshotError::Duplicate { id });
+        }
+        for (row, &id) in self.ids.iter().enumerate() {
+            if !self.numbers(row).all(Real::is_finite) {
+                return Err(SnapshotError::NotFinite { id });
+            }
+            let length = dquat(self.poses[row].orientation).length();
+            if (length - 1.0).abs() > UNIT_TOLERANCE {
+                return Err(SnapshotError::NotUnit { id, length });
+            }
+        }
+        Ok(())
+    }
+}
+
+fn checksum(bytes: &[u8]) -> u64 {
+    let mut hash = Fnv::default();
+    hash.add_bytes(bytes);
+    hash.value()
+}
+
+/// What comes before the bodies.
+struct Header {
+    /// Moving, kinematic and fixed bodies.
+    counts: [usize; 3],
+    clock: Option<Clock>,
+}
+
+impl Header {
+    /// Reads it and checks that the rest is there and undamaged.
+    fn read(bytes: &[u8]) -> Result<Self, SnapshotError> {
+        let mut reader = Reader { rest: bytes, found: bytes.len() };
+        if reader.take() != Ok(MAGIC) {
+            return Err(SnapshotError::NotASnapshot);
+        }
+        let version = reader.take().map(u32::from_le_bytes)?;
+        if version != Snapshot::VERSION {
+            return Err(SnapshotError::Version { found: version, expected: Snapshot::VERSION });
+        }
+        let number = reader.take().map(u32::from_le_bytes)?;
+        if number != NUMBER as u32 {
+            return Err(SnapshotError::Precision { found: number });
+        }
+        let counts = [reader.u64()?, reader.u64()?, reader.u64()?];
+        let expected = expected_length(counts);
+        let (body, sum) = match bytes.split_last_chunk::<CHECKSUM>() {
+            Some(split) if bytes.len() as u64 == expected => split,
+            _ => return Err(SnapshotError::Length { found: bytes.len(), expected }),
+        };
+        if checksum(body) != u64::from_le_bytes(*sum) {
+            return Err(SnapshotError::Checksum);
+        }
+        // The bytes are there, so the counts fit into memory.
+        Ok(Self { counts: counts.map(|count| count as usize), clock: reader.clock()? })
+    }
+}
+
+/// How long a snapshot of so many bodies is; `u64::MAX` where it is longer.
+fn expected_length([moving, kinematic, fixed]: [u64; 3]) -> u64 {
+    let number = NUMBER as u64;
+    let of = |count: u64, numbers: u64| count.saturating_mul(8 + numbers * number);
+    let bodies = of(moving, 13).saturating_add(of(kinematic, 13)).saturating_add(of(fixed, 7));
+    bodies.saturating_add((HEADER + CHECKSUM) as u64)
+}
+
+/// Takes numbers from the front.
+struct Reader<'a> {
+    rest: &'a [u8],
+    /// How many bytes the file has.
+    found: usize,
+}
+
+impl Reader<'_> {
+    fn take<const N: usize>(&mut self) -> Result<[u8; N], SnapshotError> {
+        let short = SnapshotError::Length { found: self.found, expected: (HEADER + CHECKSUM) as u64 };
+        let (taken, rest) = self.rest.split_first_chunk().ok_or(short)?;
+        self.rest = rest;
+        Ok(*taken)
+    }
+
+    /// So many things, in no more memory than they take.
+    fn many<T>(
+        &mut self,
+        count: usize,
+        one: impl Fn(&mut Self) -> Result<T, SnapshotError>,
+    ) -> Result<Vec<T>, SnapshotError> {
+        let mut all = Vec::with_capacity(count);
+        for _ in 0..count {
+            all.push(one(self)?);
+        }
+        Ok(all)
+    }
+
+    fn u64(&mut self) -> Result<u64, SnapshotError> {
+        self.take().map(u64::from_le_bytes)
+    }
+
+    fn clock(&mut self) -> Result<Option<Clock>, SnapshotError> {
+        let fields: [u64; 6] = [self.u64()?, self.u64()?, self.u64()?, self.u64()?, self.u64()?, self.u64()?];
+        let [present, steps, since, time, dt, owed] = fields;
+        if fields == [0; 6] {
+            return Ok(None);
+        }
+        let (time, owed) = (f64::from_bits(time), f64::from_bits(owed));
+        let clock = Clock { steps, since: (since, time), dt: real(f64::from_bits(dt)), owed };
+        if present == 1 && clock.is_possible() { Ok(Some(clock)) } else { Err(SnapshotError::Clock) }
+    }
+
+    fn real(&mut self) -> Result<Real, SnapshotError> {
+        self.take().map(Real::from_le_bytes)
+    }
+
+    fn vector(&mut self) -> Result<Vec3, SnapshotError> {
+        Ok(Vec3::new(self.real()?, self.real()?, self.real()?))
+    }
+
+    fn pose(&mut self) -> Result<Pose, SnapshotError> {
+        let position = self.vector()?;
+        let orientation = Quat::from_xyzw(self.real()?, self.real()?, self.real()?, self.real()?);
+        Ok(Pose { position, orientation })
+    }
+
+    fn momentum(&mut self) -> Result<Momentum, SnapshotError> {
+        Ok(Momentum { linear: self.vector()?, angular: self.vector()? })
+    }
+
+    fn velocity(&mut self) -> Result<Velocity, SnapshotError> {
+        Ok(Velocity { linear: self.vector()?, angular: self.vector()? })
+    }
+}

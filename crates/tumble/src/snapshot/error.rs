@@ -1,0 +1,89 @@
+use super::BodyKind;
+use crate::components::BodyId;
+use crate::math::PRECISION;
+
+/// Why a snapshot cannot be taken, read or restored. Whatever it is, the world is as it was.
+///
+/// ```
+/// use tumble::{Snapshot, SnapshotError};
+/// assert_eq!(Snapshot::from_bytes(b"a picture, by mistake").unwrap_err(), SnapshotError::NotASnapshot);
+/// ```
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum SnapshotError {
+    /// Bodies that a step moves have no [`BodyId`], so nothing could say later which they were.
+    #[error("{bodies} bodies that a step moves have no BodyId")]
+    Unidentified {
+        /// How many.
+        bodies: usize,
+    },
+    /// Two bodies of the world, or of the file, have the same [`BodyId`].
+    #[error("two bodies have the same BodyId {}", .id.0)]
+    Duplicate {
+        /// The smallest such identity.
+        id: BodyId,
+    },
+    /// Bodies of the snapshot are not in the world. They were despawned since, or never spawned in this one: spawn them, with these
+    /// identities, and restore again.
+    #[error("{} bodies of the snapshot are not in the world, the first is BodyId {}", .ids.len(), .ids.first().map_or(0, |id| id.0))]
+    Missing {
+        /// All of them, in order.
+        ids: Vec<BodyId>,
+    },
+    /// A body is of another kind than when the snapshot was taken, so it lacks a component that the snapshot would write.
+    #[error("BodyId {} was {was} when the snapshot was taken and is {is} now", .id.0)]
+    Changed {
+        /// The body.
+        id: BodyId,
+        /// Its kind in the snapshot.
+        was: BodyKind,
+        /// Its kind in the world.
+        is: BodyKind,
+    },
+    /// The bytes do not begin as those of a snapshot do.
+    #[error("this is not a snapshot")]
+    NotASnapshot,
+    /// The bytes are of another version of the format.
+    #[error("this is a snapshot of version {found}, {expected} is read here")]
+    Version {
+        /// The version of the file.
+        found: u32,
+        /// The version that this build reads and writes.
+        expected: u32,
+    },
+    /// The snapshot was taken in the other precision, so no run could continue from it to the bit.
+    #[error("this snapshot has numbers of {found} bytes, but this build simulates in {PRECISION}")]
+    Precision {
+        /// Bytes that a number of the file takes.
+        found: u32,
+    },
+    /// There are more or fewer bytes than the number of bodies takes: the file was cut short, or something was added.
+    #[error("a snapshot of so many bodies takes {expected} bytes, these are {found}")]
+    Length {
+        /// How many bytes there are.
+        found: usize,
+        /// How many there should be; `u64::MAX` where it is beyond that.
+        expected: u64,
+    },
+    /// The checksum is another: the file is damaged.
+    #[error("the checksum does not fit: the snapshot is damaged")]
+    Checksum,
+    /// The time, the number of steps or the owed frame time is one that no simulation has.
+    #[error("no simulation has the clock of this snapshot")]
+    Clock,
+    /// A number of a body is infinite or not a number.
+    #[error("the state of BodyId {} is not finite", .id.0)]
+    NotFinite {
+        /// The first such body.
+        id: BodyId,
+    },
+    /// The orientation of a body is further than 1e-3 from unit length, which is what [`RigidBody`](crate::RigidBody) allows and far
+    /// more than a step leaves.
+    #[error("the orientation of BodyId {} has the length {length}", .id.0)]
+    NotUnit {
+        /// The first such body.
+        id: BodyId,
+        /// Length of the quaternion.
+        length: f64,
+    },
+}

@@ -1,0 +1,49 @@
+use std::fmt;
+
+use hecs::Archetype;
+
+use crate::components::{Momentum, Pose, Velocity};
+
+/// What moves a body, and so what of it is state.
+///
+/// ```
+/// # use tumble::BodyKind;
+/// assert_eq!(BodyKind::Kinematic.to_string(), "kinematic");
+/// ```
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum BodyKind {
+    /// It has [`Momentum`]: forces move it. Pose and momentum are its state.
+    Moving,
+    /// It has a [`Velocity`] and no momentum. Pose and velocity are its state.
+    Kinematic,
+    /// It has neither. Its pose is its state: the caller may move it.
+    Fixed,
+}
+
+impl BodyKind {
+    /// In the order in which a snapshot holds them.
+    pub(super) const ALL: [Self; 3] = [Self::Moving, Self::Kinematic, Self::Fixed];
+
+    /// Of the entities of an archetype; `None` where they are not bodies.
+    pub(super) fn of(archetype: &Archetype) -> Option<Self> {
+        if archetype.is_empty() || !archetype.has::<Pose>() {
+            None
+        } else if archetype.has::<Momentum>() {
+            Some(Self::Moving)
+        } else if archetype.has::<Velocity>() {
+            Some(Self::Kinematic)
+        } else {
+            Some(Self::Fixed)
+        }
+    }
+}
+
+impl fmt::Display for BodyKind {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Self::Moving => "moving",
+            Self::Kinematic => "kinematic",
+            Self::Fixed => "fixed",
+        })
+    }
+}

@@ -1,0 +1,84 @@
+//! Promise: once a world has been stepped, stepping it allocates nothing, on no thread: not with many kinds of bodies, own force laws, a ledger, one thread
+//! or two.
+//!
+//! Why: an allocation in a game's frame is a hitch, and in a world of ten bodies it takes longer than they do. It fails if a step collects archetypes,
+//! chunks or laws in something that grows.
+//!
+//! Steps are taken within a thread pool, as a game does that runs its frame there: handing a step over from outside to a pool's threads may allocate.
+//! There is one test in this file, because the whole process is counted.
+
+#![allow(clippy::unwrap_used, reason = "a test without what it tests is to fail")]
+
+use alloc_tracker::{Allocator, Session};
+use hecs::World;
+use rayon::ThreadPoolBuilder;
+use tumble::{BodyOrder, BodyState, ForceLaw, Integrator, Ledger, Settings, Simulation, Wrench};
+use tumble_benches::{mixed_bodies, tumbling_boxes};
+
+#[global_allocator]
+static ALLOCATOR: Allocator<std::alloc::System> = Allocator::system();
+
+/// Slows a body down.
+struct Brake;
+
+impl ForceLaw for Brake {
+    fn wrench(&self, state: &BodyState<'_>) -> Wrench {
+        Wrench { force: state.linear_velocity * -0.1, ..Wrench::default() }
+    }
+}
+
+/// With a law on every third body.
+fn braked_bodies() -> World {
+    let mut world = mixed_bodies(3000);
+    for entity in BodyOrder::moving(&world).entities().iter().step_by(3) {
+        world.insert_one(*entity, Brake).unwrap();
+    }
+    world
+}
+
+#[test]
+fn a_step_allocates_nothing() {
+    let session = Session::new();
+    type Scene = fn() -> World;
+    let scenes: [(&str, Scene); 6] = [
+        ("empty", World::new),
+        ("one", || tumbling_boxes(1)),
+        ("boxes", || tumbling_boxes(20_000)),
+        ("mixed", || mixed_bodies(20_000)),
+        ("braked", braked_bodies),
+        ("booked", || mixed_bodies(200)),
+    ];
+    for threads in [1, 2] {
+        let pool = ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+        for (name, scene) in scenes {
+            for integrator in Integrator::ALL {
+                let mut world = scene();
+                let mut simulation = Simulation::new(Settings::default().with_integrator(integrator)).unwrap();
+                simulation.add_law::<Brake>();
+                if name == "booked" {
+                    Ledger::attach(&mut world, &simulation);
+                }
+                let counted = session.operation(format!("{name}, {integrator}, {threads} threads"));
+                pool.install(|| {
+                    simulation.step(&mut world);
+                    let _counting = counted.measure_process();
+                    for _ in 0..10 {
+                        simulation.step(&mut world);
+                    }
+                    simulation.step_many(&mut world, 10);
+                });
+            }
+        }
+    }
+    for (name, counted) in session.to_report().operations() {
+        assert_eq!(counted.total_allocations_count(), 0, "{name}: {counted}");
+    }
+
+    // The counting counts.
+    let counted = session.operation("a box");
+    {
+        let _counting = counted.measure_process();
+        drop(std::hint::black_box(Box::new(1)));
+    }
+    assert!(counted.total_bytes_allocated() > 0);
+}
