@@ -42,3 +42,16 @@ impl From<tumble_scene::SceneError> for Failure {
         Self::Input(error.to_string())
     }
 }
+
+impl From<tumble_scene::SweepError> for Failure {
+    fn from(error: tumble_scene::SweepError) -> Self {
+        Self::Input(error.to_string())
+    }
+}
+
+/// Found when the file is opened; what goes wrong later is to be made a failure while running.
+impl From<tumble_scene::SweepFileError> for Failure {
+    fn from(error: tumble_scene::SweepFileError) -> Self {
+        Self::Input(error.to_string())
+    }
+}

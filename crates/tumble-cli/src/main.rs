@@ -1,4 +1,4 @@
-//! The `tumble` program: runs scenes of rigid bodies and inspects their mass properties.
+//! The `tumble` program: runs scenes of rigid bodies, sweeps over their fields, and inspects their mass properties.
 //!
 //! Exit codes: 0 all well, 1 a failure while running, 2 bad input or usage, 130 interrupted (with
 //! what was recorded until then finished and readable).
@@ -8,11 +8,16 @@ mod failure;
 mod history;
 mod inspect;
 mod interrupt;
+mod merge;
 mod options;
 mod outputs;
 mod print;
 mod progress;
 mod run;
+mod sweep;
+mod sweep_options;
+mod sweep_plot;
+mod sweep_row;
 mod table;
 
 use std::process::ExitCode;
@@ -25,6 +30,8 @@ use crate::options::{Command, Options, RunOptions};
 fn main() -> ExitCode {
     let done = match Options::parse().command.unwrap_or_else(|| Command::Run(RunOptions::default())) {
         Command::Run(options) => run::run(&options),
+        Command::Sweep(options) => sweep::sweep(&options),
+        Command::Merge(options) => merge::merge(&options),
         Command::Inspect(options) => inspect::inspect(&options),
     };
     match done {

@@ -8,6 +8,8 @@ use tumble::math::Real;
 use tumble::{Integrator, Settings};
 use tumble_scene::{MAX_BODIES, TIME_STEPS, step_count, time_step};
 
+use crate::sweep_options::{MergeOptions, SweepOptions};
+
 /// Threads that can be asked for.
 const MAX_THREADS: u64 = 1024;
 
@@ -28,6 +30,12 @@ pub(crate) enum Command {
     /// Run a scene and report what happened
     #[command(after_help = EXIT_CODES)]
     Run(RunOptions),
+    /// Run many worlds of one scene whose fields differ, by chance or over a grid
+    #[command(after_help = EXIT_CODES)]
+    Sweep(SweepOptions),
+    /// Put the shards of a sweep together
+    #[command(after_help = "Exit codes: 0 all well, 1 a failure while writing, 2 bad input or usage")]
+    Merge(MergeOptions),
     /// Show the mass properties of a scene's bodies
     #[command(after_help = "Exit codes: 0 all well, 2 bad input or a body with problems")]
     Inspect(InspectOptions),
@@ -40,24 +48,8 @@ pub(crate) struct RunOptions {
     /// What has an extension or a slash is a file.
     #[arg(value_name = "SCENE")]
     pub(crate) scene: Option<String>,
-    /// Steps to run, instead of the scene's
-    #[arg(long, value_name = "N", allow_negative_numbers = true, value_parser = steps, conflicts_with = "duration")]
-    pub(crate) steps: Option<u64>,
-    /// Simulated time to run in seconds, rounded to whole steps
-    #[arg(long, value_name = "S", allow_negative_numbers = true, value_parser = duration)]
-    pub(crate) duration: Option<f64>,
-    /// Time step in seconds, instead of the scene's
-    #[arg(long, value_name = "S", allow_negative_numbers = true, value_parser = dt)]
-    pub(crate) dt: Option<Real>,
-    /// Equal parts that each step is divided into
-    #[arg(long, value_name = "N", allow_negative_numbers = true, value_parser = clap::value_parser!(u32).range(1..=i64::from(Settings::MOST_SUBSTEPS)))]
-    pub(crate) substeps: Option<u32>,
-    /// semi-implicit-euler, runge-kutta4 or moser-veselov
-    #[arg(long, value_name = "NAME", value_parser = str::parse::<Integrator>)]
-    pub(crate) integrator: Option<Integrator>,
-    /// Threads [default: one for each core]
-    #[arg(long, value_name = "N", allow_negative_numbers = true, value_parser = clap::value_parser!(u64).range(1..=MAX_THREADS))]
-    pub(crate) threads: Option<u64>,
+    #[command(flatten)]
+    pub(crate) stepping: StepOptions,
     /// Bodies of the stress scene [default: 10000]
     #[arg(long, value_name = "N", allow_negative_numbers = true, value_parser = clap::value_parser!(u64).range(1..=MAX_BODIES as u64))]
     pub(crate) bodies: Option<u64>,
@@ -76,6 +68,29 @@ pub(crate) struct RunOptions {
     /// Print nothing unless something goes wrong
     #[arg(long)]
     pub(crate) quiet: bool,
+}
+
+/// How long to run, and how.
+#[derive(Debug, Default, Args)]
+pub(crate) struct StepOptions {
+    /// Steps to run, instead of the scene's
+    #[arg(long, value_name = "N", allow_negative_numbers = true, value_parser = steps, conflicts_with = "duration")]
+    pub(crate) steps: Option<u64>,
+    /// Simulated time to run in seconds, rounded to whole steps
+    #[arg(long, value_name = "S", allow_negative_numbers = true, value_parser = duration)]
+    pub(crate) duration: Option<f64>,
+    /// Time step in seconds, instead of the scene's
+    #[arg(long, value_name = "S", allow_negative_numbers = true, value_parser = dt)]
+    pub(crate) dt: Option<Real>,
+    /// Equal parts that each step is divided into
+    #[arg(long, value_name = "N", allow_negative_numbers = true, value_parser = clap::value_parser!(u32).range(1..=i64::from(Settings::MOST_SUBSTEPS)))]
+    pub(crate) substeps: Option<u32>,
+    /// semi-implicit-euler, runge-kutta4 or moser-veselov
+    #[arg(long, value_name = "NAME", value_parser = str::parse::<Integrator>)]
+    pub(crate) integrator: Option<Integrator>,
+    /// Threads [default: one for each core]
+    #[arg(long, value_name = "N", allow_negative_numbers = true, value_parser = clap::value_parser!(u64).range(1..=MAX_THREADS))]
+    pub(crate) threads: Option<u64>,
 }
 
 #[derive(Debug, Args)]
@@ -168,7 +183,8 @@ mod tests {
         let options =
             run(&["iss", "--duration", "2.5", "--dt", "0.25", "--threads", "1024", "--integrator", "runge-kutta4"]);
         let options = options.unwrap();
-        assert_eq!((options.duration, options.dt), (Some(2.5), Some(0.25)));
-        assert_eq!(options.integrator, Some(Integrator::RungeKutta4));
+        let stepping = options.stepping;
+        assert_eq!((stepping.duration, stepping.dt), (Some(2.5), Some(0.25)));
+        assert_eq!(stepping.integrator, Some(Integrator::RungeKutta4));
     }
 }

@@ -6,12 +6,12 @@ use hecs::World;
 use rayon::{ThreadPool, ThreadPoolBuilder};
 use tumble::math::PRECISION;
 use tumble::{BodyId, BodyOrder, PhaseTimes, Simulation, simd_name, state_hash};
-use tumble_scene::{MAX_STEPS, Names, Scene, Summary};
+use tumble_scene::{Names, Scene, Summary, steps_of_duration};
 
 use crate::drift::{Drift, NotFinite, interval};
 use crate::failure::Failure;
 use crate::history::History;
-use crate::options::RunOptions;
+use crate::options::{RunOptions, StepOptions};
 use crate::outputs::Outputs;
 use crate::progress::Progress;
 use crate::table::Report;
@@ -26,7 +26,7 @@ pub(crate) fn run(options: &RunOptions) -> Result<(), Failure> {
     let steps = steps(options, &scene)?;
     check_simd()?;
     let bodies = scene.body_count() as u64;
-    let pool = pool(options)?;
+    let pool = pool(&options.stepping)?;
     // First, so that a Ctrl-C from here on leaves no unfinished files.
     interrupt::watch()?;
     let outputs = Outputs::open(options)?;
@@ -50,7 +50,7 @@ pub(crate) fn run(options: &RunOptions) -> Result<(), Failure> {
 }
 
 /// The instruction set that the environment asks for, if any, is to be the one that runs: a figure must not be another's.
-fn check_simd() -> Result<(), Failure> {
+pub(crate) fn check_simd() -> Result<(), Failure> {
     match std::env::var("TUMBLE_SIMD") {
         Ok(wanted) if wanted != simd_name() => Err(Failure::Input(format!(
             "TUMBLE_SIMD={wanted} is not to be had, this machine would run {}; there are scalar, baseline, avx2 and avx512",
@@ -73,31 +73,25 @@ fn scene(options: &RunOptions) -> Result<Scene, Failure> {
     } else {
         Scene::open(name)?
     };
-    if let Some(dt) = options.dt {
+    if let Some(dt) = options.stepping.dt {
         scene.settings.dt = dt;
     }
-    if let Some(substeps) = options.substeps {
+    if let Some(substeps) = options.stepping.substeps {
         scene.settings.substeps = substeps;
     }
-    if let Some(integrator) = options.integrator {
+    if let Some(integrator) = options.stepping.integrator {
         scene.settings.integrator = integrator;
     }
     Ok(scene)
 }
 
-/// A duration is rounded to the nearest whole number of steps.
-#[allow(clippy::useless_conversion, reason = "dt is f64 already in one of the two builds")]
 fn steps(options: &RunOptions, scene: &Scene) -> Result<u64, Failure> {
-    let Some(seconds) = options.duration else { return Ok(options.steps.unwrap_or(scene.steps)) };
-    let steps = (seconds / f64::from(scene.settings.dt)).round();
-    if steps <= MAX_STEPS as f64 {
-        Ok(steps as u64)
-    } else {
-        Err(Failure::Input(format!("--duration {seconds} makes {steps:e} steps, more than {MAX_STEPS}")))
-    }
+    let Some(seconds) = options.stepping.duration else { return Ok(options.stepping.steps.unwrap_or(scene.steps)) };
+    let steps = steps_of_duration(seconds, scene.settings.dt);
+    steps.map_err(|problem| Failure::Input(format!("--duration {problem}")))
 }
 
-fn pool(options: &RunOptions) -> Result<ThreadPool, Failure> {
+pub(crate) fn pool(options: &StepOptions) -> Result<ThreadPool, Failure> {
     // Zero lets rayon choose.
     let threads = options.threads.and_then(|threads| usize::try_from(threads).ok()).unwrap_or(0);
     ThreadPoolBuilder::new()

@@ -29,7 +29,12 @@ pub fn builtin_names() -> impl Iterator<Item = &'static str> {
 
 /// The file of that name, if it is one.
 pub(crate) fn model(name: &str) -> Option<Result<SceneModel, SceneError>> {
-    FILES.iter().find(|(known, _)| *known == name).map(|(name, text)| parse(text, Format::Json, name))
+    text(name).map(|text| parse(text, Format::Json, name))
+}
+
+/// The text of the file of that name, which is JSON.
+pub(crate) fn text(name: &str) -> Option<&'static str> {
+    FILES.iter().find(|(known, _)| *known == name).map(|(_, text)| *text)
 }
 
 #[cfg(test)]

@@ -270,6 +270,12 @@ pub(crate) fn real_vector(vector: DVec3) -> Vec3 {
     Vec3::from_array(vector.to_array().map(real))
 }
 
+/// The components of an engine's vector, as they stand in files.
+#[allow(clippy::useless_conversion, reason = "Real is f64 already in one of the two builds")]
+pub(crate) fn double_vector(vector: Vec3) -> [f64; 3] {
+    vector.to_array().map(f64::from)
+}
+
 /// A quaternion in the engine's precision.
 pub(crate) fn real_quaternion(quaternion: DQuat) -> Quat {
     Quat::from_array(quaternion.to_array().map(real))

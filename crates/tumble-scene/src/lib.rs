@@ -3,7 +3,7 @@
 //! A scene is settings and bodies, written as JSON or RON after one model. [`Scene::open`] reads and checks
 //! it whole before anything is spawned, and a mistake is a [`SceneError`] of one line that names
 //! file, body and field. [`Audit`] shows the mass properties of every body,
-//! [`TrajectoryWriter`] records states, [`Summary`] is what a run reports, and
+//! [`TrajectoryWriter`] records states, [`Sweep`] makes many worlds of one scene, [`Summary`] is what a run reports, and
 //! [`PendingFile`] makes files appear whole or not at all.
 //!
 //! ```
@@ -20,7 +20,9 @@
 mod audit;
 mod builtin;
 mod convert;
+mod distribution;
 mod error;
+mod field_path;
 mod limits;
 mod model;
 mod output;
@@ -29,17 +31,32 @@ mod plot;
 mod read;
 mod recover;
 mod scene;
+mod shard;
 mod stress;
 mod summary;
+mod sweep;
+mod sweep_error;
+mod sweep_file;
+mod sweep_identity;
 mod trajectory;
+mod vary;
 
 pub use audit::{Audit, AuditedBody};
 pub use builtin::builtin_names;
+pub use distribution::Distribution;
 pub use error::{Place, SceneError};
-pub use limits::{MAX_BODIES, MAX_FILE_BYTES, MAX_PARTS, MAX_STEPS, TIME_STEPS, step_count, time_step};
+pub use limits::{
+    MAX_BODIES, MAX_FILE_BYTES, MAX_PARTS, MAX_STEPS, TIME_STEPS, step_count, steps_of_duration, time_step,
+};
 pub use output::PendingFile;
 pub use parse::Format;
 pub use plot::{Mark, Plot, Scale};
 pub use scene::{DEFAULT_STEPS, Names, Scene};
+pub use shard::Shard;
 pub use summary::{Conserved, Summary};
+pub use sweep::{Length, MAX_WORLDS, Sweep, SweepPlan, SweepWorld};
+pub use sweep_error::SweepError;
+pub use sweep_file::{SweepFile, SweepFileError, SweepReader, sweep_header};
+pub use sweep_identity::SweepIdentity;
 pub use trajectory::{COLUMNS, TrajectoryWriter};
+pub use vary::Vary;

@@ -41,6 +41,25 @@ pub fn time_step(seconds: f64) -> Result<Real, String> {
     }
 }
 
+/// How many steps of `dt` \[s\] a simulated time \[s\] has, rounded to the nearest.
+///
+/// # Errors
+/// A sentence about a number over [`MAX_STEPS`], to stand behind the option's or the field's name.
+///
+/// ```
+/// assert_eq!(tumble_scene::steps_of_duration(1.1, 0.25), Ok(4));
+/// assert!(tumble_scene::steps_of_duration(1e9, 1e-9).is_err());
+/// ```
+#[allow(clippy::useless_conversion, reason = "dt is f64 already in one of the two builds")]
+pub fn steps_of_duration(seconds: f64, dt: Real) -> Result<u64, String> {
+    let steps = (seconds / f64::from(dt)).round();
+    if steps <= MAX_STEPS as f64 {
+        Ok(steps as u64)
+    } else {
+        Err(format!("{seconds} makes {steps:e} steps, more than {MAX_STEPS}"))
+    }
+}
+
 /// The number of steps of a run.
 ///
 /// # Errors

@@ -81,6 +81,23 @@ pub(crate) enum ShapeModel {
     },
 }
 
+impl ShapeModel {
+    /// As it is called in files.
+    pub(crate) fn name(&self) -> &'static str {
+        match self {
+            Self::Point => "point",
+            Self::Sphere { .. } => "sphere",
+            Self::HollowSphere { .. } => "hollow_sphere",
+            Self::Cuboid { .. } => "cuboid",
+            Self::Cylinder { .. } => "cylinder",
+            Self::Capsule { .. } => "capsule",
+            Self::Cone { .. } => "cone",
+            Self::Ellipsoid { .. } => "ellipsoid",
+            Self::Compound { .. } => "compound",
+        }
+    }
+}
+
 #[derive(Clone, Debug, serde::Deserialize)]
 #[serde(deny_unknown_fields, rename = "Part", expecting = "a part with named fields")]
 pub(crate) struct PartModel {

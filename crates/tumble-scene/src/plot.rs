@@ -38,6 +38,8 @@ pub enum Mark {
     Dashed,
     /// A line with a dot at every point.
     Dots,
+    /// A small dot at every point and no line.
+    Cloud,
 }
 
 /// A plot of several series over common axes, written as an SVG picture that is readable on light and dark grounds.
@@ -175,6 +177,7 @@ impl Series {
         let mut path = String::new();
         let mut dots = String::new();
         let mut pen_down = false;
+        let radius = if self.mark == Mark::Cloud { 1.8 } else { 3.4 };
         while let Some(point) = placed.next() {
             if !(point.0.is_finite() && point.1.is_finite()) {
                 pen_down = false;
@@ -183,7 +186,9 @@ impl Series {
             // Of the points in one column of the picture, the first, the lowest, the highest and the last are seen.
             let column = (2.0 * point.0).floor();
             let mut seen = [point; 4];
-            while let Some(next) = placed.next_if(|p| p.1.is_finite() && (2.0 * p.0).floor() == column) {
+            // The density of a cloud is what it shows, so none of its points are left out.
+            let thin = self.mark != Mark::Cloud;
+            while let Some(next) = placed.next_if(|p| thin && p.1.is_finite() && (2.0 * p.0).floor() == column) {
                 seen[1] = if next.1 < seen[1].1 { next } else { seen[1] };
                 seen[2] = if next.1 > seen[2].1 { next } else { seen[2] };
                 seen[3] = next;
@@ -194,16 +199,16 @@ impl Series {
                     put(&mut path, format_args!("{}{px:.2} {py:.2}", if pen_down { "L" } else { "M" }));
                     put(
                         &mut dots,
-                        format_args!("<circle class=\"d{color}\" cx=\"{px:.2}\" cy=\"{py:.2}\" r=\"3.4\"/>"),
+                        format_args!("<circle class=\"d{color}\" cx=\"{px:.2}\" cy=\"{py:.2}\" r=\"{radius}\"/>"),
                     );
                     pen_down = true;
                 }
             }
         }
-        if !path.is_empty() {
+        if !path.is_empty() && self.mark != Mark::Cloud {
             put(svg, format_args!("<path class=\"line c{color}\"{} d=\"{path}\"/>\n", self.mark.dashes()));
         }
-        if self.mark == Mark::Dots {
+        if matches!(self.mark, Mark::Dots | Mark::Cloud) {
             put(svg, format_args!("{dots}\n"));
         }
     }

@@ -153,6 +153,14 @@ impl Scene {
         }
     }
 
+    /// The bodies of a scene that lists them.
+    pub(crate) fn into_bodies(self) -> Vec<Body> {
+        match self.bodies {
+            Bodies::Listed { bodies, .. } => bodies,
+            Bodies::Stress { .. } => Vec::new(),
+        }
+    }
+
     pub(crate) fn from_model(model: &SceneModel, file: &str) -> Result<Self, SceneError> {
         let (settings, steps) = settings(model).map_err(|error| invalid(file, None, error))?;
         let mut bodies = Vec::with_capacity(model.bodies.len());

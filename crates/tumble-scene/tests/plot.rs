@@ -145,3 +145,12 @@ fn points_are_where_the_axes_say() {
         assert!(labels(&svg).iter().any(|label| label == tick), "{tick} is not in {:?}", labels(&svg));
     }
 }
+
+/// The density of a cloud is what it shows: points above each other are not thinned, and no line joins them.
+#[test]
+fn a_cloud_has_all_its_points_and_no_line() {
+    let points = (0..500).map(|i| (f64::from(i % 2), f64::from(i)));
+    let svg = Plot::new("title").series("", Mark::Cloud, points).to_svg();
+    numbers(&svg);
+    assert_eq!((svg.matches("<circle").count(), lines(&svg).len()), (500, 0));
+}

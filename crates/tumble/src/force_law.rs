@@ -2,7 +2,7 @@
 
 use tumble_math::lane::Vec3 as LaneVec3;
 
-use crate::components::Wrench;
+use crate::components::{Pose, Velocity, Wrench};
 use crate::math::{Quat, Real, Vec3};
 use crate::state::{Constants, State};
 
@@ -96,6 +96,19 @@ impl<'a> BodyState<'a> {
             orientation: orientation.into(),
             linear_velocity: constants.velocity(state.linear).into(),
             angular_velocity: angular_velocity.into(),
+            mass: constants.mass,
+            constants,
+        }
+    }
+
+    /// Of a pose whose orientation is of unit length.
+    pub(crate) fn seen(time: f64, constants: &'a Constants<Real>, pose: &Pose, velocity: &Velocity) -> Self {
+        Self {
+            time,
+            position: pose.position,
+            orientation: pose.orientation,
+            linear_velocity: velocity.linear,
+            angular_velocity: velocity.angular,
             mass: constants.mass,
             constants,
         }

@@ -65,6 +65,8 @@ impl<'a> Iterator for Laws<'a> {
 
 /// The law of each body of an archetype, by row.
 pub(crate) trait LawRows: Sync {
+    /// Adds to each body's wrench; the first body's is the law of the row, the next one's that of the next row, and so on to the last row.
+    fn add_wrenches(&self, row: usize, states: &[BodyState<'_>], wrenches: &mut [Wrench]);
     fn wrench(&self, row: usize, state: &BodyState<'_>) -> Wrench;
     fn depends_on_velocity(&self, row: usize) -> bool;
 }
@@ -169,12 +171,18 @@ impl<L: ForceLaw + Component> Source for ComponentLaw<L> {
 struct Column<'a, L>(&'a [L]);
 
 impl<L: ForceLaw> LawRows for Column<'_, L> {
+    fn add_wrenches(&self, row: usize, states: &[BodyState<'_>], wrenches: &mut [Wrench]) {
+        for ((law, state), wrench) in self.0[row..].iter().zip(states).zip(wrenches) {
+            wrench.add(law.wrench(state));
+        }
+    }
+
     fn wrench(&self, row: usize, state: &BodyState<'_>) -> Wrench {
         self.0[row].wrench(state)
     }
 
     fn depends_on_velocity(&self, row: usize) -> bool {
-        self.0[row].depends_on_velocity()
+        self.0.get(row).is_some_and(ForceLaw::depends_on_velocity)
     }
 }
 
@@ -206,6 +214,12 @@ impl<L: ForceLaw> Source for EverywhereLaw<L> {
 struct Same<'a, L>(&'a L);
 
 impl<L: ForceLaw> LawRows for Same<'_, L> {
+    fn add_wrenches(&self, _: usize, states: &[BodyState<'_>], wrenches: &mut [Wrench]) {
+        for (state, wrench) in states.iter().zip(wrenches) {
+            wrench.add(self.0.wrench(state));
+        }
+    }
+
     fn wrench(&self, _: usize, state: &BodyState<'_>) -> Wrench {
         self.0.wrench(state)
     }

@@ -11,7 +11,7 @@ use crate::derived::derived;
 use crate::force_laws::ForceLaws;
 use crate::integrator::Integrator;
 use crate::integrators::{AnyWidth, ConstantForce, MoserVeselov, NoAccount, RungeKutta4, Scheme, SemiImplicitEuler};
-use crate::law_forces::{LawForces, WorkAccount};
+use crate::law_forces::{LawForces, TileLawForces, WorkAccount, depend_on_velocity};
 use crate::math::{Real, Vec3};
 use crate::settings::Settings;
 use crate::simd::{Kernel, Tile, dispatch};
@@ -74,18 +74,61 @@ pub(crate) fn step_under_constant_forces(bodies: &mut Chunk<'_>, settings: &Sett
 }
 
 pub(crate) fn integrate_bodies(bodies: &mut Chunk<'_>, settings: &Settings, time: f64) {
-    crate::scope::scope!("tumble::integrate");
     if bodies.have_constant_forces() {
-        advance(bodies, settings, Extent::Integration);
-    } else {
-        match settings.integrator {
-            Integrator::SemiImplicitEuler => {
-                integrate_under_varying_forces::<SemiImplicitEuler<Real>>(bodies, settings, time);
-            }
-            Integrator::RungeKutta4 => integrate_under_varying_forces::<RungeKutta4<Real>>(bodies, settings, time),
-            Integrator::MoserVeselov => integrate_under_varying_forces::<MoserVeselov<Real>>(bodies, settings, time),
-        }
+        return advance(bodies, settings, Extent::Integration);
+    }
+    match settings.integrator {
+        Integrator::SemiImplicitEuler => integrate_under_laws_of::<SemiImplicitEuler<()>>(bodies, settings, time),
+        Integrator::RungeKutta4 => integrate_under_laws_of::<RungeKutta4<()>>(bodies, settings, time),
+        Integrator::MoserVeselov => integrate_under_laws_of::<MoserVeselov<()>>(bodies, settings, time),
+    }
+}
+
+fn integrate_under_laws_of<S: AnyWidth>(bodies: &mut Chunk<'_>, settings: &Settings, time: f64) {
+    if bodies.work.is_some() {
+        integrate_with_account::<S::Of<Real>>(bodies, settings, time);
         bodies.wrench.fill(Wrench::default());
+    } else {
+        bodies.in_whole_tiles(|bodies| dispatch(&mut UnderLaws { bodies, settings, time, scheme: PhantomData::<S> }));
+    }
+}
+
+/// Integrates bodies on which force laws act, a tile at a time.
+struct UnderLaws<'k, 'a, S> {
+    bodies: &'k mut Chunk<'a>,
+    settings: &'k Settings,
+    time: f64,
+    scheme: PhantomData<S>,
+}
+
+impl<S: AnyWidth> Kernel for UnderLaws<'_, '_, S> {
+    #[inline(always)]
+    fn len(&self) -> usize {
+        self.bodies.len()
+    }
+
+    #[inline(always)]
+    fn tile<T: Tile>(&mut self, i: usize) {
+        let (bodies, h) = (&mut *self.bodies, self.settings.substep());
+        let constants = bodies.constants::<T>(i);
+        let of_bodies = bodies.constants_of_each::<T>(i);
+        let scheme = S::Of::<T>::new(&constants, T::splat(h.into()));
+        let (laws, row) = (bodies.laws, bodies.first_row + i);
+        let mut forces = TileLawForces {
+            constants: &constants,
+            of_bodies: &of_bodies[..T::WIDTH],
+            constant: bodies.take_force::<T>(i),
+            laws,
+            row,
+            time: self.time,
+            depends_on_velocity: depend_on_velocity::<T>(laws, row),
+        };
+        let mut state = bodies.state::<T>(i);
+        for substep in 0..self.settings.substeps {
+            forces.time = self.time + f64::from(substep) * f64::from(h);
+            state = scheme.advance(state, &forces, &mut NoAccount);
+        }
+        bodies.set_state(i, &state);
     }
 }
 
@@ -163,7 +206,7 @@ fn substeps<T: Tile, S: Scheme<T>>(scheme: &S, mut state: State<T>, force: Force
     state
 }
 
-fn integrate_under_varying_forces<S: Scheme<Real>>(bodies: &mut Chunk<'_>, settings: &Settings, time: f64) {
+fn integrate_with_account<S: Scheme<Real>>(bodies: &mut Chunk<'_>, settings: &Settings, time: f64) {
     let h = settings.substep();
     for i in 0..bodies.len() {
         let constants = bodies.constants::<Real>(i);
@@ -175,12 +218,8 @@ fn integrate_under_varying_forces<S: Scheme<Real>>(bodies: &mut Chunk<'_>, setti
         for substep in 0..settings.substeps {
             let time = time + f64::from(substep) * f64::from(h);
             let forces = LawForces { constants: &constants, wrench: bodies.wrench[i], laws, row, time };
-            state = if bodies.work.is_some() {
-                let mut account = WorkAccount { work: &mut work, forces: &forces, gravity };
-                scheme.advance(state, &forces, &mut account)
-            } else {
-                scheme.advance(state, &forces, &mut NoAccount)
-            };
+            let mut account = WorkAccount { work: &mut work, forces: &forces, gravity };
+            state = scheme.advance(state, &forces, &mut account);
         }
         bodies.set_state(i, &state);
         if let Some(column) = bodies.work.as_deref_mut() {

@@ -4,7 +4,8 @@ use tumble_math::lane::{Lane, Quat, Vec3};
 
 use crate::columns::Chunk;
 use crate::derived::Derived;
-use crate::simd::Tile;
+use crate::math::Real;
+use crate::simd::{MOST_BODIES, Tile};
 use crate::state::{Constants, Force, Moments, Rates, State};
 
 impl Chunk<'_> {
@@ -35,6 +36,16 @@ impl Chunk<'_> {
             None => None,
         };
         Constants { mass, inertia, damping }
+    }
+
+    /// The constants of each body of the tile from row `i`.
+    #[inline(always)]
+    pub(crate) fn constants_of_each<T: Tile>(&self, i: usize) -> [Constants<Real>; MOST_BODIES] {
+        let mut each = [self.constants::<Real>(i); MOST_BODIES];
+        for (k, constants) in each[..T::WIDTH].iter_mut().enumerate() {
+            *constants = self.constants::<Real>(i + k);
+        }
+        each
     }
 
     /// The force of gravity on the bodies from row `i`, with their masses, in a field [m/s^2].

@@ -34,6 +34,13 @@ impl Wrench {
         self.torque += (point - center).cross(force);
     }
 
+    /// Adds another wrench.
+    #[inline]
+    pub(crate) fn add(&mut self, other: Self) {
+        self.force += other.force;
+        self.torque += other.torque;
+    }
+
     /// Adds a torque [N m] in the world frame.
     #[inline]
     pub fn add_torque(&mut self, torque: Vec3) {

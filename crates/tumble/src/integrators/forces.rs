@@ -13,8 +13,8 @@ pub(crate) trait Forces<L: Lane> {
     /// The part that depends on the state or on time, at a state, `offset` \[s\] after the start of the substep.
     fn varying(&self, offset: L, state: &State<L>) -> Force<L>;
 
-    /// Whether the force depends on the momenta.
-    fn depends_on_velocity(&self) -> bool;
+    /// For which bodies the force depends on the momenta; `None` for none.
+    fn depends_on_velocity(&self) -> Option<L::Mask>;
 
     /// All of the force at a state.
     #[inline(always)]
@@ -45,7 +45,7 @@ impl<L: Lane> Forces<L> for ConstantForce<L> {
     }
 
     #[inline(always)]
-    fn depends_on_velocity(&self) -> bool {
-        false
+    fn depends_on_velocity(&self) -> Option<L::Mask> {
+        None
     }
 }

@@ -81,11 +81,15 @@ impl<L: Lane> Kick<L> {
         forces: &impl Forces<L>,
         account: &mut impl Account<L>,
     ) -> State<L> {
-        if forces.depends_on_velocity() {
-            let predicted = self.kicked(state, forces.at(offset, &state));
-            self.apply_as_at(state, offset, &predicted, forces, account)
-        } else {
-            self.apply(state, offset, forces, account)
+        match forces.depends_on_velocity() {
+            Some(depends) => {
+                let predicted = self.kicked(state, forces.at(offset, &state));
+                // The kick changes the momenta alone; where the force does not depend on them they stay, as without the others of the tile.
+                let linear = Vec3::select(depends, predicted.linear, state.linear);
+                let angular = Vec3::select(depends, predicted.angular, state.angular);
+                self.apply_as_at(state, offset, &State { linear, angular, ..state }, forces, account)
+            }
+            None => self.apply(state, offset, forces, account),
         }
     }
 

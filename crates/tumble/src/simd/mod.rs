@@ -21,8 +21,11 @@ mod x86_64;
 
 pub(crate) use record::Record;
 
-/// The widest tile there is.
+/// The most bodies of a tile for which a chunk may have to be filled up.
 pub(crate) const WIDEST: usize = 16;
+
+/// The most bodies of any tile: two of the widest.
+pub(crate) const MOST_BODIES: usize = 2 * WIDEST;
 
 /// A lane whose bodies are loaded from and stored to columns.
 pub(crate) trait Tile: Lane {

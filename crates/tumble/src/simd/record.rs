@@ -38,6 +38,7 @@ macro_rules! records {
 }
 
 records! {
+    Real: 1,
     Mass: 1,
     GravityScale: 1,
     Damping: 2,

@@ -1,0 +1,120 @@
+//! `tumble sweep`.
+
+use std::ops::{ControlFlow, Range};
+use std::path::Path;
+use std::time::{Duration, Instant};
+
+use tumble::stream;
+use tumble_scene::{Sweep, SweepFile, SweepIdentity};
+
+use crate::failure::Failure;
+use crate::progress::Progress;
+use crate::run::{check_simd, pool};
+use crate::sweep_options::SweepOptions;
+use crate::sweep_plot::SweepPlot;
+use crate::sweep_row::{Outcome, columns, row};
+use crate::{interrupt, print};
+
+/// Runs the worlds of a sweep and writes a row for each.
+pub(crate) fn sweep(options: &SweepOptions) -> Result<(), Failure> {
+    if !is_csv(&options.out) {
+        return Err(Failure::Input(format!("{}: the name of a sweep's file ends in .csv", options.out.display())));
+    }
+    check_simd()?;
+    let sweep = Sweep::new(options.plan())?;
+    let columns = columns(&sweep);
+    let pool = pool(&options.stepping)?;
+    interrupt::watch()?;
+    let plot = SweepPlot::open(&options.plot, &columns)?;
+    let worlds = options.shard.map_or(0..sweep.worlds(), |shard| shard.range(sweep.worlds()));
+    let identity = SweepIdentity::new(&sweep, options.shard);
+    let file = SweepFile::open(&options.out, &identity, &columns, worlds.clone())?;
+    let mut report = Report { worlds: worlds.clone(), begun_at: file.next_world(), ..Report::default() };
+    let done = pool.install(|| run(&sweep, file, &mut report, options.quiet))?;
+    if done.is_continue()
+        && let Some(plot) = plot
+    {
+        plot.draw(&options.out, &options.scene)?;
+    }
+    if !options.quiet {
+        print::output(&report.text(&sweep, &options.out))?;
+    }
+    if done.is_break() { Err(Failure::Interrupted) } else { Ok(()) }
+}
+
+pub(crate) fn is_csv(path: &Path) -> bool {
+    path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("csv"))
+}
+
+/// Runs what is not in the file yet; breaks if the user did not want to wait for the end.
+fn run(sweep: &Sweep, mut file: SweepFile, report: &mut Report, quiet: bool) -> Result<ControlFlow<()>, Failure> {
+    let begun = Instant::now();
+    let Range { start, end } = report.worlds;
+    let progress = Progress::start_worlds(report.begun_at - start, end - start, quiet);
+    let stopped = stream(
+        report.begun_at..end,
+        |index| if interrupt::asked() { None } else { row(sweep, index) },
+        |index, row| {
+            let Some(row) = row else { return ControlFlow::Break(None) };
+            // Not kept back: what is finished is safe if the program is killed.
+            if let Err(error) = file.append(row.text.as_bytes()) {
+                return ControlFlow::Break(Some(Failure::Running(error.to_string())));
+            }
+            report.count(row.outcome);
+            progress.at(index + 1 - start);
+            ControlFlow::Continue(())
+        },
+    );
+    drop(progress);
+    report.time = begun.elapsed();
+    file.finish().map_err(|error| Failure::Running(error.to_string()))?;
+    match stopped {
+        ControlFlow::Continue(()) => Ok(ControlFlow::Continue(())),
+        ControlFlow::Break(None) => Ok(ControlFlow::Break(())),
+        ControlFlow::Break(Some(failure)) => Err(failure),
+    }
+}
+
+/// What a sweep did, for people.
+#[derive(Default)]
+struct Report {
+    worlds: Range<u64>,
+    begun_at: u64,
+    ok: u64,
+    impossible: u64,
+    not_finite: u64,
+    time: Duration,
+}
+
+impl Report {
+    fn count(&mut self, outcome: Outcome) {
+        match outcome {
+            Outcome::Ok => self.ok += 1,
+            Outcome::Impossible => self.impossible += 1,
+            Outcome::NotFinite => self.not_finite += 1,
+        }
+    }
+
+    fn text(&self, sweep: &Sweep, out: &Path) -> String {
+        let run = self.ok + self.impossible + self.not_finite;
+        let (asked, before) = (self.worlds.end - self.worlds.start, self.begun_at - self.worlds.start);
+        let mut lines = vec![("worlds", format!("{} of {asked}", before + run))];
+        if asked != sweep.worlds() {
+            lines.push(("  of the whole sweep", format!("{}", sweep.worlds())));
+        }
+        if before > 0 {
+            lines.push(("  finished before", before.to_string()));
+        }
+        if self.impossible > 0 {
+            lines.push(("  impossible", self.impossible.to_string()));
+        }
+        if self.not_finite > 0 {
+            lines.push(("  not finite", self.not_finite.to_string()));
+        }
+        let seconds = self.time.as_secs_f64();
+        lines.push(("wall time", format!("{seconds:.6} s")));
+        lines.push(("worlds per second", format!("{:.4e}", run as f64 / seconds.max(f64::MIN_POSITIVE))));
+        lines.push(("written to", out.display().to_string()));
+        lines.iter().map(|(label, value)| format!("{label:<22} {value}\n")).collect()
+    }
+}

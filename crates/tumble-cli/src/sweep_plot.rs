@@ -1,0 +1,77 @@
+//! The picture of a sweep, drawn from its file.
+
+use std::io::Write as _;
+use std::path::{Path, PathBuf};
+
+use tumble_scene::{Mark, PendingFile, Plot, Scale, SweepReader};
+
+use crate::failure::Failure;
+use crate::sweep_options::PlotOptions;
+
+/// Points of a picture: more cannot be told apart, and a picture of all worlds would have no bounds.
+const MOST_POINTS: u64 = 5000;
+
+/// A picture that is to be drawn when the file is whole; opened before, so that what cannot be written is known early.
+pub(crate) struct SweepPlot {
+    path: PathBuf,
+    file: PendingFile,
+    axes: [(String, usize); 2],
+}
+
+impl SweepPlot {
+    /// `None` where none is asked for.
+    pub(crate) fn open(options: &PlotOptions, columns: &[String]) -> Result<Option<Self>, Failure> {
+        let Some(path) = options.plot.clone() else { return Ok(None) };
+        if !path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("svg")) {
+            return Err(Failure::Input(format!("{}: the name of a plot ends in .svg", path.display())));
+        }
+        // What follows the world is the first field that varies; where nothing does, it is the outcome.
+        let first = columns.get(1).filter(|column| *column != "outcome").map_or("world", String::as_str);
+        let column = |option: &str, name: &str| match columns.iter().position(|column| column == name) {
+            Some(at) => Ok((name.to_owned(), at)),
+            None => Err(Failure::Input(format!(
+                "{option} {name:?}: there is no such column; there are {}",
+                columns.join(", ")
+            ))),
+        };
+        let x = column("--x", options.x.as_deref().unwrap_or(first))?;
+        let y = column("--y", options.y.as_deref().unwrap_or("energy_drift"))?;
+        let file = PendingFile::create(&path).map_err(|error| Failure::opening(&path, &error))?;
+        Ok(Some(Self { path, file, axes: [x, y] }))
+    }
+
+    /// Draws what is in the file, at most 5000 worlds at equal distances.
+    pub(crate) fn draw(mut self, from: &Path, scene: &str) -> Result<(), Failure> {
+        let points = self.points(from).map_err(|error| Failure::Running(error.to_string()))?;
+        let [(x, _), (y, _)] = &self.axes;
+        let scale = if y == "energy_drift" { Scale::Log } else { Scale::Linear };
+        let plot = Plot::new(format!("Sweep of {scene}")).x_axis(x, Scale::Linear).y_axis(y, scale).series(
+            "",
+            Mark::Cloud,
+            points,
+        );
+        let written = self.file.write_all(plot.to_svg().as_bytes()).and_then(|()| self.file.finish());
+        written.map_err(|error| Failure::writing(&self.path, &error))
+    }
+
+    fn points(&self, from: &Path) -> Result<Vec<(f64, f64)>, tumble_scene::SweepFileError> {
+        let mut reader = SweepReader::open(from)?;
+        let worlds = reader.worlds();
+        let stride = (worlds.end - worlds.start).div_ceil(MOST_POINTS).max(1);
+        let [(_, x), (_, y)] = self.axes;
+        let mut points = Vec::new();
+        loop {
+            let world = reader.next_world();
+            let Some(row) = reader.next_row()? else { break };
+            if (world - worlds.start).is_multiple_of(stride) {
+                let row = String::from_utf8_lossy(row);
+                // A world that did not come to its end has nothing in its columns, and no place in the picture.
+                let field = |at: usize| row.trim_end().split(',').nth(at).and_then(|field| field.parse::<f64>().ok());
+                points.extend(field(x).zip(field(y)));
+            }
+        }
+        // From left to right, so that points on one spot are drawn once.
+        points.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.total_cmp(&b.1)));
+        Ok(points)
+    }
+}

@@ -1,0 +1,139 @@
+//! One world of a sweep: run, and what became of it as a line of CSV.
+
+use std::fmt::Write as _;
+use std::ops::ControlFlow;
+
+use tumble::math::Real;
+use tumble::{BodyOrder, Pose, Trial, Velocity};
+use tumble_scene::{Sweep, SweepWorld};
+
+use crate::drift::Drift;
+use crate::interrupt;
+
+/// Body-steps between two looks at Ctrl-C: a tenth of a second or less.
+const UNINTERRUPTED: usize = 1_000_000;
+
+/// What is written of a body's end, after its name and a dot.
+const STATE: [&str; 13] = ["px", "py", "pz", "qx", "qy", "qz", "qw", "vx", "vy", "vz", "wx", "wy", "wz"];
+
+/// How a world went.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Outcome {
+    /// It was run to its end.
+    Ok,
+    /// No body, or no simulation, has the values that were drawn.
+    Impossible,
+    /// Its state, or its energy, stopped being finite.
+    NotFinite,
+}
+
+/// The line of one world, with its end.
+pub(crate) struct Row {
+    pub(crate) text: String,
+    pub(crate) outcome: Outcome,
+}
+
+/// The end of a world that was run.
+struct End {
+    steps: u64,
+    time: f64,
+    states: Vec<[Real; 13]>,
+    energy: f64,
+    drift: f64,
+    hash: u64,
+}
+
+/// The names of the columns.
+pub(crate) fn columns(sweep: &Sweep) -> Vec<String> {
+    let mut columns = vec!["world".to_owned()];
+    columns.extend(sweep.fields().map(str::to_owned));
+    columns.extend(["outcome", "steps_taken", "time"].map(str::to_owned));
+    columns.extend(sweep.reported_names().iter().flat_map(|name| STATE.map(|of| format!("{name}.{of}"))));
+    columns.extend(["energy", "energy_drift", "hash"].map(str::to_owned));
+    columns
+}
+
+/// Runs a world; `None` if the user did not want to wait for its end.
+pub(crate) fn row(sweep: &Sweep, index: u64) -> Option<Row> {
+    let drawn = sweep.draw(index);
+    let (outcome, end) = match sweep.build(&drawn) {
+        Ok(world) => match run(sweep, world)? {
+            Ok(end) => (Outcome::Ok, Some(end)),
+            Err(()) => (Outcome::NotFinite, None),
+        },
+        Err(_) => (Outcome::Impossible, None),
+    };
+    let mut text = index.to_string();
+    for value in drawn {
+        put(&mut text, format_args!(",{value:?}"));
+    }
+    put(&mut text, format_args!(",{}", outcome.name()));
+    match end {
+        Some(end) => end.write(&mut text),
+        // The columns are there, with nothing in them.
+        None => text.extend(std::iter::repeat_n(',', 5 + STATE.len() * sweep.reported().len())),
+    }
+    text.push('\n');
+    Some(Row { text, outcome })
+}
+
+/// The end of a world, or an error if it is not finite.
+fn run(sweep: &Sweep, world: SweepWorld) -> Option<Result<End, ()>> {
+    let SweepWorld { mut trial, steps } = world;
+    let order = BodyOrder::of(&trial.world);
+    let Ok(mut drift) = Drift::start(&trial.world, trial.simulation.settings(), &order) else { return Some(Err(())) };
+    let period = u32::try_from((UNINTERRUPTED / order.len().max(1)).max(1)).unwrap_or(u32::MAX);
+    let run = trial
+        .run(steps, period, |_| if interrupt::asked() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) });
+    if run.is_break() && trial.simulation.steps() < steps {
+        return None;
+    }
+    if drift.sample(&trial.world, trial.simulation.settings(), &order).is_err() {
+        return Some(Err(()));
+    }
+    let energy = drift.energy();
+    Some(Ok(End {
+        steps: trial.simulation.steps(),
+        time: trial.simulation.time(),
+        states: sweep.reported().iter().filter_map(|&body| state(&trial, *order.entities().get(body)?)).collect(),
+        energy: energy.r#final,
+        drift: energy.max_relative_drift,
+        hash: tumble::state_hash(&trial.world, &order),
+    }))
+}
+
+/// A fixed body has no velocity.
+fn state(trial: &Trial, body: tumble::hecs::Entity) -> Option<[Real; 13]> {
+    let body = trial.world.entity(body).ok()?;
+    let pose = *body.get::<&Pose>()?;
+    let velocity = body.get::<&Velocity>().map(|velocity| *velocity).unwrap_or_default();
+    let ([px, py, pz], [qx, qy, qz, qw]) = (pose.position.to_array(), pose.orientation.to_array());
+    let ([vx, vy, vz], [wx, wy, wz]) = (velocity.linear.to_array(), velocity.angular.to_array());
+    Some([px, py, pz, qx, qy, qz, qw, vx, vy, vz, wx, wy, wz])
+}
+
+impl End {
+    /// The fewest digits that read back to the same bits.
+    fn write(&self, text: &mut String) {
+        put(text, format_args!(",{},{:?}", self.steps, self.time));
+        for number in self.states.iter().flatten() {
+            put(text, format_args!(",{number:?}"));
+        }
+        put(text, format_args!(",{:?},{:?},{:016x}", self.energy, self.drift, self.hash));
+    }
+}
+
+impl Outcome {
+    fn name(self) -> &'static str {
+        match self {
+            Self::Ok => "ok",
+            Self::Impossible => "impossible",
+            Self::NotFinite => "not-finite",
+        }
+    }
+}
+
+fn put(text: &mut String, what: std::fmt::Arguments<'_>) {
+    // Writing to a string cannot fail.
+    let _ = text.write_fmt(what);
+}

@@ -1,0 +1,116 @@
+use serde::{Deserialize, Serialize};
+use tumble::math::PRECISION;
+
+use crate::shard::Shard;
+use crate::sweep::{Length, Sweep};
+
+/// The version of the files; the only one so far.
+const FORMAT: u32 = 1;
+
+/// What the rows of a sweep's file depend on, as its first line has it: two files with the same identity can be one.
+///
+/// Threads and instruction sets are not in it, because no bit depends on them. It says nothing of the place of the scene's file either, which differs
+/// between machines; a hash of its text stands for it.
+///
+/// ```
+/// use tumble_scene::{Sweep, SweepPlan, SweepIdentity};
+///
+/// let plan = |seed| SweepPlan { scene: "iss".into(), worlds: Some(10), seed, ..SweepPlan::default() };
+/// let identity = |seed| Ok::<_, tumble_scene::SweepError>(SweepIdentity::new(&Sweep::new(plan(seed))?, None));
+/// assert_eq!(identity(7)?.difference(&identity(8)?), Some("seed: 7 is not 8".into()));
+/// # Ok::<(), tumble_scene::SweepError>(())
+/// ```
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct SweepIdentity {
+    format: u32,
+    tumble: String,
+    precision: String,
+    scene: String,
+    worlds: u64,
+    seed: u64,
+    vary: Vec<String>,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    steps: Option<u64>,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    duration: Option<f64>,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    dt: Option<f64>,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    substeps: Option<u32>,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    integrator: Option<String>,
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    bodies: Vec<String>,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    shard: Option<String>,
+}
+
+impl SweepIdentity {
+    /// That of a sweep, or of one shard of it.
+    #[allow(clippy::useless_conversion, reason = "dt is f64 already in one of the two builds")]
+    pub fn new(sweep: &Sweep, shard: Option<Shard>) -> Self {
+        let plan = sweep.plan();
+        let (steps, duration) = match plan.length {
+            Some(Length::Steps(steps)) => (Some(steps), None),
+            Some(Length::Duration(seconds)) => (None, Some(seconds)),
+            None => (None, None),
+        };
+        Self {
+            format: FORMAT,
+            tumble: env!("CARGO_PKG_VERSION").to_owned(),
+            precision: PRECISION.to_owned(),
+            scene: format!("{:016x}", sweep.scene_hash()),
+            worlds: sweep.worlds(),
+            seed: plan.seed,
+            vary: plan.vary.iter().map(ToString::to_string).collect(),
+            steps,
+            duration,
+            dt: plan.dt.map(f64::from),
+            substeps: plan.substeps,
+            integrator: plan.integrator.map(|integrator| integrator.name().to_owned()),
+            bodies: plan.bodies.clone(),
+            shard: shard.map(|shard| shard.to_string()),
+        }
+    }
+
+    /// How many worlds the whole sweep has.
+    pub fn worlds(&self) -> u64 {
+        self.worlds
+    }
+
+    /// Which part of the sweep the file is; `None` for the whole.
+    pub fn shard(&self) -> Option<Shard> {
+        self.shard.as_ref().and_then(|shard| shard.parse().ok())
+    }
+
+    /// The same as the whole of the sweep.
+    #[must_use]
+    pub fn whole(&self) -> Self {
+        Self { shard: None, ..self.clone() }
+    }
+
+    /// The first thing in which two of them differ, and how.
+    pub fn difference(&self, other: &Self) -> Option<String> {
+        let keys = |identity: &Self| match serde_json::to_value(identity) {
+            Ok(serde_json::Value::Object(keys)) => keys,
+            _ => serde_json::Map::new(),
+        };
+        let (own, others) = (keys(self), keys(other));
+        let shown = |value: Option<&serde_json::Value>| value.map_or("none".to_owned(), ToString::to_string);
+        let all = own.keys().chain(others.keys());
+        let mut different = all.filter(|key| own.get(*key) != others.get(*key));
+        different.next().map(|key| format!("{key}: {} is not {}", shown(own.get(key)), shown(others.get(key))))
+    }
+
+    /// Whether a file may say so: another format cannot be read, a shard must be one.
+    pub(crate) fn check(&self) -> Result<(), String> {
+        if self.format != FORMAT {
+            return Err(format!("it is of format {}, and this program knows {FORMAT}", self.format));
+        }
+        match &self.shard {
+            Some(shard) => shard.parse::<Shard>().map(|_| ()),
+            None => Ok(()),
+        }
+    }
+}
