@@ -1,7 +1,7 @@
 //! Archetypes and threads: the one place that borrows the columns of bodies and hands them out.
 //!
 //! hecs keeps the entities that have the same set of components together, each component in a contiguous column. The columns of
-//! every archetype of moving bodies are borrowed as slices, cut into chunks of [`CHUNK`] bodies, and each chunk is handed to one
+//! every archetype of moving bodies are borrowed as slices, cut into chunks of some hundred bodies, and each chunk is handed to one
 //! call of the caller's function, in parallel. A function that only uses its own chunk gives the same result for any number of threads.
 
 use std::ops::Range;
@@ -14,7 +14,7 @@ use crate::components::{
     Wrench,
 };
 use crate::force_laws::{ForceLaws, Laws};
-use crate::simd::{WIDEST, narrowest_for, widest};
+use crate::simd::{MOST_BODIES, WIDEST, narrowest_for, widest};
 
 /// So few bodies are gone through one by one: borrowing a dozen columns takes longer than a query.
 const FEW: u32 = 2;
@@ -22,8 +22,12 @@ const FEW: u32 = 2;
 /// Archetypes whose columns are borrowed at a time.
 const ARCHETYPES: usize = 32;
 
-/// Bodies per chunk: with all their columns about 150 KiB, so that a chunk stays in the second-level cache from one system to the next.
-const CHUNK: usize = 1024;
+/// Fewer bodies are not shared among threads: a step of 512 takes six microseconds, and handing half of them over saves less than it costs even
+/// while the other thread is awake.
+const LEAST_CHUNK: usize = 512;
+
+/// More bodies than these would not stay in the second-level cache from one system to the next, with all their columns.
+const MOST_CHUNK: usize = 2048;
 
 /// Declares `Columns`, the borrowed columns of one archetype, and `Chunk`, slices of the same rows of them.
 macro_rules! columns {
@@ -231,7 +235,7 @@ pub(crate) fn for_each_chunk(world: &mut World, laws: &ForceLaws, system: impl F
     if (1..=FEW).contains(&world.len()) && laws.is_empty() {
         return world.query_mut::<Row<'_>>().into_iter().for_each(|row| system(&mut Chunk::of_row(row)));
     }
-    if world.len() as usize <= CHUNK {
+    if world.len() as usize <= LEAST_CHUNK {
         return for_each_archetype(world, laws, &system);
     }
     let mut archetypes = world.archetypes();
@@ -279,7 +283,7 @@ fn run_all(chunks: &mut [Option<Chunk<'_>>], system: &(impl Fn(&mut Chunk<'_>) +
     } else if !chunks.is_empty() {
         let bodies: usize = chunks.iter().flatten().map(Chunk::len).sum();
         let (first, second) = chunks.split_at_mut(chunks.len() / 2);
-        if bodies <= CHUNK {
+        if bodies <= LEAST_CHUNK {
             run_all(first, system);
             run_all(second, system);
         } else {
@@ -288,14 +292,20 @@ fn run_all(chunks: &mut [Option<Chunk<'_>>], system: &(impl Fn(&mut Chunk<'_>) +
     }
 }
 
-/// Cuts the bodies into chunks and calls `system` once for each, in parallel.
-pub(crate) fn for_each_part(mut chunk: Chunk<'_>, system: &(impl Fn(&mut Chunk<'_>) + Sync)) {
-    if chunk.len() <= CHUNK {
+/// Cuts the bodies into chunks and calls `system` once for each, in parallel. There are eight of a few thousand bodies, so that threads that begin late or are
+/// slow do less, and more of more.
+pub(crate) fn for_each_part(chunk: Chunk<'_>, system: &(impl Fn(&mut Chunk<'_>) + Sync)) {
+    let size = (chunk.len() / 8).next_multiple_of(MOST_BODIES).clamp(LEAST_CHUNK, MOST_CHUNK);
+    for_each_part_of(size, chunk, system);
+}
+
+fn for_each_part_of(size: usize, mut chunk: Chunk<'_>, system: &(impl Fn(&mut Chunk<'_>) + Sync)) {
+    if chunk.len() <= size {
         system(&mut chunk);
     } else {
-        // Cut at a multiple of the chunk, so that all but the last are full.
-        let middle = (chunk.len() / 2).next_multiple_of(CHUNK);
+        // Cut at a multiple of the size, so that all but the last are full.
+        let middle = (chunk.len() / 2).next_multiple_of(size);
         let (first, second) = chunk.split_at(middle);
-        rayon::join(|| for_each_part(first, system), || for_each_part(second, system));
+        rayon::join(|| for_each_part_of(size, first, system), || for_each_part_of(size, second, system));
     }
 }
