@@ -408,3 +408,31 @@ fn a_law_without_force_changes_nothing() {
         assert_eq!(hash(true), hash(false), "{integrator}");
     }
 }
+
+/// An everywhere law is asked for each body as often as its page says and for no others, however many there are: not for copies that only fill up a
+/// tile.
+#[test]
+fn a_law_is_asked_for_bodies_that_are_there() {
+    use std::sync::Arc;
+    use std::sync::atomic::{AtomicU64, Ordering};
+
+    struct Counting(Arc<AtomicU64>);
+    impl ForceLaw for Counting {
+        fn wrench(&self, _: &BodyState<'_>) -> Wrench {
+            self.0.fetch_add(1, Ordering::Relaxed);
+            Wrench::default()
+        }
+    }
+
+    for (integrator, evaluations) in
+        [(Integrator::SemiImplicitEuler, 1), (Integrator::RungeKutta4, 4), (Integrator::MoserVeselov, 3)]
+    {
+        for bodies in 1..40 {
+            let asked = Arc::new(AtomicU64::new(0));
+            let mut simulation = Simulation::new(Settings::default().with_integrator(integrator)).unwrap();
+            simulation.add_law_everywhere(Counting(Arc::clone(&asked)));
+            simulation.step(&mut tumble_benches::tumbling_boxes(bodies as usize));
+            assert_eq!(asked.load(Ordering::Relaxed), bodies * evaluations, "{integrator}, {bodies} bodies");
+        }
+    }
+}

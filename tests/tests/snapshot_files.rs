@@ -7,7 +7,7 @@
 #![allow(clippy::unwrap_used, reason = "a test without what it tests is to fail")]
 
 use hecs::World;
-use proptest::prelude::{ProptestConfig, any, prop, proptest};
+use proptest::prelude::{Just, ProptestConfig, any, prop, prop_oneof, proptest};
 use tumble::math::Real;
 use tumble::{BodyId, BodyOrder, Settings, Simulation, Snapshot, SnapshotError, state_hash};
 use tumble_benches::{mixed_bodies, mixed_body};
@@ -190,11 +190,12 @@ proptest! {
     fn no_bytes_make_it_panic(
         place in 8_usize..300,
         other in prop::collection::vec(any::<u8>(), 1..64),
-        cut in 0_usize..400,
+        cut in prop_oneof![Just(0_usize), 1_usize..40],
     ) {
         let (mut world, bytes) = three_bodies();
         let mut damaged = forged(&bytes, place.min(bytes.len() - other.len()), &other);
-        damaged.truncate(damaged.len().max(cut) - cut.min(40));
+        // Most are whole, so that what stands behind a forged checksum is read.
+        damaged.truncate(damaged.len() - cut);
         let before = state_hash(&world, &BodyOrder::of(&world));
         // What is let in under a forged checksum is a state that a world can have, or bodies that this one lacks.
         if let Ok(snapshot) = Snapshot::from_bytes(&damaged) {

@@ -92,11 +92,11 @@ fn all_but_the_drift<L: Lane>(
     let p = p + force * half;
     let l = l + wrench * half;
 
-    let [a, b, _] = q.axes();
-    let (ai, bi) = (a * (inverse.x - inverse.z), b * (inverse.y - inverse.z));
-    let diagonal = LaneVec3::splat(inverse.z) + (a.scale(ai) + b.scale(bi));
+    let [a, b, c] = q.axes();
+    let (ai, bi, ci) = (a * inverse.x, b * inverse.y, c * inverse.z);
+    let diagonal = a.scale(ai) + b.scale(bi) + c.scale(ci);
     let mixed = |r: LaneVec3<L>, i: LaneVec3<L>| LaneVec3::new(r.y * i.z, r.z * i.x, r.x * i.y);
-    let off_diagonal = mixed(a, ai) + mixed(b, bi);
+    let off_diagonal = mixed(a, ai) + mixed(b, bi) + mixed(c, ci);
     let (d, o) = (diagonal, off_diagonal);
     let spin = LaneVec3::new(
         d.x * l.x + o.z * l.y + o.y * l.z,

@@ -52,6 +52,15 @@ impl From<tumble_scene::SweepError> for Failure {
 /// Found when the file is opened; what goes wrong later is to be made a failure while running.
 impl From<tumble_scene::SweepFileError> for Failure {
     fn from(error: tumble_scene::SweepFileError) -> Self {
-        Self::Input(error.to_string())
+        use std::io::ErrorKind::{FileTooLarge, QuotaExceeded, StorageFull, WriteZero};
+        match &error {
+            // Not the fault of what was asked for: the file could be opened, and the disk is full.
+            tumble_scene::SweepFileError::Io { error: io, .. }
+                if matches!(io.kind(), FileTooLarge | QuotaExceeded | StorageFull | WriteZero) =>
+            {
+                Self::Running(error.to_string())
+            }
+            _ => Self::Input(error.to_string()),
+        }
     }
 }

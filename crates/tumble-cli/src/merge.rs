@@ -1,12 +1,13 @@
 //! `tumble merge`.
 
-use std::fs;
-use std::io::Write as _;
+use std::fs::{self, File, TryLockError};
+use std::io::{ErrorKind, Write as _};
 use std::path::{Path, PathBuf};
 
-use tumble_scene::{PendingFile, Shard, SweepIdentity, SweepReader};
+use tumble_scene::{PendingFile, Shard, SweepFileError, SweepIdentity, SweepReader};
 
 use crate::failure::Failure;
+use crate::interrupt;
 use crate::sweep::is_csv;
 use crate::sweep_options::MergeOptions;
 use crate::sweep_plot::SweepPlot;
@@ -17,6 +18,7 @@ pub(crate) fn merge(options: &MergeOptions) -> Result<(), Failure> {
     if !is_csv(out) {
         return Err(Failure::Input(format!("{}: the name of a sweep's file ends in .csv", out.display())));
     }
+    interrupt::watch()?;
     let Shards { identity, columns, files } = in_order(&options.shards)?;
     for (_, path) in &files {
         if fs::canonicalize(path).ok() == fs::canonicalize(out).ok() {
@@ -24,12 +26,16 @@ pub(crate) fn merge(options: &MergeOptions) -> Result<(), Failure> {
         }
     }
     let plot = SweepPlot::open(&options.plot, &columns)?;
+    let mut replaced = claim(out, &identity)?;
     let mut file = PendingFile::create(out).map_err(|error| Failure::opening(out, &error))?;
     let header = tumble_scene::sweep_header(&identity, &columns);
     let mut written = header.and_then(|header| file.write_all(header.as_bytes()));
     for (_, path) in &files {
         let mut reader = SweepReader::open(path)?;
         while let (Ok(()), Some(row)) = (&written, reader.next_row()?) {
+            if interrupt::asked() {
+                return Err(Failure::Interrupted);
+            }
             written = file.write_all(row);
         }
         let worlds = reader.worlds();
@@ -39,10 +45,34 @@ pub(crate) fn merge(options: &MergeOptions) -> Result<(), Failure> {
             return Err(Failure::Input(problem));
         }
     }
+    if replaced.is_none() {
+        // A sweep may have begun it in the meantime.
+        replaced = claim(out, &identity)?;
+    }
     written.and_then(|()| file.finish()).map_err(|error| Failure::writing(out, &error))?;
+    drop(replaced);
     match plot {
         Some(plot) => plot.draw(out, &format!("{} shards", files.len())),
         None => Ok(()),
+    }
+}
+
+/// Takes the lock that a sweep takes, if there is a file to replace; only one of the same sweep may be.
+fn claim(out: &Path, identity: &SweepIdentity) -> Result<Option<File>, Failure> {
+    let io = |error| Failure::from(SweepFileError::Io { path: out.to_owned(), error });
+    match fs::symlink_metadata(out) {
+        Err(error) if error.kind() == ErrorKind::NotFound => return Ok(None),
+        Err(error) => return Err(io(error)),
+        Ok(_) => {}
+    }
+    if let Some(difference) = SweepReader::open(out)?.identity().difference(identity) {
+        return Err(SweepFileError::Another { path: out.to_owned(), difference }.into());
+    }
+    let file = File::open(out).map_err(io)?;
+    match file.try_lock() {
+        Err(TryLockError::WouldBlock) => Err(SweepFileError::Busy { path: out.to_owned() }.into()),
+        // A file system without locks is no reason not to write.
+        Ok(()) | Err(TryLockError::Error(_)) => Ok(Some(file)),
     }
 }
 

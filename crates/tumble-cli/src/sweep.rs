@@ -1,5 +1,7 @@
 //! `tumble sweep`.
 
+use std::collections::BTreeSet;
+use std::fs;
 use std::ops::{ControlFlow, Range};
 use std::path::Path;
 use std::time::{Duration, Instant};
@@ -20,6 +22,7 @@ pub(crate) fn sweep(options: &SweepOptions) -> Result<(), Failure> {
     if !is_csv(&options.out) {
         return Err(Failure::Input(format!("{}: the name of a sweep's file ends in .csv", options.out.display())));
     }
+    refuse_twice(&options.body)?;
     check_simd()?;
     let sweep = Sweep::new(options.plan())?;
     let columns = columns(&sweep);
@@ -28,7 +31,7 @@ pub(crate) fn sweep(options: &SweepOptions) -> Result<(), Failure> {
     let plot = SweepPlot::open(&options.plot, &columns)?;
     let worlds = options.shard.map_or(0..sweep.worlds(), |shard| shard.range(sweep.worlds()));
     let identity = SweepIdentity::new(&sweep, options.shard);
-    let file = SweepFile::open(&options.out, &identity, &columns, worlds.clone())?;
+    let file = open(&options.out, &identity, &columns, worlds.clone())?;
     let mut report = Report { worlds: worlds.clone(), begun_at: file.next_world(), ..Report::default() };
     let done = pool.install(|| run(&sweep, file, &mut report, options.quiet))?;
     if done.is_continue()
@@ -40,6 +43,27 @@ pub(crate) fn sweep(options: &SweepOptions) -> Result<(), Failure> {
         print::output(&report.text(&sweep, &options.out))?;
     }
     if done.is_break() { Err(Failure::Interrupted) } else { Ok(()) }
+}
+
+/// Opens or makes the file; one that was made and cannot be written does not stay.
+fn open(path: &Path, identity: &SweepIdentity, columns: &[String], worlds: Range<u64>) -> Result<SweepFile, Failure> {
+    let was_there = fs::symlink_metadata(path).is_ok();
+    SweepFile::open(path, identity, columns, worlds).map_err(|error| {
+        let failure = Failure::from(error);
+        if !was_there && matches!(failure, Failure::Running(_)) {
+            // If even that fails, the first failure is the one to tell.
+            drop(fs::remove_file(path));
+        }
+        failure
+    })
+}
+
+fn refuse_twice(bodies: &[String]) -> Result<(), Failure> {
+    let mut seen = BTreeSet::new();
+    match bodies.iter().find(|body| !seen.insert(*body)) {
+        Some(body) => Err(Failure::Input(format!("--body {body:?}: is named twice"))),
+        None => Ok(()),
+    }
 }
 
 pub(crate) fn is_csv(path: &Path) -> bool {

@@ -11,10 +11,14 @@ use crate::sweep_options::PlotOptions;
 /// Points of a picture: more cannot be told apart, and a picture of all worlds would have no bounds.
 const MOST_POINTS: u64 = 5000;
 
-/// A picture that is to be drawn when the file is whole; opened before, so that what cannot be written is known early.
+/// Characters that the picture has room for: it is 650 by 316 pixels between its axes' ends, and a character about 7 wide, 8.5 in the title.
+const LONGEST_TITLE: usize = 76;
+const LONGEST_X: usize = 90;
+const LONGEST_Y: usize = 44;
+
+/// A picture that is to be drawn when the file is whole; tried before, so that what cannot be written is known early.
 pub(crate) struct SweepPlot {
     path: PathBuf,
-    file: PendingFile,
     axes: [(String, usize); 2],
 }
 
@@ -28,6 +32,9 @@ impl SweepPlot {
         // What follows the world is the first field that varies; where nothing does, it is the outcome.
         let first = columns.get(1).filter(|column| *column != "outcome").map_or("world", String::as_str);
         let column = |option: &str, name: &str| match columns.iter().position(|column| column == name) {
+            Some(_) if ["outcome", "hash"].contains(&name) => {
+                Err(Failure::Input(format!("{option} {name:?}: is no number and cannot be drawn")))
+            }
             Some(at) => Ok((name.to_owned(), at)),
             None => Err(Failure::Input(format!(
                 "{option} {name:?}: there is no such column; there are {}",
@@ -36,21 +43,24 @@ impl SweepPlot {
         };
         let x = column("--x", options.x.as_deref().unwrap_or(first))?;
         let y = column("--y", options.y.as_deref().unwrap_or("energy_drift"))?;
-        let file = PendingFile::create(&path).map_err(|error| Failure::opening(&path, &error))?;
-        Ok(Some(Self { path, file, axes: [x, y] }))
+        // Not kept open: a sweep that is killed would leave it behind.
+        drop(PendingFile::create(&path).map_err(|error| Failure::opening(&path, &error))?);
+        Ok(Some(Self { path, axes: [x, y] }))
     }
 
     /// Draws what is in the file, at most 5000 worlds at equal distances.
-    pub(crate) fn draw(mut self, from: &Path, scene: &str) -> Result<(), Failure> {
+    pub(crate) fn draw(self, from: &Path, scene: &str) -> Result<(), Failure> {
         let points = self.points(from).map_err(|error| Failure::Running(error.to_string()))?;
         let [(x, _), (y, _)] = &self.axes;
         let scale = if y == "energy_drift" { Scale::Log } else { Scale::Linear };
-        let plot = Plot::new(format!("Sweep of {scene}")).x_axis(x, Scale::Linear).y_axis(y, scale).series(
-            "",
-            Mark::Cloud,
-            points,
-        );
-        let written = self.file.write_all(plot.to_svg().as_bytes()).and_then(|()| self.file.finish());
+        let plot = Plot::new(shortened(&format!("Sweep of {scene}"), LONGEST_TITLE))
+            .x_axis(shortened(x, LONGEST_X), Scale::Linear)
+            .y_axis(shortened(y, LONGEST_Y), scale)
+            .series("", Mark::Cloud, points);
+        let written = PendingFile::create(&self.path).and_then(|mut file| {
+            file.write_all(plot.to_svg().as_bytes())?;
+            file.finish()
+        });
         written.map_err(|error| Failure::writing(&self.path, &error))
     }
 
@@ -74,4 +84,14 @@ impl SweepPlot {
         points.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.total_cmp(&b.1)));
         Ok(points)
     }
+}
+
+/// Without its middle where it is too long, for both ends say what it is.
+fn shortened(label: &str, most: usize) -> String {
+    let length = label.chars().count();
+    if length <= most {
+        return label.to_owned();
+    }
+    let (front, back) = (most / 2, most - most / 2 - 1);
+    label.chars().take(front).chain(['…']).chain(label.chars().skip(length - back)).collect()
 }

@@ -10,7 +10,7 @@ use tumble_scene::{Sweep, SweepWorld};
 use crate::drift::Drift;
 use crate::interrupt;
 
-/// Body-steps between two looks at Ctrl-C: a tenth of a second or less.
+/// Substeps of one body between two looks at Ctrl-C: a tenth of a second or less, unless a single step takes longer.
 const UNINTERRUPTED: usize = 1_000_000;
 
 /// What is written of a body's end, after its name and a dot.
@@ -82,7 +82,7 @@ fn run(sweep: &Sweep, world: SweepWorld) -> Option<Result<End, ()>> {
     let SweepWorld { mut trial, steps } = world;
     let order = BodyOrder::of(&trial.world);
     let Ok(mut drift) = Drift::start(&trial.world, trial.simulation.settings(), &order) else { return Some(Err(())) };
-    let period = u32::try_from((UNINTERRUPTED / order.len().max(1)).max(1)).unwrap_or(u32::MAX);
+    let period = period(order.len(), trial.simulation.settings().substeps);
     let run = trial
         .run(steps, period, |_| if interrupt::asked() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) });
     if run.is_break() && trial.simulation.steps() < steps {
@@ -100,6 +100,12 @@ fn run(sweep: &Sweep, world: SweepWorld) -> Option<Result<End, ()>> {
         drift: energy.max_relative_drift,
         hash: tumble::state_hash(&trial.world, &order),
     }))
+}
+
+/// Steps between two looks at Ctrl-C.
+fn period(bodies: usize, substeps: u32) -> u32 {
+    let of_a_step = bodies.max(1).saturating_mul(usize::try_from(substeps).unwrap_or(usize::MAX).max(1));
+    u32::try_from((UNINTERRUPTED / of_a_step).max(1)).unwrap_or(u32::MAX)
 }
 
 /// A fixed body has no velocity.

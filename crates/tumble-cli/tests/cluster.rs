@@ -71,20 +71,36 @@ fn gnu_parallel() {
 }
 
 #[test]
+fn a_plot_is_not_for_shards() {
+    let place = Place::new();
+    let mut command = script(&place, "sh");
+    command.arg(job_file("parallel.sh")).args(["4", "merged.csv"]).args(&SWEEP[1..8]).args(["--plot", "a.svg"]);
+    let output = command.output().unwrap();
+    assert_eq!(output.status.code(), Some(2));
+    assert!(stderr(&output).contains("--plot is not for shards"), "{}", stderr(&output));
+    assert!(place.entries().is_empty(), "{:?}", place.entries());
+}
+
+#[test]
 fn slurm() {
     let place = Place::new();
     let job = fs::read_to_string(job_file("slurm.sh")).unwrap();
     assert!(job.contains("#SBATCH --array=1-"), "shards are counted from one");
     // `srun` starts what follows it.
-    let job = job.replace("srun tumble", "tumble").replace("--worlds 100000", "--worlds 30");
+    let job = job
+        .replace("srun --cpus-per-task=\"$SLURM_CPUS_PER_TASK\" tumble", "tumble")
+        .replace("--worlds 100000", "--worlds 30");
     place.write("slurm.sh", job);
-    for task in ["3", "1", "2"] {
+    // The third alone first, as one that is submitted again: of an array of one, and still the third of 16.
+    for (task, count) in std::iter::once((3, 1)).chain((1..=16).filter(|task| *task != 3).map(|task| (task, 16))) {
         let mut command = script(&place, "bash");
-        command.arg("slurm.sh").env("SLURM_ARRAY_TASK_ID", task).env("SLURM_ARRAY_TASK_COUNT", "3");
+        command.arg("slurm.sh").env("SLURM_ARRAY_TASK_ID", task.to_string());
+        command.env("SLURM_ARRAY_TASK_COUNT", count.to_string());
         command.env("SLURM_CPUS_PER_TASK", "2");
         succeed(command);
     }
-    check(&place, 3, &ALSO);
+    assert!(place.read("shard-3.csv").contains("\"shard\":\"3/16\""));
+    check(&place, 16, &ALSO);
 }
 
 #[test]

@@ -72,10 +72,18 @@ impl Distribution {
             Self::Uniform { low, high } => (low + (high - low) * chance.unit()).min(high),
             Self::Normal { mean, deviation } => mean + deviation * standard_normal(&mut chance),
             Self::Grid { low, high, count } => {
+                let (width, parts) = (high - low, count.saturating_sub(1).max(1) as f64);
+                let (product, step_size) = (width * step as f64, width / parts);
                 if step + 1 == count && count > 1 {
                     high
+                } else if self.is_whole() {
+                    // Both the step's size and its multiples are whole, so nothing is rounded.
+                    low + step_size * step as f64
+                } else if product.is_finite() {
+                    // One rounding less than a fraction of the width would have.
+                    low + product / parts
                 } else {
-                    low + (high - low) * (step as f64 / count.saturating_sub(1).max(1) as f64)
+                    low + width * (step as f64 / parts)
                 }
             }
         }
@@ -99,7 +107,7 @@ impl Distribution {
         match *self {
             Self::Grid { low, high, count } => {
                 let whole = |value: f64| value.fract() == 0.0;
-                whole(low) && whole(high) && (count == 1 || whole((high - low) / (count - 1) as f64))
+                whole(low) && whole(high) && (count == 1 || (high - low) % (count - 1) as f64 == 0.0)
             }
             _ => false,
         }
@@ -142,6 +150,10 @@ impl FromStr for Distribution {
             Self::Grid { low, high, count }
         } else {
             let (low, high) = text.split_once("..").ok_or_else(|| form(text))?;
+            // Three dots may be meant as two: then `.5` is not what was meant.
+            if high.starts_with('.') {
+                return Err(form(text));
+            }
             Self::Uniform { low: number(text, low)?, high: number(text, high)? }
         };
         distribution.check().map_err(|problem| format!("{text}: {problem}"))?;
@@ -228,6 +240,22 @@ mod tests {
         assert!(!whole("grid(1,9,4)") && !whole("1..9") && !whole("normal(1,1)") && !whole("grid(0.5,1.5,2)"));
     }
 
+    #[test]
+    fn a_grid_of_whole_numbers_has_no_others() {
+        for (low, high) in [(1_u64, 50), (1, 1000), (0, 49), (1, 99)] {
+            let count = high - low + 1;
+            let wanted: Vec<f64> = (low..=high).map(|value| value as f64).collect();
+            assert_eq!(draws(&format!("grid({low},{high},{count})"), count), wanted);
+        }
+        // Products past 2^53, where a rounded one would be off by one.
+        let values = draws("grid(1,9000000000000001,1000001)", 1_000_001);
+        assert!(values.iter().zip(0_u64..).all(|(value, step)| *value as u64 == 1 + 9_000_000_000 * step));
+        // Halves are exact too; a product that overflows is not made.
+        assert_eq!(draws("grid(0,49,99)", 99)[57], 28.5);
+        assert_eq!(draws("grid(0.5,49.5,50)", 50)[27], 27.5);
+        assert!(draws("grid(0,1.5e308,4)", 4).iter().chain(&draws("grid(0.5,1.5e308,4)", 4)).all(|v| v.is_finite()));
+    }
+
     /// Computed apart from this code, in Python. The bits are for ever: a recorded sweep is worth nothing if they change.
     #[test]
     fn draws_are_pinned() {
@@ -283,6 +311,8 @@ mod tests {
             "grid(1,2,99999999999999999999)",
             "cauchy(0,1)",
             "1..2..3",
+            "0...5",
+            "0....5",
         ];
         for bad in bad {
             assert!(bad.parse::<Distribution>().is_err(), "{bad:?}");

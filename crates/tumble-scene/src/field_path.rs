@@ -4,6 +4,7 @@ use tumble::Settings;
 
 use crate::convert;
 use crate::error::FieldError;
+use crate::limits::MAX_STEPS;
 use crate::model::{BodyModel, ForceModel, InertiaModel, PartModel, Quadruple, SceneModel, ShapeModel, Triple, Tuple};
 
 /// Where a number stands: in the scene itself, or in one of its bodies.
@@ -28,25 +29,27 @@ const OF_A_BODY: &str = "mass, density, gravity_scale, position.I, orientation.I
      angular_velocity.I, inertia.principal.I, inertia.axes.I, inertia.tensor.I.J, shape.FIELD and forces.I.FIELD";
 
 impl FieldPath {
-    /// Finds the body that the path names. Whether it has the field is found out by [`set`](Self::set).
+    /// Finds the body that the path names. Whether it has the field is found out by [`set_in_scene`](Self::set_in_scene) and
+    /// [`set_in_body`](Self::set_in_body).
     ///
     /// Bodies go by their index or, if that is not a number, by their name, which may have dots in it.
     pub(crate) fn new(text: &str, model: &SceneModel) -> Result<Self, FieldError> {
-        let path = |body, after: &str| {
-            let segments = dotted(after).split('.').map(str::to_owned).collect();
-            Self { text: text.to_owned(), body, segments }
-        };
         let refuse = |problem: String| Err(FieldError::new(text, problem));
-        if !text.starts_with("bodies.") && !text.starts_with("bodies[") {
-            return Ok(path(None, text));
-        }
-        let dots = dotted(text);
-        let numbered = dots.strip_prefix("bodies.").unwrap_or_default();
-        let (first, after) = numbered.split_once('.').unwrap_or((numbered, ""));
+        let path = |body, after: &str, owner: usize| match segments(after) {
+            Some(segments) => {
+                Ok(Self { text: text.to_owned(), body, segments: segments.into_iter().skip(owner).collect() })
+            }
+            None => refuse("brackets go around an index, as in gravity[1]".to_owned()),
+        };
+        let Some(first) = text.strip_prefix("bodies.").or(text.strip_prefix("bodies[")) else {
+            return path(None, text, 0);
+        };
+        let first = first.split(['.', '[', ']']).next().unwrap_or_default();
         if let Some(index) = index(first) {
             let count = model.bodies.len();
             return if index < count {
-                Ok(path(Some(index), after))
+                // Without the word and the index.
+                path(Some(index), text, 2)
             } else {
                 refuse(format!("there are {count} bodies, so none is bodies[{index}]"))
             };
@@ -59,7 +62,7 @@ impl FieldPath {
             Some((name.len(), index, after))
         });
         match named.max_by_key(|(length, ..)| *length) {
-            Some((_, body, after)) => Ok(path(Some(body), after)),
+            Some((_, body, after)) => path(Some(body), after, 0),
             None => refuse(format!("no body is called {first:?}")),
         }
     }
@@ -91,6 +94,14 @@ impl FieldPath {
         self.body
     }
 
+    /// The field's name, if it is one of the scene that has no parts.
+    pub(crate) fn scene_field(&self) -> Option<&str> {
+        match self.segments.as_slice() {
+            [name] if self.body.is_none() => Some(name),
+            _ => None,
+        }
+    }
+
     /// Whether the field counts something.
     pub(crate) fn is_count(&self) -> bool {
         self.body.is_none() && matches!(self.segments.first().map(String::as_str), Some("steps" | "substeps"))
@@ -112,7 +123,14 @@ impl FieldPath {
     /// Sets a field of a body, [the one](Self::body) it is in.
     pub(crate) fn set_in_body(&self, body: &mut BodyModel, value: f64) -> Result<(), FieldError> {
         let segments = self.segments();
-        let unknown = || self.unknown("the body", OF_A_BODY);
+        let unknown = || {
+            match segments.first() {
+            Some(&part @ ("inertia" | "forces" | "shape")) => self.error(format!(
+                "the scene does not have this number, and {part} does not begin from a default: only what stands in the scene can vary"
+            )),
+            _ => self.unknown("the body", OF_A_BODY),
+        }
+        };
         *in_body(body, &segments).ok_or_else(unknown)? = value;
         if let ["inertia", "tensor", row, column] = segments.as_slice() {
             // The tensor is symmetric, so an entry off the diagonal is two.
@@ -136,13 +154,17 @@ impl FieldPath {
 
 impl Slot<'_> {
     fn set(self, value: f64) -> Result<(), String> {
-        // Past this, not every whole number has a value of its own.
-        let whole = (0.0..=2.0_f64.powi(53)).contains(&value) && value.fract() == 0.0;
+        let count = |most: u64| {
+            if (0.0..=most as f64).contains(&value) && value.fract() == 0.0 {
+                Ok(value as u64)
+            } else {
+                Err(format!("must be a whole number from 0 to {most}, not {}", crate::error::shortest(value)))
+            }
+        };
         match self {
             Slot::Real(slot) => *slot = value,
-            Slot::Count64(slot) if whole => *slot = value as u64,
-            Slot::Count32(slot) if whole && value <= f64::from(u32::MAX) => *slot = value as u32,
-            Slot::Count32(_) | Slot::Count64(_) => return Err(format!("must be a whole number, not {value}")),
+            Slot::Count64(slot) => *slot = count(MAX_STEPS)?,
+            Slot::Count32(slot) => *slot = count(u64::from(u32::MAX))? as u32,
         }
         Ok(())
     }
@@ -228,8 +250,27 @@ fn element<'a, T>(list: &'a mut [T], index: &str) -> Option<&'a mut T> {
 }
 
 /// `a[1]` is another way to write `a.1`: messages about scenes do.
-fn dotted(path: &str) -> String {
-    path.replace('[', ".").replace(']', "")
+///
+/// `None` where brackets do not match, or have something else than an index in them.
+fn segments(path: &str) -> Option<Vec<String>> {
+    let mut segments = Vec::new();
+    for piece in path.split('.') {
+        let (name, mut rest) = piece.split_at(piece.find('[').unwrap_or(piece.len()));
+        if name.contains(']') || name.is_empty() && !rest.is_empty() {
+            return None;
+        }
+        segments.push(name.to_owned());
+        while let Some(after) = rest.strip_prefix('[') {
+            let (number, after) = after.split_once(']')?;
+            index(number)?;
+            segments.push(number.to_owned());
+            rest = after;
+        }
+        if !rest.is_empty() {
+            return None;
+        }
+    }
+    Some(segments)
 }
 
 /// Digits without a sign or a zero before them, so that an index is written in one way only.
@@ -336,11 +377,35 @@ mod tests {
             "gravity.+1",
             "gravity.01",
             "bodies.99999999999999999999999.mass",
+            "dt]",
+            "dt[",
+            "[dt]",
+            "gravity[1",
+            "gravity1]",
+            "gravity[[1]]",
+            "gravity[1]x",
+            "gravity.[1]",
+            "gravity[]",
+            "bodies[0.mass",
+            "bodies.0].mass",
+            "bodies..0.mass",
+            "bodies.a.position[1",
         ] {
             let error = set(bad).unwrap_err();
             assert_eq!(error.field, bad, "{error}");
             assert!(!error.problem.is_empty());
         }
+    }
+
+    #[test]
+    fn what_does_not_begin_from_a_default_is_said() {
+        for path in ["bodies.0.inertia.tensor.0.0", "bodies.2.forces.0.gravity_scale"] {
+            let problem = set(path).unwrap_err().problem;
+            assert!(problem.contains("does not begin from a default"), "{path}: {problem}");
+        }
+        let path = |text| FieldPath::new(text, &model()).unwrap();
+        assert_eq!(path("dt").scene_field(), Some("dt"));
+        assert_eq!((path("gravity[1]").scene_field(), path("bodies.0.mass").scene_field()), (None, None));
     }
 
     #[test]
@@ -368,6 +433,9 @@ mod tests {
         for bad in [0.5, -1.0, 1e300] {
             assert!(steps.set_in_scene(&mut model, bad).is_err(), "{bad}");
         }
+        let problem = |path: &FieldPath, value| path.set_in_scene(&mut self::model(), value).unwrap_err().problem;
+        assert!(problem(&steps, 1e18).starts_with("must be a whole number from 0 to 1000000000000, not "));
+        assert!(problem(&parts, 1e18).starts_with("must be a whole number from 0 to 4294967295, not "));
         steps.set_in_scene(&mut model, 7e9).unwrap();
         assert_eq!(model.steps, Some(7_000_000_000));
     }

@@ -44,14 +44,18 @@ pub fn time_step(seconds: f64) -> Result<Real, String> {
 /// How many steps of `dt` \[s\] a simulated time \[s\] has, rounded to the nearest.
 ///
 /// # Errors
-/// A sentence about a number over [`MAX_STEPS`], to stand behind the option's or the field's name.
+/// A sentence about a time below zero or a number over [`MAX_STEPS`], to stand behind the option's or the field's name.
 ///
 /// ```
 /// assert_eq!(tumble_scene::steps_of_duration(1.1, 0.25), Ok(4));
 /// assert!(tumble_scene::steps_of_duration(1e9, 1e-9).is_err());
+/// assert!(tumble_scene::steps_of_duration(-1.0, 0.25).is_err());
 /// ```
 #[allow(clippy::useless_conversion, reason = "dt is f64 already in one of the two builds")]
 pub fn steps_of_duration(seconds: f64, dt: Real) -> Result<u64, String> {
+    if seconds < 0.0 {
+        return Err(format!("must not be negative, as {seconds} is"));
+    }
     let steps = (seconds / f64::from(dt)).round();
     if steps <= MAX_STEPS as f64 {
         Ok(steps as u64)

@@ -150,11 +150,6 @@ impl Sweep {
         self.worlds
     }
 
-    /// How many bodies a world has.
-    pub fn body_count(&self) -> usize {
-        self.bodies.len()
-    }
-
     /// A hash of the scene's text, by which two sweeps are told apart.
     pub(crate) fn scene_hash(&self) -> u64 {
         self.scene_hash
@@ -266,10 +261,10 @@ fn find_fields(plan: &SweepPlan, model: &SceneModel) -> Result<Vec<Varied>, Swee
         if let Err(problem) = distribution.check() {
             return refuse(&problem);
         }
-        let set_already = match path.text() {
-            "dt" => plan.dt.is_some(),
-            "substeps" => plan.substeps.is_some(),
-            "steps" => plan.length.is_some(),
+        let set_already = match path.scene_field() {
+            Some("dt") => plan.dt.is_some(),
+            Some("substeps") => plan.substeps.is_some(),
+            Some("steps") => plan.length.is_some(),
             _ => false,
         };
         if set_already {

@@ -13,6 +13,9 @@ const BEFORE_IDENTITY: &str = "# tumble sweep ";
 /// No line is longer \[bytes\]; a file without line breaks is not read to its end.
 const LONGEST_LINE: u64 = 16 << 20;
 
+/// What a world can have come to; without the first, nothing follows.
+const OUTCOMES: [&str; 3] = ["ok", "impossible", "not-finite"];
+
 /// Why a sweep's file cannot be used. `Display` is one line that names the file.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
@@ -78,7 +81,10 @@ pub fn sweep_header(identity: &SweepIdentity, columns: &[String]) -> io::Result<
     Ok(format!("{BEFORE_IDENTITY}{}\n{columns}", serde_json::to_string(identity)?))
 }
 
-/// Reads a sweep's file row after row in bounded memory, and checks each row's place.
+/// Reads a sweep's file row after row in bounded memory, and checks each row's place and form.
+///
+/// A row is refused unless it is that of the next world, and each field is what its column has: a number, a known outcome, 16 hexadecimal
+/// digits, or nothing where the outcome says so. What is not seen is a change that leaves a field well-formed, such as another digit in a number.
 ///
 /// ```
 /// use tumble_scene::{Sweep, SweepFile, SweepIdentity, SweepPlan, SweepReader};
@@ -137,9 +143,13 @@ impl SweepReader {
         identity.check().map_err(not_a_sweep)?;
         let titles = csv::ReaderBuilder::new().has_headers(false).from_reader(columns.as_bytes()).into_records().next();
         let columns = match titles {
-            Some(Ok(titles)) if columns.ends_with('\n') => titles.iter().map(str::to_owned).collect(),
+            Some(Ok(titles)) if columns.ends_with('\n') => titles.iter().map(str::to_owned).collect::<Vec<_>>(),
             _ => return Err(not_a_sweep("its second line is not whole".to_owned())),
         };
+        // To the byte, because what a merge or another machine writes is compared so.
+        if sweep_header(&identity, &columns).map_err(SweepFileError::io(path))? != head {
+            return Err(not_a_sweep("its first two lines are not as this program writes them".to_owned()));
+        }
         let worlds = identity.shard().map_or(0..identity.worlds(), |shard| shard.range(identity.worlds()));
         Ok(Self {
             path: path.to_owned(),
@@ -181,10 +191,13 @@ impl SweepReader {
         self.line.clear();
         let limited = Read::by_ref(&mut self.reader).take(LONGEST_LINE).read_until(b'\n', &mut self.line);
         limited.map_err(SweepFileError::io(&self.path))?;
-        if self.line.last() != Some(&b'\n') {
+        let torn = self.line.last() != Some(&b'\n');
+        // Only the end of the file cuts a row short of the limit.
+        if torn && (self.line.len() as u64) < LONGEST_LINE {
             return Ok(None);
         }
-        if let Some(problem) = self.problem() {
+        let endless = torn.then(|| format!("it has no end within {LONGEST_LINE} bytes"));
+        if let Some(problem) = endless.or_else(|| self.problem()) {
             let line = self.next - self.worlds.start + 3;
             return Err(SweepFileError::Damaged { path: self.path.clone(), line, problem });
         }
@@ -205,8 +218,33 @@ impl SweepReader {
         } else if commas(&self.line) + 1 != fields {
             Some(format!("it has not {fields} fields"))
         } else {
-            None
+            self.malformed()
         }
+    }
+
+    /// The first field that is not what its column has.
+    fn malformed(&self) -> Option<String> {
+        let Some(row) = std::str::from_utf8(&self.line).ok().and_then(|row| row.strip_suffix('\n')) else {
+            return Some("it is not text".to_owned());
+        };
+        // Nothing is known yet of what follows the outcome.
+        let mut finished = None;
+        for (column, field) in self.columns.iter().zip(row.split(',')) {
+            let sound = match (column.as_str(), finished) {
+                ("outcome", _) => {
+                    finished = Some(field == "ok");
+                    OUTCOMES.contains(&field)
+                }
+                (_, Some(false)) => field.is_empty(),
+                ("steps_taken" | "world", _) => field.parse::<u64>().is_ok(),
+                ("hash", _) => field.len() == 16 && field.bytes().all(|byte| byte.is_ascii_hexdigit()),
+                _ => field.parse::<f64>().is_ok(),
+            };
+            if !sound {
+                return Some(format!("{field:?} is not what {column} can be"));
+            }
+        }
+        None
     }
 }
 
@@ -306,4 +344,86 @@ fn finished_rows(
     }
     while reader.next_row()?.is_some() {}
     Ok((reader.whole, reader.next))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{Sweep, SweepPlan};
+
+    const ROWS: &str =
+        "0,0.5,ok,10,0.1,-9.8,0123456789abcdef\n1,1e-7,impossible,,,,\n2,-0.5,ok,10,0.1,1.0,fedcba9876543210\n";
+
+    fn columns() -> Vec<String> {
+        ["world", "gravity.1", "outcome", "steps_taken", "time", "energy", "hash"].map(str::to_owned).to_vec()
+    }
+
+    fn identity() -> SweepIdentity {
+        let plan = SweepPlan { scene: "iss".into(), worlds: Some(3), ..SweepPlan::default() };
+        SweepIdentity::new(&Sweep::new(plan).unwrap(), None)
+    }
+
+    /// What going on with a file of these contents says, or the next world; what is refused is not changed.
+    fn go_on(contents: &[u8]) -> Result<u64, String> {
+        let place = tempfile::tempdir().unwrap();
+        let path = place.path().join("sweep.csv");
+        std::fs::write(&path, contents).unwrap();
+        let next = SweepFile::open(&path, &identity(), &columns(), 0..3).map(|file| file.next_world());
+        if next.is_err() {
+            assert_eq!(std::fs::read(&path).unwrap(), contents);
+        }
+        next.map_err(|error| error.to_string())
+    }
+
+    fn file(rows: &str) -> String {
+        sweep_header(&identity(), &columns()).unwrap() + rows
+    }
+
+    #[test]
+    fn sound_rows_stay_and_a_torn_one_is_cut_off() {
+        assert_eq!(go_on(file(ROWS).as_bytes()), Ok(3));
+        assert_eq!(go_on(&file(ROWS).as_bytes()[..file(ROWS).len() - 1]), Ok(2));
+    }
+
+    #[test]
+    fn a_damaged_row_is_refused_by_its_line() {
+        for (sound, damaged, line) in [
+            ("abcdef\n", "abcdef\r\n", 3),
+            (",ok,10,0.1,-9.8", ",okay,10,0.1,-9.8", 3),
+            ("0.5,ok", "0.5x,ok", 3),
+            ("0,0.5", "0,", 3),
+            ("ok,10,0.1,-9.8", "ok,1.5,0.1,-9.8", 3),
+            ("-9.8", "", 3),
+            ("-9.8", "-9,8", 3),
+            ("abcdef", "abcde", 3),
+            ("abcdef", "abcdeg", 3),
+            ("impossible,", "impossible,10", 4),
+            ("impossible", "ok", 4),
+            ("2,-0.5", "3,-0.5", 5),
+        ] {
+            let rows = ROWS.replacen(sound, damaged, 1);
+            assert_ne!(rows, ROWS, "{sound}");
+            let message = go_on(file(&rows).as_bytes()).unwrap_err();
+            assert!(message.contains(&format!("line {line} is damaged")), "{damaged:?}: {message}");
+        }
+    }
+
+    #[test]
+    fn a_row_without_an_end_is_no_torn_one() {
+        let mut contents = file("").into_bytes();
+        contents.resize(contents.len() + (LONGEST_LINE as usize) + 1, b'0');
+        assert!(go_on(&contents).unwrap_err().contains("line 3 is damaged"));
+    }
+
+    #[test]
+    fn a_header_is_compared_to_the_byte() {
+        let whole = file(ROWS);
+        let (first, rest) = whole.split_once('\n').unwrap();
+        for contents in
+            [format!("{first}\r\n{rest}"), format!("{first} \n{rest}"), whole.replacen("world,", "\"world\",", 1)]
+        {
+            assert_ne!(contents, whole);
+            assert!(go_on(contents.as_bytes()).unwrap_err().contains("first two lines"), "{contents}");
+        }
+    }
 }

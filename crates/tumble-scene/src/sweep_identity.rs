@@ -7,6 +7,10 @@ use crate::sweep::{Length, Sweep};
 /// The version of the files; the only one so far.
 const FORMAT: u32 = 1;
 
+/// Which arithmetic the build has: two builds of one version may differ in the bits of their results, and their rows are not to be mixed.
+/// Raised by one whenever a hash that `tests/tests/determinism.rs` pins changes.
+const ARITHMETIC: u32 = 1;
+
 /// What the rows of a sweep's file depend on, as its first line has it: two files with the same identity can be one.
 ///
 /// Threads and instruction sets are not in it, because no bit depends on them. It says nothing of the place of the scene's file either, which differs
@@ -25,6 +29,7 @@ const FORMAT: u32 = 1;
 pub struct SweepIdentity {
     format: u32,
     tumble: String,
+    arithmetic: u32,
     precision: String,
     scene: String,
     worlds: u64,
@@ -59,6 +64,7 @@ impl SweepIdentity {
         Self {
             format: FORMAT,
             tumble: env!("CARGO_PKG_VERSION").to_owned(),
+            arithmetic: ARITHMETIC,
             precision: PRECISION.to_owned(),
             scene: format!("{:016x}", sweep.scene_hash()),
             worlds: sweep.worlds(),
@@ -112,5 +118,40 @@ impl SweepIdentity {
             Some(shard) => shard.parse::<Shard>().map(|_| ()),
             None => Ok(()),
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::SweepPlan;
+
+    /// The pins that the revision stands for.
+    const REVISION: u32 = 1;
+    const PINS: [&str; 6] = [
+        "0x3dfb_2099_2a23_8f88",
+        "0x2c7d_8c7c_a8a2_08ea",
+        "0xb14c_757b_76bf_8e9f",
+        "0xf348_153e_7d2d_ed93",
+        "0x2357_723b_af0d_4bf3",
+        "0x0204_387f_d417_4a04",
+    ];
+
+    #[test]
+    fn another_arithmetic_has_another_revision() {
+        let determinism = include_str!("../../../tests/tests/determinism.rs");
+        assert!(
+            PINS.iter().all(|pin| determinism.contains(pin)),
+            "the pinned hashes changed: raise ARITHMETIC and REVISION by one, and put the new hashes here"
+        );
+        assert_eq!(ARITHMETIC, REVISION);
+    }
+
+    #[test]
+    fn builds_of_one_version_are_told_apart_by_their_arithmetic() {
+        let plan = SweepPlan { scene: "iss".into(), worlds: Some(1), ..SweepPlan::default() };
+        let own = SweepIdentity::new(&Sweep::new(plan).unwrap(), None);
+        let other = SweepIdentity { arithmetic: ARITHMETIC + 1, ..own.clone() };
+        assert_eq!(own.difference(&other), Some("arithmetic: 1 is not 2".to_owned()));
     }
 }

@@ -41,7 +41,7 @@ impl Chance {
         (self.bits() >> 11) as f64 / (1_u64 << 53) as f64
     }
 
-    /// From `low` to `high`: one of 2^24 equally likely numbers, which every precision of the build can hold.
+    /// From `low` to `high`: one of 2^24 equally likely numbers, which every precision of the build can hold; their distance must be finite.
     pub fn between(&mut self, low: Real, high: Real) -> Real {
         let unit = (self.bits() >> 40) as Real / (1_u32 << 24) as Real;
         low + (high - low) * unit

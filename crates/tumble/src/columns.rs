@@ -19,9 +19,6 @@ use crate::simd::{MOST_BODIES, WIDEST, narrowest_for, widest};
 /// So few bodies are gone through one by one: borrowing a dozen columns takes longer than a query.
 const FEW: u32 = 2;
 
-/// Archetypes whose columns are borrowed at a time.
-const ARCHETYPES: usize = 32;
-
 /// Fewer bodies are not shared among threads: a step of 512 takes six microseconds, and handing half of them over saves less than it costs even
 /// while the other thread is awake.
 const LEAST_CHUNK: usize = 512;
@@ -235,59 +232,30 @@ pub(crate) fn for_each_chunk(world: &mut World, laws: &ForceLaws, system: impl F
     if (1..=FEW).contains(&world.len()) && laws.is_empty() {
         return world.query_mut::<Row<'_>>().into_iter().for_each(|row| system(&mut Chunk::of_row(row)));
     }
-    if world.len() as usize <= LEAST_CHUNK {
-        return for_each_archetype(world, laws, &system);
-    }
-    let mut archetypes = world.archetypes();
-    loop {
-        // Some at a time, so that they need no memory but the stack's.
-        let mut columns = [const { None }; ARCHETYPES];
-        let mut found = 0;
-        while found < ARCHETYPES
-            && let Some(archetype) = archetypes.next()
-        {
-            let Some(mut borrowed) = Columns::borrow(archetype) else { continue };
-            if laws.act_on(archetype) {
-                laws.with_rows(archetype, &mut |laws| for_each_part(borrowed.chunk(laws), &system));
-            } else {
-                columns[found] = Some(borrowed);
-                found += 1;
-            }
-        }
-        if found == 0 {
-            return;
-        }
-        let mut chunks = [const { None }; ARCHETYPES];
-        for (chunk, columns) in chunks.iter_mut().zip(&mut columns) {
-            *chunk = columns.as_mut().map(|columns| columns.chunk(Laws::default()));
-        }
-        run_all(&mut chunks[..found], &system);
-    }
+    let all = 0..world.archetypes().len();
+    for_each_archetype(world, all, laws, &system);
 }
 
-/// One archetype after the other.
-fn for_each_archetype(world: &World, laws: &ForceLaws, system: &(impl Fn(&mut Chunk<'_>) + Sync)) {
-    for archetype in world.archetypes() {
+/// Splits the archetypes among threads, and then each archetype's rows. Columns are borrowed where they are used, so nothing needs memory but the stack.
+fn for_each_archetype(
+    world: &World,
+    archetypes: Range<usize>,
+    laws: &ForceLaws,
+    system: &(impl Fn(&mut Chunk<'_>) + Sync),
+) {
+    let these = || world.archetypes().skip(archetypes.start).take(archetypes.len());
+    let entities: usize = these().map(|archetype| archetype.len() as usize).sum();
+    if archetypes.len() > 1 && entities > LEAST_CHUNK {
+        let middle = archetypes.start + archetypes.len() / 2;
+        rayon::join(
+            || for_each_archetype(world, archetypes.start..middle, laws, system),
+            || for_each_archetype(world, middle..archetypes.end, laws, system),
+        );
+        return;
+    }
+    for archetype in these() {
         if let Some(mut columns) = Columns::borrow(archetype) {
             laws.with_rows(archetype, &mut |laws| for_each_part(columns.chunk(laws), system));
-        }
-    }
-}
-
-/// Splits the archetypes among threads, and then each archetype's rows.
-fn run_all(chunks: &mut [Option<Chunk<'_>>], system: &(impl Fn(&mut Chunk<'_>) + Sync)) {
-    if let [chunk] = chunks {
-        if let Some(chunk) = chunk.take() {
-            for_each_part(chunk, system);
-        }
-    } else if !chunks.is_empty() {
-        let bodies: usize = chunks.iter().flatten().map(Chunk::len).sum();
-        let (first, second) = chunks.split_at_mut(chunks.len() / 2);
-        if bodies <= LEAST_CHUNK {
-            run_all(first, system);
-            run_all(second, system);
-        } else {
-            rayon::join(|| run_all(first, system), || run_all(second, system));
         }
     }
 }

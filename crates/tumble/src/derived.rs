@@ -22,12 +22,13 @@ pub(crate) struct Derived<L> {
 pub(crate) fn derived<L: Lane>(constants: &Constants<L>, state: &State<L>) -> Derived<L> {
     let (mut d, mut o) = (Vec3::zero(), Vec3::zero());
     if let Some(inertia) = &constants.inertia {
-        // The sum over the principal axes r in the world of r r^T/I; and the three r r^T add up to the unit matrix.
-        let [a, b, _] = inertia.world_axes(state.orientation);
+        // The sum over the principal axes r in the world of r r^T/I: of three terms, none negative on the diagonal. Two would do, since the
+        // three r r^T add up to the unit matrix, but for a needle along the third axis all digits cancel.
+        let [a, b, c] = inertia.world_axes(state.orientation);
         let m = inertia.inverse_moments;
-        let (a_weighed, b_weighed) = (a * (m.x - m.z), b * (m.y - m.z));
-        d = Vec3::splat(m.z) + (a.scale(a_weighed) + b.scale(b_weighed));
-        o = products(a, a_weighed) + products(b, b_weighed);
+        let (a_weighed, b_weighed, c_weighed) = (a * m.x, b * m.y, c * m.z);
+        d = a.scale(a_weighed) + b.scale(b_weighed) + c.scale(c_weighed);
+        o = products(a, a_weighed) + products(b, b_weighed) + products(c, c_weighed);
     }
     let l = state.angular;
     let angular = Vec3::new(

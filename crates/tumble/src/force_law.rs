@@ -18,6 +18,8 @@ use crate::state::{Constants, State};
 /// | `RungeKutta4` | 4 | 4 |
 /// | `MoserVeselov` | 2, at start and end; 3 where the law [depends on velocity](Self::depends_on_velocity) | 2 |
 ///
+/// A body's laws are evaluated together, and bodies next to each other too: one that depends on velocity has the others evaluated once more as well.
+///
 /// A law must not depend on anything but its own data and the state it is given, and should keep to basic arithmetic if the bits are to be the
 /// same on every machine.
 ///

@@ -38,7 +38,11 @@ trait Source: Send + Sync {
 
 /// Laws that act on the bodies of one archetype: a list whose links lie on the stack of the step.
 #[derive(Clone, Copy, Default)]
-pub(crate) struct Laws<'a>(Option<&'a Link<'a>>);
+pub(crate) struct Laws<'a> {
+    first: Option<&'a Link<'a>>,
+    /// Rows of the archetype.
+    rows: usize,
+}
 
 struct Link<'a> {
     index: usize,
@@ -48,7 +52,12 @@ struct Link<'a> {
 
 impl<'a> Laws<'a> {
     pub(crate) fn is_empty(self) -> bool {
-        self.0.is_none()
+        self.first.is_none()
+    }
+
+    /// How many bodies there are from a row on.
+    pub(crate) fn bodies_from(self, row: usize) -> usize {
+        self.rows.saturating_sub(row)
     }
 }
 
@@ -57,7 +66,7 @@ impl<'a> Iterator for Laws<'a> {
     type Item = (usize, &'a dyn LawRows);
 
     fn next(&mut self) -> Option<Self::Item> {
-        let link = self.0?;
+        let link = self.first?;
         *self = link.next;
         Some((link.index, link.rows))
     }
@@ -94,14 +103,9 @@ impl ForceLaws {
         self.sources.is_empty()
     }
 
-    /// Whether any law acts in an archetype.
-    pub(crate) fn act_on(&self, archetype: &Archetype) -> bool {
-        self.sources.iter().any(|source| source.acts_on(archetype))
-    }
-
     /// Calls `then` with the laws that act in an archetype, in order.
     pub(crate) fn with_rows(&self, archetype: &Archetype, then: &mut dyn FnMut(Laws<'_>)) {
-        with_rows_before(&self.sources, archetype, Laws::default(), then);
+        with_rows_before(&self.sources, archetype, Laws { first: None, rows: archetype.len() as usize }, then);
     }
 
     /// The potential energy \[J\] of one body in all laws.
@@ -121,7 +125,7 @@ fn with_rows_before(
     if source.acts_on(archetype) {
         source.with_rows(archetype, &mut |rows| {
             let link = Link { index: before.len(), rows, next: laws };
-            with_rows_before(before, archetype, Laws(Some(&link)), then);
+            with_rows_before(before, archetype, Laws { first: Some(&link), rows: laws.rows }, then);
         });
     } else {
         with_rows_before(before, archetype, laws, then);

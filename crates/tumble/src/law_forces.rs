@@ -54,7 +54,7 @@ impl Forces<Real> for LawForces<'_> {
 /// All that pushes a tile of bodies during a substep.
 pub(crate) struct TileLawForces<'a, T: Tile> {
     pub(crate) constants: &'a Constants<T>,
-    /// The same of each body.
+    /// The same of each body that is not only there to fill up the tile.
     pub(crate) of_bodies: &'a [Constants<Real>],
     /// Gravity and what the caller applied, constant over the step.
     pub(crate) constant: Force<T>,

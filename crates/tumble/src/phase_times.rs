@@ -16,7 +16,7 @@ pub(crate) enum Phase {
 }
 
 /// Runs from one phase's end to the next; does nothing where no one asked for times.
-pub(crate) struct Clock<'a> {
+pub(crate) struct Stopwatch<'a> {
     running: Option<(&'a PhaseTimes, Instant)>,
 }
 
@@ -40,12 +40,12 @@ impl PhaseTimes {
         Duration::from_nanos(self.nanoseconds[phase as usize].load(Ordering::Relaxed))
     }
 
-    pub(crate) fn start(times: Option<&Self>) -> Clock<'_> {
-        Clock { running: times.map(|times| (times, Instant::now())) }
+    pub(crate) fn start(times: Option<&Self>) -> Stopwatch<'_> {
+        Stopwatch { running: times.map(|times| (times, Instant::now())) }
     }
 }
 
-impl Clock<'_> {
+impl Stopwatch<'_> {
     pub(crate) fn end_of(&mut self, phase: Phase) {
         if let Some((times, since)) = &mut self.running {
             let now = Instant::now();

@@ -98,7 +98,7 @@ impl Body {
     /// Spawns a copy of the body for each pose of the centre of mass and momentum, and returns their entities in that order.
     ///
     /// What depends on the state, such as the [`Velocity`](crate::Velocity), is computed; all else is the body's. A body with a
-    /// [`BodyId`] gives it to the first copy, and the next ids to the others. A body that forces do not move takes the poses
+    /// [`BodyId`] gives it to the first copy, and the next ids to the others, from 0 on after the largest. A body that forces do not move takes the poses
     /// and no momenta. Poses are taken as they are: finite, with unit quaternions.
     ///
     /// This is the fastest way to many bodies: the columns are allocated once and filled one after the other.

@@ -7,7 +7,7 @@ use crate::math::Real;
 /// A hash of the state to the bit: equal hashes mean equal positions, orientations and momenta, in all likelihood.
 ///
 /// 64-bit FNV-1a over the little-endian bytes of each body's position x y z, orientation x y z w and, where it has one, linear and
-/// angular momentum x y z, body after body in order. Bodies that are gone are passed over.
+/// angular momentum x y z, body after body in order; any NaN counts as the same one. Bodies that are gone are passed over.
 ///
 /// ```
 /// # use tumble::{BodyOrder, state_hash};
@@ -25,6 +25,12 @@ pub fn state_hash(world: &World, order: &BodyOrder) -> u64 {
         }
     }
     hash.value()
+}
+
+/// The number, or the one NaN for all: which sign and payload an operation gives a NaN is up to the processor, and the same calculation leaves
+/// others in other vector registers.
+pub(crate) fn canonical(number: Real) -> Real {
+    if number.is_nan() { Real::NAN } else { number }
 }
 
 /// 64-bit FNV-1a.
@@ -46,8 +52,8 @@ impl Fnv {
     }
 
     fn add_numbers(&mut self, numbers: &[Real]) {
-        for number in numbers {
-            self.add_bytes(&number.to_le_bytes());
+        for &number in numbers {
+            self.add_bytes(&canonical(number).to_le_bytes());
         }
     }
 

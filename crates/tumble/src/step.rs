@@ -38,13 +38,13 @@ pub(crate) fn steps_under_laws(
         }
         for step in 0..steps {
             remember_poses(bodies);
-            let mut clock = PhaseTimes::start(times);
+            let mut stopwatch = PhaseTimes::start(times);
             accumulate_forces_of(bodies, settings);
-            clock.end_of(Phase::AccumulateForces);
+            stopwatch.end_of(Phase::AccumulateForces);
             integrate_bodies(bodies, settings, time_of_step(step));
-            clock.end_of(Phase::Integrate);
+            stopwatch.end_of(Phase::Integrate);
             update_derived_of(bodies);
-            clock.end_of(Phase::UpdateDerived);
+            stopwatch.end_of(Phase::UpdateDerived);
         }
     });
     move_kinematic_bodies(world, settings.dt, steps);

@@ -116,7 +116,7 @@ impl<S: AnyWidth> Kernel for UnderLaws<'_, '_, S> {
         let (laws, row) = (bodies.laws, bodies.first_row + i);
         let mut forces = TileLawForces {
             constants: &constants,
-            of_bodies: &of_bodies[..T::WIDTH],
+            of_bodies: &of_bodies[..T::WIDTH.min(laws.bodies_from(row))],
             constant: bodies.take_force::<T>(i),
             laws,
             row,

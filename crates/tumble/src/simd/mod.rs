@@ -129,17 +129,14 @@ impl Level {
 
     /// Widths of the tiles that it has, the widest first.
     fn widths(self) -> &'static [usize] {
-        /// Numbers in 16 bytes.
-        #[cfg(vector_code)]
-        const FOUR_OR_TWO: usize = 16 / size_of::<Real>();
         match self {
-            Self::Scalar => &[1],
+            Self::Scalar => &[Real::WIDTH],
             #[cfg(vector_code)]
-            Self::Baseline => &[FOUR_OR_TWO, 1],
+            Self::Baseline => &x86_64::WIDTHS[2..],
             #[cfg(vector_code)]
-            Self::Avx2 => &[2 * FOUR_OR_TWO, FOUR_OR_TWO, 1],
+            Self::Avx2 => &x86_64::WIDTHS[1..],
             #[cfg(vector_code)]
-            Self::Avx512 => &[4 * FOUR_OR_TWO, 2 * FOUR_OR_TWO, FOUR_OR_TWO, 1],
+            Self::Avx512 => &x86_64::WIDTHS,
         }
     }
 

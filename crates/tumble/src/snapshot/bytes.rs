@@ -78,8 +78,8 @@ impl Snapshot {
     /// The snapshot that [`to_bytes`](Self::to_bytes) has written.
     ///
     /// # Errors
-    /// [`SnapshotError`] where the bytes are not a snapshot, of another version or precision, cut short or damaged, or hold a state that no
-    /// world can have.
+    /// [`SnapshotError`] where the bytes are not a snapshot, of another version or precision, cut short or damaged, or hold numbers that are
+    /// not finite or an orientation far from unit length. [`to_bytes`](Self::to_bytes) does not look, so what a world that has gone wrong was written as is refused here.
     pub fn from_bytes(bytes: &[u8]) -> Result<Self, SnapshotError> {
         let header = Header::read(bytes)?;
         let mut rest = Reader { rest: &bytes[HEADER..bytes.len() - CHECKSUM], found: bytes.len() };

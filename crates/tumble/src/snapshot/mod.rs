@@ -18,7 +18,7 @@ use hecs::{Archetype, Entity, World};
 use crate::clock::Clock;
 use crate::components::{BodyId, Momentum, Pose, PreviousPose, Velocity, Wrench};
 use crate::math::Real;
-use crate::state_hash::Fnv;
+use crate::state_hash::{Fnv, canonical};
 use matching::Run;
 
 /// The state of all bodies of a world at one moment, by [`BodyId`].
@@ -297,7 +297,8 @@ impl Snapshot {
         let (ours, theirs) = (self.rows_by_id(0..self.len()), other.rows_by_id(0..other.len()));
         let same = ours.iter().zip(&theirs).take_while(|&(&a, &b)| {
             let alike = self.ids[a] == other.ids[b] && self.kind(a) == other.kind(b);
-            alike && self.numbers(a).map(Real::to_bits).eq(other.numbers(b).map(Real::to_bits))
+            let bits = |number: Real| canonical(number).to_bits();
+            alike && self.numbers(a).map(bits).eq(other.numbers(b).map(bits))
         });
         let same = same.count();
         let next = [ours.get(same).map(|&row| self.ids[row]), theirs.get(same).map(|&row| other.ids[row])];

@@ -18,6 +18,9 @@ use crate::math::Real;
 mod blocks;
 mod wide;
 
+/// Widths of all tiles that are not pairs, as the functions below go through them.
+pub(super) const WIDTHS: [usize; 4] = [Avx512::WIDTH, Avx2::WIDTH, Sse2::WIDTH, Real::WIDTH];
+
 /// Runs a kernel on SSE2 tiles, which every x86-64 machine has.
 pub(super) fn with_sse2(kernel: &mut impl Kernel) {
     let left = tiles::<Sse2>(kernel, 0);
