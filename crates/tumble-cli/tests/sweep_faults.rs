@@ -106,9 +106,12 @@ fn ctrl_c_ends_a_merge_with_nothing_left() {
     place.succeed(&sweep(&["--worlds", "2", "--shard", "1/1", "--out", "s.csv"]));
     let small = place.read("s.csv").replace("\"worlds\":2", &format!("\"worlds\":{WORLDS}"));
     let mut big: String = small.split_inclusive('\n').take(2).collect();
-    let commas = ",".repeat(small.lines().nth(1).unwrap().matches(',').count());
+    // As worlds that could not be: a value for what varies, the outcome, and nothing in the columns after it.
+    let columns = small.lines().nth(1).unwrap().split(',');
+    let outcome = columns.clone().position(|column| column == "outcome").unwrap();
+    let row = format!("{},impossible{}", ",0".repeat(outcome - 1), ",".repeat(columns.count() - 1 - outcome));
     for world in 0..WORLDS {
-        big.push_str(&format!("{world}{commas}\n"));
+        big.push_str(&format!("{world}{row}\n"));
     }
     place.write("s.csv", big);
     let mut child = place.command(&["merge", "whole.csv", "s.csv"]).spawn().unwrap();
