@@ -74,6 +74,7 @@ pub(crate) fn step_under_constant_forces(bodies: &mut Chunk<'_>, settings: &Sett
 }
 
 pub(crate) fn integrate_bodies(bodies: &mut Chunk<'_>, settings: &Settings, time: f64) {
+    crate::scope::scope!("tumble::integrate");
     if bodies.have_constant_forces() {
         return advance(bodies, settings, Extent::Integration);
     }
