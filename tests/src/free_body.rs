@@ -3,8 +3,9 @@
 use glam::{DQuat, DVec3};
 use hecs::{Entity, World};
 use serde_json::Value;
-use tumble::math::{Real, Vec3};
 use tumble::{InertiaTensor, RigidBody, Shape};
+
+use crate::references::{number, parse, quaternion, real_vec3, vector};
 
 /// A body that turns freely, with its exact motion at some times.
 ///
@@ -62,15 +63,6 @@ pub struct Sample {
     pub angular_velocity_body: DVec3,
 }
 
-/// A number, or a string that holds a decimal with more digits than f64.
-fn number(value: &Value) -> f64 {
-    value.as_f64().unwrap_or_else(|| value.as_str().and_then(|text| text.parse().ok()).expect("a number"))
-}
-
-fn vector(value: &Value) -> DVec3 {
-    DVec3::new(number(&value[0]), number(&value[1]), number(&value[2]))
-}
-
 impl FreeBody {
     /// The top of van Zon and Schofield: spins near its middle axis and flips every 1.17 s.
     pub fn van_zon_top() -> Self {
@@ -98,12 +90,12 @@ impl FreeBody {
     }
 
     fn read(name: &'static str, text: &str) -> Self {
-        let file: Value = serde_json::from_str(text).expect("a JSON file");
+        let file = parse(text);
         let sample = |value: &Value| {
             let q = &value["orientation"];
             Sample {
                 time: number(&value["time"]),
-                orientation: DQuat::from_xyzw(number(&q[1]), number(&q[2]), number(&q[3]), number(&q[0])),
+                orientation: quaternion(q),
                 angular_velocity_body: vector(&value["angular_velocity"]),
             }
         };
@@ -139,18 +131,13 @@ impl FreeBody {
         RigidBody::new(Shape::Point)
             .mass(self.mass)
             .inertia(inertia)
-            .position(real(thrown.0))
-            .linear_velocity(real(thrown.1))
-            .angular_velocity(real(self.angular_velocity))
+            .position(real_vec3(thrown.0))
+            .linear_velocity(real_vec3(thrown.1))
+            .angular_velocity(real_vec3(self.angular_velocity))
     }
 
     /// Spawns the body at time zero.
     pub fn spawn(&self, world: &mut World) -> Entity {
         self.rigid_body().build().expect("a possible body").spawn(world)
     }
-}
-
-/// Rounded to the precision of the build.
-fn real(v: DVec3) -> Vec3 {
-    Vec3::new(v.x as Real, v.y as Real, v.z as Real)
 }

@@ -17,9 +17,11 @@
 mod comparison;
 mod free_body;
 pub mod references;
+mod simulation;
 
 pub use comparison::{DOUBLE, EPSILON, attitude_error, by_precision, dquat, dvec3, energy_of, seconds};
 pub use free_body::{Elliptic, FreeBody, Sample, Translation};
+pub use simulation::{hash, run, simulation, weightless};
 
 /// The snippets of the documents, run as doctests.
 #[cfg(doctest)]

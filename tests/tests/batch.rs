@@ -10,21 +10,16 @@ use std::ops::{ControlFlow, Range};
 use std::sync::atomic::{AtomicUsize, Ordering};
 
 use hecs::World;
-use rayon::{ThreadPool, ThreadPoolBuilder};
 use tumble::math::{Real, Vec3};
 use tumble::{
     Batch, BodyOrder, BodyState, Chance, ForceLaw, Integrator, RigidBody, Settings, Shape, Trial, Wrench, state_hash,
     stream,
 };
-use tumble_benches::mixed_body;
+use tumble_benches::{mixed_body, pool};
 
 /// Enough worlds that every thread gets several, of every size there is: none, one, a few, several chunks.
 const WORLDS: usize = 40;
 const STEPS: u32 = 25;
-
-fn pool(threads: usize) -> ThreadPool {
-    ThreadPoolBuilder::new().num_threads(threads).build().unwrap()
-}
 
 /// A push that grows with time, so that a world with another's clock is found out.
 struct Ramp(Real);

@@ -20,21 +20,11 @@ use glam::{DQuat, DVec3};
 use hecs::{Entity, World};
 use tumble::math::{Quat, Real, Vec3};
 use tumble::{
-    BodyOrder, Damping, InertiaTensor, Integrator, Momentum, Pose, PrincipalAxes, RigidBody, Settings, Shape,
-    Simulation, Velocity, measure,
+    BodyOrder, Damping, InertiaTensor, Integrator, Momentum, Pose, PrincipalAxes, RigidBody, Settings, Shape, Velocity,
+    measure,
 };
 use tumble_benches::mixed_body;
-use tumble_tests::{EPSILON, FreeBody, attitude_error, by_precision, dquat, dvec3, energy_of};
-
-fn free(integrator: Integrator, dt: Real) -> Simulation {
-    Simulation::new(Settings::default().with_gravity(Vec3::ZERO).with_dt(dt).with_integrator(integrator)).unwrap()
-}
-
-fn run(simulation: &mut Simulation, world: &mut World, steps: u32) {
-    for _ in 0..steps {
-        simulation.step(world);
-    }
-}
+use tumble_tests::{EPSILON, FreeBody, attitude_error, by_precision, dquat, dvec3, energy_of, run, weightless};
 
 /// All kinds of bodies, and the reference bodies, without damping.
 fn many_free_bodies() -> World {
@@ -59,7 +49,7 @@ fn both_momenta_are_kept_to_the_bit() {
             order.entities().iter().filter_map(|&e| world.get::<&Momentum>(e).ok().map(|m| *m)).collect()
         };
         let before = momenta(&world);
-        run(&mut free(integrator, 0.01), &mut world, 1000);
+        run(&mut weightless(integrator, 0.01), &mut world, 1000);
         let after = momenta(&world);
         assert!(before.iter().any(|m| m.angular != Vec3::ZERO && m.linear != Vec3::ZERO));
         // Bit by bit, but that a zero may lose its sign: -0 + 0 is 0.
@@ -72,7 +62,7 @@ fn both_momenta_are_kept_to_the_bit() {
 fn orientations_stay_of_unit_length() {
     for integrator in Integrator::ALL {
         let mut world = many_free_bodies();
-        run(&mut free(integrator, 0.01), &mut world, 1000);
+        run(&mut weightless(integrator, 0.01), &mut world, 1000);
         for pose in world.query_mut::<&Pose>() {
             let q = pose.orientation;
             let [x, y, z, w] = q.to_array().map(f64::from);
@@ -88,7 +78,7 @@ fn orientations_stay_of_unit_length() {
 fn moser_veselov_keeps_energy_to_rounding() {
     for body in [FreeBody::van_zon_top(), FreeBody::drake_cylinder(), FreeBody::t_handle(), FreeBody::mujoco_box()] {
         for dt in [0.001, 0.01, 0.1] {
-            let (mut world, mut simulation) = (World::new(), free(Integrator::MoserVeselov, dt));
+            let (mut world, mut simulation) = (World::new(), weightless(Integrator::MoserVeselov, dt));
             let entity = body.spawn(&mut world);
             let start = energy_of(&world, entity);
             // As in the source, up to rounding of moments and momenta: a few EPSILON.
@@ -108,7 +98,7 @@ fn energy_drift(body: &FreeBody, integrator: Integrator, dt: Real, steps: u32) -
     let mut world = World::new();
     let entity = body.spawn(&mut world);
     let start = energy_of(&world, entity);
-    run(&mut free(integrator, dt), &mut world, steps);
+    run(&mut weightless(integrator, dt), &mut world, steps);
     energy_of(&world, entity) / start - 1.0
 }
 
@@ -168,7 +158,7 @@ fn a_body_spins_on_about_its_largest_and_its_smallest_axis() {
         let (about_largest, about_smallest) = (Vec3::new(0.1, 0.1, 5.0), Vec3::new(5.0, 0.1, 0.1));
         let largest = unequal(about_largest).build().unwrap().spawn(&mut world);
         let smallest = unequal(about_smallest).build().unwrap().spawn(&mut world);
-        let mut simulation = free(integrator, 1.0 / 256.0);
+        let mut simulation = weightless(integrator, 1.0 / 256.0);
         let (c_largest, c_smallest) = (2.0 * 0.1 * 0.1 + 2.0 * 0.1 * 0.1, 2.0 * 0.1 * 0.1 + 6.0 * 0.1 * 0.1);
         for _ in 0..5000 {
             simulation.step(&mut world);
@@ -189,7 +179,7 @@ fn a_body_flips_about_its_middle_axis() {
     for integrator in [Integrator::RungeKutta4, Integrator::MoserVeselov] {
         let mut world = World::new();
         let body = unequal(Vec3::new(0.1, 5.0, 0.1)).build().unwrap().spawn(&mut world);
-        let mut simulation = free(integrator, 1.0 / 256.0);
+        let mut simulation = weightless(integrator, 1.0 / 256.0);
         let mut least = f64::INFINITY;
         for _ in 0..20 * 256 {
             simulation.step(&mut world);
@@ -209,7 +199,7 @@ fn flips_come_when_the_exact_solution_says() {
     let dt: Real = 1.0 / 512.0;
     for (body, middle, seconds) in [(FreeBody::van_zon_top(), 1, 10), (FreeBody::t_handle(), 0, 20)] {
         let elliptic = body.elliptic.unwrap();
-        let (mut world, mut simulation) = (World::new(), free(Integrator::MoserVeselov, dt));
+        let (mut world, mut simulation) = (World::new(), weightless(Integrator::MoserVeselov, dt));
         let entity = body.spawn(&mut world);
         let mut times = Vec::new();
         let mut before = spin(&world, entity)[middle];
@@ -249,7 +239,7 @@ fn the_choice_of_body_frame_does_not_matter() {
         let principal = reference.spawn(&mut world);
         let turned = reference.rigid_body().inertia(inertia).orientation(frame).build().unwrap().spawn(&mut world);
         assert!(world.get::<&PrincipalAxes>(turned).is_ok());
-        run(&mut free(integrator, 0.01), &mut world, 500);
+        run(&mut weightless(integrator, 0.01), &mut world, 500);
         let orientation = |entity| dquat(world.get::<&Pose>(entity).unwrap().orientation);
         let difference = attitude_error(orientation(principal), orientation(turned) * dquat(frame).conjugate());
         println!("{integrator}: {difference:.1e} rad");

@@ -17,9 +17,9 @@
 )]
 
 use hecs::World;
-use tumble::math::{Real, Vec3};
-use tumble::{Integrator, Pose, Settings, Simulation, Velocity};
-use tumble_tests::{DOUBLE, EPSILON, FreeBody, attitude_error, by_precision, dquat, dvec3};
+use tumble::math::Real;
+use tumble::{Integrator, Pose, Velocity};
+use tumble_tests::{DOUBLE, EPSILON, FreeBody, attitude_error, by_precision, dquat, dvec3, run, weightless};
 
 use Integrator::{MoserVeselov, RungeKutta4, SemiImplicitEuler};
 
@@ -32,11 +32,7 @@ fn errors(body: &FreeBody, integrator: Integrator, time: f64, steps: u32) -> (f6
     let mut world = World::new();
     let entity = body.spawn(&mut world);
     let dt = (time / f64::from(steps)) as Real;
-    let settings = Settings::default().with_gravity(Vec3::ZERO).with_dt(dt).with_integrator(integrator);
-    let mut simulation = Simulation::new(settings).unwrap();
-    for _ in 0..steps {
-        simulation.step(&mut world);
-    }
+    run(&mut weightless(integrator, dt), &mut world, steps);
     let exact = body.at(time);
     let orientation = dquat(world.get::<&Pose>(entity).unwrap().orientation);
     let spin = orientation.conjugate() * dvec3(world.get::<&Velocity>(entity).unwrap().angular);

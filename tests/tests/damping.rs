@@ -16,8 +16,8 @@
 
 use hecs::{Entity, World};
 use tumble::math::{Real, Vec3};
-use tumble::{Damping, Integrator, Momentum, Pose, RigidBody, Settings, Shape, Simulation, Velocity};
-use tumble_tests::{EPSILON, dquat, dvec3, seconds};
+use tumble::{Damping, Integrator, Momentum, Pose, RigidBody, Shape, Velocity};
+use tumble_tests::{EPSILON, dquat, dvec3, seconds, simulation};
 
 fn brick(damping: Damping) -> RigidBody {
     RigidBody::new(Shape::cuboid([0.1, 0.2, 0.3])).mass(2.0).damping(damping)
@@ -25,10 +25,6 @@ fn brick(damping: Damping) -> RigidBody {
 
 fn spawn(world: &mut World, body: RigidBody) -> Entity {
     body.build().unwrap().spawn(world)
-}
-
-fn simulation(integrator: Integrator, gravity: Vec3, dt: Real) -> Simulation {
-    Simulation::new(Settings::default().with_gravity(gravity).with_dt(dt).with_integrator(integrator)).unwrap()
 }
 
 /// `e^(-c dt)` as the engine is to multiply with it, from the step and rate in the precision of the build.

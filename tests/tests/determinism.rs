@@ -18,34 +18,24 @@
 use std::process::Command;
 
 use hecs::World;
-use rayon::{ThreadPool, ThreadPoolBuilder};
 use tumble::math::{PRECISION, Quat, Real, Vec3};
 use tumble::{
     BodyId, BodyOrder, BodySlices, BodyState, Damping, ForceLaw, GravityScale, Inertia, Integrator, InverseInertia,
     Mass, Momentum, Pose, PreviousPose, PrincipalAxes, Settings, Simulation, UnequalSlices, Velocity, Wrench,
-    accumulate_forces, integrate, measure, simd_name, state_hash, update_derived,
+    accumulate_forces, integrate, measure, simd_name, update_derived,
 };
-use tumble_benches::{mixed_bodies, mixed_body, mixed_moving_bodies, tumbling_boxes};
+use tumble_benches::{mixed_bodies, mixed_body, mixed_moving_bodies, pool, tumbling_boxes};
+use tumble_tests::{hash, run};
 
 fn settings(integrator: Integrator) -> Settings {
     Settings::default().with_dt(1.0 / 128.0).with_integrator(integrator)
 }
 
-fn hash(world: &World) -> u64 {
-    state_hash(world, &BodyOrder::of(world))
-}
-
 /// Steps in a pool of its own; the hash of the end.
 fn hash_after(world: &mut World, settings: Settings, steps: u32) -> u64 {
     let mut simulation = Simulation::new(settings).unwrap();
-    for _ in 0..steps {
-        simulation.step(world);
-    }
+    run(&mut simulation, world, steps);
     hash(world)
-}
-
-fn pool(threads: usize) -> ThreadPool {
-    ThreadPoolBuilder::new().num_threads(threads).build().unwrap()
 }
 
 /// Several chunks in each of many archetypes, on one thread, two, and more than there are processors.

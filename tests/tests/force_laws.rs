@@ -18,23 +18,13 @@ use tumble::Integrator::{self, MoserVeselov, RungeKutta4, SemiImplicitEuler};
 use tumble::math::{Quat, Real, Vec3};
 use tumble::{
     BodyId, BodyOrder, BodyState, Damping, ForceLaw, Momentum, Pose, RigidBody, Settings, Shape, Simulation, Velocity,
-    Wrench, state_hash,
+    Wrench,
 };
 use tumble_benches::mixed_bodies;
-use tumble_tests::{EPSILON, attitude_error, dquat, dvec3};
+use tumble_tests::{EPSILON, attitude_error, dquat, dvec3, hash, run, weightless};
 
 fn box_of_three_lengths() -> RigidBody {
     RigidBody::new(Shape::cuboid([0.3, 0.5, 0.8])).mass(1.5)
-}
-
-fn simulation(integrator: Integrator, dt: Real) -> Simulation {
-    Simulation::new(Settings::default().with_gravity(Vec3::ZERO).with_dt(dt).with_integrator(integrator)).unwrap()
-}
-
-fn run(simulation: &mut Simulation, world: &mut World, steps: u32) {
-    for _ in 0..steps {
-        simulation.step(world);
-    }
 }
 
 /// Which law acts in a run.
@@ -90,7 +80,7 @@ fn after_a_second(kind: Kind, integrator: Integrator, steps: u32) -> End {
         box_of_three_lengths().linear_velocity(Vec3::new(1.0, 0.5, -2.0)).angular_velocity(Vec3::new(2.0, 3.0, 1.0));
     let body = body.build().unwrap().spawn(&mut world);
     world.insert_one(body, kind).unwrap();
-    let mut simulation = simulation(integrator, 1.0 / steps as Real);
+    let mut simulation = weightless(integrator, 1.0 / steps as Real);
     simulation.add_law::<Kind>();
     run(&mut simulation, &mut world, steps);
     let pose = *world.get::<&Pose>(body).unwrap();
@@ -181,7 +171,7 @@ fn laws_are_evaluated_at_every_stage() {
         let law = Asked { depends_on_velocity, ..Asked::default() };
         let mut world = World::new();
         box_of_three_lengths().build().unwrap().spawn(&mut world);
-        let mut simulation = simulation(integrator, 0.25);
+        let mut simulation = weightless(integrator, 0.25);
         simulation.add_law_everywhere(law.clone());
         run(&mut simulation, &mut world, 2);
         law.times.lock().unwrap().clear();
@@ -196,7 +186,7 @@ fn substeps_have_their_own_times() {
     let law = Asked::default();
     let mut world = World::new();
     box_of_three_lengths().build().unwrap().spawn(&mut world);
-    let mut simulation = simulation(SemiImplicitEuler, 0.5);
+    let mut simulation = weightless(SemiImplicitEuler, 0.5);
     simulation.add_law_everywhere(law.clone());
     simulation.step(&mut world);
     let settings = simulation.settings().with_dt(1.0).with_substeps(4);
@@ -220,7 +210,7 @@ fn substeps_under_laws_are_steps() {
             let mut simulation = Simulation::new(settings).unwrap();
             simulation.add_law_everywhere(Kind::All);
             run(&mut simulation, &mut world, 64 / substeps);
-            state_hash(&world, &BodyOrder::of(&world))
+            hash(&world)
         };
         assert_eq!(hash(1), hash(4), "{integrator}");
     }
@@ -264,7 +254,7 @@ fn a_component_law_acts_on_its_own_bodies() {
     for _ in 0..100 {
         world.despawn(pushed.remove(7).0).unwrap();
     }
-    let mut simulation = simulation(SemiImplicitEuler, 0.25);
+    let mut simulation = weightless(SemiImplicitEuler, 0.25);
     simulation.add_law::<Push>();
     simulation.step(&mut world);
     assert_eq!(count.load(Ordering::Relaxed), pushed.len());
@@ -287,7 +277,7 @@ fn an_everywhere_law_acts_on_every_moving_body() {
     let fixed = thing().fixed().build().unwrap().spawn(&mut world);
     let kinematic = thing().kinematic().build().unwrap().spawn(&mut world);
     world.spawn(("not a body",));
-    let mut simulation = simulation(SemiImplicitEuler, 0.25);
+    let mut simulation = weightless(SemiImplicitEuler, 0.25);
     simulation.add_law_everywhere(Push { force: Vec3::X, count: count.clone() });
     simulation.step(&mut world);
     assert_eq!(count.load(Ordering::Relaxed), 2);
@@ -312,7 +302,7 @@ fn forces_in_the_body_frame_turn_with_the_body() {
     let mut world = World::new();
     let body = box_of_three_lengths().angular_velocity(Vec3::Z * std::f64::consts::TAU as Real);
     let body = body.build().unwrap().spawn(&mut world);
-    let mut simulation = simulation(MoserVeselov, 1.0 / 256.0);
+    let mut simulation = weightless(MoserVeselov, 1.0 / 256.0);
     simulation.add_law_everywhere(Forward);
     run(&mut simulation, &mut world, 128);
     // Half a turn: the impulse is (0, 2/w F), to second order in the step of 0.025 rad: (w dt)^2/12 of it.
@@ -351,7 +341,7 @@ fn a_law_sees_the_state() {
     let mut world = World::new();
     let body = compound.linear_velocity(Vec3::Y).angular_velocity(spin).build().unwrap().spawn(&mut world);
     let before = *world.get::<&Momentum>(body).unwrap();
-    let mut simulation = simulation(SemiImplicitEuler, 0.125);
+    let mut simulation = weightless(SemiImplicitEuler, 0.125);
     simulation.add_law_everywhere(Checks(spin, frame));
     simulation.step(&mut world);
     // The torque was I w, so L has grown by an eighth of itself.
@@ -373,12 +363,12 @@ fn laws_do_not_depend_on_threads() {
                     world.insert_one(entity, Kind::Spring).unwrap();
                 }
             }
-            let mut simulation = simulation(integrator, 0.01);
+            let mut simulation = weightless(integrator, 0.01);
             simulation.add_law::<Kind>();
             simulation.add_law_everywhere(Kind::All);
             let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
             pool.install(|| run(&mut simulation, &mut world, 20));
-            state_hash(&world, &BodyOrder::of(&world))
+            hash(&world)
         };
         let one = hash(1);
         assert_eq!(one, hash(2), "{integrator}");
@@ -398,12 +388,12 @@ fn a_law_without_force_changes_nothing() {
     for integrator in Integrator::ALL {
         let hash = |with_law: bool| {
             let mut world = mixed_bodies(200);
-            let mut simulation = simulation(integrator, 0.01);
+            let mut simulation = weightless(integrator, 0.01);
             if with_law {
                 simulation.add_law_everywhere(Nothing);
             }
             run(&mut simulation, &mut world, 50);
-            state_hash(&world, &BodyOrder::of(&world))
+            hash(&world)
         };
         assert_eq!(hash(true), hash(false), "{integrator}");
     }

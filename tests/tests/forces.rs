@@ -23,16 +23,15 @@ use tumble::{
     RigidBody, Settings, Shape, Simulation, Velocity, Wrench, update_derived,
 };
 use tumble_benches::Chance;
-use tumble_tests::{EPSILON, dquat, dvec3, energy_of, seconds};
+use tumble_tests::references::real_vec3;
+use tumble_tests::{EPSILON, dquat, dvec3, energy_of, seconds, weightless};
 
 fn spawn(world: &mut World, body: RigidBody) -> Entity {
     body.build().unwrap().spawn(world)
 }
 
-fn weightless(integrator: Integrator) -> Simulation {
-    let settings = Settings::default().with_gravity(Vec3::ZERO).with_dt(1.0 / 64.0).with_integrator(integrator);
-    Simulation::new(settings).unwrap()
-}
+/// Steps of a power of two, so that a second of them is exact.
+const DT: Real = 1.0 / 64.0;
 
 fn brick() -> RigidBody {
     RigidBody::new(Shape::cuboid([0.5, 1.0, 1.5])).mass(2.0)
@@ -66,7 +65,7 @@ fn a_force_at_a_point_is_a_force_and_a_torque() {
         world.get::<&mut Wrench>(split).unwrap().add_force(force);
         // The arm as it comes out of the difference of two positions.
         world.get::<&mut Wrench>(split).unwrap().add_torque(((center + arm) - center).cross(force));
-        weightless(integrator).step(&mut world);
+        weightless(integrator, DT).step(&mut world);
         assert_eq!(state(&world, at_point), state(&world, split), "{integrator}");
         let momentum = state(&world, at_point).1;
         // F dt and r x F dt, but for the arm's rounding and that of the weights 1/6 and 1/3 of the fourth-order scheme.
@@ -87,7 +86,7 @@ fn a_step_uses_its_wrench_up() {
         let mut world = World::new();
         let entity = spawn(&mut world, brick());
         *world.get::<&mut Wrench>(entity).unwrap() = Wrench { force: Vec3::X, torque: Vec3::Y };
-        let mut simulation = weightless(integrator);
+        let mut simulation = weightless(integrator, DT);
         simulation.step(&mut world);
         let after_one = state(&world, entity).1;
         assert_ne!(after_one, Momentum::default());
@@ -134,9 +133,8 @@ fn many_forces_are_their_sum() {
             torque += dvec3(at).cross(dvec3(f));
             size += dvec3(f).length() * (1.0 + dvec3(at).length());
         }
-        let real = |v: DVec3| Vec3::new(v.x as Real, v.y as Real, v.z as Real);
-        *world.get::<&mut Wrench>(one).unwrap() = Wrench { force: real(force), torque: real(torque) };
-        weightless(integrator).step(&mut world);
+        *world.get::<&mut Wrench>(one).unwrap() = Wrench { force: real_vec3(force), torque: real_vec3(torque) };
+        weightless(integrator, DT).step(&mut world);
         let (of_many, of_one) = (state(&world, many).1, state(&world, one).1);
         let allowed = EPSILON * size / 64.0;
         assert!(dvec3(of_one.linear).length() > 1e4 * allowed);
@@ -153,7 +151,7 @@ fn constant_force_and_torque() {
         let mut world = World::new();
         let entity = spawn(&mut world, brick());
         let moment = f64::from(world.get::<&Inertia>(entity).unwrap().moments().z);
-        let mut simulation = weightless(integrator);
+        let mut simulation = weightless(integrator, DT);
         for _ in 0..64 {
             let mut wrench = world.get::<&mut Wrench>(entity).unwrap();
             wrench.add_force(Vec3::X * 4.0);
@@ -205,7 +203,7 @@ fn a_wanted_angular_velocity_is_reached() {
         let turned = spawn(&mut world, body());
         let torque = needed(&world, turned) * 64.0;
         world.get::<&mut Wrench>(turned).unwrap().add_torque(torque);
-        weightless(integrator).step(&mut world);
+        weightless(integrator, DT).step(&mut world);
         let error = dvec3(state(&world, turned).1.angular) - tensor * dvec3(wanted);
         // Angular momentum to rounding; the spin is then that of a free body of this angular momentum, which wobbles.
         assert!(error.length() <= 40.0 * EPSILON * 10.0, "{integrator}: {error}");
@@ -225,8 +223,7 @@ fn a_torque_about_x_accelerates_a_lopsided_body_about_y() {
             world.get::<&mut Wrench>(entity).unwrap().add_torque(Vec3::X);
         }
         let at_rest = *world.get::<&InverseInertia>(lopsided_body).unwrap() * Vec3::X;
-        let settings = Settings::default().with_gravity(Vec3::ZERO).with_dt(dt).with_integrator(integrator);
-        Simulation::new(settings).unwrap().step(&mut world);
+        weightless(integrator, dt).step(&mut world);
         let expected = lopsided().matrix().inverse() * DVec3::X;
         assert!(expected.y > 0.1, "the products of inertia must matter: {expected}");
         // Forming the inverse takes about twenty roundings.
@@ -249,7 +246,7 @@ fn the_skater() {
         let inertia = InertiaTensor::from_principal([4.0, 2.0, 4.0], DQuat::IDENTITY).unwrap();
         let body = RigidBody::new(Shape::Point).mass(64.0).inertia(inertia).angular_velocity(Vec3::Y * 3.0);
         let skater = spawn(&mut world, body);
-        let mut simulation = weightless(integrator);
+        let mut simulation = weightless(integrator, DT);
         let (_, before, velocity) = state(&world, skater);
         let energy = energy_of(&world, skater);
         assert_eq!(velocity.angular, Vec3::Y * 3.0);
@@ -307,7 +304,7 @@ fn a_point_mass_moves_and_does_not_turn() {
         let mut world = World::new();
         let point = spawn(&mut world, RigidBody::new(Shape::Point).mass(0.5).linear_velocity(Vec3::X));
         assert!(world.get::<&Inertia>(point).is_err());
-        let mut simulation = weightless(integrator);
+        let mut simulation = weightless(integrator, DT);
         for _ in 0..64 {
             *world.get::<&mut Wrench>(point).unwrap() = Wrench { force: Vec3::Y, torque: Vec3::Z };
             simulation.step(&mut world);

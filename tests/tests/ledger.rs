@@ -15,10 +15,10 @@ use tumble::Integrator::{self, MoserVeselov, RungeKutta4, SemiImplicitEuler};
 use tumble::math::{Real, Vec3};
 use tumble::{
     BodyId, BodyOrder, BodyState, Damping, ForceLaw, GravityScale, Ledger, LedgerEntry, Momentum, Pose, RigidBody,
-    Settings, Shape, Simulation, Work, Wrench, state_hash,
+    Shape, Simulation, Work, Wrench,
 };
 use tumble_benches::{mixed_bodies, mixed_body};
-use tumble_tests::{DOUBLE, EPSILON, by_precision, dvec3, seconds};
+use tumble_tests::{DOUBLE, EPSILON, by_precision, dvec3, hash, seconds, simulation};
 
 /// A spring to the origin, with its potential.
 struct Spring {
@@ -73,10 +73,6 @@ fn body() -> RigidBody {
         .position(Vec3::new(0.5, 1.0, -0.3))
         .linear_velocity(Vec3::new(1.0, 0.5, -2.0))
         .angular_velocity(Vec3::new(2.0, 3.0, 1.0))
-}
-
-fn simulation(integrator: Integrator, gravity: Vec3, dt: Real) -> Simulation {
-    Simulation::new(Settings::default().with_gravity(gravity).with_dt(dt).with_integrator(integrator)).unwrap()
 }
 
 /// All that can push, on one body.
@@ -262,7 +258,7 @@ fn mixed_run(threads: usize, ids: impl Iterator<Item = u64>, integrator: Integra
             ledger.record(&world, &simulation);
         }
     });
-    (ledger.entries().to_vec(), state_hash(&world, &BodyOrder::of(&world)))
+    (ledger.entries().to_vec(), hash(&world))
 }
 
 /// To the bit: entries are compared with `==` on every number.
@@ -299,7 +295,7 @@ fn a_ledger_does_not_change_the_motion() {
                     }
                     simulation.step(&mut world);
                 }
-                state_hash(&world, &BodyOrder::of(&world))
+                hash(&world)
             };
             assert_eq!(hash(true), hash(false), "{integrator}, law: {with_law}");
         }

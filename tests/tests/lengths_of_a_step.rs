@@ -22,7 +22,8 @@ use tumble::{
     Damping, Inertia, InertiaTensor, Integrator, Momentum, Pose, PrincipalAxes, RigidBody, Settings, Shape, Simulation,
     Wrench,
 };
-use tumble_tests::{EPSILON, dvec3, energy_of};
+use tumble_tests::references::{real_quat, real_vec3};
+use tumble_tests::{EPSILON, dvec3, energy_of, weightless};
 
 /// One of 10^low .. 10^high, all magnitudes alike.
 fn magnitude(low: f64, high: f64) -> impl Strategy<Value = f64> {
@@ -82,22 +83,17 @@ fn case() -> impl Strategy<Value = Case> {
     )
 }
 
-fn real(v: DVec3) -> Vec3 {
-    Vec3::new(v.x as Real, v.y as Real, v.z as Real)
-}
-
 impl Case {
     fn spawn(&self, world: &mut World, damping: Option<Damping>) -> Entity {
         let axes = self.axes.unwrap_or(DQuat::IDENTITY);
         let inertia = InertiaTensor::from_principal(self.moments, axes).unwrap();
-        let q = self.orientation;
         let spin = self.orientation * axes * self.direction * (self.turn / self.dt);
         let mut body = RigidBody::new(Shape::Point)
             .mass(1.0)
             .inertia(inertia)
-            .orientation(Quat::from_xyzw(q.x as Real, q.y as Real, q.z as Real, q.w as Real))
+            .orientation(real_quat(self.orientation))
             .linear_velocity(Vec3::X)
-            .angular_velocity(real(spin));
+            .angular_velocity(real_vec3(spin));
         if let Some(damping) = damping {
             body = body.damping(damping);
         }
@@ -105,8 +101,7 @@ impl Case {
     }
 
     fn simulation(&self) -> Simulation {
-        let settings = Settings::default().with_gravity(Vec3::ZERO).with_dt(self.dt as Real);
-        Simulation::new(settings.with_integrator(self.integrator)).unwrap()
+        weightless(self.integrator, self.dt as Real)
     }
 }
 
@@ -177,7 +172,7 @@ proptest! {
         let entity = case.spawn(&mut world, Some(damping));
         let mut simulation = case.simulation();
         for _ in 0..3 {
-            let push = real(force.0 * force.1);
+            let push = real_vec3(force.0 * force.1);
             *world.get::<&mut Wrench>(entity).unwrap() = Wrench { force: push, torque: -push };
             simulation.step(&mut world);
             let (pose, momentum) = (*world.get::<&Pose>(entity).unwrap(), *world.get::<&Momentum>(entity).unwrap());

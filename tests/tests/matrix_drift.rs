@@ -19,9 +19,8 @@
 
 use glam::{DMat3, DVec3};
 use hecs::World;
-use tumble::math::Vec3;
-use tumble::{Integrator, Pose, Settings, Simulation};
-use tumble_tests::{DOUBLE, EPSILON, FreeBody, attitude_error, dquat};
+use tumble::{Integrator, Pose};
+use tumble_tests::{DOUBLE, EPSILON, FreeBody, attitude_error, dquat, weightless};
 
 const STEPS: u32 = 1000;
 const DT: f64 = 0.01;
@@ -71,8 +70,7 @@ impl MatrixBody {
 fn quaternion(integrator: Integrator) -> (glam::DQuat, f64) {
     let mut world = World::new();
     let entity = FreeBody::mujoco_box().spawn(&mut world);
-    let settings = Settings::default().with_gravity(Vec3::ZERO).with_dt(0.01).with_integrator(integrator);
-    let mut simulation = Simulation::new(settings).unwrap();
+    let mut simulation = weightless(integrator, 0.01);
     let mut worst = 0.0_f64;
     for _ in 0..STEPS {
         simulation.step(&mut world);

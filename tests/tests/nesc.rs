@@ -12,11 +12,9 @@ use glam::{DMat3, DQuat, DVec3};
 use hecs::{Entity, World};
 use serde_json::Value;
 use tumble::math::{Real, Vec3};
-use tumble::{
-    BodyState, ForceLaw, InertiaTensor, Integrator, Pose, RigidBody, Settings, Shape, Simulation, Velocity, Wrench,
-};
+use tumble::{BodyState, ForceLaw, InertiaTensor, Integrator, Pose, RigidBody, Shape, Simulation, Velocity, Wrench};
 use tumble_tests::references::{number, parse, quaternion, real_quat, real_vec3, vector};
-use tumble_tests::{EPSILON, dquat, dvec3, seconds};
+use tumble_tests::{EPSILON, dquat, dvec3, seconds, weightless};
 
 fn list(value: &Value) -> &Vec<Value> {
     value.as_array().unwrap()
@@ -71,8 +69,7 @@ fn a_tumbling_brick_is_slowed_by_the_air() {
         let brick = RigidBody::new(Shape::Point).mass(1.0).inertia(inertia).angular_velocity(real_vec3(rates));
         let brick = brick.build().unwrap().spawn(&mut world);
         let dt = if integrator == Integrator::SemiImplicitEuler { 0.001 } else { 0.01 };
-        let settings = Settings::default().with_gravity(Vec3::ZERO).with_dt(dt).with_integrator(integrator);
-        let mut simulation = Simulation::new(settings).unwrap();
+        let mut simulation = weightless(integrator, dt);
         simulation.add_law_everywhere(law);
         let mut worst = [0.0_f64; 5];
         for row in list(&case["rates"]) {
@@ -172,8 +169,7 @@ impl Orbit {
         let mut world = World::new();
         let body = body.build().unwrap().spawn(&mut world);
         world.insert_one(body, BodyTorque(Vec3::ZERO)).unwrap();
-        let settings = Settings::default().with_gravity(Vec3::ZERO).with_dt(dt).with_integrator(integrator);
-        let mut simulation = Simulation::new(settings).unwrap();
+        let mut simulation = weightless(integrator, dt);
         simulation.add_law_everywhere(PointGravity { mu });
         simulation.add_law::<BodyTorque>();
         if name == "10A" {

@@ -18,7 +18,8 @@ use glam::DVec3;
 use hecs::World;
 use tumble::math::{Real, Vec3};
 use tumble::{Integrator, Pose, RigidBody, Settings, Shape, Simulation, Velocity};
-use tumble_tests::{DOUBLE, EPSILON, FreeBody, dvec3, seconds};
+use tumble_tests::references::real_vec3;
+use tumble_tests::{DOUBLE, EPSILON, FreeBody, dvec3, run, seconds, simulation};
 
 /// Steps a second: a power of two, so times are exact. In single precision few enough for the known offset of the
 /// first-order scheme to stand above the rounding of every step.
@@ -36,12 +37,9 @@ fn rounding(steps: u32, farthest: f64, fastest: f64) -> f64 {
 fn fly(integrator: Integrator, body: RigidBody, start: (DVec3, DVec3), gravity: DVec3, steps: u32) -> DVec3 {
     let mut world = World::new();
     let entity = body.build().unwrap().spawn(&mut world);
-    let gravity_real = Vec3::new(gravity.x as Real, gravity.y as Real, gravity.z as Real);
-    let settings = Settings::default().with_gravity(gravity_real).with_dt(DT).with_integrator(integrator);
-    let mut simulation = Simulation::new(settings).unwrap();
-    for _ in 0..steps {
-        simulation.step(&mut world);
-    }
+    let gravity_real = real_vec3(gravity);
+    let mut simulation = simulation(integrator, gravity_real, DT);
+    run(&mut simulation, &mut world, steps);
     let time = f64::from(steps) * seconds(DT);
     assert_eq!(simulation.time(), time);
     let (pose, velocity) = (world.get::<&Pose>(entity).unwrap(), world.get::<&Velocity>(entity).unwrap());

@@ -10,9 +10,10 @@
 mod reference;
 
 use glam::{DMat3, DQuat, DVec3};
-use reference::{Check, largest, list, matrix, number, read, vector};
+use reference::{Check, largest, list, matrix};
 use serde_json::Value;
 use tumble_math::{Amount, InertiaError, InertiaTensor, MassProperties, Part, Shape, quat_from_matrix};
+use tumble_tests::references::{number, parse, vector};
 
 /// Errors relative to the expected figure.
 impl Check {
@@ -82,7 +83,7 @@ fn of_record(record: &Value) -> (MassProperties, f64) {
 
 #[test]
 fn shapes() {
-    let file = read(include_str!("../data/inertia_shapes.json"));
+    let file = parse(include_str!("../data/inertia_shapes.json"));
     let mut check = Check::new("inertia_shapes", &file);
     assert_eq!(list(&file, "shapes").len(), 18);
     for record in list(&file, "shapes") {
@@ -112,7 +113,7 @@ fn apollo_part(part: &Value) -> MassProperties {
 
 #[test]
 fn apollo_lunar_module() {
-    let file = read(include_str!("../data/inertia_compounds.json"));
+    let file = parse(include_str!("../data/inertia_compounds.json"));
     let mut check = Check::new("inertia_compounds, Apollo", &file);
     let tree = &file["subtrees"][0];
     let parts: Vec<MassProperties> = list(&file, "parts").iter().map(apollo_part).collect();
@@ -135,7 +136,7 @@ fn apollo_lunar_module() {
 
 #[test]
 fn two_hemispheres_are_a_sphere() {
-    let file = read(include_str!("../data/inertia_compounds.json"));
+    let file = parse(include_str!("../data/inertia_compounds.json"));
     let mut check = Check::new("inertia_compounds, hemispheres", &file);
     let identity = &file["identities"][0];
     let parts = list(identity, "parts").iter().map(|part| {
@@ -158,7 +159,7 @@ fn two_hemispheres_are_a_sphere() {
 
 #[test]
 fn a_box_of_boxes_is_the_box() {
-    let file = read(include_str!("../data/inertia_compounds.json"));
+    let file = parse(include_str!("../data/inertia_compounds.json"));
     let mut check = Check::new("inertia_compounds, boxes", &file);
     let identity = &file["identities"][1];
     let (half, counts) = (DVec3::new(2.0, 4.0, 6.0), [5, 3, 2]);
@@ -180,7 +181,7 @@ fn a_box_of_boxes_is_the_box() {
 
 #[test]
 fn a_sphere_without_its_core_is_a_thick_shell() {
-    let file = read(include_str!("../data/inertia_compounds.json"));
+    let file = parse(include_str!("../data/inertia_compounds.json"));
     let mut check = Check::new("inertia_compounds, hollow sphere", &file);
     let expected = &file["identities"][2]["expected"];
     let ball = |radius: f64| Shape::sphere(radius).mass_properties(Amount::Density(50.0)).unwrap();
@@ -200,7 +201,7 @@ fn check_identity(check: &mut Check, what: &str, actual: &MassProperties, expect
 
 #[test]
 fn robot_links() {
-    let file = read(include_str!("../data/inertia_robot_links.json"));
+    let file = parse(include_str!("../data/inertia_robot_links.json"));
     let mut check = Check::new("inertia_robot_links", &file);
     let mut refused = 0;
     for link in list(&file, "links") {
@@ -222,7 +223,7 @@ fn robot_links() {
 
 #[test]
 fn spacecraft_and_a_molecule() {
-    let file = read(include_str!("../data/inertia_spacecraft.json"));
+    let file = parse(include_str!("../data/inertia_spacecraft.json"));
     let mut check = Check::new("inertia_spacecraft", &file);
     for body in list(&file, "bodies") {
         let name = body["name"].as_str().unwrap();
@@ -252,7 +253,7 @@ fn of_products(diagonal: &Value, products: &Value) -> DMat3 {
 
 #[test]
 fn hard_eigenvalues_and_inverses() {
-    let file = read(include_str!("../data/inertia_eigenvalues.json"));
+    let file = parse(include_str!("../data/inertia_eigenvalues.json"));
     let mut check = Check::new("inertia_eigenvalues", &file);
     for record in list(&file, "matrices") {
         let name = record["name"].as_str().unwrap();

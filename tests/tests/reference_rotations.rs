@@ -12,17 +12,12 @@ mod reference;
 use std::f64::consts::{PI, TAU};
 
 use glam::{DMat3, DMat4, DQuat, DVec3, DVec4, EulerRot};
-use reference::{Check, largest, list, matrix, number, read, vector};
-use serde_json::Value;
+use reference::{Check, largest, list, matrix};
 use tumble_math::{
     angle_between, from_scaled_axis, left_multiplication_matrix, quat_from_matrix, right_multiplication_matrix,
     to_axis_angle, to_euler, to_scaled_axis,
 };
-
-/// The files write `(w, x, y, z)`.
-fn quat(value: &Value) -> DQuat {
-    DQuat::from_xyzw(number(&value[1]), number(&value[2]), number(&value[3]), number(&value[0]))
-}
+use tumble_tests::references::{number, parse, quaternion, vector};
 
 /// Absolute errors: elements of rotations are at most one.
 impl Check {
@@ -43,12 +38,12 @@ impl Check {
 
 #[test]
 fn axis_and_angle() {
-    let file = read(include_str!("../data/rotations_axis_angle.json"));
+    let file = parse(include_str!("../data/rotations_axis_angle.json"));
     let mut check = Check::new("rotations_axis_angle", &file);
     assert_eq!(list(&file, "vectors").len(), 98);
     for record in list(&file, "vectors") {
         let (axis, angle) = (vector(&record["axis"]).normalize(), number(&record["angle"]));
-        let (q, r) = (quat(&record["q_wxyz"]), matrix(&record["R"]));
+        let (q, r) = (quaternion(&record["q_wxyz"]), matrix(&record["R"]));
         let what = format!("{axis} by {angle}");
         check.rotation(&what, DQuat::from_axis_angle(axis, angle), q);
         check.rotation(&what, from_scaled_axis(axis * angle), q);
@@ -97,7 +92,7 @@ fn orders(sequence: &str) -> [EulerRot; 2] {
 
 #[test]
 fn euler_angles() {
-    let file = read(include_str!("../data/rotations_euler.json"));
+    let file = parse(include_str!("../data/rotations_euler.json"));
     let mut check = Check::new("rotations_euler", &file);
     let mut back = Check::new("rotations_euler, angles back", &file);
     // Angles from a rounded quaternion: 1.1e-16 in each component is up to 2/cos(71.25 deg) = 6.2 times that in
@@ -107,7 +102,7 @@ fn euler_angles() {
     for record in list(&file, "vectors") {
         let sequence = record["sequence"].as_str().unwrap();
         let angles = vector(&record["angles_deg"]) * (PI / 180.0);
-        let expected = [quat(&record["q_intrinsic_wxyz"]), quat(&record["q_extrinsic_wxyz"])];
+        let expected = [quaternion(&record["q_intrinsic_wxyz"]), quaternion(&record["q_extrinsic_wxyz"])];
         check.matrix(sequence, DMat3::from_quat(expected[0]), matrix(&record["R_intrinsic"]));
         for (order, expected) in orders(sequence).into_iter().zip(expected) {
             let what = format!("{order:?} {angles}");
@@ -125,12 +120,12 @@ fn euler_angles() {
 
 #[test]
 fn matrices_and_quaternions() {
-    let file = read(include_str!("../data/rotations_matrix_quaternion.json"));
+    let file = parse(include_str!("../data/rotations_matrix_quaternion.json"));
     let mut check = Check::new("rotations_matrix_quaternion", &file);
     let mut largest_component = [0; 4];
     for record in list(&file, "matrix_to_quaternion") {
         let name = record["name"].as_str().unwrap();
-        let (q, r) = (quat(&record["q_wxyz"]), matrix(&record["R"]));
+        let (q, r) = (quaternion(&record["q_wxyz"]), matrix(&record["R"]));
         let actual = quat_from_matrix(r).unwrap();
         check.rotation(name, actual, q);
         check.matrix(name, DMat3::from_quat(q), r);
@@ -144,11 +139,11 @@ fn matrices_and_quaternions() {
 
 #[test]
 fn composition() {
-    let file = read(include_str!("../data/rotations_matrix_quaternion.json"));
+    let file = parse(include_str!("../data/rotations_matrix_quaternion.json"));
     let mut check = Check::new("rotations_matrix_quaternion, composition", &file);
     for (index, record) in list(&file, "composition").iter().enumerate() {
         let what = format!("record {index}");
-        let (a, b, ab) = (quat(&record["a"]), quat(&record["b"]), quat(&record["ab"]));
+        let (a, b, ab) = (quaternion(&record["a"]), quaternion(&record["b"]), quaternion(&record["ab"]));
         check.rotation(&what, a * b, ab);
         check.rotation(&what, DQuat::from_vec4(left_multiplication_matrix(a) * DVec4::from(b)), ab);
         check.rotation(&what, DQuat::from_vec4(right_multiplication_matrix(b) * DVec4::from(a)), ab);
@@ -164,18 +159,18 @@ fn composition() {
 /// Drake's exact solution for a constant angular velocity, and an attitude of NASA's JEOD.
 #[test]
 fn rotations_of_other_programs() {
-    let file = read(include_str!("../data/rotations_third_party.json"));
+    let file = parse(include_str!("../data/rotations_third_party.json"));
     let mut check = Check::new("rotations_third_party", &file);
     let [drake, jeod] = list(&file, "rotations").as_slice() else { panic!("two records") };
     let turn = vector(&drake["axis"]) * (number(&drake["rate"]) * number(&drake["t"]));
-    check.rotation("Drake", from_scaled_axis(turn), quat(&drake["q_wxyz"]));
+    check.rotation("Drake", from_scaled_axis(turn), quaternion(&drake["q_wxyz"]));
 
     // JEOD's matrix takes inertial to body coordinates; ours take body to inertial.
     let body_to_inertial = matrix(&jeod["T_inertial_to_body"]).transpose();
-    check.rotation("JEOD", quat_from_matrix(body_to_inertial).unwrap(), quat(&jeod["q_body_to_inertial_wxyz"]));
+    check.rotation("JEOD", quat_from_matrix(body_to_inertial).unwrap(), quaternion(&jeod["q_body_to_inertial_wxyz"]));
     // JEOD's own quaternion is a left transformation one: the conjugate.
     let [scalar, vector_part] = [&jeod["jeod_left_quaternion_scalar"], &jeod["jeod_left_quaternion_vector"]];
     let left = DQuat::from_vec4(vector(vector_part).extend(number(scalar)));
-    check.rotation("JEOD's own", left.conjugate(), quat(&jeod["q_body_to_inertial_wxyz"]));
+    check.rotation("JEOD's own", left.conjugate(), quaternion(&jeod["q_body_to_inertial_wxyz"]));
     check.report();
 }

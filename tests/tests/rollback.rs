@@ -19,9 +19,10 @@ use hecs::{Entity, World};
 use tumble::math::{Real, Vec3};
 use tumble::{
     BodyId, BodyOrder, BodyState, ForceLaw, Integrator, Rollback, RollbackError, Settings, Simulation, SnapshotError,
-    Velocity, Wrench, state_hash,
+    Velocity, Wrench,
 };
 use tumble_benches::{mixed_bodies, mixed_body};
+use tumble_tests::hash;
 
 #[test]
 fn two_peers_with_late_inputs_end_in_the_same_state() {
@@ -53,10 +54,6 @@ fn simulation(integrator: Integrator) -> Simulation {
     let mut simulation = Simulation::new(Settings::default().with_integrator(integrator)).unwrap();
     simulation.add_law_everywhere(Tide);
     simulation
-}
-
-fn hash(world: &World) -> u64 {
-    state_hash(world, &BodyOrder::of(world))
 }
 
 /// State and time, and the velocities that are derived from the state.

@@ -21,10 +21,10 @@ use proptest::prelude::{ProptestConfig, Strategy, any, prop, prop_oneof, proptes
 use tumble::math::{Real, Vec3};
 use tumble::{
     BodyId, BodyKind, BodyOrder, BodyState, ForceLaw, Integrator, InverseInertia, Momentum, Pose, PreviousPose,
-    PrincipalAxes, RigidBody, Settings, Shape, Simulation, Snapshot, SnapshotError, Velocity, Wrench, state_hash,
-    update_derived,
+    PrincipalAxes, RigidBody, Settings, Shape, Simulation, Snapshot, SnapshotError, Velocity, Wrench, update_derived,
 };
 use tumble_benches::mixed_body;
+use tumble_tests::hash;
 
 const BODIES: u64 = 96;
 
@@ -95,10 +95,6 @@ fn written(world: &World) -> BTreeMap<BodyId, Written> {
         (*body.get::<&BodyId>().unwrap(), written)
     };
     bodies.entities().iter().map(of).collect()
-}
-
-fn hash(world: &World) -> u64 {
-    state_hash(world, &BodyOrder::of(world))
 }
 
 fn entity(world: &World, id: u64) -> Entity {

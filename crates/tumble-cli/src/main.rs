@@ -4,6 +4,7 @@
 //! what was recorded until then finished and readable).
 
 mod drift;
+mod ending;
 mod failure;
 mod history;
 mod inspect;

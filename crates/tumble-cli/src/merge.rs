@@ -1,23 +1,21 @@
 //! `tumble merge`.
 
-use std::fs::{self, File, TryLockError};
+use std::fs;
 use std::io::{ErrorKind, Write as _};
 use std::path::{Path, PathBuf};
 
 use tumble_scene::{PendingFile, Shard, SweepFileError, SweepIdentity, SweepReader};
 
+use crate::ending::check_ending;
 use crate::failure::Failure;
 use crate::interrupt;
-use crate::sweep::is_csv;
 use crate::sweep_options::MergeOptions;
 use crate::sweep_plot::SweepPlot;
 
 /// Writes the file that the whole sweep would have written on one machine.
 pub(crate) fn merge(options: &MergeOptions) -> Result<(), Failure> {
     let out = &options.out;
-    if !is_csv(out) {
-        return Err(Failure::Input(format!("{}: the name of a sweep's file ends in .csv", out.display())));
-    }
+    check_ending(out, "a sweep's file", "csv")?;
     interrupt::watch()?;
     let Shards { identity, columns, files } = in_order(&options.shards)?;
     for (_, path) in &files {
@@ -58,22 +56,16 @@ pub(crate) fn merge(options: &MergeOptions) -> Result<(), Failure> {
 }
 
 /// Takes the lock that a sweep takes, if there is a file to replace; only one of the same sweep may be.
-fn claim(out: &Path, identity: &SweepIdentity) -> Result<Option<File>, Failure> {
-    let io = |error| Failure::from(SweepFileError::Io { path: out.to_owned(), error });
+fn claim(out: &Path, identity: &SweepIdentity) -> Result<Option<SweepReader>, Failure> {
     match fs::symlink_metadata(out) {
         Err(error) if error.kind() == ErrorKind::NotFound => return Ok(None),
-        Err(error) => return Err(io(error)),
+        Err(error) => return Err(SweepFileError::Io { path: out.to_owned(), error }.into()),
         Ok(_) => {}
     }
-    if let Some(difference) = SweepReader::open(out)?.identity().difference(identity) {
-        return Err(SweepFileError::Another { path: out.to_owned(), difference }.into());
-    }
-    let file = File::open(out).map_err(io)?;
-    match file.try_lock() {
-        Err(TryLockError::WouldBlock) => Err(SweepFileError::Busy { path: out.to_owned() }.into()),
-        // A file system without locks is no reason not to write.
-        Ok(()) | Err(TryLockError::Error(_)) => Ok(Some(file)),
-    }
+    let there = SweepReader::open(out)?;
+    there.refuse_another(identity)?;
+    there.lock()?;
+    Ok(Some(there))
 }
 
 /// All shards of one sweep by their number, with what they have in common.

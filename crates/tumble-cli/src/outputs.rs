@@ -9,6 +9,7 @@ use hecs::World;
 use tumble::BodyOrder;
 use tumble_scene::{Names, PendingFile, Summary, TrajectoryWriter};
 
+use crate::ending::check_ending;
 use crate::failure::Failure;
 use crate::history::History;
 use crate::options::RunOptions;
@@ -24,9 +25,8 @@ pub(crate) struct Outputs {
 impl Outputs {
     pub(crate) fn open(options: &RunOptions) -> Result<Self, Failure> {
         let mut outputs = Self { record: None, report: None, directories: NewDirectories(Vec::new()) };
-        let is_csv = |path: &&PathBuf| path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("csv"));
-        if let Some(path) = options.record.as_ref().filter(|path| !is_csv(path)) {
-            return Err(Failure::Input(format!("{}: the name of a record ends in .csv", path.display())));
+        if let Some(path) = &options.record {
+            check_ending(path, "a record", "csv")?;
         }
         if let Some(directory) = &options.report {
             outputs.directories.create(directory).map_err(|error| Failure::opening(directory, &error))?;

@@ -7,21 +7,20 @@ use std::path::Path;
 use std::time::{Duration, Instant};
 
 use tumble::stream;
-use tumble_scene::{Sweep, SweepFile, SweepIdentity};
+use tumble_scene::{Outcome, Sweep, SweepFile, SweepIdentity};
 
+use crate::ending::check_ending;
 use crate::failure::Failure;
 use crate::progress::Progress;
 use crate::run::{check_simd, pool};
 use crate::sweep_options::SweepOptions;
 use crate::sweep_plot::SweepPlot;
-use crate::sweep_row::{Outcome, columns, row};
+use crate::sweep_row::{columns, row};
 use crate::{interrupt, print};
 
 /// Runs the worlds of a sweep and writes a row for each.
 pub(crate) fn sweep(options: &SweepOptions) -> Result<(), Failure> {
-    if !is_csv(&options.out) {
-        return Err(Failure::Input(format!("{}: the name of a sweep's file ends in .csv", options.out.display())));
-    }
+    check_ending(&options.out, "a sweep's file", "csv")?;
     refuse_twice(&options.body)?;
     check_simd()?;
     let sweep = Sweep::new(options.plan())?;
@@ -29,10 +28,9 @@ pub(crate) fn sweep(options: &SweepOptions) -> Result<(), Failure> {
     let pool = pool(&options.stepping)?;
     interrupt::watch()?;
     let plot = SweepPlot::open(&options.plot, &columns)?;
-    let worlds = options.shard.map_or(0..sweep.worlds(), |shard| shard.range(sweep.worlds()));
     let identity = SweepIdentity::new(&sweep, options.shard);
-    let file = open(&options.out, &identity, &columns, worlds.clone())?;
-    let mut report = Report { worlds: worlds.clone(), begun_at: file.next_world(), ..Report::default() };
+    let file = open(&options.out, &identity, &columns)?;
+    let mut report = Report { worlds: identity.range(), begun_at: file.next_world(), ..Report::default() };
     let done = pool.install(|| run(&sweep, file, &mut report, options.quiet))?;
     if done.is_continue()
         && let Some(plot) = plot
@@ -46,9 +44,9 @@ pub(crate) fn sweep(options: &SweepOptions) -> Result<(), Failure> {
 }
 
 /// Opens or makes the file; one that was made and cannot be written does not stay.
-fn open(path: &Path, identity: &SweepIdentity, columns: &[String], worlds: Range<u64>) -> Result<SweepFile, Failure> {
+fn open(path: &Path, identity: &SweepIdentity, columns: &[String]) -> Result<SweepFile, Failure> {
     let was_there = fs::symlink_metadata(path).is_ok();
-    SweepFile::open(path, identity, columns, worlds).map_err(|error| {
+    SweepFile::open(path, identity, columns).map_err(|error| {
         let failure = Failure::from(error);
         if !was_there && matches!(failure, Failure::Running(_)) {
             // If even that fails, the first failure is the one to tell.
@@ -64,10 +62,6 @@ fn refuse_twice(bodies: &[String]) -> Result<(), Failure> {
         Some(body) => Err(Failure::Input(format!("--body {body:?}: is named twice"))),
         None => Ok(()),
     }
-}
-
-pub(crate) fn is_csv(path: &Path) -> bool {
-    path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("csv"))
 }
 
 /// Runs what is not in the file yet; breaks if the user did not want to wait for the end.

@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 
 use tumble_scene::{Mark, PendingFile, Plot, Scale, SweepReader};
 
+use crate::ending::check_ending;
 use crate::failure::Failure;
 use crate::sweep_options::PlotOptions;
 
@@ -26,9 +27,7 @@ impl SweepPlot {
     /// `None` where none is asked for.
     pub(crate) fn open(options: &PlotOptions, columns: &[String]) -> Result<Option<Self>, Failure> {
         let Some(path) = options.plot.clone() else { return Ok(None) };
-        if !path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("svg")) {
-            return Err(Failure::Input(format!("{}: the name of a plot ends in .svg", path.display())));
-        }
+        check_ending(&path, "a plot", "svg")?;
         // What follows the world is the first field that varies; where nothing does, it is the outcome.
         let first = columns.get(1).filter(|column| *column != "outcome").map_or("world", String::as_str);
         let column = |option: &str, name: &str| match columns.iter().position(|column| column == name) {

@@ -5,27 +5,13 @@ use std::ops::ControlFlow;
 
 use tumble::math::Real;
 use tumble::{BodyOrder, Pose, Trial, Velocity};
-use tumble_scene::{Sweep, SweepWorld};
+use tumble_scene::{Outcome, STATE_COLUMNS, Sweep, SweepWorld, state_numbers};
 
 use crate::drift::Drift;
 use crate::interrupt;
 
 /// Substeps of one body between two looks at Ctrl-C: a tenth of a second or less, unless a single step takes longer.
 const UNINTERRUPTED: usize = 1_000_000;
-
-/// What is written of a body's end, after its name and a dot.
-const STATE: [&str; 13] = ["px", "py", "pz", "qx", "qy", "qz", "qw", "vx", "vy", "vz", "wx", "wy", "wz"];
-
-/// How a world went.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Outcome {
-    /// It was run to its end.
-    Ok,
-    /// No body, or no simulation, has the values that were drawn.
-    Impossible,
-    /// Its state, or its energy, stopped being finite.
-    NotFinite,
-}
 
 /// The line of one world, with its end.
 pub(crate) struct Row {
@@ -37,7 +23,7 @@ pub(crate) struct Row {
 struct End {
     steps: u64,
     time: f64,
-    states: Vec<[Real; 13]>,
+    states: Vec<[Real; STATE_COLUMNS.len()]>,
     energy: f64,
     drift: f64,
     hash: u64,
@@ -48,7 +34,7 @@ pub(crate) fn columns(sweep: &Sweep) -> Vec<String> {
     let mut columns = vec!["world".to_owned()];
     columns.extend(sweep.fields().map(str::to_owned));
     columns.extend(["outcome", "steps_taken", "time"].map(str::to_owned));
-    columns.extend(sweep.reported_names().iter().flat_map(|name| STATE.map(|of| format!("{name}.{of}"))));
+    columns.extend(sweep.reported_names().iter().flat_map(|name| STATE_COLUMNS.map(|of| format!("{name}.{of}"))));
     columns.extend(["energy", "energy_drift", "hash"].map(str::to_owned));
     columns
 }
@@ -71,7 +57,7 @@ pub(crate) fn row(sweep: &Sweep, index: u64) -> Option<Row> {
     match end {
         Some(end) => end.write(&mut text),
         // The columns are there, with nothing in them.
-        None => text.extend(std::iter::repeat_n(',', 5 + STATE.len() * sweep.reported().len())),
+        None => text.extend(std::iter::repeat_n(',', 5 + STATE_COLUMNS.len() * sweep.reported().len())),
     }
     text.push('\n');
     Some(Row { text, outcome })
@@ -108,14 +94,10 @@ fn period(bodies: usize, substeps: u32) -> u32 {
     u32::try_from((UNINTERRUPTED / of_a_step).max(1)).unwrap_or(u32::MAX)
 }
 
-/// A fixed body has no velocity.
-fn state(trial: &Trial, body: tumble::hecs::Entity) -> Option<[Real; 13]> {
+fn state(trial: &Trial, body: tumble::hecs::Entity) -> Option<[Real; STATE_COLUMNS.len()]> {
     let body = trial.world.entity(body).ok()?;
-    let pose = *body.get::<&Pose>()?;
-    let velocity = body.get::<&Velocity>().map(|velocity| *velocity).unwrap_or_default();
-    let ([px, py, pz], [qx, qy, qz, qw]) = (pose.position.to_array(), pose.orientation.to_array());
-    let ([vx, vy, vz], [wx, wy, wz]) = (velocity.linear.to_array(), velocity.angular.to_array());
-    Some([px, py, pz, qx, qy, qz, qw, vx, vy, vz, wx, wy, wz])
+    let (pose, velocity) = (body.get::<&Pose>()?, body.get::<&Velocity>());
+    Some(state_numbers(&pose, velocity.as_deref()))
 }
 
 impl End {
@@ -126,16 +108,6 @@ impl End {
             put(text, format_args!(",{number:?}"));
         }
         put(text, format_args!(",{:?},{:?},{:016x}", self.energy, self.drift, self.hash));
-    }
-}
-
-impl Outcome {
-    fn name(self) -> &'static str {
-        match self {
-            Self::Ok => "ok",
-            Self::Impossible => "impossible",
-            Self::NotFinite => "not-finite",
-        }
     }
 }
 

@@ -9,25 +9,16 @@ mod support;
 
 use std::io::Read;
 use std::process::{Child, Stdio};
-use std::time::{Duration, Instant};
 
 use rustix::process::{Pid, Signal, kill_process};
-use support::{Place, stderr};
-
-/// Far more than any of these runs takes; only a hang reaches it.
-const PATIENCE: Duration = Duration::from_secs(60);
+use support::{Place, stderr, wait_for};
 
 /// Waits until the run has surely begun to record: its unfinished file has something in it.
 fn wait_for_rows(place: &Place) {
-    let started = Instant::now();
-    loop {
+    wait_for("a record", || {
         let part = place.entries().into_iter().find(|name| name.ends_with(".part") && name.contains("out.csv"));
-        if part.is_some_and(|name| std::fs::metadata(place.path(&name)).is_ok_and(|file| file.len() > 0)) {
-            return;
-        }
-        assert!(started.elapsed() < PATIENCE, "nothing was recorded");
-        std::thread::sleep(Duration::from_millis(5));
-    }
+        part.is_some_and(|name| std::fs::metadata(place.path(&name)).is_ok_and(|file| file.len() > 0))
+    });
 }
 
 fn signal(child: &Child, signal: Signal) {
@@ -95,22 +86,8 @@ fn a_full_standard_output_is_a_failure_while_running() {
     assert!(stderr(&output).contains("standard output"), "{}", stderr(&output));
 }
 
-/// The limit on the size of a file stands in for a disk that fills up.
 #[test]
 fn a_record_that_cannot_grow_is_a_failure_while_running_and_leaves_nothing() {
-    let place = Place::new();
-    let program = env!("CARGO_BIN_EXE_tumble");
-    // Ignoring SIGXFSZ turns the signal into an error of the write, as on a full disk. Units of 512 or 1024 bytes.
-    let script = format!(
-        "trap '' XFSZ; ulimit -f 200; exec '{program}' run --bodies 1000 --steps 50 --record out.csv --report report"
-    );
-    let output = std::process::Command::new("sh")
-        .args(["-c", &script])
-        .current_dir(place.path(""))
-        .stdin(Stdio::null())
-        .output()
-        .unwrap();
-    assert_eq!(output.status.code(), Some(1), "{}", stderr(&output));
-    assert!(stderr(&output).contains("out.csv: writing failed"), "{}", stderr(&output));
-    assert!(place.entries().is_empty(), "{:?}", place.entries());
+    let arguments = "run --bodies 1000 --steps 50 --record out.csv --report report";
+    Place::new().fills_the_disk(200, arguments, "out.csv: writing failed");
 }

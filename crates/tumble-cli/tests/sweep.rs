@@ -184,9 +184,7 @@ mod killed {
     use rustix::process::{Pid, Signal, kill_process};
     use std::process::{Child, Stdio};
     use std::time::{Duration, Instant};
-
-    /// Far more than any of these runs takes; only a hang reaches it.
-    const PATIENCE: Duration = Duration::from_secs(60);
+    use support::{PATIENCE, wait_for};
 
     const LONG: [&str; 4] = ["--worlds", "60", "--steps", "40000"];
 
@@ -198,11 +196,7 @@ mod killed {
     fn begun(place: &Place, signal: Signal) -> Child {
         let arguments = sweep("killed.csv", &LONG);
         let child = place.command(&arguments).stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap();
-        let started = Instant::now();
-        while lines(place, "killed.csv") < 7 {
-            assert!(started.elapsed() < PATIENCE, "nothing was written");
-            std::thread::sleep(Duration::from_millis(2));
-        }
+        wait_for("five worlds", || lines(place, "killed.csv") >= 7);
         kill_process(Pid::from_child(&child), signal).unwrap();
         child
     }
@@ -239,11 +233,7 @@ mod killed {
         let place = place();
         let arguments = sweep("busy.csv", &["--worlds", "1000", "--steps", "1000000"]);
         let mut child = place.command(&arguments).spawn().unwrap();
-        let started = Instant::now();
-        while lines(&place, "busy.csv") < 2 {
-            assert!(started.elapsed() < PATIENCE, "nothing was written");
-            std::thread::sleep(Duration::from_millis(2));
-        }
+        wait_for("the first two lines", || lines(&place, "busy.csv") >= 2);
         let mut second = place.command(&arguments).stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap();
         let started = Instant::now();
         while second.try_wait().unwrap().is_none() && started.elapsed() < PATIENCE {
@@ -312,11 +302,9 @@ fn the_file_of_another_sweep_is_refused_and_stays() {
     ];
     for (arguments, difference) in cases {
         let arguments: Vec<&str> = arguments.iter().map(String::as_str).collect();
-        let output = place.run(&arguments);
-        let message = stderr(&output);
-        assert_eq!(output.status.code(), Some(2), "{difference}: {message}");
         let wanted = format!("tumble: reference.csv: is the file of another sweep: {difference}");
-        assert!(message.starts_with(&wanted), "{wanted:?} is not in {message}");
+        let message = place.refused(&arguments, &wanted);
+        assert!(message.starts_with(&wanted), "{message}");
         assert_eq!(place.read("reference.csv"), whole);
     }
 }
@@ -337,10 +325,8 @@ fn damaged_and_foreign_files_are_refused_and_stay() {
     ];
     for (contents, wanted) in cases {
         place.write("damaged.csv", &contents);
-        let output = place.run(&sweep("damaged.csv", &["--worlds", "23"]));
-        let message = stderr(&output);
-        assert_eq!(output.status.code(), Some(2), "{wanted}: {message}");
-        assert!(message.starts_with("tumble: damaged.csv: ") && message.contains(wanted), "{wanted:?}: {message}");
+        let message = place.refused(&sweep("damaged.csv", &["--worlds", "23"]), wanted);
+        assert!(message.starts_with("tumble: damaged.csv: "), "{wanted:?}: {message}");
         assert_eq!(place.read("damaged.csv"), contents);
     }
 }
@@ -371,17 +357,12 @@ fn bad_input_names_the_field_and_writes_nothing() {
         (&["--shard", "3/2"], "--shard"),
         (&["--plot", "a.svg", "--y", "brick.pw"], "--y \"brick.pw\": there is no such column; there are world, "),
     ];
+    let place = place();
     for (more, wanted) in cases {
-        let place = place();
         let mut arguments = vec!["sweep", "scene.json", "--worlds", "5", "--out", "out.csv"];
         arguments.extend(more);
-        let output = place.run(&arguments);
-        let message = stderr(&output);
-        assert_eq!(output.status.code(), Some(2), "{more:?}: {message}");
-        assert!(message.contains(wanted), "{wanted:?} is not in {message}");
-        assert_eq!(place.entries(), ["scene.json"], "{more:?}: something was written");
+        place.refused(&arguments, wanted);
     }
-    let place = place();
     for (arguments, wanted) in [
         (&["sweep", "scene.json", "--out", "out.csv"][..], "--worlds N is missing"),
         (&["sweep", "stress", "--worlds", "2", "--out", "out.csv"], "stress scene cannot be swept"),
@@ -392,10 +373,7 @@ fn bad_input_names_the_field_and_writes_nothing() {
         (&["sweep", "scene.json", "--worlds", "2", "--out", "out.csv", "--plot", "a.png"], "ends in .svg"),
         (&["sweep", "scene.json", "--worlds", "2", "--out", "out.csv", "--y", "hash"], "--plot"),
     ] {
-        let output = place.run(arguments);
-        assert_eq!(output.status.code(), Some(2), "{arguments:?}");
-        assert!(stderr(&output).contains(wanted), "{wanted:?} is not in {}", stderr(&output));
-        assert_eq!(place.entries(), ["scene.json"], "{arguments:?}");
+        place.refused(arguments, wanted);
     }
 }
 
@@ -451,7 +429,6 @@ fn merge_takes_all_shards_of_one_sweep_and_nothing_else() {
     let cut: String = second.split_inclusive('\n').take(4).collect();
     place.write("unfinished.csv", &cut);
     place.write("torn.csv", &second[..second.len() - 5]);
-    let before = place.entries();
     for (arguments, wanted) in [
         (&["1.csv", "2.csv"][..], "shard 3/3 is missing"),
         (&["1.csv", "3.csv"], "shard 2/3 is missing"),
@@ -467,14 +444,9 @@ fn merge_takes_all_shards_of_one_sweep_and_nothing_else() {
     ] {
         let mut all = vec!["merge", "out.csv"];
         all.extend(arguments);
-        let output = place.run(&all);
-        let message = stderr(&output);
-        assert_eq!(output.status.code(), Some(2), "{arguments:?}: {message}");
-        assert!(message.contains(wanted), "{wanted:?} is not in {message}");
-        assert_eq!(place.entries(), before, "{arguments:?}");
+        place.refused(&all, wanted);
     }
-    let output = place.run(&["merge", "2.csv", "1.csv", "2.csv", "3.csv"]);
-    assert!(stderr(&output).contains("2.csv: is a shard itself"), "{}", stderr(&output));
+    place.refused(&["merge", "2.csv", "1.csv", "2.csv", "3.csv"], "2.csv: is a shard itself");
     assert_eq!(place.read("2.csv"), second);
 }
 

@@ -7,30 +7,11 @@
 
 mod support;
 
-use std::process::{Command, Stdio};
+use std::process::Stdio;
 use std::time::{Duration, Instant};
 
 use rustix::process::{Pid, Signal, kill_process};
-use support::{Place, stderr};
-
-/// Far more than any of these takes; only a hang reaches it.
-const PATIENCE: Duration = Duration::from_secs(60);
-
-fn wait_for(what: impl Fn() -> bool) {
-    let started = Instant::now();
-    while !what() {
-        assert!(started.elapsed() < PATIENCE, "it did not come to that");
-        std::thread::sleep(Duration::from_millis(2));
-    }
-}
-
-fn refused(place: &Place, arguments: &[&str], wanted: &str) {
-    let before = place.entries();
-    let output = place.run(arguments);
-    assert_eq!(output.status.code(), Some(2), "{arguments:?}: {}", stderr(&output));
-    assert!(stderr(&output).contains(wanted), "{wanted:?} is not in {}", stderr(&output));
-    assert_eq!(place.entries(), before, "{arguments:?}");
-}
+use support::{PATIENCE, Place, wait_for};
 
 const SWEEP: [&str; 5] = ["sweep", "t-handle", "--quiet", "--steps", "3"];
 
@@ -50,7 +31,7 @@ fn a_merge_replaces_a_file_of_its_own_sweep_only() {
         ("foreign.csv", "foreign.csv: is not the file of a sweep"),
     ] {
         let before = place.read(name);
-        refused(&place, &["merge", name, "1.csv", "2.csv"], wanted);
+        place.refused(&["merge", name, "1.csv", "2.csv"], wanted);
         assert_eq!(place.read(name), before);
     }
     // The whole of the same sweep, begun elsewhere, and the lock that a running one has.
@@ -60,7 +41,7 @@ fn a_merge_replaces_a_file_of_its_own_sweep_only() {
     place.write("whole.csv", &begun);
     let running = std::fs::File::open(place.path("whole.csv")).unwrap();
     running.lock().unwrap();
-    refused(&place, &["merge", "whole.csv", "1.csv", "2.csv"], "whole.csv: another tumble is writing to it");
+    place.refused(&["merge", "whole.csv", "1.csv", "2.csv"], "whole.csv: another tumble is writing to it");
     assert_eq!(place.read("whole.csv"), begun);
     drop(running);
     place.succeed(&["merge", "whole.csv", "1.csv", "2.csv"]);
@@ -74,7 +55,7 @@ fn ctrl_c_is_answered_with_many_substeps() {
     let arguments =
         ["sweep", "t-handle", "--worlds", "2", "--steps", "1000000", "--substeps", "10000", "--out", "a.csv"];
     let mut child = place.command(&arguments).stdout(Stdio::null()).stderr(Stdio::null()).spawn().unwrap();
-    wait_for(|| place.path("a.csv").exists());
+    wait_for("a file", || place.path("a.csv").exists());
     std::thread::sleep(Duration::from_millis(500));
     kill_process(Pid::from_child(&child), Signal::INT).unwrap();
     let asked = Instant::now();
@@ -93,7 +74,7 @@ fn a_killed_sweep_leaves_no_unfinished_plot() {
     let place = Place::new();
     let arguments = sweep(&["--worlds", "100000000", "--out", "a.csv", "--plot", "a.svg"]);
     let mut child = place.command(&arguments).spawn().unwrap();
-    wait_for(|| std::fs::metadata(place.path("a.csv")).is_ok_and(|file| file.len() > 4000));
+    wait_for("rows", || std::fs::metadata(place.path("a.csv")).is_ok_and(|file| file.len() > 4000));
     child.kill().unwrap();
     child.wait().unwrap();
     assert_eq!(place.entries(), ["a.csv"]);
@@ -115,22 +96,15 @@ fn ctrl_c_ends_a_merge_with_nothing_left() {
     }
     place.write("s.csv", big);
     let mut child = place.command(&["merge", "whole.csv", "s.csv"]).spawn().unwrap();
-    wait_for(|| place.entries().iter().any(|name| name.ends_with(".part")));
+    wait_for("an unfinished file", || place.entries().iter().any(|name| name.ends_with(".part")));
     kill_process(Pid::from_child(&child), Signal::INT).unwrap();
     assert_eq!(child.wait().unwrap().code(), Some(130));
     assert_eq!(place.entries(), ["s.csv"]);
 }
 
-/// The limit on the size of a file stands in for a disk that is full.
 #[test]
 fn a_full_disk_is_a_failure_while_running_and_leaves_nothing() {
-    let place = Place::new();
-    let program = env!("CARGO_BIN_EXE_tumble");
-    let script = format!("trap '' XFSZ; ulimit -f 0; exec '{program}' sweep t-handle --worlds 2 --out a.csv --quiet");
-    let output = Command::new("sh").args(["-c", &script]).current_dir(place.path("")).output().unwrap();
-    assert_eq!(output.status.code(), Some(1), "{}", stderr(&output));
-    assert!(stderr(&output).contains("a.csv: "), "{}", stderr(&output));
-    assert!(place.entries().is_empty(), "{:?}", place.entries());
+    Place::new().fills_the_disk(0, "sweep t-handle --worlds 2 --out a.csv --quiet", "a.csv: ");
 }
 
 #[test]
@@ -139,11 +113,11 @@ fn what_draws_nothing_and_what_is_named_twice_is_refused() {
     let base = sweep(&["--worlds", "2", "--out", "a.csv", "--plot", "a.svg"]);
     for more in [["--y", "hash"], ["--y", "outcome"], ["--x", "hash"], ["--x", "outcome"]] {
         let wanted = format!("{} {:?}: is no number and cannot be drawn", more[0], more[1]);
-        refused(&place, &[&base[..], &more].concat(), &wanted);
+        place.refused(&[&base[..], &more].concat(), &wanted);
     }
     place.write("scene.json", r#"{ "bodies": [ { "name": "stone", "mass": 1 } ] }"#);
     let twice = ["sweep", "scene.json", "--worlds", "2", "--out", "a.csv", "--body", "stone", "--body", "stone"];
-    refused(&place, &twice, "--body \"stone\": is named twice");
+    place.refused(&twice, "--body \"stone\": is named twice");
 }
 
 #[test]

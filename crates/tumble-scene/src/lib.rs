@@ -25,6 +25,7 @@ mod error;
 mod field_path;
 mod limits;
 mod model;
+mod outcome;
 mod output;
 mod parse;
 mod plot;
@@ -48,6 +49,7 @@ pub use error::{Place, SceneError};
 pub use limits::{
     MAX_BODIES, MAX_FILE_BYTES, MAX_PARTS, MAX_STEPS, TIME_STEPS, step_count, steps_of_duration, time_step,
 };
+pub use outcome::Outcome;
 pub use output::PendingFile;
 pub use parse::Format;
 pub use plot::{Mark, Plot, Scale};
@@ -58,5 +60,5 @@ pub use sweep::{Length, MAX_WORLDS, Sweep, SweepPlan, SweepWorld};
 pub use sweep_error::SweepError;
 pub use sweep_file::{SweepFile, SweepFileError, SweepReader, sweep_header};
 pub use sweep_identity::SweepIdentity;
-pub use trajectory::{COLUMNS, TrajectoryWriter};
+pub use trajectory::{COLUMNS, STATE_COLUMNS, TrajectoryWriter, state_numbers};
 pub use vary::Vary;

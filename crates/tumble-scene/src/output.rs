@@ -135,14 +135,19 @@ mod tests {
         fs::read_dir(directory).unwrap().count()
     }
 
+    /// An old file there, and a new one written beside it.
+    fn new_over_old(path: &Path) -> PendingFile {
+        fs::write(path, "old").unwrap();
+        let mut file = PendingFile::create(path).unwrap();
+        file.write_all(b"new").unwrap();
+        file
+    }
+
     #[test]
     fn a_dropped_file_leaves_the_old_one() {
         let directory = tempfile::tempdir().unwrap();
         let path = directory.path().join("a.csv");
-        fs::write(&path, "old").unwrap();
-        let mut file = PendingFile::create(&path).unwrap();
-        file.write_all(b"new").unwrap();
-        drop(file);
+        drop(new_over_old(&path));
         assert_eq!(fs::read_to_string(&path).unwrap(), "old");
         assert_eq!(entries(directory.path()), 1);
     }
@@ -151,10 +156,8 @@ mod tests {
     fn a_finished_file_replaces_the_old_one_and_nothing_else_stays() {
         let directory = tempfile::tempdir().unwrap();
         let path = directory.path().join("a.csv");
-        fs::write(&path, "old").unwrap();
-        let mut file = PendingFile::create(&path).unwrap();
+        let file = new_over_old(&path);
         let other = PendingFile::create(&path).unwrap();
-        file.write_all(b"new").unwrap();
         file.finish().unwrap();
         drop(other);
         assert_eq!(fs::read_to_string(&path).unwrap(), "new");

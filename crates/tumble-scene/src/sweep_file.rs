@@ -5,6 +5,7 @@ use std::io::{self, BufRead, BufReader, Read, Seek, SeekFrom, Write};
 use std::ops::Range;
 use std::path::{Path, PathBuf};
 
+use crate::outcome::Outcome;
 use crate::sweep_identity::SweepIdentity;
 
 /// What the first line of every file begins with; readers of CSV take it for a comment.
@@ -12,9 +13,6 @@ const BEFORE_IDENTITY: &str = "# tumble sweep ";
 
 /// No line is longer \[bytes\]; a file without line breaks is not read to its end.
 const LONGEST_LINE: u64 = 16 << 20;
-
-/// What a world can have come to; without the first, nothing follows.
-const OUTCOMES: [&str; 3] = ["ok", "impossible", "not-finite"];
 
 /// Why a sweep's file cannot be used. `Display` is one line that names the file.
 #[derive(Debug, thiserror::Error)]
@@ -92,7 +90,7 @@ pub fn sweep_header(identity: &SweepIdentity, columns: &[String]) -> io::Result<
 /// let plan = SweepPlan { scene: "iss".into(), worlds: Some(2), ..SweepPlan::default() };
 /// let identity = SweepIdentity::new(&Sweep::new(plan)?, None);
 /// let path = std::env::temp_dir().join(format!("tumble-doc-sweep-{}.csv", std::process::id()));
-/// let mut file = SweepFile::open(&path, &identity, &["world".into(), "outcome".into()], 0..2)?;
+/// let mut file = SweepFile::open(&path, &identity, &["world".into(), "outcome".into()])?;
 /// file.append(b"0,ok\n1,o")?; // killed in the middle of a row
 /// drop(file);
 ///
@@ -150,7 +148,7 @@ impl SweepReader {
         if sweep_header(&identity, &columns).map_err(SweepFileError::io(path))? != head {
             return Err(not_a_sweep("its first two lines are not as this program writes them".to_owned()));
         }
-        let worlds = identity.shard().map_or(0..identity.worlds(), |shard| shard.range(identity.worlds()));
+        let worlds = identity.range();
         Ok(Self {
             path: path.to_owned(),
             reader,
@@ -181,6 +179,25 @@ impl SweepReader {
     /// The world whose row comes next, or would.
     pub fn next_world(&self) -> u64 {
         self.next
+    }
+
+    /// Refuses the file of another sweep, or of another part of the same.
+    ///
+    /// # Errors
+    /// [`SweepFileError::Another`], which says what differs.
+    pub fn refuse_another(&self, identity: &SweepIdentity) -> Result<(), SweepFileError> {
+        match self.identity.difference(identity) {
+            Some(difference) => Err(SweepFileError::Another { path: self.path.clone(), difference }),
+            None => Ok(()),
+        }
+    }
+
+    /// Takes the lock that a [`SweepFile`] has, and keeps it until the reader is dropped.
+    ///
+    /// # Errors
+    /// [`SweepFileError::Busy`] where a program is writing to the file.
+    pub fn lock(&self) -> Result<(), SweepFileError> {
+        lock(&self.path, self.reader.get_ref())
     }
 
     /// The next row, with its end; `None` after the last whole one.
@@ -232,8 +249,9 @@ impl SweepReader {
         for (column, field) in self.columns.iter().zip(row.split(',')) {
             let sound = match (column.as_str(), finished) {
                 ("outcome", _) => {
-                    finished = Some(field == "ok");
-                    OUTCOMES.contains(&field)
+                    let outcome = Outcome::named(field);
+                    finished = Some(outcome == Some(Outcome::Ok));
+                    outcome.is_some()
                 }
                 (_, Some(false)) => field.is_empty(),
                 ("steps_taken" | "world", _) => field.parse::<u64>().is_ok(),
@@ -260,30 +278,21 @@ pub struct SweepFile {
 }
 
 impl SweepFile {
-    /// Opens or makes the file of these worlds.
+    /// Opens or makes the file of the worlds that the identity has.
     ///
     /// # Errors
     /// [`SweepFileError`]; a file that was there is unchanged then.
-    pub fn open(
-        path: &Path,
-        identity: &SweepIdentity,
-        columns: &[String],
-        worlds: Range<u64>,
-    ) -> Result<Self, SweepFileError> {
+    pub fn open(path: &Path, identity: &SweepIdentity, columns: &[String]) -> Result<Self, SweepFileError> {
         let io = || SweepFileError::io(path);
         let header = sweep_header(identity, columns).map_err(io())?;
         refuse_irregular(path)?;
         let mut file =
             OpenOptions::new().read(true).write(true).create(true).truncate(false).open(path).map_err(io())?;
-        match file.try_lock() {
-            Err(TryLockError::WouldBlock) => return Err(SweepFileError::Busy { path: path.to_owned() }),
-            // A file system without locks is no reason not to write.
-            Ok(()) | Err(TryLockError::Error(_)) => {}
-        }
+        lock(path, &file)?;
         let mut begun = Vec::new();
         Read::by_ref(&mut file).take(header.len() as u64).read_to_end(&mut begun).map_err(io())?;
         let (whole, next) = if begun.len() < header.len() && header.as_bytes().starts_with(&begun) {
-            (0, worlds.start)
+            (0, identity.range().start)
         } else {
             file.rewind().map_err(io())?;
             finished_rows(path, &file, identity, columns)?
@@ -327,6 +336,15 @@ fn refuse_irregular(path: &Path) -> Result<(), SweepFileError> {
     Ok(())
 }
 
+/// One program at a time has a sweep's file, until it closes it.
+fn lock(path: &Path, file: &File) -> Result<(), SweepFileError> {
+    match file.try_lock() {
+        Err(TryLockError::WouldBlock) => Err(SweepFileError::Busy { path: path.to_owned() }),
+        // A file system without locks is no reason not to write.
+        Ok(()) | Err(TryLockError::Error(_)) => Ok(()),
+    }
+}
+
 /// Bytes of whole lines, and the next world.
 fn finished_rows(
     path: &Path,
@@ -335,9 +353,7 @@ fn finished_rows(
     columns: &[String],
 ) -> Result<(u64, u64), SweepFileError> {
     let mut reader = SweepReader::new(path, file.try_clone().map_err(SweepFileError::io(path))?)?;
-    if let Some(difference) = reader.identity().difference(identity) {
-        return Err(SweepFileError::Another { path: path.to_owned(), difference });
-    }
+    reader.refuse_another(identity)?;
     if reader.columns() != columns {
         let difference = "its columns have other names".to_owned();
         return Err(SweepFileError::Another { path: path.to_owned(), difference });
@@ -368,7 +384,7 @@ mod tests {
         let place = tempfile::tempdir().unwrap();
         let path = place.path().join("sweep.csv");
         std::fs::write(&path, contents).unwrap();
-        let next = SweepFile::open(&path, &identity(), &columns(), 0..3).map(|file| file.next_world());
+        let next = SweepFile::open(&path, &identity(), &columns()).map(|file| file.next_world());
         if next.is_err() {
             assert_eq!(std::fs::read(&path).unwrap(), contents);
         }

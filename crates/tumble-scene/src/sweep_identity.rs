@@ -1,3 +1,5 @@
+use std::ops::Range;
+
 use serde::{Deserialize, Serialize};
 use tumble::math::PRECISION;
 
@@ -88,6 +90,11 @@ impl SweepIdentity {
     /// Which part of the sweep the file is; `None` for the whole.
     pub fn shard(&self) -> Option<Shard> {
         self.shard.as_ref().and_then(|shard| shard.parse().ok())
+    }
+
+    /// The worlds that the finished file has: all, or those of its shard.
+    pub fn range(&self) -> Range<u64> {
+        self.shard().map_or(0..self.worlds, |shard| shard.range(self.worlds))
     }
 
     /// The same as the whole of the sweep.

@@ -12,6 +12,20 @@ use crate::Names;
 pub const COLUMNS: [&str; 16] =
     ["step", "time", "body", "px", "py", "pz", "qx", "qy", "qz", "qw", "vx", "vy", "vz", "wx", "wy", "wz"];
 
+/// What is written of a body's state: the names that [`COLUMNS`] ends with.
+pub const STATE_COLUMNS: [&str; 13] = {
+    let [_step, _time, _body, state @ ..] = COLUMNS;
+    state
+};
+
+/// The numbers of [`STATE_COLUMNS`]. A fixed body has no velocity, and zeros are written.
+pub fn state_numbers(pose: &Pose, velocity: Option<&Velocity>) -> [Real; 13] {
+    let velocity = velocity.copied().unwrap_or_default();
+    let ([px, py, pz], [qx, qy, qz, qw]) = (pose.position.to_array(), pose.orientation.to_array());
+    let ([vx, vy, vz], [wx, wy, wz]) = (velocity.linear.to_array(), velocity.angular.to_array());
+    [px, py, pz, qx, qy, qz, qw, vx, vy, vz, wx, wy, wz]
+}
+
 /// Writes states as comma-separated values, one after the other in bounded memory.
 ///
 /// SI units, world frame: the centre of mass, the orientation of the body's own frame (`x, y, z, w`, body to
@@ -63,15 +77,10 @@ impl<W: Write> TrajectoryWriter<W> {
         let states = world.view::<(&Pose, Option<&Velocity>, Option<&BodyId>)>();
         for (index, &entity) in order.entities().iter().enumerate() {
             let Some((pose, velocity, id)) = states.get(entity) else { continue };
-            // A fixed body has no velocity.
-            let velocity = velocity.copied().unwrap_or_default();
             self.csv.write_field(step)?;
             self.csv.write_field(&time)?;
             self.csv.write_field(&*names.of(id.map_or(index as u64, |id| id.0)))?;
-            self.numbers(&pose.position.to_array())?;
-            self.numbers(&pose.orientation.to_array())?;
-            self.numbers(&velocity.linear.to_array())?;
-            self.numbers(&velocity.angular.to_array())?;
+            self.numbers(&state_numbers(pose, velocity))?;
             self.csv.write_record(None::<&[u8]>)?;
         }
         Ok(())

@@ -1,11 +1,12 @@
 use glam::{DQuat, DVec3};
 use hecs::{Entity, World};
 use serde_json::Value;
-use tumble::math::{Real, Vec3};
-use tumble::{Inertia, InertiaTensor, Integrator, Momentum, Pose, RigidBody, Settings, Shape, Simulation};
+use tumble::math::Real;
+use tumble::{Inertia, InertiaTensor, Integrator, Momentum, Pose, RigidBody, Shape};
 
 use super::json::{double_quat, number, parse, quaternion, real_vec3, vector};
 use crate::comparison::{attitude_error, dquat, dvec3};
+use crate::simulation::weightless;
 
 /// A free body that eight other engines were run on, for 600 s at 60 steps a second.
 #[derive(Clone, Debug)]
@@ -98,8 +99,7 @@ impl Tumbler {
     pub fn run(&self, integrator: Integrator, dt: Real, steps: u64) -> Tumbling {
         let mut world = World::new();
         let entity = self.spawn(&mut world);
-        let settings = Settings::default().with_gravity(Vec3::ZERO).with_dt(dt).with_integrator(integrator);
-        let mut simulation = Simulation::new(settings).expect("possible settings");
+        let mut simulation = weightless(integrator, dt);
         let mut query = world.query_one::<(&Momentum, &Inertia)>(entity);
         let (momentum, inertia) = query.get().map(|(m, i)| (*m, *i)).expect("a body that turns");
         drop(query);

@@ -2,24 +2,12 @@
 
 #![allow(clippy::unwrap_used, reason = "the files are part of this package")]
 
-use glam::{DMat3, DVec3};
+use glam::DMat3;
 use serde_json::Value;
-
-pub(crate) fn read(text: &str) -> Value {
-    serde_json::from_str(text).unwrap()
-}
+use tumble_tests::references::{number, vector};
 
 pub(crate) fn list<'a>(file: &'a Value, key: &str) -> &'a Vec<Value> {
     file[key].as_array().unwrap()
-}
-
-/// A number, or a string that holds a decimal with more digits than f64.
-pub(crate) fn number(value: &Value) -> f64 {
-    value.as_f64().unwrap_or_else(|| value.as_str().unwrap().parse().unwrap())
-}
-
-pub(crate) fn vector(value: &Value) -> DVec3 {
-    DVec3::new(number(&value[0]), number(&value[1]), number(&value[2]))
 }
 
 /// From a list of rows.

@@ -5,6 +5,10 @@
 use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output, Stdio};
+use std::time::{Duration, Instant};
+
+/// Far more than anything takes that is waited for; only a hang reaches it.
+pub(crate) const PATIENCE: Duration = Duration::from_secs(60);
 
 /// A directory that is gone after the test, with the program started in it.
 pub(crate) struct Place {
@@ -50,6 +54,32 @@ impl Place {
         String::from_utf8(output.stdout).unwrap()
     }
 
+    /// Runs what must be refused with no file made and none lost; what is said, which has `wanted` in it.
+    pub(crate) fn refused(&self, arguments: &[&str], wanted: &str) -> String {
+        let before = self.entries();
+        let output = self.run(arguments);
+        let message = stderr(&output);
+        assert_eq!(output.status.code(), Some(2), "{arguments:?}: {message}");
+        assert!(message.contains(wanted), "{wanted:?} is not in {message}");
+        assert_eq!(self.entries(), before, "{arguments:?}");
+        message
+    }
+
+    /// Runs with a limit on the size of files, which stands in for a disk that is full: a failure that names the file and leaves nothing.
+    ///
+    /// Ignoring SIGXFSZ turns the signal into an error of the write, as on a full disk. Units of 512 or 1024 bytes.
+    #[cfg(unix)]
+    pub(crate) fn fills_the_disk(&self, units: u32, arguments: &str, wanted: &str) {
+        let program = env!("CARGO_BIN_EXE_tumble");
+        let script = format!("trap '' XFSZ; ulimit -f {units}; exec '{program}' {arguments}");
+        let mut shell = Command::new("sh");
+        shell.args(["-c", &script]).current_dir(self.directory.path()).stdin(Stdio::null());
+        let output = shell.output().unwrap();
+        assert_eq!(output.status.code(), Some(1), "{}", stderr(&output));
+        assert!(stderr(&output).contains(wanted), "{}", stderr(&output));
+        assert!(self.entries().is_empty(), "{:?}", self.entries());
+    }
+
     /// The hash in the report of a run.
     pub(crate) fn hash(&self, arguments: &[&str]) -> String {
         let output = self.succeed(arguments);
@@ -73,6 +103,15 @@ fn entries(directory: &Path) -> Vec<String> {
     let mut names: Vec<String> = names.map(|name| name.to_string_lossy().into_owned()).collect();
     names.sort();
     names
+}
+
+/// Waits until it is so.
+pub(crate) fn wait_for(what: &str, is_so: impl Fn() -> bool) {
+    let started = Instant::now();
+    while !is_so() {
+        assert!(started.elapsed() < PATIENCE, "{what}: it did not come to that");
+        std::thread::sleep(Duration::from_millis(2));
+    }
 }
 
 pub(crate) fn stderr(output: &Output) -> String {

@@ -1,0 +1,35 @@
+/// What a world of a sweep came to, as its row says it.
+///
+/// ```
+/// use tumble_scene::Outcome;
+///
+/// assert_eq!(Outcome::named("not-finite"), Some(Outcome::NotFinite));
+/// assert_eq!(Outcome::named("fine"), None);
+/// ```
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Outcome {
+    /// It was run to its end; only then does anything follow in the row.
+    Ok,
+    /// No body, or no simulation, has the values that were drawn.
+    Impossible,
+    /// Its state, or its energy, stopped being finite.
+    NotFinite,
+}
+
+impl Outcome {
+    const ALL: [Self; 3] = [Self::Ok, Self::Impossible, Self::NotFinite];
+
+    /// The word for it in a row.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Ok => "ok",
+            Self::Impossible => "impossible",
+            Self::NotFinite => "not-finite",
+        }
+    }
+
+    /// The one that a row has this word for.
+    pub fn named(name: &str) -> Option<Self> {
+        Self::ALL.into_iter().find(|outcome| outcome.name() == name)
+    }
+}
