@@ -10,6 +10,7 @@ mod lanes;
 
 mod body_step;
 mod counted;
+mod gravity;
 mod machine;
 
 use std::time::Instant;
@@ -71,6 +72,12 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         println!("{COLUMNS}");
         for &size in sizes {
             print_row(size, &traffic, needed, rates, &pool, effort)?;
+        }
+        let pull = gravity::operations();
+        println!("\ngravity among bodies, of a pull: {} + - x, {} / sqrt\n", pull.simple, pull.slow);
+        println!("| bodies | + - x [ns] | / sqrt [ns] | step by pull [ns] | of limit |\n|---|---|---|---|---|");
+        for bodies in if testing { [64, 64, 64] } else { [256, 1024, 4096] } {
+            gravity::print_row(bodies, pull, rates, &pool, effort)?;
         }
     }
     println!("{LEGEND}");

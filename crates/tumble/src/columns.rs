@@ -14,6 +14,7 @@ use crate::components::{
     Wrench,
 };
 use crate::force_laws::{ForceLaws, Laws};
+use crate::generators::Wind;
 use crate::simd::{MOST_BODIES, WIDEST, narrowest_for, widest};
 
 /// So few bodies are gone through one by one: borrowing a dozen columns takes longer than a query.
@@ -184,7 +185,8 @@ columns! {
     written: pose: Pose, momentum: Momentum, wrench: Wrench;
     read: mass: Mass;
     written_if_present: velocity: Velocity, inverse_inertia: InverseInertia, previous_pose: PreviousPose, work: Work;
-    read_if_present: inertia: Inertia, axes: PrincipalAxes, gravity_scale: GravityScale, damping: Damping;
+    read_if_present: inertia: Inertia, axes: PrincipalAxes, gravity_scale: GravityScale, damping: Damping,
+        wind: Wind;
 }
 
 impl Chunk<'_> {
@@ -229,7 +231,7 @@ fn padded<T: Copy, const W: usize>(rows: &[T]) -> [T; W] {
 /// Calls `system` once for every chunk of moving bodies, in parallel. Moving bodies have [`Pose`], [`Momentum`], [`Mass`] and
 /// [`Wrench`]; the other columns of a chunk are there where its archetype has them, the laws where they act on it.
 pub(crate) fn for_each_chunk(world: &mut World, laws: &ForceLaws, system: impl Fn(&mut Chunk<'_>) + Sync) {
-    if (1..=FEW).contains(&world.len()) && laws.is_empty() {
+    if (1..=FEW).contains(&world.len()) && !laws.act_in(world) {
         return world.query_mut::<Row<'_>>().into_iter().for_each(|row| system(&mut Chunk::of_row(row)));
     }
     let all = 0..world.archetypes().len();

@@ -30,13 +30,26 @@ pub(crate) fn derived<L: Lane>(constants: &Constants<L>, state: &State<L>) -> De
         d = a.scale(a_weighed) + b.scale(b_weighed) + c.scale(c_weighed);
         o = products(a, a_weighed) + products(b, b_weighed) + products(c, c_weighed);
     }
-    let l = state.angular;
-    let angular = Vec3::new(
-        d.x * l.x + o.z * l.y + o.y * l.z,
-        o.z * l.x + d.y * l.y + o.x * l.z,
-        o.y * l.x + o.x * l.y + d.z * l.z,
-    );
-    Derived { linear: constants.velocity(state.linear), angular, diagonal: d, off_diagonal: o }
+    Derived {
+        linear: constants.velocity(state.linear),
+        angular: symmetric_product(d, o, state.angular),
+        diagonal: d,
+        off_diagonal: o,
+    }
+}
+
+impl<L: Lane> Derived<L> {
+    /// `I^-1 v`, world frame.
+    #[inline(always)]
+    pub(crate) fn apply_inverse_inertia(&self, v: Vec3<L>) -> Vec3<L> {
+        symmetric_product(self.diagonal, self.off_diagonal, v)
+    }
+}
+
+/// A symmetric matrix with the diagonal `xx, yy, zz` and beside it `yz, zx, xy`, times a vector.
+#[inline(always)]
+fn symmetric_product<L: Lane>(d: Vec3<L>, o: Vec3<L>, v: Vec3<L>) -> Vec3<L> {
+    Vec3::new(d.x * v.x + o.z * v.y + o.y * v.z, o.z * v.x + d.y * v.y + o.x * v.z, o.y * v.x + o.x * v.y + d.z * v.z)
 }
 
 /// `(y z', z x', x y')`.

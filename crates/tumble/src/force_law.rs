@@ -2,9 +2,10 @@
 
 use tumble_math::lane::Vec3 as LaneVec3;
 
-use crate::components::{Pose, Velocity, Wrench};
+use crate::components::Wrench;
 use crate::math::{Quat, Real, Vec3};
 use crate::state::{Constants, State};
+use crate::surroundings::Surroundings;
 
 /// A force on a body that depends on its state, or on time.
 ///
@@ -17,6 +18,8 @@ use crate::state::{Constants, State};
 /// | `SemiImplicitEuler` | 1, at the start | 1 |
 /// | `RungeKutta4` | 4 | 4 |
 /// | `MoserVeselov` | 2, at start and end; 3 where the law [depends on velocity](Self::depends_on_velocity) | 2 |
+///
+/// One that is to run at the speed of the engine's own forces, many bodies at a time, is a [`LaneLaw`](crate::LaneLaw).
 ///
 /// A body's laws are evaluated together, and bodies next to each other too: one that depends on velocity has the others evaluated once more as well.
 ///
@@ -86,34 +89,44 @@ pub struct BodyState<'a> {
     /// Mass \[kg\].
     pub mass: Real,
     constants: &'a Constants<Real>,
+    surroundings: &'a Surroundings,
 }
 
 impl<'a> BodyState<'a> {
-    pub(crate) fn new(time: f64, constants: &'a Constants<Real>, state: &State<Real>) -> Self {
+    pub(crate) fn new(time: f64, about: (&'a Constants<Real>, &'a Surroundings), state: &State<Real>) -> Self {
         let orientation = state.orientation.normalize();
-        let angular_velocity = constants.angular_velocity(&State { orientation, ..*state });
-        Self {
-            time,
-            position: state.position.into(),
-            orientation: orientation.into(),
-            linear_velocity: constants.velocity(state.linear).into(),
-            angular_velocity: angular_velocity.into(),
-            mass: constants.mass,
-            constants,
-        }
+        let angular_velocity = about.0.angular_velocity(&State { orientation, ..*state });
+        let velocities = (about.0.velocity(state.linear).into(), angular_velocity.into());
+        Self::seen(time, about, (state.position.into(), orientation.into()), velocities)
     }
 
-    /// Of a pose whose orientation is of unit length.
-    pub(crate) fn seen(time: f64, constants: &'a Constants<Real>, pose: &Pose, velocity: &Velocity) -> Self {
-        Self {
-            time,
-            position: pose.position,
-            orientation: pose.orientation,
-            linear_velocity: velocity.linear,
-            angular_velocity: velocity.angular,
-            mass: constants.mass,
-            constants,
-        }
+    /// Of a position, an orientation of unit length, and velocities.
+    pub(crate) fn seen(
+        time: f64,
+        (constants, surroundings): (&'a Constants<Real>, &'a Surroundings),
+        (position, orientation): (Vec3, Quat),
+        (linear_velocity, angular_velocity): (Vec3, Vec3),
+    ) -> Self {
+        let mass = constants.mass;
+        Self { time, position, orientation, linear_velocity, angular_velocity, mass, constants, surroundings }
+    }
+
+    pub(crate) fn constants(&self) -> &'a Constants<Real> {
+        self.constants
+    }
+
+    pub(crate) fn surroundings(&self) -> &'a Surroundings {
+        self.surroundings
+    }
+
+    /// Velocity of the medium [m/s], world frame: the body's [`Wind`](crate::Wind), or zero.
+    pub fn wind(&self) -> Vec3 {
+        self.surroundings.wind
+    }
+
+    /// The simulation's gravity [m/s^2], world frame, whatever the body's [`GravityScale`](crate::GravityScale).
+    pub fn gravity(&self) -> Vec3 {
+        self.surroundings.gravity
     }
 
     /// World coordinates \[m\] of a point given relative to the centre of mass along the body's axes.

@@ -1,23 +1,57 @@
 //! The laws that a simulation knows, and how the step finds them.
 //!
-//! A law is a type of the caller's, so the step reaches it through trait objects: once per archetype and law for its column,
-//! once per body and evaluation for its force.
+//! A law may be a type of the caller's, so the step reaches it through trait objects: once per archetype and law for its column,
+//! once per tile and evaluation for its forces.
 
 use std::any::{TypeId, type_name};
 use std::fmt;
 use std::marker::PhantomData;
 use std::sync::Arc;
 
-use hecs::{Archetype, Component, EntityRef};
+use hecs::{Archetype, Component, EntityRef, World};
 
 use crate::components::Wrench;
 use crate::force_law::{BodyState, ForceLaw};
+use crate::generators::{
+    AngularVelocityServo, Buoyancy, ConstantWrench, Drag, Magnus, PointGravity, SpringToPoint, Thruster,
+};
+use crate::lane_law::{LaneBody, LaneLaw};
+use crate::law_tile::LawTile;
+use crate::math::Real;
 
-/// The laws of a simulation, in the order they were added.
+/// The laws of a simulation: the force components, which every simulation knows, and those that were added, in their order.
 #[derive(Clone, Default)]
 pub struct ForceLaws {
-    sources: Vec<Arc<dyn Source>>,
+    added: Vec<Arc<dyn Source>>,
 }
+
+/// Declares the laws that are known without being added, each evaluated in lanes.
+macro_rules! known {
+    ($($Law:ident: $numbers:literal),+ $(,)?) => {
+        static KNOWN: &[&dyn Source] = &[$(&OfComponent::<InLanes<$Law, $numbers>>(PhantomData)),+];
+
+        const KNOWN_NAMES: &[&str] = &[$(stringify!($Law)),+];
+    };
+}
+
+known! {
+    Drag: 6,
+    Magnus: 1,
+    Thruster: 6,
+    ConstantWrench: 7,
+    SpringToPoint: 9,
+    PointGravity: 5,
+    Buoyancy: 9,
+    AngularVelocityServo: 5,
+}
+
+/// Kinds of forces between bodies; they are no laws of one body, but have accounts like them.
+const BETWEEN_BODIES: [&str; 2] = ["Spring", "GravityMass"];
+
+/// Index of the account of springs between bodies.
+pub(crate) const SPRING: usize = KNOWN_NAMES.len();
+/// Index of the account of gravity among bodies.
+pub(crate) const GRAVITY_MASS: usize = SPRING + 1;
 
 /// One law that can act on the bodies of an archetype.
 trait Source: Send + Sync {
@@ -74,62 +108,104 @@ impl<'a> Iterator for Laws<'a> {
 
 /// The law of each body of an archetype, by row.
 pub(crate) trait LawRows: Sync {
-    /// Adds to each body's wrench; the first body's is the law of the row, the next one's that of the next row, and so on to the last row.
-    fn add_wrenches(&self, row: usize, states: &[BodyState<'_>], wrenches: &mut [Wrench]);
+    /// Adds the wrench on each body of a tile.
+    fn add_forces(&self, tile: &mut LawTile);
     fn wrench(&self, row: usize, state: &BodyState<'_>) -> Wrench;
-    fn depends_on_velocity(&self, row: usize) -> bool;
+    /// Sets to one the marks of those bodies, from a row on, whose law depends on velocity.
+    fn mark_velocity_dependent(&self, row: usize, marks: &mut [Real]);
 }
 
 impl ForceLaws {
+    /// The kinds of force components, which act on the bodies that carry them without being added.
+    pub const COMPONENTS: [&'static str; KNOWN_NAMES.len() + BETWEEN_BODIES.len()] = {
+        let mut names = [""; KNOWN_NAMES.len() + BETWEEN_BODIES.len()];
+        let mut i = 0;
+        while i < names.len() {
+            names[i] = if i < SPRING { KNOWN_NAMES[i] } else { BETWEEN_BODIES[i - SPRING] };
+            i += 1;
+        }
+        names
+    };
+
     /// Adds the law that is a component of some bodies; once, however often it is called.
     pub fn add<L: ForceLaw + Component>(&mut self) {
-        if self.sources.iter().all(|source| source.component() != Some(TypeId::of::<L>())) {
-            self.sources.push(Arc::new(ComponentLaw::<L>(PhantomData)));
+        self.add_component::<OneByOne<L>>();
+    }
+
+    /// Adds the law that is a component of some bodies and written for many at once; once, however often it is called.
+    pub fn add_lane_law<L: LaneLaw<N> + Component, const N: usize>(&mut self) {
+        self.add_component::<InLanes<L, N>>();
+    }
+
+    fn add_component<E: Evaluation>(&mut self)
+    where
+        E::Law: Component,
+    {
+        let law = OfComponent::<E>(PhantomData);
+        let is_known = |source: &dyn Source| source.component() == law.component();
+        if !KNOWN.iter().any(|source| is_known(*source)) && !self.added.iter().any(|source| is_known(&**source)) {
+            self.added.push(Arc::new(law));
         }
     }
 
     /// Adds a law that acts on every moving body.
     pub fn add_everywhere<L: ForceLaw>(&mut self, law: L) {
-        self.sources.push(Arc::new(EverywhereLaw(law)));
+        self.added.push(Arc::new(Everywhere::<OneByOne<L>>(law)));
     }
 
-    /// The laws' type names, in order.
+    /// Adds a law that acts on every moving body and is written for many at once.
+    pub fn add_lane_law_everywhere<L: LaneLaw<N>, const N: usize>(&mut self, law: L) {
+        self.added.push(Arc::new(Everywhere::<InLanes<L, N>>(law)));
+    }
+
+    /// The type names of the laws that were added, in order.
     pub fn names(&self) -> impl Iterator<Item = &'static str> + '_ {
-        self.sources.iter().map(|source| source.name())
+        self.added.iter().map(|source| source.name())
     }
 
-    /// Whether there are none.
-    pub(crate) fn is_empty(&self) -> bool {
-        self.sources.is_empty()
+    /// Whether there is a body in the world on which a law may act.
+    pub(crate) fn act_in(&self, world: &World) -> bool {
+        !self.added.is_empty()
+            || world
+                .archetypes()
+                .any(|archetype| !archetype.is_empty() && KNOWN.iter().any(|source| source.acts_on(archetype)))
+    }
+
+    /// The laws, with their indices: the index of an account is that of the law.
+    fn sources(&self) -> impl DoubleEndedIterator<Item = (usize, &dyn Source)> {
+        let added = self.added.iter().enumerate().map(|(i, source)| (Self::COMPONENTS.len() + i, &**source));
+        KNOWN.iter().enumerate().map(|(i, source)| (i, *source)).chain(added)
     }
 
     /// Calls `then` with the laws that act in an archetype, in order.
     pub(crate) fn with_rows(&self, archetype: &Archetype, then: &mut dyn FnMut(Laws<'_>)) {
-        with_rows_before(&self.sources, archetype, Laws { first: None, rows: archetype.len() as usize }, then);
+        let mut acting = self.sources().rev().filter(|(_, source)| source.acts_on(archetype));
+        with_rows_before(&mut acting, archetype, Laws { first: None, rows: archetype.len() as usize }, then);
     }
 
-    /// The potential energy \[J\] of one body in all laws.
+    /// The potential energy \[J\] of one body in the laws that were added.
     pub(crate) fn potential(&self, body: EntityRef<'_>, state: &BodyState<'_>) -> f64 {
-        self.sources.iter().map(|source| source.potential(body, state)).sum()
+        self.added.iter().map(|source| source.potential(body, state)).sum()
+    }
+
+    /// The potential energy \[J\] of one body in its force components, but for those between bodies.
+    pub(crate) fn potential_of_components(body: EntityRef<'_>, state: &BodyState<'_>) -> f64 {
+        KNOWN.iter().map(|source| source.potential(body, state)).sum()
     }
 }
 
-/// Puts the laws of `sources` before those that are there: one call deeper for each, which keeps its column borrowed.
-fn with_rows_before(
-    sources: &[Arc<dyn Source>],
+/// Puts the laws of `sources`, which come last first, before those that are there: one call deeper for each, which keeps its column borrowed.
+fn with_rows_before<'s>(
+    sources: &mut dyn Iterator<Item = (usize, &'s dyn Source)>,
     archetype: &Archetype,
     laws: Laws<'_>,
     then: &mut dyn FnMut(Laws<'_>),
 ) {
-    let Some((source, before)) = sources.split_last() else { return then(laws) };
-    if source.acts_on(archetype) {
-        source.with_rows(archetype, &mut |rows| {
-            let link = Link { index: before.len(), rows, next: laws };
-            with_rows_before(before, archetype, Laws { first: Some(&link), rows: laws.rows }, then);
-        });
-    } else {
-        with_rows_before(before, archetype, laws, then);
-    }
+    let Some((index, source)) = sources.next() else { return then(laws) };
+    source.with_rows(archetype, &mut |rows| {
+        let link = Link { index, rows, next: laws };
+        with_rows_before(sources, archetype, Laws { first: Some(&link), rows: laws.rows }, then);
+    });
 }
 
 impl fmt::Debug for ForceLaws {
@@ -146,59 +222,101 @@ fn short_name<L>() -> &'static str {
     &name[start..]
 }
 
-struct ComponentLaw<L>(PhantomData<fn() -> L>);
+/// How a kind of law is evaluated.
+trait Evaluation: 'static {
+    type Law: Send + Sync + 'static;
 
-impl<L: ForceLaw + Component> Source for ComponentLaw<L> {
+    /// Adds the wrenches on a tile; `law` is that of a row.
+    fn add_forces<'l>(law: impl Fn(usize) -> &'l Self::Law, tile: &mut LawTile);
+    fn wrench(law: &Self::Law, state: &BodyState<'_>) -> Wrench;
+    fn depends_on_velocity(law: &Self::Law) -> bool;
+    fn potential(law: &Self::Law, state: &BodyState<'_>) -> f64;
+}
+
+/// Body after body.
+struct OneByOne<L>(PhantomData<L>);
+
+impl<L: ForceLaw> Evaluation for OneByOne<L> {
+    type Law = L;
+
+    fn add_forces<'l>(law: impl Fn(usize) -> &'l L, tile: &mut LawTile) {
+        tile.add_one_by_one(|row, state| law(row).wrench(state));
+    }
+
+    fn wrench(law: &L, state: &BodyState<'_>) -> Wrench {
+        law.wrench(state)
+    }
+
+    fn depends_on_velocity(law: &L) -> bool {
+        law.depends_on_velocity()
+    }
+
+    fn potential(law: &L, state: &BodyState<'_>) -> f64 {
+        law.potential(state)
+    }
+}
+
+/// Many bodies at once.
+struct InLanes<L, const N: usize>(PhantomData<L>);
+
+impl<L: LaneLaw<N>, const N: usize> Evaluation for InLanes<L, N> {
+    type Law = L;
+
+    fn add_forces<'l>(law: impl Fn(usize) -> &'l L, tile: &mut LawTile) {
+        tile.add_in_lanes(law);
+    }
+
+    fn wrench(law: &L, state: &BodyState<'_>) -> Wrench {
+        let wrench = L::wrench(law.numbers(), &LaneBody::of(state));
+        Wrench { force: wrench.force.into(), torque: wrench.torque.into() }
+    }
+
+    fn depends_on_velocity(law: &L) -> bool {
+        law.depends_on_velocity()
+    }
+
+    fn potential(law: &L, state: &BodyState<'_>) -> f64 {
+        law.potential(state)
+    }
+}
+
+/// A law that is a component.
+struct OfComponent<E>(PhantomData<fn() -> E>);
+
+impl<E: Evaluation<Law: Component>> Source for OfComponent<E> {
     fn component(&self) -> Option<TypeId> {
-        Some(TypeId::of::<L>())
+        Some(TypeId::of::<E::Law>())
     }
 
     fn name(&self) -> &'static str {
-        short_name::<L>()
+        short_name::<E::Law>()
     }
 
     fn acts_on(&self, archetype: &Archetype) -> bool {
-        archetype.has::<L>()
+        archetype.has::<E::Law>()
     }
 
     fn with_rows(&self, archetype: &Archetype, then: &mut dyn FnMut(&dyn LawRows)) {
-        if let Some(column) = archetype.get::<&L>() {
-            then(&Column(&column));
+        if let Some(column) = archetype.get::<&E::Law>() {
+            then(&Rows::<E>::Each(&column));
         }
     }
 
     fn potential(&self, body: EntityRef<'_>, state: &BodyState<'_>) -> f64 {
-        body.get::<&L>().map_or(0.0, |law| law.potential(state))
+        body.get::<&E::Law>().map_or(0.0, |law| E::potential(&law, state))
     }
 }
 
-struct Column<'a, L>(&'a [L]);
+/// A law that acts on every moving body.
+struct Everywhere<E: Evaluation>(E::Law);
 
-impl<L: ForceLaw> LawRows for Column<'_, L> {
-    fn add_wrenches(&self, row: usize, states: &[BodyState<'_>], wrenches: &mut [Wrench]) {
-        for ((law, state), wrench) in self.0[row..].iter().zip(states).zip(wrenches) {
-            wrench.add(law.wrench(state));
-        }
-    }
-
-    fn wrench(&self, row: usize, state: &BodyState<'_>) -> Wrench {
-        self.0[row].wrench(state)
-    }
-
-    fn depends_on_velocity(&self, row: usize) -> bool {
-        self.0.get(row).is_some_and(ForceLaw::depends_on_velocity)
-    }
-}
-
-struct EverywhereLaw<L>(L);
-
-impl<L: ForceLaw> Source for EverywhereLaw<L> {
+impl<E: Evaluation> Source for Everywhere<E> {
     fn component(&self) -> Option<TypeId> {
         None
     }
 
     fn name(&self) -> &'static str {
-        short_name::<L>()
+        short_name::<E::Law>()
     }
 
     fn acts_on(&self, _: &Archetype) -> bool {
@@ -206,29 +324,47 @@ impl<L: ForceLaw> Source for EverywhereLaw<L> {
     }
 
     fn with_rows(&self, _: &Archetype, then: &mut dyn FnMut(&dyn LawRows)) {
-        then(&Same(&self.0));
+        then(&Rows::<E>::Same(&self.0));
     }
 
     fn potential(&self, _: EntityRef<'_>, state: &BodyState<'_>) -> f64 {
-        self.0.potential(state)
+        E::potential(&self.0, state)
     }
 }
 
-/// One law for every row.
-struct Same<'a, L>(&'a L);
+/// The law of each row.
+enum Rows<'a, E: Evaluation> {
+    Each(&'a [E::Law]),
+    Same(&'a E::Law),
+}
 
-impl<L: ForceLaw> LawRows for Same<'_, L> {
-    fn add_wrenches(&self, _: usize, states: &[BodyState<'_>], wrenches: &mut [Wrench]) {
-        for (state, wrench) in states.iter().zip(wrenches) {
-            wrench.add(self.0.wrench(state));
+impl<E: Evaluation> Rows<'_, E> {
+    fn law(&self, row: usize) -> &E::Law {
+        match self {
+            Self::Each(laws) => &laws[row],
+            Self::Same(law) => law,
         }
     }
+}
 
-    fn wrench(&self, _: usize, state: &BodyState<'_>) -> Wrench {
-        self.0.wrench(state)
+impl<E: Evaluation> LawRows for Rows<'_, E> {
+    fn add_forces(&self, tile: &mut LawTile) {
+        E::add_forces(|row| self.law(row), tile);
     }
 
-    fn depends_on_velocity(&self, _: usize) -> bool {
-        self.0.depends_on_velocity()
+    fn wrench(&self, row: usize, state: &BodyState<'_>) -> Wrench {
+        E::wrench(self.law(row), state)
+    }
+
+    fn mark_velocity_dependent(&self, row: usize, marks: &mut [Real]) {
+        let rows = match self {
+            Self::Each(laws) => laws.len().saturating_sub(row),
+            Self::Same(_) => marks.len(),
+        };
+        for (i, mark) in marks.iter_mut().enumerate().take(rows) {
+            if E::depends_on_velocity(self.law(row + i)) {
+                *mark = 1.0;
+            }
+        }
     }
 }

@@ -1,18 +1,24 @@
 //! The forces on bodies where force laws act: on a tile of them, and on one with an account of their work.
 
+use std::cell::RefCell;
+
 use tumble_math::lane::Vec3 as LaneVec3;
 
-use crate::components::{Pose, Velocity, Work, Wrench};
+use crate::columns::Chunk;
+use crate::components::{Work, Wrench};
 use crate::force_law::BodyState;
 use crate::force_laws::Laws;
 use crate::integrators::{Account, Forces, Mean};
+use crate::law_tile::LawTile;
 use crate::math::{Real, Vec3, double, dvec3};
 use crate::simd::{MOST_BODIES, Tile};
 use crate::state::{Constants, Force, State};
+use crate::surroundings::Surroundings;
 
 /// All that pushes one body during a substep.
 pub(crate) struct LawForces<'a> {
     pub(crate) constants: &'a Constants<Real>,
+    pub(crate) surroundings: &'a Surroundings,
     /// Gravity and what the caller applied, constant over the step.
     pub(crate) wrench: Wrench,
     pub(crate) laws: Laws<'a>,
@@ -24,7 +30,7 @@ pub(crate) struct LawForces<'a> {
 
 impl LawForces<'_> {
     fn seen_by_laws(&self, offset: Real, state: &State<Real>) -> BodyState<'_> {
-        BodyState::new(self.time + f64::from(offset), self.constants, state)
+        BodyState::new(self.time + f64::from(offset), (self.constants, self.surroundings), state)
     }
 }
 
@@ -47,26 +53,52 @@ impl Forces<Real> for LawForces<'_> {
     }
 
     fn depends_on_velocity(&self) -> Option<bool> {
-        self.laws.into_iter().any(|(_, law)| law.depends_on_velocity(self.row)).then_some(true)
+        let mut depends = [0.0];
+        self.laws.into_iter().for_each(|(_, law)| law.mark_velocity_dependent(self.row, &mut depends));
+        (depends[0] > 0.0).then_some(true)
+    }
+}
+
+/// The laws that act on a tile of bodies, and what they are told of them.
+pub(crate) struct ActingLaws<'a, T: Tile> {
+    constants: Constants<T>,
+    tile: RefCell<&'a mut LawTile>,
+    laws: Laws<'a>,
+    /// Which bodies some law on them depends on velocity; `None` for none.
+    depends_on_velocity: Option<T::Mask>,
+}
+
+impl<'a, T: Tile> ActingLaws<'a, T> {
+    /// Of the bodies from row `i` of a chunk.
+    #[inline(always)]
+    pub(crate) fn new(bodies: &Chunk<'a>, i: usize, constants: &Constants<T>, tile: &'a mut LawTile) -> Self {
+        let (laws, row) = (bodies.laws, bodies.first_row + i);
+        let mut depend: [Real; MOST_BODIES] = [0.0; MOST_BODIES];
+        for (_, law) in laws {
+            law.mark_velocity_dependent(row, &mut depend[..T::WIDTH]);
+        }
+        let [depend] = T::load(&depend);
+        let mask = T::splat(0.0).lt(depend);
+        tile.set_constants(constants, bodies.wind::<T>(i), row, laws.bodies_from(row));
+        Self {
+            constants: *constants,
+            tile: RefCell::new(tile),
+            laws,
+            depends_on_velocity: if T::any(mask) { Some(mask) } else { None },
+        }
     }
 }
 
 /// All that pushes a tile of bodies during a substep.
-pub(crate) struct TileLawForces<'a, T: Tile> {
-    pub(crate) constants: &'a Constants<T>,
-    /// The same of each body that is not only there to fill up the tile.
-    pub(crate) of_bodies: &'a [Constants<Real>],
+pub(crate) struct TileLawForces<'f, 'a, T: Tile> {
+    pub(crate) acting: &'f ActingLaws<'a, T>,
     /// Gravity and what the caller applied, constant over the step.
     pub(crate) constant: Force<T>,
-    pub(crate) laws: Laws<'a>,
-    /// The first body's row among the laws' rows.
-    pub(crate) row: usize,
     /// Time at the start of the substep \[s\].
     pub(crate) time: f64,
-    pub(crate) depends_on_velocity: Option<T::Mask>,
 }
 
-impl<T: Tile> Forces<T> for TileLawForces<'_, T> {
+impl<T: Tile> Forces<T> for TileLawForces<'_, '_, T> {
     const VARY: bool = true;
 
     #[inline(always)]
@@ -76,65 +108,17 @@ impl<T: Tile> Forces<T> for TileLawForces<'_, T> {
 
     #[inline(always)]
     fn varying(&self, offset: T, state: &State<T>) -> Force<T> {
-        let orientation = state.orientation.normalize();
-        let v = self.constants.velocity(state.linear);
-        let w = self.constants.angular_velocity(&State { orientation, ..*state });
-        let (q, x) = (orientation, state.position);
-        let mut seen = Seen::default();
-        T::store([offset], &mut seen.offsets);
-        T::store([q.x, q.y, q.z, q.w, x.x, x.y, x.z], &mut seen.poses);
-        T::store([v.x, v.y, v.z, w.x, w.y, w.z], &mut seen.velocities);
-        let [x, y, z, a, b, c] = T::load(&seen.wrenches(self.laws, self.row, self.time, self.of_bodies));
-        Force { force: LaneVec3::new(x, y, z), torque: LaneVec3::new(a, b, c) }
+        let mut tile = self.acting.tile.borrow_mut();
+        tile.set_stage(self.time, offset, &self.acting.constants, state);
+        for (_, law) in self.acting.laws {
+            law.add_forces(&mut tile);
+        }
+        tile.sum()
     }
 
     #[inline(always)]
     fn depends_on_velocity(&self) -> Option<T::Mask> {
-        self.depends_on_velocity
-    }
-}
-
-/// For which bodies of a tile from a row on some law depends on velocity; `None` for none.
-#[inline(always)]
-pub(crate) fn depend_on_velocity<T: Tile>(laws: Laws<'_>, row: usize) -> Option<T::Mask> {
-    let mut depend: [Real; MOST_BODIES] = [0.0; MOST_BODIES];
-    for (i, depends) in depend[..T::WIDTH].iter_mut().enumerate() {
-        if laws.into_iter().any(|(_, law)| law.depends_on_velocity(row + i)) {
-            *depends = 1.0;
-        }
-    }
-    let [depend] = T::load(&depend);
-    let mask = T::splat(0.0).lt(depend);
-    if T::any(mask) { Some(mask) } else { None }
-}
-
-/// What laws see of a tile of bodies.
-#[derive(Default)]
-struct Seen {
-    offsets: [Real; MOST_BODIES],
-    poses: [Pose; MOST_BODIES],
-    velocities: [Velocity; MOST_BODIES],
-}
-
-impl Seen {
-    /// The sum of the laws' wrenches on each body; none on those that only fill up a tile.
-    fn wrenches(&self, laws: Laws<'_>, row: usize, time: f64, constants: &[Constants<Real>]) -> [Wrench; MOST_BODIES] {
-        /// Bodies that a law is asked for at a time.
-        const BLOCK: usize = 8;
-        let mut wrenches = [Wrench::default(); MOST_BODIES];
-        for (block, constants) in constants.chunks(BLOCK).enumerate() {
-            let first = block * BLOCK;
-            let states: [BodyState<'_>; BLOCK] = std::array::from_fn(|i| {
-                let i = i.min(constants.len() - 1);
-                let (pose, velocity) = (&self.poses[first + i], &self.velocities[first + i]);
-                BodyState::seen(time + f64::from(self.offsets[first + i]), &constants[i], pose, velocity)
-            });
-            let wrenches = &mut wrenches[first..first + constants.len()];
-            for (_, law) in laws {
-                law.add_wrenches(row + first, &states, wrenches);
-            }
-        }
-        wrenches
+        self.acting.depends_on_velocity
     }
 }
 
@@ -168,7 +152,7 @@ impl Account<Real> for WorkAccount<'_> {
         for (index, law) in self.forces.laws {
             let wrench = law.wrench(self.forces.row, &seen);
             let work = dvec3(wrench.force).dot(linear) + dvec3(wrench.torque).dot(angular);
-            self.work.laws[index.min(Work::LAWS - 1)] += work;
+            *self.work.of_law_mut(index) += work;
         }
     }
 

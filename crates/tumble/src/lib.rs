@@ -51,12 +51,17 @@ mod components;
 mod derived;
 mod force_law;
 mod force_laws;
+mod generators;
 mod integrator;
 mod integrators;
 mod kinematic;
+pub mod lane;
+mod lane_law;
 mod law_forces;
+mod law_tile;
 mod ledger;
 pub mod math;
+mod pairs;
 mod phase_times;
 mod property_error;
 mod rigid_body;
@@ -72,7 +77,9 @@ mod state;
 mod state_arrays;
 mod state_hash;
 mod step;
+mod stiff;
 mod stream;
+mod surroundings;
 mod systems;
 mod tile;
 mod totals;
@@ -90,8 +97,14 @@ pub use components::{
 };
 pub use force_law::{BodyState, ForceLaw};
 pub use force_laws::ForceLaws;
+pub use generators::{
+    AngularVelocityServo, Buoyancy, ConstantWrench, Drag, Frame, Hull, Magnus, PointGravity, SpringToPoint, Thruster,
+    Wind,
+};
 pub use integrator::{Integrator, UnknownIntegrator};
+pub use lane_law::{LaneBody, LaneLaw, LaneWrench};
 pub use ledger::{Ledger, LedgerEntry};
+pub use pairs::{GravityMass, Spring};
 pub use phase_times::PhaseTimes;
 pub use property_error::PropertyError;
 pub use rigid_body::RigidBody;
@@ -118,7 +131,9 @@ pub use tumble_math::{Amount, InertiaTensor, MassProperties, Part, PrincipalIner
 pub mod prelude {
     pub use crate::math::{Mat3, Quat, Real, Vec3};
     pub use crate::{
-        BodyId, BodyState, CenterOfMass, Damping, ForceLaw, GravityScale, Inertia, Integrator, Ledger, Mass, Momentum,
-        Pose, PreviousPose, PrincipalAxes, RigidBody, Settings, Shape, Simulation, Velocity, Wrench,
+        AngularVelocityServo, BodyId, BodyState, Buoyancy, CenterOfMass, ConstantWrench, Damping, Drag, ForceLaw,
+        Frame, GravityMass, GravityScale, Hull, Inertia, Integrator, Ledger, Magnus, Mass, Momentum, PointGravity,
+        Pose, PreviousPose, PrincipalAxes, RigidBody, Settings, Shape, Simulation, Spring, SpringToPoint, Thruster,
+        Velocity, Wind, Wrench,
     };
 }

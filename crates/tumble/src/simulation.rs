@@ -3,7 +3,9 @@ use hecs::{Component, World};
 use crate::clock::Clock;
 use crate::force_law::ForceLaw;
 use crate::force_laws::ForceLaws;
+use crate::lane_law::LaneLaw;
 use crate::math::Real;
+use crate::pairs::PairForces;
 use crate::phase_times::PhaseTimes;
 use crate::settings::{Settings, SettingsError};
 use crate::step::steps_under_laws;
@@ -32,6 +34,8 @@ use crate::step::steps_under_laws;
 pub struct Simulation {
     settings: Settings,
     laws: ForceLaws,
+    /// What forces between bodies are evaluated with; none until there are any.
+    pairs: Option<Box<PairForces>>,
     steps: u64,
     /// Steps and time \[s\] when the settings were last changed; from there on time is a multiple of the step.
     since: (u64, f64),
@@ -49,7 +53,7 @@ impl Simulation {
     /// [`SettingsError`] where the settings are ones that nothing can be simulated with.
     pub fn new(settings: Settings) -> Result<Self, SettingsError> {
         settings.validate()?;
-        Ok(Self { settings, laws: ForceLaws::default(), steps: 0, since: (0, 0.0), owed: 0.0 })
+        Ok(Self { settings, laws: ForceLaws::default(), pairs: None, steps: 0, since: (0, 0.0), owed: 0.0 })
     }
 
     /// What the simulation is run with.
@@ -76,6 +80,16 @@ impl Simulation {
     /// Adds a [`ForceLaw`] that acts on every moving body.
     pub fn add_law_everywhere<L: ForceLaw>(&mut self, law: L) {
         self.laws.add_everywhere(law);
+    }
+
+    /// Makes a [`LaneLaw`] known that is a component of the bodies it acts on. The force components of this crate need not be added.
+    pub fn add_lane_law<L: LaneLaw<N> + Component, const N: usize>(&mut self) {
+        self.laws.add_lane_law::<L, N>();
+    }
+
+    /// Adds a [`LaneLaw`] that acts on every moving body: one of the caller's own, or a force component of this crate.
+    pub fn add_lane_law_everywhere<L: LaneLaw<N>, const N: usize>(&mut self, law: L) {
+        self.laws.add_lane_law_everywhere::<L, N>(law);
     }
 
     /// The force laws that were added.
@@ -131,7 +145,9 @@ impl Simulation {
 
     fn advance_by(&mut self, world: &mut World, count: u32, times: Option<&PhaseTimes>) {
         if count > 0 {
-            steps_under_laws(world, &self.settings, &self.laws, count, |step| self.time_after(step), times);
+            let mut pairs = self.pairs.take();
+            steps_under_laws(world, &self.settings, &self.laws, &mut pairs, count, |step| self.time_after(step), times);
+            self.pairs = pairs;
             self.steps += u64::from(count);
         }
     }

@@ -3,7 +3,7 @@ use crate::components::{
     Damping, GravityScale, Inertia, InverseInertia, Mass, Momentum, Pose, PreviousPose, PrincipalAxes, Velocity, Wrench,
 };
 use crate::settings::Settings;
-use crate::systems::step_under_constant_forces;
+use crate::systems::step_chunk;
 
 /// Bodies outside any world: plain slices, one per component, with body `i` at index `i` of each.
 ///
@@ -111,8 +111,9 @@ impl<'a> BodySlices<'a> {
                 axes: self.axes,
                 gravity_scale: self.gravity_scale,
                 damping: self.damping,
+                wind: None,
             };
-            for_each_part(chunk, &|bodies: &mut Chunk<'_>| step_under_constant_forces(bodies, settings, count));
+            for_each_part(chunk, &|bodies: &mut Chunk<'_>| step_chunk(bodies, settings, count, &|_| 0.0));
         }
         Ok(())
     }

@@ -3,10 +3,11 @@ use hecs::World;
 use crate::columns::for_each_chunk;
 use crate::force_laws::ForceLaws;
 use crate::kinematic::move_kinematic_bodies;
+use crate::pairs::{self, PairForces};
 use crate::phase_times::{Phase, PhaseTimes};
 use crate::settings::Settings;
 use crate::systems::{
-    accumulate_forces_of, integrate_bodies, remember_poses, step_under_constant_forces, update_derived_of,
+    Wrenches, accumulate_forces_of, integrate_bodies, integrate_coupled, remember_poses, step_chunk, update_derived_of,
 };
 
 /// Advances every body of the world by `settings.dt`.
@@ -19,7 +20,7 @@ use crate::systems::{
 /// The settings are not [validated](Settings::validate) here; [`Simulation`](crate::Simulation) does that once, and knows the force
 /// laws and the time.
 pub fn step(world: &mut World, settings: &Settings) {
-    steps_under_laws(world, settings, &ForceLaws::default(), 1, |_| 0.0, None);
+    steps_under_laws(world, settings, &ForceLaws::default(), &mut None, 1, |_| 0.0, None);
 }
 
 /// So many [`step`]s under force laws, starting at times \[s\], adding to `times` how long each phase took.
@@ -27,25 +28,56 @@ pub(crate) fn steps_under_laws(
     world: &mut World,
     settings: &Settings,
     laws: &ForceLaws,
+    pairs: &mut Option<Box<PairForces>>,
     steps: u32,
     time_of_step: impl Fn(u32) -> f64 + Sync,
     times: Option<&PhaseTimes>,
 ) {
     crate::scope::scope!("tumble::step");
-    for_each_chunk(world, laws, |bodies| {
-        if bodies.have_constant_forces() && times.is_none() {
-            return step_under_constant_forces(bodies, settings, steps);
-        }
-        for step in 0..steps {
-            remember_poses(bodies);
-            let mut stopwatch = PhaseTimes::start(times);
-            accumulate_forces_of(bodies, settings);
-            stopwatch.end_of(Phase::AccumulateForces);
-            integrate_bodies(bodies, settings, time_of_step(step));
-            stopwatch.end_of(Phase::Integrate);
-            update_derived_of(bodies);
-            stopwatch.end_of(Phase::UpdateDerived);
-        }
-    });
+    if pairs::are_in(world) {
+        let pairs = pairs.get_or_insert_default();
+        pairs.find(world);
+        coupled_steps(world, settings, laws, pairs, steps, time_of_step, times);
+    } else {
+        for_each_chunk(world, laws, |bodies| {
+            if bodies.work.is_none() && times.is_none() {
+                return step_chunk(bodies, settings, steps, &time_of_step);
+            }
+            for step in 0..steps {
+                remember_poses(bodies);
+                let mut stopwatch = PhaseTimes::start(times);
+                accumulate_forces_of(bodies, settings);
+                stopwatch.end_of(Phase::AccumulateForces);
+                integrate_bodies(bodies, settings, time_of_step(step), Wrenches::Consumed);
+                stopwatch.end_of(Phase::Integrate);
+                update_derived_of(bodies);
+                stopwatch.end_of(Phase::UpdateDerived);
+            }
+        });
+    }
     move_kinematic_bodies(world, settings.dt, steps);
+}
+
+/// Steps of a world where bodies act on each other: the whole world goes from one kick to the next together.
+fn coupled_steps(
+    world: &mut World,
+    settings: &Settings,
+    laws: &ForceLaws,
+    pairs: &mut PairForces,
+    steps: u32,
+    time_of_step: impl Fn(u32) -> f64 + Sync,
+    times: Option<&PhaseTimes>,
+) {
+    for step in 0..steps {
+        let mut stopwatch = PhaseTimes::start(times);
+        for_each_chunk(world, laws, |bodies| {
+            remember_poses(bodies);
+            accumulate_forces_of(bodies, settings);
+        });
+        stopwatch.end_of(Phase::AccumulateForces);
+        integrate_coupled(world, settings, laws, pairs, time_of_step(step));
+        stopwatch.end_of(Phase::Integrate);
+        for_each_chunk(world, laws, update_derived_of);
+        stopwatch.end_of(Phase::UpdateDerived);
+    }
 }

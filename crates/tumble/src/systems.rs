@@ -11,11 +11,14 @@ use crate::derived::derived;
 use crate::force_laws::ForceLaws;
 use crate::integrator::Integrator;
 use crate::integrators::{AnyWidth, ConstantForce, MoserVeselov, NoAccount, RungeKutta4, Scheme, SemiImplicitEuler};
-use crate::law_forces::{LawForces, TileLawForces, WorkAccount, depend_on_velocity};
+use crate::law_forces::{ActingLaws, LawForces, TileLawForces, WorkAccount};
+use crate::law_tile::LawTile;
 use crate::math::{Real, Vec3};
+use crate::pairs::{self, PairForces};
 use crate::settings::Settings;
 use crate::simd::{Kernel, Tile, dispatch};
 use crate::state::{Force, State};
+use crate::surroundings::Surroundings;
 use crate::tile::splat;
 use crate::totals::KineticEnergy;
 
@@ -35,7 +38,48 @@ pub fn integrate(world: &mut World, settings: &Settings) {
 
 /// [`integrate`] under force laws, which are evaluated at every stage; `time` \[s\] is the simulated time at the start of the step.
 pub fn integrate_under_laws(world: &mut World, settings: &Settings, laws: &ForceLaws, time: f64) {
-    for_each_chunk(world, laws, |bodies| integrate_bodies(bodies, settings, time));
+    if pairs::are_in(world) {
+        let mut pairs = PairForces::default();
+        pairs.find(world);
+        integrate_coupled(world, settings, laws, &mut pairs, time);
+    } else {
+        for_each_chunk(world, laws, |bodies| integrate_bodies(bodies, settings, time, Wrenches::Consumed));
+    }
+}
+
+/// The integration of a step where bodies act on each other: kicks between them before and after each substep, all of it before where the
+/// integrator is of first order.
+pub(crate) fn integrate_coupled(
+    world: &mut World,
+    settings: &Settings,
+    laws: &ForceLaws,
+    pairs: &mut PairForces,
+    time: f64,
+) {
+    let h = settings.substep();
+    let one = Settings { dt: h, substeps: 1, ..*settings };
+    let (before, after) = match settings.integrator {
+        Integrator::SemiImplicitEuler => (h, None),
+        Integrator::RungeKutta4 | Integrator::MoserVeselov => (h * 0.5, Some(h * 0.5)),
+    };
+    for substep in 0..settings.substeps {
+        pairs.kick(world, before, h);
+        let time = time + f64::from(substep) * f64::from(h);
+        let wrenches = if substep + 1 == settings.substeps { Wrenches::Consumed } else { Wrenches::Kept };
+        for_each_chunk(world, laws, |bodies| integrate_bodies(bodies, &one, time, wrenches));
+        if let Some(after) = after {
+            pairs.kick(world, after, h);
+        }
+    }
+}
+
+/// What becomes of the wrenches when the bodies have been integrated.
+#[derive(Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Wrenches {
+    /// They are zero.
+    Consumed,
+    /// They act in the next substep too.
+    Kept,
 }
 
 /// [`Pose`](crate::Pose), [`Momentum`](crate::Momentum), [`Mass`](crate::Mass), [`Inertia`](crate::Inertia) to
@@ -66,105 +110,119 @@ impl Chunk<'_> {
     }
 }
 
-/// All systems of some steps, of bodies whose forces are the same at every stage: the bodies stay in registers from the first system of the first step
-/// to the last of the last.
-pub(crate) fn step_under_constant_forces(bodies: &mut Chunk<'_>, settings: &Settings, steps: u32) {
+/// All systems of some steps, of bodies that nothing couples and whose work no one books: the bodies stay in registers from the first system of the
+/// first step to the last of the last. `time_of_step` is the simulated time \[s\] at the start of each.
+pub(crate) fn step_chunk(bodies: &mut Chunk<'_>, settings: &Settings, steps: u32, time_of_step: &dyn Fn(u32) -> f64) {
     crate::scope::scope!("tumble::step_chunk");
-    advance(bodies, settings, Extent::Steps(steps));
+    advance(bodies, settings, Extent::Steps(steps), time_of_step);
 }
 
-pub(crate) fn integrate_bodies(bodies: &mut Chunk<'_>, settings: &Settings, time: f64) {
+/// The integration of one step under the wrenches as they are; `time` \[s\] is that at its start.
+pub(crate) fn integrate_bodies(bodies: &mut Chunk<'_>, settings: &Settings, time: f64, wrenches: Wrenches) {
     crate::scope::scope!("tumble::integrate");
-    if bodies.have_constant_forces() {
-        return advance(bodies, settings, Extent::Integration);
+    if bodies.work.is_none() {
+        return advance(bodies, settings, Extent::Integration(wrenches), &|_| time);
     }
     match settings.integrator {
-        Integrator::SemiImplicitEuler => integrate_under_laws_of::<SemiImplicitEuler<()>>(bodies, settings, time),
-        Integrator::RungeKutta4 => integrate_under_laws_of::<RungeKutta4<()>>(bodies, settings, time),
-        Integrator::MoserVeselov => integrate_under_laws_of::<MoserVeselov<()>>(bodies, settings, time),
+        Integrator::SemiImplicitEuler => integrate_with_account::<SemiImplicitEuler<Real>>(bodies, settings, time),
+        Integrator::RungeKutta4 => integrate_with_account::<RungeKutta4<Real>>(bodies, settings, time),
+        Integrator::MoserVeselov => integrate_with_account::<MoserVeselov<Real>>(bodies, settings, time),
     }
-}
-
-fn integrate_under_laws_of<S: AnyWidth>(bodies: &mut Chunk<'_>, settings: &Settings, time: f64) {
-    if bodies.work.is_some() {
-        integrate_with_account::<S::Of<Real>>(bodies, settings, time);
+    if wrenches == Wrenches::Consumed {
         bodies.wrench.fill(Wrench::default());
-    } else {
-        bodies.in_whole_tiles(|bodies| dispatch(&mut UnderLaws { bodies, settings, time, scheme: PhantomData::<S> }));
-    }
-}
-
-/// Integrates bodies on which force laws act, a tile at a time.
-struct UnderLaws<'k, 'a, S> {
-    bodies: &'k mut Chunk<'a>,
-    settings: &'k Settings,
-    time: f64,
-    scheme: PhantomData<S>,
-}
-
-impl<S: AnyWidth> Kernel for UnderLaws<'_, '_, S> {
-    #[inline(always)]
-    fn len(&self) -> usize {
-        self.bodies.len()
-    }
-
-    #[inline(always)]
-    fn tile<T: Tile>(&mut self, i: usize) {
-        let (bodies, h) = (&mut *self.bodies, self.settings.substep());
-        let constants = bodies.constants::<T>(i);
-        let of_bodies = bodies.constants_of_each::<T>(i);
-        let scheme = S::Of::<T>::new(&constants, T::splat(h.into()));
-        let (laws, row) = (bodies.laws, bodies.first_row + i);
-        let mut forces = TileLawForces {
-            constants: &constants,
-            of_bodies: &of_bodies[..T::WIDTH.min(laws.bodies_from(row))],
-            constant: bodies.take_force::<T>(i),
-            laws,
-            row,
-            time: self.time,
-            depends_on_velocity: depend_on_velocity::<T>(laws, row),
-        };
-        let mut state = bodies.state::<T>(i);
-        for substep in 0..self.settings.substeps {
-            forces.time = self.time + f64::from(substep) * f64::from(h);
-            state = scheme.advance(state, &forces, &mut NoAccount);
-        }
-        bodies.set_state(i, &state);
     }
 }
 
 /// How much of how many steps is done.
 #[derive(Clone, Copy)]
 enum Extent {
-    /// The integration of one step, under the wrenches as they are.
-    Integration,
+    /// The integration of one step.
+    Integration(Wrenches),
     /// All systems of so many steps.
     Steps(u32),
 }
 
-fn advance(bodies: &mut Chunk<'_>, settings: &Settings, extent: Extent) {
-    match settings.integrator {
-        Integrator::SemiImplicitEuler => advance_with::<SemiImplicitEuler<()>>(bodies, settings, extent),
-        Integrator::RungeKutta4 => advance_with::<RungeKutta4<()>>(bodies, settings, extent),
-        Integrator::MoserVeselov => advance_with::<MoserVeselov<()>>(bodies, settings, extent),
+impl Extent {
+    /// Whether all systems run.
+    fn is_all(self) -> bool {
+        matches!(self, Self::Steps(_))
+    }
+
+    fn wrenches(self) -> Wrenches {
+        match self {
+            Self::Integration(wrenches) => wrenches,
+            Self::Steps(_) => Wrenches::Consumed,
+        }
     }
 }
 
-fn advance_with<S: AnyWidth>(bodies: &mut Chunk<'_>, settings: &Settings, extent: Extent) {
-    bodies.in_whole_tiles(|bodies| {
-        dispatch(&mut UnderConstantForces { bodies, settings, extent, scheme: PhantomData::<S> });
-    });
+fn advance(bodies: &mut Chunk<'_>, settings: &Settings, extent: Extent, time_of_step: &dyn Fn(u32) -> f64) {
+    match settings.integrator {
+        Integrator::SemiImplicitEuler => advance_with::<SemiImplicitEuler<()>>(bodies, settings, extent, time_of_step),
+        Integrator::RungeKutta4 => advance_with::<RungeKutta4<()>>(bodies, settings, extent, time_of_step),
+        Integrator::MoserVeselov => advance_with::<MoserVeselov<()>>(bodies, settings, extent, time_of_step),
+    }
 }
 
-/// Advances bodies whose forces are the same at every stage, a tile at a time.
-struct UnderConstantForces<'k, 'a, S> {
+fn advance_with<S: AnyWidth>(
+    bodies: &mut Chunk<'_>,
+    settings: &Settings,
+    extent: Extent,
+    time_of_step: &dyn Fn(u32) -> f64,
+) {
+    if bodies.laws.is_empty() {
+        bodies.in_whole_tiles(|bodies| {
+            let law_tile = Lawless;
+            dispatch(&mut Advance { bodies, settings, extent, time_of_step, law_tile, scheme: PhantomData::<S> });
+        });
+    } else {
+        let mut law_tile = LawTile::new(Surroundings::new(settings));
+        bodies.in_whole_tiles(|bodies| {
+            let law_tile = &mut law_tile;
+            dispatch(&mut Advance { bodies, settings, extent, time_of_step, law_tile, scheme: PhantomData::<S> });
+        });
+    }
+}
+
+/// Where a kernel shows its bodies to the laws that act on them, if any do.
+trait Acting {
+    const LAWS: bool;
+
+    fn tile(&mut self) -> Option<&mut LawTile>;
+}
+
+/// No laws act.
+struct Lawless;
+
+impl Acting for Lawless {
+    const LAWS: bool = false;
+
+    #[inline(always)]
+    fn tile(&mut self) -> Option<&mut LawTile> {
+        None
+    }
+}
+
+impl Acting for &mut LawTile {
+    const LAWS: bool = true;
+
+    #[inline(always)]
+    fn tile(&mut self) -> Option<&mut LawTile> {
+        Some(self)
+    }
+}
+
+/// Advances bodies, a tile at a time.
+struct Advance<'k, 'a, S, A> {
     bodies: &'k mut Chunk<'a>,
     settings: &'k Settings,
     extent: Extent,
+    time_of_step: &'k dyn Fn(u32) -> f64,
+    law_tile: A,
     scheme: PhantomData<S>,
 }
 
-impl<S: AnyWidth> Kernel for UnderConstantForces<'_, '_, S> {
+impl<S: AnyWidth, A: Acting> Kernel for Advance<'_, '_, S, A> {
     #[inline(always)]
     fn len(&self) -> usize {
         self.bodies.len()
@@ -175,34 +233,53 @@ impl<S: AnyWidth> Kernel for UnderConstantForces<'_, '_, S> {
         let (bodies, settings) = (&mut *self.bodies, self.settings);
         let constants = bodies.constants::<T>(i);
         let scheme = S::Of::<T>::new(&constants, T::splat(settings.substep().into()));
-        let mut force = bodies.take_force::<T>(i);
+        let acting = match self.law_tile.tile() {
+            Some(tile) => Some(ActingLaws::new(bodies, i, &constants, tile)),
+            None => None,
+        };
+        let mut force = bodies.force::<T>(i, self.extent.wrenches());
         let mut state = bodies.state::<T>(i);
-        match self.extent {
-            Extent::Integration => state = substeps(&scheme, state, force, settings),
+        let (steps, gravity) = match self.extent {
+            Extent::Integration(_) => (1, LaneVec3::zero()),
             Extent::Steps(steps) => {
                 let gravity = bodies.gravity::<T>(i, constants.mass, splat(settings.gravity));
                 force.force = force.force + gravity;
-                for step in 1..=steps {
-                    if step == steps {
-                        bodies.set_previous_pose(i, &state);
-                    }
-                    state = substeps(&scheme, state, force, settings);
-                    // The wrench is consumed, and gravity added to nothing, as a step of its own does it.
-                    force = Force { force: LaneVec3::zero() + gravity, torque: LaneVec3::zero() };
-                }
-                if bodies.velocity.is_some() || bodies.inverse_inertia.is_some() {
-                    bodies.set_derived(i, &derived(&constants, &state));
-                }
+                (steps, gravity)
             }
+        };
+        for step in 0..steps {
+            if step + 1 == steps && self.extent.is_all() {
+                bodies.set_previous_pose(i, &state);
+            }
+            let time = if A::LAWS { (self.time_of_step)(step) } else { 0.0 };
+            state = substeps(&scheme, state, force, &acting, settings, time);
+            // The wrench is consumed, and gravity added to nothing, as a step of its own does it.
+            force = Force { force: LaneVec3::zero() + gravity, torque: LaneVec3::zero() };
+        }
+        if self.extent.is_all() && (bodies.velocity.is_some() || bodies.inverse_inertia.is_some()) {
+            bodies.set_derived(i, &derived(&constants, &state));
         }
         bodies.set_state(i, &state);
     }
 }
 
 #[inline(always)]
-fn substeps<T: Tile, S: Scheme<T>>(scheme: &S, mut state: State<T>, force: Force<T>, settings: &Settings) -> State<T> {
-    for _ in 0..settings.substeps {
-        state = scheme.advance(state, &ConstantForce(force), &mut NoAccount);
+fn substeps<T: Tile, S: Scheme<T>>(
+    scheme: &S,
+    mut state: State<T>,
+    force: Force<T>,
+    acting: &Option<ActingLaws<'_, T>>,
+    settings: &Settings,
+    time: f64,
+) -> State<T> {
+    for substep in 0..settings.substeps {
+        state = match acting {
+            Some(acting) => {
+                let time = time + f64::from(substep) * f64::from(settings.substep());
+                scheme.advance(state, &TileLawForces { acting, constant: force, time }, &mut NoAccount)
+            }
+            None => scheme.advance(state, &ConstantForce(force), &mut NoAccount),
+        };
     }
     state
 }
@@ -213,12 +290,15 @@ fn integrate_with_account<S: Scheme<Real>>(bodies: &mut Chunk<'_>, settings: &Se
         let constants = bodies.constants::<Real>(i);
         let scheme = S::new(&constants, h);
         let gravity = bodies.gravity_on(i, settings);
+        let wind = bodies.wind.map_or(Vec3::ZERO, |wind| wind[i].0);
+        let surroundings = Surroundings { wind, ..Surroundings::new(settings) };
         let (start, laws, row) = (bodies.state::<Real>(i), bodies.laws, bodies.first_row + i);
         let mut work = Work::default();
         let mut state = start;
         for substep in 0..settings.substeps {
             let time = time + f64::from(substep) * f64::from(h);
-            let forces = LawForces { constants: &constants, wrench: bodies.wrench[i], laws, row, time };
+            let wrench = bodies.wrench[i];
+            let forces = LawForces { constants: &constants, surroundings: &surroundings, wrench, laws, row, time };
             let mut account = WorkAccount { work: &mut work, forces: &forces, gravity };
             state = scheme.advance(state, &forces, &mut account);
         }

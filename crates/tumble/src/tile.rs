@@ -4,9 +4,9 @@ use tumble_math::lane::{Lane, Quat, Vec3};
 
 use crate::columns::Chunk;
 use crate::derived::Derived;
-use crate::math::Real;
-use crate::simd::{MOST_BODIES, Tile};
+use crate::simd::Tile;
 use crate::state::{Constants, Force, Moments, Rates, State};
+use crate::systems::Wrenches;
 
 impl Chunk<'_> {
     /// What does not change during a step, of the bodies from row `i`.
@@ -38,14 +38,16 @@ impl Chunk<'_> {
         Constants { mass, inertia, damping }
     }
 
-    /// The constants of each body of the tile from row `i`.
+    /// The wind around the bodies from row `i`, where they have one.
     #[inline(always)]
-    pub(crate) fn constants_of_each<T: Tile>(&self, i: usize) -> [Constants<Real>; MOST_BODIES] {
-        let mut each = [self.constants::<Real>(i); MOST_BODIES];
-        for (k, constants) in each[..T::WIDTH].iter_mut().enumerate() {
-            *constants = self.constants::<Real>(i + k);
+    pub(crate) fn wind<T: Tile>(&self, i: usize) -> Option<Vec3<T>> {
+        match self.wind {
+            Some(wind) => {
+                let [x, y, z] = T::load(&wind[i..]);
+                Some(Vec3::new(x, y, z))
+            }
+            None => None,
         }
-        each
     }
 
     /// The force of gravity on the bodies from row `i`, with their masses, in a field [m/s^2].
@@ -61,20 +63,14 @@ impl Chunk<'_> {
         field * (mass * scale)
     }
 
-    /// Whether nothing pushes the bodies that depends on their state or is booked.
-    pub(crate) fn have_constant_forces(&self) -> bool {
-        self.laws.is_empty() && self.work.is_none()
-    }
-
-    /// The wrenches of the bodies from row `i`, which are zero afterwards. Where they are zero already nothing is written: memory that is not
-    /// written need not be brought back.
+    /// The wrenches of the bodies from row `i`. Where they are zero already nothing is written: memory that is not written need not be brought back.
     #[inline(always)]
-    pub(crate) fn take_force<T: Tile>(&mut self, i: usize) -> Force<T> {
-        let wrenches = T::load(&self.wrench[i..]);
-        if !T::are_zero(wrenches) {
+    pub(crate) fn force<T: Tile>(&mut self, i: usize, wrenches: Wrenches) -> Force<T> {
+        let numbers = T::load(&self.wrench[i..]);
+        if wrenches == Wrenches::Consumed && !T::are_zero(numbers) {
             T::store([T::splat(0.0); 6], &mut self.wrench[i..]);
         }
-        let [x, y, z, a, b, c] = wrenches;
+        let [x, y, z, a, b, c] = numbers;
         Force { force: Vec3::new(x, y, z), torque: Vec3::new(a, b, c) }
     }
 

@@ -3,9 +3,14 @@ use hecs::{Entity, EntityRef, World};
 
 use crate::body_order::BodyOrder;
 use crate::components::GravityScale;
-use crate::math::{Real, double, double_quat, dvec3};
+use crate::force_law::BodyState;
+use crate::force_laws::ForceLaws;
+use crate::generators::Wind;
+use crate::math::{Real, Vec3, double, double_quat, dvec3};
+use crate::pairs;
 use crate::settings::Settings;
 use crate::state::{Constants, State, moving_body};
+use crate::surroundings::Surroundings;
 
 /// What a system of bodies has in all, in double precision. Only bodies with momentum count.
 #[derive(Clone, Copy, Debug, PartialEq, Default)]
@@ -16,6 +21,8 @@ pub struct Totals {
     pub rotational_kinetic: f64,
     /// Energy in the simulation's gravity, zero at the world's origin, `-sum M g.x` \[J\].
     pub potential: f64,
+    /// Energy in force components such as [`SpringToPoint`](crate::SpringToPoint) or [`Spring`](crate::Spring) \[J\].
+    pub force_potential: f64,
     /// `sum P` [kg m/s].
     pub linear_momentum: DVec3,
     /// Angular momentum about the world's origin, `sum x x P + L` [kg m^2/s].
@@ -27,7 +34,7 @@ pub struct Totals {
 impl Totals {
     /// Kinetic and potential energy \[J\].
     pub fn energy(&self) -> f64 {
-        self.linear_kinetic + self.rotational_kinetic + self.potential
+        self.linear_kinetic + self.rotational_kinetic + self.potential + self.force_potential
     }
 
     fn add(&mut self, body: EntityRef<'_>, settings: &Settings) {
@@ -42,6 +49,10 @@ impl Totals {
         self.rotational_kinetic += kinetic.rotational;
         let scale = body.get::<&GravityScale>().map_or(1.0, |scale| f64::from(scale.0));
         self.potential -= f64::from(constants.mass) * scale * dvec3(settings.gravity).dot(position);
+        let wind = body.get::<&Wind>().map_or(Vec3::ZERO, |wind| wind.0);
+        let surroundings = Surroundings { wind, ..Surroundings::new(settings) };
+        let seen = BodyState::new(0.0, (&constants, &surroundings), &state);
+        self.force_potential += ForceLaws::potential_of_components(body, &seen);
         self.linear_momentum += linear;
         self.angular_momentum += position.cross(linear) + angular;
     }
@@ -89,5 +100,6 @@ pub fn measure(world: &World, settings: &Settings, order: &BodyOrder) -> Totals 
     for body in order.entities().iter().filter_map(|&entity| world.entity(entity).ok()) {
         totals.add(body, settings);
     }
+    totals.force_potential += pairs::potential(world, order);
     totals
 }

@@ -1,5 +1,7 @@
 use std::ops::AddAssign;
 
+use crate::force_laws::ForceLaws;
+
 /// Work done on a body since it got this component \[J\], by what did it. [`Ledger::attach`](crate::Ledger::attach) adds it.
 ///
 /// The sum is the change of the body's kinetic energy in steps. What happens between steps, such as an impulse or another
@@ -12,6 +14,8 @@ pub struct Work {
     pub applied: f64,
     /// By damping; never positive.
     pub damping: f64,
+    /// By each kind of force component, in the order of [`ForceLaws::COMPONENTS`](crate::ForceLaws::COMPONENTS).
+    pub forces: [f64; ForceLaws::COMPONENTS.len()],
     /// By each force law, in the order they were added; the last is the sum of all from there on.
     pub laws: [f64; Self::LAWS],
     /// What nothing did: energy that the integrator made or lost, rounding included.
@@ -24,7 +28,21 @@ impl Work {
 
     /// By all of them \[J\].
     pub fn total(&self) -> f64 {
-        self.gravity + self.applied + self.damping + self.integrator + self.laws.iter().sum::<f64>()
+        let of_forces = self.forces.iter().sum::<f64>() + self.laws.iter().sum::<f64>();
+        self.gravity + self.applied + self.damping + self.integrator + of_forces
+    }
+
+    /// By a kind of force component, by its name: `"Drag"`. `None` where no kind is called so.
+    pub fn of(&self, component: &str) -> Option<f64> {
+        ForceLaws::COMPONENTS.iter().position(|name| *name == component).map(|index| self.forces[index])
+    }
+
+    /// The entry of a law by its index among all: force components first, then those that were added.
+    pub(crate) fn of_law_mut(&mut self, index: usize) -> &mut f64 {
+        match index.checked_sub(self.forces.len()) {
+            Some(added) => &mut self.laws[added.min(Self::LAWS - 1)],
+            None => &mut self.forces[index],
+        }
     }
 }
 
@@ -34,6 +52,9 @@ impl AddAssign for Work {
         self.applied += other.applied;
         self.damping += other.damping;
         self.integrator += other.integrator;
+        for (sum, force) in self.forces.iter_mut().zip(other.forces) {
+            *sum += force;
+        }
         for (sum, law) in self.laws.iter_mut().zip(other.laws) {
             *sum += law;
         }

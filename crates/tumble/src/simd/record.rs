@@ -7,6 +7,7 @@ use std::mem::size_of;
 use crate::components::{
     Damping, GravityScale, Inertia, InverseInertia, Mass, Momentum, Pose, PreviousPose, PrincipalAxes, Velocity, Wrench,
 };
+use crate::generators::Wind;
 use crate::math::Real;
 
 /// A component that is `NUMBERS` numbers in a row, possibly with padding after them.
@@ -42,6 +43,7 @@ records! {
     Mass: 1,
     GravityScale: 1,
     Damping: 2,
+    Wind: 3,
     PrincipalAxes: 4,
     Inertia: 6,
     InverseInertia: 6,

@@ -1,0 +1,36 @@
+use tumble_math::lane::{Lane, Vec3 as LaneVec3};
+
+use super::constant_wrench::{Frame, to_world};
+use crate::lane_law::{LaneBody, LaneLaw, LaneWrench};
+use crate::math::{Real, Vec3};
+
+/// Turns the body up to a wanted angular velocity, in one step where the torque suffices: `torque = I (wanted - w)/dt`, at most so large.
+///
+/// What other engines leave to the caller (Unity's `AddTorque(inertia * difference / dt)`) with a limit: a reaction wheel. Against a limit the angular
+/// velocity changes at the rate `max_torque/I`. It does work, and has no potential. Under `RungeKutta4`, whose stages are within the step, each step leaves 0.375 of the difference.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct AngularVelocityServo {
+    /// Wanted angular velocity [rad/s].
+    pub target: Vec3,
+    /// Which axes it is given along.
+    pub frame: Frame,
+    /// The most torque [N m]; infinite for no limit.
+    pub max_torque: Real,
+}
+
+impl LaneLaw<5> for AngularVelocityServo {
+    fn numbers(&self) -> [Real; 5] {
+        [self.target.x, self.target.y, self.target.z, self.frame.number(), self.max_torque]
+    }
+
+    #[inline(always)]
+    fn wrench<L: Lane>([x, y, z, frame, max_torque]: [L; 5], body: &LaneBody<L>) -> LaneWrench<L> {
+        let one = L::splat(1.0);
+        let target = to_world(frame, LaneVec3::new(x, y, z), body);
+        let missing = body.apply_inertia(target - body.angular_velocity);
+        let torque = missing * (one / body.response_time());
+        // `min` takes the one where nothing is missing and the quotient is none.
+        let share = (max_torque / torque.dot(torque).sqrt()).min(one);
+        LaneWrench::torque(torque * share)
+    }
+}

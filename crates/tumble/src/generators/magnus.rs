@@ -1,0 +1,25 @@
+use tumble_math::lane::Lane;
+
+use crate::lane_law::{LaneBody, LaneLaw, LaneWrench};
+use crate::math::Real;
+
+/// The sideways force on a body that spins in a stream: `F = S w x u`, with `u` the velocity relative to the [`Wind`](crate::Wind).
+///
+/// Always across the motion, so in still air it does no work. A point of the flow that moves at constant speed with `w` across it goes round with the
+/// angular velocity `S w/M`.
+#[derive(Clone, Copy, Debug, PartialEq, Default)]
+pub struct Magnus {
+    /// `S` \[kg\]. For a sphere of radius r in a fluid of density rho, theory without friction gives `8/3 pi rho r^3`; balls in air have less.
+    pub coefficient: Real,
+}
+
+impl LaneLaw<1> for Magnus {
+    fn numbers(&self) -> [Real; 1] {
+        [self.coefficient]
+    }
+
+    #[inline(always)]
+    fn wrench<L: Lane>([coefficient]: [L; 1], body: &LaneBody<L>) -> LaneWrench<L> {
+        LaneWrench::force(body.angular_velocity.cross(body.linear_velocity - body.wind) * coefficient)
+    }
+}

@@ -1,0 +1,57 @@
+use tumble_math::lane::{Lane, Vec3 as LaneVec3};
+
+use super::spring_force::Direction;
+use crate::force_law::BodyState;
+use crate::lane_law::{LaneBody, LaneLaw, LaneWrench};
+use crate::math::{Real, Vec3, dvec3};
+
+/// A spring with a damper from a point of the body to a point of the world.
+///
+/// Along the line between them, at the distance `l`, it pulls with `k (l - l0) + c dl/dt`; its energy is `k (l - l0)^2/2`. With a rest length of zero it pulls towards
+/// the anchor from every side.
+///
+/// Under `MoserVeselov` and `SemiImplicitEuler` it never explodes, however stiff, and has its true frequency up to 0.45 a substep: see
+/// [`LaneBody::stable_stiffness`]. Under `RungeKutta4` the angular frequency times the substep must stay below 2.8. Between two bodies there is [`Spring`](crate::Spring).
+#[derive(Clone, Copy, Debug, PartialEq, Default)]
+pub struct SpringToPoint {
+    /// The point of the world \[m\].
+    pub anchor: Vec3,
+    /// The point of the body \[m\], from the centre of mass along the body's axes.
+    pub attachment: Vec3,
+    /// Length at which it does not pull \[m\].
+    pub rest_length: Real,
+    /// Force over elongation [N/m].
+    pub stiffness: Real,
+    /// Force over speed of elongation [N s/m].
+    pub damping: Real,
+}
+
+impl LaneLaw<9> for SpringToPoint {
+    fn numbers(&self) -> [Real; 9] {
+        let (a, b) = (self.anchor, self.attachment);
+        [a.x, a.y, a.z, b.x, b.y, b.z, self.rest_length, self.stiffness, self.damping]
+    }
+
+    #[inline(always)]
+    fn wrench<L: Lane>(
+        [ax, ay, az, bx, by, bz, rest, stiffness, damping]: [L; 9],
+        body: &LaneBody<L>,
+    ) -> LaneWrench<L> {
+        let arm = body.orientation.rotate(LaneVec3::new(bx, by, bz));
+        // Relative to the anchor first: both may be far from the origin.
+        let direction = Direction::of((body.position - LaneVec3::new(ax, ay, az)) + arm);
+        let inverse_mass = body.inverse_mass_at(arm, direction.unit);
+        let pull = body.stable_stiffness(stiffness, inverse_mass) * (direction.length - rest)
+            + body.stable_damping(damping, inverse_mass) * direction.unit.dot(body.velocity_at(arm));
+        LaneWrench::force_at(direction.unit * -pull, arm)
+    }
+
+    fn depends_on_velocity(&self) -> bool {
+        self.damping != 0.0
+    }
+
+    fn potential(&self, state: &BodyState<'_>) -> f64 {
+        let length = (dvec3(state.point_to_world(self.attachment)) - dvec3(self.anchor)).length();
+        0.5 * f64::from(self.stiffness) * (length - f64::from(self.rest_length)).powi(2)
+    }
+}

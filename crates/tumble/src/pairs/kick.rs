@@ -1,0 +1,97 @@
+use std::fmt;
+
+use hecs::World;
+
+use super::GravityMass;
+use super::gravity_mass::{Gravity, Source};
+use super::members::Members;
+use super::spring_impulse::{Impulse, Springs};
+use crate::components::{Momentum, Work};
+use crate::force_laws::{GRAVITY_MASS, SPRING};
+use crate::math::{Real, double};
+
+/// The forces between the bodies of a world, with what their evaluation needs: kept from step to step, so that a step need not allocate.
+#[derive(Clone, Default)]
+pub(crate) struct PairForces {
+    members: Members,
+    springs: Springs,
+    gravity: Gravity,
+    /// By slot: what gravity does there. Its index among the masses, if it is one.
+    masses: Vec<Option<usize>>,
+    attracting: Vec<(usize, GravityMass)>,
+}
+
+impl fmt::Debug for PairForces {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.debug_struct("PairForces").field("bodies", &self.members.len()).finish_non_exhaustive()
+    }
+}
+
+impl PairForces {
+    /// Finds out what acts between which bodies of a world. To be called again when anything was spawned, despawned or changed but momentum and pose.
+    pub(crate) fn find(&mut self, world: &World) {
+        self.members.find(world);
+        self.springs.find(world, &self.members);
+        self.masses.clear();
+        self.masses.resize(self.members.len(), None);
+        self.attracting.clear();
+        let Self { members, attracting, .. } = self;
+        members.for_each_archetype(world, |archetype, places| {
+            if let Some(column) = archetype.get::<&GravityMass>() {
+                attracting.extend(places.map(|(row, slot)| (slot, column[row])));
+            }
+        });
+        self.attracting.sort_unstable_by_key(|(slot, _)| *slot);
+        for (index, (slot, _)) in self.attracting.iter().enumerate() {
+            self.masses[*slot] = Some(index);
+        }
+    }
+
+    /// Changes the momenta by what the forces, as they are now, do in the time `t` \[s\]; `h` \[s\] is the substep.
+    pub(crate) fn kick(&mut self, world: &World, t: Real, h: Real) {
+        self.members.gather(world);
+        self.springs.update(&self.members, t, h);
+        let seen = &self.members.seen;
+        self.gravity.update(self.attracting.iter().map(|(slot, mass)| Source {
+            position: seen[*slot].position,
+            mu: mass.mu,
+            softening_squared: mass.softening * mass.softening,
+        }));
+        self.members.for_each_archetype(world, |archetype, places| {
+            let Some(mut momenta) = archetype.get::<&mut Momentum>() else { return };
+            let mut works = archetype.get::<&mut Work>();
+            for (row, slot) in places {
+                let by_springs = self.springs.impulse(slot);
+                let by_gravity = self.by_gravity(slot, t);
+                let momentum = &mut momenta[row];
+                momentum.linear = (seen[slot].state.linear + (by_springs.linear + by_gravity.linear)).into();
+                momentum.angular = (seen[slot].state.angular + by_springs.angular).into();
+                if let Some(work) = works.as_mut().map(|works| &mut works[row]) {
+                    self.book(work, slot, &by_springs, &by_gravity);
+                }
+            }
+        });
+    }
+
+    fn by_gravity(&self, slot: usize, t: Real) -> Impulse {
+        let mut impulse = Impulse::zero();
+        let inverse_mass = self.members.seen[slot].inverse_mass;
+        if let Some(index) = self.masses[slot]
+            && inverse_mass > 0.0
+        {
+            impulse.linear = (self.gravity.acceleration(index) * (t / inverse_mass)).into();
+        }
+        impulse
+    }
+
+    /// Enters the work of both, each with its share of the impulse and the mean velocity.
+    fn book(&self, work: &mut Work, slot: usize, by_springs: &Impulse, by_gravity: &Impulse) {
+        let seen = &self.members.seen[slot];
+        let linear_change = (by_springs.linear + by_gravity.linear) * seen.inverse_mass;
+        let linear = double(seen.derived.linear) + 0.5 * double(linear_change);
+        let angular =
+            double(seen.derived.angular) + 0.5 * double(seen.derived.apply_inverse_inertia(by_springs.angular));
+        work.forces[SPRING] += double(by_springs.linear).dot(linear) + double(by_springs.angular).dot(angular);
+        work.forces[GRAVITY_MASS] += double(by_gravity.linear).dot(linear);
+    }
+}

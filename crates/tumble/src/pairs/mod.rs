@@ -1,0 +1,26 @@
+//! Forces between bodies: springs and gravity among them.
+//!
+//! What two bodies do to each other cannot be computed a chunk at a time. So these forces are kicks: impulses on all bodies concerned, before and after each
+//! substep of everything else (the first alone for the first-order integrator). Momentum changes and place does not, so no stage of an integrator sees half a kick.
+//!
+//! Bodies are gathered in the order of `BodyId`, and every sum is taken in an order that follows from it.
+
+mod gravity_mass;
+mod kick;
+mod members;
+mod potential;
+mod spring;
+mod spring_impulse;
+
+pub use gravity_mass::GravityMass;
+pub(crate) use kick::PairForces;
+pub(crate) use potential::potential;
+pub use spring::Spring;
+
+use hecs::World;
+
+/// Whether there may be such forces in a world.
+pub(crate) fn are_in(world: &World) -> bool {
+    let mut archetypes = world.archetypes().filter(|archetype| !archetype.is_empty());
+    archetypes.any(|archetype| archetype.has::<Spring>() || archetype.has::<GravityMass>())
+}

@@ -1,0 +1,154 @@
+//! What springs between bodies do in a kick.
+
+use rayon::prelude::*;
+use tumble_math::decay;
+use tumble_math::lane::Vec3;
+
+use super::Spring;
+use super::members::{Members, Seen};
+use crate::generators::spring_force::Direction;
+use crate::math::Real;
+use crate::stiff::stable_stiffness;
+
+/// A spring and the slots of its bodies.
+#[derive(Clone, Copy)]
+struct Connection {
+    slots: [usize; 2],
+    spring: Spring,
+}
+
+/// Changes of linear [kg m/s] and angular [kg m^2/s] momentum.
+#[derive(Clone, Copy)]
+pub(super) struct Impulse {
+    pub(super) linear: Vec3<Real>,
+    pub(super) angular: Vec3<Real>,
+}
+
+impl Impulse {
+    pub(super) fn zero() -> Self {
+        Self { linear: Vec3::zero(), angular: Vec3::zero() }
+    }
+}
+
+/// The springs between bodies, in the order of their bodies' slots.
+#[derive(Clone, Default)]
+pub(super) struct Springs {
+    connections: Vec<Connection>,
+    /// Where each slot's entries in `ends` begin, and where the last one's end.
+    first_end: Vec<usize>,
+    /// For each slot its springs, in order: the spring's index, and which end of it.
+    ends: Vec<(usize, usize)>,
+    /// What each spring does to each of its bodies.
+    impulses: Vec<[Impulse; 2]>,
+}
+
+/// Springs that are computed by one thread at a time.
+const PART: usize = 256;
+
+impl Springs {
+    /// Takes over the springs of a world; those whose bodies are not there, or one and the same, are left out.
+    pub(super) fn find(&mut self, world: &hecs::World, members: &Members) {
+        self.connections.clear();
+        for archetype in world.archetypes() {
+            let Some(springs) = archetype.get::<&Spring>() else { continue };
+            for spring in springs.iter().filter(|spring| spring.bodies.iter().all(|body| world.contains(*body))) {
+                let [a, b] = spring.bodies.map(|body| members.slot(body.id()));
+                if let (Some(a), Some(b)) = (a, b)
+                    && a != b
+                {
+                    self.connections.push(Connection { slots: [a, b], spring: *spring });
+                }
+            }
+        }
+        if !self.connections.is_sorted_by(|a, b| a.order() < b.order()) {
+            self.connections.sort_unstable_by_key(Connection::order);
+        }
+        self.list_ends(members.len());
+    }
+
+    /// Sorts the springs' ends by slot, the springs of each in their order.
+    fn list_ends(&mut self, slots: usize) {
+        self.first_end.clear();
+        self.first_end.resize(slots + 1, 0);
+        for slot in self.connections.iter().flat_map(|connection| connection.slots) {
+            self.first_end[slot + 1] += 1;
+        }
+        for slot in 0..slots {
+            self.first_end[slot + 1] += self.first_end[slot];
+        }
+        self.ends.clear();
+        self.ends.resize(2 * self.connections.len(), (0, 0));
+        for (index, connection) in self.connections.iter().enumerate() {
+            for (end, &slot) in connection.slots.iter().enumerate() {
+                self.ends[self.first_end[slot]] = (index, end);
+                self.first_end[slot] += 1;
+            }
+        }
+        // Each beginning has moved to its end, which is the beginning of the next.
+        self.first_end.rotate_right(1);
+        self.first_end[0] = 0;
+    }
+
+    /// Computes what each spring does in a kick of the duration `t` \[s\], in substeps of `h` \[s\].
+    pub(super) fn update(&mut self, members: &Members, t: Real, h: Real) {
+        let Self { connections, first_end, impulses, .. } = self;
+        impulses.clear();
+        impulses.resize(connections.len(), [Impulse::zero(); 2]);
+        let springs_of = |slot: usize| (first_end[slot + 1] - first_end[slot]) as Real;
+        let parts = impulses.par_chunks_mut(PART).zip(connections.par_chunks(PART));
+        parts.for_each(|(impulses, connections)| {
+            for (impulse, connection) in impulses.iter_mut().zip(connections) {
+                let shares = connection.slots.map(springs_of);
+                *impulse = connection.impulses(connection.slots.map(|slot| &members.seen[slot]), shares, t, h);
+            }
+        });
+    }
+
+    /// What all springs together do to a body.
+    pub(super) fn impulse(&self, slot: usize) -> Impulse {
+        let mut sum = Impulse::zero();
+        for &(index, end) in &self.ends[self.first_end[slot]..self.first_end[slot + 1]] {
+            let Impulse { linear, angular } = self.impulses[index][end];
+            sum = Impulse { linear: sum.linear + linear, angular: sum.angular + angular };
+        }
+        sum
+    }
+}
+
+impl Connection {
+    /// Equal only for springs that do the same.
+    fn order(&self) -> ([usize; 2], [u64; 9]) {
+        let Spring { attachments: [a, b], rest_length, stiffness, damping, .. } = self.spring;
+        let numbers = [a.x, a.y, a.z, b.x, b.y, b.z, rest_length, stiffness, damping];
+        (self.slots, numbers.map(|number| u64::from(number.to_bits())))
+    }
+
+    /// The impulses on both bodies: those of the exact solution over the time `t` for bodies that stay where they are. Each body lends the spring its
+    /// share of mass and inertia, one part for every spring that it has.
+    fn impulses(&self, [a, b]: [&Seen; 2], shares: [Real; 2], t: Real, h: Real) -> [Impulse; 2] {
+        let spring = &self.spring;
+        let arm_a = a.state.orientation.rotate(spring.attachments[0].into());
+        let arm_b = b.state.orientation.rotate(spring.attachments[1].into());
+        let direction = Direction::of((b.state.position - a.state.position) + (arm_b - arm_a));
+        let n = direction.unit;
+        let inverse_mass = a.inverse_mass_at(arm_a, n) * shares[0] + b.inverse_mass_at(arm_b, n) * shares[1];
+        let stiffness = stable_stiffness(spring.stiffness, inverse_mass, h);
+        let speed = n.dot(b.velocity_at(arm_b) - a.velocity_at(arm_a));
+        let pull = stiffness * (direction.length - spring.rest_length) + spring.damping * speed;
+        let impulse = pull * (decay(spring.damping * inverse_mass * t).mean * t);
+        let (on_a, on_b) = (n * impulse, n * -impulse);
+        [Impulse { linear: on_a, angular: arm_a.cross(on_a) }, Impulse { linear: on_b, angular: arm_b.cross(on_b) }]
+    }
+}
+
+impl Seen {
+    /// How much an impulse along `direction` at `arm` changes the velocity there, along that direction [1/kg].
+    fn inverse_mass_at(&self, arm: Vec3<Real>, direction: Vec3<Real>) -> Real {
+        let turning = arm.cross(direction);
+        self.inverse_mass + turning.dot(self.derived.apply_inverse_inertia(turning))
+    }
+
+    fn velocity_at(&self, arm: Vec3<Real>) -> Vec3<Real> {
+        self.derived.linear + self.derived.angular.cross(arm)
+    }
+}
