@@ -153,12 +153,11 @@ impl<L: Lane> LaneBody<L> {
         }
     }
 
-    /// How much an impulse of one newton second along the unit vector `direction`, at `arm` \[m\] from the centre of mass, changes the velocity of
-    /// the point where it acts, along that direction [1/kg].
+    /// The most by which an impulse of one newton second at a point can change the velocity there, along the impulse [1/kg]; the point \[m\] is
+    /// given from the centre of mass along the body's axes. It does not depend on attitude.
     #[inline(always)]
-    pub fn inverse_mass_at(&self, arm: Vec3<L>, direction: Vec3<L>) -> L {
-        let turning = arm.cross(direction);
-        L::splat(1.0) / self.mass + turning.dot(self.apply_inverse_inertia(turning))
+    pub fn most_inverse_mass_at(&self, point_body: Vec3<L>) -> L {
+        self.constants.most_inverse_mass_at(point_body)
     }
 
     /// Velocity [m/s] of the body's material at `arm` \[m\] from the centre of mass, world frame.
@@ -169,6 +168,9 @@ impl<L: Lane> LaneBody<L> {
 
     /// The stiffness [N/m] with which a spring acts so that it oscillates at its true frequency, as long as that is below 0.45 a substep, and at
     /// most at that frequency however stiff it is. `inverse_mass` [1/kg] is what it moves. Under `RungeKutta4` it is what was given.
+    ///
+    /// The inverse mass should be one that does not change as bodies turn, or the spring has no energy to keep: take
+    /// [`most_inverse_mass_at`](Self::most_inverse_mass_at).
     ///
     /// Splitting methods turn the frequency `w` into one with `4 sin^2(w' h/2) = w^2 h^2`, which has no solution past `w h = 2`: the spring explodes. With
     /// `4/h^2 sin^2(w h/2)` for the squared frequency `k/m` the discrete one is right (P. Deuflhard, ZAMP 30, 1979, for linear oscillators).

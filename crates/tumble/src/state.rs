@@ -77,6 +77,33 @@ impl<L: Lane> Constants<L> {
     }
 }
 
+impl<L: Lane> Constants<L> {
+    /// The most by which an impulse of one newton second at a point can change the velocity there, along the impulse [1/kg]; the point is given from the centre
+    /// of mass along the body's axes.
+    ///
+    /// An impulse along the unit vector `n` changes it by `1/M + sum (n . e_i x r)^2/I_i`, with the principal axes `e_i`. The second term is a quadratic form of rank two,
+    /// whose larger eigenvalue follows from its trace and the sum of squares of its elements.
+    #[inline(always)]
+    pub(crate) fn most_inverse_mass_at(&self, point_body: Vec3<L>) -> L {
+        let (zero, two, half) = (L::splat(0.0), L::splat(2.0), L::splat(0.5));
+        let mut turning = zero;
+        if let Some(inertia) = &self.inertia {
+            let r = match inertia.axes {
+                Some(axes) => axes.rotate_back(point_body),
+                None => point_body,
+            };
+            let (square, m) = (r.scale(r), inertia.inverse_moments);
+            let diagonal = Vec3::new(square.y + square.z, square.z + square.x, square.x + square.y).scale(m);
+            let weighed = square.scale(m);
+            let mixed = weighed.x * weighed.y + weighed.y * weighed.z + weighed.z * weighed.x;
+            let trace = diagonal.x + diagonal.y + diagonal.z;
+            let squares = diagonal.dot(diagonal) + two * mixed;
+            turning = (trace + (two * squares - trace * trace).max(zero).sqrt()) * half;
+        }
+        L::splat(1.0) / self.mass + turning
+    }
+}
+
 impl<L: Lane> Moments<L> {
     /// `w = R I^-1 R^T L` [rad/s], world frame, for a unit orientation.
     #[inline(always)]
@@ -140,4 +167,40 @@ pub(crate) fn moving_body(body: EntityRef<'_>) -> Option<(Constants<Real>, State
     let inertia = body.get::<&Inertia>().map(|inertia| Moments::new(&inertia, axes.as_ref()));
     let constants = Constants { mass: body.get::<&Mass>()?.kilograms(), inertia, damping: None };
     Some((constants, State::new(&*body.get::<&Pose>()?, &*body.get::<&Momentum>()?)))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::math::Real;
+
+    /// Against impulses in many directions: none does more, and one does as much but for the coarseness of the directions.
+    #[test]
+    fn the_most_inverse_mass_is_reached_and_not_exceeded() {
+        let axes = Quat { x: 0.1, y: -0.5, z: 0.3, w: 0.8 }.normalize();
+        let inverse_moments = Vec3::new(2.0, 0.5, 7.0);
+        let inertia = Moments { moments: Vec3::new(0.5, 2.0, 1.0 / 7.0), inverse_moments, axes: Some(axes) };
+        let constants = Constants::<Real> { mass: 2.0, inertia: Some(inertia), damping: None };
+        let turning = State {
+            position: Vec3::zero(),
+            orientation: Quat { x: 0.0, y: 0.0, z: 0.0, w: 1.0 },
+            linear: Vec3::zero(),
+            angular: Vec3::zero(),
+        };
+        for point in [Vec3::new(0.3, -0.8, 1.1), Vec3::new(0.0, 0.0, 1.0), Vec3::zero()] {
+            let mut most: Real = 0.0;
+            for i in 0..200_u16 {
+                for j in 0..100_u16 {
+                    let (sine, cosine) = Lane::sin_cos(Real::from(i) * 0.0314);
+                    let (low, high) = Lane::sin_cos(Real::from(j) * 0.0314);
+                    let n = Vec3::new(cosine * low, sine * low, high);
+                    let angular = point.cross(n);
+                    let spin = constants.angular_velocity(&State { angular, ..turning });
+                    most = most.max(1.0 / constants.mass + angular.dot(spin));
+                }
+            }
+            let bound = constants.most_inverse_mass_at(point);
+            assert!(most <= bound * (1.0 + 1e-5) && most >= bound * 0.998, "{most} and {bound} at {point:?}");
+        }
+    }
 }

@@ -129,8 +129,10 @@ impl<L: Lane> Submerged<L> {
         let rise = half_extents.scale(up);
         let reach = rise.x.abs() + rise.y.abs() + rise.z.abs();
         let (mut volume, mut moment) = (zero, LaneVec3::zero());
+        let cut = L::select(reach.lt(height.abs()), zero, L::splat(1.0));
+        let triangles = if L::any(zero.lt(cut)) { 12 } else { 0 };
         // Unrolled, the loop would be thousands of instructions for each width of tile.
-        for triangle in std::hint::black_box(0)..12 {
+        for triangle in std::hint::black_box(0)..triangles {
             let (axis, positive, first) = (triangle / 4, triangle % 4 >= 2, triangle % 2 == 0);
             let [a, b, c, d] = face(half_extents, axis, positive, up, height);
             // Six times the volume of each of two tetrahedra is the distance of the face times its area.

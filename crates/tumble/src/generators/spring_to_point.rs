@@ -10,8 +10,8 @@ use crate::math::{Real, Vec3, dvec3};
 /// Along the line between them, at the distance `l`, it pulls with `k (l - l0) + c dl/dt`; its energy is `k (l - l0)^2/2`. With a rest length of zero it pulls towards
 /// the anchor from every side.
 ///
-/// Under `MoserVeselov` and `SemiImplicitEuler` it never explodes, however stiff, and has its true frequency up to 0.45 a substep: see
-/// [`LaneBody::stable_stiffness`]. Under `RungeKutta4` the angular frequency times the substep must stay below 2.8. Between two bodies there is [`Spring`](crate::Spring).
+/// Under `MoserVeselov` and `SemiImplicitEuler` it never explodes, however stiff. At the centre of mass it has its true frequency up to 0.45 a substep, and elsewhere
+/// at least no higher one than it should: see [`LaneBody::stable_stiffness`]. Under `RungeKutta4` the angular frequency times the substep must stay below 2.8. Between two bodies there is [`Spring`](crate::Spring).
 #[derive(Clone, Copy, Debug, PartialEq, Default)]
 pub struct SpringToPoint {
     /// The point of the world \[m\].
@@ -37,10 +37,11 @@ impl LaneLaw<9> for SpringToPoint {
         [ax, ay, az, bx, by, bz, rest, stiffness, damping]: [L; 9],
         body: &LaneBody<L>,
     ) -> LaneWrench<L> {
-        let arm = body.orientation.rotate(LaneVec3::new(bx, by, bz));
+        let attachment = LaneVec3::new(bx, by, bz);
+        let arm = body.orientation.rotate(attachment);
         // Relative to the anchor first: both may be far from the origin.
         let direction = Direction::of((body.position - LaneVec3::new(ax, ay, az)) + arm);
-        let inverse_mass = body.inverse_mass_at(arm, direction.unit);
+        let inverse_mass = body.most_inverse_mass_at(attachment);
         let pull = body.stable_stiffness(stiffness, inverse_mass) * (direction.length - rest)
             + body.stable_damping(damping, inverse_mass) * direction.unit.dot(body.velocity_at(arm));
         LaneWrench::force_at(direction.unit * -pull, arm)

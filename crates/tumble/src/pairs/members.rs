@@ -27,6 +27,8 @@ pub(super) struct Seen {
     pub(super) state: State<Real>,
     /// Zero for a body that forces do not move.
     pub(super) inverse_mass: Real,
+    /// Of one that they move.
+    pub(super) constants: Option<Constants<Real>>,
     pub(super) derived: Derived<Real>,
 }
 
@@ -165,6 +167,7 @@ impl<'a> Columns<'a> {
             position: pose.position,
             state: upright,
             inverse_mass: 1.0 / constants.mass,
+            constants: Some(constants),
             derived: derived(&constants, &upright),
         }
     }
@@ -179,6 +182,7 @@ impl Seen {
             position: Vec3::ZERO,
             state: State { position: zero, orientation, linear: zero, angular: zero },
             inverse_mass: 0.0,
+            constants: None,
             derived: Derived { linear: zero, angular: zero, diagonal: zero, off_diagonal: zero },
         }
     };

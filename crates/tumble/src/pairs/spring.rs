@@ -7,9 +7,11 @@ use crate::math::{Real, Vec3};
 /// Along the line between the points, at the distance `l`, it pulls both with `k (l - l0) + c dl/dt`; its energy is `k (l - l0)^2/2`. Either body may be one that does
 /// not move. While a body is not in the world, or both are the same, the spring does nothing.
 ///
-/// It never explodes, however stiff it is and however many hang together, under any integrator. Two bodies have their true frequency up to 0.45 a substep, and
-/// stiffer springs that one; [`LaneBody::stable_stiffness`](crate::LaneBody::stable_stiffness) says how. Where several springs hold a body each counts on its share of the mass alone: what all of
-/// them do at once is stable then, and a stiff net softer than it should be. Damping takes no more than the velocity there is.
+/// It never explodes, however stiff it is and however many hang together, under any integrator. Between two centres of mass it has its true frequency up to 0.45 a
+/// substep, and stiffer springs that one; [`LaneBody::stable_stiffness`](crate::LaneBody::stable_stiffness) says how. Where several springs hold a body each counts on its share of the mass alone: what all of
+/// them do at once is stable then, and a stiff net softer than it should be, as is a stiff spring at the rim of a body. Damping takes no more than the velocity there is.
+///
+/// A spring with a rest length that is pressed through its own middle turns about at once: bodies that do so at speed gain energy, as with any method of fixed steps.
 ///
 /// ```
 /// use tumble::prelude::*;

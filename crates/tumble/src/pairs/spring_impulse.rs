@@ -43,7 +43,7 @@ pub(super) struct Springs {
 }
 
 /// Springs that are computed by one thread at a time.
-const PART: usize = 256;
+const PART: usize = 1024;
 
 impl Springs {
     /// Takes over the springs of a world; those whose bodies are not there, or one and the same, are left out.
@@ -124,14 +124,16 @@ impl Connection {
     }
 
     /// The impulses on both bodies: those of the exact solution over the time `t` for bodies that stay where they are. Each body lends the spring its
-    /// share of mass and inertia, one part for every spring that it has.
+    /// share of mass and inertia, one part for every spring that it has. What the spring moves is taken at its lightest, so that it does not depend on attitude: a
+    /// stiffness that changes as bodies turn has no potential, and energy would not come back.
     fn impulses(&self, [a, b]: [&Seen; 2], shares: [Real; 2], t: Real, h: Real) -> [Impulse; 2] {
         let spring = &self.spring;
         let arm_a = a.state.orientation.rotate(spring.attachments[0].into());
         let arm_b = b.state.orientation.rotate(spring.attachments[1].into());
         let direction = Direction::of((b.state.position - a.state.position) + (arm_b - arm_a));
         let n = direction.unit;
-        let inverse_mass = a.inverse_mass_at(arm_a, n) * shares[0] + b.inverse_mass_at(arm_b, n) * shares[1];
+        let [at_a, at_b] = spring.attachments;
+        let inverse_mass = a.most_inverse_mass_at(at_a) * shares[0] + b.most_inverse_mass_at(at_b) * shares[1];
         let stiffness = stable_stiffness(spring.stiffness, inverse_mass, h);
         let speed = n.dot(b.velocity_at(arm_b) - a.velocity_at(arm_a));
         let pull = stiffness * (direction.length - spring.rest_length) + spring.damping * speed;
@@ -142,10 +144,9 @@ impl Connection {
 }
 
 impl Seen {
-    /// How much an impulse along `direction` at `arm` changes the velocity there, along that direction [1/kg].
-    fn inverse_mass_at(&self, arm: Vec3<Real>, direction: Vec3<Real>) -> Real {
-        let turning = arm.cross(direction);
-        self.inverse_mass + turning.dot(self.derived.apply_inverse_inertia(turning))
+    /// As [`Constants::most_inverse_mass_at`](crate::state::Constants::most_inverse_mass_at); zero for one that forces do not move.
+    fn most_inverse_mass_at(&self, point_body: crate::math::Vec3) -> Real {
+        self.constants.map_or(0.0, |constants| constants.most_inverse_mass_at(point_body.into()))
     }
 
     fn velocity_at(&self, arm: Vec3<Real>) -> Vec3<Real> {
