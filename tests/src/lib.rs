@@ -32,6 +32,9 @@ mod documents {
     #[doc = include_str!("../../docs/batch.md")]
     struct Batches;
 
+    #[doc = include_str!("../../docs/forces.md")]
+    struct Forces;
+
     #[doc = include_str!("../../docs/rollback.md")]
     struct Rollback;
 }

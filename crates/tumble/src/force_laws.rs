@@ -68,6 +68,9 @@ trait Source: Send + Sync {
 
     /// The potential energy \[J\] of one body.
     fn potential(&self, body: EntityRef<'_>, state: &BodyState<'_>) -> f64;
+
+    /// What it does to one body; nothing where it does not act.
+    fn wrench(&self, body: EntityRef<'_>, state: &BodyState<'_>) -> Wrench;
 }
 
 /// Laws that act on the bodies of one archetype: a list whose links lie on the stack of the step.
@@ -188,6 +191,13 @@ impl ForceLaws {
         self.added.iter().map(|source| source.potential(body, state)).sum()
     }
 
+    /// The wrench of a body's force components, but for those between bodies.
+    pub(crate) fn wrench_of_components(body: EntityRef<'_>, state: &BodyState<'_>) -> Wrench {
+        let mut sum = Wrench::default();
+        KNOWN.iter().for_each(|source| sum.add(source.wrench(body, state)));
+        sum
+    }
+
     /// The potential energy \[J\] of one body in its force components, but for those between bodies.
     pub(crate) fn potential_of_components(body: EntityRef<'_>, state: &BodyState<'_>) -> f64 {
         KNOWN.iter().map(|source| source.potential(body, state)).sum()
@@ -305,6 +315,10 @@ impl<E: Evaluation<Law: Component>> Source for OfComponent<E> {
     fn potential(&self, body: EntityRef<'_>, state: &BodyState<'_>) -> f64 {
         body.get::<&E::Law>().map_or(0.0, |law| E::potential(&law, state))
     }
+
+    fn wrench(&self, body: EntityRef<'_>, state: &BodyState<'_>) -> Wrench {
+        body.get::<&E::Law>().map_or(Wrench::default(), |law| E::wrench(&law, state))
+    }
 }
 
 /// A law that acts on every moving body.
@@ -329,6 +343,10 @@ impl<E: Evaluation> Source for Everywhere<E> {
 
     fn potential(&self, _: EntityRef<'_>, state: &BodyState<'_>) -> f64 {
         E::potential(&self.0, state)
+    }
+
+    fn wrench(&self, _: EntityRef<'_>, state: &BodyState<'_>) -> Wrench {
+        E::wrench(&self.0, state)
     }
 }
 

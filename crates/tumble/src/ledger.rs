@@ -3,8 +3,6 @@ use hecs::{Entity, World};
 use crate::body_order::BodyOrder;
 use crate::components::{Mass, Momentum, Pose, Work, Wrench};
 use crate::force_law::BodyState;
-use crate::generators::Wind;
-use crate::math::Vec3;
 use crate::simulation::Simulation;
 use crate::state::moving_body;
 use crate::surroundings::Surroundings;
@@ -110,8 +108,7 @@ impl Ledger {
                 if let Some(done) = body.get::<&Work>() {
                     work += *done;
                 }
-                let wind = body.get::<&Wind>().map_or(Vec3::ZERO, |wind| wind.0);
-                let surroundings = Surroundings { wind, ..Surroundings::new(simulation.settings()) };
+                let surroundings = Surroundings::of_body(body, simulation.settings());
                 let seen = BodyState::new(simulation.time(), (&constants, &surroundings), &state);
                 law_potential += simulation.laws().potential(body, &seen);
             }

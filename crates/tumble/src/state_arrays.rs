@@ -8,10 +8,13 @@ use tumble_math::lane::Vec3 as LaneVec3;
 
 use crate::body_order::BodyOrder;
 use crate::components::{Damping, GravityScale, Momentum, Pose, Wrench};
+use crate::force_law::BodyState;
+use crate::force_laws::ForceLaws;
 use crate::integrators::derivative;
 use crate::math::{Quat, Real, Vec3};
 use crate::settings::Settings;
 use crate::state::{Constants, Force, State, moving_body};
+use crate::surroundings::Surroundings;
 
 /// Numbers that the state of one body takes: 3 + 4 + 3 + 3.
 pub const STATE_SIZE: usize = 13;
@@ -102,8 +105,9 @@ pub fn array_to_state(world: &mut World, order: &BodyOrder, array: &[Real]) -> R
 
 /// The rate of change of a state array: `dx/dt = P/M`, `dq/dt = 1/2 [0, w] q`, `dP/dt = F`, `dL/dt = tau`.
 ///
-/// Takes the state from `array`, and from the world only what is constant: masses, wrenches, gravity scales, damping. The
-/// forces are what a step with these settings would apply, but for force laws, which are not known here. The world does not change.
+/// Takes the state from `array`, and from the world only what is constant: masses, wrenches, damping, force components. The
+/// forces are what a step with these settings would apply, but for force laws that a simulation was told of and forces between bodies, which are not known
+/// here; springs are as stiff as they were made. The world does not change.
 ///
 /// # Errors
 /// [`StateArrayError`] where an array has another length, or a listed entity is not a moving body.
@@ -118,7 +122,6 @@ pub fn derivative_to_array(
     check_length(rates, order)?;
     let numbers = array.chunks_exact(STATE_SIZE).zip(rates.chunks_exact_mut(STATE_SIZE));
     for (&entity, (state, rates)) in order.entities().iter().zip(numbers) {
-        let (constants, force, damping) = forced(world, settings, entity).ok_or(StateArrayError::NotMoving(entity))?;
         let vector = |from: usize| LaneVec3::new(state[from], state[from + 1], state[from + 2]);
         let state = State {
             position: vector(0),
@@ -126,6 +129,8 @@ pub fn derivative_to_array(
             linear: vector(7),
             angular: vector(10),
         };
+        let (constants, force, damping) =
+            forced(world, settings, entity, &state).ok_or(StateArrayError::NotMoving(entity))?;
         let rate = derivative(&constants, force, &state);
         let linear = rate.force.force + state.linear * -damping.linear;
         let angular = rate.force.torque + state.angular * -damping.angular;
@@ -139,13 +144,20 @@ pub fn derivative_to_array(
     Ok(())
 }
 
-/// One body's constants, the force that a step would apply, and the rates of damping.
-fn forced(world: &World, settings: &Settings, entity: Entity) -> Option<(Constants<Real>, Force<Real>, Damping)> {
+/// One body's constants, the force that a step would apply in a state, and the rates of damping.
+fn forced(
+    world: &World,
+    settings: &Settings,
+    entity: Entity,
+    state: &State<Real>,
+) -> Option<(Constants<Real>, Force<Real>, Damping)> {
     let body = world.entity(entity).ok()?;
     let (constants, _) = moving_body(body)?;
     let mut wrench = body.get::<&Wrench>().map_or(Wrench::default(), |wrench| *wrench);
     let scale = body.get::<&GravityScale>().map_or(1.0, |scale| scale.0);
     wrench.force += settings.gravity * (constants.mass * scale);
+    let surroundings = Surroundings { kick: 0.0, ..Surroundings::of_body(body, settings) };
+    wrench.add(ForceLaws::wrench_of_components(body, &BodyState::new(0.0, (&constants, &surroundings), state)));
     let damping = body.get::<&Damping>().map_or(Damping::default(), |damping| *damping);
     Some((constants, wrench.into(), damping))
 }

@@ -1,3 +1,6 @@
+use hecs::EntityRef;
+
+use crate::generators::Wind;
 use crate::integrator::Integrator;
 use crate::math::{Real, Vec3};
 use crate::settings::Settings;
@@ -25,5 +28,10 @@ impl Surroundings {
             Integrator::RungeKutta4 => 0.0,
         };
         Self { wind: Vec3::ZERO, gravity: settings.gravity, kick, substep }
+    }
+
+    /// Those of a body, with its own wind.
+    pub(crate) fn of_body(body: EntityRef<'_>, settings: &Settings) -> Self {
+        Self { wind: body.get::<&Wind>().map_or(Vec3::ZERO, |wind| wind.0), ..Self::new(settings) }
     }
 }

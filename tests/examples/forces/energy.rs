@@ -52,7 +52,7 @@ fn planets() -> Result<World, Failure> {
     Ok(world)
 }
 
-/// The relative change of kinetic and potential energy together, over time in steps, relative to the kinetic energy at first.
+/// The relative change of kinetic and potential energy together, over time in thousands of steps, relative to the kinetic energy at first.
 fn changes(mut world: World, dt: Real) -> Result<Vec<(f64, f64)>, Failure> {
     let mut simulation = Simulation::new(Settings::default().with_gravity(Vec3::ZERO).with_dt(dt))?;
     let order = BodyOrder::of(&world);
@@ -61,7 +61,7 @@ fn changes(mut world: World, dt: Real) -> Result<Vec<(f64, f64)>, Failure> {
     for sample in 0..=SAMPLES {
         let now = measure(&world, simulation.settings(), &order);
         let change = (now.energy() - first.energy()) / (first.linear_kinetic + first.rotational_kinetic);
-        changes.push((f64::from(sample * (STEPS / SAMPLES)), change));
+        changes.push((f64::from(sample * (STEPS / SAMPLES)) * 1e-3, change));
         simulation.step_many(&mut world, STEPS / SAMPLES);
     }
     Ok(changes)
@@ -71,7 +71,7 @@ pub(crate) fn find() -> Result<Findings, Failure> {
     let mut text = String::from("\nEnergy over a million steps, relative to the kinetic energy at first\n\n");
     text.push_str("| system | largest change | mean of the first tenth | mean of the last tenth |\n|---|---|---|---|\n");
     let mut plot = Plot::new("Energy over a million steps")
-        .x_axis("step", Scale::Linear)
+        .x_axis("thousand steps", Scale::Linear)
         .y_axis("change, relative to the kinetic energy at first", Scale::Linear);
     for (name, world, dt) in [("eight bars on springs", chain()?, 1.0 / 120.0), ("a sun and four planets", planets()?, 0.01)] {
         let changes = changes(world, dt)?;
