@@ -4,20 +4,35 @@ use tumble_math::rotate_exactly;
 use crate::components::{Momentum, Pose, PreviousPose, Velocity};
 use crate::math::Real;
 
-/// Moves the bodies that have a [`Velocity`] and no [`Momentum`] for `steps` times `dt` along it: straight, and turning exactly as a constant
-/// angular velocity does.
+/// Bodies that have a [`Velocity`] and no [`Momentum`].
+type Kinematic<'a> = Without<(&'a mut Pose, &'a Velocity, Option<&'a mut PreviousPose>), &'a Momentum>;
+
+/// Moves the kinematic bodies for `steps` times `dt` along their velocity: straight, and turning exactly as a constant angular velocity does.
 pub(crate) fn move_kinematic_bodies(world: &mut World, dt: Real, steps: u32) {
     crate::scope::scope!("tumble::move_kinematic_bodies");
-    type Kinematic<'a> = (&'a mut Pose, &'a Velocity, Option<&'a mut PreviousPose>);
-    for (pose, velocity, previous) in world.query_mut::<Without<Kinematic<'_>, &Momentum>>() {
+    for (pose, velocity, previous) in world.query_mut::<Kinematic<'_>>() {
         let mut before = *pose;
         for _ in 0..steps {
             before = *pose;
-            pose.position += velocity.linear * dt;
-            pose.orientation = rotate_exactly(pose.orientation.into(), velocity.angular.into(), dt).into();
+            drift(pose, velocity, dt);
         }
         if let Some(previous) = previous {
             *previous = PreviousPose(before);
         }
     }
+}
+
+/// Moves the kinematic bodies for one of the equal parts, `h` \[s\], of a step; the previous pose is that before the first.
+pub(crate) fn move_kinematic_bodies_a_substep(world: &mut World, h: Real, substep: u32) {
+    for (pose, velocity, previous) in world.query_mut::<Kinematic<'_>>() {
+        if let Some(previous) = previous.filter(|_| substep == 0) {
+            *previous = PreviousPose(*pose);
+        }
+        drift(pose, velocity, h);
+    }
+}
+
+fn drift(pose: &mut Pose, velocity: &Velocity, dt: Real) {
+    pose.position += velocity.linear * dt;
+    pose.orientation = rotate_exactly(pose.orientation.into(), velocity.angular.into(), dt).into();
 }

@@ -176,16 +176,31 @@ impl<L: Lane> LaneBody<L> {
     /// `4/h^2 sin^2(w h/2)` for the squared frequency `k/m` the discrete one is right (P. Deuflhard, ZAMP 30, 1979, for linear oscillators).
     #[inline(always)]
     pub fn stable_stiffness(&self, stiffness: L, inverse_mass: L) -> L {
-        let filtered = crate::stiff::stable_stiffness(stiffness, inverse_mass, self.substep);
+        let filtered =
+            crate::stiff::stable_stiffness(stiffness, inverse_mass, self.substep, L::splat(crate::stiff::MOST_ANGLE));
         L::select(L::splat(0.0).lt(self.kick), filtered, stiffness)
     }
 
-    /// The coefficient of a damper [N s/m] that never takes more than the whole velocity away, to second order what was given.
-    /// `inverse_mass` [1/kg] is what it brakes. Under `RungeKutta4` it is what was given.
+    /// What a spring with a damper pulls with \[N\], so that neither explodes: elongation \[m\] times [`stable_stiffness`](Self::stable_stiffness) and speed of elongation [m/s] times a
+    /// damping \[N s/m\] that never takes away more than there is. `inverse_mass` as there. Under `RungeKutta4` both are what was given.
     #[inline(always)]
-    pub fn stable_damping(&self, damping: L, inverse_mass: L) -> L {
-        let x = damping * inverse_mass * self.kick;
-        damping / (L::splat(1.0) + x * x).sqrt()
+    pub fn stable_pull(&self, [stiffness, damping]: [L; 2], [elongation, speed]: [L; 2], inverse_mass: L) -> L {
+        let elastic = self.stable_stiffness(stiffness, inverse_mass) * elongation;
+        let in_halves = elastic + crate::stiff::stable_damping(damping, inverse_mass, self.kick) * speed;
+        // A kick over a whole step leaves less room: there the damping is implicit, and the elastic force divided with it.
+        let one = L::splat(1.0);
+        let in_one = (elastic + damping * speed) / (one + damping * inverse_mass * self.kick);
+        L::select(self.kick.lt(self.substep), in_halves, in_one)
+    }
+
+    /// The part of a resistance that takes away no more than the velocity there is in a kick; all of it where that does. `rate` is the change of velocity in
+    /// a second, linear or angular.
+    #[inline(always)]
+    pub fn stable_share(&self, rate: Vec3<L>, velocity: Vec3<L>) -> L {
+        let one = L::splat(1.0);
+        let change = rate * self.kick;
+        let (taken, there) = (change.dot(change), velocity.dot(velocity));
+        L::select(there.lt(taken), (there / taken).sqrt(), one)
     }
 
     /// The time \[s\] in which a force has to do its work so that it is done when the step ends, without going too far.

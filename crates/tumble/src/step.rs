@@ -2,7 +2,7 @@ use hecs::World;
 
 use crate::columns::for_each_chunk;
 use crate::force_laws::ForceLaws;
-use crate::kinematic::move_kinematic_bodies;
+use crate::kinematic::{move_kinematic_bodies, move_kinematic_bodies_a_substep};
 use crate::pairs::{self, PairForces};
 use crate::phase_times::{Phase, PhaseTimes};
 use crate::settings::Settings;
@@ -54,11 +54,11 @@ pub(crate) fn steps_under_laws(
                 stopwatch.end_of(Phase::UpdateDerived);
             }
         });
+        move_kinematic_bodies(world, settings.dt, steps);
     }
-    move_kinematic_bodies(world, settings.dt, steps);
 }
 
-/// Steps of a world where bodies act on each other: the whole world goes from one kick to the next together.
+/// Steps of a world where bodies act on each other: the whole world goes from one kick to the next together, kinematic bodies too.
 fn coupled_steps(
     world: &mut World,
     settings: &Settings,
@@ -75,7 +75,9 @@ fn coupled_steps(
             accumulate_forces_of(bodies, settings);
         });
         stopwatch.end_of(Phase::AccumulateForces);
-        integrate_coupled(world, settings, laws, pairs, time_of_step(step));
+        integrate_coupled(world, settings, laws, pairs, time_of_step(step), |world, substep| {
+            move_kinematic_bodies_a_substep(world, settings.substep(), substep);
+        });
         stopwatch.end_of(Phase::Integrate);
         for_each_chunk(world, laws, update_derived_of);
         stopwatch.end_of(Phase::UpdateDerived);

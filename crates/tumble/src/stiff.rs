@@ -4,7 +4,10 @@ use tumble_math::lane::Lane;
 
 /// The angle `w h` past which an oscillation of frequency `w` is slowed down to it \[rad\]: 0.45 periods a step. At half a period the method is
 /// stable no more.
-const MOST_ANGLE: f64 = 0.9 * std::f64::consts::PI;
+pub(crate) const MOST_ANGLE: f64 = 0.9 * std::f64::consts::PI;
+
+/// The same for a spring in a net, a third of a period: springs that are not in line are not linear, and need room.
+pub(crate) const MOST_ANGLE_IN_A_NET: f64 = std::f64::consts::TAU / 3.0;
 
 /// `(2/x)^2 sin^2(x/2)` as a series in `-x^2`: `2/(2n + 2)!`. The first term left out is 2e-13 at the largest angle.
 const SINC_SQUARED: [f64; 12] = {
@@ -17,11 +20,12 @@ const SINC_SQUARED: [f64; 12] = {
     terms
 };
 
-/// The stiffness for which kicks and drifts of a substep `h` give the frequency that `stiffness` and `inverse_mass` have in truth, up to 0.45 a substep.
+/// The stiffness for which kicks and drifts of a substep `h` give the frequency that `stiffness` and `inverse_mass` have in truth, up to an angle of `most_angle`
+/// a substep.
 #[inline(always)]
-pub(crate) fn stable_stiffness<L: Lane>(stiffness: L, inverse_mass: L, h: L) -> L {
+pub(crate) fn stable_stiffness<L: Lane>(stiffness: L, inverse_mass: L, h: L, most_angle: L) -> L {
     let angle_squared = stiffness * inverse_mass * h * h;
-    let most = L::splat(MOST_ANGLE * MOST_ANGLE);
+    let most = most_angle * most_angle;
     let z = angle_squared.min(most);
     let mut series = L::splat(SINC_SQUARED[11]);
     let mut n = 11;
@@ -34,6 +38,14 @@ pub(crate) fn stable_stiffness<L: Lane>(stiffness: L, inverse_mass: L, h: L) -> 
     stiffness * L::select(too_stiff, series * most / angle_squared, series)
 }
 
+/// The damping with which one kick of the duration `t` takes away no more than the velocity there is: the one given, where that does.
+#[inline(always)]
+pub(crate) fn stable_damping<L: Lane>(damping: L, inverse_mass: L, t: L) -> L {
+    let x = damping * inverse_mass * t;
+    let one = L::splat(1.0);
+    damping * L::select(one.lt(x), one / x, one)
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -44,7 +56,7 @@ mod tests {
             let angle = f64::from(i) * 1e-3 * std::f64::consts::PI;
             let stiffness = angle * angle;
             let exact = 4.0 * (angle / 2.0).sin().powi(2);
-            let error = (stable_stiffness(stiffness, 1.0, 1.0) - exact).abs();
+            let error = (stable_stiffness(stiffness, 1.0, 1.0, MOST_ANGLE) - exact).abs();
             assert!(error <= 1e-12 * exact + 2e-12, "{angle}: {error:e}");
         }
     }
@@ -52,9 +64,9 @@ mod tests {
     #[test]
     fn no_stiffness_is_too_much() {
         for stiffness in [10.0, 1e3, 1e9, 1e30] {
-            let stable = stable_stiffness(stiffness, 0.5, 0.1);
+            let stable = stable_stiffness(stiffness, 0.5, 0.1, MOST_ANGLE);
             assert!(stable * 0.5 * 0.01 < 4.0, "{stiffness:e}: {stable:e}");
         }
-        assert_eq!(stable_stiffness(0.0_f32, 2.0, 0.1), 0.0);
+        assert_eq!(stable_stiffness(0.0_f32, 2.0, 0.1, 2.0), 0.0);
     }
 }

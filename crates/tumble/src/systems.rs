@@ -41,20 +41,21 @@ pub fn integrate_under_laws(world: &mut World, settings: &Settings, laws: &Force
     if pairs::are_in(world) {
         let mut pairs = PairForces::default();
         pairs.find(world);
-        integrate_coupled(world, settings, laws, &mut pairs, time);
+        integrate_coupled(world, settings, laws, &mut pairs, time, |_, _| ());
     } else {
         for_each_chunk(world, laws, |bodies| integrate_bodies(bodies, settings, time, Wrenches::Consumed));
     }
 }
 
 /// The integration of a step where bodies act on each other: kicks between them before and after each substep, all of it before where the
-/// integrator is of first order.
+/// integrator is of first order. `beside` is called for what else moves in a substep, with its number.
 pub(crate) fn integrate_coupled(
     world: &mut World,
     settings: &Settings,
     laws: &ForceLaws,
     pairs: &mut PairForces,
     time: f64,
+    beside: impl Fn(&mut World, u32),
 ) {
     let h = settings.substep();
     let one = Settings { dt: h, substeps: 1, ..*settings };
@@ -67,6 +68,7 @@ pub(crate) fn integrate_coupled(
         let time = time + f64::from(substep) * f64::from(h);
         let wrenches = if substep + 1 == settings.substeps { Wrenches::Consumed } else { Wrenches::Kept };
         for_each_chunk(world, laws, |bodies| integrate_bodies(bodies, &one, time, wrenches));
+        beside(world, substep);
         if let Some(after) = after {
             pairs.kick(world, after, h);
         }

@@ -13,6 +13,8 @@ pub struct Wind(pub Vec3);
 /// `K` and `C` are diagonal in the body's axes: a plate that meets the air with its face has more in that direction than along it, and is carried sideways.
 /// With three equal numbers the drag is the same in every attitude. For resistance in proportion to speed there is [`Damping`](crate::Damping).
 ///
+/// Under `MoserVeselov` and `SemiImplicitEuler` it never takes away more than the velocity there is, so light things in a storm stay where they should.
+///
 /// A sphere alone that starts at speed `v` has `v/(1 + v K t/M)` after a time `t`. It has no potential.
 ///
 /// ```
@@ -44,9 +46,13 @@ impl LaneLaw<6> for Drag {
 
     #[inline(always)]
     fn wrench<L: Lane>([kx, ky, kz, cx, cy, cz]: [L; 6], body: &LaneBody<L>) -> LaneWrench<L> {
+        let (u, w) = (body.linear_velocity - body.wind, body.angular_velocity);
+        let force = resistance(body, u, LaneVec3::new(kx, ky, kz));
+        let torque = resistance(body, w, LaneVec3::new(cx, cy, cz));
+        let deceleration = force * (L::splat(1.0) / body.mass);
         LaneWrench {
-            force: resistance(body, body.linear_velocity - body.wind, LaneVec3::new(kx, ky, kz)),
-            torque: resistance(body, body.angular_velocity, LaneVec3::new(cx, cy, cz)),
+            force: force * body.stable_share(deceleration, u),
+            torque: torque * body.stable_share(body.apply_inverse_inertia(torque), w),
         }
     }
 }

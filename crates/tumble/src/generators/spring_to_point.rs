@@ -42,8 +42,8 @@ impl LaneLaw<9> for SpringToPoint {
         // Relative to the anchor first: both may be far from the origin.
         let direction = Direction::of((body.position - LaneVec3::new(ax, ay, az)) + arm);
         let inverse_mass = body.most_inverse_mass_at(attachment);
-        let pull = body.stable_stiffness(stiffness, inverse_mass) * (direction.length - rest)
-            + body.stable_damping(damping, inverse_mass) * direction.unit.dot(body.velocity_at(arm));
+        let motion = [direction.length - rest, direction.unit.dot(body.velocity_at(arm))];
+        let pull = body.stable_pull([stiffness, damping], motion, inverse_mass);
         LaneWrench::force_at(direction.unit * -pull, arm)
     }
 

@@ -5,7 +5,7 @@ use hecs::World;
 use super::GravityMass;
 use super::gravity_mass::{Gravity, Source};
 use super::members::Members;
-use super::spring_impulse::{Impulse, Springs};
+use super::spring_impulse::{Impulse, Springs, Velocities};
 use crate::components::{Momentum, Work};
 use crate::force_laws::{GRAVITY_MASS, SPRING};
 use crate::math::{Real, double};
@@ -16,6 +16,8 @@ pub(crate) struct PairForces {
     members: Members,
     springs: Springs,
     gravity: Gravity,
+    /// By slot: at which springs are damped.
+    velocities: Vec<Velocities>,
     /// By slot: what gravity does there. Its index among the masses, if it is one.
     masses: Vec<Option<usize>>,
     attracting: Vec<(usize, GravityMass)>,
@@ -50,13 +52,26 @@ impl PairForces {
     /// Changes the momenta by what the forces, as they are now, do in the time `t` \[s\]; `h` \[s\] is the substep.
     pub(crate) fn kick(&mut self, world: &World, t: Real, h: Real) {
         self.members.gather(world);
-        self.springs.update(&self.members, t, h);
         let seen = &self.members.seen;
         self.gravity.update(self.attracting.iter().map(|(slot, mass)| Source {
             position: seen[*slot].position,
             mu: mass.mu,
             softening_squared: mass.softening * mass.softening,
         }));
+        self.velocities.clear();
+        self.velocities.extend(seen.iter().map(|seen| Velocities::halfway(seen, &Impulse::zero())));
+        self.springs.update(&self.members, &self.velocities, t, h);
+        if self.springs.are_damped() {
+            // Once more at the velocities half-way, which makes the kick one of second order. No damper takes more than the velocity there is, in all of a net
+            // together: the kick leaves between half and all of every motion.
+            for slot in 0..self.members.len() {
+                let mut impulse = self.springs.impulse(slot);
+                impulse.linear = impulse.linear + self.by_gravity(slot, t).linear;
+                self.velocities[slot] = Velocities::halfway(&self.members.seen[slot], &impulse);
+            }
+            self.springs.update(&self.members, &self.velocities, t, h);
+        }
+        let seen = &self.members.seen;
         self.members.for_each_archetype(world, |archetype, places| {
             let Some(mut momenta) = archetype.get::<&mut Momentum>() else { return };
             let mut works = archetype.get::<&mut Work>();

@@ -1,14 +1,13 @@
 //! What springs between bodies do in a kick.
 
 use rayon::prelude::*;
-use tumble_math::decay;
-use tumble_math::lane::Vec3;
+use tumble_math::lane::{Lane, Vec3};
 
 use super::Spring;
 use super::members::{Members, Seen};
 use crate::generators::spring_force::Direction;
 use crate::math::Real;
-use crate::stiff::stable_stiffness;
+use crate::stiff::{MOST_ANGLE, MOST_ANGLE_IN_A_NET, stable_damping, stable_stiffness};
 
 /// A spring and the slots of its bodies.
 #[derive(Clone, Copy)]
@@ -89,8 +88,13 @@ impl Springs {
         self.first_end[0] = 0;
     }
 
-    /// Computes what each spring does in a kick of the duration `t` \[s\], in substeps of `h` \[s\].
-    pub(super) fn update(&mut self, members: &Members, t: Real, h: Real) {
+    /// Whether any spring is damped, so that what it does depends on velocities.
+    pub(super) fn are_damped(&self) -> bool {
+        self.connections.iter().any(|connection| connection.spring.damping != 0.0)
+    }
+
+    /// Computes what each spring does in a kick of the duration `t` \[s\], in substeps of `h` \[s\], where the bodies have these velocities.
+    pub(super) fn update(&mut self, members: &Members, velocities: &[Velocities], t: Real, h: Real) {
         let Self { connections, first_end, impulses, .. } = self;
         impulses.clear();
         impulses.resize(connections.len(), [Impulse::zero(); 2]);
@@ -99,7 +103,8 @@ impl Springs {
         parts.for_each(|(impulses, connections)| {
             for (impulse, connection) in impulses.iter_mut().zip(connections) {
                 let shares = connection.slots.map(springs_of);
-                *impulse = connection.impulses(connection.slots.map(|slot| &members.seen[slot]), shares, t, h);
+                let bodies = connection.slots.map(|slot| &members.seen[slot]);
+                *impulse = connection.impulses(bodies, connection.slots.map(|slot| &velocities[slot]), shares, [t, h]);
             }
         });
     }
@@ -123,21 +128,30 @@ impl Connection {
         (self.slots, numbers.map(|number| u64::from(number.to_bits())))
     }
 
-    /// The impulses on both bodies: those of the exact solution over the time `t` for bodies that stay where they are. Each body lends the spring its
-    /// share of mass and inertia, one part for every spring that it has. What the spring moves is taken at its lightest, so that it does not depend on attitude: a
-    /// stiffness that changes as bodies turn has no potential, and energy would not come back.
-    fn impulses(&self, [a, b]: [&Seen; 2], shares: [Real; 2], t: Real, h: Real) -> [Impulse; 2] {
+    /// The impulses on both bodies in a kick over the time `t` in substeps of `h`. Each body lends the spring its share of mass and inertia, one part for every
+    /// spring that it has. What the spring moves is taken at its lightest, so that it does not depend on attitude: a stiffness that changes as bodies turn has no
+    /// potential, and energy would not come back.
+    fn impulses(
+        &self,
+        [a, b]: [&Seen; 2],
+        [velocity_a, velocity_b]: [&Velocities; 2],
+        shares: [Real; 2],
+        [t, h]: [Real; 2],
+    ) -> [Impulse; 2] {
         let spring = &self.spring;
-        let arm_a = a.state.orientation.rotate(spring.attachments[0].into());
-        let arm_b = b.state.orientation.rotate(spring.attachments[1].into());
+        let [at_a, at_b] = spring.attachments;
+        let arm_a = a.state.orientation.rotate(at_a.into());
+        let arm_b = b.state.orientation.rotate(at_b.into());
         let direction = Direction::of((b.state.position - a.state.position) + (arm_b - arm_a));
         let n = direction.unit;
-        let [at_a, at_b] = spring.attachments;
         let inverse_mass = a.most_inverse_mass_at(at_a) * shares[0] + b.most_inverse_mass_at(at_b) * shares[1];
-        let stiffness = stable_stiffness(spring.stiffness, inverse_mass, h);
-        let speed = n.dot(b.velocity_at(arm_b) - a.velocity_at(arm_a));
-        let pull = stiffness * (direction.length - spring.rest_length) + spring.damping * speed;
-        let impulse = pull * (decay(spring.damping * inverse_mass * t).mean * t);
+        let in_a_net =
+            [(a, shares[0]), (b, shares[1])].iter().any(|(seen, share)| seen.constants.is_some() && *share > 1.0);
+        let most_angle = if in_a_net { MOST_ANGLE_IN_A_NET } else { MOST_ANGLE };
+        let stiffness = stable_stiffness(spring.stiffness, inverse_mass, h, Real::splat(most_angle));
+        let damping = stable_damping(spring.damping, inverse_mass, t);
+        let speed = n.dot(velocity_b.at(arm_b) - velocity_a.at(arm_a));
+        let impulse = (stiffness * (direction.length - spring.rest_length) + damping * speed) * t;
         let (on_a, on_b) = (n * impulse, n * -impulse);
         [Impulse { linear: on_a, angular: arm_a.cross(on_a) }, Impulse { linear: on_b, angular: arm_b.cross(on_b) }]
     }
@@ -148,8 +162,27 @@ impl Seen {
     fn most_inverse_mass_at(&self, point_body: crate::math::Vec3) -> Real {
         self.constants.map_or(0.0, |constants| constants.most_inverse_mass_at(point_body.into()))
     }
+}
 
-    fn velocity_at(&self, arm: Vec3<Real>) -> Vec3<Real> {
-        self.derived.linear + self.derived.angular.cross(arm)
+/// Linear [m/s] and angular [rad/s] velocity of a body.
+#[derive(Clone, Copy)]
+pub(super) struct Velocities {
+    pub(super) linear: Vec3<Real>,
+    pub(super) angular: Vec3<Real>,
+}
+
+impl Velocities {
+    /// Those of a body after half of an impulse.
+    pub(super) fn halfway(seen: &Seen, impulse: &Impulse) -> Self {
+        let turned = seen.derived.apply_inverse_inertia(impulse.angular);
+        Self {
+            linear: seen.derived.linear + impulse.linear * (0.5 * seen.inverse_mass),
+            angular: seen.derived.angular + turned * 0.5,
+        }
+    }
+
+    /// Of the body's material at `arm` from its centre of mass.
+    fn at(&self, arm: Vec3<Real>) -> Vec3<Real> {
+        self.linear + self.angular.cross(arm)
     }
 }
