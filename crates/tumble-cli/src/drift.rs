@@ -26,7 +26,7 @@ pub(crate) enum NotFinite {
 /// The totals at both ends, and the largest departures from the start in between.
 ///
 /// Departures are divided by scales. For energy: the largest of `|initial|`, the kinetic energy at the
-/// start and the most that gravity's potential has changed (what was exchanged, for a body dropped
+/// start and the most that the potentials of gravity and forces together have changed (what was exchanged, for a body dropped
 /// from rest at the origin has no energy at all). For the momenta: the sum over bodies of their
 /// magnitudes at the start, which is `|initial|` for one body and does not cancel for many.
 pub(crate) struct Drift {
@@ -61,7 +61,7 @@ impl Drift {
         let now = finite_totals(world, settings, order)?;
         let start = &self.initial;
         self.energy = self.energy.max((now.energy() - start.energy()).abs());
-        self.exchanged = self.exchanged.max((now.potential - start.potential).abs());
+        self.exchanged = self.exchanged.max((potential(&now) - potential(start)).abs());
         self.linear = self.linear.max((now.linear_momentum - start.linear_momentum).length());
         self.angular = self.angular.max((now.angular_momentum - start.angular_momentum).length());
         self.latest = now;
@@ -102,6 +102,11 @@ impl Drift {
             max_relative_drift: relative(self.angular, self.angular_scale),
         }
     }
+}
+
+/// The energy that was kinetic or may become it \[J\].
+pub(crate) fn potential(totals: &Totals) -> f64 {
+    totals.potential + totals.force_potential
 }
 
 /// Always finite: with nothing to compare to, any departure counts as 1.

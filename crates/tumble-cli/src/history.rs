@@ -3,10 +3,10 @@
 use std::io::{self, Write};
 
 use hecs::World;
-use tumble::{Ledger, LedgerEntry, Simulation};
+use tumble::{ForceLaws, Ledger, LedgerEntry, Simulation, Totals};
 use tumble_scene::{Mark, Plot, Scale};
 
-use crate::drift::EVERY_STEP_UP_TO;
+use crate::drift::{EVERY_STEP_UP_TO, potential};
 
 /// Energy, momentum and work at every sample of a run.
 ///
@@ -36,19 +36,28 @@ impl History {
         }
     }
 
-    /// One row a sample: energies and works \[J\], momenta \[kg m/s\], \[kg m^2/s\] about the world's origin.
+    /// One row a sample: energies and works \[J\], momenta \[kg m/s\], \[kg m^2/s\] about the world's origin. Of the kinds of force
+    /// components those have a column that did any work.
     pub(crate) fn write_csv(&self, to: &mut impl Write) -> io::Result<()> {
-        let works = if self.works { ",work_gravity,work_applied,work_damping,work_integrator" } else { "" };
-        writeln!(to, "step,time,linear_kinetic,rotational_kinetic,potential,energy,px,py,pz,lx,ly,lz{works}")?;
+        let kinds = if self.works { self.working_kinds() } else { Vec::new() };
+        write!(to, "step,time,linear_kinetic,rotational_kinetic,potential,force_potential,energy,px,py,pz,lx,ly,lz")?;
+        if self.works {
+            write!(to, ",work_gravity,work_applied,work_damping,work_integrator")?;
+        }
+        for kind in &kinds {
+            write!(to, ",work_{}", snake_case(ForceLaws::COMPONENTS[*kind]))?;
+        }
+        writeln!(to)?;
         for entry in self.ledger.entries() {
             let (totals, work) = (&entry.totals, &entry.work);
             let [px, py, pz] = totals.linear_momentum.to_array();
             let [lx, ly, lz] = totals.angular_momentum.to_array();
             let mut numbers = vec![entry.time, totals.linear_kinetic, totals.rotational_kinetic, totals.potential];
-            numbers.extend([entry.energy(), px, py, pz, lx, ly, lz]);
+            numbers.extend([totals.force_potential, entry.energy(), px, py, pz, lx, ly, lz]);
             if self.works {
                 numbers.extend([work.gravity, work.applied, work.damping, work.integrator]);
             }
+            numbers.extend(kinds.iter().map(|kind| work.forces[*kind]));
             write!(to, "{}", entry.step)?;
             for number in numbers {
                 write!(to, ",{number:?}")?;
@@ -58,25 +67,39 @@ impl History {
         Ok(())
     }
 
-    /// Where the energy is, over time.
+    /// The kinds of force components that did work, by their index in [`ForceLaws::COMPONENTS`].
+    fn working_kinds(&self) -> Vec<usize> {
+        let worked = |kind: &usize| self.ledger.entries().iter().any(|entry| entry.work.forces[*kind] != 0.0);
+        (0..ForceLaws::COMPONENTS.len()).filter(worked).collect()
+    }
+
+    /// Where the energy is, over time. A potential that there is none of is left out where there is another.
     pub(crate) fn energy_plot(&self) -> Plot {
-        Plot::new("Energy")
+        let is_there = |of: fn(&Totals) -> f64| self.ledger.entries().iter().any(|entry| of(&entry.totals) != 0.0);
+        let of_forces = is_there(|totals| totals.force_potential);
+        let mut plot = Plot::new("Energy")
             .x_axis("time [s]", Scale::Linear)
             .y_axis("energy [J]", Scale::Linear)
             .series("kinetic, linear", Mark::Line, self.over_time(|entry| entry.totals.linear_kinetic))
-            .series("kinetic, rotation", Mark::Line, self.over_time(|entry| entry.totals.rotational_kinetic))
-            .series("potential", Mark::Line, self.over_time(|entry| entry.totals.potential + entry.law_potential))
-            .series("sum", Mark::Line, self.over_time(LedgerEntry::energy))
+            .series("kinetic, rotation", Mark::Line, self.over_time(|entry| entry.totals.rotational_kinetic));
+        if !of_forces || is_there(|totals| totals.potential) {
+            plot = plot.series("potential", Mark::Line, self.over_time(|entry| entry.totals.potential));
+        }
+        if of_forces {
+            let potential = self.over_time(|entry| entry.totals.force_potential);
+            plot = plot.series("potential of forces", Mark::Line, potential);
+        }
+        plot.series("sum", Mark::Line, self.over_time(LedgerEntry::energy))
     }
 
-    /// How far the energy is from where it began, relative to the kinetic energy at the start or the most that the potential has
+    /// How far the energy is from where it began, relative to the kinetic energy at the start or the most that the potentials have
     /// changed so far, whichever is larger.
     pub(crate) fn drift_plot(&self) -> Plot {
         let entries = self.ledger.entries();
-        let (energy, potential) = entries.first().map_or((0.0, 0.0), |first| (first.energy(), first.totals.potential));
+        let (energy, at_start) = entries.first().map_or((0.0, 0.0), |first| (first.energy(), potential(&first.totals)));
         let mut scale = entries.first().map_or(0.0, LedgerEntry::kinetic);
         let drift = self.over_time(move |entry| {
-            scale = scale.max((entry.totals.potential - potential).abs());
+            scale = scale.max((potential(&entry.totals) - at_start).abs());
             if scale > 0.0 { (entry.energy() - energy) / scale } else { 0.0 }
         });
         Plot::new("Change of energy")
@@ -90,5 +113,30 @@ impl History {
         mut value: impl FnMut(&LedgerEntry) -> f64 + 'a,
     ) -> impl Iterator<Item = (f64, f64)> + 'a {
         self.ledger.entries().iter().map(move |entry| (entry.time, value(entry)))
+    }
+}
+
+/// `GravityMass` as `gravity_mass`.
+fn snake_case(name: &str) -> String {
+    let mut snake = String::new();
+    for (at, letter) in name.char_indices() {
+        if letter.is_uppercase() && at > 0 {
+            snake.push('_');
+        }
+        snake.extend(letter.to_lowercase());
+    }
+    snake
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn accounts_are_named_as_forces_are_in_files() {
+        let names = ForceLaws::COMPONENTS.map(snake_case);
+        for name in ["drag", "spring_to_point", "angular_velocity_servo", "gravity_mass"] {
+            assert!(names.iter().any(|known| known == name), "{name} is not in {names:?}");
+        }
     }
 }

@@ -8,10 +8,11 @@ use crate::failure::Failure;
 use crate::options::InspectOptions;
 use crate::print;
 
-/// Prints the mass properties of every body; a failure if any body has a problem.
+/// Prints the mass properties and forces of every body; a failure if any body has a problem.
 pub(crate) fn inspect(options: &InspectOptions) -> Result<(), Failure> {
     let audit = Audit::open(&options.scene)?;
-    let text = if options.json { json(&audit)? } else { audit.bodies.iter().map(people).collect() };
+    let text =
+        if options.json { json(&audit)? } else { audit.bodies.iter().map(people).collect::<Result<String, _>>()? };
     print::output(&text)?;
     let bad = audit.bodies.iter().filter(|body| !body.problems.is_empty()).count();
     if bad == 0 {
@@ -21,13 +22,15 @@ pub(crate) fn inspect(options: &InspectOptions) -> Result<(), Failure> {
 }
 
 fn json(audit: &Audit) -> Result<String, Failure> {
-    serde_json::to_string_pretty(audit)
-        .map(|text| text + "\n")
-        .map_err(|error| Failure::Running(format!("the audit cannot be written as JSON: {error}")))
+    serde_json::to_string_pretty(audit).map(|text| text + "\n").map_err(|error| unwritten(&error))
 }
 
-/// A paragraph with as many digits as the file could have had.
-fn people(body: &AuditedBody) -> String {
+fn unwritten(error: &serde_json::Error) -> Failure {
+    Failure::Running(format!("the audit cannot be written as JSON: {error}"))
+}
+
+/// A paragraph with as many digits as the file could have had. Forces are written as in files.
+fn people(body: &AuditedBody) -> Result<String, Failure> {
     let mut text = format!("{}\n", body.name);
     let mut line = |label: &str, value: &str| {
         // Writing to a string cannot fail.
@@ -50,10 +53,13 @@ fn people(body: &AuditedBody) -> String {
     if let Some(axes) = body.axes {
         line("axes x y z w", &numbers(&axes));
     }
+    for force in &body.forces {
+        line("force", &serde_json::to_string(force).map_err(|error| unwritten(&error))?);
+    }
     for problem in &body.problems {
         line("PROBLEM", problem);
     }
-    text
+    Ok(text)
 }
 
 fn numbers(numbers: &[f64]) -> String {

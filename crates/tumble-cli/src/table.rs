@@ -6,7 +6,7 @@ use std::time::Duration;
 use tumble::{PhaseTimes, Totals};
 use tumble_scene::{Conserved, Summary};
 
-use crate::drift::Drift;
+use crate::drift::{Drift, potential};
 
 /// The table at the end of a run.
 pub(crate) struct Report<'a> {
@@ -62,7 +62,7 @@ impl Report<'_> {
         writeln!(f, "\n{:<22} {:>15} {:>15} {:>15}", "", "start", "end", "largest drift")?;
         let kinetic = |totals: &Totals| totals.linear_kinetic + totals.rotational_kinetic;
         row(f, "kinetic energy [J]", kinetic(start), kinetic(end), None)?;
-        row(f, "potential energy [J]", start.potential, end.potential, None)?;
+        row(f, "potential energy [J]", potential(start), potential(end), None)?;
         let energy = &self.summary.energy;
         row(f, "energy [J]", energy.initial, energy.r#final, Some(energy.max_relative_drift))?;
         vector(f, "momentum [kg m/s]", &self.summary.linear_momentum)?;

@@ -37,7 +37,10 @@ fn unknown_keys() {
     body(r#""mass": 1, "colour": "red""#, "colour", "unknown field `colour`");
     body(r#""mass": 1, "shape": { "sphere": { "radius": 1, "height": 2 } }"#, "shape.sphere.height", "`height`");
     body(r#""mass": 1, "shape": { "teapot": {} }"#, "shape", "`teapot`");
-    body(r#""mass": 1, "forces": [ { "wind": 1 } ]"#, "forces[0]", "`wind`");
+    body(r#""mass": 1, "forces": [ { "breeze": 1 } ]"#, "forces[0]", "`breeze`");
+    body(r#""mass": 1, "forces": [ { "magnus": { "spin": 1 } } ]"#, "forces[0].magnus.spin", "`spin`");
+    let hull = r#""mass": 1, "forces": [ { "buoyancy": { "hull": { "sphere": { "radius": 1, "mass": 2 } } } } ]"#;
+    body(hull, "forces[0].buoyancy.hull.sphere.mass", "`mass`");
     refused("scene.json", br#"{ "gravitas": 1 }"#, &["field gravitas: ", "unknown field"]);
     refused("scene.ron", b"(bodies: [(name: \"brick\", mass: 1, hue: 3)])", &["(bodies[0]), field hue: ", "\"brick\""]);
 }
@@ -134,6 +137,81 @@ fn names() {
 fn motion_that_contradicts_itself() {
     body(r#""fixed": true, "kinematic": true"#, "kinematic", "not both");
     body(r#""fixed": true, "linear_velocity": [1, 0, 0]"#, "linear_velocity", "does not move");
+}
+
+/// One force of the second body, at the path that the message is to name.
+fn force(force: &str, field: &str, value: &str) {
+    body(
+        &format!(r#"{CUBE}, "mass": 1, "forces": [ {{ "gravity_scale": 0 }}, {{ {force} }} ]"#),
+        &format!("forces[1].{field}"),
+        value,
+    );
+}
+
+#[test]
+fn impossible_forces() {
+    force(r#""drag": {}"#, "drag", "needs linear or angular");
+    force(r#""drag": { "linear": -1 }"#, "drag.linear", "-1");
+    force(r#""drag": { "angular": [1, 2] }"#, "drag.angular", "3 values");
+    force(r#""drag": { "linear": "much" }"#, "drag.linear", "a number or a list of 3 values");
+    force(r#""wind": [0, 1e30, 0]"#, "wind", "1e30");
+    force(r#""thruster": { "force": [1, 0, 1e99] }"#, "thruster.force", "1e99");
+    force(r#""thruster": { "point": [1, 0, 0] }"#, "thruster", "`force`");
+    force(r#""constant_wrench": { "frame": "body" }"#, "constant_wrench", "needs force or torque");
+    force(r#""constant_wrench": { "force": [1, 0, 0], "frame": "moon" }"#, "constant_wrench.frame", "`moon`");
+    force(r#""spring_to_point": { "anchor": [0, 0, 0], "stiffness": -3 }"#, "spring_to_point.stiffness", "-3");
+    force(
+        r#""spring_to_point": { "anchor": [0, 0, 0], "stiffness": 3, "damping": -4 }"#,
+        "spring_to_point.damping",
+        "-4",
+    );
+    force(
+        r#""spring_to_point": { "anchor": [0, 0, 0], "stiffness": 3, "rest_length": -5 }"#,
+        "spring_to_point.rest_length",
+        "-5",
+    );
+    force(r#""spring": { "to": "nobody", "stiffness": 1 }"#, "spring.to", "no body is called \"nobody\"");
+    force(r#""spring": { "to": "brick", "stiffness": 1 }"#, "spring.to", "is the body itself");
+    force(r#""spring": { "to": "body-0", "stiffness": -1 }"#, "spring.stiffness", "-1");
+    force(r#""point_gravity": { "mu": 1e400 }"#, "point_gravity.mu", "1e400");
+    force(r#""gravity_mass": { "softening": -1 }"#, "gravity_mass.softening", "-1");
+    force(r#""buoyancy": { "density": -1 }"#, "buoyancy.density", "-1");
+    force(r#""buoyancy": { "hull": { "sphere": { "radius": 0 } } }"#, "buoyancy.hull.sphere.radius", "0");
+    force(
+        r#""buoyancy": { "hull": { "cuboid": { "half_extents": [1, -2, 3] } } }"#,
+        "buoyancy.hull.cuboid.half_extents",
+        "-2",
+    );
+    force(
+        r#""angular_velocity_servo": { "target": [0, 0, 0], "max_torque": -1 }"#,
+        "angular_velocity_servo.max_torque",
+        "-1",
+    );
+    force(r#""gravity_scale": 1"#, "gravity_scale", "given twice");
+    if tumble::math::PRECISION == "f32" {
+        force(r#""buoyancy": { "hull": { "sphere": { "radius": 1e18 } } }"#, "buoyancy.hull", "too much");
+        force(r#""point_gravity": { "mu": 1e39 }"#, "point_gravity.mu", "1e39 is not a finite number of f32");
+    }
+}
+
+#[test]
+fn forces_that_do_not_go_with_their_body() {
+    body(r#""mass": 1, "forces": [ { "buoyancy": {} } ]"#, "forces[0].buoyancy.hull", "the body is a point");
+    body(r#""fixed": true, "forces": [ { "gravity_mass": {} } ]"#, "forces[0].gravity_mass.mu", "no mass");
+    body(r#""fixed": true, "forces": [ { "magnus": { "coefficient": 1 } } ]"#, "forces[0].magnus", "the body is fixed");
+    let spring = r#""kinematic": true, "forces": [ { "spring": { "to": "body-0", "stiffness": 1 } } ]"#;
+    body(spring, "forces[0].spring", "the body is kinematic");
+    let twice = r#"{ "magnus": { "coefficient": 1 } }"#;
+    body(&format!(r#""mass": 1, "forces": [ {twice}, {twice} ]"#), "forces[1].magnus", "given twice");
+    body(
+        r#""mass": 1, "gravity_scale": 1, "forces": [ { "gravity_scale": 1 } ]"#,
+        "forces[0].gravity_scale",
+        "given twice",
+    );
+    let nozzle = r#"{ "thruster": { "force": [1e18, 0, 0], "throttle": 1e30 } }"#;
+    if tumble::math::PRECISION == "f32" {
+        body(&format!(r#""mass": 1, "forces": [ {nozzle} ]"#), "forces", "too strong");
+    }
 }
 
 #[test]

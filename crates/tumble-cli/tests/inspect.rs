@@ -1,4 +1,4 @@
-//! `tumble inspect` shows the mass properties of every body, the impossible ones with their problems.
+//! `tumble inspect` shows the mass properties and forces of every body, the impossible ones with their problems.
 //!
 //! It is the tool to find out why a scene is refused. It would fail if it stopped at the first bad body, or if a
 //! key of its JSON changed.
@@ -29,6 +29,7 @@ fn json_has_exactly_the_keys_and_the_figures() {
         "\"tensor\"",
         "\"principal\"",
         "\"axes\"",
+        "\"forces\"",
         "\"problems\"",
     ];
     let places: Vec<usize> = order.iter().map(|key| text.find(key).unwrap()).collect();
@@ -36,11 +37,11 @@ fn json_has_exactly_the_keys_and_the_figures() {
     let bodies = json(&place, "scene.json", 0);
     assert_eq!(bodies.as_object().unwrap().len(), 1);
     let body = &bodies["bodies"][0];
-    assert_eq!(body.as_object().unwrap().len(), 7);
+    assert_eq!(body.as_object().unwrap().len(), 8);
     assert_eq!(body["mass"], 3.0);
     assert_eq!(body["center_of_mass"], serde_json::json!([0.0, -1.0, 0.0]));
     assert_eq!(body["axes"], serde_json::json!([0.0, 0.0, 0.0, 1.0]));
-    assert_eq!(body["problems"], serde_json::json!([]));
+    assert_eq!((&body["forces"], &body["problems"]), (&serde_json::json!([]), &serde_json::json!([])));
     // 3/20 m (r^2 + h^2) across and 3/10 m r^2 along the axis, h the half height; a few roundings.
     for (index, moment) in [2.25, 0.9, 2.25].into_iter().enumerate() {
         assert!((body["tensor"][index][index].as_f64().unwrap() - moment).abs() < 1e-14);
@@ -87,6 +88,29 @@ fn people_get_a_paragraph_a_body() {
     for label in ["centre of mass [m]", "tensor [kg m2]", "principal [kg m2]", "axes x y z w"] {
         assert!(text.contains(label), "{text}");
     }
+}
+
+#[test]
+fn forces_are_listed_with_all_their_numbers() {
+    let place = Place::new();
+    let scene = r#"{ "bodies": [
+        { "name": "boat", "shape": { "sphere": { "radius": 2 } }, "mass": 3, "gravity_scale": 2, "forces": [
+            { "buoyancy": {} }, { "spring": { "to": "quay", "stiffness": 10 } }, { "drag": { "angular": 0.5 } } ] },
+        { "name": "quay", "fixed": true, "position": [0, 3, 4] } ] }"#;
+    place.write("scene.json", scene);
+    let forces = serde_json::json!([
+        { "gravity_scale": 2.0 },
+        { "buoyancy": { "density": 1000.0, "level": 0.0, "hull": { "sphere": { "radius": 2.0 } }, "center": [0.0, 0.0, 0.0] } },
+        { "spring": { "to": "quay", "attachment": [0.0, 0.0, 0.0], "attachment_to": [0.0, 0.0, 0.0], "rest_length": 5.0,
+                      "stiffness": 10.0, "damping": 0.0 } },
+        { "drag": { "linear": [0.0, 0.0, 0.0], "angular": [0.5, 0.5, 0.5] } },
+    ]);
+    let bodies = json(&place, "scene.json", 0);
+    assert_eq!(bodies["bodies"][0]["forces"], forces);
+    assert_eq!(bodies["bodies"][1]["forces"], serde_json::json!([]));
+    let text = place.succeed(&["inspect", "scene.json"]);
+    let drag = r#"  force                  {"drag":{"linear":[0.0,0.0,0.0],"angular":[0.5,0.5,0.5]}}"#;
+    assert!(text.lines().any(|line| line == drag), "{text}");
 }
 
 #[test]

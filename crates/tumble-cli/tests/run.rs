@@ -1,6 +1,7 @@
 //! `tumble run` does what its options say, and its files are the contract.
 //!
 //! Scripts and notebooks read these files. It would fail if a key, a column or a rule for steps changed.
+#![allow(clippy::unwrap_used, reason = "a test fails by panicking, in its helper functions too")]
 
 mod support;
 
@@ -102,6 +103,51 @@ fn the_summary_has_exactly_the_keys_in_order() {
         }
     }
     assert_eq!(place.entries(), ["report", "scene.json"]);
+}
+
+/// The last row of the report's ledger, by column.
+fn last_of_ledger(place: &Place) -> (Vec<String>, std::collections::HashMap<String, f64>) {
+    let mut reader = csv::Reader::from_path(place.path("report/ledger.csv")).unwrap();
+    let columns: Vec<String> = reader.headers().unwrap().iter().map(str::to_owned).collect();
+    let last = reader.records().last().unwrap().unwrap();
+    let numbers = columns.iter().cloned().zip(last.iter().map(|number| number.parse().unwrap())).collect();
+    (columns, numbers)
+}
+
+#[test]
+fn the_ledger_has_a_column_for_each_kind_of_force_that_worked() {
+    let place = Place::new();
+    let common = "step time linear_kinetic rotational_kinetic potential force_potential energy px py pz lx ly lz";
+    let works = "work_gravity work_applied work_damping work_integrator";
+    place.write("scene.json", SCENE);
+    place.succeed(&["run", "scene.json", "--report", "report"]);
+    assert_eq!(last_of_ledger(&place).0.join(" "), format!("{common} {works}"));
+    place.succeed(&["run", "satellite", "--report", "report"]);
+    let (columns, last) = last_of_ledger(&place);
+    let forces = "work_thruster work_point_gravity work_angular_velocity_servo";
+    assert_eq!(columns.join(" "), format!("{common} {works} {forces}"));
+    let sum = |names: &str| names.split(' ').map(|name| last[name]).sum::<f64>();
+    // Both are sums of the same few numbers of a few joules in double precision.
+    assert!((sum("linear_kinetic rotational_kinetic potential force_potential") - last["energy"]).abs() < 1e-12);
+    // Where a force without potential acts the drift of energy is what it did; the integrator's own part is in the works too.
+    let drift = place.summary()["energy"]["max_relative_drift"].as_f64().unwrap();
+    assert!(drift > 0.1, "{drift}");
+    let (energy, potential) = (place.read("report/energy.svg"), ">potential of forces<");
+    assert!(energy.contains(potential) && !energy.contains(">potential<"), "its gravity is none");
+    place.succeed(&["run", "scene.json", "--report", "report"]);
+    assert!(!place.read("report/energy.svg").contains(potential));
+    // Long runs have no works, but the potential.
+    place.succeed(&["run", "satellite", "--steps", "1000001", "--report", "report", "--quiet"]);
+    assert_eq!(last_of_ledger(&place).0.join(" "), common);
+}
+
+#[test]
+fn the_drift_of_energy_counts_the_potentials_of_forces() {
+    let place = Place::new();
+    place.succeed(&["run", "raft", "--report", "report"]);
+    let drift = place.summary()["energy"]["max_relative_drift"].as_f64().unwrap();
+    // Springs and water take up as much as there is; left out, the drift would be near one.
+    assert!(drift < 0.01, "{drift}");
 }
 
 #[test]

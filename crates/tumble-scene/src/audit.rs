@@ -1,4 +1,4 @@
-//! The mass properties of a scene's bodies, and what is wrong with them.
+//! The mass properties and forces of a scene's bodies, and what is wrong with them.
 
 use std::path::Path;
 
@@ -6,8 +6,9 @@ use serde::Serialize;
 use tumble::Body;
 
 use crate::builtin;
-use crate::convert;
+use crate::convert::{self, Others};
 use crate::error::{FieldError, SceneError};
+use crate::force::Force;
 use crate::model::SceneModel;
 use crate::scene::{duplicates, generated, invalid, is_path, load_model, settings, unknown};
 use crate::stress::{DEFAULT_BODIES, StressBodies};
@@ -30,7 +31,7 @@ pub struct Audit {
     pub bodies: Vec<AuditedBody>,
 }
 
-/// The mass properties of one body in its own frame.
+/// The mass properties of one body in its own frame, and its forces.
 ///
 /// `None` (`null` in JSON) is what a body does not have: all of it if something is wrong with it, and
 /// the mass and what follows from it if it is fixed or kinematic and was given none.
@@ -48,6 +49,8 @@ pub struct AuditedBody {
     pub principal: Option<[f64; 3]>,
     /// Quaternion `x, y, z, w` that takes principal-frame to body-frame coordinates.
     pub axes: Option<[f64; 4]>,
+    /// Its forces, with every default filled in.
+    pub forces: Vec<Force>,
     /// Everything wrong with the body, each as `field: problem`.
     pub problems: Vec<String>,
 }
@@ -88,11 +91,13 @@ impl Audit {
         settings(model).map_err(|error| invalid(file, None, error))?;
         let mut names = Vec::with_capacity(model.bodies.len());
         let mut bodies = Vec::with_capacity(model.bodies.len());
+        let by_name = convert::indices(&model.bodies);
+        let others = Others { by_name: &by_name, model: &|index| model.bodies.get(index) };
         for (index, body) in model.bodies.iter().enumerate() {
             let name = convert::name(body, index);
             names.push(name.clone());
-            bodies.push(match convert::body(body, index) {
-                Ok(body) => AuditedBody::of(name, &body),
+            bodies.push(match convert::body(body, index, others) {
+                Ok(body) => AuditedBody { forces: body.forces, ..AuditedBody::of(name, &body.body) },
                 Err(problems) => AuditedBody::impossible(name, &problems),
             });
         }
@@ -142,6 +147,7 @@ impl AuditedBody {
             tensor: None,
             principal: None,
             axes: None,
+            forces: Vec::new(),
             problems: problems.iter().map(ToString::to_string).collect(),
         }
     }

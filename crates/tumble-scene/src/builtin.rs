@@ -7,11 +7,14 @@ use crate::parse::{Format, parse};
 /// Name of the generated scene; see [`Scene::stress`](crate::Scene::stress).
 pub(crate) const STRESS: &str = "stress";
 
-/// Real bodies, each with the source of its figures in the file.
-const FILES: [(&str, &str); 5] = [
+/// Scenes, each with the source of its figures in the file.
+const FILES: [(&str, &str); 8] = [
     ("drake-cylinder", include_str!("../scenes/drake-cylinder.json")),
     ("iss", include_str!("../scenes/iss.json")),
     ("mujoco-box", include_str!("../scenes/mujoco-box.json")),
+    ("raft", include_str!("../scenes/raft.json")),
+    ("satellite", include_str!("../scenes/satellite.json")),
+    ("solar-system", include_str!("../scenes/solar-system.json")),
     ("t-handle", include_str!("../scenes/t-handle.json")),
     ("van-zon-top", include_str!("../scenes/van-zon-top.json")),
 ];
@@ -54,6 +57,7 @@ mod tests {
     #[test]
     fn the_names_are_sorted_and_complete() {
         let names: Vec<_> = builtin_names().collect();
-        assert_eq!(names, ["drake-cylinder", "iss", "mujoco-box", "stress", "t-handle", "van-zon-top"]);
+        let known = "drake-cylinder iss mujoco-box raft satellite solar-system stress t-handle van-zon-top";
+        assert_eq!(names.join(" "), known);
     }
 }

@@ -1,11 +1,16 @@
 //! Model to bodies: every value is checked here, with the field it came from.
 
+mod forces;
+
 use glam::{DMat3, DQuat, DVec3};
 use tumble::math::{Quat, Real, Vec3};
-use tumble::{Amount, Body, BodyId, Damping, InertiaTensor, Part, PrincipalInertia, RigidBody, Shape};
+use tumble::{Amount, BodyId, InertiaTensor, Part, PrincipalInertia, RigidBody, Shape};
+
+pub(crate) use forces::{Others, indices, springs_by_distance};
 
 use crate::error::{FieldError, shortest};
-use crate::model::{BodyModel, ForceModel, InertiaModel, PartModel, Quadruple, ShapeModel, Triple};
+use crate::model::{BodyModel, InertiaModel, PartModel, Quadruple, ShapeModel, Triple};
+use crate::scene_body::SceneBody;
 
 /// Larger components of positions, velocities and gravity are refused as absurd: the square of
 /// 1e18 still has room in f32.
@@ -17,14 +22,16 @@ const UNIT_TOLERANCE: f64 = 1e-3;
 /// Longest name of a body \[bytes\].
 const LONGEST_NAME: usize = 256;
 
-/// The model's body with its name, or everything that is wrong with it.
-pub(crate) fn body(model: &BodyModel, index: usize) -> Result<Body, Vec<FieldError>> {
+/// The model's body with its name and forces, or everything that is wrong with it.
+pub(crate) fn body(model: &BodyModel, index: usize, others: Others<'_>) -> Result<SceneBody, Vec<FieldError>> {
     let mut problems = Vec::new();
     let body = with_fields(model, index, &mut problems);
+    let (forces, springs_to) = forces::forces(model, index, others, &mut problems);
     if !problems.is_empty() {
         return Err(problems);
     }
-    body.build().map_err(|error| vec![FieldError::new(error.field(), error)])
+    let body = body.build().map_err(|error| vec![FieldError::new(error.field(), error)])?;
+    Ok(SceneBody { body, forces, springs_to })
 }
 
 /// The name given, or `body-<index>`.
@@ -74,7 +81,7 @@ fn with_fields(model: &BodyModel, index: usize, problems: &mut Vec<FieldError>) 
     if let Some(velocity) = triple(&model.angular_velocity, "angular_velocity", problems) {
         body = body.angular_velocity(velocity);
     }
-    with_forces(model, body, problems)
+    body
 }
 
 fn kind(model: &BodyModel, shape: Shape, problems: &mut Vec<FieldError>) -> RigidBody {
@@ -124,35 +131,6 @@ fn with_mass(model: &BodyModel, body: RigidBody, problems: &mut Vec<FieldError>)
             }
             body
         }
-    }
-}
-
-fn with_forces(model: &BodyModel, mut body: RigidBody, problems: &mut Vec<FieldError>) -> RigidBody {
-    let mut damped = false;
-    let mut scale = model.gravity_scale.map(|scale| ("gravity_scale".to_owned(), scale));
-    for (index, force) in model.forces.iter().enumerate() {
-        let field = format!("forces[{index}]");
-        match *force {
-            ForceModel::Damping { .. } if damped => {
-                problems.push(FieldError::new(format!("{field}.damping"), "is given twice"));
-            }
-            ForceModel::Damping { linear, angular } => {
-                damped = true;
-                let linear = note(problems, rate(format!("{field}.damping.linear"), linear));
-                let angular = note(problems, rate(format!("{field}.damping.angular"), angular));
-                if let (Some(linear), Some(angular)) = (linear, angular) {
-                    body = body.damping(Damping { linear, angular });
-                }
-            }
-            ForceModel::GravityScale(_) if scale.is_some() => {
-                problems.push(FieldError::new(format!("{field}.gravity_scale"), "is given twice"));
-            }
-            ForceModel::GravityScale(value) => scale = Some((format!("{field}.gravity_scale"), value)),
-        }
-    }
-    match scale.and_then(|(field, scale)| note(problems, finite(&field, scale))) {
-        Some(scale) => body.gravity_scale(real(scale)),
-        None => body,
     }
 }
 
@@ -312,9 +290,9 @@ fn positive(field: &str, value: f64) -> Result<f64, FieldError> {
 }
 
 /// A damping rate \[1/s\].
-fn rate(field: String, value: f64) -> Result<Real, FieldError> {
+fn rate(field: &str, value: f64) -> Result<f64, FieldError> {
     if (0.0..=LARGEST).contains(&value) {
-        Ok(real(value))
+        Ok(value)
     } else {
         Err(FieldError::new(field, format!("must be a rate from 0 to {LARGEST:e}, not {}", shortest(value))))
     }

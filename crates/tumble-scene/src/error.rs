@@ -133,9 +133,9 @@ impl FieldError {
         Self { field, problem }
     }
 
-    /// The same error seen from the thing that holds the field's owner.
+    /// The same error seen from the thing that holds the field's owner. An error without a field is the owner's.
     pub(crate) fn inside(mut self, outer: &str) -> Self {
-        self.field = format!("{outer}.{}", self.field);
+        self.field = if self.field.is_empty() { outer.to_owned() } else { format!("{outer}.{}", self.field) };
         self
     }
 }

@@ -4,8 +4,9 @@ use tumble::Settings;
 
 use crate::convert;
 use crate::error::FieldError;
+use crate::force_path::in_force;
 use crate::limits::MAX_STEPS;
-use crate::model::{BodyModel, ForceModel, InertiaModel, PartModel, Quadruple, SceneModel, ShapeModel, Triple, Tuple};
+use crate::model::{BodyModel, InertiaModel, PartModel, Quadruple, SceneModel, ShapeModel, Triple, Tuple};
 
 /// Where a number stands: in the scene itself, or in one of its bodies.
 #[derive(Clone, Debug, PartialEq)]
@@ -236,15 +237,6 @@ fn in_part<'a>(part: &'a mut PartModel, path: &[&str]) -> Option<&'a mut f64> {
     }
 }
 
-fn in_force<'a>(force: &'a mut ForceModel, path: &[&str]) -> Option<&'a mut f64> {
-    match (force, path) {
-        (ForceModel::Damping { linear, .. }, ["damping", "linear"]) => Some(linear),
-        (ForceModel::Damping { angular, .. }, ["damping", "angular"]) => Some(angular),
-        (ForceModel::GravityScale(scale), ["gravity_scale"]) => Some(scale),
-        _ => None,
-    }
-}
-
 fn element<'a, T>(list: &'a mut [T], index: &str) -> Option<&'a mut T> {
     list.get_mut(self::index(index)?)
 }
@@ -279,11 +271,11 @@ fn index(text: &str) -> Option<usize> {
     text.parse().ok().filter(|_| digits && (text == "0" || !text.starts_with('0')))
 }
 
-fn component<'a, const N: usize>(tuple: &'a mut Tuple<f64, N>, index: &str) -> Option<&'a mut f64> {
+pub(crate) fn component<'a, const N: usize>(tuple: &'a mut Tuple<f64, N>, index: &str) -> Option<&'a mut f64> {
     element(&mut tuple.0, index)
 }
 
-fn from_zero<'a>(vector: &'a mut Option<Triple>, axis: &str) -> Option<&'a mut f64> {
+pub(crate) fn from_zero<'a>(vector: &'a mut Option<Triple>, axis: &str) -> Option<&'a mut f64> {
     component(vector.get_or_insert(Tuple([0.0; 3])), axis)
 }
 

@@ -2,7 +2,7 @@
 //!
 //! A scene is settings and bodies, written as JSON or RON after one model. [`Scene::open`] reads and checks
 //! it whole before anything is spawned, and a mistake is a [`SceneError`] of one line that names
-//! file, body and field. [`Audit`] shows the mass properties of every body,
+//! file, body and field. [`Audit`] shows the mass properties and forces of every body,
 //! [`TrajectoryWriter`] records states, [`Sweep`] makes many worlds of one scene, [`Summary`] is what a run reports, and
 //! [`PendingFile`] makes files appear whole or not at all.
 //!
@@ -23,6 +23,9 @@ mod convert;
 mod distribution;
 mod error;
 mod field_path;
+mod force;
+mod force_model;
+mod force_path;
 mod limits;
 mod model;
 mod outcome;
@@ -32,6 +35,7 @@ mod plot;
 mod read;
 mod recover;
 mod scene;
+mod scene_body;
 mod shard;
 mod stress;
 mod summary;
@@ -46,6 +50,7 @@ pub use audit::{Audit, AuditedBody};
 pub use builtin::builtin_names;
 pub use distribution::Distribution;
 pub use error::{Place, SceneError};
+pub use force::{Force, HullShape};
 pub use limits::{
     MAX_BODIES, MAX_FILE_BYTES, MAX_PARTS, MAX_STEPS, TIME_STEPS, step_count, steps_of_duration, time_step,
 };

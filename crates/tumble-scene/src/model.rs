@@ -8,6 +8,7 @@ use std::marker::PhantomData;
 
 use serde::de::{Deserialize, Deserializer, Error as _, IgnoredAny, SeqAccess, Visitor};
 
+use crate::force_model::ForceModel;
 use crate::{MAX_BODIES, MAX_PARTS};
 
 /// A whole file. `name`, `description` and `source` are for people.
@@ -115,18 +116,6 @@ pub(crate) struct InertiaModel {
     pub(crate) principal: Option<Triple>,
     pub(crate) axes: Option<Quadruple>,
     pub(crate) tensor: Option<Tuple<Triple, 3>>,
-}
-
-#[derive(Clone, Debug, serde::Deserialize)]
-#[serde(deny_unknown_fields, rename = "Force", rename_all = "snake_case")]
-pub(crate) enum ForceModel {
-    Damping {
-        #[serde(default)]
-        linear: f64,
-        #[serde(default)]
-        angular: f64,
-    },
-    GravityScale(f64),
 }
 
 pub(crate) type Triple = Tuple<f64, 3>;

@@ -5,15 +5,16 @@ use std::collections::HashMap;
 use std::path::Path;
 
 use hecs::World;
-use tumble::{Body, BodyError, Settings};
+use tumble::{BodyError, Settings};
 
 use crate::builtin::{self, builtin_names};
-use crate::convert;
+use crate::convert::{self, Others};
 use crate::error::{FieldError, Place, SceneError, one_line};
 use crate::limits::{MAX_BODIES, step_count, time_step};
 use crate::model::SceneModel;
 use crate::parse::{Format, parse};
 use crate::read::read_text;
+use crate::scene_body::SceneBody;
 use crate::stress::{self, StressBodies};
 
 /// Steps of a scene that does not say how many.
@@ -52,7 +53,7 @@ pub struct Scene {
 
 #[derive(Clone, Debug)]
 enum Bodies {
-    Listed { bodies: Vec<Body>, names: Vec<String> },
+    Listed { bodies: Vec<SceneBody>, names: Vec<String> },
     Stress { count: usize, seed: u64 },
 }
 
@@ -132,16 +133,14 @@ impl Scene {
         }
     }
 
-    /// Spawns the bodies, with their index as [`BodyId`](tumble::BodyId), and gives their names.
+    /// Spawns the bodies, with their index as [`BodyId`](tumble::BodyId), and the springs between them, and gives the bodies' names.
     ///
     /// # Errors
     /// [`SceneError::Invalid`] if the generated scene made an impossible body, which its tests deny.
     pub fn spawn(self, world: &mut World) -> Result<Names, SceneError> {
         match self.bodies {
             Bodies::Listed { bodies, names } => {
-                for body in bodies {
-                    body.spawn(world);
-                }
+                SceneBody::spawn_all(&bodies, world);
                 Ok(Names { given: Some(names) })
             }
             Bodies::Stress { count, seed } => {
@@ -154,7 +153,7 @@ impl Scene {
     }
 
     /// The bodies of a scene that lists them.
-    pub(crate) fn into_bodies(self) -> Vec<Body> {
+    pub(crate) fn into_bodies(self) -> Vec<SceneBody> {
         match self.bodies {
             Bodies::Listed { bodies, .. } => bodies,
             Bodies::Stress { .. } => Vec::new(),
@@ -164,8 +163,10 @@ impl Scene {
     pub(crate) fn from_model(model: &SceneModel, file: &str) -> Result<Self, SceneError> {
         let (settings, steps) = settings(model).map_err(|error| invalid(file, None, error))?;
         let mut bodies = Vec::with_capacity(model.bodies.len());
+        let by_name = convert::indices(&model.bodies);
+        let others = Others { by_name: &by_name, model: &|index| model.bodies.get(index) };
         for (index, body) in model.bodies.iter().enumerate() {
-            match convert::body(body, index) {
+            match convert::body(body, index, others) {
                 Ok(body) => bodies.push(body),
                 Err(problems) => {
                     let place = Some((index, Some(convert::name(body, index))));

@@ -40,7 +40,7 @@ pub struct Summary {
     pub step_seconds: f64,
     /// `bodies * steps / step_seconds`, 0 where no time passed \[1/s\].
     pub body_steps_per_second: f64,
-    /// Kinetic energy and the potential energy of gravity.
+    /// Kinetic energy and the potential energies of gravity and of forces that have one.
     pub energy: Conserved<f64>,
     /// Sum over bodies of `P`.
     pub linear_momentum: Conserved<[f64; 3]>,

@@ -1,11 +1,12 @@
 //! A scene with fields that differ from world to world.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet, HashMap};
 
 use hecs::World;
 use tumble::math::Real;
-use tumble::{Body, Chance, Integrator, Settings, Trial};
+use tumble::{Chance, Integrator, Settings, Trial};
 
+use crate::convert::Others;
 use crate::distribution::Distribution;
 use crate::error::FieldError;
 use crate::field_path::FieldPath;
@@ -14,6 +15,7 @@ use crate::model::{BodyModel, SceneModel};
 use crate::parse::{Format, parse};
 use crate::read::read_text;
 use crate::scene::{invalid, is_path, settings, unknown};
+use crate::scene_body::SceneBody;
 use crate::sweep_error::SweepError;
 use crate::vary::Vary;
 use crate::{Scene, SceneError, builtin, convert};
@@ -79,9 +81,13 @@ pub struct Sweep {
     scene_hash: u64,
     /// The scene without its bodies.
     head: SceneModel,
-    bodies: Vec<Body>,
-    /// The bodies in which something varies.
+    bodies: Vec<SceneBody>,
+    /// The bodies in which something varies, and those with a spring whose length that changes.
     varied_bodies: BTreeMap<usize, BodyModel>,
+    /// The other bodies to which springs of those lead.
+    neighbours: BTreeMap<usize, BodyModel>,
+    /// Indices of all bodies, where there are springs.
+    by_name: HashMap<String, usize>,
     varied: Vec<Varied>,
     reported: Vec<usize>,
     reported_names: Vec<String>,
@@ -117,8 +123,8 @@ impl Sweep {
         let varied = find_fields(&plan, &model)?;
         let names: Vec<String> = model.bodies.iter().enumerate().map(|(i, body)| convert::name(body, i)).collect();
         let reported = reported(&plan.bodies, &names)?;
-        let varied_bodies = varied.iter().filter_map(|varied| varied.field.body());
-        let varied_bodies = varied_bodies.filter_map(|i| Some((i, model.bodies.get(i)?.clone()))).collect();
+        let by_name = convert::indices(&model.bodies);
+        let (varied_bodies, neighbours) = varied_bodies(&varied, &model.bodies, &by_name);
         let head = SceneModel {
             gravity: model.gravity,
             dt: model.dt,
@@ -131,7 +137,19 @@ impl Sweep {
         let bodies = scene.into_bodies();
         let reported_names = reported.iter().filter_map(|&i| names.get(i).cloned()).collect();
         let scene_hash = fnv1a(&text);
-        let sweep = Self { plan, worlds, scene_hash, head, bodies, varied_bodies, varied, reported, reported_names };
+        let sweep = Self {
+            plan,
+            worlds,
+            scene_hash,
+            head,
+            bodies,
+            varied_bodies,
+            neighbours,
+            by_name,
+            varied,
+            reported,
+            reported_names,
+        };
         let ends = |pick: fn(&[f64]) -> Option<&f64>| -> Vec<f64> {
             sweep.varied.iter().filter_map(|varied| pick(&varied.distribution.samples()).copied()).collect()
         };
@@ -197,15 +215,16 @@ impl Sweep {
         }
         let (settings, steps) = settings(&head).map_err(|error| invalid(file, None, error))?;
         let steps = self.steps(&settings, steps).map_err(|error| invalid(file, None, error))?;
-        let mut world = World::new();
-        for (index, body) in self.bodies.iter().enumerate() {
-            match varied_bodies.get(&index) {
-                Some(model) => convert::body(model, index)
-                    .map_err(|problems| impossible(file, index, model, problems))?
-                    .spawn(&mut world),
-                None => body.spawn(&mut world),
-            };
+        let find = |index: usize| varied_bodies.get(&index).or_else(|| self.neighbours.get(&index));
+        let others = Others { by_name: &self.by_name, model: &find };
+        let mut remade = BTreeMap::new();
+        for (&index, model) in &varied_bodies {
+            let body = convert::body(model, index, others);
+            remade.insert(index, body.map_err(|problems| impossible(file, index, model, problems))?);
         }
+        let mut world = World::new();
+        let bodies = self.bodies.iter().enumerate().map(|(index, body)| remade.get(&index).unwrap_or(body));
+        SceneBody::spawn_all(bodies, &mut world);
         let trial = Trial::new(settings, world).map_err(|error| invalid(file, None, FieldError::new("dt", error)))?;
         Ok(SweepWorld { trial, steps })
     }
@@ -218,6 +237,24 @@ impl Sweep {
             Some(Length::Steps(_)) | None => Ok(of_scene),
         }
     }
+}
+
+/// Models of the bodies to be made anew for every world, and of those that are looked at then.
+fn varied_bodies(
+    varied: &[Varied],
+    bodies: &[BodyModel],
+    by_name: &HashMap<String, usize>,
+) -> (BTreeMap<usize, BodyModel>, BTreeMap<usize, BodyModel>) {
+    let varied: BTreeSet<usize> = varied.iter().filter_map(|varied| varied.field.body()).collect();
+    let is_made_anew = |(index, body): &(usize, &BodyModel)| {
+        varied.contains(index) || convert::springs_by_distance(body, by_name).any(|to| varied.contains(&to))
+    };
+    let made_anew: BTreeMap<_, _> =
+        bodies.iter().enumerate().filter(is_made_anew).map(|(index, body)| (index, body.clone())).collect();
+    let leads_to = made_anew.values().flat_map(|body| convert::springs_by_distance(body, by_name));
+    let looked_at = leads_to.filter(|to| !made_anew.contains_key(to));
+    let neighbours = looked_at.filter_map(|to| Some((to, bodies.get(to)?.clone()))).collect();
+    (made_anew, neighbours)
 }
 
 fn impossible(file: &str, index: usize, model: &BodyModel, problems: Vec<FieldError>) -> SceneError {

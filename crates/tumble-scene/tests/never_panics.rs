@@ -12,17 +12,27 @@ const JSON: &str = r#"{ "name": "mixed", "gravity": [0, -9.81, 0], "dt": 0.01, "
   { "name": "brick", "shape": { "cuboid": { "half_extents": [0.1, 0.05, 0.03] } }, "mass": 2.0,
     "inertia": { "principal": [1, 2, 2.5], "axes": [0, 0, 0.6, 0.8] }, "position": [1, 2, 3],
     "orientation": [0, 0.6, 0, 0.8], "linear_velocity": [1, 0, 0], "angular_velocity": [1, 2, 3],
-    "forces": [ { "damping": { "linear": 0.1, "angular": 0.2 } }, { "gravity_scale": 0.5 } ] },
+    "forces": [ { "damping": { "linear": 0.1, "angular": 0.2 } }, { "gravity_scale": 0.5 }, { "wind": [1, 2, 3] },
+      { "drag": { "linear": 0.1, "angular": [1, 2, 3] } }, { "magnus": { "coefficient": 0.5 } },
+      { "thruster": { "force": [1, 2, 3], "point": [0.1, 0, 0], "throttle": 0.5 } }, { "thruster": { "force": [1, 0, 0] } },
+      { "constant_wrench": { "force": [1, 0, 0], "torque": [0, 1, 0], "frame": "body" } },
+      { "spring_to_point": { "anchor": [1, 2, 3], "attachment": [0, 1, 0], "rest_length": 1, "stiffness": 10, "damping": 1 } },
+      { "spring": { "to": "floor", "attachment": [0, 1, 0], "attachment_to": [1, 0, 0], "stiffness": 10, "damping": 1 } },
+      { "point_gravity": { "center": [0, 1, 0], "mu": 10, "softening": 0.1 } }, { "gravity_mass": { "mu": 1, "softening": 0.1 } },
+      { "buoyancy": { "density": 100, "level": 2, "hull": { "sphere": { "radius": 0.5 } }, "center": [0, 0.1, 0] } },
+      { "angular_velocity_servo": { "target": [0, 1, 0], "frame": "body", "max_torque": 5 } } ] },
   { "shape": { "compound": { "parts": [ { "shape": { "sphere": { "radius": 1 } }, "density": 10 },
     { "shape": "point", "mass": 1, "position": [1, 0, 0], "orientation": [0, 0, 0, 1] } ] } } },
-  { "name": "floor", "fixed": true, "shape": { "cone": { "radius": 1, "half_height": 2 } } },
+  { "name": "floor", "fixed": true, "shape": { "cone": { "radius": 1, "half_height": 2 } }, "forces": [ { "gravity_mass": { "mu": 5 } } ] },
   { "name": "belt", "kinematic": true, "angular_velocity": [0, 1, 0] },
   { "name": "tensor", "mass": 1, "inertia": { "tensor": [[2, 0.1, 0], [0.1, 2, 0], [0, 0, 2]] } } ] }"#;
 
 const RON: &str = r#"( name: "mixed", gravity: (0, -9.81, 0), dt: 0.01, steps: 10, integrator: "moser-veselov", bodies: [
   ( name: "brick", shape: cuboid(half_extents: (0.1, 0.05, 0.03)), mass: 2.0,
     inertia: (principal: [1, 2, 2.5], axes: (0, 0, 0.6, 0.8)), position: (1, 2, 3), orientation: [0, 0.6, 0, 0.8],
-    forces: [ damping(linear: 0.1, angular: 0.2), gravity_scale(0.5) ] ),
+    forces: [ damping(linear: 0.1, angular: 0.2), gravity_scale(0.5), wind((1, 2, 3)), drag(linear: 0.5, angular: (1, 2, 3)),
+      spring(to: "body-2", stiffness: 10), buoyancy(hull: cuboid(half_extents: (1, 1, 1))), gravity_mass(),
+      constant_wrench(force: (1, 0, 0), frame: world) ] ),
   ( shape: compound(parts: [ (shape: capsule(radius: 1, half_height: 2), density: 10), (shape: point, mass: 1) ]) ),
   ( fixed: true, shape: ellipsoid(radii: (1, 2, 3)) ) ] )"#;
 

@@ -7,7 +7,7 @@ use crate::math::{Real, Vec3};
 /// Turns the body up to a wanted angular velocity, in one step where the torque suffices: `torque = I (wanted - w)/dt`, at most so large.
 ///
 /// What other engines leave to the caller (Unity's `AddTorque(inertia * difference / dt)`) with a limit: a reaction wheel. Against a limit the angular
-/// velocity changes at the rate `max_torque/I`. It does work, and has no potential. Under `RungeKutta4`, whose stages are within the step, each step leaves 0.375 of the difference.
+/// velocity changes at the rate `max_torque/I`, and the last of it may take one step more. It does work, and has no potential. Under `RungeKutta4`, whose stages are within the step, each step leaves 0.375 of the difference.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct AngularVelocityServo {
     /// Wanted angular velocity [rad/s].

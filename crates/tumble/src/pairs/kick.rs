@@ -60,7 +60,8 @@ impl PairForces {
         }));
         self.velocities.clear();
         self.velocities.extend(seen.iter().map(|seen| Velocities::halfway(seen, &Impulse::zero())));
-        self.springs.update(&self.members, &self.velocities, t, h);
+        self.springs.prepare(&self.members, t, h);
+        self.springs.update(&self.velocities);
         if self.springs.are_damped() {
             // Once more at the velocities half-way, which makes the kick one of second order. No damper takes more than the velocity there is, in all of a net
             // together: the kick leaves between half and all of every motion.
@@ -69,7 +70,7 @@ impl PairForces {
                 impulse.linear = impulse.linear + self.by_gravity(slot, t).linear;
                 self.velocities[slot] = Velocities::halfway(&self.members.seen[slot], &impulse);
             }
-            self.springs.update(&self.members, &self.velocities, t, h);
+            self.springs.update(&self.velocities);
         }
         let seen = &self.members.seen;
         self.members.for_each_archetype(world, |archetype, places| {

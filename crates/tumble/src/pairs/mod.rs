@@ -19,8 +19,10 @@ pub use spring::Spring;
 
 use hecs::World;
 
+use crate::force_laws::may_have_forces;
+
 /// Whether there may be such forces in a world.
 pub(crate) fn are_in(world: &World) -> bool {
-    let mut archetypes = world.archetypes().filter(|archetype| !archetype.is_empty());
+    let mut archetypes = world.archetypes().filter(|archetype| !archetype.is_empty() && may_have_forces(archetype));
     archetypes.any(|archetype| archetype.has::<Spring>() || archetype.has::<GravityMass>())
 }

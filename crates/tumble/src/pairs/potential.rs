@@ -30,7 +30,7 @@ fn point(body: EntityRef<'_>, attachment: Vec3) -> Option<glam::DVec3> {
     point.is_finite().then_some(point)
 }
 
-/// Half of what each body's mass has in the fields of the others; whole for one whose own field is none.
+/// Half of what each body's mass has in the fields of the others; whole for a pair of which only one feels the other.
 fn gravity(world: &World, order: &BodyOrder) -> f64 {
     let masses: Vec<(glam::DVec3, f64, f64, f64)> = order
         .entities()
@@ -47,12 +47,10 @@ fn gravity(world: &World, order: &BodyOrder) -> f64 {
     for (i, &(x, mass, mu, softening)) in masses.iter().enumerate() {
         for &(other_x, other_mass, other_mu, other_softening) in &masses[..i] {
             let distance = (x.distance_squared(other_x) + softening + other_softening).sqrt();
-            // Equal where mu is in proportion to mass; a body without a field still has energy in those of others.
-            let strength = if mu == 0.0 || other_mu == 0.0 {
-                mass * other_mu + other_mass * mu
-            } else {
-                0.5 * (mass * other_mu + other_mass * mu)
-            };
+            // The two are equal where mu is in proportion to mass; a body without a field, or one that nothing moves, has energy with the other all the same.
+            let strengths = [mass * other_mu, other_mass * mu];
+            let is_one_sided = strengths.contains(&0.0);
+            let strength = strengths.iter().sum::<f64>() * if is_one_sided { 1.0 } else { 0.5 };
             if distance > 0.0 {
                 sum -= strength / distance;
             }

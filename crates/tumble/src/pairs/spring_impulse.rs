@@ -16,6 +16,20 @@ struct Connection {
     spring: Spring,
 }
 
+/// What a spring does in a kick, but for the velocities.
+#[derive(Clone, Copy)]
+struct Pull {
+    slots: [usize; 2],
+    /// From one attachment to the other, of unit length.
+    direction: Vec3<Real>,
+    /// From the centres of mass to the attachments \[m\].
+    arms: [Vec3<Real>; 2],
+    /// Of the elongation [N s].
+    impulse: Real,
+    /// Over the speed of elongation \[kg\].
+    damping: Real,
+}
+
 /// Changes of linear [kg m/s] and angular [kg m^2/s] momentum.
 #[derive(Clone, Copy)]
 pub(super) struct Impulse {
@@ -37,6 +51,7 @@ pub(super) struct Springs {
     first_end: Vec<usize>,
     /// For each slot its springs, in order: the spring's index, and which end of it.
     ends: Vec<(usize, usize)>,
+    pulls: Vec<Pull>,
     /// What each spring does to each of its bodies.
     impulses: Vec<[Impulse; 2]>,
 }
@@ -93,18 +108,28 @@ impl Springs {
         self.connections.iter().any(|connection| connection.spring.damping != 0.0)
     }
 
-    /// Computes what each spring does in a kick of the duration `t` \[s\], in substeps of `h` \[s\], where the bodies have these velocities.
-    pub(super) fn update(&mut self, members: &Members, velocities: &[Velocities], t: Real, h: Real) {
-        let Self { connections, first_end, impulses, .. } = self;
-        impulses.clear();
-        impulses.resize(connections.len(), [Impulse::zero(); 2]);
+    /// Finds out how each spring pulls in a kick of the duration `t` \[s\], in substeps of `h` \[s\].
+    pub(super) fn prepare(&mut self, members: &Members, t: Real, h: Real) {
+        let Self { connections, first_end, pulls, .. } = self;
         let springs_of = |slot: usize| (first_end[slot + 1] - first_end[slot]) as Real;
-        let parts = impulses.par_chunks_mut(PART).zip(connections.par_chunks(PART));
-        parts.for_each(|(impulses, connections)| {
-            for (impulse, connection) in impulses.iter_mut().zip(connections) {
+        pulls.clear();
+        pulls.resize(connections.len(), Pull::none());
+        let parts = pulls.par_chunks_mut(PART).zip(connections.par_chunks(PART));
+        parts.for_each(|(pulls, connections)| {
+            for (pull, connection) in pulls.iter_mut().zip(connections) {
                 let shares = connection.slots.map(springs_of);
-                let bodies = connection.slots.map(|slot| &members.seen[slot]);
-                *impulse = connection.impulses(bodies, connection.slots.map(|slot| &velocities[slot]), shares, [t, h]);
+                *pull = connection.pull(connection.slots.map(|slot| &members.seen[slot]), shares, t, h);
+            }
+        });
+    }
+
+    /// Computes what the springs do to bodies that have these velocities.
+    pub(super) fn update(&mut self, velocities: &[Velocities]) {
+        self.impulses.resize(self.pulls.len(), [Impulse::zero(); 2]);
+        let parts = self.impulses.par_chunks_mut(PART).zip(self.pulls.par_chunks(PART));
+        parts.for_each(|(impulses, pulls)| {
+            for (impulse, pull) in impulses.iter_mut().zip(pulls) {
+                *impulse = pull.impulses(velocities);
             }
         });
     }
@@ -128,32 +153,42 @@ impl Connection {
         (self.slots, numbers.map(|number| u64::from(number.to_bits())))
     }
 
-    /// The impulses on both bodies in a kick over the time `t` in substeps of `h`. Each body lends the spring its share of mass and inertia, one part for every
+    /// What it does in a kick over the time `t` in substeps of `h`. Each body lends the spring its share of mass and inertia, one part for every
     /// spring that it has. What the spring moves is taken at its lightest, so that it does not depend on attitude: a stiffness that changes as bodies turn has no
     /// potential, and energy would not come back.
-    fn impulses(
-        &self,
-        [a, b]: [&Seen; 2],
-        [velocity_a, velocity_b]: [&Velocities; 2],
-        shares: [Real; 2],
-        [t, h]: [Real; 2],
-    ) -> [Impulse; 2] {
+    fn pull(&self, [a, b]: [&Seen; 2], shares: [Real; 2], t: Real, h: Real) -> Pull {
         let spring = &self.spring;
         let [at_a, at_b] = spring.attachments;
-        let arm_a = a.state.orientation.rotate(at_a.into());
-        let arm_b = b.state.orientation.rotate(at_b.into());
-        let direction = Direction::of((b.state.position - a.state.position) + (arm_b - arm_a));
-        let n = direction.unit;
+        let arms = [a.state.orientation.rotate(at_a.into()), b.state.orientation.rotate(at_b.into())];
+        let direction = Direction::of((b.state.position - a.state.position) + (arms[1] - arms[0]));
         let inverse_mass = a.most_inverse_mass_at(at_a) * shares[0] + b.most_inverse_mass_at(at_b) * shares[1];
         let in_a_net =
             [(a, shares[0]), (b, shares[1])].iter().any(|(seen, share)| seen.constants.is_some() && *share > 1.0);
         let most_angle = if in_a_net { MOST_ANGLE_IN_A_NET } else { MOST_ANGLE };
         let stiffness = stable_stiffness(spring.stiffness, inverse_mass, h, Real::splat(most_angle));
-        let damping = stable_damping(spring.damping, inverse_mass, t);
-        let speed = n.dot(velocity_b.at(arm_b) - velocity_a.at(arm_a));
-        let impulse = (stiffness * (direction.length - spring.rest_length) + damping * speed) * t;
-        let (on_a, on_b) = (n * impulse, n * -impulse);
-        [Impulse { linear: on_a, angular: arm_a.cross(on_a) }, Impulse { linear: on_b, angular: arm_b.cross(on_b) }]
+        Pull {
+            slots: self.slots,
+            direction: direction.unit,
+            arms,
+            impulse: stiffness * (direction.length - spring.rest_length) * t,
+            damping: stable_damping(spring.damping, inverse_mass, t) * t,
+        }
+    }
+}
+
+impl Pull {
+    fn none() -> Self {
+        Self { slots: [0; 2], direction: Vec3::zero(), arms: [Vec3::zero(); 2], impulse: 0.0, damping: 0.0 }
+    }
+
+    fn impulses(&self, velocities: &[Velocities]) -> [Impulse; 2] {
+        let [at_a, at_b] = [0, 1].map(|end| velocities[self.slots[end]].at(self.arms[end]));
+        let impulse = self.impulse + self.damping * self.direction.dot(at_b - at_a);
+        let (on_a, on_b) = (self.direction * impulse, self.direction * -impulse);
+        [
+            Impulse { linear: on_a, angular: self.arms[0].cross(on_a) },
+            Impulse { linear: on_b, angular: self.arms[1].cross(on_b) },
+        ]
     }
 }
 
