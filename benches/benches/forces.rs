@@ -50,10 +50,12 @@ impl LaneLaw<1> for Tether {
 /// Gives a body what a bench is about.
 type Equip = fn(&mut World, Entity) -> Result<(), hecs::NoSuchEntity>;
 
-const KINDS: [(&str, Equip); 12] = [
+const KINDS: [(&str, Equip); 14] = [
     ("none", |_, _| Ok(())),
     ("law", |world, body| world.insert_one(body, OneByOne(Tether(0.1)))),
     ("lane law", |world, body| world.insert_one(body, Tether(0.1))),
+    ("GravityScale", |world, body| world.insert_one(body, GravityScale(0.5))),
+    ("Damping", |world, body| world.insert_one(body, Damping { linear: 0.1, angular: 0.1 })),
     ("Drag", |world, body| world.insert_one(body, Drag::isotropic(0.1))),
     ("Magnus", |world, body| world.insert_one(body, Magnus { coefficient: 0.1 })),
     ("Thruster", |world, body| world.insert_one(body, Thruster::new(Vec3::X, Vec3::Y))),
@@ -108,7 +110,8 @@ fn springs(criterion: &mut Criterion) {
         let mut net: Vec<Entity> = Vec::new();
         for i in 0..side * side {
             let place = Vec3::new((i % side) as Real, 0.0, (i / side) as Real);
-            let Ok(body) = RigidBody::new(Shape::sphere(0.1)).mass(1.0).id(BodyId(i as u64)).position(place).build() else {
+            let Ok(body) = RigidBody::new(Shape::sphere(0.1)).mass(1.0).id(BodyId(i as u64)).position(place).build()
+            else {
                 return;
             };
             net.push(body.spawn(&mut world));

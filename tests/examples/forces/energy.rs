@@ -69,11 +69,15 @@ fn changes(mut world: World, dt: Real) -> Result<Vec<(f64, f64)>, Failure> {
 
 pub(crate) fn find() -> Result<Findings, Failure> {
     let mut text = String::from("\nEnergy over a million steps, relative to the kinetic energy at first\n\n");
-    text.push_str("| system | largest change | mean of the first tenth | mean of the last tenth |\n|---|---|---|---|\n");
+    text.push_str(
+        "| system | largest change | mean of the first tenth | mean of the last tenth |\n|---|---|---|---|\n",
+    );
     let mut plot = Plot::new("Energy over a million steps")
         .x_axis("thousand steps", Scale::Linear)
         .y_axis("change, relative to the kinetic energy at first", Scale::Linear);
-    for (name, world, dt) in [("eight bars on springs", chain()?, 1.0 / 120.0), ("a sun and four planets", planets()?, 0.01)] {
+    for (name, world, dt) in
+        [("eight bars on springs", chain()?, 1.0 / 120.0), ("a sun and four planets", planets()?, 0.01)]
+    {
         let changes = changes(world, dt)?;
         let largest = changes.iter().fold(0.0_f64, |most, (_, change)| most.max(change.abs()));
         let tenth = changes.len() / 10;

@@ -125,7 +125,10 @@ pub(crate) fn find() -> Result<Findings, Failure> {
 
     let long = Orbit::new(500)?.periods(1000)?;
     let over = |value: fn(&Elements) -> f64| long.iter().map(value).collect::<Vec<_>>();
-    writeln!(text, "\n1000 periods of 500 steps, means over each\n\n| element | at first | at last | slope a period | its standard error |")?;
+    writeln!(
+        text,
+        "\n1000 periods of 500 steps, means over each\n\n| element | at first | at last | slope a period | its standard error |"
+    )?;
     text.push_str("|---|---|---|---|---|\n");
     let rows: [(&str, fn(&Elements) -> f64); 4] = [
         ("energy", |one| one.energy),
@@ -136,7 +139,12 @@ pub(crate) fn find() -> Result<Findings, Failure> {
     for (name, value) in rows {
         let values = over(value);
         let (slope, error) = slope(&values);
-        writeln!(text, "| {name} | {:.12} | {:.12} | {slope:.2e} | {error:.1e} |", values[0], values[values.len() - 1])?;
+        writeln!(
+            text,
+            "| {name} | {:.12} | {:.12} | {slope:.2e} | {error:.1e} |",
+            values[0],
+            values[values.len() - 1]
+        )?;
     }
     let errors = long.iter().enumerate().map(|(i, one)| (i as f64, one.energy / long[0].energy - 1.0));
     let energy = Plot::new("A Kepler orbit, 1000 periods of 500 steps")
