@@ -88,27 +88,52 @@ pub struct BodyState<'a> {
     pub angular_velocity: Vec3,
     /// Mass \[kg\].
     pub mass: Real,
+    start: f64,
+    offset: Real,
     constants: &'a Constants<Real>,
     surroundings: &'a Surroundings,
 }
 
 impl<'a> BodyState<'a> {
-    pub(crate) fn new(time: f64, about: (&'a Constants<Real>, &'a Surroundings), state: &State<Real>) -> Self {
+    /// Of a state that the body reaches `when.1` \[s\] after `when.0` \[s\], the start of a substep.
+    pub(crate) fn new(when: (f64, Real), about: (&'a Constants<Real>, &'a Surroundings), state: &State<Real>) -> Self {
         let orientation = state.orientation.normalize();
         let angular_velocity = about.0.angular_velocity(&State { orientation, ..*state });
         let velocities = (about.0.velocity(state.linear).into(), angular_velocity.into());
-        Self::seen(time, about, (state.position.into(), orientation.into()), velocities)
+        Self::seen(when, about, (state.position.into(), orientation.into()), velocities)
     }
 
     /// Of a position, an orientation of unit length, and velocities.
     pub(crate) fn seen(
-        time: f64,
+        (start, offset): (f64, Real),
         (constants, surroundings): (&'a Constants<Real>, &'a Surroundings),
         (position, orientation): (Vec3, Quat),
         (linear_velocity, angular_velocity): (Vec3, Vec3),
     ) -> Self {
         let mass = constants.mass;
-        Self { time, position, orientation, linear_velocity, angular_velocity, mass, constants, surroundings }
+        let time = start + f64::from(offset);
+        Self {
+            time,
+            start,
+            offset,
+            position,
+            orientation,
+            linear_velocity,
+            angular_velocity,
+            mass,
+            constants,
+            surroundings,
+        }
+    }
+
+    /// Time at the start of the substep \[s\].
+    pub(crate) fn start(&self) -> f64 {
+        self.start
+    }
+
+    /// Time from there to the stage \[s\].
+    pub(crate) fn offset(&self) -> Real {
+        self.offset
     }
 
     pub(crate) fn constants(&self) -> &'a Constants<Real> {

@@ -193,14 +193,20 @@ impl<L: Lane> LaneBody<L> {
         L::select(self.kick.lt(self.substep), in_halves, in_one)
     }
 
-    /// The part of a resistance that takes away no more than the velocity there is in a kick; all of it where that does. `rate` is the change of velocity in
-    /// a second, linear or angular.
+    /// For each axis of the body a moment of inertia that a resistance along it meets at the least [kg m^2]: the moment itself where the axes are principal ones, else the
+    /// smallest; zero for a point mass, which has nothing to turn.
     #[inline(always)]
-    pub fn stable_share(&self, rate: Vec3<L>, velocity: Vec3<L>) -> L {
-        let one = L::splat(1.0);
-        let change = rate * self.kick;
-        let (taken, there) = (change.dot(change), velocity.dot(velocity));
-        L::select(there.lt(taken), (there / taken).sqrt(), one)
+    pub(crate) fn least_inertia(&self) -> Vec3<L> {
+        match &self.constants.inertia {
+            Some(inertia) => {
+                let m = inertia.moments;
+                match inertia.axes {
+                    Some(_) => Vec3::splat(m.x.min(m.y).min(m.z)),
+                    None => m,
+                }
+            }
+            None => Vec3::zero(),
+        }
     }
 
     /// The time \[s\] in which a force has to do its work so that it is done when the step ends, without going too far.
@@ -215,8 +221,8 @@ impl LaneBody<Real> {
     pub(crate) fn of(state: &BodyState<'_>) -> Self {
         let Surroundings { wind, gravity, kick, substep } = *state.surroundings();
         Self {
-            time: state.time,
-            offset: 0.0,
+            time: state.start(),
+            offset: state.offset(),
             position: state.position.into(),
             orientation: state.orientation.into(),
             linear_velocity: state.linear_velocity.into(),

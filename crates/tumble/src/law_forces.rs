@@ -30,7 +30,7 @@ pub(crate) struct LawForces<'a> {
 
 impl LawForces<'_> {
     fn seen_by_laws(&self, offset: Real, state: &State<Real>) -> BodyState<'_> {
-        BodyState::new(self.time + f64::from(offset), (self.constants, self.surroundings), state)
+        BodyState::new((self.time, offset), (self.constants, self.surroundings), state)
     }
 }
 

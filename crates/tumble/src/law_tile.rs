@@ -153,7 +153,7 @@ impl LawTile {
             let surroundings = Surroundings { wind, ..self.surroundings };
             let orientation = GlamQuat::from_xyzw(n[4][i], n[5][i], n[6][i], n[7][i]);
             let state = BodyState::seen(
-                self.time + f64::from(n[0][i]),
+                (self.time, n[0][i]),
                 (&constants, &surroundings),
                 (vector(1), orientation),
                 (vector(8), vector(11)),
@@ -169,6 +169,7 @@ impl LawTile {
     /// Adds the wrenches of a law that is written for tiles; `law` is that of a row.
     pub(crate) fn add_in_lanes<'l, const N: usize, L: LaneLaw<N>>(&mut self, law: impl Fn(usize) -> &'l L) {
         let mut numbers = [[0.0; MOST_BODIES]; N];
+        // A tile is of one body at least.
         let last = self.bodies - 1;
         for i in 0..self.width {
             let of_one = law(self.row + i.min(last)).numbers();

@@ -109,7 +109,7 @@ impl Ledger {
                     work += *done;
                 }
                 let surroundings = Surroundings::of_body(body, simulation.settings());
-                let seen = BodyState::new(simulation.time(), (&constants, &surroundings), &state);
+                let seen = BodyState::new((simulation.time(), 0.0), (&constants, &surroundings), &state);
                 law_potential += simulation.laws().potential(body, &seen);
             }
         }

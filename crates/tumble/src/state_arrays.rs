@@ -157,7 +157,7 @@ fn forced(
     let scale = body.get::<&GravityScale>().map_or(1.0, |scale| scale.0);
     wrench.force += settings.gravity * (constants.mass * scale);
     let surroundings = Surroundings { kick: 0.0, ..Surroundings::of_body(body, settings) };
-    wrench.add(ForceLaws::wrench_of_components(body, &BodyState::new(0.0, (&constants, &surroundings), state)));
+    wrench.add(ForceLaws::wrench_of_components(body, &BodyState::new((0.0, 0.0), (&constants, &surroundings), state)));
     let damping = body.get::<&Damping>().map_or(Damping::default(), |damping| *damping);
     Some((constants, wrench.into(), damping))
 }

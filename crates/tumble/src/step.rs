@@ -12,10 +12,10 @@ use crate::systems::{
 
 /// Advances every body of the world by `settings.dt`.
 ///
-/// The systems of a step use only a body's own components, so all of them run on a chunk of bodies while it is in cache. Running
+/// Where no forces act between bodies, the systems of a step use only a body's own components, and all of them run on a chunk of bodies while it is in cache. Running
 /// [`accumulate_forces`](crate::accumulate_forces), [`integrate`](crate::integrate) and [`update_derived`](crate::update_derived)
-/// one after the other over the whole world gives moving bodies the same bits. A step also moves the kinematic bodies, one after the
-/// other, and keeps [`PreviousPose`](crate::PreviousPose) up to date.
+/// one after the other over the whole world gives moving bodies the same bits, unless a [`Spring`](crate::Spring) or [`GravityMass`](crate::GravityMass) ties them to a
+/// kinematic one: a step also moves those, one after the other and beside the others in every substep, and keeps [`PreviousPose`](crate::PreviousPose) up to date.
 ///
 /// The settings are not [validated](Settings::validate) here; [`Simulation`](crate::Simulation) does that once, and knows the force
 /// laws and the time.

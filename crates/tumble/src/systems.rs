@@ -22,16 +22,17 @@ use crate::surroundings::Surroundings;
 use crate::tile::splat;
 use crate::totals::KineticEnergy;
 
-/// Generators and applied forces to [`Wrench`](crate::Wrench): adds to each moving body's wrench the forces of what acts on it
-/// all the time, which is gravity, scaled by its [`GravityScale`](crate::GravityScale).
+/// Constant forces to [`Wrench`](crate::Wrench): adds to each moving body's wrench what is the same at every stage of a step, which is gravity, scaled by
+/// its [`GravityScale`](crate::GravityScale).
 ///
-/// [`Damping`](crate::Damping) is not among them: it is a decay, which [`integrate`] treats exactly.
+/// Force components that depend on the state, such as [`Drag`](crate::Drag), are evaluated in [`integrate`], as laws are; so is
+/// [`Damping`](crate::Damping), a decay that is treated exactly.
 pub fn accumulate_forces(world: &mut World, settings: &Settings) {
     for_each_chunk(world, &ForceLaws::default(), |bodies| accumulate_forces_of(bodies, settings));
 }
 
 /// [`Wrench`], [`Momentum`](crate::Momentum), [`Pose`](crate::Pose) to the same: advances the state by `settings.dt` with the chosen [`Integrator`], in
-/// `settings.substeps` equal parts, and zeroes the wrench it has consumed.
+/// `settings.substeps` equal parts, under the wrench, the force components and the forces between bodies, and zeroes the wrench it has consumed.
 pub fn integrate(world: &mut World, settings: &Settings) {
     integrate_under_laws(world, settings, &ForceLaws::default(), 0.0);
 }

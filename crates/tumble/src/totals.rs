@@ -20,7 +20,8 @@ pub struct Totals {
     pub rotational_kinetic: f64,
     /// Energy in the simulation's gravity, zero at the world's origin, `-sum M g.x` \[J\].
     pub potential: f64,
-    /// Energy in force components such as [`SpringToPoint`](crate::SpringToPoint) or [`Spring`](crate::Spring) \[J\].
+    /// Energy in force components such as [`SpringToPoint`](crate::SpringToPoint) or [`Spring`](crate::Spring) \[J\], with the parameters that they were given; a
+    /// spring that is stiff for the step acts softer, and has less. `measure` takes time with the square of the number of [`GravityMass`](crate::GravityMass)es.
     pub force_potential: f64,
     /// `sum P` [kg m/s].
     pub linear_momentum: DVec3,
@@ -49,7 +50,7 @@ impl Totals {
         let scale = body.get::<&GravityScale>().map_or(1.0, |scale| f64::from(scale.0));
         self.potential -= f64::from(constants.mass) * scale * dvec3(settings.gravity).dot(position);
         let surroundings = Surroundings::of_body(body, settings);
-        let seen = BodyState::new(0.0, (&constants, &surroundings), &state);
+        let seen = BodyState::new((0.0, 0.0), (&constants, &surroundings), &state);
         self.force_potential += ForceLaws::potential_of_components(body, &seen);
         self.linear_momentum += linear;
         self.angular_momentum += position.cross(linear) + angular;

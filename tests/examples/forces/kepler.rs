@@ -23,6 +23,9 @@ struct Elements {
     periapsis: f64,
 }
 
+/// A name and a number of the elements.
+type Element = (&'static str, fn(&Elements) -> f64);
+
 struct Orbit {
     world: World,
     body: Entity,
@@ -130,7 +133,7 @@ pub(crate) fn find() -> Result<Findings, Failure> {
         "\n1000 periods of 500 steps, means over each\n\n| element | at first | at last | slope a period | its standard error |"
     )?;
     text.push_str("|---|---|---|---|---|\n");
-    let rows: [(&str, fn(&Elements) -> f64); 4] = [
+    let rows: [Element; 4] = [
         ("energy", |one| one.energy),
         ("angular momentum", |one| one.angular_momentum),
         ("eccentricity", |one| one.eccentricity),

@@ -3,16 +3,13 @@
 use std::collections::HashMap;
 
 use glam::{DQuat, DVec3};
-use tumble::Frame;
+use tumble::{Frame, GravityMass};
 
 use super::{double_vector, finite, finite_triple, name, note, positive, rate, real, real_vector, unit_quaternion};
 use crate::error::{FieldError, shortest};
 use crate::force::{Force, HullShape, thrust_is_finite};
 use crate::force_model::{ForceModel, FrameModel, HullModel, PerAxis};
 use crate::model::{BodyModel, ShapeModel, Triple};
-
-/// The gravitational constant [m^3/(kg s^2)] (CODATA 2018).
-const GRAVITATIONAL_CONSTANT: f64 = 6.674_30e-11;
 
 /// Fresh water [kg/m^3].
 const WATER: f64 = 1000.0;
@@ -197,9 +194,9 @@ fn world_point(body: &BodyModel, point: [f64; 3]) -> DVec3 {
 
 /// Gravitational constant times mass [m^3/s^2], given or that of the body's mass.
 fn gravity_of(body: &BodyModel, mu: Option<f64>) -> Result<f64, FieldError> {
-    match mu.or(body.mass.map(|mass| GRAVITATIONAL_CONSTANT * mass)) {
+    match mu.or(body.mass.map(|mass| GravityMass::CONSTANT * mass)) {
         Some(mu) => number("mu", mu),
-        None => number("mu", GRAVITATIONAL_CONSTANT * mass_of(body)?),
+        None => number("mu", GravityMass::CONSTANT * mass_of(body)?),
     }
 }
 

@@ -47,19 +47,19 @@ impl LaneLaw<6> for Drag {
     #[inline(always)]
     fn wrench<L: Lane>([kx, ky, kz, cx, cy, cz]: [L; 6], body: &LaneBody<L>) -> LaneWrench<L> {
         let (u, w) = (body.linear_velocity - body.wind, body.angular_velocity);
-        let force = resistance(body, u, LaneVec3::new(kx, ky, kz));
-        let torque = resistance(body, w, LaneVec3::new(cx, cy, cz));
-        let deceleration = force * (L::splat(1.0) / body.mass);
+        let mass = LaneVec3::splat(body.mass);
         LaneWrench {
-            force: force * body.stable_share(deceleration, u),
-            torque: torque * body.stable_share(body.apply_inverse_inertia(torque), w),
+            force: resistance(body, u, LaneVec3::new(kx, ky, kz), mass),
+            torque: resistance(body, w, LaneVec3::new(cx, cy, cz), body.least_inertia()),
         }
     }
 }
 
-/// `-|u| K u`, with K along the body's axes.
+/// `-|u| K u`, with K along the body's axes; at the most so much along each that a kick takes away all of the velocity there.
 #[inline(always)]
-fn resistance<L: Lane>(body: &LaneBody<L>, u: LaneVec3<L>, k: LaneVec3<L>) -> LaneVec3<L> {
-    let along_axes = body.orientation.rotate_back(u).scale(k);
-    body.orientation.rotate(along_axes) * -u.dot(u).sqrt()
+fn resistance<L: Lane>(body: &LaneBody<L>, u: LaneVec3<L>, k: LaneVec3<L>, inertia: LaneVec3<L>) -> LaneVec3<L> {
+    let speed = u.dot(u).sqrt();
+    let most = inertia * (L::splat(1.0) / (speed * body.kick));
+    let k = LaneVec3::new(k.x.min(most.x), k.y.min(most.y), k.z.min(most.z));
+    body.orientation.rotate(body.orientation.rotate_back(u).scale(k)) * -speed
 }

@@ -5,7 +5,7 @@ use crate::math::Real;
 
 /// The sideways force on a body that spins in a stream: `F = S w x u`, with `u` the velocity relative to the [`Wind`](crate::Wind).
 ///
-/// Always across the motion, so in still air it does no work. A point of the flow that moves at constant speed with `w` across it goes round with the
+/// Always across the motion, so in still air it does no work. A body that moves at constant speed with `w` across its way goes round with the
 /// angular velocity `S w/M`.
 #[derive(Clone, Copy, Debug, PartialEq, Default)]
 pub struct Magnus {

@@ -11,7 +11,9 @@ use crate::math::{Real, Vec3, dvec3};
 /// the anchor from every side.
 ///
 /// Under `MoserVeselov` and `SemiImplicitEuler` it never explodes, however stiff. At the centre of mass it has its true frequency up to 0.45 a substep, and elsewhere
-/// at least no higher one than it should: see [`LaneBody::stable_stiffness`]. Under `RungeKutta4` the angular frequency times the substep must stay below 2.8. Between two bodies there is [`Spring`](crate::Spring).
+/// no higher one than it should: see [`LaneBody::stable_stiffness`]. Under `RungeKutta4` the angular frequency times the substep must stay below 2.8. Between two bodies there is [`Spring`](crate::Spring).
+///
+/// It reckons with the whole mass of the body: on one that other springs hold as well, all of them together must not be stiffer than one may be at its stiffest.
 #[derive(Clone, Copy, Debug, PartialEq, Default)]
 pub struct SpringToPoint {
     /// The point of the world \[m\].

@@ -8,7 +8,7 @@ use crate::simd::{Kernel, MOST_BODIES, Tile, dispatch};
 /// Makes a body attract all others that carry one, and be attracted by them: `F_i = M_i sum mu_j r/(r^2 + e_i^2 + e_j^2)^(3/2)`, `r` from i to j.
 ///
 /// Every pair is computed, at any number of bodies; docs/forces.md says what that costs. Momentum is kept, and there is an energy, where `mu` is in proportion to
-/// [`Mass`](crate::Mass). With a `mu` of zero a body feels the others and they do not feel it.
+/// [`Mass`](crate::Mass). A body that is nowhere, at a position that is not finite, takes all the others with it. With a `mu` of zero a body feels the others and they do not feel it.
 ///
 /// ```
 /// # use tumble::GravityMass;
@@ -30,9 +30,12 @@ impl GravityMass {
         Self { mu, softening: 0.0 }
     }
 
-    /// Of a mass \[kg\] and the gravitational constant of the universe, 6.67430e-11 m^3/(kg s^2) (CODATA 2018).
+    /// The gravitational constant [m^3/(kg s^2)] (CODATA 2018).
+    pub const CONSTANT: f64 = 6.674_30e-11;
+
+    /// Of a mass \[kg\] in this universe.
     pub fn of_kilograms(mass: f64) -> Self {
-        Self::new(crate::math::real(6.674_30e-11 * mass))
+        Self::new(crate::math::real(Self::CONSTANT * mass))
     }
 }
 

@@ -54,7 +54,7 @@ impl PairForces {
         self.members.gather(world);
         let seen = &self.members.seen;
         self.gravity.update(self.attracting.iter().map(|(slot, mass)| Source {
-            position: seen[*slot].position,
+            position: seen[*slot].state.position.into(),
             mu: mass.mu,
             softening_squared: mass.softening * mass.softening,
         }));
@@ -76,7 +76,7 @@ impl PairForces {
         self.members.for_each_archetype(world, |archetype, places| {
             let Some(mut momenta) = archetype.get::<&mut Momentum>() else { return };
             let mut works = archetype.get::<&mut Work>();
-            for (row, slot) in places {
+            for (row, slot) in places.filter(|(_, slot)| seen[*slot].constants.is_some()) {
                 let by_springs = self.springs.impulse(slot);
                 let by_gravity = self.by_gravity(slot, t);
                 let momentum = &mut momenta[row];

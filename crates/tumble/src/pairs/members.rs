@@ -3,9 +3,9 @@
 use hecs::{Archetype, World};
 
 use super::{GravityMass, Spring};
-use crate::components::{BodyId, Inertia, Mass, Momentum, Pose, PrincipalAxes, Velocity};
+use crate::components::{BodyId, Inertia, Mass, Momentum, Pose, PrincipalAxes, Velocity, Wrench};
 use crate::derived::{Derived, derived};
-use crate::math::{Real, Vec3};
+use crate::math::Real;
 use crate::state::{Constants, Moments, State};
 
 /// No slot.
@@ -23,7 +23,6 @@ struct Member {
 /// A body as forces between bodies see it.
 #[derive(Clone, Copy)]
 pub(super) struct Seen {
-    pub(super) position: Vec3,
     pub(super) state: State<Real>,
     /// Zero for a body that forces do not move.
     pub(super) inverse_mass: Real,
@@ -138,6 +137,8 @@ struct Columns<'a> {
     inertia: Option<hecs::ArchetypeColumn<'a, Inertia>>,
     axes: Option<hecs::ArchetypeColumn<'a, PrincipalAxes>>,
     velocity: Option<hecs::ArchetypeColumn<'a, Velocity>>,
+    /// Whether there are wrenches: without them a body is not integrated.
+    wrench: bool,
 }
 
 impl<'a> Columns<'a> {
@@ -149,12 +150,13 @@ impl<'a> Columns<'a> {
             inertia: archetype.get::<&Inertia>(),
             axes: archetype.get::<&PrincipalAxes>(),
             velocity: archetype.get::<&Velocity>(),
+            wrench: archetype.has::<Wrench>(),
         }
     }
 
     fn seen(&self, row: usize) -> Seen {
         let Some(pose) = self.pose.as_deref().map(|column| column[row]) else { return Seen::NOWHERE };
-        let (Some(momentum), Some(mass)) = (&self.momentum, &self.mass) else {
+        let (Some(momentum), Some(mass), true) = (&self.momentum, &self.mass, self.wrench) else {
             let velocity = self.velocity.as_deref().map_or(Velocity::default(), |column| column[row]);
             return Seen::unmoved(pose, velocity);
         };
@@ -164,7 +166,6 @@ impl<'a> Columns<'a> {
         let state = State::new(&pose, &momentum[row]);
         let upright = State { orientation: state.orientation.normalize(), ..state };
         Seen {
-            position: pose.position,
             state: upright,
             inverse_mass: 1.0 / constants.mass,
             constants: Some(constants),
@@ -179,7 +180,6 @@ impl Seen {
         let zero = tumble_math::lane::Vec3 { x: 0.0, y: 0.0, z: 0.0 };
         let orientation = tumble_math::lane::Quat { x: 0.0, y: 0.0, z: 0.0, w: 1.0 };
         Self {
-            position: Vec3::ZERO,
             state: State { position: zero, orientation, linear: zero, angular: zero },
             inverse_mass: 0.0,
             constants: None,
@@ -189,9 +189,9 @@ impl Seen {
 
     /// A body that stays or moves as it is told.
     fn unmoved(pose: Pose, velocity: Velocity) -> Self {
-        let mut seen = Self { position: pose.position, ..Self::NOWHERE };
+        let mut seen = Self::NOWHERE;
         seen.state.position = pose.position.into();
-        seen.state.orientation = pose.orientation.into();
+        seen.state.orientation = tumble_math::lane::Quat::from(pose.orientation).normalize();
         seen.derived.linear = velocity.linear.into();
         seen.derived.angular = velocity.angular.into();
         seen

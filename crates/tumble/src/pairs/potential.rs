@@ -2,7 +2,7 @@ use hecs::{EntityRef, World};
 
 use super::{GravityMass, Spring};
 use crate::body_order::BodyOrder;
-use crate::components::{Mass, Pose};
+use crate::components::{Mass, Momentum, Pose, Wrench};
 use crate::math::{Vec3, dquat, dvec3};
 
 /// The energy of springs between bodies and of gravity among them \[J\], in double precision; bodies whose pose is not finite are left out.
@@ -39,7 +39,8 @@ fn gravity(world: &World, order: &BodyOrder) -> f64 {
             let body = world.entity(entity).ok()?;
             let gravity = *body.get::<&GravityMass>()?;
             let position = point(body, Vec3::ZERO)?;
-            let mass = body.get::<&Mass>().map_or(0.0, |mass| f64::from(mass.kilograms()));
+            let moves = body.has::<Momentum>() && body.has::<Wrench>();
+            let mass = body.get::<&Mass>().filter(|_| moves).map_or(0.0, |mass| f64::from(mass.kilograms()));
             Some((position, mass, f64::from(gravity.mu), f64::from(gravity.softening).powi(2)))
         })
         .collect();

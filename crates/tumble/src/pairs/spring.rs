@@ -11,6 +11,8 @@ use crate::math::{Real, Vec3};
 /// substep, and stiffer springs that one; [`LaneBody::stable_stiffness`](crate::LaneBody::stable_stiffness) says how. Where several springs hold a body each counts on its share of the mass alone: what all of
 /// them do at once is stable then, and a stiff net softer than it should be, with a third of an oscillation a substep at the most; so is a stiff spring at the rim of a body. Damping takes no more than the velocity there is.
 ///
+/// They do not know of a [`SpringToPoint`](crate::SpringToPoint) on the same body; to tie a body to a place in a stiff net, spring it to a fixed body.
+///
 /// A spring with a rest length that is pressed through its own middle turns about at once: bodies that do so at speed gain energy, as with any method of fixed steps.
 ///
 /// ```

@@ -65,7 +65,9 @@ impl Springs {
         self.connections.clear();
         for archetype in world.archetypes() {
             let Some(springs) = archetype.get::<&Spring>() else { continue };
-            for spring in springs.iter().filter(|spring| spring.bodies.iter().all(|body| world.contains(*body))) {
+            let pulls = |spring: &&Spring| spring.stiffness != 0.0 || spring.damping != 0.0;
+            let is_there = |spring: &&Spring| spring.bodies.iter().all(|body| world.contains(*body));
+            for spring in springs.iter().filter(pulls).filter(is_there) {
                 let [a, b] = spring.bodies.map(|body| members.slot(body.id()));
                 if let (Some(a), Some(b)) = (a, b)
                     && a != b
