@@ -60,6 +60,7 @@ impl LaneLaw<6> for Drag {
 fn resistance<L: Lane>(body: &LaneBody<L>, u: LaneVec3<L>, k: LaneVec3<L>, inertia: LaneVec3<L>) -> LaneVec3<L> {
     let speed = u.dot(u).sqrt();
     let most = inertia * (L::splat(1.0) / (speed * body.kick));
-    let k = LaneVec3::new(k.x.min(most.x), k.y.min(most.y), k.z.min(most.z));
+    // `min` takes K where there is no limit: for a point, which does not turn.
+    let k = LaneVec3::new(most.x.min(k.x), most.y.min(k.y), most.z.min(k.z));
     body.orientation.rotate(body.orientation.rotate_back(u).scale(k)) * -speed
 }
