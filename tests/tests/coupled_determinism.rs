@@ -191,7 +191,7 @@ fn a_restored_world_goes_on_as_before() {
 #[test]
 fn the_bits_are_pinned() {
     let pinned = match PRECISION {
-        "f32" => [0xdddf_c50b_86b7_f41f_u64, 0xe286_3cbb_9c01_bdcb, 0xbd20_3fab_e38f_f604],
+        "f32" => [0xb1d8_b05d_4bcb_37b7_u64, 0x6483_b636_88e9_f062, 0x70dc_b0e7_7131_39fa],
         _ => [0x878c_d1ee_c0f6_9551, 0x4ff4_8031_5d52_8f08, 0xbb94_28ca_aedd_a9ef],
     };
     println!("\nran on {}", simd_name());
