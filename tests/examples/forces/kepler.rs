@@ -3,11 +3,11 @@
 use std::f64::consts::TAU;
 use std::fmt::Write as _;
 
-use glam::DVec3;
 use hecs::{Entity, World};
 use tumble::math::{Real, Vec3};
 use tumble::{PointGravity, Pose, RigidBody, Settings, Shape, Simulation, Velocity};
 use tumble_scene::{Mark, Plot, Scale};
+use tumble_tests::dvec3;
 
 use crate::{Failure, Findings};
 
@@ -49,8 +49,8 @@ impl Orbit {
     }
 
     fn elements(&self) -> Result<Elements, Failure> {
-        let x: DVec3 = self.world.get::<&Pose>(self.body)?.position.as_dvec3_exact();
-        let v: DVec3 = self.world.get::<&Velocity>(self.body)?.linear.as_dvec3_exact();
+        let x = dvec3(self.world.get::<&Pose>(self.body)?.position);
+        let v = dvec3(self.world.get::<&Velocity>(self.body)?.linear);
         let turning = x.cross(v);
         let axis = v.cross(turning) - x / x.length();
         Ok(Elements {
@@ -84,17 +84,6 @@ impl Orbit {
             });
         }
         Ok(periods)
-    }
-}
-
-/// Either precision's vector in double precision.
-trait Exact {
-    fn as_dvec3_exact(&self) -> DVec3;
-}
-
-impl Exact for Vec3 {
-    fn as_dvec3_exact(&self) -> DVec3 {
-        DVec3::new(self.x.into(), self.y.into(), self.z.into())
     }
 }
 

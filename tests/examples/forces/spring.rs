@@ -7,6 +7,7 @@ use hecs::World;
 use tumble::math::{Real, Vec3};
 use tumble::{Pose, RigidBody, Settings, Shape, Simulation, Spring};
 use tumble_scene::{Mark, Plot, Scale};
+use tumble_tests::seconds;
 
 use crate::{Failure, Findings};
 
@@ -21,7 +22,7 @@ fn measured(frequency: f64) -> Result<Option<f64>, Failure> {
     let mut lengths = Vec::new();
     for _ in 0..1000 {
         let (a, b) = (world.get::<&Pose>(left)?.position.x, world.get::<&Pose>(right)?.position.x);
-        lengths.push(f64::from(b) - f64::from(a) - 2.0);
+        lengths.push(seconds(b) - seconds(a) - 2.0);
         simulation.step(&mut world);
     }
     // Equal steps of an oscillation: x(n + 1) + x(n - 1) = 2 cos(angle) x(n).
