@@ -14,7 +14,7 @@ use tumble::{
     AngularVelocityServo, Buoyancy, ConstantWrench, Damping, Drag, ForceLaws, Frame, GravityMass, Hull, Integrator,
     Magnus, Momentum, PointGravity, Pose, RigidBody, Shape, Simulation, Spring, SpringToPoint, Thruster, Wrench,
 };
-use tumble_tests::{EPSILON, dvec3, simulation};
+use tumble_tests::{EPSILON, dvec3, seconds, simulation};
 
 const DT: Real = 1.0 / 64.0;
 
@@ -76,7 +76,7 @@ fn a_wrench_acts_in_one_step() {
             let way = dvec3(world.get::<&Pose>(body).unwrap().position);
             // Kicks come first under the first-order method: with n substeps it is (n + 1)/n of it.
             let ahead = if integrator == Integrator::SemiImplicitEuler { 1.0 + 1.0 / f64::from(substeps) } else { 1.0 };
-            let exact = dvec3(force) * (f64::from(DT) * f64::from(DT) / 4.0 * ahead);
+            let exact = dvec3(force) * (seconds(DT) * seconds(DT) / 4.0 * ahead);
             assert!((way - exact).length() <= 8.0 * EPSILON * exact.length(), "{case}: {way} for {exact}");
             for _ in 0..3 {
                 simulation.step(&mut world);
