@@ -13,6 +13,7 @@ pub(crate) fn inspect(options: &InspectOptions) -> Result<(), Failure> {
     let audit = Audit::open(&options.scene)?;
     let text =
         if options.json { json(&audit)? } else { audit.bodies.iter().map(people).collect::<Result<String, _>>()? };
+    print::notices(&audit.notices);
     print::output(&text)?;
     let bad = audit.bodies.iter().filter(|body| !body.problems.is_empty()).count();
     if bad == 0 {

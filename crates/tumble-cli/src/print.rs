@@ -20,3 +20,10 @@ pub(crate) fn output(text: &str) -> Result<(), Failure> {
 pub(crate) fn error(message: &impl Display) {
     drop(writeln!(io::stderr().lock(), "tumble: {message}"));
 }
+
+/// Writes to standard error what a scene leaves out, a line each.
+pub(crate) fn notices(notices: &[String]) {
+    for notice in notices {
+        drop(writeln!(io::stderr().lock(), "tumble: note: {notice}"));
+    }
+}

@@ -23,6 +23,9 @@ const BURST: Duration = Duration::from_millis(50);
 /// Runs a scene, records and reports.
 pub(crate) fn run(options: &RunOptions) -> Result<(), Failure> {
     let scene = scene(options)?;
+    if !options.quiet {
+        print::notices(&scene.notices);
+    }
     let steps = steps(options, &scene)?;
     check_simd()?;
     let bodies = scene.body_count() as u64;

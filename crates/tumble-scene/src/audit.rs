@@ -10,8 +10,8 @@ use crate::convert::{self, Others};
 use crate::error::{FieldError, SceneError};
 use crate::force::Force;
 use crate::model::SceneModel;
-use crate::scene::{duplicates, generated, invalid, is_path, load_model, settings, unknown};
-use crate::stress::{DEFAULT_BODIES, StressBodies};
+use crate::scene::{duplicates, invalid, is_path, load_model, settings, stress_bodies, unknown};
+use crate::stress::DEFAULT_BODIES;
 
 /// Each body of a scene as `tumble inspect` shows it.
 ///
@@ -29,6 +29,8 @@ use crate::stress::{DEFAULT_BODIES, StressBodies};
 pub struct Audit {
     /// In the order of the scene.
     pub bodies: Vec<AuditedBody>,
+    /// As [`Scene::notices`](crate::Scene::notices).
+    pub notices: Vec<String>,
 }
 
 /// The mass properties of one body in its own frame, and its forces.
@@ -106,16 +108,15 @@ impl Audit {
                 body.problems.push(error.to_string());
             }
         }
-        Ok(Self { bodies })
+        Ok(Self { bodies, notices: Vec::new() })
     }
 }
 
 fn stress() -> Result<Audit, SceneError> {
-    let bodies = StressBodies::new(DEFAULT_BODIES, 0).enumerate().map(|(index, body)| {
-        let body = body.map_err(|error| generated(index, &error))?;
-        Ok(AuditedBody::of(convert::numbered(index as u64), &body))
-    });
-    Ok(Audit { bodies: bodies.collect::<Result<_, _>>()? })
+    let bodies = stress_bodies(DEFAULT_BODIES, 0)
+        .enumerate()
+        .map(|(index, body)| Ok(AuditedBody::of(convert::numbered(index as u64), &body?.body)));
+    Ok(Audit { bodies: bodies.collect::<Result<_, _>>()?, notices: Vec::new() })
 }
 
 impl AuditedBody {

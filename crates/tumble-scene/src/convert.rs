@@ -25,13 +25,14 @@ const LONGEST_NAME: usize = 256;
 /// The model's body with its name and forces, or everything that is wrong with it.
 pub(crate) fn body(model: &BodyModel, index: usize, others: Others<'_>) -> Result<SceneBody, Vec<FieldError>> {
     let mut problems = Vec::new();
-    let body = with_fields(model, index, &mut problems);
+    let shape = note(&mut problems, shape(model.shape.as_ref())).unwrap_or(Shape::Point);
+    let body = with_fields(model, index, shape.clone(), &mut problems);
     let (forces, springs_to) = forces::forces(model, index, others, &mut problems);
     if !problems.is_empty() {
         return Err(problems);
     }
     let body = body.build().map_err(|error| vec![FieldError::new(error.field(), error)])?;
-    Ok(SceneBody { body, forces, springs_to })
+    Ok(SceneBody { body, shape, forces, springs_to })
 }
 
 /// The name given, or `body-<index>`.
@@ -58,9 +59,8 @@ pub(crate) fn check_name(name: &str) -> Result<(), FieldError> {
 }
 
 /// Takes over one field after the other; what fails is noted and left out.
-fn with_fields(model: &BodyModel, index: usize, problems: &mut Vec<FieldError>) -> RigidBody {
-    let shape = note(problems, shape(model.shape.as_ref()));
-    let mut body = kind(model, shape.unwrap_or(Shape::Point), problems).id(BodyId(index as u64));
+fn with_fields(model: &BodyModel, index: usize, shape: Shape, problems: &mut Vec<FieldError>) -> RigidBody {
+    let mut body = kind(model, shape, problems).id(BodyId(index as u64));
     if let Some(name) = &model.name {
         note(problems, check_name(name));
     }

@@ -5,7 +5,7 @@ use std::collections::HashMap;
 use std::path::Path;
 
 use hecs::World;
-use tumble::{BodyError, Settings};
+use tumble::{BodyError, Settings, Shape};
 
 use crate::builtin::{self, builtin_names};
 use crate::convert::{self, Others};
@@ -48,6 +48,8 @@ pub struct Scene {
     pub settings: Settings,
     /// How many steps to run.
     pub steps: u64,
+    /// What the file says that is read and not simulated, or was decided where it is silent: a line each.
+    pub notices: Vec<String>,
     bodies: Bodies,
 }
 
@@ -120,6 +122,7 @@ impl Scene {
             source: None,
             settings: Settings::default(),
             steps: stress::STEPS,
+            notices: Vec::new(),
             bodies: Bodies::Stress { count: bodies, seed },
         })
     }
@@ -130,6 +133,17 @@ impl Scene {
         match &self.bodies {
             Bodies::Listed { bodies, .. } => bodies.len(),
             Bodies::Stress { count, .. } => *count,
+        }
+    }
+
+    /// What every body looks like, in its own frame, by index.
+    ///
+    /// # Errors
+    /// As [`spawn`](Self::spawn).
+    pub fn shapes(&self) -> Result<Vec<Shape>, SceneError> {
+        match &self.bodies {
+            Bodies::Listed { bodies, .. } => Ok(bodies.iter().map(|body| body.shape.clone()).collect()),
+            Bodies::Stress { count, seed } => stress_bodies(*count, *seed).map(|body| Ok(body?.shape)).collect(),
         }
     }
 
@@ -144,8 +158,8 @@ impl Scene {
                 Ok(Names { given: Some(names) })
             }
             Bodies::Stress { count, seed } => {
-                for (index, body) in StressBodies::new(count, seed).enumerate() {
-                    body.map_err(|error| generated(index, &error))?.spawn(world);
+                for body in stress_bodies(count, seed) {
+                    body?.body.spawn(world);
                 }
                 Ok(Names { given: None })
             }
@@ -191,6 +205,7 @@ impl Scene {
             source: model.source.clone(),
             settings,
             steps,
+            notices: Vec::new(),
             bodies: Bodies::Listed { bodies, names },
         })
     }
@@ -235,9 +250,14 @@ pub(crate) fn invalid(file: &str, body: Option<(usize, Option<String>)>, error: 
     SceneError::Invalid { file: one_line(file), place: Place { body, field: error.field }, problem: error.problem }
 }
 
-pub(crate) fn generated(index: usize, error: &BodyError) -> SceneError {
-    let place = Some((index, Some(convert::numbered(index as u64))));
-    invalid(builtin::STRESS, place, FieldError::new(error.field(), error))
+/// The bodies of the generated scene.
+pub(crate) fn stress_bodies(count: usize, seed: u64) -> impl Iterator<Item = Result<SceneBody, SceneError>> {
+    let impossible = |index: usize, error: &BodyError| {
+        let place = Some((index, Some(convert::numbered(index as u64))));
+        invalid(builtin::STRESS, place, FieldError::new(error.field(), error))
+    };
+    let bodies = StressBodies::new(count, seed).enumerate();
+    bodies.map(move |(index, body)| body.map_err(|error| impossible(index, &error)))
 }
 
 /// Settings and number of steps.

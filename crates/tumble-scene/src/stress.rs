@@ -4,9 +4,10 @@ use glam::{DQuat, DVec3};
 use rand_core::Rng as _;
 use rand_pcg::Pcg32;
 use tumble::math::Vec3;
-use tumble::{Amount, Body, BodyError, BodyId, Part, RigidBody, Shape};
+use tumble::{Amount, BodyError, BodyId, Part, RigidBody, Shape};
 
 use crate::convert::{real_quaternion, real_vector};
+use crate::scene_body::SceneBody;
 
 /// Bodies of the stress scene unless told otherwise.
 pub(crate) const DEFAULT_BODIES: usize = 10_000;
@@ -94,25 +95,25 @@ impl StressBodies {
         DVec3::new(x, y, z)
     }
 
-    fn body(&mut self, index: usize) -> Result<Body, BodyError> {
+    fn body(&mut self, index: usize) -> Result<SceneBody, BodyError> {
         let shape = self.shape(index);
         let density = self.between(500.0, 3000.0);
+        let body = RigidBody::new(shape.clone());
         let body = match shape {
-            Shape::Compound(_) => RigidBody::new(shape),
+            Shape::Compound(_) => body,
             // A shell has no volume; this is its mass in a skin of a hundredth of its radius.
-            Shape::HollowSphere { radius } => {
-                let mass = 0.01 * 12.0 * density * radius * radius * radius;
-                RigidBody::new(shape).mass(mass)
-            }
-            _ => RigidBody::new(shape).density(density),
+            Shape::HollowSphere { radius } => body.mass(0.01 * 12.0 * density * radius * radius * radius),
+            _ => body.density(density),
         };
         let orientation = self.orientation();
-        body.id(BodyId(index as u64))
+        let body = body
+            .id(BodyId(index as u64))
             .position(real_vector(self.place(index)))
             .orientation(real_quaternion(orientation))
             .linear_velocity(self.velocity(2.0))
             .angular_velocity(self.velocity(10.0))
-            .build()
+            .build()?;
+        Ok(SceneBody { body, shape, forces: Vec::new(), springs_to: Vec::new() })
     }
 
     fn velocity(&mut self, largest: f64) -> Vec3 {
@@ -121,7 +122,7 @@ impl StressBodies {
 }
 
 impl Iterator for StressBodies {
-    type Item = Result<Body, BodyError>;
+    type Item = Result<SceneBody, BodyError>;
 
     fn next(&mut self) -> Option<Self::Item> {
         if self.next == self.count {
