@@ -32,7 +32,7 @@ pub(crate) fn body(model: &BodyModel, index: usize, others: Others<'_>) -> Resul
         return Err(problems);
     }
     let body = body.build().map_err(|error| vec![FieldError::new(error.field(), error)])?;
-    Ok(SceneBody { body, shape, forces, springs_to })
+    Ok(SceneBody { body, shape, forces, springs_to, colliders: Vec::new() })
 }
 
 /// The name given, or `body-<index>`.

@@ -17,8 +17,11 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
+pub mod gltf;
+
 mod audit;
 mod builtin;
+mod collider;
 mod convert;
 mod distribution;
 mod error;
@@ -49,6 +52,7 @@ mod vary;
 
 pub use audit::{Audit, AuditedBody};
 pub use builtin::builtin_names;
+pub use collider::{ColliderRole, SceneCollider};
 pub use distribution::Distribution;
 pub use error::{Place, SceneError};
 pub use force::{Force, HullShape};

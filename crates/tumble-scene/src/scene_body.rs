@@ -4,6 +4,7 @@ use glam::DVec3;
 use hecs::{Entity, EntityBuilder, World};
 use tumble::{Body, Shape};
 
+use crate::collider::SceneCollider;
 use crate::force::Force;
 
 /// A checked body, what it looks like, and its checked forces.
@@ -15,6 +16,8 @@ pub(crate) struct SceneBody {
     pub(crate) forces: Vec<Force>,
     /// For each spring among the forces, in order, the index of the body it leads to.
     pub(crate) springs_to: Vec<usize>,
+    /// What it will collide with, where the file says so.
+    pub(crate) colliders: Vec<SceneCollider>,
 }
 
 impl SceneBody {

@@ -113,7 +113,7 @@ impl StressBodies {
             .linear_velocity(self.velocity(2.0))
             .angular_velocity(self.velocity(10.0))
             .build()?;
-        Ok(SceneBody { body, shape, forces: Vec::new(), springs_to: Vec::new() })
+        Ok(SceneBody { body, shape, forces: Vec::new(), springs_to: Vec::new(), colliders: Vec::new() })
     }
 
     fn velocity(&mut self, largest: f64) -> Vec3 {

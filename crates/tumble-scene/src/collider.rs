@@ -1,0 +1,40 @@
+//! What a scene's bodies will collide with.
+
+use std::sync::Arc;
+
+use glam::{DQuat, DVec3};
+use tumble::{Shape, TriangleMesh};
+
+use crate::gltf::{CollisionFilter, Geometry, SurfaceMaterial};
+
+/// A collider or trigger of a body, as its file describes it. Nothing collides yet: it is kept for contacts.
+#[derive(Clone, Debug)]
+pub struct SceneCollider {
+    /// The name of the node that it is.
+    pub name: String,
+    /// What it is for.
+    pub role: ColliderRole,
+    /// As the file has it, before the scale of its node.
+    pub geometry: Geometry,
+    /// The shape that the engine makes of it, in the collider's frame; `None` for what encloses no volume.
+    pub shape: Option<Shape>,
+    /// The triangles of a mesh, in the collider's frame, open or not.
+    pub surface: Option<Arc<TriangleMesh>>,
+    /// Where the collider's frame is in the body's \[m\].
+    pub position: DVec3,
+    /// The rotation from the collider's frame to the body's.
+    pub orientation: DQuat,
+    /// Its surface.
+    pub material: SurfaceMaterial,
+    /// With whom it collides; with all if absent.
+    pub filter: Option<Arc<CollisionFilter>>,
+}
+
+/// What a collider is for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum ColliderRole {
+    /// Others bounce off it.
+    Solid,
+    /// It notices what enters it.
+    Trigger,
+}

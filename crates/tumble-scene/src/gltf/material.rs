@@ -1,0 +1,117 @@
+//! What colliders are made of, and with whom they collide.
+
+use serde::Deserialize;
+
+/// A surface, as KHR_physics_rigid_bodies and OMI_physics_body describe it. Nothing here collides yet: it is kept for contacts.
+#[derive(Clone, Debug, PartialEq, Deserialize)]
+#[serde(default, rename_all = "camelCase")]
+pub struct SurfaceMaterial {
+    /// Coefficient of friction of what does not slide.
+    pub static_friction: f64,
+    /// Coefficient of friction of what slides.
+    pub dynamic_friction: f64,
+    /// Share of the approaching velocity that a bounce gives back.
+    pub restitution: f64,
+    /// How the frictions of two surfaces become one.
+    pub friction_combine: Combine,
+    /// How the restitutions of two surfaces become one.
+    pub restitution_combine: Combine,
+}
+
+impl Default for SurfaceMaterial {
+    /// What both extensions say of a surface without a material, or with one that is silent.
+    fn default() -> Self {
+        Self {
+            static_friction: 0.6,
+            dynamic_friction: 0.6,
+            restitution: 0.0,
+            friction_combine: Combine::Average,
+            restitution_combine: Combine::Average,
+        }
+    }
+}
+
+impl SurfaceMaterial {
+    /// The field that is not a number a surface can have, with what is wrong with it.
+    pub(super) fn problem(&self) -> Option<(&'static str, String)> {
+        let fields = [
+            ("staticFriction", self.static_friction),
+            ("dynamicFriction", self.dynamic_friction),
+            ("restitution", self.restitution),
+        ];
+        let bad = |value: f64| !(value.is_finite() && value >= 0.0);
+        let (field, value) = fields.into_iter().find(|(_, value)| bad(*value))?;
+        Some((field, format!("must be zero or positive, and finite, not {value}")))
+    }
+}
+
+/// How two coefficients become one. Where two surfaces ask for different ways, the first of them in this order counts.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Combine {
+    /// Their mean.
+    #[default]
+    Average,
+    /// The smaller.
+    Minimum,
+    /// The larger.
+    Maximum,
+    /// Their product.
+    Multiply,
+}
+
+impl Combine {
+    /// One coefficient out of two surfaces'.
+    ///
+    /// ```
+    /// use tumble_scene::gltf::Combine;
+    ///
+    /// assert_eq!(Combine::of((0.5, Combine::Multiply), (0.2, Combine::Minimum)), 0.2);
+    /// assert_eq!(Combine::of((0.5, Combine::Multiply), (0.2, Combine::Multiply)), 0.1);
+    /// ```
+    #[must_use]
+    pub fn of((a, way_a): (f64, Self), (b, way_b): (f64, Self)) -> f64 {
+        match way_a.min(way_b) {
+            Self::Average => 0.5 * (a + b),
+            Self::Minimum => a.min(b),
+            Self::Maximum => a.max(b),
+            Self::Multiply => a * b,
+        }
+    }
+}
+
+/// Who collides with whom, by names of systems.
+#[derive(Clone, Debug, Default, PartialEq, Eq, Deserialize)]
+#[serde(default, rename_all = "camelCase")]
+pub struct CollisionFilter {
+    /// The systems that the collider belongs to.
+    pub collision_systems: Vec<String>,
+    /// If given, the only systems that it collides with.
+    pub collide_with_systems: Option<Vec<String>>,
+    /// If given, the systems that it does not collide with.
+    pub not_collide_with_systems: Option<Vec<String>>,
+}
+
+impl CollisionFilter {
+    /// Whether two colliders collide: each must agree to the other.
+    ///
+    /// ```
+    /// use tumble_scene::gltf::CollisionFilter;
+    ///
+    /// let all = CollisionFilter::default();
+    /// let ghost = CollisionFilter { collide_with_systems: Some(vec!["walls".into()]), ..all.clone() };
+    /// let wall = CollisionFilter { collision_systems: vec!["walls".into()], ..all.clone() };
+    /// assert!(ghost.collides_with(&wall) && wall.collides_with(&ghost));
+    /// assert!(!ghost.collides_with(&all) && !all.collides_with(&ghost));
+    /// ```
+    #[must_use]
+    pub fn collides_with(&self, other: &Self) -> bool {
+        self.accepts(other) && other.accepts(self)
+    }
+
+    fn accepts(&self, other: &Self) -> bool {
+        let listed = |systems: &Vec<String>| other.collision_systems.iter().any(|system| systems.contains(system));
+        self.collide_with_systems.as_ref().is_none_or(listed)
+            && !self.not_collide_with_systems.as_ref().is_some_and(listed)
+    }
+}

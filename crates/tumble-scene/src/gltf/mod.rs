@@ -1,0 +1,132 @@
+//! glTF 2.0 with physics: the drafts KHR_physics_rigid_bodies and KHR_implicit_shapes, and OMI_physics_body with its companions.
+//!
+//! [`Physics`] is what a file says, in the world's frame and with every default filled in; [`Scene::open`](crate::Scene::open) makes
+//! bodies of it. Colliders, materials, filters and joints are read and kept; nothing collides yet.
+//!
+//! ```
+//! use tumble_scene::gltf::Physics;
+//!
+//! let physics = Physics::from_json(
+//!     r#"{ "asset": { "version": "2.0" }, "nodes": [
+//!          { "rotation": [0, 0.7071068, 0, 0.7071068], "children": [1] },
+//!          { "name": "ball", "extensions": { "KHR_physics_rigid_bodies": { "motion": { "mass": 2, "linearVelocity": [0, 0, 1] } } } } ] }"#,
+//!     "ball.gltf",
+//! )?;
+//! let ball = &physics.nodes[0];
+//! assert!((ball.linear_velocity().x - 1.0).abs() < 1e-6); // velocities are written in the node's frame
+//! # Ok::<(), tumble_scene::SceneError>(())
+//! ```
+
+mod bodies;
+mod buffers;
+mod container;
+mod document;
+mod geometry;
+mod joint;
+mod material;
+mod motion;
+mod physics;
+mod solid;
+mod tree;
+mod triangles;
+mod unsupported;
+
+use std::path::Path;
+
+pub use geometry::{Geometry, MeshSource};
+pub use joint::{Joint, JointDrive, JointLimit};
+pub use material::{Combine, CollisionFilter, SurfaceMaterial};
+pub use motion::{Motion, MotionKind};
+pub use physics::{Collider, JointTo, Physics, PhysicsNode, Trigger};
+
+use crate::MAX_FILE_BYTES;
+use crate::error::{FieldError, Place, SceneError, one_line};
+use crate::read::read_bytes;
+use bodies::GltfBody;
+use buffers::Buffers;
+use document::Document;
+use tree::Tree;
+use triangles::Triangles;
+
+/// What a file comes to, body by body.
+pub(crate) struct GltfScene {
+    pub(crate) name: Option<String>,
+    pub(crate) bodies: Vec<GltfBody>,
+    pub(crate) notices: Vec<String>,
+}
+
+impl Physics {
+    /// Reads the physics of a `.gltf` or `.glb` file. Buffers are not looked at.
+    ///
+    /// # Errors
+    /// [`SceneError`], whose message names file, node and field.
+    pub fn open(path: &Path) -> Result<Self, SceneError> {
+        let file = path.to_string_lossy();
+        let bytes = read_bytes(path, MAX_FILE_BYTES)?;
+        Self::from_bytes(&bytes, &file)
+    }
+
+    /// Reads the physics of a document in JSON text; `file` is what messages call it.
+    ///
+    /// # Errors
+    /// As [`open`](Self::open).
+    pub fn from_json(text: &str, file: &str) -> Result<Self, SceneError> {
+        Self::from_bytes(text.as_bytes(), file)
+    }
+
+    /// Reads the physics of a document's bytes, binary or text; `file` is what messages call it.
+    ///
+    /// # Errors
+    /// As [`open`](Self::open).
+    pub fn from_bytes(bytes: &[u8], file: &str) -> Result<Self, SceneError> {
+        let container = container::open(bytes).map_err(|problem| invalid(file, FieldError::new("", problem)))?;
+        let document = parse(&container.json, file)?;
+        read(&document).map(|(physics, _)| physics).map_err(|error| invalid(file, error))
+    }
+}
+
+/// Reads a file whole: its physics, and the meshes that its colliders need.
+pub(crate) fn load(path: &Path) -> Result<GltfScene, SceneError> {
+    let bytes = read_bytes(path, MAX_FILE_BYTES)?;
+    from_bytes(&bytes, path.parent(), &path.to_string_lossy())
+}
+
+/// As [`load`], from bytes; files that the document names are looked for in `directory`.
+pub(crate) fn from_bytes(bytes: &[u8], directory: Option<&Path>, file: &str) -> Result<GltfScene, SceneError> {
+    let container = container::open(bytes).map_err(|problem| invalid(file, FieldError::new("", problem)))?;
+    let document = parse(&container.json, file)?;
+    let (mut physics, tree) = read(&document).map_err(|error| invalid(file, error))?;
+    let mut triangles = Triangles::new(&document, Buffers::new(&document, directory, container.binary));
+    let bodies = bodies::bodies(&mut physics, &mut triangles);
+    let mut notices = unsupported::notices(&document, &tree, &physics);
+    notices.append(&mut physics.notices);
+    notices.extend(triangles.notices);
+    let scene = document.scenes.get(document.scene.unwrap_or(0));
+    Ok(GltfScene { name: scene.and_then(|scene| scene.name.clone()), bodies, notices })
+}
+
+fn read(document: &Document) -> Result<(Physics, Tree), FieldError> {
+    unsupported::refuse(document)?;
+    let tree = Tree::of(document)?;
+    let physics = Physics::of(document, &tree)?;
+    Ok((physics, tree))
+}
+
+fn parse(json: &str, file: &str) -> Result<Document, SceneError> {
+    let mut deserializer = serde_json::Deserializer::from_str(json);
+    let parsed: Result<Document, _> = serde_path_to_error::deserialize(&mut deserializer);
+    parsed.map_err(|error| SceneError::Malformed {
+        file: one_line(file),
+        place: Place { body: None, field: path(&error.path().to_string()) },
+        problem: one_line(&error.inner().to_string()),
+    })
+}
+
+/// The whole document has no path.
+fn path(path: &str) -> String {
+    if path == "." { String::new() } else { path.to_owned() }
+}
+
+pub(crate) fn invalid(file: &str, error: FieldError) -> SceneError {
+    crate::scene::invalid(file, None, error)
+}

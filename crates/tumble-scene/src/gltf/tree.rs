@@ -1,0 +1,214 @@
+//! Where nodes are: the transforms from a scene's root down.
+
+use glam::{DAffine3, DMat3, DQuat, DVec3};
+
+use super::document::{Document, Node};
+use crate::error::FieldError;
+
+/// Relative size of what a decomposition may leave over: some roundings of f32, in which files are written.
+const SHEAR_TOLERANCE: f64 = 1e-5;
+
+/// A node's place in the world.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Place {
+    pub(super) transform: DAffine3,
+    pub(super) rotation: DQuat,
+    /// Along the node's axes; negative where it mirrors.
+    pub(super) scale: DVec3,
+    /// Whether rotation and scale are not all of it: a turned node in an unevenly scaled one.
+    pub(super) sheared: bool,
+}
+
+/// The parents of all nodes, and the places of those that the scene holds.
+#[derive(Debug)]
+pub(super) struct Tree {
+    parents: Vec<Option<usize>>,
+    /// `None` for a node that is not in the scene.
+    pub(super) places: Vec<Option<Place>>,
+    /// The nodes of the scene, each after its parent.
+    order: Vec<usize>,
+}
+
+impl Tree {
+    /// Walks the scene that the document names, the first where it names none, and all roots of a document without scenes.
+    pub(super) fn of(document: &Document) -> Result<Self, FieldError> {
+        let nodes = &document.nodes;
+        let parents = parents(nodes)?;
+        let (list, roots) = match (document.scene, document.scenes.first()) {
+            (Some(index), _) => {
+                let scene = document.scenes.get(index);
+                let missing = || FieldError::new("scene", format!("there is no scenes[{index}]"));
+                (format!("scenes[{index}]"), scene.ok_or_else(missing)?.nodes.clone())
+            }
+            (None, Some(scene)) => ("scenes[0]".to_owned(), scene.nodes.clone()),
+            (None, None) => ("nodes".to_owned(), (0..nodes.len()).filter(|index| parents[*index].is_none()).collect()),
+        };
+        let mut places = vec![None; nodes.len()];
+        let mut order = Vec::new();
+        let mut open: Vec<(usize, DAffine3)> = Vec::new();
+        for &root in roots.iter().rev() {
+            match parents.get(root) {
+                Some(None) => open.push((root, DAffine3::IDENTITY)),
+                Some(Some(parent)) => {
+                    return Err(FieldError::new(list, format!("nodes[{root}] is a child of nodes[{parent}], no root")));
+                }
+                None => return Err(FieldError::new(list, format!("there is no nodes[{root}]"))),
+            }
+        }
+        // Every node has one parent and the walk starts at nodes without, so it ends.
+        while let Some((index, above)) = open.pop() {
+            let transform = above * local(&nodes[index], index)?;
+            if !(transform.is_finite() && transform.translation.abs().max_element() <= 1e18) {
+                return Err(FieldError::new(format!("nodes[{index}]"), "is not placed at finite coordinates"));
+            }
+            places[index] = Some(decomposed(transform));
+            order.push(index);
+            open.extend(nodes[index].children.iter().rev().map(|child| (*child, transform)));
+        }
+        Ok(Self { parents, places, order })
+    }
+
+    /// For each node of the scene, what it has or else the nearest above it that has any.
+    pub(super) fn inherited<T: Copy>(&self, own: impl Fn(usize) -> Option<T>) -> Vec<Option<T>> {
+        let mut found = vec![None; self.places.len()];
+        for &index in &self.order {
+            found[index] = own(index).or_else(|| found[self.parents[index]?]);
+        }
+        found
+    }
+}
+
+/// The parent of each node; no node may have two.
+fn parents(nodes: &[Node]) -> Result<Vec<Option<usize>>, FieldError> {
+    let mut parents = vec![None; nodes.len()];
+    for (index, node) in nodes.iter().enumerate() {
+        for (place, &child) in node.children.iter().enumerate() {
+            let problem = match parents.get_mut(child) {
+                None => format!("there is no nodes[{child}]"),
+                Some(Some(other)) => format!("nodes[{child}] is a child of nodes[{other}] already"),
+                Some(parent) => {
+                    *parent = Some(index);
+                    continue;
+                }
+            };
+            return Err(FieldError::new(format!("nodes[{index}].children[{place}]"), problem));
+        }
+    }
+    Ok(parents)
+}
+
+/// A node's transform in its parent.
+pub(super) fn local(node: &Node, index: usize) -> Result<DAffine3, FieldError> {
+    if let Some(matrix) = &node.matrix {
+        // Columns, the last row of which is 0 0 0 1.
+        let [a0, a1, a2, _, b0, b1, b2, _, c0, c1, c2, _, t0, t1, t2, _] = *matrix;
+        let linear = DMat3::from_cols_array(&[a0, a1, a2, b0, b1, b2, c0, c1, c2]);
+        return Ok(DAffine3::from_mat3_translation(linear, DVec3::new(t0, t1, t2)));
+    }
+    let rotation = match node.rotation {
+        None => DQuat::IDENTITY,
+        Some(rotation) => unit(rotation).map_err(|problem| FieldError::new(format!("nodes[{index}].rotation"), problem))?,
+    };
+    let vector = |value: Option<[f64; 3]>, otherwise| value.map_or(otherwise, DVec3::from_array);
+    Ok(DAffine3::from_scale_rotation_translation(
+        vector(node.scale, DVec3::ONE),
+        rotation,
+        vector(node.translation, DVec3::ZERO),
+    ))
+}
+
+/// A quaternion whose length is one up to the rounding of files.
+pub(super) fn unit(components: [f64; 4]) -> Result<DQuat, String> {
+    let quaternion = DQuat::from_array(components);
+    let length = quaternion.length();
+    if (length - 1.0).abs() <= 1e-3 {
+        Ok(quaternion.normalize())
+    } else {
+        Err(format!("{components:?} is not a unit quaternion, its length is {length}"))
+    }
+}
+
+/// Rotation and scale along the node's axes. A mirror is a negative scale of x, or of all three where that needs no turn.
+fn decomposed(transform: DAffine3) -> Place {
+    let m = transform.matrix3;
+    let lengths = DVec3::new(m.x_axis.length(), m.y_axis.length(), m.z_axis.length());
+    let largest = lengths.max_element();
+    if largest == 0.0 {
+        return Place { transform, rotation: DQuat::IDENTITY, scale: DVec3::ZERO, sheared: false };
+    }
+    let mut axes = orthonormal(m, lengths, largest);
+    let mut scale = lengths;
+    if axes.determinant() < 0.0 {
+        // Any axis can carry the mirror. The one that leaves the smallest turn is the one that was written.
+        let mirrored = [DVec3::new(-1.0, 1.0, 1.0), DVec3::new(1.0, -1.0, 1.0), DVec3::new(1.0, 1.0, -1.0), DVec3::NEG_ONE];
+        let trace = |signs: DVec3| signs.dot(DVec3::new(axes.x_axis.x, axes.y_axis.y, axes.z_axis.z));
+        let signs = mirrored.into_iter().fold(mirrored[0], |best, signs| if trace(signs) > trace(best) { signs } else { best });
+        axes = DMat3::from_cols(axes.x_axis * signs.x, axes.y_axis * signs.y, axes.z_axis * signs.z);
+        scale *= signs;
+    }
+    let rotation = DQuat::from_mat3(&axes).normalize();
+    let rest = DMat3::from_quat(rotation) * DMat3::from_diagonal(scale) - m;
+    let error = [rest.x_axis, rest.y_axis, rest.z_axis].map(|column| column.abs().max_element());
+    let sheared = !error.iter().all(|error| *error <= SHEAR_TOLERANCE * largest);
+    Place { transform, rotation, scale, sheared }
+}
+
+/// The directions of the columns, made orthogonal from the longest on. A column without length is made of the others.
+fn orthonormal(m: DMat3, lengths: DVec3, largest: f64) -> DMat3 {
+    let columns = [m.x_axis, m.y_axis, m.z_axis];
+    let mut order = [0, 1, 2];
+    order.sort_by(|a, b| lengths[*b].total_cmp(&lengths[*a]));
+    let [first, second, third] = order;
+    let mut axes = [DVec3::ZERO; 3];
+    axes[first] = columns[first].normalize();
+    let across = columns[second] - axes[first] * axes[first].dot(columns[second]);
+    axes[second] =
+        if across.length() > 1e-12 * largest { across.normalize() } else { axes[first].any_orthonormal_vector() };
+    // Cyclic order of the three decides the sign of what completes them to a right-handed frame.
+    let even = (second + 3 - first) % 3 == 1;
+    let right = if even { axes[first].cross(axes[second]) } else { axes[second].cross(axes[first]) };
+    axes[third] = if columns[third].dot(right) < 0.0 { -right } else { right };
+    DMat3::from_cols(axes[0], axes[1], axes[2])
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn check(rotation: DQuat, scale: DVec3) {
+        let place = decomposed(DAffine3::from_scale_rotation_translation(scale, rotation, DVec3::ZERO));
+        assert!(!place.sheared, "{place:?}");
+        let back = DMat3::from_quat(place.rotation) * DMat3::from_diagonal(place.scale);
+        let m = DMat3::from_quat(rotation) * DMat3::from_diagonal(scale);
+        assert!(back.abs_diff_eq(m, 1e-14 * scale.abs().max_element()), "{back} {m}");
+        assert!((place.scale.abs() - scale.abs()).abs().max_element() <= 1e-14 * scale.abs().max_element());
+    }
+
+    #[test]
+    fn rotation_and_scale_come_back() {
+        let turn = DQuat::from_xyzw(0.1, -0.7, 0.3, 0.6).normalize();
+        for scale in [DVec3::ONE, DVec3::new(1.0, 2.0, 3.0), DVec3::new(0.3, -2.0, 3.0), DVec3::NEG_ONE, DVec3::new(1e-6, 1.0, 1e6)] {
+            check(turn, scale);
+            check(DQuat::IDENTITY, scale);
+        }
+        // Flat and thin ones have no direction of their own; what is left is theirs.
+        check(turn, DVec3::new(0.0, 1.0, 2.0));
+        check(turn, DVec3::new(0.0, 0.0, 2.0));
+        check(turn, DVec3::ZERO);
+    }
+
+    #[test]
+    fn a_written_mirror_is_kept_as_written() {
+        let place = decomposed(DAffine3::from_scale(DVec3::new(1.0, -2.0, 3.0)));
+        assert_eq!((place.rotation, place.scale), (DQuat::IDENTITY, DVec3::new(1.0, -2.0, 3.0)));
+    }
+
+    #[test]
+    fn a_turned_child_of_an_uneven_parent_is_sheared() {
+        let parent = DAffine3::from_scale(DVec3::new(1.0, 2.0, 1.0));
+        let quarter = DAffine3::from_rotation_z(std::f64::consts::FRAC_PI_2);
+        let eighth = DAffine3::from_rotation_z(std::f64::consts::FRAC_PI_4);
+        assert!(!decomposed(parent * quarter).sheared);
+        assert!(decomposed(parent * eighth).sheared);
+    }
+}

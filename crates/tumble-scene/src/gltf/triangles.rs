@@ -1,0 +1,153 @@
+//! Meshes of a document, as triangles in double precision.
+
+use std::collections::BTreeSet;
+
+use glam::DAffine3;
+use tumble::{MeshError, TriangleMesh};
+
+use super::buffers::Buffers;
+use super::document::{Document, Mesh, Primitive};
+use super::geometry::MeshSource;
+use super::tree::local;
+use crate::error::FieldError;
+
+/// Most vertices, triangles and nodes together of all the meshes that a scene's colliders are made of. A mesh that two colliders
+/// share counts twice.
+pub(super) const MOST_TRIANGLES: usize = 10_000_000;
+
+/// Reads meshes, as long as there is room for them.
+pub(super) struct Triangles<'a> {
+    document: &'a Document,
+    buffers: Buffers<'a>,
+    room: usize,
+    /// What was passed over, a line each.
+    pub(super) notices: BTreeSet<String>,
+}
+
+impl<'a> Triangles<'a> {
+    pub(super) fn new(document: &'a Document, buffers: Buffers<'a>) -> Self {
+        Self { document, buffers, room: MOST_TRIANGLES, notices: BTreeSet::new() }
+    }
+
+    /// The triangles of a collider, transformed by `scale`.
+    pub(super) fn read(&mut self, source: MeshSource, scale: &DAffine3) -> Result<TriangleMesh, FieldError> {
+        let mut parts = Vec::new();
+        match source {
+            MeshSource::Mesh(mesh) => self.mesh(mesh, scale, &mut parts)?,
+            MeshSource::Node(node) => self.nodes(node, scale, &mut parts)?,
+        }
+        if parts.is_empty() {
+            return Err(FieldError::new("", "has no triangles"));
+        }
+        TriangleMesh::merged(parts).map_err(|error| FieldError::new("", error))
+    }
+
+    /// The meshes of a node and of all below it, in the node's frame.
+    fn nodes(&mut self, root: usize, scale: &DAffine3, parts: &mut Vec<TriangleMesh>) -> Result<(), FieldError> {
+        let mut open = vec![(root, *scale)];
+        // Nodes outside the scene might go round in circles.
+        for _ in 0..self.document.nodes.len() {
+            let Some((index, transform)) = open.pop() else { break };
+            let Some(node) = self.document.nodes.get(index) else { continue };
+            self.take(1)?;
+            if node.skin.is_some() {
+                self.notices.insert(format!("nodes[{index}].skin: skins are not read, the collider is the mesh at rest"));
+            }
+            if let Some(mesh) = node.mesh {
+                self.mesh(mesh, &transform, parts).map_err(|error| error.inside(&format!("nodes[{index}].mesh")))?;
+            }
+            for &child in &node.children {
+                if let Some(node) = self.document.nodes.get(child) {
+                    open.push((child, transform * local(node, child)?));
+                }
+            }
+        }
+        Ok(())
+    }
+
+    /// Takes up room.
+    fn take(&mut self, amount: usize) -> Result<(), FieldError> {
+        let full = || FieldError::new("", format!("the meshes of all colliders have more than {MOST_TRIANGLES} triangles"));
+        self.room = self.room.checked_sub(amount).ok_or_else(full)?;
+        Ok(())
+    }
+
+    fn mesh(&mut self, index: usize, transform: &DAffine3, parts: &mut Vec<TriangleMesh>) -> Result<(), FieldError> {
+        let document = self.document;
+        let missing = || FieldError::new("", format!("there is no meshes[{index}]"));
+        let mesh: &Mesh = document.meshes.get(index).ok_or_else(missing)?;
+        if !mesh.weights.is_empty() {
+            self.notices.insert(format!("meshes[{index}].weights: morph targets are not read, the collider is the mesh without them"));
+        }
+        for (number, primitive) in mesh.primitives.iter().enumerate() {
+            let place = format!("meshes[{index}].primitives[{number}]");
+            match self.primitive(primitive, &place).map_err(|error| error.inside(&place))? {
+                Some(part) => {
+                    let moved = part.transformed(transform);
+                    parts.push(moved.map_err(|error| FieldError::new(place, error))?);
+                }
+                None => {
+                    self.notices.insert(format!("{place}: points and lines are no surface"));
+                }
+            }
+        }
+        Ok(())
+    }
+
+    fn primitive(&mut self, primitive: &Primitive, place: &str) -> Result<Option<TriangleMesh>, FieldError> {
+        let mode = primitive.mode.unwrap_or(4);
+        if !(4..=6).contains(&mode) {
+            return Ok(None);
+        }
+        if primitive.extensions.contains_key("KHR_draco_mesh_compression") {
+            return Err(FieldError::new("extensions", "KHR_draco_mesh_compression is not read: export without compression"));
+        }
+        if let Some(extension) = primitive.extensions.keys().next() {
+            self.notices.insert(format!("{place}.extensions: {extension} is not read"));
+        }
+        let missing = || FieldError::new("attributes.POSITION", "is missing");
+        let accessor = primitive.attributes.position.ok_or_else(missing)?;
+        let positions = self.buffers.positions(accessor, self.room)?;
+        self.take(positions.len())?;
+        let corners = match primitive.indices {
+            Some(accessor) => self.buffers.indices(accessor, 3 * self.room)?,
+            None => (0..u32::try_from(positions.len()).unwrap_or(u32::MAX)).collect(),
+        };
+        let triangles = triangles(&corners, mode);
+        self.take(triangles.len())?;
+        TriangleMesh::new(positions, triangles).map(Some).map_err(|error: MeshError| FieldError::new("", error))
+    }
+}
+
+/// Corners in threes: a list (mode 4), a strip (5) or a fan (6).
+fn triangles(corners: &[u32], mode: u64) -> Vec<[u32; 3]> {
+    match mode {
+        5 => {
+            let turned = |(index, corners): (usize, &[u32])| match *corners {
+                // Every other triangle of a strip runs the other way round.
+                [a, b, c] if index % 2 == 1 => [a, c, b],
+                [a, b, c] => [a, b, c],
+                _ => [0; 3],
+            };
+            corners.windows(3).enumerate().map(turned).collect()
+        }
+        6 => match corners {
+            [center, rim @ ..] => rim.windows(2).map(|edge| [*center, edge[0], edge[1]]).collect(),
+            [] => Vec::new(),
+        },
+        _ => corners.as_chunks::<3>().0.to_vec(),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn strips_and_fans_keep_their_sense() {
+        assert_eq!(triangles(&[0, 1, 2, 3, 4], 4), [[0, 1, 2]]);
+        assert_eq!(triangles(&[0, 1, 2, 3, 4], 5), [[0, 1, 2], [1, 3, 2], [2, 3, 4]]);
+        assert_eq!(triangles(&[0, 1, 2, 3], 6), [[0, 1, 2], [0, 2, 3]]);
+        assert!(triangles(&[], 6).is_empty() && triangles(&[1], 5).is_empty());
+    }
+}
