@@ -16,11 +16,13 @@
 
 mod comparison;
 mod free_body;
+mod instruction_sets;
 pub mod references;
 mod simulation;
 
 pub use comparison::{DOUBLE, EPSILON, attitude_error, by_precision, dquat, dvec3, energy_of, seconds};
 pub use free_body::{Elliptic, FreeBody, Sample, Translation};
+pub use instruction_sets::run_on_every_instruction_set;
 pub use simulation::{hash, run, simulation, weightless};
 
 /// The snippets of the documents, run as doctests.

@@ -15,8 +15,6 @@
     )
 )]
 
-use std::process::Command;
-
 use hecs::World;
 use tumble::math::{PRECISION, Quat, Real, Vec3};
 use tumble::{
@@ -25,7 +23,7 @@ use tumble::{
     accumulate_forces, integrate, measure, simd_name, update_derived,
 };
 use tumble_benches::{mixed_bodies, mixed_body, mixed_moving_bodies, pool, tumbling_boxes};
-use tumble_tests::{hash, run};
+use tumble_tests::{hash, run, run_on_every_instruction_set};
 
 fn settings(integrator: Integrator) -> Settings {
     Settings::default().with_dt(1.0 / 128.0).with_integrator(integrator)
@@ -483,36 +481,10 @@ fn the_bits_under_laws_are_pinned() {
     assert_eq!(found, pinned, "in hexadecimal: {found:#018x?}");
 }
 
-/// Whether this build on this machine has an instruction set.
-fn is_there(name: &str) -> bool {
-    // An unoptimised build, or one for another processor, has no vector code.
-    if name == "scalar" || simd_name() == "scalar" {
-        return name == "scalar";
-    }
-    #[cfg(target_arch = "x86_64")]
-    match name {
-        "avx512" => return is_x86_feature_detected!("avx512f"),
-        "avx2" => return is_x86_feature_detected!("avx2"),
-        _ => {}
-    }
-    true
-}
-
-/// Every instruction set gives the pinned bits: each is forced in turn on the test above, in a process of its own, since a process
-/// chooses once. On a machine without one of them the choice falls back to what it has.
+/// Every instruction set gives the pinned bits: each is forced in turn on the tests above.
 #[test]
 fn every_instruction_set_gives_the_same_bits() {
-    for name in ["scalar", "baseline", "avx2", "avx512"] {
-        let output = Command::new(std::env::current_exe().unwrap())
-            .args(["the_bits_", "--nocapture", "--test-threads=1"])
-            .env("TUMBLE_SIMD", name)
-            .output()
-            .unwrap();
-        let said = String::from_utf8_lossy(&output.stdout);
-        assert!(output.status.success() && said.contains("2 passed"), "{name}: {said}");
-        let ran_on = said.lines().find_map(|line| line.strip_prefix("ran on ")).unwrap();
-        assert!(ran_on == name || !is_there(name), "{name} was asked for, {ran_on} ran");
-    }
+    run_on_every_instruction_set(2);
 }
 
 /// The scene that is hashed, before any step: if this differs, it is the making of bodies that changed, not the stepping.

@@ -9,6 +9,7 @@ use crate::builtin;
 use crate::convert::{self, Others};
 use crate::error::{FieldError, SceneError};
 use crate::force::Force;
+use crate::gltf::{self, GltfBody, GltfScene};
 use crate::model::SceneModel;
 use crate::scene::{duplicates, invalid, is_path, load_model, settings, stress_bodies, unknown};
 use crate::stress::DEFAULT_BODIES;
@@ -63,6 +64,9 @@ impl Audit {
     /// # Errors
     /// [`SceneError`] if the text is not a scene at all, or a setting of the scene is wrong.
     pub fn open(name_or_path: &str) -> Result<Self, SceneError> {
+        if is_path(name_or_path) && gltf::is_gltf(Path::new(name_or_path)) {
+            return Ok(Self::of_gltf(gltf::load(Path::new(name_or_path))?));
+        }
         if is_path(name_or_path) {
             return Self::of_model(&load_model(Path::new(name_or_path))?, name_or_path);
         }
@@ -87,6 +91,14 @@ impl Audit {
     #[must_use]
     pub fn has_problems(&self) -> bool {
         self.bodies.iter().any(|body| !body.problems.is_empty())
+    }
+
+    fn of_gltf(scene: GltfScene) -> Self {
+        let audited = |GltfBody { name, body, .. }: GltfBody| match body {
+            Ok(body) => AuditedBody::of(name, &body.body),
+            Err(error) => AuditedBody::impossible(name, &[error]),
+        };
+        Self { bodies: scene.bodies.into_iter().map(audited).collect(), notices: scene.notices }
     }
 
     fn of_model(model: &SceneModel, file: &str) -> Result<Self, SceneError> {

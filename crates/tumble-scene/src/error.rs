@@ -48,7 +48,7 @@ pub enum SceneError {
         offset: usize,
     },
     /// The file name's extension is none of the formats.
-    #[error("{file}: a scene file ends in .json or .ron")]
+    #[error("{file}: a scene file ends in .json, .ron, .gltf or .glb")]
     UnknownFormat {
         /// The file as the caller named it.
         file: String,
@@ -131,6 +131,12 @@ impl FieldError {
         let problem = one_line(&problem.to_string());
         let problem = without_field(&problem, &field).to_owned();
         Self { field, problem }
+    }
+
+    /// The same error of a node of a glTF file.
+    pub(crate) fn of_node(self, index: usize, name: &str) -> Self {
+        let problem = format!("node {name:?} {}", self.problem);
+        Self { problem, ..self.inside(&format!("nodes[{index}]")) }
     }
 
     /// The same error seen from the thing that holds the field's owner. An error without a field is the owner's.

@@ -8,8 +8,10 @@ use hecs::World;
 use tumble::{BodyError, Settings, Shape};
 
 use crate::builtin::{self, builtin_names};
+use crate::collider::SceneCollider;
 use crate::convert::{self, Others};
 use crate::error::{FieldError, Place, SceneError, one_line};
+use crate::gltf::{self, GltfBody, GltfScene};
 use crate::limits::{MAX_BODIES, step_count, time_step};
 use crate::model::SceneModel;
 use crate::parse::{Format, parse};
@@ -80,12 +82,15 @@ impl Scene {
         }
     }
 
-    /// Reads a `.json` or `.ron` file.
+    /// Reads a `.json`, `.ron`, `.gltf` or `.glb` file.
     ///
     /// # Errors
     /// [`SceneError`], whose message names file, body and field.
     pub fn load(path: &Path) -> Result<Self, SceneError> {
         let file = path.to_string_lossy();
+        if gltf::is_gltf(path) {
+            return Self::from_gltf(gltf::load(path)?, &file);
+        }
         Self::from_model(&load_model(path)?, &file)
     }
 
@@ -164,6 +169,34 @@ impl Scene {
                 Ok(Names { given: None })
             }
         }
+    }
+
+    /// A scene of bodies that are at fault or not, with the engine's settings.
+    fn from_gltf(scene: GltfScene, file: &str) -> Result<Self, SceneError> {
+        let (mut bodies, mut names) = (Vec::with_capacity(scene.bodies.len()), Vec::with_capacity(scene.bodies.len()));
+        for GltfBody { name, node, body } in scene.bodies {
+            bodies.push(body.map_err(|error| gltf::invalid(file, error.of_node(node, &name)))?);
+            names.push(name);
+        }
+        Ok(Self {
+            origin: file.to_owned(),
+            name: scene.name,
+            description: None,
+            source: None,
+            settings: Settings::default(),
+            steps: DEFAULT_STEPS,
+            notices: scene.notices,
+            bodies: Bodies::Listed { bodies, names },
+        })
+    }
+
+    /// What the bodies will collide with, where their file says so, each with the index of its body.
+    pub fn colliders(&self) -> impl Iterator<Item = (usize, &SceneCollider)> {
+        let bodies = match &self.bodies {
+            Bodies::Listed { bodies, .. } => bodies.as_slice(),
+            Bodies::Stress { .. } => &[],
+        };
+        bodies.iter().enumerate().flat_map(|(index, body)| body.colliders.iter().map(move |collider| (index, collider)))
     }
 
     /// The bodies of a scene that lists them.

@@ -125,7 +125,10 @@ pub use trial::Trial;
 
 pub use {glam, hecs};
 
-pub use tumble_math::{Amount, InertiaTensor, MassProperties, Part, PrincipalInertia, Shape};
+pub use tumble_math::{
+    Amount, HullError, InertiaError, InertiaTensor, MassProperties, MeshAudit, MeshDefect, MeshError, MeshRepair, Part,
+    PrincipalInertia, Shape, SolidMesh, TriangleMesh, convex_hull,
+};
 
 /// What most programs need: `use tumble::prelude::*;`.
 pub mod prelude {

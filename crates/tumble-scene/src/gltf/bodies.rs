@@ -26,11 +26,11 @@ const INFINITE_MOMENT: f64 = 1e5;
 const WITHOUT_SHAPE: f64 = 0.5;
 
 /// A body of the file, or what is wrong with it.
-pub(super) struct GltfBody {
-    pub(super) name: String,
+pub(crate) struct GltfBody {
+    pub(crate) name: String,
     /// The node that it is.
-    pub(super) node: usize,
-    pub(super) body: Result<SceneBody, FieldError>,
+    pub(crate) node: usize,
+    pub(crate) body: Result<SceneBody, FieldError>,
 }
 
 /// The bodies of a scene: one for every motion, and one for every collider or trigger that nothing carries.
@@ -131,9 +131,10 @@ fn pieces_of(
         let material = collider.material.clone().unwrap_or_default();
         (ColliderRole::Solid, collider.geometry, material, collider.filter.clone())
     });
-    let trigger = part.trigger.as_ref().map(|trigger| {
-        (ColliderRole::Trigger, trigger.geometry, SurfaceMaterial::default(), trigger.filter.clone())
-    });
+    let trigger = part
+        .trigger
+        .as_ref()
+        .map(|trigger| (ColliderRole::Trigger, trigger.geometry, SurfaceMaterial::default(), trigger.filter.clone()));
     for (role, geometry, material, filter) in collider.into_iter().chain(trigger) {
         let Some(geometry) = geometry else { continue };
         let kind = if role == ColliderRole::Trigger { "trigger" } else { "collider" };
@@ -192,7 +193,10 @@ fn moving(
     let mut body = RigidBody::new(Shape::Point).mass(properties.mass()).center_of_mass(properties.center_of_mass());
     let gravity = if infinite_mass { 0.0 } else { motion.gravity_factor };
     if infinite_mass {
-        notices.push("has infinite mass: gravity does not move it, other forces would, as if it had that of its shape".to_owned());
+        notices.push(
+            "has infinite mass: gravity does not move it, other forces would, as if it had that of its shape"
+                .to_owned(),
+        );
     }
     if gravity != 1.0 {
         body = body.gravity_scale(real(gravity));
@@ -232,13 +236,12 @@ fn mass_properties(
             None => "has no mass and no collider with a volume: it is 1 kg".to_owned(),
         });
     }
-    let properties =
-        solid.mass_properties(amount).map_err(|error| FieldError::new("motion.mass", error))?;
+    let properties = solid.mass_properties(amount).map_err(|error| FieldError::new("motion.mass", error))?;
     match motion.center_of_mass {
         None => Ok(properties),
-        Some(center) => properties
-            .centered_at(node.scale * center)
-            .map_err(|error| FieldError::new("motion.centerOfMass", error)),
+        Some(center) => {
+            properties.centered_at(node.scale * center).map_err(|error| FieldError::new("motion.centerOfMass", error))
+        }
     }
 }
 
@@ -255,7 +258,8 @@ fn inertia(
     if !moments.is_finite() {
         let largest = moments.to_array().into_iter().filter(|moment| moment.is_finite()).fold(0.0, f64::max);
         finite = moments.min(DVec3::splat(INFINITE_MOMENT * largest));
-        notices.push(format!("has infinite moments of inertia: they are {INFINITE_MOMENT} times its largest finite one"));
+        notices
+            .push(format!("has infinite moments of inertia: they are {INFINITE_MOMENT} times its largest finite one"));
     }
     InertiaTensor::from_principal(finite, motion.inertia_orientation).map_err(wrong)?;
     Ok(tumble::PrincipalInertia { moments: finite, axes: motion.inertia_orientation })

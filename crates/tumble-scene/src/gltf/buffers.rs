@@ -79,10 +79,12 @@ impl<'a> Buffers<'a> {
     }
 
     fn elements(&mut self, index: usize, accessor: &Accessor, size: usize) -> Result<Elements, FieldError> {
-        let view_index = accessor.buffer_view.ok_or_else(|| field(index, "bufferView", "is missing: it has no data"))?;
+        let view_index =
+            accessor.buffer_view.ok_or_else(|| field(index, "bufferView", "is missing: it has no data"))?;
         let missing = || field(index, "bufferView", format!("there is no bufferViews[{view_index}]"));
         let view = self.document.buffer_views.get(view_index).ok_or_else(missing)?;
-        let in_view = |name: &str, problem: String| FieldError::new(format!("bufferViews[{view_index}].{name}"), problem);
+        let in_view =
+            |name: &str, problem: String| FieldError::new(format!("bufferViews[{view_index}].{name}"), problem);
         if let Some(compression) = view.extensions.keys().next() {
             return Err(in_view("extensions", format!("{compression} is not read")));
         }
@@ -100,7 +102,11 @@ impl<'a> Buffers<'a> {
         let last = accessor.count.checked_sub(1).map_or(Some(0), |last| last.checked_mul(stride)?.checked_add(size));
         match start.zip(last).and_then(|(start, last)| Some((start, start.checked_add(last)?))) {
             Some((start, end)) if end <= view_end => Ok(Elements { bytes, start, stride, count: accessor.count }),
-            _ => Err(field(index, "count", format!("{} elements reach beyond bufferViews[{view_index}]", accessor.count))),
+            _ => Err(field(
+                index,
+                "count",
+                format!("{} elements reach beyond bufferViews[{view_index}]", accessor.count),
+            )),
         }
     }
 
@@ -196,7 +202,8 @@ impl Component3 {
                 Self::Float => f64::from(f32::from_bits(raw)),
                 Self::Whole { signed, normalized, .. } => {
                     let bits = 8 * size as u32;
-                    let value = if signed { f64::from((raw << (32 - bits)) as i32 >> (32 - bits)) } else { f64::from(raw) };
+                    let value =
+                        if signed { f64::from((raw << (32 - bits)) as i32 >> (32 - bits)) } else { f64::from(raw) };
                     let largest = f64::from((1_u32 << (bits - u32::from(signed))) - 1);
                     if normalized { (value / largest).max(-1.0) } else { value }
                 }

@@ -57,7 +57,8 @@ fn text(bytes: &[u8]) -> Result<Cow<'_, str>, String> {
 /// The little-endian number at this place.
 fn number(bytes: &[u8], at: usize) -> Result<usize, String> {
     let four = bytes.get(at..at + 4).and_then(|four| <[u8; 4]>::try_from(four).ok());
-    four.and_then(|four| usize::try_from(u32::from_le_bytes(four)).ok()).ok_or_else(|| "breaks off in a header".to_owned())
+    four.and_then(|four| usize::try_from(u32::from_le_bytes(four)).ok())
+        .ok_or_else(|| "breaks off in a header".to_owned())
 }
 
 #[cfg(test)]

@@ -35,14 +35,14 @@ use std::path::Path;
 
 pub use geometry::{Geometry, MeshSource};
 pub use joint::{Joint, JointDrive, JointLimit};
-pub use material::{Combine, CollisionFilter, SurfaceMaterial};
+pub use material::{CollisionFilter, Combine, SurfaceMaterial};
 pub use motion::{Motion, MotionKind};
 pub use physics::{Collider, JointTo, Physics, PhysicsNode, Trigger};
 
 use crate::MAX_FILE_BYTES;
 use crate::error::{FieldError, Place, SceneError, one_line};
 use crate::read::read_bytes;
-use bodies::GltfBody;
+pub(crate) use bodies::GltfBody;
 use buffers::Buffers;
 use document::Document;
 use tree::Tree;
@@ -83,6 +83,12 @@ impl Physics {
         let document = parse(&container.json, file)?;
         read(&document).map(|(physics, _)| physics).map_err(|error| invalid(file, error))
     }
+}
+
+/// Whether a path's extension is that of glTF.
+pub(crate) fn is_gltf(path: &Path) -> bool {
+    let extension = path.extension().and_then(|extension| extension.to_str()).unwrap_or_default();
+    extension.eq_ignore_ascii_case("gltf") || extension.eq_ignore_ascii_case("glb")
 }
 
 /// Reads a file whole: its physics, and the meshes that its colliders need.

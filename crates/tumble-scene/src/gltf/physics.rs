@@ -114,11 +114,10 @@ impl Physics {
         for (index, (node, place)) in document.nodes.iter().zip(&tree.places).enumerate() {
             let Some(place) = place else { continue };
             let read = physics_node(document, index, node, place);
-            let named = |error: FieldError| match &node.name {
-                Some(name) => FieldError { problem: format!("node {name:?} {}", error.problem), ..error },
-                None => error,
-            };
-            let read = read.map_err(|error| named(error.inside(&format!("nodes[{index}]"))))?;
+            let read = read.map_err(|error| match &node.name {
+                Some(name) => error.of_node(index, name),
+                None => error.inside(&format!("nodes[{index}]")),
+            })?;
             nodes.extend(read.map(|node| PhysicsNode { body: bodies.get(index).copied().flatten(), ..node }));
         }
         Ok(Self { nodes, notices: Vec::new() })

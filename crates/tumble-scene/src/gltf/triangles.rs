@@ -51,7 +51,8 @@ impl<'a> Triangles<'a> {
             let Some(node) = self.document.nodes.get(index) else { continue };
             self.take(1)?;
             if node.skin.is_some() {
-                self.notices.insert(format!("nodes[{index}].skin: skins are not read, the collider is the mesh at rest"));
+                self.notices
+                    .insert(format!("nodes[{index}].skin: skins are not read, the collider is the mesh at rest"));
             }
             if let Some(mesh) = node.mesh {
                 self.mesh(mesh, &transform, parts).map_err(|error| error.inside(&format!("nodes[{index}].mesh")))?;
@@ -67,7 +68,8 @@ impl<'a> Triangles<'a> {
 
     /// Takes up room.
     fn take(&mut self, amount: usize) -> Result<(), FieldError> {
-        let full = || FieldError::new("", format!("the meshes of all colliders have more than {MOST_TRIANGLES} triangles"));
+        let full =
+            || FieldError::new("", format!("the meshes of all colliders have more than {MOST_TRIANGLES} triangles"));
         self.room = self.room.checked_sub(amount).ok_or_else(full)?;
         Ok(())
     }
@@ -77,7 +79,9 @@ impl<'a> Triangles<'a> {
         let missing = || FieldError::new("", format!("there is no meshes[{index}]"));
         let mesh: &Mesh = document.meshes.get(index).ok_or_else(missing)?;
         if !mesh.weights.is_empty() {
-            self.notices.insert(format!("meshes[{index}].weights: morph targets are not read, the collider is the mesh without them"));
+            self.notices.insert(format!(
+                "meshes[{index}].weights: morph targets are not read, the collider is the mesh without them"
+            ));
         }
         for (number, primitive) in mesh.primitives.iter().enumerate() {
             let place = format!("meshes[{index}].primitives[{number}]");
@@ -100,7 +104,10 @@ impl<'a> Triangles<'a> {
             return Ok(None);
         }
         if primitive.extensions.contains_key("KHR_draco_mesh_compression") {
-            return Err(FieldError::new("extensions", "KHR_draco_mesh_compression is not read: export without compression"));
+            return Err(FieldError::new(
+                "extensions",
+                "KHR_draco_mesh_compression is not read: export without compression",
+            ));
         }
         if let Some(extension) = primitive.extensions.keys().next() {
             self.notices.insert(format!("{place}.extensions: {extension} is not read"));

@@ -94,13 +94,17 @@ pub(super) fn notices(document: &Document, tree: &Tree, physics: &Physics) -> Ve
     list("animations are not played, physics moves", moved);
     let bare = |index: &usize| document.nodes.get(*index).is_some_and(|node| node.mesh.is_some());
     let carried = tree.inherited(|index| physics.node(index).map(|_| index));
-    list("meshes without physics are not part of the scene", placed.iter().copied().filter(bare).filter(|index| carried[*index].is_none()).collect());
+    list(
+        "meshes without physics are not part of the scene",
+        placed.iter().copied().filter(bare).filter(|index| carried[*index].is_none()).collect(),
+    );
     let outside = (0..document.nodes.len()).filter(|index| {
         let node = &document.nodes[*index].extensions;
         !in_scene(index) && (node.khr.is_some() || node.omi.is_some())
     });
     list("physics of nodes outside the scene is left out", outside.collect());
-    let unread: Vec<&str> = document.extensions_used.iter().map(String::as_str).filter(|name| !READ.contains(name)).collect();
+    let unread: Vec<&str> =
+        document.extensions_used.iter().map(String::as_str).filter(|name| !READ.contains(name)).collect();
     if !unread.is_empty() {
         notices.push(format!("extensions that are not read: {}", unread.join(", ")));
     }
