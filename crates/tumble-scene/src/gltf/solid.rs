@@ -57,8 +57,7 @@ pub(super) fn solid(geometry: &Geometry, scale: DVec3, triangles: &mut Triangles
             let capsule = |factor: f64| match (radius_bottom * factor, radius_top * factor, 0.5 * height * factor) {
                 (bottom, top, half_height) if bottom == top => Shape::capsule(bottom, half_height),
                 (radius_bottom, radius_top, half_height) => {
-                    let _ = (radius_bottom, radius_top, half_height);
-                    Shape::Point
+                    Shape::TaperedCapsule { radius_bottom, radius_top, half_height }
                 }
             };
             if even(lengths) { Ok(Solid::of(capsule(lengths.x))) } else { stretched(&capsule(1.0), lengths) }
@@ -69,8 +68,7 @@ pub(super) fn solid(geometry: &Geometry, scale: DVec3, triangles: &mut Triangles
                     (bottom, top, half_height) if bottom == top => Shape::cylinder(bottom, half_height),
                     (bottom, 0.0, half_height) => Shape::cone(bottom, half_height),
                     (radius_bottom, radius_top, half_height) => {
-                        let _ = (radius_bottom, radius_top, half_height);
-                        Shape::Point
+                        Shape::Frustum { radius_bottom, radius_top, half_height }
                     }
                 };
             if even(DVec3::new(lengths.x, lengths.x, lengths.z)) {
@@ -105,10 +103,7 @@ fn hull_of(points: &[DVec3]) -> Result<Solid, FieldError> {
         .map_err(|error| error.to_string())
         .and_then(|hull| hull.solid().map_err(|error| error.to_string()));
     match solid {
-        Ok(solid) => Ok(Solid::of({
-            let _ = solid;
-            Shape::Point
-        })),
+        Ok(solid) => Ok(Solid::of(Shape::Mesh(Arc::new(solid)))),
         Err(problem) => Ok(Solid { notices: vec![format!("has no convex hull: {problem}")], ..Solid::empty() }),
     }
 }
@@ -117,26 +112,13 @@ fn hull_of(points: &[DVec3]) -> Result<Solid, FieldError> {
 fn mesh(surface: TriangleMesh) -> Result<Solid, FieldError> {
     if let Ok(solid) = surface.solid() {
         let surface = Some(Arc::new(surface));
-        return Ok(Solid {
-            surface,
-            ..Solid::of({
-                let _ = solid;
-                Shape::Point
-            })
-        });
+        return Ok(Solid { surface, ..Solid::of(Shape::Mesh(Arc::new(solid))) });
     }
     match surface.repaired() {
         Ok((solid, repairs)) => {
             let notices = repairs.iter().map(|repair| format!("mesh was mended: {repair}")).collect();
             let surface = Some(Arc::new(surface));
-            Ok(Solid {
-                surface,
-                notices,
-                ..Solid::of({
-                    let _ = solid;
-                    Shape::Point
-                })
-            })
+            Ok(Solid { surface, notices, ..Solid::of(Shape::Mesh(Arc::new(solid))) })
         }
         Err(error) => {
             let mut solid = hull(&surface)?;
