@@ -51,6 +51,7 @@ mod mass_error;
 mod mass_properties;
 mod mesh;
 mod principal;
+mod revolved;
 mod rotation;
 mod shape;
 mod shape_error;

@@ -70,11 +70,11 @@ impl SolidMesh {
 
     /// With all parts the right way round. Nothing fatal may be wrong with the mesh.
     fn assembled(mesh: &TriangleMesh, anatomy: &Anatomy) -> Result<Self, MeshError> {
+        let mesh = rewound(mesh, anatomy)?;
         let extent = anatomy.frame.extent();
-        if !Shape::LENGTHS.contains(&extent) {
+        if extent < *Shape::LENGTHS.start() {
             return Err(MeshError::Extent { extent });
         }
-        let mesh = rewound(mesh, anatomy)?;
         let corners = || mesh.triangles().iter().map(|corners| corners.map(|c| mesh.positions()[c as usize]));
         let Moments { volume, center, second } = moments(corners, &anatomy.frame);
         let unit = anatomy.frame.unit;
