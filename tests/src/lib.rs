@@ -17,6 +17,7 @@
 mod comparison;
 mod free_body;
 mod instruction_sets;
+pub mod meshes;
 pub mod references;
 mod simulation;
 

@@ -84,6 +84,7 @@ mod systems;
 mod tile;
 mod totals;
 mod trial;
+mod weld;
 
 pub use batch::Batch;
 pub use body::Body;
@@ -122,6 +123,7 @@ pub use stream::stream;
 pub use systems::{accumulate_forces, integrate, integrate_under_laws, update_derived};
 pub use totals::{Totals, measure};
 pub use trial::Trial;
+pub use weld::{WeldError, weld};
 
 pub use {glam, hecs};
 

@@ -10,7 +10,8 @@ use super::triangle_mesh::TriangleMesh;
 /// Parts nearer to each other than this, in units of the mesh, touch. As near-duplicate vertices.
 const TOUCHING: f64 = TriangleMesh::NEAR;
 
-/// For each part how many others it lies within; zero for those that are not closed. `None` if it takes too long.
+/// For each part how many others it lies within; zero for those that are not closed. `None` if it takes more than `most` comparisons of
+/// a triangle with a line.
 ///
 /// A part is within another if a point just inside its surface is, and its box is. The point lies on a line parallel to x through the
 /// middle of the triangle that is largest as seen along x; all parts that the line goes through are found at once, in a tree, so that
@@ -23,6 +24,7 @@ pub(crate) fn depths(
     triangles: &[[u32; 3]],
     parts: &Parts,
     frame: &LocalFrame,
+    most: usize,
 ) -> Option<Vec<u32>> {
     let mut depths = vec![0; parts.parts.len()];
     if parts.parts.iter().filter(|part| part.is_solid()).count() < 2 {
@@ -45,7 +47,7 @@ pub(crate) fn depths(
         let [a, b, c] = corners(largest);
         let point = (a + b + c) / 3.0;
         looked_at += shadows.crossings(DVec2::new(point.y, point.z), &mut found);
-        if looked_at > TriangleMesh::MOST_CROSSINGS {
+        if looked_at > most {
             return None;
         }
         depths[number] = depth(number, largest, point.x, &mut found, parts);
@@ -77,4 +79,26 @@ fn depth(number: usize, largest: u32, x: f64, found: &mut [Crossing], parts: &Pa
             && winding(crossings, up_to) != 0
     };
     found.chunk_by(|a, b| part_of(a) == part_of(b)).filter(holds).count() as u32
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::edges::Edges;
+    use super::*;
+
+    /// Tetrahedra in each other, each a quarter as large as the last; what takes too long has no answer.
+    #[test]
+    fn depth_and_the_end_of_patience() {
+        let corners =
+            [DVec3::ONE, DVec3::new(1.0, -1.0, -1.0), DVec3::new(-1.0, 1.0, -1.0), DVec3::new(-1.0, -1.0, 1.0)];
+        let faces = [[0, 1, 2], [0, 3, 1], [0, 2, 3], [1, 3, 2]];
+        let positions: Vec<DVec3> = (0..20).flat_map(|i| corners.map(|corner| corner * 0.25_f64.powi(i))).collect();
+        let triangles: Vec<[u32; 3]> = (0..20).flat_map(|i| faces.map(|face| face.map(|c: u32| c + 4 * i))).collect();
+        let frame = LocalFrame::around(positions.iter().copied());
+        let parts = Parts::of(&positions, &triangles, &Edges::of(&triangles), &frame);
+        let found = depths(&positions, &triangles, &parts, &frame, 100_000);
+        // From the fifteenth on they are smaller than what counts as touching, 1e-9, and what is inside what cannot be told.
+        assert_eq!(found.map(|depths| depths[..14].to_vec()), Some((0..14).collect()));
+        assert_eq!(depths(&positions, &triangles, &parts, &frame, 100), None);
+    }
 }

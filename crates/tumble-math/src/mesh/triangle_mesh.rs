@@ -122,7 +122,7 @@ impl TriangleMesh {
 
     /// Counts everything that is to be known of the surface before it is trusted.
     ///
-    /// Takes a second or two for a million triangles; the time grows as `n log n`.
+    /// Takes about a second for a million triangles; the time grows as `n log n`.
     #[must_use]
     pub fn audit(&self) -> MeshAudit {
         MeshAudit::of(self)
