@@ -66,20 +66,20 @@ pub fn state_numbers(pose: &Pose, velocity: Option<&Velocity>) -> [Real; 13] {
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 #[derive(Debug)]
-pub struct TrajectoryWriter<W: Write + Seek + Send> {
+pub struct TrajectoryWriter<W: Write + Seek> {
     record: Record<W>,
     pace: Pace,
 }
 
 #[derive(Debug)]
-enum Record<W: Write + Seek + Send> {
+enum Record<W: Write + Seek> {
     Csv(csv::CsvRecord<W>),
     #[cfg(feature = "parquet")]
     Parquet(Box<parquet::ParquetRecord<W>>),
     Glb(Box<glb::GlbRecord<W>>),
 }
 
-impl<W: Write + Seek + Send> TrajectoryWriter<W> {
+impl<W: Write + Seek> TrajectoryWriter<W> {
     /// Comma-separated values: writes the first line.
     ///
     /// # Errors

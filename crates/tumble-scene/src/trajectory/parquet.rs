@@ -1,8 +1,11 @@
-//! Apache Parquet. Readers look for the description of a file at its end; so after every few groups of rows a whole description
-//! is written, which the next group simply follows. Readers of the finished file never look at those in its middle.
+//! Apache Parquet. Readers look for the description of a file at its end, so every checkpoint writes a whole one, which those that
+//! follow leave behind in the middle of the file, where no reader looks.
+//!
+//! At any moment the file is to end with a description. So the last one is first written again where the end will be, then the new rows
+//! into the gap before it, and then the new description after it. What a kill can cut is only the writing of a description.
 
 use std::collections::HashMap;
-use std::io::{self, Write};
+use std::io::{self, Seek, SeekFrom, Write};
 use std::sync::Arc;
 
 use parquet::basic::{Compression, LogicalType, Repetition, Type as PhysicalType};
@@ -26,19 +29,22 @@ type RealType = DoubleType;
 /// Rows of a group, which are held in memory: about five megabytes of them in single precision.
 const GROUP_ROWS: usize = 1 << 16;
 
-/// A description is written when there is so many times as much that is new. So all of them together are at most this part of
-/// the file.
-const DESCRIPTION_SHARE: u64 = 8;
+/// A description is written when there is so many times as much that is new. It is written twice, so all of them are at most an
+/// eighth of the file.
+const DESCRIPTION_SHARE: usize = 16;
 
 /// One row for each body and frame.
-pub(super) struct ParquetRecord<W: Write + Send> {
-    file: SerializedFileWriter<W>,
+pub(super) struct ParquetRecord<W> {
+    writer: W,
+    /// Holds what is not yet in the file; knows where in it that will be.
+    file: SerializedFileWriter<Vec<u8>>,
     names: HashMap<u64, ByteArray>,
     rows: Rows,
     recorded: i64,
-    /// Where the last description ends, and how long it is.
-    described: u64,
-    description: u64,
+    /// What the file ends with.
+    description: Vec<u8>,
+    /// Of the file.
+    length: u64,
 }
 
 /// The columns of a group.
@@ -50,17 +56,18 @@ struct Rows {
     states: [Vec<Real>; 13],
 }
 
-impl<W: Write + Send> std::fmt::Debug for ParquetRecord<W> {
+impl<W> std::fmt::Debug for ParquetRecord<W> {
     fn fmt(&self, formatter: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         formatter.debug_struct("ParquetRecord").field("recorded", &self.recorded).finish_non_exhaustive()
     }
 }
 
-impl<W: Write + Send> ParquetRecord<W> {
+impl<W: Write + Seek> ParquetRecord<W> {
     pub(super) fn new(writer: W) -> io::Result<Self> {
         let schema = schema().map_err(failed)?;
-        let file = SerializedFileWriter::new(writer, Arc::new(schema), Arc::new(properties())).map_err(failed)?;
-        Ok(Self { file, names: HashMap::new(), rows: Rows::default(), recorded: 0, described: 0, description: 0 })
+        let file = SerializedFileWriter::new(Vec::new(), Arc::new(schema), Arc::new(properties())).map_err(failed)?;
+        let (names, rows) = (HashMap::new(), Rows::default());
+        Ok(Self { writer, file, names, rows, recorded: 0, description: Vec::new(), length: 0 })
     }
 
     pub(super) fn record(&mut self, frame: &Frame<'_>) -> io::Result<()> {
@@ -73,35 +80,61 @@ impl<W: Write + Send> ParquetRecord<W> {
             for (column, number) in self.rows.states.iter_mut().zip(state_numbers(pose, velocity)) {
                 column.push(number);
             }
-            if self.rows.steps.len() >= GROUP_ROWS {
-                write_group(&mut self.file, &mut self.rows, &mut self.recorded).map_err(failed)?;
+            if self.rows.steps.len() < GROUP_ROWS {
+                return Ok(());
             }
-            Ok(())
+            self.write_group()?;
+            // Or what is held would grow for as long as no checkpoint is due.
+            if self.is_worth_a_checkpoint() { self.checkpoint() } else { Ok(()) }
         })
     }
 
     /// Whether enough is new for another description.
     pub(super) fn is_worth_a_checkpoint(&self) -> bool {
-        let pending = self.rows.steps.len() * (size_of::<[Real; 13]>() + size_of::<[f64; 2]>());
-        self.file.bytes_written() as u64 - self.described + pending as u64 >= DESCRIPTION_SHARE * self.description
+        let rows = self.rows.steps.len() * (size_of::<[Real; 13]>() + size_of::<[f64; 2]>());
+        let written = self.file.bytes_written() as u64 - self.length;
+        written + rows as u64 >= (DESCRIPTION_SHARE * self.description.len()) as u64
     }
 
     pub(super) fn checkpoint(&mut self) -> io::Result<()> {
-        write_group(&mut self.file, &mut self.rows, &mut self.recorded).map_err(failed)?;
-        let description = self.description().map_err(failed)?;
-        self.file.write_all(&description)?;
-        self.description = description.len() as u64;
-        self.described = self.file.bytes_written() as u64;
-        self.file.flush()
+        self.write_group()?;
+        self.file.flush()?;
+        let rows = std::mem::take(self.file.inner_mut());
+        let after_rows = self.length + rows.len() as u64;
+        let description = self.described().map_err(failed)?;
+        let before = std::mem::replace(&mut self.description, description);
+        self.writer.seek(SeekFrom::Start(after_rows))?;
+        self.writer.write_all(&before)?;
+        self.writer.flush()?;
+        self.writer.seek(SeekFrom::Start(self.length))?;
+        self.writer.write_all(&rows)?;
+        self.writer.flush()?;
+        self.writer.seek(SeekFrom::Start(after_rows + before.len() as u64))?;
+        self.writer.write_all(&self.description)?;
+        self.writer.flush()?;
+        // What the file has, so that it knows where the next rows will be.
+        self.file.write_all(&before)?;
+        self.file.write_all(&self.description)?;
+        self.file.flush()?;
+        self.file.inner_mut().clear();
+        self.length = self.file.bytes_written() as u64;
+        Ok(())
     }
 
     pub(super) fn finish(mut self) -> io::Result<W> {
-        write_group(&mut self.file, &mut self.rows, &mut self.recorded).map_err(failed)?;
-        self.file.into_inner().map_err(failed)
+        if self.description.is_empty() || !self.rows.steps.is_empty() || self.file.bytes_written() as u64 > self.length
+        {
+            self.checkpoint()?;
+        }
+        Ok(self.writer)
+    }
+
+    fn write_group(&mut self) -> io::Result<()> {
+        write_group(&mut self.file, &mut self.rows, &mut self.recorded).map_err(failed)
     }
 
     /// What a file ends with whose last rows are those written until now.
-    fn description(&self) -> Result<Vec<u8>, ParquetError> {
+    fn described(&self) -> Result<Vec<u8>, ParquetError> {
         let properties = self.file.properties();
         let metadata = FileMetaData::new(
             properties.writer_version().as_num(),
@@ -119,8 +152,8 @@ impl<W: Write + Send> ParquetRecord<W> {
 }
 
 /// Writes what rows there are as a group.
-fn write_group<W: Write + Send>(
-    file: &mut SerializedFileWriter<W>,
+fn write_group(
+    file: &mut SerializedFileWriter<Vec<u8>>,
     rows: &mut Rows,
     recorded: &mut i64,
 ) -> Result<(), ParquetError> {
@@ -128,11 +161,11 @@ fn write_group<W: Write + Send>(
         return Ok(());
     }
     let mut group = file.next_row_group()?;
-    write_column::<Int64Type, W>(&mut group, &rows.steps)?;
-    write_column::<DoubleType, W>(&mut group, &rows.times)?;
-    write_column::<ByteArrayType, W>(&mut group, &rows.names)?;
+    write_column::<Int64Type>(&mut group, &rows.steps)?;
+    write_column::<DoubleType>(&mut group, &rows.times)?;
+    write_column::<ByteArrayType>(&mut group, &rows.names)?;
     for column in &rows.states {
-        write_column::<RealType, W>(&mut group, column)?;
+        write_column::<RealType>(&mut group, column)?;
     }
     group.close()?;
     *recorded += rows.steps.len() as i64;
@@ -143,8 +176,8 @@ fn write_group<W: Write + Send>(
     Ok(())
 }
 
-fn write_column<T: DataType, W: Write + Send>(
-    group: &mut SerializedRowGroupWriter<'_, W>,
+fn write_column<T: DataType>(
+    group: &mut SerializedRowGroupWriter<'_, Vec<u8>>,
     values: &[T::T],
 ) -> Result<(), ParquetError> {
     let Some(mut column) = group.next_column()? else { return Ok(()) };
@@ -208,11 +241,5 @@ fn metadata() -> Vec<KeyValue> {
 }
 
 fn failed(error: ParquetError) -> io::Error {
-    match error {
-        ParquetError::External(error) => match error.downcast::<io::Error>() {
-            Ok(error) => *error,
-            Err(error) => io::Error::other(error),
-        },
-        error => io::Error::other(error),
-    }
+    io::Error::other(error)
 }
