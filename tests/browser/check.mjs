@@ -3,7 +3,7 @@
 //
 // usage: node check.mjs PROGRAM [BROWSER]
 
-import { execFileSync } from 'node:child_process';
+import { execFileSync, spawn } from 'node:child_process';
 import { mkdirSync, readFileSync, writeFileSync } from 'node:fs';
 import { createServer } from 'node:http';
 import { dirname, extname, join, normalize } from 'node:path';
@@ -63,6 +63,14 @@ function record(name, args) {
   for (const ending of ['csv', 'glb']) {
     execFileSync(program, ['run', ...args, '--quiet', '--record', `${name}.${ending}`], { cwd: output });
   }
+}
+
+// Kills a run that would take for ever; what is left is a file with some of its frames.
+async function kill(name) {
+  const run = spawn(program, ['run', 'stress', '--bodies', '50', '--steps', '1000000000', '--every', '100000', '--quiet', '--record', `${name}.glb`], { cwd: output });
+  await new Promise((resolve) => setTimeout(resolve, 3500));
+  run.kill('SIGKILL');
+  await new Promise((resolve) => run.once('exit', resolve));
 }
 
 // The rows of a .csv by step, and the columns by name. Names of these scenes have no commas.
@@ -164,6 +172,12 @@ try {
     console.log(`${name}.glb: ${await validate(name)}`);
     console.log(`  ${await play(page, name, seen)}`);
   }
+  await kill('killed');
+  console.log(`killed.partial.glb: ${await validate('killed.partial')}`);
+  const left = await page.evaluate((url) => window.load(url), 'output/killed.partial.glb');
+  const frames = await page.evaluate(() => window.frames());
+  if (left !== 50 || frames < 2) throw new Error(`killed.partial.glb: ${left} nodes, ${frames} frames`);
+  console.log(`  ${left} nodes, ${frames} frames`);
   if (problems.length) throw new Error(`the page said: ${problems.join('; ')}`);
   console.log('all well');
 } finally {

@@ -1,4 +1,4 @@
-// What the page offers to the check: load(url, bodies), show(time), pixels() and changed().
+// What the page offers to the check: load(url, bodies), frames(), show(time), pixels() and changed().
 
 import * as THREE from 'three';
 import { GLTFLoader } from 'three/addons/loaders/GLTFLoader.js';
@@ -46,15 +46,13 @@ function frame(clip) {
   camera.lookAt(ball.center);
 }
 
-// Loads a file; the number of its nodes. The bodies of the record's first frame tell how far each centre of mass is from its node.
+// Loads a file; the number of its nodes. The bodies of the record's first frame, if given, tell how far each centre of mass is from its node.
 window.load = async (url, bodies) => {
   const gltf = await new GLTFLoader().loadAsync(url);
   scene = new THREE.Scene();
   scene.add(gltf.scene, ...light());
   // Names lose characters that three.js gives a meaning to, so nodes are taken by their index.
   nodes = await Promise.all((gltf.parser.json.nodes ?? []).map((_, index) => gltf.parser.getDependency('node', index)));
-  const found = new Map([...gltf.parser.associations].filter(([object, { nodes: n, primitives }]) => object.isObject3D && n !== undefined && primitives === undefined).map(([object, { nodes: n }]) => [n, object]));
-  nodes = nodes.map((node, index) => found.get(index) ?? node);
   mixer = new THREE.AnimationMixer(gltf.scene);
   action = undefined;
   const [clip] = gltf.animations;
@@ -66,12 +64,16 @@ window.load = async (url, bodies) => {
   frame(clip);
   if (clip) goTo(0);
   centers = nodes.map((node, index) => {
+    if (!bodies) return new THREE.Vector3();
     const { px, py, pz } = bodies[index];
     return new THREE.Vector3(px, py, pz).sub(node.position).applyQuaternion(node.quaternion.clone().invert());
   });
   taken = [];
   return nodes.length;
 };
+
+// How many times the animation has.
+window.frames = () => action?.getClip().tracks[0].times.length ?? 0;
 
 // Goes to a time of the animation; where the nodes are then.
 window.show = (time) => {
