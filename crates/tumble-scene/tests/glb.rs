@@ -13,11 +13,17 @@ use glam::{DQuat, DVec3};
 use gltf::Gltf;
 use hecs::World;
 use proptest::prelude::*;
+use tumble::math::Real;
 use tumble::{BodyOrder, CenterOfMass, Pose, Simulation, Velocity};
 use tumble_scene::{Animation, Scene, TrajectoryError, TrajectoryWriter};
 
 /// What was recorded of a body that moves: the origin of its frame and its orientation.
 type Motion = Vec<(DVec3, DQuat)>;
+
+#[allow(clippy::useless_conversion, reason = "it is f64 already in one of the two builds")]
+fn double(number: Real) -> f64 {
+    f64::from(number)
+}
 
 /// Runs a scene with room for `capacity` frames and records `frames`, with checkpoints where `at_checkpoint` says; the file at the last
 /// of them or, if there are none, at the end, with the frames it is to have.
@@ -42,8 +48,8 @@ fn recorded(
         times.push(simulation.time());
         for (motion, &entity) in motions.iter_mut().zip(&moving) {
             let (pose, center) = (*world.get::<&Pose>(entity).unwrap(), world.get::<&CenterOfMass>(entity).ok());
-            let origin = DVec3::from_array(pose.origin(center.as_deref()).to_array().map(f64::from));
-            motion.push((origin, DQuat::from_array(pose.orientation.to_array().map(f64::from))));
+            let origin = DVec3::from_array(pose.origin(center.as_deref()).to_array().map(double));
+            motion.push((origin, DQuat::from_array(pose.orientation.to_array().map(double))));
         }
         if at_checkpoint(frame) {
             writer.checkpoint().unwrap();

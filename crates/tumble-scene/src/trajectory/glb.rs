@@ -100,7 +100,11 @@ impl<W: Write + Seek> GlbRecord<W> {
     pub(super) fn record(&mut self, frame: &Frame<'_>) -> Result<(), TrajectoryError> {
         let opened = match &mut self.opened {
             Some(opened) => opened,
-            None => self.opened.insert(Opened::begin(&mut self.writer, &self.animation, frame)?),
+            None => {
+                let opened = Opened::begin(&mut self.writer, &self.animation, frame)?;
+                self.animation.shapes = Vec::new();
+                self.opened.insert(opened)
+            }
         };
         opened.push(frame)?;
         if opened.is_full() {

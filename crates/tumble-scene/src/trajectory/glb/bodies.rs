@@ -4,7 +4,7 @@ use tumble::{BodyId, CenterOfMass, Pose, Shape, Velocity};
 
 use super::super::frame::Frame;
 use super::geometry::Geometry;
-use super::sample::{Sample, single};
+use super::sample::{Sample, double, single};
 use crate::tessellation::POINT_RADIUS;
 
 /// A body without size is drawn as this part of the scene, where that is more than its octahedron has.
@@ -57,7 +57,7 @@ impl Bodies {
             let Some((pose, id, center, velocity)) = states.get(entity) else { continue };
             let id = id.map_or(index as u64, |id| id.0);
             let shape = usize::try_from(id).ok().and_then(|id| shapes.get(id)).unwrap_or(&Shape::Point);
-            let center = center.map_or(DVec3::ZERO, |center| DVec3::from_array(center.0.to_array().map(Into::into)));
+            let center = center.map_or(DVec3::ZERO, |center| DVec3::from_array(center.0.to_array().map(double)));
             let (surface, factors) = bodies.geometry.insert(shape);
             let color = match velocity {
                 Some(_) => Color::Bright(index % super::document::COLORS.len()),

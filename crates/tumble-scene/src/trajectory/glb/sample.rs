@@ -1,5 +1,6 @@
 use glam::{DQuat, DVec3};
 use tumble::Pose;
+use tumble::math::Real;
 
 /// Where the frame of a body is in one frame of the animation, as glTF has it.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -15,10 +16,9 @@ impl Sample {
     ///
     /// Of the two quaternions of a rotation it is the one nearer to that of the sample before, for viewers interpolate between
     /// the two as they are.
-    #[allow(clippy::useless_conversion, reason = "poses are in f64 already in one of the two builds")]
     pub(super) fn of(pose: &Pose, center: DVec3, before: Option<&Self>) -> Option<Self> {
-        let orientation = DQuat::from_array(pose.orientation.to_array().map(f64::from));
-        let position = DVec3::from_array(pose.position.to_array().map(f64::from));
+        let orientation = DQuat::from_array(pose.orientation.to_array().map(double));
+        let position = DVec3::from_array(pose.position.to_array().map(double));
         let unit = orientation * orientation.length_recip();
         let origin = position - unit * center;
         if !(origin.is_finite() && unit.is_finite()) {
@@ -29,6 +29,11 @@ impl Sample {
         let rotation = if along < 0.0 { rotation.map(|part| -part) } else { rotation };
         Some(Self { translation: origin.to_array().map(single), rotation })
     }
+}
+
+#[allow(clippy::useless_conversion, reason = "it is f64 already in one of the two builds")]
+pub(super) fn double(number: Real) -> f64 {
+    f64::from(number)
 }
 
 /// In single precision; what is beyond it at its end.
@@ -42,7 +47,7 @@ fn dot(a: [f32; 4], b: [f32; 4]) -> f32 {
 
 #[cfg(test)]
 mod tests {
-    use tumble::math::{Quat, Vec3};
+    use tumble::math::{Quat, Real, Vec3};
 
     use super::*;
 
@@ -67,7 +72,7 @@ mod tests {
 
     #[test]
     fn what_is_nowhere_has_no_sample_and_what_is_far_has_one() {
-        let nan = Pose { position: Vec3::new(0.0, f32::NAN.into(), 0.0), ..Pose::default() };
+        let nan = Pose { position: Vec3::new(0.0, Real::NAN, 0.0), ..Pose::default() };
         assert_eq!(Sample::of(&nan, DVec3::ZERO, None), None);
         let none = Pose { orientation: Quat::from_xyzw(0.0, 0.0, 0.0, 0.0), ..Pose::default() };
         assert_eq!(Sample::of(&none, DVec3::ZERO, None), None);
