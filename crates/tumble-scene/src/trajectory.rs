@@ -73,7 +73,7 @@ pub struct TrajectoryWriter<W: Write + Seek> {
 
 #[derive(Debug)]
 enum Record<W: Write + Seek> {
-    Csv(csv::CsvRecord<W>),
+    Csv(Box<csv::CsvRecord<W>>),
     #[cfg(feature = "parquet")]
     Parquet(Box<parquet::ParquetRecord<W>>),
     Glb(Box<glb::GlbRecord<W>>),
@@ -85,7 +85,7 @@ impl<W: Write + Seek> TrajectoryWriter<W> {
     /// # Errors
     /// Whatever the writer says.
     pub fn csv(writer: W) -> io::Result<Self> {
-        Ok(Self::of(Record::Csv(csv::CsvRecord::new(writer)?)))
+        Ok(Self::of(Record::Csv(Box::new(csv::CsvRecord::new(writer)?))))
     }
 
     /// Apache Parquet, the columns those of [`COLUMNS`].

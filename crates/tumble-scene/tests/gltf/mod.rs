@@ -22,7 +22,7 @@ fn word(bytes: &[u8], at: usize) -> usize {
 }
 
 fn number(value: &Value) -> usize {
-    value.as_u64().unwrap_or_else(|| panic!("{value} is no index")) as usize
+    value.as_u64().unwrap() as usize
 }
 
 fn list(value: &Value) -> &[Value] {
@@ -136,7 +136,7 @@ impl Gltf {
             numbers.into_iter().map(|number| number as f32).collect::<Vec<f32>>()
         };
         let tracks = list(&animation["channels"]).chunks_exact(2).map(|pair| {
-            let [translation, rotation] = pair else { panic!("not a pair") };
+            let (translation, rotation) = (&pair[0], &pair[1]);
             assert_eq!(
                 (&translation["target"]["path"], &rotation["target"]["path"]),
                 (&"translation".into(), &"rotation".into())
