@@ -43,7 +43,7 @@ fn files(endings: &[&str]) -> Vec<PathBuf> {
         for entry in std::fs::read_dir(directory).unwrap() {
             let path = entry.unwrap().path();
             let name = path.file_name().unwrap().to_str().unwrap();
-            if path.is_dir() && name != "target" && !name.starts_with('.') {
+            if path.is_dir() && name != "target" && name != "node_modules" && !name.starts_with('.') {
                 visit(&path, endings, found);
             } else if path.extension().is_some_and(|ending| endings.iter().any(|e| ending == *e)) {
                 found.push(path);

@@ -56,7 +56,7 @@ pub(crate) struct RunOptions {
     /// Seed of the stress scene [default: 0]
     #[arg(long, value_name = "N", allow_negative_numbers = true)]
     pub(crate) seed: Option<u64>,
-    /// Write the states of all bodies to a .csv file
+    /// Write the states of all bodies to a .csv, .parquet or .glb file
     #[arg(long, value_name = "FILE")]
     pub(crate) record: Option<PathBuf>,
     /// Record every K-th step [default: 1]

@@ -3,13 +3,16 @@
 
 use std::fs;
 use std::io::{self, Write};
+use std::num::NonZeroU64;
 use std::path::{Path, PathBuf};
 
 use hecs::World;
 use tumble::BodyOrder;
-use tumble_scene::{Names, PendingFile, Summary, TrajectoryWriter};
+use tumble_scene::{
+    Animation, Names, PendingFile, Scene, Summary, TrajectoryError, TrajectoryFormat, TrajectoryWriter,
+};
 
-use crate::ending::check_ending;
+use crate::ending::trajectory_format;
 use crate::failure::Failure;
 use crate::history::History;
 use crate::options::RunOptions;
@@ -23,18 +26,28 @@ pub(crate) struct Outputs {
 }
 
 impl Outputs {
-    pub(crate) fn open(options: &RunOptions) -> Result<Self, Failure> {
+    /// For a run of so many steps of the scene.
+    pub(crate) fn open(options: &RunOptions, scene: &Scene, steps: u64) -> Result<Self, Failure> {
         let mut outputs = Self { record: None, report: None, directories: NewDirectories(Vec::new()) };
-        if let Some(path) = &options.record {
-            check_ending(path, "a record", "csv")?;
-        }
+        let format = options.record.as_deref().map(trajectory_format).transpose()?;
         if let Some(directory) = &options.report {
             outputs.directories.create(directory).map_err(|error| Failure::opening(directory, &error))?;
             outputs.report = Some(Report::open(options, directory)?);
         }
-        if let Some(path) = &options.record {
-            let writer = PendingFile::create(path).and_then(TrajectoryWriter::new);
-            outputs.record = Some((path.clone(), writer.map_err(|error| Failure::opening(path, &error))?));
+        if let (Some(path), Some(format)) = (&options.record, format) {
+            let opening = |error: io::Error| Failure::opening(path, &error);
+            refuse_scene(options, path, "the record")?;
+            refuse_scene(
+                options,
+                &PendingFile::partial_path(path).map_err(opening)?,
+                "the record until it is finished",
+            )?;
+            let animation = match format {
+                TrajectoryFormat::Glb => Some(Animation::of(scene, steps, options.every.map_or(1, NonZeroU64::get))?),
+                TrajectoryFormat::Csv | TrajectoryFormat::Parquet => None,
+            };
+            let file = PendingFile::create_partial(path).map_err(opening)?;
+            outputs.record = Some((path.clone(), trajectory(file, format, animation).map_err(opening)?));
         }
         Ok(outputs)
     }
@@ -50,8 +63,20 @@ impl Outputs {
     ) -> Result<(), Failure> {
         match &mut self.record {
             Some((path, writer)) => {
-                writer.record(step, time, world, order, names).map_err(|error| Failure::writing(path, &error))
+                writer.record(step, time, world, order, names).map_err(|error| match &error {
+                    TrajectoryError::Io(io) => Failure::writing(path, io),
+                    // Found with the state before the first step.
+                    _ => Failure::Input(format!("{}: {error}", path.display())),
+                })
             }
+            None => Ok(()),
+        }
+    }
+
+    /// Makes the record readable up to here, if it is time for that.
+    pub(crate) fn keep_pace(&mut self) -> Result<(), Failure> {
+        match &mut self.record {
+            Some((path, writer)) => writer.keep_pace().map_err(|error| Failure::writing(path, &error)),
             None => Ok(()),
         }
     }
@@ -70,6 +95,20 @@ impl Outputs {
     }
 }
 
+/// The writer of a format. Parquet is one where the feature is, for `trajectory_format` has looked.
+fn trajectory(
+    file: PendingFile,
+    format: TrajectoryFormat,
+    animation: Option<Animation>,
+) -> io::Result<TrajectoryWriter<PendingFile>> {
+    match (format, animation) {
+        (_, Some(animation)) => Ok(TrajectoryWriter::glb(file, animation)),
+        #[cfg(feature = "parquet")]
+        (TrajectoryFormat::Parquet, None) => TrajectoryWriter::parquet(file),
+        _ => TrajectoryWriter::csv(file),
+    }
+}
+
 /// The files of `--report`, each a path and what is being written beside it.
 struct Report {
     summary: (PathBuf, PendingFile),
@@ -82,7 +121,7 @@ impl Report {
     fn open(options: &RunOptions, directory: &Path) -> Result<Self, Failure> {
         let open = |name: &str| -> Result<(PathBuf, PendingFile), Failure> {
             let path = directory.join(name);
-            refuse_scene(options, &path)?;
+            refuse_scene(options, &path, "the report")?;
             let file = PendingFile::create(&path).map_err(|error| Failure::opening(&path, &error))?;
             Ok((path, file))
         };
@@ -115,12 +154,12 @@ fn write(
     content(&mut file).and_then(|()| file.finish()).map_err(|error| Failure::writing(&path, &error))
 }
 
-/// A report must not replace the scene it came from.
-fn refuse_scene(options: &RunOptions, file: &Path) -> Result<(), Failure> {
+/// What is written must not replace the scene it came from.
+fn refuse_scene(options: &RunOptions, file: &Path, what: &str) -> Result<(), Failure> {
     let scene = options.scene.as_ref().and_then(|scene| fs::canonicalize(scene).ok());
     match (scene, fs::canonicalize(file)) {
         (Some(scene), Ok(same)) if scene == same => {
-            Err(Failure::Input(format!("{}: is the scene itself, it cannot be the report", file.display())))
+            Err(Failure::Input(format!("{}: is the scene itself, it cannot be {what}", file.display())))
         }
         _ => Ok(()),
     }

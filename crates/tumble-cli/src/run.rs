@@ -32,7 +32,7 @@ pub(crate) fn run(options: &RunOptions) -> Result<(), Failure> {
     let pool = pool(&options.stepping)?;
     // First, so that a Ctrl-C from here on leaves no unfinished files.
     interrupt::watch()?;
-    let outputs = Outputs::open(options)?;
+    let outputs = Outputs::open(options, &scene, steps)?;
     let simulation = Simulation::new(scene.settings).map_err(|error| Failure::Input(error.to_string()))?;
     let mut world = World::new();
     let names = scene.spawn(&mut world)?;
@@ -171,6 +171,8 @@ impl Run {
             let done = self.simulation.steps();
             if done.is_multiple_of(self.every) {
                 self.record()?;
+            } else {
+                self.outputs.keep_pace()?;
             }
             if done.is_multiple_of(interval) {
                 self.sample(&mut drift)?;

@@ -287,7 +287,7 @@ fn options_that_make_no_sense() {
         &["run", "--bodies", "1000000000000"],
         &["run", "iss", "--every", "2"],
         &["run", "iss", "--record", "record.txt"],
-        &["run", "iss", "--record", "record.parquet"],
+        &["run", "iss", "--record", "record"],
         &["run", "iss", "--record", "no/such/directory/record.csv"],
         &["fly"],
         &["inspect"],
@@ -297,6 +297,23 @@ fn options_that_make_no_sense() {
         assert!(!stderr(&output).is_empty() && output.stdout.is_empty(), "{arguments:?}");
     }
     assert!(place.entries().is_empty());
+}
+
+#[test]
+fn records_that_cannot_be() {
+    let place = Place::new();
+    place.refused(
+        &["run", "iss", "--record", "a.txt"],
+        "a.txt: the name of a record ends in one of .csv, .parquet, .glb",
+    );
+    if cfg!(not(feature = "parquet")) {
+        place.refused(&["run", "iss", "--record", "a.parquet"], "a.parquet: this program was built without Parquet");
+    }
+    let long = ["run", "--bodies", "1000", "--steps", "1000000", "--every", "5", "--record", "a.glb"];
+    place.refused(
+        &long,
+        "a.glb: 1000 bodies in 200001 frames are 5.2 GiB, a .glb holds 4: record fewer steps (--every)",
+    );
 }
 
 #[test]
@@ -317,9 +334,15 @@ fn outputs_that_cannot_be_written() {
 }
 
 #[test]
-fn a_report_does_not_replace_its_scene() {
+fn a_report_or_a_record_does_not_replace_its_scene() {
     let place = Place::new();
     place.write("summary.json", "{}");
     place.refused(&["run", "./summary.json", "--report", "."], "is the scene itself");
+    #[cfg(unix)]
+    for link in ["run.glb", "run.partial.csv"] {
+        std::os::unix::fs::symlink("summary.json", place.path(link)).unwrap();
+        let record = link.replace(".partial", "");
+        place.refused(&["run", "summary.json", "--record", &record], "is the scene itself");
+    }
     assert_eq!(place.read("summary.json"), "{}");
 }

@@ -15,10 +15,7 @@ use support::{Place, stderr, wait_for};
 
 /// Waits until the run has surely begun to record: its unfinished file has something in it.
 fn wait_for_rows(place: &Place) {
-    wait_for("a record", || {
-        let part = place.entries().into_iter().find(|name| name.ends_with(".part") && name.contains("out.csv"));
-        part.is_some_and(|name| std::fs::metadata(place.path(&name)).is_ok_and(|file| file.len() > 0))
-    });
+    wait_for("a record", || std::fs::metadata(place.path("out.partial.csv")).is_ok_and(|file| file.len() > 0));
 }
 
 fn signal(child: &Child, signal: Signal) {
@@ -88,6 +85,8 @@ fn a_full_standard_output_is_a_failure_while_running() {
 
 #[test]
 fn a_record_that_cannot_grow_is_a_failure_while_running_and_leaves_nothing() {
-    let arguments = "run --bodies 1000 --steps 50 --record out.csv --report report";
-    Place::new().fills_the_disk(200, arguments, "out.csv: writing failed");
+    for name in ["out.csv", "out.glb"] {
+        let arguments = format!("run --bodies 1000 --steps 50 --record {name} --report report");
+        Place::new().fills_the_disk(200, &arguments, &format!("{name}: writing failed"));
+    }
 }

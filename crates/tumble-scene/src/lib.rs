@@ -70,5 +70,7 @@ pub use sweep::{Length, MAX_WORLDS, Sweep, SweepPlan, SweepWorld};
 pub use sweep_error::SweepError;
 pub use sweep_file::{SweepFile, SweepFileError, SweepReader, sweep_header};
 pub use sweep_identity::SweepIdentity;
-pub use trajectory::{COLUMNS, STATE_COLUMNS, TrajectoryWriter, state_numbers};
+pub use trajectory::{
+    Animation, COLUMNS, STATE_COLUMNS, TrajectoryError, TrajectoryFormat, TrajectoryWriter, state_numbers,
+};
 pub use vary::Vary;

@@ -1,7 +1,8 @@
 //! Files that appear whole or not at all.
 
-use std::fs::{self, File, OpenOptions};
-use std::io::{self, BufWriter, Write};
+use std::ffi::OsString;
+use std::fs::{self, File, OpenOptions, TryLockError};
+use std::io::{self, BufWriter, Seek, SeekFrom, Write};
 use std::path::{Path, PathBuf};
 
 /// A file that is written beside its place and renamed into it by [`finish`](Self::finish).
@@ -43,20 +44,52 @@ impl PendingFile {
         let name = target.file_name().ok_or_else(|| io::Error::new(io::ErrorKind::InvalidInput, "it names no file"))?;
         // The process id keeps two programs apart, the counter two files of one program.
         for attempt in 0..1000_u32 {
-            let mut hidden = std::ffi::OsString::from(".");
+            let mut hidden = OsString::from(".");
             hidden.push(name);
             hidden.push(format!(".{}-{attempt}.part", std::process::id()));
             let beside = target.with_file_name(hidden);
             match OpenOptions::new().write(true).create_new(true).open(&beside) {
-                Ok(file) => {
-                    let writer = Some(BufWriter::with_capacity(1 << 16, file));
-                    return Ok(Self { writer, beside, target });
-                }
+                Ok(file) => return Ok(Self::beside(file, beside, target)),
                 Err(error) if error.kind() == io::ErrorKind::AlreadyExists => {}
                 Err(error) => return Err(error),
             }
         }
         Err(io::Error::new(io::ErrorKind::AlreadyExists, "too many unfinished files beside it"))
+    }
+
+    /// As [`create`](Self::create), for a file that is readable while it grows, and that is to be found if the program is killed:
+    /// `run.csv` is written as `run.partial.csv`. One that an earlier program left is replaced.
+    ///
+    /// # Errors
+    /// As [`create`](Self::create), and if another program is writing it.
+    pub fn create_partial(target: &Path) -> io::Result<Self> {
+        let beside = Self::partial_path(target)?;
+        let target = real_target(target)?;
+        let file = OpenOptions::new().write(true).create(true).truncate(false).open(&beside)?;
+        match file.try_lock() {
+            // Gone if the other program has finished it in between.
+            Ok(()) if beside.exists() => {}
+            Ok(()) | Err(TryLockError::WouldBlock) => {
+                let problem = format!("another program is writing {}", beside.display());
+                return Err(io::Error::new(io::ErrorKind::ResourceBusy, problem));
+            }
+            // Some file systems have no locks.
+            Err(TryLockError::Error(_)) => {}
+        }
+        file.set_len(0)?;
+        Ok(Self::beside(file, beside, target))
+    }
+
+    fn beside(file: File, beside: PathBuf, target: PathBuf) -> Self {
+        Self { writer: Some(BufWriter::with_capacity(1 << 16, file)), beside, target }
+    }
+
+    /// Where [`create_partial`](Self::create_partial) writes a file until it is finished.
+    ///
+    /// # Errors
+    /// If the file or what stands in the place beside it is something else than a regular file.
+    pub fn partial_path(target: &Path) -> io::Result<PathBuf> {
+        real_target(&partial(&real_target(target)?)?)
     }
 
     /// Writes what is buffered through to the disk and renames the file into its place.
@@ -90,6 +123,15 @@ impl Write for PendingFile {
     }
 }
 
+impl Seek for PendingFile {
+    fn seek(&mut self, to: SeekFrom) -> io::Result<u64> {
+        match &mut self.writer {
+            Some(writer) => writer.seek(to),
+            None => Err(io::Error::other("the file is finished")),
+        }
+    }
+}
+
 impl Drop for PendingFile {
     fn drop(&mut self) {
         if let Some(writer) = self.writer.take() {
@@ -98,6 +140,18 @@ impl Drop for PendingFile {
             remove_quietly(&self.beside);
         }
     }
+}
+
+/// `run.partial.csv` for `run.csv`, in the same directory.
+fn partial(target: &Path) -> io::Result<PathBuf> {
+    let stem = target.file_stem().ok_or_else(|| io::Error::new(io::ErrorKind::InvalidInput, "it names no file"))?;
+    let mut name = stem.to_owned();
+    name.push(".partial");
+    if let Some(ending) = target.extension() {
+        name.push(".");
+        name.push(ending);
+    }
+    Ok(target.with_file_name(name))
 }
 
 /// Nothing sensible can be done if even the removal fails, and nobody waits for the answer.
@@ -162,6 +216,27 @@ mod tests {
         drop(other);
         assert_eq!(fs::read_to_string(&path).unwrap(), "new");
         assert_eq!(entries(directory.path()), 1);
+    }
+
+    #[test]
+    fn a_partial_file_has_a_name_of_its_own_and_one_writer() {
+        let directory = tempfile::tempdir().unwrap();
+        let path = directory.path().join("a.b.csv");
+        let beside = directory.path().join("a.b.partial.csv");
+        fs::write(&beside, "left by one that was killed").unwrap();
+        let mut file = PendingFile::create_partial(&path).unwrap();
+        assert_eq!(PendingFile::partial_path(&path).unwrap(), beside);
+        assert_eq!(PendingFile::create_partial(&path).unwrap_err().kind(), io::ErrorKind::ResourceBusy);
+        file.write_all(b"old").unwrap();
+        file.seek(SeekFrom::Start(0)).unwrap();
+        file.write_all(b"new").unwrap();
+        file.flush().unwrap();
+        assert_eq!(fs::read_to_string(&beside).unwrap(), "new");
+        file.finish().unwrap();
+        assert_eq!(fs::read_to_string(&path).unwrap(), "new");
+        assert_eq!(entries(directory.path()), 1);
+        fs::create_dir(&beside).unwrap();
+        assert!(PendingFile::create_partial(&path).is_err());
     }
 
     #[test]

@@ -1,14 +1,29 @@
-//! The record of a run: one line a body and step.
+//! The record of a run: the states of all bodies at some of its steps.
 
-use std::io::{self, Write};
+mod csv;
+mod error;
+mod format;
+mod frame;
+mod glb;
+mod pace;
+#[cfg(feature = "parquet")]
+mod parquet;
+
+use std::io::{self, Seek, Write};
 
 use hecs::World;
 use tumble::math::Real;
-use tumble::{BodyId, BodyOrder, Pose, Velocity};
+use tumble::{BodyOrder, Pose, Velocity};
 
 use crate::Names;
+use frame::Frame;
+use pace::Pace;
 
-/// The first line of a record.
+pub use error::TrajectoryError;
+pub use format::TrajectoryFormat;
+pub use glb::Animation;
+
+/// The columns of a record.
 pub const COLUMNS: [&str; 16] =
     ["step", "time", "body", "px", "py", "pz", "qx", "qy", "qz", "qw", "vx", "vy", "vz", "wx", "wy", "wz"];
 
@@ -26,79 +41,134 @@ pub fn state_numbers(pose: &Pose, velocity: Option<&Velocity>) -> [Real; 13] {
     [px, py, pz, qx, qy, qz, qw, vx, vy, vz, wx, wy, wz]
 }
 
-/// Writes states as comma-separated values, one after the other in bounded memory.
+/// Writes states, one frame after the other, in memory that does not grow with their number.
 ///
-/// SI units, world frame: the centre of mass, the orientation of the body's own frame (`x, y, z, w`, body to
-/// world), the velocity of the centre of mass, the angular velocity. Numbers have the fewest
-/// digits that read back to the same bits in the build's precision (`time` always in f64); what is
-/// not finite is written `NaN`, `inf` or `-inf`.
+/// What has been written is readable at every [`checkpoint`](Self::checkpoint), which comes by itself about once a second, so a
+/// program that is killed leaves what it recorded until then. Formats, columns and units are told in the guide to trajectories.
+///
+/// As comma-separated values, numbers have the fewest digits that read back to the same bits in the build's precision (`time`
+/// always in f64); what is not finite is written `NaN`, `inf` or `-inf`.
 ///
 /// ```
+/// use std::io::Cursor;
 /// use tumble_scene::{Scene, TrajectoryWriter};
 ///
 /// let scene = Scene::open("mujoco-box")?;
 /// let mut world = hecs::World::new();
 /// let names = scene.spawn(&mut world)?;
-/// let mut text = Vec::new();
-/// let mut writer = TrajectoryWriter::new(&mut text)?;
+/// let mut writer = TrajectoryWriter::csv(Cursor::new(Vec::new()))?;
 /// writer.record(0, 0.0, &world, &tumble::BodyOrder::of(&world), &names)?;
-/// writer.finish()?;
 /// assert_eq!(
-///     String::from_utf8(text)?,
+///     String::from_utf8(writer.finish()?.into_inner())?,
 ///     "step,time,body,px,py,pz,qx,qy,qz,qw,vx,vy,vz,wx,wy,wz\n\
 ///      0,0.0,box,0.0,0.0,0.0,0.0,0.0,0.0,1.0,0.0,0.0,0.0,1.0,2.0,3.0\n",
 /// );
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 #[derive(Debug)]
-pub struct TrajectoryWriter<W: Write> {
-    csv: csv::Writer<W>,
+pub struct TrajectoryWriter<W: Write + Seek> {
+    record: Record<W>,
+    pace: Pace,
 }
 
-impl<W: Write> TrajectoryWriter<W> {
-    /// Writes the first line.
+#[derive(Debug)]
+enum Record<W: Write + Seek> {
+    Csv(Box<csv::CsvRecord<W>>),
+    #[cfg(feature = "parquet")]
+    Parquet(Box<parquet::ParquetRecord<W>>),
+    Glb(Box<glb::GlbRecord<W>>),
+}
+
+impl<W: Write + Seek> TrajectoryWriter<W> {
+    /// Comma-separated values: writes the first line.
     ///
     /// # Errors
     /// Whatever the writer says.
-    pub fn new(writer: W) -> io::Result<Self> {
-        let mut csv = csv::Writer::from_writer(writer);
-        csv.write_record(COLUMNS)?;
-        Ok(Self { csv })
+    pub fn csv(writer: W) -> io::Result<Self> {
+        Ok(Self::of(Record::Csv(Box::new(csv::CsvRecord::new(writer)?))))
     }
 
-    /// Writes one line for each body, in their order. `Velocity` must be that of the state: run
+    /// Apache Parquet, the columns those of [`COLUMNS`].
+    ///
+    /// # Errors
+    /// Whatever the writer says.
+    #[cfg(feature = "parquet")]
+    pub fn parquet(writer: W) -> io::Result<Self> {
+        Ok(Self::of(Record::Parquet(Box::new(parquet::ParquetRecord::new(writer)?))))
+    }
+
+    /// Binary glTF 2.0: the bodies as meshes, their motion as an animation. Nothing is written before the first frame, whose bodies
+    /// are those of the file. The writer is to stand at the beginning of an empty file.
+    pub fn glb(writer: W, animation: Animation) -> Self {
+        Self::of(Record::Glb(Box::new(glb::GlbRecord::new(writer, animation))))
+    }
+
+    fn of(record: Record<W>) -> Self {
+        Self { record, pace: Pace::default() }
+    }
+
+    /// Writes the state of each body, in their order. `Velocity` must be that of the state: run
     /// [`update_derived`](tumble::update_derived) before.
     ///
     /// # Errors
-    /// Whatever the writer says.
-    pub fn record(&mut self, step: u64, time: f64, world: &World, order: &BodyOrder, names: &Names) -> io::Result<()> {
-        let (mut digits, mut shortest) = (itoa::Buffer::new(), zmij::Buffer::new());
-        let (step, time) = (digits.format(step), shortest.format(time).to_owned());
-        let states = world.view::<(&Pose, Option<&Velocity>, Option<&BodyId>)>();
-        for (index, &entity) in order.entities().iter().enumerate() {
-            let Some((pose, velocity, id)) = states.get(entity) else { continue };
-            self.csv.write_field(step)?;
-            self.csv.write_field(&time)?;
-            self.csv.write_field(&*names.of(id.map_or(index as u64, |id| id.0)))?;
-            self.numbers(&state_numbers(pose, velocity))?;
-            self.csv.write_record(None::<&[u8]>)?;
+    /// Whatever the writer says; with the first frame, [`TrajectoryError::TooLarge`].
+    pub fn record(
+        &mut self,
+        step: u64,
+        time: f64,
+        world: &World,
+        order: &BodyOrder,
+        names: &Names,
+    ) -> Result<(), TrajectoryError> {
+        let frame = Frame { step, time, world, order, names };
+        match &mut self.record {
+            Record::Csv(csv) => csv.record(&frame)?,
+            #[cfg(feature = "parquet")]
+            Record::Parquet(parquet) => parquet.record(&frame)?,
+            Record::Glb(glb) => glb.record(&frame)?,
         }
+        Ok(self.keep_pace()?)
+    }
+
+    /// Makes a checkpoint if one is due. To be called now and then where long times pass between two frames.
+    ///
+    /// # Errors
+    /// Whatever the writer says.
+    pub fn keep_pace(&mut self) -> io::Result<()> {
+        let due = match &self.record {
+            #[cfg(feature = "parquet")]
+            Record::Parquet(parquet) if !parquet.is_worth_a_checkpoint() => false,
+            _ => self.pace.is_due(),
+        };
+        if due { self.checkpoint() } else { Ok(()) }
+    }
+
+    /// Makes everything recorded until now readable, and passes it on.
+    ///
+    /// # Errors
+    /// Whatever the writer says.
+    pub fn checkpoint(&mut self) -> io::Result<()> {
+        self.pace.begin();
+        match &mut self.record {
+            Record::Csv(csv) => csv.checkpoint(),
+            #[cfg(feature = "parquet")]
+            Record::Parquet(parquet) => parquet.checkpoint(),
+            Record::Glb(glb) => glb.checkpoint(),
+        }?;
+        self.pace.end();
         Ok(())
     }
 
-    /// Passes on what is buffered and gives the writer back.
+    /// Writes what is left and gives the writer back.
     ///
     /// # Errors
     /// Whatever the writer says.
     pub fn finish(self) -> io::Result<W> {
-        self.csv.into_inner().map_err(csv::IntoInnerError::into_error)
-    }
-
-    fn numbers(&mut self, numbers: &[Real]) -> io::Result<()> {
-        let mut shortest = zmij::Buffer::new();
-        for &number in numbers {
-            self.csv.write_field(shortest.format(number))?;
+        match self.record {
+            Record::Csv(csv) => csv.finish(),
+            #[cfg(feature = "parquet")]
+            Record::Parquet(parquet) => parquet.finish(),
+            Record::Glb(glb) => glb.finish(),
         }
-        Ok(())
     }
 }

@@ -4,6 +4,8 @@
 //! if numbers were printed with a fixed number of digits, or a name with a comma broke a line.
 #![allow(clippy::unwrap_used, reason = "a test fails by panicking, in its helper functions too")]
 
+use std::io::Cursor;
+
 use hecs::World;
 use tumble::math::Real;
 use tumble::{BodyOrder, Pose, Velocity};
@@ -13,11 +15,10 @@ fn recorded(scene: Scene, poke: impl Fn(&mut World)) -> (World, Vec<csv::StringR
     let mut world = World::new();
     let names = scene.spawn(&mut world).unwrap();
     poke(&mut world);
-    let mut bytes = Vec::new();
-    let mut writer = TrajectoryWriter::new(&mut bytes).unwrap();
+    let mut writer = TrajectoryWriter::csv(Cursor::new(Vec::new())).unwrap();
     let order = BodyOrder::of(&world);
     writer.record(7, 0.1, &world, &order, &names).unwrap();
-    writer.finish().unwrap();
+    let bytes = writer.finish().unwrap().into_inner();
     let mut reader = csv::Reader::from_reader(bytes.as_slice());
     assert_eq!(reader.headers().unwrap(), &COLUMNS[..]);
     (world, reader.records().map(Result::unwrap).collect())

@@ -7,7 +7,7 @@ use glam::DVec3;
 use super::Tessellation;
 
 /// Equal parts of a whole turn.
-pub(crate) const SEGMENTS: u32 = 32;
+pub(crate) const SEGMENTS: u32 = 24;
 
 /// Equal parts of the arc of a profile from pole to pole.
 const ARC_SEGMENTS: u32 = SEGMENTS / 2;

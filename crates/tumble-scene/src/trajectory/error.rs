@@ -1,0 +1,23 @@
+use std::io;
+
+/// Why a frame was not recorded.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum TrajectoryError {
+    /// The writer failed.
+    #[error(transparent)]
+    Io(#[from] io::Error),
+    /// A binary glTF holds 4 GiB, and the run has more; found with the first frame.
+    #[error(
+        "{bodies} bodies in {frames} frames are {gigabytes:.1} GiB, a .glb holds 4: record fewer steps (--every), or a .csv",
+        gigabytes = *bytes as f64 / f64::from(1_u32 << 30)
+    )]
+    TooLarge {
+        /// How many.
+        bodies: u64,
+        /// Recorded steps.
+        frames: u64,
+        /// Size of the whole file, or of what it has at least.
+        bytes: u64,
+    },
+}
