@@ -10,8 +10,10 @@ use crate::convert::{self, Others};
 use crate::error::{FieldError, SceneError};
 use crate::force::Force;
 use crate::model::SceneModel;
-use crate::scene::{duplicates, invalid, is_path, load_model, settings, stress_bodies, unknown};
+use crate::read::read_limited;
+use crate::scene::{duplicates, invalid, is_path, is_urdf, load_model, settings, stress_bodies, unknown};
 use crate::stress::DEFAULT_BODIES;
+use crate::urdf::{MAX_URDF_BYTES, Robot, RobotLink};
 
 /// Each body of a scene as `tumble inspect` shows it.
 ///
@@ -30,6 +32,7 @@ pub struct Audit {
     /// In the order of the scene.
     pub bodies: Vec<AuditedBody>,
     /// As [`Scene::notices`](crate::Scene::notices).
+    #[serde(skip_serializing_if = "Vec::is_empty")]
     pub notices: Vec<String>,
 }
 
@@ -63,6 +66,9 @@ impl Audit {
     /// # Errors
     /// [`SceneError`] if the text is not a scene at all, or a setting of the scene is wrong.
     pub fn open(name_or_path: &str) -> Result<Self, SceneError> {
+        if is_path(name_or_path) && is_urdf(Path::new(name_or_path)) {
+            return Self::from_urdf(&read_limited(Path::new(name_or_path), MAX_URDF_BYTES)?, name_or_path);
+        }
         if is_path(name_or_path) {
             return Self::of_model(&load_model(Path::new(name_or_path))?, name_or_path);
         }
@@ -81,6 +87,19 @@ impl Audit {
     /// As [`open`](Self::open).
     pub fn from_json(text: &str, file: &str) -> Result<Self, SceneError> {
         Self::of_model(&crate::parse::parse(text, crate::Format::Json, file)?, file)
+    }
+
+    /// Audits the links of a robot in URDF text; `file` is what messages call it.
+    ///
+    /// # Errors
+    /// [`SceneError`] if the text is not a robot at all.
+    pub fn from_urdf(text: &str, file: &str) -> Result<Self, SceneError> {
+        let robot = Robot::read(text, file)?;
+        let audited = |link: RobotLink| match link.body {
+            Ok(body) => AuditedBody::of(link.name, &body.body),
+            Err(problems) => AuditedBody::impossible(link.name, &problems),
+        };
+        Ok(Self { bodies: robot.links.into_iter().map(audited).collect(), notices: robot.notices })
     }
 
     /// Whether anything is wrong with any body.

@@ -44,6 +44,7 @@ mod sweep_error;
 mod sweep_file;
 mod sweep_identity;
 mod trajectory;
+mod urdf;
 mod vary;
 
 pub use audit::{Audit, AuditedBody};
