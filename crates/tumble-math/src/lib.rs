@@ -49,6 +49,7 @@ mod inertia_error;
 mod kinematics;
 mod mass_error;
 mod mass_properties;
+mod mesh;
 mod principal;
 mod rotation;
 mod shape;
@@ -67,6 +68,7 @@ pub use kinematics::{
 };
 pub use mass_error::MassError;
 pub use mass_properties::MassProperties;
+pub use mesh::{HullError, MeshAudit, MeshDefect, MeshError, MeshRepair, SolidMesh, TriangleMesh, convex_hull};
 pub use principal::PrincipalInertia;
 pub use rotation::{
     NotARotation, ROTATION_TOLERANCE, angle_between, change_of_basis, cross_product_matrix, from_scaled_axis,

@@ -149,6 +149,14 @@ impl MassProperties {
         Self::from_parts(self.mass, center, change_of_basis(self.tensor, orientation))
     }
 
+    /// The same body moved so that its centre of mass is there \[m\].
+    ///
+    /// # Errors
+    /// A position out of range.
+    pub fn centered_at(&self, center_of_mass: impl Into<DVec3>) -> Result<Self, MassError> {
+        Self::from_parts(self.mass, center_of_mass.into(), self.tensor)
+    }
+
     /// This body and another, in the same frame, fixed to each other. Also as the operator `+`.
     ///
     /// ```text

@@ -68,6 +68,10 @@ fn with_fields(model: &BodyModel, index: usize, shape: Shape, problems: &mut Vec
     if let Some(inertia) = model.inertia.as_ref().and_then(|inertia| note(problems, principal_inertia(inertia))) {
         body = body.principal_inertia(inertia);
     }
+    let center = model.center_of_mass.as_ref().map(|center| finite_triple("center_of_mass", center));
+    if let Some(center) = center.and_then(|center| note(problems, center)) {
+        body = body.center_of_mass(center);
+    }
     if let Some(position) = triple(&model.position, "position", problems) {
         body = body.position(position);
     }

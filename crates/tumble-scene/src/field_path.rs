@@ -27,7 +27,7 @@ enum Slot<'a> {
 
 const OF_A_SCENE: &str = "gravity.0 to gravity.2, dt, steps, substeps and bodies.INDEX_OR_NAME.FIELD";
 const OF_A_BODY: &str = "mass, density, gravity_scale, position.I, orientation.I, linear_velocity.I, \
-     angular_velocity.I, inertia.principal.I, inertia.axes.I, inertia.tensor.I.J, shape.FIELD and forces.I.FIELD";
+     angular_velocity.I, center_of_mass.I, inertia.principal.I, inertia.axes.I, inertia.tensor.I.J, shape.FIELD and forces.I.FIELD";
 
 impl FieldPath {
     /// Finds the body that the path names. Whether it has the field is found out by [`set_in_scene`](Self::set_in_scene) and
@@ -185,6 +185,8 @@ fn in_body<'a>(body: &'a mut BodyModel, path: &[&str]) -> Option<&'a mut f64> {
         ["linear_velocity", axis] => from_zero(&mut body.linear_velocity, axis),
         ["angular_velocity", axis] => from_zero(&mut body.angular_velocity, axis),
         ["orientation", axis] => from_identity(&mut body.orientation, axis),
+        // Only what is given can be varied: the shape's would have to be known here.
+        ["center_of_mass", axis] => component(body.center_of_mass.as_mut()?, axis),
         ["inertia", rest @ ..] => in_inertia(body.inertia.as_deref_mut()?, rest),
         ["shape", rest @ ..] => in_shape(body.shape.as_mut()?, rest),
         ["forces", index, rest @ ..] => in_force(element(&mut body.forces, index)?, rest),
@@ -297,7 +299,8 @@ mod tests {
           "forces": [ { "gravity_scale": 2 }, { "damping": { "linear": 0.5 } } ] },
         { "name": "a.b[1]", "shape": { "cone": { "radius": 1, "half_height": 2 } }, "mass": 1,
           "inertia": { "tensor": [[2, 0, 0], [0, 2, 0], [0, 0, 2]] } },
-        { "shape": { "ellipsoid": { "radii": [1, 2, 3] } }, "density": 1, "inertia": { "principal": [2, 2, 2] } } ] }"#;
+        { "shape": { "ellipsoid": { "radii": [1, 2, 3] } }, "density": 1, "center_of_mass": [0, 0, 0],
+          "inertia": { "principal": [2, 2, 2] } } ] }"#;
 
     fn model() -> SceneModel {
         parse(SCENE, Format::Json, "scene").unwrap()
@@ -322,7 +325,8 @@ mod tests {
              bodies.0.shape.parts.0.mass bodies.0.shape.parts.1.density bodies.0.shape.parts.1.position.0 \
              bodies.0.shape.parts.0.orientation.1 bodies.0.forces.0.gravity_scale bodies.0.forces.1.damping.linear \
              bodies.0.forces.1.damping.angular bodies.a.b[1].shape.cone.radius bodies.1.shape.half_height \
-             bodies.1.inertia.tensor.1.1 bodies.body-2.inertia.principal.0 bodies.2.inertia.axes.3 bodies.2.shape.radii.1";
+             bodies.1.inertia.tensor.1.1 bodies.body-2.inertia.principal.0 bodies.2.inertia.axes.3 bodies.2.shape.radii.1 \
+             bodies.2.center_of_mass.1";
         let mut seen = std::collections::BTreeSet::new();
         for path in paths.split_whitespace() {
             let text = set(path).unwrap();

@@ -43,6 +43,7 @@ mod sweep;
 mod sweep_error;
 mod sweep_file;
 mod sweep_identity;
+mod tessellation;
 mod trajectory;
 mod urdf;
 mod vary;

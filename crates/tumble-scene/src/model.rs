@@ -35,6 +35,7 @@ pub(crate) struct BodyModel {
     pub(crate) mass: Option<f64>,
     pub(crate) density: Option<f64>,
     pub(crate) inertia: Option<Box<InertiaModel>>,
+    pub(crate) center_of_mass: Option<Triple>,
     pub(crate) position: Option<Triple>,
     pub(crate) orientation: Option<Quadruple>,
     pub(crate) linear_velocity: Option<Triple>,

@@ -41,6 +41,7 @@ pub struct RigidBody {
     motion: Motion,
     amount: Option<Amount>,
     inertia: Option<PrincipalInertia>,
+    center_of_mass: Option<DVec3>,
     position: Vec3,
     orientation: Quat,
     linear_velocity: Vec3,
@@ -59,6 +60,7 @@ impl RigidBody {
             motion: Motion::Dynamic,
             amount: None,
             inertia: None,
+            center_of_mass: None,
             position: Vec3::ZERO,
             orientation: Quat::IDENTITY,
             linear_velocity: Vec3::ZERO,
@@ -98,6 +100,18 @@ impl RigidBody {
     /// Its principal moments about the centre of mass and principal axes, instead of the shape's.
     pub fn principal_inertia(self, inertia: PrincipalInertia) -> Self {
         Self { inertia: Some(inertia), ..self }
+    }
+
+    /// Where its centre of mass is in its own frame \[m\], instead of the shape's. Its inertia about the centre of mass stays what it is.
+    ///
+    /// ```
+    /// # use tumble::prelude::*;
+    /// let weeble = RigidBody::new(Shape::sphere(0.1)).mass(0.3).center_of_mass([0.0, -0.06, 0.0]).build()?;
+    /// assert_eq!(weeble.properties().map(|properties| properties.center_of_mass().y), Some(-0.06));
+    /// # Ok::<(), tumble::BodyError>(())
+    /// ```
+    pub fn center_of_mass(self, center: impl Into<DVec3>) -> Self {
+        Self { center_of_mass: Some(center.into()), ..self }
     }
 
     /// Where the origin of its frame is in the world \[m\].
@@ -200,7 +214,12 @@ impl RigidBody {
 
     /// Mass and centre of mass, and the principal inertia of a body that has any extent.
     fn mass_properties(&self) -> Result<(MassProperties, Option<PrincipalInertia>), BodyError> {
-        let properties = self.shape_properties(None)?;
+        let mut properties = self.shape_properties(None)?;
+        if let Some(center) = self.center_of_mass {
+            finite("center_of_mass", vec3(center))?;
+            let far = |_| BodyError::NotFinite { field: "center_of_mass", value: center };
+            properties = properties.centered_at(center).map_err(far)?;
+        }
         if let Some(principal) = self.inertia {
             let tensor = InertiaTensor::from_principal(principal.moments, principal.axes)?;
             let given = MassProperties::new(properties.mass(), properties.center_of_mass(), tensor)?;

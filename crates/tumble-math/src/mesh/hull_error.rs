@@ -1,0 +1,36 @@
+//! Why points have no convex hull with a volume.
+
+use glam::DVec3;
+use thiserror::Error;
+
+use super::mesh_error::MeshError;
+use crate::inertia_error::listed;
+
+/// Why [`convex_hull`](crate::convex_hull) has no answer.
+#[derive(Clone, Debug, PartialEq, Error)]
+#[non_exhaustive]
+pub enum HullError {
+    /// A hull with a volume needs four points at least.
+    #[error("a convex hull needs at least four points, there are {count}")]
+    TooFew {
+        /// How many there are.
+        count: usize,
+    },
+    /// A point is not finite or further out than [`MassProperties::REACH`](crate::MassProperties::REACH).
+    #[error("point {point} at {} is not finite or beyond 1e90 m", listed(*.position))]
+    Position {
+        /// Index of the point, from 0.
+        point: usize,
+        /// Its position \[m\].
+        position: DVec3,
+    },
+    /// All points lie in one plane, on one line or at one place, within 4e-12 of the longest side of their box.
+    #[error("all {count} points lie in one plane, so their hull has no volume")]
+    Flat {
+        /// How many there are.
+        count: usize,
+    },
+    /// There are more points than a mesh can have vertices.
+    #[error(transparent)]
+    Mesh(#[from] MeshError),
+}

@@ -1,0 +1,31 @@
+//! Triangle meshes: what is wrong with them, the solid they bound, its exact mass properties.
+//!
+//! A mesh is looked at in stages, a file each: vertices at one place (`coincidence`), the triangles left over them (`surface`), their
+//! edges (`edges`), what hangs together (`parts`), what lies within what (`nesting`). `audit` counts, `solid_mesh` repairs and refuses. `convex_hull` makes
+//! meshes that need none of it.
+
+mod anatomy;
+mod audit;
+mod coincidence;
+mod convex_hull;
+mod crossings;
+mod defect;
+mod edges;
+mod grid_point;
+mod hull_error;
+mod local_frame;
+mod mesh_error;
+mod moments;
+mod nesting;
+mod parts;
+mod solid_mesh;
+mod surface;
+mod triangle_mesh;
+
+pub use audit::MeshAudit;
+pub use convex_hull::convex_hull;
+pub use defect::{MeshDefect, MeshRepair};
+pub use hull_error::HullError;
+pub use mesh_error::MeshError;
+pub use solid_mesh::SolidMesh;
+pub use triangle_mesh::TriangleMesh;
