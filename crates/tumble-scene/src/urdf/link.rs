@@ -2,7 +2,8 @@
 
 use glam::{DMat3, DQuat, DVec3};
 use std::f64::consts::FRAC_1_SQRT_2;
-use tumble::{Amount, InertiaError, InertiaTensor, Part, Shape};
+use tumble::{Amount, InertiaTensor, Part, Shape};
+use tumble_math::InertiaError;
 
 use crate::convert::{note, positive};
 use crate::error::FieldError;

@@ -132,15 +132,16 @@ fn bodies(links: Vec<Link>, frames: &[Frame]) -> Vec<RobotLink> {
 
 /// A body whose frame is the link's. What it looks like has no part in its mass properties.
 fn body(inertial: &Inertial, shape: Option<Shape>, frame: &Frame, index: u64) -> Result<SceneBody, FieldError> {
-    let matter = Part::new(Shape::Point, Amount::Mass(inertial.mass)).at(inertial.center_of_mass);
-    let point = Shape::compound([matter]);
-    let body = RigidBody::new(point.clone())
+    let body = RigidBody::new(Shape::Point)
+        .mass(inertial.mass)
+        .center_of_mass(inertial.center_of_mass)
         .inertia(inertial.tensor)
         .position(real_vector(frame.position))
         .orientation(real_quaternion(frame.orientation))
         .id(BodyId(index));
     let body = body.build().map_err(|error| FieldError::new("inertial", error))?;
-    Ok(SceneBody { body, shape: shape.unwrap_or(point), forces: Vec::new(), springs_to: Vec::new() })
+    let point = || Shape::compound([Part::new(Shape::Point, Amount::Mass(inertial.mass)).at(inertial.center_of_mass)]);
+    Ok(SceneBody { body, shape: shape.unwrap_or_else(point), forces: Vec::new(), springs_to: Vec::new() })
 }
 
 /// What is in the file and not in the simulation.
