@@ -16,6 +16,7 @@
 
 mod comparison;
 mod free_body;
+pub mod meshes;
 pub mod references;
 mod simulation;
 
