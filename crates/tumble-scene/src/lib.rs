@@ -18,6 +18,7 @@
 //! ```
 
 mod audit;
+mod audit_mesh;
 mod builtin;
 mod convert;
 mod distribution;
@@ -27,11 +28,13 @@ mod force;
 mod force_model;
 mod force_path;
 mod limits;
+mod mesh_file;
 mod model;
 mod outcome;
 mod output;
 mod parse;
 mod plot;
+mod portrait;
 mod read;
 mod recover;
 mod scene;
@@ -49,12 +52,13 @@ mod urdf;
 mod vary;
 
 pub use audit::{Audit, AuditedBody};
+pub use audit_mesh::{MeshCounts, MeshOptions, MeshRepairs};
 pub use builtin::builtin_names;
 pub use distribution::Distribution;
 pub use error::{Place, SceneError};
 pub use force::{Force, HullShape};
 pub use limits::{
-    MAX_BODIES, MAX_FILE_BYTES, MAX_PARTS, MAX_STEPS, TIME_STEPS, step_count, steps_of_duration, time_step,
+    MAX_BODIES, MAX_FILE_BYTES, MAX_MESH, MAX_PARTS, MAX_STEPS, TIME_STEPS, step_count, steps_of_duration, time_step,
 };
 pub use outcome::Outcome;
 pub use output::PendingFile;
