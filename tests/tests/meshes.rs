@@ -94,7 +94,7 @@ fn negative_zero_is_the_same_place() {
 fn holes_are_counted_and_stay() {
     let open = with_triangles(&block([1.0; 3]), |triangles| {
         triangles.truncate(10);
-        triangles.remove(4);
+        triangles.remove(0);
     });
     // The last two triangles share an edge, so their hole has four; the other has three.
     let holes = [MeshDefect::OpenEdges { edges: 7 }];
@@ -107,15 +107,13 @@ fn holes_are_counted_and_stay() {
 fn a_triangle_turned_round_is_turned_back() {
     let good = sphere(1.0, 2);
     let bad = with_triangles(&good, |triangles| {
-        for triangle in [3, 40, 41] {
+        for triangle in [3, 40, 77] {
             triangles[triangle].swap(0, 1);
         }
     });
     let audit = bad.audit();
     let reversed = MeshDefect::ReversedEdges { edges: audit.reversed_edges };
-    // 3 edges each, less both sides of what 40 and 41 share.
-    assert!(audit.reversed_edges == 9 || audit.reversed_edges == 7);
-    assert_eq!(audit.inside_out_parts, 0);
+    assert_eq!((audit.reversed_edges, audit.inside_out_parts), (9, 0));
     assert_eq!(refused(&bad), [reversed]);
     let (solid, repairs) = bad.repaired().unwrap();
     assert_eq!(repairs, [MeshRepair::FlipTriangles { edges: audit.reversed_edges }]);
@@ -153,7 +151,7 @@ fn a_triangle_of_no_area_that_holds_the_mesh_together_is_kept() {
     let audit = stitched.audit();
     assert_eq!(audit.problems(), [MeshDefect::CollinearTriangles { triangles: 1 }]);
     assert!((stitched.solid().unwrap().volume() - 1.0 / 6.0).abs() <= 1e-16);
-    let unstitched = with_triangles(&stitched, |triangles| drop(triangles.remove(2)));
+    let unstitched = with_triangles(&stitched, |triangles| triangles.retain(|triangle| *triangle != [0, 4, 1]));
     assert_eq!(refused(&unstitched), [MeshDefect::OpenEdges { edges: 3 }]);
 }
 
@@ -182,12 +180,12 @@ fn one_sided_and_flat_parts_are_refused() {
     let square = [DVec3::ZERO, DVec3::X, DVec3::X + DVec3::Y, DVec3::Y].map(|p| DQuat::from_rotation_x(0.3) * p);
     let pillow = [[0, 1, 2], [0, 2, 3], [0, 3, 1], [1, 3, 2]];
     assert_eq!(beyond_repair(&mesh(&square, &pillow)), [MeshDefect::FlatParts { parts: 1 }]);
-    // So thin that it is all rounding, and thick enough not to be.
+    // A plate of which rounding leaves nothing, and one of which it leaves seven digits.
     let lid = |height: f64| {
         let thin = block([1.0, 1.0, height]);
         thin.transformed(&DAffine3::from_quat(DQuat::from_axis_angle(DVec3::new(0.6, 0.8, 0.0), 1.0))).unwrap()
     };
-    assert_eq!(beyond_repair(&lid(1e-17)), [MeshDefect::FlatParts { parts: 1 }]);
+    assert!(lid(1e-17).repaired().is_err());
     let plate = lid(1e-9).solid().unwrap();
     assert!((plate.volume() / 8e-9 - 1.0).abs() <= 1e-6);
 }
@@ -218,7 +216,7 @@ fn cracks_close_if_that_closes_everything() {
     // The surface has moved by less than 2e-9.
     assert!((solid.volume() - good.solid().unwrap().volume()).abs() <= good.audit().area * 2e-9);
     // With a hole besides, nothing is welded.
-    let holed = with_triangles(&cracked, |triangles| drop(triangles.pop()));
+    let holed = with_triangles(&cracked, |triangles| triangles.truncate(127));
     assert_eq!(holed.audit().cracks, 0);
     assert_eq!(beyond_repair(&holed), [MeshDefect::OpenEdges { edges: 3 * 127 }]);
     // Further apart than that, they are different vertices.
@@ -295,14 +293,14 @@ fn what_is_not_nested_is_solid() {
     }
 }
 
-/// Ten thousand bubbles in a ball of foam, in some seconds if it were quadratic and at once as it is.
+/// Ten thousand bubbles in a ball of foam: each compared with all triangles would be 1e9 comparisons, some seconds.
 #[test]
 fn many_parts_take_no_squares() {
     let bubble = sphere(0.01, 0);
     let places = (0..22).flat_map(|x| (0..22).flat_map(move |y| (0..22).map(move |z| (x, y, z))));
     let places = places.map(|(x, y, z)| (DVec3::new(x.into(), y.into(), z.into()) - 10.5) * 0.05);
     let places: Vec<DVec3> = places.filter(|place: &DVec3| place.length() < 0.95).collect();
-    assert!(places.len() > 10_000 * 9 / 10 || places.len() > 5_000);
+    assert!(places.len() > 9_000, "{}", places.len());
     let bubbles = places.iter().map(|place| inside_out(&moved(&bubble, *place)));
     let foam = TriangleMesh::merged(std::iter::once(sphere(1.0, 6)).chain(bubbles)).unwrap();
     let solid = foam.solid().unwrap();
@@ -312,16 +310,30 @@ fn many_parts_take_no_squares() {
 }
 
 #[test]
-fn what_crosses_itself_so_that_nothing_is_left_is_refused() {
-    // Two cavities the size of the block they are in, overlapping each other.
-    let hole = inside_out(&block([0.99; 3]));
-    let hole_again = inside_out(&block([0.98, 0.985, 0.97]));
-    let shifted = moved(&hole_again, [0.005, 0.002, 0.001]);
-    let mesh = merged([block([1.0; 3]), hole, moved(&block([0.5; 3]), [0.0; 3]), shifted]);
-    let audit = mesh.audit();
-    assert_eq!(audit.cavities, Some(2), "{audit:?}");
-    // A figure of eight: two lobes wound oppositely, one larger.
-    assert!(matches!(mesh.repaired(), Err(MeshError::NoVolume { .. }) | Ok(_)));
+fn what_crosses_itself_so_that_no_matter_is_left_is_refused() {
+    let hole = |low: [f64; 3], high: [f64; 3]| {
+        let (low, high) = (DVec3::from(low), DVec3::from(high));
+        inside_out(&moved(&block((high - low) * 0.5), (high + low) * 0.5))
+    };
+    let volume = |mesh: &TriangleMesh| match mesh.solid() {
+        Err(MeshError::NoVolume { volume }) => volume,
+        other => panic!("{other:?}"),
+    };
+    // Two cavities that overlap: what both take away is taken away twice, and more than all is gone.
+    let negative = merged([
+        block([1.0; 3]),
+        hole([-0.99, -0.99, -0.99], [0.9, 0.99, 0.99]),
+        hole([-0.9, -0.99, -0.99], [0.99, 0.99, 0.99]),
+    ]);
+    assert_eq!(negative.audit().cavities, Some(2));
+    assert!((volume(&negative) - (8.0 - 2.0 * 1.89 * 1.98 * 1.98)).abs() <= 1e-14);
+    // Two such pairs at the ends: the volume is positive, but the mean square of x is not.
+    let end = |far: f64, low: f64, high: f64| hole([0.5, low, low], [far, high, high]);
+    let ends = [end(0.99, -0.99, 0.98), end(0.98, -0.98, 0.99)];
+    let turn = DAffine3::from_quat(DQuat::from_xyzw(0.0, 0.0, 1.0, 0.0));
+    let others = ends.clone().map(|end| end.transformed(&turn).unwrap());
+    let hollow = TriangleMesh::merged([block([1.0; 3])].into_iter().chain(ends).chain(others)).unwrap();
+    assert!(volume(&hollow) > 0.3);
 }
 
 #[test]
@@ -377,7 +389,10 @@ proptest! {
         match mesh.solid() {
             Ok(solid) => prop_assert!(problems.iter().all(MeshDefect::is_harmless) && is_solid(&solid)),
             Err(MeshError::NotSolid { defects }) => prop_assert!(!defects.is_empty() && defects.len() <= problems.len()),
-            Err(error) => prop_assert!(matches!(error, MeshError::NoVolume { .. } | MeshError::NoTriangles)),
+            Err(error) => {
+                let nothing = matches!(error, MeshError::NoVolume { .. } | MeshError::NoTriangles);
+                prop_assert!(nothing, "{}", error);
+            }
         }
         if let Ok((solid, _)) = mesh.repaired() {
             prop_assert!(is_solid(&solid));

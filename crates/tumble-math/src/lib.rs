@@ -51,6 +51,7 @@ mod mass_error;
 mod mass_properties;
 mod mesh;
 mod principal;
+mod revolved;
 mod rotation;
 mod shape;
 mod shape_error;
@@ -58,6 +59,7 @@ mod solids;
 mod symmetric;
 mod symmetric_eigen;
 mod unit;
+mod welding;
 
 pub use euler::to_euler;
 pub use glam::EulerRot;
@@ -76,3 +78,4 @@ pub use rotation::{
 };
 pub use shape::{Amount, Part, Shape};
 pub use shape_error::{ShapeError, ShapeErrorReason};
+pub use welding::{MovingBody, WeldError, WeldedBody, weld};

@@ -2,10 +2,13 @@
 
 use std::f64::consts::PI;
 use std::ops::RangeInclusive;
+use std::sync::Arc;
 
 use glam::{DMat3, DQuat, DVec3};
 
 use crate::mass_properties::{MassProperties, check_mass};
+use crate::mesh::SolidMesh;
+use crate::revolved::Revolved;
 use crate::shape_error::{ShapeError, ShapeErrorReason};
 
 /// The shape of a homogeneous body, in its own frame.
@@ -72,11 +75,33 @@ pub enum Shape {
         /// Half the height \[m\].
         half_height: f64,
     },
+    /// A solid frustum of a cone along y: a cylinder whose ends differ. One of the radii may be zero, but not both. Formulas:
+    /// [`MassProperties::frustum`].
+    Frustum {
+        /// Radius at `-half_height` \[m\].
+        radius_bottom: f64,
+        /// Radius at `+half_height` \[m\].
+        radius_top: f64,
+        /// Half the height \[m\].
+        half_height: f64,
+    },
+    /// The convex hull of two spheres on y: a capsule whose ends differ. One of the radii may be zero, but not both. If one sphere holds
+    /// the other, it is all. See [`MassProperties::tapered_capsule`].
+    TaperedCapsule {
+        /// Radius of the sphere about `-half_height` \[m\].
+        radius_bottom: f64,
+        /// Radius of the sphere about `+half_height` \[m\].
+        radius_top: f64,
+        /// Half the distance between the centres of the spheres \[m\].
+        half_height: f64,
+    },
     /// A solid ellipsoid. `I_xx = m/5 (b^2 + c^2)` with semi-axes `a, b, c`.
     Ellipsoid {
         /// Semi-axes along x, y, z \[m\].
         radii: DVec3,
     },
+    /// What a triangle mesh bounds, exactly; in the frame of its vertices.
+    Mesh(Arc<SolidMesh>),
     /// Shapes fixed to each other, each with its own pose and mass. Where they overlap, both masses count.
     Compound(Vec<Part>),
 }
@@ -167,6 +192,41 @@ impl Shape {
         Self::Cone { radius: radius.into(), half_height: half_height.into() }
     }
 
+    /// A frustum along y: radii at the bottom and at the top, one of which may be zero, and half height \[m\].
+    #[must_use]
+    pub fn frustum(radius_bottom: impl Into<f64>, radius_top: impl Into<f64>, half_height: impl Into<f64>) -> Self {
+        let (radius_bottom, radius_top) = (radius_bottom.into(), radius_top.into());
+        Self::Frustum { radius_bottom, radius_top, half_height: half_height.into() }
+    }
+
+    /// A capsule along y whose ends differ: radii of the bottom and of the top sphere, one of which may be zero, and half the distance of
+    /// their centres \[m\].
+    ///
+    /// ```
+    /// use tumble_math::{Amount, Shape};
+    /// let mass = Amount::Mass(3.0);
+    /// let equal = Shape::tapered_capsule(0.2, 0.2, 0.5).mass_properties(mass)?;
+    /// let capsule = Shape::capsule(0.2, 0.5).mass_properties(mass)?;
+    /// let difference = equal.tensor_about_center() - capsule.tensor_about_center();
+    /// assert!(difference.abs_diff_eq(glam::DMat3::ZERO, 1e-15));
+    /// # Ok::<(), tumble_math::ShapeError>(())
+    /// ```
+    #[must_use]
+    pub fn tapered_capsule(
+        radius_bottom: impl Into<f64>,
+        radius_top: impl Into<f64>,
+        half_height: impl Into<f64>,
+    ) -> Self {
+        let (radius_bottom, radius_top) = (radius_bottom.into(), radius_top.into());
+        Self::TaperedCapsule { radius_bottom, radius_top, half_height: half_height.into() }
+    }
+
+    /// What a triangle mesh bounds. A mesh in an `Arc` is shared by all shapes made of it.
+    #[must_use]
+    pub fn mesh(mesh: impl Into<Arc<SolidMesh>>) -> Self {
+        Self::Mesh(mesh.into())
+    }
+
     /// An ellipsoid with these semi-axes \[m\].
     #[must_use]
     pub fn ellipsoid(radii: impl Into<DVec3>) -> Self {
@@ -207,6 +267,13 @@ impl Shape {
             Self::Capsule { radius: r, half_height: h } => Some(2.0 / 3.0 * PI * r * r * (3.0 * h + 2.0 * r)),
             Self::Cone { radius: r, half_height: h } => Some(2.0 / 3.0 * PI * r * r * h),
             Self::Ellipsoid { radii } => Some(4.0 / 3.0 * PI * radii.x * radii.y * radii.z),
+            Self::Frustum { radius_bottom: a, radius_top: b, half_height: h } => {
+                Some(Revolved::frustum(*a, *b, *h).volume)
+            }
+            Self::TaperedCapsule { radius_bottom: a, radius_top: b, half_height: h } => {
+                Some(Revolved::tapered_capsule(*a, *b, *h).volume)
+            }
+            Self::Mesh(mesh) => Some(mesh.volume()),
             Self::Compound(parts) if parts.is_empty() || depth >= Self::MAX_DEPTH => None,
             Self::Compound(parts) => parts.iter().map(|part| part.shape.volume_within(depth + 1)).sum(),
         }
@@ -238,10 +305,20 @@ impl Shape {
 
     fn mass_properties_within(&self, amount: Amount, depth: usize) -> Result<MassProperties, ShapeError> {
         self.check_lengths()?;
-        if let Self::Compound(parts) = self {
-            let own = combined(parts, depth)?;
-            let mass = amount.mass(self.volume_within(depth), self.name())?;
-            return own.scaled_to_mass(mass).map_err(|error| ShapeError::here(ShapeErrorReason::Mass(error)));
+        match *self {
+            Self::Compound(ref parts) => {
+                let own = combined(parts, depth)?;
+                let mass = amount.mass(self.volume_within(depth), self.name())?;
+                return own.scaled_to_mass(mass).map_err(|error| ShapeError::here(ShapeErrorReason::Mass(error)));
+            }
+            Self::Mesh(ref mesh) => return mesh.mass_properties(amount),
+            Self::Frustum { radius_bottom, radius_top, half_height } => {
+                return MassProperties::frustum(radius_bottom, radius_top, half_height, amount);
+            }
+            Self::TaperedCapsule { radius_bottom, radius_top, half_height } => {
+                return MassProperties::tapered_capsule(radius_bottom, radius_top, half_height, amount);
+            }
+            _ => {}
         }
         let m = amount.mass(self.volume(), self.name())?;
         let center = match self {
@@ -252,10 +329,12 @@ impl Shape {
             .map_err(|error| ShapeError::here(ShapeErrorReason::Mass(error)))
     }
 
-    /// Moments about the centre of mass for the mass `m`; the formulas at the variants. Zero for a compound.
+    /// Moments about the centre of mass for the mass `m`; the formulas at the variants. Zero for those that are not computed here.
     fn moments(&self, m: f64) -> DVec3 {
         match *self {
-            Self::Point | Self::Compound(_) => DVec3::ZERO,
+            Self::Point | Self::Compound(_) | Self::Mesh(_) | Self::Frustum { .. } | Self::TaperedCapsule { .. } => {
+                DVec3::ZERO
+            }
             Self::Sphere { radius: r } => DVec3::splat(0.4 * m * r * r),
             Self::HollowSphere { radius: r } => DVec3::splat(2.0 / 3.0 * m * r * r),
             Self::Cuboid { half_extents } => sums_of_others(half_extents) * (m / 3.0),
@@ -278,7 +357,12 @@ impl Shape {
 
     fn check_lengths(&self) -> Result<(), ShapeError> {
         match *self {
-            Self::Point | Self::Compound(_) => Ok(()),
+            Self::Point | Self::Compound(_) | Self::Mesh(_) => Ok(()),
+            Self::Frustum { radius_bottom, radius_top, half_height }
+            | Self::TaperedCapsule { radius_bottom, radius_top, half_height } => {
+                check_radii("radius_bottom", radius_bottom, "radius_top", radius_top)?;
+                check_length("half_height", half_height)
+            }
             Self::Sphere { radius } | Self::HollowSphere { radius } => check_length("radius", radius),
             Self::Cuboid { half_extents } => check_lengths("half_extents", half_extents),
             Self::Ellipsoid { radii } => check_lengths("radii", radii),
@@ -300,7 +384,10 @@ impl Shape {
             Self::Cylinder { .. } => "cylinder",
             Self::Capsule { .. } => "capsule",
             Self::Cone { .. } => "cone",
+            Self::Frustum { .. } => "frustum",
+            Self::TaperedCapsule { .. } => "tapered capsule",
             Self::Ellipsoid { .. } => "ellipsoid",
+            Self::Mesh(_) => "mesh",
             Self::Compound(_) => "compound that holds a point or a shell",
         }
     }
@@ -360,6 +447,20 @@ pub(crate) fn check_length(name: &'static str, value: f64) -> Result<(), ShapeEr
     } else {
         Err(ShapeError::here(ShapeErrorReason::Length { name, value }))
     }
+}
+
+/// Two radii, of which one may be zero.
+pub(crate) fn check_radii(
+    name: &'static str,
+    value: f64,
+    other: &'static str,
+    other_value: f64,
+) -> Result<(), ShapeError> {
+    if value == 0.0 {
+        return check_length(other, other_value);
+    }
+    check_length(name, value)?;
+    if other_value == 0.0 { Ok(()) } else { check_length(other, other_value) }
 }
 
 fn check_lengths(name: &'static str, values: DVec3) -> Result<(), ShapeError> {

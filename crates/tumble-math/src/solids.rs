@@ -8,7 +8,8 @@ use glam::{DMat3, DVec3};
 
 use crate::inertia::parallel_axis;
 use crate::mass_properties::MassProperties;
-use crate::shape::{Amount, axial_and_transverse, check_length};
+use crate::revolved::Revolved;
+use crate::shape::{Amount, axial_and_transverse, check_length, check_radii};
 use crate::shape_error::{ShapeError, ShapeErrorReason};
 
 impl MassProperties {
@@ -25,7 +26,7 @@ impl MassProperties {
         solid(m, 0.375 * radius, axial_and_transverse(0.4 * m * r2, 83.0 / 320.0 * m * r2))
     }
 
-    /// A solid frustum of a cone, radii `bottom` at `-half_height` and `top` at `+half_height` \[m\].
+    /// A solid frustum of a cone, radii `bottom` at `-half_height` and `top` at `+half_height` \[m\]. One of the radii may be zero.
     ///
     /// With `a`, `b` the two radii, `H` the height, `S2 = a^2 + ab + b^2`,
     /// `S4 = a^4 + a^3 b + a^2 b^2 + a b^3 + b^4`:
@@ -41,20 +42,29 @@ impl MassProperties {
     /// # Errors
     /// As [`hemisphere`](Self::hemisphere).
     pub fn frustum(bottom: f64, top: f64, half_height: f64, amount: Amount) -> Result<Self, ShapeError> {
-        check_length("bottom", bottom)?;
-        check_length("top", top)?;
+        check_radii("bottom", bottom, "top", top)?;
         check_length("half_height", half_height)?;
-        // In units of the larger radius: fourth powers of the radii themselves could leave the range of f64.
-        let unit = bottom.max(top);
-        let (a, b, height) = (bottom / unit, top / unit, 2.0 * half_height);
-        let (a2, ab, b2) = (a * a, a * b, b * b);
-        let s2 = a2 + ab + b2;
-        let s4 = a2 * a2 + a2 * ab + a2 * b2 + ab * b2 + b2 * b2;
-        let spread = a2 * a2 + 4.0 * a2 * ab + 10.0 * a2 * b2 + 4.0 * ab * b2 + b2 * b2;
-        let m = amount.mass(Some(PI / 3.0 * height * s2 * unit * unit), "frustum")?;
-        let axial = 0.3 * m * (s4 / s2) * unit * unit;
-        let transverse = 0.5 * axial + 3.0 / 80.0 * m * height * height * (spread / s2 / s2);
-        solid(m, 0.25 * height * (b - a) * (a + b) / s2, axial_and_transverse(axial, transverse))
+        of_revolution(&Revolved::frustum(bottom, top, half_height), amount, "frustum")
+    }
+
+    /// The convex hull of two solid spheres, of the radii `bottom` about `-half_height` and `top` about `+half_height` on y \[m\], one of which
+    /// may be zero: a capsule whose ends differ, as in glTF's KHR_implicit_shapes. If one sphere holds the other, it is all.
+    ///
+    /// Two segments of spheres and a frustum between the circles in which a cone touches both spheres.
+    ///
+    /// ```
+    /// use tumble_math::{Amount, MassProperties};
+    /// let club = MassProperties::tapered_capsule(0.02, 0.05, 0.2, Amount::Density(700.0))?;
+    /// assert!(club.center_of_mass().y > 0.07); // towards the thick end
+    /// # Ok::<(), tumble_math::ShapeError>(())
+    /// ```
+    ///
+    /// # Errors
+    /// As [`hemisphere`](Self::hemisphere).
+    pub fn tapered_capsule(bottom: f64, top: f64, half_height: f64, amount: Amount) -> Result<Self, ShapeError> {
+        check_radii("bottom", bottom, "top", top)?;
+        check_length("half_height", half_height)?;
+        of_revolution(&Revolved::tapered_capsule(bottom, top, half_height), amount, "tapered capsule")
     }
 
     /// A solid pyramid on a rectangle: base `2 half_x` by `2 half_z` at `y = -half_height`, apex at
@@ -164,6 +174,11 @@ impl MassProperties {
         let transverse = 0.25 * m * radius * radius;
         solid(m, 0.0, axial_and_transverse(2.0 * transverse, transverse))
     }
+}
+
+fn of_revolution(body: &Revolved, amount: Amount, name: &'static str) -> Result<MassProperties, ShapeError> {
+    let m = amount.mass(Some(body.volume), name)?;
+    solid(m, body.center, axial_and_transverse(m * body.axial, m * body.transverse))
 }
 
 /// Centre of mass on the y axis, principal axes parallel to the frame's.

@@ -84,6 +84,7 @@ mod systems;
 mod tile;
 mod totals;
 mod trial;
+mod weld;
 
 pub use batch::Batch;
 pub use body::Body;
@@ -122,10 +123,14 @@ pub use stream::stream;
 pub use systems::{accumulate_forces, integrate, integrate_under_laws, update_derived};
 pub use totals::{Totals, measure};
 pub use trial::Trial;
+pub use weld::{WeldError, weld};
 
 pub use {glam, hecs};
 
-pub use tumble_math::{Amount, InertiaTensor, MassProperties, Part, PrincipalInertia, Shape};
+pub use tumble_math::{
+    Amount, HullError, InertiaTensor, MassProperties, MeshAudit, MeshDefect, MeshError, MeshRepair, Part,
+    PrincipalInertia, Shape, SolidMesh, TriangleMesh, convex_hull,
+};
 
 /// What most programs need: `use tumble::prelude::*;`.
 pub mod prelude {

@@ -12,9 +12,10 @@ use crate::shape::Shape;
 /// their order.
 ///
 /// On which side of a face a point lies is decided without rounding, for points shifted to a grid of 2^37 to 2^38 steps over the longest
-/// side of their box, by half a step at most (4e-12 of that side). So points in one plane, on one line or at one place do no harm; a
-/// point that is not a corner lies inside the hull, or outside by less than two steps. Faces with more than three corners are cut
-/// into triangles, none of which is without area on the grid.
+/// side of their box, by half a step on each axis at most (4e-12 of that side). So points in one plane, on one line or at one place do no
+/// harm: the result is closed and convex on the grid, faces with more than three corners are cut into triangles, and none of these is
+/// without area there. A point that is above no face by more than two steps does not become a corner, for that is no more than the
+/// shift can do.
 ///
 /// Points are added furthest first to a growing hull that keeps, for each face, a list of points outside it (quickhull). That takes
 /// about `n log n` steps, a second for a hundred thousand points on a sphere; in bad cases, such as all points on two circles, `n^2`.
@@ -65,6 +66,8 @@ struct Face {
     /// Across the edge that starts at each corner.
     neighbours: [u32; 3],
     normal: [i128; 3],
+    /// Above this [`height`](Hull::height) a point is outside for certain.
+    margin: i128,
     /// Points outside this face, each in the list of one face only.
     outside: Vec<u32>,
     /// Whether the face is part of the hull still.
@@ -111,7 +114,9 @@ impl<'a> Hull<'a> {
 
     fn add(&mut self, corners: [u32; 3]) -> u32 {
         let [a, b, c] = corners.map(|corner| self.points[corner as usize]);
-        let face = Face { corners, neighbours: [0; 3], normal: cross(b - a, c - a), outside: Vec::new(), stands: true };
+        let normal = cross(b - a, c - a);
+        let (margin, outside) = (margin(normal), Vec::new());
+        let face = Face { corners, neighbours: [0; 3], normal, margin, outside, stands: true };
         if let Some(place) = self.free.pop() {
             self.faces[place as usize] = face;
             place
@@ -127,10 +132,12 @@ impl<'a> Hull<'a> {
         dot(face.normal, self.points[point as usize] - self.points[face.corners[0] as usize])
     }
 
-    /// Puts each point into the list of the first of the faces that it is outside of. What is outside of none is inside the hull for good.
+    /// Puts each point into the list of the first of the faces that it is outside of. What is outside of none of them is inside for good, or
+    /// within the margin: seen from the new point, the hull is the cone that they bound.
     fn share_out(&mut self, points: Vec<u32>, faces: &[u32]) {
         for point in points {
-            if let Some(&face) = faces.iter().find(|face| self.height(**face, point) > 0) {
+            let is_above = |face: &&u32| self.height(**face, point) > self.faces[**face as usize].margin;
+            if let Some(&face) = faces.iter().find(is_above) {
                 self.faces[face as usize].outside.push(point);
             }
         }
@@ -249,8 +256,14 @@ fn tetrahedron(points: &[GridPoint]) -> Option<[u32; 4]> {
     let height = |i: u32| dot(normal, at(i) - at(a));
     let d = numbers().max_by_key(|i| height(*i).abs())?;
     match height(d) {
-        0 => None,
+        level if level.abs() <= margin(normal) => None,
         below if below < 0 => Some([a, b, c, d]),
         _ => Some([a, c, b, d]),
     }
+}
+
+/// Two steps of the grid, as a height over a face with this normal, at least zero and so never short of exactly level.
+fn margin(normal: [i128; 3]) -> i128 {
+    let [x, y, z] = normal.map(|x| x as f64);
+    (2.0 * (x * x + y * y + z * z).sqrt()) as i128
 }

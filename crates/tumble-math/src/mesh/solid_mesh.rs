@@ -5,6 +5,7 @@ use glam::{DMat3, DVec3};
 use super::anatomy::Anatomy;
 use super::audit::MeshAudit;
 use super::defect::{MeshDefect, MeshRepair};
+use super::local_frame::LocalFrame;
 use super::mesh_error::MeshError;
 use super::moments::{Moments, moments};
 use super::parts::turned;
@@ -70,14 +71,15 @@ impl SolidMesh {
 
     /// With all parts the right way round. Nothing fatal may be wrong with the mesh.
     fn assembled(mesh: &TriangleMesh, anatomy: &Anatomy) -> Result<Self, MeshError> {
-        let extent = anatomy.frame.extent();
-        if !Shape::LENGTHS.contains(&extent) {
+        let mesh = rewound(mesh, anatomy)?;
+        let frame = LocalFrame::around(mesh.positions().iter().copied());
+        let extent = frame.extent();
+        if extent < *Shape::LENGTHS.start() {
             return Err(MeshError::Extent { extent });
         }
-        let mesh = rewound(mesh, anatomy)?;
         let corners = || mesh.triangles().iter().map(|corners| corners.map(|c| mesh.positions()[c as usize]));
-        let Moments { volume, center, second } = moments(corners, &anatomy.frame);
-        let unit = anatomy.frame.unit;
+        let Moments { volume, center, second } = moments(corners, &frame);
+        let unit = frame.unit;
         let cubic_metres = volume.value * unit * unit * unit;
         // A surface that crosses itself may have any volume, but the second moments of matter have no negative eigenvalue. Each
         // determinant's rounding, d/6 in the volume, is d/120 times at most 27 + 9 in them: the corners are within sqrt(3), their sum 3 sqrt(3).
@@ -92,7 +94,7 @@ impl SolidMesh {
             parts: anatomy.parts.parts.len(),
             cavities: depths.iter().filter(|depth| **depth % 2 == 1).count(),
             volume: cubic_metres,
-            center_of_mass: anatomy.frame.global(center),
+            center_of_mass: frame.global(center),
             tensor: (DMat3::from_diagonal(DVec3::splat(trace)) - second) * (1.0 / volume.value),
             unit,
             mesh,

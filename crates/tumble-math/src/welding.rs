@@ -1,0 +1,154 @@
+//! Moving bodies that become one.
+
+use glam::{DMat3, DQuat, DVec3};
+use thiserror::Error;
+
+use crate::mass_error::MassError;
+use crate::mass_properties::MassProperties;
+use crate::symmetric_eigen::symmetric_eigen;
+
+/// A rigid body as it moves.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct MovingBody {
+    /// Mass properties in the body's own frame.
+    pub properties: MassProperties,
+    /// Where the origin of its frame is in the world \[m\].
+    pub position: DVec3,
+    /// Rotation from its frame to the world.
+    pub orientation: DQuat,
+    /// Velocity of its centre of mass in the world [m/s].
+    pub linear_velocity: DVec3,
+    /// Angular velocity in the world [rad/s].
+    pub angular_velocity: DVec3,
+}
+
+/// What [`weld`] makes of several bodies, in the world's frame.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
+pub struct WeldedBody {
+    /// Mass, centre of mass and tensor about it, in the world's axes and about the world's origin.
+    pub properties: MassProperties,
+    /// Velocity of the centre of mass [m/s].
+    pub linear_velocity: DVec3,
+    /// Angular velocity [rad/s].
+    pub angular_velocity: DVec3,
+    /// Linear momentum [kg m/s]: the sum of those of the bodies.
+    pub linear_momentum: DVec3,
+    /// Angular momentum about the centre of mass [kg m^2/s]: the sum of those of the bodies about that point.
+    pub angular_momentum: DVec3,
+    /// Kinetic energy that the bodies had and the one has not \[J\], never negative: what it takes to make them stick.
+    pub energy_lost: f64,
+}
+
+/// Why bodies cannot be welded.
+#[derive(Clone, Debug, PartialEq, Error)]
+#[non_exhaustive]
+pub enum WeldError {
+    /// There are none.
+    #[error("there is no body to weld")]
+    NoBodies,
+    /// The pose of one is impossible.
+    #[error("body {body}: {source}")]
+    Pose {
+        /// Index of the body, from 0.
+        body: usize,
+        /// What is wrong with it.
+        source: MassError,
+    },
+    /// A velocity of one is not finite.
+    #[error("body {body}: its {what} velocity is not finite")]
+    Velocity {
+        /// Index of the body, from 0.
+        body: usize,
+        /// `"linear"` or `"angular"`.
+        what: &'static str,
+    },
+}
+
+/// One body of several that from now on move together: a perfectly inelastic collision, or a joint that closes. Linear and angular
+/// momentum are kept.
+///
+/// With the masses m, centres c, velocities v and tensors I of the bodies in the world's axes, and d = c - C:
+///
+/// ```text
+/// M = sum m      C = sum m c / M      P = M V = sum m v      L = sum (I w + d x m (v - V))      L = I_C W
+/// lost energy = 1/2 sum (m u^2 + (w - W) . I (w - W)),  u = v - V - W x d
+/// ```
+///
+/// The lost energy is that of the motions against each other, and so a sum of squares in which nothing cancels: since momentum is kept,
+/// `sum m u = 0` and `sum (I (w - W) + d x m u) = 0`, the products with V and W drop out of the difference of the energies. (Carnot's
+/// theorem on impacts without rebound.)
+///
+/// A body without inertia about an axis, such as two points about the line through them, does not turn about it.
+///
+/// ```
+/// use tumble_math::{Amount, MovingBody, Shape, weld};
+/// use glam::{DQuat, DVec3};
+///
+/// let ball = Shape::sphere(0.1).mass_properties(Amount::Mass(2.0))?;
+/// let at = |position: DVec3, linear_velocity: DVec3| MovingBody {
+///     properties: ball,
+///     position,
+///     orientation: DQuat::IDENTITY,
+///     linear_velocity,
+///     angular_velocity: DVec3::ZERO,
+/// };
+/// // Two balls catch each other in passing, and turn about their middle.
+/// let pair = weld([at(DVec3::Y, DVec3::X), at(-DVec3::Y, -DVec3::X)])?;
+/// assert_eq!(pair.linear_velocity, DVec3::ZERO);
+/// assert_eq!(pair.angular_momentum, DVec3::Z * -4.0);
+/// assert!((pair.angular_velocity.z * (4.0 + 2.0 * 0.4 * 2.0 * 0.01) + 4.0).abs() < 1e-15);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+///
+/// # Errors
+/// No body at all, or one (named by its index) whose pose or velocity is impossible.
+pub fn weld(bodies: impl IntoIterator<Item = MovingBody>) -> Result<WeldedBody, WeldError> {
+    let mut placed: Vec<(MassProperties, MovingBody)> = Vec::new();
+    for (index, body) in bodies.into_iter().enumerate() {
+        placed.push((in_the_world(index, &body)?, body));
+    }
+    let properties =
+        placed.iter().map(|(properties, _)| *properties).reduce(|a, b| a + b).ok_or(WeldError::NoBodies)?;
+    let linear_momentum: DVec3 = placed.iter().map(|(p, body)| body.linear_velocity * p.mass()).sum();
+    let linear_velocity = linear_momentum / properties.mass();
+
+    let arm = |p: &MassProperties| p.center_of_mass() - properties.center_of_mass();
+    let spin = |(p, body): &(MassProperties, MovingBody)| {
+        let orbital = arm(p).cross((body.linear_velocity - linear_velocity) * p.mass());
+        p.tensor_about_center() * body.angular_velocity + orbital
+    };
+    let angular_momentum: DVec3 = placed.iter().map(spin).sum();
+    let angular_velocity = angular_velocity(&properties, angular_momentum);
+
+    let against = |(p, body): &(MassProperties, MovingBody)| {
+        let slip = body.linear_velocity - linear_velocity - angular_velocity.cross(arm(p));
+        let turn = body.angular_velocity - angular_velocity;
+        0.5 * (p.mass() * slip.length_squared() + turn.dot(p.tensor_about_center() * turn).max(0.0))
+    };
+    let energy_lost = placed.iter().map(against).sum();
+    Ok(WeldedBody { properties, linear_velocity, angular_velocity, linear_momentum, angular_momentum, energy_lost })
+}
+
+/// Mass properties of a body in the world, its velocities checked.
+fn in_the_world(index: usize, body: &MovingBody) -> Result<MassProperties, WeldError> {
+    for (what, velocity) in [("linear", body.linear_velocity), ("angular", body.angular_velocity)] {
+        if !velocity.is_finite() {
+            return Err(WeldError::Velocity { body: index, what });
+        }
+    }
+    let placed = body.properties.transformed(body.position, body.orientation);
+    placed.map_err(|source| WeldError::Pose { body: index, source })
+}
+
+/// `I^-1 L`; nothing about an axis without a moment.
+fn angular_velocity(properties: &MassProperties, angular_momentum: DVec3) -> DVec3 {
+    if let Ok(inertia) = properties.inertia() {
+        return inertia.inverse() * angular_momentum;
+    }
+    let (moments, axes) = symmetric_eigen(properties.tensor_about_center());
+    // As in `InertiaTensor`: a turned tensor holds a moment to 32 eps of the largest.
+    let rounding = 32.0 * f64::EPSILON * moments.max_element();
+    let inverse = moments.to_array().map(|moment| if moment > rounding { 1.0 / moment } else { 0.0 });
+    axes * (DMat3::from_diagonal(inverse.into()) * (axes.transpose() * angular_momentum))
+}
