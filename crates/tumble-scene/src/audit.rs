@@ -170,7 +170,7 @@ impl Audit {
                 body.problems.push(error.to_string());
             }
         }
-        Ok(Self { bodies, notices: Vec::new() })
+        Ok(Self { bodies, notices: model.notices.clone() })
     }
 }
 

@@ -2,6 +2,8 @@
 
 mod forces;
 
+use std::sync::Arc;
+
 use glam::{DMat3, DQuat, DVec3};
 use tumble::math::{Quat, Real, Vec3};
 use tumble::{Amount, BodyId, InertiaTensor, Part, PrincipalInertia, RigidBody, Shape};
@@ -169,6 +171,11 @@ fn unchecked_shape(model: &ShapeModel) -> Result<Shape, FieldError> {
             };
             Shape::Compound(parts.iter().enumerate().map(part).collect::<Result<_, _>>()?)
         }
+        ShapeModel::Mesh { ref solid, .. } | ShapeModel::ConvexHull { ref solid, .. } => match solid {
+            Some(Ok(solid)) => Shape::Mesh(Arc::clone(solid)),
+            Some(Err(error)) => return Err(error.clone()),
+            None => return Err(FieldError::new(model.name(), "has not been made")),
+        },
     })
 }
 

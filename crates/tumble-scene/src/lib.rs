@@ -29,6 +29,7 @@ mod force_model;
 mod force_path;
 mod limits;
 mod mesh_file;
+mod mesh_shape;
 mod model;
 mod outcome;
 mod output;
@@ -58,7 +59,8 @@ pub use distribution::Distribution;
 pub use error::{Place, SceneError};
 pub use force::{Force, HullShape};
 pub use limits::{
-    MAX_BODIES, MAX_FILE_BYTES, MAX_MESH, MAX_PARTS, MAX_STEPS, TIME_STEPS, step_count, steps_of_duration, time_step,
+    MAX_BODIES, MAX_FILE_BYTES, MAX_HULL_POINTS, MAX_MESH, MAX_PARTS, MAX_STEPS, TIME_STEPS, step_count,
+    steps_of_duration, time_step,
 };
 pub use outcome::Outcome;
 pub use output::PendingFile;

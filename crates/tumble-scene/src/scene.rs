@@ -244,7 +244,7 @@ impl Scene {
             source: model.source.clone(),
             settings,
             steps,
-            notices: Vec::new(),
+            notices: model.notices.clone(),
             bodies: Bodies::Listed { bodies, names },
         })
     }

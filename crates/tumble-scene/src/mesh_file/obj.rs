@@ -18,7 +18,8 @@ pub(super) fn read(bytes: &[u8]) -> Result<Surface, String> {
     // Names and comments may be in any encoding.
     let text = String::from_utf8_lossy(bytes);
     let mut reader = Reader::default();
-    let mut lines = text.lines().enumerate();
+    // Editors on Windows put a byte-order mark in front.
+    let mut lines = text.strip_prefix('\u{feff}').unwrap_or(&text).lines().enumerate();
     let mut long = String::new();
     while let Some((number, line)) = lines.next() {
         let statement = if line.ends_with('\\') {
