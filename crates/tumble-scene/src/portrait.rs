@@ -26,6 +26,8 @@ const BEYOND: f64 = 1.18;
 const AROUND: usize = 72;
 /// Labels at the ends of axes are kept so far apart.
 const APART: f64 = 17.0;
+/// Coordinates below this part of the body's size are shown as zero.
+const NOTHING: f64 = 1e-12;
 /// Longest title \[characters\], and most problems that are told.
 const TITLE: usize = 72;
 const MOST_PROBLEMS: usize = 4;
@@ -80,8 +82,8 @@ struct Matter {
     axes: [DVec3; 3],
     /// Of the ellipsoid.
     semi_axes: DVec3,
-    /// Half the length of the axes drawn.
-    reach: [f64; 3],
+    /// How far each axis is drawn, against its direction and along it.
+    reach: [[f64; 2]; 3],
 }
 
 impl<'a> Portrait<'a> {
@@ -121,7 +123,7 @@ impl<'a> Portrait<'a> {
             self.draw_ellipsoid(&mut svg, matter);
         }
         // One transparency for all of them: where they lie over one another, only the nearest shows.
-        put(&mut svg, format_args!("<g opacity=\".5\">\n{fronts}</g>\n"));
+        put(&mut svg, format_args!("<g opacity=\".6\">\n{fronts}</g>\n"));
         if let Some(matter) = &self.matter {
             self.draw_axes(&mut svg, matter);
         }
@@ -247,8 +249,9 @@ impl<'a> Portrait<'a> {
             figures.entry("volume", &[format!("{} m\u{b3}", figure(volume))]);
         }
         if let Some(center) = body.center_of_mass {
-            let [x, y, z] = center.map(figure);
-            figures.entry("centre of mass", &[format!("{x}, {y}, {z} m")]);
+            // What is left of sums that cancel is no figure.
+            let [x, y, z] = center.map(|x| figure(if x.abs() < NOTHING * self.unit { 0.0 } else { x }));
+            figures.entry("centre of mass", &wrapped(&format!("{x}, {y}, {z} m")));
         }
         if let Some(principal) = body.principal {
             figures.entry("principal moments", &[]);
@@ -282,20 +285,20 @@ impl Matter {
             center: DVec3::from_array(center),
             axes: [DVec3::X, DVec3::Y, DVec3::Z].map(|axis| rotation * axis),
             semi_axes: DVec3::new(semi_axis(i, j + k), semi_axis(j, k + i), semi_axis(k, i + j)),
-            reach: [0.0; 3],
+            reach: [[0.0; 2]; 3],
         })
     }
 
     fn reach_beyond(&mut self, points: &[DVec3]) {
-        // An axis across a thin body is drawn long enough to be seen.
-        let mut shortest: f64 = 0.0;
-        let reach: [f64; 3] = std::array::from_fn(|i| {
-            let along = |point: &DVec3| (*point - self.center).dot(self.axes[i]).abs();
-            let furthest = points.iter().map(along).fold(self.semi_axes[i], f64::max);
-            shortest = shortest.max(0.4 * furthest);
-            furthest
+        let reach: [[f64; 2]; 3] = std::array::from_fn(|i| {
+            [-1.0, 1.0].map(|side| {
+                let along = |point: &DVec3| (*point - self.center).dot(self.axes[i]) * side;
+                points.iter().map(along).fold(self.semi_axes[i], f64::max)
+            })
         });
-        self.reach = reach.map(|furthest| BEYOND * furthest.max(shortest));
+        // An axis across a thin body is drawn long enough to be seen.
+        let furthest = reach.iter().flatten().copied().fold(0.0, f64::max);
+        self.reach = reach.map(|sides| sides.map(|side| BEYOND * side.max(0.4 * furthest)));
     }
 
     fn semi_axes_as_vectors(&self) -> [DVec3; 3] {
@@ -303,7 +306,10 @@ impl Matter {
     }
 
     fn ends(&self) -> [[DVec3; 2]; 3] {
-        std::array::from_fn(|i| [-1.0, 1.0].map(|side| self.center + self.axes[i] * (side * self.reach[i])))
+        std::array::from_fn(|i| {
+            let [back, forth] = self.reach[i];
+            [self.center - self.axes[i] * back, self.center + self.axes[i] * forth]
+        })
     }
 
     /// What has to be in the picture.
