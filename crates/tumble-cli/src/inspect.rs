@@ -1,25 +1,52 @@
 //! `tumble inspect`.
 
 use std::fmt::Write as _;
+use std::io::Write as _;
+use std::path::Path;
 
-use tumble_scene::{Audit, AuditedBody};
+use tumble_scene::{Audit, AuditedBody, MeshCounts, MeshOptions, MeshRepairs, PendingFile};
 
 use crate::failure::Failure;
 use crate::options::InspectOptions;
 use crate::print;
 
-/// Prints the mass properties and forces of every body; a failure if any body has a problem.
+/// Prints the mass properties and forces of every body, or of the one asked for; a failure if one of them has a problem.
 pub(crate) fn inspect(options: &InspectOptions) -> Result<(), Failure> {
-    let audit = Audit::open(&options.scene)?;
+    let file = &options.file;
+    let repairs = if options.repair { MeshRepairs::Made } else { MeshRepairs::Refused };
+    let density = options.density.unwrap_or(MeshOptions::default().density);
+    let mut audit = Audit::open_with(file, MeshOptions { density, repairs })?;
+    let is_mesh = audit.bodies.iter().any(|body| body.mesh.is_some());
+    if (options.density.is_some() || options.repair) && !is_mesh {
+        let option = if options.repair { "--repair" } else { "--density" };
+        return Err(Failure::Input(format!("{option} goes with a mesh only, not with {file:?}")));
+    }
+    if let Some(name) = &options.body {
+        audit.bodies.retain(|body| body.name == *name);
+        if audit.bodies.is_empty() {
+            return Err(Failure::Input(format!("{file}: no body is called {name:?}")));
+        }
+    }
     let text =
         if options.json { json(&audit)? } else { audit.bodies.iter().map(people).collect::<Result<String, _>>()? };
+    if let Some(path) = &options.draw {
+        draw(&audit, file, path)?;
+    }
     print::notices(&audit.notices);
     print::output(&text)?;
     let bad = audit.bodies.iter().filter(|body| !body.problems.is_empty()).count();
     if bad == 0 {
         return Ok(());
     }
-    Err(Failure::Input(format!("{}: {bad} of {} bodies have problems", options.scene, audit.bodies.len())))
+    Err(Failure::Input(format!("{file}: {bad} of {} bodies have problems", audit.bodies.len())))
+}
+
+/// Draws the first body.
+fn draw(audit: &Audit, file: &str, path: &Path) -> Result<(), Failure> {
+    let body = audit.bodies.first().ok_or_else(|| Failure::Input(format!("{file}: there is no body to draw")))?;
+    let mut drawing = PendingFile::create(path).map_err(|error| Failure::opening(path, &error))?;
+    let written = drawing.write_all(body.portrait().as_bytes());
+    written.and_then(|()| drawing.finish()).map_err(|error| Failure::writing(path, &error))
 }
 
 fn json(audit: &Audit) -> Result<String, Failure> {
@@ -54,6 +81,12 @@ fn people(body: &AuditedBody) -> Result<String, Failure> {
     if let Some(axes) = body.axes {
         line("axes x y z w", &numbers(&axes));
     }
+    if let Some(volume) = body.volume {
+        line("volume [m3]", &numbers(&[volume]));
+    }
+    for (label, count) in body.mesh.iter().flat_map(counts) {
+        line(label, &count);
+    }
     for force in &body.forces {
         line("force", &serde_json::to_string(force).map_err(|error| unwritten(&error))?);
     }
@@ -61,6 +94,38 @@ fn people(body: &AuditedBody) -> Result<String, Failure> {
         line("PROBLEM", problem);
     }
     Ok(text)
+}
+
+/// What was counted in a mesh. What there is none of is left out, where it would be a defect.
+fn counts(mesh: &MeshCounts) -> Vec<(&'static str, String)> {
+    let [low, high] = mesh.extents;
+    let mut counts = vec![
+        ("vertices", mesh.vertices.to_string()),
+        ("triangles", mesh.triangles.to_string()),
+        ("parts", mesh.parts.to_string()),
+        ("volume as wound [m3]", numbers(&[mesh.volume])),
+        ("area [m2]", numbers(&[mesh.area])),
+        ("from [m]", numbers(&low)),
+        ("to [m]", numbers(&high)),
+    ];
+    let defects = [
+        ("cavities", mesh.cavities.unwrap_or(0)),
+        ("duplicate vertices", mesh.duplicate_vertices),
+        ("near duplicates", mesh.near_duplicates),
+        ("unused vertices", mesh.unused_vertices),
+        ("degenerate triangles", mesh.degenerate_triangles),
+        ("collinear triangles", mesh.collinear_triangles),
+        ("duplicate triangles", mesh.duplicate_triangles),
+        ("open edges", mesh.open_edges),
+        ("edges at cracks", mesh.cracks),
+        ("overfull edges", mesh.overfull_edges),
+        ("reversed edges", mesh.reversed_edges),
+        ("one-sided parts", mesh.one_sided_parts),
+        ("flat parts", mesh.flat_parts),
+        ("inside-out parts", mesh.inside_out_parts),
+    ];
+    counts.extend(defects.into_iter().filter(|(_, count)| *count > 0).map(|(label, count)| (label, count.to_string())));
+    counts
 }
 
 fn numbers(numbers: &[f64]) -> String {

@@ -36,14 +36,14 @@ pub(crate) enum Command {
     /// Put the shards of a sweep together
     #[command(after_help = "Exit codes: 0 all well, 1 a failure while writing, 2 bad input or usage")]
     Merge(MergeOptions),
-    /// Show the mass properties of a scene's bodies
+    /// Show the mass properties of a scene's bodies, a robot's links or a mesh, and what is wrong with them
     #[command(after_help = "Exit codes: 0 all well, 2 bad input or a body with problems")]
     Inspect(InspectOptions),
 }
 
 #[derive(Debug, Default, Args)]
 pub(crate) struct RunOptions {
-    /// A .json or .ron file, or the name of a built-in scene [default: stress]
+    /// A .json, .ron or .urdf file, or the name of a built-in scene [default: stress]
     ///
     /// What has an extension or a slash is a file.
     #[arg(value_name = "SCENE")]
@@ -95,12 +95,24 @@ pub(crate) struct StepOptions {
 
 #[derive(Debug, Args)]
 pub(crate) struct InspectOptions {
-    /// A .json or .ron file, or the name of a built-in scene
-    #[arg(value_name = "SCENE")]
-    pub(crate) scene: String,
+    /// A scene (.json, .ron), a robot (.urdf), a mesh (.obj, .stl), or the name of a built-in scene
+    #[arg(value_name = "FILE")]
+    pub(crate) file: String,
     /// Print JSON
     #[arg(long)]
     pub(crate) json: bool,
+    /// Density of a mesh in kg/m^3 [default: 1]
+    #[arg(long, value_name = "D", allow_negative_numbers = true, value_parser = density)]
+    pub(crate) density: Option<f64>,
+    /// Repair a mesh where there is no doubt how, and say what was done
+    #[arg(long)]
+    pub(crate) repair: bool,
+    /// Draw a body to an .svg file
+    #[arg(long, value_name = "FILE")]
+    pub(crate) draw: Option<PathBuf>,
+    /// The body to show and draw, by its name [default: show all, draw the first]
+    #[arg(long, value_name = "NAME")]
+    pub(crate) body: Option<String>,
 }
 
 fn steps(text: &str) -> Result<u64, String> {
@@ -120,6 +132,11 @@ fn duration(text: &str) -> Result<f64, String> {
     } else {
         Err(format!("must be from 0 to {longest:e} seconds, not {seconds}"))
     }
+}
+
+fn density(text: &str) -> Result<f64, String> {
+    let density = number(text)?;
+    if density.is_finite() && density > 0.0 { Ok(density) } else { Err("must be positive and finite".to_owned()) }
 }
 
 fn number(text: &str) -> Result<f64, String> {

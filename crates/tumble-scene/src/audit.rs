@@ -1,18 +1,25 @@
 //! The mass properties and forces of a scene's bodies, and what is wrong with them.
 
 use std::path::Path;
+use std::sync::Arc;
 
 use serde::Serialize;
-use tumble::Body;
+use tumble::{MassProperties, Shape};
+use tumble_math::TriangleMesh;
 
+use crate::audit_mesh::{self, MeshCounts, MeshOptions};
 use crate::builtin;
 use crate::convert::{self, Others};
 use crate::error::{FieldError, SceneError};
 use crate::force::Force;
 use crate::gltf::{self, GltfBody, GltfScene};
+use crate::mesh_file::MeshFormat;
 use crate::model::SceneModel;
-use crate::scene::{duplicates, invalid, is_path, load_model, settings, stress_bodies, unknown};
+use crate::read::read_limited;
+use crate::scene::{duplicates, invalid, is_path, is_urdf, load_model, settings, stress_bodies, unknown};
+use crate::scene_body::SceneBody;
 use crate::stress::DEFAULT_BODIES;
+use crate::urdf::{MAX_URDF_BYTES, Robot, RobotLink};
 
 /// Each body of a scene as `tumble inspect` shows it.
 ///
@@ -31,6 +38,7 @@ pub struct Audit {
     /// In the order of the scene.
     pub bodies: Vec<AuditedBody>,
     /// As [`Scene::notices`](crate::Scene::notices).
+    #[serde(skip_serializing_if = "Vec::is_empty")]
     pub notices: Vec<String>,
 }
 
@@ -52,10 +60,33 @@ pub struct AuditedBody {
     pub principal: Option<[f64; 3]>,
     /// Quaternion `x, y, z, w` that takes principal-frame to body-frame coordinates.
     pub axes: Option<[f64; 4]>,
+    /// Volume of a mesh [m^3].
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub volume: Option<f64>,
+    /// What was counted in a mesh.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub mesh: Option<MeshCounts>,
     /// Its forces, with every default filled in.
     pub forces: Vec<Force>,
     /// Everything wrong with the body, each as `field: problem`.
     pub problems: Vec<String>,
+    /// What it looks like in its own frame, and which axis of that is up.
+    #[serde(skip)]
+    pub(crate) looks: Option<(Looks, Up)>,
+}
+
+/// A surface to be drawn.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) enum Looks {
+    Shape(Shape),
+    Mesh(Arc<TriangleMesh>),
+}
+
+/// An axis of a body's frame.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Up {
+    Y,
+    Z,
 }
 
 impl Audit {
@@ -64,11 +95,26 @@ impl Audit {
     /// # Errors
     /// [`SceneError`] if the text is not a scene at all, or a setting of the scene is wrong.
     pub fn open(name_or_path: &str) -> Result<Self, SceneError> {
-        if is_path(name_or_path) && gltf::is_gltf(Path::new(name_or_path)) {
-            return Ok(Self::of_gltf(gltf::load(Path::new(name_or_path))?));
+        Self::open_with(name_or_path, MeshOptions::default())
+    }
+
+    /// As [`open`](Self::open), with a density for a mesh and a word on its repairs.
+    ///
+    /// # Errors
+    /// As [`open`](Self::open).
+    pub fn open_with(name_or_path: &str, options: MeshOptions) -> Result<Self, SceneError> {
+        let path = Path::new(name_or_path);
+        if let Some(format) = MeshFormat::of_path(path) {
+            return audit_mesh::of_file(path, format, options);
+        }
+        if is_path(name_or_path) && gltf::is_gltf(path) {
+            return Ok(Self::of_gltf(gltf::load(path)?));
+        }
+        if is_path(name_or_path) && is_urdf(path) {
+            return Self::from_urdf(&read_limited(path, MAX_URDF_BYTES)?, name_or_path);
         }
         if is_path(name_or_path) {
-            return Self::of_model(&load_model(Path::new(name_or_path))?, name_or_path);
+            return Self::of_model(&load_model(path)?, name_or_path);
         }
         if name_or_path == builtin::STRESS {
             return stress();
@@ -87,6 +133,19 @@ impl Audit {
         Self::of_model(&crate::parse::parse(text, crate::Format::Json, file)?, file)
     }
 
+    /// Audits the links of a robot in URDF text; `file` is what messages call it.
+    ///
+    /// # Errors
+    /// [`SceneError`] if the text is not a robot at all.
+    pub fn from_urdf(text: &str, file: &str) -> Result<Self, SceneError> {
+        let robot = Robot::read(text, file)?;
+        let audited = |link: RobotLink| match link.body {
+            Ok(body) => AuditedBody::of(link.name, &body, Up::Z),
+            Err(problems) => AuditedBody::impossible(link.name, &problems),
+        };
+        Ok(Self { bodies: robot.links.into_iter().map(audited).collect(), notices: robot.notices })
+    }
+
     /// Whether anything is wrong with any body.
     #[must_use]
     pub fn has_problems(&self) -> bool {
@@ -95,7 +154,7 @@ impl Audit {
 
     fn of_gltf(scene: GltfScene) -> Self {
         let audited = |GltfBody { name, body, .. }: GltfBody| match body {
-            Ok(body) => AuditedBody::of(name, &body.body),
+            Ok(body) => AuditedBody::of(name, &body, Up::Y),
             Err(error) => AuditedBody::impossible(name, &[error]),
         };
         Self { bodies: scene.bodies.into_iter().map(audited).collect(), notices: scene.notices }
@@ -111,7 +170,10 @@ impl Audit {
             let name = convert::name(body, index);
             names.push(name.clone());
             bodies.push(match convert::body(body, index, others) {
-                Ok(body) => AuditedBody { forces: body.forces, ..AuditedBody::of(name, &body.body) },
+                Ok(body) => {
+                    let audited = AuditedBody::of(name, &body, Up::Y);
+                    AuditedBody { forces: body.forces, ..audited }
+                }
                 Err(problems) => AuditedBody::impossible(name, &problems),
             });
         }
@@ -120,21 +182,28 @@ impl Audit {
                 body.problems.push(error.to_string());
             }
         }
-        Ok(Self { bodies, notices: Vec::new() })
+        Ok(Self { bodies, notices: model.notices.clone() })
     }
 }
 
 fn stress() -> Result<Audit, SceneError> {
     let bodies = stress_bodies(DEFAULT_BODIES, 0)
         .enumerate()
-        .map(|(index, body)| Ok(AuditedBody::of(convert::numbered(index as u64), &body?.body)));
+        .map(|(index, body)| Ok(AuditedBody::of(convert::numbered(index as u64), &body?, Up::Y)));
     Ok(Audit { bodies: bodies.collect::<Result<_, _>>()?, notices: Vec::new() })
 }
 
 impl AuditedBody {
-    fn of(name: String, body: &Body) -> Self {
+    fn of(name: String, body: &SceneBody, up: Up) -> Self {
+        let audited = match body.body.properties() {
+            Some(properties) => Self::of_properties(name, properties),
+            None => Self::impossible(name, &[]),
+        };
+        Self { looks: Some((Looks::Shape(body.shape.clone()), up)), ..audited }
+    }
+
+    pub(crate) fn of_properties(name: String, properties: &MassProperties) -> Self {
         let mut audited = Self::impossible(name, &[]);
-        let Some(properties) = body.properties() else { return audited };
         let rows = properties.tensor_about_center().transpose();
         audited.mass = Some(properties.mass());
         audited.center_of_mass = Some(properties.center_of_mass().to_array());
@@ -152,7 +221,7 @@ impl AuditedBody {
         audited
     }
 
-    fn impossible(name: String, problems: &[FieldError]) -> Self {
+    pub(crate) fn impossible(name: String, problems: &[FieldError]) -> Self {
         Self {
             name,
             mass: None,
@@ -160,6 +229,9 @@ impl AuditedBody {
             tensor: None,
             principal: None,
             axes: None,
+            volume: None,
+            mesh: None,
+            looks: None,
             forces: Vec::new(),
             problems: problems.iter().map(ToString::to_string).collect(),
         }

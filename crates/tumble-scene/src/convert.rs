@@ -2,6 +2,8 @@
 
 mod forces;
 
+use std::sync::Arc;
+
 use glam::{DMat3, DQuat, DVec3};
 use tumble::math::{Quat, Real, Vec3};
 use tumble::{Amount, BodyId, InertiaTensor, Part, PrincipalInertia, RigidBody, Shape};
@@ -169,6 +171,11 @@ fn unchecked_shape(model: &ShapeModel) -> Result<Shape, FieldError> {
             };
             Shape::Compound(parts.iter().enumerate().map(part).collect::<Result<_, _>>()?)
         }
+        ShapeModel::Mesh { ref solid, .. } | ShapeModel::ConvexHull { ref solid, .. } => match solid {
+            Some(Ok(solid)) => Shape::Mesh(Arc::clone(solid)),
+            Some(Err(error)) => return Err(error.clone()),
+            None => return Err(FieldError::new(model.name(), "has not been made")),
+        },
     })
 }
 
@@ -274,7 +281,7 @@ pub(crate) fn finite_triple(field: &str, components: &Triple) -> Result<DVec3, F
     Ok(DVec3::from_array(components.0))
 }
 
-fn finite(field: &str, value: f64) -> Result<f64, FieldError> {
+pub(crate) fn finite(field: &str, value: f64) -> Result<f64, FieldError> {
     if !value.is_finite() {
         Err(FieldError::new(field, format!("{value} is not a finite number")))
     } else if value.abs() > LARGEST {
@@ -285,7 +292,7 @@ fn finite(field: &str, value: f64) -> Result<f64, FieldError> {
 }
 
 /// Upper bounds of masses are the engine's affair: they depend on its precision.
-fn positive(field: &str, value: f64) -> Result<f64, FieldError> {
+pub(crate) fn positive(field: &str, value: f64) -> Result<f64, FieldError> {
     if value.is_finite() && value > 0.0 {
         Ok(value)
     } else {
@@ -303,6 +310,6 @@ fn rate(field: &str, value: f64) -> Result<f64, FieldError> {
 }
 
 /// The value, or a note of what is wrong with it.
-fn note<T>(problems: &mut Vec<FieldError>, result: Result<T, FieldError>) -> Option<T> {
+pub(crate) fn note<T>(problems: &mut Vec<FieldError>, result: Result<T, FieldError>) -> Option<T> {
     result.map_err(|problem| problems.push(problem)).ok()
 }

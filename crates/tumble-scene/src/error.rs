@@ -31,8 +31,8 @@ pub enum SceneError {
         /// The reason the system gave.
         reason: String,
     },
-    /// The file is larger than [`MAX_FILE_BYTES`](crate::MAX_FILE_BYTES).
-    #[error("{file}: is larger than {limit} bytes, the most a scene file may have")]
+    /// The file is larger than [`MAX_FILE_BYTES`](crate::MAX_FILE_BYTES), or than what its format may have.
+    #[error("{file}: is larger than {limit} bytes, the most such a file may have")]
     TooLarge {
         /// The file as the caller named it.
         file: String,
@@ -48,7 +48,7 @@ pub enum SceneError {
         offset: usize,
     },
     /// The file name's extension is none of the formats.
-    #[error("{file}: a scene file ends in .json, .ron, .gltf or .glb")]
+    #[error("{file}: a scene file ends in .json, .ron, .gltf or .glb, a robot's in .urdf")]
     UnknownFormat {
         /// The file as the caller named it.
         file: String,
@@ -82,6 +82,18 @@ pub enum SceneError {
         /// Where in the scene.
         place: Place,
         /// What is wrong, with the value.
+        problem: String,
+    },
+    /// The file is a robot with an impossible link.
+    #[error("{file}: link {link:?}, field {field}: {problem}")]
+    Link {
+        /// The file as the caller named it.
+        file: String,
+        /// The link's name.
+        link: String,
+        /// Path of the element and its attribute inside the link, or a joint of the link's.
+        field: String,
+        /// What is wrong, with the value and the line.
         problem: String,
     },
 }

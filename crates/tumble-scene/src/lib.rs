@@ -20,6 +20,7 @@
 pub mod gltf;
 
 mod audit;
+mod audit_mesh;
 mod builtin;
 mod collider;
 mod convert;
@@ -30,11 +31,14 @@ mod force;
 mod force_model;
 mod force_path;
 mod limits;
+mod mesh_file;
+mod mesh_shape;
 mod model;
 mod outcome;
 mod output;
 mod parse;
 mod plot;
+mod portrait;
 mod read;
 mod recover;
 mod scene;
@@ -48,16 +52,19 @@ mod sweep_file;
 mod sweep_identity;
 mod tessellation;
 mod trajectory;
+mod urdf;
 mod vary;
 
 pub use audit::{Audit, AuditedBody};
+pub use audit_mesh::{MeshCounts, MeshOptions, MeshRepairs};
 pub use builtin::builtin_names;
 pub use collider::{ColliderRole, SceneCollider};
 pub use distribution::Distribution;
 pub use error::{Place, SceneError};
 pub use force::{Force, HullShape};
 pub use limits::{
-    MAX_BODIES, MAX_FILE_BYTES, MAX_PARTS, MAX_STEPS, TIME_STEPS, step_count, steps_of_duration, time_step,
+    MAX_BODIES, MAX_FILE_BYTES, MAX_HULL_POINTS, MAX_MESH, MAX_PARTS, MAX_STEPS, TIME_STEPS, step_count,
+    steps_of_duration, time_step,
 };
 pub use outcome::Outcome;
 pub use output::PendingFile;

@@ -9,7 +9,8 @@ use std::marker::PhantomData;
 use serde::de::{Deserialize, Deserializer, Error as _, IgnoredAny, SeqAccess, Visitor};
 
 use crate::force_model::ForceModel;
-use crate::{MAX_BODIES, MAX_PARTS};
+use crate::mesh_shape::Made;
+use crate::{MAX_BODIES, MAX_HULL_POINTS, MAX_PARTS};
 
 /// A whole file. `name`, `description` and `source` are for people.
 #[derive(Clone, Debug, Default, serde::Deserialize)]
@@ -25,6 +26,12 @@ pub(crate) struct SceneModel {
     pub(crate) integrator: Option<String>,
     #[serde(default, deserialize_with = "bodies")]
     pub(crate) bodies: Vec<BodyModel>,
+    /// What is to be told of the meshes.
+    #[serde(skip)]
+    pub(crate) notices: Vec<String>,
+    /// Of what is in the files of meshes; 0 without one.
+    #[serde(skip)]
+    pub(crate) meshes_hash: u64,
 }
 
 #[derive(Clone, Debug, Default, serde::Deserialize)]
@@ -81,6 +88,21 @@ pub(crate) enum ShapeModel {
         #[serde(deserialize_with = "parts")]
         parts: Vec<PartModel>,
     },
+    Mesh {
+        file: String,
+        #[serde(default = "one")]
+        scale: f64,
+        #[serde(default)]
+        repair: bool,
+        #[serde(skip)]
+        solid: Made,
+    },
+    ConvexHull {
+        #[serde(deserialize_with = "points")]
+        points: Vec<Triple>,
+        #[serde(skip)]
+        solid: Made,
+    },
 }
 
 impl ShapeModel {
@@ -96,6 +118,8 @@ impl ShapeModel {
             Self::Cone { .. } => "cone",
             Self::Ellipsoid { .. } => "ellipsoid",
             Self::Compound { .. } => "compound",
+            Self::Mesh { .. } => "mesh",
+            Self::ConvexHull { .. } => "convex_hull",
         }
     }
 }
@@ -145,6 +169,14 @@ fn bodies<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Vec<BodyModel>, 
 
 fn parts<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Vec<PartModel>, D::Error> {
     deserializer.deserialize_seq(List { exactly: None, at_most: MAX_PARTS, noun: "parts", of: PhantomData })
+}
+
+fn points<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Vec<Triple>, D::Error> {
+    deserializer.deserialize_seq(List { exactly: None, at_most: MAX_HULL_POINTS, noun: "points", of: PhantomData })
+}
+
+fn one() -> f64 {
+    1.0
 }
 
 /// Reads a list, and stops reading where it is longer than anything sensible.

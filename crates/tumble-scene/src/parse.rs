@@ -4,6 +4,7 @@ use serde::de::DeserializeSeed;
 use serde_path_to_error::Segment;
 
 use crate::error::{Place, SceneError, one_line};
+use crate::mesh_shape;
 use crate::model::SceneModel;
 use crate::recover::NameOfBody;
 
@@ -46,7 +47,7 @@ const LONGEST_WORD: usize = 30;
 pub(crate) fn parse(text: &str, format: Format, file: &str) -> Result<SceneModel, SceneError> {
     // Editors on Windows put a byte-order mark in front.
     let text = text.strip_prefix('\u{feff}').unwrap_or(text);
-    match format {
+    let mut model = match format {
         Format::Json => parse_json(text),
         Format::Ron => parse_ron(text),
     }
@@ -54,7 +55,9 @@ pub(crate) fn parse(text: &str, format: Format, file: &str) -> Result<SceneModel
         file: one_line(file),
         place: place(&path, text, format),
         problem: one_line(&problem),
-    })
+    })?;
+    mesh_shape::make_all(&mut model, file);
+    Ok(model)
 }
 
 type Located = (serde_path_to_error::Path, String);

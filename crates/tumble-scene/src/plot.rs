@@ -224,7 +224,7 @@ fn style() -> String {
 }
 
 /// Text as it may stand in XML: markup escaped, characters that XML does not have left out.
-fn escaped(text: &str) -> String {
+pub(crate) fn escaped(text: &str) -> String {
     let allowed = |c: &char| *c >= ' ' && !matches!(c, '\u{fffe}' | '\u{ffff}');
     text.chars().filter(allowed).fold(String::new(), |mut text, c| {
         match c {
@@ -237,7 +237,7 @@ fn escaped(text: &str) -> String {
     })
 }
 
-fn put(svg: &mut String, text: std::fmt::Arguments<'_>) {
+pub(crate) fn put(svg: &mut String, text: std::fmt::Arguments<'_>) {
     // Writing to a string cannot fail.
     let _ = svg.write_fmt(text);
 }

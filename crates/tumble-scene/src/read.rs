@@ -12,12 +12,10 @@ pub(crate) fn read_text(path: &Path) -> Result<String, SceneError> {
     read_limited(path, MAX_FILE_BYTES)
 }
 
-fn read_limited(path: &Path, limit: u64) -> Result<String, SceneError> {
-    let bytes = read_bytes(path, limit)?;
-    String::from_utf8(bytes).map_err(|error| SceneError::NotText {
-        file: one_line(&path.to_string_lossy()),
-        offset: error.utf8_error().valid_up_to(),
-    })
+/// Reads a regular UTF-8 file of at most `limit` bytes.
+pub(crate) fn read_limited(path: &Path, limit: u64) -> Result<String, SceneError> {
+    let not_text = |offset| SceneError::NotText { file: one_line(&path.to_string_lossy()), offset };
+    String::from_utf8(read_bytes(path, limit)?).map_err(|error| not_text(error.utf8_error().valid_up_to()))
 }
 
 /// Reads a regular file of at most `limit` bytes.

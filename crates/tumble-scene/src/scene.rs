@@ -15,9 +15,10 @@ use crate::gltf::{self, GltfBody, GltfScene};
 use crate::limits::{MAX_BODIES, step_count, time_step};
 use crate::model::SceneModel;
 use crate::parse::{Format, parse};
-use crate::read::read_text;
+use crate::read::{read_limited, read_text};
 use crate::scene_body::SceneBody;
 use crate::stress::{self, StressBodies};
+use crate::urdf::{MAX_URDF_BYTES, Robot};
 
 /// Steps of a scene that does not say how many.
 pub const DEFAULT_STEPS: u64 = 600;
@@ -82,7 +83,7 @@ impl Scene {
         }
     }
 
-    /// Reads a `.json`, `.ron`, `.gltf` or `.glb` file.
+    /// Reads a `.json`, `.ron`, `.gltf`, `.glb` or `.urdf` file.
     ///
     /// # Errors
     /// [`SceneError`], whose message names file, body and field.
@@ -90,6 +91,9 @@ impl Scene {
         let file = path.to_string_lossy();
         if gltf::is_gltf(path) {
             return Self::from_gltf(gltf::load(path)?, &file);
+        }
+        if is_urdf(path) {
+            return Self::from_urdf(&read_limited(path, MAX_URDF_BYTES)?, &file);
         }
         Self::from_model(&load_model(path)?, &file)
     }
@@ -108,6 +112,41 @@ impl Scene {
     /// [`SceneError`], whose message names file, body and field.
     pub fn from_ron(text: &str, file: &str) -> Result<Self, SceneError> {
         Self::from_model(&parse(text, Format::Ron, file)?, file)
+    }
+
+    /// Reads a robot in URDF text; `file` is what messages call it.
+    ///
+    /// Links with an inertial are free bodies at the poses they have while no joint is moved, in the frame of the root,
+    /// with gravity along -z. Joints are not simulated; the [`notices`](Self::notices) name them.
+    ///
+    /// ```
+    /// use tumble_scene::Scene;
+    ///
+    /// let robot = r#"<robot name="brick"> <link name="base"> <inertial>
+    ///     <mass value="2"/> <inertia ixx="0.02" ixy="0" ixz="0" iyy="0.03" iyz="0" izz="0.04"/>
+    /// </inertial> </link> </robot>"#;
+    /// assert_eq!(Scene::from_urdf(robot, "brick.urdf")?.body_count(), 1);
+    /// let error = Scene::from_urdf(&robot.replace("0.04", "0.06"), "brick.urdf").unwrap_err();
+    /// assert!(error.to_string().starts_with("brick.urdf: link \"base\", field inertial.inertia: "));
+    /// # Ok::<(), tumble_scene::SceneError>(())
+    /// ```
+    ///
+    /// # Errors
+    /// [`SceneError`], whose message names file, link and field.
+    pub fn from_urdf(text: &str, file: &str) -> Result<Self, SceneError> {
+        let mut robot = Robot::read(text, file)?;
+        let (name, notices) = (robot.name.take(), std::mem::take(&mut robot.notices));
+        let (bodies, names) = robot.into_bodies(file)?;
+        Ok(Self {
+            origin: file.to_owned(),
+            name,
+            description: None,
+            source: None,
+            settings: Robot::settings(),
+            steps: DEFAULT_STEPS,
+            notices,
+            bodies: Bodies::Listed { bodies, names },
+        })
     }
 
     /// The generated scene: mixed tumbling shapes on a grid, falling, the same bits on every
@@ -238,7 +277,7 @@ impl Scene {
             source: model.source.clone(),
             settings,
             steps,
-            notices: Vec::new(),
+            notices: model.notices.clone(),
             bodies: Bodies::Listed { bodies, names },
         })
     }
@@ -267,6 +306,11 @@ impl Names {
 pub(crate) fn is_path(name: &str) -> bool {
     let path = Path::new(name);
     path.extension().is_some() || name.contains(std::path::is_separator)
+}
+
+/// Whether a path ends in `.urdf`.
+pub(crate) fn is_urdf(path: &Path) -> bool {
+    path.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("urdf"))
 }
 
 pub(crate) fn unknown(name: &str) -> SceneError {

@@ -136,7 +136,7 @@ impl Sweep {
         let worlds = worlds(&plan, &varied)?;
         let bodies = scene.into_bodies();
         let reported_names = reported.iter().filter_map(|&i| names.get(i).cloned()).collect();
-        let scene_hash = fnv1a(&text);
+        let scene_hash = fnv1a(&text) ^ model.meshes_hash;
         let sweep = Self {
             plan,
             worlds,

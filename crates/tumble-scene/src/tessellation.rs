@@ -3,7 +3,7 @@
 mod revolution;
 
 use glam::{DQuat, DVec3};
-use tumble::{Part, Shape};
+use tumble::{Part, Shape, TriangleMesh};
 
 use revolution::{ball, cone_frustum, revolve, tapered_capsule};
 
@@ -36,6 +36,7 @@ impl Tessellation {
             Shape::Cone { radius, half_height } => revolve(&cone_frustum([radius, 0.0], half_height)),
             Shape::Capsule { radius, half_height } => revolve(&[tapered_capsule([radius, radius], half_height)]),
             Shape::Compound(ref parts) => compound(parts),
+            Shape::Mesh(ref solid) => mesh(solid.mesh()),
             // Shapes are checked where scenes are read; one that is unknown here is at least seen.
             _ => octahedron(POINT_RADIUS),
         }
@@ -87,6 +88,17 @@ fn compound(parts: &[Part]) -> Tessellation {
     let mut whole = Tessellation::default();
     for part in parts {
         whole.append(&Tessellation::of(&part.shape).placed(part.position, part.orientation));
+    }
+    whole
+}
+
+/// Triangles with normals of their own: a mesh does not say which of its edges are sharp.
+fn mesh(mesh: &TriangleMesh) -> Tessellation {
+    let mut whole = Tessellation::default();
+    let positions = mesh.positions();
+    for corners in mesh.triangles() {
+        let [a, b, c] = corners.map(|corner| positions.get(corner as usize).copied().unwrap_or_default());
+        whole.append_polygon(&[a, b, c], (b - a).cross(c - a).normalize_or(DVec3::Y));
     }
     whole
 }

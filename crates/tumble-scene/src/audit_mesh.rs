@@ -1,0 +1,163 @@
+//! What `tumble inspect` finds in a file of triangles.
+
+use std::path::Path;
+use std::sync::Arc;
+
+use serde::Serialize;
+use tumble::Amount;
+use tumble_math::{MeshAudit, MeshError, SolidMesh, TriangleMesh};
+
+use crate::audit::{Audit, AuditedBody, Looks, Up};
+use crate::convert::positive;
+use crate::error::{SceneError, one_line};
+use crate::mesh_file::{self, MeshFile, MeshFormat};
+
+/// How a mesh is looked at.
+///
+/// ```
+/// let options = tumble_scene::MeshOptions { density: 7850.0, ..Default::default() };
+/// assert_eq!(options.repairs, tumble_scene::MeshRepairs::Refused);
+/// ```
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct MeshOptions {
+    /// Density of the matter inside [kg/m^3].
+    pub density: f64,
+    /// What is done about defects that leave no doubt what was meant.
+    pub repairs: MeshRepairs,
+}
+
+impl Default for MeshOptions {
+    fn default() -> Self {
+        Self { density: 1.0, repairs: MeshRepairs::Refused }
+    }
+}
+
+/// What is done about defects that leave no doubt what was meant.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum MeshRepairs {
+    /// They are problems, and the mesh has no mass properties.
+    Refused,
+    /// They are mended, and a notice says how.
+    Made,
+}
+
+/// What is in a mesh and what is wrong with it, counted; the fields are those of [`tumble_math::MeshAudit`].
+#[derive(Clone, Debug, PartialEq, Serialize)]
+#[non_exhaustive]
+#[expect(missing_docs, reason = "each field is documented where it is counted")]
+pub struct MeshCounts {
+    pub vertices: usize,
+    pub triangles: usize,
+    pub duplicate_vertices: usize,
+    pub near_duplicates: usize,
+    pub unused_vertices: usize,
+    pub degenerate_triangles: usize,
+    pub collinear_triangles: usize,
+    pub duplicate_triangles: usize,
+    pub open_edges: usize,
+    pub cracks: usize,
+    pub overfull_edges: usize,
+    pub reversed_edges: usize,
+    pub parts: usize,
+    pub one_sided_parts: usize,
+    pub flat_parts: usize,
+    pub inside_out_parts: usize,
+    pub cavities: Option<usize>,
+    /// As wound [m^3].
+    pub volume: f64,
+    /// [m^2]
+    pub area: f64,
+    /// Lowest and highest coordinates \[m\].
+    pub extents: [[f64; 3]; 2],
+}
+
+impl From<&MeshAudit> for MeshCounts {
+    fn from(audit: &MeshAudit) -> Self {
+        Self {
+            vertices: audit.vertices,
+            triangles: audit.triangles,
+            duplicate_vertices: audit.duplicate_vertices,
+            near_duplicates: audit.near_duplicates,
+            unused_vertices: audit.unused_vertices,
+            degenerate_triangles: audit.degenerate_triangles,
+            collinear_triangles: audit.collinear_triangles,
+            duplicate_triangles: audit.duplicate_triangles,
+            open_edges: audit.open_edges,
+            cracks: audit.cracks,
+            overfull_edges: audit.overfull_edges,
+            reversed_edges: audit.reversed_edges,
+            parts: audit.parts,
+            one_sided_parts: audit.one_sided_parts,
+            flat_parts: audit.flat_parts,
+            inside_out_parts: audit.inside_out_parts,
+            cavities: audit.cavities,
+            volume: audit.volume,
+            area: audit.area,
+            extents: [audit.extents.0.to_array(), audit.extents.1.to_array()],
+        }
+    }
+}
+
+/// Audits a mesh file. The one body is called like the file.
+pub(crate) fn of_file(path: &Path, format: MeshFormat, options: MeshOptions) -> Result<Audit, SceneError> {
+    let MeshFile { mesh, mut notices } = mesh_file::load(path)?;
+    let name = path.file_stem().map_or_else(|| "mesh".to_owned(), |stem| one_line(&stem.to_string_lossy()));
+    let body = audited(name, mesh, format, options, &mut notices);
+    Ok(Audit { bodies: vec![body], notices })
+}
+
+fn audited(
+    name: String,
+    mesh: TriangleMesh,
+    format: MeshFormat,
+    options: MeshOptions,
+    notices: &mut Vec<String>,
+) -> AuditedBody {
+    let audit = mesh.audit();
+    let mut body =
+        match solid(&mesh, &audit, options.repairs, notices).and_then(|solid| with_mass(&name, &solid, options)) {
+            Ok(body) => body,
+            Err(problems) => AuditedBody { problems, ..AuditedBody::impossible(name, &[]) },
+        };
+    body.mesh = Some(MeshCounts::from(&audit));
+    // What drawing programs have up, and what machines are built on.
+    let up = if format == MeshFormat::Stl { Up::Z } else { Up::Y };
+    body.looks = Some((Looks::Mesh(Arc::new(mesh)), up));
+    body
+}
+
+/// The solid, or every reason why there is none.
+fn solid(
+    mesh: &TriangleMesh,
+    audit: &MeshAudit,
+    repairs: MeshRepairs,
+    notices: &mut Vec<String>,
+) -> Result<SolidMesh, Vec<String>> {
+    let solid = match repairs {
+        MeshRepairs::Refused => mesh.solid().map(|solid| (solid, Vec::new())),
+        MeshRepairs::Made => mesh.repaired(),
+    };
+    let (solid, done) = solid.map_err(|error| problems(&error, audit))?;
+    notices.extend(done.iter().map(|repair| format!("repaired: {repair}")));
+    Ok(solid)
+}
+
+fn problems(error: &MeshError, audit: &MeshAudit) -> Vec<String> {
+    let MeshError::NotSolid { .. } = error else { return vec![format!("mesh: {error}")] };
+    let serious = audit.problems().into_iter().filter(|defect| !defect.is_harmless());
+    serious
+        .map(|defect| {
+            let how = if defect.repair().is_some() { "can be repaired" } else { "cannot be repaired" };
+            format!("mesh: {defect} ({how})")
+        })
+        .collect()
+}
+
+fn with_mass(name: &str, solid: &SolidMesh, options: MeshOptions) -> Result<AuditedBody, Vec<String>> {
+    let problem = |field: &str, problem: &dyn std::fmt::Display| vec![format!("{field}: {problem}")];
+    let density = positive("density", options.density).map_err(|error| vec![error.to_string()])?;
+    let properties = solid.mass_properties(Amount::Density(density)).map_err(|error| problem("density", &error))?;
+    // Thinner than rounding, it cannot be told from a plate or a wire.
+    properties.inertia().map_err(|error| problem("mesh", &error))?;
+    Ok(AuditedBody { volume: Some(solid.volume()), ..AuditedBody::of_properties(name.to_owned(), &properties) })
+}
