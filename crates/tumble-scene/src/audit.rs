@@ -104,11 +104,19 @@ impl Audit {
     /// As [`open`](Self::open).
     pub fn open_with(name_or_path: &str, options: MeshOptions) -> Result<Self, SceneError> {
         let path = Path::new(name_or_path);
-        if let Some(format) = MeshFormat::of_path(path) {
-            return audit_mesh::of_file(path, format, options);
-        }
-        if is_path(name_or_path) && gltf::is_gltf(path) {
-            return Ok(Self::of_gltf(gltf::load(path)?));
+        match MeshFormat::of_path(path) {
+            Some(MeshFormat::Gltf) => {
+                let scene = gltf::load(path)?;
+                // Without physics it is a file of triangles like any other.
+                let bare = scene.bodies.is_empty();
+                return if bare {
+                    audit_mesh::of_file(path, MeshFormat::Gltf, options)
+                } else {
+                    Ok(Self::of_gltf(scene))
+                };
+            }
+            Some(format) => return audit_mesh::of_file(path, format, options),
+            None => {}
         }
         if is_path(name_or_path) && is_urdf(path) {
             return Self::from_urdf(&read_limited(path, MAX_URDF_BYTES)?, name_or_path);

@@ -1,6 +1,6 @@
-//! Files of triangles: Wavefront OBJ and STL.
+//! Files of triangles: Wavefront OBJ, STL, and glTF, which `gltf/mod.rs` reads.
 //!
-//! The readers are our own. What is wanted of either format is a page of code, and the crates there are fall short where it matters: `tobj`
+//! The readers of the first two are our own. What is wanted of either format is a page of code, and the crates there are fall short where it matters: `tobj`
 //! makes triangles of polylines, overflows on texture indices that count back too far and names no lines; `stl_io` takes a binary
 //! file for text if its header begins with `solid`, ends silently at the first of several solids, and splits a file into words, forty
 //! times its size.
@@ -14,6 +14,7 @@ use glam::DVec3;
 use tumble_math::TriangleMesh;
 
 use crate::error::{Place, SceneError, one_line};
+use crate::gltf;
 use crate::limits::{MAX_FILE_BYTES, MAX_MESH};
 use crate::read::read_bytes;
 
@@ -29,6 +30,7 @@ pub(crate) struct MeshFile {
 /// How a surface is written down.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum MeshFormat {
+    Gltf,
     Obj,
     Stl,
 }
@@ -38,6 +40,7 @@ impl MeshFormat {
     pub(crate) fn of_path(path: &Path) -> Option<Self> {
         let extension = path.extension()?.to_str()?.to_ascii_lowercase();
         match extension.as_str() {
+            "glb" | "gltf" => Some(Self::Gltf),
             "obj" => Some(Self::Obj),
             "stl" => Some(Self::Stl),
             _ => None,
@@ -84,21 +87,18 @@ fn position<'a>(mut words: impl Iterator<Item = &'a str>) -> Result<DVec3, Strin
     Ok(DVec3::from_array(coordinates))
 }
 
-/// Reads a `.obj` or `.stl` file.
+/// Reads a `.obj`, `.stl`, `.gltf` or `.glb` file.
 pub(crate) fn load(path: &Path) -> Result<MeshFile, SceneError> {
     let file = path.to_string_lossy();
     let format = MeshFormat::of_path(path).ok_or_else(|| SceneError::UnknownFormat { file: one_line(&file) })?;
-    read(&read_bytes(path, MAX_FILE_BYTES)?, format, &file)
-}
-
-/// Reads the bytes of a file; `file` is what messages call it.
-pub(crate) fn read(bytes: &[u8], format: MeshFormat, file: &str) -> Result<MeshFile, SceneError> {
-    let surface = match format {
-        MeshFormat::Obj => obj::read(bytes),
-        MeshFormat::Stl => stl::read(bytes),
+    let read: fn(&[u8]) -> Result<Surface, String> = match format {
+        MeshFormat::Gltf => return gltf::mesh(path),
+        MeshFormat::Obj => obj::read,
+        MeshFormat::Stl => stl::read,
     };
+    let surface = read(&read_bytes(path, MAX_FILE_BYTES)?);
     let malformed = |problem: String| SceneError::Malformed {
-        file: one_line(file),
+        file: one_line(&file),
         place: Place::default(),
         problem: one_line(&problem),
     };

@@ -2,6 +2,7 @@
 //!
 //! They carry no licence, so they are not part of this repository. `TUMBLE_GLTF_CASES` names their folder; the default is
 //! `shared/cases/gltf` beside the repository. Where there is none, the tests say so and pass.
+#![allow(clippy::unwrap_used, clippy::panic, reason = "a test fails by panicking, in its helper functions too")]
 
 use std::path::{Path, PathBuf};
 

@@ -41,6 +41,7 @@ pub use physics::{Collider, JointTo, Physics, PhysicsNode, Trigger};
 
 use crate::MAX_FILE_BYTES;
 use crate::error::{FieldError, Place, SceneError, one_line};
+use crate::mesh_file::MeshFile;
 use crate::read::read_bytes;
 pub(crate) use bodies::GltfBody;
 use buffers::Buffers;
@@ -109,6 +110,19 @@ pub(crate) fn from_bytes(bytes: &[u8], directory: Option<&Path>, file: &str) -> 
     notices.extend(triangles.notices);
     let scene = document.scenes.get(document.scene.unwrap_or(0));
     Ok(GltfScene { name: scene.and_then(|scene| scene.name.clone()), bodies, notices })
+}
+
+/// All triangles of a file's scene, in the world's frame, physics or not.
+pub(crate) fn mesh(path: &Path) -> Result<MeshFile, SceneError> {
+    let file = path.to_string_lossy();
+    let bytes = read_bytes(path, MAX_FILE_BYTES)?;
+    let container = container::open(&bytes).map_err(|problem| invalid(&file, FieldError::new("", problem)))?;
+    let document = parse(&container.json, &file)?;
+    let (_, tree) = read(&document).map_err(|error| invalid(&file, error))?;
+    let buffers = Buffers::new(&document, path.parent(), container.binary);
+    let mut triangles = Triangles::new(&document, buffers);
+    let mesh = triangles.of_scene(&tree).map_err(|error| invalid(&file, error))?;
+    Ok(MeshFile { mesh, notices: triangles.notices.into_iter().collect() })
 }
 
 fn read(document: &Document) -> Result<(Physics, Tree), FieldError> {

@@ -8,7 +8,7 @@ use tumble::{MeshError, TriangleMesh};
 use super::buffers::Buffers;
 use super::document::{Document, Mesh, Primitive};
 use super::geometry::MeshSource;
-use super::tree::local;
+use super::tree::{Tree, local};
 use crate::error::FieldError;
 
 /// Most vertices, triangles and nodes together of all the meshes that a scene's colliders are made of. A mesh that two colliders
@@ -36,10 +36,19 @@ impl<'a> Triangles<'a> {
             MeshSource::Mesh(mesh) => self.mesh(mesh, scale, &mut parts)?,
             MeshSource::Node(node) => self.nodes(node, scale, &mut parts)?,
         }
-        if parts.is_empty() {
-            return Err(FieldError::new("", "has no triangles"));
+        merged(parts)
+    }
+
+    /// The triangles of all meshes of the scene, in the world's frame.
+    pub(super) fn of_scene(&mut self, tree: &Tree) -> Result<TriangleMesh, FieldError> {
+        let mut parts = Vec::new();
+        for (index, (node, place)) in self.document.nodes.iter().zip(&tree.places).enumerate() {
+            if let (Some(mesh), Some(place)) = (node.mesh, place) {
+                let read = self.mesh(mesh, &place.transform, &mut parts);
+                read.map_err(|error| error.inside(&format!("nodes[{index}].mesh")))?;
+            }
         }
-        TriangleMesh::merged(parts).map_err(|error| FieldError::new("", error))
+        merged(parts)
     }
 
     /// The meshes of a node and of all below it, in the node's frame.
@@ -124,6 +133,13 @@ impl<'a> Triangles<'a> {
         self.take(triangles.len())?;
         TriangleMesh::new(positions, triangles).map(Some).map_err(|error: MeshError| FieldError::new("", error))
     }
+}
+
+fn merged(parts: Vec<TriangleMesh>) -> Result<TriangleMesh, FieldError> {
+    if parts.is_empty() {
+        return Err(FieldError::new("", "has no triangles"));
+    }
+    TriangleMesh::merged(parts).map_err(|error| FieldError::new("", error))
 }
 
 /// Corners in threes: a list (mode 4), a strip (5) or a fan (6).
