@@ -92,7 +92,7 @@ pub(super) fn track_accessors(layout: &Layout, frames: u64, last_time: f32) -> V
         return text;
     }
     let [first, last] = [layout.first_time, last_time].map(|time| zmij::Buffer::new().format(time).to_owned());
-    // As long as the longest number in single precision: -1.17549435e-38.
+    // Sixteen characters hold every number in single precision, and ten every number of frames that fits.
     let times = format!(
         r#"{{"bufferView":{TIMES},"componentType":{FLOAT},"count":{frames:>10},"type":"SCALAR","min":[{first}],"max":[{last:>16}]}}"#
     );
