@@ -93,7 +93,7 @@ fn hull(points: &[Triple]) -> Result<Arc<SolidMesh>, FieldError> {
 /// 64-bit FNV-1a, word by word.
 fn hashed(start: u64, solid: &SolidMesh) -> u64 {
     let mesh = solid.mesh();
-    let coordinates = mesh.positions().iter().flat_map(|position| position.to_array()).map(f64::to_bits);
+    let coordinates = mesh.positions().iter().flat_map(DVec3::to_array).map(f64::to_bits);
     let corners = mesh.triangles().iter().flatten().map(|corner| u64::from(*corner));
     let start = if start == 0 { 0xcbf2_9ce4_8422_2325 } else { start };
     coordinates.chain(corners).fold(start, |hash, word| (hash ^ word).wrapping_mul(0x0000_0100_0000_01b3))
