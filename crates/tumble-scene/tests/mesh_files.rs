@@ -283,6 +283,7 @@ fn a_bad_mesh_of_a_scene_is_named_with_file_body_and_field() {
 
 /// A sweep reads a mesh once: the file may be gone when its worlds are made. Another mesh is another sweep.
 #[test]
+#[allow(clippy::useless_conversion, reason = "a mass is f64 already in one of the two builds")]
 fn a_sweep_reads_its_mesh_once() {
     let files = Files::new();
     let mesh = files.write("part.obj", CUBE);
