@@ -87,23 +87,22 @@ fn position<'a>(mut words: impl Iterator<Item = &'a str>) -> Result<DVec3, Strin
 /// Reads a `.obj` or `.stl` file.
 pub(crate) fn load(path: &Path) -> Result<MeshFile, SceneError> {
     let file = path.to_string_lossy();
-    match MeshFormat::of_path(path) {
-        Some(format) => read(&read_bytes(path, MAX_FILE_BYTES)?, format, &file),
-        None => Err(malformed(&file, "a mesh file ends in .obj or .stl")),
-    }
+    let format = MeshFormat::of_path(path).ok_or_else(|| SceneError::UnknownFormat { file: one_line(&file) })?;
+    read(&read_bytes(path, MAX_FILE_BYTES)?, format, &file)
 }
 
 /// Reads the bytes of a file; `file` is what messages call it.
-fn read(bytes: &[u8], format: MeshFormat, file: &str) -> Result<MeshFile, SceneError> {
+pub(crate) fn read(bytes: &[u8], format: MeshFormat, file: &str) -> Result<MeshFile, SceneError> {
     let surface = match format {
         MeshFormat::Obj => obj::read(bytes),
         MeshFormat::Stl => stl::read(bytes),
     };
-    let Surface { positions, triangles, notices } = surface.map_err(|problem| malformed(file, &problem))?;
-    let mesh = TriangleMesh::new(positions, triangles).map_err(|error| malformed(file, &error.to_string()))?;
+    let malformed = |problem: String| SceneError::Malformed {
+        file: one_line(file),
+        place: Place::default(),
+        problem: one_line(&problem),
+    };
+    let Surface { positions, triangles, notices } = surface.map_err(malformed)?;
+    let mesh = TriangleMesh::new(positions, triangles).map_err(|error| malformed(error.to_string()))?;
     Ok(MeshFile { mesh, notices })
-}
-
-fn malformed(file: &str, problem: &str) -> SceneError {
-    SceneError::Malformed { file: one_line(file), place: Place::default(), problem: one_line(problem) }
 }

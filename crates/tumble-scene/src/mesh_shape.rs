@@ -12,7 +12,7 @@ use tumble_math::MeshError;
 
 use crate::convert::{finite_triple, positive};
 use crate::error::FieldError;
-use crate::mesh_file;
+use crate::mesh_file::{self, MeshFormat};
 use crate::model::{SceneModel, ShapeModel, Triple};
 
 /// A shape's solid, or why there is none; nothing before it has been looked for.
@@ -62,6 +62,9 @@ impl Maker {
         let scale = positive("scale", scale)?;
         let bad = |error: &dyn std::fmt::Display| FieldError::new("file", error);
         let path = self.directory.join(file);
+        if MeshFormat::of_path(&path).is_none() {
+            return Err(bad(&format_args!("{}: a mesh file ends in .obj or .stl", path.display())));
+        }
         let read = mesh_file::load(&path).map_err(|error| bad(&error))?;
         let bad = |error: MeshError| bad(&format_args!("{}: {error}{}", path.display(), mendable(&error)));
         let mesh = read.mesh.transformed(&DAffine3::from_scale(DVec3::splat(scale))).map_err(bad)?;
