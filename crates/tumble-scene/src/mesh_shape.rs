@@ -12,7 +12,7 @@ use tumble_math::MeshError;
 
 use crate::convert::{finite_triple, positive};
 use crate::error::FieldError;
-use crate::mesh_file;
+use crate::mesh_file::{self, MeshFormat};
 use crate::model::{SceneModel, ShapeModel, Triple};
 
 /// A shape's solid, or why there is none; nothing before it has been looked for.
@@ -62,6 +62,9 @@ impl Maker {
         let scale = positive("scale", scale)?;
         let bad = |error: &dyn std::fmt::Display| FieldError::new("file", error);
         let path = self.directory.join(file);
+        if MeshFormat::of_path(&path).is_none() {
+            return Err(bad(&format_args!("{}: a mesh file ends in .obj or .stl", path.display())));
+        }
         let read = mesh_file::load(&path).map_err(|error| bad(&error))?;
         let bad = |error: MeshError| bad(&format_args!("{}: {error}{}", path.display(), mendable(&error)));
         let mesh = read.mesh.transformed(&DAffine3::from_scale(DVec3::splat(scale))).map_err(bad)?;
@@ -93,7 +96,7 @@ fn hull(points: &[Triple]) -> Result<Arc<SolidMesh>, FieldError> {
 /// 64-bit FNV-1a, word by word.
 fn hashed(start: u64, solid: &SolidMesh) -> u64 {
     let mesh = solid.mesh();
-    let coordinates = mesh.positions().iter().flat_map(|position| position.to_array()).map(f64::to_bits);
+    let coordinates = mesh.positions().iter().flat_map(DVec3::to_array).map(f64::to_bits);
     let corners = mesh.triangles().iter().flatten().map(|corner| u64::from(*corner));
     let start = if start == 0 { 0xcbf2_9ce4_8422_2325 } else { start };
     coordinates.chain(corners).fold(start, |hash, word| (hash ^ word).wrapping_mul(0x0000_0100_0000_01b3))

@@ -98,7 +98,7 @@ impl Scene {
         Self::from_model(&load_model(path)?, &file)
     }
 
-    /// Reads a scene from JSON text; `file` is what messages call it.
+    /// Reads a scene from JSON text; `file` is what messages call it, and where files of meshes are looked for beside.
     ///
     /// # Errors
     /// [`SceneError`], whose message names file, body and field.
@@ -106,7 +106,7 @@ impl Scene {
         Self::from_model(&parse(text, Format::Json, file)?, file)
     }
 
-    /// Reads a scene from RON text; `file` is what messages call it.
+    /// Reads a scene from RON text; `file` is what messages call it, and where files of meshes are looked for beside.
     ///
     /// # Errors
     /// [`SceneError`], whose message names file, body and field.

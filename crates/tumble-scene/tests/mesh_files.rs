@@ -272,6 +272,8 @@ fn a_bad_mesh_of_a_scene_is_named_with_file_body_and_field() {
     files.write("part.stl", binary(b"", 11, &triangles()[..11]));
     let error = Scene::load(&path).unwrap_err().to_string();
     assert!(error.ends_with("part.stl: the mesh bounds no solid: 3 open edges"), "{error}");
+    let path = files.write("scene.json", scene(r#"{ "mesh": { "file": "part.ply" } }"#));
+    assert!(Scene::load(&path).unwrap_err().to_string().ends_with("part.ply: a mesh file ends in .obj or .stl"));
     let path = files.write("scene.json", scene(r#"{ "mesh": { "file": "part.stl", "scale": 0 } }"#));
     let error = Scene::load(&path).unwrap_err().to_string();
     assert!(error.ends_with("field shape.scale: must be positive and finite, not 0"), "{error}");
@@ -283,6 +285,7 @@ fn a_bad_mesh_of_a_scene_is_named_with_file_body_and_field() {
 
 /// A sweep reads a mesh once: the file may be gone when its worlds are made. Another mesh is another sweep.
 #[test]
+#[allow(clippy::useless_conversion, reason = "a mass is f64 already in one of the two builds")]
 fn a_sweep_reads_its_mesh_once() {
     let files = Files::new();
     let mesh = files.write("part.obj", CUBE);

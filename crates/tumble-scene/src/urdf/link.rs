@@ -103,7 +103,7 @@ fn tensor(inertia: Element<'_>, matrix: DMat3) -> Result<InertiaTensor, FieldErr
 fn broken_by(moments: DVec3) -> String {
     let share = (moments.z - moments.y - moments.x) / moments.z;
     let why = if share < ROUNDED { ", as rounding to three digits does: give more digits" } else { "" };
-    format!("; here by {:.2e} of the largest{why}", share)
+    format!("; here by {share:.2e} of the largest{why}")
 }
 
 /// Into the axes of the link.
