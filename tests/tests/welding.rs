@@ -76,10 +76,13 @@ proptest! {
         prop_assert!((about_origin - angular).length() <= 1e-14 * terms);
         // L = I W wherever there is a moment; a row of points, and a point that turns about itself, have none.
         let spin = welded.properties.tensor_about_center() * welded.angular_velocity;
-        prop_assert!((spin - welded.angular_momentum).length() <= 1e-12 * terms);
+        let turning = welded.angular_velocity.length() * largest(welded.properties.tensor_about_center());
+        prop_assert!((spin - welded.angular_momentum).length() <= 1e-14 * (terms + turning));
         let after = kinetic_energy(&welded.properties, welded.linear_velocity, welded.angular_velocity);
         prop_assert!(welded.energy_lost >= 0.0);
-        prop_assert!((energy - after - welded.energy_lost).abs() <= 1e-13 * energy);
+        // About an axis with a small moment a rounding of L is a large one of W, and of the energy computed with it here.
+        let scale = energy + welded.angular_velocity.length() * (terms + turning);
+        prop_assert!((energy - after - welded.energy_lost).abs() <= 1e-14 * scale);
     }
 
     /// Bodies that move as one already lose nothing, and go on as they do.
@@ -127,8 +130,9 @@ proptest! {
         let after = about_origin(&world, composite);
         let sum = before.iter().fold((DVec3::ZERO, DVec3::ZERO, 0.0), |s, b| (s.0 + b.0, s.1 + b.1, s.2 + b.2));
         // Each component of what comes out is rounded once: half an EPSILON of it. The position is too, and moves the arm of the momentum.
+        // The sums before that are good to 1e-14, as in the first test.
         prop_assert!((after.0 - sum.0).length() <= EPSILON * sum.0.length() + 1e-14 * sum.2);
-        prop_assert!((after.1 - sum.1).length() <= EPSILON * (sum.2 + after.2));
+        prop_assert!((after.1 - sum.1).length() <= (EPSILON + 1e-14) * (sum.2 + after.2));
         // The velocity is derived already.
         let velocity = *world.get::<&Velocity>(composite).unwrap();
         let mass = bodies.iter().map(|body| body.properties.mass()).sum::<f64>();
@@ -180,9 +184,10 @@ fn apollo_lunar_module() {
     let properties = *module.properties().unwrap();
     // Masses, moments and positions of the stages are in the precision of the build; positions are rounded at some 20 m.
     let mass = number(&tree["jeod_mass"]);
-    assert!((properties.mass() / mass - 1.0).abs() <= EPSILON);
+    assert!((properties.mass() / mass - 1.0).abs() <= 2.0 * EPSILON);
     assert!((properties.center_of_mass() - vector(&tree["computed_com"])).length() <= 40.0 * EPSILON);
-    assert!(largest(properties.tensor_about_center() - tensor) <= 4.0 * EPSILON * largest(tensor));
+    // The reference tensor is given to eight decimals of some 1e4 kg m^2, good to 2e-14 as seen above.
+    assert!(largest(properties.tensor_about_center() - tensor) <= (4.0 * EPSILON + 2e-14) * largest(tensor));
 
     let entity = module.spawn(&mut world);
     let velocity = *world.get::<&Velocity>(entity).unwrap();

@@ -142,13 +142,20 @@ fn in_the_world(index: usize, body: &MovingBody) -> Result<MassProperties, WeldE
 }
 
 /// `I^-1 L`; nothing about an axis without a moment.
+///
+/// A long body turned out of its axes has an inverse with few digits; one step of iterative refinement makes `I W = L` good to rounding.
 fn angular_velocity(properties: &MassProperties, angular_momentum: DVec3) -> DVec3 {
-    if let Ok(inertia) = properties.inertia() {
-        return inertia.inverse() * angular_momentum;
-    }
-    let (moments, axes) = symmetric_eigen(properties.tensor_about_center());
-    // As in `InertiaTensor`: a turned tensor holds a moment to 32 eps of the largest.
+    let tensor = properties.tensor_about_center();
+    let inverse = properties.inertia().map_or_else(|_| pseudoinverse(tensor), |inertia| inertia.inverse());
+    let estimate = inverse * angular_momentum;
+    estimate + inverse * (angular_momentum - tensor * estimate)
+}
+
+/// The inverse where there are moments, zero about axes without. As in [`InertiaTensor`](crate::InertiaTensor), a turned tensor holds a moment
+/// to 32 eps of the largest.
+fn pseudoinverse(tensor: DMat3) -> DMat3 {
+    let (moments, axes) = symmetric_eigen(tensor);
     let rounding = 32.0 * f64::EPSILON * moments.max_element();
     let inverse = moments.to_array().map(|moment| if moment > rounding { 1.0 / moment } else { 0.0 });
-    axes * (DMat3::from_diagonal(inverse.into()) * (axes.transpose() * angular_momentum))
+    axes * DMat3::from_diagonal(inverse.into()) * axes.transpose()
 }
