@@ -63,7 +63,7 @@ impl Maker {
         let bad = |error: &dyn std::fmt::Display| FieldError::new("file", error);
         let path = self.directory.join(file);
         if MeshFormat::of_path(&path).is_none() {
-            return Err(bad(&format_args!("{}: a mesh file ends in .obj or .stl", path.display())));
+            return Err(bad(&format_args!("{}: a mesh file ends in .obj, .stl, .gltf or .glb", path.display())));
         }
         let read = mesh_file::load(&path).map_err(|error| bad(&error))?;
         let bad = |error: MeshError| bad(&format_args!("{}: {error}{}", path.display(), mendable(&error)));

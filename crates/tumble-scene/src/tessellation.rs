@@ -35,6 +35,12 @@ impl Tessellation {
             Shape::Cylinder { radius, half_height } => revolve(&cone_frustum([radius, radius], half_height)),
             Shape::Cone { radius, half_height } => revolve(&cone_frustum([radius, 0.0], half_height)),
             Shape::Capsule { radius, half_height } => revolve(&[tapered_capsule([radius, radius], half_height)]),
+            Shape::Frustum { radius_bottom, radius_top, half_height } => {
+                revolve(&cone_frustum([radius_bottom, radius_top], half_height))
+            }
+            Shape::TaperedCapsule { radius_bottom, radius_top, half_height } => {
+                revolve(&[tapered_capsule([radius_bottom, radius_top], half_height)])
+            }
             Shape::Compound(ref parts) => compound(parts),
             Shape::Mesh(ref solid) => mesh(solid.mesh()),
             // Shapes are checked where scenes are read; one that is unknown here is at least seen.
