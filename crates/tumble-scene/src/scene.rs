@@ -90,7 +90,7 @@ impl Scene {
     pub fn load(path: &Path) -> Result<Self, SceneError> {
         let file = path.to_string_lossy();
         if gltf::is_gltf(path) {
-            return Self::from_gltf(gltf::load(path)?, &file);
+            return Self::of_gltf(gltf::load(path)?, &file);
         }
         if is_urdf(path) {
             return Self::from_urdf(&read_limited(path, MAX_URDF_BYTES)?, &file);
@@ -147,6 +147,14 @@ impl Scene {
             notices,
             bodies: Bodies::Listed { bodies, names },
         })
+    }
+
+    /// Reads a scene from the bytes of a `.gltf` or `.glb` file; `file` is what messages call it, and buffers are looked for beside it.
+    ///
+    /// # Errors
+    /// [`SceneError`], whose message names file, node and field.
+    pub fn from_gltf(bytes: &[u8], file: &str) -> Result<Self, SceneError> {
+        Self::of_gltf(gltf::from_bytes(bytes, Path::new(file).parent(), file)?, file)
     }
 
     /// The generated scene: mixed tumbling shapes on a grid, falling, the same bits on every
@@ -211,7 +219,7 @@ impl Scene {
     }
 
     /// A scene of bodies that are at fault or not, with the engine's settings.
-    fn from_gltf(scene: GltfScene, file: &str) -> Result<Self, SceneError> {
+    fn of_gltf(scene: GltfScene, file: &str) -> Result<Self, SceneError> {
         let (mut bodies, mut names) = (Vec::with_capacity(scene.bodies.len()), Vec::with_capacity(scene.bodies.len()));
         for GltfBody { name, node, body } in scene.bodies {
             bodies.push(body.map_err(|error| gltf::invalid(file, error.of_node(node, &name)))?);

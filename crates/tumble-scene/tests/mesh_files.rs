@@ -273,7 +273,12 @@ fn a_bad_mesh_of_a_scene_is_named_with_file_body_and_field() {
     let error = Scene::load(&path).unwrap_err().to_string();
     assert!(error.ends_with("part.stl: the mesh bounds no solid: 3 open edges"), "{error}");
     let path = files.write("scene.json", scene(r#"{ "mesh": { "file": "part.ply" } }"#));
-    assert!(Scene::load(&path).unwrap_err().to_string().ends_with("part.ply: a mesh file ends in .obj, .stl, .gltf or .glb"));
+    assert!(
+        Scene::load(&path)
+            .unwrap_err()
+            .to_string()
+            .ends_with("part.ply: a mesh file ends in .obj, .stl, .gltf or .glb")
+    );
     let path = files.write("scene.json", scene(r#"{ "mesh": { "file": "part.stl", "scale": 0 } }"#));
     let error = Scene::load(&path).unwrap_err().to_string();
     assert!(error.ends_with("field shape.scale: must be positive and finite, not 0"), "{error}");

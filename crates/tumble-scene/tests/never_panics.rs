@@ -149,9 +149,49 @@ proptest! {
     }
 }
 
+/// Two files that have everything that is read, one as text and one as binary.
+fn gltf_files() -> [Vec<u8>; 2] {
+    let read = |name: &str| std::fs::read(format!("{}/tests/gltf_scenes/{name}", env!("CARGO_MANIFEST_DIR"))).unwrap();
+    let (mut json, buffer) = (read("everything.gltf"), read("tetrahedron data.bin"));
+    let text = json.clone();
+    json.resize(json.len().next_multiple_of(4), b' ');
+    let chunk = |kind: &[u8], content: &[u8]| [&(content.len() as u32).to_le_bytes()[..], kind, content].concat();
+    let chunks = [chunk(b"JSON", &json), chunk(b"BIN\0", &buffer)].concat();
+    [text, [&b"glTF\x02\0\0\0"[..], &(chunks.len() as u32 + 12).to_le_bytes(), &chunks].concat()]
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig { cases: 1500, failure_persistence: None, ..ProptestConfig::default() })]
+
+    #[test]
+    fn mutated_gltf(edits in prop::collection::vec(edit(), 1..4), binary: bool) {
+        let [text, _] = gltf_files();
+        let text = apply(&String::from_utf8(text).unwrap(), &edits);
+        check(Scene::from_gltf(text.as_bytes(), "scene.x"))?;
+        if binary {
+            check(Scene::from_gltf(&[b"glTF\x02\0\0\0", text.as_bytes()].concat(), "scene.x"))?;
+        }
+    }
+
+    #[test]
+    fn mutated_bytes_of_gltf(changes in prop::collection::vec((any::<prop::sample::Index>(), any::<u8>()), 1..6), cut in any::<prop::sample::Index>(), whole: bool) {
+        for mut bytes in gltf_files() {
+            for (at, byte) in &changes {
+                let at = at.index(bytes.len());
+                bytes[at] = *byte;
+            }
+            let length = if whole { bytes.len() } else { cut.index(bytes.len()) };
+            check(Scene::from_gltf(&bytes[..length], "scene.x"))?;
+        }
+    }
+}
+
 #[test]
 fn the_unmutated_scenes_are_good() {
     // Without this the tests above could pass on texts that are refused at the first letter.
     assert_eq!(Scene::from_json(JSON, "scene.x").unwrap().body_count(), 5);
     assert_eq!(Scene::from_ron(RON, "scene.x").unwrap().body_count(), 3);
+    for bytes in gltf_files() {
+        assert_eq!(Scene::from_gltf(&bytes, "scene.x").unwrap().body_count(), 16);
+    }
 }

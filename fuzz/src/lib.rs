@@ -1,0 +1,40 @@
+//! What every target does with its bytes: a file of that ending, opened in all the ways there are.
+
+use std::fs;
+use std::path::PathBuf;
+use std::sync::OnceLock;
+
+use tumble_scene::{Audit, MeshOptions, MeshRepairs, Scene};
+
+/// A directory of this process, with what the seeds refer to.
+fn directory() -> &'static tempfile::TempDir {
+    static DIRECTORY: OnceLock<tempfile::TempDir> = OnceLock::new();
+    DIRECTORY.get_or_init(|| {
+        let directory = tempfile::tempdir().expect("there is room for a directory");
+        let beside = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../crates/tumble-scene/tests/gltf_scenes/tetrahedron data.bin");
+        fs::copy(beside, directory.path().join("tetrahedron data.bin")).expect("the buffer of a seed can be copied");
+        directory
+    })
+}
+
+/// Opens the bytes as a file of this ending, audits, repairs and draws what is in it, and spawns it. Whatever they are, there is to be a
+/// result or an error that names the file.
+pub fn open(bytes: &[u8], ending: &str) {
+    let path = directory().path().join(format!("input.{ending}"));
+    fs::write(&path, bytes).expect("there is room for a file");
+    let name = path.to_string_lossy();
+    for repairs in [MeshRepairs::Refused, MeshRepairs::Made] {
+        match Audit::open_with(&name, MeshOptions { density: 1.0, repairs }) {
+            Ok(audit) => {
+                for body in audit.bodies.iter().take(3) {
+                    assert!(body.portrait().starts_with("<svg"));
+                }
+            }
+            Err(error) => assert!(error.to_string().starts_with(&*name), "{error}"),
+        }
+    }
+    match Scene::open(&name) {
+        Ok(scene) => drop(scene.spawn(&mut hecs::World::new())),
+        Err(error) => assert!(error.to_string().starts_with(&*name), "{error}"),
+    }
+}
