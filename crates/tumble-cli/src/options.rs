@@ -43,7 +43,7 @@ pub(crate) enum Command {
 
 #[derive(Debug, Default, Args)]
 pub(crate) struct RunOptions {
-    /// A .json, .ron or .urdf file, or the name of a built-in scene [default: stress]
+    /// A .json, .ron, .gltf, .glb or .urdf file, or the name of a built-in scene [default: stress]
     ///
     /// What has an extension or a slash is a file.
     #[arg(value_name = "SCENE")]
@@ -95,7 +95,7 @@ pub(crate) struct StepOptions {
 
 #[derive(Debug, Args)]
 pub(crate) struct InspectOptions {
-    /// A scene (.json, .ron), a robot (.urdf), a mesh (.obj, .stl), or the name of a built-in scene
+    /// A scene (.json, .ron, .gltf, .glb), a robot (.urdf), a mesh (.obj, .stl, .gltf, .glb), or the name of a built-in scene
     #[arg(value_name = "FILE")]
     pub(crate) file: String,
     /// Print JSON
