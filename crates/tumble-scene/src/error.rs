@@ -48,7 +48,7 @@ pub enum SceneError {
         offset: usize,
     },
     /// The file name's extension is none of the formats.
-    #[error("{file}: a scene file ends in .json, .ron, .gltf or .glb, a robot's in .urdf")]
+    #[error("{file}: a scene file ends in .json or .ron, or, unless it is for a sweep, in .gltf, .glb or .urdf")]
     UnknownFormat {
         /// The file as the caller named it.
         file: String,
