@@ -1,11 +1,9 @@
 //! The mass properties and forces of a scene's bodies, and what is wrong with them.
 
 use std::path::Path;
-use std::sync::Arc;
 
 use serde::Serialize;
-use tumble::{MassProperties, Shape};
-use tumble_math::TriangleMesh;
+use tumble::MassProperties;
 
 use crate::audit_mesh::{self, MeshCounts, MeshOptions};
 use crate::builtin;
@@ -13,6 +11,7 @@ use crate::convert::{self, Others};
 use crate::error::{FieldError, SceneError};
 use crate::force::Force;
 use crate::gltf::{self, GltfBody, GltfScene};
+use crate::looks::Looks;
 use crate::mesh_file::MeshFormat;
 use crate::model::SceneModel;
 use crate::read::read_limited;
@@ -73,13 +72,6 @@ pub struct AuditedBody {
     /// What it looks like in its own frame, and which axis of that is up.
     #[serde(skip)]
     pub(crate) looks: Option<(Looks, Up)>,
-}
-
-/// A surface to be drawn.
-#[derive(Clone, Debug, PartialEq)]
-pub(crate) enum Looks {
-    Shape(Shape),
-    Mesh(Arc<TriangleMesh>),
 }
 
 /// An axis of a body's frame.
@@ -207,7 +199,7 @@ impl AuditedBody {
             Some(properties) => Self::of_properties(name, properties),
             None => Self::impossible(name, &[]),
         };
-        Self { looks: Some((Looks::Shape(body.shape.clone()), up)), ..audited }
+        Self { looks: Some((body.looks.clone(), up)), ..audited }
     }
 
     pub(crate) fn of_properties(name: String, properties: &MassProperties) -> Self {

@@ -7,9 +7,10 @@ use serde::Serialize;
 use tumble::Amount;
 use tumble_math::{MeshAudit, MeshError, SolidMesh, TriangleMesh};
 
-use crate::audit::{Audit, AuditedBody, Looks, Up};
+use crate::audit::{Audit, AuditedBody, Up};
 use crate::convert::positive;
 use crate::error::{SceneError, one_line};
+use crate::looks::Looks;
 use crate::mesh_file::{self, MeshFile, MeshFormat};
 
 /// How a mesh is looked at.

@@ -11,6 +11,7 @@ use tumble::{Amount, BodyId, InertiaTensor, Part, PrincipalInertia, RigidBody, S
 pub(crate) use forces::{Others, indices, springs_by_distance};
 
 use crate::error::{FieldError, shortest};
+use crate::looks::Looks;
 use crate::model::{BodyModel, InertiaModel, PartModel, Quadruple, ShapeModel, Triple};
 use crate::scene_body::SceneBody;
 
@@ -34,7 +35,7 @@ pub(crate) fn body(model: &BodyModel, index: usize, others: Others<'_>) -> Resul
         return Err(problems);
     }
     let body = body.build().map_err(|error| vec![FieldError::new(error.field(), error)])?;
-    Ok(SceneBody { body, shape, forces, springs_to, colliders: Vec::new() })
+    Ok(SceneBody { body, looks: Looks::Shape(shape), forces, springs_to, colliders: Vec::new() })
 }
 
 /// The name given, or `body-<index>`.

@@ -31,6 +31,7 @@ mod force;
 mod force_model;
 mod force_path;
 mod limits;
+mod looks;
 mod mesh_file;
 mod mesh_shape;
 mod model;
@@ -66,6 +67,7 @@ pub use limits::{
     MAX_BODIES, MAX_FILE_BYTES, MAX_HULL_POINTS, MAX_MESH, MAX_PARTS, MAX_STEPS, TIME_STEPS, step_count,
     steps_of_duration, time_step,
 };
+pub use looks::Looks;
 pub use outcome::Outcome;
 pub use output::PendingFile;
 pub use parse::Format;

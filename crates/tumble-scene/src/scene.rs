@@ -5,7 +5,7 @@ use std::collections::HashMap;
 use std::path::Path;
 
 use hecs::World;
-use tumble::{BodyError, Settings, Shape};
+use tumble::{BodyError, Settings};
 
 use crate::builtin::{self, builtin_names};
 use crate::collider::SceneCollider;
@@ -13,6 +13,7 @@ use crate::convert::{self, Others};
 use crate::error::{FieldError, Place, SceneError, one_line};
 use crate::gltf::{self, GltfBody, GltfScene};
 use crate::limits::{MAX_BODIES, step_count, time_step};
+use crate::looks::Looks;
 use crate::model::SceneModel;
 use crate::parse::{Format, parse};
 use crate::read::{read_limited, read_text};
@@ -192,10 +193,10 @@ impl Scene {
     ///
     /// # Errors
     /// As [`spawn`](Self::spawn).
-    pub fn shapes(&self) -> Result<Vec<Shape>, SceneError> {
+    pub fn looks(&self) -> Result<Vec<Looks>, SceneError> {
         match &self.bodies {
-            Bodies::Listed { bodies, .. } => Ok(bodies.iter().map(|body| body.shape.clone()).collect()),
-            Bodies::Stress { count, seed } => stress_bodies(*count, *seed).map(|body| Ok(body?.shape)).collect(),
+            Bodies::Listed { bodies, .. } => Ok(bodies.iter().map(|body| body.looks.clone()).collect()),
+            Bodies::Stress { count, seed } => stress_bodies(*count, *seed).map(|body| Ok(body?.looks)).collect(),
         }
     }
 

@@ -2,17 +2,17 @@
 
 use glam::DVec3;
 use hecs::{Entity, EntityBuilder, World};
-use tumble::{Body, Shape};
+use tumble::Body;
 
 use crate::collider::SceneCollider;
 use crate::force::Force;
+use crate::looks::Looks;
 
 /// A checked body, what it looks like, and its checked forces.
 #[derive(Clone, Debug)]
 pub(crate) struct SceneBody {
     pub(crate) body: Body,
-    /// In the body's frame.
-    pub(crate) shape: Shape,
+    pub(crate) looks: Looks,
     pub(crate) forces: Vec<Force>,
     /// For each spring among the forces, in order, the index of the body it leads to.
     pub(crate) springs_to: Vec<usize>,

@@ -7,6 +7,7 @@ use tumble::math::Vec3;
 use tumble::{Amount, BodyError, BodyId, Part, RigidBody, Shape};
 
 use crate::convert::{real_quaternion, real_vector};
+use crate::looks::Looks;
 use crate::scene_body::SceneBody;
 
 /// Bodies of the stress scene unless told otherwise.
@@ -113,7 +114,13 @@ impl StressBodies {
             .linear_velocity(self.velocity(2.0))
             .angular_velocity(self.velocity(10.0))
             .build()?;
-        Ok(SceneBody { body, shape, forces: Vec::new(), springs_to: Vec::new(), colliders: Vec::new() })
+        Ok(SceneBody {
+            body,
+            looks: Looks::Shape(shape),
+            forces: Vec::new(),
+            springs_to: Vec::new(),
+            colliders: Vec::new(),
+        })
     }
 
     fn velocity(&mut self, largest: f64) -> Vec3 {

@@ -5,6 +5,7 @@ mod revolution;
 use glam::{DQuat, DVec3};
 use tumble::{Part, Shape, TriangleMesh};
 
+use crate::looks::Looks;
 use revolution::{ball, cone_frustum, revolve, tapered_capsule};
 
 /// Half the diagonals of the octahedron that stands for a point, which has no size \[m\].
@@ -26,6 +27,14 @@ pub(crate) struct Tessellation {
 }
 
 impl Tessellation {
+    /// The surface that is seen.
+    pub(crate) fn of_looks(looks: &Looks) -> Self {
+        match looks {
+            Looks::Shape(shape) => Self::of(shape),
+            Looks::Mesh(surface) => mesh(surface),
+        }
+    }
+
     /// The surface of a shape; of a compound, the surfaces of its parts, which may run through each other.
     pub(crate) fn of(shape: &Shape) -> Self {
         match *shape {

@@ -10,7 +10,7 @@
 use proptest::prelude::*;
 use serde_json::Value;
 use tumble::Pose;
-use tumble_scene::{Audit, AuditedBody, Scene, SceneError};
+use tumble_scene::{Audit, AuditedBody, Looks, Scene, SceneError};
 
 const PUBLISHED: &str = include_str!("../../../tests/data/inertia_robot_links.json");
 
@@ -298,7 +298,7 @@ fn what_is_no_body_and_what_is_not_read_is_told() {
     );
     assert_eq!(scene.body_count(), 1);
     // A cylinder of URDF lies along z, ours along y.
-    let tumble::Shape::Compound(parts) = &scene.shapes().unwrap()[0] else { panic!("not a compound") };
+    let Looks::Shape(tumble::Shape::Compound(parts)) = &scene.looks().unwrap()[0] else { panic!("not a compound") };
     assert_eq!((parts.len(), parts[0].position.to_array()), (1, [0.0, 0.0, 1.0]));
     let axis = parts[0].orientation * glam::DVec3::Y;
     // The quaternion of a quarter turn is rounded.

@@ -5,6 +5,7 @@ use std::collections::{BTreeMap, HashMap};
 use glam::{DQuat, DVec3};
 use tumble::{Amount, BodyId, InertiaTensor, MassProperties, Part, RigidBody, Shape};
 
+use super::geometry::Geometry;
 use super::material::SurfaceMaterial;
 use super::motion::{Motion, MotionKind};
 use super::physics::{Physics, PhysicsNode};
@@ -12,6 +13,7 @@ use super::solid::solid;
 use super::triangles::Triangles;
 use crate::convert::{check_name, real, real_quaternion, real_vector};
 use crate::error::FieldError;
+use crate::looks::Looks;
 use crate::scene_body::SceneBody;
 use crate::{ColliderRole, SceneCollider};
 
@@ -99,9 +101,17 @@ fn body(
         .orientation(real_quaternion(node.rotation))
         .build()
         .map_err(|error| FieldError::new(field_of_motion(&error.field()), error))?;
-    // What is seen is also what only notices.
-    let seen = shape.or_else(|| together(&pieces, |_| true)).unwrap_or(Shape::Point);
-    Ok(SceneBody { body, shape: seen, forces: Vec::new(), springs_to: Vec::new(), colliders: pieces })
+    let looks = match pieces.as_slice() {
+        [SceneCollider { surface: Some(surface), geometry, position, orientation, .. }]
+            if matches!(geometry, Geometry::Mesh { convex_hull: false, .. })
+                && (*position, *orientation) == (DVec3::ZERO, DQuat::IDENTITY) =>
+        {
+            Looks::Mesh(surface.clone())
+        }
+        // What is seen is also what only notices.
+        _ => Looks::Shape(shape.or_else(|| together(&pieces, |_| true)).unwrap_or(Shape::Point)),
+    };
+    Ok(SceneBody { body, looks, forces: Vec::new(), springs_to: Vec::new(), colliders: pieces })
 }
 
 /// The shapes of some pieces as one, each as heavy as it is large; `None` if none has a volume.

@@ -7,7 +7,7 @@ use glam::DVec3;
 use tumble::Shape;
 
 use super::camera::Camera;
-use crate::audit::Looks;
+use crate::looks::Looks;
 use crate::tessellation::Tessellation;
 
 /// Most triangles that are drawn; more of them are a megabyte that no eye tells apart.

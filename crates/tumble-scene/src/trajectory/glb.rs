@@ -13,13 +13,14 @@ mod sample;
 
 use std::io::{self, BufWriter, Seek, SeekFrom, Write};
 
-use tumble::{Pose, Shape};
+use tumble::Pose;
 
 use self::bodies::Bodies;
 use self::layout::Layout;
 use self::sample::{Sample, single};
 use super::error::TrajectoryError;
 use super::frame::Frame;
+use crate::looks::Looks;
 
 /// Frames that are kept back take at most so much, but for one of more bodies \[bytes\].
 const PENDING_BYTES: u64 = 16 << 20;
@@ -44,7 +45,7 @@ pub struct Animation {
     /// Name of the scene.
     pub scene: String,
     /// What the bodies look like in their own frames, by [`BodyId`](tumble::BodyId). A body that has none here is drawn as a point.
-    pub shapes: Vec<Shape>,
+    pub looks: Vec<Looks>,
     /// Time step \[s\].
     pub dt: f64,
     /// Steps from one frame to the next.
@@ -57,12 +58,12 @@ impl Animation {
     /// Of `steps` steps of a scene, of which every `every`-th is recorded, and the state before the first.
     ///
     /// # Errors
-    /// As [`Scene::shapes`](crate::Scene::shapes).
+    /// As [`Scene::looks`](crate::Scene::looks).
     #[allow(clippy::useless_conversion, reason = "dt is f64 already in one of the two builds")]
     pub fn of(scene: &crate::Scene, steps: u64, every: u64) -> Result<Self, crate::SceneError> {
         Ok(Self {
             scene: scene.name.clone().unwrap_or_else(|| scene.origin.clone()),
-            shapes: scene.shapes()?,
+            looks: scene.looks()?,
             dt: f64::from(scene.settings.dt),
             every,
             frames: (steps / every.max(1)).saturating_add(1),
@@ -102,7 +103,7 @@ impl<W: Write + Seek> GlbRecord<W> {
             Some(opened) => opened,
             None => {
                 let opened = Opened::begin(&mut self.writer, &self.animation, frame)?;
-                self.animation.shapes = Vec::new();
+                self.animation.looks = Vec::new();
                 self.opened.insert(opened)
             }
         };
@@ -134,7 +135,7 @@ impl Opened {
         animation: &Animation,
         frame: &Frame<'_>,
     ) -> Result<Self, TrajectoryError> {
-        let bodies = Bodies::of(frame, &animation.shapes);
+        let bodies = Bodies::of(frame, &animation.looks);
         let mut layout = Layout::new(&bodies, animation.frames, single(frame.time));
         let too_large = |bytes| TrajectoryError::TooLarge { bodies: bodies.len(), frames: animation.frames, bytes };
         if layout.buffer_bytes() > Layout::MOST_BYTES {

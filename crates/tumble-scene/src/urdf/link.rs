@@ -120,8 +120,8 @@ fn shape(link: Element<'_>, name: &str, left_out: &mut LeftOut) -> Option<Shape>
     for kind in ["collision", "visual"] {
         for element in link.all(kind) {
             match part(element) {
-                Ok(Looks::Primitive(part)) if parts.len() < crate::MAX_PARTS => parts.push(part),
-                Ok(Looks::Mesh(file)) => left_out.meshes.push(file.to_owned()),
+                Ok(Drawn::Primitive(part)) if parts.len() < crate::MAX_PARTS => parts.push(part),
+                Ok(Drawn::Mesh(file)) => left_out.meshes.push(file.to_owned()),
                 Ok(_) => {}
                 Err(error) => left_out.shapes.push(format!("link {name:?}, {kind}.{error}")),
             }
@@ -134,15 +134,15 @@ fn shape(link: Element<'_>, name: &str, left_out: &mut LeftOut) -> Option<Shape>
 }
 
 /// What a geometry is.
-enum Looks<'a> {
+enum Drawn<'a> {
     Primitive(Part),
     Mesh(&'a str),
     Nothing,
 }
 
-fn part(element: Element<'_>) -> Result<Looks<'_>, FieldError> {
+fn part(element: Element<'_>) -> Result<Drawn<'_>, FieldError> {
     let frame = element.origin()?;
-    let Some(geometry) = element.needed("geometry")?.children().next() else { return Ok(Looks::Nothing) };
+    let Some(geometry) = element.needed("geometry")?.children().next() else { return Ok(Drawn::Nothing) };
     let primitive = || {
         let half = |length: Result<f64, FieldError>| length.map(|length| 0.5 * length);
         Ok(match geometry.name() {
@@ -157,10 +157,10 @@ fn part(element: Element<'_>) -> Result<Looks<'_>, FieldError> {
         })
     };
     if geometry.name() == "mesh" {
-        return Ok(Looks::Mesh(geometry.attribute("filename").unwrap_or("(no name)")));
+        return Ok(Drawn::Mesh(geometry.attribute("filename").unwrap_or("(no name)")));
     }
     let (shape, axis) = primitive().map_err(|error: FieldError| error.inside(geometry.name()))?;
     // Its mass is the inertial's affair; lengths must be good all the same.
     shape.mass_properties(Amount::Mass(1.0)).map_err(|error| geometry.problem(geometry.name(), error))?;
-    Ok(Looks::Primitive(Part::new(shape, Amount::Density(1.0)).at(frame.position).turned(frame.orientation * axis)))
+    Ok(Drawn::Primitive(Part::new(shape, Amount::Density(1.0)).at(frame.position).turned(frame.orientation * axis)))
 }

@@ -12,6 +12,7 @@ use tumble::{Amount, BodyId, Part, RigidBody, Settings, Shape};
 
 use crate::convert::{check_name, real_quaternion, real_vector};
 use crate::error::{FieldError, Place, SceneError, one_line};
+use crate::looks::Looks;
 use crate::scene_body::SceneBody;
 
 use element::{Element, Lines};
@@ -143,7 +144,7 @@ fn body(inertial: &Inertial, shape: Option<Shape>, frame: &Frame, index: u64) ->
     let point = || Shape::compound([Part::new(Shape::Point, Amount::Mass(inertial.mass)).at(inertial.center_of_mass)]);
     Ok(SceneBody {
         body,
-        shape: shape.unwrap_or_else(point),
+        looks: Looks::Shape(shape.unwrap_or_else(point)),
         forces: Vec::new(),
         springs_to: Vec::new(),
         colliders: Vec::new(),

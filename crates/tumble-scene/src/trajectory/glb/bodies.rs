@@ -5,6 +5,7 @@ use tumble::{BodyId, CenterOfMass, Pose, Shape, Velocity};
 use super::super::frame::Frame;
 use super::geometry::Geometry;
 use super::sample::{Sample, double, single};
+use crate::looks::Looks;
 use crate::tessellation::POINT_RADIUS;
 
 /// A body without size is drawn as this part of the scene, where that is more than its octahedron has.
@@ -48,7 +49,7 @@ pub(super) enum Color {
 }
 
 impl Bodies {
-    pub(super) fn of(frame: &Frame<'_>, shapes: &[Shape]) -> Self {
+    pub(super) fn of(frame: &Frame<'_>, all: &[Looks]) -> Self {
         let states = frame.world.view::<(&Pose, Option<&BodyId>, Option<&CenterOfMass>, Option<&Velocity>)>();
         let mut bodies = Self { all: Vec::new(), geometry: Geometry::default(), looks: Vec::new() };
         let mut known = std::collections::HashMap::new();
@@ -56,9 +57,9 @@ impl Bodies {
         for (index, &entity) in frame.order.entities().iter().enumerate() {
             let Some((pose, id, center, velocity)) = states.get(entity) else { continue };
             let id = id.map_or(index as u64, |id| id.0);
-            let shape = usize::try_from(id).ok().and_then(|id| shapes.get(id)).unwrap_or(&Shape::Point);
+            let looks = usize::try_from(id).ok().and_then(|id| all.get(id)).unwrap_or(&Looks::Shape(Shape::Point));
             let center = center.map_or(DVec3::ZERO, |center| DVec3::from_array(center.0.to_array().map(double)));
-            let (surface, factors) = bodies.geometry.insert(shape);
+            let (surface, factors) = bodies.geometry.insert(looks);
             let color = match velocity {
                 Some(_) => Color::Bright(index % super::document::COLORS.len()),
                 None => Color::Grey,
@@ -68,7 +69,7 @@ impl Bodies {
                 bodies.looks.push(look);
                 bodies.looks.len() - 1
             });
-            if matches!(shape, Shape::Point) {
+            if matches!(looks, Looks::Shape(Shape::Point)) {
                 points.push(bodies.all.len());
             }
             bodies.all.push(DrawnBody {

@@ -5,6 +5,7 @@ use glam::DVec3;
 use tumble::Shape;
 
 use super::sample::single;
+use crate::looks::Looks;
 use crate::tessellation::Tessellation;
 
 const VERTEX: u64 = size_of::<[f32; 3]>() as u64;
@@ -13,14 +14,14 @@ const VERTEX: u64 = size_of::<[f32; 3]>() as u64;
 #[derive(Debug, Default)]
 pub(super) struct Geometry {
     pub(super) surfaces: Vec<Surface>,
-    /// By the bits of the volume, for equal shapes have the same.
-    by_volume: HashMap<u64, Vec<usize>>,
+    /// By the bits of the volume or the number of triangles, for equal ones have the same.
+    alike: HashMap<u64, Vec<usize>>,
 }
 
 /// A surface, made anew whenever it is written, for there may be many.
 #[derive(Debug)]
 pub(super) struct Surface {
-    shape: Shape,
+    looks: Looks,
     pub(super) vertices: u64,
     pub(super) corners: u64,
     /// The box around it \[m\].
@@ -48,20 +49,29 @@ impl Surface {
 }
 
 impl Geometry {
-    /// The index of the surface of a shape, and the factors to stretch it by.
-    pub(super) fn insert(&mut self, shape: &Shape) -> (usize, DVec3) {
-        let (shape, factors) = unstretched(shape);
-        let key = shape.volume().map_or(0, f64::to_bits);
-        let same = self.by_volume.entry(key).or_default();
+    /// The index of the surface of a body, and the factors to stretch it by.
+    pub(super) fn insert(&mut self, looks: &Looks) -> (usize, DVec3) {
+        let (looks, factors) = match looks {
+            Looks::Shape(shape) => {
+                let (shape, factors) = unstretched(shape);
+                (Looks::Shape(shape), factors)
+            }
+            mesh @ Looks::Mesh(_) => (mesh.clone(), DVec3::ONE),
+        };
+        let key = match &looks {
+            Looks::Shape(shape) => shape.volume().map_or(0, f64::to_bits),
+            Looks::Mesh(mesh) => mesh.triangles().len() as u64,
+        };
+        let same = self.alike.entry(key).or_default();
         let known =
-            same.iter().copied().find(|&index| self.surfaces.get(index).is_some_and(|known| known.shape == shape));
+            same.iter().copied().find(|&index| self.surfaces.get(index).is_some_and(|known| known.looks == looks));
         let index = known.unwrap_or_else(|| {
             let index = self.surfaces.len();
             same.push(index);
             let (vertices_at, indices_at) = self.surfaces.last().map_or((0, 0), |last| {
                 (last.normals_at() + last.vertices * VERTEX, last.indices_at + last.index_bytes())
             });
-            self.surfaces.push(measured(shape, vertices_at, indices_at));
+            self.surfaces.push(measured(looks, vertices_at, indices_at));
             index
         });
         (index, factors)
@@ -78,7 +88,7 @@ impl Geometry {
     /// Writes all vertices and then all indices.
     pub(super) fn write(&self, writer: &mut impl Write) -> io::Result<()> {
         for surface in &self.surfaces {
-            let triangles = Tessellation::of(&surface.shape);
+            let triangles = Tessellation::of_looks(&surface.looks);
             for vector in triangles.positions.iter().chain(&triangles.normals) {
                 for number in vector.to_array() {
                     writer.write_all(&single(number).to_le_bytes())?;
@@ -86,7 +96,7 @@ impl Geometry {
             }
         }
         for surface in &self.surfaces {
-            let indices = Tessellation::of(&surface.shape).triangles.into_iter().flatten();
+            let indices = Tessellation::of_looks(&surface.looks).triangles.into_iter().flatten();
             if surface.is_small() {
                 for index in indices {
                     writer.write_all(&(index as u16).to_le_bytes())?;
@@ -102,8 +112,8 @@ impl Geometry {
     }
 }
 
-fn measured(shape: Shape, vertices_at: u64, indices_at: u64) -> Surface {
-    let triangles = Tessellation::of(&shape);
+fn measured(looks: Looks, vertices_at: u64, indices_at: u64) -> Surface {
+    let triangles = Tessellation::of_looks(&looks);
     let positions = || triangles.positions.iter().map(|position| position.to_array().map(single));
     let each = |a: [f32; 3], b: [f32; 3], of: fn(f32, f32) -> f32| std::array::from_fn(|axis| of(a[axis], b[axis]));
     Surface {
@@ -113,7 +123,7 @@ fn measured(shape: Shape, vertices_at: u64, indices_at: u64) -> Surface {
         max: positions().reduce(|a, b| each(a, b, f32::max)).unwrap_or_default(),
         vertices_at,
         indices_at,
-        shape,
+        looks,
     }
 }
 
@@ -136,7 +146,7 @@ mod tests {
     #[test]
     fn a_surface_is_there_once_and_stretched_to_its_size() {
         let mut geometry = Geometry::default();
-        let mut inserted = |shape| geometry.insert(&shape);
+        let mut inserted = |shape| geometry.insert(&Looks::Shape(shape));
         assert_eq!(inserted(Shape::sphere(2.0)), (0, DVec3::splat(2.0)));
         assert_eq!(inserted(Shape::ellipsoid([1.0, 2.0, 3.0])), (0, DVec3::new(1.0, 2.0, 3.0)));
         assert_eq!(inserted(Shape::hollow_sphere(0.5)), (0, DVec3::splat(0.5)));
