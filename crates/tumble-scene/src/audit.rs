@@ -100,12 +100,12 @@ impl Audit {
             Some(MeshFormat::Gltf) => {
                 let scene = gltf::load(path)?;
                 // Without physics it is a file of triangles like any other.
-                let bare = scene.bodies.is_empty();
-                return if bare {
-                    audit_mesh::of_file(path, MeshFormat::Gltf, options)
-                } else {
-                    Ok(Self::of_gltf(scene))
-                };
+                if !scene.bodies.is_empty() {
+                    return Ok(Self::of_gltf(scene));
+                }
+                let mut audit = audit_mesh::of_file(path, MeshFormat::Gltf, options)?;
+                audit.notices.extend(scene.notices);
+                return Ok(audit);
             }
             Some(format) => return audit_mesh::of_file(path, format, options),
             None => {}
@@ -153,7 +153,7 @@ impl Audit {
     }
 
     fn of_gltf(scene: GltfScene) -> Self {
-        let audited = |GltfBody { name, body, .. }: GltfBody| match body {
+        let audited = |GltfBody { name, body }: GltfBody| match body {
             Ok(body) => AuditedBody::of(name, &body, Up::Y),
             Err(error) => AuditedBody::impossible(name, &[error]),
         };

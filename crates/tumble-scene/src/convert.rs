@@ -17,13 +17,13 @@ use crate::scene_body::SceneBody;
 
 /// Larger components of positions, velocities and gravity are refused as absurd: the square of
 /// 1e18 still has room in f32.
-const LARGEST: f64 = 1e18;
+pub(crate) const LARGEST: f64 = 1e18;
 
 /// A quaternion further than this from unit length is a mistake, not rounding.
 const UNIT_TOLERANCE: f64 = 1e-3;
 
 /// Longest name of a body \[bytes\].
-const LONGEST_NAME: usize = 256;
+pub(crate) const LONGEST_NAME: usize = 256;
 
 /// The model's body with its name and forces, or everything that is wrong with it.
 pub(crate) fn body(model: &BodyModel, index: usize, others: Others<'_>) -> Result<SceneBody, Vec<FieldError>> {

@@ -198,7 +198,7 @@ pub(crate) fn shortest(value: f64) -> String {
 }
 
 /// A name, cut to a length a message can hold.
-fn quoted(name: &str) -> String {
+pub(crate) fn quoted(name: &str) -> String {
     name.chars().take(LONGEST_QUOTE).collect()
 }
 

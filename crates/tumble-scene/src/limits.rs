@@ -17,7 +17,7 @@ pub const MAX_PARTS: usize = 100_000;
 pub const MAX_MESH: usize = 20_000_000;
 
 /// Most points of a convex hull in a scene.
-pub const MAX_HULL_POINTS: usize = 1_000_000;
+pub const MAX_HULL_POINTS: usize = 100_000;
 
 /// Most steps of a run.
 pub const MAX_STEPS: u64 = 1_000_000_000_000;

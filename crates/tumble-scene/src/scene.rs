@@ -222,8 +222,8 @@ impl Scene {
     /// A scene of bodies that are at fault or not, with the engine's settings.
     fn of_gltf(scene: GltfScene, file: &str) -> Result<Self, SceneError> {
         let (mut bodies, mut names) = (Vec::with_capacity(scene.bodies.len()), Vec::with_capacity(scene.bodies.len()));
-        for GltfBody { name, node, body } in scene.bodies {
-            bodies.push(body.map_err(|error| gltf::invalid(file, error.of_node(node, &name)))?);
+        for GltfBody { name, body } in scene.bodies {
+            bodies.push(body.map_err(|error| gltf::invalid(file, error))?);
             names.push(name);
         }
         Ok(Self {

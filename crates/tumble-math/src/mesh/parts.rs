@@ -34,7 +34,7 @@ pub(crate) struct Parts {
 
 impl Parts {
     pub(crate) fn of(positions: &[DVec3], triangles: &[[u32; 3]], edges: &Edges, frame: &LocalFrame) -> Self {
-        let sheets = Sheets::of(triangles.len(), edges);
+        let mut sheets = Sheets::of(triangles.len(), edges);
         let mut parts: Vec<Part> = Vec::new();
         let mut number = vec![None; sheets.count];
         let mut of_triangle = vec![0; triangles.len()];
@@ -174,10 +174,13 @@ impl Sheets {
         }
     }
 
-    fn root_of(&self, triangle: u32) -> u32 {
+    /// Shortens the way for those who come later, so that long chains do not make the whole quadratic.
+    fn root_of(&mut self, triangle: u32) -> u32 {
         let mut sheet = self.of_triangle[triangle as usize];
         while self.parents[sheet as usize] != sheet {
-            sheet = self.parents[sheet as usize];
+            let above = self.parents[self.parents[sheet as usize] as usize];
+            self.parents[sheet as usize] = above;
+            sheet = above;
         }
         sheet
     }

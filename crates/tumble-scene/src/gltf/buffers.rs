@@ -21,6 +21,8 @@ pub(super) struct Buffers<'a> {
     /// What a `.glb` brings along.
     binary: Option<&'a [u8]>,
     read: Vec<Option<Arc<[u8]>>>,
+    /// How much may still be read \[bytes\].
+    room: u64,
 }
 
 /// The numbers of an accessor, as they lie in its buffer.
@@ -40,7 +42,7 @@ impl Elements {
 
 impl<'a> Buffers<'a> {
     pub(super) fn new(document: &'a Document, directory: Option<&'a Path>, binary: Option<&'a [u8]>) -> Self {
-        Self { document, directory, binary, read: vec![None; document.buffers.len()] }
+        Self { document, directory, binary, read: vec![None; document.buffers.len()], room: MAX_FILE_BYTES }
     }
 
     /// The positions that an accessor holds, at most `most` of them.
@@ -70,7 +72,7 @@ impl<'a> Buffers<'a> {
         if accessor.r#type != kind {
             Err(field(index, "type", format!("is {:?}, not {kind}", accessor.r#type)))
         } else if accessor.sparse.is_some() {
-            Err(field(index, "sparse", "sparse accessors are not read"))
+            Err(field(index, "sparse", "is given, and such accessors are not read"))
         } else if accessor.count > most {
             Err(field(index, "count", format!("{} is more than the {most} that are left for a scene", accessor.count)))
         } else {
@@ -121,10 +123,12 @@ impl<'a> Buffers<'a> {
         let bytes = match (&buffer.uri, self.binary) {
             (None, Some(binary)) if index == 0 => Ok(Cow::Borrowed(binary)),
             (None, _) => Err("has no uri, and there is no binary chunk for it".to_owned()),
-            (Some(uri), _) => uri_bytes(uri, self.directory).map(Cow::Owned),
+            (Some(uri), _) => uri_bytes(uri, self.directory, self.room).map(Cow::Owned),
         };
-        let bytes = bytes.and_then(|bytes| long_enough(buffer, bytes));
+        let bytes = bytes.and_then(|bytes| of_length(buffer, &bytes));
         let bytes: Arc<[u8]> = bytes.map_err(|problem| FieldError::new(format!("buffers[{index}]"), problem))?.into();
+        let full = || FieldError::new("buffers", format!("have more than {MAX_FILE_BYTES} bytes together"));
+        self.room = self.room.checked_sub(bytes.len() as u64).ok_or_else(full)?;
         Ok(slot.insert(bytes).clone())
     }
 }
@@ -133,15 +137,16 @@ fn field(index: usize, name: &str, problem: impl std::fmt::Display) -> FieldErro
     FieldError::new(format!("accessors[{index}].{name}"), problem)
 }
 
-fn long_enough<'a>(buffer: &Buffer, bytes: Cow<'a, [u8]>) -> Result<Cow<'a, [u8]>, String> {
-    if bytes.len() < buffer.byte_length {
-        return Err(format!("has {} bytes, its byteLength says {}", bytes.len(), buffer.byte_length));
+/// As much of the bytes as the buffer is said to have.
+fn of_length(buffer: &Buffer, bytes: &[u8]) -> Result<Vec<u8>, String> {
+    match bytes.get(..buffer.byte_length) {
+        Some(bytes) => Ok(bytes.to_vec()),
+        None => Err(format!("has {} bytes, its byteLength says {}", bytes.len(), buffer.byte_length)),
     }
-    Ok(bytes)
 }
 
 /// What a URI leads to: itself, or a file beside the document.
-fn uri_bytes(uri: &str, directory: Option<&Path>) -> Result<Vec<u8>, String> {
+fn uri_bytes(uri: &str, directory: Option<&Path>, most: u64) -> Result<Vec<u8>, String> {
     if let Some(data) = uri.strip_prefix("data:") {
         let (_, encoded) = data.split_once(";base64,").ok_or("has a data URI that is not base64")?;
         return STANDARD.decode(encoded).map_err(|error| format!("has a data URI that is not base64: {error}"));
@@ -153,7 +158,7 @@ fn uri_bytes(uri: &str, directory: Option<&Path>) -> Result<Vec<u8>, String> {
     if !beside || uri.contains("://") {
         return Err(format!("uri {uri:?} is not a path below the file's own directory"));
     }
-    read_bytes(&directory.join(&path), MAX_FILE_BYTES).map_err(|error| error.to_string())
+    read_bytes(&directory.join(&path), most).map_err(|error| error.to_string())
 }
 
 /// `%20` and the like, as URIs have them.
@@ -161,7 +166,8 @@ fn percent_decoded(uri: &str) -> Option<String> {
     let mut parts = uri.split('%');
     let mut bytes = parts.next()?.as_bytes().to_vec();
     for part in parts {
-        bytes.push(u8::from_str_radix(part.get(..2)?, 16).ok()?);
+        let digits = part.get(..2).filter(|digits| digits.bytes().all(|digit| digit.is_ascii_hexdigit()))?;
+        bytes.push(u8::from_str_radix(digits, 16).ok()?);
         bytes.extend(part.get(2..)?.as_bytes());
     }
     String::from_utf8(bytes).ok()
@@ -226,7 +232,7 @@ mod tests {
     fn escapes_are_read() {
         assert_eq!(percent_decoded("a%20b%C3%BC.bin").as_deref(), Some("a bü.bin"));
         assert_eq!(percent_decoded("plain").as_deref(), Some("plain"));
-        for bad in ["%", "%2", "%zz", "%ff"] {
+        for bad in ["%", "%2", "%zz", "%ff", "%+1"] {
             assert_eq!(percent_decoded(bad), None, "{bad}");
         }
     }
@@ -235,15 +241,15 @@ mod tests {
     fn nothing_is_read_from_elsewhere() {
         let directory = tempfile::tempdir().unwrap();
         std::fs::write(directory.path().join("a b.bin"), b"abc").unwrap();
-        assert_eq!(uri_bytes("a%20b.bin", Some(directory.path())).unwrap(), b"abc");
-        assert_eq!(uri_bytes("data:application/octet-stream;base64,YWJj", None).unwrap(), b"abc");
+        assert_eq!(uri_bytes("a%20b.bin", Some(directory.path()), 3).unwrap(), b"abc");
+        assert_eq!(uri_bytes("data:application/octet-stream;base64,YWJj", None, 3).unwrap(), b"abc");
         for bad in ["../x.bin", "/etc/hostname", "file:///etc/hostname", "http://example.org/x.bin", "%2e%2e/x.bin"] {
-            let problem = uri_bytes(bad, Some(directory.path())).unwrap_err();
+            let problem = uri_bytes(bad, Some(directory.path()), 3).unwrap_err();
             assert!(problem.contains("not a path below"), "{bad}: {problem}");
         }
-        assert!(uri_bytes("missing.bin", Some(directory.path())).unwrap_err().contains("cannot be read"));
-        assert!(uri_bytes("x.bin", None).unwrap_err().contains("no directory"));
-        assert!(uri_bytes("data:,x", None).is_err() && uri_bytes("data:;base64,?", None).is_err());
+        assert!(uri_bytes("missing.bin", Some(directory.path()), 3).unwrap_err().contains("cannot be read"));
+        assert!(uri_bytes("x.bin", None, 3).unwrap_err().contains("no directory"));
+        assert!(uri_bytes("data:,x", None, 3).is_err() && uri_bytes("data:;base64,?", None, 3).is_err());
     }
 
     #[test]

@@ -44,7 +44,7 @@ pub(super) struct Roots {
 pub(super) struct Node {
     pub(super) name: Option<String>,
     pub(super) children: Vec<usize>,
-    pub(super) matrix: Option<[f64; 16]>,
+    pub(super) matrix: Option<Box<[f64; 16]>>,
     pub(super) translation: Option<[f64; 3]>,
     pub(super) rotation: Option<[f64; 4]>,
     pub(super) scale: Option<[f64; 3]>,
@@ -57,9 +57,9 @@ pub(super) struct Node {
 #[serde(default)]
 pub(super) struct NodeExtensions {
     #[serde(rename = "KHR_physics_rigid_bodies")]
-    pub(super) khr: Option<KhrNode>,
+    pub(super) khr: Option<Box<KhrNode>>,
     #[serde(rename = "OMI_physics_body")]
-    pub(super) omi: Option<OmiNode>,
+    pub(super) omi: Option<Box<OmiNode>>,
     #[serde(rename = "OMI_physics_joint")]
     pub(super) omi_joint: Option<JointOfNode>,
 }
@@ -254,7 +254,7 @@ pub(super) struct Accessor {
     pub(super) normalized: bool,
     pub(super) count: usize,
     pub(super) r#type: String,
-    pub(super) sparse: Option<Value>,
+    pub(super) sparse: Option<serde::de::IgnoredAny>,
 }
 
 #[derive(Debug, Default, Deserialize)]

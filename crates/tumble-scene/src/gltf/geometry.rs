@@ -4,6 +4,7 @@ use glam::DVec3;
 
 use super::document::{Document, GeometryModel, RoundModel, ShapeModel};
 use super::motion::Dialect;
+use crate::convert::LARGEST;
 use crate::error::FieldError;
 
 /// The geometry of a collider or a trigger in the frame of its node, before the node's scale. Axes of revolution lie along y.
@@ -118,11 +119,11 @@ fn of_shape(document: &Document, model: &ShapeModel, dialect: Dialect) -> Result
             Ok(Geometry::Sphere { radius: positive("sphere.radius", radius)? })
         }
         "capsule" => {
-            let (height, radius_bottom, radius_top) = round("capsule", model.capsule, capsule, radius, dialect)?;
+            let (height, radius_bottom, radius_top) = round("capsule", model.capsule, capsule, radius)?;
             Ok(Geometry::Capsule { height, radius_bottom, radius_top })
         }
         "cylinder" => {
-            let (height, radius_bottom, radius_top) = round("cylinder", model.cylinder, cylinder, radius, dialect)?;
+            let (height, radius_bottom, radius_top) = round("cylinder", model.cylinder, cylinder, radius)?;
             Ok(Geometry::Cylinder { height, radius_bottom, radius_top })
         }
         "plane" => {
@@ -149,16 +150,10 @@ fn of_shape(document: &Document, model: &ShapeModel, dialect: Dialect) -> Result
     }
 }
 
-/// Height and radii of a capsule or a cylinder. One radius may be zero. OMI's older files give one radius for both ends.
-fn round(
-    name: &str,
-    model: Option<RoundModel>,
-    height: f64,
-    radius: f64,
-    dialect: Dialect,
-) -> Result<(f64, f64, f64), FieldError> {
+/// Height and radii of a capsule or a cylinder. One radius may be zero. Older files of both extensions give one radius for both ends.
+fn round(name: &str, model: Option<RoundModel>, height: f64, radius: f64) -> Result<(f64, f64, f64), FieldError> {
     let model = model.unwrap_or_default();
-    let radius = model.radius.filter(|_| dialect == Dialect::Omi).unwrap_or(radius);
+    let radius = model.radius.unwrap_or(radius);
     let (bottom, top) = (model.radius_bottom.unwrap_or(radius), model.radius_top.unwrap_or(radius));
     for (field, value) in [("radiusBottom", bottom), ("radiusTop", top)] {
         if value != 0.0 || (bottom == 0.0 && top == 0.0) {
@@ -169,7 +164,7 @@ fn round(
 }
 
 fn positive(field: &str, length: f64) -> Result<f64, FieldError> {
-    if length > 0.0 && length <= 1e18 {
+    if length > 0.0 && length <= LARGEST {
         Ok(length)
     } else {
         Err(FieldError::new(field, format!("must be a positive length, not {}", crate::error::shortest(length))))

@@ -1,6 +1,6 @@
 //! What colliders are made of, and with whom they collide.
 
-use serde::Deserialize;
+use serde::{Deserialize, Deserializer};
 
 /// A surface, as KHR_physics_rigid_bodies and OMI_physics_body describe it. Nothing here collides yet: it is kept for contacts.
 #[derive(Clone, Debug, PartialEq, Deserialize)]
@@ -81,15 +81,25 @@ impl Combine {
 }
 
 /// Who collides with whom, by names of systems.
+///
+/// KHR's draft writes of subsets where it means, as its examples have it, that one system in common is enough; so it is here. An empty list is
+/// none, as OMI has it.
 #[derive(Clone, Debug, Default, PartialEq, Eq, Deserialize)]
 #[serde(default, rename_all = "camelCase")]
 pub struct CollisionFilter {
     /// The systems that the collider belongs to.
     pub collision_systems: Vec<String>,
     /// If given, the only systems that it collides with.
+    #[serde(deserialize_with = "any")]
     pub collide_with_systems: Option<Vec<String>>,
     /// If given, the systems that it does not collide with.
+    #[serde(deserialize_with = "any")]
     pub not_collide_with_systems: Option<Vec<String>>,
+}
+
+/// A list that is not empty.
+fn any<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Option<Vec<String>>, D::Error> {
+    Ok(Some(Vec::deserialize(deserializer)?).filter(|list| !list.is_empty()))
 }
 
 impl CollisionFilter {

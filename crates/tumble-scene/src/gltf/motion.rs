@@ -4,6 +4,7 @@ use glam::{DQuat, DVec3};
 
 use super::document::MotionModel;
 use super::tree::unit;
+use crate::convert::LARGEST;
 
 /// What moves a body.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -103,8 +104,8 @@ fn kind(model: &MotionModel, dialect: Dialect) -> Result<MotionKind, (&'static s
 fn vector(field: &'static str, value: Option<[f64; 3]>) -> Result<Option<DVec3>, (&'static str, String)> {
     match value.map(DVec3::from_array) {
         // Whatever is to be squared must have room.
-        Some(vector) if vector.abs().max_element() > 1e18 => {
-            Err((field, format!("{value:?} is absurd: more than 1e18")))
+        Some(vector) if vector.abs().max_element() > LARGEST => {
+            Err((field, format!("{value:?} is absurd: more than {LARGEST:e}")))
         }
         vector => Ok(vector),
     }

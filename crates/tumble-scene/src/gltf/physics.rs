@@ -16,7 +16,7 @@ use crate::error::FieldError;
 ///
 /// It follows the drafts KHR_physics_rigid_bodies and KHR_implicit_shapes at revision ac5c413 of `eoineoineoin/glTF_Physics` (2025-10-29) and
 /// OMI_physics_body, OMI_physics_shape and OMI_physics_joint at 89d328b of `omigroup/gltf-extensions`.
-/// Of a node that has both, KHR's counts. [`Scene::open`](crate::Scene::open) makes bodies of it.
+/// Of a node that has both, KHR's alone counts. [`Scene::open`](crate::Scene::open) makes bodies of it.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Physics {
     /// The nodes of the scene that have any physics, by index.
@@ -107,7 +107,7 @@ impl Physics {
     pub(super) fn of(document: &Document, tree: &Tree) -> Result<Self, FieldError> {
         let tables = &document.extensions;
         for (extension, table) in [("KHR_physics_rigid_bodies", &tables.khr), ("OMI_physics_body", &tables.omi)] {
-            check_materials(table).map_err(|error| error.inside(&format!("extensions.{extension}")))?;
+            check_table(table).map_err(|error| error.inside(&format!("extensions.{extension}")))?;
         }
         let bodies = tree.inherited(|index| document.nodes.get(index).filter(|node| moves(node)).map(|_| index));
         let mut nodes = Vec::new();
@@ -155,7 +155,9 @@ fn physics_node(
         trigger: None,
         joint: None,
     };
-    omi(document, node, &mut found)?;
+    if node.extensions.khr.is_none() {
+        omi(document, node, &mut found)?;
+    }
     if let Some(khr) = &node.extensions.khr {
         let inside = |field: &str| {
             let field = format!("extensions.KHR_physics_rigid_bodies.{field}");
@@ -207,7 +209,7 @@ fn omi(document: &Document, node: &Node, found: &mut PhysicsNode) -> Result<(), 
         if let Some(model) = &omi.trigger {
             found.trigger = Some(Trigger {
                 geometry: omi_geometry(document, model).map_err(inside("trigger"))?,
-                nodes: model.nodes.clone(),
+                nodes: existing(document, &model.nodes).map_err(inside("trigger"))?,
                 filter: filter(table, given(model.collision_filter)).map_err(inside("trigger"))?,
             });
         }
@@ -230,15 +232,20 @@ fn given(index: Option<i64>) -> Option<usize> {
 }
 
 fn khr_trigger(document: &Document, model: &KhrTrigger) -> Result<Trigger, FieldError> {
-    if let Some(missing) = model.nodes.iter().find(|node| **node >= document.nodes.len()) {
-        return Err(FieldError::new("nodes", format!("there is no nodes[{missing}]")));
-    }
     let geometry = model.geometry.as_ref().map(|geometry| geometry::of_khr(document, geometry)).transpose();
     Ok(Trigger {
         geometry: geometry.map_err(|error| error.inside("geometry"))?,
-        nodes: model.nodes.clone(),
+        nodes: existing(document, &model.nodes)?,
         filter: filter(&document.extensions.khr, model.collision_filter)?,
     })
+}
+
+/// The nodes of a compound trigger.
+fn existing(document: &Document, nodes: &[usize]) -> Result<Vec<usize>, FieldError> {
+    match nodes.iter().find(|node| **node >= document.nodes.len()) {
+        Some(missing) => Err(FieldError::new("nodes", format!("there is no nodes[{missing}]"))),
+        None => Ok(nodes.to_vec()),
+    }
 }
 
 fn joint(document: &Document, joints: &[Arc<Joint>], model: &JointOfNode) -> Result<JointTo, FieldError> {
@@ -267,10 +274,16 @@ fn entry<T: Clone>(entries: &[T], index: Option<usize>, field: &str) -> Result<O
     entries.get(index).cloned().map(Some).ok_or_else(missing)
 }
 
-fn check_materials(table: &PhysicsTables) -> Result<(), FieldError> {
+fn check_table(table: &PhysicsTables) -> Result<(), FieldError> {
     for (index, material) in table.physics_materials.iter().enumerate() {
         if let Some((field, problem)) = material.problem() {
             return Err(FieldError::new(format!("physicsMaterials[{index}].{field}"), problem));
+        }
+    }
+    for (index, filter) in table.collision_filters.iter().enumerate() {
+        if filter.collide_with_systems.is_some() && filter.not_collide_with_systems.is_some() {
+            let problem = "collideWithSystems is given too: give one of them";
+            return Err(FieldError::new(format!("collisionFilters[{index}].notCollideWithSystems"), problem));
         }
     }
     Ok(())

@@ -7,6 +7,7 @@ use tumble::{Shape, TriangleMesh, convex_hull};
 
 use super::geometry::Geometry;
 use super::triangles::Triangles;
+use crate::MAX_HULL_POINTS;
 use crate::error::FieldError;
 use crate::tessellation::Tessellation;
 
@@ -36,7 +37,7 @@ impl Solid {
 pub(super) fn solid(geometry: &Geometry, scale: DVec3, triangles: &mut Triangles<'_>) -> Result<Solid, FieldError> {
     if scale == DVec3::ZERO {
         // The draft: such a shape is switched off.
-        return Ok(Solid { notices: vec!["has a scale of zero and is left out".to_owned()], ..Solid::empty() });
+        return Ok(Solid { notices: vec!["has a scale of zero and is switched off".to_owned()], ..Solid::empty() });
     }
     let lengths = scale.abs();
     match *geometry {
@@ -46,10 +47,9 @@ pub(super) fn solid(geometry: &Geometry, scale: DVec3, triangles: &mut Triangles
             if convex_hull { hull(&surface) } else { mesh(surface) }
         }
         // What has no thickness encloses nothing.
-        _ if lengths.min_element() == 0.0 => Ok(Solid {
-            notices: vec![format!("is flattened by its scale {scale} and has no volume")],
-            ..Solid::empty()
-        }),
+        _ if lengths.min_element() == 0.0 => {
+            Ok(Solid { notices: vec!["is flattened by its scale and has no volume".to_owned()], ..Solid::empty() })
+        }
         Geometry::Box { size } => Ok(Solid::of(Shape::cuboid(size * lengths * 0.5))),
         Geometry::Sphere { radius } if even(lengths) => Ok(Solid::of(Shape::sphere(radius * lengths.x))),
         Geometry::Sphere { radius } => Ok(Solid::of(Shape::ellipsoid(lengths * radius))),
@@ -88,9 +88,7 @@ fn even(lengths: DVec3) -> bool {
 fn stretched(shape: &Shape, factors: DVec3) -> Result<Solid, FieldError> {
     let surface = Tessellation::of(shape).stretched(factors);
     let mut solid = hull_of(&surface.positions)?;
-    solid
-        .notices
-        .push(format!("is scaled unevenly by {factors} and taken as a hull of {} points", surface.positions.len()));
+    solid.notices.push("is scaled unevenly and taken as the hull of its surface out of 24 sides".to_owned());
     Ok(solid)
 }
 
@@ -99,12 +97,14 @@ fn hull(surface: &TriangleMesh) -> Result<Solid, FieldError> {
 }
 
 fn hull_of(points: &[DVec3]) -> Result<Solid, FieldError> {
-    let solid = convex_hull(points)
-        .map_err(|error| error.to_string())
-        .and_then(|hull| hull.solid().map_err(|error| error.to_string()));
+    if points.len() > MAX_HULL_POINTS {
+        let problem = format!("has {} vertices, a hull is made of at most {MAX_HULL_POINTS}", points.len());
+        return Err(FieldError::new("", problem));
+    }
+    let solid = convex_hull(points).ok().and_then(|hull| hull.solid().ok());
     match solid {
-        Ok(solid) => Ok(Solid::of(Shape::Mesh(Arc::new(solid)))),
-        Err(problem) => Ok(Solid { notices: vec![format!("has no convex hull: {problem}")], ..Solid::empty() }),
+        Some(solid) => Ok(Solid::of(Shape::Mesh(Arc::new(solid)))),
+        None => Ok(Solid { notices: vec!["is flat and encloses no volume".to_owned()], ..Solid::empty() }),
     }
 }
 
@@ -116,15 +116,13 @@ fn mesh(surface: TriangleMesh) -> Result<Solid, FieldError> {
     }
     match surface.repaired() {
         Ok((solid, repairs)) => {
-            let notices = repairs.iter().map(|repair| format!("mesh was mended: {repair}")).collect();
+            let notices = repairs.iter().map(|repair| format!("mesh is mended: {repair}")).collect();
             let surface = Some(Arc::new(surface));
             Ok(Solid { surface, notices, ..Solid::of(Shape::Mesh(Arc::new(solid))) })
         }
-        Err(error) => {
+        Err(_) => {
             let mut solid = hull(&surface)?;
-            solid
-                .notices
-                .push(format!("mesh encloses no volume ({error}); mass and inertia are those of its convex hull"));
+            solid.notices.push("is an open or broken mesh; mass and inertia are those of its convex hull".to_owned());
             Ok(solid)
         }
     }

@@ -3,6 +3,7 @@
 use glam::{DAffine3, DMat3, DQuat, DVec3};
 
 use super::document::{Document, Node};
+use crate::convert::LARGEST;
 use crate::error::FieldError;
 
 /// Relative size of what a decomposition may leave over: some roundings of f32, in which files are written.
@@ -45,10 +46,10 @@ impl Tree {
         };
         let mut places = vec![None; nodes.len()];
         let mut order = Vec::new();
-        let mut open: Vec<(usize, DAffine3)> = Vec::new();
+        let mut open: Vec<(usize, DAffine3, DQuat)> = Vec::new();
         for &root in roots.iter().rev() {
             match parents.get(root) {
-                Some(None) => open.push((root, DAffine3::IDENTITY)),
+                Some(None) => open.push((root, DAffine3::IDENTITY, DQuat::IDENTITY)),
                 Some(Some(parent)) => {
                     return Err(FieldError::new(list, format!("nodes[{root}] is a child of nodes[{parent}], no root")));
                 }
@@ -56,14 +57,16 @@ impl Tree {
             }
         }
         // Every node has one parent and the walk starts at nodes without, so it ends.
-        while let Some((index, above)) = open.pop() {
-            let transform = above * local(&nodes[index], index)?;
-            if !(transform.is_finite() && transform.translation.abs().max_element() <= 1e18) {
+        while let Some((index, above, turned)) = open.pop() {
+            let (inner, turn) = local(&nodes[index], index)?;
+            let (transform, rotation) = (above * inner, turned * turn);
+            if !(transform.is_finite() && transform.translation.abs().max_element() <= LARGEST) {
                 return Err(FieldError::new(format!("nodes[{index}]"), "is not placed at finite coordinates"));
             }
-            places[index] = Some(decomposed(transform));
+            let place = Place::of(transform, rotation);
             order.push(index);
-            open.extend(nodes[index].children.iter().rev().map(|child| (*child, transform)));
+            open.extend(nodes[index].children.iter().rev().map(|child| (*child, transform, place.rotation)));
+            places[index] = Some(place);
         }
         Ok(Self { parents, places, order })
     }
@@ -78,7 +81,7 @@ impl Tree {
     }
 }
 
-/// The parent of each node; no node may have two.
+/// The parent of each node; no node may have two, nor be below itself.
 fn parents(nodes: &[Node]) -> Result<Vec<Option<usize>>, FieldError> {
     let mut parents = vec![None; nodes.len()];
     for (index, node) in nodes.iter().enumerate() {
@@ -94,29 +97,39 @@ fn parents(nodes: &[Node]) -> Result<Vec<Option<usize>>, FieldError> {
             return Err(FieldError::new(format!("nodes[{index}].children[{place}]"), problem));
         }
     }
-    Ok(parents)
+    // With one parent each, what no root leads to goes round in a circle.
+    let mut open: Vec<usize> = (0..nodes.len()).filter(|index| parents[*index].is_none()).collect();
+    let mut reached = vec![false; nodes.len()];
+    while let Some(index) = open.pop() {
+        reached[index] = true;
+        open.extend(&nodes[index].children);
+    }
+    match reached.iter().position(|reached| !reached) {
+        Some(index) => Err(FieldError::new(format!("nodes[{index}].children"), "lead back to the node itself")),
+        None => Ok(parents),
+    }
 }
 
-/// A node's transform in its parent.
-pub(super) fn local(node: &Node, index: usize) -> Result<DAffine3, FieldError> {
-    if let Some(matrix) = &node.matrix {
-        // Columns, the last row of which is 0 0 0 1.
-        let [a0, a1, a2, _, b0, b1, b2, _, c0, c1, c2, _, t0, t1, t2, _] = *matrix;
+/// A node's transform in its parent, and the rotation that is part of it.
+pub(super) fn local(node: &Node, index: usize) -> Result<(DAffine3, DQuat), FieldError> {
+    let field = |name: &str, problem: String| FieldError::new(format!("nodes[{index}].{name}"), problem);
+    if let Some(matrix) = node.matrix.as_deref() {
+        // Columns.
+        let [a0, a1, a2, a3, b0, b1, b2, b3, c0, c1, c2, c3, t0, t1, t2, t3] = *matrix;
+        if [a3, b3, c3, t3] != [0.0, 0.0, 0.0, 1.0] {
+            return Err(field("matrix", "has a last row other than 0 0 0 1".to_owned()));
+        }
         let linear = DMat3::from_cols_array(&[a0, a1, a2, b0, b1, b2, c0, c1, c2]);
-        return Ok(DAffine3::from_mat3_translation(linear, DVec3::new(t0, t1, t2)));
+        let transform = DAffine3::from_mat3_translation(linear, DVec3::new(t0, t1, t2));
+        return Ok((transform, decomposed(transform).rotation));
     }
     let rotation = match node.rotation {
         None => DQuat::IDENTITY,
-        Some(rotation) => {
-            unit(rotation).map_err(|problem| FieldError::new(format!("nodes[{index}].rotation"), problem))?
-        }
+        Some(rotation) => unit(rotation).map_err(|problem| field("rotation", problem))?,
     };
     let vector = |value: Option<[f64; 3]>, otherwise| value.map_or(otherwise, DVec3::from_array);
-    Ok(DAffine3::from_scale_rotation_translation(
-        vector(node.scale, DVec3::ONE),
-        rotation,
-        vector(node.translation, DVec3::ZERO),
-    ))
+    let (scale, translation) = (vector(node.scale, DVec3::ONE), vector(node.translation, DVec3::ZERO));
+    Ok((DAffine3::from_scale_rotation_translation(scale, rotation, translation), rotation))
 }
 
 /// A quaternion whose length is one up to the rounding of files.
@@ -127,6 +140,22 @@ pub(super) fn unit(components: [f64; 4]) -> Result<DQuat, String> {
         Ok(quaternion.normalize())
     } else {
         Err(format!("{components:?} is not a unit quaternion, its length is {length}"))
+    }
+}
+
+impl Place {
+    /// The rotation that the file has, if what is left without it is a scale along the node's axes. Otherwise, as below an uneven or mirroring
+    /// scale, the one that leaves such a scale, if there is one.
+    fn of(transform: DAffine3, rotation: DQuat) -> Self {
+        let rest = DMat3::from_quat(rotation).transpose() * transform.matrix3;
+        let scale = DVec3::new(rest.x_axis.x, rest.y_axis.y, rest.z_axis.z);
+        let across = rest - DMat3::from_diagonal(scale);
+        let largest = scale.abs().max_element();
+        let beside = [across.x_axis, across.y_axis, across.z_axis].map(|column| column.abs().max_element());
+        if beside.iter().all(|beside| *beside <= SHEAR_TOLERANCE * largest) {
+            return Self { transform, rotation, scale, sheared: false };
+        }
+        decomposed(transform)
     }
 }
 
@@ -211,6 +240,24 @@ mod tests {
     fn a_written_mirror_is_kept_as_written() {
         let place = decomposed(DAffine3::from_scale(DVec3::new(1.0, -2.0, 3.0)));
         assert_eq!((place.rotation, place.scale), (DQuat::IDENTITY, DVec3::new(1.0, -2.0, 3.0)));
+    }
+
+    /// What the file says outright is not found again from the product, which has other factors too: an even number of mirrors is a half turn.
+    #[test]
+    fn rotation_and_scale_are_those_of_the_file() {
+        let half = DQuat::from_xyzw(0.0, 1.0, 0.0, 0.0);
+        let turn = DQuat::from_xyzw(0.1, -0.7, 0.3, 0.6).normalize();
+        for (rotation, scale) in [
+            (DQuat::IDENTITY, DVec3::new(-1.0, -1.0, 1.0)),
+            (half, DVec3::new(-1.0, 1.0, 1.0)),
+            (turn, DVec3::new(-2.0, 1.0, -3.0)),
+            (turn, DVec3::NEG_ONE),
+            (turn, DVec3::new(0.0, 1.0, 1.0)),
+        ] {
+            let place = Place::of(DAffine3::from_scale_rotation_translation(scale, rotation, DVec3::ONE), rotation);
+            assert_eq!((place.rotation, place.sheared), (rotation, false));
+            assert!((place.scale - scale).abs().max_element() <= 4.0 * f64::EPSILON * 3.0, "{}", place.scale);
+        }
     }
 
     #[test]

@@ -6,7 +6,7 @@ use glam::DAffine3;
 use tumble::{MeshError, TriangleMesh};
 
 use super::buffers::Buffers;
-use super::document::{Document, Mesh, Primitive};
+use super::document::{Document, Mesh, Node, Primitive};
 use super::geometry::MeshSource;
 use super::tree::{Tree, local};
 use crate::error::FieldError;
@@ -44,6 +44,7 @@ impl<'a> Triangles<'a> {
         let mut parts = Vec::new();
         for (index, (node, place)) in self.document.nodes.iter().zip(&tree.places).enumerate() {
             if let (Some(mesh), Some(place)) = (node.mesh, place) {
+                self.note_skin(index, node);
                 let read = self.mesh(mesh, &place.transform, &mut parts);
                 read.map_err(|error| error.inside(&format!("nodes[{index}].mesh")))?;
             }
@@ -54,25 +55,26 @@ impl<'a> Triangles<'a> {
     /// The meshes of a node and of all below it, in the node's frame.
     fn nodes(&mut self, root: usize, scale: &DAffine3, parts: &mut Vec<TriangleMesh>) -> Result<(), FieldError> {
         let mut open = vec![(root, *scale)];
-        // Nodes outside the scene might go round in circles.
-        for _ in 0..self.document.nodes.len() {
-            let Some((index, transform)) = open.pop() else { break };
+        while let Some((index, transform)) = open.pop() {
             let Some(node) = self.document.nodes.get(index) else { continue };
             self.take(1)?;
-            if node.skin.is_some() {
-                self.notices
-                    .insert(format!("nodes[{index}].skin: skins are not read, the collider is the mesh at rest"));
-            }
+            self.note_skin(index, node);
             if let Some(mesh) = node.mesh {
                 self.mesh(mesh, &transform, parts).map_err(|error| error.inside(&format!("nodes[{index}].mesh")))?;
             }
             for &child in &node.children {
                 if let Some(node) = self.document.nodes.get(child) {
-                    open.push((child, transform * local(node, child)?));
+                    open.push((child, transform * local(node, child)?.0));
                 }
             }
         }
         Ok(())
+    }
+
+    fn note_skin(&mut self, index: usize, node: &Node) {
+        if node.skin.is_some() {
+            self.notices.insert(format!("nodes[{index}].skin: skins are not read, the mesh is taken at rest"));
+        }
     }
 
     /// Takes up room.

@@ -17,8 +17,8 @@ const READ: [&str; 6] = [
     "KHR_mesh_quantization",
 ];
 
-/// Beginnings of the names of extensions that change how things look and not how they move.
-const OF_LOOKS: [&str; 10] = [
+/// Beginnings of the names of extensions that change how things look or are packed, and not how they move.
+const OF_LOOKS: [&str; 13] = [
     "KHR_materials_",
     "KHR_texture_",
     "KHR_lights_",
@@ -29,6 +29,10 @@ const OF_LOOKS: [&str; 10] = [
     "EXT_materials_",
     "MSFT_texture_",
     "GODOT_single_root",
+    // Where a collider needs such a mesh, it is refused there.
+    "KHR_draco_mesh_compression",
+    "KHR_meshopt_compression",
+    "EXT_meshopt_compression",
 ];
 
 /// So many names stand in one notice.
@@ -55,15 +59,10 @@ pub(super) fn refuse(document: &Document) -> Result<(), FieldError> {
 /// A line for everything that is in the document and not in the simulation.
 pub(super) fn notices(document: &Document, tree: &Tree, physics: &Physics) -> Vec<String> {
     let mut notices = Vec::new();
-    let called = |index: usize| match document.nodes.get(index).and_then(|node| node.name.as_ref()) {
-        Some(name) => format!("nodes[{index}] {name:?}"),
-        None => format!("nodes[{index}]"),
-    };
+    let called = |index: usize| document.nodes.get(index).and_then(|node| node.name.as_deref());
     let mut list = |what: &str, nodes: Vec<usize>| {
         if !nodes.is_empty() {
-            let names: Vec<String> = nodes.iter().take(MOST_NAMES).map(|index| called(*index)).collect();
-            let more = if nodes.len() > MOST_NAMES { ", …" } else { "" };
-            notices.push(format!("{what} ({}): {}{more}", nodes.len(), names.join(", ")));
+            notices.push(listed(what, &nodes, called));
         }
     };
     let with = |wanted: fn(&super::PhysicsNode) -> bool| -> Vec<usize> {
@@ -109,4 +108,15 @@ pub(super) fn notices(document: &Document, tree: &Tree, physics: &Physics) -> Ve
         notices.push(format!("extensions that are not read: {}", unread.join(", ")));
     }
     notices
+}
+
+/// A line about some nodes: how many there are, and the first of them by number and name.
+pub(super) fn listed<'a>(what: &str, nodes: &[usize], called: impl Fn(usize) -> Option<&'a str>) -> String {
+    let named = |index: &usize| match called(*index) {
+        Some(name) => format!("nodes[{index}] {:?}", crate::error::quoted(name)),
+        None => format!("nodes[{index}]"),
+    };
+    let names: Vec<String> = nodes.iter().take(MOST_NAMES).map(named).collect();
+    let more = if nodes.len() > MOST_NAMES { ", …" } else { "" };
+    format!("{what} ({}): {}{more}", nodes.len(), names.join(", "))
 }

@@ -22,7 +22,8 @@ pub(super) fn read(bytes: &[u8]) -> Result<Surface, String> {
     let mut lines = text.strip_prefix('\u{feff}').unwrap_or(&text).lines().enumerate();
     let mut long = String::new();
     while let Some((number, line)) = lines.next() {
-        let statement = if line.ends_with('\\') {
+        let comment = line.trim_start().starts_with('#');
+        let statement = if line.ends_with('\\') && !comment {
             long.clear();
             continued(line, &mut lines, &mut long);
             long.as_str()

@@ -1,4 +1,5 @@
 use std::collections::HashMap;
+use std::hash::{DefaultHasher, Hash, Hasher};
 use std::io::{self, Write};
 
 use glam::DVec3;
@@ -59,7 +60,7 @@ impl Geometry {
             mesh @ Looks::Mesh(_) => (mesh.clone(), DVec3::ONE),
         };
         let key = match &looks {
-            Looks::Shape(shape) => shape.volume().map_or(0, f64::to_bits),
+            Looks::Shape(shape) => shape.volume().map_or_else(|| of_its_text(shape), f64::to_bits),
             Looks::Mesh(mesh) => mesh.triangles().len() as u64,
         };
         let same = self.alike.entry(key).or_default();
@@ -110,6 +111,13 @@ impl Geometry {
         }
         Ok(())
     }
+}
+
+/// A number that equal shapes have in common, for those without a volume.
+fn of_its_text(shape: &Shape) -> u64 {
+    let mut hasher = DefaultHasher::new();
+    format!("{shape:?}").hash(&mut hasher);
+    hasher.finish()
 }
 
 fn measured(looks: Looks, vertices_at: u64, indices_at: u64) -> Surface {
