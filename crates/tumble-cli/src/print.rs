@@ -24,6 +24,9 @@ pub(crate) fn error(message: &impl Display) {
 /// Writes to standard error what a scene leaves out, a line each.
 pub(crate) fn notices(notices: &[String]) {
     for notice in notices {
-        drop(writeln!(io::stderr().lock(), "tumble: note: {notice}"));
+        // Names come from files and may have anything in them.
+        let shown: String =
+            notice.chars().map(|letter| if letter.is_control() { '\u{fffd}' } else { letter }).collect();
+        drop(writeln!(io::stderr().lock(), "tumble: note: {shown}"));
     }
 }
