@@ -3,6 +3,7 @@
 use glam::{DMat3, DQuat, DVec3};
 use thiserror::Error;
 
+use crate::inertia_error::listed;
 use crate::mass_error::MassError;
 use crate::mass_properties::MassProperties;
 use crate::symmetric_eigen::symmetric_eigen;
@@ -56,12 +57,14 @@ pub enum WeldError {
         source: MassError,
     },
     /// A velocity of one is not finite.
-    #[error("body {body}: its {what} velocity is not finite")]
+    #[error("body {body}: {field} {} is not finite", listed(*.velocity))]
     Velocity {
         /// Index of the body, from 0.
         body: usize,
-        /// `"linear"` or `"angular"`.
-        what: &'static str,
+        /// `linear_velocity` or `angular_velocity`.
+        field: &'static str,
+        /// The velocity [m/s] or [rad/s].
+        velocity: DVec3,
     },
 }
 
@@ -132,9 +135,9 @@ pub fn weld(bodies: impl IntoIterator<Item = MovingBody>) -> Result<WeldedBody, 
 
 /// Mass properties of a body in the world, its velocities checked.
 fn in_the_world(index: usize, body: &MovingBody) -> Result<MassProperties, WeldError> {
-    for (what, velocity) in [("linear", body.linear_velocity), ("angular", body.angular_velocity)] {
+    for (field, velocity) in [("linear_velocity", body.linear_velocity), ("angular_velocity", body.angular_velocity)] {
         if !velocity.is_finite() {
-            return Err(WeldError::Velocity { body: index, what });
+            return Err(WeldError::Velocity { body: index, field, velocity });
         }
     }
     let placed = body.properties.transformed(body.position, body.orientation);

@@ -237,7 +237,7 @@ fn principal_inertia(model: &InertiaModel) -> Result<PrincipalInertia, FieldErro
 }
 
 /// Unit length within [`UNIT_TOLERANCE`] is taken as rounding and normalised.
-fn unit_quaternion(field: &str, components: &Quadruple) -> Result<DQuat, FieldError> {
+pub(crate) fn unit_quaternion(field: &str, components: &Quadruple) -> Result<DQuat, FieldError> {
     let [x, y, z, w] = components.0;
     let quaternion = DQuat::from_xyzw(x, y, z, w);
     let length = quaternion.length();

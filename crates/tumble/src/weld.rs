@@ -159,9 +159,8 @@ fn cause(error: tumble_math::WeldError, entities: &[Entity]) -> WeldError {
     };
     match error {
         tumble_math::WeldError::Pose { body, source } => named(body, source.into()),
-        tumble_math::WeldError::Velocity { body, what } => {
-            let field = if what == "linear" { "linear_velocity" } else { "angular_velocity" };
-            named(body, BodyError::NotFinite { field, value: DVec3::NAN })
+        tumble_math::WeldError::Velocity { body, field, velocity } => {
+            named(body, BodyError::NotFinite { field, value: velocity })
         }
         _ => WeldError::NoBodies,
     }

@@ -3,8 +3,9 @@
 use glam::{DAffine3, DMat3, DQuat, DVec3};
 
 use super::document::{Document, Node};
-use crate::convert::LARGEST;
+use crate::convert::{LARGEST, unit_quaternion};
 use crate::error::FieldError;
+use crate::model::Tuple;
 
 /// Relative size of what a decomposition may leave over: some roundings of f32, in which files are written.
 const SHEAR_TOLERANCE: f64 = 1e-5;
@@ -132,15 +133,9 @@ pub(super) fn local(node: &Node, index: usize) -> Result<(DAffine3, DQuat), Fiel
     Ok((DAffine3::from_scale_rotation_translation(scale, rotation, translation), rotation))
 }
 
-/// A quaternion whose length is one up to the rounding of files.
+/// A quaternion whose length is one, nearly.
 pub(super) fn unit(components: [f64; 4]) -> Result<DQuat, String> {
-    let quaternion = DQuat::from_array(components);
-    let length = quaternion.length();
-    if (length - 1.0).abs() <= 1e-3 {
-        Ok(quaternion.normalize())
-    } else {
-        Err(format!("{components:?} is not a unit quaternion, its length is {length}"))
-    }
+    unit_quaternion("", &Tuple(components)).map_err(|error| error.problem)
 }
 
 impl Place {
