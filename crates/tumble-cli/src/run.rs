@@ -176,10 +176,8 @@ impl Run {
         while self.simulation.steps() < steps && !interrupt::asked() {
             let done = self.simulation.steps();
             let next = |every: u64| (done / every + 1).saturating_mul(every);
-            let shown = self.replay.as_ref().map_or(u64::MAX, Replay::every);
-            self.burst(steps.min(next(interval)).min(next(self.every)).min(next(shown)));
+            self.burst(steps.min(next(interval)).min(next(self.every)));
             let done = self.simulation.steps();
-            self.show();
             if done.is_multiple_of(self.every) {
                 self.record()?;
             } else {
@@ -204,16 +202,20 @@ impl Run {
         Ok(())
     }
 
-    /// Steps to the given number, or for as long as a burst lasts.
+    /// Steps to the given number, or for as long as a burst lasts, and shows what is to be shown on the way.
     fn burst(&mut self, until: u64) {
         let started = Instant::now();
-        while self.simulation.steps() < until {
-            self.simulation.step_timed(&mut self.world, &self.times);
-            if started.elapsed() > BURST {
-                break;
+        while self.simulation.steps() < until && started.elapsed() <= BURST {
+            let every = self.replay.as_ref().map_or(u64::MAX, Replay::every);
+            let shown = (self.simulation.steps() / every + 1).saturating_mul(every);
+            // Only what is inside the steps counts as their time.
+            let stepping = Instant::now();
+            while self.simulation.steps() < until.min(shown) && started.elapsed() <= BURST {
+                self.simulation.step_timed(&mut self.world, &self.times);
             }
+            self.step_time += stepping.elapsed();
+            self.show();
         }
-        self.step_time += started.elapsed();
     }
 
     fn record(&mut self) -> Result<(), Failure> {

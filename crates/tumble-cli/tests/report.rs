@@ -62,7 +62,8 @@ fn nothing_is_loaded_from_elsewhere() {
 fn texts_of_a_scene_stay_texts() {
     let place = Place::new();
     let body = serde_json::json!({ "name": ATTACK, "mass": 1 });
-    let scene = serde_json::json!({ "name": format!("{ATTACK}<!--slot:data-->"), "description": ATTACK, "bodies": [body] });
+    let scene =
+        serde_json::json!({ "name": format!("{ATTACK}<!--slot:data-->"), "description": ATTACK, "bodies": [body] });
     place.write("scene.json", scene.to_string());
     let page = page(&place, &["scene.json", "--steps", "3"]);
     assert!(!page.contains("<img"));
@@ -79,14 +80,15 @@ fn what_is_left_out_is_said() {
     let data = data(&page);
     assert_eq!(list(&data, "bodies").len(), 1000);
     let times = list(&data, "times");
-    // Six mebibytes at twenty bytes a body are 314 frames: each fourth of 1000 steps, and the first.
-    assert_eq!(times.len(), 251);
+    // Three of the six mebibytes go to the capsules, each a mesh of its own. At twenty bytes a body there is room for 150 frames and a few, which is
+    // each eighth of 1000 steps, and the first.
+    assert_eq!(times.len(), 126);
     assert_eq!(times[0], 0.0);
     // A thousand steps of 1/60 s in f32.
     assert!((times.last().unwrap().as_f64().unwrap() - 1000.0 / 60.0).abs() < 1e-4, "{:?}", times.last());
     let said = "1000 of the 10\u{202f}000 bodies are shown";
     assert_eq!(page.matches(said).count(), 2, "on the page and in the comment");
-    assert!(page.contains("251 frames of 1000 steps are kept, one every 4 steps"));
+    assert!(page.contains("126 frames of 1000 steps are kept, one every 8 steps"));
 }
 
 #[test]
@@ -126,7 +128,8 @@ fn a_run_of_nothing_has_a_page() {
 #[test]
 fn notices_of_the_scene_are_on_the_page() {
     let place = Place::new();
-    let link = r#"<inertial><mass value="2"/><inertia ixx="0.02" ixy="0" ixz="0" iyy="0.03" iyz="0" izz="0.04"/></inertial>"#;
+    let link =
+        r#"<inertial><mass value="2"/><inertia ixx="0.02" ixy="0" ixz="0" iyy="0.03" iyz="0" izz="0.04"/></inertial>"#;
     let robot = format!(
         r#"<robot name="arm"><link name="base">{link}</link><link name="tip">{link}</link>
            <joint name="elbow &lt;b&gt;" type="revolute"><parent link="base"/><child link="tip"/><axis xyz="0 0 1"/>

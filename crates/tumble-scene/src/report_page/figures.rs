@@ -31,6 +31,11 @@ pub(super) fn figure(number: f64) -> String {
     text.replace('-', "−")
 }
 
+/// Three digits, for times and drifts, of which no one compares more.
+pub(super) fn rounded(number: f64) -> f64 {
+    format!("{number:.2e}").parse().unwrap_or(number)
+}
+
 /// Without zeros after the point, and without the point if nothing else is there.
 fn trimmed(digits: &str) -> &str {
     if digits.contains('.') { digits.trim_end_matches('0').trim_end_matches('.') } else { digits }

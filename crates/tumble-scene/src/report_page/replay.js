@@ -100,30 +100,34 @@
     return middle;
   }
 
-  // The middle and half the diagonal of the box around the bodies in some frames, each frame moved by an offset.
-  function bounds(frames, offset) {
+  // The middle of the box around the bodies in some frames, each frame moved by an offset, and how far some share of them is from it.
+  function bounds(frames, offset, share) {
     const low = [Infinity, Infinity, Infinity];
     const high = [-Infinity, -Infinity, -Infinity];
-    for (const frame of frames) {
-      const by = offset(frame);
-      for (const body of seen) {
-        for (let i = 0; i < 3; i += 1) {
-          const at = positions[3 * (frame * bodyCount + body) + i] - by[i];
-          low[i] = Math.min(low[i], at - reach[body]);
-          high[i] = Math.max(high[i], at + reach[body]);
-        }
+    const each = (visit) => {
+      for (const frame of frames) {
+        const by = offset(frame);
+        for (const body of seen) visit(body, [0, 1, 2].map((i) => positions[3 * (frame * bodyCount + body) + i] - by[i]));
       }
-    }
-    return {
-      middle: low.map((value, i) => (value + high[i]) / 2),
-      radius: Math.hypot(...low.map((value, i) => (high[i] - value) / 2)) || 1,
     };
+    each((body, at) => {
+      for (let i = 0; i < 3; i += 1) {
+        low[i] = Math.min(low[i], at[i] - reach[body]);
+        high[i] = Math.max(high[i], at[i] + reach[body]);
+      }
+    });
+    const middle = low.map((value, i) => (value + high[i]) / 2);
+    const distances = [];
+    each((body, at) => distances.push(Math.hypot(...at.map((value, i) => value - middle[i])) + reach[body]));
+    distances.sort((a, b) => a - b);
+    return { middle, radius: distances[Math.ceil(share * (distances.length - 1))] || 1 };
   }
 
-  // At most fifty frames tell how far the bodies come.
-  const some = times.map((_, frame) => frame).filter((frame) => frame % Math.ceil(times.length / 50) === 0 || frame === lastFrame);
-  const wholePath = bounds(some, () => [0, 0, 0]);
-  const together = bounds(some, middleOf);
+  // At most thirty frames tell how far the bodies come.
+  const some = times.map((_, frame) => frame).filter((frame) => frame % Math.ceil(times.length / 30) === 0 || frame === lastFrame);
+  const wholePath = bounds(some, () => [0, 0, 0], 1);
+  // Of a crowd a few stray far from the others, and would make it small.
+  const together = bounds(some, middleOf, seen.length > 20 ? 0.85 : 1);
   let bottom = 0;
 
   // ---- Camera ----
@@ -134,6 +138,8 @@
   const [first, second] = [(axis + 1) % 3, (axis + 2) % 3];
   const camera = { yaw: 0.7, pitch: 0.42, distance: 1, target: [0, 0, 0], unit: 1 };
   const FIELD_OF_VIEW = 0.62;
+  // Half the size of the smallest thing that is seen well [pixels].
+  const SMALLEST = 2.5;
 
   function reset() {
     const choice = element('follow').value;
@@ -144,7 +150,7 @@
     else if (choice !== 'path') camera.unit = 2.2 * reach[Number(choice)] || 1;
     // On an upright screen the width is what has to do.
     const narrow = Math.min(1, canvas.clientWidth / Math.max(1, canvas.clientHeight));
-    camera.distance = 0.86 / (Math.sin(FIELD_OF_VIEW / 2) * narrow);
+    camera.distance = 1.02 / (Math.sin(FIELD_OF_VIEW / 2) * narrow);
     redraw();
   }
 
@@ -317,11 +323,14 @@
   }
 
   function fill({ bodies, instances }) {
+    // What would be smaller than this on the screen is drawn as large, so that planets are seen beside their orbits.
+    const smallest = SMALLEST * camera.unit * camera.distance * Math.tan(FIELD_OF_VIEW / 2) / (canvas.clientHeight / 2);
     bodies.forEach((body, index) => {
       const at = INSTANCE * index;
+      const enlarged = Math.max(1, smallest / reach[body]);
       for (let i = 0; i < 3; i += 1) {
         instances[at + i] = (placed.positions[3 * body + i] - camera.target[i]) / camera.unit;
-        instances[at + 7 + i] = run.bodies[body].scale[i] / camera.unit;
+        instances[at + 7 + i] = enlarged * run.bodies[body].scale[i] / camera.unit;
         instances[at + 10 + i] = run.colors[run.bodies[body].color][i];
       }
       for (let i = 0; i < 4; i += 1) instances[at + 3 + i] = placed.rotations[4 * body + i];
@@ -451,10 +460,10 @@
   function fillFollow() {
     const select = element('follow');
     option(select, 'path', 'the whole way');
-    option(select, 'middle', 'the middle of the bodies');
+    option(select, 'middle', 'their middle');
     run.bodies.forEach((body, index) => option(select, index, body.name));
     // Where the bodies go far together, the whole way shows little of them.
-    select.value = wholePath.radius > 3 * together.radius ? 'middle' : 'path';
+    select.value = wholePath.radius > 1.8 * together.radius ? 'middle' : 'path';
   }
 
   const fingers = new Map();

@@ -4,7 +4,7 @@ use hecs::World;
 use tumble::BodyOrder;
 
 use super::choice::choose;
-use super::figures::{count, figure};
+use super::figures::{count, figure, rounded};
 use super::frames::Frames;
 use super::surfaces::Surfaces;
 use crate::SceneError;
@@ -17,7 +17,7 @@ const MOST_BODIES: usize = 1000;
 /// Meshes and frames together, before a third is added to write them as text \[bytes\].
 const BYTES: u64 = 6 << 20;
 /// Of these, meshes have at most so many.
-const MESH_BYTES: u64 = BYTES / 2;
+const MESH_BYTES: u64 = BYTES / 3 * 2;
 
 /// The motion of a scene's bodies, thinned out to what a page can show, in memory that does not grow with the run.
 ///
@@ -127,10 +127,10 @@ impl Replay {
                 1 => format!("Every step is a frame, {kept} with the start."),
                 every => format!(
                     "{kept} frames of {} steps are kept, one every {} steps ({} s); poses between them are interpolated, \
-                     so what turns faster than half a turn in that time is not seen to.",
+                     so half a turn and more in that time is not seen as it was.",
                     count(*last),
                     count(every),
-                    figure(apart),
+                    figure(rounded(apart)),
                 ),
             });
         }

@@ -2,7 +2,7 @@
 
 use std::time::Duration;
 
-use super::figures::{count, figure};
+use super::figures::{count, figure, rounded};
 use crate::plot::escaped;
 use crate::summary::{Conserved, Summary};
 
@@ -25,9 +25,9 @@ pub(super) fn summary(summary: &Summary, steps_asked: u64) -> String {
         ("precision", escaped(&summary.precision)),
     ];
     let machine = [
-        ("wall time", format!("{} s", figure(summary.wall_seconds))),
-        ("stepping", format!("{} s", figure(summary.step_seconds))),
-        ("body-steps per second", figure(summary.body_steps_per_second)),
+        ("wall time", format!("{} s", figure(rounded(summary.wall_seconds)))),
+        ("stepping", format!("{} s", figure(rounded(summary.step_seconds)))),
+        ("body-steps per second", figure(rounded(summary.body_steps_per_second))),
         ("threads", count(summary.threads)),
         ("instruction set", escaped(&summary.simd)),
         ("state hash", escaped(&summary.state_hash)),
@@ -74,11 +74,6 @@ fn row(label: &str, start: f64, end: f64, drift: Option<f64>) -> String {
         figure(start),
         figure(end)
     )
-}
-
-/// Three digits of a drift are more than anyone compares.
-fn rounded(drift: f64) -> f64 {
-    format!("{drift:.2e}").parse().unwrap_or(drift)
 }
 
 /// Where the time of the steps went.
