@@ -170,8 +170,8 @@ impl Run {
 
     /// Steps, records and samples until all steps are done or Ctrl-C came.
     fn all_steps(&mut self, interval: u64, steps: u64) -> Result<Drift, Stopped> {
-        self.record()?;
         self.show();
+        self.record()?;
         let mut drift = Drift::start(&self.world, self.simulation.settings(), &self.order)?;
         while self.simulation.steps() < steps && !interrupt::asked() {
             let done = self.simulation.steps();
