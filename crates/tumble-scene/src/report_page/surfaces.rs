@@ -59,7 +59,7 @@ fn box_around(surface: &Surface) -> Tessellation {
 
 /// Positions, normals and indices as the page has them. Indices have 16 bits where that is enough.
 pub(super) fn arrays(triangles: &Tessellation) -> [Vec<u8>; 3] {
-    let positions = triangles.positions.iter().flat_map(|position| position.to_array());
+    let positions = triangles.positions.iter().flat_map(DVec3::to_array);
     let positions = positions.flat_map(|number| single(number).to_le_bytes()).collect::<Vec<u8>>();
     let part = |number: f64| (number * f64::from(i8::MAX)).round() as i8;
     let normals = triangles.normals.iter().flat_map(|normal| [part(normal.x), part(normal.y), part(normal.z), 0]);
@@ -75,4 +75,52 @@ pub(super) fn arrays(triangles: &Tessellation) -> [Vec<u8>; 3] {
 
 pub(super) fn is_wide(triangles: &Tessellation) -> bool {
     triangles.positions.len() > usize::from(u16::MAX)
+}
+
+#[cfg(test)]
+mod tests {
+    use hecs::World;
+    use tumble::BodyOrder;
+
+    use super::*;
+    use crate::Scene;
+    use crate::trajectory::Frame;
+
+    fn bodies(scene: &str) -> Bodies {
+        let scene = Scene::open(scene).unwrap();
+        let (looks, mut world) = (scene.looks().unwrap(), World::new());
+        let names = scene.spawn(&mut world).unwrap();
+        let order = BodyOrder::of(&world);
+        Bodies::of(&Frame { step: 0, time: 0.0, world: &world, order: &order, names: &names }, &looks)
+    }
+
+    #[test]
+    fn what_does_not_fit_is_a_box_of_its_size() {
+        let bodies = bodies("t-handle");
+        let surface = &bodies.geometry.surfaces[0];
+        let whole = Surfaces::within(size(surface), &bodies);
+        assert!(!whole.is_boxed(0));
+        let written: usize = arrays(&whole.triangles(0, surface)).iter().map(Vec::len).sum();
+        assert_eq!(whole.bytes, written as u64);
+        let boxes = Surfaces::within(size(surface) - 1, &bodies);
+        assert!(boxes.is_boxed(0) && boxes.bytes == 0);
+        let corners = boxes.triangles(0, surface).positions;
+        let (low, high) = (surface.min.map(f64::from), surface.max.map(f64::from));
+        // Corners are made of the middle and half the size, each with a rounding.
+        let is_near = |a: DVec3, b: [f64; 3]| (a - DVec3::from_array(b)).length() < 1e-15;
+        assert!(is_near(corners.iter().copied().fold(DVec3::MAX, DVec3::min), low));
+        assert!(is_near(corners.iter().copied().fold(DVec3::MIN, DVec3::max), high));
+    }
+
+    #[test]
+    fn small_surfaces_are_kept_before_large_ones() {
+        let bodies = bodies("stress");
+        let surfaces = &bodies.geometry.surfaces;
+        let all: u64 = surfaces.iter().map(size).sum();
+        let half = Surfaces::within(all / 2, &bodies);
+        assert!(half.bytes <= all / 2);
+        let largest_kept = (0..surfaces.len()).filter(|&at| !half.is_boxed(at)).map(|at| size(&surfaces[at])).max();
+        let smallest_boxed = (0..surfaces.len()).filter(|&at| half.is_boxed(at)).map(|at| size(&surfaces[at])).min();
+        assert!(largest_kept <= smallest_boxed, "{largest_kept:?} {smallest_boxed:?}");
+    }
 }
