@@ -55,8 +55,9 @@ function report(name, args) {
 }
 
 // A page that tells of everything that should not be.
-async function open(browser, file, options, problems) {
+async function open(browser, file, options, problems, before = () => {}) {
   const context = await browser.newContext(options);
+  await context.addInitScript(before);
   const page = await context.newPage();
   page.on('pageerror', (error) => problems.push(String(error)));
   page.on('console', (message) => {
@@ -155,6 +156,12 @@ try {
     if (problems.length) throw new Error(`${name}: ${problems.join('; ')}`);
     console.log(`${name}: ${(statSync(file).size / 1e6).toFixed(2)} MB, first frame after ${drawn?.toFixed(0) ?? '-'} ms, ${used}`);
   }
+  const problems = [];
+  const blind = () => { HTMLCanvasElement.prototype.getContext = () => null; };
+  const page = await open(browser, join(output, 'raft', 'report.html'), {}, problems, blind);
+  const sorry = await page.textContent('#sorry');
+  if (!sorry.includes('no WebGL 2') || problems.length) throw new Error(`without WebGL: ${sorry} ${problems.join('; ')}`);
+  console.log('without WebGL the page says so');
   console.log('all well');
 } finally {
   await browser.close();
