@@ -139,7 +139,7 @@
   const camera = { yaw: 0.7, pitch: 0.42, distance: 1, target: [0, 0, 0], unit: 1 };
   const FIELD_OF_VIEW = 0.62;
   // Half the size of the smallest thing that is seen well [pixels].
-  const SMALLEST = 3.5;
+  const SMALLEST = 5;
 
   function reset() {
     const choice = element('follow').value;
