@@ -62,7 +62,7 @@ pub(crate) struct RunOptions {
     /// Record every K-th step [default: 1]
     #[arg(long, value_name = "K", allow_negative_numbers = true, requires = "record")]
     pub(crate) every: Option<NonZeroU64>,
-    /// Write summary.json, ledger.csv, energy.svg and drift.svg into a directory, which is made if need be
+    /// Write report.html, summary.json, ledger.csv, energy.svg and drift.svg into a directory, which is made if need be
     #[arg(long, value_name = "DIR")]
     pub(crate) report: Option<PathBuf>,
     /// Print nothing unless something goes wrong

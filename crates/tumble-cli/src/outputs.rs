@@ -7,15 +7,17 @@ use std::num::NonZeroU64;
 use std::path::{Path, PathBuf};
 
 use hecs::World;
-use tumble::BodyOrder;
+use tumble::{BodyOrder, PhaseTimes};
 use tumble_scene::{
-    Animation, Names, PendingFile, Scene, Summary, TrajectoryError, TrajectoryFormat, TrajectoryWriter,
+    Animation, Names, PendingFile, Replay, ReportPage, Scene, Summary, TrajectoryError, TrajectoryFormat,
+    TrajectoryWriter,
 };
 
 use crate::ending::trajectory_format;
 use crate::failure::Failure;
 use crate::history::History;
 use crate::options::RunOptions;
+use crate::table::systems;
 
 /// What a run writes; dropped before [`finish`](Self::finish), it leaves nothing behind.
 pub(crate) struct Outputs {
@@ -82,13 +84,13 @@ impl Outputs {
     }
 
     /// Renames the record into its place, and with it the report where there is one to write.
-    pub(crate) fn finish(mut self, report: Option<(&Summary, Option<&History>)>) -> Result<(), Failure> {
+    pub(crate) fn finish(mut self, findings: Option<Findings<'_>>) -> Result<(), Failure> {
         if let Some((path, writer)) = self.record.take() {
             let finished = writer.finish().and_then(PendingFile::finish);
             finished.map_err(|error| Failure::writing(&path, &error))?;
         }
-        if let (Some(files), Some((summary, history))) = (self.report.take(), report) {
-            files.finish(summary, history)?;
+        if let (Some(files), Some(findings)) = (self.report.take(), findings) {
+            files.finish(&findings)?;
             self.directories.0.clear();
         }
         Ok(())
@@ -109,12 +111,23 @@ fn trajectory(
     }
 }
 
+/// What there is to report of a run.
+pub(crate) struct Findings<'a> {
+    pub(crate) summary: &'a Summary,
+    /// Steps that were asked for.
+    pub(crate) asked: u64,
+    pub(crate) history: Option<&'a History>,
+    pub(crate) replay: Option<&'a Replay>,
+    pub(crate) times: &'a PhaseTimes,
+}
+
 /// The files of `--report`, each a path and what is being written beside it.
 struct Report {
     summary: (PathBuf, PendingFile),
     ledger: (PathBuf, PendingFile),
     energy: (PathBuf, PendingFile),
     drift: (PathBuf, PendingFile),
+    page: (PathBuf, PendingFile),
 }
 
 impl Report {
@@ -130,14 +143,23 @@ impl Report {
             ledger: open("ledger.csv")?,
             energy: open("energy.svg")?,
             drift: open("drift.svg")?,
+            page: open("report.html")?,
         })
     }
 
-    fn finish(self, summary: &Summary, history: Option<&History>) -> Result<(), Failure> {
+    fn finish(self, findings: &Findings<'_>) -> Result<(), Failure> {
+        let Findings { summary, asked, history, replay, times } = *findings;
+        let mut plots = Vec::new();
         if let Some(history) = history {
+            plots = vec![history.energy_plot(), history.drift_plot()];
             write(self.ledger, |file| history.write_csv(file))?;
-            write(self.energy, |file| file.write_all(history.energy_plot().to_svg().as_bytes()))?;
-            write(self.drift, |file| file.write_all(history.drift_plot().to_svg().as_bytes()))?;
+            for (place, plot) in [self.energy, self.drift].into_iter().zip(&plots) {
+                write(place, |file| file.write_all(plot.to_svg().as_bytes()))?;
+            }
+        }
+        if let Some(replay) = replay {
+            let (phases, plots) = (&systems(times), plots.as_slice());
+            write(self.page, |file| ReportPage { summary, steps_asked: asked, phases, plots, replay }.write(file))?;
         }
         write(self.summary, |file| {
             serde_json::to_writer_pretty(&mut *file, summary)?;

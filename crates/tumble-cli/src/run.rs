@@ -6,13 +6,13 @@ use hecs::World;
 use rayon::{ThreadPool, ThreadPoolBuilder};
 use tumble::math::PRECISION;
 use tumble::{BodyId, BodyOrder, PhaseTimes, Simulation, simd_name, state_hash};
-use tumble_scene::{Names, Scene, Summary, steps_of_duration};
+use tumble_scene::{Names, Replay, Scene, Summary, steps_of_duration};
 
 use crate::drift::{Drift, NotFinite, interval};
 use crate::failure::Failure;
 use crate::history::History;
 use crate::options::{RunOptions, StepOptions};
-use crate::outputs::Outputs;
+use crate::outputs::{Findings, Outputs};
 use crate::progress::Progress;
 use crate::table::Report;
 use crate::{interrupt, print};
@@ -34,6 +34,7 @@ pub(crate) fn run(options: &RunOptions) -> Result<(), Failure> {
     interrupt::watch()?;
     let outputs = Outputs::open(options, &scene, steps)?;
     let simulation = Simulation::new(scene.settings).map_err(|error| Failure::Input(error.to_string()))?;
+    let replay = options.report.as_ref().map(|_| Replay::of(&scene)).transpose()?;
     let mut world = World::new();
     let names = scene.spawn(&mut world)?;
     let history = options.report.is_some().then(|| History::open(&mut world, &simulation, bodies, steps));
@@ -42,6 +43,7 @@ pub(crate) fn run(options: &RunOptions) -> Result<(), Failure> {
         world,
         names,
         history,
+        replay,
         simulation,
         outputs,
         progress: Progress::start(bodies, steps, options.quiet),
@@ -108,6 +110,7 @@ struct Run {
     world: World,
     names: Names,
     history: Option<History>,
+    replay: Option<Replay>,
     simulation: Simulation,
     outputs: Outputs,
     progress: Progress,
@@ -132,6 +135,10 @@ impl Run {
             }
         };
         drop(self.progress);
+        if let Some(replay) = &mut self.replay {
+            let (step, time) = (self.simulation.steps(), self.simulation.time());
+            replay.finish(step, time, &self.world, &self.order, &self.names);
+        }
         let summary = Summary {
             bodies,
             worlds: 1,
@@ -150,7 +157,8 @@ impl Run {
             angular_momentum: drift.angular_momentum(),
             state_hash: format!("{:016x}", state_hash(&self.world, &self.order)),
         };
-        self.outputs.finish(Some((&summary, self.history.as_ref())))?;
+        let (history, replay) = (self.history.as_ref(), self.replay.as_ref());
+        self.outputs.finish(Some(Findings { summary: &summary, asked: steps, history, replay, times: &self.times }))?;
         let interrupted = summary.steps < steps;
         if !options.quiet {
             let simulated = self.simulation.time();
@@ -162,6 +170,7 @@ impl Run {
 
     /// Steps, records and samples until all steps are done or Ctrl-C came.
     fn all_steps(&mut self, interval: u64, steps: u64) -> Result<Drift, Stopped> {
+        self.show();
         self.record()?;
         let mut drift = Drift::start(&self.world, self.simulation.settings(), &self.order)?;
         while self.simulation.steps() < steps && !interrupt::asked() {
@@ -193,21 +202,33 @@ impl Run {
         Ok(())
     }
 
-    /// Steps to the given number, or for as long as a burst lasts.
+    /// Steps to the given number, or for as long as a burst lasts, and shows what is to be shown on the way.
     fn burst(&mut self, until: u64) {
         let started = Instant::now();
-        while self.simulation.steps() < until {
-            self.simulation.step_timed(&mut self.world, &self.times);
-            if started.elapsed() > BURST {
-                break;
+        while self.simulation.steps() < until && started.elapsed() <= BURST {
+            let every = self.replay.as_ref().map_or(u64::MAX, Replay::every);
+            let shown = (self.simulation.steps() / every + 1).saturating_mul(every);
+            // Only what is inside the steps counts as their time.
+            let stepping = Instant::now();
+            while self.simulation.steps() < until.min(shown) && started.elapsed() <= BURST {
+                self.simulation.step_timed(&mut self.world, &self.times);
             }
+            self.step_time += stepping.elapsed();
+            self.show();
         }
-        self.step_time += started.elapsed();
     }
 
     fn record(&mut self) -> Result<(), Failure> {
         let (step, time) = (self.simulation.steps(), self.simulation.time());
         self.outputs.record(step, time, &self.world, &self.order, &self.names)
+    }
+
+    /// Keeps a frame for the report's replay, if it is the step's turn.
+    fn show(&mut self) {
+        if let Some(replay) = &mut self.replay {
+            let (step, time) = (self.simulation.steps(), self.simulation.time());
+            replay.record(step, time, &self.world, &self.order, &self.names);
+        }
     }
 
     fn not_finite(&self, what: &NotFinite) -> Failure {

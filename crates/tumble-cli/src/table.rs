@@ -43,16 +43,12 @@ impl Display for Report<'_> {
 
 impl Report<'_> {
     fn systems(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let systems = [
-            ("  accumulate_forces", self.times.accumulate_forces()),
-            ("  integrate", self.times.integrate()),
-            ("  update_derived", self.times.update_derived()),
-        ];
+        let systems = systems(self.times);
         let all: Duration = systems.iter().map(|(_, time)| *time).sum();
         for (system, time) in systems {
             // No time at all has no shares.
             let share = 100.0 * time.as_secs_f64() / all.as_secs_f64().max(f64::MIN_POSITIVE);
-            line(f, system, format_args!("{:.6} s on all threads, {share:.0} %", time.as_secs_f64()))?;
+            line(f, &format!("  {system}"), format_args!("{:.6} s on all threads, {share:.0} %", time.as_secs_f64()))?;
         }
         Ok(())
     }
@@ -69,6 +65,15 @@ impl Report<'_> {
         vector(f, "ang. mom. [kg m2/s]", &self.summary.angular_momentum)?;
         writeln!(f)
     }
+}
+
+/// The systems of a step, and the time spent in each, over all threads.
+pub(crate) fn systems(times: &PhaseTimes) -> [(&'static str, Duration); 3] {
+    [
+        ("accumulate_forces", times.accumulate_forces()),
+        ("integrate", times.integrate()),
+        ("update_derived", times.update_derived()),
+    ]
 }
 
 fn line(f: &mut fmt::Formatter<'_>, label: &str, value: impl Display) -> fmt::Result {

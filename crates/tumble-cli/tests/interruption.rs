@@ -47,6 +47,8 @@ fn interrupted_by(how: Signal) {
     let record = place.record("out.csv");
     assert!(record.len() >= 200 && record.len().is_multiple_of(100), "{}", record.len());
     assert!(record.iter().all(|line| line.len() == 16));
+    let page = place.read("report/report.html");
+    assert!(page.contains("(interrupted, of 1\u{202f}000\u{202f}000\u{202f}000)") && page.ends_with("</html>\n"));
     let steps = place.summary()["steps"].as_u64().unwrap();
     assert!((1..1_000_000_000).contains(&steps));
 }

@@ -3,7 +3,7 @@
 //! A scene is settings and bodies, written as JSON or RON after one model, or what [glTF](gltf) and URDF files say. [`Scene::open`] reads and checks
 //! it whole before anything is spawned, and a mistake is a [`SceneError`] of one line that names
 //! file, body and field. [`Audit`] shows the mass properties and forces of every body,
-//! [`TrajectoryWriter`] records states, [`Sweep`] makes many worlds of one scene, [`Summary`] is what a run reports, and
+//! [`TrajectoryWriter`] records states, [`Sweep`] makes many worlds of one scene, [`Summary`] is what a run reports, [`ReportPage`] the same as a page to look at, and
 //! [`PendingFile`] makes files appear whole or not at all.
 //!
 //! ```
@@ -42,6 +42,7 @@ mod plot;
 mod portrait;
 mod read;
 mod recover;
+mod report_page;
 mod scene;
 mod scene_body;
 mod shard;
@@ -72,6 +73,7 @@ pub use outcome::Outcome;
 pub use output::PendingFile;
 pub use parse::Format;
 pub use plot::{Mark, Plot, Scale};
+pub use report_page::{Replay, ReportPage};
 pub use scene::{DEFAULT_STEPS, Names, Scene};
 pub use shard::Shard;
 pub use summary::{Conserved, Summary};

@@ -200,6 +200,29 @@ impl Scene {
         }
     }
 
+    /// What the bodies with these indices look like, which increase.
+    pub(crate) fn looks_of(&self, chosen: &[usize]) -> Result<Vec<Looks>, SceneError> {
+        match &self.bodies {
+            Bodies::Listed { bodies, .. } => {
+                Ok(chosen.iter().filter_map(|&index| bodies.get(index)).map(|body| body.looks.clone()).collect())
+            }
+            // Most of a million bodies are made for nothing; but none of them is kept.
+            Bodies::Stress { count, seed } => stress_bodies(*count, *seed)
+                .enumerate()
+                .filter(|(index, _)| chosen.binary_search(index).is_ok())
+                .map(|(_, body)| Ok(body?.looks))
+                .collect(),
+        }
+    }
+
+    /// Whether forces move the body of this index; those that they do not stand still or move as they are told.
+    pub(crate) fn is_free(&self, index: usize) -> bool {
+        match &self.bodies {
+            Bodies::Listed { bodies, .. } => bodies.get(index).is_some_and(|body| body.body.properties().is_some()),
+            Bodies::Stress { .. } => true,
+        }
+    }
+
     /// Spawns the bodies, with their index as [`BodyId`](tumble::BodyId), and the springs between them, and gives the bodies' names.
     ///
     /// # Errors

@@ -16,7 +16,8 @@ use tumble::math::Real;
 use tumble::{BodyOrder, Pose, Velocity};
 
 use crate::Names;
-use frame::Frame;
+pub(crate) use frame::Frame;
+pub(crate) use glb::{Bodies, COLORS, Color, GREY, Sample, Surface, double, single};
 use pace::Pace;
 
 pub use error::TrajectoryError;

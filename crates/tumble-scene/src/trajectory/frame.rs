@@ -7,17 +7,17 @@ use crate::Names;
 
 /// All bodies at one step.
 #[derive(Clone, Copy)]
-pub(super) struct Frame<'a> {
-    pub(super) step: u64,
-    pub(super) time: f64,
-    pub(super) world: &'a World,
-    pub(super) order: &'a BodyOrder,
-    pub(super) names: &'a Names,
+pub(crate) struct Frame<'a> {
+    pub(crate) step: u64,
+    pub(crate) time: f64,
+    pub(crate) world: &'a World,
+    pub(crate) order: &'a BodyOrder,
+    pub(crate) names: &'a Names,
 }
 
 impl Frame<'_> {
     /// Calls `row` with the number for [`Names::of`] and the state of each body, in order.
-    pub(super) fn for_each(
+    pub(crate) fn for_each(
         &self,
         mut row: impl FnMut(u64, &Pose, Option<&Velocity>) -> io::Result<()>,
     ) -> io::Result<()> {

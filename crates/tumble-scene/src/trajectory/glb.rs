@@ -15,9 +15,11 @@ use std::io::{self, BufWriter, Seek, SeekFrom, Write};
 
 use tumble::Pose;
 
-use self::bodies::Bodies;
+pub(crate) use self::bodies::{Bodies, Color};
+pub(crate) use self::document::{COLORS, GREY};
+pub(crate) use self::geometry::Surface;
 use self::layout::Layout;
-use self::sample::{Sample, single};
+pub(crate) use self::sample::{Sample, double, single};
 use super::error::TrajectoryError;
 use super::frame::Frame;
 use crate::looks::Looks;

@@ -13,35 +13,35 @@ const POINT_SHARE: f64 = 1.0 / 200.0;
 
 /// The bodies of the first frame, and what they look like.
 #[derive(Debug)]
-pub(super) struct Bodies {
+pub(crate) struct Bodies {
     all: Vec<DrawnBody>,
-    pub(super) geometry: Geometry,
+    pub(crate) geometry: Geometry,
     /// Different pairs of surface and colour among the bodies.
-    pub(super) looks: Vec<Look>,
+    pub(crate) looks: Vec<Look>,
 }
 
 #[derive(Debug)]
-pub(super) struct DrawnBody {
-    pub(super) entity: Entity,
-    pub(super) name: String,
+pub(crate) struct DrawnBody {
+    pub(crate) entity: Entity,
+    pub(crate) name: String,
     /// Centre of mass in the body's frame \[m\].
-    pub(super) center: DVec3,
-    pub(super) moves: bool,
+    pub(crate) center: DVec3,
+    pub(crate) moves: bool,
     /// Index into the looks.
-    pub(super) look: usize,
-    pub(super) scale: [f32; 3],
+    pub(crate) look: usize,
+    pub(crate) scale: [f32; 3],
     /// The last one; the first one until frames are recorded.
-    pub(super) sample: Sample,
+    pub(crate) sample: Sample,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub(super) struct Look {
-    pub(super) surface: usize,
-    pub(super) color: Color,
+pub(crate) struct Look {
+    pub(crate) surface: usize,
+    pub(crate) color: Color,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub(super) enum Color {
+pub(crate) enum Color {
     /// Of what stands still.
     Grey,
     /// One of [`COLORS`](super::document::COLORS).
@@ -49,7 +49,13 @@ pub(super) enum Color {
 }
 
 impl Bodies {
-    pub(super) fn of(frame: &Frame<'_>, all: &[Looks]) -> Self {
+    pub(crate) fn of(frame: &Frame<'_>, all: &[Looks]) -> Self {
+        let of_body = |id| usize::try_from(id).ok().and_then(|id: usize| all.get(id));
+        Self::chosen(frame, |id| Some(of_body(id).unwrap_or(&Looks::Shape(Shape::Point))))
+    }
+
+    /// The bodies that have looks, which are asked for by their number in the order of the scene.
+    pub(crate) fn chosen<'a>(frame: &Frame<'_>, looks: impl Fn(u64) -> Option<&'a Looks>) -> Self {
         let states = frame.world.view::<(&Pose, Option<&BodyId>, Option<&CenterOfMass>, Option<&Velocity>)>();
         let mut bodies = Self { all: Vec::new(), geometry: Geometry::default(), looks: Vec::new() };
         let mut known = std::collections::HashMap::new();
@@ -57,11 +63,11 @@ impl Bodies {
         for (index, &entity) in frame.order.entities().iter().enumerate() {
             let Some((pose, id, center, velocity)) = states.get(entity) else { continue };
             let id = id.map_or(index as u64, |id| id.0);
-            let looks = usize::try_from(id).ok().and_then(|id| all.get(id)).unwrap_or(&Looks::Shape(Shape::Point));
+            let Some(looks) = looks(id) else { continue };
             let center = center.map_or(DVec3::ZERO, |center| DVec3::from_array(center.0.to_array().map(double)));
             let (surface, factors) = bodies.geometry.insert(looks);
             let color = match velocity {
-                Some(_) => Color::Bright(index % super::document::COLORS.len()),
+                Some(_) => Color::Bright(bodies.all.len() % super::document::COLORS.len()),
                 None => Color::Grey,
             };
             let look = Look { surface, color };
@@ -100,19 +106,23 @@ impl Bodies {
         }
     }
 
-    pub(super) fn len(&self) -> u64 {
+    pub(crate) fn len(&self) -> u64 {
         self.all.len() as u64
     }
 
-    pub(super) fn all(&self) -> &[DrawnBody] {
+    pub(crate) fn all(&self) -> &[DrawnBody] {
         &self.all
     }
 
-    pub(super) fn moving(&mut self) -> impl Iterator<Item = &mut DrawnBody> {
+    pub(crate) fn all_mut(&mut self) -> &mut [DrawnBody] {
+        &mut self.all
+    }
+
+    pub(crate) fn moving(&mut self) -> impl Iterator<Item = &mut DrawnBody> {
         self.all.iter_mut().filter(|body| body.moves)
     }
 
-    pub(super) fn moving_count(&self) -> u64 {
+    pub(crate) fn moving_count(&self) -> u64 {
         self.all.iter().filter(|body| body.moves).count() as u64
     }
 }

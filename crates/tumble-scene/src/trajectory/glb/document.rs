@@ -18,7 +18,7 @@ pub(super) const ACCESSORS_AT: u64 = Layout::DOCUMENT_AT + BEGINNING.len() as u6
 
 /// Colours that look different to most eyes, after Okabe and Ito, as red, green, blue in linear light. Their number has no
 /// factor in common with the kinds of a scene that repeats every two, four or eight.
-pub(super) const COLORS: [[f32; 3]; 7] = [
+pub(crate) const COLORS: [[f32; 3]; 7] = [
     [0.791, 0.347, 0.0],
     [0.093, 0.456, 0.815],
     [0.0, 0.342, 0.171],
@@ -27,7 +27,7 @@ pub(super) const COLORS: [[f32; 3]; 7] = [
     [0.665, 0.112, 0.0],
     [0.604, 0.191, 0.386],
 ];
-const GREY: [f32; 3] = [0.3, 0.3, 0.3];
+pub(crate) const GREY: [f32; 3] = [0.3, 0.3, 0.3];
 
 /// Values of the specification.
 const FLOAT: u32 = 5126;

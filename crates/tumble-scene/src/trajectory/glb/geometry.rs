@@ -13,35 +13,40 @@ const VERTEX: u64 = size_of::<[f32; 3]>() as u64;
 
 /// The different surfaces among the bodies. Balls, blocks, cylinders and cones of all sizes are stretched from one of each.
 #[derive(Debug, Default)]
-pub(super) struct Geometry {
-    pub(super) surfaces: Vec<Surface>,
+pub(crate) struct Geometry {
+    pub(crate) surfaces: Vec<Surface>,
     /// By the bits of the volume or the number of triangles, for equal ones have the same.
     alike: HashMap<u64, Vec<usize>>,
 }
 
 /// A surface, made anew whenever it is written, for there may be many.
 #[derive(Debug)]
-pub(super) struct Surface {
+pub(crate) struct Surface {
     looks: Looks,
-    pub(super) vertices: u64,
-    pub(super) corners: u64,
+    pub(crate) vertices: u64,
+    pub(crate) corners: u64,
     /// The box around it \[m\].
-    pub(super) min: [f32; 3],
-    pub(super) max: [f32; 3],
+    pub(crate) min: [f32; 3],
+    pub(crate) max: [f32; 3],
     /// From the beginning of all vertices and of all indices \[bytes\].
-    pub(super) vertices_at: u64,
-    pub(super) indices_at: u64,
+    pub(crate) vertices_at: u64,
+    pub(crate) indices_at: u64,
 }
 
 impl Surface {
     /// Where the normals are, from the beginning of all vertices \[bytes\].
-    pub(super) fn normals_at(&self) -> u64 {
+    pub(crate) fn normals_at(&self) -> u64 {
         self.vertices_at + self.vertices * VERTEX
     }
 
     /// Whether indices have 16 bits, of which the largest number is not to be an index, or 32.
-    pub(super) fn is_small(&self) -> bool {
+    pub(crate) fn is_small(&self) -> bool {
         self.vertices <= u64::from(u16::MAX)
+    }
+
+    /// Its triangles.
+    pub(crate) fn tessellation(&self) -> Tessellation {
+        Tessellation::of_looks(&self.looks)
     }
 
     fn index_bytes(&self) -> u64 {
@@ -51,7 +56,7 @@ impl Surface {
 
 impl Geometry {
     /// The index of the surface of a body, and the factors to stretch it by.
-    pub(super) fn insert(&mut self, looks: &Looks) -> (usize, DVec3) {
+    pub(crate) fn insert(&mut self, looks: &Looks) -> (usize, DVec3) {
         let (looks, factors) = match looks {
             Looks::Shape(shape) => {
                 let (shape, factors) = unstretched(shape);
@@ -78,18 +83,18 @@ impl Geometry {
         (index, factors)
     }
 
-    pub(super) fn vertex_bytes(&self) -> u64 {
+    pub(crate) fn vertex_bytes(&self) -> u64 {
         self.surfaces.last().map_or(0, |last| last.normals_at() + last.vertices * VERTEX)
     }
 
-    pub(super) fn index_bytes(&self) -> u64 {
+    pub(crate) fn index_bytes(&self) -> u64 {
         self.surfaces.last().map_or(0, |last| last.indices_at + last.index_bytes())
     }
 
     /// Writes all vertices and then all indices.
-    pub(super) fn write(&self, writer: &mut impl Write) -> io::Result<()> {
+    pub(crate) fn write(&self, writer: &mut impl Write) -> io::Result<()> {
         for surface in &self.surfaces {
-            let triangles = Tessellation::of_looks(&surface.looks);
+            let triangles = surface.tessellation();
             for vector in triangles.positions.iter().chain(&triangles.normals) {
                 for number in vector.to_array() {
                     writer.write_all(&single(number).to_le_bytes())?;
@@ -97,7 +102,7 @@ impl Geometry {
             }
         }
         for surface in &self.surfaces {
-            let indices = Tessellation::of_looks(&surface.looks).triangles.into_iter().flatten();
+            let indices = surface.tessellation().triangles.into_iter().flatten();
             if surface.is_small() {
                 for index in indices {
                     writer.write_all(&(index as u16).to_le_bytes())?;

@@ -4,11 +4,11 @@ use tumble::math::Real;
 
 /// Where the frame of a body is in one frame of the animation, as glTF has it.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub(super) struct Sample {
+pub(crate) struct Sample {
     /// The origin of the body's frame, which is where its mesh is drawn \[m\].
-    pub(super) translation: [f32; 3],
+    pub(crate) translation: [f32; 3],
     /// Unit quaternion `x, y, z, w`.
-    pub(super) rotation: [f32; 4],
+    pub(crate) rotation: [f32; 4],
 }
 
 impl Sample {
@@ -16,7 +16,7 @@ impl Sample {
     ///
     /// Of the two quaternions of a rotation it is the one nearer to that of the sample before, for viewers interpolate between
     /// the two as they are.
-    pub(super) fn of(pose: &Pose, center: DVec3, before: Option<&Self>) -> Option<Self> {
+    pub(crate) fn of(pose: &Pose, center: DVec3, before: Option<&Self>) -> Option<Self> {
         let orientation = DQuat::from_array(pose.orientation.to_array().map(double));
         let position = DVec3::from_array(pose.position.to_array().map(double));
         let unit = orientation * orientation.length_recip();
@@ -32,12 +32,12 @@ impl Sample {
 }
 
 #[allow(clippy::useless_conversion, reason = "it is f64 already in one of the two builds")]
-pub(super) fn double(number: Real) -> f64 {
+pub(crate) fn double(number: Real) -> f64 {
     f64::from(number)
 }
 
 /// In single precision; what is beyond it at its end.
-pub(super) fn single(number: f64) -> f32 {
+pub(crate) fn single(number: f64) -> f32 {
     (number as f32).clamp(f32::MIN, f32::MAX)
 }
 

@@ -1,0 +1,144 @@
+//! `--report` writes a page that needs nothing else, beside the files that were there before.
+//!
+//! People open it, mail it and keep it. It would fail if it loaded anything, if a name in a scene file could run as a script, if a
+//! large run made it too large to open, or if it did not say what it leaves out.
+#![allow(clippy::unwrap_used, reason = "a test fails by panicking, in its helper functions too")]
+
+mod support;
+
+use support::Place;
+
+const ATTACK: &str = "</script><img src=x onerror=alert(1)>";
+
+fn page(place: &Place, arguments: &[&str]) -> String {
+    place.succeed(&[&["run"], arguments, &["--quiet", "--report", "report"]].concat());
+    place.read("report/report.html")
+}
+
+/// What the script is given.
+fn data(page: &str) -> serde_json::Value {
+    let (_, data) = page.split_once("<script type=\"application/json\" id=\"run\">").unwrap();
+    serde_json::from_str(data.split_once("</script>").unwrap().0).unwrap()
+}
+
+fn list<'a>(data: &'a serde_json::Value, key: &str) -> &'a [serde_json::Value] {
+    data[key].as_array().unwrap()
+}
+
+#[test]
+fn the_page_is_whole_and_stands_beside_the_other_files() {
+    let place = Place::new();
+    let page = page(&place, &["t-handle"]);
+    let mut files: Vec<String> = std::fs::read_dir(place.path("report"))
+        .unwrap()
+        .map(|entry| entry.unwrap().file_name().into_string().unwrap())
+        .collect();
+    files.sort();
+    assert_eq!(files, ["drift.svg", "energy.svg", "ledger.csv", "report.html", "summary.json"]);
+    // Both plots, which are those of the files but for the name that SVG has outside of HTML.
+    for plot in ["energy.svg", "drift.svg"] {
+        let svg = place.read(&format!("report/{plot}"));
+        assert!(page.contains(&svg.replace(" xmlns=\"http://www.w3.org/2000/svg\"", "")), "{plot}");
+    }
+    let summary = place.summary();
+    assert!(page.contains(summary["state_hash"].as_str().unwrap()));
+    for phase in ["accumulate_forces", "integrate", "update_derived"] {
+        assert!(page.contains(&format!("<th scope=\"row\">{phase}</th>")), "{phase}");
+    }
+    assert!(!page.contains("<!--slot:"), "a slot was left");
+}
+
+#[test]
+fn nothing_is_loaded_from_elsewhere() {
+    let place = Place::new();
+    let page = page(&place, &["t-handle"]);
+    for elsewhere in ["http:", "https:", "url(", "@import", "import(", " src=", "fetch("] {
+        assert!(!page.contains(elsewhere), "{elsewhere}");
+    }
+    assert!(page.contains("default-src 'none'"));
+}
+
+#[test]
+fn texts_of_a_scene_stay_texts() {
+    let place = Place::new();
+    let body = serde_json::json!({ "name": ATTACK, "mass": 1 });
+    let scene =
+        serde_json::json!({ "name": format!("{ATTACK}<!--slot:data-->"), "description": ATTACK, "bodies": [body] });
+    place.write("scene.json", scene.to_string());
+    let page = page(&place, &["scene.json", "--steps", "3"]);
+    assert!(!page.contains("<img"));
+    assert_eq!(page.matches("</script>").count(), 2, "one for the data, one for the script");
+    assert_eq!(list(&data(&page), "bodies")[0]["name"], ATTACK);
+    assert!(page.contains("<title>&lt;/script&gt;&lt;img src=x onerror=alert(1)&gt;&lt;!--slot:data--&gt;</title>"));
+}
+
+#[test]
+fn what_is_left_out_is_said() {
+    let place = Place::new();
+    let page = page(&place, &["stress", "--bodies", "10000", "--steps", "1000"]);
+    assert!(page.len() < 9_000_000, "{} bytes", page.len());
+    let data = data(&page);
+    assert_eq!(list(&data, "bodies").len(), 1000);
+    let times = list(&data, "times");
+    // Three of the six mebibytes go to the capsules, each a mesh of its own. At twenty bytes a body there is room for 150 frames and a few, which is
+    // each eighth of 1000 steps, and the first.
+    assert_eq!(times.len(), 126);
+    assert_eq!(times[0], 0.0);
+    // A thousand steps of 1/60 s in f32.
+    assert!((times.last().unwrap().as_f64().unwrap() - 1000.0 / 60.0).abs() < 1e-4, "{:?}", times.last());
+    let said = "1000 of the 10\u{202f}000 bodies are shown";
+    assert_eq!(page.matches(said).count(), 2, "on the page and in the comment");
+    assert!(page.contains("126 frames of 1000 steps are kept, one every 8 steps"));
+}
+
+#[test]
+fn a_small_run_is_shown_whole() {
+    let place = Place::new();
+    let page = page(&place, &["t-handle", "--steps", "101"]);
+    let data = data(&page);
+    assert_eq!((list(&data, "bodies").len(), list(&data, "times").len()), (1, 102));
+    assert!(page.contains("All bodies are shown. Every step is a frame, 102 with the start."));
+}
+
+/// The last state is there, whatever the frames' turns.
+#[test]
+fn a_long_run_keeps_its_end() {
+    let place = Place::new();
+    let page = page(&place, &["t-handle", "--steps", "5003", "--dt", "0.01"]);
+    let data = data(&page);
+    let times: Vec<f64> = list(&data, "times").iter().map(|time| time.as_f64().unwrap()).collect();
+    // Of 5004 states every eighth is 626, and the end.
+    assert_eq!(times.len(), 627);
+    assert!(times.windows(2).all(|pair| pair[0] < pair[1]));
+    // Rounding of 0.01 in f32, 5003 times.
+    assert!((times[626] - 50.03).abs() < 1e-5, "{}", times[626]);
+    let bytes = |key: &str| data[key].as_str().unwrap().len() / 4 * 3;
+    assert!(bytes("positions").abs_diff(627 * 12) < 3 && bytes("rotations").abs_diff(627 * 8) < 3);
+}
+
+#[test]
+fn a_run_of_nothing_has_a_page() {
+    let place = Place::new();
+    place.write("empty.json", "{}");
+    let page = page(&place, &["empty.json", "--steps", "5"]);
+    assert!(list(&data(&page), "bodies").is_empty());
+    assert!(!page.contains("NaN") && !page.contains("inf "));
+}
+
+#[test]
+fn notices_of_the_scene_are_on_the_page() {
+    let place = Place::new();
+    let link =
+        r#"<inertial><mass value="2"/><inertia ixx="0.02" ixy="0" ixz="0" iyy="0.03" iyz="0" izz="0.04"/></inertial>"#;
+    let robot = format!(
+        r#"<robot name="arm"><link name="base">{link}</link><link name="tip">{link}</link>
+           <joint name="elbow &lt;b&gt;" type="revolute"><parent link="base"/><child link="tip"/><axis xyz="0 0 1"/>
+           <limit effort="1" velocity="1" lower="0" upper="1"/></joint></robot>"#
+    );
+    place.write("arm.urdf", robot);
+    let page = page(&place, &["arm.urdf", "--steps", "2"]);
+    let (_, notes) = page.split_once("<h2>Notes on the scene</h2>").unwrap();
+    assert!(notes.contains("elbow &lt;b&gt;"), "{notes}");
+    // Robots stand upright along z.
+    assert_eq!(data(&page)["up"], serde_json::json!([0, 0, 1]));
+}

@@ -1,0 +1,95 @@
+//! What the script of the page is given.
+
+use std::io::{self, Write};
+
+use base64::Engine as _;
+use base64::engine::general_purpose::STANDARD;
+use serde::Serialize;
+
+use super::replay::{Replay, Shown};
+use super::surfaces::{arrays, is_wide};
+use crate::trajectory::{COLORS, Color, GREY};
+
+/// Longest name of a body that is shown \[characters\].
+const LONGEST_NAME: usize = 60;
+
+/// The object that the script reads. Arrays are base64 of little-endian numbers.
+#[derive(Default, Serialize)]
+struct Data {
+    /// The direction up.
+    up: [u8; 3],
+    /// In linear light: those of bodies that move, then that of those that do not.
+    colors: Vec<[f32; 3]>,
+    surfaces: Vec<SurfaceData>,
+    bodies: Vec<BodyData>,
+    /// \[s\]
+    times: Vec<f64>,
+    positions: String,
+    rotations: String,
+}
+
+#[derive(Serialize)]
+struct SurfaceData {
+    /// The lowest and the highest corner of the box around it.
+    r#box: [[f32; 3]; 2],
+    positions: String,
+    normals: String,
+    indices: String,
+    corners: usize,
+    /// Whether indices have 32 bits.
+    wide: bool,
+}
+
+#[derive(Serialize)]
+struct BodyData {
+    name: String,
+    surface: usize,
+    color: usize,
+    scale: [f32; 3],
+    moves: bool,
+}
+
+/// Writes the data as JSON that may stand in an element of a page.
+pub(super) fn write(replay: &Replay, to: &mut impl Write) -> io::Result<()> {
+    let mut data = Data { colors: COLORS.iter().copied().chain([GREY]).collect(), ..Data::default() };
+    if let Some(up) = data.up.get_mut(replay.up()) {
+        *up = 1;
+    }
+    if let Some(shown) = replay.parts() {
+        data.fill(shown);
+    }
+    // Outside strings JSON has no such character, and inside one this is another way to write it: no element ends here.
+    to.write_all(serde_json::to_string(&data)?.replace('<', "\\u003c").as_bytes())
+}
+
+impl Data {
+    fn fill(&mut self, Shown { bodies, surfaces, frames }: &Shown) {
+        for (index, surface) in bodies.geometry.surfaces.iter().enumerate() {
+            let triangles = surfaces.triangles(index, surface);
+            let [positions, normals, indices] = arrays(&triangles).map(|bytes| STANDARD.encode(bytes));
+            let (corners, wide) = (3 * triangles.triangles.len(), is_wide(&triangles));
+            let r#box = [surface.min, surface.max];
+            self.surfaces.push(SurfaceData { r#box, positions, normals, indices, corners, wide });
+        }
+        for body in bodies.all() {
+            let Some(look) = bodies.looks.get(body.look) else { continue };
+            self.bodies.push(BodyData {
+                name: body.name.chars().take(LONGEST_NAME).collect(),
+                surface: look.surface,
+                color: match look.color {
+                    Color::Bright(color) => color,
+                    Color::Grey => COLORS.len(),
+                },
+                scale: body.scale,
+                moves: body.moves,
+            });
+        }
+        self.times.clone_from(&frames.times);
+        self.positions = encoded(frames.positions.iter().flat_map(|number| number.to_le_bytes()));
+        self.rotations = encoded(frames.rotations.iter().flat_map(|number| number.to_le_bytes()));
+    }
+}
+
+fn encoded(bytes: impl Iterator<Item = u8>) -> String {
+    STANDARD.encode(bytes.collect::<Vec<u8>>())
+}
