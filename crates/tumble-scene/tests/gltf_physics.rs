@@ -288,13 +288,14 @@ fn names_are_those_of_the_file_and_none_is_there_twice() {
     let node = |name: &str| {
         format!(r#"{{ "name": "{name}", "extensions": {{ "KHR_physics_rigid_bodies": {{ "motion": {{}} }} }} }}"#)
     };
-    let nodes = ["a", "a (node-2)", "a", "", "node-3"].map(node).join(", ");
+    let given = ["a", "a (node-3)", "a (node-3, 2)", "a", "", "node-4"];
+    let nodes = given.map(node).join(", ");
     let text = format!(r#"{{ "asset": {{ "version": "2.0" }}, "nodes": [ {nodes} ] }}"#);
     let scene = Scene::from_gltf(text.as_bytes(), "names.gltf").unwrap();
     let names = scene.spawn(&mut World::new()).unwrap();
-    let names: Vec<_> = (0..5).map(|id| names.of(id).into_owned()).collect();
-    assert_eq!(names[..2], ["a", "a (node-2)"]);
-    assert_eq!(names.iter().collect::<std::collections::HashSet<_>>().len(), 5, "{names:?}");
+    let names: Vec<_> = (0..6).map(|id| names.of(id).into_owned()).collect();
+    assert_eq!(names[..4], ["a", "a (node-3)", "a (node-3, 2)", "a (node-3, 3)"]);
+    assert_eq!(names.iter().collect::<std::collections::HashSet<_>>().len(), 6, "{names:?}");
 }
 
 /// A kinematic body is moved by the velocity of its frame's origin, a file says that of the centre of mass.

@@ -80,13 +80,14 @@ impl Names {
     fn of(&mut self, node: &PhysicsNode) -> String {
         let given = node.name.as_deref().filter(|name| check_name(name).is_ok());
         let mut name = given.map_or_else(|| format!("node-{}", node.index), str::to_owned);
+        // With room for what is added.
+        let base: String = name.chars().take(LONGEST_NAME / 8).collect();
+        let mut tries = 0_usize;
         while !self.0.insert(name.clone()) {
-            // Room for the number, at a letter's end.
-            name = name.chars().take(LONGEST_NAME / 8).collect();
-            name = format!("{name} (node-{})", node.index);
-            if self.0.contains(&name) {
-                name.push('+');
-            }
+            tries += 1;
+            // Other nodes may bear such names already.
+            let again = if tries == 1 { String::new() } else { format!(", {tries}") };
+            name = format!("{base} (node-{}{again})", node.index);
         }
         name
     }
