@@ -4,7 +4,8 @@ use std::fmt::Write as _;
 use std::io::Write as _;
 use std::path::Path;
 
-use tumble_scene::{Audit, AuditedBody, MeshCounts, MeshOptions, MeshRepairs, PendingFile};
+use tumble::MeshAudit;
+use tumble_scene::{Audit, AuditedBody, MeshOptions, MeshRepairs, PendingFile};
 
 use crate::failure::Failure;
 use crate::options::InspectOptions;
@@ -97,8 +98,8 @@ fn people(body: &AuditedBody) -> Result<String, Failure> {
 }
 
 /// What was counted in a mesh. What there is none of is left out, where it would be a defect.
-fn counts(mesh: &MeshCounts) -> Vec<(&'static str, String)> {
-    let [low, high] = mesh.extents;
+fn counts(mesh: &MeshAudit) -> Vec<(&'static str, String)> {
+    let (low, high) = (mesh.extents.0.to_array(), mesh.extents.1.to_array());
     let mut counts = vec![
         ("vertices", mesh.vertices.to_string()),
         ("triangles", mesh.triangles.to_string()),

@@ -6,10 +6,9 @@ use std::io::{self, Write};
 use std::num::NonZeroU64;
 use std::path::{Path, PathBuf};
 
-use hecs::World;
-use tumble::{BodyOrder, PhaseTimes};
+use tumble::PhaseTimes;
 use tumble_scene::{
-    Animation, Names, PendingFile, Replay, ReportPage, Scene, Summary, TrajectoryError, TrajectoryFormat,
+    Animation, Frame, PendingFile, Replay, ReportPage, Scene, Summary, TrajectoryError, TrajectoryFormat,
     TrajectoryWriter,
 };
 
@@ -55,17 +54,10 @@ impl Outputs {
     }
 
     /// Writes one state of every body, if the run is recorded.
-    pub(crate) fn record(
-        &mut self,
-        step: u64,
-        time: f64,
-        world: &World,
-        order: &BodyOrder,
-        names: &Names,
-    ) -> Result<(), Failure> {
+    pub(crate) fn record(&mut self, frame: &Frame<'_>) -> Result<(), Failure> {
         match &mut self.record {
             Some((path, writer)) => {
-                writer.record(step, time, world, order, names).map_err(|error| match &error {
+                writer.record(frame).map_err(|error| match &error {
                     TrajectoryError::Io(io) => Failure::writing(path, io),
                     // Found with the state before the first step.
                     _ => Failure::Input(format!("{}: {error}", path.display())),

@@ -6,7 +6,7 @@ use hecs::World;
 use rayon::{ThreadPool, ThreadPoolBuilder};
 use tumble::math::PRECISION;
 use tumble::{BodyId, BodyOrder, PhaseTimes, Simulation, simd_name, state_hash};
-use tumble_scene::{Names, Replay, Scene, Summary, steps_of_duration};
+use tumble_scene::{Frame, Names, Replay, Scene, Summary, steps_of_duration};
 
 use crate::drift::{Drift, NotFinite, interval};
 use crate::failure::Failure;
@@ -136,8 +136,7 @@ impl Run {
         };
         drop(self.progress);
         if let Some(replay) = &mut self.replay {
-            let (step, time) = (self.simulation.steps(), self.simulation.time());
-            replay.finish(step, time, &self.world, &self.order, &self.names);
+            replay.finish(&Frame::of(&self.simulation, &self.world, &self.order, &self.names));
         }
         let summary = Summary {
             bodies,
@@ -219,15 +218,13 @@ impl Run {
     }
 
     fn record(&mut self) -> Result<(), Failure> {
-        let (step, time) = (self.simulation.steps(), self.simulation.time());
-        self.outputs.record(step, time, &self.world, &self.order, &self.names)
+        self.outputs.record(&Frame::of(&self.simulation, &self.world, &self.order, &self.names))
     }
 
     /// Keeps a frame for the report's replay, if it is the step's turn.
     fn show(&mut self) {
         if let Some(replay) = &mut self.replay {
-            let (step, time) = (self.simulation.steps(), self.simulation.time());
-            replay.record(step, time, &self.world, &self.order, &self.names);
+            replay.record(&Frame::of(&self.simulation, &self.world, &self.order, &self.names));
         }
     }
 

@@ -3,9 +3,9 @@
 use std::path::Path;
 
 use serde::Serialize;
-use tumble::MassProperties;
+use tumble::{MassProperties, MeshAudit};
 
-use crate::audit_mesh::{self, MeshCounts, MeshOptions};
+use crate::audit_mesh::{self, MeshOptions};
 use crate::builtin;
 use crate::convert::{self, Others};
 use crate::error::{FieldError, SceneError};
@@ -64,7 +64,7 @@ pub struct AuditedBody {
     pub volume: Option<f64>,
     /// What was counted in a mesh.
     #[serde(skip_serializing_if = "Option::is_none")]
-    pub mesh: Option<MeshCounts>,
+    pub mesh: Option<MeshAudit>,
     /// Its forces, with every default filled in.
     pub forces: Vec<Force>,
     /// Everything wrong with the body, each as `field: problem`.

@@ -3,7 +3,6 @@
 use std::path::Path;
 use std::sync::Arc;
 
-use serde::Serialize;
 use tumble::Amount;
 use tumble_math::{MeshAudit, MeshError, SolidMesh, TriangleMesh};
 
@@ -42,63 +41,6 @@ pub enum MeshRepairs {
     Made,
 }
 
-/// What is in a mesh and what is wrong with it, counted; the fields are those of [`tumble_math::MeshAudit`].
-#[derive(Clone, Debug, PartialEq, Serialize)]
-#[non_exhaustive]
-#[expect(missing_docs, reason = "each field is documented where it is counted")]
-pub struct MeshCounts {
-    pub vertices: usize,
-    pub triangles: usize,
-    pub duplicate_vertices: usize,
-    pub near_duplicates: usize,
-    pub unused_vertices: usize,
-    pub degenerate_triangles: usize,
-    pub collinear_triangles: usize,
-    pub duplicate_triangles: usize,
-    pub open_edges: usize,
-    pub cracks: usize,
-    pub overfull_edges: usize,
-    pub reversed_edges: usize,
-    pub parts: usize,
-    pub one_sided_parts: usize,
-    pub flat_parts: usize,
-    pub inside_out_parts: usize,
-    pub cavities: Option<usize>,
-    /// As wound [m^3].
-    pub volume: f64,
-    /// [m^2]
-    pub area: f64,
-    /// Lowest and highest coordinates \[m\].
-    pub extents: [[f64; 3]; 2],
-}
-
-impl From<&MeshAudit> for MeshCounts {
-    fn from(audit: &MeshAudit) -> Self {
-        Self {
-            vertices: audit.vertices,
-            triangles: audit.triangles,
-            duplicate_vertices: audit.duplicate_vertices,
-            near_duplicates: audit.near_duplicates,
-            unused_vertices: audit.unused_vertices,
-            degenerate_triangles: audit.degenerate_triangles,
-            collinear_triangles: audit.collinear_triangles,
-            duplicate_triangles: audit.duplicate_triangles,
-            open_edges: audit.open_edges,
-            cracks: audit.cracks,
-            overfull_edges: audit.overfull_edges,
-            reversed_edges: audit.reversed_edges,
-            parts: audit.parts,
-            one_sided_parts: audit.one_sided_parts,
-            flat_parts: audit.flat_parts,
-            inside_out_parts: audit.inside_out_parts,
-            cavities: audit.cavities,
-            volume: audit.volume,
-            area: audit.area,
-            extents: [audit.extents.0.to_array(), audit.extents.1.to_array()],
-        }
-    }
-}
-
 /// Audits a mesh file. The one body is called like the file.
 pub(crate) fn of_file(path: &Path, format: MeshFormat, options: MeshOptions) -> Result<Audit, SceneError> {
     let MeshFile { mesh, mut notices } = mesh_file::load(path)?;
@@ -120,7 +62,7 @@ fn audited(
             Ok(body) => body,
             Err(problems) => AuditedBody { problems, ..AuditedBody::impossible(name, &[]) },
         };
-    body.mesh = Some(MeshCounts::from(&audit));
+    body.mesh = Some(audit);
     // What drawing programs have up, and what machines are built on.
     let up = if format == MeshFormat::Stl { Up::Z } else { Up::Y };
     body.looks = Some((Looks::Mesh(Arc::new(mesh)), up));

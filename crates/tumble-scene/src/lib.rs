@@ -48,6 +48,7 @@ mod scene_body;
 mod shard;
 mod stress;
 mod summary;
+mod svg;
 mod sweep;
 mod sweep_error;
 mod sweep_file;
@@ -58,7 +59,7 @@ mod urdf;
 mod vary;
 
 pub use audit::{Audit, AuditedBody};
-pub use audit_mesh::{MeshCounts, MeshOptions, MeshRepairs};
+pub use audit_mesh::{MeshOptions, MeshRepairs};
 pub use builtin::builtin_names;
 pub use collider::{ColliderRole, SceneCollider};
 pub use distribution::Distribution;
@@ -82,6 +83,6 @@ pub use sweep_error::SweepError;
 pub use sweep_file::{SweepFile, SweepFileError, SweepReader, sweep_header};
 pub use sweep_identity::SweepIdentity;
 pub use trajectory::{
-    Animation, COLUMNS, STATE_COLUMNS, TrajectoryError, TrajectoryFormat, TrajectoryWriter, state_numbers,
+    Animation, COLUMNS, Frame, STATE_COLUMNS, TrajectoryError, TrajectoryFormat, TrajectoryWriter, state_numbers,
 };
 pub use vary::Vary;

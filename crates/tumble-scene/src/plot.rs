@@ -2,10 +2,10 @@
 
 mod axis;
 
-use std::fmt::Write as _;
-
 use axis::Axis;
 pub use axis::Scale;
+
+use crate::svg::{escaped, opening, put};
 
 const WIDTH: f64 = 760.0;
 const HEIGHT: f64 = 420.0;
@@ -101,14 +101,7 @@ impl Plot {
         let points = || self.series.iter().flat_map(|series| &series.points);
         let x = Axis::new(self.axes[0].1, points().map(|p| p.0), LEFT, right);
         let y = Axis::new(self.axes[1].1, points().map(|p| p.1), BOTTOM, TOP);
-        let title = escaped(&self.title);
-        let mut svg = format!(
-            "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"{WIDTH}\" height=\"{HEIGHT}\" viewBox=\"0 0 {WIDTH} {HEIGHT}\" role=\"img\">\n\
-             <title>{title}</title>\n<style>{}</style>\n\
-             <rect class=\"ground\" width=\"{WIDTH}\" height=\"{HEIGHT}\" rx=\"6\"/>\n\
-             <text class=\"title\" x=\"{LEFT}\" y=\"28\">{title}</text>\n",
-            style()
-        );
+        let mut svg = opening([WIDTH, HEIGHT], &self.title, [LEFT, 28.0], &style());
         self.draw_axes(&mut svg, &x, &y, right);
         for (i, series) in self.series.iter().enumerate() {
             series.draw(&mut svg, i % COLORS.len(), &x, &y);
@@ -221,23 +214,4 @@ fn style() -> String {
     };
     let (light, dark) = (colors(|pair| pair.0), colors(|pair| pair.1));
     format!("{STYLE}{light}@media(prefers-color-scheme:dark){{{STYLE_IN_THE_DARK}{dark}}}")
-}
-
-/// Text as it may stand in XML: markup escaped, characters that XML does not have left out.
-pub(crate) fn escaped(text: &str) -> String {
-    let allowed = |c: &char| *c >= ' ' && !matches!(c, '\u{fffe}' | '\u{ffff}');
-    text.chars().filter(allowed).fold(String::new(), |mut text, c| {
-        match c {
-            '<' => text.push_str("&lt;"),
-            '>' => text.push_str("&gt;"),
-            '&' => text.push_str("&amp;"),
-            other => text.push(other),
-        }
-        text
-    })
-}
-
-pub(crate) fn put(svg: &mut String, text: std::fmt::Arguments<'_>) {
-    // Writing to a string cannot fail.
-    let _ = svg.write_fmt(text);
 }

@@ -6,7 +6,7 @@ mod surface;
 use glam::{DQuat, DVec3};
 
 use crate::audit::{AuditedBody, Up};
-use crate::plot::{escaped, put};
+use crate::svg::{escaped, opening, put};
 
 use camera::Camera;
 use surface::{SHADES, Surface};
@@ -109,14 +109,7 @@ impl<'a> Portrait<'a> {
 
     fn to_svg(&self) -> String {
         let name: String = self.body.name.chars().take(TITLE).collect();
-        let name = escaped(&name);
-        let mut svg = format!(
-            "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"{WIDTH}\" height=\"{HEIGHT}\" viewBox=\"0 0 {WIDTH} {HEIGHT}\" role=\"img\">\n\
-             <title>{name}</title>\n<style>{}</style>\n\
-             <rect class=\"ground\" width=\"{WIDTH}\" height=\"{HEIGHT}\" rx=\"6\"/>\n\
-             <text class=\"title\" x=\"28\" y=\"36\">{name}</text>\n",
-            style()
-        );
+        let mut svg = opening([WIDTH, HEIGHT], &name, [28.0, 36.0], &style());
         let [backs, fronts] = self.surface.draw(&self.camera);
         put(&mut svg, format_args!("<g opacity=\".6\">\n{backs}</g>\n"));
         if let Some(matter) = &self.matter {

@@ -11,8 +11,9 @@ mod tables;
 use std::io::{self, Write};
 use std::time::Duration;
 
-use crate::plot::{Plot, escaped};
+use crate::plot::Plot;
 use crate::summary::Summary;
+use crate::svg::escaped;
 
 pub use replay::Replay;
 
@@ -29,13 +30,14 @@ const LONGEST_TEXT: usize = 600;
 ///
 /// ```
 /// use std::time::Duration;
-/// use tumble_scene::{Conserved, Plot, Replay, ReportPage, Scene, Summary};
+/// use tumble_scene::{Conserved, Frame, Plot, Replay, ReportPage, Scene, Summary};
 ///
 /// let scene = Scene::open("mujoco-box")?;
 /// let mut replay = Replay::of(&scene)?;
 /// let mut world = hecs::World::new();
 /// let names = scene.spawn(&mut world)?;
-/// replay.record(0, 0.0, &world, &tumble::BodyOrder::of(&world), &names);
+/// let order = tumble::BodyOrder::of(&world);
+/// replay.record(&Frame { step: 0, time: 0.0, world: &world, order: &order, names: &names });
 /// # let zero = Conserved { initial: 0.0, r#final: 0.0, max_relative_drift: 0.0 };
 /// # let zeros = Conserved { initial: [0.0; 3], r#final: [0.0; 3], max_relative_drift: 0.0 };
 /// # let summary = Summary { bodies: 1, worlds: 1, steps: 0, dt: 0.01, substeps: 1, integrator: "moser-veselov".into(),

@@ -14,6 +14,7 @@ use crate::error::{FieldError, Place, SceneError, one_line};
 use crate::gltf::{self, GltfBody, GltfScene};
 use crate::limits::{MAX_BODIES, step_count, time_step};
 use crate::looks::Looks;
+use crate::mesh_file::MeshFormat;
 use crate::model::SceneModel;
 use crate::parse::{Format, parse};
 use crate::read::{read_limited, read_text};
@@ -90,7 +91,7 @@ impl Scene {
     /// [`SceneError`], whose message names file, body and field.
     pub fn load(path: &Path) -> Result<Self, SceneError> {
         let file = path.to_string_lossy();
-        if gltf::is_gltf(path) {
+        if MeshFormat::of_path(path) == Some(MeshFormat::Gltf) {
             return Self::of_gltf(gltf::load(path)?, &file);
         }
         if is_urdf(path) {

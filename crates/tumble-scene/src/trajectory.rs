@@ -11,12 +11,10 @@ mod parquet;
 
 use std::io::{self, Seek, Write};
 
-use hecs::World;
 use tumble::math::Real;
-use tumble::{BodyOrder, Pose, Velocity};
+use tumble::{Pose, Velocity};
 
-use crate::Names;
-pub(crate) use frame::Frame;
+pub use frame::Frame;
 pub(crate) use glb::{Bodies, COLORS, Color, GREY, Sample, Surface, double, single};
 use pace::Pace;
 
@@ -52,13 +50,14 @@ pub fn state_numbers(pose: &Pose, velocity: Option<&Velocity>) -> [Real; 13] {
 ///
 /// ```
 /// use std::io::Cursor;
-/// use tumble_scene::{Scene, TrajectoryWriter};
+/// use tumble_scene::{Frame, Scene, TrajectoryWriter};
 ///
 /// let scene = Scene::open("mujoco-box")?;
 /// let mut world = hecs::World::new();
 /// let names = scene.spawn(&mut world)?;
 /// let mut writer = TrajectoryWriter::csv(Cursor::new(Vec::new()))?;
-/// writer.record(0, 0.0, &world, &tumble::BodyOrder::of(&world), &names)?;
+/// let order = tumble::BodyOrder::of(&world);
+/// writer.record(&Frame { step: 0, time: 0.0, world: &world, order: &order, names: &names })?;
 /// assert_eq!(
 ///     String::from_utf8(writer.finish()?.into_inner())?,
 ///     "step,time,body,px,py,pz,qx,qy,qz,qw,vx,vy,vz,wx,wy,wz\n\
@@ -108,25 +107,16 @@ impl<W: Write + Seek> TrajectoryWriter<W> {
         Self { record, pace: Pace::default() }
     }
 
-    /// Writes the state of each body, in their order. `Velocity` must be that of the state: run
-    /// [`update_derived`](tumble::update_derived) before.
+    /// Writes the state of each body, in their order.
     ///
     /// # Errors
     /// Whatever the writer says; with the first frame, [`TrajectoryError::TooLarge`].
-    pub fn record(
-        &mut self,
-        step: u64,
-        time: f64,
-        world: &World,
-        order: &BodyOrder,
-        names: &Names,
-    ) -> Result<(), TrajectoryError> {
-        let frame = Frame { step, time, world, order, names };
+    pub fn record(&mut self, frame: &Frame<'_>) -> Result<(), TrajectoryError> {
         match &mut self.record {
-            Record::Csv(csv) => csv.record(&frame)?,
+            Record::Csv(csv) => csv.record(frame)?,
             #[cfg(feature = "parquet")]
-            Record::Parquet(parquet) => parquet.record(&frame)?,
-            Record::Glb(glb) => glb.record(&frame)?,
+            Record::Parquet(parquet) => parquet.record(frame)?,
+            Record::Glb(glb) => glb.record(frame)?,
         }
         Ok(self.keep_pace()?)
     }

@@ -15,7 +15,7 @@ use hecs::World;
 use proptest::prelude::*;
 use tumble::math::Real;
 use tumble::{BodyOrder, CenterOfMass, Pose, Simulation, Velocity};
-use tumble_scene::{Animation, Scene, TrajectoryError, TrajectoryWriter};
+use tumble_scene::{Animation, Frame, Scene, TrajectoryError, TrajectoryWriter};
 
 /// What was recorded of a body that moves: the origin of its frame and its orientation.
 type Motion = Vec<(DVec3, DQuat)>;
@@ -44,7 +44,7 @@ fn recorded(
     let (mut times, mut motions, mut readable) = (Vec::new(), vec![Motion::new(); moving.len()], None);
     let mut writer = TrajectoryWriter::glb(&mut bytes, animation);
     for frame in 0..frames {
-        writer.record(simulation.steps(), simulation.time(), &world, &order, &names).unwrap();
+        writer.record(&Frame::of(&simulation, &world, &order, &names)).unwrap();
         times.push(simulation.time());
         for (motion, &entity) in motions.iter_mut().zip(&moving) {
             let (pose, center) = (*world.get::<&Pose>(entity).unwrap(), world.get::<&CenterOfMass>(entity).ok());
@@ -165,13 +165,13 @@ fn what_is_not_finite_stays_where_it_was() {
     let names = scene.spawn(&mut world).unwrap();
     let order = BodyOrder::of(&world);
     let mut writer = TrajectoryWriter::glb(Cursor::new(Vec::new()), animation);
-    writer.record(0, 0.0, &world, &order, &names).unwrap();
+    writer.record(&Frame { step: 0, time: 0.0, world: &world, order: &order, names: &names }).unwrap();
     world.query_mut::<&mut Pose>().into_iter().for_each(|pose| pose.position.x /= 0.0);
-    writer.record(1, 0.5, &world, &order, &names).unwrap();
+    writer.record(&Frame { step: 1, time: 0.5, world: &world, order: &order, names: &names }).unwrap();
     world.despawn(order.entities()[0]).unwrap();
-    writer.record(2, 1.0, &world, &order, &names).unwrap();
+    writer.record(&Frame { step: 2, time: 1.0, world: &world, order: &order, names: &names }).unwrap();
     // A time that single precision cannot tell from the last one is not a frame.
-    writer.record(3, 1.0 + 1e-9, &world, &order, &names).unwrap();
+    writer.record(&Frame { step: 3, time: 1.0 + 1e-9, world: &world, order: &order, names: &names }).unwrap();
     let gltf = Gltf::read(writer.finish().unwrap().get_ref());
     let (times, tracks) = gltf.animation();
     assert_eq!(times, [0.0, 0.5, 1.0]);
@@ -185,7 +185,8 @@ fn what_does_not_fit_is_refused_with_the_first_frame() {
     let mut world = World::new();
     let names = scene.spawn(&mut world).unwrap();
     let mut writer = TrajectoryWriter::glb(Cursor::new(Vec::new()), animation);
-    let error = writer.record(0, 0.0, &world, &BodyOrder::of(&world), &names).unwrap_err();
+    let order = BodyOrder::of(&world);
+    let error = writer.record(&Frame { step: 0, time: 0.0, world: &world, order: &order, names: &names }).unwrap_err();
     assert!(
         matches!(error, TrajectoryError::TooLarge { bodies: 1000, frames: 200_001, bytes } if bytes > 5_600_000_000),
         "{error}"

@@ -384,6 +384,7 @@ fn a_mistake_names_file_node_and_field() {
             "field nodes[0].rotation",
         ),
         ("{".to_owned(), "EOF"),
+        (r#"{ "asset": { "version": "2.0" } } { }"#.to_owned(), "trailing characters"),
     ];
     let directory = tempfile::tempdir().unwrap();
     let path = directory.path().join("bad.gltf");

@@ -14,7 +14,7 @@ use parquet::file::reader::{FileReader, SerializedFileReader};
 use parquet::record::{Field, Row};
 use tumble::math::{PRECISION, Real};
 use tumble::{BodyOrder, Simulation};
-use tumble_scene::{COLUMNS, Scene, TrajectoryWriter};
+use tumble_scene::{COLUMNS, Frame, Scene, TrajectoryWriter};
 
 /// Records so many frames of 50 bodies both ways, with checkpoints after some; the table at the last of them, or at the end if there
 /// are none, and the other record.
@@ -29,8 +29,8 @@ fn recorded(frames: u64, checkpoints: &[u64]) -> (bytes::Bytes, Vec<csv::StringR
     let mut csv = TrajectoryWriter::csv(Cursor::new(Vec::new())).unwrap();
     for frame in 0..frames {
         let (step, time) = (simulation.steps(), simulation.time());
-        parquet.record(step, time, &world, &order, &names).unwrap();
-        csv.record(step, time, &world, &order, &names).unwrap();
+        parquet.record(&Frame { step, time, world: &world, order: &order, names: &names }).unwrap();
+        csv.record(&Frame { step, time, world: &world, order: &order, names: &names }).unwrap();
         if checkpoints.contains(&frame) {
             parquet.checkpoint().unwrap();
         }
@@ -131,7 +131,7 @@ fn between_any_two_writes_the_file_is_a_table() {
     let order = BodyOrder::of(&world);
     let mut writer = TrajectoryWriter::parquet(watched).unwrap();
     for step in 0..30 {
-        writer.record(step, 0.5, &world, &order, &names).unwrap();
+        writer.record(&Frame { step, time: 0.5, world: &world, order: &order, names: &names }).unwrap();
         if step % 5 == 0 {
             writer.checkpoint().unwrap();
         }

@@ -9,7 +9,7 @@ use std::io::Cursor;
 use hecs::World;
 use tumble::math::Real;
 use tumble::{BodyOrder, Pose, Velocity};
-use tumble_scene::{COLUMNS, Scene, TrajectoryWriter};
+use tumble_scene::{COLUMNS, Frame, Scene, TrajectoryWriter};
 
 fn recorded(scene: Scene, poke: impl Fn(&mut World)) -> (World, Vec<csv::StringRecord>) {
     let mut world = World::new();
@@ -17,7 +17,7 @@ fn recorded(scene: Scene, poke: impl Fn(&mut World)) -> (World, Vec<csv::StringR
     poke(&mut world);
     let mut writer = TrajectoryWriter::csv(Cursor::new(Vec::new())).unwrap();
     let order = BodyOrder::of(&world);
-    writer.record(7, 0.1, &world, &order, &names).unwrap();
+    writer.record(&Frame { step: 7, time: 0.1, world: &world, order: &order, names: &names }).unwrap();
     let bytes = writer.finish().unwrap().into_inner();
     let mut reader = csv::Reader::from_reader(bytes.as_slice());
     assert_eq!(reader.headers().unwrap(), &COLUMNS[..]);

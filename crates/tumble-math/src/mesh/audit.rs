@@ -30,6 +30,7 @@ use super::triangle_mesh::TriangleMesh;
 /// # Ok::<(), tumble_math::MeshError>(())
 /// ```
 #[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize))]
 #[non_exhaustive]
 pub struct MeshAudit {
     /// Vertices, as given.

@@ -64,10 +64,11 @@ fn grouped(physics: &Physics, notices: &Notices) -> Vec<String> {
         nodes_of.entry(notice).or_default().push(*node);
     }
     let called = |index: usize| physics.node(index).and_then(|node| node.name.as_deref());
+    let left_out = nodes_of.len().saturating_sub(MOST_NOTICES);
     let mut lines: Vec<String> =
         nodes_of.into_iter().take(MOST_NOTICES).map(|(notice, nodes)| listed(notice, &nodes, called)).collect();
-    if lines.len() == MOST_NOTICES {
-        lines.push("and more".to_owned());
+    if left_out > 0 {
+        lines.push(format!("and {left_out} more"));
     }
     lines
 }

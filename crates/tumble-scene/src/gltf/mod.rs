@@ -81,16 +81,34 @@ impl Physics {
     /// # Errors
     /// As [`open`](Self::open).
     pub fn from_bytes(bytes: &[u8], file: &str) -> Result<Self, SceneError> {
-        let container = container::open(bytes).map_err(|problem| invalid(file, FieldError::new("", problem)))?;
-        let document = parse(&container.json, file)?;
-        read(&document).map(|(physics, _)| physics).map_err(|error| invalid(file, error))
+        Ok(File::read(bytes, file)?.physics)
     }
 }
 
-/// Whether a path's extension is that of glTF.
-pub(crate) fn is_gltf(path: &Path) -> bool {
-    let extension = path.extension().and_then(|extension| extension.to_str()).unwrap_or_default();
-    extension.eq_ignore_ascii_case("gltf") || extension.eq_ignore_ascii_case("glb")
+/// A document that has been read and checked, and what lies beside it.
+struct File<'a> {
+    document: Document,
+    binary: Option<&'a [u8]>,
+    tree: Tree,
+    physics: Physics,
+}
+
+impl<'a> File<'a> {
+    fn read(bytes: &'a [u8], file: &str) -> Result<Self, SceneError> {
+        let refused = |error| invalid(file, error);
+        let container = container::open(bytes).map_err(|problem| refused(FieldError::new("", problem)))?;
+        let document = parse(&container.json, file)?;
+        unsupported::refuse(&document).map_err(refused)?;
+        let tree = Tree::of(&document).map_err(refused)?;
+        let mut physics = Physics::of(&document, &tree).map_err(refused)?;
+        physics.notices = unsupported::notices(&document, &tree, &physics);
+        Ok(Self { document, binary: container.binary, tree, physics })
+    }
+
+    /// Its meshes; files that it names are looked for in `directory`.
+    fn triangles<'b>(&'b self, directory: Option<&'b Path>) -> Triangles<'b> {
+        Triangles::new(&self.document, Buffers::new(&self.document, directory, self.binary))
+    }
 }
 
 /// Reads a file whole: its physics, and the meshes that its colliders need.
@@ -101,19 +119,16 @@ pub(crate) fn load(path: &Path) -> Result<GltfScene, SceneError> {
 
 /// As [`load`], from bytes; files that the document names are looked for in `directory`.
 pub(crate) fn from_bytes(bytes: &[u8], directory: Option<&Path>, file: &str) -> Result<GltfScene, SceneError> {
-    let container = container::open(bytes).map_err(|problem| invalid(file, FieldError::new("", problem)))?;
-    let document = parse(&container.json, file)?;
-    let (physics, _) = read(&document).map_err(|error| invalid(file, error))?;
-    let mut triangles = Triangles::new(&document, Buffers::new(&document, directory, container.binary));
-    let (bodies, told) = bodies::bodies(&physics, &mut triangles);
-    let mut notices = physics.notices;
-    notices.extend(told);
+    let read = File::read(bytes, file)?;
+    let mut triangles = read.triangles(directory);
+    let (bodies, told) = bodies::bodies(&read.physics, &mut triangles);
+    let mut notices = [read.physics.notices.as_slice(), &told].concat();
     notices.extend(triangles.notices);
     if bodies.is_empty() {
         notices.push("no node of the scene has a motion or a collider: there are no bodies".to_owned());
     }
     let notices = notices.iter().map(|notice| one_line(notice)).collect();
-    let scene = document.scenes.get(document.scene.unwrap_or(0));
+    let scene = read.document.scenes.get(read.document.scene.unwrap_or(0));
     Ok(GltfScene { name: scene.and_then(|scene| scene.name.clone()), bodies, notices })
 }
 
@@ -121,21 +136,10 @@ pub(crate) fn from_bytes(bytes: &[u8], directory: Option<&Path>, file: &str) -> 
 pub(crate) fn mesh(path: &Path) -> Result<MeshFile, SceneError> {
     let file = path.to_string_lossy();
     let bytes = read_bytes(path, MAX_FILE_BYTES)?;
-    let container = container::open(&bytes).map_err(|problem| invalid(&file, FieldError::new("", problem)))?;
-    let document = parse(&container.json, &file)?;
-    let (_, tree) = read(&document).map_err(|error| invalid(&file, error))?;
-    let buffers = Buffers::new(&document, path.parent(), container.binary);
-    let mut triangles = Triangles::new(&document, buffers);
-    let mesh = triangles.of_scene(&tree).map_err(|error| invalid(&file, error))?;
+    let read = File::read(&bytes, &file)?;
+    let mut triangles = read.triangles(path.parent());
+    let mesh = triangles.of_scene(&read.tree).map_err(|error| invalid(&file, error))?;
     Ok(MeshFile { mesh, notices: triangles.notices.into_iter().collect() })
-}
-
-fn read(document: &Document) -> Result<(Physics, Tree), FieldError> {
-    unsupported::refuse(document)?;
-    let tree = Tree::of(document)?;
-    let mut physics = Physics::of(document, &tree)?;
-    physics.notices = unsupported::notices(document, &tree, &physics);
-    Ok((physics, tree))
 }
 
 /// Most objects and most strings of a document. An empty object takes two bytes of a file and a hundred times that of memory.
@@ -150,12 +154,15 @@ fn parse(json: &str, file: &str) -> Result<Document, SceneError> {
         }
     }
     let mut deserializer = serde_json::Deserializer::from_str(json);
-    let parsed: Result<Document, _> = serde_path_to_error::deserialize(&mut deserializer);
-    parsed.map_err(|error| SceneError::Malformed {
+    let malformed = |field: String, problem: &serde_json::Error| SceneError::Malformed {
         file: one_line(file),
-        place: Place { body: None, field: path(&error.path().to_string()) },
-        problem: one_line(&error.inner().to_string()),
-    })
+        place: Place { body: None, field },
+        problem: one_line(&problem.to_string()),
+    };
+    let parsed: Result<Document, _> = serde_path_to_error::deserialize(&mut deserializer);
+    let document = parsed.map_err(|error| malformed(path(&error.path().to_string()), error.inner()))?;
+    deserializer.end().map_err(|error| malformed(String::new(), &error))?;
+    Ok(document)
 }
 
 /// The whole document has no path.

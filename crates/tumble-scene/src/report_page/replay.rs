@@ -1,15 +1,12 @@
 //! What is shown of a run, collected while it goes on.
 
-use hecs::World;
-use tumble::BodyOrder;
-
 use super::choice::choose;
 use super::figures::{count, figure, rounded};
 use super::frames::Frames;
 use super::surfaces::Surfaces;
 use crate::SceneError;
 use crate::looks::Looks;
-use crate::scene::{Names, Scene};
+use crate::scene::Scene;
 use crate::trajectory::{Bodies, Frame, double};
 
 /// More bodies than this are more than anyone can tell apart.
@@ -25,7 +22,7 @@ const MESH_BYTES: u64 = BYTES / 3 * 2;
 /// [`left_out`](Self::left_out) says what is missing.
 ///
 /// ```
-/// use tumble_scene::{Replay, Scene};
+/// use tumble_scene::{Frame, Replay, Scene};
 ///
 /// let scene = Scene::stress(3000, 0)?;
 /// let mut simulation = tumble::Simulation::new(scene.settings)?;
@@ -33,9 +30,9 @@ const MESH_BYTES: u64 = BYTES / 3 * 2;
 /// let mut world = hecs::World::new();
 /// let names = scene.spawn(&mut world)?;
 /// let order = tumble::BodyOrder::of(&world);
-/// replay.record(0, 0.0, &world, &order, &names);
+/// replay.record(&Frame { step: 0, time: 0.0, world: &world, order: &order, names: &names });
 /// simulation.step(&mut world);
-/// replay.finish(1, simulation.time(), &world, &order, &names);
+/// replay.finish(&Frame { step: 1, time: simulation.time(), world: &world, order: &order, names: &names });
 /// assert!(replay.left_out()[0].starts_with("1000 of the 3000 bodies are shown"));
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
@@ -89,17 +86,15 @@ impl Replay {
     }
 
     /// Keeps the state of the bodies that are shown, if it is a step's turn.
-    pub fn record(&mut self, step: u64, time: f64, world: &World, order: &BodyOrder, names: &Names) {
-        let frame = Frame { step, time, world, order, names };
-        let Shown { bodies, frames, .. } = self.shown(&frame);
-        frames.record(&frame, bodies);
+    pub fn record(&mut self, frame: &Frame<'_>) {
+        let Shown { bodies, frames, .. } = self.shown(frame);
+        frames.record(frame, bodies);
     }
 
     /// Keeps the state at the end of the run.
-    pub fn finish(&mut self, step: u64, time: f64, world: &World, order: &BodyOrder, names: &Names) {
-        let frame = Frame { step, time, world, order, names };
-        let Shown { bodies, frames, .. } = self.shown(&frame);
-        frames.record_last(&frame, bodies);
+    pub fn finish(&mut self, frame: &Frame<'_>) {
+        let Shown { bodies, frames, .. } = self.shown(frame);
+        frames.record_last(frame, bodies);
     }
 
     /// What the replay does not show, and how it makes up for it: sentences.

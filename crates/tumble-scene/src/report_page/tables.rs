@@ -3,8 +3,8 @@
 use std::time::Duration;
 
 use super::figures::{count, figure, rounded};
-use crate::plot::escaped;
 use crate::summary::{Conserved, Summary};
+use crate::svg::escaped;
 
 /// The figures of the summary, in two columns.
 pub(super) fn summary(summary: &Summary, steps_asked: u64) -> String {

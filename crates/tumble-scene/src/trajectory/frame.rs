@@ -1,21 +1,32 @@
 use std::io;
 
 use hecs::World;
-use tumble::{BodyId, BodyOrder, Pose, Velocity};
+use tumble::{BodyId, BodyOrder, Pose, Simulation, Velocity};
 
 use crate::Names;
 
-/// All bodies at one step.
+/// All bodies at one step, as they are recorded. `Velocity` must be that of the state: run [`update_derived`](tumble::update_derived) before.
 #[derive(Clone, Copy)]
-pub(crate) struct Frame<'a> {
-    pub(crate) step: u64,
-    pub(crate) time: f64,
-    pub(crate) world: &'a World,
-    pub(crate) order: &'a BodyOrder,
-    pub(crate) names: &'a Names,
+pub struct Frame<'a> {
+    /// Steps done.
+    pub step: u64,
+    /// Time \[s\].
+    pub time: f64,
+    /// Where the bodies are.
+    pub world: &'a World,
+    /// Which of them, in which order.
+    pub order: &'a BodyOrder,
+    /// What they are called.
+    pub names: &'a Names,
 }
 
-impl Frame<'_> {
+impl<'a> Frame<'a> {
+    /// At the step that a simulation has come to.
+    #[must_use]
+    pub fn of(simulation: &Simulation, world: &'a World, order: &'a BodyOrder, names: &'a Names) -> Self {
+        Self { step: simulation.steps(), time: simulation.time(), world, order, names }
+    }
+
     /// Calls `row` with the number for [`Names::of`] and the state of each body, in order.
     pub(crate) fn for_each(
         &self,

@@ -31,14 +31,15 @@ const PENDING_BYTES: u64 = 16 << 20;
 ///
 /// ```
 /// use std::io::Cursor;
-/// use tumble_scene::{Animation, Scene, TrajectoryWriter};
+/// use tumble_scene::{Animation, Frame, Scene, TrajectoryWriter};
 ///
 /// let scene = Scene::open("mujoco-box")?;
 /// let animation = Animation::of(&scene, 100, 1)?;
 /// let mut world = hecs::World::new();
 /// let names = scene.spawn(&mut world)?;
 /// let mut writer = TrajectoryWriter::glb(Cursor::new(Vec::new()), animation);
-/// writer.record(0, 0.0, &world, &tumble::BodyOrder::of(&world), &names)?;
+/// let order = tumble::BodyOrder::of(&world);
+/// writer.record(&Frame { step: 0, time: 0.0, world: &world, order: &order, names: &names })?;
 /// assert_eq!(writer.finish()?.into_inner()[..4], *b"glTF");
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
