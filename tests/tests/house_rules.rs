@@ -21,7 +21,7 @@ struct Rule {
 
 /// The workspace from the bottom up. The engine adds a mathematics crate to what it depends on, and so may those above it.
 const RULES: [Rule; 6] = [
-    Rule { member: "crates/tumble-math", members: &[], outside: Some(&["glam", "libm", "thiserror"]) },
+    Rule { member: "crates/tumble-math", members: &[], outside: Some(&["glam", "libm", "serde", "thiserror"]) },
     Rule {
         member: "crates/tumble",
         members: &["tumble-math"],
