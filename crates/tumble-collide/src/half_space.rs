@@ -1,0 +1,51 @@
+//! A half-space against other shapes: the normal is always that of its surface.
+
+use tumble_math::lane::Vec3;
+
+use crate::geometry::Placement;
+use crate::manifold::{ContactPoint, Manifold, Points};
+use crate::reduction::reduce;
+use crate::scalar::Scalar;
+
+impl<R: Scalar> Placement<R> {
+    /// Out of the half-space placed here.
+    pub(crate) fn up(&self) -> Vec3<R> {
+        let [_, up, _] = self.orientation.axes();
+        up
+    }
+}
+
+pub(crate) fn half_space_and_ball<R: Scalar>(
+    ground: &Placement<R>,
+    radius: R,
+    center: Vec3<R>,
+    margin: R,
+) -> Manifold<R> {
+    let up = ground.up();
+    let separation = up.dot(center - ground.position) - radius;
+    Manifold::of_point(up, center - up * radius, separation, 0, margin)
+}
+
+/// The corners that are near enough; of more than four the four that hold the box best. A feature is the number of a corner.
+pub(crate) fn half_space_and_cuboid<R: Scalar>(
+    ground: &Placement<R>,
+    half_extents: Vec3<R>,
+    at: &Placement<R>,
+    margin: R,
+) -> Manifold<R> {
+    let up = ground.up();
+    let mut near = [ContactPoint { position: Vec3::zero(), separation: R::splat(0.0), feature: 0 }; 8];
+    let mut count = 0;
+    for corner in 0..8 {
+        let sign = |bit: u32| R::splat(if corner & bit == 0 { -1.0 } else { 1.0 });
+        let vertex = at.to_world(half_extents.scale(Vec3::new(sign(1), sign(2), sign(4))));
+        let separation = up.dot(vertex - ground.position);
+        if separation <= margin {
+            let position = vertex - up * (separation * R::splat(0.5));
+            near[count] = ContactPoint { position, separation, feature: corner };
+            count += 1;
+        }
+    }
+    let points = if count == 0 { Points::none() } else { reduce(&near[..count], up, margin) };
+    Manifold::new(up, points)
+}

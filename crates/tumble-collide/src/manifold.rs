@@ -1,0 +1,78 @@
+use tumble_math::lane::Vec3;
+
+use crate::scalar::Scalar;
+
+/// Where two shapes are nearest to touching.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ContactPoint<R> {
+    /// World coordinates, half-way between the two surfaces \[m\].
+    pub position: Vec3<R>,
+    /// Distance of the surfaces along the normal \[m\]; negative where they overlap.
+    pub separation: R,
+    /// Which vertices, edges and faces meet here. The same from step to step while the same ones do.
+    pub feature: u32,
+}
+
+/// How two shapes touch: one normal, and up to four points on it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Manifold<R> {
+    /// Unit vector from the first shape to the second, world frame.
+    pub normal: Vec3<R>,
+    points: Points<R>,
+}
+
+/// The most points that a manifold has, as many as a flat contact needs.
+pub const MOST_POINTS: usize = 4;
+
+/// Up to [`MOST_POINTS`] points.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Points<R> {
+    points: [ContactPoint<R>; MOST_POINTS],
+    len: usize,
+}
+
+impl<R: Scalar> Points<R> {
+    pub(crate) fn none() -> Self {
+        let point = ContactPoint { position: Vec3::zero(), separation: R::splat(0.0), feature: 0 };
+        Self { points: [point; MOST_POINTS], len: 0 }
+    }
+
+    /// Adds one where there is room.
+    pub(crate) fn push(&mut self, point: ContactPoint<R>) {
+        if let Some(slot) = self.points.get_mut(self.len) {
+            *slot = point;
+            self.len += 1;
+        }
+    }
+}
+
+impl<R: Scalar> Manifold<R> {
+    /// The shapes are further apart than was asked for.
+    pub(crate) fn none() -> Self {
+        Self { normal: Vec3::zero(), points: Points::none() }
+    }
+
+    pub(crate) fn new(normal: Vec3<R>, points: Points<R>) -> Self {
+        Self { normal, points }
+    }
+
+    /// One point, given on the surface of the second shape; none where it is further than `margin` or not finite.
+    pub(crate) fn of_point(normal: Vec3<R>, on_second: Vec3<R>, separation: R, feature: u32, margin: R) -> Self {
+        let mut points = Points::none();
+        if separation <= margin {
+            let position = on_second - normal * (separation * R::splat(0.5));
+            points.push(ContactPoint { position, separation, feature });
+        }
+        Self { normal, points }
+    }
+
+    /// The same seen from the other shape.
+    pub(crate) fn swapped(self) -> Self {
+        Self { normal: self.normal * R::splat(-1.0), ..self }
+    }
+
+    /// Where they touch; none if they are further apart than was asked for.
+    pub fn points(&self) -> &[ContactPoint<R>] {
+        self.points.points.get(..self.points.len).unwrap_or_default()
+    }
+}
