@@ -77,13 +77,21 @@ pub(crate) fn cuboid_and_cuboid<R: Scalar>(
             return Manifold::none();
         }
     }
+    let mut best_edges: Option<(R, [usize; 2])> = None;
     for (i, j) in (0..9).map(|pair| (pair / 3, pair % 3)) {
         if let Some(axis) = edge_axis(&a, &b, i, j) {
             let separation = axis.dot(apart).abs() - (a.reach(axis) + b.reach(axis));
-            if !consider(separation, Between::Edges(i, j), R::splat(EDGE_LEAD)) {
+            if separation > margin {
                 return Manifold::none();
             }
+            if best_edges.is_none_or(|(best, _)| separation > best) {
+                best_edges = Some((separation, [i, j]));
+            }
         }
+    }
+    // Among edges the best has to be taken: the nearest points of others may be past their ends.
+    if let Some((separation, [i, j])) = best_edges {
+        consider(separation, Between::Edges(i, j), R::splat(EDGE_LEAD));
     }
     match best {
         Some((_, Between::FaceOfFirst(i))) => face_contact(&a, i, &b, 0, margin),

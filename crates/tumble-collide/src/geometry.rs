@@ -50,21 +50,6 @@ impl<R: Scalar> Placement<R> {
     }
 }
 
-macro_rules! identity {
-    ($real:ty) => {
-        impl Placement<$real> {
-            /// At the world's origin, not turned.
-            pub const IDENTITY: Self = Self {
-                position: Vec3 { x: 0.0, y: 0.0, z: 0.0 },
-                orientation: Quat { x: 0.0, y: 0.0, z: 0.0, w: 1.0 },
-            };
-        }
-    };
-}
-
-identity!(f32);
-identity!(f64);
-
 impl<R: Scalar> Geometry<R> {
     /// The smallest box along the world's axes that holds the shape, and `margin` \[m\] around it; `None` for what has no end.
     pub fn bounds(&self, at: &Placement<R>, margin: R) -> Option<Bounds<R>> {

@@ -8,9 +8,9 @@
 //! use tumble_math::lane::Vec3;
 //!
 //! let ball = Geometry::Ball { radius: 0.5 };
-//! let ground = Geometry::HalfSpace;
+//! let (ground, origin) = (Geometry::HalfSpace, Placement::at(Vec3::zero()));
 //! let above = Placement::at(Vec3::new(0.0, 0.49, 0.0));
-//! let manifold = collide(&ground, &Placement::IDENTITY, &ball, &above, 0.02);
+//! let manifold = collide(&ground, &origin, &ball, &above, 0.02);
 //! // The ball is a centimetre inside the ground, whose surface looks up to it.
 //! assert_eq!((manifold.normal.y, manifold.points().len()), (1.0, 1));
 //! assert!((manifold.points()[0].separation - -0.01_f64).abs() < 1e-15);

@@ -262,6 +262,19 @@ fn for_each_archetype(
     }
 }
 
+/// Calls `then` for each archetype of moving bodies, one after the other, with all of them and the numbers of their entities.
+pub(crate) fn for_each_archetype_in_turn(
+    world: &World,
+    laws: &ForceLaws,
+    mut then: impl FnMut(&[u32], &mut Chunk<'_>),
+) {
+    for archetype in world.archetypes() {
+        if let Some(mut columns) = Columns::borrow(archetype) {
+            laws.with_rows(archetype, &mut |laws| then(archetype.ids(), &mut columns.chunk(laws)));
+        }
+    }
+}
+
 /// Cuts the bodies into chunks and calls `system` once for each, in parallel. There are eight of a few thousand bodies, so that threads that begin late or are
 /// slow do less, and more of more.
 pub(crate) fn for_each_part(chunk: Chunk<'_>, system: &(impl Fn(&mut Chunk<'_>) + Sync)) {

@@ -48,6 +48,8 @@ mod chance;
 mod clock;
 mod columns;
 mod components;
+mod contacts;
+mod coupling;
 mod derived;
 mod force_law;
 mod force_laws;
@@ -61,6 +63,7 @@ mod law_forces;
 mod law_tile;
 mod ledger;
 pub mod math;
+mod members;
 mod pairs;
 mod phase_times;
 mod property_error;
@@ -96,6 +99,7 @@ pub use components::{
     BodyId, CenterOfMass, Damping, GravityScale, Inertia, InertiaComponentError, InverseInertia, Mass, Momentum, Pose,
     PreviousPose, PrincipalAxes, Velocity, Work, Wrench,
 };
+pub use contacts::{Collider, ColliderError, Combine, Material};
 pub use force_law::{BodyState, ForceLaw};
 pub use force_laws::ForceLaws;
 pub use generators::{

@@ -20,17 +20,31 @@ pub struct Settings {
     pub substeps: u32,
     /// How the state is advanced.
     pub integrator: Integrator,
+    /// Into how many parts a step is divided where bodies touch; never fewer than `substeps`. 4 unless set.
+    pub contact_substeps: u32,
+    /// Bodies that come together slower than this \[m/s\] do not bounce, whatever their restitution: they would never come to rest. 1 unless set.
+    pub restitution_threshold: Real,
 }
 
 impl Default for Settings {
     fn default() -> Self {
-        Self { gravity: Vec3::new(0.0, -9.81, 0.0), dt: 1.0 / 60.0, substeps: 1, integrator: Integrator::default() }
+        Self {
+            gravity: Vec3::new(0.0, -9.81, 0.0),
+            dt: 1.0 / 60.0,
+            substeps: 1,
+            integrator: Integrator::default(),
+            contact_substeps: 4,
+            restitution_threshold: 1.0,
+        }
     }
 }
 
 impl Settings {
     /// The most substeps a step can have.
     pub const MOST_SUBSTEPS: u32 = 1_000_000;
+
+    /// The most parts a step can have where bodies touch.
+    pub const MOST_CONTACT_SUBSTEPS: u32 = 1_000;
 
     /// The same with another gravity [m/s^2].
     #[must_use]
@@ -56,6 +70,18 @@ impl Settings {
         Self { integrator, ..self }
     }
 
+    /// The same with another number of substeps where bodies touch.
+    #[must_use]
+    pub fn with_contact_substeps(self, contact_substeps: u32) -> Self {
+        Self { contact_substeps, ..self }
+    }
+
+    /// The same with another speed \[m/s\] below which nothing bounces.
+    #[must_use]
+    pub fn with_restitution_threshold(self, restitution_threshold: Real) -> Self {
+        Self { restitution_threshold, ..self }
+    }
+
     /// Whether a simulation can run with these.
     ///
     /// # Errors
@@ -72,6 +98,12 @@ impl Settings {
         }
         if self.substeps == 0 || self.substeps > Self::MOST_SUBSTEPS {
             return Err(SettingsError::Substeps(self.substeps));
+        }
+        if self.contact_substeps == 0 || self.contact_substeps > Self::MOST_CONTACT_SUBSTEPS {
+            return Err(SettingsError::ContactSubsteps(self.contact_substeps));
+        }
+        if !(self.restitution_threshold >= 0.0 && self.restitution_threshold.is_finite()) {
+            return Err(SettingsError::RestitutionThreshold(self.restitution_threshold));
         }
         Ok(())
     }
@@ -95,4 +127,10 @@ pub enum SettingsError {
     /// No substeps, or more than [`Settings::MOST_SUBSTEPS`].
     #[error("substeps must be from 1 to {most}, got {0}", most = Settings::MOST_SUBSTEPS)]
     Substeps(u32),
+    /// No substeps where bodies touch, or more than [`Settings::MOST_CONTACT_SUBSTEPS`].
+    #[error("contact substeps must be from 1 to {most}, got {0}", most = Settings::MOST_CONTACT_SUBSTEPS)]
+    ContactSubsteps(u32),
+    /// The speed below which nothing bounces is negative or not finite.
+    #[error("the restitution threshold must be zero or positive, and finite, got {0}")]
+    RestitutionThreshold(Real),
 }

@@ -1,11 +1,11 @@
 use hecs::{Component, World};
 
 use crate::clock::Clock;
+use crate::coupling::Coupling;
 use crate::force_law::ForceLaw;
 use crate::force_laws::ForceLaws;
 use crate::lane_law::LaneLaw;
 use crate::math::Real;
-use crate::pairs::PairForces;
 use crate::phase_times::PhaseTimes;
 use crate::settings::{Settings, SettingsError};
 use crate::step::steps_under_laws;
@@ -34,8 +34,8 @@ use crate::step::steps_under_laws;
 pub struct Simulation {
     settings: Settings,
     laws: ForceLaws,
-    /// What forces between bodies are evaluated with; none until there are any.
-    pairs: Option<Box<PairForces>>,
+    /// What forces between bodies are evaluated with, and contacts as they were left; none until there are any.
+    coupling: Option<Box<Coupling>>,
     steps: u64,
     /// Steps and time \[s\] when the settings were last changed; from there on time is a multiple of the step.
     since: (u64, f64),
@@ -53,7 +53,7 @@ impl Simulation {
     /// [`SettingsError`] where the settings are ones that nothing can be simulated with.
     pub fn new(settings: Settings) -> Result<Self, SettingsError> {
         settings.validate()?;
-        Ok(Self { settings, laws: ForceLaws::default(), pairs: None, steps: 0, since: (0, 0.0), owed: 0.0 })
+        Ok(Self { settings, laws: ForceLaws::default(), coupling: None, steps: 0, since: (0, 0.0), owed: 0.0 })
     }
 
     /// What the simulation is run with.
@@ -145,9 +145,10 @@ impl Simulation {
 
     fn advance_by(&mut self, world: &mut World, count: u32, times: Option<&PhaseTimes>) {
         if count > 0 {
-            let mut pairs = self.pairs.take();
-            steps_under_laws(world, &self.settings, &self.laws, &mut pairs, count, |step| self.time_after(step), times);
-            self.pairs = pairs;
+            let mut coupling = self.coupling.take();
+            let time_of_step = |step| self.time_after(step);
+            steps_under_laws(world, &self.settings, &self.laws, &mut coupling, count, time_of_step, times);
+            self.coupling = coupling;
             self.steps += u64::from(count);
         }
     }

@@ -1,9 +1,9 @@
 use hecs::World;
 
 use crate::columns::for_each_chunk;
+use crate::coupling::Coupling;
 use crate::force_laws::ForceLaws;
 use crate::kinematic::{move_kinematic_bodies, move_kinematic_bodies_a_substep};
-use crate::pairs::{self, PairForces};
 use crate::phase_times::{Phase, PhaseTimes};
 use crate::settings::Settings;
 use crate::systems::{
@@ -28,16 +28,16 @@ pub(crate) fn steps_under_laws(
     world: &mut World,
     settings: &Settings,
     laws: &ForceLaws,
-    pairs: &mut Option<Box<PairForces>>,
+    coupling: &mut Option<Box<Coupling>>,
     steps: u32,
     time_of_step: impl Fn(u32) -> f64 + Sync,
     times: Option<&PhaseTimes>,
 ) {
     crate::scope::scope!("tumble::step");
-    if pairs::are_in(world) {
-        let pairs = pairs.get_or_insert_default();
-        pairs.find(world);
-        coupled_steps(world, settings, laws, pairs, steps, time_of_step, times);
+    if Coupling::is_in(world) {
+        let coupling = coupling.get_or_insert_default();
+        coupling.find(world);
+        coupled_steps(world, settings, laws, coupling, steps, time_of_step, times);
     } else {
         for_each_chunk(world, laws, |bodies| {
             if bodies.work.is_none() && times.is_none() {
@@ -63,7 +63,7 @@ fn coupled_steps(
     world: &mut World,
     settings: &Settings,
     laws: &ForceLaws,
-    pairs: &mut PairForces,
+    coupling: &mut Coupling,
     steps: u32,
     time_of_step: impl Fn(u32) -> f64 + Sync,
     times: Option<&PhaseTimes>,
@@ -75,7 +75,7 @@ fn coupled_steps(
             accumulate_forces_of(bodies, settings);
         });
         stopwatch.end_of(Phase::AccumulateForces);
-        integrate_coupled(world, settings, laws, pairs, time_of_step(step), |world, substep| {
+        integrate_coupled(world, settings, laws, coupling, time_of_step(step), |world, substep| {
             move_kinematic_bodies_a_substep(world, settings.substep(), substep);
         });
         stopwatch.end_of(Phase::Integrate);

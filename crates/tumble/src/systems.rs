@@ -7,6 +7,7 @@ use tumble_math::lane::Vec3 as LaneVec3;
 
 use crate::columns::{Chunk, for_each_chunk};
 use crate::components::{PreviousPose, Work, Wrench};
+use crate::coupling::Coupling;
 use crate::derived::derived;
 use crate::force_laws::ForceLaws;
 use crate::integrator::Integrator;
@@ -14,7 +15,6 @@ use crate::integrators::{AnyWidth, ConstantForce, MoserVeselov, NoAccount, Runge
 use crate::law_forces::{ActingLaws, LawForces, TileLawForces, WorkAccount};
 use crate::law_tile::LawTile;
 use crate::math::{Real, Vec3};
-use crate::pairs::{self, PairForces};
 use crate::settings::Settings;
 use crate::simd::{Kernel, Tile, dispatch};
 use crate::state::{Force, State};
@@ -39,22 +39,22 @@ pub fn integrate(world: &mut World, settings: &Settings) {
 
 /// [`integrate`] under force laws, which are evaluated at every stage; `time` \[s\] is the simulated time at the start of the step.
 pub fn integrate_under_laws(world: &mut World, settings: &Settings, laws: &ForceLaws, time: f64) {
-    if pairs::are_in(world) {
-        let mut pairs = PairForces::default();
-        pairs.find(world);
-        integrate_coupled(world, settings, laws, &mut pairs, time, |_, _| ());
+    if Coupling::is_in(world) {
+        let mut coupling = Coupling::default();
+        coupling.find(world);
+        integrate_coupled(world, settings, laws, &mut coupling, time, |_, _| ());
     } else {
         for_each_chunk(world, laws, |bodies| integrate_bodies(bodies, settings, time, Wrenches::Consumed));
     }
 }
 
 /// The integration of a step where bodies act on each other: kicks between them before and after each substep, all of it before where the
-/// integrator is of first order. `beside` is called for what else moves in a substep, with its number.
+/// integrator is of first order, and contacts in the place of the integrator where something touches. `beside` is called for what else moves in a substep, with its number.
 pub(crate) fn integrate_coupled(
     world: &mut World,
     settings: &Settings,
     laws: &ForceLaws,
-    pairs: &mut PairForces,
+    coupling: &mut Coupling,
     time: f64,
     beside: impl Fn(&mut World, u32),
 ) {
@@ -65,12 +65,20 @@ pub(crate) fn integrate_coupled(
         Integrator::RungeKutta4 | Integrator::MoserVeselov => (h * 0.5, Some(h * 0.5)),
     };
     for substep in 0..settings.substeps {
-        pairs.kick(world, before, h);
+        if let Some(pairs) = &mut coupling.pairs {
+            pairs.kick(world, before, h);
+        }
         let time = time + f64::from(substep) * f64::from(h);
         let wrenches = if substep + 1 == settings.substeps { Wrenches::Consumed } else { Wrenches::Kept };
+        if let Some(contacts) = &mut coupling.contacts {
+            contacts.solve(world, settings, laws, time);
+        }
         for_each_chunk(world, laws, |bodies| integrate_bodies(bodies, &one, time, wrenches));
+        if let Some(contacts) = &coupling.contacts {
+            contacts.write(world);
+        }
         beside(world, substep);
-        if let Some(after) = after {
+        if let (Some(after), Some(pairs)) = (after, &mut coupling.pairs) {
             pairs.kick(world, after, h);
         }
     }

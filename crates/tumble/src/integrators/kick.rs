@@ -136,7 +136,7 @@ impl<L: Lane> Kick<L> {
 
     /// The state with its momenta kicked by a force.
     #[inline(always)]
-    pub(super) fn kicked(&self, state: State<L>, force: Force<L>) -> State<L> {
+    pub(crate) fn kicked(&self, state: State<L>, force: Force<L>) -> State<L> {
         State {
             linear: self.linear.apply(state.linear, force.force),
             angular: self.angular.apply(state.angular, force.torque),

@@ -13,6 +13,7 @@ mod semi_implicit_euler;
 
 pub(crate) use account::{Account, Mean, NoAccount};
 pub(crate) use forces::{ConstantForce, Forces};
+pub(crate) use kick::Kick;
 pub(crate) use moser_veselov::MoserVeselov;
 pub(crate) use runge_kutta4::{RungeKutta4, derivative};
 pub(crate) use semi_implicit_euler::SemiImplicitEuler;

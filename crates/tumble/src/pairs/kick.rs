@@ -2,13 +2,13 @@ use std::fmt;
 
 use hecs::World;
 
-use super::GravityMass;
 use super::gravity_mass::{Gravity, Source};
-use super::members::Members;
 use super::spring_impulse::{Impulse, Springs, Velocities};
+use super::{GravityMass, Spring};
 use crate::components::{Momentum, Work};
 use crate::force_laws::{GRAVITY_MASS, SPRING};
 use crate::math::{Real, double};
+use crate::members::Members;
 
 /// The forces between the bodies of a world, with what their evaluation needs: kept from step to step, so that a step need not allocate.
 #[derive(Clone, Default)]
@@ -32,7 +32,15 @@ impl fmt::Debug for PairForces {
 impl PairForces {
     /// Finds out what acts between which bodies of a world. To be called again when anything was spawned, despawned or changed but momentum and pose.
     pub(crate) fn find(&mut self, world: &World) {
-        self.members.find(world);
+        self.members.find(world, |archetype, mark| {
+            if let Some(springs) = archetype.get::<&Spring>() {
+                let ends = springs.iter().flat_map(|spring| spring.bodies);
+                ends.filter(|end| world.contains(*end)).for_each(|end| mark(end.id()));
+            }
+            if archetype.has::<GravityMass>() {
+                archetype.ids().iter().for_each(|id| mark(*id));
+            }
+        });
         self.springs.find(world, &self.members);
         self.masses.clear();
         self.masses.resize(self.members.len(), None);

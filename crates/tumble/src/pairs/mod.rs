@@ -7,7 +7,6 @@
 
 mod gravity_mass;
 mod kick;
-mod members;
 mod potential;
 mod spring;
 mod spring_impulse;

@@ -4,9 +4,9 @@ use rayon::prelude::*;
 use tumble_math::lane::{Lane, Vec3};
 
 use super::Spring;
-use super::members::{Members, Seen};
 use crate::generators::spring_force::Direction;
 use crate::math::Real;
+use crate::members::{Members, Seen};
 use crate::stiff::{MOST_ANGLE, MOST_ANGLE_IN_A_NET, stable_damping, stable_stiffness};
 
 /// A spring and the slots of its bodies.

@@ -1,8 +1,7 @@
-//! The bodies that forces between bodies act on, gathered from their archetypes.
+//! Bodies that act on each other, by forces or contacts, gathered from their archetypes.
 
 use hecs::{Archetype, World};
 
-use super::{GravityMass, Spring};
 use crate::components::{BodyId, Inertia, Mass, Momentum, Pose, PrincipalAxes, Velocity, Wrench};
 use crate::derived::{Derived, derived};
 use crate::math::Real;
@@ -11,49 +10,45 @@ use crate::state::{Constants, Moments, State};
 /// No slot.
 const NONE: u32 = u32::MAX;
 
+/// What the order of bodies goes by: those without a [`BodyId`] last, by the number of their entity.
+pub(crate) type Key = (bool, Option<BodyId>, u32);
+
 /// Where a body's components are.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 struct Member {
-    /// What the order goes by: those without a [`BodyId`] last, by entity.
-    key: (bool, Option<BodyId>, u32),
+    key: Key,
     archetype: usize,
     row: usize,
 }
 
 /// A body as forces between bodies see it.
 #[derive(Clone, Copy)]
-pub(super) struct Seen {
-    pub(super) state: State<Real>,
+pub(crate) struct Seen {
+    pub(crate) state: State<Real>,
     /// Zero for a body that forces do not move.
-    pub(super) inverse_mass: Real,
+    pub(crate) inverse_mass: Real,
     /// Of one that they move.
-    pub(super) constants: Option<Constants<Real>>,
-    pub(super) derived: Derived<Real>,
+    pub(crate) constants: Option<Constants<Real>>,
+    pub(crate) derived: Derived<Real>,
 }
 
 /// The bodies concerned, each with a slot, in the order of their [`BodyId`]s.
 #[derive(Clone, Default)]
-pub(super) struct Members {
+pub(crate) struct Members {
     members: Vec<Member>,
     /// By entity number.
     slots: Vec<u32>,
     /// The slots by archetype, then row.
     by_place: Vec<usize>,
-    pub(super) seen: Vec<Seen>,
+    pub(crate) seen: Vec<Seen>,
 }
 
 impl Members {
-    /// Finds the bodies that springs connect or that carry gravity.
-    pub(super) fn find(&mut self, world: &World) {
+    /// Finds the bodies among the entities that are marked, by number, when each archetype of the world is gone through.
+    pub(crate) fn find(&mut self, world: &World, marked: impl Fn(&Archetype, &mut dyn FnMut(u32))) {
         self.slots.clear();
         for archetype in world.archetypes().filter(|archetype| !archetype.is_empty()) {
-            if let Some(springs) = archetype.get::<&Spring>() {
-                let ends = springs.iter().flat_map(|spring| spring.bodies);
-                ends.filter(|end| world.contains(*end)).for_each(|end| self.mark(end.id()));
-            }
-            if archetype.has::<GravityMass>() {
-                archetype.ids().iter().for_each(|id| self.mark(*id));
-            }
+            marked(archetype, &mut |entity| self.mark(entity));
         }
         self.members.clear();
         for (index, archetype) in world.archetypes().enumerate().filter(|(_, archetype)| archetype.has::<Pose>()) {
@@ -92,16 +87,21 @@ impl Members {
     }
 
     /// The slot of an entity, if it is a body that was found.
-    pub(super) fn slot(&self, id: u32) -> Option<usize> {
+    pub(crate) fn slot(&self, id: u32) -> Option<usize> {
         self.slots.get(id as usize).filter(|slot| **slot != NONE).map(|slot| *slot as usize)
     }
 
-    pub(super) fn len(&self) -> usize {
+    /// What the order of slots goes by.
+    pub(crate) fn key(&self, slot: usize) -> Key {
+        self.members[slot].key
+    }
+
+    pub(crate) fn len(&self) -> usize {
         self.members.len()
     }
 
     /// Calls `then` for each archetype with members, and the row and slot of each of them there.
-    pub(super) fn for_each_archetype(
+    pub(crate) fn for_each_archetype(
         &self,
         world: &World,
         mut then: impl FnMut(&Archetype, &mut dyn Iterator<Item = (usize, usize)>),
@@ -117,7 +117,7 @@ impl Members {
     }
 
     /// Reads the state of all.
-    pub(super) fn gather(&mut self, world: &World) {
+    pub(crate) fn gather(&mut self, world: &World) {
         let mut seen = std::mem::take(&mut self.seen);
         seen.clear();
         seen.resize(self.len(), Seen::NOWHERE);

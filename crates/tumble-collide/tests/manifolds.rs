@@ -1,0 +1,183 @@
+//! Promise: a manifold says how far two shapes are apart and where, and moving them apart by as much parts them; whatever the frame they are seen
+//! from, and whichever of them comes first.
+//!
+//! Why: a solver believes what it is told here. A point beside the surfaces makes torques, a normal that is not the shortest way out throws
+//! bodies through each other.
+
+use proptest::prelude::*;
+use tumble_collide::{Bounds, BroadPhase, Geometry, Manifold, Placement, collide};
+use tumble_math::lane::{Quat, Vec3};
+
+const MARGIN: f64 = 0.02;
+/// Edges give way to faces that separate nearly as well, and faces of the second shape to those of the first.
+const HYSTERESIS: f64 = 5e-4;
+const ROUNDING: f64 = 1e-12;
+
+fn vector(range: std::ops::Range<f64>) -> impl Strategy<Value = Vec3<f64>> {
+    [range.clone(), range.clone(), range].prop_map(|[x, y, z]| Vec3::new(x, y, z))
+}
+
+fn rotation() -> impl Strategy<Value = Quat<f64>> {
+    // Faces and edges that are parallel are what games are made of.
+    let any = (vector(-1.0..1.0), -1.0..1.0).prop_filter_map("no axis", |(v, w): (Vec3<f64>, f64)| {
+        let quat = Quat { x: v.x, y: v.y, z: v.z, w };
+        (quat.length_squared() > 1e-2).then(|| quat.normalize())
+    });
+    let half = std::f64::consts::FRAC_1_SQRT_2;
+    prop_oneof![
+        3 => any,
+        1 => Just(Quat { x: 0.0, y: 0.0, z: 0.0, w: 1.0 }),
+        1 => Just(Quat { x: 0.0, y: half, z: 0.0, w: half }),
+    ]
+}
+
+fn placement() -> impl Strategy<Value = Placement<f64>> {
+    (vector(-1.5..1.5), rotation()).prop_map(|(position, orientation)| Placement { position, orientation })
+}
+
+fn geometry() -> impl Strategy<Value = Geometry<f64>> {
+    prop_oneof![
+        (0.1..1.0).prop_map(|radius| Geometry::Ball { radius }),
+        vector(0.1..1.0).prop_map(|half_extents| Geometry::Cuboid { half_extents }),
+    ]
+}
+
+fn length(v: Vec3<f64>) -> f64 {
+    v.dot(v).sqrt()
+}
+
+fn least(manifold: &Manifold<f64>) -> Option<f64> {
+    manifold.points().iter().map(|point| point.separation).reduce(f64::min)
+}
+
+fn moved(at: &Placement<f64>, by: Vec3<f64>) -> Placement<f64> {
+    Placement { position: at.position + by, ..*at }
+}
+
+/// How far a point is outside a shape at the least; negative inside.
+fn outside(point: Vec3<f64>, geometry: &Geometry<f64>, at: &Placement<f64>) -> f64 {
+    let local = at.orientation.rotate_back(point - at.position);
+    match *geometry {
+        Geometry::Ball { radius } => length(local) - radius,
+        Geometry::Cuboid { half_extents: h } => (local.x.abs() - h.x).max(local.y.abs() - h.y).max(local.z.abs() - h.z),
+        _ => local.y,
+    }
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(20_000))]
+
+    /// Half the separation from the point, along the normal, is a surface on either side.
+    #[test]
+    fn points_are_between_the_surfaces(a in geometry(), at in placement(), b in geometry(), bt in placement()) {
+        let manifold = collide(&a, &at, &b, &bt, MARGIN);
+        prop_assert!(manifold.points().len() <= 4);
+        for point in manifold.points() {
+            prop_assert!((length(manifold.normal) - 1.0).abs() < ROUNDING);
+            prop_assert!(point.separation <= MARGIN);
+            let half = manifold.normal * (0.5 * point.separation);
+            let (on_a, on_b) = (point.position - half, point.position + half);
+            // Where an edge was taken for less than it is, its point may be past its end by as much as that is along it.
+            prop_assert!(outside(on_a, &a, &at) < ROUNDING + MARGIN, "{}", outside(on_a, &a, &at));
+            prop_assert!(outside(on_b, &b, &bt) < ROUNDING + MARGIN, "{}", outside(on_b, &b, &bt));
+        }
+    }
+
+    /// No point of one is in the other where they are said to be apart, and moving them apart as far as they overlap parts them.
+    #[test]
+    fn the_least_separation_is_the_way_out(a in geometry(), at in placement(), b in geometry(), bt in placement(), inside in vector(-1.0..1.0)) {
+        let manifold = collide(&a, &at, &b, &bt, MARGIN);
+        let within = match a {
+            Geometry::Cuboid { half_extents } => half_extents.scale(inside),
+            Geometry::Ball { radius } => inside * (radius / 3.0_f64.sqrt()),
+            _ => inside,
+        };
+        let point = at.position + at.orientation.rotate(within);
+        let shared = outside(point, &b, &bt) < -HYSTERESIS;
+        match least(&manifold) {
+            Some(separation) => {
+                prop_assert!(!shared || separation < 0.0, "a point of both, and {separation}");
+                let apart = moved(&bt, manifold.normal * (MARGIN - separation - 1e-9));
+                let again = collide(&a, &at, &b, &apart, MARGIN);
+                if let Some(now) = least(&again) {
+                    prop_assert!(now > MARGIN - 2.0 * HYSTERESIS - 1e-6, "{separation} became {now}");
+                }
+            }
+            None => prop_assert!(!shared, "a point of both, and no contact"),
+        }
+    }
+
+    #[test]
+    fn either_may_come_first(a in geometry(), at in placement(), b in geometry(), bt in placement()) {
+        let (forth, back) = (collide(&a, &at, &b, &bt, MARGIN), collide(&b, &bt, &a, &at, MARGIN));
+        match (least(&forth), least(&back)) {
+            (Some(x), Some(y)) => prop_assert!((x - y).abs() <= HYSTERESIS, "{x} and {y}"),
+            (x, y) => prop_assert!(x.or(y).is_none_or(|apart| apart > MARGIN - HYSTERESIS), "{x:?} and {y:?}"),
+        }
+    }
+
+    /// The same from another place and another angle.
+    #[test]
+    fn space_has_no_favourite_frame(a in geometry(), at in placement(), b in geometry(), bt in placement(), frame in placement()) {
+        let place = |p: &Placement<f64>| Placement {
+            position: frame.position + frame.orientation.rotate(p.position),
+            orientation: (frame.orientation * p.orientation).normalize(),
+        };
+        let (here, there) = (collide(&a, &at, &b, &bt, MARGIN), collide(&a, &place(&at), &b, &place(&bt), MARGIN));
+        match (least(&here), least(&there)) {
+            // Where two axes are as good as each other, rounding may choose, within what one is given over the other.
+            (Some(x), Some(y)) => prop_assert!((x - y).abs() <= HYSTERESIS, "{x} and {y}"),
+            (x, y) => prop_assert!(x.or(y).is_none_or(|apart| apart > MARGIN - HYSTERESIS), "{x:?} and {y:?}"),
+        }
+    }
+
+    /// The broad phase finds the pairs that looking at all of them finds.
+    #[test]
+    fn boxes_that_meet_are_found(boxes in prop::collection::vec((vector(-3.0..3.0), vector(0.0..1.0)), 0..40)) {
+        let boxes: Vec<Bounds<f64>> = boxes.into_iter().map(|(at, half)| Bounds::about(at, half)).collect();
+        let mut found = Vec::new();
+        BroadPhase::default().pairs(boxes.iter().map(|bounds| Some(*bounds)), |_, _| true, &mut found);
+        let count = boxes.len() as u32;
+        let all = (0..count).flat_map(|i| (i + 1..count).map(move |j| (i, j)));
+        let meeting: Vec<_> = all.filter(|&(i, j)| boxes[i as usize].meets(&boxes[j as usize])).collect();
+        prop_assert_eq!(found, meeting);
+    }
+}
+
+/// A box flat on another touches in four points at the corners of what they share, deep as it is.
+#[test]
+fn a_box_on_a_box_has_four_corners() {
+    let bottom = Geometry::Cuboid { half_extents: Vec3::new(1.0, 0.5, 1.0) };
+    let top = Geometry::Cuboid { half_extents: Vec3::new(0.5, 0.5, 2.0) };
+    let above = Placement::at(Vec3::new(0.75, 0.99, 0.0));
+    let manifold = collide(&bottom, &Placement::at(Vec3::zero()), &top, &above, MARGIN);
+    assert_eq!(manifold.normal, Vec3::new(0.0, 1.0, 0.0));
+    let mut corners: Vec<[f64; 2]> =
+        manifold.points().iter().map(|point| [point.position.x, point.position.z]).collect();
+    corners.sort_by(|a, b| a.partial_cmp(b).unwrap());
+    assert_eq!(corners, [[0.25, -1.0], [0.25, 1.0], [1.0, -1.0], [1.0, 1.0]]);
+    let mut features: Vec<u32> = manifold.points().iter().map(|point| point.feature).collect();
+    features.sort_unstable();
+    features.dedup();
+    assert_eq!(features.len(), 4);
+    for point in manifold.points() {
+        assert!((point.separation + 0.01).abs() < 1e-15 && (point.position.y - 0.495).abs() < 1e-15);
+    }
+}
+
+/// Two bars across each other on their edges touch in one point.
+#[test]
+fn edges_that_cross_touch_in_one_point() {
+    let bar = Geometry::Cuboid { half_extents: Vec3::new(2.0, 0.5, 0.5) };
+    let eighth = (std::f64::consts::FRAC_PI_8.sin(), std::f64::consts::FRAC_PI_8.cos());
+    let on_edge = Quat { x: eighth.0, y: 0.0, z: 0.0, w: eighth.1 };
+    let half = std::f64::consts::FRAC_1_SQRT_2;
+    let across = Quat { x: 0.0, y: half, z: 0.0, w: half } * on_edge;
+    let lower = Placement { position: Vec3::zero(), orientation: on_edge };
+    let upper = Placement { position: Vec3::new(0.3, 2.0 * half - 0.01, 0.2), orientation: across };
+    let manifold = collide(&bar, &lower, &bar, &upper, MARGIN);
+    let [point] = manifold.points() else { panic!("{manifold:?}") };
+    assert!((manifold.normal.y - 1.0).abs() < 1e-12);
+    assert!((point.separation + 0.01).abs() < 1e-12);
+    assert!((point.position.x - 0.3).abs() < 1e-12 && point.position.z.abs() < 1e-12, "{point:?}");
+}

@@ -1,0 +1,57 @@
+use crate::math::Real;
+
+/// How a contact pushes overlapping bodies apart: as a damped spring whose stiffness goes with the mass it acts on.
+///
+/// With the angular frequency `w` and the damping ratio `z`, over a substep `h`: `a1 = 2 z + h w`, `a2 = h w a1`, and the impulse that an implicit
+/// step of the oscillator gives is `-(m (v + b) / K + i l)` with the velocity `v`, the impulse so far `l`, the bias `b = rate s` of the overlap `s`,
+/// `m = a2/(1 + a2)`, `i = 1/(1 + a2)` and `rate = w/a1` (E. Catto, "Soft Constraints", GDC 2011; "Solver2D", 2024).
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Softness {
+    /// Velocity out of an overlap of one metre [1/s].
+    pub(super) bias_rate: Real,
+    pub(super) mass_scale: Real,
+    pub(super) impulse_scale: Real,
+}
+
+/// Stiffest frequency of a contact of two moving bodies [Hz]; of one that does not move, twice it.
+const HERTZ: f64 = 30.0;
+/// Overdamped, so that bodies part without bouncing.
+const DAMPING_RATIO: f64 = 10.0;
+/// A spring of more periods a substep than these is not resolved.
+const MOST_PERIODS: f64 = 1.0 / 8.0;
+
+impl Softness {
+    /// Between two moving bodies, for a substep of `h` \[s\].
+    pub(super) fn between_moving(h: f64) -> Self {
+        Self::new(frequency(h), DAMPING_RATIO, h)
+    }
+
+    /// On a body that does not move. Stiffer, so that what is below in a stack gives way least.
+    pub(super) fn on_ground(h: f64) -> Self {
+        Self::new(2.0 * frequency(h), 0.5 * DAMPING_RATIO, h)
+    }
+
+    fn new(hertz: f64, damping_ratio: f64, h: f64) -> Self {
+        let omega = std::f64::consts::TAU * hertz;
+        let a1 = 2.0 * damping_ratio + h * omega;
+        let a2 = h * omega * a1;
+        let impulse_scale = 1.0 / (1.0 + a2);
+        Self {
+            bias_rate: crate::math::real(omega / a1),
+            mass_scale: crate::math::real(a2 * impulse_scale),
+            impulse_scale: crate::math::real(impulse_scale),
+        }
+    }
+
+    /// Bias of an overlap: how it acts on the velocity, capped at a speed that throws nothing up.
+    pub(super) fn bias(&self, separation: Real) -> Real {
+        (self.mass_scale * self.bias_rate * separation).max(-MOST_PUSH)
+    }
+}
+
+/// Fastest that overlapping bodies are pushed apart \[m/s\].
+const MOST_PUSH: Real = 3.0;
+
+fn frequency(h: f64) -> f64 {
+    HERTZ.min(MOST_PERIODS / h)
+}
