@@ -8,8 +8,8 @@
 use hecs::{Entity, World};
 use tumble::math::{Quat, Real, Vec3};
 use tumble::prelude::*;
-use tumble::{Collider, Material};
-use tumble_tests::{dvec3, energy_of, seconds};
+use tumble::{BodyOrder, Collider, Material, measure};
+use tumble_tests::{EPSILON, dvec3};
 
 const G: f64 = 9.81;
 
@@ -85,15 +85,23 @@ fn an_inclined_box_slides_or_holds() {
     let slope = 20.0_f64.to_radians();
     for mu in [0.0, 0.1, 0.2, 0.3, 0.35, 0.37, 0.4, 0.6] {
         let mut world = World::new();
-        let surface = Material::new(tumble_tests_real(mu), 0.0);
         let tilt = Quat::from_rotation_z(tumble_tests_real(-slope));
-        ground(&mut world, surface, tilt);
+        let rough = Material::new(1.0, 0.0);
+        let slide = ground(&mut world, rough, tilt);
         let shape = cube(0.25);
-        // It lies as deep as its weight presses it in, so that nothing moves but along the slope.
         let start = RigidBody::new(shape.clone()).mass(1.0).orientation(tilt).position(tilt * (Vec3::Y * 0.25));
-        let sliding = body(&mut world, start, &shape, surface);
-        run(&mut world, settings(1e-3), 1000);
-        let distance = f64::from((tilt.conjugate() * pose(&world, sliding).position).x);
+        let sliding = body(&mut world, start, &shape, rough);
+        let mut simulation = Simulation::new(settings(1e-3)).unwrap();
+        // It is held until it lies as deep as its weight presses it in, and then let go.
+        let along = |world: &World| f64::from((tilt.conjugate() * pose(world, sliding).position).x);
+        simulation.step_many(&mut world, 500);
+        let from = along(&world);
+        for entity in [slide, sliding] {
+            let mut collider = world.get::<&mut Collider>(entity).unwrap();
+            *collider = collider.with_material(Material::new(tumble_tests_real(mu), 0.0)).unwrap();
+        }
+        simulation.step_many(&mut world, 1000);
+        let distance = along(&world) - from;
         let expected = (0.5 * G * (slope.sin() - mu * slope.cos())).max(0.0);
         let speed = dvec3(velocity(&world, sliding).linear).length();
         if expected > 0.0 {
@@ -195,36 +203,33 @@ fn a_cluster_keeps_its_momenta() {
         let at = Vec3::new((i % 3) as Real, (i / 3 % 3) as Real, (i / 9) as Real) - Vec3::ONE;
         let body_i = RigidBody::new(shape.clone())
             .density(500.0)
-            .position(at * 0.9)
+            .position(at * 1.4)
             .linear_velocity(at * -1.5 + Vec3::new(at.y, -at.x, 0.0))
             .angular_velocity(Vec3::new(at.z, 3.0 * at.x, -at.y));
         body(&mut world, body_i, shape, surface);
     }
-    let totals = |world: &World| {
-        let (mut linear, mut angular, mut size) = (glam::DVec3::ZERO, glam::DVec3::ZERO, 0.0);
-        for (pose, momentum) in world.query::<(&Pose, &Momentum)>().iter() {
-            let p = dvec3(momentum.linear);
-            linear += p;
-            angular += dvec3(pose.position).cross(p) + dvec3(momentum.angular);
-            size += p.length();
-        }
-        (linear, angular, size)
-    };
-    let (linear, angular, size) = totals(&world);
-    let energy = |world: &World| world.iter().map(|entity| energy_of(world, entity.entity())).sum::<f64>();
-    let (mut before, start) = (energy(&world), energy(&world));
-    let mut simulation = Simulation::new(settings(1.0 / 60.0).with_gravity(Vec3::ZERO)).unwrap();
+    let settings = settings(1.0 / 60.0).with_gravity(Vec3::ZERO);
+    let totals = |world: &World| measure(world, &settings, &BodyOrder::new(world));
+    let start = totals(&world);
+    let mut before = start.energy();
+    let mut simulation = Simulation::new(settings).unwrap();
     for _ in 0..120 {
         simulation.step(&mut world);
-        let now = energy(&world);
-        assert!(now < before * 1.02 + 1e-3 * start, "{before} J became {now} J");
+        // Bodies go on turning while contacts hold them as they were when the step began: a little work is done on them by that.
+        let now = totals(&world).energy();
+        assert!(now < before * (1.0 + 1e-4), "{before} J became {now} J");
         before = now;
     }
-    assert!(before < 0.9 * start, "they did collide: {before} of {start} J");
-    let (linear_now, angular_now, _) = totals(&world);
-    println!("{linear} {linear_now} {angular} {angular_now} {size}");
-    assert!((linear_now - linear).length() < 1e-5 * size);
-    assert!((angular_now - angular).length() < 1e-3 * size);
+    let end = totals(&world);
+    assert!(before < 0.7 * start.energy(), "they did collide: {before} of {} J", start.energy());
+    // Some thousand impulses, each rounded against momenta of about a thousand kg m/s.
+    let size = (2.0 * start.energy() * 27.0 * 60.0).sqrt();
+    assert!((end.linear_momentum - start.linear_momentum).length() < 100.0 * EPSILON * size);
+    assert!(
+        (end.angular_momentum - start.angular_momentum).length() < 400.0 * EPSILON * size,
+        "{}",
+        (end.angular_momentum - start.angular_momentum).length() / size / EPSILON
+    );
 }
 
 /// A pyramid of boxes stands.
@@ -247,7 +252,6 @@ fn a_pyramid_stands() {
     let (top, at) = top.unwrap();
     run(&mut world, settings(1.0 / 60.0), 600);
     let moved = dvec3(pose(&world, top).position) - dvec3(at);
-    println!("{moved} {}", seconds(1.0));
     assert!(moved.length() < 0.015, "{moved}");
     assert!(dvec3(velocity(&world, top).linear).length() < 1e-3);
 }

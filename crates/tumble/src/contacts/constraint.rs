@@ -228,6 +228,17 @@ impl Constraint {
         }
     }
 
+    /// Notes how fast the bodies come together, before a pass pushes anything: they may have been kicked since the step began.
+    pub(super) fn note_approach(&mut self, bodies: [&SolverBody; 2]) {
+        if self.restitution > 0.0 {
+            let motion = self.velocity(bodies);
+            let speeds: [Real; MOST_POINTS] = std::array::from_fn(|j| self.along_normal(&self.rows[j], &motion));
+            for (row, speed) in self.rows_mut().iter_mut().zip(speeds) {
+                row.approach = row.approach.min(speed);
+            }
+        }
+    }
+
     /// Friction, with what the normal impulses give it to hold by.
     fn rub(&mut self, [first, second]: [&mut SolverBody; 2], normal_impulse: Real) {
         let motion = self.velocity([first, second]);

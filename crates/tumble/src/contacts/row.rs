@@ -16,7 +16,7 @@ pub(super) struct Row {
     pub(super) impulse: Real,
     /// The greatest of the step.
     pub(super) most_impulse: Real,
-    /// Velocity along the normal before the step \[m/s\].
+    /// The fastest that the bodies came together here before the row held them, in this step: velocity along the normal \[m/s\].
     pub(super) approach: Real,
     pub(super) feature: u32,
 }

@@ -83,6 +83,7 @@ impl Contacts {
             if substep == 0 {
                 contacts.iter().for_each(|contact| contact.warm_start(pair(&mut self.bodies, contact.slots)));
             }
+            contacts.iter_mut().for_each(|contact| contact.note_approach(contact.slots.map(|slot| &self.bodies[slot])));
             for contact in &mut contacts {
                 contact.solve(pair(&mut self.bodies, contact.slots), Pass::Biased, h);
             }
