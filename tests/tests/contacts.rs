@@ -209,7 +209,7 @@ fn a_cluster_keeps_its_momenta() {
         body(&mut world, body_i, shape, surface);
     }
     let settings = settings(1.0 / 60.0).with_gravity(Vec3::ZERO);
-    let totals = |world: &World| measure(world, &settings, &BodyOrder::new(world));
+    let totals = |world: &World| measure(world, &settings, &BodyOrder::of(world));
     let start = totals(&world);
     let mut before = start.energy();
     let mut simulation = Simulation::new(settings).unwrap();
