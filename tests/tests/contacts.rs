@@ -252,6 +252,7 @@ fn a_pyramid_stands() {
     let (top, at) = top.unwrap();
     run(&mut world, settings(1.0 / 60.0), 600);
     let moved = dvec3(pose(&world, top).position) - dvec3(at);
+    println!("{moved} {}", velocity(&world, top).linear);
     assert!(moved.length() < 0.015, "{moved}");
     assert!(dvec3(velocity(&world, top).linear).length() < 1e-3);
 }

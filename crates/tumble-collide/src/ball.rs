@@ -19,6 +19,7 @@ pub(crate) fn ball_and_ball<R: Scalar>(
     let up = Vec3::new(R::splat(0.0), R::splat(1.0), R::splat(0.0));
     let normal = if distance > R::splat(LEAST_DISTANCE) { apart * (R::splat(1.0) / distance) } else { up };
     Manifold::of_point(normal, second_center - normal * second, distance - (first + second), 0, margin)
+        .carried_by_both()
 }
 
 /// Nearer than this \[m\] two points are one: its square is a normal number in either precision.

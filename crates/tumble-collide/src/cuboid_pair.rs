@@ -145,7 +145,7 @@ fn edge_contact<R: Scalar>(
     let across = d.dot(e);
     let t = (across * d.dot(r) - e.dot(r)) / (R::splat(1.0) - across * across);
     let feature = 1 << 31 | (i as u32) << 8 | (j as u32) << 10 | corner_a << 12 | corner_b << 16;
-    Manifold::of_point(normal, on_b + e * t, separation, feature, margin)
+    Manifold::of_point(normal, on_b + e * t, separation, feature, margin).carried_by_both()
 }
 
 /// A corner of a polygon in the plane of a face, and which edge goes on from it: of the incident face (0 to 3) or a side of the
@@ -217,7 +217,19 @@ fn face_contact<R: Scalar>(
         }
     }
     let points = if count == 0 { Points::none() } else { reduce(&near[..count], normal, margin) };
-    Manifold::new(normal, points)
+    Manifold::new(normal, carried(&points), points)
+}
+
+/// A corner of the incident face goes with its box, one of the reference face with the other, and where an edge crosses one of the other
+/// face's with both.
+fn carried<R: Scalar>(points: &Points<R>) -> R {
+    let (mut sum, mut count) = (R::splat(0.0), R::splat(0.0));
+    for point in points.iter() {
+        let of_incident = |edge: u32| R::splat(if edge < 4 { 0.5 } else { 0.0 });
+        sum = sum + of_incident(point.feature >> 4 & 15) + of_incident(point.feature & 15);
+        count = count + R::splat(1.0);
+    }
+    if count > R::splat(0.0) { sum / count } else { R::splat(0.5) }
 }
 
 /// A convex polygon, its corners in order.

@@ -47,5 +47,5 @@ pub(crate) fn half_space_and_cuboid<R: Scalar>(
         }
     }
     let points = if count == 0 { Points::none() } else { reduce(&near[..count], up, margin) };
-    Manifold::new(up, points)
+    Manifold::new(up, R::splat(1.0), points)
 }

@@ -18,6 +18,9 @@ pub struct ContactPoint<R> {
 pub struct Manifold<R> {
     /// Unit vector from the first shape to the second, world frame.
     pub normal: Vec3<R>,
+    /// How far the points go along with the second shape when it moves past the first, from 0 to 1: a ball takes its point with it
+    /// over a floor, and a large box leaves the points of a small one where the small one is.
+    pub carried: R,
     points: Points<R>,
 }
 
@@ -37,6 +40,10 @@ impl<R: Scalar> Points<R> {
         Self { points: [point; MOST_POINTS], len: 0 }
     }
 
+    pub(crate) fn iter(&self) -> std::slice::Iter<'_, ContactPoint<R>> {
+        self.points.get(..self.len).unwrap_or_default().iter()
+    }
+
     /// Adds one where there is room.
     pub(crate) fn push(&mut self, point: ContactPoint<R>) {
         if let Some(slot) = self.points.get_mut(self.len) {
@@ -49,30 +56,36 @@ impl<R: Scalar> Points<R> {
 impl<R: Scalar> Manifold<R> {
     /// The shapes are further apart than was asked for.
     pub(crate) fn none() -> Self {
-        Self { normal: Vec3::zero(), points: Points::none() }
+        Self { normal: Vec3::zero(), carried: R::splat(0.5), points: Points::none() }
     }
 
-    pub(crate) fn new(normal: Vec3<R>, points: Points<R>) -> Self {
-        Self { normal, points }
+    pub(crate) fn new(normal: Vec3<R>, carried: R, points: Points<R>) -> Self {
+        Self { normal, carried, points }
     }
 
-    /// One point, given on the surface of the second shape; none where it is further than `margin` or not finite.
+    /// One point, given on the surface of the second shape, which carries it; none where it is further than `margin` or not finite.
     pub(crate) fn of_point(normal: Vec3<R>, on_second: Vec3<R>, separation: R, feature: u32, margin: R) -> Self {
         let mut points = Points::none();
         if separation <= margin {
             let position = on_second - normal * (separation * R::splat(0.5));
             points.push(ContactPoint { position, separation, feature });
         }
-        Self { normal, points }
+        Self { normal, carried: R::splat(1.0), points }
+    }
+
+    /// The same where both shapes carry the point as much.
+    pub(crate) fn carried_by_both(self) -> Self {
+        Self { carried: R::splat(0.5), ..self }
     }
 
     /// The same seen from the other shape.
     pub(crate) fn swapped(self) -> Self {
-        Self { normal: self.normal * R::splat(-1.0), ..self }
+        let one = R::splat(1.0);
+        Self { normal: self.normal * -one, carried: one - self.carried, ..self }
     }
 
     /// Where they touch; none if they are further apart than was asked for.
     pub fn points(&self) -> &[ContactPoint<R>] {
-        self.points.points.get(..self.points.len).unwrap_or_default()
+        self.points.iter().as_slice()
     }
 }

@@ -29,10 +29,6 @@ pub(super) struct Free {
     kick: Kick<Real>,
     rotation: Option<FreeRotation<Real>>,
     force: Force<Real>,
-    /// Momenta after the kick of this substep, before any contact.
-    kicked: Relative,
-    /// What contacts added to the momenta in the last substep.
-    by_contacts: Relative,
 }
 
 impl Relative {
@@ -53,14 +49,7 @@ impl SolverBody {
             .inertia
             .as_ref()
             .map(|inertia| FreeRotation::new(inertia.moments, inertia.inverse_moments, inertia.axes, h));
-        let free = Free {
-            constants: *constants,
-            kick: Kick::new(constants, h),
-            rotation,
-            force,
-            kicked: Relative::ZERO,
-            by_contacts: Relative::ZERO,
-        };
+        let free = Free { constants: *constants, kick: Kick::new(constants, h), rotation, force };
         Self {
             state,
             derived: derived(constants, &state),
@@ -87,17 +76,9 @@ impl SolverBody {
 
     /// Adds what forces do in a substep.
     pub(super) fn kick(&mut self) {
-        if let Some(free) = &mut self.free {
+        if let Some(free) = &self.free {
             self.state = free.kick.kicked(self.state, free.force);
-            free.kicked = Relative { linear: self.state.linear, angular: self.state.angular };
             self.push(Vec3::zero(), Vec3::zero());
-        }
-    }
-
-    /// Adds what contacts did in the substep before: where nothing changes, that is what they do in this one.
-    pub(super) fn push_as_before(&mut self) {
-        if let Some(Free { by_contacts, .. }) = self.free {
-            self.push(by_contacts.linear, by_contacts.angular);
         }
     }
 
@@ -112,16 +93,6 @@ impl SolverBody {
                 self.state.orientation = rotation.rotate(self.state.orientation, self.state.angular);
             }
             self.derived = derived(&free.constants, &self.state);
-        }
-    }
-
-    /// Remembers what contacts did in this substep.
-    pub(super) fn end_substep(&mut self) {
-        if let Some(free) = &mut self.free {
-            free.by_contacts = Relative {
-                linear: self.state.linear - free.kicked.linear,
-                angular: self.state.angular - free.kicked.angular,
-            };
         }
     }
 }

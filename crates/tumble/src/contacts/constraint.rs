@@ -19,8 +19,12 @@ pub(super) struct Constraint {
     pub(super) slots: [usize; 2],
     pub(super) normal: Vec3<Real>,
     pub(super) tangents: [Vec3<Real>; 2],
-    /// The middle from both centres of mass \[m\].
+    /// The middle from both centres of mass as they are now \[m\].
     pub(super) arms: [Vec3<Real>; 2],
+    /// The same when the step began.
+    first_arms: [Vec3<Real>; 2],
+    /// How far the middle goes with the second body when it moves past the first, from 0 to 1.
+    carried: Real,
     rows: [Row; MOST_POINTS],
     count: usize,
     /// Velocity at the second of two rows that a unit impulse at the first gives [1/kg].
@@ -79,6 +83,8 @@ impl Constraint {
             normal,
             tangents,
             arms,
+            first_arms: arms,
+            carried: manifold.carried,
             rows: [at_rest; MOST_POINTS],
             count: manifold.points().len(),
             coupling: [[0.0; MOST_POINTS]; MOST_POINTS],
@@ -132,7 +138,7 @@ impl Constraint {
 
     /// Where a row's point is from the first body's centre of mass \[m\].
     pub(super) fn place_of(&self, row: &Row) -> Vec3<Real> {
-        self.arms[0] + self.tangents[0] * row.a + self.tangents[1] * row.b
+        self.first_arms[0] + self.tangents[0] * row.a + self.tangents[1] * row.b
     }
 
     /// Begins with friction as it was, in the frame that the contact has now.
@@ -149,18 +155,20 @@ impl Constraint {
 
     /// Velocity of the second body relative to the first, at the middle.
     pub(super) fn velocity(&self, [first, second]: [&SolverBody; 2]) -> Relative {
-        self.relative(
-            [first, second].map(|body| Relative { linear: body.derived.linear, angular: body.derived.angular }),
-        )
+        let of = |body: &SolverBody| Relative { linear: body.derived.linear, angular: body.derived.angular };
+        relative([of(first), of(second)], self.arms)
     }
 
-    /// The same of any motion of the two.
-    fn relative(&self, [first, second]: [Relative; 2]) -> Relative {
-        let at = |motion: &Relative, arm| motion.linear + motion.angular.cross(arm);
-        Relative {
-            linear: at(&second, self.arms[1]) - at(&first, self.arms[0]),
-            angular: second.angular - first.angular,
-        }
+    /// How far the second body moved relative to the first since the step began.
+    fn displacement(&self, [first, second]: [&SolverBody; 2]) -> Relative {
+        relative([first.displacement, second.displacement], self.first_arms)
+    }
+
+    /// Both arms to one point of the world again, after the bodies have moved past each other. Impulses that are equal and opposite there keep the
+    /// angular momentum.
+    pub(super) fn follow(&mut self, [first, second]: [&SolverBody; 2]) {
+        let apart = second.displacement.linear - first.displacement.linear;
+        self.arms = [self.first_arms[0] + apart * self.carried, self.first_arms[1] - apart * (1.0 - self.carried)];
     }
 
     /// Along the normal at a row's point.
@@ -189,7 +197,7 @@ impl Constraint {
         second.push(linear, self.arms[1].cross(linear) + angular);
     }
 
-    /// Applies all impulses as they are: the ones that the last step ended with.
+    /// Applies all impulses as they are, those that the last substep ended with: where nothing changes they are what this one needs.
     pub(super) fn warm_start(&self, bodies: [&mut SolverBody; 2]) {
         let impulses = std::array::from_fn(|j| self.rows[j].impulse);
         self.push(bodies, impulses, self.friction.linear(self), self.friction.turning(self));
@@ -199,7 +207,7 @@ impl Constraint {
     pub(super) fn solve(&mut self, bodies: [&mut SolverBody; 2], pass: Pass, h: Real) {
         let [first, second] = bodies;
         let motion = self.velocity([first, second]);
-        let moved = self.relative([first.displacement, second.displacement]);
+        let moved = self.displacement([first, second]);
         let softness = self.softness;
         let mut speeds: [Real; MOST_POINTS] = std::array::from_fn(|j| self.along_normal(&self.rows[j], &motion));
         let mut changes = [0.0; MOST_POINTS];
@@ -281,6 +289,12 @@ impl Constraint {
             self.friction = before;
         }
     }
+}
+
+/// The motion of the second of two bodies seen from the first, at the end of both arms.
+fn relative([first, second]: [Relative; 2], arms: [Vec3<Real>; 2]) -> Relative {
+    let at = |motion: &Relative, arm| motion.linear + motion.angular.cross(arm);
+    Relative { linear: at(&second, arms[1]) - at(&first, arms[0]), angular: second.angular - first.angular }
 }
 
 /// Two unit vectors, each perpendicular to the other and to `n`: the first as near as it can be to the axis that `n` is farthest from.

@@ -73,25 +73,18 @@ impl Contacts {
         self.gather(world, settings, laws, (time, h));
         let mut contacts = self.touching(h);
         self.keep_impulses(&mut contacts);
-        for substep in 0..substeps {
-            for &slot in &self.active {
-                self.bodies[slot].kick();
-                if substep > 0 {
-                    self.bodies[slot].push_as_before();
-                }
-            }
-            if substep == 0 {
-                contacts.iter().for_each(|contact| contact.warm_start(pair(&mut self.bodies, contact.slots)));
-            }
+        for _ in 0..substeps {
+            self.active.iter().for_each(|slot| self.bodies[*slot].kick());
+            contacts.iter().for_each(|contact| contact.warm_start(pair(&mut self.bodies, contact.slots)));
             contacts.iter_mut().for_each(|contact| contact.note_approach(contact.slots.map(|slot| &self.bodies[slot])));
             for contact in &mut contacts {
                 contact.solve(pair(&mut self.bodies, contact.slots), Pass::Biased, h);
             }
             self.active.iter().for_each(|slot| self.bodies[*slot].drift(h));
+            contacts.iter_mut().for_each(|contact| contact.follow(contact.slots.map(|slot| &self.bodies[slot])));
             for contact in &mut contacts {
                 contact.solve(pair(&mut self.bodies, contact.slots), Pass::Relaxing, h);
             }
-            self.active.iter().for_each(|slot| self.bodies[*slot].end_substep());
         }
         for contact in &mut contacts {
             contact.bounce(pair(&mut self.bodies, contact.slots), settings.restitution_threshold);
