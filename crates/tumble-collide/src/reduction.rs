@@ -9,7 +9,7 @@ use crate::scalar::Scalar;
 /// every rounding.
 const LEAD: f64 = 1.05;
 
-/// All of four points and fewer. Of more: the deepest, the one farthest from it, the one that makes the largest triangle with both, and the
+/// All of four points and fewer. Of more: the outermost of the deepest, the one farthest from it, the one that makes the largest triangle with both, and the
 /// one that adds most to its area.
 pub(crate) fn reduce<R: Scalar>(candidates: &[ContactPoint<R>], normal: Vec3<R>, margin: R) -> Points<R> {
     let mut points = Points::none();
@@ -18,12 +18,20 @@ pub(crate) fn reduce<R: Scalar>(candidates: &[ContactPoint<R>], normal: Vec3<R>,
         return points;
     }
     let at = |index: usize| candidates[index].position;
-    let mut deepest = 0;
-    for (index, candidate) in candidates.iter().enumerate() {
-        if candidate.separation < candidates[deepest].separation - margin * R::splat(LEAD - 1.0) {
-            deepest = index;
-        }
+    // Of those that are as deep as any, give or take, one at a corner: an edge that lies along another crosses it anywhere, from step to step.
+    let (mut least, mut sum) = (candidates[0].separation, Vec3::zero());
+    for candidate in candidates {
+        least = least.min(candidate.separation);
+        sum = sum + candidate.position;
     }
+    let middle = sum * (R::splat(1.0) / R::splat(candidates.len() as f64));
+    let shallow: Vec<usize> = (0..candidates.len())
+        .filter(|index| candidates[*index].separation > least + margin * R::splat(LEAD - 1.0))
+        .collect();
+    let deepest = best(candidates, &shallow, |point| {
+        let apart = point - middle;
+        apart.dot(apart)
+    });
     let far = best(candidates, &[deepest], |point| {
         let apart = point - at(deepest);
         apart.dot(apart)

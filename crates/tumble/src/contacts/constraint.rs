@@ -136,9 +136,9 @@ impl Constraint {
         &mut self.rows[..self.count]
     }
 
-    /// Where a row's point is from the first body's centre of mass \[m\].
-    pub(super) fn place_of(&self, row: &Row) -> Vec3<Real> {
-        self.first_arms[0] + self.tangents[0] * row.a + self.tangents[1] * row.b
+    /// Where the point of a row is from the first body's centre of mass, when the step began \[m\].
+    pub(super) fn place_of(&self, row: usize) -> Vec3<Real> {
+        self.first_arms[0] + self.tangents[0] * self.rows[row].a + self.tangents[1] * self.rows[row].b
     }
 
     /// Begins with friction as it was, in the frame that the contact has now.

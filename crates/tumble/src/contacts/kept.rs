@@ -1,3 +1,4 @@
+use tumble_collide::MOST_POINTS;
 use tumble_math::lane::Vec3;
 
 use super::constraint::Constraint;
@@ -29,9 +30,9 @@ const SAME_PLACE: Real = 0.01;
 
 impl Kept {
     pub(super) fn of(keys: [Key; 2], contact: &Constraint) -> Self {
-        let points = contact.rows().iter().map(|row| KeptPoint {
+        let points = contact.rows().iter().enumerate().map(|(j, row)| KeptPoint {
             feature: row.feature,
-            place: contact.place_of(row),
+            place: contact.place_of(j),
             impulse: row.impulse,
         });
         Self {
@@ -42,30 +43,38 @@ impl Kept {
         }
     }
 
-    /// Gives the impulses to the same points of a new contact: those with the same feature, and then to each that has none the nearest.
+    /// Gives the impulses to the same points of a new contact. The same are those where nearly the same features meet nearly where they did, then
+    /// what is there now whatever meets, then what slid on with its features. (Where an edge lies along another, features alone would
+    /// not do: they cross anywhere along their length, from step to step.)
     pub(super) fn hand_over(&self, contact: &mut Constraint) {
-        let places: Vec<Vec3<Real>> = contact.rows().iter().map(|row| contact.place_of(row)).collect();
-        let mut taken = vec![false; self.points.len()];
-        let mut held = vec![false; places.len()];
-        for (row, held) in contact.rows_mut().iter_mut().zip(&mut held) {
-            let same = self.points.iter().zip(&mut taken).find(|(old, taken)| !**taken && old.feature == row.feature);
-            if let Some((old, taken)) = same {
-                row.impulse = old.impulse;
-                (*taken, *held) = (true, true);
-            }
-        }
-        for ((row, place), _) in contact.rows_mut().iter_mut().zip(places).zip(held).filter(|(_, held)| !held) {
-            let mut nearest: Option<(usize, Real)> = None;
-            for (index, old) in self.points.iter().enumerate().filter(|(index, _)| !taken[*index]) {
-                let apart = old.place - place;
-                let distance = apart.dot(apart);
-                if distance <= SAME_PLACE * SAME_PLACE && nearest.is_none_or(|(_, least)| distance < least) {
-                    nearest = Some((index, distance));
+        let places: [Vec3<Real>; MOST_POINTS] = std::array::from_fn(|j| contact.place_of(j));
+        let (mut taken, mut held) = ([false; MOST_POINTS], [false; MOST_POINTS]);
+        let distance = |old: &KeptPoint, j: usize| {
+            let apart = old.place - places[j];
+            apart.dot(apart)
+        };
+        type Same = fn(u32, u32, Real) -> bool;
+        let ways: [Same; 3] = [
+            |old, new, distance| old == new && distance <= SAME_PLACE * SAME_PLACE,
+            |_, _, distance| distance <= SAME_PLACE * SAME_PLACE,
+            |old, new, _| old == new,
+        ];
+        for same in ways {
+            for (j, row) in contact.rows_mut().iter_mut().enumerate() {
+                if held[j] {
+                    continue;
                 }
-            }
-            if let Some((index, _)) = nearest {
-                row.impulse = self.points[index].impulse;
-                taken[index] = true;
+                let mut nearest: Option<(usize, Real)> = None;
+                for (index, old) in self.points.iter().enumerate().filter(|(index, _)| !taken[*index]) {
+                    let distance = distance(old, j);
+                    if same(old.feature, row.feature, distance) && nearest.is_none_or(|(_, least)| distance < least) {
+                        nearest = Some((index, distance));
+                    }
+                }
+                if let Some((index, _)) = nearest {
+                    row.impulse = self.points[index].impulse;
+                    (taken[index], held[j]) = (true, true);
+                }
             }
         }
         contact.hold_friction(self.sliding, self.turning);
