@@ -35,8 +35,14 @@ mod documents {
     #[doc = include_str!("../../docs/batch.md")]
     struct Batches;
 
+    #[doc = include_str!("../../docs/embedding.md")]
+    struct Embedding;
+
     #[doc = include_str!("../../docs/forces.md")]
     struct Forces;
+
+    #[doc = include_str!("../../docs/from-rapier.md")]
+    struct FromRapier;
 
     #[doc = include_str!("../../docs/rollback.md")]
     struct Rollback;
