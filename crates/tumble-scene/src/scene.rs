@@ -317,6 +317,15 @@ impl Scene {
 }
 
 /// The names of a scene's bodies, by [`BodyId`](tumble::BodyId).
+///
+/// ```
+/// use tumble_scene::Scene;
+///
+/// let mut world = hecs::World::new();
+/// let names = Scene::open("mujoco-box")?.spawn(&mut world)?;
+/// assert_eq!(names.of(0), "box");
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Clone, Debug)]
 pub struct Names {
     /// `None` where all are called by their number.

@@ -24,6 +24,15 @@ use crate::{Scene, SceneError, builtin, convert};
 pub const MAX_WORLDS: u64 = 1_000_000_000_000;
 
 /// How long a world is run.
+///
+/// ```
+/// use tumble_scene::{Length, Sweep, SweepPlan};
+///
+/// let length = Some(Length::Steps(50));
+/// let sweep = Sweep::new(SweepPlan { scene: "t-handle".into(), worlds: Some(1), length, ..SweepPlan::default() })?;
+/// assert_eq!(sweep.build(&[])?.steps, 50);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Length {
     /// So many steps.
@@ -33,6 +42,14 @@ pub enum Length {
 }
 
 /// What a [`Sweep`] is to be; everything but the scene may be left at its default.
+///
+/// ```
+/// use tumble_scene::{Sweep, SweepPlan};
+///
+/// let plan = SweepPlan { scene: "t-handle".into(), vary: vec!["gravity.1=grid(-10,0,3)".parse()?], ..SweepPlan::default() };
+/// assert_eq!(Sweep::new(plan)?.worlds(), 3); // each value of the grid once
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct SweepPlan {
     /// A file, or the name of a built-in scene, as for [`Scene::open`].
@@ -102,6 +119,16 @@ struct Varied {
 }
 
 /// A world of a sweep at its start.
+///
+/// ```
+/// use tumble_scene::{Sweep, SweepPlan};
+///
+/// let sweep = Sweep::new(SweepPlan { scene: "t-handle".into(), worlds: Some(1), ..SweepPlan::default() })?;
+/// let mut world = sweep.build(&sweep.draw(0))?;
+/// world.trial.step_many(10);
+/// assert!(world.steps > 10); // as many as the scene says
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 pub struct SweepWorld {
     /// The world and its simulation.
     pub trial: Trial,

@@ -13,6 +13,16 @@ type Plain = (Pose, Momentum, Mass, Inertia, Wrench, Velocity, InverseInertia);
 type PlainWithId = (Pose, Momentum, Mass, Inertia, Wrench, Velocity, InverseInertia, BodyId);
 
 /// The components of a body that [`RigidBody::build`](crate::RigidBody::build) has checked, ready to be spawned any number of times.
+///
+/// ```
+/// # use tumble::prelude::*;
+/// # let mut world = hecs::World::new();
+/// let brick = RigidBody::new(Shape::cuboid([0.1, 0.05, 0.03])).mass(2.0).build()?;
+/// let (one, another) = (brick.spawn(&mut world), brick.spawn(&mut world));
+/// assert_ne!(one, another);
+/// assert_eq!(brick.properties().map(|properties| properties.mass()), Some(2.0));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Clone, Debug)]
 pub struct Body {
     pub(crate) pose: Pose,

@@ -74,6 +74,19 @@ pub trait ForceLaw: Send + Sync + 'static {
 }
 
 /// What a law sees of a body at one stage of an integrator.
+///
+/// ```
+/// # use tumble::prelude::*;
+/// /// A sail at the bow, pushed by the wind that blows relative to it.
+/// struct Sail;
+///
+/// impl ForceLaw for Sail {
+///     fn wrench(&self, state: &BodyState<'_>) -> Wrench {
+///         let bow = state.point_to_world(Vec3::Z * 2.0);
+///         state.force_at((state.wind() - state.velocity_at(bow)) * 5.0, bow)
+///     }
+/// }
+/// ```
 #[derive(Clone, Copy)]
 pub struct BodyState<'a> {
     /// Simulated time of the stage \[s\].

@@ -19,6 +19,15 @@ use crate::systems::{
 ///
 /// The settings are not [validated](Settings::validate) here; [`Simulation`](crate::Simulation) does that once, and knows the force
 /// laws and the time.
+///
+/// ```
+/// # use tumble::{step, prelude::*};
+/// # let mut world = hecs::World::new();
+/// let stone = RigidBody::new(Shape::Point).mass(2.0).build()?.spawn(&mut world);
+/// step(&mut world, &Settings::default().with_dt(0.5));
+/// assert!((world.get::<&Pose>(stone)?.position.y + 0.5 * 9.81 * 0.25).abs() < 1e-6);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 pub fn step(world: &mut World, settings: &Settings) {
     steps_under_laws(world, settings, &ForceLaws::default(), &mut None, 1, |_| 0.0, None);
 }

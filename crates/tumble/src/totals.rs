@@ -12,6 +12,16 @@ use crate::state::{Constants, State, moving_body};
 use crate::surroundings::Surroundings;
 
 /// What a system of bodies has in all, in double precision. Only bodies with momentum count.
+///
+/// ```
+/// # use tumble::{BodyOrder, measure, prelude::*};
+/// # let mut world = hecs::World::new();
+/// RigidBody::new(Shape::Point).mass(2.0).position(Vec3::Y).linear_velocity(Vec3::X * 3.0).build()?.spawn(&mut world);
+/// let totals = measure(&world, &Settings::default(), &BodyOrder::of(&world));
+/// assert_eq!((totals.linear_momentum.x, totals.angular_momentum.z), (6.0, -6.0));
+/// assert!((totals.energy() - (9.0 + 2.0 * 9.81)).abs() < 1e-5);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq, Default)]
 pub struct Totals {
     /// Kinetic energy of the centres of mass, `sum P^2/2M` \[J\].

@@ -3,6 +3,13 @@ use crate::math::{Mat4, Quat, Real, Vec3};
 
 /// Where a body is: the centre of mass and the orientation of its frame. Of a fixed or kinematic body, which has no mass, the origin of its
 /// frame stands for the centre of mass.
+///
+/// ```
+/// # use tumble::{Pose, math::{Quat, Real, Vec3}};
+/// let pose = Pose { position: Vec3::Y, orientation: Quat::from_rotation_z(std::f64::consts::FRAC_PI_2 as Real) };
+/// assert!((pose.transform_point(Vec3::X) - Vec3::Y * 2.0).length() < 1e-6);
+/// assert!((pose.to_mat4().transform_point3(Vec3::X) - Vec3::Y * 2.0).length() < 1e-6);
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[repr(C)]
 pub struct Pose {
@@ -63,6 +70,18 @@ impl Pose {
 
 /// The pose before the last step. The step keeps it up to date on bodies that have it, for
 /// [`Pose::interpolate`] to draw frames between steps.
+///
+/// ```
+/// # use tumble::prelude::*;
+/// # let mut world = hecs::World::new();
+/// let ball = RigidBody::new(Shape::sphere(0.1)).mass(1.0).linear_velocity(Vec3::X).interpolated().build()?;
+/// let ball = ball.spawn(&mut world);
+/// let mut simulation = Simulation::new(Settings::default())?;
+/// let alpha = simulation.advance(&mut world, 1.5 / 60.0); // a step and a half
+/// let drawn = world.get::<&PreviousPose>(ball)?.0.interpolate(&*world.get::<&Pose>(ball)?, alpha);
+/// assert!((drawn.position.x - 0.5 / 60.0).abs() < 1e-6);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq, Default)]
 #[repr(transparent)]
 pub struct PreviousPose(pub Pose);
