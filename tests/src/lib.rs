@@ -32,6 +32,12 @@ mod documents {
     #[doc = include_str!("../../README.md")]
     struct Readme;
 
+    #[doc = include_str!("../../crates/tumble-math/README.md")]
+    struct ReadmeOfMath;
+
+    #[doc = include_str!("../../crates/tumble-scene/README.md")]
+    struct ReadmeOfScene;
+
     #[doc = include_str!("../../docs/batch.md")]
     struct Batches;
 
