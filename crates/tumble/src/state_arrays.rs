@@ -107,7 +107,8 @@ pub fn state_to_array(world: &World, order: &BodyOrder, array: &mut [Real]) -> R
 /// let body = RigidBody::new(Shape::Point).mass(2.0).build()?.spawn(&mut world);
 /// let mut array = [0.0; STATE_SIZE];
 /// (array[0], array[3]) = (5.0, 1.0); // x of the position, w of the orientation
-/// array_to_state(&mut world, &BodyOrder::moving(&world), &array)?;
+/// let order = BodyOrder::moving(&world);
+/// array_to_state(&mut world, &order, &array)?;
 /// assert_eq!(world.get::<&Pose>(body)?.position, Vec3::X * 5.0);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
