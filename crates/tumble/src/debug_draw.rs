@@ -20,6 +20,34 @@ use outline::outline;
 ///
 /// A closure that draws lines is one, and whatever else implements it. Colours are red, green and blue from 0 to 1, as displays take
 /// them (sRGB). No coordinate is ever infinite or not a number.
+///
+/// ```
+/// use tumble::{DebugDraw, DebugView, math::Vec3};
+///
+/// /// Counts what it would have to draw.
+/// #[derive(Default)]
+/// struct Counter {
+///     lines: usize,
+///     texts: Vec<String>,
+/// }
+///
+/// impl DebugDraw for Counter {
+///     fn line(&mut self, _from: Vec3, _to: Vec3, _color: [f32; 3]) {
+///         self.lines += 1;
+///     }
+///     fn text(&mut self, _at: Vec3, text: &str, _color: [f32; 3]) {
+///         self.texts.push(text.to_owned());
+///     }
+/// }
+///
+/// # use tumble::prelude::*;
+/// # let mut world = hecs::World::new();
+/// RigidBody::new(Shape::sphere(1.0)).mass(2.0).id(BodyId(7)).build()?.spawn(&mut world);
+/// let mut counter = Counter::default();
+/// DebugView { ids: true, ..DebugView::default() }.draw(&world, &mut counter);
+/// assert!(counter.lines > 0 && counter.texts == ["7"]);
+/// # Ok::<(), tumble::BodyError>(())
+/// ```
 pub trait DebugDraw {
     /// Draws a line between two points of the world \[m\].
     fn line(&mut self, from: Vec3, to: Vec3, color: [f32; 3]);

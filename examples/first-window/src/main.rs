@@ -18,7 +18,8 @@ async fn main() -> Result<(), Box<dyn std::error::Error>> {
         let place = Vec3::X * (i as Real - 2.0) * 1.5;
         let body = RigidBody::new(Shape::cuboid(half_extents)).mass(2.0).position(place).interpolated();
         // Spun about the middle axis, with a little beside it: it will turn over, again and again.
-        let body = body.angular_velocity(Vec3::new(0.01, 2.0, 0.01)).build()?.spawn(&mut world);
+        let spin = Vec3::new(0.01, 2.0 + i as Real, 0.01);
+        let body = body.angular_velocity(spin).build()?.spawn(&mut world);
         let spring = SpringToPoint { anchor: place, stiffness: 20.0, damping: 1.0, ..SpringToPoint::default() };
         world.insert(body, (spring, Block { half_extents, color }))?;
     }
