@@ -72,7 +72,7 @@ impl Body {
         derived(&constants, &State::new(&self.pose, &momentum)).into()
     }
 
-    /// Mass, centre of mass and inertia in double precision, in the body's own frame; `None` for a body that forces do not move.
+    /// Mass \[kg\], centre of mass \[m\] and inertia [kg m^2] in double precision, in the body's own frame; `None` for a body that forces do not move.
     pub fn properties(&self) -> Option<&MassProperties> {
         self.properties.as_ref()
     }

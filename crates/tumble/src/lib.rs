@@ -1,8 +1,7 @@
 //! ECS-based batch simulation of rigid bodies in the caller's own [`hecs::World`].
 //!
-//! Bodies are entities; mass, inertia, pose and momentum are separate components. What has [`Pose`], [`Momentum`], [`Mass`] and [`Wrench`]
-//! is moved; [`RigidBody`] makes them all. A step runs three systems over them in
-//! parallel: [`accumulate_forces`], [`integrate`], [`update_derived`].
+//! Bodies are entities; mass, inertia, pose and momentum are separate components. [`RigidBody`] makes them, and [`Simulation`] steps
+//! them: three systems in parallel, [`accumulate_forces`], [`integrate`] and [`update_derived`], which can also be called one by one.
 //!
 //! ```
 //! use tumble::prelude::*;
@@ -24,12 +23,36 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 //!
-//! A force that acts for one step is added to a body's [`Wrench`]; what acts all the time is a component of its own
-//! ([`GravityScale`], [`Damping`]). A body without [`Momentum`] does not move; one with a [`Velocity`] and no momentum moves as it
-//! is told.
+//! # Components
+//!
+//! | written | components |
+//! |---|---|
+//! | when the body is spawned | [`Mass`], [`Inertia`], [`PrincipalAxes`], [`CenterOfMass`], [`BodyId`] |
+//! | by the step: the state | [`Pose`], [`Momentum`] |
+//! | by the step: derived from it | [`Velocity`], [`InverseInertia`], [`PreviousPose`], and [`Work`] where a [`Ledger`] wants it |
+//! | by you, for one step, which sets it to zero | [`Wrench`] |
+//! | by you, until it is removed | [`GravityScale`], [`Damping`]; forces: [`ConstantWrench`], [`Thruster`], [`Drag`], [`Wind`], [`Magnus`], [`SpringToPoint`], [`PointGravity`], [`Buoyancy`], [`AngularVelocityServo`], [`GravityMass`]; laws of your own: [`ForceLaw`], [`LaneLaw`] |
+//! | by you, on an entity of its own | [`Spring`] |
+//!
+//! A body needs [`Pose`], [`Momentum`], [`Mass`] and [`Wrench`] to be moved by forces. One without [`Momentum`] does not move; one that has a
+//! [`Velocity`] and no [`Momentum`] is kinematic and moves as it is told. All else may be there or not.
+//!
+//! # Units and frames
+//!
+//! Metres, kilograms, seconds, radians. Vectors are in the world frame unless it says otherwise; orientations take body coordinates
+//! to world coordinates. A [`Pose`] is that of the centre of mass. No axis is special but for the default of
+//! [`Settings::gravity`], down y.
+//!
+//! # The same bits
 //!
 //! The arithmetic of a step is the same on every machine: no fused multiply-add, no platform mathematics library, and
-//! no body's result depends on another's or on the number of threads.
+//! no body's result depends on the number of threads, on rows in memory, or on bodies that no force connects it with.
+//!
+//! # Features
+//!
+//! - `f64`: simulates in double precision; [`math::Real`] and [`math::Vec3`] are what the build simulates in.
+//! - `serde`: a [`Snapshot`] in any format of serde.
+//! - `profiling`: scopes for puffin, tracy or tracing, through the crate `profiling`.
 
 #![cfg_attr(
     feature = "f64",

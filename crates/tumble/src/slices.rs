@@ -51,7 +51,7 @@ pub struct BodySlices<'a> {
     pub previous_pose: Option<&'a mut [PreviousPose]>,
 }
 
-/// A slice has not as many rows as there are bodies.
+/// A slice that has not as many rows as there are bodies.
 ///
 /// ```
 /// # use tumble::{BodySlices, Momentum, Pose, Settings, UnequalSlices, Wrench};

@@ -10,12 +10,11 @@ use crate::systems::{
     Wrenches, accumulate_forces_of, integrate_bodies, integrate_coupled, remember_poses, step_chunk, update_derived_of,
 };
 
-/// Advances every body of the world by `settings.dt`.
+/// Advances every body of the world by `settings.dt`: the three systems, the motion of kinematic bodies, and [`PreviousPose`](crate::PreviousPose).
 ///
-/// Where no forces act between bodies, the systems of a step use only a body's own components, and all of them run on a chunk of bodies while it is in cache. Running
-/// [`accumulate_forces`](crate::accumulate_forces), [`integrate`](crate::integrate) and [`update_derived`](crate::update_derived)
-/// one after the other over the whole world gives moving bodies the same bits, unless a [`Spring`](crate::Spring) or [`GravityMass`](crate::GravityMass) ties them to a
-/// kinematic one: a step also moves those, one after the other and beside the others in every substep, and keeps [`PreviousPose`](crate::PreviousPose) up to date.
+/// All systems run on a chunk of bodies while it is in cache. [`accumulate_forces`](crate::accumulate_forces), [`integrate`](crate::integrate) and
+/// [`update_derived`](crate::update_derived), one after the other over the whole world, give moving bodies the same bits, with one exception: what a
+/// [`Spring`](crate::Spring) or [`GravityMass`](crate::GravityMass) ties to a kinematic body, since a step moves that one along in every substep.
 ///
 /// The settings are not [validated](Settings::validate) here; [`Simulation`](crate::Simulation) does that once, and knows the force
 /// laws and the time.

@@ -22,8 +22,8 @@ use crate::surroundings::Surroundings;
 use crate::tile::splat;
 use crate::totals::KineticEnergy;
 
-/// Constant forces to [`Wrench`](crate::Wrench): adds to each moving body's wrench what is the same at every stage of a step, which is gravity, scaled by
-/// its [`GravityScale`](crate::GravityScale).
+/// Adds to each moving body's [`Wrench`] the force that is the same at every stage of a step: gravity, scaled by its
+/// [`GravityScale`](crate::GravityScale).
 ///
 /// Force components that depend on the state, such as [`Drag`](crate::Drag), are evaluated in [`integrate`], as laws are; so is
 /// [`Damping`](crate::Damping), a decay that is treated exactly.
@@ -40,15 +40,17 @@ pub fn accumulate_forces(world: &mut World, settings: &Settings) {
     for_each_chunk(world, &ForceLaws::default(), |bodies| accumulate_forces_of(bodies, settings));
 }
 
-/// [`Wrench`], [`Momentum`](crate::Momentum), [`Pose`](crate::Pose) to the same: advances the state by `settings.dt` with the chosen [`Integrator`], in
-/// `settings.substeps` equal parts, under the wrench, the force components and the forces between bodies, and zeroes the wrench it has consumed.
+/// Advances [`Momentum`](crate::Momentum) and [`Pose`](crate::Pose) of the moving bodies by `settings.dt`, and sets the [`Wrench`] that it has consumed to zero.
+///
+/// It takes the chosen [`Integrator`] through `settings.substeps` equal parts, under the wrench, the force components and the forces between bodies.
+/// Gravity is not in it, but in what [`accumulate_forces`] adds.
 ///
 /// ```
 /// # use tumble::{integrate, prelude::*};
 /// # let mut world = hecs::World::new();
 /// let body = RigidBody::new(Shape::Point).mass(2.0).build()?.spawn(&mut world);
 /// world.get::<&mut Wrench>(body)?.add_force(Vec3::X * 4.0);
-/// integrate(&mut world, &Settings::default().with_dt(0.5)); // gravity is not in it
+/// integrate(&mut world, &Settings::default().with_dt(0.5));
 /// assert_eq!(world.get::<&Momentum>(body)?.linear, Vec3::X * 2.0);
 /// assert_eq!(world.get::<&Wrench>(body)?.force, Vec3::ZERO);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
@@ -126,8 +128,8 @@ pub(crate) enum Wrenches {
     Kept,
 }
 
-/// [`Pose`](crate::Pose), [`Momentum`](crate::Momentum), [`Mass`](crate::Mass), [`Inertia`](crate::Inertia) to
-/// [`Velocity`](crate::Velocity) and [`InverseInertia`](crate::InverseInertia), on the moving bodies that have them: `v = P/M`, `I^-1 = R I_body^-1 R^T`, `w = I^-1 L`.
+/// Derives [`Velocity`](crate::Velocity) and [`InverseInertia`](crate::InverseInertia) of the moving bodies that have them from their state:
+/// `v = P/M`, `I^-1 = R I_body^-1 R^T`, `w = I^-1 L`.
 ///
 /// ```
 /// # use tumble::{update_derived, prelude::*};

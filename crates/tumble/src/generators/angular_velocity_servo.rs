@@ -4,7 +4,7 @@ use super::constant_wrench::{Frame, to_world};
 use crate::lane_law::{LaneBody, LaneLaw, LaneWrench};
 use crate::math::{Real, Vec3};
 
-/// Turns the body up to a wanted angular velocity, in one step where the torque suffices: `torque = I (wanted - w)/dt`, at most so large.
+/// Turns the body up to a wanted angular velocity, in one step where the torque suffices: `torque = I (wanted - w)/dt`, up to a limit.
 ///
 /// What other engines leave to the caller (Unity's `AddTorque(inertia * difference / dt)`) with a limit: a reaction wheel. Against a limit the angular
 /// velocity changes at the rate `max_torque/I`, and the last of it may take one step more. It does work, and has no potential. Under `RungeKutta4`, whose stages are within the step, each step leaves 0.375 of the difference.

@@ -44,7 +44,7 @@ pub struct Buoyancy {
 pub enum Hull {
     /// A ball.
     Sphere {
-        /// \[m\]
+        /// Radius \[m\].
         radius: Real,
     },
     /// A box along the body's axes.
