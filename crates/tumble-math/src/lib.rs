@@ -33,6 +33,9 @@
 //! lose digits in places; use [`to_axis_angle`],
 //! [`to_scaled_axis`], [`to_euler`], [`angle_between`] and the checked [`quat_from_matrix`] of this crate.
 
+// On docs.rs items say which feature they need.
+#![cfg_attr(docsrs, feature(doc_cfg))]
+
 pub mod lane;
 
 mod decay;

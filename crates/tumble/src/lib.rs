@@ -54,6 +54,8 @@
 //! - `serde`: a [`Snapshot`] in any format of serde.
 //! - `profiling`: scopes for puffin, tracy or tracing, through the crate `profiling`.
 
+// On docs.rs items say which feature they need.
+#![cfg_attr(docsrs, feature(doc_cfg))]
 #![cfg_attr(
     feature = "f64",
     allow(
