@@ -34,8 +34,8 @@
 //! | by you, until it is removed | [`GravityScale`], [`Damping`]; forces: [`ConstantWrench`], [`Thruster`], [`Drag`], [`Wind`], [`Magnus`], [`SpringToPoint`], [`PointGravity`], [`Buoyancy`], [`AngularVelocityServo`], [`GravityMass`]; laws of your own: [`ForceLaw`], [`LaneLaw`] |
 //! | by you, on an entity of its own | [`Spring`] |
 //!
-//! A body needs [`Pose`], [`Momentum`], [`Mass`] and [`Wrench`] to be moved by forces. One without [`Momentum`] does not move; one that has a
-//! [`Velocity`] and no [`Momentum`] is kinematic and moves as it is told. All else may be there or not.
+//! A body needs [`Pose`], [`Momentum`], [`Mass`] and [`Wrench`] to be moved by forces. One without [`Momentum`] is kinematic if it has a
+//! [`Velocity`], and moves as that says; else it is fixed. All other components may be there or not.
 //!
 //! # Units and frames
 //!

@@ -2,7 +2,7 @@ use crate::math::Vec3;
 
 /// Linear momentum [kg m/s] and angular momentum about the centre of mass [kg m^2/s], both in the world frame.
 ///
-/// Momentum, not velocity, is the state: without forces it does not change, to the bit. A body without it does not move.
+/// Momentum, not velocity, is the state: without forces it does not change, to the bit. A body without it is not moved by forces.
 ///
 /// ```
 /// # use tumble::{Momentum, math::Vec3};
