@@ -12,9 +12,12 @@ use std::path::{Path, PathBuf};
 /// The published libraries.
 const LIBRARIES: [&str; 3] = ["crates/tumble", "crates/tumble-math", "crates/tumble-scene"];
 
+fn root() -> &'static Path {
+    Path::new(env!("CARGO_MANIFEST_DIR")).parent().unwrap()
+}
+
 fn read(path: &str) -> String {
-    let root = Path::new(env!("CARGO_MANIFEST_DIR")).parent().unwrap();
-    std::fs::read_to_string(root.join(path)).unwrap()
+    std::fs::read_to_string(root().join(path)).unwrap()
 }
 
 fn sources(directory: &Path) -> Vec<PathBuf> {
@@ -43,13 +46,25 @@ fn items(source: &str) -> impl Iterator<Item = (&str, Vec<&str>)> {
     })
 }
 
+/// The names that are public in a library, those in its public modules among them.
+fn public_names(library: &str) -> BTreeSet<String> {
+    let face = read(&format!("{library}/src/lib.rs"));
+    let mut names = reexported(&face);
+    for module in face.lines().filter_map(|line| line.strip_prefix("pub mod ")?.strip_suffix(';')) {
+        let path = ["", "/mod"].map(|end| format!("{library}/src/{module}{end}.rs"));
+        let source = read(path.iter().find(|path| root().join(path).is_file()).unwrap());
+        names.extend(reexported(&source));
+        names.extend(items(&source).map(|(name, _)| name.to_owned()));
+    }
+    names
+}
+
 #[test]
 fn everything_public_has_an_example() {
     for library in LIBRARIES {
-        let names = reexported(&read(&format!("{library}/src/lib.rs")));
+        let names = public_names(library);
         let mut found = 0;
-        let root = Path::new(env!("CARGO_MANIFEST_DIR")).parent().unwrap();
-        for path in sources(&root.join(library).join("src")) {
+        for path in sources(&root().join(library).join("src")) {
             let source = std::fs::read_to_string(&path).unwrap();
             for (name, above) in items(&source).filter(|(name, _)| names.contains(*name)) {
                 found += 1;
