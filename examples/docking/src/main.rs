@@ -73,11 +73,11 @@ const HULLS: Real = 2.1; // [m], the radii of both hulls together; panels do not
 const HULL_STIFFNESS: Real = 2e4; // [N/m]
 
 /// Names of the levels, and how the satellite spins in each, along its own axes [rad/s]. About z it keeps on, about y, its middle axis,
-/// it turns over every other minute.
+/// it turns over every seventy seconds.
 const LEVELS: [(&str, Vec3); 3] = [
     ("drift", Vec3::new(0.0, 0.003, 0.012)),
     ("tumble", Vec3::new(0.006, 0.01, 0.05)),
-    ("flip", Vec3::new(0.006, 0.1, 0.006)),
+    ("flip", Vec3::new(0.03, 0.12, 0.01)),
 ];
 
 // ---- What a pilot does and sees.

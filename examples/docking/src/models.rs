@@ -52,7 +52,9 @@ pub(crate) fn ship(nozzles: &Nozzles) -> Vec<Look> {
         look(Shape::cylinder(0.615, 0.07), 2.0, [0.0, -0.65, 0.0], 0x3a4a63),
         look(Shape::frustum(0.6, 0.3, 0.3), 40.0, [0.0, 1.0, 0.0], 0xc5ccd6),
         look(Shape::cylinder(0.12, 0.18), 5.0, [0.0, 1.46, 0.0], 0x565c66),
-        look(Shape::frustum(0.45, 0.2, 0.2), 20.0, [0.0, -1.1, 0.0], 0x565c66),
+        look(Shape::frustum(0.45, 0.2, 0.2), 20.0, [0.0, -1.1, 0.0], 0x6d7480),
+        look(Shape::cylinder(0.36, 0.01), 1.0, [0.0, -1.3, 0.0], 0x3b2a22),
+        look(Shape::cylinder(0.17, 0.01), 1.0, [0.0, -1.32, 0.0], 0xd9622b),
         look(Shape::cuboid([0.22, 0.12, 0.05]), 1.0, [0.0, 0.92, 0.5], 0x2a4a78),
     ];
     for x in [-0.74, 0.74] {

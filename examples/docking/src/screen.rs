@@ -10,8 +10,8 @@ use crate::models::Look;
 use crate::{Assist, Fuel, Game, LEVELS, Nozzle, Player, TANK, Target};
 use hecs::World;
 
-const SUN: mq::Vec3 = mq::vec3(0.62, -0.28, 0.73);
-const PLANET: mq::Vec3 = mq::vec3(-700.0, 900.0, -620.0);
+const SUN: mq::Vec3 = mq::vec3(0.28, -0.72, 0.635);
+const PLANET: mq::Vec3 = mq::vec3(-1500.0, -500.0, -1000.0);
 /// Solids of revolution about y, as radius and height from end to end; four sides of the first make a cube.
 const CUBE: [(f32, f32); 4] =
     [(0.0, -1.0), (std::f32::consts::SQRT_2, -1.0), (std::f32::consts::SQRT_2, 1.0), (0.0, 1.0)];
@@ -23,7 +23,7 @@ fn seen<const N: usize>(numbers: [impl Into<f64>; N]) -> [f32; N] {
 
 fn lit(color: mq::Color, normal: mq::Vec3) -> mq::Color {
     let (sun, glow) = (normal.dot(SUN).max(0.0), normal.dot(PLANET.normalize()).max(0.0));
-    let light = mq::vec3(0.1, 0.11, 0.14) + mq::vec3(0.95, 0.92, 0.86) * sun + mq::vec3(0.22, 0.16, 0.1) * glow;
+    let light = mq::vec3(0.17, 0.18, 0.22) + mq::vec3(0.95, 0.92, 0.86) * sun + mq::vec3(0.22, 0.16, 0.1) * glow;
     let shade = color.to_vec().truncate() * light;
     mq::Color::new(shade.x, shade.y, shade.z, color.a)
 }
@@ -144,13 +144,13 @@ impl Follow {
         let body = flown.or_else(pair).unwrap_or_default();
         let (distance, turn) = match flown {
             Some(ship) => (7.5, mq::Quat::from_array(seen(ship.orientation.to_array()))),
-            None => (13.0, self.turn * mq::Quat::from_rotation_z(0.03)),
+            None => (10.0, self.turn * mq::Quat::from_rotation_z(0.03)),
         };
         self.turn = self.turn.slerp(turn, ease).normalize();
         self.distance += (distance - self.distance) * ease * 0.3;
         let target = mq::Vec3::from(seen(body.position.to_array()));
-        let (position, up) = (target + self.turn * mq::vec3(0.0, -1.0, 0.36) * self.distance, self.turn * mq::Vec3::Z);
-        let ahead = if flown.is_some() { self.turn * mq::vec3(0.0, 2.0, 0.9) } else { mq::Vec3::ZERO };
+        let (position, up) = (target + self.turn * mq::vec3(0.12, -1.0, 0.42) * self.distance, self.turn * mq::Vec3::Z);
+        let ahead = if flown.is_some() { self.turn * mq::vec3(0.0, 2.5, 0.7) } else { mq::Vec3::ZERO };
         mq::Camera3D {
             position,
             target: target + ahead,
@@ -166,6 +166,7 @@ impl Follow {
 const GOOD: mq::Color = mq::Color::new(0.45, 0.95, 0.6, 1.0);
 const PLAIN: mq::Color = mq::Color::new(0.75, 0.82, 0.9, 1.0);
 const BAD: mq::Color = mq::Color::new(1.0, 0.55, 0.35, 1.0);
+const PANEL: mq::Color = mq::Color::new(0.02, 0.03, 0.05, 0.55);
 const KEYS: [&str; 5] = [
     "W S A D Q E push   arrows Z C turn   X brake",
     "H hold attitude   M match the tumble   P autopilot",
@@ -178,6 +179,13 @@ const KEYS: [&str; 5] = [
 pub(crate) fn draw_instruments(game: &Game, assist: Assist, camera: &mq::Camera3D) {
     let (width, height) = (mq::screen_width(), mq::screen_height());
     let (name, _) = LEVELS.get(game.level).copied().unwrap_or_default();
+    mq::draw_rectangle(8.0, 8.0, 270.0, 226.0, PANEL);
+    mq::draw_rectangle(8.0, height - 116.0, 500.0, 108.0, PANEL);
+    for (i, line) in KEYS.into_iter().enumerate() {
+        mq::draw_text(line, 20.0, height - 20.0 * (5 - i) as f32, 18.0, mq::Color::new(0.5, 0.57, 0.66, 1.0));
+    }
+    let title = format!("{name}, start {}   {:.0} s", game.seed, game.simulation.time());
+    mq::draw_text(&title, 20.0, 30.0, 22.0, PLAIN);
     let (message, color) = match &game.outcome {
         Outcome::Docked => ("DOCKED. One body now, with the momentum of both".to_owned(), GOOD),
         Outcome::Missed(reason) => (format!("MISSED: {reason}"), BAD),
@@ -186,19 +194,16 @@ pub(crate) fn draw_instruments(game: &Game, assist: Assist, camera: &mq::Camera3
         Outcome::Flying => (String::new(), PLAIN),
     };
     let size = mq::measure_text(&message, None, 40, 1.0);
-    mq::draw_text(&message, (width - size.width) / 2.0, 70.0, 40.0, color);
-    for (i, line) in KEYS.into_iter().enumerate() {
-        mq::draw_text(line, 20.0, height - 20.0 * (5 - i) as f32, 18.0, mq::Color::new(0.5, 0.57, 0.66, 1.0));
-    }
-    let title = format!("{name}, start {}   {:.0} s", game.seed, game.simulation.time());
-    mq::draw_text(&title, 20.0, 30.0, 22.0, PLAIN);
+    mq::draw_text(&message, (width - size.width) / 2.0, 80.0, 40.0, color);
     let (Some(ship), Some(target)) = (Craft::of::<Player>(&game.world), Craft::of::<Target>(&game.world)) else {
+        draw_pair(&game.world);
         return;
     };
     let approach = Approach::of(&ship, &target);
     let (distance, speed) = (approach.gap.length(), approach.drift.length());
     let closing = approach.drift.dot(approach.gap.normalize_or_zero());
     let fuel = game.world.get::<&Fuel>(ship.entity).map_or(0.0, |fuel| fuel.0 / TANK.0);
+    let warning = if distance < 4.0 { BAD } else { PLAIN };
     let lines = [
         (format!("distance   {distance:7.2} m"), distance < CAPTURE_DISTANCE),
         (format!("closing    {closing:7.2} m/s"), closing > 0.0 && closing < MOST_SPEED),
@@ -213,9 +218,24 @@ pub(crate) fn draw_instruments(game: &Game, assist: Assist, camera: &mq::Camera3
         (["nozzles alone", "attitude held", "tumble matched"][assist as usize].to_owned(), assist != Assist::Off),
     ];
     for (i, (line, good)) in lines.iter().enumerate() {
-        mq::draw_text(line, 20.0, 60.0 + 22.0 * i as f32, 22.0, if *good { GOOD } else { BAD });
+        let color = if *good { GOOD } else { warning };
+        mq::draw_text(line, 20.0, 62.0 + 22.0 * i as f32, 22.0, color);
     }
     draw_reticle(&ship, &target, &approach, camera);
+}
+
+/// Once they are docked: what stays as it is, and what does not.
+fn draw_pair(world: &World) {
+    for (momentum, velocity) in world.query::<(&Momentum, &Velocity)>().iter() {
+        let lines = [
+            format!("spin       {:7.2} deg/s", velocity.angular.length().to_degrees()),
+            format!("angular    {:7.2} kg m2/s", momentum.angular.length()),
+            format!("linear     {:7.2} kg m/s", momentum.linear.length()),
+        ];
+        for (i, line) in lines.iter().enumerate() {
+            mq::draw_text(line, 20.0, 62.0 + 22.0 * i as f32, 22.0, GOOD);
+        }
+    }
 }
 
 /// Over the picture: where the port is. In the middle: a cross where its axis passes the ship's nose, to be flown to, and a ring
@@ -227,8 +247,8 @@ fn draw_reticle(ship: &Craft, target: &Craft, approach: &Approach, camera: &mq::
     if let Some(at) = on_screen(camera, at) {
         mq::draw_circle_lines(at.x, at.y, 22.0, 1.5, if good { GOOD } else { BAD });
     }
-    let (x, y, radius) = (width / 2.0, height - 110.0, 90.0);
-    mq::draw_circle(x, y, radius, mq::Color::new(0.05, 0.08, 0.12, 0.7));
+    let (x, y, radius) = (width - 130.0, height - 130.0, 105.0);
+    mq::draw_circle(x, y, radius, PANEL);
     mq::draw_circle_lines(x, y, radius, 1.5, PLAIN);
     mq::draw_circle_lines(x, y, radius * 0.17, 1.0, mq::Color::new(0.4, 0.47, 0.56, 1.0));
     let to_ship = ship.pose.orientation.conjugate();
