@@ -84,7 +84,8 @@ fn dependencies(manifest: &toml::Table, key: &str) -> BTreeSet<String> {
 /// but nothing above the crate.
 #[test]
 fn dependencies_point_one_way() {
-    let entries = |directory: &str| std::fs::read_dir(root().join(directory)).unwrap().map(|entry| entry.unwrap().path());
+    let entries =
+        |directory: &str| std::fs::read_dir(root().join(directory)).unwrap().map(|entry| entry.unwrap().path());
     let packages = entries("crates").chain(entries("examples")).filter(|path| path.is_dir());
     let mut members: BTreeSet<String> = packages.map(|path| from_root(&path)).collect();
     members.extend(["tests".into(), "benches".into()]);

@@ -370,7 +370,7 @@ async fn play(options: Options) -> Result<(), Box<dyn Error>> {
         let fly = |world: &World| if autopilot { pilot::fly(world) } else { controls };
         let mut frame = f64::from(mq::get_frame_time());
         while options.screenshot.is_some() && game.simulation.time() < options.at {
-            frame = f64::from(game.simulation.settings().dt);
+            frame = 1.0 / 60.0;
             game.update(frame, pilot::fly);
             view.camera(&game.world, 0.0, frame as f32);
         }
@@ -379,8 +379,7 @@ async fn play(options: Options) -> Result<(), Box<dyn Error>> {
         draw_world(&game.world, alpha, &camera);
         screen::draw_instruments(&game, if autopilot { Assist::Match } else { assist }, &camera);
         if let Some(file) = &options.screenshot {
-            mq::set_default_camera(); // What was drawn so far is now on the screen.
-            mq::get_screen_data().export_png(file);
+            screen::save_picture(file);
             return Ok(());
         }
         mq::next_frame().await;

@@ -10,8 +10,9 @@ use crate::models::Look;
 use crate::{Assist, Fuel, Game, LEVELS, Nozzle, Player, TANK, Target};
 use hecs::World;
 
-const SUN: mq::Vec3 = mq::vec3(0.28, -0.72, 0.635);
+const SUN: mq::Vec3 = mq::vec3(0.1, -0.78, 0.618);
 const PLANET: mq::Vec3 = mq::vec3(-1500.0, -500.0, -1000.0);
+const MOON: mq::Vec3 = mq::vec3(800.0, 1300.0, -560.0);
 /// Solids of revolution about y, as radius and height from end to end; four sides of the first make a cube.
 const CUBE: [(f32, f32); 4] =
     [(0.0, -1.0), (std::f32::consts::SQRT_2, -1.0), (std::f32::consts::SQRT_2, 1.0), (0.0, 1.0)];
@@ -82,14 +83,14 @@ pub(crate) fn draw_plume(nozzle: &Nozzle, body: Mat4) {
     draw_revolved(&[(0.15, -1.0), (1.0, 1.0)], 8, place, |at, _| mq::Color::new(0.75, 0.9, 1.0, 0.35 - 0.35 * at.y));
 }
 
-fn draw_planet(at: mq::Vec3) {
+fn draw_planet(at: mq::Vec3, radius: f32, tint: mq::Vec3) {
     let arc = |i: u8| (f32::from(i) / 40.0 * std::f32::consts::PI).sin_cos();
     let profile: Vec<(f32, f32)> = (0..=40).map(arc).collect();
     let tilt = mq::Mat4::from_rotation_z(0.4) * mq::Mat4::from_rotation_x(1.2);
-    let place = mq::Mat4::from_translation(at) * tilt * mq::Mat4::from_scale(mq::Vec3::splat(480.0));
+    let place = mq::Mat4::from_translation(at) * tilt * mq::Mat4::from_scale(mq::Vec3::splat(radius));
     draw_revolved(&profile, 64, place, |corner, normal| {
-        let band = 0.5 + 0.25 * (corner.y * 19.0).sin() + 0.15 * (corner.y * 47.0 + 1.0).sin();
-        lit(mq::Color::new(0.55 + 0.4 * band, 0.42 + 0.34 * band, 0.36 + 0.2 * band, 1.0), normal)
+        let band = 0.75 + 0.12 * (corner.y * 19.0).sin() + 0.08 * (corner.y * 47.0 + 1.0).sin();
+        lit(mq::Color::from_vec((tint * band).extend(1.0)), normal)
     });
 }
 
@@ -99,7 +100,7 @@ fn on_screen(camera: &mq::Camera3D, at: mq::Vec3) -> Option<mq::Vec2> {
     (clip.w > 0.0).then(|| mq::vec2((0.5 + 0.5 * x) * mq::screen_width(), (0.5 - 0.5 * y) * mq::screen_height()))
 }
 
-/// The stars, and the planet behind everything.
+/// The stars, the sun, and two planets behind everything.
 pub(crate) fn draw_sky(stars: impl Iterator<Item = (Vec3, f32)>, camera: &mq::Camera3D) {
     mq::clear_background(mq::Color::from_hex(0x05070d));
     for (direction, brightness) in stars {
@@ -108,8 +109,14 @@ pub(crate) fn draw_sky(stars: impl Iterator<Item = (Vec3, f32)>, camera: &mq::Ca
             mq::draw_circle(at.x, at.y, 0.8 + 1.4 * brightness, mq::Color::new(shade, shade, shade, 1.0));
         }
     }
+    if let Some(at) = on_screen(camera, camera.position + SUN * 1000.0) {
+        for (radius, alpha) in [(90.0, 0.04), (55.0, 0.08), (32.0, 0.2), (20.0, 1.0)] {
+            mq::draw_circle(at.x, at.y, radius, mq::Color::new(1.0, 0.96, 0.86, alpha));
+        }
+    }
     mq::set_camera(camera);
-    draw_planet(camera.position + PLANET);
+    draw_planet(camera.position + PLANET, 480.0, mq::vec3(1.0, 0.83, 0.65));
+    draw_planet(camera.position + MOON, 110.0, mq::vec3(0.55, 0.6, 0.68));
 }
 
 pub(crate) fn draw_trail(trail: &[Vec3]) {
@@ -187,14 +194,14 @@ pub(crate) fn draw_instruments(game: &Game, assist: Assist, camera: &mq::Camera3
     let title = format!("{name}, start {}   {:.0} s", game.seed, game.simulation.time());
     mq::draw_text(&title, 20.0, 30.0, 22.0, PLAIN);
     let (message, color) = match &game.outcome {
-        Outcome::Docked => ("DOCKED. One body now, with the momentum of both".to_owned(), GOOD),
+        Outcome::Docked => ("DOCKED".to_owned(), GOOD),
         Outcome::Missed(reason) => (format!("MISSED: {reason}"), BAD),
         Outcome::OutOfFuel => ("OUT OF FUEL".to_owned(), BAD),
         Outcome::Lost => ("LOST: too far off".to_owned(), BAD),
         Outcome::Flying => (String::new(), PLAIN),
     };
-    let size = mq::measure_text(&message, None, 40, 1.0);
-    mq::draw_text(&message, (width - size.width) / 2.0, 80.0, 40.0, color);
+    let size = mq::measure_text(&message, None, 56, 1.0);
+    mq::draw_text(&message, (width - size.width) / 2.0, 90.0, 56.0, color);
     let (Some(ship), Some(target)) = (Craft::of::<Player>(&game.world), Craft::of::<Target>(&game.world)) else {
         draw_pair(&game.world);
         return;
@@ -268,6 +275,14 @@ fn draw_reticle(ship: &Craft, target: &Craft, approach: &Approach, camera: &mq::
     mq::draw_circle_lines(ring.x, ring.y, 7.0, 2.0, if good { GOOD } else { BAD });
     let drift = on_dial(approach.drift, 0.6);
     mq::draw_line(x, y, drift.x, drift.y, 2.0, mq::Color::new(1.0, 0.85, 0.4, 1.0));
+}
+
+/// Writes what has been drawn as a PNG.
+pub(crate) fn save_picture(file: &str) {
+    mq::set_default_camera(); // Nothing is drawn before the camera changes.
+    let mut picture = mq::get_screen_data();
+    picture.bytes.iter_mut().skip(3).step_by(4).for_each(|alpha| *alpha = u8::MAX);
+    picture.export_png(file);
 }
 
 pub(crate) fn window() -> macroquad::conf::Conf {
