@@ -5,11 +5,11 @@ use tumble::prelude::*;
 
 use crate::{DockingPort, Fuel, Player, Target};
 
-/// Port to port [m].
+/// Port to port \[m\].
 pub(crate) const CAPTURE_DISTANCE: Real = 0.25;
 /// Of one port past the other [m/s].
 pub(crate) const MOST_SPEED: Real = 0.3;
-/// Between the axes [rad]: ten degrees.
+/// Between the axes \[rad\]: ten degrees.
 pub(crate) const MOST_MISALIGNMENT: Real = 0.1745;
 /// Of one craft against the other [rad/s].
 pub(crate) const MOST_SPIN: Real = 0.08;

@@ -379,20 +379,19 @@ async fn play(options: Options) -> Result<(), Box<dyn Error>> {
         draw_world(&game.world, alpha, &camera);
         screen::draw_instruments(&game, if autopilot { Assist::Match } else { assist }, &camera);
         if let Some(file) = &options.screenshot {
-            screen::save_picture(file);
-            return Ok(());
+            return screen::save_picture(file);
         }
         mq::next_frame().await;
     }
     Ok(())
 }
 
-fn main() -> Result<(), Box<dyn Error>> {
-    let options = Options::parse(std::env::args().skip(1))?;
+fn main() {
+    let options = Options::of_process();
     macroquad::Window::from_config(screen::window(), async {
         if let Err(error) = play(options).await {
             eprintln!("docking: {error}");
+            std::process::exit(1);
         }
     });
-    Ok(())
 }

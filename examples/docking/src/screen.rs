@@ -1,6 +1,9 @@
 //! The picture: solids with lit faces, sky, instruments. Poses come from `main.rs`; `seen` is the one place where numbers of tumble become
 //! macroquad's, which has a glam of its own.
 
+use std::error::Error;
+
+use hecs::World;
 use macroquad::prelude as mq;
 use tumble::math::Mat4;
 use tumble::prelude::*;
@@ -8,7 +11,6 @@ use tumble::prelude::*;
 use crate::approach::{Approach, CAPTURE_DISTANCE, Craft, MOST_MISALIGNMENT, MOST_SPEED, MOST_SPIN, Outcome};
 use crate::models::Look;
 use crate::{Assist, Fuel, Game, LEVELS, Nozzle, Player, TANK, Target};
-use hecs::World;
 
 const SUN: mq::Vec3 = mq::vec3(0.1, -0.78, 0.618);
 const PLANET: mq::Vec3 = mq::vec3(-1500.0, -500.0, -1000.0);
@@ -24,7 +26,7 @@ fn seen<const N: usize>(numbers: [impl Into<f64>; N]) -> [f32; N] {
 
 fn lit(color: mq::Color, normal: mq::Vec3) -> mq::Color {
     let (sun, glow) = (normal.dot(SUN).max(0.0), normal.dot(PLANET.normalize()).max(0.0));
-    let light = mq::vec3(0.17, 0.18, 0.22) + mq::vec3(0.95, 0.92, 0.86) * sun + mq::vec3(0.22, 0.16, 0.1) * glow;
+    let light = mq::vec3(0.23, 0.24, 0.28) + mq::vec3(0.95, 0.92, 0.86) * sun + mq::vec3(0.22, 0.16, 0.1) * glow;
     let shade = color.to_vec().truncate() * light;
     mq::Color::new(shade.x, shade.y, shade.z, color.a)
 }
@@ -245,20 +247,26 @@ fn draw_pair(world: &World) {
     }
 }
 
-/// Over the picture: where the port is. In the middle: a cross where its axis passes the ship's nose, to be flown to, and a ring
+/// Over the picture: where the port is, or which way to turn to see it. In the middle: a cross where its axis passes the ship's nose, to be flown to, and a ring
 /// that is the way it looks, to be turned to; the line is the drift.
 fn draw_reticle(ship: &Craft, target: &Craft, approach: &Approach, camera: &mq::Camera3D) {
     let (width, height) = (mq::screen_width(), mq::screen_height());
+    let to_ship = ship.pose.orientation.conjugate();
     let at = mq::Vec3::from(seen(target.port_point().to_array()));
     let good = approach.misalignment < MOST_MISALIGNMENT;
-    if let Some(at) = on_screen(camera, at) {
+    let visible = |at: &mq::Vec2| at.cmpge(mq::Vec2::ZERO).all() && at.cmple(mq::vec2(width, height)).all();
+    if let Some(at) = on_screen(camera, at).filter(visible) {
         mq::draw_circle_lines(at.x, at.y, 22.0, 1.5, if good { GOOD } else { BAD });
+    } else {
+        let [right, _, up] = seen((to_ship * approach.gap).to_array());
+        let way = mq::vec2(right, -up).normalize_or(mq::Vec2::X);
+        let (at, wide) = (mq::vec2(width, height) / 2.0 + way * 0.4 * height, way.perp() * 9.0);
+        mq::draw_triangle(at + way * 22.0, at + wide, at - wide, BAD);
     }
     let (x, y, radius) = (width - 130.0, height - 130.0, 105.0);
     mq::draw_circle(x, y, radius, PANEL);
     mq::draw_circle_lines(x, y, radius, 1.5, PLAIN);
     mq::draw_circle_lines(x, y, radius * 0.17, 1.0, mq::Color::new(0.4, 0.47, 0.56, 1.0));
-    let to_ship = ship.pose.orientation.conjugate();
     // Far off the dial is short of room: it is linear near the middle only.
     let on_dial = |v: Vec3, full: f32| {
         let [right, _, up] = seen((to_ship * v).to_array());
@@ -271,18 +279,22 @@ fn draw_reticle(ship: &Craft, target: &Craft, approach: &Approach, camera: &mq::
     for (dx, dy) in [(9.0, 0.0), (0.0, 9.0)] {
         mq::draw_line(cross.x - dx, cross.y - dy, cross.x + dx, cross.y + dy, 2.0, PLAIN);
     }
-    let ring = on_dial(-axis, 0.8);
+    // Looking away it is at the rim, or it would be in the middle from behind too.
+    let facing = if ship.port_axis().dot(axis) < 0.0 { -axis } else { -axis * 20.0 };
+    let ring = on_dial(facing, 0.8);
     mq::draw_circle_lines(ring.x, ring.y, 7.0, 2.0, if good { GOOD } else { BAD });
     let drift = on_dial(approach.drift, 0.6);
     mq::draw_line(x, y, drift.x, drift.y, 2.0, mq::Color::new(1.0, 0.85, 0.4, 1.0));
 }
 
 /// Writes what has been drawn as a PNG.
-pub(crate) fn save_picture(file: &str) {
+pub(crate) fn save_picture(file: &str) -> Result<(), Box<dyn Error>> {
+    std::fs::File::create(file).map_err(|error| format!("{file}: {error}"))?; // macroquad panics instead.
     mq::set_default_camera(); // Nothing is drawn before the camera changes.
     let mut picture = mq::get_screen_data();
     picture.bytes.iter_mut().skip(3).step_by(4).for_each(|alpha| *alpha = u8::MAX);
     picture.export_png(file);
+    Ok(())
 }
 
 pub(crate) fn window() -> macroquad::conf::Conf {

@@ -169,3 +169,55 @@ fn an_empty_tank_closes_the_valves() {
     assert_eq!((game.outcome.clone(), fuel(&game)), (Outcome::OutOfFuel, 0.0));
     assert_eq!(game.world.get::<&Thruster>(ship.entity).unwrap().force, Vec3::ZERO);
 }
+
+/// Whoever looks and changes keys twice a second only, as people do, gets there too.
+#[test]
+fn a_slow_pilot_docks_as_well() {
+    for level in 0..LEVELS.len() {
+        let mut game = Game::new(level, 0).unwrap();
+        let mut controls = Controls::default();
+        while game.outcome != Outcome::Docked && game.simulation.time() < LIMIT {
+            let look = game.simulation.steps().is_multiple_of(30);
+            step(&mut game, |world| {
+                if look {
+                    controls = pilot::fly(world);
+                }
+                controls
+            });
+        }
+        assert_eq!(game.outcome, Outcome::Docked, "level {level}");
+    }
+}
+
+#[test]
+fn whoever_is_too_fast_bounces_and_may_try_again() {
+    let mut game = Game::new(0, 0).unwrap();
+    let (ship, target) = craft(&game);
+    let mass = game.world.get::<&Mass>(ship.entity).unwrap().kilograms();
+    let facing = target.pose.orientation * Quat::from_rotation_z(std::f64::consts::PI as Real);
+    let before_it = target.pose.transform_point(Vec3::Y * 3.6);
+    *game.world.get::<&mut Pose>(ship.entity).unwrap() = Pose { position: before_it, orientation: facing };
+    game.world.get::<&mut Momentum>(ship.entity).unwrap().linear = -target.port_axis() * mass * 0.6;
+    update_derived(&mut game.world);
+
+    let mut told = vec![game.outcome.clone()];
+    for _ in 0..600 {
+        step(&mut game, |_| Controls { assist: Assist::Match, ..Controls::default() });
+        if told.last() != Some(&game.outcome) {
+            told.push(game.outcome.clone());
+        }
+    }
+    assert_eq!(told, [Outcome::Flying, Outcome::Missed("too fast".to_owned()), Outcome::Flying]);
+}
+
+#[test]
+fn the_command_line_names_what_is_wrong() {
+    let parsed = |line: &str| Options::parse(line.split_whitespace().map(str::to_owned));
+    let options = parsed("--level 3 --start 7 --screenshot a.png --at 2.5").unwrap();
+    assert_eq!((options.level, options.seed, options.at, options.autopilot), (2, 7, 2.5, false));
+    let error = |line| parsed(line).unwrap_err().to_string();
+    assert_eq!(error("--level 4"), "--level 4: there are 1 to 3");
+    assert_eq!(error("--at noon"), "--at noon: that is no number for it");
+    assert_eq!(error("--start"), "--start needs a value");
+    assert_eq!(error("--stop"), "--stop: try --autopilot, --level, --start, --screenshot or --at");
+}
