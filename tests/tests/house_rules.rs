@@ -20,7 +20,7 @@ struct Rule {
 }
 
 /// The workspace from the bottom up. The engine adds a mathematics crate to what it depends on, and so may those above it.
-const RULES: [Rule; 7] = [
+const RULES: [Rule; 8] = [
     Rule { member: "crates/tumble-math", members: &[], outside: Some(&["glam", "libm", "serde", "thiserror"]) },
     Rule {
         member: "crates/tumble",
@@ -31,6 +31,7 @@ const RULES: [Rule; 7] = [
     Rule { member: "crates/tumble-cli", members: &["tumble", "tumble-math", "tumble-scene"], outside: None },
     Rule { member: "examples/first-window", members: &["tumble"], outside: None },
     Rule { member: "benches", members: &["tumble", "tumble-math", "tumble-scene"], outside: None },
+    Rule { member: "examples/docking", members: &["tumble"], outside: Some(&["hecs", "macroquad"]) },
     Rule { member: "tests", members: &["tumble", "tumble-benches", "tumble-math", "tumble-scene"], outside: None },
 ];
 
