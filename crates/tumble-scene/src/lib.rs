@@ -81,7 +81,7 @@ pub use report_page::{Replay, ReportPage};
 pub use scene::{DEFAULT_STEPS, Names, Scene};
 pub use shard::Shard;
 pub use summary::{Conserved, Summary};
-pub use sweep::{Length, MAX_WORLDS, Sweep, SweepPlan, SweepWorld};
+pub use sweep::{MAX_WORLDS, RunLength, Sweep, SweepPlan, SweepWorld};
 pub use sweep_error::SweepError;
 pub use sweep_file::{SweepFile, SweepFileError, SweepReader, sweep_header};
 pub use sweep_identity::SweepIdentity;

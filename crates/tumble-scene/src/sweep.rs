@@ -26,15 +26,15 @@ pub const MAX_WORLDS: u64 = 1_000_000_000_000;
 /// How long a world is run.
 ///
 /// ```
-/// use tumble_scene::{Length, Sweep, SweepPlan};
+/// use tumble_scene::{RunLength, Sweep, SweepPlan};
 ///
-/// let length = Some(Length::Steps(50));
+/// let length = Some(RunLength::Steps(50));
 /// let sweep = Sweep::new(SweepPlan { scene: "t-handle".into(), worlds: Some(1), length, ..SweepPlan::default() })?;
 /// assert_eq!(sweep.build(&[])?.steps, 50);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Length {
+pub enum RunLength {
     /// So many steps.
     Steps(u64),
     /// So much simulated time \[s\], rounded to whole steps of the world's own length.
@@ -61,7 +61,7 @@ pub struct SweepPlan {
     /// What differs between worlds.
     pub vary: Vec<Vary>,
     /// How long to run instead of as long as the scene says.
-    pub length: Option<Length>,
+    pub length: Option<RunLength>,
     /// Step \[s\] instead of the scene's.
     pub dt: Option<Real>,
     /// Substeps instead of the scene's.
@@ -258,10 +258,10 @@ impl Sweep {
 
     fn steps(&self, settings: &Settings, of_scene: u64) -> Result<u64, FieldError> {
         match self.plan.length {
-            Some(Length::Duration(seconds)) => {
+            Some(RunLength::Duration(seconds)) => {
                 steps_of_duration(seconds, settings.dt).map_err(|problem| FieldError::new("dt", problem))
             }
-            Some(Length::Steps(_)) | None => Ok(of_scene),
+            Some(RunLength::Steps(_)) | None => Ok(of_scene),
         }
     }
 }
@@ -312,7 +312,7 @@ fn apply(plan: &SweepPlan, model: &mut SceneModel) {
     if let Some(integrator) = plan.integrator {
         model.integrator = Some(integrator.name().to_owned());
     }
-    if let Some(Length::Steps(steps)) = plan.length {
+    if let Some(RunLength::Steps(steps)) = plan.length {
         model.steps = Some(steps);
     }
 }

@@ -294,7 +294,7 @@ impl SweepReader {
 /// let identity = SweepIdentity::new(&Sweep::new(plan)?, None);
 /// let path = std::env::temp_dir().join(format!("tumble-doc-sweep-file-{}.csv", std::process::id()));
 /// let mut file = SweepFile::open(&path, &identity, &["world".into(), "outcome".into()])?;
-/// assert_eq!(file.next_world(), 0);
+/// assert_eq!(file.first_missing_world(), 0);
 /// file.append(b"0,ok\n")?;
 /// file.finish()?;
 /// # std::fs::remove_file(&path)?;
@@ -336,7 +336,7 @@ impl SweepFile {
     }
 
     /// The first world that had no row when the file was opened.
-    pub fn next_world(&self) -> u64 {
+    pub fn first_missing_world(&self) -> u64 {
         self.next
     }
 
@@ -414,7 +414,7 @@ mod tests {
         let place = tempfile::tempdir().unwrap();
         let path = place.path().join("sweep.csv");
         std::fs::write(&path, contents).unwrap();
-        let next = SweepFile::open(&path, &identity(), &columns()).map(|file| file.next_world());
+        let next = SweepFile::open(&path, &identity(), &columns()).map(|file| file.first_missing_world());
         if next.is_err() {
             assert_eq!(std::fs::read(&path).unwrap(), contents);
         }

@@ -1,4 +1,4 @@
-use hecs::{Entity, EntityBuilder, World};
+use hecs::{DynamicBundle, Entity, EntityBuilder, World};
 use tumble_math::MassProperties;
 
 use crate::components::{
@@ -123,6 +123,36 @@ impl Body {
                 world.spawn(entity.build())
             }
         }
+    }
+
+    /// Spawns an entity with the body's components and the caller's own beside them.
+    ///
+    /// ```
+    /// # use tumble::prelude::*;
+    /// struct Health(u32);
+    /// # let mut world = hecs::World::new();
+    /// let barrel = RigidBody::new(Shape::cylinder(0.3, 0.5)).mass(40.0).build()?;
+    /// let entity = barrel.spawn_with(&mut world, (Health(3),));
+    /// assert_eq!(world.get::<&Health>(entity)?.0, 3);
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    pub fn spawn_with(&self, world: &mut World, own: impl DynamicBundle) -> Entity {
+        let mut entity = EntityBuilder::new();
+        self.insert_into(&mut entity);
+        entity.add_bundle(own);
+        world.spawn(entity.build())
+    }
+
+    /// The same with another identity, or none: [`weld`](crate::weld) leaves that of the first body, and two bodies with one id are
+    /// one to a [`Snapshot`](crate::Snapshot).
+    #[must_use]
+    pub fn with_id(self, id: Option<BodyId>) -> Self {
+        Self { id, ..self }
+    }
+
+    /// Where it will be.
+    pub fn pose(&self) -> Pose {
+        self.pose
     }
 
     /// Makes room in the world for more bodies of this kind, where hecs lets us: of the kind that most are.

@@ -21,7 +21,7 @@ mod tests;
 
 use std::error::Error;
 
-use hecs::{Entity, EntityBuilder, World};
+use hecs::{Entity, World};
 use macroquad::prelude as mq;
 use tumble::prelude::*;
 use tumble::{BodyError, Chance, Snapshot, WeldError, update_derived, weld};
@@ -123,16 +123,12 @@ fn spawn_craft(world: &mut World, level: usize, seed: u64) -> Result<(), BodyErr
     let place = from_port * chance.between(22.0, 30.0);
     let ship = RigidBody::new(models::shape_of(&looks)).id(SHIP).orientation(ahead).position(place);
     let port = DockingPort { point: Vec3::Y * 1.6, axis: Vec3::Y };
-    let closed = Thruster::new(Vec3::ZERO, Vec3::ZERO);
-    spawn_body(world, ship, (Player, port, Looks(looks), TANK, nozzles(), closed, Trail::default()))
+    spawn_body(world, ship, (Player, port, Looks(looks), TANK, nozzles(), Thruster::default(), Trail::default()))
 }
 
 /// Ballast puts the centre of mass where the drawing has its origin; `interpolated` is for frames between steps.
 fn spawn_body(world: &mut World, body: RigidBody, ours: impl hecs::DynamicBundle) -> Result<(), BodyError> {
-    let mut entity = EntityBuilder::new();
-    body.center_of_mass([0.0; 3]).interpolated().build()?.insert_into(&mut entity);
-    entity.add_bundle(ours);
-    world.spawn(entity.build());
+    body.center_of_mass([0.0; 3]).interpolated().build()?.spawn_with(world, ours);
     Ok(())
 }
 
@@ -158,7 +154,7 @@ fn steer(world: &mut World, controls: &Controls) {
     let push = if controls.brake { -drift.map(|v| key(v, 0.02)) } else { controls.push };
     let turn = if controls.assist == Assist::Off { controls.turn } else { Vec3::ZERO };
     for (nozzles, thruster, fuel) in world.query_mut::<(&mut Nozzles, &mut Thruster, &Fuel)>() {
-        *thruster = Thruster::new(Vec3::ZERO, Vec3::ZERO);
+        *thruster = Thruster::default();
         for nozzle in &mut nozzles.0 {
             let (force, torque) = (nozzle.force.normalize(), nozzle.point.cross(nozzle.force).normalize());
             nozzle.open = fuel.0 > 0.0 && force.dot(push) + torque.dot(turn) > 0.3;
@@ -218,18 +214,12 @@ fn dock(world: &mut World) -> Result<(), WeldError> {
     let mut looks = Vec::new();
     for craft in [target, ship] {
         let own = world.remove_one::<Looks>(craft.entity).map_or_else(|_| Vec::new(), |looks| looks.0);
-        looks.extend(own.into_iter().map(|look| {
-            let position = target.pose.inverse_transform_point(craft.pose.transform_point(look.pose.position));
-            let orientation = target.pose.orientation.conjugate() * craft.pose.orientation * look.pose.orientation;
-            Look { pose: Pose { position, orientation }, ..look }
-        }));
+        let to_target = target.pose.inverse() * craft.pose;
+        looks.extend(own.into_iter().map(|look| Look { pose: to_target * look.pose, ..look }));
         // An entity that was found a moment ago is there.
         let _ = world.despawn(craft.entity);
     }
-    let mut entity = EntityBuilder::new();
-    pair.insert_into(&mut entity);
-    entity.add(Looks(looks));
-    world.spawn(entity.build());
+    pair.spawn_with(world, (Looks(looks),));
     Ok(())
 }
 

@@ -50,6 +50,21 @@ impl Pose {
         Mat4::from_rotation_translation(self.orientation, self.position)
     }
 
+    /// Where the world is as seen from here: what takes this pose to that of the world's origin, not turned.
+    ///
+    /// ```
+    /// # use tumble::{Pose, math::{Quat, Vec3}};
+    /// # let (station, ship) = (Pose { position: Vec3::X * 3.0, ..Pose::default() }, Pose { position: Vec3::Y * 4.0, ..Pose::default() });
+    /// // The ship in the station's frame.
+    /// let relative = station.inverse() * ship;
+    /// assert_eq!(relative.position, Vec3::new(-3.0, 4.0, 0.0));
+    /// ```
+    #[inline]
+    #[must_use]
+    pub fn inverse(&self) -> Self {
+        Self { position: self.inverse_transform_point(Vec3::ZERO), orientation: self.orientation.conjugate() }
+    }
+
     /// The pose at the fraction `alpha` of the way from `self` (0) to `next` (1): straight in position, slerp in orientation.
     /// For rendering between two steps.
     ///
@@ -65,6 +80,16 @@ impl Pose {
             position: self.position.lerp(next.position, alpha),
             orientation: self.orientation.slerp(next.orientation, alpha),
         }
+    }
+}
+
+impl std::ops::Mul for Pose {
+    type Output = Self;
+
+    /// The pose in the world of something whose pose in the frame of `self` is `attached`.
+    #[inline]
+    fn mul(self, attached: Self) -> Self {
+        Self { position: self.transform_point(attached.position), orientation: self.orientation * attached.orientation }
     }
 }
 
