@@ -16,7 +16,7 @@ use std::io::{self, BufWriter, Seek, SeekFrom, Write};
 use tumble::Pose;
 
 pub(crate) use self::bodies::{Bodies, Color};
-pub(crate) use self::document::{COLORS, GREY};
+pub use self::geometry::Geometry;
 pub(crate) use self::geometry::Surface;
 use self::layout::Layout;
 pub(crate) use self::sample::{Sample, double, single};

@@ -5,7 +5,7 @@ use tumble::{BodyId, CenterOfMass, Pose, Shape, Velocity};
 use super::super::frame::Frame;
 use super::geometry::Geometry;
 use super::sample::{Sample, double, single};
-use crate::looks::Looks;
+use crate::looks::{BODY_COLORS, Looks};
 use crate::tessellation::POINT_RADIUS;
 
 /// A body without size is drawn as this part of the scene, where that is more than its octahedron has.
@@ -44,7 +44,7 @@ pub(crate) struct Look {
 pub(crate) enum Color {
     /// Of what stands still.
     Grey,
-    /// One of [`COLORS`](super::document::COLORS).
+    /// One of [`BODY_COLORS`].
     Bright(usize),
 }
 
@@ -67,7 +67,7 @@ impl Bodies {
             let center = center.map_or(DVec3::ZERO, |center| DVec3::from_array(center.0.to_array().map(double)));
             let (surface, factors) = bodies.geometry.insert(looks);
             let color = match velocity {
-                Some(_) => Color::Bright(bodies.all.len() % super::document::COLORS.len()),
+                Some(_) => Color::Bright(bodies.all.len() % BODY_COLORS.len()),
                 None => Color::Grey,
             };
             let look = Look { surface, color };

@@ -11,9 +11,19 @@ use crate::tessellation::Tessellation;
 
 const VERTEX: u64 = size_of::<[f32; 3]>() as u64;
 
-/// The different surfaces among the bodies. Balls, blocks, cylinders and cones of all sizes are stretched from one of each.
+/// The different surfaces among bodies. Balls, blocks, cylinders and cones of all sizes are stretched from one of each.
+///
+/// ```
+/// use tumble::{Shape, glam::DVec3};
+/// use tumble_scene::{Geometry, Looks};
+///
+/// let mut geometry = Geometry::default();
+/// assert_eq!(geometry.insert(&Looks::Shape(Shape::sphere(2.0))), (0, DVec3::splat(2.0)));
+/// assert_eq!(geometry.insert(&Looks::Shape(Shape::sphere(3.0))), (0, DVec3::splat(3.0)));
+/// assert_eq!(geometry.tessellations().count(), 1);
+/// ```
 #[derive(Debug, Default)]
-pub(crate) struct Geometry {
+pub struct Geometry {
     pub(crate) surfaces: Vec<Surface>,
     /// By the bits of the volume or the number of triangles, for equal ones have the same.
     alike: HashMap<u64, Vec<usize>>,
@@ -55,8 +65,13 @@ impl Surface {
 }
 
 impl Geometry {
+    /// The triangles of all surfaces, each made when it is asked for.
+    pub fn tessellations(&self) -> impl Iterator<Item = Tessellation> {
+        self.surfaces.iter().map(Surface::tessellation)
+    }
+
     /// The index of the surface of a body, and the factors to stretch it by.
-    pub(crate) fn insert(&mut self, looks: &Looks) -> (usize, DVec3) {
+    pub fn insert(&mut self, looks: &Looks) -> (usize, DVec3) {
         let (looks, factors) = match looks {
             Looks::Shape(shape) => {
                 let (shape, factors) = unstretched(shape);

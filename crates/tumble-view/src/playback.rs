@@ -1,0 +1,166 @@
+//! A scene that is being run, at a pace that people can follow.
+
+use std::time::{Duration, Instant};
+
+use hecs::{Entity, World};
+use tumble::math::Real;
+use tumble::{BodyOrder, Clock, Momentum, Pose, PreviousPose, Simulation, Snapshot, Totals, Velocity, measure};
+use tumble_scene::Scene;
+
+use crate::bodies::{Bodies, Placed};
+use crate::convert::real;
+use crate::failure::Failure;
+use crate::trails::Trails;
+
+/// Scenes of this length are shown in real time \[s\]; others take [`WATCHED`].
+const REAL_TIME: std::ops::RangeInclusive<f64> = 0.5..=120.0;
+const WATCHED: f64 = 30.0;
+/// A frame is this close to a step when it is at the step, in steps.
+const AT_STEP: f64 = 1e-6;
+
+/// The world of a scene, its time, and how it began.
+#[derive(Debug)]
+pub(crate) struct Playback {
+    pub(crate) world: World,
+    pub(crate) simulation: Simulation,
+    pub(crate) order: BodyOrder,
+    pub(crate) bodies: Bodies,
+    pub(crate) trails: Trails,
+    /// Energy and momentum at the start.
+    pub(crate) start: Totals,
+    /// How far the picture is from the step before to the last one.
+    alpha: Real,
+    steps: u64,
+    beginning: (Snapshot, Clock),
+}
+
+impl Playback {
+    pub(crate) fn of(scene: Scene) -> Result<Self, Failure> {
+        let simulation = Simulation::new(scene.settings).map_err(|error| Failure::Input(error.to_string()))?;
+        let (looks, steps) = (scene.looks()?, scene.steps);
+        let mut world = World::new();
+        let names = scene.spawn(&mut world)?;
+        remember_poses(&mut world);
+        let order = BodyOrder::of(&world);
+        let bodies = Bodies::of(&world, &order, &names, &looks);
+        let start = measure(&world, simulation.settings(), &order);
+        let snapshot = Snapshot::capture(&world).map_err(|error| Failure::Input(error.to_string()))?;
+        let beginning = (snapshot, simulation.clock());
+        let trails = Trails::new(moving(&bodies), steps);
+        Ok(Self { world, simulation, order, bodies, trails, start, alpha: 1.0, steps, beginning })
+    }
+
+    /// Simulated seconds to a second, so that the scene can be watched.
+    pub(crate) fn pace(&self) -> f64 {
+        let length = self.steps as f64 * self.dt();
+        if REAL_TIME.contains(&length) || length <= 0.0 { 1.0 } else { length / WATCHED }
+    }
+
+    pub(crate) fn dt(&self) -> f64 {
+        f64::from(self.simulation.settings().dt)
+    }
+
+    /// The moment that is shown \[s\].
+    pub(crate) fn time(&self) -> f64 {
+        (self.simulation.time() - (1.0 - f64::from(self.alpha)) * self.dt()).max(0.0)
+    }
+
+    /// How far the picture is from the step before to the last one.
+    pub(crate) fn alpha(&self) -> Real {
+        self.alpha
+    }
+
+    /// Where the bodies are at the moment that is shown.
+    pub(crate) fn place(&self) -> Vec<Placed> {
+        self.bodies.place(&self.world, self.alpha)
+    }
+
+    /// Goes back to the beginning.
+    pub(crate) fn restart(&mut self) -> Result<(), Failure> {
+        let (snapshot, clock) = &self.beginning;
+        snapshot.restore(&mut self.world).map_err(|error| Failure::Running(error.to_string()))?;
+        tumble::update_derived(&mut self.world);
+        self.simulation.set_clock(*clock);
+        for (pose, previous) in self.world.query_mut::<(&Pose, &mut PreviousPose)>() {
+            previous.0 = *pose;
+        }
+        self.trails = Trails::new(moving(&self.bodies), self.steps);
+        self.alpha = 1.0;
+        Ok(())
+    }
+
+    /// Takes one step and shows what came of it.
+    pub(crate) fn step(&mut self) {
+        self.step_many(1);
+        self.alpha = 1.0;
+    }
+
+    /// Takes the steps that fall into a frame of so many simulated seconds, for at most so long; whether there was time for them all.
+    pub(crate) fn advance(&mut self, seconds: f64, budget: Duration) -> bool {
+        let started = Instant::now();
+        // `Simulation::advance` drops what goes beyond so many steps, so more of them are taken in pieces.
+        let piece = f64::from(Simulation::MOST_STEPS_A_FRAME) * self.dt();
+        let mut left = seconds.max(0.0);
+        loop {
+            let mut step = self.simulation.steps();
+            let trails = &mut self.trails;
+            self.alpha = self.simulation.advance_with(&mut self.world, left.min(piece), |world| {
+                trails.before_step(step, world);
+                step += 1;
+            });
+            left -= piece;
+            if left <= 0.0 {
+                return true;
+            }
+            if started.elapsed() > budget {
+                return false;
+            }
+        }
+    }
+
+    /// Takes steps until this time, which may be between two of them \[s\]. Time does not go back.
+    pub(crate) fn go_to(&mut self, time: f64) {
+        let steps = time / self.dt();
+        let whole = (steps - AT_STEP).ceil().max(0.0);
+        let missing = (whole as u64).saturating_sub(self.simulation.steps());
+        self.step_many(missing);
+        let behind = (whole - steps).clamp(0.0, 1.0);
+        self.alpha = if behind < AT_STEP { 1.0 } else { real(1.0 - behind) };
+    }
+
+    fn step_many(&mut self, mut count: u64) {
+        while count > 0 {
+            let step = self.simulation.steps();
+            self.trails.before_step(step, &self.world);
+            let together = self.trails.steps_to_next(step).min(count);
+            let together = u32::try_from(together).unwrap_or(u32::MAX);
+            self.simulation.step_many(&mut self.world, together);
+            count -= u64::from(together);
+        }
+    }
+
+    /// Energy and momentum now.
+    pub(crate) fn totals(&self) -> Totals {
+        measure(&self.world, self.simulation.settings(), &self.order)
+    }
+}
+
+/// What moves is drawn between steps, for which the step keeps the pose before.
+fn remember_poses(world: &mut World) {
+    let moving: Vec<(Entity, Pose)> =
+        world.query_mut::<(Entity, &Pose, &Velocity)>().into_iter().map(|(entity, pose, _)| (entity, *pose)).collect();
+    for (entity, pose) in moving {
+        // The entity was found in this world a moment ago, so inserting cannot fail.
+        let inserted = world.insert_one(entity, PreviousPose(pose));
+        debug_assert!(inserted.is_ok());
+    }
+}
+
+fn moving(bodies: &Bodies) -> Vec<Entity> {
+    bodies.all.iter().filter(|body| body.moves).map(|body| body.entity).collect()
+}
+
+/// Whether forces move a body.
+pub(crate) fn is_free(world: &World, entity: Entity) -> bool {
+    world.satisfies::<&Momentum>(entity)
+}
