@@ -48,6 +48,7 @@ mod chance;
 mod clock;
 mod columns;
 mod components;
+mod debug_draw;
 mod derived;
 mod force_law;
 mod force_laws;
@@ -96,6 +97,7 @@ pub use components::{
     BodyId, CenterOfMass, Damping, GravityScale, Inertia, InertiaComponentError, InverseInertia, Mass, Momentum, Pose,
     PreviousPose, PrincipalAxes, Velocity, Work, Wrench,
 };
+pub use debug_draw::{DebugDraw, DebugView};
 pub use force_law::{BodyState, ForceLaw};
 pub use force_laws::ForceLaws;
 pub use generators::{
