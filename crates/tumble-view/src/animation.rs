@@ -30,13 +30,7 @@ pub(crate) fn write_gif(file: &Path, images: &[Image], fps: u16) -> Result<(), F
     write_file(file, &bytes)
 }
 
-fn encode(
-    bytes: &mut Vec<u8>,
-    images: &[Image],
-    size: Size,
-    palette: &Palette,
-    fps: u16,
-) -> Result<(), EncodingError> {
+fn encode(bytes: &mut Vec<u8>, images: &[Image], size: Size, palette: &Palette, fps: u16) -> Result<(), EncodingError> {
     let [width, height] = [size.width, size.height].map(|edge| edge as u16);
     let mut encoder = Encoder::new(bytes, width, height, &palette.colors.concat())?;
     encoder.set_repeat(Repeat::Infinite)?;
@@ -90,7 +84,8 @@ mod tests {
     #[test]
     fn delays_add_up_to_the_time() {
         for fps in [7, 20, 30, 50] {
-            let delays: Vec<u32> = (0..u32::from(fps) * 3).map(|number| end(number + 1, fps) - end(number, fps)).collect();
+            let delays: Vec<u32> =
+                (0..u32::from(fps) * 3).map(|number| end(number + 1, fps) - end(number, fps)).collect();
             assert_eq!(delays.iter().sum::<u32>(), 300);
             assert!(delays.iter().max().unwrap() - delays.iter().min().unwrap() <= 1);
         }

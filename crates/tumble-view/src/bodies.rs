@@ -5,9 +5,7 @@ use std::collections::HashMap;
 use hecs::{Entity, World};
 use tumble::glam::{DQuat, DVec3};
 use tumble::math::Real;
-use tumble::{
-    BodyId, BodyOrder, CenterOfMass, Inertia, Mass, Pose, PreviousPose, PrincipalAxes, Shape, Velocity,
-};
+use tumble::{BodyId, BodyOrder, CenterOfMass, Inertia, Mass, Pose, PreviousPose, PrincipalAxes, Shape, Velocity};
 use tumble_scene::{BODY_COLORS, FIXED_COLOR, Geometry, Looks, Names};
 
 use crate::convert::{dquat, dvec3};
@@ -104,10 +102,14 @@ impl Bodies {
 
     /// Boxes around the surfaces, and how far they reach.
     fn measure(&mut self) {
-        let boxes: Vec<[DVec3; 2]> = self.geometry.tessellations().map(|surface| {
-            let corners = || surface.positions.iter().copied();
-            [corners().fold(DVec3::INFINITY, DVec3::min), corners().fold(DVec3::NEG_INFINITY, DVec3::max)]
-        }).collect();
+        let boxes: Vec<[DVec3; 2]> = self
+            .geometry
+            .tessellations()
+            .map(|surface| {
+                let corners = || surface.positions.iter().copied();
+                [corners().fold(DVec3::INFINITY, DVec3::min), corners().fold(DVec3::NEG_INFINITY, DVec3::max)]
+            })
+            .collect();
         self.surface_count = boxes.len();
         for body in &mut self.all {
             let Some([low, high]) = boxes.get(body.surface).filter(|[low, high]| (*high - *low).is_finite()) else {

@@ -82,8 +82,7 @@ impl Camera {
     /// Where the camera is seen from the target.
     fn towards(&self) -> DVec3 {
         let [first, second] = self.up.horizon();
-        self.up.axis() * self.pitch.sin()
-            + (first * self.yaw.cos() + second * self.yaw.sin()) * self.pitch.cos()
+        self.up.axis() * self.pitch.sin() + (first * self.yaw.cos() + second * self.yaw.sin()) * self.pitch.cos()
     }
 
     /// What the camera sees in a picture of this size in points; things may be up to `extent` from the target \[m\].

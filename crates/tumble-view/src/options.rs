@@ -151,7 +151,9 @@ pub(crate) fn frame_count(seconds: f64, fps: u16) -> Result<u32, Failure> {
     if frames <= MOST_FRAMES {
         Ok(frames as u32)
     } else {
-        Err(Failure::Input(format!("--for: {frames} pictures are more than {MOST_FRAMES}, the most an animation may have")))
+        Err(Failure::Input(format!(
+            "--for: {frames} pictures are more than {MOST_FRAMES}, the most an animation may have"
+        )))
     }
 }
 

@@ -43,12 +43,8 @@ impl Easel {
         status: String,
     ) -> Image {
         let size = self.size.points();
-        let canvas = Canvas {
-            pass: Some(self.target.render_pass.raw_miniquad_id()),
-            size,
-            pixels_per_point: FINER as f32,
-            background: self.background,
-        };
+        let canvas =
+            Canvas { pass: Some(self.target.render_pass.raw_miniquad_id()), size, background: self.background };
         let overlay = stage.draw(gpu, renderer, &canvas, status);
         let points = Rect::new(0.0, 0.0, size.x as f32, size.y as f32);
         set_camera(&Camera2D { render_target: Some(self.target.clone()), ..Camera2D::from_display_rect(points) });
@@ -99,7 +95,8 @@ pub(crate) fn write_png(file: &Path, image: &Image) -> Result<(), Failure> {
 pub(crate) fn write_file(file: &Path, bytes: &[u8]) -> Result<(), Failure> {
     use std::io::Write as _;
     let pending = tumble_scene::PendingFile::create(file);
-    let mut pending = pending.map_err(|error| Failure::Input(format!("{}: cannot be written: {error}", file.display())))?;
+    let mut pending =
+        pending.map_err(|error| Failure::Input(format!("{}: cannot be written: {error}", file.display())))?;
     let written = pending.write_all(bytes).and_then(|()| pending.finish());
     written.map_err(|error| Failure::writing(file, &error))
 }

@@ -19,7 +19,6 @@ const WATCHED: f64 = 30.0;
 const AT_STEP: f64 = 1e-6;
 
 /// The world of a scene, its time, and how it began.
-#[derive(Debug)]
 pub(crate) struct Playback {
     pub(crate) world: World,
     pub(crate) simulation: Simulation,

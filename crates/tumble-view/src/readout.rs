@@ -14,13 +14,15 @@ pub(crate) type Row = (String, String);
 /// A number in a column: six characters at least, four digits that count.
 pub(crate) fn figure(value: f64) -> String {
     let size = value.abs();
+    // Signs have a column of their own.
+    let sign = if value < 0.0 { '-' } else { ' ' };
     if size == 0.0 {
         " 0".to_owned()
     } else if (1e-3..1e5).contains(&size) {
         let decimals = (3.0 - size.log10().floor()).clamp(0.0, 6.0) as usize;
-        format!("{value: .decimals$}")
+        format!("{sign}{size:.decimals$}")
     } else {
-        format!("{value: .3e}")
+        format!("{sign}{size:.3e}")
     }
 }
 

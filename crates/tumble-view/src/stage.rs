@@ -2,13 +2,12 @@
 
 use macroquad::miniquad::RenderPass;
 use tumble::glam::{DVec2, DVec3};
-use tumble::math::Real;
 use tumble::{DebugView, Totals};
 use tumble_scene::Scene;
 
 use crate::arrows::{self, Largest};
 use crate::bodies::Placed;
-use crate::camera::{Camera, Up, View};
+use crate::camera::{Camera, View};
 use crate::convert::{dvec3, single3};
 use crate::failure::Failure;
 use crate::framing::{self, Frame, Grid};
@@ -16,7 +15,7 @@ use crate::gpu::{Background, BodyInstance, Gpu, Picture, Renderer};
 use crate::layers::{Layer, Layers};
 use crate::lines::{Line, Marks, encoded};
 use crate::options::ViewOptions;
-use crate::overlay::{Overlay, Writer};
+use crate::overlay::Overlay;
 use crate::pick::first_hit;
 use crate::playback::{Playback, is_free};
 use crate::readout;
@@ -40,7 +39,6 @@ pub(crate) enum Follow {
 }
 
 /// Everything but the window.
-#[derive(Debug)]
 pub(crate) struct Stage {
     pub(crate) playback: Playback,
     pub(crate) layers: Layers,
@@ -66,7 +64,6 @@ pub(crate) struct Canvas {
     pub(crate) pass: Option<RenderPass>,
     /// In points.
     pub(crate) size: DVec2,
-    pub(crate) pixels_per_point: f32,
     pub(crate) background: Background,
 }
 
@@ -114,7 +111,8 @@ impl Stage {
 
     /// What the camera sees in a picture of this size.
     pub(crate) fn view(&self, size: DVec2) -> View {
-        let extent = (self.camera.target - self.start.middle - (self.anchor - self.center)).length() + self.start.radius;
+        let extent =
+            (self.camera.target - self.start.middle - (self.anchor - self.center)).length() + self.start.radius;
         self.camera.view(size, 4.0 * extent)
     }
 
@@ -173,13 +171,7 @@ impl Stage {
     }
 
     /// Draws the moment that is shown.
-    pub(crate) fn draw(
-        &mut self,
-        gpu: &mut Gpu,
-        renderer: &mut Renderer,
-        canvas: &Canvas,
-        status: String,
-    ) -> Overlay {
+    pub(crate) fn draw(&mut self, gpu: &mut Gpu, renderer: &mut Renderer, canvas: &Canvas, status: String) -> Overlay {
         let places = self.playback.place();
         self.aim(&places);
         let view = self.view(canvas.size);
@@ -321,8 +313,8 @@ impl Stage {
 /// Of the bodies that forces move \[m\].
 fn center_of_mass(playback: &Playback, places: &[Placed]) -> Option<DVec3> {
     let free = playback.bodies.all.iter().zip(places).filter(|(body, _)| is_free(&playback.world, body.entity));
-    let (mass, moment) =
-        free.fold((0.0, DVec3::ZERO), |(mass, sum), (body, placed)| (mass + body.mass, sum + placed.center * body.mass));
+    let (mass, moment) = free
+        .fold((0.0, DVec3::ZERO), |(mass, sum), (body, placed)| (mass + body.mass, sum + placed.center * body.mass));
     let center = moment / mass;
     (mass > 0.0 && center.is_finite()).then_some(center)
 }

@@ -7,7 +7,7 @@ use macroquad::input::{
     is_mouse_button_released, mouse_position, mouse_wheel,
 };
 use macroquad::time::get_frame_time;
-use macroquad::window::{next_frame, screen_dpi_scale, screen_height, screen_width};
+use macroquad::window::{next_frame, screen_height, screen_width};
 use tumble::glam::DVec2;
 
 use crate::failure::Failure;
@@ -64,8 +64,7 @@ pub(crate) async fn show(
             let seconds = f64::from(get_frame_time()).min(LONGEST_FRAME) * controls.factor();
             controls.keeps_up = stage.playback.advance(seconds, BUDGET);
         }
-        let canvas =
-            Canvas { pass: None, size, pixels_per_point: screen_dpi_scale(), background: Background::Gradient };
+        let canvas = Canvas { pass: None, size, background: Background::Gradient };
         let status = controls.status(&stage);
         let overlay = stage.draw(&mut gpu, &mut renderer, &canvas, status);
         writer.draw(&overlay, size, 1.0);
@@ -164,7 +163,11 @@ impl Controls {
 /// Time and speed in words.
 pub(crate) fn status(time: f64, factor: f64, pace: f64) -> String {
     let times = factor / pace;
-    if pace == 1.0 { format!("t ={} s   ×{times}", figure(time)) } else { format!("t ={} s   {} s a second", figure(time), figure(factor).trim()) }
+    if pace == 1.0 {
+        format!("t ={} s   ×{times}", figure(time))
+    } else {
+        format!("t ={} s   {} s a second", figure(time), figure(factor).trim())
+    }
 }
 
 /// A camera that follows the picked body follows the next one that is picked.

@@ -34,8 +34,7 @@ impl Backdrop {
         let indices =
             context.new_buffer(BufferType::IndexBuffer, BufferUsage::Immutable, BufferSource::slice(&indices));
         let attributes = [VertexAttribute::new("corner", VertexFormat::Float2)];
-        let pipeline =
-            context.new_pipeline(&[BufferLayout::default()], &attributes, shader, PipelineParams::default());
+        let pipeline = context.new_pipeline(&[BufferLayout::default()], &attributes, shader, PipelineParams::default());
         Ok(Self {
             pipeline,
             bindings: Bindings { vertex_buffers: vec![corners], index_buffer: indices, images: Vec::new() },

@@ -60,10 +60,8 @@ impl BodyPass {
             ("towards", UniformType::Float3),
         ];
         let shader = shader(context, SHADER, &uniforms)?;
-        let buffers = [
-            BufferLayout::default(),
-            BufferLayout { step_func: VertexStep::PerInstance, ..BufferLayout::default() },
-        ];
+        let buffers =
+            [BufferLayout::default(), BufferLayout { step_func: VertexStep::PerInstance, ..BufferLayout::default() }];
         let attributes = [
             VertexAttribute::with_buffer("corner", VertexFormat::Float3, 0),
             VertexAttribute::with_buffer("normal", VertexFormat::Float3, 0),

@@ -56,10 +56,8 @@ impl LinePass {
             ("fade", UniformType::Float1),
         ];
         let shader = shader(context, SHADER, &uniforms)?;
-        let buffers = [
-            BufferLayout::default(),
-            BufferLayout { step_func: VertexStep::PerInstance, ..BufferLayout::default() },
-        ];
+        let buffers =
+            [BufferLayout::default(), BufferLayout { step_func: VertexStep::PerInstance, ..BufferLayout::default() }];
         let attributes = [
             VertexAttribute::with_buffer("corner", VertexFormat::Float2, 0),
             VertexAttribute::with_buffer("start", VertexFormat::Float3, 1),

@@ -74,7 +74,10 @@ impl Renderer {
     /// Draws into a render pass, or into the window.
     pub(crate) fn draw(&mut self, gpu: &mut Gpu, pass: Option<RenderPass>, picture: &Picture<'_>) {
         gpu.with(|context| {
-            context.begin_pass(pass, PassAction::Clear { color: Some((0.0, 0.0, 0.0, 1.0)), depth: Some(1.0), stencil: None });
+            context.begin_pass(
+                pass,
+                PassAction::Clear { color: Some((0.0, 0.0, 0.0, 1.0)), depth: Some(1.0), stencil: None },
+            );
             self.backdrop.draw(context, picture.background);
             self.bodies.draw(context, picture);
             self.lines.draw(context, picture);
