@@ -10,8 +10,6 @@ use crate::options::Size;
 use crate::palette::{Histogram, Palette};
 use crate::picture::{Image, write_file};
 
-/// All pictures are held until the colours are chosen: at most so many bytes of them.
-pub(crate) const MOST_BYTES: u64 = 2 << 30;
 /// The number that means: as before. The others are colours.
 const AS_BEFORE: u8 = 255;
 /// Units of a delay in a second.

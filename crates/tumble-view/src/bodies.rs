@@ -212,7 +212,7 @@ mod tests {
 
     #[test]
     fn a_compound_turns_about_its_centre_of_mass() {
-        let (mut world, bodies) = bodies("t-handle");
+        let (world, bodies) = bodies("t-handle");
         let body = &bodies.all[0];
         let before = bodies.place(&world, 1.0)[0];
         let offset = world.get::<&CenterOfMass>(body.entity).map_or(DVec3::ZERO, |center| dvec3(center.0));

@@ -14,7 +14,7 @@ pub(crate) const PITCH: f64 = 0.36;
 const CROWD: usize = 20;
 const OF_A_CROWD: f64 = 0.85;
 /// Around what is in the frame there is this much room.
-const ROOM: f64 = 1.25;
+const ROOM: f64 = 1.2;
 /// Half the size of the smallest body that is seen well \[points\]: of a few bodies, and of a crowd.
 const SMALLEST: [f64; 2] = [5.0, 1.0];
 

@@ -86,10 +86,13 @@ impl Layers {
         })
     }
 
-    /// Of a scene with so many bodies that turn: arrows of a few explain, those of many hide.
-    pub(crate) fn fitting(turning: usize) -> Self {
+    /// Of a scene with so many moving bodies, of which so many turn: arrows and names of a few explain, those of many hide.
+    pub(crate) fn fitting(moving: usize, turning: usize) -> Self {
         let mut all = vec![Layer::Trails, Layer::Grid, Layer::Ledger, Layer::Legend];
-        if turning <= 3 {
+        if (2..=10).contains(&moving) {
+            all.push(Layer::Names);
+        }
+        if (1..=3).contains(&turning) {
             all.extend([Layer::AngularMomentum, Layer::AngularVelocity, Layer::Axes]);
         }
         Self::of(all)
@@ -147,8 +150,8 @@ mod tests {
 
     #[test]
     fn a_layer_is_switched() {
-        let mut layers = Layers::fitting(1);
-        assert!(layers.has(Layer::Axes) && !Layers::fitting(100).has(Layer::Axes));
+        let mut layers = Layers::fitting(1, 1);
+        assert!(layers.has(Layer::Axes) && !Layers::fitting(100, 100).has(Layer::Axes));
         layers.toggle(Layer::Axes);
         assert!(!layers.has(Layer::Axes) && layers.has(Layer::Grid));
     }

@@ -55,7 +55,8 @@ fn main() -> ExitCode {
 /// Everything that can be found wrong without a window is, before there is one.
 fn run(options: &Options) -> Result<(), Failure> {
     let scene = options.scene()?;
-    let task = options.task(scene.settings.dt)?;
+    let pace = options.speed.unwrap_or_else(|| playback::pace(&scene));
+    let task = options.task(scene.settings.dt, pace)?;
     let stage = stage::Stage::new(scene, &options.view)?;
-    opening::open(stage, task, options)
+    opening::open(stage, task, pace, options)
 }

@@ -15,8 +15,9 @@ use crate::layers::Layers;
 
 /// Edges of a picture \[points\]: graphics cards have textures of twice this.
 const EDGES: std::ops::RangeInclusive<u32> = 64..=4096;
-/// The most pictures of an animation.
+/// The most pictures of an animation, and the most bytes of them: all are held until their common colours are chosen.
 const MOST_FRAMES: f64 = 2000.0;
+const MOST_BYTES: f64 = 1.5e9;
 
 /// Shows a scene of rigid bodies in a window, or makes a picture or an animation of it.
 #[derive(Debug, Parser)]
@@ -102,7 +103,7 @@ pub(crate) struct ViewOptions {
 pub(crate) enum Task {
     Window,
     Screenshot { file: PathBuf, at: f64 },
-    Animation { file: PathBuf, from: f64, duration: f64, fps: u16 },
+    Animation { file: PathBuf, from: f64, frames: u32, fps: u16 },
 }
 
 impl Options {
@@ -125,8 +126,8 @@ impl Options {
         Ok(scene)
     }
 
-    /// What to do, with its files and times checked against the scene's step.
-    pub(crate) fn task(&self, dt: Real) -> Result<Task, Failure> {
+    /// What to do, with its files and times checked against the scene's step, and so many simulated seconds to one of watching.
+    pub(crate) fn task(&self, dt: Real, pace: f64) -> Result<Task, Failure> {
         let check = |option: &str, seconds: f64| {
             let steps = steps_of_duration(seconds, dt);
             steps.map(drop).map_err(|problem| Failure::Input(format!("{option} {problem}")))
@@ -141,19 +142,25 @@ impl Options {
         check("--from", self.from)?;
         check("--for", self.duration)?;
         check("--for", self.from + self.duration)?;
-        Ok(Task::Animation { file: file.clone(), from: self.from, duration: self.duration, fps: self.fps })
+        let frames = frame_count(self.duration / pace, self.fps, self.view.size)?;
+        Ok(Task::Animation { file: file.clone(), from: self.from, frames, fps: self.fps })
     }
 }
 
 /// Pictures of an animation of so many seconds of watching, if that is not too many.
-pub(crate) fn frame_count(seconds: f64, fps: u16) -> Result<u32, Failure> {
+fn frame_count(seconds: f64, fps: u16, size: Size) -> Result<u32, Failure> {
     let frames = (seconds * f64::from(fps)).round().max(1.0);
-    if frames <= MOST_FRAMES {
-        Ok(frames as u32)
-    } else {
+    let bytes = 3.0 * f64::from(size.width) * f64::from(size.height) * frames;
+    if frames > MOST_FRAMES {
         Err(Failure::Input(format!(
             "--for: {frames} pictures are more than {MOST_FRAMES}, the most an animation may have"
         )))
+    } else if bytes > MOST_BYTES {
+        Err(Failure::Input(format!(
+            "--for: {frames} pictures of this --size are more than fit into {MOST_BYTES:e} bytes"
+        )))
+    } else {
+        Ok(frames as u32)
     }
 }
 
@@ -292,7 +299,7 @@ mod tests {
 
     #[test]
     fn tasks_are_checked() {
-        let task = |arguments: &[&str]| options(arguments).unwrap().task(0.01);
+        let task = |arguments: &[&str]| options(arguments).unwrap().task(0.01, 1.0);
         assert_eq!(task(&[]).unwrap(), Task::Window);
         let picture = task(&["--screenshot", "a.PNG", "--at", "2.5"]).unwrap();
         assert_eq!(picture, Task::Screenshot { file: "a.PNG".into(), at: 2.5 });
@@ -300,8 +307,9 @@ mod tests {
         assert_eq!(error, "--screenshot: a.jpg does not end in .png");
         // More steps than there may be.
         assert!(task(&["--screenshot", "a.png", "--at", "1e300"]).is_err());
-        assert_eq!(frame_count(4.0, 20).unwrap(), 80);
-        assert!(frame_count(1000.0, 20).is_err());
+        let (small, large) = (Size { width: 320, height: 180 }, Size { width: 3200, height: 1800 });
+        assert_eq!(frame_count(4.0, 20, small).unwrap(), 80);
+        assert!(frame_count(1000.0, 20, small).is_err() && frame_count(10.0, 20, large).is_err());
     }
 
     #[test]

@@ -1,8 +1,11 @@
 //! Text and panels in front of the picture.
 
+use std::cell::Cell;
+
 use macroquad::color::Color;
 use macroquad::shapes::draw_rectangle;
 use macroquad::text::{Font, TextParams, draw_text_ex, load_ttf_font_from_bytes};
+use macroquad::window::screen_dpi_scale;
 use tumble::glam::DVec2;
 
 use crate::layers::{LAYERS, Layer, Layers};
@@ -13,6 +16,8 @@ const FONT: &[u8] = include_bytes!("../assets/NotoSansMono-subset.ttf");
 /// From one letter to the next, in sizes of the font.
 const ADVANCE: f32 = 0.6;
 const SIZE: f32 = 14.0;
+const LABEL: f32 = 13.0;
+const TITLE: f32 = 20.0;
 const LINE: f32 = 19.0;
 const MARGIN: f32 = 14.0;
 const PADDING: f32 = 10.0;
@@ -39,6 +44,9 @@ const KEYS: [(&str, &str); 10] = [
     ("Q", "quit"),
 ];
 
+/// Text at a place in the picture, and its colour.
+pub(crate) type Label = (DVec2, String, [f32; 3]);
+
 /// All that is written in a picture.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Overlay {
@@ -47,30 +55,44 @@ pub(crate) struct Overlay {
     pub(crate) layers: Layers,
     pub(crate) ledger: Vec<Row>,
     pub(crate) body: Vec<Row>,
-    /// Text at places in the picture.
-    pub(crate) labels: Vec<(DVec2, String, [f32; 3])>,
+    pub(crate) labels: Vec<Label>,
 }
 
 /// Writes with the window's font.
 #[derive(Debug)]
 pub(crate) struct Writer {
     font: Font,
+    /// Pixels per point that letters are there for.
+    prepared: Cell<f32>,
 }
 
 impl Writer {
     pub(crate) fn new() -> Result<Self, String> {
         let font = load_ttf_font_from_bytes(FONT).map_err(|error| format!("the font cannot be used: {error}"))?;
-        Ok(Self { font })
+        Ok(Self { font, prepared: Cell::new(0.0) })
+    }
+
+    /// Makes all letters in all sizes. A letter that comes when others have been written in the same picture may take the place of theirs.
+    fn prepare(&self, pixels_per_point: f32) {
+        let all = pixels_per_point * screen_dpi_scale();
+        if self.prepared.replace(all) != all {
+            let letters: Vec<char> = (' '..='~').chain("²³µ·×−…ω".chars()).collect();
+            for size in [LABEL, SIZE, TITLE] {
+                let asked = (size * pixels_per_point).round() * screen_dpi_scale();
+                self.font.populate_font_cache(&letters, asked.ceil() as u16);
+            }
+        }
     }
 
     /// Draws onto a picture of this size in points, of so many pixels each.
     pub(crate) fn draw(&self, overlay: &Overlay, size: DVec2, pixels_per_point: f32) {
+        self.prepare(pixels_per_point);
         let pen = Pen { font: &self.font, pixels_per_point };
-        for (at, text, color) in &overlay.labels {
+        for (at, text, color) in apart(&overlay.labels) {
             let [red, green, blue] = *color;
-            pen.text(at.x as f32, at.y as f32, 13.0, [red, green, blue, 0.95], text);
+            pen.text(at.x as f32, at.y as f32, LABEL, [red, green, blue, 0.95], text);
         }
-        pen.text(MARGIN, MARGIN + 16.0, 20.0, BRIGHT, &shortened(&overlay.title));
+        pen.text(MARGIN, MARGIN + 16.0, TITLE, BRIGHT, &shortened(&overlay.title));
         pen.text(MARGIN, MARGIN + 38.0, SIZE, PLAIN, &overlay.status);
         if overlay.layers.has(Layer::Legend) {
             pen.legend(overlay.layers, MARGIN + 56.0, size.y as f32);
@@ -153,10 +175,46 @@ impl Pen<'_> {
     }
 }
 
+/// Labels that do not cover one that comes before them.
+fn apart(labels: &[Label]) -> Vec<&Label> {
+    let mut kept: Vec<&Label> = Vec::new();
+    let width = |label: &Label| f64::from(LABEL * ADVANCE) * label.1.chars().count() as f64;
+    let covers = |a: &Label, b: &Label| {
+        let by = (a.0 - b.0).abs();
+        by.y < f64::from(LABEL) && by.x < if a.0.x < b.0.x { width(a) } else { width(b) }
+    };
+    for label in labels {
+        if !kept.iter().any(|other| covers(label, other)) {
+            kept.push(label);
+        }
+    }
+    kept
+}
+
 /// Names come from files and may be of any length.
 fn shortened(text: &str) -> String {
     match text.char_indices().nth(LONGEST) {
         Some((end, _)) => format!("{}…", text.get(..end).unwrap_or_default()),
         None => text.to_owned(),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn of_labels_that_cover_each_other_the_first_is_kept() {
+        let label = |x: f64, y: f64, text: &str| (DVec2::new(x, y), text.to_owned(), [1.0; 3]);
+        let labels =
+            [label(0.0, 0.0, "venus"), label(20.0, 5.0, "sun"), label(50.0, 5.0, "earth"), label(0.0, 20.0, "mars")];
+        let kept: Vec<&str> = apart(&labels).into_iter().map(|(_, text, _)| text.as_str()).collect();
+        assert_eq!(kept, ["venus", "earth", "mars"]);
+    }
+
+    #[test]
+    fn long_names_are_shortened() {
+        assert_eq!(shortened("raft"), "raft");
+        assert_eq!(shortened(&"é".repeat(100)).chars().count(), LONGEST + 1);
     }
 }

@@ -49,12 +49,6 @@ impl Playback {
         Ok(Self { world, simulation, order, bodies, trails, start, alpha: 1.0, steps, beginning })
     }
 
-    /// Simulated seconds to a second, so that the scene can be watched.
-    pub(crate) fn pace(&self) -> f64 {
-        let length = self.steps as f64 * self.dt();
-        if REAL_TIME.contains(&length) || length <= 0.0 { 1.0 } else { length / WATCHED }
-    }
-
     pub(crate) fn dt(&self) -> f64 {
         f64::from(self.simulation.settings().dt)
     }
@@ -144,6 +138,12 @@ impl Playback {
     }
 }
 
+/// Simulated seconds to a second, so that a scene can be watched.
+pub(crate) fn pace(scene: &Scene) -> f64 {
+    let length = scene.steps as f64 * f64::from(scene.settings.dt);
+    if REAL_TIME.contains(&length) || length <= 0.0 { 1.0 } else { length / WATCHED }
+}
+
 /// What moves is drawn between steps, for which the step keeps the pose before.
 fn remember_poses(world: &mut World) {
     let moving: Vec<(Entity, Pose)> =
@@ -162,4 +162,86 @@ fn moving(bodies: &Bodies) -> Vec<Entity> {
 /// Whether forces move a body.
 pub(crate) fn is_free(world: &World, entity: Entity) -> bool {
     world.satisfies::<&Momentum>(entity)
+}
+
+#[cfg(test)]
+mod tests {
+    use tumble::glam::DVec3;
+
+    use super::*;
+
+    fn open(scene: &str) -> Playback {
+        Playback::of(Scene::open(scene).unwrap()).unwrap()
+    }
+
+    fn hash(playback: &Playback) -> u64 {
+        tumble::state_hash(&playback.world, &playback.order)
+    }
+
+    #[test]
+    fn scenes_are_watched_in_half_a_minute_or_in_real_time() {
+        assert_eq!(pace(&Scene::open("t-handle").unwrap()), 1.0);
+        // Twelve years and a day in steps of a day.
+        assert_eq!(pace(&Scene::open("solar-system").unwrap()), 4383.0 * 86_400.0 / 30.0);
+    }
+
+    /// Frames of any length take the steps that a run takes, with the same bits.
+    #[test]
+    fn what_is_seen_is_what_a_run_does() {
+        let mut seen = open("raft");
+        // Frames of two steps and a half, and one that is longer than what `Simulation::advance` takes at once.
+        for _ in 0..8 {
+            assert!(seen.advance(0.025, Duration::MAX));
+        }
+        assert!(seen.advance(0.5, Duration::MAX));
+        seen.go_to(1.0);
+        let mut run = open("raft");
+        run.go_to(1.0);
+        assert_eq!((seen.simulation.steps(), run.simulation.steps()), (100, 100));
+        assert_eq!(hash(&seen), hash(&run));
+    }
+
+    #[test]
+    fn a_moment_between_steps_is_shown_between_them() {
+        let mut playback = open("satellite");
+        let x_at = |playback: &mut Playback, time: f64| {
+            playback.go_to(time);
+            // A rounding of single precision, of steps of a second.
+            assert!((playback.time() - time).abs() < 1e-6, "{}", playback.time());
+            playback.place()[0].center
+        };
+        let places: Vec<DVec3> = [10.0, 10.25, 11.0].into_iter().map(|time| x_at(&mut playback, time)).collect();
+        let expected = places[0].lerp(places[2], 0.25);
+        // Positions of 1750 m have roundings of 1e-4 m in single precision.
+        assert!((places[1] - expected).length() < 3e-4, "{places:?}");
+        assert_eq!(playback.simulation.steps(), 11);
+    }
+
+    #[test]
+    fn a_restart_is_the_beginning() {
+        for scene in ["raft", "t-handle", "solar-system"] {
+            let mut playback = open(scene);
+            let (beginning, place) = (hash(&playback), playback.place()[0].center);
+            for _ in 0..10 {
+                playback.step();
+            }
+            let after = hash(&playback);
+            assert_ne!(after, beginning);
+            playback.restart().unwrap();
+            assert_eq!((hash(&playback), playback.place()[0].center), (beginning, place), "{scene}");
+            assert_eq!((playback.simulation.steps(), playback.time()), (0, 0.0));
+            for _ in 0..10 {
+                playback.step();
+            }
+            assert_eq!(hash(&playback), after, "{scene}");
+        }
+    }
+
+    /// A frame that is too long is left off, so that the next is not longer still.
+    #[test]
+    fn there_is_an_end_to_a_frame() {
+        let mut playback = open("raft");
+        assert!(!playback.advance(1e9, Duration::ZERO));
+        assert_eq!(playback.simulation.steps(), u64::from(Simulation::MOST_STEPS_A_FRAME));
+    }
 }

@@ -29,7 +29,14 @@ pub(crate) fn figure(value: f64) -> String {
 /// Three numbers. What is rounding beside the others is zero.
 fn triple(vector: DVec3) -> String {
     let nothing = 1e-7 * vector.abs().max_element();
-    vector.to_array().map(|part| format!("{:<9}", figure(if part.abs() <= nothing { 0.0 } else { part }))).concat()
+    vector.to_array().map(|part| format!("{:<11}", figure(if part.abs() <= nothing { 0.0 } else { part }))).concat()
+}
+
+/// A time \[s\] in words, in units that people have a feeling for.
+pub(crate) fn time(seconds: f64) -> String {
+    let units = [(31_557_600.0, "years"), (86_400.0, "days"), (3600.0, "hours")];
+    let (unit, name) = units.into_iter().find(|(unit, _)| seconds.abs() >= 2.0 * unit).unwrap_or((1.0, "s"));
+    format!("{} {name}", figure(seconds / unit).trim_start())
 }
 
 /// Energy and momentum now, and how far they are from the start.
@@ -60,14 +67,14 @@ fn drift_of(start: DVec3, now: DVec3) -> String {
     drift((now - start).length(), start.length())
 }
 
-/// A difference as a part of a scale, or where there is none as it is.
+/// A difference as a part of a scale.
 fn drift(difference: f64, scale: f64) -> String {
     if difference == 0.0 {
         " 0".to_owned()
     } else if scale > 0.0 {
         format!("{:+.1e}", difference / scale)
     } else {
-        format!("{difference:+.1e}")
+        " from 0".to_owned()
     }
 }
 
@@ -132,7 +139,7 @@ mod tests {
 
     #[test]
     fn rounding_beside_large_numbers_is_zero() {
-        assert_eq!(triple(DVec3::new(1.0, 1e-9, -2.0)), " 1.000    0       -2.000   ");
+        assert_eq!(triple(DVec3::new(1.0, 1e-9, -2.0)), " 1.000      0         -2.000    ");
     }
 
     #[test]

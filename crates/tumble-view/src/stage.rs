@@ -15,7 +15,7 @@ use crate::gpu::{Background, BodyInstance, Gpu, Picture, Renderer};
 use crate::layers::{Layer, Layers};
 use crate::lines::{Line, Marks, encoded};
 use crate::options::ViewOptions;
-use crate::overlay::Overlay;
+use crate::overlay::{Label, Overlay};
 use crate::pick::first_hit;
 use crate::playback::{Playback, is_free};
 use crate::readout;
@@ -46,8 +46,9 @@ pub(crate) struct Stage {
     pub(crate) follow: Follow,
     pub(crate) picked: Option<usize>,
     title: String,
-    /// What was in the frame at the start.
+    /// What was in the frame at the start, and with the longest arrows.
     start: Frame,
+    whole: Frame,
     /// Where the centre of mass was at the start.
     center: DVec3,
     /// What is followed, which the camera's target is a shift away from.
@@ -75,14 +76,15 @@ impl Stage {
         let places = playback.place();
         let start = Frame::of(&playback.bodies, &places);
         let up = options.up.unwrap_or_else(|| framing::up(gravity, playback.bodies.all.len(), &playback.start));
-        let mut camera = start.camera(up, options.size.points());
+        let moving = || playback.bodies.all.iter().filter(|body| body.moves);
+        let turning = moving().filter(|body| body.turns).count();
+        let layers = options.show.unwrap_or_else(|| Layers::fitting(moving().count(), turning));
+        let arrow_length = arrows::length(moving().map(|body| body.reach), start.radius);
+        let whole = Frame { radius: start.radius.max(arrow_length), ..start };
+        let mut camera = whole.camera(up, options.size.points());
         if let Some(angles) = options.camera {
             angles.apply(&mut camera);
         }
-        let turning = playback.bodies.all.iter().filter(|body| body.turns).count();
-        let layers = options.show.unwrap_or_else(|| Layers::fitting(turning));
-        let reaches = playback.bodies.all.iter().filter(|body| body.moves).map(|body| body.reach);
-        let arrow_length = arrows::length(reaches, start.radius);
         let center = center_of_mass(&playback, &places).unwrap_or(start.middle);
         let mut stage = Self {
             camera,
@@ -94,6 +96,7 @@ impl Stage {
             anchor: center,
             shift: start.middle - center,
             start,
+            whole,
             largest: Largest::default(),
             arrow_length,
             playback,
@@ -118,7 +121,7 @@ impl Stage {
 
     /// The view that shows everything again, from a side: yaw and pitch.
     pub(crate) fn look_from(&mut self, yaw: f64, pitch: f64, size: DVec2) {
-        self.camera = Camera { target: self.camera.target, ..self.start.camera(self.camera.up, size) };
+        self.camera = Camera { target: self.camera.target, ..self.whole.camera(self.camera.up, size) };
         self.camera.yaw = yaw;
         self.camera.pitch = 0.0;
         self.camera.turn(0.0, pitch);
@@ -283,7 +286,7 @@ impl Stage {
 
     fn overlay(&self, view: &View, places: &[Placed], marks: &Marks, status: String) -> Overlay {
         let bodies = &self.playback.bodies.all;
-        let mut labels: Vec<(DVec2, String, [f32; 3])> = marks
+        let mut labels: Vec<Label> = marks
             .labels
             .iter()
             .filter_map(|label| Some((view.project(label.at)?, label.text.clone(), label.color)))

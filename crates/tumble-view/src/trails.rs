@@ -14,9 +14,9 @@ const LONGEST: usize = 400;
 /// With fewer points a trail shows nothing: then there are none.
 const SHORTEST: usize = 8;
 /// A trail shows this part of the scene's run.
-const SHARE: u64 = 3;
+const SHARE: u64 = 2;
 
-/// The last places of all moving bodies, as far apart in time as makes a trail of a third of the scene's run.
+/// The last places of all moving bodies, as far apart in time as makes a trail of half of the scene's run.
 #[derive(Debug)]
 pub(crate) struct Trails {
     entities: Vec<Entity>,
@@ -72,15 +72,15 @@ mod tests {
         let mut world = World::new();
         let entity = world.spawn((Pose::default(),));
         let mut trails = Trails::new(vec![entity], 2400);
-        assert_eq!((trails.every, trails.length), (2, 400));
-        for step in 0..2000_u64 {
+        assert_eq!((trails.every, trails.length), (3, 400));
+        for step in 0..3000_u64 {
             world.get::<&mut Pose>(entity).unwrap().position = Vec3::X * crate::convert::real(step as f64);
             trails.before_step(step, &world);
         }
         let (of, places) = trails.all().next().unwrap();
         assert_eq!((of, places.len()), (entity, 400));
-        assert_eq!((places[0].x, places[399].x), (1200.0, 1998.0));
-        assert_eq!((trails.steps_to_next(3), trails.steps_to_next(4)), (1, 2));
+        assert_eq!((places[0].x, places[399].x), (1800.0, 2997.0));
+        assert_eq!((trails.steps_to_next(5), trails.steps_to_next(6)), (1, 3));
     }
 
     #[test]

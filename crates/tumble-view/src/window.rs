@@ -15,7 +15,7 @@ use crate::framing::{PITCH, YAW};
 use crate::gpu::{Background, Gpu, Renderer};
 use crate::layers::LAYERS;
 use crate::overlay::Writer;
-use crate::readout::figure;
+use crate::readout;
 use crate::stage::{Canvas, Follow, Stage};
 
 /// A frame may take so long to simulate; what it then lacks is not made up for.
@@ -48,14 +48,13 @@ struct Controls {
 pub(crate) async fn show(
     mut stage: Stage,
     (mut gpu, mut renderer, writer): (Gpu, Renderer, Writer),
+    pace: f64,
     paused: bool,
-    speed: Option<f64>,
 ) -> Result<(), Failure> {
-    let pace = speed.unwrap_or_else(|| stage.playback.pace());
     let mut controls = Controls { paused, speed: 0, pace, keeps_up: true, mouse: DVec2::ZERO, pressed_at: None };
     loop {
         let size = DVec2::new(f64::from(screen_width()), f64::from(screen_height())).max(DVec2::ONE);
-        if is_key_pressed(KeyCode::Q) || is_key_pressed(KeyCode::Escape) && stage.picked.is_none() {
+        if is_key_pressed(KeyCode::Q) {
             return Ok(());
         }
         controls.keys(&mut stage, size)?;
@@ -144,12 +143,14 @@ impl Controls {
         let by = now - std::mem::replace(&mut self.mouse, now);
         if is_mouse_button_pressed(MouseButton::Left) {
             self.pressed_at = Some(now);
-        } else if is_mouse_button_released(MouseButton::Left) {
-            if self.pressed_at.take().is_some_and(|at| at.distance(now) <= CLICK) {
-                pick(stage, stage.body_at(now, size));
-            }
         } else if is_mouse_button_down(MouseButton::Left) {
             stage.camera.turn(-TURN * by.x, TURN * by.y);
+        }
+        // A quick click is pressed and released within one frame.
+        if is_mouse_button_released(MouseButton::Left)
+            && self.pressed_at.take().is_some_and(|at| at.distance(now) <= CLICK)
+        {
+            pick(stage, stage.body_at(now, size));
         }
         if is_mouse_button_down(MouseButton::Right) || is_mouse_button_down(MouseButton::Middle) {
             stage.pan(by, size);
@@ -162,11 +163,11 @@ impl Controls {
 
 /// Time and speed in words.
 pub(crate) fn status(time: f64, factor: f64, pace: f64) -> String {
-    let times = factor / pace;
+    let time = readout::time(time);
     if pace == 1.0 {
-        format!("t ={} s   ×{times}", figure(time))
+        format!("t = {time}   ×{factor}")
     } else {
-        format!("t ={} s   {} s a second", figure(time), figure(factor).trim())
+        format!("t = {time}   {} a second", readout::time(factor))
     }
 }
 
@@ -207,6 +208,6 @@ mod tests {
     #[test]
     fn time_and_speed_are_told() {
         assert_eq!(status(1.5, 0.25, 1.0), "t = 1.500 s   ×0.25");
-        assert_eq!(status(86400.0, 1e6, 1e6), "t = 86400 s   1.000e6 s a second");
+        assert_eq!(status(86400.0, 1e6, 1e6), "t = 24.00 hours   11.57 days a second");
     }
 }

@@ -8,6 +8,7 @@ attribute vec4 paint;
 uniform mat4 projection;
 varying vec3 facing;
 varying vec4 color;
+varying vec3 position;
 
 vec3 turned(vec3 v) {
     return v + 2.0 * cross(turn.xyz, cross(turn.xyz, v) + turn.w * v);
@@ -18,5 +19,6 @@ void main() {
     float largest = max(size.x, max(size.y, size.z));
     facing = turned(normal * largest / max(size, vec3(1e-4 * largest)));
     color = paint;
-    gl_Position = projection * vec4(place + turned(corner * size), 1.0);
+    position = place + turned(corner * size);
+    gl_Position = projection * vec4(position, 1.0);
 }
