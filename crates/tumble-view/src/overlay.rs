@@ -97,9 +97,9 @@ impl Writer {
         if overlay.layers.has(Layer::Legend) {
             pen.legend(overlay.layers, MARGIN + 56.0, size.y as f32);
         }
-        let right = size.x as f32 - MARGIN;
-        let below = pen.table(&overlay.ledger, right, MARGIN);
-        pen.table(&overlay.body, right, below);
+        let [right, bottom] = [size.x, size.y].map(|edge| edge as f32 - MARGIN);
+        pen.table(&overlay.ledger, right, MARGIN);
+        pen.table(&overlay.body, right, bottom - Pen::height(overlay.body.len()));
     }
 }
 
@@ -120,17 +120,21 @@ impl Pen<'_> {
         draw_text_ex(text, x, y, params);
     }
 
+    /// Of a panel with so many rows.
+    fn height(rows: usize) -> f32 {
+        2.0 * PADDING + LINE * rows as f32
+    }
+
     fn panel(&self, x: f32, y: f32, width: f32, height: f32) {
         draw_rectangle(x, y, width, height, Color::from(PANEL));
     }
 
     /// The layers with their keys and colours, and the other keys if there is room below.
     fn legend(&self, layers: Layers, top: f32, bottom: f32) {
-        let height = |rows: usize| 2.0 * PADDING + LINE * rows as f32;
         let all = LAYERS.len() + 1 + KEYS.len();
-        let has_room = top + height(all) + MARGIN <= bottom;
+        let has_room = top + Self::height(all) + MARGIN <= bottom;
         let rows = if has_room { all } else { LAYERS.len() };
-        self.panel(MARGIN, top, 2.0 * PADDING + 31.0 * ADVANCE * SIZE, height(rows));
+        self.panel(MARGIN, top, 2.0 * PADDING + 31.0 * ADVANCE * SIZE, Self::height(rows));
         let (x, mut y) = (MARGIN + PADDING, top + PADDING + 14.0);
         for info in &LAYERS {
             let on = layers.has(info.layer);
@@ -151,19 +155,18 @@ impl Pen<'_> {
         }
     }
 
-    /// Rows in a panel at the right edge; where the next panel may begin.
-    fn table(&self, rows: &[Row], right: f32, top: f32) -> f32 {
+    /// Rows in a panel at the right edge.
+    fn table(&self, rows: &[Row], right: f32, top: f32) {
         if rows.is_empty() {
-            return top;
+            return;
         }
         let letters = |(name, figure): &Row| {
             if figure.is_empty() { shortened(name).chars().count() } else { NAME + figure.trim_end().chars().count() }
         };
         let widest = rows.iter().map(letters).max().unwrap_or(0).max(30);
         let width = 2.0 * PADDING + widest as f32 * ADVANCE * SIZE;
-        let height = 2.0 * PADDING + LINE * rows.len() as f32;
         let left = right - width;
-        self.panel(left, top, width, height);
+        self.panel(left, top, width, Self::height(rows.len()));
         let (x, mut y) = (left + PADDING, top + PADDING + 14.0);
         for (name, figure) in rows {
             let color = if figure.is_empty() { BRIGHT } else { DIM };
@@ -171,7 +174,6 @@ impl Pen<'_> {
             self.text(x + NAME as f32 * ADVANCE * SIZE, y, SIZE, PLAIN, figure.trim_end());
             y += LINE;
         }
-        top + height + MARGIN
     }
 }
 

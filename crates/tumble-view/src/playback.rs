@@ -114,11 +114,13 @@ impl Playback {
     /// Takes steps until this time, which may be between two of them \[s\]. Time does not go back.
     pub(crate) fn go_to(&mut self, time: f64) {
         let steps = time / self.dt();
-        let whole = (steps - AT_STEP).ceil().max(0.0);
+        // A step of 0.01 s is a little less in single precision, and 100 of them a little less than a second.
+        let near = AT_STEP.max(steps * f64::from(Real::EPSILON));
+        let whole = (steps - near).ceil().max(0.0);
         let missing = (whole as u64).saturating_sub(self.simulation.steps());
         self.step_many(missing);
         let behind = (whole - steps).clamp(0.0, 1.0);
-        self.alpha = if behind < AT_STEP { 1.0 } else { real(1.0 - behind) };
+        self.alpha = if behind <= near { 1.0 } else { real(1.0 - behind) };
     }
 
     fn step_many(&mut self, mut count: u64) {

@@ -139,7 +139,7 @@ mod tests {
 
     #[test]
     fn rounding_beside_large_numbers_is_zero() {
-        assert_eq!(triple(DVec3::new(1.0, 1e-9, -2.0)), " 1.000      0         -2.000    ");
+        assert_eq!(triple(DVec3::new(1.0, 1e-9, -2.0)), " 1.000      0         -2.000     ");
     }
 
     #[test]

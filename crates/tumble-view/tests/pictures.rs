@@ -59,7 +59,7 @@ impl Place {
 
     /// A picture of the balls from the front.
     fn picture(&self, arguments: &[&str]) -> Option<Picture> {
-        let front = ["balls.json", "--screenshot", "a.png", "--camera", "0,0", "--size", "640x360"];
+        let front = ["balls.json", "--screenshot", "a.png", "--camera", "0,0", "--up", "y", "--size", "640x360"];
         let all: Vec<&str> = front.iter().chain(arguments).copied().collect();
         let output = self.on_screen(&all)?;
         assert_eq!(output.status.code(), Some(0), "{all:?}: {}", String::from_utf8_lossy(&output.stderr));
@@ -114,7 +114,7 @@ fn sky_blue([red, green, blue]: [f64; 3]) -> bool {
 }
 
 fn yellow([red, green, blue]: [f64; 3]) -> bool {
-    red > 200.0 && green > 170.0 && blue < 130.0
+    red > 150.0 && green > 0.82 * red && blue < 0.5 * red
 }
 
 /// Pixels to a metre at the distance of the balls. The camera sees 0.62 rad from top to bottom, and stands where the ball that holds all
@@ -139,9 +139,9 @@ fn bodies_are_where_the_projection_says() {
         // The surface has 24 corners around, at most 2.3 % less of the disk; the edge's mixed pixels may count or not: half a pixel of its radius.
         assert!((area / expected_area - 1.0).abs() < 0.08, "{area} {expected_area}");
     }
-    // Nothing but the two is as bright as they are.
+    // Nothing but the two is as bright as they are; here the mixed pixels of their edges all count.
     let (_, bright) = picture.patch(|color| color.iter().sum::<f64>() > 250.0);
-    assert!(bright < 2.0 * expected_area, "{bright}");
+    assert!(bright < 2.0 * 1.15 * expected_area, "{bright} {expected_area}");
 }
 
 #[test]
