@@ -19,7 +19,8 @@ pub(crate) fn figure(value: f64) -> String {
     if size == 0.0 {
         " 0".to_owned()
     } else if (1e-3..1e5).contains(&size) {
-        let decimals = (3.0 - size.log10().floor()).clamp(0.0, 6.0) as usize;
+        // What is rounded up to the next power of ten has its decimals.
+        let decimals = (3.0 - (1.00005 * size).log10().floor()).clamp(0.0, 6.0) as usize;
         format!("{sign}{size:.decimals$}")
     } else {
         format!("{sign}{size:.3e}")
@@ -35,8 +36,12 @@ fn triple(vector: DVec3) -> String {
 /// A time \[s\] in words, in units that people have a feeling for.
 pub(crate) fn time(seconds: f64) -> String {
     let units = [(31_557_600.0, "years"), (86_400.0, "days"), (3600.0, "hours")];
-    let (unit, name) = units.into_iter().find(|(unit, _)| seconds.abs() >= 2.0 * unit).unwrap_or((1.0, "s"));
-    format!("{} {name}", figure(seconds / unit).trim_start())
+    match units.into_iter().find(|(unit, _)| seconds.abs() >= 2.0 * unit) {
+        Some((unit, name)) => format!("{} {name}", figure(seconds / unit).trim_start()),
+        // Always as many letters, so that they stand still while time passes.
+        None if (0.1..7200.0).contains(&seconds) || seconds == 0.0 => format!("{seconds:.3} s"),
+        None => format!("{} s", figure(seconds).trim_start()),
+    }
 }
 
 /// Energy and momentum now, and how far they are from the start.
@@ -130,7 +135,14 @@ mod tests {
 
     #[test]
     fn figures_have_four_digits() {
-        let cases = [(0.0, " 0"), (1.0, " 1.000"), (-12.3456, "-12.35"), (99999.4, " 99999"), (0.001234, " 0.001234")];
+        let cases = [
+            (0.0, " 0"),
+            (1.0, " 1.000"),
+            (-12.3456, "-12.35"),
+            (99999.4, " 99999"),
+            (0.99999, " 1.000"),
+            (0.001234, " 0.001234"),
+        ];
         for (value, text) in cases {
             assert_eq!(figure(value), text);
         }

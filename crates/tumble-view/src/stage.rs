@@ -1,5 +1,7 @@
 //! What is seen: a scene that is being run, from a camera, with layers on or off.
 
+use std::time::{Duration, Instant};
+
 use macroquad::miniquad::RenderPass;
 use tumble::glam::{DVec2, DVec3};
 use tumble::{DebugView, Totals};
@@ -56,6 +58,9 @@ pub(crate) struct Stage {
     shift: DVec3,
     largest: Largest,
     arrow_length: f64,
+    /// The books are made up so often, for they take time where many bodies attract each other.
+    pub(crate) books_every: Duration,
+    books: Option<(Instant, Totals)>,
 }
 
 /// Where a picture is drawn to.
@@ -99,6 +104,8 @@ impl Stage {
             whole,
             largest: Largest::default(),
             arrow_length,
+            books_every: Duration::ZERO,
+            books: None,
             playback,
         };
         if let Some(name) = &options.pick {
@@ -167,6 +174,7 @@ impl Stage {
 
     pub(crate) fn restart(&mut self) -> Result<(), Failure> {
         self.playback.restart()?;
+        self.books = None;
         if self.follow == Follow::All {
             self.anchor = self.center;
         }
@@ -284,7 +292,20 @@ impl Stage {
         }
     }
 
-    fn overlay(&self, view: &View, places: &[Placed], marks: &Marks, status: String) -> Overlay {
+    /// Energy and momentum, not long ago.
+    fn totals(&mut self) -> Totals {
+        if let Some((made, totals)) = self.books
+            && made.elapsed() < self.books_every
+        {
+            return totals;
+        }
+        let totals = self.playback.totals();
+        self.books = Some((Instant::now(), totals));
+        totals
+    }
+
+    fn overlay(&mut self, view: &View, places: &[Placed], marks: &Marks, status: String) -> Overlay {
+        let totals = self.layers.has(Layer::Ledger).then(|| self.totals());
         let bodies = &self.playback.bodies.all;
         let mut labels: Vec<Label> = marks
             .labels
@@ -300,7 +321,6 @@ impl Stage {
             });
             labels.extend(named);
         }
-        let totals: Option<Totals> = self.layers.has(Layer::Ledger).then(|| self.playback.totals());
         let body = self.picked.and_then(|index| bodies.get(index));
         Overlay {
             title: self.title.clone(),

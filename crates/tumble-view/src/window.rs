@@ -20,6 +20,8 @@ use crate::stage::{Canvas, Follow, Stage};
 
 /// A frame may take so long to simulate; what it then lacks is not made up for.
 const BUDGET: Duration = Duration::from_millis(12);
+/// Figures that change more often cannot be read.
+const BOOKS: Duration = Duration::from_millis(100);
 /// A frame counts for at most this long \[s\]: a window that was dragged does not jump.
 const LONGEST_FRAME: f64 = 0.1;
 /// Speeds are powers of two, up to these.
@@ -52,6 +54,7 @@ pub(crate) async fn show(
     paused: bool,
 ) -> Result<(), Failure> {
     let mut controls = Controls { paused, speed: 0, pace, keeps_up: true, mouse: DVec2::ZERO, pressed_at: None };
+    stage.books_every = BOOKS;
     loop {
         let size = DVec2::new(f64::from(screen_width()), f64::from(screen_height())).max(DVec2::ONE);
         if is_key_pressed(KeyCode::Q) {
