@@ -23,7 +23,7 @@ use crate::playback::{Playback, is_free};
 use crate::readout;
 
 /// A camera that stays lets the bodies go so far from the middle, in radii of the frame, before it moves with them.
-const LEEWAY: f64 = 0.2;
+const LEEWAY: f64 = 0.12;
 /// Names of more bodies cover each other.
 const MOST_NAMES: usize = 300;
 /// Width of a trail \[points\].
