@@ -84,7 +84,7 @@ pub use sweep_file::{SweepFile, SweepFileError, SweepReader, sweep_header};
 pub use sweep_identity::SweepIdentity;
 pub use tessellation::Tessellation;
 pub use trajectory::{
-    Animation, COLUMNS, Frame, Geometry, STATE_COLUMNS, TrajectoryError, TrajectoryFormat, TrajectoryWriter,
+    Animation, COLUMNS, Frame, STATE_COLUMNS, SurfaceSet, TrajectoryError, TrajectoryFormat, TrajectoryWriter,
     state_numbers,
 };
 pub use vary::Vary;

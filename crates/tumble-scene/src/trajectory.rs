@@ -20,7 +20,7 @@ use pace::Pace;
 
 pub use error::TrajectoryError;
 pub use format::TrajectoryFormat;
-pub use glb::{Animation, Geometry};
+pub use glb::{Animation, SurfaceSet};
 
 /// The columns of a record.
 pub const COLUMNS: [&str; 16] =

@@ -6,7 +6,7 @@ use hecs::{Entity, World};
 use tumble::glam::{DQuat, DVec3};
 use tumble::math::Real;
 use tumble::{BodyId, BodyOrder, CenterOfMass, Inertia, Mass, Pose, PreviousPose, PrincipalAxes, Shape, Velocity};
-use tumble_scene::{BODY_COLORS, FIXED_COLOR, Geometry, Looks, Names};
+use tumble_scene::{BODY_COLORS, FIXED_COLOR, Looks, Names, SurfaceSet};
 
 use crate::convert::{dquat, dvec3};
 use crate::pick::Bounds;
@@ -52,13 +52,14 @@ pub(crate) struct Placed {
 #[derive(Debug)]
 pub(crate) struct Bodies {
     pub(crate) all: Vec<DrawnBody>,
-    pub(crate) geometry: Geometry,
+    pub(crate) geometry: SurfaceSet,
     pub(crate) surface_count: usize,
 }
 
 impl Bodies {
     pub(crate) fn of(world: &World, order: &BodyOrder, names: &Names, looks: &[Looks]) -> Self {
-        let mut bodies = Self { all: Vec::with_capacity(order.len()), geometry: Geometry::default(), surface_count: 0 };
+        let mut bodies =
+            Self { all: Vec::with_capacity(order.len()), geometry: SurfaceSet::default(), surface_count: 0 };
         for (index, &entity) in order.entities().iter().enumerate() {
             let Ok(body) = world.entity(entity) else { continue };
             let id = body.get::<&BodyId>().map_or(index as u64, |id| id.0);

@@ -45,16 +45,25 @@ fn main() -> ExitCode {
     match run(&Options::parse()) {
         Ok(()) => ExitCode::SUCCESS,
         Err(failure) => {
-            // If even standard error is closed, the exit code has to do.
-            drop(writeln!(std::io::stderr().lock(), "tumble-view: {failure}"));
+            say(&failure);
             ExitCode::from(failure.exit_code())
         }
     }
 }
 
+/// Writes a line to standard error; if even that is closed, the exit code has to do. Names come from files and may have anything in them.
+fn say(message: &impl std::fmt::Display) {
+    let shown: String =
+        message.to_string().chars().map(|letter| if letter.is_control() { '\u{fffd}' } else { letter }).collect();
+    drop(writeln!(std::io::stderr().lock(), "tumble-view: {shown}"));
+}
+
 /// Everything that can be found wrong without a window is, before there is one.
 fn run(options: &Options) -> Result<(), Failure> {
     let scene = options.scene()?;
+    for notice in &scene.notices {
+        say(&format_args!("note: {notice}"));
+    }
     let pace = options.speed.unwrap_or_else(|| playback::pace(&scene));
     let task = options.task(scene.settings.dt, pace)?;
     let stage = stage::Stage::new(scene, &options.view)?;

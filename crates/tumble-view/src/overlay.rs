@@ -92,8 +92,11 @@ impl Writer {
             let [red, green, blue] = *color;
             pen.text(at.x as f32, at.y as f32, LABEL, [red, green, blue, 0.95], text);
         }
-        pen.text(MARGIN, MARGIN + 16.0, TITLE, BRIGHT, &shortened(&overlay.title));
-        pen.text(MARGIN, MARGIN + 38.0, SIZE, PLAIN, &overlay.status);
+        // Who asks for nothing wants nothing.
+        if overlay.layers != Layers::default() {
+            pen.text(MARGIN, MARGIN + 16.0, TITLE, BRIGHT, &shortened(&overlay.title));
+            pen.text(MARGIN, MARGIN + 38.0, SIZE, PLAIN, &overlay.status);
+        }
         if overlay.layers.has(Layer::Legend) {
             pen.legend(overlay.layers, MARGIN + 56.0, size.y as f32);
         }

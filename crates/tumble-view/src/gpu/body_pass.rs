@@ -2,7 +2,7 @@ use macroquad::miniquad::{
     Bindings, BufferId, BufferLayout, BufferSource, BufferType, BufferUsage, Comparison, Pipeline, PipelineParams,
     RenderingBackend, UniformType, UniformsSource, VertexAttribute, VertexFormat, VertexStep,
 };
-use tumble_scene::{Geometry, Tessellation};
+use tumble_scene::{SurfaceSet, Tessellation};
 
 use super::instances::Instances;
 use super::{GpuError, Picture, shader};
@@ -52,7 +52,7 @@ struct Mesh {
 }
 
 impl BodyPass {
-    pub(super) fn new(context: &mut dyn RenderingBackend, geometry: &Geometry) -> Result<Self, GpuError> {
+    pub(super) fn new(context: &mut dyn RenderingBackend, geometry: &SurfaceSet) -> Result<Self, GpuError> {
         let uniforms = [
             ("projection", UniformType::Mat4),
             ("sun", UniformType::Float3),

@@ -53,7 +53,7 @@ pub(crate) enum GpuError {
     #[error("the graphics driver refuses a shader: {0}")]
     Shader(String),
     /// Many bodies in one call.
-    #[error("the graphics driver cannot draw many of one mesh at once (OpenGL 3.3 or instancing is needed)")]
+    #[error("the graphics driver cannot draw many of one mesh at once (OpenGL 3 or OpenGL ES 3 is needed)")]
     NoInstancing,
 }
 

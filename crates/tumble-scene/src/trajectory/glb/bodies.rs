@@ -3,7 +3,7 @@ use hecs::Entity;
 use tumble::{BodyId, CenterOfMass, Pose, Shape, Velocity};
 
 use super::super::frame::Frame;
-use super::geometry::Geometry;
+use super::geometry::SurfaceSet;
 use super::sample::{Sample, double, single};
 use crate::looks::{BODY_COLORS, Looks};
 use crate::tessellation::POINT_RADIUS;
@@ -15,7 +15,7 @@ const POINT_SHARE: f64 = 1.0 / 200.0;
 #[derive(Debug)]
 pub(crate) struct Bodies {
     all: Vec<DrawnBody>,
-    pub(crate) geometry: Geometry,
+    pub(crate) geometry: SurfaceSet,
     /// Different pairs of surface and colour among the bodies.
     pub(crate) looks: Vec<Look>,
 }
@@ -57,7 +57,7 @@ impl Bodies {
     /// The bodies that have looks, which are asked for by their number in the order of the scene.
     pub(crate) fn chosen<'a>(frame: &Frame<'_>, looks: impl Fn(u64) -> Option<&'a Looks>) -> Self {
         let states = frame.world.view::<(&Pose, Option<&BodyId>, Option<&CenterOfMass>, Option<&Velocity>)>();
-        let mut bodies = Self { all: Vec::new(), geometry: Geometry::default(), looks: Vec::new() };
+        let mut bodies = Self { all: Vec::new(), geometry: SurfaceSet::default(), looks: Vec::new() };
         let mut known = std::collections::HashMap::new();
         let mut points = Vec::new();
         for (index, &entity) in frame.order.entities().iter().enumerate() {

@@ -15,15 +15,15 @@ const VERTEX: u64 = size_of::<[f32; 3]>() as u64;
 ///
 /// ```
 /// use tumble::{Shape, glam::DVec3};
-/// use tumble_scene::{Geometry, Looks};
+/// use tumble_scene::{Looks, SurfaceSet};
 ///
-/// let mut geometry = Geometry::default();
-/// assert_eq!(geometry.insert(&Looks::Shape(Shape::sphere(2.0))), (0, DVec3::splat(2.0)));
-/// assert_eq!(geometry.insert(&Looks::Shape(Shape::sphere(3.0))), (0, DVec3::splat(3.0)));
-/// assert_eq!(geometry.tessellations().count(), 1);
+/// let mut surfaces = SurfaceSet::default();
+/// assert_eq!(surfaces.insert(&Looks::Shape(Shape::sphere(2.0))), (0, DVec3::splat(2.0)));
+/// assert_eq!(surfaces.insert(&Looks::Shape(Shape::sphere(3.0))), (0, DVec3::splat(3.0)));
+/// assert_eq!(surfaces.tessellations().count(), 1);
 /// ```
 #[derive(Debug, Default)]
-pub struct Geometry {
+pub struct SurfaceSet {
     pub(crate) surfaces: Vec<Surface>,
     /// By the bits of the volume or the number of triangles, for equal ones have the same.
     alike: HashMap<u64, Vec<usize>>,
@@ -64,7 +64,7 @@ impl Surface {
     }
 }
 
-impl Geometry {
+impl SurfaceSet {
     /// The triangles of all surfaces, each made when it is asked for.
     pub fn tessellations(&self) -> impl Iterator<Item = Tessellation> {
         self.surfaces.iter().map(Surface::tessellation)
@@ -173,7 +173,7 @@ mod tests {
 
     #[test]
     fn a_surface_is_there_once_and_stretched_to_its_size() {
-        let mut geometry = Geometry::default();
+        let mut surfaces = SurfaceSet::default();
         let mut inserted = |shape| geometry.insert(&Looks::Shape(shape));
         assert_eq!(inserted(Shape::sphere(2.0)), (0, DVec3::splat(2.0)));
         assert_eq!(inserted(Shape::ellipsoid([1.0, 2.0, 3.0])), (0, DVec3::new(1.0, 2.0, 3.0)));
