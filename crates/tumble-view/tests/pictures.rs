@@ -75,7 +75,8 @@ impl Place {
     }
 }
 
-#[derive(Debug, PartialEq)]
+/// Not to be printed: it has a million numbers.
+#[derive(PartialEq)]
 struct Picture {
     size: (u32, u32),
     bytes: Vec<u8>,
@@ -169,12 +170,14 @@ fn layers_are_seen_when_they_are_asked_for() {
     let scale = pixels_per_metre();
     assert!((across - (320.0 + scale)).abs() < 2.0 && down < 180.0 - 0.2 * scale, "{across} {down}");
     assert!(count > 30.0, "{count}");
+    // There is no force: of this there is nothing but the title, which `none` leaves off.
+    let nothing = place.picture(&["--show", "forces"]).unwrap();
     for layer in ["grid", "ledger", "legend", "names", "axes", "ellipsoids"] {
-        assert_ne!(place.picture(&["--show", layer]).unwrap(), bare, "{layer}");
+        assert!(place.picture(&["--show", layer]).unwrap() != nothing, "{layer}");
     }
-    // There is no force, and neither ball turns: nothing to be seen.
-    for layer in ["forces", "angular-velocity", "angular-momentum"] {
-        assert_eq!(place.picture(&["--show", layer]).unwrap(), bare, "{layer}");
+    // Neither ball turns.
+    for layer in ["angular-velocity", "angular-momentum"] {
+        assert!(place.picture(&["--show", layer]).unwrap() == nothing, "{layer}");
     }
 }
 
@@ -184,8 +187,8 @@ fn the_same_command_makes_the_same_picture() {
     let all = "momentum,axes,trails,names,grid,ledger,legend";
     let make = || place.picture(&["--show", all, "--at", "1", "--pick", "right"]);
     let Some(first) = make() else { return };
-    assert_eq!(make().unwrap(), first);
-    assert_ne!(place.picture(&["--show", all, "--at", "1"]).unwrap(), first, "a picked body shows its figures");
+    assert!(make().unwrap() == first, "twice the same");
+    assert!(place.picture(&["--show", all, "--at", "1"]).unwrap() != first, "a picked body shows its figures");
 }
 
 /// Every built-in scene can be shown, with everything on, and is not just a background.
