@@ -174,7 +174,7 @@ mod tests {
     #[test]
     fn a_surface_is_there_once_and_stretched_to_its_size() {
         let mut surfaces = SurfaceSet::default();
-        let mut inserted = |shape| geometry.insert(&Looks::Shape(shape));
+        let mut inserted = |shape| surfaces.insert(&Looks::Shape(shape));
         assert_eq!(inserted(Shape::sphere(2.0)), (0, DVec3::splat(2.0)));
         assert_eq!(inserted(Shape::ellipsoid([1.0, 2.0, 3.0])), (0, DVec3::new(1.0, 2.0, 3.0)));
         assert_eq!(inserted(Shape::hollow_sphere(0.5)), (0, DVec3::splat(0.5)));
@@ -183,8 +183,8 @@ mod tests {
         assert_eq!(inserted(Shape::capsule(1.0, 2.0)), (1, DVec3::ONE));
         assert_eq!(inserted(Shape::Point), (3, DVec3::ONE));
         let mut bytes = Vec::new();
-        geometry.write(&mut bytes).unwrap();
-        assert_eq!(bytes.len() as u64, geometry.vertex_bytes() + geometry.index_bytes());
+        surfaces.write(&mut bytes).unwrap();
+        assert_eq!(bytes.len() as u64, surfaces.vertex_bytes() + surfaces.index_bytes());
     }
 
     /// What is stretched here is the surface of the shape itself.
