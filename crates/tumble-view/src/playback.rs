@@ -4,7 +4,7 @@ use std::time::{Duration, Instant};
 
 use hecs::{Entity, World};
 use tumble::math::Real;
-use tumble::{BodyOrder, Clock, Momentum, Pose, PreviousPose, Simulation, Snapshot, Totals, Velocity, measure};
+use tumble::{BodyOrder, Clock, Pose, PreviousPose, Simulation, Snapshot, Totals, Velocity, measure};
 use tumble_scene::Scene;
 
 use crate::bodies::{Bodies, Placed};
@@ -159,11 +159,6 @@ fn remember_poses(world: &mut World) {
 
 fn moving(bodies: &Bodies) -> Vec<Entity> {
     bodies.all.iter().filter(|body| body.moves).map(|body| body.entity).collect()
-}
-
-/// Whether forces move a body.
-pub(crate) fn is_free(world: &World, entity: Entity) -> bool {
-    world.satisfies::<&Momentum>(entity)
 }
 
 #[cfg(test)]

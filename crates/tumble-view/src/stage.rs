@@ -19,7 +19,7 @@ use crate::lines::{Line, Marks, encoded};
 use crate::options::ViewOptions;
 use crate::overlay::{Label, Overlay};
 use crate::pick::first_hit;
-use crate::playback::{Playback, is_free};
+use crate::playback::Playback;
 use crate::readout;
 
 /// A camera that stays lets the bodies go so far from the middle, in radii of the frame, before it moves with them.
@@ -333,11 +333,12 @@ impl Stage {
     }
 }
 
-/// Of the bodies that forces move \[m\].
+/// Of the bodies that forces move; the others have no mass \[m\].
 fn center_of_mass(playback: &Playback, places: &[Placed]) -> Option<DVec3> {
-    let free = playback.bodies.all.iter().zip(places).filter(|(body, _)| is_free(&playback.world, body.entity));
-    let (mass, moment) = free
-        .fold((0.0, DVec3::ZERO), |(mass, sum), (body, placed)| (mass + body.mass, sum + placed.center * body.mass));
+    let bodies = playback.bodies.all.iter().zip(places);
+    let (mass, moment) = bodies.fold((0.0, DVec3::ZERO), |(mass, moment), (body, placed)| {
+        (mass + body.mass, moment + placed.center * body.mass)
+    });
     let center = moment / mass;
     (mass > 0.0 && center.is_finite()).then_some(center)
 }

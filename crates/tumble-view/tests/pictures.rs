@@ -12,12 +12,16 @@ use std::fs::{self, File};
 use std::io::BufReader;
 use std::path::PathBuf;
 use std::process::{Command, Output, Stdio};
+use std::sync::{Mutex, PoisonError};
 
 /// Two balls without gravity, of which the second goes up at half a metre a second.
 const BALLS: &str = r#"{ "gravity": [0, 0, 0], "dt": 0.01, "bodies": [
     { "name": "left", "shape": { "sphere": { "radius": 0.2 } }, "mass": 1, "position": [-1, 0, 0] },
     { "name": "right", "shape": { "sphere": { "radius": 0.2 } }, "mass": 1, "position": [1, 0, 0], "linear_velocity": [0, 0.5, 0] } ] }"#;
 const SIZE: (u32, u32) = (640, 360);
+
+/// Held while a screen is there.
+static SCREEN: Mutex<()> = Mutex::new(());
 
 /// A directory that is gone after the test, with the scene of the balls in it.
 struct Place {
@@ -45,16 +49,23 @@ impl Place {
     fn on_screen(&self, arguments: &[&str]) -> Option<Output> {
         let program = env!("CARGO_BIN_EXE_tumble-view");
         let all: Vec<&str> = ["-a", program].into_iter().chain(arguments.iter().copied()).collect();
-        let Ok(output) = self.command("xvfb-run", &all).output() else {
-            eprintln!("skipped: there is no xvfb-run");
-            return None;
-        };
-        let said = String::from_utf8_lossy(&output.stderr);
-        if said.contains("no window can be opened") {
-            eprintln!("skipped: {said}");
-            return None;
+        // Several at a time may take each other's screen, and now and then one fails to clean up after itself: neither is what is tested.
+        let _alone = SCREEN.lock().unwrap_or_else(PoisonError::into_inner);
+        for _ in 0..5 {
+            let Ok(output) = self.command("xvfb-run", &all).output() else {
+                eprintln!("skipped: there is no xvfb-run");
+                return None;
+            };
+            let said = String::from_utf8_lossy(&output.stderr);
+            if said.contains("no window can be opened") {
+                eprintln!("skipped: {said}");
+                return None;
+            }
+            if !said.contains("xvfb-run: error") {
+                return Some(output);
+            }
         }
-        Some(output)
+        panic!("xvfb-run fails again and again");
     }
 
     /// A picture of the balls from the front.
