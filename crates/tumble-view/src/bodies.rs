@@ -16,15 +16,10 @@ use crate::pick::Bounds;
 pub(crate) struct DrawnBody {
     pub(crate) entity: Entity,
     pub(crate) name: String,
-    /// Index into the surfaces.
-    pub(crate) surface: usize,
-    /// The surface is stretched by these.
-    pub(crate) factors: DVec3,
-    /// Turns the surface into the body's frame.
-    turn: DQuat,
+    pub(crate) pieces: Vec<Piece>,
     /// Centre of mass in the body's frame \[m\].
     center: DVec3,
-    /// Middle and half the size of the box around the stretched surface \[m\].
+    /// Middle and half the size of the box around all pieces, in the body's frame \[m\].
     middle: DVec3,
     half_extents: DVec3,
     /// Red, green, blue in linear light.
@@ -37,14 +32,25 @@ pub(crate) struct DrawnBody {
     pub(crate) reach: f64,
 }
 
+/// A surface in a body's frame. Compounds and capsules are made of several, so that all bodies of a scene share a few surfaces.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Piece {
+    /// Index into the surfaces.
+    pub(crate) surface: usize,
+    /// The surface is stretched by these, turned and shifted \[m\].
+    pub(crate) factors: DVec3,
+    pub(crate) rotation: DQuat,
+    pub(crate) position: DVec3,
+}
+
 /// Where a body is at the moment of a picture.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Placed {
-    /// Origin of the surface \[m\].
+    /// Origin of the body's frame \[m\].
     pub(crate) origin: DVec3,
     /// Centre of mass \[m\].
     pub(crate) center: DVec3,
-    /// Turns the surface into the world.
+    /// Turns the body's frame into the world.
     pub(crate) rotation: DQuat,
 }
 
@@ -65,29 +71,21 @@ impl Bodies {
             let id = body.get::<&BodyId>().map_or(index as u64, |id| id.0);
             let its_looks = usize::try_from(id).ok().and_then(|id| looks.get(id));
             let center = body.get::<&CenterOfMass>().map_or(DVec3::ZERO, |center| dvec3(center.0));
-            let ellipsoid = match its_looks {
-                None | Some(Looks::Shape(Shape::Point)) => inertia_ellipsoid(body),
-                Some(_) => None,
-            };
-            let (surface, factors, turn, middle) = match (&ellipsoid, its_looks) {
-                (Some((shape, turn)), _) => {
-                    let (surface, factors) = bodies.geometry.insert(&Looks::Shape(shape.clone()));
-                    (surface, factors, *turn, center)
+            let mut pieces = Vec::new();
+            match its_looks {
+                None | Some(Looks::Shape(Shape::Point)) => {
+                    let (shape, rotation) = inertia_ellipsoid(body).unwrap_or((Shape::Point, DQuat::IDENTITY));
+                    bodies.add_pieces(&shape, (center, rotation), &mut pieces);
                 }
-                (None, looks) => {
-                    let (surface, factors) = bodies.geometry.insert(looks.unwrap_or(&Looks::Shape(Shape::Point)));
-                    (surface, factors, DQuat::IDENTITY, DVec3::ZERO)
-                }
-            };
+                Some(Looks::Shape(shape)) => bodies.add_pieces(shape, (DVec3::ZERO, DQuat::IDENTITY), &mut pieces),
+                Some(other) => bodies.add_piece(other, (DVec3::ZERO, DQuat::IDENTITY), &mut pieces),
+            }
             let moves = body.get::<&Velocity>().is_some();
             bodies.all.push(DrawnBody {
                 entity,
                 name: names.of(id).into_owned(),
-                surface,
-                factors,
-                turn,
-                // The ellipsoid has its middle in the centre of mass.
-                center: center - middle,
+                pieces,
+                center,
                 middle: DVec3::ZERO,
                 half_extents: DVec3::ZERO,
                 color: if moves { BODY_COLORS[index % BODY_COLORS.len()] } else { FIXED_COLOR },
@@ -101,24 +99,56 @@ impl Bodies {
         bodies
     }
 
-    /// Boxes around the surfaces, and how far they reach.
+    /// A shape at a place in the body's frame.
+    fn add_pieces(&mut self, shape: &Shape, (position, rotation): (DVec3, DQuat), pieces: &mut Vec<Piece>) {
+        let mut add = |shape: &Shape, at: DVec3, turn: DQuat| {
+            self.add_pieces(shape, (position + rotation * at, (rotation * turn).normalize()), pieces);
+        };
+        match *shape {
+            Shape::Compound(ref parts) => {
+                for part in parts {
+                    add(&part.shape, part.position, part.orientation);
+                }
+            }
+            Shape::Capsule { radius, half_height } => {
+                add(&Shape::cylinder(radius, half_height), DVec3::ZERO, DQuat::IDENTITY);
+                for end in [half_height, -half_height] {
+                    add(&Shape::sphere(radius), DVec3::Y * end, DQuat::IDENTITY);
+                }
+            }
+            _ => self.add_piece(&Looks::Shape(shape.clone()), (position, rotation), pieces),
+        }
+    }
+
+    fn add_piece(&mut self, looks: &Looks, (position, rotation): (DVec3, DQuat), pieces: &mut Vec<Piece>) {
+        let (surface, factors) = self.geometry.insert(looks);
+        pieces.push(Piece { surface, factors, rotation, position });
+    }
+
+    /// Boxes around the bodies, and how far they reach.
     fn measure(&mut self) {
-        let boxes: Vec<[DVec3; 2]> = self
-            .geometry
-            .tessellations()
-            .map(|surface| {
-                let corners = || surface.positions.iter().copied();
-                [corners().fold(DVec3::INFINITY, DVec3::min), corners().fold(DVec3::NEG_INFINITY, DVec3::max)]
-            })
-            .collect();
+        let around = |points: &mut dyn Iterator<Item = DVec3>| {
+            points.fold([DVec3::INFINITY, DVec3::NEG_INFINITY], |[low, high], point| [low.min(point), high.max(point)])
+        };
+        let boxes: Vec<[DVec3; 2]> =
+            self.geometry.tessellations().map(|surface| around(&mut surface.positions.iter().copied())).collect();
         self.surface_count = boxes.len();
         for body in &mut self.all {
-            let Some([low, high]) = boxes.get(body.surface).filter(|[low, high]| (*high - *low).is_finite()) else {
-                continue;
+            let corners = |piece: &Piece| {
+                let [low, high] = boxes.get(piece.surface).copied().unwrap_or_default();
+                let (piece, size) = (*piece, high - low);
+                (0..8_u8).map(move |corner| {
+                    let part = |bit: u8| f64::from(u8::from(corner & bit != 0));
+                    let at = low + size * DVec3::new(part(1), part(2), part(4));
+                    piece.position + piece.rotation * (at * piece.factors)
+                })
             };
-            body.middle = 0.5 * (*low + *high) * body.factors;
-            body.half_extents = 0.5 * (*high - *low) * body.factors;
-            body.reach = (body.turn * body.middle - body.center).length() + body.half_extents.length();
+            let [low, high] = around(&mut body.pieces.iter().flat_map(corners));
+            if (high - low).is_finite() {
+                body.middle = 0.5 * (low + high);
+                body.half_extents = 0.5 * (high - low);
+                body.reach = (body.middle - body.center).length() + body.half_extents.length();
+            }
         }
     }
 
@@ -137,7 +167,7 @@ impl Bodies {
                 None => Pose::default(),
             };
             let (center, orientation) = (dvec3(pose.position), dquat(pose.orientation));
-            Placed { origin: center - orientation * body.center, center, rotation: orientation * body.turn }
+            Placed { origin: center - orientation * body.center, center, rotation: orientation }
         };
         self.all.iter().map(placed).collect()
     }
@@ -204,11 +234,22 @@ mod tests {
             .get()
             .map(|(mass, inertia)| (f64::from(mass.kilograms()), dvec3(inertia.moments())))
             .unwrap();
-        let squares = body.factors * body.factors;
+        let factors = body.pieces[0].factors;
+        let squares = factors * factors;
         let back = mass / 5.0 * (DVec3::splat(squares.element_sum()) - squares);
         // Roundings of double precision, of moments that were rounded before.
         assert!(((back - moments) / moments).length() < 1e-12, "{back} {moments}");
         assert_eq!(bodies.place(&world, 1.0)[0].center, bodies.place(&world, 1.0)[0].origin);
+    }
+
+    /// The surface of a capsule is that of a cylinder and two balls; all 10 000 bodies share a few.
+    #[test]
+    fn bodies_are_made_of_few_surfaces() {
+        let (_, bodies) = bodies("stress");
+        assert_eq!((bodies.all.len(), bodies.surface_count), (10_000, 4));
+        let pieces: usize = bodies.all.iter().map(|body| body.pieces.len()).sum();
+        // An eighth are capsules of three pieces, an eighth compounds of two.
+        assert!((13_500..=14_000).contains(&pieces), "{pieces}");
     }
 
     #[test]

@@ -229,13 +229,16 @@ impl Stage {
             let enlarged = framing::enlargement(view, placed.center, body.reach, bodies.all.len());
             let lit = if self.picked == Some(index) { 1.0 } else { 0.0 };
             let [red, green, blue] = body.color;
-            if let Some(instances) = by_surface.get_mut(body.surface) {
-                instances.push(BodyInstance {
-                    place: single3(view.relative(placed.origin)),
-                    turn: placed.rotation.as_quat().to_array(),
-                    size: single3(body.factors * (enlarged / view.unit)),
-                    paint: [red, green, blue, lit],
-                });
+            for piece in &body.pieces {
+                if let Some(instances) = by_surface.get_mut(piece.surface) {
+                    let origin = placed.origin + placed.rotation * piece.position * enlarged;
+                    instances.push(BodyInstance {
+                        place: single3(view.relative(origin)),
+                        turn: (placed.rotation * piece.rotation).as_quat().to_array(),
+                        size: single3(piece.factors * (enlarged / view.unit)),
+                        paint: [red, green, blue, lit],
+                    });
+                }
             }
         }
         by_surface

@@ -88,6 +88,7 @@ impl BodyPass {
             towards: single3(view.towards),
         };
         context.apply_pipeline(&self.pipeline);
+        context.apply_uniforms(UniformsSource::table(&uniforms));
         for (mesh, instances) in self.meshes.iter_mut().zip(picture.bodies) {
             if instances.is_empty() || mesh.corners == 0 {
                 continue;
@@ -98,7 +99,6 @@ impl BodyPass {
                 index_buffer: mesh.indices,
                 images: Vec::new(),
             });
-            context.apply_uniforms(UniformsSource::table(&uniforms));
             context.draw(0, mesh.corners, i32::try_from(instances.len()).unwrap_or(i32::MAX));
         }
     }
