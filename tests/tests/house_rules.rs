@@ -8,8 +8,8 @@
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
-/// The one module that may have unsafe code, from the root: the vector code.
-const UNSAFE_ALLOWED: &str = "crates/tumble/src/simd/";
+/// What may have unsafe code, from the root: the vector code, and the call by which the window gets at the graphics card.
+const UNSAFE_ALLOWED: [&str; 2] = ["crates/tumble/src/simd/", "crates/tumble-view/src/gpu/context.rs"];
 const MOST_LINES: usize = 600;
 
 /// What a crate may depend on: other members of the workspace and, where it is to stay small, crates from outside.
@@ -20,7 +20,7 @@ struct Rule {
 }
 
 /// The workspace from the bottom up. The engine adds a mathematics crate to what it depends on, and so may those above it.
-const RULES: [Rule; 8] = [
+const RULES: [Rule; 9] = [
     Rule { member: "crates/tumble-math", members: &[], outside: Some(&["glam", "libm", "serde", "thiserror"]) },
     Rule {
         member: "crates/tumble",
@@ -30,6 +30,11 @@ const RULES: [Rule; 8] = [
     Rule { member: "crates/tumble-scene", members: &["tumble", "tumble-math"], outside: None },
     Rule { member: "crates/tumble-cli", members: &["tumble", "tumble-math", "tumble-scene"], outside: None },
     Rule { member: "examples/first-window", members: &["tumble"], outside: None },
+    Rule {
+        member: "crates/tumble-view",
+        members: &["tumble", "tumble-scene"],
+        outside: Some(&["clap", "gif", "hecs", "macroquad", "png", "thiserror"]),
+    },
     Rule { member: "benches", members: &["tumble", "tumble-math", "tumble-scene"], outside: None },
     Rule { member: "examples/docking", members: &["tumble"], outside: Some(&["hecs", "macroquad"]) },
     Rule { member: "tests", members: &["tumble", "tumble-benches", "tumble-math", "tumble-scene"], outside: None },
@@ -151,9 +156,13 @@ fn lines_with(word: &str) -> Vec<String> {
 #[test]
 fn unsafe_code_is_where_it_is_allowed() {
     let all = lines_with("unsafe");
-    let found: Vec<_> = all.iter().filter(|place| !place.starts_with(UNSAFE_ALLOWED)).collect();
+    let is_in = |place: &String, allowed: &str| place.starts_with(allowed);
+    let found: Vec<_> =
+        all.iter().filter(|place| !UNSAFE_ALLOWED.iter().any(|allowed| is_in(place, allowed))).collect();
     assert!(found.is_empty(), "unsafe code in {found:?}");
-    assert!(found.len() < all.len(), "no unsafe code in {UNSAFE_ALLOWED}: the rule is out of date");
+    for allowed in UNSAFE_ALLOWED {
+        assert!(all.iter().any(|place| is_in(place, allowed)), "no unsafe code in {allowed}: the rule is out of date");
+    }
 }
 
 /// A fused multiply-add gives other bits where the processor has it.

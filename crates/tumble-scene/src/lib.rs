@@ -72,7 +72,7 @@ pub use limits::{
     MAX_BODIES, MAX_FILE_BYTES, MAX_HULL_POINTS, MAX_MESH, MAX_PARTS, MAX_STEPS, TIME_STEPS, step_count,
     steps_of_duration, time_step,
 };
-pub use looks::Looks;
+pub use looks::{BODY_COLORS, FIXED_COLOR, Looks};
 pub use outcome::Outcome;
 pub use output::PendingFile;
 pub use parse::Format;
@@ -85,7 +85,9 @@ pub use sweep::{MAX_WORLDS, RunLength, Sweep, SweepPlan, SweepWorld};
 pub use sweep_error::SweepError;
 pub use sweep_file::{SweepFile, SweepFileError, SweepReader, sweep_header};
 pub use sweep_identity::SweepIdentity;
+pub use tessellation::Tessellation;
 pub use trajectory::{
-    Animation, COLUMNS, Frame, STATE_COLUMNS, TrajectoryError, TrajectoryFormat, TrajectoryWriter, state_numbers,
+    Animation, COLUMNS, Frame, STATE_COLUMNS, SurfaceSet, TrajectoryError, TrajectoryFormat, TrajectoryWriter,
+    state_numbers,
 };
 pub use vary::Vary;

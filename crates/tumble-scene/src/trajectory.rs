@@ -15,12 +15,12 @@ use tumble::math::Real;
 use tumble::{Pose, Velocity};
 
 pub use frame::Frame;
-pub(crate) use glb::{Bodies, COLORS, Color, GREY, Sample, Surface, double, single};
+pub(crate) use glb::{Bodies, Color, Sample, Surface, double, single};
 use pace::Pace;
 
 pub use error::TrajectoryError;
 pub use format::TrajectoryFormat;
-pub use glb::Animation;
+pub use glb::{Animation, SurfaceSet};
 
 /// The columns of a record.
 pub const COLUMNS: [&str; 16] =

@@ -1,0 +1,180 @@
+//! Figures in words: the books of the scene, and one body.
+
+use hecs::World;
+use tumble::glam::DVec3;
+use tumble::{Inertia, Mass, Momentum, Pose, PrincipalAxes, Totals, Velocity};
+
+use crate::bodies::DrawnBody;
+use crate::convert::{dquat, dvec3};
+use crate::playback::Playback;
+
+/// A line of a panel: what it is, and its figure with the unit.
+pub(crate) type Row = (String, String);
+
+/// A number in a column: six characters at least, four digits that count.
+pub(crate) fn figure(value: f64) -> String {
+    let size = value.abs();
+    // Signs have a column of their own.
+    let sign = if value < 0.0 { '-' } else { ' ' };
+    if size == 0.0 {
+        " 0".to_owned()
+    } else if (1e-3..1e5).contains(&size) {
+        // What is rounded up to the next power of ten has its decimals.
+        let decimals = (3.0 - (1.00005 * size).log10().floor()).clamp(0.0, 6.0) as usize;
+        format!("{sign}{size:.decimals$}")
+    } else {
+        format!("{sign}{size:.3e}")
+    }
+}
+
+/// Three numbers. What is rounding beside the others is zero.
+fn triple(vector: DVec3) -> String {
+    let nothing = 1e-7 * vector.abs().max_element();
+    vector.to_array().map(|part| format!("{:<11}", figure(if part.abs() <= nothing { 0.0 } else { part }))).concat()
+}
+
+/// A time \[s\] in words, in units that people have a feeling for.
+pub(crate) fn time(seconds: f64) -> String {
+    let units = [(31_557_600.0, "years"), (86_400.0, "days"), (3600.0, "hours")];
+    match units.into_iter().find(|(unit, _)| seconds.abs() >= 2.0 * unit) {
+        Some((unit, name)) => format!("{} {name}", figure(seconds / unit).trim_start()),
+        // Always as many letters, so that they stand still while time passes.
+        None if (0.1..7200.0).contains(&seconds) || seconds == 0.0 => format!("{seconds:.3} s"),
+        None => format!("{} s", figure(seconds).trim_start()),
+    }
+}
+
+/// Energy and momentum now, and how far they are from the start.
+pub(crate) fn ledger(start: &Totals, now: &Totals) -> Vec<Row> {
+    let row = |name: &str, figure: String| (name.to_owned(), figure);
+    let kinetic = |totals: &Totals| totals.linear_kinetic + totals.rotational_kinetic;
+    let potential = |totals: &Totals| totals.potential + totals.force_potential;
+    // As in a run's summary: a body dropped from rest at the origin has no energy at all.
+    let exchanged = (potential(now) - potential(start)).abs();
+    let scale = start.energy().abs().max(kinetic(start)).max(exchanged);
+    let mut rows = vec![
+        row("kinetic", format!("{} J", figure(kinetic(now)))),
+        row("potential", format!("{} J", figure(potential(now)))),
+        row("energy", format!("{} J", figure(now.energy()))),
+        row("  drift", drift(now.energy() - start.energy(), scale)),
+        row("momentum", format!("{} kg m/s", figure(now.linear_momentum.length()))),
+        row("  change", drift_of(start.linear_momentum, now.linear_momentum)),
+        row("ang. mom.", format!("{} kg m²/s", figure(now.angular_momentum.length()))),
+        row("  change", drift_of(start.angular_momentum, now.angular_momentum)),
+    ];
+    if now.non_finite.is_some() {
+        rows.push(row("a body's state is not finite", String::new()));
+    }
+    rows
+}
+
+fn drift_of(start: DVec3, now: DVec3) -> String {
+    drift((now - start).length(), start.length())
+}
+
+/// A difference as a part of a scale.
+fn drift(difference: f64, scale: f64) -> String {
+    if difference == 0.0 {
+        " 0".to_owned()
+    } else if scale > 0.0 {
+        format!("{:+.1e}", difference / scale)
+    } else {
+        " from 0".to_owned()
+    }
+}
+
+/// All about a body.
+pub(crate) fn body(playback: &Playback, body: &DrawnBody) -> Vec<Row> {
+    let mut rows = vec![(body.name.clone(), String::new())];
+    let Ok(entity) = playback.world.entity(body.entity) else { return rows };
+    let mut row = |name: &str, figure: String, unit: &str| rows.push((name.to_owned(), format!("{figure} {unit}")));
+    if let Some(mass) = entity.get::<&Mass>() {
+        row("mass", figure(f64::from(mass.kilograms())), "kg");
+    }
+    if let Some(inertia) = entity.get::<&Inertia>() {
+        row("moments", triple(dvec3(inertia.moments())), "kg m²");
+    }
+    if let Some(pose) = entity.get::<&Pose>() {
+        row("position", triple(dvec3(pose.position)), "m");
+    }
+    if let Some(velocity) = entity.get::<&Velocity>() {
+        row("velocity", triple(dvec3(velocity.linear)), "m/s");
+        row("ang. vel.", triple(dvec3(velocity.angular)), "rad/s");
+    }
+    if let Some(momentum) = entity.get::<&Momentum>() {
+        row("momentum", triple(dvec3(momentum.linear)), "kg m/s");
+        row("ang. mom.", triple(dvec3(momentum.angular)), "kg m²/s");
+    }
+    if let Some([linear, rotational]) = kinetic(&playback.world, body) {
+        row("kinetic", figure(linear), "J");
+        row("  of rotation", figure(rotational), "J");
+    }
+    rows
+}
+
+/// `P^2/2M` and `L.w/2` in double precision \[J\]; single would round the inverses of small moments twice.
+fn kinetic(world: &World, body: &DrawnBody) -> Option<[f64; 2]> {
+    let entity = world.entity(body.entity).ok()?;
+    let mass = f64::from(entity.get::<&Mass>()?.kilograms());
+    let momentum = *entity.get::<&Momentum>()?;
+    let linear = dvec3(momentum.linear).length_squared() / (2.0 * mass);
+    let rotational = entity.get::<&Inertia>().map_or(0.0, |inertia| {
+        let orientation = entity.get::<&Pose>().map_or_else(Default::default, |pose| dquat(pose.orientation));
+        let axes = entity.get::<&PrincipalAxes>().map_or_else(Default::default, |axes| dquat(axes.0));
+        let principal = (orientation * axes).normalize().inverse() * dvec3(momentum.angular);
+        0.5 * (principal * principal / dvec3(inertia.moments())).element_sum()
+    });
+    Some([linear, rotational])
+}
+
+#[cfg(test)]
+mod tests {
+    use tumble_scene::Scene;
+
+    use super::*;
+
+    #[test]
+    fn figures_have_four_digits() {
+        let cases = [
+            (0.0, " 0"),
+            (1.0, " 1.000"),
+            (-12.3456, "-12.35"),
+            (99999.4, " 99999"),
+            (0.99999, " 1.000"),
+            (0.001234, " 0.001234"),
+        ];
+        for (value, text) in cases {
+            assert_eq!(figure(value), text);
+        }
+        assert_eq!((figure(1.23456e9), figure(-1.23e-7)), (" 1.235e9".to_owned(), "-1.230e-7".to_owned()));
+    }
+
+    #[test]
+    fn rounding_beside_large_numbers_is_zero() {
+        assert_eq!(triple(DVec3::new(1.0, 1e-9, -2.0)), " 1.000      0         -2.000     ");
+    }
+
+    #[test]
+    fn the_books_say_what_has_changed() {
+        let start = Totals { linear_kinetic: 2.0, linear_momentum: DVec3::X, ..Totals::default() };
+        let now = Totals { linear_kinetic: 2.5, linear_momentum: DVec3::X * 1.5, ..Totals::default() };
+        let rows = ledger(&start, &now);
+        assert_eq!(rows[2].1, " 2.500 J");
+        assert_eq!((rows[3].1.as_str(), rows[5].1.as_str(), rows[7].1.as_str()), ("+2.5e-1", "+5.0e-1", " 0"));
+    }
+
+    /// A block of 1 kg and 0.2 x 0.4 x 0.6 m with (1, 2, 3) rad/s: the sum of I w^2/2 over its axes.
+    #[test]
+    fn a_body_tells_its_energy() {
+        let playback = Playback::of(Scene::open("mujoco-box").unwrap()).unwrap();
+        let drawn = &playback.bodies.all[0];
+        let [linear, rotational] = kinetic(&playback.world, drawn).unwrap();
+        let [x, y, z] = [0.04 + 0.09, 0.01 + 0.09, 0.01 + 0.04].map(|squares: f64| squares / 3.0);
+        let expected = 0.5 * (x + 4.0 * y + 9.0 * z);
+        // Momenta and moments in single precision, each with a rounding or two of 6e-8.
+        assert!((linear, (rotational / expected - 1.0).abs() < 3e-7) == (0.0, true), "{rotational} {expected}");
+        let rows = body(&playback, drawn);
+        assert_eq!((rows[0].0.as_str(), rows[1].1.as_str()), ("box", " 1.000 kg"));
+        assert_eq!(rows.last().unwrap().0, "  of rotation");
+    }
+}
