@@ -1,6 +1,6 @@
 //! Dock with a tumbling satellite: a game prototype to copy from. `README.md` beside it has the keys.
 //!
-//! All that is between the game and tumble is in this file. What to look for, from top to bottom:
+//! How the game uses tumble is in this file; rules, models and drawing are beside it. What to look for, from top to bottom:
 //! - components of our own (`Fuel`, `DockingPort`, ..) stand beside tumble's on the same entities of one `hecs::World`: `spawn_craft`;
 //! - forces live in two ways: `Thruster` and servo push until they are changed or removed (`steer`), a `Wrench` for one step (`bump`);
 //! - two bodies become one, with all their momentum: `dock`;
@@ -335,20 +335,22 @@ fn keyboard(assist: &mut Assist) -> Controls {
 fn menu(game: &mut Game, kept: &mut Saved, start: &mut Saved, autopilot: &mut bool) -> Result<bool, Box<dyn Error>> {
     use mq::KeyCode::{Backspace, Escape, K, Key1, Key2, Key3, L, N, P};
     let flown = |game: &Game| game.outcome != Outcome::Docked;
-    match mq::get_last_key_pressed() {
-        Some(Escape) => return Ok(false),
-        Some(P) => *autopilot = !*autopilot,
-        Some(Backspace) => game.restore(start)?,
-        Some(K) if flown(game) => *kept = game.save()?,
-        Some(L) => game.restore(kept)?,
-        Some(key @ (Key1 | Key2 | Key3 | N)) => {
-            let level = [Key1, Key2, Key3].iter().position(|one| *one == key);
-            *game = Game::new(level.unwrap_or(game.level), game.seed + u64::from(key == N))?;
-            (*start, *kept) = (game.save()?, game.save()?);
+    let pressed = [P, Backspace, K, L, Key1, Key2, Key3, N].into_iter().filter(|key| mq::is_key_pressed(*key));
+    for key in pressed {
+        match key {
+            P => *autopilot = !*autopilot,
+            Backspace => game.restore(start)?,
+            K if flown(game) => *kept = game.save()?,
+            L => game.restore(kept)?,
+            Key1 | Key2 | Key3 | N => {
+                let level = [Key1, Key2, Key3].iter().position(|one| *one == key);
+                *game = Game::new(level.unwrap_or(game.level), game.seed.wrapping_add(u64::from(key == N)))?;
+                (*start, *kept) = (game.save()?, game.save()?);
+            }
+            _ => {}
         }
-        _ => {}
     }
-    Ok(true)
+    Ok(!mq::is_key_pressed(Escape))
 }
 
 async fn play(options: Options) -> Result<(), Box<dyn Error>> {
@@ -358,13 +360,16 @@ async fn play(options: Options) -> Result<(), Box<dyn Error>> {
     while menu(&mut game, &mut kept, &mut start, &mut autopilot)? {
         let controls = keyboard(&mut assist);
         let fly = |world: &World| if autopilot { pilot::fly(world) } else { controls };
-        let mut frame = f64::from(mq::get_frame_time());
-        while options.screenshot.is_some() && game.simulation.time() < options.at {
+        let (mut frame, mut alpha) = (f64::from(mq::get_frame_time()), 1.0);
+        if options.screenshot.is_some() {
             frame = 1.0 / 60.0;
-            game.update(frame, pilot::fly);
-            view.camera(&game.world, 0.0, frame as f32);
+            while game.simulation.time() < options.at {
+                game.update(frame, pilot::fly);
+                view.camera(&game.world, 1.0, frame as f32);
+            }
+        } else {
+            alpha = game.update(frame, fly);
         }
-        let alpha = game.update(frame, fly);
         let camera = view.camera(&game.world, alpha, frame as f32);
         draw_world(&game.world, alpha, &camera);
         screen::draw_instruments(&game, if autopilot { Assist::Match } else { assist }, &camera);
@@ -378,6 +383,11 @@ async fn play(options: Options) -> Result<(), Box<dyn Error>> {
 
 fn main() {
     let options = Options::of_process();
+    // Where there is no display, what opens the window panics.
+    if cfg!(target_os = "linux") && ["DISPLAY", "WAYLAND_DISPLAY"].iter().all(|name| std::env::var_os(name).is_none()) {
+        eprintln!("docking: no window can be opened: neither DISPLAY nor WAYLAND_DISPLAY is set");
+        std::process::exit(1);
+    }
     macroquad::Window::from_config(screen::window(), async {
         if let Err(error) = play(options).await {
             eprintln!("docking: {error}");

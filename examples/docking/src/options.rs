@@ -31,8 +31,8 @@ impl Options {
                 "--autopilot" => options.autopilot = true,
                 "--level" => options.level = level(&value()?)?,
                 "--start" => options.seed = number(&word, &value()?)?,
-                "--screenshot" => options.screenshot = Some(value()?),
-                "--at" => options.at = number(&word, &value()?)?,
+                "--screenshot" => options.screenshot = Some(picture(value()?)?),
+                "--at" => options.at = moment(&value()?)?,
                 _ => return Err(format!("{word}: try --autopilot, --level, --start, --screenshot or --at").into()),
             }
         }
@@ -43,6 +43,21 @@ impl Options {
 fn number<T: std::str::FromStr>(option: &str, value: &str) -> Result<T, String> {
     value.parse().map_err(|_| format!("{option} {value}: that is no number for it"))
 }
+
+/// The name of a file that pictures are written to.
+fn picture(file: String) -> Result<String, String> {
+    if file.ends_with(".png") { Ok(file) } else { Err(format!("--screenshot {file}: only .png files are written")) }
+}
+
+/// A time that a flight gets to \[s\].
+fn moment(value: &str) -> Result<f64, String> {
+    let time: f64 = number("--at", value)?;
+    let flown = (0.0..=LONGEST).contains(&time).then_some(time);
+    flown.ok_or(format!("--at {value}: from 0 to {LONGEST} seconds"))
+}
+
+/// More than any tank lasts \[s\].
+const LONGEST: f64 = 3600.0;
 
 /// Counted from zero, where the player counts from one.
 fn level(value: &str) -> Result<usize, String> {

@@ -289,7 +289,8 @@ fn draw_reticle(ship: &Craft, target: &Craft, approach: &Approach, camera: &mq::
 
 /// Writes what has been drawn as a PNG.
 pub(crate) fn save_picture(file: &str) -> Result<(), Box<dyn Error>> {
-    std::fs::File::create(file).map_err(|error| format!("{file}: {error}"))?; // macroquad panics instead.
+    // macroquad panics instead; what is there already stays until there is a picture.
+    std::fs::OpenOptions::new().append(true).create(true).open(file).map_err(|error| format!("{file}: {error}"))?;
     mq::set_default_camera(); // Nothing is drawn before the camera changes.
     let mut picture = mq::get_screen_data();
     picture.bytes.iter_mut().skip(3).step_by(4).for_each(|alpha| *alpha = u8::MAX);

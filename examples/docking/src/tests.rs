@@ -218,6 +218,8 @@ fn the_command_line_names_what_is_wrong() {
     let error = |line| parsed(line).unwrap_err().to_string();
     assert_eq!(error("--level 4"), "--level 4: there are 1 to 3");
     assert_eq!(error("--at noon"), "--at noon: that is no number for it");
+    assert_eq!(error("--at inf"), "--at inf: from 0 to 3600 seconds");
+    assert_eq!(error("--screenshot a"), "--screenshot a: only .png files are written");
     assert_eq!(error("--start"), "--start needs a value");
     assert_eq!(error("--stop"), "--stop: try --autopilot, --level, --start, --screenshot or --at");
 }

@@ -1,6 +1,7 @@
-//! Boxes on springs in a window: the space bar hits them all at a corner.
+//! Boxes on springs in a window: the space bar hits them all at a corner, and D shows their axes and angular velocities.
 
 use macroquad::prelude as mq;
+use tumble::DebugView;
 use tumble::prelude::*;
 
 /// What a box looks like: a component of the game's own, on the same entity as those of the body.
@@ -38,6 +39,12 @@ async fn main() -> Result<(), Box<dyn std::error::Error>> {
         mq::set_camera(&mq::Camera3D { position, target, up: mq::Vec3::Y, ..Default::default() });
         for (previous, pose, block) in world.query_mut::<(&PreviousPose, &Pose, &Block)>() {
             draw(&previous.0.interpolate(pose, alpha), block);
+        }
+        if mq::is_key_down(mq::KeyCode::D) {
+            let view = DebugView { angular_velocity: Some(0.5), alpha, ..DebugView::default() };
+            view.draw(&world, &mut |from: Vec3, to: Vec3, [r, g, b]: [f32; 3]| {
+                mq::draw_line_3d(screen(from), screen(to), mq::Color::new(r, g, b, 1.0));
+            });
         }
         mq::next_frame().await;
     }
