@@ -15,7 +15,7 @@ use tumble::{BodyOrder, Momentum, Pose};
 ///
 /// let mut world = hecs::World::new();
 /// for side in [-1.0, 1.0] {
-///     let body = RigidBody::new(Shape::sphere(0.5)).mass(2.0).position([0.0, side, 0.0]).linear_velocity([side, 0.0, 0.0]);
+///     let body = RigidBody::new(Shape::sphere(0.5)).mass(2.0).position(Vec3::Y * side).linear_velocity(Vec3::X * side);
 ///     body.build()?.spawn(&mut world);
 /// }
 /// // Two of 2 kg with 1 m/s in opposite directions, 1 m from the origin.
