@@ -439,6 +439,15 @@ mod tests {
     }
 
     #[test]
+    fn a_restart_forgets_the_largest_arrows() {
+        let mut stage = stage(&["t-handle"]);
+        stage.marks();
+        assert_ne!(stage.largest, Largest::default());
+        stage.restart().unwrap();
+        assert_eq!(stage.largest, Largest::default());
+    }
+
+    #[test]
     fn the_wheel_goes_as_far_as_the_option() {
         let mut stage = stage(&["raft", "--camera", "0,0,1e6"]);
         let farthest = stage.camera.distance;
