@@ -3,7 +3,7 @@
 //! A scene is settings and bodies, written as JSON or RON after one model, or what [glTF](gltf) and URDF files say. [`Scene::open`] reads and checks
 //! it whole before anything is spawned, and a mistake is a [`SceneError`] of one line that names
 //! file, body and field. [`Audit`] shows the mass properties and forces of every body,
-//! [`TrajectoryWriter`] records states, [`Sweep`] makes many worlds of one scene, [`Summary`] is what a run reports, [`ReportPage`] the same as a page to look at, and
+//! [`TrajectoryWriter`] records states, [`Sweep`] makes many worlds of one scene, [`Summary`] is what a run reports and [`MomentumScale`] what it measures drift by, [`ReportPage`] the same as a page to look at, and
 //! [`PendingFile`] makes files appear whole or not at all.
 //!
 //! ```
@@ -38,6 +38,7 @@ mod looks;
 mod mesh_file;
 mod mesh_shape;
 mod model;
+mod momentum_scale;
 mod outcome;
 mod output;
 mod parse;
@@ -73,6 +74,7 @@ pub use limits::{
     steps_of_duration, time_step,
 };
 pub use looks::{BODY_COLORS, FIXED_COLOR, Looks};
+pub use momentum_scale::MomentumScale;
 pub use outcome::Outcome;
 pub use output::PendingFile;
 pub use parse::Format;

@@ -1,14 +1,13 @@
 //! Animations as .gif files.
 
 use std::borrow::Cow;
-use std::path::Path;
 
 use gif::{DisposalMethod, Encoder, EncodingError, Frame, Repeat};
 
 use crate::failure::Failure;
 use crate::options::Size;
 use crate::palette::{Histogram, Palette};
-use crate::picture::{Image, write_file};
+use crate::picture::{Image, Output};
 
 /// The number that means: as before. The others are colours.
 const AS_BEFORE: u8 = 255;
@@ -16,7 +15,7 @@ const AS_BEFORE: u8 = 255;
 const HUNDREDTHS: u32 = 100;
 
 /// Writes pictures of one size, so many a second, with one palette for all of them, and of each only what has changed.
-pub(crate) fn write_gif(file: &Path, images: &[Image], fps: u16) -> Result<(), Failure> {
+pub(crate) fn write_gif(file: Output, images: &[Image], fps: u16) -> Result<(), Failure> {
     let Some(first) = images.first() else { return Ok(()) };
     let mut histogram = Histogram::new();
     for image in images {
@@ -24,8 +23,8 @@ pub(crate) fn write_gif(file: &Path, images: &[Image], fps: u16) -> Result<(), F
     }
     let palette = histogram.palette(AS_BEFORE);
     let mut bytes = Vec::new();
-    encode(&mut bytes, images, first.size, &palette, fps).map_err(|error| Failure::writing(file, &error))?;
-    write_file(file, &bytes)
+    encode(&mut bytes, images, first.size, &palette, fps).map_err(|error| Failure::writing(file.path(), &error))?;
+    file.write(&bytes)
 }
 
 fn encode(bytes: &mut Vec<u8>, images: &[Image], size: Size, palette: &Palette, fps: u16) -> Result<(), EncodingError> {
@@ -110,7 +109,7 @@ mod tests {
         let images = [image([200, 0, 0]), image([0, 0, 200])];
         let directory = tempfile::tempdir().unwrap();
         let file = directory.path().join("two.gif");
-        write_gif(&file, &images, 20).unwrap();
+        write_gif(Output::create(file.clone()).unwrap(), &images, 20).unwrap();
         let mut options = gif::DecodeOptions::new();
         options.set_color_output(gif::ColorOutput::RGBA);
         let mut decoder = options.read_info(std::fs::File::open(&file).unwrap()).unwrap();

@@ -8,7 +8,7 @@ use tumble::{ConstantWrench, DebugView, Momentum, Thruster, Velocity, Wrench};
 use crate::convert::{dvec3, real};
 use crate::layers::{Layer, Layers};
 
-/// The largest of each kind of vector that there has been, so that arrows of one kind can be compared, over bodies and over time.
+/// The largest of each kind of vector that was drawn since the start, so that arrows of one kind can be compared, over bodies and over time.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(crate) struct Largest {
     /// [kg m/s]

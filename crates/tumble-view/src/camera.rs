@@ -6,6 +6,8 @@ use tumble::glam::{DMat4, DVec2, DVec3, DVec4};
 const FIELD_OF_VIEW: f64 = 0.62;
 /// Clearance of the poles, where the picture would turn over \[rad\].
 const POLE: f64 = 0.02;
+/// How near and how far the camera may be, in parts of the distance from which all is seen.
+pub(crate) const DISTANCES: std::ops::RangeInclusive<f64> = 1e-6..=1e6;
 /// The nearest that is drawn, as a part of the camera's distance.
 const NEAR: f64 = 0.02;
 /// The farthest that is drawn is at least and at most so many distances away; beyond, 24 bits of depth no longer tell things apart.

@@ -20,6 +20,7 @@ mod failure;
 mod framing;
 mod gpu;
 mod layers;
+mod letters;
 mod lines;
 mod opening;
 mod options;
@@ -67,5 +68,5 @@ fn run(options: &Options) -> Result<(), Failure> {
     let pace = options.speed.unwrap_or_else(|| playback::pace(&scene));
     let task = options.task(scene.settings.dt, pace)?;
     let stage = stage::Stage::new(scene, &options.view)?;
-    opening::open(stage, task, pace, options)
+    opening::open(stage, task.open()?, pace, options)
 }

@@ -14,7 +14,7 @@ use crate::failure::Failure;
 use crate::gpu::{Background, Gpu, Renderer};
 use crate::options::{Options, Size, Task};
 use crate::overlay::Writer;
-use crate::picture::{Easel, write_png};
+use crate::picture::{Easel, Output, write_png};
 use crate::stage::Stage;
 use crate::window;
 
@@ -22,7 +22,7 @@ use crate::window;
 const SAMPLES: i32 = 4;
 
 /// Opens a window and does in it what is to be done.
-pub(crate) fn open(stage: Stage, task: Task, pace: f64, options: &Options) -> Result<(), Failure> {
+pub(crate) fn open(stage: Stage, task: Task<Output>, pace: f64, options: &Options) -> Result<(), Failure> {
     check_display()?;
     let size = options.view.size;
     let conf = Conf {
@@ -50,7 +50,7 @@ pub(crate) fn open(stage: Stage, task: Task, pace: f64, options: &Options) -> Re
     done.replace(Ok(()))
 }
 
-async fn perform(mut stage: Stage, task: Task, size: Size, pace: f64, paused: bool) -> Result<(), Failure> {
+async fn perform(mut stage: Stage, task: Task<Output>, size: Size, pace: f64, paused: bool) -> Result<(), Failure> {
     let mut gpu = Gpu::of_the_window();
     let mut renderer = Renderer::new(&mut gpu, &stage.playback.bodies)?;
     let writer = Writer::new().map_err(Failure::Running)?;
@@ -60,7 +60,7 @@ async fn perform(mut stage: Stage, task: Task, size: Size, pace: f64, paused: bo
             stage.playback.go_to(at);
             let easel = Easel::new(size, Background::Gradient);
             let status = window::status(stage.playback.time(), pace, pace);
-            write_png(&file, &easel.draw(&mut stage, (&mut gpu, &mut renderer, &writer), status))
+            write_png(file, &easel.draw(&mut stage, (&mut gpu, &mut renderer, &writer), status))
         }
         Task::Animation { file, from, frames, fps } => {
             let easel = Easel::new(size, Background::Plain);
@@ -70,7 +70,7 @@ async fn perform(mut stage: Stage, task: Task, size: Size, pace: f64, paused: bo
                 let status = window::status(stage.playback.time(), pace, pace);
                 images.push(easel.draw(&mut stage, (&mut gpu, &mut renderer, &writer), status));
             }
-            write_gif(&file, &images, fps)
+            write_gif(file, &images, fps)
         }
     }
 }

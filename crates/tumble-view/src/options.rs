@@ -9,9 +9,10 @@ use tumble::math::Real;
 use tumble::{Integrator, Settings};
 use tumble_scene::{MAX_BODIES, Scene, steps_of_duration, time_step};
 
-use crate::camera::{Camera, Up};
+use crate::camera::{Camera, DISTANCES, Up};
 use crate::failure::Failure;
 use crate::layers::Layers;
+use crate::picture::Output;
 
 /// Edges of a picture \[points\]: graphics cards have textures of twice this.
 const EDGES: std::ops::RangeInclusive<u32> = 64..=4096;
@@ -98,12 +99,24 @@ pub(crate) struct ViewOptions {
     pub(crate) up: Option<Up>,
 }
 
-/// What is to be made of the scene.
+/// What is to be made of the scene, and the files for it: by their paths first, open then.
 #[derive(Clone, Debug, PartialEq)]
-pub(crate) enum Task {
+pub(crate) enum Task<File> {
     Window,
-    Screenshot { file: PathBuf, at: f64 },
-    Animation { file: PathBuf, from: f64, frames: u32, fps: u16 },
+    Screenshot { file: File, at: f64 },
+    Animation { file: File, from: f64, frames: u32, fps: u16 },
+}
+
+impl Task<PathBuf> {
+    pub(crate) fn open(self) -> Result<Task<Output>, Failure> {
+        Ok(match self {
+            Self::Window => Task::Window,
+            Self::Screenshot { file, at } => Task::Screenshot { file: Output::create(file)?, at },
+            Self::Animation { file, from, frames, fps } => {
+                Task::Animation { file: Output::create(file)?, from, frames, fps }
+            }
+        })
+    }
 }
 
 impl Options {
@@ -127,7 +140,7 @@ impl Options {
     }
 
     /// What to do, with its files and times checked against the scene's step, and so many simulated seconds to one of watching.
-    pub(crate) fn task(&self, dt: Real, pace: f64) -> Result<Task, Failure> {
+    pub(crate) fn task(&self, dt: Real, pace: f64) -> Result<Task<PathBuf>, Failure> {
         let check = |option: &str, seconds: f64| {
             let steps = steps_of_duration(seconds, dt);
             steps.map(drop).map_err(|problem| Failure::Input(format!("{option} {problem}")))
@@ -229,8 +242,9 @@ impl FromStr for Angles {
         if !yaw.is_finite() || !(-90.0..=90.0).contains(&pitch) {
             return Err("angles are to be finite, and the second from -90 to 90 degrees".to_owned());
         }
-        if !(1e-6..=1e6).contains(&distance) {
-            return Err(format!("the distance is to be from 1e-6 to 1e6, not {distance}"));
+        if !DISTANCES.contains(&distance) {
+            let (nearest, farthest) = (DISTANCES.start(), DISTANCES.end());
+            return Err(format!("the distance is to be from {nearest:e} to {farthest:e}, not {distance}"));
         }
         Ok(Self { yaw, pitch, distance })
     }

@@ -1,6 +1,7 @@
 //! Text and panels in front of the picture.
 
-use std::cell::Cell;
+use std::cell::RefCell;
+use std::collections::HashSet;
 
 use macroquad::color::Color;
 use macroquad::shapes::draw_rectangle;
@@ -9,10 +10,9 @@ use macroquad::window::screen_dpi_scale;
 use tumble::glam::DVec2;
 
 use crate::layers::{LAYERS, Layer, Layers};
+use crate::letters::{FONT, written};
 use crate::readout::Row;
 
-/// Noto Sans Mono, cut down to what is written here; its licence lies beside it.
-const FONT: &[u8] = include_bytes!("../assets/NotoSansMono-subset.ttf");
 /// From one letter to the next, in sizes of the font.
 const ADVANCE: f32 = 0.6;
 const SIZE: f32 = 14.0;
@@ -62,21 +62,29 @@ pub(crate) struct Overlay {
 #[derive(Debug)]
 pub(crate) struct Writer {
     font: Font,
-    /// Pixels per point that letters are there for.
-    prepared: Cell<f32>,
+    /// Letters that are there, and the pixels per point for which they are.
+    prepared: RefCell<(f32, HashSet<char>)>,
 }
 
 impl Writer {
     pub(crate) fn new() -> Result<Self, String> {
         let font = load_ttf_font_from_bytes(FONT).map_err(|error| format!("the font cannot be used: {error}"))?;
-        Ok(Self { font, prepared: Cell::new(0.0) })
+        Ok(Self { font, prepared: RefCell::default() })
     }
 
     /// Makes all letters in all sizes. A letter that comes when others have been written in the same picture may take the place of theirs.
-    fn prepare(&self, pixels_per_point: f32) {
+    fn prepare(&self, overlay: &Overlay, pixels_per_point: f32) {
+        let (scale, there) = &mut *self.prepared.borrow_mut();
         let all = pixels_per_point * screen_dpi_scale();
-        if self.prepared.replace(all) != all {
-            let letters: Vec<char> = (' '..='~').chain("²³µ·×−…ω".chars()).collect();
+        if std::mem::replace(scale, all) != all {
+            there.clear();
+        }
+        let names = overlay.labels.iter().map(|label| &label.1).chain(overlay.body.iter().map(|row| &row.0));
+        let names = names.chain(overlay.ledger.iter().map(|row| &row.0)).chain([&overlay.title]);
+        let mut letters: String = (' '..='~').chain("²³µ·×−…ω□".chars()).collect();
+        names.for_each(|name| letters.push_str(&written(name)));
+        let letters: Vec<char> = letters.chars().filter(|&letter| there.insert(letter)).collect();
+        if !letters.is_empty() {
             for size in [LABEL, SIZE, TITLE] {
                 let asked = (size * pixels_per_point).round() * screen_dpi_scale();
                 self.font.populate_font_cache(&letters, asked.ceil() as u16);
@@ -86,7 +94,7 @@ impl Writer {
 
     /// Draws onto a picture of this size in points, of so many pixels each.
     pub(crate) fn draw(&self, overlay: &Overlay, size: DVec2, pixels_per_point: f32) {
-        self.prepare(pixels_per_point);
+        self.prepare(overlay, pixels_per_point);
         let pen = Pen { font: &self.font, pixels_per_point };
         for (at, text, color) in apart(&overlay.labels) {
             let [red, green, blue] = *color;
@@ -120,7 +128,7 @@ impl Pen<'_> {
             color: Color::from(color),
             ..TextParams::default()
         };
-        draw_text_ex(text, x, y, params);
+        draw_text_ex(written(text), x, y, params);
     }
 
     /// Of a panel with so many rows.

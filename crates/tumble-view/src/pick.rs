@@ -16,11 +16,15 @@ pub(crate) struct Bounds {
 }
 
 impl Bounds {
-    /// How far along a ray the box begins \[m\]; zero for a ray that begins inside. `None` where the ray misses it.
+    /// How far along a ray the box begins \[m\]; zero for a ray that begins inside. `None` where the ray misses it, or the box is nowhere.
     ///
     /// The ray is inside of the box between the last of the entries through its three pairs of faces and the first of the exits
     /// (T. Kay, J. Kajiya, Ray Tracing Complex Scenes, SIGGRAPH 1986).
     pub(crate) fn hit(&self, ray: &Ray) -> Option<f64> {
+        // Comparisons with NaN would let it pass between all faces.
+        if !self.center.is_finite() || !self.rotation.is_finite() {
+            return None;
+        }
         let turned = self.rotation.inverse();
         let origin = turned * (ray.origin - self.center);
         let direction = turned * ray.direction;
@@ -75,6 +79,18 @@ mod tests {
         // What was 2 along y is along x now.
         assert!((entry - 8.0).abs() < 1e-12, "{entry}");
         assert_eq!(turned.hit(&along_x(1.1)), None);
+    }
+
+    #[test]
+    fn a_body_that_is_nowhere_is_not_hit() {
+        let lost = [
+            block(DVec3::NAN),
+            block(DVec3::Z * f64::INFINITY),
+            Bounds { rotation: DQuat::from_xyzw(f64::NAN, 0.0, 0.0, 1.0), ..block(DVec3::ZERO) },
+        ];
+        assert!(lost.iter().all(|bounds| bounds.hit(&along_x(0.0)).is_none()));
+        // Nor is it in the way of one that is there.
+        assert_eq!(first_hit(&along_x(0.0), lost.into_iter().chain([block(DVec3::ZERO)])), Some(3));
     }
 
     #[test]

@@ -1,10 +1,12 @@
 //! Pictures that are not seen in the window.
 
-use std::path::Path;
+use std::io::Write as _;
+use std::path::{Path, PathBuf};
 
 use macroquad::camera::{Camera2D, set_camera, set_default_camera};
 use macroquad::math::Rect;
 use macroquad::texture::{RenderTarget, RenderTargetParams, render_target_ex};
+use tumble_scene::PendingFile;
 
 use crate::failure::Failure;
 use crate::gpu::{Background, Gpu, Renderer};
@@ -75,9 +77,34 @@ fn averaged(finer: &[u8], size: Size) -> Vec<u8> {
     bytes
 }
 
+/// A file that is open before there is anything to write, so that one that cannot be written costs no run.
+#[derive(Debug)]
+pub(crate) struct Output {
+    path: PathBuf,
+    pending: PendingFile,
+}
+
+impl Output {
+    pub(crate) fn create(path: PathBuf) -> Result<Self, Failure> {
+        match PendingFile::create(&path) {
+            Ok(pending) => Ok(Self { path, pending }),
+            Err(error) => Err(Failure::Input(format!("{}: cannot be written: {error}", path.display()))),
+        }
+    }
+
+    pub(crate) fn path(&self) -> &Path {
+        &self.path
+    }
+
+    /// Writes the file whole, or names it in the failure.
+    pub(crate) fn write(mut self, bytes: &[u8]) -> Result<(), Failure> {
+        let written = self.pending.write_all(bytes).and_then(|()| self.pending.finish());
+        written.map_err(|error| Failure::writing(&self.path, &error))
+    }
+}
+
 /// Writes a .png file.
-pub(crate) fn write_png(file: &Path, image: &Image) -> Result<(), Failure> {
-    let failed = |error: &dyn std::error::Error| Failure::writing(file, error);
+pub(crate) fn write_png(file: Output, image: &Image) -> Result<(), Failure> {
     let mut bytes = Vec::new();
     let mut encoder = png::Encoder::new(&mut bytes, image.size.width, image.size.height);
     encoder.set_color(png::ColorType::Rgb);
@@ -87,18 +114,8 @@ pub(crate) fn write_png(file: &Path, image: &Image) -> Result<(), Failure> {
         writer.write_image_data(&image.bytes)?;
         writer.finish()
     });
-    written.map_err(|error| failed(&error))?;
-    write_file(file, &bytes)
-}
-
-/// Writes a file whole, or names it in the failure.
-pub(crate) fn write_file(file: &Path, bytes: &[u8]) -> Result<(), Failure> {
-    use std::io::Write as _;
-    let pending = tumble_scene::PendingFile::create(file);
-    let mut pending =
-        pending.map_err(|error| Failure::Input(format!("{}: cannot be written: {error}", file.display())))?;
-    let written = pending.write_all(bytes).and_then(|()| pending.finish());
-    written.map_err(|error| Failure::writing(file, &error))
+    written.map_err(|error| Failure::writing(file.path(), &error))?;
+    file.write(&bytes)
 }
 
 #[cfg(test)]

@@ -5,7 +5,7 @@ use std::time::{Duration, Instant};
 use hecs::{Entity, World};
 use tumble::math::Real;
 use tumble::{BodyOrder, Clock, Pose, PreviousPose, Simulation, Snapshot, Totals, Velocity, measure};
-use tumble_scene::Scene;
+use tumble_scene::{MomentumScale, Scene};
 
 use crate::bodies::{Bodies, Placed};
 use crate::convert::real;
@@ -27,6 +27,7 @@ pub(crate) struct Playback {
     pub(crate) trails: Trails,
     /// Energy and momentum at the start.
     pub(crate) start: Totals,
+    pub(crate) scale: MomentumScale,
     /// How far the picture is from the step before to the last one.
     alpha: Real,
     steps: u64,
@@ -43,10 +44,11 @@ impl Playback {
         let order = BodyOrder::of(&world);
         let bodies = Bodies::of(&world, &order, &names, &looks);
         let start = measure(&world, simulation.settings(), &order);
+        let scale = MomentumScale::of(&world, &order);
         let snapshot = Snapshot::capture(&world).map_err(|error| Failure::Input(error.to_string()))?;
         let beginning = (snapshot, simulation.clock());
         let trails = Trails::new(moving(&bodies), steps);
-        Ok(Self { world, simulation, order, bodies, trails, start, alpha: 1.0, steps, beginning })
+        Ok(Self { world, simulation, order, bodies, trails, start, scale, alpha: 1.0, steps, beginning })
     }
 
     pub(crate) fn dt(&self) -> f64 {
@@ -91,8 +93,8 @@ impl Playback {
     /// Takes the steps that fall into a frame of so many simulated seconds, for at most so long; whether there was time for them all.
     pub(crate) fn advance(&mut self, seconds: f64, budget: Duration) -> bool {
         let started = Instant::now();
-        // `Simulation::advance` drops what goes beyond so many steps, so more of them are taken in pieces.
-        let piece = f64::from(Simulation::MOST_STEPS_A_FRAME) * self.dt();
+        // A step at a time, for each may take longer than all that are to fit into the frame.
+        let piece = self.dt();
         let mut left = seconds.max(0.0);
         loop {
             let mut step = self.simulation.steps();
@@ -186,7 +188,7 @@ mod tests {
     #[test]
     fn what_is_seen_is_what_a_run_does() {
         let mut seen = open("raft");
-        // Frames of two steps and a half, and one that is longer than what `Simulation::advance` takes at once.
+        // Frames of two steps and a half, and one that is longer than what `Simulation::advance` would take at once.
         for _ in 0..8 {
             assert!(seen.advance(0.025, Duration::MAX));
         }
@@ -238,9 +240,13 @@ mod tests {
     #[test]
     fn there_is_an_end_to_a_frame() {
         let mut playback = open("raft");
-        assert!(!playback.advance(1e9, Duration::ZERO));
+        // Each is over after one step, the least that can be taken.
+        for frame in 1..=5 {
+            assert!(!playback.advance(1e9, Duration::ZERO));
+            assert_eq!(playback.simulation.steps(), frame);
+        }
+        assert!(playback.advance(3.0 * playback.dt(), Duration::MAX));
         // A rounding may leave the last step to the next frame.
-        let most = u64::from(Simulation::MOST_STEPS_A_FRAME);
-        assert!((most - 1..=most).contains(&playback.simulation.steps()), "{}", playback.simulation.steps());
+        assert!((7..=8).contains(&playback.simulation.steps()), "{}", playback.simulation.steps());
     }
 }

@@ -9,7 +9,7 @@ use tumble_scene::Scene;
 
 use crate::arrows::{self, Largest};
 use crate::bodies::Placed;
-use crate::camera::{Camera, View};
+use crate::camera::{Camera, DISTANCES, View};
 use crate::convert::{dvec3, single3};
 use crate::failure::Failure;
 use crate::framing::{self, Frame, Grid};
@@ -20,7 +20,7 @@ use crate::options::ViewOptions;
 use crate::overlay::{Label, Overlay};
 use crate::pick::first_hit;
 use crate::playback::Playback;
-use crate::readout;
+use crate::readout::{self, Row};
 
 /// A camera that stays lets the bodies go so far from the middle, in radii of the frame, before it moves with them.
 const LEEWAY: f64 = 0.12;
@@ -53,6 +53,8 @@ pub(crate) struct Stage {
     whole: Frame,
     /// Where the centre of mass was at the start.
     center: DVec3,
+    /// Where it is in the last picture in which it was anywhere.
+    center_now: DVec3,
     /// What is followed, which the camera's target is a shift away from.
     anchor: DVec3,
     shift: DVec3,
@@ -98,6 +100,7 @@ impl Stage {
             picked: None,
             title,
             center,
+            center_now: center,
             anchor: center,
             shift: start.middle - center,
             start,
@@ -121,9 +124,13 @@ impl Stage {
 
     /// What the camera sees in a picture of this size.
     pub(crate) fn view(&self, size: DVec2) -> View {
-        let extent =
-            (self.camera.target - self.start.middle - (self.anchor - self.center)).length() + self.start.radius;
-        self.camera.view(size, 4.0 * extent)
+        self.camera.view(size, 4.0 * self.extent())
+    }
+
+    /// How far from the camera's target there is something to see: to the frame of the start, moved along with the centre of mass \[m\].
+    fn extent(&self) -> f64 {
+        let middle = self.center_now + (self.start.middle - self.center);
+        (self.camera.target - middle).length() + self.start.radius
     }
 
     /// The view that shows everything again, from a side: yaw and pitch.
@@ -145,7 +152,10 @@ impl Stage {
             Follow::All => {
                 (center_of_mass(&self.playback, &places).unwrap_or(self.center), self.start.middle - self.center)
             }
-            Follow::Body(index) => (places.get(index).map_or(self.center, |placed| placed.center), DVec3::ZERO),
+            Follow::Body(index) => match found(&places, index) {
+                Some(place) => (place, DVec3::ZERO),
+                None => (self.anchor, self.shift),
+            },
         };
     }
 
@@ -157,9 +167,10 @@ impl Stage {
     }
 
     /// Moves the camera nearer or farther by a factor.
-    pub(crate) fn zoom(&mut self, factor: f64) {
-        let whole = self.start.radius;
-        self.camera.distance = (self.camera.distance * factor).clamp(1e-6 * whole, 1e4 * whole);
+    pub(crate) fn zoom(&mut self, factor: f64, size: DVec2) {
+        let whole = self.whole.camera(self.camera.up, size).distance;
+        let [nearest, farthest] = [DISTANCES.start(), DISTANCES.end()].map(|part| part * whole);
+        self.camera.distance = (self.camera.distance * factor).clamp(nearest, farthest);
     }
 
     /// The body that is seen at a point of the picture.
@@ -175,6 +186,7 @@ impl Stage {
     pub(crate) fn restart(&mut self) -> Result<(), Failure> {
         self.playback.restart()?;
         self.books = None;
+        self.largest = Largest::default();
         if self.follow == Follow::All {
             self.anchor = self.center;
         }
@@ -201,22 +213,20 @@ impl Stage {
         self.overlay(&view, &places, &marks, status)
     }
 
-    /// Turns the camera to what it follows.
+    /// Turns the camera to what it follows; what is lost leaves it where it is.
     fn aim(&mut self, places: &[Placed]) {
+        self.center_now = center_of_mass(&self.playback, places).unwrap_or(self.center_now);
         match self.follow {
             Follow::Nothing => {}
             Follow::All => {
-                let center = center_of_mass(&self.playback, places).unwrap_or(self.center);
-                let off = center - self.anchor;
+                let off = self.center_now - self.anchor;
                 let leeway = LEEWAY * self.start.radius;
                 if off.length() > leeway {
-                    self.anchor = center - off.normalize() * leeway;
+                    self.anchor = self.center_now - off.normalize() * leeway;
                 }
             }
             Follow::Body(index) => {
-                if let Some(placed) = places.get(index) {
-                    self.anchor = placed.center;
-                }
+                self.anchor = found(places, index).unwrap_or(self.anchor);
             }
         }
         self.camera.target = self.anchor + self.shift;
@@ -329,19 +339,122 @@ impl Stage {
             title: self.title.clone(),
             status,
             layers: self.layers,
-            ledger: totals.map_or_else(Vec::new, |now| readout::ledger(&self.playback.start, &now)),
+            ledger: totals.map_or_else(Vec::new, |now| self.ledger(&now)),
             body: body.map_or_else(Vec::new, |body| readout::body(&self.playback, body)),
             labels,
         }
     }
+
+    fn ledger(&self, now: &Totals) -> Vec<Row> {
+        let lost = self.playback.bodies.all.iter().find(|body| now.non_finite == Some(body.entity));
+        let lost = lost.map(|body| body.name.as_str());
+        readout::ledger(&self.playback.start, self.playback.scale, now, lost)
+    }
 }
 
-/// Of the bodies that forces move; the others have no mass \[m\].
+/// Of the bodies that forces move; the others have no mass, and those that are lost no place \[m\].
 fn center_of_mass(playback: &Playback, places: &[Placed]) -> Option<DVec3> {
-    let bodies = playback.bodies.all.iter().zip(places);
+    let bodies = playback.bodies.all.iter().zip(places).filter(|(_, placed)| placed.center.is_finite());
     let (mass, moment) = bodies.fold((0.0, DVec3::ZERO), |(mass, moment), (body, placed)| {
         (mass + body.mass, moment + placed.center * body.mass)
     });
     let center = moment / mass;
     (mass > 0.0 && center.is_finite()).then_some(center)
+}
+
+/// Where a body is, if it is anywhere \[m\].
+fn found(places: &[Placed], index: usize) -> Option<DVec3> {
+    places.get(index).map(|placed| placed.center).filter(|center| center.is_finite())
+}
+
+#[cfg(test)]
+mod tests {
+    use clap::Parser as _;
+    use tumble::Pose;
+    use tumble::math::{Real, Vec3};
+
+    use super::*;
+    use crate::options::Options;
+
+    const SIZE: DVec2 = DVec2::new(1280.0, 720.0);
+
+    fn stage(arguments: &[&str]) -> Stage {
+        let options = Options::try_parse_from(["tumble-view"].iter().chain(arguments)).unwrap();
+        Stage::new(options.scene().unwrap(), &options.view).unwrap()
+    }
+
+    fn lose(stage: &mut Stage, index: usize) {
+        let entity = stage.playback.bodies.all[index].entity;
+        stage.playback.world.get::<&mut Pose>(entity).unwrap().position = Vec3::splat(Real::NAN);
+    }
+
+    fn aim(stage: &mut Stage) -> DVec3 {
+        stage.aim(&stage.playback.place());
+        stage.camera.target
+    }
+
+    #[test]
+    fn a_lost_body_does_not_throw_the_camera_back() {
+        let directory = tempfile::tempdir().unwrap();
+        let file = directory.path().join("falling.json");
+        let ball =
+            |x| format!(r#"{{ "shape": {{ "sphere": {{ "radius": 0.2 }} }}, "mass": 1, "position": [{x}, 0, 0] }}"#);
+        let scene = format!(r#"{{ "gravity": [0, -9.81, 0], "dt": 0.01, "bodies": [ {}, {} ] }}"#, ball(-1), ball(1));
+        std::fs::write(&file, scene).unwrap();
+        let mut stage = stage(&[file.to_str().unwrap()]);
+        stage.playback.go_to(2.0);
+        let before = aim(&mut stage);
+        let fallen = before.distance(stage.start.middle);
+        assert!(fallen > 2.0 * stage.start.radius, "{fallen}");
+        lose(&mut stage, 0);
+        // From between the two to the other one, a metre beside.
+        let after = aim(&mut stage);
+        assert!(after.distance(before) < 1.1, "{before} {after}");
+        lose(&mut stage, 1);
+        assert_eq!(aim(&mut stage), after);
+    }
+
+    #[test]
+    fn a_camera_stays_where_the_body_it_followed_was_lost() {
+        let mut stage = stage(&["raft", "--pick", "box-0-0", "--follow"]);
+        stage.playback.go_to(1.0);
+        let last = aim(&mut stage);
+        lose(&mut stage, 0);
+        assert_eq!(aim(&mut stage), last);
+        stage.set_follow(Follow::Body(0));
+        assert_eq!(aim(&mut stage), last);
+        let named = stage.ledger(&stage.playback.totals()).pop().unwrap().0;
+        assert_eq!(named, "not finite: box-0-0");
+    }
+
+    /// What is drawn goes as far as the bodies are, also where the camera follows none of them.
+    #[test]
+    fn a_camera_that_stays_sees_as_far() {
+        let mut stage = stage(&["satellite"]);
+        let follows = stage.extent();
+        assert!(stage.center.length() > 2.0 * follows, "{} {follows}", stage.center);
+        stage.set_follow(Follow::Nothing);
+        aim(&mut stage);
+        assert_eq!(stage.extent(), follows);
+    }
+
+    #[test]
+    fn a_restart_forgets_the_largest_arrows() {
+        let mut stage = stage(&["t-handle"]);
+        stage.marks();
+        assert_ne!(stage.largest, Largest::default());
+        stage.restart().unwrap();
+        assert_eq!(stage.largest, Largest::default());
+    }
+
+    #[test]
+    fn the_wheel_goes_as_far_as_the_option() {
+        let mut stage = stage(&["raft", "--camera", "0,0,1e6"]);
+        let farthest = stage.camera.distance;
+        stage.zoom(1.1, SIZE);
+        // A rounding of the product with 1e6.
+        assert!((stage.camera.distance / farthest - 1.0).abs() < 1e-15, "{farthest}");
+        stage.zoom(1e-30, SIZE);
+        assert!((stage.camera.distance / farthest / 1e-12 - 1.0).abs() < 1e-15);
+    }
 }

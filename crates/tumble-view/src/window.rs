@@ -160,7 +160,9 @@ impl Controls {
         }
         // Some systems count notches, others points.
         let notches = f64::from(mouse_wheel().1).clamp(-3.0, 3.0);
-        stage.zoom((-NOTCH * notches).exp());
+        if notches != 0.0 {
+            stage.zoom((-NOTCH * notches).exp(), size);
+        }
     }
 }
 

@@ -4,7 +4,8 @@
 //! Why: a window that shows things in the wrong place, or at the wrong time, is worse than none, and no other test looks at pixels.
 //!
 //! Pictures need an X server and OpenGL, for which `xvfb-run` and Mesa's software renderer do. Where they are not to be had, the tests say so
-//! and test nothing.
+//! and test nothing; with `TUMBLE_VIEW_PICTURES=required` in the environment they fail, so that what breaks the window is not taken for a
+//! machine without one.
 
 #![allow(clippy::unwrap_used, clippy::panic, reason = "a test fails by panicking, in its helper functions too")]
 
@@ -18,6 +19,9 @@ use std::sync::{Mutex, PoisonError};
 const BALLS: &str = r#"{ "gravity": [0, 0, 0], "dt": 0.01, "bodies": [
     { "name": "left", "shape": { "sphere": { "radius": 0.2 } }, "mass": 1, "position": [-1, 0, 0] },
     { "name": "right", "shape": { "sphere": { "radius": 0.2 } }, "mass": 1, "position": [1, 0, 0], "linear_velocity": [0, 0.5, 0] } ] }"#;
+const BLOCK: &str = r#"{ "gravity": [0, -9.81, 0], "dt": 0.01, "bodies": [
+    { "name": "block", "shape": { "cuboid": { "half_extents": [0.2, 0.3, 0.4] } }, "mass": 1, "position": [0, 0, 0],
+      "linear_velocity": [3, 6, 0], "angular_velocity": [1, 2, 3] } ] }"#;
 const SIZE: (u32, u32) = (640, 360);
 
 /// Held while a screen is there.
@@ -53,12 +57,12 @@ impl Place {
         let _alone = SCREEN.lock().unwrap_or_else(PoisonError::into_inner);
         for _ in 0..5 {
             let Ok(output) = self.command("xvfb-run", &all).output() else {
-                eprintln!("skipped: there is no xvfb-run");
+                skip("there is no xvfb-run");
                 return None;
             };
             let said = String::from_utf8_lossy(&output.stderr);
             if said.contains("no window can be opened") {
-                eprintln!("skipped: {said}");
+                skip(&said);
                 return None;
             }
             if !said.contains("xvfb-run: error") {
@@ -84,6 +88,12 @@ impl Place {
         assert_eq!(output.status.code(), Some(2), "{arguments:?}: {said}");
         said
     }
+}
+
+/// Says why nothing is tested, which may not be.
+fn skip(why: &str) {
+    assert!(std::env::var_os("TUMBLE_VIEW_PICTURES").is_none_or(|value| value != "required"), "required, but {why}");
+    eprintln!("skipped: {why}");
 }
 
 /// Not to be printed: it has a million numbers.
@@ -192,6 +202,56 @@ fn layers_are_seen_when_they_are_asked_for() {
     }
 }
 
+/// A block that was thrown up and sideways, and spins: every layer has something to show, and is looked for by its own colour.
+#[test]
+fn layers_have_their_colours() {
+    let place = Place::new();
+    fs::write(place.path("block.json"), BLOCK).unwrap();
+    let draw = |layer: &str| {
+        let fixed = ["block.json", "--screenshot", "a.png", "--at", "1", "--size", "640x360", "--show", layer];
+        let output = place.on_screen(&fixed)?;
+        assert_eq!(output.status.code(), Some(0), "{layer}: {}", String::from_utf8_lossy(&output.stderr));
+        Some(Picture::read(place.path("a.png")))
+    };
+    let Some(bare) = draw("none") else { return };
+    // As the engine's `DebugView` has them.
+    let layers: [(&str, &[[f64; 3]]); 6] = [
+        ("momentum", &[[0.98, 0.84, 0.30]]),
+        ("angular-momentum", &[[0.90, 0.40, 0.85]]),
+        ("angular-velocity", &[[0.35, 0.85, 0.85]]),
+        ("axes", &[[0.94, 0.33, 0.31], [0.40, 0.80, 0.36], [0.33, 0.55, 0.96]]),
+        ("ellipsoids", &[[0.60, 0.50, 0.85]]),
+        ("forces", &[[0.98, 0.58, 0.24]]),
+    ];
+    for (layer, colors) in layers {
+        let picture = draw(layer).unwrap();
+        for color in colors {
+            // Bytes are rounded once or twice.
+            let is_it = |seen: [f64; 3]| (0..3).all(|part| (seen[part] - 255.0 * color[part]).abs() <= 2.0);
+            // Lines are two points wide and tens of points long; in part they are dimmed by the block, and at their edges mixed.
+            let (seen, before) = (picture.patch(is_it).1, bare.patch(is_it).1);
+            assert!(seen >= 40.0 && before == 0.0, "{layer}: {seen} {before}");
+        }
+    }
+    // A trail has the body's colour. It is 1.6 points wide, and fades.
+    let (with, without) = (draw("trails").unwrap().patch(orange).1, bare.patch(orange).1);
+    assert!(with >= without + 40.0, "{with} {without}");
+}
+
+/// Letters outside ASCII are written, and for those that the font lacks there is a mark.
+#[test]
+fn names_are_written_in_full() {
+    let place = Place::new();
+    let named = |name: &str| {
+        fs::write(place.path("balls.json"), BALLS.replace("left", name)).unwrap();
+        place.picture(&["--show", "names"])
+    };
+    let Some(umlaut) = named("Zürich") else { return };
+    assert!(umlaut != named("Z rich").unwrap() && umlaut != named("Zurich").unwrap());
+    let unknown = named("東京").unwrap();
+    assert!(unknown == named("□□").unwrap() && unknown != named("  ").unwrap());
+}
+
 #[test]
 fn the_same_command_makes_the_same_picture() {
     let place = Place::new();
@@ -258,10 +318,21 @@ fn what_cannot_be_used_is_refused_in_a_line() {
         assert_eq!(said.lines().count(), 1, "{said}");
     }
     assert!(!place.path("a.png").exists());
-    let arguments = ["balls.json", "--screenshot", "gone/a.png"];
-    let Some(output) = place.on_screen(&arguments) else { return };
-    let said = String::from_utf8_lossy(&output.stderr);
-    assert!(output.status.code() == Some(2) && said.contains("gone/a.png: cannot be written"), "{said}");
+}
+
+/// Without a screen there is no window that could have run anything: the file is looked at before.
+#[test]
+fn what_cannot_be_written_is_refused_before_anything_runs() {
+    let place = Place::new();
+    fs::create_dir(place.path("there.png")).unwrap();
+    for (option, file) in [("--screenshot", "gone/a.png"), ("--screenshot", "there.png"), ("--animation", "gone/a.gif")]
+    {
+        let mut command = place.command(env!("CARGO_BIN_EXE_tumble-view"), &["balls.json", option, file]);
+        let output = command.env_remove("DISPLAY").env_remove("WAYLAND_DISPLAY").output().unwrap();
+        let said = String::from_utf8_lossy(&output.stderr);
+        assert_eq!((output.status.code(), said.lines().count()), (Some(2), 1), "{said}");
+        assert!(said.contains(&format!("{file}: cannot be written")), "{said}");
+    }
 }
 
 #[test]
@@ -283,4 +354,10 @@ fn without_a_display_that_is_said_in_a_line() {
         assert_eq!((code, said.lines().count()), (Some(1), 1), "{said}");
         assert!(said.contains(wanted), "{said}");
     }
+    // Nor is anything left of a picture that could not be drawn, and what was there before is as it was.
+    fs::write(place.path("a.png"), "before").unwrap();
+    let mut command = place.command(env!("CARGO_BIN_EXE_tumble-view"), &["balls.json", "--screenshot", "a.png"]);
+    assert_eq!(command.env("DISPLAY", ":9876").output().unwrap().status.code(), Some(1));
+    assert_eq!(fs::read(place.path("a.png")).unwrap(), b"before");
+    assert_eq!(fs::read_dir(place.directory.path()).unwrap().count(), 2);
 }
