@@ -58,7 +58,7 @@ impl Drift {
         let now = finite_totals(world, settings, order)?;
         let start = &self.initial;
         self.energy = self.energy.max((now.energy() - start.energy()).abs());
-        self.exchanged = self.exchanged.max((potential(&now) - potential(start)).abs());
+        self.exchanged = self.exchanged.max((now.all_potential() - start.all_potential()).abs());
         self.linear = self.linear.max((now.linear_momentum - start.linear_momentum).length());
         self.angular = self.angular.max((now.angular_momentum - start.angular_momentum).length());
         self.latest = now;
@@ -75,8 +75,7 @@ impl Drift {
 
     pub(crate) fn energy(&self) -> Conserved<f64> {
         let start = &self.initial;
-        let kinetic = start.linear_kinetic + start.rotational_kinetic;
-        let scale = start.energy().abs().max(kinetic).max(self.exchanged);
+        let scale = start.energy().abs().max(start.kinetic()).max(self.exchanged);
         Conserved {
             initial: start.energy(),
             r#final: self.latest.energy(),
@@ -99,11 +98,6 @@ impl Drift {
             max_relative_drift: relative(self.angular, self.scale.angular),
         }
     }
-}
-
-/// The energy that was kinetic or may become it \[J\].
-pub(crate) fn potential(totals: &Totals) -> f64 {
-    totals.potential + totals.force_potential
 }
 
 /// Always finite: with nothing to compare to, any departure counts as 1.

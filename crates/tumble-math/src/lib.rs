@@ -46,6 +46,7 @@ pub use decay::{Decay, decay};
 pub use free_rotation::{FreeRotation, LARGEST_KAPPA, MOST_PARTS, rotate_freely};
 pub use orientation::{orientation_rate, rotate_exactly, rotate_to_first_order};
 
+mod equivalent_ellipsoid;
 mod euler;
 mod inertia;
 mod inertia_error;
@@ -64,6 +65,7 @@ mod symmetric_eigen;
 mod unit;
 mod welding;
 
+pub use equivalent_ellipsoid::equivalent_ellipsoid;
 pub use euler::to_euler;
 pub use glam::EulerRot;
 pub use inertia::InertiaTensor;

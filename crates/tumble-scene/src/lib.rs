@@ -67,7 +67,7 @@ pub use audit_mesh::{MeshOptions, MeshRepairs};
 pub use builtin::builtin_names;
 pub use collider::{ColliderRole, SceneCollider};
 pub use distribution::Distribution;
-pub use error::{Place, SceneError};
+pub use error::{Place, SceneError, printable};
 pub use force::{Force, HullShape};
 pub use limits::{
     MAX_BODIES, MAX_FILE_BYTES, MAX_HULL_POINTS, MAX_MESH, MAX_PARTS, MAX_STEPS, TIME_STEPS, step_count,

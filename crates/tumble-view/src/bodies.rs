@@ -5,7 +5,10 @@ use std::collections::HashMap;
 use hecs::{Entity, World};
 use tumble::glam::{DQuat, DVec3};
 use tumble::math::Real;
-use tumble::{BodyId, BodyOrder, CenterOfMass, Inertia, Mass, Pose, PreviousPose, PrincipalAxes, Shape, Velocity};
+use tumble::{
+    BodyId, BodyOrder, CenterOfMass, Inertia, Mass, Pose, PreviousPose, PrincipalAxes, Shape, Velocity,
+    equivalent_ellipsoid,
+};
 use tumble_scene::{BODY_COLORS, FIXED_COLOR, Looks, Names, SurfaceSet};
 
 use crate::convert::{dquat, dvec3};
@@ -58,14 +61,14 @@ pub(crate) struct Placed {
 #[derive(Debug)]
 pub(crate) struct Bodies {
     pub(crate) all: Vec<DrawnBody>,
-    pub(crate) geometry: SurfaceSet,
+    pub(crate) surfaces: SurfaceSet,
     pub(crate) surface_count: usize,
 }
 
 impl Bodies {
     pub(crate) fn of(world: &World, order: &BodyOrder, names: &Names, looks: &[Looks]) -> Self {
         let mut bodies =
-            Self { all: Vec::with_capacity(order.len()), geometry: SurfaceSet::default(), surface_count: 0 };
+            Self { all: Vec::with_capacity(order.len()), surfaces: SurfaceSet::default(), surface_count: 0 };
         for (index, &entity) in order.entities().iter().enumerate() {
             let Ok(body) = world.entity(entity) else { continue };
             let id = body.get::<&BodyId>().map_or(index as u64, |id| id.0);
@@ -121,7 +124,7 @@ impl Bodies {
     }
 
     fn add_piece(&mut self, looks: &Looks, (position, rotation): (DVec3, DQuat), pieces: &mut Vec<Piece>) {
-        let (surface, factors) = self.geometry.insert(looks);
+        let (surface, factors) = self.surfaces.insert(looks);
         pieces.push(Piece { surface, factors, rotation, position });
     }
 
@@ -131,7 +134,7 @@ impl Bodies {
             points.fold([DVec3::INFINITY, DVec3::NEG_INFINITY], |[low, high], point| [low.min(point), high.max(point)])
         };
         let boxes: Vec<[DVec3; 2]> =
-            self.geometry.tessellations().map(|surface| around(&mut surface.positions.iter().copied())).collect();
+            self.surfaces.tessellations().map(|surface| around(&mut surface.positions.iter().copied())).collect();
         self.surface_count = boxes.len();
         for body in &mut self.all {
             let corners = |piece: &Piece| {
@@ -184,14 +187,12 @@ impl DrawnBody {
     }
 }
 
-/// A body without a shape is shown as the homogeneous ellipsoid with its mass and moments, whose semi-axes are
-/// `sqrt(5/2 (I_j + I_k - I_i) / m)`, and the rotation from its axes to the body's frame.
+/// A body without a shape is shown as the homogeneous ellipsoid with its mass and moments; and the rotation from its axes to the body's frame.
 fn inertia_ellipsoid(body: hecs::EntityRef<'_>) -> Option<(Shape, DQuat)> {
     let mass = f64::from(body.get::<&Mass>()?.kilograms());
-    let moments = dvec3(body.get::<&Inertia>()?.moments());
-    let squares = (DVec3::splat(moments.element_sum()) - 2.0 * moments) * 2.5 / mass;
-    // A flat body has a semi-axis of zero, or with a rounding of a little less.
-    let radii = squares.max(DVec3::splat(1e-6 * squares.max_element())).map(f64::sqrt);
+    let radii = equivalent_ellipsoid(mass, dvec3(body.get::<&Inertia>()?.moments()));
+    // What is flat is seen from its edge as well.
+    let radii = radii.max(DVec3::splat(1e-3 * radii.max_element()));
     let turn = body.get::<&PrincipalAxes>().map_or(DQuat::IDENTITY, |axes| dquat(axes.0));
     radii.is_finite().then(|| (Shape::ellipsoid(radii), turn))
 }

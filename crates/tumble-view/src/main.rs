@@ -38,6 +38,7 @@ use std::io::Write as _;
 use std::process::ExitCode;
 
 use clap::Parser as _;
+use tumble_scene::printable;
 
 use crate::failure::Failure;
 use crate::options::Options;
@@ -52,11 +53,9 @@ fn main() -> ExitCode {
     }
 }
 
-/// Writes a line to standard error; if even that is closed, the exit code has to do. Names come from files and may have anything in them.
+/// Writes a line to standard error; if even that is closed, the exit code has to do.
 fn say(message: &impl std::fmt::Display) {
-    let shown: String =
-        message.to_string().chars().map(|letter| if letter.is_control() { '\u{fffd}' } else { letter }).collect();
-    drop(writeln!(std::io::stderr().lock(), "tumble-view: {shown}"));
+    drop(writeln!(std::io::stderr().lock(), "tumble-view: {}", printable(&message.to_string())));
 }
 
 /// Everything that can be found wrong without a window is, before there is one.

@@ -122,16 +122,7 @@ impl Task<PathBuf> {
 impl Options {
     /// The scene with the options applied.
     pub(crate) fn scene(&self) -> Result<Scene, Failure> {
-        let mut scene = if self.scene == "stress" && (self.bodies.is_some() || self.seed.is_some()) {
-            let default = Scene::open(&self.scene)?.body_count();
-            let bodies = self.bodies.and_then(|bodies| usize::try_from(bodies).ok());
-            Scene::stress(bodies.unwrap_or(default), self.seed.unwrap_or(0))?
-        } else if self.bodies.is_some() || self.seed.is_some() {
-            let option = if self.bodies.is_some() { "--bodies" } else { "--seed" };
-            return Err(Failure::Input(format!("{option} goes with the stress scene only, not with {:?}", self.scene)));
-        } else {
-            Scene::open(&self.scene)?
-        };
+        let mut scene = Scene::open_with(&self.scene, self.bodies, self.seed)?;
         let settings = &mut scene.settings;
         settings.dt = self.dt.unwrap_or(settings.dt);
         settings.substeps = self.substeps.unwrap_or(settings.substeps);

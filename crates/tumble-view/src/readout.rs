@@ -1,12 +1,11 @@
 //! Figures in words: the books of the scene, and one body.
 
-use hecs::World;
 use tumble::glam::DVec3;
-use tumble::{Inertia, Mass, Momentum, Pose, PrincipalAxes, Totals, Velocity};
+use tumble::{Inertia, Mass, Momentum, Pose, Totals, Velocity};
 use tumble_scene::MomentumScale;
 
 use crate::bodies::DrawnBody;
-use crate::convert::{dquat, dvec3};
+use crate::convert::dvec3;
 use crate::playback::Playback;
 
 /// A line of a panel: what it is, and its figure with the unit.
@@ -49,14 +48,12 @@ pub(crate) fn time(seconds: f64) -> String {
 /// none of the sums; here is its name.
 pub(crate) fn ledger(start: &Totals, scale: MomentumScale, now: &Totals, lost: Option<&str>) -> Vec<Row> {
     let row = |name: &str, figure: String| (name.to_owned(), figure);
-    let kinetic = |totals: &Totals| totals.linear_kinetic + totals.rotational_kinetic;
-    let potential = |totals: &Totals| totals.potential + totals.force_potential;
     // A body dropped from rest at the origin has no energy at all.
-    let exchanged = (potential(now) - potential(start)).abs();
-    let energy_scale = start.energy().abs().max(kinetic(start)).max(exchanged);
+    let exchanged = (now.all_potential() - start.all_potential()).abs();
+    let energy_scale = start.energy().abs().max(start.kinetic()).max(exchanged);
     let mut rows = vec![
-        row("kinetic", format!("{} J", figure(kinetic(now)))),
-        row("potential", format!("{} J", figure(potential(now)))),
+        row("kinetic", format!("{} J", figure(now.kinetic()))),
+        row("potential", format!("{} J", figure(now.all_potential()))),
         row("energy", format!("{} J", figure(now.energy()))),
         row("  drift", drift(now.energy() - start.energy(), energy_scale)),
         row("momentum", format!("{} kg m/s", figure(now.linear_momentum.length()))),
@@ -103,26 +100,12 @@ pub(crate) fn body(playback: &Playback, body: &DrawnBody) -> Vec<Row> {
         row("momentum", triple(dvec3(momentum.linear)), "kg m/s");
         row("ang. mom.", triple(dvec3(momentum.angular)), "kg m²/s");
     }
-    if let Some([linear, rotational]) = kinetic(&playback.world, body) {
-        row("kinetic", figure(linear), "J");
-        row("  of rotation", figure(rotational), "J");
+    let totals = Totals::of_body(entity, playback.simulation.settings());
+    if entity.has::<Momentum>() && totals.non_finite.is_none() {
+        row("kinetic", figure(totals.linear_kinetic), "J");
+        row("  of rotation", figure(totals.rotational_kinetic), "J");
     }
     rows
-}
-
-/// `P^2/2M` and `L.w/2` in double precision \[J\]; single would round the inverses of small moments twice.
-fn kinetic(world: &World, body: &DrawnBody) -> Option<[f64; 2]> {
-    let entity = world.entity(body.entity).ok()?;
-    let mass = f64::from(entity.get::<&Mass>()?.kilograms());
-    let momentum = *entity.get::<&Momentum>()?;
-    let linear = dvec3(momentum.linear).length_squared() / (2.0 * mass);
-    let rotational = entity.get::<&Inertia>().map_or(0.0, |inertia| {
-        let orientation = entity.get::<&Pose>().map_or_else(Default::default, |pose| dquat(pose.orientation));
-        let axes = entity.get::<&PrincipalAxes>().map_or_else(Default::default, |axes| dquat(axes.0));
-        let principal = (orientation * axes).normalize().inverse() * dvec3(momentum.angular);
-        0.5 * (principal * principal / dvec3(inertia.moments())).element_sum()
-    });
-    Some([linear, rotational])
 }
 
 #[cfg(test)]
@@ -187,7 +170,8 @@ mod tests {
     fn a_body_tells_its_energy() {
         let playback = Playback::of(Scene::open("mujoco-box").unwrap()).unwrap();
         let drawn = &playback.bodies.all[0];
-        let [linear, rotational] = kinetic(&playback.world, drawn).unwrap();
+        let totals = Totals::of_body(playback.world.entity(drawn.entity).unwrap(), playback.simulation.settings());
+        let (linear, rotational) = (totals.linear_kinetic, totals.rotational_kinetic);
         let [x, y, z] = [0.04 + 0.09, 0.01 + 0.09, 0.01 + 0.04].map(|squares: f64| squares / 3.0);
         let expected = 0.5 * (x + 4.0 * y + 9.0 * z);
         // Momenta and moments in single precision, each with a rounding or two of 6e-8.

@@ -145,12 +145,24 @@ impl Body {
 
     /// The same with another identity, or none: [`weld`](crate::weld) leaves that of the first body, and two bodies with one id are
     /// one to a [`Snapshot`](crate::Snapshot).
+    ///
+    /// ```
+    /// # use tumble::{prelude::*, weld};
+    /// # let mut world = hecs::World::new();
+    /// let ball = |id, x: Real| RigidBody::new(Shape::sphere(0.5)).mass(1.0).position(Vec3::X * x).id(BodyId(id)).build();
+    /// let balls = [ball(1, 0.0)?.spawn(&mut world), ball(2, 1.0)?.spawn(&mut world)];
+    /// let pair = weld(&world, &balls)?.with_id(Some(BodyId(3)));
+    /// assert_eq!(pair.pose().position, Vec3::X * 0.5);
+    /// let pair = pair.spawn(&mut world);
+    /// assert_eq!(*world.get::<&BodyId>(pair)?, BodyId(3));
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
     #[must_use]
     pub fn with_id(self, id: Option<BodyId>) -> Self {
         Self { id, ..self }
     }
 
-    /// Where it will be.
+    /// Where it will be spawned: its centre of mass, and its orientation.
     pub fn pose(&self) -> Pose {
         self.pose
     }

@@ -6,7 +6,7 @@ use std::f64::consts::SQRT_2;
 
 use glam::{DQuat, DVec3};
 use hecs::{Entity, EntityRef, World};
-use tumble_math::Shape;
+use tumble_math::{Shape, equivalent_ellipsoid};
 
 use crate::components::{
     BodyId, CenterOfMass, Inertia, Mass, Momentum, Pose, PreviousPose, PrincipalAxes, Velocity, Wrench,
@@ -305,12 +305,8 @@ fn principal_frame(entity: EntityRef<'_>, pose: &Pose) -> DQuat {
     dquat(pose.orientation) * axes
 }
 
-/// Semi-axes \[m\], along the principal axes, of the homogeneous ellipsoid with this mass and these moments: from
-/// `I_x = m/5 (b^2 + c^2)` and so on, `a^2 = 5/(2m) (I_y + I_z - I_x)`.
+/// Semi-axes \[m\], along the principal axes, of the homogeneous ellipsoid with the mass and moments of a body.
 fn equivalent_radii(entity: EntityRef<'_>) -> Option<DVec3> {
     let mass = f64::from(entity.get::<&Mass>()?.kilograms());
-    let moments = dvec3(entity.get::<&Inertia>()?.moments());
-    // Rounding may leave a flat body a little less than nothing.
-    let squares = (DVec3::splat(moments.element_sum()) - 2.0 * moments).max(DVec3::ZERO) * (2.5 / mass);
-    Some(squares.map(f64::sqrt))
+    Some(equivalent_ellipsoid(mass, dvec3(entity.get::<&Inertia>()?.moments())))
 }

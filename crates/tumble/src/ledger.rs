@@ -70,7 +70,7 @@ pub struct LedgerEntry {
 impl LedgerEntry {
     /// Kinetic energy \[J\].
     pub fn kinetic(&self) -> f64 {
-        self.totals.linear_kinetic + self.totals.rotational_kinetic
+        self.totals.kinetic()
     }
 
     /// Kinetic and potential energy \[J\], with the laws' potentials.

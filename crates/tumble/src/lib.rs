@@ -156,7 +156,7 @@ pub use {glam, hecs};
 
 pub use tumble_math::{
     Amount, HullError, InertiaError, InertiaTensor, MassProperties, MeshAudit, MeshDefect, MeshError, MeshRepair, Part,
-    PrincipalInertia, Shape, SolidMesh, TriangleMesh, convex_hull,
+    PrincipalInertia, Shape, SolidMesh, TriangleMesh, convex_hull, equivalent_ellipsoid,
 };
 
 /// What most programs need: `use tumble::prelude::*;`.

@@ -52,7 +52,7 @@ struct Mesh {
 }
 
 impl BodyPass {
-    pub(super) fn new(context: &mut dyn RenderingBackend, geometry: &SurfaceSet) -> Result<Self, GpuError> {
+    pub(super) fn new(context: &mut dyn RenderingBackend, surfaces: &SurfaceSet) -> Result<Self, GpuError> {
         let uniforms = [
             ("projection", UniformType::Mat4),
             ("sun", UniformType::Float3),
@@ -73,7 +73,7 @@ impl BodyPass {
         let params =
             PipelineParams { depth_test: Comparison::LessOrEqual, depth_write: true, ..PipelineParams::default() };
         let pipeline = context.new_pipeline(&buffers, &attributes, shader, params);
-        let meshes = geometry.tessellations().map(|surface| Mesh::new(context, &surface)).collect();
+        let meshes = surfaces.tessellations().map(|surface| Mesh::new(context, &surface)).collect();
         Ok(Self { pipeline, meshes })
     }
 

@@ -65,7 +65,7 @@ impl Renderer {
             }
             Ok(Self {
                 backdrop: backdrop::Backdrop::new(context)?,
-                bodies: body_pass::BodyPass::new(context, &bodies.geometry)?,
+                bodies: body_pass::BodyPass::new(context, &bodies.surfaces)?,
                 lines: line_pass::LinePass::new(context)?,
             })
         })
