@@ -1,8 +1,9 @@
 //! How results in the precision of the build are compared with references in double precision.
 
-use glam::{DQuat, DVec3};
+use glam::DQuat;
 use hecs::{Entity, World};
-use tumble::math::{Quat, Real, Vec3};
+pub use tumble::math::dvec3;
+use tumble::math::{Quat, Real};
 use tumble::{Inertia, Momentum, Pose, PrincipalAxes};
 
 /// The spacing of numbers at one in the precision of the build.
@@ -16,14 +17,9 @@ pub fn by_precision(single: f64, double: f64) -> f64 {
     if DOUBLE { double } else { single }
 }
 
-/// A vector of the simulation in double precision.
-pub fn dvec3(v: Vec3) -> DVec3 {
-    v.into()
-}
-
 /// An orientation of the simulation in double precision, of unit length.
 pub fn dquat(q: Quat) -> DQuat {
-    DQuat::from_xyzw(q.x as f64, q.y as f64, q.z as f64, q.w as f64).normalize()
+    tumble::math::dquat(q).normalize()
 }
 
 /// A step in double precision as the simulation takes it: rounded to the precision of the build.

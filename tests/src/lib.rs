@@ -32,11 +32,23 @@ mod documents {
     #[doc = include_str!("../../README.md")]
     struct Readme;
 
+    #[doc = include_str!("../../crates/tumble-math/README.md")]
+    struct ReadmeOfMath;
+
+    #[doc = include_str!("../../crates/tumble-scene/README.md")]
+    struct ReadmeOfScene;
+
     #[doc = include_str!("../../docs/batch.md")]
     struct Batches;
 
+    #[doc = include_str!("../../docs/embedding.md")]
+    struct Embedding;
+
     #[doc = include_str!("../../docs/forces.md")]
     struct Forces;
+
+    #[doc = include_str!("../../docs/from-rapier.md")]
+    struct FromRapier;
 
     #[doc = include_str!("../../docs/rollback.md")]
     struct Rollback;

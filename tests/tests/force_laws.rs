@@ -54,7 +54,7 @@ impl ForceLaw for Kind {
         }
         if matches!(self, Self::Thruster | Self::All) {
             let now = (3.0 * state.time).sin() as Real;
-            let thrust = state.from_body_frame(Vec3::new(2.0, 0.0, 1.0) * now, Vec3::new(0.3, 0.5, -0.2) * now);
+            let thrust = state.wrench_from_body_frame(Vec3::new(2.0, 0.0, 1.0) * now, Vec3::new(0.3, 0.5, -0.2) * now);
             sum.force += thrust.force;
             sum.torque += thrust.torque;
         }
@@ -296,7 +296,7 @@ fn forces_in_the_body_frame_turn_with_the_body() {
     struct Forward;
     impl ForceLaw for Forward {
         fn wrench(&self, state: &BodyState<'_>) -> Wrench {
-            state.from_body_frame(Vec3::X * 3.0, Vec3::ZERO)
+            state.wrench_from_body_frame(Vec3::X * 3.0, Vec3::ZERO)
         }
     }
     let mut world = World::new();

@@ -221,7 +221,7 @@ impl ForceLaw for Mixed {
         let hook = state.point_to_world(Vec3::new(0.1, 0.2, 0.3));
         let velocity = if self.depends_on_velocity { state.velocity_at(hook) - state.wind() } else { Vec3::ZERO };
         let pull = state.force_at(hook * -self.stiffness - velocity * 0.5, hook);
-        let push = state.from_body_frame(self.push, Vec3::ZERO);
+        let push = state.wrench_from_body_frame(self.push, Vec3::ZERO);
         let torque = state.apply_inertia(state.gravity()) * 0.01;
         Wrench {
             force: pull.force + push.force + state.gravity() * (state.mass * state.time as Real),

@@ -45,7 +45,7 @@ impl AirDamping {
 impl ForceLaw for AirDamping {
     fn wrench(&self, state: &BodyState<'_>) -> Wrench {
         let rates = real_vec3(self.size * self.density_times_speed(state.time));
-        state.from_body_frame(Vec3::ZERO, -rates * state.to_body(state.angular_velocity))
+        state.wrench_from_body_frame(Vec3::ZERO, -rates * state.to_body(state.angular_velocity))
     }
 }
 
@@ -128,7 +128,7 @@ struct BodyTorque(Vec3);
 
 impl ForceLaw for BodyTorque {
     fn wrench(&self, state: &BodyState<'_>) -> Wrench {
-        state.from_body_frame(Vec3::ZERO, self.0)
+        state.wrench_from_body_frame(Vec3::ZERO, self.0)
     }
 
     fn depends_on_velocity(&self) -> bool {

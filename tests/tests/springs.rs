@@ -51,8 +51,7 @@ fn totals(world: &World, simulation: &Simulation) -> Totals {
 }
 
 fn kinetic(world: &World, simulation: &Simulation) -> f64 {
-    let totals = totals(world, simulation);
-    totals.linear_kinetic + totals.rotational_kinetic
+    totals(world, simulation).kinetic()
 }
 
 /// 1 and 3 kg: a reduced mass of 3/4 kg.

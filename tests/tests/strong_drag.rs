@@ -30,7 +30,7 @@ fn drag_of_any_strength_takes_energy() {
             let mut before = f64::INFINITY;
             for step in 0..600 {
                 let totals = measure(&world, simulation.settings(), &BodyOrder::of(&world));
-                let kinetic = totals.linear_kinetic + totals.rotational_kinetic;
+                let kinetic = totals.kinetic();
                 assert!(
                     kinetic <= before * (1.0 + 8.0 * EPSILON),
                     "{integrator}, step {step}: {kinetic} after {before}"

@@ -1,8 +1,8 @@
 //! How well energy and momentum are kept, sampled now and then.
 
 use hecs::{Entity, World};
-use tumble::{BodyOrder, Momentum, Pose, Settings, Totals, measure};
-use tumble_scene::Conserved;
+use tumble::{BodyOrder, Settings, Totals, measure};
+use tumble_scene::{Conserved, MomentumScale};
 
 /// Up to so many body-steps every step is a sample: measuring them all takes a second at most.
 pub(crate) const EVERY_STEP_UP_TO: u64 = 1_000_000;
@@ -32,8 +32,7 @@ pub(crate) enum NotFinite {
 pub(crate) struct Drift {
     initial: Totals,
     latest: Totals,
-    linear_scale: f64,
-    angular_scale: f64,
+    scale: MomentumScale,
     energy: f64,
     exchanged: f64,
     linear: f64,
@@ -43,13 +42,11 @@ pub(crate) struct Drift {
 impl Drift {
     pub(crate) fn start(world: &World, settings: &Settings, order: &BodyOrder) -> Result<Self, NotFinite> {
         let initial = finite_totals(world, settings, order)?;
-        let (linear_scale, angular_scale) = magnitudes(world, order);
         let nothing = 0.0;
         Ok(Self {
             initial,
             latest: initial,
-            linear_scale,
-            angular_scale,
+            scale: MomentumScale::of(world, order),
             energy: nothing,
             exchanged: nothing,
             linear: nothing,
@@ -61,7 +58,7 @@ impl Drift {
         let now = finite_totals(world, settings, order)?;
         let start = &self.initial;
         self.energy = self.energy.max((now.energy() - start.energy()).abs());
-        self.exchanged = self.exchanged.max((potential(&now) - potential(start)).abs());
+        self.exchanged = self.exchanged.max((now.all_potential() - start.all_potential()).abs());
         self.linear = self.linear.max((now.linear_momentum - start.linear_momentum).length());
         self.angular = self.angular.max((now.angular_momentum - start.angular_momentum).length());
         self.latest = now;
@@ -78,8 +75,7 @@ impl Drift {
 
     pub(crate) fn energy(&self) -> Conserved<f64> {
         let start = &self.initial;
-        let kinetic = start.linear_kinetic + start.rotational_kinetic;
-        let scale = start.energy().abs().max(kinetic).max(self.exchanged);
+        let scale = start.energy().abs().max(start.kinetic()).max(self.exchanged);
         Conserved {
             initial: start.energy(),
             r#final: self.latest.energy(),
@@ -91,7 +87,7 @@ impl Drift {
         Conserved {
             initial: self.initial.linear_momentum.to_array(),
             r#final: self.latest.linear_momentum.to_array(),
-            max_relative_drift: relative(self.linear, self.linear_scale),
+            max_relative_drift: relative(self.linear, self.scale.linear),
         }
     }
 
@@ -99,14 +95,9 @@ impl Drift {
         Conserved {
             initial: self.initial.angular_momentum.to_array(),
             r#final: self.latest.angular_momentum.to_array(),
-            max_relative_drift: relative(self.angular, self.angular_scale),
+            max_relative_drift: relative(self.angular, self.scale.angular),
         }
     }
-}
-
-/// The energy that was kinetic or may become it \[J\].
-pub(crate) fn potential(totals: &Totals) -> f64 {
-    totals.potential + totals.force_potential
 }
 
 /// Always finite: with nothing to compare to, any departure counts as 1.
@@ -131,27 +122,6 @@ fn finite_totals(world: &World, settings: &Settings, order: &BodyOrder) -> Resul
     } else {
         Err(NotFinite::Total)
     }
-}
-
-/// Sums over bodies of `|P|` and of `|x x P + L|`.
-fn magnitudes(world: &World, order: &BodyOrder) -> (f64, f64) {
-    let states = world.view::<(&Pose, &Momentum)>();
-    let (mut linear, mut angular) = (0.0, 0.0);
-    for &entity in order.entities() {
-        if let Some((pose, momentum)) = states.get(entity) {
-            let [x, y, z] = pose.position.to_array().map(f64::from);
-            let [px, py, pz] = momentum.linear.to_array().map(f64::from);
-            let [lx, ly, lz] = momentum.angular.to_array().map(f64::from);
-            let about_origin = [y * pz - z * py + lx, z * px - x * pz + ly, x * py - y * px + lz];
-            linear += length([px, py, pz]);
-            angular += length(about_origin);
-        }
-    }
-    (linear, angular)
-}
-
-fn length([x, y, z]: [f64; 3]) -> f64 {
-    (x * x + y * y + z * z).sqrt()
 }
 
 #[cfg(test)]

@@ -6,7 +6,7 @@ use hecs::World;
 use tumble::{ForceLaws, Ledger, LedgerEntry, Simulation, Totals};
 use tumble_scene::{Mark, Plot, Scale};
 
-use crate::drift::{EVERY_STEP_UP_TO, potential};
+use crate::drift::EVERY_STEP_UP_TO;
 
 /// Energy, momentum and work at every sample of a run.
 ///
@@ -96,10 +96,11 @@ impl History {
     /// changed so far, whichever is larger.
     pub(crate) fn drift_plot(&self) -> Plot {
         let entries = self.ledger.entries();
-        let (energy, at_start) = entries.first().map_or((0.0, 0.0), |first| (first.energy(), potential(&first.totals)));
+        let (energy, at_start) =
+            entries.first().map_or((0.0, 0.0), |first| (first.energy(), first.totals.all_potential()));
         let mut scale = entries.first().map_or(0.0, LedgerEntry::kinetic);
         let drift = self.over_time(move |entry| {
-            scale = scale.max((potential(&entry.totals) - at_start).abs());
+            scale = scale.max((entry.totals.all_potential() - at_start).abs());
             if scale > 0.0 { (entry.energy() - energy) / scale } else { 0.0 }
         });
         Plot::new("Change of energy")

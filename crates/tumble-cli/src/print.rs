@@ -3,6 +3,8 @@
 use std::fmt::Display;
 use std::io::{self, ErrorKind, Write};
 
+use tumble_scene::printable;
+
 use crate::failure::Failure;
 
 /// Writes the text to standard output. If nobody reads any more (`tumble .. | head`) that is fine.
@@ -24,9 +26,6 @@ pub(crate) fn error(message: &impl Display) {
 /// Writes to standard error what a scene leaves out, a line each.
 pub(crate) fn notices(notices: &[String]) {
     for notice in notices {
-        // Names come from files and may have anything in them.
-        let shown: String =
-            notice.chars().map(|letter| if letter.is_control() { '\u{fffd}' } else { letter }).collect();
-        drop(writeln!(io::stderr().lock(), "tumble: note: {shown}"));
+        drop(writeln!(io::stderr().lock(), "tumble: note: {}", printable(notice)));
     }
 }

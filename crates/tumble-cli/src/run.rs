@@ -68,16 +68,7 @@ pub(crate) fn check_simd() -> Result<(), Failure> {
 /// The scene with the options applied.
 fn scene(options: &RunOptions) -> Result<Scene, Failure> {
     let name = options.scene.as_deref().unwrap_or("stress");
-    let mut scene = if name == "stress" && (options.bodies.is_some() || options.seed.is_some()) {
-        let default = Scene::open(name)?.body_count();
-        let bodies = options.bodies.and_then(|bodies| usize::try_from(bodies).ok());
-        Scene::stress(bodies.unwrap_or(default), options.seed.unwrap_or(0))?
-    } else if options.bodies.is_some() || options.seed.is_some() {
-        let option = if options.bodies.is_some() { "--bodies" } else { "--seed" };
-        return Err(Failure::Input(format!("{option} goes with the stress scene only, not with {name:?}")));
-    } else {
-        Scene::open(name)?
-    };
+    let mut scene = Scene::open_with(name, options.bodies, options.seed)?;
     if let Some(dt) = options.stepping.dt {
         scene.settings.dt = dt;
     }

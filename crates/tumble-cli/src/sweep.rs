@@ -30,7 +30,7 @@ pub(crate) fn sweep(options: &SweepOptions) -> Result<(), Failure> {
     let plot = SweepPlot::open(&options.plot, &columns)?;
     let identity = SweepIdentity::new(&sweep, options.shard);
     let file = open(&options.out, &identity, &columns)?;
-    let mut report = Report { worlds: identity.range(), begun_at: file.next_world(), ..Report::default() };
+    let mut report = Report { worlds: identity.range(), begun_at: file.first_missing_world(), ..Report::default() };
     let done = pool.install(|| run(&sweep, file, &mut report, options.quiet))?;
     if done.is_continue()
         && let Some(plot) = plot

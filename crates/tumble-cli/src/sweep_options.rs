@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 
 use clap::Args;
-use tumble_scene::{Length, MAX_WORLDS, Shard, SweepPlan, Vary};
+use tumble_scene::{MAX_WORLDS, RunLength, Shard, SweepPlan, Vary};
 
 use crate::options::StepOptions;
 
@@ -70,7 +70,7 @@ pub(crate) struct PlotOptions {
 impl SweepOptions {
     /// What of it the results depend on.
     pub(crate) fn plan(&self) -> SweepPlan {
-        let length = self.stepping.steps.map(Length::Steps).or(self.stepping.duration.map(Length::Duration));
+        let length = self.stepping.steps.map(RunLength::Steps).or(self.stepping.duration.map(RunLength::Duration));
         SweepPlan {
             scene: self.scene.clone(),
             worlds: self.worlds,

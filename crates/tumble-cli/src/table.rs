@@ -3,10 +3,10 @@
 use std::fmt::{self, Display};
 use std::time::Duration;
 
-use tumble::{PhaseTimes, Totals};
+use tumble::PhaseTimes;
 use tumble_scene::{Conserved, Summary};
 
-use crate::drift::{Drift, potential};
+use crate::drift::Drift;
 
 /// The table at the end of a run.
 pub(crate) struct Report<'a> {
@@ -56,9 +56,8 @@ impl Report<'_> {
     fn conserved(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let (start, end) = (self.drift.initial(), self.drift.latest());
         writeln!(f, "\n{:<22} {:>15} {:>15} {:>15}", "", "start", "end", "largest drift")?;
-        let kinetic = |totals: &Totals| totals.linear_kinetic + totals.rotational_kinetic;
-        row(f, "kinetic energy [J]", kinetic(start), kinetic(end), None)?;
-        row(f, "potential energy [J]", potential(start), potential(end), None)?;
+        row(f, "kinetic energy [J]", start.kinetic(), end.kinetic(), None)?;
+        row(f, "potential energy [J]", start.all_potential(), end.all_potential(), None)?;
         let energy = &self.summary.energy;
         row(f, "energy [J]", energy.initial, energy.r#final, Some(energy.max_relative_drift))?;
         vector(f, "momentum [kg m/s]", &self.summary.linear_momentum)?;

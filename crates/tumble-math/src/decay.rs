@@ -11,6 +11,12 @@
 use crate::lane::Lane;
 
 /// `e^(-x)` and `phi(x) = (1 - e^(-x))/x`, the factors by which a state and a constant rate enter after a decay of `x >= 0`.
+///
+/// ```
+/// // Three half-lives.
+/// let decay = tumble_math::decay(3.0 * std::f64::consts::LN_2);
+/// assert!((decay.kept - 0.125).abs() < 1e-15);
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Decay<L> {
     /// `e^(-x)`, in `[0, 1]`.

@@ -86,6 +86,19 @@ pub fn rotate_freely<L: Lane>(
 }
 
 /// The free rotation of one body over steps of one length: what of [`rotate_freely`] does not depend on the state.
+///
+/// ```
+/// use tumble_math::FreeRotation;
+/// use tumble_math::lane::{Quat, Vec3};
+/// // 3 kg m^2/s about the axis with a moment of 3 kg m^2: a radian a second.
+/// let (moments, inverse_moments) = (Vec3::new(1.5, 2.0, 3.0), Vec3::new(1.0 / 1.5, 0.5, 1.0 / 3.0));
+/// let step = FreeRotation::new(moments, inverse_moments, None, 0.1);
+/// let mut orientation = Quat { x: 0.0, y: 0.0, z: 0.0, w: 1.0 };
+/// for _ in 0..10 {
+///     orientation = step.rotate(orientation, Vec3::new(0.0, 0.0, 3.0));
+/// }
+/// assert!((orientation.z - 0.5_f64.sin()).abs() < 1e-9);
+/// ```
 #[derive(Clone, Copy)]
 pub struct FreeRotation<L> {
     ratios: Ratios<L>,

@@ -4,6 +4,12 @@ use glam::DVec3;
 use thiserror::Error;
 
 /// Why a matrix or a triple of moments is not the inertia tensor of any body, with the offending numbers.
+///
+/// ```
+/// use tumble_math::{InertiaError, InertiaTensor};
+/// let error = InertiaTensor::from_principal([1.0, 2.0, 3.5], glam::DQuat::IDENTITY).unwrap_err();
+/// assert!(matches!(error, InertiaError::TriangleInequality { .. }));
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq, Error)]
 #[non_exhaustive]
 pub enum InertiaError {

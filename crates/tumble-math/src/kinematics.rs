@@ -105,6 +105,16 @@ pub fn angular_acceleration(inertia: &InertiaTensor, angular_velocity: DVec3, to
 
 /// Torque [N m] that gives a body an angular acceleration `a` [rad/s^2]: `I a + w x I w`, the inverse of
 /// [`angular_acceleration`].
+///
+/// ```
+/// use glam::DVec3;
+/// use tumble_math::{InertiaTensor, torque_for_angular_acceleration};
+/// // To keep a plate turning about an axis between its principal ones takes a torque.
+/// let plate = InertiaTensor::axisymmetric(1.0, 2.0, [0.0, 0.0, 1.0])?;
+/// let torque = torque_for_angular_acceleration(&plate, DVec3::new(1.0, 0.0, 1.0), DVec3::ZERO);
+/// assert!(torque.length() > 0.9);
+/// # Ok::<(), tumble_math::InertiaError>(())
+/// ```
 #[must_use]
 pub fn torque_for_angular_acceleration(
     inertia: &InertiaTensor,

@@ -10,6 +10,15 @@ use std::ops::{Add, Div, Mul, Neg, Sub};
 ///
 /// Arithmetic and [`sqrt`](Lane::sqrt) are IEEE-754 correctly rounded. There is no fused multiply-add, on purpose: it would
 /// give other bits on machines that lack it.
+///
+/// ```
+/// use tumble_math::lane::Lane;
+///
+/// fn hypotenuse<L: Lane>(a: L, b: L) -> L {
+///     (a * a + b * b).sqrt()
+/// }
+/// assert_eq!((hypotenuse(3.0_f32, 4.0), hypotenuse(3.0_f64, 4.0)), (5.0, 5.0));
+/// ```
 pub trait Lane:
     Copy + Add<Output = Self> + Sub<Output = Self> + Mul<Output = Self> + Div<Output = Self> + Neg<Output = Self>
 {
@@ -116,6 +125,12 @@ one_body_lane!(f32, u32, 23, 127, libm::sincosf);
 one_body_lane!(f64, u64, 52, 1023, libm::sincos);
 
 /// Three lanes: a vector of each body.
+///
+/// ```
+/// use tumble_math::lane::Vec3;
+/// let (x, y) = (Vec3::new(1.0, 0.0, 0.0), Vec3::new(0.0, 1.0, 0.0));
+/// assert_eq!(x.cross(y), Vec3::new(0.0, 0.0, 1.0));
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Vec3<L> {
     /// First component.
@@ -203,6 +218,12 @@ impl<L: Lane> Mul<L> for Vec3<L> {
 }
 
 /// A quaternion of each body: vector part `x, y, z` and scalar part `w`, the order glam stores.
+///
+/// ```
+/// use tumble_math::lane::{Quat, Vec3};
+/// let half_turn = Quat { x: 0.0, y: 0.0, z: 1.0, w: 0.0 };
+/// assert_eq!(half_turn.rotate(Vec3::new(1.0, 2.0, 3.0)), Vec3::new(-1.0, -2.0, 3.0));
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Quat<L> {
     /// First component of the vector part.

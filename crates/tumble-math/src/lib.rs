@@ -33,6 +33,9 @@
 //! lose digits in places; use [`to_axis_angle`],
 //! [`to_scaled_axis`], [`to_euler`], [`angle_between`] and the checked [`quat_from_matrix`] of this crate.
 
+// On docs.rs items say which feature they need.
+#![cfg_attr(docsrs, feature(doc_cfg))]
+
 pub mod lane;
 
 mod decay;
@@ -43,6 +46,7 @@ pub use decay::{Decay, decay};
 pub use free_rotation::{FreeRotation, LARGEST_KAPPA, MOST_PARTS, rotate_freely};
 pub use orientation::{orientation_rate, rotate_exactly, rotate_to_first_order};
 
+mod equivalent_ellipsoid;
 mod euler;
 mod inertia;
 mod inertia_error;
@@ -61,6 +65,7 @@ mod symmetric_eigen;
 mod unit;
 mod welding;
 
+pub use equivalent_ellipsoid::equivalent_ellipsoid;
 pub use euler::to_euler;
 pub use glam::EulerRot;
 pub use inertia::InertiaTensor;

@@ -6,6 +6,11 @@ use thiserror::Error;
 use crate::inertia_error::listed;
 
 /// Why mass properties cannot be made, with the offending number.
+///
+/// ```
+/// use tumble_math::{MassError, MassProperties};
+/// assert_eq!(MassProperties::point(-1.0, [0.0, 0.0, 0.0]).unwrap_err(), MassError::NotPositive { mass: -1.0 });
+/// ```
 #[derive(Clone, Debug, PartialEq, Error)]
 #[non_exhaustive]
 pub enum MassError {

@@ -28,6 +28,14 @@ pub fn orientation_rate<L: Lane>(orientation: Quat<L>, angular_velocity: Vec3<L>
 ///
 /// The turn comes out as `2 atan(|w| dt/2)` about the right axis, short by `(|w| dt)^3/12`; [`rotate_exactly`] has no such error.
 /// A rate too large to compute with leaves the orientation as it was.
+///
+/// ```
+/// use glam::{DQuat, DVec3};
+/// use tumble_math::rotate_to_first_order;
+/// let turned: DQuat = rotate_to_first_order(DQuat::IDENTITY.into(), (DVec3::Z * 2.0).into(), 0.5).into();
+/// // One radian, less an error of about 1/12.
+/// assert!((turned.angle_between(DQuat::IDENTITY) - 2.0 * 0.5_f64.atan()).abs() < 1e-12);
+/// ```
 #[inline(always)]
 pub fn rotate_to_first_order<L: Lane>(orientation: Quat<L>, angular_velocity: Vec3<L>, dt: L) -> Quat<L> {
     (orientation + orientation_rate(orientation, angular_velocity) * dt).normalize_or(orientation)

@@ -11,6 +11,12 @@ use crate::unit::{unit_quaternion, unit_vector};
 pub const ROTATION_TOLERANCE: f64 = 2e-6;
 
 /// A matrix that is no rotation.
+///
+/// ```
+/// use tumble_math::{NotARotation, quat_from_matrix};
+/// let mirror = glam::DMat3::from_diagonal(glam::DVec3::new(-1.0, 1.0, 1.0));
+/// assert_eq!(quat_from_matrix(mirror), Err(NotARotation::Reflection { determinant: -1.0 }));
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq, Error)]
 #[non_exhaustive]
 pub enum NotARotation {
@@ -52,6 +58,13 @@ pub fn left_multiplication_matrix(q: DQuat) -> DMat4 {
 ///
 /// With [`left_multiplication_matrix`], `M_left(q) M_right(q*)` is the rotation matrix of a unit
 /// quaternion bordered by zeros and a one.
+///
+/// ```
+/// use glam::{DQuat, DVec4};
+/// use tumble_math::right_multiplication_matrix;
+/// let (a, b) = (DQuat::from_xyzw(1.0, 2.0, 3.0, 4.0), DQuat::from_xyzw(5.0, 6.0, 7.0, 8.0));
+/// assert_eq!(right_multiplication_matrix(b) * DVec4::from(a), DVec4::from(a * b));
+/// ```
 #[must_use]
 pub fn right_multiplication_matrix(q: DQuat) -> DMat4 {
     let DQuat { x, y, z, w } = q;
@@ -83,6 +96,12 @@ pub fn to_axis_angle(q: DQuat) -> (DVec3, f64) {
 /// The rotation `q` as a vector along its axis with the angle, in `[0, pi]`, as length \[rad\].
 ///
 /// The inverse of [`from_scaled_axis`] up to half a turn. At exactly half a turn both directions are right.
+///
+/// ```
+/// use tumble_math::to_scaled_axis;
+/// let turn = to_scaled_axis(glam::DQuat::from_rotation_y(0.5));
+/// assert!(turn.abs_diff_eq(glam::DVec3::Y * 0.5, 1e-15));
+/// ```
 #[must_use]
 pub fn to_scaled_axis(q: DQuat) -> DVec3 {
     let (axis, angle) = to_axis_angle(q);
@@ -93,6 +112,12 @@ pub fn to_scaled_axis(q: DQuat) -> DVec3 {
 ///
 /// `w = cos(|v|/2)`, `(x, y, z) = sin(|v|/2) / |v| v`. Exact to rounding for tiny `v` too, also where
 /// `|v|^2` vanishes; NaN where `v` is not finite.
+///
+/// ```
+/// use tumble_math::{angle_between, from_scaled_axis};
+/// let quarter = from_scaled_axis(glam::DVec3::Z * std::f64::consts::FRAC_PI_2);
+/// assert!(angle_between(quarter, glam::DQuat::from_rotation_z(std::f64::consts::FRAC_PI_2)) < 1e-15);
+/// ```
 #[must_use]
 pub fn from_scaled_axis(v: DVec3) -> DQuat {
     let Some(axis) = unit_vector(v) else {
@@ -110,6 +135,12 @@ pub fn from_scaled_axis(v: DVec3) -> DQuat {
 ///
 /// `2 atan2(|v|, |w|)` of `a* b`, exact at every angle; `DQuat::angle_between` takes an arc cosine, which knows
 /// no angle below 2e-8. Neither quaternion need be of unit length.
+///
+/// ```
+/// use glam::DQuat;
+/// use tumble_math::angle_between;
+/// assert_eq!(angle_between(DQuat::IDENTITY, DQuat::from_xyzw(0.0, 5e-13, 0.0, 1.0)), 1e-12);
+/// ```
 #[must_use]
 pub fn angle_between(a: DQuat, b: DQuat) -> f64 {
     // The product a* b, grouped so that equal quaternions give exactly zero.

@@ -10,6 +10,13 @@ use crate::mass_error::MassError;
 ///
 /// Displays as one line that begins with the place:
 /// `parts[2].radius must be a length from 1e-90 to 1e90 m, it is -1.0`.
+///
+/// ```
+/// use tumble_math::{Amount, Part, Shape};
+/// let wheel = Part::new(Shape::cylinder(-0.3, 0.1), Amount::Mass(5.0));
+/// let error = Shape::compound([wheel]).own_mass_properties().unwrap_err();
+/// assert_eq!(error.path(), "parts[0].radius");
+/// ```
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct ShapeError {
@@ -20,6 +27,12 @@ pub struct ShapeError {
 }
 
 /// What is wrong with a shape.
+///
+/// ```
+/// use tumble_math::{Amount, Shape, ShapeErrorReason};
+/// let error = Shape::Point.mass_properties(Amount::Density(1.0)).unwrap_err();
+/// assert!(matches!(error.reason, ShapeErrorReason::NoVolume { .. }));
+/// ```
 #[derive(Clone, Debug, PartialEq, Error)]
 #[non_exhaustive]
 pub enum ShapeErrorReason {

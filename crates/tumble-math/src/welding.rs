@@ -9,6 +9,20 @@ use crate::mass_properties::MassProperties;
 use crate::symmetric_eigen::symmetric_eigen;
 
 /// A rigid body as it moves.
+///
+/// ```
+/// use glam::{DQuat, DVec3};
+/// use tumble_math::{Amount, MovingBody, Shape};
+/// let ball = MovingBody {
+///     properties: Shape::sphere(0.1).mass_properties(Amount::Mass(2.0))?,
+///     position: DVec3::Y,
+///     orientation: DQuat::IDENTITY,
+///     linear_velocity: DVec3::X,
+///     angular_velocity: DVec3::ZERO,
+/// };
+/// # assert_eq!(ball.properties.mass(), 2.0);
+/// # Ok::<(), tumble_math::ShapeError>(())
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct MovingBody {
     /// Mass properties in the body's own frame.
@@ -24,6 +38,20 @@ pub struct MovingBody {
 }
 
 /// What [`weld`] makes of several bodies, in the world's frame.
+///
+/// ```
+/// use glam::{DQuat, DVec3};
+/// use tumble_math::{Amount, MovingBody, Shape, weld};
+/// let lump = |linear_velocity| -> Result<MovingBody, tumble_math::ShapeError> {
+///     let properties = Shape::sphere(0.1).mass_properties(Amount::Mass(2.0))?;
+///     let (position, orientation) = (DVec3::ZERO, DQuat::IDENTITY);
+///     Ok(MovingBody { properties, position, orientation, linear_velocity, angular_velocity: DVec3::ZERO })
+/// };
+/// // Head on, at 3 m/s each: nothing moves any more, and all 18 J are gone.
+/// let stuck = weld([lump(DVec3::X * 3.0)?, lump(DVec3::X * -3.0)?])?;
+/// assert_eq!((stuck.linear_velocity, stuck.energy_lost), (DVec3::ZERO, 18.0));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct WeldedBody {
@@ -42,6 +70,11 @@ pub struct WeldedBody {
 }
 
 /// Why bodies cannot be welded.
+///
+/// ```
+/// use tumble_math::{WeldError, weld};
+/// assert_eq!(weld([]).unwrap_err(), WeldError::NoBodies);
+/// ```
 #[derive(Clone, Debug, PartialEq, Error)]
 #[non_exhaustive]
 pub enum WeldError {

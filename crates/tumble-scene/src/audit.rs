@@ -45,6 +45,15 @@ pub struct Audit {
 ///
 /// `None` (`null` in JSON) is what a body does not have: all of it if something is wrong with it, and
 /// the mass and what follows from it if it is fixed or kinematic and was given none.
+///
+/// ```
+/// use tumble_scene::Audit;
+///
+/// let text = r#"{ "bodies": [ { "shape": { "sphere": { "radius": 0.5 } }, "mass": 10 } ] }"#;
+/// let ball = &Audit::from_json(text, "ball.json")?.bodies[0];
+/// assert_eq!((ball.mass, ball.principal), (Some(10.0), Some([1.0; 3])));
+/// # Ok::<(), tumble_scene::SceneError>(())
+/// ```
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct AuditedBody {
     /// Its name, given or made from its index.

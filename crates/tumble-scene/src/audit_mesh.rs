@@ -33,6 +33,12 @@ impl Default for MeshOptions {
 }
 
 /// What is done about defects that leave no doubt what was meant.
+///
+/// ```
+/// use tumble_scene::{MeshOptions, MeshRepairs};
+/// let options = MeshOptions { repairs: MeshRepairs::Made, ..MeshOptions::default() };
+/// # assert_eq!(options.density, 1.0);
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum MeshRepairs {
     /// They are problems, and the mesh has no mass properties.

@@ -8,6 +8,19 @@ use tumble::{Shape, TriangleMesh};
 use crate::gltf::{CollisionFilter, Geometry, SurfaceMaterial};
 
 /// A collider or trigger of a body, as its file describes it. Nothing collides yet: it is kept for contacts.
+///
+/// ```
+/// use tumble_scene::Scene;
+///
+/// let text = r#"{ "asset": { "version": "2.0" },
+///     "extensions": { "KHR_implicit_shapes": { "shapes": [ { "type": "sphere", "sphere": { "radius": 0.5 } } ] } },
+///     "nodes": [ { "name": "ball", "extensions": { "KHR_physics_rigid_bodies": {
+///         "motion": { "mass": 2 }, "collider": { "geometry": { "shape": 0 } } } } } ] }"#;
+/// let scene = Scene::from_gltf(text.as_bytes(), "ball.gltf")?;
+/// let (body, collider) = scene.colliders().next().ok_or("no collider")?;
+/// assert_eq!((body, collider.name.as_str(), collider.shape.is_some()), (0, "ball", true));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Clone, Debug)]
 pub struct SceneCollider {
     /// The name of the node that it is.
@@ -31,6 +44,19 @@ pub struct SceneCollider {
 }
 
 /// What a collider is for.
+///
+/// ```
+/// use tumble_scene::{ColliderRole, Scene};
+///
+/// let text = r#"{ "asset": { "version": "2.0" },
+///     "extensions": { "KHR_implicit_shapes": { "shapes": [ { "type": "sphere", "sphere": { "radius": 0.5 } } ] } },
+///     "nodes": [ { "name": "ball", "extensions": { "KHR_physics_rigid_bodies": {
+///         "motion": { "mass": 2 }, "collider": { "geometry": { "shape": 0 } } } } } ] }"#;
+/// let scene = Scene::from_gltf(text.as_bytes(), "ball.gltf")?;
+/// let (body, collider) = scene.colliders().next().ok_or("no collider")?;
+/// assert_eq!((body, collider.role), (0, ColliderRole::Solid));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum ColliderRole {
     /// Others bounce off it.

@@ -64,6 +64,14 @@ pub enum SceneError {
         /// The built-in names, separated by commas.
         known: String,
     },
+    /// A size was given for a scene that is not generated.
+    #[error("--{option} goes with the stress scene only, not with {name:?}")]
+    NotGenerated {
+        /// `"bodies"` or `"seed"`, as the programs' options are called.
+        option: &'static str,
+        /// The file or name.
+        name: String,
+    },
     /// The text is not a scene: bad syntax, an unknown key, a wrong type.
     #[error("{file}: {place}{problem}")]
     Malformed {
@@ -189,6 +197,16 @@ pub(crate) fn one_line(text: &str) -> String {
         }
     }
     line
+}
+
+/// The text as one line for a terminal: names come from files, and may have anything in them.
+///
+/// ```
+/// assert_eq!(tumble_scene::printable("a\u{1b}[31mb"), "a\u{fffd}[31mb");
+/// ```
+#[must_use]
+pub fn printable(text: &str) -> String {
+    text.chars().map(|letter| if letter.is_control() { '\u{fffd}' } else { letter }).collect()
 }
 
 /// A number as people write it: 1e300 rather than three hundred zeros.

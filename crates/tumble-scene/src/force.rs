@@ -137,6 +137,15 @@ pub enum Force {
 }
 
 /// The shape of a hull that floats.
+///
+/// ```
+/// use tumble_scene::{Audit, Force, HullShape};
+///
+/// let text = r#"{ "bodies": [ { "mass": 1, "forces": [ { "buoyancy": { "hull": { "sphere": { "radius": 0.5 } } } } ] } ] }"#;
+/// let audit = Audit::from_json(text, "buoy.json")?;
+/// assert!(matches!(audit.bodies[0].forces[0], Force::Buoyancy { hull: HullShape::Sphere { radius: 0.5 }, .. }));
+/// # Ok::<(), tumble_scene::SceneError>(())
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 #[serde(rename_all = "snake_case")]
 #[non_exhaustive]

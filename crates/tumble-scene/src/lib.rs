@@ -3,7 +3,7 @@
 //! A scene is settings and bodies, written as JSON or RON after one model, or what [glTF](gltf) and URDF files say. [`Scene::open`] reads and checks
 //! it whole before anything is spawned, and a mistake is a [`SceneError`] of one line that names
 //! file, body and field. [`Audit`] shows the mass properties and forces of every body,
-//! [`TrajectoryWriter`] records states, [`Sweep`] makes many worlds of one scene, [`Summary`] is what a run reports, [`ReportPage`] the same as a page to look at, and
+//! [`TrajectoryWriter`] records states, [`Sweep`] makes many worlds of one scene, [`Summary`] is what a run reports and [`MomentumScale`] what it measures drift by, [`ReportPage`] the same as a page to look at, and
 //! [`PendingFile`] makes files appear whole or not at all.
 //!
 //! ```
@@ -16,6 +16,9 @@
 //! simulation.step(&mut world);
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
+
+// On docs.rs items say which feature they need.
+#![cfg_attr(docsrs, feature(doc_cfg))]
 
 pub mod gltf;
 
@@ -35,6 +38,7 @@ mod looks;
 mod mesh_file;
 mod mesh_shape;
 mod model;
+mod momentum_scale;
 mod outcome;
 mod output;
 mod parse;
@@ -63,13 +67,14 @@ pub use audit_mesh::{MeshOptions, MeshRepairs};
 pub use builtin::builtin_names;
 pub use collider::{ColliderRole, SceneCollider};
 pub use distribution::Distribution;
-pub use error::{Place, SceneError};
+pub use error::{Place, SceneError, printable};
 pub use force::{Force, HullShape};
 pub use limits::{
     MAX_BODIES, MAX_FILE_BYTES, MAX_HULL_POINTS, MAX_MESH, MAX_PARTS, MAX_STEPS, TIME_STEPS, step_count,
     steps_of_duration, time_step,
 };
-pub use looks::Looks;
+pub use looks::{BODY_COLORS, FIXED_COLOR, Looks};
+pub use momentum_scale::MomentumScale;
 pub use outcome::Outcome;
 pub use output::PendingFile;
 pub use parse::Format;
@@ -78,11 +83,13 @@ pub use report_page::{Replay, ReportPage};
 pub use scene::{DEFAULT_STEPS, Names, Scene};
 pub use shard::Shard;
 pub use summary::{Conserved, Summary};
-pub use sweep::{Length, MAX_WORLDS, Sweep, SweepPlan, SweepWorld};
+pub use sweep::{MAX_WORLDS, RunLength, Sweep, SweepPlan, SweepWorld};
 pub use sweep_error::SweepError;
 pub use sweep_file::{SweepFile, SweepFileError, SweepReader, sweep_header};
 pub use sweep_identity::SweepIdentity;
+pub use tessellation::Tessellation;
 pub use trajectory::{
-    Animation, COLUMNS, Frame, STATE_COLUMNS, TrajectoryError, TrajectoryFormat, TrajectoryWriter, state_numbers,
+    Animation, COLUMNS, Frame, STATE_COLUMNS, SurfaceSet, TrajectoryError, TrajectoryFormat, TrajectoryWriter,
+    state_numbers,
 };
 pub use vary::Vary;

@@ -3,6 +3,14 @@ use std::sync::Arc;
 use tumble::{Shape, TriangleMesh};
 
 /// What a body looks like, in its own frame.
+///
+/// ```
+/// use tumble_scene::{Looks, Scene};
+///
+/// let scene = Scene::from_json(r#"{ "bodies": [ { "shape": { "sphere": { "radius": 0.5 } }, "mass": 2 } ] }"#, "ball.json")?;
+/// assert_eq!(scene.looks()?, [Looks::Shape(tumble::Shape::sphere(0.5))]);
+/// # Ok::<(), tumble_scene::SceneError>(())
+/// ```
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 pub enum Looks {
@@ -11,3 +19,18 @@ pub enum Looks {
     /// As a surface that need not bound anything, such as ground.
     Mesh(Arc<TriangleMesh>),
 }
+
+/// Colours that look different to most eyes, after Okabe and Ito, as red, green, blue in linear light, taken by moving bodies in turn. Their number
+/// has no factor in common with the kinds of a scene that repeats every two, four or eight.
+pub const BODY_COLORS: [[f32; 3]; 7] = [
+    [0.791, 0.347, 0.0],
+    [0.093, 0.456, 0.815],
+    [0.0, 0.342, 0.171],
+    [0.871, 0.776, 0.054],
+    [0.0, 0.168, 0.445],
+    [0.665, 0.112, 0.0],
+    [0.604, 0.191, 0.386],
+];
+
+/// The colour of what stands still, in linear light.
+pub const FIXED_COLOR: [f32; 3] = [0.3, 0.3, 0.3];

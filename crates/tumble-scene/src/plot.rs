@@ -30,6 +30,12 @@ const STYLE: &str = "text{font:13px system-ui,-apple-system,'Segoe UI',Helvetica
 const STYLE_IN_THE_DARK: &str = "text{fill:#ddd}.ground{fill:#15181c}.grid{stroke:#2e3338}.frame{stroke:#888}";
 
 /// How a series is drawn.
+///
+/// ```
+/// use tumble_scene::{Mark, Plot};
+/// let measured = Plot::new("Falls").series("measured", Mark::Cloud, [(0.1, 0.05), (0.2, 0.19)]).to_svg();
+/// # assert!(measured.contains("measured"));
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Mark {
     /// A line.

@@ -5,6 +5,8 @@ mod surface;
 
 use glam::{DQuat, DVec3};
 
+use tumble::equivalent_ellipsoid;
+
 use crate::audit::{AuditedBody, Up};
 use crate::svg::{escaped, opening, put};
 
@@ -271,13 +273,10 @@ impl Matter {
         let (mass, center, principal) = (body.mass?, body.center_of_mass?, body.principal?);
         let [x, y, z, w] = body.axes?;
         let rotation = DQuat::from_xyzw(x, y, z, w);
-        let [i, j, k] = principal;
-        // Minus zero and a rounding, for flat bodies.
-        let semi_axis = |this: f64, others: f64| (2.5 * (others - this) / mass).max(0.0).sqrt();
         Some(Self {
             center: DVec3::from_array(center),
             axes: [DVec3::X, DVec3::Y, DVec3::Z].map(|axis| rotation * axis),
-            semi_axes: DVec3::new(semi_axis(i, j + k), semi_axis(j, k + i), semi_axis(k, i + j)),
+            semi_axes: equivalent_ellipsoid(mass, DVec3::from_array(principal)),
             reach: [[0.0; 2]; 3],
         })
     }

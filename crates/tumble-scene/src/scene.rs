@@ -85,6 +85,20 @@ impl Scene {
         }
     }
 
+    /// [`open`](Self::open), where the stress scene may be given how many bodies, and which seed, it is generated from.
+    ///
+    /// # Errors
+    /// [`SceneError`]; [`SceneError::NotGenerated`] where either is given for another scene.
+    pub fn open_with(name_or_path: &str, bodies: Option<u64>, seed: Option<u64>) -> Result<Self, SceneError> {
+        let Some(option) = bodies.map(|_| "bodies").or(seed.map(|_| "seed")) else { return Self::open(name_or_path) };
+        if name_or_path != builtin::STRESS {
+            return Err(SceneError::NotGenerated { option, name: name_or_path.to_owned() });
+        }
+        // What is more than there can be is refused with all that is too many.
+        let bodies = bodies.map_or(stress::DEFAULT_BODIES, |bodies| usize::try_from(bodies).unwrap_or(usize::MAX));
+        Self::stress(bodies, seed.unwrap_or(0))
+    }
+
     /// Reads a `.json`, `.ron`, `.gltf`, `.glb` or `.urdf` file.
     ///
     /// # Errors
@@ -317,6 +331,15 @@ impl Scene {
 }
 
 /// The names of a scene's bodies, by [`BodyId`](tumble::BodyId).
+///
+/// ```
+/// use tumble_scene::Scene;
+///
+/// let mut world = hecs::World::new();
+/// let names = Scene::open("mujoco-box")?.spawn(&mut world)?;
+/// assert_eq!(names.of(0), "box");
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Clone, Debug)]
 pub struct Names {
     /// `None` where all are called by their number.

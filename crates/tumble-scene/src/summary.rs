@@ -55,6 +55,14 @@ pub struct Summary {
 /// The drift is relative to a scale that the run took at the start, never smaller than
 /// `|initial|`; see the run's documentation. Where the scale is zero the drift is 0 if the quantity
 /// stayed zero and 1 if it did not.
+///
+/// ```
+/// use tumble_scene::Conserved;
+///
+/// // An energy that rose by a quarter of the scale and came back.
+/// let energy = Conserved { initial: 2.0, r#final: 2.0, max_relative_drift: 0.25 };
+/// assert!(energy.max_relative_drift > 0.0);
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Conserved<T> {
     /// Before the first step.

@@ -24,8 +24,17 @@ use crate::{Scene, SceneError, builtin, convert};
 pub const MAX_WORLDS: u64 = 1_000_000_000_000;
 
 /// How long a world is run.
+///
+/// ```
+/// use tumble_scene::{RunLength, Sweep, SweepPlan};
+///
+/// let length = Some(RunLength::Steps(50));
+/// let sweep = Sweep::new(SweepPlan { scene: "t-handle".into(), worlds: Some(1), length, ..SweepPlan::default() })?;
+/// assert_eq!(sweep.build(&[])?.steps, 50);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Length {
+pub enum RunLength {
     /// So many steps.
     Steps(u64),
     /// So much simulated time \[s\], rounded to whole steps of the world's own length.
@@ -33,6 +42,14 @@ pub enum Length {
 }
 
 /// What a [`Sweep`] is to be; everything but the scene may be left at its default.
+///
+/// ```
+/// use tumble_scene::{Sweep, SweepPlan};
+///
+/// let plan = SweepPlan { scene: "t-handle".into(), vary: vec!["gravity.1=grid(-10,0,3)".parse()?], ..SweepPlan::default() };
+/// assert_eq!(Sweep::new(plan)?.worlds(), 3); // each value of the grid once
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct SweepPlan {
     /// A file, or the name of a built-in scene, as for [`Scene::open`].
@@ -44,7 +61,7 @@ pub struct SweepPlan {
     /// What differs between worlds.
     pub vary: Vec<Vary>,
     /// How long to run instead of as long as the scene says.
-    pub length: Option<Length>,
+    pub length: Option<RunLength>,
     /// Step \[s\] instead of the scene's.
     pub dt: Option<Real>,
     /// Substeps instead of the scene's.
@@ -102,6 +119,16 @@ struct Varied {
 }
 
 /// A world of a sweep at its start.
+///
+/// ```
+/// use tumble_scene::{Sweep, SweepPlan};
+///
+/// let sweep = Sweep::new(SweepPlan { scene: "t-handle".into(), worlds: Some(1), ..SweepPlan::default() })?;
+/// let mut world = sweep.build(&sweep.draw(0))?;
+/// world.trial.step_many(10);
+/// assert!(world.steps > 10); // as many as the scene says
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 pub struct SweepWorld {
     /// The world and its simulation.
     pub trial: Trial,
@@ -231,10 +258,10 @@ impl Sweep {
 
     fn steps(&self, settings: &Settings, of_scene: u64) -> Result<u64, FieldError> {
         match self.plan.length {
-            Some(Length::Duration(seconds)) => {
+            Some(RunLength::Duration(seconds)) => {
                 steps_of_duration(seconds, settings.dt).map_err(|problem| FieldError::new("dt", problem))
             }
-            Some(Length::Steps(_)) | None => Ok(of_scene),
+            Some(RunLength::Steps(_)) | None => Ok(of_scene),
         }
     }
 }
@@ -285,7 +312,7 @@ fn apply(plan: &SweepPlan, model: &mut SceneModel) {
     if let Some(integrator) = plan.integrator {
         model.integrator = Some(integrator.name().to_owned());
     }
-    if let Some(Length::Steps(steps)) = plan.length {
+    if let Some(RunLength::Steps(steps)) = plan.length {
         model.steps = Some(steps);
     }
 }

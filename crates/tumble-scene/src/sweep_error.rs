@@ -1,6 +1,13 @@
 use crate::error::{FieldError, SceneError, one_line};
 
 /// Why a sweep cannot be made. `Display` is one line that names the field.
+///
+/// ```
+/// use tumble_scene::{Sweep, SweepError, SweepPlan};
+///
+/// let plan = SweepPlan { scene: "t-handle".into(), worlds: Some(1), bodies: vec!["anvil".into()], ..SweepPlan::default() };
+/// assert!(matches!(Sweep::new(plan), Err(SweepError::Body(name)) if name == "anvil"));
+/// ```
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum SweepError {

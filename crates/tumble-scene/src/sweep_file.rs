@@ -15,6 +15,13 @@ const BEFORE_IDENTITY: &str = "# tumble sweep ";
 const LONGEST_LINE: u64 = 16 << 20;
 
 /// Why a sweep's file cannot be used. `Display` is one line that names the file.
+///
+/// ```
+/// use tumble_scene::{SweepFileError, SweepReader};
+///
+/// let missing = SweepReader::open(std::path::Path::new("nowhere.csv"));
+/// assert!(matches!(missing, Err(SweepFileError::Io { .. })));
+/// ```
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum SweepFileError {
@@ -68,6 +75,15 @@ impl SweepFileError {
 }
 
 /// The two lines that a file begins with.
+///
+/// ```
+/// use tumble_scene::{Sweep, SweepIdentity, SweepPlan, sweep_header};
+///
+/// let plan = SweepPlan { scene: "iss".into(), worlds: Some(2), ..SweepPlan::default() };
+/// let identity = SweepIdentity::new(&Sweep::new(plan)?, None);
+/// assert!(sweep_header(&identity, &["world".into(), "hash".into()])?.ends_with("\nworld,hash\n"));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 ///
 /// # Errors
 /// Where the identity or the columns cannot be written, which is a bug.
@@ -270,6 +286,20 @@ impl SweepReader {
 ///
 /// Opened again after the program was killed, it goes on where it ended: whole rows stay, a row that was not written to its end is cut
 /// off. A file of another sweep is refused and stays as it is.
+///
+/// ```
+/// use tumble_scene::{Sweep, SweepFile, SweepIdentity, SweepPlan};
+///
+/// let plan = SweepPlan { scene: "iss".into(), worlds: Some(2), ..SweepPlan::default() };
+/// let identity = SweepIdentity::new(&Sweep::new(plan)?, None);
+/// let path = std::env::temp_dir().join(format!("tumble-doc-sweep-file-{}.csv", std::process::id()));
+/// let mut file = SweepFile::open(&path, &identity, &["world".into(), "outcome".into()])?;
+/// assert_eq!(file.first_missing_world(), 0);
+/// file.append(b"0,ok\n")?;
+/// file.finish()?;
+/// # std::fs::remove_file(&path)?;
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Debug)]
 pub struct SweepFile {
     path: PathBuf,
@@ -305,8 +335,8 @@ impl SweepFile {
         Ok(Self { path: path.to_owned(), file, next })
     }
 
-    /// The first world that has no row yet.
-    pub fn next_world(&self) -> u64 {
+    /// The first world that had no row when the file was opened.
+    pub fn first_missing_world(&self) -> u64 {
         self.next
     }
 
@@ -384,7 +414,7 @@ mod tests {
         let place = tempfile::tempdir().unwrap();
         let path = place.path().join("sweep.csv");
         std::fs::write(&path, contents).unwrap();
-        let next = SweepFile::open(&path, &identity(), &columns()).map(|file| file.next_world());
+        let next = SweepFile::open(&path, &identity(), &columns()).map(|file| file.first_missing_world());
         if next.is_err() {
             assert_eq!(std::fs::read(&path).unwrap(), contents);
         }

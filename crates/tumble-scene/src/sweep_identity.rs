@@ -4,7 +4,7 @@ use serde::{Deserialize, Serialize};
 use tumble::math::PRECISION;
 
 use crate::shard::Shard;
-use crate::sweep::{Length, Sweep};
+use crate::sweep::{RunLength, Sweep};
 
 /// The version of the files; the only one so far.
 const FORMAT: u32 = 1;
@@ -59,8 +59,8 @@ impl SweepIdentity {
     pub fn new(sweep: &Sweep, shard: Option<Shard>) -> Self {
         let plan = sweep.plan();
         let (steps, duration) = match plan.length {
-            Some(Length::Steps(steps)) => (Some(steps), None),
-            Some(Length::Duration(seconds)) => (None, Some(seconds)),
+            Some(RunLength::Steps(steps)) => (Some(steps), None),
+            Some(RunLength::Duration(seconds)) => (None, Some(seconds)),
             None => (None, None),
         };
         Self {

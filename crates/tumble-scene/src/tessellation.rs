@@ -13,22 +13,30 @@ pub(crate) const POINT_RADIUS: f64 = 0.02;
 
 /// Triangles of a closed surface in the frame of the shape, seen anticlockwise from outside.
 ///
-/// Round surfaces have [`SEGMENTS`](revolution::SEGMENTS) around; every vertex lies on the shape's surface, so the volume is
+/// Round surfaces have 24 corners around; every vertex lies on the shape's surface, so the volume is
 /// a little below the shape's (3 % for a ball). Corners of an edge that is sharp stand there once for every normal: positions
 /// that touch are equal to the bit.
+///
+/// ```
+/// use tumble_scene::{Looks, Tessellation};
+///
+/// let cube = Tessellation::of_looks(&Looks::Shape(tumble::Shape::cuboid([1.0, 1.0, 1.0])));
+/// assert_eq!((cube.positions.len(), cube.normals.len(), cube.triangles.len()), (24, 24, 12));
+/// ```
 #[derive(Clone, Debug, Default, PartialEq)]
-pub(crate) struct Tessellation {
+pub struct Tessellation {
     /// \[m\]
-    pub(crate) positions: Vec<DVec3>,
+    pub positions: Vec<DVec3>,
     /// Of unit length, outward, one for each position.
-    pub(crate) normals: Vec<DVec3>,
+    pub normals: Vec<DVec3>,
     /// Indices into the positions.
-    pub(crate) triangles: Vec<[u32; 3]>,
+    pub triangles: Vec<[u32; 3]>,
 }
 
 impl Tessellation {
     /// The surface that is seen.
-    pub(crate) fn of_looks(looks: &Looks) -> Self {
+    #[must_use]
+    pub fn of_looks(looks: &Looks) -> Self {
         match looks {
             Looks::Shape(shape) => Self::of(shape),
             Looks::Mesh(surface) => mesh(surface),

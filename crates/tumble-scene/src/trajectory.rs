@@ -15,12 +15,12 @@ use tumble::math::Real;
 use tumble::{Pose, Velocity};
 
 pub use frame::Frame;
-pub(crate) use glb::{Bodies, COLORS, Color, GREY, Sample, Surface, double, single};
+pub(crate) use glb::{Bodies, Color, Sample, Surface, double, single};
 use pace::Pace;
 
 pub use error::TrajectoryError;
 pub use format::TrajectoryFormat;
-pub use glb::Animation;
+pub use glb::{Animation, SurfaceSet};
 
 /// The columns of a record.
 pub const COLUMNS: [&str; 16] =
@@ -33,6 +33,14 @@ pub const STATE_COLUMNS: [&str; 13] = {
 };
 
 /// The numbers of [`STATE_COLUMNS`]. A fixed body has no velocity, and zeros are written.
+///
+/// ```
+/// use tumble::{Pose, Velocity, math::Vec3};
+/// use tumble_scene::state_numbers;
+///
+/// let numbers = state_numbers(&Pose::default(), Some(&Velocity { linear: Vec3::X * 3.0, angular: Vec3::ZERO }));
+/// assert_eq!((numbers[6], numbers[7]), (1.0, 3.0)); // qw and vx
+/// ```
 pub fn state_numbers(pose: &Pose, velocity: Option<&Velocity>) -> [Real; 13] {
     let velocity = velocity.copied().unwrap_or_default();
     let ([px, py, pz], [qx, qy, qz, qw]) = (pose.position.to_array(), pose.orientation.to_array());

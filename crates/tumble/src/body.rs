@@ -1,4 +1,4 @@
-use hecs::{Entity, EntityBuilder, World};
+use hecs::{DynamicBundle, Entity, EntityBuilder, World};
 use tumble_math::MassProperties;
 
 use crate::components::{
@@ -13,6 +13,16 @@ type Plain = (Pose, Momentum, Mass, Inertia, Wrench, Velocity, InverseInertia);
 type PlainWithId = (Pose, Momentum, Mass, Inertia, Wrench, Velocity, InverseInertia, BodyId);
 
 /// The components of a body that [`RigidBody::build`](crate::RigidBody::build) has checked, ready to be spawned any number of times.
+///
+/// ```
+/// # use tumble::prelude::*;
+/// # let mut world = hecs::World::new();
+/// let brick = RigidBody::new(Shape::cuboid([0.1, 0.05, 0.03])).mass(2.0).build()?;
+/// let (one, another) = (brick.spawn(&mut world), brick.spawn(&mut world));
+/// assert_ne!(one, another);
+/// assert_eq!(brick.properties().map(|properties| properties.mass()), Some(2.0));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Clone, Debug)]
 pub struct Body {
     pub(crate) pose: Pose,
@@ -62,7 +72,7 @@ impl Body {
         derived(&constants, &State::new(&self.pose, &momentum)).into()
     }
 
-    /// Mass, centre of mass and inertia in double precision, in the body's own frame; `None` for a body that forces do not move.
+    /// Mass \[kg\], centre of mass \[m\] and inertia [kg m^2] in double precision, in the body's own frame; `None` for a body that forces do not move.
     pub fn properties(&self) -> Option<&MassProperties> {
         self.properties.as_ref()
     }
@@ -113,6 +123,48 @@ impl Body {
                 world.spawn(entity.build())
             }
         }
+    }
+
+    /// Spawns an entity with the body's components and the caller's own beside them.
+    ///
+    /// ```
+    /// # use tumble::prelude::*;
+    /// struct Health(u32);
+    /// # let mut world = hecs::World::new();
+    /// let barrel = RigidBody::new(Shape::cylinder(0.3, 0.5)).mass(40.0).build()?;
+    /// let entity = barrel.spawn_with(&mut world, (Health(3),));
+    /// assert_eq!(world.get::<&Health>(entity)?.0, 3);
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    pub fn spawn_with(&self, world: &mut World, own: impl DynamicBundle) -> Entity {
+        let mut entity = EntityBuilder::new();
+        self.insert_into(&mut entity);
+        entity.add_bundle(own);
+        world.spawn(entity.build())
+    }
+
+    /// The same with another identity, or none: [`weld`](crate::weld) leaves that of the first body, and two bodies with one id are
+    /// one to a [`Snapshot`](crate::Snapshot).
+    ///
+    /// ```
+    /// # use tumble::{prelude::*, weld};
+    /// # let mut world = hecs::World::new();
+    /// let ball = |id, x: Real| RigidBody::new(Shape::sphere(0.5)).mass(1.0).position(Vec3::X * x).id(BodyId(id)).build();
+    /// let balls = [ball(1, 0.0)?.spawn(&mut world), ball(2, 1.0)?.spawn(&mut world)];
+    /// let pair = weld(&world, &balls)?.with_id(Some(BodyId(3)));
+    /// assert_eq!(pair.pose().position, Vec3::X * 0.5);
+    /// let pair = pair.spawn(&mut world);
+    /// assert_eq!(*world.get::<&BodyId>(pair)?, BodyId(3));
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    #[must_use]
+    pub fn with_id(self, id: Option<BodyId>) -> Self {
+        Self { id, ..self }
+    }
+
+    /// Where it will be spawned: its centre of mass, and its orientation.
+    pub fn pose(&self) -> Pose {
+        self.pose
     }
 
     /// Makes room in the world for more bodies of this kind, where hecs lets us: of the kind that most are.

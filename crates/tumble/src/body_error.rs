@@ -5,6 +5,13 @@ use crate::components::InertiaComponentError;
 use crate::property_error::PropertyError;
 
 /// Why a [`RigidBody`](crate::RigidBody) cannot be built.
+///
+/// ```
+/// # use tumble::{BodyError, RigidBody, Shape};
+/// let error = RigidBody::new(Shape::sphere(0.5)).build().unwrap_err();
+/// assert_eq!(error, BodyError::MissingMass);
+/// assert_eq!(error.field(), "mass");
+/// ```
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum BodyError {

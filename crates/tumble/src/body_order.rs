@@ -8,6 +8,16 @@ use crate::components::{BodyId, Mass, Momentum, Pose};
 /// It is a list made once: bodies spawned or despawned later are not followed. Making it reads the world and, like every query of
 /// hecs, panics while the caller holds a mutable reference to one of the components; so do [`measure`](crate::measure),
 /// [`state_hash`](crate::state_hash()) and what else takes an order.
+///
+/// ```
+/// # use tumble::{BodyOrder, prelude::*};
+/// # let mut world = hecs::World::new();
+/// let body = RigidBody::new(Shape::sphere(1.0)).mass(2.0);
+/// let second = body.clone().id(BodyId(2)).build()?.spawn(&mut world);
+/// let first = body.id(BodyId(1)).build()?.spawn(&mut world);
+/// assert_eq!(BodyOrder::of(&world).entities(), [first, second]);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct BodyOrder {
     entities: Vec<Entity>,

@@ -1,6 +1,6 @@
 use crate::math::{Quat, Real, Vec3};
 
-/// Numbers that look random, the same ones for the same seed everywhere and for ever.
+/// A generator of pseudorandom numbers: the same ones for the same seed, everywhere and for ever.
 ///
 /// For scenes that are set up by chance. SplitMix64 (G. L. Steele, D. Lea, C. H. Flood, "Fast splittable pseudorandom number
 /// generators", OOPSLA 2014): a mixed counter, so that any number of independent sequences can be had without making those before.

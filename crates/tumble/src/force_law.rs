@@ -58,7 +58,7 @@ use crate::surroundings::Surroundings;
 /// ```
 pub trait ForceLaw: Send + Sync + 'static {
     /// Force \[N\] and torque about the centre of mass [N m], both in the world frame.
-    /// [`BodyState::from_body_frame`] makes one from forces given in the body's frame.
+    /// [`BodyState::wrench_from_body_frame`] makes one from forces given in the body's frame.
     fn wrench(&self, state: &BodyState<'_>) -> Wrench;
 
     /// Whether the force depends on velocity or momentum; `false` saves an evaluation.
@@ -74,6 +74,19 @@ pub trait ForceLaw: Send + Sync + 'static {
 }
 
 /// What a law sees of a body at one stage of an integrator.
+///
+/// ```
+/// # use tumble::prelude::*;
+/// /// A sail at the bow, pushed by the wind that blows relative to it.
+/// struct Sail;
+///
+/// impl ForceLaw for Sail {
+///     fn wrench(&self, state: &BodyState<'_>) -> Wrench {
+///         let bow = state.point_to_world(Vec3::Z * 2.0);
+///         state.force_at((state.wind() - state.velocity_at(bow)) * 5.0, bow)
+///     }
+/// }
+/// ```
 #[derive(Clone, Copy)]
 pub struct BodyState<'a> {
     /// Simulated time of the stage \[s\].
@@ -170,7 +183,7 @@ impl<'a> BodyState<'a> {
     }
 
     /// The wrench of a force \[N\] through the centre of mass and a torque [N m], both given in the body's frame.
-    pub fn from_body_frame(&self, force_body: Vec3, torque_body: Vec3) -> Wrench {
+    pub fn wrench_from_body_frame(&self, force_body: Vec3, torque_body: Vec3) -> Wrench {
         Wrench { force: self.to_world(force_body), torque: self.to_world(torque_body) }
     }
 

@@ -22,6 +22,25 @@ use crate::math::Real;
 use crate::pairs::{GravityMass, Spring};
 
 /// The laws of a simulation: the force components, which every simulation knows, and those that were added, in their order.
+///
+/// ```
+/// # use tumble::prelude::*;
+/// # use tumble::ForceLaws;
+/// /// Pulls everything to the west.
+/// struct Current;
+///
+/// impl ForceLaw for Current {
+///     fn wrench(&self, _state: &BodyState<'_>) -> Wrench {
+///         Wrench { force: Vec3::NEG_X, torque: Vec3::ZERO }
+///     }
+/// }
+///
+/// let mut simulation = Simulation::new(Settings::default())?;
+/// simulation.add_law_everywhere(Current);
+/// assert_eq!(simulation.laws().names().count(), 1);
+/// assert!(ForceLaws::COMPONENTS.contains(&"Drag"));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Clone, Default)]
 pub struct ForceLaws {
     added: Vec<Arc<dyn Source>>,

@@ -3,6 +3,12 @@ use std::str::FromStr;
 
 /// How a step advances the state. All three treat [`Damping`](crate::Damping) exactly and take the [`Wrench`](crate::Wrench) as
 /// constant over the step.
+///
+/// ```
+/// # use tumble::{Integrator, Settings};
+/// let settings = Settings::default().with_integrator(Integrator::RungeKutta4);
+/// assert_eq!("runge-kutta4".parse(), Ok(settings.integrator));
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Default)]
 #[non_exhaustive]
 pub enum Integrator {
@@ -47,6 +53,11 @@ impl fmt::Display for Integrator {
 }
 
 /// A name that is not an integrator's.
+///
+/// ```
+/// # use tumble::{Integrator, UnknownIntegrator};
+/// assert_eq!("euler".parse::<Integrator>(), Err(UnknownIntegrator("euler".to_owned())));
+/// ```
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[error("no integrator is called {0:?}; there are semi-implicit-euler, runge-kutta4 and moser-veselov")]
 pub struct UnknownIntegrator(

@@ -75,6 +75,13 @@ pub trait LaneLaw<const N: usize>: Send + Sync + 'static {
 }
 
 /// Forces \[N\] and torques about the centre of mass [N m] on bodies side by side, world frame.
+///
+/// ```
+/// use tumble::{LaneWrench, lane::Vec3};
+///
+/// let (force, arm) = (Vec3::new(0.0, 10.0, 0.0), Vec3::new(0.5, 0.0, 0.0));
+/// assert_eq!(LaneWrench::force_at(force, arm).torque.z, 5.0);
+/// ```
 #[derive(Clone, Copy, Debug)]
 pub struct LaneWrench<L> {
     /// Force \[N\].
@@ -104,6 +111,17 @@ impl<L: Lane> LaneWrench<L> {
 }
 
 /// What a [`LaneLaw`] sees of bodies side by side, at one stage of an integrator.
+///
+/// ```
+/// use tumble::lane::Lane;
+/// use tumble::{LaneBody, LaneWrench};
+///
+/// /// Resistance in proportion to the velocity through the medium.
+/// #[inline(always)]
+/// fn viscous<L: Lane>(coefficient: L, body: &LaneBody<L>) -> LaneWrench<L> {
+///     LaneWrench::force((body.wind - body.linear_velocity) * coefficient)
+/// }
+/// ```
 #[derive(Clone, Copy)]
 pub struct LaneBody<L> {
     /// Simulated time at the start of the substep \[s\].

@@ -39,6 +39,19 @@ pub struct Ledger {
 }
 
 /// The books at one moment.
+///
+/// ```
+/// # use tumble::prelude::*;
+/// # let mut world = hecs::World::new();
+/// RigidBody::new(Shape::sphere(0.1)).mass(1.0).build()?.spawn(&mut world);
+/// let mut simulation = Simulation::new(Settings::default())?;
+/// let mut ledger = Ledger::watch(&world, &simulation);
+/// simulation.step_many(&mut world, 60);
+/// let entry = ledger.record(&world, &simulation);
+/// assert_eq!(entry.step, 60);
+/// assert!((entry.kinetic() - 0.5 * 9.81 * 9.81).abs() < 1e-3 && entry.energy().abs() < 1e-3);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct LedgerEntry {
@@ -57,7 +70,7 @@ pub struct LedgerEntry {
 impl LedgerEntry {
     /// Kinetic energy \[J\].
     pub fn kinetic(&self) -> f64 {
-        self.totals.linear_kinetic + self.totals.rotational_kinetic
+        self.totals.kinetic()
     }
 
     /// Kinetic and potential energy \[J\], with the laws' potentials.

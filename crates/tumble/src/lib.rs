@@ -1,8 +1,7 @@
 //! ECS-based batch simulation of rigid bodies in the caller's own [`hecs::World`].
 //!
-//! Bodies are entities; mass, inertia, pose and momentum are separate components. What has [`Pose`], [`Momentum`], [`Mass`] and [`Wrench`]
-//! is moved; [`RigidBody`] makes them all. A step runs three systems over them in
-//! parallel: [`accumulate_forces`], [`integrate`], [`update_derived`].
+//! Bodies are entities; mass, inertia, pose and momentum are separate components. [`RigidBody`] makes them, and [`Simulation`] steps
+//! them: three systems in parallel, [`accumulate_forces`], [`integrate`] and [`update_derived`], which can also be called one by one.
 //!
 //! ```
 //! use tumble::prelude::*;
@@ -24,13 +23,39 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 //!
-//! A force that acts for one step is added to a body's [`Wrench`]; what acts all the time is a component of its own
-//! ([`GravityScale`], [`Damping`]). A body without [`Momentum`] does not move; one with a [`Velocity`] and no momentum moves as it
-//! is told.
+//! # Components
+//!
+//! | written | components |
+//! |---|---|
+//! | when the body is spawned | [`Mass`], [`Inertia`], [`PrincipalAxes`], [`CenterOfMass`], [`BodyId`] |
+//! | by the step: the state | [`Pose`], [`Momentum`] |
+//! | by the step: derived from it | [`Velocity`], [`InverseInertia`], [`PreviousPose`], and [`Work`] where a [`Ledger`] wants it |
+//! | by you, for one step, which sets it to zero | [`Wrench`] |
+//! | by you, until it is removed | [`GravityScale`], [`Damping`]; forces: [`ConstantWrench`], [`Thruster`], [`Drag`], [`Wind`], [`Magnus`], [`SpringToPoint`], [`PointGravity`], [`Buoyancy`], [`AngularVelocityServo`], [`GravityMass`]; laws of your own: [`ForceLaw`], [`LaneLaw`] |
+//! | by you, on an entity of its own | [`Spring`] |
+//!
+//! A body needs [`Pose`], [`Momentum`], [`Mass`] and [`Wrench`] to be moved by forces. One without [`Momentum`] is kinematic if it has a
+//! [`Velocity`], and moves as that says; else it is fixed. All other components may be there or not.
+//!
+//! # Units and frames
+//!
+//! Metres, kilograms, seconds, radians. Vectors are in the world frame unless it says otherwise; orientations take body coordinates
+//! to world coordinates. A [`Pose`] is that of the centre of mass. No axis is special but for the default of
+//! [`Settings::gravity`], down y.
+//!
+//! # The same bits
 //!
 //! The arithmetic of a step is the same on every machine: no fused multiply-add, no platform mathematics library, and
-//! no body's result depends on another's or on the number of threads.
+//! no body's result depends on the number of threads, on rows in memory, or on bodies that no force connects it with.
+//!
+//! # Features
+//!
+//! - `f64`: simulates in double precision; [`math::Real`] and [`math::Vec3`] are what the build simulates in.
+//! - `serde`: a [`Snapshot`] in any format of serde.
+//! - `profiling`: scopes for puffin, tracy or tracing, through the crate `profiling`.
 
+// On docs.rs items say which feature they need.
+#![cfg_attr(docsrs, feature(doc_cfg))]
 #![cfg_attr(
     feature = "f64",
     allow(
@@ -50,6 +75,7 @@ mod columns;
 mod components;
 mod contacts;
 mod coupling;
+mod debug_draw;
 mod derived;
 mod force_law;
 mod force_laws;
@@ -100,6 +126,7 @@ pub use components::{
     PreviousPose, PrincipalAxes, Velocity, Work, Wrench,
 };
 pub use contacts::{Collider, ColliderError, Combine, Material};
+pub use debug_draw::{DebugDraw, DebugView};
 pub use force_law::{BodyState, ForceLaw};
 pub use force_laws::ForceLaws;
 pub use generators::{
@@ -133,7 +160,7 @@ pub use {glam, hecs};
 
 pub use tumble_math::{
     Amount, HullError, InertiaError, InertiaTensor, MassProperties, MeshAudit, MeshDefect, MeshError, MeshRepair, Part,
-    PrincipalInertia, Shape, SolidMesh, TriangleMesh, convex_hull,
+    PrincipalInertia, Shape, SolidMesh, TriangleMesh, convex_hull, equivalent_ellipsoid,
 };
 
 /// What most programs need: `use tumble::prelude::*;`.

@@ -26,10 +26,6 @@ mod chosen {
     pub(crate) fn quat(value: glam::DQuat) -> Quat {
         value.as_quat()
     }
-
-    pub(crate) fn dquat(value: Quat) -> glam::DQuat {
-        value.as_dquat()
-    }
 }
 
 #[cfg(feature = "f64")]
@@ -58,17 +54,32 @@ mod chosen {
     pub(crate) fn quat(value: glam::DQuat) -> Quat {
         value
     }
-
-    pub(crate) fn dquat(value: Quat) -> glam::DQuat {
-        value
-    }
 }
 
 pub use chosen::*;
 
-/// A vector in double precision, whatever the build simulates in.
-pub(crate) fn dvec3(value: Vec3) -> glam::DVec3 {
+/// A vector in double precision, as shapes and tensors take it, whatever the build simulates in.
+///
+/// ```
+/// use tumble::math::{Vec3, dvec3};
+///
+/// assert_eq!(dvec3(Vec3::X), glam::DVec3::X);
+/// ```
+pub fn dvec3(value: Vec3) -> glam::DVec3 {
     value.into()
+}
+
+/// An orientation in double precision, as shapes and tensors take it, whatever the build simulates in.
+///
+/// ```
+/// use tumble::{Amount, Part, Shape, math::{Quat, dquat}};
+///
+/// let tilt = Quat::from_rotation_x(0.5);
+/// let fin = Part::new(Shape::cuboid([0.1, 0.5, 0.01]), Amount::Mass(0.2)).turned(dquat(tilt));
+/// assert!((fin.orientation.x - 0.25_f64.sin()).abs() < 1e-7);
+/// ```
+pub fn dquat(value: Quat) -> glam::DQuat {
+    glam::DQuat::from_xyzw(value.x.into(), value.y.into(), value.z.into(), value.w.into())
 }
 
 /// One body's vector in double precision.

@@ -2,6 +2,16 @@ use std::sync::atomic::{AtomicU64, Ordering};
 use std::time::{Duration, Instant};
 
 /// Time spent in each system, summed over threads and steps: with two threads busy it grows by two seconds a second.
+///
+/// ```
+/// # use tumble::{PhaseTimes, prelude::*};
+/// # let mut world = hecs::World::new();
+/// RigidBody::new(Shape::sphere(1.0)).mass(2.0).build()?.spawn(&mut world);
+/// let times = PhaseTimes::default();
+/// Simulation::new(Settings::default())?.step_timed(&mut world, &times);
+/// println!("{:?} in the integrator", times.integrate());
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Debug, Default)]
 pub struct PhaseTimes {
     nanoseconds: [AtomicU64; 3],

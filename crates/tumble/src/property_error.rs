@@ -1,6 +1,11 @@
 use crate::math::{PRECISION, Real, real};
 
 /// Why a mass or a moment of inertia cannot be one.
+///
+/// ```
+/// # use tumble::{Mass, PropertyError};
+/// assert_eq!(Mass::new(-1.0), Err(PropertyError::NotPositive { quantity: "mass", value: -1.0 }));
+/// ```
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum PropertyError {

@@ -92,12 +92,12 @@ impl RigidBody {
         Self { amount: Some(Amount::Density(density.into())), ..self }
     }
 
-    /// Its inertia tensor about the centre of mass, in its own frame, instead of the shape's.
+    /// Its inertia tensor about the centre of mass [kg m^2], in its own frame, instead of the shape's.
     pub fn inertia(self, inertia: InertiaTensor) -> Self {
         self.principal_inertia(inertia.principal())
     }
 
-    /// Its principal moments about the centre of mass and principal axes, instead of the shape's.
+    /// Its principal moments about the centre of mass [kg m^2] and principal axes, instead of the shape's.
     pub fn principal_inertia(self, inertia: PrincipalInertia) -> Self {
         Self { inertia: Some(inertia), ..self }
     }
@@ -139,17 +139,17 @@ impl RigidBody {
         Self { gravity_scale: Some(scale), ..self }
     }
 
-    /// The rates at which its momenta decay.
+    /// The rates at which its momenta decay [1/s].
     pub fn damping(self, damping: Damping) -> Self {
         Self { damping: Some(damping), ..self }
     }
 
-    /// Keeps the [`PreviousPose`], to be drawn between steps.
+    /// Gives it a [`PreviousPose`], so that it can be drawn between steps.
     pub fn interpolated(self) -> Self {
         Self { interpolated: true, ..self }
     }
 
-    /// Its stable identity.
+    /// Its stable identity, for snapshots, hashes and all that goes by order.
     pub fn id(self, id: BodyId) -> Self {
         Self { id: Some(id), ..self }
     }

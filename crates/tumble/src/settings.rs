@@ -115,6 +115,12 @@ impl Settings {
 }
 
 /// A setting that no simulation can run with.
+///
+/// ```
+/// # use tumble::{Settings, SettingsError, Simulation};
+/// let error = Simulation::new(Settings::default().with_dt(0.0)).unwrap_err();
+/// assert_eq!(error, SettingsError::Step(0.0));
+/// ```
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum SettingsError {

@@ -159,8 +159,8 @@ impl Simulation {
     /// [`PreviousPose`](crate::PreviousPose) are drawn at `previous.0.interpolate(&pose, alpha)`: smooth at any frame rate, one
     /// step late. A frame time that is not positive and finite counts as none.
     ///
-    /// A frame has no step, or several; a [`Wrench`](crate::Wrench) added once a frame acts in the first only. Forces belong into
-    /// [`advance_with`](Self::advance_with), or into a [`ForceLaw`].
+    /// A frame has no step, or several: a [`Wrench`](crate::Wrench) added once a frame acts in the first of them only, and where there is none it waits and
+    /// the next comes on top of it. Forces belong into [`advance_with`](Self::advance_with), or into a [`ForceLaw`].
     ///
     /// ```
     /// # use tumble::{Settings, Simulation};

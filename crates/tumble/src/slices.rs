@@ -51,7 +51,14 @@ pub struct BodySlices<'a> {
     pub previous_pose: Option<&'a mut [PreviousPose]>,
 }
 
-/// A slice has not as many rows as there are bodies.
+/// A slice that has not as many rows as there are bodies.
+///
+/// ```
+/// # use tumble::{BodySlices, Momentum, Pose, Settings, UnequalSlices, Wrench};
+/// let (mut pose, mut momentum, mut wrench) = ([Pose::default()], [Momentum::default()], [Wrench::default()]);
+/// let error = BodySlices::new(&mut pose, &mut momentum, &mut wrench, &[]).step(&Settings::default()).unwrap_err();
+/// assert_eq!(error, UnequalSlices { column: "mass", rows: 0, bodies: 1 });
+/// ```
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("{column} has {rows} rows, and there are {bodies} poses")]
 pub struct UnequalSlices {

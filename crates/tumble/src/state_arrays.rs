@@ -20,6 +20,13 @@ use crate::surroundings::Surroundings;
 pub const STATE_SIZE: usize = 13;
 
 /// A state array that does not fit the bodies.
+///
+/// ```
+/// # use tumble::{BodyOrder, STATE_SIZE, StateArrayError, state_to_array};
+/// let world = hecs::World::new();
+/// let error = state_to_array(&world, &BodyOrder::moving(&world), &mut [0.0; STATE_SIZE]).unwrap_err();
+/// assert_eq!(error, StateArrayError::Length { found: 13, bodies: 0, expected: 0 });
+/// ```
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum StateArrayError {
@@ -61,6 +68,17 @@ fn check_length(array: &[Real], order: &BodyOrder) -> Result<(), StateArrayError
 
 /// Copies the bodies' state into the array, in the given order.
 ///
+/// ```
+/// # use tumble::{BodyOrder, STATE_SIZE, state_to_array, prelude::*};
+/// # let mut world = hecs::World::new();
+/// RigidBody::new(Shape::Point).mass(2.0).position(Vec3::X * 3.0).build()?.spawn(&mut world);
+/// let order = BodyOrder::moving(&world);
+/// let mut array = vec![0.0; order.len() * STATE_SIZE];
+/// state_to_array(&world, &order, &mut array)?;
+/// assert_eq!(array[..7], [3.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0]); // position x y z, orientation w x y z
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+///
 /// # Errors
 /// [`StateArrayError`] where the array has another length, or a listed entity is not a moving body; the array is then partly written.
 pub fn state_to_array(world: &World, order: &BodyOrder, array: &mut [Real]) -> Result<(), StateArrayError> {
@@ -82,6 +100,18 @@ pub fn state_to_array(world: &World, order: &BodyOrder, array: &mut [Real]) -> R
 ///
 /// [`Velocity`](crate::Velocity) and [`InverseInertia`](crate::InverseInertia) are not touched: run
 /// [`update_derived`](crate::update_derived) if they are needed.
+///
+/// ```
+/// # use tumble::{BodyOrder, STATE_SIZE, array_to_state, prelude::*};
+/// # let mut world = hecs::World::new();
+/// let body = RigidBody::new(Shape::Point).mass(2.0).build()?.spawn(&mut world);
+/// let mut array = [0.0; STATE_SIZE];
+/// (array[0], array[3]) = (5.0, 1.0); // x of the position, w of the orientation
+/// let order = BodyOrder::moving(&world);
+/// array_to_state(&mut world, &order, &array)?;
+/// assert_eq!(world.get::<&Pose>(body)?.position, Vec3::X * 5.0);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 ///
 /// # Errors
 /// [`StateArrayError`], and the world is unchanged.
@@ -108,6 +138,18 @@ pub fn array_to_state(world: &mut World, order: &BodyOrder, array: &[Real]) -> R
 /// Takes the state from `array`, and from the world only what is constant: masses, wrenches, damping, force components. The
 /// forces are what a step with these settings would apply, but for force laws that a simulation was told of and forces between bodies, which are not known
 /// here; springs are as stiff as they were made. The world does not change.
+///
+/// ```
+/// # use tumble::{BodyOrder, STATE_SIZE, derivative_to_array, prelude::*};
+/// # let mut world = hecs::World::new();
+/// RigidBody::new(Shape::Point).mass(2.0).build()?.spawn(&mut world);
+/// let mut state = [0.0; STATE_SIZE];
+/// (state[3], state[7]) = (1.0, 6.0); // w of the orientation, x of the linear momentum
+/// let mut rates = [0.0; STATE_SIZE];
+/// derivative_to_array(&world, &Settings::default(), &BodyOrder::moving(&world), &state, &mut rates)?;
+/// assert_eq!((rates[0], rates[8]), (3.0, -19.62)); // velocity along x, weight along y
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 ///
 /// # Errors
 /// [`StateArrayError`] where an array has another length, or a listed entity is not a moving body.

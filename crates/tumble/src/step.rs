@@ -10,15 +10,23 @@ use crate::systems::{
     Wrenches, accumulate_forces_of, integrate_bodies, integrate_coupled, remember_poses, step_chunk, update_derived_of,
 };
 
-/// Advances every body of the world by `settings.dt`.
+/// Advances every body of the world by `settings.dt`: the three systems, the motion of kinematic bodies, and [`PreviousPose`](crate::PreviousPose).
 ///
-/// Where no forces act between bodies, the systems of a step use only a body's own components, and all of them run on a chunk of bodies while it is in cache. Running
-/// [`accumulate_forces`](crate::accumulate_forces), [`integrate`](crate::integrate) and [`update_derived`](crate::update_derived)
-/// one after the other over the whole world gives moving bodies the same bits, unless a [`Spring`](crate::Spring) or [`GravityMass`](crate::GravityMass) ties them to a
-/// kinematic one: a step also moves those, one after the other and beside the others in every substep, and keeps [`PreviousPose`](crate::PreviousPose) up to date.
+/// All systems run on a chunk of bodies while it is in cache. [`accumulate_forces`](crate::accumulate_forces), [`integrate`](crate::integrate) and
+/// [`update_derived`](crate::update_derived), one after the other over the whole world, give moving bodies the same bits, with one exception: what a
+/// [`Spring`](crate::Spring) or [`GravityMass`](crate::GravityMass) ties to a kinematic body, since a step moves that one along in every substep.
 ///
 /// The settings are not [validated](Settings::validate) here; [`Simulation`](crate::Simulation) does that once, and knows the force
 /// laws and the time.
+///
+/// ```
+/// # use tumble::{step, prelude::*};
+/// # let mut world = hecs::World::new();
+/// let stone = RigidBody::new(Shape::Point).mass(2.0).build()?.spawn(&mut world);
+/// step(&mut world, &Settings::default().with_dt(0.5));
+/// assert!((world.get::<&Pose>(stone)?.position.y + 0.5 * 9.81 * 0.25).abs() < 1e-6);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 pub fn step(world: &mut World, settings: &Settings) {
     steps_under_laws(world, settings, &ForceLaws::default(), &mut None, 1, |_| 0.0, None);
 }

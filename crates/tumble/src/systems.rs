@@ -22,22 +22,65 @@ use crate::surroundings::Surroundings;
 use crate::tile::splat;
 use crate::totals::KineticEnergy;
 
-/// Constant forces to [`Wrench`](crate::Wrench): adds to each moving body's wrench what is the same at every stage of a step, which is gravity, scaled by
-/// its [`GravityScale`](crate::GravityScale).
+/// Adds to each moving body's [`Wrench`] the force that is the same at every stage of a step: gravity, scaled by its
+/// [`GravityScale`](crate::GravityScale).
 ///
 /// Force components that depend on the state, such as [`Drag`](crate::Drag), are evaluated in [`integrate`], as laws are; so is
 /// [`Damping`](crate::Damping), a decay that is treated exactly.
+///
+/// ```
+/// # use tumble::{accumulate_forces, prelude::*};
+/// # let mut world = hecs::World::new();
+/// let body = RigidBody::new(Shape::Point).mass(2.0).build()?.spawn(&mut world);
+/// accumulate_forces(&mut world, &Settings::default());
+/// assert_eq!(world.get::<&Wrench>(body)?.force, Vec3::Y * -19.62);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 pub fn accumulate_forces(world: &mut World, settings: &Settings) {
     for_each_chunk(world, &ForceLaws::default(), |bodies| accumulate_forces_of(bodies, settings));
 }
 
-/// [`Wrench`], [`Momentum`](crate::Momentum), [`Pose`](crate::Pose) to the same: advances the state by `settings.dt` with the chosen [`Integrator`], in
-/// `settings.substeps` equal parts, under the wrench, the force components and the forces between bodies, and zeroes the wrench it has consumed.
+/// Advances [`Momentum`](crate::Momentum) and [`Pose`](crate::Pose) of the moving bodies by `settings.dt`, and sets the [`Wrench`] that it has consumed to zero.
+///
+/// It takes the chosen [`Integrator`] through `settings.substeps` equal parts, under the wrench, the force components and the forces between bodies.
+/// Gravity is not in it, but in what [`accumulate_forces`] adds.
+///
+/// ```
+/// # use tumble::{integrate, prelude::*};
+/// # let mut world = hecs::World::new();
+/// let body = RigidBody::new(Shape::Point).mass(2.0).build()?.spawn(&mut world);
+/// world.get::<&mut Wrench>(body)?.add_force(Vec3::X * 4.0);
+/// integrate(&mut world, &Settings::default().with_dt(0.5));
+/// assert_eq!(world.get::<&Momentum>(body)?.linear, Vec3::X * 2.0);
+/// assert_eq!(world.get::<&Wrench>(body)?.force, Vec3::ZERO);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 pub fn integrate(world: &mut World, settings: &Settings) {
     integrate_under_laws(world, settings, &ForceLaws::default(), 0.0);
 }
 
 /// [`integrate`] under force laws, which are evaluated at every stage; `time` \[s\] is the simulated time at the start of the step.
+///
+/// ```
+/// # use tumble::{ForceLaws, integrate_under_laws, prelude::*};
+/// /// Grows by a newton a second.
+/// struct Thrust;
+///
+/// impl ForceLaw for Thrust {
+///     fn wrench(&self, state: &BodyState<'_>) -> Wrench {
+///         Wrench { force: Vec3::X * state.time as Real, torque: Vec3::ZERO }
+///     }
+/// }
+///
+/// # let mut world = hecs::World::new();
+/// let body = RigidBody::new(Shape::Point).mass(1.0).build()?.spawn(&mut world);
+/// let mut laws = ForceLaws::default();
+/// laws.add_everywhere(Thrust);
+/// integrate_under_laws(&mut world, &Settings::default().with_dt(0.5), &laws, 10.0);
+/// // The integral of t from 10 to 10.5.
+/// assert!((world.get::<&Momentum>(body)?.linear.x - 5.125).abs() < 1e-5);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 pub fn integrate_under_laws(world: &mut World, settings: &Settings, laws: &ForceLaws, time: f64) {
     if Coupling::is_in(world) {
         let mut coupling = Coupling::default();
@@ -93,8 +136,18 @@ pub(crate) enum Wrenches {
     Kept,
 }
 
-/// [`Pose`](crate::Pose), [`Momentum`](crate::Momentum), [`Mass`](crate::Mass), [`Inertia`](crate::Inertia) to
-/// [`Velocity`](crate::Velocity) and [`InverseInertia`](crate::InverseInertia), on the moving bodies that have them: `v = P/M`, `I^-1 = R I_body^-1 R^T`, `w = I^-1 L`.
+/// Derives [`Velocity`](crate::Velocity) and [`InverseInertia`](crate::InverseInertia) of the moving bodies that have them from their state:
+/// `v = P/M`, `I^-1 = R I_body^-1 R^T`, `w = I^-1 L`.
+///
+/// ```
+/// # use tumble::{update_derived, prelude::*};
+/// # let mut world = hecs::World::new();
+/// let body = RigidBody::new(Shape::Point).mass(2.0).build()?.spawn(&mut world);
+/// world.get::<&mut Momentum>(body)?.apply_impulse(Vec3::X * 4.0);
+/// update_derived(&mut world);
+/// assert_eq!(world.get::<&Velocity>(body)?.linear, Vec3::X * 2.0);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 pub fn update_derived(world: &mut World) {
     for_each_chunk(world, &ForceLaws::default(), update_derived_of);
 }

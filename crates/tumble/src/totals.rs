@@ -12,6 +12,16 @@ use crate::state::{Constants, State, moving_body};
 use crate::surroundings::Surroundings;
 
 /// What a system of bodies has in all, in double precision. Only bodies with momentum count.
+///
+/// ```
+/// # use tumble::{BodyOrder, measure, prelude::*};
+/// # let mut world = hecs::World::new();
+/// RigidBody::new(Shape::Point).mass(2.0).position(Vec3::Y).linear_velocity(Vec3::X * 3.0).build()?.spawn(&mut world);
+/// let totals = measure(&world, &Settings::default(), &BodyOrder::of(&world));
+/// assert_eq!((totals.linear_momentum.x, totals.angular_momentum.z), (6.0, -6.0));
+/// assert!((totals.energy() - (9.0 + 2.0 * 9.81)).abs() < 1e-5);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq, Default)]
 pub struct Totals {
     /// Kinetic energy of the centres of mass, `sum P^2/2M` \[J\].
@@ -32,9 +42,35 @@ pub struct Totals {
 }
 
 impl Totals {
+    /// Of one body, without what forces between bodies hold; nothing but [`non_finite`](Self::non_finite) if its state is not finite.
+    ///
+    /// ```
+    /// # use tumble::{prelude::*, Totals};
+    /// # let mut world = hecs::World::new();
+    /// let wheel = RigidBody::new(Shape::cylinder(1.0, 0.1)).mass(4.0).angular_velocity(Vec3::Y * 2.0).build()?.spawn(&mut world);
+    /// let totals = Totals::of_body(world.entity(wheel)?, &Settings::default());
+    /// assert!((totals.rotational_kinetic - 4.0).abs() < 1e-6); // m r^2/4 w^2
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    pub fn of_body(body: EntityRef<'_>, settings: &Settings) -> Self {
+        let mut totals = Self::default();
+        totals.add(body, settings);
+        totals
+    }
+
     /// Kinetic and potential energy \[J\].
     pub fn energy(&self) -> f64 {
         self.linear_kinetic + self.rotational_kinetic + self.potential + self.force_potential
+    }
+
+    /// Kinetic energy, of centres of mass and of rotation \[J\].
+    pub fn kinetic(&self) -> f64 {
+        self.linear_kinetic + self.rotational_kinetic
+    }
+
+    /// Energy in gravity and in force components \[J\].
+    pub fn all_potential(&self) -> f64 {
+        self.potential + self.force_potential
     }
 
     fn add(&mut self, body: EntityRef<'_>, settings: &Settings) {

@@ -10,6 +10,11 @@ use crate::components::{
 use crate::math::{Vec3, dquat, dvec3, quat, vec3};
 
 /// Why bodies cannot be welded.
+///
+/// ```
+/// # use tumble::{WeldError, weld};
+/// assert_eq!(weld(&hecs::World::new(), &[]).unwrap_err(), WeldError::NoBodies);
+/// ```
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum WeldError {

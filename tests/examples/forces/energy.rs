@@ -60,7 +60,7 @@ fn changes(mut world: World, dt: Real) -> Result<Vec<(f64, f64)>, Failure> {
     let mut changes = Vec::new();
     for sample in 0..=SAMPLES {
         let now = measure(&world, simulation.settings(), &order);
-        let change = (now.energy() - first.energy()) / (first.linear_kinetic + first.rotational_kinetic);
+        let change = (now.energy() - first.energy()) / first.kinetic();
         changes.push((f64::from(sample * (STEPS / SAMPLES)) * 1e-3, change));
         simulation.step_many(&mut world, STEPS / SAMPLES);
     }

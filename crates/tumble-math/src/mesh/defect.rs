@@ -127,6 +127,12 @@ impl fmt::Display for MeshDefect {
 }
 
 /// One kind of repair of a mesh, with how often.
+///
+/// ```
+/// use tumble_math::{MeshDefect, MeshRepair};
+/// let repair = MeshDefect::InsideOutParts { parts: 1 }.repair();
+/// assert_eq!(repair, Some(MeshRepair::FlipParts { parts: 1 }));
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum MeshRepair {

@@ -7,6 +7,11 @@ use super::mesh_error::MeshError;
 use crate::inertia_error::listed;
 
 /// Why [`convex_hull`](crate::convex_hull) has no answer.
+///
+/// ```
+/// use tumble_math::{HullError, convex_hull};
+/// assert_eq!(convex_hull(&[glam::DVec3::ZERO]).unwrap_err(), HullError::TooFew { count: 1 });
+/// ```
 #[derive(Clone, Debug, PartialEq, Error)]
 #[non_exhaustive]
 pub enum HullError {

@@ -7,6 +7,11 @@ use super::defect::MeshDefect;
 use crate::inertia_error::listed;
 
 /// Why a [`TriangleMesh`](crate::TriangleMesh) or a [`SolidMesh`](crate::SolidMesh) cannot be made.
+///
+/// ```
+/// use tumble_math::{MeshError, TriangleMesh};
+/// assert_eq!(TriangleMesh::new(vec![], vec![]).unwrap_err(), MeshError::NoTriangles);
+/// ```
 #[derive(Clone, Debug, PartialEq, Error)]
 #[non_exhaustive]
 pub enum MeshError {

@@ -8,6 +8,17 @@ use crate::convert::LARGEST;
 use crate::error::FieldError;
 
 /// The geometry of a collider or a trigger in the frame of its node, before the node's scale. Axes of revolution lie along y.
+///
+/// ```
+/// use tumble_scene::gltf::{Geometry, Physics};
+///
+/// let physics = Physics::from_json(r#"{ "asset": { "version": "2.0" }, "nodes": [
+///     { "extensions": { "KHR_physics_rigid_bodies": { "collider": { "geometry": { "shape": 0 } } } } } ],
+///     "extensions": { "KHR_implicit_shapes": { "shapes": [ { "type": "sphere", "sphere": { "radius": 0.5 } } ] } } }"#, "scene.gltf")?;
+/// let collider = physics.nodes[0].collider.as_ref();
+/// assert_eq!(collider.and_then(|collider| collider.geometry), Some(Geometry::Sphere { radius: 0.5 }));
+/// # Ok::<(), tumble_scene::SceneError>(())
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Geometry {
     /// A block.
@@ -57,6 +68,13 @@ pub enum Geometry {
 }
 
 /// Where the triangles of a mesh collider are.
+///
+/// ```
+/// use tumble_scene::gltf::{Geometry, MeshSource};
+///
+/// let hull_of_the_third_mesh = Geometry::Mesh { source: MeshSource::Mesh(2), convex_hull: true };
+/// # assert_ne!(hull_of_the_third_mesh, Geometry::Sphere { radius: 1.0 });
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum MeshSource {
     /// The meshes of this node and of those below it, in its frame.

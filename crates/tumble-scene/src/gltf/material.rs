@@ -3,6 +3,13 @@
 use serde::{Deserialize, Deserializer};
 
 /// A surface, as KHR_physics_rigid_bodies and OMI_physics_body describe it. Nothing here collides yet: it is kept for contacts.
+///
+/// ```
+/// use tumble_scene::gltf::SurfaceMaterial;
+///
+/// let rubber = SurfaceMaterial { static_friction: 1.0, dynamic_friction: 0.9, restitution: 0.8, ..SurfaceMaterial::default() };
+/// # assert_ne!(rubber, SurfaceMaterial::default());
+/// ```
 #[derive(Clone, Debug, PartialEq, Deserialize)]
 #[serde(default, rename_all = "camelCase")]
 pub struct SurfaceMaterial {
@@ -46,6 +53,15 @@ impl SurfaceMaterial {
 }
 
 /// How two coefficients become one. Where two surfaces ask for different ways, the first of them in this order counts.
+///
+/// ```
+/// use tumble_scene::gltf::{Combine, SurfaceMaterial};
+///
+/// let ice = SurfaceMaterial { dynamic_friction: 0.05, friction_combine: Combine::Minimum, ..SurfaceMaterial::default() };
+/// let rubber = SurfaceMaterial { dynamic_friction: 0.9, ..SurfaceMaterial::default() };
+/// let [a, b] = [&ice, &rubber].map(|surface| (surface.dynamic_friction, surface.friction_combine));
+/// assert_eq!(Combine::of(a, b), Combine::of(b, a));
+/// ```
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Combine {
@@ -84,6 +100,16 @@ impl Combine {
 ///
 /// KHR's draft writes of subsets where it means, as its examples have it, that one system in common is enough; so it is here. An empty list is
 /// none, as OMI has it.
+///
+/// ```
+/// use tumble_scene::gltf::CollisionFilter;
+///
+/// let everyone = CollisionFilter::default();
+/// let ghosts = CollisionFilter { collision_systems: vec!["ghosts".into()], not_collide_with_systems: Some(vec!["walls".into()]), ..CollisionFilter::default() };
+/// let walls = CollisionFilter { collision_systems: vec!["walls".into()], ..CollisionFilter::default() };
+/// assert!(!ghosts.collides_with(&walls));
+/// assert!(everyone.collides_with(&walls));
+/// ```
 #[derive(Clone, Debug, Default, PartialEq, Eq, Deserialize)]
 #[serde(default, rename_all = "camelCase")]
 pub struct CollisionFilter {

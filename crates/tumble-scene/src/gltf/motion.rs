@@ -7,6 +7,16 @@ use super::tree::unit;
 use crate::convert::LARGEST;
 
 /// What moves a body.
+///
+/// ```
+/// use tumble_scene::gltf::{MotionKind, Physics};
+///
+/// let physics = Physics::from_json(r#"{ "asset": { "version": "2.0" }, "nodes": [
+///     { "extensions": { "KHR_physics_rigid_bodies": { "motion": { "isKinematic": true } } } } ] }"#, "scene.gltf")?;
+/// let motion = physics.nodes[0].motion.as_ref();
+/// assert_eq!(motion.map(|motion| motion.kind), Some(MotionKind::Kinematic));
+/// # Ok::<(), tumble_scene::SceneError>(())
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum MotionKind {
     /// Forces.
@@ -18,6 +28,16 @@ pub enum MotionKind {
 }
 
 /// A body's motion as the file says it. What is `None` is for the reader to compute from the colliders.
+///
+/// ```
+/// use tumble_scene::gltf::{Physics};
+///
+/// let physics = Physics::from_json(r#"{ "asset": { "version": "2.0" }, "nodes": [
+///     { "extensions": { "KHR_physics_rigid_bodies": { "motion": { "mass": 2, "gravityFactor": 0 } } } } ] }"#, "scene.gltf")?;
+/// let motion = physics.nodes[0].motion.as_ref();
+/// assert!(motion.is_some_and(|motion| motion.mass == Some(2.0) && motion.gravity_factor == 0.0));
+/// # Ok::<(), tumble_scene::SceneError>(())
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Motion {
     /// What moves it.

@@ -17,6 +17,15 @@ use crate::error::FieldError;
 /// It follows the drafts KHR_physics_rigid_bodies and KHR_implicit_shapes at revision ac5c413 of `eoineoineoin/glTF_Physics` (2025-10-29) and
 /// OMI_physics_body, OMI_physics_shape and OMI_physics_joint at 89d328b of `omigroup/gltf-extensions`.
 /// Of a node that has both, KHR's alone counts. [`Scene::open`](crate::Scene::open) makes bodies of it.
+///
+/// ```
+/// use tumble_scene::gltf::{Physics};
+///
+/// let physics = Physics::from_json(r#"{ "asset": { "version": "2.0" }, "nodes": [
+///     { "extensions": { "KHR_physics_rigid_bodies": { "motion": { "mass": 2 } } } } ] }"#, "scene.gltf")?;
+/// assert_eq!(physics.nodes.len(), 1);
+/// # Ok::<(), tumble_scene::SceneError>(())
+/// ```
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Physics {
     /// The nodes of the scene that have any physics, by index.
@@ -26,6 +35,16 @@ pub struct Physics {
 }
 
 /// A node with physics.
+///
+/// ```
+/// use tumble_scene::gltf::{Physics};
+///
+/// let physics = Physics::from_json(r#"{ "asset": { "version": "2.0" }, "nodes": [
+///     { "extensions": { "KHR_physics_rigid_bodies": { "motion": { "mass": 2, "linearVelocity": [0, 0, 3] } } } } ] }"#, "scene.gltf")?;
+/// let node = &physics.nodes[0];
+/// assert_eq!((node.index, node.body, node.linear_velocity().z), (0, Some(0), 3.0));
+/// # Ok::<(), tumble_scene::SceneError>(())
+/// ```
 #[derive(Clone, Debug, PartialEq)]
 pub struct PhysicsNode {
     /// Its index in the file.
@@ -71,6 +90,17 @@ impl PhysicsNode {
 }
 
 /// The collider of a node.
+///
+/// ```
+/// use tumble_scene::gltf::{Physics};
+///
+/// let physics = Physics::from_json(r#"{ "asset": { "version": "2.0" }, "nodes": [
+///     { "extensions": { "KHR_physics_rigid_bodies": { "collider": { "geometry": { "shape": 0 } } } } } ],
+///     "extensions": { "KHR_implicit_shapes": { "shapes": [ { "type": "sphere", "sphere": { "radius": 0.5 } } ] } } }"#, "scene.gltf")?;
+/// let collider = physics.nodes[0].collider.as_ref();
+/// assert!(collider.is_some_and(|collider| collider.geometry.is_some() && collider.material.is_none()));
+/// # Ok::<(), tumble_scene::SceneError>(())
+/// ```
 #[derive(Clone, Debug, PartialEq)]
 pub struct Collider {
     /// Its shape; `None` for a node that only holds together those below it, which OMI allows.
@@ -82,6 +112,17 @@ pub struct Collider {
 }
 
 /// The trigger of a node.
+///
+/// ```
+/// use tumble_scene::gltf::{Physics};
+///
+/// let physics = Physics::from_json(r#"{ "asset": { "version": "2.0" }, "nodes": [
+///     { "extensions": { "KHR_physics_rigid_bodies": { "trigger": { "geometry": { "shape": 0 } } } } } ],
+///     "extensions": { "KHR_implicit_shapes": { "shapes": [ { "type": "sphere", "sphere": { "radius": 0.5 } } ] } } }"#, "scene.gltf")?;
+/// let trigger = physics.nodes[0].trigger.as_ref();
+/// assert!(trigger.is_some_and(|trigger| trigger.geometry.is_some() && trigger.nodes.is_empty()));
+/// # Ok::<(), tumble_scene::SceneError>(())
+/// ```
 #[derive(Clone, Debug, PartialEq)]
 pub struct Trigger {
     /// Its shape; `None` for a compound.
@@ -93,6 +134,17 @@ pub struct Trigger {
 }
 
 /// A joint between two nodes.
+///
+/// ```
+/// use tumble_scene::gltf::{Physics};
+///
+/// let physics = Physics::from_json(r#"{ "asset": { "version": "2.0" }, "nodes": [
+///     { "extensions": { "KHR_physics_rigid_bodies": { "motion": {}, "joint": { "connectedNode": 1, "joint": 0 } } } }, {} ],
+///     "extensions": { "KHR_physics_rigid_bodies": { "physicsJoints": [ {
+///         "limits": [ { "linearAxes": [0, 1, 2] } ], "drives": [ { "type": "angular", "mode": "force", "axis": 1, "velocityTarget": 3 } ] } ] } } }"#, "scene.gltf")?;
+/// assert!(physics.nodes[0].joint.as_ref().is_some_and(|to| to.connected_node == 1));
+/// # Ok::<(), tumble_scene::SceneError>(())
+/// ```
 #[derive(Clone, Debug, PartialEq)]
 pub struct JointTo {
     /// The other node.

@@ -1,6 +1,12 @@
 //! What is common to the two axes of a plot.
 
 /// How the values of an axis are laid out.
+///
+/// ```
+/// use tumble_scene::{Mark, Plot, Scale};
+/// let plot = Plot::new("Errors").y_axis("error", Scale::Log).series("runs", Mark::Dots, [(1.0, 1e-3), (2.0, 1e-6)]);
+/// # assert!(plot.to_svg().contains("error"));
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Scale {
     /// In proportion.

@@ -8,7 +8,8 @@ use serde::Serialize;
 
 use super::replay::{Replay, Shown};
 use super::surfaces::{arrays, is_wide};
-use crate::trajectory::{COLORS, Color, GREY};
+use crate::looks::{BODY_COLORS, FIXED_COLOR};
+use crate::trajectory::Color;
 
 /// Longest name of a body that is shown \[characters\].
 const LONGEST_NAME: usize = 60;
@@ -51,7 +52,7 @@ struct BodyData {
 
 /// Writes the data as JSON that may stand in an element of a page.
 pub(super) fn write(replay: &Replay, to: &mut impl Write) -> io::Result<()> {
-    let mut data = Data { colors: COLORS.iter().copied().chain([GREY]).collect(), ..Data::default() };
+    let mut data = Data { colors: BODY_COLORS.iter().copied().chain([FIXED_COLOR]).collect(), ..Data::default() };
     if let Some(up) = data.up.get_mut(replay.up()) {
         *up = 1;
     }
@@ -78,7 +79,7 @@ impl Data {
                 surface: look.surface,
                 color: match look.color {
                     Color::Bright(color) => color,
-                    Color::Grey => COLORS.len(),
+                    Color::Grey => BODY_COLORS.len(),
                 },
                 scale: body.scale,
                 moves: body.moves,

@@ -1,6 +1,13 @@
 use std::io;
 
 /// Why a frame was not recorded.
+///
+/// ```
+/// use tumble_scene::TrajectoryError;
+///
+/// let error = TrajectoryError::TooLarge { bodies: 1_000_000, frames: 1000, bytes: 32 << 30 };
+/// assert!(error.to_string().starts_with("1000000 bodies in 1000 frames are 32.0 GiB"));
+/// ```
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum TrajectoryError {

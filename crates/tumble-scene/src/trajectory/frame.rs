@@ -6,6 +6,20 @@ use tumble::{BodyId, BodyOrder, Pose, Simulation, Velocity};
 use crate::Names;
 
 /// All bodies at one step, as they are recorded. `Velocity` must be that of the state: run [`update_derived`](tumble::update_derived) before.
+///
+/// ```
+/// use tumble::{BodyOrder, Simulation};
+/// use tumble_scene::{Frame, Scene};
+///
+/// let scene = Scene::open("iss")?;
+/// let mut world = hecs::World::new();
+/// let simulation = Simulation::new(scene.settings)?;
+/// let names = scene.spawn(&mut world)?;
+/// let order = BodyOrder::of(&world);
+/// let frame = Frame::of(&simulation, &world, &order, &names);
+/// assert_eq!((frame.step, frame.time), (0, 0.0));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Clone, Copy)]
 pub struct Frame<'a> {
     /// Steps done.

@@ -16,8 +16,8 @@ use std::io::{self, BufWriter, Seek, SeekFrom, Write};
 use tumble::Pose;
 
 pub(crate) use self::bodies::{Bodies, Color};
-pub(crate) use self::document::{COLORS, GREY};
 pub(crate) use self::geometry::Surface;
+pub use self::geometry::SurfaceSet;
 use self::layout::Layout;
 pub(crate) use self::sample::{Sample, double, single};
 use super::error::TrajectoryError;

@@ -8,6 +8,19 @@ use crate::property_error::PropertyError;
 ///
 /// A body whose frame is not the principal one also has [`PrincipalAxes`]. A body without `Inertia` is a point mass: it does not
 /// turn. Replacing the component while the simulation runs keeps the angular momentum, so the body spins up or down, as a skater does.
+///
+/// ```
+/// # use tumble::prelude::*;
+/// # let mut world = hecs::World::new();
+/// // A skater pulls in the arms: half the moment of inertia, twice the angular velocity.
+/// let skater = RigidBody::new(Shape::sphere(0.5)).mass(50.0).angular_velocity(Vec3::Y * 3.0).build()?;
+/// let skater = skater.spawn(&mut world);
+/// let halved = Inertia::new(world.get::<&Inertia>(skater)?.moments() * 0.5)?;
+/// *world.get::<&mut Inertia>(skater)? = halved;
+/// Simulation::new(Settings::default())?.step(&mut world);
+/// assert!((world.get::<&Velocity>(skater)?.angular.y - 6.0).abs() < 1e-4);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[repr(C)]
 pub struct Inertia {
@@ -66,6 +79,13 @@ impl Inertia {
 }
 
 /// Why principal moments are refused.
+///
+/// ```
+/// # use tumble::{Inertia, InertiaComponentError, math::Vec3};
+/// // One moment is larger than the other two together: no solid is like that.
+/// let error = Inertia::new(Vec3::new(1.0, 2.0, 3.5)).unwrap_err();
+/// assert!(matches!(error, InertiaComponentError::Impossible(_)));
+/// ```
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum InertiaComponentError {
@@ -79,6 +99,17 @@ pub enum InertiaComponentError {
 
 /// The rotation whose matrix has the principal axes, in body coordinates, as columns: it takes principal-frame coordinates to
 /// body-frame coordinates, `I_body = R diag(moments) R^T`. A body whose frame is principal does without.
+///
+/// ```
+/// # use tumble::{InertiaTensor, prelude::*};
+/// # let mut world = hecs::World::new();
+/// let tilted = InertiaTensor::from_principal([1.0, 2.0, 2.5], tumble::glam::DQuat::from_rotation_z(0.3))?;
+/// let body = RigidBody::new(Shape::sphere(1.0)).mass(1.0);
+/// let (plain, tilted) = (body.clone().build()?.spawn(&mut world), body.inertia(tilted).build()?.spawn(&mut world));
+/// assert!(world.get::<&PrincipalAxes>(plain).is_err());
+/// assert!(world.get::<&PrincipalAxes>(tilted).is_ok());
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[repr(transparent)]
 pub struct PrincipalAxes(pub Quat);
@@ -86,11 +117,32 @@ pub struct PrincipalAxes(pub Quat);
 /// The centre of mass in the body's own frame \[m\]. A body whose frame has its origin there does without.
 ///
 /// The state is that of the centre of mass; [`Pose::origin`](crate::Pose::origin) gives where the frame's origin is.
+///
+/// ```
+/// # use tumble::prelude::*;
+/// # let mut world = hecs::World::new();
+/// let weeble = RigidBody::new(Shape::sphere(0.1)).mass(0.3).center_of_mass([0.0, -0.06, 0.0]).build()?;
+/// let weeble = weeble.spawn(&mut world);
+/// let (pose, center) = (world.get::<&Pose>(weeble)?, world.get::<&CenterOfMass>(weeble)?);
+/// assert!((pose.position - Vec3::Y * -0.06).length() < 1e-6);
+/// assert!(pose.origin(Some(&*center)).length() < 1e-6);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct CenterOfMass(pub Vec3);
 
 /// Inverse inertia tensor about the centre of mass in the world frame [1/(kg m^2)], symmetric: what a torque is multiplied with to
 /// give an angular acceleration. Derived by [`update_derived`](crate::update_derived).
+///
+/// ```
+/// # use tumble::{InverseInertia, prelude::*};
+/// # let mut world = hecs::World::new();
+/// // A moment of 2/5 M r^2 = 1 kg m^2 about every axis.
+/// let ball = RigidBody::new(Shape::sphere(0.5)).mass(10.0).build()?.spawn(&mut world);
+/// let angular_acceleration = *world.get::<&InverseInertia>(ball)? * (Vec3::X * 3.0);
+/// assert!((angular_acceleration - Vec3::X * 3.0).length() < 1e-5);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq, Default)]
 #[repr(C)]
 pub struct InverseInertia {

@@ -1,13 +1,4 @@
-//! The components of a body, grouped by who writes them.
-//!
-//! | written | components |
-//! |---|---|
-//! | at spawn | [`Mass`], [`Inertia`], [`PrincipalAxes`], [`CenterOfMass`], [`BodyId`] |
-//! | by [`integrate`](crate::integrate) (the state) | [`Pose`], [`Momentum`] |
-//! | by the caller, consumed by the step | [`Wrench`] |
-//! | by [`update_derived`](crate::update_derived) | [`Velocity`], [`InverseInertia`] |
-//! | by the caller, kept until removed | [`GravityScale`], [`Damping`], and [laws](crate::ForceLaw) of the caller's own |
-//! | by [`integrate`](crate::integrate), where a [`Ledger`](crate::Ledger) wants it | [`Work`] |
+//! The components of a body; who writes which is told in the documentation of the crate.
 
 mod body_id;
 mod inertia;

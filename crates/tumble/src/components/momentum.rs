@@ -2,7 +2,15 @@ use crate::math::Vec3;
 
 /// Linear momentum [kg m/s] and angular momentum about the centre of mass [kg m^2/s], both in the world frame.
 ///
-/// Momentum, not velocity, is the state: without forces it does not change, to the bit. A body without it does not move.
+/// Momentum, not velocity, is the state: without forces it does not change, to the bit. A body without it is not moved by forces.
+///
+/// ```
+/// # use tumble::{Momentum, math::Vec3};
+/// let mut momentum = Momentum::default();
+/// momentum.apply_impulse(Vec3::X * 3.0);
+/// momentum.apply_angular_impulse(Vec3::Y);
+/// assert_eq!((momentum.linear, momentum.angular), (Vec3::X * 3.0, Vec3::Y));
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq, Default)]
 #[repr(C)]
 pub struct Momentum {

@@ -3,6 +3,13 @@ use crate::math::{Mat4, Quat, Real, Vec3};
 
 /// Where a body is: the centre of mass and the orientation of its frame. Of a fixed or kinematic body, which has no mass, the origin of its
 /// frame stands for the centre of mass.
+///
+/// ```
+/// # use tumble::{Pose, math::{Quat, Real, Vec3}};
+/// let pose = Pose { position: Vec3::Y, orientation: Quat::from_rotation_z(std::f64::consts::FRAC_PI_2 as Real) };
+/// assert!((pose.transform_point(Vec3::X) - Vec3::Y * 2.0).length() < 1e-6);
+/// assert!((pose.to_mat4().transform_point3(Vec3::X) - Vec3::Y * 2.0).length() < 1e-6);
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[repr(C)]
 pub struct Pose {
@@ -43,6 +50,21 @@ impl Pose {
         Mat4::from_rotation_translation(self.orientation, self.position)
     }
 
+    /// Where the world is as seen from here: what takes this pose to that of the world's origin, not turned.
+    ///
+    /// ```
+    /// # use tumble::{Pose, math::{Quat, Vec3}};
+    /// # let (station, ship) = (Pose { position: Vec3::X * 3.0, ..Pose::default() }, Pose { position: Vec3::Y * 4.0, ..Pose::default() });
+    /// // The ship in the station's frame.
+    /// let relative = station.inverse() * ship;
+    /// assert_eq!(relative.position, Vec3::new(-3.0, 4.0, 0.0));
+    /// ```
+    #[inline]
+    #[must_use]
+    pub fn inverse(&self) -> Self {
+        Self { position: self.inverse_transform_point(Vec3::ZERO), orientation: self.orientation.conjugate() }
+    }
+
     /// The pose at the fraction `alpha` of the way from `self` (0) to `next` (1): straight in position, slerp in orientation.
     /// For rendering between two steps.
     ///
@@ -61,8 +83,30 @@ impl Pose {
     }
 }
 
+impl std::ops::Mul for Pose {
+    type Output = Self;
+
+    /// The pose in the world of something whose pose in the frame of `self` is `attached`.
+    #[inline]
+    fn mul(self, attached: Self) -> Self {
+        Self { position: self.transform_point(attached.position), orientation: self.orientation * attached.orientation }
+    }
+}
+
 /// The pose before the last step. The step keeps it up to date on bodies that have it, for
 /// [`Pose::interpolate`] to draw frames between steps.
+///
+/// ```
+/// # use tumble::prelude::*;
+/// # let mut world = hecs::World::new();
+/// let ball = RigidBody::new(Shape::sphere(0.1)).mass(1.0).linear_velocity(Vec3::X).interpolated().build()?;
+/// let ball = ball.spawn(&mut world);
+/// let mut simulation = Simulation::new(Settings::default())?;
+/// let alpha = simulation.advance(&mut world, 1.5 / 60.0); // a step and a half
+/// let drawn = world.get::<&PreviousPose>(ball)?.0.interpolate(&*world.get::<&Pose>(ball)?, alpha);
+/// assert!((drawn.position.x - 0.5 / 60.0).abs() < 1e-6);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq, Default)]
 #[repr(transparent)]
 pub struct PreviousPose(pub Pose);

@@ -4,6 +4,17 @@ use crate::math::Vec3;
 ///
 /// On a body with [`Momentum`](crate::Momentum) it is derived by [`update_derived`](crate::update_derived); change the momentum,
 /// not this. A body with a velocity and no momentum is *kinematic*: it moves as told, whatever pushes it.
+///
+/// ```
+/// # use tumble::prelude::*;
+/// # let mut world = hecs::World::new();
+/// // A wheel that rolls along x: the point on the ground stands still.
+/// let wheel = RigidBody::new(Shape::cylinder(0.5, 0.1)).mass(10.0).linear_velocity(Vec3::X);
+/// let wheel = wheel.angular_velocity(Vec3::Z * -2.0).build()?.spawn(&mut world);
+/// let (pose, velocity) = (world.get::<&Pose>(wheel)?, world.get::<&Velocity>(wheel)?);
+/// assert!(velocity.at_point(pose.position - Vec3::Y * 0.5, pose.position).length() < 1e-6);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq, Default)]
 #[repr(C)]
 pub struct Velocity {

@@ -6,6 +6,19 @@ use crate::force_laws::ForceLaws;
 ///
 /// The sum is the change of the body's kinetic energy in steps. What happens between steps, such as an impulse or another
 /// [`Inertia`](crate::Inertia), is not in it.
+///
+/// ```
+/// # use tumble::{Work, prelude::*};
+/// # let mut world = hecs::World::new();
+/// let stone = RigidBody::new(Shape::sphere(0.1)).mass(2.0).build()?.spawn(&mut world);
+/// let mut simulation = Simulation::new(Settings::default())?;
+/// Ledger::attach(&mut world, &simulation);
+/// simulation.step_many(&mut world, 60);
+/// let work = *world.get::<&Work>(stone)?;
+/// assert!((work.gravity - 9.81 * 9.81).abs() < 1e-3); // M g times the g/2 metres that it fell in a second
+/// assert_eq!(work.of("Drag"), Some(0.0));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq, Default)]
 pub struct Work {
     /// By gravity.

@@ -4,6 +4,17 @@ use crate::math::Vec3;
 ///
 /// D'Alembert's accumulators: however many forces act, the body moves as under these two. The step that consumes the wrench zeroes
 /// it, so a force that is to last is added before every step.
+///
+/// ```
+/// # use tumble::prelude::*;
+/// # let mut world = hecs::World::new();
+/// let crate_ = RigidBody::new(Shape::cuboid([0.5, 0.5, 0.5])).mass(20.0).build()?.spawn(&mut world);
+/// world.get::<&mut Wrench>(crate_)?.add_force(Vec3::X * 100.0); // in the next step
+/// Simulation::new(Settings::default())?.step(&mut world);
+/// assert_eq!(world.get::<&Wrench>(crate_)?.force, Vec3::ZERO);
+/// assert!((world.get::<&Velocity>(crate_)?.linear.x - 5.0 / 60.0).abs() < 1e-6);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq, Default)]
 #[repr(C)]
 pub struct Wrench {

@@ -4,10 +4,21 @@ use super::constant_wrench::{Frame, to_world};
 use crate::lane_law::{LaneBody, LaneLaw, LaneWrench};
 use crate::math::{Real, Vec3};
 
-/// Turns the body up to a wanted angular velocity, in one step where the torque suffices: `torque = I (wanted - w)/dt`, at most so large.
+/// Turns the body up to a wanted angular velocity, in one step where the torque suffices: `torque = I (wanted - w)/dt`, up to a limit.
 ///
 /// What other engines leave to the caller (Unity's `AddTorque(inertia * difference / dt)`) with a limit: a reaction wheel. Against a limit the angular
 /// velocity changes at the rate `max_torque/I`, and the last of it may take one step more. It does work, and has no potential. Under `RungeKutta4`, whose stages are within the step, each step leaves 0.375 of the difference.
+///
+/// ```
+/// # use tumble::prelude::*;
+/// # let mut world = hecs::World::new();
+/// let craft = RigidBody::new(Shape::cuboid([0.1, 0.2, 0.3])).mass(2.0).build()?.spawn(&mut world);
+/// let spin = AngularVelocityServo { target: Vec3::Y * 3.0, frame: Frame::World, max_torque: 100.0 };
+/// world.insert_one(craft, spin)?;
+/// Simulation::new(Settings::default())?.step_many(&mut world, 2);
+/// assert!((world.get::<&Velocity>(craft)?.angular - Vec3::Y * 3.0).length() < 1e-3);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct AngularVelocityServo {
     /// Wanted angular velocity [rad/s].

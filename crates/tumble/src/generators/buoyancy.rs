@@ -9,6 +9,17 @@ use crate::math::{Real, Vec3, dquat, dvec3};
 /// Up is against the simulation's gravity; the surface is the plane of all points `level` above the origin. Volume and centroid are exact for both
 /// hulls, so a box rights itself or turns over as it should. The energy is `rho g` times the integral of depth over the volume. The water does not resist: that is
 /// [`Damping`](crate::Damping)'s or [`Drag`](crate::Drag)'s. Without gravity there is no lift.
+///
+/// ```
+/// # use tumble::prelude::*;
+/// # let mut world = hecs::World::new();
+/// // A ball of half the density of water, with its centre in the surface: lift and weight cancel.
+/// let ball = RigidBody::new(Shape::sphere(0.5)).density(500.0).build()?.spawn(&mut world);
+/// world.insert_one(ball, Buoyancy::new(Hull::Sphere { radius: 0.5 }))?;
+/// Simulation::new(Settings::default())?.step(&mut world);
+/// assert!(world.get::<&Velocity>(ball)?.linear.y.abs() < 1e-5);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Buoyancy {
     /// Density of the water [kg/m^3].
@@ -22,11 +33,18 @@ pub struct Buoyancy {
 }
 
 /// Shapes that float.
+///
+/// ```
+/// # use tumble::prelude::*;
+/// let raft = Hull::Cuboid { half_extents: Vec3::new(1.0, 0.1, 2.0) };
+/// let afloat_on_a_lake = Buoyancy { level: 120.0, ..Buoyancy::new(raft) };
+/// # assert_eq!(afloat_on_a_lake.density, 1000.0);
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Hull {
     /// A ball.
     Sphere {
-        /// \[m\]
+        /// Radius \[m\].
         radius: Real,
     },
     /// A box along the body's axes.

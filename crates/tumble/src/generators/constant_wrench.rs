@@ -4,6 +4,13 @@ use crate::lane_law::{LaneBody, LaneLaw, LaneWrench};
 use crate::math::{Real, Vec3};
 
 /// Which axes a vector is given along.
+///
+/// ```
+/// # use tumble::prelude::*;
+/// // A motor that pushes along the body's own y axis, wherever that points.
+/// let motor = ConstantWrench { force: Vec3::Y * 50.0, frame: Frame::Body, ..ConstantWrench::default() };
+/// # assert_ne!(motor.frame, Frame::default());
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
 pub enum Frame {
     /// The world's.
@@ -26,6 +33,16 @@ impl Frame {
 /// A force and a torque that act until this component is removed; a [`Wrench`](crate::Wrench) acts in one step only.
 ///
 /// In the world frame it is a constant force: `x = x0 + v0 t + F t^2/2M`. In the body frame it turns with the body. It has no potential.
+///
+/// ```
+/// # use tumble::prelude::*;
+/// # let mut world = hecs::World::new();
+/// let sled = RigidBody::new(Shape::cuboid([0.4, 0.1, 0.2])).mass(5.0).gravity_scale(0.0).build()?.spawn(&mut world);
+/// world.insert_one(sled, ConstantWrench { force: Vec3::X * 10.0, ..ConstantWrench::default() })?;
+/// Simulation::new(Settings::default())?.step_many(&mut world, 60); // a second
+/// assert!((world.get::<&Velocity>(sled)?.linear.x - 2.0).abs() < 1e-4);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq, Default)]
 pub struct ConstantWrench {
     /// Force through the centre of mass \[N\].

@@ -7,6 +7,18 @@ use crate::math::Real;
 ///
 /// Always across the motion, so in still air it does no work. A body that moves at constant speed with `w` across its way goes round with the
 /// angular velocity `S w/M`.
+///
+/// ```
+/// # use tumble::prelude::*;
+/// # let mut world = hecs::World::new();
+/// // Topspin: the ball flies along x, and what is on top moves forward.
+/// let ball = RigidBody::new(Shape::sphere(0.03)).mass(0.06).gravity_scale(0.0);
+/// let ball = ball.linear_velocity(Vec3::X * 30.0).angular_velocity(Vec3::Z * -200.0).build()?.spawn(&mut world);
+/// world.insert_one(ball, Magnus { coefficient: 1e-5 })?;
+/// Simulation::new(Settings::default())?.step(&mut world);
+/// assert!(world.get::<&Velocity>(ball)?.linear.y < 0.0); // it dips
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq, Default)]
 pub struct Magnus {
     /// `S` \[kg\]. For a sphere of radius r in a fluid of density rho, theory without friction gives `8/3 pi rho r^3`; balls in air have less.

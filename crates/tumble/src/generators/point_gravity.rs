@@ -10,6 +10,18 @@ use crate::math::{Real, Vec3, dvec3};
 /// stronger on the near side is not in it.
 ///
 /// Under `MoserVeselov` the energy of an orbit has no trend, and the ellipse turns by an angle that falls with the square of the step: docs/forces.md has figures.
+///
+/// ```
+/// # use tumble::prelude::*;
+/// # let mut world = hecs::World::new();
+/// // A circle: the square of the speed is mu over the distance.
+/// let moon = RigidBody::new(Shape::Point).mass(1.0).position(Vec3::X * 2.0).linear_velocity(Vec3::Z).build()?;
+/// let moon = moon.spawn(&mut world);
+/// world.insert_one(moon, PointGravity { mu: 2.0, ..PointGravity::default() })?;
+/// Simulation::new(Settings::default().with_gravity(Vec3::ZERO))?.step_many(&mut world, 60);
+/// assert!((world.get::<&Pose>(moon)?.position.length() - 2.0).abs() < 1e-3);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq, Default)]
 pub struct PointGravity {
     /// The point \[m\].

@@ -14,6 +14,17 @@ use crate::math::{Real, Vec3, dvec3};
 /// no higher one than it should: see [`LaneBody::stable_stiffness`]. Under `RungeKutta4` the angular frequency times the substep must stay below 2.8. Between two bodies there is [`Spring`](crate::Spring).
 ///
 /// It reckons with the whole mass of the body: on one that other springs hold as well, all of them together must not be stiffer than one may be at its stiffest.
+///
+/// ```
+/// # use tumble::prelude::*;
+/// # let mut world = hecs::World::new();
+/// // 1 kg on 4 N/m: half a period is pi/2 seconds.
+/// let bob = RigidBody::new(Shape::Point).mass(1.0).position(Vec3::X).build()?.spawn(&mut world);
+/// world.insert_one(bob, SpringToPoint { stiffness: 4.0, ..SpringToPoint::default() })?;
+/// Simulation::new(Settings::default().with_gravity(Vec3::ZERO).with_dt(0.01))?.step_many(&mut world, 157);
+/// assert!((world.get::<&Pose>(bob)?.position.x + 1.0).abs() < 1e-3);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq, Default)]
 pub struct SpringToPoint {
     /// The point of the world \[m\].

@@ -23,10 +23,17 @@ pub struct Thruster {
     pub throttle: Real,
 }
 
+impl Default for Thruster {
+    /// No nozzles yet; those that are [added](Thruster::and) are at full throttle.
+    fn default() -> Self {
+        Self { force: Vec3::ZERO, torque: Vec3::ZERO, throttle: 1.0 }
+    }
+}
+
 impl Thruster {
     /// One nozzle at full throttle: its force \[N\] and where it acts \[m\], from the centre of mass along the body's axes.
     pub fn new(force_body: Vec3, point_body: Vec3) -> Self {
-        Self { force: force_body, torque: point_body.cross(force_body), throttle: 1.0 }
+        Self::default().and(force_body, point_body)
     }
 
     /// The same with one more nozzle.

@@ -154,6 +154,10 @@ impl Level {
 
 /// The vector code that the step runs on this machine: `"avx512"`, `"avx2"`, `"baseline"` (what every machine of the target has)
 /// or `"scalar"`, one body at a time. The environment variable `TUMBLE_SIMD` forces one of them, if the machine can run it.
+///
+/// ```
+/// println!("steps run on {}", tumble::simd_name());
+/// ```
 pub fn simd_name() -> &'static str {
     Level::chosen().name()
 }

@@ -3,9 +3,9 @@ use hecs::Entity;
 use tumble::{BodyId, CenterOfMass, Pose, Shape, Velocity};
 
 use super::super::frame::Frame;
-use super::geometry::Geometry;
+use super::geometry::SurfaceSet;
 use super::sample::{Sample, double, single};
-use crate::looks::Looks;
+use crate::looks::{BODY_COLORS, Looks};
 use crate::tessellation::POINT_RADIUS;
 
 /// A body without size is drawn as this part of the scene, where that is more than its octahedron has.
@@ -15,7 +15,7 @@ const POINT_SHARE: f64 = 1.0 / 200.0;
 #[derive(Debug)]
 pub(crate) struct Bodies {
     all: Vec<DrawnBody>,
-    pub(crate) geometry: Geometry,
+    pub(crate) geometry: SurfaceSet,
     /// Different pairs of surface and colour among the bodies.
     pub(crate) looks: Vec<Look>,
 }
@@ -44,7 +44,7 @@ pub(crate) struct Look {
 pub(crate) enum Color {
     /// Of what stands still.
     Grey,
-    /// One of [`COLORS`](super::document::COLORS).
+    /// One of [`BODY_COLORS`].
     Bright(usize),
 }
 
@@ -57,7 +57,7 @@ impl Bodies {
     /// The bodies that have looks, which are asked for by their number in the order of the scene.
     pub(crate) fn chosen<'a>(frame: &Frame<'_>, looks: impl Fn(u64) -> Option<&'a Looks>) -> Self {
         let states = frame.world.view::<(&Pose, Option<&BodyId>, Option<&CenterOfMass>, Option<&Velocity>)>();
-        let mut bodies = Self { all: Vec::new(), geometry: Geometry::default(), looks: Vec::new() };
+        let mut bodies = Self { all: Vec::new(), geometry: SurfaceSet::default(), looks: Vec::new() };
         let mut known = std::collections::HashMap::new();
         let mut points = Vec::new();
         for (index, &entity) in frame.order.entities().iter().enumerate() {
@@ -67,7 +67,7 @@ impl Bodies {
             let center = center.map_or(DVec3::ZERO, |center| DVec3::from_array(center.0.to_array().map(double)));
             let (surface, factors) = bodies.geometry.insert(looks);
             let color = match velocity {
-                Some(_) => Color::Bright(bodies.all.len() % super::document::COLORS.len()),
+                Some(_) => Color::Bright(bodies.all.len() % BODY_COLORS.len()),
                 None => Color::Grey,
             };
             let look = Look { surface, color };

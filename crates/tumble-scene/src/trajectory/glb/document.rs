@@ -9,25 +9,13 @@ use super::Animation;
 use super::bodies::{Bodies, Color, DrawnBody, Look};
 use super::geometry::Surface;
 use super::layout::Layout;
+use crate::looks::{BODY_COLORS, FIXED_COLOR};
 
 /// What the document begins with, up to the accessors of times and tracks.
 const BEGINNING: &str = r#"{"accessors":["#;
 
 /// Where the accessors of times and tracks begin in the file.
 pub(super) const ACCESSORS_AT: u64 = Layout::DOCUMENT_AT + BEGINNING.len() as u64;
-
-/// Colours that look different to most eyes, after Okabe and Ito, as red, green, blue in linear light. Their number has no
-/// factor in common with the kinds of a scene that repeats every two, four or eight.
-pub(crate) const COLORS: [[f32; 3]; 7] = [
-    [0.791, 0.347, 0.0],
-    [0.093, 0.456, 0.815],
-    [0.0, 0.342, 0.171],
-    [0.871, 0.776, 0.054],
-    [0.0, 0.168, 0.445],
-    [0.665, 0.112, 0.0],
-    [0.604, 0.191, 0.386],
-];
-pub(crate) const GREY: [f32; 3] = [0.3, 0.3, 0.3];
 
 /// Values of the specification.
 const FLOAT: u32 = 5126;
@@ -205,8 +193,8 @@ fn write_looks(writer: &mut impl Write, looks: &[Look], layout: &Layout) -> io::
 
 fn material(color: Color) -> Value {
     let [red, green, blue] = match color {
-        Color::Grey => GREY,
-        Color::Bright(index) => COLORS.get(index).copied().unwrap_or(GREY),
+        Color::Grey => FIXED_COLOR,
+        Color::Bright(index) => BODY_COLORS.get(index).copied().unwrap_or(FIXED_COLOR),
     };
     json!({
         "pbrMetallicRoughness": { "baseColorFactor": [red, green, blue, 1.0], "metallicFactor": 0.0, "roughnessFactor": 0.6 },

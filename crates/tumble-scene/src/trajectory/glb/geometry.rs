@@ -11,9 +11,19 @@ use crate::tessellation::Tessellation;
 
 const VERTEX: u64 = size_of::<[f32; 3]>() as u64;
 
-/// The different surfaces among the bodies. Balls, blocks, cylinders and cones of all sizes are stretched from one of each.
+/// The different surfaces among bodies. Balls, blocks, cylinders and cones of all sizes are stretched from one of each.
+///
+/// ```
+/// use tumble::{Shape, glam::DVec3};
+/// use tumble_scene::{Looks, SurfaceSet};
+///
+/// let mut surfaces = SurfaceSet::default();
+/// assert_eq!(surfaces.insert(&Looks::Shape(Shape::sphere(2.0))), (0, DVec3::splat(2.0)));
+/// assert_eq!(surfaces.insert(&Looks::Shape(Shape::sphere(3.0))), (0, DVec3::splat(3.0)));
+/// assert_eq!(surfaces.tessellations().count(), 1);
+/// ```
 #[derive(Debug, Default)]
-pub(crate) struct Geometry {
+pub struct SurfaceSet {
     pub(crate) surfaces: Vec<Surface>,
     /// By the bits of the volume or the number of triangles, for equal ones have the same.
     alike: HashMap<u64, Vec<usize>>,
@@ -54,9 +64,14 @@ impl Surface {
     }
 }
 
-impl Geometry {
+impl SurfaceSet {
+    /// The triangles of all surfaces, each made when it is asked for.
+    pub fn tessellations(&self) -> impl Iterator<Item = Tessellation> {
+        self.surfaces.iter().map(Surface::tessellation)
+    }
+
     /// The index of the surface of a body, and the factors to stretch it by.
-    pub(crate) fn insert(&mut self, looks: &Looks) -> (usize, DVec3) {
+    pub fn insert(&mut self, looks: &Looks) -> (usize, DVec3) {
         let (looks, factors) = match looks {
             Looks::Shape(shape) => {
                 let (shape, factors) = unstretched(shape);
@@ -158,8 +173,8 @@ mod tests {
 
     #[test]
     fn a_surface_is_there_once_and_stretched_to_its_size() {
-        let mut geometry = Geometry::default();
-        let mut inserted = |shape| geometry.insert(&Looks::Shape(shape));
+        let mut surfaces = SurfaceSet::default();
+        let mut inserted = |shape| surfaces.insert(&Looks::Shape(shape));
         assert_eq!(inserted(Shape::sphere(2.0)), (0, DVec3::splat(2.0)));
         assert_eq!(inserted(Shape::ellipsoid([1.0, 2.0, 3.0])), (0, DVec3::new(1.0, 2.0, 3.0)));
         assert_eq!(inserted(Shape::hollow_sphere(0.5)), (0, DVec3::splat(0.5)));
@@ -168,8 +183,8 @@ mod tests {
         assert_eq!(inserted(Shape::capsule(1.0, 2.0)), (1, DVec3::ONE));
         assert_eq!(inserted(Shape::Point), (3, DVec3::ONE));
         let mut bytes = Vec::new();
-        geometry.write(&mut bytes).unwrap();
-        assert_eq!(bytes.len() as u64, geometry.vertex_bytes() + geometry.index_bytes());
+        surfaces.write(&mut bytes).unwrap();
+        assert_eq!(bytes.len() as u64, surfaces.vertex_bytes() + surfaces.index_bytes());
     }
 
     /// What is stretched here is the surface of the shape itself.

@@ -1,0 +1,270 @@
+//! The bodies of a scene as they are drawn.
+
+use std::collections::HashMap;
+
+use hecs::{Entity, World};
+use tumble::glam::{DQuat, DVec3};
+use tumble::math::Real;
+use tumble::{
+    BodyId, BodyOrder, CenterOfMass, Inertia, Mass, Pose, PreviousPose, PrincipalAxes, Shape, Velocity,
+    equivalent_ellipsoid,
+};
+use tumble_scene::{BODY_COLORS, FIXED_COLOR, Looks, Names, SurfaceSet};
+
+use crate::convert::{dquat, dvec3};
+use crate::pick::Bounds;
+
+/// What never changes of a body's picture.
+#[derive(Debug)]
+pub(crate) struct DrawnBody {
+    pub(crate) entity: Entity,
+    pub(crate) name: String,
+    pub(crate) pieces: Vec<Piece>,
+    /// Centre of mass in the body's frame \[m\].
+    center: DVec3,
+    /// Middle and half the size of the box around all pieces, in the body's frame \[m\].
+    middle: DVec3,
+    half_extents: DVec3,
+    /// Red, green, blue in linear light.
+    pub(crate) color: [f32; 3],
+    pub(crate) moves: bool,
+    pub(crate) turns: bool,
+    /// Zero for a body that forces do not move \[kg\].
+    pub(crate) mass: f64,
+    /// How far the surface reaches from the centre of mass \[m\].
+    pub(crate) reach: f64,
+}
+
+/// A surface in a body's frame. Compounds and capsules are made of several, so that all bodies of a scene share a few surfaces.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Piece {
+    /// Index into the surfaces.
+    pub(crate) surface: usize,
+    /// The surface is stretched by these, turned and shifted \[m\].
+    pub(crate) factors: DVec3,
+    pub(crate) rotation: DQuat,
+    pub(crate) position: DVec3,
+}
+
+/// Where a body is at the moment of a picture.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Placed {
+    /// Origin of the body's frame \[m\].
+    pub(crate) origin: DVec3,
+    /// Centre of mass \[m\].
+    pub(crate) center: DVec3,
+    /// Turns the body's frame into the world.
+    pub(crate) rotation: DQuat,
+}
+
+/// All bodies, in the order of the scene.
+#[derive(Debug)]
+pub(crate) struct Bodies {
+    pub(crate) all: Vec<DrawnBody>,
+    pub(crate) surfaces: SurfaceSet,
+    pub(crate) surface_count: usize,
+}
+
+impl Bodies {
+    pub(crate) fn of(world: &World, order: &BodyOrder, names: &Names, looks: &[Looks]) -> Self {
+        let mut bodies =
+            Self { all: Vec::with_capacity(order.len()), surfaces: SurfaceSet::default(), surface_count: 0 };
+        for (index, &entity) in order.entities().iter().enumerate() {
+            let Ok(body) = world.entity(entity) else { continue };
+            let id = body.get::<&BodyId>().map_or(index as u64, |id| id.0);
+            let its_looks = usize::try_from(id).ok().and_then(|id| looks.get(id));
+            let center = body.get::<&CenterOfMass>().map_or(DVec3::ZERO, |center| dvec3(center.0));
+            let mut pieces = Vec::new();
+            match its_looks {
+                None | Some(Looks::Shape(Shape::Point)) => {
+                    let (shape, rotation) = inertia_ellipsoid(body).unwrap_or((Shape::Point, DQuat::IDENTITY));
+                    bodies.add_pieces(&shape, (center, rotation), &mut pieces);
+                }
+                Some(Looks::Shape(shape)) => bodies.add_pieces(shape, (DVec3::ZERO, DQuat::IDENTITY), &mut pieces),
+                Some(other) => bodies.add_piece(other, (DVec3::ZERO, DQuat::IDENTITY), &mut pieces),
+            }
+            let moves = body.get::<&Velocity>().is_some();
+            bodies.all.push(DrawnBody {
+                entity,
+                name: names.of(id).into_owned(),
+                pieces,
+                center,
+                middle: DVec3::ZERO,
+                half_extents: DVec3::ZERO,
+                color: if moves { BODY_COLORS[index % BODY_COLORS.len()] } else { FIXED_COLOR },
+                moves,
+                turns: moves && body.has::<Inertia>(),
+                mass: body.get::<&Mass>().map_or(0.0, |mass| f64::from(mass.kilograms())),
+                reach: 0.0,
+            });
+        }
+        bodies.measure();
+        bodies
+    }
+
+    /// A shape at a place in the body's frame.
+    fn add_pieces(&mut self, shape: &Shape, (position, rotation): (DVec3, DQuat), pieces: &mut Vec<Piece>) {
+        let mut add = |shape: &Shape, at: DVec3, turn: DQuat| {
+            self.add_pieces(shape, (position + rotation * at, (rotation * turn).normalize()), pieces);
+        };
+        match *shape {
+            Shape::Compound(ref parts) => {
+                for part in parts {
+                    add(&part.shape, part.position, part.orientation);
+                }
+            }
+            Shape::Capsule { radius, half_height } => {
+                add(&Shape::cylinder(radius, half_height), DVec3::ZERO, DQuat::IDENTITY);
+                for end in [half_height, -half_height] {
+                    add(&Shape::sphere(radius), DVec3::Y * end, DQuat::IDENTITY);
+                }
+            }
+            _ => self.add_piece(&Looks::Shape(shape.clone()), (position, rotation), pieces),
+        }
+    }
+
+    fn add_piece(&mut self, looks: &Looks, (position, rotation): (DVec3, DQuat), pieces: &mut Vec<Piece>) {
+        let (surface, factors) = self.surfaces.insert(looks);
+        pieces.push(Piece { surface, factors, rotation, position });
+    }
+
+    /// Boxes around the bodies, and how far they reach.
+    fn measure(&mut self) {
+        let around = |points: &mut dyn Iterator<Item = DVec3>| {
+            points.fold([DVec3::INFINITY, DVec3::NEG_INFINITY], |[low, high], point| [low.min(point), high.max(point)])
+        };
+        let boxes: Vec<[DVec3; 2]> =
+            self.surfaces.tessellations().map(|surface| around(&mut surface.positions.iter().copied())).collect();
+        self.surface_count = boxes.len();
+        for body in &mut self.all {
+            let corners = |piece: &Piece| {
+                let [low, high] = boxes.get(piece.surface).copied().unwrap_or_default();
+                let (piece, size) = (*piece, high - low);
+                (0..8_u8).map(move |corner| {
+                    let part = |bit: u8| f64::from(u8::from(corner & bit != 0));
+                    let at = low + size * DVec3::new(part(1), part(2), part(4));
+                    piece.position + piece.rotation * (at * piece.factors)
+                })
+            };
+            let [low, high] = around(&mut body.pieces.iter().flat_map(corners));
+            if (high - low).is_finite() {
+                body.middle = 0.5 * (low + high);
+                body.half_extents = 0.5 * (high - low);
+                body.reach = (body.middle - body.center).length() + body.half_extents.length();
+            }
+        }
+    }
+
+    /// Bodies and where they are.
+    pub(crate) fn by_entity<'a>(&'a self, places: &'a [Placed]) -> HashMap<Entity, (&'a DrawnBody, &'a Placed)> {
+        self.all.iter().zip(places).map(|(body, placed)| (body.entity, (body, placed))).collect()
+    }
+
+    /// Where all bodies are, `alpha` of the way from the step before to the last one.
+    pub(crate) fn place(&self, world: &World, alpha: Real) -> Vec<Placed> {
+        let states = world.view::<(&Pose, Option<&PreviousPose>)>();
+        let placed = |body: &DrawnBody| {
+            let pose = match states.get(body.entity) {
+                Some((pose, Some(previous))) if alpha < 1.0 => previous.0.interpolate(pose, alpha),
+                Some((pose, _)) => *pose,
+                None => Pose::default(),
+            };
+            let (center, orientation) = (dvec3(pose.position), dquat(pose.orientation));
+            Placed { origin: center - orientation * body.center, center, rotation: orientation }
+        };
+        self.all.iter().map(placed).collect()
+    }
+}
+
+impl DrawnBody {
+    /// The box around the body, made larger by a factor.
+    pub(crate) fn bounds(&self, placed: &Placed, factor: f64) -> Bounds {
+        Bounds {
+            center: placed.origin + placed.rotation * self.middle * factor,
+            rotation: placed.rotation,
+            half_extents: self.half_extents * factor,
+        }
+    }
+}
+
+/// A body without a shape is shown as the homogeneous ellipsoid with its mass and moments; and the rotation from its axes to the body's frame.
+fn inertia_ellipsoid(body: hecs::EntityRef<'_>) -> Option<(Shape, DQuat)> {
+    let mass = f64::from(body.get::<&Mass>()?.kilograms());
+    let radii = equivalent_ellipsoid(mass, dvec3(body.get::<&Inertia>()?.moments()));
+    // What is flat is seen from its edge as well.
+    let radii = radii.max(DVec3::splat(1e-3 * radii.max_element()));
+    let turn = body.get::<&PrincipalAxes>().map_or(DQuat::IDENTITY, |axes| dquat(axes.0));
+    radii.is_finite().then(|| (Shape::ellipsoid(radii), turn))
+}
+
+#[cfg(test)]
+mod tests {
+    use tumble::prelude::*;
+    use tumble_scene::Scene;
+
+    use super::*;
+
+    fn bodies(scene: &str) -> (World, Bodies) {
+        let scene = Scene::open(scene).unwrap();
+        let (looks, mut world) = (scene.looks().unwrap(), World::new());
+        let names = scene.spawn(&mut world).unwrap();
+        let order = BodyOrder::of(&world);
+        let bodies = Bodies::of(&world, &order, &names, &looks);
+        (world, bodies)
+    }
+
+    #[test]
+    fn a_box_reaches_as_far_as_its_corners() {
+        let (world, bodies) = bodies("mujoco-box");
+        let body = &bodies.all[0];
+        // Half extents 0.1, 0.2, 0.3.
+        assert!((body.reach - 0.14_f64.sqrt()).abs() < 1e-12, "{}", body.reach);
+        let placed = bodies.place(&world, 1.0)[0];
+        let bounds = body.bounds(&placed, 2.0);
+        assert!((bounds.half_extents - DVec3::new(0.2, 0.4, 0.6)).length() < 1e-12);
+        assert_eq!(placed.center, placed.origin);
+    }
+
+    /// The station has no shape. Its ellipsoid has its moments: I_x = m/5 (b^2 + c^2).
+    #[test]
+    fn a_body_without_a_shape_is_its_ellipsoid() {
+        let (world, bodies) = bodies("iss");
+        let body = &bodies.all[0];
+        let (mass, moments) = world
+            .query_one::<(&Mass, &Inertia)>(body.entity)
+            .get()
+            .map(|(mass, inertia)| (f64::from(mass.kilograms()), dvec3(inertia.moments())))
+            .unwrap();
+        let factors = body.pieces[0].factors;
+        let squares = factors * factors;
+        let back = mass / 5.0 * (DVec3::splat(squares.element_sum()) - squares);
+        // Roundings of double precision, of moments that were rounded before.
+        assert!(((back - moments) / moments).length() < 1e-12, "{back} {moments}");
+        assert_eq!(bodies.place(&world, 1.0)[0].center, bodies.place(&world, 1.0)[0].origin);
+    }
+
+    /// The surface of a capsule is that of a cylinder and two balls; all 10 000 bodies share a few.
+    #[test]
+    fn bodies_are_made_of_few_surfaces() {
+        let (_, bodies) = bodies("stress");
+        assert_eq!((bodies.all.len(), bodies.surface_count), (10_000, 4));
+        let pieces: usize = bodies.all.iter().map(|body| body.pieces.len()).sum();
+        // An eighth are capsules of three pieces, an eighth compounds of two.
+        assert!((13_500..=14_000).contains(&pieces), "{pieces}");
+    }
+
+    #[test]
+    fn a_compound_turns_about_its_centre_of_mass() {
+        let (world, bodies) = bodies("t-handle");
+        let body = &bodies.all[0];
+        let before = bodies.place(&world, 1.0)[0];
+        let offset = world.get::<&CenterOfMass>(body.entity).map_or(DVec3::ZERO, |center| dvec3(center.0));
+        assert!((before.rotation * offset - (before.center - before.origin)).length() < 1e-12);
+        world.get::<&mut Pose>(body.entity).unwrap().orientation = Quat::from_rotation_y(1.0);
+        let after = bodies.place(&world, 1.0)[0];
+        assert_eq!(before.center, after.center);
+        let off = after.rotation * DVec3::X - DQuat::from_rotation_y(1.0) * DVec3::X;
+        // Roundings of single precision.
+        assert!(off.length() < 1e-6, "{off}");
+    }
+}

@@ -1,0 +1,26 @@
+//! The way to the graphics card, and the only unsafe code of this crate.
+
+use macroquad::miniquad::RenderingBackend;
+use macroquad::window::get_internal_gl;
+
+/// The graphics card of the window that is open. There is one, made where the window is.
+#[derive(Debug)]
+pub(crate) struct Gpu(());
+
+impl Gpu {
+    /// For the code that runs in the window, once.
+    pub(crate) fn of_the_window() -> Self {
+        Self(())
+    }
+
+    /// Lends the graphics card, after what macroquad has kept back for it is drawn.
+    #[expect(unsafe_code, reason = "macroquad lends its graphics context in no other way")]
+    pub(crate) fn with<R>(&mut self, draw: impl FnOnce(&mut dyn RenderingBackend) -> R) -> R {
+        // SAFETY: macroquad checks that there is a window and that this is its thread. The reference must be the only one: it cannot
+        // be taken again while `draw` runs, for this takes `self` exclusively, of which there is one; macroquad's own functions
+        // hold theirs only while they run, and `draw` is given none of macroquad to call.
+        let mut lent = unsafe { get_internal_gl() };
+        lent.flush();
+        draw(lent.quad_context)
+    }
+}

@@ -1,0 +1,30 @@
+//! A buffer on the graphics card for what is new in every picture.
+
+use macroquad::miniquad::{BufferId, BufferSource, BufferType, BufferUsage, RenderingBackend};
+
+/// A vertex buffer that grows.
+#[derive(Debug, Default)]
+pub(super) struct Instances {
+    buffer: Option<(BufferId, usize)>,
+}
+
+impl Instances {
+    /// The buffer with these instances at its beginning.
+    pub(super) fn write<T>(&mut self, context: &mut dyn RenderingBackend, instances: &[T]) -> BufferId {
+        let buffer = match self.buffer {
+            Some((buffer, room)) if room >= instances.len() => buffer,
+            outgrown => {
+                if let Some((buffer, _)) = outgrown {
+                    context.delete_buffer(buffer);
+                }
+                let room = instances.len().next_power_of_two();
+                let empty = BufferSource::empty::<T>(room);
+                let buffer = context.new_buffer(BufferType::VertexBuffer, BufferUsage::Stream, empty);
+                self.buffer = Some((buffer, room));
+                buffer
+            }
+        };
+        context.buffer_update(buffer, BufferSource::slice(instances));
+        buffer
+    }
+}

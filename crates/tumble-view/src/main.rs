@@ -1,0 +1,71 @@
+//! A window that shows a scene of rigid bodies, and pictures and animations of one.
+//!
+//! Exit codes: 0 all well, 1 no window or a failure while running, 2 bad input or usage.
+
+#![cfg_attr(
+    feature = "f64",
+    allow(
+        clippy::useless_conversion,
+        clippy::unnecessary_cast,
+        reason = "Real is f64 in this build; the same line converts from f32 in the other"
+    )
+)]
+
+mod animation;
+mod arrows;
+mod bodies;
+mod camera;
+mod convert;
+mod failure;
+mod framing;
+mod gpu;
+mod layers;
+mod letters;
+mod lines;
+mod opening;
+mod options;
+mod overlay;
+mod palette;
+mod pick;
+mod picture;
+mod playback;
+mod readout;
+mod stage;
+mod trails;
+mod window;
+
+use std::io::Write as _;
+use std::process::ExitCode;
+
+use clap::Parser as _;
+use tumble_scene::printable;
+
+use crate::failure::Failure;
+use crate::options::Options;
+
+fn main() -> ExitCode {
+    match run(&Options::parse()) {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(failure) => {
+            say(&failure);
+            ExitCode::from(failure.exit_code())
+        }
+    }
+}
+
+/// Writes a line to standard error; if even that is closed, the exit code has to do.
+fn say(message: &impl std::fmt::Display) {
+    drop(writeln!(std::io::stderr().lock(), "tumble-view: {}", printable(&message.to_string())));
+}
+
+/// Everything that can be found wrong without a window is, before there is one.
+fn run(options: &Options) -> Result<(), Failure> {
+    let scene = options.scene()?;
+    for notice in &scene.notices {
+        say(&format_args!("note: {notice}"));
+    }
+    let pace = options.speed.unwrap_or_else(|| playback::pace(&scene));
+    let task = options.task(scene.settings.dt, pace)?;
+    let stage = stage::Stage::new(scene, &options.view)?;
+    opening::open(stage, task.open()?, pace, options)
+}

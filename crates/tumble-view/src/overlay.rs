@@ -1,0 +1,233 @@
+//! Text and panels in front of the picture.
+
+use std::cell::RefCell;
+use std::collections::HashSet;
+
+use macroquad::color::Color;
+use macroquad::shapes::draw_rectangle;
+use macroquad::text::{Font, TextParams, draw_text_ex, load_ttf_font_from_bytes};
+use macroquad::window::screen_dpi_scale;
+use tumble::glam::DVec2;
+
+use crate::layers::{LAYERS, Layer, Layers};
+use crate::letters::{FONT, written};
+use crate::readout::Row;
+
+/// From one letter to the next, in sizes of the font.
+const ADVANCE: f32 = 0.6;
+const SIZE: f32 = 14.0;
+const LABEL: f32 = 13.0;
+const TITLE: f32 = 20.0;
+const LINE: f32 = 19.0;
+const MARGIN: f32 = 14.0;
+const PADDING: f32 = 10.0;
+/// Letters of a row's name and of the longest name that is shown.
+const NAME: usize = 14;
+const LONGEST: usize = 48;
+
+const BRIGHT: [f32; 4] = [0.93, 0.95, 0.97, 1.0];
+const PLAIN: [f32; 4] = [0.78, 0.81, 0.86, 1.0];
+const DIM: [f32; 4] = [0.50, 0.54, 0.61, 1.0];
+const PANEL: [f32; 4] = [0.03, 0.04, 0.06, 0.62];
+
+/// Keys that are not those of layers.
+const KEYS: [(&str, &str); 10] = [
+    ("space", "pause"),
+    (". + -", "step, faster, slower"),
+    ("R", "restart"),
+    ("click Tab", "pick a body"),
+    ("C", "camera: follow, stay"),
+    ("drag", "turn"),
+    ("right drag", "shift"),
+    ("wheel", "nearer, farther"),
+    ("0 1 2 3", "views"),
+    ("Q", "quit"),
+];
+
+/// Text at a place in the picture, and its colour.
+pub(crate) type Label = (DVec2, String, [f32; 3]);
+
+/// All that is written in a picture.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Overlay {
+    pub(crate) title: String,
+    pub(crate) status: String,
+    pub(crate) layers: Layers,
+    pub(crate) ledger: Vec<Row>,
+    pub(crate) body: Vec<Row>,
+    pub(crate) labels: Vec<Label>,
+}
+
+/// Writes with the window's font.
+#[derive(Debug)]
+pub(crate) struct Writer {
+    font: Font,
+    /// Letters that are there, and the pixels per point for which they are.
+    prepared: RefCell<(f32, HashSet<char>)>,
+}
+
+impl Writer {
+    pub(crate) fn new() -> Result<Self, String> {
+        let font = load_ttf_font_from_bytes(FONT).map_err(|error| format!("the font cannot be used: {error}"))?;
+        Ok(Self { font, prepared: RefCell::default() })
+    }
+
+    /// Makes all letters in all sizes. A letter that comes when others have been written in the same picture may take the place of theirs.
+    fn prepare(&self, overlay: &Overlay, pixels_per_point: f32) {
+        let (scale, there) = &mut *self.prepared.borrow_mut();
+        let all = pixels_per_point * screen_dpi_scale();
+        if std::mem::replace(scale, all) != all {
+            there.clear();
+        }
+        let names = overlay.labels.iter().map(|label| &label.1).chain(overlay.body.iter().map(|row| &row.0));
+        let names = names.chain(overlay.ledger.iter().map(|row| &row.0)).chain([&overlay.title]);
+        let mut letters: String = (' '..='~').chain("²³µ·×−…ω□".chars()).collect();
+        names.for_each(|name| letters.push_str(&written(name)));
+        let letters: Vec<char> = letters.chars().filter(|&letter| there.insert(letter)).collect();
+        if !letters.is_empty() {
+            for size in [LABEL, SIZE, TITLE] {
+                let asked = (size * pixels_per_point).round() * screen_dpi_scale();
+                self.font.populate_font_cache(&letters, asked.ceil() as u16);
+            }
+        }
+    }
+
+    /// Draws onto a picture of this size in points, of so many pixels each.
+    pub(crate) fn draw(&self, overlay: &Overlay, size: DVec2, pixels_per_point: f32) {
+        self.prepare(overlay, pixels_per_point);
+        let pen = Pen { font: &self.font, pixels_per_point };
+        for (at, text, color) in apart(&overlay.labels) {
+            let [red, green, blue] = *color;
+            pen.text(at.x as f32, at.y as f32, LABEL, [red, green, blue, 0.95], text);
+        }
+        // Who asks for nothing wants nothing.
+        if overlay.layers != Layers::default() {
+            pen.text(MARGIN, MARGIN + 16.0, TITLE, BRIGHT, &shortened(&overlay.title));
+            pen.text(MARGIN, MARGIN + 38.0, SIZE, PLAIN, &overlay.status);
+        }
+        if overlay.layers.has(Layer::Legend) {
+            pen.legend(overlay.layers, MARGIN + 56.0, size.y as f32);
+        }
+        let [right, bottom] = [size.x, size.y].map(|edge| edge as f32 - MARGIN);
+        pen.table(&overlay.ledger, right, MARGIN);
+        pen.table(&overlay.body, right, bottom - Pen::height(overlay.body.len()));
+    }
+}
+
+struct Pen<'a> {
+    font: &'a Font,
+    pixels_per_point: f32,
+}
+
+impl Pen<'_> {
+    fn text(&self, x: f32, y: f32, size: f32, color: [f32; 4], text: &str) {
+        let params = TextParams {
+            font: Some(self.font),
+            font_size: (size * self.pixels_per_point).round() as u16,
+            font_scale: 1.0 / self.pixels_per_point,
+            color: Color::from(color),
+            ..TextParams::default()
+        };
+        draw_text_ex(written(text), x, y, params);
+    }
+
+    /// Of a panel with so many rows.
+    fn height(rows: usize) -> f32 {
+        2.0 * PADDING + LINE * rows as f32
+    }
+
+    fn panel(&self, x: f32, y: f32, width: f32, height: f32) {
+        draw_rectangle(x, y, width, height, Color::from(PANEL));
+    }
+
+    /// The layers with their keys and colours, and the other keys if there is room below.
+    fn legend(&self, layers: Layers, top: f32, bottom: f32) {
+        let all = LAYERS.len() + 1 + KEYS.len();
+        let has_room = top + Self::height(all) + MARGIN <= bottom;
+        let rows = if has_room { all } else { LAYERS.len() };
+        self.panel(MARGIN, top, 2.0 * PADDING + 31.0 * ADVANCE * SIZE, Self::height(rows));
+        let (x, mut y) = (MARGIN + PADDING, top + PADDING + 14.0);
+        for info in &LAYERS {
+            let on = layers.has(info.layer);
+            let [red, green, blue] = info.color;
+            let color = if on { [red, green, blue, 1.0] } else { DIM };
+            self.text(x, y, SIZE, if on { BRIGHT } else { DIM }, &info.letter.to_string());
+            draw_rectangle(x + 18.0, y - 6.0, 12.0, 3.0, Color::from(if on { color } else { [0.3, 0.33, 0.38, 1.0] }));
+            self.text(x + 38.0, y, SIZE, if on { color } else { DIM }, info.title);
+            y += LINE;
+        }
+        if has_room {
+            y += LINE;
+            for (key, what) in KEYS {
+                self.text(x, y, SIZE, PLAIN, key);
+                self.text(x + 11.0 * ADVANCE * SIZE, y, SIZE, DIM, what);
+                y += LINE;
+            }
+        }
+    }
+
+    /// Rows in a panel at the right edge.
+    fn table(&self, rows: &[Row], right: f32, top: f32) {
+        if rows.is_empty() {
+            return;
+        }
+        let letters = |(name, figure): &Row| {
+            if figure.is_empty() { shortened(name).chars().count() } else { NAME + figure.trim_end().chars().count() }
+        };
+        let widest = rows.iter().map(letters).max().unwrap_or(0).max(30);
+        let width = 2.0 * PADDING + widest as f32 * ADVANCE * SIZE;
+        let left = right - width;
+        self.panel(left, top, width, Self::height(rows.len()));
+        let (x, mut y) = (left + PADDING, top + PADDING + 14.0);
+        for (name, figure) in rows {
+            let color = if figure.is_empty() { BRIGHT } else { DIM };
+            self.text(x, y, SIZE, color, &shortened(name));
+            self.text(x + NAME as f32 * ADVANCE * SIZE, y, SIZE, PLAIN, figure.trim_end());
+            y += LINE;
+        }
+    }
+}
+
+/// Labels that do not cover one that comes before them.
+fn apart(labels: &[Label]) -> Vec<&Label> {
+    let mut kept: Vec<&Label> = Vec::new();
+    let width = |label: &Label| f64::from(LABEL * ADVANCE) * label.1.chars().count() as f64;
+    let covers = |a: &Label, b: &Label| {
+        let by = (a.0 - b.0).abs();
+        by.y < f64::from(LABEL) && by.x < if a.0.x < b.0.x { width(a) } else { width(b) }
+    };
+    for label in labels {
+        if !kept.iter().any(|other| covers(label, other)) {
+            kept.push(label);
+        }
+    }
+    kept
+}
+
+/// Names come from files and may be of any length.
+fn shortened(text: &str) -> String {
+    match text.char_indices().nth(LONGEST) {
+        Some((end, _)) => format!("{}…", text.get(..end).unwrap_or_default()),
+        None => text.to_owned(),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn of_labels_that_cover_each_other_the_first_is_kept() {
+        let label = |x: f64, y: f64, text: &str| (DVec2::new(x, y), text.to_owned(), [1.0; 3]);
+        let labels =
+            [label(0.0, 0.0, "venus"), label(20.0, 5.0, "sun"), label(50.0, 5.0, "earth"), label(0.0, 20.0, "mars")];
+        let kept: Vec<&str> = apart(&labels).into_iter().map(|(_, text, _)| text.as_str()).collect();
+        assert_eq!(kept, ["venus", "earth", "mars"]);
+    }
+
+    #[test]
+    fn long_names_are_shortened() {
+        assert_eq!(shortened("raft"), "raft");
+        assert_eq!(shortened(&"é".repeat(100)).chars().count(), LONGEST + 1);
+    }
+}

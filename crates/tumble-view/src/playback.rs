@@ -1,0 +1,252 @@
+//! A scene that is being run, at a pace that people can follow.
+
+use std::time::{Duration, Instant};
+
+use hecs::{Entity, World};
+use tumble::math::Real;
+use tumble::{BodyOrder, Clock, Pose, PreviousPose, Simulation, Snapshot, Totals, Velocity, measure};
+use tumble_scene::{MomentumScale, Scene};
+
+use crate::bodies::{Bodies, Placed};
+use crate::convert::real;
+use crate::failure::Failure;
+use crate::trails::Trails;
+
+/// Scenes of this length are shown in real time \[s\]; others take [`WATCHED`].
+const REAL_TIME: std::ops::RangeInclusive<f64> = 0.5..=120.0;
+const WATCHED: f64 = 30.0;
+/// A frame is this close to a step when it is at the step, in steps.
+const AT_STEP: f64 = 1e-6;
+
+/// The world of a scene, its time, and how it began.
+pub(crate) struct Playback {
+    pub(crate) world: World,
+    pub(crate) simulation: Simulation,
+    pub(crate) order: BodyOrder,
+    pub(crate) bodies: Bodies,
+    pub(crate) trails: Trails,
+    /// Energy and momentum at the start.
+    pub(crate) start: Totals,
+    pub(crate) scale: MomentumScale,
+    /// How far the picture is from the step before to the last one.
+    alpha: Real,
+    steps: u64,
+    beginning: (Snapshot, Clock),
+}
+
+impl Playback {
+    pub(crate) fn of(scene: Scene) -> Result<Self, Failure> {
+        let simulation = Simulation::new(scene.settings).map_err(|error| Failure::Input(error.to_string()))?;
+        let (looks, steps) = (scene.looks()?, scene.steps);
+        let mut world = World::new();
+        let names = scene.spawn(&mut world)?;
+        remember_poses(&mut world);
+        let order = BodyOrder::of(&world);
+        let bodies = Bodies::of(&world, &order, &names, &looks);
+        let start = measure(&world, simulation.settings(), &order);
+        let scale = MomentumScale::of(&world, &order);
+        let snapshot = Snapshot::capture(&world).map_err(|error| Failure::Input(error.to_string()))?;
+        let beginning = (snapshot, simulation.clock());
+        let trails = Trails::new(moving(&bodies), steps);
+        Ok(Self { world, simulation, order, bodies, trails, start, scale, alpha: 1.0, steps, beginning })
+    }
+
+    pub(crate) fn dt(&self) -> f64 {
+        f64::from(self.simulation.settings().dt)
+    }
+
+    /// The moment that is shown \[s\].
+    pub(crate) fn time(&self) -> f64 {
+        (self.simulation.time() - (1.0 - f64::from(self.alpha)) * self.dt()).max(0.0)
+    }
+
+    /// How far the picture is from the step before to the last one.
+    pub(crate) fn alpha(&self) -> Real {
+        self.alpha
+    }
+
+    /// Where the bodies are at the moment that is shown.
+    pub(crate) fn place(&self) -> Vec<Placed> {
+        self.bodies.place(&self.world, self.alpha)
+    }
+
+    /// Goes back to the beginning.
+    pub(crate) fn restart(&mut self) -> Result<(), Failure> {
+        let (snapshot, clock) = &self.beginning;
+        snapshot.restore(&mut self.world).map_err(|error| Failure::Running(error.to_string()))?;
+        tumble::update_derived(&mut self.world);
+        self.simulation.set_clock(*clock);
+        for (pose, previous) in self.world.query_mut::<(&Pose, &mut PreviousPose)>() {
+            previous.0 = *pose;
+        }
+        self.trails = Trails::new(moving(&self.bodies), self.steps);
+        self.alpha = 1.0;
+        Ok(())
+    }
+
+    /// Takes one step and shows what came of it.
+    pub(crate) fn step(&mut self) {
+        self.step_many(1);
+        self.alpha = 1.0;
+    }
+
+    /// Takes the steps that fall into a frame of so many simulated seconds, for at most so long; whether there was time for them all.
+    pub(crate) fn advance(&mut self, seconds: f64, budget: Duration) -> bool {
+        let started = Instant::now();
+        // A step at a time, for each may take longer than all that are to fit into the frame.
+        let piece = self.dt();
+        let mut left = seconds.max(0.0);
+        loop {
+            let mut step = self.simulation.steps();
+            let trails = &mut self.trails;
+            self.alpha = self.simulation.advance_with(&mut self.world, left.min(piece), |world| {
+                trails.before_step(step, world);
+                step += 1;
+            });
+            left -= piece;
+            if left <= 0.0 {
+                return true;
+            }
+            if started.elapsed() > budget {
+                return false;
+            }
+        }
+    }
+
+    /// Takes steps until this time, which may be between two of them \[s\]. Time does not go back.
+    pub(crate) fn go_to(&mut self, time: f64) {
+        let steps = time / self.dt();
+        // A step of 0.01 s is a little less in single precision, and 100 of them a little less than a second.
+        let near = AT_STEP.max(steps * f64::from(Real::EPSILON));
+        let whole = (steps - near).ceil().max(0.0);
+        let missing = (whole as u64).saturating_sub(self.simulation.steps());
+        self.step_many(missing);
+        let behind = (whole - steps).clamp(0.0, 1.0);
+        self.alpha = if behind <= near { 1.0 } else { real(1.0 - behind) };
+    }
+
+    fn step_many(&mut self, mut count: u64) {
+        while count > 0 {
+            let step = self.simulation.steps();
+            self.trails.before_step(step, &self.world);
+            let together = self.trails.steps_to_next(step).min(count);
+            let together = u32::try_from(together).unwrap_or(u32::MAX);
+            self.simulation.step_many(&mut self.world, together);
+            count -= u64::from(together);
+        }
+    }
+
+    /// Energy and momentum now.
+    pub(crate) fn totals(&self) -> Totals {
+        measure(&self.world, self.simulation.settings(), &self.order)
+    }
+}
+
+/// Simulated seconds to a second, so that a scene can be watched.
+pub(crate) fn pace(scene: &Scene) -> f64 {
+    let length = scene.steps as f64 * f64::from(scene.settings.dt);
+    if REAL_TIME.contains(&length) || length <= 0.0 { 1.0 } else { length / WATCHED }
+}
+
+/// What moves is drawn between steps, for which the step keeps the pose before.
+fn remember_poses(world: &mut World) {
+    let moving: Vec<(Entity, Pose)> =
+        world.query_mut::<(Entity, &Pose, &Velocity)>().into_iter().map(|(entity, pose, _)| (entity, *pose)).collect();
+    for (entity, pose) in moving {
+        // The entity was found in this world a moment ago, so inserting cannot fail.
+        let inserted = world.insert_one(entity, PreviousPose(pose));
+        debug_assert!(inserted.is_ok());
+    }
+}
+
+fn moving(bodies: &Bodies) -> Vec<Entity> {
+    bodies.all.iter().filter(|body| body.moves).map(|body| body.entity).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use tumble::glam::DVec3;
+
+    use super::*;
+
+    fn open(scene: &str) -> Playback {
+        Playback::of(Scene::open(scene).unwrap()).unwrap()
+    }
+
+    fn hash(playback: &Playback) -> u64 {
+        tumble::state_hash(&playback.world, &playback.order)
+    }
+
+    #[test]
+    fn scenes_are_watched_in_half_a_minute_or_in_real_time() {
+        assert_eq!(pace(&Scene::open("t-handle").unwrap()), 1.0);
+        // Twelve years and a day in steps of a day.
+        assert_eq!(pace(&Scene::open("solar-system").unwrap()), 4383.0 * 86_400.0 / 30.0);
+    }
+
+    /// Frames of any length take the steps that a run takes, with the same bits.
+    #[test]
+    fn what_is_seen_is_what_a_run_does() {
+        let mut seen = open("raft");
+        // Frames of two steps and a half, and one that is longer than what `Simulation::advance` would take at once.
+        for _ in 0..8 {
+            assert!(seen.advance(0.025, Duration::MAX));
+        }
+        assert!(seen.advance(0.5, Duration::MAX));
+        seen.go_to(1.0);
+        let mut run = open("raft");
+        run.go_to(1.0);
+        assert_eq!((seen.simulation.steps(), run.simulation.steps()), (100, 100));
+        assert_eq!(hash(&seen), hash(&run));
+    }
+
+    #[test]
+    fn a_moment_between_steps_is_shown_between_them() {
+        let mut playback = open("satellite");
+        let x_at = |playback: &mut Playback, time: f64| {
+            playback.go_to(time);
+            // A rounding of single precision, of steps of a second.
+            assert!((playback.time() - time).abs() < 1e-6, "{}", playback.time());
+            playback.place()[0].center
+        };
+        let places: Vec<DVec3> = [10.0, 10.25, 11.0].into_iter().map(|time| x_at(&mut playback, time)).collect();
+        let expected = places[0].lerp(places[2], 0.25);
+        // Positions of 1750 m have roundings of 1e-4 m in single precision.
+        assert!((places[1] - expected).length() < 3e-4, "{places:?}");
+        assert_eq!(playback.simulation.steps(), 11);
+    }
+
+    #[test]
+    fn a_restart_is_the_beginning() {
+        for scene in ["raft", "t-handle", "solar-system"] {
+            let mut playback = open(scene);
+            let (beginning, place) = (hash(&playback), playback.place()[0].center);
+            for _ in 0..10 {
+                playback.step();
+            }
+            let after = hash(&playback);
+            assert_ne!(after, beginning);
+            playback.restart().unwrap();
+            assert_eq!((hash(&playback), playback.place()[0].center), (beginning, place), "{scene}");
+            assert_eq!((playback.simulation.steps(), playback.time()), (0, 0.0));
+            for _ in 0..10 {
+                playback.step();
+            }
+            assert_eq!(hash(&playback), after, "{scene}");
+        }
+    }
+
+    /// A frame that is too long is left off, so that the next is not longer still.
+    #[test]
+    fn there_is_an_end_to_a_frame() {
+        let mut playback = open("raft");
+        // Each is over after one step, the least that can be taken.
+        for frame in 1..=5 {
+            assert!(!playback.advance(1e9, Duration::ZERO));
+            assert_eq!(playback.simulation.steps(), frame);
+        }
+        assert!(playback.advance(3.0 * playback.dt(), Duration::MAX));
+        // A rounding may leave the last step to the next frame.
+        assert!((7..=8).contains(&playback.simulation.steps()), "{}", playback.simulation.steps());
+    }
+}

@@ -1,0 +1,460 @@
+//! What is seen: a scene that is being run, from a camera, with layers on or off.
+
+use std::time::{Duration, Instant};
+
+use macroquad::miniquad::RenderPass;
+use tumble::glam::{DVec2, DVec3};
+use tumble::{DebugView, Totals};
+use tumble_scene::Scene;
+
+use crate::arrows::{self, Largest};
+use crate::bodies::Placed;
+use crate::camera::{Camera, DISTANCES, View};
+use crate::convert::{dvec3, single3};
+use crate::failure::Failure;
+use crate::framing::{self, Frame, Grid};
+use crate::gpu::{Background, BodyInstance, Gpu, Picture, Renderer};
+use crate::layers::{Layer, Layers};
+use crate::lines::{Line, Marks, encoded};
+use crate::options::ViewOptions;
+use crate::overlay::{Label, Overlay};
+use crate::pick::first_hit;
+use crate::playback::Playback;
+use crate::readout::{self, Row};
+
+/// A camera that stays lets the bodies go so far from the middle, in radii of the frame, before it moves with them.
+const LEEWAY: f64 = 0.12;
+/// Names of more bodies cover each other.
+const MOST_NAMES: usize = 300;
+/// Width of a trail \[points\].
+const TRAIL: f32 = 1.6;
+
+/// What stays in the middle of the picture.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Follow {
+    /// A place.
+    Nothing,
+    /// The common centre of mass of the bodies, with some leeway.
+    All,
+    /// One body, by its index.
+    Body(usize),
+}
+
+/// Everything but the window.
+pub(crate) struct Stage {
+    pub(crate) playback: Playback,
+    pub(crate) layers: Layers,
+    pub(crate) camera: Camera,
+    pub(crate) follow: Follow,
+    pub(crate) picked: Option<usize>,
+    title: String,
+    /// What was in the frame at the start, and with the longest arrows.
+    start: Frame,
+    whole: Frame,
+    /// Where the centre of mass was at the start.
+    center: DVec3,
+    /// Where it is in the last picture in which it was anywhere.
+    center_now: DVec3,
+    /// What is followed, which the camera's target is a shift away from.
+    anchor: DVec3,
+    shift: DVec3,
+    largest: Largest,
+    arrow_length: f64,
+    /// The books are made up so often, for they take time where many bodies attract each other.
+    pub(crate) books_every: Duration,
+    books: Option<(Instant, Totals)>,
+}
+
+/// Where a picture is drawn to.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Canvas {
+    /// `None` for the window.
+    pub(crate) pass: Option<RenderPass>,
+    /// In points.
+    pub(crate) size: DVec2,
+    pub(crate) background: Background,
+}
+
+impl Stage {
+    pub(crate) fn new(scene: Scene, options: &ViewOptions) -> Result<Self, Failure> {
+        let title = scene.name.clone().unwrap_or_else(|| scene.origin.clone());
+        let gravity = dvec3(scene.settings.gravity);
+        let playback = Playback::of(scene)?;
+        let places = playback.place();
+        let start = Frame::of(&playback.bodies, &places);
+        let up = options.up.unwrap_or_else(|| framing::up(gravity, playback.bodies.all.len(), &playback.start));
+        let moving = || playback.bodies.all.iter().filter(|body| body.moves);
+        let turning = moving().filter(|body| body.turns).count();
+        let layers = options.show.unwrap_or_else(|| Layers::fitting(moving().count(), turning));
+        let arrow_length = arrows::length(moving().map(|body| body.reach), start.radius);
+        let whole = Frame { radius: start.radius.max(arrow_length), ..start };
+        let mut camera = whole.camera(up, options.size.points());
+        if let Some(angles) = options.camera {
+            angles.apply(&mut camera);
+        }
+        let center = center_of_mass(&playback, &places).unwrap_or(start.middle);
+        let mut stage = Self {
+            camera,
+            layers,
+            follow: Follow::All,
+            picked: None,
+            title,
+            center,
+            center_now: center,
+            anchor: center,
+            shift: start.middle - center,
+            start,
+            whole,
+            largest: Largest::default(),
+            arrow_length,
+            books_every: Duration::ZERO,
+            books: None,
+            playback,
+        };
+        if let Some(name) = &options.pick {
+            let found = stage.playback.bodies.all.iter().position(|body| body.name == *name);
+            let found = found.ok_or_else(|| Failure::Input(format!("--pick: no body is called {name:?}")))?;
+            stage.picked = Some(found);
+            if options.follow {
+                stage.set_follow(Follow::Body(found));
+            }
+        }
+        Ok(stage)
+    }
+
+    /// What the camera sees in a picture of this size.
+    pub(crate) fn view(&self, size: DVec2) -> View {
+        self.camera.view(size, 4.0 * self.extent())
+    }
+
+    /// How far from the camera's target there is something to see: to the frame of the start, moved along with the centre of mass \[m\].
+    fn extent(&self) -> f64 {
+        let middle = self.center_now + (self.start.middle - self.center);
+        (self.camera.target - middle).length() + self.start.radius
+    }
+
+    /// The view that shows everything again, from a side: yaw and pitch.
+    pub(crate) fn look_from(&mut self, yaw: f64, pitch: f64, size: DVec2) {
+        self.camera = Camera { target: self.camera.target, ..self.whole.camera(self.camera.up, size) };
+        self.camera.yaw = yaw;
+        self.camera.pitch = 0.0;
+        self.camera.turn(0.0, pitch);
+        if self.follow != Follow::Nothing {
+            self.set_follow(self.follow);
+        }
+    }
+
+    pub(crate) fn set_follow(&mut self, follow: Follow) {
+        let places = self.playback.place();
+        self.follow = follow;
+        (self.anchor, self.shift) = match follow {
+            Follow::Nothing => (DVec3::ZERO, self.camera.target),
+            Follow::All => {
+                (center_of_mass(&self.playback, &places).unwrap_or(self.center), self.start.middle - self.center)
+            }
+            Follow::Body(index) => match found(&places, index) {
+                Some(place) => (place, DVec3::ZERO),
+                None => (self.anchor, self.shift),
+            },
+        };
+    }
+
+    /// Moves what the camera looks at by so many points of the picture.
+    pub(crate) fn pan(&mut self, by: DVec2, size: DVec2) {
+        let view = self.view(size);
+        let metres = view.metres_per_point(view.target);
+        self.shift += (view.above * by.y - view.right * by.x) * metres;
+    }
+
+    /// Moves the camera nearer or farther by a factor.
+    pub(crate) fn zoom(&mut self, factor: f64, size: DVec2) {
+        let whole = self.whole.camera(self.camera.up, size).distance;
+        let [nearest, farthest] = [DISTANCES.start(), DISTANCES.end()].map(|part| part * whole);
+        self.camera.distance = (self.camera.distance * factor).clamp(nearest, farthest);
+    }
+
+    /// The body that is seen at a point of the picture.
+    pub(crate) fn body_at(&self, at: DVec2, size: DVec2) -> Option<usize> {
+        let (view, places) = (self.view(size), self.playback.place());
+        let bodies = &self.playback.bodies.all;
+        let bounds = bodies.iter().zip(&places).map(|(body, placed)| {
+            body.bounds(placed, framing::enlargement(&view, placed.center, body.reach, bodies.len()))
+        });
+        first_hit(&view.ray(at), bounds)
+    }
+
+    pub(crate) fn restart(&mut self) -> Result<(), Failure> {
+        self.playback.restart()?;
+        self.books = None;
+        self.largest = Largest::default();
+        if self.follow == Follow::All {
+            self.anchor = self.center;
+        }
+        Ok(())
+    }
+
+    /// Draws the moment that is shown.
+    pub(crate) fn draw(&mut self, gpu: &mut Gpu, renderer: &mut Renderer, canvas: &Canvas, status: String) -> Overlay {
+        let places = self.playback.place();
+        self.aim(&places);
+        let view = self.view(canvas.size);
+        let bodies = self.instances(&view, &places);
+        let marks = self.marks();
+        let scenery = self.scenery(&places);
+        let picture = Picture {
+            view: &view,
+            up: single3(self.camera.up.axis()),
+            background: canvas.background,
+            bodies: &bodies,
+            scenery: &scenery,
+            marks: &marks.lines,
+        };
+        renderer.draw(gpu, canvas.pass, &picture);
+        self.overlay(&view, &places, &marks, status)
+    }
+
+    /// Turns the camera to what it follows; what is lost leaves it where it is.
+    fn aim(&mut self, places: &[Placed]) {
+        self.center_now = center_of_mass(&self.playback, places).unwrap_or(self.center_now);
+        match self.follow {
+            Follow::Nothing => {}
+            Follow::All => {
+                let off = self.center_now - self.anchor;
+                let leeway = LEEWAY * self.start.radius;
+                if off.length() > leeway {
+                    self.anchor = self.center_now - off.normalize() * leeway;
+                }
+            }
+            Follow::Body(index) => {
+                self.anchor = found(places, index).unwrap_or(self.anchor);
+            }
+        }
+        self.camera.target = self.anchor + self.shift;
+    }
+
+    fn instances(&self, view: &View, places: &[Placed]) -> Vec<Vec<BodyInstance>> {
+        let bodies = &self.playback.bodies;
+        let mut by_surface = vec![Vec::new(); bodies.surface_count];
+        for (index, (body, placed)) in bodies.all.iter().zip(places).enumerate() {
+            let enlarged = framing::enlargement(view, placed.center, body.reach, bodies.all.len());
+            let lit = if self.picked == Some(index) { 1.0 } else { 0.0 };
+            let [red, green, blue] = body.color;
+            for piece in &body.pieces {
+                if let Some(instances) = by_surface.get_mut(piece.surface) {
+                    let origin = placed.origin + placed.rotation * piece.position * enlarged;
+                    instances.push(BodyInstance {
+                        place: single3(view.relative(origin)),
+                        turn: (placed.rotation * piece.rotation).as_quat().to_array(),
+                        size: single3(piece.factors * (enlarged / view.unit)),
+                        paint: [red, green, blue, lit],
+                    });
+                }
+            }
+        }
+        by_surface
+    }
+
+    /// What the engine draws.
+    fn marks(&mut self) -> Marks {
+        let mut marks = Marks::default();
+        let (layers, length, alpha) = (self.layers, self.arrow_length, self.playback.alpha());
+        let largest = &mut self.largest;
+        let mut draw = |world: &hecs::World| {
+            largest.look(world);
+            let view: DebugView = largest.view(layers, length, alpha);
+            view.draw(world, &mut marks);
+        };
+        if layers.has(Layer::Forces) {
+            let settings = *self.playback.simulation.settings();
+            arrows::with_forces(&mut self.playback.world, &settings, draw);
+        } else {
+            draw(&self.playback.world);
+        }
+        marks
+    }
+
+    /// Trails and the grid.
+    fn scenery(&self, places: &[Placed]) -> Vec<Line> {
+        let mut lines = Vec::new();
+        if self.layers.has(Layer::Grid) {
+            let frame = Frame { middle: self.anchor + self.start.middle - self.center, radius: self.start.radius };
+            let frame = if self.follow == Follow::Nothing { self.start } else { frame };
+            lines = Grid::below(&frame, &self.start, self.camera.up).lines(&frame, self.camera.up);
+        }
+        if self.layers.has(Layer::Trails) {
+            self.trails(places, &mut lines);
+        }
+        lines
+    }
+
+    fn trails(&self, places: &[Placed], lines: &mut Vec<Line>) {
+        let poses = self.playback.bodies.by_entity(places);
+        for (entity, trail) in self.playback.trails.all() {
+            let Some((body, placed)) = poses.get(&entity) else { continue };
+            let [red, green, blue] = encoded(body.color);
+            let count = trail.len() as f32;
+            let color = |age: f32| [red, green, blue, 0.85 * (1.0 - age / count).max(0.0).powi(2)];
+            let newest_first = std::iter::once(placed.center).chain(trail.iter().rev().copied());
+            let older = trail.iter().rev().copied();
+            for (age, (from, to)) in newest_first.zip(older).enumerate() {
+                if from != to {
+                    let (from_color, to_color) = (color(age as f32), color(age as f32 + 1.0));
+                    lines.push(Line { from, to, from_color, to_color, width: TRAIL });
+                }
+            }
+        }
+    }
+
+    /// Energy and momentum, not long ago.
+    fn totals(&mut self) -> Totals {
+        if let Some((made, totals)) = self.books
+            && made.elapsed() < self.books_every
+        {
+            return totals;
+        }
+        let totals = self.playback.totals();
+        self.books = Some((Instant::now(), totals));
+        totals
+    }
+
+    fn overlay(&mut self, view: &View, places: &[Placed], marks: &Marks, status: String) -> Overlay {
+        let totals = self.layers.has(Layer::Ledger).then(|| self.totals());
+        let bodies = &self.playback.bodies.all;
+        let mut labels: Vec<Label> = marks
+            .labels
+            .iter()
+            .filter_map(|label| Some((view.project(label.at)?, label.text.clone(), label.color)))
+            .collect();
+        if self.layers.has(Layer::Names) {
+            let named = bodies.iter().zip(places).take(MOST_NAMES).filter_map(|(body, placed)| {
+                let at = view.project(placed.center)?;
+                let away = body.reach * framing::enlargement(view, placed.center, body.reach, bodies.len());
+                let above = (0.7 * away / view.metres_per_point(placed.center)).min(60.0);
+                Some((at + DVec2::new(0.3 * above + 4.0, -above - 4.0), body.name.clone(), [0.9, 0.92, 0.95]))
+            });
+            labels.extend(named);
+        }
+        let body = self.picked.and_then(|index| bodies.get(index));
+        Overlay {
+            title: self.title.clone(),
+            status,
+            layers: self.layers,
+            ledger: totals.map_or_else(Vec::new, |now| self.ledger(&now)),
+            body: body.map_or_else(Vec::new, |body| readout::body(&self.playback, body)),
+            labels,
+        }
+    }
+
+    fn ledger(&self, now: &Totals) -> Vec<Row> {
+        let lost = self.playback.bodies.all.iter().find(|body| now.non_finite == Some(body.entity));
+        let lost = lost.map(|body| body.name.as_str());
+        readout::ledger(&self.playback.start, self.playback.scale, now, lost)
+    }
+}
+
+/// Of the bodies that forces move; the others have no mass, and those that are lost no place \[m\].
+fn center_of_mass(playback: &Playback, places: &[Placed]) -> Option<DVec3> {
+    let bodies = playback.bodies.all.iter().zip(places).filter(|(_, placed)| placed.center.is_finite());
+    let (mass, moment) = bodies.fold((0.0, DVec3::ZERO), |(mass, moment), (body, placed)| {
+        (mass + body.mass, moment + placed.center * body.mass)
+    });
+    let center = moment / mass;
+    (mass > 0.0 && center.is_finite()).then_some(center)
+}
+
+/// Where a body is, if it is anywhere \[m\].
+fn found(places: &[Placed], index: usize) -> Option<DVec3> {
+    places.get(index).map(|placed| placed.center).filter(|center| center.is_finite())
+}
+
+#[cfg(test)]
+mod tests {
+    use clap::Parser as _;
+    use tumble::Pose;
+    use tumble::math::{Real, Vec3};
+
+    use super::*;
+    use crate::options::Options;
+
+    const SIZE: DVec2 = DVec2::new(1280.0, 720.0);
+
+    fn stage(arguments: &[&str]) -> Stage {
+        let options = Options::try_parse_from(["tumble-view"].iter().chain(arguments)).unwrap();
+        Stage::new(options.scene().unwrap(), &options.view).unwrap()
+    }
+
+    fn lose(stage: &mut Stage, index: usize) {
+        let entity = stage.playback.bodies.all[index].entity;
+        stage.playback.world.get::<&mut Pose>(entity).unwrap().position = Vec3::splat(Real::NAN);
+    }
+
+    fn aim(stage: &mut Stage) -> DVec3 {
+        stage.aim(&stage.playback.place());
+        stage.camera.target
+    }
+
+    #[test]
+    fn a_lost_body_does_not_throw_the_camera_back() {
+        let directory = tempfile::tempdir().unwrap();
+        let file = directory.path().join("falling.json");
+        let ball =
+            |x| format!(r#"{{ "shape": {{ "sphere": {{ "radius": 0.2 }} }}, "mass": 1, "position": [{x}, 0, 0] }}"#);
+        let scene = format!(r#"{{ "gravity": [0, -9.81, 0], "dt": 0.01, "bodies": [ {}, {} ] }}"#, ball(-1), ball(1));
+        std::fs::write(&file, scene).unwrap();
+        let mut stage = stage(&[file.to_str().unwrap()]);
+        stage.playback.go_to(2.0);
+        let before = aim(&mut stage);
+        let fallen = before.distance(stage.start.middle);
+        assert!(fallen > 2.0 * stage.start.radius, "{fallen}");
+        lose(&mut stage, 0);
+        // From between the two to the other one, a metre beside.
+        let after = aim(&mut stage);
+        assert!(after.distance(before) < 1.1, "{before} {after}");
+        lose(&mut stage, 1);
+        assert_eq!(aim(&mut stage), after);
+    }
+
+    #[test]
+    fn a_camera_stays_where_the_body_it_followed_was_lost() {
+        let mut stage = stage(&["raft", "--pick", "box-0-0", "--follow"]);
+        stage.playback.go_to(1.0);
+        let last = aim(&mut stage);
+        lose(&mut stage, 0);
+        assert_eq!(aim(&mut stage), last);
+        stage.set_follow(Follow::Body(0));
+        assert_eq!(aim(&mut stage), last);
+        let named = stage.ledger(&stage.playback.totals()).pop().unwrap().0;
+        assert_eq!(named, "not finite: box-0-0");
+    }
+
+    /// What is drawn goes as far as the bodies are, also where the camera follows none of them.
+    #[test]
+    fn a_camera_that_stays_sees_as_far() {
+        let mut stage = stage(&["satellite"]);
+        let follows = stage.extent();
+        assert!(stage.center.length() > 2.0 * follows, "{} {follows}", stage.center);
+        stage.set_follow(Follow::Nothing);
+        aim(&mut stage);
+        assert_eq!(stage.extent(), follows);
+    }
+
+    #[test]
+    fn a_restart_forgets_the_largest_arrows() {
+        let mut stage = stage(&["t-handle"]);
+        stage.marks();
+        assert_ne!(stage.largest, Largest::default());
+        stage.restart().unwrap();
+        assert_eq!(stage.largest, Largest::default());
+    }
+
+    #[test]
+    fn the_wheel_goes_as_far_as_the_option() {
+        let mut stage = stage(&["raft", "--camera", "0,0,1e6"]);
+        let farthest = stage.camera.distance;
+        stage.zoom(1.1, SIZE);
+        // A rounding of the product with 1e6.
+        assert!((stage.camera.distance / farthest - 1.0).abs() < 1e-15, "{farthest}");
+        stage.zoom(1e-30, SIZE);
+        assert!((stage.camera.distance / farthest / 1e-12 - 1.0).abs() < 1e-15);
+    }
+}

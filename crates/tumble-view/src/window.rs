@@ -1,0 +1,218 @@
+//! The window: what keys and mouse do.
+
+use std::time::Duration;
+
+use macroquad::input::{
+    KeyCode, MouseButton, is_key_down, is_key_pressed, is_mouse_button_down, is_mouse_button_pressed,
+    is_mouse_button_released, mouse_position, mouse_wheel,
+};
+use macroquad::time::get_frame_time;
+use macroquad::window::{next_frame, screen_height, screen_width};
+use tumble::glam::DVec2;
+
+use crate::failure::Failure;
+use crate::framing::{PITCH, YAW};
+use crate::gpu::{Background, Gpu, Renderer};
+use crate::layers::LAYERS;
+use crate::overlay::Writer;
+use crate::readout;
+use crate::stage::{Canvas, Follow, Stage};
+
+/// A frame may take so long to simulate; what it then lacks is not made up for.
+const BUDGET: Duration = Duration::from_millis(12);
+/// Figures that change more often cannot be read.
+const BOOKS: Duration = Duration::from_millis(100);
+/// A frame counts for at most this long \[s\]: a window that was dragged does not jump.
+const LONGEST_FRAME: f64 = 0.1;
+/// Speeds are powers of two, up to these.
+const SLOWEST: i32 = -6;
+const FASTEST: i32 = 6;
+/// Turning of the camera \[rad/point\], and its way with each notch of the wheel.
+const TURN: f64 = 0.007;
+const NOTCH: f64 = 0.12;
+/// A press that moves farther is a drag \[points\].
+const CLICK: f64 = 4.0;
+
+/// What the user has done so far.
+#[derive(Debug)]
+struct Controls {
+    paused: bool,
+    /// As a power of two.
+    speed: i32,
+    /// Simulated seconds to a second at speed 1.
+    pace: f64,
+    keeps_up: bool,
+    mouse: DVec2,
+    pressed_at: Option<DVec2>,
+}
+
+/// Shows the stage until the window is closed.
+pub(crate) async fn show(
+    mut stage: Stage,
+    (mut gpu, mut renderer, writer): (Gpu, Renderer, Writer),
+    pace: f64,
+    paused: bool,
+) -> Result<(), Failure> {
+    let mut controls = Controls { paused, speed: 0, pace, keeps_up: true, mouse: DVec2::ZERO, pressed_at: None };
+    stage.books_every = BOOKS;
+    loop {
+        let size = DVec2::new(f64::from(screen_width()), f64::from(screen_height())).max(DVec2::ONE);
+        if is_key_pressed(KeyCode::Q) {
+            return Ok(());
+        }
+        controls.keys(&mut stage, size)?;
+        controls.mouse(&mut stage, size);
+        if !controls.paused {
+            let seconds = f64::from(get_frame_time()).min(LONGEST_FRAME) * controls.factor();
+            controls.keeps_up = stage.playback.advance(seconds, BUDGET);
+        }
+        let canvas = Canvas { pass: None, size, background: Background::Gradient };
+        let status = controls.status(&stage);
+        let overlay = stage.draw(&mut gpu, &mut renderer, &canvas, status);
+        writer.draw(&overlay, size, 1.0);
+        next_frame().await;
+    }
+}
+
+impl Controls {
+    /// Simulated seconds to a second.
+    fn factor(&self) -> f64 {
+        self.pace * 2.0_f64.powi(self.speed)
+    }
+
+    fn status(&self, stage: &Stage) -> String {
+        let speed = status(stage.playback.time(), self.factor(), self.pace);
+        let note = match (self.paused, self.keeps_up) {
+            (true, _) => "   paused",
+            (false, false) => "   as fast as it goes",
+            (false, true) => "",
+        };
+        format!("{speed}{note}")
+    }
+
+    fn keys(&mut self, stage: &mut Stage, size: DVec2) -> Result<(), Failure> {
+        for info in &LAYERS {
+            if is_key_pressed(info.key) {
+                stage.layers.toggle(info.layer);
+            }
+        }
+        if is_key_pressed(KeyCode::Space) {
+            self.paused = !self.paused;
+        }
+        if is_key_pressed(KeyCode::Period) {
+            self.paused = true;
+            stage.playback.step();
+        }
+        let faster = is_key_pressed(KeyCode::Equal) || is_key_pressed(KeyCode::KpAdd);
+        let slower = is_key_pressed(KeyCode::Minus) || is_key_pressed(KeyCode::KpSubtract);
+        self.speed = (self.speed + i32::from(faster) - i32::from(slower)).clamp(SLOWEST, FASTEST);
+        if is_key_pressed(KeyCode::R) {
+            stage.restart()?;
+        }
+        if is_key_pressed(KeyCode::Tab) {
+            let bodies = stage.playback.bodies.all.len();
+            let back = is_key_down(KeyCode::LeftShift) || is_key_down(KeyCode::RightShift);
+            pick(stage, next_body(stage.picked, bodies, back));
+        }
+        if is_key_pressed(KeyCode::Escape) {
+            pick(stage, None);
+        }
+        if is_key_pressed(KeyCode::C) {
+            let follow = match (stage.follow, stage.picked) {
+                (Follow::All, Some(index)) => Follow::Body(index),
+                (Follow::All, None) | (Follow::Body(_), _) => Follow::Nothing,
+                (Follow::Nothing, _) => Follow::All,
+            };
+            stage.set_follow(follow);
+        }
+        let quarter = std::f64::consts::FRAC_PI_2;
+        let views = [
+            (KeyCode::Key0, (YAW, PITCH)),
+            (KeyCode::Key1, (0.0, 0.0)),
+            (KeyCode::Key2, (quarter, 0.0)),
+            (KeyCode::Key3, (0.0, quarter)),
+        ];
+        for (key, (yaw, pitch)) in views {
+            if is_key_pressed(key) {
+                stage.look_from(yaw, pitch, size);
+            }
+        }
+        Ok(())
+    }
+
+    fn mouse(&mut self, stage: &mut Stage, size: DVec2) {
+        let (x, y) = mouse_position();
+        let now = DVec2::new(f64::from(x), f64::from(y));
+        let by = now - std::mem::replace(&mut self.mouse, now);
+        if is_mouse_button_pressed(MouseButton::Left) {
+            self.pressed_at = Some(now);
+        } else if is_mouse_button_down(MouseButton::Left) {
+            stage.camera.turn(-TURN * by.x, TURN * by.y);
+        }
+        // A quick click is pressed and released within one frame.
+        if is_mouse_button_released(MouseButton::Left)
+            && self.pressed_at.take().is_some_and(|at| at.distance(now) <= CLICK)
+        {
+            pick(stage, stage.body_at(now, size));
+        }
+        if is_mouse_button_down(MouseButton::Right) || is_mouse_button_down(MouseButton::Middle) {
+            stage.pan(by, size);
+        }
+        // Some systems count notches, others points.
+        let notches = f64::from(mouse_wheel().1).clamp(-3.0, 3.0);
+        if notches != 0.0 {
+            stage.zoom((-NOTCH * notches).exp(), size);
+        }
+    }
+}
+
+/// Time and speed in words.
+pub(crate) fn status(time: f64, factor: f64, pace: f64) -> String {
+    let time = readout::time(time);
+    if pace == 1.0 {
+        format!("t = {time}   ×{factor}")
+    } else {
+        format!("t = {time}   {} a second", readout::time(factor))
+    }
+}
+
+/// A camera that follows the picked body follows the next one that is picked.
+fn pick(stage: &mut Stage, body: Option<usize>) {
+    stage.picked = body;
+    match (stage.follow, body) {
+        (Follow::Body(_), Some(index)) => stage.set_follow(Follow::Body(index)),
+        (Follow::Body(_), None) => stage.set_follow(Follow::Nothing),
+        _ => {}
+    }
+}
+
+fn next_body(picked: Option<usize>, bodies: usize, back: bool) -> Option<usize> {
+    let last = bodies.checked_sub(1)?;
+    Some(match (picked, back) {
+        (None, false) => 0,
+        (None, true) | (Some(0), true) => last,
+        (Some(index), true) => index - 1,
+        (Some(index), false) if index >= last => 0,
+        (Some(index), false) => index + 1,
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn bodies_are_picked_in_turn() {
+        assert_eq!(next_body(None, 3, false), Some(0));
+        assert_eq!(next_body(Some(2), 3, false), Some(0));
+        assert_eq!(next_body(Some(0), 3, true), Some(2));
+        assert_eq!(next_body(Some(1), 3, true), Some(0));
+        assert_eq!(next_body(None, 0, false), None);
+    }
+
+    #[test]
+    fn time_and_speed_are_told() {
+        assert_eq!(status(1.5, 0.25, 1.0), "t = 1.500 s   ×0.25");
+        assert_eq!(status(86400.0, 1e6, 1e6), "t = 24.00 hours   11.57 days a second");
+    }
+}
