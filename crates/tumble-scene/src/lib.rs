@@ -26,6 +26,7 @@ mod audit;
 mod audit_mesh;
 mod builtin;
 mod collider;
+mod collider_model;
 mod convert;
 mod distribution;
 mod error;
@@ -42,6 +43,7 @@ mod momentum_scale;
 mod outcome;
 mod output;
 mod parse;
+mod plates;
 mod plot;
 mod portrait;
 mod read;
@@ -73,11 +75,12 @@ pub use limits::{
     MAX_BODIES, MAX_FILE_BYTES, MAX_HULL_POINTS, MAX_MESH, MAX_PARTS, MAX_STEPS, TIME_STEPS, step_count,
     steps_of_duration, time_step,
 };
-pub use looks::{BODY_COLORS, FIXED_COLOR, Looks};
+pub use looks::{BODY_COLORS, FIXED_COLOR, GROUND_COLOR, Looks};
 pub use momentum_scale::MomentumScale;
 pub use outcome::Outcome;
 pub use output::PendingFile;
 pub use parse::Format;
+pub use plates::plates;
 pub use plot::{Mark, Plot, Scale};
 pub use report_page::{Replay, ReportPage};
 pub use scene::{DEFAULT_STEPS, Names, Scene};

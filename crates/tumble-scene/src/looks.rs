@@ -18,6 +18,8 @@ pub enum Looks {
     Shape(Shape),
     /// As a surface that need not bound anything, such as ground.
     Mesh(Arc<TriangleMesh>),
+    /// As ground without end: the plane y = 0, seen from above it.
+    HalfSpace,
 }
 
 /// Colours that look different to most eyes, after Okabe and Ito, as red, green, blue in linear light, taken by moving bodies in turn. Their number
@@ -34,3 +36,6 @@ pub const BODY_COLORS: [[f32; 3]; 7] = [
 
 /// The colour of what stands still, in linear light.
 pub const FIXED_COLOR: [f32; 3] = [0.3, 0.3, 0.3];
+
+/// The colour of ground without end, in linear light.
+pub const GROUND_COLOR: [f32; 3] = [0.16, 0.17, 0.19];

@@ -276,13 +276,13 @@ impl Scene {
         })
     }
 
-    /// What the bodies will collide with, where their file says so, each with the index of its body.
+    /// What a glTF file says of the colliders and triggers of its bodies, each with the index of its body.
     pub fn colliders(&self) -> impl Iterator<Item = (usize, &SceneCollider)> {
         let bodies = match &self.bodies {
             Bodies::Listed { bodies, .. } => bodies.as_slice(),
             Bodies::Stress { .. } => &[],
         };
-        bodies.iter().enumerate().flat_map(|(index, body)| body.colliders.iter().map(move |collider| (index, collider)))
+        bodies.iter().enumerate().flat_map(|(index, body)| body.pieces.iter().map(move |collider| (index, collider)))
     }
 
     /// The bodies of a scene that lists them.
@@ -409,6 +409,15 @@ pub(crate) fn settings(model: &SceneModel) -> Result<(Settings, u64), FieldError
     if let Some(integrator) = &model.integrator {
         let integrator = integrator.parse().map_err(|error| FieldError::new("integrator", error))?;
         settings = settings.with_integrator(integrator);
+    }
+    if let Some(substeps) = model.contact_substeps {
+        settings = settings.with_contact_substeps(substeps);
+        settings.validate().map_err(|error| FieldError::new("contact_substeps", error))?;
+    }
+    if let Some(speed) = model.restitution_threshold {
+        let speed = convert::finite("restitution_threshold", speed)?;
+        settings = settings.with_restitution_threshold(convert::real(speed));
+        settings.validate().map_err(|error| FieldError::new("restitution_threshold", error))?;
     }
     let steps = step_count(model.steps.unwrap_or(DEFAULT_STEPS));
     Ok((settings, steps.map_err(|problem| FieldError::new("steps", problem))?))

@@ -158,6 +158,8 @@ impl Sweep {
             steps: model.steps,
             substeps: model.substeps,
             integrator: model.integrator.clone(),
+            contact_substeps: model.contact_substeps,
+            restitution_threshold: model.restitution_threshold,
             ..SceneModel::default()
         };
         let worlds = worlds(&plan, &varied)?;
