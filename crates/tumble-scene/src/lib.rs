@@ -23,10 +23,12 @@
 pub mod gltf;
 
 mod audit;
+mod audit_collider;
 mod audit_mesh;
 mod builtin;
 mod collider;
 mod collider_model;
+mod contact_scenes;
 mod convert;
 mod distribution;
 mod error;
@@ -65,6 +67,7 @@ mod urdf;
 mod vary;
 
 pub use audit::{Audit, AuditedBody};
+pub use audit_collider::AuditedCollider;
 pub use audit_mesh::{MeshOptions, MeshRepairs};
 pub use builtin::builtin_names;
 pub use collider::{ColliderRole, SceneCollider};

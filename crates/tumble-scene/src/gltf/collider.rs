@@ -18,6 +18,9 @@ pub(super) fn collider(pieces: &[SceneCollider], shape: Option<&Shape>, notices:
             return None;
         }
         shape.map(Collider::new)?
+    } else if solid.iter().any(|piece| is_replaced(piece)) {
+        notices.push("has an open or mended mesh, which touches nothing".to_owned());
+        return None;
     } else {
         shape.map(Collider::new)?
     };
@@ -31,6 +34,16 @@ pub(super) fn collider(pieces: &[SceneCollider], shape: Option<&Shape>, notices:
             notices.push(format!("touches nothing: {error}"));
             None
         }
+    }
+}
+
+/// Whether mass and inertia are those of something else than the surface.
+fn is_replaced(piece: &SceneCollider) -> bool {
+    match (&piece.surface, &piece.shape, &piece.geometry) {
+        (Some(surface), Some(Shape::Mesh(solid)), Geometry::Mesh { convex_hull: false, .. }) => {
+            solid.mesh() != surface.as_ref()
+        }
+        _ => false,
     }
 }
 
