@@ -84,7 +84,7 @@ pub(crate) const CONTACT_SCENES: [ContactScene; 8] = [
     },
     ContactScene {
         name: "wall",
-        bodies: Some(289),
+        bodies: Some(264),
         is_seeded: false,
         description: "A brick wall that a heavy ball strikes after a second.",
         source: "Our own; bricks of 0.4 by 0.2 by 0.2 m and 1800 kg/m3, a ball of 650 kg at 16 m/s.",

@@ -2,7 +2,7 @@ use std::collections::HashMap;
 
 use glam::{DQuat, DVec3};
 use hecs::Entity;
-use tumble::{BodyId, CenterOfMass, Pose, Shape, Velocity};
+use tumble::{BodyId, CenterOfMass, Momentum, Pose, Shape, Velocity};
 
 use super::super::frame::Frame;
 use super::geometry::SurfaceSet;
@@ -50,7 +50,7 @@ pub(crate) struct Look {
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub(crate) enum Color {
-    /// Of what stands still.
+    /// Of what no force moves.
     Grey,
     /// Of ground without end.
     Ground,
@@ -66,16 +66,17 @@ impl Bodies {
 
     /// The bodies that have looks, which are asked for by their number in the order of the scene.
     pub(crate) fn chosen<'a>(frame: &Frame<'_>, looks: impl Fn(u64) -> Option<&'a Looks>) -> Self {
-        let states = frame.world.view::<(&Pose, Option<&BodyId>, Option<&CenterOfMass>, Option<&Velocity>)>();
+        let states =
+            frame.world.view::<(&Pose, Option<&BodyId>, Option<&CenterOfMass>, Option<&Velocity>, Option<&Momentum>)>();
         let mut bodies = Self { all: Vec::new(), geometry: SurfaceSet::default(), looks: Vec::new() };
         let mut known = HashMap::new();
         let (mut points, mut endless) = (Vec::new(), Vec::new());
         for (index, &entity) in frame.order.entities().iter().enumerate() {
-            let Some((pose, id, center, velocity)) = states.get(entity) else { continue };
+            let Some((pose, id, center, velocity, momentum)) = states.get(entity) else { continue };
             let id = id.map_or(index as u64, |id| id.0);
             let Some(looks) = looks(id) else { continue };
             let center = center.map_or(DVec3::ZERO, |center| DVec3::from_array(center.0.to_array().map(double)));
-            let color = match velocity {
+            let color = match momentum {
                 Some(_) => Color::Bright(bodies.all.len() % BODY_COLORS.len()),
                 None => Color::Grey,
             };
