@@ -17,12 +17,14 @@
 //! ```
 
 mod ball;
+mod balls;
 mod bounds;
 mod broad_phase;
 mod collide;
-mod cuboid_pair;
+mod cuboids;
 mod geometry;
 mod half_space;
+pub mod lanes;
 mod manifold;
 mod reduction;
 mod scalar;

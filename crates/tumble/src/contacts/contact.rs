@@ -2,6 +2,7 @@ use tumble_collide::{MOST_POINTS, Manifold};
 use tumble_math::lane::Vec3;
 
 use super::material::Surface;
+use super::narrow::Kind;
 use crate::math::Real;
 use crate::simd::Eight;
 
@@ -12,9 +13,11 @@ use crate::simd::Eight;
 pub(super) struct Contact {
     /// Slots of the bodies; where impulses move only one, it is the second.
     pub(super) slots: [u32; 2],
+    /// Of the shapes.
+    pub(super) kind: Kind,
     /// Which of the contacts of the two.
     pub(super) part: u32,
-    features: [u32; MOST_POINTS],
+    pub(super) features: [u32; MOST_POINTS],
     /// By [`SHAPE`] and the others.
     pub(super) numbers: [Eight; 5],
 }
@@ -32,14 +35,12 @@ pub(super) const RUBBED: usize = 4;
 const SAME_PLACE: Real = 0.01;
 
 impl Contact {
+    /// Of nobody.
+    pub(super) const NONE: Self =
+        Self { kind: Kind::Other, part: 0, slots: [0; 2], features: [0; MOST_POINTS], numbers: [Eight([0.0; 8]); 5] };
+
     /// Of a manifold with points, whose normal goes from the first slot to the second; `center` is the centre of mass of the second.
-    pub(super) fn new(
-        slots: [u32; 2],
-        part: u32,
-        manifold: &Manifold<Real>,
-        surface: &Surface,
-        center: Vec3<Real>,
-    ) -> Self {
+    pub(super) fn new(slots: [u32; 2], part: u32, manifold: &Manifold<Real>, center: Vec3<Real>) -> Self {
         let (n, count) = (manifold.normal, manifold.points().len());
         let mut numbers = [Eight([0.0; 8]); 5];
         let mut features = [0; MOST_POINTS];
@@ -49,16 +50,20 @@ impl Contact {
             numbers[POINTS[j / 2]].0[j % 2 * 4..][..4].copy_from_slice(&place);
             features[j] = point.feature;
         }
-        let (rolling, restitution) = (surface.rolling_friction, surface.restitution);
-        numbers[SHAPE] = Eight([n.x, n.y, n.z, manifold.carried, count as Real, rolling, restitution, 0.0]);
-        (numbers[HELD].0[4], numbers[HELD].0[5]) = (surface.static_friction, surface.dynamic_friction);
-        Self { slots, part, features, numbers }
+        numbers[SHAPE] = Eight([n.x, n.y, n.z, manifold.carried, count as Real, 0.0, 0.0, 0.0]);
+        Self { kind: Kind::Other, slots, part, features, numbers }
     }
 
-    /// What contacts are in the order of: both slots, the lower first, and the part.
-    pub(super) fn key(&self) -> (u32, u32, u32) {
+    /// Says what the surfaces are like.
+    pub(super) fn set_surface(&mut self, surface: &Surface) {
+        (self.numbers[SHAPE].0[5], self.numbers[SHAPE].0[6]) = (surface.rolling_friction, surface.restitution);
+        (self.numbers[HELD].0[4], self.numbers[HELD].0[5]) = (surface.static_friction, surface.dynamic_friction);
+    }
+
+    /// What contacts are in the order of: the kind of the shapes, both slots, the lower first, and the part.
+    pub(super) fn key(&self) -> (Kind, u32, u32, u32) {
         let [a, b] = self.slots;
-        (a.min(b), a.max(b), self.part)
+        (self.kind, a.min(b), a.max(b), self.part)
     }
 
     /// How many points.

@@ -11,6 +11,8 @@ mod colouring;
 mod contact;
 mod frame;
 mod material;
+mod materials;
+mod narrow;
 mod passes;
 mod prepare;
 mod rows;

@@ -6,7 +6,8 @@ use tumble_math::lane::{Quat, Vec3};
 
 use super::collider::Collider;
 use super::contact::Contact;
-use super::material::Surface;
+use super::materials::Materials;
+use super::narrow::{Kind, Pairs, Shapes};
 use super::solver::{Pass, Solver};
 use super::solver_bodies::SolverBodies;
 use crate::columns::for_each_archetype_in_turn;
@@ -36,6 +37,12 @@ pub(crate) struct Contacts {
     rows: Vec<u32>,
     broad_phase: BroadPhase<Real>,
     near: Vec<(u32, u32)>,
+    lanes: Shapes,
+    /// The pairs of each kind.
+    cuboids: Pairs,
+    balls: Pairs,
+    others: Vec<[u32; 2]>,
+    materials: Materials,
     /// In the order of their keys.
     contacts: Vec<Contact>,
     last: Vec<Contact>,
@@ -49,6 +56,7 @@ struct Shape {
     placement: Placement<Real>,
     /// Centre of mass \[m\].
     center: Vec3<Real>,
+    kind: Kind,
     /// Whether impulses move it.
     moves: bool,
     /// Of what impulses do not move \[m/s\] \[rad/s\].
@@ -82,6 +90,8 @@ impl Contacts {
                 places.for_each(|(row, slot)| colliders[slot] = Some((column[row].clone(), offset(row))));
             }
         });
+        self.materials
+            .list(self.colliders.iter().map(|collider| collider.as_ref().map(|(collider, _)| collider.material())));
         self.renumber();
     }
 
@@ -155,7 +165,8 @@ impl Contacts {
 
     /// Reads where all bodies with colliders are.
     fn look(&mut self, world: &World) {
-        let Self { members, shapes, colliders, .. } = self;
+        let Self { members, shapes, colliders, lanes, .. } = self;
+        lanes.reset(members.len());
         shapes.clear();
         shapes.resize(members.len(), Shape::NOWHERE);
         members.for_each_archetype(world, |archetype, places| {
@@ -165,11 +176,14 @@ impl Contacts {
             for (row, slot) in places {
                 let center = Vec3::from(poses[row].position);
                 let orientation = Quat::from(poses[row].orientation).normalize();
-                let offset = colliders[slot].as_ref().map_or(WorldVec3::ZERO, |(_, offset)| *offset);
-                let position = center - orientation.rotate(Vec3::from(offset));
+                let Some((collider, offset)) = &colliders[slot] else { continue };
+                let position = center - orientation.rotate(Vec3::from(*offset));
+                let placement = Placement { position, orientation };
+                lanes.set(slot, &collider.geometry, &placement, center);
+                let kind = Kind::of(&collider.geometry);
                 let velocity = velocities.as_deref().map_or(Velocity::default(), |velocities| velocities[row]);
                 let velocity = (velocity.linear.into(), velocity.angular.into());
-                shapes[slot] = Shape { placement: Placement { position, orientation }, center, moves, velocity };
+                shapes[slot] = Shape { placement, center, kind, moves, velocity };
             }
         });
     }
@@ -212,16 +226,44 @@ impl Contacts {
     /// The contacts there are, beginning with the impulses of those that there were.
     fn find_contacts(&mut self) {
         self.find_near();
+        self.sort_out();
         std::mem::swap(&mut self.contacts, &mut self.last);
-        self.contacts.clear();
+        let Self { shapes, lanes, cuboids, balls, others, contacts, .. } = self;
+        contacts.clear();
+        cuboids.touch(Kind::Cuboid, lanes, MARGIN, contacts);
+        balls.touch(Kind::Ball, lanes, MARGIN, contacts);
+        for slots in others {
+            let [first, second] = slots.map(|slot| (&shapes[slot as usize], self.colliders[slot as usize].as_ref()));
+            if let (Some((a, _)), Some((b, _))) = (first.1, second.1) {
+                let manifold = collide(&a.geometry, &first.0.placement, &b.geometry, &second.0.placement, MARGIN);
+                contacts.push(Contact::new(*slots, 0, &manifold, second.0.center));
+            }
+        }
+        contacts.retain(|contact| contact.count() > 0);
         let mut last = self.last.iter().peekable();
-        for &(first, second) in &self.near {
-            let Some(mut contact) = self.contact([first, second]) else { continue };
+        for contact in contacts {
             while last.next_if(|old| old.key() < contact.key()).is_some() {}
             if let Some(old) = last.next_if(|old| old.key() == contact.key()) {
                 contact.take_over(old);
             }
-            self.contacts.push(contact);
+            contact.set_surface(&self.materials.between(contact.slots));
+        }
+    }
+
+    /// Sorts the pairs by the kind of their shapes. Where impulses move only one of two, it is the second.
+    fn sort_out(&mut self) {
+        let Self { shapes, near, cuboids, balls, others, .. } = self;
+        cuboids.clear();
+        balls.clear();
+        others.clear();
+        for &(first, second) in &*near {
+            let [a, b] = [&shapes[first as usize], &shapes[second as usize]];
+            let slots = if a.moves && !b.moves { [second, first] } else { [first, second] };
+            match Kind::both(a.kind, b.kind) {
+                Kind::Cuboid => cuboids.push(slots),
+                Kind::Ball => balls.push(slots),
+                Kind::Other => others.push(slots),
+            }
         }
     }
 
@@ -246,24 +288,6 @@ impl Contacts {
             near.sort_unstable();
         }
     }
-
-    /// How two bodies touch, if they do.
-    fn contact(&self, [first, second]: [u32; 2]) -> Option<Contact> {
-        // Where impulses move only one, it is the second.
-        let moves = |slot: u32| self.shapes[slot as usize].moves;
-        let slots = if moves(first) && !moves(second) { [second, first] } else { [first, second] };
-        let [a, b] = slots.map(|slot| &self.shapes[slot as usize]);
-        let [Some((a_collider, _)), Some((b_collider, _))] = slots.map(|slot| self.colliders[slot as usize].as_ref())
-        else {
-            return None;
-        };
-        let manifold = collide(&a_collider.geometry, &a.placement, &b_collider.geometry, &b.placement, MARGIN);
-        if manifold.points().is_empty() {
-            return None;
-        }
-        let surface = Surface::between(a_collider.material(), b_collider.material());
-        Some(Contact::new(slots, 0, &manifold, &surface, b.center))
-    }
 }
 
 impl Shape {
@@ -273,6 +297,7 @@ impl Shape {
         Self {
             placement: Placement { position: zero, orientation },
             center: zero,
+            kind: Kind::Other,
             moves: false,
             velocity: (zero, zero),
         }
