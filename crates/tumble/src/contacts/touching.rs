@@ -1,7 +1,7 @@
 use std::fmt;
 
 use hecs::World;
-use tumble_collide::{Bounds, BroadPhase, Manifold, Placement, collide};
+use tumble_collide::{Bounds, BroadPhase, Manifold, Placement, Proxy, collide};
 use tumble_math::lane::Vec3;
 
 use super::body::SolverBody;
@@ -34,7 +34,7 @@ pub(crate) struct Contacts {
     /// The slots of those that touch something.
     active: Vec<usize>,
     broad_phase: BroadPhase<Real>,
-    near: Vec<(u32, u32)>,
+    proxies: Vec<Proxy<Real>>,
     /// In the order of their keys.
     kept: Vec<Kept>,
 }
@@ -53,6 +53,7 @@ impl Contacts {
                 archetype.ids().iter().for_each(|id| mark(*id));
             }
         });
+        self.broad_phase.reset();
         self.colliders.clear();
         self.colliders.resize(self.members.len(), None);
         let Self { members, colliders, .. } = self;
@@ -138,34 +139,28 @@ impl Contacts {
         Some((collider, Placement { position, orientation: state.orientation }))
     }
 
+    /// What the broad phase is to know of a slot. One without a collider is nowhere.
+    fn proxy(&self, slot: usize) -> Proxy<Real> {
+        let nowhere = Some(Bounds::about(Vec3::splat(Real::NAN), Vec3::zero()));
+        let bounds = self.placement(slot).map_or(nowhere, |(collider, at)| collider.geometry.bounds(&at, 0.5 * MARGIN));
+        Proxy { bounds, moves: self.bodies[slot].free.is_some() }
+    }
+
     /// The contacts there are: those between moving bodies first, then those with what does not move, which has the last word.
     fn touching(&mut self, h: Real) -> Vec<Constraint> {
         let mut broad_phase = std::mem::take(&mut self.broad_phase);
-        let mut near = std::mem::take(&mut self.near);
-        let count = self.members.len() as u32;
-        let moves = |slot: u32| self.bodies[slot as usize].free.is_some();
-        let bounds = |slot: u32| -> Option<Bounds<Real>> {
-            let (collider, placement) = self.placement(slot as usize)?;
-            collider.geometry.bounds(&placement, 0.5 * MARGIN)
-        };
-        broad_phase.pairs((0..count).map(bounds), |a, b| moves(a) || moves(b), &mut near);
-        // What has no end is near everything that moves.
-        let endless = |slot: &u32| self.placement(*slot as usize).is_some() && bounds(*slot).is_none();
-        for ground in (0..count).filter(endless) {
-            near.extend(
-                (0..count)
-                    .filter(|slot| moves(*slot) && *slot != ground)
-                    .map(|slot| (slot.min(ground), slot.max(ground))),
-            );
-        }
-        near.sort_unstable();
+        let mut proxies = std::mem::take(&mut self.proxies);
+        proxies.clear();
+        proxies.extend((0..self.members.len()).map(|slot| self.proxy(slot)));
+        // Which others are found depends on what was before; the contacts must not.
+        let near = broad_phase.update(&proxies, |_, _| true).iter().map(|(a, b)| [*a as usize, *b as usize]);
+        let near = near.filter(|[a, b]| proxies[*a].is_near(&proxies[*b]));
 
         self.touched.clear();
         self.touched.resize(self.members.len(), false);
         let (mut moving, mut grounded) = (Vec::new(), Vec::new());
         let (soft, stiff) = (Softness::between_moving(h.into()), Softness::on_ground(h.into()));
-        for &(first, second) in &near {
-            let slots = [first as usize, second as usize];
+        for slots in near {
             let Some((surface, manifold)) = self.manifold(slots) else { continue };
             let bodies = slots.map(|slot| &self.bodies[slot]);
             let both = bodies.iter().all(|body| body.free.is_some());
@@ -174,7 +169,7 @@ impl Contacts {
             slots.into_iter().for_each(|slot| self.touched[slot] = true);
             if both { moving.push(contact) } else { grounded.push(contact) }
         }
-        (self.broad_phase, self.near) = (broad_phase, near);
+        (self.broad_phase, self.proxies) = (broad_phase, proxies);
         self.active.clear();
         self.active.extend((0..self.touched.len()).filter(|slot| self.touched[*slot]));
         moving.append(&mut grounded);
