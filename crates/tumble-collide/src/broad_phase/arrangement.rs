@@ -24,12 +24,12 @@ pub(super) struct Item<R> {
     object: u32,
 }
 
-/// Fills `places` with the objects, in eights; where an eight is not full, with [`NONE`].
+/// Fills `leaves` with the objects; where a leaf is not full, with [`NONE`].
 pub(super) fn arrange<R: Scalar>(
     objects: impl Iterator<Item = u32>,
     boxes: &[Bounds<R>],
     items: &mut Vec<Item<R>>,
-    places: &mut Vec<u32>,
+    leaves: &mut Vec<[u32; LANES]>,
 ) {
     items.clear();
     items.extend(objects.map(|object| {
@@ -38,11 +38,14 @@ pub(super) fn arrange<R: Scalar>(
         Item { class: magnitude(bounds), center, object }
     }));
     classify(items);
-    places.clear();
+    leaves.clear();
     for class in items.chunk_by_mut(|a, b| a.class == b.class) {
-        arrange_leaves(class, places.len() / LANES);
-        places.extend(class.iter().map(|item| item.object));
-        places.resize(places.len().next_multiple_of(LANES), NONE);
+        arrange_leaves(class, leaves.len());
+        leaves.extend(class.chunks(LANES).map(|leaf| {
+            let mut objects = [NONE; LANES];
+            objects.iter_mut().zip(leaf).for_each(|(object, item)| *object = item.object);
+            objects
+        }));
     }
 }
 

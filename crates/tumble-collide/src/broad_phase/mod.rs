@@ -9,7 +9,7 @@ pub use proxy::Proxy;
 
 use arrangement::NONE;
 use fat::Fat;
-use pair_list::{Pair, PairList};
+use pair_list::{Pair, PairList, merge};
 use tree::Tree;
 
 use crate::scalar::Scalar;
@@ -45,6 +45,8 @@ pub struct BroadPhase<R> {
     left: Vec<u32>,
     /// Of each leaf, whether one of its objects has left.
     stirred: Vec<bool>,
+    /// The same of each object: whether it is in such a leaf.
+    stirred_objects: Vec<bool>,
     near: PairList,
     /// Pairs of what has no end with what has one.
     endless: Vec<Pair>,
@@ -165,12 +167,15 @@ impl<R: Scalar> BroadPhase<R> {
         }
         self.stirred.clear();
         self.stirred.resize(self.moving.leaves(), false);
+        self.stirred_objects.clear();
+        self.stirred_objects.resize(proxies.len(), false);
         self.left.iter().for_each(|object| self.stirred[self.leaves[*object as usize] as usize] = true);
         let stirred = || (0..self.stirred.len()).filter(|leaf| self.stirred[*leaf]);
         let all = 2 * stirred().count() > self.moving.leaves();
         for leaf in (0..self.stirred.len()).filter(|leaf| all || self.stirred[*leaf]) {
             for object in self.moving.objects(leaf).iter().filter(|object| **object != NONE) {
                 self.fat.renew(*object, &proxies[*object as usize]);
+                self.stirred_objects[*object as usize] = true;
             }
             self.moving.load(leaf, self.fat.boxes());
         }
@@ -191,10 +196,7 @@ impl<R: Scalar> BroadPhase<R> {
     }
 
     fn search(&mut self, search: Search, wanted: &impl Fn(u32, u32) -> bool) {
-        let Self { kinds, leaves, moving, still, stirred, near, stack, met, .. } = self;
-        let wanted = |first: u32, second: u32| {
-            (kinds[first as usize].moves || kinds[second as usize].moves) && wanted(first, second)
-        };
+        let Self { kinds, moving, still, stirred, stirred_objects, near, stack, met, .. } = self;
         let found = near.found();
         let all = search == Search::All;
         for leaf in (0..moving.leaves()).filter(|leaf| all || stirred[*leaf]) {
@@ -204,22 +206,24 @@ impl<R: Scalar> BroadPhase<R> {
             for other in met.iter().map(|other| *other as usize) {
                 // Of two leaves that both look for each other the first one does.
                 if other == leaf {
-                    moving.pairs_within(leaf, &wanted, found);
+                    moving.pairs_within(leaf, found);
                 } else if all || other > leaf || !stirred[other] {
-                    moving.pairs_between((leaf, &around), (moving, other), &wanted, found);
+                    moving.pairs_between((leaf, &around), (moving, other), found);
                 }
             }
             met.clear();
             still.find(&around, 0, stack, met);
             for other in &*met {
-                moving.pairs_between((leaf, &around), (still, *other as usize), &wanted, found);
+                moving.pairs_between((leaf, &around), (still, *other as usize), found);
             }
         }
+        found.retain(|(first, second)| {
+            (kinds[first as usize].moves || kinds[second as usize].moves) && wanted(first, second)
+        });
         if all {
             near.replace_all(kinds.len());
         } else {
-            let stays = |object: u32| leaves[object as usize] == NONE || !stirred[leaves[object as usize] as usize];
-            near.replace(kinds.len(), |(first, second)| stays(first) && stays(second));
+            near.replace(stirred_objects);
         }
         self.merge_endless();
     }
@@ -228,14 +232,6 @@ impl<R: Scalar> BroadPhase<R> {
         if self.endless.is_empty() {
             return;
         }
-        self.all.clear();
-        let mut near = self.near.pairs().iter().peekable();
-        for pair in &self.endless {
-            while let Some(before) = near.next_if(|near| *near < pair) {
-                self.all.push(*before);
-            }
-            self.all.push(*pair);
-        }
-        self.all.extend(near);
+        merge(self.near.pairs(), &self.endless, &mut self.all);
     }
 }

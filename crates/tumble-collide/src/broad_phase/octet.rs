@@ -29,12 +29,6 @@ impl<R: Scalar> Octet<R> {
         }
     }
 
-    #[inline]
-    pub(super) fn get(&self, lane: usize) -> Bounds<R> {
-        let corner = |of: &[[R; LANES]; 3]| Vec3::new(of[0][lane], of[1][lane], of[2][lane]);
-        Bounds { low: corner(&self.low), high: corner(&self.high) }
-    }
-
     /// The smallest box that holds all of them.
     #[inline]
     pub(super) fn union(&self) -> Bounds<R> {
@@ -56,21 +50,55 @@ impl<R: Scalar> Octet<R> {
         fold(sides, |a, b| a + b)
     }
 
-    /// Those that have a point in common with the box.
-    #[inline]
-    pub(super) fn meeting(&self, other: &Bounds<R>) -> Hits {
-        let (low, high) = (other.low, other.high);
-        let mut hits = [0_u8; LANES];
-        // One loop over bytes without branches, of which compilers make vector code.
-        for (lane, hit) in hits.iter_mut().enumerate() {
-            *hit = u8::from(self.low[0][lane] <= high.x)
-                & u8::from(low.x <= self.high[0][lane])
-                & u8::from(self.low[1][lane] <= high.y)
-                & u8::from(low.y <= self.high[1][lane])
-                & u8::from(self.low[2][lane] <= high.z)
-                & u8::from(low.z <= self.high[2][lane]);
+    /// Marks those that have a point in common with the box.
+    ///
+    /// Not inlined, so that it is vector code: a compiler that sees what becomes of the marks takes them one by one.
+    #[inline(never)]
+    pub(super) fn meeting(&self, other: &Bounds<R>, marks: &mut Marks) {
+        let Bounds { low, high } = *other;
+        self.compare([low.x, low.y, low.z], [high.x, high.y, high.z], marks);
+    }
+
+    /// Marks those that have a point in common with one of other eight, whose numbers are read where they lie: written one by
+    /// one and read together they would have to be waited for.
+    #[inline(never)]
+    pub(super) fn meeting_one_of(&self, others: &Self, lane: usize, marks: &mut Marks) {
+        let Self { low, high } = others;
+        self.compare([low[0][lane], low[1][lane], low[2][lane]], [high[0][lane], high[1][lane], high[2][lane]], marks);
+    }
+
+    #[inline(always)]
+    fn compare(&self, low: [R; 3], high: [R; 3], marks: &mut Marks) {
+        for (lane, mark) in marks.0.iter_mut().enumerate() {
+            // The widest gap between the two. A difference is zero only where the numbers are the same.
+            let gap = |axis: usize| (self.low[axis][lane] - high[axis]).max(low[axis] - self.high[axis][lane]);
+            *mark = u32::from(gap(0).max(gap(1)).max(gap(2)) <= R::splat(0.0));
         }
-        Hits(u64::from_le_bytes(hits))
+    }
+}
+
+/// 1 for some of eight lanes, 0 for the others.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Marks([u32; LANES]);
+
+impl Marks {
+    /// Keeps those before a lane.
+    #[inline]
+    pub(super) fn keep_before(&mut self, lane: usize) {
+        self.0.iter_mut().enumerate().for_each(|(place, mark)| *mark &= u32::from(place < lane));
+    }
+
+    /// Writes what belongs to the marked lanes from the beginning of `to` on, and returns how many there are. What it does is the same for
+    /// any marks: a processor that has to guess them loses more time than it takes to write all.
+    #[inline]
+    pub(super) fn select<T>(&self, to: &mut [T; LANES], what: impl Fn(usize) -> T) -> usize {
+        let mut count = 0;
+        for (lane, mark) in self.0.iter().enumerate() {
+            // Never more than were looked at, so the remainder is the count.
+            to[count % LANES] = what(lane);
+            count += *mark as usize;
+        }
+        count
     }
 }
 
@@ -83,27 +111,4 @@ fn fold<R: Scalar>(mut lanes: [R; LANES], combine: impl Fn(R, R) -> R) -> R {
         }
     }
     lanes[0]
-}
-
-/// Some of the eight lanes, from the first on: a byte each, 1 where it is one of them.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Hits(u64);
-
-impl Hits {
-    /// Those of them that come before a lane.
-    #[inline]
-    pub(super) fn before(self, lane: usize) -> Self {
-        Self(self.0 & ((1 << (8 * lane)) - 1))
-    }
-}
-
-impl Iterator for Hits {
-    type Item = usize;
-
-    #[inline]
-    fn next(&mut self) -> Option<usize> {
-        let first = (self.0 != 0).then(|| self.0.trailing_zeros() as usize / 8)?;
-        self.0 &= self.0 - 1;
-        Some(first)
-    }
 }

@@ -1,6 +1,6 @@
 use super::arrangement::{Item, NONE, arrange};
-use super::octet::{LANES, Octet};
-use super::pair_list::Pair;
+use super::octet::{LANES, Marks, Octet};
+use super::pair_list::{Found, Pair};
 use crate::bounds::Bounds;
 use crate::scalar::Scalar;
 
@@ -9,7 +9,7 @@ use crate::scalar::Scalar;
 #[derive(Clone, Debug, Default)]
 pub(super) struct Tree<R> {
     /// What is in each lane of each leaf.
-    objects: Vec<u32>,
+    objects: Vec<[u32; LANES]>,
     /// From the leaves up to the root.
     levels: Vec<Vec<Octet<R>>>,
     items: Vec<Item<R>>,
@@ -19,7 +19,7 @@ impl<R: Scalar> Tree<R> {
     /// Makes a tree of some of the objects.
     pub(super) fn build(&mut self, objects: impl Iterator<Item = u32>, boxes: &[Bounds<R>]) {
         arrange(objects, boxes, &mut self.items, &mut self.objects);
-        let mut width = self.objects.len() / LANES;
+        let mut width = self.objects.len();
         let mut height = 0;
         while width > 0 {
             if self.levels.len() == height {
@@ -38,12 +38,12 @@ impl<R: Scalar> Tree<R> {
     }
 
     pub(super) fn leaves(&self) -> usize {
-        self.objects.len() / LANES
+        self.objects.len()
     }
 
     /// The objects of a leaf; [`NONE`] where there is none.
-    pub(super) fn objects(&self, leaf: usize) -> &[u32] {
-        &self.objects[leaf * LANES..(leaf + 1) * LANES]
+    pub(super) fn objects(&self, leaf: usize) -> &[u32; LANES] {
+        &self.objects[leaf]
     }
 
     pub(super) fn leaf(&self, leaf: usize) -> &Octet<R> {
@@ -52,8 +52,7 @@ impl<R: Scalar> Tree<R> {
 
     /// Takes over the boxes of a leaf's objects.
     pub(super) fn load(&mut self, leaf: usize, boxes: &[Bounds<R>]) {
-        let objects = &self.objects[leaf * LANES..(leaf + 1) * LANES];
-        for (lane, object) in objects.iter().enumerate().filter(|(_, object)| **object != NONE) {
+        for (lane, object) in self.objects[leaf].iter().enumerate().filter(|(_, object)| **object != NONE) {
             self.levels[0][leaf].set(lane, &boxes[*object as usize]);
         }
     }
@@ -91,58 +90,56 @@ impl<R: Scalar> Tree<R> {
             found.push(0);
             return;
         }
+        let mut marks = Marks::default();
+        let mut lanes = [0; LANES];
         stack.clear();
         stack.push((root as u32, 0));
         while let Some((height, node)) = stack.pop() {
-            let first = node as usize * LANES;
             let below = height - 1;
-            for lane in self.levels[height as usize][node as usize].meeting(other) {
-                let child = first + lane;
-                // The leaves below a child end where those of the next begin.
-                if (child + 1) << (3 * below) <= from {
-                    continue;
-                }
-                if below == 0 {
-                    found.push(child as u32);
-                } else {
-                    stack.push((below, child as u32));
-                }
+            self.levels[height as usize][node as usize].meeting(other, &mut marks);
+            let count = marks.select(&mut lanes, |lane| node * LANES as u32 + lane as u32);
+            // The leaves below a child end where those of the next begin.
+            let children = lanes[..count].iter().filter(|child| (**child as usize + 1) << (3 * below) > from);
+            if below == 0 {
+                found.extend(children);
+            } else {
+                stack.extend(children.map(|child| (below, *child)));
             }
         }
     }
 
-    /// Adds the wanted pairs among the objects of a leaf whose boxes meet.
-    pub(super) fn pairs_within(&self, leaf: usize, wanted: &impl Fn(u32, u32) -> bool, found: &mut Vec<Pair>) {
+    /// Adds the pairs among the objects of a leaf whose boxes meet.
+    pub(super) fn pairs_within(&self, leaf: usize, found: &mut Found) {
         let (octet, objects) = (self.leaf(leaf), self.objects(leaf));
+        let mut marks = Marks::default();
         for lane in 1..LANES {
-            for before in octet.meeting(&octet.get(lane)).before(lane) {
-                add(objects[before], objects[lane], wanted, found);
-            }
+            octet.meeting_one_of(octet, lane, &mut marks);
+            marks.keep_before(lane);
+            found.add(&marks, |before| ordered(objects[before], objects[lane]));
         }
     }
 
-    /// Adds the wanted pairs of an object of a leaf, with the box `around` all of it, and one of another leaf, whose boxes meet.
+    /// Adds the pairs of an object of a leaf, with the box `around` all of it, and one of another leaf, whose boxes meet.
     pub(super) fn pairs_between(
         &self,
         (leaf, around): (usize, &Bounds<R>),
         (tree, other): (&Self, usize),
-        wanted: &impl Fn(u32, u32) -> bool,
-        found: &mut Vec<Pair>,
+        found: &mut Found,
     ) {
         let (octet, objects) = (self.leaf(leaf), self.objects(leaf));
         let (others, other_objects) = (tree.leaf(other), tree.objects(other));
-        for lane in others.meeting(around) {
-            for hit in octet.meeting(&others.get(lane)) {
-                add(objects[hit], other_objects[lane], wanted, found);
-            }
+        let mut marks = Marks::default();
+        let mut lanes = [0; LANES];
+        others.meeting(around, &mut marks);
+        let count = marks.select(&mut lanes, |lane| lane);
+        for lane in &lanes[..count] {
+            octet.meeting_one_of(others, *lane, &mut marks);
+            found.add(&marks, |hit| ordered(objects[hit], other_objects[*lane]));
         }
     }
 }
 
 #[inline]
-fn add(a: u32, b: u32, wanted: &impl Fn(u32, u32) -> bool, found: &mut Vec<Pair>) {
-    let (first, second) = (a.min(b), a.max(b));
-    if wanted(first, second) {
-        found.push((first, second));
-    }
+fn ordered(a: u32, b: u32) -> Pair {
+    (a.min(b), a.max(b))
 }
