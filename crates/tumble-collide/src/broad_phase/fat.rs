@@ -9,7 +9,7 @@ use crate::scalar::Scalar;
 /// A box is so much larger to every side, as a part of its mean extent ...
 const MARGIN: f64 = 0.125;
 /// ... but not by more than this \[m\].
-const MOST_MARGIN: f64 = 0.05;
+const MOST_MARGIN: f64 = 0.025;
 /// Where it moves it is larger by the way it makes in so many steps ...
 const STEPS_AHEAD: f64 = 4.0;
 /// ... but not by more than this part of its mean extent.

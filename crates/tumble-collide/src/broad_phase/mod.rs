@@ -171,7 +171,7 @@ impl<R: Scalar> BroadPhase<R> {
         self.stirred_objects.resize(proxies.len(), false);
         self.left.iter().for_each(|object| self.stirred[self.leaves[*object as usize] as usize] = true);
         let stirred = || (0..self.stirred.len()).filter(|leaf| self.stirred[*leaf]);
-        let all = 2 * stirred().count() > self.moving.leaves();
+        let all = 8 * stirred().count() > self.moving.leaves();
         for leaf in (0..self.stirred.len()).filter(|leaf| all || self.stirred[*leaf]) {
             for object in self.moving.objects(leaf).iter().filter(|object| **object != NONE) {
                 self.fat.renew(*object, &proxies[*object as usize]);

@@ -3,6 +3,9 @@ use super::octet::{LANES, Marks};
 /// Indices of two objects, the lower first.
 pub(super) type Pair = (u32, u32);
 
+/// A list is short if it is so many times shorter than the other: runs of the other are then long enough to be worth looking for.
+const FEW: usize = 8;
+
 /// Pairs that were found, in any order.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Found {
@@ -118,11 +121,28 @@ fn distribute(from: &[Pair], to: &mut Vec<Pair>, counts: &mut Vec<u32>, count: u
 }
 
 /// Makes one ordered list of two that have nothing in common.
-pub(super) fn merge(a: &[Pair], b: &[Pair], to: &mut Vec<Pair>) {
+pub(super) fn merge(many: &[Pair], few: &[Pair], to: &mut Vec<Pair>) {
+    if few.len() > many.len() / FEW {
+        interleave(many, few, to);
+        return;
+    }
+    to.clear();
+    let mut rest = many;
+    for pair in few {
+        let before = rest.iter().take_while(|other| *other < pair).count();
+        let (first, others) = rest.split_at(before);
+        to.extend_from_slice(first);
+        to.push(*pair);
+        rest = others;
+    }
+    to.extend_from_slice(rest);
+}
+
+/// Takes the lower of the first two, again and again, without a branch on which it is: there is no guessing that.
+fn interleave(a: &[Pair], b: &[Pair], to: &mut Vec<Pair>) {
     to.resize(a.len() + b.len(), (0, 0));
     let (mut i, mut j) = (0, 0);
     for place in to.iter_mut() {
-        // Without a branch on which is the lower: there is no guessing that.
         let (first, second) = (key(a.get(i)), key(b.get(j)));
         let from_first = first < second;
         *place = pair(if from_first { first } else { second });
