@@ -17,6 +17,9 @@ use crate::scalar::Scalar;
 /// The tree is made anew when its leaves have become so much longer than they were when it was made.
 const MOST_LOOSENESS: f64 = 1.15;
 
+/// Where at least one leaf of so many is stirred, all get other boxes: they then leave them together, and rarely.
+const MANY: usize = 8;
+
 /// Finds which of many objects are near each other, in time that grows as their number does.
 ///
 /// Every object is in a box that is somewhat larger than itself. As long as nothing leaves its box the pairs are those of the last time, and
@@ -165,19 +168,16 @@ impl<R: Scalar> BroadPhase<R> {
             self.build_still();
             return self.renew(proxies);
         }
+        let leaves = self.moving.leaves();
         self.stirred.clear();
-        self.stirred.resize(self.moving.leaves(), false);
-        self.stirred_objects.clear();
-        self.stirred_objects.resize(proxies.len(), false);
+        self.stirred.resize(leaves, false);
         self.left.iter().for_each(|object| self.stirred[self.leaves[*object as usize] as usize] = true);
-        let stirred = || (0..self.stirred.len()).filter(|leaf| self.stirred[*leaf]);
-        let all = 8 * stirred().count() > self.moving.leaves();
-        for leaf in (0..self.stirred.len()).filter(|leaf| all || self.stirred[*leaf]) {
-            for object in self.moving.objects(leaf).iter().filter(|object| **object != NONE) {
-                self.fat.renew(*object, &proxies[*object as usize]);
-                self.stirred_objects[*object as usize] = true;
-            }
-            self.moving.load(leaf, self.fat.boxes());
+        let all = self.stirred.iter().filter(|stirred| **stirred).count() * MANY > leaves;
+        if all {
+            self.renew_boxes(proxies);
+            (0..leaves).for_each(|leaf| self.moving.load(leaf, self.fat.boxes()));
+        } else {
+            self.stir(proxies);
         }
         self.moving.refit();
         if self.moving.looseness() > self.most_looseness {
@@ -186,13 +186,32 @@ impl<R: Scalar> BroadPhase<R> {
         if all { Search::All } else { Search::Stirred }
     }
 
+    /// Gives another box to all in stirred leaves.
+    fn stir(&mut self, proxies: &[Proxy<R>]) {
+        self.stirred_objects.clear();
+        self.stirred_objects.resize(proxies.len(), false);
+        for leaf in (0..self.stirred.len()).filter(|leaf| self.stirred[*leaf]) {
+            for object in self.moving.objects(leaf).iter().filter(|object| **object != NONE) {
+                self.fat.renew(*object, &proxies[*object as usize]);
+                self.stirred_objects[*object as usize] = true;
+            }
+            self.moving.load(leaf, self.fat.boxes());
+        }
+    }
+
     /// Gives another box to all that move, and arranges them anew.
     fn renew(&mut self, proxies: &[Proxy<R>]) -> Search {
-        for (object, _) in (0..).zip(&self.leaves).filter(|(_, leaf)| **leaf != NONE) {
-            self.fat.renew(object, &proxies[object as usize]);
-        }
+        self.renew_boxes(proxies);
         self.build_moving();
         Search::All
+    }
+
+    fn renew_boxes(&mut self, proxies: &[Proxy<R>]) {
+        for (object, (leaf, proxy)) in (0..).zip(self.leaves.iter().zip(proxies)) {
+            if *leaf != NONE {
+                self.fat.renew(object, proxy);
+            }
+        }
     }
 
     fn search(&mut self, search: Search, wanted: &impl Fn(u32, u32) -> bool) {

@@ -72,15 +72,11 @@ impl<R: Scalar> Tree<R> {
 
     /// How long the boxes of the leaves are in the mean, as a multiple of those of the objects in them: the larger, the more leaves meet.
     pub(super) fn looseness(&self) -> R {
-        let zero = R::splat(0.0);
-        let mut sides = (zero, zero);
-        for octet in self.levels.first().into_iter().flatten() {
-            let around = octet.union();
-            let side = (around.high.x - around.low.x) + (around.high.y - around.low.y) + (around.high.z - around.low.z);
-            sides.0 = sides.0 + side.max(zero);
-            sides.1 = sides.1 + octet.sides();
-        }
-        sides.0 / sides.1
+        let sides = |height: usize| {
+            let octets = self.levels.get(height).into_iter().flatten();
+            octets.fold(R::splat(0.0), |sum, octet| sum + octet.sides())
+        };
+        sides(1) / sides(0)
     }
 
     /// Adds the leaves, from leaf `from` on, whose boxes meet the other to `found`.
