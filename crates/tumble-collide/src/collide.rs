@@ -1,5 +1,5 @@
 use crate::ball::{ball_and_ball, cuboid_and_ball};
-use crate::cuboid_pair::cuboid_and_cuboid;
+use crate::cuboids::{CuboidLanes, cuboid_pair};
 use crate::geometry::{Geometry, Placement};
 use crate::half_space::{half_space_and_ball, half_space_and_cuboid};
 use crate::manifold::Manifold;
@@ -22,7 +22,10 @@ pub fn collide<R: Scalar>(
             cuboid_and_ball(half_extents, first_at, radius, second_at.position, margin)
         }
         (Cuboid { half_extents: a }, Cuboid { half_extents: b }) => {
-            cuboid_and_cuboid(a, first_at, b, second_at, margin)
+            let first = CuboidLanes { half_extents: a, orientation: first_at.orientation };
+            let second = CuboidLanes { half_extents: b, orientation: second_at.orientation };
+            let origin = second_at.position;
+            cuboid_pair(&first, &second, origin - first_at.position, margin).of_one(origin)
         }
         (HalfSpace, Ball { radius }) => half_space_and_ball(first_at, radius, second_at.position, margin),
         (HalfSpace, Cuboid { half_extents }) => half_space_and_cuboid(first_at, half_extents, second_at, margin),

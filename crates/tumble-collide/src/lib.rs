@@ -17,18 +17,20 @@
 //! ```
 
 mod ball;
+mod balls;
 mod bounds;
 mod broad_phase;
 mod collide;
-mod cuboid_pair;
+mod cuboids;
 mod geometry;
 mod half_space;
+pub mod lanes;
 mod manifold;
 mod reduction;
 mod scalar;
 
 pub use bounds::Bounds;
-pub use broad_phase::BroadPhase;
+pub use broad_phase::{BroadPhase, Proxy};
 pub use collide::collide;
 pub use geometry::{Geometry, Placement};
 pub use manifold::{ContactPoint, MOST_POINTS, Manifold};

@@ -44,6 +44,10 @@ impl<R: Scalar> Points<R> {
         self.points.get(..self.len).unwrap_or_default().iter()
     }
 
+    pub(crate) fn is_empty(&self) -> bool {
+        self.len == 0
+    }
+
     /// Adds one where there is room.
     pub(crate) fn push(&mut self, point: ContactPoint<R>) {
         if let Some(slot) = self.points.get_mut(self.len) {
@@ -71,11 +75,6 @@ impl<R: Scalar> Manifold<R> {
             points.push(ContactPoint { position, separation, feature });
         }
         Self { normal, carried: R::splat(1.0), points }
-    }
-
-    /// The same where both shapes carry the point as much.
-    pub(crate) fn carried_by_both(self) -> Self {
-        Self { carried: R::splat(0.5), ..self }
     }
 
     /// The same seen from the other shape.
