@@ -319,7 +319,8 @@ mod tests {
         { "name": "a.b[1]", "shape": { "cone": { "radius": 1, "half_height": 2 } }, "mass": 1,
           "inertia": { "tensor": [[2, 0, 0], [0, 2, 0], [0, 0, 2]] } },
         { "shape": { "ellipsoid": { "radii": [1, 2, 3] } }, "density": 1, "center_of_mass": [0, 0, 0],
-          "inertia": { "principal": [2, 2, 2] } } ] }"#;
+          "inertia": { "principal": [2, 2, 2] }, "collider": {} },
+        { "shape": { "half_space": {} }, "fixed": true, "collider": { "static_friction": 1, "dynamic_friction": 1 } } ] }"#;
 
     fn model() -> SceneModel {
         parse(SCENE, Format::Json, "scene").unwrap()
@@ -345,7 +346,9 @@ mod tests {
              bodies.0.shape.parts.0.orientation.1 bodies.0.forces.0.gravity_scale bodies.0.forces.1.damping.linear \
              bodies.0.forces.1.damping.angular bodies.a.b[1].shape.cone.radius bodies.1.shape.half_height \
              bodies.1.inertia.tensor.1.1 bodies.body-2.inertia.principal.0 bodies.2.inertia.axes.3 bodies.2.shape.radii.1 \
-             bodies.2.center_of_mass.1";
+             bodies.2.center_of_mass.1 contact_substeps restitution_threshold bodies.2.collider.friction \
+             bodies.2.collider.restitution bodies.2.collider.rolling_friction bodies.3.collider.static_friction \
+             bodies.3.collider.dynamic_friction bodies.3.shape.half_space.normal.0 bodies.3.shape.normal.2";
         let mut seen = std::collections::BTreeSet::new();
         for path in paths.split_whitespace() {
             let text = set(path).unwrap();
@@ -405,6 +408,9 @@ mod tests {
             "bodies.0].mass",
             "bodies..0.mass",
             "bodies.a.position[1",
+            "bodies.a.collider.friction",
+            "bodies.2.collider.static_friction",
+            "bodies.3.collider.friction",
         ] {
             let error = set(bad).unwrap_err();
             assert_eq!(error.field, bad, "{error}");
