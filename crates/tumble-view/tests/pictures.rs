@@ -306,7 +306,7 @@ fn what_cannot_be_used_is_refused_in_a_line() {
     let cases: [(&[&str], &str); 7] = [
         (&["nowhere"], "no scene is called \"nowhere\""),
         (&["gone.json"], "gone.json: cannot be read"),
-        (&["t-handle", "--bodies", "3"], "--bodies goes with the stress scene only"),
+        (&["t-handle", "--bodies", "3"], "--bodies goes with scenes that are generated from it"),
         (&["balls.json", "--pick", "middle"], "--pick: no body is called \"middle\""),
         (&["balls.json", "--screenshot", "a.bmp"], "--screenshot: a.bmp does not end in .png"),
         (&["balls.json", "--screenshot", "a.png", "--at", "1e300"], "--at "),
