@@ -10,13 +10,17 @@ mod collider;
 mod colouring;
 mod contact;
 mod frame;
+mod keeping;
 mod material;
 mod materials;
+mod names;
 mod narrow;
 mod passes;
 mod prepare;
+mod reading;
 mod rows;
 mod rubbing;
+mod saved;
 mod soft;
 mod solver;
 mod solver_bodies;
@@ -24,6 +28,9 @@ mod touching;
 
 pub use collider::{Collider, ColliderError};
 pub use material::{Combine, Material};
+pub(crate) use names::Name;
+pub use reading::{Contact, ContactEvent, ContactPoint};
+pub(crate) use saved::{SavedContact, SavedContacts, SavedPoint};
 pub(crate) use touching::Contacts;
 
 use hecs::World;
