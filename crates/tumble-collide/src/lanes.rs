@@ -36,7 +36,7 @@ impl<R: Scalar> ManifoldLanes<R> {
                 points.push(ContactPoint {
                     position: origin + self.places[j],
                     separation: self.separations[j],
-                    feature: self.features[j].to_u32(),
+                    feature: Into::<f64>::into(self.features[j]) as u32,
                 });
             }
         }

@@ -30,7 +30,7 @@ mod reduction;
 mod scalar;
 
 pub use bounds::Bounds;
-pub use broad_phase::BroadPhase;
+pub use broad_phase::{BroadPhase, Proxy};
 pub use collide::collide;
 pub use geometry::{Geometry, Placement};
 pub use manifold::{ContactPoint, MOST_POINTS, Manifold};

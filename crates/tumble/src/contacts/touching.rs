@@ -1,7 +1,7 @@
 use std::fmt;
 
 use hecs::World;
-use tumble_collide::{Bounds, BroadPhase, Placement, collide};
+use tumble_collide::{Bounds, BroadPhase, Placement, Proxy, collide};
 use tumble_math::lane::{Quat, Vec3};
 
 use super::collider::Collider;
@@ -38,8 +38,8 @@ pub(crate) struct Contacts {
     pub(super) shapes: Vec<Shape>,
     /// By slot: its row among the solver's bodies, if it touches anything.
     rows: Vec<u32>,
-    broad_phase: BroadPhase<Real>,
-    near: Vec<(u32, u32)>,
+    pub(super) broad_phase: BroadPhase<Real>,
+    proxies: Vec<Proxy<Real>>,
     lanes: Shapes,
     /// The pairs of each kind.
     cuboids: Pairs,
@@ -203,7 +203,6 @@ impl Contacts {
     /// The contacts there are, beginning with the impulses of those that there were.
     fn find_contacts(&mut self) {
         self.find_near();
-        self.sort_out();
         self.keep_the_past();
         std::mem::swap(&mut self.contacts, &mut self.last);
         let Self { shapes, lanes, cuboids, balls, others, contacts, .. } = self;
@@ -228,42 +227,26 @@ impl Contacts {
         }
     }
 
-    /// Sorts the pairs by the kind of their shapes. Where impulses move only one of two, it is the second.
-    fn sort_out(&mut self) {
-        let Self { shapes, near, cuboids, balls, others, .. } = self;
+    /// Finds the pairs that may touch, and sorts them by the kind of their shapes. Where impulses move only one of two, it is the second.
+    fn find_near(&mut self) {
+        let Self { shapes, proxies, colliders, broad_phase, cuboids, balls, others, .. } = self;
+        proxies.clear();
+        proxies.extend(shapes.iter().zip(&*colliders).map(|(shape, collider)| shape.proxy(collider.as_ref())));
         cuboids.clear();
         balls.clear();
         others.clear();
-        for &(first, second) in &*near {
-            let [a, b] = [&shapes[first as usize], &shapes[second as usize]];
-            let slots = if a.moves && !b.moves { [second, first] } else { [first, second] };
-            match Kind::both(a.kind, b.kind) {
+        for &(first, second) in broad_phase.update(proxies, |_, _| true) {
+            // Which others are found depends on what was before; the contacts must not.
+            let [p, q] = [&proxies[first as usize], &proxies[second as usize]];
+            if !p.is_near(q) {
+                continue;
+            }
+            let slots = if p.moves && !q.moves { [second, first] } else { [first, second] };
+            match Kind::both(shapes[first as usize].kind, shapes[second as usize].kind) {
                 Kind::Cuboid => cuboids.push(slots),
                 Kind::Ball => balls.push(slots),
                 Kind::Other => others.push(slots),
             }
-        }
-    }
-
-    /// Finds the pairs that may touch.
-    fn find_near(&mut self) {
-        let Self { shapes, colliders, broad_phase, near, .. } = self;
-        let count = shapes.len() as u32;
-        let moves = |slot: u32| shapes[slot as usize].moves;
-        let bounds = |slot: u32| -> Option<Bounds<Real>> {
-            let (collider, _) = colliders[slot as usize].as_ref()?;
-            collider.geometry.bounds(&shapes[slot as usize].placement, 0.5 * MARGIN)
-        };
-        broad_phase.pairs((0..count).map(bounds), |a, b| moves(a) || moves(b), near);
-        // What has no end is near everything that moves.
-        let endless = |slot: &u32| colliders[*slot as usize].is_some() && bounds(*slot).is_none();
-        let bounded = near.len();
-        for ground in (0..count).filter(endless) {
-            let others = (0..count).filter(|slot| moves(*slot) && *slot != ground);
-            near.extend(others.map(|slot| (slot.min(ground), slot.max(ground))));
-        }
-        if near.len() > bounded {
-            near.sort_unstable();
         }
     }
 }
@@ -276,6 +259,13 @@ impl Shape {
 
     pub(super) fn center(&self) -> [Real; 3] {
         [self.center.x, self.center.y, self.center.z]
+    }
+
+    /// What the broad phase is to know of it. What has no collider is nowhere.
+    fn proxy(&self, collider: Option<&(Collider, WorldVec3)>) -> Proxy<Real> {
+        let nowhere = Some(Bounds::about(Vec3::splat(Real::NAN), Vec3::zero()));
+        let bounds = collider.map_or(nowhere, |(collider, _)| collider.geometry.bounds(&self.placement, 0.5 * MARGIN));
+        Proxy { bounds, moves: self.moves }
     }
 
     const NOWHERE: Self = {
