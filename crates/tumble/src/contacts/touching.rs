@@ -4,6 +4,7 @@ use hecs::World;
 use tumble_collide::{Bounds, BroadPhase, Placement, Proxy, collide};
 use tumble_math::lane::{Quat, Vec3};
 
+use super::booking::{Bookings, Done};
 use super::collider::Collider;
 use super::contact::Contact;
 use super::keeping::Past;
@@ -13,7 +14,7 @@ use super::narrow::{Kind, Pairs, Shapes};
 use super::solver::{Pass, Solver};
 use super::solver_bodies::SolverBodies;
 use crate::columns::for_each_archetype_in_turn;
-use crate::components::{CenterOfMass, Mass, Momentum, Pose, PrincipalAxes, Velocity, Wrench};
+use crate::components::{CenterOfMass, Mass, Momentum, Pose, PrincipalAxes, Velocity, Work, Wrench};
 use crate::force_laws::ForceLaws;
 use crate::integrators::Forces;
 use crate::law_forces::LawForces;
@@ -50,6 +51,7 @@ pub(crate) struct Contacts {
     pub(super) contacts: Vec<Contact>,
     pub(super) last: Vec<Contact>,
     bodies: SolverBodies,
+    bookings: Bookings,
     solver: Solver,
 }
 
@@ -104,38 +106,50 @@ impl Contacts {
         self.look(world);
         self.find_contacts();
         self.gather(world, settings, laws, (time, h));
-        let Self { contacts, bodies, solver, rows, .. } = self;
+        let Self { contacts, bodies, bookings, solver, rows, .. } = self;
         solver.lay_out(contacts, |contact| contact.slots.map(|slot| rows[slot as usize]), bodies);
         solver.prepare(contacts, bodies, MARGIN);
         for _ in 0..substeps {
+            bookings.before_kick(bodies);
             bodies.kick();
+            bookings.after_kick(bodies);
             solver.run(Pass::WarmStart, bodies);
             if solver.bounces() {
                 solver.run(Pass::NoteApproach, bodies);
             }
             solver.run(Pass::Biased(h), bodies);
+            bookings.after(Done::Pushed, bodies);
             bodies.drift(h);
+            bookings.after(Done::Moved, bodies);
             solver.run(Pass::Relax(h), bodies);
+            bookings.after(Done::Pushed, bodies);
         }
         if solver.bounces() {
             solver.run(Pass::Rebound(settings.restitution_threshold), bodies);
+            bookings.after(Done::Pushed, bodies);
         }
         solver.keep(contacts);
     }
 
     /// Writes what was worked out over what the integrator made of the same bodies.
     pub(crate) fn write(&self, world: &World) {
+        // Accounts were opened in the order of places too.
+        let mut accounts = self.bookings.close(&self.bodies).peekable();
         self.members.for_each_archetype(world, |archetype, places| {
             let (Some(mut poses), Some(mut momenta)) = (archetype.get::<&mut Pose>(), archetype.get::<&mut Momentum>())
             else {
                 return;
             };
             let axes = archetype.get::<&PrincipalAxes>();
+            let mut works = archetype.get::<&mut Work>();
             for (row, slot) in places.filter(|(_, slot)| self.rows[*slot] != NONE && self.shapes[*slot].moves) {
                 let axes = axes.as_deref().map(|axes| Quat::from(axes[row].0));
                 let state = self.bodies.state(self.rows[slot] as usize, axes);
                 poses[row] = Pose { position: state.position.into(), orientation: state.orientation.into() };
                 momenta[row] = Momentum { linear: state.linear.into(), angular: state.angular.into() };
+                if let (Some(works), Some((_, work))) = (&mut works, accounts.next_if(|(booked, _)| *booked == slot)) {
+                    works[row] = work;
+                }
             }
         });
     }
@@ -167,7 +181,8 @@ impl Contacts {
 
     /// Reads the bodies that touch something, and the forces on them as they are now.
     fn gather(&mut self, world: &World, settings: &Settings, laws: &ForceLaws, (time, h): (f64, Real)) {
-        let Self { members, shapes, rows, contacts, bodies, .. } = self;
+        let Self { members, shapes, rows, contacts, bodies, bookings, .. } = self;
+        bookings.clear();
         rows.clear();
         rows.resize(members.len(), NONE);
         for slot in contacts.iter().flat_map(|contact| contact.slots) {
@@ -196,6 +211,10 @@ impl Contacts {
                 let forces = LawForces { constants: &constants, surroundings: &surroundings, wrench, laws, row, time };
                 let force: Force<Real> = forces.at(0.0, &state);
                 bodies.set_free(rows[slot] as usize, &constants, &state, force, h);
+                if let Some(work) = chunk.work.as_deref() {
+                    let gravity = chunk.gravity_on(row, settings);
+                    bookings.open((slot, rows[slot]), work[row], (&forces, gravity), &state, h);
+                }
             }
         });
     }
