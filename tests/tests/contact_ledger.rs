@@ -87,9 +87,10 @@ fn each_force_on_a_touching_body_has_its_own_work() {
     let (work, way) = (work(&world, pushed), f64::from(world.get::<&Pose>(pushed).unwrap().position.x));
     assert!((work.applied / way - 1.0).abs() < 1e-3, "{work:?}, {way} m");
     assert!((work.of("ConstantWrench").unwrap() / (2.0 * way) - 1.0).abs() < 1e-3, "{work:?}, {way} m");
-    // On a plane without friction, contacts do nothing.
+    // On a plane without friction, contacts do nothing but hold up what sinks in by a tenth of a millimetre. To their account comes what a substep does to a force that drives and a
+    // damping that brakes, of first order: half of h c F v a second, a millijoule.
     let change = kinetic(&world, pushed) - before;
-    assert!(work.contacts.abs() < 1e-3 && work.gravity.abs() < 1e-2, "{work:?}");
+    assert!((work.contacts + work.gravity).abs() < 2e-3 && work.gravity.abs() < 3e-3, "{work:?}");
     assert!((work.damping - (change - 3.0 * way)).abs() < 2e-2 && work.damping < -5.0, "{work:?}, {change}");
     assert!((work.total() - change).abs() < 1e-9);
 }
@@ -109,8 +110,8 @@ fn the_works_of_a_pile_add_up() {
             let (work, change) = (work(&world, *body), kinetic(&world, *body) - before);
             let size = work.gravity.abs() + work.contacts.abs() + before;
             assert!((work.total() - change).abs() < 1e-9 * size, "{work:?} for {change}");
-            // Turning in free flight keeps energy but for rounding, in single precision over some hundred substeps.
-            assert!(work.integrator.abs() < 1e-3 * size, "{work:?}");
+            // Turning in free flight keeps energy but for rounding. What is near others and touches nothing falls by the first-order steps of contacts, each of which loses M g^2 h^2/2.
+            assert!(work.integrator.abs() < 1e-2 * size, "{work:?}");
             passed += size;
             contacts += work.contacts;
         }

@@ -31,8 +31,8 @@ pub struct Work {
     pub forces: [f64; ForceLaws::COMPONENTS.len()],
     /// By each force law, in the order they were added; the last is the sum of all from there on.
     pub laws: [f64; Self::LAWS],
-    /// By contacts: what friction, bumps and overlaps that are pushed apart change of the kinetic energy, of both bodies together hardly ever more than nothing. Where a body touches something,
-    /// this is the change of its kinetic energy while contacts pushed, and all forces are those of the start of the step.
+    /// By contacts: what pushes and friction changed of the kinetic energy. A force that pushes a body against another is booked for the way that the body went, which is none at rest; where a
+    /// body touches something, forces are those of the start of the step, and what neither they nor damping nor the free motion did is the contacts'.
     pub contacts: f64,
     /// What nothing did: energy that the integrator made or lost, rounding included.
     pub integrator: f64,

@@ -5,6 +5,7 @@ use tumble_math::lane::{Quat, Vec3};
 
 use super::solver_bodies::SolverBodies;
 use crate::components::{Work, Wrench};
+use crate::derived::symmetric_product;
 use crate::force_law::BodyState;
 use crate::integrators::Kick;
 use crate::law_forces::LawForces;
@@ -15,9 +16,9 @@ use crate::totals::KineticEnergy;
 
 /// Accounts of the bodies that have [`Work`] and touch something, opened at the start of a step.
 ///
-/// Forces are constant over a step of such bodies, and act in kicks. What a kick `dP` from `P` to `P'` does is `dP.(P + P')/2M`, exactly, and likewise for rotation; so the work of each
-/// force is its impulse times the sum of the mean velocities. What contacts do is the change of kinetic energy in their passes, which is measured, and what is left is the free motion's, the
-/// integrator's error.
+/// Forces are constant over a step of such bodies, and do work over the way that the body goes: gravity what its potential energy says, and nothing on a body that is held. (Over the
+/// velocities before and after its own kick, it would do work at rest, which contacts then undo.) Damping is booked kick by kick, the free motion's error is measured, and what is left of the
+/// change of kinetic energy is the contacts'.
 #[derive(Clone, Default)]
 pub(super) struct Bookings {
     bookings: Vec<Booking>,
@@ -35,21 +36,19 @@ struct Booking {
     work: Work,
     constants: Constants<Real>,
     axes: Option<Quat<Real>>,
-    /// How much is left of linear and angular momentum in a kick, and for how long \[s\] a force counts in it.
+    /// How much damping leaves of linear and angular momentum in a substep.
     kept: (Real, Real),
-    weights: (Real, Real),
     /// The end of its forces among all.
     forces_end: usize,
-    /// Before the last kick.
+    /// Linear and angular momentum when they were last looked at.
     momenta: (DVec3, DVec3),
-    /// Mean velocities in kicks, summed up.
-    linear: DVec3,
-    angular: DVec3,
-    /// Kinetic energy \[J\]: at the start, and when it was last looked at.
+    /// Whether contacts changed a momentum.
+    pushed: bool,
+    /// Kinetic energy \[J\]: at the start, and before the body moved on.
     start: f64,
     last: f64,
     damping: f64,
-    contacts: f64,
+    moving: f64,
 }
 
 /// What a force comes from.
@@ -59,15 +58,6 @@ enum Source {
     Applied,
     /// By its index among all laws.
     Law(usize),
-}
-
-/// What has just been done to the bodies.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Done {
-    /// Contacts have pushed.
-    Pushed,
-    /// Bodies have moved on.
-    Moved,
 }
 
 impl Bookings {
@@ -91,7 +81,6 @@ impl Bookings {
         self.forces.push((Source::Applied, applied));
         let seen = BodyState::new((*time, 0.0), (constants, surroundings), state);
         self.forces.extend((*laws).into_iter().map(|(index, law)| (Source::Law(index), law.wrench(*law_row, &seen))));
-        let kick = Kick::new(constants, h);
         let start = KineticEnergy::of(constants, state).sum();
         self.bookings.push(Booking {
             row: row as usize,
@@ -99,42 +88,49 @@ impl Bookings {
             work,
             constants: **constants,
             axes: constants.inertia.and_then(|inertia| inertia.axes),
-            kept: kick.kept(),
-            weights: kick.weights(),
+            kept: Kick::new(constants, h).kept(),
             forces_end: self.forces.len(),
-            momenta: (double(state.linear), double(state.angular)),
-            linear: DVec3::ZERO,
-            angular: DVec3::ZERO,
+            momenta: (DVec3::ZERO, DVec3::ZERO),
+            pushed: false,
             start,
             last: start,
             damping: 0.0,
-            contacts: 0.0,
+            moving: 0.0,
         });
     }
 
-    /// Notes momenta before a kick.
+    /// Notes what damping takes from bodies that are about to be kicked.
     pub(super) fn before_kick(&mut self, bodies: &SolverBodies) {
         for booking in &mut self.bookings {
-            booking.momenta = momenta(&bodies.motion[booking.row]);
+            booking.begin_substep(bodies);
         }
     }
 
-    /// Notes what a kick did.
-    pub(super) fn after_kick(&mut self, bodies: &SolverBodies) {
+    /// Notes momenta before contacts push.
+    pub(super) fn before_push(&mut self, bodies: &SolverBodies) {
         for booking in &mut self.bookings {
-            booking.kicked(&bodies.motion[booking.row], &bodies.response[booking.row]);
+            booking.momenta = two_vectors(&bodies.motion[booking.row]);
+        }
+    }
+
+    /// Notes energies before bodies move on.
+    pub(super) fn before_motion(&mut self, bodies: &SolverBodies) {
+        for booking in &mut self.bookings {
             booking.last = booking.energy(bodies);
         }
     }
 
-    /// Notes what has been done since energies were last looked at.
-    pub(super) fn after(&mut self, done: Done, bodies: &SolverBodies) {
+    /// Notes what moving on did to the energies.
+    pub(super) fn after_motion(&mut self, bodies: &SolverBodies) {
         for booking in &mut self.bookings {
-            let energy = booking.energy(bodies);
-            if done == Done::Pushed {
-                booking.contacts += energy - booking.last;
-            }
-            booking.last = energy;
+            booking.moving += booking.energy(bodies) - booking.last;
+        }
+    }
+
+    /// Notes whether contacts pushed in a substep.
+    pub(super) fn after_substep(&mut self, bodies: &SolverBodies) {
+        for booking in &mut self.bookings {
+            booking.end_substep(bodies);
         }
     }
 
@@ -144,7 +140,7 @@ impl Bookings {
         self.bookings.iter().map(move |booking| {
             let forces = &self.forces[begin..booking.forces_end];
             begin = booking.forces_end;
-            (booking.slot, booking.closed(forces, booking.energy(bodies)))
+            (booking.slot, booking.closed(forces, bodies))
         })
     }
 }
@@ -154,42 +150,50 @@ impl Booking {
         KineticEnergy::of(&self.constants, &bodies.state(self.row, self.axes)).sum()
     }
 
-    /// Notes the kick that led to this momentum of a body with this inverse inertia: damping takes its part first, then forces act.
-    fn kicked(&mut self, motion: &Eight, response: &Eight) {
-        let (before, after) = (self.momenta, momenta(motion));
-        let damped = (before.0 * f64::from(self.kept.0), before.1 * f64::from(self.kept.1));
-        let inverse_mass = 1.0 / f64::from(self.constants.mass);
-        let Eight([xx, yy, zz, yz, zx, xy, ..]) = *response;
-        let [diagonal, off_diagonal] = [Vec3::new(xx, yy, zz), Vec3::new(yz, zx, xy)].map(double);
-        let spin = |l: DVec3| crate::derived::symmetric_product(diagonal.into(), off_diagonal.into(), l.into()).into();
-        let halfway = |a: (DVec3, DVec3), b: (DVec3, DVec3)| -> (DVec3, DVec3) {
-            ((a.0 + b.0) * (0.5 * inverse_mass), spin((a.1 + b.1) * 0.5))
-        };
-        let mean = halfway(before, damped);
-        self.damping += (damped.0 - before.0).dot(mean.0) + (damped.1 - before.1).dot(mean.1);
-        let mean = halfway(damped, after);
-        self.linear += mean.0;
-        self.angular += mean.1;
+    /// Velocities at momenta, with the attitude as it is.
+    fn velocities(&self, (p, l): (DVec3, DVec3), bodies: &SolverBodies) -> (DVec3, DVec3) {
+        let (diagonal, off_diagonal) = two_vectors(&bodies.response[self.row]);
+        let angular = symmetric_product(diagonal.into(), off_diagonal.into(), l.into()).into();
+        (p / f64::from(self.constants.mass), angular)
     }
 
-    fn closed(&self, forces: &[(Source, Wrench)], end: f64) -> Work {
-        let mut work = Work { damping: self.damping, contacts: self.contacts, ..Work::default() };
-        let (linear, angular) = (self.linear * f64::from(self.weights.0), self.angular * f64::from(self.weights.1));
+    fn begin_substep(&mut self, bodies: &SolverBodies) {
+        let (p, l) = two_vectors(&bodies.motion[self.row]);
+        let damped = (p * f64::from(self.kept.0), l * f64::from(self.kept.1));
+        let mean = self.velocities(((p + damped.0) * 0.5, (l + damped.1) * 0.5), bodies);
+        self.damping += (damped.0 - p).dot(mean.0) + (damped.1 - l).dot(mean.1);
+    }
+
+    fn end_substep(&mut self, bodies: &SolverBodies) {
+        let now = two_vectors(&bodies.motion[self.row]);
+        self.pushed |= now != self.momenta;
+        self.momenta = now;
+    }
+
+    fn closed(&self, forces: &[(Source, Wrench)], bodies: &SolverBodies) -> Work {
+        let mut work = Work { damping: self.damping, integrator: self.moving, ..Work::default() };
+        let (way, turn) = two_vectors(&bodies.moved[self.row]);
         for (source, wrench) in forces {
-            let done = dvec3(wrench.force).dot(linear) + dvec3(wrench.torque).dot(angular);
+            let done = dvec3(wrench.force).dot(way) + dvec3(wrench.torque).dot(turn);
             match source {
                 Source::Gravity => work.gravity += done,
                 Source::Applied => work.applied += done,
                 Source::Law(index) => *work.of_law_mut(*index) += done,
             }
         }
-        work.integrator = end - self.start - work.total();
+        let rest = self.energy(bodies) - self.start - work.total();
+        // What was near something and touched nothing is the integrator's alone. A bounce comes after the last substep.
+        if self.pushed || two_vectors(&bodies.motion[self.row]) != self.momenta {
+            work.contacts = rest;
+        } else {
+            work.integrator += rest;
+        }
         work += self.work;
         work
     }
 }
 
-fn momenta(motion: &Eight) -> (DVec3, DVec3) {
-    let Eight([px, py, pz, lx, ly, lz, ..]) = *motion;
-    (double(Vec3::new(px, py, pz)), double(Vec3::new(lx, ly, lz)))
+fn two_vectors(row: &Eight) -> (DVec3, DVec3) {
+    let Eight([a, b, c, d, e, f, ..]) = *row;
+    (double(Vec3::new(a, b, c)), double(Vec3::new(d, e, f)))
 }

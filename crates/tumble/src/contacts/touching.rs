@@ -4,7 +4,7 @@ use hecs::World;
 use tumble_collide::{Bounds, BroadPhase, Placement, Proxy, collide};
 use tumble_math::lane::{Quat, Vec3};
 
-use super::booking::{Bookings, Done};
+use super::booking::Bookings;
 use super::collider::Collider;
 use super::contact::Contact;
 use super::keeping::Past;
@@ -112,21 +112,20 @@ impl Contacts {
         for _ in 0..substeps {
             bookings.before_kick(bodies);
             bodies.kick();
-            bookings.after_kick(bodies);
+            bookings.before_push(bodies);
             solver.run(Pass::WarmStart, bodies);
             if solver.bounces() {
                 solver.run(Pass::NoteApproach, bodies);
             }
             solver.run(Pass::Biased(h), bodies);
-            bookings.after(Done::Pushed, bodies);
+            bookings.before_motion(bodies);
             bodies.drift(h);
-            bookings.after(Done::Moved, bodies);
+            bookings.after_motion(bodies);
             solver.run(Pass::Relax(h), bodies);
-            bookings.after(Done::Pushed, bodies);
+            bookings.after_substep(bodies);
         }
         if solver.bounces() {
             solver.run(Pass::Rebound(settings.restitution_threshold), bodies);
-            bookings.after(Done::Pushed, bodies);
         }
         solver.keep(contacts);
     }

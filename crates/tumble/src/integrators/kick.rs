@@ -134,12 +134,6 @@ impl<L: Lane> Kick<L> {
         (self.linear.kept.unwrap_or(one), self.angular.kept.unwrap_or(one))
     }
 
-    /// For how long \[s\] a constant force and a constant torque count.
-    #[inline(always)]
-    pub(crate) fn weights(&self) -> (L, L) {
-        (self.linear.weight, self.angular.weight)
-    }
-
     /// The state with its momenta kicked by a force.
     #[inline(always)]
     pub(crate) fn kicked(&self, state: State<L>, force: Force<L>) -> State<L> {
