@@ -106,6 +106,7 @@ fn a_step_allocates_nothing() {
     }
     let counted = session.operation("rollback of what touches");
     let (mut world, mut simulation) = (pyramid(), Simulation::new(Settings::default()).unwrap());
+    simulation.step_many(&mut world, 10);
     let mut rollback = Rollback::new(4);
     let mut go_back = |saves: usize| {
         for _ in 0..saves {

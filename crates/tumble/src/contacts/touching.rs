@@ -191,7 +191,10 @@ impl Contacts {
         let free = touching().filter(|slot| shapes[*slot].moves).count();
         bodies.reset(free, touching().count() - free);
         let (mut next_free, mut next_unmoved) = (0, bodies.first_unmoved());
-        for (slot, shape) in shapes.iter().enumerate().filter(|(slot, _)| rows[*slot] != NONE).collect::<Vec<_>>() {
+        for (slot, shape) in shapes.iter().enumerate() {
+            if rows[slot] == NONE {
+                continue;
+            }
             let next = if shape.moves { &mut next_free } else { &mut next_unmoved };
             rows[slot] = *next as u32;
             if !shape.moves {
@@ -243,6 +246,8 @@ impl Contacts {
             }
             contact.set_surface(&self.materials.between(contact.slots));
         }
+        // The next step's list takes the place of the last one's: so it allocates nothing.
+        self.last.reserve(self.contacts.capacity().saturating_sub(self.last.len()));
     }
 
     /// Finds the pairs that may touch, and sorts them by the kind of their shapes. Where impulses move only one of two, it is the second.
