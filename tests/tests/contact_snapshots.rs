@@ -38,8 +38,10 @@ fn before_and_after() -> (World, Simulation, Snapshot, Vec<u64>) {
     (world, simulation, snapshot, after)
 }
 
-/// What contacts have in any world: identities in the place of entities.
-fn told(simulation: &Simulation, world: &World) -> Vec<(Vec<Option<u64>>, Vec<[Real; 5]>, [Real; 6])> {
+/// A contact in any world: identities in the place of entities, position, separation and impulse of points, normal and friction.
+type Told = (Vec<Option<u64>>, Vec<[Real; 5]>, [Real; 6]);
+
+fn told(simulation: &Simulation, world: &World) -> Vec<Told> {
     let id = |entity: &Entity| world.get::<&BodyId>(*entity).ok().map(|id| id.0);
     let contact = |contact: Contact| {
         let points = contact.points().iter().map(|point| {

@@ -8,7 +8,7 @@ use crate::systems::update_derived;
 
 /// The last snapshots of a run, to go back to when an input arrives late.
 ///
-/// It holds the state of so many steps, 64 bytes a body and step in single precision, 112 in double, and about 200 or 400 a contact ([`memory`](Self::memory) says how much
+/// It holds the state of so many steps, 64 bytes a body and step in single precision, 112 in double, and 192 or 352 a contact ([`memory`](Self::memory) says how much
 /// it is), and uses the room of those that it drops: once it is full and while the same bodies are in the world, saving allocates nothing.
 ///
 /// Save before the inputs of a step are added and the step is taken; to correct an input, rewind to its step and do the same again.
