@@ -10,6 +10,7 @@ mod collider;
 mod colouring;
 mod contact;
 mod frame;
+mod keep;
 mod material;
 mod materials;
 mod narrow;

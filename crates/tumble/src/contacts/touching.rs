@@ -130,7 +130,7 @@ impl Contacts {
         self.gather(world, settings, laws, (time, h));
         let Self { contacts, bodies, solver, rows, .. } = self;
         solver.lay_out(contacts, |contact| contact.slots.map(|slot| rows[slot as usize]), bodies);
-        solver.prepare(contacts, bodies, MARGIN);
+        bodies.with_poses(|bodies, poses| solver.run(Pass::Prepare(contacts, poses, MARGIN), bodies));
         for _ in 0..substeps {
             bodies.kick();
             solver.run(Pass::WarmStart, bodies);
