@@ -11,13 +11,17 @@ mod colouring;
 mod contact;
 mod frame;
 mod keep;
+mod keeping;
 mod material;
 mod materials;
+mod names;
 mod narrow;
 mod passes;
 mod prepare;
+mod reading;
 mod rows;
 mod rubbing;
+mod saved;
 mod soft;
 mod solver;
 mod solver_bodies;
@@ -25,6 +29,9 @@ mod touching;
 
 pub use collider::{Collider, ColliderError};
 pub use material::{Combine, Material};
+pub(crate) use names::Name;
+pub use reading::{Contact, ContactEvent, ContactPoint};
+pub(crate) use saved::{SavedContact, SavedContacts, SavedPoint};
 pub(crate) use touching::Contacts;
 
 use hecs::World;
