@@ -1,7 +1,10 @@
 use tumble_math::lane::Lane;
 
 /// The precision contacts are computed in: `f32` or `f64`.
-pub trait Scalar: Lane<Mask = bool> + PartialOrd + Default + std::fmt::Debug + Send + Sync + 'static {}
+pub trait Scalar:
+    Lane<Mask = bool> + PartialOrd + Default + Into<f64> + std::fmt::Debug + Send + Sync + 'static
+{
+}
 
 impl Scalar for f32 {}
 impl Scalar for f64 {}
