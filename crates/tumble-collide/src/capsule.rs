@@ -19,7 +19,9 @@ pub(crate) struct Rod<R> {
     radius: R,
 }
 
-/// Nearer than this \[m\] two points are one: its square is a normal number in either precision.
+/// Nearer than this part of the lengths they are computed from two points are one, in units of rounding: the direction between them is lost.
+const ONE_POINT: f64 = 32.0;
+/// The square of a shorter length \[m\] may not be a normal number in either precision.
 const LEAST_DISTANCE: f64 = 1e-18;
 /// By how much more \[m\] an edge of a box must separate than a face to be taken.
 const EDGE_LEAD: f64 = 5e-4;
@@ -45,6 +47,12 @@ impl<R: Scalar> Rod<R> {
     }
 }
 
+/// Whether two points computed from these vectors can be told apart.
+fn is_apart<R: Scalar>(distance: R, from: &[Vec3<R>]) -> bool {
+    let size = from.iter().fold(R::splat(0.0), |size, v| size + v.x.abs() + v.y.abs() + v.z.abs());
+    distance > size * R::splat(ONE_POINT * R::ROUNDING)
+}
+
 fn clamped<R: Scalar>(x: R, most: R) -> R {
     x.max(-most).min(most)
 }
@@ -68,7 +76,8 @@ pub(crate) fn capsule_and_capsule<R: Scalar>(first: &Rod<R>, second: &Rod<R>, ma
     if !is_near {
         return Manifold::none();
     }
-    let normal = if distance > R::splat(LEAST_DISTANCE) {
+    let between = second.center - first.center;
+    let normal = if is_apart(distance, &[between, first.half, second.half]) {
         apart * (one / distance)
     } else {
         // Axes that cross: out of the plane of both, to whichever side.
@@ -116,8 +125,11 @@ pub(crate) fn cuboid_and_capsule<R: Scalar>(
     if !is_near {
         return Manifold::none();
     }
-    let (normal, between) =
-        if distance > R::splat(LEAST_DISTANCE) { (apart * (one / distance), distance) } else { way_out(&local, h) };
+    let (normal, between) = if is_apart(distance, &[h, local.center, local.half]) {
+        (apart * (one / distance), distance)
+    } else {
+        way_out(&local, h)
+    };
     let overlay = Overlay { normal, separation: between - rod.radius, layers: [zero, rod.radius], margin };
     let middle = nearest + normal * ((between - rod.radius) * half);
     let manifold = overlay.manifold(&Feature::of_cuboid(h, normal), &local.feature(), middle);

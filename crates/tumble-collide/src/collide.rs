@@ -165,6 +165,9 @@ fn single<R: Scalar>(
     margin: R,
 ) -> Manifold<R> {
     use Geometry::{Ball, Capsule, Cuboid, HalfSpace};
+    if !first_at.is_somewhere() || !second_at.is_somewhere() {
+        return Manifold::none();
+    }
     if rank(first) > rank(second) {
         return single(second, second_at, first, first_at, margin).swapped();
     }

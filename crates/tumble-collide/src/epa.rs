@@ -40,21 +40,23 @@ struct Polyhedron {
 pub(crate) fn penetration(shapes: &Difference<'_>, simplex: &Simplex) -> Option<Penetration> {
     let mut polyhedron = Polyhedron::around(shapes, simplex)?;
     let mut outline = Vec::new();
-    let mut best = polyhedron.nearest()?;
-    while polyhedron.points.len() < MOST_POINTS {
-        let reached = shapes.support(best.normal);
-        if polyhedron.above(&best, reached.point) <= GAIN * polyhedron.scale {
+    let mut best: Option<(f64, Penetration)> = None;
+    while let Some(face) = polyhedron.nearest() {
+        let reached = shapes.support(face.normal);
+        // This far the shapes overlap along the normal; the face is no further out than the least overlap of all.
+        let overlap = reached.point.dot(face.normal);
+        // Of directions that are as good, the last has the nearest points.
+        let gain = GAIN * polyhedron.scale;
+        if best.is_none_or(|(least, _)| overlap <= least + gain) {
+            best = Some((overlap, polyhedron.penetration(&face)));
+        }
+        let is_best = best.is_some_and(|(least, _)| least - face.distance <= gain);
+        if is_best || overlap - face.distance <= gain || polyhedron.points.len() >= MOST_POINTS {
             break;
         }
         polyhedron.grow(reached, &mut outline);
-        let Some(next) = polyhedron.nearest() else { break };
-        best = next;
     }
-    let corners = best.corners.map(|corner| polyhedron.points[corner as usize]);
-    let weights = on_triangle(corners.map(|corner| corner.point - best.normal * best.distance));
-    let on_first =
-        corners.iter().zip(weights).fold(Vector::zero(), |sum, (corner, weight)| sum + corner.on_first * weight);
-    Some(Penetration { normal: best.normal, on_first })
+    best.map(|(_, penetration)| penetration)
 }
 
 impl Polyhedron {
@@ -103,6 +105,15 @@ impl Polyhedron {
             }
         }
         best.copied()
+    }
+
+    /// Where the shapes are nearest to parting through a face.
+    fn penetration(&self, face: &Face) -> Penetration {
+        let corners = face.corners.map(|corner| self.points[corner as usize]);
+        let weights = on_triangle(corners.map(|corner| corner.point - face.normal * face.distance));
+        let on_first =
+            corners.iter().zip(weights).fold(Vector::zero(), |sum, (corner, weight)| sum + corner.on_first * weight);
+        Penetration { normal: face.normal, on_first }
     }
 
     fn above(&self, face: &Face, point: Vector) -> f64 {

@@ -123,6 +123,13 @@ impl<R: Scalar> Placement<R> {
         Self { position: self.to_world(inner.position), orientation: self.orientation * inner.orientation }
     }
 
+    /// Whether it is a place: finite, and turned by a quaternion that is about a unit.
+    #[inline]
+    pub(crate) fn is_somewhere(&self) -> bool {
+        let (square, length) = (self.position.dot(self.position), self.orientation.length_squared());
+        square < R::splat(f64::INFINITY) && length > R::splat(0.5) && length < R::splat(2.0)
+    }
+
     /// World coordinates of a point of the shape.
     #[inline]
     pub(crate) fn to_world(self, point: Vec3<R>) -> Vec3<R> {

@@ -31,6 +31,9 @@ const TOUCHING: f64 = 1e-10;
 /// The square of the distance is good to this part.
 const PRECISE: f64 = 1e-13;
 
+/// Sine of the angle at which a corner of a tetrahedron is in the plane of the others.
+const FLAT: f64 = 1e-10;
+
 /// Looks no further than `limit`.
 pub(crate) fn nearest(shapes: &Difference<'_>, limit: f64) -> Nearest {
     let start = shapes.first.middle() - shapes.place(shapes.second.middle());
@@ -177,9 +180,11 @@ fn on_tetrahedron(p: [Vector; 4]) -> Option<[f64; 4]> {
     let mut best: Option<(f64, [f64; 4])> = None;
     for [i, j, k, l] in [[0, 1, 2, 3], [0, 2, 3, 1], [0, 3, 1, 2], [1, 3, 2, 0]] {
         let normal = (p[j] - p[i]).cross(p[k] - p[i]);
-        let (of_origin, of_corner) = (-p[i].dot(normal), (p[l] - p[i]).dot(normal));
+        let away = p[l] - p[i];
+        let (of_origin, of_corner) = (-p[i].dot(normal), away.dot(normal));
         // On the side of the fourth corner the origin is not outside this face; a flat tetrahedron has no sides.
-        if of_origin * of_corner > 0.0 {
+        let is_flat = of_corner * of_corner <= FLAT * FLAT * normal.dot(normal) * away.dot(away);
+        if !is_flat && of_origin * of_corner > 0.0 {
             continue;
         }
         let face = [p[i], p[j], p[k]];

@@ -25,7 +25,7 @@ const MOST: usize = 2 * MOST_CORNERS;
 /// A face seen at a smaller cosine is an edge.
 const EDGE_ON: f64 = 0.05;
 /// Edges at a smaller sine of the angle between them are parallel, and touch along their length.
-const PARALLEL: f64 = 0.02;
+const PARALLEL: f64 = 0.01;
 /// A point found here is as near as any if it is within this part of the margin of the least separation there is.
 const AS_NEAR: f64 = 0.005;
 /// A point no further than this \[m\] beyond a side is on it: between two faces there is no gap.

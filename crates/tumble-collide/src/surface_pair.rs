@@ -59,6 +59,9 @@ pub(crate) fn surface_and_convex<R: Scalar>(
     visit: &mut dyn FnMut(u32, &Manifold<R>),
 ) {
     let Some((shape, layer)) = Convex::of(geometry) else { return };
+    if !surface_at.is_somewhere() || !at.is_somewhere() {
+        return;
+    }
     let (ground, body) = (wide_placement(surface_at), wide_placement(at));
     let orientation = (ground.orientation.conjugate() * body.orientation).normalize();
     let at = Placement { position: ground.to_local(body.position), orientation };
