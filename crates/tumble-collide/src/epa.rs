@@ -40,23 +40,20 @@ struct Polyhedron {
 pub(crate) fn penetration(shapes: &Difference<'_>, simplex: &Simplex) -> Option<Penetration> {
     let mut polyhedron = Polyhedron::around(shapes, simplex)?;
     let mut outline = Vec::new();
-    let mut best: Option<(f64, Penetration)> = None;
+    let mut best: Option<(f64, Vector)> = None;
     while let Some(face) = polyhedron.nearest() {
         let reached = shapes.support(face.normal);
         // This far the shapes overlap along the normal; the face is no further out than the least overlap of all.
         let overlap = reached.point.dot(face.normal);
-        // Of directions that are as good, the last has the nearest points.
-        let gain = GAIN * polyhedron.scale;
-        if best.is_none_or(|(least, _)| overlap <= least + gain) {
-            best = Some((overlap, polyhedron.penetration(&face)));
+        if best.is_none_or(|(least, _)| overlap < least) {
+            best = Some((overlap, face.normal));
         }
-        let is_best = best.is_some_and(|(least, _)| least - face.distance <= gain);
-        if is_best || overlap - face.distance <= gain || polyhedron.points.len() >= MOST_POINTS {
+        if overlap - face.distance <= GAIN * polyhedron.scale || polyhedron.points.len() >= MOST_POINTS {
             break;
         }
         polyhedron.grow(reached, &mut outline);
     }
-    best.map(|(_, penetration)| penetration)
+    best.map(|(overlap, normal)| Penetration { normal, on_first: polyhedron.foot(normal * overlap) })
 }
 
 impl Polyhedron {
@@ -107,13 +104,23 @@ impl Polyhedron {
         best.copied()
     }
 
-    /// Where the shapes are nearest to parting through a face.
-    fn penetration(&self, face: &Face) -> Penetration {
-        let corners = face.corners.map(|corner| self.points[corner as usize]);
-        let weights = on_triangle(corners.map(|corner| corner.point - face.normal * face.distance));
-        let on_first =
-            corners.iter().zip(weights).fold(Vector::zero(), |sum, (corner, weight)| sum + corner.on_first * weight);
-        Penetration { normal: face.normal, on_first }
+    /// The point of the first shape at the place of the surface that is nearest to a given one. Where the difference is flat, several faces have the distance of the
+    /// nearest, and one of them has the place.
+    fn foot(&self, place: Vector) -> Vector {
+        let mut best: Option<(f64, Vector)> = None;
+        for face in &self.faces {
+            let corners = face.corners.map(|corner| self.points[corner as usize]);
+            let weights = on_triangle(corners.map(|corner| corner.point - place));
+            let sum = |of: fn(&Reached) -> Vector| {
+                corners.iter().zip(weights).fold(Vector::zero(), |sum, (corner, weight)| sum + of(corner) * weight)
+            };
+            let apart = sum(|corner| corner.point) - place;
+            let square = apart.dot(apart);
+            if best.is_none_or(|(least, _)| square < least) {
+                best = Some((square, sum(|corner| corner.on_first)));
+            }
+        }
+        best.map_or(place, |(_, on_first)| on_first)
     }
 
     fn above(&self, face: &Face, point: Vector) -> f64 {
