@@ -17,7 +17,13 @@ impl<R: Scalar> Bounds<R> {
         Self { low: center - half, high: center + half }
     }
 
-    /// Whether the boxes have a point in common. One that is not finite has none.
+    /// Nothing: it meets no box, and with another it makes the other.
+    pub(crate) fn empty() -> Self {
+        let end = R::splat(f64::INFINITY);
+        Self { low: Vec3::splat(end), high: Vec3::splat(-end) }
+    }
+
+    /// Whether the boxes have a point in common. One that is not a number has none.
     #[inline]
     pub fn meets(&self, other: &Self) -> bool {
         self.low.x <= other.high.x
@@ -26,6 +32,32 @@ impl<R: Scalar> Bounds<R> {
             && other.low.y <= self.high.y
             && self.low.z <= other.high.z
             && other.low.z <= self.high.z
+    }
+
+    /// Whether all of the other is in this one, its surface included. Compared without branches: the answer is nearly always the same.
+    #[inline]
+    pub(crate) fn holds(&self, other: &Self) -> bool {
+        (self.low.x <= other.low.x)
+            & (self.low.y <= other.low.y)
+            & (self.low.z <= other.low.z)
+            & (other.high.x <= self.high.x)
+            & (other.high.y <= self.high.y)
+            & (other.high.z <= self.high.z)
+    }
+
+    /// Whether it is a box with an end on all sides, and not turned inside out.
+    #[inline]
+    pub(crate) fn is_finite(&self) -> bool {
+        let end = R::splat(f64::INFINITY);
+        let within = |low: R, high: R| (-end < low) & (low <= high) & (high < end);
+        within(self.low.x, self.high.x) & within(self.low.y, self.high.y) & within(self.low.z, self.high.z)
+    }
+
+    /// Half-way between its corners \[m\].
+    #[inline]
+    pub(crate) fn center(&self) -> Vec3<R> {
+        // Halved first: the sum of the corners may be more than there are numbers for.
+        self.low * R::splat(0.5) + self.high * R::splat(0.5)
     }
 
     /// Whether any of it is below a plane through `point` with the unit normal `up`.

@@ -1,7 +1,7 @@
 use crate::ball::{ball_and_ball, cuboid_and_ball};
 use crate::capsule::{Rod, capsule_and_ball, capsule_and_capsule, cuboid_and_capsule};
 use crate::convex_pair::convex_and_convex;
-use crate::cuboid_pair::cuboid_and_cuboid;
+use crate::cuboids::{CuboidLanes, cuboid_pair};
 use crate::geometry::{Geometry, Placement};
 use crate::half_space::{half_space_and_ball, half_space_and_capsule, half_space_and_cuboid};
 use crate::half_space_pair::half_space_and_other;
@@ -48,8 +48,8 @@ pub fn collide<R: Scalar>(
 
 /// Shows how all parts of two shapes touch: for each pair of parts that are near, the number of the pair and the manifold, as [`collide`] has them.
 ///
-/// Parts are those of a compound and, of a mesh or a height field, its flat pieces, edges and corners. The number of a pair is the same from step to step; it is zero
-/// for shapes of one part. Manifolds without points are left out.
+/// Parts are those of a compound and, of a mesh or a height field, its flat pieces, edges and corners. The number of a pair is the same from step to step, in no particular order,
+/// and zero for shapes of one part; of shapes that have more than 2^32 pairs of parts between them, some share a number. Manifolds without points are left out.
 ///
 /// ```
 /// use std::sync::Arc;
@@ -71,7 +71,7 @@ pub fn touching<R: Scalar>(
     second: &Geometry<R>,
     second_at: &Placement<R>,
     margin: R,
-    visit: &mut impl FnMut(u64, &Manifold<R>),
+    visit: &mut impl FnMut(u32, &Manifold<R>),
 ) {
     if !is_composed(first) && !is_composed(second) {
         let manifold = single(first, first_at, second, second_at, margin);
@@ -82,7 +82,7 @@ pub fn touching<R: Scalar>(
     }
     composed([first, second], [first_at, second_at], margin, &mut |[on_first, on_second], manifold| {
         if !manifold.points().is_empty() {
-            visit(u64::from(on_first) << 32 | u64::from(on_second), manifold);
+            visit(on_first.wrapping_mul(second.parts()).wrapping_add(on_second), manifold);
         }
     });
 }
@@ -179,7 +179,10 @@ fn single<R: Scalar>(
             cuboid_and_ball(half_extents, first_at, radius, second_at.position, margin)
         }
         (&Cuboid { half_extents: a }, &Cuboid { half_extents: b }) => {
-            cuboid_and_cuboid(a, first_at, b, second_at, margin)
+            let first = CuboidLanes { half_extents: a, orientation: first_at.orientation };
+            let second = CuboidLanes { half_extents: b, orientation: second_at.orientation };
+            let origin = second_at.position;
+            cuboid_pair(&first, &second, origin - first_at.position, margin).of_one(origin)
         }
         (&Cuboid { half_extents }, &Capsule { radius, half_height }) => {
             cuboid_and_capsule(half_extents, first_at, &Rod::new(radius, half_height, second_at), margin)

@@ -91,7 +91,7 @@ impl HeightField {
         if count > Self::MOST {
             return Err(HeightFieldError::TooMany { heights: count });
         }
-        if columns < 2 || count < 2 * columns || count % columns != 0 {
+        if columns < 2 || count < 2 * columns || !count.is_multiple_of(columns) {
             return Err(HeightFieldError::Rows { heights: count, columns });
         }
         for (what, value) in [("columns", spacing[0]), ("rows", spacing[1])] {

@@ -17,6 +17,7 @@
 //! ```
 
 mod ball;
+mod balls;
 mod bounds;
 mod broad_phase;
 mod capsule;
@@ -25,7 +26,7 @@ mod compound;
 mod convex;
 mod convex_hull;
 mod convex_pair;
-mod cuboid_pair;
+mod cuboids;
 mod epa;
 mod feature;
 mod frustum;
@@ -34,6 +35,7 @@ mod gjk;
 mod half_space;
 mod half_space_pair;
 mod height_field;
+pub mod lanes;
 mod manifold;
 mod mesh;
 mod minkowski;
@@ -45,7 +47,7 @@ mod surface_pair;
 mod tree;
 
 pub use bounds::Bounds;
-pub use broad_phase::BroadPhase;
+pub use broad_phase::{BroadPhase, Proxy};
 pub use collide::{collide, touching};
 pub use compound::Compound;
 pub use convex_hull::ConvexHull;

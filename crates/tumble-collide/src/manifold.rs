@@ -48,6 +48,10 @@ impl<R: Scalar> Points<R> {
         self.points.get_mut(..self.len).unwrap_or_default().iter_mut()
     }
 
+    pub(crate) fn is_empty(&self) -> bool {
+        self.len == 0
+    }
+
     /// Adds one where there is room.
     pub(crate) fn push(&mut self, point: ContactPoint<R>) {
         if let Some(slot) = self.points.get_mut(self.len) {
@@ -77,7 +81,7 @@ impl<R: Scalar> Manifold<R> {
         Self { normal, carried: R::splat(1.0), points }
     }
 
-    /// The same where both shapes carry the point as much.
+    /// The same where both shapes carry the points as much.
     pub(crate) fn carried_by_both(self) -> Self {
         Self { carried: R::splat(0.5), ..self }
     }

@@ -2,7 +2,7 @@ use tumble_math::lane::Lane;
 
 /// The precision contacts are computed in: `f32` or `f64`.
 pub trait Scalar:
-    Lane<Mask = bool> + PartialOrd + Default + Into<f64> + std::fmt::Debug + Send + Sync + 'static
+    Lane<Mask = bool> + PartialOrd + Into<f64> + Default + std::fmt::Debug + Send + Sync + 'static
 {
 }
 

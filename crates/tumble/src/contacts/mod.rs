@@ -5,14 +5,21 @@
 //! pushes bodies apart, free motion, a pass that takes the push's velocity out again and adds friction ("Small Steps in Physics Simulation", M. Macklin and others,
 //! SCA 2019; E. Catto, "Solver2D", 2024). What touches nothing is left to the integrator of the settings.
 
-mod body;
+mod block;
 mod collider;
-mod constraint;
-mod friction;
-mod kept;
+mod colouring;
+mod contact;
+mod frame;
 mod material;
-mod row;
+mod materials;
+mod narrow;
+mod passes;
+mod prepare;
+mod rows;
+mod rubbing;
 mod soft;
+mod solver;
+mod solver_bodies;
 mod touching;
 
 pub use collider::{Collider, ColliderError};

@@ -1,0 +1,256 @@
+mod arrangement;
+mod fat;
+mod octet;
+mod pair_list;
+mod proxy;
+mod tree;
+
+pub use proxy::Proxy;
+
+use arrangement::NONE;
+use fat::Fat;
+use pair_list::{Pair, PairList, merge};
+use tree::Tree;
+
+use crate::scalar::Scalar;
+
+/// The tree is made anew when its leaves have become so much longer than they were when it was made.
+const MOST_LOOSENESS: f64 = 1.15;
+
+/// Where at least one leaf of so many is stirred, all get other boxes: they then leave them together, and rarely.
+const MANY: usize = 8;
+
+/// Finds which of many objects are near each other, in time that grows as their number does.
+///
+/// Every object is in a box that is somewhat larger than itself. As long as nothing leaves its box the pairs are those of the last time, and
+/// to see that is all it costs. What leaves gets another box, and its neighbours are looked for in a tree.
+///
+/// ```
+/// use tumble_collide::{Bounds, BroadPhase, Proxy};
+/// use tumble_math::lane::Vec3;
+///
+/// let unit = |x: f64| Some(Bounds::about(Vec3::new(x, 0.0, 0.0), Vec3::splat(0.5)));
+/// let proxies = [unit(3.2), unit(0.0), unit(2.5), unit(0.9)].map(|bounds| Proxy { bounds, moves: true });
+/// let mut broad_phase = BroadPhase::default();
+/// assert_eq!(broad_phase.update(&proxies, |_, _| true), [(0, 2), (1, 3)]);
+/// ```
+#[derive(Clone, Debug, Default)]
+pub struct BroadPhase<R> {
+    kinds: Vec<Kind>,
+    fat: Fat<R>,
+    /// Of each object, its leaf in the tree of what moves; [`NONE`] for what is in the other one, or in none.
+    leaves: Vec<u32>,
+    moving: Tree<R>,
+    /// What has never left its box since the beginning and is not moved by anything.
+    still: Tree<R>,
+    most_looseness: R,
+    /// The objects that are no longer in their boxes.
+    left: Vec<u32>,
+    /// Of each leaf, whether one of its objects has left.
+    stirred: Vec<bool>,
+    /// The same of each object: whether it is in such a leaf.
+    stirred_objects: Vec<bool>,
+    near: PairList,
+    /// Pairs of what has no end with what has one.
+    endless: Vec<Pair>,
+    /// All pairs, where there is something without an end.
+    all: Vec<Pair>,
+    stack: Vec<(u32, u32)>,
+    met: Vec<u32>,
+}
+
+/// What it takes to be another object altogether.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Kind {
+    endless: bool,
+    moves: bool,
+}
+
+impl Kind {
+    fn of<R>(proxy: &Proxy<R>) -> Self {
+        Self { endless: proxy.bounds.is_none(), moves: proxy.moves }
+    }
+}
+
+/// How much is looked for.
+#[derive(Clone, Copy, PartialEq)]
+enum Search {
+    /// The neighbours of what is in stirred leaves.
+    Stirred,
+    /// All pairs.
+    All,
+}
+
+impl<R: Scalar> BroadPhase<R> {
+    /// The indices of those objects that may touch, the lower first, in order: all that [are near](Proxy::is_near) each other and
+    /// `wanted`, and some more that are wanted and nearly so.
+    ///
+    /// Which are more depends on where the objects were before. What must not depend on that asks each pair whether it
+    /// [is near](Proxy::is_near). Whether a pair is `wanted` is asked when it is found and then taken as known: call [`reset`](Self::reset)
+    /// when the answers are others. Objects may move, or be replaced by others of the same index, as they like.
+    pub fn update(&mut self, proxies: &[Proxy<R>], wanted: impl Fn(u32, u32) -> bool) -> &[(u32, u32)] {
+        self.fat.advance();
+        let known = self.kinds.len() == proxies.len();
+        if !known || !self.kinds.iter().zip(proxies).all(|(kind, proxy)| *kind == Kind::of(proxy)) {
+            self.begin(proxies, &wanted);
+            self.search(Search::All, &wanted);
+            return self.pairs();
+        }
+        self.left.clear();
+        self.fat.find_left(proxies, &mut self.left);
+        if !self.left.is_empty() {
+            let search = self.follow(proxies);
+            self.search(search, &wanted);
+        }
+        self.pairs()
+    }
+
+    /// What [`update`](Self::update) found the last time.
+    pub fn pairs(&self) -> &[(u32, u32)] {
+        if self.endless.is_empty() { self.near.pairs() } else { &self.all }
+    }
+
+    /// Forgets everything.
+    pub fn reset(&mut self) {
+        self.kinds.clear();
+        self.near.clear();
+        self.endless.clear();
+        self.all.clear();
+    }
+
+    /// Takes in objects of which nothing is known.
+    fn begin(&mut self, proxies: &[Proxy<R>], wanted: &impl Fn(u32, u32) -> bool) {
+        self.kinds.clear();
+        self.kinds.extend(proxies.iter().map(Kind::of));
+        self.fat.begin(proxies);
+        self.leaves.clear();
+        self.leaves.extend(self.kinds.iter().map(|kind| if kind.moves && !kind.endless { 0 } else { NONE }));
+        self.build_still();
+        self.build_moving();
+        self.pair_endless(wanted);
+    }
+
+    fn pair_endless(&mut self, wanted: &impl Fn(u32, u32) -> bool) {
+        self.endless.clear();
+        for (ground, kind) in (0..).zip(&self.kinds).filter(|(_, kind)| kind.endless) {
+            for (object, other) in (0..).zip(&self.kinds).filter(|(_, other)| !other.endless) {
+                let pair = (object.min(ground), object.max(ground));
+                if (kind.moves || other.moves) && wanted(pair.0, pair.1) {
+                    self.endless.push(pair);
+                }
+            }
+        }
+        self.endless.sort_unstable();
+    }
+
+    fn build_still(&mut self) {
+        let objects = (0..).zip(self.kinds.iter().zip(&self.leaves));
+        let still = objects.filter(|(_, (kind, leaf))| !kind.endless && **leaf == NONE).map(|(object, _)| object);
+        self.still.build(still, self.fat.boxes());
+    }
+
+    fn build_moving(&mut self) {
+        let objects = (0..).zip(&self.leaves).filter(|(_, leaf)| **leaf != NONE).map(|(object, _)| object);
+        self.moving.build(objects, self.fat.boxes());
+        for leaf in 0..self.moving.leaves() {
+            for object in self.moving.objects(leaf).iter().filter(|object| **object != NONE) {
+                self.leaves[*object as usize] = leaf as u32;
+            }
+        }
+        self.most_looseness = self.moving.looseness() * R::splat(MOST_LOOSENESS);
+    }
+
+    /// Gives another box to those that left theirs, and to some that will soon; says whose neighbours are to be looked for.
+    fn follow(&mut self, proxies: &[Proxy<R>]) -> Search {
+        if self.left.iter().any(|object| self.leaves[*object as usize] == NONE) {
+            // From now on they are among those that move.
+            self.left.iter().for_each(|object| self.leaves[*object as usize] = 0);
+            self.build_still();
+            return self.renew(proxies);
+        }
+        let leaves = self.moving.leaves();
+        self.stirred.clear();
+        self.stirred.resize(leaves, false);
+        self.left.iter().for_each(|object| self.stirred[self.leaves[*object as usize] as usize] = true);
+        let all = self.stirred.iter().filter(|stirred| **stirred).count() * MANY > leaves;
+        if all {
+            self.renew_boxes(proxies);
+            (0..leaves).for_each(|leaf| self.moving.load(leaf, self.fat.boxes()));
+        } else {
+            self.stir(proxies);
+        }
+        self.moving.refit();
+        if self.moving.looseness() > self.most_looseness {
+            return self.renew(proxies);
+        }
+        if all { Search::All } else { Search::Stirred }
+    }
+
+    /// Gives another box to all in stirred leaves.
+    fn stir(&mut self, proxies: &[Proxy<R>]) {
+        self.stirred_objects.clear();
+        self.stirred_objects.resize(proxies.len(), false);
+        for leaf in (0..self.stirred.len()).filter(|leaf| self.stirred[*leaf]) {
+            for object in self.moving.objects(leaf).iter().filter(|object| **object != NONE) {
+                self.fat.renew(*object, &proxies[*object as usize]);
+                self.stirred_objects[*object as usize] = true;
+            }
+            self.moving.load(leaf, self.fat.boxes());
+        }
+    }
+
+    /// Gives another box to all that move, and arranges them anew.
+    fn renew(&mut self, proxies: &[Proxy<R>]) -> Search {
+        self.renew_boxes(proxies);
+        self.build_moving();
+        Search::All
+    }
+
+    fn renew_boxes(&mut self, proxies: &[Proxy<R>]) {
+        for (object, (leaf, proxy)) in (0..).zip(self.leaves.iter().zip(proxies)) {
+            if *leaf != NONE {
+                self.fat.renew(object, proxy);
+            }
+        }
+    }
+
+    fn search(&mut self, search: Search, wanted: &impl Fn(u32, u32) -> bool) {
+        let Self { kinds, moving, still, stirred, stirred_objects, near, stack, met, .. } = self;
+        let found = near.found();
+        let all = search == Search::All;
+        for leaf in (0..moving.leaves()).filter(|leaf| all || stirred[*leaf]) {
+            let around = moving.leaf(leaf).union();
+            met.clear();
+            moving.find(&around, if all { leaf } else { 0 }, stack, met);
+            for other in met.iter().map(|other| *other as usize) {
+                // Of two leaves that both look for each other the first one does.
+                if other == leaf {
+                    moving.pairs_within(leaf, found);
+                } else if all || other > leaf || !stirred[other] {
+                    moving.pairs_between((leaf, &around), (moving, other), found);
+                }
+            }
+            met.clear();
+            still.find(&around, 0, stack, met);
+            for other in &*met {
+                moving.pairs_between((leaf, &around), (still, *other as usize), found);
+            }
+        }
+        found.retain(|(first, second)| {
+            (kinds[first as usize].moves || kinds[second as usize].moves) && wanted(first, second)
+        });
+        if all {
+            near.replace_all(kinds.len());
+        } else {
+            near.replace(stirred_objects);
+        }
+        self.merge_endless();
+    }
+
+    fn merge_endless(&mut self) {
+        if self.endless.is_empty() {
+            return;
+        }
+        merge(self.near.pairs(), &self.endless, &mut self.all);
+    }
+}

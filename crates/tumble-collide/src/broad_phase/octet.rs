@@ -1,0 +1,114 @@
+use tumble_math::lane::Vec3;
+
+use crate::bounds::Bounds;
+use crate::scalar::Scalar;
+
+/// Boxes side by side, compared with another at once.
+pub(super) const LANES: usize = 8;
+
+/// Eight boxes, their coordinates in lanes. Where there is no box, an empty one.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Octet<R> {
+    /// x, y and z of all.
+    low: [[R; LANES]; 3],
+    high: [[R; LANES]; 3],
+}
+
+impl<R: Scalar> Octet<R> {
+    pub(super) fn empty() -> Self {
+        let end = R::splat(f64::INFINITY);
+        Self { low: [[end; LANES]; 3], high: [[-end; LANES]; 3] }
+    }
+
+    #[inline]
+    pub(super) fn set(&mut self, lane: usize, bounds: &Bounds<R>) {
+        let Bounds { low, high } = *bounds;
+        for (axis, (low, high)) in [(low.x, high.x), (low.y, high.y), (low.z, high.z)].into_iter().enumerate() {
+            self.low[axis][lane] = low;
+            self.high[axis][lane] = high;
+        }
+    }
+
+    /// The smallest box that holds all of them.
+    #[inline]
+    pub(super) fn union(&self) -> Bounds<R> {
+        let low = self.low.map(|lanes| fold(lanes, R::min));
+        let high = self.high.map(|lanes| fold(lanes, R::max));
+        Bounds { low: Vec3::new(low[0], low[1], low[2]), high: Vec3::new(high[0], high[1], high[2]) }
+    }
+
+    /// The lengths of the sides of all of them, added up \[m\].
+    #[inline]
+    pub(super) fn sides(&self) -> R {
+        let mut sides = [R::splat(0.0); LANES];
+        for axis in 0..3 {
+            for (lane, side) in sides.iter_mut().enumerate() {
+                // Nothing is as long as nothing.
+                *side = *side + (self.high[axis][lane] - self.low[axis][lane]).max(R::splat(0.0));
+            }
+        }
+        fold(sides, |a, b| a + b)
+    }
+
+    /// Marks those that have a point in common with the box.
+    ///
+    /// Not inlined, so that it is vector code: a compiler that sees what becomes of the marks takes them one by one.
+    #[inline(never)]
+    pub(super) fn meeting(&self, other: &Bounds<R>, marks: &mut Marks) {
+        let Bounds { low, high } = *other;
+        self.compare([low.x, low.y, low.z], [high.x, high.y, high.z], marks);
+    }
+
+    /// Marks those that have a point in common with one of other eight, whose numbers are read where they lie: written one by
+    /// one and read together they would have to be waited for.
+    #[inline(never)]
+    pub(super) fn meeting_one_of(&self, others: &Self, lane: usize, marks: &mut Marks) {
+        let Self { low, high } = others;
+        self.compare([low[0][lane], low[1][lane], low[2][lane]], [high[0][lane], high[1][lane], high[2][lane]], marks);
+    }
+
+    #[inline(always)]
+    fn compare(&self, low: [R; 3], high: [R; 3], marks: &mut Marks) {
+        for (lane, mark) in marks.0.iter_mut().enumerate() {
+            // The widest gap between the two. A difference is zero only where the numbers are the same.
+            let gap = |axis: usize| (self.low[axis][lane] - high[axis]).max(low[axis] - self.high[axis][lane]);
+            *mark = u32::from(gap(0).max(gap(1)).max(gap(2)) <= R::splat(0.0));
+        }
+    }
+}
+
+/// 1 for some of eight lanes, 0 for the others.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Marks([u32; LANES]);
+
+impl Marks {
+    /// Keeps those before a lane.
+    #[inline]
+    pub(super) fn keep_before(&mut self, lane: usize) {
+        self.0.iter_mut().enumerate().for_each(|(place, mark)| *mark &= u32::from(place < lane));
+    }
+
+    /// Writes what belongs to the marked lanes from the beginning of `to` on, and returns how many there are. What it does is the same for
+    /// any marks: a processor that has to guess them loses more time than it takes to write all.
+    #[inline]
+    pub(super) fn select<T>(&self, to: &mut [T; LANES], what: impl Fn(usize) -> T) -> usize {
+        let mut count = 0;
+        for (lane, mark) in self.0.iter().enumerate() {
+            // Never more than were looked at, so the remainder is the count.
+            to[count % LANES] = what(lane);
+            count += *mark as usize;
+        }
+        count
+    }
+}
+
+/// Combines the lanes by halves.
+#[inline]
+fn fold<R: Scalar>(mut lanes: [R; LANES], combine: impl Fn(R, R) -> R) -> R {
+    for width in [4, 2, 1] {
+        for lane in 0..width {
+            lanes[lane] = combine(lanes[lane], lanes[lane + width]);
+        }
+    }
+    lanes[0]
+}

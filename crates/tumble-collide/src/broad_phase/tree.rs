@@ -1,0 +1,141 @@
+use super::arrangement::{Item, NONE, arrange};
+use super::octet::{LANES, Marks, Octet};
+use super::pair_list::{Found, Pair};
+use crate::bounds::Bounds;
+use crate::scalar::Scalar;
+
+/// Boxes in eights, the boxes of eights in eights, and so on up to one. It has no pointers: the children of node `i` are the nodes
+/// from `8 i` on, one level below.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Tree<R> {
+    /// What is in each lane of each leaf.
+    objects: Vec<[u32; LANES]>,
+    /// From the leaves up to the root.
+    levels: Vec<Vec<Octet<R>>>,
+    items: Vec<Item<R>>,
+}
+
+impl<R: Scalar> Tree<R> {
+    /// Makes a tree of some of the objects.
+    pub(super) fn build(&mut self, objects: impl Iterator<Item = u32>, boxes: &[Bounds<R>]) {
+        arrange(objects, boxes, &mut self.items, &mut self.objects);
+        let mut width = self.objects.len();
+        let mut height = 0;
+        while width > 0 {
+            if self.levels.len() == height {
+                self.levels.push(Vec::new());
+            }
+            self.levels[height].clear();
+            self.levels[height].resize(width, Octet::empty());
+            height += 1;
+            width = if width == 1 { 0 } else { width.div_ceil(LANES) };
+        }
+        self.levels.truncate(height);
+        for leaf in 0..self.leaves() {
+            self.load(leaf, boxes);
+        }
+        self.refit();
+    }
+
+    pub(super) fn leaves(&self) -> usize {
+        self.objects.len()
+    }
+
+    /// The objects of a leaf; [`NONE`] where there is none.
+    pub(super) fn objects(&self, leaf: usize) -> &[u32; LANES] {
+        &self.objects[leaf]
+    }
+
+    pub(super) fn leaf(&self, leaf: usize) -> &Octet<R> {
+        &self.levels[0][leaf]
+    }
+
+    /// Takes over the boxes of a leaf's objects.
+    pub(super) fn load(&mut self, leaf: usize, boxes: &[Bounds<R>]) {
+        for (lane, object) in self.objects[leaf].iter().enumerate().filter(|(_, object)| **object != NONE) {
+            self.levels[0][leaf].set(lane, &boxes[*object as usize]);
+        }
+    }
+
+    /// Makes the nodes above the leaves as large as they have to be.
+    pub(super) fn refit(&mut self) {
+        for height in 1..self.levels.len() {
+            let (below, above) = self.levels.split_at_mut(height);
+            let children = &below[height - 1];
+            for (node, children) in above[0].iter_mut().zip(children.chunks(LANES)) {
+                for (lane, child) in children.iter().enumerate() {
+                    node.set(lane, &child.union());
+                }
+            }
+        }
+    }
+
+    /// How long the boxes of the leaves are in the mean, as a multiple of those of the objects in them: the larger, the more leaves meet.
+    pub(super) fn looseness(&self) -> R {
+        let sides = |height: usize| {
+            let octets = self.levels.get(height).into_iter().flatten();
+            octets.fold(R::splat(0.0), |sum, octet| sum + octet.sides())
+        };
+        sides(1) / sides(0)
+    }
+
+    /// Adds the leaves, from leaf `from` on, whose boxes meet the other to `found`.
+    pub(super) fn find(&self, other: &Bounds<R>, from: usize, stack: &mut Vec<(u32, u32)>, found: &mut Vec<u32>) {
+        let Some(root) = self.levels.len().checked_sub(1) else { return };
+        if root == 0 {
+            found.push(0);
+            return;
+        }
+        let mut marks = Marks::default();
+        let mut lanes = [0; LANES];
+        stack.clear();
+        stack.push((root as u32, 0));
+        while let Some((height, node)) = stack.pop() {
+            let below = height - 1;
+            self.levels[height as usize][node as usize].meeting(other, &mut marks);
+            let count = marks.select(&mut lanes, |lane| node * LANES as u32 + lane as u32);
+            // The leaves below a child end where those of the next begin.
+            let children = lanes[..count].iter().filter(|child| (**child as usize + 1) << (3 * below) > from);
+            if below == 0 {
+                found.extend(children);
+            } else {
+                stack.extend(children.map(|child| (below, *child)));
+            }
+        }
+    }
+
+    /// Adds the pairs among the objects of a leaf whose boxes meet.
+    pub(super) fn pairs_within(&self, leaf: usize, found: &mut Found) {
+        let (octet, objects) = (self.leaf(leaf), self.objects(leaf));
+        let mut marks = Marks::default();
+        for lane in 1..LANES {
+            octet.meeting_one_of(octet, lane, &mut marks);
+            marks.keep_before(lane);
+            found.add(&marks, |before| ordered(objects[before], objects[lane]));
+        }
+    }
+
+    /// Adds the pairs of an object of a leaf, with the box `around` all of it, and one of another leaf, whose boxes meet.
+    pub(super) fn pairs_between(
+        &self,
+        (leaf, around): (usize, &Bounds<R>),
+        (tree, other): (&Self, usize),
+        found: &mut Found,
+    ) {
+        let (octet, objects) = (self.leaf(leaf), self.objects(leaf));
+        let (others, other_objects) = (tree.leaf(other), tree.objects(other));
+        let mut marks = Marks::default();
+        let mut lanes = [0; LANES];
+        others.meeting(around, &mut marks);
+        let count = marks.select(&mut lanes, |lane| lane);
+        for lane in &lanes[..count] {
+            octet.meeting_one_of(others, *lane, &mut marks);
+            found.add(&marks, |hit| ordered(objects[hit], other_objects[*lane]));
+        }
+    }
+}
+
+#[inline]
+fn ordered(a: u32, b: u32) -> Pair {
+    (a.min(b), a.max(b))
+}

@@ -1,0 +1,146 @@
+//! Promise: the broad phase finds all pairs that are near each other, in order, each once, however the objects moved before, and none of two
+//! that do not move.
+//!
+//! Why: a pair it misses falls through the floor, one it has twice is pushed twice, and an order of its own making would be another result on
+//! another day. Every history is compared with what all pairs, asked one by one, give.
+
+use proptest::prelude::*;
+use tumble_collide::{Bounds, BroadPhase, Proxy, Scalar};
+use tumble_math::lane::Vec3;
+
+/// What happens between two updates.
+#[derive(Clone, Debug)]
+enum Event {
+    /// Every object that moves goes its way.
+    Go,
+    /// They tremble by less than their boxes are larger.
+    Tremble,
+    /// One is somewhere else, of another size.
+    Jump { which: prop::sample::Index, to: Object },
+    /// One is no longer a box: no number, endless in a direction, inside out.
+    Break { which: prop::sample::Index, how: u8 },
+    /// Some of them are in one place.
+    Gather { every: usize },
+    /// Everything flies apart or together.
+    Scale { by: f64 },
+    /// Other objects in another number, with or without a word.
+    Begin { objects: Vec<Object>, reset: bool },
+    /// What moves does not any longer, and the other way round.
+    Swap { which: prop::sample::Index },
+}
+
+#[derive(Clone, Copy, Debug)]
+struct Object {
+    center: [f64; 3],
+    half: [f64; 3],
+    way: [f64; 3],
+    endless: bool,
+    moves: bool,
+}
+
+fn object() -> impl Strategy<Value = Object> {
+    let near = || -4.0..4.0_f64;
+    let size = prop_oneof![20 => 0.05..0.7_f64, 4 => Just(0.5), 1 => Just(0.0), 1 => 10.0..1e5_f64];
+    let way = prop_oneof![2 => Just(0.0), 3 => -0.02..0.02_f64, 1 => -0.6..0.6_f64];
+    let center = prop_oneof![20 => [near(), near(), near()], 1 => [-1e8..1e8_f64, near(), near()]];
+    let flags = (prop::bool::weighted(0.04), prop::bool::weighted(0.75));
+    (center, [size.clone(), size.clone(), size], [way.clone(), way.clone(), way], flags)
+        .prop_map(|(center, half, way, (endless, moves))| Object { center, half, way, endless, moves })
+}
+
+fn objects() -> impl Strategy<Value = Vec<Object>> {
+    prop_oneof![prop::collection::vec(object(), 0..40), prop::collection::vec(object(), 60..160)]
+}
+
+fn event() -> impl Strategy<Value = Event> {
+    let which = any::<prop::sample::Index>;
+    prop_oneof![
+        12 => Just(Event::Go),
+        3 => Just(Event::Tremble),
+        2 => (which(), object()).prop_map(|(which, to)| Event::Jump { which, to }),
+        1 => (which(), 0..4_u8).prop_map(|(which, how)| Event::Break { which, how }),
+        1 => (1..9_usize).prop_map(|every| Event::Gather { every }),
+        1 => prop_oneof![0.3..1.0, 1.0..4.0, Just(0.0)].prop_map(|by| Event::Scale { by }),
+        1 => (objects(), any::<bool>()).prop_map(|(objects, reset)| Event::Begin { objects, reset }),
+        1 => which().prop_map(|which| Event::Swap { which }),
+    ]
+}
+
+fn proxy<R: Scalar>(object: &Object) -> Proxy<R> {
+    let vector = |v: [f64; 3]| Vec3::new(R::splat(v[0]), R::splat(v[1]), R::splat(v[2]));
+    let bounds = Bounds::about(vector(object.center), vector(object.half));
+    Proxy { bounds: (!object.endless).then_some(bounds), moves: object.moves }
+}
+
+fn happen(event: &Event, objects: &mut Vec<Object>) {
+    match event {
+        Event::Go | Event::Tremble => {
+            let part = if matches!(event, Event::Go) { 1.0 } else { 1e-3 };
+            for object in objects.iter_mut().filter(|object| object.moves) {
+                (0..3).for_each(|axis| object.center[axis] += part * object.way[axis]);
+            }
+        }
+        Event::Jump { which, to } if !objects.is_empty() => *which.get_mut(objects) = *to,
+        Event::Break { which, how } if !objects.is_empty() => {
+            let object = which.get_mut(objects);
+            match how {
+                0 => object.center[1] = f64::NAN,
+                1 => object.half[2] = f64::INFINITY,
+                2 => object.half[0] = -1.0,
+                _ => object.center[2] = f64::INFINITY,
+            }
+        }
+        Event::Gather { every } => objects.iter_mut().step_by(*every).for_each(|object| object.center = [0.5; 3]),
+        Event::Scale { by } => objects.iter_mut().for_each(|object| object.center = object.center.map(|x| x * by)),
+        Event::Begin { objects: others, .. } => objects.clone_from(others),
+        Event::Swap { which } if !objects.is_empty() => {
+            let object = which.get_mut(objects);
+            object.moves = !object.moves;
+        }
+        _ => {}
+    }
+}
+
+fn wanted(first: u32, second: u32) -> bool {
+    !(first + second).is_multiple_of(7)
+}
+
+/// Every pair, asked.
+fn all_near<R: Scalar>(proxies: &[Proxy<R>]) -> Vec<(u32, u32)> {
+    let pairs = (0..proxies.len()).flat_map(|a| (a + 1..proxies.len()).map(move |b| (a, b)));
+    let near = pairs.filter(|(a, b)| proxies[*a].is_near(&proxies[*b])).map(|(a, b)| (a as u32, b as u32));
+    near.filter(|(a, b)| wanted(*a, *b)).collect()
+}
+
+fn check<R: Scalar>(start: &[Object], events: &[Event]) -> Result<(), TestCaseError> {
+    let mut objects = start.to_vec();
+    let mut broad_phase = BroadPhase::<R>::default();
+    for (step, event) in std::iter::once(&Event::Tremble).chain(events).enumerate() {
+        happen(event, &mut objects);
+        if matches!(event, Event::Begin { reset: true, .. }) {
+            broad_phase.reset();
+        }
+        let proxies: Vec<Proxy<R>> = objects.iter().map(proxy).collect();
+        let found = broad_phase.update(&proxies, wanted).to_vec();
+        prop_assert_eq!(&found, broad_phase.pairs());
+        prop_assert!(found.is_sorted_by(|a, b| a < b), "step {}: not in order, or twice: {:?}", step, found);
+        for (first, second) in &found {
+            let [a, b] = [first, second].map(|index| &proxies[*index as usize]);
+            prop_assert!(first < second && (a.moves || b.moves) && wanted(*first, *second), "{:?}", (first, second));
+        }
+        let mut near = found;
+        near.retain(|(a, b)| proxies[*a as usize].is_near(&proxies[*b as usize]));
+        prop_assert_eq!(near, all_near(&proxies), "step {}", step);
+    }
+    Ok(())
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(2_500))]
+
+    #[test]
+    fn whatever_happened_all_that_is_near_is_found(start in objects(), events in prop::collection::vec(event(), 1..25)) {
+        check::<f32>(&start, &events)?;
+        check::<f64>(&start, &events)?;
+    }
+}
