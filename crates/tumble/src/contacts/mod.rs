@@ -7,6 +7,8 @@
 
 mod block;
 mod collider;
+mod collider_error;
+mod collider_shape;
 mod colouring;
 mod contact;
 mod frame;
@@ -27,7 +29,8 @@ mod solver;
 mod solver_bodies;
 mod touching;
 
-pub use collider::{Collider, ColliderError};
+pub use collider::Collider;
+pub use collider_error::ColliderError;
 pub use material::{Combine, Material};
 pub(crate) use names::Name;
 pub use reading::{Contact, ContactEvent, ContactPoint};
