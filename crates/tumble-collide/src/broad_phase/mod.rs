@@ -15,7 +15,7 @@ use tree::Tree;
 use crate::scalar::Scalar;
 
 /// The tree is made anew when its leaves have become so much longer than they were when it was made.
-const MOST_LOOSENESS: f64 = 1.15;
+const MOST_LOOSENESS: f64 = 1.2;
 
 /// Where at least one leaf of so many is stirred, all get other boxes: they then leave them together, and rarely.
 const MANY: usize = 8;
