@@ -11,9 +11,11 @@
     )
 )]
 
+mod piles;
 mod scenes;
 mod threads;
 
+pub use piles::{eight_boxes, falling_balls, pyramid};
 pub use scenes::{mixed_bodies, mixed_body, mixed_moving_bodies, tumbling_box, tumbling_boxes};
 pub use threads::{SIZES, label, pool, pools};
 pub use tumble::Chance;

@@ -22,7 +22,7 @@ struct Rule {
 /// The workspace from the bottom up. The engine adds a mathematics crate to what it depends on, and so may those above it.
 const RULES: [Rule; 10] = [
     Rule { member: "crates/tumble-math", members: &[], outside: Some(&["glam", "libm", "serde", "thiserror"]) },
-    Rule { member: "crates/tumble-collide", members: &["tumble-math"], outside: Some(&[]) },
+    Rule { member: "crates/tumble-collide", members: &["tumble-math"], outside: Some(&["thiserror"]) },
     Rule {
         member: "crates/tumble",
         members: &["tumble-collide", "tumble-math"],

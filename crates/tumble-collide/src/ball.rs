@@ -2,11 +2,11 @@
 
 use tumble_math::lane::Vec3;
 
+use crate::balls::ball_pair;
 use crate::geometry::Placement;
 use crate::manifold::Manifold;
 use crate::scalar::Scalar;
 
-/// From the first ball to the second. Balls about the same point are pushed apart along y.
 pub(crate) fn ball_and_ball<R: Scalar>(
     first: R,
     first_center: Vec3<R>,
@@ -14,12 +14,7 @@ pub(crate) fn ball_and_ball<R: Scalar>(
     second_center: Vec3<R>,
     margin: R,
 ) -> Manifold<R> {
-    let apart = second_center - first_center;
-    let distance = apart.dot(apart).sqrt();
-    let up = Vec3::new(R::splat(0.0), R::splat(1.0), R::splat(0.0));
-    let normal = if distance > R::splat(LEAST_DISTANCE) { apart * (R::splat(1.0) / distance) } else { up };
-    Manifold::of_point(normal, second_center - normal * second, distance - (first + second), 0, margin)
-        .carried_by_both()
+    ball_pair(first, second, second_center - first_center, margin).of_one(second_center)
 }
 
 /// Nearer than this \[m\] two points are one: its square is a normal number in either precision.

@@ -17,19 +17,42 @@
 //! ```
 
 mod ball;
+mod balls;
 mod bounds;
 mod broad_phase;
+mod capsule;
 mod collide;
-mod cuboid_pair;
+mod compound;
+mod convex;
+mod convex_hull;
+mod convex_pair;
+mod cuboids;
+mod epa;
+mod feature;
+mod frustum;
 mod geometry;
+mod gjk;
 mod half_space;
+mod half_space_pair;
+mod height_field;
+pub mod lanes;
 mod manifold;
+mod mesh;
+mod minkowski;
+mod overlay;
 mod reduction;
 mod scalar;
+mod surface;
+mod surface_pair;
+mod tree;
 
 pub use bounds::Bounds;
 pub use broad_phase::{BroadPhase, Proxy};
-pub use collide::collide;
+pub use collide::{collide, touching};
+pub use compound::Compound;
+pub use convex_hull::ConvexHull;
 pub use geometry::{Geometry, Placement};
+pub use height_field::{HeightField, HeightFieldError};
 pub use manifold::{ContactPoint, MOST_POINTS, Manifold};
+pub use mesh::Mesh;
 pub use scalar::Scalar;

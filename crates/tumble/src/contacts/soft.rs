@@ -1,4 +1,5 @@
 use crate::math::Real;
+use crate::simd::Tile;
 
 /// How a contact pushes overlapping bodies apart: as a damped spring whose stiffness goes with the mass it acts on.
 ///
@@ -44,13 +45,15 @@ impl Softness {
     }
 
     /// Bias of an overlap: how it acts on the velocity, capped at a speed that throws nothing up.
-    pub(super) fn bias(&self, separation: Real) -> Real {
-        (self.mass_scale * self.bias_rate * separation).max(-MOST_PUSH)
+    #[inline(always)]
+    pub(super) fn bias<T: Tile>(&self, separation: T) -> T {
+        let rate = T::splat(f64::from(self.mass_scale * self.bias_rate));
+        (rate * separation).max(T::splat(-MOST_PUSH))
     }
 }
 
 /// Fastest that overlapping bodies are pushed apart \[m/s\].
-const MOST_PUSH: Real = 3.0;
+const MOST_PUSH: f64 = 3.0;
 
 fn frequency(h: f64) -> f64 {
     HERTZ.min(MOST_PERIODS / h)

@@ -1,22 +1,24 @@
 use std::fmt;
 
 use hecs::World;
-use tumble_collide::{Bounds, BroadPhase, Manifold, Placement, Proxy, collide};
-use tumble_math::lane::Vec3;
+use tumble_collide::{Bounds, BroadPhase, Placement, Proxy, touching};
+use tumble_math::lane::{Quat, Vec3};
 
-use super::body::SolverBody;
-use super::collider::Collider;
-use super::constraint::{Constraint, Pass};
-use super::kept::Kept;
-use super::material::Surface;
-use super::soft::Softness;
+use super::collider::{Collider, Groups};
+use super::contact::Contact;
+use super::keeping::Past;
+use super::materials::Materials;
+use super::names::Names;
+use super::narrow::{Kind, Pairs, Shapes};
+use super::solver::{Pass, Solver};
+use super::solver_bodies::SolverBodies;
 use crate::columns::for_each_archetype_in_turn;
-use crate::components::{CenterOfMass, Momentum, Pose};
+use crate::components::{CenterOfMass, Mass, Momentum, Pose, PrincipalAxes, Velocity, Wrench};
 use crate::force_laws::ForceLaws;
 use crate::integrators::Forces;
 use crate::law_forces::LawForces;
 use crate::math::{Real, Vec3 as WorldVec3};
-use crate::members::{Key, Members, Seen};
+use crate::members::Members;
 use crate::settings::Settings;
 use crate::state::{Constants, Force};
 use crate::surroundings::Surroundings;
@@ -27,21 +29,50 @@ const MARGIN: Real = 0.02;
 /// The contacts of a world: what they were at the end of the last step is where the next begins.
 #[derive(Clone, Default)]
 pub(crate) struct Contacts {
-    members: Members,
-    colliders: Vec<Option<(Collider, WorldVec3)>>,
-    bodies: Vec<SolverBody>,
-    touched: Vec<bool>,
-    /// The slots of those that touch something.
-    active: Vec<usize>,
+    pub(super) members: Members,
+    /// Who the slots of the last step's contacts stood for.
+    pub(super) names: Names,
+    pub(super) past: Past,
+    /// By slot.
+    pub(super) colliders: Vec<Option<(Collider, WorldVec3)>>,
+    groups: Vec<Groups>,
+    pub(super) shapes: Vec<Shape>,
+    /// By slot: its row among the solver's bodies, if it touches anything.
+    rows: Vec<u32>,
     broad_phase: BroadPhase<Real>,
     proxies: Vec<Proxy<Real>>,
+    lanes: Shapes,
+    /// The pairs of each kind.
+    cuboids: Pairs,
+    balls: Pairs,
+    others: Vec<[u32; 2]>,
+    materials: Materials,
     /// In the order of their keys.
-    kept: Vec<Kept>,
+    pub(super) contacts: Vec<Contact>,
+    pub(super) last: Vec<Contact>,
+    bodies: SolverBodies,
+    solver: Solver,
 }
+
+/// Where a body with a collider is at the start of a step.
+#[derive(Clone, Copy)]
+pub(super) struct Shape {
+    placement: Placement<Real>,
+    /// Centre of mass \[m\].
+    center: Vec3<Real>,
+    kind: Kind,
+    /// Whether impulses move it.
+    moves: bool,
+    /// Of what impulses do not move \[m/s\] \[rad/s\].
+    velocity: (Vec3<Real>, Vec3<Real>),
+}
+
+/// No row.
+const NONE: u32 = u32::MAX;
 
 impl fmt::Debug for Contacts {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.debug_struct("Contacts").field("kept", &self.kept.len()).finish_non_exhaustive()
+        f.debug_struct("Contacts").field("contacts", &self.contacts.len()).finish_non_exhaustive()
     }
 }
 
@@ -53,7 +84,6 @@ impl Contacts {
                 archetype.ids().iter().for_each(|id| mark(*id));
             }
         });
-        self.broad_phase.reset();
         self.colliders.clear();
         self.colliders.resize(self.members.len(), None);
         let Self { members, colliders, .. } = self;
@@ -61,39 +91,45 @@ impl Contacts {
             if let Some(column) = archetype.get::<&Collider>() {
                 let offsets = archetype.get::<&CenterOfMass>();
                 let offset = |row: usize| offsets.as_deref().map_or(WorldVec3::ZERO, |offsets| offsets[row].0);
-                places.for_each(|(row, slot)| colliders[slot] = Some((column[row], offset(row))));
+                places.for_each(|(row, slot)| colliders[slot] = Some((column[row].clone(), offset(row))));
             }
         });
+        self.materials
+            .list(self.colliders.iter().map(|collider| collider.as_ref().map(|(collider, _)| collider.material())));
+        let of = |collider: &Option<(Collider, _)>| collider.as_ref().map_or(Groups::ALL, |(it, _)| it.filter_groups());
+        if !self.colliders.iter().map(of).eq(self.groups.iter().copied()) {
+            // Who touches whom is asked once.
+            self.broad_phase.reset();
+            self.groups.clear();
+            self.groups.extend(self.colliders.iter().map(of));
+        }
+        self.renumber(world);
     }
 
     /// Works out where what touches something will be after one substep of the settings, starting from the world as it is.
     pub(crate) fn solve(&mut self, world: &World, settings: &Settings, laws: &ForceLaws, time: f64) {
-        let interval = settings.substep();
-        let substeps = settings.contact_substeps.div_ceil(settings.substeps).max(1);
-        let h = interval / substeps as Real;
+        let (substeps, h) = (settings.contact_substeps_each(), settings.contact_substep());
+        self.look(world);
+        self.find_contacts();
         self.gather(world, settings, laws, (time, h));
-        let mut contacts = self.touching(h);
-        self.keep_impulses(&mut contacts);
+        let Self { contacts, bodies, solver, rows, .. } = self;
+        solver.lay_out(contacts, |contact| contact.slots.map(|slot| rows[slot as usize]), bodies);
+        bodies.with_poses(|bodies, poses| solver.run(Pass::Prepare(contacts, poses, MARGIN), bodies));
         for _ in 0..substeps {
-            self.active.iter().for_each(|slot| self.bodies[*slot].kick());
-            contacts.iter().for_each(|contact| contact.warm_start(pair(&mut self.bodies, contact.slots)));
-            contacts.iter_mut().for_each(|contact| contact.note_approach(contact.slots.map(|slot| &self.bodies[slot])));
-            for contact in &mut contacts {
-                contact.solve(pair(&mut self.bodies, contact.slots), Pass::Biased, h);
+            // Before the impulses of the last step act: bodies that those push together have not come together, and to bounce them would make energy.
+            if solver.bounces() {
+                solver.run(Pass::NoteApproach, bodies);
             }
-            self.active.iter().for_each(|slot| self.bodies[*slot].drift(h));
-            contacts.iter_mut().for_each(|contact| contact.follow(contact.slots.map(|slot| &self.bodies[slot])));
-            for contact in &mut contacts {
-                contact.solve(pair(&mut self.bodies, contact.slots), Pass::Relaxing, h);
-            }
+            bodies.kick();
+            solver.run(Pass::WarmStart, bodies);
+            solver.run(Pass::Biased(h), bodies);
+            bodies.drift(h);
+            solver.run(Pass::Relax(h), bodies);
         }
-        for contact in &mut contacts {
-            contact.bounce(pair(&mut self.bodies, contact.slots), settings.restitution_threshold);
+        if solver.bounces() {
+            solver.run(Pass::Rebound(settings.restitution_threshold), bodies);
         }
-        let members = &self.members;
-        self.kept.clear();
-        self.kept.extend(contacts.iter().map(|contact| Kept::of(contact.slots.map(|slot| members.key(slot)), contact)));
-        self.kept.sort_unstable_by_key(|kept| kept.keys);
+        solver.keep(contacts);
     }
 
     /// Writes what was worked out over what the integrator made of the same bodies.
@@ -103,23 +139,64 @@ impl Contacts {
             else {
                 return;
             };
-            for (row, slot) in places.filter(|(_, slot)| self.touched[*slot] && self.bodies[*slot].free.is_some()) {
-                let state = &self.bodies[slot].state;
+            let axes = archetype.get::<&PrincipalAxes>();
+            for (row, slot) in places.filter(|(_, slot)| self.rows[*slot] != NONE && self.shapes[*slot].moves) {
+                let axes = axes.as_deref().map(|axes| Quat::from(axes[row].0));
+                let state = self.bodies.state(self.rows[slot] as usize, axes);
                 poses[row] = Pose { position: state.position.into(), orientation: state.orientation.into() };
                 momenta[row] = Momentum { linear: state.linear.into(), angular: state.angular.into() };
             }
         });
     }
 
-    /// Reads all bodies with colliders, and the forces on them as they are now.
+    /// Reads where all bodies with colliders are.
+    fn look(&mut self, world: &World) {
+        let Self { members, shapes, colliders, lanes, .. } = self;
+        lanes.reset(members.len());
+        shapes.clear();
+        shapes.resize(members.len(), Shape::NOWHERE);
+        members.for_each_archetype(world, |archetype, places| {
+            let Some(poses) = archetype.get::<&Pose>() else { return };
+            let moves = archetype.has::<Momentum>() && archetype.has::<Mass>() && archetype.has::<Wrench>();
+            let velocities = archetype.get::<&Velocity>();
+            for (row, slot) in places {
+                let center = Vec3::from(poses[row].position);
+                let orientation = Quat::from(poses[row].orientation).normalize();
+                let Some((collider, offset)) = &colliders[slot] else { continue };
+                let position = center - orientation.rotate(Vec3::from(*offset));
+                let placement = collider.placement(Placement { position, orientation });
+                lanes.set(slot, &collider.geometry, &placement, center);
+                let kind = Kind::of(&collider.geometry);
+                let velocity = velocities.as_deref().map_or(Velocity::default(), |velocities| velocities[row]);
+                let velocity = (velocity.linear.into(), velocity.angular.into());
+                shapes[slot] = Shape { placement, center, kind, moves, velocity };
+            }
+        });
+    }
+
+    /// Reads the bodies that touch something, and the forces on them as they are now.
     fn gather(&mut self, world: &World, settings: &Settings, laws: &ForceLaws, (time, h): (f64, Real)) {
-        self.members.gather(world);
-        self.bodies.clear();
-        self.bodies.extend(self.members.seen.iter().map(|seen: &Seen| SolverBody::unmoved(seen.state, seen.derived)));
-        let Self { members, bodies, .. } = self;
+        let Self { members, shapes, rows, contacts, bodies, .. } = self;
+        rows.clear();
+        rows.resize(members.len(), NONE);
+        for slot in contacts.iter().flat_map(|contact| contact.slots) {
+            rows[slot as usize] = 0;
+        }
+        let touching = || (0..shapes.len()).filter(|slot| rows[*slot] != NONE);
+        let free = touching().filter(|slot| shapes[*slot].moves).count();
+        bodies.reset(free, touching().count() - free);
+        let (mut next_free, mut next_unmoved) = (0, bodies.first_unmoved());
+        for (slot, shape) in shapes.iter().enumerate().filter(|(slot, _)| rows[*slot] != NONE).collect::<Vec<_>>() {
+            let next = if shape.moves { &mut next_free } else { &mut next_unmoved };
+            rows[slot] = *next as u32;
+            if !shape.moves {
+                bodies.set_unmoved(*next, shape.center, shape.velocity.0, shape.velocity.1);
+            }
+            *next += 1;
+        }
         for_each_archetype_in_turn(world, laws, |entities, chunk| {
             for (row, entity) in entities.iter().enumerate() {
-                let Some(slot) = members.slot(*entity) else { continue };
+                let Some(slot) = members.slot(*entity).filter(|slot| rows[*slot] != NONE) else { continue };
                 let constants: Constants<Real> = chunk.constants(row);
                 let state = chunk.state(row);
                 let wind = chunk.wind.map_or(WorldVec3::ZERO, |wind| wind[row].0);
@@ -127,75 +204,92 @@ impl Contacts {
                 let (wrench, laws) = (chunk.wrench[row], chunk.laws);
                 let forces = LawForces { constants: &constants, surroundings: &surroundings, wrench, laws, row, time };
                 let force: Force<Real> = forces.at(0.0, &state);
-                bodies[slot] = SolverBody::moved(&constants, state, force, h);
+                bodies.set_free(rows[slot] as usize, &constants, &state, force, h);
             }
         });
     }
 
-    fn placement(&self, slot: usize) -> Option<(&Collider, Placement<Real>)> {
-        let (collider, center_of_mass) = self.colliders[slot].as_ref()?;
-        let state = &self.bodies[slot].state;
-        let position = state.position - state.orientation.rotate(Vec3::from(*center_of_mass));
-        Some((collider, Placement { position, orientation: state.orientation }))
-    }
-
-    /// What the broad phase is to know of a slot. One without a collider is nowhere.
-    fn proxy(&self, slot: usize) -> Proxy<Real> {
-        let nowhere = Some(Bounds::about(Vec3::splat(Real::NAN), Vec3::zero()));
-        let bounds = self.placement(slot).map_or(nowhere, |(collider, at)| collider.geometry.bounds(&at, 0.5 * MARGIN));
-        Proxy { bounds, moves: self.bodies[slot].free.is_some() }
-    }
-
-    /// The contacts there are: those between moving bodies first, then those with what does not move, which has the last word.
-    fn touching(&mut self, h: Real) -> Vec<Constraint> {
-        let mut broad_phase = std::mem::take(&mut self.broad_phase);
-        let mut proxies = std::mem::take(&mut self.proxies);
-        proxies.clear();
-        proxies.extend((0..self.members.len()).map(|slot| self.proxy(slot)));
-        // Which others are found depends on what was before; the contacts must not.
-        let near = broad_phase.update(&proxies, |_, _| true).iter().map(|(a, b)| [*a as usize, *b as usize]);
-        let near = near.filter(|[a, b]| proxies[*a].is_near(&proxies[*b]));
-
-        self.touched.clear();
-        self.touched.resize(self.members.len(), false);
-        let (mut moving, mut grounded) = (Vec::new(), Vec::new());
-        let (soft, stiff) = (Softness::between_moving(h.into()), Softness::on_ground(h.into()));
-        for slots in near {
-            let Some((surface, manifold)) = self.manifold(slots) else { continue };
-            let bodies = slots.map(|slot| &self.bodies[slot]);
-            let both = bodies.iter().all(|body| body.free.is_some());
-            let softness = if both { soft } else { stiff };
-            let contact = Constraint::new(slots, bodies, &manifold, &surface, (MARGIN, softness));
-            slots.into_iter().for_each(|slot| self.touched[slot] = true);
-            if both { moving.push(contact) } else { grounded.push(contact) }
+    /// The contacts there are, beginning with the impulses of those that there were.
+    fn find_contacts(&mut self) {
+        self.find_near();
+        self.keep_the_past();
+        std::mem::swap(&mut self.contacts, &mut self.last);
+        let Self { shapes, lanes, cuboids, balls, others, contacts, .. } = self;
+        contacts.clear();
+        cuboids.touch(Kind::Cuboid, lanes, MARGIN, contacts);
+        balls.touch(Kind::Ball, lanes, MARGIN, contacts);
+        for slots in others {
+            let [first, second] = slots.map(|slot| (&shapes[slot as usize], self.colliders[slot as usize].as_ref()));
+            if let (Some((a, _)), Some((b, _))) = (first.1, second.1) {
+                let before = contacts.len();
+                let (first_at, second_at, center) = (&first.0.placement, &second.0.placement, second.0.center);
+                touching(&a.geometry, first_at, &b.geometry, second_at, MARGIN, &mut |part, manifold| {
+                    contacts.push(Contact::new(*slots, part, manifold, center));
+                });
+                contacts[before..].sort_by_key(Contact::key);
+            }
         }
-        (self.broad_phase, self.proxies) = (broad_phase, proxies);
-        self.active.clear();
-        self.active.extend((0..self.touched.len()).filter(|slot| self.touched[*slot]));
-        moving.append(&mut grounded);
-        moving
-    }
-
-    fn manifold(&self, [first, second]: [usize; 2]) -> Option<(Surface, Manifold<Real>)> {
-        let ((a, a_at), (b, b_at)) = (self.placement(first)?, self.placement(second)?);
-        let manifold = collide(&a.geometry, &a_at, &b.geometry, &b_at, MARGIN);
-        (!manifold.points().is_empty()).then(|| (Surface::between(a.material(), b.material()), manifold))
-    }
-
-    /// Begins with the impulses of the last step.
-    fn keep_impulses(&self, contacts: &mut [Constraint]) {
+        contacts.retain(|contact| contact.count() > 0);
+        let mut last = self.last.iter().peekable();
         for contact in contacts {
-            let keys: [Key; 2] = contact.slots.map(|slot| self.members.key(slot));
-            if let Ok(index) = self.kept.binary_search_by_key(&keys, |kept| kept.keys) {
-                self.kept[index].hand_over(contact);
+            while last.next_if(|old| old.key() < contact.key()).is_some() {}
+            if let Some(old) = last.next_if(|old| old.key() == contact.key()) {
+                contact.take_over(old);
+            }
+            contact.set_surface(&self.materials.between(contact.slots));
+        }
+    }
+
+    /// Finds the pairs that may touch, and sorts them by the kind of their shapes. Where impulses move only one of two, it is the second.
+    fn find_near(&mut self) {
+        let Self { shapes, proxies, colliders, groups, broad_phase, cuboids, balls, others, .. } = self;
+        proxies.clear();
+        proxies.extend(shapes.iter().zip(&*colliders).map(|(shape, collider)| shape.proxy(collider.as_ref())));
+        cuboids.clear();
+        balls.clear();
+        others.clear();
+        for &(first, second) in broad_phase.update(proxies, |a, b| groups[a as usize].touch(groups[b as usize])) {
+            // Which others are found depends on what was before; the contacts must not.
+            let [p, q] = [&proxies[first as usize], &proxies[second as usize]];
+            if !p.is_near(q) {
+                continue;
+            }
+            let slots = if p.moves && !q.moves { [second, first] } else { [first, second] };
+            match Kind::both(shapes[first as usize].kind, shapes[second as usize].kind) {
+                Kind::Cuboid => cuboids.push(slots),
+                Kind::Ball => balls.push(slots),
+                Kind::Other => others.push(slots),
             }
         }
     }
 }
 
-/// Two bodies of a list.
-fn pair(bodies: &mut [SolverBody], [first, second]: [usize; 2]) -> [&mut SolverBody; 2] {
-    // The lower slot is the first, always.
-    let (before, after) = bodies.split_at_mut(second);
-    [&mut before[first], &mut after[0]]
+impl Shape {
+    /// What the broad phase is to know of it. What has no collider is nowhere.
+    fn proxy(&self, collider: Option<&(Collider, WorldVec3)>) -> Proxy<Real> {
+        let nowhere = Some(Bounds::about(Vec3::splat(Real::NAN), Vec3::zero()));
+        let bounds = collider.map_or(nowhere, |(collider, _)| collider.geometry.bounds(&self.placement, 0.5 * MARGIN));
+        Proxy { bounds, moves: self.moves }
+    }
+
+    /// Known by its centre of mass alone.
+    pub(super) fn at_center([x, y, z]: [Real; 3]) -> Self {
+        Self { center: Vec3::new(x, y, z), ..Self::NOWHERE }
+    }
+
+    pub(super) fn center(&self) -> [Real; 3] {
+        [self.center.x, self.center.y, self.center.z]
+    }
+
+    const NOWHERE: Self = {
+        let zero = Vec3 { x: 0.0, y: 0.0, z: 0.0 };
+        let orientation = Quat { x: 0.0, y: 0.0, z: 0.0, w: 1.0 };
+        Self {
+            placement: Placement { position: zero, orientation },
+            center: zero,
+            kind: Kind::Other,
+            moves: false,
+            velocity: (zero, zero),
+        }
+    };
 }

@@ -129,7 +129,7 @@ impl<L: Lane> Kick<L> {
 
     /// What is left of a momentum that is added at the start of the kick: of the linear and the angular one.
     #[inline(always)]
-    pub(super) fn kept(&self) -> (L, L) {
+    pub(crate) fn kept(&self) -> (L, L) {
         let one = L::splat(1.0);
         (self.linear.kept.unwrap_or(one), self.angular.kept.unwrap_or(one))
     }

@@ -13,13 +13,15 @@ use tumble_math::lane::Lane;
 
 use crate::math::Real;
 
+mod disjoint;
 #[cfg(vector_code)]
 mod pair;
 mod record;
 #[cfg(vector_code)]
 mod x86_64;
 
-pub(crate) use record::Record;
+pub(crate) use disjoint::{Colours, Rows};
+pub(crate) use record::{Eight, Record};
 
 /// The most bodies of a tile for which a chunk may have to be filled up.
 pub(crate) const WIDEST: usize = 16;
@@ -175,6 +177,27 @@ pub(crate) fn dispatch(kernel: &mut impl Kernel) {
         Level::Avx2 => x86_64::with_avx2(kernel),
         #[cfg(vector_code)]
         Level::Avx512 => x86_64::with_avx512(kernel),
+    }
+}
+
+/// How many things a block has. A block is laid out for lanes, the same on every machine, and worked on in tiles as wide as it is or, where
+/// they are narrower, in several.
+pub(crate) const BLOCK: usize = 8;
+
+/// Runs a kernel of whole blocks with the widest tiles of this machine that are no wider than a block.
+#[inline]
+pub(crate) fn dispatch_in_blocks(kernel: &mut impl Kernel) {
+    debug_assert!(kernel.len().is_multiple_of(BLOCK));
+    match Level::chosen() {
+        Level::Scalar => {
+            tiles::<Real>(kernel, 0);
+        }
+        #[cfg(vector_code)]
+        Level::Baseline => x86_64::blocks_with_sse2(kernel),
+        #[cfg(vector_code)]
+        Level::Avx2 => x86_64::blocks_with_avx2(kernel),
+        #[cfg(vector_code)]
+        Level::Avx512 => x86_64::blocks_with_avx512(kernel),
     }
 }
 

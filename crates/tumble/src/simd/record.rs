@@ -23,6 +23,11 @@ pub(crate) unsafe trait Record: Copy {
     const STRIDE: usize = size_of::<Self>() / size_of::<Real>();
 }
 
+/// Eight numbers that belong together, in half a cache line or, in double precision, a whole one.
+#[derive(Clone, Copy, Debug, Default)]
+#[repr(C, align(32))]
+pub(crate) struct Eight(pub(crate) [Real; 8]);
+
 macro_rules! records {
     ($($Component:ty: $numbers:literal),+ $(,)?) => {
         $(
@@ -40,6 +45,7 @@ macro_rules! records {
 
 records! {
     Real: 1,
+    Eight: 8,
     Mass: 1,
     GravityScale: 1,
     Damping: 2,

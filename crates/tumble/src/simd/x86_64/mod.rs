@@ -64,6 +64,42 @@ pub(super) fn with_avx512(kernel: &mut impl Kernel) {
     }
 }
 
+/// Runs a kernel of whole blocks on SSE2 tiles.
+pub(super) fn blocks_with_sse2(kernel: &mut impl Kernel) {
+    tiles::<Sse2>(kernel, 0);
+}
+
+/// Runs a kernel of whole blocks on AVX2 tiles, or on SSE2 tiles where the machine has no AVX2.
+pub(super) fn blocks_with_avx2(kernel: &mut impl Kernel) {
+    #[target_feature(enable = "avx2")]
+    fn enabled(kernel: &mut impl Kernel) {
+        align_the_stack();
+        tiles::<Avx2>(kernel, 0);
+    }
+    if std::arch::is_x86_feature_detected!("avx2") {
+        // SAFETY: the machine has AVX2.
+        unsafe { enabled(kernel) }
+    } else {
+        blocks_with_sse2(kernel);
+    }
+}
+
+/// Runs a kernel of whole blocks on AVX-512 tiles where they are as wide as a block, which they are in double precision, else as if there were only AVX2.
+pub(super) fn blocks_with_avx512(kernel: &mut impl Kernel) {
+    #[cfg(feature = "f64")]
+    #[target_feature(enable = "avx512f")]
+    fn enabled(kernel: &mut impl Kernel) {
+        align_the_stack();
+        tiles::<Avx512>(kernel, 0);
+    }
+    #[cfg(feature = "f64")]
+    if std::arch::is_x86_feature_detected!("avx512f") {
+        // SAFETY: the machine has AVX-512F.
+        return unsafe { enabled(kernel) };
+    }
+    blocks_with_avx2(kernel);
+}
+
 /// Has the function that this is inlined into keep its stack at multiples of 64 bytes. The compiler lets vectors that it runs out of registers
 /// for lie across cache lines otherwise, since it learns too late that there are any.
 #[inline(always)]
@@ -113,7 +149,10 @@ macro_rules! tile {
             fn load<R: Record, const N: usize>(rows: &[R]) -> [Self; N] {
                 let rows = &rows[..$width];
                 let mut tiles = [Self::splat(0.0); N];
-                if $rows::transposes::<R, N>() {
+                if R::STRIDE == 1 {
+                    // SAFETY: as many numbers behind each other as the tile is wide; for the rest see the module.
+                    tiles[0] = Self(unsafe { $load(rows.as_ptr().cast()) });
+                } else if $rows::transposes::<R, N>() {
                     // SAFETY: as many rows as the tile is wide, of at least N numbers each; for the rest see the module.
                     let vectors: [$Vector; N] = unsafe { $rows::load_rows(rows.as_ptr().cast(), R::STRIDE) };
                     let mut c = 0;
@@ -138,7 +177,10 @@ macro_rules! tile {
             #[inline(always)]
             fn store<R: Record, const N: usize>(tiles: [Self; N], rows: &mut [R]) {
                 let rows = &mut rows[..$width];
-                if $rows::transposes::<R, N>() {
+                if R::STRIDE == 1 {
+                    // SAFETY: as many numbers behind each other as the tile is wide; for the rest see the module.
+                    unsafe { $store(rows.as_mut_ptr().cast(), tiles[0].0) };
+                } else if $rows::transposes::<R, N>() {
                     let mut vectors = [tiles[0].0; N];
                     let mut c = 1;
                     while c < N {

@@ -1,0 +1,98 @@
+use hecs::{Entity, World};
+use tumble::math::{Real, Vec3};
+use tumble::{BodyId, Collider, Material, RigidBody, Shape};
+
+/// Coefficient of friction of all that follow.
+const FRICTION: Real = 0.5;
+
+/// A pyramid of unit boxes of 1 kg on the ground, `base` by `base` at the bottom with gaps of a tenth, each layer one box narrower: 2870 boxes for 20.
+pub fn pyramid(base: u32) -> World {
+    let mut world = World::new();
+    fixed_box(&mut world, Vec3::new(100.0, 1.0, 100.0), -Vec3::Y);
+    let shape = Shape::cuboid([0.5, 0.5, 0.5]);
+    let pitch = 1.1;
+    let mut id = 0;
+    for layer in 0..base {
+        let side = base - layer;
+        let from_middle = |i: u32| (i as Real - (side as Real - 1.0) * 0.5) * pitch;
+        for (i, j) in (0..side).flat_map(|i| (0..side).map(move |j| (i, j))) {
+            let at = Vec3::new(from_middle(i), 0.5 + layer as Real, from_middle(j));
+            touching(&mut world, RigidBody::new(shape.clone()).mass(1.0).position(at).id(BodyId(id)), &shape);
+            id += 1;
+        }
+    }
+    world
+}
+
+/// `count` balls of 1 kg and a metre across in layers of 18 by 18, each a little beside its place in the grid, about to fall into a box of 20 by 20 m.
+pub fn falling_balls(count: usize) -> World {
+    let mut world = World::new();
+    fixed_box(&mut world, Vec3::new(12.0, 1.0, 12.0), -Vec3::Y);
+    for side in [-11.0, 11.0] {
+        fixed_box(&mut world, Vec3::new(1.0, 30.0, 12.0), Vec3::new(side, 30.0, 0.0));
+        fixed_box(&mut world, Vec3::new(12.0, 30.0, 1.0), Vec3::new(0.0, 30.0, side));
+    }
+    let mut draw = Lcg(7);
+    let shape = Shape::sphere(0.5);
+    for i in 0..count {
+        let place = [i % 18, i / 324, i / 18 % 18].map(|place| place as f64);
+        let [x, y, z] =
+            [(place[0] - 8.5) * 1.1, 1.0 + place[1] * 1.1, (place[2] - 8.5) * 1.1].map(|x| x + draw.around(0.04));
+        let at = Vec3::new(x as Real, y as Real, z as Real);
+        touching(&mut world, RigidBody::new(shape.clone()).mass(1.0).position(at).id(BodyId(i as u64)), &shape);
+    }
+    world
+}
+
+/// The `index`th of many small worlds: eight tumbling unit boxes of 1 kg above the ground.
+pub fn eight_boxes(index: u64) -> World {
+    let mut world = World::new();
+    fixed_box(&mut world, Vec3::new(50.0, 1.0, 50.0), -Vec3::Y);
+    let mut draw = Lcg(1000 + index);
+    for _ in 0..4 {
+        draw.unit();
+    }
+    let shape = Shape::cuboid([0.5, 0.5, 0.5]);
+    for i in 0..8_u32 {
+        let place = [i & 1, i >> 1 & 1, i >> 2].map(|place| f64::from(place) * 1.2);
+        let [x, y, z] = [place[0], 1.0 + place[1], place[2]].map(|x| (x + draw.around(0.1)) as Real);
+        let spin = 1.0 / 3.0_f64.sqrt();
+        let [a, b, c] = [(); 3].map(|()| draw.around(spin) as Real);
+        let body =
+            RigidBody::new(shape.clone()).mass(1.0).position(Vec3::new(x, y, z)).angular_velocity(Vec3::new(a, b, c));
+        touching(&mut world, body.id(BodyId(i.into())), &shape);
+    }
+    world
+}
+
+fn fixed_box(world: &mut World, half_extents: Vec3, at: Vec3) {
+    let shape = Shape::cuboid(half_extents.to_array().map(f64::from));
+    let id = BodyId(u64::MAX - u64::from(world.len()));
+    touching(world, RigidBody::new(shape.clone()).fixed().position(at).id(id), &shape);
+}
+
+#[allow(clippy::expect_used, reason = "the bodies made above are possible")]
+fn touching(world: &mut World, body: RigidBody, shape: &Shape) -> Entity {
+    let entity = body.build().expect("a possible body").spawn(world);
+    let surface = Material::new(FRICTION, 0.0);
+    let collider =
+        Collider::new(shape).and_then(|collider| collider.with_material(surface)).expect("a possible collider");
+    world.insert_one(entity, collider).expect("the body was just spawned");
+    entity
+}
+
+/// The linear congruential generator of Knuth's MMIX, whose upper 31 bits count: the one that other engines' drivers drew the same scenes with.
+struct Lcg(u64);
+
+impl Lcg {
+    /// From 0 to 1.
+    fn unit(&mut self) -> f64 {
+        self.0 = self.0.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+        (self.0 >> 33) as f64 / 2_147_483_648.0
+    }
+
+    /// Up to `reach` from zero.
+    fn around(&mut self, reach: f64) -> f64 {
+        reach * (2.0 * self.unit() - 1.0)
+    }
+}

@@ -1,0 +1,254 @@
+//! A surface of triangles against a convex shape, so that what slides over it does not stumble over edges that are none.
+//!
+//! A triangle holds with its own normal what is over it. Over a side or a corner it holds only what lies in the Voronoi region of that side or corner: in directions from which nothing else of the
+//! surface is nearer. Where the surface is flat or hollow there are none.
+
+use crate::bounds::Bounds;
+use crate::convex::{Convex, Vector, narrow, unit};
+use crate::convex_pair::{Approach, approach, difference, manifold_of, wide_placement};
+use crate::geometry::{Geometry, Placement};
+use crate::gjk::on_triangle;
+use crate::manifold::{ContactPoint, Manifold, Points};
+use crate::minkowski::Difference;
+use crate::overlay::{Overlay, is_corner_of_second, keep_nearest};
+use crate::reduction::reduce;
+use crate::scalar::Scalar;
+use crate::surface::Surface;
+
+/// Overlaps of no more than this part of the margin need no second look: the way out is the triangle's own.
+const SHALLOW: f64 = 0.05;
+/// A direction is over the face of a triangle when its cosine with the normal is less than one by no more than this.
+const OVER_THE_FACE: f64 = 1e-6;
+/// A direction may be outside of a Voronoi region by so much, for rounding, as a sine.
+const OUTSIDE: f64 = 1e-3;
+/// Weight of a corner in a point that is beside it.
+const BESIDE: f64 = 1e-6;
+/// Cosine of directions that are the same to a face and to an edge of it: within half a degree.
+const SAME: f64 = 0.99996;
+/// Points nearer to each other than this \[m\], squared, are one.
+const ONE_POINT: f64 = 1e-12;
+
+/// A point of contact with a triangle, before those that belong together are collected.
+#[derive(Clone, Copy, Debug)]
+struct Hit {
+    part: u32,
+    normal: Vector,
+    point: ContactPoint<f64>,
+    carried: f64,
+    /// Flat pieces that make this needless if they hold in the same direction.
+    beside: Option<[u32; 3]>,
+}
+
+/// A convex shape over a surface, seen from the surface.
+struct Over<'a, S> {
+    surface: &'a S,
+    shape: Convex<'a>,
+    at: Placement<f64>,
+    layer: f64,
+    margin: f64,
+    hits: Vec<Hit>,
+}
+
+/// Shows the manifolds of a surface and a convex shape, from the former to the latter, each with the number of the part of the surface it belongs to.
+pub(crate) fn surface_and_convex<R: Scalar>(
+    surface: &impl Surface,
+    surface_at: &Placement<R>,
+    geometry: &Geometry<R>,
+    at: &Placement<R>,
+    margin: R,
+    visit: &mut dyn FnMut(u32, &Manifold<R>),
+) {
+    let Some((shape, layer)) = Convex::of(geometry) else { return };
+    if !surface_at.is_somewhere() || !at.is_somewhere() {
+        return;
+    }
+    let (ground, body) = (wide_placement(surface_at), wide_placement(at));
+    let orientation = (ground.orientation.conjugate() * body.orientation).normalize();
+    let at = Placement { position: ground.to_local(body.position), orientation };
+    let mut over = Over { surface, shape, at, layer, margin: margin.into(), hits: Vec::new() };
+    over.find();
+    over.collect(&mut |part, manifold| {
+        let manifold =
+            manifold.seen(|point| surface_at.to_world(narrow(point)), |v| surface_at.orientation.rotate(narrow(v)));
+        visit(part, &manifold);
+    });
+}
+
+/// How many numbers for parts a surface needs.
+pub(crate) fn parts(surface: &impl Surface, points: usize) -> u32 {
+    surface.patches().count() + 3 * surface.count() + points as u32
+}
+
+impl<S: Surface> Over<'_, S> {
+    fn support(&self, d: Vector) -> Vector {
+        self.at.to_world(self.shape.support(self.at.orientation.rotate_back(d)))
+    }
+
+    fn find(&mut self) {
+        let reach = self.layer + self.margin;
+        let far = |axis: Vector| axis.dot(self.support(axis)) + reach;
+        let axes = [Vector::new(1.0, 0.0, 0.0), Vector::new(0.0, 1.0, 0.0), Vector::new(0.0, 0.0, 1.0)];
+        let [high, low] = [1.0, -1.0].map(|sign| axes.map(|axis| far(axis * sign) * sign));
+        let corner = |[x, y, z]: [f64; 3]| Vector::new(x, y, z);
+        let bounds = Bounds { low: corner(low), high: corner(high) };
+        let mut near = Vec::new();
+        self.surface.near(&bounds, &mut |triangle| near.push(triangle));
+        near.sort_unstable();
+        near.into_iter().for_each(|triangle| self.meet(triangle));
+    }
+
+    fn meet(&mut self, triangle: u32) {
+        let corners = self.surface.triangle(triangle);
+        let normal = self.surface.normal(triangle);
+        let depth = normal.dot(self.support(normal * -1.0) - corners[0]) - self.layer;
+        let middle = self.at.to_world(self.shape.middle());
+        // What is behind, or nowhere, or a triangle without area.
+        if !(depth <= self.margin && normal.dot(middle - corners[0]) > 0.0) {
+            return;
+        }
+        let Some(shapes) = difference(Convex::Triangle(corners), &Placement::at(Vector::zero()), self.shape, &self.at)
+        else {
+            return;
+        };
+        let over_face = self.over_face(triangle, &shapes, normal, depth);
+        let least = over_face.iter().fold(f64::INFINITY, |least, hit| f64::min(least, hit.point.separation));
+        let all_of_it = least <= depth + SHALLOW * self.margin;
+        if !self.surface.patches().has_edge(triangle) || all_of_it && depth >= -SHALLOW * self.margin {
+            self.hits.extend(over_face);
+            return;
+        }
+        match approach(&shapes, self.margin + self.layer, self.layer > 0.0) {
+            Some(found) if found.between - self.layer <= depth + SHALLOW * self.margin && all_of_it => {
+                self.hits.extend(over_face);
+            }
+            Some(found) => match self.edge(triangle, &found) {
+                Some((part, beside)) => self.over_edge(part, beside, &shapes, &found),
+                None => self.hits.extend(over_face),
+            },
+            None => self.hits.extend(over_face),
+        }
+    }
+
+    /// Points over the triangle itself.
+    fn over_face(&self, triangle: u32, shapes: &Difference<'_>, normal: Vector, depth: f64) -> Vec<Hit> {
+        let overlay = Overlay { normal, separation: depth, layers: [0.0, self.layer], margin: self.margin };
+        let below = shapes.second.feature(shapes.turned_back(normal * -1.0), self.margin);
+        let below = below.seen(|point| shapes.place(point), |v| shapes.turn(v));
+        let part = self.surface.patches().of_triangle(triangle);
+        let (points, carried) = overlay.shared(&shapes.first.feature(normal, self.margin), &below);
+        let hit = |mut point: ContactPoint<f64>| {
+            // What crosses a side of this triangle is not what crosses a side of another.
+            if !is_corner_of_second(point.feature) {
+                point.feature = point.feature.wrapping_add(triangle.wrapping_mul(0x9e37_79b1));
+            }
+            Hit { part, normal, point, carried, beside: None }
+        };
+        points.into_iter().map(hit).collect()
+    }
+
+    /// Points over a side or a corner.
+    fn over_edge(&mut self, part: u32, beside: [u32; 3], shapes: &Difference<'_>, found: &Approach) {
+        let manifold = manifold_of(shapes, found, [0.0, self.layer], self.margin);
+        let (normal, carried) = (manifold.normal, manifold.carried);
+        let hits =
+            manifold.points().iter().map(|point| Hit { part, normal, point: *point, carried, beside: Some(beside) });
+        self.hits.extend(hits);
+    }
+
+    /// The number of the side or corner that an approach goes out from, if it lies in its Voronoi region, and the flat pieces beside it.
+    fn edge(&self, triangle: u32, found: &Approach) -> Option<(u32, [u32; 3])> {
+        let (surface, patches) = (self.surface, self.surface.patches());
+        let corners = surface.triangle(triangle);
+        let normal = surface.normal(triangle);
+        let out = found.normal;
+        if out.dot(normal) > 1.0 - OVER_THE_FACE || out.dot(normal) < -OUTSIDE {
+            return None;
+        }
+        let weights = on_triangle(corners.map(|corner| corner - found.on_first));
+        let numbers = surface.corners(triangle);
+        let patch_across = |side| surface.across(triangle, side).map_or(u32::MAX, |other| patches.of_triangle(other));
+        let own = patches.of_triangle(triangle);
+        let sides = patches.count();
+        match weights.map(|weight| weight > BESIDE) {
+            [true, true, true] => None,
+            [a, b, c] if usize::from(a) + usize::from(b) + usize::from(c) == 2 => {
+                let side = if !c {
+                    0
+                } else if !a {
+                    1
+                } else {
+                    2
+                };
+                let is_in = patches.is_edge(triangle, side) && self.is_beside(triangle, side, out);
+                let number = 3 * triangle + side as u32;
+                let other = surface.across(triangle, side).and_then(|other| {
+                    (0..3)
+                        .find(|back| surface.across(other, *back) == Some(triangle))
+                        .map(|back| 3 * other + back as u32)
+                });
+                let number = other.map_or(number, |other| other.min(number));
+                is_in.then_some((sides + number, [own, patch_across(side), u32::MAX]))
+            }
+            [a, b, _] => {
+                let corner = if a {
+                    0
+                } else if b {
+                    1
+                } else {
+                    2
+                };
+                let mut is_in = true;
+                surface.around(numbers[corner], &mut |end| {
+                    let along = unit(surface.point(end) - corners[corner]);
+                    is_in &= out.dot(along) <= OUTSIDE;
+                });
+                let number = sides + 3 * surface.count() + numbers[corner];
+                is_in.then_some((number, [own, patch_across(corner), patch_across((corner + 2) % 3)]))
+            }
+        }
+    }
+
+    /// Whether a direction out of a side leads away from both triangles there.
+    fn is_beside(&self, triangle: u32, side: usize, out: Vector) -> bool {
+        let corners = self.surface.triangle(triangle);
+        let (from, to) = (corners[side], corners[(side + 1) % 3]);
+        let along = unit(to - from);
+        let leads_away = |inside: Vector| {
+            let away = inside - from;
+            out.dot(unit(away - along * along.dot(away))) <= OUTSIDE
+        };
+        leads_away(corners[(side + 2) % 3]) && self.surface.opposite(triangle, side).is_none_or(leads_away)
+    }
+
+    /// Puts hits of a part together and shows the few that hold as all of them would.
+    fn collect(&mut self, visit: &mut dyn FnMut(u32, &Manifold<f64>)) {
+        let faces: Vec<(u32, Vector)> =
+            self.hits.iter().filter(|hit| hit.beside.is_none()).map(|hit| (hit.part, hit.normal)).collect();
+        let is_held = |hit: &Hit| {
+            hit.beside.is_some_and(|beside| {
+                faces.iter().any(|(part, normal)| beside.contains(part) && normal.dot(hit.normal) > SAME)
+            })
+        };
+        self.hits.retain(|hit| !is_held(hit));
+        // Those of one part in the order of the triangles.
+        self.hits.sort_by_key(|hit| hit.part);
+        let mut points: Vec<ContactPoint<f64>> = Vec::new();
+        for hits in self.hits.chunk_by(|a, b| a.part == b.part) {
+            points.clear();
+            let (normal, mut carried) = (hits[0].normal, 0.0);
+            for hit in hits {
+                carried += hit.carried / hits.len() as f64;
+                let is_near = |point: &ContactPoint<f64>| {
+                    let apart = point.position - hit.point.position;
+                    apart.dot(apart) < ONE_POINT
+                };
+                if !points.iter().any(is_near) {
+                    points.push(hit.point);
+                }
+            }
+            let mut few = if points.is_empty() { Points::none() } else { reduce(&points, normal, self.margin) };
+            keep_nearest(&mut few, &points, self.margin);
+            visit(hits[0].part, &Manifold::new(normal, carried, few));
+        }
+    }
+}

@@ -1,0 +1,121 @@
+use super::rows::Lanes;
+use crate::simd::BLOCK;
+
+/// Contacts side by side that have no body in common that impulses move, of up to `P` points each with `C` couplings between them.
+///
+/// A contact is a small problem in a frame of its own: impulses along the normal at its points, and in one point in their middle friction and what
+/// resists turning. Both bodies are pushed at one point of the world with equal and opposite impulses, so that momentum and angular momentum of the two
+/// are kept to rounding. With the middle `c`, the normal `n` from the first body to the second and the tangents `t1`, `t2 = n x t1`, the relative velocity
+/// along the normal at the point `c + a t1 + b t2` is `n.u - a t2.r + b t1.r`, where `u` is the relative velocity at `c` and `r` the relative angular velocity.
+#[derive(Clone, Copy)]
+#[repr(C, align(64))]
+pub(super) struct Block<const P: usize, const C: usize> {
+    /// Which contacts.
+    pub(super) contacts: [u32; BLOCK],
+    /// How many lanes have one.
+    pub(super) count: usize,
+    pub(super) normal: [Lanes; 3],
+    /// The first tangent.
+    pub(super) tangent: [Lanes; 3],
+    /// The middle from the second body's centre of mass when the step began \[m\].
+    pub(super) arm: [Lanes; 3],
+    /// The second body's centre of mass from the first's, when the step began \[m\].
+    pub(super) apart: [Lanes; 3],
+    /// How far the middle goes with the second body when it moves past the first, from 0 to 1.
+    pub(super) carried: Lanes,
+    pub(super) points: [Point; P],
+    /// Velocity at the second of two points that a unit impulse at the first gives [1/kg]: 01 02 03 12 13 23.
+    pub(super) couplings: [Lanes; C],
+    pub(super) friction: Friction,
+}
+
+/// What keeps two bodies apart at one point: an impulse along the normal that never pulls.
+#[derive(Clone, Copy)]
+#[repr(C)]
+pub(super) struct Point {
+    /// Where the point is from the middle of the contact, along the tangents \[m\].
+    pub(super) offset: [Lanes; 2],
+    /// Separation at the start of the step \[m\].
+    pub(super) separation: Lanes,
+    /// One over the velocity along the normal that a unit impulse gives \[kg\].
+    pub(super) mass: Lanes,
+    /// Impulse of a substep \[N s\].
+    pub(super) impulse: Lanes,
+}
+
+/// What resists sliding and twisting in the middle of a contact. Impulses are those of a substep.
+#[derive(Clone, Copy)]
+#[repr(C)]
+pub(super) struct Friction {
+    /// Coefficients of friction: what it takes to begin to slide, and what sliding meets.
+    pub(super) limits: [Lanes; 2],
+    /// Radius at which friction acts against a twist \[m\].
+    pub(super) radius: Lanes,
+    /// Inverse of the 2x2 matrix that takes an impulse in the tangent plane to a velocity: `xx, xy, yy` \[kg\].
+    pub(super) mass: [Lanes; 3],
+    /// Angular impulse about the normal that takes out a twist of one rad/s.
+    pub(super) twisting_mass: Lanes,
+    /// Impulse along the tangents \[N s\].
+    pub(super) sliding: [Lanes; 2],
+    /// Angular impulse about the normal [N m s].
+    pub(super) twist: Lanes,
+}
+
+/// What resists rolling, of the contacts of a block.
+#[derive(Clone, Copy)]
+#[repr(C)]
+pub(super) struct Rolling {
+    /// As a length \[m\].
+    pub(super) length: Lanes,
+    /// Inverse of the 2x2 matrix that takes an angular impulse about the tangents to an angular velocity: `xx, xy, yy` [kg m^2].
+    pub(super) mass: [Lanes; 3],
+    /// Angular impulse about the tangents [N m s].
+    pub(super) impulse: [Lanes; 2],
+}
+
+/// What makes bodies leave each other, of the contacts of a block.
+#[derive(Clone, Copy)]
+#[repr(C)]
+pub(super) struct Bounce<const P: usize> {
+    pub(super) restitution: Lanes,
+    /// The fastest that the bodies came together at each point before it held them, in this step: velocity along the normal \[m/s\].
+    pub(super) approach: [Lanes; P],
+    /// The greatest impulse of the step at each point \[N s\].
+    pub(super) most_impulse: [Lanes; P],
+}
+
+const ZEROS: Lanes = [0.0; BLOCK];
+
+impl<const P: usize, const C: usize> Block<P, C> {
+    /// No contacts.
+    pub(super) fn empty() -> Self {
+        let point = Point { offset: [ZEROS; 2], separation: ZEROS, mass: ZEROS, impulse: ZEROS };
+        Self {
+            contacts: [0; BLOCK],
+            count: 0,
+            normal: [ZEROS; 3],
+            tangent: [ZEROS; 3],
+            arm: [ZEROS; 3],
+            apart: [ZEROS; 3],
+            carried: ZEROS,
+            points: [point; P],
+            couplings: [ZEROS; C],
+            friction: Friction {
+                limits: [ZEROS; 2],
+                radius: ZEROS,
+                mass: [ZEROS; 3],
+                twisting_mass: ZEROS,
+                sliding: [ZEROS; 2],
+                twist: ZEROS,
+            },
+        }
+    }
+}
+
+impl Rolling {
+    pub(super) const NONE: Self = Self { length: ZEROS, mass: [ZEROS; 3], impulse: [ZEROS; 2] };
+}
+
+impl<const P: usize> Bounce<P> {
+    pub(super) const NONE: Self = Self { restitution: ZEROS, approach: [ZEROS; P], most_impulse: [ZEROS; P] };
+}

@@ -1,0 +1,134 @@
+use tumble_collide::{MOST_POINTS, Manifold};
+use tumble_math::lane::Vec3;
+
+use super::material::Surface;
+use super::narrow::Kind;
+use crate::math::Real;
+use crate::simd::Eight;
+
+/// Two bodies that touch: where, and what held them there. What is kept from step to step.
+///
+/// The numbers lie as the solver reads them, eight at a time.
+#[derive(Clone, Debug)]
+pub(super) struct Contact {
+    /// Slots of the bodies; where impulses move only one, it is the second.
+    pub(super) slots: [u32; 2],
+    /// Of the shapes.
+    pub(super) kind: Kind,
+    /// Which of the contacts of the two.
+    pub(super) part: u32,
+    /// Whether the two touched before this step.
+    pub(super) touched: bool,
+    pub(super) features: [u32; MOST_POINTS],
+    /// By [`SHAPE`] and the others.
+    pub(super) numbers: [Eight; 5],
+}
+
+/// Normal from the first to the second, how far points go along with the second, how many points there are, resistance to rolling, restitution.
+pub(super) const SHAPE: usize = 0;
+/// Two points each: from the second body's centre of mass when the step began, and the separation there.
+pub(super) const POINTS: [usize; MOST_POINTS / 2] = [1, 2];
+/// Impulses of a substep along the normal \[N s\], and the coefficients of static and dynamic friction.
+pub(super) const HELD: usize = 3;
+/// Impulse of friction \[N s\] and angular impulse of what resists twisting and rolling [N m s], of a substep, world frame.
+pub(super) const RUBBED: usize = 4;
+
+/// Points that moved no further than this \[m\] are the same, whatever features meet there now.
+const SAME_PLACE: Real = 0.01;
+
+impl Contact {
+    /// Of nobody.
+    pub(super) const NONE: Self = Self {
+        kind: Kind::Other,
+        part: 0,
+        touched: false,
+        slots: [0; 2],
+        features: [0; MOST_POINTS],
+        numbers: [Eight([0.0; 8]); 5],
+    };
+
+    /// Of a manifold with points, whose normal goes from the first slot to the second; `center` is the centre of mass of the second.
+    pub(super) fn new(slots: [u32; 2], part: u32, manifold: &Manifold<Real>, center: Vec3<Real>) -> Self {
+        let (n, count) = (manifold.normal, manifold.points().len());
+        let mut numbers = [Eight([0.0; 8]); 5];
+        let mut features = [0; MOST_POINTS];
+        for (j, point) in manifold.points().iter().enumerate() {
+            let from_second = point.position - center;
+            let place = [from_second.x, from_second.y, from_second.z, point.separation];
+            numbers[POINTS[j / 2]].0[j % 2 * 4..][..4].copy_from_slice(&place);
+            features[j] = point.feature;
+        }
+        numbers[SHAPE] = Eight([n.x, n.y, n.z, manifold.carried, count as Real, 0.0, 0.0, 0.0]);
+        Self { kind: Kind::Other, slots, part, touched: false, features, numbers }
+    }
+
+    /// Says what the surfaces are like.
+    pub(super) fn set_surface(&mut self, surface: &Surface) {
+        (self.numbers[SHAPE].0[5], self.numbers[SHAPE].0[6]) = (surface.rolling_friction, surface.restitution);
+        (self.numbers[HELD].0[4], self.numbers[HELD].0[5]) = (surface.static_friction, surface.dynamic_friction);
+    }
+
+    /// What contacts are in the order of: the kind of the shapes, both slots, the lower first, and the part.
+    pub(super) fn key(&self) -> (Kind, u32, u32, u32) {
+        let [a, b] = self.slots;
+        (self.kind, a.min(b), a.max(b), self.part)
+    }
+
+    /// How many points.
+    pub(super) fn count(&self) -> usize {
+        self.numbers[SHAPE].0[4] as usize
+    }
+
+    pub(super) fn rolls(&self) -> bool {
+        self.numbers[SHAPE].0[5] > 0.0
+    }
+
+    pub(super) fn bounces(&self) -> bool {
+        self.numbers[SHAPE].0[6] > 0.0
+    }
+
+    pub(super) fn place(&self, j: usize) -> Vec3<Real> {
+        let [x, y, z, ..] = self.numbers[POINTS[j / 2]].0[j % 2 * 4..] else { return Vec3::zero() };
+        Vec3::new(x, y, z)
+    }
+
+    /// Begins with the impulses of the same contact in the last step, point by point. The same are points where nearly the same features meet nearly where they
+    /// did, then what is there now whatever meets, then what slid on with its features. (Where an edge lies along another, features alone would
+    /// not do: they cross anywhere along their length, from step to step.)
+    pub(super) fn take_over(&mut self, old: &Self) {
+        self.touched = old.touches();
+        if self.slots != old.slots {
+            return;
+        }
+        self.numbers[RUBBED] = old.numbers[RUBBED];
+        let (count, old_count) = (self.count(), old.count());
+        let near = |j: usize, i: usize| {
+            let apart = self.place(j) - old.place(i);
+            apart.dot(apart)
+        };
+        const NEAR: Real = SAME_PLACE * SAME_PLACE;
+        let mut held = [0.0; MOST_POINTS];
+        if count == old_count && (0..count).all(|j| self.features[j] == old.features[j] && near(j, j) <= NEAR) {
+            held[..count].copy_from_slice(&old.numbers[HELD].0[..count]);
+        } else {
+            let (mut taken, mut found) = ([false; MOST_POINTS], [false; MOST_POINTS]);
+            for way in 0..3 {
+                for j in 0..count {
+                    if found[j] {
+                        continue;
+                    }
+                    let same = |i: &usize| match way {
+                        0 => self.features[j] == old.features[*i] && near(j, *i) <= NEAR,
+                        1 => near(j, *i) <= NEAR,
+                        _ => self.features[j] == old.features[*i],
+                    };
+                    let candidates = (0..old_count).filter(|i| !taken[*i]).filter(same);
+                    if let Some(i) = candidates.min_by(|a, b| near(j, *a).total_cmp(&near(j, *b))) {
+                        (taken[i], found[j], held[j]) = (true, true, old.numbers[HELD].0[i]);
+                    }
+                }
+            }
+        }
+        self.numbers[HELD].0[..MOST_POINTS].copy_from_slice(&held);
+    }
+}

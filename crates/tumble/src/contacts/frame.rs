@@ -1,0 +1,182 @@
+//! A tile's contacts and their bodies, as they are at one moment of the step.
+
+use tumble_math::lane::Vec3;
+
+use super::block::Block;
+use super::rows::{at, gather, put_two_vectors, two_vectors, vector_at};
+use crate::derived::symmetric_product;
+use crate::simd::{BLOCK, Eight, Rows, Tile};
+
+/// The motion of the second body seen from the first, at the middle of the contact: velocities, or displacements.
+#[derive(Clone, Copy)]
+pub(super) struct Relative<T> {
+    pub(super) linear: Vec3<T>,
+    pub(super) angular: Vec3<T>,
+}
+
+impl<T: Tile> Relative<T> {
+    #[inline(always)]
+    fn new(linear: [Vec3<T>; 2], angular: [Vec3<T>; 2], arms: [Vec3<T>; 2]) -> Self {
+        let first = linear[0] + angular[0].cross(arms[0]);
+        let second = linear[1] + angular[1].cross(arms[1]);
+        Self { linear: second - first, angular: angular[1] - angular[0] }
+    }
+}
+
+/// Where contacts are and which way they look.
+pub(super) struct Frame<T> {
+    pub(super) normal: Vec3<T>,
+    pub(super) tangents: [Vec3<T>; 2],
+    /// The middle from both centres of mass, when the step began \[m\].
+    pub(super) first_arms: [Vec3<T>; 2],
+    carried: T,
+}
+
+impl<T: Tile> Frame<T> {
+    #[inline(always)]
+    pub(super) fn load<const P: usize, const C: usize>(block: &Block<P, C>, lane: usize) -> Self {
+        let normal = vector_at(&block.normal, lane);
+        let tangent: Vec3<T> = vector_at(&block.tangent, lane);
+        let arm: Vec3<T> = vector_at(&block.arm, lane);
+        Self {
+            normal,
+            tangents: [tangent, normal.cross(tangent)],
+            first_arms: [arm + vector_at(&block.apart, lane), arm],
+            carried: at(&block.carried, lane),
+        }
+    }
+
+    /// The arms as they are now. Both reach to one point of the world again, after the bodies have moved past each other, since impulses that are equal
+    /// and opposite in one point keep the angular momentum.
+    #[inline(always)]
+    pub(super) fn arms(&self, moved: &Moved<T>) -> [Vec3<T>; 2] {
+        let apart = moved.linear[1] - moved.linear[0];
+        let with_first = apart * self.carried;
+        [self.first_arms[0] + with_first, self.first_arms[1] + (with_first - apart)]
+    }
+
+    /// Along the normal, and about both tangents: what the motion of every point along the normal is made of.
+    #[inline(always)]
+    pub(super) fn normal_parts(&self, motion: &Relative<T>) -> [T; 3] {
+        let [first, second] = self.tangents;
+        [self.normal.dot(motion.linear), first.dot(motion.angular), second.dot(motion.angular)]
+    }
+}
+
+/// Motion along the normal at a point of a contact.
+#[inline(always)]
+pub(super) fn along_normal<T: Tile>([linear, about_1, about_2]: [T; 3], a: T, b: T) -> T {
+    linear - a * about_2 + b * about_1
+}
+
+/// How far two bodies moved since the step began.
+pub(super) struct Moved<T> {
+    linear: [Vec3<T>; 2],
+    angular: [Vec3<T>; 2],
+}
+
+impl<T: Tile> Moved<T> {
+    #[inline(always)]
+    pub(super) fn load(moved: &[Eight], rows: &[[u32; BLOCK]; 2], lane: usize) -> Self {
+        let first = two_vectors::<T>(&gather::<T>(moved, &rows[0], lane));
+        let second = two_vectors::<T>(&gather::<T>(moved, &rows[1], lane));
+        Self { linear: [first.0, second.0], angular: [first.1, second.1] }
+    }
+
+    /// Seen from the first, at the point that was the middle then.
+    #[inline(always)]
+    pub(super) fn relative(&self, frame: &Frame<T>) -> Relative<T> {
+        Relative::new(self.linear, self.angular, frame.first_arms)
+    }
+}
+
+/// The bodies of a tile's contacts. Where `GROUNDED`, impulses move only the second of each.
+pub(super) struct Bodies<T, const GROUNDED: bool> {
+    rows: [[Eight; BLOCK]; 2],
+    /// Linear and angular momentum; of what impulses do not move, the velocities.
+    linear: [Vec3<T>; 2],
+    angular: [Vec3<T>; 2],
+    inverse_mass: [T; 2],
+}
+
+impl<T: Tile, const GROUNDED: bool> Bodies<T, GROUNDED> {
+    #[inline(always)]
+    pub(super) fn load(motion: &Rows<'_>, block: usize, lane: usize) -> Self {
+        let rows = [motion.gather::<T>(block, 0, lane), motion.gather::<T>(block, 1, lane)];
+        let [a, b, c, d, e, f, first_mass] = T::load(&rows[0]);
+        let first = (Vec3::new(a, b, c), Vec3::new(d, e, f));
+        let [a, b, c, d, e, f, second_mass] = T::load(&rows[1]);
+        let second = (Vec3::new(a, b, c), Vec3::new(d, e, f));
+        let inverse_mass = [if GROUNDED { T::splat(0.0) } else { first_mass }, second_mass];
+        Self { rows, linear: [first.0, second.0], angular: [first.1, second.1], inverse_mass }
+    }
+
+    /// Sum of the inverse masses of what impulses move [1/kg].
+    #[inline(always)]
+    pub(super) fn inverse_mass(&self) -> T {
+        self.inverse_mass[0] + self.inverse_mass[1]
+    }
+
+    /// Velocity of the second seen from the first.
+    #[inline(always)]
+    pub(super) fn relative(&self, response: &Response<T, GROUNDED>, arms: [Vec3<T>; 2]) -> Relative<T> {
+        let first = if GROUNDED {
+            (self.linear[0], self.angular[0])
+        } else {
+            (self.linear[0] * self.inverse_mass[0], response.of_first(self.angular[0]))
+        };
+        let second = (self.linear[1] * self.inverse_mass[1], response.of_second(self.angular[1]));
+        Relative::new([first.0, second.0], [first.1, second.1], arms)
+    }
+
+    /// An impulse in the middle and an angular impulse on the second bodies, the opposite on the first.
+    #[inline(always)]
+    pub(super) fn push(&mut self, arms: [Vec3<T>; 2], linear: Vec3<T>, angular: Vec3<T>) {
+        if !GROUNDED {
+            self.linear[0] = self.linear[0] - linear;
+            self.angular[0] = self.angular[0] - (arms[0].cross(linear) + angular);
+        }
+        self.linear[1] = self.linear[1] + linear;
+        self.angular[1] = self.angular[1] + (arms[1].cross(linear) + angular);
+    }
+
+    /// Writes back the momenta.
+    #[inline(always)]
+    pub(super) fn store(mut self, motion: &mut Rows<'_>, block: usize, lane: usize) {
+        if !GROUNDED {
+            put_two_vectors(self.linear[0], self.angular[0], &mut self.rows[0]);
+            motion.scatter::<T>(&self.rows[0], block, 0, lane);
+        }
+        put_two_vectors(self.linear[1], self.angular[1], &mut self.rows[1]);
+        motion.scatter::<T>(&self.rows[1], block, 1, lane);
+    }
+}
+
+/// How bodies answer to angular impulses: their inverse inertia in the world.
+pub(super) struct Response<T, const GROUNDED: bool> {
+    diagonal: [Vec3<T>; 2],
+    off_diagonal: [Vec3<T>; 2],
+}
+
+impl<T: Tile, const GROUNDED: bool> Response<T, GROUNDED> {
+    #[inline(always)]
+    pub(super) fn load(response: &[Eight], indices: &[[u32; BLOCK]; 2], lane: usize) -> Self {
+        let first = if GROUNDED {
+            (Vec3::zero(), Vec3::zero())
+        } else {
+            two_vectors::<T>(&gather::<T>(response, &indices[0], lane))
+        };
+        let second = two_vectors::<T>(&gather::<T>(response, &indices[1], lane));
+        Self { diagonal: [first.0, second.0], off_diagonal: [first.1, second.1] }
+    }
+
+    #[inline(always)]
+    pub(super) fn of_first(&self, v: Vec3<T>) -> Vec3<T> {
+        if GROUNDED { Vec3::zero() } else { symmetric_product(self.diagonal[0], self.off_diagonal[0], v) }
+    }
+
+    #[inline(always)]
+    pub(super) fn of_second(&self, v: Vec3<T>) -> Vec3<T> {
+        symmetric_product(self.diagonal[1], self.off_diagonal[1], v)
+    }
+}

@@ -1,0 +1,277 @@
+use rayon::prelude::*;
+use tumble_collide::lanes::{CuboidLanes, ManifoldLanes, ball_pair, cuboid_gap, cuboid_pair};
+use tumble_collide::{Geometry, MOST_POINTS, Placement};
+use tumble_math::lane::{Quat, Vec3};
+
+use super::contact::{Contact, POINTS, SHAPE};
+use super::rows::{gather, put};
+use crate::math::Real;
+use crate::simd::{BLOCK, Eight, Kernel, Tile, dispatch_in_blocks};
+
+/// Where shapes are that several pairs of are looked at side by side, by slot.
+#[derive(Clone, Default)]
+pub(super) struct Shapes {
+    /// Position of the shape's origin, and its orientation.
+    places: Vec<Eight>,
+    /// Half extents, or a radius, and the shape's origin from the body's centre of mass, world frame.
+    sizes: Vec<Eight>,
+}
+
+/// Which lanes a shape is for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub(super) enum Kind {
+    Cuboid,
+    Ball,
+    /// None: pairs with it are looked at one by one.
+    Other,
+}
+
+impl Kind {
+    pub(super) fn of(geometry: &Geometry<Real>) -> Self {
+        match geometry {
+            Geometry::Cuboid { .. } => Self::Cuboid,
+            Geometry::Ball { .. } => Self::Ball,
+            _ => Self::Other,
+        }
+    }
+
+    /// Of a pair.
+    pub(super) fn both(first: Self, second: Self) -> Self {
+        if first == second { first } else { Self::Other }
+    }
+}
+
+impl Shapes {
+    pub(super) fn reset(&mut self, count: usize) {
+        for rows in [&mut self.places, &mut self.sizes] {
+            rows.clear();
+            // One more, for lanes without a pair.
+            rows.resize(count + 1, Eight([0.0; 8]));
+        }
+    }
+
+    /// A slot without pairs.
+    fn nobody(&self) -> u32 {
+        (self.places.len() - 1) as u32
+    }
+
+    pub(super) fn set(&mut self, slot: usize, geometry: &Geometry<Real>, at: &Placement<Real>, center: Vec3<Real>) {
+        let (x, q, offset) = (at.position, at.orientation, at.position - center);
+        let size = match *geometry {
+            Geometry::Cuboid { half_extents } => half_extents,
+            Geometry::Ball { radius } => Vec3::new(radius, 0.0, 0.0),
+            _ => Vec3::zero(),
+        };
+        self.places[slot] = Eight([x.x, x.y, x.z, q.x, q.y, q.z, q.w, 0.0]);
+        self.sizes[slot] = Eight([size.x, size.y, size.z, offset.x, offset.y, offset.z, 0.0, 0.0]);
+    }
+}
+
+/// So many blocks of pairs are looked at by one thread at a time.
+const PART: usize = 32;
+
+/// Pairs of one kind, in blocks, and what was found out about them.
+#[derive(Clone, Default)]
+pub(super) struct Pairs {
+    pairs: Vec<[u32; 2]>,
+    blocks: Vec<[[u32; BLOCK]; 2]>,
+    gaps: Vec<Real>,
+}
+
+impl Pairs {
+    pub(super) fn clear(&mut self) {
+        self.pairs.clear();
+    }
+
+    pub(super) fn push(&mut self, pair: [u32; 2]) {
+        self.pairs.push(pair);
+    }
+
+    /// Adds the contacts of those pairs that touch, in their order.
+    pub(super) fn touch(&mut self, kind: Kind, shapes: &Shapes, margin: Real, contacts: &mut Vec<Contact>) {
+        self.fill_blocks(shapes.nobody());
+        self.gaps.clear();
+        self.gaps.resize(self.blocks.len() * BLOCK, 0.0);
+        let parts = self.blocks.par_chunks(PART).zip(self.gaps.par_chunks_mut(PART * BLOCK));
+        parts.for_each(|(blocks, gaps)| match kind {
+            Kind::Cuboid => dispatch_in_blocks(&mut CuboidGaps { blocks, shapes, gaps }),
+            _ => dispatch_in_blocks(&mut BallGaps { blocks, shapes, gaps }),
+        });
+        let mut gaps = self.gaps.iter();
+        // What is not a number is not near.
+        self.pairs.retain(|_| gaps.next().is_some_and(|gap| *gap <= margin));
+        self.fill_blocks(shapes.nobody());
+
+        let begin = contacts.len();
+        contacts.resize(begin + self.blocks.len() * BLOCK, Contact::NONE);
+        let parts = self.blocks.par_chunks(PART).zip(contacts[begin..].par_chunks_mut(PART * BLOCK));
+        parts.for_each(|(blocks, found)| match kind {
+            Kind::Cuboid => dispatch_in_blocks(&mut CuboidContacts { blocks, shapes, margin, found }),
+            _ => dispatch_in_blocks(&mut BallContacts { blocks, shapes, margin, found }),
+        });
+        contacts.truncate(begin + self.pairs.len());
+        contacts[begin..].iter_mut().for_each(|contact| contact.kind = kind);
+    }
+
+    fn fill_blocks(&mut self, nobody: u32) {
+        self.blocks.clear();
+        self.blocks.extend(self.pairs.chunks(BLOCK).map(|chunk| {
+            let mut block = [[nobody; BLOCK]; 2];
+            for (lane, [first, second]) in chunk.iter().enumerate() {
+                (block[0][lane], block[1][lane]) = (*first, *second);
+            }
+            block
+        }));
+    }
+}
+
+struct CuboidGaps<'a> {
+    blocks: &'a [[[u32; BLOCK]; 2]],
+    shapes: &'a Shapes,
+    gaps: &'a mut [Real],
+}
+
+impl Kernel for CuboidGaps<'_> {
+    #[inline(always)]
+    fn len(&self) -> usize {
+        self.gaps.len()
+    }
+
+    #[inline(always)]
+    fn tile<T: Tile>(&mut self, i: usize) {
+        let (rows, lane) = (&self.blocks[i / BLOCK], i % BLOCK);
+        let (first, a, _) = cuboids::<T>(self.shapes, &rows[0], lane);
+        let (second, b, _) = cuboids::<T>(self.shapes, &rows[1], lane);
+        T::store([cuboid_gap(&first, &second, b - a)], &mut self.gaps[i..]);
+    }
+}
+
+struct BallGaps<'a> {
+    blocks: &'a [[[u32; BLOCK]; 2]],
+    shapes: &'a Shapes,
+    gaps: &'a mut [Real],
+}
+
+impl Kernel for BallGaps<'_> {
+    #[inline(always)]
+    fn len(&self) -> usize {
+        self.gaps.len()
+    }
+
+    #[inline(always)]
+    fn tile<T: Tile>(&mut self, i: usize) {
+        let (rows, lane) = (&self.blocks[i / BLOCK], i % BLOCK);
+        let (first, a, _) = balls::<T>(self.shapes, &rows[0], lane);
+        let (second, b, _) = balls::<T>(self.shapes, &rows[1], lane);
+        let apart = b - a;
+        T::store([apart.dot(apart).sqrt() - (first + second)], &mut self.gaps[i..]);
+    }
+}
+
+struct CuboidContacts<'a> {
+    blocks: &'a [[[u32; BLOCK]; 2]],
+    shapes: &'a Shapes,
+    margin: Real,
+    found: &'a mut [Contact],
+}
+
+impl Kernel for CuboidContacts<'_> {
+    #[inline(always)]
+    fn len(&self) -> usize {
+        self.found.len()
+    }
+
+    #[inline(always)]
+    fn tile<T: Tile>(&mut self, i: usize) {
+        let (rows, lane) = (&self.blocks[i / BLOCK], i % BLOCK);
+        let (first, a, _) = cuboids::<T>(self.shapes, &rows[0], lane);
+        let (second, b, offset) = cuboids::<T>(self.shapes, &rows[1], lane);
+        let manifold = cuboid_pair(&first, &second, b - a, T::splat(self.margin.into()));
+        write(&manifold, offset, &mut self.found[i..], rows, lane);
+    }
+}
+
+struct BallContacts<'a> {
+    blocks: &'a [[[u32; BLOCK]; 2]],
+    shapes: &'a Shapes,
+    margin: Real,
+    found: &'a mut [Contact],
+}
+
+impl Kernel for BallContacts<'_> {
+    #[inline(always)]
+    fn len(&self) -> usize {
+        self.found.len()
+    }
+
+    #[inline(always)]
+    fn tile<T: Tile>(&mut self, i: usize) {
+        let (rows, lane) = (&self.blocks[i / BLOCK], i % BLOCK);
+        let (first, a, _) = balls::<T>(self.shapes, &rows[0], lane);
+        let (second, b, offset) = balls::<T>(self.shapes, &rows[1], lane);
+        let manifold = ball_pair(first, second, b - a, T::splat(self.margin.into()));
+        write(&manifold, offset, &mut self.found[i..], rows, lane);
+    }
+}
+
+/// A tile's boxes, where they are, and where that is from their bodies' centres of mass.
+#[inline(always)]
+fn cuboids<T: Tile>(shapes: &Shapes, slots: &[u32; BLOCK], lane: usize) -> (CuboidLanes<T>, Vec3<T>, Vec3<T>) {
+    let [x, y, z, qx, qy, qz, qw] = T::load(&gather::<T>(&shapes.places, slots, lane));
+    let [a, b, c, u, v, w] = T::load(&gather::<T>(&shapes.sizes, slots, lane));
+    let orientation = Quat { x: qx, y: qy, z: qz, w: qw };
+    (CuboidLanes { half_extents: Vec3::new(a, b, c), orientation }, Vec3::new(x, y, z), Vec3::new(u, v, w))
+}
+
+/// A tile's radii, where the balls are, and where that is from their bodies' centres of mass.
+#[inline(always)]
+fn balls<T: Tile>(shapes: &Shapes, slots: &[u32; BLOCK], lane: usize) -> (T, Vec3<T>, Vec3<T>) {
+    let [x, y, z, _] = T::load(&gather::<T>(&shapes.places, slots, lane));
+    let [radius, _, _, u, v, w] = T::load(&gather::<T>(&shapes.sizes, slots, lane));
+    (radius, Vec3::new(x, y, z), Vec3::new(u, v, w))
+}
+
+/// Writes a tile's manifolds as contacts; `offset` goes from the second bodies' centres of mass to their shapes' origins.
+#[inline(always)]
+fn write<T: Tile>(
+    manifold: &ManifoldLanes<T>,
+    offset: Vec3<T>,
+    found: &mut [Contact],
+    rows: &[[u32; BLOCK]; 2],
+    lane: usize,
+) {
+    let zero = T::splat(0.0);
+    let n = manifold.normal;
+    let mut numbers = [[Eight([0.0; 8]); BLOCK]; 3];
+    T::store([n.x, n.y, n.z, manifold.carried, manifold.count, zero, zero, zero], &mut numbers[SHAPE]);
+    let mut half = 0;
+    while half < POINTS.len() {
+        let (j, k) = (2 * half, 2 * half + 1);
+        let (a, b) = (manifold.places[j] + offset, manifold.places[k] + offset);
+        let (s, t) = (manifold.separations[j], manifold.separations[k]);
+        T::store([a.x, a.y, a.z, s, b.x, b.y, b.z, t], &mut numbers[POINTS[half]]);
+        half += 1;
+    }
+    let mut features = [[0.0; BLOCK]; MOST_POINTS];
+    let mut j = 0;
+    while j < MOST_POINTS {
+        put(manifold.features[j], &mut features[j], 0);
+        j += 1;
+    }
+    let mut i = 0;
+    while i < T::WIDTH {
+        let contact = &mut found[i];
+        contact.slots = [rows[0][lane + i], rows[1][lane + i]];
+        let mut which = 0;
+        while which < numbers.len() {
+            contact.numbers[which] = numbers[which][i];
+            which += 1;
+        }
+        let mut j = 0;
+        while j < MOST_POINTS {
+            contact.features[j] = features[j][i] as u32;
+            j += 1;
+        }
+        i += 1;
+    }
+}

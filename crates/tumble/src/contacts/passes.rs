@@ -1,0 +1,306 @@
+//! What is done to the contacts of a colour in a substep, a tile at a time.
+
+use tumble_math::lane::Vec3;
+
+use super::block::{Block, Bounce, Rolling};
+use super::frame::{Bodies, Frame, Moved, Response, along_normal};
+use super::rows::{at, put};
+use super::rubbing::Rubbing;
+use super::soft::Softness;
+use crate::math::Real;
+use crate::simd::{BLOCK, Eight, Kernel, Rows, Tile};
+
+/// Blocks of one colour, with what only some contacts have: as many of it as there are blocks, or none.
+pub(super) struct Blocks<'a, const P: usize, const C: usize> {
+    pub(super) blocks: &'a mut [Block<P, C>],
+    pub(super) rolling: &'a mut [Rolling],
+    pub(super) bounces: &'a mut [Bounce<P>],
+}
+
+impl<'a, const P: usize, const C: usize> Blocks<'a, P, C> {
+    /// How many.
+    pub(super) fn len(&self) -> usize {
+        self.blocks.len()
+    }
+
+    /// The first so many, and the others.
+    pub(super) fn split_at(self, middle: usize) -> (Self, Self) {
+        let of_some = |count: usize| if count == 0 { 0 } else { middle };
+        let (blocks, other_blocks) = self.blocks.split_at_mut(middle);
+        let (rolling, other_rolling) = self.rolling.split_at_mut(of_some(self.rolling.len()));
+        let (bounces, other_bounces) = self.bounces.split_at_mut(of_some(self.bounces.len()));
+        let others = Self { blocks: other_blocks, rolling: other_rolling, bounces: other_bounces };
+        (Self { blocks, rolling, bounces }, others)
+    }
+}
+
+/// The bodies that a pass reads and writes.
+pub(super) struct Bodied<'a> {
+    pub(super) motion: Rows<'a>,
+    pub(super) response: &'a [Eight],
+    pub(super) moved: &'a [Eight],
+}
+
+/// Applies all impulses as they are, those that the last substep ended with: where nothing changes they are what this one needs.
+pub(super) struct WarmStart<'a, const P: usize, const C: usize, const GROUNDED: bool> {
+    pub(super) blocks: Blocks<'a, P, C>,
+    pub(super) bodies: Bodied<'a>,
+}
+
+impl<const P: usize, const C: usize, const GROUNDED: bool> Kernel for WarmStart<'_, P, C, GROUNDED> {
+    #[inline(always)]
+    fn len(&self) -> usize {
+        self.blocks.blocks.len() * BLOCK
+    }
+
+    #[inline(always)]
+    fn tile<T: Tile>(&mut self, i: usize) {
+        let (index, lane) = (i / BLOCK, i % BLOCK);
+        let block = &self.blocks.blocks[index];
+        let frame = Frame::<T>::load(block, lane);
+        let moved = Moved::load(self.bodies.moved, self.bodies.motion.pairs(index), lane);
+        let mut impulses = [T::splat(0.0); P];
+        let mut j = 0;
+        while j < P {
+            impulses[j] = at(&block.points[j].impulse, lane);
+            j += 1;
+        }
+        let (linear, angular) = along_normals(block, &frame, lane, impulses);
+        let rubbing = Rubbing::load(&block.friction, self.blocks.rolling.get(index), lane);
+        let (linear, angular) = (linear + rubbing.linear(&frame), angular + rubbing.angular(&frame));
+        let mut bodies = Bodies::<T, GROUNDED>::load(&self.bodies.motion, index, lane);
+        bodies.push(frame.arms(&moved), linear, angular);
+        bodies.store(&mut self.bodies.motion, index, lane);
+    }
+}
+
+/// One pass over the points, in order: what overlaps is pushed apart or, where `RELAX`, the velocity that this gave is taken out again, and friction follows.
+pub(super) struct Solve<'a, const P: usize, const C: usize, const GROUNDED: bool, const RELAX: bool> {
+    pub(super) blocks: Blocks<'a, P, C>,
+    pub(super) bodies: Bodied<'a>,
+    pub(super) softness: Softness,
+    /// One over the substep [1/s].
+    pub(super) inverse_h: Real,
+}
+
+impl<const P: usize, const C: usize, const GROUNDED: bool, const RELAX: bool> Kernel
+    for Solve<'_, P, C, GROUNDED, RELAX>
+{
+    #[inline(always)]
+    fn len(&self) -> usize {
+        self.blocks.blocks.len() * BLOCK
+    }
+
+    #[inline(always)]
+    fn tile<T: Tile>(&mut self, i: usize) {
+        let (index, lane) = (i / BLOCK, i % BLOCK);
+        let block = &mut self.blocks.blocks[index];
+        let frame = Frame::<T>::load(block, lane);
+        let moved = Moved::load(self.bodies.moved, self.bodies.motion.pairs(index), lane);
+        let response = Response::<T, GROUNDED>::load(self.bodies.response, self.bodies.motion.pairs(index), lane);
+        let mut bodies = Bodies::<T, GROUNDED>::load(&self.bodies.motion, index, lane);
+        let arms = frame.arms(&moved);
+
+        let way = frame.normal_parts(&moved.relative(&frame));
+        let speeds = speeds(block, lane, frame.normal_parts(&bodies.relative(&response, arms)));
+        let (changes, sum) = self.solve_points(index, lane, way, speeds);
+        let block = &mut self.blocks.blocks[index];
+        let (linear, angular) = along_normals(block, &frame, lane, changes);
+        bodies.push(arms, linear, angular);
+
+        if RELAX {
+            let motion = bodies.relative(&response, arms);
+            let before = Rubbing::load(&block.friction, self.blocks.rolling.get(index), lane);
+            let resistance = (&block.friction, self.blocks.rolling.get(index));
+            let after = before.solved(resistance, (&frame, lane), &motion, sum);
+            after.store(&mut block.friction, self.blocks.rolling.get_mut(index), lane);
+            let linear = after.linear(&frame) - before.linear(&frame);
+            bodies.push(arms, linear, after.angular(&frame) - before.angular(&frame));
+        }
+        bodies.store(&mut self.bodies.motion, index, lane);
+    }
+}
+
+impl<const P: usize, const C: usize, const GROUNDED: bool, const RELAX: bool> Solve<'_, P, C, GROUNDED, RELAX> {
+    /// By how much the impulse of each point changed, and the sum of the impulses.
+    #[inline(always)]
+    fn solve_points<T: Tile>(&mut self, index: usize, lane: usize, way: [T; 3], speeds: [T; P]) -> ([T; P], T) {
+        let (zero, one) = (T::splat(0.0), T::splat(1.0));
+        let block = &mut self.blocks.blocks[index];
+        let inverse_h = T::splat(self.inverse_h.into());
+        let (mut speeds, mut changes, mut sum) = (speeds, [zero; P], zero);
+        let mut j = 0;
+        while j < P {
+            let point = &mut block.points[j];
+            let along = along_normal(way, at(&point.offset[0], lane), at(&point.offset[1], lane));
+            let separation = at::<T>(&point.separation, lane) + along;
+            // What is apart may come as near in a substep as it is apart.
+            let apart = zero.lt(separation);
+            let mut bias = zero;
+            let (mut mass_scale, mut impulse_scale) = (one, zero);
+            if !RELAX {
+                bias = self.softness.bias(separation);
+                mass_scale = T::select(apart, one, T::splat(self.softness.mass_scale.into()));
+                impulse_scale = T::select(apart, zero, T::splat(self.softness.impulse_scale.into()));
+            }
+            let bias = T::select(apart, separation * inverse_h, bias);
+            let before: T = at(&point.impulse, lane);
+            let wanted = before - (mass_scale * speeds[j] + bias) * at(&point.mass, lane) - impulse_scale * before;
+            let impulse = wanted.max(zero);
+            put(impulse, &mut point.impulse, lane);
+            if let Some(bounce) = self.blocks.bounces.get_mut(index) {
+                let most: T = at(&bounce.most_impulse[j], lane);
+                put(most.max(impulse), &mut bounce.most_impulse[j], lane);
+            }
+            changes[j] = impulse - before;
+            sum = sum + impulse;
+            couple(block, lane, j, changes[j], &mut speeds);
+            j += 1;
+        }
+        (changes, sum)
+    }
+}
+
+/// Notes how fast bodies come together, before a pass pushes anything: they may have been kicked since the step began.
+pub(super) struct NoteApproach<'a, const P: usize, const C: usize, const GROUNDED: bool> {
+    pub(super) blocks: Blocks<'a, P, C>,
+    pub(super) bodies: Bodied<'a>,
+}
+
+impl<const P: usize, const C: usize, const GROUNDED: bool> Kernel for NoteApproach<'_, P, C, GROUNDED> {
+    #[inline(always)]
+    fn len(&self) -> usize {
+        self.blocks.bounces.len() * BLOCK
+    }
+
+    #[inline(always)]
+    fn tile<T: Tile>(&mut self, i: usize) {
+        let (index, lane) = (i / BLOCK, i % BLOCK);
+        let block = &self.blocks.blocks[index];
+        let frame = Frame::<T>::load(block, lane);
+        let moved = Moved::load(self.bodies.moved, self.bodies.motion.pairs(index), lane);
+        let response = Response::<T, GROUNDED>::load(self.bodies.response, self.bodies.motion.pairs(index), lane);
+        let bodies = Bodies::<T, GROUNDED>::load(&self.bodies.motion, index, lane);
+        let motion = bodies.relative(&response, frame.arms(&moved));
+        let speeds = speeds(block, lane, frame.normal_parts(&motion));
+        let bounce = &mut self.blocks.bounces[index];
+        let mut j = 0;
+        while j < P {
+            let least: T = at(&bounce.approach[j], lane);
+            put(least.min(speeds[j]), &mut bounce.approach[j], lane);
+            j += 1;
+        }
+    }
+}
+
+/// Makes points leave as fast as the restitution has it, where they came in faster than `threshold` \[m/s\], with the friction that the
+/// added impulse allows.
+pub(super) struct Rebound<'a, const P: usize, const C: usize, const GROUNDED: bool> {
+    pub(super) blocks: Blocks<'a, P, C>,
+    pub(super) bodies: Bodied<'a>,
+    pub(super) threshold: Real,
+}
+
+impl<const P: usize, const C: usize, const GROUNDED: bool> Kernel for Rebound<'_, P, C, GROUNDED> {
+    #[inline(always)]
+    fn len(&self) -> usize {
+        self.blocks.bounces.len() * BLOCK
+    }
+
+    #[inline(always)]
+    fn tile<T: Tile>(&mut self, i: usize) {
+        let (index, lane) = (i / BLOCK, i % BLOCK);
+        let zero = T::splat(0.0);
+        let (block, bounce) = (&mut self.blocks.blocks[index], &mut self.blocks.bounces[index]);
+        let frame = Frame::<T>::load(block, lane);
+        let moved = Moved::load(self.bodies.moved, self.bodies.motion.pairs(index), lane);
+        let response = Response::<T, GROUNDED>::load(self.bodies.response, self.bodies.motion.pairs(index), lane);
+        let mut bodies = Bodies::<T, GROUNDED>::load(&self.bodies.motion, index, lane);
+        let arms = frame.arms(&moved);
+        let restitution: T = at(&bounce.restitution, lane);
+        let slowest = T::splat(-f64::from(self.threshold));
+
+        let mut speeds = speeds(block, lane, frame.normal_parts(&bodies.relative(&response, arms)));
+        let (mut changes, mut added) = ([zero; P], zero);
+        let mut j = 0;
+        while j < P {
+            let (approach, most) = (at::<T>(&bounce.approach[j], lane), at::<T>(&bounce.most_impulse[j], lane));
+            // Every comparison in a select of its own: masks have no `and`.
+            let came_fast = T::select(approach.lt(slowest), most, zero);
+            let bounces = zero.lt(T::select(zero.lt(restitution), came_fast, zero));
+            let point = &mut block.points[j];
+            let before: T = at(&point.impulse, lane);
+            let wanted = before - (speeds[j] + restitution * approach) * at(&point.mass, lane);
+            let impulse = T::select(bounces, wanted.max(zero), before);
+            put(impulse, &mut point.impulse, lane);
+            changes[j] = impulse - before;
+            added = added + changes[j];
+            couple(block, lane, j, changes[j], &mut speeds);
+            j += 1;
+        }
+        let (linear, angular) = along_normals(block, &frame, lane, changes);
+        bodies.push(arms, linear, angular);
+
+        let motion = bodies.relative(&response, arms);
+        let resistance = (&block.friction, self.blocks.rolling.get(index));
+        let rubbing = Rubbing::none().solved(resistance, (&frame, lane), &motion, added.max(zero));
+        bodies.push(arms, rubbing.linear(&frame), rubbing.angular(&frame));
+        bodies.store(&mut self.bodies.motion, index, lane);
+    }
+}
+
+/// Velocity along the normal at each point.
+#[inline(always)]
+fn speeds<T: Tile, const P: usize, const C: usize>(block: &Block<P, C>, lane: usize, parts: [T; 3]) -> [T; P] {
+    let mut speeds = [parts[0]; P];
+    let mut j = 0;
+    while j < P {
+        let offset = &block.points[j].offset;
+        speeds[j] = along_normal(parts, at(&offset[0], lane), at(&offset[1], lane));
+        j += 1;
+    }
+    speeds
+}
+
+/// What an impulse at a point does to the velocities at those after it.
+#[inline(always)]
+fn couple<T: Tile, const P: usize, const C: usize>(
+    block: &Block<P, C>,
+    lane: usize,
+    j: usize,
+    change: T,
+    speeds: &mut [T; P],
+) {
+    let mut k = j + 1;
+    while k < P {
+        speeds[k] = speeds[k] + at::<T>(&block.couplings[coupling::<P>(j, k)], lane) * change;
+        k += 1;
+    }
+}
+
+/// Where the coupling of two points is, the first with a lower index than the second.
+#[inline(always)]
+pub(super) const fn coupling<const P: usize>(j: usize, k: usize) -> usize {
+    j * (2 * P - j - 1) / 2 + (k - j - 1)
+}
+
+/// Impulses along the normal at the points, as an impulse in the middle and an angular impulse.
+#[inline(always)]
+fn along_normals<T: Tile, const P: usize, const C: usize>(
+    block: &Block<P, C>,
+    frame: &Frame<T>,
+    lane: usize,
+    impulses: [T; P],
+) -> (Vec3<T>, Vec3<T>) {
+    let zero = T::splat(0.0);
+    let (mut sum, mut about_1, mut about_2) = (zero, zero, zero);
+    let mut j = 0;
+    while j < P {
+        let offset = &block.points[j].offset;
+        sum = sum + impulses[j];
+        about_1 = about_1 + at::<T>(&offset[1], lane) * impulses[j];
+        about_2 = about_2 + at::<T>(&offset[0], lane) * impulses[j];
+        j += 1;
+    }
+    (frame.normal * sum, frame.tangents[0] * about_1 - frame.tangents[1] * about_2)
+}

@@ -1,0 +1,110 @@
+use tumble_math::lane::Vec3;
+
+use super::block::{Friction, Rolling};
+use super::frame::{Frame, Relative};
+use super::rows::{at, put};
+use crate::simd::Tile;
+
+/// Impulses of what resists sliding, twisting and rolling, in the frames of a tile's contacts.
+#[derive(Clone, Copy)]
+pub(super) struct Rubbing<T> {
+    sliding: [T; 2],
+    twist: T,
+    roll: [T; 2],
+}
+
+impl<T: Tile> Rubbing<T> {
+    #[inline(always)]
+    pub(super) fn none() -> Self {
+        let zero = T::splat(0.0);
+        Self { sliding: [zero; 2], twist: zero, roll: [zero; 2] }
+    }
+
+    #[inline(always)]
+    pub(super) fn load(friction: &Friction, rolling: Option<&Rolling>, lane: usize) -> Self {
+        let zero = T::splat(0.0);
+        let roll = match rolling {
+            Some(rolling) => [at(&rolling.impulse[0], lane), at(&rolling.impulse[1], lane)],
+            None => [zero; 2],
+        };
+        let sliding = [at(&friction.sliding[0], lane), at(&friction.sliding[1], lane)];
+        Self { sliding, twist: at(&friction.twist, lane), roll }
+    }
+
+    #[inline(always)]
+    pub(super) fn store(&self, friction: &mut Friction, rolling: Option<&mut Rolling>, lane: usize) {
+        put(self.sliding[0], &mut friction.sliding[0], lane);
+        put(self.sliding[1], &mut friction.sliding[1], lane);
+        put(self.twist, &mut friction.twist, lane);
+        if let Some(rolling) = rolling {
+            put(self.roll[0], &mut rolling.impulse[0], lane);
+            put(self.roll[1], &mut rolling.impulse[1], lane);
+        }
+    }
+
+    /// The same impulses, given in the world.
+    #[inline(always)]
+    pub(super) fn from_world(frame: &Frame<T>, linear: Vec3<T>, angular: Vec3<T>) -> Self {
+        let [s, t] = frame.tangents;
+        Self {
+            sliding: [s.dot(linear), t.dot(linear)],
+            twist: frame.normal.dot(angular),
+            roll: [s.dot(angular), t.dot(angular)],
+        }
+    }
+
+    /// The impulse in the tangent plane, world frame.
+    #[inline(always)]
+    pub(super) fn linear(&self, frame: &Frame<T>) -> Vec3<T> {
+        frame.tangents[0] * self.sliding[0] + frame.tangents[1] * self.sliding[1]
+    }
+
+    /// The angular impulse, world frame.
+    #[inline(always)]
+    pub(super) fn angular(&self, frame: &Frame<T>) -> Vec3<T> {
+        frame.normal * self.twist + frame.tangents[0] * self.roll[0] + frame.tangents[1] * self.roll[1]
+    }
+
+    /// The impulses with which as much of the relative motion as friction can take is taken out.
+    ///
+    /// Sliding and twisting share what there is: the impulse `f` and the angular impulse `t` are within
+    /// `|f|^2 + (t/radius)^2 <= (mu N)^2`, the ellipsoid that approximates the limit surface of a patch (S. Goyal, A. Ruina, J. Papadopoulos, 1991).
+    #[inline(always)]
+    pub(super) fn solved(
+        &self,
+        (friction, rolling): (&Friction, Option<&Rolling>),
+        (frame, lane): (&Frame<T>, usize),
+        motion: &Relative<T>,
+        normal: T,
+    ) -> Self {
+        let (zero, one) = (T::splat(0.0), T::splat(1.0));
+        let [s, t] = frame.tangents;
+        let mass = [at(&friction.mass[0], lane), at(&friction.mass[1], lane), at(&friction.mass[2], lane)];
+        let [du, dv] = product(mass, [s.dot(motion.linear), t.dot(motion.linear)]);
+        let (u, v) = (self.sliding[0] - du, self.sliding[1] - dv);
+        let radius: T = at(&friction.radius, lane);
+        let has_patch = zero.lt(radius);
+        let twisting_mass: T = at(&friction.twisting_mass, lane);
+        let twist = T::select(has_patch, self.twist - twisting_mass * frame.normal.dot(motion.angular), zero);
+        let reach = T::select(has_patch, twist / radius, zero);
+        let wanted = (u * u + v * v + reach * reach).sqrt();
+        let slips = (at::<T>(&friction.limits[0], lane) * normal).lt(wanted);
+        let scale = T::select(slips, at::<T>(&friction.limits[1], lane) * normal / wanted, one);
+        let mut roll = [zero; 2];
+        if let Some(rolling) = rolling {
+            let mass = [at(&rolling.mass[0], lane), at(&rolling.mass[1], lane), at(&rolling.mass[2], lane)];
+            let [du, dv] = product(mass, [s.dot(motion.angular), t.dot(motion.angular)]);
+            let (u, v) = (self.roll[0] - du, self.roll[1] - dv);
+            let (wanted, limit) = ((u * u + v * v).sqrt(), at::<T>(&rolling.length, lane) * normal);
+            let scale = T::select(limit.lt(wanted), limit / wanted, one);
+            roll = [u * scale, v * scale];
+        }
+        Self { sliding: [u * scale, v * scale], twist: twist * scale, roll }
+    }
+}
+
+/// A symmetric 2x2 matrix `xx, xy, yy` times a vector.
+#[inline(always)]
+fn product<T: Tile>([a, b, c]: [T; 3], [x, y]: [T; 2]) -> [T; 2] {
+    [a * x + b * y, b * x + c * y]
+}

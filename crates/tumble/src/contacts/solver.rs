@@ -1,0 +1,262 @@
+use std::ops::Range;
+
+use super::block::{Block, Bounce, Rolling};
+use super::colouring::{Colour, Colouring};
+use super::contact::Contact;
+use super::keep::Keep;
+use super::passes::{Blocks, Bodied, NoteApproach, Rebound, Solve, WarmStart};
+use super::prepare::Prepare;
+use super::soft::Softness;
+use super::solver_bodies::SolverBodies;
+use crate::math::Real;
+use crate::simd::{BLOCK, Colours, Eight, Kernel, dispatch_in_blocks};
+
+/// The contacts of a step, coloured and laid out in blocks.
+#[derive(Clone, Default)]
+pub(super) struct Solver {
+    colouring: Colouring,
+    /// Contacts by colour and number of points.
+    order: Vec<u32>,
+    ones: Sheet<1, 0>,
+    fours: Sheet<4, 6>,
+    stages: Vec<Stage>,
+    /// Which rows the contacts of each stage change.
+    colours: Colours,
+}
+
+/// Blocks of contacts of up to `P` points, and what only some have: for all blocks, or for none.
+#[derive(Clone)]
+struct Sheet<const P: usize, const C: usize> {
+    blocks: Vec<Block<P, C>>,
+    rolling: Vec<Rolling>,
+    bounces: Vec<Bounce<P>>,
+}
+
+impl<const P: usize, const C: usize> Default for Sheet<P, C> {
+    fn default() -> Self {
+        Self { blocks: Vec::new(), rolling: Vec::new(), bounces: Vec::new() }
+    }
+}
+
+/// Blocks that can be worked on at the same time: one colour's.
+#[derive(Clone, Debug)]
+struct Stage {
+    grounded: bool,
+    ones: Range<usize>,
+    fours: Range<usize>,
+}
+
+/// What is done to all contacts.
+#[derive(Clone, Copy)]
+pub(super) enum Pass<'a> {
+    /// Fills the blocks for bodies with these poses, as the contacts have it. Surfaces that are so near \[m\] are a contact.
+    Prepare(&'a [Contact], &'a [Eight], Real),
+    WarmStart,
+    /// Pushes overlapping bodies apart, in substeps of so many seconds.
+    Biased(Real),
+    /// Takes out again the velocity that this gave, and adds friction.
+    Relax(Real),
+    NoteApproach,
+    /// Lets bodies bounce that came together faster than so many metres a second.
+    Rebound(Real),
+}
+
+/// Colours of each kind, and one more for contacts that are worked on by themselves.
+const COLOURS: usize = Colour::ALONE as usize + 1;
+
+/// Fewer blocks are not shared among threads.
+const LEAST_PART: usize = 16;
+
+impl Solver {
+    /// Lays out contacts between rows of bodies.
+    pub(super) fn lay_out(&mut self, contacts: &[Contact], rows: impl Fn(&Contact) -> [u32; 2], bodies: &SolverBodies) {
+        let ends = self.sort(contacts, &rows, bodies.first_unmoved());
+        let Self { order, ones, fours, stages, colours, .. } = self;
+        stages.clear();
+        colours.reset(bodies.first_unmoved());
+        let (mut one, mut four) = (0, 0);
+        let mut add = |grounded, with_one: &[u32], with_more: &[u32]| {
+            let (first_one, first_four) = (one, four);
+            colours.begin(grounded);
+            for chunk in with_one.chunks(BLOCK) {
+                colours.push(chunk.iter().map(|index| rows(&contacts[*index as usize])));
+                ones.set(one, chunk);
+                one += 1;
+            }
+            for chunk in with_more.chunks(BLOCK) {
+                colours.push(chunk.iter().map(|index| rows(&contacts[*index as usize])));
+                fours.set(four, chunk);
+                four += 1;
+            }
+            stages.push(Stage { grounded, ones: first_one..one, fours: first_four..four });
+        };
+        let mut begin = 0;
+        for (index, kinds) in ends.chunks_exact(2).enumerate() {
+            let (with_one, with_more) = (&order[begin..kinds[0]], &order[kinds[0]..kinds[1]]);
+            begin = kinds[1];
+            let grounded = index >= COLOURS;
+            if index % COLOURS == 0 {
+                with_more.chunks(1).for_each(|alone| add(grounded, &[], alone));
+            } else if !(with_one.is_empty() && with_more.is_empty()) {
+                add(grounded, with_one, with_more);
+            }
+        }
+        let (rolls, bounces) = (contacts.iter().any(Contact::rolls), contacts.iter().any(Contact::bounces));
+        ones.finish(one, rolls, bounces);
+        fours.finish(four, rolls, bounces);
+    }
+
+    /// Puts the contacts in the order of what is done first: those between moving bodies, then those with what does not move; of each those by themselves, then
+    /// colour by colour those with one point and those with more. Returns where each of these ends.
+    fn sort(
+        &mut self,
+        contacts: &[Contact],
+        rows: impl Fn(&Contact) -> [u32; 2],
+        first_unmoved: usize,
+    ) -> [usize; 4 * COLOURS] {
+        self.colouring.colour(contacts.iter().map(rows), first_unmoved);
+        let colours = self.colouring.colours();
+        let kind = |index: usize| {
+            let Colour { grounded, index: colour } = colours[index];
+            let alone = colour == Colour::ALONE;
+            let place = if alone { 0 } else { colour as usize + 1 };
+            (usize::from(grounded) * COLOURS + place) * 2 + usize::from(alone || contacts[index].count() > 1)
+        };
+        let mut ends = [0; 4 * COLOURS];
+        (0..contacts.len()).for_each(|index| ends[kind(index)] += 1);
+        let mut sum = 0;
+        for end in &mut ends {
+            (*end, sum) = (sum, sum + *end);
+        }
+        self.order.clear();
+        self.order.resize(contacts.len(), 0);
+        for index in 0..contacts.len() {
+            let place = &mut ends[kind(index)];
+            self.order[*place] = index as u32;
+            *place += 1;
+        }
+        ends
+    }
+
+    /// Does to all contacts, colour by colour, what a pass does; those with what does not move have the last word.
+    pub(super) fn run(&mut self, pass: Pass<'_>, bodies: &mut SolverBodies) {
+        let Self { ones, fours, stages, colours, .. } = self;
+        for (index, stage) in stages.iter().enumerate() {
+            let SolverBodies { motion, response, moved, .. } = bodies;
+            let (of_ones, of_fours) = colours.rows(index, motion).split_at(stage.ones.len());
+            let (response, moved) = (&**response, &**moved);
+            let (ones, fours) = (ones.blocks(&stage.ones), fours.blocks(&stage.fours));
+            let of_ones = Bodied { motion: of_ones, response, moved };
+            let of_fours = Bodied { motion: of_fours, response, moved };
+            if stage.grounded {
+                pass.in_parts::<1, 0, true>(ones, of_ones);
+                pass.in_parts::<4, 6, true>(fours, of_fours);
+            } else {
+                pass.in_parts::<1, 0, false>(ones, of_ones);
+                pass.in_parts::<4, 6, false>(fours, of_fours);
+            }
+        }
+    }
+
+    /// Whether any contact bounces.
+    pub(super) fn bounces(&self) -> bool {
+        !(self.ones.bounces.is_empty() && self.fours.bounces.is_empty())
+    }
+
+    /// Gives the impulses back to the contacts.
+    pub(super) fn keep(&mut self, contacts: &mut [Contact]) {
+        let Self { ones, fours, .. } = self;
+        let (all_ones, all_fours) = (0..ones.blocks.len(), 0..fours.blocks.len());
+        dispatch_in_blocks(&mut Keep { blocks: ones.blocks(&all_ones), contacts });
+        dispatch_in_blocks(&mut Keep { blocks: fours.blocks(&all_fours), contacts });
+    }
+}
+
+impl<const P: usize, const C: usize> Sheet<P, C> {
+    /// Says which contacts are in a block, one that is there or the next.
+    fn set(&mut self, index: usize, contacts: &[u32]) {
+        if self.blocks.len() == index {
+            self.blocks.push(Block::empty());
+        }
+        let block = &mut self.blocks[index];
+        block.count = contacts.len();
+        block.contacts[..contacts.len()].copy_from_slice(contacts);
+    }
+
+    /// Drops the blocks from `count` on, and makes room for what only some contacts have.
+    fn finish(&mut self, count: usize, rolls: bool, bounces: bool) {
+        self.blocks.truncate(count);
+        self.rolling.resize(if rolls { count } else { 0 }, Rolling::NONE);
+        self.bounces.resize(if bounces { count } else { 0 }, Bounce::NONE);
+    }
+
+    fn blocks(&mut self, range: &Range<usize>) -> Blocks<'_, P, C> {
+        Blocks {
+            blocks: &mut self.blocks[range.clone()],
+            rolling: self.rolling.get_mut(range.clone()).unwrap_or_default(),
+            bounces: self.bounces.get_mut(range.clone()).unwrap_or_default(),
+        }
+    }
+}
+
+impl Pass<'_> {
+    /// Shares the blocks of a colour among the threads.
+    fn in_parts<const P: usize, const C: usize, const GROUNDED: bool>(
+        self,
+        blocks: Blocks<'_, P, C>,
+        bodies: Bodied<'_>,
+    ) {
+        let part = blocks.len().div_ceil(rayon::current_num_threads()).max(LEAST_PART);
+        self.in_parts_of::<P, C, GROUNDED>(part, blocks, bodies);
+    }
+
+    fn in_parts_of<const P: usize, const C: usize, const GROUNDED: bool>(
+        self,
+        part: usize,
+        blocks: Blocks<'_, P, C>,
+        bodies: Bodied<'_>,
+    ) {
+        if blocks.len() <= part {
+            return self.run_on::<P, C, GROUNDED>(blocks, bodies);
+        }
+        let middle = blocks.len() / 2;
+        let (first, second) = blocks.split_at(middle);
+        let Bodied { motion, response, moved } = bodies;
+        let (of_first, of_second) = motion.split_at(middle);
+        rayon::join(
+            || self.in_parts_of::<P, C, GROUNDED>(part, first, Bodied { motion: of_first, response, moved }),
+            || self.in_parts_of::<P, C, GROUNDED>(part, second, Bodied { motion: of_second, response, moved }),
+        );
+    }
+
+    fn run_on<const P: usize, const C: usize, const GROUNDED: bool>(
+        self,
+        blocks: Blocks<'_, P, C>,
+        bodies: Bodied<'_>,
+    ) {
+        let softness =
+            |h: Real| if GROUNDED { Softness::on_ground(h.into()) } else { Softness::between_moving(h.into()) };
+        match self {
+            Self::Prepare(contacts, poses, margin) => {
+                run(Prepare::<P, C, GROUNDED> { blocks, contacts, bodies, poses, margin });
+            }
+            Self::WarmStart => run(WarmStart::<P, C, GROUNDED> { blocks, bodies }),
+            Self::Biased(h) => {
+                let (softness, inverse_h) = (softness(h), 1.0 / h);
+                run(Solve::<P, C, GROUNDED, false> { blocks, bodies, softness, inverse_h });
+            }
+            Self::Relax(h) => {
+                let (softness, inverse_h) = (softness(h), 1.0 / h);
+                run(Solve::<P, C, GROUNDED, true> { blocks, bodies, softness, inverse_h });
+            }
+            Self::NoteApproach => run(NoteApproach::<P, C, GROUNDED> { blocks, bodies }),
+            Self::Rebound(threshold) => run(Rebound::<P, C, GROUNDED> { blocks, bodies, threshold }),
+        }
+    }
+}
+
+fn run(mut kernel: impl Kernel) {
+    if kernel.len() > 0 {
+        dispatch_in_blocks(&mut kernel);
+    }
+}

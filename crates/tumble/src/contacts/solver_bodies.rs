@@ -1,0 +1,202 @@
+use rayon::prelude::*;
+use tumble_math::FreeRotation;
+use tumble_math::lane::{Quat, Vec3};
+
+use super::rows::{put_two_vectors, two_vectors};
+use crate::integrators::Kick;
+use crate::math::Real;
+use crate::simd::{BLOCK, Eight, Kernel, Tile, dispatch_in_blocks};
+use crate::state::{Constants, Force, Moments, State};
+
+/// The bodies that touch something, as the solver sees them: momentum is what it changes, and the rest says what that does.
+///
+/// First those that impulses move, in whole blocks of which the last is filled up with bodies that are nowhere; then those that stay or move as they are told.
+#[derive(Clone, Default)]
+pub(super) struct SolverBodies {
+    /// Linear and angular momentum, and one over the mass; of what impulses do not move the velocities.
+    pub(super) motion: Vec<Eight>,
+    /// Inverse inertia in the world: `xx yy zz`, `yz zx xy`. Of what impulses move, as the next two.
+    pub(super) response: Vec<Eight>,
+    /// What forces do in a substep: impulse, angular impulse, and what is left of linear and angular momentum under damping.
+    kick: Vec<Eight>,
+    /// Principal moments, their inverses, and whether it turns.
+    inertia: Vec<Eight>,
+    /// Position, and orientation of the principal frame.
+    pose: Vec<Eight>,
+    /// Since the start of the step: how far the centre went \[m\], and how far it turned, as a vector along the axis \[rad\].
+    pub(super) moved: Vec<Eight>,
+    /// How many impulses move.
+    free: usize,
+}
+
+/// So many bodies are advanced by one thread at a time.
+const PART: usize = 256;
+
+/// A point without mass that nothing acts on.
+const NOBODY: Eight = Eight([0.0; 8]);
+
+impl SolverBodies {
+    /// Makes room for so many that impulses move and so many that they do not; all are nowhere at first.
+    pub(super) fn reset(&mut self, free: usize, unmoved: usize) {
+        self.free = free;
+        let in_blocks = Self::in_blocks(free);
+        for rows in [&mut self.motion, &mut self.moved] {
+            rows.clear();
+            rows.resize(in_blocks + unmoved, NOBODY);
+        }
+        for rows in [&mut self.response, &mut self.kick] {
+            rows.clear();
+            rows.resize(in_blocks, NOBODY);
+        }
+        self.pose.clear();
+        self.pose.resize(in_blocks + unmoved, Eight([0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0]));
+        self.inertia.clear();
+        self.inertia.resize(in_blocks, Eight([1.0, 1.0, 1.0, 0.0, 0.0, 0.0, 0.0, 0.0]));
+    }
+
+    /// With at least one that is nowhere.
+    fn in_blocks(free: usize) -> usize {
+        (free + 1).next_multiple_of(BLOCK)
+    }
+
+    /// The row of the first that impulses do not move.
+    pub(super) fn first_unmoved(&self) -> usize {
+        Self::in_blocks(self.free)
+    }
+
+    /// Sets what forces move, for substeps of `h` \[s\].
+    pub(super) fn set_free(
+        &mut self,
+        row: usize,
+        constants: &Constants<Real>,
+        state: &State<Real>,
+        force: Force<Real>,
+        h: Real,
+    ) {
+        let (p, l, x) = (state.linear, state.angular, state.position);
+        let mut orientation = state.orientation.normalize();
+        if let Some(inertia) = &constants.inertia {
+            let (d, o) = inertia.inverse_in_world(orientation);
+            self.response[row] = Eight([d.x, d.y, d.z, o.x, o.y, o.z, 0.0, 0.0]);
+            let (m, i) = (inertia.moments, inertia.inverse_moments);
+            self.inertia[row] = Eight([m.x, m.y, m.z, i.x, i.y, i.z, 1.0, 0.0]);
+            orientation = inertia.axes.map_or(orientation, |axes| orientation * axes);
+        }
+        let q = orientation;
+        self.motion[row] = Eight([p.x, p.y, p.z, l.x, l.y, l.z, 1.0 / constants.mass, 0.0]);
+        self.pose[row] = Eight([x.x, x.y, x.z, q.x, q.y, q.z, q.w, 0.0]);
+        let kick = Kick::new(constants, h);
+        let still = State { linear: Vec3::zero(), angular: Vec3::zero(), ..*state };
+        let State { linear: p, angular: l, .. } = kick.kicked(still, force);
+        let (linear, angular) = kick.kept();
+        self.kick[row] = Eight([p.x, p.y, p.z, l.x, l.y, l.z, linear, angular]);
+    }
+
+    /// Sets what moves with given velocities.
+    pub(super) fn set_unmoved(&mut self, row: usize, x: Vec3<Real>, linear: Vec3<Real>, angular: Vec3<Real>) {
+        self.pose[row].0[..3].copy_from_slice(&[x.x, x.y, x.z]);
+        self.motion[row] = Eight([linear.x, linear.y, linear.z, angular.x, angular.y, angular.z, 1.0, 0.0]);
+    }
+
+    /// What a body that impulses move has become.
+    pub(super) fn state(&self, row: usize, axes: Option<Quat<Real>>) -> State<Real> {
+        let Eight([px, py, pz, lx, ly, lz, ..]) = self.motion[row];
+        let Eight([x, y, z, i, j, k, w, _]) = self.pose[row];
+        let orientation = Quat { x: i, y: j, z: k, w };
+        State {
+            position: Vec3::new(x, y, z),
+            orientation: axes.map_or(orientation, |axes| (orientation * axes.conjugate()).normalize()),
+            linear: Vec3::new(px, py, pz),
+            angular: Vec3::new(lx, ly, lz),
+        }
+    }
+
+    /// Hands out the poses beside the rest.
+    pub(super) fn with_poses(&mut self, then: impl FnOnce(&mut Self, &[Eight])) {
+        let poses = std::mem::take(&mut self.pose);
+        then(self, &poses);
+        self.pose = poses;
+    }
+
+    /// Adds what forces do in a substep.
+    pub(super) fn kick(&mut self) {
+        let rows = self.kick.len();
+        let parts = self.motion[..rows].par_chunks_mut(PART).zip(self.kick.par_chunks(PART));
+        parts.for_each(|(motion, kick)| dispatch_in_blocks(&mut KickAll { motion, kick }));
+    }
+
+    /// Moves all by the velocities there are, which stay, for `h` \[s\]. Free rotation is exact, so a body spins on as it does without contacts.
+    pub(super) fn drift(&mut self, h: Real) {
+        for row in self.first_unmoved()..self.motion.len() {
+            let (Eight(motion), Eight(moved)) = (&self.motion[row], &mut self.moved[row]);
+            for (moved, velocity) in moved.iter_mut().zip(motion).take(6) {
+                *moved += velocity * h;
+            }
+        }
+        let Self { motion, response, pose, inertia, moved, .. } = self;
+        let changed = response.par_chunks_mut(PART).zip(pose.par_chunks_mut(PART)).zip(moved.par_chunks_mut(PART));
+        let parts = changed.zip(motion.par_chunks(PART).zip(inertia.par_chunks(PART)));
+        parts.for_each(|(((response, pose), moved), (motion, inertia))| {
+            dispatch_in_blocks(&mut DriftAll { motion, response, pose, inertia, moved, h });
+        });
+    }
+}
+
+struct KickAll<'a> {
+    motion: &'a mut [Eight],
+    kick: &'a [Eight],
+}
+
+impl Kernel for KickAll<'_> {
+    #[inline(always)]
+    fn len(&self) -> usize {
+        self.kick.len()
+    }
+
+    #[inline(always)]
+    fn tile<T: Tile>(&mut self, i: usize) {
+        let (p, l) = two_vectors::<T>(&self.motion[i..]);
+        let [px, py, pz, lx, ly, lz, linear, angular] = T::load(&self.kick[i..]);
+        let (p, l) = (p * linear + Vec3::new(px, py, pz), l * angular + Vec3::new(lx, ly, lz));
+        put_two_vectors(p, l, &mut self.motion[i..]);
+    }
+}
+
+struct DriftAll<'a> {
+    motion: &'a [Eight],
+    response: &'a mut [Eight],
+    pose: &'a mut [Eight],
+    inertia: &'a [Eight],
+    moved: &'a mut [Eight],
+    h: Real,
+}
+
+impl Kernel for DriftAll<'_> {
+    #[inline(always)]
+    fn len(&self) -> usize {
+        self.response.len()
+    }
+
+    #[inline(always)]
+    fn tile<T: Tile>(&mut self, i: usize) {
+        let h = T::splat(self.h.into());
+        let [px, py, pz, lx, ly, lz, inverse_mass] = T::load(&self.motion[i..]);
+        let [x, y, z, qx, qy, qz, qw] = T::load(&self.pose[i..]);
+        let [a, b, c, inverse_a, inverse_b, inverse_c, turns] = T::load(&self.inertia[i..]);
+        let (diagonal, off_diagonal) = two_vectors::<T>(&self.response[i..]);
+        let (went, turned) = two_vectors::<T>(&self.moved[i..]);
+
+        let l = Vec3::new(lx, ly, lz);
+        let way = Vec3::new(px, py, pz) * inverse_mass * h;
+        let angle = crate::derived::symmetric_product(diagonal, off_diagonal, l) * h;
+        put_two_vectors(went + way, turned + angle, &mut self.moved[i..]);
+
+        let inverse_moments = Vec3::new(inverse_a, inverse_b, inverse_c);
+        let moments = Moments { moments: Vec3::new(a, b, c), inverse_moments, axes: None };
+        let rotation = FreeRotation::new(moments.moments, moments.inverse_moments, None, h);
+        let q = rotation.rotate(Quat { x: qx, y: qy, z: qz, w: qw }, l * turns);
+        T::store([x + way.x, y + way.y, z + way.z, q.x, q.y, q.z, q.w], &mut self.pose[i..]);
+        let (diagonal, off_diagonal) = moments.inverse_in_world(q);
+        put_two_vectors(diagonal, off_diagonal, &mut self.response[i..]);
+    }
+}
