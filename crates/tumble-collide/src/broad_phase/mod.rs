@@ -14,7 +14,7 @@ use tree::Tree;
 
 use crate::scalar::Scalar;
 
-/// The tree is made anew when its leaves have become so much longer than they were when it was made. Between 1.15 and 1.5 the number makes no
+/// The tree is made anew when its leaves have become so much longer than they were when it was made. Between 1.15 and 1.3 the number makes no
 /// difference to speak of; at 1.05 the tree is made too often, and a tree that is never made anew takes half as long again where balls mix.
 const MOST_LOOSENESS: f64 = 1.2;
 
