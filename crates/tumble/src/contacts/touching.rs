@@ -116,11 +116,11 @@ impl Contacts {
         solver.lay_out(contacts, |contact| contact.slots.map(|slot| rows[slot as usize]), bodies);
         bodies.with_poses(|bodies, poses| solver.run(Pass::Prepare(contacts, poses, MARGIN), bodies));
         for _ in 0..substeps {
+            bodies.kick();
             // Before the impulses of the last step act: bodies that those push together have not come together, and to bounce them would make energy.
             if solver.bounces() {
                 solver.run(Pass::NoteApproach, bodies);
             }
-            bodies.kick();
             solver.run(Pass::WarmStart, bodies);
             solver.run(Pass::Biased(h), bodies);
             bodies.drift(h);
