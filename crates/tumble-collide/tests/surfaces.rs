@@ -73,7 +73,7 @@ fn nearest(found: &[(u32, Manifold<f64>)]) -> Option<f64> {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig::with_cases(20_000))]
+    #![proptest_config(ProptestConfig { max_shrink_iters: 0, ..ProptestConfig::with_cases(20_000) })]
 
     /// Moved to just above its surface, or just into it, a shape touches a closed surface as it touches the hull that it bounds.
     #[test]
@@ -112,8 +112,7 @@ proptest! {
         let field = HeightField::new(vec![0.0; 225], 15, [0.4, 0.35]).unwrap();
         let ground = Placement::at(Vec3::new(0.1, 0.2, 0.3));
         let high = Placement { position: Vec3::new(place[0], 5.0, place[1]), orientation };
-        let below = collide(&Geometry::HalfSpace, &ground, &shape, &high, 10.0);
-        let height = least(&below).unwrap();
+        let height = shape.bounds(&high, 0.0).unwrap().low.y - ground.position.y;
         let at = Placement { position: high.position + Vec3::new(0.0, gap - height, 0.0), ..high };
         let plane = collide(&Geometry::HalfSpace, &ground, &shape, &at, MARGIN);
         let field = all(&Geometry::HeightField(Arc::new(field)), &ground, &shape, &at);
@@ -133,7 +132,8 @@ proptest! {
     fn a_ball_on_rough_ground_touches_the_nearest(heights in prop::collection::vec(-0.3..0.3_f64, 36), place in vector(-1.0..1.0), radius in 0.1..0.5) {
         let field = HeightField::new(&heights, 6, [0.5, 0.5]).unwrap();
         let (points, wide) = (field.points().to_vec(), field.columns());
-        let center = Vec3::new(place.x, 0.4 + 0.3 * place.y, place.z);
+        // Above all of the ground: of a ball whose centre is under it nothing is said.
+        let center = Vec3::new(place.x, 0.46 + 0.15 * place.y, place.z);
         let mut nearest_of_all = f64::INFINITY;
         for row in 0..wide - 1 {
             for column in 0..wide - 1 {
@@ -143,11 +143,6 @@ proptest! {
                 }
             }
         }
-        // Of a ball whose centre is under the surface nothing is said.
-        let column = ((center.x + 1.25) / 0.5) as usize;
-        let row = ((center.z + 1.25) / 0.5) as usize;
-        let cell = [0, 1, wide, wide + 1].map(|step| points[row * wide + column + step].y);
-        prop_assume!(cell.iter().all(|height| center.y > *height));
         let ball = Geometry::Ball { radius };
         let found = all(&Geometry::HeightField(Arc::new(field)), &Placement::at(Vec3::zero()), &ball, &Placement::at(center));
         match nearest(&found) {
