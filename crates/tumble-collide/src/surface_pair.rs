@@ -21,6 +21,8 @@ const SHALLOW: f64 = 0.05;
 const OUTSIDE: f64 = 1e-3;
 /// Cosine of directions that are the same to a face and to an edge of it: within a thousandth of a radian.
 const SAME: f64 = 1.0 - 5e-7;
+/// A direction is turned out of the way of each side at a corner in turn, so many times around.
+const TURNS: usize = 4;
 /// Weight of a corner in a point that is beside it.
 const BESIDE: f64 = 1e-6;
 /// Points nearer to each other than this \[m\], squared, are one.
@@ -166,7 +168,8 @@ impl<S: Surface> Over<'_, S> {
         // Where they overlap, what is shortest for a triangle alone may lie outside of the region: then some direction at its border is nearly as short.
         let across = |side: usize| surface.across(triangle, side).map(|other| surface.normal(other));
         let borders = [Some(surface.normal(triangle)), across(place.sides[0]), across(place.sides[1])];
-        let at_border = borders.into_iter().flatten().map(|normal| Approach {
+        let led_away = self.led_away(triangle, place, found.normal);
+        let at_border = [Some(led_away)].into_iter().chain(borders).flatten().map(|normal| Approach {
             normal,
             between: shapes.separation(normal),
             ..*found
@@ -232,29 +235,47 @@ impl<S: Surface> Over<'_, S> {
 
     /// Whether a direction out of a side or corner leads away from all of the surface there, to the outside.
     fn leads_away(&self, triangle: u32, place: &Place, out: Vector) -> bool {
-        let corners = self.surface.triangle(triangle);
         let [side, other] = place.sides;
         // Over a sharp edge it may look away from one of both faces.
         let looks_out = |normal: Vector| out.dot(normal) >= -OUTSIDE;
         let beyond =
             |side| self.surface.across(triangle, side).is_some_and(|next| looks_out(self.surface.normal(next)));
-        if !(looks_out(self.surface.normal(triangle)) || beyond(side) || beyond(other)) {
-            return false;
-        }
-        if side != other {
-            let (mut is_away, corner) = (true, corners[place.corner]);
-            self.surface.around(self.surface.corners(triangle)[place.corner], &mut |end| {
-                is_away &= out.dot(unit(self.surface.point(end) - corner)) <= OUTSIDE;
+        let mut is_away = looks_out(self.surface.normal(triangle)) || beyond(side) || beyond(other);
+        self.inwards(triangle, place, &mut |inwards| is_away &= out.dot(inwards) <= OUTSIDE);
+        is_away
+    }
+
+    /// A direction out of a side or corner, turned until it leads away from all of the surface there, if that is not far.
+    fn led_away(&self, triangle: u32, place: &Place, out: Vector) -> Vector {
+        let mut led = out;
+        for _ in 0..TURNS {
+            self.inwards(triangle, place, &mut |inwards| {
+                let along = led.dot(inwards);
+                if along > 0.0 {
+                    led = led - inwards * along;
+                }
             });
-            return is_away;
+        }
+        unit(led)
+    }
+
+    /// Shows unit vectors from a side, along both triangles and across it, or from a corner along all sides.
+    fn inwards(&self, triangle: u32, place: &Place, visit: &mut dyn FnMut(Vector)) {
+        let corners = self.surface.triangle(triangle);
+        let [side, other] = place.sides;
+        if side != other {
+            let corner = corners[place.corner];
+            self.surface.around(self.surface.corners(triangle)[place.corner], &mut |end| {
+                visit(unit(self.surface.point(end) - corner));
+            });
+            return;
         }
         let (from, to) = (corners[side], corners[(side + 1) % 3]);
         let along = unit(to - from);
-        let leads_away = |inside: Vector| {
+        for inside in [Some(corners[(side + 2) % 3]), self.surface.opposite(triangle, side)].into_iter().flatten() {
             let away = inside - from;
-            out.dot(unit(away - along * along.dot(away))) <= OUTSIDE
-        };
-        leads_away(corners[(side + 2) % 3]) && self.surface.opposite(triangle, side).is_none_or(leads_away)
+            visit(unit(away - along * along.dot(away)));
+        }
     }
 
     /// Puts hits of a part together and shows the few that hold as all of them would.

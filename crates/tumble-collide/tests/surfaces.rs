@@ -73,7 +73,7 @@ fn nearest(found: &[(u32, Manifold<f64>)]) -> Option<f64> {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig { max_shrink_iters: 0, ..ProptestConfig::with_cases(20_000) })]
+    #![proptest_config(ProptestConfig::with_cases(20_000))]
 
     /// Moved to just above its surface, or just into it, a shape touches a closed surface as it touches the hull that it bounds.
     #[test]
