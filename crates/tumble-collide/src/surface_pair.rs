@@ -58,6 +58,8 @@ struct Over<'a, S> {
     layer: f64,
     margin: f64,
     hits: Vec<Hit>,
+    /// Where no other triangle holds: how far the shape is over the plane of the one that is left the soonest, and its points there.
+    spare: Option<(f64, Vec<Hit>)>,
 }
 
 /// Shows the manifolds of a surface and a convex shape, from the former to the latter, each with the number of the part of the surface it belongs to.
@@ -76,8 +78,11 @@ pub(crate) fn surface_and_convex<R: Scalar>(
     let (ground, body) = (wide_placement(surface_at), wide_placement(at));
     let orientation = (ground.orientation.conjugate() * body.orientation).normalize();
     let at = Placement { position: ground.to_local(body.position), orientation };
-    let mut over = Over { surface, shape, at, layer, margin: margin.into(), hits: Vec::new() };
+    let mut over = Over { surface, shape, at, layer, margin: margin.into(), hits: Vec::new(), spare: None };
     over.find();
+    if let (true, Some((_, spare))) = (over.hits.is_empty(), over.spare.take()) {
+        over.hits = spare;
+    }
     over.collect(&mut |part, manifold| {
         let manifold =
             manifold.seen(|point| surface_at.to_world(narrow(point)), |v| surface_at.orientation.rotate(narrow(v)));
@@ -178,7 +183,10 @@ impl<S: Surface> Over<'_, S> {
         let lead = if self.layer > 0.0 { OUTSIDE * OUTSIDE } else { FACE_LEAD };
         let as_short = |approach: &Approach| approach.between >= found.between - lead;
         let mut ways = [settled, *found].into_iter().chain(at_border);
-        let Some(way) = ways.find(|way| as_short(way) && self.leads_away(triangle, place, way.normal)) else { return };
+        let Some(way) = ways.find(|way| as_short(way) && self.leads_away(triangle, place, way.normal)) else {
+            self.keep_spare(triangle, shapes, found);
+            return;
+        };
         let manifold = manifold_of(shapes, &way, [0.0, self.layer], self.margin);
         let (normal, carried) = (manifold.normal, manifold.carried);
         let hit = |point: &ContactPoint<f64>| Hit {
@@ -189,6 +197,20 @@ impl<S: Surface> Over<'_, S> {
             beside: Some(place.beside),
         };
         self.hits.extend(manifold.points().iter().map(hit));
+    }
+
+    /// Keeps the way out through a triangle whose own shortest way is not one.
+    fn keep_spare(&mut self, triangle: u32, shapes: &Difference<'_>, found: &Approach) {
+        let normal = self.surface.normal(triangle);
+        let between = shapes.separation(normal);
+        if found.between > 0.0 || self.spare.as_ref().is_some_and(|(most, _)| between <= *most) {
+            return;
+        }
+        let manifold = manifold_of(shapes, &Approach { normal, between, ..*found }, [0.0, self.layer], self.margin);
+        let part = self.surface.patches().of_triangle(triangle);
+        let carried = manifold.carried;
+        let hit = |point: &ContactPoint<f64>| Hit { part, normal, point: *point, carried, beside: None };
+        self.spare = Some((between, manifold.points().iter().map(hit).collect()));
     }
 
     /// The side or corner that an approach goes out from, unless it goes out from the face or nothing sticks out there.
