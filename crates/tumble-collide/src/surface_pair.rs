@@ -199,9 +199,10 @@ impl<S: Surface> Over<'_, S> {
         self.hits.extend(manifold.points().iter().map(hit));
     }
 
-    /// Keeps the way out through a triangle whose own shortest way is not one.
+    /// Keeps a way out of a triangle whose own shortest way leads along the surface: that where it is short, or else through the face.
     fn keep_spare(&mut self, triangle: u32, shapes: &Difference<'_>, found: &Approach) {
-        let normal = self.surface.normal(triangle);
+        let is_shallow = found.between >= self.layer - SHALLOW * self.margin;
+        let normal = if is_shallow { found.normal } else { self.surface.normal(triangle) };
         let between = shapes.separation(normal);
         if found.between > 0.0 || self.spare.as_ref().is_some_and(|(most, _)| between <= *most) {
             return;
