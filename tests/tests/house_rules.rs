@@ -36,7 +36,7 @@ const RULES: [Rule; 10] = [
         members: &["tumble", "tumble-scene"],
         outside: Some(&["clap", "gif", "hecs", "macroquad", "png", "thiserror"]),
     },
-    Rule { member: "benches", members: &["tumble", "tumble-math", "tumble-scene"], outside: None },
+    Rule { member: "benches", members: &["tumble", "tumble-collide", "tumble-math", "tumble-scene"], outside: None },
     Rule { member: "examples/docking", members: &["tumble"], outside: Some(&["hecs", "macroquad"]) },
     Rule { member: "tests", members: &["tumble", "tumble-benches", "tumble-math", "tumble-scene"], outside: None },
 ];

@@ -187,7 +187,6 @@ fn what_is_not_simulated_is_named() {
     for part in [
         "joints are read and not simulated (1): nodes[20] \"hinge\"",
         "triggers are read and notice nothing (1): nodes[19] \"door\"",
-        "colliders are read and kept, nothing collides (13): nodes[0] \"ground\"",
         "animations are not played, physics moves (3): nodes[3] \"dumbbell\"",
         "meshes without physics are not part of the scene (1): nodes[21] \"picture\"",
         "extensions that are not read: KHR_lights_punctual",

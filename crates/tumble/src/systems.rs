@@ -107,6 +107,9 @@ pub(crate) fn integrate_coupled(
         Integrator::SemiImplicitEuler => (h, None),
         Integrator::RungeKutta4 | Integrator::MoserVeselov => (h * 0.5, Some(h * 0.5)),
     };
+    if let Some(contacts) = &mut coupling.contacts {
+        contacts.begin_step();
+    }
     for substep in 0..settings.substeps {
         if let Some(pairs) = &mut coupling.pairs {
             pairs.kick(world, before, h);

@@ -6,7 +6,9 @@ use tumble_math::lane::{Quat, Vec3};
 
 use super::collider::{Collider, Groups};
 use super::contact::Contact;
+use super::keeping::Past;
 use super::materials::Materials;
+use super::names::Names;
 use super::narrow::{Kind, Pairs, Shapes};
 use super::solver::{Pass, Solver};
 use super::solver_bodies::SolverBodies;
@@ -16,7 +18,7 @@ use crate::force_laws::ForceLaws;
 use crate::integrators::Forces;
 use crate::law_forces::LawForces;
 use crate::math::{Real, Vec3 as WorldVec3};
-use crate::members::{Key, Members};
+use crate::members::Members;
 use crate::settings::Settings;
 use crate::state::{Constants, Force};
 use crate::surroundings::Surroundings;
@@ -27,13 +29,14 @@ const MARGIN: Real = 0.02;
 /// The contacts of a world: what they were at the end of the last step is where the next begins.
 #[derive(Clone, Default)]
 pub(crate) struct Contacts {
-    members: Members,
-    /// What the slots of the last step's contacts stood for.
-    keys: Vec<Key>,
+    pub(super) members: Members,
+    /// Who the slots of the last step's contacts stood for.
+    pub(super) names: Names,
+    pub(super) past: Past,
     /// By slot.
-    colliders: Vec<Option<(Collider, WorldVec3)>>,
+    pub(super) colliders: Vec<Option<(Collider, WorldVec3)>>,
     groups: Vec<Groups>,
-    shapes: Vec<Shape>,
+    pub(super) shapes: Vec<Shape>,
     /// By slot: its row among the solver's bodies, if it touches anything.
     rows: Vec<u32>,
     broad_phase: BroadPhase<Real>,
@@ -45,15 +48,15 @@ pub(crate) struct Contacts {
     others: Vec<[u32; 2]>,
     materials: Materials,
     /// In the order of their keys.
-    contacts: Vec<Contact>,
-    last: Vec<Contact>,
+    pub(super) contacts: Vec<Contact>,
+    pub(super) last: Vec<Contact>,
     bodies: SolverBodies,
     solver: Solver,
 }
 
 /// Where a body with a collider is at the start of a step.
 #[derive(Clone, Copy)]
-struct Shape {
+pub(super) struct Shape {
     placement: Placement<Real>,
     /// Centre of mass \[m\].
     center: Vec3<Real>,
@@ -93,59 +96,32 @@ impl Contacts {
         });
         self.materials
             .list(self.colliders.iter().map(|collider| collider.as_ref().map(|(collider, _)| collider.material())));
-        let groups =
-            |collider: &Option<(Collider, _)>| collider.as_ref().map_or(Groups::ALL, |(c, _)| c.filter_groups());
-        let groups: Vec<Groups> = self.colliders.iter().map(groups).collect();
-        if groups != self.groups {
+        let of = |collider: &Option<(Collider, _)>| collider.as_ref().map_or(Groups::ALL, |(it, _)| it.filter_groups());
+        if !self.colliders.iter().map(of).eq(self.groups.iter().copied()) {
             // Who touches whom is asked once.
             self.broad_phase.reset();
-            self.groups = groups;
+            self.groups.clear();
+            self.groups.extend(self.colliders.iter().map(of));
         }
-        self.renumber();
-    }
-
-    /// Gives the contacts that there were the slots that their bodies have now, and drops those of bodies that are gone.
-    fn renumber(&mut self) {
-        let (members, count) = (&self.members, self.members.len());
-        let now = |slot: usize| members.key(slot);
-        if self.keys.len() == count && self.keys.iter().enumerate().all(|(slot, key)| *key == now(slot)) {
-            return;
-        }
-        self.broad_phase.reset();
-        let (mut slots, mut slot) = (vec![NONE; self.keys.len()], 0);
-        for (old, key) in self.keys.iter().enumerate() {
-            while slot < count && now(slot) < *key {
-                slot += 1;
-            }
-            if slot < count && now(slot) == *key {
-                slots[old] = slot as u32;
-            }
-        }
-        self.contacts.retain_mut(|contact| {
-            contact.slots = contact.slots.map(|old| slots[old as usize]);
-            !contact.slots.contains(&NONE)
-        });
-        self.keys.clear();
-        self.keys.extend((0..count).map(|slot| self.members.key(slot)));
+        self.renumber(world);
     }
 
     /// Works out where what touches something will be after one substep of the settings, starting from the world as it is.
     pub(crate) fn solve(&mut self, world: &World, settings: &Settings, laws: &ForceLaws, time: f64) {
-        let interval = settings.substep();
-        let substeps = settings.contact_substeps.div_ceil(settings.substeps).max(1);
-        let h = interval / substeps as Real;
+        let (substeps, h) = (settings.contact_substeps_each(), settings.contact_substep());
         self.look(world);
         self.find_contacts();
         self.gather(world, settings, laws, (time, h));
         let Self { contacts, bodies, solver, rows, .. } = self;
         solver.lay_out(contacts, |contact| contact.slots.map(|slot| rows[slot as usize]), bodies);
-        solver.prepare(contacts, bodies, MARGIN);
+        bodies.with_poses(|bodies, poses| solver.run(Pass::Prepare(contacts, poses, MARGIN), bodies));
         for _ in 0..substeps {
-            bodies.kick();
-            solver.run(Pass::WarmStart, bodies);
+            // Before the impulses of the last step act: bodies that those push together have not come together, and to bounce them would make energy.
             if solver.bounces() {
                 solver.run(Pass::NoteApproach, bodies);
             }
+            bodies.kick();
+            solver.run(Pass::WarmStart, bodies);
             solver.run(Pass::Biased(h), bodies);
             bodies.drift(h);
             solver.run(Pass::Relax(h), bodies);
@@ -236,6 +212,7 @@ impl Contacts {
     /// The contacts there are, beginning with the impulses of those that there were.
     fn find_contacts(&mut self) {
         self.find_near();
+        self.keep_the_past();
         std::mem::swap(&mut self.contacts, &mut self.last);
         let Self { shapes, lanes, cuboids, balls, others, contacts, .. } = self;
         contacts.clear();
@@ -293,6 +270,15 @@ impl Shape {
         let nowhere = Some(Bounds::about(Vec3::splat(Real::NAN), Vec3::zero()));
         let bounds = collider.map_or(nowhere, |(collider, _)| collider.geometry.bounds(&self.placement, 0.5 * MARGIN));
         Proxy { bounds, moves: self.moves }
+    }
+
+    /// Known by its centre of mass alone.
+    pub(super) fn at_center([x, y, z]: [Real; 3]) -> Self {
+        Self { center: Vec3::new(x, y, z), ..Self::NOWHERE }
+    }
+
+    pub(super) fn center(&self) -> [Real; 3] {
+        [self.center.x, self.center.y, self.center.z]
     }
 
     const NOWHERE: Self = {
