@@ -55,7 +55,7 @@ fn run(world: &mut World, steps: u32, mut look: impl FnMut(&World)) {
     }
 }
 
-/// Flat ground of triangles, two metres of them a side in squares of a fifth of a metre with diagonals this way and that.
+/// Flat ground of triangles, eight metres a side: squares of a fifth of a metre with diagonals this way and that.
 fn tiles() -> Collider {
     let count = 40;
     let corner = |i: u32, j: u32| j * (count + 1) + i;
@@ -81,14 +81,13 @@ fn around(axis: Vec3, angle: f64) -> Quat {
     Quat::from_axis_angle(axis, angle as Real)
 }
 
-/// What lies on flat ground stays where it is: half a minute's sum of all motion is what soft contacts need to take the weight.
+/// What lies on flat ground stays where it is, for ten seconds after two in which soft contacts take the weight.
 #[test]
 fn every_shape_rests_on_every_ground() {
     let lying = around(Vec3::X, FRAC_PI_2);
     let upright = Quat::IDENTITY;
     let grounds = [Collider::half_space(), tiles(), level_field()];
     let top = Collider::new(&Shape::cuboid([3.0, 1.0, 3.0])).unwrap();
-    let octahedron = [DVec3::X, DVec3::Y, DVec3::Z].into_iter().flat_map(|axis| [axis * 0.4, axis * -0.4]);
     let slab: Vec<DVec3> = (0..8)
         .map(|i| {
             DVec3::new(
@@ -98,7 +97,6 @@ fn every_shape_rests_on_every_ground() {
             )
         })
         .collect();
-    assert!(Collider::convex_hull(octahedron).is_ok());
     for (ground, y) in grounds.into_iter().map(|ground| (ground, 0.0)).chain([(top, -1.0)]) {
         let mut world = World::new();
         fixed(&mut world, ground.clone(), Vec3::Y * y);
@@ -134,7 +132,7 @@ fn every_shape_rests_on_every_ground() {
     }
 }
 
-/// A ball and a box that slide without friction over flat ground of many triangles keep their height and speed; a rolling ball has no bumps either.
+/// A ball and a box that slide without friction over flat ground of many triangles keep their height and speed, and a capsule its height.
 #[test]
 fn nothing_stumbles_over_inner_edges() {
     for ground in [tiles(), level_field()] {
@@ -169,7 +167,7 @@ fn nothing_stumbles_over_inner_edges() {
     }
 }
 
-/// A cylinder, a cylinder of many more points, and a capsule roll on as they began: `v = w r`, no height lost or gained.
+/// A cylinder and a capsule roll on as they began: `v = w r`, no height lost or gained.
 #[test]
 fn what_is_round_rolls() {
     for ground in [Collider::half_space(), Collider::new(&Shape::cuboid([8.0, 1.0, 3.0])).unwrap()] {

@@ -13,7 +13,7 @@ use crate::scalar::Scalar;
 
 /// A face is taken for a direction between edges that separates by no more than this \[m\]: it holds a body better, and a choice that changes back and forth
 /// holds it worst.
-const FACE_LEAD: f64 = 5e-4;
+pub(crate) const FACE_LEAD: f64 = 5e-4;
 /// Where something is round, by no more than what its direction is uncertain by.
 const ROUND_LEAD: f64 = 1e-7;
 
@@ -29,7 +29,7 @@ pub(crate) struct Approach {
 }
 
 /// How two shapes are to each other, unless what is inside their layers is further apart than `limit`, or nothing is finite.
-pub(crate) fn approach(shapes: &Difference<'_>, limit: f64, is_rounded: bool) -> Option<Approach> {
+pub(crate) fn approach(shapes: &Difference<'_>, limit: f64) -> Option<Approach> {
     let found = match nearest(shapes, limit) {
         Nearest::Far => return None,
         Nearest::Apart { between, on_first } => {
@@ -45,7 +45,7 @@ pub(crate) fn approach(shapes: &Difference<'_>, limit: f64, is_rounded: bool) ->
         },
     };
     let is_finite = found.between < limit && found.normal.dot(found.normal) > 0.5;
-    is_finite.then(|| if is_rounded { found } else { with_faces_first(shapes, found) })
+    is_finite.then_some(found)
 }
 
 /// Shapes whose difference has no volume: a point in a triangle, or edges that cross.
@@ -57,7 +57,7 @@ fn flat(shapes: &Difference<'_>) -> Approach {
 }
 
 /// Along the normal of a face of either where that is as good.
-fn with_faces_first(shapes: &Difference<'_>, found: Approach) -> Approach {
+pub(crate) fn with_faces_first(shapes: &Difference<'_>, found: &Approach) -> Approach {
     let faceted = shapes.first.is_faceted() && shapes.second.is_faceted();
     let lead = if faceted { FACE_LEAD } else { ROUND_LEAD };
     let of_first = shapes.first.face_normal(found.normal);
@@ -71,7 +71,7 @@ fn with_faces_first(shapes: &Difference<'_>, found: Approach) -> Approach {
         }
     }
     let taken = separations.into_iter().flatten().find(|(_, separation)| *separation >= best - lead);
-    taken.map_or(found, |(normal, between)| Approach { normal, between, ..found })
+    taken.map_or(*found, |(normal, between)| Approach { normal, between, ..*found })
 }
 
 /// A placement in double precision.
@@ -117,8 +117,9 @@ pub(crate) fn convex_and_convex<R: Scalar>(
     let found = Convex::of(first).zip(Convex::of(second)).and_then(|((first, layer_1), (second, layer_2))| {
         let shapes = difference(first, &wide_placement(first_at), second, &wide_placement(second_at))?;
         let (layers, margin) = ([layer_1, layer_2], margin.into());
-        let is_rounded = layer_1 + layer_2 > 0.0;
-        let found = approach(&shapes, margin + layer_1 + layer_2, is_rounded)?;
+        let found = approach(&shapes, margin + layer_1 + layer_2)?;
+        // What has a layer around it is round at its edges.
+        let found = if layer_1 + layer_2 > 0.0 { found } else { with_faces_first(&shapes, &found) };
         Some(manifold_of(&shapes, &found, layers, margin))
     });
     found.map_or(Manifold::none(), |manifold| {

@@ -15,7 +15,7 @@ pub(crate) struct Penetration {
 }
 
 /// Polyhedra end by themselves after a few dozen points; round shapes are as round as can be told after this many.
-const MOST_POINTS: usize = 128;
+const MOST_POINTS: usize = 256;
 /// Part of what the difference reaches that a point must add to the polyhedron to be worth it. The normal of round shapes is good to its square root.
 const GAIN: f64 = 1e-11;
 /// Part of it that is flat.

@@ -124,6 +124,13 @@ impl Simplex {
             }
         }
         *self = left;
+        if let [a, b, c, ..] = left.corners.map(|(reached, _)| reached.point)
+            && left.len == 3
+        {
+            // The foot of the origin on the plane, which the weights give with fewer digits.
+            let normal = (b - a).cross(c - a);
+            sum = normal * (normal.dot(a) / normal.dot(normal));
+        }
         sum
     }
 }
@@ -152,7 +159,11 @@ pub(crate) fn on_triangle([a, b, c]: [Vector; 3]) -> [f64; 3] {
     if d3 >= 0.0 && d4 <= d3 {
         return [0.0, 1.0, 0.0];
     }
-    let vc = d1 * d4 - d3 * d2;
+    // Twice the areas that the origin's foot makes with two corners, times that of all three: products of differences, that lose fewer digits of thin triangles
+    // than those of the products above.
+    let normal = ab.cross(ac);
+    let area = |from: Vector, to: Vector| normal.dot(from.cross(to - from));
+    let vc = area(a, b);
     if vc <= 0.0 && d1 >= 0.0 && d3 <= 0.0 {
         let [first, second] = on_segment(a, b);
         return [first, second, 0.0];
@@ -161,12 +172,12 @@ pub(crate) fn on_triangle([a, b, c]: [Vector; 3]) -> [f64; 3] {
     if d6 >= 0.0 && d5 <= d6 {
         return [0.0, 0.0, 1.0];
     }
-    let vb = d5 * d2 - d1 * d6;
+    let vb = area(c, a);
     if vb <= 0.0 && d2 >= 0.0 && d6 <= 0.0 {
         let [first, second] = on_segment(a, c);
         return [first, 0.0, second];
     }
-    let va = d3 * d6 - d5 * d4;
+    let va = area(b, c);
     let sum = va + vb + vc;
     if (va <= 0.0 && d4 >= d3 && d5 >= d6) || sum <= 0.0 {
         let [first, second] = on_segment(b, c);

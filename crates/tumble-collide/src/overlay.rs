@@ -27,7 +27,7 @@ const EDGE_ON: f64 = 0.05;
 /// Edges at a smaller sine of the angle between them are parallel, and touch along their length.
 const PARALLEL: f64 = 0.01;
 /// A point found here is as near as any if it is within this part of the margin of the least separation there is.
-const AS_NEAR: f64 = 0.005;
+pub(crate) const AS_NEAR: f64 = 0.005;
 /// A point no further than this \[m\] beyond a side is on it: between two faces there is no gap.
 const ON_THE_SIDE: f64 = 1e-9;
 /// What belongs to the piece that cuts has this bit.

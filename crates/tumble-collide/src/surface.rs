@@ -49,15 +49,16 @@ pub(crate) struct Patches {
     /// By triangle, the number of the flat piece it is in.
     patch: Vec<u32>,
     count: u32,
-    /// By triangle, a bit for each side that sticks out, and one more if any does that has a corner in common.
+    /// By triangle, a bit for each side that sticks out, and one for each corner with such a side.
     edges: Vec<u8>,
 }
 
 /// Normals whose scalar product is less than one by no more than this belong to one flat piece: half a thousandth of a radian.
 const ONE_PLANE: f64 = 1e-7;
-/// Sine of the least angle by which a side sticks out; what is less is as good as flat.
-const STICKS_OUT: f64 = 0.01;
-const NEAR_AN_EDGE: u8 = 8;
+/// Sine of the least angle by which a side sticks out: what lies between the normals of two triangles has to be held by the side, however little that is.
+const STICKS_OUT: f64 = 1e-9;
+/// The bit of the first corner.
+const CORNER: u32 = 4;
 
 impl Patches {
     pub(crate) fn of(surface: &impl Surface) -> Self {
@@ -96,8 +97,8 @@ impl Patches {
         }
         sharp_corners.sort_unstable();
         for (triangle, edges) in (0..).zip(&mut self.edges) {
-            if surface.corners(triangle).iter().any(|corner| sharp_corners.binary_search(corner).is_ok()) {
-                *edges |= NEAR_AN_EDGE;
+            for (bit, corner) in (CORNER..).zip(surface.corners(triangle)) {
+                *edges |= u8::from(sharp_corners.binary_search(&corner).is_ok()) << bit;
             }
         }
     }
@@ -116,7 +117,12 @@ impl Patches {
 
     /// Whether anything of a triangle sticks out.
     pub(crate) fn has_edge(&self, triangle: u32) -> bool {
-        self.edges[triangle as usize] & NEAR_AN_EDGE != 0
+        self.edges[triangle as usize] != 0
+    }
+
+    /// Whether a side at a corner sticks out, of this triangle or another.
+    pub(crate) fn is_sharp(&self, triangle: u32, corner: usize) -> bool {
+        u32::from(self.edges[triangle as usize]) >> (CORNER + corner as u32) & 1 == 1
     }
 }
 

@@ -5,26 +5,26 @@
 
 use crate::bounds::Bounds;
 use crate::convex::{Convex, Vector, narrow, unit};
-use crate::convex_pair::{Approach, approach, difference, manifold_of, wide_placement};
+use crate::convex_pair::{Approach, FACE_LEAD, approach, difference, manifold_of, wide_placement, with_faces_first};
 use crate::geometry::{Geometry, Placement};
 use crate::gjk::on_triangle;
 use crate::manifold::{ContactPoint, Manifold, Points};
 use crate::minkowski::Difference;
-use crate::overlay::{Overlay, is_corner_of_second, keep_nearest};
+use crate::overlay::{AS_NEAR, Overlay, is_corner_of_second, keep_nearest};
 use crate::reduction::reduce;
 use crate::scalar::Scalar;
 use crate::surface::Surface;
 
 /// Overlaps of no more than this part of the margin need no second look: the way out is the triangle's own.
 const SHALLOW: f64 = 0.05;
-/// A direction is over the face of a triangle when its cosine with the normal is less than one by no more than this.
-const OVER_THE_FACE: f64 = 1e-6;
 /// A direction may be outside of a Voronoi region by so much, for rounding, as a sine.
 const OUTSIDE: f64 = 1e-3;
+/// Cosine of directions that are the same to a face and to an edge of it: within a thousandth of a radian.
+const SAME: f64 = 1.0 - 5e-7;
+/// A direction is turned out of the way of each side at a corner in turn, so many times around.
+const TURNS: usize = 4;
 /// Weight of a corner in a point that is beside it.
 const BESIDE: f64 = 1e-6;
-/// Cosine of directions that are the same to a face and to an edge of it: within half a degree.
-const SAME: f64 = 0.99996;
 /// Points nearer to each other than this \[m\], squared, are one.
 const ONE_POINT: f64 = 1e-12;
 
@@ -39,6 +39,17 @@ struct Hit {
     beside: Option<[u32; 3]>,
 }
 
+/// A side or a corner of a triangle.
+#[derive(Clone, Copy, Debug)]
+struct Place {
+    part: u32,
+    /// Flat pieces there.
+    beside: [u32; 3],
+    /// The side, twice, or both sides of the corner.
+    sides: [usize; 2],
+    corner: usize,
+}
+
 /// A convex shape over a surface, seen from the surface.
 struct Over<'a, S> {
     surface: &'a S,
@@ -47,6 +58,8 @@ struct Over<'a, S> {
     layer: f64,
     margin: f64,
     hits: Vec<Hit>,
+    /// Where no other triangle holds: how far the shape is over the plane of the one that is left the soonest, and its points there.
+    spare: Option<(f64, Vec<Hit>)>,
 }
 
 /// Shows the manifolds of a surface and a convex shape, from the former to the latter, each with the number of the part of the surface it belongs to.
@@ -65,8 +78,11 @@ pub(crate) fn surface_and_convex<R: Scalar>(
     let (ground, body) = (wide_placement(surface_at), wide_placement(at));
     let orientation = (ground.orientation.conjugate() * body.orientation).normalize();
     let at = Placement { position: ground.to_local(body.position), orientation };
-    let mut over = Over { surface, shape, at, layer, margin: margin.into(), hits: Vec::new() };
+    let mut over = Over { surface, shape, at, layer, margin: margin.into(), hits: Vec::new(), spare: None };
     over.find();
+    if let (true, Some((_, spare))) = (over.hits.is_empty(), over.spare.take()) {
+        over.hits = spare;
+    }
     over.collect(&mut |part, manifold| {
         let manifold =
             manifold.seen(|point| surface_at.to_world(narrow(point)), |v| surface_at.orientation.rotate(narrow(v)));
@@ -112,20 +128,24 @@ impl<S: Surface> Over<'_, S> {
         };
         let over_face = self.over_face(triangle, &shapes, normal, depth);
         let least = over_face.iter().fold(f64::INFINITY, |least, hit| f64::min(least, hit.point.separation));
-        let all_of_it = least <= depth + SHALLOW * self.margin;
+        let all_of_it = least <= depth + AS_NEAR * self.margin;
         if !self.surface.patches().has_edge(triangle) || all_of_it && depth >= -SHALLOW * self.margin {
             self.hits.extend(over_face);
             return;
         }
-        match approach(&shapes, self.margin + self.layer, self.layer > 0.0) {
-            Some(found) if found.between - self.layer <= depth + SHALLOW * self.margin && all_of_it => {
+        match approach(&shapes, self.margin + self.layer) {
+            Some(found) if found.between - self.layer <= depth + AS_NEAR * self.margin && all_of_it => {
                 self.hits.extend(over_face);
             }
-            Some(found) => match self.edge(triangle, &found) {
-                Some((part, beside)) => self.over_edge(part, beside, &shapes, &found),
-                None => self.hits.extend(over_face),
+            // What a side or a corner does not hold, a neighbour does.
+            Some(found) => match self.place(triangle, &found) {
+                Some(place) => self.over_edge(triangle, &place, &shapes, &found),
+                // Over the triangle's plane but beside the triangle nothing is nearer than the triangle itself.
+                None => self.hits.extend(over_face.into_iter().filter(|hit| {
+                    found.between <= 0.0 || hit.point.separation >= found.between - self.layer - FACE_LEAD
+                })),
             },
-            None => self.hits.extend(over_face),
+            None => {}
         }
     }
 
@@ -146,78 +166,139 @@ impl<S: Surface> Over<'_, S> {
         points.into_iter().map(hit).collect()
     }
 
-    /// Points over a side or a corner.
-    fn over_edge(&mut self, part: u32, beside: [u32; 3], shapes: &Difference<'_>, found: &Approach) {
-        let manifold = manifold_of(shapes, found, [0.0, self.layer], self.margin);
+    /// Points over the side or the corner that an approach goes out from, if it may.
+    fn over_edge(&mut self, triangle: u32, place: &Place, shapes: &Difference<'_>, found: &Approach) {
+        let surface = self.surface;
+        let settled = if self.layer > 0.0 { *found } else { with_faces_first(shapes, found) };
+        // Where they overlap, what is shortest for a triangle alone may lie outside of the region: then some direction at its border is nearly as short.
+        let across = |side: usize| surface.across(triangle, side).map(|other| surface.normal(other));
+        let borders = [Some(surface.normal(triangle)), across(place.sides[0]), across(place.sides[1])];
+        let led_away = self.led_away(triangle, place, found.normal);
+        let at_border = [Some(led_away)].into_iter().chain(borders).flatten().map(|normal| Approach {
+            normal,
+            between: shapes.separation(normal),
+            ..*found
+        });
+        // A direction from a ball's centre is as good as can be.
+        let lead = if self.layer > 0.0 { OUTSIDE * OUTSIDE } else { FACE_LEAD };
+        let as_short = |approach: &Approach| approach.between >= found.between - lead;
+        let mut ways = [settled, *found].into_iter().chain(at_border);
+        let Some(way) = ways.find(|way| as_short(way) && self.leads_away(triangle, place, way.normal)) else {
+            self.keep_spare(triangle, shapes, found);
+            return;
+        };
+        let manifold = manifold_of(shapes, &way, [0.0, self.layer], self.margin);
         let (normal, carried) = (manifold.normal, manifold.carried);
-        let hits =
-            manifold.points().iter().map(|point| Hit { part, normal, point: *point, carried, beside: Some(beside) });
-        self.hits.extend(hits);
+        let hit = |point: &ContactPoint<f64>| Hit {
+            part: place.part,
+            normal,
+            point: *point,
+            carried,
+            beside: Some(place.beside),
+        };
+        self.hits.extend(manifold.points().iter().map(hit));
     }
 
-    /// The number of the side or corner that an approach goes out from, if it lies in its Voronoi region, and the flat pieces beside it.
-    fn edge(&self, triangle: u32, found: &Approach) -> Option<(u32, [u32; 3])> {
+    /// Keeps a way out of a triangle whose own shortest way leads along the surface: that where it is short, or else through the face.
+    fn keep_spare(&mut self, triangle: u32, shapes: &Difference<'_>, found: &Approach) {
+        let is_shallow = found.between >= self.layer - SHALLOW * self.margin;
+        let normal = if is_shallow { found.normal } else { self.surface.normal(triangle) };
+        let between = shapes.separation(normal);
+        if found.between > 0.0 || self.spare.as_ref().is_some_and(|(most, _)| between <= *most) {
+            return;
+        }
+        let manifold = manifold_of(shapes, &Approach { normal, between, ..*found }, [0.0, self.layer], self.margin);
+        let part = self.surface.patches().of_triangle(triangle);
+        let carried = manifold.carried;
+        let hit = |point: &ContactPoint<f64>| Hit { part, normal, point: *point, carried, beside: None };
+        self.spare = Some((between, manifold.points().iter().map(hit).collect()));
+    }
+
+    /// The side or corner that an approach goes out from, unless it goes out from the face or nothing sticks out there.
+    fn place(&self, triangle: u32, found: &Approach) -> Option<Place> {
         let (surface, patches) = (self.surface, self.surface.patches());
+        let across = |side| surface.across(triangle, side).map_or(u32::MAX, |other| patches.of_triangle(other));
+        let own = patches.of_triangle(triangle);
         let corners = surface.triangle(triangle);
-        let normal = surface.normal(triangle);
-        let out = found.normal;
-        if out.dot(normal) > 1.0 - OVER_THE_FACE || out.dot(normal) < -OUTSIDE {
+        let near = if found.between > 0.0 {
+            on_triangle(corners.map(|corner| corner - found.on_first)).map(|weight| weight > BESIDE)
+        } else {
+            furthest(corners, found.normal)
+        };
+        let corner = near.iter().position(|near| *near)?;
+        let sides = match near {
+            [true, true, true] => return None,
+            [true, true, false] => [0; 2],
+            [false, true, true] => [1; 2],
+            [true, false, true] => [2; 2],
+            _ => [corner, (corner + 2) % 3],
+        };
+        let is_corner = sides[0] != sides[1];
+        let is_sharp = if is_corner { patches.is_sharp(triangle, corner) } else { patches.is_edge(triangle, sides[0]) };
+        if !is_sharp {
             return None;
         }
-        let weights = on_triangle(corners.map(|corner| corner - found.on_first));
-        let numbers = surface.corners(triangle);
-        let patch_across = |side| surface.across(triangle, side).map_or(u32::MAX, |other| patches.of_triangle(other));
-        let own = patches.of_triangle(triangle);
-        let sides = patches.count();
-        match weights.map(|weight| weight > BESIDE) {
-            [true, true, true] => None,
-            [a, b, c] if usize::from(a) + usize::from(b) + usize::from(c) == 2 => {
-                let side = if !c {
-                    0
-                } else if !a {
-                    1
-                } else {
-                    2
-                };
-                let is_in = patches.is_edge(triangle, side) && self.is_beside(triangle, side, out);
-                let number = 3 * triangle + side as u32;
-                let other = surface.across(triangle, side).and_then(|other| {
-                    (0..3)
-                        .find(|back| surface.across(other, *back) == Some(triangle))
-                        .map(|back| 3 * other + back as u32)
-                });
-                let number = other.map_or(number, |other| other.min(number));
-                is_in.then_some((sides + number, [own, patch_across(side), u32::MAX]))
-            }
-            [a, b, _] => {
-                let corner = if a {
-                    0
-                } else if b {
-                    1
-                } else {
-                    2
-                };
-                let mut is_in = true;
-                surface.around(numbers[corner], &mut |end| {
-                    let along = unit(surface.point(end) - corners[corner]);
-                    is_in &= out.dot(along) <= OUTSIDE;
-                });
-                let number = sides + 3 * surface.count() + numbers[corner];
-                is_in.then_some((number, [own, patch_across(corner), patch_across((corner + 2) % 3)]))
-            }
-        }
+        let beside = [own, across(sides[0]), across(sides[1])];
+        let part = patches.count()
+            + if is_corner {
+                3 * surface.count() + surface.corners(triangle)[corner]
+            } else {
+                self.side_number(triangle, sides[0])
+            };
+        Some(Place { part, beside, sides, corner })
     }
 
-    /// Whether a direction out of a side leads away from both triangles there.
-    fn is_beside(&self, triangle: u32, side: usize, out: Vector) -> bool {
+    /// The same from both triangles of a side.
+    fn side_number(&self, triangle: u32, side: usize) -> u32 {
+        let own = 3 * triangle + side as u32;
+        let Some(other) = self.surface.across(triangle, side) else { return own };
+        let back = (0..3).find(|back| self.surface.across(other, *back) == Some(triangle));
+        back.map_or(own, |back| own.min(3 * other + back as u32))
+    }
+
+    /// Whether a direction out of a side or corner leads away from all of the surface there, to the outside.
+    fn leads_away(&self, triangle: u32, place: &Place, out: Vector) -> bool {
+        let [side, other] = place.sides;
+        // Over a sharp edge it may look away from one of both faces.
+        let looks_out = |normal: Vector| out.dot(normal) >= -OUTSIDE;
+        let beyond =
+            |side| self.surface.across(triangle, side).is_some_and(|next| looks_out(self.surface.normal(next)));
+        let mut is_away = looks_out(self.surface.normal(triangle)) || beyond(side) || beyond(other);
+        self.inwards(triangle, place, &mut |inwards| is_away &= out.dot(inwards) <= OUTSIDE);
+        is_away
+    }
+
+    /// A direction out of a side or corner, turned until it leads away from all of the surface there, if that is not far.
+    fn led_away(&self, triangle: u32, place: &Place, out: Vector) -> Vector {
+        let mut led = out;
+        for _ in 0..TURNS {
+            self.inwards(triangle, place, &mut |inwards| {
+                let along = led.dot(inwards);
+                if along > 0.0 {
+                    led = led - inwards * along;
+                }
+            });
+        }
+        unit(led)
+    }
+
+    /// Shows unit vectors from a side, along both triangles and across it, or from a corner along all sides.
+    fn inwards(&self, triangle: u32, place: &Place, visit: &mut dyn FnMut(Vector)) {
         let corners = self.surface.triangle(triangle);
+        let [side, other] = place.sides;
+        if side != other {
+            let corner = corners[place.corner];
+            self.surface.around(self.surface.corners(triangle)[place.corner], &mut |end| {
+                visit(unit(self.surface.point(end) - corner));
+            });
+            return;
+        }
         let (from, to) = (corners[side], corners[(side + 1) % 3]);
         let along = unit(to - from);
-        let leads_away = |inside: Vector| {
+        for inside in [Some(corners[(side + 2) % 3]), self.surface.opposite(triangle, side)].into_iter().flatten() {
             let away = inside - from;
-            out.dot(unit(away - along * along.dot(away))) <= OUTSIDE
-        };
-        leads_away(corners[(side + 2) % 3]) && self.surface.opposite(triangle, side).is_none_or(leads_away)
+            visit(unit(away - along * along.dot(away)));
+        }
     }
 
     /// Puts hits of a part together and shows the few that hold as all of them would.
@@ -251,4 +332,18 @@ impl<S: Surface> Over<'_, S> {
             visit(hits[0].part, &Manifold::new(normal, carried, few));
         }
     }
+}
+
+/// Which corners of a triangle are furthest in a direction. (Of an overlap, where it is deepest is not as certain.)
+fn furthest(corners: [Vector; 3], direction: Vector) -> [bool; 3] {
+    let mut first = corners[0];
+    for corner in corners {
+        if direction.dot(corner - first) > 0.0 {
+            first = corner;
+        }
+    }
+    corners.map(|corner| {
+        let apart = first - corner;
+        direction.dot(apart) <= OUTSIDE * apart.dot(apart).sqrt()
+    })
 }

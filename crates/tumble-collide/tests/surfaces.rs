@@ -82,6 +82,8 @@ proptest! {
         let apart = least(&far).unwrap();
         let bt = Placement { position: bt.position + far.normal * (gap - apart), ..bt };
         let of_hull = collide(&hull, &at, &shape, &bt, MARGIN);
+        // What parted them along the normal may not have parted them; how deep it is in the solid no triangle knows.
+        prop_assume!(least(&of_hull).is_none_or(|separation| separation > -0.001));
         let of_mesh = all(&mesh, &at, &shape, &bt);
         match (least(&of_hull), nearest(&of_mesh)) {
             (Some(x), Some(y)) => prop_assert!((x - y).abs() < HYSTERESIS, "{x} of the hull, {y} of the surface"),
@@ -112,8 +114,7 @@ proptest! {
         let field = HeightField::new(vec![0.0; 225], 15, [0.4, 0.35]).unwrap();
         let ground = Placement::at(Vec3::new(0.1, 0.2, 0.3));
         let high = Placement { position: Vec3::new(place[0], 5.0, place[1]), orientation };
-        let below = collide(&Geometry::HalfSpace, &ground, &shape, &high, 10.0);
-        let height = least(&below).unwrap();
+        let height = shape.bounds(&high, 0.0).unwrap().low.y - ground.position.y;
         let at = Placement { position: high.position + Vec3::new(0.0, gap - height, 0.0), ..high };
         let plane = collide(&Geometry::HalfSpace, &ground, &shape, &at, MARGIN);
         let field = all(&Geometry::HeightField(Arc::new(field)), &ground, &shape, &at);
@@ -133,7 +134,8 @@ proptest! {
     fn a_ball_on_rough_ground_touches_the_nearest(heights in prop::collection::vec(-0.3..0.3_f64, 36), place in vector(-1.0..1.0), radius in 0.1..0.5) {
         let field = HeightField::new(&heights, 6, [0.5, 0.5]).unwrap();
         let (points, wide) = (field.points().to_vec(), field.columns());
-        let center = Vec3::new(place.x, 0.4 + 0.3 * place.y, place.z);
+        // Above all of the ground: of a ball whose centre is under it nothing is said.
+        let center = Vec3::new(place.x, 0.46 + 0.15 * place.y, place.z);
         let mut nearest_of_all = f64::INFINITY;
         for row in 0..wide - 1 {
             for column in 0..wide - 1 {
@@ -143,11 +145,6 @@ proptest! {
                 }
             }
         }
-        // Of a ball whose centre is under the surface nothing is said.
-        let column = ((center.x + 1.25) / 0.5) as usize;
-        let row = ((center.z + 1.25) / 0.5) as usize;
-        let cell = [0, 1, wide, wide + 1].map(|step| points[row * wide + column + step].y);
-        prop_assume!(cell.iter().all(|height| center.y > *height));
         let ball = Geometry::Ball { radius };
         let found = all(&Geometry::HeightField(Arc::new(field)), &Placement::at(Vec3::zero()), &ball, &Placement::at(center));
         match nearest(&found) {
