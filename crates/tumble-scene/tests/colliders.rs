@@ -92,7 +92,11 @@ fn what_cannot_be_is_refused_by_body_and_field() {
     let ball = r#""shape": { "sphere": { "radius": 1 } }, "mass": 1"#;
     let cases = [
         (format!(r#"{ball}, "collider": {{ "friction": -1 }}"#), "collider.friction", "must be zero or positive"),
-        (format!(r#"{ball}, "collider": {{ "restitution": 1.5 }}"#), "collider.restitution", "must be from 0 to 1, not 1.5"),
+        (
+            format!(r#"{ball}, "collider": {{ "restitution": 1.5 }}"#),
+            "collider.restitution",
+            "must be from 0 to 1, not 1.5",
+        ),
         (format!(r#"{ball}, "collider": {{ "static_friction": 1e999 }}"#), "collider.static_friction", ""),
         (format!(r#"{ball}, "collider": {{ "rolling_friction": -0.5 }}"#), "collider.rolling_friction", "not -0.5"),
         (
@@ -100,7 +104,11 @@ fn what_cannot_be_is_refused_by_body_and_field() {
             "collider.dynamic_friction",
             "friction is given too",
         ),
-        (format!(r#"{ball}, "collider": {{ "friction_combine": "mean" }}"#), "collider.friction_combine", "unknown variant"),
+        (
+            format!(r#"{ball}, "collider": {{ "friction_combine": "mean" }}"#),
+            "collider.friction_combine",
+            "unknown variant",
+        ),
         // The engine has torsion from the size of the patch that touches, and no coefficient of its own for it.
         (format!(r#"{ball}, "collider": {{ "spinning_friction": 0 }}"#), "collider.spinning_friction", "unknown field"),
         (r#""mass": 1, "collider": {}"#.to_owned(), "collider", "a point cannot be a collider"),
@@ -125,7 +133,9 @@ fn what_cannot_be_is_refused_by_body_and_field() {
         let place = format!("bad.json: body \"bad\" (bodies[0]), field {field}: ");
         assert!(error.starts_with(&place) && error.contains(problem), "{body}: {error}");
     }
-    for (setting, problem) in [("\"contact_substeps\": 0", "from 1 to 1000"), ("\"restitution_threshold\": -1", "zero or positive")] {
+    for (setting, problem) in
+        [("\"contact_substeps\": 0", "from 1 to 1000"), ("\"restitution_threshold\": -1", "zero or positive")]
+    {
         let error = Scene::from_json(&format!("{{ {setting} }}"), "bad.json").unwrap_err().to_string();
         assert!(error.contains(problem) && error.contains(setting.split('"').nth(1).unwrap()), "{error}");
     }
@@ -176,7 +186,11 @@ fn a_sweep_varies_surfaces_and_settings() {
     for (height, expected) in heights.iter().zip([0.0, 0.25, 1.0]) {
         assert!((height - expected).abs() < 0.01, "{heights:?}");
     }
-    for setting in ["contact_substeps=grid(1,8,2)", "restitution_threshold=grid(0,2,2)", "bodies.ground.shape.normal.0=grid(0,1,2)"] {
+    for setting in [
+        "contact_substeps=grid(1,8,2)",
+        "restitution_threshold=grid(0,2,2)",
+        "bodies.ground.shape.normal.0=grid(0,1,2)",
+    ] {
         let sweep = Sweep::new(plan(setting)).unwrap();
         let ends: Vec<_> = (0..2)
             .map(|world| {
@@ -210,18 +224,23 @@ fn node(name: &str, translation: [f64; 3], physics: &str) -> String {
 
 #[test]
 fn colliders_of_gltf_touch() {
-    let plane = node("floor", [0.0, 1.0, 0.0], r#""collider": { "geometry": { "shape": 0 } }"#);
+    let plane = |material: &str| {
+        let collider = format!(r#""collider": {{ "geometry": {{ "shape": 0 }} {material} }}"#);
+        node("floor", [0.0, 1.0, 0.0], &collider)
+    };
     let ball = |material: &str| {
-        let collider = format!(r#""motion": {{ "mass": 2 }}, "collider": {{ "geometry": {{ "shape": 1 }} {material} }}"#);
+        let collider =
+            format!(r#""motion": {{ "mass": 2 }}, "collider": {{ "geometry": {{ "shape": 1 }} {material} }}"#);
         node("ball", [0.0, 3.0, 0.0], &collider)
     };
-    let dull = gltf(&format!("{plane}, {}", ball("")));
+    let dull = gltf(&format!("{}, {}", plane(""), ball("")));
     assert_eq!(dull.looks().unwrap()[0], Looks::HalfSpace);
     assert!(dull.notices.is_empty(), "{:?}", dull.notices);
     let height = run(dull, 240)[1].y;
     assert!((height - 1.5).abs() < 2e-3, "{height}");
     // It falls for 0.553 s, and is near where it began after twice that.
-    let bouncing = gltf(&format!("{plane}, {}", ball(r#", "physicsMaterial": 0"#)));
+    let [plane, ball] = [plane(r#", "physicsMaterial": 0"#), ball(r#", "physicsMaterial": 0"#)];
+    let bouncing = gltf(&format!("{plane}, {ball}"));
     let mut world = World::new();
     bouncing.clone().spawn(&mut world).unwrap();
     let collider = *world.get::<&Collider>(BodyOrder::of(&world).entities()[1]).unwrap().material();
@@ -233,7 +252,8 @@ fn colliders_of_gltf_touch() {
 #[test]
 fn what_gltf_has_and_contacts_have_not_is_named() {
     let plate = node("plate", [0.0; 3], r#""collider": { "geometry": { "shape": 2 } }"#);
-    let filtered = node("shy", [0.0; 3], r#""motion": {}, "collider": { "geometry": { "shape": 1 }, "collisionFilter": 0 }"#);
+    let filtered =
+        node("shy", [0.0; 3], r#""motion": {}, "collider": { "geometry": { "shape": 1 }, "collisionFilter": 0 }"#);
     let notices = gltf(&format!("{plate}, {filtered}")).notices.join("\n");
     for part in [
         "has a plane that touches nothing: only an endless one that nothing carries does (1): nodes[0] \"plate\"",
