@@ -172,7 +172,7 @@ pub(crate) fn accumulate_forces_of(bodies: &mut Chunk<'_>, settings: &Settings) 
 
 impl Chunk<'_> {
     /// The force of gravity on a body \[N\].
-    fn gravity_on(&self, i: usize, settings: &Settings) -> Vec3 {
+    pub(crate) fn gravity_on(&self, i: usize, settings: &Settings) -> Vec3 {
         self.gravity(i, self.mass[i].kilograms(), splat(settings.gravity)).into()
     }
 }

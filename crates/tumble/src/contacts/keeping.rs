@@ -32,7 +32,9 @@ impl Contacts {
         let Self { members, names, contacts, past, .. } = self;
         past.parted.clear();
         past.is_next = true;
-        names.renew(world, members, contacts, &mut past.parted);
+        if names.renew(world, members, contacts, &mut past.parted) {
+            self.broad_phase.reset();
+        }
         if std::mem::take(&mut self.past.put_back) {
             let colliders = &self.colliders;
             for contact in &mut self.contacts {

@@ -59,14 +59,15 @@ impl Names {
         self.entity(slot) != Entity::DANGLING
     }
 
-    /// Gives contacts the slots that the names of their bodies have now, and drops those of bodies that are gone; `parted` are those of them that touched.
+    /// Gives contacts the slots that the names of their bodies have now, and drops those of bodies that are gone; `parted` are those of them that touched. Returns whether slots are
+    /// others than they were.
     pub(super) fn renew(
         &mut self,
         world: &World,
         members: &Members,
         contacts: &mut Vec<Contact>,
         parted: &mut Vec<Parted>,
-    ) {
+    ) -> bool {
         let member = |slot: usize| {
             let (_, id, entity) = members.key(slot);
             Name::of(id, entity)
@@ -96,6 +97,7 @@ impl Names {
                 self.entities[slot] = entity;
             }
         }
+        !same
     }
 
     /// Finds the new slots of names: of equal names the first has the first slot, and no two the same.

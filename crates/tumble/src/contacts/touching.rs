@@ -4,6 +4,7 @@ use hecs::World;
 use tumble_collide::{Bounds, BroadPhase, Placement, Proxy, touching};
 use tumble_math::lane::{Quat, Vec3};
 
+use super::booking::Bookings;
 use super::collider::{Collider, Groups};
 use super::contact::Contact;
 use super::keeping::Past;
@@ -13,7 +14,7 @@ use super::narrow::{Kind, Pairs, Shapes};
 use super::solver::{Pass, Solver};
 use super::solver_bodies::SolverBodies;
 use crate::columns::for_each_archetype_in_turn;
-use crate::components::{CenterOfMass, Mass, Momentum, Pose, PrincipalAxes, Velocity, Wrench};
+use crate::components::{CenterOfMass, Mass, Momentum, Pose, PrincipalAxes, Velocity, Work, Wrench};
 use crate::force_laws::ForceLaws;
 use crate::integrators::Forces;
 use crate::law_forces::LawForces;
@@ -39,7 +40,7 @@ pub(crate) struct Contacts {
     pub(super) shapes: Vec<Shape>,
     /// By slot: its row among the solver's bodies, if it touches anything.
     rows: Vec<u32>,
-    broad_phase: BroadPhase<Real>,
+    pub(super) broad_phase: BroadPhase<Real>,
     proxies: Vec<Proxy<Real>>,
     lanes: Shapes,
     /// The pairs of each kind.
@@ -51,6 +52,7 @@ pub(crate) struct Contacts {
     pub(super) contacts: Vec<Contact>,
     pub(super) last: Vec<Contact>,
     bodies: SolverBodies,
+    bookings: Bookings,
     solver: Solver,
 }
 
@@ -112,19 +114,24 @@ impl Contacts {
         self.look(world);
         self.find_contacts();
         self.gather(world, settings, laws, (time, h));
-        let Self { contacts, bodies, solver, rows, .. } = self;
+        let Self { contacts, bodies, bookings, solver, rows, .. } = self;
         solver.lay_out(contacts, |contact| contact.slots.map(|slot| rows[slot as usize]), bodies);
         bodies.with_poses(|bodies, poses| solver.run(Pass::Prepare(contacts, poses, MARGIN), bodies));
         for _ in 0..substeps {
+            bookings.before_kick(bodies);
             bodies.kick();
+            bookings.before_push(bodies);
             // Before the impulses of the last step act: bodies that those push together have not come together, and to bounce them would make energy.
             if solver.bounces() {
                 solver.run(Pass::NoteApproach, bodies);
             }
             solver.run(Pass::WarmStart, bodies);
             solver.run(Pass::Biased(h), bodies);
+            bookings.before_motion(bodies);
             bodies.drift(h);
+            bookings.after_motion(bodies);
             solver.run(Pass::Relax(h), bodies);
+            bookings.after_substep(bodies);
         }
         if solver.bounces() {
             solver.run(Pass::Rebound(settings.restitution_threshold), bodies);
@@ -134,17 +141,23 @@ impl Contacts {
 
     /// Writes what was worked out over what the integrator made of the same bodies.
     pub(crate) fn write(&self, world: &World) {
+        // Accounts were opened in the order of places too.
+        let mut accounts = self.bookings.close(&self.bodies).peekable();
         self.members.for_each_archetype(world, |archetype, places| {
             let (Some(mut poses), Some(mut momenta)) = (archetype.get::<&mut Pose>(), archetype.get::<&mut Momentum>())
             else {
                 return;
             };
             let axes = archetype.get::<&PrincipalAxes>();
+            let mut works = archetype.get::<&mut Work>();
             for (row, slot) in places.filter(|(_, slot)| self.rows[*slot] != NONE && self.shapes[*slot].moves) {
                 let axes = axes.as_deref().map(|axes| Quat::from(axes[row].0));
                 let state = self.bodies.state(self.rows[slot] as usize, axes);
                 poses[row] = Pose { position: state.position.into(), orientation: state.orientation.into() };
                 momenta[row] = Momentum { linear: state.linear.into(), angular: state.angular.into() };
+                if let (Some(works), Some((_, work))) = (&mut works, accounts.next_if(|(booked, _)| *booked == slot)) {
+                    works[row] = work;
+                }
             }
         });
     }
@@ -176,7 +189,8 @@ impl Contacts {
 
     /// Reads the bodies that touch something, and the forces on them as they are now.
     fn gather(&mut self, world: &World, settings: &Settings, laws: &ForceLaws, (time, h): (f64, Real)) {
-        let Self { members, shapes, rows, contacts, bodies, .. } = self;
+        let Self { members, shapes, rows, contacts, bodies, bookings, .. } = self;
+        bookings.clear();
         rows.clear();
         rows.resize(members.len(), NONE);
         for slot in contacts.iter().flat_map(|contact| contact.slots) {
@@ -186,7 +200,10 @@ impl Contacts {
         let free = touching().filter(|slot| shapes[*slot].moves).count();
         bodies.reset(free, touching().count() - free);
         let (mut next_free, mut next_unmoved) = (0, bodies.first_unmoved());
-        for (slot, shape) in shapes.iter().enumerate().filter(|(slot, _)| rows[*slot] != NONE).collect::<Vec<_>>() {
+        for (slot, shape) in shapes.iter().enumerate() {
+            if rows[slot] == NONE {
+                continue;
+            }
             let next = if shape.moves { &mut next_free } else { &mut next_unmoved };
             rows[slot] = *next as u32;
             if !shape.moves {
@@ -205,6 +222,10 @@ impl Contacts {
                 let forces = LawForces { constants: &constants, surroundings: &surroundings, wrench, laws, row, time };
                 let force: Force<Real> = forces.at(0.0, &state);
                 bodies.set_free(rows[slot] as usize, &constants, &state, force, h);
+                if let Some(work) = chunk.work.as_deref() {
+                    let gravity = chunk.gravity_on(row, settings);
+                    bookings.open((slot, rows[slot]), work[row], (&forces, gravity), &state, h);
+                }
             }
         });
     }
@@ -238,6 +259,8 @@ impl Contacts {
             }
             contact.set_surface(&self.materials.between(contact.slots));
         }
+        // The next step's list takes the place of the last one's: so it allocates nothing.
+        self.last.reserve(self.contacts.capacity().saturating_sub(self.last.len()));
     }
 
     /// Finds the pairs that may touch, and sorts them by the kind of their shapes. Where impulses move only one of two, it is the second.
