@@ -7,8 +7,8 @@ use std::time::Instant;
 
 use hecs::World;
 use rayon::ThreadPoolBuilder;
-use tumble::{BodyId, Momentum, Pose, Settings, Simulation};
-use tumble_benches::{falling_balls, pyramid};
+use tumble::{Batch, BodyId, Momentum, Pose, Settings, Simulation, Trial};
+use tumble_benches::{eight_boxes, falling_balls, pyramid};
 
 fn main() {
     let arguments: Vec<String> = std::env::args().collect();
@@ -16,6 +16,7 @@ fn main() {
     let pool = ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
     pool.install(|| match arguments.get(1).map(String::as_str) {
         Some("balls") => balls(),
+        Some("worlds") => worlds(),
         _ => boxes(),
     });
 }
@@ -72,4 +73,17 @@ fn balls() {
         "balls: {:.3} ms a step, deepest {deepest:.4} m, into walls {wall:.4} m, mean height {height:.3} m",
         seconds / 300.0 * 1e3
     );
+}
+
+fn worlds() {
+    let worlds = 4096;
+    let made = (0..worlds).map(|index| Trial::new(Settings::default(), eight_boxes(index)).unwrap());
+    let mut batch: Batch = made.collect();
+    let begin = Instant::now();
+    batch.step_many(120);
+    let seconds = begin.elapsed().as_secs_f64();
+    let lowest = batch.map(|_, trial| positions(&trial.world).iter().map(|at| at[1]).fold(f64::MAX, f64::min));
+    let lowest = lowest.into_iter().fold(f64::MAX, f64::min);
+    let rate = (worlds * 8 * 120) as f64 / seconds;
+    println!("worlds: {:.3} million body-steps a second, lowest centre {lowest:.4} m", rate * 1e-6);
 }

@@ -118,7 +118,7 @@ fn a_bounce_begins_and_ends() {
         body(&mut world, RigidBody::new(Shape::sphere(0.1)).mass(1.0).position(Vec3::Y * 1.1), &Shape::sphere(0.1));
     for entity in [ground, ball] {
         let mut collider = world.get::<&mut Collider>(entity).unwrap();
-        *collider = collider.with_material(surface).unwrap();
+        *collider = collider.clone().with_material(surface).unwrap();
     }
     let mut simulation = simulation();
     let (mut told, mut bounces, mut before) = (Vec::new(), 0, -1.0);

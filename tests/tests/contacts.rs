@@ -98,7 +98,7 @@ fn an_inclined_box_slides_or_holds() {
         let from = along(&world);
         for entity in [slide, sliding] {
             let mut collider = world.get::<&mut Collider>(entity).unwrap();
-            *collider = collider.with_material(Material::new(tumble_tests_real(mu), 0.0)).unwrap();
+            *collider = collider.clone().with_material(Material::new(tumble_tests_real(mu), 0.0)).unwrap();
         }
         simulation.step_many(&mut world, 1000);
         let distance = along(&world) - from;

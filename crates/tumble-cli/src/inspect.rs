@@ -91,6 +91,9 @@ fn people(body: &AuditedBody) -> Result<String, Failure> {
     for force in &body.forces {
         line("force", &serde_json::to_string(force).map_err(|error| unwritten(&error))?);
     }
+    if let Some(collider) = &body.collider {
+        line("collider", &serde_json::to_string(collider).map_err(|error| unwritten(&error))?);
+    }
     for problem in &body.problems {
         line("PROBLEM", problem);
     }

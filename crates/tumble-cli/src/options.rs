@@ -50,10 +50,10 @@ pub(crate) struct RunOptions {
     pub(crate) scene: Option<String>,
     #[command(flatten)]
     pub(crate) stepping: StepOptions,
-    /// Bodies of the stress scene [default: 10000]
+    /// Bodies of a generated scene [default: 10000 of stress, see docs/scenes.md for others]
     #[arg(long, value_name = "N", allow_negative_numbers = true, value_parser = clap::value_parser!(u64).range(1..=MAX_BODIES as u64))]
     pub(crate) bodies: Option<u64>,
-    /// Seed of the stress scene [default: 0]
+    /// Seed of a generated scene [default: 0]
     #[arg(long, value_name = "N", allow_negative_numbers = true)]
     pub(crate) seed: Option<u64>,
     /// Write the states of all bodies to a .csv, .parquet or .glb file

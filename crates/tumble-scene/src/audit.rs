@@ -5,6 +5,7 @@ use std::path::Path;
 use serde::Serialize;
 use tumble::{MassProperties, MeshAudit};
 
+use crate::audit_collider::AuditedCollider;
 use crate::audit_mesh::{self, MeshOptions};
 use crate::builtin;
 use crate::convert::{self, Others};
@@ -76,6 +77,9 @@ pub struct AuditedBody {
     pub mesh: Option<MeshAudit>,
     /// Its forces, with every default filled in.
     pub forces: Vec<Force>,
+    /// What it touches others with, with every default filled in.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub collider: Option<AuditedCollider>,
     /// Everything wrong with the body, each as `field: problem`.
     pub problems: Vec<String>,
     /// What it looks like in its own frame, and which axis of that is up.
@@ -208,7 +212,8 @@ impl AuditedBody {
             Some(properties) => Self::of_properties(name, properties),
             None => Self::impossible(name, &[]),
         };
-        Self { looks: Some((body.looks.clone(), up)), ..audited }
+        let collider = body.collider.as_ref().map(|collider| AuditedCollider::of(collider.material()));
+        Self { looks: Some((body.looks.clone(), up)), collider, ..audited }
     }
 
     pub(crate) fn of_properties(name: String, properties: &MassProperties) -> Self {
@@ -242,6 +247,7 @@ impl AuditedBody {
             mesh: None,
             looks: None,
             forces: Vec::new(),
+            collider: None,
             problems: problems.iter().map(ToString::to_string).collect(),
         }
     }

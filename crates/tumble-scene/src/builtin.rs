@@ -1,6 +1,7 @@
 //! Scenes that are found by name.
 
 use crate::SceneError;
+use crate::contact_scenes::{self, CONTACT_SCENES};
 use crate::model::SceneModel;
 use crate::parse::{Format, parse};
 
@@ -25,14 +26,16 @@ const FILES: [(&str, &str); 8] = [
 /// assert!(tumble_scene::builtin_names().any(|name| name == "t-handle"));
 /// ```
 pub fn builtin_names() -> impl Iterator<Item = &'static str> {
-    let mut names: Vec<_> = FILES.iter().map(|(name, _)| *name).chain([STRESS]).collect();
+    let made = CONTACT_SCENES.iter().map(|scene| scene.name).chain([STRESS]);
+    let mut names: Vec<_> = FILES.iter().map(|(name, _)| *name).chain(made).collect();
     names.sort_unstable();
     names.into_iter()
 }
 
-/// The file of that name, if it is one.
+/// The scene of that name, if it is one that lists its bodies.
 pub(crate) fn model(name: &str) -> Option<Result<SceneModel, SceneError>> {
-    text(name).map(|text| parse(text, Format::Json, name))
+    let made = || contact_scenes::named(name).map(|scene| Ok(scene.model(None, None)));
+    text(name).map(|text| parse(text, Format::Json, name)).or_else(made)
 }
 
 /// The text of the file of that name, which is JSON.
@@ -57,7 +60,8 @@ mod tests {
     #[test]
     fn the_names_are_sorted_and_complete() {
         let names: Vec<_> = builtin_names().collect();
-        let known = "drake-cylinder iss mujoco-box raft satellite solar-system stress t-handle van-zon-top";
+        let known = "bowling cradle dominoes drake-cylinder drum iss mujoco-box pile pyramid raft satellite solar-system \
+                     spheres stress t-handle van-zon-top wall";
         assert_eq!(names.join(" "), known);
     }
 }

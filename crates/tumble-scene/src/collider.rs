@@ -1,4 +1,4 @@
-//! What a scene's bodies will collide with.
+//! What a glTF file says of its colliders.
 
 use std::sync::Arc;
 
@@ -7,7 +7,7 @@ use tumble::{Shape, TriangleMesh};
 
 use crate::gltf::{CollisionFilter, Geometry, SurfaceMaterial};
 
-/// A collider or trigger of a body, as its file describes it. Nothing collides yet: it is kept for contacts.
+/// A collider or trigger of a body, as its file describes it.
 ///
 /// ```
 /// use tumble_scene::Scene;

@@ -1,5 +1,6 @@
 //! Model to bodies: every value is checked here, with the field it came from.
 
+mod collider;
 mod forces;
 
 use std::sync::Arc;
@@ -28,14 +29,21 @@ pub(crate) const LONGEST_NAME: usize = 256;
 /// The model's body with its name and forces, or everything that is wrong with it.
 pub(crate) fn body(model: &BodyModel, index: usize, others: Others<'_>) -> Result<SceneBody, Vec<FieldError>> {
     let mut problems = Vec::new();
-    let shape = note(&mut problems, shape(model.shape.as_ref())).unwrap_or(Shape::Point);
+    let checked = note(&mut problems, shape(model.shape.as_ref()));
+    collider::check_half_space(model, &mut problems);
+    let collider = collider::collider(model, checked.as_ref(), &mut problems);
+    let shape = checked.unwrap_or(Shape::Point);
     let body = with_fields(model, index, shape.clone(), &mut problems);
     let (forces, springs_to) = forces::forces(model, index, others, &mut problems);
     if !problems.is_empty() {
         return Err(problems);
     }
     let body = body.build().map_err(|error| vec![FieldError::new(error.field(), error)])?;
-    Ok(SceneBody { body, looks: Looks::Shape(shape), forces, springs_to, colliders: Vec::new() })
+    let looks = match model.shape {
+        Some(ShapeModel::HalfSpace { .. }) => Looks::HalfSpace,
+        _ => Looks::Shape(shape),
+    };
+    Ok(SceneBody { body, looks, forces, springs_to, collider, pieces: Vec::new() })
 }
 
 /// The name given, or `body-<index>`.
@@ -78,9 +86,8 @@ fn with_fields(model: &BodyModel, index: usize, shape: Shape, problems: &mut Vec
     if let Some(position) = triple(&model.position, "position", problems) {
         body = body.position(position);
     }
-    let unit = |orientation| unit_quaternion("orientation", orientation);
-    if let Some(unit) = model.orientation.as_ref().and_then(|orientation| note(problems, unit(orientation))) {
-        body = body.orientation(real_quaternion(unit));
+    if let Some(orientation) = note(problems, collider::orientation(model)).flatten() {
+        body = body.orientation(real_quaternion(orientation));
     }
     if let Some(velocity) = triple(&model.linear_velocity, "linear_velocity", problems) {
         body = body.linear_velocity(velocity);
@@ -143,7 +150,10 @@ fn with_mass(model: &BodyModel, body: RigidBody, problems: &mut Vec<FieldError>)
 
 /// The shape with its lengths and parts checked.
 fn shape(model: Option<&ShapeModel>) -> Result<Shape, FieldError> {
-    let Some(model) = model else { return Ok(Shape::Point) };
+    // What has no end has no shape with a mass; it is told from a point where it matters.
+    let Some(model) = model.filter(|model| !matches!(model, ShapeModel::HalfSpace { .. })) else {
+        return Ok(Shape::Point);
+    };
     let shape = unchecked_shape(model).map_err(|error| error.inside("shape"))?;
     // Lengths must be good even where no mass comes of them, so any mass will do for the check.
     let checked = match shape {
@@ -177,6 +187,9 @@ fn unchecked_shape(model: &ShapeModel) -> Result<Shape, FieldError> {
             Some(Err(error)) => return Err(error.clone()),
             None => return Err(FieldError::new(model.name(), "has not been made")),
         },
+        ShapeModel::HalfSpace { .. } => {
+            return Err(FieldError::new(model.name(), "cannot be a part of something: it has no end"));
+        }
     })
 }
 

@@ -64,8 +64,8 @@ pub enum SceneError {
         /// The built-in names, separated by commas.
         known: String,
     },
-    /// A size was given for a scene that is not generated.
-    #[error("--{option} goes with the stress scene only, not with {name:?}")]
+    /// A size or a seed was given for a scene that is not generated from it.
+    #[error("--{option} goes with scenes that are generated from it, not with {name:?}")]
     NotGenerated {
         /// `"bodies"` or `"seed"`, as the programs' options are called.
         option: &'static str,

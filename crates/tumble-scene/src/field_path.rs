@@ -2,6 +2,7 @@
 
 use tumble::Settings;
 
+use crate::collider_model::ColliderModel;
 use crate::convert;
 use crate::error::FieldError;
 use crate::force_path::in_force;
@@ -25,9 +26,9 @@ enum Slot<'a> {
     Count64(&'a mut u64),
 }
 
-const OF_A_SCENE: &str = "gravity.0 to gravity.2, dt, steps, substeps and bodies.INDEX_OR_NAME.FIELD";
+const OF_A_SCENE: &str = "gravity.0 to gravity.2, dt, steps, substeps, contact_substeps, restitution_threshold and bodies.INDEX_OR_NAME.FIELD";
 const OF_A_BODY: &str = "mass, density, gravity_scale, position.I, orientation.I, linear_velocity.I, \
-     angular_velocity.I, center_of_mass.I, inertia.principal.I, inertia.axes.I, inertia.tensor.I.J, shape.FIELD and forces.I.FIELD";
+     angular_velocity.I, center_of_mass.I, inertia.principal.I, inertia.axes.I, inertia.tensor.I.J, shape.FIELD, collider.FIELD and forces.I.FIELD";
 
 impl FieldPath {
     /// Finds the body that the path names. Whether it has the field is found out by [`set_in_scene`](Self::set_in_scene) and
@@ -80,8 +81,8 @@ impl FieldPath {
 
     /// Without the name of a shape, which may be left out, and with the lower index of a symmetric tensor's entry first.
     fn canonical(&self) -> Vec<&str> {
-        const SHAPES: [&str; 8] =
-            ["sphere", "hollow_sphere", "cuboid", "cylinder", "capsule", "cone", "ellipsoid", "compound"];
+        const SHAPES: [&str; 9] =
+            ["sphere", "hollow_sphere", "cuboid", "cylinder", "capsule", "cone", "ellipsoid", "compound", "half_space"];
         let mut segments = self.segments();
         segments.retain(|segment| !SHAPES.contains(segment));
         if let ["inertia", "tensor", indices @ ..] = segments.as_mut_slice() {
@@ -105,7 +106,8 @@ impl FieldPath {
 
     /// Whether the field counts something.
     pub(crate) fn is_count(&self) -> bool {
-        self.body.is_none() && matches!(self.segments.first().map(String::as_str), Some("steps" | "substeps"))
+        self.body.is_none()
+            && matches!(self.segments.first().map(String::as_str), Some("steps" | "substeps" | "contact_substeps"))
     }
 
     /// Sets a field of the scene itself.
@@ -116,6 +118,8 @@ impl FieldPath {
             ["dt"] => Some(Slot::Real(scene.dt.get_or_insert(0.0))),
             ["steps"] => Some(Slot::Count64(scene.steps.get_or_insert(0))),
             ["substeps"] => Some(Slot::Count32(scene.substeps.get_or_insert(0))),
+            ["contact_substeps"] => Some(Slot::Count32(scene.contact_substeps.get_or_insert(0))),
+            ["restitution_threshold"] => Some(Slot::Real(scene.restitution_threshold.get_or_insert(0.0))),
             _ => None,
         };
         slot.ok_or_else(|| self.unknown("the scene", OF_A_SCENE))?.set(value).map_err(|problem| self.error(problem))
@@ -126,7 +130,7 @@ impl FieldPath {
         let segments = self.segments();
         let unknown = || {
             match segments.first() {
-            Some(&part @ ("inertia" | "forces" | "shape")) => self.error(format!(
+            Some(&part @ ("inertia" | "forces" | "shape" | "collider")) => self.error(format!(
                 "the scene does not have this number, and {part} does not begin from a default: only what stands in the scene can vary"
             )),
             _ => self.unknown("the body", OF_A_BODY),
@@ -189,6 +193,7 @@ fn in_body<'a>(body: &'a mut BodyModel, path: &[&str]) -> Option<&'a mut f64> {
         ["center_of_mass", axis] => component(body.center_of_mass.as_mut()?, axis),
         ["inertia", rest @ ..] => in_inertia(body.inertia.as_deref_mut()?, rest),
         ["shape", rest @ ..] => in_shape(body.shape.as_mut()?, rest),
+        ["collider", field] => in_collider(body.collider.as_mut()?, field),
         ["forces", index, rest @ ..] => in_force(element(&mut body.forces, index)?, rest),
         _ => None,
     }
@@ -199,6 +204,19 @@ fn in_inertia<'a>(inertia: &'a mut InertiaModel, path: &[&str]) -> Option<&'a mu
         ["principal", axis] => component(inertia.principal.as_mut()?, axis),
         ["axes", axis] => from_identity(&mut inertia.axes, axis),
         ["tensor", row, column] => component(element(&mut inertia.tensor.as_mut()?.0, row)?, column),
+        _ => None,
+    }
+}
+
+/// Of both coefficients of friction in one and each alone, that which the file has; neither begins from another.
+fn in_collider<'a>(collider: &'a mut ColliderModel, field: &str) -> Option<&'a mut f64> {
+    let is_split = collider.static_friction.is_some() || collider.dynamic_friction.is_some();
+    match field {
+        "friction" if !is_split => Some(collider.friction.get_or_insert(0.0)),
+        "static_friction" => collider.static_friction.as_mut(),
+        "dynamic_friction" => collider.dynamic_friction.as_mut(),
+        "restitution" => Some(collider.restitution.get_or_insert(0.0)),
+        "rolling_friction" => Some(collider.rolling_friction.get_or_insert(0.0)),
         _ => None,
     }
 }
@@ -223,6 +241,7 @@ fn in_shape<'a>(shape: &'a mut ShapeModel, path: &[&str]) -> Option<&'a mut f64>
             "half_height" => Some(half_height),
             _ => None,
         },
+        (ShapeModel::HalfSpace { normal }, ["normal", axis]) => component(normal, axis),
         (ShapeModel::Compound { parts }, ["parts", index, rest @ ..]) => in_part(element(parts, index)?, rest),
         _ => None,
     }
@@ -300,7 +319,8 @@ mod tests {
         { "name": "a.b[1]", "shape": { "cone": { "radius": 1, "half_height": 2 } }, "mass": 1,
           "inertia": { "tensor": [[2, 0, 0], [0, 2, 0], [0, 0, 2]] } },
         { "shape": { "ellipsoid": { "radii": [1, 2, 3] } }, "density": 1, "center_of_mass": [0, 0, 0],
-          "inertia": { "principal": [2, 2, 2] } } ] }"#;
+          "inertia": { "principal": [2, 2, 2] }, "collider": {} },
+        { "shape": { "half_space": {} }, "fixed": true, "collider": { "static_friction": 1, "dynamic_friction": 1 } } ] }"#;
 
     fn model() -> SceneModel {
         parse(SCENE, Format::Json, "scene").unwrap()
@@ -326,7 +346,9 @@ mod tests {
              bodies.0.shape.parts.0.orientation.1 bodies.0.forces.0.gravity_scale bodies.0.forces.1.damping.linear \
              bodies.0.forces.1.damping.angular bodies.a.b[1].shape.cone.radius bodies.1.shape.half_height \
              bodies.1.inertia.tensor.1.1 bodies.body-2.inertia.principal.0 bodies.2.inertia.axes.3 bodies.2.shape.radii.1 \
-             bodies.2.center_of_mass.1";
+             bodies.2.center_of_mass.1 contact_substeps restitution_threshold bodies.2.collider.friction \
+             bodies.2.collider.restitution bodies.2.collider.rolling_friction bodies.3.collider.static_friction \
+             bodies.3.collider.dynamic_friction bodies.3.shape.half_space.normal.0 bodies.3.shape.normal.2";
         let mut seen = std::collections::BTreeSet::new();
         for path in paths.split_whitespace() {
             let text = set(path).unwrap();
@@ -386,6 +408,9 @@ mod tests {
             "bodies.0].mass",
             "bodies..0.mass",
             "bodies.a.position[1",
+            "bodies.a.collider.friction",
+            "bodies.2.collider.static_friction",
+            "bodies.3.collider.friction",
         ] {
             let error = set(bad).unwrap_err();
             assert_eq!(error.field, bad, "{error}");

@@ -23,9 +23,12 @@
 pub mod gltf;
 
 mod audit;
+mod audit_collider;
 mod audit_mesh;
 mod builtin;
 mod collider;
+mod collider_model;
+mod contact_scenes;
 mod convert;
 mod distribution;
 mod error;
@@ -42,6 +45,7 @@ mod momentum_scale;
 mod outcome;
 mod output;
 mod parse;
+mod plates;
 mod plot;
 mod portrait;
 mod read;
@@ -63,6 +67,7 @@ mod urdf;
 mod vary;
 
 pub use audit::{Audit, AuditedBody};
+pub use audit_collider::AuditedCollider;
 pub use audit_mesh::{MeshOptions, MeshRepairs};
 pub use builtin::builtin_names;
 pub use collider::{ColliderRole, SceneCollider};
@@ -73,11 +78,12 @@ pub use limits::{
     MAX_BODIES, MAX_FILE_BYTES, MAX_HULL_POINTS, MAX_MESH, MAX_PARTS, MAX_STEPS, TIME_STEPS, step_count,
     steps_of_duration, time_step,
 };
-pub use looks::{BODY_COLORS, FIXED_COLOR, Looks};
+pub use looks::{BODY_COLORS, FIXED_COLOR, GROUND_COLOR, Looks};
 pub use momentum_scale::MomentumScale;
 pub use outcome::Outcome;
 pub use output::PendingFile;
 pub use parse::Format;
+pub use plates::plates;
 pub use plot::{Mark, Plot, Scale};
 pub use report_page::{Replay, ReportPage};
 pub use scene::{DEFAULT_STEPS, Names, Scene};

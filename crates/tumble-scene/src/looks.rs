@@ -18,9 +18,11 @@ pub enum Looks {
     Shape(Shape),
     /// As a surface that need not bound anything, such as ground.
     Mesh(Arc<TriangleMesh>),
+    /// As ground without end: the plane y = 0, seen from above it.
+    HalfSpace,
 }
 
-/// Colours that look different to most eyes, after Okabe and Ito, as red, green, blue in linear light, taken by moving bodies in turn. Their number
+/// Colours that look different to most eyes, after Okabe and Ito, as red, green, blue in linear light, taken by bodies that forces move in turn. Their number
 /// has no factor in common with the kinds of a scene that repeats every two, four or eight.
 pub const BODY_COLORS: [[f32; 3]; 7] = [
     [0.791, 0.347, 0.0],
@@ -32,5 +34,8 @@ pub const BODY_COLORS: [[f32; 3]; 7] = [
     [0.604, 0.191, 0.386],
 ];
 
-/// The colour of what stands still, in linear light.
+/// The colour of what forces do not move, in linear light.
 pub const FIXED_COLOR: [f32; 3] = [0.3, 0.3, 0.3];
+
+/// The colour of ground without end, in linear light.
+pub const GROUND_COLOR: [f32; 3] = [0.16, 0.17, 0.19];

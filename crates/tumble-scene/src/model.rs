@@ -8,6 +8,7 @@ use std::marker::PhantomData;
 
 use serde::de::{Deserialize, Deserializer, Error as _, IgnoredAny, SeqAccess, Visitor};
 
+use crate::collider_model::ColliderModel;
 use crate::force_model::ForceModel;
 use crate::mesh_shape::Made;
 use crate::{MAX_BODIES, MAX_HULL_POINTS, MAX_PARTS};
@@ -24,6 +25,8 @@ pub(crate) struct SceneModel {
     pub(crate) steps: Option<u64>,
     pub(crate) substeps: Option<u32>,
     pub(crate) integrator: Option<String>,
+    pub(crate) contact_substeps: Option<u32>,
+    pub(crate) restitution_threshold: Option<f64>,
     #[serde(default, deserialize_with = "bodies")]
     pub(crate) bodies: Vec<BodyModel>,
     /// What is to be told of the meshes.
@@ -54,6 +57,7 @@ pub(crate) struct BodyModel {
     pub(crate) kinematic: bool,
     #[serde(default)]
     pub(crate) forces: Vec<ForceModel>,
+    pub(crate) collider: Option<ColliderModel>,
 }
 
 #[derive(Clone, Debug, serde::Deserialize)]
@@ -103,6 +107,10 @@ pub(crate) enum ShapeModel {
         #[serde(skip)]
         solid: Made,
     },
+    HalfSpace {
+        #[serde(default = "up")]
+        normal: Triple,
+    },
 }
 
 impl ShapeModel {
@@ -120,6 +128,7 @@ impl ShapeModel {
             Self::Compound { .. } => "compound",
             Self::Mesh { .. } => "mesh",
             Self::ConvexHull { .. } => "convex_hull",
+            Self::HalfSpace { .. } => "half_space",
         }
     }
 }
@@ -177,6 +186,10 @@ fn points<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Vec<Triple>, D::
 
 fn one() -> f64 {
     1.0
+}
+
+fn up() -> Triple {
+    Tuple([0.0, 1.0, 0.0])
 }
 
 /// Reads a list, and stops reading where it is longer than anything sensible.

@@ -9,6 +9,7 @@ use tumble::{BodyError, Settings};
 
 use crate::builtin::{self, builtin_names};
 use crate::collider::SceneCollider;
+use crate::contact_scenes;
 use crate::convert::{self, Others};
 use crate::error::{FieldError, Place, SceneError, one_line};
 use crate::gltf::{self, GltfBody, GltfScene};
@@ -85,18 +86,29 @@ impl Scene {
         }
     }
 
-    /// [`open`](Self::open), where the stress scene may be given how many bodies, and which seed, it is generated from.
+    /// [`open`](Self::open), where a generated scene may be given how many bodies, and which seed, it is generated from. Ground and
+    /// walls are not counted.
     ///
     /// # Errors
-    /// [`SceneError`]; [`SceneError::NotGenerated`] where either is given for another scene.
+    /// [`SceneError`]; [`SceneError::NotGenerated`] where either is given for a scene that has no use for it, and [`SceneError::Invalid`] for
+    /// more bodies than [`MAX_BODIES`].
     pub fn open_with(name_or_path: &str, bodies: Option<u64>, seed: Option<u64>) -> Result<Self, SceneError> {
         let Some(option) = bodies.map(|_| "bodies").or(seed.map(|_| "seed")) else { return Self::open(name_or_path) };
-        if name_or_path != builtin::STRESS {
-            return Err(SceneError::NotGenerated { option, name: name_or_path.to_owned() });
-        }
         // What is more than there can be is refused with all that is too many.
-        let bodies = bodies.map_or(stress::DEFAULT_BODIES, |bodies| usize::try_from(bodies).unwrap_or(usize::MAX));
-        Self::stress(bodies, seed.unwrap_or(0))
+        let bodies = bodies.map(|bodies| usize::try_from(bodies).unwrap_or(usize::MAX));
+        if name_or_path == builtin::STRESS {
+            return Self::stress(bodies.unwrap_or(stress::DEFAULT_BODIES), seed.unwrap_or(0));
+        }
+        let refused = |option| Err(SceneError::NotGenerated { option, name: name_or_path.to_owned() });
+        match contact_scenes::named(name_or_path) {
+            None => refused(option),
+            Some(scene) if bodies.is_some() && scene.bodies.is_none() => refused("bodies"),
+            Some(scene) if seed.is_some() && !scene.is_seeded => refused("seed"),
+            Some(scene) => {
+                check_count(scene.name, bodies.unwrap_or(0))?;
+                Self::from_model(&scene.model(bodies, seed), scene.name)
+            }
+        }
     }
 
     /// Reads a `.json`, `.ron`, `.gltf`, `.glb` or `.urdf` file.
@@ -179,10 +191,7 @@ impl Scene {
     /// # Errors
     /// [`SceneError::Invalid`] for more bodies than [`MAX_BODIES`].
     pub fn stress(bodies: usize, seed: u64) -> Result<Self, SceneError> {
-        if bodies > MAX_BODIES {
-            let problem = format!("at most {MAX_BODIES}, not {bodies}");
-            return Err(invalid(builtin::STRESS, None, FieldError::new("bodies", problem)));
-        }
+        check_count(builtin::STRESS, bodies)?;
         Ok(Self {
             origin: builtin::STRESS.to_owned(),
             name: Some(builtin::STRESS.to_owned()),
@@ -276,13 +285,13 @@ impl Scene {
         })
     }
 
-    /// What the bodies will collide with, where their file says so, each with the index of its body.
+    /// What a glTF file says of the colliders and triggers of its bodies, each with the index of its body.
     pub fn colliders(&self) -> impl Iterator<Item = (usize, &SceneCollider)> {
         let bodies = match &self.bodies {
             Bodies::Listed { bodies, .. } => bodies.as_slice(),
             Bodies::Stress { .. } => &[],
         };
-        bodies.iter().enumerate().flat_map(|(index, body)| body.colliders.iter().map(move |collider| (index, collider)))
+        bodies.iter().enumerate().flat_map(|(index, body)| body.pieces.iter().map(move |collider| (index, collider)))
     }
 
     /// The bodies of a scene that lists them.
@@ -358,6 +367,14 @@ impl Names {
     }
 }
 
+/// Refuses more bodies of a generated scene than any scene has.
+fn check_count(scene: &str, bodies: usize) -> Result<(), SceneError> {
+    if bodies <= MAX_BODIES {
+        return Ok(());
+    }
+    Err(invalid(scene, None, FieldError::new("bodies", format!("at most {MAX_BODIES}, not {bodies}"))))
+}
+
 /// What `open` takes for a path.
 pub(crate) fn is_path(name: &str) -> bool {
     let path = Path::new(name);
@@ -409,6 +426,15 @@ pub(crate) fn settings(model: &SceneModel) -> Result<(Settings, u64), FieldError
     if let Some(integrator) = &model.integrator {
         let integrator = integrator.parse().map_err(|error| FieldError::new("integrator", error))?;
         settings = settings.with_integrator(integrator);
+    }
+    if let Some(substeps) = model.contact_substeps {
+        settings = settings.with_contact_substeps(substeps);
+        settings.validate().map_err(|error| FieldError::new("contact_substeps", error))?;
+    }
+    if let Some(speed) = model.restitution_threshold {
+        let speed = convert::finite("restitution_threshold", speed)?;
+        settings = settings.with_restitution_threshold(convert::real(speed));
+        settings.validate().map_err(|error| FieldError::new("restitution_threshold", error))?;
     }
     let steps = step_count(model.steps.unwrap_or(DEFAULT_STEPS));
     Ok((settings, steps.map_err(|problem| FieldError::new("steps", problem))?))

@@ -2,7 +2,7 @@
 
 use glam::DVec3;
 use hecs::{Entity, EntityBuilder, World};
-use tumble::Body;
+use tumble::{Body, Collider};
 
 use crate::collider::SceneCollider;
 use crate::force::Force;
@@ -16,8 +16,10 @@ pub(crate) struct SceneBody {
     pub(crate) forces: Vec<Force>,
     /// For each spring among the forces, in order, the index of the body it leads to.
     pub(crate) springs_to: Vec<usize>,
-    /// What it will collide with, where the file says so.
-    pub(crate) colliders: Vec<SceneCollider>,
+    /// What it touches others with.
+    pub(crate) collider: Option<Collider>,
+    /// What a glTF file says of its colliders and triggers.
+    pub(crate) pieces: Vec<SceneCollider>,
 }
 
 impl SceneBody {
@@ -36,12 +38,15 @@ impl SceneBody {
     }
 
     fn spawn(&self, world: &mut World) -> Entity {
-        if self.forces.is_empty() {
+        if self.forces.is_empty() && self.collider.is_none() {
             return self.body.spawn(world);
         }
         let mut entity = EntityBuilder::new();
         self.body.insert_into(&mut entity);
         Force::insert_all(&self.forces, self.center(), &mut entity);
+        if let Some(collider) = self.collider.clone() {
+            entity.add(collider);
+        }
         world.spawn(entity.build())
     }
 

@@ -119,7 +119,8 @@ impl StressBodies {
             looks: Looks::Shape(shape),
             forces: Vec::new(),
             springs_to: Vec::new(),
-            colliders: Vec::new(),
+            collider: None,
+            pieces: Vec::new(),
         })
     }
 

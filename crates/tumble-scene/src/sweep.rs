@@ -6,6 +6,7 @@ use hecs::World;
 use tumble::math::Real;
 use tumble::{Chance, Integrator, Settings, Trial};
 
+use crate::contact_scenes;
 use crate::convert::Others;
 use crate::distribution::Distribution;
 use crate::error::FieldError;
@@ -143,8 +144,7 @@ impl Sweep {
     /// # Errors
     /// [`SweepError`], whose message names the field.
     pub fn new(plan: SweepPlan) -> Result<Self, SweepError> {
-        let (text, format) = scene_text(&plan.scene)?;
-        let mut model = parse(&text, format, &plan.scene)?;
+        let (mut model, text_hash) = scene_model(&plan.scene)?;
         apply(&plan, &mut model);
         let scene = Scene::from_model(&model, &plan.scene)?;
         let varied = find_fields(&plan, &model)?;
@@ -158,12 +158,14 @@ impl Sweep {
             steps: model.steps,
             substeps: model.substeps,
             integrator: model.integrator.clone(),
+            contact_substeps: model.contact_substeps,
+            restitution_threshold: model.restitution_threshold,
             ..SceneModel::default()
         };
         let worlds = worlds(&plan, &varied)?;
         let bodies = scene.into_bodies();
         let reported_names = reported.iter().filter_map(|&i| names.get(i).cloned()).collect();
-        let scene_hash = fnv1a(&text) ^ model.meshes_hash;
+        let scene_hash = text_hash ^ model.meshes_hash;
         let sweep = Self {
             plan,
             worlds,
@@ -290,17 +292,26 @@ fn impossible(file: &str, index: usize, model: &BodyModel, problems: Vec<FieldEr
     invalid(file, place, first.unwrap_or_else(|| FieldError::new("body", "is impossible")))
 }
 
-fn scene_text(name: &str) -> Result<(String, Format), SweepError> {
+/// The scene, and a hash of its text; of one that is made, of what it is made of.
+fn scene_model(name: &str) -> Result<(SceneModel, u64), SweepError> {
+    let parsed = |text: &str, format| Ok((parse(text, format, name)?, fnv1a(text)));
     if is_path(name) {
         let path = std::path::Path::new(name);
         let format =
             Format::of_path(path).ok_or_else(|| SceneError::UnknownFormat { file: crate::error::one_line(name) })?;
-        Ok((read_text(path)?, format))
-    } else if name == builtin::STRESS {
-        Err(SweepError::Stress)
-    } else {
-        let text = builtin::text(name).ok_or_else(|| unknown(name))?;
-        Ok((text.to_owned(), Format::Json))
+        return parsed(&read_text(path)?, format);
+    }
+    if name == builtin::STRESS {
+        return Err(SweepError::Stress);
+    }
+    match (builtin::text(name), contact_scenes::named(name)) {
+        (Some(text), _) => parsed(text, Format::Json),
+        (None, Some(scene)) => {
+            let model = scene.model(None, None);
+            let hash = fnv1a(&format!("{model:?}"));
+            Ok((model, hash))
+        }
+        (None, None) => Err(unknown(name).into()),
     }
 }
 

@@ -11,7 +11,7 @@ use revolution::{ball, cone_frustum, revolve, tapered_capsule};
 /// Half the diagonals of the octahedron that stands for a point, which has no size \[m\].
 pub(crate) const POINT_RADIUS: f64 = 0.02;
 
-/// Triangles of a closed surface in the frame of the shape, seen anticlockwise from outside.
+/// Triangles of a closed surface in the frame of the shape, seen anticlockwise from outside. Only a half-space's, a square, is open.
 ///
 /// Round surfaces have 24 corners around; every vertex lies on the shape's surface, so the volume is
 /// a little below the shape's (3 % for a ball). Corners of an edge that is sharp stand there once for every normal: positions
@@ -40,6 +40,7 @@ impl Tessellation {
         match looks {
             Looks::Shape(shape) => Self::of(shape),
             Looks::Mesh(surface) => mesh(surface),
+            Looks::HalfSpace => square(),
         }
     }
 
@@ -123,6 +124,14 @@ fn mesh(mesh: &TriangleMesh) -> Tessellation {
         let [a, b, c] = corners.map(|corner| positions.get(corner as usize).copied().unwrap_or_default());
         whole.append_polygon(&[a, b, c], (b - a).cross(c - a).normalize_or(DVec3::Y));
     }
+    whole
+}
+
+/// Two metres wide, about the origin: a part of what has no end.
+fn square() -> Tessellation {
+    let mut whole = Tessellation::default();
+    let corners = [[-1.0, 1.0], [1.0, 1.0], [1.0, -1.0], [-1.0, -1.0]];
+    whole.append_polygon(&corners.map(|[x, z]| DVec3::new(x, 0.0, z)), DVec3::Y);
     whole
 }
 

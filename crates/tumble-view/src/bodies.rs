@@ -6,13 +6,17 @@ use hecs::{Entity, World};
 use tumble::glam::{DQuat, DVec3};
 use tumble::math::Real;
 use tumble::{
-    BodyId, BodyOrder, CenterOfMass, Inertia, Mass, Pose, PreviousPose, PrincipalAxes, Shape, Velocity,
+    BodyId, BodyOrder, CenterOfMass, Inertia, Mass, Momentum, Pose, PreviousPose, PrincipalAxes, Shape, Velocity,
     equivalent_ellipsoid,
 };
-use tumble_scene::{BODY_COLORS, FIXED_COLOR, Looks, Names, SurfaceSet};
+use tumble_scene::{BODY_COLORS, FIXED_COLOR, GROUND_COLOR, Looks, Names, SurfaceSet, plates};
 
 use crate::convert::{dquat, dvec3};
+use crate::framing::Frame;
 use crate::pick::Bounds;
+
+/// Ground without end is drawn so many radii of the frame wide, either way.
+const GROUND: f64 = 12.0;
 
 /// What never changes of a body's picture.
 #[derive(Debug)]
@@ -28,6 +32,8 @@ pub(crate) struct DrawnBody {
     /// Red, green, blue in linear light.
     pub(crate) color: [f32; 3],
     pub(crate) moves: bool,
+    /// Whether it is ground without end, of which a piece is drawn.
+    pub(crate) endless: bool,
     pub(crate) turns: bool,
     /// Zero for a body that forces do not move \[kg\].
     pub(crate) mass: f64,
@@ -80,10 +86,12 @@ impl Bodies {
                     let (shape, rotation) = inertia_ellipsoid(body).unwrap_or((Shape::Point, DQuat::IDENTITY));
                     bodies.add_pieces(&shape, (center, rotation), &mut pieces);
                 }
+                Some(Looks::HalfSpace) => {}
                 Some(Looks::Shape(shape)) => bodies.add_pieces(shape, (DVec3::ZERO, DQuat::IDENTITY), &mut pieces),
                 Some(other) => bodies.add_piece(other, (DVec3::ZERO, DQuat::IDENTITY), &mut pieces),
             }
             let moves = body.get::<&Velocity>().is_some();
+            let endless = matches!(its_looks, Some(Looks::HalfSpace));
             bodies.all.push(DrawnBody {
                 entity,
                 name: names.of(id).into_owned(),
@@ -91,14 +99,20 @@ impl Bodies {
                 center,
                 middle: DVec3::ZERO,
                 half_extents: DVec3::ZERO,
-                color: if moves { BODY_COLORS[index % BODY_COLORS.len()] } else { FIXED_COLOR },
+                color: match (body.has::<Momentum>(), endless) {
+                    (true, _) => BODY_COLORS[index % BODY_COLORS.len()],
+                    (false, true) => GROUND_COLOR,
+                    (false, false) => FIXED_COLOR,
+                },
                 moves,
+                endless,
                 turns: moves && body.has::<Inertia>(),
                 mass: body.get::<&Mass>().map_or(0.0, |mass| f64::from(mass.kilograms())),
                 reach: 0.0,
             });
         }
         bodies.measure();
+        bodies.lay(world);
         bodies
     }
 
@@ -130,9 +144,6 @@ impl Bodies {
 
     /// Boxes around the bodies, and how far they reach.
     fn measure(&mut self) {
-        let around = |points: &mut dyn Iterator<Item = DVec3>| {
-            points.fold([DVec3::INFINITY, DVec3::NEG_INFINITY], |[low, high], point| [low.min(point), high.max(point)])
-        };
         let boxes: Vec<[DVec3; 2]> =
             self.surfaces.tessellations().map(|surface| around(&mut surface.positions.iter().copied())).collect();
         self.surface_count = boxes.len();
@@ -153,6 +164,25 @@ impl Bodies {
                 body.reach = (body.middle - body.center).length() + body.half_extents.length();
             }
         }
+    }
+
+    /// Ground is as large as anyone will see of it from where the others are at the start. Its surfaces come after all others.
+    fn lay(&mut self, world: &World) {
+        let places = self.place(world, 1.0);
+        let frame = Frame::of(self, &places);
+        let endless: Vec<usize> = (0..self.all.len()).filter(|&index| self.all[index].endless).collect();
+        let frames: Vec<_> = endless.iter().map(|&index| (places[index].origin, places[index].rotation)).collect();
+        for (&index, plate) in endless.iter().zip(plates(&frames, frame.middle, GROUND * frame.radius)) {
+            let Some(Looks::Mesh(mesh)) = &plate else { continue };
+            let [low, high] = around(&mut mesh.positions().iter().copied());
+            let mut pieces = Vec::new();
+            self.add_piece(&Looks::Mesh(mesh.clone()), (DVec3::ZERO, DQuat::IDENTITY), &mut pieces);
+            let body = &mut self.all[index];
+            (body.middle, body.half_extents) = (0.5 * (low + high), 0.5 * (high - low));
+            body.reach = body.half_extents.length();
+            body.pieces = pieces;
+        }
+        self.surface_count = self.surfaces.tessellations().count();
     }
 
     /// Bodies and where they are.
@@ -185,6 +215,11 @@ impl DrawnBody {
             half_extents: self.half_extents * factor,
         }
     }
+}
+
+/// The lowest and the highest corner of the box around points.
+fn around(points: &mut dyn Iterator<Item = DVec3>) -> [DVec3; 2] {
+    points.fold([DVec3::INFINITY, DVec3::NEG_INFINITY], |[low, high], point| [low.min(point), high.max(point)])
 }
 
 /// A body without a shape is shown as the homogeneous ellipsoid with its mass and moments; and the rotation from its axes to the body's frame.

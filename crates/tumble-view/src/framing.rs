@@ -3,7 +3,7 @@
 use tumble::Totals;
 use tumble::glam::{DVec2, DVec3};
 
-use crate::bodies::{Bodies, Placed};
+use crate::bodies::{Bodies, DrawnBody, Placed};
 use crate::camera::{Camera, Up, View};
 use crate::lines::Line;
 
@@ -13,10 +13,15 @@ pub(crate) const PITCH: f64 = 0.36;
 /// Of more bodies than this, a few may stray so far that the others would be small: these are left out of the frame.
 const CROWD: usize = 20;
 const OF_A_CROWD: f64 = 0.85;
+const HARDLY_FARTHER: f64 = 1.5;
 /// Around what is in the frame there is this much room.
 const ROOM: f64 = 1.2;
 /// Half the size of the smallest body that is seen well \[points\]: of a few bodies, and of a crowd.
 const SMALLEST: [f64; 2] = [5.0, 1.0];
+
+/// Ground is level if its normal has this cosine with the axis that points up; and the grid is drawn so far above it, in radii of the frame.
+const LEVEL: f64 = 1.0 - 1e-9;
+const ABOVE_GROUND: f64 = 1e-3;
 
 /// Lines of the grid on either side of its middle, and into how many pieces each is cut, so that it can fade.
 const GRID_LINES: i32 = 24;
@@ -40,7 +45,8 @@ impl Frame {
     /// Around the bodies that move, or all where none does: ground may be far larger than what happens on it.
     pub(crate) fn of(bodies: &Bodies, places: &[Placed]) -> Self {
         let any_moves = bodies.all.iter().any(|body| body.moves);
-        let seen = || bodies.all.iter().zip(places).filter(|(body, _)| body.moves || !any_moves);
+        let is_seen = |body: &DrawnBody| !body.endless && (body.moves || !any_moves);
+        let seen = || bodies.all.iter().zip(places).filter(|(body, _)| is_seen(body));
         let (mut low, mut high) = (DVec3::INFINITY, DVec3::NEG_INFINITY);
         for (body, placed) in seen() {
             low = low.min(placed.center - body.reach);
@@ -50,13 +56,17 @@ impl Frame {
         if !middle.is_finite() {
             return Self { middle: DVec3::ZERO, radius: 1.0 };
         }
-        let mut distances: Vec<f64> =
-            seen().map(|(body, placed)| (placed.center - middle).length() + body.reach).collect();
+        let away = |(body, placed): (&DrawnBody, &Placed)| (placed.center - middle).length() + body.reach;
+        let mut distances: Vec<f64> = seen().map(away).collect();
         distances.sort_by(f64::total_cmp);
         let share = if distances.len() > CROWD { OF_A_CROWD } else { 1.0 };
         let last = (share * (distances.len().saturating_sub(1)) as f64).ceil() as usize;
-        let radius = distances.get(last).copied().filter(|radius| *radius > 0.0 && radius.is_finite());
-        Self { middle, radius: radius.unwrap_or(1.0) }
+        let of_most = distances.get(last).copied().unwrap_or_default();
+        // What moves as it is told does not stray, and what is hardly farther away has not strayed.
+        let told = seen().filter(|(body, _)| body.moves && body.mass == 0.0).map(away).fold(of_most, f64::max);
+        let all = distances.last().copied().filter(|all| *all <= HARDLY_FARTHER * of_most).unwrap_or_default();
+        let radius = of_most.max(told).max(all);
+        Self { middle, radius: if radius > 0.0 && radius.is_finite() { radius } else { 1.0 } }
     }
 
     /// A camera that sees it all.
@@ -90,6 +100,12 @@ impl Grid {
         let (first, apart) = (bottom(start), 10.0 * spacing);
         let below = ((first - bottom(frame)) / apart).ceil().max(0.0);
         Self { spacing, height: first - below * apart }
+    }
+
+    /// The same on ground, given by a place and the normal, if any of it is level.
+    pub(crate) fn on_ground(self, frame: &Frame, up: Up, grounds: &[(DVec3, DVec3)]) -> Self {
+        let level = grounds.iter().find(|(_, normal)| normal.dot(up.axis()) > LEVEL);
+        level.map_or(self, |(place, _)| Self { height: place.dot(up.axis()) + ABOVE_GROUND * frame.radius, ..self })
     }
 
     /// Lines around the place above which the frame is, fading with the distance from there.

@@ -33,10 +33,10 @@ pub(crate) struct Options {
     /// What has an extension or a slash is a file.
     #[arg(value_name = "SCENE", default_value = "stress")]
     scene: String,
-    /// Bodies of the stress scene [default: 10000]
+    /// Bodies of a generated scene [default: 10000 of stress, see docs/scenes.md for others]
     #[arg(long, value_name = "N", allow_negative_numbers = true, value_parser = clap::value_parser!(u64).range(1..=MAX_BODIES as u64))]
     bodies: Option<u64>,
-    /// Seed of the stress scene [default: 0]
+    /// Seed of a generated scene [default: 0]
     #[arg(long, value_name = "N", allow_negative_numbers = true)]
     seed: Option<u64>,
     /// Time step in seconds, instead of the scene's

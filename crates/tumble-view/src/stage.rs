@@ -26,6 +26,8 @@ use crate::readout::{self, Row};
 const LEEWAY: f64 = 0.12;
 /// Names of more bodies cover each other.
 const MOST_NAMES: usize = 300;
+/// Ground without end is seen up to so many radii of the frame.
+const SEEN: f64 = 6.0;
 /// Width of a trail \[points\].
 const TRAIL: f32 = 1.6;
 
@@ -235,9 +237,17 @@ impl Stage {
     fn instances(&self, view: &View, places: &[Placed]) -> Vec<Vec<BodyInstance>> {
         let bodies = &self.playback.bodies;
         let mut by_surface = vec![Vec::new(); bodies.surface_count];
+        let eye = view.target + view.towards * view.unit;
         for (index, (body, placed)) in bodies.all.iter().zip(places).enumerate() {
+            // Ground is not seen from below, so that walls on this side do not hide what is between them.
+            if body.endless && (eye - placed.origin).dot(placed.rotation * DVec3::Y) <= 0.0 {
+                continue;
+            }
             let enlarged = framing::enlargement(view, placed.center, body.reach, bodies.all.len());
-            let lit = if self.picked == Some(index) { 1.0 } else { 0.0 };
+            let lit = match (body.endless, self.picked == Some(index)) {
+                (true, _) => -SEEN * self.start.radius / view.unit,
+                (false, picked) => f64::from(u8::from(picked)),
+            } as f32;
             let [red, green, blue] = body.color;
             for piece in &body.pieces {
                 if let Some(instances) = by_surface.get_mut(piece.surface) {
@@ -279,12 +289,25 @@ impl Stage {
         if self.layers.has(Layer::Grid) {
             let frame = Frame { middle: self.anchor + self.start.middle - self.center, radius: self.start.radius };
             let frame = if self.follow == Follow::Nothing { self.start } else { frame };
-            lines = Grid::below(&frame, &self.start, self.camera.up).lines(&frame, self.camera.up);
+            let grounds: Vec<_> = self.grounds(places).collect();
+            let grid = Grid::below(&frame, &self.start, self.camera.up).on_ground(&frame, self.camera.up, &grounds);
+            lines = grid.lines(&frame, self.camera.up);
+            // Walls end the floor.
+            lines.retain(|line| {
+                let middle = 0.5 * (line.from + line.to);
+                grounds.iter().all(|(place, normal)| (middle - *place).dot(*normal) >= 0.0)
+            });
         }
         if self.layers.has(Layer::Trails) {
             self.trails(places, &mut lines);
         }
         lines
+    }
+
+    /// A place and the normal of each ground without end.
+    fn grounds<'a>(&'a self, places: &'a [Placed]) -> impl Iterator<Item = (DVec3, DVec3)> + 'a {
+        let endless = self.playback.bodies.all.iter().zip(places).filter(|(body, _)| body.endless);
+        endless.map(|(_, placed)| (placed.origin, placed.rotation * DVec3::Y))
     }
 
     fn trails(&self, places: &[Placed], lines: &mut Vec<Line>) {

@@ -158,6 +158,8 @@ pub use weld::{WeldError, weld};
 
 pub use {glam, hecs};
 
+pub use tumble_collide::HeightFieldError;
+
 pub use tumble_math::{
     Amount, HullError, InertiaError, InertiaTensor, MassProperties, MeshAudit, MeshDefect, MeshError, MeshRepair, Part,
     PrincipalInertia, Shape, SolidMesh, TriangleMesh, convex_hull, equivalent_ellipsoid,

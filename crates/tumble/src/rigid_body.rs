@@ -77,7 +77,8 @@ impl RigidBody {
         Self { motion: Motion::Fixed, ..self }
     }
 
-    /// Makes it a body that moves with the velocities it is given, whatever pushes it. It needs no mass.
+    /// Makes it a body that moves with the velocities it is given, whatever pushes it. It needs no mass; it turns about the origin of its frame, or about the
+    /// [`center_of_mass`](Self::center_of_mass) that it is given.
     pub fn kinematic(self) -> Self {
         Self { motion: Motion::Kinematic, ..self }
     }
@@ -174,6 +175,10 @@ impl RigidBody {
             Motion::Kinematic => {
                 self.shape_properties(Some(Amount::Mass(1.0)))?;
                 body.velocity = Some(Velocity { linear: self.linear_velocity, angular: self.angular_velocity });
+                if let Some(center) = self.center_of_mass {
+                    body.center_of_mass = Some(CenterOfMass(finite("center_of_mass", vec3(center))?));
+                    body.pose.position = finite("position", vec3(dvec3(self.position) + orientation * center))?;
+                }
             }
             Motion::Dynamic => self.make_dynamic(&mut body, orientation)?,
         }

@@ -158,8 +158,8 @@ impl<L: Lane> Facing<L> {
     fn under(&self, corner: usize) -> Candidate<L> {
         let (zero, one) = (L::splat(0.0), L::splat(1.0));
         let (p, q) = (self.p, self.q);
-        let x = if corner % 2 == 0 { -self.half[0] } else { self.half[0] };
-        let y = if corner / 2 == 0 { -self.half[1] } else { self.half[1] };
+        let x = if corner.is_multiple_of(2) { -self.half[0] } else { self.half[0] };
+        let y = if corner < 2 { -self.half[1] } else { self.half[1] };
         let (to_x, to_y) = (x - self.middle.x, y - self.middle.y);
         // The incident face looks at this one, so it is never seen from its edge.
         let inverse = one / (p.x * q.y - p.y * q.x);

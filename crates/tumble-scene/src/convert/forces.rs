@@ -5,7 +5,7 @@ use std::collections::HashMap;
 use glam::{DQuat, DVec3};
 use tumble::{Frame, GravityMass};
 
-use super::{double_vector, finite, finite_triple, name, note, positive, rate, real, real_vector, unit_quaternion};
+use super::{double_vector, finite, finite_triple, name, note, positive, rate, real, real_vector};
 use crate::error::{FieldError, shortest};
 use crate::force::{Force, HullShape, thrust_is_finite};
 use crate::force_model::{ForceModel, FrameModel, HullModel, PerAxis};
@@ -187,7 +187,7 @@ fn spring(body: &BodyModel, force: &ForceModel, other: Option<&BodyModel>) -> Re
 /// Of a body that has no place the error is its own.
 fn world_point(body: &BodyModel, point: [f64; 3]) -> DVec3 {
     let position = body.position.map_or(DVec3::ZERO, |position| DVec3::from_array(position.0));
-    let orientation = body.orientation.and_then(|orientation| unit_quaternion("", &orientation).ok());
+    let orientation = super::collider::orientation(body).ok().flatten();
     let turned = orientation.unwrap_or(DQuat::IDENTITY) * DVec3::from_array(point);
     DVec3::from_array(double_vector(real_vector(position))) + turned
 }

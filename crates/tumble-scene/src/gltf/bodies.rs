@@ -5,6 +5,7 @@ use std::collections::{BTreeMap, HashSet};
 use glam::{DQuat, DVec3};
 use tumble::{Amount, BodyId, Part, RigidBody, Shape};
 
+use super::collider::{collider, is_ground};
 use super::geometry::Geometry;
 use super::material::SurfaceMaterial;
 use super::motion::MotionKind;
@@ -121,7 +122,15 @@ fn body(
         .orientation(real_quaternion(node.rotation))
         .build()
         .map_err(|error| of(node, FieldError::new(field_of_motion(&error.field()), error)))?;
+    let mut told = Vec::new();
+    let mut collider = collider(&pieces, shape.as_ref(), &mut told);
+    if is_ground(&pieces) && body.properties().is_some() {
+        told.push("is an endless plane that moves: it touches nothing".to_owned());
+        collider = None;
+    }
+    notices.extend(told.into_iter().map(|notice| (node.index, notice)));
     let looks = match pieces.as_slice() {
+        _ if collider.is_some() && is_ground(&pieces) => Looks::HalfSpace,
         [SceneCollider { surface: Some(surface), geometry, position, orientation, .. }]
             if matches!(geometry, Geometry::Mesh { convex_hull: false, .. })
                 && (*position, *orientation) == (DVec3::ZERO, DQuat::IDENTITY) =>
@@ -131,7 +140,7 @@ fn body(
         // What is seen is also what only notices.
         _ => Looks::Shape(shape.or_else(|| together(&pieces, |_| true)).unwrap_or(Shape::Point)),
     };
-    Ok(SceneBody { body, looks, forces: Vec::new(), springs_to: Vec::new(), colliders: pieces })
+    Ok(SceneBody { body, looks, forces: Vec::new(), springs_to: Vec::new(), collider, pieces })
 }
 
 /// The shapes of some pieces as one, each as heavy as it is large; `None` if none has a volume.

@@ -1,8 +1,12 @@
 //! What colliders are made of, and with whom they collide.
 
 use serde::{Deserialize, Deserializer};
+use tumble::{Combine, Material};
 
-/// A surface, as KHR_physics_rigid_bodies and OMI_physics_body describe it. Nothing here collides yet: it is kept for contacts.
+use crate::collider_model::combine;
+use crate::convert::real;
+
+/// A surface, as KHR_physics_rigid_bodies and OMI_physics_body describe it.
 ///
 /// ```
 /// use tumble_scene::gltf::SurfaceMaterial;
@@ -20,8 +24,10 @@ pub struct SurfaceMaterial {
     /// Share of the approaching velocity that a bounce gives back.
     pub restitution: f64,
     /// How the frictions of two surfaces become one.
+    #[serde(deserialize_with = "combine")]
     pub friction_combine: Combine,
     /// How the restitutions of two surfaces become one.
+    #[serde(deserialize_with = "combine")]
     pub restitution_combine: Combine,
 }
 
@@ -39,6 +45,17 @@ impl Default for SurfaceMaterial {
 }
 
 impl SurfaceMaterial {
+    /// The engine's, which has no restitution of more than 1.
+    pub(super) fn to_engine(&self) -> Material {
+        Material {
+            friction_combine: self.friction_combine,
+            restitution_combine: self.restitution_combine,
+            static_friction: real(self.static_friction),
+            dynamic_friction: real(self.dynamic_friction),
+            ..Material::new(0.0, real(self.restitution.min(1.0)))
+        }
+    }
+
     /// The field that is not a number a surface can have, with what is wrong with it.
     pub(super) fn problem(&self) -> Option<(&'static str, String)> {
         let fields = [
@@ -49,50 +66,6 @@ impl SurfaceMaterial {
         let bad = |value: f64| !(value.is_finite() && value >= 0.0);
         let (field, value) = fields.into_iter().find(|(_, value)| bad(*value))?;
         Some((field, format!("must be zero or positive, and finite, not {value}")))
-    }
-}
-
-/// How two coefficients become one. Where two surfaces ask for different ways, the first of them in this order counts.
-///
-/// ```
-/// use tumble_scene::gltf::{Combine, SurfaceMaterial};
-///
-/// let ice = SurfaceMaterial { dynamic_friction: 0.05, friction_combine: Combine::Minimum, ..SurfaceMaterial::default() };
-/// let rubber = SurfaceMaterial { dynamic_friction: 0.9, ..SurfaceMaterial::default() };
-/// let [a, b] = [&ice, &rubber].map(|surface| (surface.dynamic_friction, surface.friction_combine));
-/// assert_eq!(Combine::of(a, b), Combine::of(b, a));
-/// ```
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Deserialize)]
-#[serde(rename_all = "lowercase")]
-pub enum Combine {
-    /// Their mean.
-    #[default]
-    Average,
-    /// The smaller.
-    Minimum,
-    /// The larger.
-    Maximum,
-    /// Their product.
-    Multiply,
-}
-
-impl Combine {
-    /// One coefficient out of two surfaces'.
-    ///
-    /// ```
-    /// use tumble_scene::gltf::Combine;
-    ///
-    /// assert_eq!(Combine::of((0.5, Combine::Multiply), (0.2, Combine::Minimum)), 0.2);
-    /// assert_eq!(Combine::of((0.5, Combine::Multiply), (0.2, Combine::Multiply)), 0.1);
-    /// ```
-    #[must_use]
-    pub fn of((a, way_a): (f64, Self), (b, way_b): (f64, Self)) -> f64 {
-        match way_a.min(way_b) {
-            Self::Average => 0.5 * (a + b),
-            Self::Minimum => a.min(b),
-            Self::Maximum => a.max(b),
-            Self::Multiply => a * b,
-        }
     }
 }
 

@@ -1,7 +1,8 @@
 //! glTF 2.0 with physics: the drafts KHR_physics_rigid_bodies and KHR_implicit_shapes, and OMI_physics_body with its companions.
 //!
 //! [`Physics`] is what a file says, in the world's frame and with every default filled in; [`Scene::open`](crate::Scene::open) makes
-//! bodies of it. Colliders, materials, filters and joints are read and kept; nothing collides yet.
+//! bodies of it. Of colliders the engine's are made where it has their like;
+//! filters and joints are read and kept.
 //!
 //! ```
 //! use tumble_scene::gltf::Physics;
@@ -19,6 +20,7 @@
 
 mod bodies;
 mod buffers;
+mod collider;
 mod container;
 mod document;
 mod geometry;
@@ -36,9 +38,10 @@ use std::path::Path;
 
 pub use geometry::{Geometry, MeshSource};
 pub use joint::{Joint, JointDrive, JointLimit};
-pub use material::{CollisionFilter, Combine, SurfaceMaterial};
+pub use material::{CollisionFilter, SurfaceMaterial};
 pub use motion::{Motion, MotionKind};
 pub use physics::{Collider, JointTo, Physics, PhysicsNode, Trigger};
+pub use tumble::Combine;
 
 use crate::MAX_FILE_BYTES;
 use crate::error::{FieldError, Place, SceneError, one_line};

@@ -70,7 +70,6 @@ pub(super) fn notices(document: &Document, tree: &Tree, physics: &Physics) -> Ve
     };
     list("joints are read and not simulated", with(|node| node.joint.is_some()));
     list("triggers are read and notice nothing", with(|node| node.trigger.is_some()));
-    list("colliders are read and kept, nothing collides", with(|node| node.collider.is_some()));
     let in_scene = |index: &usize| tree.places.get(*index).is_some_and(Option::is_some);
     let placed: Vec<usize> = (0..document.nodes.len()).filter(in_scene).collect();
     let sheared = |index: &usize| tree.places.get(*index).copied().flatten().is_some_and(|place| place.sheared);

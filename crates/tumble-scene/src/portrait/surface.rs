@@ -36,6 +36,10 @@ impl Surface {
             Looks::Mesh(mesh) => {
                 Self { positions: mesh.positions().to_vec(), triangles: mesh.triangles().to_vec(), remark: None }
             }
+            Looks::HalfSpace => {
+                let Tessellation { positions, triangles, .. } = Tessellation::of_looks(looks);
+                Self { positions, triangles, remark: Some("a square of ground without end".to_owned()) }
+            }
             Looks::Shape(shape) if leaves(shape, 0) > MOST_PARTS => {
                 return Self { remark: Some(format!("more than {MOST_PARTS} parts, not drawn")), ..Self::default() };
             }

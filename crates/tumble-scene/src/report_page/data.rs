@@ -8,7 +8,7 @@ use serde::Serialize;
 
 use super::replay::{Replay, Shown};
 use super::surfaces::{arrays, is_wide};
-use crate::looks::{BODY_COLORS, FIXED_COLOR};
+use crate::looks::{BODY_COLORS, FIXED_COLOR, GROUND_COLOR};
 use crate::trajectory::Color;
 
 /// Longest name of a body that is shown \[characters\].
@@ -19,7 +19,7 @@ const LONGEST_NAME: usize = 60;
 struct Data {
     /// The direction up.
     up: [u8; 3],
-    /// In linear light: those of bodies that move, then that of those that do not.
+    /// In linear light: those of bodies that move, then that of those that do not, then that of ground.
     colors: Vec<[f32; 3]>,
     surfaces: Vec<SurfaceData>,
     bodies: Vec<BodyData>,
@@ -48,11 +48,14 @@ struct BodyData {
     color: usize,
     scale: [f32; 3],
     moves: bool,
+    /// Whether it is seen only from where its y axis points.
+    one_sided: bool,
 }
 
 /// Writes the data as JSON that may stand in an element of a page.
 pub(super) fn write(replay: &Replay, to: &mut impl Write) -> io::Result<()> {
-    let mut data = Data { colors: BODY_COLORS.iter().copied().chain([FIXED_COLOR]).collect(), ..Data::default() };
+    let mut data =
+        Data { colors: BODY_COLORS.iter().copied().chain([FIXED_COLOR, GROUND_COLOR]).collect(), ..Data::default() };
     if let Some(up) = data.up.get_mut(replay.up()) {
         *up = 1;
     }
@@ -80,9 +83,11 @@ impl Data {
                 color: match look.color {
                     Color::Bright(color) => color,
                     Color::Grey => BODY_COLORS.len(),
+                    Color::Ground => BODY_COLORS.len() + 1,
                 },
                 scale: body.scale,
                 moves: body.moves,
+                one_sided: body.one_sided,
             });
         }
         self.times.clone_from(&frames.times);

@@ -322,12 +322,20 @@
     gl.disable(gl.BLEND);
   }
 
-  function fill({ bodies, instances }) {
+  // Ground without end is not seen from below, so that walls on this side do not hide what is between them.
+  function isHidden(body, eye) {
+    if (!run.bodies[body].one_sided) return false;
+    const [x, y, z, w] = [0, 1, 2, 3].map((i) => placed.rotations[4 * body + i]);
+    const normal = [2 * (x * y - w * z), 1 - 2 * (x * x + z * z), 2 * (y * z + w * x)];
+    return dot(normal, eye.map((value, i) => value - placed.positions[3 * body + i])) <= 0;
+  }
+
+  function fill({ bodies, instances }, eye) {
     // What would be smaller than this on the screen is drawn as large, so that planets are seen beside their orbits.
     const smallest = SMALLEST * camera.unit * camera.distance * Math.tan(FIELD_OF_VIEW / 2) / (canvas.clientHeight / 2);
     bodies.forEach((body, index) => {
       const at = INSTANCE * index;
-      const enlarged = Math.max(1, smallest / reach[body]);
+      const enlarged = isHidden(body, eye) ? 0 : Math.max(1, smallest / reach[body]);
       for (let i = 0; i < 3; i += 1) {
         instances[at + i] = (placed.positions[3 * body + i] - camera.target[i]) / camera.unit;
         instances[at + 7 + i] = enlarged * run.bodies[body].scale[i] / camera.unit;
@@ -345,8 +353,9 @@
     gl.uniformMatrix4fv(gl.getUniformLocation(bodyProgram, 'projection'), false, view.matrix);
     gl.uniform3fv(gl.getUniformLocation(bodyProgram, 'sun'), sun.map((value) => value / length));
     gl.uniform3fv(gl.getUniformLocation(bodyProgram, 'sky'), up);
+    const eye = camera.target.map((value, i) => value + camera.unit * camera.distance * view.towards[i]);
     for (const each of groups) {
-      fill(each);
+      fill(each, eye);
       gl.bindVertexArray(each.layout);
       gl.bindBuffer(gl.ARRAY_BUFFER, each.numbers);
       gl.bufferSubData(gl.ARRAY_BUFFER, 0, each.instances);

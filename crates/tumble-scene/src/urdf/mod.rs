@@ -147,7 +147,8 @@ fn body(inertial: &Inertial, shape: Option<Shape>, frame: &Frame, index: u64) ->
         looks: Looks::Shape(shape.unwrap_or_else(point)),
         forces: Vec::new(),
         springs_to: Vec::new(),
-        colliders: Vec::new(),
+        collider: None,
+        pieces: Vec::new(),
     })
 }
 

@@ -1,6 +1,7 @@
 use macroquad::miniquad::{
-    Bindings, BufferId, BufferLayout, BufferSource, BufferType, BufferUsage, Comparison, Pipeline, PipelineParams,
-    RenderingBackend, UniformType, UniformsSource, VertexAttribute, VertexFormat, VertexStep,
+    Bindings, BlendFactor, BlendState, BlendValue, BufferId, BufferLayout, BufferSource, BufferType, BufferUsage,
+    Comparison, Equation, Pipeline, PipelineParams, RenderingBackend, UniformType, UniformsSource, VertexAttribute,
+    VertexFormat, VertexStep,
 };
 use tumble_scene::{SurfaceSet, Tessellation};
 
@@ -18,7 +19,7 @@ pub(crate) struct BodyInstance {
     /// A quaternion: x, y, z, w.
     pub(crate) turn: [f32; 4],
     pub(crate) size: [f32; 3],
-    /// Red, green, blue in linear light, and how much it is lit up.
+    /// Red, green, blue in linear light, and how much it is lit up; below zero, the distance at which it is no longer seen, with its sign.
     pub(crate) paint: [f32; 4],
 }
 
@@ -70,8 +71,20 @@ impl BodyPass {
             VertexAttribute::with_buffer("size", VertexFormat::Float3, 1),
             VertexAttribute::with_buffer("paint", VertexFormat::Float4, 1),
         ];
-        let params =
-            PipelineParams { depth_test: Comparison::LessOrEqual, depth_write: true, ..PipelineParams::default() };
+        let over = BlendState::new(
+            Equation::Add,
+            BlendFactor::Value(BlendValue::SourceAlpha),
+            BlendFactor::OneMinusValue(BlendValue::SourceAlpha),
+        );
+        // The picture itself stays opaque.
+        let opaque = BlendState::new(Equation::Add, BlendFactor::Zero, BlendFactor::One);
+        let params = PipelineParams {
+            depth_test: Comparison::LessOrEqual,
+            depth_write: true,
+            color_blend: Some(over),
+            alpha_blend: Some(opaque),
+            ..PipelineParams::default()
+        };
         let pipeline = context.new_pipeline(&buffers, &attributes, shader, params);
         let meshes = surfaces.tessellations().map(|surface| Mesh::new(context, &surface)).collect();
         Ok(Self { pipeline, meshes })
@@ -89,7 +102,8 @@ impl BodyPass {
         };
         context.apply_pipeline(&self.pipeline);
         context.apply_uniforms(UniformsSource::table(&uniforms));
-        for (mesh, instances) in self.meshes.iter_mut().zip(picture.bodies) {
+        // The last come first: ground, which fades into what is there already.
+        for (mesh, instances) in self.meshes.iter_mut().zip(picture.bodies).rev() {
             if instances.is_empty() || mesh.corners == 0 {
                 continue;
             }

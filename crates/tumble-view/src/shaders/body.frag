@@ -21,6 +21,8 @@ void main() {
     float gloss = 0.03 * pow(mirrored, 8.0) + 0.10 * pow(mirrored, 60.0);
     // Edges that turn away catch light, so that dark bodies stand out from a dark ground.
     float rim = 0.07 * pow(1.0 - max(0.0, dot(n, eye)), 3.0);
-    vec3 linear = color.rgb * light + vec3(gloss + rim) + color.a * vec3(0.10, 0.11, 0.12);
-    gl_FragColor = vec4(pow(clamp(linear, 0.0, 1.0), vec3(1.0 / 2.2)), 1.0);
+    vec3 linear = color.rgb * light + vec3(gloss + rim) + max(color.a, 0.0) * vec3(0.10, 0.11, 0.12);
+    // Below zero it is the distance at which what has no end is no longer seen.
+    float seen = color.a < 0.0 ? 1.0 - smoothstep(0.3, 1.0, length(position) / -color.a) : 1.0;
+    gl_FragColor = vec4(pow(clamp(linear, 0.0, 1.0), vec3(1.0 / 2.2)), seen);
 }

@@ -3,9 +3,9 @@
 use tumble_math::lane::Vec3;
 
 use super::block::Block;
-use super::rows::{at, gather, put_two_vectors, scatter, two_vectors, vector_at};
+use super::rows::{at, gather, put_two_vectors, two_vectors, vector_at};
 use crate::derived::symmetric_product;
-use crate::simd::{BLOCK, Eight, Tile};
+use crate::simd::{BLOCK, Eight, Rows, Tile};
 
 /// The motion of the second body seen from the first, at the middle of the contact: velocities, or displacements.
 #[derive(Clone, Copy)]
@@ -101,8 +101,8 @@ pub(super) struct Bodies<T, const GROUNDED: bool> {
 
 impl<T: Tile, const GROUNDED: bool> Bodies<T, GROUNDED> {
     #[inline(always)]
-    pub(super) fn load(motion: &[Eight], indices: &[[u32; BLOCK]; 2], lane: usize) -> Self {
-        let rows = [gather::<T>(motion, &indices[0], lane), gather::<T>(motion, &indices[1], lane)];
+    pub(super) fn load(motion: &Rows<'_>, block: usize, lane: usize) -> Self {
+        let rows = [motion.gather::<T>(block, 0, lane), motion.gather::<T>(block, 1, lane)];
         let [a, b, c, d, e, f, first_mass] = T::load(&rows[0]);
         let first = (Vec3::new(a, b, c), Vec3::new(d, e, f));
         let [a, b, c, d, e, f, second_mass] = T::load(&rows[1]);
@@ -140,15 +140,15 @@ impl<T: Tile, const GROUNDED: bool> Bodies<T, GROUNDED> {
         self.angular[1] = self.angular[1] + (arms[1].cross(linear) + angular);
     }
 
-    /// Writes back the momenta of those lanes that have a contact.
+    /// Writes back the momenta.
     #[inline(always)]
-    pub(super) fn store(mut self, motion: &mut [Eight], indices: &[[u32; BLOCK]; 2], lane: usize, count: usize) {
+    pub(super) fn store(mut self, motion: &mut Rows<'_>, block: usize, lane: usize) {
         if !GROUNDED {
             put_two_vectors(self.linear[0], self.angular[0], &mut self.rows[0]);
-            scatter::<T>(&self.rows[0], motion, &indices[0], lane, count);
+            motion.scatter::<T>(&self.rows[0], block, 0, lane);
         }
         put_two_vectors(self.linear[1], self.angular[1], &mut self.rows[1]);
-        scatter::<T>(&self.rows[1], motion, &indices[1], lane, count);
+        motion.scatter::<T>(&self.rows[1], block, 1, lane);
     }
 }
 

@@ -8,9 +8,12 @@
 mod block;
 mod booking;
 mod collider;
+mod collider_error;
+mod collider_shape;
 mod colouring;
 mod contact;
 mod frame;
+mod keep;
 mod keeping;
 mod material;
 mod materials;
@@ -27,7 +30,8 @@ mod solver;
 mod solver_bodies;
 mod touching;
 
-pub use collider::{Collider, ColliderError};
+pub use collider::Collider;
+pub use collider_error::ColliderError;
 pub use material::{Combine, Material};
 pub(crate) use names::Name;
 pub use reading::{Contact, ContactEvent, ContactPoint};

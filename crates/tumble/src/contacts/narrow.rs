@@ -1,3 +1,4 @@
+use rayon::prelude::*;
 use tumble_collide::lanes::{CuboidLanes, ManifoldLanes, ball_pair, cuboid_gap, cuboid_pair};
 use tumble_collide::{Geometry, MOST_POINTS, Placement};
 use tumble_math::lane::{Quat, Vec3};
@@ -66,6 +67,9 @@ impl Shapes {
     }
 }
 
+/// So many blocks of pairs are looked at by one thread at a time.
+const PART: usize = 32;
+
 /// Pairs of one kind, in blocks, and what was found out about them.
 #[derive(Clone, Default)]
 pub(super) struct Pairs {
@@ -88,11 +92,11 @@ impl Pairs {
         self.fill_blocks(shapes.nobody());
         self.gaps.clear();
         self.gaps.resize(self.blocks.len() * BLOCK, 0.0);
-        let (blocks, gaps) = (&self.blocks, &mut self.gaps);
-        match kind {
+        let parts = self.blocks.par_chunks(PART).zip(self.gaps.par_chunks_mut(PART * BLOCK));
+        parts.for_each(|(blocks, gaps)| match kind {
             Kind::Cuboid => dispatch_in_blocks(&mut CuboidGaps { blocks, shapes, gaps }),
             _ => dispatch_in_blocks(&mut BallGaps { blocks, shapes, gaps }),
-        }
+        });
         let mut gaps = self.gaps.iter();
         // What is not a number is not near.
         self.pairs.retain(|_| gaps.next().is_some_and(|gap| *gap <= margin));
@@ -100,11 +104,11 @@ impl Pairs {
 
         let begin = contacts.len();
         contacts.resize(begin + self.blocks.len() * BLOCK, Contact::NONE);
-        let (blocks, found) = (&self.blocks, &mut contacts[begin..]);
-        match kind {
+        let parts = self.blocks.par_chunks(PART).zip(contacts[begin..].par_chunks_mut(PART * BLOCK));
+        parts.for_each(|(blocks, found)| match kind {
             Kind::Cuboid => dispatch_in_blocks(&mut CuboidContacts { blocks, shapes, margin, found }),
             _ => dispatch_in_blocks(&mut BallContacts { blocks, shapes, margin, found }),
-        }
+        });
         contacts.truncate(begin + self.pairs.len());
         contacts[begin..].iter_mut().for_each(|contact| contact.kind = kind);
     }

@@ -8,7 +8,7 @@ use super::rows::{at, put};
 use super::rubbing::Rubbing;
 use super::soft::Softness;
 use crate::math::Real;
-use crate::simd::{BLOCK, Eight, Kernel, Tile};
+use crate::simd::{BLOCK, Eight, Kernel, Rows, Tile};
 
 /// Blocks of one colour, with what only some contacts have: as many of it as there are blocks, or none.
 pub(super) struct Blocks<'a, const P: usize, const C: usize> {
@@ -17,9 +17,26 @@ pub(super) struct Blocks<'a, const P: usize, const C: usize> {
     pub(super) bounces: &'a mut [Bounce<P>],
 }
 
+impl<'a, const P: usize, const C: usize> Blocks<'a, P, C> {
+    /// How many.
+    pub(super) fn len(&self) -> usize {
+        self.blocks.len()
+    }
+
+    /// The first so many, and the others.
+    pub(super) fn split_at(self, middle: usize) -> (Self, Self) {
+        let of_some = |count: usize| if count == 0 { 0 } else { middle };
+        let (blocks, other_blocks) = self.blocks.split_at_mut(middle);
+        let (rolling, other_rolling) = self.rolling.split_at_mut(of_some(self.rolling.len()));
+        let (bounces, other_bounces) = self.bounces.split_at_mut(of_some(self.bounces.len()));
+        let others = Self { blocks: other_blocks, rolling: other_rolling, bounces: other_bounces };
+        (Self { blocks, rolling, bounces }, others)
+    }
+}
+
 /// The bodies that a pass reads and writes.
-pub(super) struct Rows<'a> {
-    pub(super) motion: &'a mut [Eight],
+pub(super) struct Bodied<'a> {
+    pub(super) motion: Rows<'a>,
     pub(super) response: &'a [Eight],
     pub(super) moved: &'a [Eight],
 }
@@ -27,7 +44,7 @@ pub(super) struct Rows<'a> {
 /// Applies all impulses as they are, those that the last substep ended with: where nothing changes they are what this one needs.
 pub(super) struct WarmStart<'a, const P: usize, const C: usize, const GROUNDED: bool> {
     pub(super) blocks: Blocks<'a, P, C>,
-    pub(super) rows: Rows<'a>,
+    pub(super) bodies: Bodied<'a>,
 }
 
 impl<const P: usize, const C: usize, const GROUNDED: bool> Kernel for WarmStart<'_, P, C, GROUNDED> {
@@ -41,7 +58,7 @@ impl<const P: usize, const C: usize, const GROUNDED: bool> Kernel for WarmStart<
         let (index, lane) = (i / BLOCK, i % BLOCK);
         let block = &self.blocks.blocks[index];
         let frame = Frame::<T>::load(block, lane);
-        let moved = Moved::load(self.rows.moved, &block.rows, lane);
+        let moved = Moved::load(self.bodies.moved, self.bodies.motion.pairs(index), lane);
         let mut impulses = [T::splat(0.0); P];
         let mut j = 0;
         while j < P {
@@ -51,16 +68,16 @@ impl<const P: usize, const C: usize, const GROUNDED: bool> Kernel for WarmStart<
         let (linear, angular) = along_normals(block, &frame, lane, impulses);
         let rubbing = Rubbing::load(&block.friction, self.blocks.rolling.get(index), lane);
         let (linear, angular) = (linear + rubbing.linear(&frame), angular + rubbing.angular(&frame));
-        let mut bodies = Bodies::<T, GROUNDED>::load(self.rows.motion, &block.rows, lane);
+        let mut bodies = Bodies::<T, GROUNDED>::load(&self.bodies.motion, index, lane);
         bodies.push(frame.arms(&moved), linear, angular);
-        bodies.store(self.rows.motion, &block.rows, lane, block.count);
+        bodies.store(&mut self.bodies.motion, index, lane);
     }
 }
 
 /// One pass over the points, in order: what overlaps is pushed apart or, where `RELAX`, the velocity that this gave is taken out again, and friction follows.
 pub(super) struct Solve<'a, const P: usize, const C: usize, const GROUNDED: bool, const RELAX: bool> {
     pub(super) blocks: Blocks<'a, P, C>,
-    pub(super) rows: Rows<'a>,
+    pub(super) bodies: Bodied<'a>,
     pub(super) softness: Softness,
     /// One over the substep [1/s].
     pub(super) inverse_h: Real,
@@ -79,9 +96,9 @@ impl<const P: usize, const C: usize, const GROUNDED: bool, const RELAX: bool> Ke
         let (index, lane) = (i / BLOCK, i % BLOCK);
         let block = &mut self.blocks.blocks[index];
         let frame = Frame::<T>::load(block, lane);
-        let moved = Moved::load(self.rows.moved, &block.rows, lane);
-        let response = Response::<T, GROUNDED>::load(self.rows.response, &block.rows, lane);
-        let mut bodies = Bodies::<T, GROUNDED>::load(self.rows.motion, &block.rows, lane);
+        let moved = Moved::load(self.bodies.moved, self.bodies.motion.pairs(index), lane);
+        let response = Response::<T, GROUNDED>::load(self.bodies.response, self.bodies.motion.pairs(index), lane);
+        let mut bodies = Bodies::<T, GROUNDED>::load(&self.bodies.motion, index, lane);
         let arms = frame.arms(&moved);
 
         let way = frame.normal_parts(&moved.relative(&frame));
@@ -100,7 +117,7 @@ impl<const P: usize, const C: usize, const GROUNDED: bool, const RELAX: bool> Ke
             let linear = after.linear(&frame) - before.linear(&frame);
             bodies.push(arms, linear, after.angular(&frame) - before.angular(&frame));
         }
-        bodies.store(self.rows.motion, &block.rows, lane, block.count);
+        bodies.store(&mut self.bodies.motion, index, lane);
     }
 }
 
@@ -147,7 +164,7 @@ impl<const P: usize, const C: usize, const GROUNDED: bool, const RELAX: bool> So
 /// Notes how fast bodies come together, before a pass pushes anything: they may have been kicked since the step began.
 pub(super) struct NoteApproach<'a, const P: usize, const C: usize, const GROUNDED: bool> {
     pub(super) blocks: Blocks<'a, P, C>,
-    pub(super) rows: Rows<'a>,
+    pub(super) bodies: Bodied<'a>,
 }
 
 impl<const P: usize, const C: usize, const GROUNDED: bool> Kernel for NoteApproach<'_, P, C, GROUNDED> {
@@ -161,9 +178,9 @@ impl<const P: usize, const C: usize, const GROUNDED: bool> Kernel for NoteApproa
         let (index, lane) = (i / BLOCK, i % BLOCK);
         let block = &self.blocks.blocks[index];
         let frame = Frame::<T>::load(block, lane);
-        let moved = Moved::load(self.rows.moved, &block.rows, lane);
-        let response = Response::<T, GROUNDED>::load(self.rows.response, &block.rows, lane);
-        let bodies = Bodies::<T, GROUNDED>::load(self.rows.motion, &block.rows, lane);
+        let moved = Moved::load(self.bodies.moved, self.bodies.motion.pairs(index), lane);
+        let response = Response::<T, GROUNDED>::load(self.bodies.response, self.bodies.motion.pairs(index), lane);
+        let bodies = Bodies::<T, GROUNDED>::load(&self.bodies.motion, index, lane);
         let motion = bodies.relative(&response, frame.arms(&moved));
         let speeds = speeds(block, lane, frame.normal_parts(&motion));
         let bounce = &mut self.blocks.bounces[index];
@@ -180,7 +197,7 @@ impl<const P: usize, const C: usize, const GROUNDED: bool> Kernel for NoteApproa
 /// added impulse allows.
 pub(super) struct Rebound<'a, const P: usize, const C: usize, const GROUNDED: bool> {
     pub(super) blocks: Blocks<'a, P, C>,
-    pub(super) rows: Rows<'a>,
+    pub(super) bodies: Bodied<'a>,
     pub(super) threshold: Real,
 }
 
@@ -196,9 +213,9 @@ impl<const P: usize, const C: usize, const GROUNDED: bool> Kernel for Rebound<'_
         let zero = T::splat(0.0);
         let (block, bounce) = (&mut self.blocks.blocks[index], &mut self.blocks.bounces[index]);
         let frame = Frame::<T>::load(block, lane);
-        let moved = Moved::load(self.rows.moved, &block.rows, lane);
-        let response = Response::<T, GROUNDED>::load(self.rows.response, &block.rows, lane);
-        let mut bodies = Bodies::<T, GROUNDED>::load(self.rows.motion, &block.rows, lane);
+        let moved = Moved::load(self.bodies.moved, self.bodies.motion.pairs(index), lane);
+        let response = Response::<T, GROUNDED>::load(self.bodies.response, self.bodies.motion.pairs(index), lane);
+        let mut bodies = Bodies::<T, GROUNDED>::load(&self.bodies.motion, index, lane);
         let arms = frame.arms(&moved);
         let restitution: T = at(&bounce.restitution, lane);
         let slowest = T::splat(-f64::from(self.threshold));
@@ -228,7 +245,7 @@ impl<const P: usize, const C: usize, const GROUNDED: bool> Kernel for Rebound<'_
         let resistance = (&block.friction, self.blocks.rolling.get(index));
         let rubbing = Rubbing::none().solved(resistance, (&frame, lane), &motion, added.max(zero));
         bodies.push(arms, rubbing.linear(&frame), rubbing.angular(&frame));
-        bodies.store(self.rows.motion, &block.rows, lane, block.count);
+        bodies.store(&mut self.bodies.motion, index, lane);
     }
 }
 

@@ -1,11 +1,11 @@
 use std::fmt;
 
 use hecs::World;
-use tumble_collide::{Bounds, BroadPhase, Placement, Proxy, collide};
+use tumble_collide::{Bounds, BroadPhase, Placement, Proxy, touching};
 use tumble_math::lane::{Quat, Vec3};
 
 use super::booking::Bookings;
-use super::collider::Collider;
+use super::collider::{Collider, Groups};
 use super::contact::Contact;
 use super::keeping::Past;
 use super::materials::Materials;
@@ -36,6 +36,7 @@ pub(crate) struct Contacts {
     pub(super) past: Past,
     /// By slot.
     pub(super) colliders: Vec<Option<(Collider, WorldVec3)>>,
+    groups: Vec<Groups>,
     pub(super) shapes: Vec<Shape>,
     /// By slot: its row among the solver's bodies, if it touches anything.
     rows: Vec<u32>,
@@ -97,6 +98,13 @@ impl Contacts {
         });
         self.materials
             .list(self.colliders.iter().map(|collider| collider.as_ref().map(|(collider, _)| collider.material())));
+        let of = |collider: &Option<(Collider, _)>| collider.as_ref().map_or(Groups::ALL, |(it, _)| it.filter_groups());
+        if !self.colliders.iter().map(of).eq(self.groups.iter().copied()) {
+            // Who touches whom is asked once.
+            self.broad_phase.reset();
+            self.groups.clear();
+            self.groups.extend(self.colliders.iter().map(of));
+        }
         self.renumber(world);
     }
 
@@ -108,15 +116,16 @@ impl Contacts {
         self.gather(world, settings, laws, (time, h));
         let Self { contacts, bodies, bookings, solver, rows, .. } = self;
         solver.lay_out(contacts, |contact| contact.slots.map(|slot| rows[slot as usize]), bodies);
-        solver.prepare(contacts, bodies, MARGIN);
+        bodies.with_poses(|bodies, poses| solver.run(Pass::Prepare(contacts, poses, MARGIN), bodies));
         for _ in 0..substeps {
             bookings.before_kick(bodies);
             bodies.kick();
             bookings.before_push(bodies);
-            solver.run(Pass::WarmStart, bodies);
+            // Before the impulses of the last step act: bodies that those push together have not come together, and to bounce them would make energy.
             if solver.bounces() {
                 solver.run(Pass::NoteApproach, bodies);
             }
+            solver.run(Pass::WarmStart, bodies);
             solver.run(Pass::Biased(h), bodies);
             bookings.before_motion(bodies);
             bodies.drift(h);
@@ -168,7 +177,7 @@ impl Contacts {
                 let orientation = Quat::from(poses[row].orientation).normalize();
                 let Some((collider, offset)) = &colliders[slot] else { continue };
                 let position = center - orientation.rotate(Vec3::from(*offset));
-                let placement = Placement { position, orientation };
+                let placement = collider.placement(Placement { position, orientation });
                 lanes.set(slot, &collider.geometry, &placement, center);
                 let kind = Kind::of(&collider.geometry);
                 let velocity = velocities.as_deref().map_or(Velocity::default(), |velocities| velocities[row]);
@@ -233,8 +242,12 @@ impl Contacts {
         for slots in others {
             let [first, second] = slots.map(|slot| (&shapes[slot as usize], self.colliders[slot as usize].as_ref()));
             if let (Some((a, _)), Some((b, _))) = (first.1, second.1) {
-                let manifold = collide(&a.geometry, &first.0.placement, &b.geometry, &second.0.placement, MARGIN);
-                contacts.push(Contact::new(*slots, 0, &manifold, second.0.center));
+                let before = contacts.len();
+                let (first_at, second_at, center) = (&first.0.placement, &second.0.placement, second.0.center);
+                touching(&a.geometry, first_at, &b.geometry, second_at, MARGIN, &mut |part, manifold| {
+                    contacts.push(Contact::new(*slots, part, manifold, center));
+                });
+                contacts[before..].sort_by_key(Contact::key);
             }
         }
         contacts.retain(|contact| contact.count() > 0);
@@ -252,13 +265,13 @@ impl Contacts {
 
     /// Finds the pairs that may touch, and sorts them by the kind of their shapes. Where impulses move only one of two, it is the second.
     fn find_near(&mut self) {
-        let Self { shapes, proxies, colliders, broad_phase, cuboids, balls, others, .. } = self;
+        let Self { shapes, proxies, colliders, groups, broad_phase, cuboids, balls, others, .. } = self;
         proxies.clear();
         proxies.extend(shapes.iter().zip(&*colliders).map(|(shape, collider)| shape.proxy(collider.as_ref())));
         cuboids.clear();
         balls.clear();
         others.clear();
-        for &(first, second) in broad_phase.update(proxies, |_, _| true) {
+        for &(first, second) in broad_phase.update(proxies, |a, b| groups[a as usize].touch(groups[b as usize])) {
             // Which others are found depends on what was before; the contacts must not.
             let [p, q] = [&proxies[first as usize], &proxies[second as usize]];
             if !p.is_near(q) {
@@ -275,6 +288,13 @@ impl Contacts {
 }
 
 impl Shape {
+    /// What the broad phase is to know of it. What has no collider is nowhere.
+    fn proxy(&self, collider: Option<&(Collider, WorldVec3)>) -> Proxy<Real> {
+        let nowhere = Some(Bounds::about(Vec3::splat(Real::NAN), Vec3::zero()));
+        let bounds = collider.map_or(nowhere, |(collider, _)| collider.geometry.bounds(&self.placement, 0.5 * MARGIN));
+        Proxy { bounds, moves: self.moves }
+    }
+
     /// Known by its centre of mass alone.
     pub(super) fn at_center([x, y, z]: [Real; 3]) -> Self {
         Self { center: Vec3::new(x, y, z), ..Self::NOWHERE }
@@ -282,13 +302,6 @@ impl Shape {
 
     pub(super) fn center(&self) -> [Real; 3] {
         [self.center.x, self.center.y, self.center.z]
-    }
-
-    /// What the broad phase is to know of it. What has no collider is nowhere.
-    fn proxy(&self, collider: Option<&(Collider, WorldVec3)>) -> Proxy<Real> {
-        let nowhere = Some(Bounds::about(Vec3::splat(Real::NAN), Vec3::zero()));
-        let bounds = collider.map_or(nowhere, |(collider, _)| collider.geometry.bounds(&self.placement, 0.5 * MARGIN));
-        Proxy { bounds, moves: self.moves }
     }
 
     const NOWHERE: Self = {

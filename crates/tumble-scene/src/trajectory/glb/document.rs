@@ -9,7 +9,7 @@ use super::Animation;
 use super::bodies::{Bodies, Color, DrawnBody, Look};
 use super::geometry::Surface;
 use super::layout::Layout;
-use crate::looks::{BODY_COLORS, FIXED_COLOR};
+use crate::looks::{BODY_COLORS, FIXED_COLOR, GROUND_COLOR};
 
 /// What the document begins with, up to the accessors of times and tracks.
 const BEGINNING: &str = r#"{"accessors":["#;
@@ -194,6 +194,7 @@ fn write_looks(writer: &mut impl Write, looks: &[Look], layout: &Layout) -> io::
 fn material(color: Color) -> Value {
     let [red, green, blue] = match color {
         Color::Grey => FIXED_COLOR,
+        Color::Ground => GROUND_COLOR,
         Color::Bright(index) => BODY_COLORS.get(index).copied().unwrap_or(FIXED_COLOR),
     };
     json!({

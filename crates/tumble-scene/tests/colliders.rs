@@ -1,0 +1,290 @@
+//! Promise: a scene's colliders, half-spaces and contact settings are what the simulation has, in every format; what cannot be is refused with the body and
+//! the field; and a glTF file's colliders touch wherever the engine can make them, or are named.
+//!
+//! Why: a collider that is read and dropped lets bodies fall through a floor that everyone sees.
+#![allow(clippy::unwrap_used, reason = "a test fails by panicking, in its helper functions too")]
+
+use std::io::Cursor;
+
+use glam::DVec3;
+use hecs::World;
+use tumble::{BodyOrder, Collider, Combine, Pose, Simulation};
+use tumble_scene::{Animation, Audit, Frame, Looks, Scene, Sweep, SweepPlan, TrajectoryWriter};
+
+/// Where the bodies of a scene are after some steps.
+fn run(scene: Scene, steps: u32) -> Vec<DVec3> {
+    let mut simulation = Simulation::new(scene.settings).unwrap();
+    let mut world = World::new();
+    scene.spawn(&mut world).unwrap();
+    simulation.step_many(&mut world, steps);
+    places(&world)
+}
+
+#[allow(clippy::useless_conversion, reason = "it is f64 already in one of the two builds")]
+fn places(world: &World) -> Vec<DVec3> {
+    let place = |entity| DVec3::from_array(world.get::<&Pose>(entity).unwrap().position.to_array().map(f64::from));
+    BodyOrder::of(world).entities().iter().map(|entity| place(*entity)).collect()
+}
+
+const BOX_ON_GROUND: &str = r#"{ "contact_substeps": 8, "restitution_threshold": 0.25, "bodies": [
+    { "name": "ground", "shape": { "half_space": {} }, "fixed": true, "collider": {} },
+    { "name": "box", "shape": { "cuboid": { "half_extents": [0.5, 0.25, 0.5] } }, "mass": 2, "position": [0, 1, 0],
+      "collider": { "friction": 0.75, "rolling_friction": 0.125, "restitution": 0.5,
+                    "friction_combine": "minimum", "restitution_combine": "multiply" } } ] }"#;
+
+#[test]
+fn what_a_scene_says_is_what_the_simulation_has() {
+    let scene = Scene::from_json(BOX_ON_GROUND, "box.json").unwrap();
+    assert_eq!((scene.settings.contact_substeps, scene.settings.restitution_threshold), (8, 0.25));
+    assert_eq!(scene.looks().unwrap()[0], Looks::HalfSpace);
+    let mut world = World::new();
+    scene.clone().spawn(&mut world).unwrap();
+    let order = BodyOrder::of(&world);
+    let collider = world.get::<&Collider>(order.entities()[1]).unwrap();
+    let material = *collider.material();
+    assert_eq!((material.static_friction, material.dynamic_friction), (0.75, 0.75));
+    assert_eq!((material.restitution, material.rolling_friction), (0.5, 0.125));
+    assert_eq!((material.friction_combine, material.restitution_combine), (Combine::Minimum, Combine::Multiply));
+    let ground = world.get::<&Collider>(order.entities()[0]).unwrap();
+    assert_eq!(*ground.material(), tumble::Material::default());
+    // It lies on the ground.
+    let height = run(scene, 240)[1].y;
+    assert!((height - 0.25).abs() < 2e-3, "{height}");
+}
+
+#[test]
+fn both_formats_say_the_same() {
+    let ron = r#"( contact_substeps: 8, restitution_threshold: 0.25, bodies: [
+        ( name: "ground", shape: half_space(), fixed: true, collider: () ),
+        ( name: "box", shape: cuboid(half_extents: (0.5, 0.25, 0.5)), mass: 2, position: (0, 1, 0),
+          collider: ( friction: 0.75, rolling_friction: 0.125, restitution: 0.5, friction_combine: minimum, restitution_combine: multiply ) ) ] )"#;
+    let [json, ron] = [Scene::from_json(BOX_ON_GROUND, "a").unwrap(), Scene::from_ron(ron, "a").unwrap()];
+    assert_eq!(run(json, 100), run(ron, 100));
+}
+
+/// A block on a slope of 3 in 4 holds with a friction above 0.75, and slides below: a half second with 0.5 is g (0.6 - 0.5 0.8)/8 = 0.245 m along it.
+#[test]
+fn a_normal_tilts_the_ground() {
+    let along = |friction: f64, ground: &str| {
+        // The block begins as deep as it lies, so that nothing is lost on the way.
+        let text = format!(
+            r#"{{ "dt": 0.001, "bodies": [
+                 {{ {ground}, "fixed": true, "collider": {{ "friction": {friction} }} }},
+                 {{ "shape": {{ "cuboid": {{ "half_extents": [0.2, 0.2, 0.2] }} }}, "mass": 1, "position": [0.12, 0.16, 0],
+                    "orientation": [0, 0, -0.316227766, 0.948683298], "collider": {{ "friction": {friction} }} }} ] }}"#
+        );
+        let place = run(Scene::from_json(&text, "slope.json").unwrap(), 500)[1];
+        (place - DVec3::new(0.12, 0.16, 0.0)).dot(DVec3::new(0.8, -0.6, 0.0))
+    };
+    let normal = r#""shape": { "half_space": { "normal": [3, 4, 0] } }"#;
+    assert!(along(0.8, normal).abs() < 1e-3, "{}", along(0.8, normal));
+    let slid = along(0.5, normal);
+    // A hundredth for the first steps, in which it sinks in.
+    assert!((slid / 0.245 - 1.0).abs() < 0.02, "{slid}");
+    // Turned by its orientation it is the same ground.
+    let turned = r#""shape": { "half_space": {} }, "orientation": [0, 0, -0.316227766, 0.948683298]"#;
+    assert!((along(0.5, turned) - slid).abs() < 1e-4, "{} {slid}", along(0.5, turned));
+}
+
+#[test]
+fn what_cannot_be_is_refused_by_body_and_field() {
+    let ground = r#""shape": { "half_space": {} }"#;
+    let ball = r#""shape": { "sphere": { "radius": 1 } }, "mass": 1"#;
+    let cases = [
+        (format!(r#"{ball}, "collider": {{ "friction": -1 }}"#), "collider.friction", "must be zero or positive"),
+        (
+            format!(r#"{ball}, "collider": {{ "restitution": 1.5 }}"#),
+            "collider.restitution",
+            "must be from 0 to 1, not 1.5",
+        ),
+        (format!(r#"{ball}, "collider": {{ "static_friction": 1e999 }}"#), "collider.static_friction", ""),
+        (format!(r#"{ball}, "collider": {{ "rolling_friction": -0.5 }}"#), "collider.rolling_friction", "not -0.5"),
+        (
+            format!(r#"{ball}, "collider": {{ "friction": 1, "dynamic_friction": 1 }}"#),
+            "collider.dynamic_friction",
+            "friction is given too",
+        ),
+        (
+            format!(r#"{ball}, "collider": {{ "friction_combine": "mean" }}"#),
+            "collider.friction_combine",
+            "unknown variant",
+        ),
+        // The engine has torsion from the size of the patch that touches, and no coefficient of its own for it.
+        (format!(r#"{ball}, "collider": {{ "spinning_friction": 0 }}"#), "collider.spinning_friction", "unknown field"),
+        (r#""mass": 1, "collider": {}"#.to_owned(), "collider", "a point cannot be a collider"),
+        (ground.to_owned(), "shape.half_space", "is to be fixed"),
+        (format!(r#"{ground}, "kinematic": true"#), "shape.half_space", "is to be fixed"),
+        (format!(r#"{ground}, "fixed": true, "density": 1"#), "density", "half_space"),
+        (format!(r#"{ground}, "fixed": true, "center_of_mass": [0, 0, 0]"#), "center_of_mass", "half_space"),
+        (
+            r#""fixed": true, "shape": { "half_space": { "normal": [0, 0, 0] } }"#.to_owned(),
+            "shape.half_space.normal",
+            "has no direction",
+        ),
+        (
+            r#""shape": { "compound": { "parts": [ { "shape": { "half_space": {} }, "mass": 1 } ] } }"#.to_owned(),
+            "shape.parts[0].shape.half_space",
+            "cannot be a part",
+        ),
+    ];
+    for (body, field, problem) in cases {
+        let text = format!(r#"{{ "bodies": [ {{ "name": "bad", {body} }} ] }}"#);
+        let error = Scene::from_json(&text, "bad.json").unwrap_err().to_string();
+        let place = format!("bad.json: body \"bad\" (bodies[0]), field {field}: ");
+        assert!(error.starts_with(&place) && error.contains(problem), "{body}: {error}");
+    }
+    for (setting, problem) in
+        [("\"contact_substeps\": 0", "from 1 to 1000"), ("\"restitution_threshold\": -1", "zero or positive")]
+    {
+        let error = Scene::from_json(&format!("{{ {setting} }}"), "bad.json").unwrap_err().to_string();
+        assert!(error.contains(problem) && error.contains(setting.split('"').nth(1).unwrap()), "{error}");
+    }
+}
+
+#[test]
+fn an_audit_shows_colliders_with_all_defaults() {
+    let audit = Audit::from_json(BOX_ON_GROUND, "box.json").unwrap();
+    assert!(!audit.has_problems());
+    let json = serde_json::to_value(&audit).unwrap();
+    assert_eq!(json["bodies"][0]["collider"]["static_friction"], 0.5);
+    assert_eq!(json["bodies"][0]["mass"], serde_json::Value::Null);
+    assert_eq!(json["bodies"][1]["collider"]["friction_combine"], "minimum");
+    let bare = Audit::from_json(r#"{ "bodies": [ { "mass": 1 } ] }"#, "bare.json").unwrap();
+    assert_eq!(serde_json::to_value(&bare).unwrap()["bodies"][0].get("collider"), None);
+}
+
+/// A ball bounces as high as its restitution has it, in every world its own way.
+#[test]
+fn a_sweep_varies_surfaces_and_settings() {
+    let text = r#"{ "dt": 0.001, "steps": 1000, "restitution_threshold": 0, "bodies": [
+        { "name": "ground", "shape": { "half_space": {} }, "fixed": true,
+          "collider": { "restitution_combine": "maximum" } },
+        { "name": "ball", "shape": { "sphere": { "radius": 0.1 } }, "mass": 1, "position": [0, 1.1, 0],
+          "collider": { "restitution_combine": "maximum" } } ] }"#;
+    let directory = tempfile::tempdir().unwrap();
+    let path = directory.path().join("bounce.json");
+    std::fs::write(&path, text).unwrap();
+    let plan = |vary: &str| {
+        let vary = vec![vary.parse().unwrap()];
+        SweepPlan { scene: path.to_str().unwrap().to_owned(), vary, ..SweepPlan::default() }
+    };
+    let sweep = Sweep::new(plan("bodies.ball.collider.restitution=grid(0,1,3)")).unwrap();
+    let heights: Vec<f64> = (0..3)
+        .map(|world| {
+            let mut world = sweep.build(&sweep.draw(world)).unwrap();
+            // It falls for 0.4515 s, and rises for as long times the restitution.
+            let mut highest = f64::NEG_INFINITY;
+            for step in 0..1000 {
+                world.trial.step_many(1);
+                if step > 500 {
+                    highest = highest.max(places(&world.trial.world)[1].y - 0.1);
+                }
+            }
+            highest
+        })
+        .collect();
+    for (height, expected) in heights.iter().zip([0.0, 0.25, 1.0]) {
+        assert!((height - expected).abs() < 0.01, "{heights:?}");
+    }
+    for setting in [
+        "contact_substeps=grid(1,8,2)",
+        "restitution_threshold=grid(0,2,2)",
+        "bodies.ground.shape.normal.0=grid(0,1,2)",
+    ] {
+        let sweep = Sweep::new(plan(setting)).unwrap();
+        let ends: Vec<_> = (0..2)
+            .map(|world| {
+                let mut world = sweep.build(&sweep.draw(world)).unwrap();
+                world.trial.step_many(600);
+                places(&world.trial.world)[1]
+            })
+            .collect();
+        let differ = ends[0] != ends[1];
+        // Nothing bounces in this scene but with a threshold that never is met.
+        assert_eq!(differ, !setting.starts_with("restitution"), "{setting}: {ends:?}");
+    }
+}
+
+fn gltf(nodes: &str) -> Scene {
+    let text = format!(
+        r#"{{ "asset": {{ "version": "2.0" }}, "nodes": [ {nodes} ], "extensions": {{
+            "KHR_implicit_shapes": {{ "shapes": [ {{ "type": "plane" }}, {{ "type": "sphere", "sphere": {{ "radius": 0.5 }} }},
+                {{ "type": "plane", "plane": {{ "sizeX": 2, "sizeZ": 2 }} }} ] }},
+            "KHR_physics_rigid_bodies": {{ "physicsMaterials": [ {{ "restitution": 1, "restitutionCombine": "maximum", "dynamicFriction": 0.25 }} ],
+                "collisionFilters": [ {{ "collisionSystems": [ "a" ] }} ] }} }} }}"#
+    );
+    Scene::from_gltf(text.as_bytes(), "file.gltf").unwrap()
+}
+
+fn node(name: &str, translation: [f64; 3], physics: &str) -> String {
+    format!(
+        r#"{{ "name": "{name}", "translation": {translation:?}, "extensions": {{ "KHR_physics_rigid_bodies": {{ {physics} }} }} }}"#
+    )
+}
+
+#[test]
+fn colliders_of_gltf_touch() {
+    let plane = |material: &str| {
+        let collider = format!(r#""collider": {{ "geometry": {{ "shape": 0 }} {material} }}"#);
+        node("floor", [0.0, 1.0, 0.0], &collider)
+    };
+    let ball = |material: &str| {
+        let collider =
+            format!(r#""motion": {{ "mass": 2 }}, "collider": {{ "geometry": {{ "shape": 1 }} {material} }}"#);
+        node("ball", [0.0, 3.0, 0.0], &collider)
+    };
+    let dull = gltf(&format!("{}, {}", plane(""), ball("")));
+    assert_eq!(dull.looks().unwrap()[0], Looks::HalfSpace);
+    assert!(dull.notices.is_empty(), "{:?}", dull.notices);
+    let height = run(dull, 240)[1].y;
+    assert!((height - 1.5).abs() < 2e-3, "{height}");
+    // It falls for 0.553 s, and is near where it began after twice that.
+    let [plane, ball] = [plane(r#", "physicsMaterial": 0"#), ball(r#", "physicsMaterial": 0"#)];
+    let bouncing = gltf(&format!("{plane}, {ball}"));
+    let mut world = World::new();
+    bouncing.clone().spawn(&mut world).unwrap();
+    let collider = *world.get::<&Collider>(BodyOrder::of(&world).entities()[1]).unwrap().material();
+    assert_eq!((collider.static_friction, collider.dynamic_friction, collider.restitution), (0.6, 0.25, 1.0));
+    let height = run(bouncing, 66)[1].y;
+    assert!((height - 3.0).abs() < 0.2, "{height}");
+}
+
+#[test]
+fn what_gltf_has_and_contacts_have_not_is_named() {
+    let plate = node("plate", [0.0; 3], r#""collider": { "geometry": { "shape": 2 } }"#);
+    let filtered =
+        node("shy", [0.0; 3], r#""motion": {}, "collider": { "geometry": { "shape": 1 }, "collisionFilter": 0 }"#);
+    let notices = gltf(&format!("{plate}, {filtered}")).notices.join("\n");
+    for part in [
+        "has a plane that touches nothing: only an endless one that nothing carries does (1): nodes[0] \"plate\"",
+        "has a collision filter that is read and not kept: it collides with all (1): nodes[1] \"shy\"",
+    ] {
+        assert!(notices.contains(part), "{part:?} is not in:\n{notices}");
+    }
+}
+
+/// Ground without end is a disc in a record, as wide as the scene, and a surface that is seen from above only.
+#[test]
+fn a_record_has_a_plate_for_ground() {
+    let scene = Scene::from_json(BOX_ON_GROUND, "box.json").unwrap();
+    let (settings, animation) = (scene.settings, Animation::of(&scene, 0, 1).unwrap());
+    let mut world = World::new();
+    let names = scene.spawn(&mut world).unwrap();
+    let simulation = Simulation::new(settings).unwrap();
+    let order = BodyOrder::of(&world);
+    let frame = Frame::of(&simulation, &world, &order, &names);
+    let mut writer = TrajectoryWriter::glb(Cursor::new(Vec::new()), animation);
+    writer.record(&frame).unwrap();
+    let bytes = writer.finish().unwrap().into_inner();
+    let length = u32::from_le_bytes(bytes[12..16].try_into().unwrap()) as usize;
+    let document: serde_json::Value = serde_json::from_slice(&bytes[20..20 + length]).unwrap();
+    let ground = &document["nodes"][0];
+    assert_eq!(ground["name"], "ground");
+    let primitive = &document["meshes"][ground["mesh"].as_u64().unwrap() as usize]["primitives"][0];
+    let positions = &document["accessors"][primitive["attributes"]["POSITION"].as_u64().unwrap() as usize];
+    let half_width = positions["max"][0].as_f64().unwrap();
+    // The box reaches 0.75 m from its middle, in a box with a diagonal of 2 x 0.75 x sqrt(3).
+    assert!((half_width / (1.6 * 0.75 * 3.0_f64.sqrt()) - 1.0).abs() < 1e-6, "{half_width}");
+    assert_eq!((positions["min"][1].as_f64(), positions["max"][1].as_f64()), (Some(0.0), Some(0.0)));
+    assert_eq!(document["materials"][primitive["material"].as_u64().unwrap() as usize].get("doubleSided"), None);
+}

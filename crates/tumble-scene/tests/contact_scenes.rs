@@ -1,0 +1,237 @@
+//! Promise: the built-in scenes of bodies that touch do what their names say: what is to stand stands, what is to fall falls, and nothing goes through
+//! the ground or a wall.
+//!
+//! Why: they are what is looked at first. Each test has in it what one would look for.
+#![allow(clippy::unwrap_used, reason = "a scene that cannot be run is a failed test")]
+
+use std::f64::consts::TAU;
+
+use glam::DVec3;
+use hecs::World;
+use tumble::{BodyOrder, Pose, Simulation, Velocity};
+use tumble_scene::{Names, Scene};
+
+/// A scene that is being run, and its bodies by name.
+struct Run {
+    world: World,
+    order: BodyOrder,
+    names: Names,
+    simulation: Simulation,
+    steps: u64,
+}
+
+impl Run {
+    fn of(name: &str, bodies: Option<u64>) -> Self {
+        let scene = Scene::open_with(name, bodies, None).unwrap();
+        let (simulation, steps) = (Simulation::new(scene.settings).unwrap(), scene.steps);
+        let mut world = World::new();
+        let names = scene.spawn(&mut world).unwrap();
+        let order = BodyOrder::of(&world);
+        Self { world, order, names, simulation, steps }
+    }
+
+    fn until(&mut self, seconds: f64) {
+        while self.simulation.time() < seconds - 1e-9 {
+            self.simulation.step(&mut self.world);
+        }
+    }
+
+    fn to_the_end(&mut self) {
+        (0..self.steps).for_each(|_| self.simulation.step(&mut self.world));
+    }
+
+    /// Those whose names begin so.
+    fn called<'a>(&'a self, beginning: &'a str) -> impl Iterator<Item = hecs::Entity> + 'a {
+        let named = move |index: &usize| self.names.of(*index as u64).starts_with(beginning);
+        (0..self.order.len()).filter(named).map(|index| self.order.entities()[index])
+    }
+
+    fn places(&self, beginning: &str) -> Vec<DVec3> {
+        let place = |entity| dvec3(self.world.get::<&Pose>(entity).unwrap().position);
+        self.called(beginning).map(place).collect()
+    }
+
+    fn velocities(&self, beginning: &str) -> Vec<DVec3> {
+        let velocity = |entity| dvec3(self.world.get::<&Velocity>(entity).unwrap().linear);
+        self.called(beginning).map(velocity).collect()
+    }
+
+    /// The height of each body's own y axis.
+    fn uprights(&self, beginning: &str) -> Vec<f64> {
+        let upright = |entity| dvec3(self.world.get::<&Pose>(entity).unwrap().orientation * tumble::math::Vec3::Y).y;
+        self.called(beginning).map(upright).collect()
+    }
+}
+
+#[allow(clippy::useless_conversion, reason = "it is f64 already in one of the two builds")]
+fn dvec3(vector: tumble::math::Vec3) -> DVec3 {
+    DVec3::from_array(vector.to_array().map(f64::from))
+}
+
+fn largest(numbers: impl IntoIterator<Item = f64>) -> f64 {
+    numbers.into_iter().fold(f64::NEG_INFINITY, f64::max)
+}
+
+fn smallest(numbers: impl IntoIterator<Item = f64>) -> f64 {
+    numbers.into_iter().fold(f64::INFINITY, f64::min)
+}
+
+/// How far each has moved from where it was \[m\].
+fn moved(from: &[DVec3], to: &[DVec3]) -> Vec<f64> {
+    from.iter().zip(to).map(|(from, to)| (*to - *from).length()).collect()
+}
+
+/// Ten seconds; the peers' pyramids of these boxes sink by 12 to 15 mm at base 20, and this is half as high.
+#[test]
+fn a_pyramid_stands() {
+    let mut run = Run::of("pyramid", Some(385));
+    let start = run.places("box");
+    run.to_the_end();
+    let farthest = largest(moved(&start, &run.places("box")));
+    let fastest = largest(run.velocities("box").iter().map(|velocity| velocity.length()));
+    assert!(start.len() == 385 && farthest < 7e-3 && fastest < 1e-3, "{farthest} {fastest}");
+}
+
+/// The whole one begins as the peers have it: layer k is (20 - k)^2 boxes whose middles are at 0.5 + k.
+#[test]
+fn the_pyramid_is_that_of_the_benchmark() {
+    let run = Run::of("pyramid", None);
+    let places = run.places("box");
+    for layer in 0..20_usize {
+        let height = 0.5 + layer as f64;
+        let count = places.iter().filter(|place| (place.y - height).abs() < 1e-6).count();
+        assert_eq!(count, (20 - layer).pow(2), "layer {layer}");
+    }
+    assert!((largest(places.iter().map(|place| place.x)) - 9.5 * 1.1).abs() < 1e-6);
+}
+
+#[test]
+fn a_wall_stands_until_it_is_struck() {
+    let mut run = Run::of("wall", None);
+    let start = run.places("brick");
+    run.until(0.9);
+    // Contacts are springs of 30 Hz: in a column, k layers press that below them in by 2 k g/w^2. Of 16 layers the uppermost sinks by the sum for 1 to 15,
+    // and what lies on the ground, whose springs have 60 Hz, by 16 g/w^2.
+    let sag = (2.0 * 120.0 * 9.81) / (TAU * 30.0).powi(2) + 16.0 * 9.81 / (TAU * 60.0).powi(2);
+    for (from, to) in start.iter().zip(run.places("brick")) {
+        let by = to - *from;
+        assert!((-sag..1e-3).contains(&by.y) && by.x.hypot(by.z) < 0.02, "{from} by {by}");
+    }
+    run.to_the_end();
+    let places = run.places("brick");
+    let fallen = moved(&start, &places).iter().filter(|by| **by > 0.2).count();
+    assert!(fallen > start.len() / 3, "{fallen} of {}", start.len());
+    assert!(smallest(places.iter().map(|place| place.y)) > 0.0, "a brick is under ground");
+    assert!(run.places("ball")[0].z > 1.0, "the ball has gone through");
+}
+
+#[test]
+fn dominoes_fall_one_after_the_other() {
+    let mut run = Run::of("dominoes", None);
+    let mut fell_at = vec![f64::NAN; run.uprights("piece").len()];
+    for tenth in 1..150 {
+        let time = 0.1 * f64::from(tenth);
+        run.until(time);
+        for (upright, fell_at) in run.uprights("piece").into_iter().zip(&mut fell_at) {
+            if upright < 0.8 && fell_at.is_nan() {
+                *fell_at = time;
+            }
+        }
+    }
+    assert!(fell_at.iter().all(|time| time.is_finite()), "{fell_at:?}");
+    assert!(fell_at.windows(2).all(|pair| pair[0] <= pair[1]), "{fell_at:?}");
+    // They lean on each other and none has been thrown away.
+    assert!(largest(run.uprights("piece")) < 0.6);
+    assert!(largest(run.velocities("piece").iter().map(|velocity| velocity.length())) < 0.05);
+}
+
+/// The first ball comes down by 0.2 m, so with the speed sqrt(2 g 0.2); equal masses and restitution 1 exchange velocities, so the last one leaves
+/// with that and rises as high, and the others stay. A pendulum of 1 m that swings to 37 degrees takes 2.057 s, a quarter of which is 0.514 s.
+#[test]
+fn the_last_ball_of_the_cradle_leaves_with_the_speed_of_the_first() {
+    let mut run = Run::of("cradle", None);
+    let speed = (2.0 * 9.81 * 0.2_f64).sqrt();
+    let (mut fastest, mut highest, mut others) = (0.0_f64, 0.0_f64, 0.0_f64);
+    let mut energies = Vec::new();
+    for hundredth in 1..150 {
+        run.until(0.01 * f64::from(hundredth));
+        let (velocities, places) = (run.velocities("ball"), run.places("ball"));
+        energies
+            .push(velocities.iter().zip(&places).map(|(v, at)| 0.5 * v.length_squared() + 9.81 * at.y).sum::<f64>());
+        if (60..145).contains(&hundredth) {
+            fastest = fastest.max(velocities[4].length());
+            highest = highest.max(places[4].y);
+            // Along the row: wires that are relieved of a swing swing up and down themselves, a little.
+            others = others.max(largest(velocities[..4].iter().map(|velocity| velocity.x.abs())));
+        }
+    }
+    // The gaps and the wires' stretch take a little.
+    assert!((0.93..1.001).contains(&(fastest / speed)), "{fastest} of {speed}");
+    assert!((0.19..0.2005).contains(&highest), "{highest}");
+    assert!(others < 0.02 * speed, "{others}");
+    // What is in the wires is not counted: half a millimetre of stretch, by which they hold against gravity and the swing.
+    let (least, most) = (smallest(energies.iter().copied()), largest(energies.iter().copied()));
+    assert!(most < 1.962 * 1.005 && least > 1.962 * 0.98, "{least} {most}");
+}
+
+/// What is in the drum stays in it, is lifted on the side that goes up, and is not at rest.
+#[test]
+fn the_drum_tumbles_what_is_in_it() {
+    let mut run = Run::of("drum", None);
+    let corner = 2.5 / (std::f64::consts::PI / 8.0).cos();
+    let mut lifted = Vec::new();
+    for second in 4..20 {
+        run.until(f64::from(second));
+        let places = run.places("body");
+        let farthest = largest(places.iter().map(|place| place.x.hypot(place.y - 3.0)));
+        assert!(farthest < corner, "{farthest} after {second} s");
+        assert!(largest(places.iter().map(|place| place.z.abs())) < 1.0, "after {second} s");
+        lifted.push(places.iter().map(|place| place.x).sum::<f64>() / places.len() as f64);
+    }
+    assert!(smallest(lifted.iter().copied()) > 0.3, "{lifted:?}");
+    let fastest = largest(run.velocities("body").iter().map(|velocity| velocity.length()));
+    assert!(fastest > 1.0, "{fastest}");
+    // After 20 s panels are where the turn has brought them: each about the axis of all.
+    let axis = run.places("panel");
+    assert!(axis.iter().all(|place| (*place - DVec3::new(0.0, 3.0, 0.0)).length() < 1e-5), "{axis:?}");
+}
+
+#[test]
+fn a_pile_comes_to_rest_on_the_ground() {
+    let mut run = Run::of("pile", Some(150));
+    run.until(12.0);
+    let places = run.places("body");
+    // The thinnest planks are 0.05 m thick, half of it.
+    assert!(smallest(places.iter().map(|place| place.y)) > 0.045);
+    // It is a heap: some lie on others.
+    assert!(largest(places.iter().map(|place| place.y)) > 0.5);
+    let fastest = largest(run.velocities("body").iter().map(|velocity| velocity.length()));
+    assert!(fastest < 0.05, "{fastest}");
+}
+
+#[test]
+fn the_pins_fall() {
+    let mut run = Run::of("bowling", None);
+    run.until(0.4);
+    assert!(smallest(run.uprights("pin")) > 0.9999, "they stand until the ball comes");
+    run.to_the_end();
+    let fallen = run.uprights("pin").iter().filter(|upright| **upright < 0.7).count();
+    assert!(fallen >= 8, "{fallen}");
+    assert!(smallest(run.places("pin").iter().map(|place| place.y)) > 0.04);
+}
+
+/// The largest overlap of balls that peers show at this size of a step is 0.03 m.
+#[test]
+fn spheres_fill_the_box() {
+    let mut run = Run::of("spheres", Some(972));
+    run.to_the_end();
+    let places = run.places("ball");
+    assert!(smallest(places.iter().map(|place| place.y)) > 0.47);
+    assert!(largest(places.iter().map(|place| place.x.abs().max(place.z.abs()))) < 9.53);
+    let mut nearest = f64::INFINITY;
+    for (index, one) in places.iter().enumerate() {
+        nearest = places[..index].iter().map(|other| (*one - *other).length()).fold(nearest, f64::min);
+    }
+    assert!(nearest > 0.97, "{nearest}");
+    assert!(largest(run.velocities("ball").iter().map(|velocity| velocity.length())) < 0.2);
+}
