@@ -40,7 +40,7 @@ impl Simulation {
 
     /// Puts back the world's bodies as [`Snapshot::restore`] does, the contacts, and the [`clock`](Self::clock) where the snapshot has one. Returns the bodies that were spawned since.
     ///
-    /// Contacts belong to bodies by their [`BodyId`]s; fixed bodies without one, which are scenery, go by the numbers of their entities. Contacts with scenery that is not there are dropped.
+    /// Contacts belong to bodies by their [`BodyId`](crate::BodyId)s; fixed bodies without one, which are scenery, go by the numbers of their entities. Contacts with scenery that is not there are dropped.
     /// A snapshot without contacts, as [`Snapshot::capture`] takes it, empties the simulation's: the next step begins with no impulse between bodies, and so with other bits than the run
     /// that was captured where anything touched.
     ///
