@@ -75,8 +75,8 @@ fn the_order_of_spawning_does_not_matter() {
     };
     let collider = Collider::new(&shape).unwrap();
     let mut simulation = Simulation::new(settings()).unwrap();
-    let gone =
-        [(1000, 0.5), (1001, 1.4), (1002, 2.3)].map(|(id, y)| passing(id, y).spawn_with(&mut world, (collider,)));
+    let mut spawn = |(id, y)| passing(id, y).spawn_with(&mut world, (collider.clone(),));
+    let gone = [(1000, 0.5), (1001, 1.4), (1002, 2.3)].map(&mut spawn);
     run(&mut simulation, &mut world, STEPS / 2);
     gone.into_iter().for_each(|body| world.despawn(body).unwrap());
     run(&mut simulation, &mut world, STEPS - STEPS / 2);

@@ -48,9 +48,12 @@ pub(crate) fn spawn(world: &mut World, id: u64) -> Entity {
 
 fn spawn_falling(world: &mut World, id: u64) -> Entity {
     let mut chance = Chance::stream(7, id);
-    let mut length = || f64::from(chance.between(0.15, 0.25));
-    let shape =
-        if id.is_multiple_of(2) { Shape::sphere(length()) } else { Shape::cuboid([length(), length(), length()]) };
+    let mut length = || chance.between(0.15, 0.25);
+    let shape = if id.is_multiple_of(2) {
+        Shape::sphere(length())
+    } else {
+        Shape::cuboid(Vec3::new(length(), length(), length()))
+    };
     let (layer, place) = ((id - 2) / 9, (id - 2) % 9);
     let [x, y, z] = [place % 3, layer, place / 3].map(|i| i as u8).map(Real::from);
     let at = Vec3::new(1.1 * (x - 1.0), 1.0 + 0.6 * y, 1.1 * (z - 1.0)) + chance.vector(-0.1, 0.1);
