@@ -109,7 +109,7 @@ fn the_pyramid_is_that_of_the_benchmark() {
 fn a_wall_stands_until_it_is_struck() {
     let mut run = Run::of("wall", None);
     let start = run.places("brick");
-    run.until(0.9);
+    run.until(0.45);
     // Contacts are springs of 30 Hz: in a column, k layers press that below them in by 2 k g/w^2. Of 16 layers the uppermost sinks by the sum for 1 to 15,
     // and what lies on the ground, whose springs have 60 Hz, by 16 g/w^2.
     let sag = (2.0 * 120.0 * 9.81) / (TAU * 30.0).powi(2) + 16.0 * 9.81 / (TAU * 60.0).powi(2);
@@ -212,7 +212,7 @@ fn a_pile_comes_to_rest_on_the_ground() {
 #[test]
 fn the_pins_fall() {
     let mut run = Run::of("bowling", None);
-    run.until(0.4);
+    run.until(0.25);
     assert!(smallest(run.uprights("pin")) > 0.9999, "they stand until the ball comes");
     run.run_out();
     let fallen = run.uprights("pin").iter().filter(|upright| **upright < 0.7).count();
