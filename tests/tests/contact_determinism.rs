@@ -20,7 +20,7 @@ use pile::{plain_scene, scene, settings, shuffled};
 const STEPS: u32 = 120;
 
 /// The hash of the pile after 200 steps, in single and double precision. A new hash is a new arithmetic, of contacts or of what finds them; see `determinism.rs`.
-const PINNED: [u64; 2] = [0x37cf_6a20_6875_2fd8, 0];
+const PINNED: [u64; 2] = [0x7da1_a278_2113_b802, 0x6727_1113_8b2a_0c9f];
 
 fn hash_after(mut world: World, steps: u32) -> u64 {
     let mut simulation = Simulation::new(settings()).unwrap();
@@ -75,8 +75,8 @@ fn the_order_of_spawning_does_not_matter() {
     };
     let collider = Collider::new(&shape).unwrap();
     let mut simulation = Simulation::new(settings()).unwrap();
-    let mut spawn = |(id, y)| passing(id, y).spawn_with(&mut world, (collider.clone(),));
-    let gone = [(1000, 0.5), (1001, 1.4), (1002, 2.3)].map(&mut spawn);
+    let gone = [(1000, 0.5), (1001, 1.4), (1002, 2.3)]
+        .map(|(id, y)| passing(id, y).spawn_with(&mut world, (collider.clone(),)));
     run(&mut simulation, &mut world, STEPS / 2);
     gone.into_iter().for_each(|body| world.despawn(body).unwrap());
     run(&mut simulation, &mut world, STEPS - STEPS / 2);

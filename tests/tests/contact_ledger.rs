@@ -5,6 +5,7 @@
 //! is booked over another way than it acted on.
 
 #![allow(clippy::unwrap_used, reason = "a test without what it tests is to fail")]
+#![cfg_attr(feature = "f64", allow(clippy::useless_conversion, reason = "Real is f64 in this build, f32 in the other"))]
 
 use hecs::{Entity, World};
 use tumble::math::Vec3;

@@ -1,13 +1,14 @@
-//! A box without a lid into which everything falls that can touch: balls and boxes, some that bounce, roll badly, are damped or off their centre, on
+//! A box without a lid into which everything falls that can touch: balls, boxes, capsules, cylinders and dumbbells, some that bounce, roll badly, are damped or off their centre, on
 //! ground with a name, between walls without, with a paddle that turns among them.
 
 #![allow(dead_code, reason = "each test uses a part of it")]
 #![allow(clippy::unwrap_used, reason = "a body that cannot be made is a failed test")]
+#![cfg_attr(feature = "f64", allow(clippy::useless_conversion, reason = "Real is f64 in this build, f32 in the other"))]
 
 use hecs::{Entity, World};
 use tumble::math::{Quat, Real, Vec3, dquat};
 use tumble::prelude::*;
-use tumble::{Chance, Collider, InertiaTensor, Material};
+use tumble::{Amount, Chance, Collider, InertiaTensor, Material, Part};
 
 /// Moving bodies, and the paddle.
 pub(crate) const BODIES: u64 = 61;
@@ -48,11 +49,16 @@ pub(crate) fn spawn(world: &mut World, id: u64) -> Entity {
 
 fn spawn_falling(world: &mut World, id: u64) -> Entity {
     let mut chance = Chance::stream(7, id);
-    let mut length = || chance.between(0.15, 0.25);
-    let shape = if id.is_multiple_of(2) {
-        Shape::sphere(length())
-    } else {
-        Shape::cuboid(Vec3::new(length(), length(), length()))
+    let mut length = || f64::from(chance.between(0.15, 0.25));
+    let shape = match id % 8 {
+        0 | 2 => Shape::sphere(length()),
+        4 => Shape::capsule(length(), length()),
+        6 => {
+            let ball = |x: f64| Part::new(Shape::sphere(0.15), Amount::Density(800.0)).at([x, 0.0, 0.0]);
+            Shape::compound([ball(-length()), ball(length())])
+        }
+        7 => Shape::cylinder(length(), length()),
+        _ => Shape::cuboid([length(), length(), length()]),
     };
     let (layer, place) = ((id - 2) / 9, (id - 2) % 9);
     let [x, y, z] = [place % 3, layer, place / 3].map(|i| i as u8).map(Real::from);
@@ -73,7 +79,7 @@ fn spawn_falling(world: &mut World, id: u64) -> Entity {
         let tensor = InertiaTensor::from_principal([0.4, 0.5, 0.6], axes).unwrap();
         body = body.mass(30.0).center_of_mass([0.02, -0.03, 0.01]).inertia(tensor);
     } else {
-        body = body.density(chance.between(300.0, 3000.0));
+        body = body.mass(chance.between(10.0, 60.0));
     }
     if when(7) {
         body = body.damping(Damping { linear: 0.1, angular: 0.3 });

@@ -268,8 +268,8 @@ impl Contacts {
             }
             contact.set_surface(&self.materials.between(contact.slots));
         }
-        // The next step's list takes the place of the last one's: so it allocates nothing.
-        self.last.reserve(self.contacts.capacity().saturating_sub(self.last.len()));
+        // The next step's list takes the place of the last one's: so it allocates nothing. Exactly as much, for with some more both would outgrow each other without end.
+        self.last.reserve_exact(self.contacts.capacity().saturating_sub(self.last.len()));
     }
 
     /// Finds the pairs that may touch, and sorts them by the kind of their shapes. Where impulses move only one of two, it is the second.
