@@ -36,7 +36,7 @@ impl Run {
         }
     }
 
-    fn run_out(&mut self) {
+    fn finish(&mut self) {
         (0..self.steps).for_each(|_| self.simulation.step(&mut self.world));
     }
 
@@ -86,7 +86,7 @@ fn moved(from: &[DVec3], to: &[DVec3]) -> Vec<f64> {
 fn a_pyramid_stands() {
     let mut run = Run::of("pyramid", Some(385));
     let start = run.places("box");
-    run.run_out();
+    run.finish();
     let farthest = largest(moved(&start, &run.places("box")));
     let fastest = largest(run.velocities("box").iter().map(|velocity| velocity.length()));
     assert!(start.len() == 385 && farthest < 7e-3 && fastest < 1e-3, "{farthest} {fastest}");
@@ -117,7 +117,7 @@ fn a_wall_stands_until_it_is_struck() {
         let by = to - *from;
         assert!((-sag..1e-3).contains(&by.y) && by.x.hypot(by.z) < 0.02, "{from} by {by}");
     }
-    run.run_out();
+    run.finish();
     let places = run.places("brick");
     let fallen = moved(&start, &places).iter().filter(|by| **by > 0.2).count();
     assert!(fallen > start.len() / 3, "{fallen} of {}", start.len());
@@ -214,7 +214,7 @@ fn the_pins_fall() {
     let mut run = Run::of("bowling", None);
     run.until(0.25);
     assert!(smallest(run.uprights("pin")) > 0.9999, "they stand until the ball comes");
-    run.run_out();
+    run.finish();
     let fallen = run.uprights("pin").iter().filter(|upright| **upright < 0.7).count();
     assert!(fallen >= 8, "{fallen}");
     assert!(smallest(run.places("pin").iter().map(|place| place.y)) > 0.04);
@@ -224,7 +224,7 @@ fn the_pins_fall() {
 #[test]
 fn spheres_fill_the_box() {
     let mut run = Run::of("spheres", Some(972));
-    run.run_out();
+    run.finish();
     let places = run.places("ball");
     assert!(smallest(places.iter().map(|place| place.y)) > 0.47);
     assert!(largest(places.iter().map(|place| place.x.abs().max(place.z.abs()))) < 9.53);
