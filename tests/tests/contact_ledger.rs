@@ -11,7 +11,7 @@ use hecs::{Entity, World};
 use tumble::math::Vec3;
 use tumble::prelude::*;
 use tumble::{BodyOrder, Collider, Material, Totals, Work};
-use tumble_tests::run;
+use tumble_tests::{dvec3, run};
 
 mod pile;
 
@@ -62,7 +62,7 @@ fn a_bouncing_ball_loses_what_its_restitution_has_it_lose() {
     Ledger::attach(&mut world, &simulation);
     // It touches the ground after 0.45 s, and again 0.72 s after that.
     run(&mut simulation, &mut world, 800);
-    let (first, height) = (work(&world, ball), f64::from(world.get::<&Pose>(ball).unwrap().position.y));
+    let (first, height) = (work(&world, ball), dvec3(world.get::<&Pose>(ball).unwrap().position).y);
     let fallen = 1.5 * G * (1.1 - height);
     assert!((first.gravity / fallen - 1.0).abs() < 1e-3, "{first:?} for {fallen}");
     let lost = 1.5 * G * (1.0 - 0.8 * 0.8);
@@ -85,7 +85,7 @@ fn each_force_on_a_touching_body_has_its_own_work() {
         world.get::<&mut Wrench>(pushed).unwrap().add_force(Vec3::X * 1.0);
         simulation.step(&mut world);
     }
-    let (work, way) = (work(&world, pushed), f64::from(world.get::<&Pose>(pushed).unwrap().position.x));
+    let (work, way) = (work(&world, pushed), dvec3(world.get::<&Pose>(pushed).unwrap().position).x);
     assert!((work.applied / way - 1.0).abs() < 1e-3, "{work:?}, {way} m");
     assert!((work.of("ConstantWrench").unwrap() / (2.0 * way) - 1.0).abs() < 1e-3, "{work:?}, {way} m");
     // On a plane without friction, contacts do nothing but hold up what sinks in by a tenth of a millimetre. To their account comes what a substep does to a force that drives and a

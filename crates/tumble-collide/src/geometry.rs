@@ -1,6 +1,6 @@
 use std::sync::Arc;
 
-use tumble_math::lane::{Quat, Vec3};
+use tumble_math::lane::{Lane, Quat, Vec3};
 
 use crate::bounds::Bounds;
 use crate::compound::Compound;
@@ -186,6 +186,42 @@ impl<R: Scalar> Geometry<R> {
                     Vec3::new(x, y, z)
                 });
                 Some(Bounds { low: at.position - low, high: at.position + high })
+            }
+        }
+    }
+
+    /// Half its thickness where it is thinnest, or somewhat less \[m\]: what goes through it by less is still on the side it came from. Zero for surfaces.
+    ///
+    /// ```
+    /// use tumble_collide::Geometry;
+    /// use tumble_math::lane::Vec3;
+    ///
+    /// let plate = Geometry::Cuboid { half_extents: Vec3::new(1.0, 0.05, 2.0) };
+    /// assert_eq!(plate.half_thickness(), 0.05);
+    /// ```
+    pub fn half_thickness(&self) -> R {
+        let (zero, half) = (R::splat(0.0), R::splat(0.5));
+        let least = |v: Vec3<R>| v.x.min(v.y).min(v.z);
+        match self {
+            Self::Ball { radius } | Self::Capsule { radius, .. } => *radius,
+            Self::Cuboid { half_extents } => least(*half_extents),
+            Self::Ellipsoid { radii } => least(*radii),
+            Self::Cylinder { radius, half_height } => radius.min(*half_height),
+            Self::Cone { radius, half_height } => radius.min(*half_height) * half,
+            Self::Frustum { radius_bottom, radius_top, half_height } => {
+                radius_bottom.max(*radius_top).min(*half_height) * half
+            }
+            Self::TaperedCapsule { radius_bottom, radius_top, .. } => radius_bottom.min(*radius_top),
+            Self::HalfSpace => R::splat(f64::INFINITY),
+            Self::Mesh(_) | Self::HeightField(_) => zero,
+            Self::Compound(compound) => {
+                let here = Placement::at(Vec3::zero());
+                let parts = compound.placed(&here).map(|(_, _, part)| part.half_thickness());
+                parts.reduce(Lane::min).unwrap_or(zero)
+            }
+            Self::Hull(_) => {
+                let bounds = self.bounds(&Placement::at(Vec3::zero()), zero);
+                bounds.map_or(zero, |bounds| least(bounds.high - bounds.low) * (half * half))
             }
         }
     }

@@ -86,8 +86,8 @@ pub(crate) const CONTACT_SCENES: [ContactScene; 8] = [
         name: "wall",
         bodies: Some(264),
         is_seeded: false,
-        description: "A brick wall that a heavy ball strikes after a second.",
-        source: "Our own; bricks of 0.4 by 0.2 by 0.2 m and 1800 kg/m3, a ball of 650 kg at 16 m/s.",
+        description: "A brick wall that a heavy ball strikes after half a second.",
+        source: "Our own; bricks of 0.4 by 0.2 by 0.2 m and 1800 kg/m3, a ball of 650 kg at 15 m/s.",
         make: |bodies, _| wall::scene(bodies),
     },
 ];

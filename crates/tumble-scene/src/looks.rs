@@ -38,4 +38,4 @@ pub const BODY_COLORS: [[f32; 3]; 7] = [
 pub const FIXED_COLOR: [f32; 3] = [0.3, 0.3, 0.3];
 
 /// The colour of ground without end, in linear light.
-pub const GROUND_COLOR: [f32; 3] = [0.16, 0.17, 0.19];
+pub const GROUND_COLOR: [f32; 3] = [0.075, 0.08, 0.095];

@@ -44,7 +44,7 @@ impl SceneBody {
         let mut entity = EntityBuilder::new();
         self.body.insert_into(&mut entity);
         Force::insert_all(&self.forces, self.center(), &mut entity);
-        if let Some(collider) = self.collider.clone() {
+        for collider in self.collider.iter().cloned() {
             entity.add(collider);
         }
         world.spawn(entity.build())

@@ -22,7 +22,7 @@ pub(super) fn scene() -> SceneModel {
             .surface(ColliderModel::rough(0.35).bouncing(0.5))
             .named(format!("pin-{}", row * (row + 1) / 2 + place + 1))
     };
-    let ball = BodyModel::sphere(RADIUS, [-4.0, RADIUS, 0.045])
+    let ball = BodyModel::sphere(RADIUS, [-2.5, RADIUS, 0.045])
         .mass(BALL)
         .surface(ColliderModel::rough(0.15).bouncing(0.3))
         .moving([SPEED, 0.0, 0.0], [0.0, 0.0, -SPEED / RADIUS])

@@ -33,7 +33,7 @@ pub(super) fn scene(bodies: usize, seed: u64) -> SceneModel {
                 break turn;
             }
         };
-        let surface = ColliderModel::rough(0.5).rolling(0.02);
+        let surface = ColliderModel::rough(0.5).rolling(0.05);
         body.density(800.0).turned(turn).surface(surface).named(format!("body-{index}"))
     };
     let mut all: Vec<_> = (0..bodies).map(body).collect();

@@ -7,8 +7,8 @@ const HALF: [f64; 3] = [0.2, 0.1, 0.1];
 const RADIUS: f64 = 0.4;
 const STRIKE: f64 = 0.6;
 /// \[m/s\], and when \[s\].
-const SPEED: f64 = 16.0;
-const AFTER: f64 = 1.0;
+const SPEED: f64 = 15.0;
+const AFTER: f64 = 0.5;
 
 /// Layers of bricks, every other one shifted by half a brick and with half bricks at its ends; the ball flies so long that the wall is first
 /// seen to stand.

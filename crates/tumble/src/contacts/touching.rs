@@ -1,7 +1,7 @@
 use std::fmt;
 
 use hecs::World;
-use tumble_collide::{Bounds, BroadPhase, Placement, Proxy, touching};
+use tumble_collide::{Bounds, BroadPhase, Geometry, Placement, Proxy, touching};
 use tumble_math::lane::{Quat, Vec3};
 
 use super::booking::Bookings;
@@ -65,6 +65,8 @@ pub(super) struct Shape {
     kind: Kind,
     /// Whether impulses move it.
     moves: bool,
+    /// How far from its surface another's may be to be a contact, with the other's reach added \[m\].
+    reach: Real,
     /// Of what impulses do not move \[m/s\] \[rad/s\].
     velocity: (Vec3<Real>, Vec3<Real>),
 }
@@ -111,7 +113,7 @@ impl Contacts {
     /// Works out where what touches something will be after one substep of the settings, starting from the world as it is.
     pub(crate) fn solve(&mut self, world: &World, settings: &Settings, laws: &ForceLaws, time: f64) {
         let (substeps, h) = (settings.contact_substeps_each(), settings.contact_substep());
-        self.look(world);
+        self.look(world, settings.substep());
         self.find_contacts();
         self.gather(world, settings, laws, (time, h));
         let Self { contacts, bodies, bookings, solver, rows, .. } = self;
@@ -162,15 +164,16 @@ impl Contacts {
         });
     }
 
-    /// Reads where all bodies with colliders are.
-    fn look(&mut self, world: &World) {
+    /// Reads where all bodies with colliders are, and how far from there they may go in an interval \[s\].
+    fn look(&mut self, world: &World, interval: Real) {
         let Self { members, shapes, colliders, lanes, .. } = self;
         lanes.reset(members.len());
         shapes.clear();
         shapes.resize(members.len(), Shape::NOWHERE);
         members.for_each_archetype(world, |archetype, places| {
             let Some(poses) = archetype.get::<&Pose>() else { return };
-            let moves = archetype.has::<Momentum>() && archetype.has::<Mass>() && archetype.has::<Wrench>();
+            let pushed = archetype.get::<&Momentum>().zip(archetype.get::<&Mass>());
+            let pushed = pushed.filter(|_| archetype.has::<Wrench>());
             let velocities = archetype.get::<&Velocity>();
             for (row, slot) in places {
                 let center = Vec3::from(poses[row].position);
@@ -178,11 +181,16 @@ impl Contacts {
                 let Some((collider, offset)) = &colliders[slot] else { continue };
                 let position = center - orientation.rotate(Vec3::from(*offset));
                 let placement = collider.placement(Placement { position, orientation });
-                lanes.set(slot, &collider.geometry, &placement, center);
-                let kind = Kind::of(&collider.geometry);
                 let velocity = velocities.as_deref().map_or(Velocity::default(), |velocities| velocities[row]);
+                let linear = match &pushed {
+                    Some((momenta, masses)) => momenta[row].linear / masses[row].kilograms(),
+                    None => velocity.linear,
+                };
+                let reach = reach(&collider.geometry, linear.length() * interval);
+                lanes.set(slot, &collider.geometry, &placement, center, reach);
+                let (kind, moves) = (Kind::of(&collider.geometry), pushed.is_some());
                 let velocity = (velocity.linear.into(), velocity.angular.into());
-                shapes[slot] = Shape { placement, center, kind, moves, velocity };
+                shapes[slot] = Shape { placement, center, kind, moves, reach, velocity };
             }
         });
     }
@@ -237,14 +245,15 @@ impl Contacts {
         std::mem::swap(&mut self.contacts, &mut self.last);
         let Self { shapes, lanes, cuboids, balls, others, contacts, .. } = self;
         contacts.clear();
-        cuboids.touch(Kind::Cuboid, lanes, MARGIN, contacts);
-        balls.touch(Kind::Ball, lanes, MARGIN, contacts);
+        cuboids.touch(Kind::Cuboid, lanes, contacts);
+        balls.touch(Kind::Ball, lanes, contacts);
         for slots in others {
             let [first, second] = slots.map(|slot| (&shapes[slot as usize], self.colliders[slot as usize].as_ref()));
             if let (Some((a, _)), Some((b, _))) = (first.1, second.1) {
                 let before = contacts.len();
                 let (first_at, second_at, center) = (&first.0.placement, &second.0.placement, second.0.center);
-                touching(&a.geometry, first_at, &b.geometry, second_at, MARGIN, &mut |part, manifold| {
+                let margin = first.0.reach + second.0.reach;
+                touching(&a.geometry, first_at, &b.geometry, second_at, margin, &mut |part, manifold| {
                     contacts.push(Contact::new(*slots, part, manifold, center));
                 });
                 contacts[before..].sort_by_key(Contact::key);
@@ -287,11 +296,18 @@ impl Contacts {
     }
 }
 
+/// How far from its surface a shape looks for others \[m\] that goes so far \[m\] in a step. What goes less than half its thickness is stopped in what it hits and leaves it on the side it came
+/// from; only what is faster looks further, since a surface is taken for endless on the way to it.
+fn reach(geometry: &Geometry<Real>, way: Real) -> Real {
+    let enough = 0.5 * geometry.half_thickness();
+    0.5 * MARGIN + if way > enough && way.is_finite() { way - enough } else { 0.0 }
+}
+
 impl Shape {
     /// What the broad phase is to know of it. What has no collider is nowhere.
     fn proxy(&self, collider: Option<&(Collider, WorldVec3)>) -> Proxy<Real> {
         let nowhere = Some(Bounds::about(Vec3::splat(Real::NAN), Vec3::zero()));
-        let bounds = collider.map_or(nowhere, |(collider, _)| collider.geometry.bounds(&self.placement, 0.5 * MARGIN));
+        let bounds = collider.map_or(nowhere, |(collider, _)| collider.geometry.bounds(&self.placement, self.reach));
         Proxy { bounds, moves: self.moves }
     }
 
@@ -312,6 +328,7 @@ impl Shape {
             center: zero,
             kind: Kind::Other,
             moves: false,
+            reach: 0.0,
             velocity: (zero, zero),
         }
     };
