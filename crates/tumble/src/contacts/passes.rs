@@ -109,13 +109,11 @@ impl<const P: usize, const C: usize, const GROUNDED: bool, const RELAX: bool> Ke
         bodies.push(arms, linear, angular);
 
         if RELAX {
-            let motion = bodies.relative(&response, arms);
             let before = Rubbing::load(&block.friction, self.blocks.rolling.get(index), lane);
-            let resistance = (&block.friction, self.blocks.rolling.get(index));
-            let after = before.solved(resistance, (&frame, lane), &motion, sum);
+            let contact = (&frame, lane);
+            let after =
+                rub(before, block, self.blocks.rolling.get(index), contact, &mut bodies, (&response, arms), sum);
             after.store(&mut block.friction, self.blocks.rolling.get_mut(index), lane);
-            let linear = after.linear(&frame) - before.linear(&frame);
-            bodies.push(arms, linear, after.angular(&frame) - before.angular(&frame));
         }
         bodies.store(&mut self.bodies.motion, index, lane);
     }
@@ -241,12 +239,33 @@ impl<const P: usize, const C: usize, const GROUNDED: bool> Kernel for Rebound<'_
         let (linear, angular) = along_normals(block, &frame, lane, changes);
         bodies.push(arms, linear, angular);
 
-        let motion = bodies.relative(&response, arms);
-        let resistance = (&block.friction, self.blocks.rolling.get(index));
-        let rubbing = Rubbing::none().solved(resistance, (&frame, lane), &motion, added.max(zero));
-        bodies.push(arms, rubbing.linear(&frame), rubbing.angular(&frame));
+        let (contact, limit) = ((&frame, lane), added.max(zero));
+        rub(Rubbing::none(), block, self.blocks.rolling.get(index), contact, &mut bodies, (&response, arms), limit);
         bodies.store(&mut self.bodies.motion, index, lane);
     }
+}
+
+/// Takes out what resistance to rolling and then friction can of the motion, where normal impulses add up to `normal`; returns the impulses as they are then.
+#[inline(always)]
+fn rub<T: Tile, const P: usize, const C: usize, const GROUNDED: bool>(
+    before: Rubbing<T>,
+    block: &Block<P, C>,
+    rolling: Option<&Rolling>,
+    contact: (&Frame<T>, usize),
+    bodies: &mut Bodies<T, GROUNDED>,
+    (response, arms): (&Response<T, GROUNDED>, [Vec3<T>; 2]),
+    normal: T,
+) -> Rubbing<T> {
+    let frame = contact.0;
+    let mut rubbing = before;
+    if let Some(rolling) = rolling {
+        rubbing = before.rolled(rolling, contact, &bodies.relative(response, arms), normal);
+        bodies.push(arms, Vec3::zero(), rubbing.angular(frame) - before.angular(frame));
+    }
+    let after = rubbing.slid(&block.friction, contact, &bodies.relative(response, arms), normal);
+    let linear = after.linear(frame) - rubbing.linear(frame);
+    bodies.push(arms, linear, after.angular(frame) - rubbing.angular(frame));
+    after
 }
 
 /// Velocity along the normal at each point.
