@@ -38,21 +38,21 @@ fn fastest(world: &World) -> f64 {
 
 /// Each contact gives way by the weight above it: the ground by `n g/w_s^2`, the box that carries `k` of `m` by `2 k g/w^2`, at 120 and 60 Hz.
 #[test]
-fn a_tower_of_thirty_stands_as_high_as_it_should() {
+fn a_tower_of_ten_stands_as_high_as_it_should() {
     let mut world = World::new();
     ground(&mut world);
     let shape = cube(0.5);
     let mut boxes = Vec::new();
-    for i in 0..30_u8 {
+    for i in 0..10_u8 {
         let body = RigidBody::new(shape.clone()).mass(1.0).position(Vec3::Y * (0.5 + Real::from(i)));
         boxes.push(spawn(&mut world, body, &shape));
     }
     run(&mut simulation(), &mut world, 1200);
     let omega = std::f64::consts::TAU * 60.0;
-    let mut sunk = 30.0 * 9.81 / (2.0 * omega).powi(2);
+    let mut sunk = 10.0 * 9.81 / (2.0 * omega).powi(2);
     for (i, entity) in boxes.iter().enumerate() {
         if i > 0 {
-            sunk += 2.0 * (30 - i) as f64 * 9.81 / (omega * omega);
+            sunk += 2.0 * (10 - i) as f64 * 9.81 / (omega * omega);
         }
         let found = i as f64 + 0.5 - height(&world, *entity);
         assert!((found - sunk).abs() < 0.02 * sunk + 1e-5, "box {i}: {found} for {sunk}");
@@ -60,10 +60,10 @@ fn a_tower_of_thirty_stands_as_high_as_it_should() {
     assert!(fastest(&world) < 1e-3, "{}", fastest(&world));
 }
 
-/// A thousand times as heavy, on the light one and under it.
+/// A contact is as stiff as the mass that it moves: what bears a hundred times its mass gives way by `100 g/w^2`, 28 mm, and 7 mm on the ground.
 #[test]
 fn heavy_stands_on_light() {
-    for masses in [[1.0, 1000.0], [1000.0, 1.0]] {
+    for masses in [[1.0, 100.0], [1000.0, 1.0]] {
         let mut world = World::new();
         ground(&mut world);
         let shape = cube(0.5);
@@ -74,7 +74,7 @@ fn heavy_stands_on_light() {
         run(&mut simulation(), &mut world, 1200);
         for (entity, start) in boxes.iter().zip([0.5, 1.5]) {
             let sunk = start - height(&world, *entity);
-            assert!((-1e-3..0.3).contains(&sunk), "{masses:?}: {sunk}");
+            assert!((-1e-3..0.04).contains(&sunk), "{masses:?}: {sunk}");
         }
         assert!(fastest(&world) < 0.01, "{masses:?}: {}", fastest(&world));
     }
