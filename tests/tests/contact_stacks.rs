@@ -36,7 +36,7 @@ fn fastest(world: &World) -> f64 {
     world.query::<&Velocity>().iter().map(|velocity| dvec3(velocity.linear).length()).fold(0.0, f64::max)
 }
 
-/// Each contact gives way by the weight above it: the ground by `n g/w_s^2`, the box that carries `k` of `m` by `2 k g/w^2`, at 120 and 60 Hz.
+/// Each contact gives way by the weight above it: the ground by `n g/w_s^2`, the box that carries `k` of `m` by `2 k g/w^2`, at 60 and 30 Hz.
 #[test]
 fn a_tower_of_ten_stands_as_high_as_it_should() {
     let mut world = World::new();
@@ -48,7 +48,7 @@ fn a_tower_of_ten_stands_as_high_as_it_should() {
         boxes.push(spawn(&mut world, body, &shape));
     }
     run(&mut simulation(), &mut world, 1200);
-    let omega = std::f64::consts::TAU * 60.0;
+    let omega = std::f64::consts::TAU * 30.0;
     let mut sunk = 10.0 * 9.81 / (2.0 * omega).powi(2);
     for (i, entity) in boxes.iter().enumerate() {
         if i > 0 {

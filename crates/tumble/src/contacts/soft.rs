@@ -15,11 +15,11 @@ pub(super) struct Softness {
 }
 
 /// Stiffest frequency of a contact of two moving bodies [Hz]; of one that does not move, twice it.
-const HERTZ: f64 = 60.0;
+const HERTZ: f64 = 30.0;
 /// Overdamped, so that bodies part without bouncing.
 const DAMPING_RATIO: f64 = 10.0;
 /// A spring of more periods a substep than these is not resolved.
-const MOST_PERIODS: f64 = 1.0 / 4.0;
+const MOST_PERIODS: f64 = 1.0 / 8.0;
 
 impl Softness {
     /// Between two moving bodies, for a substep of `h` \[s\].
