@@ -42,12 +42,12 @@ pub(super) struct Bodied<'a> {
 }
 
 /// Applies all impulses as they are, those that the last substep ended with: where nothing changes they are what this one needs.
-pub(super) struct WarmStart<'a, const P: usize, const C: usize, const GROUNDED: bool> {
+pub(super) struct WarmStart<'a, const P: usize, const C: usize> {
     pub(super) blocks: Blocks<'a, P, C>,
     pub(super) bodies: Bodied<'a>,
 }
 
-impl<const P: usize, const C: usize, const GROUNDED: bool> Kernel for WarmStart<'_, P, C, GROUNDED> {
+impl<const P: usize, const C: usize> Kernel for WarmStart<'_, P, C> {
     #[inline(always)]
     fn len(&self) -> usize {
         self.blocks.blocks.len() * BLOCK
@@ -68,14 +68,14 @@ impl<const P: usize, const C: usize, const GROUNDED: bool> Kernel for WarmStart<
         let (linear, angular) = along_normals(block, &frame, lane, impulses);
         let rubbing = Rubbing::load(&block.friction, self.blocks.rolling.get(index), lane);
         let (linear, angular) = (linear + rubbing.linear(&frame), angular + rubbing.angular(&frame));
-        let mut bodies = Bodies::<T, GROUNDED>::load(&self.bodies.motion, index, lane);
+        let mut bodies = Bodies::<T>::load(&self.bodies.motion, index, lane);
         bodies.push(frame.arms(&moved), linear, angular);
         bodies.store(&mut self.bodies.motion, index, lane);
     }
 }
 
 /// One pass over the points, in order: what overlaps is pushed apart or, where `RELAX`, the velocity that this gave is taken out again, and friction follows.
-pub(super) struct Solve<'a, const P: usize, const C: usize, const GROUNDED: bool, const RELAX: bool> {
+pub(super) struct Solve<'a, const P: usize, const C: usize, const RELAX: bool> {
     pub(super) blocks: Blocks<'a, P, C>,
     pub(super) bodies: Bodied<'a>,
     pub(super) softness: Softness,
@@ -83,9 +83,7 @@ pub(super) struct Solve<'a, const P: usize, const C: usize, const GROUNDED: bool
     pub(super) inverse_h: Real,
 }
 
-impl<const P: usize, const C: usize, const GROUNDED: bool, const RELAX: bool> Kernel
-    for Solve<'_, P, C, GROUNDED, RELAX>
-{
+impl<const P: usize, const C: usize, const RELAX: bool> Kernel for Solve<'_, P, C, RELAX> {
     #[inline(always)]
     fn len(&self) -> usize {
         self.blocks.blocks.len() * BLOCK
@@ -97,8 +95,8 @@ impl<const P: usize, const C: usize, const GROUNDED: bool, const RELAX: bool> Ke
         let block = &mut self.blocks.blocks[index];
         let frame = Frame::<T>::load(block, lane);
         let moved = Moved::load(self.bodies.moved, self.bodies.motion.pairs(index), lane);
-        let response = Response::<T, GROUNDED>::load(self.bodies.response, self.bodies.motion.pairs(index), lane);
-        let mut bodies = Bodies::<T, GROUNDED>::load(&self.bodies.motion, index, lane);
+        let response = Response::<T>::load(self.bodies.response, self.bodies.motion.pairs(index), lane);
+        let mut bodies = Bodies::<T>::load(&self.bodies.motion, index, lane);
         let arms = frame.arms(&moved);
 
         let way = frame.normal_parts(&moved.relative(&frame));
@@ -119,7 +117,7 @@ impl<const P: usize, const C: usize, const GROUNDED: bool, const RELAX: bool> Ke
     }
 }
 
-impl<const P: usize, const C: usize, const GROUNDED: bool, const RELAX: bool> Solve<'_, P, C, GROUNDED, RELAX> {
+impl<const P: usize, const C: usize, const RELAX: bool> Solve<'_, P, C, RELAX> {
     /// By how much the impulse of each point changed, and the sum of the impulses.
     #[inline(always)]
     fn solve_points<T: Tile>(&mut self, index: usize, lane: usize, way: [T; 3], speeds: [T; P]) -> ([T; P], T) {
@@ -160,12 +158,12 @@ impl<const P: usize, const C: usize, const GROUNDED: bool, const RELAX: bool> So
 }
 
 /// Notes how fast bodies come together, before a pass pushes anything: they may have been kicked since the step began.
-pub(super) struct NoteApproach<'a, const P: usize, const C: usize, const GROUNDED: bool> {
+pub(super) struct NoteApproach<'a, const P: usize, const C: usize> {
     pub(super) blocks: Blocks<'a, P, C>,
     pub(super) bodies: Bodied<'a>,
 }
 
-impl<const P: usize, const C: usize, const GROUNDED: bool> Kernel for NoteApproach<'_, P, C, GROUNDED> {
+impl<const P: usize, const C: usize> Kernel for NoteApproach<'_, P, C> {
     #[inline(always)]
     fn len(&self) -> usize {
         self.blocks.bounces.len() * BLOCK
@@ -177,8 +175,8 @@ impl<const P: usize, const C: usize, const GROUNDED: bool> Kernel for NoteApproa
         let block = &self.blocks.blocks[index];
         let frame = Frame::<T>::load(block, lane);
         let moved = Moved::load(self.bodies.moved, self.bodies.motion.pairs(index), lane);
-        let response = Response::<T, GROUNDED>::load(self.bodies.response, self.bodies.motion.pairs(index), lane);
-        let bodies = Bodies::<T, GROUNDED>::load(&self.bodies.motion, index, lane);
+        let response = Response::<T>::load(self.bodies.response, self.bodies.motion.pairs(index), lane);
+        let bodies = Bodies::<T>::load(&self.bodies.motion, index, lane);
         let motion = bodies.relative(&response, frame.arms(&moved));
         let speeds = speeds(block, lane, frame.normal_parts(&motion));
         let bounce = &mut self.blocks.bounces[index];
@@ -193,13 +191,13 @@ impl<const P: usize, const C: usize, const GROUNDED: bool> Kernel for NoteApproa
 
 /// Makes points leave as fast as the restitution has it, where they came in faster than `threshold` \[m/s\], with the friction that the
 /// added impulse allows.
-pub(super) struct Rebound<'a, const P: usize, const C: usize, const GROUNDED: bool> {
+pub(super) struct Rebound<'a, const P: usize, const C: usize> {
     pub(super) blocks: Blocks<'a, P, C>,
     pub(super) bodies: Bodied<'a>,
     pub(super) threshold: Real,
 }
 
-impl<const P: usize, const C: usize, const GROUNDED: bool> Kernel for Rebound<'_, P, C, GROUNDED> {
+impl<const P: usize, const C: usize> Kernel for Rebound<'_, P, C> {
     #[inline(always)]
     fn len(&self) -> usize {
         self.blocks.bounces.len() * BLOCK
@@ -212,8 +210,8 @@ impl<const P: usize, const C: usize, const GROUNDED: bool> Kernel for Rebound<'_
         let (block, bounce) = (&mut self.blocks.blocks[index], &mut self.blocks.bounces[index]);
         let frame = Frame::<T>::load(block, lane);
         let moved = Moved::load(self.bodies.moved, self.bodies.motion.pairs(index), lane);
-        let response = Response::<T, GROUNDED>::load(self.bodies.response, self.bodies.motion.pairs(index), lane);
-        let mut bodies = Bodies::<T, GROUNDED>::load(&self.bodies.motion, index, lane);
+        let response = Response::<T>::load(self.bodies.response, self.bodies.motion.pairs(index), lane);
+        let mut bodies = Bodies::<T>::load(&self.bodies.motion, index, lane);
         let arms = frame.arms(&moved);
         let restitution: T = at(&bounce.restitution, lane);
         let slowest = T::splat(-f64::from(self.threshold));
@@ -247,13 +245,13 @@ impl<const P: usize, const C: usize, const GROUNDED: bool> Kernel for Rebound<'_
 
 /// Takes out what resistance to rolling and then friction can of the motion, where normal impulses add up to `normal`; returns the impulses as they are then.
 #[inline(always)]
-fn rub<T: Tile, const P: usize, const C: usize, const GROUNDED: bool>(
+fn rub<T: Tile, const P: usize, const C: usize>(
     before: Rubbing<T>,
     block: &Block<P, C>,
     rolling: Option<&Rolling>,
     contact: (&Frame<T>, usize),
-    bodies: &mut Bodies<T, GROUNDED>,
-    (response, arms): (&Response<T, GROUNDED>, [Vec3<T>; 2]),
+    bodies: &mut Bodies<T>,
+    (response, arms): (&Response<T>, [Vec3<T>; 2]),
     normal: T,
 ) -> Rubbing<T> {
     let frame = contact.0;

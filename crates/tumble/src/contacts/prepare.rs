@@ -10,7 +10,7 @@ use crate::math::Real;
 use crate::simd::{BLOCK, Eight, Kernel, Tile};
 
 /// Fills blocks whose lanes know their contacts and rows.
-pub(super) struct Prepare<'a, const P: usize, const C: usize, const GROUNDED: bool> {
+pub(super) struct Prepare<'a, const P: usize, const C: usize> {
     pub(super) blocks: Blocks<'a, P, C>,
     pub(super) contacts: &'a [Contact],
     pub(super) bodies: Bodied<'a>,
@@ -25,7 +25,7 @@ const LEAST_WEIGHT: f64 = 1e-10;
 /// Mean distance from the middle of a square under even pressure, over that of its corners: 0.3826 and 0.7071 of the side.
 const FACE: f64 = 0.541;
 
-impl<const P: usize, const C: usize, const GROUNDED: bool> Kernel for Prepare<'_, P, C, GROUNDED> {
+impl<const P: usize, const C: usize> Kernel for Prepare<'_, P, C> {
     #[inline(always)]
     fn len(&self) -> usize {
         self.blocks.blocks.len() * BLOCK
@@ -75,10 +75,11 @@ impl<const P: usize, const C: usize, const GROUNDED: bool> Kernel for Prepare<'_
             j += 1;
         }
 
-        let response = Response::<T, GROUNDED>::load(self.bodies.response, self.bodies.motion.pairs(index), lane);
-        let bodies = Bodies::<T, GROUNDED>::load(&self.bodies.motion, index, lane);
-        self.couple(index, lane, count, &response, bodies.inverse_mass());
-        self.prepare_friction(index, lane, (count, rolling), &response, bodies.inverse_mass());
+        let response = Response::<T>::load(self.bodies.response, self.bodies.motion.pairs(index), lane);
+        let bodies = Bodies::<T>::load(&self.bodies.motion, index, lane);
+        let answers = response.of_what_moves(self.bodies.motion.is_grounded());
+        self.couple(index, lane, count, &answers, bodies.inverse_mass());
+        self.prepare_friction(index, lane, (count, rolling), &answers, bodies.inverse_mass());
         if let Some(bounce) = self.blocks.bounces.get_mut(index) {
             let block = &self.blocks.blocks[index];
             let frame = Frame::<T>::load(block, lane);
@@ -96,17 +97,10 @@ impl<const P: usize, const C: usize, const GROUNDED: bool> Kernel for Prepare<'_
     }
 }
 
-impl<const P: usize, const C: usize, const GROUNDED: bool> Prepare<'_, P, C, GROUNDED> {
+impl<const P: usize, const C: usize> Prepare<'_, P, C> {
     /// Works out what impulses at the points do to the velocities there.
     #[inline(always)]
-    fn couple<T: Tile>(
-        &mut self,
-        index: usize,
-        lane: usize,
-        count: T,
-        response: &Response<T, GROUNDED>,
-        inverse_mass: T,
-    ) {
+    fn couple<T: Tile>(&mut self, index: usize, lane: usize, count: T, response: &Response<T>, inverse_mass: T) {
         let (zero, one) = (T::splat(0.0), T::splat(1.0));
         let block = &mut self.blocks.blocks[index];
         let frame = Frame::<T>::load(block, lane);
@@ -150,7 +144,7 @@ impl<const P: usize, const C: usize, const GROUNDED: bool> Prepare<'_, P, C, GRO
         index: usize,
         lane: usize,
         (count, length): (T, T),
-        response: &Response<T, GROUNDED>,
+        response: &Response<T>,
         inverse_mass: T,
     ) {
         let (zero, one) = (T::splat(0.0), T::splat(1.0));

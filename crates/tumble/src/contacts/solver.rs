@@ -41,7 +41,6 @@ impl<const P: usize, const C: usize> Default for Sheet<P, C> {
 /// Blocks that can be worked on at the same time: one colour's.
 #[derive(Clone, Debug)]
 struct Stage {
-    grounded: bool,
     ones: Range<usize>,
     fours: Range<usize>,
 }
@@ -88,7 +87,7 @@ impl Solver {
                 fours.set(four, chunk);
                 four += 1;
             }
-            stages.push(Stage { grounded, ones: first_one..one, fours: first_four..four });
+            stages.push(Stage { ones: first_one..one, fours: first_four..four });
         };
         let mut begin = 0;
         for (index, kinds) in ends.chunks_exact(2).enumerate() {
@@ -148,13 +147,8 @@ impl Solver {
             let (ones, fours) = (ones.blocks(&stage.ones), fours.blocks(&stage.fours));
             let of_ones = Bodied { motion: of_ones, response, moved };
             let of_fours = Bodied { motion: of_fours, response, moved };
-            if stage.grounded {
-                pass.in_parts::<1, 0, true>(ones, of_ones);
-                pass.in_parts::<4, 6, true>(fours, of_fours);
-            } else {
-                pass.in_parts::<1, 0, false>(ones, of_ones);
-                pass.in_parts::<4, 6, false>(fours, of_fours);
-            }
+            pass.in_parts(ones, of_ones);
+            pass.in_parts(fours, of_fours);
         }
     }
 
@@ -201,56 +195,44 @@ impl<const P: usize, const C: usize> Sheet<P, C> {
 
 impl Pass<'_> {
     /// Shares the blocks of a colour among the threads.
-    fn in_parts<const P: usize, const C: usize, const GROUNDED: bool>(
-        self,
-        blocks: Blocks<'_, P, C>,
-        bodies: Bodied<'_>,
-    ) {
+    fn in_parts<const P: usize, const C: usize>(self, blocks: Blocks<'_, P, C>, bodies: Bodied<'_>) {
         let part = blocks.len().div_ceil(rayon::current_num_threads()).max(LEAST_PART);
-        self.in_parts_of::<P, C, GROUNDED>(part, blocks, bodies);
+        self.in_parts_of::<P, C>(part, blocks, bodies);
     }
 
-    fn in_parts_of<const P: usize, const C: usize, const GROUNDED: bool>(
-        self,
-        part: usize,
-        blocks: Blocks<'_, P, C>,
-        bodies: Bodied<'_>,
-    ) {
+    fn in_parts_of<const P: usize, const C: usize>(self, part: usize, blocks: Blocks<'_, P, C>, bodies: Bodied<'_>) {
         if blocks.len() <= part {
-            return self.run_on::<P, C, GROUNDED>(blocks, bodies);
+            return self.run_on::<P, C>(blocks, bodies);
         }
         let middle = blocks.len() / 2;
         let (first, second) = blocks.split_at(middle);
         let Bodied { motion, response, moved } = bodies;
         let (of_first, of_second) = motion.split_at(middle);
         rayon::join(
-            || self.in_parts_of::<P, C, GROUNDED>(part, first, Bodied { motion: of_first, response, moved }),
-            || self.in_parts_of::<P, C, GROUNDED>(part, second, Bodied { motion: of_second, response, moved }),
+            || self.in_parts_of::<P, C>(part, first, Bodied { motion: of_first, response, moved }),
+            || self.in_parts_of::<P, C>(part, second, Bodied { motion: of_second, response, moved }),
         );
     }
 
-    fn run_on<const P: usize, const C: usize, const GROUNDED: bool>(
-        self,
-        blocks: Blocks<'_, P, C>,
-        bodies: Bodied<'_>,
-    ) {
+    fn run_on<const P: usize, const C: usize>(self, blocks: Blocks<'_, P, C>, bodies: Bodied<'_>) {
+        let grounded = bodies.motion.is_grounded();
         let softness =
-            |h: Real| if GROUNDED { Softness::on_ground(h.into()) } else { Softness::between_moving(h.into()) };
+            |h: Real| if grounded { Softness::on_ground(h.into()) } else { Softness::between_moving(h.into()) };
         match self {
             Self::Prepare(contacts, poses, margin) => {
-                run(Prepare::<P, C, GROUNDED> { blocks, contacts, bodies, poses, margin });
+                run(Prepare::<P, C> { blocks, contacts, bodies, poses, margin });
             }
-            Self::WarmStart => run(WarmStart::<P, C, GROUNDED> { blocks, bodies }),
+            Self::WarmStart => run(WarmStart::<P, C> { blocks, bodies }),
             Self::Biased(h) => {
                 let (softness, inverse_h) = (softness(h), 1.0 / h);
-                run(Solve::<P, C, GROUNDED, false> { blocks, bodies, softness, inverse_h });
+                run(Solve::<P, C, false> { blocks, bodies, softness, inverse_h });
             }
             Self::Relax(h) => {
                 let (softness, inverse_h) = (softness(h), 1.0 / h);
-                run(Solve::<P, C, GROUNDED, true> { blocks, bodies, softness, inverse_h });
+                run(Solve::<P, C, true> { blocks, bodies, softness, inverse_h });
             }
-            Self::NoteApproach => run(NoteApproach::<P, C, GROUNDED> { blocks, bodies }),
-            Self::Rebound(threshold) => run(Rebound::<P, C, GROUNDED> { blocks, bodies, threshold }),
+            Self::NoteApproach => run(NoteApproach::<P, C> { blocks, bodies }),
+            Self::Rebound(threshold) => run(Rebound::<P, C> { blocks, bodies, threshold }),
         }
     }
 }

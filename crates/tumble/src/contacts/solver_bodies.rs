@@ -15,7 +15,7 @@ use crate::state::{Constants, Force, Moments, State};
 pub(super) struct SolverBodies {
     /// Linear and angular momentum, and one over the mass; of what impulses do not move the velocities.
     pub(super) motion: Vec<Eight>,
-    /// Inverse inertia in the world: `xx yy zz`, `yz zx xy`. Of what impulses move, as the next two.
+    /// Inverse inertia in the world: `xx yy zz`, `yz zx xy`; of what impulses do not move one.
     pub(super) response: Vec<Eight>,
     /// What forces do in a substep: impulse, angular impulse, and what is left of linear and angular momentum under damping.
     kick: Vec<Eight>,
@@ -32,6 +32,9 @@ pub(super) struct SolverBodies {
 /// So many bodies are advanced by one thread at a time.
 const PART: usize = 256;
 
+/// The unit matrix: the diagonal, and what is beside it.
+const ONE: Eight = Eight([1.0, 1.0, 1.0, 0.0, 0.0, 0.0, 0.0, 0.0]);
+
 /// A point without mass that nothing acts on.
 const NOBODY: Eight = Eight([0.0; 8]);
 
@@ -44,10 +47,11 @@ impl SolverBodies {
             rows.clear();
             rows.resize(in_blocks + unmoved, NOBODY);
         }
-        for rows in [&mut self.response, &mut self.kick] {
-            rows.clear();
-            rows.resize(in_blocks, NOBODY);
-        }
+        self.response.clear();
+        self.response.resize(in_blocks, NOBODY);
+        self.response.resize(in_blocks + unmoved, ONE);
+        self.kick.clear();
+        self.kick.resize(in_blocks, NOBODY);
         self.pose.clear();
         self.pose.resize(in_blocks + unmoved, Eight([0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0]));
         self.inertia.clear();
@@ -134,8 +138,10 @@ impl SolverBodies {
             }
         }
         let Self { motion, response, pose, inertia, moved, .. } = self;
+        let rows = inertia.len();
+        let (response, pose, moved) = (&mut response[..rows], &mut pose[..rows], &mut moved[..rows]);
         let changed = response.par_chunks_mut(PART).zip(pose.par_chunks_mut(PART)).zip(moved.par_chunks_mut(PART));
-        let parts = changed.zip(motion.par_chunks(PART).zip(inertia.par_chunks(PART)));
+        let parts = changed.zip(motion[..rows].par_chunks(PART).zip(inertia.par_chunks(PART)));
         parts.for_each(|(((response, pose), moved), (motion, inertia))| {
             dispatch_in_blocks(&mut DriftAll { motion, response, pose, inertia, moved, h });
         });

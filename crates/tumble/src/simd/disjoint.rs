@@ -101,6 +101,12 @@ impl Rows<'_> {
         (Self { blocks: first, ..self }, Self { blocks: second, ..self })
     }
 
+    /// Whether the first rows are only read.
+    #[inline(always)]
+    pub(crate) fn is_grounded(&self) -> bool {
+        self.grounded
+    }
+
     /// Which rows the pairs of a block are.
     #[inline(always)]
     pub(crate) fn pairs(&self, block: usize) -> &[[u32; BLOCK]; 2] {
