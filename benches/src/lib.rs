@@ -15,7 +15,7 @@ mod piles;
 mod scenes;
 mod threads;
 
-pub use piles::{eight_boxes, falling_balls, pyramid};
+pub use piles::{FRICTION, PileShape, eight_boxes, falling_balls, pyramid};
 pub use scenes::{mixed_bodies, mixed_body, mixed_moving_bodies, tumbling_box, tumbling_boxes};
 pub use threads::{SIZES, label, pool, pools};
 pub use tumble::Chance;

@@ -1,15 +1,25 @@
-use hecs::{Entity, World};
+use hecs::World;
 use tumble::math::{Real, Vec3};
 use tumble::{BodyId, Collider, Material, RigidBody, Shape};
 
-/// Coefficient of friction of all that follow.
-const FRICTION: Real = 0.5;
+/// Coefficient of friction of all bodies of piles.
+pub const FRICTION: Real = 0.5;
+
+/// What shape a body of a pile is, for other engines that are shown it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum PileShape {
+    /// With half the lengths of its edges \[m\].
+    Box(Vec3),
+    /// With its radius \[m\].
+    Ball(Real),
+}
+
+const UNIT_BOX: PileShape = PileShape::Box(Vec3::splat(0.5));
 
 /// A pyramid of unit boxes of 1 kg on the ground, `base` by `base` at the bottom with gaps of a tenth, each layer one box narrower: 2870 boxes for 20.
 pub fn pyramid(base: u32) -> World {
     let mut world = World::new();
     fixed_box(&mut world, Vec3::new(100.0, 1.0, 100.0), -Vec3::Y);
-    let shape = Shape::cuboid([0.5, 0.5, 0.5]);
     let pitch = 1.1;
     let mut id = 0;
     for layer in 0..base {
@@ -17,7 +27,7 @@ pub fn pyramid(base: u32) -> World {
         let from_middle = |i: u32| (i as Real - (side as Real - 1.0) * 0.5) * pitch;
         for (i, j) in (0..side).flat_map(|i| (0..side).map(move |j| (i, j))) {
             let at = Vec3::new(from_middle(i), 0.5 + layer as Real, from_middle(j));
-            touching(&mut world, RigidBody::new(shape.clone()).mass(1.0).position(at).id(BodyId(id)), &shape);
+            spawn(&mut world, UNIT_BOX, |body| body.mass(1.0).position(at).id(BodyId(id)));
             id += 1;
         }
     }
@@ -33,13 +43,12 @@ pub fn falling_balls(count: usize) -> World {
         fixed_box(&mut world, Vec3::new(12.0, 30.0, 1.0), Vec3::new(0.0, 30.0, side));
     }
     let mut draw = Lcg(7);
-    let shape = Shape::sphere(0.5);
     for i in 0..count {
         let place = [i % 18, i / 324, i / 18 % 18].map(|place| place as f64);
         let [x, y, z] =
             [(place[0] - 8.5) * 1.1, 1.0 + place[1] * 1.1, (place[2] - 8.5) * 1.1].map(|x| x + draw.around(0.04));
         let at = Vec3::new(x as Real, y as Real, z as Real);
-        touching(&mut world, RigidBody::new(shape.clone()).mass(1.0).position(at).id(BodyId(i as u64)), &shape);
+        spawn(&mut world, PileShape::Ball(0.5), |body| body.mass(1.0).position(at).id(BodyId(i as u64)));
     }
     world
 }
@@ -52,33 +61,35 @@ pub fn eight_boxes(index: u64) -> World {
     for _ in 0..4 {
         draw.unit();
     }
-    let shape = Shape::cuboid([0.5, 0.5, 0.5]);
     for i in 0..8_u32 {
         let place = [i & 1, i >> 1 & 1, i >> 2].map(|place| f64::from(place) * 1.2);
         let [x, y, z] = [place[0], 1.0 + place[1], place[2]].map(|x| (x + draw.around(0.1)) as Real);
         let spin = 1.0 / 3.0_f64.sqrt();
         let [a, b, c] = [(); 3].map(|()| draw.around(spin) as Real);
-        let body =
-            RigidBody::new(shape.clone()).mass(1.0).position(Vec3::new(x, y, z)).angular_velocity(Vec3::new(a, b, c));
-        touching(&mut world, body.id(BodyId(i.into())), &shape);
+        let spin = Vec3::new(a, b, c);
+        spawn(&mut world, UNIT_BOX, |body| {
+            body.mass(1.0).position(Vec3::new(x, y, z)).angular_velocity(spin).id(BodyId(i.into()))
+        });
     }
     world
 }
 
 fn fixed_box(world: &mut World, half_extents: Vec3, at: Vec3) {
-    let shape = Shape::cuboid(half_extents.to_array().map(f64::from));
     let id = BodyId(u64::MAX - u64::from(world.len()));
-    touching(world, RigidBody::new(shape.clone()).fixed().position(at).id(id), &shape);
+    spawn(world, PileShape::Box(half_extents), |body| body.fixed().position(at).id(id));
 }
 
+/// A body that others touch.
 #[allow(clippy::expect_used, reason = "the bodies made above are possible")]
-fn touching(world: &mut World, body: RigidBody, shape: &Shape) -> Entity {
-    let entity = body.build().expect("a possible body").spawn(world);
+fn spawn(world: &mut World, shape: PileShape, placed: impl FnOnce(RigidBody) -> RigidBody) {
+    let solid = match shape {
+        PileShape::Box(half_extents) => Shape::cuboid(half_extents),
+        PileShape::Ball(radius) => Shape::sphere(radius),
+    };
     let surface = Material::new(FRICTION, 0.0);
-    let collider =
-        Collider::new(shape).and_then(|collider| collider.with_material(surface)).expect("a possible collider");
-    world.insert_one(entity, collider).expect("the body was just spawned");
-    entity
+    let collider = Collider::new(&solid).and_then(|collider| collider.with_material(surface)).expect("a collider");
+    let body = placed(RigidBody::new(solid)).build().expect("a possible body");
+    body.spawn_with(world, (collider, shape));
 }
 
 /// The linear congruential generator of Knuth's MMIX, whose upper 31 bits count: the one that other engines' drivers drew the same scenes with.

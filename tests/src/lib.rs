@@ -41,6 +41,9 @@ mod documents {
     #[doc = include_str!("../../docs/batch.md")]
     struct Batches;
 
+    #[doc = include_str!("../../docs/contacts.md")]
+    struct Contacts;
+
     #[doc = include_str!("../../docs/embedding.md")]
     struct Embedding;
 

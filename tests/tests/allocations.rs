@@ -1,6 +1,7 @@
 //! Promise: once a world has been stepped, stepping it allocates nothing, on no thread: not with many kinds of bodies,
 //! own force laws, force components, springs and
-//! attraction between bodies, a ledger, one thread or two.
+//! attraction between bodies, contacts, a ledger, one thread or two. Nor does it allocate to save a pile and to go back
+//! to it, once a rollback is full.
 //!
 //! Why: an allocation in a game's frame is a hitch, and in a world of ten bodies it takes longer than they do. It fails
 //! if a step collects archetypes,
@@ -17,7 +18,7 @@ use std::sync::Barrier;
 use alloc_tracker::{Allocator, Session};
 use hecs::World;
 use rayon::ThreadPoolBuilder;
-use tumble::{BodyOrder, BodyState, ForceLaw, Integrator, Ledger, Settings, Simulation, Wrench};
+use tumble::{BodyOrder, BodyState, ForceLaw, Integrator, Ledger, Rollback, Settings, Simulation, Wrench};
 use tumble_benches::{mixed_bodies, tumbling_boxes};
 
 #[global_allocator]
@@ -42,6 +43,10 @@ fn braked_bodies() -> World {
 }
 
 mod coupled;
+/// A pyramid of 204 boxes, which stands: contacts neither come nor go.
+fn pyramid() -> World {
+    tumble_benches::pyramid(8)
+}
 
 /// With everything that can act, in several parts of springs and of masses.
 fn coupled_bodies() -> World {
@@ -52,7 +57,7 @@ fn coupled_bodies() -> World {
 fn a_step_allocates_nothing() {
     let session = Session::new();
     type Scene = fn() -> World;
-    let scenes: [(&str, Scene); 8] = [
+    let scenes: [(&str, Scene); 10] = [
         ("empty", World::new),
         ("one", || tumbling_boxes(1)),
         ("boxes", || tumbling_boxes(20_000)),
@@ -61,6 +66,8 @@ fn a_step_allocates_nothing() {
         ("booked", || mixed_bodies(200)),
         ("coupled", coupled_bodies),
         ("coupled and booked", coupled_bodies),
+        ("touching", pyramid),
+        ("touching and booked", pyramid),
     ];
     for threads in [1, 2] {
         let pool = ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
@@ -97,6 +104,25 @@ fn a_step_allocates_nothing() {
             }
         }
     }
+    let counted = session.operation("rollback of what touches");
+    ThreadPoolBuilder::new().num_threads(1).build().unwrap().install(|| {
+        let (mut world, mut simulation) = (pyramid(), Simulation::new(Settings::default()).unwrap());
+        simulation.step_many(&mut world, 10);
+        let mut rollback = Rollback::new(4);
+        let mut go_back = |saves: usize| {
+            for _ in 0..saves {
+                rollback.save(&world, &simulation).unwrap();
+                simulation.step(&mut world);
+            }
+            rollback.rewind(saves - 1, &mut world, &mut simulation).unwrap();
+        };
+        (0..3).for_each(|_| go_back(4));
+        {
+            let _counting = counted.measure_process();
+            (0..3).for_each(|_| go_back(4));
+        }
+        assert!(simulation.contacts().count() > 200);
+    });
     for (name, counted) in session.to_report().operations() {
         assert_eq!(counted.total_allocations_count(), 0, "{name}: {counted}");
     }

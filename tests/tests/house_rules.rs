@@ -22,7 +22,7 @@ struct Rule {
 /// The workspace from the bottom up. The engine adds a mathematics crate to what it depends on, and so may those above it.
 const RULES: [Rule; 10] = [
     Rule { member: "crates/tumble-math", members: &[], outside: Some(&["glam", "libm", "serde", "thiserror"]) },
-    Rule { member: "crates/tumble-collide", members: &["tumble-math"], outside: Some(&[]) },
+    Rule { member: "crates/tumble-collide", members: &["tumble-math"], outside: Some(&["thiserror"]) },
     Rule {
         member: "crates/tumble",
         members: &["tumble-collide", "tumble-math"],
@@ -36,7 +36,7 @@ const RULES: [Rule; 10] = [
         members: &["tumble", "tumble-scene"],
         outside: Some(&["clap", "gif", "hecs", "macroquad", "png", "thiserror"]),
     },
-    Rule { member: "benches", members: &["tumble", "tumble-math", "tumble-scene"], outside: None },
+    Rule { member: "benches", members: &["tumble", "tumble-collide", "tumble-math", "tumble-scene"], outside: None },
     Rule { member: "examples/docking", members: &["tumble"], outside: Some(&["hecs", "macroquad"]) },
     Rule { member: "tests", members: &["tumble", "tumble-benches", "tumble-math", "tumble-scene"], outside: None },
 ];

@@ -1,10 +1,29 @@
-use tumble_math::lane::{Quat, Vec3};
+use std::sync::Arc;
+
+use tumble_math::lane::{Lane, Quat, Vec3};
 
 use crate::bounds::Bounds;
+use crate::compound::Compound;
+use crate::convex::{Convex, Vector, narrow};
+use crate::convex_hull::ConvexHull;
+use crate::height_field::HeightField;
+use crate::mesh::Mesh;
 use crate::scalar::Scalar;
+use crate::surface_pair;
+use crate::tree::enclosing;
 
-/// A shape that others can touch, in its own frame. Lengths are in metres.
-#[derive(Clone, Copy, Debug, PartialEq)]
+/// A shape that others can touch, in its own frame: axes of revolution lie along y, and the origin is at mid-height, as in [`tumble_math::Shape`]. Lengths are
+/// in metres.
+///
+/// ```
+/// use tumble_collide::{Geometry, Placement};
+/// use tumble_math::lane::Vec3;
+///
+/// let can = Geometry::Cylinder { radius: 0.5, half_height: 2.0 };
+/// let bounds = can.bounds(&Placement::at(Vec3::new(1.0, 0.0, 0.0)), 0.0).unwrap();
+/// assert_eq!((bounds.low, bounds.high), (Vec3::new(0.5, -2.0, -0.5), Vec3::new(1.5, 2.0, 0.5)));
+/// ```
+#[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 pub enum Geometry<R> {
     /// A ball about the origin.
@@ -17,11 +36,72 @@ pub enum Geometry<R> {
         /// Half the lengths of its edges along x, y and z \[m\].
         half_extents: Vec3<R>,
     },
+    /// A cylinder along y with a half ball on each end.
+    Capsule {
+        /// \[m\]
+        radius: R,
+        /// Half the distance of the centres of its ends \[m\].
+        half_height: R,
+    },
+    /// A cylinder along y. It is round: it rolls.
+    Cylinder {
+        /// \[m\]
+        radius: R,
+        /// Half the distance of its caps \[m\].
+        half_height: R,
+    },
+    /// A cone along y, its base at `-half_height` and its tip at `+half_height`.
+    Cone {
+        /// Of the base \[m\].
+        radius: R,
+        /// Half the distance of tip and base \[m\].
+        half_height: R,
+    },
+    /// A cone along y without its tip: a cylinder whose ends differ.
+    Frustum {
+        /// At `-half_height` \[m\].
+        radius_bottom: R,
+        /// At `+half_height` \[m\].
+        radius_top: R,
+        /// Half the distance of its caps \[m\].
+        half_height: R,
+    },
+    /// A capsule along y whose ends differ.
+    TaperedCapsule {
+        /// Of the ball about `-half_height` \[m\].
+        radius_bottom: R,
+        /// Of the ball about `+half_height` \[m\].
+        radius_top: R,
+        /// Half the distance of the centres of its ends \[m\].
+        half_height: R,
+    },
+    /// An ellipsoid about the origin.
+    Ellipsoid {
+        /// Along x, y and z \[m\].
+        radii: Vec3<R>,
+    },
+    /// The convex hull of points.
+    Hull(Arc<ConvexHull>),
+    /// A surface of triangles. It touches everything but other surfaces.
+    Mesh(Arc<Mesh>),
+    /// Ground given by heights. It touches everything but other surfaces.
+    HeightField(Arc<HeightField>),
+    /// Several shapes, each at its place.
+    Compound(Arc<Compound<R>>),
     /// All below the plane y = 0: ground without end.
     HalfSpace,
 }
 
 /// Where the frame of a shape is.
+///
+/// ```
+/// use tumble_collide::Placement;
+/// use tumble_math::lane::{Quat, Vec3};
+///
+/// let turned = Placement { position: Vec3::new(1.0, 0.0, 0.0), orientation: Quat { x: 0.0, y: 0.0, z: 1.0, w: 0.0 } };
+/// let part = turned.then(&Placement::at(Vec3::new(0.25, 0.0, 0.0)));
+/// assert_eq!(part.position, Vec3::new(0.75, 0.0, 0.0));
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Placement<R> {
     /// Its origin \[m\].
@@ -35,6 +115,19 @@ impl<R: Scalar> Placement<R> {
     pub fn at(position: Vec3<R>) -> Self {
         let zero = Vec3::zero();
         Self { position, orientation: Quat::from_parts(R::splat(1.0), zero) }
+    }
+
+    /// Where something placed `inner` in this frame is in the world.
+    #[must_use]
+    pub fn then(&self, inner: &Self) -> Self {
+        Self { position: self.to_world(inner.position), orientation: self.orientation * inner.orientation }
+    }
+
+    /// Whether it is a place: finite, and turned by a quaternion that is about a unit.
+    #[inline]
+    pub(crate) fn is_somewhere(&self) -> bool {
+        let (square, length) = (self.position.dot(self.position), self.orientation.length_squared());
+        square < R::splat(f64::INFINITY) && length > R::splat(0.5) && length < R::splat(2.0)
     }
 
     /// World coordinates of a point of the shape.
@@ -52,25 +145,125 @@ impl<R: Scalar> Placement<R> {
 
 impl<R: Scalar> Geometry<R> {
     /// The smallest box along the world's axes that holds the shape, and `margin` \[m\] around it; `None` for what has no end.
+    ///
+    /// Of a mesh or a height field it is that of the box along its own axes.
     pub fn bounds(&self, at: &Placement<R>, margin: R) -> Option<Bounds<R>> {
-        let half = match *self {
-            Self::Ball { radius } => Vec3::splat(radius),
-            Self::Cuboid { half_extents: h } => {
-                let [x, y, z] = at.orientation.axes();
-                let reach = |x: R, y: R, z: R| x.abs() * h.x + y.abs() * h.y + z.abs() * h.z;
-                Vec3::new(reach(x.x, y.x, z.x), reach(x.y, y.y, z.y), reach(x.z, y.z, z.z))
-            }
-            Self::HalfSpace => return None,
+        let [x, y, z] = at.orientation.axes();
+        let rows = [Vec3::new(x.x, y.x, z.x), Vec3::new(x.y, y.y, z.y), Vec3::new(x.z, y.z, z.z)];
+        let of_box = |center: Vec3<R>, h: Vec3<R>| {
+            let reach = |row: Vec3<R>| row.x.abs() * h.x + row.y.abs() * h.y + row.z.abs() * h.z;
+            let [x, y, z] = rows.map(reach);
+            Bounds::about(at.to_world(center), Vec3::new(x, y, z) + Vec3::splat(margin))
         };
-        Some(Bounds::about(at.position, half + Vec3::splat(margin)))
+        let of_surface = |bounds: Bounds<f64>| {
+            of_box(narrow((bounds.low + bounds.high) * 0.5), narrow((bounds.high - bounds.low) * 0.5))
+        };
+        match self {
+            Self::Ball { radius } => Some(Bounds::about(at.position, Vec3::splat(*radius + margin))),
+            Self::Cuboid { half_extents } => Some(of_box(Vec3::zero(), *half_extents)),
+            Self::HalfSpace => None,
+            Self::Mesh(mesh) => Some(of_surface(mesh.bounds())),
+            Self::HeightField(field) => Some(of_surface(field.bounds())),
+            Self::Compound(compound) => {
+                let mut all: Option<Bounds<R>> = None;
+                for (_, at, part) in compound.placed(at) {
+                    let bounds = part.bounds(&at, margin)?;
+                    all = Some(all.map_or(bounds, |all| enclosing(&all, &bounds)));
+                }
+                // Nothing at all is a point.
+                all.or_else(|| Some(Bounds::about(at.position, Vec3::splat(margin))))
+            }
+            _ => {
+                let (convex, layer) = Convex::of(self)?;
+                let more = R::splat(layer) + margin;
+                // Row by row: the world's axes as the shape sees them.
+                let reach = |row: Vec3<R>, sign: f64| {
+                    let d = Vector::new(row.x.into(), row.y.into(), row.z.into()) * sign;
+                    R::splat(convex.support(d).dot(d))
+                };
+                let [high, low] = [1.0, -1.0].map(|sign| {
+                    let [x, y, z] = rows.map(|row| reach(row, sign) + more);
+                    Vec3::new(x, y, z)
+                });
+                Some(Bounds { low: at.position - low, high: at.position + high })
+            }
+        }
     }
 
-    /// The longest distance of a point of the shape from its origin \[m\]; `None` for what has no end.
+    /// Half its thickness where it is thinnest, or somewhat less \[m\]: what goes through it by less is still on the side it came from. Zero for surfaces.
+    ///
+    /// ```
+    /// use tumble_collide::Geometry;
+    /// use tumble_math::lane::Vec3;
+    ///
+    /// let plate = Geometry::Cuboid { half_extents: Vec3::new(1.0, 0.05, 2.0) };
+    /// assert_eq!(plate.half_thickness(), 0.05);
+    /// ```
+    pub fn half_thickness(&self) -> R {
+        let (zero, half) = (R::splat(0.0), R::splat(0.5));
+        let least = |v: Vec3<R>| v.x.min(v.y).min(v.z);
+        match self {
+            Self::Ball { radius } | Self::Capsule { radius, .. } => *radius,
+            Self::Cuboid { half_extents } => least(*half_extents),
+            Self::Ellipsoid { radii } => least(*radii),
+            Self::Cylinder { radius, half_height } => radius.min(*half_height),
+            Self::Cone { radius, half_height } => radius.min(*half_height) * half,
+            Self::Frustum { radius_bottom, radius_top, half_height } => {
+                radius_bottom.max(*radius_top).min(*half_height) * half
+            }
+            Self::TaperedCapsule { radius_bottom, radius_top, .. } => radius_bottom.min(*radius_top),
+            Self::HalfSpace => R::splat(f64::INFINITY),
+            Self::Mesh(_) | Self::HeightField(_) => zero,
+            Self::Compound(compound) => {
+                let here = Placement::at(Vec3::zero());
+                let parts = compound.placed(&here).map(|(_, _, part)| part.half_thickness());
+                parts.reduce(Lane::min).unwrap_or(zero)
+            }
+            Self::Hull(_) => {
+                let bounds = self.bounds(&Placement::at(Vec3::zero()), zero);
+                bounds.map_or(zero, |bounds| least(bounds.high - bounds.low) * (half * half))
+            }
+        }
+    }
+
+    /// The longest distance of a point of the shape from its origin \[m\], or somewhat more; `None` for what has no end.
     pub fn reach(&self) -> Option<R> {
-        match *self {
-            Self::Ball { radius } => Some(radius),
-            Self::Cuboid { half_extents } => Some(half_extents.dot(half_extents).sqrt()),
+        let length = |v: Vec3<R>| v.dot(v).sqrt();
+        let zero = R::splat(0.0);
+        let of_surface = |bounds: Bounds<f64>| {
+            let most = |low: f64, high: f64| f64::max(high, -low);
+            let (low, high) = (bounds.low, bounds.high);
+            length(narrow(Vector::new(most(low.x, high.x), most(low.y, high.y), most(low.z, high.z))))
+        };
+        match self {
+            Self::Ball { radius } => Some(*radius),
+            Self::Cuboid { half_extents } => Some(length(*half_extents)),
+            Self::Capsule { radius, half_height } => Some(*radius + *half_height),
+            Self::Cylinder { radius, half_height } | Self::Cone { radius, half_height } => {
+                Some(length(Vec3::new(*radius, *half_height, zero)))
+            }
+            Self::Frustum { radius_bottom, radius_top, half_height } => {
+                Some(length(Vec3::new(radius_bottom.max(*radius_top), *half_height, zero)))
+            }
+            Self::TaperedCapsule { radius_bottom, radius_top, half_height } => {
+                Some(radius_bottom.max(*radius_top) + *half_height)
+            }
+            Self::Ellipsoid { radii } => Some(radii.x.max(radii.y).max(radii.z)),
+            Self::Hull(hull) => Some(R::splat(hull.reach())),
+            Self::Mesh(mesh) => Some(of_surface(mesh.bounds())),
+            Self::HeightField(field) => Some(of_surface(field.bounds())),
+            Self::Compound(compound) => compound.reach(),
             Self::HalfSpace => None,
+        }
+    }
+
+    /// How many numbers its parts have.
+    pub(crate) fn parts(&self) -> u32 {
+        match self {
+            Self::Mesh(mesh) => surface_pair::parts(mesh.as_ref(), mesh.points().len()),
+            Self::HeightField(field) => surface_pair::parts(field.as_ref(), field.points().len()),
+            Self::Compound(compound) => compound.count(),
+            _ => 1,
         }
     }
 }

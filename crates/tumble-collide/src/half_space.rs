@@ -49,3 +49,24 @@ pub(crate) fn half_space_and_cuboid<R: Scalar>(
     let points = if count == 0 { Points::none() } else { reduce(&near[..count], up, margin) };
     Manifold::new(up, R::splat(1.0), points)
 }
+
+/// Both ends that are near enough. A feature is the number of an end, the lower one on its axis first.
+pub(crate) fn half_space_and_capsule<R: Scalar>(
+    ground: &Placement<R>,
+    radius: R,
+    half_height: R,
+    at: &Placement<R>,
+    margin: R,
+) -> Manifold<R> {
+    let up = ground.up();
+    let mut points = Points::none();
+    for (feature, end) in [-half_height, half_height].into_iter().enumerate() {
+        let center = at.to_world(Vec3::new(R::splat(0.0), end, R::splat(0.0)));
+        let separation = up.dot(center - ground.position) - radius;
+        if separation <= margin {
+            let position = center - up * (radius + separation * R::splat(0.5));
+            points.push(ContactPoint { position, separation, feature: feature as u32 });
+        }
+    }
+    Manifold::new(up, R::splat(1.0), points)
+}

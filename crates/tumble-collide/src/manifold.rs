@@ -44,6 +44,10 @@ impl<R: Scalar> Points<R> {
         self.points.get(..self.len).unwrap_or_default().iter()
     }
 
+    pub(crate) fn iter_mut(&mut self) -> std::slice::IterMut<'_, ContactPoint<R>> {
+        self.points.get_mut(..self.len).unwrap_or_default().iter_mut()
+    }
+
     pub(crate) fn is_empty(&self) -> bool {
         self.len == 0
     }
@@ -77,10 +81,32 @@ impl<R: Scalar> Manifold<R> {
         Self { normal, carried: R::splat(1.0), points }
     }
 
+    /// The same where both shapes carry the points as much.
+    pub(crate) fn carried_by_both(self) -> Self {
+        Self { carried: R::splat(0.5), ..self }
+    }
+
     /// The same seen from the other shape.
     pub(crate) fn swapped(self) -> Self {
         let one = R::splat(1.0);
         Self { normal: self.normal * -one, carried: one - self.carried, ..self }
+    }
+
+    /// The same from another frame.
+    pub(crate) fn seen<S: Scalar>(
+        &self,
+        place: impl Fn(Vec3<R>) -> Vec3<S>,
+        turn: impl Fn(Vec3<R>) -> Vec3<S>,
+    ) -> Manifold<S> {
+        let mut points = Points::none();
+        for point in self.points() {
+            points.push(ContactPoint {
+                position: place(point.position),
+                separation: S::splat(point.separation.into()),
+                feature: point.feature,
+            });
+        }
+        Manifold { normal: turn(self.normal), carried: S::splat(self.carried.into()), points }
     }
 
     /// Where they touch; none if they are further apart than was asked for.

@@ -144,3 +144,36 @@ proptest! {
         check::<f64>(&start, &events)?;
     }
 }
+
+/// From nothing the only others are those within the room of a box, 2.5 cm to every side. While all move, an object is anywhere in its box, which has
+/// that room on both sides and four steps of the way it went before.
+#[test]
+fn not_much_else_is_found() {
+    const ROOM: f64 = 0.025;
+    const ROUNDING: f64 = 1e-12;
+    let place = |i: u32| [i % 12, i / 12 % 12, i / 144].map(|place| 1.1 * f64::from(place));
+    let way = |i: u32| [i * 7 % 11, i * 5 % 13, i * 3 % 7].map(|way| 0.002 * f64::from(way));
+    let longest = 0.024;
+    let mut objects: Vec<Object> = (0..1728)
+        .map(|i| Object { center: place(i), half: [0.54; 3], way: way(i), endless: false, moves: true })
+        .collect();
+    let with_room = |objects: &[Object], room: f64| {
+        let larger =
+            |object: &Object| proxy(&Object { half: object.half.map(|half| half + room + ROUNDING), ..*object });
+        all_near::<f64>(&objects.iter().map(larger).collect::<Vec<_>>())
+    };
+    let mut broad_phase = BroadPhase::<f64>::default();
+    for step in 0..60 {
+        let proxies: Vec<Proxy<f64>> = objects.iter().map(proxy).collect();
+        let found = broad_phase.update(&proxies, wanted);
+        if step == 0 {
+            assert!(all_near(&proxies).is_empty());
+            assert_eq!(found, with_room(&objects, ROOM));
+        } else {
+            let near = with_room(&objects, 2.0 * ROOM + 4.0 * longest);
+            let other = found.iter().find(|pair| near.binary_search(pair).is_err());
+            assert_eq!(other, None, "step {step}");
+        }
+        objects.iter_mut().for_each(|object| (0..3).for_each(|axis| object.center[axis] += object.way[axis]));
+    }
+}

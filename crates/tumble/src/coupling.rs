@@ -23,8 +23,17 @@ impl Coupling {
         } else {
             self.pairs = None;
         }
-        if contacts::are_in(world) {
+        if contacts::are_in(world) || self.contacts.as_ref().is_some_and(|contacts| !contacts.are_over()) {
             self.contacts.get_or_insert_default().find(world);
+        } else {
+            self.contacts = None;
+        }
+    }
+
+    /// Steps of a world in which nothing acts on anything: what touched does no more.
+    pub(crate) fn pass(&mut self, world: &World, steps: u32) {
+        if let Some(contacts) = self.contacts.as_mut().filter(|contacts| !contacts.are_over()) {
+            contacts.pass(world, steps);
         } else {
             self.contacts = None;
         }

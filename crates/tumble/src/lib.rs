@@ -125,7 +125,7 @@ pub use components::{
     BodyId, CenterOfMass, Damping, GravityScale, Inertia, InertiaComponentError, InverseInertia, Mass, Momentum, Pose,
     PreviousPose, PrincipalAxes, Velocity, Work, Wrench,
 };
-pub use contacts::{Collider, ColliderError, Combine, Material};
+pub use contacts::{Collider, ColliderError, Combine, Contact, ContactEvent, ContactPoint, Material};
 pub use debug_draw::{DebugDraw, DebugView};
 pub use force_law::{BodyState, ForceLaw};
 pub use force_laws::ForceLaws;
@@ -145,7 +145,7 @@ pub use settings::{Settings, SettingsError};
 pub use simd::simd_name;
 pub use simulation::Simulation;
 pub use slices::{BodySlices, UnequalSlices};
-pub use snapshot::{BodyKind, Snapshot, SnapshotError};
+pub use snapshot::{BodyKind, ContactDefect, Snapshot, SnapshotError};
 pub use spawn_bodies::spawn_bodies;
 pub use state_arrays::{STATE_SIZE, StateArrayError, array_to_state, derivative_to_array, state_to_array};
 pub use state_hash::state_hash;
@@ -157,6 +157,8 @@ pub use trial::Trial;
 pub use weld::{WeldError, weld};
 
 pub use {glam, hecs};
+
+pub use tumble_collide::HeightFieldError;
 
 pub use tumble_math::{
     Amount, HullError, InertiaError, InertiaTensor, MassProperties, MeshAudit, MeshDefect, MeshError, MeshRepair, Part,

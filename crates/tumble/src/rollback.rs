@@ -8,7 +8,7 @@ use crate::systems::update_derived;
 
 /// The last snapshots of a run, to go back to when an input arrives late.
 ///
-/// It holds the state of so many steps, 64 bytes a body and step in single precision, 112 in double ([`memory`](Self::memory) says how much
+/// It holds the state of so many steps, 64 bytes a body and step in single precision, 112 in double, and 192 or 352 a contact ([`memory`](Self::memory) says how much
 /// it is), and uses the room of those that it drops: once it is full and while the same bodies are in the world, saving allocates nothing.
 ///
 /// Save before the inputs of a step are added and the step is taken; to correct an input, rewind to its step and do the same again.
@@ -55,7 +55,7 @@ impl Rollback {
         Self { most, kept: VecDeque::new(), spare: Vec::new(), matching: Matching::default() }
     }
 
-    /// Keeps the state and the time as they are now. What was saved at this step or a later one is replaced, and the oldest dropped if
+    /// Keeps the state, the contacts and the time as they are now. What was saved at this step or a later one is replaced, and the oldest dropped if
     /// there is no more room.
     ///
     /// # Errors
@@ -71,8 +71,7 @@ impl Rollback {
             return Ok(());
         }
         let mut snapshot = self.spare.pop().unwrap_or_default();
-        let captured = snapshot.recapture(world);
-        snapshot.set_clock(simulation.clock());
+        let captured = simulation.take_snapshot(world, &mut snapshot);
         match captured {
             Ok(()) => self.kept.push_back(snapshot),
             Err(_) => self.spare.push(snapshot),
@@ -80,7 +79,7 @@ impl Rollback {
         captured
     }
 
-    /// Goes `saves` saves back, 0 being the last, and drops the later ones. Time is set back too, and the derived quantities are
+    /// Goes `saves` saves back, 0 being the last, and drops the later ones. Time and contacts are set back too, and the derived quantities are
     /// [updated](update_derived). Returns the bodies that were spawned since, which are the caller's to despawn; see [`Snapshot::restore`].
     ///
     /// # Errors
@@ -94,11 +93,8 @@ impl Rollback {
     ) -> Result<Vec<Entity>, RollbackError> {
         let not_kept = RollbackError::NotKept { saves, kept: self.kept.len() };
         let snapshot = self.kept.iter().nth_back(saves).ok_or(not_kept)?;
-        let spawned_since = snapshot.restore_with(world, &mut self.matching)?;
+        let spawned_since = simulation.restore_with(snapshot, world, &mut self.matching)?;
         update_derived(world);
-        if let Some(clock) = snapshot.clock() {
-            simulation.set_clock(clock);
-        }
         self.spare.extend(self.kept.drain(self.kept.len() - saves..));
         Ok(spawned_since)
     }

@@ -108,6 +108,22 @@ impl Settings {
         Ok(())
     }
 
+    /// Length of a substep of bodies that touch \[s\]: what impulses of a [`Contact`](crate::Contact) are divided by to be forces.
+    ///
+    /// ```
+    /// # use tumble::Settings;
+    /// let settings = Settings::default().with_dt(0.125).with_contact_substeps(4);
+    /// assert_eq!(settings.contact_substep(), 0.03125);
+    /// ```
+    pub fn contact_substep(&self) -> Real {
+        self.substep() / self.contact_substeps_each() as Real
+    }
+
+    /// How many substeps of bodies that touch each substep has.
+    pub(crate) fn contact_substeps_each(&self) -> u32 {
+        self.contact_substeps.div_ceil(self.substeps.max(1)).max(1)
+    }
+
     /// Length of a substep \[s\].
     pub(crate) fn substep(&self) -> Real {
         self.dt / self.substeps as Real

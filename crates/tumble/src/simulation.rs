@@ -35,7 +35,7 @@ pub struct Simulation {
     settings: Settings,
     laws: ForceLaws,
     /// What forces between bodies are evaluated with, and contacts as they were left; none until there are any.
-    coupling: Option<Box<Coupling>>,
+    pub(crate) coupling: Option<Box<Coupling>>,
     steps: u64,
     /// Steps and time \[s\] when the settings were last changed; from there on time is a multiple of the step.
     since: (u64, f64),

@@ -47,6 +47,9 @@ pub(crate) fn steps_under_laws(
         coupling.find(world);
         coupled_steps(world, settings, laws, coupling, steps, time_of_step, times);
     } else {
+        if let Some(coupling) = coupling {
+            coupling.pass(world, steps);
+        }
         for_each_chunk(world, laws, |bodies| {
             if bodies.work.is_none() && times.is_none() {
                 return step_chunk(bodies, settings, steps, &time_of_step);

@@ -107,6 +107,9 @@ pub(crate) fn integrate_coupled(
         Integrator::SemiImplicitEuler => (h, None),
         Integrator::RungeKutta4 | Integrator::MoserVeselov => (h * 0.5, Some(h * 0.5)),
     };
+    if let Some(contacts) = &mut coupling.contacts {
+        contacts.begin_step();
+    }
     for substep in 0..settings.substeps {
         if let Some(pairs) = &mut coupling.pairs {
             pairs.kick(world, before, h);
@@ -169,7 +172,7 @@ pub(crate) fn accumulate_forces_of(bodies: &mut Chunk<'_>, settings: &Settings) 
 
 impl Chunk<'_> {
     /// The force of gravity on a body \[N\].
-    fn gravity_on(&self, i: usize, settings: &Settings) -> Vec3 {
+    pub(crate) fn gravity_on(&self, i: usize, settings: &Settings) -> Vec3 {
         self.gravity(i, self.mass[i].kilograms(), splat(settings.gravity)).into()
     }
 }

@@ -1,8 +1,8 @@
 //! An order in which what is near in space is near in the list: eights, then eights of eights, and so on, in boxes that are small.
 //!
 //! The list is cut in two across the longest side of where its centres are, again and again, always at a multiple of the highest power
-//! of eight that there is. A curve through space (Morton's) is sorted four times as fast, but its eights reach round its corners, and what is looked for in
-//! them is found the more often: a whole search then takes longer by half.
+//! of eight that there is. With the order of a curve through space (Morton's) in its place, eights reach round its corners, and looking for all pairs of a
+//! pile of 5000 balls took two thirds longer.
 
 use std::cmp::Ordering;
 

@@ -88,8 +88,8 @@ impl Marks {
         self.0.iter_mut().enumerate().for_each(|(place, mark)| *mark &= u32::from(place < lane));
     }
 
-    /// Writes what belongs to the marked lanes from the beginning of `to` on, and returns how many there are. What it does is the same for
-    /// any marks: a processor that has to guess them loses more time than it takes to write all.
+    /// Writes what belongs to the marked lanes from the beginning of `to` on, and returns how many there are. It writes
+    /// all lanes, so that there is no branch on marks that nobody can guess.
     #[inline]
     pub(super) fn select<T>(&self, to: &mut [T; LANES], what: impl Fn(usize) -> T) -> usize {
         let mut count = 0;

@@ -139,3 +139,49 @@ impl<R: Scalar> Tree<R> {
 fn ordered(a: u32, b: u32) -> Pair {
     (a.min(b), a.max(b))
 }
+
+#[cfg(test)]
+mod tests {
+    use tumble_math::lane::Vec3;
+
+    use super::*;
+
+    fn cube(x: f64, y: f64, z: f64, half: f64) -> Bounds<f64> {
+        Bounds::about(Vec3::new(x, y, z), Vec3::splat(half))
+    }
+
+    /// Of 16 x 16 x 16 cubes every leaf has eight that are a cube together.
+    #[test]
+    fn leaves_are_as_small_as_they_can_be() {
+        let places = (0..4096_u32).map(|i| [i % 16, i / 16 % 16, i / 256].map(f64::from));
+        let boxes: Vec<Bounds<f64>> = places.map(|[x, y, z]| cube(x, y, z, 0.25)).collect();
+        let mut tree = Tree::default();
+        // Not in the order they are made in.
+        tree.build((0..4096).map(|i| i * 1025 % 4096), &boxes);
+        assert_eq!(tree.leaves(), 512);
+        for leaf in 0..512 {
+            let around = tree.leaf(leaf).union();
+            assert_eq!(around.high - around.low, Vec3::splat(1.5), "leaf {leaf}");
+        }
+        assert_eq!(tree.looseness(), 1.5 / (8.0 * 0.5));
+    }
+
+    /// What is large is not in a leaf of small ones, and all are in some leaf, once.
+    #[test]
+    fn large_and_small_are_apart() {
+        let mut boxes: Vec<Bounds<f64>> = (0..100).map(|i| cube(f64::from(i), 0.0, 0.0, 0.4)).collect();
+        boxes[17] = cube(17.0, 0.0, 0.0, 40.0);
+        boxes[60] = cube(60.0, 0.0, 0.0, 4000.0);
+        let mut tree = Tree::default();
+        tree.build(0..100, &boxes);
+        let mut seen = Vec::new();
+        for leaf in 0..tree.leaves() {
+            let objects = tree.objects(leaf).iter().copied().filter(|object| *object != NONE);
+            let large = objects.clone().filter(|object| [17, 60].contains(object)).count();
+            assert!(large == 0 || objects.clone().count() == 1, "{:?}", tree.objects(leaf));
+            seen.extend(objects);
+        }
+        seen.sort_unstable();
+        assert_eq!(seen, (0..100).collect::<Vec<u32>>());
+    }
+}

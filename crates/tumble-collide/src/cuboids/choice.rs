@@ -17,14 +17,23 @@ pub(super) struct Candidate<L> {
     pub(super) carried: L,
     /// Which edges and corners meet, below 64.
     pub(super) feature: L,
+    /// Which of the candidates it is.
+    pub(super) index: L,
 }
 
 impl<L: Lane> Candidate<L> {
-    /// Far away where it is further than the margin.
+    /// None, after all others.
     #[inline(always)]
-    pub(super) fn within(self, margin: L) -> Self {
+    pub(super) fn nowhere() -> Self {
+        let zero = L::splat(0.0);
+        Self { at: Vec3::new(zero, zero, L::splat(FAR)), carried: zero, feature: zero, index: L::splat(FAR) }
+    }
+
+    /// One of the candidates; far away where it is further than the margin.
+    #[inline(always)]
+    pub(super) fn within(self, margin: L, index: usize) -> Self {
         let z = L::select(margin.lt(self.at.z), L::splat(FAR), self.at.z);
-        Self { at: Vec3::new(self.at.x, self.at.y, z), ..self }
+        Self { at: Vec3::new(self.at.x, self.at.y, z), index: L::splat(index as f64), ..self }
     }
 
     #[inline(always)]
@@ -33,6 +42,7 @@ impl<L: Lane> Candidate<L> {
             at: Vec3::select(mask, if_true.at, if_false.at),
             carried: L::select(mask, if_true.carried, if_false.carried),
             feature: L::select(mask, if_true.feature, if_false.feature),
+            index: L::select(mask, if_true.index, if_false.index),
         }
     }
 }
@@ -90,15 +100,29 @@ pub(super) fn choose<L: Lane, const N: usize>(mut candidates: [Candidate<L>; N],
         scores[k] = beyond_first.max(beyond_second).max(beyond_third);
         k += 1;
     }
-    [first, second, third, best(&mut candidates, scores)]
+    in_order([first, second, third, best(&mut candidates, scores)])
+}
+
+/// In the order they came in, whatever made them be chosen: a solver that takes them one after the other finds no rest while their order changes.
+#[inline(always)]
+fn in_order<L: Lane>(mut chosen: [Candidate<L>; 4]) -> [Candidate<L>; 4] {
+    let swaps = [[0, 1], [2, 3], [0, 2], [1, 3], [1, 2]];
+    let mut k = 0;
+    while k < swaps.len() {
+        let [i, j] = swaps[k];
+        let swapped = chosen[j].index.lt(chosen[i].index);
+        let (a, b) = (chosen[i], chosen[j]);
+        chosen[i] = Candidate::select(swapped, b, a);
+        chosen[j] = Candidate::select(swapped, a, b);
+        k += 1;
+    }
+    chosen
 }
 
 /// Takes out the point of the highest score; the first such if none is clearly higher.
 #[inline(always)]
 fn best<L: Lane, const N: usize>(candidates: &mut [Candidate<L>; N], scores: [L; N]) -> Candidate<L> {
-    let zero = L::splat(0.0);
-    let mut chosen = Candidate { at: Vec3::new(zero, zero, L::splat(FAR)), carried: zero, feature: zero };
-    let (mut bar, mut which) = (L::splat(-0.5 * FAR), L::splat(-1.0));
+    let (mut chosen, mut bar) = (Candidate::nowhere(), L::splat(-0.5 * FAR));
     let mut k = 0;
     while k < N {
         // What is not there has no score.
@@ -106,13 +130,12 @@ fn best<L: Lane, const N: usize>(candidates: &mut [Candidate<L>; N], scores: [L;
         let better = bar.lt(score);
         chosen = Candidate::select(better, candidates[k], chosen);
         bar = L::select(better, score + score.abs() * L::splat(LEAD), bar);
-        which = L::select(better, L::splat(k as f64), which);
         k += 1;
     }
     let mut k = 0;
     while k < N {
         let at = &mut candidates[k].at;
-        let taken = (which - L::splat(k as f64)).abs().lt(L::splat(0.5));
+        let taken = (chosen.index - L::splat(k as f64)).abs().lt(L::splat(0.5));
         at.z = L::select(taken, L::splat(FAR), at.z);
         k += 1;
     }

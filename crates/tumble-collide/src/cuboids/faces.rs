@@ -94,9 +94,7 @@ impl<L: Lane> Facing<L> {
     /// All corners of what is left of the incident face when it is cut to the reference face. Those that are further than the margin, or are none, are far away.
     #[inline(always)]
     fn candidates(&self, margin: L) -> [Candidate<L>; CANDIDATES] {
-        let zero = L::splat(0.0);
-        let nowhere = Candidate { at: Vec3::new(zero, zero, L::splat(FAR)), carried: zero, feature: zero };
-        let mut candidates = [nowhere; CANDIDATES];
+        let mut candidates = [Candidate::nowhere(); CANDIDATES];
         let two = L::splat(2.0);
         let (p, q, none) = (self.p, self.q, Vec3::zero());
         let mut edge = 0;
@@ -109,13 +107,13 @@ impl<L: Lane> Facing<L> {
                 _ => (q - p, none - q * two),
             };
             let [begin, end] = self.cut(self.middle + from, way, edge);
-            candidates[edge] = begin.within(margin);
-            candidates[4 + edge] = end.within(margin);
+            candidates[edge] = begin.within(margin, edge);
+            candidates[4 + edge] = end.within(margin, 4 + edge);
             edge += 1;
         }
         let mut corner = 0;
         while corner < 4 {
-            candidates[8 + corner] = self.under(corner).within(margin);
+            candidates[8 + corner] = self.under(corner).within(margin, 8 + corner);
             corner += 1;
         }
         candidates
@@ -141,6 +139,7 @@ impl<L: Lane> Facing<L> {
         let begin = Candidate {
             at: Vec3::new(begin.x, begin.y, L::select(inside, begin.z, L::splat(FAR))),
             carried: L::select(cut_first, half, one),
+            index: zero,
             feature: L::select(cut_first, L::splat(8.0) + number * L::splat(4.0) + enters_by, number),
         };
         let end = from + way * leave;
@@ -148,6 +147,7 @@ impl<L: Lane> Facing<L> {
         let end = Candidate {
             at: Vec3::new(end.x, end.y, L::select(inside, leaves, L::splat(FAR))),
             carried: half,
+            index: zero,
             feature: L::splat(24.0) + number * L::splat(4.0) + leaves_by,
         };
         [begin, end]
@@ -158,8 +158,8 @@ impl<L: Lane> Facing<L> {
     fn under(&self, corner: usize) -> Candidate<L> {
         let (zero, one) = (L::splat(0.0), L::splat(1.0));
         let (p, q) = (self.p, self.q);
-        let x = if corner % 2 == 0 { -self.half[0] } else { self.half[0] };
-        let y = if corner / 2 == 0 { -self.half[1] } else { self.half[1] };
+        let x = if corner.is_multiple_of(2) { -self.half[0] } else { self.half[0] };
+        let y = if corner < 2 { -self.half[1] } else { self.half[1] };
         let (to_x, to_y) = (x - self.middle.x, y - self.middle.y);
         // The incident face looks at this one, so it is never seen from its edge.
         let inverse = one / (p.x * q.y - p.y * q.x);
@@ -167,7 +167,7 @@ impl<L: Lane> Facing<L> {
         let height = self.middle.z + a * p.z + b * q.z;
         let height = L::select(a.abs().lt(one), height, L::splat(FAR));
         let height = L::select(b.abs().lt(one), height, L::splat(FAR));
-        Candidate { at: Vec3::new(x, y, height), carried: zero, feature: L::splat(40.0 + corner as f64) }
+        Candidate { at: Vec3::new(x, y, height), carried: zero, feature: L::splat(40.0 + corner as f64), index: zero }
     }
 }
 

@@ -31,6 +31,9 @@ pub struct Work {
     pub forces: [f64; ForceLaws::COMPONENTS.len()],
     /// By each force law, in the order they were added; the last is the sum of all from there on.
     pub laws: [f64; Self::LAWS],
+    /// By contacts: what pushes and friction changed of the kinetic energy. A force that pushes a body against another is booked for the way that the body went, which is none at rest; where a
+    /// body touches something, forces are those of the start of the step, and what neither they nor damping nor the free motion did is the contacts'.
+    pub contacts: f64,
     /// What nothing did: energy that the integrator made or lost, rounding included.
     pub integrator: f64,
 }
@@ -42,7 +45,7 @@ impl Work {
     /// By all of them \[J\].
     pub fn total(&self) -> f64 {
         let of_forces = self.forces.iter().sum::<f64>() + self.laws.iter().sum::<f64>();
-        self.gravity + self.applied + self.damping + self.integrator + of_forces
+        self.gravity + self.applied + self.damping + self.contacts + self.integrator + of_forces
     }
 
     /// By a kind of force component, by its name: `"Drag"`. `None` where no kind is called so.
@@ -64,6 +67,7 @@ impl AddAssign for Work {
         self.gravity += other.gravity;
         self.applied += other.applied;
         self.damping += other.damping;
+        self.contacts += other.contacts;
         self.integrator += other.integrator;
         for (sum, force) in self.forces.iter_mut().zip(other.forces) {
             *sum += force;

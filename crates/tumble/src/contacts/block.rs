@@ -10,8 +10,6 @@ use crate::simd::BLOCK;
 #[derive(Clone, Copy)]
 #[repr(C, align(64))]
 pub(super) struct Block<const P: usize, const C: usize> {
-    /// Rows of the first and the second body.
-    pub(super) rows: [[u32; BLOCK]; 2],
     /// Which contacts.
     pub(super) contacts: [u32; BLOCK],
     /// How many lanes have one.
@@ -93,7 +91,6 @@ impl<const P: usize, const C: usize> Block<P, C> {
     pub(super) fn empty() -> Self {
         let point = Point { offset: [ZEROS; 2], separation: ZEROS, mass: ZEROS, impulse: ZEROS };
         Self {
-            rows: [[0; BLOCK]; 2],
             contacts: [0; BLOCK],
             count: 0,
             normal: [ZEROS; 3],

@@ -6,7 +6,7 @@ pub(super) struct Colouring {
     /// By row, the colours that it has: as bits, of contacts between moving bodies and of those with what does not move.
     taken: Vec<[u64; 2]>,
     /// By contact.
-    pub(super) colours: Vec<Colour>,
+    colours: Vec<Colour>,
 }
 
 /// The colour of a contact.
@@ -23,6 +23,11 @@ impl Colour {
 }
 
 impl Colouring {
+    /// Of each contact.
+    pub(super) fn colours(&self) -> &[Colour] {
+        &self.colours
+    }
+
     /// Of contacts, each with the rows of its bodies; those from `first_unmoved` on impulses do not move.
     pub(super) fn colour(&mut self, rows: impl Iterator<Item = [u32; 2]>, first_unmoved: usize) {
         self.taken.clear();

@@ -17,6 +17,8 @@ pub(super) struct Contact {
     pub(super) kind: Kind,
     /// Which of the contacts of the two.
     pub(super) part: u32,
+    /// Whether the two touched before this step.
+    pub(super) touched: bool,
     pub(super) features: [u32; MOST_POINTS],
     /// By [`SHAPE`] and the others.
     pub(super) numbers: [Eight; 5],
@@ -36,8 +38,14 @@ const SAME_PLACE: Real = 0.01;
 
 impl Contact {
     /// Of nobody.
-    pub(super) const NONE: Self =
-        Self { kind: Kind::Other, part: 0, slots: [0; 2], features: [0; MOST_POINTS], numbers: [Eight([0.0; 8]); 5] };
+    pub(super) const NONE: Self = Self {
+        kind: Kind::Other,
+        part: 0,
+        touched: false,
+        slots: [0; 2],
+        features: [0; MOST_POINTS],
+        numbers: [Eight([0.0; 8]); 5],
+    };
 
     /// Of a manifold with points, whose normal goes from the first slot to the second; `center` is the centre of mass of the second.
     pub(super) fn new(slots: [u32; 2], part: u32, manifold: &Manifold<Real>, center: Vec3<Real>) -> Self {
@@ -51,7 +59,7 @@ impl Contact {
             features[j] = point.feature;
         }
         numbers[SHAPE] = Eight([n.x, n.y, n.z, manifold.carried, count as Real, 0.0, 0.0, 0.0]);
-        Self { kind: Kind::Other, slots, part, features, numbers }
+        Self { kind: Kind::Other, slots, part, touched: false, features, numbers }
     }
 
     /// Says what the surfaces are like.
@@ -79,7 +87,7 @@ impl Contact {
         self.numbers[SHAPE].0[6] > 0.0
     }
 
-    fn place(&self, j: usize) -> Vec3<Real> {
+    pub(super) fn place(&self, j: usize) -> Vec3<Real> {
         let [x, y, z, ..] = self.numbers[POINTS[j / 2]].0[j % 2 * 4..] else { return Vec3::zero() };
         Vec3::new(x, y, z)
     }
@@ -88,6 +96,7 @@ impl Contact {
     /// did, then what is there now whatever meets, then what slid on with its features. (Where an edge lies along another, features alone would
     /// not do: they cross anywhere along their length, from step to step.)
     pub(super) fn take_over(&mut self, old: &Self) {
+        self.touched = old.touches();
         if self.slots != old.slots {
             return;
         }

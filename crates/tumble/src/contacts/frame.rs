@@ -3,9 +3,9 @@
 use tumble_math::lane::Vec3;
 
 use super::block::Block;
-use super::rows::{at, gather, put_two_vectors, scatter, two_vectors, vector_at};
+use super::rows::{at, gather, put_two_vectors, two_vectors, vector_at};
 use crate::derived::symmetric_product;
-use crate::simd::{BLOCK, Eight, Tile};
+use crate::simd::{BLOCK, Eight, Rows, Tile};
 
 /// The motion of the second body seen from the first, at the middle of the contact: velocities, or displacements.
 #[derive(Clone, Copy)]
@@ -90,8 +90,9 @@ impl<T: Tile> Moved<T> {
     }
 }
 
-/// The bodies of a tile's contacts. Where `GROUNDED`, impulses move only the second of each.
-pub(super) struct Bodies<T, const GROUNDED: bool> {
+/// The bodies of a tile's contacts. Where they are `grounded`, impulses move only the second of each.
+pub(super) struct Bodies<T> {
+    grounded: bool,
     rows: [[Eight; BLOCK]; 2],
     /// Linear and angular momentum; of what impulses do not move, the velocities.
     linear: [Vec3<T>; 2],
@@ -99,32 +100,28 @@ pub(super) struct Bodies<T, const GROUNDED: bool> {
     inverse_mass: [T; 2],
 }
 
-impl<T: Tile, const GROUNDED: bool> Bodies<T, GROUNDED> {
+impl<T: Tile> Bodies<T> {
     #[inline(always)]
-    pub(super) fn load(motion: &[Eight], indices: &[[u32; BLOCK]; 2], lane: usize) -> Self {
-        let rows = [gather::<T>(motion, &indices[0], lane), gather::<T>(motion, &indices[1], lane)];
+    pub(super) fn load(motion: &Rows<'_>, block: usize, lane: usize) -> Self {
+        let rows = [motion.gather::<T>(block, 0, lane), motion.gather::<T>(block, 1, lane)];
         let [a, b, c, d, e, f, first_mass] = T::load(&rows[0]);
         let first = (Vec3::new(a, b, c), Vec3::new(d, e, f));
         let [a, b, c, d, e, f, second_mass] = T::load(&rows[1]);
         let second = (Vec3::new(a, b, c), Vec3::new(d, e, f));
-        let inverse_mass = [if GROUNDED { T::splat(0.0) } else { first_mass }, second_mass];
-        Self { rows, linear: [first.0, second.0], angular: [first.1, second.1], inverse_mass }
+        let (linear, angular) = ([first.0, second.0], [first.1, second.1]);
+        Self { grounded: motion.is_grounded(), rows, linear, angular, inverse_mass: [first_mass, second_mass] }
     }
 
     /// Sum of the inverse masses of what impulses move [1/kg].
     #[inline(always)]
     pub(super) fn inverse_mass(&self) -> T {
-        self.inverse_mass[0] + self.inverse_mass[1]
+        if self.grounded { self.inverse_mass[1] } else { self.inverse_mass[0] + self.inverse_mass[1] }
     }
 
     /// Velocity of the second seen from the first.
     #[inline(always)]
-    pub(super) fn relative(&self, response: &Response<T, GROUNDED>, arms: [Vec3<T>; 2]) -> Relative<T> {
-        let first = if GROUNDED {
-            (self.linear[0], self.angular[0])
-        } else {
-            (self.linear[0] * self.inverse_mass[0], response.of_first(self.angular[0]))
-        };
+    pub(super) fn relative(&self, response: &Response<T>, arms: [Vec3<T>; 2]) -> Relative<T> {
+        let first = (self.linear[0] * self.inverse_mass[0], response.of_first(self.angular[0]));
         let second = (self.linear[1] * self.inverse_mass[1], response.of_second(self.angular[1]));
         Relative::new([first.0, second.0], [first.1, second.1], arms)
     }
@@ -132,7 +129,7 @@ impl<T: Tile, const GROUNDED: bool> Bodies<T, GROUNDED> {
     /// An impulse in the middle and an angular impulse on the second bodies, the opposite on the first.
     #[inline(always)]
     pub(super) fn push(&mut self, arms: [Vec3<T>; 2], linear: Vec3<T>, angular: Vec3<T>) {
-        if !GROUNDED {
+        if !self.grounded {
             self.linear[0] = self.linear[0] - linear;
             self.angular[0] = self.angular[0] - (arms[0].cross(linear) + angular);
         }
@@ -140,39 +137,43 @@ impl<T: Tile, const GROUNDED: bool> Bodies<T, GROUNDED> {
         self.angular[1] = self.angular[1] + (arms[1].cross(linear) + angular);
     }
 
-    /// Writes back the momenta of those lanes that have a contact.
+    /// Writes back the momenta.
     #[inline(always)]
-    pub(super) fn store(mut self, motion: &mut [Eight], indices: &[[u32; BLOCK]; 2], lane: usize, count: usize) {
-        if !GROUNDED {
+    pub(super) fn store(mut self, motion: &mut Rows<'_>, block: usize, lane: usize) {
+        if !self.grounded {
             put_two_vectors(self.linear[0], self.angular[0], &mut self.rows[0]);
-            scatter::<T>(&self.rows[0], motion, &indices[0], lane, count);
+            motion.scatter::<T>(&self.rows[0], block, 0, lane);
         }
         put_two_vectors(self.linear[1], self.angular[1], &mut self.rows[1]);
-        scatter::<T>(&self.rows[1], motion, &indices[1], lane, count);
+        motion.scatter::<T>(&self.rows[1], block, 1, lane);
     }
 }
 
-/// How bodies answer to angular impulses: their inverse inertia in the world.
-pub(super) struct Response<T, const GROUNDED: bool> {
+/// How bodies answer to angular impulses: their inverse inertia in the world. What impulses do not move has one with which its angular velocity is the momentum that it is given.
+pub(super) struct Response<T> {
     diagonal: [Vec3<T>; 2],
     off_diagonal: [Vec3<T>; 2],
 }
 
-impl<T: Tile, const GROUNDED: bool> Response<T, GROUNDED> {
+impl<T: Tile> Response<T> {
     #[inline(always)]
     pub(super) fn load(response: &[Eight], indices: &[[u32; BLOCK]; 2], lane: usize) -> Self {
-        let first = if GROUNDED {
-            (Vec3::zero(), Vec3::zero())
-        } else {
-            two_vectors::<T>(&gather::<T>(response, &indices[0], lane))
-        };
+        let first = two_vectors::<T>(&gather::<T>(response, &indices[0], lane));
         let second = two_vectors::<T>(&gather::<T>(response, &indices[1], lane));
         Self { diagonal: [first.0, second.0], off_diagonal: [first.1, second.1] }
     }
 
+    /// The same where the first bodies do not answer, if they are `grounded`.
+    #[inline(always)]
+    pub(super) fn of_what_moves(&self, grounded: bool) -> Self {
+        let zero = Vec3::zero();
+        let (first, beside) = if grounded { (zero, zero) } else { (self.diagonal[0], self.off_diagonal[0]) };
+        Self { diagonal: [first, self.diagonal[1]], off_diagonal: [beside, self.off_diagonal[1]] }
+    }
+
     #[inline(always)]
     pub(super) fn of_first(&self, v: Vec3<T>) -> Vec3<T> {
-        if GROUNDED { Vec3::zero() } else { symmetric_product(self.diagonal[0], self.off_diagonal[0], v) }
+        symmetric_product(self.diagonal[0], self.off_diagonal[0], v)
     }
 
     #[inline(always)]

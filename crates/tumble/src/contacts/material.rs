@@ -1,4 +1,4 @@
-use super::collider::ColliderError;
+use super::collider_error::ColliderError;
 use crate::math::Real;
 
 /// What the surface of a [`Collider`](crate::Collider) is like. Rules and fields are those of KHR_physics_rigid_bodies, and resistance to rolling.

@@ -6,24 +6,36 @@
 //! SCA 2019; E. Catto, "Solver2D", 2024). What touches nothing is left to the integrator of the settings.
 
 mod block;
+mod booking;
 mod collider;
+mod collider_error;
+mod collider_shape;
 mod colouring;
 mod contact;
 mod frame;
+mod keep;
+mod keeping;
 mod material;
 mod materials;
+mod names;
 mod narrow;
 mod passes;
 mod prepare;
+mod reading;
 mod rows;
 mod rubbing;
+mod saved;
 mod soft;
 mod solver;
 mod solver_bodies;
 mod touching;
 
-pub use collider::{Collider, ColliderError};
+pub use collider::Collider;
+pub use collider_error::ColliderError;
 pub use material::{Combine, Material};
+pub(crate) use names::Name;
+pub use reading::{Contact, ContactEvent, ContactPoint};
+pub(crate) use saved::{SavedContact, SavedContacts, SavedPoint};
 pub(crate) use touching::Contacts;
 
 use hecs::World;

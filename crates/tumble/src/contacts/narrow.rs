@@ -1,3 +1,4 @@
+use rayon::prelude::*;
 use tumble_collide::lanes::{CuboidLanes, ManifoldLanes, ball_pair, cuboid_gap, cuboid_pair};
 use tumble_collide::{Geometry, MOST_POINTS, Placement};
 use tumble_math::lane::{Quat, Vec3};
@@ -12,7 +13,7 @@ use crate::simd::{BLOCK, Eight, Kernel, Tile, dispatch_in_blocks};
 pub(super) struct Shapes {
     /// Position of the shape's origin, and its orientation.
     places: Vec<Eight>,
-    /// Half extents, or a radius, and the shape's origin from the body's centre of mass, world frame.
+    /// Half extents, or a radius, the shape's origin from the body's centre of mass, world frame, and how far it looks for others.
     sizes: Vec<Eight>,
 }
 
@@ -54,7 +55,14 @@ impl Shapes {
         (self.places.len() - 1) as u32
     }
 
-    pub(super) fn set(&mut self, slot: usize, geometry: &Geometry<Real>, at: &Placement<Real>, center: Vec3<Real>) {
+    pub(super) fn set(
+        &mut self,
+        slot: usize,
+        geometry: &Geometry<Real>,
+        at: &Placement<Real>,
+        center: Vec3<Real>,
+        reach: Real,
+    ) {
         let (x, q, offset) = (at.position, at.orientation, at.position - center);
         let size = match *geometry {
             Geometry::Cuboid { half_extents } => half_extents,
@@ -62,9 +70,12 @@ impl Shapes {
             _ => Vec3::zero(),
         };
         self.places[slot] = Eight([x.x, x.y, x.z, q.x, q.y, q.z, q.w, 0.0]);
-        self.sizes[slot] = Eight([size.x, size.y, size.z, offset.x, offset.y, offset.z, 0.0, 0.0]);
+        self.sizes[slot] = Eight([size.x, size.y, size.z, offset.x, offset.y, offset.z, reach, 0.0]);
     }
 }
+
+/// So many blocks of pairs are looked at by one thread at a time.
+const PART: usize = 32;
 
 /// Pairs of one kind, in blocks, and what was found out about them.
 #[derive(Clone, Default)]
@@ -84,27 +95,27 @@ impl Pairs {
     }
 
     /// Adds the contacts of those pairs that touch, in their order.
-    pub(super) fn touch(&mut self, kind: Kind, shapes: &Shapes, margin: Real, contacts: &mut Vec<Contact>) {
+    pub(super) fn touch(&mut self, kind: Kind, shapes: &Shapes, contacts: &mut Vec<Contact>) {
         self.fill_blocks(shapes.nobody());
         self.gaps.clear();
         self.gaps.resize(self.blocks.len() * BLOCK, 0.0);
-        let (blocks, gaps) = (&self.blocks, &mut self.gaps);
-        match kind {
+        let parts = self.blocks.par_chunks(PART).zip(self.gaps.par_chunks_mut(PART * BLOCK));
+        parts.for_each(|(blocks, gaps)| match kind {
             Kind::Cuboid => dispatch_in_blocks(&mut CuboidGaps { blocks, shapes, gaps }),
             _ => dispatch_in_blocks(&mut BallGaps { blocks, shapes, gaps }),
-        }
+        });
         let mut gaps = self.gaps.iter();
         // What is not a number is not near.
-        self.pairs.retain(|_| gaps.next().is_some_and(|gap| *gap <= margin));
+        self.pairs.retain(|_| gaps.next().is_some_and(|gap| *gap <= 0.0));
         self.fill_blocks(shapes.nobody());
 
         let begin = contacts.len();
         contacts.resize(begin + self.blocks.len() * BLOCK, Contact::NONE);
-        let (blocks, found) = (&self.blocks, &mut contacts[begin..]);
-        match kind {
-            Kind::Cuboid => dispatch_in_blocks(&mut CuboidContacts { blocks, shapes, margin, found }),
-            _ => dispatch_in_blocks(&mut BallContacts { blocks, shapes, margin, found }),
-        }
+        let parts = self.blocks.par_chunks(PART).zip(contacts[begin..].par_chunks_mut(PART * BLOCK));
+        parts.for_each(|(blocks, found)| match kind {
+            Kind::Cuboid => dispatch_in_blocks(&mut CuboidContacts { blocks, shapes, found }),
+            _ => dispatch_in_blocks(&mut BallContacts { blocks, shapes, found }),
+        });
         contacts.truncate(begin + self.pairs.len());
         contacts[begin..].iter_mut().for_each(|contact| contact.kind = kind);
     }
@@ -136,9 +147,9 @@ impl Kernel for CuboidGaps<'_> {
     #[inline(always)]
     fn tile<T: Tile>(&mut self, i: usize) {
         let (rows, lane) = (&self.blocks[i / BLOCK], i % BLOCK);
-        let (first, a, _) = cuboids::<T>(self.shapes, &rows[0], lane);
-        let (second, b, _) = cuboids::<T>(self.shapes, &rows[1], lane);
-        T::store([cuboid_gap(&first, &second, b - a)], &mut self.gaps[i..]);
+        let (first, a, place) = cuboids::<T>(self.shapes, &rows[0], lane);
+        let (second, b, other) = cuboids::<T>(self.shapes, &rows[1], lane);
+        T::store([cuboid_gap(&first, &second, b - a) - (place.reach + other.reach)], &mut self.gaps[i..]);
     }
 }
 
@@ -157,17 +168,16 @@ impl Kernel for BallGaps<'_> {
     #[inline(always)]
     fn tile<T: Tile>(&mut self, i: usize) {
         let (rows, lane) = (&self.blocks[i / BLOCK], i % BLOCK);
-        let (first, a, _) = balls::<T>(self.shapes, &rows[0], lane);
-        let (second, b, _) = balls::<T>(self.shapes, &rows[1], lane);
+        let (first, a, place) = balls::<T>(self.shapes, &rows[0], lane);
+        let (second, b, other) = balls::<T>(self.shapes, &rows[1], lane);
         let apart = b - a;
-        T::store([apart.dot(apart).sqrt() - (first + second)], &mut self.gaps[i..]);
+        T::store([apart.dot(apart).sqrt() - (first + second) - (place.reach + other.reach)], &mut self.gaps[i..]);
     }
 }
 
 struct CuboidContacts<'a> {
     blocks: &'a [[[u32; BLOCK]; 2]],
     shapes: &'a Shapes,
-    margin: Real,
     found: &'a mut [Contact],
 }
 
@@ -180,17 +190,16 @@ impl Kernel for CuboidContacts<'_> {
     #[inline(always)]
     fn tile<T: Tile>(&mut self, i: usize) {
         let (rows, lane) = (&self.blocks[i / BLOCK], i % BLOCK);
-        let (first, a, _) = cuboids::<T>(self.shapes, &rows[0], lane);
-        let (second, b, offset) = cuboids::<T>(self.shapes, &rows[1], lane);
-        let manifold = cuboid_pair(&first, &second, b - a, T::splat(self.margin.into()));
-        write(&manifold, offset, &mut self.found[i..], rows, lane);
+        let (first, a, place) = cuboids::<T>(self.shapes, &rows[0], lane);
+        let (second, b, other) = cuboids::<T>(self.shapes, &rows[1], lane);
+        let manifold = cuboid_pair(&first, &second, b - a, place.reach + other.reach);
+        write(&manifold, other.offset, &mut self.found[i..], rows, lane);
     }
 }
 
 struct BallContacts<'a> {
     blocks: &'a [[[u32; BLOCK]; 2]],
     shapes: &'a Shapes,
-    margin: Real,
     found: &'a mut [Contact],
 }
 
@@ -203,28 +212,37 @@ impl Kernel for BallContacts<'_> {
     #[inline(always)]
     fn tile<T: Tile>(&mut self, i: usize) {
         let (rows, lane) = (&self.blocks[i / BLOCK], i % BLOCK);
-        let (first, a, _) = balls::<T>(self.shapes, &rows[0], lane);
-        let (second, b, offset) = balls::<T>(self.shapes, &rows[1], lane);
-        let manifold = ball_pair(first, second, b - a, T::splat(self.margin.into()));
-        write(&manifold, offset, &mut self.found[i..], rows, lane);
+        let (first, a, place) = balls::<T>(self.shapes, &rows[0], lane);
+        let (second, b, other) = balls::<T>(self.shapes, &rows[1], lane);
+        let manifold = ball_pair(first, second, b - a, place.reach + other.reach);
+        write(&manifold, other.offset, &mut self.found[i..], rows, lane);
     }
 }
 
-/// A tile's boxes, where they are, and where that is from their bodies' centres of mass.
-#[inline(always)]
-fn cuboids<T: Tile>(shapes: &Shapes, slots: &[u32; BLOCK], lane: usize) -> (CuboidLanes<T>, Vec3<T>, Vec3<T>) {
-    let [x, y, z, qx, qy, qz, qw] = T::load(&gather::<T>(&shapes.places, slots, lane));
-    let [a, b, c, u, v, w] = T::load(&gather::<T>(&shapes.sizes, slots, lane));
-    let orientation = Quat { x: qx, y: qy, z: qz, w: qw };
-    (CuboidLanes { half_extents: Vec3::new(a, b, c), orientation }, Vec3::new(x, y, z), Vec3::new(u, v, w))
+/// Of the shapes of a tile.
+struct Place<T> {
+    /// From their bodies' centres of mass to their origins \[m\].
+    offset: Vec3<T>,
+    /// How far they look for others \[m\].
+    reach: T,
 }
 
-/// A tile's radii, where the balls are, and where that is from their bodies' centres of mass.
+/// A tile's boxes, and where they are.
 #[inline(always)]
-fn balls<T: Tile>(shapes: &Shapes, slots: &[u32; BLOCK], lane: usize) -> (T, Vec3<T>, Vec3<T>) {
+fn cuboids<T: Tile>(shapes: &Shapes, slots: &[u32; BLOCK], lane: usize) -> (CuboidLanes<T>, Vec3<T>, Place<T>) {
+    let [x, y, z, qx, qy, qz, qw] = T::load(&gather::<T>(&shapes.places, slots, lane));
+    let [a, b, c, u, v, w, reach] = T::load(&gather::<T>(&shapes.sizes, slots, lane));
+    let orientation = Quat { x: qx, y: qy, z: qz, w: qw };
+    let place = Place { offset: Vec3::new(u, v, w), reach };
+    (CuboidLanes { half_extents: Vec3::new(a, b, c), orientation }, Vec3::new(x, y, z), place)
+}
+
+/// A tile's radii, and where the balls are.
+#[inline(always)]
+fn balls<T: Tile>(shapes: &Shapes, slots: &[u32; BLOCK], lane: usize) -> (T, Vec3<T>, Place<T>) {
     let [x, y, z, _] = T::load(&gather::<T>(&shapes.places, slots, lane));
-    let [radius, _, _, u, v, w] = T::load(&gather::<T>(&shapes.sizes, slots, lane));
-    (radius, Vec3::new(x, y, z), Vec3::new(u, v, w))
+    let [radius, _, _, u, v, w, reach] = T::load(&gather::<T>(&shapes.sizes, slots, lane));
+    (radius, Vec3::new(x, y, z), Place { offset: Vec3::new(u, v, w), reach })
 }
 
 /// Writes a tile's manifolds as contacts; `offset` goes from the second bodies' centres of mass to their shapes' origins.

@@ -8,7 +8,7 @@ use super::rows::{at, put};
 use super::rubbing::Rubbing;
 use super::soft::Softness;
 use crate::math::Real;
-use crate::simd::{BLOCK, Eight, Kernel, Tile};
+use crate::simd::{BLOCK, Eight, Kernel, Rows, Tile};
 
 /// Blocks of one colour, with what only some contacts have: as many of it as there are blocks, or none.
 pub(super) struct Blocks<'a, const P: usize, const C: usize> {
@@ -17,20 +17,37 @@ pub(super) struct Blocks<'a, const P: usize, const C: usize> {
     pub(super) bounces: &'a mut [Bounce<P>],
 }
 
+impl<'a, const P: usize, const C: usize> Blocks<'a, P, C> {
+    /// How many.
+    pub(super) fn len(&self) -> usize {
+        self.blocks.len()
+    }
+
+    /// The first so many, and the others.
+    pub(super) fn split_at(self, middle: usize) -> (Self, Self) {
+        let of_some = |count: usize| if count == 0 { 0 } else { middle };
+        let (blocks, other_blocks) = self.blocks.split_at_mut(middle);
+        let (rolling, other_rolling) = self.rolling.split_at_mut(of_some(self.rolling.len()));
+        let (bounces, other_bounces) = self.bounces.split_at_mut(of_some(self.bounces.len()));
+        let others = Self { blocks: other_blocks, rolling: other_rolling, bounces: other_bounces };
+        (Self { blocks, rolling, bounces }, others)
+    }
+}
+
 /// The bodies that a pass reads and writes.
-pub(super) struct Rows<'a> {
-    pub(super) motion: &'a mut [Eight],
+pub(super) struct Bodied<'a> {
+    pub(super) motion: Rows<'a>,
     pub(super) response: &'a [Eight],
     pub(super) moved: &'a [Eight],
 }
 
 /// Applies all impulses as they are, those that the last substep ended with: where nothing changes they are what this one needs.
-pub(super) struct WarmStart<'a, const P: usize, const C: usize, const GROUNDED: bool> {
+pub(super) struct WarmStart<'a, const P: usize, const C: usize> {
     pub(super) blocks: Blocks<'a, P, C>,
-    pub(super) rows: Rows<'a>,
+    pub(super) bodies: Bodied<'a>,
 }
 
-impl<const P: usize, const C: usize, const GROUNDED: bool> Kernel for WarmStart<'_, P, C, GROUNDED> {
+impl<const P: usize, const C: usize> Kernel for WarmStart<'_, P, C> {
     #[inline(always)]
     fn len(&self) -> usize {
         self.blocks.blocks.len() * BLOCK
@@ -41,7 +58,7 @@ impl<const P: usize, const C: usize, const GROUNDED: bool> Kernel for WarmStart<
         let (index, lane) = (i / BLOCK, i % BLOCK);
         let block = &self.blocks.blocks[index];
         let frame = Frame::<T>::load(block, lane);
-        let moved = Moved::load(self.rows.moved, &block.rows, lane);
+        let moved = Moved::load(self.bodies.moved, self.bodies.motion.pairs(index), lane);
         let mut impulses = [T::splat(0.0); P];
         let mut j = 0;
         while j < P {
@@ -51,24 +68,22 @@ impl<const P: usize, const C: usize, const GROUNDED: bool> Kernel for WarmStart<
         let (linear, angular) = along_normals(block, &frame, lane, impulses);
         let rubbing = Rubbing::load(&block.friction, self.blocks.rolling.get(index), lane);
         let (linear, angular) = (linear + rubbing.linear(&frame), angular + rubbing.angular(&frame));
-        let mut bodies = Bodies::<T, GROUNDED>::load(self.rows.motion, &block.rows, lane);
+        let mut bodies = Bodies::<T>::load(&self.bodies.motion, index, lane);
         bodies.push(frame.arms(&moved), linear, angular);
-        bodies.store(self.rows.motion, &block.rows, lane, block.count);
+        bodies.store(&mut self.bodies.motion, index, lane);
     }
 }
 
 /// One pass over the points, in order: what overlaps is pushed apart or, where `RELAX`, the velocity that this gave is taken out again, and friction follows.
-pub(super) struct Solve<'a, const P: usize, const C: usize, const GROUNDED: bool, const RELAX: bool> {
+pub(super) struct Solve<'a, const P: usize, const C: usize, const RELAX: bool> {
     pub(super) blocks: Blocks<'a, P, C>,
-    pub(super) rows: Rows<'a>,
+    pub(super) bodies: Bodied<'a>,
     pub(super) softness: Softness,
     /// One over the substep [1/s].
     pub(super) inverse_h: Real,
 }
 
-impl<const P: usize, const C: usize, const GROUNDED: bool, const RELAX: bool> Kernel
-    for Solve<'_, P, C, GROUNDED, RELAX>
-{
+impl<const P: usize, const C: usize, const RELAX: bool> Kernel for Solve<'_, P, C, RELAX> {
     #[inline(always)]
     fn len(&self) -> usize {
         self.blocks.blocks.len() * BLOCK
@@ -79,9 +94,9 @@ impl<const P: usize, const C: usize, const GROUNDED: bool, const RELAX: bool> Ke
         let (index, lane) = (i / BLOCK, i % BLOCK);
         let block = &mut self.blocks.blocks[index];
         let frame = Frame::<T>::load(block, lane);
-        let moved = Moved::load(self.rows.moved, &block.rows, lane);
-        let response = Response::<T, GROUNDED>::load(self.rows.response, &block.rows, lane);
-        let mut bodies = Bodies::<T, GROUNDED>::load(self.rows.motion, &block.rows, lane);
+        let moved = Moved::load(self.bodies.moved, self.bodies.motion.pairs(index), lane);
+        let response = Response::<T>::load(self.bodies.response, self.bodies.motion.pairs(index), lane);
+        let mut bodies = Bodies::<T>::load(&self.bodies.motion, index, lane);
         let arms = frame.arms(&moved);
 
         let way = frame.normal_parts(&moved.relative(&frame));
@@ -92,19 +107,17 @@ impl<const P: usize, const C: usize, const GROUNDED: bool, const RELAX: bool> Ke
         bodies.push(arms, linear, angular);
 
         if RELAX {
-            let motion = bodies.relative(&response, arms);
             let before = Rubbing::load(&block.friction, self.blocks.rolling.get(index), lane);
-            let resistance = (&block.friction, self.blocks.rolling.get(index));
-            let after = before.solved(resistance, (&frame, lane), &motion, sum);
+            let contact = (&frame, lane);
+            let after =
+                rub(before, block, self.blocks.rolling.get(index), contact, &mut bodies, (&response, arms), sum);
             after.store(&mut block.friction, self.blocks.rolling.get_mut(index), lane);
-            let linear = after.linear(&frame) - before.linear(&frame);
-            bodies.push(arms, linear, after.angular(&frame) - before.angular(&frame));
         }
-        bodies.store(self.rows.motion, &block.rows, lane, block.count);
+        bodies.store(&mut self.bodies.motion, index, lane);
     }
 }
 
-impl<const P: usize, const C: usize, const GROUNDED: bool, const RELAX: bool> Solve<'_, P, C, GROUNDED, RELAX> {
+impl<const P: usize, const C: usize, const RELAX: bool> Solve<'_, P, C, RELAX> {
     /// By how much the impulse of each point changed, and the sum of the impulses.
     #[inline(always)]
     fn solve_points<T: Tile>(&mut self, index: usize, lane: usize, way: [T; 3], speeds: [T; P]) -> ([T; P], T) {
@@ -145,12 +158,12 @@ impl<const P: usize, const C: usize, const GROUNDED: bool, const RELAX: bool> So
 }
 
 /// Notes how fast bodies come together, before a pass pushes anything: they may have been kicked since the step began.
-pub(super) struct NoteApproach<'a, const P: usize, const C: usize, const GROUNDED: bool> {
+pub(super) struct NoteApproach<'a, const P: usize, const C: usize> {
     pub(super) blocks: Blocks<'a, P, C>,
-    pub(super) rows: Rows<'a>,
+    pub(super) bodies: Bodied<'a>,
 }
 
-impl<const P: usize, const C: usize, const GROUNDED: bool> Kernel for NoteApproach<'_, P, C, GROUNDED> {
+impl<const P: usize, const C: usize> Kernel for NoteApproach<'_, P, C> {
     #[inline(always)]
     fn len(&self) -> usize {
         self.blocks.bounces.len() * BLOCK
@@ -161,9 +174,9 @@ impl<const P: usize, const C: usize, const GROUNDED: bool> Kernel for NoteApproa
         let (index, lane) = (i / BLOCK, i % BLOCK);
         let block = &self.blocks.blocks[index];
         let frame = Frame::<T>::load(block, lane);
-        let moved = Moved::load(self.rows.moved, &block.rows, lane);
-        let response = Response::<T, GROUNDED>::load(self.rows.response, &block.rows, lane);
-        let bodies = Bodies::<T, GROUNDED>::load(self.rows.motion, &block.rows, lane);
+        let moved = Moved::load(self.bodies.moved, self.bodies.motion.pairs(index), lane);
+        let response = Response::<T>::load(self.bodies.response, self.bodies.motion.pairs(index), lane);
+        let bodies = Bodies::<T>::load(&self.bodies.motion, index, lane);
         let motion = bodies.relative(&response, frame.arms(&moved));
         let speeds = speeds(block, lane, frame.normal_parts(&motion));
         let bounce = &mut self.blocks.bounces[index];
@@ -178,13 +191,13 @@ impl<const P: usize, const C: usize, const GROUNDED: bool> Kernel for NoteApproa
 
 /// Makes points leave as fast as the restitution has it, where they came in faster than `threshold` \[m/s\], with the friction that the
 /// added impulse allows.
-pub(super) struct Rebound<'a, const P: usize, const C: usize, const GROUNDED: bool> {
+pub(super) struct Rebound<'a, const P: usize, const C: usize> {
     pub(super) blocks: Blocks<'a, P, C>,
-    pub(super) rows: Rows<'a>,
+    pub(super) bodies: Bodied<'a>,
     pub(super) threshold: Real,
 }
 
-impl<const P: usize, const C: usize, const GROUNDED: bool> Kernel for Rebound<'_, P, C, GROUNDED> {
+impl<const P: usize, const C: usize> Kernel for Rebound<'_, P, C> {
     #[inline(always)]
     fn len(&self) -> usize {
         self.blocks.bounces.len() * BLOCK
@@ -196,9 +209,9 @@ impl<const P: usize, const C: usize, const GROUNDED: bool> Kernel for Rebound<'_
         let zero = T::splat(0.0);
         let (block, bounce) = (&mut self.blocks.blocks[index], &mut self.blocks.bounces[index]);
         let frame = Frame::<T>::load(block, lane);
-        let moved = Moved::load(self.rows.moved, &block.rows, lane);
-        let response = Response::<T, GROUNDED>::load(self.rows.response, &block.rows, lane);
-        let mut bodies = Bodies::<T, GROUNDED>::load(self.rows.motion, &block.rows, lane);
+        let moved = Moved::load(self.bodies.moved, self.bodies.motion.pairs(index), lane);
+        let response = Response::<T>::load(self.bodies.response, self.bodies.motion.pairs(index), lane);
+        let mut bodies = Bodies::<T>::load(&self.bodies.motion, index, lane);
         let arms = frame.arms(&moved);
         let restitution: T = at(&bounce.restitution, lane);
         let slowest = T::splat(-f64::from(self.threshold));
@@ -224,12 +237,33 @@ impl<const P: usize, const C: usize, const GROUNDED: bool> Kernel for Rebound<'_
         let (linear, angular) = along_normals(block, &frame, lane, changes);
         bodies.push(arms, linear, angular);
 
-        let motion = bodies.relative(&response, arms);
-        let resistance = (&block.friction, self.blocks.rolling.get(index));
-        let rubbing = Rubbing::none().solved(resistance, (&frame, lane), &motion, added.max(zero));
-        bodies.push(arms, rubbing.linear(&frame), rubbing.angular(&frame));
-        bodies.store(self.rows.motion, &block.rows, lane, block.count);
+        let (contact, limit) = ((&frame, lane), added.max(zero));
+        rub(Rubbing::none(), block, self.blocks.rolling.get(index), contact, &mut bodies, (&response, arms), limit);
+        bodies.store(&mut self.bodies.motion, index, lane);
     }
+}
+
+/// Takes out what resistance to rolling and then friction can of the motion, where normal impulses add up to `normal`; returns the impulses as they are then.
+#[inline(always)]
+fn rub<T: Tile, const P: usize, const C: usize>(
+    before: Rubbing<T>,
+    block: &Block<P, C>,
+    rolling: Option<&Rolling>,
+    contact: (&Frame<T>, usize),
+    bodies: &mut Bodies<T>,
+    (response, arms): (&Response<T>, [Vec3<T>; 2]),
+    normal: T,
+) -> Rubbing<T> {
+    let frame = contact.0;
+    let mut rubbing = before;
+    if let Some(rolling) = rolling {
+        rubbing = before.rolled(rolling, contact, &bodies.relative(response, arms), normal);
+        bodies.push(arms, Vec3::zero(), rubbing.angular(frame) - before.angular(frame));
+    }
+    let after = rubbing.slid(&block.friction, contact, &bodies.relative(response, arms), normal);
+    let linear = after.linear(frame) - rubbing.linear(frame);
+    bodies.push(arms, linear, after.angular(frame) - rubbing.angular(frame));
+    after
 }
 
 /// Velocity along the normal at each point.

@@ -3,18 +3,19 @@ use tumble_math::lane::Vec3;
 use super::block::Block;
 use super::contact::{Contact, HELD, POINTS, RUBBED, SHAPE};
 use super::frame::{Bodies, Frame, Response, along_normal};
-use super::passes::{Blocks, coupling};
-use super::rows::{Lanes, at, gather, put, put_two_vectors, put_vector, two_vectors};
+use super::passes::{Blocks, Bodied, coupling};
+use super::rows::{Lanes, at, gather, put, put_vector, two_vectors};
 use super::rubbing::Rubbing;
-use super::solver_bodies::SolverBodies;
 use crate::math::Real;
 use crate::simd::{BLOCK, Eight, Kernel, Tile};
 
 /// Fills blocks whose lanes know their contacts and rows.
-pub(super) struct Prepare<'a, const P: usize, const C: usize, const GROUNDED: bool> {
+pub(super) struct Prepare<'a, const P: usize, const C: usize> {
     pub(super) blocks: Blocks<'a, P, C>,
     pub(super) contacts: &'a [Contact],
-    pub(super) bodies: &'a SolverBodies,
+    pub(super) bodies: Bodied<'a>,
+    /// Where they are.
+    pub(super) poses: &'a [Eight],
     /// How near \[m\] two surfaces are a contact.
     pub(super) margin: Real,
 }
@@ -24,7 +25,7 @@ const LEAST_WEIGHT: f64 = 1e-10;
 /// Mean distance from the middle of a square under even pressure, over that of its corners: 0.3826 and 0.7071 of the side.
 const FACE: f64 = 0.541;
 
-impl<const P: usize, const C: usize, const GROUNDED: bool> Kernel for Prepare<'_, P, C, GROUNDED> {
+impl<const P: usize, const C: usize> Kernel for Prepare<'_, P, C> {
     #[inline(always)]
     fn len(&self) -> usize {
         self.blocks.blocks.len() * BLOCK
@@ -61,8 +62,9 @@ impl<const P: usize, const C: usize, const GROUNDED: bool> Kernel for Prepare<'_
         put_vector(tangents[0], &mut block.tangent, lane);
         put_vector(arm, &mut block.arm, lane);
         put(carried, &mut block.carried, lane);
-        let (first, _) = two_vectors::<T>(&gather::<T>(&self.bodies.pose, &block.rows[0], lane));
-        let (second, _) = two_vectors::<T>(&gather::<T>(&self.bodies.pose, &block.rows[1], lane));
+        let rows = self.bodies.motion.pairs(index);
+        let (first, _) = two_vectors::<T>(&gather::<T>(self.poses, &rows[0], lane));
+        let (second, _) = two_vectors::<T>(&gather::<T>(self.poses, &rows[1], lane));
         put_vector(second - first, &mut block.apart, lane);
         let mut j = 0;
         while j < P {
@@ -73,10 +75,11 @@ impl<const P: usize, const C: usize, const GROUNDED: bool> Kernel for Prepare<'_
             j += 1;
         }
 
-        let response = Response::<T, GROUNDED>::load(&self.bodies.response, &block.rows, lane);
-        let bodies = Bodies::<T, GROUNDED>::load(&self.bodies.motion, &block.rows, lane);
-        self.couple(index, lane, count, &response, bodies.inverse_mass());
-        self.prepare_friction(index, lane, (count, rolling), &response, bodies.inverse_mass());
+        let response = Response::<T>::load(self.bodies.response, self.bodies.motion.pairs(index), lane);
+        let bodies = Bodies::<T>::load(&self.bodies.motion, index, lane);
+        let answers = response.of_what_moves(self.bodies.motion.is_grounded());
+        self.couple(index, lane, count, &answers, bodies.inverse_mass());
+        self.prepare_friction(index, lane, (count, rolling), &answers, bodies.inverse_mass());
         if let Some(bounce) = self.blocks.bounces.get_mut(index) {
             let block = &self.blocks.blocks[index];
             let frame = Frame::<T>::load(block, lane);
@@ -94,17 +97,10 @@ impl<const P: usize, const C: usize, const GROUNDED: bool> Kernel for Prepare<'_
     }
 }
 
-impl<const P: usize, const C: usize, const GROUNDED: bool> Prepare<'_, P, C, GROUNDED> {
+impl<const P: usize, const C: usize> Prepare<'_, P, C> {
     /// Works out what impulses at the points do to the velocities there.
     #[inline(always)]
-    fn couple<T: Tile>(
-        &mut self,
-        index: usize,
-        lane: usize,
-        count: T,
-        response: &Response<T, GROUNDED>,
-        inverse_mass: T,
-    ) {
+    fn couple<T: Tile>(&mut self, index: usize, lane: usize, count: T, response: &Response<T>, inverse_mass: T) {
         let (zero, one) = (T::splat(0.0), T::splat(1.0));
         let block = &mut self.blocks.blocks[index];
         let frame = Frame::<T>::load(block, lane);
@@ -148,7 +144,7 @@ impl<const P: usize, const C: usize, const GROUNDED: bool> Prepare<'_, P, C, GRO
         index: usize,
         lane: usize,
         (count, length): (T, T),
-        response: &Response<T, GROUNDED>,
+        response: &Response<T>,
         inverse_mass: T,
     ) {
         let (zero, one) = (T::splat(0.0), T::splat(1.0));
@@ -196,40 +192,6 @@ impl<const P: usize, const C: usize, const GROUNDED: bool> Prepare<'_, P, C, GRO
         }
         let rubbing = Rubbing::from_world(&frame, linear, angular);
         rubbing.store(&mut block.friction, self.blocks.rolling.get_mut(index), lane);
-    }
-}
-
-/// Gives the impulses of blocks back to the contacts.
-pub(super) struct Keep<'a, const P: usize, const C: usize> {
-    pub(super) blocks: Blocks<'a, P, C>,
-    pub(super) contacts: &'a mut [Contact],
-}
-
-impl<const P: usize, const C: usize> Kernel for Keep<'_, P, C> {
-    #[inline(always)]
-    fn len(&self) -> usize {
-        self.blocks.blocks.len() * BLOCK
-    }
-
-    #[inline(always)]
-    fn tile<T: Tile>(&mut self, i: usize) {
-        let (index, lane) = (i / BLOCK, i % BLOCK);
-        let block = &self.blocks.blocks[index];
-        let frame = Frame::<T>::load(block, lane);
-        let rubbing = Rubbing::load(&block.friction, self.blocks.rolling.get(index), lane);
-        let mut rubbed = [Eight([0.0; 8]); BLOCK];
-        put_two_vectors(rubbing.linear(&frame), rubbing.angular(&frame), &mut rubbed);
-        let mut l = 0;
-        while l < T::WIDTH && lane + l < block.count {
-            let contact = &mut self.contacts[block.contacts[lane + l] as usize];
-            contact.numbers[RUBBED] = rubbed[l];
-            let mut j = 0;
-            while j < P {
-                contact.numbers[HELD].0[j] = block.points[j].impulse[lane + l];
-                j += 1;
-            }
-            l += 1;
-        }
     }
 }
 

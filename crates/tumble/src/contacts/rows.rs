@@ -45,22 +45,6 @@ pub(super) fn gather<T: Tile>(rows: &[Eight], indices: &[u32; BLOCK], lane: usiz
     gathered
 }
 
-/// Puts rows back to where [`gather`] took them, those of lanes before `count`.
-#[inline(always)]
-pub(super) fn scatter<T: Tile>(
-    gathered: &[Eight; BLOCK],
-    rows: &mut [Eight],
-    indices: &[u32; BLOCK],
-    lane: usize,
-    count: usize,
-) {
-    let mut i = 0;
-    while i < T::WIDTH && lane + i < count {
-        rows[indices[lane + i] as usize] = gathered[i];
-        i += 1;
-    }
-}
-
 /// Two vectors that are the first six numbers of rows.
 #[inline(always)]
 pub(super) fn two_vectors<T: Tile>(rows: &[Eight]) -> (Vec3<T>, Vec3<T>) {

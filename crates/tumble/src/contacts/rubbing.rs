@@ -65,14 +65,34 @@ impl<T: Tile> Rubbing<T> {
         frame.normal * self.twist + frame.tangents[0] * self.roll[0] + frame.tangents[1] * self.roll[1]
     }
 
-    /// The impulses with which as much of the relative motion as friction can take is taken out.
+    /// The same with as much of the rolling taken out as what resists it can take.
+    ///
+    /// To be applied before [`slid`](Self::slid) is asked: sliding friction turns a body too, and both at once, each as if it were alone, would turn it back and forth.
+    #[inline(always)]
+    pub(super) fn rolled(
+        &self,
+        rolling: &Rolling,
+        (frame, lane): (&Frame<T>, usize),
+        motion: &Relative<T>,
+        normal: T,
+    ) -> Self {
+        let [s, t] = frame.tangents;
+        let mass = [at(&rolling.mass[0], lane), at(&rolling.mass[1], lane), at(&rolling.mass[2], lane)];
+        let [du, dv] = product(mass, [s.dot(motion.angular), t.dot(motion.angular)]);
+        let (u, v) = (self.roll[0] - du, self.roll[1] - dv);
+        let (wanted, limit) = ((u * u + v * v).sqrt(), at::<T>(&rolling.length, lane) * normal);
+        let scale = T::select(limit.lt(wanted), limit / wanted, T::splat(1.0));
+        Self { roll: [u * scale, v * scale], ..*self }
+    }
+
+    /// The same with as much of the sliding and twisting taken out as friction can take.
     ///
     /// Sliding and twisting share what there is: the impulse `f` and the angular impulse `t` are within
     /// `|f|^2 + (t/radius)^2 <= (mu N)^2`, the ellipsoid that approximates the limit surface of a patch (S. Goyal, A. Ruina, J. Papadopoulos, 1991).
     #[inline(always)]
-    pub(super) fn solved(
+    pub(super) fn slid(
         &self,
-        (friction, rolling): (&Friction, Option<&Rolling>),
+        friction: &Friction,
         (frame, lane): (&Frame<T>, usize),
         motion: &Relative<T>,
         normal: T,
@@ -90,16 +110,7 @@ impl<T: Tile> Rubbing<T> {
         let wanted = (u * u + v * v + reach * reach).sqrt();
         let slips = (at::<T>(&friction.limits[0], lane) * normal).lt(wanted);
         let scale = T::select(slips, at::<T>(&friction.limits[1], lane) * normal / wanted, one);
-        let mut roll = [zero; 2];
-        if let Some(rolling) = rolling {
-            let mass = [at(&rolling.mass[0], lane), at(&rolling.mass[1], lane), at(&rolling.mass[2], lane)];
-            let [du, dv] = product(mass, [s.dot(motion.angular), t.dot(motion.angular)]);
-            let (u, v) = (self.roll[0] - du, self.roll[1] - dv);
-            let (wanted, limit) = ((u * u + v * v).sqrt(), at::<T>(&rolling.length, lane) * normal);
-            let scale = T::select(limit.lt(wanted), limit / wanted, one);
-            roll = [u * scale, v * scale];
-        }
-        Self { sliding: [u * scale, v * scale], twist: twist * scale, roll }
+        Self { sliding: [u * scale, v * scale], twist: twist * scale, ..*self }
     }
 }
 

@@ -3,12 +3,13 @@ use std::ops::Range;
 use super::block::{Block, Bounce, Rolling};
 use super::colouring::{Colour, Colouring};
 use super::contact::Contact;
-use super::passes::{Blocks, NoteApproach, Rebound, Rows, Solve, WarmStart};
-use super::prepare::{Keep, Prepare};
+use super::keep::Keep;
+use super::passes::{Blocks, Bodied, NoteApproach, Rebound, Solve, WarmStart};
+use super::prepare::Prepare;
 use super::soft::Softness;
 use super::solver_bodies::SolverBodies;
 use crate::math::Real;
-use crate::simd::{BLOCK, dispatch_in_blocks};
+use crate::simd::{BLOCK, Colours, Eight, Kernel, dispatch_in_blocks};
 
 /// The contacts of a step, coloured and laid out in blocks.
 #[derive(Clone, Default)]
@@ -19,6 +20,8 @@ pub(super) struct Solver {
     ones: Sheet<1, 0>,
     fours: Sheet<4, 6>,
     stages: Vec<Stage>,
+    /// Which rows the contacts of each stage change.
+    colours: Colours,
 }
 
 /// Blocks of contacts of up to `P` points, and what only some have: for all blocks, or for none.
@@ -35,17 +38,18 @@ impl<const P: usize, const C: usize> Default for Sheet<P, C> {
     }
 }
 
-/// Blocks that can be worked on in any order: one colour's.
+/// Blocks that can be worked on at the same time: one colour's.
 #[derive(Clone, Debug)]
 struct Stage {
-    grounded: bool,
     ones: Range<usize>,
     fours: Range<usize>,
 }
 
 /// What is done to all contacts.
 #[derive(Clone, Copy)]
-pub(super) enum Pass {
+pub(super) enum Pass<'a> {
+    /// Fills the blocks for bodies with these poses, as the contacts have it. Surfaces that are so near \[m\] are a contact.
+    Prepare(&'a [Contact], &'a [Eight], Real),
     WarmStart,
     /// Pushes overlapping bodies apart, in substeps of so many seconds.
     Biased(Real),
@@ -59,13 +63,60 @@ pub(super) enum Pass {
 /// Colours of each kind, and one more for contacts that are worked on by themselves.
 const COLOURS: usize = Colour::ALONE as usize + 1;
 
+/// Fewer blocks are not shared among threads.
+const LEAST_PART: usize = 16;
+
 impl Solver {
     /// Lays out contacts between rows of bodies.
     pub(super) fn lay_out(&mut self, contacts: &[Contact], rows: impl Fn(&Contact) -> [u32; 2], bodies: &SolverBodies) {
-        self.colouring.colour(contacts.iter().map(&rows), bodies.first_unmoved());
+        let ends = self.sort(contacts, &rows, bodies.first_unmoved());
+        let Self { order, ones, fours, stages, colours, .. } = self;
+        stages.clear();
+        colours.reset(bodies.first_unmoved());
+        let (mut one, mut four) = (0, 0);
+        let mut add = |grounded, with_one: &[u32], with_more: &[u32]| {
+            let (first_one, first_four) = (one, four);
+            colours.begin(grounded);
+            for chunk in with_one.chunks(BLOCK) {
+                colours.push(chunk.iter().map(|index| rows(&contacts[*index as usize])));
+                ones.set(one, chunk);
+                one += 1;
+            }
+            for chunk in with_more.chunks(BLOCK) {
+                colours.push(chunk.iter().map(|index| rows(&contacts[*index as usize])));
+                fours.set(four, chunk);
+                four += 1;
+            }
+            stages.push(Stage { ones: first_one..one, fours: first_four..four });
+        };
+        let mut begin = 0;
+        for (index, kinds) in ends.chunks_exact(2).enumerate() {
+            let (with_one, with_more) = (&order[begin..kinds[0]], &order[kinds[0]..kinds[1]]);
+            begin = kinds[1];
+            let grounded = index >= COLOURS;
+            if index % COLOURS == 0 {
+                with_more.chunks(1).for_each(|alone| add(grounded, &[], alone));
+            } else if !(with_one.is_empty() && with_more.is_empty()) {
+                add(grounded, with_one, with_more);
+            }
+        }
+        let (rolls, bounces) = (contacts.iter().any(Contact::rolls), contacts.iter().any(Contact::bounces));
+        ones.finish(one, rolls, bounces);
+        fours.finish(four, rolls, bounces);
+    }
+
+    /// Puts the contacts in the order of what is done first: those between moving bodies, then those with what does not move; of each those by themselves, then
+    /// colour by colour those with one point and those with more. Returns where each of these ends.
+    fn sort(
+        &mut self,
+        contacts: &[Contact],
+        rows: impl Fn(&Contact) -> [u32; 2],
+        first_unmoved: usize,
+    ) -> [usize; 4 * COLOURS] {
+        self.colouring.colour(contacts.iter().map(rows), first_unmoved);
+        let colours = self.colouring.colours();
         let kind = |index: usize| {
-            let Colour { grounded, index: colour } = self.colouring.colours[index];
-            // Those that are by themselves come first in either half, and count as of many points.
+            let Colour { grounded, index: colour } = colours[index];
             let alone = colour == Colour::ALONE;
             let place = if alone { 0 } else { colour as usize + 1 };
             (usize::from(grounded) * COLOURS + place) * 2 + usize::from(alone || contacts[index].count() > 1)
@@ -83,55 +134,21 @@ impl Solver {
             self.order[*place] = index as u32;
             *place += 1;
         }
-        let Self { order, ones, fours, stages, .. } = self;
-        stages.clear();
-        let (mut begin, mut one, mut four) = (0, 0, 0);
-        for (index, kinds) in ends.chunks_exact(2).enumerate() {
-            let [with_one, with_more] = [&order[begin..kinds[0]], &order[kinds[0]..kinds[1]]];
-            begin = kinds[1];
-            let grounded = index >= COLOURS;
-            if index % COLOURS == 0 {
-                for alone in with_more.chunks(1) {
-                    let fours = fours.add(&mut four, alone, contacts, &rows, bodies.nobody());
-                    stages.push(Stage { grounded, ones: one..one, fours });
-                }
-            } else if !(with_one.is_empty() && with_more.is_empty()) {
-                let ones = ones.add(&mut one, with_one, contacts, &rows, bodies.nobody());
-                let fours = fours.add(&mut four, with_more, contacts, &rows, bodies.nobody());
-                stages.push(Stage { grounded, ones, fours });
-            }
-        }
-        let (rolls, bounces) = (contacts.iter().any(Contact::rolls), contacts.iter().any(Contact::bounces));
-        ones.finish(one, rolls, bounces);
-        fours.finish(four, rolls, bounces);
-    }
-
-    /// Fills the blocks for bodies as they are.
-    pub(super) fn prepare(&mut self, contacts: &[Contact], bodies: &SolverBodies, margin: Real) {
-        let Self { ones, fours, stages, .. } = self;
-        for stage in stages {
-            let (ones, fours) = (ones.blocks(&stage.ones), fours.blocks(&stage.fours));
-            if stage.grounded {
-                dispatch_in_blocks(&mut Prepare::<1, 0, true> { blocks: ones, contacts, bodies, margin });
-                dispatch_in_blocks(&mut Prepare::<4, 6, true> { blocks: fours, contacts, bodies, margin });
-            } else {
-                dispatch_in_blocks(&mut Prepare::<1, 0, false> { blocks: ones, contacts, bodies, margin });
-                dispatch_in_blocks(&mut Prepare::<4, 6, false> { blocks: fours, contacts, bodies, margin });
-            }
-        }
+        ends
     }
 
     /// Does to all contacts, colour by colour, what a pass does; those with what does not move have the last word.
-    pub(super) fn run(&mut self, pass: Pass, bodies: &mut SolverBodies) {
-        let Self { ones, fours, stages, .. } = self;
-        for stage in stages {
-            if stage.grounded {
-                pass.run_on::<1, 0, true>(ones.blocks(&stage.ones), bodies);
-                pass.run_on::<4, 6, true>(fours.blocks(&stage.fours), bodies);
-            } else {
-                pass.run_on::<1, 0, false>(ones.blocks(&stage.ones), bodies);
-                pass.run_on::<4, 6, false>(fours.blocks(&stage.fours), bodies);
-            }
+    pub(super) fn run(&mut self, pass: Pass<'_>, bodies: &mut SolverBodies) {
+        let Self { ones, fours, stages, colours, .. } = self;
+        for (index, stage) in stages.iter().enumerate() {
+            let SolverBodies { motion, response, moved, .. } = bodies;
+            let (of_ones, of_fours) = colours.rows(index, motion).split_at(stage.ones.len());
+            let (response, moved) = (&**response, &**moved);
+            let (ones, fours) = (ones.blocks(&stage.ones), fours.blocks(&stage.fours));
+            let of_ones = Bodied { motion: of_ones, response, moved };
+            let of_fours = Bodied { motion: of_fours, response, moved };
+            pass.in_parts(ones, of_ones);
+            pass.in_parts(fours, of_fours);
         }
     }
 
@@ -150,30 +167,14 @@ impl Solver {
 }
 
 impl<const P: usize, const C: usize> Sheet<P, C> {
-    /// Puts contacts in blocks from `next` on, which it moves past them; returns which blocks.
-    fn add(
-        &mut self,
-        next: &mut usize,
-        indices: &[u32],
-        contacts: &[Contact],
-        rows: &impl Fn(&Contact) -> [u32; 2],
-        nobody: u32,
-    ) -> Range<usize> {
-        let begin = *next;
-        for chunk in indices.chunks(BLOCK) {
-            if self.blocks.len() == *next {
-                self.blocks.push(Block::empty());
-            }
-            let block = &mut self.blocks[*next];
-            *next += 1;
-            block.rows = [[nobody; BLOCK]; 2];
-            block.count = chunk.len();
-            for (lane, index) in chunk.iter().enumerate() {
-                block.contacts[lane] = *index;
-                [block.rows[0][lane], block.rows[1][lane]] = rows(&contacts[*index as usize]);
-            }
+    /// Says which contacts are in a block, one that is there or the next.
+    fn set(&mut self, index: usize, contacts: &[u32]) {
+        if self.blocks.len() == index {
+            self.blocks.push(Block::empty());
         }
-        begin..*next
+        let block = &mut self.blocks[index];
+        block.count = contacts.len();
+        block.contacts[..contacts.len()].copy_from_slice(contacts);
     }
 
     /// Drops the blocks from `count` on, and makes room for what only some contacts have.
@@ -192,31 +193,52 @@ impl<const P: usize, const C: usize> Sheet<P, C> {
     }
 }
 
-impl Pass {
-    fn run_on<const P: usize, const C: usize, const GROUNDED: bool>(
-        self,
-        blocks: Blocks<'_, P, C>,
-        bodies: &mut SolverBodies,
-    ) {
-        let SolverBodies { motion, response, moved, .. } = bodies;
-        let rows = Rows { motion, response, moved };
-        let softness = |h: Real| {
-            if GROUNDED { Softness::on_ground(h.into()) } else { Softness::between_moving(h.into()) }
-        };
+impl Pass<'_> {
+    /// Shares the blocks of a colour among the threads.
+    fn in_parts<const P: usize, const C: usize>(self, blocks: Blocks<'_, P, C>, bodies: Bodied<'_>) {
+        let part = blocks.len().div_ceil(rayon::current_num_threads()).max(LEAST_PART);
+        self.in_parts_of::<P, C>(part, blocks, bodies);
+    }
+
+    fn in_parts_of<const P: usize, const C: usize>(self, part: usize, blocks: Blocks<'_, P, C>, bodies: Bodied<'_>) {
+        if blocks.len() <= part {
+            return self.run_on::<P, C>(blocks, bodies);
+        }
+        let middle = blocks.len() / 2;
+        let (first, second) = blocks.split_at(middle);
+        let Bodied { motion, response, moved } = bodies;
+        let (of_first, of_second) = motion.split_at(middle);
+        rayon::join(
+            || self.in_parts_of::<P, C>(part, first, Bodied { motion: of_first, response, moved }),
+            || self.in_parts_of::<P, C>(part, second, Bodied { motion: of_second, response, moved }),
+        );
+    }
+
+    fn run_on<const P: usize, const C: usize>(self, blocks: Blocks<'_, P, C>, bodies: Bodied<'_>) {
+        let grounded = bodies.motion.is_grounded();
+        let softness =
+            |h: Real| if grounded { Softness::on_ground(h.into()) } else { Softness::between_moving(h.into()) };
         match self {
-            Self::WarmStart => dispatch_in_blocks(&mut WarmStart::<P, C, GROUNDED> { blocks, rows }),
+            Self::Prepare(contacts, poses, margin) => {
+                run(Prepare::<P, C> { blocks, contacts, bodies, poses, margin });
+            }
+            Self::WarmStart => run(WarmStart::<P, C> { blocks, bodies }),
             Self::Biased(h) => {
                 let (softness, inverse_h) = (softness(h), 1.0 / h);
-                dispatch_in_blocks(&mut Solve::<P, C, GROUNDED, false> { blocks, rows, softness, inverse_h });
+                run(Solve::<P, C, false> { blocks, bodies, softness, inverse_h });
             }
             Self::Relax(h) => {
                 let (softness, inverse_h) = (softness(h), 1.0 / h);
-                dispatch_in_blocks(&mut Solve::<P, C, GROUNDED, true> { blocks, rows, softness, inverse_h });
+                run(Solve::<P, C, true> { blocks, bodies, softness, inverse_h });
             }
-            Self::NoteApproach => dispatch_in_blocks(&mut NoteApproach::<P, C, GROUNDED> { blocks, rows }),
-            Self::Rebound(threshold) => {
-                dispatch_in_blocks(&mut Rebound::<P, C, GROUNDED> { blocks, rows, threshold });
-            }
+            Self::NoteApproach => run(NoteApproach::<P, C> { blocks, bodies }),
+            Self::Rebound(threshold) => run(Rebound::<P, C> { blocks, bodies, threshold }),
         }
+    }
+}
+
+fn run(mut kernel: impl Kernel) {
+    if kernel.len() > 0 {
+        dispatch_in_blocks(&mut kernel);
     }
 }

@@ -1,3 +1,4 @@
+use rayon::prelude::*;
 use tumble_math::FreeRotation;
 use tumble_math::lane::{Quat, Vec3};
 
@@ -14,19 +15,25 @@ use crate::state::{Constants, Force, Moments, State};
 pub(super) struct SolverBodies {
     /// Linear and angular momentum, and one over the mass; of what impulses do not move the velocities.
     pub(super) motion: Vec<Eight>,
-    /// Inverse inertia in the world: `xx yy zz`, `yz zx xy`. Of what impulses move, as the next two.
+    /// Inverse inertia in the world: `xx yy zz`, `yz zx xy`; of what impulses do not move one.
     pub(super) response: Vec<Eight>,
     /// What forces do in a substep: impulse, angular impulse, and what is left of linear and angular momentum under damping.
     kick: Vec<Eight>,
     /// Principal moments, their inverses, and whether it turns.
     inertia: Vec<Eight>,
     /// Position, and orientation of the principal frame.
-    pub(super) pose: Vec<Eight>,
+    pose: Vec<Eight>,
     /// Since the start of the step: how far the centre went \[m\], and how far it turned, as a vector along the axis \[rad\].
     pub(super) moved: Vec<Eight>,
     /// How many impulses move.
     free: usize,
 }
+
+/// So many bodies are advanced by one thread at a time.
+const PART: usize = 256;
+
+/// The unit matrix: the diagonal, and what is beside it.
+const ONE: Eight = Eight([1.0, 1.0, 1.0, 0.0, 0.0, 0.0, 0.0, 0.0]);
 
 /// A point without mass that nothing acts on.
 const NOBODY: Eight = Eight([0.0; 8]);
@@ -40,10 +47,11 @@ impl SolverBodies {
             rows.clear();
             rows.resize(in_blocks + unmoved, NOBODY);
         }
-        for rows in [&mut self.response, &mut self.kick] {
-            rows.clear();
-            rows.resize(in_blocks, NOBODY);
-        }
+        self.response.clear();
+        self.response.resize(in_blocks, NOBODY);
+        self.response.resize(in_blocks + unmoved, ONE);
+        self.kick.clear();
+        self.kick.resize(in_blocks, NOBODY);
         self.pose.clear();
         self.pose.resize(in_blocks + unmoved, Eight([0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0]));
         self.inertia.clear();
@@ -53,11 +61,6 @@ impl SolverBodies {
     /// With at least one that is nowhere.
     fn in_blocks(free: usize) -> usize {
         (free + 1).next_multiple_of(BLOCK)
-    }
-
-    /// The row of a body that is nowhere.
-    pub(super) fn nobody(&self) -> u32 {
-        self.free as u32
     }
 
     /// The row of the first that impulses do not move.
@@ -112,9 +115,18 @@ impl SolverBodies {
         }
     }
 
+    /// Hands out the poses beside the rest.
+    pub(super) fn with_poses(&mut self, then: impl FnOnce(&mut Self, &[Eight])) {
+        let poses = std::mem::take(&mut self.pose);
+        then(self, &poses);
+        self.pose = poses;
+    }
+
     /// Adds what forces do in a substep.
     pub(super) fn kick(&mut self) {
-        dispatch_in_blocks(&mut KickAll { motion: &mut self.motion, kick: &self.kick });
+        let rows = self.kick.len();
+        let parts = self.motion[..rows].par_chunks_mut(PART).zip(self.kick.par_chunks(PART));
+        parts.for_each(|(motion, kick)| dispatch_in_blocks(&mut KickAll { motion, kick }));
     }
 
     /// Moves all by the velocities there are, which stay, for `h` \[s\]. Free rotation is exact, so a body spins on as it does without contacts.
@@ -126,7 +138,13 @@ impl SolverBodies {
             }
         }
         let Self { motion, response, pose, inertia, moved, .. } = self;
-        dispatch_in_blocks(&mut DriftAll { motion, response, pose, inertia, moved, h });
+        let rows = inertia.len();
+        let (response, pose, moved) = (&mut response[..rows], &mut pose[..rows], &mut moved[..rows]);
+        let changed = response.par_chunks_mut(PART).zip(pose.par_chunks_mut(PART)).zip(moved.par_chunks_mut(PART));
+        let parts = changed.zip(motion[..rows].par_chunks(PART).zip(inertia.par_chunks(PART)));
+        parts.for_each(|(((response, pose), moved), (motion, inertia))| {
+            dispatch_in_blocks(&mut DriftAll { motion, response, pose, inertia, moved, h });
+        });
     }
 }
 

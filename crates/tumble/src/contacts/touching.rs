@@ -1,22 +1,25 @@
 use std::fmt;
 
 use hecs::World;
-use tumble_collide::{Bounds, BroadPhase, Placement, Proxy, collide};
+use tumble_collide::{Bounds, BroadPhase, Geometry, Placement, Proxy, touching};
 use tumble_math::lane::{Quat, Vec3};
 
-use super::collider::Collider;
+use super::booking::Bookings;
+use super::collider::{Collider, Groups};
 use super::contact::Contact;
+use super::keeping::Past;
 use super::materials::Materials;
+use super::names::Names;
 use super::narrow::{Kind, Pairs, Shapes};
 use super::solver::{Pass, Solver};
 use super::solver_bodies::SolverBodies;
 use crate::columns::for_each_archetype_in_turn;
-use crate::components::{CenterOfMass, Mass, Momentum, Pose, PrincipalAxes, Velocity, Wrench};
+use crate::components::{CenterOfMass, Mass, Momentum, Pose, PrincipalAxes, Velocity, Work, Wrench};
 use crate::force_laws::ForceLaws;
 use crate::integrators::Forces;
 use crate::law_forces::LawForces;
 use crate::math::{Real, Vec3 as WorldVec3};
-use crate::members::{Key, Members};
+use crate::members::Members;
 use crate::settings::Settings;
 use crate::state::{Constants, Force};
 use crate::surroundings::Surroundings;
@@ -27,15 +30,17 @@ const MARGIN: Real = 0.02;
 /// The contacts of a world: what they were at the end of the last step is where the next begins.
 #[derive(Clone, Default)]
 pub(crate) struct Contacts {
-    members: Members,
-    /// What the slots of the last step's contacts stood for.
-    keys: Vec<Key>,
+    pub(super) members: Members,
+    /// Who the slots of the last step's contacts stood for.
+    pub(super) names: Names,
+    pub(super) past: Past,
     /// By slot.
-    colliders: Vec<Option<(Collider, WorldVec3)>>,
-    shapes: Vec<Shape>,
+    pub(super) colliders: Vec<Option<(Collider, WorldVec3)>>,
+    groups: Vec<Groups>,
+    pub(super) shapes: Vec<Shape>,
     /// By slot: its row among the solver's bodies, if it touches anything.
     rows: Vec<u32>,
-    broad_phase: BroadPhase<Real>,
+    pub(super) broad_phase: BroadPhase<Real>,
     proxies: Vec<Proxy<Real>>,
     lanes: Shapes,
     /// The pairs of each kind.
@@ -44,21 +49,24 @@ pub(crate) struct Contacts {
     others: Vec<[u32; 2]>,
     materials: Materials,
     /// In the order of their keys.
-    contacts: Vec<Contact>,
-    last: Vec<Contact>,
+    pub(super) contacts: Vec<Contact>,
+    pub(super) last: Vec<Contact>,
     bodies: SolverBodies,
+    bookings: Bookings,
     solver: Solver,
 }
 
 /// Where a body with a collider is at the start of a step.
 #[derive(Clone, Copy)]
-struct Shape {
+pub(super) struct Shape {
     placement: Placement<Real>,
     /// Centre of mass \[m\].
     center: Vec3<Real>,
     kind: Kind,
     /// Whether impulses move it.
     moves: bool,
+    /// How far from its surface another's may be to be a contact, with the other's reach added \[m\].
+    reach: Real,
     /// Of what impulses do not move \[m/s\] \[rad/s\].
     velocity: (Vec3<Real>, Vec3<Real>),
 }
@@ -92,55 +100,40 @@ impl Contacts {
         });
         self.materials
             .list(self.colliders.iter().map(|collider| collider.as_ref().map(|(collider, _)| collider.material())));
-        self.renumber();
-    }
-
-    /// Gives the contacts that there were the slots that their bodies have now, and drops those of bodies that are gone.
-    fn renumber(&mut self) {
-        let (members, count) = (&self.members, self.members.len());
-        let now = |slot: usize| members.key(slot);
-        if self.keys.len() == count && self.keys.iter().enumerate().all(|(slot, key)| *key == now(slot)) {
-            return;
+        let of = |collider: &Option<(Collider, _)>| collider.as_ref().map_or(Groups::ALL, |(it, _)| it.filter_groups());
+        if !self.colliders.iter().map(of).eq(self.groups.iter().copied()) {
+            // Who touches whom is asked once.
+            self.broad_phase.reset();
+            self.groups.clear();
+            self.groups.extend(self.colliders.iter().map(of));
         }
-        self.broad_phase.reset();
-        let (mut slots, mut slot) = (vec![NONE; self.keys.len()], 0);
-        for (old, key) in self.keys.iter().enumerate() {
-            while slot < count && now(slot) < *key {
-                slot += 1;
-            }
-            if slot < count && now(slot) == *key {
-                slots[old] = slot as u32;
-            }
-        }
-        self.contacts.retain_mut(|contact| {
-            contact.slots = contact.slots.map(|old| slots[old as usize]);
-            !contact.slots.contains(&NONE)
-        });
-        self.keys.clear();
-        self.keys.extend((0..count).map(|slot| self.members.key(slot)));
+        self.renumber(world);
     }
 
     /// Works out where what touches something will be after one substep of the settings, starting from the world as it is.
     pub(crate) fn solve(&mut self, world: &World, settings: &Settings, laws: &ForceLaws, time: f64) {
-        let interval = settings.substep();
-        let substeps = settings.contact_substeps.div_ceil(settings.substeps).max(1);
-        let h = interval / substeps as Real;
-        self.look(world);
+        let (substeps, h) = (settings.contact_substeps_each(), settings.contact_substep());
+        self.look(world, settings.substep());
         self.find_contacts();
         self.gather(world, settings, laws, (time, h));
-        let Self { contacts, bodies, solver, rows, .. } = self;
+        let Self { contacts, bodies, bookings, solver, rows, .. } = self;
         solver.lay_out(contacts, |contact| contact.slots.map(|slot| rows[slot as usize]), bodies);
-        solver.prepare(contacts, bodies, MARGIN);
+        bodies.with_poses(|bodies, poses| solver.run(Pass::Prepare(contacts, poses, MARGIN), bodies));
         for _ in 0..substeps {
+            bookings.before_kick(bodies);
             bodies.kick();
+            bookings.before_push(bodies);
             // Before the impulses of the last step act: bodies that those push together have not come together, and to bounce them would make energy.
             if solver.bounces() {
                 solver.run(Pass::NoteApproach, bodies);
             }
             solver.run(Pass::WarmStart, bodies);
             solver.run(Pass::Biased(h), bodies);
+            bookings.before_motion(bodies);
             bodies.drift(h);
+            bookings.after_motion(bodies);
             solver.run(Pass::Relax(h), bodies);
+            bookings.after_substep(bodies);
         }
         if solver.bounces() {
             solver.run(Pass::Rebound(settings.restitution_threshold), bodies);
@@ -150,49 +143,62 @@ impl Contacts {
 
     /// Writes what was worked out over what the integrator made of the same bodies.
     pub(crate) fn write(&self, world: &World) {
+        // Accounts were opened in the order of places too.
+        let mut accounts = self.bookings.close(&self.bodies).peekable();
         self.members.for_each_archetype(world, |archetype, places| {
             let (Some(mut poses), Some(mut momenta)) = (archetype.get::<&mut Pose>(), archetype.get::<&mut Momentum>())
             else {
                 return;
             };
             let axes = archetype.get::<&PrincipalAxes>();
+            let mut works = archetype.get::<&mut Work>();
             for (row, slot) in places.filter(|(_, slot)| self.rows[*slot] != NONE && self.shapes[*slot].moves) {
                 let axes = axes.as_deref().map(|axes| Quat::from(axes[row].0));
                 let state = self.bodies.state(self.rows[slot] as usize, axes);
                 poses[row] = Pose { position: state.position.into(), orientation: state.orientation.into() };
                 momenta[row] = Momentum { linear: state.linear.into(), angular: state.angular.into() };
+                if let (Some(works), Some((_, work))) = (&mut works, accounts.next_if(|(booked, _)| *booked == slot)) {
+                    works[row] = work;
+                }
             }
         });
     }
 
-    /// Reads where all bodies with colliders are.
-    fn look(&mut self, world: &World) {
+    /// Reads where all bodies with colliders are, and how far from there they may go in an interval \[s\].
+    fn look(&mut self, world: &World, interval: Real) {
         let Self { members, shapes, colliders, lanes, .. } = self;
         lanes.reset(members.len());
         shapes.clear();
         shapes.resize(members.len(), Shape::NOWHERE);
         members.for_each_archetype(world, |archetype, places| {
             let Some(poses) = archetype.get::<&Pose>() else { return };
-            let moves = archetype.has::<Momentum>() && archetype.has::<Mass>() && archetype.has::<Wrench>();
+            let pushed = archetype.get::<&Momentum>().zip(archetype.get::<&Mass>());
+            let pushed = pushed.filter(|_| archetype.has::<Wrench>());
             let velocities = archetype.get::<&Velocity>();
             for (row, slot) in places {
                 let center = Vec3::from(poses[row].position);
                 let orientation = Quat::from(poses[row].orientation).normalize();
                 let Some((collider, offset)) = &colliders[slot] else { continue };
                 let position = center - orientation.rotate(Vec3::from(*offset));
-                let placement = Placement { position, orientation };
-                lanes.set(slot, &collider.geometry, &placement, center);
-                let kind = Kind::of(&collider.geometry);
+                let placement = collider.placement(Placement { position, orientation });
                 let velocity = velocities.as_deref().map_or(Velocity::default(), |velocities| velocities[row]);
+                let linear = match &pushed {
+                    Some((momenta, masses)) => momenta[row].linear / masses[row].kilograms(),
+                    None => velocity.linear,
+                };
+                let reach = reach(&collider.geometry, linear.length() * interval);
+                lanes.set(slot, &collider.geometry, &placement, center, reach);
+                let (kind, moves) = (Kind::of(&collider.geometry), pushed.is_some());
                 let velocity = (velocity.linear.into(), velocity.angular.into());
-                shapes[slot] = Shape { placement, center, kind, moves, velocity };
+                shapes[slot] = Shape { placement, center, kind, moves, reach, velocity };
             }
         });
     }
 
     /// Reads the bodies that touch something, and the forces on them as they are now.
     fn gather(&mut self, world: &World, settings: &Settings, laws: &ForceLaws, (time, h): (f64, Real)) {
-        let Self { members, shapes, rows, contacts, bodies, .. } = self;
+        let Self { members, shapes, rows, contacts, bodies, bookings, .. } = self;
+        bookings.clear();
         rows.clear();
         rows.resize(members.len(), NONE);
         for slot in contacts.iter().flat_map(|contact| contact.slots) {
@@ -202,7 +208,10 @@ impl Contacts {
         let free = touching().filter(|slot| shapes[*slot].moves).count();
         bodies.reset(free, touching().count() - free);
         let (mut next_free, mut next_unmoved) = (0, bodies.first_unmoved());
-        for (slot, shape) in shapes.iter().enumerate().filter(|(slot, _)| rows[*slot] != NONE).collect::<Vec<_>>() {
+        for (slot, shape) in shapes.iter().enumerate() {
+            if rows[slot] == NONE {
+                continue;
+            }
             let next = if shape.moves { &mut next_free } else { &mut next_unmoved };
             rows[slot] = *next as u32;
             if !shape.moves {
@@ -221,6 +230,10 @@ impl Contacts {
                 let forces = LawForces { constants: &constants, surroundings: &surroundings, wrench, laws, row, time };
                 let force: Force<Real> = forces.at(0.0, &state);
                 bodies.set_free(rows[slot] as usize, &constants, &state, force, h);
+                if let Some(work) = chunk.work.as_deref() {
+                    let gravity = chunk.gravity_on(row, settings);
+                    bookings.open((slot, rows[slot]), work[row], (&forces, gravity), &state, h);
+                }
             }
         });
     }
@@ -228,16 +241,22 @@ impl Contacts {
     /// The contacts there are, beginning with the impulses of those that there were.
     fn find_contacts(&mut self) {
         self.find_near();
+        self.keep_the_past();
         std::mem::swap(&mut self.contacts, &mut self.last);
         let Self { shapes, lanes, cuboids, balls, others, contacts, .. } = self;
         contacts.clear();
-        cuboids.touch(Kind::Cuboid, lanes, MARGIN, contacts);
-        balls.touch(Kind::Ball, lanes, MARGIN, contacts);
+        cuboids.touch(Kind::Cuboid, lanes, contacts);
+        balls.touch(Kind::Ball, lanes, contacts);
         for slots in others {
             let [first, second] = slots.map(|slot| (&shapes[slot as usize], self.colliders[slot as usize].as_ref()));
             if let (Some((a, _)), Some((b, _))) = (first.1, second.1) {
-                let manifold = collide(&a.geometry, &first.0.placement, &b.geometry, &second.0.placement, MARGIN);
-                contacts.push(Contact::new(*slots, 0, &manifold, second.0.center));
+                let before = contacts.len();
+                let (first_at, second_at, center) = (&first.0.placement, &second.0.placement, second.0.center);
+                let margin = first.0.reach + second.0.reach;
+                touching(&a.geometry, first_at, &b.geometry, second_at, margin, &mut |part, manifold| {
+                    contacts.push(Contact::new(*slots, part, manifold, center));
+                });
+                contacts[before..].sort_by_key(Contact::key);
             }
         }
         contacts.retain(|contact| contact.count() > 0);
@@ -249,17 +268,19 @@ impl Contacts {
             }
             contact.set_surface(&self.materials.between(contact.slots));
         }
+        // The next step's list takes the place of the last one's: so it allocates nothing. Exactly as much, for with some more both would outgrow each other without end.
+        self.last.reserve_exact(self.contacts.capacity().saturating_sub(self.last.len()));
     }
 
     /// Finds the pairs that may touch, and sorts them by the kind of their shapes. Where impulses move only one of two, it is the second.
     fn find_near(&mut self) {
-        let Self { shapes, proxies, colliders, broad_phase, cuboids, balls, others, .. } = self;
+        let Self { shapes, proxies, colliders, groups, broad_phase, cuboids, balls, others, .. } = self;
         proxies.clear();
         proxies.extend(shapes.iter().zip(&*colliders).map(|(shape, collider)| shape.proxy(collider.as_ref())));
         cuboids.clear();
         balls.clear();
         others.clear();
-        for &(first, second) in broad_phase.update(proxies, |_, _| true) {
+        for &(first, second) in broad_phase.update(proxies, |a, b| groups[a as usize].touch(groups[b as usize])) {
             // Which others are found depends on what was before; the contacts must not.
             let [p, q] = [&proxies[first as usize], &proxies[second as usize]];
             if !p.is_near(q) {
@@ -275,12 +296,28 @@ impl Contacts {
     }
 }
 
+/// How far from its surface a shape looks for others \[m\] that goes so far \[m\] in a step. What goes less than half its thickness is stopped in what it hits and leaves it on the side it came
+/// from; only what is faster looks further, since a surface is taken for endless on the way to it.
+fn reach(geometry: &Geometry<Real>, way: Real) -> Real {
+    let enough = 0.5 * geometry.half_thickness();
+    0.5 * MARGIN + if way > enough && way.is_finite() { way - enough } else { 0.0 }
+}
+
 impl Shape {
     /// What the broad phase is to know of it. What has no collider is nowhere.
     fn proxy(&self, collider: Option<&(Collider, WorldVec3)>) -> Proxy<Real> {
         let nowhere = Some(Bounds::about(Vec3::splat(Real::NAN), Vec3::zero()));
-        let bounds = collider.map_or(nowhere, |(collider, _)| collider.geometry.bounds(&self.placement, 0.5 * MARGIN));
+        let bounds = collider.map_or(nowhere, |(collider, _)| collider.geometry.bounds(&self.placement, self.reach));
         Proxy { bounds, moves: self.moves }
+    }
+
+    /// Known by its centre of mass alone.
+    pub(super) fn at_center([x, y, z]: [Real; 3]) -> Self {
+        Self { center: Vec3::new(x, y, z), ..Self::NOWHERE }
+    }
+
+    pub(super) fn center(&self) -> [Real; 3] {
+        [self.center.x, self.center.y, self.center.z]
     }
 
     const NOWHERE: Self = {
@@ -291,6 +328,7 @@ impl Shape {
             center: zero,
             kind: Kind::Other,
             moves: false,
+            reach: 0.0,
             velocity: (zero, zero),
         }
     };

@@ -13,12 +13,14 @@ use tumble_math::lane::Lane;
 
 use crate::math::Real;
 
+mod disjoint;
 #[cfg(vector_code)]
 mod pair;
 mod record;
 #[cfg(vector_code)]
 mod x86_64;
 
+pub(crate) use disjoint::{Colours, Rows};
 pub(crate) use record::{Eight, Record};
 
 /// The most bodies of a tile for which a chunk may have to be filled up.
@@ -182,7 +184,8 @@ pub(crate) fn dispatch(kernel: &mut impl Kernel) {
 /// they are narrower, in several.
 pub(crate) const BLOCK: usize = 8;
 
-/// Runs a kernel of whole blocks with the widest tiles of this machine that are no wider than a block.
+/// Runs a kernel of whole blocks with the widest tiles of this machine that are no wider than a block. Machines without AVX2, the last of which were made in
+/// 2013, go one by one: these kernels are large, and each instruction set more is half a minute of compiling.
 #[inline]
 pub(crate) fn dispatch_in_blocks(kernel: &mut impl Kernel) {
     debug_assert!(kernel.len().is_multiple_of(BLOCK));
@@ -191,7 +194,9 @@ pub(crate) fn dispatch_in_blocks(kernel: &mut impl Kernel) {
             tiles::<Real>(kernel, 0);
         }
         #[cfg(vector_code)]
-        Level::Baseline => x86_64::blocks_with_sse2(kernel),
+        Level::Baseline => {
+            tiles::<Real>(kernel, 0);
+        }
         #[cfg(vector_code)]
         Level::Avx2 => x86_64::blocks_with_avx2(kernel),
         #[cfg(vector_code)]

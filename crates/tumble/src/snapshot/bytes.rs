@@ -7,12 +7,18 @@
 //! | 8, 8, 8 | how many moving, kinematic and fixed bodies |
 //! | 8 | 1 with a clock, 0 without; the clock's five fields are then zero |
 //! | 8, 8, 8, 8, 8 | steps; steps and time when the settings last changed; dt; frame time owed |
+//! | 8, 8, 8, 8 | of contacts: how many bodies have any, with a `BodyId` and without; contacts; their points |
 //! | 8 a body | identities: of moving, kinematic and fixed bodies, each in ascending order |
 //! | 7 numbers a body | position, orientation x y z w |
 //! | 6 numbers a moving body | linear and angular momentum |
 //! | 6 numbers a kinematic body | linear and angular velocity |
+//! | 8 or 4 a body in contact | who it is: identities of those that have one, then numbers of entities, each in ascending order |
+//! | 3 numbers a body in contact | where its centre of mass was when the last step began |
+//! | 16 and 9 numbers a contact | two bodies, as indices of those in contact; which of the contacts of the two; number of points, and 256 if the two touched before. Normal from the first to the second; impulse and angular impulse of friction on the second. In the order of both bodies, the lower index first, and which |
+//! | 4 and 5 numbers a point | contact by contact: which features meet; place, from the second body's centre of mass; separation; impulse along the normal |
 //! | 8 | 64-bit FNV-1a of all before |
 
+use super::contact_bytes::{self, Counts, Written};
 use super::{BodyKind, Segment, Snapshot, SnapshotError, first_duplicate};
 use crate::clock::Clock;
 use crate::components::{BodyId, Momentum, Pose, Velocity};
@@ -20,17 +26,19 @@ use crate::math::{Quat, Real, Vec3, dquat, real};
 use crate::state_hash::Fnv;
 
 const MAGIC: [u8; 8] = *b"TUMBLE-S";
-const HEADER: usize = 88;
+const HEADER: usize = 120;
+/// Bytes of the clock, which is between the counts of bodies and those of contacts.
+const CLOCK: usize = 48;
 const CHECKSUM: usize = 8;
-const NUMBER: usize = size_of::<Real>();
+pub(super) const NUMBER: usize = size_of::<Real>();
 /// How far from one the length of an orientation may be: as far as [`RigidBody`](crate::RigidBody) allows.
 const UNIT_TOLERANCE: f64 = 1e-3;
 
 impl Snapshot {
     /// The version of the format of [`to_bytes`](Self::to_bytes).
-    pub const VERSION: u32 = 1;
+    pub const VERSION: u32 = 2;
 
-    /// The snapshot as bytes for a file or a peer: 96 bytes and 60 a body in single precision, 112 in double. Bodies are in the
+    /// The snapshot as bytes for a file or a peer: 128 bytes and 60 a body in single precision, 112 in double, with up to 148 or 264 a contact and 20 or 32 a body that has any. Bodies are in the
     /// order of their [`BodyId`]s, so the same state gives the same bytes, whatever the order they were spawned in.
     ///
     /// With the cargo feature `serde` a snapshot is serialised as these bytes.
@@ -39,13 +47,16 @@ impl Snapshot {
     /// # use tumble::Snapshot;
     /// # let world = hecs::World::new();
     /// let bytes = Snapshot::capture(&world)?.to_bytes();
-    /// assert_eq!(bytes.len(), 96);
+    /// assert_eq!(bytes.len(), 128);
     /// assert!(Snapshot::from_bytes(&bytes)?.is_empty());
     /// # Ok::<(), tumble::SnapshotError>(())
     /// ```
     pub fn to_bytes(&self) -> Vec<u8> {
-        let mut bytes = Vec::with_capacity(HEADER + self.len() * (8 + 13 * NUMBER) + CHECKSUM);
+        let contacts = Written::new(&self.contacts);
+        let of_contacts = contacts.counts.length() as usize;
+        let mut bytes = Vec::with_capacity(HEADER + self.len() * (8 + 13 * NUMBER) + of_contacts + CHECKSUM);
         self.write_header(&mut bytes);
+        contacts.write_counts(&mut bytes);
         let rows: Vec<usize> = BodyKind::ALL.into_iter().flat_map(|kind| self.rows_by_id(self.rows(kind))).collect();
         for &row in &rows {
             bytes.extend(self.ids[row].0.to_le_bytes());
@@ -56,6 +67,7 @@ impl Snapshot {
                 numbers.for_each(|number| bytes.extend(number.to_le_bytes()));
             }
         }
+        contacts.write(&mut bytes);
         let sum = checksum(&bytes);
         bytes.extend(sum.to_le_bytes());
         bytes
@@ -79,7 +91,7 @@ impl Snapshot {
     ///
     /// # Errors
     /// [`SnapshotError`] where the bytes are not a snapshot, of another version or precision, cut short or damaged, or hold numbers that are
-    /// not finite or an orientation far from unit length. [`to_bytes`](Self::to_bytes) does not look, so what a world that has gone wrong was written as is refused here.
+    /// not finite, an orientation far from unit length, or contacts that no step leaves. [`to_bytes`](Self::to_bytes) does not look, so what a world that has gone wrong was written as is refused here.
     pub fn from_bytes(bytes: &[u8]) -> Result<Self, SnapshotError> {
         let header = Header::read(bytes)?;
         let mut rest = Reader { rest: &bytes[HEADER..bytes.len() - CHECKSUM], found: bytes.len() };
@@ -88,7 +100,9 @@ impl Snapshot {
         let poses = rest.many(bodies, Reader::pose)?;
         let momenta = rest.many(header.counts[0], Reader::momentum)?;
         let velocities = rest.many(header.counts[1], Reader::velocity)?;
-        let mut snapshot = Self { ids, poses, momenta, velocities, segments: Vec::new(), clock: header.clock };
+        let contacts = contact_bytes::read(&mut rest, &header.contacts)?;
+        let mut snapshot =
+            Self { ids, poses, momenta, velocities, segments: Vec::new(), clock: header.clock, contacts };
         for kind in BodyKind::ALL {
             let rows = snapshot.rows(kind);
             snapshot.segments.push(Segment { archetype: usize::MAX, start: rows.start, len: rows.len() });
@@ -126,6 +140,7 @@ struct Header {
     /// Moving, kinematic and fixed bodies.
     counts: [usize; 3],
     clock: Option<Clock>,
+    contacts: Counts,
 }
 
 impl Header {
@@ -144,7 +159,10 @@ impl Header {
             return Err(SnapshotError::Precision { found: number });
         }
         let counts = [reader.u64()?, reader.u64()?, reader.u64()?];
-        let expected = expected_length(counts);
+        let mut past_clock = Reader { rest: reader.rest, found: reader.found };
+        past_clock.take::<CLOCK>()?;
+        let contacts = Counts::read(&mut past_clock)?;
+        let expected = expected_length(counts).saturating_add(contacts.length());
         let (body, sum) = match bytes.split_last_chunk::<CHECKSUM>() {
             Some(split) if bytes.len() as u64 == expected => split,
             _ => return Err(SnapshotError::Length { found: bytes.len(), expected }),
@@ -153,7 +171,7 @@ impl Header {
             return Err(SnapshotError::Checksum);
         }
         // The bytes are there, so the counts fit into memory.
-        Ok(Self { counts: counts.map(|count| count as usize), clock: reader.clock()? })
+        Ok(Self { counts: counts.map(|count| count as usize), clock: reader.clock()?, contacts })
     }
 }
 
@@ -166,7 +184,7 @@ fn expected_length([moving, kinematic, fixed]: [u64; 3]) -> u64 {
 }
 
 /// Takes numbers from the front.
-struct Reader<'a> {
+pub(super) struct Reader<'a> {
     rest: &'a [u8],
     /// How many bytes the file has.
     found: usize,
@@ -181,7 +199,7 @@ impl Reader<'_> {
     }
 
     /// So many things, in no more memory than they take.
-    fn many<T>(
+    pub(super) fn many<T>(
         &mut self,
         count: usize,
         one: impl Fn(&mut Self) -> Result<T, SnapshotError>,
@@ -193,7 +211,11 @@ impl Reader<'_> {
         Ok(all)
     }
 
-    fn u64(&mut self) -> Result<u64, SnapshotError> {
+    pub(super) fn u32(&mut self) -> Result<u32, SnapshotError> {
+        self.take().map(u32::from_le_bytes)
+    }
+
+    pub(super) fn u64(&mut self) -> Result<u64, SnapshotError> {
         self.take().map(u64::from_le_bytes)
     }
 
@@ -210,6 +232,14 @@ impl Reader<'_> {
 
     fn real(&mut self) -> Result<Real, SnapshotError> {
         self.take().map(Real::from_le_bytes)
+    }
+
+    pub(super) fn numbers<const N: usize>(&mut self) -> Result<[Real; N], SnapshotError> {
+        let mut numbers = [0.0; N];
+        for number in &mut numbers {
+            *number = self.real()?;
+        }
+        Ok(numbers)
     }
 
     fn vector(&mut self) -> Result<Vec3, SnapshotError> {

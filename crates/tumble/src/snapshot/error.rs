@@ -86,4 +86,49 @@ pub enum SnapshotError {
         /// Length of the quaternion.
         length: f64,
     },
+    /// One of the bodies in contact is not named after the one before, or is nowhere.
+    #[error("body {body} of those in contact is out of order, named twice or nowhere")]
+    ContactBody {
+        /// Which, counted from zero.
+        body: usize,
+    },
+    /// A contact is one that no step leaves.
+    #[error("contact {contact} {defect}")]
+    Contact {
+        /// Which, counted from zero.
+        contact: usize,
+        /// What is wrong with it.
+        defect: ContactDefect,
+    },
+}
+
+/// Why a contact of a file cannot be one.
+///
+/// ```
+/// use tumble::{ContactDefect, SnapshotError};
+///
+/// let error = SnapshotError::Contact { contact: 3, defect: ContactDefect::Pull };
+/// assert_eq!(error.to_string(), "contact 3 has an impulse that pulls");
+/// ```
+#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+#[non_exhaustive]
+pub enum ContactDefect {
+    /// It is between a body and itself, or bodies that are not there.
+    #[error("is not between two of the bodies in contact")]
+    Bodies,
+    /// It has the bodies of the one before, or comes before it.
+    #[error("is not after the one before it")]
+    Order,
+    /// It has no points, more than four or, all together, others than are there.
+    #[error("has an impossible number of points")]
+    Points,
+    /// A number is infinite or not a number.
+    #[error("is not finite")]
+    NotFinite,
+    /// The normal is further than 1e-3 from unit length.
+    #[error("has a normal that is not of unit length")]
+    Normal,
+    /// Contacts push.
+    #[error("has an impulse that pulls")]
+    Pull,
 }

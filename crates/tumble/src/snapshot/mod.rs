@@ -1,13 +1,15 @@
 //! The state of all bodies at one moment, to come back to.
 
 mod bytes;
+mod contact_bytes;
 mod error;
 mod kind;
 mod matching;
+mod of_simulation;
 #[cfg(feature = "serde")]
 mod serialize;
 
-pub use error::SnapshotError;
+pub use error::{ContactDefect, SnapshotError};
 pub use kind::BodyKind;
 pub(crate) use matching::Matching;
 
@@ -17,6 +19,7 @@ use hecs::{Archetype, Entity, World};
 
 use crate::clock::Clock;
 use crate::components::{BodyId, Momentum, Pose, PreviousPose, Velocity, Wrench};
+use crate::contacts::SavedContacts;
 use crate::math::Real;
 use crate::state_hash::{Fnv, canonical};
 use matching::Run;
@@ -24,7 +27,8 @@ use matching::Run;
 /// The state of all bodies of a world at one moment, by [`BodyId`].
 ///
 /// It holds the [`Pose`] of every body that has a [`BodyId`], the [`Momentum`] of those that forces move and the [`Velocity`] of kinematic
-/// ones: 64 bytes a body in single precision, 112 in double. With a [`Clock`] that is all that a run continues from, to the bit. What is no
+/// ones: 64 bytes a body in single precision, 112 in double. With a [`Clock`] and, where bodies touch, the contacts, that is all that a run continues from, to the bit:
+/// [`Simulation::snapshot`](crate::Simulation::snapshot) takes all three. What is no
 /// state of the bodies is not in it: masses, laws and other components of theirs, the settings, the caller's own.
 ///
 /// Bodies may be spawned and despawned, and gain and lose components, between capture and [`restore`](Self::restore).
@@ -37,12 +41,11 @@ use matching::Run;
 /// RigidBody::new(Shape::sphere(0.1)).mass(2.0).id(BodyId(7)).build()?.spawn(&mut world);
 /// let mut simulation = Simulation::new(Settings::default())?;
 ///
-/// let start = Snapshot::capture(&world)?.with_clock(simulation.clock());
+/// let start = simulation.snapshot(&world)?;
 /// simulation.step_many(&mut world, 10);
 /// let there = Snapshot::capture(&world)?;
 ///
-/// start.restore(&mut world)?;
-/// start.clock().into_iter().for_each(|clock| simulation.set_clock(clock));
+/// simulation.restore(&start, &mut world)?;
 /// simulation.step_many(&mut world, 10);
 /// assert_eq!(state_hash(&world, &BodyOrder::of(&world)), there.state_hash());
 /// # Ok::<(), Box<dyn std::error::Error>>(())
@@ -60,6 +63,7 @@ pub struct Snapshot {
     /// Where in the world the rows were, by archetype.
     segments: Vec<Segment>,
     clock: Option<Clock>,
+    contacts: SavedContacts,
 }
 
 /// The rows of one archetype.
@@ -72,7 +76,7 @@ struct Segment {
 }
 
 impl Snapshot {
-    /// The state of the world's bodies now. Take it between steps, before the [`Wrench`]es of the next are added: those are inputs, and not in it.
+    /// The state of the world's bodies now, without a clock and without contacts, which are the simulation's: see [`Simulation::snapshot`](crate::Simulation::snapshot). Take it between steps, before the [`Wrench`]es of the next are added: those are inputs, and not in it.
     ///
     /// Fixed bodies without a [`BodyId`] are scenery and left out. Like every query of hecs, it panics while the caller holds a
     /// mutable reference to one of the components.
@@ -85,7 +89,7 @@ impl Snapshot {
         Ok(snapshot)
     }
 
-    /// [`capture`](Self::capture) in the place of what it held, without a clock. It allocates nothing where it has held as many
+    /// [`capture`](Self::capture) in the place of what it held, without a clock and contacts. It allocates nothing where it has held as many
     /// bodies before, and only checks identities that have changed.
     ///
     /// # Errors
@@ -105,6 +109,7 @@ impl Snapshot {
         self.velocities.clear();
         self.segments.clear();
         self.clock = None;
+        self.contacts.clear();
     }
 
     fn record(&mut self, world: &World) -> Result<(), SnapshotError> {
@@ -169,7 +174,7 @@ impl Snapshot {
     ///
     /// Pending [`Wrench`]es are zeroed and [`PreviousPose`] becomes the pose. As after every change of a momentum, the derived quantities follow
     /// with the next step, or with [`update_derived`](crate::update_derived) where something looks at them before. The
-    /// [`clock`](Self::clock) is the simulation's and not set here. The world need not be the one that was captured, if it has the same
+    /// [`clock`](Self::clock) and the contacts are the simulation's and not set here, but by [`Simulation::restore`](crate::Simulation::restore). The world need not be the one that was captured, if it has the same
     /// bodies.
     ///
     /// # Errors
@@ -259,6 +264,7 @@ impl Snapshot {
             + self.momenta.capacity() * size_of::<Momentum>()
             + self.velocities.capacity() * size_of::<Velocity>()
             + self.segments.capacity() * size_of::<Segment>()
+            + self.contacts.memory()
     }
 
     /// The moment that it is of, where one was set.
@@ -277,7 +283,8 @@ impl Snapshot {
         Self { clock: Some(clock), ..self }
     }
 
-    /// The hash that [`state_hash`](crate::state_hash()) gives the world when it is as it was, if all its bodies have a [`BodyId`].
+    /// The hash that [`state_hash`](crate::state_hash()) gives the world when it is as it was, if all its bodies have a [`BodyId`]. It is of the bodies, as that is: clock
+    /// and contacts are not in it.
     ///
     /// What peers compare: each has the snapshot of a past step at hand, whatever step its world is at now.
     pub fn state_hash(&self) -> u64 {
@@ -292,7 +299,7 @@ impl Snapshot {
     }
 
     /// The body with the smallest [`BodyId`] that is in only one of the two, or whose kind or state is not the same to the bit: where to
-    /// look first when two peers differ.
+    /// look first when two peers differ. Clock and contacts are not compared; what differs in them differs in bodies a step later.
     pub fn first_difference(&self, other: &Self) -> Option<BodyId> {
         let (ours, theirs) = (self.rows_by_id(0..self.len()), other.rows_by_id(0..other.len()));
         let same = ours.iter().zip(&theirs).take_while(|&(&a, &b)| {

@@ -64,12 +64,7 @@ pub(super) fn with_avx512(kernel: &mut impl Kernel) {
     }
 }
 
-/// Runs a kernel of whole blocks on SSE2 tiles.
-pub(super) fn blocks_with_sse2(kernel: &mut impl Kernel) {
-    tiles::<Sse2>(kernel, 0);
-}
-
-/// Runs a kernel of whole blocks on AVX2 tiles, or on SSE2 tiles where the machine has no AVX2.
+/// Runs a kernel of whole blocks on AVX2 tiles, or one by one where the machine has no AVX2.
 pub(super) fn blocks_with_avx2(kernel: &mut impl Kernel) {
     #[target_feature(enable = "avx2")]
     fn enabled(kernel: &mut impl Kernel) {
@@ -80,7 +75,7 @@ pub(super) fn blocks_with_avx2(kernel: &mut impl Kernel) {
         // SAFETY: the machine has AVX2.
         unsafe { enabled(kernel) }
     } else {
-        blocks_with_sse2(kernel);
+        tiles::<Real>(kernel, 0);
     }
 }
 

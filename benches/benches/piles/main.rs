@@ -1,0 +1,168 @@
+//! Bodies that touch, in the scenes that other engines were measured with: a pyramid of 2870 boxes at rest, 5000 balls that fall into a box, and 4096 worlds in
+//! which eight boxes fall on the ground. On one and on two threads.
+//!
+//! `cargo bench --bench piles`, with `-- pyramid`, `balls` or `worlds` for one of them. With `--features peers` the same scenes are run in Rapier in the same
+//! process, in turns of ten steps, with its default of four solver iterations; with `peers-simd8` Rapier's solver has eight lanes. Printed are milliseconds a step
+//! (of the pyramid the mean of steps 60 to 240, of the balls of all 300), and what became of the scene: how far the top sank and the box that moved most went, how deep
+//! balls are in each other.
+//!
+//! Under `--features f64` tumble is in double precision and Rapier, a crate of single precision, is not.
+
+#[cfg(feature = "peers")]
+mod rapier_world;
+#[cfg(not(feature = "peers"))]
+mod without_rapier;
+
+#[cfg(feature = "peers")]
+use rapier_world::Peer;
+#[cfg(not(feature = "peers"))]
+use without_rapier::Peer;
+
+use std::ops::Range;
+use std::time::{Duration, Instant};
+
+use hecs::World;
+use rayon::ThreadPool;
+use rayon::prelude::*;
+use tumble::math::PRECISION;
+use tumble::{Batch, BodyId, Momentum, Pose, Settings, Simulation, Trial, simd_name};
+use tumble_benches::{eight_boxes, falling_balls, pool, pyramid};
+
+type Outcome<T> = Result<T, Box<dyn std::error::Error>>;
+
+/// Steps of one engine before it is the other's turn.
+const TURN: usize = 10;
+
+fn main() -> Outcome<()> {
+    let arguments: Vec<String> = std::env::args().skip(1).collect();
+    let asked = |name: &str| arguments.iter().any(|argument| argument == name);
+    let scenes = ["pyramid", "balls", "worlds"];
+    let all = !scenes.into_iter().any(asked);
+    // A test that it runs.
+    let short = asked("--test");
+    println!("tumble: {PRECISION}, {}\n", simd_name());
+    for threads in [1, 2] {
+        let pool = pool(threads);
+        if all || asked("pyramid") {
+            let (steps, measured) = if short { (2, 0..2) } else { (300, 60..240) };
+            let made = || pyramid(if short { 4 } else { 20 });
+            let pile = Pile { made: &made, steps, measured, told: &sunk };
+            pile.run("pyramid", threads, &pool)?;
+        }
+        if all || asked("balls") {
+            let steps = if short { 2 } else { 300 };
+            let made = || falling_balls(if short { 400 } else { 5000 });
+            Pile { made: &made, steps, measured: 0..steps, told: &overlap }.run("balls", threads, &pool)?;
+        }
+        if all || asked("worlds") {
+            let (count, steps) = if short { (16, 2) } else { (4096, 120) };
+            worlds(count, steps, threads, &pool)?;
+        }
+    }
+    Ok(())
+}
+
+/// Positions of the bodies that move, in order.
+type Places = Vec<[f64; 3]>;
+
+/// A scene in one world.
+struct Pile<'a> {
+    made: &'a dyn Fn() -> World,
+    steps: usize,
+    /// Which steps are timed.
+    measured: Range<usize>,
+    /// What became of it.
+    told: &'a dyn Fn(&Places, &Places) -> String,
+}
+
+impl Pile<'_> {
+    fn run(&self, name: &str, threads: usize, pool: &ThreadPool) -> Outcome<()> {
+        let mut world = (self.made)();
+        let mut simulation = Simulation::new(Settings::default())?;
+        let mut peer = Peer::new(&world, simulation.settings(), threads)?;
+        let start = places(&world);
+        let (mut ours, mut theirs) = (Duration::ZERO, Duration::ZERO);
+        for turn in (0..self.steps).step_by(TURN) {
+            let steps = turn..(turn + TURN).min(self.steps);
+            ours += self.time(steps.clone(), || pool.install(|| simulation.step(&mut world)));
+            if let Some(peer) = &mut peer {
+                theirs += self.time(steps, || peer.step());
+            }
+        }
+        let milliseconds = |time: Duration| time.as_secs_f64() * 1e3 / self.measured.len() as f64;
+        let (ours, theirs) = (milliseconds(ours), milliseconds(theirs));
+        println!("{name}, threads {threads}: tumble {ours:.2} ms a step, {}", (self.told)(&start, &places(&world)));
+        if let Some(peer) = &peer {
+            let told = (self.told)(&start, &peer.places());
+            println!(
+                "{name}, threads {threads}: Rapier {theirs:.2} ms a step, {told}; {:.2} times ours",
+                theirs / ours
+            );
+        }
+        Ok(())
+    }
+
+    fn time(&self, steps: Range<usize>, mut step: impl FnMut()) -> Duration {
+        let mut sum = Duration::ZERO;
+        for number in steps {
+            let start = Instant::now();
+            step();
+            if self.measured.contains(&number) {
+                sum += start.elapsed();
+            }
+        }
+        sum
+    }
+}
+
+fn places(world: &World) -> Places {
+    let mut bodies = world.query::<(&BodyId, &Pose, &Momentum)>();
+    let mut found: Vec<_> = bodies.iter().map(|(id, pose, _)| (*id, pose.position.to_array().map(f64::from))).collect();
+    found.sort_by_key(|(id, _)| *id);
+    found.into_iter().map(|(_, place)| place).collect()
+}
+
+fn distance(a: &[f64; 3], b: &[f64; 3]) -> f64 {
+    a.iter().zip(b).map(|(a, b)| (a - b) * (a - b)).sum::<f64>().sqrt()
+}
+
+fn sunk(start: &Places, end: &Places) -> String {
+    let most = start.iter().zip(end).map(|(a, b)| distance(a, b)).fold(0.0, f64::max);
+    let sunk = start.last().zip(end.last()).map_or(0.0, |(a, b)| a[1] - b[1]);
+    format!("the top sank {sunk:.4} m, no box went further than {most:.4} m")
+}
+
+fn overlap(_: &Places, end: &Places) -> String {
+    let (mut deepest, mut in_walls): (f64, f64) = (0.0, 0.0);
+    for (i, a) in end.iter().enumerate() {
+        in_walls = in_walls.max(0.5 - a[1]).max(a[0].abs() - 9.5).max(a[2].abs() - 9.5);
+        deepest = end[i + 1..].iter().map(|b| 1.0 - distance(a, b)).fold(deepest, f64::max);
+    }
+    format!("balls are {deepest:.4} m deep in each other, {in_walls:.4} m in walls")
+}
+
+/// Many small worlds.
+fn worlds(count: u64, steps: u32, threads: usize, pool: &ThreadPool) -> Outcome<()> {
+    let made = |index: u64| Trial::new(Settings::default(), eight_boxes(index));
+    let trials = (0..count).map(made).collect::<Result<Vec<_>, _>>()?;
+    let peers = trials.iter().map(|trial| Peer::new(&trial.world, trial.simulation.settings(), 1));
+    let mut peers: Vec<Peer> = peers.collect::<Outcome<Vec<_>>>()?.into_iter().flatten().collect();
+    let mut batch: Batch = trials.into_iter().collect();
+    let rate = |time: Duration| (count * 8) as f64 * f64::from(steps) * 1e-6 / time.as_secs_f64();
+
+    let start = Instant::now();
+    pool.install(|| batch.step_many(steps));
+    let ours = rate(start.elapsed());
+    let lowest = |places: Places| places.iter().map(|place| place[1]).fold(f64::MAX, f64::min);
+    let low = batch.map(|_, trial| lowest(places(&trial.world))).into_iter().fold(f64::MAX, f64::min);
+    println!(
+        "worlds, threads {threads}: tumble {ours:.2} million body-steps a second, the lowest centre is {low:.3} m high"
+    );
+    if !peers.is_empty() {
+        let start = Instant::now();
+        pool.install(|| peers.par_iter_mut().for_each(|peer| (0..steps).for_each(|_| peer.step())));
+        let theirs = rate(start.elapsed());
+        println!("worlds, threads {threads}: Rapier {theirs:.2} million; ours is {:.2} times that", ours / theirs);
+    }
+    Ok(())
+}

@@ -1,0 +1,21 @@
+use hecs::World;
+use tumble::Settings;
+
+use crate::{Outcome, Places};
+
+/// No other engine was built.
+pub(crate) enum Peer {}
+
+impl Peer {
+    pub(crate) fn new(_: &World, _: &Settings, _: usize) -> Outcome<Option<Self>> {
+        Ok(None)
+    }
+
+    pub(crate) fn step(&mut self) {
+        match *self {}
+    }
+
+    pub(crate) fn places(&self) -> Places {
+        match *self {}
+    }
+}

@@ -1,0 +1,71 @@
+use crate::convex::{Vector, wide};
+use crate::geometry::{Geometry, Placement};
+use crate::scalar::Scalar;
+
+/// Shapes fixed to each other, made to be touched: each at a place in the compound's frame.
+///
+/// ```
+/// use tumble_collide::{Compound, Geometry, Placement};
+/// use tumble_math::lane::Vec3;
+///
+/// let ball = |x: f64| (Placement::at(Vec3::new(x, 0.0, 0.0)), Geometry::Ball { radius: 0.5 });
+/// let dumbbell = Compound::new([ball(-1.0), ball(1.0)]);
+/// assert_eq!(dumbbell.parts().len(), 2);
+/// assert_eq!(dumbbell.reach(), Some(1.5));
+/// ```
+#[derive(Clone, Debug, PartialEq)]
+pub struct Compound<R> {
+    parts: Vec<(Placement<R>, Geometry<R>)>,
+    /// Of each part, the first of the numbers that its own parts have.
+    numbers: Vec<u32>,
+}
+
+impl<R: Scalar> Compound<R> {
+    /// From its parts; the parts of a compound among them become parts of this one.
+    pub fn new(parts: impl IntoIterator<Item = (Placement<R>, Geometry<R>)>) -> Self {
+        let mut this = Self { parts: Vec::new(), numbers: Vec::new() };
+        let mut next = 0_u32;
+        for (at, geometry) in parts {
+            let inner = match &geometry {
+                Geometry::Compound(compound) => {
+                    compound.parts.iter().map(|(inner, part)| (at.then(inner), part.clone())).collect()
+                }
+                _ => vec![(at, geometry)],
+            };
+            for part in inner {
+                this.numbers.push(next);
+                next = next.saturating_add(part.1.parts());
+                this.parts.push(part);
+            }
+        }
+        this
+    }
+
+    /// Its parts, none of them a compound.
+    #[must_use]
+    pub fn parts(&self) -> &[(Placement<R>, Geometry<R>)] {
+        &self.parts
+    }
+
+    /// Each part with its place in the world and the first of its numbers.
+    pub(crate) fn placed(&self, at: &Placement<R>) -> impl Iterator<Item = (u32, Placement<R>, &Geometry<R>)> {
+        self.parts.iter().zip(&self.numbers).map(|((inner, part), number)| (*number, at.then(inner), part))
+    }
+
+    /// How many numbers its parts have.
+    pub(crate) fn count(&self) -> u32 {
+        let last = self.parts.last().zip(self.numbers.last());
+        last.map_or(0, |((_, part), number)| number.saturating_add(part.parts()))
+    }
+
+    /// The longest distance of a point of it from its origin \[m\], or somewhat more; `None` if a part has no end.
+    #[must_use]
+    pub fn reach(&self) -> Option<R> {
+        let mut most = R::splat(0.0);
+        for (at, part) in &self.parts {
+            let place: Vector = wide(at.position);
+            most = most.max(R::splat(place.dot(place).sqrt()) + part.reach()?);
+        }
+        Some(most)
+    }
+}

@@ -1,0 +1,173 @@
+//! Convex shapes as what they reach in each direction.
+
+use tumble_math::lane::Vec3;
+
+use crate::convex_hull::ConvexHull;
+use crate::feature::Feature;
+use crate::frustum::Frustum;
+use crate::geometry::Geometry;
+use crate::scalar::Scalar;
+
+/// Shapes in general meet in double precision, whatever the precision of the caller: so no length needs a tolerance of its own.
+pub(crate) type Vector = Vec3<f64>;
+
+/// A convex shape in its own frame, but for the layer of even thickness that a ball and a capsule have around it.
+#[derive(Clone, Copy, Debug)]
+pub(crate) enum Convex<'a> {
+    Point,
+    /// Along y.
+    Segment {
+        half_height: f64,
+    },
+    Cuboid {
+        half: Vector,
+    },
+    Frustum(Frustum),
+    Ellipsoid {
+        radii: Vector,
+    },
+    /// What is between a ball at `-half_height` and one at `+half_height` on y.
+    Tapered {
+        radii: [f64; 2],
+        half_height: f64,
+    },
+    Hull(&'a ConvexHull),
+    Triangle([Vector; 3]),
+}
+
+impl<'a> Convex<'a> {
+    /// What is inside the layer, and how thick that is; `None` for what is not convex or has no end.
+    pub(crate) fn of<R: Scalar>(geometry: &'a Geometry<R>) -> Option<(Self, f64)> {
+        let inner = match *geometry {
+            Geometry::Ball { radius } => return Some((Self::Point, radius.into())),
+            Geometry::Capsule { radius, half_height } => {
+                return Some((Self::Segment { half_height: half_height.into() }, radius.into()));
+            }
+            Geometry::Cuboid { half_extents } => Self::Cuboid { half: wide(half_extents) },
+            Geometry::Cylinder { radius, half_height } => {
+                Self::Frustum(Frustum { radii: [radius.into(); 2], half_height: half_height.into() })
+            }
+            Geometry::Cone { radius, half_height } => {
+                Self::Frustum(Frustum { radii: [radius.into(), 0.0], half_height: half_height.into() })
+            }
+            Geometry::Frustum { radius_bottom, radius_top, half_height } => Self::Frustum(Frustum {
+                radii: [radius_bottom.into(), radius_top.into()],
+                half_height: half_height.into(),
+            }),
+            Geometry::Ellipsoid { radii } => Self::Ellipsoid { radii: wide(radii) },
+            Geometry::TaperedCapsule { radius_bottom, radius_top, half_height } => {
+                Self::Tapered { radii: [radius_bottom.into(), radius_top.into()], half_height: half_height.into() }
+            }
+            Geometry::Hull(ref hull) => Self::Hull(hull),
+            _ => return None,
+        };
+        Some((inner, 0.0))
+    }
+
+    /// The point furthest in a direction, which may have any length but zero.
+    pub(crate) fn support(&self, d: Vector) -> Vector {
+        match *self {
+            Self::Point => Vector::zero(),
+            Self::Segment { half_height } => Vector::new(0.0, with_sign(half_height, d.y), 0.0),
+            Self::Cuboid { half } => {
+                Vector::new(with_sign(half.x, d.x), with_sign(half.y, d.y), with_sign(half.z, d.z))
+            }
+            Self::Frustum(frustum) => frustum.support(d),
+            Self::Ellipsoid { radii } => {
+                let scaled = radii.scale(d);
+                let length = scaled.dot(scaled).sqrt();
+                if length > 0.0 { radii.scale(scaled) * (1.0 / length) } else { Vector::zero() }
+            }
+            Self::Tapered { radii, half_height } => {
+                let [below, above] = tapered_ends(radii, half_height, unit(d));
+                if above.dot(d) >= below.dot(d) { above } else { below }
+            }
+            Self::Hull(hull) => hull.support(d),
+            Self::Triangle(corners) => {
+                let [a, b, c] = corners;
+                let best = if b.dot(d) > a.dot(d) { b } else { a };
+                if c.dot(d) > best.dot(d) { c } else { best }
+            }
+        }
+    }
+
+    /// The piece of the surface that holds the point furthest in the direction of a unit vector; of faces not further out of the way than `margin`.
+    pub(crate) fn feature(&self, d: Vector, margin: f64) -> Feature<f64> {
+        match *self {
+            Self::Point => Feature::point(Vector::zero()),
+            Self::Segment { half_height } => {
+                Feature::segment(Vector::new(0.0, -half_height, 0.0), Vector::new(0.0, half_height, 0.0))
+            }
+            Self::Cuboid { half } => Feature::of_cuboid(half, d),
+            Self::Frustum(frustum) => frustum.feature(d, margin),
+            Self::Ellipsoid { .. } => Feature::point(self.support(d)),
+            Self::Tapered { radii, half_height } => {
+                let [below, above] = tapered_ends(radii, half_height, d);
+                Feature::segment(below, above)
+            }
+            Self::Hull(hull) => hull.feature(d),
+            Self::Triangle([a, b, c]) => {
+                let normal = unit((b - a).cross(c - a));
+                if normal.dot(d) >= 0.0 {
+                    Feature::new([(a, 0), (b, 1), (c, 2)], normal)
+                } else {
+                    Feature::new([(c, 2), (b, 1), (a, 0)], normal * -1.0)
+                }
+            }
+        }
+    }
+
+    /// The normal of the flat face that looks most in a direction, where there is one.
+    pub(crate) fn face_normal(&self, d: Vector) -> Option<Vector> {
+        match *self {
+            Self::Cuboid { half } => Some(Feature::of_cuboid(half, d).normal),
+            Self::Frustum(frustum) => frustum.cap_normal(d),
+            Self::Hull(hull) => Some(hull.face_normal(d)),
+            Self::Triangle([a, b, c]) => {
+                let normal = unit((b - a).cross(c - a));
+                Some(if normal.dot(d) >= 0.0 { normal } else { normal * -1.0 })
+            }
+            Self::Point | Self::Segment { .. } | Self::Ellipsoid { .. } | Self::Tapered { .. } => None,
+        }
+    }
+
+    /// Whether it has flat faces and nothing else.
+    pub(crate) fn is_faceted(&self) -> bool {
+        matches!(self, Self::Cuboid { .. } | Self::Hull(_) | Self::Triangle(_))
+    }
+
+    /// A point inside, far from the surface.
+    pub(crate) fn middle(&self) -> Vector {
+        match *self {
+            Self::Hull(hull) => hull.middle(),
+            Self::Triangle([a, b, c]) => (a + b + c) * (1.0 / 3.0),
+            _ => Vector::zero(),
+        }
+    }
+}
+
+/// The points of both balls of a tapered capsule that are furthest along a unit vector.
+fn tapered_ends(radii: [f64; 2], half_height: f64, d: Vector) -> [Vector; 2] {
+    let up = Vector::new(0.0, half_height, 0.0);
+    [d * radii[0] - up, d * radii[1] + up]
+}
+
+/// The same in double precision.
+pub(crate) fn wide<R: Scalar>(v: Vec3<R>) -> Vector {
+    Vector::new(v.x.into(), v.y.into(), v.z.into())
+}
+
+/// The same in the caller's precision.
+pub(crate) fn narrow<R: Scalar>(v: Vector) -> Vec3<R> {
+    Vec3::new(R::splat(v.x), R::splat(v.y), R::splat(v.z))
+}
+
+/// Of length one; as it is where it has no direction.
+pub(crate) fn unit(v: Vector) -> Vector {
+    let length = v.dot(v).sqrt();
+    if length > 0.0 { v * (1.0 / length) } else { v }
+}
+
+fn with_sign(value: f64, of: f64) -> f64 {
+    if of < 0.0 { -value } else { value }
+}

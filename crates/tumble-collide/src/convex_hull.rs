@@ -1,0 +1,173 @@
+use tumble_math::{HullError, convex_hull};
+
+use crate::convex::{Vector, unit};
+use crate::feature::{Feature, MOST_CORNERS};
+
+/// The convex hull of points, made to be touched: its corners and its flat faces, in its own frame.
+///
+/// Faces that lie in one plane, within a thousandth of a degree, are one. A face of more than sixteen corners touches with sixteen of them. Finding out how far it reaches in
+/// a direction looks at every corner, so a hull of some dozens is quick and one of thousands is not.
+///
+/// ```
+/// use tumble_collide::ConvexHull;
+/// use tumble_math::lane::Vec3;
+///
+/// let corners: Vec<_> = (0..8).map(|i| Vec3::new((i & 1).into(), (i >> 1 & 1).into(), (i >> 2).into())).collect();
+/// let cube = ConvexHull::new(&corners)?;
+/// assert_eq!((cube.points().len(), cube.faces()), (8, 6));
+/// assert!(ConvexHull::new(&corners[..4]).is_err()); // they lie in one plane
+/// # Ok::<(), tumble_math::HullError>(())
+/// ```
+#[derive(Clone, Debug, PartialEq)]
+pub struct ConvexHull {
+    points: Vec<Vector>,
+    faces: Vec<Face>,
+    /// The corners of all faces, one after the other.
+    corners: Vec<u32>,
+    middle: Vector,
+    reach: f64,
+}
+
+/// Counter-clockwise as seen from outside.
+#[derive(Clone, Debug, PartialEq)]
+struct Face {
+    normal: Vector,
+    from: usize,
+    to: usize,
+}
+
+/// Normals whose scalar product is less than one by no more than this belong to one plane.
+const ONE_PLANE: f64 = 1e-10;
+
+impl ConvexHull {
+    /// The hull of points \[m\].
+    ///
+    /// # Errors
+    /// Fewer than four points, one that is not finite or too far out (named by its index), or all of them in one plane.
+    pub fn new(points: &[Vector]) -> Result<Self, HullError> {
+        let points: Vec<_> = points.iter().map(|point| (*point).into()).collect();
+        let mesh = convex_hull(&points)?;
+        let points: Vec<Vector> = mesh.positions().iter().map(|position| (*position).into()).collect();
+        let sum = points.iter().fold(Vector::zero(), |sum, point| sum + *point);
+        let middle = sum * (1.0 / points.len() as f64);
+        let reach = points.iter().fold(0.0, |reach, point| f64::max(reach, point.dot(*point))).sqrt();
+        let mut this = Self { points, faces: Vec::new(), corners: Vec::new(), middle, reach };
+        this.join_faces(mesh.triangles());
+        Ok(this)
+    }
+
+    /// Its corners \[m\].
+    #[must_use]
+    pub fn points(&self) -> &[Vector] {
+        &self.points
+    }
+
+    /// How many flat faces it has.
+    #[must_use]
+    pub fn faces(&self) -> usize {
+        self.faces.len()
+    }
+
+    /// Triangles with a side in common that lie in one plane become one face.
+    fn join_faces(&mut self, triangles: &[[u32; 3]]) {
+        let at = |corner: u32| self.points[corner as usize];
+        let normals: Vec<Vector> =
+            triangles.iter().map(|&[a, b, c]| unit((at(b) - at(a)).cross(at(c) - at(a)))).collect();
+        // Each side once for the triangle it belongs to, in order, to be found from the triangle on its other hand.
+        let mut sides: Vec<([u32; 2], u32)> = Vec::new();
+        for (triangle, [a, b, c]) in triangles.iter().enumerate() {
+            sides.extend([[*a, *b], [*b, *c], [*c, *a]].map(|side| (side, triangle as u32)));
+        }
+        sides.sort_unstable();
+        let across = |[from, to]: [u32; 2]| {
+            sides.binary_search_by_key(&[to, from], |(side, _)| *side).ok().map(|place| sides[place].1 as usize)
+        };
+        let mut taken = vec![false; triangles.len()];
+        for seed in 0..triangles.len() {
+            if taken[seed] {
+                continue;
+            }
+            taken[seed] = true;
+            let (mut members, mut next) = (vec![seed], 0);
+            let mut outline: Vec<[u32; 2]> = Vec::new();
+            while let Some(&member) = members.get(next) {
+                next += 1;
+                let [a, b, c] = triangles[member];
+                for side in [[a, b], [b, c], [c, a]] {
+                    match across(side) {
+                        Some(other) if normals[other].dot(normals[seed]) >= 1.0 - ONE_PLANE => {
+                            if !taken[other] {
+                                taken[other] = true;
+                                members.push(other);
+                            } else if !members.contains(&other) {
+                                outline.push(side);
+                            }
+                        }
+                        _ => outline.push(side),
+                    }
+                }
+            }
+            let from = self.corners.len();
+            self.corners.extend(around(outline));
+            self.faces.push(Face { normal: normals[seed], from, to: self.corners.len() });
+        }
+    }
+
+    pub(crate) fn support(&self, d: Vector) -> Vector {
+        let mut best = (f64::NEG_INFINITY, Vector::zero());
+        for point in &self.points {
+            let along = point.dot(d);
+            if along > best.0 {
+                best = (along, *point);
+            }
+        }
+        best.1
+    }
+
+    /// The face that looks most in a direction.
+    fn face(&self, d: Vector) -> Option<&Face> {
+        let mut best: Option<(f64, &Face)> = None;
+        for face in &self.faces {
+            let along = face.normal.dot(d);
+            if best.is_none_or(|(most, _)| along > most) {
+                best = Some((along, face));
+            }
+        }
+        best.map(|(_, face)| face)
+    }
+
+    pub(crate) fn face_normal(&self, d: Vector) -> Vector {
+        self.face(d).map_or(d, |face| face.normal)
+    }
+
+    pub(crate) fn feature(&self, d: Vector) -> Feature<f64> {
+        let Some(face) = self.face(d) else { return Feature::point(self.support(d)) };
+        let corners = &self.corners[face.from..face.to];
+        let most = corners.len().min(MOST_CORNERS);
+        let chosen = (0..most).map(|k| corners[k * corners.len() / most]);
+        Feature::new(chosen.map(|corner| (self.points[corner as usize], corner)), face.normal)
+    }
+
+    pub(crate) fn middle(&self) -> Vector {
+        self.middle
+    }
+
+    /// The longest distance of a corner from the origin.
+    pub(crate) fn reach(&self) -> f64 {
+        self.reach
+    }
+}
+
+/// The corners of an outline whose sides come in any order.
+fn around(mut outline: Vec<[u32; 2]>) -> Vec<u32> {
+    outline.sort_unstable();
+    let Some(&[start, mut next]) = outline.first() else { return Vec::new() };
+    let mut corners = vec![start];
+    // Each corner has one side that goes on from it; what rounding made otherwise is left where it comes back to a corner.
+    while next != start && corners.len() < outline.len() {
+        corners.push(next);
+        let Ok(place) = outline.binary_search_by_key(&next, |[from, _]| *from) else { break };
+        next = outline[place][1];
+    }
+    corners
+}

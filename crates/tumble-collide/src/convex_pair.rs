@@ -1,0 +1,128 @@
+//! Two convex shapes of any kind: the direction in which they are furthest apart or overlap least, and the points where they are nearest along it.
+
+use tumble_math::lane::Quat;
+
+use crate::convex::{Convex, Vector, narrow, unit, wide};
+use crate::epa::penetration;
+use crate::geometry::{Geometry, Placement};
+use crate::gjk::{Nearest, nearest};
+use crate::manifold::Manifold;
+use crate::minkowski::Difference;
+use crate::overlay::Overlay;
+use crate::scalar::Scalar;
+
+/// A face is taken for a direction between edges that separates by no more than this \[m\]: it holds a body better, and a choice that changes back and forth
+/// holds it worst.
+pub(crate) const FACE_LEAD: f64 = 5e-4;
+/// Where something is round, by no more than what its direction is uncertain by.
+const ROUND_LEAD: f64 = 1e-7;
+
+/// How two shapes are to each other, in the frame of the first.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Approach {
+    /// Unit vector from the first to the second.
+    pub(crate) normal: Vector,
+    /// Of what is inside the layers, along the normal.
+    pub(crate) between: f64,
+    /// On the inner surface of the first.
+    pub(crate) on_first: Vector,
+}
+
+/// How two shapes are to each other, unless what is inside their layers is further apart than `limit`, or nothing is finite.
+pub(crate) fn approach(shapes: &Difference<'_>, limit: f64) -> Option<Approach> {
+    let found = match nearest(shapes, limit) {
+        Nearest::Far => return None,
+        Nearest::Apart { between, on_first } => {
+            let distance = between.dot(between).sqrt();
+            Approach { normal: between * (1.0 / distance), between: distance, on_first }
+        }
+        Nearest::Overlap(simplex) => match penetration(shapes, &simplex) {
+            Some(found) => {
+                let between = shapes.separation(found.normal);
+                Approach { normal: found.normal, between, on_first: found.on_first }
+            }
+            None => flat(shapes),
+        },
+    };
+    let is_finite = found.between < limit && found.normal.dot(found.normal) > 0.5;
+    is_finite.then_some(found)
+}
+
+/// Shapes whose difference has no volume: a point in a triangle, or edges that cross.
+fn flat(shapes: &Difference<'_>) -> Approach {
+    let apart = shapes.place(shapes.second.middle()) - shapes.first.middle();
+    let up = Vector::new(0.0, 1.0, 0.0);
+    let normal = shapes.first.face_normal(apart).unwrap_or(if apart.dot(apart) > 0.0 { unit(apart) } else { up });
+    Approach { normal, between: shapes.separation(normal), on_first: shapes.first.support(normal) }
+}
+
+/// Along the normal of a face of either where that is as good.
+pub(crate) fn with_faces_first(shapes: &Difference<'_>, found: &Approach) -> Approach {
+    let faceted = shapes.first.is_faceted() && shapes.second.is_faceted();
+    let lead = if faceted { FACE_LEAD } else { ROUND_LEAD };
+    let of_first = shapes.first.face_normal(found.normal);
+    let of_second = shapes.second.face_normal(shapes.turned_back(found.normal * -1.0));
+    let faces = [of_first, of_second.map(|normal| shapes.turn(normal) * -1.0)];
+    let mut best = found.between;
+    let separations = faces.map(|face| face.map(|normal| (normal, shapes.separation(normal))));
+    for (_, separation) in separations.into_iter().flatten() {
+        if separation > best {
+            best = separation;
+        }
+    }
+    let taken = separations.into_iter().flatten().find(|(_, separation)| *separation >= best - lead);
+    taken.map_or(*found, |(normal, between)| Approach { normal, between, ..*found })
+}
+
+/// A placement in double precision.
+pub(crate) fn wide_placement<R: Scalar>(at: &Placement<R>) -> Placement<f64> {
+    let Quat { x, y, z, w } = at.orientation;
+    let orientation = Quat { x: x.into(), y: y.into(), z: z.into(), w: w.into() };
+    Placement { position: wide(at.position), orientation: orientation.normalize() }
+}
+
+/// Two shapes as seen from the first; `None` where either is nowhere.
+pub(crate) fn difference<'a>(
+    first: Convex<'a>,
+    first_at: &Placement<f64>,
+    second: Convex<'a>,
+    second_at: &Placement<f64>,
+) -> Option<Difference<'a>> {
+    let position = first_at.to_local(second_at.position);
+    let axes = second_at.orientation.axes().map(|axis| first_at.orientation.rotate_back(axis));
+    let size = axes.iter().fold(position.dot(position), |sum, axis| sum + axis.dot(*axis));
+    size.is_finite().then_some(Difference { first, second, position, axes })
+}
+
+/// The points of an approach, in the frame of the first.
+pub(crate) fn manifold_of(shapes: &Difference<'_>, found: &Approach, layers: [f64; 2], margin: f64) -> Manifold<f64> {
+    let Approach { normal, between, on_first } = *found;
+    let separation = between - (layers[0] + layers[1]);
+    let overlay = Overlay { normal, separation, layers, margin };
+    let of_first = shapes.first.feature(normal, margin);
+    let of_second = shapes.second.feature(shapes.turned_back(normal * -1.0), margin);
+    let of_second = of_second.seen(|point| shapes.place(point), |v| shapes.turn(v));
+    let nearest = on_first + normal * (layers[0] + 0.5 * separation);
+    overlay.manifold(&of_first, &of_second, nearest)
+}
+
+/// From the first to the second.
+pub(crate) fn convex_and_convex<R: Scalar>(
+    first: &Geometry<R>,
+    first_at: &Placement<R>,
+    second: &Geometry<R>,
+    second_at: &Placement<R>,
+    margin: R,
+) -> Manifold<R> {
+    let found = Convex::of(first).zip(Convex::of(second)).and_then(|((first, layer_1), (second, layer_2))| {
+        let shapes = difference(first, &wide_placement(first_at), second, &wide_placement(second_at))?;
+        let (layers, margin) = ([layer_1, layer_2], margin.into());
+        let found = approach(&shapes, margin + layer_1 + layer_2)?;
+        // What has a layer around it is round at its edges.
+        let found = if layer_1 + layer_2 > 0.0 { found } else { with_faces_first(&shapes, &found) };
+        Some(manifold_of(&shapes, &found, layers, margin))
+    });
+    found.map_or(Manifold::none(), |manifold| {
+        manifold.seen(|point| first_at.to_world(narrow(point)), |v| first_at.orientation.rotate(narrow(v)))
+    })
+}

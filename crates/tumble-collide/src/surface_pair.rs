@@ -1,0 +1,349 @@
+//! A surface of triangles against a convex shape, so that what slides over it does not stumble over edges that are none.
+//!
+//! A triangle holds with its own normal what is over it. Over a side or a corner it holds only what lies in the Voronoi region of that side or corner: in directions from which nothing else of the
+//! surface is nearer. Where the surface is flat or hollow there are none.
+
+use crate::bounds::Bounds;
+use crate::convex::{Convex, Vector, narrow, unit};
+use crate::convex_pair::{Approach, FACE_LEAD, approach, difference, manifold_of, wide_placement, with_faces_first};
+use crate::geometry::{Geometry, Placement};
+use crate::gjk::on_triangle;
+use crate::manifold::{ContactPoint, Manifold, Points};
+use crate::minkowski::Difference;
+use crate::overlay::{AS_NEAR, Overlay, is_corner_of_second, keep_nearest};
+use crate::reduction::reduce;
+use crate::scalar::Scalar;
+use crate::surface::Surface;
+
+/// Overlaps of no more than this part of the margin need no second look: the way out is the triangle's own.
+const SHALLOW: f64 = 0.05;
+/// A direction may be outside of a Voronoi region by so much, for rounding, as a sine.
+const OUTSIDE: f64 = 1e-3;
+/// Cosine of directions that are the same to a face and to an edge of it: within a thousandth of a radian.
+const SAME: f64 = 1.0 - 5e-7;
+/// A direction is turned out of the way of each side at a corner in turn, so many times around.
+const TURNS: usize = 4;
+/// Weight of a corner in a point that is beside it.
+const BESIDE: f64 = 1e-6;
+/// Points nearer to each other than this \[m\], squared, are one.
+const ONE_POINT: f64 = 1e-12;
+
+/// A point of contact with a triangle, before those that belong together are collected.
+#[derive(Clone, Copy, Debug)]
+struct Hit {
+    part: u32,
+    normal: Vector,
+    point: ContactPoint<f64>,
+    carried: f64,
+    /// Flat pieces that make this needless if they hold in the same direction.
+    beside: Option<[u32; 3]>,
+}
+
+/// A side or a corner of a triangle.
+#[derive(Clone, Copy, Debug)]
+struct Place {
+    part: u32,
+    /// Flat pieces there.
+    beside: [u32; 3],
+    /// The side, twice, or both sides of the corner.
+    sides: [usize; 2],
+    corner: usize,
+}
+
+/// A convex shape over a surface, seen from the surface.
+struct Over<'a, S> {
+    surface: &'a S,
+    shape: Convex<'a>,
+    at: Placement<f64>,
+    layer: f64,
+    margin: f64,
+    hits: Vec<Hit>,
+    /// Where no other triangle holds: how far the shape is over the plane of the one that is left the soonest, and its points there.
+    spare: Option<(f64, Vec<Hit>)>,
+}
+
+/// Shows the manifolds of a surface and a convex shape, from the former to the latter, each with the number of the part of the surface it belongs to.
+pub(crate) fn surface_and_convex<R: Scalar>(
+    surface: &impl Surface,
+    surface_at: &Placement<R>,
+    geometry: &Geometry<R>,
+    at: &Placement<R>,
+    margin: R,
+    visit: &mut dyn FnMut(u32, &Manifold<R>),
+) {
+    let Some((shape, layer)) = Convex::of(geometry) else { return };
+    if !surface_at.is_somewhere() || !at.is_somewhere() {
+        return;
+    }
+    let (ground, body) = (wide_placement(surface_at), wide_placement(at));
+    let orientation = (ground.orientation.conjugate() * body.orientation).normalize();
+    let at = Placement { position: ground.to_local(body.position), orientation };
+    let mut over = Over { surface, shape, at, layer, margin: margin.into(), hits: Vec::new(), spare: None };
+    over.find();
+    if let (true, Some((_, spare))) = (over.hits.is_empty(), over.spare.take()) {
+        over.hits = spare;
+    }
+    over.collect(&mut |part, manifold| {
+        let manifold =
+            manifold.seen(|point| surface_at.to_world(narrow(point)), |v| surface_at.orientation.rotate(narrow(v)));
+        visit(part, &manifold);
+    });
+}
+
+/// How many numbers for parts a surface needs.
+pub(crate) fn parts(surface: &impl Surface, points: usize) -> u32 {
+    surface.patches().count() + 3 * surface.count() + points as u32
+}
+
+impl<S: Surface> Over<'_, S> {
+    fn support(&self, d: Vector) -> Vector {
+        self.at.to_world(self.shape.support(self.at.orientation.rotate_back(d)))
+    }
+
+    fn find(&mut self) {
+        let reach = self.layer + self.margin;
+        let far = |axis: Vector| axis.dot(self.support(axis)) + reach;
+        let axes = [Vector::new(1.0, 0.0, 0.0), Vector::new(0.0, 1.0, 0.0), Vector::new(0.0, 0.0, 1.0)];
+        let [high, low] = [1.0, -1.0].map(|sign| axes.map(|axis| far(axis * sign) * sign));
+        let corner = |[x, y, z]: [f64; 3]| Vector::new(x, y, z);
+        let bounds = Bounds { low: corner(low), high: corner(high) };
+        let mut near = Vec::new();
+        self.surface.near(&bounds, &mut |triangle| near.push(triangle));
+        near.sort_unstable();
+        near.into_iter().for_each(|triangle| self.meet(triangle));
+    }
+
+    fn meet(&mut self, triangle: u32) {
+        let corners = self.surface.triangle(triangle);
+        let normal = self.surface.normal(triangle);
+        let depth = normal.dot(self.support(normal * -1.0) - corners[0]) - self.layer;
+        let middle = self.at.to_world(self.shape.middle());
+        // What is behind, or nowhere, or a triangle without area.
+        if !(depth <= self.margin && normal.dot(middle - corners[0]) > 0.0) {
+            return;
+        }
+        let Some(shapes) = difference(Convex::Triangle(corners), &Placement::at(Vector::zero()), self.shape, &self.at)
+        else {
+            return;
+        };
+        let over_face = self.over_face(triangle, &shapes, normal, depth);
+        let least = over_face.iter().fold(f64::INFINITY, |least, hit| f64::min(least, hit.point.separation));
+        let all_of_it = least <= depth + AS_NEAR * self.margin;
+        if !self.surface.patches().has_edge(triangle) || all_of_it && depth >= -SHALLOW * self.margin {
+            self.hits.extend(over_face);
+            return;
+        }
+        match approach(&shapes, self.margin + self.layer) {
+            Some(found) if found.between - self.layer <= depth + AS_NEAR * self.margin && all_of_it => {
+                self.hits.extend(over_face);
+            }
+            // What a side or a corner does not hold, a neighbour does.
+            Some(found) => match self.place(triangle, &found) {
+                Some(place) => self.over_edge(triangle, &place, &shapes, &found),
+                // Over the triangle's plane but beside the triangle nothing is nearer than the triangle itself.
+                None => self.hits.extend(over_face.into_iter().filter(|hit| {
+                    found.between <= 0.0 || hit.point.separation >= found.between - self.layer - FACE_LEAD
+                })),
+            },
+            None => {}
+        }
+    }
+
+    /// Points over the triangle itself.
+    fn over_face(&self, triangle: u32, shapes: &Difference<'_>, normal: Vector, depth: f64) -> Vec<Hit> {
+        let overlay = Overlay { normal, separation: depth, layers: [0.0, self.layer], margin: self.margin };
+        let below = shapes.second.feature(shapes.turned_back(normal * -1.0), self.margin);
+        let below = below.seen(|point| shapes.place(point), |v| shapes.turn(v));
+        let part = self.surface.patches().of_triangle(triangle);
+        let (points, carried) = overlay.shared(&shapes.first.feature(normal, self.margin), &below);
+        let hit = |mut point: ContactPoint<f64>| {
+            // What crosses a side of this triangle is not what crosses a side of another.
+            if !is_corner_of_second(point.feature) {
+                point.feature = point.feature.wrapping_add(triangle.wrapping_mul(0x9e37_79b1));
+            }
+            Hit { part, normal, point, carried, beside: None }
+        };
+        points.into_iter().map(hit).collect()
+    }
+
+    /// Points over the side or the corner that an approach goes out from, if it may.
+    fn over_edge(&mut self, triangle: u32, place: &Place, shapes: &Difference<'_>, found: &Approach) {
+        let surface = self.surface;
+        let settled = if self.layer > 0.0 { *found } else { with_faces_first(shapes, found) };
+        // Where they overlap, what is shortest for a triangle alone may lie outside of the region: then some direction at its border is nearly as short.
+        let across = |side: usize| surface.across(triangle, side).map(|other| surface.normal(other));
+        let borders = [Some(surface.normal(triangle)), across(place.sides[0]), across(place.sides[1])];
+        let led_away = self.led_away(triangle, place, found.normal);
+        let at_border = [Some(led_away)].into_iter().chain(borders).flatten().map(|normal| Approach {
+            normal,
+            between: shapes.separation(normal),
+            ..*found
+        });
+        // A direction from a ball's centre is as good as can be.
+        let lead = if self.layer > 0.0 { OUTSIDE * OUTSIDE } else { FACE_LEAD };
+        let as_short = |approach: &Approach| approach.between >= found.between - lead;
+        let mut ways = [settled, *found].into_iter().chain(at_border);
+        let Some(way) = ways.find(|way| as_short(way) && self.leads_away(triangle, place, way.normal)) else {
+            self.keep_spare(triangle, shapes, found);
+            return;
+        };
+        let manifold = manifold_of(shapes, &way, [0.0, self.layer], self.margin);
+        let (normal, carried) = (manifold.normal, manifold.carried);
+        let hit = |point: &ContactPoint<f64>| Hit {
+            part: place.part,
+            normal,
+            point: *point,
+            carried,
+            beside: Some(place.beside),
+        };
+        self.hits.extend(manifold.points().iter().map(hit));
+    }
+
+    /// Keeps a way out of a triangle whose own shortest way leads along the surface: that where it is short, or else through the face.
+    fn keep_spare(&mut self, triangle: u32, shapes: &Difference<'_>, found: &Approach) {
+        let is_shallow = found.between >= self.layer - SHALLOW * self.margin;
+        let normal = if is_shallow { found.normal } else { self.surface.normal(triangle) };
+        let between = shapes.separation(normal);
+        if found.between > 0.0 || self.spare.as_ref().is_some_and(|(most, _)| between <= *most) {
+            return;
+        }
+        let manifold = manifold_of(shapes, &Approach { normal, between, ..*found }, [0.0, self.layer], self.margin);
+        let part = self.surface.patches().of_triangle(triangle);
+        let carried = manifold.carried;
+        let hit = |point: &ContactPoint<f64>| Hit { part, normal, point: *point, carried, beside: None };
+        self.spare = Some((between, manifold.points().iter().map(hit).collect()));
+    }
+
+    /// The side or corner that an approach goes out from, unless it goes out from the face or nothing sticks out there.
+    fn place(&self, triangle: u32, found: &Approach) -> Option<Place> {
+        let (surface, patches) = (self.surface, self.surface.patches());
+        let across = |side| surface.across(triangle, side).map_or(u32::MAX, |other| patches.of_triangle(other));
+        let own = patches.of_triangle(triangle);
+        let corners = surface.triangle(triangle);
+        let near = if found.between > 0.0 {
+            on_triangle(corners.map(|corner| corner - found.on_first)).map(|weight| weight > BESIDE)
+        } else {
+            furthest(corners, found.normal)
+        };
+        let corner = near.iter().position(|near| *near)?;
+        let sides = match near {
+            [true, true, true] => return None,
+            [true, true, false] => [0; 2],
+            [false, true, true] => [1; 2],
+            [true, false, true] => [2; 2],
+            _ => [corner, (corner + 2) % 3],
+        };
+        let is_corner = sides[0] != sides[1];
+        let is_sharp = if is_corner { patches.is_sharp(triangle, corner) } else { patches.is_edge(triangle, sides[0]) };
+        if !is_sharp {
+            return None;
+        }
+        let beside = [own, across(sides[0]), across(sides[1])];
+        let part = patches.count()
+            + if is_corner {
+                3 * surface.count() + surface.corners(triangle)[corner]
+            } else {
+                self.side_number(triangle, sides[0])
+            };
+        Some(Place { part, beside, sides, corner })
+    }
+
+    /// The same from both triangles of a side.
+    fn side_number(&self, triangle: u32, side: usize) -> u32 {
+        let own = 3 * triangle + side as u32;
+        let Some(other) = self.surface.across(triangle, side) else { return own };
+        let back = (0..3).find(|back| self.surface.across(other, *back) == Some(triangle));
+        back.map_or(own, |back| own.min(3 * other + back as u32))
+    }
+
+    /// Whether a direction out of a side or corner leads away from all of the surface there, to the outside.
+    fn leads_away(&self, triangle: u32, place: &Place, out: Vector) -> bool {
+        let [side, other] = place.sides;
+        // Over a sharp edge it may look away from one of both faces.
+        let looks_out = |normal: Vector| out.dot(normal) >= -OUTSIDE;
+        let beyond =
+            |side| self.surface.across(triangle, side).is_some_and(|next| looks_out(self.surface.normal(next)));
+        let mut is_away = looks_out(self.surface.normal(triangle)) || beyond(side) || beyond(other);
+        self.inwards(triangle, place, &mut |inwards| is_away &= out.dot(inwards) <= OUTSIDE);
+        is_away
+    }
+
+    /// A direction out of a side or corner, turned until it leads away from all of the surface there, if that is not far.
+    fn led_away(&self, triangle: u32, place: &Place, out: Vector) -> Vector {
+        let mut led = out;
+        for _ in 0..TURNS {
+            self.inwards(triangle, place, &mut |inwards| {
+                let along = led.dot(inwards);
+                if along > 0.0 {
+                    led = led - inwards * along;
+                }
+            });
+        }
+        unit(led)
+    }
+
+    /// Shows unit vectors from a side, along both triangles and across it, or from a corner along all sides.
+    fn inwards(&self, triangle: u32, place: &Place, visit: &mut dyn FnMut(Vector)) {
+        let corners = self.surface.triangle(triangle);
+        let [side, other] = place.sides;
+        if side != other {
+            let corner = corners[place.corner];
+            self.surface.around(self.surface.corners(triangle)[place.corner], &mut |end| {
+                visit(unit(self.surface.point(end) - corner));
+            });
+            return;
+        }
+        let (from, to) = (corners[side], corners[(side + 1) % 3]);
+        let along = unit(to - from);
+        for inside in [Some(corners[(side + 2) % 3]), self.surface.opposite(triangle, side)].into_iter().flatten() {
+            let away = inside - from;
+            visit(unit(away - along * along.dot(away)));
+        }
+    }
+
+    /// Puts hits of a part together and shows the few that hold as all of them would.
+    fn collect(&mut self, visit: &mut dyn FnMut(u32, &Manifold<f64>)) {
+        let faces: Vec<(u32, Vector)> =
+            self.hits.iter().filter(|hit| hit.beside.is_none()).map(|hit| (hit.part, hit.normal)).collect();
+        let is_held = |hit: &Hit| {
+            hit.beside.is_some_and(|beside| {
+                faces.iter().any(|(part, normal)| beside.contains(part) && normal.dot(hit.normal) > SAME)
+            })
+        };
+        self.hits.retain(|hit| !is_held(hit));
+        // Those of one part in the order of the triangles.
+        self.hits.sort_by_key(|hit| hit.part);
+        let mut points: Vec<ContactPoint<f64>> = Vec::new();
+        for hits in self.hits.chunk_by(|a, b| a.part == b.part) {
+            points.clear();
+            let (normal, mut carried) = (hits[0].normal, 0.0);
+            for hit in hits {
+                carried += hit.carried / hits.len() as f64;
+                let is_near = |point: &ContactPoint<f64>| {
+                    let apart = point.position - hit.point.position;
+                    apart.dot(apart) < ONE_POINT
+                };
+                if !points.iter().any(is_near) {
+                    points.push(hit.point);
+                }
+            }
+            let mut few = if points.is_empty() { Points::none() } else { reduce(&points, normal, self.margin) };
+            keep_nearest(&mut few, &points, self.margin);
+            visit(hits[0].part, &Manifold::new(normal, carried, few));
+        }
+    }
+}
+
+/// Which corners of a triangle are furthest in a direction. (Of an overlap, where it is deepest is not as certain.)
+fn furthest(corners: [Vector; 3], direction: Vector) -> [bool; 3] {
+    let mut first = corners[0];
+    for corner in corners {
+        if direction.dot(corner - first) > 0.0 {
+            first = corner;
+        }
+    }
+    corners.map(|corner| {
+        let apart = first - corner;
+        direction.dot(apart) <= OUTSIDE * apart.dot(apart).sqrt()
+    })
+}

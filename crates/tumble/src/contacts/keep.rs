@@ -1,0 +1,40 @@
+use super::contact::{Contact, HELD, RUBBED};
+use super::frame::Frame;
+use super::passes::Blocks;
+use super::rows::put_two_vectors;
+use super::rubbing::Rubbing;
+use crate::simd::{BLOCK, Eight, Kernel, Tile};
+
+/// Gives the impulses of blocks back to the contacts.
+pub(super) struct Keep<'a, const P: usize, const C: usize> {
+    pub(super) blocks: Blocks<'a, P, C>,
+    pub(super) contacts: &'a mut [Contact],
+}
+
+impl<const P: usize, const C: usize> Kernel for Keep<'_, P, C> {
+    #[inline(always)]
+    fn len(&self) -> usize {
+        self.blocks.blocks.len() * BLOCK
+    }
+
+    #[inline(always)]
+    fn tile<T: Tile>(&mut self, i: usize) {
+        let (index, lane) = (i / BLOCK, i % BLOCK);
+        let block = &self.blocks.blocks[index];
+        let frame = Frame::<T>::load(block, lane);
+        let rubbing = Rubbing::load(&block.friction, self.blocks.rolling.get(index), lane);
+        let mut rubbed = [Eight([0.0; 8]); BLOCK];
+        put_two_vectors(rubbing.linear(&frame), rubbing.angular(&frame), &mut rubbed);
+        let mut l = 0;
+        while l < T::WIDTH && lane + l < block.count {
+            let contact = &mut self.contacts[block.contacts[lane + l] as usize];
+            contact.numbers[RUBBED] = rubbed[l];
+            let mut j = 0;
+            while j < P {
+                contact.numbers[HELD].0[j] = block.points[j].impulse[lane + l];
+                j += 1;
+            }
+            l += 1;
+        }
+    }
+}

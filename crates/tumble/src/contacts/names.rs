@@ -1,0 +1,146 @@
+//! What bodies are called, so that contacts are theirs from step to step, and in another world.
+
+use hecs::{Entity, World};
+
+use super::collider::Collider;
+use super::contact::Contact;
+use crate::components::{BodyId, Pose};
+use crate::members::Members;
+
+/// What a body is called: by its [`BodyId`], whatever its entity, or without one by the number of its entity. In the order of members.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub(crate) enum Name {
+    Id(BodyId),
+    Entity(u32),
+}
+
+impl Name {
+    pub(super) fn of(id: Option<BodyId>, entity: u32) -> Self {
+        id.map_or(Self::Entity(entity), Self::Id)
+    }
+}
+
+/// Who the slots of contacts stand for.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Names {
+    /// In order; equal ones only where bodies of the world have the same [`BodyId`].
+    names: Vec<Name>,
+    /// By slot; the one that was in the world when it was last looked.
+    entities: Vec<Entity>,
+    /// By old slot, the one that the name has now.
+    now: Vec<u32>,
+}
+
+/// Two bodies that touched, of which one is gone.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Parted {
+    pub(super) names: [Name; 2],
+    pub(super) entities: [Entity; 2],
+}
+
+/// No slot.
+const NONE: u32 = u32::MAX;
+
+impl Names {
+    pub(super) fn len(&self) -> usize {
+        self.names.len()
+    }
+
+    pub(super) fn name(&self, slot: u32) -> Name {
+        self.names[slot as usize]
+    }
+
+    pub(super) fn entity(&self, slot: u32) -> Entity {
+        self.entities[slot as usize]
+    }
+
+    /// Whether a slot's body was in the world when it was last looked.
+    pub(super) fn is_here(&self, slot: u32) -> bool {
+        self.entity(slot) != Entity::DANGLING
+    }
+
+    /// Gives contacts the slots that the names of their bodies have now, and drops those of bodies that are gone; `parted` are those of them that touched. Returns whether slots are
+    /// others than they were.
+    pub(super) fn renew(
+        &mut self,
+        world: &World,
+        members: &Members,
+        contacts: &mut Vec<Contact>,
+        parted: &mut Vec<Parted>,
+    ) -> bool {
+        let member = |slot: usize| {
+            let (_, id, entity) = members.key(slot);
+            Name::of(id, entity)
+        };
+        let count = members.len();
+        let same = self.names.len() == count && self.names.iter().enumerate().all(|(slot, name)| *name == member(slot));
+        if !same {
+            self.match_names(count, member);
+            let Self { names, entities, now } = &*self;
+            contacts.retain_mut(|contact| {
+                let old = contact.slots;
+                contact.slots = old.map(|slot| now[slot as usize]);
+                let stays = !contact.slots.contains(&NONE);
+                if !stays && contact.touches() {
+                    let [a, b] = [old[0].min(old[1]), old[0].max(old[1])].map(|slot| slot as usize);
+                    parted.push(Parted { names: [names[a], names[b]], entities: [entities[a], entities[b]] });
+                }
+                stays
+            });
+            self.names.clear();
+            self.names.extend((0..count).map(member));
+        }
+        self.entities.clear();
+        self.entities.resize(count, Entity::DANGLING);
+        for entity in world.query::<Entity>().with::<&Collider>().iter() {
+            if let Some(slot) = members.slot(entity.id()) {
+                self.entities[slot] = entity;
+            }
+        }
+        !same
+    }
+
+    /// Finds the new slots of names: of equal names the first has the first slot, and no two the same.
+    fn match_names(&mut self, count: usize, member: impl Fn(usize) -> Name) {
+        self.now.clear();
+        let mut slot = 0;
+        for name in &self.names {
+            while slot < count && member(slot) < *name {
+                slot += 1;
+            }
+            if slot < count && member(slot) == *name {
+                self.now.push(slot as u32);
+                slot += 1;
+            } else {
+                self.now.push(NONE);
+            }
+        }
+    }
+
+    /// Takes names that are in order, and finds who they are in a world; who is not there is [`Entity::DANGLING`].
+    pub(super) fn set(&mut self, names: &[Name], world: &World) {
+        self.names.clear();
+        self.names.extend_from_slice(names);
+        self.entities.clear();
+        self.entities.resize(names.len(), Entity::DANGLING);
+        if names.is_empty() {
+            return;
+        }
+        let mut next = 0;
+        for (entity, id) in world.query::<(Entity, Option<&BodyId>)>().with::<&Pose>().iter() {
+            let name = Name::of(id.copied(), entity.id());
+            // Most worlds have their bodies in order.
+            let place = if names.get(next) == Some(&name) { Ok(next) } else { names.binary_search(&name) };
+            if let Ok(place) = place {
+                self.entities[place] = entity;
+                next = place + 1;
+            }
+        }
+    }
+
+    /// Without anyone.
+    pub(super) fn clear(&mut self) {
+        self.names.clear();
+        self.entities.clear();
+    }
+}

@@ -1,0 +1,201 @@
+//! Rows that threads change at the same time, each its own: what makes that sound is checked when the rows are listed.
+
+#![allow(unsafe_code, reason = "rows that are changed through a shared pointer; see the SAFETY notes")]
+
+use std::marker::PhantomData;
+use std::ops::Range;
+
+use super::{BLOCK, Eight, Tile};
+
+/// Blocks of pairs of rows, in colours: within a colour no row that is changed occurs twice.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Colours {
+    blocks: Vec<RowPairs>,
+    colours: Vec<Colour>,
+    /// By row that may be changed, the last colour in which it is.
+    last: Vec<usize>,
+}
+
+/// Eight pairs of rows.
+#[derive(Clone, Copy, Debug)]
+struct RowPairs {
+    rows: [[u32; BLOCK]; 2],
+    /// How many lanes have a pair of their own; the others are not changed.
+    count: usize,
+}
+
+#[derive(Clone, Debug)]
+struct Colour {
+    /// Whether the first rows are only read.
+    grounded: bool,
+    blocks: Range<usize>,
+}
+
+impl Colours {
+    /// No blocks, of rows of which the first `changing` may be changed, but for the last of these: it stands for no row.
+    pub(crate) fn reset(&mut self, changing: usize) {
+        self.blocks.clear();
+        self.colours.clear();
+        self.last.clear();
+        self.last.resize(changing, usize::MAX);
+    }
+
+    /// Begins a colour. Where it is `grounded`, the first rows of its pairs are ones that are never changed, else both are changed.
+    pub(crate) fn begin(&mut self, grounded: bool) {
+        let end = self.blocks.len();
+        self.colours.push(Colour { grounded, blocks: end..end });
+    }
+
+    /// Adds a block of at most eight pairs to the colour that was begun last.
+    ///
+    /// # Panics
+    /// Where a row that is changed was in this colour before, or a row is not of the kind that the colour is for: the threads would not be safe from each other.
+    pub(crate) fn push(&mut self, pairs: impl Iterator<Item = [u32; 2]>) {
+        let nobody = self.last.len() - 1;
+        let mut block = RowPairs { rows: [[nobody as u32; BLOCK]; 2], count: 0 };
+        let index = self.colours.len() - 1;
+        let colour = &mut self.colours[index];
+        for [first, second] in pairs.take(BLOCK) {
+            let changed = if colour.grounded { &[second][..] } else { &[first, second][..] };
+            for row in changed {
+                assert!((*row as usize) < nobody, "row {row} is not to be changed");
+                let last = std::mem::replace(&mut self.last[*row as usize], index);
+                assert!(last != index, "row {row} is changed twice in a colour");
+            }
+            assert!(!colour.grounded || first as usize > nobody, "row {first} is only read, but may be changed");
+            (block.rows[0][block.count], block.rows[1][block.count]) = (first, second);
+            block.count += 1;
+        }
+        self.blocks.push(block);
+        colour.blocks.end += 1;
+    }
+
+    /// The blocks of a colour, to change rows with.
+    ///
+    /// # Panics
+    /// Where there are fewer rows than may be changed.
+    pub(crate) fn rows<'a>(&'a self, colour: usize, rows: &'a mut [Eight]) -> Rows<'a> {
+        assert!(rows.len() >= self.last.len(), "too few rows");
+        let Colour { grounded, blocks } = self.colours[colour].clone();
+        Rows { blocks: &self.blocks[blocks], grounded, base: rows.as_mut_ptr(), count: rows.len(), rows: PhantomData }
+    }
+}
+
+/// Some of the blocks of one colour: nobody else has access to the rows that they change, and nobody changes those that they only read.
+pub(crate) struct Rows<'a> {
+    blocks: &'a [RowPairs],
+    grounded: bool,
+    base: *mut Eight,
+    count: usize,
+    rows: PhantomData<&'a mut [Eight]>,
+}
+
+// SAFETY: the rows that blocks of one colour change are different ones, and there is one `Rows` for a block at a time: it is made from the only reference
+// to the rows, and split into parts without a block in common.
+unsafe impl Send for Rows<'_> {}
+
+impl Rows<'_> {
+    /// The first so many blocks, and the others.
+    pub(crate) fn split_at(self, middle: usize) -> (Self, Self) {
+        let (first, second) = self.blocks.split_at(middle);
+        (Self { blocks: first, ..self }, Self { blocks: second, ..self })
+    }
+
+    /// Whether the first rows are only read.
+    #[inline(always)]
+    pub(crate) fn is_grounded(&self) -> bool {
+        self.grounded
+    }
+
+    /// Which rows the pairs of a block are.
+    #[inline(always)]
+    pub(crate) fn pairs(&self, block: usize) -> &[[u32; BLOCK]; 2] {
+        &self.blocks[block].rows
+    }
+
+    /// The first or the second rows of a tile from `lane` on, next to each other.
+    #[inline(always)]
+    pub(crate) fn gather<T: Tile>(&self, block: usize, which: usize, lane: usize) -> [Eight; BLOCK] {
+        let rows = &self.blocks[block].rows[which];
+        let mut gathered = [Eight([0.0; 8]); BLOCK];
+        let mut i = 0;
+        while i < T::WIDTH {
+            let row = rows[lane + i] as usize;
+            assert!(row < self.count);
+            // SAFETY: the row is there, and nobody changes it: see the type.
+            gathered[i] = unsafe { *self.base.add(row) };
+            i += 1;
+        }
+        gathered
+    }
+
+    /// Puts rows back to where [`gather`](Self::gather) took them. First rows that are only read stay as they are, and so does the row that stands for none.
+    #[inline(always)]
+    pub(crate) fn scatter<T: Tile>(&mut self, gathered: &[Eight; BLOCK], block: usize, which: usize, lane: usize) {
+        let RowPairs { rows, count } = &self.blocks[block];
+        let count = if self.grounded && which == 0 { 0 } else { *count };
+        let mut i = 0;
+        while i < T::WIDTH && lane + i < count {
+            let row = rows[which][lane + i] as usize;
+            assert!(row < self.count);
+            // SAFETY: the row is there, and nobody else has access to it: see the type.
+            unsafe { *self.base.add(row) = gathered[i] };
+            i += 1;
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn colours() -> Colours {
+        let mut colours = Colours::default();
+        // Rows 0 to 2 may be changed, 3 stands for none, those from 4 on are only read.
+        colours.reset(4);
+        colours
+    }
+
+    #[test]
+    fn rows_are_changed_once_a_colour() {
+        let mut colours = colours();
+        colours.begin(false);
+        colours.push([[0, 1]].into_iter());
+        colours.begin(true);
+        colours.push([[4, 1], [4, 2]].into_iter());
+        let mut rows = [1.0, 2.0, 3.0, 4.0, 5.0].map(|x| Eight([x; 8]));
+        let mut of_colour = colours.rows(1, &mut rows);
+        let gathered = of_colour.gather::<crate::math::Real>(0, 1, 1);
+        assert_eq!(gathered[0].0[0], 3.0);
+        of_colour.scatter::<crate::math::Real>(&[Eight([9.0; 8]); BLOCK], 0, 1, 1);
+        of_colour.scatter::<crate::math::Real>(&[Eight([9.0; 8]); BLOCK], 0, 0, 0);
+        // A lane without a pair.
+        of_colour.scatter::<crate::math::Real>(&[Eight([9.0; 8]); BLOCK], 0, 1, 5);
+        assert_eq!(rows.map(|row| row.0[0]), [1.0, 2.0, 9.0, 4.0, 5.0]);
+    }
+
+    #[test]
+    #[should_panic(expected = "row 1 is changed twice")]
+    fn a_row_is_not_changed_twice() {
+        let mut colours = colours();
+        colours.begin(false);
+        colours.push([[0, 1]].into_iter());
+        colours.push([[1, 2]].into_iter());
+    }
+
+    #[test]
+    #[should_panic(expected = "row 2 is only read")]
+    fn what_is_only_read_is_never_changed() {
+        let mut colours = colours();
+        colours.begin(true);
+        colours.push([[2, 1]].into_iter());
+    }
+
+    #[test]
+    #[should_panic(expected = "row 3 is not to be changed")]
+    fn what_stands_for_none_is_never_changed() {
+        let mut colours = colours();
+        colours.begin(true);
+        colours.push([[4, 3]].into_iter());
+    }
+}

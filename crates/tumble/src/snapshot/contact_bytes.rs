@@ -1,0 +1,158 @@
+//! The contacts of a snapshot as bytes; see [`bytes`](super::bytes) for the format.
+
+use super::SnapshotError;
+use super::bytes::{NUMBER, Reader};
+use super::error::ContactDefect;
+use crate::components::BodyId;
+use crate::contacts::{Name, SavedContact, SavedContacts, SavedPoint};
+use crate::math::Real;
+
+/// How far from one the length of a normal may be.
+const UNIT_TOLERANCE: Real = 1e-3;
+/// The bit beside the number of points that says whether the bodies touched before.
+const TOUCHED: u32 = 1 << 8;
+
+/// How many there are of what a file has of contacts.
+#[derive(Clone, Copy, Default)]
+pub(super) struct Counts {
+    /// Bodies by [`BodyId`], and by entity.
+    names: [u64; 2],
+    contacts: u64,
+    points: u64,
+}
+
+impl Counts {
+    fn of(names: &[Name], contacts: &[SavedContact]) -> Self {
+        let ids = names.iter().filter(|name| matches!(name, Name::Id(_))).count();
+        let points = contacts.iter().map(|contact| contact.count).sum::<usize>();
+        Self { names: [ids as u64, (names.len() - ids) as u64], contacts: contacts.len() as u64, points: points as u64 }
+    }
+
+    pub(super) fn read(reader: &mut Reader<'_>) -> Result<Self, SnapshotError> {
+        let names = [reader.u64()?, reader.u64()?];
+        Ok(Self { names, contacts: reader.u64()?, points: reader.u64()? })
+    }
+
+    /// How many bytes they take; `u64::MAX` where it is more.
+    pub(super) fn length(&self) -> u64 {
+        let number = NUMBER as u64;
+        let [ids, entities] = self.names;
+        let parts = [
+            ids.saturating_mul(8 + 3 * number),
+            entities.saturating_mul(4 + 3 * number),
+            self.contacts.saturating_mul(16 + 9 * number),
+            self.points.saturating_mul(4 + 5 * number),
+        ];
+        parts.into_iter().fold(0, u64::saturating_add)
+    }
+}
+
+/// Contacts on their way into a file.
+pub(super) struct Written<'a> {
+    saved: &'a SavedContacts,
+    contacts: Vec<SavedContact>,
+    pub(super) counts: Counts,
+}
+
+impl<'a> Written<'a> {
+    pub(super) fn new(saved: &'a SavedContacts) -> Self {
+        let contacts = saved.contacts();
+        let counts = Counts::of(saved.names(), &contacts);
+        Self { saved, contacts, counts }
+    }
+
+    pub(super) fn write_counts(&self, bytes: &mut Vec<u8>) {
+        let Counts { names: [ids, entities], contacts, points } = self.counts;
+        bytes.extend([ids, entities, contacts, points].into_iter().flat_map(u64::to_le_bytes));
+    }
+
+    pub(super) fn write(&self, bytes: &mut Vec<u8>) {
+        for name in self.saved.names() {
+            match name {
+                Name::Id(id) => bytes.extend(id.0.to_le_bytes()),
+                Name::Entity(entity) => bytes.extend(entity.to_le_bytes()),
+            }
+        }
+        bytes.extend(self.saved.centers().iter().flatten().flat_map(|number| number.to_le_bytes()));
+        for contact in &self.contacts {
+            let [first, second] = contact.bodies;
+            let points = contact.count as u32 | if contact.touched { TOUCHED } else { 0 };
+            bytes.extend([first, second, contact.part, points].into_iter().flat_map(u32::to_le_bytes));
+            bytes.extend(contact.numbers.into_iter().flat_map(Real::to_le_bytes));
+        }
+        for point in self.contacts.iter().flat_map(|contact| &contact.points[..contact.count]) {
+            bytes.extend(point.feature.to_le_bytes());
+            bytes.extend(point.numbers.into_iter().flat_map(Real::to_le_bytes));
+        }
+    }
+}
+
+/// Reads so many, which are known to be there, and checks that a step can have left them.
+pub(super) fn read(reader: &mut Reader<'_>, counts: &Counts) -> Result<SavedContacts, SnapshotError> {
+    let [ids, entities] = counts.names.map(|count| count as usize);
+    let mut names = reader.many(ids, |reader| Ok(Name::Id(BodyId(reader.u64()?))))?;
+    names.extend(reader.many(entities, |reader| Ok(Name::Entity(reader.u32()?)))?);
+    let centers = reader.many(names.len(), Reader::numbers)?;
+    if let Some(pair) = names.windows(2).position(|pair| pair[0] >= pair[1]) {
+        return Err(SnapshotError::ContactBody { body: pair + 1 });
+    }
+    if let Some(body) = centers.iter().position(|center| !center.iter().all(|number| number.is_finite())) {
+        return Err(SnapshotError::ContactBody { body });
+    }
+    let mut contacts = reader.many(counts.contacts as usize, contact)?;
+    if let Some(index) = contacts.iter().position(|contact| !(1..=contact.points.len()).contains(&contact.count)) {
+        return Err(SnapshotError::Contact { contact: index, defect: ContactDefect::Points });
+    }
+    // One too many or too few is somewhere; where cannot be told.
+    if contacts.iter().map(|contact| contact.count as u64).sum::<u64>() != counts.points {
+        let contact = contacts.len().saturating_sub(1);
+        return Err(SnapshotError::Contact { contact, defect: ContactDefect::Points });
+    }
+    for contact in &mut contacts {
+        for point in &mut contact.points[..contact.count] {
+            *point = SavedPoint { feature: reader.u32()?, numbers: reader.numbers()? };
+        }
+    }
+    let mut before = None;
+    for (index, contact) in contacts.iter().enumerate() {
+        if let Some(defect) = defect(contact, before, names.len()) {
+            return Err(SnapshotError::Contact { contact: index, defect });
+        }
+        before = Some(contact);
+    }
+    Ok(SavedContacts::new(names, centers, &contacts))
+}
+
+fn contact(reader: &mut Reader<'_>) -> Result<SavedContact, SnapshotError> {
+    let (bodies, part, points) = ([reader.u32()?, reader.u32()?], reader.u32()?, reader.u32()?);
+    Ok(SavedContact {
+        bodies,
+        part,
+        touched: points & TOUCHED != 0,
+        numbers: reader.numbers()?,
+        points: Default::default(),
+        count: (points & !TOUCHED) as usize,
+    })
+}
+
+/// What is wrong with a contact that comes after another, of so many bodies.
+fn defect(contact: &SavedContact, before: Option<&SavedContact>, bodies: usize) -> Option<ContactDefect> {
+    let [first, second] = contact.bodies;
+    let points = &contact.points[..contact.count];
+    let numbers = || contact.numbers.iter().chain(points.iter().flat_map(|point| &point.numbers));
+    let [x, y, z, ..] = contact.numbers;
+    let length = (x * x + y * y + z * z).sqrt();
+    if first == second || first.max(second) as usize >= bodies {
+        Some(ContactDefect::Bodies)
+    } else if before.is_some_and(|before| before.key() >= contact.key()) {
+        Some(ContactDefect::Order)
+    } else if !numbers().all(|number| number.is_finite()) {
+        Some(ContactDefect::NotFinite)
+    } else if (length - 1.0).abs() > UNIT_TOLERANCE {
+        Some(ContactDefect::Normal)
+    } else if points.iter().any(|point| point.numbers[4] < 0.0) {
+        Some(ContactDefect::Pull)
+    } else {
+        None
+    }
+}

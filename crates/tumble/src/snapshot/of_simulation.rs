@@ -1,0 +1,82 @@
+//! Snapshots with what the simulation knows beside the world: the time, and the contacts.
+
+use hecs::{Entity, World};
+
+use super::{Matching, Snapshot, SnapshotError};
+use crate::simulation::Simulation;
+
+impl Simulation {
+    /// The state of the world's bodies, the [`clock`](Self::clock) and the contacts now: all that a run goes on from, to the bit. To be taken between steps, as [`Snapshot::capture`].
+    ///
+    /// ```
+    /// use tumble::{BodyOrder, Collider, Snapshot, prelude::*, state_hash};
+    ///
+    /// let mut world = tumble::hecs::World::new();
+    /// RigidBody::new(Shape::Point).fixed().build()?.spawn_with(&mut world, (Collider::half_space(),));
+    /// let shape = Shape::cuboid([0.5, 0.5, 0.5]);
+    /// let collider = Collider::new(&shape)?;
+    /// let crate_of_tea = RigidBody::new(shape).mass(2.0).position(Vec3::Y * 0.51).id(BodyId(1));
+    /// crate_of_tea.build()?.spawn_with(&mut world, (collider,));
+    /// let mut simulation = Simulation::new(Settings::default())?;
+    /// simulation.step_many(&mut world, 30);
+    ///
+    /// let file = simulation.snapshot(&world)?.to_bytes();
+    /// simulation.step_many(&mut world, 30);
+    /// let there = state_hash(&world, &BodyOrder::of(&world));
+    ///
+    /// simulation.restore(&Snapshot::from_bytes(&file)?, &mut world)?;
+    /// simulation.step_many(&mut world, 30);
+    /// assert_eq!(state_hash(&world, &BodyOrder::of(&world)), there);
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    ///
+    /// # Errors
+    /// As [`Snapshot::capture`].
+    pub fn snapshot(&self, world: &World) -> Result<Snapshot, SnapshotError> {
+        let mut snapshot = Snapshot::default();
+        self.take_snapshot(world, &mut snapshot)?;
+        Ok(snapshot)
+    }
+
+    /// Puts back the world's bodies as [`Snapshot::restore`] does, the contacts, and the [`clock`](Self::clock) where the snapshot has one. Returns the bodies that were spawned since.
+    ///
+    /// Contacts belong to bodies by their [`BodyId`](crate::BodyId)s; fixed bodies without one, which are scenery, go by the numbers of their entities. Contacts with scenery that is not there are dropped.
+    /// A snapshot without contacts, as [`Snapshot::capture`] takes it, empties the simulation's: the next step begins with no impulse between bodies, and so with other bits than the run
+    /// that was captured where anything touched.
+    ///
+    /// # Errors
+    /// As [`Snapshot::restore`]; world and simulation are unchanged then.
+    pub fn restore(&mut self, snapshot: &Snapshot, world: &mut World) -> Result<Vec<Entity>, SnapshotError> {
+        self.restore_with(snapshot, world, &mut Matching::default())
+    }
+
+    /// [`snapshot`](Self::snapshot) in the place of what one held.
+    pub(crate) fn take_snapshot(&self, world: &World, snapshot: &mut Snapshot) -> Result<(), SnapshotError> {
+        snapshot.recapture(world)?;
+        snapshot.set_clock(self.clock());
+        if let Some(contacts) = self.coupling.as_ref().and_then(|coupling| coupling.contacts.as_ref()) {
+            contacts.save(&mut snapshot.contacts);
+        }
+        Ok(())
+    }
+
+    /// [`restore`](Self::restore) with buffers to use again.
+    pub(crate) fn restore_with(
+        &mut self,
+        snapshot: &Snapshot,
+        world: &mut World,
+        matching: &mut Matching,
+    ) -> Result<Vec<Entity>, SnapshotError> {
+        let spawned_since = snapshot.restore_with(world, matching)?;
+        if let Some(clock) = snapshot.clock() {
+            self.set_clock(clock);
+        }
+        if !snapshot.contacts.is_empty() {
+            let contacts = self.coupling.get_or_insert_default().contacts.get_or_insert_default();
+            contacts.put_back(&snapshot.contacts, world);
+        } else if let Some(contacts) = self.coupling.as_mut().and_then(|coupling| coupling.contacts.as_mut()) {
+            contacts.forget();
+        }
+        Ok(spawned_since)
+    }
+}
