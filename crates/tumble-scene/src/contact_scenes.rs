@@ -31,7 +31,7 @@ pub(crate) const CONTACT_SCENES: [ContactScene; 8] = [
         bodies: None,
         is_seeded: false,
         description: "A ball into the pocket of ten pins.",
-        source: "Spots of the pins, weight and size of the ball: USBC Equipment Specifications; pins are blocks of a pin's height and weight.",
+        source: "Spots of the pins, weight and size of the ball: USBC Equipment Specifications; pins have a pin's height and weight, and a foot, a neck and a head.",
         make: |_, _| bowling::scene(),
     },
     ContactScene {
@@ -62,7 +62,7 @@ pub(crate) const CONTACT_SCENES: [ContactScene; 8] = [
         name: "pile",
         bodies: Some(400),
         is_seeded: true,
-        description: "Boxes, planks and balls of many sizes fall on a heap.",
+        description: "Boxes, planks, balls, drums, pills and cones of many sizes fall on a heap.",
         source: "Our own.",
         make: pile::scene,
     },

@@ -209,9 +209,11 @@ fn gltf(nodes: &str) -> Scene {
     let text = format!(
         r#"{{ "asset": {{ "version": "2.0" }}, "nodes": [ {nodes} ], "extensions": {{
             "KHR_implicit_shapes": {{ "shapes": [ {{ "type": "plane" }}, {{ "type": "sphere", "sphere": {{ "radius": 0.5 }} }},
-                {{ "type": "plane", "plane": {{ "sizeX": 2, "sizeZ": 2 }} }} ] }},
-            "KHR_physics_rigid_bodies": {{ "physicsMaterials": [ {{ "restitution": 1, "restitutionCombine": "maximum", "dynamicFriction": 0.25 }} ],
-                "collisionFilters": [ {{ "collisionSystems": [ "a" ] }} ] }} }} }}"#
+                {{ "type": "plane", "plane": {{ "sizeX": 2, "sizeZ": 2 }} }},
+                {{ "type": "plane", "plane": {{ "doubleSided": true }} }} ] }},
+            "KHR_physics_rigid_bodies": {{ "physicsMaterials": [ {{ "restitution": 1, "restitutionCombine": "maximum", "dynamicFriction": 0.25 }}, {{ "restitution": 1.5 }} ],
+                "collisionFilters": [ {{ "collisionSystems": [ "a" ] }}, {{ "collideWithSystems": [ "a" ] }},
+                    {{ "notCollideWithSystems": [ "a" ] }} ] }} }} }}"#
     );
     Scene::from_gltf(text.as_bytes(), "file.gltf").unwrap()
 }
@@ -249,18 +251,98 @@ fn colliders_of_gltf_touch() {
     assert!((height - 3.0).abs() < 0.2, "{height}");
 }
 
+/// A plane with an end, moved up by its node, holds a ball that falls on it, and one that falls beside it falls on.
+#[test]
+fn a_plane_with_an_end_ends() {
+    let plate = node("plate", [0.0, 1.0, 0.0], r#""collider": { "geometry": { "shape": 2 } }"#);
+    let ball = |name: &str, x: f64| {
+        node(name, [x, 2.0, 0.0], r#""motion": { "mass": 2 }, "collider": { "geometry": { "shape": 1 } }"#)
+    };
+    let scene = gltf(&format!("{plate}, {}, {}", ball("on", 0.25), ball("off", 2.5)));
+    assert!(scene.notices.is_empty(), "{:?}", scene.notices);
+    let places = run(scene, 180);
+    assert!((places[1].y - 1.5).abs() < 2e-3, "{places:?}");
+    assert!(places[2].y < -10.0, "{places:?}");
+}
+
+/// Filter 0 is of system a, filter 1 collides with a only, filter 2 with all but a.
+#[test]
+fn filters_decide_who_touches() {
+    let floor =
+        |filter: &str| node("floor", [0.0; 3], &format!(r#""collider": {{ "geometry": {{ "shape": 0 }} {filter} }}"#));
+    let ball = |filter: &str| {
+        let collider = format!(r#""motion": {{ "mass": 2 }}, "collider": {{ "geometry": {{ "shape": 1 }} {filter} }}"#);
+        node("ball", [0.0, 1.0, 0.0], &collider)
+    };
+    let of = |index: &str| if index.is_empty() { String::new() } else { format!(r#", "collisionFilter": {index}"#) };
+    for (floor_of, ball_of, is_held) in [
+        ("", "", true),
+        ("0", "", true),
+        ("0", "1", true),
+        ("", "1", false),
+        ("1", "0", true),
+        ("0", "2", false),
+        ("", "2", true),
+        ("2", "1", false),
+    ] {
+        let scene = gltf(&format!("{}, {}", floor(&of(floor_of)), ball(&of(ball_of))));
+        assert!(scene.notices.is_empty(), "{:?}", scene.notices);
+        let height = run(scene, 120)[1].y;
+        assert_eq!(height > 0.0, is_held, "floor of {floor_of:?}, ball of {ball_of:?}: {height}");
+    }
+}
+
 #[test]
 fn what_gltf_has_and_contacts_have_not_is_named() {
-    let plate = node("plate", [0.0; 3], r#""collider": { "geometry": { "shape": 2 } }"#);
-    let filtered =
-        node("shy", [0.0; 3], r#""motion": {}, "collider": { "geometry": { "shape": 1 }, "collisionFilter": 0 }"#);
-    let notices = gltf(&format!("{plate}, {filtered}")).notices.join("\n");
+    let plane = node("tray", [0.0; 3], r#""motion": {}, "collider": { "geometry": { "shape": 2 } }"#);
+    let two_sided = node("both", [0.0; 3], r#""collider": { "geometry": { "shape": 3 } }"#);
+    let bouncy = node(
+        "rubber",
+        [0.0, 5.0, 0.0],
+        r#""motion": {}, "collider": { "geometry": { "shape": 1 }, "physicsMaterial": 1 }"#,
+    );
+    let notices = gltf(&format!("{plane}, {two_sided}, {bouncy}")).notices.join("\n");
     for part in [
-        "has a plane that touches nothing: only an endless one that nothing carries does (1): nodes[0] \"plate\"",
-        "has a collision filter that is read and not kept: it collides with all (1): nodes[1] \"shy\"",
+        "has a plane that touches nothing: it is neither ground nor the only collider of a fixed body (1): nodes[0] \"tray\"",
+        "has a plane of two sides, of which one touches (1): nodes[1] \"both\"",
+        "has a restitution of more than 1, taken for 1 (1): nodes[2] \"rubber\"",
     ] {
         assert!(notices.contains(part), "{part:?} is not in:\n{notices}");
     }
+}
+
+/// A bowl is hollow where it stands, and solid where it moves.
+#[test]
+fn a_mesh_that_stands_still_is_touched_as_it_is() {
+    // A block of two metres with a pit of one metre and a half in its top: a wall of 16 corners, counter-clockwise from outside.
+    let mut vertices = String::new();
+    for (half, height) in [(1.0, -1.0), (1.0, 1.0), (0.75, 1.0), (0.75, -0.5)] {
+        for (x, z) in [(-1.0, -1.0), (-1.0, 1.0), (1.0, 1.0), (1.0, -1.0)] {
+            vertices += &format!("v {} {height} {}\n", half * x, half * z);
+        }
+    }
+    let mut faces = String::from("f 4 3 2 1\nf 13 14 15 16\n");
+    for ring in 0..3 {
+        for corner in 0..4 {
+            let (a, b) = (4 * ring + corner + 1, 4 * ring + (corner + 1) % 4 + 1);
+            faces += &format!("f {a} {b} {} {}\n", b + 4, a + 4);
+        }
+    }
+    let directory = tempfile::tempdir().unwrap();
+    std::fs::write(directory.path().join("pit.obj"), vertices + &faces).unwrap();
+    let height = |pit: &str| {
+        let text = format!(
+            r#"{{ "bodies": [ {{ "shape": {{ "mesh": {{ "file": "pit.obj" }} }}, {pit}, "collider": {{}} }},
+                 {{ "shape": {{ "sphere": {{ "radius": 0.25 }} }}, "mass": 1, "position": [0.1, 2, 0.05], "collider": {{}} }},
+                 {{ "shape": {{ "half_space": {{}} }}, "fixed": true, "position": [0, -1, 0], "collider": {{}} }} ] }}"#
+        );
+        let path = directory.path().join("scene.json");
+        std::fs::write(&path, text).unwrap();
+        run(Scene::load(&path).unwrap(), 240)[1].y
+    };
+    // On the pit's floor, at -0.5, or on the lid that its hull has at 1.
+    assert!((height(r#""fixed": true"#) + 0.25).abs() < 2e-3, "{}", height(r#""fixed": true"#));
+    assert!((height(r#""mass": 1000"#) - 1.25).abs() < 5e-3, "{}", height(r#""mass": 1000"#));
 }
 
 /// Ground without end is a disc in a record, as wide as the scene, and a surface that is seen from above only.

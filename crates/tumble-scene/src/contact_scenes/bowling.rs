@@ -1,10 +1,10 @@
 use crate::collider_model::ColliderModel;
-use crate::model::{BodyModel, SceneModel};
+use crate::model::{BodyModel, PartModel, SceneModel, ShapeModel, Tuple};
 
 /// Distance between the spots of neighbouring pins: 12 inches \[m\].
 const SPOTS: f64 = 0.3048;
-/// Half the size of a block that stands for a pin \[m\], and its mass \[kg\].
-const HALF: [f64; 3] = [0.045, 0.19, 0.045];
+/// Half the height of a pin, which is 15 inches \[m\], and its mass \[kg\].
+const HALF_HEIGHT: f64 = 0.19;
 const PIN: f64 = 1.55;
 /// The ball's radius \[m\], mass \[kg\] and speed [m/s].
 const RADIUS: f64 = 0.1085;
@@ -16,8 +16,8 @@ pub(super) fn scene() -> SceneModel {
     let row_apart = SPOTS * 0.75_f64.sqrt();
     let pins = (0..4).flat_map(|row: usize| (0..=row).map(move |place| (row, place)));
     let pin = |(row, place): (usize, usize)| {
-        let at = [row_apart * row as f64, HALF[1], SPOTS * (place as f64 - 0.5 * row as f64)];
-        BodyModel::cuboid(HALF, at)
+        let at = [row_apart * row as f64, HALF_HEIGHT, SPOTS * (place as f64 - 0.5 * row as f64)];
+        BodyModel::touching(shape(), at)
             .mass(PIN)
             .surface(ColliderModel::rough(0.35).bouncing(0.5))
             .named(format!("pin-{}", row * (row + 1) / 2 + place + 1))
@@ -31,4 +31,21 @@ pub(super) fn scene() -> SceneModel {
         dt: Some(1.0 / 120.0),
         ..SceneModel::of(480, pins.map(pin).chain([ball, BodyModel::ground()]).collect())
     }
+}
+
+/// A foot, a neck and a head, from the ground to the top.
+fn shape() -> ShapeModel {
+    let part = |shape: ShapeModel, height: f64, density: f64| PartModel {
+        shape,
+        position: Some(Tuple([0.0, height - HALF_HEIGHT, 0.0])),
+        orientation: None,
+        mass: None,
+        density: Some(density),
+    };
+    let parts = vec![
+        part(ShapeModel::Cylinder { radius: 0.05, half_height: 0.11 }, 0.11, 700.0),
+        part(ShapeModel::Cylinder { radius: 0.026, half_height: 0.055 }, 0.275, 700.0),
+        part(ShapeModel::Sphere { radius: 0.033 }, 2.0 * HALF_HEIGHT - 0.033, 700.0),
+    ];
+    ShapeModel::Compound { parts }
 }

@@ -1,7 +1,7 @@
 use tumble::Chance;
 
 use crate::collider_model::ColliderModel;
-use crate::model::{BodyModel, SceneModel};
+use crate::model::{BodyModel, SceneModel, ShapeModel};
 
 /// Distance between the places of a layer, and between layers \[m\]; no body is longer.
 const PITCH: f64 = 1.0;
@@ -16,10 +16,22 @@ pub(super) fn scene(bodies: usize, seed: u64) -> SceneModel {
         let layer = index / (SIDE * SIDE);
         let place = [across(index % SIDE), 0.8 + PITCH * layer as f64, across(index / SIDE % SIDE)];
         let mut length = |low: f64, high: f64| low + (high - low) * chance.unit();
-        let body = match index % 4 {
+        let body = match index % 7 {
             0 => BodyModel::sphere(length(0.15, 0.35), place),
             1 => BodyModel::cuboid([length(0.1, 0.25), length(0.1, 0.25), length(0.1, 0.25)], place),
             2 => BodyModel::cuboid([length(0.35, 0.45), length(0.05, 0.08), length(0.1, 0.15)], place),
+            3 => BodyModel::touching(
+                ShapeModel::Cylinder { radius: length(0.1, 0.25), half_height: length(0.08, 0.25) },
+                place,
+            ),
+            4 => BodyModel::touching(
+                ShapeModel::Capsule { radius: length(0.08, 0.15), half_height: length(0.1, 0.25) },
+                place,
+            ),
+            5 => BodyModel::touching(
+                ShapeModel::Cone { radius: length(0.15, 0.25), half_height: length(0.15, 0.25) },
+                place,
+            ),
             _ => {
                 let half = length(0.12, 0.28);
                 BodyModel::cuboid([half; 3], place)

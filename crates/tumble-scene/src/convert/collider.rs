@@ -18,6 +18,11 @@ pub(super) fn collider(model: &BodyModel, shape: Option<&Shape>, problems: &mut 
     let material = material(surface, problems)?;
     let collider = match (&model.shape, shape) {
         (Some(ShapeModel::HalfSpace { .. }), _) => Ok(Collider::half_space()),
+        // What stands still is as it is, hollows and all; what moves has to be solid.
+        (Some(ShapeModel::Mesh { .. }), Some(Shape::Mesh(solid))) if model.fixed || model.kinematic => {
+            let mesh = solid.mesh();
+            Collider::mesh(mesh.positions().iter().copied(), mesh.triangles())
+        }
         (_, Some(shape)) => Collider::new(shape),
         (_, None) => return None,
     };

@@ -7,6 +7,7 @@ use tumble::{Amount, BodyId, Part, RigidBody, Shape};
 
 use super::collider::{collider, is_ground};
 use super::geometry::Geometry;
+use super::groups;
 use super::material::SurfaceMaterial;
 use super::motion::MotionKind;
 use super::moving::moving;
@@ -55,7 +56,9 @@ pub(super) fn bodies(physics: &Physics, triangles: &mut Triangles<'_>) -> (Vec<G
         let body = body(node, &parts, id, triangles, &mut notices);
         bodies.push(GltfBody { name, body });
     }
-    (bodies, grouped(physics, &notices))
+    let mut told = grouped(physics, &notices);
+    told.extend(groups::assign(bodies.iter_mut().filter_map(|body| body.body.as_mut().ok())));
+    (bodies, told)
 }
 
 /// What is said of many nodes is said once, with their names.
@@ -123,16 +126,13 @@ fn body(
         .build()
         .map_err(|error| of(node, FieldError::new(field_of_motion(&error.field()), error)))?;
     let mut told = Vec::new();
-    let mut collider = collider(&pieces, shape.as_ref(), &mut told);
-    if is_ground(&pieces) && body.properties().is_some() {
-        told.push("is an endless plane that moves: it touches nothing".to_owned());
-        collider = None;
-    }
+    let is_moved = body.properties().is_some();
+    let collider = collider(&pieces, shape.as_ref(), is_moved, &mut told);
     notices.extend(told.into_iter().map(|notice| (node.index, notice)));
     let looks = match pieces.as_slice() {
-        _ if collider.is_some() && is_ground(&pieces) => Looks::HalfSpace,
+        _ if !is_moved && is_ground(&pieces) => Looks::HalfSpace,
         [SceneCollider { surface: Some(surface), geometry, position, orientation, .. }]
-            if matches!(geometry, Geometry::Mesh { convex_hull: false, .. })
+            if !matches!(geometry, Geometry::Mesh { convex_hull: true, .. })
                 && (*position, *orientation) == (DVec3::ZERO, DQuat::IDENTITY) =>
         {
             Looks::Mesh(surface.clone())

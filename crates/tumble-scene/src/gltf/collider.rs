@@ -1,31 +1,30 @@
 //! The engine's collider of a body, made of the pieces that its file has.
 
 use glam::{DQuat, DVec3};
-use tumble::{Collider, Shape};
+use tumble::{Collider, ColliderError, Pose, Shape, TriangleMesh};
 
 use super::geometry::Geometry;
+use crate::convert::{real_quaternion, real_vector};
 use crate::{ColliderRole, SceneCollider};
 
 /// What a body touches others with, if the engine can. `shape` is that of its solid pieces together. What is lost goes to `notices`.
-pub(super) fn collider(pieces: &[SceneCollider], shape: Option<&Shape>, notices: &mut Vec<String>) -> Option<Collider> {
+pub(super) fn collider(
+    pieces: &[SceneCollider],
+    shape: Option<&Shape>,
+    is_moved: bool,
+    notices: &mut Vec<String>,
+) -> Option<Collider> {
     let solid: Vec<&SceneCollider> = pieces.iter().filter(|piece| piece.role == ColliderRole::Solid).collect();
     let first = solid.first()?;
-    let made = if is_ground(pieces) {
-        Ok(Collider::half_space())
-    } else if solid.iter().any(|piece| matches!(piece.geometry, Geometry::Plane { .. })) {
-        notices.push("has a plane that touches nothing: only an endless one that nothing carries does".to_owned());
-        if solid.len() == 1 {
-            return None;
+    let made = match (solid.as_slice(), surface(first)) {
+        _ if is_ground(pieces) && !is_moved => Ok(Collider::half_space()),
+        ([_], Some(surface)) if !is_moved => of_surface(first, surface),
+        _ => {
+            tell_of_solids(&solid, is_moved, notices);
+            Collider::new(shape?)
         }
-        shape.map(Collider::new)?
-    } else if solid.iter().any(|piece| is_replaced(piece)) {
-        notices.push("has an open or mended mesh, which touches nothing".to_owned());
-        return None;
-    } else {
-        shape.map(Collider::new)?
     };
-    let material = first.material.to_engine();
-    match made.and_then(|collider| collider.with_material(material)) {
+    match made.and_then(|collider| collider.with_material(first.material.to_engine())) {
         Ok(collider) => {
             tell_of_surfaces(&solid, notices);
             Some(collider)
@@ -34,16 +33,6 @@ pub(super) fn collider(pieces: &[SceneCollider], shape: Option<&Shape>, notices:
             notices.push(format!("touches nothing: {error}"));
             None
         }
-    }
-}
-
-/// Whether mass and inertia are those of something else than the surface.
-fn is_replaced(piece: &SceneCollider) -> bool {
-    match (&piece.surface, &piece.shape, &piece.geometry) {
-        (Some(surface), Some(Shape::Mesh(solid)), Geometry::Mesh { convex_hull: false, .. }) => {
-            solid.mesh() != surface.as_ref()
-        }
-        _ => false,
     }
 }
 
@@ -57,18 +46,44 @@ pub(super) fn is_ground(pieces: &[SceneCollider]) -> bool {
     matches!(pieces, [only] if is_plane(only))
 }
 
+/// The triangles of a piece that is meant as they are.
+fn surface(piece: &SceneCollider) -> Option<&TriangleMesh> {
+    let is_hull = matches!(piece.geometry, Geometry::Mesh { convex_hull: true, .. });
+    piece.surface.as_deref().filter(|_| !is_hull)
+}
+
+fn of_surface(piece: &SceneCollider, surface: &TriangleMesh) -> Result<Collider, ColliderError> {
+    let orientation = real_quaternion(piece.orientation);
+    let offset = Pose { position: real_vector(piece.position), orientation };
+    Collider::mesh(surface.positions().iter().copied(), surface.triangles())?.with_offset(offset)
+}
+
+/// What of the pieces is otherwise than the file has it.
+fn tell_of_solids(solid: &[&SceneCollider], is_moved: bool, notices: &mut Vec<String>) {
+    let is_plane = |piece: &&SceneCollider| matches!(piece.geometry, Geometry::Plane { .. });
+    if solid.iter().any(is_plane) {
+        notices.push(
+            "has a plane that touches nothing: it is neither ground nor the only collider of a fixed body".to_owned(),
+        );
+    }
+    if solid.iter().any(|piece| !is_plane(piece) && surface(piece).is_some()) {
+        let why = if is_moved { "of a body that moves" } else { "among other colliders of a body" };
+        notices.push(format!("has a mesh {why}, which touches as its convex hull"));
+    }
+}
+
 /// What of materials and filters counts for nothing.
 fn tell_of_surfaces(solid: &[&SceneCollider], notices: &mut Vec<String>) {
-    if solid.iter().zip(solid.iter().skip(1)).any(|(one, other)| one.material != other.material) {
+    if solid.windows(2).any(|pair| pair[0].material != pair[1].material) {
         notices.push("has colliders of several materials: the first one's is that of all".to_owned());
+    }
+    if solid.windows(2).any(|pair| pair[0].filter != pair[1].filter) {
+        notices.push("has colliders of several collision filters: the first one's is that of all".to_owned());
     }
     if solid.iter().any(|piece| piece.material.restitution > 1.0) {
         notices.push("has a restitution of more than 1, taken for 1".to_owned());
     }
-    if solid.iter().any(|piece| piece.filter.is_some()) {
-        notices.push("has a collision filter that is read and not kept: it collides with all".to_owned());
-    }
     if solid.iter().any(|piece| matches!(piece.geometry, Geometry::Plane { double_sided: true, .. })) {
-        notices.push("has a plane of two sides: what is below it is pushed up".to_owned());
+        notices.push("has a plane of two sides, of which one touches".to_owned());
     }
 }

@@ -24,6 +24,7 @@ mod collider;
 mod container;
 mod document;
 mod geometry;
+mod groups;
 mod joint;
 mod material;
 mod motion;

@@ -33,6 +33,14 @@ impl Solid {
     }
 }
 
+/// A plane with an end, which encloses nothing.
+fn rectangle(x: f64, z: f64) -> Result<Solid, FieldError> {
+    let corners = [[-x, z], [x, z], [x, -z], [-x, -z]].map(|[x, z]| DVec3::new(x, 0.0, z));
+    let surface = TriangleMesh::new(corners, [[0, 1, 2], [0, 2, 3]]);
+    let surface = surface.map_err(|error| FieldError::new("plane", error))?;
+    Ok(Solid { surface: Some(Arc::new(surface)), ..Solid::empty() })
+}
+
 /// The geometry with the scale of its node, which may mirror.
 pub(super) fn solid(geometry: &Geometry, scale: DVec3, triangles: &mut Triangles<'_>) -> Result<Solid, FieldError> {
     if scale == DVec3::ZERO {
@@ -41,6 +49,7 @@ pub(super) fn solid(geometry: &Geometry, scale: DVec3, triangles: &mut Triangles
     }
     let lengths = scale.abs();
     match *geometry {
+        Geometry::Plane { size_x: Some(x), size_z: Some(z), .. } => rectangle(0.5 * x * lengths.x, 0.5 * z * lengths.z),
         Geometry::Plane { .. } => Ok(Solid::empty()),
         Geometry::Mesh { source, convex_hull } => {
             let surface = triangles.read(source, &DAffine3::from_scale(scale))?;
