@@ -74,16 +74,17 @@ impl<const P: usize, const C: usize> Kernel for WarmStart<'_, P, C> {
     }
 }
 
-/// One pass over the points, in order: what overlaps is pushed apart or, where `RELAX`, the velocity that this gave is taken out again, and friction follows.
-pub(super) struct Solve<'a, const P: usize, const C: usize, const RELAX: bool> {
+/// One pass over the points, in order: what overlaps is pushed apart or, where it is to `relax`, the velocity that this gave is taken out again, and friction follows.
+pub(super) struct Solve<'a, const P: usize, const C: usize> {
     pub(super) blocks: Blocks<'a, P, C>,
     pub(super) bodies: Bodied<'a>,
     pub(super) softness: Softness,
     /// One over the substep [1/s].
     pub(super) inverse_h: Real,
+    pub(super) relax: bool,
 }
 
-impl<const P: usize, const C: usize, const RELAX: bool> Kernel for Solve<'_, P, C, RELAX> {
+impl<const P: usize, const C: usize> Kernel for Solve<'_, P, C> {
     #[inline(always)]
     fn len(&self) -> usize {
         self.blocks.blocks.len() * BLOCK
@@ -106,7 +107,7 @@ impl<const P: usize, const C: usize, const RELAX: bool> Kernel for Solve<'_, P, 
         let (linear, angular) = along_normals(block, &frame, lane, changes);
         bodies.push(arms, linear, angular);
 
-        if RELAX {
+        if self.relax {
             let before = Rubbing::load(&block.friction, self.blocks.rolling.get(index), lane);
             let contact = (&frame, lane);
             let after =
@@ -117,7 +118,7 @@ impl<const P: usize, const C: usize, const RELAX: bool> Kernel for Solve<'_, P, 
     }
 }
 
-impl<const P: usize, const C: usize, const RELAX: bool> Solve<'_, P, C, RELAX> {
+impl<const P: usize, const C: usize> Solve<'_, P, C> {
     /// By how much the impulse of each point changed, and the sum of the impulses.
     #[inline(always)]
     fn solve_points<T: Tile>(&mut self, index: usize, lane: usize, way: [T; 3], speeds: [T; P]) -> ([T; P], T) {
@@ -134,7 +135,7 @@ impl<const P: usize, const C: usize, const RELAX: bool> Solve<'_, P, C, RELAX> {
             let apart = zero.lt(separation);
             let mut bias = zero;
             let (mut mass_scale, mut impulse_scale) = (one, zero);
-            if !RELAX {
+            if !self.relax {
                 bias = self.softness.bias(separation);
                 mass_scale = T::select(apart, one, T::splat(self.softness.mass_scale.into()));
                 impulse_scale = T::select(apart, zero, T::splat(self.softness.impulse_scale.into()));

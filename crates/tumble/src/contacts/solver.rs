@@ -223,13 +223,9 @@ impl Pass<'_> {
                 run(Prepare::<P, C> { blocks, contacts, bodies, poses, margin });
             }
             Self::WarmStart => run(WarmStart::<P, C> { blocks, bodies }),
-            Self::Biased(h) => {
-                let (softness, inverse_h) = (softness(h), 1.0 / h);
-                run(Solve::<P, C, false> { blocks, bodies, softness, inverse_h });
-            }
-            Self::Relax(h) => {
-                let (softness, inverse_h) = (softness(h), 1.0 / h);
-                run(Solve::<P, C, true> { blocks, bodies, softness, inverse_h });
+            Self::Biased(h) | Self::Relax(h) => {
+                let relax = matches!(self, Self::Relax(_));
+                run(Solve::<P, C> { blocks, bodies, softness: softness(h), inverse_h: 1.0 / h, relax });
             }
             Self::NoteApproach => run(NoteApproach::<P, C> { blocks, bodies }),
             Self::Rebound(threshold) => run(Rebound::<P, C> { blocks, bodies, threshold }),

@@ -87,6 +87,13 @@ fn tiles<T: Tile>(kernel: &mut impl Kernel, mut i: usize) -> usize {
     i
 }
 
+/// Runs a kernel on one body at a time from row `first` on.
+fn one_by_one(kernel: &mut impl Kernel, first: usize) {
+    if first < kernel.len() {
+        tiles::<Real>(kernel, first);
+    }
+}
+
 /// An instruction set.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Level {
@@ -168,9 +175,7 @@ pub fn simd_name() -> &'static str {
 #[inline]
 pub(crate) fn dispatch(kernel: &mut impl Kernel) {
     match Level::chosen() {
-        Level::Scalar => {
-            tiles::<Real>(kernel, 0);
-        }
+        Level::Scalar => one_by_one(kernel, 0),
         #[cfg(vector_code)]
         Level::Baseline => x86_64::with_sse2(kernel),
         #[cfg(vector_code)]
@@ -190,13 +195,9 @@ pub(crate) const BLOCK: usize = 8;
 pub(crate) fn dispatch_in_blocks(kernel: &mut impl Kernel) {
     debug_assert!(kernel.len().is_multiple_of(BLOCK));
     match Level::chosen() {
-        Level::Scalar => {
-            tiles::<Real>(kernel, 0);
-        }
+        Level::Scalar => one_by_one(kernel, 0),
         #[cfg(vector_code)]
-        Level::Baseline => {
-            tiles::<Real>(kernel, 0);
-        }
+        Level::Baseline => one_by_one(kernel, 0),
         #[cfg(vector_code)]
         Level::Avx2 => x86_64::blocks_with_avx2(kernel),
         #[cfg(vector_code)]

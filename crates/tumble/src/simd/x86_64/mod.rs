@@ -12,7 +12,7 @@ use tumble_math::lane::Lane;
 
 use super::pair::Pair;
 use super::record::{numbers, set_numbers};
-use super::{Kernel, Record, Tile, tiles};
+use super::{Kernel, Record, Tile, one_by_one, tiles};
 use crate::math::Real;
 
 mod blocks;
@@ -23,45 +23,53 @@ pub(super) const WIDTHS: [usize; 4] = [Avx512::WIDTH, Avx2::WIDTH, Sse2::WIDTH, 
 
 /// Runs a kernel on SSE2 tiles, which every x86-64 machine has.
 pub(super) fn with_sse2(kernel: &mut impl Kernel) {
-    let left = tiles::<Sse2>(kernel, 0);
-    tiles::<Real>(kernel, left);
+    sse2_from(kernel, 0);
 }
 
 /// Runs a kernel on AVX2 tiles, or on SSE2 tiles where the machine has no AVX2.
 pub(super) fn with_avx2(kernel: &mut impl Kernel) {
-    #[target_feature(enable = "avx2")]
-    fn enabled(kernel: &mut impl Kernel) {
-        align_the_stack();
-        let left = tiles::<Pair<Avx2>>(kernel, 0);
-        let left = tiles::<Avx2>(kernel, left);
-        let left = tiles::<Sse2>(kernel, left);
-        tiles::<Real>(kernel, left);
-    }
-    if std::arch::is_x86_feature_detected!("avx2") {
-        // SAFETY: the machine has AVX2.
-        unsafe { enabled(kernel) }
-    } else {
-        with_sse2(kernel);
-    }
+    avx2_from(kernel, 0);
 }
 
 /// Runs a kernel on AVX-512 tiles, or on AVX2 tiles where the machine has no AVX-512F.
 pub(super) fn with_avx512(kernel: &mut impl Kernel) {
     #[target_feature(enable = "avx512f")]
-    fn enabled(kernel: &mut impl Kernel) {
+    fn enabled(kernel: &mut impl Kernel) -> usize {
         align_the_stack();
         let left = tiles::<Pair<Avx512>>(kernel, 0);
-        let left = tiles::<Avx512>(kernel, left);
-        let left = tiles::<Avx2>(kernel, left);
-        let left = tiles::<Sse2>(kernel, left);
-        tiles::<Real>(kernel, left);
+        tiles::<Avx512>(kernel, left)
     }
-    if std::arch::is_x86_feature_detected!("avx512f") {
+    let mut left = 0;
+    if kernel.len() >= Avx512::WIDTH && std::arch::is_x86_feature_detected!("avx512f") {
         // SAFETY: the machine has AVX-512F.
-        unsafe { enabled(kernel) }
-    } else {
-        with_avx2(kernel);
+        left = unsafe { enabled(kernel) };
     }
+    avx2_from(kernel, left);
+}
+
+/// Runs a kernel from row `first` on. What each instruction set leaves over goes to the code of the next narrower one, which is compiled once and not once more for those
+/// that it is left by.
+fn avx2_from(kernel: &mut impl Kernel, first: usize) {
+    #[target_feature(enable = "avx2")]
+    fn enabled(kernel: &mut impl Kernel, first: usize) -> usize {
+        align_the_stack();
+        let left = tiles::<Pair<Avx2>>(kernel, first);
+        tiles::<Avx2>(kernel, left)
+    }
+    let mut left = first;
+    if kernel.len() >= first + Avx2::WIDTH && std::arch::is_x86_feature_detected!("avx2") {
+        // SAFETY: the machine has AVX2.
+        left = unsafe { enabled(kernel, first) };
+    }
+    sse2_from(kernel, left);
+}
+
+fn sse2_from(kernel: &mut impl Kernel, first: usize) {
+    let mut left = first;
+    if kernel.len() >= first + Sse2::WIDTH {
+        left = tiles::<Sse2>(kernel, first);
+    }
+    one_by_one(kernel, left);
 }
 
 /// Runs a kernel of whole blocks on AVX2 tiles, or one by one where the machine has no AVX2.
@@ -75,7 +83,7 @@ pub(super) fn blocks_with_avx2(kernel: &mut impl Kernel) {
         // SAFETY: the machine has AVX2.
         unsafe { enabled(kernel) }
     } else {
-        tiles::<Real>(kernel, 0);
+        one_by_one(kernel, 0);
     }
 }
 
