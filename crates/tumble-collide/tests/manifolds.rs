@@ -169,3 +169,32 @@ fn edges_that_cross_touch_in_one_point() {
     assert!((point.separation + 0.01).abs() < 1e-12);
     assert!((point.position.x - 0.3).abs() < 1e-12 && point.position.z.abs() < 1e-12, "{point:?}");
 }
+
+/// As nearly as single precision can tell, or less nearly.
+fn nearly() -> impl Strategy<Value = f32> {
+    (-1.0_f32..1.0, 3..9).prop_map(|(mantissa, exponent)| mantissa * 0.1_f32.powi(exponent))
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(100_000))]
+
+    /// The corners of one are on the edges of the other but for rounding, which must not lose them: the upper box would tip over the others.
+    #[test]
+    fn boxes_stacked_flush_touch_at_four_corners(
+        place in [nearly(), nearly()], turn in [nearly(), nearly(), nearly()], also in [nearly(), nearly(), nearly()],
+        depth in 0.004..0.01_f32, scale in 0.5..2.0_f32,
+    ) {
+        let half = scale * 0.5;
+        let cube = Geometry::Cuboid { half_extents: Vec3::splat(half) };
+        let turned = |[x, y, z]: [f32; 3]| Quat { x, y, z, w: 1.0 }.normalize();
+        let below = Placement { position: Vec3::new(0.0, half, 0.0), orientation: turned(also) };
+        let position = Vec3::new(place[0], 3.0 * half - depth, place[1]);
+        let manifold = collide(&cube, &below, &cube, &Placement { position, orientation: turned(turn) }, 0.02);
+        let mut corners = [false; 4];
+        for point in manifold.points() {
+            prop_assert!(point.position.x.abs() > 0.9 * half && point.position.z.abs() > 0.9 * half, "{:?}", manifold);
+            corners[usize::from(point.position.x > 0.0) + 2 * usize::from(point.position.z > 0.0)] = true;
+        }
+        prop_assert_eq!(corners, [true; 4], "{:?}", manifold);
+    }
+}

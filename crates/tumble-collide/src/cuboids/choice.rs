@@ -8,6 +8,10 @@ const LEAD: f64 = 1e-4;
 /// Points that are deeper by less than this part of the margin are as deep.
 const AS_DEEP: f64 = 0.05;
 
+/// Points in one place are one, and three in a line are two: squares of distances and areas that are less than this part of the square of the faces' size are none.
+/// A corner of one face that lies on one of the other is found up to three times.
+const LEAST_SIZE: f64 = 1e-5;
+
 /// A point that may be one of a manifold's.
 #[derive(Clone, Copy)]
 pub(super) struct Candidate<L> {
@@ -48,9 +52,10 @@ impl<L: Lane> Candidate<L> {
 }
 
 /// Up to four of the points there are: the outermost of the deepest, the one farthest from it, the one that makes the largest triangle with both, and the
-/// one that adds most to its area. Where there are four or fewer that is all; the rest are far away.
+/// one that adds most to its area, as far as they are apart; the rest are far away. `size` is the square of half the diagonal of the smaller face.
 #[inline(always)]
-pub(super) fn choose<L: Lane, const N: usize>(mut candidates: [Candidate<L>; N], margin: L) -> [Candidate<L>; 4] {
+pub(super) fn choose<L: Lane, const N: usize>(mut candidates: [Candidate<L>; N], margin: L, size: L) -> [Candidate<L>; 4] {
+    let least_size = size * L::splat(LEAST_SIZE);
     let (zero, one) = (L::splat(0.0), L::splat(1.0));
     let (mut least, mut x, mut y, mut count) = (L::splat(FAR), zero, zero, zero);
     let mut k = 0;
@@ -74,20 +79,20 @@ pub(super) fn choose<L: Lane, const N: usize>(mut candidates: [Candidate<L>; N],
         scores[k] = L::select(deep.lt(at.z), L::splat(-FAR), square(at.x - x, at.y - y));
         k += 1;
     }
-    let first = best(&mut candidates, scores);
+    let first = best(&mut candidates, scores, L::splat(-0.5 * FAR));
     let mut k = 0;
     while k < N {
         let at = candidates[k].at;
         scores[k] = square(at.x - first.at.x, at.y - first.at.y);
         k += 1;
     }
-    let second = best(&mut candidates, scores);
+    let second = best(&mut candidates, scores, least_size);
     let mut k = 0;
     while k < N {
         scores[k] = area(first.at, second.at, candidates[k].at).abs();
         k += 1;
     }
-    let third = best(&mut candidates, scores);
+    let third = best(&mut candidates, scores, least_size);
     // What a point outside an edge of the triangle adds, whichever way around its corners go.
     let way = area(first.at, second.at, third.at);
     let around = L::select(way.lt(zero), one, -one);
@@ -100,7 +105,7 @@ pub(super) fn choose<L: Lane, const N: usize>(mut candidates: [Candidate<L>; N],
         scores[k] = beyond_first.max(beyond_second).max(beyond_third);
         k += 1;
     }
-    in_order([first, second, third, best(&mut candidates, scores)])
+    in_order([first, second, third, best(&mut candidates, scores, least_size)])
 }
 
 /// In the order they came in, whatever made them be chosen: a solver that takes them one after the other finds no rest while their order changes.
@@ -119,10 +124,10 @@ fn in_order<L: Lane>(mut chosen: [Candidate<L>; 4]) -> [Candidate<L>; 4] {
     chosen
 }
 
-/// Takes out the point of the highest score; the first such if none is clearly higher.
+/// Takes out the point of the highest score above `bar`; the first such if none is clearly higher.
 #[inline(always)]
-fn best<L: Lane, const N: usize>(candidates: &mut [Candidate<L>; N], scores: [L; N]) -> Candidate<L> {
-    let (mut chosen, mut bar) = (Candidate::nowhere(), L::splat(-0.5 * FAR));
+fn best<L: Lane, const N: usize>(candidates: &mut [Candidate<L>; N], scores: [L; N], mut bar: L) -> Candidate<L> {
+    let mut chosen = Candidate::nowhere();
     let mut k = 0;
     while k < N {
         // What is not there has no score.

@@ -19,6 +19,8 @@ struct Facing<L> {
 const CANDIDATES: usize = 12;
 /// Nearer to zero than this \[m\] an edge does not go along an axis.
 const LEAST_WAY: f64 = 1e-12;
+/// A face is so much wider when it is asked whether a corner of the other is within it: one that lies on its edge is, however that is rounded, or boxes that are stacked flush would lose corners.
+const WIDER: f64 = 1.0 + 4e-6;
 
 /// The contact of the face with a code from 0 to 5 with the other box.
 #[inline(always)]
@@ -57,7 +59,7 @@ pub(super) fn contact<L: Lane>(pair: &Pair<L>, code: L, margin: L) -> ManifoldLa
         p: Vec3::new(u.dot(p), v.dot(p), n.dot(p)),
         q: Vec3::new(u.dot(q), v.dot(q), n.dot(q)),
     };
-    let chosen = choose(in_plane.candidates(margin), margin);
+    let chosen = choose(in_plane.candidates(margin), margin, in_plane.size());
 
     // Which faces meet: of which box, which axis, which side.
     let which = L::select(first, zero, one) + i * L::splat(2.0) + L::select(side.lt(zero), L::splat(6.0), zero);
@@ -91,6 +93,13 @@ pub(super) fn contact<L: Lane>(pair: &Pair<L>, code: L, margin: L) -> ManifoldLa
 }
 
 impl<L: Lane> Facing<L> {
+    /// Square of half the diagonal of the smaller face.
+    #[inline(always)]
+    fn size(&self) -> L {
+        let reference = self.half[0] * self.half[0] + self.half[1] * self.half[1];
+        reference.min(self.p.dot(self.p) + self.q.dot(self.q))
+    }
+
     /// All corners of what is left of the incident face when it is cut to the reference face. Those that are further than the margin, or are none, are far away.
     #[inline(always)]
     fn candidates(&self, margin: L) -> [Candidate<L>; CANDIDATES] {
@@ -134,13 +143,16 @@ impl<L: Lane> Facing<L> {
         let leaves_by = L::select(leave_v.lt(leave_u), side_v, side_u);
         let inside = enter.max(zero).lt(leave.min(one));
         let number = L::splat(edge as f64);
-        let cut_first = zero.lt(enter);
-        let begin = from + way * enter.max(zero);
+        let beside_u = from.x.abs() - self.half[0] * L::splat(WIDER);
+        let beside_v = from.y.abs() - self.half[1] * L::splat(WIDER);
+        let from_corner = beside_u.max(beside_v).lt(zero);
+        let crossing = from + way * enter.max(zero);
+        let height = L::select(inside, crossing.z, L::splat(FAR));
         let begin = Candidate {
-            at: Vec3::new(begin.x, begin.y, L::select(inside, begin.z, L::splat(FAR))),
-            carried: L::select(cut_first, half, one),
+            at: Vec3::select(from_corner, from, Vec3::new(crossing.x, crossing.y, height)),
+            carried: L::select(from_corner, one, half),
             index: zero,
-            feature: L::select(cut_first, L::splat(8.0) + number * L::splat(4.0) + enters_by, number),
+            feature: L::select(from_corner, number, L::splat(8.0) + number * L::splat(4.0) + enters_by),
         };
         let end = from + way * leave;
         let leaves = L::select(leave.lt(one), end.z, L::splat(FAR));
@@ -165,8 +177,8 @@ impl<L: Lane> Facing<L> {
         let inverse = one / (p.x * q.y - p.y * q.x);
         let (a, b) = ((to_x * q.y - to_y * q.x) * inverse, (p.x * to_y - p.y * to_x) * inverse);
         let height = self.middle.z + a * p.z + b * q.z;
-        let height = L::select(a.abs().lt(one), height, L::splat(FAR));
-        let height = L::select(b.abs().lt(one), height, L::splat(FAR));
+        let within = a.abs().max(b.abs()).lt(L::splat(WIDER));
+        let height = L::select(within, height, L::splat(FAR));
         Candidate { at: Vec3::new(x, y, height), carried: zero, feature: L::splat(40.0 + corner as f64), index: zero }
     }
 }
