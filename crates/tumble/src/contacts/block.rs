@@ -23,6 +23,8 @@ pub(super) struct Block<const P: usize, const C: usize> {
     pub(super) apart: [Lanes; 3],
     /// How far the middle goes with the second body when it moves past the first, from 0 to 1.
     pub(super) carried: Lanes,
+    /// How far the bodies may move past each other \[m\] for the arms to follow: with longer ones, impulses would do more than the masses below know of, and grow.
+    pub(super) followed: Lanes,
     pub(super) points: [Point; P],
     /// Velocity at the second of two points that a unit impulse at the first gives [1/kg]: 01 02 03 12 13 23.
     pub(super) couplings: [Lanes; C],
@@ -98,6 +100,7 @@ impl<const P: usize, const C: usize> Block<P, C> {
             arm: [ZEROS; 3],
             apart: [ZEROS; 3],
             carried: ZEROS,
+            followed: ZEROS,
             points: [point; P],
             couplings: [ZEROS; C],
             friction: Friction {

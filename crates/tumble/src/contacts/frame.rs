@@ -30,6 +30,7 @@ pub(super) struct Frame<T> {
     /// The middle from both centres of mass, when the step began \[m\].
     pub(super) first_arms: [Vec3<T>; 2],
     carried: T,
+    followed: T,
 }
 
 impl<T: Tile> Frame<T> {
@@ -43,14 +44,17 @@ impl<T: Tile> Frame<T> {
             tangents: [tangent, normal.cross(tangent)],
             first_arms: [arm + vector_at(&block.apart, lane), arm],
             carried: at(&block.carried, lane),
+            followed: at(&block.followed, lane),
         }
     }
 
     /// The arms as they are now. Both reach to one point of the world again, after the bodies have moved past each other, since impulses that are equal
-    /// and opposite in one point keep the angular momentum.
+    /// and opposite in one point keep the angular momentum. Bodies that rush past each other by more than their size in a step are not followed any further.
     #[inline(always)]
     pub(super) fn arms(&self, moved: &Moved<T>) -> [Vec3<T>; 2] {
-        let apart = moved.linear[1] - moved.linear[0];
+        let Vec3 { x, y, z } = moved.linear[1] - moved.linear[0];
+        let (least, most) = (-self.followed, self.followed);
+        let apart = Vec3::new(x.max(least).min(most), y.max(least).min(most), z.max(least).min(most));
         let with_first = apart * self.carried;
         [self.first_arms[0] + with_first, self.first_arms[1] + (with_first - apart)]
     }
@@ -116,6 +120,15 @@ impl<T: Tile> Bodies<T> {
     #[inline(always)]
     pub(super) fn inverse_mass(&self) -> T {
         if self.grounded { self.inverse_mass[1] } else { self.inverse_mass[0] + self.inverse_mass[1] }
+    }
+
+    /// The smaller of the bodies' sizes, as what turns them has it: of their mass over their inertia; without end where impulses turn neither \[m\].
+    #[inline(always)]
+    pub(super) fn least_size(&self, response: &Response<T>) -> T {
+        let [first, second] = response.diagonal;
+        let of_first = self.inverse_mass[0] / (first.x + first.y + first.z);
+        let of_second = self.inverse_mass[1] / (second.x + second.y + second.z);
+        of_first.min(of_second).sqrt()
     }
 
     /// Velocity of the second seen from the first.

@@ -78,6 +78,7 @@ impl<const P: usize, const C: usize> Kernel for Prepare<'_, P, C> {
         let response = Response::<T>::load(self.bodies.response, self.bodies.motion.pairs(index), lane);
         let bodies = Bodies::<T>::load(&self.bodies.motion, index, lane);
         let answers = response.of_what_moves(self.bodies.motion.is_grounded());
+        put(bodies.least_size(&answers), &mut self.blocks.blocks[index].followed, lane);
         self.couple(index, lane, count, &answers, bodies.inverse_mass());
         self.prepare_friction(index, lane, (count, rolling), &answers, bodies.inverse_mass());
         if let Some(bounce) = self.blocks.bounces.get_mut(index) {
