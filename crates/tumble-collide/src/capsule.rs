@@ -125,10 +125,11 @@ pub(crate) fn cuboid_and_capsule<R: Scalar>(
     if !is_near {
         return Manifold::none();
     }
-    let (normal, between) = if is_apart(distance, &[h, local.center, local.half]) {
-        (apart * (one / distance), distance)
+    let (normal, between, nearest) = if is_apart(distance, &[h, local.center, local.half]) {
+        (apart * (one / distance), distance, nearest)
     } else {
-        way_out(&local, h)
+        let (normal, between) = way_out(&local, h);
+        (normal, between, on_axis - normal * between)
     };
     let overlay = Overlay { normal, separation: between - rod.radius, layers: [zero, rod.radius], margin };
     let middle = nearest + normal * ((between - rod.radius) * half);
