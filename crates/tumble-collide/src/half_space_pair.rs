@@ -4,7 +4,7 @@ use crate::convex::{Convex, Vector, narrow};
 use crate::convex_pair::wide_placement;
 use crate::geometry::{Geometry, Placement};
 use crate::manifold::{ContactPoint, Manifold, Points};
-use crate::overlay::keep_nearest;
+use crate::overlay::{as_near, keep_nearest};
 use crate::reduction::reduce;
 use crate::scalar::Scalar;
 
@@ -80,7 +80,7 @@ pub(crate) fn half_space_and_other<R: Scalar>(
     }
     let near = lowest.points.get(..lowest.len).unwrap_or_default();
     let mut points = if near.is_empty() { Points::none() } else { reduce(near, up, margin.into()) };
-    keep_nearest(&mut points, near, margin.into());
+    keep_nearest(&mut points, near, as_near(near, margin.into()));
     let manifold = Manifold::new(up, 1.0, points);
     manifold.seen(|point| at.to_world(narrow(point)), |_| ground.up())
 }

@@ -88,7 +88,7 @@ impl<R: Scalar> Overlay<R> {
         let candidates = candidates.items();
         let mut points =
             if candidates.is_empty() { Points::none() } else { reduce(candidates, self.normal, self.margin) };
-        keep_nearest(&mut points, candidates, self.margin);
+        keep_nearest(&mut points, candidates, near);
         Manifold::new(self.normal, carried, points)
     }
 
@@ -175,8 +175,14 @@ pub(crate) fn is_corner_of_second(feature: u32) -> bool {
     feature & (OF_FIRST | END | CUTTING << 15 | CUTTING) == 0
 }
 
-/// Few points may not have the nearest of many among them; then it takes the place of the one closest to it.
-pub(crate) fn keep_nearest<R: Scalar>(points: &mut Points<R>, candidates: &[ContactPoint<R>], margin: R) {
+/// What is as near as any of these points.
+pub(crate) fn as_near<R: Scalar>(candidates: &[ContactPoint<R>], margin: R) -> R {
+    let least = candidates.iter().fold(margin, |least, point| least.min(point.separation));
+    least + margin * R::splat(AS_NEAR)
+}
+
+/// Few points may have none of many that is as near as `level` among them; then the nearest takes the place of the one closest to it.
+pub(crate) fn keep_nearest<R: Scalar>(points: &mut Points<R>, candidates: &[ContactPoint<R>], level: R) {
     let mut nearest: Option<&ContactPoint<R>> = None;
     for candidate in candidates {
         if nearest.is_none_or(|nearest| candidate.separation < nearest.separation) {
@@ -184,7 +190,6 @@ pub(crate) fn keep_nearest<R: Scalar>(points: &mut Points<R>, candidates: &[Cont
         }
     }
     let Some(nearest) = nearest else { return };
-    let level = nearest.separation + margin * R::splat(AS_NEAR);
     if points.iter().any(|point| point.separation <= level) {
         return;
     }

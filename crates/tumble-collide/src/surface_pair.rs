@@ -10,7 +10,7 @@ use crate::geometry::{Geometry, Placement};
 use crate::gjk::on_triangle;
 use crate::manifold::{ContactPoint, Manifold, Points};
 use crate::minkowski::Difference;
-use crate::overlay::{AS_NEAR, Overlay, is_corner_of_second, keep_nearest};
+use crate::overlay::{AS_NEAR, Overlay, as_near, is_corner_of_second, keep_nearest};
 use crate::reduction::reduce;
 use crate::scalar::Scalar;
 use crate::surface::Surface;
@@ -328,7 +328,7 @@ impl<S: Surface> Over<'_, S> {
                 }
             }
             let mut few = if points.is_empty() { Points::none() } else { reduce(&points, normal, self.margin) };
-            keep_nearest(&mut few, &points, self.margin);
+            keep_nearest(&mut few, &points, as_near(&points, self.margin));
             visit(hits[0].part, &Manifold::new(normal, carried, few));
         }
     }

@@ -146,7 +146,9 @@ proptest! {
         let along = separation(&a, &at, &b, &bt, normal);
         let found = least(&manifold).unwrap();
         // Some point is as near as the shapes are, within what is not worth one more.
-        prop_assert!(found > along - 1e-6 && found <= along + 0.005 * 10.0 + HYSTERESIS, "{found} along {along}");
+        // Triangles of a hull at less than 1.4e-5 to each other are one face, and hulls are up to two metres across.
+        let flat = if matches!(a, Geometry::Hull(_)) || matches!(b, Geometry::Hull(_)) { 3e-5 } else { 1e-6 };
+        prop_assert!(found > along - flat && found <= along + 0.005 * 10.0 + HYSTERESIS, "{found} along {along}");
         // So far from each other only the nearest points count, and the normal need not be better than along a face.
         let slack = lead(&a, &b) + 1e-4 * (-along).max(0.0);
         for d in directions(200).chain(directions(40).map(|d| {
