@@ -54,7 +54,11 @@ impl<L: Lane> Candidate<L> {
 /// Up to four of the points there are: the outermost of the deepest, the one farthest from it, the one that makes the largest triangle with both, and the
 /// one that adds most to its area, as far as they are apart; the rest are far away. `size` is the square of half the diagonal of the smaller face.
 #[inline(always)]
-pub(super) fn choose<L: Lane, const N: usize>(mut candidates: [Candidate<L>; N], margin: L, size: L) -> [Candidate<L>; 4] {
+pub(super) fn choose<L: Lane, const N: usize>(
+    mut candidates: [Candidate<L>; N],
+    margin: L,
+    size: L,
+) -> [Candidate<L>; 4] {
     let least_size = size * L::splat(LEAST_SIZE);
     let (zero, one) = (L::splat(0.0), L::splat(1.0));
     let (mut least, mut x, mut y, mut count) = (L::splat(FAR), zero, zero, zero);
