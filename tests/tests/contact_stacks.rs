@@ -3,6 +3,7 @@
 //! Why: these are the scenes that games are made of and that solvers break at: tall towers, heavy on light, corners, bodies spawned in each other. Bounds are
 //! those of the issue that asked for contacts, or a closed form beside them.
 
+#![cfg_attr(feature = "f64", allow(clippy::useless_conversion, reason = "Real is f64 in this build, f32 in the other"))]
 #![allow(clippy::unwrap_used, reason = "a body that cannot be made is a failed test")]
 
 use hecs::{Entity, World};
