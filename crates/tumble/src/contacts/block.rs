@@ -82,6 +82,9 @@ pub(super) struct Bounce<const P: usize> {
     pub(super) restitution: Lanes,
     /// The fastest that the bodies came together at each point before it held them, in this step: velocity along the normal \[m/s\].
     pub(super) approach: [Lanes; P],
+    /// Velocity along the normal at each point before forces act on them in this substep, and what those do to it \[m/s\].
+    pub(super) before: [Lanes; P],
+    pub(super) kick: [Lanes; P],
     /// The greatest impulse of the step at each point \[N s\].
     pub(super) most_impulse: [Lanes; P],
 }
@@ -120,5 +123,11 @@ impl Rolling {
 }
 
 impl<const P: usize> Bounce<P> {
-    pub(super) const NONE: Self = Self { restitution: ZEROS, approach: [ZEROS; P], most_impulse: [ZEROS; P] };
+    pub(super) const NONE: Self = Self {
+        restitution: ZEROS,
+        approach: [ZEROS; P],
+        before: [ZEROS; P],
+        kick: [ZEROS; P],
+        most_impulse: [ZEROS; P],
+    };
 }

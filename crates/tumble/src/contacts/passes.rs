@@ -128,9 +128,8 @@ impl<const P: usize, const C: usize> Solve<'_, P, C> {
         let (mut speeds, mut changes, mut sum) = (speeds, [zero; P], zero);
         let mut j = 0;
         while j < P {
+            let separation = separation(block, lane, j, way);
             let point = &mut block.points[j];
-            let along = along_normal(way, at(&point.offset[0], lane), at(&point.offset[1], lane));
-            let separation = at::<T>(&point.separation, lane) + along;
             // What is apart may come as near in a substep as it is apart.
             let apart = zero.lt(separation);
             let mut bias = zero;
@@ -158,10 +157,24 @@ impl<const P: usize, const C: usize> Solve<'_, P, C> {
     }
 }
 
-/// Notes how fast bodies come together, before a pass pushes anything: they may have been kicked since the step began.
+/// Notes how fast bodies come together before anything pushes them apart. Of what forces do in a substep only the part until they meet counts: with the rest they would bounce with
+/// energy out of nothing.
 pub(super) struct NoteApproach<'a, const P: usize, const C: usize> {
     pub(super) blocks: Blocks<'a, P, C>,
     pub(super) bodies: Bodied<'a>,
+    /// One over the substep [1/s].
+    pub(super) inverse_h: Real,
+    pub(super) moment: Moment,
+}
+
+/// When in a substep.
+#[derive(Clone, Copy, PartialEq, Eq)]
+pub(super) enum Moment {
+    /// After forces have acted for the first time in the step: what they did they do in the others too.
+    FirstKicked,
+    Kicked,
+    /// After the bodies have moved, and before anything looks ahead to the next substep.
+    Moved,
 }
 
 impl<const P: usize, const C: usize> Kernel for NoteApproach<'_, P, C> {
@@ -180,11 +193,25 @@ impl<const P: usize, const C: usize> Kernel for NoteApproach<'_, P, C> {
         let bodies = Bodies::<T>::load(&self.bodies.motion, index, lane);
         let motion = bodies.relative(&response, frame.arms(&moved));
         let speeds = speeds(block, lane, frame.normal_parts(&motion));
+        let way = frame.normal_parts(&moved.relative(&frame));
         let bounce = &mut self.blocks.bounces[index];
+        let (zero, one, inverse_h) = (T::splat(0.0), T::splat(1.0), T::splat(self.inverse_h.into()));
         let mut j = 0;
         while j < P {
-            let least: T = at(&bounce.approach[j], lane);
-            put(least.min(speeds[j]), &mut bounce.approach[j], lane);
+            if self.moment == Moment::Moved {
+                put(speeds[j], &mut bounce.before[j], lane);
+            } else {
+                let before: T = at(&bounce.before[j], lane);
+                if self.moment == Moment::FirstKicked {
+                    put(speeds[j] - before, &mut bounce.kick[j], lane);
+                }
+                let kick: T = at(&bounce.kick[j], lane);
+                let speed = before + kick;
+                // The part of the substep after which they meet.
+                let part = (separation(block, lane, j, way) * inverse_h / -speed).max(zero).min(one);
+                let met = before + kick * T::select(speed.lt(zero), part, one);
+                put(at::<T>(&bounce.approach[j], lane).min(met), &mut bounce.approach[j], lane);
+            }
             j += 1;
         }
     }
@@ -265,6 +292,13 @@ fn rub<T: Tile, const P: usize, const C: usize>(
     let linear = after.linear(frame) - rubbing.linear(frame);
     bodies.push(arms, linear, after.angular(frame) - rubbing.angular(frame));
     after
+}
+
+/// How far apart the bodies are at a point after they have moved.
+#[inline(always)]
+fn separation<T: Tile, const P: usize, const C: usize>(block: &Block<P, C>, lane: usize, j: usize, way: [T; 3]) -> T {
+    let point = &block.points[j];
+    at::<T>(&point.separation, lane) + along_normal(way, at(&point.offset[0], lane), at(&point.offset[1], lane))
 }
 
 /// Velocity along the normal at each point.

@@ -91,6 +91,7 @@ impl<const P: usize, const C: usize> Kernel for Prepare<'_, P, C> {
                 let offset = &block.points[j].offset;
                 let speed = along_normal(parts, at(&offset[0], lane), at(&offset[1], lane));
                 put(speed, &mut bounce.approach[j], lane);
+                put(speed, &mut bounce.before[j], lane);
                 put(zero, &mut bounce.most_impulse[j], lane);
                 j += 1;
             }

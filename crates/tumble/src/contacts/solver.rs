@@ -4,7 +4,7 @@ use super::block::{Block, Bounce, Rolling};
 use super::colouring::{Colour, Colouring};
 use super::contact::Contact;
 use super::keep::Keep;
-use super::passes::{Blocks, Bodied, NoteApproach, Rebound, Solve, WarmStart};
+use super::passes::{Blocks, Bodied, Moment, NoteApproach, Rebound, Solve, WarmStart};
 use super::prepare::Prepare;
 use super::soft::Softness;
 use super::solver_bodies::SolverBodies;
@@ -55,7 +55,8 @@ pub(super) enum Pass<'a> {
     Biased(Real),
     /// Takes out again the velocity that this gave, and adds friction.
     Relax(Real),
-    NoteApproach,
+    /// Notes how fast bodies come together in substeps of so many seconds.
+    NoteApproach(Real, Moment),
     /// Lets bodies bounce that came together faster than so many metres a second.
     Rebound(Real),
 }
@@ -196,6 +197,9 @@ impl<const P: usize, const C: usize> Sheet<P, C> {
 impl Pass<'_> {
     /// Shares the blocks of a colour among the threads.
     fn in_parts<const P: usize, const C: usize>(self, blocks: Blocks<'_, P, C>, bodies: Bodied<'_>) {
+        if blocks.len() <= LEAST_PART {
+            return self.run_on::<P, C>(blocks, bodies);
+        }
         let part = blocks.len().div_ceil(rayon::current_num_threads()).max(LEAST_PART);
         self.in_parts_of::<P, C>(part, blocks, bodies);
     }
@@ -227,7 +231,9 @@ impl Pass<'_> {
                 let relax = matches!(self, Self::Relax(_));
                 run(Solve::<P, C> { blocks, bodies, softness: softness(h), inverse_h: 1.0 / h, relax });
             }
-            Self::NoteApproach => run(NoteApproach::<P, C> { blocks, bodies }),
+            Self::NoteApproach(h, moment) => {
+                run(NoteApproach::<P, C> { blocks, bodies, inverse_h: 1.0 / h, moment });
+            }
             Self::Rebound(threshold) => run(Rebound::<P, C> { blocks, bodies, threshold }),
         }
     }

@@ -11,6 +11,7 @@ use super::keeping::Past;
 use super::materials::Materials;
 use super::names::Names;
 use super::narrow::{Kind, Pairs, Shapes};
+use super::passes::Moment;
 use super::solver::{Pass, Solver};
 use super::solver_bodies::SolverBodies;
 use crate::columns::for_each_archetype_in_turn;
@@ -119,23 +120,28 @@ impl Contacts {
         let Self { contacts, bodies, bookings, solver, rows, .. } = self;
         solver.lay_out(contacts, |contact| contact.slots.map(|slot| rows[slot as usize]), bodies);
         bodies.with_poses(|bodies, poses| solver.run(Pass::Prepare(contacts, poses, MARGIN), bodies));
-        for _ in 0..substeps {
+        let bounces = solver.bounces();
+        for substep in 0..substeps {
             bookings.before_kick(bodies);
             bodies.kick();
             bookings.before_push(bodies);
             // Before the impulses of the last step act: bodies that those push together have not come together, and to bounce them would make energy.
-            if solver.bounces() {
-                solver.run(Pass::NoteApproach, bodies);
+            if bounces {
+                let moment = if substep == 0 { Moment::FirstKicked } else { Moment::Kicked };
+                solver.run(Pass::NoteApproach(h, moment), bodies);
             }
             solver.run(Pass::WarmStart, bodies);
             solver.run(Pass::Biased(h), bodies);
             bookings.before_motion(bodies);
             bodies.drift(h);
             bookings.after_motion(bodies);
+            if bounces {
+                solver.run(Pass::NoteApproach(h, Moment::Moved), bodies);
+            }
             solver.run(Pass::Relax(h), bodies);
             bookings.after_substep(bodies);
         }
-        if solver.bounces() {
+        if bounces {
             solver.run(Pass::Rebound(settings.restitution_threshold), bodies);
         }
         solver.keep(contacts);
