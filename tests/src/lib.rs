@@ -20,6 +20,7 @@ mod instruction_sets;
 pub mod meshes;
 pub mod references;
 mod simulation;
+pub mod touching;
 
 pub use comparison::{DOUBLE, EPSILON, attitude_error, by_precision, dquat, dvec3, energy_of, seconds};
 pub use free_body::{Elliptic, FreeBody, Sample, Translation};

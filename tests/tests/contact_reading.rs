@@ -11,6 +11,7 @@ use hecs::{Entity, World};
 use tumble::math::{Real, Vec3};
 use tumble::prelude::*;
 use tumble::{BodyOrder, Collider, Contact, ContactEvent, Damping, Material};
+use tumble_tests::touching::{collider, cube, spawn};
 use tumble_tests::{by_precision, run};
 
 mod pile;
@@ -20,15 +21,11 @@ const G: Real = 9.81;
 fn ground(world: &mut World, id: Option<u64>) -> Entity {
     let ground = RigidBody::new(Shape::Point).fixed();
     let ground = id.map_or(ground.clone(), |id| ground.id(BodyId(id)));
-    ground.build().unwrap().spawn_with(world, (Collider::half_space(),))
+    spawn(world, ground, Collider::half_space())
 }
 
 fn body(world: &mut World, body: RigidBody, shape: &Shape) -> Entity {
-    body.build().unwrap().spawn_with(world, (Collider::new(shape).unwrap(),))
-}
-
-fn cube() -> Shape {
-    Shape::cuboid([0.5, 0.5, 0.5])
+    spawn(world, body, collider(shape))
 }
 
 fn simulation() -> Simulation {
@@ -46,9 +43,9 @@ fn a_stack_is_told_as_it_stands() {
     for ids in [[1, 2, 3], [3, 1, 2], [2, 1, 3], [2, 3, 1]] {
         let mut world = World::new();
         let ground = ground(&mut world, Some(ids[0]));
-        let start = |mass: f64, y: Real, id| RigidBody::new(cube()).mass(mass).position(Vec3::Y * y).id(BodyId(id));
-        let lower = body(&mut world, start(2.0, 0.5, ids[1]), &cube());
-        let upper = body(&mut world, start(3.0, 1.5, ids[2]), &cube());
+        let start = |mass: f64, y: Real, id| RigidBody::new(cube(0.5)).mass(mass).position(Vec3::Y * y).id(BodyId(id));
+        let lower = body(&mut world, start(2.0, 0.5, ids[1]), &cube(0.5));
+        let upper = body(&mut world, start(3.0, 1.5, ids[2]), &cube(0.5));
         let mut simulation = simulation();
         run(&mut simulation, &mut world, 200);
         let contacts: Vec<Contact> = simulation.contacts().collect();
@@ -78,8 +75,9 @@ fn a_stack_is_told_as_it_stands() {
 fn friction_is_told() {
     let mut world = World::new();
     ground(&mut world, Some(9));
-    let start = RigidBody::new(cube()).mass(2.0).position(Vec3::Y * 0.5).linear_velocity(Vec3::X * 6.0).id(BodyId(1));
-    let sliding = body(&mut world, start, &cube());
+    let start =
+        RigidBody::new(cube(0.5)).mass(2.0).position(Vec3::Y * 0.5).linear_velocity(Vec3::X * 6.0).id(BodyId(1));
+    let sliding = body(&mut world, start, &cube(0.5));
     let mut simulation = simulation();
     run(&mut simulation, &mut world, 20);
     let contact = simulation.contacts().next().unwrap();
@@ -194,7 +192,7 @@ fn what_is_gone_has_ended() {
         let ground = ground(&mut world, Some(0));
         let [a, b, c] = [1, 2, 3].map(|id| {
             let at = Vec3::new(id as Real * 2.0, 0.5, 0.0);
-            body(&mut world, RigidBody::new(cube()).mass(1.0).position(at).id(BodyId(id)), &cube())
+            body(&mut world, RigidBody::new(cube(0.5)).mass(1.0).position(at).id(BodyId(id)), &cube(0.5))
         });
         let mut simulation = simulation();
         simulation.step(&mut world);
@@ -210,8 +208,8 @@ fn what_is_gone_has_ended() {
         };
         leave(&mut world, b);
         // One that takes the number of its entity, far away.
-        let far = RigidBody::new(cube()).mass(1.0).position(Vec3::Y * 50.0).id(BodyId(9));
-        body(&mut world, far, &cube());
+        let far = RigidBody::new(cube(0.5)).mass(1.0).position(Vec3::Y * 50.0).id(BodyId(9));
+        body(&mut world, far, &cube(0.5));
         simulation.step(&mut world);
         assert_eq!(events(&simulation), [ContactEvent::End([ground, b])]);
         simulation.step(&mut world);
@@ -232,7 +230,7 @@ fn a_world_without_colliders_has_no_contacts() {
     for spring in [false, true] {
         let mut world = World::new();
         let ground = ground(&mut world, None);
-        let lying = body(&mut world, RigidBody::new(cube()).mass(1.0).position(Vec3::Y * 0.5), &cube());
+        let lying = body(&mut world, RigidBody::new(cube(0.5)).mass(1.0).position(Vec3::Y * 0.5), &cube(0.5));
         if spring {
             // So that the world stays one where bodies act on each other.
             world.spawn((tumble::Spring::between(ground, lying).stiffness(1.0),));
@@ -312,7 +310,7 @@ fn what_trembles_touches() {
 fn events_are_of_the_step() {
     let mut world = World::new();
     let ground = ground(&mut world, None);
-    let falling = body(&mut world, RigidBody::new(cube()).mass(1.0).position(Vec3::Y * 0.6), &cube());
+    let falling = body(&mut world, RigidBody::new(cube(0.5)).mass(1.0).position(Vec3::Y * 0.6), &cube(0.5));
     let mut simulation = Simulation::new(Settings::default().with_dt(0.2).with_substeps(5)).unwrap();
     let mut told = Vec::new();
     for _ in 0..5 {
@@ -328,7 +326,7 @@ fn events_are_of_the_step() {
 fn nothing_is_told_before_a_step() {
     let mut world = World::new();
     ground(&mut world, None);
-    body(&mut world, RigidBody::new(cube()).mass(1.0).position(Vec3::Y * 0.5), &cube());
+    body(&mut world, RigidBody::new(cube(0.5)).mass(1.0).position(Vec3::Y * 0.5), &cube(0.5));
     let simulation = simulation();
     assert_eq!((simulation.contacts().count(), events(&simulation).len()), (0, 0));
 }

@@ -13,6 +13,7 @@ use tumble::glam::DVec3;
 use tumble::math::{Quat, Real, Vec3};
 use tumble::prelude::*;
 use tumble::{Amount, Collider, Material, Part};
+use tumble_tests::touching::{pose, spawn, velocity};
 
 const STEP: Real = 1.0 / 60.0;
 
@@ -21,29 +22,13 @@ fn slippery() -> Material {
 }
 
 fn fixed(world: &mut World, collider: Collider, position: Vec3) -> Entity {
-    let entity = RigidBody::new(Shape::Point).fixed().position(position).build().unwrap().spawn(world);
-    world.insert_one(entity, collider).unwrap();
-    entity
-}
-
-fn spawn(world: &mut World, body: RigidBody, collider: Collider) -> Entity {
-    let entity = body.build().unwrap().spawn(world);
-    world.insert_one(entity, collider).unwrap();
-    entity
+    spawn(world, RigidBody::new(Shape::Point).fixed().position(position), collider)
 }
 
 /// A body of a shape, of water's density.
 fn solid(world: &mut World, shape: &Shape, position: Vec3, orientation: Quat) -> Entity {
     let body = RigidBody::new(shape.clone()).density(1000.0).position(position).orientation(orientation);
     spawn(world, body, Collider::new(shape).unwrap())
-}
-
-fn pose(world: &World, entity: Entity) -> Pose {
-    *world.get::<&Pose>(entity).unwrap()
-}
-
-fn velocity(world: &World, entity: Entity) -> Velocity {
-    *world.get::<&Velocity>(entity).unwrap()
 }
 
 /// Steps, and shows the world after each.

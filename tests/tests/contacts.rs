@@ -17,6 +17,7 @@ use hecs::{Entity, World};
 use tumble::math::{Quat, Real, Vec3};
 use tumble::prelude::*;
 use tumble::{BodyOrder, Collider, Material, measure};
+use tumble_tests::touching::{collider, cube, ground, pose, spawn, surfaced, velocity};
 use tumble_tests::{EPSILON, dvec3};
 
 const G: f64 = 9.81;
@@ -25,33 +26,13 @@ fn settings(dt: Real) -> Settings {
     Settings::default().with_dt(dt)
 }
 
-fn ground(world: &mut World, material: Material, orientation: Quat) -> Entity {
-    let ground = RigidBody::new(Shape::Point).fixed().orientation(orientation).build().unwrap().spawn(world);
-    world.insert_one(ground, Collider::half_space().with_material(material).unwrap()).unwrap();
-    ground
-}
-
 fn body(world: &mut World, body: RigidBody, shape: &Shape, material: Material) -> Entity {
-    let entity = body.build().unwrap().spawn(world);
-    world.insert_one(entity, Collider::new(shape).unwrap().with_material(material).unwrap()).unwrap();
-    entity
-}
-
-fn cube(half: f64) -> Shape {
-    Shape::cuboid([half, half, half])
+    spawn(world, body, surfaced(collider(shape), material))
 }
 
 fn run(world: &mut World, settings: Settings, steps: u32) {
     let mut simulation = Simulation::new(settings).unwrap();
     (0..steps).for_each(|_| simulation.step(world));
-}
-
-fn pose(world: &World, entity: Entity) -> Pose {
-    *world.get::<&Pose>(entity).unwrap()
-}
-
-fn velocity(world: &World, entity: Entity) -> Velocity {
-    *world.get::<&Velocity>(entity).unwrap()
 }
 
 /// At rest the spring of a contact carries the weight. With the mass scale `m = a2/(1 + a2)`, the impulse scale `i = 1/(1 + a2)` and the rate

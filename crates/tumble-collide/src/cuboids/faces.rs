@@ -40,13 +40,8 @@ pub(super) fn contact<L: Lane>(pair: &Pair<L>, code: L, margin: L) -> ManifoldLa
     let width = of_three(turned(of_reference), i);
     let depth = of_three(turned(turned(of_reference)), i);
 
-    // The incident face is the one that looks most against the normal.
     let along = [n.dot(incident[0]), n.dot(incident[1]), n.dot(incident[2])];
-    let (mut j, mut most) = (zero, along[0].abs());
-    let second_more = most.lt(along[1].abs());
-    j = L::select(second_more, one, j);
-    most = most.max(along[1].abs());
-    j = L::select(most.lt(along[2].abs()), L::splat(2.0), j);
+    let j = largest(along);
     let facing = -sign(of_three(along, j));
     let middle = from_reference + vector_of_three(incident, j) * (of_three(of_incident, j) * facing)
         - n * of_three(of_reference, i);
@@ -192,6 +187,13 @@ fn slab<L: Lane>(from: L, way: L, half: L) -> [L; 2] {
     let stays = way.abs().lt(L::splat(LEAST_WAY));
     let inside = L::select(half.lt(from.abs()), far, -far);
     [L::select(stays, inside, a.min(b)), L::select(stays, far, a.max(b))]
+}
+
+/// Which of three is largest without its sign: the incident face is the one that looks most against the normal.
+#[inline(always)]
+fn largest<L: Lane>([a, b, c]: [L; 3]) -> L {
+    let second = L::select(a.abs().lt(b.abs()), L::splat(1.0), L::splat(0.0));
+    L::select(a.abs().max(b.abs()).lt(c.abs()), L::splat(2.0), second)
 }
 
 /// The second, the third and the first of three.

@@ -74,14 +74,14 @@ impl<const P: usize, const C: usize> Kernel for WarmStart<'_, P, C> {
     }
 }
 
-/// One pass over the points, in order: what overlaps is pushed apart or, where it is to `relax`, the velocity that this gave is taken out again, and friction follows.
+/// One pass over the points, in order: what overlaps is pushed apart or, where it is to relax, the velocity that this gave is taken out again, and friction follows.
 pub(super) struct Solve<'a, const P: usize, const C: usize> {
     pub(super) blocks: Blocks<'a, P, C>,
     pub(super) bodies: Bodied<'a>,
-    pub(super) softness: Softness,
+    /// How what overlaps is pushed apart; none where it is to relax.
+    pub(super) softness: Option<Softness>,
     /// One over the substep [1/s].
     pub(super) inverse_h: Real,
-    pub(super) relax: bool,
 }
 
 impl<const P: usize, const C: usize> Kernel for Solve<'_, P, C> {
@@ -107,7 +107,7 @@ impl<const P: usize, const C: usize> Kernel for Solve<'_, P, C> {
         let (linear, angular) = along_normals(block, &frame, lane, changes);
         bodies.push(arms, linear, angular);
 
-        if self.relax {
+        if self.softness.is_none() {
             let before = Rubbing::load(&block.friction, self.blocks.rolling.get(index), lane);
             let contact = (&frame, lane);
             let after =
@@ -134,10 +134,10 @@ impl<const P: usize, const C: usize> Solve<'_, P, C> {
             let apart = zero.lt(separation);
             let mut bias = zero;
             let (mut mass_scale, mut impulse_scale) = (one, zero);
-            if !self.relax {
-                bias = self.softness.bias(separation);
-                mass_scale = T::select(apart, one, T::splat(self.softness.mass_scale.into()));
-                impulse_scale = T::select(apart, zero, T::splat(self.softness.impulse_scale.into()));
+            if let Some(softness) = &self.softness {
+                bias = softness.bias(separation);
+                mass_scale = T::select(apart, one, T::splat(softness.mass_scale.into()));
+                impulse_scale = T::select(apart, zero, T::splat(softness.impulse_scale.into()));
             }
             let bias = T::select(apart, separation * inverse_h, bias);
             let before: T = at(&point.impulse, lane);
@@ -303,7 +303,11 @@ fn separation<T: Tile, const P: usize, const C: usize>(block: &Block<P, C>, lane
 
 /// Velocity along the normal at each point.
 #[inline(always)]
-fn speeds<T: Tile, const P: usize, const C: usize>(block: &Block<P, C>, lane: usize, parts: [T; 3]) -> [T; P] {
+pub(super) fn speeds<T: Tile, const P: usize, const C: usize>(
+    block: &Block<P, C>,
+    lane: usize,
+    parts: [T; 3],
+) -> [T; P] {
     let mut speeds = [parts[0]; P];
     let mut j = 0;
     while j < P {

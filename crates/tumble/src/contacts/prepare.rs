@@ -2,8 +2,8 @@ use tumble_math::lane::Vec3;
 
 use super::block::Block;
 use super::contact::{Contact, HELD, POINTS, RUBBED, SHAPE};
-use super::frame::{Bodies, Frame, Response, along_normal};
-use super::passes::{Blocks, Bodied, coupling};
+use super::frame::{Bodies, Frame, Response};
+use super::passes::{Blocks, Bodied, coupling, speeds};
 use super::rows::{Lanes, at, gather, put, put_vector, two_vectors};
 use super::rubbing::Rubbing;
 use crate::math::Real;
@@ -81,21 +81,7 @@ impl<const P: usize, const C: usize> Kernel for Prepare<'_, P, C> {
         put(bodies.least_size(&answers), &mut self.blocks.blocks[index].followed, lane);
         self.couple(index, lane, count, &answers, bodies.inverse_mass());
         self.prepare_friction(index, lane, (count, rolling), &answers, bodies.inverse_mass());
-        if let Some(bounce) = self.blocks.bounces.get_mut(index) {
-            let block = &self.blocks.blocks[index];
-            let frame = Frame::<T>::load(block, lane);
-            let parts = frame.normal_parts(&bodies.relative(&response, frame.first_arms));
-            put(restitution, &mut bounce.restitution, lane);
-            let mut j = 0;
-            while j < P {
-                let offset = &block.points[j].offset;
-                let speed = along_normal(parts, at(&offset[0], lane), at(&offset[1], lane));
-                put(speed, &mut bounce.approach[j], lane);
-                put(speed, &mut bounce.before[j], lane);
-                put(zero, &mut bounce.most_impulse[j], lane);
-                j += 1;
-            }
-        }
+        self.prepare_bounce(index, lane, restitution, (&bodies, &response));
     }
 }
 
@@ -135,6 +121,29 @@ impl<const P: usize, const C: usize> Prepare<'_, P, C> {
                 }
                 k += 1;
             }
+            j += 1;
+        }
+    }
+
+    /// Notes how fast the bodies come together now.
+    #[inline(always)]
+    fn prepare_bounce<T: Tile>(
+        &mut self,
+        index: usize,
+        lane: usize,
+        restitution: T,
+        (bodies, response): (&Bodies<T>, &Response<T>),
+    ) {
+        let block = &self.blocks.blocks[index];
+        let Some(bounce) = self.blocks.bounces.get_mut(index) else { return };
+        let frame = Frame::load(block, lane);
+        let speeds = speeds(block, lane, frame.normal_parts(&bodies.relative(response, frame.first_arms)));
+        put(restitution, &mut bounce.restitution, lane);
+        let mut j = 0;
+        while j < P {
+            put(speeds[j], &mut bounce.approach[j], lane);
+            put(speeds[j], &mut bounce.before[j], lane);
+            put(T::splat(0.0), &mut bounce.most_impulse[j], lane);
             j += 1;
         }
     }

@@ -219,18 +219,17 @@ impl Pass<'_> {
     }
 
     fn run_on<const P: usize, const C: usize>(self, blocks: Blocks<'_, P, C>, bodies: Bodied<'_>) {
-        let grounded = bodies.motion.is_grounded();
-        let softness =
-            |h: Real| if grounded { Softness::on_ground(h.into()) } else { Softness::between_moving(h.into()) };
         match self {
             Self::Prepare(contacts, poses, margin) => {
                 run(Prepare::<P, C> { blocks, contacts, bodies, poses, margin });
             }
             Self::WarmStart => run(WarmStart::<P, C> { blocks, bodies }),
-            Self::Biased(h) | Self::Relax(h) => {
-                let relax = matches!(self, Self::Relax(_));
-                run(Solve::<P, C> { blocks, bodies, softness: softness(h), inverse_h: 1.0 / h, relax });
+            Self::Biased(h) => {
+                let is_grounded = bodies.motion.is_grounded();
+                let of = if is_grounded { Softness::on_ground } else { Softness::between_moving };
+                run(Solve::<P, C> { blocks, bodies, softness: Some(of(h.into())), inverse_h: 1.0 / h });
             }
+            Self::Relax(h) => run(Solve::<P, C> { blocks, bodies, softness: None, inverse_h: 1.0 / h }),
             Self::NoteApproach(h, moment) => {
                 run(NoteApproach::<P, C> { blocks, bodies, inverse_h: 1.0 / h, moment });
             }

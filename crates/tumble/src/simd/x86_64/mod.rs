@@ -1,6 +1,6 @@
 //! Tiles of SSE2, AVX2 and AVX-512.
 //!
-//! The one module with `unsafe`: the intrinsics of an instruction set may only run where the machine has it. Tiles are private to this
+//! Intrinsics are `unsafe`: those of an instruction set may only run where the machine has it. Tiles are private to this
 //! module, and the only way to one is a `with_*` function, whose caller has looked.
 
 #![allow(unsafe_code, reason = "intrinsics; see the SAFETY notes")]
