@@ -1,7 +1,7 @@
 //! Bodies that touch, in the scenes that other engines were measured with: a pyramid of 2870 boxes at rest, 5000 balls that fall into a box, and 4096 worlds in
 //! which eight boxes fall on the ground. On one and on two threads.
 //!
-//! `cargo bench --bench piles`, with `-- pyramid`, `balls` or `worlds` for one of them. With `--features peers` the same scenes are run in Rapier in the same
+//! `cargo bench --bench piles`, with `-- pyramid`, `balls` or `worlds` for one of them, or `growth` for what a body costs in a pyramid of 1015 boxes and in one of 29 370. With `--features peers` the same scenes are run in Rapier in the same
 //! process, in turns of ten steps, with its default of four solver iterations; with `peers-simd8` Rapier's solver has eight lanes. Printed are milliseconds a step
 //! (of the pyramid the mean of steps 60 to 240, of the balls of all 300), and what became of the scene: how far the top sank and the box that moved most went, how deep
 //! balls are in each other.
@@ -36,7 +36,7 @@ const TURN: usize = 10;
 fn main() -> Outcome<()> {
     let arguments: Vec<String> = std::env::args().skip(1).collect();
     let asked = |name: &str| arguments.iter().any(|argument| argument == name);
-    let scenes = ["pyramid", "balls", "worlds"];
+    let scenes = ["pyramid", "balls", "worlds", "growth"];
     let all = !scenes.into_iter().any(asked);
     // A test that it runs.
     let short = asked("--test");
@@ -57,6 +57,9 @@ fn main() -> Outcome<()> {
         if all || asked("worlds") {
             let (count, steps) = if short { (16, 2) } else { (4096, 120) };
             worlds(count, steps, threads, &pool)?;
+        }
+        if all || asked("growth") {
+            growth(if short { [3, 4] } else { [14, 44] }, threads, &pool)?;
         }
     }
     Ok(())
@@ -139,6 +142,30 @@ fn overlap(_: &Places, end: &Places) -> String {
         deepest = end[i + 1..].iter().map(|b| 1.0 - distance(a, b)).fold(deepest, f64::max);
     }
     format!("balls are {deepest:.4} m deep in each other, {in_walls:.4} m in walls")
+}
+
+/// What a body costs in a small pyramid and in a large one, in turns.
+fn growth(bases: [u32; 2], threads: usize, pool: &ThreadPool) -> Outcome<()> {
+    const STEPS: u32 = 30;
+    let mut worlds = bases.map(pyramid);
+    let mut simulations = [Simulation::new(Settings::default())?, Simulation::new(Settings::default())?];
+    let bodies = bases.map(|base| base * (base + 1) * (2 * base + 1) / 6);
+    let mut times = [Duration::ZERO; 2];
+    // The first turn is there for the contacts to be made.
+    for turn in 0..4 {
+        for ((world, simulation), time) in worlds.iter_mut().zip(&mut simulations).zip(&mut times) {
+            let start = Instant::now();
+            pool.install(|| (0..STEPS).for_each(|_| simulation.step(world)));
+            *time += if turn == 0 { Duration::ZERO } else { start.elapsed() };
+        }
+    }
+    let [small, large] = [0, 1].map(|i| times[i].as_secs_f64() * 1e6 / (f64::from(bodies[i]) * f64::from(3 * STEPS)));
+    let [few, many] = bodies;
+    println!(
+        "growth, threads {threads}: {small:.2} us a body and step of {few} boxes, {large:.2} of {many}; {:.2} times",
+        large / small
+    );
+    Ok(())
 }
 
 /// Many small worlds.

@@ -1,6 +1,7 @@
 use std::fmt;
 
 use hecs::World;
+use rayon::prelude::*;
 use tumble_collide::{Bounds, BroadPhase, Geometry, Placement, Proxy, touching};
 use tumble_math::lane::{Quat, Vec3};
 
@@ -48,6 +49,8 @@ pub(crate) struct Contacts {
     cuboids: Pairs,
     balls: Pairs,
     others: Vec<[u32; 2]>,
+    /// Contacts of the last, in parts that threads find.
+    found: Vec<Vec<Contact>>,
     materials: Materials,
     /// In the order of their keys.
     pub(super) contacts: Vec<Contact>,
@@ -71,6 +74,11 @@ pub(super) struct Shape {
     /// Of what impulses do not move \[m/s\] \[rad/s\].
     velocity: (Vec3<Real>, Vec3<Real>),
 }
+
+/// So many contacts go on from those there were on one thread at a time.
+const PART: usize = 512;
+/// And so many pairs of shapes that have no lanes of their own are looked at.
+const OTHERS_PART: usize = 16;
 
 /// No row.
 const NONE: u32 = u32::MAX;
@@ -249,31 +257,20 @@ impl Contacts {
         self.find_near();
         self.keep_the_past();
         std::mem::swap(&mut self.contacts, &mut self.last);
-        let Self { shapes, lanes, cuboids, balls, others, contacts, .. } = self;
+        let Self { shapes, lanes, cuboids, balls, others, found, contacts, colliders, .. } = self;
         contacts.clear();
         cuboids.touch(Kind::Cuboid, lanes, contacts);
         balls.touch(Kind::Ball, lanes, contacts);
-        for slots in others {
-            let [first, second] = slots.map(|slot| (&shapes[slot as usize], self.colliders[slot as usize].as_ref()));
-            if let (Some((a, _)), Some((b, _))) = (first.1, second.1) {
-                let before = contacts.len();
-                let (first_at, second_at, center) = (&first.0.placement, &second.0.placement, second.0.center);
-                let margin = first.0.reach + second.0.reach;
-                touching(&a.geometry, first_at, &b.geometry, second_at, margin, &mut |part, manifold| {
-                    contacts.push(Contact::new(*slots, part, manifold, center));
-                });
-                contacts[before..].sort_by_key(Contact::key);
-            }
-        }
+        let parts = others.len().div_ceil(OTHERS_PART);
+        found.resize_with(parts.max(found.len()), Vec::new);
+        others.par_chunks(OTHERS_PART).zip(&mut *found).for_each(|(pairs, found)| {
+            found.clear();
+            pairs.iter().for_each(|slots| touch_one(*slots, shapes, colliders, found));
+        });
+        found[..parts].iter().for_each(|found| contacts.extend_from_slice(found));
         contacts.retain(|contact| contact.count() > 0);
-        let mut last = self.last.iter().peekable();
-        for contact in contacts {
-            while last.next_if(|old| old.key() < contact.key()).is_some() {}
-            if let Some(old) = last.next_if(|old| old.key() == contact.key()) {
-                contact.take_over(old);
-            }
-            contact.set_surface(&self.materials.between(contact.slots));
-        }
+        let Self { contacts, last, materials, .. } = self;
+        contacts.par_chunks_mut(PART).for_each(|contacts| go_on(contacts, last, materials));
         // The next step's list takes the place of the last one's: so it allocates nothing. Exactly as much, for with some more both would outgrow each other without end.
         self.last.reserve_exact(self.contacts.capacity().saturating_sub(self.last.len()));
     }
@@ -299,6 +296,32 @@ impl Contacts {
                 Kind::Other => others.push(slots),
             }
         }
+    }
+}
+
+/// Adds the contacts of shapes that have no lanes of their own.
+fn touch_one(slots: [u32; 2], shapes: &[Shape], colliders: &[Option<(Collider, WorldVec3)>], found: &mut Vec<Contact>) {
+    let [first, second] = slots.map(|slot| &shapes[slot as usize]);
+    if let [Some((a, _)), Some((b, _))] = slots.map(|slot| colliders[slot as usize].as_ref()) {
+        let before = found.len();
+        let (margin, center) = (first.reach + second.reach, second.center);
+        touching(&a.geometry, &first.placement, &b.geometry, &second.placement, margin, &mut |part, manifold| {
+            found.push(Contact::new(slots, part, manifold, center));
+        });
+        found[before..].sort_by_key(Contact::key);
+    }
+}
+
+/// Begins contacts with the impulses of those there were, both in the order of their keys.
+fn go_on(contacts: &mut [Contact], last: &[Contact], materials: &Materials) {
+    let Some(first) = contacts.first().map(Contact::key) else { return };
+    let mut last = last[last.partition_point(|old| old.key() < first)..].iter().peekable();
+    for contact in contacts {
+        while last.next_if(|old| old.key() < contact.key()).is_some() {}
+        if let Some(old) = last.next_if(|old| old.key() == contact.key()) {
+            contact.take_over(old);
+        }
+        contact.set_surface(&materials.between(contact.slots));
     }
 }
 
