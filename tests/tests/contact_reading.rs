@@ -224,6 +224,29 @@ fn what_is_gone_has_ended() {
     }
 }
 
+/// hecs gives the number of an entity that was despawned to the next one. Without a [`BodyId`] the number is all that a body is called by, but it is another body.
+#[test]
+fn who_takes_the_place_of_another_is_not_taken_for_it() {
+    let mut world = World::new();
+    let ground = ground(&mut world, None);
+    let box_of = |mass: f64| RigidBody::new(cube()).mass(mass).position(Vec3::Y * 0.5);
+    let heavy = body(&mut world, box_of(100.0), &cube());
+    let mut simulation = simulation();
+    simulation.step_many(&mut world, 60);
+    world.despawn(heavy).unwrap();
+    let light = body(&mut world, box_of(1.0), &cube());
+    assert_eq!(light.id(), heavy.id());
+    simulation.step(&mut world);
+    let events = events(&simulation);
+    assert_eq!(events.len(), 2, "{events:?}");
+    assert!(
+        events.contains(&ContactEvent::End([ground, heavy])) && events.contains(&ContactEvent::Begin([ground, light]))
+    );
+    // It begins without the impulses of the other, which would throw it up.
+    let up = world.get::<&Velocity>(light).unwrap().linear.y;
+    assert!(up < 0.01, "{up}");
+}
+
 /// When the last collider goes, what it touched ends, and nothing is left of it.
 #[test]
 fn a_world_without_colliders_has_no_contacts() {

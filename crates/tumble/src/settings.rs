@@ -103,6 +103,9 @@ impl Settings {
         if self.contact_substeps == 0 || self.contact_substeps > Self::MOST_CONTACT_SUBSTEPS {
             return Err(SettingsError::ContactSubsteps(self.contact_substeps));
         }
+        if !self.contact_substep().is_normal() {
+            return Err(SettingsError::Step(self.contact_substep()));
+        }
         if !(self.restitution_threshold >= 0.0 && self.restitution_threshold.is_finite()) {
             return Err(SettingsError::RestitutionThreshold(self.restitution_threshold));
         }

@@ -17,8 +17,6 @@ pub(super) struct Past {
     pub(super) contacts: Vec<Contact>,
     /// What touched and has lost one of two bodies between the steps.
     pub(super) parted: Vec<Parted>,
-    /// Contacts were put back, and lie as they did elsewhere.
-    pub(super) put_back: bool,
     /// No step has been taken since names were looked at.
     is_next: bool,
 }
@@ -35,14 +33,13 @@ impl Contacts {
         if names.renew(world, members, contacts, &mut past.parted) {
             self.broad_phase.reset();
         }
-        if std::mem::take(&mut self.past.put_back) {
-            let colliders = &self.colliders;
-            for contact in &mut self.contacts {
-                contact.set_kind(contact.slots.map(|slot| colliders[slot as usize].as_ref().map(|(it, _)| it)));
-            }
-            if !self.contacts.is_sorted_by_key(Contact::key) {
-                self.contacts.sort_unstable_by_key(Contact::key);
-            }
+        // Colliders may be others than they were, and contacts that were put back lie as they did elsewhere.
+        let colliders = &self.colliders;
+        for contact in &mut self.contacts {
+            contact.set_kind(contact.slots.map(|slot| colliders[slot as usize].as_ref().map(|(it, _)| it)));
+        }
+        if !self.contacts.is_sorted_by_key(Contact::key) {
+            self.contacts.sort_unstable_by_key(Contact::key);
         }
     }
 
@@ -90,7 +87,6 @@ impl Contacts {
         self.contacts.clear();
         self.past.parted.clear();
         self.past.found = 0;
-        self.past.put_back = false;
     }
 
     /// Copies what decides the next step.
@@ -126,7 +122,6 @@ impl Contacts {
         self.contacts.retain(|contact| contact.slots.iter().all(|slot| names.is_here(*slot)));
         self.shapes.clear();
         self.shapes.extend(saved.centers.iter().copied().map(Shape::at_center));
-        self.past.put_back = true;
     }
 
     /// Where the centre of mass of a slot was when the step began \[m\].

@@ -107,8 +107,10 @@ pub(super) struct Surface {
 
 impl Surface {
     pub(super) fn between(a: &Material, b: &Material) -> Self {
-        let friction =
-            |of: fn(&Material) -> Real| Combine::of((of(a), a.friction_combine), (of(b), b.friction_combine));
+        // Without end it would hold, with no impulse at all, what does not touch.
+        let friction = |of: fn(&Material) -> Real| {
+            Combine::of((of(a), a.friction_combine), (of(b), b.friction_combine)).min(Real::MAX)
+        };
         let dynamic_friction = friction(|material| material.dynamic_friction);
         Self {
             // What is easier to start than to keep going would be neither.

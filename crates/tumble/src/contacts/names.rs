@@ -29,6 +29,8 @@ pub(super) struct Names {
     entities: Vec<Entity>,
     /// By old slot, the one that the name has now.
     now: Vec<u32>,
+    /// The entities that are in the world now, by new slot.
+    here: Vec<Entity>,
 }
 
 /// Two bodies that touched, of which one is gone.
@@ -73,10 +75,18 @@ impl Names {
             Name::of(id, entity)
         };
         let count = members.len();
-        let same = self.names.len() == count && self.names.iter().enumerate().all(|(slot, name)| *name == member(slot));
+        self.here.clear();
+        self.here.resize(count, Entity::DANGLING);
+        for entity in world.query::<Entity>().with::<&Collider>().iter() {
+            if let Some(slot) = members.slot(entity.id()) {
+                self.here[slot] = entity;
+            }
+        }
+        let same = self.names.len() == count
+            && (0..count).all(|slot| self.names[slot] == member(slot) && !self.is_replaced(slot, slot));
         if !same {
             self.match_names(count, member);
-            let Self { names, entities, now } = &*self;
+            let Self { names, entities, now, .. } = &*self;
             contacts.retain_mut(|contact| {
                 let old = contact.slots;
                 contact.slots = old.map(|slot| now[slot as usize]);
@@ -90,30 +100,27 @@ impl Names {
             self.names.clear();
             self.names.extend((0..count).map(member));
         }
-        self.entities.clear();
-        self.entities.resize(count, Entity::DANGLING);
-        for entity in world.query::<Entity>().with::<&Collider>().iter() {
-            if let Some(slot) = members.slot(entity.id()) {
-                self.entities[slot] = entity;
-            }
-        }
+        std::mem::swap(&mut self.entities, &mut self.here);
         !same
+    }
+
+    /// Whether what had a name by the number of its entity is gone, and that number another's: hecs gives it to the next that is spawned.
+    fn is_replaced(&self, old: usize, new: usize) -> bool {
+        let was = self.entities[old];
+        matches!(self.names[old], Name::Entity(_)) && was != Entity::DANGLING && was != self.here[new]
     }
 
     /// Finds the new slots of names: of equal names the first has the first slot, and no two the same.
     fn match_names(&mut self, count: usize, member: impl Fn(usize) -> Name) {
         self.now.clear();
         let mut slot = 0;
-        for name in &self.names {
+        for (old, name) in self.names.iter().enumerate() {
             while slot < count && member(slot) < *name {
                 slot += 1;
             }
-            if slot < count && member(slot) == *name {
-                self.now.push(slot as u32);
-                slot += 1;
-            } else {
-                self.now.push(NONE);
-            }
+            let is_there = slot < count && member(slot) == *name;
+            self.now.push(if is_there && !self.is_replaced(old, slot) { slot as u32 } else { NONE });
+            slot += usize::from(is_there);
         }
     }
 

@@ -237,13 +237,17 @@ fn tangents<T: Tile>(n: Vec3<T>) -> [Vec3<T>; 2] {
     [first, n.cross(first)]
 }
 
-/// Inverse of a symmetric 2x2 matrix `xx, xy, yy`; zero where there is none.
+/// Inverse of a symmetric 2x2 matrix `xx, xy, yy` with positive eigenvalues; zero where it has none. Without its determinant, which has the square of the masses in it: a moon's is no number
+/// in single precision.
 #[inline(always)]
 fn inverse<T: Tile>([a, b, c]: [T; 3]) -> [T; 3] {
-    let zero = T::splat(0.0);
-    let determinant = a * c - b * b;
-    let scale = T::select(zero.lt(determinant), T::splat(1.0) / determinant, zero);
-    [c * scale, -b * scale, a * scale]
+    let (zero, one) = (T::splat(0.0), T::splat(1.0));
+    let ratio = b / a;
+    let left = c - b * ratio;
+    let there = zero.lt(T::select(zero.lt(a), left, zero));
+    let yy = one / left;
+    let xy = -ratio * yy;
+    [T::select(there, one / a - ratio * xy, zero), T::select(there, xy, zero), T::select(there, yy, zero)]
 }
 
 #[inline(always)]

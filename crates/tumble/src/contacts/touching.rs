@@ -194,12 +194,16 @@ impl Contacts {
                 let orientation = Quat::from(poses[row].orientation).normalize();
                 let Some((collider, offset)) = &colliders[slot] else { continue };
                 let position = center - orientation.rotate(Vec3::from(*offset));
-                let placement = collider.placement(Placement { position, orientation });
+                let mut placement = collider.placement(Placement { position, orientation });
                 let velocity = velocities.as_deref().map_or(Velocity::default(), |velocities| velocities[row]);
-                let linear = match &pushed {
-                    Some((momenta, masses)) => momenta[row].linear / masses[row].kilograms(),
-                    None => velocity.linear,
+                let (linear, angular) = match &pushed {
+                    Some((momenta, masses)) => (momenta[row].linear / masses[row].kilograms(), momenta[row].angular),
+                    None => (velocity.linear, velocity.angular),
                 };
+                if !(linear.is_finite() && angular.is_finite()) {
+                    // It is nowhere then, and touches nothing that it could spoil.
+                    placement.position = Vec3::splat(Real::NAN);
+                }
                 let reach = reach(&collider.geometry, linear.length() * interval);
                 lanes.set(slot, &collider.geometry, &placement, center, reach);
                 let (kind, moves) = (Kind::of(&collider.geometry), pushed.is_some());
