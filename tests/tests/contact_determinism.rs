@@ -20,7 +20,7 @@ use pile::{plain_scene, scene, settings, shuffled};
 const STEPS: u32 = 120;
 
 /// The hash of the pile after 200 steps, in single and double precision. A new hash is a new arithmetic, of contacts or of what finds them; see `determinism.rs`.
-const PINNED: [u64; 2] = [0xc45e_8f30_65d9_b6c4, 0xca63_b4a7_6ae1_4f3d];
+const PINNED: [u64; 2] = [0x6cb8_72b6_43ec_5b57, 0xca63_b4a7_6ae1_4f3d];
 
 fn hash_after(mut world: World, steps: u32) -> u64 {
     let mut simulation = Simulation::new(settings()).unwrap();
