@@ -229,12 +229,12 @@ fn what_is_gone_has_ended() {
 fn who_takes_the_place_of_another_is_not_taken_for_it() {
     let mut world = World::new();
     let ground = ground(&mut world, None);
-    let box_of = |mass: f64| RigidBody::new(cube()).mass(mass).position(Vec3::Y * 0.5);
-    let heavy = body(&mut world, box_of(100.0), &cube());
+    let box_of = |mass: f64| RigidBody::new(cube(0.5)).mass(mass).position(Vec3::Y * 0.5);
+    let heavy = body(&mut world, box_of(100.0), &cube(0.5));
     let mut simulation = simulation();
-    simulation.step_many(&mut world, 60);
+    run(&mut simulation, &mut world, 60);
     world.despawn(heavy).unwrap();
-    let light = body(&mut world, box_of(1.0), &cube());
+    let light = body(&mut world, box_of(1.0), &cube(0.5));
     assert_eq!(light.id(), heavy.id());
     simulation.step(&mut world);
     let events = events(&simulation);

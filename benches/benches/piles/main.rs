@@ -82,14 +82,14 @@ impl Pile<'_> {
     fn run(&self, name: &str, threads: usize, pool: &ThreadPool) -> Outcome<()> {
         let mut world = (self.made)();
         let mut simulation = Simulation::new(Settings::default())?;
-        let mut peer = Peer::new(&world, simulation.settings(), threads)?;
+        let mut peer = Peer::new(&world, simulation.settings())?;
         let start = places(&world);
         let (mut ours, mut theirs) = (Duration::ZERO, Duration::ZERO);
         for turn in (0..self.steps).step_by(TURN) {
             let steps = turn..(turn + TURN).min(self.steps);
             ours += self.time(steps.clone(), || pool.install(|| simulation.step(&mut world)));
             if let Some(peer) = &mut peer {
-                theirs += self.time(steps, || peer.step());
+                theirs += self.time(steps, || pool.install(|| peer.step()));
             }
         }
         let milliseconds = |time: Duration| time.as_secs_f64() * 1e3 / self.measured.len() as f64;
@@ -172,7 +172,7 @@ fn growth(bases: [u32; 2], threads: usize, pool: &ThreadPool) -> Outcome<()> {
 fn worlds(count: u64, steps: u32, threads: usize, pool: &ThreadPool) -> Outcome<()> {
     let made = |index: u64| Trial::new(Settings::default(), eight_boxes(index));
     let trials = (0..count).map(made).collect::<Result<Vec<_>, _>>()?;
-    let peers = trials.iter().map(|trial| Peer::new(&trial.world, trial.simulation.settings(), 1));
+    let peers = trials.iter().map(|trial| Peer::new(&trial.world, trial.simulation.settings()));
     let mut peers: Vec<Peer> = peers.collect::<Outcome<Vec<_>>>()?.into_iter().flatten().collect();
     let mut batch: Batch = trials.into_iter().collect();
     let rate = |time: Duration| (count * 8) as f64 * f64::from(steps) * 1e-6 / time.as_secs_f64();

@@ -12,18 +12,17 @@ use tumble_benches::{FRICTION, PileShape};
 
 use crate::{Outcome, Places};
 
-/// The same bodies in Rapier, which never sleep.
+/// The same bodies in Rapier, which never sleep. Steps run in the pool of the caller, as ours do.
 pub(crate) struct Peer {
     world: rapier::PhysicsWorld,
     bodies: Vec<rapier::RigidBodyHandle>,
 }
 
 impl Peer {
-    pub(crate) fn new(ours: &World, settings: &Settings, threads: usize) -> Outcome<Option<Self>> {
+    pub(crate) fn new(ours: &World, settings: &Settings) -> Outcome<Option<Self>> {
         let mut world = rapier::PhysicsWorld::new();
         world.gravity = vector(settings.gravity);
         world.integration_parameters.dt = settings.dt as f32;
-        world.configure_thread_pool(threads)?;
         type Parts<'a> = (&'a BodyId, &'a Pose, &'a PileShape, Option<(&'a Momentum, &'a Velocity)>);
         let mut bodies = ours.query::<Parts<'_>>();
         let mut bodies: Vec<_> = bodies.iter().collect();

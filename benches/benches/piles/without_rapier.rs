@@ -7,7 +7,7 @@ use crate::{Outcome, Places};
 pub(crate) enum Peer {}
 
 impl Peer {
-    pub(crate) fn new(_: &World, _: &Settings, _: usize) -> Outcome<Option<Self>> {
+    pub(crate) fn new(_: &World, _: &Settings) -> Outcome<Option<Self>> {
         Ok(None)
     }
 

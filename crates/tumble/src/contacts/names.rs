@@ -100,7 +100,7 @@ impl Names {
             self.names.clear();
             self.names.extend((0..count).map(member));
         }
-        std::mem::swap(&mut self.entities, &mut self.here);
+        self.entities.clone_from(&self.here);
         !same
     }
 
