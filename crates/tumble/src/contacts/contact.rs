@@ -44,13 +44,13 @@ impl Contact {
         touched: false,
         slots: [0; 2],
         features: [0; MOST_POINTS],
-        numbers: [Eight([0.0; 8]); 5],
+        numbers: [Eight::ZERO; 5],
     };
 
     /// Of a manifold with points, whose normal goes from the first slot to the second; `center` is the centre of mass of the second.
     pub(super) fn new(slots: [u32; 2], part: u32, manifold: &Manifold<Real>, center: Vec3<Real>) -> Self {
         let (n, count) = (manifold.normal, manifold.points().len());
-        let mut numbers = [Eight([0.0; 8]); 5];
+        let mut numbers = [Eight::ZERO; 5];
         let mut features = [0; MOST_POINTS];
         for (j, point) in manifold.points().iter().enumerate() {
             let from_second = point.position - center;

@@ -3,7 +3,7 @@
 use tumble_math::lane::Vec3;
 
 use super::block::Block;
-use super::rows::{at, gather, put_two_vectors, two_vectors, vector_at};
+use super::rows::{at, gather_two_vectors, vector_at};
 use crate::derived::symmetric_product;
 use crate::simd::{BLOCK, Eight, Rows, Tile};
 
@@ -82,8 +82,8 @@ pub(super) struct Moved<T> {
 impl<T: Tile> Moved<T> {
     #[inline(always)]
     pub(super) fn load(moved: &[Eight], rows: &[[u32; BLOCK]; 2], lane: usize) -> Self {
-        let first = two_vectors::<T>(&gather::<T>(moved, &rows[0], lane));
-        let second = two_vectors::<T>(&gather::<T>(moved, &rows[1], lane));
+        let first = gather_two_vectors(moved, &rows[0], lane);
+        let second = gather_two_vectors(moved, &rows[1], lane);
         Self { linear: [first.0, second.0], angular: [first.1, second.1] }
     }
 
@@ -97,7 +97,6 @@ impl<T: Tile> Moved<T> {
 /// The bodies of a tile's contacts. Where they are `grounded`, impulses move only the second of each.
 pub(super) struct Bodies<T> {
     grounded: bool,
-    rows: [[Eight; BLOCK]; 2],
     /// Linear and angular momentum; of what impulses do not move, the velocities.
     linear: [Vec3<T>; 2],
     angular: [Vec3<T>; 2],
@@ -107,13 +106,12 @@ pub(super) struct Bodies<T> {
 impl<T: Tile> Bodies<T> {
     #[inline(always)]
     pub(super) fn load(motion: &Rows<'_>, block: usize, lane: usize) -> Self {
-        let rows = [motion.gather::<T>(block, 0, lane), motion.gather::<T>(block, 1, lane)];
-        let [a, b, c, d, e, f, first_mass] = T::load(&rows[0]);
+        let [a, b, c, d, e, f, first_mass] = motion.gather(block, 0, lane);
         let first = (Vec3::new(a, b, c), Vec3::new(d, e, f));
-        let [a, b, c, d, e, f, second_mass] = T::load(&rows[1]);
+        let [a, b, c, d, e, f, second_mass] = motion.gather(block, 1, lane);
         let second = (Vec3::new(a, b, c), Vec3::new(d, e, f));
         let (linear, angular) = ([first.0, second.0], [first.1, second.1]);
-        Self { grounded: motion.is_grounded(), rows, linear, angular, inverse_mass: [first_mass, second_mass] }
+        Self { grounded: motion.is_grounded(), linear, angular, inverse_mass: [first_mass, second_mass] }
     }
 
     /// Sum of the inverse masses of what impulses move [1/kg].
@@ -152,13 +150,18 @@ impl<T: Tile> Bodies<T> {
 
     /// Writes back the momenta.
     #[inline(always)]
-    pub(super) fn store(mut self, motion: &mut Rows<'_>, block: usize, lane: usize) {
+    pub(super) fn store(&self, motion: &mut Rows<'_>, block: usize, lane: usize) {
         if !self.grounded {
-            put_two_vectors(self.linear[0], self.angular[0], &mut self.rows[0]);
-            motion.scatter::<T>(&self.rows[0], block, 0, lane);
+            motion.scatter(self.row(0), block, 0, lane);
         }
-        put_two_vectors(self.linear[1], self.angular[1], &mut self.rows[1]);
-        motion.scatter::<T>(&self.rows[1], block, 1, lane);
+        motion.scatter(self.row(1), block, 1, lane);
+    }
+
+    /// What rows are to be, as they were loaded.
+    #[inline(always)]
+    fn row(&self, which: usize) -> [T; 8] {
+        let (p, l) = (self.linear[which], self.angular[which]);
+        [p.x, p.y, p.z, l.x, l.y, l.z, self.inverse_mass[which], T::splat(0.0)]
     }
 }
 
@@ -171,8 +174,8 @@ pub(super) struct Response<T> {
 impl<T: Tile> Response<T> {
     #[inline(always)]
     pub(super) fn load(response: &[Eight], indices: &[[u32; BLOCK]; 2], lane: usize) -> Self {
-        let first = two_vectors::<T>(&gather::<T>(response, &indices[0], lane));
-        let second = two_vectors::<T>(&gather::<T>(response, &indices[1], lane));
+        let first = gather_two_vectors(response, &indices[0], lane);
+        let second = gather_two_vectors(response, &indices[1], lane);
         Self { diagonal: [first.0, second.0], off_diagonal: [first.1, second.1] }
     }
 

@@ -23,7 +23,7 @@ impl<const P: usize, const C: usize> Kernel for Keep<'_, P, C> {
         let block = &self.blocks.blocks[index];
         let frame = Frame::<T>::load(block, lane);
         let rubbing = Rubbing::load(&block.friction, self.blocks.rolling.get(index), lane);
-        let mut rubbed = [Eight([0.0; 8]); BLOCK];
+        let mut rubbed = [Eight::ZERO; BLOCK];
         put_two_vectors(rubbing.linear(&frame), rubbing.angular(&frame), &mut rubbed);
         let mut l = 0;
         while l < T::WIDTH && lane + l < block.count {

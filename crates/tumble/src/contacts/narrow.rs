@@ -4,9 +4,9 @@ use tumble_collide::{Geometry, MOST_POINTS, Placement};
 use tumble_math::lane::{Quat, Vec3};
 
 use super::contact::{Contact, POINTS, SHAPE};
-use super::rows::{gather, put};
+use super::rows::put;
 use crate::math::Real;
-use crate::simd::{BLOCK, Eight, Kernel, Tile, dispatch_in_blocks};
+use crate::simd::{BLOCK, Eight, Kernel, Tile, dispatch_in_blocks, gather};
 
 /// Where shapes are that several pairs of are looked at side by side, by slot.
 #[derive(Clone, Default)]
@@ -46,7 +46,7 @@ impl Shapes {
         for rows in [&mut self.places, &mut self.sizes] {
             rows.clear();
             // One more, for lanes without a pair.
-            rows.resize(count + 1, Eight([0.0; 8]));
+            rows.resize(count + 1, Eight::ZERO);
         }
     }
 
@@ -230,8 +230,8 @@ struct Place<T> {
 /// A tile's boxes, and where they are.
 #[inline(always)]
 fn cuboids<T: Tile>(shapes: &Shapes, slots: &[u32; BLOCK], lane: usize) -> (CuboidLanes<T>, Vec3<T>, Place<T>) {
-    let [x, y, z, qx, qy, qz, qw] = T::load(&gather::<T>(&shapes.places, slots, lane));
-    let [a, b, c, u, v, w, reach] = T::load(&gather::<T>(&shapes.sizes, slots, lane));
+    let [x, y, z, qx, qy, qz, qw] = gather(&shapes.places, slots, lane);
+    let [a, b, c, u, v, w, reach] = gather(&shapes.sizes, slots, lane);
     let orientation = Quat { x: qx, y: qy, z: qz, w: qw };
     let place = Place { offset: Vec3::new(u, v, w), reach };
     (CuboidLanes { half_extents: Vec3::new(a, b, c), orientation }, Vec3::new(x, y, z), place)
@@ -240,8 +240,8 @@ fn cuboids<T: Tile>(shapes: &Shapes, slots: &[u32; BLOCK], lane: usize) -> (Cubo
 /// A tile's radii, and where the balls are.
 #[inline(always)]
 fn balls<T: Tile>(shapes: &Shapes, slots: &[u32; BLOCK], lane: usize) -> (T, Vec3<T>, Place<T>) {
-    let [x, y, z, _] = T::load(&gather::<T>(&shapes.places, slots, lane));
-    let [radius, _, _, u, v, w, reach] = T::load(&gather::<T>(&shapes.sizes, slots, lane));
+    let [x, y, z, _] = gather(&shapes.places, slots, lane);
+    let [radius, _, _, u, v, w, reach] = gather(&shapes.sizes, slots, lane);
     (radius, Vec3::new(x, y, z), Place { offset: Vec3::new(u, v, w), reach })
 }
 
@@ -256,7 +256,7 @@ fn write<T: Tile>(
 ) {
     let zero = T::splat(0.0);
     let n = manifold.normal;
-    let mut numbers = [[Eight([0.0; 8]); BLOCK]; 3];
+    let mut numbers = [[Eight::ZERO; BLOCK]; 3];
     T::store([n.x, n.y, n.z, manifold.carried, manifold.count, zero, zero, zero], &mut numbers[SHAPE]);
     let mut half = 0;
     while half < POINTS.len() {

@@ -4,7 +4,7 @@ use super::block::Block;
 use super::contact::{Contact, HELD, POINTS, RUBBED, SHAPE};
 use super::frame::{Bodies, Frame, Response};
 use super::passes::{Blocks, Bodied, coupling, speeds};
-use super::rows::{Lanes, at, gather, put, put_vector, two_vectors};
+use super::rows::{Lanes, at, gather_two_vectors, put, put_vector};
 use super::rubbing::Rubbing;
 use crate::math::Real;
 use crate::simd::{BLOCK, Eight, Kernel, Tile};
@@ -36,12 +36,11 @@ impl<const P: usize, const C: usize> Kernel for Prepare<'_, P, C> {
         let (index, lane) = (i / BLOCK, i % BLOCK);
         let (zero, one) = (T::splat(0.0), T::splat(1.0));
         let block = &mut self.blocks.blocks[index];
-        let [nx, ny, nz, carried, count, rolling, restitution] =
-            T::load(&pick::<T, _, _>(self.contacts, block, SHAPE, lane));
+        let [nx, ny, nz, carried, count, rolling, restitution] = pick(self.contacts, block, SHAPE, lane);
         let normal = Vec3::new(nx, ny, nz);
         let tangents = tangents(normal);
-        let [ax, ay, az, s0, bx, by, bz, s1] = T::load(&pick::<T, _, _>(self.contacts, block, POINTS[0], lane));
-        let [cx, cy, cz, s2, dx, dy, dz, s3] = T::load(&pick::<T, _, _>(self.contacts, block, POINTS[1], lane));
+        let [ax, ay, az, s0, bx, by, bz, s1] = pick(self.contacts, block, POINTS[0], lane);
+        let [cx, cy, cz, s2, dx, dy, dz, s3] = pick(self.contacts, block, POINTS[1], lane);
         let places = [Vec3::new(ax, ay, az), Vec3::new(bx, by, bz), Vec3::new(cx, cy, cz), Vec3::new(dx, dy, dz)];
         let separations = [s0, s1, s2, s3];
 
@@ -63,8 +62,8 @@ impl<const P: usize, const C: usize> Kernel for Prepare<'_, P, C> {
         put_vector(arm, &mut block.arm, lane);
         put(carried, &mut block.carried, lane);
         let rows = self.bodies.motion.pairs(index);
-        let (first, _) = two_vectors::<T>(&gather::<T>(self.poses, &rows[0], lane));
-        let (second, _) = two_vectors::<T>(&gather::<T>(self.poses, &rows[1], lane));
+        let (first, _) = gather_two_vectors::<T>(self.poses, &rows[0], lane);
+        let (second, _) = gather_two_vectors::<T>(self.poses, &rows[1], lane);
         put_vector(second - first, &mut block.apart, lane);
         let mut j = 0;
         while j < P {
@@ -102,7 +101,7 @@ impl<const P: usize, const C: usize> Prepare<'_, P, C> {
             turnings[j] = [levers[0] + from_middle, levers[1] + from_middle];
             j += 1;
         }
-        let [h0, h1, h2, h3] = T::load(&pick::<T, _, _>(self.contacts, block, HELD, lane));
+        let [h0, h1, h2, h3]: [T; 4] = pick(self.contacts, block, HELD, lane);
         let held = [h0, h1, h2, h3];
         let mut j = 0;
         while j < P {
@@ -189,11 +188,12 @@ impl<const P: usize, const C: usize> Prepare<'_, P, C> {
             radius = T::select(T::splat(2.0).lt(count), mean * T::splat(FACE), mean);
         }
         put(radius, &mut block.friction.radius, lane);
-        let [_, _, _, _, fixed, sliding] = T::load(&pick::<T, _, _>(self.contacts, block, HELD, lane));
+        let [_, _, _, _, fixed, sliding]: [T; 6] = pick(self.contacts, block, HELD, lane);
         put(fixed, &mut block.friction.limits[0], lane);
         put(sliding, &mut block.friction.limits[1], lane);
 
-        let (linear, angular) = two_vectors::<T>(&pick::<T, _, _>(self.contacts, block, RUBBED, lane));
+        let [p, q, r, u, v, w] = pick(self.contacts, block, RUBBED, lane);
+        let (linear, angular) = (Vec3::new(p, q, r), Vec3::new(u, v, w));
         if let Some(rolling) = self.blocks.rolling.get_mut(index) {
             put(length, &mut rolling.length, lane);
             let (s_first, t_first) = (response.of_first(s), response.of_first(t));
@@ -208,19 +208,19 @@ impl<const P: usize, const C: usize> Prepare<'_, P, C> {
 
 /// Some of the numbers of a tile's contacts.
 #[inline(always)]
-fn pick<T: Tile, const P: usize, const C: usize>(
+fn pick<T: Tile, const P: usize, const C: usize, const N: usize>(
     contacts: &[Contact],
     block: &Block<P, C>,
     which: usize,
     lane: usize,
-) -> [Eight; BLOCK] {
-    let mut picked = [Eight([0.0; 8]); BLOCK];
+) -> [T; N] {
+    let mut picked = [&Eight::ZERO; BLOCK];
     let mut i = 0;
     while i < T::WIDTH && lane + i < block.count {
-        picked[i] = contacts[block.contacts[lane + i] as usize].numbers[which];
+        picked[i] = &contacts[block.contacts[lane + i] as usize].numbers[which];
         i += 1;
     }
-    picked
+    T::gather(&picked)
 }
 
 /// Two unit vectors, each perpendicular to the other and to `n`: the first as near as it can be to the axis that `n` is farthest from.

@@ -3,7 +3,7 @@
 use tumble_math::lane::Vec3;
 
 use crate::math::Real;
-use crate::simd::{BLOCK, Eight, Tile};
+use crate::simd::{BLOCK, Eight, Tile, gather};
 
 /// One number of each contact of a block.
 pub(super) type Lanes = [Real; BLOCK];
@@ -33,22 +33,17 @@ pub(super) fn put_vector<T: Tile>(vector: Vec3<T>, numbers: &mut [Lanes; 3], lan
     put(vector.z, &mut numbers[2], lane);
 }
 
-/// The rows of a tile's bodies, next to each other.
-#[inline(always)]
-pub(super) fn gather<T: Tile>(rows: &[Eight], indices: &[u32; BLOCK], lane: usize) -> [Eight; BLOCK] {
-    let mut gathered = [Eight([0.0; 8]); BLOCK];
-    let mut i = 0;
-    while i < T::WIDTH {
-        gathered[i] = rows[indices[lane + i] as usize];
-        i += 1;
-    }
-    gathered
-}
-
 /// Two vectors that are the first six numbers of rows.
 #[inline(always)]
 pub(super) fn two_vectors<T: Tile>(rows: &[Eight]) -> (Vec3<T>, Vec3<T>) {
     let [a, b, c, d, e, f] = T::load(rows);
+    (Vec3::new(a, b, c), Vec3::new(d, e, f))
+}
+
+/// Two vectors that are the first six numbers of rows anywhere in a table.
+#[inline(always)]
+pub(super) fn gather_two_vectors<T: Tile>(table: &[Eight], indices: &[u32; BLOCK], lane: usize) -> (Vec3<T>, Vec3<T>) {
+    let [a, b, c, d, e, f] = gather(table, indices, lane);
     (Vec3::new(a, b, c), Vec3::new(d, e, f))
 }
 

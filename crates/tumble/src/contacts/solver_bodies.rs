@@ -36,7 +36,7 @@ const PART: usize = 256;
 const ONE: Eight = Eight([1.0, 1.0, 1.0, 0.0, 0.0, 0.0, 0.0, 0.0]);
 
 /// A point without mass that nothing acts on.
-const NOBODY: Eight = Eight([0.0; 8]);
+const NOBODY: Eight = Eight::ZERO;
 
 impl SolverBodies {
     /// Makes room for so many that impulses move and so many that they do not; all are nowhere at first.

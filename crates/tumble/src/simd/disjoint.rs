@@ -113,41 +113,71 @@ impl Rows<'_> {
         &self.blocks[block].rows
     }
 
-    /// The first or the second rows of a tile from `lane` on, next to each other.
+    /// The first numbers of the first or the second rows of a tile from `lane` on.
     #[inline(always)]
-    pub(crate) fn gather<T: Tile>(&self, block: usize, which: usize, lane: usize) -> [Eight; BLOCK] {
-        let rows = &self.blocks[block].rows[which];
-        let mut gathered = [Eight([0.0; 8]); BLOCK];
+    pub(crate) fn gather<T: Tile, const N: usize>(&self, block: usize, which: usize, lane: usize) -> [T; N] {
+        let indices = &self.blocks[block].rows[which];
+        assert!(greatest::<T>(indices, lane) < self.count);
+        let mut rows = [&Eight::ZERO; BLOCK];
         let mut i = 0;
         while i < T::WIDTH {
-            let row = rows[lane + i] as usize;
-            assert!(row < self.count);
             // SAFETY: the row is there, and nobody changes it: see the type.
-            gathered[i] = unsafe { *self.base.add(row) };
+            rows[i] = unsafe { &*self.base.add(indices[lane + i] as usize) };
             i += 1;
         }
-        gathered
+        T::gather(&rows)
     }
 
-    /// Puts rows back to where [`gather`](Self::gather) took them. First rows that are only read stay as they are, and so does the row that stands for none.
+    /// Overwrites the first or the second rows of a tile from `lane` on. First rows that are only read stay as they are, and so does the row that stands for none.
     #[inline(always)]
-    pub(crate) fn scatter<T: Tile>(&mut self, gathered: &[Eight; BLOCK], block: usize, which: usize, lane: usize) {
+    pub(crate) fn scatter<T: Tile>(&mut self, numbers: [T; 8], block: usize, which: usize, lane: usize) {
         let RowPairs { rows, count } = &self.blocks[block];
         let count = if self.grounded && which == 0 { 0 } else { *count };
+        let mut changed = [Eight::ZERO; BLOCK];
+        T::store(numbers, &mut changed);
         let mut i = 0;
         while i < T::WIDTH && lane + i < count {
             let row = rows[which][lane + i] as usize;
             assert!(row < self.count);
             // SAFETY: the row is there, and nobody else has access to it: see the type.
-            unsafe { *self.base.add(row) = gathered[i] };
+            unsafe { *self.base.add(row) = changed[i] };
             i += 1;
         }
     }
 }
 
+/// The first numbers of rows anywhere in a table.
+///
+/// # Panics
+/// Where there is no such row.
+#[inline(always)]
+pub(crate) fn gather<T: Tile, const N: usize>(table: &[Eight], indices: &[u32; BLOCK], lane: usize) -> [T; N] {
+    assert!(greatest::<T>(indices, lane) < table.len());
+    let mut rows = [&Eight::ZERO; BLOCK];
+    let mut i = 0;
+    while i < T::WIDTH {
+        // SAFETY: none is greater than the greatest.
+        rows[i] = unsafe { table.get_unchecked(indices[lane + i] as usize) };
+        i += 1;
+    }
+    T::gather(&rows)
+}
+
+/// The greatest index of a tile: one comparison with it is cheaper than one with each.
+#[inline(always)]
+fn greatest<T: Tile>(indices: &[u32; BLOCK], lane: usize) -> usize {
+    let (mut greatest, mut i) = (0, 0);
+    while i < T::WIDTH {
+        greatest = greatest.max(indices[lane + i]);
+        i += 1;
+    }
+    greatest as usize
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::math::Real;
 
     fn colours() -> Colours {
         let mut colours = Colours::default();
@@ -165,12 +195,12 @@ mod tests {
         colours.push([[4, 1], [4, 2]].into_iter());
         let mut rows = [1.0, 2.0, 3.0, 4.0, 5.0].map(|x| Eight([x; 8]));
         let mut of_colour = colours.rows(1, &mut rows);
-        let gathered = of_colour.gather::<crate::math::Real>(0, 1, 1);
-        assert_eq!(gathered[0].0[0], 3.0);
-        of_colour.scatter::<crate::math::Real>(&[Eight([9.0; 8]); BLOCK], 0, 1, 1);
-        of_colour.scatter::<crate::math::Real>(&[Eight([9.0; 8]); BLOCK], 0, 0, 0);
+        let gathered: [Real; 4] = of_colour.gather(0, 1, 1);
+        assert_eq!(gathered, [3.0; 4]);
+        of_colour.scatter::<Real>([9.0; 8], 0, 1, 1);
+        of_colour.scatter::<Real>([9.0; 8], 0, 0, 0);
         // A lane without a pair.
-        of_colour.scatter::<crate::math::Real>(&[Eight([9.0; 8]); BLOCK], 0, 1, 5);
+        of_colour.scatter::<Real>([9.0; 8], 0, 1, 5);
         assert_eq!(rows.map(|row| row.0[0]), [1.0, 2.0, 9.0, 4.0, 5.0]);
     }
 

@@ -20,7 +20,7 @@ mod record;
 #[cfg(vector_code)]
 mod x86_64;
 
-pub(crate) use disjoint::{Colours, Rows};
+pub(crate) use disjoint::{Colours, Rows, gather};
 pub(crate) use record::{Eight, Record};
 
 /// The most bodies of a tile for which a chunk may have to be filled up.
@@ -36,6 +36,19 @@ pub(crate) trait Tile: Lane {
 
     /// The first `N` numbers of each of the first rows, as many as there are bodies.
     fn load<R: Record, const N: usize>(rows: &[R]) -> [Self; N];
+
+    /// The first `N` numbers of rows that are anywhere, as many as there are bodies: at most a block's.
+    #[inline(always)]
+    fn gather<const N: usize>(rows: &[&Eight; BLOCK]) -> [Self; N] {
+        const { assert!(Self::WIDTH <= BLOCK) };
+        let mut gathered = [Eight::ZERO; BLOCK];
+        let mut i = 0;
+        while i < Self::WIDTH {
+            gathered[i] = *rows[i];
+            i += 1;
+        }
+        Self::load(&gathered)
+    }
 
     /// Overwrites the first `N` numbers of each of the first rows.
     fn store<R: Record, const N: usize>(numbers: [Self; N], rows: &mut [R]);

@@ -28,6 +28,10 @@ pub(crate) unsafe trait Record: Copy {
 #[repr(C, align(32))]
 pub(crate) struct Eight(pub(crate) [Real; 8]);
 
+impl Eight {
+    pub(crate) const ZERO: Self = Self([0.0; 8]);
+}
+
 macro_rules! records {
     ($($Component:ty: $numbers:literal),+ $(,)?) => {
         $(

@@ -6,14 +6,15 @@ use std::arch::x86_64::*;
 
 use super::Record;
 use crate::math::Real;
+use crate::simd::{BLOCK, Eight};
 
 /// How a vector type loads and stores one block of as many rows as it has lanes.
 ///
 /// # Safety
-/// `base` points at the first row's block; the blocks of as many rows as there are lanes, `stride` numbers apart, must be readable (writable),
-/// and the machine must have the instruction set.
+/// `row` says where each row's block begins, or the first one is at `base` and the others `stride` numbers apart; the blocks of as many rows as there are lanes must be
+/// readable (writable), and the machine must have the instruction set.
 pub(super) trait Block: Sized + Copy {
-    unsafe fn load4(base: *const Real, stride: usize) -> [Self; 4];
+    unsafe fn load4(row: impl Fn(usize) -> *const Real) -> [Self; 4];
     unsafe fn store4(numbers: [Self; 4], base: *mut Real, stride: usize);
 }
 
@@ -21,15 +22,10 @@ pub(super) trait Block: Sized + Copy {
 #[cfg(not(feature = "f64"))]
 impl Block for __m128 {
     #[inline(always)]
-    unsafe fn load4(base: *const Real, stride: usize) -> [Self; 4] {
+    unsafe fn load4(row: impl Fn(usize) -> *const Real) -> [Self; 4] {
         // SAFETY: the caller's promise.
         unsafe {
-            transpose_128([
-                _mm_loadu_ps(base),
-                _mm_loadu_ps(base.add(stride)),
-                _mm_loadu_ps(base.add(2 * stride)),
-                _mm_loadu_ps(base.add(3 * stride)),
-            ])
+            transpose_128([_mm_loadu_ps(row(0)), _mm_loadu_ps(row(1)), _mm_loadu_ps(row(2)), _mm_loadu_ps(row(3))])
         }
     }
 
@@ -66,14 +62,14 @@ unsafe fn transpose_128([a, b, c, d]: [__m128; 4]) -> [__m128; 4] {
 #[cfg(not(feature = "f64"))]
 impl Block for __m256 {
     #[inline(always)]
-    unsafe fn load4(base: *const Real, stride: usize) -> [Self; 4] {
+    unsafe fn load4(row: impl Fn(usize) -> *const Real) -> [Self; 4] {
         // SAFETY: the caller's promise.
         unsafe {
             transpose_256([
-                two_rows(base, stride),
-                two_rows(base.add(stride), stride),
-                two_rows(base.add(2 * stride), stride),
-                two_rows(base.add(3 * stride), stride),
+                two_rows(row(0), row(4)),
+                two_rows(row(1), row(5)),
+                two_rows(row(2), row(6)),
+                two_rows(row(3), row(7)),
             ])
         }
     }
@@ -93,12 +89,12 @@ impl Block for __m256 {
     }
 }
 
-/// A row, and in the upper half the one four rows on.
+/// A row, and in the upper half another.
 #[cfg(not(feature = "f64"))]
 #[inline(always)]
-unsafe fn two_rows(base: *const Real, stride: usize) -> __m256 {
+unsafe fn two_rows(lower: *const Real, upper: *const Real) -> __m256 {
     // SAFETY: the caller has AVX2, and both rows are readable.
-    unsafe { _mm256_insertf128_ps::<1>(_mm256_castps128_ps256(_mm_loadu_ps(base)), _mm_loadu_ps(base.add(4 * stride))) }
+    unsafe { _mm256_insertf128_ps::<1>(_mm256_castps128_ps256(_mm_loadu_ps(lower)), _mm_loadu_ps(upper)) }
 }
 
 /// Four by four within each half.
@@ -122,11 +118,11 @@ unsafe fn transpose_256([a, b, c, d]: [__m256; 4]) -> [__m256; 4] {
 #[cfg(feature = "f64")]
 impl Block for __m128d {
     #[inline(always)]
-    unsafe fn load4(base: *const Real, stride: usize) -> [Self; 4] {
+    unsafe fn load4(row: impl Fn(usize) -> *const Real) -> [Self; 4] {
         // SAFETY: the caller's promise.
         unsafe {
-            let low = (_mm_loadu_pd(base), _mm_loadu_pd(base.add(stride)));
-            let high = (_mm_loadu_pd(base.add(2)), _mm_loadu_pd(base.add(stride + 2)));
+            let low = (_mm_loadu_pd(row(0)), _mm_loadu_pd(row(1)));
+            let high = (_mm_loadu_pd(row(0).add(2)), _mm_loadu_pd(row(1).add(2)));
             [
                 _mm_unpacklo_pd(low.0, low.1),
                 _mm_unpackhi_pd(low.0, low.1),
@@ -152,14 +148,14 @@ impl Block for __m128d {
 #[cfg(feature = "f64")]
 impl Block for __m256d {
     #[inline(always)]
-    unsafe fn load4(base: *const Real, stride: usize) -> [Self; 4] {
+    unsafe fn load4(row: impl Fn(usize) -> *const Real) -> [Self; 4] {
         // SAFETY: the caller's promise.
         unsafe {
             transpose_256d([
-                _mm256_loadu_pd(base),
-                _mm256_loadu_pd(base.add(stride)),
-                _mm256_loadu_pd(base.add(2 * stride)),
-                _mm256_loadu_pd(base.add(3 * stride)),
+                _mm256_loadu_pd(row(0)),
+                _mm256_loadu_pd(row(1)),
+                _mm256_loadu_pd(row(2)),
+                _mm256_loadu_pd(row(3)),
             ])
         }
     }
@@ -204,12 +200,31 @@ pub(super) const fn transposes<R: Record, const N: usize>() -> bool {
 /// As for [`Block`], of rows of `N` numbers.
 #[inline(always)]
 pub(super) unsafe fn load_rows<V: Block, const N: usize>(base: *const Real, stride: usize) -> [V; N] {
+    let row = |lane: usize| base.wrapping_add(lane * stride);
     // SAFETY: both blocks lie within the row, and the caller's promise.
-    let (first, last) = unsafe { (V::load4(base, stride), V::load4(base.add(N - 4), stride)) };
+    let (first, last) = unsafe { (V::load4(row), V::load4(|lane| row(lane).wrapping_add(N - 4))) };
     let mut numbers = [first[0]; N];
     let mut c = 1;
     while c < N {
         numbers[c] = if c < 4 { first[c] } else { last[c + 4 - N] };
+        c += 1;
+    }
+    numbers
+}
+
+/// Loads the first `N` numbers of rows that are anywhere; `N` is at least four.
+///
+/// # Safety
+/// The machine has the instruction set, and there are no more lanes than rows.
+#[inline(always)]
+pub(super) unsafe fn gather_rows<V: Block, const N: usize>(rows: &[&Eight; BLOCK]) -> [V; N] {
+    let row = |lane: usize| rows[lane].0.as_ptr();
+    // SAFETY: both blocks lie within a row of eight, and the caller's promise.
+    let (first, last) = unsafe { (V::load4(row), V::load4(|lane| row(lane).wrapping_add(4))) };
+    let mut numbers = [first[0]; N];
+    let mut c = 1;
+    while c < N {
+        numbers[c] = if c < 4 { first[c] } else { last[c - 4] };
         c += 1;
     }
     numbers

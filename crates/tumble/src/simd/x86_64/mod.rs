@@ -12,7 +12,7 @@ use tumble_math::lane::Lane;
 
 use super::pair::Pair;
 use super::record::{numbers, set_numbers};
-use super::{Kernel, Record, Tile, one_by_one, tiles};
+use super::{BLOCK, Eight, Kernel, Record, Tile, one_by_one, tiles};
 use crate::math::Real;
 
 mod blocks;
@@ -116,7 +116,7 @@ fn align_the_stack() {
 macro_rules! tile {
     (
         $Tile:ident, $Vector:ident, $Mask:ident, $width:literal,
-        $set1:ident, $load:ident, $store:ident, $add:ident, $sub:ident, $mul:ident, $div:ident, $sqrt:ident,
+        $set1:ident, $load:ident, $store:ident, $add:ident, $sub:ident, $mul:ident, $div:ident, $sqrt:ident, $min:ident, $max:ident,
         neg: |$n:ident| $neg:expr,
         lt: |$a:ident, $b:ident| $lt:expr,
         select: |$mask:ident, $if_true:ident, $if_false:ident| $select:expr,
@@ -173,6 +173,20 @@ macro_rules! tile {
                         tiles[c] = Self::from_array(&lanes);
                         c += 1;
                     }
+                }
+                tiles
+            }
+
+            #[inline(always)]
+            fn gather<const N: usize>(rows: &[&Eight; BLOCK]) -> [Self; N] {
+                const { assert!($width <= BLOCK && N >= 4) };
+                // SAFETY: see the module.
+                let vectors: [$Vector; N] = unsafe { $rows::gather_rows(rows) };
+                let mut tiles = [Self(vectors[0]); N];
+                let mut c = 1;
+                while c < N {
+                    tiles[c] = Self(vectors[c]);
+                    c += 1;
                 }
                 tiles
             }
@@ -266,6 +280,19 @@ macro_rules! tile {
                 Self(unsafe { $select })
             }
 
+            // The instructions too give the second where a number is none or both are zero.
+            #[inline(always)]
+            fn min(self, other: Self) -> Self {
+                // SAFETY: see the module.
+                Self(unsafe { $min(self.0, other.0) })
+            }
+
+            #[inline(always)]
+            fn max(self, other: Self) -> Self {
+                // SAFETY: see the module.
+                Self(unsafe { $max(self.0, other.0) })
+            }
+
             #[inline(always)]
             fn any($m: $Mask) -> bool {
                 let bits = $bits as u32;
@@ -313,7 +340,7 @@ mod precision {
 
     tile! {
         Sse2, __m128, __m128, 4,
-        _mm_set1_ps, _mm_loadu_ps, _mm_storeu_ps, _mm_add_ps, _mm_sub_ps, _mm_mul_ps, _mm_div_ps, _mm_sqrt_ps,
+        _mm_set1_ps, _mm_loadu_ps, _mm_storeu_ps, _mm_add_ps, _mm_sub_ps, _mm_mul_ps, _mm_div_ps, _mm_sqrt_ps, _mm_min_ps, _mm_max_ps,
         neg: |n| _mm_xor_ps(n, _mm_set1_ps(-0.0)),
         lt: |a, b| _mm_cmplt_ps(a, b),
         select: |mask, t, f| _mm_or_ps(_mm_and_ps(mask, t), _mm_andnot_ps(mask, f)),
@@ -328,7 +355,7 @@ mod precision {
     tile! {
         Avx2, __m256, __m256, 8,
         _mm256_set1_ps, _mm256_loadu_ps, _mm256_storeu_ps, _mm256_add_ps, _mm256_sub_ps, _mm256_mul_ps, _mm256_div_ps,
-        _mm256_sqrt_ps,
+        _mm256_sqrt_ps, _mm256_min_ps, _mm256_max_ps,
         neg: |n| _mm256_xor_ps(n, _mm256_set1_ps(-0.0)),
         lt: |a, b| _mm256_cmp_ps::<_CMP_LT_OQ>(a, b),
         select: |mask, t, f| _mm256_blendv_ps(f, t, mask),
@@ -346,7 +373,7 @@ mod precision {
     tile! {
         Avx512, __m512, __mmask16, 16,
         _mm512_set1_ps, _mm512_loadu_ps, _mm512_storeu_ps, _mm512_add_ps, _mm512_sub_ps, _mm512_mul_ps, _mm512_div_ps,
-        _mm512_sqrt_ps,
+        _mm512_sqrt_ps, _mm512_min_ps, _mm512_max_ps,
         neg: |n| _mm512_castsi512_ps(_mm512_xor_si512(_mm512_castps_si512(n), _mm512_set1_epi32(i32::MIN))),
         lt: |a, b| _mm512_cmp_ps_mask::<_CMP_LT_OQ>(a, b),
         select: |mask, t, f| _mm512_mask_blend_ps(mask, f, t),
@@ -377,7 +404,7 @@ mod precision {
 
     tile! {
         Sse2, __m128d, __m128d, 2,
-        _mm_set1_pd, _mm_loadu_pd, _mm_storeu_pd, _mm_add_pd, _mm_sub_pd, _mm_mul_pd, _mm_div_pd, _mm_sqrt_pd,
+        _mm_set1_pd, _mm_loadu_pd, _mm_storeu_pd, _mm_add_pd, _mm_sub_pd, _mm_mul_pd, _mm_div_pd, _mm_sqrt_pd, _mm_min_pd, _mm_max_pd,
         neg: |n| _mm_xor_pd(n, _mm_set1_pd(-0.0)),
         lt: |a, b| _mm_cmplt_pd(a, b),
         select: |mask, t, f| _mm_or_pd(_mm_and_pd(mask, t), _mm_andnot_pd(mask, f)),
@@ -392,7 +419,7 @@ mod precision {
     tile! {
         Avx2, __m256d, __m256d, 4,
         _mm256_set1_pd, _mm256_loadu_pd, _mm256_storeu_pd, _mm256_add_pd, _mm256_sub_pd, _mm256_mul_pd, _mm256_div_pd,
-        _mm256_sqrt_pd,
+        _mm256_sqrt_pd, _mm256_min_pd, _mm256_max_pd,
         neg: |n| _mm256_xor_pd(n, _mm256_set1_pd(-0.0)),
         lt: |a, b| _mm256_cmp_pd::<_CMP_LT_OQ>(a, b),
         select: |mask, t, f| _mm256_blendv_pd(f, t, mask),
@@ -410,7 +437,7 @@ mod precision {
     tile! {
         Avx512, __m512d, __mmask8, 8,
         _mm512_set1_pd, _mm512_loadu_pd, _mm512_storeu_pd, _mm512_add_pd, _mm512_sub_pd, _mm512_mul_pd, _mm512_div_pd,
-        _mm512_sqrt_pd,
+        _mm512_sqrt_pd, _mm512_min_pd, _mm512_max_pd,
         neg: |n| _mm512_castsi512_pd(_mm512_xor_si512(_mm512_castpd_si512(n), _mm512_set1_epi64(i64::MIN))),
         lt: |a, b| _mm512_cmp_pd_mask::<_CMP_LT_OQ>(a, b),
         select: |mask, t, f| _mm512_mask_blend_pd(mask, f, t),

@@ -9,6 +9,7 @@ use std::arch::x86_64::_mm512_loadu_si512;
 
 use super::Record;
 use crate::math::Real;
+use crate::simd::{BLOCK, Eight};
 
 #[cfg(not(feature = "f64"))]
 mod precision {
@@ -315,6 +316,25 @@ pub(super) unsafe fn load_rows<const N: usize>(base: *const Real, stride: usize)
             _ => first(unzip_rows::<8>(load_eights::<N>(base, stride))),
         }
     }
+}
+
+/// Loads the first `N` numbers of rows that are anywhere, each a vector of its own as it is in double precision.
+///
+/// # Safety
+/// The machine has AVX-512F.
+#[inline(always)]
+pub(super) unsafe fn gather_rows<const N: usize>(rows: &[&Eight; BLOCK]) -> [Vector; N] {
+    const { assert!(WIDTH == BLOCK) };
+    // SAFETY: a row of eight is as long as a vector; and the caller's promise.
+    let mut v = [unsafe { load(rows[0].0.as_ptr()) }; 8];
+    let mut k = 1;
+    while k < 8 {
+        // SAFETY: as before.
+        v[k] = unsafe { load(rows[k].0.as_ptr()) };
+        k += 1;
+    }
+    // SAFETY: the caller's promise.
+    first(unsafe { unzip_rows::<8>(v) })
 }
 
 /// Stores what [`load_rows`] loads.
