@@ -7,16 +7,14 @@ use crate::simd::BLOCK;
 /// resists turning. Both bodies are pushed at one point of the world with equal and opposite impulses, so that momentum and angular momentum of the two
 /// are kept to rounding. With the middle `c`, the normal `n` from the first body to the second and the tangents `t1`, `t2 = n x t1`, the relative velocity
 /// along the normal at the point `c + a t1 + b t2` is `n.u - a t2.r + b t1.r`, where `u` is the relative velocity at `c` and `r` the relative angular velocity.
+///
+/// What the passes read lies in the order in which they need more of it, so that the first does not fetch what only the last has a use for.
 #[derive(Clone, Copy)]
 #[repr(C, align(64))]
 pub(super) struct Block<const P: usize, const C: usize> {
-    /// Which contacts.
-    pub(super) contacts: [u32; BLOCK],
-    /// How many lanes have one.
-    pub(super) count: usize,
-    pub(super) normal: [Lanes; 3],
-    /// The first tangent.
-    pub(super) tangent: [Lanes; 3],
+    /// All impulses of the last substep together: on the second body in the middle \[N s\], and about it [N m s], world frame.
+    pub(super) linear: [Lanes; 3],
+    pub(super) angular: [Lanes; 3],
     /// The middle from the second body's centre of mass when the step began \[m\].
     pub(super) arm: [Lanes; 3],
     /// The second body's centre of mass from the first's, when the step began \[m\].
@@ -25,10 +23,17 @@ pub(super) struct Block<const P: usize, const C: usize> {
     pub(super) carried: Lanes,
     /// How far the bodies may move past each other \[m\] for the arms to follow: with longer ones, impulses would do more than the masses below know of, and grow.
     pub(super) followed: Lanes,
+    pub(super) normal: [Lanes; 3],
+    /// The first tangent.
+    pub(super) tangent: [Lanes; 3],
     pub(super) points: [Point; P],
     /// Velocity at the second of two points that a unit impulse at the first gives [1/kg]: 01 02 03 12 13 23.
     pub(super) couplings: [Lanes; C],
     pub(super) friction: Friction,
+    /// Which contacts.
+    pub(super) contacts: [u32; BLOCK],
+    /// How many lanes have one.
+    pub(super) count: usize,
 }
 
 /// What keeps two bodies apart at one point: an impulse along the normal that never pulls.
@@ -96,14 +101,14 @@ impl<const P: usize, const C: usize> Block<P, C> {
     pub(super) fn empty() -> Self {
         let point = Point { offset: [ZEROS; 2], separation: ZEROS, mass: ZEROS, impulse: ZEROS };
         Self {
-            contacts: [0; BLOCK],
-            count: 0,
-            normal: [ZEROS; 3],
-            tangent: [ZEROS; 3],
+            linear: [ZEROS; 3],
+            angular: [ZEROS; 3],
             arm: [ZEROS; 3],
             apart: [ZEROS; 3],
             carried: ZEROS,
             followed: ZEROS,
+            normal: [ZEROS; 3],
+            tangent: [ZEROS; 3],
             points: [point; P],
             couplings: [ZEROS; C],
             friction: Friction {
@@ -114,6 +119,8 @@ impl<const P: usize, const C: usize> Block<P, C> {
                 sliding: [ZEROS; 2],
                 twist: ZEROS,
             },
+            contacts: [0; BLOCK],
+            count: 0,
         }
     }
 }

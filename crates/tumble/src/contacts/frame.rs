@@ -23,14 +23,39 @@ impl<T: Tile> Relative<T> {
     }
 }
 
+/// From the centres of mass of a tile's bodies to the middle of their contacts.
+pub(super) struct Arms<T> {
+    /// When the step began \[m\].
+    pub(super) first: [Vec3<T>; 2],
+    carried: T,
+    followed: T,
+}
+
+impl<T: Tile> Arms<T> {
+    #[inline(always)]
+    pub(super) fn load<const P: usize, const C: usize>(block: &Block<P, C>, lane: usize) -> Self {
+        let arm: Vec3<T> = vector_at(&block.arm, lane);
+        let first = [arm + vector_at(&block.apart, lane), arm];
+        Self { first, carried: at(&block.carried, lane), followed: at(&block.followed, lane) }
+    }
+
+    /// As they are now. Both reach to one point of the world again, after the bodies have moved past each other, since impulses that are equal
+    /// and opposite in one point keep the angular momentum. Bodies that rush past each other by more than their size in a step are not followed any further.
+    #[inline(always)]
+    pub(super) fn now(&self, moved: &Moved<T>) -> [Vec3<T>; 2] {
+        let Vec3 { x, y, z } = moved.linear[1] - moved.linear[0];
+        let (least, most) = (-self.followed, self.followed);
+        let apart = Vec3::new(x.max(least).min(most), y.max(least).min(most), z.max(least).min(most));
+        let with_first = apart * self.carried;
+        [self.first[0] + with_first, self.first[1] + (with_first - apart)]
+    }
+}
+
 /// Where contacts are and which way they look.
 pub(super) struct Frame<T> {
     pub(super) normal: Vec3<T>,
     pub(super) tangents: [Vec3<T>; 2],
-    /// The middle from both centres of mass, when the step began \[m\].
-    pub(super) first_arms: [Vec3<T>; 2],
-    carried: T,
-    followed: T,
+    pub(super) arms: Arms<T>,
 }
 
 impl<T: Tile> Frame<T> {
@@ -38,25 +63,7 @@ impl<T: Tile> Frame<T> {
     pub(super) fn load<const P: usize, const C: usize>(block: &Block<P, C>, lane: usize) -> Self {
         let normal = vector_at(&block.normal, lane);
         let tangent: Vec3<T> = vector_at(&block.tangent, lane);
-        let arm: Vec3<T> = vector_at(&block.arm, lane);
-        Self {
-            normal,
-            tangents: [tangent, normal.cross(tangent)],
-            first_arms: [arm + vector_at(&block.apart, lane), arm],
-            carried: at(&block.carried, lane),
-            followed: at(&block.followed, lane),
-        }
-    }
-
-    /// The arms as they are now. Both reach to one point of the world again, after the bodies have moved past each other, since impulses that are equal
-    /// and opposite in one point keep the angular momentum. Bodies that rush past each other by more than their size in a step are not followed any further.
-    #[inline(always)]
-    pub(super) fn arms(&self, moved: &Moved<T>) -> [Vec3<T>; 2] {
-        let Vec3 { x, y, z } = moved.linear[1] - moved.linear[0];
-        let (least, most) = (-self.followed, self.followed);
-        let apart = Vec3::new(x.max(least).min(most), y.max(least).min(most), z.max(least).min(most));
-        let with_first = apart * self.carried;
-        [self.first_arms[0] + with_first, self.first_arms[1] + (with_first - apart)]
+        Self { normal, tangents: [tangent, normal.cross(tangent)], arms: Arms::load(block, lane) }
     }
 
     /// Along the normal, and about both tangents: what the motion of every point along the normal is made of.
@@ -90,7 +97,7 @@ impl<T: Tile> Moved<T> {
     /// Seen from the first, at the point that was the middle then.
     #[inline(always)]
     pub(super) fn relative(&self, frame: &Frame<T>) -> Relative<T> {
-        Relative::new(self.linear, self.angular, frame.first_arms)
+        Relative::new(self.linear, self.angular, frame.arms.first)
     }
 }
 

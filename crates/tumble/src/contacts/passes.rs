@@ -3,8 +3,8 @@
 use tumble_math::lane::Vec3;
 
 use super::block::{Block, Bounce, Rolling};
-use super::frame::{Bodies, Frame, Moved, Response, along_normal};
-use super::rows::{at, put};
+use super::frame::{Arms, Bodies, Frame, Moved, Response, along_normal};
+use super::rows::{at, put, put_vector, vector_at};
 use super::rubbing::Rubbing;
 use super::soft::Softness;
 use crate::math::Real;
@@ -57,19 +57,10 @@ impl<const P: usize, const C: usize> Kernel for WarmStart<'_, P, C> {
     fn tile<T: Tile>(&mut self, i: usize) {
         let (index, lane) = (i / BLOCK, i % BLOCK);
         let block = &self.blocks.blocks[index];
-        let frame = Frame::<T>::load(block, lane);
         let moved = Moved::load(self.bodies.moved, self.bodies.motion.pairs(index), lane);
-        let mut impulses = [T::splat(0.0); P];
-        let mut j = 0;
-        while j < P {
-            impulses[j] = at(&block.points[j].impulse, lane);
-            j += 1;
-        }
-        let (linear, angular) = along_normals(block, &frame, lane, impulses);
-        let rubbing = Rubbing::load(&block.friction, self.blocks.rolling.get(index), lane);
-        let (linear, angular) = (linear + rubbing.linear(&frame), angular + rubbing.angular(&frame));
+        let arms = Arms::<T>::load(block, lane).now(&moved);
         let mut bodies = Bodies::<T>::load(&self.bodies.motion, index, lane);
-        bodies.push(frame.arms(&moved), linear, angular);
+        bodies.push(arms, vector_at(&block.linear, lane), vector_at(&block.angular, lane));
         bodies.store(&mut self.bodies.motion, index, lane);
     }
 }
@@ -98,7 +89,7 @@ impl<const P: usize, const C: usize> Kernel for Solve<'_, P, C> {
         let moved = Moved::load(self.bodies.moved, self.bodies.motion.pairs(index), lane);
         let response = Response::<T>::load(self.bodies.response, self.bodies.motion.pairs(index), lane);
         let mut bodies = Bodies::<T>::load(&self.bodies.motion, index, lane);
-        let arms = frame.arms(&moved);
+        let arms = frame.arms.now(&moved);
 
         let way = frame.normal_parts(&moved.relative(&frame));
         let speeds = speeds(block, lane, frame.normal_parts(&bodies.relative(&response, arms)));
@@ -113,6 +104,7 @@ impl<const P: usize, const C: usize> Kernel for Solve<'_, P, C> {
             let after =
                 rub(before, block, self.blocks.rolling.get(index), contact, &mut bodies, (&response, arms), sum);
             after.store(&mut block.friction, self.blocks.rolling.get_mut(index), lane);
+            sum_up(block, &frame, lane, &after);
         }
         bodies.store(&mut self.bodies.motion, index, lane);
     }
@@ -191,7 +183,7 @@ impl<const P: usize, const C: usize> Kernel for NoteApproach<'_, P, C> {
         let moved = Moved::load(self.bodies.moved, self.bodies.motion.pairs(index), lane);
         let response = Response::<T>::load(self.bodies.response, self.bodies.motion.pairs(index), lane);
         let bodies = Bodies::<T>::load(&self.bodies.motion, index, lane);
-        let motion = bodies.relative(&response, frame.arms(&moved));
+        let motion = bodies.relative(&response, frame.arms.now(&moved));
         let speeds = speeds(block, lane, frame.normal_parts(&motion));
         let way = frame.normal_parts(&moved.relative(&frame));
         let bounce = &mut self.blocks.bounces[index];
@@ -240,7 +232,7 @@ impl<const P: usize, const C: usize> Kernel for Rebound<'_, P, C> {
         let moved = Moved::load(self.bodies.moved, self.bodies.motion.pairs(index), lane);
         let response = Response::<T>::load(self.bodies.response, self.bodies.motion.pairs(index), lane);
         let mut bodies = Bodies::<T>::load(&self.bodies.motion, index, lane);
-        let arms = frame.arms(&moved);
+        let arms = frame.arms.now(&moved);
         let restitution: T = at(&bounce.restitution, lane);
         let slowest = T::splat(-f64::from(self.threshold));
 
@@ -359,4 +351,23 @@ fn along_normals<T: Tile, const P: usize, const C: usize>(
         j += 1;
     }
     (frame.normal * sum, frame.tangents[0] * about_1 - frame.tangents[1] * about_2)
+}
+
+/// Notes what the impulses of a contact are together.
+#[inline(always)]
+pub(super) fn sum_up<T: Tile, const P: usize, const C: usize>(
+    block: &mut Block<P, C>,
+    frame: &Frame<T>,
+    lane: usize,
+    rubbing: &Rubbing<T>,
+) {
+    let mut impulses = [T::splat(0.0); P];
+    let mut j = 0;
+    while j < P {
+        impulses[j] = at(&block.points[j].impulse, lane);
+        j += 1;
+    }
+    let (linear, angular) = along_normals(block, frame, lane, impulses);
+    put_vector(linear + rubbing.linear(frame), &mut block.linear, lane);
+    put_vector(angular + rubbing.angular(frame), &mut block.angular, lane);
 }

@@ -3,7 +3,7 @@ use tumble_math::lane::Vec3;
 use super::block::Block;
 use super::contact::{Contact, HELD, POINTS, RUBBED, SHAPE};
 use super::frame::{Bodies, Frame, Response};
-use super::passes::{Blocks, Bodied, coupling, speeds};
+use super::passes::{Blocks, Bodied, coupling, speeds, sum_up};
 use super::rows::{Lanes, at, gather_two_vectors, put, put_vector};
 use super::rubbing::Rubbing;
 use crate::math::Real;
@@ -91,7 +91,7 @@ impl<const P: usize, const C: usize> Prepare<'_, P, C> {
         let (zero, one) = (T::splat(0.0), T::splat(1.0));
         let block = &mut self.blocks.blocks[index];
         let frame = Frame::<T>::load(block, lane);
-        let levers = [frame.first_arms[0].cross(frame.normal), frame.first_arms[1].cross(frame.normal)];
+        let levers = [frame.arms.first[0].cross(frame.normal), frame.arms.first[1].cross(frame.normal)];
         let mut turnings = [levers; P];
         let mut j = 0;
         while j < P {
@@ -136,7 +136,7 @@ impl<const P: usize, const C: usize> Prepare<'_, P, C> {
         let block = &self.blocks.blocks[index];
         let Some(bounce) = self.blocks.bounces.get_mut(index) else { return };
         let frame = Frame::load(block, lane);
-        let speeds = speeds(block, lane, frame.normal_parts(&bodies.relative(response, frame.first_arms)));
+        let speeds = speeds(block, lane, frame.normal_parts(&bodies.relative(response, frame.arms.first)));
         put(restitution, &mut bounce.restitution, lane);
         let mut j = 0;
         while j < P {
@@ -161,7 +161,7 @@ impl<const P: usize, const C: usize> Prepare<'_, P, C> {
         let block = &mut self.blocks.blocks[index];
         let frame = Frame::<T>::load(block, lane);
         let [s, t] = frame.tangents;
-        let arms = frame.first_arms;
+        let arms = frame.arms.first;
         let (s_first, t_first) = (arms[0].cross(s), arms[0].cross(t));
         let (s_second, t_second) = (arms[1].cross(s), arms[1].cross(t));
         let (of_s, of_t) = (response.of_first(s_first), response.of_second(s_second));
@@ -203,6 +203,7 @@ impl<const P: usize, const C: usize> Prepare<'_, P, C> {
         }
         let rubbing = Rubbing::from_world(&frame, linear, angular);
         rubbing.store(&mut block.friction, self.blocks.rolling.get_mut(index), lane);
+        sum_up(block, &frame, lane, &rubbing);
     }
 }
 

@@ -51,8 +51,8 @@ pub(super) enum Pass<'a> {
     /// Fills the blocks for bodies with these poses, as the contacts have it. Surfaces that are so near \[m\] are a contact.
     Prepare(&'a [Contact], &'a [Eight], Real),
     WarmStart,
-    /// Pushes overlapping bodies apart, in substeps of so many seconds.
-    Biased(Real),
+    /// Pushes overlapping bodies apart, those that move and those on what does not, in substeps of which so many make a second.
+    Biased([Softness; 2], Real),
     /// Takes out again the velocity that this gave, and adds friction.
     Relax(Real),
     /// Notes how fast bodies come together in substeps of so many seconds.
@@ -195,8 +195,16 @@ impl<const P: usize, const C: usize> Sheet<P, C> {
 }
 
 impl Pass<'_> {
+    /// Pushes overlapping bodies apart, in substeps of `h` \[s\].
+    pub(super) fn biased(h: Real) -> Self {
+        Self::Biased([Softness::between_moving(h.into()), Softness::on_ground(h.into())], 1.0 / h)
+    }
+
     /// Shares the blocks of a colour among the threads.
     fn in_parts<const P: usize, const C: usize>(self, blocks: Blocks<'_, P, C>, bodies: Bodied<'_>) {
+        if blocks.len() == 0 {
+            return;
+        }
         if blocks.len() <= LEAST_PART {
             return self.run_on::<P, C>(blocks, bodies);
         }
@@ -224,10 +232,9 @@ impl Pass<'_> {
                 run(Prepare::<P, C> { blocks, contacts, bodies, poses, margin });
             }
             Self::WarmStart => run(WarmStart::<P, C> { blocks, bodies }),
-            Self::Biased(h) => {
-                let is_grounded = bodies.motion.is_grounded();
-                let of = if is_grounded { Softness::on_ground } else { Softness::between_moving };
-                run(Solve::<P, C> { blocks, bodies, softness: Some(of(h.into())), inverse_h: 1.0 / h });
+            Self::Biased(softness, inverse_h) => {
+                let softness = Some(softness[usize::from(bodies.motion.is_grounded())]);
+                run(Solve::<P, C> { blocks, bodies, softness, inverse_h });
             }
             Self::Relax(h) => run(Solve::<P, C> { blocks, bodies, softness: None, inverse_h: 1.0 / h }),
             Self::NoteApproach(h, moment) => {

@@ -10,7 +10,8 @@ use crate::state::{Constants, Force, Moments, State};
 
 /// The bodies that touch something, as the solver sees them: momentum is what it changes, and the rest says what that does.
 ///
-/// First those that impulses move, in whole blocks of which the last is filled up with bodies that are nowhere; then those that stay or move as they are told.
+/// First those that impulses move, in whole blocks of which the last is filled up with points without mass that nothing acts on, and one more such point; then those that stay or move as they
+/// are told.
 #[derive(Clone, Default)]
 pub(super) struct SolverBodies {
     /// Linear and angular momentum, and one over the mass; of what impulses do not move the velocities.
@@ -35,37 +36,29 @@ const PART: usize = 256;
 /// The unit matrix: the diagonal, and what is beside it.
 const ONE: Eight = Eight([1.0, 1.0, 1.0, 0.0, 0.0, 0.0, 0.0, 0.0]);
 
-/// A point without mass that nothing acts on.
-const NOBODY: Eight = Eight::ZERO;
-
 impl SolverBodies {
     /// Makes room for so many that impulses move and so many that they do not; all are nowhere at first.
     pub(super) fn reset(&mut self, free: usize, unmoved: usize) {
         self.free = free;
-        let in_blocks = Self::in_blocks(free);
+        let (in_blocks, moved) = (free.next_multiple_of(BLOCK), self.first_unmoved());
         for rows in [&mut self.motion, &mut self.moved] {
             rows.clear();
-            rows.resize(in_blocks + unmoved, NOBODY);
+            rows.resize(moved + unmoved, Eight::ZERO);
         }
         self.response.clear();
-        self.response.resize(in_blocks, NOBODY);
-        self.response.resize(in_blocks + unmoved, ONE);
+        self.response.resize(moved, Eight::ZERO);
+        self.response.resize(moved + unmoved, ONE);
         self.kick.clear();
-        self.kick.resize(in_blocks, NOBODY);
+        self.kick.resize(in_blocks, Eight::ZERO);
         self.pose.clear();
-        self.pose.resize(in_blocks + unmoved, Eight([0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0]));
+        self.pose.resize(moved + unmoved, Eight([0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0]));
         self.inertia.clear();
         self.inertia.resize(in_blocks, Eight([1.0, 1.0, 1.0, 0.0, 0.0, 0.0, 0.0, 0.0]));
     }
 
-    /// With at least one that is nowhere.
-    fn in_blocks(free: usize) -> usize {
-        (free + 1).next_multiple_of(BLOCK)
-    }
-
-    /// The row of the first that impulses do not move.
+    /// The row of the first that impulses do not move. The one before it is nobody's.
     pub(super) fn first_unmoved(&self) -> usize {
-        Self::in_blocks(self.free)
+        self.free.next_multiple_of(BLOCK) + 1
     }
 
     /// Sets what forces move, for substeps of `h` \[s\].

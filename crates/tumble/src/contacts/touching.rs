@@ -128,7 +128,7 @@ impl Contacts {
         let Self { contacts, bodies, bookings, solver, rows, .. } = self;
         solver.lay_out(contacts, |contact| contact.slots.map(|slot| rows[slot as usize]), bodies);
         bodies.with_poses(|bodies, poses| solver.run(Pass::Prepare(contacts, poses, MARGIN), bodies));
-        let bounces = solver.bounces();
+        let (bounces, biased) = (solver.bounces(), Pass::biased(h));
         for substep in 0..substeps {
             bookings.before_kick(bodies);
             bodies.kick();
@@ -139,7 +139,7 @@ impl Contacts {
                 solver.run(Pass::NoteApproach(h, moment), bodies);
             }
             solver.run(Pass::WarmStart, bodies);
-            solver.run(Pass::Biased(h), bodies);
+            solver.run(biased, bodies);
             bookings.before_motion(bodies);
             bodies.drift(h);
             bookings.after_motion(bodies);
