@@ -3,6 +3,8 @@ use std::ops::ControlFlow;
 use rayon::prelude::*;
 
 use crate::chance::Chance;
+use crate::contacts::{Likeness, Packed};
+use crate::coupled::coupled_steps;
 use crate::trial::Trial;
 
 /// Many independent worlds, each with its own settings, stepped in parallel.
@@ -39,7 +41,12 @@ use crate::trial::Trial;
 #[derive(Default)]
 pub struct Batch {
     trials: Vec<Trial>,
+    /// For worlds next to each other, what their contacts are packed in.
+    packs: Vec<Packed>,
 }
+
+/// So many worlds go through their steps together. With eight bodies in each their contacts fill the lanes, and all of them stay in the second-level cache.
+const PACK: usize = 16;
 
 impl Batch {
     /// A batch without worlds.
@@ -60,7 +67,7 @@ impl Batch {
         let made: Vec<Result<Trial, E>> =
             (0..count).into_par_iter().map(|index| set_up(index, Chance::stream(seed, index as u64))).collect();
         // One after the other: in parallel it would be left to chance whose error is returned.
-        Ok(Self { trials: made.into_iter().collect::<Result<_, E>>()? })
+        Ok(made.into_iter().collect::<Result<Vec<_>, E>>()?.into_iter().collect())
     }
 
     /// Adds a world at the end.
@@ -89,8 +96,14 @@ impl Batch {
     }
 
     /// Advances every world by `count` steps of its own.
+    ///
+    /// Small worlds with contacts whose settings are alike in what contacts go by (`dt`, the substeps, the threshold of restitution) and that are next to each other are several times as fast as
+    /// stepped one by one, since a vector of contacts is full only with those of some of them.
     pub fn step_many(&mut self, count: u32) {
-        self.trials.par_iter_mut().for_each(|trial| trial.step_many(count));
+        self.packs.resize_with(self.trials.len().div_ceil(PACK), Packed::default);
+        self.trials.par_chunks_mut(PACK).zip(&mut self.packs).for_each(|(trials, pack)| {
+            step_pack(trials, pack, count);
+        });
     }
 
     /// Calls `work` with every world and its index, in parallel, and returns what it gave, in the order of the worlds.
@@ -124,9 +137,28 @@ impl Batch {
     }
 }
 
+/// Advances worlds, those together that can be.
+fn step_pack(trials: &mut [Trial], pack: &mut Packed, count: u32) {
+    let likeness = |trial: &Trial| Likeness::of(&trial.world, trial.simulation.settings());
+    let Some(common) = trials.iter().find_map(likeness).filter(|_| count > 0) else {
+        return trials.par_iter_mut().for_each(|trial| trial.step_many(count));
+    };
+    crate::scope::scope!("tumble::pack");
+    let (mut together, mut others) = (Vec::new(), Vec::new());
+    for trial in trials {
+        let list = if likeness(trial) == Some(common) { &mut together } else { &mut others };
+        list.push(trial);
+    }
+    let mut coupled: Vec<_> =
+        together.iter_mut().filter_map(|trial| trial.simulation.coupled(&mut trial.world)).collect();
+    coupled_steps(&mut coupled, Some((pack, common)), count, None);
+    together.into_iter().for_each(|trial| trial.simulation.count_steps(count));
+    others.into_par_iter().for_each(|trial| trial.step_many(count));
+}
+
 impl FromIterator<Trial> for Batch {
     fn from_iter<I: IntoIterator<Item = Trial>>(trials: I) -> Self {
-        Self { trials: trials.into_iter().collect() }
+        Self { trials: trials.into_iter().collect(), packs: Vec::new() }
     }
 }
 

@@ -16,7 +16,7 @@ use crate::math::Real;
 /// assert_eq!((simulation.steps(), simulation.time()), (1, 0.5));
 /// # Ok::<(), tumble::SettingsError>(())
 /// ```
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Clock {
     pub(crate) steps: u64,
     /// Steps and time \[s\] from which on time is a multiple of `dt`.
@@ -35,8 +35,13 @@ impl Clock {
 
     /// Simulated time \[s\].
     pub fn time(&self) -> f64 {
-        let (steps, time) = self.since;
-        time + (self.steps - steps) as f64 * f64::from(self.dt)
+        self.time_after(0)
+    }
+
+    /// Simulated time \[s\] so many steps on.
+    pub(crate) fn time_after(&self, steps: u32) -> f64 {
+        let (since, time) = self.since;
+        time + (self.steps + u64::from(steps) - since) as f64 * f64::from(self.dt)
     }
 
     /// Whether a simulation can have left it so, and can go on from it: more steps than f64 counts are not taken in a lifetime.

@@ -74,6 +74,7 @@ mod clock;
 mod columns;
 mod components;
 mod contacts;
+mod coupled;
 mod coupling;
 mod debug_draw;
 mod derived;

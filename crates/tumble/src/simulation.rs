@@ -1,6 +1,7 @@
 use hecs::{Component, World};
 
 use crate::clock::Clock;
+use crate::coupled::Coupled;
 use crate::coupling::Coupling;
 use crate::force_law::ForceLaw;
 use crate::force_laws::ForceLaws;
@@ -104,13 +105,7 @@ impl Simulation {
 
     /// Simulated time \[s\].
     pub fn time(&self) -> f64 {
-        self.time_after(0)
-    }
-
-    /// Simulated time \[s\] so many steps from now.
-    fn time_after(&self, steps: u32) -> f64 {
-        let (since, time) = self.since;
-        time + (self.steps + u64::from(steps) - since) as f64 * f64::from(self.settings.dt)
+        self.clock().time()
     }
 
     /// Where the simulation stands in time: what a run is continued from, beside the state of the bodies.
@@ -146,11 +141,26 @@ impl Simulation {
     fn advance_by(&mut self, world: &mut World, count: u32, times: Option<&PhaseTimes>) {
         if count > 0 {
             let mut coupling = self.coupling.take();
-            let time_of_step = |step| self.time_after(step);
-            steps_under_laws(world, &self.settings, &self.laws, &mut coupling, count, time_of_step, times);
+            steps_under_laws(world, &self.settings, &self.laws, &mut coupling, count, self.clock(), times);
             self.coupling = coupling;
-            self.steps += u64::from(count);
+            self.count_steps(count);
         }
+    }
+
+    /// What the steps of a world in which bodies act on each other are taken with, if they do in this one.
+    pub(crate) fn coupled<'a>(&'a mut self, world: &'a mut World) -> Option<Coupled<'a>> {
+        if !Coupling::is_in(world) {
+            return None;
+        }
+        let clock = self.clock();
+        let coupling = self.coupling.get_or_insert_default();
+        coupling.find(world);
+        Some(Coupled { world, settings: &self.settings, laws: &self.laws, coupling, clock })
+    }
+
+    /// So many steps have been taken with [`coupled`](Self::coupled).
+    pub(crate) fn count_steps(&mut self, count: u32) {
+        self.steps += u64::from(count);
     }
 
     /// Takes as many whole steps as fit into the frame time that has passed, and keeps the rest for the next frame.

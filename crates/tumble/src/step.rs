@@ -1,14 +1,14 @@
 use hecs::World;
 
+use crate::clock::Clock;
 use crate::columns::for_each_chunk;
+use crate::coupled::{Coupled, coupled_steps};
 use crate::coupling::Coupling;
 use crate::force_laws::ForceLaws;
-use crate::kinematic::{move_kinematic_bodies, move_kinematic_bodies_a_substep};
+use crate::kinematic::move_kinematic_bodies;
 use crate::phase_times::{Phase, PhaseTimes};
 use crate::settings::Settings;
-use crate::systems::{
-    Wrenches, accumulate_forces_of, integrate_bodies, integrate_coupled, remember_poses, step_chunk, update_derived_of,
-};
+use crate::systems::{Wrenches, accumulate_forces_of, integrate_bodies, remember_poses, step_chunk, update_derived_of};
 
 /// Advances every body of the world by `settings.dt`: the three systems, the motion of kinematic bodies, and [`PreviousPose`](crate::PreviousPose).
 ///
@@ -28,69 +28,43 @@ use crate::systems::{
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 pub fn step(world: &mut World, settings: &Settings) {
-    steps_under_laws(world, settings, &ForceLaws::default(), &mut None, 1, |_| 0.0, None);
+    steps_under_laws(world, settings, &ForceLaws::default(), &mut None, 1, Clock::default(), None);
 }
 
-/// So many [`step`]s under force laws, starting at times \[s\], adding to `times` how long each phase took.
+/// So many [`step`]s under force laws, from a time on, adding to `times` how long each phase took.
 pub(crate) fn steps_under_laws(
     world: &mut World,
     settings: &Settings,
     laws: &ForceLaws,
     coupling: &mut Option<Box<Coupling>>,
     steps: u32,
-    time_of_step: impl Fn(u32) -> f64 + Sync,
+    clock: Clock,
     times: Option<&PhaseTimes>,
 ) {
     crate::scope::scope!("tumble::step");
     if Coupling::is_in(world) {
         let coupling = coupling.get_or_insert_default();
         coupling.find(world);
-        coupled_steps(world, settings, laws, coupling, steps, time_of_step, times);
+        coupled_steps(&mut [Coupled { world, settings, laws, coupling, clock }], None, steps, times);
     } else {
         if let Some(coupling) = coupling {
             coupling.pass(world, steps);
         }
         for_each_chunk(world, laws, |bodies| {
             if bodies.work.is_none() && times.is_none() {
-                return step_chunk(bodies, settings, steps, &time_of_step);
+                return step_chunk(bodies, settings, steps, &|step| clock.time_after(step));
             }
             for step in 0..steps {
                 remember_poses(bodies);
                 let mut stopwatch = PhaseTimes::start(times);
                 accumulate_forces_of(bodies, settings);
                 stopwatch.end_of(Phase::AccumulateForces);
-                integrate_bodies(bodies, settings, time_of_step(step), Wrenches::Consumed);
+                integrate_bodies(bodies, settings, clock.time_after(step), Wrenches::Consumed);
                 stopwatch.end_of(Phase::Integrate);
                 update_derived_of(bodies);
                 stopwatch.end_of(Phase::UpdateDerived);
             }
         });
         move_kinematic_bodies(world, settings.dt, steps);
-    }
-}
-
-/// Steps of a world where bodies act on each other: the whole world goes from one kick to the next together, kinematic bodies too.
-fn coupled_steps(
-    world: &mut World,
-    settings: &Settings,
-    laws: &ForceLaws,
-    coupling: &mut Coupling,
-    steps: u32,
-    time_of_step: impl Fn(u32) -> f64 + Sync,
-    times: Option<&PhaseTimes>,
-) {
-    for step in 0..steps {
-        let mut stopwatch = PhaseTimes::start(times);
-        for_each_chunk(world, laws, |bodies| {
-            remember_poses(bodies);
-            accumulate_forces_of(bodies, settings);
-        });
-        stopwatch.end_of(Phase::AccumulateForces);
-        integrate_coupled(world, settings, laws, coupling, time_of_step(step), |world, substep| {
-            move_kinematic_bodies_a_substep(world, settings.substep(), substep);
-        });
-        stopwatch.end_of(Phase::Integrate);
-        for_each_chunk(world, laws, update_derived_of);
-        stopwatch.end_of(Phase::UpdateDerived);
     }
 }

@@ -5,8 +5,10 @@ use std::marker::PhantomData;
 use hecs::World;
 use tumble_math::lane::Vec3 as LaneVec3;
 
+use crate::clock::Clock;
 use crate::columns::{Chunk, for_each_chunk};
 use crate::components::{PreviousPose, Work, Wrench};
+use crate::coupled::{Coupled, integrate_coupled};
 use crate::coupling::Coupling;
 use crate::derived::derived;
 use crate::force_laws::ForceLaws;
@@ -85,48 +87,11 @@ pub fn integrate_under_laws(world: &mut World, settings: &Settings, laws: &Force
     if Coupling::is_in(world) {
         let mut coupling = Coupling::default();
         coupling.find(world);
-        integrate_coupled(world, settings, laws, &mut coupling, time, |_, _| ());
+        let clock = Clock { since: (0, time), ..Clock::default() };
+        let coupled = Coupled { world, settings, laws, coupling: &mut coupling, clock };
+        integrate_coupled(&mut [coupled], None, 0, |_, _, _| ());
     } else {
         for_each_chunk(world, laws, |bodies| integrate_bodies(bodies, settings, time, Wrenches::Consumed));
-    }
-}
-
-/// The integration of a step where bodies act on each other: kicks between them before and after each substep, all of it before where the
-/// integrator is of first order, and contacts in the place of the integrator where something touches. `beside` is called for what else moves in a substep, with its number.
-pub(crate) fn integrate_coupled(
-    world: &mut World,
-    settings: &Settings,
-    laws: &ForceLaws,
-    coupling: &mut Coupling,
-    time: f64,
-    beside: impl Fn(&mut World, u32),
-) {
-    let h = settings.substep();
-    let one = Settings { dt: h, substeps: 1, ..*settings };
-    let (before, after) = match settings.integrator {
-        Integrator::SemiImplicitEuler => (h, None),
-        Integrator::RungeKutta4 | Integrator::MoserVeselov => (h * 0.5, Some(h * 0.5)),
-    };
-    if let Some(contacts) = &mut coupling.contacts {
-        contacts.begin_step();
-    }
-    for substep in 0..settings.substeps {
-        if let Some(pairs) = &mut coupling.pairs {
-            pairs.kick(world, before, h);
-        }
-        let time = time + f64::from(substep) * f64::from(h);
-        let wrenches = if substep + 1 == settings.substeps { Wrenches::Consumed } else { Wrenches::Kept };
-        if let Some(contacts) = &mut coupling.contacts {
-            contacts.solve(world, settings, laws, time);
-        }
-        for_each_chunk(world, laws, |bodies| integrate_bodies(bodies, &one, time, wrenches));
-        if let Some(contacts) = &coupling.contacts {
-            contacts.write(world);
-        }
-        beside(world, substep);
-        if let (Some(after), Some(pairs)) = (after, &mut coupling.pairs) {
-            pairs.kick(world, after, h);
-        }
     }
 }
 

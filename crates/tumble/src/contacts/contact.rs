@@ -79,14 +79,6 @@ impl Contact {
         self.numbers[SHAPE].0[4] as usize
     }
 
-    pub(super) fn rolls(&self) -> bool {
-        self.numbers[SHAPE].0[5] > 0.0
-    }
-
-    pub(super) fn bounces(&self) -> bool {
-        self.numbers[SHAPE].0[6] > 0.0
-    }
-
     pub(super) fn place(&self, j: usize) -> Vec3<Real> {
         let [x, y, z, ..] = self.numbers[POINTS[j / 2]].0[j % 2 * 4..] else { return Vec3::zero() };
         Vec3::new(x, y, z)

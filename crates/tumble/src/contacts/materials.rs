@@ -1,5 +1,20 @@
 use super::material::{Material, Surface};
 
+/// What only some surfaces do, and takes passes and numbers of its own.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub(super) struct Extras {
+    pub(super) rolls: bool,
+    pub(super) bounces: bool,
+}
+
+impl Extras {
+    /// Adds what a surface may do, whatever it touches.
+    pub(super) fn add(&mut self, material: &Material) {
+        self.rolls |= material.rolling_friction > 0.0;
+        self.bounces |= material.restitution > 0.0;
+    }
+}
+
 /// The materials of all colliders, each once, and what two of them make together.
 #[derive(Clone, Default)]
 pub(super) struct Materials {
@@ -35,6 +50,13 @@ impl Materials {
             let pairs = self.different.iter().flat_map(|a| self.different.iter().map(move |b| Surface::between(a, b)));
             self.surfaces.extend(pairs);
         }
+    }
+
+    /// What any of them may do. That of the contacts there are would change from step to step, and with it how those without are rounded.
+    pub(super) fn extras(&self) -> Extras {
+        let mut extras = Extras::default();
+        self.different.iter().for_each(|material| extras.add(material));
+        extras
     }
 
     /// What the surfaces of two slots' colliders are like where they touch.

@@ -4,6 +4,7 @@ use super::block::{Block, Bounce, Rolling};
 use super::colouring::{Colour, Colouring};
 use super::contact::Contact;
 use super::keep::Keep;
+use super::materials::Extras;
 use super::passes::{Blocks, Bodied, Moment, NoteApproach, Rebound, Solve, WarmStart};
 use super::prepare::Prepare;
 use super::soft::Softness;
@@ -68,8 +69,14 @@ const COLOURS: usize = Colour::ALONE as usize + 1;
 const LEAST_PART: usize = 16;
 
 impl Solver {
-    /// Lays out contacts between rows of bodies.
-    pub(super) fn lay_out(&mut self, contacts: &[Contact], rows: impl Fn(&Contact) -> [u32; 2], bodies: &SolverBodies) {
+    /// Lays out contacts between rows of bodies, with room for extras.
+    pub(super) fn lay_out(
+        &mut self,
+        contacts: &[Contact],
+        rows: impl Fn(&Contact) -> [u32; 2],
+        bodies: &SolverBodies,
+        extras: Extras,
+    ) {
         let ends = self.sort(contacts, &rows, bodies.first_unmoved());
         let Self { order, ones, fours, stages, colours, .. } = self;
         stages.clear();
@@ -101,9 +108,8 @@ impl Solver {
                 add(grounded, with_one, with_more);
             }
         }
-        let (rolls, bounces) = (contacts.iter().any(Contact::rolls), contacts.iter().any(Contact::bounces));
-        ones.finish(one, rolls, bounces);
-        fours.finish(four, rolls, bounces);
+        ones.finish(one, extras);
+        fours.finish(four, extras);
     }
 
     /// Puts the contacts in the order of what is done first: those between moving bodies, then those with what does not move; of each those by themselves, then
@@ -153,11 +159,6 @@ impl Solver {
         }
     }
 
-    /// Whether any contact bounces.
-    pub(super) fn bounces(&self) -> bool {
-        !(self.ones.bounces.is_empty() && self.fours.bounces.is_empty())
-    }
-
     /// Gives the impulses back to the contacts.
     pub(super) fn keep(&mut self, contacts: &mut [Contact]) {
         let Self { ones, fours, .. } = self;
@@ -178,11 +179,11 @@ impl<const P: usize, const C: usize> Sheet<P, C> {
         block.contacts[..contacts.len()].copy_from_slice(contacts);
     }
 
-    /// Drops the blocks from `count` on, and makes room for what only some contacts have.
-    fn finish(&mut self, count: usize, rolls: bool, bounces: bool) {
+    /// Drops the blocks from `count` on, and makes room for extras.
+    fn finish(&mut self, count: usize, extras: Extras) {
         self.blocks.truncate(count);
-        self.rolling.resize(if rolls { count } else { 0 }, Rolling::NONE);
-        self.bounces.resize(if bounces { count } else { 0 }, Bounce::NONE);
+        self.rolling.resize(if extras.rolls { count } else { 0 }, Rolling::NONE);
+        self.bounces.resize(if extras.bounces { count } else { 0 }, Bounce::NONE);
     }
 
     fn blocks(&mut self, range: &Range<usize>) -> Blocks<'_, P, C> {

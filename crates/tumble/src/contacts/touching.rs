@@ -5,16 +5,13 @@ use rayon::prelude::*;
 use tumble_collide::{Bounds, BroadPhase, Geometry, Placement, Proxy, touching};
 use tumble_math::lane::{Quat, Vec3};
 
-use super::booking::Bookings;
 use super::collider::{Collider, Groups};
 use super::contact::Contact;
 use super::keeping::Past;
 use super::materials::Materials;
 use super::names::Names;
 use super::narrow::{Kind, Pairs, Shapes};
-use super::passes::Moment;
-use super::solver::{Pass, Solver};
-use super::solver_bodies::SolverBodies;
+use super::pushing::Pushing;
 use crate::columns::for_each_archetype_in_turn;
 use crate::components::{CenterOfMass, Mass, Momentum, Pose, PrincipalAxes, Velocity, Work, Wrench};
 use crate::force_laws::ForceLaws;
@@ -27,7 +24,7 @@ use crate::state::{Constants, Force};
 use crate::surroundings::Surroundings;
 
 /// How near \[m\] two surfaces are a contact.
-const MARGIN: Real = 0.02;
+pub(super) const MARGIN: Real = 0.02;
 
 /// The contacts of a world: what they were at the end of the last step is where the next begins.
 #[derive(Clone, Default)]
@@ -55,9 +52,8 @@ pub(crate) struct Contacts {
     /// In the order of their keys.
     pub(super) contacts: Vec<Contact>,
     pub(super) last: Vec<Contact>,
-    bodies: SolverBodies,
-    bookings: Bookings,
-    solver: Solver,
+    /// What pushes them where they are not pushed together with those of other worlds.
+    pushing: Option<Box<Pushing>>,
 }
 
 /// Where a body with a collider is at the start of a step.
@@ -121,44 +117,41 @@ impl Contacts {
 
     /// Works out where what touches something will be after one substep of the settings, starting from the world as it is.
     pub(crate) fn solve(&mut self, world: &World, settings: &Settings, laws: &ForceLaws, time: f64) {
-        let (substeps, h) = (settings.contact_substeps_each(), settings.contact_substep());
-        self.look(world, settings.substep());
-        self.find_contacts();
-        self.gather(world, settings, laws, (time, h));
-        let Self { contacts, bodies, bookings, solver, rows, .. } = self;
-        solver.lay_out(contacts, |contact| contact.slots.map(|slot| rows[slot as usize]), bodies);
-        bodies.with_poses(|bodies, poses| solver.run(Pass::Prepare(contacts, poses, MARGIN), bodies));
-        let (bounces, biased) = (solver.bounces(), Pass::biased(h));
-        for substep in 0..substeps {
-            bookings.before_kick(bodies);
-            bodies.kick();
-            bookings.before_push(bodies);
-            // Before the impulses of the last step act: bodies that those push together have not come together, and to bounce them would make energy.
-            if bounces {
-                let moment = if substep == 0 { Moment::FirstKicked } else { Moment::Kicked };
-                solver.run(Pass::NoteApproach(h, moment), bodies);
-            }
-            solver.run(Pass::WarmStart, bodies);
-            solver.run(biased, bodies);
-            bookings.before_motion(bodies);
-            bodies.drift(h);
-            bookings.after_motion(bodies);
-            if bounces {
-                solver.run(Pass::NoteApproach(h, Moment::Moved), bodies);
-            }
-            solver.run(Pass::Relax(h), bodies);
-            bookings.after_substep(bodies);
-        }
-        if bounces {
-            solver.run(Pass::Rebound(settings.restitution_threshold), bodies);
-        }
-        solver.keep(contacts);
+        let touching = self.find_touching(world, settings);
+        let mut pushing = self.pushing.take().unwrap_or_default();
+        pushing.reset(touching);
+        let first = [0, pushing.bodies.first_unmoved()];
+        self.gather(world, settings, laws, time, &mut pushing, first);
+        let Self { contacts, rows, materials, .. } = self;
+        pushing.push(contacts, |contact| contact.slots.map(|slot| rows[slot as usize]), settings, materials.extras());
+        self.pushing = Some(pushing);
     }
 
-    /// Writes what was worked out over what the integrator made of the same bodies.
-    pub(crate) fn write(&self, world: &World) {
+    /// Finds what touches in a substep of the settings, and how many bodies that is: of those that impulses move and of those that they do not.
+    pub(crate) fn find_touching(&mut self, world: &World, settings: &Settings) -> [usize; 2] {
+        self.look(world, settings.substep());
+        self.find_contacts();
+        let Self { members, shapes, rows, contacts, .. } = self;
+        rows.clear();
+        rows.resize(members.len(), NONE);
+        for slot in contacts.iter().flat_map(|contact| contact.slots) {
+            rows[slot as usize] = 0;
+        }
+        let touching = || (0..shapes.len()).filter(|slot| rows[*slot] != NONE);
+        let moved = touching().filter(|slot| shapes[*slot].moves).count();
+        [moved, touching().count() - moved]
+    }
+
+    /// The rows of a contact's bodies.
+    pub(super) fn rows_of(&self, contact: &Contact) -> [u32; 2] {
+        contact.slots.map(|slot| self.rows[slot as usize])
+    }
+
+    /// Writes what was worked out, alone or with other worlds, over what the integrator made of the same bodies.
+    pub(crate) fn write(&self, world: &World, with_others: Option<&Pushing>) {
+        let Some(Pushing { bodies, bookings, .. }) = with_others.or(self.pushing.as_deref()) else { return };
         // Accounts were opened in the order of places too.
-        let mut accounts = self.bookings.close(&self.bodies).peekable();
+        let mut accounts = bookings.close(bodies).peekable();
         self.members.for_each_archetype(world, |archetype, places| {
             let (Some(mut poses), Some(mut momenta)) = (archetype.get::<&mut Pose>(), archetype.get::<&mut Momentum>())
             else {
@@ -168,7 +161,7 @@ impl Contacts {
             let mut works = archetype.get::<&mut Work>();
             for (row, slot) in places.filter(|(_, slot)| self.rows[*slot] != NONE && self.shapes[*slot].moves) {
                 let axes = axes.as_deref().map(|axes| Quat::from(axes[row].0));
-                let state = self.bodies.state(self.rows[slot] as usize, axes);
+                let state = bodies.state(self.rows[slot] as usize, axes);
                 poses[row] = Pose { position: state.position.into(), orientation: state.orientation.into() };
                 momenta[row] = Momentum { linear: state.linear.into(), angular: state.angular.into() };
                 if let (Some(works), Some((_, work))) = (&mut works, accounts.next_if(|(booked, _)| *booked == slot)) {
@@ -213,24 +206,23 @@ impl Contacts {
         });
     }
 
-    /// Reads the bodies that touch something, and the forces on them as they are now.
-    fn gather(&mut self, world: &World, settings: &Settings, laws: &ForceLaws, (time, h): (f64, Real)) {
-        let Self { members, shapes, rows, contacts, bodies, bookings, .. } = self;
-        bookings.clear();
-        rows.clear();
-        rows.resize(members.len(), NONE);
-        for slot in contacts.iter().flat_map(|contact| contact.slots) {
-            rows[slot as usize] = 0;
-        }
-        let touching = || (0..shapes.len()).filter(|slot| rows[*slot] != NONE);
-        let free = touching().filter(|slot| shapes[*slot].moves).count();
-        bodies.reset(free, touching().count() - free);
-        let (mut next_free, mut next_unmoved) = (0, bodies.first_unmoved());
+    /// Reads the bodies that touch something, and the forces on them as they are now, into rows from these on: of what impulses move, and of what they do not. Returns the rows after them.
+    pub(super) fn gather(
+        &mut self,
+        world: &World,
+        settings: &Settings,
+        laws: &ForceLaws,
+        time: f64,
+        pushing: &mut Pushing,
+        [mut next_moved, mut next_unmoved]: [usize; 2],
+    ) -> [usize; 2] {
+        let Self { members, shapes, rows, .. } = self;
+        let (Pushing { bodies, bookings, .. }, h) = (pushing, settings.contact_substep());
         for (slot, shape) in shapes.iter().enumerate() {
             if rows[slot] == NONE {
                 continue;
             }
-            let next = if shape.moves { &mut next_free } else { &mut next_unmoved };
+            let next = if shape.moves { &mut next_moved } else { &mut next_unmoved };
             rows[slot] = *next as u32;
             if !shape.moves {
                 bodies.set_unmoved(*next, shape.center, shape.velocity.0, shape.velocity.1);
@@ -254,6 +246,7 @@ impl Contacts {
                 }
             }
         });
+        [next_moved, next_unmoved]
     }
 
     /// The contacts there are, beginning with the impulses of those that there were.

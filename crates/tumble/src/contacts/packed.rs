@@ -1,0 +1,99 @@
+use hecs::World;
+
+use super::collider::Collider;
+use super::contact::{Contact, HELD, RUBBED};
+use super::materials::Extras;
+use super::pushing::Pushing;
+use super::touching::Contacts;
+use crate::components::Work;
+use crate::force_laws::ForceLaws;
+use crate::math::Real;
+use crate::settings::Settings;
+
+/// Contacts of several small worlds, pushed side by side: of one world alone they would leave most lanes empty.
+///
+/// A contact gets the same bits as alone. Its colour depends on the contacts before it that have a body in common with it, which are of its own world, and the contacts of a colour
+/// do not depend on each other.
+#[derive(Default)]
+pub(crate) struct Packed {
+    pushing: Pushing,
+    /// Those of all worlds, between rows in the place of slots.
+    contacts: Vec<Contact>,
+    /// Where the next world's rows begin: of what impulses move and of what they do not.
+    next: [usize; 2],
+    /// How many contacts have been given back.
+    given_back: usize,
+}
+
+/// What worlds must have in common to be packed.
+#[derive(Clone, Copy, PartialEq)]
+pub(crate) struct Likeness {
+    dt: Real,
+    substeps: u32,
+    contact_substeps: u32,
+    restitution_threshold: Real,
+    extras: Extras,
+}
+
+/// Worlds of more entities fill lanes by themselves, and threads if there are many more.
+const MOST_ENTITIES: u32 = 128;
+
+impl Likeness {
+    /// Of a world in which something may touch; `None` where it is better off alone.
+    pub(crate) fn of(world: &World, settings: &Settings) -> Option<Self> {
+        let is_booked = world.archetypes().any(|archetype| !archetype.is_empty() && archetype.has::<Work>());
+        if world.len() > MOST_ENTITIES || is_booked || !super::are_in(world) {
+            return None;
+        }
+        let mut extras = Extras::default();
+        for collider in world.query::<&Collider>().iter() {
+            extras.add(collider.material());
+        }
+        let Settings { dt, substeps, contact_substeps, restitution_threshold, .. } = *settings;
+        Some(Self { dt, substeps, contact_substeps, restitution_threshold, extras })
+    }
+}
+
+impl Packed {
+    /// Makes room for so many bodies that impulses move and so many that they do not.
+    pub(crate) fn begin(&mut self, touching: [usize; 2]) {
+        self.pushing.reset(touching);
+        self.contacts.clear();
+        self.next = [0, self.pushing.bodies.first_unmoved()];
+        self.given_back = 0;
+    }
+
+    /// Adds what touches in a world.
+    pub(crate) fn add(
+        &mut self,
+        found: &mut Contacts,
+        world: &World,
+        settings: &Settings,
+        laws: &ForceLaws,
+        time: f64,
+    ) {
+        self.next = found.gather(world, settings, laws, time, &mut self.pushing, self.next);
+        let found = &*found;
+        self.contacts
+            .extend(found.contacts.iter().map(|contact| Contact { slots: found.rows_of(contact), ..contact.clone() }));
+    }
+
+    /// Pushes them all, with settings that are alike.
+    pub(crate) fn push(&mut self, settings: &Settings, likeness: &Likeness) {
+        self.pushing.push(&mut self.contacts, |contact| contact.slots, settings, likeness.extras);
+    }
+
+    /// Gives the contacts of the next world their impulses, in the order in which worlds were added.
+    pub(crate) fn give_back(&mut self, found: &mut Contacts) {
+        for (contact, pushed) in found.contacts.iter_mut().zip(&self.contacts[self.given_back..]) {
+            for which in [HELD, RUBBED] {
+                contact.numbers[which] = pushed.numbers[which];
+            }
+        }
+        self.given_back += found.contacts.len();
+    }
+
+    pub(crate) fn pushing(&self) -> &Pushing {
+        &self.pushing
+    }
+}

@@ -1,0 +1,145 @@
+//! Steps of worlds in which bodies act on each other: of one, or of several whose contacts are pushed together.
+
+use hecs::World;
+
+use crate::clock::Clock;
+use crate::columns::for_each_chunk;
+use crate::contacts::{Likeness, Packed};
+use crate::coupling::Coupling;
+use crate::force_laws::ForceLaws;
+use crate::integrator::Integrator;
+use crate::kinematic::move_kinematic_bodies_a_substep;
+use crate::math::Real;
+use crate::phase_times::{Phase, PhaseTimes};
+use crate::settings::Settings;
+use crate::systems::{Wrenches, accumulate_forces_of, integrate_bodies, remember_poses, update_derived_of};
+
+/// A world in which bodies act on each other, and what it is stepped with.
+pub(crate) struct Coupled<'a> {
+    pub(crate) world: &'a mut World,
+    pub(crate) settings: &'a Settings,
+    pub(crate) laws: &'a ForceLaws,
+    pub(crate) coupling: &'a mut Coupling,
+    /// At the first step.
+    pub(crate) clock: Clock,
+}
+
+/// What worlds that go step by step together are packed in, and what they have in common.
+pub(crate) type Together<'a> = (&'a mut Packed, Likeness);
+
+/// Steps: a whole world goes from one kick to the next together, kinematic bodies too. Of several worlds contacts are packed, and they have the same likeness.
+pub(crate) fn coupled_steps(
+    worlds: &mut [Coupled<'_>],
+    mut together: Option<Together<'_>>,
+    steps: u32,
+    times: Option<&PhaseTimes>,
+) {
+    for step in 0..steps {
+        let mut stopwatch = PhaseTimes::start(times);
+        for Coupled { world, settings, laws, .. } in &mut *worlds {
+            for_each_chunk(world, laws, |bodies| {
+                remember_poses(bodies);
+                accumulate_forces_of(bodies, settings);
+            });
+        }
+        stopwatch.end_of(Phase::AccumulateForces);
+        integrate_coupled(worlds, together.as_mut(), step, |world, settings, substep| {
+            move_kinematic_bodies_a_substep(world, settings.substep(), substep);
+        });
+        stopwatch.end_of(Phase::Integrate);
+        for Coupled { world, laws, .. } in &mut *worlds {
+            for_each_chunk(world, laws, update_derived_of);
+        }
+        stopwatch.end_of(Phase::UpdateDerived);
+    }
+}
+
+/// The integration of a step, so many after the clocks: kicks between bodies before and after each substep, all of it before where the
+/// integrator is of first order, and contacts in the place of the integrator where something touches. `beside` is called for what else moves in a substep, with its number.
+pub(crate) fn integrate_coupled(
+    worlds: &mut [Coupled<'_>],
+    mut together: Option<&mut Together<'_>>,
+    step: u32,
+    beside: impl Fn(&mut World, &Settings, u32),
+) {
+    for contacts in worlds.iter_mut().filter_map(|it| it.coupling.contacts.as_mut()) {
+        contacts.begin_step();
+    }
+    for substep in 0..worlds.first().map_or(0, |it| it.settings.substeps) {
+        for it in &mut *worlds {
+            it.kick(it.kicks().0);
+        }
+        match &mut together {
+            Some((packed, likeness)) => push_together(worlds, packed, likeness, (step, substep)),
+            None => worlds.iter_mut().for_each(|it| it.push_alone(it.time_of(step, substep))),
+        }
+        for it in &mut *worlds {
+            it.integrate(it.time_of(step, substep), substep, together.as_deref());
+            beside(it.world, it.settings, substep);
+            if let Some(after) = it.kicks().1 {
+                it.kick(after);
+            }
+        }
+    }
+}
+
+/// Pushes what touches in all worlds at the same time.
+fn push_together(worlds: &mut [Coupled<'_>], packed: &mut Packed, likeness: &Likeness, (step, substep): (u32, u32)) {
+    let Some(settings) = worlds.first().map(|it| it.settings) else { return };
+    let mut touching = [0; 2];
+    for it in &mut *worlds {
+        if let Some(contacts) = &mut it.coupling.contacts {
+            let [moved, unmoved] = contacts.find_touching(it.world, it.settings);
+            touching = [touching[0] + moved, touching[1] + unmoved];
+        }
+    }
+    packed.begin(touching);
+    for it in &mut *worlds {
+        let time = it.time_of(step, substep);
+        if let Some(contacts) = &mut it.coupling.contacts {
+            packed.add(contacts, it.world, it.settings, it.laws, time);
+        }
+    }
+    packed.push(settings, likeness);
+    for contacts in worlds.iter_mut().filter_map(|it| it.coupling.contacts.as_mut()) {
+        packed.give_back(contacts);
+    }
+}
+
+impl Coupled<'_> {
+    /// When a substep begins \[s\].
+    fn time_of(&self, step: u32, substep: u32) -> f64 {
+        self.clock.time_after(step) + f64::from(substep) * f64::from(self.settings.substep())
+    }
+
+    /// How long the kicks before and after a substep act \[s\].
+    fn kicks(&self) -> (Real, Option<Real>) {
+        let h = self.settings.substep();
+        match self.settings.integrator {
+            Integrator::SemiImplicitEuler => (h, None),
+            Integrator::RungeKutta4 | Integrator::MoserVeselov => (h * 0.5, Some(h * 0.5)),
+        }
+    }
+
+    fn kick(&mut self, duration: Real) {
+        if let Some(pairs) = &mut self.coupling.pairs {
+            pairs.kick(self.world, duration, self.settings.substep());
+        }
+    }
+
+    fn push_alone(&mut self, time: f64) {
+        if let Some(contacts) = &mut self.coupling.contacts {
+            contacts.solve(self.world, self.settings, self.laws, time);
+        }
+    }
+
+    /// Integrates all bodies over a substep, and puts those that touch something where contacts have pushed them.
+    fn integrate(&mut self, time: f64, substep: u32, together: Option<&Together<'_>>) {
+        let one = Settings { dt: self.settings.substep(), substeps: 1, ..*self.settings };
+        let wrenches = if substep + 1 == self.settings.substeps { Wrenches::Consumed } else { Wrenches::Kept };
+        for_each_chunk(self.world, self.laws, |bodies| integrate_bodies(bodies, &one, time, wrenches));
+        if let Some(contacts) = &self.coupling.contacts {
+            contacts.write(self.world, together.map(|(packed, _)| packed.pushing()));
+        }
+    }
+}
