@@ -203,7 +203,9 @@ impl<const P: usize, const C: usize> Prepare<'_, P, C> {
         }
         let rubbing = Rubbing::from_world(&frame, linear, angular);
         rubbing.store(&mut block.friction, self.blocks.rolling.get_mut(index), lane);
-        sum_up(block, &frame, lane, &rubbing);
+        // What was kept may have a part about the tangents, since the normal has turned; it goes on only where something resists rolling.
+        let kept = Rubbing::load(&block.friction, self.blocks.rolling.get(index), lane);
+        sum_up(block, &frame, lane, &kept);
     }
 }
 
