@@ -107,7 +107,7 @@ fn the_works_of_a_pile_add_up() {
         let mut ledger = Ledger::attach(&mut world, &simulation);
         run(&mut simulation, &mut world, 150);
         let lost_in_falling = simulation.time() * G * G * f64::from(simulation.settings().contact_substep()) / 2.0;
-        let (mut passed, mut contacts) = (0.0, 0.0);
+        let (mut passed, mut contacts, mut fallen) = (0.0, 0.0, 0.0);
         for (body, before) in bodies.iter().zip(before) {
             let (work, change) = (work(&world, *body), kinetic(&world, *body) - before);
             let size = work.gravity.abs() + work.contacts.abs() + before;
@@ -116,9 +116,10 @@ fn the_works_of_a_pile_add_up() {
             let mass = f64::from(world.get::<&tumble::Mass>(*body).unwrap().kilograms());
             assert!(work.integrator.abs() < mass * lost_in_falling + 1e-3 * size, "{work:?} of {mass} kg");
             passed += size;
+            fallen += work.integrator.abs();
             contacts += work.contacts;
         }
-        assert!(contacts < -0.1 * passed, "{contacts} of {passed}");
+        assert!(contacts < -0.1 * passed && fallen < 3e-3 * passed, "{contacts}, {fallen} of {passed}");
         let entry = ledger.record(&world, &simulation);
         assert!((entry.work.contacts - contacts).abs() < 1e-9 * passed);
     }

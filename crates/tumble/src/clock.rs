@@ -16,7 +16,7 @@ use crate::math::Real;
 /// assert_eq!((simulation.steps(), simulation.time()), (1, 0.5));
 /// # Ok::<(), tumble::SettingsError>(())
 /// ```
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Clock {
     pub(crate) steps: u64,
     /// Steps and time \[s\] from which on time is a multiple of `dt`.
@@ -28,6 +28,11 @@ pub struct Clock {
 }
 
 impl Clock {
+    /// Of a single step that begins at a time \[s\].
+    pub(crate) fn at(time: f64) -> Self {
+        Self { steps: 0, since: (0, time), dt: 0.0, owed: 0.0 }
+    }
+
     /// How many steps have been taken.
     pub fn steps(&self) -> u64 {
         self.steps

@@ -65,7 +65,9 @@ pub(crate) fn integrate_coupled(
     for contacts in worlds.iter_mut().filter_map(|it| it.coupling.contacts.as_mut()) {
         contacts.begin_step();
     }
-    for substep in 0..worlds.first().map_or(0, |it| it.settings.substeps) {
+    let substeps = worlds.first().map_or(0, |it| it.settings.substeps);
+    debug_assert!(worlds.iter().all(|it| it.settings.substeps == substeps));
+    for substep in 0..substeps {
         for it in &mut *worlds {
             it.kick(it.kicks().0);
         }

@@ -28,7 +28,7 @@ use crate::systems::{Wrenches, accumulate_forces_of, integrate_bodies, remember_
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 pub fn step(world: &mut World, settings: &Settings) {
-    steps_under_laws(world, settings, &ForceLaws::default(), &mut None, 1, Clock::default(), None);
+    steps_under_laws(world, settings, &ForceLaws::default(), &mut None, 1, Clock::at(0.0), None);
 }
 
 /// So many [`step`]s under force laws, from a time on, adding to `times` how long each phase took.

@@ -87,8 +87,7 @@ pub fn integrate_under_laws(world: &mut World, settings: &Settings, laws: &Force
     if Coupling::is_in(world) {
         let mut coupling = Coupling::default();
         coupling.find(world);
-        let clock = Clock { since: (0, time), ..Clock::default() };
-        let coupled = Coupled { world, settings, laws, coupling: &mut coupling, clock };
+        let coupled = Coupled { world, settings, laws, coupling: &mut coupling, clock: Clock::at(time) };
         integrate_coupled(&mut [coupled], None, 0, |_, _, _| ());
     } else {
         for_each_chunk(world, laws, |bodies| integrate_bodies(bodies, settings, time, Wrenches::Consumed));

@@ -5,7 +5,7 @@ use super::contact::{Contact, HELD, RUBBED};
 use super::materials::Extras;
 use super::pushing::Pushing;
 use super::touching::Contacts;
-use crate::components::Work;
+use crate::components::{Pose, Work};
 use crate::force_laws::ForceLaws;
 use crate::math::Real;
 use crate::settings::Settings;
@@ -26,7 +26,7 @@ pub(crate) struct Packed {
 }
 
 /// What worlds must have in common to be packed.
-#[derive(Clone, Copy, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Likeness {
     dt: Real,
     substeps: u32,
@@ -46,7 +46,8 @@ impl Likeness {
             return None;
         }
         let mut extras = Extras::default();
-        for collider in world.query::<&Collider>().iter() {
+        // Those that contacts know of.
+        for collider in world.query::<&Collider>().with::<&Pose>().iter() {
             extras.add(collider.material());
         }
         let Settings { dt, substeps, contact_substeps, restitution_threshold, .. } = *settings;
@@ -95,5 +96,51 @@ impl Packed {
 
     pub(crate) fn pushing(&self) -> &Pushing {
         &self.pushing
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::contacts::Material;
+    use crate::{RigidBody, Shape};
+
+    fn world(material: Material) -> World {
+        let (mut world, shape) = (World::new(), Shape::sphere(0.5));
+        let collider = Collider::new(&shape).and_then(|it| it.with_material(material));
+        if let (Ok(body), Ok(collider)) = (RigidBody::new(shape).mass(1.0).build(), collider) {
+            body.spawn_with(&mut world, (collider,));
+        }
+        world
+    }
+
+    #[test]
+    fn alike_is_what_is_pushed_in_the_same_way() {
+        let (plain, settings) = (world(Material::default()), Settings::default());
+        let likeness = |world: &World, settings: Settings| Likeness::of(world, &settings);
+        let common = likeness(&plain, settings);
+        assert!(common.is_some());
+        assert_eq!(likeness(&world(Material::new(0.1, 0.0)), settings.with_gravity(crate::math::Vec3::ZERO)), common);
+        for other in [
+            likeness(&plain, settings.with_dt(0.01)),
+            likeness(&plain, settings.with_substeps(2)),
+            likeness(&plain, settings.with_contact_substeps(8)),
+            likeness(&plain, Settings { restitution_threshold: 0.1, ..settings }),
+            likeness(&world(Material::new(0.5, 0.5)), settings),
+            likeness(&world(Material { rolling_friction: 0.01, ..Material::default() }), settings),
+            likeness(&World::new(), settings),
+        ] {
+            assert_ne!(other, common);
+        }
+        let mut booked = world(Material::default());
+        let bodies: Vec<_> = booked.query::<hecs::Entity>().iter().collect();
+        bodies.into_iter().for_each(|body| assert!(booked.insert_one(body, Work::default()).is_ok()));
+        assert_eq!(likeness(&booked, settings), None);
+        // A collider without a place touches nothing, so what it is like does not matter.
+        let mut with_template = world(Material::default());
+        if let Ok(bouncy) = Collider::half_space().with_material(Material::new(0.5, 1.0)) {
+            with_template.spawn((bouncy,));
+        }
+        assert_eq!(likeness(&with_template, settings), common);
     }
 }

@@ -201,10 +201,8 @@ impl<const P: usize, const C: usize> Prepare<'_, P, C> {
             let (ss, tt) = (s.dot(s_first) + s.dot(s_second), t.dot(t_first) + t.dot(t_second));
             put_all(inverse([ss, t.dot(s_first) + t.dot(s_second), tt]), &mut rolling.mass, lane);
         }
-        let rubbing = Rubbing::from_world(&frame, linear, angular);
-        rubbing.store(&mut block.friction, self.blocks.rolling.get_mut(index), lane);
-        // What was kept may have a part about the tangents, since the normal has turned; it goes on only where something resists rolling.
-        let kept = Rubbing::load(&block.friction, self.blocks.rolling.get(index), lane);
+        let kept = Rubbing::from_world(&frame, linear, angular).of_what_rolls(length);
+        kept.store(&mut block.friction, self.blocks.rolling.get_mut(index), lane);
         sum_up(block, &frame, lane, &kept);
     }
 }

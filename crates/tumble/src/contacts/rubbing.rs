@@ -53,6 +53,14 @@ impl<T: Tile> Rubbing<T> {
         }
     }
 
+    /// The same with a torque about the tangents only where something resists rolling: of what is kept from step to step it may have one elsewhere, since the normal turns.
+    #[inline(always)]
+    pub(super) fn of_what_rolls(self, length: T) -> Self {
+        let (zero, [u, v]) = (T::splat(0.0), self.roll);
+        let rolls = zero.lt(length);
+        Self { roll: [T::select(rolls, u, zero), T::select(rolls, v, zero)], ..self }
+    }
+
     /// The impulse in the tangent plane, world frame.
     #[inline(always)]
     pub(super) fn linear(&self, frame: &Frame<T>) -> Vec3<T> {

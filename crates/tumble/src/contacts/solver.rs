@@ -247,7 +247,5 @@ impl Pass<'_> {
 }
 
 fn run(mut kernel: impl Kernel) {
-    if kernel.len() > 0 {
-        dispatch_in_blocks(&mut kernel);
-    }
+    dispatch_in_blocks(&mut kernel);
 }

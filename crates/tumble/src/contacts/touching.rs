@@ -123,7 +123,7 @@ impl Contacts {
         let first = [0, pushing.bodies.first_unmoved()];
         self.gather(world, settings, laws, time, &mut pushing, first);
         let Self { contacts, rows, materials, .. } = self;
-        pushing.push(contacts, |contact| contact.slots.map(|slot| rows[slot as usize]), settings, materials.extras());
+        pushing.push(contacts, |contact| rows_of(contact, rows), settings, materials.extras());
         self.pushing = Some(pushing);
     }
 
@@ -144,7 +144,7 @@ impl Contacts {
 
     /// The rows of a contact's bodies.
     pub(super) fn rows_of(&self, contact: &Contact) -> [u32; 2] {
-        contact.slots.map(|slot| self.rows[slot as usize])
+        rows_of(contact, &self.rows)
     }
 
     /// Writes what was worked out, alone or with other worlds, over what the integrator made of the same bodies.
@@ -294,6 +294,10 @@ impl Contacts {
             }
         }
     }
+}
+
+fn rows_of(contact: &Contact, rows: &[u32]) -> [u32; 2] {
+    contact.slots.map(|slot| rows[slot as usize])
 }
 
 /// Adds the contacts of shapes that have no lanes of their own.

@@ -5,6 +5,7 @@
 use std::marker::PhantomData;
 use std::ops::Range;
 
+use super::gather::greatest;
 use super::{BLOCK, Eight, Tile};
 
 /// Blocks of pairs of rows, in colours: within a colour no row that is changed occurs twice.
@@ -113,7 +114,7 @@ impl Rows<'_> {
         &self.blocks[block].rows
     }
 
-    /// The first numbers of the first or the second rows of a tile from `lane` on.
+    /// The first numbers of the first or the second rows of a tile from `lane` on. Lanes without a pair have those of the row that stands for none, which nobody changes.
     #[inline(always)]
     pub(crate) fn gather<T: Tile, const N: usize>(&self, block: usize, which: usize, lane: usize) -> [T; N] {
         let indices = &self.blocks[block].rows[which];
@@ -121,7 +122,7 @@ impl Rows<'_> {
         let mut rows = [&Eight::ZERO; BLOCK];
         let mut i = 0;
         while i < T::WIDTH {
-            // SAFETY: the row is there, and nobody changes it: see the type.
+            // SAFETY: the row is there, and nobody changes it: see the type; nor the one that stands for none, which no block lists.
             rows[i] = unsafe { &*self.base.add(indices[lane + i] as usize) };
             i += 1;
         }
@@ -144,34 +145,6 @@ impl Rows<'_> {
             i += 1;
         }
     }
-}
-
-/// The first numbers of rows anywhere in a table.
-///
-/// # Panics
-/// Where there is no such row.
-#[inline(always)]
-pub(crate) fn gather<T: Tile, const N: usize>(table: &[Eight], indices: &[u32; BLOCK], lane: usize) -> [T; N] {
-    assert!(greatest::<T>(indices, lane) < table.len());
-    let mut rows = [&Eight::ZERO; BLOCK];
-    let mut i = 0;
-    while i < T::WIDTH {
-        // SAFETY: none is greater than the greatest.
-        rows[i] = unsafe { table.get_unchecked(indices[lane + i] as usize) };
-        i += 1;
-    }
-    T::gather(&rows)
-}
-
-/// The greatest index of a tile: one comparison with it is cheaper than one with each.
-#[inline(always)]
-fn greatest<T: Tile>(indices: &[u32; BLOCK], lane: usize) -> usize {
-    let (mut greatest, mut i) = (0, 0);
-    while i < T::WIDTH {
-        greatest = greatest.max(indices[lane + i]);
-        i += 1;
-    }
-    greatest as usize
 }
 
 #[cfg(test)]

@@ -14,13 +14,15 @@ use tumble_math::lane::Lane;
 use crate::math::Real;
 
 mod disjoint;
+mod gather;
 #[cfg(vector_code)]
 mod pair;
 mod record;
 #[cfg(vector_code)]
 mod x86_64;
 
-pub(crate) use disjoint::{Colours, Rows, gather};
+pub(crate) use disjoint::{Colours, Rows};
+pub(crate) use gather::gather;
 pub(crate) use record::{Eight, Record};
 
 /// The most bodies of a tile for which a chunk may have to be filled up.

@@ -58,6 +58,16 @@ impl<T: Lane> Lane for Pair<T> {
     }
 
     #[inline(always)]
+    fn min(self, other: Self) -> Self {
+        Self(self.0.min(other.0), self.1.min(other.1))
+    }
+
+    #[inline(always)]
+    fn max(self, other: Self) -> Self {
+        Self(self.0.max(other.0), self.1.max(other.1))
+    }
+
+    #[inline(always)]
     fn any(mask: Self::Mask) -> bool {
         T::any(mask.0) | T::any(mask.1)
     }

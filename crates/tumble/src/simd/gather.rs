@@ -1,0 +1,52 @@
+//! Rows of a table that lie anywhere in it, as tiles.
+
+#![allow(unsafe_code, reason = "one comparison in the place of eight; see the SAFETY note")]
+
+use super::{BLOCK, Eight, Tile};
+
+/// The first numbers of rows anywhere in a table.
+///
+/// # Panics
+/// Where there is no such row.
+#[inline(always)]
+pub(crate) fn gather<T: Tile, const N: usize>(table: &[Eight], indices: &[u32; BLOCK], lane: usize) -> [T; N] {
+    assert!(greatest::<T>(indices, lane) < table.len());
+    let mut rows = [&Eight::ZERO; BLOCK];
+    let mut i = 0;
+    while i < T::WIDTH {
+        // SAFETY: none is greater than the greatest.
+        rows[i] = unsafe { table.get_unchecked(indices[lane + i] as usize) };
+        i += 1;
+    }
+    T::gather(&rows)
+}
+
+/// The greatest index of a tile: one comparison with it is cheaper than one with each.
+#[inline(always)]
+pub(super) fn greatest<T: Tile>(indices: &[u32; BLOCK], lane: usize) -> usize {
+    let (mut greatest, mut i) = (0, 0);
+    while i < T::WIDTH {
+        greatest = greatest.max(indices[lane + i]);
+        i += 1;
+    }
+    greatest as usize
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::math::Real;
+
+    #[test]
+    fn a_row_is_found_where_it_is() {
+        let table = [1.0, 2.0, 3.0].map(|x| Eight([x, 10.0 * x, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0]));
+        let found: [Real; 2] = gather(&table, &[0, 2, 1, 0, 0, 0, 0, 0], 1);
+        assert_eq!(found, [3.0, 30.0]);
+    }
+
+    #[test]
+    #[should_panic(expected = "assertion")]
+    fn a_row_that_is_not_there_is_not_read() {
+        let _: [Real; 2] = gather(&[Eight::ZERO; 3], &[0, 3, 0, 0, 0, 0, 0, 0], 1);
+    }
+}
