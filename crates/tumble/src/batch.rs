@@ -45,7 +45,7 @@ pub struct Batch {
     packs: Vec<Packed>,
 }
 
-/// So many worlds go through their steps together. With eight bodies in each their contacts fill the lanes, and all of them stay in the second-level cache.
+/// So many worlds go through their steps together: enough for the contacts of eight bodies in each to fill lanes.
 const PACK: usize = 16;
 
 impl Batch {
@@ -67,7 +67,7 @@ impl Batch {
         let made: Vec<Result<Trial, E>> =
             (0..count).into_par_iter().map(|index| set_up(index, Chance::stream(seed, index as u64))).collect();
         // One after the other: in parallel it would be left to chance whose error is returned.
-        Ok(made.into_iter().collect::<Result<Vec<_>, E>>()?.into_iter().collect())
+        made.into_iter().collect()
     }
 
     /// Adds a world at the end.
@@ -149,8 +149,11 @@ fn step_pack(trials: &mut [Trial], pack: &mut Packed, count: u32) {
             _ => others.push(trial),
         }
     }
+    if together.len() < 2 {
+        others.append(&mut together);
+    }
     let step_others = || others.into_par_iter().for_each(|trial| trial.step_many(count));
-    match common {
+    match common.filter(|_| !together.is_empty()) {
         Some(likeness) => rayon::join(|| step_together(&mut together, pack, likeness, count), step_others).0,
         None => step_others(),
     }

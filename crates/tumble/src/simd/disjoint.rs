@@ -5,7 +5,7 @@
 use std::marker::PhantomData;
 use std::ops::Range;
 
-use super::gather::greatest;
+use super::gather::gather_from;
 use super::{BLOCK, Eight, Tile};
 
 /// Blocks of pairs of rows, in colours: within a colour no row that is changed occurs twice.
@@ -118,15 +118,8 @@ impl Rows<'_> {
     #[inline(always)]
     pub(crate) fn gather<T: Tile, const N: usize>(&self, block: usize, which: usize, lane: usize) -> [T; N] {
         let indices = &self.blocks[block].rows[which];
-        assert!(greatest::<T>(indices, lane) < self.count);
-        let mut rows = [&Eight::ZERO; BLOCK];
-        let mut i = 0;
-        while i < T::WIDTH {
-            // SAFETY: the row is there, and nobody changes it: see the type; nor the one that stands for none, which no block lists.
-            rows[i] = unsafe { &*self.base.add(indices[lane + i] as usize) };
-            i += 1;
-        }
-        T::gather(&rows)
+        // SAFETY: nobody changes these rows: see the type; nor the one that stands for none, which no block lists.
+        unsafe { gather_from(self.base, self.count, indices, lane) }
     }
 
     /// Overwrites the first or the second rows of a tile from `lane` on. First rows that are only read stay as they are, and so does the row that stands for none.

@@ -10,12 +10,30 @@ use super::{BLOCK, Eight, Tile};
 /// Where there is no such row.
 #[inline(always)]
 pub(crate) fn gather<T: Tile, const N: usize>(table: &[Eight], indices: &[u32; BLOCK], lane: usize) -> [T; N] {
-    assert!(greatest::<T>(indices, lane) < table.len());
+    // SAFETY: all rows of a slice may be read.
+    unsafe { gather_from(table.as_ptr(), table.len(), indices, lane) }
+}
+
+/// The same from a table of `count` rows that begins at `base`.
+///
+/// # Safety
+/// The rows that a tile asks for, where there are any, may be read.
+///
+/// # Panics
+/// Where there is no such row.
+#[inline(always)]
+pub(super) unsafe fn gather_from<T: Tile, const N: usize>(
+    base: *const Eight,
+    count: usize,
+    indices: &[u32; BLOCK],
+    lane: usize,
+) -> [T; N] {
+    assert!(greatest::<T>(indices, lane) < count);
     let mut rows = [&Eight::ZERO; BLOCK];
     let mut i = 0;
     while i < T::WIDTH {
-        // SAFETY: none is greater than the greatest.
-        rows[i] = unsafe { table.get_unchecked(indices[lane + i] as usize) };
+        // SAFETY: no index is greater than the greatest; and the caller's promise.
+        rows[i] = unsafe { &*base.add(indices[lane + i] as usize) };
         i += 1;
     }
     T::gather(&rows)
@@ -23,7 +41,7 @@ pub(crate) fn gather<T: Tile, const N: usize>(table: &[Eight], indices: &[u32; B
 
 /// The greatest index of a tile: one comparison with it is cheaper than one with each.
 #[inline(always)]
-pub(super) fn greatest<T: Tile>(indices: &[u32; BLOCK], lane: usize) -> usize {
+fn greatest<T: Tile>(indices: &[u32; BLOCK], lane: usize) -> usize {
     let (mut greatest, mut i) = (0, 0);
     while i < T::WIDTH {
         greatest = greatest.max(indices[lane + i]);

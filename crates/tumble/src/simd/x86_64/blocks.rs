@@ -203,13 +203,7 @@ pub(super) unsafe fn load_rows<V: Block, const N: usize>(base: *const Real, stri
     let row = |lane: usize| base.wrapping_add(lane * stride);
     // SAFETY: both blocks lie within the row, and the caller's promise.
     let (first, last) = unsafe { (V::load4(row), V::load4(|lane| row(lane).wrapping_add(N - 4))) };
-    let mut numbers = [first[0]; N];
-    let mut c = 1;
-    while c < N {
-        numbers[c] = if c < 4 { first[c] } else { last[c + 4 - N] };
-        c += 1;
-    }
-    numbers
+    joined(first, last, N - 4)
 }
 
 /// Loads the first `N` numbers of rows that are anywhere; `N` is at least four.
@@ -221,10 +215,16 @@ pub(super) unsafe fn gather_rows<V: Block, const N: usize>(rows: &[&Eight; BLOCK
     let row = |lane: usize| rows[lane].0.as_ptr();
     // SAFETY: both blocks lie within a row of eight, and the caller's promise.
     let (first, last) = unsafe { (V::load4(row), V::load4(|lane| row(lane).wrapping_add(4))) };
+    joined(first, last, 4)
+}
+
+/// The first four numbers of rows, and four from `begin` on.
+#[inline(always)]
+fn joined<V: Copy, const N: usize>(first: [V; 4], last: [V; 4], begin: usize) -> [V; N] {
     let mut numbers = [first[0]; N];
     let mut c = 1;
     while c < N {
-        numbers[c] = if c < 4 { first[c] } else { last[c - 4] };
+        numbers[c] = if c < 4 { first[c] } else { last[c - begin] };
         c += 1;
     }
     numbers
