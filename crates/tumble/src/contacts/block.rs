@@ -12,9 +12,6 @@ use crate::simd::BLOCK;
 #[derive(Clone, Copy)]
 #[repr(C, align(64))]
 pub(super) struct Block<const P: usize, const C: usize> {
-    /// All impulses of the last substep together: on the second body in the middle \[N s\], and about it [N m s], world frame.
-    pub(super) linear: [Lanes; 3],
-    pub(super) angular: [Lanes; 3],
     /// The middle from the second body's centre of mass when the step began \[m\].
     pub(super) arm: [Lanes; 3],
     /// The second body's centre of mass from the first's, when the step began \[m\].
@@ -101,8 +98,6 @@ impl<const P: usize, const C: usize> Block<P, C> {
     pub(super) fn empty() -> Self {
         let point = Point { offset: [ZEROS; 2], separation: ZEROS, mass: ZEROS, impulse: ZEROS };
         Self {
-            linear: [ZEROS; 3],
-            angular: [ZEROS; 3],
             arm: [ZEROS; 3],
             apart: [ZEROS; 3],
             carried: ZEROS,

@@ -101,12 +101,57 @@ impl<T: Tile> Moved<T> {
     }
 }
 
-/// The bodies of a tile's contacts. Where they are `grounded`, impulses move only the second of each.
-pub(super) struct Bodies<T> {
+/// Linear and angular momenta of a tile's bodies. Where they are `grounded`, impulses move only the second of each.
+pub(super) struct Momenta<T> {
     grounded: bool,
-    /// Linear and angular momentum; of what impulses do not move, the velocities.
     linear: [Vec3<T>; 2],
     angular: [Vec3<T>; 2],
+}
+
+impl<T: Tile> Momenta<T> {
+    /// From rows that have nothing else; zero of what impulses do not move.
+    #[inline(always)]
+    pub(super) fn load(rows: &Rows<'_>, block: usize, lane: usize) -> Self {
+        let grounded = rows.is_grounded();
+        let zero = T::splat(0.0);
+        let [a, b, c, d, e, f] = if grounded { [zero; 6] } else { rows.gather(block, 0, lane) };
+        let first = (Vec3::new(a, b, c), Vec3::new(d, e, f));
+        let [a, b, c, d, e, f] = rows.gather(block, 1, lane);
+        let second = (Vec3::new(a, b, c), Vec3::new(d, e, f));
+        Self { grounded, linear: [first.0, second.0], angular: [first.1, second.1] }
+    }
+
+    /// An impulse in the middle and an angular impulse on the second bodies, the opposite on the first.
+    #[inline(always)]
+    pub(super) fn push(&mut self, arms: [Vec3<T>; 2], linear: Vec3<T>, angular: Vec3<T>) {
+        if !self.grounded {
+            self.linear[0] = self.linear[0] - linear;
+            self.angular[0] = self.angular[0] - (arms[0].cross(linear) + angular);
+        }
+        self.linear[1] = self.linear[1] + linear;
+        self.angular[1] = self.angular[1] + (arms[1].cross(linear) + angular);
+    }
+
+    /// Writes them back, with one more number behind each.
+    #[inline(always)]
+    pub(super) fn store(&self, numbers: [T; 2], rows: &mut Rows<'_>, block: usize, lane: usize) {
+        let row = |which: usize| (self.linear[which], self.angular[which], numbers[which]);
+        if !self.grounded {
+            rows.scatter(in_a_row(row(0)), block, 0, lane);
+        }
+        rows.scatter(in_a_row(row(1)), block, 1, lane);
+    }
+}
+
+#[inline(always)]
+fn in_a_row<T: Tile>((p, l, number): (Vec3<T>, Vec3<T>, T)) -> [T; 8] {
+    [p.x, p.y, p.z, l.x, l.y, l.z, number, T::splat(0.0)]
+}
+
+/// The bodies of a tile's contacts.
+pub(super) struct Bodies<T> {
+    /// Of what impulses do not move, the velocities.
+    momenta: Momenta<T>,
     inverse_mass: [T; 2],
 }
 
@@ -118,13 +163,14 @@ impl<T: Tile> Bodies<T> {
         let [a, b, c, d, e, f, second_mass] = motion.gather(block, 1, lane);
         let second = (Vec3::new(a, b, c), Vec3::new(d, e, f));
         let (linear, angular) = ([first.0, second.0], [first.1, second.1]);
-        Self { grounded: motion.is_grounded(), linear, angular, inverse_mass: [first_mass, second_mass] }
+        let momenta = Momenta { grounded: motion.is_grounded(), linear, angular };
+        Self { momenta, inverse_mass: [first_mass, second_mass] }
     }
 
     /// Sum of the inverse masses of what impulses move [1/kg].
     #[inline(always)]
     pub(super) fn inverse_mass(&self) -> T {
-        if self.grounded { self.inverse_mass[1] } else { self.inverse_mass[0] + self.inverse_mass[1] }
+        if self.momenta.grounded { self.inverse_mass[1] } else { self.inverse_mass[0] + self.inverse_mass[1] }
     }
 
     /// The smaller of the bodies' sizes, as what turns them has it: of their mass over their inertia; without end where impulses turn neither \[m\].
@@ -139,36 +185,22 @@ impl<T: Tile> Bodies<T> {
     /// Velocity of the second seen from the first.
     #[inline(always)]
     pub(super) fn relative(&self, response: &Response<T>, arms: [Vec3<T>; 2]) -> Relative<T> {
-        let first = (self.linear[0] * self.inverse_mass[0], response.of_first(self.angular[0]));
-        let second = (self.linear[1] * self.inverse_mass[1], response.of_second(self.angular[1]));
+        let Momenta { linear, angular, .. } = &self.momenta;
+        let first = (linear[0] * self.inverse_mass[0], response.of_first(angular[0]));
+        let second = (linear[1] * self.inverse_mass[1], response.of_second(angular[1]));
         Relative::new([first.0, second.0], [first.1, second.1], arms)
     }
 
     /// An impulse in the middle and an angular impulse on the second bodies, the opposite on the first.
     #[inline(always)]
     pub(super) fn push(&mut self, arms: [Vec3<T>; 2], linear: Vec3<T>, angular: Vec3<T>) {
-        if !self.grounded {
-            self.linear[0] = self.linear[0] - linear;
-            self.angular[0] = self.angular[0] - (arms[0].cross(linear) + angular);
-        }
-        self.linear[1] = self.linear[1] + linear;
-        self.angular[1] = self.angular[1] + (arms[1].cross(linear) + angular);
+        self.momenta.push(arms, linear, angular);
     }
 
     /// Writes back the momenta.
     #[inline(always)]
     pub(super) fn store(&self, motion: &mut Rows<'_>, block: usize, lane: usize) {
-        if !self.grounded {
-            motion.scatter(self.row(0), block, 0, lane);
-        }
-        motion.scatter(self.row(1), block, 1, lane);
-    }
-
-    /// What rows are to be, as they were loaded.
-    #[inline(always)]
-    fn row(&self, which: usize) -> [T; 8] {
-        let (p, l) = (self.linear[which], self.angular[which]);
-        [p.x, p.y, p.z, l.x, l.y, l.z, self.inverse_mass[which], T::splat(0.0)]
+        self.momenta.store(self.inverse_mass, motion, block, lane);
     }
 }
 

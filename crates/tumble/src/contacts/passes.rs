@@ -3,8 +3,8 @@
 use tumble_math::lane::Vec3;
 
 use super::block::{Block, Bounce, Rolling};
-use super::frame::{Arms, Bodies, Frame, Moved, Response, along_normal};
-use super::rows::{at, put, put_vector, vector_at};
+use super::frame::{Bodies, Frame, Momenta, Moved, Response, along_normal};
+use super::rows::{at, put};
 use super::rubbing::Rubbing;
 use super::soft::Softness;
 use crate::math::Real;
@@ -37,31 +37,18 @@ impl<'a, const P: usize, const C: usize> Blocks<'a, P, C> {
 /// The bodies that a pass reads and writes.
 pub(super) struct Bodied<'a> {
     pub(super) motion: Rows<'a>,
+    /// What contacts do to them when the next substep begins.
+    pub(super) held: Rows<'a>,
     pub(super) response: &'a [Eight],
     pub(super) moved: &'a [Eight],
 }
 
-/// Applies all impulses as they are, those that the last substep ended with: where nothing changes they are what this one needs.
-pub(super) struct WarmStart<'a, const P: usize, const C: usize> {
-    pub(super) blocks: Blocks<'a, P, C>,
-    pub(super) bodies: Bodied<'a>,
-}
-
-impl<const P: usize, const C: usize> Kernel for WarmStart<'_, P, C> {
-    #[inline(always)]
-    fn len(&self) -> usize {
-        self.blocks.blocks.len() * BLOCK
-    }
-
-    #[inline(always)]
-    fn tile<T: Tile>(&mut self, i: usize) {
-        let (index, lane) = (i / BLOCK, i % BLOCK);
-        let block = &self.blocks.blocks[index];
-        let moved = Moved::load(self.bodies.moved, self.bodies.motion.pairs(index), lane);
-        let arms = Arms::<T>::load(block, lane).now(&moved);
-        let mut bodies = Bodies::<T>::load(&self.bodies.motion, index, lane);
-        bodies.push(arms, vector_at(&block.linear, lane), vector_at(&block.angular, lane));
-        bodies.store(&mut self.bodies.motion, index, lane);
+impl Bodied<'_> {
+    /// Those of the first so many blocks, and of the others.
+    pub(super) fn split_at(self, middle: usize) -> (Self, Self) {
+        let (motion, other_motion) = self.motion.split_at(middle);
+        let (held, other_held) = self.held.split_at(middle);
+        (Self { motion, held, ..self }, Self { motion: other_motion, held: other_held, ..self })
     }
 }
 
@@ -71,6 +58,8 @@ pub(super) struct Solve<'a, const P: usize, const C: usize> {
     pub(super) bodies: Bodied<'a>,
     /// How what overlaps is pushed apart; none where it is to relax.
     pub(super) softness: Option<Softness>,
+    /// Whether another substep begins with the impulses that there are after it has relaxed.
+    pub(super) holds: bool,
     /// One over the substep [1/s].
     pub(super) inverse_h: Real,
 }
@@ -104,7 +93,9 @@ impl<const P: usize, const C: usize> Kernel for Solve<'_, P, C> {
             let after =
                 rub(before, block, self.blocks.rolling.get(index), contact, &mut bodies, (&response, arms), sum);
             after.store(&mut block.friction, self.blocks.rolling.get_mut(index), lane);
-            sum_up(block, &frame, lane, &after);
+            if self.holds {
+                hold(block, (&frame, arms), &after, &mut self.bodies.held, (index, lane));
+            }
         }
         bodies.store(&mut self.bodies.motion, index, lane);
     }
@@ -353,13 +344,14 @@ fn along_normals<T: Tile, const P: usize, const C: usize>(
     (frame.normal * sum, frame.tangents[0] * about_1 - frame.tangents[1] * about_2)
 }
 
-/// Notes what the impulses of a contact are together.
+/// Adds all impulses of a contact to what holds the bodies.
 #[inline(always)]
-pub(super) fn sum_up<T: Tile, const P: usize, const C: usize>(
-    block: &mut Block<P, C>,
-    frame: &Frame<T>,
-    lane: usize,
+pub(super) fn hold<T: Tile, const P: usize, const C: usize>(
+    block: &Block<P, C>,
+    (frame, arms): (&Frame<T>, [Vec3<T>; 2]),
     rubbing: &Rubbing<T>,
+    held: &mut Rows<'_>,
+    (index, lane): (usize, usize),
 ) {
     let mut impulses = [T::splat(0.0); P];
     let mut j = 0;
@@ -368,6 +360,7 @@ pub(super) fn sum_up<T: Tile, const P: usize, const C: usize>(
         j += 1;
     }
     let (linear, angular) = along_normals(block, frame, lane, impulses);
-    put_vector(linear + rubbing.linear(frame), &mut block.linear, lane);
-    put_vector(angular + rubbing.angular(frame), &mut block.angular, lane);
+    let mut momenta = Momenta::load(held, index, lane);
+    momenta.push(arms, linear + rubbing.linear(frame), angular + rubbing.angular(frame));
+    momenta.store([T::splat(0.0); 2], held, index, lane);
 }

@@ -3,7 +3,7 @@ use tumble_math::lane::Vec3;
 use super::block::Block;
 use super::contact::{Contact, HELD, POINTS, RUBBED, SHAPE};
 use super::frame::{Bodies, Frame, Response};
-use super::passes::{Blocks, Bodied, coupling, speeds, sum_up};
+use super::passes::{Blocks, Bodied, coupling, hold, speeds};
 use super::rows::{Lanes, at, gather_two_vectors, put, put_vector};
 use super::rubbing::Rubbing;
 use crate::math::Real;
@@ -203,7 +203,7 @@ impl<const P: usize, const C: usize> Prepare<'_, P, C> {
         }
         let kept = Rubbing::from_world(&frame, linear, angular).of_what_rolls(length);
         kept.store(&mut block.friction, self.blocks.rolling.get_mut(index), lane);
-        sum_up(block, &frame, lane, &kept);
+        hold(block, (&frame, arms), &kept, &mut self.bodies.held, (index, lane));
     }
 }
 

@@ -43,7 +43,7 @@ impl Pushing {
                 let moment = if substep == 0 { Moment::FirstKicked } else { Moment::Kicked };
                 solver.run(Pass::NoteApproach(h, moment), bodies);
             }
-            solver.run(Pass::WarmStart, bodies);
+            bodies.hold();
             solver.run(biased, bodies);
             bookings.before_motion(bodies);
             bodies.drift(h);
@@ -51,7 +51,7 @@ impl Pushing {
             if extras.bounces {
                 solver.run(Pass::NoteApproach(h, Moment::Moved), bodies);
             }
-            solver.run(Pass::Relax(h), bodies);
+            solver.run(Pass::Relax(h, substep + 1 < substeps), bodies);
             bookings.after_substep(bodies);
         }
         if extras.bounces {

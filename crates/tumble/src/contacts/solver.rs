@@ -5,7 +5,7 @@ use super::colouring::{Colour, Colouring};
 use super::contact::Contact;
 use super::keep::Keep;
 use super::materials::Extras;
-use super::passes::{Blocks, Bodied, Moment, NoteApproach, Rebound, Solve, WarmStart};
+use super::passes::{Blocks, Bodied, Moment, NoteApproach, Rebound, Solve};
 use super::prepare::Prepare;
 use super::soft::Softness;
 use super::solver_bodies::SolverBodies;
@@ -51,11 +51,10 @@ struct Stage {
 pub(super) enum Pass<'a> {
     /// Fills the blocks for bodies with these poses, as the contacts have it. Surfaces that are so near \[m\] are a contact.
     Prepare(&'a [Contact], &'a [Eight], Real),
-    WarmStart,
     /// Pushes overlapping bodies apart, those that move and those on what does not, in substeps of which so many make a second.
     Biased([Softness; 2], Real),
-    /// Takes out again the velocity that this gave, and adds friction.
-    Relax(Real),
+    /// Takes out again the velocity that this gave, and adds friction; and, where it is said, notes for another substep what contacts then do to bodies.
+    Relax(Real, bool),
     /// Notes how fast bodies come together in substeps of so many seconds.
     NoteApproach(Real, Moment),
     /// Lets bodies bounce that came together faster than so many metres a second.
@@ -148,14 +147,13 @@ impl Solver {
     pub(super) fn run(&mut self, pass: Pass<'_>, bodies: &mut SolverBodies) {
         let Self { ones, fours, stages, colours, .. } = self;
         for (index, stage) in stages.iter().enumerate() {
-            let SolverBodies { motion, response, moved, .. } = bodies;
-            let (of_ones, of_fours) = colours.rows(index, motion).split_at(stage.ones.len());
+            let SolverBodies { motion, held, response, moved, .. } = bodies;
             let (response, moved) = (&**response, &**moved);
-            let (ones, fours) = (ones.blocks(&stage.ones), fours.blocks(&stage.fours));
-            let of_ones = Bodied { motion: of_ones, response, moved };
-            let of_fours = Bodied { motion: of_fours, response, moved };
-            pass.in_parts(ones, of_ones);
-            pass.in_parts(fours, of_fours);
+            let bodies =
+                Bodied { motion: colours.rows(index, motion), held: colours.rows(index, held), response, moved };
+            let (of_ones, of_fours) = bodies.split_at(stage.ones.len());
+            pass.in_parts(ones.blocks(&stage.ones), of_ones);
+            pass.in_parts(fours.blocks(&stage.fours), of_fours);
         }
     }
 
@@ -219,11 +217,10 @@ impl Pass<'_> {
         }
         let middle = blocks.len() / 2;
         let (first, second) = blocks.split_at(middle);
-        let Bodied { motion, response, moved } = bodies;
-        let (of_first, of_second) = motion.split_at(middle);
+        let (of_first, of_second) = bodies.split_at(middle);
         rayon::join(
-            || self.in_parts_of::<P, C>(part, first, Bodied { motion: of_first, response, moved }),
-            || self.in_parts_of::<P, C>(part, second, Bodied { motion: of_second, response, moved }),
+            || self.in_parts_of::<P, C>(part, first, of_first),
+            || self.in_parts_of::<P, C>(part, second, of_second),
         );
     }
 
@@ -232,12 +229,11 @@ impl Pass<'_> {
             Self::Prepare(contacts, poses, margin) => {
                 run(Prepare::<P, C> { blocks, contacts, bodies, poses, margin });
             }
-            Self::WarmStart => run(WarmStart::<P, C> { blocks, bodies }),
             Self::Biased(softness, inverse_h) => {
                 let softness = Some(softness[usize::from(bodies.motion.is_grounded())]);
-                run(Solve::<P, C> { blocks, bodies, softness, inverse_h });
+                run(Solve::<P, C> { blocks, bodies, softness, inverse_h, holds: false });
             }
-            Self::Relax(h) => run(Solve::<P, C> { blocks, bodies, softness: None, inverse_h: 1.0 / h }),
+            Self::Relax(h, holds) => run(Solve::<P, C> { blocks, bodies, softness: None, inverse_h: 1.0 / h, holds }),
             Self::NoteApproach(h, moment) => {
                 run(NoteApproach::<P, C> { blocks, bodies, inverse_h: 1.0 / h, moment });
             }

@@ -16,6 +16,8 @@ use crate::state::{Constants, Force, Moments, State};
 pub(super) struct SolverBodies {
     /// Linear and angular momentum, and one over the mass; of what impulses do not move the velocities.
     pub(super) motion: Vec<Eight>,
+    /// What contacts do when the next substep begins, by the impulses that the last ended with: where nothing changes they are what that needs. Impulse and angular impulse.
+    pub(super) held: Vec<Eight>,
     /// Inverse inertia in the world: `xx yy zz`, `yz zx xy`; of what impulses do not move one.
     pub(super) response: Vec<Eight>,
     /// What forces do in a substep: impulse, angular impulse, and what is left of linear and angular momentum under damping.
@@ -45,6 +47,8 @@ impl SolverBodies {
             rows.clear();
             rows.resize(moved + unmoved, Eight::ZERO);
         }
+        self.held.clear();
+        self.held.resize(moved, Eight::ZERO);
         self.response.clear();
         self.response.resize(moved, Eight::ZERO);
         self.response.resize(moved + unmoved, ONE);
@@ -122,6 +126,13 @@ impl SolverBodies {
         parts.for_each(|(motion, kick)| dispatch_in_blocks(&mut KickAll { motion, kick }));
     }
 
+    /// Adds what contacts do when a substep begins, and forgets it.
+    pub(super) fn hold(&mut self) {
+        let rows = self.kick.len();
+        let parts = self.motion[..rows].par_chunks_mut(PART).zip(self.held[..rows].par_chunks_mut(PART));
+        parts.for_each(|(motion, held)| dispatch_in_blocks(&mut HoldAll { motion, held }));
+    }
+
     /// Moves all by the velocities there are, which stay, for `h` \[s\]. Free rotation is exact, so a body spins on as it does without contacts.
     pub(super) fn drift(&mut self, h: Real) {
         for row in self.first_unmoved()..self.motion.len() {
@@ -158,6 +169,26 @@ impl Kernel for KickAll<'_> {
         let [px, py, pz, lx, ly, lz, linear, angular] = T::load(&self.kick[i..]);
         let (p, l) = (p * linear + Vec3::new(px, py, pz), l * angular + Vec3::new(lx, ly, lz));
         put_two_vectors(p, l, &mut self.motion[i..]);
+    }
+}
+
+struct HoldAll<'a> {
+    motion: &'a mut [Eight],
+    held: &'a mut [Eight],
+}
+
+impl Kernel for HoldAll<'_> {
+    #[inline(always)]
+    fn len(&self) -> usize {
+        self.held.len()
+    }
+
+    #[inline(always)]
+    fn tile<T: Tile>(&mut self, i: usize) {
+        let (p, l) = two_vectors::<T>(&self.motion[i..]);
+        let (linear, angular) = two_vectors(&self.held[i..]);
+        put_two_vectors(p + linear, l + angular, &mut self.motion[i..]);
+        put_two_vectors(Vec3::<T>::zero(), Vec3::zero(), &mut self.held[i..]);
     }
 }
 
