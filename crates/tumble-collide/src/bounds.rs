@@ -3,6 +3,15 @@ use tumble_math::lane::Vec3;
 use crate::scalar::Scalar;
 
 /// A box along the world's axes \[m\].
+///
+/// ```
+/// use tumble_collide::Bounds;
+/// use tumble_math::lane::Vec3;
+///
+/// let cube = Bounds::about(Vec3::zero(), Vec3::splat(0.5));
+/// assert!(cube.meets(&Bounds::about(Vec3::new(0.9, 0.0, 0.0), Vec3::splat(0.5))));
+/// assert!(!cube.meets(&Bounds::about(Vec3::new(1.1, 0.0, 0.0), Vec3::splat(0.5))));
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Bounds<R> {
     /// Its corner where all coordinates are least.

@@ -56,3 +56,8 @@ pub use height_field::{HeightField, HeightFieldError};
 pub use manifold::{ContactPoint, MOST_POINTS, Manifold};
 pub use mesh::Mesh;
 pub use scalar::Scalar;
+
+/// The snippet of the README, run as a doctest.
+#[cfg(doctest)]
+#[doc = include_str!("../README.md")]
+struct Readme;

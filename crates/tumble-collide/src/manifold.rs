@@ -3,6 +3,18 @@ use tumble_math::lane::Vec3;
 use crate::scalar::Scalar;
 
 /// Where two shapes are nearest to touching.
+///
+/// ```
+/// use tumble_collide::{Geometry, Placement, collide};
+/// use tumble_math::lane::Vec3;
+///
+/// let cube = Geometry::Cuboid { half_extents: Vec3::splat(0.5) };
+/// let on_it = Placement::at(Vec3::new(0.0, 1.01, 0.0));
+/// let manifold = collide(&cube, &Placement::at(Vec3::zero()), &cube, &on_it, 0.02);
+/// for point in manifold.points() {
+///     assert!((point.separation - 0.01_f64).abs() < 1e-15 && (point.position.y - 0.505).abs() < 1e-15);
+/// }
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ContactPoint<R> {
     /// World coordinates, half-way between the two surfaces \[m\].
@@ -14,6 +26,17 @@ pub struct ContactPoint<R> {
 }
 
 /// How two shapes touch: one normal, and up to four points on it.
+///
+/// ```
+/// use tumble_collide::{Geometry, Placement, collide};
+/// use tumble_math::lane::Vec3;
+///
+/// let cube = Geometry::Cuboid { half_extents: Vec3::splat(0.5) };
+/// let on_it = Placement::at(Vec3::new(0.0, 1.01, 0.0));
+/// let manifold = collide(&cube, &Placement::at(Vec3::zero()), &cube, &on_it, 0.02);
+/// // A centimetre apart, which is nearer than the margin: the four corners.
+/// assert_eq!((manifold.points().len(), manifold.normal.y), (4, 1.0_f64));
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Manifold<R> {
     /// Unit vector from the first shape to the second, world frame.
