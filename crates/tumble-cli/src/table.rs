@@ -48,7 +48,7 @@ impl Report<'_> {
         for (system, time) in systems {
             // No time at all has no shares.
             let share = 100.0 * time.as_secs_f64() / all.as_secs_f64().max(f64::MIN_POSITIVE);
-            line(f, &format!("  {system}"), format_args!("{:.6} s on all threads, {share:.0} %", time.as_secs_f64()))?;
+            line(f, &format!("  {system}"), format_args!("{:.6} s, {share:.0} %", time.as_secs_f64()))?;
         }
         Ok(())
     }
@@ -66,13 +66,15 @@ impl Report<'_> {
     }
 }
 
-/// The systems of a step, and the time spent in each, over all threads.
-pub(crate) fn systems(times: &PhaseTimes) -> [(&'static str, Duration); 3] {
-    [
+/// The systems of a step, and the time spent in each, over all threads; of what bodies do to each other only where they did.
+pub(crate) fn systems(times: &PhaseTimes) -> Vec<(&'static str, Duration)> {
+    let always = [
         ("accumulate_forces", times.accumulate_forces()),
         ("integrate", times.integrate()),
         ("update_derived", times.update_derived()),
-    ]
+    ];
+    let together = [("pairs", times.pairs()), ("contacts", times.contacts())];
+    always.into_iter().chain(together.into_iter().filter(|(_, time)| !time.is_zero())).collect()
 }
 
 fn line(f: &mut fmt::Formatter<'_>, label: &str, value: impl Display) -> fmt::Result {

@@ -10,7 +10,7 @@ use crate::force_laws::ForceLaws;
 use crate::integrator::Integrator;
 use crate::kinematic::move_kinematic_bodies_a_substep;
 use crate::math::Real;
-use crate::phase_times::{Phase, PhaseTimes};
+use crate::phase_times::{Phase, PhaseTimes, Stopwatch};
 use crate::settings::Settings;
 use crate::systems::{Wrenches, accumulate_forces_of, integrate_bodies, remember_poses, update_derived_of};
 
@@ -43,10 +43,10 @@ pub(crate) fn coupled_steps(
             });
         }
         stopwatch.end_of(Phase::AccumulateForces);
-        integrate_coupled(worlds, together.as_mut(), step, |world, settings, substep| {
+        let beside = |world: &mut World, settings: &Settings, substep| {
             move_kinematic_bodies_a_substep(world, settings.substep(), substep);
-        });
-        stopwatch.end_of(Phase::Integrate);
+        };
+        integrate_coupled(worlds, together.as_mut(), step, beside, &mut stopwatch);
         for Coupled { world, laws, .. } in &mut *worlds {
             for_each_chunk(world, laws, update_derived_of);
         }
@@ -61,32 +61,46 @@ pub(crate) fn integrate_coupled(
     mut together: Option<&mut Together<'_>>,
     step: u32,
     beside: impl Fn(&mut World, &Settings, u32),
+    stopwatch: &mut Stopwatch<'_>,
 ) {
     for contacts in worlds.iter_mut().filter_map(|it| it.coupling.contacts.as_mut()) {
         contacts.begin_step();
     }
     let substeps = worlds.first().map_or(0, |it| it.settings.substeps);
     debug_assert!(worlds.iter().all(|it| it.settings.substeps == substeps));
+    let pull = worlds.iter().any(|it| it.coupling.pairs.is_some());
+    let touch = worlds.iter().any(|it| it.coupling.contacts.is_some());
     for substep in 0..substeps {
         for it in &mut *worlds {
             it.kick(it.kicks().0);
         }
+        stopwatch.end_if(pull, Phase::Pairs);
         match &mut together {
             Some((packed, likeness)) => push_together(worlds, packed, likeness, (step, substep)),
             None => worlds.iter_mut().for_each(|it| it.push_alone(it.time_of(step, substep))),
         }
+        stopwatch.end_if(touch, Phase::Contacts);
         for it in &mut *worlds {
-            it.integrate(it.time_of(step, substep), substep, together.as_deref());
+            it.integrate(it.time_of(step, substep), substep);
             beside(it.world, it.settings, substep);
+        }
+        stopwatch.end_of(Phase::Integrate);
+        for it in &mut *worlds {
+            it.write_contacts(together.as_deref());
+        }
+        stopwatch.end_if(touch, Phase::Contacts);
+        for it in &mut *worlds {
             if let Some(after) = it.kicks().1 {
                 it.kick(after);
             }
         }
+        stopwatch.end_if(pull, Phase::Pairs);
     }
 }
 
 /// Pushes what touches in all worlds at the same time.
 fn push_together(worlds: &mut [Coupled<'_>], packed: &mut Packed, likeness: &Likeness, (step, substep): (u32, u32)) {
+    crate::scope::scope!("tumble::contacts");
     let Some(settings) = worlds.first().map(|it| it.settings) else { return };
     let mut touching = [0; 2];
     for it in &mut *worlds {
@@ -125,21 +139,27 @@ impl Coupled<'_> {
 
     fn kick(&mut self, duration: Real) {
         if let Some(pairs) = &mut self.coupling.pairs {
+            crate::scope::scope!("tumble::pairs");
             pairs.kick(self.world, duration, self.settings.substep());
         }
     }
 
     fn push_alone(&mut self, time: f64) {
         if let Some(contacts) = &mut self.coupling.contacts {
+            crate::scope::scope!("tumble::contacts");
             contacts.solve(self.world, self.settings, self.laws, time);
         }
     }
 
-    /// Integrates all bodies over a substep, and puts those that touch something where contacts have pushed them.
-    fn integrate(&mut self, time: f64, substep: u32, together: Option<&Together<'_>>) {
+    /// Integrates all bodies over a substep.
+    fn integrate(&mut self, time: f64, substep: u32) {
         let one = Settings { dt: self.settings.substep(), substeps: 1, ..*self.settings };
         let wrenches = if substep + 1 == self.settings.substeps { Wrenches::Consumed } else { Wrenches::Kept };
         for_each_chunk(self.world, self.laws, |bodies| integrate_bodies(bodies, &one, time, wrenches));
+    }
+
+    /// Puts the bodies that touch something where contacts have pushed them.
+    fn write_contacts(&mut self, together: Option<&Together<'_>>) {
         if let Some(contacts) = &self.coupling.contacts {
             contacts.write(self.world, together.map(|(packed, _)| packed.pushing()));
         }

@@ -1,7 +1,8 @@
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::time::{Duration, Instant};
 
-/// Time spent in each system, summed over threads and steps: with two threads busy it grows by two seconds a second.
+/// Time spent in each system, summed over steps, and over threads where bodies do not act on each other: with two threads busy it then grows by two seconds a second. A step in which bodies
+/// act on each other goes from system to system together, and its times are those of the thread that steps.
 ///
 /// ```
 /// # use tumble::{PhaseTimes, prelude::*};
@@ -14,7 +15,7 @@ use std::time::{Duration, Instant};
 /// ```
 #[derive(Debug, Default)]
 pub struct PhaseTimes {
-    nanoseconds: [AtomicU64; 3],
+    nanoseconds: [AtomicU64; 5],
 }
 
 /// A system of the step, as an index into the times.
@@ -23,6 +24,8 @@ pub(crate) enum Phase {
     AccumulateForces,
     Integrate,
     UpdateDerived,
+    Pairs,
+    Contacts,
 }
 
 /// Runs from one phase's end to the next; does nothing where no one asked for times.
@@ -46,6 +49,16 @@ impl PhaseTimes {
         self.of(Phase::UpdateDerived)
     }
 
+    /// In what springs and the gravity of bodies do to others: [`Spring`](crate::Spring), [`GravityMass`](crate::GravityMass).
+    pub fn pairs(&self) -> Duration {
+        self.of(Phase::Pairs)
+    }
+
+    /// In finding what touches, and in pushing it: [`Collider`](crate::Collider).
+    pub fn contacts(&self) -> Duration {
+        self.of(Phase::Contacts)
+    }
+
     fn of(&self, phase: Phase) -> Duration {
         Duration::from_nanos(self.nanoseconds[phase as usize].load(Ordering::Relaxed))
     }
@@ -56,6 +69,13 @@ impl PhaseTimes {
 }
 
 impl Stopwatch<'_> {
+    /// Ends a phase that may not be there; if it is not, what little was done counts for the next.
+    pub(crate) fn end_if(&mut self, is_there: bool, phase: Phase) {
+        if is_there {
+            self.end_of(phase);
+        }
+    }
+
     pub(crate) fn end_of(&mut self, phase: Phase) {
         if let Some((times, since)) = &mut self.running {
             let now = Instant::now();

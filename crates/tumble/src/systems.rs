@@ -17,6 +17,7 @@ use crate::integrators::{AnyWidth, ConstantForce, MoserVeselov, NoAccount, Runge
 use crate::law_forces::{ActingLaws, LawForces, TileLawForces, WorkAccount};
 use crate::law_tile::LawTile;
 use crate::math::{Real, Vec3};
+use crate::phase_times::PhaseTimes;
 use crate::settings::Settings;
 use crate::simd::{Kernel, Tile, dispatch};
 use crate::state::{Force, State};
@@ -45,7 +46,8 @@ pub fn accumulate_forces(world: &mut World, settings: &Settings) {
 /// Advances [`Momentum`](crate::Momentum) and [`Pose`](crate::Pose) of the moving bodies by `settings.dt`, and sets the [`Wrench`] that it has consumed to zero.
 ///
 /// It takes the chosen [`Integrator`] through `settings.substeps` equal parts, under the wrench, the force components and the forces between bodies.
-/// Gravity is not in it, but in what [`accumulate_forces`] adds.
+/// Gravity is not in it, but in what [`accumulate_forces`] adds. Bodies that touch are pushed apart, but in each call as if they had not touched before: for piles take a
+/// [`Simulation`](crate::Simulation), which keeps what held them.
 ///
 /// ```
 /// # use tumble::{integrate, prelude::*};
@@ -88,7 +90,7 @@ pub fn integrate_under_laws(world: &mut World, settings: &Settings, laws: &Force
         let mut coupling = Coupling::default();
         coupling.find(world);
         let coupled = Coupled { world, settings, laws, coupling: &mut coupling, clock: Clock::at(time) };
-        integrate_coupled(&mut [coupled], None, 0, |_, _, _| ());
+        integrate_coupled(&mut [coupled], None, 0, |_, _, _| (), &mut PhaseTimes::start(None));
     } else {
         for_each_chunk(world, laws, |bodies| integrate_bodies(bodies, settings, time, Wrenches::Consumed));
     }

@@ -94,7 +94,7 @@ pub(super) fn timing(summary: &Summary, phases: &[(&str, Duration)]) -> String {
         .collect();
     let [stepping, wall] = [summary.step_seconds, summary.wall_seconds].map(|time| figure(rounded(time)));
     format!(
-        "<table class=\"timing\">\n<thead><tr><th>phase</th><th>on all threads</th><th>share</th><th></th></tr></thead>\n<tbody>\n{rows}</tbody>\n</table>\n\
+        "<table class=\"timing\">\n<thead><tr><th>phase</th><th>time</th><th>share</th><th></th></tr></thead>\n<tbody>\n{rows}</tbody>\n</table>\n\
          <p class=\"small\">{stepping} s inside the steps, of {wall} s with recording and measuring.</p>\n"
     )
 }
