@@ -9,7 +9,7 @@ use crate::parse::{Format, parse};
 pub(crate) const STRESS: &str = "stress";
 
 /// Scenes, each with the source of its figures in the file.
-const FILES: [(&str, &str); 8] = [
+const FILES: [(&str, &str); 9] = [
     ("drake-cylinder", include_str!("../scenes/drake-cylinder.json")),
     ("iss", include_str!("../scenes/iss.json")),
     ("mujoco-box", include_str!("../scenes/mujoco-box.json")),
@@ -18,6 +18,7 @@ const FILES: [(&str, &str); 8] = [
     ("solar-system", include_str!("../scenes/solar-system.json")),
     ("t-handle", include_str!("../scenes/t-handle.json")),
     ("van-zon-top", include_str!("../scenes/van-zon-top.json")),
+    ("windy-day", include_str!("../scenes/windy-day.json")),
 ];
 
 /// Names of the built-in scenes, in alphabetical order; `stress` among them.
@@ -61,7 +62,7 @@ mod tests {
     fn the_names_are_sorted_and_complete() {
         let names: Vec<_> = builtin_names().collect();
         let known = "bowling cradle dominoes drake-cylinder drum iss mujoco-box pile pyramid raft satellite solar-system \
-                     spheres stress t-handle van-zon-top wall";
+                     spheres stress t-handle van-zon-top wall windy-day";
         assert_eq!(names.join(" "), known);
     }
 }

@@ -1,5 +1,6 @@
 //! Promise: the built-in scenes of forces keep what their forces keep: the solar system energy, both momenta and its years; the raft energy and what
-//! momentum water cannot change; and the satellite's energy changes by what its nozzles and its wheel did.
+//! momentum water cannot change; the satellite's energy changes by what its nozzles and its wheel did; and on a windy day everything ends as wind, weight and
+//! cords have it.
 //!
 //! Why: they are what the documentation shows forces with. A force with a wrong sign, a potential that does not belong to it, or work that is booked
 //! twice, would show here and in no picture.
@@ -217,4 +218,40 @@ fn the_satellite_stops_and_rises_by_the_works_of_wheel_and_nozzles() {
     }
     // Newton's second law, for the 3190 s in which the push of 20 mN has one direction: 0.053 m/s, as much as the orbit has.
     assert!(work(&end, "Thruster") > 2.0, "{end:?}");
+}
+
+/// One after the other in the scene: two balls, a balloon, a lantern and a rocket.
+#[test]
+fn a_windy_day_ends_as_wind_weight_and_cords_have_it() {
+    let (mut run, steps) = Run::of("windy-day", None);
+    for _ in 0..steps {
+        run.step();
+    }
+    let end = run.record();
+    let start = run.start();
+    let forces = ["Drag", "Magnus", "ConstantWrench", "SpringToPoint"].map(|name| work(&end, name));
+    let works = forces.iter().sum::<f64>() + end.work.gravity + end.work.damping;
+    let change = end.kinetic() - start.kinetic();
+    assert!((works - change).abs() < 1e-4 * start.kinetic(), "{works} {change}");
+
+    let [plain, curled, _, lantern, _] = run.positions()[..] else { panic!("five bodies") };
+    let velocities: Vec<tumble::Velocity> = {
+        let mut bodies: Vec<_> =
+            run.world.query::<(&BodyId, &tumble::Velocity)>().iter().map(|(id, it)| (id.0, *it)).collect();
+        bodies.sort_unstable_by_key(|(id, _)| *id);
+        bodies.into_iter().map(|(_, velocity)| velocity).collect()
+    };
+    // A spin down and a flight along x push along z, and what has curled flies less far.
+    assert!(curled.z - 2.0 > plain.z + 10.0 && curled.x < plain.x - 5.0, "{curled} {plain}");
+    // The air carries the balloon, which rises as fast as its drag lets four tenths of its weight lift it.
+    let risen = double(velocities[2].linear) - DVec3::new(0.0, (0.4 * 0.01 * 9.81 / 0.02_f64).sqrt(), -3.0);
+    assert!(risen.length() < 1e-3, "{risen}");
+    // The lantern hangs along the cord, which is along the sum of weight and wind.
+    let pull = DVec3::new(0.0, -1.5 * 9.81, -0.05 * 9.0);
+    let hangs = DVec3::new(-2.0, 4.0, 0.0) + pull.normalize() * (1.0 + pull.length() / 200.0 + 0.2);
+    assert!(lantern.distance(hangs) < 1e-3, "{lantern} {hangs}");
+    // The rocket rolls towards the rate at which damping takes away what its fins give.
+    let moment = 0.5 * 2.0 * 0.06 * 0.06;
+    let roll = 0.02 / (moment * 0.5) * (1.0 - (-0.5 * 6.0_f64).exp());
+    assert!((double(velocities[4].angular).y / roll - 1.0).abs() < 0.01, "{:?} {roll}", velocities[4]);
 }
