@@ -17,5 +17,5 @@ mod threads;
 
 pub use piles::{FRICTION, PileShape, eight_boxes, falling_balls, pyramid};
 pub use scenes::{mixed_bodies, mixed_body, mixed_moving_bodies, tumbling_box, tumbling_boxes};
-pub use threads::{SIZES, label, pool, pools};
+pub use threads::{SIZES, in_pools_of_one, label, pool, pools};
 pub use tumble::Chance;

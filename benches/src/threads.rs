@@ -20,6 +20,19 @@ pub fn pool(threads: usize) -> ThreadPool {
     ThreadPoolBuilder::new().num_threads(threads).build().expect("a thread pool")
 }
 
+/// Calls `work` with all items, a part of them on each of so many threads, and each part in a pool of its own with one thread: two worlds of an engine whose steps wait in a pool of two threads
+/// wait for each other without end.
+pub fn in_pools_of_one<T: Send>(items: &mut [T], threads: usize, work: impl Fn(&mut T) + Sync) {
+    let alone: Vec<ThreadPool> = (0..threads).map(|_| pool(1)).collect();
+    let part = items.len().div_ceil(threads).max(1);
+    let work = &work;
+    std::thread::scope(|scope| {
+        for (items, alone) in items.chunks_mut(part).zip(&alone) {
+            scope.spawn(move || alone.install(|| items.iter_mut().for_each(work)));
+        }
+    });
+}
+
 /// How a bench is called that runs on a pool, such as `"2 threads"`.
 pub fn label(pool: &ThreadPool) -> String {
     match pool.current_num_threads() {

@@ -1,7 +1,8 @@
 //! Bodies that touch, in the scenes that other engines were measured with: a pyramid of 2870 boxes at rest, 5000 balls that fall into a box, and 4096 worlds in
 //! which eight boxes fall on the ground. On one and on two threads.
 //!
-//! `cargo bench --bench piles`, with `-- pyramid`, `balls` or `worlds` for one of them, or `growth` for what a body costs in a pyramid of 1015 boxes and in one of 29 370. With `--features peers` the same scenes are run in Rapier in the same
+//! `cargo bench --bench piles`, with `-- pyramid`, `balls` or `worlds` for one of them, or `growth` for what a body costs in a pyramid of 1015 boxes and in one of 29 370; `-- stands`
+//! has the pyramid stand for 10 000 steps, and fails where it does not. With `--features peers` the same scenes are run in Rapier in the same
 //! process, in turns of ten steps, with its default of four solver iterations; with `peers-simd8` Rapier's solver has eight lanes. Printed are milliseconds a step
 //! (of the pyramid the mean of steps 60 to 240, of the balls of all 300), and what became of the scene: how far the top sank and the box that moved most went, how deep
 //! balls are in each other.
@@ -25,7 +26,7 @@ use hecs::World;
 use rayon::ThreadPool;
 use tumble::math::PRECISION;
 use tumble::{Batch, BodyId, Momentum, Pose, Settings, Simulation, Trial, simd_name};
-use tumble_benches::{eight_boxes, falling_balls, pool as pool_of, pyramid};
+use tumble_benches::{eight_boxes, falling_balls, in_pools_of_one, pool as pool_of, pyramid};
 
 type Outcome<T> = Result<T, Box<dyn std::error::Error>>;
 
@@ -35,7 +36,7 @@ const TURN: usize = 10;
 fn main() -> Outcome<()> {
     let arguments: Vec<String> = std::env::args().skip(1).collect();
     let asked = |name: &str| arguments.iter().any(|argument| argument == name);
-    let scenes = ["pyramid", "balls", "worlds", "growth"];
+    let scenes = ["pyramid", "balls", "worlds", "growth", "stands"];
     let all = !scenes.into_iter().any(asked);
     // A test that it runs.
     let short = asked("--test");
@@ -56,6 +57,9 @@ fn main() -> Outcome<()> {
         if all || asked("worlds") {
             let (count, steps) = if short { (16, 2) } else { (4096, 120) };
             worlds(count, steps, threads, &pool)?;
+        }
+        if asked("stands") {
+            stands(threads, &pool)?;
         }
         if all || asked("growth") {
             growth(if short { [3, 4] } else { [14, 44] }, threads, &pool)?;
@@ -128,9 +132,14 @@ fn distance(a: &[f64; 3], b: &[f64; 3]) -> f64 {
     a.iter().zip(b).map(|(a, b)| (a - b) * (a - b)).sum::<f64>().sqrt()
 }
 
-fn sunk(start: &Places, end: &Places) -> String {
+/// How far the top sank, and the box that went furthest went.
+fn settled(start: &Places, end: &Places) -> [f64; 2] {
     let most = start.iter().zip(end).map(|(a, b)| distance(a, b)).fold(0.0, f64::max);
-    let sunk = start.last().zip(end.last()).map_or(0.0, |(a, b)| a[1] - b[1]);
+    [start.last().zip(end.last()).map_or(0.0, |(a, b)| a[1] - b[1]), most]
+}
+
+fn sunk(start: &Places, end: &Places) -> String {
+    let [sunk, most] = settled(start, end);
     format!("the top sank {sunk:.4} m, no box went further than {most:.4} m")
 }
 
@@ -141,6 +150,21 @@ fn overlap(_: &Places, end: &Places) -> String {
         deepest = end[i + 1..].iter().map(|b| 1.0 - distance(a, b)).fold(deepest, f64::max);
     }
     format!("balls are {deepest:.4} m deep in each other, {in_walls:.4} m in walls")
+}
+
+/// The pyramid over 10 000 steps, in which no box may go further than the 15 mm that the top may sink when it settles.
+fn stands(threads: usize, pool: &ThreadPool) -> Outcome<()> {
+    const STEPS: u32 = 10_000;
+    let mut world = pyramid(20);
+    let mut simulation = Simulation::new(Settings::default())?;
+    let start = places(&world);
+    pool.install(|| (0..STEPS).for_each(|_| simulation.step(&mut world)));
+    let end = places(&world);
+    println!("stands, threads {threads}: after {STEPS} steps {}", sunk(&start, &end));
+    match settled(&start, &end) {
+        [_, most] if most > 0.015 => Err(format!("a box went {most} m").into()),
+        _ => Ok(()),
+    }
 }
 
 /// What a body costs in a small pyramid and in a large one, in turns.
@@ -185,16 +209,8 @@ fn worlds(count: u64, steps: u32, threads: usize, pool: &ThreadPool) -> Outcome<
         "worlds, threads {threads}: tumble {ours:.2} million body-steps a second, the lowest centre is {low:.3} m high"
     );
     if !peers.is_empty() {
-        // A part of the worlds for each thread, and threads that know only themselves: two worlds in one pool of two threads wait for each other without end.
-        let alone: Vec<ThreadPool> = (0..threads).map(|_| pool_of(1)).collect();
-        let part = peers.len().div_ceil(threads);
         let start = Instant::now();
-        std::thread::scope(|scope| {
-            for (worlds, alone) in peers.chunks_mut(part).zip(&alone) {
-                let step = || worlds.iter_mut().for_each(|world| (0..steps).for_each(|_| world.step()));
-                scope.spawn(|| alone.install(step));
-            }
-        });
+        in_pools_of_one(&mut peers, threads, |world| (0..steps).for_each(|_| world.step()));
         let theirs = rate(start.elapsed());
         println!("worlds, threads {threads}: Rapier {theirs:.2} million; ours is {:.2} times that", ours / theirs);
     }
