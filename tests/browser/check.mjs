@@ -54,6 +54,8 @@ const scenes = [
   ['raft', ['raft', '--steps', '200'], true],
   ['solar-system', ['solar-system', '--steps', '200'], true],
   ['stress', ['stress', '--bodies', '200', '--steps', '120'], true],
+  ['pile', ['pile', '--bodies', '60', '--steps', '120'], true],
+  ['bowling', ['bowling', '--steps', '200'], true],
   ['everything', [join(here, '../../crates/tumble-scene/tests/gltf_scenes/everything.gltf'), '--steps', '60'], true],
   ['single', ['t-handle', '--steps', '0'], false],
   ['still', ['still.json', '--steps', '3'], false],

@@ -38,6 +38,7 @@ const scenes = [
   ['satellite', ['satellite'], true],
   ['solar-system', ['solar-system'], true],
   ['stress', ['stress', '--bodies', '300', '--steps', '240'], true],
+  ['pile', ['pile', '--bodies', '120', '--steps', '240'], true],
   ['many', ['stress', '--bodies', '10000', '--steps', '600'], true],
   ['attack', ['attack.json'], true],
   ['single', ['t-handle', '--steps', '0'], false],
@@ -45,7 +46,7 @@ const scenes = [
   ['empty', ['empty.json', '--steps', '3'], false],
 ];
 // Pictures to look at: names of scenes, sizes and schemes.
-const pictured = ['t-handle', 'raft', 'solar-system', 'stress', 'many'];
+const pictured = ['t-handle', 'raft', 'solar-system', 'stress', 'pile', 'many'];
 const sizes = [[1280, 800], [390, 844]];
 const schemes = ['light', 'dark'];
 

@@ -58,6 +58,7 @@ const ALSO: [&str; 2] = ["--vary", "gravity.1=normal(-9.81,0.01)"];
 fn gnu_parallel() {
     let version = Command::new("parallel").arg("--version").output();
     if !version.is_ok_and(|output| String::from_utf8_lossy(&output.stdout).starts_with("GNU parallel")) {
+        assert!(std::env::var_os("TUMBLE_PARALLEL").is_none(), "GNU parallel is required and not there");
         println!("GNU parallel is not installed: its job file is not tested here");
         return;
     }

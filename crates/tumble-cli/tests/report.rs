@@ -142,3 +142,24 @@ fn notices_of_the_scene_are_on_the_page() {
     // Robots stand upright along z.
     assert_eq!(data(&page)["up"], serde_json::json!([0, 0, 1]));
 }
+
+/// Scenes of bodies that touch are run, recorded and reported like the others, with the time that contacts took and the work that they did.
+#[test]
+fn scenes_of_contacts_are_reported() {
+    for scene in ["pyramid", "wall", "pile", "dominoes", "cradle", "drum", "bowling", "spheres"] {
+        let place = Place::new();
+        let fewer: &[&str] = if ["cradle", "bowling"].contains(&scene) { &[] } else { &["--bodies", "30"] };
+        let run = [&[scene, "--steps", "40"], fewer].concat();
+        let page = page(&place, &run);
+        assert!(page.contains("<th scope=\"row\">contacts</th>"), "{scene}");
+        assert!(place.read("report/ledger.csv").lines().next().unwrap().contains(",work_contacts,"), "{scene}");
+        let bodies = list(&data(&page), "bodies").len();
+        for name in ["record.csv", "record.glb"] {
+            place.succeed(&[&["run"], &run[..], &["--quiet", "--record", name]].concat());
+        }
+        let rows = place.read("record.csv").lines().count() - 1;
+        assert!(rows > 0 && rows % 41 == 0, "{scene}: {rows} rows");
+        assert!(bodies >= rows / 41, "{scene}: {bodies} bodies in the page, {rows} rows");
+        assert!(std::fs::metadata(place.path("record.glb")).unwrap().len() > 1000, "{scene}");
+    }
+}
