@@ -31,11 +31,14 @@
 //! | by the step: the state | [`Pose`], [`Momentum`] |
 //! | by the step: derived from it | [`Velocity`], [`InverseInertia`], [`PreviousPose`], and [`Work`] where a [`Ledger`] wants it |
 //! | by you, for one step, which sets it to zero | [`Wrench`] |
-//! | by you, until it is removed | [`GravityScale`], [`Damping`]; forces: [`ConstantWrench`], [`Thruster`], [`Drag`], [`Wind`], [`Magnus`], [`SpringToPoint`], [`PointGravity`], [`Buoyancy`], [`AngularVelocityServo`], [`GravityMass`]; laws of your own: [`ForceLaw`], [`LaneLaw`] |
+//! | by you, until it is removed | [`GravityScale`], [`Damping`]; forces: [`ConstantWrench`], [`Thruster`], [`Drag`], [`Wind`], [`Magnus`], [`SpringToPoint`], [`PointGravity`], [`Buoyancy`], [`AngularVelocityServo`], [`GravityMass`]; laws of your own: [`ForceLaw`], [`LaneLaw`]; what others bump into: [`Collider`], with a [`Material`] |
 //! | by you, on an entity of its own | [`Spring`] |
 //!
 //! A body needs [`Pose`], [`Momentum`], [`Mass`] and [`Wrench`] to be moved by forces. One without [`Momentum`] is kinematic if it has a
 //! [`Velocity`], and moves as that says; else it is fixed. All other components may be there or not.
+//!
+//! Bodies with a [`Collider`] touch each other: a [`Simulation`] keeps their contacts from step to step, and tells of them in [`contacts`](Simulation::contacts) and
+//! [`contact_events`](Simulation::contact_events). Those without pass through everything.
 //!
 //! # Units and frames
 //!
@@ -170,9 +173,9 @@ pub use tumble_math::{
 pub mod prelude {
     pub use crate::math::{Mat3, Quat, Real, Vec3};
     pub use crate::{
-        AngularVelocityServo, BodyId, BodyState, Buoyancy, CenterOfMass, ConstantWrench, Damping, Drag, ForceLaw,
-        Frame, GravityMass, GravityScale, Hull, Inertia, Integrator, Ledger, Magnus, Mass, Momentum, PointGravity,
-        Pose, PreviousPose, PrincipalAxes, RigidBody, Settings, Shape, Simulation, Spring, SpringToPoint, Thruster,
-        Velocity, Wind, Wrench,
+        AngularVelocityServo, BodyId, BodyState, Buoyancy, CenterOfMass, Collider, ConstantWrench, Damping, Drag,
+        ForceLaw, Frame, GravityMass, GravityScale, Hull, Inertia, Integrator, Ledger, Magnus, Mass, Material,
+        Momentum, PointGravity, Pose, PreviousPose, PrincipalAxes, RigidBody, Settings, Shape, Simulation, Spring,
+        SpringToPoint, Thruster, Velocity, Wind, Wrench,
     };
 }

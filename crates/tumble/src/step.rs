@@ -16,6 +16,9 @@ use crate::systems::{Wrenches, accumulate_forces_of, integrate_bodies, remember_
 /// [`update_derived`](crate::update_derived), one after the other over the whole world, give moving bodies the same bits, with one exception: what a
 /// [`Spring`](crate::Spring) or [`GravityMass`](crate::GravityMass) ties to a kinematic body, since a step moves that one along in every substep.
 ///
+/// Nothing is kept for the next step here: contacts begin each without the impulses that held bodies in the last, so piles sink and creep. A
+/// [`Simulation`](crate::Simulation) keeps them.
+///
 /// The settings are not [validated](Settings::validate) here; [`Simulation`](crate::Simulation) does that once, and knows the force
 /// laws and the time.
 ///
