@@ -1,5 +1,5 @@
-//! Promise: what `DebugView` draws is where it should be: outlines lie on the surfaces of shapes, arrows are as long as what they stand for,
-//! and nothing that is not finite reaches the renderer.
+//! Promise: what `DebugView` draws is where it should be: outlines lie on the surfaces of shapes and colliders, arrows are as long as what they stand
+//! for, contacts are where bodies touch, and nothing that is not finite reaches the renderer.
 //!
 //! Why: people find their own mistakes with these lines, so the lines must not be mistaken. It fails if a frame is taken for another, the
 //! centre of mass for the origin, or a radius for a diameter.
@@ -9,7 +9,7 @@
 use glam::{DQuat, DVec3};
 use tumble::math::{Quat, Real, Vec3};
 use tumble::prelude::*;
-use tumble::{Amount, DebugDraw, DebugView, Part, convex_hull};
+use tumble::{Amount, Collider, DebugDraw, DebugView, Part, convex_hull};
 use tumble_tests::{EPSILON, dquat, dvec3};
 
 type Line = (DVec3, DVec3, [f32; 3]);
@@ -221,6 +221,139 @@ fn springs_join_their_ends_and_frames_are_between_steps() {
     // A spring whose body is gone has no end there.
     world.despawn(left).unwrap();
     assert_eq!(lines(&forces, &world).len(), 1);
+}
+
+/// A world with a box of 3 kg, its lower face in the plane of the ground; with the ground before the box in the order of bodies, or behind it.
+fn box_on_ground(ground: u64) -> (hecs::World, hecs::Entity) {
+    let mut world = hecs::World::new();
+    let fixed = RigidBody::new(Shape::Point).fixed().id(BodyId(ground));
+    fixed.build().unwrap().spawn_with(&mut world, (Collider::half_space(),));
+    let shape = Shape::cuboid([0.5, 0.25, 0.75]);
+    let collider = Collider::new(&shape).unwrap();
+    let body = RigidBody::new(shape).mass(3.0).position(Vec3::Y * 0.25).id(BodyId(1));
+    let body = body.orientation(Quat::from_rotation_y(0.4)).build().unwrap();
+    let body = body.spawn_with(&mut world, (collider,));
+    (world, body)
+}
+
+/// Crosses are at the corners, and arrows go up from them, together as long as the weight: the force on what moves, whichever comes first.
+#[test]
+fn a_box_that_rests_has_its_weight_at_its_corners() {
+    let [width, scale] = [0.1, 0.05];
+    let view = DebugView { contacts: Some(width), contact_forces: Some(scale), ..DebugView::nothing() };
+    for ground in [0, 2] {
+        let (mut world, body) = box_on_ground(ground);
+        let mut simulation = Simulation::new(Settings::default()).unwrap();
+        simulation.step_many(&mut world, 120);
+        let mut lines: Vec<Line> = Vec::new();
+        view.draw_contacts(&simulation, &world, &mut |from, to, color| lines.push((dvec3(from), dvec3(to), color)));
+        assert!(lines.iter().all(|line| line.2 == DebugView::CONTACT));
+        let pose = *world.get::<&Pose>(body).unwrap();
+        let mut total = 0.0;
+        for (x, z) in [(-0.5, -0.75), (-0.5, 0.75), (0.5, -0.75), (0.5, 0.75)] {
+            let corner = dvec3(pose.transform_point(Vec3::new(x, -0.25, z)));
+            // At rest a step moves nothing by more than rounding, and the surfaces sink into each other by less than a millimetre.
+            let near = |point: DVec3| (point - corner).length() < 1e-3;
+            let crosses: Vec<DVec3> =
+                lines.iter().filter(|it| near(0.5 * (it.0 + it.1))).map(|it| it.1 - it.0).collect();
+            assert_eq!(crosses.len(), 2, "{corner}: {lines:?}");
+            for stroke in crosses {
+                assert!((stroke.length() - f64::from(width)).abs() < ROUNDING && stroke.y.abs() < ROUNDING, "{stroke}");
+            }
+            let shafts: Vec<DVec3> = lines.iter().filter(|it| near(it.0)).map(|it| it.1 - it.0).collect();
+            assert_eq!(shafts.len(), 1, "{corner}: {lines:?}");
+            // The ground's normal is exact.
+            assert!(shafts[0].y > 0.0 && shafts[0].with_y(0.0).length() < ROUNDING, "{shafts:?}");
+            total += shafts[0].y;
+        }
+        let weight = 3.0 * 9.81 * f64::from(scale);
+        assert!((total / weight - 1.0).abs() < 0.01, "{total} {weight}");
+        // Two strokes of a cross, a shaft and four strokes of a head each.
+        assert_eq!(lines.len(), 4 * (2 + 1 + 4));
+    }
+}
+
+#[test]
+fn what_does_not_push_is_a_point_and_what_does_not_touch_is_nothing() {
+    let view = DebugView { contacts: Some(0.1), contact_forces: Some(1.0), ..DebugView::nothing() };
+    // Without gravity: in touch, and a centimetre apart, which the solver looks at already.
+    for (lift, expected) in [(0.0, 4 * 2), (0.01, 0)] {
+        let (mut world, body) = box_on_ground(0);
+        world.get::<&mut Pose>(body).unwrap().position.y += lift;
+        let mut simulation = Simulation::new(Settings::default().with_gravity(Vec3::ZERO)).unwrap();
+        simulation.step(&mut world);
+        let points: usize = simulation.contacts().map(|contact| contact.points().len()).sum();
+        assert_eq!(points, 4);
+        for (view, expected) in [(&view, expected), (&DebugView::default(), 0)] {
+            let mut count = 0;
+            view.draw_contacts(&simulation, &world, &mut |_, _, _| count += 1);
+            assert_eq!(count, expected);
+        }
+    }
+}
+
+/// Ends of a collider's lines in the collider's own frame. The body is turned, its centre of mass is not the origin of its frame, and the collider is put aside in it.
+fn ends_in_collider_frame(collider: Collider) -> Vec<DVec3> {
+    let pose = Pose { position: Vec3::new(1.0, -2.0, 0.5), orientation: Quat::from_rotation_x(0.7) };
+    let offset = Pose { position: Vec3::new(0.25, 0.5, -0.25), orientation: Quat::from_rotation_z(-1.9) };
+    let mut world = hecs::World::new();
+    let shape = Shape::Compound(vec![Part::new(Shape::sphere(0.5), Amount::Mass(2.0)).at([0.0, 1.0, 0.0])]);
+    let body = RigidBody::new(shape).position(pose.position).orientation(pose.orientation).build().unwrap();
+    let body = body.spawn_with(&mut world, (collider.with_offset(offset).unwrap(),));
+    assert!(world.get::<&CenterOfMass>(body).is_ok());
+    let lines = lines(&DebugView { colliders: true, ..DebugView::nothing() }, &world);
+    assert!(lines.iter().all(|line| line.2 == DebugView::COLLIDER));
+    let to_body = |point: DVec3| dquat(pose.orientation).conjugate() * (point - dvec3(pose.position));
+    let to_collider = |point: DVec3| dquat(offset.orientation).conjugate() * (to_body(point) - dvec3(offset.position));
+    lines.into_iter().flat_map(|(from, to, _)| [to_collider(from), to_collider(to)]).collect()
+}
+
+#[test]
+fn colliders_are_drawn_where_others_bump_into_them() {
+    let of = |shape: Shape| ends_in_collider_frame(Collider::new(&shape).unwrap());
+    let round = [
+        (Shape::sphere(0.7), DVec3::splat(0.7)),
+        (Shape::ellipsoid([0.3, 1.2, 0.6]), DVec3::new(0.3, 1.2, 0.6)),
+        (Shape::cylinder(0.4, 1.1), DVec3::new(0.4, 1.1, 0.4)),
+        (Shape::capsule(0.4, 0.7), DVec3::new(0.4, 1.1, 0.4)),
+        (Shape::cone(0.4, 1.1), DVec3::new(0.4, 1.1, 0.4)),
+        (Shape::frustum(0.4, 0.2, 1.1), DVec3::new(0.4, 1.1, 0.4)),
+        (Shape::tapered_capsule(0.4, 0.4, 0.7), DVec3::new(0.4, 1.1, 0.4)),
+    ];
+    for (shape, size) in round {
+        // Lengths and places went through the precision of the build.
+        let farthest = of(shape.clone()).into_iter().fold(DVec3::ZERO, |most, end| most.max(end.abs()));
+        assert!((farthest - size).abs().max_element() < 4.0 * ROUNDING, "{shape:?}: {farthest}");
+    }
+
+    let half = DVec3::new(0.1, 0.2, 0.3);
+    let corners: Vec<DVec3> = (0..8_u8)
+        .map(|bits| half * DVec3::from_array([0, 1, 2].map(|axis| 2.0 * f64::from(bits >> axis & 1) - 1.0)))
+        .collect();
+    let part = Part::new(Shape::cuboid(half), Amount::Mass(1.0));
+    let compound = of(Shape::Compound(vec![part.clone(), Part::new(Shape::Point, Amount::Mass(1.0))]));
+    let hull = ends_in_collider_frame(Collider::convex_hull(corners.iter().copied()).unwrap());
+    for ends in [of(part.shape), compound, hull] {
+        assert_eq!(ends.len(), 24);
+        assert!(ends.iter().all(|end| (end.abs() - half).length() < 4.0 * ROUNDING), "{ends:?}");
+    }
+}
+
+/// Each side of a triangle is drawn once, those at the rim too.
+#[test]
+fn surfaces_are_drawn_by_their_triangles() {
+    let corners = [DVec3::ZERO, DVec3::Z, DVec3::X + DVec3::Z, DVec3::X];
+    let mesh = Collider::mesh(corners, &[[0, 1, 2], [0, 2, 3]]).unwrap();
+    let field = Collider::height_field([0.0; 4], 2, [1.0, 1.0]).unwrap();
+    // The field's origin is in its middle.
+    for (collider, middle) in [(mesh, DVec3::new(0.5, 0.0, 0.5)), (field, DVec3::ZERO)] {
+        let ends = ends_in_collider_frame(collider);
+        assert_eq!(ends.len(), 10);
+        for end in ends {
+            assert!(((end - middle).abs() - DVec3::new(0.5, 0.0, 0.5)).length() < 4.0 * ROUNDING, "{end}");
+        }
+    }
+    assert_eq!(ends_in_collider_frame(Collider::half_space()), []);
 }
 
 #[derive(Default)]

@@ -14,7 +14,7 @@ use crate::feature::{Feature, MOST_CORNERS};
 ///
 /// let corners: Vec<_> = (0..8).map(|i| Vec3::new((i & 1).into(), (i >> 1 & 1).into(), (i >> 2).into())).collect();
 /// let cube = ConvexHull::new(&corners)?;
-/// assert_eq!((cube.points().len(), cube.faces()), (8, 6));
+/// assert_eq!((cube.points().len(), cube.edges().count(), cube.faces()), (8, 12, 6));
 /// assert!(ConvexHull::new(&corners[..4]).is_err()); // they lie in one plane
 /// # Ok::<(), tumble_math::HullError>(())
 /// ```
@@ -66,6 +66,16 @@ impl ConvexHull {
     #[must_use]
     pub fn faces(&self) -> usize {
         self.faces.len()
+    }
+
+    /// The ends \[m\] of each edge between two faces.
+    pub fn edges(&self) -> impl Iterator<Item = [Vector; 2]> + '_ {
+        let sides = self.faces.iter().flat_map(|face| {
+            let corners = &self.corners[face.from..face.to];
+            corners.iter().zip(corners.iter().cycle().skip(1))
+        });
+        // Of the two faces at an edge, one goes along it upwards.
+        sides.filter(|(from, to)| from < to).map(|(from, to)| [*from, *to].map(|corner| self.points[corner as usize]))
     }
 
     /// Triangles with a side in common that lie in one plane become one face.

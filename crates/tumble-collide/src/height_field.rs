@@ -135,6 +135,11 @@ impl HeightField {
         &self.points
     }
 
+    /// The ends \[m\] of each side of the triangles, of two that are next to each other once.
+    pub fn edges(&self) -> impl Iterator<Item = [Vector; 2]> + '_ {
+        Surface::edges(self)
+    }
+
     /// The box along the axes that holds it.
     pub(crate) fn bounds(&self) -> Bounds<f64> {
         self.bounds

@@ -17,7 +17,7 @@ use crate::tree::{Tree, enclosing};
 ///
 /// let corners = [[0.0, 0.0, 0.0], [0.0, 0.0, 1.0], [1.0, 0.0, 1.0], [1.0, 0.0, 0.0]].map(|[x, y, z]| Vec3::new(x, y, z));
 /// let ground = Mesh::new(&corners, &[[0, 1, 2], [0, 2, 3]])?;
-/// assert_eq!(ground.triangles().len(), 2);
+/// assert_eq!((ground.triangles().len(), ground.edges().count()), (2, 5));
 /// let error = Mesh::new(&corners, &[[0, 1, 4]]).unwrap_err();
 /// assert_eq!(error, tumble_math::MeshError::Index { triangle: 0, index: 4, vertices: 4 });
 /// # Ok::<(), tumble_math::MeshError>(())
@@ -79,6 +79,11 @@ impl Mesh {
     #[must_use]
     pub fn triangles(&self) -> &[[u32; 3]] {
         &self.triangles
+    }
+
+    /// The ends \[m\] of each side of the triangles, of two that are next to each other once.
+    pub fn edges(&self) -> impl Iterator<Item = [Vector; 2]> + '_ {
+        Surface::edges(self)
     }
 
     /// The box along the axes that holds it.

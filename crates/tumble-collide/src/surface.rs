@@ -28,6 +28,15 @@ pub(crate) trait Surface {
         self.corners(triangle).map(|corner| self.point(corner))
     }
 
+    /// The ends of each side of the triangles, of two that are next to each other once.
+    fn edges(&self) -> impl Iterator<Item = [Vector; 2]> + '_ {
+        (0..self.count()).flat_map(move |triangle| {
+            let corners = self.triangle(triangle);
+            let is_first = move |side: &usize| self.across(triangle, *side).is_none_or(|beyond| triangle < beyond);
+            (0..3).filter(is_first).map(move |side| [corners[side], corners[(side + 1) % 3]])
+        })
+    }
+
     /// Unit normal, or zero of a triangle without area.
     fn normal(&self, triangle: u32) -> Vector {
         let [a, b, c] = self.triangle(triangle);

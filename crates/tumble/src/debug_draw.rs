@@ -1,5 +1,7 @@
 //! Lines for whatever renderer there is.
 
+mod colliders;
+mod contacts;
 mod outline;
 
 use std::f64::consts::SQRT_2;
@@ -11,12 +13,14 @@ use tumble_math::{Shape, equivalent_ellipsoid};
 use crate::components::{
     BodyId, CenterOfMass, Inertia, Mass, Momentum, Pose, PreviousPose, PrincipalAxes, Velocity, Wrench,
 };
+use crate::contacts::Collider;
 use crate::generators::{ConstantWrench, Frame, SpringToPoint, Thruster};
 use crate::math::{Real, Vec3, dquat, dvec3, vec3};
 use crate::pairs::Spring;
+use colliders::outline_collider;
 use outline::outline;
 
-/// What a renderer has to be able to do, so that bodies, axes, momenta and forces can be seen through [`DebugView`].
+/// What a renderer has to be able to do, so that bodies, axes, momenta, forces and contacts can be seen through [`DebugView`].
 ///
 /// A closure that draws lines is one, and whatever else implements it. Colours are red, green and blue from 0 to 1, as displays take
 /// them (sRGB). No coordinate is ever infinite or not a number.
@@ -105,6 +109,12 @@ pub struct DebugView {
     /// for 1 N m. Springs are lines between their ends. The step leaves a [`Wrench`] at zero; look before it, or between
     /// [`accumulate_forces`](crate::accumulate_forces) and [`integrate`](crate::integrate), to see what was asked for.
     pub forces: Option<Real>,
+    /// Edges of each [`Collider`] at its place: what others bump into, which need not be what is seen. A half-space has none.
+    pub colliders: bool,
+    /// A cross at each point where bodies touch, in the plane between them: its width \[m\]. [`draw_contacts`](Self::draw_contacts) draws it.
+    pub contacts: Option<Real>,
+    /// What pushes at each point where bodies touch, as an arrow along the normal: metres for 1 N. [`draw_contacts`](Self::draw_contacts) draws it.
+    pub contact_forces: Option<Real>,
     /// The number of the [`BodyId`] of those that have one, as text.
     pub ids: bool,
     /// How far between its last two steps a body with a [`PreviousPose`] is shown: what [`Simulation::advance`](crate::Simulation::advance)
@@ -140,6 +150,10 @@ impl DebugView {
     pub const FORCE: [f32; 3] = [0.98, 0.58, 0.24];
     /// Colour of torques.
     pub const TORQUE: [f32; 3] = [0.85, 0.42, 0.18];
+    /// Colour of colliders.
+    pub const COLLIDER: [f32; 3] = [0.30, 0.90, 0.62];
+    /// Colour of contacts: of where bodies touch, and of what pushes there.
+    pub const CONTACT: [f32; 3] = [0.72, 0.98, 0.25];
 
     /// A view of nothing, to begin with: `DebugView { forces: Some(0.1), ..DebugView::nothing() }`.
     pub fn nothing() -> Self {
@@ -151,6 +165,9 @@ impl DebugView {
             angular_momentum: None,
             angular_velocity: None,
             forces: None,
+            colliders: false,
+            contacts: None,
+            contact_forces: None,
             ids: false,
             alpha: 1.0,
         }
@@ -178,6 +195,9 @@ impl DebugView {
         let mut pen = Pen { target };
         if self.outlines {
             draw_outline(entity, &pose, &mut pen);
+        }
+        if let (true, Some(collider)) = (self.colliders, entity.get::<&Collider>()) {
+            outline_collider(&collider, body_frame(entity, &pose), &mut |from, to| pen.line(from, to, Self::COLLIDER));
         }
         let principal = principal_frame(entity, &pose);
         let ellipsoid = self.ellipsoids.then(|| equivalent_radii(entity)).flatten();
@@ -290,13 +310,18 @@ fn draw_outline(entity: EntityRef<'_>, pose: &Pose, pen: &mut Pen<'_>) {
     };
     let mut draw = |from, to| pen.line(from, to, color);
     if let Some(shape) = entity.get::<&Shape>() {
-        let origin = pose.origin(entity.get::<&CenterOfMass>().as_deref());
-        outline(&shape, dvec3(origin), dquat(pose.orientation), &mut draw);
+        let frame = body_frame(entity, pose);
+        outline(&shape, dvec3(frame.position), dquat(frame.orientation), &mut draw);
     } else if let Some(radii) = equivalent_radii(entity) {
         // A box's moments are m/3 (b^2 + c^2), those of an ellipsoid m/5 (b^2 + c^2).
         let half_extents = radii * (3.0_f64 / 5.0).sqrt();
         outline(&Shape::Cuboid { half_extents }, dvec3(pose.position), principal_frame(entity, pose), &mut draw);
     }
+}
+
+/// Where the frame is in which a body's own shape is given.
+fn body_frame(entity: EntityRef<'_>, pose: &Pose) -> Pose {
+    Pose { position: pose.origin(entity.get::<&CenterOfMass>().as_deref()), ..*pose }
 }
 
 /// From principal axes to the world; of a body without inertia, from its own axes.

@@ -37,7 +37,7 @@ use crate::math::Real;
 /// ```
 #[derive(Clone, Debug, PartialEq)]
 pub struct Collider {
-    pub(super) geometry: Geometry,
+    pub(crate) geometry: Geometry,
     material: Material,
     /// Where the shape is in the body's frame; `None` where that is its own.
     offset: Option<Placement<Real>>,
@@ -205,7 +205,7 @@ impl Collider {
     }
 
     /// Where the shape is, for a body whose frame is there.
-    pub(super) fn placement(&self, body: Placement<Real>) -> Placement<Real> {
+    pub(crate) fn placement(&self, body: Placement<Real>) -> Placement<Real> {
         self.offset.as_ref().map_or(body, |offset| body.then(offset))
     }
 
