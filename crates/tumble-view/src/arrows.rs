@@ -3,10 +3,15 @@
 use hecs::{Entity, World};
 use tumble::glam::DVec3;
 use tumble::math::Real;
-use tumble::{ConstantWrench, DebugView, Momentum, Thruster, Velocity, Wrench};
+use tumble::{ConstantWrench, DebugView, Momentum, Simulation, Thruster, Velocity, Wrench};
 
 use crate::convert::{dvec3, real};
 use crate::layers::{Layer, Layers};
+
+/// In each picture what is remembered of the largest force of contacts is this part of what it was: a second later little is left of it.
+const FADING: f64 = 0.96;
+/// Width of the cross at a point of contact, to the length of the largest arrow.
+const CROSS: f64 = 0.12;
 
 /// The largest of each kind of vector that was drawn since the start, so that arrows of one kind can be compared, over bodies and over time.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -19,6 +24,8 @@ pub(crate) struct Largest {
     angular_velocity: f64,
     /// Forces \[N\] and torques [N m], which have arrows of one scale.
     force: f64,
+    /// At a point of contact \[N\]. It fades, for a hit may be a hundred times what the body weighs.
+    contact_force: f64,
 }
 
 impl Largest {
@@ -45,6 +52,17 @@ impl Largest {
         }
     }
 
+    /// Takes in what pushes bodies apart; to be called once for each picture.
+    pub(crate) fn look_at_contacts(&mut self, simulation: &Simulation) {
+        self.contact_force *= FADING;
+        let substep = f64::from(simulation.settings().contact_substep());
+        for contact in simulation.contacts() {
+            for point in contact.points() {
+                grow(&mut self.contact_force, dvec3(contact.normal) * (f64::from(point.impulse) / substep));
+            }
+        }
+    }
+
     /// What the engine is to draw; the largest arrow of each kind has this length \[m\].
     pub(crate) fn view(&self, layers: Layers, length: f64, alpha: Real) -> DebugView {
         let scale = |layer, largest: f64, part: f64| {
@@ -59,6 +77,8 @@ impl Largest {
             angular_momentum: scale(Layer::AngularMomentum, self.angular_momentum, 1.15),
             angular_velocity: scale(Layer::AngularVelocity, self.angular_velocity, 0.9),
             forces: scale(Layer::Forces, self.force, 1.0),
+            contacts: layers.has(Layer::Contacts).then_some(real(CROSS * length)),
+            contact_forces: scale(Layer::Contacts, self.contact_force, 1.0),
             alpha,
             ..DebugView::nothing()
         }
@@ -98,6 +118,7 @@ pub(crate) fn with_forces(world: &mut World, settings: &tumble::Settings, look: 
 
 #[cfg(test)]
 mod tests {
+    use tumble::Collider;
     use tumble::prelude::*;
 
     use super::*;
@@ -131,6 +152,31 @@ mod tests {
         with_forces(&mut world, &settings, |world| largest.look(world));
         assert!((largest.force - 2.0 * 9.81).abs() < 1e-5, "{}", largest.force);
         assert!(world.query_mut::<&Wrench>().into_iter().all(|wrench| *wrench == Wrench::default()));
+    }
+
+    /// The ball hits at about 4 m/s, and is stopped in a step of 1/60 s: some 25 times as hard as it lies there.
+    #[test]
+    fn a_hit_is_forgotten_in_a_second_or_two() {
+        let mut world = World::new();
+        let shape = Shape::sphere(0.5);
+        let collider = Collider::new(&shape).unwrap();
+        RigidBody::new(Shape::Point).fixed().build().unwrap().spawn_with(&mut world, (Collider::half_space(),));
+        let ball = RigidBody::new(shape).mass(2.0).position(Vec3::Y * 1.4).build().unwrap();
+        ball.spawn_with(&mut world, (collider,));
+        let mut simulation = Simulation::new(Settings::default().with_contact_substeps(1)).unwrap();
+        let (mut largest, mut hardest) = (Largest::default(), 0.0);
+        let weight = 2.0 * 9.81;
+        for _ in 0..240 {
+            simulation.step(&mut world);
+            largest.look_at_contacts(&simulation);
+            hardest = f64::max(hardest, largest.contact_force);
+        }
+        assert!(hardest > 10.0 * weight, "{hardest}");
+        // What the ground pushes with is exact to some parts in a million.
+        assert!((largest.contact_force / weight - 1.0).abs() < 1e-4, "{}", largest.contact_force);
+        let view = largest.view(Layers::of([Layer::Contacts]), 1.5, 1.0);
+        assert!((f64::from(view.contact_forces.unwrap()) * weight - 1.5).abs() < 1e-3);
+        assert_eq!((view.contacts, view.forces), (Some(real(CROSS * 1.5)), None));
     }
 
     #[test]

@@ -6,11 +6,12 @@ use hecs::{Entity, World};
 use tumble::glam::{DQuat, DVec3};
 use tumble::math::Real;
 use tumble::{
-    BodyId, BodyOrder, CenterOfMass, Inertia, Mass, Momentum, Pose, PreviousPose, PrincipalAxes, Shape, Velocity,
-    equivalent_ellipsoid,
+    BodyId, BodyOrder, CenterOfMass, Collider, Inertia, Mass, Momentum, Pose, PreviousPose, PrincipalAxes, Shape,
+    Velocity, equivalent_ellipsoid,
 };
 use tumble_scene::{BODY_COLORS, FIXED_COLOR, GROUND_COLOR, Looks, Names, SurfaceSet, plates};
 
+use crate::colliders;
 use crate::convert::{dquat, dvec3};
 use crate::framing::Frame;
 use crate::pick::Bounds;
@@ -34,6 +35,8 @@ pub(crate) struct DrawnBody {
     pub(crate) moves: bool,
     /// Whether it is ground without end, of which a piece is drawn.
     pub(crate) endless: bool,
+    /// Whether it touches others with something else than what is seen of it.
+    pub(crate) touches_unseen: bool,
     pub(crate) turns: bool,
     /// Zero for a body that forces do not move \[kg\].
     pub(crate) mass: f64,
@@ -91,6 +94,7 @@ impl Bodies {
                 Some(other) => bodies.add_piece(other, (DVec3::ZERO, DQuat::IDENTITY), &mut pieces),
             }
             let moves = body.get::<&Velocity>().is_some();
+            let unlike = |collider: &Collider| its_looks.is_none_or(|looks| colliders::differs(collider, looks));
             let endless = matches!(its_looks, Some(Looks::HalfSpace));
             bodies.all.push(DrawnBody {
                 entity,
@@ -106,6 +110,7 @@ impl Bodies {
                 },
                 moves,
                 endless,
+                touches_unseen: body.get::<&Collider>().is_some_and(|collider| unlike(&collider)),
                 turns: moves && body.has::<Inertia>(),
                 mass: body.get::<&Mass>().map_or(0.0, |mass| f64::from(mass.kilograms())),
                 reach: 0.0,

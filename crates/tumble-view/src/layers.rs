@@ -14,6 +14,8 @@ pub(crate) enum Layer {
     Axes,
     Ellipsoids,
     Forces,
+    Contacts,
+    Colliders,
     Trails,
     Names,
     Grid,
@@ -48,7 +50,7 @@ const fn info(
 }
 
 /// All layers, in the order of the legend.
-pub(crate) const LAYERS: [LayerInfo; 11] = [
+pub(crate) const LAYERS: [LayerInfo; 13] = [
     info(Layer::Momentum, "momentum", "momentum", (KeyCode::M, 'M'), DebugView::MOMENTUM),
     info(
         Layer::AngularMomentum,
@@ -67,6 +69,8 @@ pub(crate) const LAYERS: [LayerInfo; 11] = [
     info(Layer::Axes, "axes", "principal axes", (KeyCode::A, 'A'), DebugView::AXES[0]),
     info(Layer::Ellipsoids, "ellipsoids", "inertia ellipsoid", (KeyCode::I, 'I'), DebugView::ELLIPSOID),
     info(Layer::Forces, "forces", "forces", (KeyCode::F, 'F'), DebugView::FORCE),
+    info(Layer::Contacts, "contacts", "contacts", (KeyCode::X, 'X'), DebugView::CONTACT),
+    info(Layer::Colliders, "colliders", "colliders", (KeyCode::B, 'B'), DebugView::COLLIDER),
     info(Layer::Trails, "trails", "trails", (KeyCode::T, 'T'), WHITE),
     info(Layer::Names, "names", "names", (KeyCode::N, 'N'), WHITE),
     info(Layer::Grid, "grid", "grid", (KeyCode::G, 'G'), WHITE),

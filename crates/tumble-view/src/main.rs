@@ -15,6 +15,7 @@ mod animation;
 mod arrows;
 mod bodies;
 mod camera;
+mod colliders;
 mod convert;
 mod failure;
 mod framing;

@@ -18,7 +18,7 @@ const ADVANCE: f32 = 0.6;
 const SIZE: f32 = 14.0;
 const LABEL: f32 = 13.0;
 const TITLE: f32 = 20.0;
-const LINE: f32 = 19.0;
+const LINE: f32 = 18.0;
 const MARGIN: f32 = 14.0;
 const PADDING: f32 = 10.0;
 /// Letters of a row's name and of the longest name that is shown.

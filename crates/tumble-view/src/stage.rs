@@ -28,6 +28,8 @@ const LEEWAY: f64 = 0.12;
 const MOST_NAMES: usize = 300;
 /// Ground without end is seen up to so many radii of the frame.
 const SEEN: f64 = 6.0;
+/// Up to so many lines of contacts and colliders are seen through bodies: some two hundred points. More would hide the bodies.
+const MOST_THROUGH: usize = 1500;
 /// Width of a trail \[points\].
 const TRAIL: f32 = 1.6;
 
@@ -201,8 +203,11 @@ impl Stage {
         self.aim(&places);
         let view = self.view(canvas.size);
         let bodies = self.instances(&view, &places);
-        let marks = self.marks();
-        let scenery = self.scenery(&places);
+        let mut marks = self.marks();
+        let mut scenery = self.scenery(&places);
+        let mut touching = self.touching();
+        let lines = if touching.len() <= MOST_THROUGH { &mut marks.lines } else { &mut scenery };
+        lines.append(&mut touching);
         let picture = Picture {
             view: &view,
             up: single3(self.camera.up.axis()),
@@ -281,6 +286,24 @@ impl Stage {
             draw(&self.playback.world);
         }
         marks
+    }
+
+    /// What the engine draws of what touches.
+    fn touching(&mut self) -> Vec<Line> {
+        let mut marks = Marks::default();
+        let Playback { simulation, world, bodies, .. } = &self.playback;
+        let alpha = self.playback.alpha();
+        if self.layers.has(Layer::Contacts) {
+            self.largest.look_at_contacts(simulation);
+            self.largest.view(self.layers, self.arrow_length, alpha).draw_contacts(simulation, world, &mut marks);
+        }
+        if self.layers.has(Layer::Colliders) {
+            let view = DebugView { colliders: true, alpha, ..DebugView::nothing() };
+            for body in bodies.all.iter().filter(|body| body.touches_unseen) {
+                view.draw_body(world, body.entity, &mut marks);
+            }
+        }
+        marks.lines
     }
 
     /// Trails and the grid.

@@ -22,6 +22,12 @@ const BALLS: &str = r#"{ "gravity": [0, 0, 0], "dt": 0.01, "bodies": [
 const BLOCK: &str = r#"{ "gravity": [0, -9.81, 0], "dt": 0.01, "bodies": [
     { "name": "block", "shape": { "cuboid": { "half_extents": [0.2, 0.3, 0.4] } }, "mass": 1, "position": [0, 0, 0],
       "linear_velocity": [3, 6, 0], "angular_velocity": [1, 2, 3] } ] }"#;
+/// Two sides of a square, on the ground; its hull has the diagonal too.
+const ANGLE: &str = r#"{ "gravity": [0, -9.81, 0], "dt": 0.01, "bodies": [
+    { "name": "ground", "shape": { "half_space": {} }, "fixed": true, "collider": {} },
+    { "name": "angle", "shape": { "mesh": { "file": "angle.obj" } }, "mass": 1, "collider": {} } ] }"#;
+const ANGLE_MESH: &str = "v 0 0 0\nv 0 0 2\nv 1 0 2\nv 1 0 1\nv 2 0 1\nv 2 0 0\nv 0 1 0\nv 0 1 2\nv 1 1 2\nv 1 1 1\nv 2 1 1\nv 2 1 0
+f 4 3 2 1\nf 6 5 4 1\nf 7 8 9 10\nf 7 10 11 12\nf 1 2 8 7\nf 2 3 9 8\nf 3 4 10 9\nf 4 5 11 10\nf 5 6 12 11\nf 6 1 7 12\n";
 const SIZE: (u32, u32) = (640, 360);
 
 /// Held while a screen is there.
@@ -196,35 +202,42 @@ fn layers_are_seen_when_they_are_asked_for() {
     for layer in ["grid", "ledger", "legend", "names", "axes", "ellipsoids"] {
         assert!(place.picture(&["--show", layer]).unwrap() != nothing, "{layer}");
     }
-    // Neither ball turns.
-    for layer in ["angular-velocity", "angular-momentum"] {
+    // Neither ball turns, or has anything to touch with.
+    for layer in ["angular-velocity", "angular-momentum", "contacts", "colliders"] {
         assert!(place.picture(&["--show", layer]).unwrap() == nothing, "{layer}");
     }
 }
 
-/// A block that was thrown up and sideways, and spins: every layer has something to show, and is looked for by its own colour.
+/// A block that was thrown up and sideways, and spins, and one that lies: every layer has something to show, and is looked for by its own colour.
 #[test]
 fn layers_have_their_colours() {
     let place = Place::new();
-    fs::write(place.path("block.json"), BLOCK).unwrap();
-    let draw = |layer: &str| {
-        let fixed = ["block.json", "--screenshot", "a.png", "--at", "1", "--size", "640x360", "--show", layer];
+    for (file, text) in [("block.json", BLOCK), ("angle.json", ANGLE), ("angle.obj", ANGLE_MESH)] {
+        fs::write(place.path(file), text).unwrap();
+    }
+    let draw = |scene: &str, layer: &str| {
+        let fixed = [scene, "--screenshot", "a.png", "--at", "1", "--size", "640x360", "--show", layer];
         let output = place.on_screen(&fixed)?;
         assert_eq!(output.status.code(), Some(0), "{layer}: {}", String::from_utf8_lossy(&output.stderr));
         Some(Picture::read(place.path("a.png")))
     };
-    let Some(bare) = draw("none") else { return };
+    let Some(bare) = draw("block.json", "none") else { return };
+    let lying = draw("angle.json", "none").unwrap();
     // As the engine's `DebugView` has them.
-    let layers: [(&str, &[[f64; 3]]); 6] = [
+    let layers: [(&str, &[[f64; 3]]); 8] = [
         ("momentum", &[[0.98, 0.84, 0.30]]),
         ("angular-momentum", &[[0.90, 0.40, 0.85]]),
         ("angular-velocity", &[[0.35, 0.85, 0.85]]),
         ("axes", &[[0.94, 0.33, 0.31], [0.40, 0.80, 0.36], [0.33, 0.55, 0.96]]),
         ("ellipsoids", &[[0.60, 0.50, 0.85]]),
         ("forces", &[[0.98, 0.58, 0.24]]),
+        ("contacts", &[[0.72, 0.98, 0.25]]),
+        ("colliders", &[[0.30, 0.90, 0.62]]),
     ];
     for (layer, colors) in layers {
-        let picture = draw(layer).unwrap();
+        let lies = ["contacts", "colliders"].contains(&layer);
+        let (scene, bare) = if lies { ("angle.json", &lying) } else { ("block.json", &bare) };
+        let picture = draw(scene, layer).unwrap();
         for color in colors {
             // Bytes are rounded once or twice.
             let is_it = |seen: [f64; 3]| (0..3).all(|part| (seen[part] - 255.0 * color[part]).abs() <= 2.0);
@@ -234,7 +247,7 @@ fn layers_have_their_colours() {
         }
     }
     // A trail has the body's colour. It is 1.6 points wide, and fades.
-    let (with, without) = (draw("trails").unwrap().patch(orange).1, bare.patch(orange).1);
+    let (with, without) = (draw("block.json", "trails").unwrap().patch(orange).1, bare.patch(orange).1);
     assert!(with >= without + 40.0, "{with} {without}");
 }
 
@@ -266,7 +279,7 @@ fn the_same_command_makes_the_same_picture() {
 #[test]
 fn built_in_scenes_are_shown() {
     let place = Place::new();
-    let all = "momentum,angular-momentum,angular-velocity,axes,ellipsoids,forces,trails,names,grid,ledger,legend";
+    let all = "momentum,angular-momentum,angular-velocity,axes,ellipsoids,forces,contacts,colliders,trails,names,grid,ledger,legend";
     for scene in tumble_scene::builtin_names() {
         let arguments = [scene, "--screenshot", "b.png", "--size", "320x180", "--show", "none"];
         let Some(output) = place.on_screen(&arguments) else { return };
