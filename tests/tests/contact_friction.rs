@@ -1,4 +1,4 @@
-//! Promise: friction takes from a motion what its law says: of a patch that spins, of a plate that slides and spins, of a ball that rolls, of what is to be started or kept going, of two surfaces combined, on a slope within a
+//! Promise: friction takes from a motion what its law says: of a patch that spins, of a box that slides and spins, of a ball that rolls, of what is to be started or kept going, of two surfaces combined, on a slope within a
 //! five-thousandth of the one that holds. And it stops a box at the time it should, and a blow gives back the part that it should.
 //!
 //! Why: a solver can stop every box where `contacts.rs` has it and yet give what slides and spins its friction twice, forget the resistance to rolling, start what should hold or take the wrong one of two surfaces.
@@ -19,7 +19,6 @@ use hecs::{Entity, World};
 use tumble::Combine::{self, Average, Maximum, Minimum, Multiply};
 use tumble::math::{Quat, Real, Vec3};
 use tumble::prelude::*;
-use tumble::{Collider, Material};
 use tumble_tests::touching::{collider, cube, ground, pose, spawn, surfaced, velocity};
 use tumble_tests::{by_precision, dvec3};
 
@@ -59,13 +58,6 @@ impl Scene {
         self.simulation.step_many(&mut self.world, steps);
     }
 
-    /// Gives the ground and the body another surface.
-    fn resurface(&mut self, surface: Material) {
-        for collider in self.world.query_mut::<&mut Collider>() {
-            *collider = surfaced(collider.clone(), surface);
-        }
-    }
-
     /// Velocity towards +x [m/s].
     fn speed(&self) -> f64 {
         dvec3(velocity(&self.world, self.body).linear).x
@@ -84,10 +76,6 @@ impl Scene {
 /// A body whose lowest point is on the ground.
 fn lying(shape: &Shape, half_height: f64, mass: f64) -> RigidBody {
     RigidBody::new(shape.clone()).mass(mass).position(Vec3::Y * half_height as Real)
-}
-
-fn plate() -> Shape {
-    Shape::cuboid([HALF, THIN, HALF])
 }
 
 fn box_at(speed: f64) -> RigidBody {
@@ -131,7 +119,8 @@ fn a_spinning_block_slows_down_evenly() {
     }
 }
 
-/// What slides and spins has the friction of one, not of both: force and torque over the radius are the legs of a right triangle with `mu M g`.
+/// What slides and spins has the friction of one, not of both: force and torque over the radius are the legs of a right triangle with `mu M g`, and share it as speed and spin times the radius do,
+/// which takes the most energy.
 #[test]
 fn sliding_and_spinning_share_friction() {
     let (mu, radius) = (0.5, mean_distance() * 2.0 * HALF);
@@ -145,22 +134,48 @@ fn sliding_and_spinning_share_friction() {
         let force = (sliding * slide - scene.speed()) / (slide * 10.0 * DT);
         let torque = (spinning * spin - scene.angular().y) / (spin * 10.0 * DT);
         assert_near(force.hypot(torque), 1.0, of_radius());
-        assert!((0.1..0.99).contains(&force) && (0.1..0.99).contains(&torque), "{force} {torque}");
+        let (by_sliding, by_spinning) = (sliding * slide, spinning * spin * radius);
+        // The shares change by a hundredth of what is lost of them in that time.
+        assert_near(force, by_sliding / by_sliding.hypot(by_spinning), 2e-3);
+        assert_near(torque, by_spinning / by_sliding.hypot(by_spinning), 2e-3);
+    }
+}
+
+/// Friction is against the motion, whatever the body resists tipping with along which axis: what slides goes on straight until it stops after `v^2/(2 mu g)`.
+#[test]
+fn a_box_slides_straight() {
+    let half = Vec3::new(0.1, 0.25, 0.5);
+    let shape = Shape::cuboid(half.to_array().map(f64::from));
+    let (mu, speed) = (0.3, 4.0_f64);
+    for angle in [20.0_f64, 45.0, 70.0] {
+        let way = Vec3::new(angle.to_radians().cos() as Real, 0.0, angle.to_radians().sin() as Real);
+        let start = lying(&shape, 0.25, 2.0).linear_velocity(way * speed as Real);
+        let mut scene = Scene::level(Material::new(mu as Real, 0.0), &shape, start);
+        scene.run(1500);
+        let gone = scene.place().with_y(0.0);
+        assert_near(gone.length(), speed * speed / (2.0 * mu * G) - speed * SUBSTEP / 2.0, 1e-3);
+        assert!(gone.angle_between(dvec3(way)) < 1e-3, "{angle}: {gone}");
+        assert!(scene.speed().abs() < 1e-5 && scene.angular().length() < 1e-4, "{} {}", scene.speed(), scene.angular());
     }
 }
 
 /// Where the radius of friction is that of gyration, sliding and spinning are lost in proportion: what would slide for 0.6 s alone and spin for 0.8 s alone does both for 1 s.
-///
-/// A plate, since the shares of force and torque are those that would stop a body free to tip: a cube half a metre high has half the force that it should, and slides for longer.
 #[test]
-fn a_plate_stops_sliding_and_spinning_at_once() {
+fn what_slides_and_spins_stops_at_once() {
+    for half_height in [THIN, HALF] {
+        slides_and_spins_for_a_second(half_height);
+    }
+}
+
+/// A plate, or a cube: friction that tips it changes nothing.
+fn slides_and_spins_for_a_second(half_height: f64) {
     let (mu, radius) = (0.5, mean_distance() * 2.0 * HALF);
     let (slide, spin) = (0.6 * mu * G, 0.8 * mu * G / radius);
-    let heavy_inside = Shape::cuboid([radius * 1.5_f64.sqrt(), THIN, radius * 1.5_f64.sqrt()]);
-    let start = lying(&heavy_inside, THIN, 2.0)
+    let heavy_inside = Shape::cuboid([radius * 1.5_f64.sqrt(), half_height, radius * 1.5_f64.sqrt()]);
+    let start = lying(&heavy_inside, half_height, 2.0)
         .linear_velocity(Vec3::X * slide as Real)
         .angular_velocity(Vec3::Y * spin as Real);
-    let mut scene = Scene::level(Material::new(mu as Real, 0.0), &plate(), start);
+    let mut scene = Scene::level(Material::new(mu as Real, 0.0), &Shape::cuboid([HALF, half_height, HALF]), start);
     for left in [0.75, 0.5, 0.25] {
         scene.run(250);
         // Thin as it is, it is as if a three-thousandth lighter against sliding, and what that leaves is more and more of the rest.
@@ -169,7 +184,8 @@ fn a_plate_stops_sliding_and_spinning_at_once() {
     }
     scene.run(248);
     assert!(scene.speed() > 1e-3 * slide && scene.angular().y > 1e-3 * spin, "{} {}", scene.speed(), scene.angular());
-    scene.run(4);
+    // A cube that rocked in its last substeps takes some more.
+    scene.run(20);
     assert!(scene.speed().abs() < 1e-5 && scene.angular().length() < 1e-4, "{} {}", scene.speed(), scene.angular());
     assert_near(scene.place().x, slide * (1.0 - SUBSTEP) / 2.0, 5e-4);
 }
@@ -215,10 +231,9 @@ fn what_rests_is_held_by_more_than_what_moves() {
     let surface = hard_to_start();
     let gain = |slope: f64| G * (slope.sin() - 0.3 * slope.cos());
     for tangent in [0.45_f64, 0.59] {
-        let mut resting = Scene::sloping(tangent.atan(), [Material::new(1.0, 0.0); 2], &cube(HALF), box_at(0.0));
-        // One put down unpressed on a slope steeper than 0.45 gets a push that static friction does not hold.
-        resting.run(100);
-        resting.resurface(surface);
+        let mut resting = Scene::sloping(tangent.atan(), [surface; 2], &cube(HALF), box_at(0.0));
+        // Put down without having been pressed in, it gets a push first, which static friction stops.
+        resting.run(500);
         let from = resting.place();
         resting.run(2000);
         let moved = resting.place() - from;
@@ -239,19 +254,21 @@ fn what_rests_is_held_by_more_than_what_moves() {
 
     let beyond = 0.75_f64.atan();
     let mut started = Scene::sloping(beyond, [surface; 2], &cube(HALF), box_at(0.0));
-    started.run(1000);
-    // The first friction finds a box that is not pressed in yet.
-    assert_near(started.speed(), gain(beyond), 1e-4);
+    started.run(500);
+    let half_way = started.speed();
+    started.run(500);
+    assert_near((started.speed() - half_way) / 0.5, gain(beyond), tolerance);
+    // While it is so slow that static friction stops it in a substep, that is what resists: 3 mm/s, which it has after 2.5 ms.
+    assert!((0.0..0.002).contains(&(1.0 - started.speed() / gain(beyond))), "{}", started.speed());
 }
 
 /// What slides up a slope stops after `v^2/(2 g (sin + mu cos))` with the lesser coefficient, and stays where the slope is between the two.
-///
-/// A plate, since friction that turns about stops the lower edge of a body first: a cube is fast again before its middle is stopped, and slides back down.
 #[test]
-fn a_plate_that_stops_on_a_slope_stays() {
-    for slope in [0.45_f64.atan(), 0.55_f64.atan()] {
-        let start = lying(&plate(), THIN, 2.0).linear_velocity(Vec3::NEG_X);
-        let mut scene = Scene::sloping(slope, [hard_to_start(); 2], &plate(), start);
+fn what_stops_on_a_slope_stays() {
+    for (slope, half_height) in [(0.45_f64, THIN), (0.55, THIN), (0.45, HALF), (0.55, HALF)] {
+        let (slope, shape) = (slope.atan(), Shape::cuboid([HALF, half_height, HALF]));
+        let start = lying(&shape, half_height, 2.0).linear_velocity(Vec3::NEG_X);
+        let mut scene = Scene::sloping(slope, [hard_to_start(); 2], &shape, start);
         scene.run(1000);
         let way = 0.5 / (G * (slope.sin() + 0.3 * slope.cos())) - SUBSTEP / 2.0;
         // It stops within a substep of when it should.

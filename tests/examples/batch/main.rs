@@ -1,4 +1,4 @@
-//! How thick must a coin be to land on its edge as often as on either face? Thousands of coins of each thickness are tossed on the ground, each in a world of its own that ends when its coin
+//! How thick must a coin be to land on its edge as often as on either face? Hundreds of coins of each thickness are tossed on the ground, each in a world of its own that ends when its coin
 //! lies still.
 //!
 //! `cargo run --release --example batch`
@@ -11,7 +11,7 @@ use tumble::hecs::World;
 use tumble::prelude::*;
 use tumble::{Batch, Chance, ColliderError, Trial};
 
-const COINS: usize = 2000;
+const COINS: usize = 500;
 const SEED: u64 = 5;
 const RADIUS: Real = 0.5;
 
@@ -61,7 +61,7 @@ fn table(ratio: Real, mut chance: Chance) -> Result<World, Failure> {
     let mut world = World::new();
     // A table of wood, which takes a part of the speed that the coin comes with.
     let wood = |collider: Collider| -> Result<Collider, ColliderError> {
-        collider.with_material(Material { rolling_friction: 0.005, ..Material::new(0.4, 0.3) })
+        collider.with_material(Material { rolling_friction: 0.02, ..Material::new(0.4, 0.3) })
     };
     RigidBody::new(Shape::Point).fixed().build()?.spawn_with(&mut world, (wood(Collider::half_space())?,));
     let coin = Shape::cylinder(f64::from(RADIUS), f64::from(RADIUS * ratio));

@@ -96,7 +96,8 @@ impl<T: Tile> Rubbing<T> {
     /// The same with as much of the sliding and twisting taken out as friction can take.
     ///
     /// Sliding and twisting share what there is: the impulse `f` and the angular impulse `t` are within
-    /// `|f|^2 + (t/radius)^2 <= (mu N)^2`, the ellipsoid that approximates the limit surface of a patch (S. Goyal, A. Ruina, J. Papadopoulos, 1991).
+    /// `|f|^2 + (t/radius)^2 <= (mu N)^2`, the ellipsoid that approximates the limit surface of a patch (S. Goyal, A. Ruina, J. Papadopoulos, 1991). What slips is resisted against its
+    /// velocity, `(u, radius r)`, as the ellipsoid has it: what would stop it in one go, with all the tipping of the body that goes with that, points elsewhere.
     #[inline(always)]
     pub(super) fn slid(
         &self,
@@ -108,17 +109,31 @@ impl<T: Tile> Rubbing<T> {
         let (zero, one) = (T::splat(0.0), T::splat(1.0));
         let [s, t] = frame.tangents;
         let mass = [at(&friction.mass[0], lane), at(&friction.mass[1], lane), at(&friction.mass[2], lane)];
-        let [du, dv] = product(mass, [s.dot(motion.linear), t.dot(motion.linear)]);
+        let along = [s.dot(motion.linear), t.dot(motion.linear)];
+        let [du, dv] = product(mass, along);
         let (u, v) = (self.sliding[0] - du, self.sliding[1] - dv);
         let radius: T = at(&friction.radius, lane);
         let has_patch = zero.lt(radius);
         let twisting_mass: T = at(&friction.twisting_mass, lane);
-        let twist = T::select(has_patch, self.twist - twisting_mass * frame.normal.dot(motion.angular), zero);
+        let spin = frame.normal.dot(motion.angular);
+        let twist = T::select(has_patch, self.twist - twisting_mass * spin, zero);
         let reach = T::select(has_patch, twist / radius, zero);
-        let wanted = (u * u + v * v + reach * reach).sqrt();
-        let slips = (at::<T>(&friction.limits[0], lane) * normal).lt(wanted);
-        let scale = T::select(slips, at::<T>(&friction.limits[1], lane) * normal / wanted, one);
-        Self { sliding: [u * scale, v * scale], twist: twist * scale, ..*self }
+        let hold = at::<T>(&friction.limits[0], lane) * normal;
+        let slips = hold.lt((u * u + v * v + reach * reach).sqrt());
+
+        // With one mass for all directions.
+        let even = (mass[0] + mass[2]) * T::splat(0.5);
+        let lost = [even * along[0], even * along[1], even * (radius * spin)];
+        let (p, q) = (self.sliding[0] - lost[0], self.sliding[1] - lost[1]);
+        let reach = T::select(has_patch, self.twist / radius - lost[2], zero);
+        // What static friction stops in this substep is not sliding yet, or no more: it may hold.
+        let stops = (lost[0] * lost[0] + lost[1] * lost[1] + lost[2] * lost[2]).sqrt();
+        let limit = T::select(hold.lt(stops), at::<T>(&friction.limits[1], lane) * normal, hold);
+        let wanted = (p * p + q * q + reach * reach).sqrt();
+        let scale = T::select(limit.lt(wanted), limit / wanted, one);
+        let slid = [p * scale, q * scale, reach * radius * scale];
+        let sliding = [T::select(slips, slid[0], u), T::select(slips, slid[1], v)];
+        Self { sliding, twist: T::select(slips, slid[2], twist), ..*self }
     }
 }
 
