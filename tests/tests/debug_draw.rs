@@ -223,6 +223,49 @@ fn springs_join_their_ends_and_frames_are_between_steps() {
     assert_eq!(lines(&forces, &world).len(), 1);
 }
 
+/// The ends of springs are given along the axes of bodies that are turned, from centres of mass that are not where the bodies' frames are.
+#[test]
+fn springs_end_where_they_are_attached() {
+    let mut world = hecs::World::new();
+    let (far, tilt) = (Vec3::new(1.0, -2.0, 0.5), Quat::from_rotation_x(0.7) * Quat::from_rotation_y(-1.9));
+    let quarter = Quat::from_rotation_arc(Vec3::X, Vec3::Y);
+    let shape = || Shape::Compound(vec![Part::new(Shape::sphere(0.5), Amount::Mass(2.0)).at([0.0, 1.0, 0.0])]);
+    let body = |at: Vec3, turn: Quat| RigidBody::new(shape()).position(at).orientation(turn).build().unwrap();
+    let (one, other) = (body(Vec3::X * 3.0, quarter).spawn(&mut world), body(far, tilt).spawn(&mut world));
+    let on_other = Vec3::new(0.25, -0.5, 0.75);
+    world.spawn((Spring::between(one, other).attached_at(Vec3::X * 0.5, on_other),));
+    let anchor = Vec3::new(-4.0, 8.0, 2.0);
+    let to_point = SpringToPoint { anchor, attachment: Vec3::Y * 2.0, ..SpringToPoint::default() };
+    world.insert_one(one, to_point).unwrap();
+
+    // A quarter turn about z takes x to y, and y to minus x; the centre of mass is a metre up from where the first body's frame is, and so at its left.
+    let above = dvec3(far) + dquat(tilt) * (DVec3::Y + dvec3(on_other));
+    let expected = [(DVec3::new(2.0, 0.5, 0.0), above), (DVec3::ZERO, dvec3(anchor))];
+    let springs = DebugView { springs: true, ..DebugView::nothing() };
+    let seen = |view: &DebugView, world: &hecs::World, color| {
+        let found = lines(view, world);
+        assert!(found.iter().all(|line| line.2 == color), "{found:?}");
+        let is_there = |(from, to): (DVec3, DVec3)| {
+            let near = |line: &&Line| (line.0 - from).length().max((line.1 - to).length()) < 4.0 * ROUNDING;
+            found.iter().filter(near).count()
+        };
+        (found.len(), expected.map(is_there))
+    };
+    assert_eq!(seen(&springs, &world, DebugView::SPRING), (2, [1, 1]));
+    // Forces show them as well, which does not draw them twice: nothing else pushes here.
+    let both = DebugView { forces: Some(1.0), ..springs.clone() };
+    assert_eq!(seen(&both, &world, DebugView::FORCE), (2, [1, 1]));
+
+    let mut of_one = Vec::new();
+    springs.draw_body(&world, one, &mut |from, to, _| of_one.push((dvec3(from), dvec3(to))));
+    assert_eq!(of_one.len(), 1, "{of_one:?}");
+    // With its body a spring loses its end, on either side.
+    world.despawn(other).unwrap();
+    assert_eq!(seen(&springs, &world, DebugView::SPRING), (1, [0, 1]));
+    world.despawn(one).unwrap();
+    assert_eq!(seen(&springs, &world, DebugView::SPRING), (0, [0, 0]));
+}
+
 /// A world with a box of 3 kg, its lower face in the plane of the ground; with the ground before the box in the order of bodies, or behind it.
 fn box_on_ground(ground: u64) -> (hecs::World, hecs::Entity) {
     let mut world = hecs::World::new();
@@ -384,6 +427,7 @@ fn what_is_not_finite_is_not_drawn() {
         angular_momentum: Some(1.0),
         angular_velocity: Some(1.0),
         forces: Some(1.0),
+        springs: true,
         ids: true,
         ..DebugView::default()
     };

@@ -14,6 +14,7 @@ pub(crate) enum Layer {
     Axes,
     Ellipsoids,
     Forces,
+    Springs,
     Contacts,
     Colliders,
     Trails,
@@ -50,7 +51,7 @@ const fn info(
 }
 
 /// All layers, in the order of the legend.
-pub(crate) const LAYERS: [LayerInfo; 13] = [
+pub(crate) const LAYERS: [LayerInfo; 14] = [
     info(Layer::Momentum, "momentum", "momentum", (KeyCode::M, 'M'), DebugView::MOMENTUM),
     info(
         Layer::AngularMomentum,
@@ -69,6 +70,7 @@ pub(crate) const LAYERS: [LayerInfo; 13] = [
     info(Layer::Axes, "axes", "principal axes", (KeyCode::A, 'A'), DebugView::AXES[0]),
     info(Layer::Ellipsoids, "ellipsoids", "inertia ellipsoid", (KeyCode::I, 'I'), DebugView::ELLIPSOID),
     info(Layer::Forces, "forces", "forces", (KeyCode::F, 'F'), DebugView::FORCE),
+    info(Layer::Springs, "springs", "springs", (KeyCode::S, 'S'), DebugView::SPRING),
     info(Layer::Contacts, "contacts", "contacts", (KeyCode::X, 'X'), DebugView::CONTACT),
     info(Layer::Colliders, "colliders", "colliders", (KeyCode::B, 'B'), DebugView::COLLIDER),
     info(Layer::Trails, "trails", "trails", (KeyCode::T, 'T'), WHITE),
@@ -92,7 +94,7 @@ impl Layers {
 
     /// Of a scene with so many moving bodies, of which so many turn: arrows and names of a few explain, those of many hide.
     pub(crate) fn fitting(moving: usize, turning: usize) -> Self {
-        let mut all = vec![Layer::Trails, Layer::Grid, Layer::Ledger, Layer::Legend];
+        let mut all = vec![Layer::Springs, Layer::Trails, Layer::Grid, Layer::Ledger, Layer::Legend];
         if (2..=10).contains(&moving) {
             all.push(Layer::Names);
         }
@@ -157,6 +159,6 @@ mod tests {
         let mut layers = Layers::fitting(1, 1);
         assert!(layers.has(Layer::Axes) && !Layers::fitting(100, 100).has(Layer::Axes));
         layers.toggle(Layer::Axes);
-        assert!(!layers.has(Layer::Axes) && layers.has(Layer::Grid));
+        assert!(!layers.has(Layer::Axes) && layers.has(Layer::Grid) && layers.has(Layer::Springs));
     }
 }

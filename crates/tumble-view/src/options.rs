@@ -82,7 +82,7 @@ pub(crate) struct ViewOptions {
     /// Width and height of the window or picture
     #[arg(long, value_name = "WxH", default_value = "1280x720")]
     pub(crate) size: Size,
-    /// What to show, with commas: momentum, angular-momentum, angular-velocity, axes, ellipsoids, forces, contacts, colliders, trails, names, grid, ledger, legend; or none
+    /// What to show, with commas: momentum, angular-momentum, angular-velocity, axes, ellipsoids, forces, springs, contacts, colliders, trails, names, grid, ledger, legend; or none
     #[arg(long, value_name = "LIST")]
     pub(crate) show: Option<Layers>,
     /// The body to show the figures of, by its name

@@ -31,18 +31,22 @@ const DIM: [f32; 4] = [0.50, 0.54, 0.61, 1.0];
 const PANEL: [f32; 4] = [0.03, 0.04, 0.06, 0.62];
 
 /// Keys that are not those of layers.
-const KEYS: [(&str, &str); 10] = [
+const KEYS: [(&str, &str); 9] = [
     ("space", "pause"),
     (". + -", "step, faster, slower"),
-    ("R", "restart"),
+    ("R Q", "restart, quit"),
     ("click Tab", "pick a body"),
     ("C", "camera: follow, stay"),
     ("drag", "turn"),
     ("right drag", "shift"),
     ("wheel", "nearer, farther"),
     ("0 1 2 3", "views"),
-    ("Q", "quit"),
 ];
+
+/// Of the legend, with a blank one between the layers and the other keys.
+const ROWS: usize = LAYERS.len() + 1 + KEYS.len();
+/// Where the legend begins, below the title and the time.
+const LEGEND_TOP: f32 = MARGIN + 56.0;
 
 /// Text at a place in the picture, and its colour.
 pub(crate) type Label = (DVec2, String, [f32; 3]);
@@ -106,7 +110,7 @@ impl Writer {
             pen.text(MARGIN, MARGIN + 38.0, SIZE, PLAIN, &overlay.status);
         }
         if overlay.layers.has(Layer::Legend) {
-            pen.legend(overlay.layers, MARGIN + 56.0, size.y as f32);
+            pen.legend(overlay.layers, LEGEND_TOP, size.y as f32);
         }
         let [right, bottom] = [size.x, size.y].map(|edge| edge as f32 - MARGIN);
         pen.table(&overlay.ledger, right, MARGIN);
@@ -142,9 +146,8 @@ impl Pen<'_> {
 
     /// The layers with their keys and colours, and the other keys if there is room below.
     fn legend(&self, layers: Layers, top: f32, bottom: f32) {
-        let all = LAYERS.len() + 1 + KEYS.len();
-        let has_room = top + Self::height(all) + MARGIN <= bottom;
-        let rows = if has_room { all } else { LAYERS.len() };
+        let has_room = top + Self::height(ROWS) + MARGIN <= bottom;
+        let rows = if has_room { ROWS } else { LAYERS.len() };
         self.panel(MARGIN, top, 2.0 * PADDING + 31.0 * ADVANCE * SIZE, Self::height(rows));
         let (x, mut y) = (MARGIN + PADDING, top + PADDING + 14.0);
         for info in &LAYERS {
@@ -223,6 +226,13 @@ mod tests {
             [label(0.0, 0.0, "venus"), label(20.0, 5.0, "sun"), label(50.0, 5.0, "earth"), label(0.0, 20.0, "mars")];
         let kept: Vec<&str> = apart(&labels).into_iter().map(|(_, text, _)| text.as_str()).collect();
         assert_eq!(kept, ["venus", "earth", "mars"]);
+    }
+
+    /// As high as the pictures of `docs/window.md`.
+    #[test]
+    fn a_small_picture_has_room_for_all_keys() {
+        let needed = LEGEND_TOP + Pen::height(ROWS) + MARGIN;
+        assert!(needed <= 540.0, "{needed}");
     }
 
     #[test]

@@ -4,7 +4,7 @@ use std::time::{Duration, Instant};
 
 use macroquad::miniquad::RenderPass;
 use tumble::glam::{DVec2, DVec3};
-use tumble::{DebugView, Totals};
+use tumble::{DebugView, Spring, SpringToPoint, Totals};
 use tumble_scene::Scene;
 
 use crate::arrows::{self, Largest};
@@ -32,6 +32,8 @@ const SEEN: f64 = 6.0;
 const MOST_THROUGH: usize = 1500;
 /// Width of a trail \[points\].
 const TRAIL: f32 = 1.6;
+/// Width of a spring \[points\].
+const SPRING: f32 = 1.4;
 
 /// What stays in the middle of the picture.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -306,7 +308,7 @@ impl Stage {
         marks.lines
     }
 
-    /// Trails and the grid.
+    /// What bodies hide: the grid, springs and trails.
     fn scenery(&self, places: &[Placed]) -> Vec<Line> {
         let mut lines = Vec::new();
         if self.layers.has(Layer::Grid) {
@@ -321,6 +323,9 @@ impl Stage {
                 grounds.iter().all(|(place, normal)| (middle - *place).dot(*normal) >= 0.0)
             });
         }
+        if self.layers.has(Layer::Springs) {
+            self.springs(&mut lines);
+        }
         if self.layers.has(Layer::Trails) {
             self.trails(places, &mut lines);
         }
@@ -331,6 +336,19 @@ impl Stage {
     fn grounds<'a>(&'a self, places: &'a [Placed]) -> impl Iterator<Item = (DVec3, DVec3)> + 'a {
         let endless = self.playback.bodies.all.iter().zip(places).filter(|(body, _)| body.endless);
         endless.map(|(_, placed)| (placed.origin, placed.rotation * DVec3::Y))
+    }
+
+    fn springs(&self, lines: &mut Vec<Line>) {
+        let world = &self.playback.world;
+        // Not to go through ten thousand bodies for nothing.
+        let there_are =
+            world.query::<&Spring>().iter().next().is_some() || world.query::<&SpringToPoint>().iter().next().is_some();
+        if there_are {
+            let mut marks = Marks::default();
+            let view = DebugView { springs: true, alpha: self.playback.alpha(), ..DebugView::nothing() };
+            view.draw(world, &mut marks);
+            lines.extend(marks.lines.into_iter().map(|line| Line { width: SPRING, ..line }));
+        }
     }
 
     fn trails(&self, places: &[Placed], lines: &mut Vec<Line>) {

@@ -22,6 +22,10 @@ const BALLS: &str = r#"{ "gravity": [0, 0, 0], "dt": 0.01, "bodies": [
 const BLOCK: &str = r#"{ "gravity": [0, -9.81, 0], "dt": 0.01, "bodies": [
     { "name": "block", "shape": { "cuboid": { "half_extents": [0.2, 0.3, 0.4] } }, "mass": 1, "position": [0, 0, 0],
       "linear_velocity": [3, 6, 0], "angular_velocity": [1, 2, 3] } ] }"#;
+/// A ball that is held from above; there is no gravity.
+const HELD: &str = r#"{ "gravity": [0, 0, 0], "dt": 0.01, "bodies": [
+    { "name": "ball", "shape": { "sphere": { "radius": 0.2 } }, "mass": 1, "position": [0, 0, 0],
+      "forces": [ { "spring_to_point": { "anchor": [0.25, 0.4, 0], "stiffness": 1e-9 } } ] } ] }"#;
 /// Two sides of a square, on the ground; its hull has the diagonal too.
 const ANGLE: &str = r#"{ "gravity": [0, -9.81, 0], "dt": 0.01, "bodies": [
     { "name": "ground", "shape": { "half_space": {} }, "fixed": true, "collider": {} },
@@ -202,8 +206,8 @@ fn layers_are_seen_when_they_are_asked_for() {
     for layer in ["grid", "ledger", "legend", "names", "axes", "ellipsoids"] {
         assert!(place.picture(&["--show", layer]).unwrap() != nothing, "{layer}");
     }
-    // Neither ball turns, or has anything to touch with.
-    for layer in ["angular-velocity", "angular-momentum", "contacts", "colliders"] {
+    // Neither ball turns, hangs on a spring, or has anything to touch with.
+    for layer in ["angular-velocity", "angular-momentum", "springs", "contacts", "colliders"] {
         assert!(place.picture(&["--show", layer]).unwrap() == nothing, "{layer}");
     }
 }
@@ -212,7 +216,7 @@ fn layers_are_seen_when_they_are_asked_for() {
 #[test]
 fn layers_have_their_colours() {
     let place = Place::new();
-    for (file, text) in [("block.json", BLOCK), ("angle.json", ANGLE), ("angle.obj", ANGLE_MESH)] {
+    for (file, text) in [("block.json", BLOCK), ("held.json", HELD), ("angle.json", ANGLE), ("angle.obj", ANGLE_MESH)] {
         fs::write(place.path(file), text).unwrap();
     }
     let draw = |scene: &str, layer: &str| {
@@ -222,26 +226,30 @@ fn layers_have_their_colours() {
         Some(Picture::read(place.path("a.png")))
     };
     let Some(bare) = draw("block.json", "none") else { return };
-    let lying = draw("angle.json", "none").unwrap();
+    let [lying, held] = ["angle.json", "held.json"].map(|scene| draw(scene, "none").unwrap());
     // As the engine's `DebugView` has them.
-    let layers: [(&str, &[[f64; 3]]); 8] = [
+    let layers: [(&str, &[[f64; 3]]); 9] = [
         ("momentum", &[[0.98, 0.84, 0.30]]),
         ("angular-momentum", &[[0.90, 0.40, 0.85]]),
         ("angular-velocity", &[[0.35, 0.85, 0.85]]),
         ("axes", &[[0.94, 0.33, 0.31], [0.40, 0.80, 0.36], [0.33, 0.55, 0.96]]),
         ("ellipsoids", &[[0.60, 0.50, 0.85]]),
         ("forces", &[[0.98, 0.58, 0.24]]),
+        ("springs", &[[0.76, 0.78, 0.80]]),
         ("contacts", &[[0.72, 0.98, 0.25]]),
         ("colliders", &[[0.30, 0.90, 0.62]]),
     ];
     for (layer, colors) in layers {
-        let lies = ["contacts", "colliders"].contains(&layer);
-        let (scene, bare) = if lies { ("angle.json", &lying) } else { ("block.json", &bare) };
+        let (scene, bare) = match layer {
+            "contacts" | "colliders" => ("angle.json", &lying),
+            "springs" => ("held.json", &held),
+            _ => ("block.json", &bare),
+        };
         let picture = draw(scene, layer).unwrap();
         for color in colors {
             // Bytes are rounded once or twice.
             let is_it = |seen: [f64; 3]| (0..3).all(|part| (seen[part] - 255.0 * color[part]).abs() <= 2.0);
-            // Lines are two points wide and tens of points long; in part they are dimmed by the block, and at their edges mixed.
+            // Lines are two points wide, springs a little less, and tens of points long; in part they are dimmed by the block, and at their edges mixed.
             let (seen, before) = (picture.patch(is_it).1, bare.patch(is_it).1);
             assert!(seen >= 40.0 && before == 0.0, "{layer}: {seen} {before}");
         }
@@ -279,7 +287,7 @@ fn the_same_command_makes_the_same_picture() {
 #[test]
 fn built_in_scenes_are_shown() {
     let place = Place::new();
-    let all = "momentum,angular-momentum,angular-velocity,axes,ellipsoids,forces,contacts,colliders,trails,names,grid,ledger,legend";
+    let all = "momentum,angular-momentum,angular-velocity,axes,ellipsoids,forces,springs,contacts,colliders,trails,names,grid,ledger,legend";
     for scene in tumble_scene::builtin_names() {
         let arguments = [scene, "--screenshot", "b.png", "--size", "320x180", "--show", "none"];
         let Some(output) = place.on_screen(&arguments) else { return };

@@ -3,6 +3,7 @@
 mod colliders;
 mod contacts;
 mod outline;
+mod springs;
 
 use std::f64::consts::SQRT_2;
 
@@ -14,13 +15,12 @@ use crate::components::{
     BodyId, CenterOfMass, Inertia, Mass, Momentum, Pose, PreviousPose, PrincipalAxes, Velocity, Wrench,
 };
 use crate::contacts::Collider;
-use crate::generators::{ConstantWrench, Frame, SpringToPoint, Thruster};
+use crate::generators::{ConstantWrench, Frame, Thruster};
 use crate::math::{Real, Vec3, dquat, dvec3, vec3};
-use crate::pairs::Spring;
 use colliders::outline_collider;
 use outline::outline;
 
-/// What a renderer has to be able to do, so that bodies, axes, momenta, forces and contacts can be seen through [`DebugView`].
+/// What a renderer has to be able to do, so that bodies, axes, momenta, forces, springs and contacts can be seen through [`DebugView`].
 ///
 /// A closure that draws lines is one, and whatever else implements it. Colours are red, green and blue from 0 to 1, as displays take
 /// them (sRGB). No coordinate is ever infinite or not a number.
@@ -106,9 +106,12 @@ pub struct DebugView {
     /// Angular velocity: metres for 1 rad/s.
     pub angular_velocity: Option<Real>,
     /// What the body's [`Wrench`], [`ConstantWrench`] and [`Thruster`] push with, each an arrow: metres for 1 N, and for the torque metres
-    /// for 1 N m. Springs are lines between their ends. The step leaves a [`Wrench`] at zero; look before it, or between
+    /// for 1 N m. Springs are lines between their ends, as with [`springs`](Self::springs). The step leaves a [`Wrench`] at zero; look before it, or between
     /// [`accumulate_forces`](crate::accumulate_forces) and [`integrate`](crate::integrate), to see what was asked for.
     pub forces: Option<Real>,
+    /// A line between the ends of each [`Spring`](crate::Spring), and of each [`SpringToPoint`](crate::SpringToPoint) from the body to its anchor. One of which a body is gone is
+    /// not drawn. Where [`forces`](Self::forces) are shown too, it has their colour.
+    pub springs: bool,
     /// Edges of each [`Collider`] at its place: what others bump into, which need not be what is seen. A half-space has none.
     pub colliders: bool,
     /// A cross at each point where bodies touch, in the plane between them: its width \[m\]. [`draw_contacts`](Self::draw_contacts) draws it.
@@ -146,10 +149,12 @@ impl DebugView {
     pub const ANGULAR_MOMENTUM: [f32; 3] = [0.90, 0.40, 0.85];
     /// Colour of angular velocity.
     pub const ANGULAR_VELOCITY: [f32; 3] = [0.35, 0.85, 0.85];
-    /// Colour of forces, springs included.
+    /// Colour of forces, and of springs where forces are shown.
     pub const FORCE: [f32; 3] = [0.98, 0.58, 0.24];
     /// Colour of torques.
     pub const TORQUE: [f32; 3] = [0.85, 0.42, 0.18];
+    /// Colour of springs where forces are not shown.
+    pub const SPRING: [f32; 3] = [0.76, 0.78, 0.80];
     /// Colour of colliders.
     pub const COLLIDER: [f32; 3] = [0.30, 0.90, 0.62];
     /// Colour of contacts: of where bodies touch, and of what pushes there.
@@ -165,6 +170,7 @@ impl DebugView {
             angular_momentum: None,
             angular_velocity: None,
             forces: None,
+            springs: false,
             colliders: false,
             contacts: None,
             contact_forces: None,
@@ -173,13 +179,11 @@ impl DebugView {
         }
     }
 
-    /// Draws every entity that has a [`Pose`], and every [`Spring`] if forces are shown.
+    /// Draws every entity that has a [`Pose`], and every [`Spring`](crate::Spring) if springs or forces are shown.
     pub fn draw(&self, world: &World, target: &mut dyn DebugDraw) {
         for entity in world.iter() {
             self.draw_entity(entity, target);
-            if let (Some(_), Some(spring)) = (self.forces, entity.get::<&Spring>()) {
-                self.draw_spring(world, &spring, target);
-            }
+            self.draw_spring(world, entity, target);
         }
     }
 
@@ -212,6 +216,7 @@ impl DebugView {
             }
         }
         self.draw_arrows(entity, &pose, &mut pen);
+        self.draw_spring_to_point(entity, &pose, &mut pen);
         if let (true, Some(id)) = (self.ids, entity.get::<&BodyId>()) {
             pen.text(pose.position, &id.0.to_string(), Self::DYNAMIC);
         }
@@ -246,19 +251,6 @@ impl DebugView {
         if let Some(thruster) = entity.get::<&Thruster>() {
             let to_world = |vector: Vec3| pose.orientation * (vector * thruster.throttle);
             wrench(to_world(thruster.force), to_world(thruster.torque));
-        }
-        if let (Some(_), Some(spring)) = (self.forces, entity.get::<&SpringToPoint>()) {
-            pen.line(dvec3(pose.transform_point(spring.attachment)), dvec3(spring.anchor), Self::FORCE);
-        }
-    }
-
-    fn draw_spring(&self, world: &World, spring: &Spring, target: &mut dyn DebugDraw) {
-        let end = |i: usize| {
-            let pose = self.pose(world.entity(spring.bodies[i]).ok()?)?;
-            Some(dvec3(pose.transform_point(spring.attachments[i])))
-        };
-        if let (Some(from), Some(to)) = (end(0), end(1)) {
-            Pen { target }.line(from, to, Self::FORCE);
         }
     }
 
