@@ -13,7 +13,9 @@ use tumble::{Batch, Chance, ColliderError, Trial};
 
 const COINS: usize = 500;
 const SEED: u64 = 5;
-const RADIUS: Real = 0.5;
+const RADIUS: f64 = 0.5;
+/// Where the middle of a coin that lies still is at the most \[m\].
+const LYING: Real = 0.75;
 
 type Failure = Box<dyn Error + Send + Sync>;
 
@@ -27,7 +29,7 @@ enum Side {
 fn main() -> ExitCode {
     println!("{COINS} coins of each thickness\n\nthickness over diameter   heads   tails   edge   not yet at rest");
     for tenths in [1_u8, 3, 5, 6, 7, 8, 10] {
-        let ratio = Real::from(tenths) / 10.0;
+        let ratio = f64::from(tenths) / 10.0;
         match toss(ratio) {
             Ok(landed) => {
                 let count = |side| landed.iter().filter(|it| **it == side).count();
@@ -44,7 +46,7 @@ fn main() -> ExitCode {
 }
 
 /// On which side coins land, as thick as this part of their diameter; none for those that still move after a minute.
-fn toss(ratio: Real) -> Result<Vec<Option<Side>>, Failure> {
+fn toss(ratio: f64) -> Result<Vec<Option<Side>>, Failure> {
     let mut batch = Batch::from_seed(COINS, SEED, |_, chance| -> Result<Trial, Failure> {
         Ok(Trial::new(Settings::default(), table(ratio, chance)?)?)
     })?;
@@ -57,14 +59,14 @@ fn toss(ratio: Real) -> Result<Vec<Option<Side>>, Failure> {
 }
 
 /// Ground, and a coin a few metres above it that spins about any axis.
-fn table(ratio: Real, mut chance: Chance) -> Result<World, Failure> {
+fn table(ratio: f64, mut chance: Chance) -> Result<World, Failure> {
     let mut world = World::new();
     // A table of wood, which takes a part of the speed that the coin comes with.
     let wood = |collider: Collider| -> Result<Collider, ColliderError> {
         collider.with_material(Material { rolling_friction: 0.02, ..Material::new(0.4, 0.3) })
     };
     RigidBody::new(Shape::Point).fixed().build()?.spawn_with(&mut world, (wood(Collider::half_space())?,));
-    let coin = Shape::cylinder(f64::from(RADIUS), f64::from(RADIUS * ratio));
+    let coin = Shape::cylinder(RADIUS, RADIUS * ratio);
     RigidBody::new(coin.clone())
         .mass(1.0)
         .position(Vec3::Y * chance.between(3.0, 5.0))
@@ -82,7 +84,7 @@ fn resting_side(world: &mut World) -> Option<Side> {
     let (pose, velocity, _) = coins.into_iter().next()?;
     let is_still = velocity.linear.length() < 0.02 && velocity.angular.length() < 0.05;
     // At the top of a bounce it is still for a moment too, but higher.
-    if !is_still || pose.position.y > 1.5 * RADIUS {
+    if !is_still || pose.position.y > LYING {
         return None;
     }
     let upwards = (pose.orientation * Vec3::Y).y;
