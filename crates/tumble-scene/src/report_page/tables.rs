@@ -52,7 +52,7 @@ pub(super) fn conserved(summary: &Summary) -> String {
     format!(
         "<table>\n<thead><tr><th></th><th>start</th><th>end</th><th>largest drift</th></tr></thead>\n<tbody>\n{rows}</tbody>\n</table>\n\
          <p class=\"small\">The drift is the largest departure from the start, relative to the scale of the quantity. Forces that \
-         have no potential change the energy, and gravity the momentum: that is no error.</p>\n"
+         have no potential, and contacts, change the energy; gravity and ground the momentum: that is no error.</p>\n"
     )
 }
 
