@@ -165,6 +165,7 @@ fn step_together(trials: &mut [&mut Trial], pack: &mut Packed, likeness: Likenes
     let mut worlds: Vec<_> = worlds.collect();
     let found = worlds.len();
     coupled_steps(&mut worlds, Some((pack, likeness)), count, None);
+    drop(worlds);
     // Where there are colliders, bodies may act on each other.
     debug_assert_eq!(found, trials.len());
     trials.iter_mut().for_each(|trial| trial.simulation.count_steps(count));

@@ -1,4 +1,4 @@
-//! Archetypes and threads: the one place that borrows the columns of bodies and hands them out.
+//! Archetypes and threads: borrows the columns of bodies and hands them out.
 //!
 //! hecs keeps the entities that have the same set of components together, each component in a contiguous column. The columns of
 //! every archetype of moving bodies are borrowed as slices, cut into chunks of some hundred bodies, and each chunk is handed to one
@@ -22,7 +22,7 @@ const FEW: u32 = 2;
 
 /// Fewer bodies are not shared among threads: a step of 512 takes six microseconds, and handing half of them over saves less than it costs even
 /// while the other thread is awake.
-const LEAST_CHUNK: usize = 512;
+pub(crate) const LEAST_CHUNK: usize = 512;
 
 /// More bodies than these would not stay in the second-level cache from one system to the next, with all their columns.
 const MOST_CHUNK: usize = 2048;
@@ -36,16 +36,16 @@ macro_rules! columns {
         read_if_present: $($maybe_read:ident: $MaybeRead:ty),+;
     ) => {
         /// The borrowed columns of one archetype whose entities are moving bodies.
-        struct Columns<'w> {
-            $($written: ArchetypeColumnMut<'w, $Written>,)+
-            $($read: ArchetypeColumn<'w, $Read>,)+
-            $($maybe_written: Option<ArchetypeColumnMut<'w, $MaybeWritten>>,)+
-            $($maybe_read: Option<ArchetypeColumn<'w, $MaybeRead>>,)+
+        pub(crate) struct Columns<'w> {
+            $(pub(crate) $written: ArchetypeColumnMut<'w, $Written>,)+
+            $(pub(crate) $read: ArchetypeColumn<'w, $Read>,)+
+            $(pub(crate) $maybe_written: Option<ArchetypeColumnMut<'w, $MaybeWritten>>,)+
+            $(pub(crate) $maybe_read: Option<ArchetypeColumn<'w, $MaybeRead>>,)+
         }
 
         impl<'w> Columns<'w> {
             /// `None` where the archetype's entities are not moving bodies.
-            fn borrow(archetype: &'w Archetype) -> Option<Self> {
+            pub(crate) fn borrow(archetype: &'w Archetype) -> Option<Self> {
                 if archetype.is_empty() {
                     return None;
                 }
@@ -57,7 +57,7 @@ macro_rules! columns {
                 })
             }
 
-            fn chunk<'a>(&'a mut self, laws: Laws<'a>) -> Chunk<'a> {
+            pub(crate) fn chunk<'a>(&'a mut self, laws: Laws<'a>) -> Chunk<'a> {
                 Chunk {
                     laws,
                     first_row: 0,
@@ -102,7 +102,7 @@ macro_rules! columns {
                 }
             }
 
-            fn split_at(self, middle: usize) -> (Self, Self) {
+            pub(crate) fn split_at(self, middle: usize) -> (Self, Self) {
                 $(let $written = self.$written.split_at_mut(middle);)+
                 $(let $read = self.$read.split_at(middle);)+
                 $(let $maybe_written = self.$maybe_written.map(|column| column.split_at_mut(middle)).unzip();)+
@@ -258,19 +258,6 @@ fn for_each_archetype(
     for archetype in these() {
         if let Some(mut columns) = Columns::borrow(archetype) {
             laws.with_rows(archetype, &mut |laws| for_each_part(columns.chunk(laws), system));
-        }
-    }
-}
-
-/// Calls `then` for each archetype of moving bodies, one after the other, with all of them and the numbers of their entities.
-pub(crate) fn for_each_archetype_in_turn(
-    world: &World,
-    laws: &ForceLaws,
-    mut then: impl FnMut(&[u32], &mut Chunk<'_>),
-) {
-    for archetype in world.archetypes() {
-        if let Some(mut columns) = Columns::borrow(archetype) {
-            laws.with_rows(archetype, &mut |laws| then(archetype.ids(), &mut columns.chunk(laws)));
         }
     }
 }

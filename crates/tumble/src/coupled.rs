@@ -3,12 +3,11 @@
 use hecs::World;
 
 use crate::clock::Clock;
-use crate::columns::for_each_chunk;
 use crate::contacts::{Likeness, Packed};
 use crate::coupling::Coupling;
 use crate::force_laws::ForceLaws;
+use crate::held::Held;
 use crate::integrator::Integrator;
-use crate::kinematic::move_kinematic_bodies_a_substep;
 use crate::math::Real;
 use crate::phase_times::{Phase, PhaseTimes, Stopwatch};
 use crate::settings::Settings;
@@ -16,12 +15,12 @@ use crate::systems::{Wrenches, accumulate_forces_of, integrate_bodies, remember_
 
 /// A world in which bodies act on each other, and what it is stepped with.
 pub(crate) struct Coupled<'a> {
-    pub(crate) world: &'a mut World,
-    pub(crate) settings: &'a Settings,
-    pub(crate) laws: &'a ForceLaws,
-    pub(crate) coupling: &'a mut Coupling,
+    held: Held<'a>,
+    settings: &'a Settings,
+    laws: &'a ForceLaws,
+    coupling: &'a mut Coupling,
     /// At the first step.
-    pub(crate) clock: Clock,
+    clock: Clock,
 }
 
 /// What worlds that go step by step together are packed in, and what they have in common.
@@ -36,19 +35,19 @@ pub(crate) fn coupled_steps(
 ) {
     for step in 0..steps {
         let mut stopwatch = PhaseTimes::start(times);
-        for Coupled { world, settings, laws, .. } in &mut *worlds {
-            for_each_chunk(world, laws, |bodies| {
+        for Coupled { held, settings, laws, .. } in &mut *worlds {
+            held.for_each_chunk(laws, |_, bodies| {
                 remember_poses(bodies);
                 accumulate_forces_of(bodies, settings);
             });
         }
         stopwatch.end_of(Phase::AccumulateForces);
-        let beside = |world: &mut World, settings: &Settings, substep| {
-            move_kinematic_bodies_a_substep(world, settings.substep(), substep);
+        let beside = |held: &mut Held<'_>, settings: &Settings, substep| {
+            held.move_kinematic_bodies(settings.substep(), substep);
         };
         integrate_coupled(worlds, together.as_mut(), step, beside, &mut stopwatch);
-        for Coupled { world, laws, .. } in &mut *worlds {
-            for_each_chunk(world, laws, update_derived_of);
+        for Coupled { held, laws, .. } in &mut *worlds {
+            held.for_each_chunk(laws, |_, bodies| update_derived_of(bodies));
         }
         stopwatch.end_of(Phase::UpdateDerived);
     }
@@ -60,7 +59,7 @@ pub(crate) fn integrate_coupled(
     worlds: &mut [Coupled<'_>],
     mut together: Option<&mut Together<'_>>,
     step: u32,
-    beside: impl Fn(&mut World, &Settings, u32),
+    beside: impl Fn(&mut Held<'_>, &Settings, u32),
     stopwatch: &mut Stopwatch<'_>,
 ) {
     for contacts in worlds.iter_mut().filter_map(|it| it.coupling.contacts.as_mut()) {
@@ -82,7 +81,7 @@ pub(crate) fn integrate_coupled(
         stopwatch.end_if(touch, Phase::Contacts);
         for it in &mut *worlds {
             it.integrate(it.time_of(step, substep), substep);
-            beside(it.world, it.settings, substep);
+            beside(&mut it.held, it.settings, substep);
         }
         stopwatch.end_of(Phase::Integrate);
         for it in &mut *worlds {
@@ -105,7 +104,7 @@ fn push_together(worlds: &mut [Coupled<'_>], packed: &mut Packed, likeness: &Lik
     let mut touching = [0; 2];
     for it in &mut *worlds {
         if let Some(contacts) = &mut it.coupling.contacts {
-            let [moved, unmoved] = contacts.find_touching(it.world, it.settings);
+            let [moved, unmoved] = contacts.find_touching(&it.held, it.settings);
             touching = [touching[0] + moved, touching[1] + unmoved];
         }
     }
@@ -113,7 +112,7 @@ fn push_together(worlds: &mut [Coupled<'_>], packed: &mut Packed, likeness: &Lik
     for it in &mut *worlds {
         let time = it.time_of(step, substep);
         if let Some(contacts) = &mut it.coupling.contacts {
-            packed.add(contacts, it.world, it.settings, it.laws, time);
+            packed.add(contacts, &mut it.held, it.settings, it.laws, time);
         }
     }
     packed.push(settings, likeness);
@@ -122,7 +121,19 @@ fn push_together(worlds: &mut [Coupled<'_>], packed: &mut Packed, likeness: &Lik
     }
 }
 
-impl Coupled<'_> {
+impl<'a> Coupled<'a> {
+    /// Of a world, of which it finds out what acts between which bodies, and holds these until it is dropped.
+    pub(crate) fn new(
+        world: &'a mut World,
+        settings: &'a Settings,
+        laws: &'a ForceLaws,
+        coupling: &'a mut Coupling,
+        clock: Clock,
+    ) -> Self {
+        coupling.find(world);
+        Self { held: Held::of(world, laws), settings, laws, coupling, clock }
+    }
+
     /// When a substep begins \[s\].
     fn time_of(&self, step: u32, substep: u32) -> f64 {
         self.clock.time_after(step) + f64::from(substep) * f64::from(self.settings.substep())
@@ -140,14 +151,14 @@ impl Coupled<'_> {
     fn kick(&mut self, duration: Real) {
         if let Some(pairs) = &mut self.coupling.pairs {
             crate::scope::scope!("tumble::pairs");
-            pairs.kick(self.world, duration, self.settings.substep());
+            pairs.kick(&mut self.held, duration, self.settings.substep());
         }
     }
 
     fn push_alone(&mut self, time: f64) {
         if let Some(contacts) = &mut self.coupling.contacts {
             crate::scope::scope!("tumble::contacts");
-            contacts.solve(self.world, self.settings, self.laws, time);
+            contacts.solve(&mut self.held, self.settings, self.laws, time);
         }
     }
 
@@ -155,13 +166,13 @@ impl Coupled<'_> {
     fn integrate(&mut self, time: f64, substep: u32) {
         let one = Settings { dt: self.settings.substep(), substeps: 1, ..*self.settings };
         let wrenches = if substep + 1 == self.settings.substeps { Wrenches::Consumed } else { Wrenches::Kept };
-        for_each_chunk(self.world, self.laws, |bodies| integrate_bodies(bodies, &one, time, wrenches));
+        self.held.for_each_chunk(self.laws, |_, bodies| integrate_bodies(bodies, &one, time, wrenches));
     }
 
     /// Puts the bodies that touch something where contacts have pushed them.
     fn write_contacts(&mut self, together: Option<&Together<'_>>) {
         if let Some(contacts) = &self.coupling.contacts {
-            contacts.write(self.world, together.map(|(packed, _)| packed.pushing()));
+            contacts.write(&mut self.held, self.laws, together.map(|(packed, _)| packed.pushing()));
         }
     }
 }

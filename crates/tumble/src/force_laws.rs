@@ -189,8 +189,12 @@ impl ForceLaws {
 
     /// Whether there is a body in the world on which a law may act.
     pub(crate) fn act_in(&self, world: &World) -> bool {
-        !self.added.is_empty()
-            || world.archetypes().any(|archetype| !archetype.is_empty() && may_have_forces(archetype))
+        world.archetypes().any(|archetype| !archetype.is_empty() && self.may_act_on(archetype))
+    }
+
+    /// Whether a law may act on the bodies of an archetype.
+    pub(crate) fn may_act_on(&self, archetype: &Archetype) -> bool {
+        !self.added.is_empty() || may_have_forces(archetype)
     }
 
     /// The laws, with their indices: the index of an account is that of the law.

@@ -22,17 +22,8 @@ pub(crate) fn move_kinematic_bodies(world: &mut World, dt: Real, steps: u32) {
     }
 }
 
-/// Moves the kinematic bodies for one of the equal parts, `h` \[s\], of a step; the previous pose is that before the first.
-pub(crate) fn move_kinematic_bodies_a_substep(world: &mut World, h: Real, substep: u32) {
-    for (pose, velocity, previous) in world.query_mut::<Kinematic<'_>>() {
-        if let Some(previous) = previous.filter(|_| substep == 0) {
-            *previous = PreviousPose(*pose);
-        }
-        drift(pose, velocity, h);
-    }
-}
-
-fn drift(pose: &mut Pose, velocity: &Velocity, dt: Real) {
+/// Moves a body along a velocity for `dt` \[s\].
+pub(crate) fn drift(pose: &mut Pose, velocity: &Velocity, dt: Real) {
     pose.position += velocity.linear * dt;
     pose.orientation = rotate_exactly(pose.orientation.into(), velocity.angular.into(), dt).into();
 }

@@ -84,6 +84,7 @@ mod derived;
 mod force_law;
 mod force_laws;
 mod generators;
+mod held;
 mod integrator;
 mod integrators;
 mod kinematic;

@@ -2,8 +2,9 @@
 
 use hecs::{Archetype, World};
 
-use crate::components::{BodyId, Inertia, Mass, Momentum, Pose, PrincipalAxes, Velocity, Wrench};
+use crate::components::{BodyId, Pose, Velocity};
 use crate::derived::{Derived, derived};
+use crate::held::{Bodies, Held};
 use crate::math::Real;
 use crate::state::{Constants, Moments, State};
 
@@ -17,8 +18,14 @@ pub(crate) type Key = (bool, Option<BodyId>, u32);
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 struct Member {
     key: Key,
-    archetype: usize,
-    row: usize,
+    place: Place,
+}
+
+/// An archetype of a world, by its index, and a row of it.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord)]
+pub(crate) struct Place {
+    pub(crate) archetype: u32,
+    pub(crate) row: u32,
 }
 
 /// A body as forces between bodies see it.
@@ -36,54 +43,63 @@ pub(crate) struct Seen {
 #[derive(Clone, Default)]
 pub(crate) struct Members {
     members: Vec<Member>,
+    /// By entity number, whether it is concerned.
+    marks: Vec<bool>,
     /// By entity number.
     slots: Vec<u32>,
-    /// The slots by archetype, then row.
-    by_place: Vec<usize>,
+    /// The slots in the order of places.
+    by_place: Vec<u32>,
+    /// By archetype, where its slots begin in that order; and where the last end.
+    begins: Vec<u32>,
     pub(crate) seen: Vec<Seen>,
 }
 
 impl Members {
     /// Finds the bodies among the entities that are marked, by number, when each archetype of the world is gone through.
     pub(crate) fn find(&mut self, world: &World, marked: impl Fn(&Archetype, &mut dyn FnMut(u32))) {
-        self.slots.clear();
+        let mut marks = std::mem::take(&mut self.marks);
+        marks.clear();
         for archetype in world.archetypes().filter(|archetype| !archetype.is_empty()) {
-            marked(archetype, &mut |entity| self.mark(entity));
+            marked(archetype, &mut |entity| mark(&mut marks, entity as usize));
         }
-        self.members.clear();
-        for (index, archetype) in world.archetypes().enumerate().filter(|(_, archetype)| archetype.has::<Pose>()) {
-            let ids = archetype.get::<&BodyId>();
-            for (row, &entity) in archetype.ids().iter().enumerate() {
-                if self.slots.get(entity as usize).is_some_and(|slot| *slot != NONE) {
-                    let id = ids.as_deref().map(|ids| ids[row]);
-                    self.members.push(Member { key: (id.is_none(), id, entity), archetype: index, row });
-                }
-            }
+        // From step to step they are mostly the same, and need not be sorted again.
+        let known = self.by_place.iter().map(|slot| self.members[*slot as usize]);
+        if !known.eq(found(world, &marks)) {
+            self.list(found(world, &marks));
         }
-        // hecs goes through archetypes and rows in their order, so this is that of places.
-        self.by_place.clear();
-        self.by_place.resize(self.members.len(), 0);
-        if !self.members.is_sorted() {
-            self.members.sort_unstable();
+        self.begins.clear();
+        let mut begin = 0;
+        for (index, _) in world.archetypes().enumerate() {
+            self.begins.push(begin as u32);
+            let is_here = |slot: &&u32| self.members[**slot as usize].place.archetype as usize == index;
+            begin += self.by_place[begin..].iter().take_while(is_here).count();
         }
-        self.slots.fill(NONE);
-        for (slot, member) in self.members.iter().enumerate() {
-            self.slots[member.key.2 as usize] = slot as u32;
-            self.by_place[slot] = slot;
-        }
-        let members = &self.members;
-        let place = |slot: &usize| (members[*slot].archetype, members[*slot].row);
-        if !self.by_place.is_sorted_by_key(place) {
-            self.by_place.sort_unstable_by_key(place);
-        }
+        self.begins.push(begin as u32);
+        self.marks = marks;
     }
 
-    fn mark(&mut self, id: u32) {
-        let id = id as usize;
-        if self.slots.len() <= id {
-            self.slots.resize(id + 1, NONE);
+    /// Gives slots to bodies, which come in the order of their places.
+    fn list(&mut self, found: impl Iterator<Item = Member>) {
+        let Self { members, slots, by_place, .. } = self;
+        members.clear();
+        members.extend(found);
+        if !members.is_sorted() {
+            members.sort_unstable();
         }
-        self.slots[id] = 0;
+        slots.clear();
+        by_place.clear();
+        for (slot, member) in members.iter().enumerate() {
+            let entity = member.key.2 as usize;
+            if slots.len() <= entity {
+                slots.resize(entity + 1, NONE);
+            }
+            slots[entity] = slot as u32;
+            by_place.push(slot as u32);
+        }
+        let place = |slot: &u32| members[*slot as usize].place;
+        if !by_place.is_sorted_by_key(place) {
+            by_place.sort_unstable_by_key(place);
+        }
     }
 
     /// The slot of an entity, if it is a body that was found.
@@ -96,6 +112,24 @@ impl Members {
         self.members[slot].key
     }
 
+    /// Where the components of a slot's body are.
+    pub(crate) fn place(&self, slot: usize) -> Place {
+        self.members[slot].place
+    }
+
+    /// All slots in the order of places.
+    pub(crate) fn in_order_of_places(&self) -> impl Iterator<Item = usize> + '_ {
+        self.by_place.iter().map(|slot| *slot as usize)
+    }
+
+    /// The slots of the bodies in an archetype, by its index, in the order of rows.
+    pub(crate) fn slots_in(&self, archetype: usize) -> &[u32] {
+        match self.begins.get(archetype..archetype + 2) {
+            Some(&[begin, end]) => &self.by_place[begin as usize..end as usize],
+            _ => &[],
+        }
+    }
+
     pub(crate) fn len(&self) -> usize {
         self.members.len()
     }
@@ -106,72 +140,41 @@ impl Members {
         world: &World,
         mut then: impl FnMut(&Archetype, &mut dyn Iterator<Item = (usize, usize)>),
     ) {
-        let groups = self.by_place.chunk_by(|a, b| self.members[*a].archetype == self.members[*b].archetype);
-        let mut archetypes = world.archetypes().enumerate();
-        for group in groups {
-            let wanted = self.members[group[0]].archetype;
-            if let Some((_, archetype)) = archetypes.find(|(index, _)| *index == wanted) {
-                then(archetype, &mut group.iter().map(|&slot| (self.members[slot].row, slot)));
+        for (index, archetype) in world.archetypes().enumerate() {
+            let slots = self.slots_in(index).iter().map(|slot| *slot as usize);
+            if slots.len() > 0 {
+                then(archetype, &mut slots.map(|slot| (self.members[slot].place.row as usize, slot)));
             }
         }
     }
 
     /// Reads the state of all.
-    pub(crate) fn gather(&mut self, world: &World) {
-        let mut seen = std::mem::take(&mut self.seen);
+    pub(crate) fn see(&mut self, held: &Held<'_>) {
+        let Self { members, seen, .. } = self;
         seen.clear();
-        seen.resize(self.len(), Seen::NOWHERE);
-        self.for_each_archetype(world, |archetype, places| {
-            let columns = Columns::of(archetype);
-            places.for_each(|(row, slot)| seen[slot] = columns.seen(row));
-        });
-        self.seen = seen;
+        seen.extend(members.iter().map(|member| Seen::of(held.bodies(member.place), member.place.row as usize)));
     }
 }
 
-/// The columns that there are of one archetype.
-struct Columns<'a> {
-    pose: Option<hecs::ArchetypeColumn<'a, Pose>>,
-    momentum: Option<hecs::ArchetypeColumn<'a, Momentum>>,
-    mass: Option<hecs::ArchetypeColumn<'a, Mass>>,
-    inertia: Option<hecs::ArchetypeColumn<'a, Inertia>>,
-    axes: Option<hecs::ArchetypeColumn<'a, PrincipalAxes>>,
-    velocity: Option<hecs::ArchetypeColumn<'a, Velocity>>,
-    /// Whether there are wrenches: without them a body is not integrated.
-    wrench: bool,
+fn mark(marks: &mut Vec<bool>, entity: usize) {
+    if marks.len() <= entity {
+        marks.resize(entity + 1, false);
+    }
+    marks[entity] = true;
 }
 
-impl<'a> Columns<'a> {
-    fn of(archetype: &'a Archetype) -> Self {
-        Self {
-            pose: archetype.get::<&Pose>(),
-            momentum: archetype.get::<&Momentum>(),
-            mass: archetype.get::<&Mass>(),
-            inertia: archetype.get::<&Inertia>(),
-            axes: archetype.get::<&PrincipalAxes>(),
-            velocity: archetype.get::<&Velocity>(),
-            wrench: archetype.has::<Wrench>(),
-        }
-    }
-
-    fn seen(&self, row: usize) -> Seen {
-        let Some(pose) = self.pose.as_deref().map(|column| column[row]) else { return Seen::NOWHERE };
-        let (Some(momentum), Some(mass), true) = (&self.momentum, &self.mass, self.wrench) else {
-            let velocity = self.velocity.as_deref().map_or(Velocity::default(), |column| column[row]);
-            return Seen::unmoved(pose, velocity);
-        };
-        let axes = self.axes.as_deref().map(|column| column[row]);
-        let inertia = self.inertia.as_deref().map(|column| Moments::new(&column[row], axes.as_ref()));
-        let constants = Constants { mass: mass[row].kilograms(), inertia, damping: None };
-        let state = State::new(&pose, &momentum[row]);
-        let upright = State { orientation: state.orientation.normalize(), ..state };
-        Seen {
-            state: upright,
-            inverse_mass: 1.0 / constants.mass,
-            constants: Some(constants),
-            derived: derived(&constants, &upright),
-        }
-    }
+/// The bodies among marked entities, in the order of their places: hecs goes through archetypes and rows in theirs.
+fn found<'a>(world: &'a World, marks: &'a [bool]) -> impl Iterator<Item = Member> + 'a {
+    let archetypes = world.archetypes().enumerate().filter(|(_, archetype)| archetype.has::<Pose>());
+    archetypes.flat_map(move |(index, archetype)| {
+        let ids = archetype.get::<&BodyId>();
+        archetype.ids().iter().enumerate().filter_map(move |(row, &entity)| {
+            let id = ids.as_deref().map(|ids| ids[row]);
+            let place = Place { archetype: index as u32, row: row as u32 };
+            let is_marked = marks.get(entity as usize).is_some_and(|mark| *mark);
+            is_marked.then_some(Member { key: (id.is_none(), id, entity), place })
+        })
+    })
 }
 
 impl Seen {
@@ -186,6 +189,26 @@ impl Seen {
             derived: Derived { linear: zero, angular: zero, diagonal: zero, off_diagonal: zero },
         }
     };
+
+    /// A body in a row.
+    fn of(bodies: &Bodies<'_>, row: usize) -> Self {
+        let columns = match bodies {
+            Bodies::Moving(columns) => columns,
+            Bodies::Unmoved(columns) => return Self::unmoved(columns.pose[row], columns.velocity(row)),
+            Bodies::None => return Self::NOWHERE,
+        };
+        let axes = columns.axes.as_deref().map(|column| column[row]);
+        let inertia = columns.inertia.as_deref().map(|column| Moments::new(&column[row], axes.as_ref()));
+        let constants = Constants { mass: columns.mass[row].kilograms(), inertia, damping: None };
+        let state = State::new(&columns.pose[row], &columns.momentum[row]);
+        let upright = State { orientation: state.orientation.normalize(), ..state };
+        Self {
+            state: upright,
+            inverse_mass: 1.0 / constants.mass,
+            constants: Some(constants),
+            derived: derived(&constants, &upright),
+        }
+    }
 
     /// A body that stays or moves as it is told.
     fn unmoved(pose: Pose, velocity: Velocity) -> Self {

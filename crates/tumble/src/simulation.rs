@@ -154,8 +154,7 @@ impl Simulation {
         }
         let clock = self.clock();
         let coupling = self.coupling.get_or_insert_default();
-        coupling.find(world);
-        Some(Coupled { world, settings: &self.settings, laws: &self.laws, coupling, clock })
+        Some(Coupled::new(world, &self.settings, &self.laws, coupling, clock))
     }
 
     /// So many steps have been taken with [`coupled`](Self::coupled).

@@ -47,8 +47,7 @@ pub(crate) fn steps_under_laws(
     crate::scope::scope!("tumble::step");
     if Coupling::is_in(world) {
         let coupling = coupling.get_or_insert_default();
-        coupling.find(world);
-        coupled_steps(&mut [Coupled { world, settings, laws, coupling, clock }], None, steps, times);
+        coupled_steps(&mut [Coupled::new(world, settings, laws, coupling, clock)], None, steps, times);
     } else {
         if let Some(coupling) = coupling {
             coupling.pass(world, steps);

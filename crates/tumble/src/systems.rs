@@ -88,8 +88,7 @@ pub fn integrate(world: &mut World, settings: &Settings) {
 pub fn integrate_under_laws(world: &mut World, settings: &Settings, laws: &ForceLaws, time: f64) {
     if Coupling::is_in(world) {
         let mut coupling = Coupling::default();
-        coupling.find(world);
-        let coupled = Coupled { world, settings, laws, coupling: &mut coupling, clock: Clock::at(time) };
+        let coupled = Coupled::new(world, settings, laws, &mut coupling, Clock::at(time));
         integrate_coupled(&mut [coupled], None, 0, |_, _, _| (), &mut PhaseTimes::start(None));
     } else {
         for_each_chunk(world, laws, |bodies| integrate_bodies(bodies, settings, time, Wrenches::Consumed));

@@ -13,6 +13,7 @@ mod collider_shape;
 mod colouring;
 mod contact;
 mod frame;
+mod gathering;
 mod keep;
 mod keeping;
 mod material;

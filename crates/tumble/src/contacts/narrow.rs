@@ -1,3 +1,5 @@
+use std::ops::Range;
+
 use rayon::prelude::*;
 use tumble_collide::lanes::{CuboidLanes, ManifoldLanes, ball_pair, cuboid_gap, cuboid_pair};
 use tumble_collide::{Geometry, MOST_POINTS, Placement};
@@ -53,6 +55,26 @@ impl Shapes {
     /// A slot without pairs.
     fn nobody(&self) -> u32 {
         (self.places.len() - 1) as u32
+    }
+
+    /// Some slots, to be set.
+    pub(super) fn part(&mut self, slots: Range<usize>) -> ShapesPart<'_> {
+        ShapesPart { places: &mut self.places[slots.clone()], sizes: &mut self.sizes[slots] }
+    }
+}
+
+/// Some neighbouring slots.
+pub(super) struct ShapesPart<'a> {
+    places: &'a mut [Eight],
+    sizes: &'a mut [Eight],
+}
+
+impl ShapesPart<'_> {
+    /// The first so many, and the others.
+    pub(super) fn split_at(self, middle: usize) -> (Self, Self) {
+        let (places, other_places) = self.places.split_at_mut(middle);
+        let (sizes, other_sizes) = self.sizes.split_at_mut(middle);
+        (Self { places, sizes }, Self { places: other_places, sizes: other_sizes })
     }
 
     pub(super) fn set(

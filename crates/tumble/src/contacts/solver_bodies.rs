@@ -1,3 +1,5 @@
+use std::ops::Range;
+
 use rayon::prelude::*;
 use tumble_math::FreeRotation;
 use tumble_math::lane::{Quat, Vec3};
@@ -65,32 +67,16 @@ impl SolverBodies {
         self.free.next_multiple_of(BLOCK) + 1
     }
 
-    /// Sets what forces move, for substeps of `h` \[s\].
-    pub(super) fn set_free(
-        &mut self,
-        row: usize,
-        constants: &Constants<Real>,
-        state: &State<Real>,
-        force: Force<Real>,
-        h: Real,
-    ) {
-        let (p, l, x) = (state.linear, state.angular, state.position);
-        let mut orientation = state.orientation.normalize();
-        if let Some(inertia) = &constants.inertia {
-            let (d, o) = inertia.inverse_in_world(orientation);
-            self.response[row] = Eight([d.x, d.y, d.z, o.x, o.y, o.z, 0.0, 0.0]);
-            let (m, i) = (inertia.moments, inertia.inverse_moments);
-            self.inertia[row] = Eight([m.x, m.y, m.z, i.x, i.y, i.z, 1.0, 0.0]);
-            orientation = inertia.axes.map_or(orientation, |axes| orientation * axes);
+    /// Rows of bodies that forces move, to be set.
+    pub(super) fn free_rows(&mut self, rows: Range<usize>) -> FreeRows<'_> {
+        let Self { motion, response, kick, inertia, pose, .. } = self;
+        FreeRows {
+            motion: &mut motion[rows.clone()],
+            response: &mut response[rows.clone()],
+            kick: &mut kick[rows.clone()],
+            inertia: &mut inertia[rows.clone()],
+            pose: &mut pose[rows],
         }
-        let q = orientation;
-        self.motion[row] = Eight([p.x, p.y, p.z, l.x, l.y, l.z, 1.0 / constants.mass, 0.0]);
-        self.pose[row] = Eight([x.x, x.y, x.z, q.x, q.y, q.z, q.w, 0.0]);
-        let kick = Kick::new(constants, h);
-        let still = State { linear: Vec3::zero(), angular: Vec3::zero(), ..*state };
-        let State { linear: p, angular: l, .. } = kick.kicked(still, force);
-        let (linear, angular) = kick.kept();
-        self.kick[row] = Eight([p.x, p.y, p.z, l.x, l.y, l.z, linear, angular]);
     }
 
     /// Sets what moves with given velocities.
@@ -149,6 +135,62 @@ impl SolverBodies {
         parts.for_each(|(((response, pose), moved), (motion, inertia))| {
             dispatch_in_blocks(&mut DriftAll { motion, response, pose, inertia, moved, h });
         });
+    }
+}
+
+/// Rows of bodies that forces move.
+pub(super) struct FreeRows<'a> {
+    motion: &'a mut [Eight],
+    response: &'a mut [Eight],
+    kick: &'a mut [Eight],
+    inertia: &'a mut [Eight],
+    pose: &'a mut [Eight],
+}
+
+impl FreeRows<'_> {
+    /// The first so many, and the others.
+    pub(super) fn split_at(self, middle: usize) -> (Self, Self) {
+        let (motion, other_motion) = self.motion.split_at_mut(middle);
+        let (response, other_response) = self.response.split_at_mut(middle);
+        let (kick, other_kick) = self.kick.split_at_mut(middle);
+        let (inertia, other_inertia) = self.inertia.split_at_mut(middle);
+        let (pose, other_pose) = self.pose.split_at_mut(middle);
+        let others = Self {
+            motion: other_motion,
+            response: other_response,
+            kick: other_kick,
+            inertia: other_inertia,
+            pose: other_pose,
+        };
+        (Self { motion, response, kick, inertia, pose }, others)
+    }
+
+    /// Sets what forces move, for substeps of `h` \[s\].
+    pub(super) fn set(
+        &mut self,
+        row: usize,
+        constants: &Constants<Real>,
+        state: &State<Real>,
+        force: Force<Real>,
+        h: Real,
+    ) {
+        let (p, l, x) = (state.linear, state.angular, state.position);
+        let mut orientation = state.orientation.normalize();
+        if let Some(inertia) = &constants.inertia {
+            let (d, o) = inertia.inverse_in_world(orientation);
+            self.response[row] = Eight([d.x, d.y, d.z, o.x, o.y, o.z, 0.0, 0.0]);
+            let (m, i) = (inertia.moments, inertia.inverse_moments);
+            self.inertia[row] = Eight([m.x, m.y, m.z, i.x, i.y, i.z, 1.0, 0.0]);
+            orientation = inertia.axes.map_or(orientation, |axes| orientation * axes);
+        }
+        let q = orientation;
+        self.motion[row] = Eight([p.x, p.y, p.z, l.x, l.y, l.z, 1.0 / constants.mass, 0.0]);
+        self.pose[row] = Eight([x.x, x.y, x.z, q.x, q.y, q.z, q.w, 0.0]);
+        let kick = Kick::new(constants, h);
+        let still = State { linear: Vec3::zero(), angular: Vec3::zero(), ..*state };
+        let State { linear: p, angular: l, .. } = kick.kicked(still, force);
+        let (linear, angular) = kick.kept();
+        self.kick[row] = Eight([p.x, p.y, p.z, l.x, l.y, l.z, linear, angular]);
     }
 }
 

@@ -5,8 +5,9 @@ use hecs::World;
 use super::gravity_mass::{Gravity, Source};
 use super::spring_impulse::{Impulse, Springs, Velocities};
 use super::{GravityMass, Spring};
-use crate::components::{Momentum, Work};
+use crate::components::Work;
 use crate::force_laws::{GRAVITY_MASS, SPRING};
+use crate::held::Held;
 use crate::math::{Real, double};
 use crate::members::Members;
 
@@ -58,8 +59,8 @@ impl PairForces {
     }
 
     /// Changes the momenta by what the forces, as they are now, do in the time `t` \[s\]; `h` \[s\] is the substep.
-    pub(crate) fn kick(&mut self, world: &World, t: Real, h: Real) {
-        self.members.gather(world);
+    pub(crate) fn kick(&mut self, held: &mut Held<'_>, t: Real, h: Real) {
+        self.members.see(held);
         let seen = &self.members.seen;
         self.gravity.update(self.attracting.iter().map(|(slot, mass)| Source {
             position: seen[*slot].state.position.into(),
@@ -80,21 +81,17 @@ impl PairForces {
             }
             self.springs.update(&self.velocities);
         }
-        let seen = &self.members.seen;
-        self.members.for_each_archetype(world, |archetype, places| {
-            let Some(mut momenta) = archetype.get::<&mut Momentum>() else { return };
-            let mut works = archetype.get::<&mut Work>();
-            for (row, slot) in places.filter(|(_, slot)| seen[*slot].constants.is_some()) {
-                let by_springs = self.springs.impulse(slot);
-                let by_gravity = self.by_gravity(slot, t);
-                let momentum = &mut momenta[row];
-                momentum.linear = (seen[slot].state.linear + (by_springs.linear + by_gravity.linear)).into();
-                momentum.angular = (seen[slot].state.angular + by_springs.angular).into();
-                if let Some(work) = works.as_mut().map(|works| &mut works[row]) {
-                    self.book(work, slot, &by_springs, &by_gravity);
-                }
+        for (slot, seen) in self.members.seen.iter().enumerate().filter(|(_, seen)| seen.constants.is_some()) {
+            let place = self.members.place(slot);
+            let (Some(columns), row) = (held.moving_mut(place), place.row as usize) else { continue };
+            let (by_springs, by_gravity) = (self.springs.impulse(slot), self.by_gravity(slot, t));
+            let momentum = &mut columns.momentum[row];
+            momentum.linear = (seen.state.linear + (by_springs.linear + by_gravity.linear)).into();
+            momentum.angular = (seen.state.angular + by_springs.angular).into();
+            if let Some(works) = &mut columns.work {
+                self.book(&mut works[row], slot, &by_springs, &by_gravity);
             }
-        });
+        }
     }
 
     fn by_gravity(&self, slot: usize, t: Real) -> Impulse {

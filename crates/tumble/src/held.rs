@@ -1,0 +1,192 @@
+//! The columns of a world's bodies, borrowed once for all steps that are taken at a time.
+//!
+//! To borrow a dozen columns takes as long as to step a body or two. Bodies that act on each other are gone through half a dozen times a step, so in a world of ten of
+//! them it would take longer than all the rest.
+
+use std::cell::RefCell;
+use std::ops::Range;
+
+use hecs::{Archetype, ArchetypeColumn, ArchetypeColumnMut, World};
+
+use crate::columns::{Chunk, Columns, for_each_part};
+use crate::components::{Mass, Momentum, Pose, PreviousPose, Velocity};
+use crate::force_laws::{ForceLaws, Laws};
+use crate::kinematic::drift;
+use crate::math::Real;
+use crate::members::Place;
+
+/// The columns of all bodies of a world.
+pub(crate) struct Held<'w> {
+    /// By the index that they have in the world.
+    archetypes: Vec<HeldArchetype<'w>>,
+}
+
+struct HeldArchetype<'w> {
+    archetype: &'w Archetype,
+    /// Whether force laws may act on its bodies.
+    under_laws: bool,
+    bodies: Bodies<'w>,
+}
+
+/// The columns of one archetype.
+#[allow(clippy::large_enum_variant, reason = "there are a few of them, and a box would allocate in every step")]
+pub(crate) enum Bodies<'w> {
+    /// Of bodies that forces move.
+    Moving(Columns<'w>),
+    /// Of bodies that stay or move as they are told.
+    Unmoved(Unmoved<'w>),
+    /// Of no bodies.
+    None,
+}
+
+/// The columns of bodies that forces do not move.
+pub(crate) struct Unmoved<'w> {
+    pub(crate) pose: ArchetypeColumnMut<'w, Pose>,
+    velocity: Option<ArchetypeColumn<'w, Velocity>>,
+    previous_pose: Option<ArchetypeColumnMut<'w, PreviousPose>>,
+    is_kinematic: bool,
+}
+
+/// What is looked at of the bodies of one archetype.
+#[derive(Clone, Copy)]
+pub(crate) struct Looked<'a> {
+    pub(crate) pose: &'a [Pose],
+    /// Of bodies that forces move.
+    pub(crate) pushed: Option<(&'a [Momentum], &'a [Mass])>,
+    pub(crate) velocity: Option<&'a [Velocity]>,
+}
+
+impl<'a> Looked<'a> {
+    pub(crate) fn rows(self, rows: Range<usize>) -> Self {
+        Self {
+            pose: &self.pose[rows.clone()],
+            pushed: self.pushed.map(|(momenta, masses)| (&momenta[rows.clone()], &masses[rows.clone()])),
+            velocity: self.velocity.map(|velocities| &velocities[rows]),
+        }
+    }
+}
+
+thread_local! {
+    /// Memory of columns that were given back, for the next. hecs keeps borrowed columns to one thread, so it is not a simulation's, which goes from thread to thread.
+    static ROOMS: RefCell<Vec<Vec<HeldArchetype<'static>>>> = const { RefCell::new(Vec::new()) };
+}
+
+impl<'w> Held<'w> {
+    /// Borrows the columns of all bodies of a world, on which these laws may act.
+    pub(crate) fn of(world: &'w World, laws: &ForceLaws) -> Self {
+        let room = ROOMS.with_borrow_mut(Vec::pop).unwrap_or_default();
+        let mut archetypes = emptied(room);
+        archetypes.extend(world.archetypes().map(|archetype| HeldArchetype {
+            archetype,
+            under_laws: laws.may_act_on(archetype),
+            bodies: Bodies::of(archetype),
+        }));
+        Self { archetypes }
+    }
+
+    /// The columns of the archetype of a place.
+    pub(crate) fn bodies(&self, place: Place) -> &Bodies<'w> {
+        &self.archetypes[place.archetype as usize].bodies
+    }
+
+    /// The columns of the archetype of a place where forces move its bodies.
+    pub(crate) fn moving_mut(&mut self, place: Place) -> Option<&mut Columns<'w>> {
+        match &mut self.archetypes[place.archetype as usize].bodies {
+            Bodies::Moving(columns) => Some(columns),
+            Bodies::Unmoved(_) | Bodies::None => None,
+        }
+    }
+
+    /// What is to be looked at, by archetype.
+    pub(crate) fn looked(&self) -> impl Iterator<Item = (usize, Looked<'_>)> {
+        self.archetypes.iter().enumerate().filter_map(|(index, held)| {
+            let looked = match &held.bodies {
+                Bodies::Moving(columns) => {
+                    let (pose, pushed) = (&*columns.pose, Some((&*columns.momentum, &*columns.mass)));
+                    Looked { pose, pushed, velocity: columns.velocity.as_deref() }
+                }
+                Bodies::Unmoved(columns) => {
+                    Looked { pose: &columns.pose, pushed: None, velocity: columns.velocity.as_deref() }
+                }
+                Bodies::None => return None,
+            };
+            Some((index, looked))
+        })
+    }
+
+    /// Calls `system` once for every chunk of moving bodies, with the index of their archetype, in parallel.
+    pub(crate) fn for_each_chunk(&mut self, laws: &ForceLaws, system: impl Fn(usize, &mut Chunk<'_>) + Sync) {
+        self.for_each_archetype(laws, |index, chunk| {
+            for_each_part(chunk, &|part: &mut Chunk<'_>| system(index, part));
+        });
+    }
+
+    /// Calls `then` with the moving bodies of each archetype and its index, one archetype after the other.
+    pub(crate) fn for_each_archetype(&mut self, laws: &ForceLaws, mut then: impl FnMut(usize, Chunk<'_>)) {
+        for (index, HeldArchetype { archetype, under_laws, bodies }) in self.archetypes.iter_mut().enumerate() {
+            match bodies {
+                Bodies::Moving(columns) if *under_laws => {
+                    laws.with_rows(archetype, &mut |laws| then(index, columns.chunk(laws)));
+                }
+                Bodies::Moving(columns) => then(index, columns.chunk(Laws::default())),
+                Bodies::Unmoved(_) | Bodies::None => {}
+            }
+        }
+    }
+
+    /// Moves the kinematic bodies for one of the equal parts, `h` \[s\], of a step; the previous pose is that before the first.
+    pub(crate) fn move_kinematic_bodies(&mut self, h: Real, substep: u32) {
+        for held in &mut self.archetypes {
+            match &mut held.bodies {
+                Bodies::Unmoved(bodies) if bodies.is_kinematic => bodies.drift(h, substep),
+                _ => {}
+            }
+        }
+    }
+}
+
+/// The memory of what is no longer borrowed: collected in place.
+fn emptied<'b>(mut held: Vec<HeldArchetype<'_>>) -> Vec<HeldArchetype<'b>> {
+    held.clear();
+    held.into_iter().map_while(|_| None).collect()
+}
+
+impl Drop for Held<'_> {
+    fn drop(&mut self) {
+        let room = emptied(std::mem::take(&mut self.archetypes));
+        // A thread that ends keeps no memory.
+        let _ = ROOMS.try_with(|rooms| rooms.borrow_mut().push(room));
+    }
+}
+
+impl<'w> Bodies<'w> {
+    fn of(archetype: &'w Archetype) -> Self {
+        if archetype.is_empty() {
+            return Self::None;
+        }
+        if let Some(columns) = Columns::borrow(archetype) {
+            return Self::Moving(columns);
+        }
+        let Some(pose) = archetype.get::<&mut Pose>() else { return Self::None };
+        let velocity = archetype.get::<&Velocity>();
+        let is_kinematic = velocity.is_some() && !archetype.has::<Momentum>();
+        Self::Unmoved(Unmoved { pose, velocity, previous_pose: archetype.get::<&mut PreviousPose>(), is_kinematic })
+    }
+}
+
+impl Unmoved<'_> {
+    /// How the body of a row moves as it is told, if it does.
+    pub(crate) fn velocity(&self, row: usize) -> Velocity {
+        self.velocity.as_deref().map_or(Velocity::default(), |velocities| velocities[row])
+    }
+
+    fn drift(&mut self, h: Real, substep: u32) {
+        for row in 0..self.pose.len() {
+            if let Some(previous) = self.previous_pose.as_deref_mut().filter(|_| substep == 0) {
+                previous[row] = PreviousPose(self.pose[row]);
+            }
+            let velocity = self.velocity(row);
+            drift(&mut self.pose[row], &velocity, h);
+        }
+    }
+}
