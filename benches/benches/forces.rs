@@ -11,7 +11,7 @@ use hecs::{Entity, World};
 use tumble::lane::Lane;
 use tumble::prelude::*;
 use tumble::{LaneBody, LaneLaw, LaneWrench};
-use tumble_benches::{Chance, label, pools, tumbling_boxes};
+use tumble_benches::{attracting_points, label, net_of_springs, pools, tumbling_boxes};
 
 const BODIES: usize = 10_000;
 
@@ -106,22 +106,7 @@ fn springs(criterion: &mut Criterion) {
     let mut group = criterion.benchmark_group("springs in a net");
     let pools = pools();
     for side in [10_usize, 32, 100] {
-        let mut world = World::new();
-        let mut net: Vec<Entity> = Vec::new();
-        for i in 0..side * side {
-            let place = Vec3::new((i % side) as Real, 0.0, (i / side) as Real);
-            let Ok(body) = RigidBody::new(Shape::sphere(0.1)).mass(1.0).id(BodyId(i as u64)).position(place).build()
-            else {
-                return;
-            };
-            net.push(body.spawn(&mut world));
-        }
-        for i in 0..net.len() {
-            let right = (i % side + 1 < side).then_some(i + 1);
-            for other in right.into_iter().chain((i + side < net.len()).then_some(i + side)) {
-                world.spawn((Spring::between(net[i], net[other]).rest_length(1.0).stiffness(100.0).damping(0.1),));
-            }
-        }
+        let mut world = net_of_springs(side);
         let Ok(mut simulation) = Simulation::new(Settings::default()) else { return };
         group.throughput(Throughput::Elements((2 * side * (side - 1)) as u64));
         for pool in &pools {
@@ -138,15 +123,7 @@ fn gravity(criterion: &mut Criterion) {
     group.sample_size(10);
     let pools = pools();
     for count in [16_usize, 256, 1024, 4096] {
-        let (mut world, mut chance) = (World::new(), Chance::new(7));
-        for i in 0..count {
-            let place = chance.vector(-100.0, 100.0);
-            let Ok(body) = RigidBody::new(Shape::Point).mass(1.0).id(BodyId(i as u64)).position(place).build() else {
-                return;
-            };
-            let body = body.spawn(&mut world);
-            assert!(world.insert_one(body, GravityMass { mu: 1.0, softening: 0.1 }).is_ok());
-        }
+        let mut world = attracting_points(count);
         let settings = Settings::default().with_gravity(Vec3::ZERO).with_dt(1e-3);
         let Ok(mut simulation) = Simulation::new(settings) else { return };
         group.throughput(Throughput::Elements((count * count) as u64));

@@ -1,57 +1,83 @@
 //! Counts the instructions of a body-step and compares them with those on record: unlike times, they are the same on a busy machine and on
 //! a quiet one.
 //!
-//! `cargo run --release -p tumble-benches --example count_instructions`, with `--features f64` for double precision, runs each
-//! integrator under valgrind with each instruction set that valgrind knows, and fails where a body-step has over 3 % more instructions than in
+//! `cargo run --release -p tumble-benches --example count_instructions`, with `--features f64` for double precision, runs boxes under each
+//! integrator, bodies that pull at each other and bodies that touch under valgrind, with each instruction set that valgrind knows, and fails where a body-step has over 3 % more instructions than in
 //! `benches/instruction_counts.csv`. `-- --record` writes what it finds there; that file says with which compiler, since another one
-//! makes other code. Half a minute; not among the checks of every change.
+//! makes other code. A minute; not among the checks of every change.
 //!
 //! To see where instructions are: `valgrind --tool=callgrind target/release/examples/count_instructions step moser-veselov 30`.
 
 use std::fmt::Write;
 use std::process::{Command, ExitCode};
 
-use tumble::math::PRECISION;
-use tumble::{Integrator, Settings, Simulation, simd_name};
-use tumble_benches::tumbling_boxes;
+use tumble::math::{PRECISION, Vec3};
+use tumble::{Batch, Integrator, Settings, Simulation, Trial, simd_name};
+use tumble_benches::{attracting_points, eight_boxes, falling_balls, net_of_springs, pyramid, tumbling_boxes};
 
-/// Whole tiles, in whole chunks.
+/// Of free bodies: whole tiles, in whole chunks.
 const BODIES: u32 = 4096;
-/// Runs of two lengths, so that making the world is not counted.
+/// Where bodies act on each other: a name, how many they are, and after how many steps counting begins.
+const COUPLED: [(&str, u32, u32); 5] =
+    [("springs", 1024, 5), ("attraction", 256, 5), ("pyramid", 204, 5), ("balls", 1000, 90), ("worlds", 16 * 8, 60)];
+/// So many steps of free bodies come before counting begins.
 const SHORT: u32 = 5;
-const LONG: u32 = 15;
+/// And so many are counted: runs of two lengths, so that making the world is not.
+const COUNTED: u32 = 10;
 /// How many times the instructions on record a body-step may have.
 const ALLOWED: f64 = 1.03;
 /// What valgrind can run; it does not know AVX-512.
 const PATHS: [&str; 3] = ["scalar", "baseline", "avx2"];
 const RECORD: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/instruction_counts.csv");
-const COLUMNS: &str = "precision,integrator,path,instructions_per_body_step";
+const COLUMNS: &str = "precision,scene,path,instructions_per_body_step";
 
-type Failure = Box<dyn std::error::Error>;
+type Failure = Box<dyn std::error::Error + Send + Sync>;
 
 fn main() -> Result<ExitCode, Failure> {
     let arguments: Vec<String> = std::env::args().skip(1).collect();
     match arguments.iter().map(String::as_str).collect::<Vec<_>>().as_slice() {
         [] => compare(&measure()?),
         ["--record"] => record(&measure()?).map(|()| ExitCode::SUCCESS),
-        ["step", integrator, steps] => step(integrator.parse()?, steps.parse()?).map(|()| ExitCode::SUCCESS),
-        _ => Err("takes nothing, --record, or step INTEGRATOR STEPS".into()),
+        ["step", scene, steps] => step(scene, steps.parse()?).map(|()| ExitCode::SUCCESS),
+        _ => Err("takes nothing, --record, or step SCENE STEPS".into()),
     }
 }
 
-/// Steps boxes on this thread alone, and says with which vector code.
-fn step(integrator: Integrator, steps: u32) -> Result<(), Failure> {
+/// Steps a scene on this thread alone, and says with which vector code.
+fn step(scene: &str, steps: u32) -> Result<(), Failure> {
     let pool = rayon::ThreadPoolBuilder::new().num_threads(1).use_current_thread().build()?;
-    let mut world = tumbling_boxes(BODIES as usize);
-    let mut simulation = Simulation::new(Settings::default().with_integrator(integrator))?;
-    pool.install(|| (0..steps).for_each(|_| simulation.step(&mut world)));
+    pool.install(|| match scene {
+        "worlds" => step_worlds(steps),
+        _ => step_world(scene, steps),
+    })?;
     println!("{}", simd_name());
+    Ok(())
+}
+
+fn step_world(scene: &str, steps: u32) -> Result<(), Failure> {
+    let settings = Settings::default();
+    let count = COUPLED.iter().find(|(name, ..)| *name == scene).map_or(BODIES, |(_, count, _)| *count);
+    let (mut world, settings) = match scene {
+        "springs" => (net_of_springs(count.isqrt() as usize), settings),
+        "attraction" => (attracting_points(count as usize), settings.with_gravity(Vec3::ZERO).with_dt(1e-3)),
+        "pyramid" => (pyramid(8), settings),
+        "balls" => (falling_balls(count as usize), settings),
+        integrator => (tumbling_boxes(count as usize), settings.with_integrator(integrator.parse()?)),
+    };
+    let mut simulation = Simulation::new(settings)?;
+    (0..steps).for_each(|_| simulation.step(&mut world));
+    Ok(())
+}
+
+fn step_worlds(steps: u32) -> Result<(), Failure> {
+    let made = |index: u64| Trial::new(Settings::default(), eight_boxes(index));
+    (0..16).map(made).collect::<Result<Batch, _>>()?.step_many(steps);
     Ok(())
 }
 
 /// Instructions of a body-step.
 struct Count {
-    integrator: &'static str,
+    scene: &'static str,
     path: &'static str,
     instructions: f64,
 }
@@ -59,31 +85,31 @@ struct Count {
 impl Count {
     /// How a line of the record begins that has this count.
     fn key(&self) -> String {
-        format!("{PRECISION},{},{}", self.integrator, self.path)
+        format!("{PRECISION},{},{}", self.scene, self.path)
     }
 }
 
 fn measure() -> Result<Vec<Count>, Failure> {
     let mut counts = Vec::new();
-    for integrator in Integrator::ALL.map(Integrator::name) {
+    let free = Integrator::ALL.map(|integrator| (integrator.name(), BODIES, SHORT));
+    for (scene, bodies, short) in free.into_iter().chain(COUPLED) {
         for path in PATHS {
-            let (Some(long), Some(short)) = (run(integrator, path, LONG)?, run(integrator, path, SHORT)?) else {
+            let (Some(long), Some(short)) = (run(scene, path, short + COUNTED)?, run(scene, path, short)?) else {
                 println!("{path} does not run here");
                 continue;
             };
-            let instructions = (long - short) / f64::from((LONG - SHORT) * BODIES);
-            counts.push(Count { integrator, path, instructions });
+            counts.push(Count { scene, path, instructions: (long - short) / f64::from(COUNTED * bodies) });
         }
     }
     Ok(counts)
 }
 
 /// The instructions of a whole run; `None` where it ran with other vector code than asked for.
-fn run(integrator: &str, path: &str, steps: u32) -> Result<Option<f64>, Failure> {
+fn run(scene: &str, path: &str, steps: u32) -> Result<Option<f64>, Failure> {
     let output = Command::new("valgrind")
         .args(["--tool=cachegrind", "--cache-sim=no", "--cachegrind-out-file=/dev/null"])
         .arg(std::env::current_exe()?)
-        .args(["step", integrator, &steps.to_string()])
+        .args(["step", scene, &steps.to_string()])
         .env("TUMBLE_SIMD", path)
         .output()
         .map_err(|error| format!("valgrind is needed: {error}"))?;

@@ -12,10 +12,12 @@
 )]
 
 mod piles;
+mod pulling;
 mod scenes;
 mod threads;
 
 pub use piles::{FRICTION, PileShape, eight_boxes, falling_balls, pyramid};
+pub use pulling::{attracting_points, net_of_springs};
 pub use scenes::{mixed_bodies, mixed_body, mixed_moving_bodies, tumbling_box, tumbling_boxes};
 pub use threads::{SIZES, in_pools_of_one, label, pool, pools};
 pub use tumble::Chance;
