@@ -146,7 +146,7 @@ fn notices_of_the_scene_are_on_the_page() {
 /// Scenes of bodies that touch are run, recorded and reported like the others, with the time that contacts took and the work that they did.
 #[test]
 fn scenes_of_contacts_are_reported() {
-    for scene in ["pyramid", "wall", "pile", "dominoes", "cradle", "drum", "bowling", "spheres"] {
+    for scene in ["pyramid", "wall", "pile", "dominoes", "cradle", "drum", "hills", "bowling", "spheres"] {
         let place = Place::new();
         let fewer: &[&str] = if ["cradle", "bowling"].contains(&scene) { &[] } else { &["--bodies", "30"] };
         let run = [&[scene, "--steps", "40"], fewer].concat();

@@ -61,8 +61,8 @@ mod tests {
     #[test]
     fn the_names_are_sorted_and_complete() {
         let names: Vec<_> = builtin_names().collect();
-        let known = "bowling cradle dominoes drake-cylinder drum iss mujoco-box pile pyramid raft satellite solar-system \
-                     spheres stress t-handle van-zon-top wall windy-day";
+        let known = "bowling cradle dominoes drake-cylinder drum hills iss mujoco-box pile pyramid raft satellite \
+                     solar-system spheres stress t-handle van-zon-top wall windy-day";
         assert_eq!(names.join(" "), known);
     }
 }

@@ -3,6 +3,8 @@
 use serde::{Deserialize, Deserializer};
 use tumble::Combine;
 
+use crate::model::groups;
+
 /// What is left out has the default of [`tumble::Material`].
 #[derive(Clone, Debug, Default, serde::Deserialize)]
 #[serde(deny_unknown_fields, rename = "Collider", expecting = "a collider with named fields")]
@@ -15,6 +17,11 @@ pub(crate) struct ColliderModel {
     pub(crate) rolling_friction: Option<f64>,
     pub(crate) friction_combine: Option<CombineModel>,
     pub(crate) restitution_combine: Option<CombineModel>,
+    /// Numbers of the groups that it is in, and of those that it touches.
+    #[serde(default, deserialize_with = "groups")]
+    pub(crate) groups: Option<Vec<u32>>,
+    #[serde(default, deserialize_with = "groups")]
+    pub(crate) touches: Option<Vec<u32>>,
 }
 
 /// The names that scenes and glTF share.

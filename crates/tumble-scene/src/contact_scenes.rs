@@ -5,6 +5,7 @@ mod bowling;
 mod cradle;
 mod dominoes;
 mod drum;
+mod hills;
 mod pile;
 mod pyramid;
 mod spheres;
@@ -25,7 +26,7 @@ pub(crate) struct ContactScene {
 }
 
 /// All of them, in the order of their names.
-pub(crate) const CONTACT_SCENES: [ContactScene; 8] = [
+pub(crate) const CONTACT_SCENES: [ContactScene; 9] = [
     ContactScene {
         name: "bowling",
         bodies: None,
@@ -57,6 +58,14 @@ pub(crate) const CONTACT_SCENES: [ContactScene; 8] = [
         description: "A drum of eight panels that turns and tumbles what is in it.",
         source: "Our own; the drum turns so fast that w^2 r/g is 0.3, where what is lifted rolls and slides down again.",
         make: drum::scene,
+    },
+    ContactScene {
+        name: "hills",
+        bodies: Some(242),
+        is_seeded: true,
+        description: "Balls, boxes and pills fall on hills and gather in the hollows.",
+        source: "Our own; a height field of 49 by 49 heights, a product of parabolas.",
+        make: hills::scene,
     },
     ContactScene {
         name: "pile",

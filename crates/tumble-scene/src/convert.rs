@@ -2,6 +2,7 @@
 
 mod collider;
 mod forces;
+mod ground;
 
 use std::sync::Arc;
 
@@ -30,7 +31,7 @@ pub(crate) const LONGEST_NAME: usize = 256;
 pub(crate) fn body(model: &BodyModel, index: usize, others: Others<'_>) -> Result<SceneBody, Vec<FieldError>> {
     let mut problems = Vec::new();
     let checked = note(&mut problems, shape(model.shape.as_ref()));
-    collider::check_half_space(model, &mut problems);
+    ground::check(model, &mut problems);
     let collider = collider::collider(model, checked.as_ref(), &mut problems);
     let shape = checked.unwrap_or(Shape::Point);
     let body = with_fields(model, index, shape.clone(), &mut problems);
@@ -39,10 +40,7 @@ pub(crate) fn body(model: &BodyModel, index: usize, others: Others<'_>) -> Resul
         return Err(problems);
     }
     let body = body.build().map_err(|error| vec![FieldError::new(error.field(), error)])?;
-    let looks = match model.shape {
-        Some(ShapeModel::HalfSpace { .. }) => Looks::HalfSpace,
-        _ => Looks::Shape(shape),
-    };
+    let looks = model.shape.as_ref().and_then(ground::looks).unwrap_or(Looks::Shape(shape));
     Ok(SceneBody { body, looks, forces, springs_to, collider, pieces: Vec::new() })
 }
 
@@ -86,7 +84,7 @@ fn with_fields(model: &BodyModel, index: usize, shape: Shape, problems: &mut Vec
     if let Some(position) = triple(&model.position, "position", problems) {
         body = body.position(position);
     }
-    if let Some(orientation) = note(problems, collider::orientation(model)).flatten() {
+    if let Some(orientation) = note(problems, ground::orientation(model)).flatten() {
         body = body.orientation(real_quaternion(orientation));
     }
     if let Some(velocity) = triple(&model.linear_velocity, "linear_velocity", problems) {
@@ -150,8 +148,8 @@ fn with_mass(model: &BodyModel, body: RigidBody, problems: &mut Vec<FieldError>)
 
 /// The shape with its lengths and parts checked.
 fn shape(model: Option<&ShapeModel>) -> Result<Shape, FieldError> {
-    // What has no end has no shape with a mass; it is told from a point where it matters.
-    let Some(model) = model.filter(|model| !matches!(model, ShapeModel::HalfSpace { .. })) else {
+    // Ground has no mass; it is told from a point where it matters.
+    let Some(model) = model.filter(|model| !model.is_ground()) else {
         return Ok(Shape::Point);
     };
     let shape = unchecked_shape(model).map_err(|error| error.inside("shape"))?;
@@ -187,8 +185,8 @@ fn unchecked_shape(model: &ShapeModel) -> Result<Shape, FieldError> {
             Some(Err(error)) => return Err(error.clone()),
             None => return Err(FieldError::new(model.name(), "has not been made")),
         },
-        ShapeModel::HalfSpace { .. } => {
-            return Err(FieldError::new(model.name(), "cannot be a part of something: it has no end"));
+        ShapeModel::HalfSpace { .. } | ShapeModel::HeightField { .. } => {
+            return Err(FieldError::new(model.name(), "cannot be a part of something: it has no volume"));
         }
     })
 }

@@ -81,8 +81,18 @@ impl FieldPath {
 
     /// Without the name of a shape, which may be left out, and with the lower index of a symmetric tensor's entry first.
     fn canonical(&self) -> Vec<&str> {
-        const SHAPES: [&str; 9] =
-            ["sphere", "hollow_sphere", "cuboid", "cylinder", "capsule", "cone", "ellipsoid", "compound", "half_space"];
+        const SHAPES: [&str; 10] = [
+            "sphere",
+            "hollow_sphere",
+            "cuboid",
+            "cylinder",
+            "capsule",
+            "cone",
+            "ellipsoid",
+            "compound",
+            "half_space",
+            "height_field",
+        ];
         let mut segments = self.segments();
         segments.retain(|segment| !SHAPES.contains(segment));
         if let ["inertia", "tensor", indices @ ..] = segments.as_mut_slice() {
@@ -242,6 +252,10 @@ fn in_shape<'a>(shape: &'a mut ShapeModel, path: &[&str]) -> Option<&'a mut f64>
             _ => None,
         },
         (ShapeModel::HalfSpace { normal }, ["normal", axis]) => component(normal, axis),
+        (ShapeModel::HeightField { spacing, .. }, ["spacing", axis]) => component(spacing, axis),
+        (ShapeModel::HeightField { heights, .. }, ["heights", row, column]) => {
+            element(&mut element(&mut heights.0, row)?.0, column)
+        }
         (ShapeModel::Compound { parts }, ["parts", index, rest @ ..]) => in_part(element(parts, index)?, rest),
         _ => None,
     }
@@ -320,7 +334,8 @@ mod tests {
           "inertia": { "tensor": [[2, 0, 0], [0, 2, 0], [0, 0, 2]] } },
         { "shape": { "ellipsoid": { "radii": [1, 2, 3] } }, "density": 1, "center_of_mass": [0, 0, 0],
           "inertia": { "principal": [2, 2, 2] }, "collider": {} },
-        { "shape": { "half_space": {} }, "fixed": true, "collider": { "static_friction": 1, "dynamic_friction": 1 } } ] }"#;
+        { "shape": { "half_space": {} }, "fixed": true, "collider": { "static_friction": 1, "dynamic_friction": 1 } },
+        { "shape": { "height_field": { "heights": [[0, 1], [2, 3]] } }, "fixed": true, "collider": {} } ] }"#;
 
     fn model() -> SceneModel {
         parse(SCENE, Format::Json, "scene").unwrap()
@@ -348,7 +363,8 @@ mod tests {
              bodies.1.inertia.tensor.1.1 bodies.body-2.inertia.principal.0 bodies.2.inertia.axes.3 bodies.2.shape.radii.1 \
              bodies.2.center_of_mass.1 contact_substeps restitution_threshold bodies.2.collider.friction \
              bodies.2.collider.restitution bodies.2.collider.rolling_friction bodies.3.collider.static_friction \
-             bodies.3.collider.dynamic_friction bodies.3.shape.half_space.normal.0 bodies.3.shape.normal.2";
+             bodies.3.collider.dynamic_friction bodies.3.shape.half_space.normal.0 bodies.3.shape.normal.2 \
+             bodies.4.shape.height_field.heights.1.0 bodies.4.shape.heights[0][1] bodies.4.shape.spacing.1";
         let mut seen = std::collections::BTreeSet::new();
         for path in paths.split_whitespace() {
             let text = set(path).unwrap();

@@ -75,7 +75,7 @@ pub use distribution::Distribution;
 pub use error::{Place, SceneError, printable};
 pub use force::{Force, HullShape};
 pub use limits::{
-    MAX_BODIES, MAX_FILE_BYTES, MAX_HULL_POINTS, MAX_MESH, MAX_PARTS, MAX_STEPS, TIME_STEPS, step_count,
+    MAX_BODIES, MAX_FILE_BYTES, MAX_HEIGHTS, MAX_HULL_POINTS, MAX_MESH, MAX_PARTS, MAX_STEPS, TIME_STEPS, step_count,
     steps_of_duration, time_step,
 };
 pub use looks::{BODY_COLORS, FIXED_COLOR, GROUND_COLOR, Looks};

@@ -19,6 +19,9 @@ pub const MAX_MESH: usize = 20_000_000;
 /// Most points of a convex hull in a scene.
 pub const MAX_HULL_POINTS: usize = 100_000;
 
+/// Most heights of a height field in a scene.
+pub const MAX_HEIGHTS: usize = 4_000_000;
+
 /// Most steps of a run.
 pub const MAX_STEPS: u64 = 1_000_000_000_000;
 

@@ -11,7 +11,7 @@ use serde::de::{Deserialize, Deserializer, Error as _, IgnoredAny, SeqAccess, Vi
 use crate::collider_model::ColliderModel;
 use crate::force_model::ForceModel;
 use crate::mesh_shape::Made;
-use crate::{MAX_BODIES, MAX_HULL_POINTS, MAX_PARTS};
+use crate::{MAX_BODIES, MAX_HEIGHTS, MAX_HULL_POINTS, MAX_PARTS};
 
 /// A whole file. `name`, `description` and `source` are for people.
 #[derive(Clone, Debug, Default, serde::Deserialize)]
@@ -111,9 +111,19 @@ pub(crate) enum ShapeModel {
         #[serde(default = "up")]
         normal: Triple,
     },
+    HeightField {
+        heights: Rows,
+        #[serde(default = "a_metre_each")]
+        spacing: Tuple<f64, 2>,
+    },
 }
 
 impl ShapeModel {
+    /// Whether it is ground, which has no mass and is no part of a compound.
+    pub(crate) fn is_ground(&self) -> bool {
+        matches!(self, Self::HalfSpace { .. } | Self::HeightField { .. })
+    }
+
     /// As it is called in files.
     pub(crate) fn name(&self) -> &'static str {
         match self {
@@ -129,6 +139,7 @@ impl ShapeModel {
             Self::Mesh { .. } => "mesh",
             Self::ConvexHull { .. } => "convex_hull",
             Self::HalfSpace { .. } => "half_space",
+            Self::HeightField { .. } => "height_field",
         }
     }
 }
@@ -172,6 +183,28 @@ impl<'de, T: Deserialize<'de>, const N: usize> Deserialize<'de> for Tuple<T, N> 
     }
 }
 
+/// Rows of numbers, which need not be as long as each other.
+#[derive(Clone, Debug, PartialEq, serde::Deserialize)]
+#[serde(transparent)]
+pub(crate) struct Rows(#[serde(deserialize_with = "rows")] pub(crate) Vec<Row>);
+
+#[derive(Clone, Debug, PartialEq, serde::Deserialize)]
+#[serde(transparent)]
+pub(crate) struct Row(#[serde(deserialize_with = "heights")] pub(crate) Vec<f64>);
+
+fn rows<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Vec<Row>, D::Error> {
+    deserializer.deserialize_seq(List { exactly: None, at_most: MAX_HEIGHTS, noun: "rows of heights", of: PhantomData })
+}
+
+fn heights<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Vec<f64>, D::Error> {
+    deserializer.deserialize_seq(List { exactly: None, at_most: MAX_HEIGHTS, noun: "heights", of: PhantomData })
+}
+
+/// Numbers of groups, of which there are 32.
+pub(crate) fn groups<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Option<Vec<u32>>, D::Error> {
+    deserializer.deserialize_seq(List { exactly: None, at_most: 32, noun: "groups", of: PhantomData }).map(Some)
+}
+
 fn bodies<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Vec<BodyModel>, D::Error> {
     deserializer.deserialize_seq(List { exactly: None, at_most: MAX_BODIES, noun: "bodies", of: PhantomData })
 }
@@ -186,6 +219,10 @@ fn points<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Vec<Triple>, D::
 
 fn one() -> f64 {
     1.0
+}
+
+fn a_metre_each() -> Tuple<f64, 2> {
+    Tuple([1.0; 2])
 }
 
 fn up() -> Triple {

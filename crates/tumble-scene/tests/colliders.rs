@@ -90,7 +90,23 @@ fn a_normal_tilts_the_ground() {
 fn what_cannot_be_is_refused_by_body_and_field() {
     let ground = r#""shape": { "half_space": {} }"#;
     let ball = r#""shape": { "sphere": { "radius": 1 } }, "mass": 1"#;
+    let heights = |rows: &str, more: &str| {
+        format!(r#""fixed": true, "shape": {{ "height_field": {{ "heights": {rows}{more} }} }}"#)
+    };
     let cases = [
+        (format!(r#"{ball}, "collider": {{ "groups": [0, 32] }}"#), "collider.groups[1]", "must be from 0 to 31, not 32"),
+        (format!(r#"{ball}, "collider": {{ "touches": [-1] }}"#), "collider.touches[0]", "invalid value"),
+        (heights("[[0, 1], [2, 3, 4]]", ""), "shape.height_field.heights[1]", "has 3 heights, and the first row 2"),
+        (heights("[[0, 1], [2, 1e7]]", ""), "shape.height_field.heights[1][1]", "must be from -1e6 to 1e6 m, not 10000000"),
+        (heights("[[0, 1]]", ""), "shape.height_field.heights", "at least two rows"),
+        (heights("[]", ""), "shape.height_field.heights", "at least two rows"),
+        (heights("[[0, 1], [2, 3]]", r#", "spacing": [1, 0]"#), "shape.height_field.spacing", "rows"),
+        (heights("[[0, 1], [2, 3]]", "") + r#", "mass": 1"#, "mass", "a volume"),
+        (
+            r#""shape": { "height_field": { "heights": [[0, 1], [2, 3]] } }"#.to_owned(),
+            "shape.height_field",
+            "is to be fixed or kinematic",
+        ),
         (format!(r#"{ball}, "collider": {{ "friction": -1 }}"#), "collider.friction", "must be zero or positive"),
         (
             format!(r#"{ball}, "collider": {{ "restitution": 1.5 }}"#),
@@ -124,6 +140,12 @@ fn what_cannot_be_is_refused_by_body_and_field() {
         (
             r#""shape": { "compound": { "parts": [ { "shape": { "half_space": {} }, "mass": 1 } ] } }"#.to_owned(),
             "shape.parts[0].shape.half_space",
+            "cannot be a part",
+        ),
+        (
+            r#""shape": { "compound": { "parts": [ { "shape": { "height_field": { "heights": [] } }, "mass": 1 } ] } }"#
+                .to_owned(),
+            "shape.parts[0].shape.height_field",
             "cannot be a part",
         ),
     ];

@@ -210,6 +210,19 @@ fn a_pile_comes_to_rest_on_the_ground() {
     assert!(fastest < (2.0 * 9.81 * 1e-4_f64).sqrt(), "{fastest}");
 }
 
+/// Hills are 0.9 m high: half of what falls on them is in hollows then, and nothing has gone through.
+#[test]
+fn what_falls_on_hills_gathers_in_hollows() {
+    let mut run = Run::of("hills", None);
+    run.finish();
+    let mut places = run.places("body");
+    places.retain(|place| place.x.abs().max(place.z.abs()) < 6.0);
+    assert!(places.len() > 200, "few have rolled over the rim: {}", places.len());
+    assert!(smallest(places.iter().map(|place| place.y)) > 0.05);
+    let low = places.iter().filter(|place| place.y < 0.45).count();
+    assert!(2 * low > places.len(), "{low} of {}", places.len());
+}
+
 #[test]
 fn the_pins_fall() {
     let mut run = Run::of("bowling", None);

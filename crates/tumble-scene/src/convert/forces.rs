@@ -187,7 +187,7 @@ fn spring(body: &BodyModel, force: &ForceModel, other: Option<&BodyModel>) -> Re
 /// Of a body that has no place the error is its own.
 fn world_point(body: &BodyModel, point: [f64; 3]) -> DVec3 {
     let position = body.position.map_or(DVec3::ZERO, |position| DVec3::from_array(position.0));
-    let orientation = super::collider::orientation(body).ok().flatten();
+    let orientation = super::ground::orientation(body).ok().flatten();
     let turned = orientation.unwrap_or(DQuat::IDENTITY) * DVec3::from_array(point);
     DVec3::from_array(double_vector(real_vector(position))) + turned
 }
