@@ -1,8 +1,8 @@
 use serde::{Serialize, Serializer};
 use tumble::math::Real;
-use tumble::{Combine, Material};
+use tumble::{Collider, Combine};
 
-/// The surface of a body's collider: written as JSON it is what a scene could have said.
+/// The surface and the groups of a body's collider: written as JSON it is what a scene could have said.
 ///
 /// ```
 /// use tumble_scene::Audit;
@@ -28,10 +28,18 @@ pub struct AuditedCollider {
     /// How the restitutions of two surfaces become one.
     #[serde(serialize_with = "name")]
     pub restitution_combine: Combine,
+    /// Numbers of the groups that the body is in, from 0 to 31; left out of JSON where it is in all.
+    #[serde(skip_serializing_if = "are_all")]
+    pub groups: Vec<u32>,
+    /// Numbers of the groups that it touches; left out of JSON where it touches all.
+    #[serde(skip_serializing_if = "are_all")]
+    pub touches: Vec<u32>,
 }
 
 impl AuditedCollider {
-    pub(crate) fn of(material: &Material) -> Self {
+    pub(crate) fn of(collider: &Collider) -> Self {
+        let (material, (membership, filter)) = (collider.material(), collider.groups());
+        let numbers = |bits: u32| (0..u32::BITS).filter(|group| bits >> group & 1 == 1).collect();
         Self {
             static_friction: material.static_friction,
             dynamic_friction: material.dynamic_friction,
@@ -39,8 +47,14 @@ impl AuditedCollider {
             rolling_friction: material.rolling_friction,
             friction_combine: material.friction_combine,
             restitution_combine: material.restitution_combine,
+            groups: numbers(membership),
+            touches: numbers(filter),
         }
     }
+}
+
+fn are_all(groups: &[u32]) -> bool {
+    groups.len() == u32::BITS as usize
 }
 
 /// As it is called in files.

@@ -64,7 +64,7 @@ pub(crate) const CONTACT_SCENES: [ContactScene; 9] = [
         bodies: Some(242),
         is_seeded: true,
         description: "Balls, boxes and pills fall on hills and gather in the hollows.",
-        source: "Our own; a height field of 49 by 49 heights, a product of parabolas.",
+        source: "Our own; a height field of 49 by 49 heights, products of parabolas with a rim.",
         make: hills::scene,
     },
     ContactScene {

@@ -10,11 +10,13 @@ const SPACING: f64 = 0.25;
 const HEIGHT: f64 = 0.9;
 /// How far apart they are, in cells.
 const PERIOD: usize = 12;
+/// How high the rim is, all around \[m\].
+const RIM: f64 = 1.5;
 /// Distance of bodies at the start \[m\], and how many there are along a side of a layer.
 const PITCH: f64 = 0.9;
 const SIDE: usize = 11;
 
-/// Balls, boxes and pills fall on hills with hollows between them.
+/// Balls, boxes and pills fall on hills with hollows between them, in a bowl.
 pub(super) fn scene(bodies: usize, seed: u64) -> SceneModel {
     let mut chance = Chance::new(seed);
     let body = |index: usize| {
@@ -42,14 +44,21 @@ pub(super) fn scene(bodies: usize, seed: u64) -> SceneModel {
 }
 
 fn ground() -> BodyModel {
-    let row = |row: usize| Row((0..CELLS).map(|column| HEIGHT * wave(column) * wave(row)).collect());
+    let height = |column: usize, row: usize| HEIGHT * wave(column) * wave(row) + RIM * rim(column).max(rim(row));
+    let row = |row: usize| Row((0..CELLS).map(|column| height(column, row)).collect());
     let heights = Rows((0..CELLS).map(row).collect());
     let shape = ShapeModel::HeightField { heights, spacing: Tuple([SPACING; 2]) };
     let body = BodyModel::touching(shape, [0.0; 3]);
     BodyModel { fixed: true, ..body }.surface(ColliderModel::rough(0.6)).named("ground")
 }
 
-/// From 0 to 1 and back, smoothly: parabolas, so that no sine is needed. It is 1 at both ends, so that the rim is high.
+/// 1 at the ends, and 0 from the first hollow to the last.
+fn rim(cell: usize) -> f64 {
+    let from_end = cell.min(CELLS - 1 - cell) as f64 / (PERIOD / 2) as f64;
+    (1.0 - from_end).max(0.0)
+}
+
+/// From 1 to 0 and back, smoothly: parabolas, so that no sine is needed.
 fn wave(cell: usize) -> f64 {
     let phase = (cell % PERIOD) as f64 / PERIOD as f64;
     let from_top = phase.min(1.0 - phase) * 2.0;
