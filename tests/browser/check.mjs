@@ -56,6 +56,7 @@ const scenes = [
   ['stress', ['stress', '--bodies', '200', '--steps', '120'], true],
   ['pile', ['pile', '--bodies', '60', '--steps', '120'], true],
   ['bowling', ['bowling', '--steps', '200'], true],
+  ['hills', ['hills', '--bodies', '60', '--steps', '120'], true],
   ['everything', [join(here, '../../crates/tumble-scene/tests/gltf_scenes/everything.gltf'), '--steps', '60'], true],
   ['single', ['t-handle', '--steps', '0'], false],
   ['still', ['still.json', '--steps', '3'], false],

@@ -39,6 +39,7 @@ const scenes = [
   ['solar-system', ['solar-system'], true],
   ['stress', ['stress', '--bodies', '300', '--steps', '240'], true],
   ['pile', ['pile', '--bodies', '120', '--steps', '240'], true],
+  ['hills', ['hills', '--bodies', '120', '--steps', '240'], true],
   ['many', ['stress', '--bodies', '10000', '--steps', '600'], true],
   ['attack', ['attack.json'], true],
   ['single', ['t-handle', '--steps', '0'], false],
@@ -46,7 +47,7 @@ const scenes = [
   ['empty', ['empty.json', '--steps', '3'], false],
 ];
 // Pictures to look at: names of scenes, sizes and schemes.
-const pictured = ['t-handle', 'raft', 'solar-system', 'stress', 'pile', 'many'];
+const pictured = ['t-handle', 'raft', 'solar-system', 'stress', 'pile', 'hills', 'many'];
 const sizes = [[1280, 800], [390, 844]];
 const schemes = ['light', 'dark'];
 
