@@ -18,8 +18,15 @@ use tumble_benches::{attracting_points, eight_boxes, falling_balls, net_of_sprin
 /// Of free bodies: whole tiles, in whole chunks.
 const BODIES: u32 = 4096;
 /// Where bodies act on each other: a name, how many they are, and after how many steps counting begins.
-const COUPLED: [(&str, u32, u32); 5] =
-    [("springs", 1024, 5), ("attraction", 256, 5), ("pyramid", 204, 5), ("balls", 1000, 90), ("worlds", 16 * 8, 60)];
+const COUPLED: [(&str, u32, u32); 5] = [
+    ("springs", 1024, 5),
+    ("attraction", 256, 5),
+    ("pyramid", 204, 5),
+    ("balls", 1000, 90),
+    ("worlds", WORLDS * 8, 60),
+];
+/// Of eight boxes.
+const WORLDS: u32 = 16;
 /// So many steps of free bodies come before counting begins.
 const SHORT: u32 = 5;
 /// And so many are counted: runs of two lengths, so that making the world is not.
@@ -70,8 +77,8 @@ fn step_world(scene: &str, steps: u32) -> Result<(), Failure> {
 }
 
 fn step_worlds(steps: u32) -> Result<(), Failure> {
-    let made = |index: u64| Trial::new(Settings::default(), eight_boxes(index));
-    (0..16).map(made).collect::<Result<Batch, _>>()?.step_many(steps);
+    let made = |index: u32| Trial::new(Settings::default(), eight_boxes(index.into()));
+    (0..WORLDS).map(made).collect::<Result<Batch, _>>()?.step_many(steps);
     Ok(())
 }
 

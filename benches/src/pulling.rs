@@ -1,4 +1,4 @@
-use hecs::{Entity, World};
+use hecs::{DynamicBundle, Entity, World};
 use tumble::math::{Real, Vec3};
 use tumble::{BodyId, Chance, GravityMass, RigidBody, Shape, Spring};
 
@@ -8,7 +8,7 @@ pub fn net_of_springs(side: usize) -> World {
     let net: Vec<Entity> = (0..side * side)
         .map(|i| {
             let place = Vec3::new((i % side) as Real, 0.0, (i / side) as Real);
-            spawn(&mut world, Shape::sphere(0.1), i, place)
+            spawn(&mut world, Shape::sphere(0.1), i, place, ())
         })
         .collect();
     for i in 0..net.len() {
@@ -25,15 +25,14 @@ pub fn attracting_points(count: usize) -> World {
     let (mut world, mut chance) = (World::new(), Chance::new(7));
     for i in 0..count {
         let place = chance.vector(-100.0, 100.0);
-        let body = spawn(&mut world, Shape::Point, i, place);
-        assert!(world.insert_one(body, GravityMass { mu: 1.0, softening: 0.1 }).is_ok());
+        spawn(&mut world, Shape::Point, i, place, (GravityMass { mu: 1.0, softening: 0.1 },));
     }
     world
 }
 
-/// A body of a kilogram.
+/// A body of a kilogram, with more components.
 #[allow(clippy::expect_used, reason = "the bodies made above are possible")]
-fn spawn(world: &mut World, shape: Shape, id: usize, place: Vec3) -> Entity {
+fn spawn(world: &mut World, shape: Shape, id: usize, place: Vec3, with: impl DynamicBundle) -> Entity {
     let body = RigidBody::new(shape).mass(1.0).id(BodyId(id as u64)).position(place);
-    body.build().expect("a possible body").spawn(world)
+    body.build().expect("a possible body").spawn_with(world, with)
 }

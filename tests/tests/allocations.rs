@@ -8,7 +8,7 @@
 //! chunks or laws in something that grows.
 //!
 //! Steps are taken within a thread pool, as a game does that runs its frame there: handing a step over from outside to
-//! a pool's threads may allocate.
+//! a pool's threads may allocate, and so does the first step that a thread takes of bodies that act on each other.
 //! There is one test in this file, because the whole process is counted.
 
 #![allow(clippy::unwrap_used, reason = "a test without what it tests is to fail")]

@@ -9,7 +9,7 @@
 use hecs::{Entity, World};
 use tumble::math::{PRECISION, Vec3};
 use tumble::prelude::*;
-use tumble::{Batch, BodyOrder, Collider, Trial, measure, simd_name};
+use tumble::{Batch, BodyOrder, Collider, ConstantWrench, Trial, measure, simd_name};
 use tumble_benches::pool;
 use tumble_tests::{hash, run, run_on_every_instruction_set};
 
@@ -59,6 +59,32 @@ fn threads_do_not_matter_to_many_bodies() {
     };
     let [one, two, four] = [1, 2, 4].map(|threads| pool(threads).install(|| hash_after(piles(), 40)));
     assert_eq!([one, one], [two, four]);
+}
+
+/// More bodies than one thread takes at a time, each with a force of its own: in one archetype in the order of their identities, and in two, in an order that moving from one to the other has made.
+#[test]
+fn rows_do_not_matter_to_many_bodies() {
+    struct Blue;
+    let balls = || {
+        let mut world = tumble_benches::falling_balls(2000);
+        let bodies: Vec<(Entity, BodyId)> =
+            world.query::<(Entity, &BodyId)>().with::<&Momentum>().iter().map(|(entity, id)| (entity, *id)).collect();
+        for (entity, id) in &bodies {
+            let east = 0.01 * ((id.0 % 100) as u8 as tumble::math::Real);
+            world.insert_one(*entity, ConstantWrench { force: Vec3::X * east, ..ConstantWrench::default() }).unwrap();
+        }
+        (world, bodies)
+    };
+    let reference = hash_after(balls().0, 40);
+    for threads in [1, 2] {
+        let (mut world, bodies) = balls();
+        for (i, (entity, _)) in bodies.iter().enumerate() {
+            if i % 3 == 1 || (900..1600).contains(&i) {
+                world.insert_one(*entity, Blue).unwrap();
+            }
+        }
+        assert_eq!(pool(threads).install(|| hash_after(world, 40)), reference, "{threads} threads");
+    }
 }
 
 /// Bodies in any order, and rows that were filled by others.

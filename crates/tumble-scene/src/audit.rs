@@ -212,7 +212,7 @@ impl AuditedBody {
             Some(properties) => Self::of_properties(name, properties),
             None => Self::impossible(name, &[]),
         };
-        let collider = body.collider.as_ref().map(|collider| AuditedCollider::of(collider));
+        let collider = body.collider.as_ref().map(AuditedCollider::of);
         Self { looks: Some((body.looks.clone(), up)), collider, ..audited }
     }
 

@@ -3,7 +3,7 @@
 use serde::{Deserialize, Deserializer};
 use tumble::Combine;
 
-use crate::model::groups;
+use crate::model::Groups;
 
 /// What is left out has the default of [`tumble::Material`].
 #[derive(Clone, Debug, Default, serde::Deserialize)]
@@ -18,10 +18,8 @@ pub(crate) struct ColliderModel {
     pub(crate) friction_combine: Option<CombineModel>,
     pub(crate) restitution_combine: Option<CombineModel>,
     /// Numbers of the groups that it is in, and of those that it touches.
-    #[serde(default, deserialize_with = "groups")]
-    pub(crate) groups: Option<Vec<u32>>,
-    #[serde(default, deserialize_with = "groups")]
-    pub(crate) touches: Option<Vec<u32>>,
+    pub(crate) groups: Option<Groups>,
+    pub(crate) touches: Option<Groups>,
 }
 
 /// The names that scenes and glTF share.

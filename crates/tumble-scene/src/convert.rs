@@ -31,8 +31,8 @@ pub(crate) const LONGEST_NAME: usize = 256;
 pub(crate) fn body(model: &BodyModel, index: usize, others: Others<'_>) -> Result<SceneBody, Vec<FieldError>> {
     let mut problems = Vec::new();
     let checked = note(&mut problems, shape(model.shape.as_ref()));
-    ground::check(model, &mut problems);
-    let collider = collider::collider(model, checked.as_ref(), &mut problems);
+    let ground = ground::looks(model, &mut problems);
+    let collider = collider::collider(model, ground.as_ref(), checked.as_ref(), &mut problems);
     let shape = checked.unwrap_or(Shape::Point);
     let body = with_fields(model, index, shape.clone(), &mut problems);
     let (forces, springs_to) = forces::forces(model, index, others, &mut problems);
@@ -40,7 +40,7 @@ pub(crate) fn body(model: &BodyModel, index: usize, others: Others<'_>) -> Resul
         return Err(problems);
     }
     let body = body.build().map_err(|error| vec![FieldError::new(error.field(), error)])?;
-    let looks = model.shape.as_ref().and_then(ground::looks).unwrap_or(Looks::Shape(shape));
+    let looks = ground.unwrap_or(Looks::Shape(shape));
     Ok(SceneBody { body, looks, forces, springs_to, collider, pieces: Vec::new() })
 }
 
@@ -118,7 +118,8 @@ fn kind(model: &BodyModel, shape: Shape, problems: &mut Vec<FieldError>) -> Rigi
 
 fn with_mass(model: &BodyModel, body: RigidBody, problems: &mut Vec<FieldError>) -> RigidBody {
     let own_mass = matches!(model.shape, Some(ShapeModel::Compound { .. }));
-    let needs_none = own_mass || model.fixed || model.kinematic;
+    let is_ground = model.shape.as_ref().is_some_and(ShapeModel::is_ground);
+    let needs_none = own_mass || is_ground || model.fixed || model.kinematic;
     match (model.mass, model.density) {
         (Some(_), Some(density)) => {
             let problem = format!("is {density}, but mass is given too: give one of them");

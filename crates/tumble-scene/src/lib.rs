@@ -78,7 +78,7 @@ pub use limits::{
     MAX_BODIES, MAX_FILE_BYTES, MAX_HEIGHTS, MAX_HULL_POINTS, MAX_MESH, MAX_PARTS, MAX_STEPS, TIME_STEPS, step_count,
     steps_of_duration, time_step,
 };
-pub use looks::{BODY_COLORS, FIXED_COLOR, GROUND_COLOR, Looks};
+pub use looks::{BODY_COLORS, FIXED_COLOR, GROUND_COLOR, Heights, Looks};
 pub use momentum_scale::MomentumScale;
 pub use outcome::Outcome;
 pub use output::PendingFile;

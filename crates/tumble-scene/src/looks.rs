@@ -1,6 +1,6 @@
 use std::sync::Arc;
 
-use tumble::{Shape, TriangleMesh};
+use tumble::{Collider, Shape, TriangleMesh};
 
 /// What a body looks like, in its own frame.
 ///
@@ -20,6 +20,43 @@ pub enum Looks {
     Mesh(Arc<TriangleMesh>),
     /// As ground without end: the plane y = 0, seen from above it.
     HalfSpace,
+    /// As ground of heights over a grid.
+    HeightField(Arc<Heights>),
+}
+
+/// Ground of heights: what is touched and what is seen of it.
+///
+/// ```
+/// use tumble_scene::{Looks, Scene};
+///
+/// let text = r#"{ "bodies": [ { "shape": { "height_field": { "heights": [[0, 1, 0], [0, 2, 0]] } }, "fixed": true } ] }"#;
+/// let scene = Scene::from_json(text, "ridge.json")?;
+/// let [Looks::HeightField(ridge)] = &scene.looks()?[..] else { return Ok(()) };
+/// assert_eq!(ridge.triangles().triangles().len(), 4);
+/// # Ok::<(), tumble_scene::SceneError>(())
+/// ```
+#[derive(Clone, Debug, PartialEq)]
+pub struct Heights {
+    collider: Collider,
+    triangles: TriangleMesh,
+}
+
+impl Heights {
+    pub(crate) fn new(collider: Collider, triangles: TriangleMesh) -> Self {
+        Self { collider, triangles }
+    }
+
+    /// What is touched of it, with the default surface.
+    #[must_use]
+    pub fn collider(&self) -> &Collider {
+        &self.collider
+    }
+
+    /// What is seen of it, in the body's frame: anticlockwise from above.
+    #[must_use]
+    pub fn triangles(&self) -> &TriangleMesh {
+        &self.triangles
+    }
 }
 
 /// Colours that look different to most eyes, after Okabe and Ito, as red, green, blue in linear light, taken by bodies that forces move in turn. Their number

@@ -201,8 +201,12 @@ fn heights<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Vec<f64>, D::Er
 }
 
 /// Numbers of groups, of which there are 32.
-pub(crate) fn groups<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Option<Vec<u32>>, D::Error> {
-    deserializer.deserialize_seq(List { exactly: None, at_most: 32, noun: "groups", of: PhantomData }).map(Some)
+#[derive(Clone, Debug, PartialEq, serde::Deserialize)]
+#[serde(transparent)]
+pub(crate) struct Groups(#[serde(deserialize_with = "groups")] pub(crate) Vec<u32>);
+
+fn groups<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Vec<u32>, D::Error> {
+    deserializer.deserialize_seq(List { exactly: None, at_most: 32, noun: "groups", of: PhantomData })
 }
 
 fn bodies<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Vec<BodyModel>, D::Error> {

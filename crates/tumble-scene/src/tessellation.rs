@@ -11,7 +11,7 @@ use revolution::{ball, cone_frustum, revolve, tapered_capsule};
 /// Half the diagonals of the octahedron that stands for a point, which has no size \[m\].
 pub(crate) const POINT_RADIUS: f64 = 0.02;
 
-/// Triangles of a closed surface in the frame of the shape, seen anticlockwise from outside. Only a half-space's, a square, is open.
+/// Triangles of a closed surface in the frame of the shape, seen anticlockwise from outside. Ground is open: a half-space's square, and heights.
 ///
 /// Round surfaces have 24 corners around; every vertex lies on the shape's surface, so the volume is
 /// a little below the shape's (3 % for a ball). Corners of an edge that is sharp stand there once for every normal: positions
@@ -40,6 +40,7 @@ impl Tessellation {
         match looks {
             Looks::Shape(shape) => Self::of(shape),
             Looks::Mesh(surface) => mesh(surface),
+            Looks::HeightField(heights) => mesh(heights.triangles()),
             Looks::HalfSpace => square(),
         }
     }

@@ -98,6 +98,7 @@ fn what_cannot_be_is_refused_by_body_and_field() {
         (format!(r#"{ball}, "collider": {{ "touches": [-1] }}"#), "collider.touches[0]", "invalid value"),
         (heights("[[0, 1], [2, 3, 4]]", ""), "shape.height_field.heights[1]", "has 3 heights, and the first row 2"),
         (heights("[[0, 1], [2, 1e7]]", ""), "shape.height_field.heights[1][1]", "must be from -1e6 to 1e6 m, not 10000000"),
+        (heights(r#"[[0, 1], [2, "3"]]"#, ""), "shape.height_field.heights[1][1]", "invalid type"),
         (heights("[[0, 1]]", ""), "shape.height_field.heights", "at least two rows"),
         (heights("[]", ""), "shape.height_field.heights", "at least two rows"),
         (heights("[[0, 1], [2, 3]]", r#", "spacing": [1, 0]"#), "shape.height_field.spacing", "rows"),

@@ -7,7 +7,7 @@
 use glam::DVec3;
 use hecs::World;
 use tumble::{BodyOrder, Pose, Simulation};
-use tumble_scene::{Looks, Scene};
+use tumble_scene::{Looks, MAX_HEIGHTS, Scene};
 
 /// Where the bodies are after so many steps, in the order of the scene.
 #[allow(clippy::useless_conversion, reason = "it is f64 already in one of the two builds")]
@@ -30,8 +30,9 @@ fn heights_are_seen_where_they_are() {
         shape: height_field(heights: [[0, 1, 0], [0, 1, 0.5]], spacing: (2, 10)) ) ] )";
     for scene in [Scene::from_json(ROOF, "roof.json").unwrap(), Scene::from_ron(ron, "roof.ron").unwrap()] {
         let looks = scene.looks().unwrap();
-        let [Looks::Mesh(mesh)] = &looks[..] else { panic!("{looks:?}") };
-        let corners: Vec<[f64; 3]> = mesh.positions().iter().map(|corner| corner.to_array()).collect();
+        let [Looks::HeightField(roof)] = &looks[..] else { panic!("{looks:?}") };
+        let mesh = roof.triangles();
+        let corners: Vec<[f64; 3]> = mesh.positions().iter().map(DVec3::to_array).collect();
         let back = [[-2.0, 0.0, -5.0], [0.0, 1.0, -5.0], [2.0, 0.0, -5.0]];
         let front = [[-2.0, 0.0, 5.0], [0.0, 1.0, 5.0], [2.0, 0.5, 5.0]];
         assert_eq!(corners, [back, front].concat());
@@ -87,6 +88,28 @@ fn a_ball_rolls_down_heights_as_down_a_plane() {
     assert!((place.z - 0.1).abs() < 0.01, "{place}");
     let above = (place - DVec3::new(x, y, 0.1)).dot(DVec3::new(slope.sin(), slope.cos(), 0.0));
     assert!(above.abs() < 2e-3, "{above}");
+}
+
+/// A floor of heights that goes up at two metres a second lifts what lies on it.
+#[test]
+fn heights_move_as_they_are_told() {
+    let text = r#"{ "bodies": [
+        { "kinematic": true, "linear_velocity": [0, 2, 0], "shape": { "height_field": { "heights": [[0, 0], [0, 0]], "spacing": [8, 8] } },
+          "collider": {} },
+        { "shape": { "cuboid": { "half_extents": [0.5, 0.5, 0.5] } }, "mass": 1, "position": [1, 0.5, 1], "linear_velocity": [0, 2, 0],
+          "collider": {} } ] }"#;
+    let places = run(Scene::from_json(text, "lift.json").unwrap(), 60);
+    assert!((places[0].y - 2.0).abs() < 1e-5 && (places[1].y - 2.5).abs() < 1e-3, "{places:?}");
+}
+
+#[test]
+fn more_heights_than_are_sensible_are_refused() {
+    let row = format!("[0{}]", ", 0".repeat(MAX_HEIGHTS / 2));
+    let text = format!(
+        r#"{{ "bodies": [ {{ "fixed": true, "shape": {{ "height_field": {{ "heights": [{row}, {row}] }} }} }} ] }}"#
+    );
+    let error = Scene::from_json(&text, "large.json").unwrap_err().to_string();
+    assert!(error.contains("field shape.height_field.heights: are 4000002, more than 4000000"), "{error}");
 }
 
 /// A ghost falls through the table, which it does not touch, and what the table does not touch falls through it too; both end on the ground.

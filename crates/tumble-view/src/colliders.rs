@@ -25,6 +25,7 @@ fn of_looks(looks: &Looks) -> [Option<Collider>; 2] {
     match looks {
         Looks::HalfSpace => [Some(Collider::half_space()), None],
         Looks::Mesh(mesh) => [None, surface(mesh)],
+        Looks::HeightField(heights) => [Some(heights.collider().clone()), None],
         Looks::Shape(shape) => {
             let solid = if fills_its_hull(shape) { Collider::new(shape).ok() } else { None };
             [solid, if let Shape::Mesh(mesh) = shape { surface(mesh.mesh()) } else { None }]
@@ -54,6 +55,8 @@ mod tests {
     use tumble::math::Vec3;
     use tumble::{Amount, Material, Part};
 
+    use tumble_scene::Scene;
+
     use super::*;
 
     #[test]
@@ -66,6 +69,11 @@ mod tests {
         assert!(!differs(&of_cuboid.clone().with_material(slippery).unwrap().with_groups(1, 2), &looks));
         assert!(!differs(&of_cuboid.clone().with_offset(Pose::default()).unwrap(), &looks));
         assert!(!differs(&Collider::half_space(), &Looks::HalfSpace));
+        let hill =
+            r#"{ "bodies": [ { "shape": { "height_field": { "heights": [[0, 1], [0, 0]] } }, "fixed": true } ] }"#;
+        let hill = Scene::from_json(hill, "hill.json").unwrap().looks().unwrap().remove(0);
+        let heights = Collider::height_field([0.0, 1.0, 0.0, 0.0], 2, [1.0, 1.0]).unwrap();
+        assert!(!differs(&heights.with_material(slippery).unwrap(), &hill) && differs(&of_cuboid, &hill));
 
         let aside = Pose { position: Vec3::X, ..Pose::default() };
         assert!(differs(&of_cuboid.clone().with_offset(aside).unwrap(), &looks));

@@ -6,7 +6,7 @@ use crate::clock::Clock;
 use crate::contacts::{Likeness, Packed};
 use crate::coupling::Coupling;
 use crate::force_laws::ForceLaws;
-use crate::held::Held;
+use crate::held_columns::HeldColumns;
 use crate::integrator::Integrator;
 use crate::math::Real;
 use crate::phase_times::{Phase, PhaseTimes, Stopwatch};
@@ -15,7 +15,7 @@ use crate::systems::{Wrenches, accumulate_forces_of, integrate_bodies, remember_
 
 /// A world in which bodies act on each other, and what it is stepped with.
 pub(crate) struct Coupled<'a> {
-    held: Held<'a>,
+    held: HeldColumns<'a>,
     settings: &'a Settings,
     laws: &'a ForceLaws,
     coupling: &'a mut Coupling,
@@ -35,19 +35,19 @@ pub(crate) fn coupled_steps(
 ) {
     for step in 0..steps {
         let mut stopwatch = PhaseTimes::start(times);
-        for Coupled { held, settings, laws, .. } in &mut *worlds {
-            held.for_each_chunk(laws, |_, bodies| {
+        for Coupled { held, settings, .. } in &mut *worlds {
+            held.for_each_chunk(|_, bodies| {
                 remember_poses(bodies);
                 accumulate_forces_of(bodies, settings);
             });
         }
         stopwatch.end_of(Phase::AccumulateForces);
-        let beside = |held: &mut Held<'_>, settings: &Settings, substep| {
+        let beside = |held: &mut HeldColumns<'_>, settings: &Settings, substep| {
             held.move_kinematic_bodies(settings.substep(), substep);
         };
         integrate_coupled(worlds, together.as_mut(), step, beside, &mut stopwatch);
-        for Coupled { held, laws, .. } in &mut *worlds {
-            held.for_each_chunk(laws, |_, bodies| update_derived_of(bodies));
+        for Coupled { held, .. } in &mut *worlds {
+            held.for_each_chunk(|_, bodies| update_derived_of(bodies));
         }
         stopwatch.end_of(Phase::UpdateDerived);
     }
@@ -59,7 +59,7 @@ pub(crate) fn integrate_coupled(
     worlds: &mut [Coupled<'_>],
     mut together: Option<&mut Together<'_>>,
     step: u32,
-    beside: impl Fn(&mut Held<'_>, &Settings, u32),
+    beside: impl Fn(&mut HeldColumns<'_>, &Settings, u32),
     stopwatch: &mut Stopwatch<'_>,
 ) {
     for contacts in worlds.iter_mut().filter_map(|it| it.coupling.contacts.as_mut()) {
@@ -131,7 +131,7 @@ impl<'a> Coupled<'a> {
         clock: Clock,
     ) -> Self {
         coupling.find(world);
-        Self { held: Held::of(world, laws), settings, laws, coupling, clock }
+        Self { held: HeldColumns::of(world, laws), settings, laws, coupling, clock }
     }
 
     /// When a substep begins \[s\].
@@ -166,13 +166,13 @@ impl<'a> Coupled<'a> {
     fn integrate(&mut self, time: f64, substep: u32) {
         let one = Settings { dt: self.settings.substep(), substeps: 1, ..*self.settings };
         let wrenches = if substep + 1 == self.settings.substeps { Wrenches::Consumed } else { Wrenches::Kept };
-        self.held.for_each_chunk(self.laws, |_, bodies| integrate_bodies(bodies, &one, time, wrenches));
+        self.held.for_each_chunk_under(self.laws, |bodies| integrate_bodies(bodies, &one, time, wrenches));
     }
 
     /// Puts the bodies that touch something where contacts have pushed them.
     fn write_contacts(&mut self, together: Option<&Together<'_>>) {
         if let Some(contacts) = &self.coupling.contacts {
-            contacts.write(&mut self.held, self.laws, together.map(|(packed, _)| packed.pushing()));
+            contacts.write(&mut self.held, together.map(|(packed, _)| packed.pushing()));
         }
     }
 }

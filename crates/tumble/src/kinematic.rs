@@ -22,8 +22,20 @@ pub(crate) fn move_kinematic_bodies(world: &mut World, dt: Real, steps: u32) {
     }
 }
 
-/// Moves a body along a velocity for `dt` \[s\].
-pub(crate) fn drift(pose: &mut Pose, velocity: &Velocity, dt: Real) {
+/// Moves a kinematic body for one of the equal parts, of `h` \[s\] and with this number, of a step; the previous pose is that before the first.
+pub(crate) fn move_a_substep(
+    pose: &mut Pose,
+    velocity: &Velocity,
+    previous: Option<&mut PreviousPose>,
+    (h, substep): (Real, u32),
+) {
+    if let Some(previous) = previous.filter(|_| substep == 0) {
+        *previous = PreviousPose(*pose);
+    }
+    drift(pose, velocity, h);
+}
+
+fn drift(pose: &mut Pose, velocity: &Velocity, dt: Real) {
     pose.position += velocity.linear * dt;
     pose.orientation = rotate_exactly(pose.orientation.into(), velocity.angular.into(), dt).into();
 }

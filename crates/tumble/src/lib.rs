@@ -84,7 +84,7 @@ mod derived;
 mod force_law;
 mod force_laws;
 mod generators;
-mod held;
+mod held_columns;
 mod integrator;
 mod integrators;
 mod kinematic;

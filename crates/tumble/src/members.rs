@@ -4,7 +4,7 @@ use hecs::{Archetype, World};
 
 use crate::components::{BodyId, Pose, Velocity};
 use crate::derived::{Derived, derived};
-use crate::held::{Bodies, Held};
+use crate::held_columns::{Bodies, HeldColumns};
 use crate::math::Real;
 use crate::state::{Constants, Moments, State};
 
@@ -122,7 +122,7 @@ impl Members {
         self.by_place.iter().map(|slot| *slot as usize)
     }
 
-    /// The slots of the bodies in an archetype, by its index, in the order of rows.
+    /// The slots of the bodies in an archetype, by its index, in the order of rows: those of all its rows where archetypes are marked as a whole.
     pub(crate) fn slots_in(&self, archetype: usize) -> &[u32] {
         match self.begins.get(archetype..archetype + 2) {
             Some(&[begin, end]) => &self.by_place[begin as usize..end as usize],
@@ -149,7 +149,7 @@ impl Members {
     }
 
     /// Reads the state of all.
-    pub(crate) fn see(&mut self, held: &Held<'_>) {
+    pub(crate) fn see(&mut self, held: &HeldColumns<'_>) {
         let Self { members, seen, .. } = self;
         seen.clear();
         seen.extend(members.iter().map(|member| Seen::of(held.bodies(member.place), member.place.row as usize)));

@@ -3,8 +3,8 @@ use tumble::Chance;
 use crate::collider_model::ColliderModel;
 use crate::model::{BodyModel, Row, Rows, SceneModel, ShapeModel, Tuple};
 
-/// Columns and rows of the ground, and their distance \[m\].
-const CELLS: usize = 49;
+/// Columns and rows of heights, and their distance \[m\].
+const CROSSINGS: usize = 49;
 const SPACING: f64 = 0.25;
 /// How high hills are above the valleys between them \[m\].
 const HEIGHT: f64 = 0.9;
@@ -45,8 +45,8 @@ pub(super) fn scene(bodies: usize, seed: u64) -> SceneModel {
 
 fn ground() -> BodyModel {
     let height = |column: usize, row: usize| HEIGHT * wave(column) * wave(row) + RIM * rim(column).max(rim(row));
-    let row = |row: usize| Row((0..CELLS).map(|column| height(column, row)).collect());
-    let heights = Rows((0..CELLS).map(row).collect());
+    let row = |row: usize| Row((0..CROSSINGS).map(|column| height(column, row)).collect());
+    let heights = Rows((0..CROSSINGS).map(row).collect());
     let shape = ShapeModel::HeightField { heights, spacing: Tuple([SPACING; 2]) };
     let body = BodyModel::touching(shape, [0.0; 3]);
     BodyModel { fixed: true, ..body }.surface(ColliderModel::rough(0.6)).named("ground")
@@ -54,7 +54,7 @@ fn ground() -> BodyModel {
 
 /// 1 at the ends, and 0 from the first hollow to the last.
 fn rim(cell: usize) -> f64 {
-    let from_end = cell.min(CELLS - 1 - cell) as f64 / (PERIOD / 2) as f64;
+    let from_end = cell.min(CROSSINGS - 1 - cell) as f64 / (PERIOD / 2) as f64;
     (1.0 - from_end).max(0.0)
 }
 

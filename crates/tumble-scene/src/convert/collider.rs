@@ -3,26 +3,31 @@
 use tumble::math::Real;
 use tumble::{Collider, ColliderError, Material, Shape};
 
-use super::{ground, note, real};
+use super::{note, real};
 use crate::collider_model::ColliderModel;
 use crate::error::{FieldError, shortest};
-use crate::model::{BodyModel, ShapeModel};
+use crate::looks::Looks;
+use crate::model::{BodyModel, Groups, ShapeModel};
 
-/// What the body touches others with; `shape` is `None` if it has been complained of already.
-pub(super) fn collider(model: &BodyModel, shape: Option<&Shape>, problems: &mut Vec<FieldError>) -> Option<Collider> {
+/// What the body touches others with; `ground` is what it is, `shape` is `None` if it has been complained of already.
+pub(super) fn collider(
+    model: &BodyModel,
+    ground: Option<&Looks>,
+    shape: Option<&Shape>,
+    problems: &mut Vec<FieldError>,
+) -> Option<Collider> {
     let surface = model.collider.as_ref()?;
     let material = material(surface, problems);
     let groups = [("groups", &surface.groups), ("touches", &surface.touches)].map(|(field, numbers)| match numbers {
-        Some(numbers) => note(problems, bits(field, numbers)),
+        Some(Groups(numbers)) => note(problems, bits(field, numbers)),
         None => Some(u32::MAX),
     });
     let (material, [Some(membership), Some(filter)]) = (material?, groups) else { return None };
     let collider = match (&model.shape, shape) {
-        (Some(ShapeModel::HalfSpace { .. }), _) => Ok(Collider::half_space()),
-        // What is wrong with it has been said.
-        (Some(ShapeModel::HeightField { heights, spacing }), _) => {
-            ground::height_field(heights, spacing).ok().map(Ok)?
-        }
+        (Some(shape), _) if shape.is_ground() => Ok(match ground? {
+            Looks::HeightField(heights) => heights.collider().clone(),
+            _ => Collider::half_space(),
+        }),
         // What stands still is as it is, hollows and all; what moves has to be solid.
         (Some(ShapeModel::Mesh { .. }), Some(Shape::Mesh(solid))) if model.fixed || model.kinematic => {
             let mesh = solid.mesh();
@@ -31,8 +36,7 @@ pub(super) fn collider(model: &BodyModel, shape: Option<&Shape>, problems: &mut 
         (_, Some(shape)) => Collider::new(shape),
         (_, None) => return None,
     };
-    let collider =
-        collider.and_then(|collider| Ok(collider.with_groups(membership, filter).with_material(material)?));
+    let collider = collider.and_then(|collider| collider.with_groups(membership, filter).with_material(material));
     note(problems, collider.map_err(|error| FieldError::new(field(&error), error)))
 }
 

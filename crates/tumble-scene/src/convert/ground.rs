@@ -3,34 +3,34 @@
 use std::sync::Arc;
 
 use glam::{DQuat, DVec3};
-use tumble::{Collider, ColliderError, HeightFieldError, TriangleMesh};
+use tumble::{Collider, ColliderError, HeightFieldError, MeshError, TriangleMesh};
 
-use super::{finite_triple, unit_quaternion};
+use super::{finite_triple, note, unit_quaternion};
 use crate::MAX_HEIGHTS;
 use crate::error::{FieldError, shortest};
-use crate::looks::Looks;
+use crate::looks::{Heights, Looks};
 use crate::model::{BodyModel, Rows, ShapeModel, Triple, Tuple};
 
 /// A normal shorter than this has no direction to speak of.
 const SHORTEST_NORMAL: f64 = 1e-9;
 
-/// What cannot be said of a body whose shape is ground.
-pub(super) fn check(model: &BodyModel, problems: &mut Vec<FieldError>) {
-    let Some(shape) = model.shape.as_ref().filter(|shape| shape.is_ground()) else { return };
-    let name = shape.name();
-    match shape {
+/// What a body looks like whose shape is ground without a mistake. Notes what cannot be said of such a body.
+pub(super) fn looks(model: &BodyModel, problems: &mut Vec<FieldError>) -> Option<Looks> {
+    let shape = model.shape.as_ref().filter(|shape| shape.is_ground())?;
+    let (looks, immovable) = match shape {
         ShapeModel::HeightField { heights, spacing } => {
-            if !(model.fixed || model.kinematic) {
-                let problem = "has no mass and cannot be pushed: the body is to be fixed or kinematic";
-                problems.push(FieldError::new("shape.height_field", problem));
-            }
-            problems.extend(height_field(heights, spacing).err());
+            let heights = note(problems, height_field(heights, spacing));
+            let problem = "has no mass and cannot be pushed: the body is to be fixed or kinematic";
+            let looks = heights.map(|heights| Looks::HeightField(Arc::new(heights)));
+            (looks, (!(model.fixed || model.kinematic)).then_some(problem))
         }
-        _ if !model.fixed => {
-            problems.push(FieldError::new("shape.half_space", "has no end and cannot move: the body is to be fixed"));
+        _ => {
+            let problem = "has no end and cannot move: the body is to be fixed";
+            (Some(Looks::HalfSpace), (!model.fixed).then_some(problem))
         }
-        _ => {}
-    }
+    };
+    let name = shape.name();
+    problems.extend(immovable.map(|problem| FieldError::new(format!("shape.{name}"), problem)));
     let given = [
         ("mass", model.mass.is_some()),
         ("density", model.density.is_some()),
@@ -40,19 +40,10 @@ pub(super) fn check(model: &BodyModel, problems: &mut Vec<FieldError>) {
     for (field, _) in given.into_iter().filter(|(_, is_given)| *is_given) {
         problems.push(FieldError::new(field, format!("belongs to a body with a volume, and the shape is a {name}")));
     }
+    looks
 }
 
-/// What ground looks like, if the shape is ground without a mistake.
-pub(super) fn looks(shape: &ShapeModel) -> Option<Looks> {
-    match shape {
-        ShapeModel::HalfSpace { .. } => Some(Looks::HalfSpace),
-        ShapeModel::HeightField { heights, spacing } => surface(heights, spacing).map(|it| Looks::Mesh(Arc::new(it))),
-        _ => None,
-    }
-}
-
-/// The collider of a height field, which rows of heights are given of.
-pub(super) fn height_field(heights: &Rows, spacing: &Tuple<f64, 2>) -> Result<Collider, FieldError> {
+fn height_field(heights: &Rows, spacing: &Tuple<f64, 2>) -> Result<Heights, FieldError> {
     let error =
         |field: &str, problem: &dyn std::fmt::Display| FieldError::new(format!("shape.height_field.{field}"), problem);
     let (rows, columns) = (&heights.0, heights.0.first().map_or(0, |row| row.0.len()));
@@ -64,7 +55,7 @@ pub(super) fn height_field(heights: &Rows, spacing: &Tuple<f64, 2>) -> Result<Co
         return Err(error("heights", &format_args!("are {}, more than {MAX_HEIGHTS}", rows.len() * columns)));
     }
     let flat: Vec<f64> = rows.iter().flat_map(|row| row.0.iter().copied()).collect();
-    Collider::height_field(flat, columns, spacing.0).map_err(|problem| match problem {
+    let collider = Collider::height_field(flat, columns, spacing.0).map_err(|problem| match problem {
         ColliderError::HeightField(HeightFieldError::Height { index, value }) => {
             let (row, column) = (index / columns, index % columns);
             let problem = format_args!("must be from -1e6 to 1e6 m, not {}", shortest(value));
@@ -74,12 +65,14 @@ pub(super) fn height_field(heights: &Rows, spacing: &Tuple<f64, 2>) -> Result<Co
             error("heights", &"must be at least two rows of at least two")
         }
         problem => error("spacing", &problem),
-    })
+    })?;
+    let triangles = triangles(heights, spacing).map_err(|problem| error("heights", &problem))?;
+    Ok(Heights::new(collider, triangles))
 }
 
-/// The triangles of a height field that is one, as the engine has them, in its own frame.
-fn surface(heights: &Rows, spacing: &Tuple<f64, 2>) -> Option<TriangleMesh> {
-    let (rows, columns) = (heights.0.len(), heights.0.first()?.0.len());
+/// The triangles of rows of the same length, as the engine has them.
+fn triangles(heights: &Rows, spacing: &Tuple<f64, 2>) -> Result<TriangleMesh, MeshError> {
+    let (rows, columns) = (heights.0.len(), heights.0.first().map_or(0, |row| row.0.len()));
     let middle = |count: usize| 0.5 * (count as f64 - 1.0);
     let mut corners = Vec::new();
     for (r, row) in heights.0.iter().enumerate() {
@@ -95,7 +88,7 @@ fn surface(heights: &Rows, spacing: &Tuple<f64, 2>) -> Option<TriangleMesh> {
             triangles.extend([[near, far as u32, right], [near, below, far as u32]]);
         }
     }
-    TriangleMesh::new(corners, triangles).ok()
+    TriangleMesh::new(corners, triangles)
 }
 
 /// The rotation from the body's frame to the world, if the model has any. The frame of a half-space has y along the normal.

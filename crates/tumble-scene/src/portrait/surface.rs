@@ -4,7 +4,7 @@ use std::collections::HashMap;
 use std::fmt::Write as _;
 
 use glam::DVec3;
-use tumble::Shape;
+use tumble::{Shape, TriangleMesh};
 
 use super::camera::Camera;
 use crate::looks::Looks;
@@ -33,9 +33,8 @@ pub(super) struct Surface {
 impl Surface {
     pub(super) fn of(looks: &Looks) -> Self {
         let whole = match looks {
-            Looks::Mesh(mesh) => {
-                Self { positions: mesh.positions().to_vec(), triangles: mesh.triangles().to_vec(), remark: None }
-            }
+            Looks::Mesh(mesh) => Self::of_mesh(mesh),
+            Looks::HeightField(heights) => Self::of_mesh(heights.triangles()),
             Looks::HalfSpace => {
                 let Tessellation { positions, triangles, .. } = Tessellation::of_looks(looks);
                 Self { positions, triangles, remark: Some("a square of ground without end".to_owned()) }
@@ -49,6 +48,10 @@ impl Surface {
             }
         };
         whole.coarse()
+    }
+
+    fn of_mesh(mesh: &TriangleMesh) -> Self {
+        Self { positions: mesh.positions().to_vec(), triangles: mesh.triangles().to_vec(), remark: None }
     }
 
     /// With few enough triangles: vertices in one cell of a grid are taken for one, and triangles that vanish so are left out.

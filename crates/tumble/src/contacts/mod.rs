@@ -28,6 +28,7 @@ mod reading;
 mod rows;
 mod rubbing;
 mod saved;
+mod sight;
 mod soft;
 mod solver;
 mod solver_bodies;

@@ -7,7 +7,7 @@ use super::pushing::Pushing;
 use super::touching::Contacts;
 use crate::components::{Pose, Work};
 use crate::force_laws::ForceLaws;
-use crate::held::Held;
+use crate::held_columns::HeldColumns;
 use crate::math::Real;
 use crate::settings::Settings;
 
@@ -69,12 +69,12 @@ impl Packed {
     pub(crate) fn add(
         &mut self,
         found: &mut Contacts,
-        held: &mut Held<'_>,
+        columns: &mut HeldColumns<'_>,
         settings: &Settings,
         laws: &ForceLaws,
         time: f64,
     ) {
-        self.next = found.gather(held, (settings, laws, time), &mut self.pushing, self.next);
+        self.next = found.gather(columns, (settings, laws, time), &mut self.pushing, self.next);
         let found = &*found;
         self.contacts
             .extend(found.contacts.iter().map(|contact| Contact { slots: found.rows_of(contact), ..contact.clone() }));

@@ -14,7 +14,7 @@ use super::narrow::{Kind, Pairs, Shapes};
 use super::pushing::Pushing;
 use crate::components::CenterOfMass;
 use crate::force_laws::ForceLaws;
-use crate::held::Held;
+use crate::held_columns::HeldColumns;
 use crate::math::{Real, Vec3 as WorldVec3};
 use crate::members::Members;
 use crate::settings::Settings;
@@ -112,20 +112,20 @@ impl Contacts {
     }
 
     /// Works out where what touches something will be after one substep of the settings, starting from the world as it is.
-    pub(crate) fn solve(&mut self, held: &mut Held<'_>, settings: &Settings, laws: &ForceLaws, time: f64) {
-        let touching = self.find_touching(held, settings);
+    pub(crate) fn solve(&mut self, columns: &mut HeldColumns<'_>, settings: &Settings, laws: &ForceLaws, time: f64) {
+        let touching = self.find_touching(columns, settings);
         let mut pushing = self.pushing.take().unwrap_or_default();
         pushing.reset(touching);
         let first = [0, pushing.bodies.first_unmoved()];
-        self.gather(held, (settings, laws, time), &mut pushing, first);
+        self.gather(columns, (settings, laws, time), &mut pushing, first);
         let Self { contacts, rows, materials, .. } = self;
         pushing.push(contacts, |contact| rows_of(contact, rows), settings, materials.extras());
         self.pushing = Some(pushing);
     }
 
     /// Finds what touches in a substep of the settings, and how many bodies that is: of those that impulses move and of those that they do not.
-    pub(crate) fn find_touching(&mut self, held: &Held<'_>, settings: &Settings) -> [usize; 2] {
-        self.look(held, settings.substep());
+    pub(crate) fn find_touching(&mut self, columns: &HeldColumns<'_>, settings: &Settings) -> [usize; 2] {
+        self.look(columns, settings.substep());
         self.find_contacts();
         let Self { members, shapes, rows, contacts, .. } = self;
         rows.clear();

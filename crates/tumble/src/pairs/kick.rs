@@ -7,7 +7,7 @@ use super::spring_impulse::{Impulse, Springs, Velocities};
 use super::{GravityMass, Spring};
 use crate::components::Work;
 use crate::force_laws::{GRAVITY_MASS, SPRING};
-use crate::held::Held;
+use crate::held_columns::HeldColumns;
 use crate::math::{Real, double};
 use crate::members::Members;
 
@@ -59,7 +59,7 @@ impl PairForces {
     }
 
     /// Changes the momenta by what the forces, as they are now, do in the time `t` \[s\]; `h` \[s\] is the substep.
-    pub(crate) fn kick(&mut self, held: &mut Held<'_>, t: Real, h: Real) {
+    pub(crate) fn kick(&mut self, held: &mut HeldColumns<'_>, t: Real, h: Real) {
         self.members.see(held);
         let seen = &self.members.seen;
         self.gravity.update(self.attracting.iter().map(|(slot, mass)| Source {

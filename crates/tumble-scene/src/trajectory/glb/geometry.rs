@@ -77,11 +77,12 @@ impl SurfaceSet {
                 let (shape, factors) = unstretched(shape);
                 (Looks::Shape(shape), factors)
             }
-            unstretched @ (Looks::Mesh(_) | Looks::HalfSpace) => (unstretched.clone(), DVec3::ONE),
+            unstretched => (unstretched.clone(), DVec3::ONE),
         };
         let key = match &looks {
             Looks::Shape(shape) => shape.volume().map_or_else(|| of_its_text(shape), f64::to_bits),
             Looks::Mesh(mesh) => mesh.triangles().len() as u64,
+            Looks::HeightField(heights) => heights.triangles().triangles().len() as u64,
             Looks::HalfSpace => 0,
         };
         let same = self.alike.entry(key).or_default();

@@ -1,4 +1,4 @@
-//! The columns of a world's bodies, borrowed once for all steps that are taken at a time.
+//! The columns of a world's bodies, borrowed once for all steps that are taken at a time. Those of force laws are borrowed where laws are asked.
 //!
 //! To borrow a dozen columns takes as long as to step a body or two. Bodies that act on each other are gone through half a dozen times a step, so in a world of ten of
 //! them it would take longer than all the rest.
@@ -11,12 +11,12 @@ use hecs::{Archetype, ArchetypeColumn, ArchetypeColumnMut, World};
 use crate::columns::{Chunk, Columns, for_each_part};
 use crate::components::{Mass, Momentum, Pose, PreviousPose, Velocity};
 use crate::force_laws::{ForceLaws, Laws};
-use crate::kinematic::drift;
+use crate::kinematic::move_a_substep;
 use crate::math::Real;
 use crate::members::Place;
 
 /// The columns of all bodies of a world.
-pub(crate) struct Held<'w> {
+pub(crate) struct HeldColumns<'w> {
     /// By the index that they have in the world.
     archetypes: Vec<HeldArchetype<'w>>,
 }
@@ -29,7 +29,7 @@ struct HeldArchetype<'w> {
 }
 
 /// The columns of one archetype.
-#[allow(clippy::large_enum_variant, reason = "there are a few of them, and a box would allocate in every step")]
+#[allow(clippy::large_enum_variant, reason = "there are a few of them, and boxes would be allocated in every call")]
 pub(crate) enum Bodies<'w> {
     /// Of bodies that forces move.
     Moving(Columns<'w>),
@@ -71,11 +71,11 @@ thread_local! {
     static ROOMS: RefCell<Vec<Vec<HeldArchetype<'static>>>> = const { RefCell::new(Vec::new()) };
 }
 
-impl<'w> Held<'w> {
+impl<'w> HeldColumns<'w> {
     /// Borrows the columns of all bodies of a world, on which these laws may act.
     pub(crate) fn of(world: &'w World, laws: &ForceLaws) -> Self {
-        let room = ROOMS.with_borrow_mut(Vec::pop).unwrap_or_default();
-        let mut archetypes = emptied(room);
+        let room = ROOMS.try_with(|rooms| rooms.borrow_mut().pop()).ok().flatten();
+        let mut archetypes = emptied(room.unwrap_or_default());
         archetypes.extend(world.archetypes().map(|archetype| HeldArchetype {
             archetype,
             under_laws: laws.may_act_on(archetype),
@@ -114,15 +114,23 @@ impl<'w> Held<'w> {
         })
     }
 
-    /// Calls `system` once for every chunk of moving bodies, with the index of their archetype, in parallel.
-    pub(crate) fn for_each_chunk(&mut self, laws: &ForceLaws, system: impl Fn(usize, &mut Chunk<'_>) + Sync) {
-        self.for_each_archetype(laws, |index, chunk| {
-            for_each_part(chunk, &|part: &mut Chunk<'_>| system(index, part));
-        });
+    /// Calls `system` once for every chunk of moving bodies, with the index of their archetype, in parallel. It is shown no laws.
+    pub(crate) fn for_each_chunk(&mut self, system: impl Fn(usize, &mut Chunk<'_>) + Sync) {
+        for (index, held) in self.archetypes.iter_mut().enumerate() {
+            if let Bodies::Moving(columns) = &mut held.bodies {
+                let chunk = columns.chunk(Laws::default());
+                for_each_part(chunk, &|part: &mut Chunk<'_>| system(index, part));
+            }
+        }
     }
 
-    /// Calls `then` with the moving bodies of each archetype and its index, one archetype after the other.
-    pub(crate) fn for_each_archetype(&mut self, laws: &ForceLaws, mut then: impl FnMut(usize, Chunk<'_>)) {
+    /// Calls `system` once for every chunk of moving bodies, with the laws that act on them, in parallel.
+    pub(crate) fn for_each_chunk_under(&mut self, laws: &ForceLaws, system: impl Fn(&mut Chunk<'_>) + Sync) {
+        self.for_each_archetype_under(laws, |_, chunk| for_each_part(chunk, &system));
+    }
+
+    /// Calls `then` with the moving bodies of each archetype, its index, and the laws that act on them, one archetype after the other.
+    pub(crate) fn for_each_archetype_under(&mut self, laws: &ForceLaws, mut then: impl FnMut(usize, Chunk<'_>)) {
         for (index, HeldArchetype { archetype, under_laws, bodies }) in self.archetypes.iter_mut().enumerate() {
             match bodies {
                 Bodies::Moving(columns) if *under_laws => {
@@ -138,7 +146,7 @@ impl<'w> Held<'w> {
     pub(crate) fn move_kinematic_bodies(&mut self, h: Real, substep: u32) {
         for held in &mut self.archetypes {
             match &mut held.bodies {
-                Bodies::Unmoved(bodies) if bodies.is_kinematic => bodies.drift(h, substep),
+                Bodies::Unmoved(bodies) if bodies.is_kinematic => bodies.move_a_substep(h, substep),
                 _ => {}
             }
         }
@@ -151,7 +159,7 @@ fn emptied<'b>(mut held: Vec<HeldArchetype<'_>>) -> Vec<HeldArchetype<'b>> {
     held.into_iter().map_while(|_| None).collect()
 }
 
-impl Drop for Held<'_> {
+impl Drop for HeldColumns<'_> {
     fn drop(&mut self) {
         let room = emptied(std::mem::take(&mut self.archetypes));
         // A thread that ends keeps no memory.
@@ -180,13 +188,11 @@ impl Unmoved<'_> {
         self.velocity.as_deref().map_or(Velocity::default(), |velocities| velocities[row])
     }
 
-    fn drift(&mut self, h: Real, substep: u32) {
+    fn move_a_substep(&mut self, h: Real, substep: u32) {
         for row in 0..self.pose.len() {
-            if let Some(previous) = self.previous_pose.as_deref_mut().filter(|_| substep == 0) {
-                previous[row] = PreviousPose(self.pose[row]);
-            }
             let velocity = self.velocity(row);
-            drift(&mut self.pose[row], &velocity, h);
+            let previous = self.previous_pose.as_deref_mut().map(|previous| &mut previous[row]);
+            move_a_substep(&mut self.pose[row], &velocity, previous, (h, substep));
         }
     }
 }

@@ -1,0 +1,99 @@
+//! Where bodies with colliders are, as contacts are found with.
+
+use tumble_collide::{Geometry, Placement, Proxy};
+use tumble_math::lane::{Quat, Vec3};
+
+use super::collider::Collider;
+use super::narrow::{Kind, ShapesPart};
+use super::touching::{Contacts, MARGIN, Shape};
+use crate::columns::LEAST_CHUNK;
+use crate::components::Velocity;
+use crate::held_columns::{HeldColumns, Looked};
+use crate::math::{Real, Vec3 as WorldVec3};
+
+impl Contacts {
+    /// Reads where all bodies with colliders are, and how far from there they may go in an interval \[s\].
+    pub(super) fn look(&mut self, columns: &HeldColumns<'_>, interval: Real) {
+        let Self { members, shapes, colliders, lanes, proxies, .. } = self;
+        lanes.reset(members.len());
+        shapes.clear();
+        shapes.resize(members.len(), Shape::NOWHERE);
+        proxies.clear();
+        proxies.resize(members.len(), Shape::NOWHERE.proxy(None));
+        for (archetype, bodies) in columns.looked() {
+            let mut row = 0;
+            // Slots go by another order than rows, mostly the same.
+            for run in members.slots_in(archetype).chunk_by(|a, b| *b == a + 1) {
+                let slots = run[0] as usize..run[0] as usize + run.len();
+                let sight = Sight {
+                    colliders: &colliders[slots.clone()],
+                    shapes: &mut shapes[slots.clone()],
+                    proxies: &mut proxies[slots.clone()],
+                    lanes: lanes.part(slots),
+                };
+                sight.look_in_parts(bodies.rows(row..row + run.len()), interval);
+                row += run.len();
+            }
+        }
+    }
+}
+
+/// Neighbouring slots, for what is seen of their bodies.
+struct Sight<'a> {
+    colliders: &'a [Option<(Collider, WorldVec3)>],
+    shapes: &'a mut [Shape],
+    proxies: &'a mut [Proxy<Real>],
+    lanes: ShapesPart<'a>,
+}
+
+impl Sight<'_> {
+    /// Looks at bodies in parallel.
+    fn look_in_parts(mut self, bodies: Looked<'_>, interval: Real) {
+        let middle = self.shapes.len() / 2;
+        if self.shapes.len() <= LEAST_CHUNK {
+            return (0..self.shapes.len()).for_each(|i| self.look(i, bodies, interval));
+        }
+        let (colliders, other_colliders) = self.colliders.split_at(middle);
+        let (shapes, other_shapes) = self.shapes.split_at_mut(middle);
+        let (proxies, other_proxies) = self.proxies.split_at_mut(middle);
+        let (lanes, other_lanes) = self.lanes.split_at(middle);
+        let others =
+            Sight { colliders: other_colliders, shapes: other_shapes, proxies: other_proxies, lanes: other_lanes };
+        let these = Sight { colliders, shapes, proxies, lanes };
+        rayon::join(
+            || these.look_in_parts(bodies.rows(0..middle), interval),
+            || others.look_in_parts(bodies.rows(middle..bodies.pose.len()), interval),
+        );
+    }
+
+    fn look(&mut self, i: usize, bodies: Looked<'_>, interval: Real) {
+        let Some((collider, offset)) = &self.colliders[i] else { return };
+        let center = Vec3::from(bodies.pose[i].position);
+        let orientation = Quat::from(bodies.pose[i].orientation).normalize();
+        let position = center - orientation.rotate(Vec3::from(*offset));
+        let mut placement = collider.placement(Placement { position, orientation });
+        let velocity = bodies.velocity.map_or(Velocity::default(), |velocities| velocities[i]);
+        let (linear, angular) = match bodies.pushed {
+            Some((momenta, masses)) => (momenta[i].linear / masses[i].kilograms(), momenta[i].angular),
+            None => (velocity.linear, velocity.angular),
+        };
+        if !(linear.is_finite() && angular.is_finite()) {
+            // It is nowhere then, and touches nothing that it could spoil.
+            placement.position = Vec3::splat(Real::NAN);
+        }
+        let geometry = &collider.geometry;
+        let reach = reach(geometry, linear.length() * interval);
+        self.lanes.set(i, geometry, &placement, center, reach);
+        let (kind, moves) = (Kind::of(geometry), bodies.pushed.is_some());
+        let velocity = (velocity.linear.into(), velocity.angular.into());
+        self.shapes[i] = Shape { placement, center, kind, moves, reach, velocity };
+        self.proxies[i] = self.shapes[i].proxy(Some(geometry));
+    }
+}
+
+/// How far from its surface a shape looks for others \[m\] that goes so far \[m\] in a step. What goes less than half its thickness is stopped in what it hits and leaves it on the side it came
+/// from; only what is faster looks further, since a surface is taken for endless on the way to it.
+fn reach(geometry: &Geometry<Real>, way: Real) -> Real {
+    let enough = 0.5 * geometry.half_thickness();
+    0.5 * MARGIN + if way > enough && way.is_finite() { way - enough } else { 0.0 }
+}
