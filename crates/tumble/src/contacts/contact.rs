@@ -62,6 +62,12 @@ impl Contact {
         Self { kind: Kind::Other, slots, part, touched: false, features, numbers }
     }
 
+    /// Makes it the only contact of two shapes, without impulses.
+    pub(super) fn begin(&mut self, kind: Kind) {
+        (self.kind, self.part, self.touched) = (kind, 0, false);
+        (self.numbers[HELD], self.numbers[RUBBED]) = (Eight::ZERO, Eight::ZERO);
+    }
+
     /// Says what the surfaces are like.
     pub(super) fn set_surface(&mut self, surface: &Surface) {
         (self.numbers[SHAPE].0[5], self.numbers[SHAPE].0[6]) = (surface.rolling_friction, surface.restitution);

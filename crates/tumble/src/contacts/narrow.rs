@@ -116,8 +116,14 @@ impl Pairs {
         self.pairs.push(pair);
     }
 
-    /// Adds the contacts of those pairs that touch, in their order.
-    pub(super) fn touch(&mut self, kind: Kind, shapes: &Shapes, contacts: &mut Vec<Contact>) {
+    /// Writes contacts of the pairs that may touch, in their order, over those from `begin` on. Returns their end, and whether there are some without points among them.
+    pub(super) fn touch(
+        &mut self,
+        kind: Kind,
+        shapes: &Shapes,
+        contacts: &mut Vec<Contact>,
+        begin: usize,
+    ) -> (usize, bool) {
         self.fill_blocks(shapes.nobody());
         self.gaps.clear();
         self.gaps.resize(self.blocks.len() * BLOCK, 0.0);
@@ -131,15 +137,22 @@ impl Pairs {
         self.pairs.retain(|_| gaps.next().is_some_and(|gap| *gap <= 0.0));
         self.fill_blocks(shapes.nobody());
 
-        let begin = contacts.len();
-        contacts.resize(begin + self.blocks.len() * BLOCK, Contact::NONE);
-        let parts = self.blocks.par_chunks(PART).zip(contacts[begin..].par_chunks_mut(PART * BLOCK));
-        parts.for_each(|(blocks, found)| match kind {
-            Kind::Cuboid => dispatch_in_blocks(&mut CuboidContacts { blocks, shapes, found }),
-            _ => dispatch_in_blocks(&mut BallContacts { blocks, shapes, found }),
+        // What is there is not cleared first: many contacts are more than caches hold, and this way they are written once.
+        let end = begin + self.blocks.len() * BLOCK;
+        if contacts.len() < end {
+            contacts.resize(end, Contact::NONE);
+        }
+        let parts = self.blocks.par_chunks(PART).zip(contacts[begin..end].par_chunks_mut(PART * BLOCK));
+        let parts = parts.zip(self.pairs.par_chunks(PART * BLOCK)).map(|((blocks, found), pairs)| {
+            match kind {
+                Kind::Cuboid => dispatch_in_blocks(&mut CuboidContacts { blocks, shapes, found }),
+                _ => dispatch_in_blocks(&mut BallContacts { blocks, shapes, found }),
+            }
+            let found = &mut found[..pairs.len()];
+            found.iter_mut().for_each(|contact| contact.begin(kind));
+            found.iter().any(|contact| contact.count() == 0)
         });
-        contacts.truncate(begin + self.pairs.len());
-        contacts[begin..].iter_mut().for_each(|contact| contact.kind = kind);
+        (begin + self.pairs.len(), parts.reduce(|| false, |some, others| some | others))
     }
 
     fn fill_blocks(&mut self, nobody: u32) {

@@ -38,7 +38,8 @@ pub(crate) struct Contacts {
     pub(super) broad_phase: BroadPhase<Real>,
     pub(super) proxies: Vec<Proxy<Real>>,
     pub(super) lanes: Shapes,
-    /// The pairs of each kind.
+    /// The pairs that are near each other, in parts that threads find; then those of each kind.
+    near: Vec<Vec<(Kind, [u32; 2])>>,
     cuboids: Pairs,
     balls: Pairs,
     others: Vec<[u32; 2]>,
@@ -69,6 +70,8 @@ pub(super) struct Shape {
 
 /// So many contacts go on from those there were on one thread at a time.
 const PART: usize = 512;
+/// So many pairs that may be near each other are looked at.
+const CANDIDATES_PART: usize = 1024;
 /// And so many pairs of shapes that have no lanes of their own are looked at.
 const OTHERS_PART: usize = 16;
 
@@ -149,9 +152,9 @@ impl Contacts {
         self.keep_the_past();
         std::mem::swap(&mut self.contacts, &mut self.last);
         let Self { shapes, lanes, cuboids, balls, others, found, contacts, colliders, .. } = self;
-        contacts.clear();
-        cuboids.touch(Kind::Cuboid, lanes, contacts);
-        balls.touch(Kind::Ball, lanes, contacts);
+        let (end, some_empty) = cuboids.touch(Kind::Cuboid, lanes, contacts, 0);
+        let (end, more_empty) = balls.touch(Kind::Ball, lanes, contacts, end);
+        contacts.truncate(end);
         let parts = others.len().div_ceil(OTHERS_PART);
         found.resize_with(parts.max(found.len()), Vec::new);
         others.par_chunks(OTHERS_PART).zip(&mut *found).for_each(|(pairs, found)| {
@@ -159,7 +162,9 @@ impl Contacts {
             pairs.iter().for_each(|slots| touch_one(*slots, shapes, colliders, found));
         });
         found[..parts].iter().for_each(|found| contacts.extend_from_slice(found));
-        contacts.retain(|contact| contact.count() > 0);
+        if some_empty || more_empty || contacts[end..].iter().any(|contact| contact.count() == 0) {
+            contacts.retain(|contact| contact.count() > 0);
+        }
         let Self { contacts, last, materials, .. } = self;
         contacts.par_chunks_mut(PART).for_each(|contacts| go_on(contacts, last, materials));
         // The next step's list takes the place of the last one's: so it allocates nothing. Exactly as much, for with some more both would outgrow each other without end.
@@ -168,18 +173,25 @@ impl Contacts {
 
     /// Finds the pairs that may touch, and sorts them by the kind of their shapes. Where impulses move only one of two, it is the second.
     fn find_near(&mut self) {
-        let Self { shapes, proxies, groups, broad_phase, cuboids, balls, others, .. } = self;
+        let Self { shapes, proxies, groups, broad_phase, near, cuboids, balls, others, .. } = self;
+        let candidates = broad_phase.update(proxies, |a, b| groups[a as usize].touch(groups[b as usize]));
+        let parts = candidates.len().div_ceil(CANDIDATES_PART);
+        near.resize_with(parts.max(near.len()), Vec::new);
+        candidates.par_chunks(CANDIDATES_PART).zip(&mut *near).for_each(|(candidates, near)| {
+            near.clear();
+            near.extend(candidates.iter().filter_map(|&(first, second)| {
+                // Which others are candidates depends on what was before; the contacts must not.
+                let [p, q] = [&proxies[first as usize], &proxies[second as usize]];
+                let slots = if p.moves && !q.moves { [second, first] } else { [first, second] };
+                let kind = Kind::both(shapes[first as usize].kind, shapes[second as usize].kind);
+                p.is_near(q).then_some((kind, slots))
+            }));
+        });
         cuboids.clear();
         balls.clear();
         others.clear();
-        for &(first, second) in broad_phase.update(proxies, |a, b| groups[a as usize].touch(groups[b as usize])) {
-            // Which others are found depends on what was before; the contacts must not.
-            let [p, q] = [&proxies[first as usize], &proxies[second as usize]];
-            if !p.is_near(q) {
-                continue;
-            }
-            let slots = if p.moves && !q.moves { [second, first] } else { [first, second] };
-            match Kind::both(shapes[first as usize].kind, shapes[second as usize].kind) {
+        for &(kind, slots) in near[..parts].iter().flatten() {
+            match kind {
                 Kind::Cuboid => cuboids.push(slots),
                 Kind::Ball => balls.push(slots),
                 Kind::Other => others.push(slots),
