@@ -13,9 +13,13 @@ use std::process::{Child, Stdio};
 use rustix::process::{Pid, Signal, kill_process};
 use support::{Place, stderr, wait_for};
 
-/// Waits until the run has surely begun to record: its unfinished file has something in it.
+/// More bytes than the rows of a hundred bodies at two times have, of some 160 each.
+const TWO_FRAMES: u64 = 60_000;
+
+/// Waits until the run has surely recorded more than the start.
 fn wait_for_rows(place: &Place) {
-    wait_for("a record", || std::fs::metadata(place.path("out.partial.csv")).is_ok_and(|file| file.len() > 0));
+    let record = place.path("out.partial.csv");
+    wait_for("a record", || std::fs::metadata(&record).is_ok_and(|file| file.len() > TWO_FRAMES));
 }
 
 fn signal(child: &Child, signal: Signal) {
