@@ -170,9 +170,15 @@ fn edges_that_cross_touch_in_one_point() {
     assert!((point.position.x - 0.3).abs() < 1e-12 && point.position.z.abs() < 1e-12, "{point:?}");
 }
 
+/// Drawn in double precision: proptest 1.12 panics in a debug build where a number drawn of a range of `f32` comes to lie below its start, which
+/// it does once in some millions of draws.
+fn single(range: std::ops::Range<f64>) -> impl Strategy<Value = f32> {
+    range.prop_map(|number| number as f32)
+}
+
 /// As nearly as single precision can tell, or less nearly.
 fn nearly() -> impl Strategy<Value = f32> {
-    (-1.0_f32..1.0, 3..9).prop_map(|(mantissa, exponent)| mantissa * 0.1_f32.powi(exponent))
+    (single(-1.0..1.0), 3..9).prop_map(|(mantissa, exponent)| mantissa * 0.1_f32.powi(exponent))
 }
 
 proptest! {
@@ -182,7 +188,7 @@ proptest! {
     #[test]
     fn boxes_stacked_flush_touch_at_four_corners(
         place in [nearly(), nearly()], turn in [nearly(), nearly(), nearly()], also in [nearly(), nearly(), nearly()],
-        depth in 0.004..0.01_f32, scale in 0.5..2.0_f32,
+        depth in single(0.004..0.01), scale in single(0.5..2.0),
     ) {
         let half = scale * 0.5;
         let cube = Geometry::Cuboid { half_extents: Vec3::splat(half) };
