@@ -52,35 +52,30 @@ impl<L: Lane> Candidate<L> {
 }
 
 /// Up to four of the points there are: the outermost of the deepest, the one farthest from it, the one that makes the largest triangle with both, and the
-/// one that adds most to its area, as far as they are apart; the rest are far away. `size` is the square of half the diagonal of the smaller face.
+/// one that adds most to its area, as far as they are apart; the rest are far away. `size` is the square of half the diagonal of the smaller face,
+/// `middle` that of what both faces have in common, from which the outermost are far: the mean of the points is beside it where several are in one place.
 #[inline(always)]
 pub(super) fn choose<L: Lane, const N: usize>(
     mut candidates: [Candidate<L>; N],
     margin: L,
     size: L,
+    middle: [L; 2],
 ) -> [Candidate<L>; 4] {
     let least_size = size * L::splat(LEAST_SIZE);
     let (zero, one) = (L::splat(0.0), L::splat(1.0));
-    let (mut least, mut x, mut y, mut count) = (L::splat(FAR), zero, zero, zero);
+    let mut least = L::splat(FAR);
     let mut k = 0;
     while k < N {
-        let at = candidates[k].at;
-        let there = at.z.lt(L::splat(FAR * 0.5));
-        least = least.min(at.z);
-        x = x + L::select(there, at.x, zero);
-        y = y + L::select(there, at.y, zero);
-        count = count + L::select(there, one, zero);
+        least = least.min(candidates[k].at.z);
         k += 1;
     }
-    let inverse = one / count.max(one);
-    let (x, y) = (x * inverse, y * inverse);
     // Of those that are as deep as any, give or take, one at a corner: an edge that lies along another crosses it anywhere, from step to step.
     let deep = least + margin * L::splat(AS_DEEP);
     let mut scores = [L::splat(-FAR); N];
     let mut k = 0;
     while k < N {
         let at = candidates[k].at;
-        scores[k] = L::select(deep.lt(at.z), L::splat(-FAR), square(at.x - x, at.y - y));
+        scores[k] = L::select(deep.lt(at.z), L::splat(-FAR), square(at.x - middle[0], at.y - middle[1]));
         k += 1;
     }
     let first = best(&mut candidates, scores, L::splat(-0.5 * FAR));

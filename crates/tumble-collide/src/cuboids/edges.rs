@@ -74,10 +74,15 @@ pub(super) fn contact<L: Lane>(pair: &Pair<L>, code: L, separation: L) -> Manifo
         corners = corners * L::splat(9.0) + (weight_a + one) * L::splat(3.0) + (weight_b + one);
         k += 1;
     }
-    // Of the lines p + s d and q + t e, the points whose difference is perpendicular to both.
-    let (r, across) = (on_b - on_a, d.dot(e));
-    let t = (across * d.dot(r) - e.dot(r)) / (one - across * across);
-    let place = on_b + e * t - normal * (separation * half);
+    // Of the edges, on_a + s d and on_b + t e, the points nearest to each other. Those of the lines they are on may be past their ends: two corners that
+    // are near each other are furthest apart along no axis of these, so an edge is taken that does not reach as far.
+    let (half_d, half_e) = (of_three(pair.half[0], i), of_three(pair.half[1], j));
+    let (from_a, across) = (on_b - on_a, d.dot(e));
+    let (along_d, along_e) = (d.dot(from_a), e.dot(from_a));
+    let on_lines = (across * along_d - along_e) / (one - across * across);
+    let s = clamp(along_d + across * clamp(on_lines, half_e), half_d);
+    let t = clamp(across * s - along_e, half_e);
+    let place = (on_a + d * s + on_b + e * t) * half;
     let feature = L::splat(FIRST_FEATURE) + corners * L::splat(9.0) + code;
     ManifoldLanes {
         normal,
@@ -87,6 +92,12 @@ pub(super) fn contact<L: Lane>(pair: &Pair<L>, code: L, separation: L) -> Manifo
         separations: [separation; 4],
         features: [feature; 4],
     }
+}
+
+/// No further from zero than `most`.
+#[inline(always)]
+fn clamp<L: Lane>(number: L, most: L) -> L {
+    number.max(-most).min(most)
 }
 
 /// Past the features of faces.

@@ -54,7 +54,7 @@ pub(super) fn contact<L: Lane>(pair: &Pair<L>, code: L, margin: L) -> ManifoldLa
         p: Vec3::new(u.dot(p), v.dot(p), n.dot(p)),
         q: Vec3::new(u.dot(q), v.dot(q), n.dot(q)),
     };
-    let chosen = choose(in_plane.candidates(margin), margin, in_plane.size());
+    let chosen = choose(in_plane.candidates(margin), margin, in_plane.size(), in_plane.shared_middle());
 
     // Which faces meet: of which box, which axis, which side.
     let which = L::select(first, zero, one) + i * L::splat(2.0) + L::select(side.lt(zero), L::splat(6.0), zero);
@@ -93,6 +93,17 @@ impl<L: Lane> Facing<L> {
     fn size(&self) -> L {
         let reference = self.half[0] * self.half[0] + self.half[1] * self.half[1];
         reference.min(self.p.dot(self.p) + self.q.dot(self.q))
+    }
+
+    /// The middle of what the bounds of both faces along u and v have in common.
+    #[inline(always)]
+    fn shared_middle(&self) -> [L; 2] {
+        let half = L::splat(0.5);
+        let middle = |at: L, reach: L, width: L| ((at - reach).max(-width) + (at + reach).min(width)) * half;
+        [
+            middle(self.middle.x, self.p.x.abs() + self.q.x.abs(), self.half[0]),
+            middle(self.middle.y, self.p.y.abs() + self.q.y.abs(), self.half[1]),
+        ]
     }
 
     /// All corners of what is left of the incident face when it is cut to the reference face. Those that are further than the margin, or are none, are far away.
