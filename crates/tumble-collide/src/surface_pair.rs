@@ -140,10 +140,17 @@ impl<S: Surface> Over<'_, S> {
             // What a side or a corner does not hold, a neighbour does.
             Some(found) => match self.place(triangle, &found) {
                 Some(place) => self.over_edge(triangle, &place, &shapes, &found),
-                // Over the triangle's plane but beside the triangle nothing is nearer than the triangle itself.
-                None => self.hits.extend(over_face.into_iter().filter(|hit| {
-                    found.between <= 0.0 || hit.point.separation >= found.between - self.layer - FACE_LEAD
-                })),
+                None => {
+                    // Over the triangle's plane but beside the triangle nothing is nearer than the triangle itself.
+                    let is_over = |hit: &Hit| {
+                        found.between <= 0.0 || hit.point.separation >= found.between - self.layer - FACE_LEAD
+                    };
+                    let before = self.hits.len();
+                    self.hits.extend(over_face.into_iter().filter(is_over));
+                    if self.hits.len() == before {
+                        self.keep_spare(triangle, &shapes, &found);
+                    }
+                }
             },
             None => {}
         }
