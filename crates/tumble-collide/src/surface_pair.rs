@@ -140,17 +140,7 @@ impl<S: Surface> Over<'_, S> {
             // What a side or a corner does not hold, a neighbour does.
             Some(found) => match self.place(triangle, &found) {
                 Some(place) => self.over_edge(triangle, &place, &shapes, &found),
-                None => {
-                    // Over the triangle's plane but beside the triangle nothing is nearer than the triangle itself.
-                    let is_over = |hit: &Hit| {
-                        found.between <= 0.0 || hit.point.separation >= found.between - self.layer - FACE_LEAD
-                    };
-                    let before = self.hits.len();
-                    self.hits.extend(over_face.into_iter().filter(is_over));
-                    if self.hits.len() == before {
-                        self.keep_spare(triangle, &shapes, &found);
-                    }
-                }
+                None => self.beside_face(triangle, &shapes, &found, over_face),
             },
             None => {}
         }
@@ -161,16 +151,37 @@ impl<S: Surface> Over<'_, S> {
         let overlay = Overlay { normal, separation: depth, layers: [0.0, self.layer], margin: self.margin };
         let below = shapes.second.feature(shapes.turned_back(normal * -1.0), self.margin);
         let below = below.seen(|point| shapes.place(point), |v| shapes.turn(v));
-        let part = self.surface.patches().of_triangle(triangle);
         let (points, carried) = overlay.shared(&shapes.first.feature(normal, self.margin), &below);
-        let hit = |mut point: ContactPoint<f64>| {
-            // What crosses a side of this triangle is not what crosses a side of another.
-            if !is_corner_of_second(point.feature) {
-                point.feature = point.feature.wrapping_add(triangle.wrapping_mul(0x9e37_79b1));
+        points.into_iter().map(|point| self.face_hit(triangle, point, carried)).collect()
+    }
+
+    fn face_hit(&self, triangle: u32, mut point: ContactPoint<f64>, carried: f64) -> Hit {
+        // What crosses a side of this triangle is not what crosses a side of another.
+        if !is_corner_of_second(point.feature) {
+            point.feature = point.feature.wrapping_add(triangle.wrapping_mul(0x9e37_79b1));
+        }
+        let (part, normal) = (self.surface.patches().of_triangle(triangle), self.surface.normal(triangle));
+        Hit { part, normal, point, carried, beside: None }
+    }
+
+    /// Points over the triangle itself, where no side or corner holds and not all of the shape's nearest is over the triangle.
+    fn beside_face(&mut self, triangle: u32, shapes: &Difference<'_>, found: &Approach, over_face: Vec<Hit>) {
+        // Over the triangle's plane but beside the triangle nothing is nearer than the triangle itself.
+        let (overlaps, separation) = (found.between <= 0.0, found.between - self.layer);
+        let before = self.hits.len();
+        self.hits
+            .extend(over_face.into_iter().filter(|hit| overlaps || hit.point.separation >= separation - FACE_LEAD));
+        let is_near = |hit: &Hit| hit.point.separation <= separation + AS_NEAR * self.margin;
+        if overlaps && furthest(self.surface.triangle(triangle), found.normal) == [true; 3] {
+            // The way out is the face's own as far as directions are certain, and what is deepest is beside the face by no more than that.
+            if !self.hits[before..].iter().any(is_near) {
+                let position = found.on_first + self.surface.normal(triangle) * (0.5 * separation);
+                let point = ContactPoint { position, separation, feature: u32::MAX };
+                self.hits.push(self.face_hit(triangle, point, 0.5));
             }
-            Hit { part, normal, point, carried, beside: None }
-        };
-        points.into_iter().map(hit).collect()
+        } else if self.hits.len() == before {
+            self.keep_spare(triangle, shapes, found);
+        }
     }
 
     /// Points over the side or the corner that an approach goes out from, if it may.
