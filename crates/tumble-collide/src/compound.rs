@@ -52,6 +52,10 @@ impl<R: Scalar> Compound<R> {
         self.parts.iter().zip(&self.numbers).map(|((inner, part), number)| (*number, at.then(inner), part))
     }
 
+    pub(crate) fn has_round_part(&self) -> bool {
+        self.parts.iter().any(|(_, part)| part.is_round())
+    }
+
     /// How many numbers its parts have.
     pub(crate) fn count(&self) -> u32 {
         let last = self.parts.last().zip(self.numbers.last());

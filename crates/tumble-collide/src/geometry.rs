@@ -190,6 +190,23 @@ impl<R: Scalar> Geometry<R> {
         }
     }
 
+    /// Whether some of its surface is curved: where such a shape rolls, its contacts move over it.
+    ///
+    /// ```
+    /// use tumble_collide::Geometry;
+    /// use tumble_math::lane::Vec3;
+    ///
+    /// assert!(Geometry::Cylinder { radius: 0.5, half_height: 1.0 }.is_round());
+    /// assert!(!Geometry::Cuboid { half_extents: Vec3::splat(1.0) }.is_round());
+    /// ```
+    pub fn is_round(&self) -> bool {
+        match self {
+            Self::Cuboid { .. } | Self::Hull(_) | Self::Mesh(_) | Self::HeightField(_) | Self::HalfSpace => false,
+            Self::Compound(compound) => compound.has_round_part(),
+            _ => true,
+        }
+    }
+
     /// Half its thickness where it is thinnest, or somewhat less \[m\]: what goes through it by less is still on the side it came from. Zero for surfaces.
     ///
     /// ```

@@ -86,7 +86,7 @@ impl<R: Scalar> Points<R> {
 
 impl<R: Scalar> Manifold<R> {
     /// The shapes are further apart than was asked for.
-    pub(crate) fn none() -> Self {
+    pub fn none() -> Self {
         Self { normal: Vec3::zero(), carried: R::splat(0.5), points: Points::none() }
     }
 

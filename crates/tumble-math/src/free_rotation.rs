@@ -41,8 +41,8 @@
 //!
 //! `kappa = h^2 (t2 H + D)/(3 e)` is, like H and C, the same all along the motion and is `(h|w|/2)^2` for a sphere: the square of the
 //! largest half-turn a step can make. A step with kappa over [`LARGEST_KAPPA`] is divided into equal parts, at most [`MOST_PARTS`]; beyond,
-//! where a step turns the body about four times around, it turns about its present angular velocity at its present rate,
-//! which keeps the momentum but not the energy.
+//! where a step turns the body about four times around, it turns about its angular momentum at the mean rate `2 H/|L|`, which
+//! keeps momentum and energy but not the phase.
 
 use crate::lane::{Lane, Quat, Vec3};
 use crate::orientation::rotate_exactly;
@@ -61,7 +61,7 @@ const MOST_ITERATIONS: u32 = 6;
 /// - `angular_momentum`: in the world frame [kg m^2/s], the same before and after;
 /// - `moments`: the principal moments of inertia [kg m^2], positive, none above the sum of the others, up to rounding.
 ///
-/// Sixth order in `h`. Angular momentum is kept at any `h`, kinetic energy to rounding up to a turn of about 25 rad; the result is of unit
+/// Sixth order in `h` up to a turn of about 25 rad. Angular momentum and kinetic energy are kept to rounding at any `h`; the result is of unit
 /// length, and for finite arguments finite. A body at rest keeps its orientation to the bit.
 ///
 /// ```
@@ -162,9 +162,18 @@ impl<L: Lane> FreeRotation<L> {
         if L::all(slow_enough) {
             return turned;
         }
-        let angles = y.scale(self.to_angles);
-        let body = self.in_body_frame(angles);
-        Quat::select(slow_enough, turned, rotate_exactly(orientation, orientation.rotate(body), one))
+        Quat::select(slow_enough, turned, rotate_exactly(orientation, self.mean_rotation(momentum, y), one))
+    }
+
+    /// The rotation vector of a step about the angular momentum at the mean rate `2 H/|L|`: it leaves `y`, and so the energy, as
+    /// they are.
+    #[inline(always)]
+    fn mean_rotation(&self, momentum: Vec3<L>, y: Vec3<L>) -> Vec3<L> {
+        let one = L::splat(1.0);
+        // Squares of large momenta are no numbers in single precision.
+        let scale = one / y.x.abs().max(y.y.abs()).max(y.z.abs());
+        let unit = y * scale;
+        momentum * (scale * (y.scale(self.to_angles).dot(unit) / unit.dot(unit)))
     }
 
     /// `y = R^T L`: the angular momentum about the principal axes.

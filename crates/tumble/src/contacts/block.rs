@@ -12,14 +12,8 @@ use crate::simd::BLOCK;
 #[derive(Clone, Copy)]
 #[repr(C, align(64))]
 pub(super) struct Block<const P: usize, const C: usize> {
-    /// The middle from the second body's centre of mass when the step began \[m\].
-    pub(super) arm: [Lanes; 3],
-    /// The second body's centre of mass from the first's, when the step began \[m\].
-    pub(super) apart: [Lanes; 3],
-    /// How far the middle goes with the second body when it moves past the first, from 0 to 1.
-    pub(super) carried: Lanes,
-    /// How far the bodies may move past each other \[m\] for the arms to follow: with longer ones, impulses would do more than the masses below know of, and grow.
-    pub(super) followed: Lanes,
+    /// The middle from the centres of mass of both bodies \[m\].
+    pub(super) arms: [[Lanes; 3]; 2],
     pub(super) normal: [Lanes; 3],
     /// The first tangent.
     pub(super) tangent: [Lanes; 3],
@@ -27,10 +21,33 @@ pub(super) struct Block<const P: usize, const C: usize> {
     /// Velocity at the second of two points that a unit impulse at the first gives [1/kg]: 01 02 03 12 13 23.
     pub(super) couplings: [Lanes; C],
     pub(super) friction: Friction,
+    pub(super) start: Start<P>,
     /// Which contacts.
     pub(super) contacts: [u32; BLOCK],
     /// How many lanes have one.
     pub(super) count: usize,
+}
+
+/// The geometry of contacts at the start of the step, from which that of each substep follows as the bodies move.
+#[derive(Clone, Copy)]
+#[repr(C)]
+pub(super) struct Start<const P: usize> {
+    /// The middle from the second body's centre of mass \[m\].
+    pub(super) arm: [Lanes; 3],
+    /// The second body's centre of mass from the first's \[m\].
+    pub(super) apart: [Lanes; 3],
+    /// How much of the middle is fixed to the second body, from 0 to 1.
+    pub(super) carried: Lanes,
+    /// How the geometry follows the bodies: [`MATERIAL`](super::contact::MATERIAL) or another.
+    pub(super) law: Lanes,
+    /// How far an arm may change \[m\] before the effective masses are computed again; below zero where that is done in any case.
+    pub(super) slide: Lanes,
+    /// Which part of the impulses the next step begins with.
+    pub(super) kept: Lanes,
+    pub(super) separations: [Lanes; P],
+    pub(super) normal: [Lanes; 3],
+    pub(super) tangent: [Lanes; 3],
+    pub(super) offsets: [[Lanes; 2]; P],
 }
 
 /// What keeps two bodies apart at one point: an impulse along the normal that never pulls.
@@ -39,7 +56,7 @@ pub(super) struct Block<const P: usize, const C: usize> {
 pub(super) struct Point {
     /// Where the point is from the middle of the contact, along the tangents \[m\].
     pub(super) offset: [Lanes; 2],
-    /// Separation at the start of the step \[m\].
+    /// Separation \[m\].
     pub(super) separation: Lanes,
     /// One over the velocity along the normal that a unit impulse gives \[kg\].
     pub(super) mass: Lanes,
@@ -98,10 +115,7 @@ impl<const P: usize, const C: usize> Block<P, C> {
     pub(super) fn empty() -> Self {
         let point = Point { offset: [ZEROS; 2], separation: ZEROS, mass: ZEROS, impulse: ZEROS };
         Self {
-            arm: [ZEROS; 3],
-            apart: [ZEROS; 3],
-            carried: ZEROS,
-            followed: ZEROS,
+            arms: [[ZEROS; 3]; 2],
             normal: [ZEROS; 3],
             tangent: [ZEROS; 3],
             points: [point; P],
@@ -113,6 +127,18 @@ impl<const P: usize, const C: usize> Block<P, C> {
                 twisting_mass: ZEROS,
                 sliding: [ZEROS; 2],
                 twist: ZEROS,
+            },
+            start: Start {
+                arm: [ZEROS; 3],
+                apart: [ZEROS; 3],
+                carried: ZEROS,
+                law: ZEROS,
+                slide: ZEROS,
+                kept: ZEROS,
+                separations: [ZEROS; P],
+                normal: [ZEROS; 3],
+                tangent: [ZEROS; 3],
+                offsets: [[ZEROS; 2]; P],
             },
             contacts: [0; BLOCK],
             count: 0,

@@ -24,14 +24,25 @@ pub(super) struct Contact {
     pub(super) numbers: [Eight; 5],
 }
 
-/// Normal from the first to the second, how far points go along with the second, how many points there are, resistance to rolling, restitution.
+/// Normal from the first to the second, how far points go along with the second, how many points there are, resistance to
+/// rolling, restitution, and how the geometry follows the bodies in a step.
 pub(super) const SHAPE: usize = 0;
 /// Two points each: from the second body's centre of mass when the step began, and the separation there.
 pub(super) const POINTS: [usize; MOST_POINTS / 2] = [1, 2];
-/// Impulses of a substep along the normal \[N s\], and the coefficients of static and dynamic friction.
+/// Impulses of a substep along the normal \[N s\], the coefficients of static and dynamic friction, and which part of all impulses
+/// the next step begins with.
 pub(super) const HELD: usize = 3;
 /// Impulse of friction \[N s\] and angular impulse of what resists twisting and rolling [N m s], of a substep, world frame.
 pub(super) const RUBBED: usize = 4;
+
+/// Points and normals are fixed to the bodies.
+pub(super) const MATERIAL: f64 = 0.0;
+/// Of balls: the normal is along the line of the centres of mass.
+pub(super) const CENTERS: f64 = 1.0;
+/// Of a ball about its centre of mass on a plane that does not turn: nothing changes.
+pub(super) const FIXED: f64 = 3.0;
+/// What is round and rolls: found again in each substep.
+pub(super) const REFINED: f64 = 2.0;
 
 /// Points that moved no further than this \[m\] are the same, whatever features meet there now.
 const SAME_PLACE: Real = 0.01;
@@ -48,7 +59,7 @@ impl Contact {
     };
 
     /// Of a manifold with points, whose normal goes from the first slot to the second; `center` is the centre of mass of the second.
-    pub(super) fn new(slots: [u32; 2], part: u32, manifold: &Manifold<Real>, center: Vec3<Real>) -> Self {
+    pub(super) fn new(slots: [u32; 2], part: u32, manifold: &Manifold<Real>, center: Vec3<Real>, law: f64) -> Self {
         let (n, count) = (manifold.normal, manifold.points().len());
         let mut numbers = [Eight::ZERO; 5];
         let mut features = [0; MOST_POINTS];
@@ -58,7 +69,7 @@ impl Contact {
             numbers[POINTS[j / 2]].0[j % 2 * 4..][..4].copy_from_slice(&place);
             features[j] = point.feature;
         }
-        numbers[SHAPE] = Eight([n.x, n.y, n.z, manifold.carried, count as Real, 0.0, 0.0, 0.0]);
+        numbers[SHAPE] = Eight([n.x, n.y, n.z, manifold.carried, count as Real, 0.0, 0.0, crate::math::real(law)]);
         Self { kind: Kind::Other, slots, part, touched: false, features, numbers }
     }
 
@@ -78,6 +89,11 @@ impl Contact {
     pub(super) fn key(&self) -> (Kind, u32, u32, u32) {
         let [a, b] = self.slots;
         (self.kind, a.min(b), a.max(b), self.part)
+    }
+
+    /// Whether it is found again in each substep.
+    pub(super) fn is_refined(&self) -> bool {
+        f64::from(self.numbers[SHAPE].0[7]) == REFINED
     }
 
     /// How many points.
@@ -128,5 +144,6 @@ impl Contact {
             }
         }
         self.numbers[HELD].0[..MOST_POINTS].copy_from_slice(&held);
+        self.numbers[HELD].0[6] = old.numbers[HELD].0[6];
     }
 }

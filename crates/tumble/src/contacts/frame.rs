@@ -1,11 +1,12 @@
 //! A tile's contacts and their bodies, as they are at one moment of the step.
 
-use tumble_math::lane::Vec3;
+use tumble_math::lane::{Quat, Vec3};
 
 use super::block::Block;
-use super::rows::{at, gather_two_vectors, vector_at};
+use super::effective_mass::Mobility;
+use super::rows::{gather_two_vectors, vector_at};
 use crate::derived::symmetric_product;
-use crate::simd::{BLOCK, Eight, Rows, Tile};
+use crate::simd::{BLOCK, Eight, Rows, Tile, gather};
 
 /// The motion of the second body seen from the first, at the middle of the contact: velocities, or displacements.
 #[derive(Clone, Copy)]
@@ -23,39 +24,12 @@ impl<T: Tile> Relative<T> {
     }
 }
 
-/// From the centres of mass of a tile's bodies to the middle of their contacts.
-pub(super) struct Arms<T> {
-    /// When the step began \[m\].
-    pub(super) first: [Vec3<T>; 2],
-    carried: T,
-    followed: T,
-}
-
-impl<T: Tile> Arms<T> {
-    #[inline(always)]
-    pub(super) fn load<const P: usize, const C: usize>(block: &Block<P, C>, lane: usize) -> Self {
-        let arm: Vec3<T> = vector_at(&block.arm, lane);
-        let first = [arm + vector_at(&block.apart, lane), arm];
-        Self { first, carried: at(&block.carried, lane), followed: at(&block.followed, lane) }
-    }
-
-    /// As they are now. Both reach to one point of the world again, after the bodies have moved past each other, since impulses that are equal
-    /// and opposite in one point keep the angular momentum. Bodies that rush past each other by more than their size in a step are not followed any further.
-    #[inline(always)]
-    pub(super) fn now(&self, moved: &Moved<T>) -> [Vec3<T>; 2] {
-        let Vec3 { x, y, z } = moved.linear[1] - moved.linear[0];
-        let (least, most) = (-self.followed, self.followed);
-        let apart = Vec3::new(x.max(least).min(most), y.max(least).min(most), z.max(least).min(most));
-        let with_first = apart * self.carried;
-        [self.first[0] + with_first, self.first[1] + (with_first - apart)]
-    }
-}
-
 /// Where contacts are and which way they look.
 pub(super) struct Frame<T> {
     pub(super) normal: Vec3<T>,
     pub(super) tangents: [Vec3<T>; 2],
-    pub(super) arms: Arms<T>,
+    /// From the centres of mass of both bodies to the middle of the contact \[m\].
+    pub(super) arms: [Vec3<T>; 2],
 }
 
 impl<T: Tile> Frame<T> {
@@ -63,7 +37,8 @@ impl<T: Tile> Frame<T> {
     pub(super) fn load<const P: usize, const C: usize>(block: &Block<P, C>, lane: usize) -> Self {
         let normal = vector_at(&block.normal, lane);
         let tangent: Vec3<T> = vector_at(&block.tangent, lane);
-        Self { normal, tangents: [tangent, normal.cross(tangent)], arms: Arms::load(block, lane) }
+        let arms = [vector_at(&block.arms[0], lane), vector_at(&block.arms[1], lane)];
+        Self { normal, tangents: [tangent, normal.cross(tangent)], arms }
     }
 
     /// Along the normal, and about both tangents: what the motion of every point along the normal is made of.
@@ -80,24 +55,31 @@ pub(super) fn along_normal<T: Tile>([linear, about_1, about_2]: [T; 3], a: T, b:
     linear - a * about_2 + b * about_1
 }
 
-/// How far two bodies moved since the step began.
+/// How two bodies moved since the step began.
 pub(super) struct Moved<T> {
-    linear: [Vec3<T>; 2],
-    angular: [Vec3<T>; 2],
+    pub(super) linear: [Vec3<T>; 2],
+    pub(super) rotation: [Quat<T>; 2],
+    /// Above zero where one of them has turned by more than its tolerance.
+    pub(super) turned: T,
 }
 
 impl<T: Tile> Moved<T> {
     #[inline(always)]
     pub(super) fn load(moved: &[Eight], rows: &[[u32; BLOCK]; 2], lane: usize) -> Self {
-        let first = gather_two_vectors(moved, &rows[0], lane);
-        let second = gather_two_vectors(moved, &rows[1], lane);
-        Self { linear: [first.0, second.0], angular: [first.1, second.1] }
+        let [ax, ay, az, ai, aj, ak, aw, a_turned] = gather(moved, &rows[0], lane);
+        let [bx, by, bz, bi, bj, bk, bw, b_turned]: [T; 8] = gather(moved, &rows[1], lane);
+        Self {
+            linear: [Vec3::new(ax, ay, az), Vec3::new(bx, by, bz)],
+            rotation: [Quat { x: ai, y: aj, z: ak, w: aw }, Quat { x: bi, y: bj, z: bk, w: bw }],
+            turned: b_turned.max(a_turned),
+        }
     }
 
-    /// Seen from the first, at the point that was the middle then.
+    /// Seen from the first at the middle of the contact, to first order in the angles.
     #[inline(always)]
-    pub(super) fn relative(&self, frame: &Frame<T>) -> Relative<T> {
-        Relative::new(self.linear, self.angular, frame.arms.first)
+    pub(super) fn relative(&self, arms: [Vec3<T>; 2]) -> Relative<T> {
+        let two = T::splat(2.0);
+        Relative::new(self.linear, self.rotation.map(|q| q.vector() * two), arms)
     }
 }
 
@@ -171,6 +153,12 @@ impl<T: Tile> Bodies<T> {
     #[inline(always)]
     pub(super) fn inverse_mass(&self) -> T {
         if self.momenta.grounded { self.inverse_mass[1] } else { self.inverse_mass[0] + self.inverse_mass[1] }
+    }
+
+    /// How they answer to impulses.
+    #[inline(always)]
+    pub(super) fn mobility(&self, response: &Response<T>) -> Mobility<T> {
+        Mobility { response: response.of_what_moves(self.momenta.grounded), inverse_mass: self.inverse_mass() }
     }
 
     /// The smaller of the bodies' sizes, as what turns them has it: of their mass over their inertia; without end where impulses turn neither \[m\].

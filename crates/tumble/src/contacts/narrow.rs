@@ -5,7 +5,7 @@ use tumble_collide::lanes::{CuboidLanes, ManifoldLanes, ball_pair, cuboid_gap, c
 use tumble_collide::{Geometry, MOST_POINTS, Placement};
 use tumble_math::lane::{Quat, Vec3};
 
-use super::contact::{Contact, POINTS, SHAPE};
+use super::contact::{CENTERS, Contact, MATERIAL, POINTS, REFINED, SHAPE};
 use super::rows::put;
 use crate::math::Real;
 use crate::simd::{BLOCK, Eight, Kernel, Tile, dispatch_in_blocks, gather};
@@ -228,7 +228,7 @@ impl Kernel for CuboidContacts<'_> {
         let (first, a, place) = cuboids::<T>(self.shapes, &rows[0], lane);
         let (second, b, other) = cuboids::<T>(self.shapes, &rows[1], lane);
         let manifold = cuboid_pair(&first, &second, b - a, place.reach + other.reach);
-        write(&manifold, other.offset, &mut self.found[i..], rows, lane);
+        write(&manifold, other.offset, T::splat(MATERIAL), &mut self.found[i..], rows, lane);
     }
 }
 
@@ -250,7 +250,10 @@ impl Kernel for BallContacts<'_> {
         let (first, a, place) = balls::<T>(self.shapes, &rows[0], lane);
         let (second, b, other) = balls::<T>(self.shapes, &rows[1], lane);
         let manifold = ball_pair(first, second, b - a, place.reach + other.reach);
-        write(&manifold, other.offset, &mut self.found[i..], rows, lane);
+        // Balls that are not about their centres of mass wobble.
+        let off = place.offset.dot(place.offset) + other.offset.dot(other.offset);
+        let law = T::select(T::splat(0.0).lt(off), T::splat(REFINED), T::splat(CENTERS));
+        write(&manifold, other.offset, law, &mut self.found[i..], rows, lane);
     }
 }
 
@@ -285,6 +288,7 @@ fn balls<T: Tile>(shapes: &Shapes, slots: &[u32; BLOCK], lane: usize) -> (T, Vec
 fn write<T: Tile>(
     manifold: &ManifoldLanes<T>,
     offset: Vec3<T>,
+    law: T,
     found: &mut [Contact],
     rows: &[[u32; BLOCK]; 2],
     lane: usize,
@@ -292,7 +296,7 @@ fn write<T: Tile>(
     let zero = T::splat(0.0);
     let n = manifold.normal;
     let mut numbers = [[Eight::ZERO; BLOCK]; 3];
-    T::store([n.x, n.y, n.z, manifold.carried, manifold.count, zero, zero, zero], &mut numbers[SHAPE]);
+    T::store([n.x, n.y, n.z, manifold.carried, manifold.count, zero, zero, law], &mut numbers[SHAPE]);
     let mut half = 0;
     while half < POINTS.len() {
         let (j, k) = (2 * half, 2 * half + 1);

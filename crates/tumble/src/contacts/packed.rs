@@ -76,6 +76,7 @@ impl Packed {
     ) {
         self.next = found.gather(columns, (settings, laws, time), &mut self.pushing, self.next);
         let found = &*found;
+        found.add_round(self.contacts.len(), &mut self.pushing.rounds);
         self.contacts
             .extend(found.contacts.iter().map(|contact| Contact { slots: found.rows_of(contact), ..contact.clone() }));
     }

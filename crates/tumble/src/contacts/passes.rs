@@ -4,6 +4,7 @@ use tumble_math::lane::Vec3;
 
 use super::block::{Block, Bounce, Rolling};
 use super::frame::{Bodies, Frame, Momenta, Moved, Response, along_normal};
+use super::refresh::refresh;
 use super::rows::{at, put};
 use super::rubbing::Rubbing;
 use super::soft::Softness;
@@ -74,15 +75,19 @@ impl<const P: usize, const C: usize> Kernel for Solve<'_, P, C> {
     fn tile<T: Tile>(&mut self, i: usize) {
         let (index, lane) = (i / BLOCK, i % BLOCK);
         let block = &mut self.blocks.blocks[index];
-        let frame = Frame::<T>::load(block, lane);
-        let moved = Moved::load(self.bodies.moved, self.bodies.motion.pairs(index), lane);
         let response = Response::<T>::load(self.bodies.response, self.bodies.motion.pairs(index), lane);
         let mut bodies = Bodies::<T>::load(&self.bodies.motion, index, lane);
-        let arms = frame.arms.now(&moved);
+        let mut kept = T::splat(1.0);
+        if self.softness.is_none() {
+            let moved = Moved::load(self.bodies.moved, self.bodies.motion.pairs(index), lane);
+            let mobility = bodies.mobility(&response);
+            kept = refresh(block, self.blocks.rolling.get_mut(index), lane, &moved, &mobility);
+        }
+        let frame = Frame::<T>::load(block, lane);
+        let arms = frame.arms;
 
-        let way = frame.normal_parts(&moved.relative(&frame));
         let speeds = speeds(block, lane, frame.normal_parts(&bodies.relative(&response, arms)));
-        let (changes, sum) = self.solve_points(index, lane, way, speeds);
+        let (changes, sum) = self.solve_points(index, lane, speeds);
         let block = &mut self.blocks.blocks[index];
         let (linear, angular) = along_normals(block, &frame, lane, changes);
         bodies.push(arms, linear, angular);
@@ -92,9 +97,14 @@ impl<const P: usize, const C: usize> Kernel for Solve<'_, P, C> {
             let contact = (&frame, lane);
             let after =
                 rub(before, block, self.blocks.rolling.get(index), contact, &mut bodies, (&response, arms), sum);
-            after.store(&mut block.friction, self.blocks.rolling.get_mut(index), lane);
             if self.holds {
-                hold(block, (&frame, arms), &after, &mut self.bodies.held, (index, lane));
+                let after = after.scaled(kept);
+                after.store(&mut block.friction, self.blocks.rolling.get_mut(index), lane);
+                scale_impulses(block, lane, kept);
+                hold(block, &frame, &after, &mut self.bodies.held, (index, lane));
+            } else {
+                after.store(&mut block.friction, self.blocks.rolling.get_mut(index), lane);
+                put(kept, &mut block.start.kept, lane);
             }
         }
         bodies.store(&mut self.bodies.motion, index, lane);
@@ -104,14 +114,14 @@ impl<const P: usize, const C: usize> Kernel for Solve<'_, P, C> {
 impl<const P: usize, const C: usize> Solve<'_, P, C> {
     /// By how much the impulse of each point changed, and the sum of the impulses.
     #[inline(always)]
-    fn solve_points<T: Tile>(&mut self, index: usize, lane: usize, way: [T; 3], speeds: [T; P]) -> ([T; P], T) {
+    fn solve_points<T: Tile>(&mut self, index: usize, lane: usize, speeds: [T; P]) -> ([T; P], T) {
         let (zero, one) = (T::splat(0.0), T::splat(1.0));
         let block = &mut self.blocks.blocks[index];
         let inverse_h = T::splat(self.inverse_h.into());
         let (mut speeds, mut changes, mut sum) = (speeds, [zero; P], zero);
         let mut j = 0;
         while j < P {
-            let separation = separation(block, lane, j, way);
+            let separation: T = at(&block.points[j].separation, lane);
             let point = &mut block.points[j];
             // What is apart may come as near in a substep as it is apart.
             let apart = zero.lt(separation);
@@ -171,12 +181,9 @@ impl<const P: usize, const C: usize> Kernel for NoteApproach<'_, P, C> {
         let (index, lane) = (i / BLOCK, i % BLOCK);
         let block = &self.blocks.blocks[index];
         let frame = Frame::<T>::load(block, lane);
-        let moved = Moved::load(self.bodies.moved, self.bodies.motion.pairs(index), lane);
         let response = Response::<T>::load(self.bodies.response, self.bodies.motion.pairs(index), lane);
         let bodies = Bodies::<T>::load(&self.bodies.motion, index, lane);
-        let motion = bodies.relative(&response, frame.arms.now(&moved));
-        let speeds = speeds(block, lane, frame.normal_parts(&motion));
-        let way = frame.normal_parts(&moved.relative(&frame));
+        let speeds = speeds(block, lane, frame.normal_parts(&bodies.relative(&response, frame.arms)));
         let bounce = &mut self.blocks.bounces[index];
         let (zero, one, inverse_h) = (T::splat(0.0), T::splat(1.0), T::splat(self.inverse_h.into()));
         let mut j = 0;
@@ -191,7 +198,7 @@ impl<const P: usize, const C: usize> Kernel for NoteApproach<'_, P, C> {
                 let kick: T = at(&bounce.kick[j], lane);
                 let speed = before + kick;
                 // The part of the substep after which they meet.
-                let part = (separation(block, lane, j, way) * inverse_h / -speed).max(zero).min(one);
+                let part = (at::<T>(&block.points[j].separation, lane) * inverse_h / -speed).max(zero).min(one);
                 let met = before + kick * T::select(speed.lt(zero), part, one);
                 put(at::<T>(&bounce.approach[j], lane).min(met), &mut bounce.approach[j], lane);
             }
@@ -220,10 +227,9 @@ impl<const P: usize, const C: usize> Kernel for Rebound<'_, P, C> {
         let zero = T::splat(0.0);
         let (block, bounce) = (&mut self.blocks.blocks[index], &mut self.blocks.bounces[index]);
         let frame = Frame::<T>::load(block, lane);
-        let moved = Moved::load(self.bodies.moved, self.bodies.motion.pairs(index), lane);
         let response = Response::<T>::load(self.bodies.response, self.bodies.motion.pairs(index), lane);
         let mut bodies = Bodies::<T>::load(&self.bodies.motion, index, lane);
-        let arms = frame.arms.now(&moved);
+        let arms = frame.arms;
         let restitution: T = at(&bounce.restitution, lane);
         let slowest = T::splat(-f64::from(self.threshold));
 
@@ -275,13 +281,6 @@ fn rub<T: Tile, const P: usize, const C: usize>(
     let linear = after.linear(frame) - rubbing.linear(frame);
     bodies.push(arms, linear, after.angular(frame) - rubbing.angular(frame));
     after
-}
-
-/// How far apart the bodies are at a point after they have moved.
-#[inline(always)]
-fn separation<T: Tile, const P: usize, const C: usize>(block: &Block<P, C>, lane: usize, j: usize, way: [T; 3]) -> T {
-    let point = &block.points[j];
-    at::<T>(&point.separation, lane) + along_normal(way, at(&point.offset[0], lane), at(&point.offset[1], lane))
 }
 
 /// Velocity along the normal at each point.
@@ -344,11 +343,22 @@ fn along_normals<T: Tile, const P: usize, const C: usize>(
     (frame.normal * sum, frame.tangents[0] * about_1 - frame.tangents[1] * about_2)
 }
 
+/// What is left of the impulses along the normal for the next substep to begin with.
+#[inline(always)]
+fn scale_impulses<T: Tile, const P: usize, const C: usize>(block: &mut Block<P, C>, lane: usize, kept: T) {
+    let mut j = 0;
+    while j < P {
+        let impulse: T = at(&block.points[j].impulse, lane);
+        put(impulse * kept, &mut block.points[j].impulse, lane);
+        j += 1;
+    }
+}
+
 /// Adds all impulses of a contact to what holds the bodies.
 #[inline(always)]
 pub(super) fn hold<T: Tile, const P: usize, const C: usize>(
     block: &Block<P, C>,
-    (frame, arms): (&Frame<T>, [Vec3<T>; 2]),
+    frame: &Frame<T>,
     rubbing: &Rubbing<T>,
     held: &mut Rows<'_>,
     (index, lane): (usize, usize),
@@ -361,6 +371,6 @@ pub(super) fn hold<T: Tile, const P: usize, const C: usize>(
     }
     let (linear, angular) = along_normals(block, frame, lane, impulses);
     let mut momenta = Momenta::load(held, index, lane);
-    momenta.push(arms, linear + rubbing.linear(frame), angular + rubbing.angular(frame));
+    momenta.push(frame.arms, linear + rubbing.linear(frame), angular + rubbing.angular(frame));
     momenta.store([T::splat(0.0); 2], held, index, lane);
 }

@@ -2,6 +2,7 @@ use super::booking::Bookings;
 use super::contact::Contact;
 use super::materials::Extras;
 use super::passes::Moment;
+use super::refine::Round;
 use super::solver::{Pass, Solver};
 use super::solver_bodies::SolverBodies;
 use super::touching::MARGIN;
@@ -12,6 +13,8 @@ use crate::settings::Settings;
 pub(crate) struct Pushing {
     pub(super) bodies: SolverBodies,
     pub(super) bookings: Bookings,
+    /// Contacts that are found again in each substep.
+    pub(super) rounds: Vec<Round>,
     solver: Solver,
 }
 
@@ -19,6 +22,7 @@ impl Pushing {
     /// Makes room for so many bodies that impulses move and so many that they do not.
     pub(super) fn reset(&mut self, [moved, unmoved]: [usize; 2]) {
         self.bookings.clear();
+        self.rounds.clear();
         self.bodies.reset(moved, unmoved);
     }
 
@@ -31,8 +35,9 @@ impl Pushing {
         extras: Extras,
     ) {
         let (substeps, h) = (settings.contact_substeps_each(), settings.contact_substep());
-        let (Self { bodies, bookings, solver }, biased) = (self, Pass::biased(h));
+        let (Self { bodies, bookings, rounds, solver }, biased) = (self, Pass::biased(h));
         solver.lay_out(contacts, rows, bodies, extras);
+        solver.locate(contacts.len(), rounds);
         bodies.with_poses(|bodies, poses| solver.run(Pass::Prepare(contacts, poses, MARGIN), bodies));
         for substep in 0..substeps {
             bookings.before_kick(bodies);
@@ -47,6 +52,7 @@ impl Pushing {
             solver.run(biased, bodies);
             bookings.before_motion(bodies);
             bodies.drift(h);
+            solver.refine(rounds, &bodies.moved);
             bookings.after_motion(bodies);
             if extras.bounces {
                 solver.run(Pass::NoteApproach(h, Moment::Moved), bodies);

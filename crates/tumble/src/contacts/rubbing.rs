@@ -61,6 +61,13 @@ impl<T: Tile> Rubbing<T> {
         Self { roll: [T::select(rolls, u, zero), T::select(rolls, v, zero)], ..self }
     }
 
+    /// A part of the same.
+    #[inline(always)]
+    pub(super) fn scaled(&self, part: T) -> Self {
+        let [[s, t], [u, v]] = [self.sliding, self.roll];
+        Self { sliding: [s * part, t * part], twist: self.twist * part, roll: [u * part, v * part] }
+    }
+
     /// The impulse in the tangent plane, world frame.
     #[inline(always)]
     pub(super) fn linear(&self, frame: &Frame<T>) -> Vec3<T> {
@@ -121,8 +128,11 @@ impl<T: Tile> Rubbing<T> {
         let hold = at::<T>(&friction.limits[0], lane) * normal;
         let slips = hold.lt((u * u + v * v + reach * reach).sqrt());
 
-        // With one mass for all directions.
-        let even = (mass[0] + mass[2]) * T::splat(0.5);
+        // With one mass for all directions, the inverse of the mean of what impulses along them do: more would turn the slip around
+        // where the directions differ.
+        let both = one / (mass[0] + mass[2]);
+        let even = (mass[0] * (mass[2] * both) - mass[1] * (mass[1] * both)) * T::splat(2.0);
+        let even = T::select(has_patch, even.min(twisting_mass / (radius * radius)), even);
         let lost = [even * along[0], even * along[1], even * (radius * spin)];
         let (p, q) = (self.sliding[0] - lost[0], self.sliding[1] - lost[1]);
         let reach = T::select(has_patch, self.twist / radius - lost[2], zero);

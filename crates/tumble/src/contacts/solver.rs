@@ -7,6 +7,7 @@ use super::keep::Keep;
 use super::materials::Extras;
 use super::passes::{Blocks, Bodied, Moment, NoteApproach, Rebound, Solve};
 use super::prepare::Prepare;
+use super::refine::{self, Round};
 use super::soft::Softness;
 use super::solver_bodies::SolverBodies;
 use crate::math::Real;
@@ -21,6 +22,8 @@ pub(super) struct Solver {
     ones: Sheet<1, 0>,
     fours: Sheet<4, 6>,
     stages: Vec<Stage>,
+    /// Of the round contacts.
+    places: Vec<Place>,
     /// Which rows the contacts of each stage change.
     colours: Colours,
 }
@@ -37,6 +40,14 @@ impl<const P: usize, const C: usize> Default for Sheet<P, C> {
     fn default() -> Self {
         Self { blocks: Vec::new(), rolling: Vec::new(), bounces: Vec::new() }
     }
+}
+
+/// Where a contact is laid out.
+#[derive(Clone, Copy, Default)]
+struct Place {
+    has_four: bool,
+    block: usize,
+    lane: usize,
 }
 
 /// Blocks that can be worked on at the same time: one colour's.
@@ -157,6 +168,31 @@ impl Solver {
         }
     }
 
+    /// Finds out where the contacts with these numbers, in their order, are laid out.
+    pub(super) fn locate(&mut self, contacts: usize, rounds: &[Round]) {
+        self.places.clear();
+        if rounds.is_empty() {
+            return;
+        }
+        let mut places = vec![Place::default(); contacts];
+        self.ones.places(false, &mut places);
+        self.fours.places(true, &mut places);
+        self.places.extend(rounds.iter().map(|round| places[round.contact as usize]));
+    }
+
+    /// Finds round contacts again after their bodies have moved.
+    pub(super) fn refine(&mut self, rounds: &[Round], moved: &[Eight]) {
+        let Self { ones, fours, places, .. } = self;
+        for ((round, found), place) in rounds.iter().zip(refine::find(rounds, moved)).zip(places) {
+            let (Some(manifold), motion) = (found, (moved, round.rows)) else { continue };
+            if place.has_four {
+                refine::write(&manifold, fours.lane(place), motion);
+            } else {
+                refine::write(&manifold, ones.lane(place), motion);
+            }
+        }
+    }
+
     /// Gives the impulses back to the contacts.
     pub(super) fn keep(&mut self, contacts: &mut [Contact]) {
         let Self { ones, fours, .. } = self;
@@ -182,6 +218,20 @@ impl<const P: usize, const C: usize> Sheet<P, C> {
         self.blocks.truncate(count);
         self.rolling.resize(if extras.rolls { count } else { 0 }, Rolling::NONE);
         self.bounces.resize(if extras.bounces { count } else { 0 }, Bounce::NONE);
+    }
+
+    /// Notes where each contact is.
+    fn places(&self, has_four: bool, places: &mut [Place]) {
+        for (index, block) in self.blocks.iter().enumerate() {
+            for (lane, contact) in block.contacts[..block.count].iter().enumerate() {
+                places[*contact as usize] = Place { has_four, block: index, lane };
+            }
+        }
+    }
+
+    /// The block of a contact, and its lane there.
+    fn lane(&mut self, place: &Place) -> (&mut Block<P, C>, Option<&mut Rolling>, usize) {
+        (&mut self.blocks[place.block], self.rolling.get_mut(place.block), place.lane)
     }
 
     fn blocks(&mut self, range: &Range<usize>) -> Blocks<'_, P, C> {

@@ -24,11 +24,13 @@ pub(super) struct SolverBodies {
     pub(super) response: Vec<Eight>,
     /// What forces do in a substep: impulse, angular impulse, and what is left of linear and angular momentum under damping.
     kick: Vec<Eight>,
-    /// Principal moments, their inverses, and whether it turns.
+    /// Principal moments, their inverses, whether it turns, and the square of half the angle \[rad\] that it may turn in a step
+    /// before contacts are turned with it.
     inertia: Vec<Eight>,
     /// Position, and orientation of the principal frame.
     pose: Vec<Eight>,
-    /// Since the start of the step: how far the centre went \[m\], and how far it turned, as a vector along the axis \[rad\].
+    /// Since the start of the step: how far the centre went \[m\], the rotation as a unit quaternion, and whether that is or was
+    /// more than is left out of account.
     pub(super) moved: Vec<Eight>,
     /// How many impulses move.
     free: usize,
@@ -36,6 +38,13 @@ pub(super) struct SolverBodies {
 
 /// So many bodies are advanced by one thread at a time.
 const PART: usize = 256;
+
+/// Nowhere, and not turned.
+const UNMOVED: Eight = Eight([0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0]);
+/// Angle \[rad\] that a cube may turn in a step before its contacts turn with it: what that leaves out is 1e-4 of an arm.
+/// What a body of another shape may turn is less as its radii of gyration differ, since they say by how much its response to
+/// impulses changes.
+const TURN: Real = 1e-4;
 
 /// The unit matrix: the diagonal, and what is beside it.
 const ONE: Eight = Eight([1.0, 1.0, 1.0, 0.0, 0.0, 0.0, 0.0, 0.0]);
@@ -45,9 +54,9 @@ impl SolverBodies {
     pub(super) fn reset(&mut self, free: usize, unmoved: usize) {
         self.free = free;
         let (in_blocks, moved) = (free.next_multiple_of(BLOCK), self.first_unmoved());
-        for rows in [&mut self.motion, &mut self.moved] {
+        for (rows, empty) in [(&mut self.motion, Eight::ZERO), (&mut self.moved, UNMOVED)] {
             rows.clear();
-            rows.resize(moved + unmoved, Eight::ZERO);
+            rows.resize(moved + unmoved, empty);
         }
         self.held.clear();
         self.held.resize(moved, Eight::ZERO);
@@ -122,9 +131,14 @@ impl SolverBodies {
     /// Moves all by the velocities there are, which stay, for `h` \[s\]. Free rotation is exact, so a body spins on as it does without contacts.
     pub(super) fn drift(&mut self, h: Real) {
         for row in self.first_unmoved()..self.motion.len() {
-            let (Eight(motion), Eight(moved)) = (&self.motion[row], &mut self.moved[row]);
-            for (moved, velocity) in moved.iter_mut().zip(motion).take(6) {
+            let (Eight([x, y, z, u, v, w, ..]), Eight(moved)) = (&self.motion[row], &mut self.moved[row]);
+            for (moved, velocity) in moved.iter_mut().zip([x, y, z]) {
                 *moved += velocity * h;
+            }
+            if [*u, *v, *w] != [0.0; 3] {
+                let before = Quat { x: moved[3], y: moved[4], z: moved[5], w: moved[6] };
+                let q = tumble_math::rotate_exactly(before, Vec3::new(*u, *v, *w), h);
+                moved[3..].copy_from_slice(&[q.x, q.y, q.z, q.w, 1.0]);
             }
         }
         let Self { motion, response, pose, inertia, moved, .. } = self;
@@ -180,7 +194,8 @@ impl FreeRows<'_> {
             let (d, o) = inertia.inverse_in_world(orientation);
             self.response[row] = Eight([d.x, d.y, d.z, o.x, o.y, o.z, 0.0, 0.0]);
             let (m, i) = (inertia.moments, inertia.inverse_moments);
-            self.inertia[row] = Eight([m.x, m.y, m.z, i.x, i.y, i.z, 1.0, 0.0]);
+            let tolerance = turn_tolerance(i);
+            self.inertia[row] = Eight([m.x, m.y, m.z, i.x, i.y, i.z, 1.0, tolerance]);
             orientation = inertia.axes.map_or(orientation, |axes| orientation * axes);
         }
         let q = orientation;
@@ -254,21 +269,35 @@ impl Kernel for DriftAll<'_> {
         let h = T::splat(self.h.into());
         let [px, py, pz, lx, ly, lz, inverse_mass] = T::load(&self.motion[i..]);
         let [x, y, z, qx, qy, qz, qw] = T::load(&self.pose[i..]);
-        let [a, b, c, inverse_a, inverse_b, inverse_c, turns] = T::load(&self.inertia[i..]);
-        let (diagonal, off_diagonal) = two_vectors::<T>(&self.response[i..]);
-        let (went, turned) = two_vectors::<T>(&self.moved[i..]);
+        let [a, b, c, inverse_a, inverse_b, inverse_c, turns, tolerance] = T::load(&self.inertia[i..]);
+        let [dx, dy, dz, ti, tj, tk, tw, had_turned] = T::load(&self.moved[i..]);
 
         let l = Vec3::new(lx, ly, lz);
         let way = Vec3::new(px, py, pz) * inverse_mass * h;
-        let angle = crate::derived::symmetric_product(diagonal, off_diagonal, l) * h;
-        put_two_vectors(went + way, turned + angle, &mut self.moved[i..]);
-
         let inverse_moments = Vec3::new(inverse_a, inverse_b, inverse_c);
         let moments = Moments { moments: Vec3::new(a, b, c), inverse_moments, axes: None };
         let rotation = FreeRotation::new(moments.moments, moments.inverse_moments, None, h);
-        let q = rotation.rotate(Quat { x: qx, y: qy, z: qz, w: qw }, l * turns);
+        let before = Quat { x: qx, y: qy, z: qz, w: qw };
+        let q = rotation.rotate(before, l * turns);
         T::store([x + way.x, y + way.y, z + way.z, q.x, q.y, q.z, q.w], &mut self.pose[i..]);
-        let (diagonal, off_diagonal) = moments.inverse_in_world(q);
-        put_two_vectors(diagonal, off_diagonal, &mut self.response[i..]);
+        let t = q * before.conjugate() * Quat { x: ti, y: tj, z: tk, w: tw };
+        let (zero, one) = (T::splat(0.0), T::splat(1.0));
+        let turned = T::select(tolerance.lt(t.vector().dot(t.vector())), one, had_turned);
+        T::store([dx + way.x, dy + way.y, dz + way.z, t.x, t.y, t.z, t.w, turned], &mut self.moved[i..]);
+        // Otherwise contacts go on with the masses that they have, which belong to this response.
+        if T::any(zero.lt(turned)) {
+            let (diagonal, off_diagonal) = moments.inverse_in_world(q);
+            let (d, o) = two_vectors::<T>(&self.response[i..]);
+            let turned = zero.lt(turned);
+            let (d, o) = (Vec3::select(turned, diagonal, d), Vec3::select(turned, off_diagonal, o));
+            put_two_vectors(d, o, &mut self.response[i..]);
+        }
     }
+}
+
+/// Square of half the angle that a body with these inverse moments may turn before contacts turn with it.
+fn turn_tolerance(inverse: Vec3<Real>) -> Real {
+    let most = inverse.x.max(inverse.y).max(inverse.z);
+    let least = inverse.x.min(inverse.y).min(inverse.z);
+    0.25 * TURN * TURN * (least / most)
 }

@@ -6,7 +6,7 @@ use tumble_collide::{Bounds, BroadPhase, Geometry, Placement, Proxy, touching};
 use tumble_math::lane::{Quat, Vec3};
 
 use super::collider::{Collider, Groups};
-use super::contact::Contact;
+use super::contact::{Contact, FIXED, MATERIAL, REFINED};
 use super::keeping::Past;
 use super::materials::Materials;
 use super::names::Names;
@@ -121,6 +121,7 @@ impl Contacts {
         pushing.reset(touching);
         let first = [0, pushing.bodies.first_unmoved()];
         self.gather(columns, (settings, laws, time), &mut pushing, first);
+        self.add_round(0, &mut pushing.rounds);
         let Self { contacts, rows, materials, .. } = self;
         pushing.push(contacts, |contact| rows_of(contact, rows), settings, materials.extras());
         self.pushing = Some(pushing);
@@ -210,11 +211,29 @@ fn touch_one(slots: [u32; 2], shapes: &[Shape], colliders: &[Option<(Collider, W
     if let [Some((a, _)), Some((b, _))] = slots.map(|slot| colliders[slot as usize].as_ref()) {
         let before = found.len();
         let (margin, center) = (first.reach + second.reach, second.center);
+        let law = law([first, second], [&a.geometry, &b.geometry]);
         touching(&a.geometry, &first.placement, &b.geometry, &second.placement, margin, &mut |part, manifold| {
-            found.push(Contact::new(slots, part, manifold, center));
+            found.push(Contact::new(slots, part, manifold, center, law));
         });
         found[before..].sort_by_key(Contact::key);
     }
+}
+
+/// How the geometry of a contact follows its bodies.
+fn law(shapes: [&Shape; 2], geometries: [&Geometry<Real>; 2]) -> f64 {
+    if !geometries.iter().any(|geometry| geometry.is_round()) {
+        return MATERIAL;
+    }
+    let is_centered = |which: usize| {
+        let apart = shapes[which].placement.position - shapes[which].center;
+        matches!(geometries[which], Geometry::Ball { .. }) && apart.dot(apart) == 0.0
+    };
+    let is_flat_ground = |which: usize| {
+        let [u, v, w] = [shapes[which].velocity.1.x, shapes[which].velocity.1.y, shapes[which].velocity.1.z];
+        let flat = matches!(geometries[which], Geometry::HalfSpace | Geometry::Mesh(_) | Geometry::HeightField(_));
+        flat && !shapes[which].moves && [u, v, w] == [0.0; 3]
+    };
+    if (is_centered(0) && is_flat_ground(1)) || (is_centered(1) && is_flat_ground(0)) { FIXED } else { REFINED }
 }
 
 /// Begins contacts with the impulses of those there were, both in the order of their keys.

@@ -1,0 +1,163 @@
+//! Contacts of round shapes, found again where their bodies have moved to within a step.
+
+use rayon::prelude::*;
+use tumble_collide::{Geometry, Manifold, Placement, touching};
+use tumble_math::lane::{Quat, Vec3};
+
+use super::block::{Block, Rolling};
+use super::frame::{Frame, Moved, along_normal};
+use super::refresh::tangents;
+use super::rows::{put, put_vector};
+use super::rubbing::Rubbing;
+use super::touching::Contacts;
+use crate::math::Real;
+use crate::simd::{BLOCK, Eight};
+
+/// A contact of which a shape is round. Lengths are from the second body's centre of mass when the step began.
+#[derive(Clone)]
+pub(super) struct Round {
+    /// Its number among the contacts.
+    pub(super) contact: u32,
+    pub(super) rows: [u32; 2],
+    part: u32,
+    geometries: [Geometry<Real>; 2],
+    placements: [Placement<Real>; 2],
+    /// The first body's centre of mass.
+    apart: Vec3<Real>,
+    /// How near surfaces are a contact \[m\].
+    margin: Real,
+}
+
+/// Contacts found by one thread at a time.
+const PART: usize = 32;
+/// A point that is not there any more is this far away \[m\].
+const FAR: Real = 1e6;
+/// A pair that has moved by less than this part of its margin is where it was.
+const STILL: Real = 1e-3;
+
+impl Contacts {
+    /// Adds the round contacts, with numbers from `first` on.
+    pub(super) fn add_round(&self, first: usize, rounds: &mut Vec<Round>) {
+        for (index, contact) in self.contacts.iter().enumerate().filter(|(_, contact)| contact.is_refined()) {
+            let shapes = contact.slots.map(|slot| &self.shapes[slot as usize]);
+            let colliders = contact.slots.map(|slot| self.colliders[slot as usize].as_ref());
+            let [Some((a, _)), Some((b, _))] = colliders else { continue };
+            let origin = shapes[1].center;
+            let placements = shapes.map(|shape| Placement {
+                position: shape.placement.position - origin,
+                orientation: shape.placement.orientation,
+            });
+            rounds.push(Round {
+                contact: (first + index) as u32,
+                rows: self.rows_of(contact),
+                part: contact.part,
+                geometries: [a.geometry.clone(), b.geometry.clone()],
+                placements,
+                apart: shapes[0].center - origin,
+                margin: shapes[0].reach + shapes[1].reach,
+            });
+        }
+    }
+}
+
+/// What has become of the contacts, if their bodies have moved: manifolds about the second body's centre of mass as it is now.
+pub(super) fn find(rounds: &[Round], moved: &[Eight]) -> Vec<Option<Manifold<Real>>> {
+    let mut found = vec![None; rounds.len()];
+    let parts = rounds.par_chunks(PART).zip(found.par_chunks_mut(PART));
+    parts.for_each(|(rounds, found)| {
+        rounds.iter().zip(found).for_each(|(round, found)| *found = round.find(moved));
+    });
+    found
+}
+
+impl Round {
+    fn find(&self, moved: &[Eight]) -> Option<Manifold<Real>> {
+        let [first, second] = self.rows.map(|row| &moved[row as usize].0);
+        let slid = Vec3::new(first[0] - second[0], first[1] - second[1], first[2] - second[2]);
+        let still = STILL * self.margin;
+        if first[7] + second[7] == 0.0 && slid.dot(slid) < still * still {
+            return None;
+        }
+        let turn = |row: &[Real; 8]| Quat { x: row[3], y: row[4], z: row[5], w: row[6] };
+        let [a, b] = &self.placements;
+        let (p, q) = (turn(first), turn(second));
+        let first_at = Placement {
+            position: self.apart + slid + p.rotate(a.position - self.apart),
+            orientation: p * a.orientation,
+        };
+        let second_at = Placement { position: q.rotate(b.position), orientation: q * b.orientation };
+        let mut found = Manifold::none();
+        let [one, other] = &self.geometries;
+        touching(one, &first_at, other, &second_at, self.margin, &mut |part, manifold| {
+            if part == self.part {
+                found = *manifold;
+            }
+        });
+        Some(found)
+    }
+}
+
+/// Writes a manifold that was found over the contact in a lane of a block.
+pub(super) fn write<const P: usize, const C: usize>(
+    manifold: &Manifold<Real>,
+    (block, mut rolling, lane): (&mut Block<P, C>, Option<&mut Rolling>, usize),
+    (moved, rows): (&[Eight], [u32; 2]),
+) {
+    let before = Frame::<Real>::load(block, lane);
+    let points = manifold.points();
+    if points.is_empty() {
+        for j in 0..P {
+            block.start.separations[j][lane] = FAR;
+            block.points[j].impulse[lane] = 0.0;
+        }
+        return;
+    }
+    let share = 1.0 / points.len() as Real;
+    let middle = points.iter().fold(Vec3::zero(), |sum, point| sum + point.position * share);
+    let normal = manifold.normal;
+    let [s, t] = tangents::<Real>(normal);
+
+    // Which place each point has: that of the nearest that there was, or a free one.
+    let mut places = [None; P];
+    for (k, point) in points.iter().enumerate() {
+        let apart = |j: usize| {
+            let offset = &block.points[j].offset;
+            let old = before.arms[1] + before.tangents[0] * offset[0][lane] + before.tangents[1] * offset[1][lane];
+            (point.position - old).dot(point.position - old)
+        };
+        let is_there = |j: &usize| places[*j].is_none() && block.points[*j].mass[lane] > 0.0;
+        let nearest = (0..P).filter(is_there).min_by(|i, j| apart(*i).total_cmp(&apart(*j)));
+        let place = nearest.or_else(|| (0..P).find(|j| places[*j].is_none()));
+        if let Some(place) = place {
+            places[place] = Some(k);
+        }
+    }
+    put_vector(normal, &mut block.normal, lane);
+    put_vector(s, &mut block.tangent, lane);
+    put_vector(middle, &mut block.start.arm, lane);
+    (block.start.carried[lane], block.start.slide[lane]) = (1.0, -1.0);
+    let frame = Frame { normal, tangents: [s, t], arms: before.arms };
+    let rubbing = Rubbing::load(&block.friction, rolling.as_deref(), lane);
+    let rubbing = Rubbing::from_world(&frame, rubbing.linear(&before), rubbing.angular(&before));
+    rubbing.store(&mut block.friction, rolling.as_deref_mut(), lane);
+
+    let rows = rows.map(|row| [row; BLOCK]);
+    let apart = Vec3::new(block.start.apart[0][lane], block.start.apart[1][lane], block.start.apart[2][lane]);
+    let way = frame.normal_parts(&Moved::<Real>::load(moved, &rows, 0).relative([middle + apart, middle]));
+    for (j, place) in places.into_iter().enumerate() {
+        let Some(k) = place else {
+            block.start.separations[j][lane] = FAR;
+            block.points[j].impulse[lane] = 0.0;
+            continue;
+        };
+        let from_middle = points[k].position - middle;
+        let offset = [s.dot(from_middle), t.dot(from_middle)];
+        put(offset[0], &mut block.points[j].offset[0], lane);
+        put(offset[1], &mut block.points[j].offset[1], lane);
+        // The refresh adds what the bodies have moved since the step began.
+        let way = along_normal(way, offset[0], offset[1]);
+        block.start.separations[j][lane] = points[k].separation - way;
+        let mass = &mut block.points[j].mass[lane];
+        *mass = if *mass > 0.0 { *mass } else { 1.0 };
+    }
+}
