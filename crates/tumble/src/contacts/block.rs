@@ -104,8 +104,10 @@ pub(super) struct Bounce<const P: usize> {
     /// Velocity along the normal at each point before forces act on them in this substep, and what those do to it \[m/s\].
     pub(super) before: [Lanes; P],
     pub(super) kick: [Lanes; P],
-    /// The greatest impulse of the step at each point \[N s\].
-    pub(super) most_impulse: [Lanes; P],
+    /// How fast they come together at each point in this substep until they meet \[m/s\].
+    pub(super) met: [Lanes; P],
+    /// Energy that impulses along the normal have taken from the bodies in this step \[J\]: no more comes back.
+    pub(super) absorbed: Lanes,
 }
 
 const ZEROS: Lanes = [0.0; BLOCK];
@@ -156,6 +158,7 @@ impl<const P: usize> Bounce<P> {
         approach: [ZEROS; P],
         before: [ZEROS; P],
         kick: [ZEROS; P],
-        most_impulse: [ZEROS; P],
+        met: [ZEROS; P],
+        absorbed: ZEROS,
     };
 }

@@ -30,7 +30,7 @@ pub(super) fn compute<T: Tile, const P: usize, const C: usize>(
 ) -> T {
     let frame = Frame::<T>::load(block, lane);
     let change = of_points(block, lane, &frame, mobility, changed);
-    of_friction(block, rolling, lane, &frame, mobility, changed);
+    let change = change.max(of_friction(block, rolling, lane, &frame, mobility, changed));
     let (zero, one) = (T::splat(0.0), T::splat(1.0));
     let kept = (one - change * T::splat(1.0 / MOST_CHANGE)).max(zero);
     T::select(zero.lt(changed), kept, one)
@@ -88,7 +88,7 @@ fn of_friction<T: Tile, const P: usize, const C: usize>(
     frame: &Frame<T>,
     Mobility { response, inverse_mass }: &Mobility<T>,
     changed: T,
-) {
+) -> T {
     let (zero, one) = (T::splat(0.0), T::splat(1.0));
     let ([s, t], [first, second]) = (frame.tangents, frame.arms);
     let (s_first, t_first) = (first.cross(s), first.cross(t));
@@ -97,7 +97,12 @@ fn of_friction<T: Tile, const P: usize, const C: usize>(
     let ss = *inverse_mass + s_first.dot(of_s) + s_second.dot(of_t);
     let st = t_first.dot(of_s) + t_second.dot(of_t);
     let tt = *inverse_mass + t_first.dot(response.of_first(t_first)) + t_second.dot(response.of_second(t_second));
-    put_all_where(changed, inverse([ss, st, tt]), &mut block.friction.mass, lane);
+    let m = &block.friction.mass;
+    let before: [T; 3] = [at(&m[0], lane), at(&m[1], lane), at(&m[2], lane)];
+    let mass = inverse([ss, st, tt]);
+    let [of_ss, of_st, of_tt] = [mass[0] - before[0], mass[1] - before[1], mass[2] - before[2]];
+    let change = of_ss.abs().max(of_tt.abs()).max(of_st.abs()) / (mass[0] + mass[2]);
+    put_all_where(changed, mass, &mut block.friction.mass, lane);
 
     let n = frame.normal;
     let about_normal = n.dot(response.of_first(n)) + n.dot(response.of_second(n));
@@ -111,6 +116,7 @@ fn of_friction<T: Tile, const P: usize, const C: usize>(
         let mass = inverse([ss, t.dot(s_first) + t.dot(s_second), tt]);
         put_all_where(changed, mass, &mut rolling.mass, lane);
     }
+    T::select(zero.lt(change), change, zero)
 }
 
 /// Inverse of a symmetric 2x2 matrix `xx, xy, yy` with positive eigenvalues; zero where it has none. Without its determinant,

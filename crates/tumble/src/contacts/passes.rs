@@ -77,11 +77,10 @@ impl<const P: usize, const C: usize> Kernel for Solve<'_, P, C> {
         let block = &mut self.blocks.blocks[index];
         let response = Response::<T>::load(self.bodies.response, self.bodies.motion.pairs(index), lane);
         let mut bodies = Bodies::<T>::load(&self.bodies.motion, index, lane);
-        let mut kept = T::splat(1.0);
-        if self.softness.is_none() {
+        // Where bodies bounce, that has been done.
+        if self.softness.is_none() && self.blocks.bounces.is_empty() {
             let moved = Moved::load(self.bodies.moved, self.bodies.motion.pairs(index), lane);
-            let mobility = bodies.mobility(&response);
-            kept = refresh(block, self.blocks.rolling.get_mut(index), lane, &moved, &mobility);
+            refresh(block, self.blocks.rolling.get_mut(index), lane, &moved, &bodies.mobility(&response));
         }
         let frame = Frame::<T>::load(block, lane);
         let arms = frame.arms;
@@ -97,14 +96,12 @@ impl<const P: usize, const C: usize> Kernel for Solve<'_, P, C> {
             let contact = (&frame, lane);
             let after =
                 rub(before, block, self.blocks.rolling.get(index), contact, &mut bodies, (&response, arms), sum);
+            let kept = if self.holds { at(&block.start.kept, lane) } else { T::splat(1.0) };
+            let after = after.scaled(kept);
+            after.store(&mut block.friction, self.blocks.rolling.get_mut(index), lane);
             if self.holds {
-                let after = after.scaled(kept);
-                after.store(&mut block.friction, self.blocks.rolling.get_mut(index), lane);
                 scale_impulses(block, lane, kept);
                 hold(block, &frame, &after, &mut self.bodies.held, (index, lane));
-            } else {
-                after.store(&mut block.friction, self.blocks.rolling.get_mut(index), lane);
-                put(kept, &mut block.start.kept, lane);
             }
         }
         bodies.store(&mut self.bodies.motion, index, lane);
@@ -138,8 +135,12 @@ impl<const P: usize, const C: usize> Solve<'_, P, C> {
             let impulse = wanted.max(zero);
             put(impulse, &mut point.impulse, lane);
             if let Some(bounce) = self.blocks.bounces.get_mut(index) {
-                let most: T = at(&bounce.most_impulse[j], lane);
-                put(most.max(impulse), &mut bounce.most_impulse[j], lane);
+                // What nothing stops does not bounce, however fast it comes.
+                let met = T::select(zero.lt(impulse), at(&bounce.met[j], lane), zero);
+                let approach: T = at(&bounce.approach[j], lane);
+                put(met.min(approach), &mut bounce.approach[j], lane);
+                let given = work(impulse - before, speeds[j], at(&point.mass, lane));
+                put(at::<T>(&bounce.absorbed, lane) - given, &mut bounce.absorbed, lane);
             }
             changes[j] = impulse - before;
             sum = sum + impulse;
@@ -179,10 +180,14 @@ impl<const P: usize, const C: usize> Kernel for NoteApproach<'_, P, C> {
     #[inline(always)]
     fn tile<T: Tile>(&mut self, i: usize) {
         let (index, lane) = (i / BLOCK, i % BLOCK);
-        let block = &self.blocks.blocks[index];
-        let frame = Frame::<T>::load(block, lane);
+        let block = &mut self.blocks.blocks[index];
         let response = Response::<T>::load(self.bodies.response, self.bodies.motion.pairs(index), lane);
         let bodies = Bodies::<T>::load(&self.bodies.motion, index, lane);
+        if self.moment == Moment::Moved {
+            let moved = Moved::load(self.bodies.moved, self.bodies.motion.pairs(index), lane);
+            refresh(block, self.blocks.rolling.get_mut(index), lane, &moved, &bodies.mobility(&response));
+        }
+        let frame = Frame::<T>::load(block, lane);
         let speeds = speeds(block, lane, frame.normal_parts(&bodies.relative(&response, frame.arms)));
         let bounce = &mut self.blocks.bounces[index];
         let (zero, one, inverse_h) = (T::splat(0.0), T::splat(1.0), T::splat(self.inverse_h.into()));
@@ -200,7 +205,7 @@ impl<const P: usize, const C: usize> Kernel for NoteApproach<'_, P, C> {
                 // The part of the substep after which they meet.
                 let part = (at::<T>(&block.points[j].separation, lane) * inverse_h / -speed).max(zero).min(one);
                 let met = before + kick * T::select(speed.lt(zero), part, one);
-                put(at::<T>(&bounce.approach[j], lane).min(met), &mut bounce.approach[j], lane);
+                put(met, &mut bounce.met[j], lane);
             }
             j += 1;
         }
@@ -234,21 +239,28 @@ impl<const P: usize, const C: usize> Kernel for Rebound<'_, P, C> {
         let slowest = T::splat(-f64::from(self.threshold));
 
         let mut speeds = speeds(block, lane, frame.normal_parts(&bodies.relative(&response, arms)));
-        let (mut changes, mut added) = ([zero; P], zero);
+        let (mut changes, mut added, mut given) = ([zero; P], zero, zero);
         let mut j = 0;
         while j < P {
-            let (approach, most) = (at::<T>(&bounce.approach[j], lane), at::<T>(&bounce.most_impulse[j], lane));
-            // Every comparison in a select of its own: masks have no `and`.
-            let came_fast = T::select(approach.lt(slowest), most, zero);
-            let bounces = zero.lt(T::select(zero.lt(restitution), came_fast, zero));
+            let approach: T = at(&bounce.approach[j], lane);
+            let bounces = zero.lt(T::select(approach.lt(slowest), restitution, zero));
             let point = &mut block.points[j];
-            let before: T = at(&point.impulse, lane);
-            let wanted = before - (speeds[j] + restitution * approach) * at(&point.mass, lane);
-            let impulse = T::select(bounces, wanted.max(zero), before);
-            put(impulse, &mut point.impulse, lane);
-            changes[j] = impulse - before;
-            added = added + changes[j];
+            let (before, mass): (T, T) = (at(&point.impulse, lane), at(&point.mass, lane));
+            let wanted = before - (speeds[j] + restitution * approach) * mass;
+            changes[j] = T::select(bounces, wanted.max(zero), before) - before;
+            given = given + work(changes[j], speeds[j], mass);
             couple(block, lane, j, changes[j], &mut speeds);
+            j += 1;
+        }
+        // Bodies that turn while they touch come back with other effective masses, but never with more energy.
+        let most = restitution * restitution * at::<T>(&bounce.absorbed, lane).max(zero);
+        let part = T::select(most.lt(given), most / given, T::splat(1.0));
+        let mut j = 0;
+        while j < P {
+            changes[j] = changes[j] * part;
+            added = added + changes[j];
+            let impulse = at::<T>(&block.points[j].impulse, lane) + changes[j];
+            put(impulse, &mut block.points[j].impulse, lane);
             j += 1;
         }
         let (linear, angular) = along_normals(block, &frame, lane, changes);
@@ -258,6 +270,13 @@ impl<const P: usize, const C: usize> Kernel for Rebound<'_, P, C> {
         rub(Rubbing::none(), block, self.blocks.rolling.get(index), contact, &mut bodies, (&response, arms), limit);
         bodies.store(&mut self.bodies.motion, index, lane);
     }
+}
+
+/// Energy that an impulse gives to the bodies at a point with this velocity and this effective mass.
+#[inline(always)]
+fn work<T: Tile>(impulse: T, speed: T, mass: T) -> T {
+    let (zero, half) = (T::splat(0.0), T::splat(0.5));
+    T::select(zero.lt(mass), impulse * (speed + impulse / mass * half), zero)
 }
 
 /// Takes out what resistance to rolling and then friction can of the motion, where normal impulses add up to `normal`; returns the impulses as they are then.

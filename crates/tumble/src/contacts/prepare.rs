@@ -120,11 +120,11 @@ impl<const P: usize, const C: usize> Prepare<'_, P, C> {
         let frame = Frame::load(block, lane);
         let speeds = speeds(block, lane, frame.normal_parts(&bodies.relative(response, frame.arms)));
         put(restitution, &mut bounce.restitution, lane);
+        put(T::splat(0.0), &mut bounce.absorbed, lane);
         let mut j = 0;
         while j < P {
-            put(speeds[j], &mut bounce.approach[j], lane);
+            put(T::splat(0.0), &mut bounce.approach[j], lane);
             put(speeds[j], &mut bounce.before[j], lane);
-            put(T::splat(0.0), &mut bounce.most_impulse[j], lane);
             j += 1;
         }
     }

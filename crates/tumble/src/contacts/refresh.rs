@@ -21,7 +21,7 @@ pub(super) fn refresh<T: Tile, const P: usize, const C: usize>(
     lane: usize,
     moved: &Moved<T>,
     mobility: &Mobility<T>,
-) -> T {
+) {
     let (zero, one) = (T::splat(0.0), T::splat(1.0));
     let start = &block.start;
     let (arm, apart): (Vec3<T>, Vec3<T>) = (vector_at(&start.arm, lane), vector_at(&start.apart, lane));
@@ -54,9 +54,11 @@ pub(super) fn refresh<T: Tile, const P: usize, const C: usize>(
     let changed = T::select(zero.lt(between_centers), zero, slide.max(moved.turned));
     if T::any(zero.lt(changed)) {
         turn(block, lane, moved, (carried, slid, now), moved.turned * material);
-        return effective_mass::compute(block, rolling, lane, mobility, changed);
+        let kept = effective_mass::compute(block, rolling, lane, mobility, changed);
+        put(kept, &mut block.start.kept, lane);
+    } else {
+        put(one, &mut block.start.kept, lane);
     }
-    one
 }
 
 /// The contact of balls, along the line of their centres.
