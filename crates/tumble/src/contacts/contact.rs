@@ -27,11 +27,14 @@ pub(super) struct Contact {
 /// Normal from the first to the second, how far points go along with the second, how many points there are, resistance to
 /// rolling, restitution, and how the geometry follows the bodies in a step.
 pub(super) const SHAPE: usize = 0;
-/// Two points each: from the second body's centre of mass when the step began, and the separation there.
+/// Two points each: from the second body's centre of mass when the step began, and the separation there. They are on the surface of
+/// the body that carries them, so that friction has the arm that it has when they meet.
 pub(super) const POINTS: [usize; MOST_POINTS / 2] = [1, 2];
 /// Impulses of a substep along the normal \[N s\], the coefficients of static and dynamic friction, and which part of all impulses
 /// the next step begins with.
 pub(super) const HELD: usize = 3;
+/// No impulses.
+const NEW: Eight = Eight([0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0]);
 /// Impulse of friction \[N s\] and angular impulse of what resists twisting and rolling [N m s], of a substep, world frame.
 pub(super) const RUBBED: usize = 4;
 
@@ -64,11 +67,12 @@ impl Contact {
         let mut numbers = [Eight::ZERO; 5];
         let mut features = [0; MOST_POINTS];
         for (j, point) in manifold.points().iter().enumerate() {
-            let from_second = point.position - center;
+            let from_second = point.position - center + n * (point.separation * (manifold.carried - 0.5));
             let place = [from_second.x, from_second.y, from_second.z, point.separation];
             numbers[POINTS[j / 2]].0[j % 2 * 4..][..4].copy_from_slice(&place);
             features[j] = point.feature;
         }
+        numbers[HELD] = NEW;
         numbers[SHAPE] = Eight([n.x, n.y, n.z, manifold.carried, count as Real, 0.0, 0.0, crate::math::real(law)]);
         Self { kind: Kind::Other, slots, part, touched: false, features, numbers }
     }
@@ -76,7 +80,7 @@ impl Contact {
     /// Makes it the only contact of two shapes, without impulses.
     pub(super) fn begin(&mut self, kind: Kind) {
         (self.kind, self.part, self.touched) = (kind, 0, false);
-        (self.numbers[HELD], self.numbers[RUBBED]) = (Eight::ZERO, Eight::ZERO);
+        (self.numbers[HELD], self.numbers[RUBBED]) = (NEW, Eight::ZERO);
     }
 
     /// Says what the surfaces are like.
@@ -99,6 +103,17 @@ impl Contact {
     /// How many points.
     pub(super) fn count(&self) -> usize {
         self.numbers[SHAPE].0[4] as usize
+    }
+
+    /// Half-way between the surfaces at a point, from the second body's centre of mass.
+    pub(super) fn half_way(&self, j: usize) -> Vec3<Real> {
+        let [x, y, z, carried, ..] = self.numbers[SHAPE].0;
+        self.place(j) - Vec3::new(x, y, z) * (self.separation(j) * (carried - 0.5))
+    }
+
+    /// Separation at a point \[m\].
+    pub(super) fn separation(&self, j: usize) -> Real {
+        self.numbers[POINTS[j / 2]].0[j % 2 * 4 + 3]
     }
 
     pub(super) fn place(&self, j: usize) -> Vec3<Real> {

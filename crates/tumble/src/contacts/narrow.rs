@@ -300,8 +300,10 @@ fn write<T: Tile>(
     let mut half = 0;
     while half < POINTS.len() {
         let (j, k) = (2 * half, 2 * half + 1);
-        let (a, b) = (manifold.places[j] + offset, manifold.places[k] + offset);
         let (s, t) = (manifold.separations[j], manifold.separations[k]);
+        let to_surface = manifold.carried - T::splat(0.5);
+        let (a, b) = (manifold.places[j] + n * (s * to_surface), manifold.places[k] + n * (t * to_surface));
+        let (a, b) = (a + offset, b + offset);
         T::store([a.x, a.y, a.z, s, b.x, b.y, b.z, t], &mut numbers[POINTS[half]]);
         half += 1;
     }

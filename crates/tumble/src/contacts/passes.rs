@@ -115,6 +115,8 @@ impl<const P: usize, const C: usize> Solve<'_, P, C> {
         let (zero, one) = (T::splat(0.0), T::splat(1.0));
         let block = &mut self.blocks.blocks[index];
         let inverse_h = T::splat(self.inverse_h.into());
+        // A body that turns too fast for its impulses to be of use again is not where a push would have it go either.
+        let pushed: T = at(&block.start.kept, lane);
         let (mut speeds, mut changes, mut sum) = (speeds, [zero; P], zero);
         let mut j = 0;
         while j < P {
@@ -125,7 +127,7 @@ impl<const P: usize, const C: usize> Solve<'_, P, C> {
             let mut bias = zero;
             let (mut mass_scale, mut impulse_scale) = (one, zero);
             if let Some(softness) = &self.softness {
-                bias = softness.bias(separation);
+                bias = softness.bias(separation) * pushed;
                 mass_scale = T::select(apart, one, T::splat(softness.mass_scale.into()));
                 impulse_scale = T::select(apart, zero, T::splat(softness.impulse_scale.into()));
             }

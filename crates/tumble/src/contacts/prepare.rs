@@ -77,6 +77,7 @@ impl<const P: usize, const C: usize> Kernel for Prepare<'_, P, C> {
         put_vector(tangents[0], &mut block.start.tangent, lane);
         let [h0, h1, h2, h3, _, _, kept]: [T; 7] = pick(self.contacts, block, HELD, lane);
         let held = [h0 * kept, h1 * kept, h2 * kept, h3 * kept];
+        put(kept, &mut block.start.kept, lane);
         let mut j = 0;
         while j < P {
             let from_middle = places[j] - arm;

@@ -3,7 +3,7 @@
 use hecs::Entity;
 use tumble_collide::MOST_POINTS;
 
-use super::contact::{Contact as Held, HELD, POINTS, RUBBED, SHAPE};
+use super::contact::{Contact as Held, HELD, RUBBED, SHAPE};
 use super::touching::Contacts;
 use crate::coupling::Coupling;
 use crate::math::{Real, Vec3};
@@ -190,10 +190,6 @@ impl Held {
         (0..self.count()).any(|j| self.separation(j) <= within || self.numbers[HELD].0[j] > 0.0)
     }
 
-    fn separation(&self, j: usize) -> Real {
-        self.numbers[POINTS[j / 2]].0[j % 2 * 4 + 3]
-    }
-
     /// Both slots, the lower first.
     fn pair(&self) -> [u32; 2] {
         let [a, b] = self.slots;
@@ -216,7 +212,7 @@ impl Contacts {
         let center = Vec3::from(self.center(held.slots[1]));
         let mut points = [ContactPoint::default(); MOST_POINTS];
         for (j, point) in points.iter_mut().enumerate().take(held.count()) {
-            let place = Vec3::from(held.place(j));
+            let place = Vec3::from(held.half_way(j));
             let (separation, impulse) = (held.separation(j), held.numbers[HELD].0[j]);
             *point = ContactPoint { position: center + place, separation, impulse };
         }

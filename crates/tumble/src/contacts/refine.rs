@@ -112,18 +112,19 @@ pub(super) fn write<const P: usize, const C: usize>(
         }
         return;
     }
-    let share = 1.0 / points.len() as Real;
-    let middle = points.iter().fold(Vec3::zero(), |sum, point| sum + point.position * share);
     let normal = manifold.normal;
+    let at = |k: usize| points[k].position + normal * (points[k].separation * (manifold.carried - 0.5));
+    let share = 1.0 / points.len() as Real;
+    let middle = (0..points.len()).fold(Vec3::zero(), |sum, k| sum + at(k) * share);
     let [s, t] = tangents::<Real>(normal);
 
     // Which place each point has: that of the nearest that there was, or a free one.
     let mut places = [None; P];
-    for (k, point) in points.iter().enumerate() {
+    for k in 0..points.len() {
         let apart = |j: usize| {
             let offset = &block.points[j].offset;
             let old = before.arms[1] + before.tangents[0] * offset[0][lane] + before.tangents[1] * offset[1][lane];
-            (point.position - old).dot(point.position - old)
+            (at(k) - old).dot(at(k) - old)
         };
         let is_there = |j: &usize| places[*j].is_none() && block.points[*j].mass[lane] > 0.0;
         let nearest = (0..P).filter(is_there).min_by(|i, j| apart(*i).total_cmp(&apart(*j)));
@@ -150,7 +151,7 @@ pub(super) fn write<const P: usize, const C: usize>(
             block.points[j].impulse[lane] = 0.0;
             continue;
         };
-        let from_middle = points[k].position - middle;
+        let from_middle = at(k) - middle;
         let offset = [s.dot(from_middle), t.dot(from_middle)];
         put(offset[0], &mut block.points[j].offset[0], lane);
         put(offset[1], &mut block.points[j].offset[1], lane);
