@@ -106,6 +106,8 @@ pub(super) struct Bounce<const P: usize> {
     pub(super) kick: [Lanes; P],
     /// How fast they come together at each point in this substep until they meet \[m/s\].
     pub(super) met: [Lanes; P],
+    /// The impulse with which the substep began at each point \[N s\].
+    pub(super) warm: [Lanes; P],
     /// Energy that impulses along the normal have taken from the bodies in this step \[J\]: no more comes back.
     pub(super) absorbed: Lanes,
 }
@@ -159,6 +161,7 @@ impl<const P: usize> Bounce<P> {
         before: [ZEROS; P],
         kick: [ZEROS; P],
         met: [ZEROS; P],
+        warm: [ZEROS; P],
         absorbed: ZEROS,
     };
 }

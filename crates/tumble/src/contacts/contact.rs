@@ -24,14 +24,31 @@ pub(super) struct Contact {
     pub(super) numbers: [Eight; 5],
 }
 
+/// The second body of a contact.
+#[derive(Clone, Copy)]
+pub(super) struct Second {
+    /// Its centre of mass \[m\].
+    pub(super) center: Vec3<Real>,
+    /// Whether impulses move it alone.
+    pub(super) alone: bool,
+}
+
+impl Second {
+    /// Which share of the gap between the surfaces is before a point: none of it where the second alone is moved, so that what is
+    /// thin has the arms that it has however deep it is in what does not move.
+    fn share(&self, carried: Real) -> Real {
+        if self.alone { 1.0 } else { carried }
+    }
+}
+
 /// Normal from the first to the second, how far points go along with the second, how many points there are, resistance to
 /// rolling, restitution, and how the geometry follows the bodies in a step.
 pub(super) const SHAPE: usize = 0;
 /// Two points each: from the second body's centre of mass when the step began, and the separation there. They are on the surface of
 /// the body that carries them, so that friction has the arm that it has when they meet.
 pub(super) const POINTS: [usize; MOST_POINTS / 2] = [1, 2];
-/// Impulses of a substep along the normal \[N s\], the coefficients of static and dynamic friction, and which part of all impulses
-/// the next step begins with.
+/// Impulses of a substep along the normal \[N s\], the coefficients of static and dynamic friction, which part of all impulses
+/// the next step begins with, and which share of the gap between the surfaces is before the points.
 pub(super) const HELD: usize = 3;
 /// No impulses.
 const NEW: Eight = Eight([0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0]);
@@ -61,18 +78,19 @@ impl Contact {
         numbers: [Eight::ZERO; 5],
     };
 
-    /// Of a manifold with points, whose normal goes from the first slot to the second; `center` is the centre of mass of the second.
-    pub(super) fn new(slots: [u32; 2], part: u32, manifold: &Manifold<Real>, center: Vec3<Real>, law: f64) -> Self {
+    /// Of a manifold with points, whose normal goes from the first slot to the second; `second` is its second body.
+    pub(super) fn new(slots: [u32; 2], part: u32, manifold: &Manifold<Real>, second: Second, law: f64) -> Self {
         let (n, count) = (manifold.normal, manifold.points().len());
         let mut numbers = [Eight::ZERO; 5];
         let mut features = [0; MOST_POINTS];
         for (j, point) in manifold.points().iter().enumerate() {
-            let from_second = point.position - center + n * (point.separation * (manifold.carried - 0.5));
+            let from_second = point.position - second.center + n * (point.separation * (second.share(manifold.carried) - 0.5));
             let place = [from_second.x, from_second.y, from_second.z, point.separation];
             numbers[POINTS[j / 2]].0[j % 2 * 4..][..4].copy_from_slice(&place);
             features[j] = point.feature;
         }
         numbers[HELD] = NEW;
+        numbers[HELD].0[7] = second.share(manifold.carried);
         numbers[SHAPE] = Eight([n.x, n.y, n.z, manifold.carried, count as Real, 0.0, 0.0, crate::math::real(law)]);
         Self { kind: Kind::Other, slots, part, touched: false, features, numbers }
     }
@@ -80,7 +98,9 @@ impl Contact {
     /// Makes it the only contact of two shapes, without impulses.
     pub(super) fn begin(&mut self, kind: Kind) {
         (self.kind, self.part, self.touched) = (kind, 0, false);
+        let [.., share] = self.numbers[HELD].0;
         (self.numbers[HELD], self.numbers[RUBBED]) = (NEW, Eight::ZERO);
+        self.numbers[HELD].0[7] = share;
     }
 
     /// Says what the surfaces are like.
@@ -107,8 +127,8 @@ impl Contact {
 
     /// Half-way between the surfaces at a point, from the second body's centre of mass.
     pub(super) fn half_way(&self, j: usize) -> Vec3<Real> {
-        let [x, y, z, carried, ..] = self.numbers[SHAPE].0;
-        self.place(j) - Vec3::new(x, y, z) * (self.separation(j) * (carried - 0.5))
+        let ([x, y, z, ..], [.., share]) = (self.numbers[SHAPE].0, self.numbers[HELD].0);
+        self.place(j) - Vec3::new(x, y, z) * (self.separation(j) * (share - 0.5))
     }
 
     /// Separation at a point \[m\].

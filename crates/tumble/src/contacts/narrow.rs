@@ -5,7 +5,7 @@ use tumble_collide::lanes::{CuboidLanes, ManifoldLanes, ball_pair, cuboid_gap, c
 use tumble_collide::{Geometry, MOST_POINTS, Placement};
 use tumble_math::lane::{Quat, Vec3};
 
-use super::contact::{CENTERS, Contact, MATERIAL, POINTS, REFINED, SHAPE};
+use super::contact::{CENTERS, Contact, HELD, MATERIAL, POINTS, REFINED, SHAPE};
 use super::rows::put;
 use crate::math::Real;
 use crate::simd::{BLOCK, Eight, Kernel, Tile, dispatch_in_blocks, gather};
@@ -15,7 +15,8 @@ use crate::simd::{BLOCK, Eight, Kernel, Tile, dispatch_in_blocks, gather};
 pub(super) struct Shapes {
     /// Position of the shape's origin, and its orientation.
     places: Vec<Eight>,
-    /// Half extents, or a radius, the shape's origin from the body's centre of mass, world frame, and how far it looks for others.
+    /// Half extents, or a radius, the shape's origin from the body's centre of mass, world frame, how far it looks for others, and whether
+    /// impulses move it.
     sizes: Vec<Eight>,
 }
 
@@ -83,7 +84,7 @@ impl ShapesPart<'_> {
         geometry: &Geometry<Real>,
         at: &Placement<Real>,
         center: Vec3<Real>,
-        reach: Real,
+        (reach, moves): (Real, bool),
     ) {
         let (x, q, offset) = (at.position, at.orientation, at.position - center);
         let size = match *geometry {
@@ -92,7 +93,7 @@ impl ShapesPart<'_> {
             _ => Vec3::zero(),
         };
         self.places[slot] = Eight([x.x, x.y, x.z, q.x, q.y, q.z, q.w, 0.0]);
-        self.sizes[slot] = Eight([size.x, size.y, size.z, offset.x, offset.y, offset.z, reach, 0.0]);
+        self.sizes[slot] = Eight([size.x, size.y, size.z, offset.x, offset.y, offset.z, reach, Real::from(u8::from(moves))]);
     }
 }
 
@@ -228,7 +229,7 @@ impl Kernel for CuboidContacts<'_> {
         let (first, a, place) = cuboids::<T>(self.shapes, &rows[0], lane);
         let (second, b, other) = cuboids::<T>(self.shapes, &rows[1], lane);
         let manifold = cuboid_pair(&first, &second, b - a, place.reach + other.reach);
-        write(&manifold, other.offset, T::splat(MATERIAL), &mut self.found[i..], rows, lane);
+        write(&manifold, other.offset, (T::splat(MATERIAL), place.moves), &mut self.found[i..], rows, lane);
     }
 }
 
@@ -253,7 +254,7 @@ impl Kernel for BallContacts<'_> {
         // Balls that are not about their centres of mass wobble.
         let off = place.offset.dot(place.offset) + other.offset.dot(other.offset);
         let law = T::select(T::splat(0.0).lt(off), T::splat(REFINED), T::splat(CENTERS));
-        write(&manifold, other.offset, law, &mut self.found[i..], rows, lane);
+        write(&manifold, other.offset, (law, place.moves), &mut self.found[i..], rows, lane);
     }
 }
 
@@ -263,15 +264,17 @@ struct Place<T> {
     offset: Vec3<T>,
     /// How far they look for others \[m\].
     reach: T,
+    /// One where impulses move them, else zero.
+    moves: T,
 }
 
 /// A tile's boxes, and where they are.
 #[inline(always)]
 fn cuboids<T: Tile>(shapes: &Shapes, slots: &[u32; BLOCK], lane: usize) -> (CuboidLanes<T>, Vec3<T>, Place<T>) {
     let [x, y, z, qx, qy, qz, qw] = gather(&shapes.places, slots, lane);
-    let [a, b, c, u, v, w, reach] = gather(&shapes.sizes, slots, lane);
+    let [a, b, c, u, v, w, reach, moves] = gather(&shapes.sizes, slots, lane);
     let orientation = Quat { x: qx, y: qy, z: qz, w: qw };
-    let place = Place { offset: Vec3::new(u, v, w), reach };
+    let place = Place { offset: Vec3::new(u, v, w), reach, moves };
     (CuboidLanes { half_extents: Vec3::new(a, b, c), orientation }, Vec3::new(x, y, z), place)
 }
 
@@ -279,8 +282,8 @@ fn cuboids<T: Tile>(shapes: &Shapes, slots: &[u32; BLOCK], lane: usize) -> (Cubo
 #[inline(always)]
 fn balls<T: Tile>(shapes: &Shapes, slots: &[u32; BLOCK], lane: usize) -> (T, Vec3<T>, Place<T>) {
     let [x, y, z, _] = gather(&shapes.places, slots, lane);
-    let [radius, _, _, u, v, w, reach] = gather(&shapes.sizes, slots, lane);
-    (radius, Vec3::new(x, y, z), Place { offset: Vec3::new(u, v, w), reach })
+    let [radius, _, _, u, v, w, reach, moves] = gather(&shapes.sizes, slots, lane);
+    (radius, Vec3::new(x, y, z), Place { offset: Vec3::new(u, v, w), reach, moves })
 }
 
 /// Writes a tile's manifolds as contacts; `offset` goes from the second bodies' centres of mass to their shapes' origins.
@@ -288,7 +291,7 @@ fn balls<T: Tile>(shapes: &Shapes, slots: &[u32; BLOCK], lane: usize) -> (T, Vec
 fn write<T: Tile>(
     manifold: &ManifoldLanes<T>,
     offset: Vec3<T>,
-    law: T,
+    (law, first_moves): (T, T),
     found: &mut [Contact],
     rows: &[[u32; BLOCK]; 2],
     lane: usize,
@@ -297,11 +300,15 @@ fn write<T: Tile>(
     let n = manifold.normal;
     let mut numbers = [[Eight::ZERO; BLOCK]; 3];
     T::store([n.x, n.y, n.z, manifold.carried, manifold.count, zero, zero, law], &mut numbers[SHAPE]);
+    // As `Second::share` has it.
+    let share = manifold.carried.max(T::splat(1.0) - first_moves);
+    let mut shares = [0.0; BLOCK];
+    put(share, &mut shares, 0);
     let mut half = 0;
     while half < POINTS.len() {
         let (j, k) = (2 * half, 2 * half + 1);
         let (s, t) = (manifold.separations[j], manifold.separations[k]);
-        let to_surface = manifold.carried - T::splat(0.5);
+        let to_surface = share - T::splat(0.5);
         let (a, b) = (manifold.places[j] + n * (s * to_surface), manifold.places[k] + n * (t * to_surface));
         let (a, b) = (a + offset, b + offset);
         T::store([a.x, a.y, a.z, s, b.x, b.y, b.z, t], &mut numbers[POINTS[half]]);
@@ -317,6 +324,7 @@ fn write<T: Tile>(
     while i < T::WIDTH {
         let contact = &mut found[i];
         contact.slots = [rows[0][lane + i], rows[1][lane + i]];
+        contact.numbers[HELD].0[7] = shares[i];
         let mut which = 0;
         while which < numbers.len() {
             contact.numbers[which] = numbers[which][i];

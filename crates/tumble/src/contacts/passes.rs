@@ -131,7 +131,11 @@ impl<const P: usize, const C: usize> Solve<'_, P, C> {
                 mass_scale = T::select(apart, one, T::splat(softness.mass_scale.into()));
                 impulse_scale = T::select(apart, zero, T::splat(softness.impulse_scale.into()));
             }
-            let bias = T::select(apart, separation * inverse_h, bias);
+            let mut bias = T::select(apart, separation * inverse_h, bias);
+            if self.softness.is_none() {
+                // Between coming as near as it may and leaving there is nothing to take out.
+                bias = bias.min((zero - speeds[j]).max(zero));
+            }
             let before: T = at(&point.impulse, lane);
             let wanted = before - (mass_scale * speeds[j] + bias) * at(&point.mass, lane) - impulse_scale * before;
             let impulse = wanted.max(zero);
@@ -141,7 +145,12 @@ impl<const P: usize, const C: usize> Solve<'_, P, C> {
                 let met = T::select(zero.lt(impulse), at(&bounce.met[j], lane), zero);
                 let approach: T = at(&bounce.approach[j], lane);
                 put(met.min(approach), &mut bounce.approach[j], lane);
-                let given = work(impulse - before, speeds[j], at(&point.mass, lane));
+                // What only takes back impulses that the substep began with takes no energy that came in with the bodies.
+                if self.softness.is_some() {
+                    put(before, &mut bounce.warm[j], lane);
+                }
+                let warm: T = at(&bounce.warm[j], lane);
+                let given = work(impulse.max(warm) - before.max(warm), speeds[j], at(&point.mass, lane));
                 put(at::<T>(&bounce.absorbed, lane) - given, &mut bounce.absorbed, lane);
             }
             changes[j] = impulse - before;

@@ -23,7 +23,7 @@ pub(super) struct Prepare<'a, const P: usize, const C: usize> {
 }
 
 /// Weight of a point in the middle at the least, so that a middle there is.
-const LEAST_WEIGHT: f64 = 1e-10;
+pub(super) const LEAST_WEIGHT: f64 = 1e-10;
 /// An arm that changes by this part of a body's size changes the effective masses by as much.
 const SLIDE: f64 = 1e-2;
 /// Mean distance from the middle of a square under even pressure, over that of its corners: 0.3826 and 0.7071 of the side.

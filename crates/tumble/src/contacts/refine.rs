@@ -5,6 +5,7 @@ use tumble_collide::{Geometry, Manifold, Placement, touching};
 use tumble_math::lane::{Quat, Vec3};
 
 use super::block::{Block, Rolling};
+use super::prepare::LEAST_WEIGHT;
 use super::frame::{Frame, Moved, along_normal};
 use super::refresh::tangents;
 use super::rows::{put, put_vector};
@@ -22,6 +23,8 @@ pub(super) struct Round {
     part: u32,
     geometries: [Geometry<Real>; 2],
     placements: [Placement<Real>; 2],
+    /// Whether impulses move the second body alone.
+    pub(super) alone: bool,
     /// The first body's centre of mass.
     apart: Vec3<Real>,
     /// How near surfaces are a contact \[m\].
@@ -53,6 +56,7 @@ impl Contacts {
                 part: contact.part,
                 geometries: [a.geometry.clone(), b.geometry.clone()],
                 placements,
+                alone: !shapes[0].moves,
                 apart: shapes[0].center - origin,
                 margin: shapes[0].reach + shapes[1].reach,
             });
@@ -101,31 +105,34 @@ impl Round {
 pub(super) fn write<const P: usize, const C: usize>(
     manifold: &Manifold<Real>,
     (block, mut rolling, lane): (&mut Block<P, C>, Option<&mut Rolling>, usize),
-    (moved, rows): (&[Eight], [u32; 2]),
+    (moved, round): (&[Eight], &Round),
 ) {
+    let (rows, alone, margin) = (round.rows, round.alone, round.margin);
     let before = Frame::<Real>::load(block, lane);
     let points = manifold.points();
     if points.is_empty() {
         for j in 0..P {
             block.start.separations[j][lane] = FAR;
-            block.points[j].impulse[lane] = 0.0;
         }
         return;
     }
     let normal = manifold.normal;
-    let at = |k: usize| points[k].position + normal * (points[k].separation * (manifold.carried - 0.5));
-    let share = 1.0 / points.len() as Real;
-    let middle = (0..points.len()).fold(Vec3::zero(), |sum, k| sum + at(k) * share);
+    let share = if alone { 1.0 } else { manifold.carried };
+    let at = |k: usize| points[k].position + normal * (points[k].separation * (share - 0.5));
+    // As when the step began: a point that comes into reach has no weight yet.
+    let weight = |k: usize| (2.0 - points[k].separation / margin).clamp(LEAST_WEIGHT as Real, 1.0);
+    let total: Real = (0..points.len()).map(weight).sum();
+    let middle = (0..points.len()).fold(Vec3::zero(), |sum, k| sum + at(k) * (weight(k) / total));
     let [s, t] = tangents::<Real>(normal);
 
+    let old: [Vec3<Real>; P] = std::array::from_fn(|j| {
+        let offset = &block.points[j].offset;
+        before.arms[1] + before.tangents[0] * offset[0][lane] + before.tangents[1] * offset[1][lane]
+    });
     // Which place each point has: that of the nearest that there was, or a free one.
     let mut places = [None; P];
     for k in 0..points.len() {
-        let apart = |j: usize| {
-            let offset = &block.points[j].offset;
-            let old = before.arms[1] + before.tangents[0] * offset[0][lane] + before.tangents[1] * offset[1][lane];
-            (at(k) - old).dot(at(k) - old)
-        };
+        let apart = |j: usize| (at(k) - old[j]).dot(at(k) - old[j]);
         let is_there = |j: &usize| places[*j].is_none() && block.points[*j].mass[lane] > 0.0;
         let nearest = (0..P).filter(is_there).min_by(|i, j| apart(*i).total_cmp(&apart(*j)));
         let place = nearest.or_else(|| (0..P).find(|j| places[*j].is_none()));
@@ -146,19 +153,15 @@ pub(super) fn write<const P: usize, const C: usize>(
     let apart = Vec3::new(block.start.apart[0][lane], block.start.apart[1][lane], block.start.apart[2][lane]);
     let way = frame.normal_parts(&Moved::<Real>::load(moved, &rows, 0).relative([middle + apart, middle]));
     for (j, place) in places.into_iter().enumerate() {
-        let Some(k) = place else {
-            block.start.separations[j][lane] = FAR;
-            block.points[j].impulse[lane] = 0.0;
-            continue;
-        };
-        let from_middle = at(k) - middle;
+        // A point that is not there any more still has the impulse that it gave.
+        let from_middle = place.map_or_else(|| old[j], at) - middle;
         let offset = [s.dot(from_middle), t.dot(from_middle)];
         put(offset[0], &mut block.points[j].offset[0], lane);
         put(offset[1], &mut block.points[j].offset[1], lane);
         // The refresh adds what the bodies have moved since the step began.
         let way = along_normal(way, offset[0], offset[1]);
-        block.start.separations[j][lane] = points[k].separation - way;
+        block.start.separations[j][lane] = place.map_or(FAR, |k| points[k].separation - way);
         let mass = &mut block.points[j].mass[lane];
-        *mass = if *mass > 0.0 { *mass } else { 1.0 };
+        *mass = if place.is_some() && *mass == 0.0 { 1.0 } else { *mass };
     }
 }

@@ -132,7 +132,8 @@ impl<T: Tile> Rubbing<T> {
         // where the directions differ.
         let both = one / (mass[0] + mass[2]);
         let even = (mass[0] * (mass[2] * both) - mass[1] * (mass[1] * both)) * T::splat(2.0);
-        let even = T::select(has_patch, even.min(twisting_mass / (radius * radius)), even);
+        let of_twist = T::select(has_patch, radius * radius / twisting_mass, zero);
+        let even = even / (one + even * of_twist * T::splat(0.5));
         let lost = [even * along[0], even * along[1], even * (radius * spin)];
         let (p, q) = (self.sliding[0] - lost[0], self.sliding[1] - lost[1]);
         let reach = T::select(has_patch, self.twist / radius - lost[2], zero);

@@ -32,8 +32,9 @@ pub(crate) struct SavedContact {
     pub(crate) part: u32,
     /// Whether they touched before this step.
     pub(crate) touched: bool,
-    /// The normal from the first body to the second; impulse \[N s\] and angular impulse [N m s] of friction.
-    pub(crate) numbers: [Real; 9],
+    /// The normal from the first body to the second; impulse \[N s\] and angular impulse [N m s] of friction; which part of the
+    /// impulses the next step begins with, and which share of the gap is before a point.
+    pub(crate) numbers: [Real; Self::NUMBERS],
     pub(crate) points: [SavedPoint; MOST_POINTS],
     /// How many points there are.
     pub(crate) count: usize,
@@ -49,6 +50,8 @@ pub(crate) struct SavedPoint {
 }
 
 impl SavedContact {
+    pub(crate) const NUMBERS: usize = 11;
+
     /// What contacts of a file are in the order of.
     pub(crate) fn key(&self) -> (u32, u32, u32) {
         let [a, b] = self.bodies;
@@ -108,7 +111,8 @@ impl Contact {
             point.numbers[..4].copy_from_slice(place);
             point.numbers[4] = self.numbers[HELD].0[j];
         }
-        let numbers = [x, y, z, a, b, c, d, e, f];
+        let [.., kept, share] = self.numbers[HELD].0;
+        let numbers = [x, y, z, a, b, c, d, e, f, kept, share];
         let (part, touched) = (self.part, self.touched);
         SavedContact { bodies: self.slots, part, touched, numbers, points, count: self.count() }
     }
@@ -117,7 +121,8 @@ impl Contact {
         let mut contact = Self { slots: saved.bodies, part: saved.part, touched: saved.touched, ..Self::NONE };
         contact.numbers[SHAPE].0[..3].copy_from_slice(&saved.numbers[..3]);
         contact.numbers[SHAPE].0[4] = saved.count as Real;
-        contact.numbers[RUBBED].0[..6].copy_from_slice(&saved.numbers[3..]);
+        contact.numbers[RUBBED].0[..6].copy_from_slice(&saved.numbers[3..9]);
+        contact.numbers[HELD].0[6..].copy_from_slice(&saved.numbers[9..]);
         for (j, point) in saved.points.iter().enumerate().take(saved.count) {
             contact.numbers[POINTS[j / 2]].0[j % 2 * 4..][..4].copy_from_slice(&point.numbers[..4]);
             contact.numbers[HELD].0[j] = point.numbers[4];

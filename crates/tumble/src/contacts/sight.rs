@@ -83,8 +83,8 @@ impl Sight<'_> {
         }
         let geometry = &collider.geometry;
         let reach = reach(geometry, linear.length() * interval);
-        self.lanes.set(i, geometry, &placement, center, reach);
         let (kind, moves) = (Kind::of(geometry), bodies.pushed.is_some());
+        self.lanes.set(i, geometry, &placement, center, (reach, moves));
         let velocity = (velocity.linear.into(), velocity.angular.into());
         self.shapes[i] = Shape { placement, center, kind, moves, reach, velocity };
         self.proxies[i] = self.shapes[i].proxy(Some(geometry));

@@ -184,7 +184,7 @@ impl Solver {
     pub(super) fn refine(&mut self, rounds: &[Round], moved: &[Eight]) {
         let Self { ones, fours, places, .. } = self;
         for ((round, found), place) in rounds.iter().zip(refine::find(rounds, moved)).zip(places) {
-            let (Some(manifold), motion) = (found, (moved, round.rows)) else { continue };
+            let (Some(manifold), motion) = (found, (moved, round)) else { continue };
             if place.has_four {
                 refine::write(&manifold, fours.lane(place), motion);
             } else {

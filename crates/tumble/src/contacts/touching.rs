@@ -6,7 +6,7 @@ use tumble_collide::{Bounds, BroadPhase, Geometry, Placement, Proxy, touching};
 use tumble_math::lane::{Quat, Vec3};
 
 use super::collider::{Collider, Groups};
-use super::contact::{Contact, FIXED, MATERIAL, REFINED};
+use super::contact::{Contact, FIXED, MATERIAL, REFINED, Second};
 use super::keeping::Past;
 use super::materials::Materials;
 use super::names::Names;
@@ -210,10 +210,11 @@ fn touch_one(slots: [u32; 2], shapes: &[Shape], colliders: &[Option<(Collider, W
     let [first, second] = slots.map(|slot| &shapes[slot as usize]);
     if let [Some((a, _)), Some((b, _))] = slots.map(|slot| colliders[slot as usize].as_ref()) {
         let before = found.len();
-        let (margin, center) = (first.reach + second.reach, second.center);
+        let margin = first.reach + second.reach;
+        let of_second = Second { center: second.center, alone: !first.moves };
         let law = law([first, second], [&a.geometry, &b.geometry]);
         touching(&a.geometry, &first.placement, &b.geometry, &second.placement, margin, &mut |part, manifold| {
-            found.push(Contact::new(slots, part, manifold, center, law));
+            found.push(Contact::new(slots, part, manifold, of_second, law));
         });
         found[before..].sort_by_key(Contact::key);
     }

@@ -40,7 +40,7 @@ impl Counts {
         let parts = [
             ids.saturating_mul(8 + 3 * number),
             entities.saturating_mul(4 + 3 * number),
-            self.contacts.saturating_mul(16 + 9 * number),
+            self.contacts.saturating_mul(16 + SavedContact::NUMBERS as u64 * number),
             self.points.saturating_mul(4 + 5 * number),
         ];
         parts.into_iter().fold(0, u64::saturating_add)
@@ -150,6 +150,8 @@ fn defect(contact: &SavedContact, before: Option<&SavedContact>, bodies: usize) 
         Some(ContactDefect::NotFinite)
     } else if (length - 1.0).abs() > UNIT_TOLERANCE {
         Some(ContactDefect::Normal)
+    } else if contact.numbers[9..].iter().any(|part| !(0.0..=1.0).contains(part)) {
+        Some(ContactDefect::Part)
     } else if points.iter().any(|point| point.numbers[4] < 0.0) {
         Some(ContactDefect::Pull)
     } else {

@@ -113,6 +113,9 @@ pub enum SnapshotError {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 #[non_exhaustive]
 pub enum ContactDefect {
+    /// A part of the whole is not from 0 to 1.
+    #[error("a part of the whole is not from 0 to 1")]
+    Part,
     /// It is between a body and itself, or bodies that are not there.
     #[error("is not between two of the bodies in contact")]
     Bodies,
