@@ -45,6 +45,7 @@ mod scalar;
 mod surface;
 mod surface_pair;
 mod tree;
+mod underside;
 
 pub use bounds::Bounds;
 pub use broad_phase::{BroadPhase, Proxy};

@@ -10,8 +10,8 @@ use crate::geometry::{Geometry, Placement};
 use crate::gjk::on_triangle;
 use crate::manifold::{ContactPoint, Manifold, Points};
 use crate::minkowski::Difference;
-use crate::overlay::{AS_NEAR, Overlay, as_near, is_corner_of_second, keep_nearest};
-use crate::reduction::reduce;
+use crate::overlay::{AS_NEAR, ON_THE_SIDE, Overlay, as_near, is_corner_of_second};
+use crate::reduction::{keep_nearest, reduce};
 use crate::scalar::Scalar;
 use crate::surface::Surface;
 
@@ -57,6 +57,8 @@ struct Over<'a, S> {
     at: Placement<f64>,
     layer: f64,
     margin: f64,
+    /// The margin, or the size of the shape if that is less: what counts as small.
+    small: f64,
     hits: Vec<Hit>,
     /// Where no other triangle holds: how far the shape is over the plane of the one that is left the soonest, and its points there.
     spare: Option<(f64, Vec<Hit>)>,
@@ -78,7 +80,8 @@ pub(crate) fn surface_and_convex<R: Scalar>(
     let (ground, body) = (wide_placement(surface_at), wide_placement(at));
     let orientation = (ground.orientation.conjugate() * body.orientation).normalize();
     let at = Placement { position: ground.to_local(body.position), orientation };
-    let mut over = Over { surface, shape, at, layer, margin: margin.into(), hits: Vec::new(), spare: None };
+    let mut over =
+        Over { surface, shape, at, layer, margin: margin.into(), small: margin.into(), hits: Vec::new(), spare: None };
     over.find();
     if let (true, Some((_, spare))) = (over.hits.is_empty(), over.spare.take()) {
         over.hits = spare;
@@ -107,6 +110,8 @@ impl<S: Surface> Over<'_, S> {
         let [high, low] = [1.0, -1.0].map(|sign| axes.map(|axis| far(axis * sign) * sign));
         let corner = |[x, y, z]: [f64; 3]| Vector::new(x, y, z);
         let bounds = Bounds { low: corner(low), high: corner(high) };
+        let size = bounds.high - bounds.low - Vector::splat(2.0 * self.margin);
+        self.small = f64::min(self.margin, size.dot(size).sqrt());
         let mut near = Vec::new();
         self.surface.near(&bounds, &mut |triangle| near.push(triangle));
         near.sort_unstable();
@@ -128,13 +133,13 @@ impl<S: Surface> Over<'_, S> {
         };
         let over_face = self.over_face(triangle, &shapes, normal, depth);
         let least = over_face.iter().fold(f64::INFINITY, |least, hit| f64::min(least, hit.point.separation));
-        let all_of_it = least <= depth + AS_NEAR * self.margin;
-        if !self.surface.patches().has_edge(triangle) || all_of_it && depth >= -SHALLOW * self.margin {
+        let all_of_it = least <= depth + AS_NEAR * self.small;
+        if !self.surface.patches().has_edge(triangle) || all_of_it && depth >= -SHALLOW * self.small {
             self.hits.extend(over_face);
             return;
         }
         match approach(&shapes, self.margin + self.layer) {
-            Some(found) if found.between - self.layer <= depth + AS_NEAR * self.margin && all_of_it => {
+            Some(found) if found.between - self.layer <= depth + AS_NEAR * self.small && all_of_it => {
                 self.hits.extend(over_face);
             }
             // What a side or a corner does not hold, a neighbour does.
@@ -151,7 +156,16 @@ impl<S: Surface> Over<'_, S> {
         let overlay = Overlay { normal, separation: depth, layers: [0.0, self.layer], margin: self.margin };
         let below = shapes.second.feature(shapes.turned_back(normal * -1.0), self.margin);
         let below = below.seen(|point| shapes.place(point), |v| shapes.turn(v));
-        let (points, carried) = overlay.shared(&shapes.first.feature(normal, self.margin), &below);
+        let (mut points, carried) = overlay.shared(&shapes.first.feature(normal, self.margin), &below);
+        let is_near = |point: &ContactPoint<f64>| point.separation <= depth + AS_NEAR * self.small;
+        if !points.iter().any(is_near) {
+            // The face that looks down most need not have the lowest corner.
+            let lowest = self.support(normal * -1.0);
+            if is_over(self.surface.triangle(triangle), normal, lowest) {
+                let position = lowest - normal * (self.layer + 0.5 * depth);
+                points.push(ContactPoint { position, separation: depth, feature: u32::MAX });
+            }
+        }
         points.into_iter().map(|point| self.face_hit(triangle, point, carried)).collect()
     }
 
@@ -171,7 +185,7 @@ impl<S: Surface> Over<'_, S> {
         let before = self.hits.len();
         self.hits
             .extend(over_face.into_iter().filter(|hit| overlaps || hit.point.separation >= separation - FACE_LEAD));
-        let is_near = |hit: &Hit| hit.point.separation <= separation + AS_NEAR * self.margin;
+        let is_near = |hit: &Hit| hit.point.separation <= separation + AS_NEAR * self.small;
         if overlaps && furthest(self.surface.triangle(triangle), found.normal) == [true; 3] {
             // The way out is the face's own as far as directions are certain, and what is deepest is beside the face by no more than that.
             if !self.hits[before..].iter().any(is_near) {
@@ -219,7 +233,7 @@ impl<S: Surface> Over<'_, S> {
 
     /// Keeps a way out of a triangle whose own shortest way leads along the surface: that where it is short, or else through the face.
     fn keep_spare(&mut self, triangle: u32, shapes: &Difference<'_>, found: &Approach) {
-        let is_shallow = found.between >= self.layer - SHALLOW * self.margin;
+        let is_shallow = found.between >= self.layer - SHALLOW * self.small;
         let normal = if is_shallow { found.normal } else { self.surface.normal(triangle) };
         let between = shapes.separation(normal);
         if found.between > 0.0 || self.spare.as_ref().is_some_and(|(most, _)| between <= *most) {
@@ -346,10 +360,18 @@ impl<S: Surface> Over<'_, S> {
                 }
             }
             let mut few = if points.is_empty() { Points::none() } else { reduce(&points, normal, self.margin) };
-            keep_nearest(&mut few, &points, as_near(&points, self.margin));
+            keep_nearest(&mut few, &points, as_near(&points, self.margin), normal);
             visit(hits[0].part, &Manifold::new(normal, carried, few));
         }
     }
+}
+
+/// Whether a point is over a triangle, seen along its normal, or over its sides.
+fn is_over(corners: [Vector; 3], normal: Vector, point: Vector) -> bool {
+    (0..3).all(|side| {
+        let way = corners[(side + 1) % 3] - corners[side];
+        normal.dot(way.cross(point - corners[side])) >= -ON_THE_SIDE * way.dot(way).sqrt()
+    })
 }
 
 /// Which corners of a triangle are furthest in a direction. (Of an overlap, where it is deepest is not as certain.)
