@@ -3,6 +3,8 @@
 //! A triangle holds with its own normal what is over it. Over a side or a corner it holds only what lies in the Voronoi region of that side or corner: in directions from which nothing else of the
 //! surface is nearer. Where the surface is flat or hollow there are none.
 
+use std::collections::HashMap;
+
 use crate::bounds::Bounds;
 use crate::convex::{Convex, Vector, narrow, unit};
 use crate::convex_pair::{Approach, FACE_LEAD, approach, difference, manifold_of, wide_placement, with_faces_first};
@@ -14,6 +16,7 @@ use crate::overlay::{AS_NEAR, ON_THE_SIDE, Overlay, as_near, is_corner_of_second
 use crate::reduction::{keep_nearest, reduce};
 use crate::scalar::Scalar;
 use crate::surface::Surface;
+use crate::work;
 
 /// Overlaps of no more than this part of the margin need no second look: the way out is the triangle's own.
 const SHALLOW: f64 = 0.05;
@@ -23,6 +26,12 @@ const OUTSIDE: f64 = 1e-3;
 const SAME: f64 = 1.0 - 5e-7;
 /// A direction is turned out of the way of each side at a corner in turn, so many times around.
 const TURNS: usize = 4;
+/// So many of the triangles at a corner look at what lies over it.
+const MOST_ASKED: usize = 64;
+/// So many normals of faces of one part are compared with that of an edge.
+const MOST_NORMALS: usize = 16;
+/// Of more points than this the near ones are found in a grid.
+const FEW: usize = 64;
 /// Weight of a corner in a point that is beside it.
 const BESIDE: f64 = 1e-6;
 /// Points nearer to each other than this \[m\], squared, are one.
@@ -62,6 +71,8 @@ struct Over<'a, S> {
     hits: Vec<Hit>,
     /// Where no other triangle holds: how far the shape is over the plane of the one that is left the soonest, and its points there.
     spare: Option<(f64, Vec<Hit>)>,
+    /// Corners of many sides, by their parts, and how many triangles asked what lies over them.
+    asked: HashMap<u32, usize>,
 }
 
 /// Shows the manifolds of a surface and a convex shape, from the former to the latter, each with the number of the part of the surface it belongs to.
@@ -80,8 +91,17 @@ pub(crate) fn surface_and_convex<R: Scalar>(
     let (ground, body) = (wide_placement(surface_at), wide_placement(at));
     let orientation = (ground.orientation.conjugate() * body.orientation).normalize();
     let at = Placement { position: ground.to_local(body.position), orientation };
-    let mut over =
-        Over { surface, shape, at, layer, margin: margin.into(), small: margin.into(), hits: Vec::new(), spare: None };
+    let mut over = Over {
+        surface,
+        shape,
+        at,
+        layer,
+        margin: margin.into(),
+        small: margin.into(),
+        hits: Vec::new(),
+        spare: None,
+        asked: HashMap::new(),
+    };
     over.find();
     if let (true, Some((_, spare))) = (over.hits.is_empty(), over.spare.take()) {
         over.hits = spare;
@@ -201,6 +221,14 @@ impl<S: Surface> Over<'_, S> {
     /// Points over the side or the corner that an approach goes out from, if it may.
     fn over_edge(&mut self, triangle: u32, place: &Place, shapes: &Difference<'_>, found: &Approach) {
         let surface = self.surface;
+        if place.sides[0] != place.sides[1] {
+            // Each asks all sides at the corner, and of a corner that many triangles have each has the same to say.
+            let asked = self.asked.entry(place.part).or_default();
+            *asked += 1;
+            if *asked > MOST_ASKED {
+                return;
+            }
+        }
         let settled = if self.layer > 0.0 { *found } else { with_faces_first(shapes, found) };
         // Where they overlap, what is shortest for a triangle alone may lie outside of the region: then some direction at its border is nearly as short.
         let across = |side: usize| surface.across(triangle, side).map(|other| surface.normal(other));
@@ -321,6 +349,7 @@ impl<S: Surface> Over<'_, S> {
         if side != other {
             let corner = corners[place.corner];
             self.surface.around(self.surface.corners(triangle)[place.corner], &mut |end| {
+                work::compared(1);
                 visit(unit(self.surface.point(end) - corner));
             });
             return;
@@ -335,35 +364,88 @@ impl<S: Surface> Over<'_, S> {
 
     /// Puts hits of a part together and shows the few that hold as all of them would.
     fn collect(&mut self, visit: &mut dyn FnMut(u32, &Manifold<f64>)) {
-        let faces: Vec<(u32, Vector)> =
+        let mut faces: Vec<(u32, Vector)> =
             self.hits.iter().filter(|hit| hit.beside.is_none()).map(|hit| (hit.part, hit.normal)).collect();
+        faces.sort_by_key(|(part, _)| *part);
+        faces.dedup();
         let is_held = |hit: &Hit| {
             hit.beside.is_some_and(|beside| {
-                faces.iter().any(|(part, normal)| beside.contains(part) && normal.dot(hit.normal) > SAME)
+                beside.into_iter().any(|part| {
+                    let from = faces.partition_point(|(other, _)| *other < part);
+                    let of_part = faces[from..].iter().take(MOST_NORMALS).take_while(|(other, _)| *other == part);
+                    of_part.into_iter().any(|(_, normal)| {
+                        work::compared(1);
+                        normal.dot(hit.normal) > SAME
+                    })
+                })
             })
         };
         self.hits.retain(|hit| !is_held(hit));
         // Those of one part in the order of the triangles.
         self.hits.sort_by_key(|hit| hit.part);
-        let mut points: Vec<ContactPoint<f64>> = Vec::new();
+        let mut points = Distinct::default();
         for hits in self.hits.chunk_by(|a, b| a.part == b.part) {
             points.clear();
             let (normal, mut carried) = (hits[0].normal, 0.0);
             for hit in hits {
                 carried += hit.carried / hits.len() as f64;
-                let is_near = |point: &ContactPoint<f64>| {
-                    let apart = point.position - hit.point.position;
-                    apart.dot(apart) < ONE_POINT
-                };
-                if !points.iter().any(is_near) {
-                    points.push(hit.point);
-                }
+                points.add(&hit.point);
             }
-            let mut few = if points.is_empty() { Points::none() } else { reduce(&points, normal, self.margin) };
-            keep_nearest(&mut few, &points, as_near(&points, self.margin), normal);
+            let points = points.points.as_slice();
+            let mut few = if points.is_empty() { Points::none() } else { reduce(points, normal, self.margin) };
+            keep_nearest(&mut few, points, as_near(points, self.margin), normal);
             visit(hits[0].part, &Manifold::new(normal, carried, few));
         }
     }
+}
+
+/// Points at different places: of those that are one the first.
+#[derive(Default)]
+struct Distinct {
+    points: Vec<ContactPoint<f64>>,
+    /// Once there are many, the points in each cell of a grid as wide as those that are one are apart.
+    cells: HashMap<[i64; 3], Vec<u32>>,
+}
+
+impl Distinct {
+    fn clear(&mut self) {
+        self.points.clear();
+        self.cells.clear();
+    }
+
+    fn add(&mut self, point: &ContactPoint<f64>) {
+        let is_near = |other: &ContactPoint<f64>| {
+            work::compared(1);
+            let apart = other.position - point.position;
+            apart.dot(apart) < ONE_POINT
+        };
+        let is_there = if self.points.len() < FEW {
+            self.points.iter().any(is_near)
+        } else {
+            if self.cells.is_empty() {
+                for (number, point) in (0..).zip(&self.points) {
+                    self.cells.entry(cell(point)).or_default().push(number);
+                }
+            }
+            let [x, y, z] = cell(point);
+            let around = (0..27).map(|k| [x + k % 3 - 1, y + k / 3 % 3 - 1, z + k / 9 - 1]);
+            let mut near = around.filter_map(|cell| self.cells.get(&cell)).flatten();
+            near.any(|number| is_near(&self.points[*number as usize]))
+        };
+        if !is_there {
+            if self.points.len() >= FEW {
+                self.cells.entry(cell(point)).or_default().push(self.points.len() as u32);
+            }
+            self.points.push(*point);
+        }
+    }
+}
+
+fn cell(point: &ContactPoint<f64>) -> [i64; 3] {
+    // Places further out than 2^61 of these cells share the last.
+    let most = (1_i64 << 61) as f64;
+    let p = point.position * (1.0 / ONE_POINT.sqrt());
+    [p.x, p.y, p.z].map(|x| x.clamp(-most, most).floor() as i64)
 }
 
 /// Whether a point is over a triangle, seen along its normal, or over its sides.
