@@ -21,6 +21,8 @@ const MOST_POINTS: usize = 256;
 const MOST_WORK: usize = 1 << 18;
 /// What is not certain, of round shapes and where faces were so thin that rounding tore the surface, is bettered so many times at most,
 const MOST_REFINEMENTS: usize = 8;
+/// from so many of the axes of both shapes too,
+const MOST_STARTS: usize = 4;
 /// with the shapes moved apart by this part of what the difference reaches.
 const GAP: f64 = 1e-4;
 /// Part of what the difference reaches that a point must add to the polyhedron to be worth it. The normal of round shapes is good to its square root.
@@ -80,11 +82,28 @@ pub(crate) fn penetration(shapes: &Difference<'_>, simplex: &Simplex) -> Option<
     work::compared(polyhedron.work);
     let (overlap, normal) = best?;
     let found = Penetration { normal, on_first: polyhedron.foot(normal * overlap) };
-    Some(if is_certain { found } else { refined(shapes, found, overlap, polyhedron.scale) })
+    Some(if is_certain { found } else { shortest(shapes, found, overlap, polyhedron.scale) })
+}
+
+/// The shortest way out of those near a given one and near the axes of both shapes.
+fn shortest(shapes: &Difference<'_>, found: Penetration, overlap: f64, scale: f64) -> Penetration {
+    let mut best = refined(shapes, found, overlap, scale);
+    let both_ways = |axis: &Vector| [*axis, *axis * -1.0];
+    let axes = AXES.iter().chain(&shapes.axes).flat_map(both_ways);
+    let mut starts: Vec<(f64, Vector)> = axes.map(|axis| (-shapes.separation(axis), axis)).collect();
+    starts.sort_by(|a, b| a.0.total_cmp(&b.0));
+    for (overlap, normal) in starts.into_iter().take(MOST_STARTS) {
+        let start = Penetration { normal, on_first: shapes.first.support(normal) };
+        let next = refined(shapes, start, overlap, scale);
+        if next.0 < best.0 - GAIN * scale {
+            best = next;
+        }
+    }
+    best.1
 }
 
 /// Moved apart along a way out, shapes are nearest to each other along one that is as short or shorter.
-fn refined(shapes: &Difference<'_>, mut found: Penetration, mut overlap: f64, scale: f64) -> Penetration {
+fn refined(shapes: &Difference<'_>, mut found: Penetration, mut overlap: f64, scale: f64) -> (f64, Penetration) {
     for _ in 0..MOST_REFINEMENTS {
         let position = shapes.position + found.normal * (overlap + GAP * scale);
         let Nearest::Apart { between, on_first } = nearest(&Difference { position, ..*shapes }, f64::INFINITY) else {
@@ -98,7 +117,7 @@ fn refined(shapes: &Difference<'_>, mut found: Penetration, mut overlap: f64, sc
         }
         (found, overlap) = (Penetration { normal, on_first }, next);
     }
-    found
+    (overlap, found)
 }
 
 /// The sides around some faces, and for each point where the one that starts there ends.

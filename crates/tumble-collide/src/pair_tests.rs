@@ -17,7 +17,7 @@ use crate::minkowski::Difference;
 use crate::{collide, work};
 
 /// Points reached of a pair: turns of the search for the nearest points, points of the polyhedron and what starts it, refinements, and the choice of a face.
-const MOST_REACHED: usize = 64 + 24 + 512 + 8 * 65 + 8;
+const MOST_REACHED: usize = 64 + 24 + 512 + 12 + 5 * 8 * 65 + 8;
 /// Faces looked at and sides compared.
 const MOST_COMPARED: usize = (1 << 18) + (1 << 13);
 
