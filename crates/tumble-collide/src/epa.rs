@@ -87,6 +87,7 @@ pub(crate) fn penetration(shapes: &Difference<'_>, simplex: &Simplex) -> Option<
 
 /// The shortest way out of those near a given one and near the axes of both shapes.
 fn shortest(shapes: &Difference<'_>, found: Penetration, overlap: f64, scale: f64) -> Penetration {
+    work::uncertain();
     let mut best = refined(shapes, found, overlap, scale);
     let both_ways = |axis: &Vector| [*axis, *axis * -1.0];
     let axes = AXES.iter().chain(&shapes.axes).flat_map(both_ways);

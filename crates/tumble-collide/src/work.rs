@@ -5,25 +5,39 @@ use std::cell::Cell;
 
 #[cfg(test)]
 thread_local! {
-    static DONE: Cell<[usize; 2]> = const { Cell::new([0; 2]) };
+    static DONE: Cell<[usize; 3]> = const { Cell::new([0; 3]) };
 }
 
 /// One more point that is furthest in some direction.
 #[inline(always)]
 pub(crate) fn reached() {
-    #[cfg(test)]
-    DONE.with(|done| done.set([done.get()[0] + 1, done.get()[1]]));
+    add(0, 1);
 }
 
 /// Faces looked at and sides compared.
 #[inline(always)]
-pub(crate) fn compared(_count: usize) {
-    #[cfg(test)]
-    DONE.with(|done| done.set([done.get()[0], done.get()[1] + _count]));
+pub(crate) fn compared(count: usize) {
+    add(1, count);
 }
 
-/// Points reached and faces and sides compared since it was last asked.
+/// A polyhedron that tore, or had as many points as it may.
+#[inline(always)]
+pub(crate) fn uncertain() {
+    add(2, 1);
+}
+
+#[inline(always)]
+fn add(_which: usize, _count: usize) {
+    #[cfg(test)]
+    DONE.with(|done| {
+        let mut all = done.get();
+        all[_which] += _count;
+        done.set(all);
+    });
+}
+
+/// Points reached, faces and sides compared, and polyhedra uncertain, since it was last asked.
 #[cfg(test)]
-pub(crate) fn taken() -> [usize; 2] {
+pub(crate) fn taken() -> [usize; 3] {
     DONE.with(Cell::take)
 }

@@ -281,7 +281,7 @@ fn check<R: Scalar>(body: &Body, kind: Ground, turn: Quat<f64>, lift: f64, margi
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig::with_cases(20_000))]
+    #![proptest_config(ProptestConfig::with_cases(10_000))]
 
     #[test]
     fn what_lies_is_held_by_its_lower_face(body in body(), kind in kinds(), turn in lying(), lift in -1.0..1.0, margin in -4.0..-1.0) {
