@@ -50,7 +50,7 @@ pub(crate) fn stood_on(
     margin: f64,
 ) -> Points<f64> {
     let mut few = Points::none();
-    let Some(facet) = Facet::under(points.clone(), up) else { return few };
+    let Some(facet) = Facet::under(&points, up) else { return few };
     let corners = || points.clone().enumerate().map(|(index, point)| facet.corner(index, &point));
     let mut chosen = Chosen { corners: [None; MOST_POINTS] };
     for _ in 0..MOST_TURNS {
@@ -68,7 +68,7 @@ pub(crate) fn stood_on(
 
 impl Facet {
     /// `None` of no points.
-    fn under(points: impl Iterator<Item = ContactPoint<f64>> + Clone, up: Vector) -> Option<Self> {
+    fn under(points: &(impl Iterator<Item = ContactPoint<f64>> + Clone), up: Vector) -> Option<Self> {
         let aside = if up.x.abs() < 0.5 { Vector::new(1.0, 0.0, 0.0) } else { Vector::new(0.0, 1.0, 0.0) };
         let first = crate::convex::unit(up.cross(aside));
         let nowhere = Corner { index: 0, at: [0.0; 2], height: 0.0, above: 0.0 };
@@ -95,7 +95,7 @@ impl Facet {
     }
 
     /// Turns the plane about the lowest corner towards the middle until it meets a second, and about both, to the side where that is less, until it meets a third.
-    fn lean(&mut self, points: impl Iterator<Item = ContactPoint<f64>> + Clone) {
+    fn lean(&mut self, points: &(impl Iterator<Item = ContactPoint<f64>> + Clone)) {
         let towards = minus(self.middle, self.lowest.at);
         let way = if length(towards) > NARROW * self.extent { unit(towards) } else { [1.0, 0.0] };
         let Some((slope, second)) = self.turned(points.clone(), way) else { return };
