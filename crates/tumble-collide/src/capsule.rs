@@ -88,7 +88,7 @@ pub(crate) fn capsule_and_capsule<R: Scalar>(first: &Rod<R>, second: &Rod<R>, ma
     let separation = distance - (layers[0] + layers[1]);
     let nearest = (on_first + normal * layers[0] + on_second - normal * layers[1]) * half;
     let overlay = Overlay { normal, separation, layers, margin };
-    overlay.manifold(&first.feature(), &second.feature(), nearest).carried_by_both()
+    overlay.manifold(&first.feature(), &second.feature(), nearest, R::splat(0.0)).carried_by_both()
 }
 
 /// The nearest points of two segments (C. Ericson, "Real-Time Collision Detection", 2005, 5.1.9); of parallel ones, some that are nearest.
@@ -133,7 +133,7 @@ pub(crate) fn cuboid_and_capsule<R: Scalar>(
     };
     let overlay = Overlay { normal, separation: between - rod.radius, layers: [zero, rod.radius], margin };
     let middle = nearest + normal * ((between - rod.radius) * half);
-    let manifold = overlay.manifold(&Feature::of_cuboid(h, normal), &local.feature(), middle);
+    let manifold = overlay.manifold(&Feature::of_cuboid(h, normal), &local.feature(), middle, zero);
     manifold.seen(|point| at.to_world(point), |v| at.orientation.rotate(v))
 }
 

@@ -39,6 +39,9 @@ struct Face {
 /// Normals whose scalar product is less than one by no more than this belong to one plane.
 const ONE_PLANE: f64 = 1e-10;
 
+/// Part of the hull's reach by which one corner must be further out than others to be shown in place of one of them.
+const FURTHER: f64 = 1e-5;
+
 impl ConvexHull {
     /// The hull of points \[m\].
     ///
@@ -154,7 +157,24 @@ impl ConvexHull {
         let Some(face) = self.face(d) else { return Feature::point(self.support(d)) };
         let corners = &self.corners[face.from..face.to];
         let most = corners.len().min(MOST_CORNERS);
-        let chosen = (0..most).map(|k| corners[k * corners.len() / most]);
+        let along = |place: usize| self.points[corners[place] as usize].dot(d);
+        let mut places = [0; MOST_CORNERS];
+        let (mut furthest, mut of_few) = (0, f64::NEG_INFINITY);
+        for (k, place) in places.iter_mut().take(most).enumerate() {
+            *place = k * corners.len() / most;
+            of_few = f64::max(of_few, along(*place));
+        }
+        for place in 1..corners.len() {
+            if along(place) > along(furthest) {
+                furthest = place;
+            }
+        }
+        // Of many corners that furthest out takes the place of one beside it, unless others are as far but for rounding.
+        if along(furthest) > of_few + FURTHER * self.reach {
+            let before = places.iter().take(most).rposition(|place| *place <= furthest).unwrap_or(0);
+            places[before] = furthest;
+        }
+        let chosen = places.iter().take(most).map(|place| corners[*place]);
         Feature::new(chosen.map(|corner| (self.points[corner as usize], corner)), face.normal)
     }
 

@@ -24,6 +24,8 @@ pub(crate) struct Approach {
     pub(crate) normal: Vector,
     /// Of what is inside the layers, along the normal.
     pub(crate) between: f64,
+    /// By how much a direction that was not taken would separate them more.
+    pub(crate) lead: f64,
     /// On the inner surface of the first.
     pub(crate) on_first: Vector,
 }
@@ -34,12 +36,12 @@ pub(crate) fn approach(shapes: &Difference<'_>, limit: f64) -> Option<Approach> 
         Nearest::Far => return None,
         Nearest::Apart { between, on_first } => {
             let distance = between.dot(between).sqrt();
-            Approach { normal: between * (1.0 / distance), between: distance, on_first }
+            Approach { normal: between * (1.0 / distance), between: distance, lead: 0.0, on_first }
         }
         Nearest::Overlap(simplex) => match penetration(shapes, &simplex) {
             Some(found) => {
                 let between = shapes.separation(found.normal);
-                Approach { normal: found.normal, between, on_first: found.on_first }
+                Approach { normal: found.normal, between, lead: 0.0, on_first: found.on_first }
             }
             None => flat(shapes),
         },
@@ -53,7 +55,7 @@ fn flat(shapes: &Difference<'_>) -> Approach {
     let apart = shapes.place(shapes.second.middle()) - shapes.first.middle();
     let up = Vector::new(0.0, 1.0, 0.0);
     let normal = shapes.first.face_normal(apart).unwrap_or(if apart.dot(apart) > 0.0 { unit(apart) } else { up });
-    Approach { normal, between: shapes.separation(normal), on_first: shapes.first.support(normal) }
+    Approach { normal, between: shapes.separation(normal), lead: 0.0, on_first: shapes.first.support(normal) }
 }
 
 /// Along the normal of a face of either where that is as good.
@@ -71,7 +73,7 @@ pub(crate) fn with_faces_first(shapes: &Difference<'_>, found: &Approach) -> App
         }
     }
     let taken = separations.into_iter().flatten().find(|(_, separation)| *separation >= best - lead);
-    taken.map_or(*found, |(normal, between)| Approach { normal, between, ..*found })
+    taken.map_or(*found, |(normal, between)| Approach { normal, between, lead: best - between, ..*found })
 }
 
 /// A placement in double precision.
@@ -96,14 +98,14 @@ pub(crate) fn difference<'a>(
 
 /// The points of an approach, in the frame of the first.
 pub(crate) fn manifold_of(shapes: &Difference<'_>, found: &Approach, layers: [f64; 2], margin: f64) -> Manifold<f64> {
-    let Approach { normal, between, on_first } = *found;
+    let Approach { normal, between, lead, on_first } = *found;
     let separation = between - (layers[0] + layers[1]);
     let overlay = Overlay { normal, separation, layers, margin };
     let of_first = shapes.first.feature(normal, margin);
     let of_second = shapes.second.feature(shapes.turned_back(normal * -1.0), margin);
     let of_second = of_second.seen(|point| shapes.place(point), |v| shapes.turn(v));
     let nearest = on_first + normal * (layers[0] + 0.5 * separation);
-    overlay.manifold(&of_first, &of_second, nearest)
+    overlay.manifold(&of_first, &of_second, nearest, lead)
 }
 
 /// From the first to the second.

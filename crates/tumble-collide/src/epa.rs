@@ -3,9 +3,10 @@
 //! G. van den Bergen, "Proximity queries and penetration depth computation on 3D game objects", GDC 2001: a polyhedron inside the difference of the shapes grows
 //! where its surface is nearest to the origin, until it has the difference's own surface there.
 
-use crate::convex::Vector;
-use crate::gjk::{Simplex, on_triangle};
+use crate::convex::{Vector, unit};
+use crate::gjk::{Nearest, Simplex, nearest, on_triangle};
 use crate::minkowski::{Difference, Reached};
+use crate::work;
 
 /// Where two shapes overlap least: the unit normal from the first to the second, and the point of the first that is deepest in the second.
 #[derive(Clone, Copy, Debug)]
@@ -16,6 +17,14 @@ pub(crate) struct Penetration {
 
 /// Polyhedra end by themselves after a few dozen points; round shapes are as round as can be told after this many.
 const MOST_POINTS: usize = 256;
+/// Faces looked at and sides compared, most of all. A polyhedron of so many points has twice as many faces, each of which may be looked at for every point.
+const MOST_WORK: usize = 1 << 18;
+/// What is not certain, of round shapes and where faces were so thin that rounding tore the surface, is bettered so many times at most,
+const MOST_REFINEMENTS: usize = 8;
+/// from so many of the axes of both shapes too,
+const MOST_STARTS: usize = 4;
+/// with the shapes moved apart by this part of what the difference reaches.
+const GAP: f64 = 1e-4;
 /// Part of what the difference reaches that a point must add to the polyhedron to be worth it. The normal of round shapes is good to its square root.
 const GAIN: f64 = 1e-11;
 /// Part of it that is flat.
@@ -34,26 +43,111 @@ struct Polyhedron {
     points: Vec<Reached>,
     faces: Vec<Face>,
     scale: f64,
+    /// Faces looked at and sides compared.
+    work: usize,
 }
 
-/// `None` where the difference is flat, and where numbers are not finite.
+/// `None` where the difference is flat, and where numbers are not finite. Whatever rounding does, the shapes overlap along the normal by no less than is told, and it is no longer than
+/// any other way out that was tried.
 pub(crate) fn penetration(shapes: &Difference<'_>, simplex: &Simplex) -> Option<Penetration> {
     let mut polyhedron = Polyhedron::around(shapes, simplex)?;
-    let mut outline = Vec::new();
+    let mut outline = Outline::default();
     let mut best: Option<(f64, Vector)> = None;
-    while let Some(face) = polyhedron.nearest() {
+    let mut is_certain = true;
+    for _ in 0..2 * MOST_POINTS {
+        let Some((index, face)) = polyhedron.nearest() else { break };
+        let least = best.map_or(f64::INFINITY, |(least, _)| least);
+        if least - face.distance <= GAIN * polyhedron.scale {
+            break;
+        }
         let reached = shapes.support(face.normal);
         // This far the shapes overlap along the normal; the face is no further out than the least overlap of all.
         let overlap = reached.point.dot(face.normal);
-        if best.is_none_or(|(least, _)| overlap < least) {
+        if overlap < least {
             best = Some((overlap, face.normal));
         }
-        if overlap - face.distance <= GAIN * polyhedron.scale || polyhedron.points.len() >= MOST_POINTS {
+        if overlap - face.distance <= GAIN * polyhedron.scale {
             break;
         }
-        polyhedron.grow(reached, &mut outline);
+        if polyhedron.points.len() >= MOST_POINTS || polyhedron.work > MOST_WORK {
+            is_certain = false;
+            break;
+        }
+        if !polyhedron.grow(index, reached, &mut outline) {
+            // As far out as it is, and no further.
+            polyhedron.faces[index].distance = f64::max(overlap, face.distance);
+            is_certain = false;
+        }
     }
-    best.map(|(overlap, normal)| Penetration { normal, on_first: polyhedron.foot(normal * overlap) })
+    work::compared(polyhedron.work);
+    let (overlap, normal) = best?;
+    let found = Penetration { normal, on_first: polyhedron.foot(normal * overlap) };
+    Some(if is_certain { found } else { shortest(shapes, found, overlap, polyhedron.scale) })
+}
+
+/// The shortest way out of those near a given one and near the axes of both shapes.
+fn shortest(shapes: &Difference<'_>, found: Penetration, overlap: f64, scale: f64) -> Penetration {
+    work::uncertain();
+    let mut best = refined(shapes, found, overlap, scale);
+    let both_ways = |axis: &Vector| [*axis, *axis * -1.0];
+    let axes = AXES.iter().chain(&shapes.axes).flat_map(both_ways);
+    let mut starts: Vec<(f64, Vector)> = axes.map(|axis| (-shapes.separation(axis), axis)).collect();
+    starts.sort_by(|a, b| a.0.total_cmp(&b.0));
+    for (overlap, normal) in starts.into_iter().take(MOST_STARTS) {
+        let start = Penetration { normal, on_first: shapes.first.support(normal) };
+        let next = refined(shapes, start, overlap, scale);
+        if next.0 < best.0 - GAIN * scale {
+            best = next;
+        }
+    }
+    best.1
+}
+
+/// Moved apart along a way out, shapes are nearest to each other along one that is as short or shorter.
+fn refined(shapes: &Difference<'_>, mut found: Penetration, mut overlap: f64, scale: f64) -> (f64, Penetration) {
+    for _ in 0..MOST_REFINEMENTS {
+        let position = shapes.position + found.normal * (overlap + GAP * scale);
+        let Nearest::Apart { between, on_first } = nearest(&Difference { position, ..*shapes }, f64::INFINITY) else {
+            break;
+        };
+        let normal = unit(between);
+        let next = -shapes.separation(normal);
+        let is_better = next < overlap - GAIN * scale;
+        if !is_better {
+            break;
+        }
+        (found, overlap) = (Penetration { normal, on_first }, next);
+    }
+    (overlap, found)
+}
+
+/// The sides around some faces, and for each point where the one that starts there ends.
+#[derive(Default)]
+struct Outline {
+    sides: Vec<[u32; 2]>,
+    next: Vec<Option<u32>>,
+}
+
+impl Outline {
+    /// Whether the sides go once around: one starts where another ends, and none is left over.
+    fn is_closed(&mut self, points: usize) -> bool {
+        self.next.clear();
+        self.next.resize(points, None);
+        for &[from, to] in &self.sides {
+            match self.next.get_mut(from as usize) {
+                Some(next @ None) => *next = Some(to),
+                _ => return false,
+            }
+        }
+        let Some(&[start, mut at]) = self.sides.first() else { return false };
+        let mut count = 1;
+        while at != start && count <= self.sides.len() {
+            let Some(next) = self.next.get(at as usize).copied().flatten() else { return false };
+            at = next;
+            count += 1;
+        }
+        at == start && count == self.sides.len() && count > 2
+    }
 }
 
 impl Polyhedron {
@@ -76,7 +170,7 @@ impl Polyhedron {
         if volume > 0.0 {
             points.swap(1, 2);
         }
-        let mut this = Self { points, faces: Vec::new(), scale };
+        let mut this = Self { points, faces: Vec::new(), scale, work: 0 };
         [[0, 1, 2], [0, 3, 1], [0, 2, 3], [1, 3, 2]].into_iter().for_each(|corners| this.add(corners));
         Some(this)
     }
@@ -94,14 +188,15 @@ impl Polyhedron {
         self.faces.push(face);
     }
 
-    fn nearest(&self) -> Option<Face> {
-        let mut best: Option<&Face> = None;
-        for face in self.faces.iter().filter(|face| face.distance < f64::INFINITY) {
-            if best.is_none_or(|best| face.distance < best.distance) {
-                best = Some(face);
+    fn nearest(&mut self) -> Option<(usize, Face)> {
+        self.work += self.faces.len();
+        let mut best: Option<(usize, &Face)> = None;
+        for (index, face) in self.faces.iter().enumerate().filter(|(_, face)| face.distance < f64::INFINITY) {
+            if best.is_none_or(|(_, best)| face.distance < best.distance) {
+                best = Some((index, face));
             }
         }
-        best.copied()
+        best.map(|(index, face)| (index, *face))
     }
 
     /// The point of the first shape at the place of the surface that is nearest to a given one. Where the difference is flat, several faces have the distance of the
@@ -127,33 +222,42 @@ impl Polyhedron {
         face.normal.dot(point - self.points[face.corners[0] as usize].point)
     }
 
-    /// Takes away the faces that a point outside sees, and joins their outline with it.
-    fn grow(&mut self, reached: Reached, outline: &mut Vec<[u32; 2]>) {
-        outline.clear();
+    /// Takes away the faces that a point outside sees, that of the index among them, and joins their outline with it. `false`, and all stays as it is, where the outline does not go once
+    /// around: faces too thin to have a normal are not seen as they should be.
+    fn grow(&mut self, index: usize, reached: Reached, outline: &mut Outline) -> bool {
+        outline.sides.clear();
         let least = 0.5 * GAIN * self.scale;
-        let mut kept = 0;
-        for index in 0..self.faces.len() {
-            let face = self.faces[index];
-            if self.above(&face, reached.point) <= least {
-                self.faces[kept] = face;
-                kept += 1;
+        self.work += self.faces.len();
+        for face in &self.faces {
+            if self.above(face, reached.point) <= least {
                 continue;
             }
             let [a, b, c] = face.corners;
             for [from, to] in [[a, b], [b, c], [c, a]] {
+                self.work += outline.sides.len();
                 // A side that two of them have is inside.
-                match outline.iter().position(|side| *side == [to, from]) {
-                    Some(place) => drop(outline.swap_remove(place)),
-                    None => outline.push([from, to]),
+                match outline.sides.iter().position(|side| *side == [to, from]) {
+                    Some(place) => drop(outline.sides.swap_remove(place)),
+                    None => outline.sides.push([from, to]),
                 }
             }
+            if self.work > MOST_WORK {
+                return false;
+            }
         }
-        self.faces.truncate(kept);
+        let is_seen = self.faces.get(index).is_some_and(|face| self.above(face, reached.point) > least);
+        if !is_seen || !outline.is_closed(self.points.len()) {
+            return false;
+        }
+        let mut faces = std::mem::take(&mut self.faces);
+        faces.retain(|face| self.above(face, reached.point) <= least);
+        self.faces = faces;
         let point = self.points.len() as u32;
         self.points.push(reached);
-        for &[from, to] in outline.iter() {
+        for &[from, to] in &outline.sides {
             self.add([from, to, point]);
         }
+        true
     }
 }
 

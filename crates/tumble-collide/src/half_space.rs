@@ -4,7 +4,6 @@ use tumble_math::lane::Vec3;
 
 use crate::geometry::Placement;
 use crate::manifold::{ContactPoint, Manifold, Points};
-use crate::reduction::reduce;
 use crate::scalar::Scalar;
 
 impl<R: Scalar> Placement<R> {
@@ -26,7 +25,7 @@ pub(crate) fn half_space_and_ball<R: Scalar>(
     Manifold::of_point(up, center - up * radius, separation, 0, margin)
 }
 
-/// The corners that are near enough; of more than four the four that hold the box best. A feature is the number of a corner.
+/// The corners that are near enough of the face that looks down most: those above them hold nothing. A feature is the number of a corner.
 pub(crate) fn half_space_and_cuboid<R: Scalar>(
     ground: &Placement<R>,
     half_extents: Vec3<R>,
@@ -34,19 +33,24 @@ pub(crate) fn half_space_and_cuboid<R: Scalar>(
     margin: R,
 ) -> Manifold<R> {
     let up = ground.up();
-    let mut near = [ContactPoint { position: Vec3::zero(), separation: R::splat(0.0), feature: 0 }; 8];
-    let mut count = 0;
-    for corner in 0..8 {
+    let along = at.orientation.axes().map(|axis| up.dot(axis));
+    let mut down = 0;
+    for axis in 1..3 {
+        if along[axis].abs() > along[down].abs() {
+            down = axis;
+        }
+    }
+    let face = u32::from(along[down] < R::splat(0.0)) << down;
+    let mut points = Points::none();
+    for corner in (0..8).filter(|corner| corner & 1 << down == face) {
         let sign = |bit: u32| R::splat(if corner & bit == 0 { -1.0 } else { 1.0 });
         let vertex = at.to_world(half_extents.scale(Vec3::new(sign(1), sign(2), sign(4))));
         let separation = up.dot(vertex - ground.position);
         if separation <= margin {
             let position = vertex - up * (separation * R::splat(0.5));
-            near[count] = ContactPoint { position, separation, feature: corner };
-            count += 1;
+            points.push(ContactPoint { position, separation, feature: corner });
         }
     }
-    let points = if count == 0 { Points::none() } else { reduce(&near[..count], up, margin) };
     Manifold::new(up, R::splat(1.0), points)
 }
 

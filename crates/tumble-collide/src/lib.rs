@@ -40,11 +40,15 @@ mod manifold;
 mod mesh;
 mod minkowski;
 mod overlay;
+#[cfg(test)]
+mod pair_tests;
 mod reduction;
 mod scalar;
 mod surface;
 mod surface_pair;
 mod tree;
+mod underside;
+mod work;
 
 pub use bounds::Bounds;
 pub use broad_phase::{BroadPhase, Proxy};

@@ -1,6 +1,7 @@
 //! All differences of a point of one convex shape and a point of another: how far the origin is from this set is how far the shapes are apart.
 
 use crate::convex::{Convex, Vector};
+use crate::work;
 
 /// Two convex shapes, seen from the first.
 #[derive(Clone, Copy, Debug)]
@@ -23,6 +24,7 @@ pub(crate) struct Reached {
 impl Difference<'_> {
     /// The furthest in a direction.
     pub(crate) fn support(&self, d: Vector) -> Reached {
+        work::reached();
         let on_first = self.first.support(d);
         Reached { point: on_first - self.second_support(d * -1.0), on_first }
     }

@@ -4,7 +4,7 @@ use tumble_math::lane::Vec3;
 
 use crate::feature::{Corner, Feature, MOST_CORNERS};
 use crate::manifold::{ContactPoint, Manifold, Points};
-use crate::reduction::reduce;
+use crate::reduction::{at_most_extent, keep_nearest, reduce};
 use crate::scalar::Scalar;
 
 /// Two pieces along the normal between them.
@@ -26,10 +26,10 @@ const MOST: usize = 2 * MOST_CORNERS;
 const EDGE_ON: f64 = 0.05;
 /// Edges at a smaller sine of the angle between them are parallel, and touch along their length.
 const PARALLEL: f64 = 0.01;
-/// A point found here is as near as any if it is within this part of the margin of the least separation there is.
+/// A point found here is as near as any if it is within this part of the margin, or of the points' extent, of the least separation there is.
 pub(crate) const AS_NEAR: f64 = 0.005;
 /// A point no further than this \[m\] beyond a side is on it: between two faces there is no gap.
-const ON_THE_SIDE: f64 = 1e-9;
+pub(crate) const ON_THE_SIDE: f64 = 1e-9;
 /// What belongs to the piece that cuts has this bit.
 const CUTTING: u32 = 1 << 14;
 const ID: u32 = CUTTING - 1;
@@ -78,17 +78,19 @@ impl<T: Copy> List<T> {
 }
 
 impl<R: Scalar> Overlay<R> {
-    /// The points that both pieces have in common and, where none of them is as near as the shapes are, the given one, halfway between the surfaces.
-    pub(crate) fn manifold(&self, first: &Feature<R>, second: &Feature<R>, nearest: Vec3<R>) -> Manifold<R> {
+    /// The points that both pieces have in common and, where none of them is as near as the shapes are, the given one, halfway between the surfaces. What reaches furthest
+    /// along the normal may be beside both pieces, by which it is up to `lead` less than how far they are apart.
+    pub(crate) fn manifold(&self, first: &Feature<R>, second: &Feature<R>, nearest: Vec3<R>, lead: R) -> Manifold<R> {
         let (mut candidates, carried) = self.candidates(first, second);
-        let near = self.separation + self.margin * R::splat(AS_NEAR);
+        let small = at_most_extent(self.margin, candidates.items());
+        let near = self.separation + lead + small * R::splat(AS_NEAR);
         if !candidates.items().iter().any(|point| point.separation <= near) && self.separation <= self.margin {
             candidates.push(ContactPoint { position: nearest, separation: self.separation, feature: u32::MAX });
         }
         let candidates = candidates.items();
         let mut points =
             if candidates.is_empty() { Points::none() } else { reduce(candidates, self.normal, self.margin) };
-        keep_nearest(&mut points, candidates, near);
+        keep_nearest(&mut points, candidates, near, self.normal);
         Manifold::new(self.normal, carried, points)
     }
 
@@ -178,34 +180,7 @@ pub(crate) fn is_corner_of_second(feature: u32) -> bool {
 /// What is as near as any of these points.
 pub(crate) fn as_near<R: Scalar>(candidates: &[ContactPoint<R>], margin: R) -> R {
     let least = candidates.iter().fold(margin, |least, point| least.min(point.separation));
-    least + margin * R::splat(AS_NEAR)
-}
-
-/// Few points may have none of many that is as near as `level` among them; then the nearest takes the place of the one closest to it.
-pub(crate) fn keep_nearest<R: Scalar>(points: &mut Points<R>, candidates: &[ContactPoint<R>], level: R) {
-    let mut nearest: Option<&ContactPoint<R>> = None;
-    for candidate in candidates {
-        if nearest.is_none_or(|nearest| candidate.separation < nearest.separation) {
-            nearest = Some(candidate);
-        }
-    }
-    let Some(nearest) = nearest else { return };
-    if points.iter().any(|point| point.separation <= level) {
-        return;
-    }
-    let apart = |point: &ContactPoint<R>| {
-        let apart = point.position - nearest.position;
-        apart.dot(apart)
-    };
-    let mut replaced: Option<&mut ContactPoint<R>> = None;
-    for point in points.iter_mut() {
-        if replaced.as_ref().is_none_or(|replaced| apart(point) < apart(replaced)) {
-            replaced = Some(point);
-        }
-    }
-    if let Some(replaced) = replaced {
-        *replaced = *nearest;
-    }
+    least + at_most_extent(margin, candidates) * R::splat(AS_NEAR)
 }
 
 /// What is left of a piece inside the sides of a face, seen along `outwards`, which looks out of the face. Heights are along it above the face.

@@ -7,8 +7,9 @@ use crate::scalar::Scalar;
 
 /// By how much a later point must be better than an earlier one to be taken in its place. Only as much as rounding may make of points that are the same:
 /// the order of the points is not the same from step to step, so a larger lead would choose now one and now another of two that differ.
-const LEAD: f64 = 1.0 + 1e-4;
-/// Points that are deeper by less than this part of the margin are as deep.
+/// Of a stick a hundred times as long as wide, the corner of an end is further from its middle than the end's middle by half a ten-thousandth.
+const LEAD: f64 = 1e-6;
+/// Points that are deeper by less than this part of the margin, or of the extent of all if that is less, are as deep.
 const AS_DEEP: f64 = 0.05;
 
 /// All of four points and fewer. Of more: the outermost of the deepest, the one farthest from it, the one that makes the largest triangle with both, and the
@@ -21,13 +22,12 @@ pub(crate) fn reduce<R: Scalar>(candidates: &[ContactPoint<R>], normal: Vec3<R>,
     }
     let at = |index: usize| candidates[index].position;
     // Of those that are as deep as any, give or take, one at a corner: an edge that lies along another crosses it anywhere, from step to step.
-    let (mut least, mut sum) = (candidates[0].separation, Vec3::zero());
-    for candidate in candidates {
-        least = least.min(candidate.separation);
-        sum = sum + candidate.position;
-    }
-    let middle = sum * (R::splat(1.0) / R::splat(candidates.len() as f64));
-    let is_shallow = |index: usize| candidates[index].separation > least + margin * R::splat(AS_DEEP);
+    let least = candidates.iter().fold(candidates[0].separation, |least, candidate| least.min(candidate.separation));
+    // Of the extent: the mean of the points is beside it where several are close together.
+    let [low, high] = extent(candidates);
+    let middle = (low + high) * R::splat(0.5);
+    let deep = least + at_most_extent(margin, candidates) * R::splat(AS_DEEP);
+    let is_shallow = |index: usize| candidates[index].separation > deep;
     let deepest = best(candidates, is_shallow, |point| {
         let apart = point - middle;
         apart.dot(apart)
@@ -60,6 +60,67 @@ pub(crate) fn reduce<R: Scalar>(candidates: &[ContactPoint<R>], normal: Vec3<R>,
     points
 }
 
+/// Few points may have none of many that is as near as `level` among them; then the nearest takes the place of one of four without which they are widest, of fewer of the one
+/// closest to it.
+pub(crate) fn keep_nearest<R: Scalar>(
+    points: &mut Points<R>,
+    candidates: &[ContactPoint<R>],
+    level: R,
+    normal: Vec3<R>,
+) {
+    let mut nearest: Option<&ContactPoint<R>> = None;
+    for candidate in candidates {
+        if nearest.is_none_or(|nearest| candidate.separation < nearest.separation) {
+            nearest = Some(candidate);
+        }
+    }
+    let Some(nearest) = nearest else { return };
+    if points.iter().any(|point| point.separation <= level) {
+        return;
+    }
+    let mut places = [Vec3::zero(); MOST_POINTS];
+    places.iter_mut().zip(points.iter()).for_each(|(place, point)| *place = point.position);
+    let count = points.iter().count();
+    let score = |replaced: usize| {
+        let mut places = places;
+        let apart = nearest.position - places[replaced];
+        places[replaced] = nearest.position;
+        if count == MOST_POINTS { width(places, normal) } else { -apart.dot(apart) }
+    };
+    let mut best: Option<(usize, R)> = None;
+    for index in 0..count {
+        let score = score(index);
+        if best.is_none_or(|(_, best)| score > best) {
+            best = Some((index, score));
+        }
+    }
+    if let Some(point) = best.and_then(|(index, _)| points.iter_mut().nth(index)) {
+        *point = *nearest;
+    }
+}
+
+/// How wide four points are: twice their area where each is a corner.
+fn width<R: Scalar>([a, b, c, d]: [Vec3<R>; MOST_POINTS], normal: Vec3<R>) -> R {
+    let across =
+        |from: Vec3<R>, to: Vec3<R>, other: [Vec3<R>; 2]| normal.dot((to - from).cross(other[1] - other[0])).abs();
+    across(a, b, [c, d]).max(across(a, c, [b, d])).max(across(a, d, [b, c]))
+}
+
+/// The corners of the box along the axes that holds all points.
+fn extent<R: Scalar>(candidates: &[ContactPoint<R>]) -> [Vec3<R>; 2] {
+    let least = |a: Vec3<R>, b: Vec3<R>| Vec3::new(a.x.min(b.x), a.y.min(b.y), a.z.min(b.z));
+    let most = |a: Vec3<R>, b: Vec3<R>| Vec3::new(a.x.max(b.x), a.y.max(b.y), a.z.max(b.z));
+    let start = candidates.first().map_or(Vec3::zero(), |first| first.position);
+    candidates.iter().fold([start; 2], |[low, high], point| [least(low, point.position), most(high, point.position)])
+}
+
+/// The margin, or the extent of several points if that is less: what counts as a small height among them.
+pub(crate) fn at_most_extent<R: Scalar>(margin: R, candidates: &[ContactPoint<R>]) -> R {
+    let [low, high] = extent(candidates);
+    let size = high - low;
+    if candidates.len() > 1 { margin.min(size.dot(size).sqrt()) } else { margin }
+}
+
 /// The point of the highest score that is not left out; the first such if none is clearly higher.
 fn best<R: Scalar>(
     candidates: &[ContactPoint<R>],
@@ -69,7 +130,7 @@ fn best<R: Scalar>(
     let mut best: Option<(usize, R)> = None;
     for (index, candidate) in candidates.iter().enumerate().filter(|(index, _)| !left_out(*index)) {
         let score = score(candidate.position);
-        let lead = best.is_none_or(|(_, best)| score > best + best.abs() * R::splat(LEAD - 1.0));
+        let lead = best.is_none_or(|(_, best)| score > best + best.abs() * R::splat(LEAD));
         if lead {
             best = Some((index, score));
         }

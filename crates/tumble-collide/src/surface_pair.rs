@@ -3,6 +3,8 @@
 //! A triangle holds with its own normal what is over it. Over a side or a corner it holds only what lies in the Voronoi region of that side or corner: in directions from which nothing else of the
 //! surface is nearer. Where the surface is flat or hollow there are none.
 
+use std::collections::HashMap;
+
 use crate::bounds::Bounds;
 use crate::convex::{Convex, Vector, narrow, unit};
 use crate::convex_pair::{Approach, FACE_LEAD, approach, difference, manifold_of, wide_placement, with_faces_first};
@@ -10,10 +12,11 @@ use crate::geometry::{Geometry, Placement};
 use crate::gjk::on_triangle;
 use crate::manifold::{ContactPoint, Manifold, Points};
 use crate::minkowski::Difference;
-use crate::overlay::{AS_NEAR, Overlay, as_near, is_corner_of_second, keep_nearest};
-use crate::reduction::reduce;
+use crate::overlay::{AS_NEAR, ON_THE_SIDE, Overlay, as_near, is_corner_of_second};
+use crate::reduction::{keep_nearest, reduce};
 use crate::scalar::Scalar;
 use crate::surface::Surface;
+use crate::work;
 
 /// Overlaps of no more than this part of the margin need no second look: the way out is the triangle's own.
 const SHALLOW: f64 = 0.05;
@@ -23,6 +26,12 @@ const OUTSIDE: f64 = 1e-3;
 const SAME: f64 = 1.0 - 5e-7;
 /// A direction is turned out of the way of each side at a corner in turn, so many times around.
 const TURNS: usize = 4;
+/// So many of the triangles at a corner look at what lies over it.
+const MOST_ASKED: usize = 64;
+/// So many normals of faces of one part are compared with that of an edge.
+const MOST_NORMALS: usize = 16;
+/// Of more points than this the near ones are found in a grid.
+const FEW: usize = 64;
 /// Weight of a corner in a point that is beside it.
 const BESIDE: f64 = 1e-6;
 /// Points nearer to each other than this \[m\], squared, are one.
@@ -57,9 +66,13 @@ struct Over<'a, S> {
     at: Placement<f64>,
     layer: f64,
     margin: f64,
+    /// The margin, or the size of the shape if that is less: what counts as small.
+    small: f64,
     hits: Vec<Hit>,
     /// Where no other triangle holds: how far the shape is over the plane of the one that is left the soonest, and its points there.
     spare: Option<(f64, Vec<Hit>)>,
+    /// Corners of many sides, by their parts, and how many triangles asked what lies over them.
+    asked: HashMap<u32, usize>,
 }
 
 /// Shows the manifolds of a surface and a convex shape, from the former to the latter, each with the number of the part of the surface it belongs to.
@@ -78,7 +91,17 @@ pub(crate) fn surface_and_convex<R: Scalar>(
     let (ground, body) = (wide_placement(surface_at), wide_placement(at));
     let orientation = (ground.orientation.conjugate() * body.orientation).normalize();
     let at = Placement { position: ground.to_local(body.position), orientation };
-    let mut over = Over { surface, shape, at, layer, margin: margin.into(), hits: Vec::new(), spare: None };
+    let mut over = Over {
+        surface,
+        shape,
+        at,
+        layer,
+        margin: margin.into(),
+        small: margin.into(),
+        hits: Vec::new(),
+        spare: None,
+        asked: HashMap::new(),
+    };
     over.find();
     if let (true, Some((_, spare))) = (over.hits.is_empty(), over.spare.take()) {
         over.hits = spare;
@@ -107,6 +130,8 @@ impl<S: Surface> Over<'_, S> {
         let [high, low] = [1.0, -1.0].map(|sign| axes.map(|axis| far(axis * sign) * sign));
         let corner = |[x, y, z]: [f64; 3]| Vector::new(x, y, z);
         let bounds = Bounds { low: corner(low), high: corner(high) };
+        let size = bounds.high - bounds.low - Vector::splat(2.0 * self.margin);
+        self.small = f64::min(self.margin, size.dot(size).sqrt());
         let mut near = Vec::new();
         self.surface.near(&bounds, &mut |triangle| near.push(triangle));
         near.sort_unstable();
@@ -128,13 +153,13 @@ impl<S: Surface> Over<'_, S> {
         };
         let over_face = self.over_face(triangle, &shapes, normal, depth);
         let least = over_face.iter().fold(f64::INFINITY, |least, hit| f64::min(least, hit.point.separation));
-        let all_of_it = least <= depth + AS_NEAR * self.margin;
-        if !self.surface.patches().has_edge(triangle) || all_of_it && depth >= -SHALLOW * self.margin {
+        let all_of_it = least <= depth + AS_NEAR * self.small;
+        if !self.surface.patches().has_edge(triangle) || all_of_it && depth >= -SHALLOW * self.small {
             self.hits.extend(over_face);
             return;
         }
         match approach(&shapes, self.margin + self.layer) {
-            Some(found) if found.between - self.layer <= depth + AS_NEAR * self.margin && all_of_it => {
+            Some(found) if found.between - self.layer <= depth + AS_NEAR * self.small && all_of_it => {
                 self.hits.extend(over_face);
             }
             // What a side or a corner does not hold, a neighbour does.
@@ -151,7 +176,16 @@ impl<S: Surface> Over<'_, S> {
         let overlay = Overlay { normal, separation: depth, layers: [0.0, self.layer], margin: self.margin };
         let below = shapes.second.feature(shapes.turned_back(normal * -1.0), self.margin);
         let below = below.seen(|point| shapes.place(point), |v| shapes.turn(v));
-        let (points, carried) = overlay.shared(&shapes.first.feature(normal, self.margin), &below);
+        let (mut points, carried) = overlay.shared(&shapes.first.feature(normal, self.margin), &below);
+        let is_near = |point: &ContactPoint<f64>| point.separation <= depth + AS_NEAR * self.small;
+        if !points.iter().any(is_near) {
+            // The face that looks down most need not have the lowest corner.
+            let lowest = self.support(normal * -1.0);
+            if is_over(self.surface.triangle(triangle), normal, lowest) {
+                let position = lowest - normal * (self.layer + 0.5 * depth);
+                points.push(ContactPoint { position, separation: depth, feature: u32::MAX });
+            }
+        }
         points.into_iter().map(|point| self.face_hit(triangle, point, carried)).collect()
     }
 
@@ -171,7 +205,7 @@ impl<S: Surface> Over<'_, S> {
         let before = self.hits.len();
         self.hits
             .extend(over_face.into_iter().filter(|hit| overlaps || hit.point.separation >= separation - FACE_LEAD));
-        let is_near = |hit: &Hit| hit.point.separation <= separation + AS_NEAR * self.margin;
+        let is_near = |hit: &Hit| hit.point.separation <= separation + AS_NEAR * self.small;
         if overlaps && furthest(self.surface.triangle(triangle), found.normal) == [true; 3] {
             // The way out is the face's own as far as directions are certain, and what is deepest is beside the face by no more than that.
             if !self.hits[before..].iter().any(is_near) {
@@ -187,6 +221,14 @@ impl<S: Surface> Over<'_, S> {
     /// Points over the side or the corner that an approach goes out from, if it may.
     fn over_edge(&mut self, triangle: u32, place: &Place, shapes: &Difference<'_>, found: &Approach) {
         let surface = self.surface;
+        if place.sides[0] != place.sides[1] {
+            // Each asks all sides at the corner, and of a corner that many triangles have each has the same to say.
+            let asked = self.asked.entry(place.part).or_default();
+            *asked += 1;
+            if *asked > MOST_ASKED {
+                return;
+            }
+        }
         let settled = if self.layer > 0.0 { *found } else { with_faces_first(shapes, found) };
         // Where they overlap, what is shortest for a triangle alone may lie outside of the region: then some direction at its border is nearly as short.
         let across = |side: usize| surface.across(triangle, side).map(|other| surface.normal(other));
@@ -219,7 +261,7 @@ impl<S: Surface> Over<'_, S> {
 
     /// Keeps a way out of a triangle whose own shortest way leads along the surface: that where it is short, or else through the face.
     fn keep_spare(&mut self, triangle: u32, shapes: &Difference<'_>, found: &Approach) {
-        let is_shallow = found.between >= self.layer - SHALLOW * self.margin;
+        let is_shallow = found.between >= self.layer - SHALLOW * self.small;
         let normal = if is_shallow { found.normal } else { self.surface.normal(triangle) };
         let between = shapes.separation(normal);
         if found.between > 0.0 || self.spare.as_ref().is_some_and(|(most, _)| between <= *most) {
@@ -307,6 +349,7 @@ impl<S: Surface> Over<'_, S> {
         if side != other {
             let corner = corners[place.corner];
             self.surface.around(self.surface.corners(triangle)[place.corner], &mut |end| {
+                work::compared(1);
                 visit(unit(self.surface.point(end) - corner));
             });
             return;
@@ -321,35 +364,96 @@ impl<S: Surface> Over<'_, S> {
 
     /// Puts hits of a part together and shows the few that hold as all of them would.
     fn collect(&mut self, visit: &mut dyn FnMut(u32, &Manifold<f64>)) {
-        let faces: Vec<(u32, Vector)> =
+        let mut faces: Vec<(u32, Vector)> =
             self.hits.iter().filter(|hit| hit.beside.is_none()).map(|hit| (hit.part, hit.normal)).collect();
+        faces.sort_by_key(|(part, _)| *part);
+        faces.dedup();
         let is_held = |hit: &Hit| {
             hit.beside.is_some_and(|beside| {
-                faces.iter().any(|(part, normal)| beside.contains(part) && normal.dot(hit.normal) > SAME)
+                beside.into_iter().any(|part| {
+                    let from = faces.partition_point(|(other, _)| *other < part);
+                    let of_part = faces[from..].iter().take(MOST_NORMALS).take_while(|(other, _)| *other == part);
+                    of_part.into_iter().any(|(_, normal)| {
+                        work::compared(1);
+                        normal.dot(hit.normal) > SAME
+                    })
+                })
             })
         };
         self.hits.retain(|hit| !is_held(hit));
         // Those of one part in the order of the triangles.
         self.hits.sort_by_key(|hit| hit.part);
-        let mut points: Vec<ContactPoint<f64>> = Vec::new();
+        let mut points = Distinct::default();
         for hits in self.hits.chunk_by(|a, b| a.part == b.part) {
             points.clear();
             let (normal, mut carried) = (hits[0].normal, 0.0);
             for hit in hits {
                 carried += hit.carried / hits.len() as f64;
-                let is_near = |point: &ContactPoint<f64>| {
-                    let apart = point.position - hit.point.position;
-                    apart.dot(apart) < ONE_POINT
-                };
-                if !points.iter().any(is_near) {
-                    points.push(hit.point);
-                }
+                points.add(&hit.point);
             }
-            let mut few = if points.is_empty() { Points::none() } else { reduce(&points, normal, self.margin) };
-            keep_nearest(&mut few, &points, as_near(&points, self.margin));
+            let points = points.points.as_slice();
+            let mut few = if points.is_empty() { Points::none() } else { reduce(points, normal, self.margin) };
+            keep_nearest(&mut few, points, as_near(points, self.margin), normal);
             visit(hits[0].part, &Manifold::new(normal, carried, few));
         }
     }
+}
+
+/// Points at different places: of those that are one the first.
+#[derive(Default)]
+struct Distinct {
+    points: Vec<ContactPoint<f64>>,
+    /// Once there are many, the points in each cell of a grid as wide as those that are one are apart.
+    cells: HashMap<[i64; 3], Vec<u32>>,
+}
+
+impl Distinct {
+    fn clear(&mut self) {
+        self.points.clear();
+        self.cells.clear();
+    }
+
+    fn add(&mut self, point: &ContactPoint<f64>) {
+        let is_near = |other: &ContactPoint<f64>| {
+            work::compared(1);
+            let apart = other.position - point.position;
+            apart.dot(apart) < ONE_POINT
+        };
+        let is_there = if self.points.len() < FEW {
+            self.points.iter().any(is_near)
+        } else {
+            if self.cells.is_empty() {
+                for (number, point) in (0..).zip(&self.points) {
+                    self.cells.entry(cell(point)).or_default().push(number);
+                }
+            }
+            let [x, y, z] = cell(point);
+            let around = (0..27).map(|k| [x + k % 3 - 1, y + k / 3 % 3 - 1, z + k / 9 - 1]);
+            let mut near = around.filter_map(|cell| self.cells.get(&cell)).flatten();
+            near.any(|number| is_near(&self.points[*number as usize]))
+        };
+        if !is_there {
+            if self.points.len() >= FEW {
+                self.cells.entry(cell(point)).or_default().push(self.points.len() as u32);
+            }
+            self.points.push(*point);
+        }
+    }
+}
+
+fn cell(point: &ContactPoint<f64>) -> [i64; 3] {
+    // Places further out than 2^61 of these cells share the last.
+    let most = (1_i64 << 61) as f64;
+    let p = point.position * (1.0 / ONE_POINT.sqrt());
+    [p.x, p.y, p.z].map(|x| x.clamp(-most, most).floor() as i64)
+}
+
+/// Whether a point is over a triangle, seen along its normal, or over its sides.
+fn is_over(corners: [Vector; 3], normal: Vector, point: Vector) -> bool {
+    (0..3).all(|side| {
+        let way = corners[(side + 1) % 3] - corners[side];
+        normal.dot(way.cross(point - corners[side])) >= -ON_THE_SIDE * way.dot(way).sqrt()
+    })
 }
 
 /// Which corners of a triangle are furthest in a direction. (Of an overlap, where it is deepest is not as certain.)

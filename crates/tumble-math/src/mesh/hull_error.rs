@@ -35,6 +35,14 @@ pub enum HullError {
         /// How many there are.
         count: usize,
     },
+    /// The points lie so that finding their hull would take far longer than it takes for most, as those of a cylinder with many thousand corners do.
+    #[error(
+        "the convex hull of these {count} points takes too much work: leave out points that it does not need, such as most of a circle's"
+    )]
+    TooMuchWork {
+        /// How many there are.
+        count: usize,
+    },
     /// There are more points than a mesh can have vertices.
     #[error(transparent)]
     Mesh(#[from] MeshError),

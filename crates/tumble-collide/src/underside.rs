@@ -1,0 +1,256 @@
+//! The few of a body's corners that hold it on a plane as all of them would.
+//!
+//! A body comes to stand on a facet of the lower hull of its corners. Heights are measured over that facet, so that a tilt of the whole body changes nothing, and a corner is
+//! worth how far out it is less its height many times over: what lies over a lower corner never takes its place. All lengths are in proportion to the body.
+
+use crate::convex::Vector;
+use crate::manifold::{ContactPoint, MOST_POINTS, Points};
+use crate::overlay::AS_NEAR;
+
+/// By how much a later point must be better than an earlier one to be taken in its place: as much as rounding may make of points that are the same.
+const LEAD: f64 = 1e-6;
+/// A corner must be further out by so many times its height over the facet to be worth more than one on it: half a degree.
+const WORTH: f64 = 100.0;
+/// What is up a steeper slope from a corner is behind it, since no turn by less than 45 degrees makes it touch; no steeper facet is stood on.
+const STEEPEST: f64 = 1.0;
+/// Points nearer to each other than this part of the extent of all are one, and triangles so narrow are none.
+const NARROW: f64 = 1e-6;
+/// A corner that turns out to be behind a later one makes room for another, so many times at most.
+const MOST_TURNS: usize = 2 * MOST_POINTS;
+
+/// A corner seen along the normal.
+#[derive(Clone, Copy)]
+struct Corner {
+    index: usize,
+    at: [f64; 2],
+    /// Over the plane.
+    height: f64,
+    /// Over the facet.
+    above: f64,
+}
+
+/// Where corners are in the plane, and the facet that is stood on: through the lowest corner, with a slope.
+struct Facet {
+    axes: [Vector; 2],
+    lowest: Corner,
+    slope: [f64; 2],
+    middle: [f64; 2],
+    extent: f64,
+}
+
+/// Those that are there come first.
+struct Chosen {
+    corners: [Option<Corner>; MOST_POINTS],
+}
+
+/// Up to four of the points near a plane, in their order; their separations are their heights over it.
+pub(crate) fn stood_on(
+    points: impl Iterator<Item = ContactPoint<f64>> + Clone,
+    up: Vector,
+    margin: f64,
+) -> Points<f64> {
+    let mut few = Points::none();
+    let Some(facet) = Facet::under(&points, up) else { return few };
+    let corners = || points.clone().enumerate().map(|(index, point)| facet.corner(index, &point));
+    let mut chosen = Chosen { corners: [None; MOST_POINTS] };
+    for _ in 0..MOST_TURNS {
+        let Some(next) = chosen.next(corners(), &facet) else { break };
+        chosen.add(next);
+    }
+    chosen.keep(facet.lowest, AS_NEAR * f64::min(facet.extent, margin));
+    for (index, point) in points.enumerate() {
+        if chosen.corners.iter().flatten().any(|corner| corner.index == index) {
+            few.push(point);
+        }
+    }
+    few
+}
+
+impl Facet {
+    /// `None` of no points.
+    fn under(points: &(impl Iterator<Item = ContactPoint<f64>> + Clone), up: Vector) -> Option<Self> {
+        let aside = if up.x.abs() < 0.5 { Vector::new(1.0, 0.0, 0.0) } else { Vector::new(0.0, 1.0, 0.0) };
+        let first = crate::convex::unit(up.cross(aside));
+        let nowhere = Corner { index: 0, at: [0.0; 2], height: 0.0, above: 0.0 };
+        let (axes, zero) = ([first, up.cross(first)], [0.0; 2]);
+        let mut this = Self { axes, lowest: nowhere, slope: zero, middle: zero, extent: 0.0 };
+        let corners = || points.clone().enumerate().map(|(index, point)| this.corner(index, &point));
+        let mut lowest: Option<Corner> = None;
+        let (mut low, mut high) = ([f64::INFINITY; 2], [f64::NEG_INFINITY; 2]);
+        for corner in corners() {
+            for axis in 0..2 {
+                low[axis] = f64::min(low[axis], corner.at[axis]);
+                high[axis] = f64::max(high[axis], corner.at[axis]);
+            }
+            if lowest.is_none_or(|lowest| corner.height < lowest.height) {
+                lowest = Some(corner);
+            }
+        }
+        let lowest = lowest?;
+        this.lowest = lowest;
+        this.middle = [0.5 * (low[0] + high[0]), 0.5 * (low[1] + high[1])];
+        this.extent = length(minus(high, low));
+        this.lean(points);
+        Some(this)
+    }
+
+    /// Turns the plane about the lowest corner towards the middle until it meets a second, and about both, to the side where that is less, until it meets a third.
+    fn lean(&mut self, points: &(impl Iterator<Item = ContactPoint<f64>> + Clone)) {
+        let towards = minus(self.middle, self.lowest.at);
+        let way = if length(towards) > NARROW * self.extent { unit(towards) } else { [1.0, 0.0] };
+        let Some((slope, second)) = self.turned(points.clone(), way) else { return };
+        self.slope = slope;
+        let along = unit(minus(second.at, self.lowest.at));
+        let across = [-along[1], along[0]];
+        let sides = [across, minus([0.0; 2], across)].map(|across| self.turned(points.clone(), across));
+        let slopes = sides.into_iter().flatten().map(|(slope, _)| slope);
+        if let Some(least) = slopes.min_by(|a, b| length(*a).total_cmp(&length(*b))) {
+            self.slope = least;
+        }
+    }
+
+    /// How the plane slopes once it is turned up in one direction as far as the points let it, and which point does not.
+    fn turned(&self, points: impl Iterator<Item = ContactPoint<f64>>, way: [f64; 2]) -> Option<([f64; 2], Corner)> {
+        let mut least: Option<(f64, Corner)> = None;
+        for (index, point) in points.enumerate() {
+            let corner = self.corner(index, &point);
+            let run = dot(way, minus(corner.at, self.lowest.at));
+            if run > NARROW * self.extent {
+                let slope = corner.above / run;
+                if least.is_none_or(|(least, _)| slope < least) {
+                    least = Some((slope, corner));
+                }
+            }
+        }
+        let (slope, corner) = least?;
+        let turned = [self.slope[0] + way[0] * slope, self.slope[1] + way[1] * slope];
+        (length(turned) <= STEEPEST).then_some((turned, corner))
+    }
+
+    fn corner(&self, index: usize, point: &ContactPoint<f64>) -> Corner {
+        let at = self.axes.map(|axis| axis.dot(point.position));
+        let height = point.separation;
+        let above = height - self.lowest.height - dot(self.slope, minus(at, self.lowest.at));
+        Corner { index, at, height, above }
+    }
+}
+
+impl Corner {
+    /// Whether another is so much lower that this one cannot touch.
+    fn is_behind(&self, other: &Self) -> bool {
+        let up = f64::max(self.above - other.above, self.height - other.height);
+        up > STEEPEST * length(minus(self.at, other.at))
+    }
+}
+
+impl Chosen {
+    /// The best of what is left: the outermost, the one farthest from it, the one that makes the largest triangle with both, and the one that adds most to that.
+    fn next(&self, corners: impl Iterator<Item = Corner>, facet: &Facet) -> Option<Corner> {
+        let [.., None] = self.corners else { return None };
+        let is_another = |corner: &Corner| {
+            let mut chosen = self.corners.iter().flatten();
+            chosen.all(|other| {
+                let is_apart = length(minus(corner.at, other.at)) > NARROW * facet.extent;
+                is_apart && !corner.is_behind(other)
+            })
+        };
+        let mut best: Option<(f64, Corner)> = None;
+        for corner in corners.filter(is_another) {
+            let Some(score) = self.score(&corner, facet) else { continue };
+            if best.is_none_or(|(best, _)| score > best + best.abs() * LEAD) {
+                best = Some((score, corner));
+            }
+        }
+        best.map(|(_, corner)| corner)
+    }
+
+    /// In the first place that is free, and away with those it is under.
+    fn add(&mut self, corner: Corner) {
+        let stay = self.corners.into_iter().flatten().filter(|other| !other.is_behind(&corner));
+        let mut all = [None; MOST_POINTS];
+        for (place, corner) in all.iter_mut().zip(stay.chain([corner])) {
+            *place = Some(corner);
+        }
+        self.corners = all;
+    }
+
+    fn score(&self, corner: &Corner, facet: &Facet) -> Option<f64> {
+        let cost = WORTH * corner.above;
+        let [a, b, c] = match self.corners {
+            [None, ..] => return Some(length(minus(corner.at, facet.middle)) - cost),
+            [Some(a), None, ..] => return Some(length(minus(corner.at, a.at)) - cost),
+            [Some(a), Some(b), None, _] => {
+                let area = area(a.at, b.at, corner.at).abs();
+                let base = length(minus(b.at, a.at));
+                return (area > NARROW * facet.extent * base).then_some(area - cost * base);
+            }
+            [Some(a), Some(b), Some(c), _] => [a.at, b.at, c.at],
+        };
+        let way = if area(a, b, c) < 0.0 { 1.0 } else { -1.0 };
+        let mut best: Option<f64> = None;
+        for (from, to) in [(a, b), (b, c), (c, a)] {
+            let beyond = way * area(from, to, corner.at);
+            let base = length(minus(to, from));
+            if beyond > NARROW * facet.extent * base {
+                let score = beyond - cost * base;
+                best = Some(best.map_or(score, |best| f64::max(best, score)));
+            }
+        }
+        best
+    }
+
+    /// Where none is as low as the lowest, that takes the place of one of four without which they are widest, of fewer of the one closest to it.
+    fn keep(&mut self, lowest: Corner, slack: f64) {
+        if self.corners.iter().flatten().any(|corner| corner.height <= lowest.height + slack) {
+            return;
+        }
+        let mut best: Option<(f64, usize)> = None;
+        for (index, corner) in self.corners.iter().enumerate() {
+            let Some(corner) = corner else { continue };
+            let mut places = self.corners.map(|corner| corner.map(|corner| corner.at));
+            places[index] = Some(lowest.at);
+            let score = match places {
+                [Some(a), Some(b), Some(c), Some(d)] => width([a, b, c, d]),
+                _ => -length(minus(corner.at, lowest.at)),
+            };
+            if best.is_none_or(|(best, _)| score > best) {
+                best = Some((score, index));
+            }
+        }
+        if let Some((_, index)) = best {
+            self.corners[index] = Some(lowest);
+        }
+    }
+}
+
+/// How wide four points are: twice their area where each is a corner.
+fn width([a, b, c, d]: [[f64; 2]; MOST_POINTS]) -> f64 {
+    let across = |[a, b]: [[f64; 2]; 2], [c, d]: [[f64; 2]; 2]| {
+        let ([p, q], [r, s]) = (minus(b, a), minus(d, c));
+        (p * s - q * r).abs()
+    };
+    across([a, b], [c, d]).max(across([a, c], [b, d])).max(across([a, d], [b, c]))
+}
+
+fn minus([a, b]: [f64; 2], [c, d]: [f64; 2]) -> [f64; 2] {
+    [a - c, b - d]
+}
+
+fn dot([a, b]: [f64; 2], [c, d]: [f64; 2]) -> f64 {
+    a * c + b * d
+}
+
+fn length(v: [f64; 2]) -> f64 {
+    dot(v, v).sqrt()
+}
+
+fn unit(v: [f64; 2]) -> [f64; 2] {
+    let length = length(v);
+    if length > 0.0 { [v[0] / length, v[1] / length] } else { [1.0, 0.0] }
+}
+
+/// Twice the area of a triangle, positive where its corners go around against the clock.
+fn area(a: [f64; 2], b: [f64; 2], c: [f64; 2]) -> f64 {
+    let ([p, q], [r, s]) = (minus(b, a), minus(c, a));
+    p * s - q * r
+}
