@@ -2,7 +2,7 @@ use super::booking::Bookings;
 use super::contact::Contact;
 use super::materials::Extras;
 use super::passes::Moment;
-use super::refine::Round;
+use super::refine::{self, Round};
 use super::solver::{Pass, Solver};
 use super::solver_bodies::SolverBodies;
 use super::touching::MARGIN;
@@ -37,6 +37,7 @@ impl Pushing {
         let (substeps, h) = (settings.contact_substeps_each(), settings.contact_substep());
         let (Self { bodies, bookings, rounds, solver }, biased) = (self, Pass::biased(h));
         solver.lay_out(contacts, rows, bodies, extras);
+        refine::leave_out_needles(rounds, bodies);
         solver.locate(contacts.len(), rounds);
         bodies.with_poses(|bodies, poses| solver.run(Pass::Prepare(contacts, poses, MARGIN), bodies));
         for substep in 0..substeps {

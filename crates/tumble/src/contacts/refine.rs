@@ -1,7 +1,7 @@
 //! Contacts of round shapes, found again where their bodies have moved to within a step.
 
 use rayon::prelude::*;
-use tumble_collide::{Geometry, Manifold, Placement, touching};
+use tumble_collide::{Geometry, MOST_POINTS, Manifold, Placement, touching};
 use tumble_math::lane::{Quat, Vec3};
 
 use super::block::{Block, Rolling};
@@ -10,7 +10,8 @@ use super::frame::{Frame, Moved, along_normal};
 use super::refresh::tangents;
 use super::rows::{put, put_vector};
 use super::rubbing::Rubbing;
-use super::touching::Contacts;
+use super::solver_bodies::SolverBodies;
+use super::touching::{Contacts, MARGIN};
 use crate::math::Real;
 use crate::simd::{BLOCK, Eight};
 
@@ -23,6 +24,8 @@ pub(super) struct Round {
     part: u32,
     geometries: [Geometry<Real>; 2],
     placements: [Placement<Real>; 2],
+    /// What the middle of the contact is made of.
+    weights: [Real; MOST_POINTS],
     /// Whether impulses move the second body alone.
     pub(super) alone: bool,
     /// The first body's centre of mass.
@@ -35,6 +38,9 @@ pub(super) struct Round {
 const PART: usize = 32;
 /// A point that is not there any more is this far away \[m\].
 const FAR: Real = 1e6;
+/// Least inverse moment over the greatest of a body whose contacts are found again. A needle that spins turns over between substeps,
+/// and impulses that are taken back at other places than they were given heat it up.
+const LEAST_RATIO: Real = 1.0 / 400.0;
 /// A pair that has moved by less than this part of its margin is where it was.
 const STILL: Real = 1e-3;
 
@@ -56,12 +62,18 @@ impl Contacts {
                 part: contact.part,
                 geometries: [a.geometry.clone(), b.geometry.clone()],
                 placements,
+                weights: std::array::from_fn(|j| if j < contact.count() { weight(contact.separation(j)) } else { 0.0 }),
                 alone: !shapes[0].moves,
                 apart: shapes[0].center - origin,
                 margin: shapes[0].reach + shapes[1].reach,
             });
         }
     }
+}
+
+/// Weight of a point in the middle of its contact, as [`Prepare`](super::prepare::Prepare) has it.
+fn weight(separation: Real) -> Real {
+    (2.0 - separation / MARGIN).clamp(LEAST_WEIGHT as Real, 1.0)
 }
 
 /// What has become of the contacts, if their bodies have moved: manifolds about the second body's centre of mass as it is now.
@@ -74,6 +86,11 @@ pub(super) fn find(rounds: &[Round], moved: &[Eight]) -> Vec<Option<Manifold<Rea
     found
 }
 
+/// Leaves out the contacts of needles: these stay as they were found.
+pub(super) fn leave_out_needles(rounds: &mut Vec<Round>, bodies: &SolverBodies) {
+    rounds.retain(|round| round.rows.iter().all(|row| bodies.inertia_ratio(*row) >= LEAST_RATIO));
+}
+
 impl Round {
     fn find(&self, moved: &[Eight]) -> Option<Manifold<Real>> {
         let [first, second] = self.rows.map(|row| &moved[row as usize].0);
@@ -82,6 +99,7 @@ impl Round {
         if first[7] + second[7] == 0.0 && slid.dot(slid) < still * still {
             return None;
         }
+
         let turn = |row: &[Real; 8]| Quat { x: row[3], y: row[4], z: row[5], w: row[6] };
         let [a, b] = &self.placements;
         let (p, q) = (turn(first), turn(second));
@@ -107,7 +125,7 @@ pub(super) fn write<const P: usize, const C: usize>(
     (block, mut rolling, lane): (&mut Block<P, C>, Option<&mut Rolling>, usize),
     (moved, round): (&[Eight], &Round),
 ) {
-    let (rows, alone, margin) = (round.rows, round.alone, round.margin);
+    let (rows, alone) = (round.rows, round.alone);
     let before = Frame::<Real>::load(block, lane);
     let points = manifold.points();
     if points.is_empty() {
@@ -119,10 +137,6 @@ pub(super) fn write<const P: usize, const C: usize>(
     let normal = manifold.normal;
     let share = if alone { 1.0 } else { manifold.carried };
     let at = |k: usize| points[k].position + normal * (points[k].separation * (share - 0.5));
-    // As when the step began: a point that comes into reach has no weight yet.
-    let weight = |k: usize| (2.0 - points[k].separation / margin).clamp(LEAST_WEIGHT as Real, 1.0);
-    let total: Real = (0..points.len()).map(weight).sum();
-    let middle = (0..points.len()).fold(Vec3::zero(), |sum, k| sum + at(k) * (weight(k) / total));
     let [s, t] = tangents::<Real>(normal);
 
     let old: [Vec3<Real>; P] = std::array::from_fn(|j| {
@@ -140,6 +154,10 @@ pub(super) fn write<const P: usize, const C: usize>(
             places[place] = Some(k);
         }
     }
+    let now: [Vec3<Real>; P] = std::array::from_fn(|j| places[j].map_or(old[j], at));
+    // The middle is made of the points as it was when the step began: friction that jumped to another would do there what it did here.
+    let total: Real = round.weights[..P].iter().sum();
+    let middle = (0..P).fold(Vec3::zero(), |sum, j| sum + now[j] * (round.weights[j] / total));
     put_vector(normal, &mut block.normal, lane);
     put_vector(s, &mut block.tangent, lane);
     put_vector(middle, &mut block.start.arm, lane);
@@ -154,7 +172,7 @@ pub(super) fn write<const P: usize, const C: usize>(
     let way = frame.normal_parts(&Moved::<Real>::load(moved, &rows, 0).relative([middle + apart, middle]));
     for (j, place) in places.into_iter().enumerate() {
         // A point that is not there any more still has the impulse that it gave.
-        let from_middle = place.map_or_else(|| old[j], at) - middle;
+        let from_middle = now[j] - middle;
         let offset = [s.dot(from_middle), t.dot(from_middle)];
         put(offset[0], &mut block.points[j].offset[0], lane);
         put(offset[1], &mut block.points[j].offset[1], lane);

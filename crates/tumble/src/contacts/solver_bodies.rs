@@ -107,6 +107,14 @@ impl SolverBodies {
         }
     }
 
+    /// The least inverse moment of inertia over the greatest; one of what impulses do not turn.
+    pub(super) fn inertia_ratio(&self, row: u32) -> Real {
+        self.inertia.get(row as usize).map_or(1.0, |Eight([_, _, _, x, y, z, ..])| {
+            let (least, most) = (x.min(*y).min(*z), x.max(*y).max(*z));
+            if most > 0.0 { least / most } else { 1.0 }
+        })
+    }
+
     /// Hands out the poses beside the rest.
     pub(super) fn with_poses(&mut self, then: impl FnOnce(&mut Self, &[Eight])) {
         let poses = std::mem::take(&mut self.pose);
