@@ -65,8 +65,7 @@ fn a_long_step_of_a_symmetric_top_is_its_precession() {
         let spin = DVec3::new(0.8, -0.5, 1.1);
         let momentum = moments * spin;
         for h in [0.2, 0.5, 0.9, 1.7] {
-            let turned: DQuat =
-                rotate_freely(DQuat::IDENTITY.into(), None, momentum.into(), moments.into(), h).into();
+            let turned: DQuat = rotate_freely(DQuat::IDENTITY.into(), None, momentum.into(), moments.into(), h).into();
             let precession = from_scaled_axis(momentum * (h / across));
             let own = from_scaled_axis(body_axis * (spin[axis] * (1.0 - along / across) * h));
             let error = angle_between(turned, precession * own);
@@ -94,9 +93,8 @@ fn a_point_moves_with_its_arm_from_the_centre() {
 
 #[test]
 fn tensors_add_element_by_element() {
-    let matrix = |d: [f64; 3], [yz, zx, xy]: [f64; 3]| {
-        DMat3::from_cols_array(&[d[0], xy, zx, xy, d[1], yz, zx, yz, d[2]])
-    };
+    let matrix =
+        |d: [f64; 3], [yz, zx, xy]: [f64; 3]| DMat3::from_cols_array(&[d[0], xy, zx, xy, d[1], yz, zx, yz, d[2]]);
     let a = InertiaTensor::new(matrix([2.0, 3.0, 4.0], [0.5, -0.25, 0.125])).unwrap();
     let b = InertiaTensor::new(matrix([4.0, 2.0, 3.0], [0.25, 0.5, -0.5])).unwrap();
     assert_eq!((a + b).matrix(), matrix([6.0, 5.0, 7.0], [0.75, 0.25, -0.375]));

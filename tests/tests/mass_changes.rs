@@ -19,7 +19,7 @@ use glam::{DMat3, DQuat, DVec3};
 use hecs::{Entity, World};
 use tumble::math::{Real, Vec3};
 use tumble::{
-    CenterOfMass, ChangeMassError, Chance, Inertia, InertiaTensor, Integrator, InverseInertia, Ledger, MassProperties,
+    CenterOfMass, Chance, ChangeMassError, Inertia, InertiaTensor, Integrator, InverseInertia, Ledger, MassProperties,
     Momentum, Pose, PreviousPose, PrincipalAxes, RigidBody, Shape, Velocity, change_mass_properties,
 };
 use tumble_tests::{EPSILON, dvec3, weightless};
@@ -55,7 +55,10 @@ fn momentum_and_frame_are_kept() {
         change_mass_properties(&mut world, body, &new).unwrap();
         for (before, after) in before.into_iter().zip(kept(&world, body)) {
             // Positions and momenta of some units, and a handful of roundings.
-            assert!((after - before).length() <= 64.0 * EPSILON * (1.0 + before.length()), "{change}: {before} {after}");
+            assert!(
+                (after - before).length() <= 64.0 * EPSILON * (1.0 + before.length()),
+                "{change}: {before} {after}"
+            );
         }
         let (pose, previous) = (*world.get::<&Pose>(body).unwrap(), *world.get::<&PreviousPose>(body).unwrap());
         let momentum = *world.get::<&Momentum>(body).unwrap();

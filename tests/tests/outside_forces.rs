@@ -62,7 +62,13 @@ fn solve(state: &mut [Real], time: f64, steps: u32, rates: impl Fn(f64, &[Real],
         let mut sum = vec![0.0; state.len()];
         let mut at = state.to_vec();
         for (offset, weight) in [(0.5, 1.0), (0.5, 2.0), (1.0, 2.0), (0.0, 1.0)] {
-            let stage = if weight == 1.0 && offset == 0.5 { 0.0 } else if offset == 0.0 { 1.0 } else { 0.5 };
+            let stage = if weight == 1.0 && offset == 0.5 {
+                0.0
+            } else if offset == 0.0 {
+                1.0
+            } else {
+                0.5
+            };
             let mut rate = vec![0.0; state.len()];
             rates(start + stage * h, &at, &mut rate);
             for i in 0..state.len() {

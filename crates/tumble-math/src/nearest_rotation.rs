@@ -84,11 +84,14 @@ mod tests {
     fn a_stretched_rotation_is_found_again() {
         let rotation = DMat3::from_quat(DQuat::from_xyzw(0.1, -0.7, 0.3, 0.5).normalize());
         let frame = DMat3::from_quat(DQuat::from_xyzw(0.6, 0.2, -0.1, 0.4).normalize());
-        for stretch in [DVec3::ONE, DVec3::new(1.001, 0.999, 1.0), DVec3::new(3.0, 0.2, 1.0), DVec3::new(1e3, 1e-3, 1.0)] {
+        for stretch in
+            [DVec3::ONE, DVec3::new(1.001, 0.999, 1.0), DVec3::new(3.0, 0.2, 1.0), DVec3::new(1e3, 1e-3, 1.0)]
+        {
             let symmetric = frame * DMat3::from_diagonal(stretch) * frame.transpose();
             let found = nearest_rotation(rotation * symmetric).unwrap_or(DMat3::ZERO);
             // The factor is known to eps over the smallest of the sums of two stretches, in units of the largest.
-            let condition = stretch.max_element() / (stretch.min_element() + stretch.element_sum() - stretch.max_element());
+            let condition =
+                stretch.max_element() / (stretch.min_element() + stretch.element_sum() - stretch.max_element());
             let error = (found - rotation).to_cols_array().iter().fold(0.0_f64, |most, x| most.max(x.abs()));
             assert!(error <= 64.0 * f64::EPSILON * condition.max(1.0), "{stretch}: {error:e}");
         }

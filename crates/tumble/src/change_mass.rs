@@ -112,8 +112,7 @@ pub fn change_mass_properties(
         inertia: inertia.as_ref().map(|inertia| Moments::new(inertia, axes.as_ref())),
         damping: None,
     };
-    let (velocity, inverse): (Velocity, InverseInertia) =
-        derived(&constants, &State::new(&pose, &momentum)).into();
+    let (velocity, inverse): (Velocity, InverseInertia) = derived(&constants, &State::new(&pose, &momentum)).into();
     let has_center = body.has::<CenterOfMass>() || center != glam::DVec3::ZERO;
 
     // The entity was found in this world, so inserting cannot fail.

@@ -7,7 +7,7 @@
 //!
 //! - the stiffness, so that the frequencies of moving and of turning stay below an angle each ([`stiffness_up_to`]),
 //! - the arm `r`, which is drawn in where the spring is so long that the pendulum were faster ([`Arm`]),
-//! - what is left unresolved is damped, where the pendulum turns by more than 0.7 radians a substep.
+//! - what is left unresolved is damped, where the pendulum turns by more than 0.55 radians a substep.
 
 use tumble_math::lane::{Lane, Vec3};
 
@@ -16,11 +16,14 @@ use crate::stiff::stiffness_up_to;
 /// The square of the angle in a substep up to which turning by a spring at its given arm is resolved.
 const MOST_TURNING: f64 = 1.0;
 
-/// The square of the angle in a substep up to which the arm stays as it is and nothing is damped.
+/// The square of the angle in a substep up to which the arm stays as it is.
 const RESOLVED: f64 = 0.5;
 
+/// The same up to which nothing is damped.
+const UNDAMPED: f64 = 0.3;
+
 /// The most of the velocity along a spring that a kick takes away for the sake of what the step does not resolve.
-const MOST_DAMPED: f64 = 0.2;
+const MOST_DAMPED: f64 = 0.25;
 
 /// One end of a spring.
 #[derive(Clone, Copy)]
@@ -92,8 +95,8 @@ pub(crate) fn pull<L: Lane>(spring: Hooke<L>, difference: Vec3<L>, ends: [End<L>
     let by_near = near.gradient * (direction.dot(a.arm) * tension * L::splat(-1.0));
     let by_far = far.gradient * (direction.dot(b.arm) * tension * L::splat(-1.0));
     // Kick and drift are stable with it as long as it stays below (4 - z)/2.
-    let swing = near.angle_squared.max(far.angle_squared).max(L::splat(RESOLVED));
-    let damped = L::splat(MOST_DAMPED) * (one - L::splat(RESOLVED) / swing);
+    let swing = near.angle_squared.max(far.angle_squared).max(L::splat(UNDAMPED));
+    let damped = L::splat(MOST_DAMPED) * (one - L::splat(UNDAMPED) / swing);
     let damped = damped.min(L::splat(0.4) * (L::splat(4.0) - angle_squared));
     Pull {
         direction,
@@ -165,7 +168,12 @@ mod tests {
             let weights = [[0.3, 1.0 + scales.z], [0.2, 1.0 - scales.z]];
             let end = |arm, i: usize| End { arm, inverse_masses: weights[i] };
             let at = |difference, turned: [Vec3<f64>; 2]| {
-                potential(k, l0, difference, [end(arm_a + turned[0].cross(arm_a), 0), end(arm_b + turned[1].cross(arm_b), 1)])
+                potential(
+                    k,
+                    l0,
+                    difference,
+                    [end(arm_a + turned[0].cross(arm_a), 0), end(arm_b + turned[1].cross(arm_b), 1)],
+                )
             };
             let hooke = Hooke { stiffness: k, rest_length: l0, h: 1.0 / 64.0 };
             let found = pull(hooke, difference, [end(arm_a, 0), end(arm_b, 1)], 2.0);
