@@ -189,7 +189,7 @@ fn a_restored_world_goes_on_as_before() {
 #[test]
 fn the_bits_are_pinned() {
     let pinned = match PRECISION {
-        "f32" => [0xb1d8_b05d_4bcb_37b7_u64, 0x6483_b636_88e9_f062, 0x70dc_b0e7_7131_39fa],
+        "f32" => [0x778c_b99a_925c_7c11_u64, 0x26df_5e3c_885b_e463, 0xe42d_2bdf_a3c9_8858],
         _ => [0x3d38_2632_36a9_cddf, 0xc391_874c_8608_baec, 0x2c82_e62f_dbc3_dd21],
     };
     println!("\nran on {}", simd_name());

@@ -183,7 +183,7 @@ fn forces_between_bodies_are_of_second_order() {
 /// Dampers of springs that share a body too.
 #[test]
 fn dampers_that_share_a_body_are_of_second_order() {
-    let (steps, slack) = if DOUBLE { (512, 0.1) } else { (32, 0.25) };
+    let (steps, slack) = if DOUBLE { (512, 0.1) } else { (64, 0.25) };
     assert_orders(&[Kind::DampedSprings], RungeKutta4, steps, 2.0 - slack..2.0 + slack);
     assert_orders(&[Kind::DampedSprings], MoserVeselov, steps, 2.0 - slack..2.0 + slack);
 }

@@ -57,7 +57,8 @@ impl InertiaTensor {
 
     /// A tensor from its matrix [kg m^2]. Mirrored elements may differ by `relative` times the largest element
     /// (their mean is kept), and the largest principal moment may exceed the sum of the others by `relative`
-    /// times itself. Published moments of flat bodies, rounded to three digits, need about 3e-3.
+    /// times itself. Published moments of flat bodies, rounded to three digits, need about 3e-3. The matrix is
+    /// kept as it is; what is made of it moves as its [`nearest_possible`](Self::nearest_possible).
     ///
     /// Positive definite is meant up to rounding, with no tolerance: with `S = diag(I)^(-1/2)`, the smallest
     /// eigenvalue of `S I S` must exceed 16 eps. So moments of 1e-12, 1e12 and 1e12 pass where the
@@ -75,6 +76,37 @@ impl InertiaTensor {
             return Err(InertiaError::NotPositive { principal: moments });
         }
         Ok(Self(symmetric))
+    }
+
+    /// The nearest tensor that a body can have: where the largest principal moment exceeds the sum of the others
+    /// by more than [`TOLERANCE`](Self::TOLERANCE), a third of the excess is taken from it and added to each of
+    /// the others, which is the least change of the three. Any other tensor as it is.
+    ///
+    /// Mass properties and rigid bodies take this, since no solution of Euler's equations is known to keep its
+    /// energy for moments that no body has.
+    ///
+    /// ```
+    /// use tumble_math::InertiaTensor;
+    /// use glam::{DMat3, DVec3};
+    /// // A flat plate, whose moments were published with three digits.
+    /// let plate = DMat3::from_diagonal(DVec3::new(0.345, 0.653, 1.0));
+    /// let plate = InertiaTensor::with_tolerance(plate, 3e-3)?.nearest_possible();
+    /// assert!(InertiaTensor::new(plate.matrix()).is_ok());
+    /// assert!((plate.moment_about([0.0, 0.0, 1.0]) - (1.0 - 0.002 / 3.0)).abs() < 1e-15);
+    /// # Ok::<(), tumble_math::InertiaError>(())
+    /// ```
+    #[must_use]
+    pub fn nearest_possible(&self) -> Self {
+        let principal = self.principal();
+        let largest = principal.moments.max_element();
+        let excess = 2.0 * largest - principal.moments.element_sum();
+        if excess <= Self::TOLERANCE * largest {
+            return *self;
+        }
+        let third = excess / 3.0;
+        let change = |moment: f64| if moment == largest { moment - third } else { moment + third };
+        let [x, y, z] = principal.moments.to_array().map(change);
+        Self(PrincipalInertia { moments: DVec3::new(x, y, z), axes: principal.axes }.matrix())
     }
 
     /// The tensor with principal moments `moments` [kg m^2] along the axes that `axes` makes of x, y and z:

@@ -54,6 +54,7 @@ mod kinematics;
 mod mass_error;
 mod mass_properties;
 mod mesh;
+mod nearest_rotation;
 mod principal;
 mod revolved;
 mod rotation;
@@ -64,6 +65,7 @@ mod symmetric;
 mod symmetric_eigen;
 mod unit;
 mod welding;
+mod yaw_pitch_roll;
 
 pub use equivalent_ellipsoid::equivalent_ellipsoid;
 pub use euler::to_euler;
@@ -76,6 +78,7 @@ pub use kinematics::{
 pub use mass_error::MassError;
 pub use mass_properties::MassProperties;
 pub use mesh::{HullError, MeshAudit, MeshDefect, MeshError, MeshRepair, SolidMesh, TriangleMesh, convex_hull};
+pub use nearest_rotation::{change_of_basis_of_transform, nearest_rotation};
 pub use principal::PrincipalInertia;
 pub use rotation::{
     NotARotation, ROTATION_TOLERANCE, angle_between, change_of_basis, cross_product_matrix, from_scaled_axis,
@@ -84,3 +87,4 @@ pub use rotation::{
 pub use shape::{Amount, Part, Shape};
 pub use shape_error::{ShapeError, ShapeErrorReason};
 pub use welding::{MovingBody, WeldError, WeldedBody, weld};
+pub use yaw_pitch_roll::YawPitchRoll;

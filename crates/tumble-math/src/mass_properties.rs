@@ -49,12 +49,13 @@ impl MassProperties {
     /// overflow.
     pub const REACH: f64 = 1e90;
 
-    /// From a mass \[kg\], the centre of mass \[m\] and the inertia about the centre of mass [kg m^2].
+    /// From a mass \[kg\], the centre of mass \[m\] and the inertia about the centre of mass [kg m^2]; of a tensor
+    /// that was accepted with a tolerance the [`nearest_possible`](InertiaTensor::nearest_possible).
     ///
     /// # Errors
     /// A mass or a position out of range.
     pub fn new(mass: f64, center_of_mass: impl Into<DVec3>, inertia: InertiaTensor) -> Result<Self, MassError> {
-        Self::from_parts(mass, center_of_mass.into(), inertia.matrix())
+        Self::from_parts(mass, center_of_mass.into(), inertia.nearest_possible().matrix())
     }
 
     /// A point mass \[kg\] at `position` \[m\]. Its tensor about itself is zero.

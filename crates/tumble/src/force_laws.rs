@@ -221,6 +221,13 @@ impl ForceLaws {
         sum
     }
 
+    /// The wrench of the laws that were added on a body.
+    pub(crate) fn wrench_of_added(&self, body: EntityRef<'_>, state: &BodyState<'_>) -> Wrench {
+        let mut sum = Wrench::default();
+        self.added.iter().for_each(|source| sum.add(source.wrench(body, state)));
+        sum
+    }
+
     /// The potential energy \[J\] of one body in its force components, but for those between bodies.
     pub(crate) fn potential_of_components(body: EntityRef<'_>, state: &BodyState<'_>) -> f64 {
         KNOWN.iter().map(|source| source.potential(body, state)).sum()

@@ -203,7 +203,12 @@ impl<L: Lane> LaneBody<L> {
     /// damping \[N s/m\] that never takes away more than there is. `inverse_mass` as there. Under `RungeKutta4` both are what was given.
     #[inline(always)]
     pub fn stable_pull(&self, [stiffness, damping]: [L; 2], [elongation, speed]: [L; 2], inverse_mass: L) -> L {
-        let elastic = self.stable_stiffness(stiffness, inverse_mass) * elongation;
+        self.damped_pull(self.stable_stiffness(stiffness, inverse_mass) * elongation, [damping, speed], inverse_mass)
+    }
+
+    /// An elastic pull \[N\] with a damper that takes away no more than there is.
+    #[inline(always)]
+    pub(crate) fn damped_pull(&self, elastic: L, [damping, speed]: [L; 2], inverse_mass: L) -> L {
         let in_halves = elastic + crate::stiff::stable_damping(damping, inverse_mass, self.kick) * speed;
         // A kick over a whole step leaves less room: there the damping is implicit, and the elastic force divided with it.
         let one = L::splat(1.0);

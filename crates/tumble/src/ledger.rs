@@ -10,8 +10,9 @@ use crate::totals::{Totals, measure};
 
 /// Keeps the books of a simulation: energy and momentum, and the work that each source of force has done.
 ///
-/// While it is attached, every step adds up the work on each body, so that the change of kinetic energy is the sum of works, to
-/// rounding; whatever no force did is the integrator's own error. Sums over bodies are taken in [`BodyOrder`]. A world that no
+/// While it is attached, every step adds up the work on each body, so that the change of kinetic energy in steps is the sum of works, to
+/// rounding; whatever no force did is the integrator's own error. What changes between steps, by an impulse or another mass, has an entry of its own,
+/// [`LedgerEntry::between_steps`]. Sums over bodies are taken in [`BodyOrder`]. A world that no
 /// ledger was attached to pays nothing.
 ///
 /// ```
@@ -35,6 +36,7 @@ use crate::totals::{Totals, measure};
 pub struct Ledger {
     order: BodyOrder,
     laws: Vec<&'static str>,
+    keeps_work: bool,
     entries: Vec<LedgerEntry>,
 }
 
@@ -65,6 +67,9 @@ pub struct LedgerEntry {
     pub law_potential: f64,
     /// Work done since the ledger was attached \[J\].
     pub work: Work,
+    /// What changed the kinetic energy since then between steps \[J\]: impulses on [`Momentum`], other [mass properties](crate::change_mass_properties), bodies
+    /// that are gone. It is the change of kinetic energy that no work accounts for, so the roundings of all sums are in it. Zero in books without work.
+    pub between_steps: f64,
 }
 
 impl LedgerEntry {
@@ -92,13 +97,17 @@ impl Ledger {
             let inserted = world.insert_one(entity, Work::default());
             debug_assert!(inserted.is_ok());
         }
-        Self::watch(world, simulation)
+        Self::open(world, simulation, true)
     }
 
     /// Opens books in which energy and momentum are entered but no work: the world stays as it is, and steps cost what they did.
     pub fn watch(world: &World, simulation: &Simulation) -> Self {
-        let mut ledger =
-            Self { order: BodyOrder::of(world), laws: simulation.laws().names().collect(), entries: Vec::new() };
+        Self::open(world, simulation, false)
+    }
+
+    fn open(world: &World, simulation: &Simulation, keeps_work: bool) -> Self {
+        let laws = simulation.laws().names().collect();
+        let mut ledger = Self { order: BodyOrder::of(world), laws, keeps_work, entries: Vec::new() };
         ledger.record(world, simulation);
         ledger
     }
@@ -126,12 +135,15 @@ impl Ledger {
                 law_potential += simulation.laws().potential(body, &seen);
             }
         }
+        let totals = measure(world, simulation.settings(), &self.order);
+        let first = self.entries.first().filter(|_| self.keeps_work);
         let entry = LedgerEntry {
             step: simulation.steps(),
             time: simulation.time(),
-            totals: measure(world, simulation.settings(), &self.order),
+            totals,
             law_potential,
             work,
+            between_steps: first.map_or(0.0, |first| totals.kinetic() - first.kinetic() - work.total()),
         };
         self.entries.push(entry);
         entry

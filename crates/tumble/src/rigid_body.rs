@@ -93,9 +93,10 @@ impl RigidBody {
         Self { amount: Some(Amount::Density(density.into())), ..self }
     }
 
-    /// Its inertia tensor about the centre of mass [kg m^2], in its own frame, instead of the shape's.
+    /// Its inertia tensor about the centre of mass [kg m^2], in its own frame, instead of the shape's. One that was accepted
+    /// [with a tolerance](InertiaTensor::with_tolerance) moves as its [`nearest_possible`](InertiaTensor::nearest_possible).
     pub fn inertia(self, inertia: InertiaTensor) -> Self {
-        self.principal_inertia(inertia.principal())
+        self.principal_inertia(inertia.nearest_possible().principal())
     }
 
     /// Its principal moments about the centre of mass [kg m^2] and principal axes, instead of the shape's.

@@ -4,17 +4,12 @@
 //! section 5), of the bodies of [`BodyOrder::moving`]: position x y z, orientation w x y z, linear momentum x y z, angular momentum x y z; body after body.
 
 use hecs::{Entity, World};
-use tumble_math::lane::Vec3 as LaneVec3;
 
 use crate::body_order::BodyOrder;
-use crate::components::{Damping, GravityScale, Momentum, Pose, Wrench};
-use crate::force_law::BodyState;
-use crate::force_laws::ForceLaws;
-use crate::integrators::derivative;
+use crate::components::{InverseInertia, Momentum, Pose, Velocity};
+use crate::derived::derived;
 use crate::math::{Quat, Real, Vec3};
-use crate::settings::Settings;
-use crate::state::{Constants, Force, State, moving_body};
-use crate::surroundings::Surroundings;
+use crate::state::moving_body;
 
 /// Numbers that the state of one body takes: 3 + 4 + 3 + 3.
 pub const STATE_SIZE: usize = 13;
@@ -46,10 +41,10 @@ pub enum StateArrayError {
 }
 
 /// One body's 13 numbers.
-struct Numbers<'a>(&'a mut [Real]);
+pub(crate) struct Numbers<'a>(pub(crate) &'a mut [Real]);
 
 impl Numbers<'_> {
-    fn write(&mut self, position: [Real; 3], orientation: Quat, linear: [Real; 3], angular: [Real; 3]) {
+    pub(crate) fn write(&mut self, position: [Real; 3], orientation: Quat, linear: [Real; 3], angular: [Real; 3]) {
         self.0[0..3].copy_from_slice(&position);
         self.0[3..7].copy_from_slice(&[orientation.w, orientation.x, orientation.y, orientation.z]);
         self.0[7..10].copy_from_slice(&linear);
@@ -57,7 +52,7 @@ impl Numbers<'_> {
     }
 }
 
-fn check_length(array: &[Real], order: &BodyOrder) -> Result<(), StateArrayError> {
+pub(crate) fn check_length(array: &[Real], order: &BodyOrder) -> Result<(), StateArrayError> {
     let expected = order.len() * STATE_SIZE;
     if array.len() == expected {
         Ok(())
@@ -133,73 +128,34 @@ pub fn array_to_state(world: &mut World, order: &BodyOrder, array: &[Real]) -> R
     Ok(())
 }
 
-/// The rate of change of a state array: `dx/dt = P/M`, `dq/dt = 1/2 [0, w] q`, `dP/dt = F`, `dL/dt = tau`.
-///
-/// Takes the state from `array`, and from the world only what is constant: masses, wrenches, damping, force components. The
-/// forces are what a step with these settings would apply, but for force laws that a simulation was told of and forces between bodies, which are not known
-/// here; springs are as stiff as they were made. The world does not change.
+/// [`array_to_state`], and the derived quantities with it: [`Velocity`] and [`InverseInertia`] of the bodies that have them are those of the new state.
 ///
 /// ```
-/// # use tumble::{BodyOrder, STATE_SIZE, derivative_to_array, prelude::*};
+/// # use tumble::{BodyOrder, STATE_SIZE, array_to_derived_state, prelude::*};
 /// # let mut world = hecs::World::new();
-/// RigidBody::new(Shape::Point).mass(2.0).build()?.spawn(&mut world);
-/// let mut state = [0.0; STATE_SIZE];
-/// (state[3], state[7]) = (1.0, 6.0); // w of the orientation, x of the linear momentum
-/// let mut rates = [0.0; STATE_SIZE];
-/// derivative_to_array(&world, &Settings::default(), &BodyOrder::moving(&world), &state, &mut rates)?;
-/// assert_eq!((rates[0], rates[8]), (3.0, -19.62)); // velocity along x, weight along y
+/// let body = RigidBody::new(Shape::Point).mass(2.0).build()?.spawn(&mut world);
+/// let mut array = [0.0; STATE_SIZE];
+/// (array[3], array[7]) = (1.0, 6.0); // w of the orientation, x of the linear momentum
+/// let order = BodyOrder::moving(&world);
+/// array_to_derived_state(&mut world, &order, &array)?;
+/// assert_eq!(world.get::<&Velocity>(body)?.linear, Vec3::X * 3.0);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 ///
 /// # Errors
-/// [`StateArrayError`] where an array has another length, or a listed entity is not a moving body.
-pub fn derivative_to_array(
-    world: &World,
-    settings: &Settings,
-    order: &BodyOrder,
-    array: &[Real],
-    rates: &mut [Real],
-) -> Result<(), StateArrayError> {
-    check_length(array, order)?;
-    check_length(rates, order)?;
-    let numbers = array.chunks_exact(STATE_SIZE).zip(rates.chunks_exact_mut(STATE_SIZE));
-    for (&entity, (state, rates)) in order.entities().iter().zip(numbers) {
-        let vector = |from: usize| LaneVec3::new(state[from], state[from + 1], state[from + 2]);
-        let state = State {
-            position: vector(0),
-            orientation: Quat::from_xyzw(state[4], state[5], state[6], state[3]).into(),
-            linear: vector(7),
-            angular: vector(10),
-        };
-        let (constants, force, damping) =
-            forced(world, settings, entity, &state).ok_or(StateArrayError::NotMoving(entity))?;
-        let rate = derivative(&constants, force, &state);
-        let linear = rate.force.force + state.linear * -damping.linear;
-        let angular = rate.force.torque + state.angular * -damping.angular;
-        Numbers(rates).write(
-            Vec3::from(rate.position).to_array(),
-            rate.orientation.into(),
-            Vec3::from(linear).to_array(),
-            Vec3::from(angular).to_array(),
-        );
+/// As [`array_to_state`].
+pub fn array_to_derived_state(world: &mut World, order: &BodyOrder, array: &[Real]) -> Result<(), StateArrayError> {
+    array_to_state(world, order, array)?;
+    for &entity in order.entities() {
+        let body = world.entity(entity).map_err(|_| StateArrayError::NotMoving(entity))?;
+        let (constants, state) = moving_body(body).ok_or(StateArrayError::NotMoving(entity))?;
+        let (velocity, inverse): (Velocity, InverseInertia) = derived(&constants, &state).into();
+        if let Some(mut of_body) = body.get::<&mut Velocity>() {
+            *of_body = velocity;
+        }
+        if let Some(mut of_body) = body.get::<&mut InverseInertia>() {
+            *of_body = inverse;
+        }
     }
     Ok(())
-}
-
-/// One body's constants, the force that a step would apply in a state, and the rates of damping.
-fn forced(
-    world: &World,
-    settings: &Settings,
-    entity: Entity,
-    state: &State<Real>,
-) -> Option<(Constants<Real>, Force<Real>, Damping)> {
-    let body = world.entity(entity).ok()?;
-    let (constants, _) = moving_body(body)?;
-    let mut wrench = body.get::<&Wrench>().map_or(Wrench::default(), |wrench| *wrench);
-    let scale = body.get::<&GravityScale>().map_or(1.0, |scale| scale.0);
-    wrench.force += settings.gravity * (constants.mass * scale);
-    let surroundings = Surroundings { kick: 0.0, ..Surroundings::of_body(body, settings) };
-    wrench.add(ForceLaws::wrench_of_components(body, &BodyState::new((0.0, 0.0), (&constants, &surroundings), state)));
-    let damping = body.get::<&Damping>().map_or(Damping::default(), |damping| *damping);
-    Some((constants, wrench.into(), damping))
 }

@@ -24,8 +24,13 @@ const SINC_SQUARED: [f64; 12] = {
 /// a substep.
 #[inline(always)]
 pub(crate) fn stable_stiffness<L: Lane>(stiffness: L, inverse_mass: L, h: L, most_angle: L) -> L {
+    stiffness_up_to(stiffness, inverse_mass, h, most_angle * most_angle)
+}
+
+/// The same for the square of the largest angle.
+#[inline(always)]
+pub(crate) fn stiffness_up_to<L: Lane>(stiffness: L, inverse_mass: L, h: L, most: L) -> L {
     let angle_squared = stiffness * inverse_mass * h * h;
-    let most = most_angle * most_angle;
     let z = angle_squared.min(most);
     let mut series = L::splat(SINC_SQUARED[11]);
     let mut n = 11;

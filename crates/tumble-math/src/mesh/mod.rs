@@ -21,6 +21,7 @@ mod parts;
 mod solid_mesh;
 mod surface;
 mod triangle_mesh;
+mod varying_density;
 
 pub use audit::MeshAudit;
 pub use convex_hull::convex_hull;

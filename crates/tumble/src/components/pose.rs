@@ -1,5 +1,6 @@
 use super::CenterOfMass;
-use crate::math::{Mat4, Quat, Real, Vec3};
+use crate::math::{Mat3, Mat4, Quat, Real, Vec3};
+use crate::rotation::{NotARotation, quat_from_matrix};
 
 /// Where a body is: the centre of mass and the orientation of its frame. Of a fixed or kinematic body, which has no mass, the origin of its
 /// frame stands for the centre of mass.
@@ -48,6 +49,30 @@ impl Pose {
     #[inline]
     pub fn to_mat4(&self) -> Mat4 {
         Mat4::from_rotation_translation(self.orientation, self.position)
+    }
+
+    /// The pose of a 4x4 transform that turns and shifts, such as [`to_mat4`](Self::to_mat4) makes.
+    ///
+    /// ```
+    /// # use tumble::{Pose, math::{Mat4, Quat, Vec3}};
+    /// let pose = Pose { position: Vec3::new(1.0, 2.0, 3.0), orientation: Quat::from_rotation_y(0.5) };
+    /// let found = Pose::from_mat4(pose.to_mat4())?;
+    /// assert_eq!(found.position, pose.position);
+    /// assert!((found.orientation - pose.orientation).length() < 1e-6);
+    /// assert!(Pose::from_mat4(Mat4::from_scale(Vec3::splat(2.0))).is_err());
+    /// # Ok::<(), tumble::rotation::NotARotation>(())
+    /// ```
+    ///
+    /// # Errors
+    /// [`NotARotation`](crate::rotation::NotARotation): a transform that scales, shears, mirrors, projects, or is not finite.
+    pub fn from_mat4(transform: Mat4) -> Result<Self, NotARotation> {
+        let rows = transform.transpose();
+        let projects = (rows.w_axis.truncate(), rows.w_axis.w) != (Vec3::ZERO, 1.0);
+        let position = transform.w_axis.truncate();
+        if projects || !position.is_finite() {
+            return Err(NotARotation::NotOrthonormal { error: f64::NAN });
+        }
+        Ok(Self { position, orientation: quat_from_matrix(Mat3::from_mat4(transform))? })
     }
 
     /// Where the world is as seen from here: what takes this pose to that of the world's origin, not turned.

@@ -5,7 +5,7 @@ use crate::force_laws::ForceLaws;
 /// Work done on a body since it got this component \[J\], by what did it. [`Ledger::attach`](crate::Ledger::attach) adds it.
 ///
 /// The sum is the change of the body's kinetic energy in steps. What happens between steps, such as an impulse or another
-/// [`Inertia`](crate::Inertia), is not in it.
+/// [`Inertia`](crate::Inertia), is not in it; a ledger shows that as [`LedgerEntry::between_steps`](crate::LedgerEntry::between_steps).
 ///
 /// ```
 /// # use tumble::{Work, prelude::*};

@@ -4,6 +4,8 @@ use super::spring_force::Direction;
 use crate::force_law::BodyState;
 use crate::lane_law::{LaneBody, LaneLaw, LaneWrench};
 use crate::math::{Real, Vec3, dvec3};
+use crate::spring_potential::{End, Hooke, pull};
+use crate::stiff::MOST_ANGLE;
 
 /// A spring with a damper from a point of the body to a point of the world.
 ///
@@ -52,12 +54,28 @@ impl LaneLaw<9> for SpringToPoint {
     ) -> LaneWrench<L> {
         let attachment = LaneVec3::new(bx, by, bz);
         let arm = body.orientation.rotate(attachment);
+        let (zero, one) = (L::splat(0.0), L::splat(1.0));
+        let moving = one / body.mass;
+        let turning = (body.most_inverse_mass_at(attachment) - moving).max(zero);
+        let anchored = End { arm: LaneVec3::zero(), inverse_masses: [zero; 2] };
         // Relative to the anchor first: both may be far from the origin.
-        let direction = Direction::of((body.position - LaneVec3::new(ax, ay, az)) + arm);
-        let inverse_mass = body.most_inverse_mass_at(attachment);
-        let motion = [direction.length - rest, direction.unit.dot(body.velocity_at(arm))];
-        let pull = body.stable_pull([stiffness, damping], motion, inverse_mass);
-        LaneWrench::force_at(direction.unit * -pull, arm)
+        let difference = body.position - LaneVec3::new(ax, ay, az);
+        let ends = [anchored, End { arm, inverse_masses: [moving, turning] }];
+        let hooke = Hooke { stiffness, rest_length: rest, h: body.substep };
+        let given = Direction::of(difference + arm);
+        let soft = pull(hooke, difference, ends, L::splat(MOST_ANGLE));
+        // `RungeKutta4` has no kicks, and takes the spring as it was given.
+        let kicks = zero.lt(body.kick);
+        let choose = |soft, given| LaneVec3::select(kicks, soft, given);
+        let (unit, arm) = (choose(soft.direction, given.unit), choose(soft.arms[1], arm));
+        let elastic = L::select(kicks, soft.tension, stiffness * (given.length - rest));
+        let damping = damping + L::select(kicks, soft.damping / body.kick, zero);
+        let speed = unit.dot(body.velocity_at(arm));
+        let tension = body.damped_pull(elastic, [damping, speed], moving + turning);
+        let mut wrench = LaneWrench::force_at(unit * (zero - tension), arm);
+        wrench.force = wrench.force - choose(soft.drawing, LaneVec3::zero());
+        wrench.torque = wrench.torque + choose(soft.drawing_torques[1], LaneVec3::zero());
+        wrench
     }
 
     fn depends_on_velocity(&self) -> bool {

@@ -4,10 +4,10 @@ use rayon::prelude::*;
 use tumble_math::lane::{Lane, Vec3};
 
 use super::Spring;
-use crate::generators::spring_force::Direction;
 use crate::math::Real;
 use crate::members::{Members, Seen};
-use crate::stiff::{MOST_ANGLE, MOST_ANGLE_IN_A_NET, stable_damping, stable_stiffness};
+use crate::spring_potential::{End, Hooke, pull};
+use crate::stiff::{MOST_ANGLE, MOST_ANGLE_IN_A_NET, stable_damping};
 
 /// A spring and the slots of its bodies.
 #[derive(Clone, Copy)]
@@ -26,6 +26,10 @@ struct Pull {
     arms: [Vec3<Real>; 2],
     /// Of the elongation [N s].
     impulse: Real,
+    /// Beside it, what draws the arms in: on the first body [N s],
+    drawing: Vec3<Real>,
+    /// and the angular impulses on both [N m s].
+    drawing_turns: [Vec3<Real>; 2],
     /// Over the speed of elongation \[kg\].
     damping: Real,
 }
@@ -105,9 +109,9 @@ impl Springs {
         self.first_end[0] = 0;
     }
 
-    /// Whether any spring is damped, so that what it does depends on velocities.
+    /// Whether any spring is damped in this kick, so that what it does depends on velocities.
     pub(super) fn are_damped(&self) -> bool {
-        self.connections.iter().any(|connection| connection.spring.damping != 0.0)
+        self.pulls.iter().any(|pull| pull.damping != 0.0)
     }
 
     /// Finds out how each spring pulls in a kick of the duration `t` \[s\], in substeps of `h` \[s\].
@@ -160,27 +164,38 @@ impl Connection {
     /// potential, and energy would not come back.
     fn pull(&self, [a, b]: [&Seen; 2], shares: [Real; 2], t: Real, h: Real) -> Pull {
         let spring = &self.spring;
+        let end = |seen: &Seen, at: crate::math::Vec3, share: Real| {
+            let moving = seen.inverse_mass * share;
+            let turning = (seen.most_inverse_mass_at(at) * share - moving).max(0.0);
+            End { arm: seen.state.orientation.rotate(at.into()), inverse_masses: [moving, turning] }
+        };
         let [at_a, at_b] = spring.attachments;
-        let arms = [a.state.orientation.rotate(at_a.into()), b.state.orientation.rotate(at_b.into())];
-        let direction = Direction::of((b.state.position - a.state.position) + (arms[1] - arms[0]));
-        let inverse_mass = a.most_inverse_mass_at(at_a) * shares[0] + b.most_inverse_mass_at(at_b) * shares[1];
+        let ends = [end(a, at_a, shares[0]), end(b, at_b, shares[1])];
         let in_a_net =
             [(a, shares[0]), (b, shares[1])].iter().any(|(seen, share)| seen.constants.is_some() && *share > 1.0);
-        let most_angle = if in_a_net { MOST_ANGLE_IN_A_NET } else { MOST_ANGLE };
-        let stiffness = stable_stiffness(spring.stiffness, inverse_mass, h, Real::splat(most_angle));
+        let most_angle = Real::splat(if in_a_net { MOST_ANGLE_IN_A_NET } else { MOST_ANGLE });
+        let hooke = Hooke { stiffness: spring.stiffness, rest_length: spring.rest_length, h };
+        let pull = pull(hooke, b.state.position - a.state.position, ends, most_angle);
+        let inverse_mass: Real = ends.iter().flat_map(|end| end.inverse_masses).sum();
+        let damping = stable_damping(spring.damping, inverse_mass, t) * t + pull.damping;
         Pull {
             slots: self.slots,
-            direction: direction.unit,
-            arms,
-            impulse: stiffness * (direction.length - spring.rest_length) * t,
-            damping: stable_damping(spring.damping, inverse_mass, t) * t,
+            direction: pull.direction,
+            arms: pull.arms,
+            impulse: pull.tension * t,
+            drawing: pull.drawing * t,
+            drawing_turns: pull.drawing_torques.map(|torque| torque * t),
+            damping: damping.min(1.0 / inverse_mass),
         }
     }
 }
 
 impl Pull {
     fn none() -> Self {
-        Self { slots: [0; 2], direction: Vec3::zero(), arms: [Vec3::zero(); 2], impulse: 0.0, damping: 0.0 }
+        let zero = Vec3::zero();
+        let (impulse, damping) = (0.0, 0.0);
+        let (arms, drawing_turns) = ([zero; 2], [zero; 2]);
+        Self { slots: [0; 2], direction: zero, arms, impulse, drawing: zero, drawing_turns, damping }
     }
 
     fn impulses(&self, velocities: &[Velocities]) -> [Impulse; 2] {
@@ -188,8 +203,8 @@ impl Pull {
         let impulse = self.impulse + self.damping * self.direction.dot(at_b - at_a);
         let (on_a, on_b) = (self.direction * impulse, self.direction * -impulse);
         [
-            Impulse { linear: on_a, angular: self.arms[0].cross(on_a) },
-            Impulse { linear: on_b, angular: self.arms[1].cross(on_b) },
+            Impulse { linear: on_a + self.drawing, angular: self.arms[0].cross(on_a) + self.drawing_turns[0] },
+            Impulse { linear: on_b - self.drawing, angular: self.arms[1].cross(on_b) + self.drawing_turns[1] },
         ]
     }
 }
