@@ -5,7 +5,7 @@ use std::io::Write as _;
 use std::path::Path;
 
 use tumble::MeshAudit;
-use tumble_scene::{Audit, AuditedBody, MeshOptions, MeshRepairs, PendingFile};
+use tumble_scene::{Audit, AuditedBody, MeshOptions, MeshRepairs, PendingFile, printable, printable_json};
 
 use crate::failure::Failure;
 use crate::options::InspectOptions;
@@ -51,7 +51,7 @@ fn draw(audit: &Audit, file: &str, path: &Path) -> Result<(), Failure> {
 }
 
 fn json(audit: &Audit) -> Result<String, Failure> {
-    serde_json::to_string_pretty(audit).map(|text| text + "\n").map_err(|error| unwritten(&error))
+    serde_json::to_string_pretty(audit).map(|text| printable_json(&text) + "\n").map_err(|error| unwritten(&error))
 }
 
 fn unwritten(error: &serde_json::Error) -> Failure {
@@ -60,10 +60,10 @@ fn unwritten(error: &serde_json::Error) -> Failure {
 
 /// A paragraph with as many digits as the file could have had. Forces are written as in files.
 fn people(body: &AuditedBody) -> Result<String, Failure> {
-    let mut text = format!("{}\n", body.name);
+    let mut text = format!("{}\n", printable(&body.name));
     let mut line = |label: &str, value: &str| {
         // Writing to a string cannot fail.
-        let _ = writeln!(text, "  {label:<22} {value}");
+        let _ = writeln!(text, "  {label:<22} {}", printable(value));
     };
     if let Some(mass) = body.mass {
         line("mass [kg]", &mass.to_string());

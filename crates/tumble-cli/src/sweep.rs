@@ -7,7 +7,7 @@ use std::path::Path;
 use std::time::{Duration, Instant};
 
 use tumble::stream;
-use tumble_scene::{Outcome, Sweep, SweepFile, SweepIdentity};
+use tumble_scene::{Outcome, Sweep, SweepFile, SweepIdentity, printable};
 
 use crate::ending::check_ending;
 use crate::failure::Failure;
@@ -132,7 +132,7 @@ impl Report {
         let seconds = self.time.as_secs_f64();
         lines.push(("wall time", format!("{seconds:.6} s")));
         lines.push(("worlds per second", format!("{:.4e}", run as f64 / seconds.max(f64::MIN_POSITIVE))));
-        lines.push(("written to", out.display().to_string()));
+        lines.push(("written to", printable(&out.to_string_lossy())));
         lines.iter().map(|(label, value)| format!("{label:<22} {value}\n")).collect()
     }
 }

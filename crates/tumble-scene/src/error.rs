@@ -2,12 +2,14 @@
 
 use std::fmt;
 
+use crate::terminal::printable;
+
 /// Longest piece of a file's own text that a message repeats \[characters\].
 const LONGEST_QUOTE: usize = 200;
 
 /// Why a scene could not be used.
 ///
-/// `Display` is one line that names the file, the body (by its name where that could be
+/// `Display` is one [printable](crate::printable) line that names the file, the body (by its name where that could be
 /// read, and by its index) and the field, and repeats the offending value.
 ///
 /// ```
@@ -24,7 +26,7 @@ const LONGEST_QUOTE: usize = 200;
 #[non_exhaustive]
 pub enum SceneError {
     /// The file is missing, is not a regular file or cannot be read.
-    #[error("{file}: cannot be read: {reason}")]
+    #[error("{}: cannot be read: {}", printable(.file), printable(.reason))]
     Unreadable {
         /// The file as the caller named it.
         file: String,
@@ -32,7 +34,7 @@ pub enum SceneError {
         reason: String,
     },
     /// The file is larger than [`MAX_FILE_BYTES`](crate::MAX_FILE_BYTES), or than what its format may have.
-    #[error("{file}: is larger than {limit} bytes, the most such a file may have")]
+    #[error("{}: is larger than {limit} bytes, the most such a file may have", printable(.file))]
     TooLarge {
         /// The file as the caller named it.
         file: String,
@@ -40,7 +42,7 @@ pub enum SceneError {
         limit: u64,
     },
     /// The file is not UTF-8.
-    #[error("{file}: is not UTF-8 text (bad byte at offset {offset})")]
+    #[error("{}: is not UTF-8 text (bad byte at offset {offset})", printable(.file))]
     NotText {
         /// The file as the caller named it.
         file: String,
@@ -48,7 +50,10 @@ pub enum SceneError {
         offset: usize,
     },
     /// The file name's extension is none of the formats.
-    #[error("{file}: a scene file ends in .json or .ron, or, unless it is for a sweep, in .gltf, .glb or .urdf")]
+    #[error(
+        "{}: a scene file ends in .json or .ron, or, unless it is for a sweep, in .gltf, .glb or .urdf",
+        printable(.file)
+    )]
     UnknownFormat {
         /// The file as the caller named it.
         file: String,
@@ -73,7 +78,7 @@ pub enum SceneError {
         name: String,
     },
     /// The text is not a scene: bad syntax, an unknown key, a wrong type.
-    #[error("{file}: {place}{problem}")]
+    #[error("{}: {place}{}", printable(.file), printable(.problem))]
     Malformed {
         /// The file as the caller named it.
         file: String,
@@ -83,7 +88,7 @@ pub enum SceneError {
         problem: String,
     },
     /// The text is a scene with an impossible value.
-    #[error("{file}: {place}{problem}")]
+    #[error("{}: {place}{}", printable(.file), printable(.problem))]
     Invalid {
         /// The file as the caller named it.
         file: String,
@@ -93,7 +98,7 @@ pub enum SceneError {
         problem: String,
     },
     /// The file is a robot with an impossible link.
-    #[error("{file}: link {link:?}, field {field}: {problem}")]
+    #[error("{}: link {link:?}, field {}: {}", printable(.file), printable(.field), printable(.problem))]
     Link {
         /// The file as the caller named it.
         file: String,
@@ -190,23 +195,9 @@ pub(crate) fn one_line(text: &str) -> String {
             line.push_str("...");
             break;
         }
-        if character.is_control() {
-            line.extend(character.escape_debug());
-        } else {
-            line.push(character);
-        }
+        line.push(character);
     }
-    line
-}
-
-/// The text as one line for a terminal: names come from files, and may have anything in them.
-///
-/// ```
-/// assert_eq!(tumble_scene::printable("a\u{1b}[31mb"), "a\u{fffd}[31mb");
-/// ```
-#[must_use]
-pub fn printable(text: &str) -> String {
-    text.chars().map(|letter| if letter.is_control() { '\u{fffd}' } else { letter }).collect()
+    printable(&line)
 }
 
 /// A number as people write it: 1e300 rather than three hundred zeros.

@@ -61,6 +61,7 @@ mod sweep;
 mod sweep_error;
 mod sweep_file;
 mod sweep_identity;
+mod terminal;
 mod tessellation;
 mod trajectory;
 mod urdf;
@@ -72,7 +73,7 @@ pub use audit_mesh::{MeshOptions, MeshRepairs};
 pub use builtin::builtin_names;
 pub use collider::{ColliderRole, SceneCollider};
 pub use distribution::Distribution;
-pub use error::{Place, SceneError, printable};
+pub use error::{Place, SceneError};
 pub use force::{Force, HullShape};
 pub use limits::{
     MAX_BODIES, MAX_FILE_BYTES, MAX_HEIGHTS, MAX_HULL_POINTS, MAX_MESH, MAX_PARTS, MAX_STEPS, TIME_STEPS, step_count,
@@ -93,6 +94,7 @@ pub use sweep::{MAX_WORLDS, RunLength, Sweep, SweepPlan, SweepWorld};
 pub use sweep_error::SweepError;
 pub use sweep_file::{SweepFile, SweepFileError, SweepReader, sweep_header};
 pub use sweep_identity::SweepIdentity;
+pub use terminal::{printable, printable_json, printable_lines};
 pub use tessellation::Tessellation;
 pub use trajectory::{
     Animation, COLUMNS, Frame, STATE_COLUMNS, SurfaceSet, TrajectoryError, TrajectoryFormat, TrajectoryWriter,
