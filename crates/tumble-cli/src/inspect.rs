@@ -7,20 +7,29 @@ use std::path::Path;
 use tumble::MeshAudit;
 use tumble_scene::{Audit, AuditedBody, MeshOptions, MeshRepairs, PendingFile, printable, printable_json};
 
+use crate::ending::check_ending;
 use crate::failure::Failure;
 use crate::options::InspectOptions;
 use crate::print;
+use crate::replacing::{Guard, Kind};
 
 /// Prints the mass properties and forces of every body, or of the one asked for; a failure if one of them has a problem.
 pub(crate) fn inspect(options: &InspectOptions) -> Result<(), Failure> {
     let file = &options.file;
+    if let Some(path) = &options.draw {
+        check_ending(path, "a drawing", "svg")?;
+    }
     let repairs = if options.repair { MeshRepairs::Made } else { MeshRepairs::Refused };
     let density = options.density.unwrap_or(MeshOptions::default().density);
     let mut audit = Audit::open_with(file, MeshOptions { density, repairs })?;
     let is_mesh = audit.bodies.iter().any(|body| body.mesh.is_some());
-    if (options.density.is_some() || options.repair) && !is_mesh {
-        let option = if options.repair { "--repair" } else { "--density" };
-        return Err(Failure::Input(format!("{option} goes with a mesh only, not with {file:?}")));
+    let repairable = is_mesh || is_repairable(file);
+    let unfit = [
+        (options.density.is_some() && !is_mesh, "--density goes with a mesh only"),
+        (options.repair && !repairable, REPAIR),
+    ];
+    if let Some((_, what)) = unfit.iter().find(|(unfit, _)| *unfit) {
+        return Err(Failure::Input(format!("{what}, not with {file:?}")));
     }
     if let Some(name) = &options.body {
         audit.bodies.retain(|body| body.name == *name);
@@ -31,6 +40,7 @@ pub(crate) fn inspect(options: &InspectOptions) -> Result<(), Failure> {
     let text =
         if options.json { json(&audit)? } else { audit.bodies.iter().map(people).collect::<Result<String, _>>()? };
     if let Some(path) = &options.draw {
+        Guard { inputs: audit.files.clone(), force: options.force }.check(path, Kind::Picture)?;
         draw(&audit, file, path)?;
     }
     print::notices(&audit.notices);
@@ -40,6 +50,15 @@ pub(crate) fn inspect(options: &InspectOptions) -> Result<(), Failure> {
         return Ok(());
     }
     Err(Failure::Input(format!("{file}: {bad} of {} bodies have problems", audit.bodies.len())))
+}
+
+/// What is said of `--repair` with anything else.
+pub(crate) const REPAIR: &str = "--repair goes with a mesh, or a .gltf, .glb or .urdf file";
+
+/// Whether a file is of a kind whose inertias can be repaired.
+pub(crate) fn is_repairable(file: &str) -> bool {
+    let ending = Path::new(file).extension().and_then(|ending| ending.to_str());
+    ending.is_some_and(|ending| ["gltf", "glb", "urdf"].iter().any(|known| ending.eq_ignore_ascii_case(known)))
 }
 
 /// Draws the first body.

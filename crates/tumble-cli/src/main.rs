@@ -14,6 +14,7 @@ mod options;
 mod outputs;
 mod print;
 mod progress;
+mod replacing;
 mod run;
 mod sweep;
 mod sweep_options;

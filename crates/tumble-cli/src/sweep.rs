@@ -27,7 +27,7 @@ pub(crate) fn sweep(options: &SweepOptions) -> Result<(), Failure> {
     let columns = columns(&sweep);
     let pool = pool(&options.stepping)?;
     interrupt::watch()?;
-    let plot = SweepPlot::open(&options.plot, &columns)?;
+    let plot = SweepPlot::open(&options.plot, &columns, sweep.files().to_vec())?;
     let identity = SweepIdentity::new(&sweep, options.shard);
     let file = open(&options.out, &identity, &columns)?;
     let mut report = Report { worlds: identity.range(), begun_at: file.first_missing_world(), ..Report::default() };

@@ -93,7 +93,7 @@ fn options_that_do_not_fit_are_refused() {
     place.write("part.obj", TETRAHEDRON);
     for (arguments, expected) in [
         (&["iss", "--density", "2"][..], "--density goes with a mesh only, not with \"iss\""),
-        (&["iss", "--repair"], "--repair goes with a mesh only, not with \"iss\""),
+        (&["iss", "--repair"], "--repair goes with a mesh, or a .gltf, .glb or .urdf file, not with \"iss\""),
         (&["part.obj", "--density", "-2"], "must be positive and finite"),
         (&["part.obj", "--body", "other"], "part.obj: no body is called \"other\""),
         (&["part.obj", "--draw", "no/where.svg"], "no/where.svg: cannot be written"),

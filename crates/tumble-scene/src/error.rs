@@ -97,6 +97,18 @@ pub enum SceneError {
         /// What is wrong, with the value.
         problem: String,
     },
+    /// The document has more of something than one may have, all that it names included.
+    #[error("{}: {place}more than {limit} {what}, the most a document may have", printable(.file))]
+    TooMuch {
+        /// The file as the caller named it.
+        file: String,
+        /// Where the limit was passed.
+        place: Place,
+        /// What there is too much of.
+        what: &'static str,
+        /// The limit.
+        limit: u64,
+    },
     /// The file is a robot with an impossible link.
     #[error("{}: link {link:?}, field {}: {}", printable(.file), printable(.field), printable(.problem))]
     Link {
@@ -148,14 +160,37 @@ impl fmt::Display for Place {
 pub(crate) struct FieldError {
     pub(crate) field: String,
     pub(crate) problem: String,
+    pub(crate) scope: Scope,
+}
+
+/// What an error makes unusable.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Scope {
+    /// What has the field.
+    Body,
+    /// The whole document: a file that it names cannot be read.
+    Document,
+    /// The whole document, for it has more of this than one may have.
+    Limit(&'static str, u64),
 }
 
 impl FieldError {
+    /// More of something than a whole document may have.
+    pub(crate) fn exceeding(field: impl Into<String>, what: &'static str, limit: u64) -> Self {
+        let problem = format!("more than {limit} {what}, the most a document may have");
+        Self { field: field.into(), problem, scope: Scope::Limit(what, limit) }
+    }
+
     pub(crate) fn new(field: impl Into<String>, problem: impl fmt::Display) -> Self {
         let field = field.into();
         let problem = one_line(&problem.to_string());
         let problem = without_field(&problem, &field).to_owned();
-        Self { field, problem }
+        Self { field, problem, scope: Scope::Body }
+    }
+
+    /// The same error, for which nothing of the document is to be used.
+    pub(crate) fn of_document(self) -> Self {
+        Self { scope: Scope::Document, ..self }
     }
 
     /// The same error of a node of a glTF file.
