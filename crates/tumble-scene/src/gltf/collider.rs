@@ -48,6 +48,12 @@ pub(super) type Colliders = HashMap<(bool, Vec<PieceKey>), (Result<Collider, Col
 /// A mesh by where it lies in memory, any other shape by its figures, and the bits of its place in the body.
 pub(super) type PieceKey = (*const SolidMesh, *const TriangleMesh, String, [u64; 7]);
 
+#[cfg(test)]
+thread_local! {
+    /// How many colliders of meshes have been made.
+    pub(super) static MADE: std::cell::Cell<usize> = const { std::cell::Cell::new(0) };
+}
+
 /// Makes the hull or the tree of a mesh once for all bodies that have it in the same place.
 fn shared(
     known: &mut Colliders,
@@ -66,6 +72,11 @@ fn shared(
         let surface = piece.surface.as_ref().map_or(ptr::null(), Arc::as_ptr);
         let ([x, y, z], [a, b, c, d]) = (piece.position.to_array(), piece.orientation.to_array());
         (solid, surface, figures, [x, y, z, a, b, c, d].map(f64::to_bits))
+    };
+    #[cfg(test)]
+    let make = || {
+        MADE.with(|made| made.set(made.get() + 1));
+        make()
     };
     // The pieces are kept, so that no other mesh comes to lie where one of them was.
     let keep = || (make(), pieces.iter().map(|piece| (*piece).clone()).collect());

@@ -34,6 +34,8 @@ mod solid;
 mod tree;
 mod triangles;
 mod unsupported;
+#[cfg(test)]
+mod work;
 
 use std::path::{Path, PathBuf};
 

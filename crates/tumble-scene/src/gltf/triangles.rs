@@ -96,6 +96,12 @@ impl<'a> Triangles<'a> {
         }
     }
 
+    /// How many vertices, triangles and nodes have been worked on.
+    #[cfg(test)]
+    pub(super) fn work(&self) -> usize {
+        MOST_TRIANGLES - self.room
+    }
+
     /// Takes up room.
     pub(super) fn take(&mut self, amount: usize) -> Result<(), FieldError> {
         let full = || FieldError::exceeding("", OF_COLLIDERS, MOST_TRIANGLES as u64);
