@@ -27,7 +27,7 @@ fn is_obeyed(letter: char) -> bool {
 
 fn assert_tame(output: &Output, what: &str) {
     for (stream, bytes) in [("stdout", &output.stdout), ("stderr", &output.stderr)] {
-        let text = std::str::from_utf8(bytes).unwrap_or_else(|_| panic!("{what}: {stream} is no text"));
+        let text = std::str::from_utf8(bytes).unwrap_or("\u{9b} is no text");
         let bad = text.chars().find(|letter| *letter != '\n' && is_obeyed(*letter));
         assert_eq!(bad, None, "{what}: {stream}: {text:?}");
         let forged = text.lines().any(|line| line.starts_with("tumble: forged"));
