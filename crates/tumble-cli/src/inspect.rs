@@ -5,22 +5,31 @@ use std::io::Write as _;
 use std::path::Path;
 
 use tumble::MeshAudit;
-use tumble_scene::{Audit, AuditedBody, MeshOptions, MeshRepairs, PendingFile};
+use tumble_scene::{Audit, AuditedBody, MeshOptions, MeshRepairs, PendingFile, printable, printable_json};
 
+use crate::ending::check_ending;
 use crate::failure::Failure;
 use crate::options::InspectOptions;
 use crate::print;
+use crate::replacing::{Guard, Kind};
 
 /// Prints the mass properties and forces of every body, or of the one asked for; a failure if one of them has a problem.
 pub(crate) fn inspect(options: &InspectOptions) -> Result<(), Failure> {
     let file = &options.file;
+    if let Some(path) = &options.draw {
+        check_ending(path, "a drawing", "svg")?;
+    }
     let repairs = if options.repair { MeshRepairs::Made } else { MeshRepairs::Refused };
     let density = options.density.unwrap_or(MeshOptions::default().density);
     let mut audit = Audit::open_with(file, MeshOptions { density, repairs })?;
     let is_mesh = audit.bodies.iter().any(|body| body.mesh.is_some());
-    if (options.density.is_some() || options.repair) && !is_mesh {
-        let option = if options.repair { "--repair" } else { "--density" };
-        return Err(Failure::Input(format!("{option} goes with a mesh only, not with {file:?}")));
+    let repairable = is_mesh || is_repairable(file);
+    let unfit = [
+        (options.density.is_some() && !is_mesh, "--density goes with a mesh only"),
+        (options.repair && !repairable, REPAIR),
+    ];
+    if let Some((_, what)) = unfit.iter().find(|(unfit, _)| *unfit) {
+        return Err(Failure::Input(format!("{what}, not with {file:?}")));
     }
     if let Some(name) = &options.body {
         audit.bodies.retain(|body| body.name == *name);
@@ -31,6 +40,7 @@ pub(crate) fn inspect(options: &InspectOptions) -> Result<(), Failure> {
     let text =
         if options.json { json(&audit)? } else { audit.bodies.iter().map(people).collect::<Result<String, _>>()? };
     if let Some(path) = &options.draw {
+        Guard { inputs: audit.files.clone(), force: options.force }.check(path, Kind::Picture)?;
         draw(&audit, file, path)?;
     }
     print::notices(&audit.notices);
@@ -42,6 +52,15 @@ pub(crate) fn inspect(options: &InspectOptions) -> Result<(), Failure> {
     Err(Failure::Input(format!("{file}: {bad} of {} bodies have problems", audit.bodies.len())))
 }
 
+/// What is said of `--repair` with anything else.
+pub(crate) const REPAIR: &str = "--repair goes with a mesh, or a .gltf, .glb or .urdf file";
+
+/// Whether a file is of a kind whose inertias can be repaired.
+pub(crate) fn is_repairable(file: &str) -> bool {
+    let ending = Path::new(file).extension().and_then(|ending| ending.to_str());
+    ending.is_some_and(|ending| ["gltf", "glb", "urdf"].iter().any(|known| ending.eq_ignore_ascii_case(known)))
+}
+
 /// Draws the first body.
 fn draw(audit: &Audit, file: &str, path: &Path) -> Result<(), Failure> {
     let body = audit.bodies.first().ok_or_else(|| Failure::Input(format!("{file}: there is no body to draw")))?;
@@ -51,7 +70,7 @@ fn draw(audit: &Audit, file: &str, path: &Path) -> Result<(), Failure> {
 }
 
 fn json(audit: &Audit) -> Result<String, Failure> {
-    serde_json::to_string_pretty(audit).map(|text| text + "\n").map_err(|error| unwritten(&error))
+    serde_json::to_string_pretty(audit).map(|text| printable_json(&text) + "\n").map_err(|error| unwritten(&error))
 }
 
 fn unwritten(error: &serde_json::Error) -> Failure {
@@ -60,10 +79,10 @@ fn unwritten(error: &serde_json::Error) -> Failure {
 
 /// A paragraph with as many digits as the file could have had. Forces are written as in files.
 fn people(body: &AuditedBody) -> Result<String, Failure> {
-    let mut text = format!("{}\n", body.name);
+    let mut text = format!("{}\n", printable(&body.name));
     let mut line = |label: &str, value: &str| {
         // Writing to a string cannot fail.
-        let _ = writeln!(text, "  {label:<22} {value}");
+        let _ = writeln!(text, "  {label:<22} {}", printable(value));
     };
     if let Some(mass) = body.mass {
         line("mass [kg]", &mass.to_string());

@@ -14,6 +14,7 @@ mod options;
 mod outputs;
 mod print;
 mod progress;
+mod replacing;
 mod run;
 mod sweep;
 mod sweep_options;
@@ -28,8 +29,20 @@ use clap::Parser as _;
 use crate::failure::Failure;
 use crate::options::{Command, Options, RunOptions};
 
+const BAD_USAGE: u8 = 2;
+
 fn main() -> ExitCode {
-    let done = match Options::parse().command.unwrap_or_else(|| Command::Run(RunOptions::default())) {
+    print::escape_panics();
+    let options = match Options::try_parse() {
+        Ok(options) => options,
+        Err(error) if error.use_stderr() => {
+            print::usage(error);
+            return ExitCode::from(BAD_USAGE);
+        }
+        // Help and version, which are this program's own words.
+        Err(error) => error.exit(),
+    };
+    let done = match options.command.unwrap_or_else(|| Command::Run(RunOptions::default())) {
         Command::Run(options) => run::run(&options),
         Command::Sweep(options) => sweep::sweep(&options),
         Command::Merge(options) => merge::merge(&options),

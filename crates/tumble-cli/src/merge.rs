@@ -23,7 +23,7 @@ pub(crate) fn merge(options: &MergeOptions) -> Result<(), Failure> {
             return Err(Failure::Input(format!("{}: is a shard itself, it cannot be the whole", out.display())));
         }
     }
-    let plot = SweepPlot::open(&options.plot, &columns)?;
+    let plot = SweepPlot::open(&options.plot, &columns, options.shards.clone())?;
     let mut replaced = claim(out, &identity)?;
     let mut file = PendingFile::create(out).map_err(|error| Failure::opening(out, &error))?;
     let header = tumble_scene::sweep_header(&identity, &columns);

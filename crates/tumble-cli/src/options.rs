@@ -65,6 +65,12 @@ pub(crate) struct RunOptions {
     /// Write report.html, summary.json, ledger.csv, energy.svg and drift.svg into a directory, which is made if need be
     #[arg(long, value_name = "DIR")]
     pub(crate) report: Option<PathBuf>,
+    /// Take the nearest possible inertia for bodies of a .gltf, .glb or .urdf file whose own is impossible, and say so of each
+    #[arg(long)]
+    pub(crate) repair: bool,
+    /// Replace files that this program did not write
+    #[arg(long)]
+    pub(crate) force: bool,
     /// Print nothing unless something goes wrong
     #[arg(long)]
     pub(crate) quiet: bool,
@@ -104,12 +110,16 @@ pub(crate) struct InspectOptions {
     /// Density of a mesh in kg/m^3 [default: 1]
     #[arg(long, value_name = "D", allow_negative_numbers = true, value_parser = density)]
     pub(crate) density: Option<f64>,
-    /// Repair a mesh where there is no doubt how, and say what was done
+    /// Repair a mesh where there is no doubt how, or take the nearest possible inertia of a .gltf, .glb or .urdf file's bodies, and
+    /// say what was done
     #[arg(long)]
     pub(crate) repair: bool,
     /// Draw a body to an .svg file
     #[arg(long, value_name = "FILE")]
     pub(crate) draw: Option<PathBuf>,
+    /// Replace a file that this program did not write
+    #[arg(long, requires = "draw")]
+    pub(crate) force: bool,
     /// The body to show and draw, by its name [default: show all, draw the first]
     #[arg(long, value_name = "NAME")]
     pub(crate) body: Option<String>,

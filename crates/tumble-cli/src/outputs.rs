@@ -16,6 +16,7 @@ use crate::ending::trajectory_format;
 use crate::failure::Failure;
 use crate::history::History;
 use crate::options::RunOptions;
+use crate::replacing::{Guard, Kind};
 use crate::table::systems;
 
 /// What a run writes; dropped before [`finish`](Self::finish), it leaves nothing behind.
@@ -31,18 +32,16 @@ impl Outputs {
     pub(crate) fn open(options: &RunOptions, scene: &Scene, steps: u64) -> Result<Self, Failure> {
         let mut outputs = Self { record: None, report: None, directories: NewDirectories(Vec::new()) };
         let format = options.record.as_deref().map(trajectory_format).transpose()?;
+        let guard = Guard { inputs: scene.files.clone(), force: options.force };
         if let Some(directory) = &options.report {
             outputs.directories.create(directory).map_err(|error| Failure::opening(directory, &error))?;
-            outputs.report = Some(Report::open(options, directory)?);
+            outputs.report = Some(Report::open(&guard, directory)?);
         }
         if let (Some(path), Some(format)) = (&options.record, format) {
             let opening = |error: io::Error| Failure::opening(path, &error);
-            refuse_scene(options, path, "the record")?;
-            refuse_scene(
-                options,
-                &PendingFile::partial_path(path).map_err(opening)?,
-                "the record until it is finished",
-            )?;
+            guard.check(path, Kind::Record(format))?;
+            guard.check(&PendingFile::partial_path(path).map_err(opening)?, Kind::Partial(format))?;
+            outputs.refuse_twice(path)?;
             let animation = match format {
                 TrajectoryFormat::Glb => Some(Animation::of(scene, steps, options.every.map_or(1, NonZeroU64::get))?),
                 TrajectoryFormat::Csv | TrajectoryFormat::Parquet => None,
@@ -51,6 +50,21 @@ impl Outputs {
             outputs.record = Some((path.clone(), trajectory(file, format, animation).map_err(opening)?));
         }
         Ok(outputs)
+    }
+
+    /// A record is not to take the place of a file of the report.
+    fn refuse_twice(&self, record: &Path) -> Result<(), Failure> {
+        let real = |path: &Path| Some(fs::canonicalize(path.parent()?).ok()?.join(path.file_name()?));
+        let here = |path: &Path| {
+            if path.parent() == Some(Path::new("")) { Path::new(".").join(path) } else { path.to_owned() }
+        };
+        let mut files = self.report.iter().flat_map(Report::paths);
+        match files.find(|path| real(&here(path)) == real(&here(record))) {
+            Some(path) => {
+                Err(Failure::Input(format!("{}: is a file of the report, it cannot be the record", path.display())))
+            }
+            None => Ok(()),
+        }
     }
 
     /// Writes one state of every body, if the run is recorded.
@@ -75,14 +89,28 @@ impl Outputs {
         }
     }
 
-    /// Renames the record into its place, and with it the report where there is one to write.
+    /// Renames the record into its place, and with it the report where there is one to write. All are on the disk before the first is
+    /// renamed: a disk that is full leaves none.
     pub(crate) fn finish(mut self, findings: Option<Findings<'_>>) -> Result<(), Failure> {
+        let mut whole = Vec::new();
         if let Some((path, writer)) = self.record.take() {
-            let finished = writer.finish().and_then(PendingFile::finish);
-            finished.map_err(|error| Failure::writing(&path, &error))?;
+            let file = writer.finish().map_err(|error| Failure::writing(&path, &error))?;
+            whole.push((path, file));
         }
-        if let (Some(files), Some(findings)) = (self.report.take(), findings) {
-            files.finish(&findings)?;
+        let reported = match (self.report.take(), findings) {
+            (Some(files), Some(findings)) => {
+                whole.extend(files.write(&findings)?);
+                true
+            }
+            _ => false,
+        };
+        for (path, file) in &mut whole {
+            file.settle().map_err(|error| Failure::writing(path, &error))?;
+        }
+        for (path, file) in whole {
+            file.finish().map_err(|error| Failure::writing(&path, &error))?;
+        }
+        if reported {
             self.directories.0.clear();
         }
         Ok(())
@@ -123,60 +151,57 @@ struct Report {
 }
 
 impl Report {
-    fn open(options: &RunOptions, directory: &Path) -> Result<Self, Failure> {
-        let open = |name: &str| -> Result<(PathBuf, PendingFile), Failure> {
+    fn open(guard: &Guard, directory: &Path) -> Result<Self, Failure> {
+        let open = |name: &str, kind: Kind| -> Result<(PathBuf, PendingFile), Failure> {
             let path = directory.join(name);
-            refuse_scene(options, &path, "the report")?;
+            guard.check(&path, kind)?;
             let file = PendingFile::create(&path).map_err(|error| Failure::opening(&path, &error))?;
             Ok((path, file))
         };
         Ok(Self {
-            summary: open("summary.json")?,
-            ledger: open("ledger.csv")?,
-            energy: open("energy.svg")?,
-            drift: open("drift.svg")?,
-            page: open("report.html")?,
+            summary: open("summary.json", Kind::Summary)?,
+            ledger: open("ledger.csv", Kind::Ledger)?,
+            energy: open("energy.svg", Kind::Picture)?,
+            drift: open("drift.svg", Kind::Picture)?,
+            page: open("report.html", Kind::Page)?,
         })
     }
 
-    fn finish(self, findings: &Findings<'_>) -> Result<(), Failure> {
+    fn paths(&self) -> impl Iterator<Item = &PathBuf> {
+        [&self.summary, &self.ledger, &self.energy, &self.drift, &self.page].into_iter().map(|(path, _)| path)
+    }
+
+    /// Writes what there is to write; the files that are whole then, and are still to be renamed.
+    fn write(self, findings: &Findings<'_>) -> Result<Vec<(PathBuf, PendingFile)>, Failure> {
         let Findings { summary, asked, history, replay, times } = *findings;
-        let mut plots = Vec::new();
+        let (mut plots, mut whole) = (Vec::new(), Vec::new());
         if let Some(history) = history {
             plots = vec![history.energy_plot(), history.drift_plot()];
-            write(self.ledger, |file| history.write_csv(file))?;
+            whole.push(write(self.ledger, |file| history.write_csv(file))?);
             for (place, plot) in [self.energy, self.drift].into_iter().zip(&plots) {
-                write(place, |file| file.write_all(plot.to_svg().as_bytes()))?;
+                whole.push(write(place, |file| file.write_all(plot.to_svg().as_bytes()))?);
             }
         }
         if let Some(replay) = replay {
             let (phases, plots) = (&systems(times), plots.as_slice());
-            write(self.page, |file| ReportPage { summary, steps_asked: asked, phases, plots, replay }.write(file))?;
+            let page = ReportPage { summary, steps_asked: asked, phases, plots, replay };
+            whole.push(write(self.page, |file| page.write(file))?);
         }
-        write(self.summary, |file| {
+        whole.push(write(self.summary, |file| {
             serde_json::to_writer_pretty(&mut *file, summary)?;
             file.write_all(b"\n")
-        })
+        })?);
+        Ok(whole)
     }
 }
 
-/// Writes one file whole and renames it into its place.
+/// Writes one file whole.
 fn write(
     (path, mut file): (PathBuf, PendingFile),
     content: impl FnOnce(&mut PendingFile) -> io::Result<()>,
-) -> Result<(), Failure> {
-    content(&mut file).and_then(|()| file.finish()).map_err(|error| Failure::writing(&path, &error))
-}
-
-/// What is written must not replace the scene it came from.
-fn refuse_scene(options: &RunOptions, file: &Path, what: &str) -> Result<(), Failure> {
-    let scene = options.scene.as_ref().and_then(|scene| fs::canonicalize(scene).ok());
-    match (scene, fs::canonicalize(file)) {
-        (Some(scene), Ok(same)) if scene == same => {
-            Err(Failure::Input(format!("{}: is the scene itself, it cannot be {what}", file.display())))
-        }
-        _ => Ok(()),
-    }
+) -> Result<(PathBuf, PendingFile), Failure> {
+    content(&mut file).map_err(|error| Failure::writing(&path, &error))?;
+    Ok((path, file))
 }
 
 /// Directories that did not exist before, outermost first; removed again if they stay empty.

@@ -1,16 +1,18 @@
 //! `tumble run`.
 
+use std::path::Path;
 use std::time::{Duration, Instant};
 
 use hecs::World;
 use rayon::{ThreadPool, ThreadPoolBuilder};
 use tumble::math::PRECISION;
 use tumble::{BodyId, BodyOrder, PhaseTimes, Simulation, simd_name, state_hash};
-use tumble_scene::{Frame, Names, Replay, Scene, Summary, steps_of_duration};
+use tumble_scene::{Frame, InertiaRepairs, Names, Replay, Scene, Summary, steps_of_duration};
 
 use crate::drift::{Drift, NotFinite, interval};
 use crate::failure::Failure;
 use crate::history::History;
+use crate::inspect::{REPAIR, is_repairable};
 use crate::options::{RunOptions, StepOptions};
 use crate::outputs::{Findings, Outputs};
 use crate::progress::Progress;
@@ -25,6 +27,8 @@ pub(crate) fn run(options: &RunOptions) -> Result<(), Failure> {
     let scene = scene(options)?;
     if !options.quiet {
         print::notices(&scene.notices);
+    } else {
+        scene.left_out.iter().for_each(|error| print::error(&format_args!("left out: {error}")));
     }
     let steps = steps(options, &scene)?;
     check_simd()?;
@@ -68,7 +72,11 @@ pub(crate) fn check_simd() -> Result<(), Failure> {
 /// The scene with the options applied.
 fn scene(options: &RunOptions) -> Result<Scene, Failure> {
     let name = options.scene.as_deref().unwrap_or("stress");
-    let mut scene = Scene::open_with(name, options.bodies, options.seed)?;
+    let mut scene = match options.repair {
+        false => Scene::open_with(name, options.bodies, options.seed)?,
+        true if is_repairable(name) => Scene::load_with(Path::new(name), InertiaRepairs::Made)?,
+        true => return Err(Failure::Input(format!("{REPAIR}, not with {name:?}"))),
+    };
     if let Some(dt) = options.stepping.dt {
         scene.settings.dt = dt;
     }

@@ -7,7 +7,7 @@ use std::path::Path;
 use std::time::{Duration, Instant};
 
 use tumble::stream;
-use tumble_scene::{Outcome, Sweep, SweepFile, SweepIdentity};
+use tumble_scene::{Outcome, Sweep, SweepFile, SweepIdentity, printable};
 
 use crate::ending::check_ending;
 use crate::failure::Failure;
@@ -27,7 +27,7 @@ pub(crate) fn sweep(options: &SweepOptions) -> Result<(), Failure> {
     let columns = columns(&sweep);
     let pool = pool(&options.stepping)?;
     interrupt::watch()?;
-    let plot = SweepPlot::open(&options.plot, &columns)?;
+    let plot = SweepPlot::open(&options.plot, &columns, sweep.files().to_vec())?;
     let identity = SweepIdentity::new(&sweep, options.shard);
     let file = open(&options.out, &identity, &columns)?;
     let mut report = Report { worlds: identity.range(), begun_at: file.first_missing_world(), ..Report::default() };
@@ -132,7 +132,7 @@ impl Report {
         let seconds = self.time.as_secs_f64();
         lines.push(("wall time", format!("{seconds:.6} s")));
         lines.push(("worlds per second", format!("{:.4e}", run as f64 / seconds.max(f64::MIN_POSITIVE))));
-        lines.push(("written to", out.display().to_string()));
+        lines.push(("written to", printable(&out.to_string_lossy())));
         lines.iter().map(|(label, value)| format!("{label:<22} {value}\n")).collect()
     }
 }

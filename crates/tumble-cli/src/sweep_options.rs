@@ -59,6 +59,9 @@ pub(crate) struct PlotOptions {
     /// Draw one column against another into an .svg file
     #[arg(long, value_name = "FILE")]
     pub(crate) plot: Option<PathBuf>,
+    /// Replace a plot's file that this program did not write
+    #[arg(long, requires = "plot")]
+    pub(crate) force: bool,
     /// The column from left to right [default: the first field that varies]
     #[arg(long, value_name = "COLUMN", requires = "plot")]
     pub(crate) x: Option<String>,

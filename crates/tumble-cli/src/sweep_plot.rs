@@ -3,10 +3,11 @@
 use std::io::Write as _;
 use std::path::{Path, PathBuf};
 
-use tumble_scene::{Mark, PendingFile, Plot, Scale, SweepReader};
+use tumble_scene::{Mark, PendingFile, Plot, Scale, SweepReader, csv_cell};
 
 use crate::ending::check_ending;
 use crate::failure::Failure;
+use crate::replacing::{Guard, Kind};
 use crate::sweep_options::PlotOptions;
 
 /// Points of a picture: more cannot be told apart, and a picture of all worlds would have no bounds.
@@ -25,12 +26,20 @@ pub(crate) struct SweepPlot {
 
 impl SweepPlot {
     /// `None` where none is asked for.
-    pub(crate) fn open(options: &PlotOptions, columns: &[String]) -> Result<Option<Self>, Failure> {
+    pub(crate) fn open(
+        options: &PlotOptions,
+        columns: &[String],
+        inputs: Vec<PathBuf>,
+    ) -> Result<Option<Self>, Failure> {
         let Some(path) = options.plot.clone() else { return Ok(None) };
         check_ending(&path, "a plot", "svg")?;
+        Guard { inputs, force: options.force }.check(&path, Kind::Picture)?;
         // What follows the world is the first field that varies; where nothing does, it is the outcome.
         let first = columns.get(1).filter(|column| *column != "outcome").map_or("world", String::as_str);
-        let column = |option: &str, name: &str| match columns.iter().position(|column| column == name) {
+        let column = |option: &str, name: &str| match columns
+            .iter()
+            .position(|column| column == name || *column == csv_cell(name))
+        {
             Some(_) if ["outcome", "hash"].contains(&name) => {
                 Err(Failure::Input(format!("{option} {name:?}: is no number and cannot be drawn")))
             }

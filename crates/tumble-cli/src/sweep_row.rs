@@ -5,7 +5,7 @@ use std::ops::ControlFlow;
 
 use tumble::math::Real;
 use tumble::{BodyOrder, Pose, Trial, Velocity};
-use tumble_scene::{Outcome, STATE_COLUMNS, Sweep, SweepWorld, state_numbers};
+use tumble_scene::{Outcome, STATE_COLUMNS, Sweep, SweepWorld, csv_cell, state_numbers};
 
 use crate::drift::Drift;
 use crate::interrupt;
@@ -34,7 +34,12 @@ pub(crate) fn columns(sweep: &Sweep) -> Vec<String> {
     let mut columns = vec!["world".to_owned()];
     columns.extend(sweep.fields().map(str::to_owned));
     columns.extend(["outcome", "steps_taken", "time"].map(str::to_owned));
-    columns.extend(sweep.reported_names().iter().flat_map(|name| STATE_COLUMNS.map(|of| format!("{name}.{of}"))));
+    columns.extend(
+        sweep
+            .reported_names()
+            .iter()
+            .flat_map(|name| STATE_COLUMNS.map(|of| csv_cell(&format!("{name}.{of}")).into_owned())),
+    );
     columns.extend(["energy", "energy_drift", "hash"].map(str::to_owned));
     columns
 }

@@ -93,7 +93,7 @@ fn options_that_do_not_fit_are_refused() {
     place.write("part.obj", TETRAHEDRON);
     for (arguments, expected) in [
         (&["iss", "--density", "2"][..], "--density goes with a mesh only, not with \"iss\""),
-        (&["iss", "--repair"], "--repair goes with a mesh only, not with \"iss\""),
+        (&["iss", "--repair"], "--repair goes with a mesh, or a .gltf, .glb or .urdf file, not with \"iss\""),
         (&["part.obj", "--density", "-2"], "must be positive and finite"),
         (&["part.obj", "--body", "other"], "part.obj: no body is called \"other\""),
         (&["part.obj", "--draw", "no/where.svg"], "no/where.svg: cannot be written"),
@@ -158,4 +158,35 @@ fn portraits() {
         format!(r#"{{ "bodies": [ {{ "shape": {{ "compound": {{ "parts": [ {parts} ] }} }} }} ] }}"#),
     );
     assert!(texts(&draw(&["many.json"], 0)).contains(&"more than 400 parts, not drawn".to_owned()));
+}
+
+/// The moments of a wheel in a published sample; the other body is sound.
+#[test]
+fn an_impossible_body_is_left_out_by_name_and_repaired_when_asked() {
+    let place = Place::new();
+    let node = |name: &str, moments: &str| {
+        let motion = format!(r#"{{ "motion": {{ "mass": 1, "inertiaDiagonal": {moments} }} }}"#);
+        format!(r#"{{ "name": "{name}", "extensions": {{ "KHR_physics_rigid_bodies": {motion} }} }}"#)
+    };
+    let (wheel, crate_) = (node("wheel", "[0.4, 0.1, 0.1]"), node("crate", "[1, 1, 1]"));
+    place.write("two.gltf", format!(r#"{{ "asset": {{ "version": "2.0" }}, "nodes": [ {wheel}, {crate_} ] }}"#));
+    for quiet in [&[][..], &["--quiet"]] {
+        let output = place.run(&[&["run", "two.gltf", "--steps", "1", "--record", "two.csv"], quiet].concat());
+        assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
+        assert!(stderr(&output).contains("left out") && stderr(&output).contains("\"wheel\""), "{}", stderr(&output));
+        assert!(stderr(&output).contains("--repair"), "{}", stderr(&output));
+        assert!(place.record("two.csv").iter().all(|row| &row[2] == "crate"));
+    }
+    let output = place.run(&["run", "two.gltf", "--steps", "1", "--repair", "--record", "two.csv"]);
+    assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
+    let told = "\"wheel\"";
+    assert!(stderr(&output).contains("repaired") && stderr(&output).contains(told), "{}", stderr(&output));
+    assert_eq!(place.record("two.csv").len(), 4);
+    let bodies = json(&place, &["two.gltf"], 2)["bodies"].clone();
+    assert!(bodies[0]["problems"][0].as_str().unwrap().contains("--repair") && bodies[1]["mass"] == 1.0);
+    let bodies = json(&place, &["two.gltf", "--repair"], 0)["bodies"].clone();
+    // A third of the excess of 0.2 from the largest to each of the others, in the roundings of the build's precision.
+    let moment = |index: usize| bodies[0]["tensor"][index][index].as_f64().unwrap();
+    assert!((moment(0) - 1.0 / 3.0).abs() < 1e-6 && (moment(1) - 1.0 / 6.0).abs() < 1e-6, "{bodies}");
+    place.refused(&["run", "iss", "--repair"], "--repair goes with");
 }

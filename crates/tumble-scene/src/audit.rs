@@ -1,17 +1,18 @@
 //! The mass properties and forces of a scene's bodies, and what is wrong with them.
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use serde::Serialize;
 use tumble::{MassProperties, MeshAudit};
 
 use crate::audit_collider::AuditedCollider;
-use crate::audit_mesh::{self, MeshOptions};
+use crate::audit_mesh::{self, MeshOptions, MeshRepairs};
 use crate::builtin;
 use crate::convert::{self, Others};
 use crate::error::{FieldError, SceneError};
 use crate::force::Force;
 use crate::gltf::{self, GltfBody, GltfScene};
+use crate::inertia_repair::InertiaRepairs;
 use crate::looks::Looks;
 use crate::mesh_file::MeshFormat;
 use crate::model::SceneModel;
@@ -40,6 +41,9 @@ pub struct Audit {
     /// As [`Scene::notices`](crate::Scene::notices).
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub notices: Vec<String>,
+    /// As [`Scene::files`](crate::Scene::files).
+    #[serde(skip)]
+    pub files: Vec<PathBuf>,
 }
 
 /// The mass properties of one body in its own frame, and its forces.
@@ -103,15 +107,20 @@ impl Audit {
         Self::open_with(name_or_path, MeshOptions::default())
     }
 
-    /// As [`open`](Self::open), with a density for a mesh and a word on its repairs.
+    /// As [`open`](Self::open), with a density for a mesh and a word on its repairs, which are those of
+    /// [inertias](crate::InertiaRepairs) too.
     ///
     /// # Errors
     /// As [`open`](Self::open).
     pub fn open_with(name_or_path: &str, options: MeshOptions) -> Result<Self, SceneError> {
         let path = Path::new(name_or_path);
+        let repairs = match options.repairs {
+            MeshRepairs::Refused => InertiaRepairs::Refused,
+            MeshRepairs::Made => InertiaRepairs::Made,
+        };
         match MeshFormat::of_path(path) {
             Some(MeshFormat::Gltf) => {
-                let scene = gltf::load(path)?;
+                let scene = gltf::load(path, repairs)?;
                 // Without physics it is a file of triangles like any other.
                 if !scene.bodies.is_empty() {
                     return Ok(Self::of_gltf(scene));
@@ -124,10 +133,13 @@ impl Audit {
             None => {}
         }
         if is_path(name_or_path) && is_urdf(path) {
-            return Self::from_urdf(&read_limited(path, MAX_URDF_BYTES)?, name_or_path);
+            let robot = Robot::read(&read_limited(path, MAX_URDF_BYTES)?, name_or_path, repairs)?;
+            return Ok(Self { files: vec![path.to_owned()], ..Self::of_robot(robot) });
         }
         if is_path(name_or_path) {
-            return Self::of_model(&load_model(path)?, name_or_path);
+            let mut audit = Self::of_model(&load_model(path)?, name_or_path)?;
+            audit.files.insert(0, path.to_owned());
+            return Ok(audit);
         }
         if name_or_path == builtin::STRESS {
             return stress();
@@ -151,12 +163,16 @@ impl Audit {
     /// # Errors
     /// [`SceneError`] if the text is not a robot at all.
     pub fn from_urdf(text: &str, file: &str) -> Result<Self, SceneError> {
-        let robot = Robot::read(text, file)?;
+        Ok(Self::of_robot(Robot::read(text, file, InertiaRepairs::Refused)?))
+    }
+
+    fn of_robot(robot: Robot) -> Self {
         let audited = |link: RobotLink| match link.body {
             Ok(body) => AuditedBody::of(link.name, &body, Up::Z),
             Err(problems) => AuditedBody::impossible(link.name, &problems),
         };
-        Ok(Self { bodies: robot.links.into_iter().map(audited).collect(), notices: robot.notices })
+        let bodies = robot.links.into_iter().map(audited).collect();
+        Self { bodies, notices: robot.notices, files: Vec::new() }
     }
 
     /// Whether anything is wrong with any body.
@@ -170,7 +186,8 @@ impl Audit {
             Ok(body) => AuditedBody::of(name, &body, Up::Y),
             Err(error) => AuditedBody::impossible(name, &[error]),
         };
-        Self { bodies: scene.bodies.into_iter().map(audited).collect(), notices: scene.notices }
+        let bodies = scene.bodies.into_iter().map(audited).collect();
+        Self { bodies, notices: scene.notices, files: scene.files }
     }
 
     fn of_model(model: &SceneModel, file: &str) -> Result<Self, SceneError> {
@@ -195,7 +212,7 @@ impl Audit {
                 body.problems.push(error.to_string());
             }
         }
-        Ok(Self { bodies, notices: model.notices.clone() })
+        Ok(Self { bodies, notices: model.notices.clone(), files: model.files.clone() })
     }
 }
 
@@ -203,7 +220,7 @@ fn stress() -> Result<Audit, SceneError> {
     let bodies = stress_bodies(DEFAULT_BODIES, 0)
         .enumerate()
         .map(|(index, body)| Ok(AuditedBody::of(convert::numbered(index as u64), &body?, Up::Y)));
-    Ok(Audit { bodies: bodies.collect::<Result<_, _>>()?, notices: Vec::new() })
+    Ok(Audit { bodies: bodies.collect::<Result<_, _>>()?, notices: Vec::new(), files: Vec::new() })
 }
 
 impl AuditedBody {

@@ -11,6 +11,7 @@ use crate::convert::positive;
 use crate::error::{SceneError, one_line};
 use crate::looks::Looks;
 use crate::mesh_file::{self, MeshFile, MeshFormat};
+use crate::reading::Reading;
 
 /// How a mesh is looked at.
 ///
@@ -49,10 +50,11 @@ pub enum MeshRepairs {
 
 /// Audits a mesh file. The one body is called like the file.
 pub(crate) fn of_file(path: &Path, format: MeshFormat, options: MeshOptions) -> Result<Audit, SceneError> {
-    let MeshFile { mesh, mut notices } = mesh_file::load(path)?;
+    let mut reading = Reading::default();
+    let MeshFile { mesh, mut notices } = mesh_file::load(path, &mut reading)?;
     let name = path.file_stem().map_or_else(|| "mesh".to_owned(), |stem| one_line(&stem.to_string_lossy()));
     let body = audited(name, mesh, format, options, &mut notices);
-    Ok(Audit { bodies: vec![body], notices })
+    Ok(Audit { bodies: vec![body], notices, files: reading.into_files() })
 }
 
 fn audited(

@@ -2,12 +2,14 @@
 
 use std::fmt;
 
+use crate::terminal::printable;
+
 /// Longest piece of a file's own text that a message repeats \[characters\].
 const LONGEST_QUOTE: usize = 200;
 
 /// Why a scene could not be used.
 ///
-/// `Display` is one line that names the file, the body (by its name where that could be
+/// `Display` is one [printable](crate::printable) line that names the file, the body (by its name where that could be
 /// read, and by its index) and the field, and repeats the offending value.
 ///
 /// ```
@@ -24,7 +26,7 @@ const LONGEST_QUOTE: usize = 200;
 #[non_exhaustive]
 pub enum SceneError {
     /// The file is missing, is not a regular file or cannot be read.
-    #[error("{file}: cannot be read: {reason}")]
+    #[error("{}: cannot be read: {}", printable(.file), printable(.reason))]
     Unreadable {
         /// The file as the caller named it.
         file: String,
@@ -32,7 +34,7 @@ pub enum SceneError {
         reason: String,
     },
     /// The file is larger than [`MAX_FILE_BYTES`](crate::MAX_FILE_BYTES), or than what its format may have.
-    #[error("{file}: is larger than {limit} bytes, the most such a file may have")]
+    #[error("{}: is larger than {limit} bytes, the most such a file may have", printable(.file))]
     TooLarge {
         /// The file as the caller named it.
         file: String,
@@ -40,7 +42,7 @@ pub enum SceneError {
         limit: u64,
     },
     /// The file is not UTF-8.
-    #[error("{file}: is not UTF-8 text (bad byte at offset {offset})")]
+    #[error("{}: is not UTF-8 text (bad byte at offset {offset})", printable(.file))]
     NotText {
         /// The file as the caller named it.
         file: String,
@@ -48,7 +50,10 @@ pub enum SceneError {
         offset: usize,
     },
     /// The file name's extension is none of the formats.
-    #[error("{file}: a scene file ends in .json or .ron, or, unless it is for a sweep, in .gltf, .glb or .urdf")]
+    #[error(
+        "{}: a scene file ends in .json or .ron, or, unless it is for a sweep, in .gltf, .glb or .urdf",
+        printable(.file)
+    )]
     UnknownFormat {
         /// The file as the caller named it.
         file: String,
@@ -73,7 +78,7 @@ pub enum SceneError {
         name: String,
     },
     /// The text is not a scene: bad syntax, an unknown key, a wrong type.
-    #[error("{file}: {place}{problem}")]
+    #[error("{}: {place}{}", printable(.file), printable(.problem))]
     Malformed {
         /// The file as the caller named it.
         file: String,
@@ -83,7 +88,7 @@ pub enum SceneError {
         problem: String,
     },
     /// The text is a scene with an impossible value.
-    #[error("{file}: {place}{problem}")]
+    #[error("{}: {place}{}", printable(.file), printable(.problem))]
     Invalid {
         /// The file as the caller named it.
         file: String,
@@ -92,8 +97,20 @@ pub enum SceneError {
         /// What is wrong, with the value.
         problem: String,
     },
+    /// The document has more of something than one may have, all that it names included.
+    #[error("{}: {place}more than {limit} {what}, the most a document may have", printable(.file))]
+    TooMuch {
+        /// The file as the caller named it.
+        file: String,
+        /// Where the limit was passed.
+        place: Place,
+        /// What there is too much of.
+        what: &'static str,
+        /// The limit.
+        limit: u64,
+    },
     /// The file is a robot with an impossible link.
-    #[error("{file}: link {link:?}, field {field}: {problem}")]
+    #[error("{}: link {link:?}, field {}: {}", printable(.file), printable(.field), printable(.problem))]
     Link {
         /// The file as the caller named it.
         file: String,
@@ -143,14 +160,37 @@ impl fmt::Display for Place {
 pub(crate) struct FieldError {
     pub(crate) field: String,
     pub(crate) problem: String,
+    pub(crate) scope: Scope,
+}
+
+/// What an error makes unusable.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Scope {
+    /// What has the field.
+    Body,
+    /// The whole document: a file that it names cannot be read.
+    Document,
+    /// The whole document, for it has more of this than one may have.
+    Limit(&'static str, u64),
 }
 
 impl FieldError {
+    /// More of something than a whole document may have.
+    pub(crate) fn exceeding(field: impl Into<String>, what: &'static str, limit: u64) -> Self {
+        let problem = format!("more than {limit} {what}, the most a document may have");
+        Self { field: field.into(), problem, scope: Scope::Limit(what, limit) }
+    }
+
     pub(crate) fn new(field: impl Into<String>, problem: impl fmt::Display) -> Self {
         let field = field.into();
         let problem = one_line(&problem.to_string());
         let problem = without_field(&problem, &field).to_owned();
-        Self { field, problem }
+        Self { field, problem, scope: Scope::Body }
+    }
+
+    /// The same error, for which nothing of the document is to be used.
+    pub(crate) fn of_document(self) -> Self {
+        Self { scope: Scope::Document, ..self }
     }
 
     /// The same error of a node of a glTF file.
@@ -190,23 +230,9 @@ pub(crate) fn one_line(text: &str) -> String {
             line.push_str("...");
             break;
         }
-        if character.is_control() {
-            line.extend(character.escape_debug());
-        } else {
-            line.push(character);
-        }
+        line.push(character);
     }
-    line
-}
-
-/// The text as one line for a terminal: names come from files, and may have anything in them.
-///
-/// ```
-/// assert_eq!(tumble_scene::printable("a\u{1b}[31mb"), "a\u{fffd}[31mb");
-/// ```
-#[must_use]
-pub fn printable(text: &str) -> String {
-    text.chars().map(|letter| if letter.is_control() { '\u{fffd}' } else { letter }).collect()
+    printable(&line)
 }
 
 /// A number as people write it: 1e300 rather than three hundred zeros.

@@ -30,12 +30,14 @@ mod collider;
 mod collider_model;
 mod contact_scenes;
 mod convert;
+mod csv_cell;
 mod distribution;
 mod error;
 mod field_path;
 mod force;
 mod force_model;
 mod force_path;
+mod inertia_repair;
 mod limits;
 mod looks;
 mod mesh_file;
@@ -49,6 +51,7 @@ mod plates;
 mod plot;
 mod portrait;
 mod read;
+mod reading;
 mod recover;
 mod report_page;
 mod scene;
@@ -61,6 +64,7 @@ mod sweep;
 mod sweep_error;
 mod sweep_file;
 mod sweep_identity;
+mod terminal;
 mod tessellation;
 mod trajectory;
 mod urdf;
@@ -71,9 +75,11 @@ pub use audit_collider::AuditedCollider;
 pub use audit_mesh::{MeshOptions, MeshRepairs};
 pub use builtin::builtin_names;
 pub use collider::{ColliderRole, SceneCollider};
+pub use csv_cell::csv_cell;
 pub use distribution::Distribution;
-pub use error::{Place, SceneError, printable};
+pub use error::{Place, SceneError};
 pub use force::{Force, HullShape};
+pub use inertia_repair::InertiaRepairs;
 pub use limits::{
     MAX_BODIES, MAX_FILE_BYTES, MAX_HEIGHTS, MAX_HULL_POINTS, MAX_MESH, MAX_PARTS, MAX_STEPS, TIME_STEPS, step_count,
     steps_of_duration, time_step,
@@ -93,6 +99,7 @@ pub use sweep::{MAX_WORLDS, RunLength, Sweep, SweepPlan, SweepWorld};
 pub use sweep_error::SweepError;
 pub use sweep_file::{SweepFile, SweepFileError, SweepReader, sweep_header};
 pub use sweep_identity::SweepIdentity;
+pub use terminal::{printable, printable_json, printable_lines};
 pub use tessellation::Tessellation;
 pub use trajectory::{
     Animation, COLUMNS, Frame, STATE_COLUMNS, SurfaceSet, TrajectoryError, TrajectoryFormat, TrajectoryWriter,

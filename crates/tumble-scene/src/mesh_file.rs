@@ -15,8 +15,8 @@ use tumble_math::TriangleMesh;
 
 use crate::error::{Place, SceneError, one_line};
 use crate::gltf;
-use crate::limits::{MAX_FILE_BYTES, MAX_MESH};
-use crate::read::read_bytes;
+use crate::limits::MAX_MESH;
+use crate::reading::Reading;
 
 /// A surface as it stands in a file.
 #[derive(Debug)]
@@ -88,15 +88,15 @@ fn position<'a>(mut words: impl Iterator<Item = &'a str>) -> Result<DVec3, Strin
 }
 
 /// Reads a `.obj`, `.stl`, `.gltf` or `.glb` file.
-pub(crate) fn load(path: &Path) -> Result<MeshFile, SceneError> {
+pub(crate) fn load(path: &Path, reading: &mut Reading) -> Result<MeshFile, SceneError> {
     let file = path.to_string_lossy();
     let format = MeshFormat::of_path(path).ok_or_else(|| SceneError::UnknownFormat { file: one_line(&file) })?;
     let read: fn(&[u8]) -> Result<Surface, String> = match format {
-        MeshFormat::Gltf => return gltf::mesh(path),
+        MeshFormat::Gltf => return gltf::mesh(path, reading),
         MeshFormat::Obj => obj::read,
         MeshFormat::Stl => stl::read,
     };
-    let surface = read(&read_bytes(path, MAX_FILE_BYTES)?);
+    let surface = read(&reading.file(path)?);
     let malformed = |problem: String| SceneError::Malformed {
         file: one_line(&file),
         place: Place::default(),

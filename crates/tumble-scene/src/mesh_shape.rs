@@ -12,8 +12,10 @@ use tumble_math::MeshError;
 
 use crate::convert::{finite_triple, positive};
 use crate::error::FieldError;
-use crate::mesh_file::{self, MeshFormat};
+use crate::limits::MAX_MESH;
+use crate::mesh_file::{self, MeshFile, MeshFormat};
 use crate::model::{SceneModel, ShapeModel, Triple};
+use crate::reading::{Reading, beside};
 
 /// A shape's solid, or why there is none; nothing before it has been looked for.
 pub(crate) type Made = Option<Result<Arc<SolidMesh>, FieldError>>;
@@ -21,11 +23,20 @@ pub(crate) type Made = Option<Result<Arc<SolidMesh>, FieldError>>;
 /// Makes the solids of all shapes. Files are looked for from the directory of the scene's.
 pub(crate) fn make_all(model: &mut SceneModel, scene_file: &str) {
     let directory = Path::new(scene_file).parent().unwrap_or(Path::new("")).to_owned();
-    let mut maker = Maker { directory, made: HashMap::new(), notices: Vec::new(), hash: 0 };
+    let mut maker = Maker {
+        directory,
+        reading: Reading::default(),
+        files: HashMap::new(),
+        made: HashMap::new(),
+        room: MAX_MESH,
+        notices: Vec::new(),
+        hash: 0,
+    };
     for shape in model.bodies.iter_mut().filter_map(|body| body.shape.as_mut()) {
         maker.make(shape);
     }
     (model.notices, model.meshes_hash) = (maker.notices, maker.hash);
+    model.files = maker.reading.into_files();
 }
 
 /// File, bits of the scale, and whether it is to be repaired.
@@ -33,6 +44,11 @@ type Wanted = (String, u64, bool);
 
 struct Maker {
     directory: PathBuf,
+    reading: Reading,
+    /// Each is read once, however it is spelled and in however many sizes it is wanted.
+    files: HashMap<PathBuf, Result<Arc<MeshFile>, FieldError>>,
+    /// Triangles that the solids may still have.
+    room: usize,
     made: HashMap<Wanted, Result<Arc<SolidMesh>, FieldError>>,
     notices: Vec<String>,
     /// Over all coordinates and corners, so that sweeps over other files are told apart; 0 without a mesh.
@@ -65,13 +81,21 @@ impl Maker {
         if MeshFormat::of_path(&path).is_none() {
             return Err(bad(&format_args!("{}: a mesh file ends in .obj, .stl, .gltf or .glb", path.display())));
         }
-        let read = mesh_file::load(&path).map_err(|error| bad(&error))?;
+        let real = beside(&self.directory, file).map_err(|problem| bad(&problem))?;
+        let known = self.files.get(&real).cloned();
+        let read = known.unwrap_or_else(|| {
+            let read = mesh_file::load(&real, &mut self.reading).map(Arc::new).map_err(|error| bad(&error));
+            self.files.insert(real, read.clone());
+            read
+        })?;
+        let full = || FieldError::exceeding("file", "triangles of all meshes together", MAX_MESH as u64);
+        self.room = self.room.checked_sub(read.mesh.triangles().len()).ok_or_else(full)?;
         let bad = |error: MeshError| bad(&format_args!("{}: {error}{}", path.display(), mendable(&error)));
         let mesh = read.mesh.transformed(&DAffine3::from_scale(DVec3::splat(scale))).map_err(bad)?;
         let (solid, repairs) =
             if repair { mesh.repaired().map_err(bad)? } else { (mesh.solid().map_err(bad)?, Vec::new()) };
         let told = repairs.iter().map(|repair| format!("repaired: {repair}"));
-        self.notices.extend(read.notices.into_iter().chain(told).map(|notice| format!("{file}: {notice}")));
+        self.notices.extend(read.notices.iter().cloned().chain(told).map(|notice| format!("{file}: {notice}")));
         self.hash = hashed(self.hash, &solid);
         Ok(Arc::new(solid))
     }

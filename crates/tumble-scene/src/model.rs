@@ -35,6 +35,9 @@ pub(crate) struct SceneModel {
     /// Of what is in the files of meshes; 0 without one.
     #[serde(skip)]
     pub(crate) meshes_hash: u64,
+    /// The files of meshes, and what those name.
+    #[serde(skip)]
+    pub(crate) files: Vec<std::path::PathBuf>,
 }
 
 #[derive(Clone, Debug, Default, serde::Deserialize)]

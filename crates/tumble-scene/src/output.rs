@@ -1,13 +1,14 @@
 //! Files that appear whole or not at all.
 
-use std::ffi::OsString;
+use std::ffi::{OsStr, OsString};
 use std::fs::{self, File, OpenOptions, TryLockError};
 use std::io::{self, BufWriter, Seek, SeekFrom, Write};
 use std::path::{Path, PathBuf};
 
 /// A file that is written beside its place and renamed into it by [`finish`](Self::finish).
 ///
-/// Dropped before that, it leaves nothing behind and whatever stood in its place untouched.
+/// Dropped before that, it leaves nothing behind and whatever stood in its place untouched. What a program that was killed
+/// left of the same file, the next [`create`](Self::create) removes.
 /// The target may be absent, a regular file or a link to one; anything else (a directory, a
 /// device, a pipe) is refused, for a rename would replace it.
 ///
@@ -42,6 +43,7 @@ impl PendingFile {
     pub fn create(target: &Path) -> io::Result<Self> {
         let target = real_target(target)?;
         let name = target.file_name().ok_or_else(|| io::Error::new(io::ErrorKind::InvalidInput, "it names no file"))?;
+        remove_leftovers(&target, name);
         // The process id keeps two programs apart, the counter two files of one program.
         for attempt in 0..1000_u32 {
             let mut hidden = OsString::from(".");
@@ -49,7 +51,12 @@ impl PendingFile {
             hidden.push(format!(".{}-{attempt}.part", std::process::id()));
             let beside = target.with_file_name(hidden);
             match OpenOptions::new().write(true).create_new(true).open(&beside) {
-                Ok(file) => return Ok(Self::beside(file, beside, target)),
+                // Another program may have taken it for a leftover before it was locked.
+                Ok(file) => match file.try_lock() {
+                    Ok(()) if !beside.exists() => {}
+                    Err(TryLockError::WouldBlock) => {}
+                    Ok(()) | Err(TryLockError::Error(_)) => return Ok(Self::beside(file, beside, target)),
+                },
                 Err(error) if error.kind() == io::ErrorKind::AlreadyExists => {}
                 Err(error) => return Err(error),
             }
@@ -90,6 +97,18 @@ impl PendingFile {
     /// If the file or what stands in the place beside it is something else than a regular file.
     pub fn partial_path(target: &Path) -> io::Result<PathBuf> {
         real_target(&partial(&real_target(target)?)?)
+    }
+
+    /// Writes what is buffered through to the disk, so that [`finish`](Self::finish) has only to rename. Of several files that
+    /// belong together all are settled before the first is finished, and a full disk leaves none of them.
+    ///
+    /// # Errors
+    /// If the disk is full.
+    pub fn settle(&mut self) -> io::Result<()> {
+        match &mut self.writer {
+            Some(writer) => writer.flush().and_then(|()| writer.get_ref().sync_all()),
+            None => Ok(()),
+        }
     }
 
     /// Writes what is buffered through to the disk and renames the file into its place.
@@ -152,6 +171,35 @@ fn partial(target: &Path) -> io::Result<PathBuf> {
         name.push(ending);
     }
     Ok(target.with_file_name(name))
+}
+
+/// Removes what killed programs left of a file: its name between a dot and `.<process>-<number>.part`, and locked by nobody.
+fn remove_leftovers(target: &Path, name: &OsStr) {
+    let directory = match target.parent() {
+        Some(parent) if !parent.as_os_str().is_empty() => parent,
+        _ => Path::new("."),
+    };
+    let Ok(entries) = fs::read_dir(directory) else { return };
+    for entry in entries.flatten().filter(|entry| is_leftover(&entry.file_name(), name)) {
+        let path = entry.path();
+        // Not a link, which would lead to somebody else's file.
+        if entry.file_type().is_ok_and(|kind| kind.is_file())
+            && let Ok(file) = OpenOptions::new().write(true).open(&path)
+            && file.try_lock().is_ok()
+        {
+            remove_quietly(&path);
+        }
+    }
+}
+
+fn is_leftover(entry: &OsStr, name: &OsStr) -> bool {
+    let is_number = |text: &[u8]| !text.is_empty() && text.iter().all(u8::is_ascii_digit);
+    let numbers = entry
+        .as_encoded_bytes()
+        .strip_prefix(b".")
+        .and_then(|rest| rest.strip_prefix(name.as_encoded_bytes())?.strip_prefix(b".")?.strip_suffix(b".part"));
+    let mut parts = numbers.unwrap_or_default().splitn(2, |byte| *byte == b'-');
+    matches!((parts.next(), parts.next()), (Some(process), Some(number)) if is_number(process) && is_number(number))
 }
 
 /// Nothing sensible can be done if even the removal fails, and nobody waits for the answer.
@@ -251,6 +299,32 @@ mod tests {
         permissions.set_readonly(true);
         fs::set_permissions(&read_only, permissions).unwrap();
         assert!(PendingFile::create(&read_only).is_err());
+    }
+
+    /// Of a program that was killed: nobody holds the lock. What is written, what is of another file and what only looks alike stays.
+    #[test]
+    fn what_a_killed_program_left_is_removed_by_the_next() {
+        let directory = tempfile::tempdir().unwrap();
+        let path = directory.path().join("a.csv");
+        let others = [
+            ".b.csv.1-0.part",
+            ".a.csv.1-0.partial",
+            ".a.csv.x-0.part",
+            ".a.csv.1-.part",
+            ".a.csv.1.part",
+            "a.csv.1-0.part",
+        ];
+        for name in [&others[..], &[".a.csv.1-0.part", ".a.csv.4194304-999.part"]].concat() {
+            fs::write(directory.path().join(name), "left").unwrap();
+        }
+        let first = PendingFile::create(&path).unwrap();
+        let second = PendingFile::create(&path).unwrap();
+        assert!(first.beside.exists() && second.beside.exists() && first.beside != second.beside);
+        assert_eq!(entries(directory.path()), others.len() + 2);
+        drop((first, second));
+        for name in others {
+            assert!(directory.path().join(name).exists(), "{name}");
+        }
     }
 
     #[cfg(unix)]

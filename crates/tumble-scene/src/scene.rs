@@ -2,17 +2,18 @@
 
 use std::borrow::Cow;
 use std::collections::HashMap;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use hecs::World;
-use tumble::{BodyError, Settings};
+use tumble::{BodyError, BodyId, Settings};
 
 use crate::builtin::{self, builtin_names};
 use crate::collider::SceneCollider;
 use crate::contact_scenes;
 use crate::convert::{self, Others};
-use crate::error::{FieldError, Place, SceneError, one_line};
+use crate::error::{FieldError, Place, SceneError, Scope, one_line};
 use crate::gltf::{self, GltfBody, GltfScene};
+use crate::inertia_repair::InertiaRepairs;
 use crate::limits::{MAX_BODIES, step_count, time_step};
 use crate::looks::Looks;
 use crate::mesh_file::MeshFormat;
@@ -56,6 +57,10 @@ pub struct Scene {
     pub steps: u64,
     /// What the file says that is read and not simulated, or was decided where it is silent: a line each.
     pub notices: Vec<String>,
+    /// Bodies of a glTF file that are impossible, each with what is wrong with it. They are left out, which the notices say too.
+    pub left_out: Vec<SceneError>,
+    /// The files that it was read from: its own and those that it names.
+    pub files: Vec<PathBuf>,
     bodies: Bodies,
 }
 
@@ -116,14 +121,26 @@ impl Scene {
     /// # Errors
     /// [`SceneError`], whose message names file, body and field.
     pub fn load(path: &Path) -> Result<Self, SceneError> {
+        Self::load_with(path, InertiaRepairs::Refused)
+    }
+
+    /// As [`load`](Self::load), where the moments of inertia of a glTF file's bodies or a robot's links that break the triangle
+    /// inequality may be repaired. A notice says of each body what was done.
+    ///
+    /// # Errors
+    /// As [`load`](Self::load).
+    pub fn load_with(path: &Path, repairs: InertiaRepairs) -> Result<Self, SceneError> {
         let file = path.to_string_lossy();
         if MeshFormat::of_path(path) == Some(MeshFormat::Gltf) {
-            return Self::of_gltf(gltf::load(path)?, &file);
+            return Self::of_gltf(gltf::load(path, repairs)?, &file);
         }
         if is_urdf(path) {
-            return Self::from_urdf(&read_limited(path, MAX_URDF_BYTES)?, &file);
+            let robot = Robot::read(&read_limited(path, MAX_URDF_BYTES)?, &file, repairs)?;
+            return Ok(Self { files: vec![path.to_owned()], ..Self::of_robot(robot, &file)? });
         }
-        Self::from_model(&load_model(path)?, &file)
+        let mut scene = Self::from_model(&load_model(path)?, &file)?;
+        scene.files.insert(0, path.to_owned());
+        Ok(scene)
     }
 
     /// Reads a scene from JSON text; `file` is what messages call it, and where files of meshes are looked for beside.
@@ -162,7 +179,10 @@ impl Scene {
     /// # Errors
     /// [`SceneError`], whose message names file, link and field.
     pub fn from_urdf(text: &str, file: &str) -> Result<Self, SceneError> {
-        let mut robot = Robot::read(text, file)?;
+        Self::of_robot(Robot::read(text, file, InertiaRepairs::Refused)?, file)
+    }
+
+    fn of_robot(mut robot: Robot, file: &str) -> Result<Self, SceneError> {
         let (name, notices) = (robot.name.take(), std::mem::take(&mut robot.notices));
         let (bodies, names) = robot.into_bodies(file)?;
         Ok(Self {
@@ -173,6 +193,8 @@ impl Scene {
             settings: Robot::settings(),
             steps: DEFAULT_STEPS,
             notices,
+            left_out: Vec::new(),
+            files: Vec::new(),
             bodies: Bodies::Listed { bodies, names },
         })
     }
@@ -182,7 +204,8 @@ impl Scene {
     /// # Errors
     /// [`SceneError`], whose message names file, node and field.
     pub fn from_gltf(bytes: &[u8], file: &str) -> Result<Self, SceneError> {
-        Self::of_gltf(gltf::from_bytes(bytes, Path::new(file).parent(), file)?, file)
+        let directory = Path::new(file).parent();
+        Self::of_gltf(gltf::from_bytes(bytes, directory, file, InertiaRepairs::Refused)?, file)
     }
 
     /// The generated scene: mixed tumbling shapes on a grid, falling, the same bits on every
@@ -200,6 +223,8 @@ impl Scene {
             settings: Settings::default(),
             steps: stress::STEPS,
             notices: Vec::new(),
+            left_out: Vec::new(),
+            files: Vec::new(),
             bodies: Bodies::Stress { count: bodies, seed },
         })
     }
@@ -266,12 +291,27 @@ impl Scene {
         }
     }
 
-    /// A scene of bodies that are at fault or not, with the engine's settings.
+    /// A scene of bodies that are at fault or not, with the engine's settings. Refused if there is none without a fault.
     fn of_gltf(scene: GltfScene, file: &str) -> Result<Self, SceneError> {
         let (mut bodies, mut names) = (Vec::with_capacity(scene.bodies.len()), Vec::with_capacity(scene.bodies.len()));
+        let (mut left_out, mut notices) = (Vec::new(), scene.notices);
         for GltfBody { name, body } in scene.bodies {
-            bodies.push(body.map_err(|error| gltf::invalid(file, error))?);
-            names.push(name);
+            match body {
+                Ok(mut body) => {
+                    // Ids are indices, also where a body before it is missing.
+                    body.body = body.body.with_id(Some(BodyId(bodies.len() as u64)));
+                    bodies.push(body);
+                    names.push(name);
+                }
+                Err(error) if error.scope == Scope::Body => {
+                    notices.push(one_line(&format!("body {name:?} is left out: {error}")));
+                    left_out.push(gltf::invalid(file, error));
+                }
+                Err(error) => return Err(gltf::invalid(file, error)),
+            }
+        }
+        if bodies.is_empty() && !left_out.is_empty() {
+            return Err(left_out.remove(0));
         }
         Ok(Self {
             origin: file.to_owned(),
@@ -280,7 +320,9 @@ impl Scene {
             source: None,
             settings: Settings::default(),
             steps: DEFAULT_STEPS,
-            notices: scene.notices,
+            notices,
+            left_out,
+            files: scene.files,
             bodies: Bodies::Listed { bodies, names },
         })
     }
@@ -334,6 +376,8 @@ impl Scene {
             settings,
             steps,
             notices: model.notices.clone(),
+            left_out: Vec::new(),
+            files: model.files.clone(),
             bodies: Bodies::Listed { bodies, names },
         })
     }
@@ -397,7 +441,11 @@ pub(crate) fn load_model(path: &Path) -> Result<SceneModel, SceneError> {
 }
 
 pub(crate) fn invalid(file: &str, body: Option<(usize, Option<String>)>, error: FieldError) -> SceneError {
-    SceneError::Invalid { file: one_line(file), place: Place { body, field: error.field }, problem: error.problem }
+    let (file, place) = (one_line(file), Place { body, field: error.field });
+    match error.scope {
+        Scope::Limit(what, limit) => SceneError::TooMuch { file, place, what, limit },
+        Scope::Body | Scope::Document => SceneError::Invalid { file, place, problem: error.problem },
+    }
 }
 
 /// The bodies of the generated scene.

@@ -1,6 +1,7 @@
 //! A scene with fields that differ from world to world.
 
 use std::collections::{BTreeMap, BTreeSet, HashMap};
+use std::path::PathBuf;
 
 use hecs::World;
 use tumble::math::Real;
@@ -109,6 +110,7 @@ pub struct Sweep {
     varied: Vec<Varied>,
     reported: Vec<usize>,
     reported_names: Vec<String>,
+    files: Vec<PathBuf>,
 }
 
 #[derive(Clone, Debug)]
@@ -166,6 +168,8 @@ impl Sweep {
         let bodies = scene.into_bodies();
         let reported_names = reported.iter().filter_map(|&i| names.get(i).cloned()).collect();
         let scene_hash = text_hash ^ model.meshes_hash;
+        let own_file = is_path(&plan.scene).then(|| PathBuf::from(&plan.scene));
+        let files = own_file.into_iter().chain(model.files).collect();
         let sweep = Self {
             plan,
             worlds,
@@ -178,6 +182,7 @@ impl Sweep {
             varied,
             reported,
             reported_names,
+            files,
         };
         let ends = |pick: fn(&[f64]) -> Option<&f64>| -> Vec<f64> {
             sweep.varied.iter().filter_map(|varied| pick(&varied.distribution.samples()).copied()).collect()
@@ -215,6 +220,11 @@ impl Sweep {
     /// Their names.
     pub fn reported_names(&self) -> &[String] {
         &self.reported_names
+    }
+
+    /// The files that the scene was read from: its own and those of meshes.
+    pub fn files(&self) -> &[PathBuf] {
+        &self.files
     }
 
     /// The values that the varied fields have in a world.

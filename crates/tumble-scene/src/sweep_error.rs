@@ -1,4 +1,5 @@
 use crate::error::{FieldError, SceneError, one_line};
+use crate::terminal::printable;
 
 /// Why a sweep cannot be made. `Display` is one line that names the field.
 ///
@@ -15,7 +16,7 @@ pub enum SweepError {
     #[error(transparent)]
     Scene(#[from] SceneError),
     /// A field cannot be varied.
-    #[error("--vary {field}: {problem}")]
+    #[error("--vary {}: {}", printable(.field), printable(.problem))]
     Vary {
         /// Its path.
         field: String,
@@ -26,7 +27,7 @@ pub enum SweepError {
     #[error("--body {0:?}: the scene has no body of that name")]
     Body(String),
     /// The number of worlds is missing, zero or absurd.
-    #[error("--worlds {0}")]
+    #[error("--worlds {}", printable(.0))]
     Worlds(String),
     /// The generated scene has no fields.
     #[error("the stress scene cannot be swept: it is generated, and has no fields to vary")]

@@ -7,6 +7,7 @@ use std::path::{Path, PathBuf};
 
 use crate::outcome::Outcome;
 use crate::sweep_identity::SweepIdentity;
+use crate::terminal::printable;
 
 /// What the first line of every file begins with; readers of CSV take it for a comment.
 const BEFORE_IDENTITY: &str = "# tumble sweep ";
@@ -26,7 +27,7 @@ const LONGEST_LINE: u64 = 16 << 20;
 #[non_exhaustive]
 pub enum SweepFileError {
     /// The system refuses.
-    #[error("{path}: {error}", path = .path.display())]
+    #[error("{path}: {error}", path = shown(.path))]
     Io {
         /// The file.
         path: PathBuf,
@@ -34,7 +35,7 @@ pub enum SweepFileError {
         error: io::Error,
     },
     /// It is something else.
-    #[error("{path}: is not the file of a sweep: {problem}", path = .path.display())]
+    #[error("{path}: is not the file of a sweep: {}", printable(.problem), path = shown(.path))]
     NotASweep {
         /// The file.
         path: PathBuf,
@@ -42,7 +43,7 @@ pub enum SweepFileError {
         problem: String,
     },
     /// It is the file of another sweep; what it has stays.
-    #[error("{path}: is the file of another sweep: {difference}", path = .path.display())]
+    #[error("{path}: is the file of another sweep: {}", printable(.difference), path = shown(.path))]
     Another {
         /// The file.
         path: PathBuf,
@@ -50,7 +51,7 @@ pub enum SweepFileError {
         difference: String,
     },
     /// A row before the last one is not what it must be.
-    #[error("{path}: line {line} is damaged: {problem}", path = .path.display())]
+    #[error("{path}: line {line} is damaged: {}", printable(.problem), path = shown(.path))]
     Damaged {
         /// The file.
         path: PathBuf,
@@ -60,11 +61,15 @@ pub enum SweepFileError {
         problem: String,
     },
     /// Another program is writing to it.
-    #[error("{path}: another tumble is writing to it", path = .path.display())]
+    #[error("{path}: another tumble is writing to it", path = shown(.path))]
     Busy {
         /// The file.
         path: PathBuf,
     },
+}
+
+fn shown(path: &Path) -> String {
+    printable(&path.to_string_lossy())
 }
 
 impl SweepFileError {

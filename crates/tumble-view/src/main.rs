@@ -39,13 +39,25 @@ use std::io::Write as _;
 use std::process::ExitCode;
 
 use clap::Parser as _;
-use tumble_scene::printable;
+use tumble_scene::{printable, printable_lines};
 
 use crate::failure::Failure;
 use crate::options::Options;
 
+const BAD_USAGE: u8 = 2;
+
 fn main() -> ExitCode {
-    match run(&Options::parse()) {
+    std::panic::set_hook(Box::new(|panic| print(&format_args!("{panic}\n"))));
+    let options = match Options::try_parse() {
+        Ok(options) => options,
+        Err(error) if error.use_stderr() => {
+            print(&error.render());
+            return ExitCode::from(BAD_USAGE);
+        }
+        // Help and version, which are this program's own words.
+        Err(error) => error.exit(),
+    };
+    match run(&options) {
         Ok(()) => ExitCode::SUCCESS,
         Err(failure) => {
             say(&failure);
@@ -54,9 +66,14 @@ fn main() -> ExitCode {
     }
 }
 
+/// Writes to standard error with what a terminal would obey escaped, but for ends of lines.
+fn print(text: &impl std::fmt::Display) {
+    drop(write!(std::io::stderr().lock(), "{}", printable_lines(&text.to_string())));
+}
+
 /// Writes a line to standard error; if even that is closed, the exit code has to do.
 fn say(message: &impl std::fmt::Display) {
-    drop(writeln!(std::io::stderr().lock(), "tumble-view: {}", printable(&message.to_string())));
+    print(&format_args!("tumble-view: {}\n", printable(&message.to_string())));
 }
 
 /// Everything that can be found wrong without a window is, before there is one.

@@ -1,11 +1,11 @@
 //! Bodies out of nodes: which there are, where they are, and what they consist of.
 
-use std::collections::{BTreeMap, HashSet};
+use std::collections::{BTreeMap, HashMap, HashSet};
 
 use glam::{DQuat, DVec3};
 use tumble::{Amount, BodyId, Part, RigidBody, Shape};
 
-use super::collider::{collider, is_ground};
+use super::collider::{Colliders, collider, is_ground};
 use super::geometry::Geometry;
 use super::groups;
 use super::material::SurfaceMaterial;
@@ -17,6 +17,7 @@ use super::triangles::Triangles;
 use super::unsupported::listed;
 use crate::convert::{LONGEST_NAME, check_name, real_quaternion, real_vector};
 use crate::error::FieldError;
+use crate::inertia_repair::InertiaRepairs;
 use crate::looks::Looks;
 use crate::scene_body::SceneBody;
 use crate::{ColliderRole, SceneCollider};
@@ -30,11 +31,23 @@ pub(crate) struct GltfBody {
     pub(crate) body: Result<SceneBody, FieldError>,
 }
 
+/// What the bodies of a document have in common while they are made.
+struct Made<'a, 'b> {
+    triangles: &'a mut Triangles<'b>,
+    /// Colliders of meshes, which are made once for all bodies that have the same.
+    colliders: Colliders,
+    repairs: InertiaRepairs,
+}
+
 /// What is told of nodes: which node, and what.
 type Notices = Vec<(usize, String)>;
 
 /// The bodies of a scene: one for every motion, and one for every collider or trigger that nothing carries. With what there is to tell of them.
-pub(super) fn bodies(physics: &Physics, triangles: &mut Triangles<'_>) -> (Vec<GltfBody>, Vec<String>) {
+pub(super) fn bodies(
+    physics: &Physics,
+    triangles: &mut Triangles<'_>,
+    repairs: InertiaRepairs,
+) -> (Vec<GltfBody>, Vec<String>) {
     let mut carried: BTreeMap<usize, Vec<&PhysicsNode>> = BTreeMap::new();
     for node in &physics.nodes {
         if node.motion.is_some() {
@@ -49,11 +62,12 @@ pub(super) fn bodies(physics: &Physics, triangles: &mut Triangles<'_>) -> (Vec<G
     let mut notices = Notices::new();
     let mut names = Names::default();
     let mut bodies = Vec::with_capacity(carried.len());
+    let mut made = Made { triangles, colliders: HashMap::new(), repairs };
     for (index, parts) in carried {
         let Some(node) = physics.node(index) else { continue };
         let name = names.of(node);
         let id = BodyId(bodies.len() as u64);
-        let body = body(node, &parts, id, triangles, &mut notices);
+        let body = body(node, &parts, id, &mut made, &mut notices);
         bodies.push(GltfBody { name, body });
     }
     let mut told = grouped(physics, &notices);
@@ -102,19 +116,20 @@ fn body(
     node: &PhysicsNode,
     parts: &[&PhysicsNode],
     id: BodyId,
-    triangles: &mut Triangles<'_>,
+    made: &mut Made<'_, '_>,
     notices: &mut Notices,
 ) -> Result<SceneBody, FieldError> {
     let mut pieces = Vec::new();
     for part in parts {
-        pieces_of(part, node, triangles, &mut pieces, notices)?;
+        pieces_of(part, node, made.triangles, &mut pieces, notices)?;
     }
     let shape = together(&pieces, |piece| piece.role == ColliderRole::Solid);
     let built = match node.motion.filter(|motion| motion.kind != MotionKind::Static) {
         None => RigidBody::new(shape.clone().unwrap_or(Shape::Point)).fixed(),
         Some(motion) => {
             let mut told = Vec::new();
-            let built = moving(node, &motion, shape.as_ref(), &mut told).map_err(|error| of(node, error))?;
+            let built =
+                moving(node, &motion, shape.as_ref(), made.repairs, &mut told).map_err(|error| of(node, error))?;
             notices.extend(told.into_iter().map(|notice| (node.index, notice)));
             built
         }
@@ -127,7 +142,7 @@ fn body(
         .map_err(|error| of(node, FieldError::new(field_of_motion(&error.field()), error)))?;
     let mut told = Vec::new();
     let is_moved = body.properties().is_some();
-    let collider = collider(&pieces, shape.as_ref(), is_moved, &mut told);
+    let collider = collider(&pieces, shape.as_ref(), is_moved, &mut made.colliders, &mut told);
     notices.extend(told.into_iter().map(|notice| (node.index, notice)));
     let looks = match pieces.as_slice() {
         _ if !is_moved && is_ground(&pieces) => Looks::HalfSpace,

@@ -1,7 +1,6 @@
 //! The bytes that accessors read.
 
-use std::borrow::Cow;
-use std::path::{Component, Path, PathBuf};
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use base64::Engine as _;
@@ -9,9 +8,10 @@ use base64::engine::general_purpose::STANDARD;
 use glam::DVec3;
 
 use super::document::{Accessor, Buffer, BufferView, Document};
+use super::triangles::{MOST_TRIANGLES, OF_COLLIDERS};
 use crate::MAX_FILE_BYTES;
 use crate::error::FieldError;
-use crate::read::read_bytes;
+use crate::reading::{Reading, beside};
 
 /// The buffers of a document, each read when it is first needed.
 pub(super) struct Buffers<'a> {
@@ -20,14 +20,15 @@ pub(super) struct Buffers<'a> {
     directory: Option<&'a Path>,
     /// What a `.glb` brings along.
     binary: Option<&'a [u8]>,
-    read: Vec<Option<Arc<[u8]>>>,
-    /// How much may still be read \[bytes\].
+    reading: &'a mut Reading,
+    read: Vec<Option<Arc<Vec<u8>>>>,
+    /// How much may still be read or decoded for this document \[bytes\].
     room: u64,
 }
 
 /// The numbers of an accessor, as they lie in its buffer.
 struct Elements {
-    bytes: Arc<[u8]>,
+    bytes: Arc<Vec<u8>>,
     start: usize,
     stride: usize,
     count: usize,
@@ -41,8 +42,13 @@ impl Elements {
 }
 
 impl<'a> Buffers<'a> {
-    pub(super) fn new(document: &'a Document, directory: Option<&'a Path>, binary: Option<&'a [u8]>) -> Self {
-        Self { document, directory, binary, read: vec![None; document.buffers.len()], room: MAX_FILE_BYTES }
+    pub(super) fn new(
+        document: &'a Document,
+        directory: Option<&'a Path>,
+        binary: Option<&'a [u8]>,
+        reading: &'a mut Reading,
+    ) -> Self {
+        Self { document, directory, binary, reading, read: vec![None; document.buffers.len()], room: MAX_FILE_BYTES }
     }
 
     /// The positions that an accessor holds, at most `most` of them.
@@ -74,7 +80,7 @@ impl<'a> Buffers<'a> {
         } else if accessor.sparse.is_some() {
             Err(field(index, "sparse", "is given, and such accessors are not read"))
         } else if accessor.count > most {
-            Err(field(index, "count", format!("{} is more than the {most} that are left for a scene", accessor.count)))
+            Err(FieldError::exceeding(format!("accessors[{index}].count"), OF_COLLIDERS, MOST_TRIANGLES as u64))
         } else {
             Ok(accessor)
         }
@@ -94,11 +100,11 @@ impl<'a> Buffers<'a> {
         if stride < size {
             return Err(in_view("byteStride", format!("{stride} is less than the {size} bytes of an element")));
         }
-        let bytes = self.bytes(view)?;
+        let (bytes, length) = self.bytes(view)?;
         // All numbers are the file's, so every sum may overflow.
-        let view_end = view.byte_offset.checked_add(view.byte_length).filter(|end| *end <= bytes.len());
+        let view_end = view.byte_offset.checked_add(view.byte_length).filter(|end| *end <= length);
         let Some(view_end) = view_end else {
-            return Err(in_view("byteLength", format!("reaches beyond the {} bytes of its buffer", bytes.len())));
+            return Err(in_view("byteLength", format!("reaches beyond the {length} bytes of its buffer")));
         };
         let start = view.byte_offset.checked_add(accessor.byte_offset);
         let last = accessor.count.checked_sub(1).map_or(Some(0), |last| last.checked_mul(stride)?.checked_add(size));
@@ -112,24 +118,47 @@ impl<'a> Buffers<'a> {
         }
     }
 
-    fn bytes(&mut self, view: &BufferView) -> Result<Arc<[u8]>, FieldError> {
+    /// The bytes of a view's buffer, of which as many count as the buffer is said to have.
+    fn bytes(&mut self, view: &BufferView) -> Result<(Arc<Vec<u8>>, usize), FieldError> {
         let index = view.buffer;
         let missing = || FieldError::new("bufferViews", format!("there is no buffers[{index}]"));
         let buffer = self.document.buffers.get(index).ok_or_else(missing)?;
-        let slot = self.read.get_mut(index).ok_or_else(missing)?;
-        if let Some(bytes) = slot {
-            return Ok(bytes.clone());
+        let known = self.read.get(index).ok_or_else(missing)?.clone();
+        let in_buffer = |error: FieldError| error.inside(&format!("buffers[{index}]"));
+        let bytes = known.map_or_else(|| self.read_buffer(index, buffer).map_err(in_buffer), Ok)?;
+        if buffer.byte_length > bytes.len() {
+            let problem = format!("has {} bytes, its byteLength says {}", bytes.len(), buffer.byte_length);
+            return Err(in_buffer(FieldError::new("", problem)));
         }
-        let bytes = match (&buffer.uri, self.binary) {
-            (None, Some(binary)) if index == 0 => Ok(Cow::Borrowed(binary)),
-            (None, _) => Err("has no uri, and there is no binary chunk for it".to_owned()),
-            (Some(uri), _) => uri_bytes(uri, self.directory, self.room).map(Cow::Owned),
+        if let Some(slot) = self.read.get_mut(index) {
+            *slot = Some(bytes.clone());
+        }
+        Ok((bytes, buffer.byte_length))
+    }
+
+    fn read_buffer(&mut self, index: usize, buffer: &Buffer) -> Result<Arc<Vec<u8>>, FieldError> {
+        let refused = |problem: &dyn std::fmt::Display| FieldError::new("", problem);
+        let (bytes, new) = match (&buffer.uri, self.binary) {
+            (None, Some(binary)) if index == 0 => (Arc::new(binary.to_vec()), binary.len()),
+            (None, _) => return Err(refused(&"has no uri, and there is no binary chunk for it")),
+            (Some(uri), _) => match data(uri).map_err(|problem| refused(&problem))? {
+                Some(data) => {
+                    let length = data.len();
+                    (Arc::new(data), length)
+                }
+                None => {
+                    let path = path(uri, self.directory).map_err(|problem| refused(&problem).of_document())?;
+                    // What another buffer or another document has read of it is not read again.
+                    let known = self.reading.has(&path);
+                    let bytes = self.reading.buffer(&path).map_err(|error| refused(&error).of_document())?;
+                    let new = if known { 0 } else { bytes.len() };
+                    (bytes, new)
+                }
+            },
         };
-        let bytes = bytes.and_then(|bytes| of_length(buffer, &bytes));
-        let bytes: Arc<[u8]> = bytes.map_err(|problem| FieldError::new(format!("buffers[{index}]"), problem))?.into();
-        let full = || FieldError::new("buffers", format!("have more than {MAX_FILE_BYTES} bytes together"));
-        self.room = self.room.checked_sub(bytes.len() as u64).ok_or_else(full)?;
-        Ok(slot.insert(bytes).clone())
+        let full = || FieldError::exceeding("", "bytes in all buffers together", MAX_FILE_BYTES);
+        self.room = self.room.checked_sub(new as u64).ok_or_else(full)?;
+        Ok(bytes)
     }
 }
 
@@ -137,28 +166,17 @@ fn field(index: usize, name: &str, problem: impl std::fmt::Display) -> FieldErro
     FieldError::new(format!("accessors[{index}].{name}"), problem)
 }
 
-/// As much of the bytes as the buffer is said to have.
-fn of_length(buffer: &Buffer, bytes: &[u8]) -> Result<Vec<u8>, String> {
-    match bytes.get(..buffer.byte_length) {
-        Some(bytes) => Ok(bytes.to_vec()),
-        None => Err(format!("has {} bytes, its byteLength says {}", bytes.len(), buffer.byte_length)),
-    }
+/// What a URI has in itself; `None` if it names a file.
+fn data(uri: &str) -> Result<Option<Vec<u8>>, String> {
+    let Some(data) = uri.strip_prefix("data:") else { return Ok(None) };
+    let (_, encoded) = data.split_once(";base64,").ok_or("has a data URI that is not base64")?;
+    STANDARD.decode(encoded).map(Some).map_err(|error| format!("has a data URI that is not base64: {error}"))
 }
 
-/// What a URI leads to: itself, or a file beside the document.
-fn uri_bytes(uri: &str, directory: Option<&Path>, most: u64) -> Result<Vec<u8>, String> {
-    if let Some(data) = uri.strip_prefix("data:") {
-        let (_, encoded) = data.split_once(";base64,").ok_or("has a data URI that is not base64")?;
-        return STANDARD.decode(encoded).map_err(|error| format!("has a data URI that is not base64: {error}"));
-    }
+/// The file that a URI names, beside the document.
+fn path(uri: &str, directory: Option<&Path>) -> Result<PathBuf, String> {
     let directory = directory.ok_or("names a file, and there is no directory to look for it")?;
-    let path = PathBuf::from(percent_decoded(uri).ok_or("has a uri with a bad escape")?);
-    // A scene is not to read what lies elsewhere on the disk.
-    let beside = path.components().all(|part| matches!(part, Component::Normal(_) | Component::CurDir));
-    if !beside || uri.contains("://") {
-        return Err(format!("uri {uri:?} is not a path below the file's own directory"));
-    }
-    read_bytes(&directory.join(&path), most).map_err(|error| error.to_string())
+    beside(directory, &percent_decoded(uri).ok_or("has a uri with a bad escape")?)
 }
 
 /// `%20` and the like, as URIs have them.
@@ -241,15 +259,15 @@ mod tests {
     fn nothing_is_read_from_elsewhere() {
         let directory = tempfile::tempdir().unwrap();
         std::fs::write(directory.path().join("a b.bin"), b"abc").unwrap();
-        assert_eq!(uri_bytes("a%20b.bin", Some(directory.path()), 3).unwrap(), b"abc");
-        assert_eq!(uri_bytes("data:application/octet-stream;base64,YWJj", None, 3).unwrap(), b"abc");
+        assert!(path("a%20b.bin", Some(directory.path())).is_ok_and(|path| path.ends_with("a b.bin")));
+        assert_eq!(data("data:application/octet-stream;base64,YWJj"), Ok(Some(b"abc".to_vec())));
         for bad in ["../x.bin", "/etc/hostname", "file:///etc/hostname", "http://example.org/x.bin", "%2e%2e/x.bin"] {
-            let problem = uri_bytes(bad, Some(directory.path()), 3).unwrap_err();
+            let problem = path(bad, Some(directory.path())).unwrap_err();
             assert!(problem.contains("not a path below"), "{bad}: {problem}");
         }
-        assert!(uri_bytes("missing.bin", Some(directory.path()), 3).unwrap_err().contains("cannot be read"));
-        assert!(uri_bytes("x.bin", None, 3).unwrap_err().contains("no directory"));
-        assert!(uri_bytes("data:,x", None, 3).is_err() && uri_bytes("data:;base64,?", None, 3).is_err());
+        assert!(path("missing.bin", Some(directory.path())).unwrap_err().contains("cannot be read"));
+        assert!(path("x.bin", None).unwrap_err().contains("no directory"));
+        assert!(data("data:,x").is_err() && data("data:;base64,?").is_err());
     }
 
     #[test]

@@ -1,7 +1,11 @@
 //! The engine's collider of a body, made of the pieces that its file has.
 
+use std::collections::HashMap;
+use std::ptr;
+use std::sync::Arc;
+
 use glam::{DQuat, DVec3};
-use tumble::{Collider, ColliderError, Pose, Shape, TriangleMesh};
+use tumble::{Collider, ColliderError, Pose, Shape, SolidMesh, TriangleMesh};
 
 use super::geometry::Geometry;
 use crate::convert::{real_quaternion, real_vector};
@@ -12,16 +16,18 @@ pub(super) fn collider(
     pieces: &[SceneCollider],
     shape: Option<&Shape>,
     is_moved: bool,
+    known: &mut Colliders,
     notices: &mut Vec<String>,
 ) -> Option<Collider> {
     let solid: Vec<&SceneCollider> = pieces.iter().filter(|piece| piece.role == ColliderRole::Solid).collect();
     let first = solid.first()?;
     let made = match (solid.as_slice(), surface(first)) {
         _ if is_ground(pieces) && !is_moved => Ok(Collider::half_space()),
-        ([_], Some(surface)) if !is_moved => of_surface(first, surface),
+        ([_], Some(surface)) if !is_moved => shared(known, &solid, is_moved, || of_surface(first, surface)),
         _ => {
             tell_of_solids(&solid, is_moved, notices);
-            Collider::new(shape?)
+            let shape = shape?;
+            shared(known, &solid, is_moved, || Collider::new(shape))
         }
     };
     match made.and_then(|collider| collider.with_material(first.material.to_engine())) {
@@ -34,6 +40,47 @@ pub(super) fn collider(
             None
         }
     }
+}
+
+/// Colliders of meshes by what they are made of.
+pub(super) type Colliders = HashMap<(bool, Vec<PieceKey>), (Result<Collider, ColliderError>, Vec<SceneCollider>)>;
+
+/// A mesh by where it lies in memory, any other shape by its figures, and the bits of its place in the body.
+pub(super) type PieceKey = (*const SolidMesh, *const TriangleMesh, String, [u64; 7]);
+
+#[cfg(test)]
+thread_local! {
+    /// How many colliders of meshes have been made.
+    pub(super) static MADE: std::cell::Cell<usize> = const { std::cell::Cell::new(0) };
+}
+
+/// Makes the hull or the tree of a mesh once for all bodies that have it in the same place.
+fn shared(
+    known: &mut Colliders,
+    pieces: &[&SceneCollider],
+    is_moved: bool,
+    make: impl FnOnce() -> Result<Collider, ColliderError>,
+) -> Result<Collider, ColliderError> {
+    if !pieces.iter().any(|piece| matches!(piece.shape, Some(Shape::Mesh(_))) || piece.surface.is_some()) {
+        return make();
+    }
+    let key = |piece: &&SceneCollider| -> PieceKey {
+        let (solid, figures) = match &piece.shape {
+            Some(Shape::Mesh(solid)) => (Arc::as_ptr(solid), String::new()),
+            other => (ptr::null(), format!("{other:?}")),
+        };
+        let surface = piece.surface.as_ref().map_or(ptr::null(), Arc::as_ptr);
+        let ([x, y, z], [a, b, c, d]) = (piece.position.to_array(), piece.orientation.to_array());
+        (solid, surface, figures, [x, y, z, a, b, c, d].map(f64::to_bits))
+    };
+    #[cfg(test)]
+    let make = || {
+        MADE.with(|made| made.set(made.get() + 1));
+        make()
+    };
+    // The pieces are kept, so that no other mesh comes to lie where one of them was.
+    let keep = || (make(), pieces.iter().map(|piece| (*piece).clone()).collect());
+    known.entry((is_moved, pieces.iter().map(key).collect())).or_insert_with(keep).0.clone()
 }
 
 /// Whether the only piece is an endless plane in the body's own frame.

@@ -75,7 +75,7 @@ pub enum Geometry {
 /// let hull_of_the_third_mesh = Geometry::Mesh { source: MeshSource::Mesh(2), convex_hull: true };
 /// # assert_ne!(hull_of_the_third_mesh, Geometry::Sphere { radius: 1.0 });
 /// ```
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum MeshSource {
     /// The meshes of this node and of those below it, in its frame.
     Node(usize),

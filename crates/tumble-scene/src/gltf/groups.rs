@@ -1,5 +1,6 @@
 //! Collision filters as the groups of the engine's colliders.
 
+use std::collections::HashMap;
 use std::sync::Arc;
 
 use super::material::CollisionFilter;
@@ -17,10 +18,15 @@ pub(super) fn assign<'a>(bodies: impl Iterator<Item = &'a mut SceneBody>) -> Opt
     let mut bodies: Vec<&mut SceneBody> = bodies.filter(|body| body.collider.is_some()).collect();
     let mut filters: Vec<Arc<CollisionFilter>> = Vec::new();
     let mut of_bodies = Vec::with_capacity(bodies.len());
+    // Most bodies have a filter of the file's, which is compared to the others once.
+    let mut known: HashMap<*const CollisionFilter, usize> = HashMap::new();
     for body in &bodies {
         let solid = body.pieces.iter().find(|piece| piece.role == ColliderRole::Solid);
-        let filter = solid.and_then(|piece| piece.filter.clone()).unwrap_or_default();
-        of_bodies.push(filters.iter().position(|known| *known == filter).unwrap_or(filters.len()));
+        let filter = solid.and_then(|piece| piece.filter.as_ref());
+        let at = filter.map_or(std::ptr::null(), Arc::as_ptr);
+        let filter = filter.cloned().unwrap_or_default();
+        let find = || filters.iter().position(|known| *known == filter).unwrap_or(filters.len());
+        of_bodies.push(*known.entry(at).or_insert_with(find));
         if of_bodies.last() == Some(&filters.len()) {
             if filters.len() == MOST_FILTERS {
                 return Some(format!("more than {MOST_FILTERS} different collision filters: they count for nothing"));

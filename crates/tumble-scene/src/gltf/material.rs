@@ -1,5 +1,7 @@
 //! What colliders are made of, and with whom they collide.
 
+use std::collections::HashSet;
+
 use serde::{Deserialize, Deserializer};
 use tumble::{Combine, Material};
 
@@ -119,7 +121,9 @@ impl CollisionFilter {
     }
 
     fn accepts(&self, other: &Self) -> bool {
-        let listed = |systems: &Vec<String>| other.collision_systems.iter().any(|system| systems.contains(system));
+        // Sets, for the lists are the file's and may be long.
+        let theirs: HashSet<&str> = other.collision_systems.iter().map(String::as_str).collect();
+        let listed = |systems: &Vec<String>| systems.iter().any(|system| theirs.contains(system.as_str()));
         self.collide_with_systems.as_ref().is_none_or(listed)
             && !self.not_collide_with_systems.as_ref().is_some_and(listed)
     }

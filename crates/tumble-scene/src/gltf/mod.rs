@@ -34,8 +34,10 @@ mod solid;
 mod tree;
 mod triangles;
 mod unsupported;
+#[cfg(test)]
+mod work;
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 pub use geometry::{Geometry, MeshSource};
 pub use joint::{Joint, JointDrive, JointLimit};
@@ -46,8 +48,10 @@ pub use tumble::Combine;
 
 use crate::MAX_FILE_BYTES;
 use crate::error::{FieldError, Place, SceneError, one_line};
+use crate::inertia_repair::InertiaRepairs;
 use crate::mesh_file::MeshFile;
 use crate::read::read_bytes;
+use crate::reading::Reading;
 pub(crate) use bodies::GltfBody;
 use buffers::Buffers;
 use document::Document;
@@ -59,6 +63,8 @@ pub(crate) struct GltfScene {
     pub(crate) name: Option<String>,
     pub(crate) bodies: Vec<GltfBody>,
     pub(crate) notices: Vec<String>,
+    /// The files that were read.
+    pub(crate) files: Vec<PathBuf>,
 }
 
 impl Physics {
@@ -110,22 +116,37 @@ impl<'a> File<'a> {
     }
 
     /// Its meshes; files that it names are looked for in `directory`.
-    fn triangles<'b>(&'b self, directory: Option<&'b Path>) -> Triangles<'b> {
-        Triangles::new(&self.document, Buffers::new(&self.document, directory, self.binary))
+    fn triangles<'b>(&'b self, directory: Option<&'b Path>, reading: &'b mut Reading) -> Triangles<'b> {
+        Triangles::new(&self.document, Buffers::new(&self.document, directory, self.binary, reading))
     }
 }
 
 /// Reads a file whole: its physics, and the meshes that its colliders need.
-pub(crate) fn load(path: &Path) -> Result<GltfScene, SceneError> {
-    let bytes = read_bytes(path, MAX_FILE_BYTES)?;
-    from_bytes(&bytes, path.parent(), &path.to_string_lossy())
+pub(crate) fn load(path: &Path, repairs: InertiaRepairs) -> Result<GltfScene, SceneError> {
+    let mut reading = Reading::default();
+    let bytes = reading.file(path)?;
+    read_scene(&bytes, path.parent(), &path.to_string_lossy(), (reading, repairs))
 }
 
 /// As [`load`], from bytes; files that the document names are looked for in `directory`.
-pub(crate) fn from_bytes(bytes: &[u8], directory: Option<&Path>, file: &str) -> Result<GltfScene, SceneError> {
+pub(crate) fn from_bytes(
+    bytes: &[u8],
+    directory: Option<&Path>,
+    file: &str,
+    repairs: InertiaRepairs,
+) -> Result<GltfScene, SceneError> {
+    read_scene(bytes, directory, file, (Reading::default(), repairs))
+}
+
+fn read_scene(
+    bytes: &[u8],
+    directory: Option<&Path>,
+    file: &str,
+    (mut reading, repairs): (Reading, InertiaRepairs),
+) -> Result<GltfScene, SceneError> {
     let read = File::read(bytes, file)?;
-    let mut triangles = read.triangles(directory);
-    let (bodies, told) = bodies::bodies(&read.physics, &mut triangles);
+    let mut triangles = read.triangles(directory, &mut reading);
+    let (bodies, told) = bodies::bodies(&read.physics, &mut triangles, repairs);
     let mut notices = [read.physics.notices.as_slice(), &told].concat();
     notices.extend(triangles.notices);
     if bodies.is_empty() {
@@ -133,15 +154,15 @@ pub(crate) fn from_bytes(bytes: &[u8], directory: Option<&Path>, file: &str) -> 
     }
     let notices = notices.iter().map(|notice| one_line(notice)).collect();
     let scene = read.document.scenes.get(read.document.scene.unwrap_or(0));
-    Ok(GltfScene { name: scene.and_then(|scene| scene.name.clone()), bodies, notices })
+    Ok(GltfScene { name: scene.and_then(|scene| scene.name.clone()), bodies, notices, files: reading.into_files() })
 }
 
 /// All triangles of a file's scene, in the world's frame, physics or not.
-pub(crate) fn mesh(path: &Path) -> Result<MeshFile, SceneError> {
+pub(crate) fn mesh(path: &Path, reading: &mut Reading) -> Result<MeshFile, SceneError> {
     let file = path.to_string_lossy();
-    let bytes = read_bytes(path, MAX_FILE_BYTES)?;
+    let bytes = reading.file(path)?;
     let read = File::read(&bytes, &file)?;
-    let mut triangles = read.triangles(path.parent());
+    let mut triangles = read.triangles(path.parent(), reading);
     let mesh = triangles.of_scene(&read.tree).map_err(|error| invalid(&file, error))?;
     Ok(MeshFile { mesh, notices: triangles.notices.into_iter().collect() })
 }

@@ -7,6 +7,7 @@ use super::motion::{Motion, MotionKind};
 use super::physics::PhysicsNode;
 use crate::convert::{real, real_vector};
 use crate::error::FieldError;
+use crate::inertia_repair::{InertiaRepairs, nearest_moments, told};
 
 /// Density of what has colliders and neither mass nor density: that of water [kg/m^3].
 const DENSITY: f64 = 1000.0;
@@ -23,6 +24,7 @@ pub(super) fn moving(
     node: &PhysicsNode,
     motion: &Motion,
     shape: Option<&Shape>,
+    repairs: InertiaRepairs,
     notices: &mut Vec<String>,
 ) -> Result<RigidBody, FieldError> {
     let infinite_mass = motion.mass == Some(f64::INFINITY);
@@ -55,7 +57,7 @@ pub(super) fn moving(
         }
         return Ok(body);
     }
-    let inertia = inertia(motion, &properties, notices)?;
+    let inertia = inertia(motion, &properties, repairs, notices)?;
     Ok(body.principal_inertia(inertia).angular_velocity(real_vector(node.angular_velocity())))
 }
 
@@ -115,6 +117,7 @@ fn mass_properties(
 fn inertia(
     motion: &Motion,
     properties: &MassProperties,
+    repairs: InertiaRepairs,
     notices: &mut Vec<String>,
 ) -> Result<PrincipalInertia, FieldError> {
     let Some(mut moments) = motion.inertia_diagonal else {
@@ -133,6 +136,15 @@ fn inertia(
         moments = moments.min(DVec3::splat(INFINITE_MOMENT * finite));
         notices.push(format!("has infinite moments of inertia: they are {INFINITE_MOMENT} times its finite one"));
     }
-    InertiaTensor::from_principal(moments, motion.inertia_orientation).map_err(|error| field(&error))?;
+    let impossible = match InertiaTensor::from_principal(moments, motion.inertia_orientation) {
+        Ok(_) => return Ok(PrincipalInertia { moments, axes: motion.inertia_orientation }),
+        Err(error) => error,
+    };
+    let Some((nearest, away)) = nearest_moments(moments) else { return Err(field(&impossible)) };
+    if repairs == InertiaRepairs::Refused {
+        return Err(field(&format_args!("{impossible}; --repair takes the nearest possible")));
+    }
+    notices.push(told(moments, nearest, away));
+    moments = nearest;
     Ok(PrincipalInertia { moments, axes: motion.inertia_orientation })
 }

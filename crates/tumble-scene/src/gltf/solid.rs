@@ -15,6 +15,7 @@ use crate::tessellation::Tessellation;
 const EVEN: f64 = 1e-6;
 
 /// A collider's shape, with what was decided on the way.
+#[derive(Clone)]
 pub(super) struct Solid {
     /// `None` for what encloses nothing: planes, and flat meshes.
     pub(super) shape: Option<Shape>,
@@ -52,8 +53,14 @@ pub(super) fn solid(geometry: &Geometry, scale: DVec3, triangles: &mut Triangles
         Geometry::Plane { size_x: Some(x), size_z: Some(z), .. } => rectangle(0.5 * x * lengths.x, 0.5 * z * lengths.z),
         Geometry::Plane { .. } => Ok(Solid::empty()),
         Geometry::Mesh { source, convex_hull } => {
-            let surface = triangles.read(source, &DAffine3::from_scale(scale))?;
-            if convex_hull { hull(&surface) } else { mesh(surface) }
+            let key = (source, convex_hull, scale.to_array().map(f64::to_bits));
+            if let Some(known) = triangles.solids.get(&key) {
+                return known.clone();
+            }
+            let surface = triangles.read(source, &DAffine3::from_scale(scale));
+            let made = surface.and_then(|surface| if convex_hull { hull(&surface) } else { mesh(surface) });
+            triangles.solids.insert(key, made.clone());
+            made
         }
         // What has no thickness encloses nothing.
         _ if lengths.min_element() == 0.0 => {
@@ -69,7 +76,7 @@ pub(super) fn solid(geometry: &Geometry, scale: DVec3, triangles: &mut Triangles
                     Shape::TaperedCapsule { radius_bottom, radius_top, half_height }
                 }
             };
-            if even(lengths) { Ok(Solid::of(capsule(lengths.x))) } else { stretched(&capsule(1.0), lengths) }
+            if even(lengths) { Ok(Solid::of(capsule(lengths.x))) } else { stretched(&capsule(1.0), lengths, triangles) }
         }
         Geometry::Cylinder { height, radius_bottom, radius_top } => {
             let cylinder =
@@ -83,7 +90,7 @@ pub(super) fn solid(geometry: &Geometry, scale: DVec3, triangles: &mut Triangles
             if even(DVec3::new(lengths.x, lengths.x, lengths.z)) {
                 Ok(Solid::of(cylinder(lengths.x, lengths.y)))
             } else {
-                stretched(&cylinder(1.0, 1.0), lengths)
+                stretched(&cylinder(1.0, 1.0), lengths, triangles)
             }
         }
     }
@@ -94,8 +101,9 @@ fn even(lengths: DVec3) -> bool {
 }
 
 /// A round shape under a scale that leaves no round shape: the hull of its surface's vertices.
-fn stretched(shape: &Shape, factors: DVec3) -> Result<Solid, FieldError> {
+fn stretched(shape: &Shape, factors: DVec3, triangles: &mut Triangles<'_>) -> Result<Solid, FieldError> {
     let surface = Tessellation::of(shape).stretched(factors);
+    triangles.take(surface.positions.len())?;
     let mut solid = hull_of(&surface.positions)?;
     solid.notices.push("is scaled unevenly and taken as the hull of its surface out of 24 sides".to_owned());
     Ok(solid)

@@ -10,6 +10,9 @@ use crate::model::Tuple;
 /// Relative size of what a decomposition may leave over: some roundings of f32, in which files are written.
 const SHEAR_TOLERANCE: f64 = 1e-5;
 
+/// Most nodes above one another. A chain of bones or of a rope has hundreds.
+const MOST_DEPTH: usize = 10_000;
+
 /// A node's place in the world.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Place {
@@ -47,10 +50,10 @@ impl Tree {
         };
         let mut places = vec![None; nodes.len()];
         let mut order = Vec::new();
-        let mut open: Vec<(usize, DAffine3, DQuat)> = Vec::new();
+        let mut open: Vec<(usize, usize, DAffine3, DQuat)> = Vec::new();
         for &root in roots.iter().rev() {
             match parents.get(root) {
-                Some(None) => open.push((root, DAffine3::IDENTITY, DQuat::IDENTITY)),
+                Some(None) => open.push((root, 0, DAffine3::IDENTITY, DQuat::IDENTITY)),
                 Some(Some(parent)) => {
                     return Err(FieldError::new(list, format!("nodes[{root}] is a child of nodes[{parent}], no root")));
                 }
@@ -58,7 +61,14 @@ impl Tree {
             }
         }
         // Every node has one parent and the walk starts at nodes without, so it ends.
-        while let Some((index, above, turned)) = open.pop() {
+        while let Some((index, depth, above, turned)) = open.pop() {
+            if depth == MOST_DEPTH {
+                return Err(FieldError::exceeding(
+                    format!("nodes[{index}]"),
+                    "nodes above one another",
+                    MOST_DEPTH as u64,
+                ));
+            }
             let (inner, turn) = local(&nodes[index], index)?;
             let (transform, rotation) = (above * inner, turned * turn);
             if !(transform.is_finite() && transform.translation.abs().max_element() <= LARGEST) {
@@ -66,7 +76,7 @@ impl Tree {
             }
             let place = Place::of(transform, rotation);
             order.push(index);
-            open.extend(nodes[index].children.iter().rev().map(|child| (*child, transform, place.rotation)));
+            open.extend(nodes[index].children.iter().rev().map(|child| (*child, depth + 1, transform, place.rotation)));
             places[index] = Some(place);
         }
         Ok(Self { parents, places, order })

@@ -1,6 +1,7 @@
 //! Meshes of a document, as triangles in double precision.
 
-use std::collections::BTreeSet;
+use std::collections::{BTreeSet, HashMap};
+use std::sync::Arc;
 
 use glam::DAffine3;
 use tumble::{MeshError, TriangleMesh};
@@ -8,25 +9,43 @@ use tumble::{MeshError, TriangleMesh};
 use super::buffers::Buffers;
 use super::document::{Document, Mesh, Node, Primitive};
 use super::geometry::MeshSource;
+use super::solid::Solid;
 use super::tree::{Tree, local};
 use crate::error::FieldError;
 
-/// Most vertices, triangles and nodes together of all the meshes that a scene's colliders are made of. A mesh that two colliders
-/// share counts twice.
+/// Most vertices, triangles and nodes together of all the meshes that a scene's colliders are made of. A mesh that colliders of
+/// one size share counts once.
 pub(super) const MOST_TRIANGLES: usize = 10_000_000;
+
+/// What there are at most as many of.
+pub(super) const OF_COLLIDERS: &str = "vertices, triangles and nodes of all colliders";
+
+/// A mesh or node, whether its hull is wanted, and the bits of its scale.
+pub(super) type SolidKey = (MeshSource, bool, [u64; 3]);
 
 /// Reads meshes, as long as there is room for them.
 pub(super) struct Triangles<'a> {
     document: &'a Document,
     buffers: Buffers<'a>,
     room: usize,
+    /// Of each mesh the surfaces of its primitives, in its own frame, and how often they were placed.
+    decoded: HashMap<usize, (Arc<Vec<TriangleMesh>>, usize)>,
+    /// What has been made of meshes, for all colliders that want the same.
+    pub(super) solids: HashMap<SolidKey, Result<Solid, FieldError>>,
     /// What was passed over, a line each.
     pub(super) notices: BTreeSet<String>,
 }
 
 impl<'a> Triangles<'a> {
     pub(super) fn new(document: &'a Document, buffers: Buffers<'a>) -> Self {
-        Self { document, buffers, room: MOST_TRIANGLES, notices: BTreeSet::new() }
+        Self {
+            document,
+            buffers,
+            room: MOST_TRIANGLES,
+            decoded: HashMap::new(),
+            solids: HashMap::new(),
+            notices: BTreeSet::new(),
+        }
     }
 
     /// The triangles of a collider, transformed by `scale`.
@@ -77,15 +96,39 @@ impl<'a> Triangles<'a> {
         }
     }
 
+    /// How many vertices, triangles and nodes have been worked on.
+    #[cfg(test)]
+    pub(super) fn work(&self) -> usize {
+        MOST_TRIANGLES - self.room
+    }
+
     /// Takes up room.
-    fn take(&mut self, amount: usize) -> Result<(), FieldError> {
-        let full =
-            || FieldError::new("", format!("the meshes of all colliders have more than {MOST_TRIANGLES} triangles"));
+    pub(super) fn take(&mut self, amount: usize) -> Result<(), FieldError> {
+        let full = || FieldError::exceeding("", OF_COLLIDERS, MOST_TRIANGLES as u64);
         self.room = self.room.checked_sub(amount).ok_or_else(full)?;
         Ok(())
     }
 
+    /// The surfaces of a mesh where a node puts them.
     fn mesh(&mut self, index: usize, transform: &DAffine3, parts: &mut Vec<TriangleMesh>) -> Result<(), FieldError> {
+        let (surfaces, placed) = match self.decoded.get(&index) {
+            Some((surfaces, placed)) => (surfaces.clone(), *placed),
+            None => (Arc::new(self.decode(index)?), 0),
+        };
+        self.decoded.insert(index, (surfaces.clone(), placed + 1));
+        for surface in surfaces.iter() {
+            if placed > 0 {
+                // The first copy was paid for where it was read.
+                self.take(surface.positions().len() + surface.triangles().len())?;
+            }
+            let moved = surface.transformed(transform);
+            parts.push(moved.map_err(|error| FieldError::new(format!("meshes[{index}]"), error))?);
+        }
+        Ok(())
+    }
+
+    /// The surfaces of a mesh in its own frame.
+    fn decode(&mut self, index: usize) -> Result<Vec<TriangleMesh>, FieldError> {
         let document = self.document;
         let missing = || FieldError::new("", format!("there is no meshes[{index}]"));
         let mesh: &Mesh = document.meshes.get(index).ok_or_else(missing)?;
@@ -94,19 +137,17 @@ impl<'a> Triangles<'a> {
                 "meshes[{index}].weights: morph targets are not read, the collider is the mesh without them"
             ));
         }
+        let mut surfaces = Vec::new();
         for (number, primitive) in mesh.primitives.iter().enumerate() {
             let place = format!("meshes[{index}].primitives[{number}]");
             match self.primitive(primitive, &place).map_err(|error| error.inside(&place))? {
-                Some(part) => {
-                    let moved = part.transformed(transform);
-                    parts.push(moved.map_err(|error| FieldError::new(place, error))?);
-                }
+                Some(surface) => surfaces.push(surface),
                 None => {
                     self.notices.insert(format!("{place}: points and lines are no surface"));
                 }
             }
         }
-        Ok(())
+        Ok(surfaces)
     }
 
     fn primitive(&mut self, primitive: &Primitive, place: &str) -> Result<Option<TriangleMesh>, FieldError> {

@@ -2,6 +2,7 @@ use std::io::{self, Write};
 
 use super::frame::Frame;
 use super::{COLUMNS, state_numbers};
+use crate::csv_cell::csv_cell;
 
 /// One line for each body and frame.
 #[derive(Debug)]
@@ -22,7 +23,7 @@ impl<W: Write> CsvRecord<W> {
         frame.for_each(|id, pose, velocity| {
             self.csv.write_field(step)?;
             self.csv.write_field(&time)?;
-            self.csv.write_field(&*frame.names.of(id))?;
+            self.csv.write_field(&*csv_cell(&frame.names.of(id)))?;
             let mut shortest = zmij::Buffer::new();
             for number in state_numbers(pose, velocity) {
                 self.csv.write_field(shortest.format(number))?;

@@ -7,6 +7,7 @@ use tumble_math::InertiaError;
 
 use crate::convert::{note, positive};
 use crate::error::FieldError;
+use crate::inertia_repair::{InertiaRepairs, nearest_moments, told};
 
 use super::element::Element;
 use super::frame::Frame;
@@ -36,9 +37,12 @@ pub(super) struct Inertial {
     pub(super) tensor: InertiaTensor,
 }
 
-/// What is in the links and is not read, for the notices.
+/// What is in the links and is not read, or not as it stands there, for the notices.
 #[derive(Default)]
 pub(super) struct LeftOut {
+    /// What is to be done about impossible moments, and what was done.
+    pub(super) repairs: InertiaRepairs,
+    pub(super) repaired: Vec<String>,
     pub(super) meshes: Vec<String>,
     pub(super) shapes: Vec<String>,
 }
@@ -51,7 +55,7 @@ impl Link {
         Self {
             name: name.to_owned(),
             line: link.line(),
-            inertial: inertial.and_then(|inertial| Inertial::read(inertial, &mut problems)),
+            inertial: inertial.and_then(|inertial| Inertial::read(inertial, name, left_out, &mut problems)),
             shape: shape(link, name, left_out),
             problems,
         }
@@ -60,11 +64,11 @@ impl Link {
 
 impl Inertial {
     /// Everything wrong is noted, not only the first thing.
-    fn read(inertial: Element<'_>, problems: &mut Vec<FieldError>) -> Option<Self> {
+    fn read(inertial: Element<'_>, name: &str, left_out: &mut LeftOut, problems: &mut Vec<FieldError>) -> Option<Self> {
         let mut found = Vec::new();
         let mass = note(&mut found, mass(inertial));
         let matrix = note(&mut found, inertial.needed("inertia")).and_then(|inertia| matrix(inertia, &mut found));
-        let tensor = matrix.and_then(|(element, matrix)| note(&mut found, tensor(element, matrix)));
+        let tensor = matrix.and_then(|(element, matrix)| note(&mut found, tensor(element, matrix, name, left_out)));
         let frame = note(&mut found, inertial.origin());
         let turned = tensor.zip(frame).and_then(|(tensor, frame)| note(&mut found, turned(inertial, tensor, frame)));
         problems.extend(found.into_iter().map(|problem| problem.inside("inertial")));
@@ -89,14 +93,36 @@ fn matrix<'a>(inertia: Element<'a>, problems: &mut Vec<FieldError>) -> Option<(E
     Some((inertia, DMat3::from_cols(x, y, z)))
 }
 
-fn tensor(inertia: Element<'_>, matrix: DMat3) -> Result<InertiaTensor, FieldError> {
-    InertiaTensor::new(matrix).map_err(|error| {
+fn tensor(
+    inertia: Element<'_>,
+    matrix: DMat3,
+    name: &str,
+    left_out: &mut LeftOut,
+) -> Result<InertiaTensor, FieldError> {
+    let given = InertiaTensor::new(matrix);
+    if let (Err(InertiaError::TriangleInequality { principal }), InertiaRepairs::Made) = (&given, left_out.repairs)
+        && let Some((nearest, away)) = nearest_moments(*principal)
+        && let Some(tensor) = nearest_tensor(matrix, *principal)
+    {
+        left_out.repaired.push(format!("link {name:?} {}", told(*principal, nearest, away)));
+        return Ok(tensor);
+    }
+    given.map_err(|error| {
         let by = match error {
             InertiaError::TriangleInequality { principal } => broken_by(principal),
             _ => String::new(),
         };
         inertia.problem("inertia", format_args!("{error}{by}"))
     })
+}
+
+/// The tensor of the nearest possible moments in the axes that the matrix has.
+fn nearest_tensor(matrix: DMat3, moments: DVec3) -> Option<InertiaTensor> {
+    // With all moments larger by the excess it is one of a body, which has the same axes.
+    let excess = 2.0 * moments.max_element() - moments.element_sum();
+    let shifted = InertiaTensor::new(matrix + DMat3::from_diagonal(DVec3::splat(excess))).ok()?.principal();
+    let (nearest, _) = nearest_moments(shifted.moments - excess)?;
+    InertiaTensor::from_principal(nearest, shifted.axes).ok()
 }
 
 /// By how much ascending moments break the triangle inequality.

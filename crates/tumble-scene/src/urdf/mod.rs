@@ -12,6 +12,7 @@ use tumble::{Amount, BodyId, Part, RigidBody, Settings, Shape};
 
 use crate::convert::{check_name, real_quaternion, real_vector};
 use crate::error::{FieldError, Place, SceneError, one_line};
+use crate::inertia_repair::InertiaRepairs;
 use crate::looks::Looks;
 use crate::scene_body::SceneBody;
 
@@ -45,7 +46,7 @@ pub(crate) struct RobotLink {
 
 impl Robot {
     /// Reads a robot. Its bodies are where the links are while no joint is moved, seen from the root.
-    pub(crate) fn read(text: &str, file: &str) -> Result<Self, SceneError> {
+    pub(crate) fn read(text: &str, file: &str, repairs: InertiaRepairs) -> Result<Self, SceneError> {
         // Editors on Windows put a byte-order mark in front.
         let text = text.strip_prefix('\u{feff}').unwrap_or(text);
         let document = element::parse(text, file)?;
@@ -62,14 +63,15 @@ impl Robot {
         if robot.name() != "robot" {
             return Err(malformed(format!("the outermost element of a robot is <robot>, not <{}>", robot.name())));
         }
-        let mut left_out = LeftOut::default();
+        let mut left_out = LeftOut { repairs, ..LeftOut::default() };
         let mut links: Vec<Link> = robot.all("link").map(|link| Link::read(link, &mut left_out)).collect();
         if links.is_empty() {
             return Err(malformed("the robot has no link".to_owned()));
         }
         check_names(&mut links);
         let (frames, joints) = tree::place(robot, &mut links);
-        let notices = notices(&links, &joints, &left_out);
+        let mut notices = notices(&links, &joints, &left_out);
+        notices.extend(left_out.repaired.iter().map(|repair| one_line(repair)));
         let name = robot.attribute("name").map(one_line);
         Ok(Self { name, links: bodies(links, &frames), notices })
     }
