@@ -12,6 +12,7 @@ mod collider_error;
 mod collider_shape;
 mod colouring;
 mod contact;
+mod events;
 mod frame;
 mod gathering;
 mod keep;
@@ -36,10 +37,11 @@ mod touching;
 
 pub use collider::Collider;
 pub use collider_error::ColliderError;
+pub use events::ContactEvent;
 pub use material::{Combine, Material};
 pub(crate) use names::Name;
 pub(crate) use packed::{Likeness, Packed};
-pub use reading::{Contact, ContactEvent, ContactPoint};
+pub use reading::{Contact, ContactPoint};
 pub(crate) use saved::{SavedContact, SavedContacts, SavedPoint};
 pub(crate) use touching::Contacts;
 
