@@ -115,6 +115,7 @@ mod stiff;
 mod stream;
 mod surroundings;
 mod systems;
+mod threads;
 mod tile;
 mod totals;
 mod trial;

@@ -15,6 +15,7 @@ use crate::math::{Real, Vec3 as WorldVec3};
 use crate::settings::Settings;
 use crate::state::{Constants, State};
 use crate::surroundings::Surroundings;
+use crate::threads;
 
 impl Contacts {
     /// Reads the bodies that touch something, and the forces on them as they are now, into rows from these on: of what impulses move, and of what they do not. Returns the rows after them.
@@ -112,7 +113,7 @@ impl Gathering<'_> {
         let (slots, other_slots) = slots.split_at(slots.len() / 2);
         let (chunk, other_chunk) = chunk.split_at(slots.len());
         let (free, other_free) = free.split_at(self.count(slots));
-        rayon::join(
+        threads::join(
             || self.read_in_parts(chunk, slots, free),
             || self.read_in_parts(other_chunk, other_slots, other_free),
         );

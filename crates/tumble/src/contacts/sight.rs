@@ -10,6 +10,7 @@ use crate::columns::LEAST_CHUNK;
 use crate::components::Velocity;
 use crate::held_columns::{HeldColumns, Looked};
 use crate::math::{Real, Vec3 as WorldVec3};
+use crate::threads;
 
 impl Contacts {
     /// Reads where all bodies with colliders are, and how far from there they may go in an interval \[s\].
@@ -60,7 +61,7 @@ impl Sight<'_> {
         let others =
             Sight { colliders: other_colliders, shapes: other_shapes, proxies: other_proxies, lanes: other_lanes };
         let these = Sight { colliders, shapes, proxies, lanes };
-        rayon::join(
+        threads::join(
             || these.look_in_parts(bodies.rows(0..middle), interval),
             || others.look_in_parts(bodies.rows(middle..bodies.pose.len()), interval),
         );

@@ -9,6 +9,7 @@ use crate::integrators::Kick;
 use crate::math::Real;
 use crate::simd::{BLOCK, Eight, Kernel, Tile, dispatch_in_blocks};
 use crate::state::{Constants, Force, Moments, State};
+use crate::threads::InParts;
 
 /// The bodies that touch something, as the solver sees them: momentum is what it changes, and the rest says what that does.
 ///
@@ -36,6 +37,8 @@ pub(super) struct SolverBodies {
 
 /// So many bodies are advanced by one thread at a time.
 const PART: usize = 256;
+/// Of so many parts at least: one takes some microseconds.
+const LEAST_PARTS: usize = 2;
 
 /// The unit matrix: the diagonal, and what is beside it.
 const ONE: Eight = Eight([1.0, 1.0, 1.0, 0.0, 0.0, 0.0, 0.0, 0.0]);
@@ -109,14 +112,14 @@ impl SolverBodies {
     pub(super) fn kick(&mut self) {
         let rows = self.kick.len();
         let parts = self.motion[..rows].par_chunks_mut(PART).zip(self.kick.par_chunks(PART));
-        parts.for_each(|(motion, kick)| dispatch_in_blocks(&mut KickAll { motion, kick }));
+        parts.by_at_least(LEAST_PARTS).for_each(|(motion, kick)| dispatch_in_blocks(&mut KickAll { motion, kick }));
     }
 
     /// Adds what contacts do when a substep begins, and forgets it.
     pub(super) fn hold(&mut self) {
         let rows = self.kick.len();
         let parts = self.motion[..rows].par_chunks_mut(PART).zip(self.held[..rows].par_chunks_mut(PART));
-        parts.for_each(|(motion, held)| dispatch_in_blocks(&mut HoldAll { motion, held }));
+        parts.by_at_least(LEAST_PARTS).for_each(|(motion, held)| dispatch_in_blocks(&mut HoldAll { motion, held }));
     }
 
     /// Moves all by the velocities there are, which stay, for `h` \[s\]. Free rotation is exact, so a body spins on as it does without contacts.
@@ -132,7 +135,7 @@ impl SolverBodies {
         let (response, pose, moved) = (&mut response[..rows], &mut pose[..rows], &mut moved[..rows]);
         let changed = response.par_chunks_mut(PART).zip(pose.par_chunks_mut(PART)).zip(moved.par_chunks_mut(PART));
         let parts = changed.zip(motion[..rows].par_chunks(PART).zip(inertia.par_chunks(PART)));
-        parts.for_each(|(((response, pose), moved), (motion, inertia))| {
+        parts.by_at_least(LEAST_PARTS).for_each(|(((response, pose), moved), (motion, inertia))| {
             dispatch_in_blocks(&mut DriftAll { motion, response, pose, inertia, moved, h });
         });
     }

@@ -18,6 +18,7 @@ use crate::held_columns::HeldColumns;
 use crate::math::{Real, Vec3 as WorldVec3};
 use crate::members::Members;
 use crate::settings::Settings;
+use crate::threads::InParts;
 
 /// How near \[m\] two surfaces are a contact.
 pub(super) const MARGIN: Real = 0.02;
@@ -141,6 +142,11 @@ impl Contacts {
         [moved, touching().count() - moved]
     }
 
+    /// How many contacts there were after the last step, and how many pairs of shapes without lanes of their own.
+    pub(crate) fn counts(&self) -> (usize, usize) {
+        (self.contacts.len(), self.others.len())
+    }
+
     /// The rows of a contact's bodies.
     pub(super) fn rows_of(&self, contact: &Contact) -> [u32; 2] {
         rows_of(contact, &self.rows)
@@ -157,7 +163,7 @@ impl Contacts {
         contacts.truncate(end);
         let parts = others.len().div_ceil(OTHERS_PART);
         found.resize_with(parts.max(found.len()), Vec::new);
-        others.par_chunks(OTHERS_PART).zip(&mut *found).for_each(|(pairs, found)| {
+        others.par_chunks(OTHERS_PART).zip(&mut *found).by_at_least(2).for_each(|(pairs, found)| {
             found.clear();
             pairs.iter().for_each(|slots| touch_one(*slots, shapes, colliders, found));
         });
@@ -166,7 +172,7 @@ impl Contacts {
             contacts.retain(|contact| contact.count() > 0);
         }
         let Self { contacts, last, materials, .. } = self;
-        contacts.par_chunks_mut(PART).for_each(|contacts| go_on(contacts, last, materials));
+        contacts.par_chunks_mut(PART).by_at_least(2).for_each(|contacts| go_on(contacts, last, materials));
         // The next step's list takes the place of the last one's: so it allocates nothing. Exactly as much, for with some more both would outgrow each other without end.
         self.last.reserve_exact(self.contacts.capacity().saturating_sub(self.last.len()));
     }
@@ -177,7 +183,7 @@ impl Contacts {
         let candidates = broad_phase.update(proxies, |a, b| groups[a as usize].touch(groups[b as usize]));
         let parts = candidates.len().div_ceil(CANDIDATES_PART);
         near.resize_with(parts.max(near.len()), Vec::new);
-        candidates.par_chunks(CANDIDATES_PART).zip(&mut *near).for_each(|(candidates, near)| {
+        candidates.par_chunks(CANDIDATES_PART).zip(&mut *near).by_at_least(2).for_each(|(candidates, near)| {
             near.clear();
             near.extend(candidates.iter().filter_map(|&(first, second)| {
                 // Which others are candidates depends on what was before; the contacts must not.

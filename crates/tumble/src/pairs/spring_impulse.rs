@@ -8,6 +8,7 @@ use crate::generators::spring_force::Direction;
 use crate::math::Real;
 use crate::members::{Members, Seen};
 use crate::stiff::{MOST_ANGLE, MOST_ANGLE_IN_A_NET, stable_damping, stable_stiffness};
+use crate::threads::InParts;
 
 /// A spring and the slots of its bodies.
 #[derive(Clone, Copy)]
@@ -117,7 +118,7 @@ impl Springs {
         pulls.clear();
         pulls.resize(connections.len(), Pull::none());
         let parts = pulls.par_chunks_mut(PART).zip(connections.par_chunks(PART));
-        parts.for_each(|(pulls, connections)| {
+        parts.by_at_least(1).for_each(|(pulls, connections)| {
             for (pull, connection) in pulls.iter_mut().zip(connections) {
                 let shares = connection.slots.map(springs_of);
                 *pull = connection.pull(connection.slots.map(|slot| &members.seen[slot]), shares, t, h);
@@ -129,7 +130,7 @@ impl Springs {
     pub(super) fn update(&mut self, velocities: &[Velocities]) {
         self.impulses.resize(self.pulls.len(), [Impulse::zero(); 2]);
         let parts = self.impulses.par_chunks_mut(PART).zip(self.pulls.par_chunks(PART));
-        parts.for_each(|(impulses, pulls)| {
+        parts.by_at_least(1).for_each(|(impulses, pulls)| {
             for (impulse, pull) in impulses.iter_mut().zip(pulls) {
                 *impulse = pull.impulses(velocities);
             }
