@@ -1,6 +1,7 @@
 //! How long frames take while other programs keep every core busy: steps from the main thread, with the pool that rayon has by default, beside so many busy loops as there are cores.
 //!
-//! `cargo run --release -p tumble-benches --example busy_machine`; `-- 0` for none beside it. Prints the median of the steps, the one in a hundred and the longest, in milliseconds.
+//! `cargo run --release -p tumble-benches --example busy_machine`; `-- 0` for none beside it. Prints the median of the steps, the one in a hundred and the longest in
+//! milliseconds, and, on Linux, how often in a step the thread that calls it waited for another.
 
 use std::error::Error;
 use std::hint::black_box;
@@ -44,6 +45,12 @@ fn cluster(count: u32) -> Result<World, Box<dyn Error>> {
     Ok(world)
 }
 
+/// How often this thread has waited since it began, where the system tells.
+fn waits() -> Option<f64> {
+    let status = std::fs::read_to_string("/proc/thread-self/status").ok()?;
+    status.lines().find_map(|line| line.strip_prefix("voluntary_ctxt_switches:")?.trim().parse().ok())
+}
+
 fn main() -> Result<(), Box<dyn Error>> {
     let cores = thread::available_parallelism()?.get();
     let beside = std::env::args().nth(1).map_or(Ok(cores), |count| count.parse())?;
@@ -58,7 +65,9 @@ fn main() -> Result<(), Box<dyn Error>> {
             })
         })
         .collect();
-    println!("{beside} busy loops beside it; of {STEPS} steps the median, the 99th of 100 and the longest [ms]");
+    println!(
+        "{beside} busy loops beside it; of {STEPS} steps the median, the 99th of 100 and the longest [ms], and waits a step"
+    );
     let scenes = [
         ("heap of 40", heap(40)?),
         ("40 that attract", cluster(40)?),
@@ -68,6 +77,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     ];
     for (name, mut world) in scenes {
         let mut simulation = Simulation::new(Settings::default())?;
+        let before = waits();
         let mut times: Vec<f64> = (0..STEPS)
             .map(|_| {
                 let begun = Instant::now();
@@ -75,8 +85,10 @@ fn main() -> Result<(), Box<dyn Error>> {
                 begun.elapsed().as_secs_f64() * 1e3
             })
             .collect();
+        let waits = waits().zip(before).map_or(f64::NAN, |(now, before)| (now - before) / STEPS as f64);
         times.sort_by(f64::total_cmp);
-        println!("{name:16} {:8.3} {:8.3} {:8.3}", times[STEPS / 2], times[STEPS * 99 / 100], times[STEPS - 1]);
+        let [median, late, longest] = [times[STEPS / 2], times[STEPS * 99 / 100], times[STEPS - 1]];
+        println!("{name:16} {median:8.3} {late:8.3} {longest:8.3} {waits:8.2}");
     }
     stop.store(true, Ordering::Relaxed);
     loops.into_iter().for_each(|it| drop(it.join()));

@@ -98,6 +98,7 @@ mod members;
 mod pairs;
 mod phase_times;
 mod property_error;
+mod range;
 mod rigid_body;
 mod rollback;
 mod scope;

@@ -2,9 +2,10 @@
 
 use std::sync::Arc;
 
+use super::collider::of_pieces;
 use super::material::CollisionFilter;
-use crate::ColliderRole;
 use crate::scene_body::SceneBody;
+use crate::{ColliderRole, SceneCollider};
 
 /// As many filters as the engine's groups have bits.
 const MOST_FILTERS: usize = u32::BITS as usize;
@@ -16,12 +17,9 @@ const MOST_FILTERS: usize = u32::BITS as usize;
 pub(super) fn assign<'a>(bodies: impl Iterator<Item = &'a mut SceneBody>) -> Option<String> {
     let mut bodies: Vec<&mut SceneBody> = bodies.filter(|body| body.collider.is_some()).collect();
     let mut filters: Vec<Arc<CollisionFilter>> = Vec::new();
-    let mut of_bodies = Vec::with_capacity(bodies.len());
-    for body in &bodies {
-        let solid = body.pieces.iter().find(|piece| piece.role == ColliderRole::Solid);
-        let filter = solid.and_then(|piece| piece.filter.clone()).unwrap_or_default();
-        of_bodies.push(filters.iter().position(|known| *known == filter).unwrap_or(filters.len()));
-        if of_bodies.last() == Some(&filters.len()) {
+    for piece in bodies.iter().flat_map(|body| solid(body)) {
+        let filter = piece.filter.clone().unwrap_or_default();
+        if !filters.contains(&filter) {
             if filters.len() == MOST_FILTERS {
                 return Some(format!("more than {MOST_FILTERS} different collision filters: they count for nothing"));
             }
@@ -35,9 +33,22 @@ pub(super) fn assign<'a>(bodies: impl Iterator<Item = &'a mut SceneBody>) -> Opt
     if filters.iter().all(|filter| filters.iter().all(|other| filter.collides_with(other))) {
         return None;
     }
-    for (body, group) in bodies.iter_mut().zip(of_bodies) {
-        let Some(filter) = filters.get(group) else { continue };
-        body.collider = body.collider.take().map(|collider| collider.with_groups(1 << group, touched(filter)));
+    let groups = |piece: &SceneCollider| {
+        let filter = piece.filter.clone().unwrap_or_default();
+        let group = filters.iter().position(|known| *known == filter)?;
+        Some((1 << group, touched(filters.get(group)?)))
+    };
+    for body in &mut bodies {
+        let solid: Vec<&SceneCollider> = solid(body).collect();
+        let Some((membership, filter)) = solid.first().and_then(|piece| groups(piece)) else { continue };
+        let several = solid.windows(2).any(|pair| pair[0].filter != pair[1].filter);
+        let of_parts = if several { of_pieces(&solid, groups).ok() } else { None };
+        body.collider = of_parts.or(body.collider.take().map(|it| it.with_groups(membership, filter)));
     }
     None
+}
+
+/// What of a body touches others.
+fn solid(body: &SceneBody) -> impl Iterator<Item = &SceneCollider> {
+    body.pieces.iter().filter(|piece| piece.role == ColliderRole::Solid)
 }

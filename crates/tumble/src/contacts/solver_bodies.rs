@@ -7,6 +7,7 @@ use tumble_math::lane::{Quat, Vec3};
 use super::rows::{put_two_vectors, two_vectors};
 use crate::integrators::Kick;
 use crate::math::Real;
+use crate::range::{MOST_IMPULSE, MOST_SPEED, within};
 use crate::simd::{BLOCK, Eight, Kernel, Tile, dispatch_in_blocks};
 use crate::state::{Constants, Force, Moments, State};
 use crate::threads::InParts;
@@ -99,6 +100,18 @@ impl SolverBodies {
             linear: Vec3::new(px, py, pz),
             angular: Vec3::new(lx, ly, lz),
         }
+    }
+
+    /// Whether what forces do to a body is in range, as to be gathered before.
+    pub(super) fn is_kicked_in_range(&self, row: usize) -> bool {
+        let Eight([px, py, pz, lx, ly, lz, linear, angular]) = self.kick[row];
+        let impulses = within(Vec3::new(px, py, pz), MOST_IMPULSE) && within(Vec3::new(lx, ly, lz), MOST_IMPULSE);
+        let kept = |part: Real| (0.0..=1.0).contains(&part);
+        let Eight([.., inverse_mass, _]) = self.motion[row];
+        let change = within(Vec3::new(px, py, pz) * inverse_mass, MOST_SPEED);
+        let Eight([.., ix, iy, iz, _, _]) = self.inertia[row];
+        let turn = within(Vec3::new(lx, ly, lz) * ix.max(iy).max(iz), MOST_SPEED);
+        impulses && change && turn && kept(linear) && kept(angular)
     }
 
     /// Hands out the poses beside the rest.

@@ -7,6 +7,7 @@ use tumble_math::lane::{Quat, Vec3};
 
 use super::collider::{Collider, Groups};
 use super::contact::Contact;
+use super::crowds::Crowds;
 use super::keeping::Past;
 use super::materials::Materials;
 use super::names::Names;
@@ -40,7 +41,8 @@ pub(crate) struct Contacts {
     pub(super) proxies: Vec<Proxy<Real>>,
     pub(super) lanes: Shapes,
     /// The pairs that are near each other, in parts that threads find; then those of each kind.
-    near: Vec<Vec<(Kind, [u32; 2])>>,
+    pub(super) near: Vec<Vec<(Kind, [u32; 2])>>,
+    pub(super) crowds: Crowds,
     cuboids: Pairs,
     balls: Pairs,
     others: Vec<[u32; 2]>,
@@ -103,8 +105,7 @@ impl Contacts {
                 places.for_each(|(row, slot)| colliders[slot] = Some((column[row].clone(), offset(row))));
             }
         });
-        self.materials
-            .list(self.colliders.iter().map(|collider| collider.as_ref().map(|(collider, _)| collider.material())));
+        self.materials.list(self.colliders.iter().map(|collider| collider.as_ref().map(|(collider, _)| collider)));
         let of = |collider: &Option<(Collider, _)>| collider.as_ref().map_or(Groups::ALL, |(it, _)| it.filter_groups());
         if !self.colliders.iter().map(of).eq(self.groups.iter().copied()) {
             // Who touches whom is asked once.
@@ -179,7 +180,7 @@ impl Contacts {
 
     /// Finds the pairs that may touch, and sorts them by the kind of their shapes. Where impulses move only one of two, it is the second.
     fn find_near(&mut self) {
-        let Self { shapes, proxies, groups, broad_phase, near, cuboids, balls, others, .. } = self;
+        let Self { shapes, proxies, groups, broad_phase, near, .. } = self;
         let candidates = broad_phase.update(proxies, |a, b| groups[a as usize].touch(groups[b as usize]));
         let parts = candidates.len().div_ceil(CANDIDATES_PART);
         near.resize_with(parts.max(near.len()), Vec::new);
@@ -193,6 +194,8 @@ impl Contacts {
                 p.is_near(q).then_some((kind, slots))
             }));
         });
+        self.limit_near(parts);
+        let Self { near, cuboids, balls, others, .. } = self;
         cuboids.clear();
         balls.clear();
         others.clear();
@@ -217,7 +220,9 @@ fn touch_one(slots: [u32; 2], shapes: &[Shape], colliders: &[Option<(Collider, W
         let before = found.len();
         let (margin, center) = (first.reach + second.reach, second.center);
         touching(&a.geometry, &first.placement, &b.geometry, &second.placement, margin, &mut |part, manifold| {
-            found.push(Contact::new(slots, part, manifold, center));
+            if a.parts_touch(b, part) {
+                found.push(Contact::new(slots, part, manifold, center));
+            }
         });
         found[before..].sort_by_key(Contact::key);
     }
@@ -232,7 +237,7 @@ fn go_on(contacts: &mut [Contact], last: &[Contact], materials: &Materials) {
         if let Some(old) = last.next_if(|old| old.key() == contact.key()) {
             contact.take_over(old);
         }
-        contact.set_surface(&materials.between(contact.slots));
+        contact.set_surface(&materials.between(contact.slots, contact.part));
     }
 }
 

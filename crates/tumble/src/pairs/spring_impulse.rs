@@ -7,6 +7,7 @@ use super::Spring;
 use crate::generators::spring_force::Direction;
 use crate::math::Real;
 use crate::members::{Members, Seen};
+use crate::range::{MOST_IMPULSE, MOST_SPEED, within};
 use crate::stiff::{MOST_ANGLE, MOST_ANGLE_IN_A_NET, stable_damping, stable_stiffness};
 use crate::threads::InParts;
 
@@ -121,7 +122,10 @@ impl Springs {
         parts.by_at_least(1).for_each(|(pulls, connections)| {
             for (pull, connection) in pulls.iter_mut().zip(connections) {
                 let shares = connection.slots.map(springs_of);
-                *pull = connection.pull(connection.slots.map(|slot| &members.seen[slot]), shares, t, h);
+                let bodies = connection.slots.map(|slot| &members.seen[slot]);
+                *pull = Some(connection.pull(bodies, shares, t, h))
+                    .filter(|pull| pull.is_in_range() && bodies.iter().all(|seen| seen.is_in_range()))
+                    .unwrap_or(Pull::none());
             }
         });
     }
@@ -184,7 +188,17 @@ impl Pull {
         Self { slots: [0; 2], direction: Vec3::zero(), arms: [Vec3::zero(); 2], impulse: 0.0, damping: 0.0 }
     }
 
+    fn is_in_range(&self) -> bool {
+        let arms = self.arms.iter().all(|arm| within(*arm, MOST_SPEED));
+        let impulse = self.impulse.abs() <= MOST_IMPULSE && (0.0..=MOST_IMPULSE).contains(&self.damping);
+        arms && impulse && within(self.direction, 2.0)
+    }
+
     fn impulses(&self, velocities: &[Velocities]) -> [Impulse; 2] {
+        if self.impulse == 0.0 && self.damping == 0.0 {
+            // One of the bodies may be one whose velocity is no number.
+            return [Impulse::zero(); 2];
+        }
         let [at_a, at_b] = [0, 1].map(|end| velocities[self.slots[end]].at(self.arms[end]));
         let impulse = self.impulse + self.damping * self.direction.dot(at_b - at_a);
         let (on_a, on_b) = (self.direction * impulse, self.direction * -impulse);
