@@ -47,12 +47,15 @@ pub(crate) struct Unmoved<'w> {
     is_kinematic: bool,
 }
 
+/// Momenta, masses and, of what turns, inertia.
+pub(crate) type Pushed<'a> = (&'a [Momentum], &'a [Mass], Option<&'a [Inertia]>);
+
 /// What is looked at of the bodies of one archetype.
 #[derive(Clone, Copy)]
 pub(crate) struct Looked<'a> {
     pub(crate) pose: &'a [Pose],
     /// Of bodies that forces move.
-    pub(crate) pushed: Option<(&'a [Momentum], &'a [Mass], Option<&'a [Inertia]>)>,
+    pub(crate) pushed: Option<Pushed<'a>>,
     pub(crate) velocity: Option<&'a [Velocity]>,
 }
 
