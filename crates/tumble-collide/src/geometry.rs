@@ -274,8 +274,8 @@ impl<R: Scalar> Geometry<R> {
         }
     }
 
-    /// How many numbers its parts have.
-    pub(crate) fn parts(&self) -> u32 {
+    /// How many numbers its parts have: [`touching`](crate::touching) numbers a pair of parts as that of the first shape times this of the second, and that of the second. One of what has no parts.
+    pub fn parts(&self) -> u32 {
         match self {
             Self::Mesh(mesh) => surface_pair::parts(mesh.as_ref(), mesh.points().len()),
             Self::HeightField(field) => surface_pair::parts(field.as_ref(), field.points().len()),

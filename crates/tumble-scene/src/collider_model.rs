@@ -20,6 +20,29 @@ pub(crate) struct ColliderModel {
     /// Numbers of the groups that it is in, and of those that it touches.
     pub(crate) groups: Option<Groups>,
     pub(crate) touches: Option<Groups>,
+    /// Of a compound, for each of its parts what is other there.
+    #[serde(default)]
+    pub(crate) parts: Vec<ColliderModel>,
+}
+
+impl ColliderModel {
+    /// What it says, and where it is silent what the whole does.
+    pub(crate) fn over(&self, whole: &Self) -> Self {
+        let says_friction = [self.friction, self.static_friction, self.dynamic_friction].iter().any(Option::is_some);
+        let friction = if says_friction { self } else { whole };
+        Self {
+            friction: friction.friction,
+            static_friction: friction.static_friction,
+            dynamic_friction: friction.dynamic_friction,
+            restitution: self.restitution.or(whole.restitution),
+            rolling_friction: self.rolling_friction.or(whole.rolling_friction),
+            friction_combine: self.friction_combine.or(whole.friction_combine),
+            restitution_combine: self.restitution_combine.or(whole.restitution_combine),
+            groups: self.groups.clone().or(whole.groups.clone()),
+            touches: self.touches.clone().or(whole.touches.clone()),
+            parts: Vec::new(),
+        }
+    }
 }
 
 /// The names that scenes and glTF share.

@@ -95,11 +95,9 @@ impl Playback {
         let piece = self.dt();
         let mut left = seconds.max(0.0);
         loop {
-            let mut step = self.simulation.steps();
             let trails = &mut self.trails;
-            self.alpha = self.simulation.advance_with(&mut self.world, left.min(piece), |world| {
-                trails.before_step(step, world);
-                step += 1;
+            self.alpha = self.simulation.advance_with(&mut self.world, left.min(piece), |world, simulation| {
+                trails.before_step(simulation.steps(), world);
             });
             left -= piece;
             if left <= 0.0 {

@@ -41,6 +41,16 @@ pub enum BodyError {
         /// What was given.
         value: DVec3,
     },
+    /// A coordinate of a vector is too large for what is done with it.
+    #[error("{field} must be within {most:e} along each axis, got {value}")]
+    TooLarge {
+        /// Which one.
+        field: &'static str,
+        /// What was given.
+        value: DVec3,
+        /// The most that a coordinate may be, in the unit of the field.
+        most: f64,
+    },
     /// A number is not finite, or negative where it must not be.
     #[error("{field} must be {wanted}, got {value}")]
     Number {
@@ -72,7 +82,9 @@ impl BodyError {
                 path => format!("shape.{path}"),
             },
             Self::Inertia(_) | Self::InertiaRange(_) => "inertia".to_owned(),
-            Self::NotFinite { field, .. } | Self::Number { field, .. } => (*field).to_owned(),
+            Self::NotFinite { field, .. } | Self::TooLarge { field, .. } | Self::Number { field, .. } => {
+                (*field).to_owned()
+            }
             Self::NotUnit(_) => "orientation".to_owned(),
             Self::MovingFixed => "linear_velocity".to_owned(),
             Self::SpinningPoint => "angular_velocity".to_owned(),

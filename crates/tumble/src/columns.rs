@@ -16,6 +16,7 @@ use crate::components::{
 use crate::force_laws::{ForceLaws, Laws};
 use crate::generators::Wind;
 use crate::simd::{MOST_BODIES, WIDEST, narrowest_for, widest};
+use crate::threads::{self, Effort};
 
 /// So few bodies are gone through one by one: borrowing a dozen columns takes longer than a query.
 const FEW: u32 = 2;
@@ -234,8 +235,8 @@ pub(crate) fn for_each_chunk(world: &mut World, laws: &ForceLaws, system: impl F
     if (1..=FEW).contains(&world.len()) && !laws.act_in(world) {
         return world.query_mut::<Row<'_>>().into_iter().for_each(|row| system(&mut Chunk::of_row(row)));
     }
-    let all = 0..world.archetypes().len();
-    for_each_archetype(world, all, laws, &system);
+    let (world, all) = (&*world, 0..world.archetypes().len());
+    Effort::of_bodies(world, laws).run(|| for_each_archetype(world, all, laws, &system));
 }
 
 /// Splits the archetypes among threads, and then each archetype's rows. Columns are borrowed where they are used, so nothing needs memory but the stack.
@@ -249,7 +250,7 @@ fn for_each_archetype(
     let entities: usize = these().map(|archetype| archetype.len() as usize).sum();
     if archetypes.len() > 1 && entities > LEAST_CHUNK {
         let middle = archetypes.start + archetypes.len() / 2;
-        rayon::join(
+        threads::join(
             || for_each_archetype(world, archetypes.start..middle, laws, system),
             || for_each_archetype(world, middle..archetypes.end, laws, system),
         );
@@ -276,6 +277,6 @@ fn for_each_part_of(size: usize, mut chunk: Chunk<'_>, system: &(impl Fn(&mut Ch
         // Cut at a multiple of the size, so that all but the last are full.
         let middle = (chunk.len() / 2).next_multiple_of(size);
         let (first, second) = chunk.split_at(middle);
-        rayon::join(|| for_each_part_of(size, first, system), || for_each_part_of(size, second, system));
+        threads::join(|| for_each_part_of(size, first, system), || for_each_part_of(size, second, system));
     }
 }

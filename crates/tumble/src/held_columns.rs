@@ -9,7 +9,7 @@ use std::ops::Range;
 use hecs::{Archetype, ArchetypeColumn, ArchetypeColumnMut, World};
 
 use crate::columns::{Chunk, Columns, for_each_part};
-use crate::components::{Mass, Momentum, Pose, PreviousPose, Velocity};
+use crate::components::{Inertia, Mass, Momentum, Pose, PreviousPose, Velocity};
 use crate::force_laws::{ForceLaws, Laws};
 use crate::kinematic::move_a_substep;
 use crate::math::Real;
@@ -47,12 +47,15 @@ pub(crate) struct Unmoved<'w> {
     is_kinematic: bool,
 }
 
+/// Momenta, masses and, of what turns, inertia.
+pub(crate) type Pushed<'a> = (&'a [Momentum], &'a [Mass], Option<&'a [Inertia]>);
+
 /// What is looked at of the bodies of one archetype.
 #[derive(Clone, Copy)]
 pub(crate) struct Looked<'a> {
     pub(crate) pose: &'a [Pose],
     /// Of bodies that forces move.
-    pub(crate) pushed: Option<(&'a [Momentum], &'a [Mass])>,
+    pub(crate) pushed: Option<Pushed<'a>>,
     pub(crate) velocity: Option<&'a [Velocity]>,
 }
 
@@ -60,7 +63,9 @@ impl<'a> Looked<'a> {
     pub(crate) fn rows(self, rows: Range<usize>) -> Self {
         Self {
             pose: &self.pose[rows.clone()],
-            pushed: self.pushed.map(|(momenta, masses)| (&momenta[rows.clone()], &masses[rows.clone()])),
+            pushed: self.pushed.map(|(momenta, masses, inertia)| {
+                (&momenta[rows.clone()], &masses[rows.clone()], inertia.map(|inertia| &inertia[rows.clone()]))
+            }),
             velocity: self.velocity.map(|velocities| &velocities[rows]),
         }
     }
@@ -102,7 +107,8 @@ impl<'w> HeldColumns<'w> {
         self.archetypes.iter().enumerate().filter_map(|(index, held)| {
             let looked = match &held.bodies {
                 Bodies::Moving(columns) => {
-                    let (pose, pushed) = (&*columns.pose, Some((&*columns.momentum, &*columns.mass)));
+                    let pushed = Some((&*columns.momentum, &*columns.mass, columns.inertia.as_deref()));
+                    let pose = &*columns.pose;
                     Looked { pose, pushed, velocity: columns.velocity.as_deref() }
                 }
                 Bodies::Unmoved(columns) => {

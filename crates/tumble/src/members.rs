@@ -6,6 +6,7 @@ use crate::components::{BodyId, Pose, Velocity};
 use crate::derived::{Derived, derived};
 use crate::held_columns::{Bodies, HeldColumns};
 use crate::math::Real;
+use crate::range::{MOST_DISTANCE, MOST_SPEED, answers, within};
 use crate::state::{Constants, Moments, State};
 
 /// No slot.
@@ -189,6 +190,17 @@ impl Seen {
             derived: Derived { linear: zero, angular: zero, diagonal: zero, off_diagonal: zero },
         }
     };
+
+    /// Whether others can be pulled by it, or pull it.
+    pub(crate) fn is_in_range(&self) -> bool {
+        let State { position, orientation, linear, angular } = self.state;
+        let turned = (0.5..2.0).contains(&orientation.length_squared());
+        let moves = match &self.constants {
+            Some(constants) => answers(constants, [linear, angular], 0.0),
+            None => within(self.derived.linear, MOST_SPEED) && within(self.derived.angular, MOST_SPEED),
+        };
+        turned && moves && within(position, MOST_DISTANCE)
+    }
 
     /// A body in a row.
     fn of(bodies: &Bodies<'_>, row: usize) -> Self {

@@ -8,6 +8,7 @@ use crate::components::{
     Wrench,
 };
 use crate::math::{Quat, Real, Vec3, dquat, dvec3, quat, vec3};
+use crate::range::{self, MOST_DISTANCE, MOST_SPEED};
 
 /// What makes a body move.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -252,9 +253,9 @@ impl RigidBody {
     }
 
     fn check_numbers(&self) -> Result<(), BodyError> {
-        finite("position", self.position)?;
-        finite("linear_velocity", self.linear_velocity)?;
-        finite("angular_velocity", self.angular_velocity)?;
+        within("position", self.position, MOST_DISTANCE)?;
+        within("linear_velocity", self.linear_velocity, MOST_SPEED)?;
+        within("angular_velocity", self.angular_velocity, MOST_SPEED)?;
         let number = |field, wanted, value: Option<Real>, fits: fn(Real) -> bool| match value {
             Some(value) if !fits(value) => Err(BodyError::Number { field, wanted, value: value.into() }),
             _ => Ok(()),
@@ -264,6 +265,14 @@ impl RigidBody {
         number("damping.linear", "zero or positive, and finite", self.damping.map(|d| d.linear), rate)?;
         number("damping.angular", "zero or positive, and finite", self.damping.map(|d| d.angular), rate)
     }
+}
+
+fn within(field: &'static str, value: Vec3, most: Real) -> Result<(), BodyError> {
+    finite(field, value)?;
+    if range::within(value.into(), most) {
+        return Ok(());
+    }
+    Err(BodyError::TooLarge { field, value: dvec3(value), most: most.into() })
 }
 
 fn finite(field: &'static str, value: Vec3) -> Result<Vec3, BodyError> {

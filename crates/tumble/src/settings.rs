@@ -1,5 +1,6 @@
 use crate::integrator::Integrator;
 use crate::math::{Real, Vec3};
+use crate::range::{MOST_GRAVITY, MOST_SPEED, SECONDS, within};
 
 /// What one simulation is run with.
 ///
@@ -88,13 +89,13 @@ impl Settings {
     /// # Errors
     /// [`SettingsError`] names the first setting that cannot be.
     pub fn validate(&self) -> Result<(), SettingsError> {
-        if !(self.dt.is_normal() && self.dt > 0.0) {
+        if !SECONDS.contains(&self.dt) {
             return Err(SettingsError::Step(self.dt));
         }
-        if self.substeps > 0 && !self.substep().is_normal() {
+        if self.substeps > 0 && !SECONDS.contains(&self.substep()) {
             return Err(SettingsError::Step(self.substep()));
         }
-        if !self.gravity.is_finite() {
+        if !within(self.gravity.into(), MOST_GRAVITY) {
             return Err(SettingsError::Gravity(self.gravity));
         }
         if self.substeps == 0 || self.substeps > Self::MOST_SUBSTEPS {
@@ -103,10 +104,10 @@ impl Settings {
         if self.contact_substeps == 0 || self.contact_substeps > Self::MOST_CONTACT_SUBSTEPS {
             return Err(SettingsError::ContactSubsteps(self.contact_substeps));
         }
-        if !self.contact_substep().is_normal() {
+        if !SECONDS.contains(&self.contact_substep()) {
             return Err(SettingsError::Step(self.contact_substep()));
         }
-        if !(self.restitution_threshold >= 0.0 && self.restitution_threshold.is_finite()) {
+        if !(0.0..=MOST_SPEED).contains(&self.restitution_threshold) {
             return Err(SettingsError::RestitutionThreshold(self.restitution_threshold));
         }
         Ok(())
@@ -144,11 +145,11 @@ impl Settings {
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum SettingsError {
-    /// The step is zero, negative or not a normal finite number.
-    #[error("dt, divided by the substeps, must be a positive normal number, got {0}")]
+    /// The step, or one of the equal parts that it is divided into, is not from 1e-9 to 1e9 seconds.
+    #[error("dt, divided by the substeps, must be from 1e-9 to 1e9 seconds, got {0:e}")]
     Step(Real),
-    /// Gravity is not finite.
-    #[error("gravity must be finite, got {0}")]
+    /// A component of gravity is beyond 1e9 m/s^2, or not a number.
+    #[error("gravity must be within 1e9 m/s^2 along each axis, got {0}")]
     Gravity(Vec3),
     /// No substeps, or more than [`Settings::MOST_SUBSTEPS`].
     #[error("substeps must be from 1 to {most}, got {0}", most = Settings::MOST_SUBSTEPS)]
@@ -156,7 +157,7 @@ pub enum SettingsError {
     /// No substeps where bodies touch, or more than [`Settings::MOST_CONTACT_SUBSTEPS`].
     #[error("contact substeps must be from 1 to {most}, got {0}", most = Settings::MOST_CONTACT_SUBSTEPS)]
     ContactSubsteps(u32),
-    /// The speed below which nothing bounces is negative or not finite.
-    #[error("the restitution threshold must be zero or positive, and finite, got {0}")]
+    /// The speed below which nothing bounces is not from 0 to 1e9 m/s.
+    #[error("the restitution threshold must be from 0 to 1e9 m/s, got {0}")]
     RestitutionThreshold(Real),
 }

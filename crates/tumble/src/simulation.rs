@@ -1,6 +1,7 @@
 use hecs::{Component, World};
 
 use crate::clock::Clock;
+use crate::contacts::ContactEvent;
 use crate::coupled::Coupled;
 use crate::coupling::Coupling;
 use crate::force_law::ForceLaw;
@@ -37,6 +38,10 @@ pub struct Simulation {
     laws: ForceLaws,
     /// What forces between bodies are evaluated with, and contacts as they were left; none until there are any.
     pub(crate) coupling: Option<Box<Coupling>>,
+    /// What began and ended to touch in the last call, in the steps that were taken one by one before the last.
+    pub(crate) events: Vec<ContactEvent>,
+    /// Whether the last call took a step.
+    pub(crate) has_stepped: bool,
     steps: u64,
     /// Steps and time \[s\] when the settings were last changed; from there on time is a multiple of the step.
     since: (u64, f64),
@@ -54,7 +59,16 @@ impl Simulation {
     /// [`SettingsError`] where the settings are ones that nothing can be simulated with.
     pub fn new(settings: Settings) -> Result<Self, SettingsError> {
         settings.validate()?;
-        Ok(Self { settings, laws: ForceLaws::default(), coupling: None, steps: 0, since: (0, 0.0), owed: 0.0 })
+        Ok(Self {
+            settings,
+            laws: ForceLaws::default(),
+            coupling: None,
+            events: Vec::new(),
+            has_stepped: false,
+            steps: 0,
+            since: (0, 0.0),
+            owed: 0.0,
+        })
     }
 
     /// What the simulation is run with.
@@ -128,6 +142,7 @@ impl Simulation {
     /// Advances the world by `count` steps, with the same bits as `count` calls of [`step`](Self::step).
     ///
     /// For when nothing is looked at or changed in between: bodies that nothing couples stay in registers from the first step to the last.
+    /// [`contact_events`](Self::contact_events) then gives those of all the steps.
     pub fn step_many(&mut self, world: &mut World, count: u32) {
         self.advance_by(world, count, None);
     }
@@ -139,6 +154,8 @@ impl Simulation {
     }
 
     fn advance_by(&mut self, world: &mut World, count: u32, times: Option<&PhaseTimes>) {
+        self.forget_events();
+        self.has_stepped = count > 0;
         if count > 0 {
             let mut coupling = self.coupling.take();
             steps_under_laws(world, &self.settings, &self.laws, &mut coupling, count, self.clock(), times);
@@ -152,6 +169,8 @@ impl Simulation {
         if !Coupling::is_in(world) {
             return None;
         }
+        self.forget_events();
+        self.has_stepped = true;
         let clock = self.clock();
         let coupling = self.coupling.get_or_insert_default();
         Some(Coupled::new(world, &self.settings, &self.laws, coupling, clock))
@@ -181,17 +200,20 @@ impl Simulation {
     /// # Ok::<(), tumble::SettingsError>(())
     /// ```
     pub fn advance(&mut self, world: &mut World, frame_seconds: f64) -> Real {
-        self.advance_with(world, frame_seconds, |_| ())
+        self.advance_with(world, frame_seconds, |_, _| ())
     }
 
-    /// [`advance`](Self::advance), calling `before_step` before every step: the place to add the forces of that step.
+    /// [`advance`](Self::advance), calling `before_step` before every step with the world and the simulation as the last step left it: the place to add the forces of that step.
+    ///
+    /// [`contact_events`](Self::contact_events) gives there what began and ended to touch in the last step alone, whatever frame it was taken in: who reads it there in every step misses nothing
+    /// and gets nothing twice. After the call it gives the events of all steps that the frame has taken.
     ///
     /// ```
     /// # use tumble::prelude::*;
     /// # let mut world = hecs::World::new();
     /// # let body = RigidBody::new(Shape::Point).mass(1.0).build()?.spawn(&mut world);
     /// let mut simulation = Simulation::new(Settings::default().with_gravity(Vec3::ZERO).with_dt(0.01))?;
-    /// simulation.advance_with(&mut world, 0.055, |world| {
+    /// simulation.advance_with(&mut world, 0.055, |world, _| {
     ///     for wrench in world.query_mut::<&mut Wrench>() {
     ///         wrench.add_force(Vec3::X * 2.0);
     ///     }
@@ -204,19 +226,28 @@ impl Simulation {
         &mut self,
         world: &mut World,
         frame_seconds: f64,
-        mut before_step: impl FnMut(&mut World),
+        mut before_step: impl FnMut(&mut World, &Self),
     ) -> Real {
         let dt = f64::from(self.settings.dt);
         if frame_seconds > 0.0 && frame_seconds.is_finite() {
             self.owed += frame_seconds;
         }
         let mut taken = 0;
+        let mut events = std::mem::take(&mut self.events);
+        events.clear();
         while self.owed >= dt && taken < Self::MOST_STEPS_A_FRAME {
-            before_step(world);
+            self.forget_events();
+            self.has_stepped = true;
+            before_step(world, self);
+            if taken > 0 {
+                events.extend(self.contact_events());
+            }
             self.step(world);
             self.owed -= dt;
             taken += 1;
         }
+        self.events = events;
+        self.has_stepped = taken > 0;
         if self.owed >= dt {
             self.owed %= dt;
         }

@@ -9,6 +9,7 @@ use crate::kinematic::move_kinematic_bodies;
 use crate::phase_times::{Phase, PhaseTimes};
 use crate::settings::Settings;
 use crate::systems::{Wrenches, accumulate_forces_of, integrate_bodies, remember_poses, step_chunk, update_derived_of};
+use crate::threads::Effort;
 
 /// Advances every body of the world by `settings.dt`: the three systems, the motion of kinematic bodies, and [`PreviousPose`](crate::PreviousPose).
 ///
@@ -45,6 +46,21 @@ pub(crate) fn steps_under_laws(
     times: Option<&PhaseTimes>,
 ) {
     crate::scope::scope!("tumble::step");
+    let contacts = coupling.as_ref().and_then(|coupling| coupling.contacts.as_ref());
+    let work = Effort::of_steps(world, laws, contacts, steps);
+    work.run(|| steps_here(world, settings, laws, coupling, steps, clock, times));
+}
+
+/// The same where the caller is.
+fn steps_here(
+    world: &mut World,
+    settings: &Settings,
+    laws: &ForceLaws,
+    coupling: &mut Option<Box<Coupling>>,
+    steps: u32,
+    clock: Clock,
+    times: Option<&PhaseTimes>,
+) {
     if Coupling::is_in(world) {
         let coupling = coupling.get_or_insert_default();
         coupled_steps(&mut [Coupled::new(world, settings, laws, coupling, clock)], None, steps, times);

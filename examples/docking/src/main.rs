@@ -255,8 +255,7 @@ impl Game {
     /// A frame: as many fixed steps as fit, each with our systems before it. Returns how far the frame is past the last.
     fn update(&mut self, frame_seconds: f64, mut pilot: impl FnMut(&World) -> Controls) -> Real {
         let (outcome, dt) = (&mut self.outcome, self.simulation.settings().dt);
-        let mut step = self.simulation.steps();
-        self.simulation.advance_with(&mut self.world, frame_seconds, |world| {
+        self.simulation.advance_with(&mut self.world, frame_seconds, |world, simulation| {
             *outcome = approach::judge(world, outcome);
             if *outcome == Outcome::Docked {
                 dock(world).unwrap_or_else(|error| *outcome = Outcome::Missed(error.to_string()));
@@ -265,8 +264,7 @@ impl Game {
             steer(world, &controls);
             burn_fuel(world, dt);
             bump(world);
-            leave_trail(world, step);
-            step += 1;
+            leave_trail(world, simulation.steps());
         })
     }
 

@@ -1,9 +1,9 @@
 //! Models of colliders to colliders.
 
 use tumble::math::Real;
-use tumble::{Collider, ColliderError, Material, Shape};
+use tumble::{Collider, ColliderError, Material, Pose, Shape};
 
-use super::{note, real};
+use super::{note, real, real_quaternion, real_vector};
 use crate::collider_model::ColliderModel;
 use crate::error::{FieldError, shortest};
 use crate::looks::Looks;
@@ -17,12 +17,13 @@ pub(super) fn collider(
     problems: &mut Vec<FieldError>,
 ) -> Option<Collider> {
     let surface = model.collider.as_ref()?;
-    let material = material(surface, problems);
-    let groups = [("groups", &surface.groups), ("touches", &surface.touches)].map(|(field, numbers)| match numbers {
-        Some(Groups(numbers)) => note(problems, bits(field, numbers)),
-        None => Some(u32::MAX),
-    });
-    let (material, [Some(membership), Some(filter)]) = (material?, groups) else { return None };
+    let of_whole = surfaced(surface, problems);
+    if !surface.parts.is_empty() {
+        let made = of_parts(surface, shape?, problems);
+        of_whole?;
+        return made;
+    }
+    let (material, membership, filter) = of_whole?;
     let collider = match (&model.shape, shape) {
         (Some(shape), _) if shape.is_ground() => Ok(match ground? {
             Looks::HeightField(heights) => heights.collider().clone(),
@@ -38,6 +39,48 @@ pub(super) fn collider(
     };
     let collider = collider.and_then(|collider| collider.with_groups(membership, filter).with_material(material));
     note(problems, collider.map_err(|error| FieldError::new(field(&error), error)))
+}
+
+/// The surface, and the groups as bits.
+fn surfaced(surface: &ColliderModel, problems: &mut Vec<FieldError>) -> Option<(Material, u32, u32)> {
+    let material = material(surface, problems);
+    let groups = [("groups", &surface.groups), ("touches", &surface.touches)].map(|(field, numbers)| match numbers {
+        Some(Groups(numbers)) => note(problems, bits(field, numbers)),
+        None => Some(u32::MAX),
+    });
+    let (material, [Some(membership), Some(filter)]) = (material?, groups) else { return None };
+    Some((material, membership, filter))
+}
+
+/// A compound of which each part has what is said of it.
+fn of_parts(surface: &ColliderModel, shape: &Shape, problems: &mut Vec<FieldError>) -> Option<Collider> {
+    let parts = match shape {
+        Shape::Compound(parts) if parts.len() == surface.parts.len() => parts,
+        _ => {
+            let problem = "must be one for each part of the body's shape, a compound";
+            problems.push(FieldError::new("collider.parts", problem));
+            return None;
+        }
+    };
+    let mut made = Vec::new();
+    for (index, (part, model)) in parts.iter().zip(&surface.parts).enumerate() {
+        let mut of_part = Vec::new();
+        let part_model = model.over(surface);
+        if !model.parts.is_empty() {
+            of_part.push(FieldError::new("collider.parts", "has no parts of its own: name them in one list"));
+        }
+        let surfaced = surfaced(&part_model, &mut of_part);
+        problems.extend(of_part.into_iter().map(|error| error.inside(&format!("collider.parts[{index}]"))));
+        // A weight, with nothing to touch.
+        let (Some((material, membership, filter)), false) = (surfaced, part.shape == Shape::Point) else { continue };
+        let at = Pose { position: real_vector(part.position), orientation: real_quaternion(part.orientation) };
+        let collider = Collider::new(&part.shape)
+            .and_then(|it| it.with_offset(at))
+            .and_then(|it| it.with_groups(membership, filter).with_material(material));
+        let within = |error| FieldError::new(format!("shape.compound.parts[{index}]"), error);
+        made.extend(note(problems, collider.map_err(within)));
+    }
+    note(problems, Collider::compound(made).map_err(|error| FieldError::new("collider.parts", error)))
 }
 
 /// Where a scene has what the engine complains of.

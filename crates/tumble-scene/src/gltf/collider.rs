@@ -26,11 +26,19 @@ pub(super) fn collider(
         ([_], Some(surface)) if !is_moved => shared(known, &solid, is_moved, || of_surface(first, surface)),
         _ => {
             tell_of_solids(&solid, is_moved, notices);
-            let shape = shape?;
-            shared(known, &solid, is_moved, || Collider::new(shape))
+            if differ(&solid) {
+                of_pieces(&solid, |_| None)
+            } else {
+                let shape = shape?;
+                shared(known, &solid, is_moved, || Collider::new(shape))
+            }
         }
     };
-    match made.and_then(|collider| collider.with_material(first.material.to_engine())) {
+    let made = match made {
+        Ok(collider) if !differ(&solid) => collider.with_material(first.material.to_engine()),
+        made => made,
+    };
+    match made {
         Ok(collider) => {
             tell_of_surfaces(&solid, notices);
             Some(collider)
@@ -83,6 +91,29 @@ fn shared(
     known.entry((is_moved, pieces.iter().map(key).collect())).or_insert_with(keep).0.clone()
 }
 
+/// Whether pieces have materials or filters of their own.
+fn differ(solid: &[&SceneCollider]) -> bool {
+    solid.windows(2).any(|pair| pair[0].material != pair[1].material || pair[0].filter != pair[1].filter)
+}
+
+/// Each solid piece with its own material, and with the groups that are given for it.
+pub(super) fn of_pieces(
+    solid: &[&SceneCollider],
+    groups: impl Fn(&SceneCollider) -> Option<(u32, u32)>,
+) -> Result<Collider, ColliderError> {
+    let parts: Result<Vec<Collider>, ColliderError> = solid
+        .iter()
+        .filter_map(|piece| Some((piece, piece.shape.as_ref()?)))
+        .map(|(piece, shape)| {
+            let (membership, filter) = groups(piece).unwrap_or((u32::MAX, u32::MAX));
+            let at = Pose { position: real_vector(piece.position), orientation: real_quaternion(piece.orientation) };
+            let part = Collider::new(shape)?.with_offset(at)?.with_groups(membership, filter);
+            part.with_material(piece.material.to_engine())
+        })
+        .collect();
+    Collider::compound(parts?)
+}
+
 /// Whether the only piece is an endless plane in the body's own frame.
 pub(super) fn is_ground(pieces: &[SceneCollider]) -> bool {
     let is_plane = |piece: &SceneCollider| {
@@ -121,12 +152,6 @@ fn tell_of_solids(solid: &[&SceneCollider], is_moved: bool, notices: &mut Vec<St
 
 /// What of materials and filters counts for nothing.
 fn tell_of_surfaces(solid: &[&SceneCollider], notices: &mut Vec<String>) {
-    if solid.windows(2).any(|pair| pair[0].material != pair[1].material) {
-        notices.push("has colliders of several materials: the first one's is that of all".to_owned());
-    }
-    if solid.windows(2).any(|pair| pair[0].filter != pair[1].filter) {
-        notices.push("has colliders of several collision filters: the first one's is that of all".to_owned());
-    }
     if solid.iter().any(|piece| piece.material.restitution > 1.0) {
         notices.push("has a restitution of more than 1, taken for 1".to_owned());
     }

@@ -3,9 +3,10 @@
 use std::collections::HashMap;
 use std::sync::Arc;
 
+use super::collider::of_pieces;
 use super::material::CollisionFilter;
-use crate::ColliderRole;
 use crate::scene_body::SceneBody;
+use crate::{ColliderRole, SceneCollider};
 
 /// As many filters as the engine's groups have bits.
 const MOST_FILTERS: usize = u32::BITS as usize;
@@ -17,17 +18,13 @@ const MOST_FILTERS: usize = u32::BITS as usize;
 pub(super) fn assign<'a>(bodies: impl Iterator<Item = &'a mut SceneBody>) -> Option<String> {
     let mut bodies: Vec<&mut SceneBody> = bodies.filter(|body| body.collider.is_some()).collect();
     let mut filters: Vec<Arc<CollisionFilter>> = Vec::new();
-    let mut of_bodies = Vec::with_capacity(bodies.len());
-    // Most bodies have a filter of the file's, which is compared to the others once.
+    // Most colliders have a filter of the file's, which is compared to the others once.
     let mut known: HashMap<*const CollisionFilter, usize> = HashMap::new();
-    for body in &bodies {
-        let solid = body.pieces.iter().find(|piece| piece.role == ColliderRole::Solid);
-        let filter = solid.and_then(|piece| piece.filter.as_ref());
-        let at = filter.map_or(std::ptr::null(), Arc::as_ptr);
-        let filter = filter.cloned().unwrap_or_default();
+    for piece in bodies.iter().flat_map(|body| solid(body)) {
+        let at = piece.filter.as_ref().map_or(std::ptr::null(), Arc::as_ptr);
+        let filter = piece.filter.clone().unwrap_or_default();
         let find = || filters.iter().position(|known| *known == filter).unwrap_or(filters.len());
-        of_bodies.push(*known.entry(at).or_insert_with(find));
-        if of_bodies.last() == Some(&filters.len()) {
+        if *known.entry(at).or_insert_with(find) == filters.len() {
             if filters.len() == MOST_FILTERS {
                 return Some(format!("more than {MOST_FILTERS} different collision filters: they count for nothing"));
             }
@@ -41,9 +38,21 @@ pub(super) fn assign<'a>(bodies: impl Iterator<Item = &'a mut SceneBody>) -> Opt
     if filters.iter().all(|filter| filters.iter().all(|other| filter.collides_with(other))) {
         return None;
     }
-    for (body, group) in bodies.iter_mut().zip(of_bodies) {
-        let Some(filter) = filters.get(group) else { continue };
-        body.collider = body.collider.take().map(|collider| collider.with_groups(1 << group, touched(filter)));
+    let groups = |piece: &SceneCollider| {
+        let group = *known.get(&piece.filter.as_ref().map_or(std::ptr::null(), Arc::as_ptr))?;
+        Some((1 << group, touched(filters.get(group)?)))
+    };
+    for body in &mut bodies {
+        let solid: Vec<&SceneCollider> = solid(body).collect();
+        let Some((membership, filter)) = solid.first().and_then(|piece| groups(piece)) else { continue };
+        let several = solid.windows(2).any(|pair| pair[0].filter != pair[1].filter);
+        let of_parts = if several { of_pieces(&solid, groups).ok() } else { None };
+        body.collider = of_parts.or(body.collider.take().map(|it| it.with_groups(membership, filter)));
     }
     None
+}
+
+/// What of a body touches others.
+fn solid(body: &SceneBody) -> impl Iterator<Item = &SceneCollider> {
+    body.pieces.iter().filter(|piece| piece.role == ColliderRole::Solid)
 }

@@ -7,8 +7,10 @@ use tumble_math::Shape;
 use super::collider_error::ColliderError;
 use super::collider_shape::{self, Geometry};
 use super::material::Material;
+use super::parts::PartSurface;
 use crate::components::Pose;
 use crate::math::Real;
+use crate::range::{LENGTHS, within};
 
 /// What other bodies bump into: a shape and its surface. A component of anything that has a [`Pose`](crate::Pose).
 ///
@@ -42,6 +44,8 @@ pub struct Collider {
     /// Where the shape is in the body's frame; `None` where that is its own.
     offset: Option<Placement<Real>>,
     groups: Groups,
+    /// Of a compound of colliders, what its parts have.
+    parts: Option<Arc<[PartSurface]>>,
 }
 
 /// What a collider is and what it touches, as bits. Two touch if each is something that the other touches.
@@ -53,6 +57,11 @@ pub(super) struct Groups {
 
 impl Groups {
     pub(super) const ALL: Self = Self { membership: u32::MAX, filter: u32::MAX };
+
+    /// What either is, and what either touches.
+    pub(super) fn with(self, other: Self) -> Self {
+        Self { membership: self.membership | other.membership, filter: self.filter | other.filter }
+    }
 
     pub(super) fn touch(self, other: Self) -> bool {
         self.membership & other.filter != 0 && other.membership & self.filter != 0
@@ -147,7 +156,8 @@ impl Collider {
     /// [`ColliderError::Material`] for coefficients that are negative or not a number, and a restitution of more than one.
     pub fn with_material(self, material: Material) -> Result<Self, ColliderError> {
         material.check()?;
-        Ok(Self { material, ..self })
+        let parts = self.changed_parts(|part| PartSurface { material, ..part });
+        Ok(Self { material, parts, ..self })
     }
 
     /// The same at another place: a pose of the shape's frame in the body's, in place of the one it has. A body's frame is that of its own shape, whatever its centre of mass.
@@ -160,10 +170,10 @@ impl Collider {
     /// ```
     ///
     /// # Errors
-    /// [`ColliderError::Offset`] if the position is not finite, or the orientation not about a unit quaternion.
+    /// [`ColliderError::Offset`] if the position is not finite or further than 1e9 m, or the orientation not about a unit quaternion.
     pub fn with_offset(self, offset: Pose) -> Result<Self, ColliderError> {
         let length = offset.orientation.length_squared();
-        if !offset.position.is_finite() || !(0.5..2.0).contains(&length) {
+        if !within(offset.position.into(), *LENGTHS.end()) || !(0.5..2.0).contains(&length) {
             return Err(ColliderError::Offset { offset });
         }
         let orientation = offset.orientation.normalize().into();
@@ -185,16 +195,18 @@ impl Collider {
     /// ```
     #[must_use]
     pub fn with_groups(self, membership: u32, filter: u32) -> Self {
-        Self { groups: Groups { membership, filter }, ..self }
+        let groups = Groups { membership, filter };
+        let parts = self.changed_parts(|part| PartSurface { groups, ..part });
+        Self { groups, parts, ..self }
     }
 
-    /// Its surface.
+    /// Its surface; of [several colliders](Self::compound) the first one's.
     #[must_use]
     pub fn material(&self) -> &Material {
         &self.material
     }
 
-    /// What it is, and what it touches.
+    /// What it is, and what it touches; of [several colliders](Self::compound) what any of them does.
     #[must_use]
     pub fn groups(&self) -> (u32, u32) {
         (self.groups.membership, self.groups.filter)
@@ -209,7 +221,24 @@ impl Collider {
         self.offset.as_ref().map_or(body, |offset| body.then(offset))
     }
 
+    pub(super) fn place(&self) -> Option<Placement<Real>> {
+        self.offset
+    }
+
+    /// What its parts have, if they have it each for itself.
+    pub(super) fn surfaces(&self) -> &[PartSurface] {
+        self.parts.as_deref().unwrap_or_default()
+    }
+
+    fn changed_parts(&self, change: impl Fn(PartSurface) -> PartSurface) -> Option<Arc<[PartSurface]>> {
+        self.parts.as_ref().map(|parts| parts.iter().cloned().map(change).collect())
+    }
+
+    pub(super) fn of_parts(geometry: Geometry, material: Material, groups: Groups, parts: Arc<[PartSurface]>) -> Self {
+        Self { geometry, material, offset: None, groups, parts: Some(parts) }
+    }
+
     fn of(geometry: Geometry) -> Self {
-        Self { geometry, material: Material::default(), offset: None, groups: Groups::ALL }
+        Self { geometry, material: Material::default(), offset: None, groups: Groups::ALL, parts: None }
     }
 }

@@ -32,6 +32,14 @@ pub enum ColliderError {
         /// What was given.
         value: f64,
     },
+    /// A length of the shape is not from 1e-9 to 1e9 m.
+    #[error("{field} must be from 1e-9 to 1e9 m, got {value:e}")]
+    Size {
+        /// As of [`Length`](Self::Length).
+        field: &'static str,
+        /// What was given.
+        value: f64,
+    },
     /// A part of a compound cannot be a collider.
     #[error("parts[{part}]: {error}")]
     Part {
@@ -40,7 +48,7 @@ pub enum ColliderError {
         /// Why.
         error: Box<ColliderError>,
     },
-    /// Where a shape, or a part of a compound, is in its frame is not finite, or not turned by a unit quaternion.
+    /// Where a shape, or a part of a compound, is in its frame is not finite, further than 1e9 m, or not turned by a unit quaternion.
     #[error("{offset:?} is no place for a collider")]
     Offset {
         /// What was given.

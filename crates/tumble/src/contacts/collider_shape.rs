@@ -9,13 +9,18 @@ use tumble_math::{Part, Shape};
 use super::collider_error::ColliderError;
 use crate::components::Pose;
 use crate::math::{Real, quat, real, vec3};
+use crate::range::{LENGTHS, within};
 
 pub(super) type Geometry = tumble_collide::Geometry<Real>;
 
 /// In the precision of the build.
 fn length(field: &'static str, value: f64) -> Result<Real, ColliderError> {
     let length = real(value);
-    if length.is_normal() && length > 0.0 { Ok(length) } else { Err(ColliderError::Length { field, value }) }
+    match length {
+        _ if !(length.is_normal() && length > 0.0) => Err(ColliderError::Length { field, value }),
+        _ if !LENGTHS.contains(&length) => Err(ColliderError::Size { field, value }),
+        _ => Ok(length),
+    }
 }
 
 /// Of two radii one may be zero.
@@ -81,7 +86,7 @@ fn compound(parts: &[Part], depth: usize) -> Result<Geometry, ColliderError> {
         };
         let geometry = geometry.map_err(in_part)?;
         let offset = Pose { position: vec3(part.position), orientation: quat(part.orientation.normalize()) };
-        if !offset.position.is_finite() || !offset.orientation.is_finite() {
+        if !within(offset.position.into(), *LENGTHS.end()) || !offset.orientation.is_finite() {
             return Err(in_part(ColliderError::Offset { offset }));
         }
         let at = Placement { position: offset.position.into(), orientation: offset.orientation.into() };
@@ -104,6 +109,7 @@ pub(super) fn checked(geometry: Geometry) -> Result<Geometry, ColliderError> {
         Some(reach) if !(reach.is_normal() && reach > 0.0) => {
             Err(ColliderError::Length { field: "extent", value: reach.into() })
         }
+        Some(reach) if !LENGTHS.contains(&reach) => Err(ColliderError::Size { field: "extent", value: reach.into() }),
         _ => Ok(geometry),
     }
 }

@@ -1,10 +1,12 @@
 //! Between the columns of a world and the bodies that contacts are solved with.
 
+use std::ops::Range;
+
 use tumble_math::lane::Quat;
 
 use super::booking::Bookings;
 use super::pushing::Pushing;
-use super::solver_bodies::FreeRows;
+use super::solver_bodies::{FreeRows, SolverBodies};
 use super::touching::{Contacts, NONE};
 use crate::columns::{Chunk, LEAST_CHUNK};
 use crate::force_laws::ForceLaws;
@@ -15,6 +17,7 @@ use crate::math::{Real, Vec3 as WorldVec3};
 use crate::settings::Settings;
 use crate::state::{Constants, State};
 use crate::surroundings::Surroundings;
+use crate::threads;
 
 impl Contacts {
     /// Reads the bodies that touch something, and the forces on them as they are now, into rows from these on: of what impulses move, and of what they do not. Returns the rows after them.
@@ -26,7 +29,7 @@ impl Contacts {
         [mut next_moved, mut next_unmoved]: [usize; 2],
     ) -> [usize; 2] {
         let Self { members, shapes, rows, .. } = self;
-        let (Pushing { bodies, bookings, .. }, mut begin) = (pushing, next_moved);
+        let (Pushing { bodies, bookings, .. }, mut begin, first_moved) = (pushing, next_moved, next_moved);
         for slot in members.in_order_of_places() {
             let shape = &shapes[slot];
             if rows[slot] == NONE {
@@ -63,7 +66,20 @@ impl Contacts {
             }
         });
         debug_assert_eq!(begin, next_moved);
+        self.leave_out(bodies, first_moved..next_moved);
         [next_moved, next_unmoved]
+    }
+
+    /// Lets bodies of these rows, under forces that are out of range, touch nothing: what they become they become alone.
+    fn leave_out(&mut self, bodies: &SolverBodies, rows: Range<usize>) {
+        if rows.clone().all(|row| bodies.is_kicked_in_range(row)) {
+            return;
+        }
+        let Self { contacts, rows: row_of, .. } = self;
+        contacts.retain(|contact| {
+            let mut its_rows = contact.slots.into_iter().map(|slot| row_of[slot as usize] as usize);
+            its_rows.all(|row| !rows.contains(&row) || bodies.is_kicked_in_range(row))
+        });
     }
 
     /// Writes what was worked out, alone or with other worlds, over what the integrator made of the same bodies.
@@ -112,7 +128,7 @@ impl Gathering<'_> {
         let (slots, other_slots) = slots.split_at(slots.len() / 2);
         let (chunk, other_chunk) = chunk.split_at(slots.len());
         let (free, other_free) = free.split_at(self.count(slots));
-        rayon::join(
+        threads::join(
             || self.read_in_parts(chunk, slots, free),
             || self.read_in_parts(other_chunk, other_slots, other_free),
         );

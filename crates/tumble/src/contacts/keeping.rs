@@ -3,6 +3,7 @@
 use hecs::World;
 
 use super::contact::Contact;
+use super::events::ContactEvent;
 use super::names::{Names, Parted};
 use super::saved::SavedContacts;
 use super::touching::{Contacts, Shape};
@@ -17,6 +18,8 @@ pub(super) struct Past {
     pub(super) contacts: Vec<Contact>,
     /// What touched and has lost one of two bodies between the steps.
     pub(super) parted: Vec<Parted>,
+    /// Of the steps before the last that were taken in the same call.
+    pub(super) events: Vec<ContactEvent>,
     /// No step has been taken since names were looked at.
     is_next: bool,
 }
@@ -46,6 +49,7 @@ impl Contacts {
     /// To be called before the first substep of every step.
     pub(crate) fn begin_step(&mut self) {
         if !std::mem::take(&mut self.past.is_next) {
+            self.keep_events();
             self.past.parted.clear();
         }
         self.past.found = 0;
@@ -54,9 +58,11 @@ impl Contacts {
     /// A step, or several, in which nothing has a collider.
     pub(crate) fn pass(&mut self, world: &World, steps: u32) {
         self.find(world);
-        (0..steps.min(2)).for_each(|_| self.begin_step());
-        self.last.clear();
-        self.past.found = 1;
+        for _ in 0..steps.min(2) {
+            self.begin_step();
+            self.last.clear();
+            self.past.found = 1;
+        }
     }
 
     /// Whether nothing touches nor has just parted.
@@ -86,6 +92,7 @@ impl Contacts {
         self.names.clear();
         self.contacts.clear();
         self.past.parted.clear();
+        self.past.events.clear();
         self.past.found = 0;
     }
 

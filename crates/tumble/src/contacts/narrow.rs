@@ -9,6 +9,7 @@ use super::contact::{CENTERS, Contact, HELD, MATERIAL, POINTS, REFINED, SHAPE};
 use super::rows::put;
 use crate::math::Real;
 use crate::simd::{BLOCK, Eight, Kernel, Tile, dispatch_in_blocks, gather};
+use crate::threads::InParts;
 
 /// Where shapes are that several pairs of are looked at side by side, by slot.
 #[derive(Clone, Default)]
@@ -129,7 +130,7 @@ impl Pairs {
         self.gaps.clear();
         self.gaps.resize(self.blocks.len() * BLOCK, 0.0);
         let parts = self.blocks.par_chunks(PART).zip(self.gaps.par_chunks_mut(PART * BLOCK));
-        parts.for_each(|(blocks, gaps)| match kind {
+        parts.by_at_least(1).for_each(|(blocks, gaps)| match kind {
             Kind::Cuboid => dispatch_in_blocks(&mut CuboidGaps { blocks, shapes, gaps }),
             _ => dispatch_in_blocks(&mut BallGaps { blocks, shapes, gaps }),
         });
@@ -144,7 +145,7 @@ impl Pairs {
             contacts.resize(end, Contact::NONE);
         }
         let parts = self.blocks.par_chunks(PART).zip(contacts[begin..end].par_chunks_mut(PART * BLOCK));
-        let parts = parts.zip(self.pairs.par_chunks(PART * BLOCK)).map(|((blocks, found), pairs)| {
+        let parts = parts.zip(self.pairs.par_chunks(PART * BLOCK)).by_at_least(1).map(|((blocks, found), pairs)| {
             match kind {
                 Kind::Cuboid => dispatch_in_blocks(&mut CuboidContacts { blocks, shapes, found }),
                 _ => dispatch_in_blocks(&mut BallContacts { blocks, shapes, found }),

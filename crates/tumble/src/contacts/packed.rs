@@ -49,7 +49,7 @@ impl Likeness {
         let mut extras = Extras::default();
         // Those that contacts know of.
         for collider in world.query::<&Collider>().with::<&Pose>().iter() {
-            extras.add(collider.material());
+            collider.materials().for_each(|material| extras.add(material));
         }
         let Settings { dt, substeps, contact_substeps, restitution_threshold, .. } = *settings;
         Some(Self { dt, substeps, contact_substeps, restitution_threshold, extras })

@@ -75,45 +75,6 @@ pub struct ContactPoint {
     pub impulse: Real,
 }
 
-/// What changed in a step between two bodies with colliders; see [`Simulation::contact_events`](crate::Simulation::contact_events).
-///
-/// ```
-/// use tumble::{Collider, ContactEvent, prelude::*};
-///
-/// let mut world = hecs::World::new();
-/// let ground = RigidBody::new(Shape::Point).fixed().build()?.spawn_with(&mut world, (Collider::half_space(),));
-/// let shape = Shape::sphere(0.5);
-/// let collider = Collider::new(&shape)?;
-/// let ball = RigidBody::new(shape).mass(2.0).position(Vec3::Y).build()?.spawn_with(&mut world, (collider,));
-///
-/// let mut simulation = Simulation::new(Settings::default())?;
-/// let mut events = Vec::new();
-/// for _ in 0..60 {
-///     simulation.step(&mut world);
-///     events.extend(simulation.contact_events());
-/// }
-/// assert_eq!(events, [ContactEvent::Begin([ground, ball])]);
-/// world.despawn(ball)?;
-/// simulation.step(&mut world);
-/// assert_eq!(simulation.contact_events().collect::<Vec<_>>(), [ContactEvent::End([ground, ball])]);
-/// # Ok::<(), Box<dyn std::error::Error>>(())
-/// ```
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum ContactEvent {
-    /// They touch, and did not before the step. Both bodies, in the order of [`Contact::bodies`].
-    Begin([Entity; 2]),
-    /// They touched before the step, and do not any more. One of them may be gone.
-    End([Entity; 2]),
-}
-
-impl ContactEvent {
-    /// The bodies, in the order of [`Contact::bodies`].
-    pub fn bodies(&self) -> [Entity; 2] {
-        let (Self::Begin(bodies) | Self::End(bodies)) = *self;
-        bodies
-    }
-}
-
 impl Contact {
     /// The points, at least one and up to four.
     pub fn points(&self) -> &[ContactPoint] {
@@ -151,28 +112,7 @@ impl Simulation {
         self.touching().into_iter().flat_map(Contacts::read)
     }
 
-    /// What began and ended to touch in the last step, in the order of the bodies; nothing where none has been taken since contacts were restored.
-    ///
-    /// A pair begins and ends once, whatever happens at its points, and not while it rests: see [`Contact::touches`]. What hits another, does not bounce and is pushed away
-    /// within a step is not told of. A body that was despawned has ended to touch in the step after.
-    ///
-    /// ```
-    /// # use tumble::{ContactEvent, prelude::*};
-    /// # let (mut world, mut simulation) = (tumble::hecs::World::new(), Simulation::new(Settings::default())?);
-    /// simulation.step(&mut world);
-    /// for event in simulation.contact_events() {
-    ///     match event {
-    ///         ContactEvent::Begin([first, second]) => println!("{first:?} hits {second:?}"),
-    ///         ContactEvent::End([first, second]) => println!("{first:?} leaves {second:?}"),
-    ///     }
-    /// }
-    /// # Ok::<(), Box<dyn std::error::Error>>(())
-    /// ```
-    pub fn contact_events(&self) -> impl Iterator<Item = ContactEvent> + '_ {
-        self.touching().into_iter().flat_map(Contacts::events)
-    }
-
-    fn touching(&self) -> Option<&Contacts> {
+    pub(super) fn touching(&self) -> Option<&Contacts> {
         let coupling: &Coupling = self.coupling.as_deref()?;
         coupling.contacts.as_ref()
     }
@@ -191,7 +131,7 @@ impl Held {
     }
 
     /// Both slots, the lower first.
-    fn pair(&self) -> [u32; 2] {
+    pub(super) fn pair(&self) -> [u32; 2] {
         let [a, b] = self.slots;
         [a.min(b), a.max(b)]
     }
@@ -227,34 +167,4 @@ impl Contacts {
             touches: held.touches(),
         }
     }
-
-    /// What began and ended to touch in the last step, in the order of the bodies.
-    pub(crate) fn events(&self) -> impl Iterator<Item = ContactEvent> + '_ {
-        let mut events = Vec::new();
-        if let Some(before) = self.before_the_step() {
-            let (before, now) = (touching_pairs(before), touching_pairs(&self.contacts));
-            let without = |pairs: &[[u32; 2]], others: &[[u32; 2]]| -> Vec<[u32; 2]> {
-                pairs.iter().filter(|pair| others.binary_search(pair).is_err()).copied().collect()
-            };
-            let named = |pair: [u32; 2]| pair.map(|slot| self.names().name(slot));
-            let entities = |pair: [u32; 2]| pair.map(|slot| self.names().entity(slot));
-            let begun = without(&now, &before).into_iter();
-            let ended = without(&before, &now).into_iter();
-            events.extend(begun.map(|pair| (named(pair), ContactEvent::Begin(entities(pair)))));
-            events.extend(ended.map(|pair| (named(pair), ContactEvent::End(entities(pair)))));
-            events.extend(self.past.parted.iter().map(|parted| (parted.names, ContactEvent::End(parted.entities))));
-            events.sort_by_key(|(names, _)| *names);
-            // Of a pair with several contacts each has parted.
-            events.dedup();
-        }
-        events.into_iter().map(|(_, event)| event)
-    }
-}
-
-/// The pairs of slots that touch, in order.
-fn touching_pairs(contacts: &[Held]) -> Vec<[u32; 2]> {
-    let mut pairs: Vec<_> = contacts.iter().filter(|contact| contact.touches()).map(Held::pair).collect();
-    pairs.sort();
-    pairs.dedup();
-    pairs
 }

@@ -7,9 +7,12 @@ use super::collider::Collider;
 use super::narrow::{Kind, ShapesPart};
 use super::touching::{Contacts, MARGIN, Shape};
 use crate::columns::LEAST_CHUNK;
-use crate::components::Velocity;
+use crate::components::{Momentum, Velocity};
 use crate::held_columns::{HeldColumns, Looked};
 use crate::math::{Real, Vec3 as WorldVec3};
+use crate::range::{MOST_DISTANCE_OF_CONTACTS, MOST_SPEED, answers, within};
+use crate::state::{Constants, Moments};
+use crate::threads;
 
 impl Contacts {
     /// Reads where all bodies with colliders are, and how far from there they may go in an interval \[s\].
@@ -60,7 +63,7 @@ impl Sight<'_> {
         let others =
             Sight { colliders: other_colliders, shapes: other_shapes, proxies: other_proxies, lanes: other_lanes };
         let these = Sight { colliders, shapes, proxies, lanes };
-        rayon::join(
+        threads::join(
             || these.look_in_parts(bodies.rows(0..middle), interval),
             || others.look_in_parts(bodies.rows(middle..bodies.pose.len()), interval),
         );
@@ -73,15 +76,27 @@ impl Sight<'_> {
         let position = center - orientation.rotate(Vec3::from(*offset));
         let mut placement = collider.placement(Placement { position, orientation });
         let velocity = bodies.velocity.map_or(Velocity::default(), |velocities| velocities[i]);
-        let (linear, angular) = match bodies.pushed {
-            Some((momenta, masses)) => (momenta[i].linear / masses[i].kilograms(), momenta[i].angular),
-            None => (velocity.linear, velocity.angular),
+        let geometry = &collider.geometry;
+        let turned = (0.25..=4.0).contains(&bodies.pose[i].orientation.length_squared());
+        let place = turned && [placement.position, center].into_iter().all(|at| within(at, MOST_DISTANCE_OF_CONTACTS));
+        let (linear, in_range) = match bodies.pushed {
+            Some((momenta, masses, inertia)) => {
+                let (mass, Momentum { linear, angular }) = (masses[i].kilograms(), momenta[i]);
+                let inertia = inertia.map(|inertia| Moments::new(&inertia[i], None));
+                let from_center = placement.position - center;
+                let radius = geometry.reach().unwrap_or(0.0) + from_center.dot(from_center).sqrt();
+                let constants = Constants { mass, inertia, damping: None };
+                (linear / mass, place && answers(&constants, [linear.into(), angular.into()], radius))
+            }
+            None => {
+                let all = [velocity.linear, velocity.angular].into_iter().all(|it| within(it.into(), MOST_SPEED));
+                (velocity.linear, place && all)
+            }
         };
-        if !(linear.is_finite() && angular.is_finite()) {
+        if !in_range {
             // It is nowhere then, and touches nothing that it could spoil.
             placement.position = Vec3::splat(Real::NAN);
         }
-        let geometry = &collider.geometry;
         let reach = reach(geometry, linear.length() * interval);
         let (kind, moves) = (Kind::of(geometry), bodies.pushed.is_some());
         self.lanes.set(i, geometry, &placement, center, (reach, moves));

@@ -12,6 +12,7 @@ use super::soft::Softness;
 use super::solver_bodies::SolverBodies;
 use crate::math::Real;
 use crate::simd::{BLOCK, Colours, Eight, Kernel, dispatch_in_blocks};
+use crate::threads;
 
 /// The contacts of a step, coloured and laid out in blocks.
 #[derive(Clone, Default)]
@@ -254,7 +255,7 @@ impl Pass<'_> {
         if blocks.len() == 0 {
             return;
         }
-        if blocks.len() <= LEAST_PART {
+        if blocks.len() <= LEAST_PART || !threads::are_shared() {
             return self.run_on::<P, C>(blocks, bodies);
         }
         let part = blocks.len().div_ceil(rayon::current_num_threads()).max(LEAST_PART);
@@ -268,7 +269,7 @@ impl Pass<'_> {
         let middle = blocks.len() / 2;
         let (first, second) = blocks.split_at(middle);
         let (of_first, of_second) = bodies.split_at(middle);
-        rayon::join(
+        threads::join(
             || self.in_parts_of::<P, C>(part, first, of_first),
             || self.in_parts_of::<P, C>(part, second, of_second),
         );

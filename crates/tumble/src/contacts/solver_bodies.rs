@@ -7,8 +7,10 @@ use tumble_math::lane::{Quat, Vec3};
 use super::rows::{put_two_vectors, two_vectors};
 use crate::integrators::Kick;
 use crate::math::Real;
+use crate::range::{MOST_IMPULSE, MOST_SPEED, within};
 use crate::simd::{BLOCK, Eight, Kernel, Tile, dispatch_in_blocks};
 use crate::state::{Constants, Force, Moments, State};
+use crate::threads::InParts;
 
 /// The bodies that touch something, as the solver sees them: momentum is what it changes, and the rest says what that does.
 ///
@@ -38,6 +40,8 @@ pub(super) struct SolverBodies {
 
 /// So many bodies are advanced by one thread at a time.
 const PART: usize = 256;
+/// Of so many parts at least: one takes some microseconds.
+const LEAST_PARTS: usize = 2;
 
 /// Nowhere, and not turned.
 const UNMOVED: Eight = Eight([0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0]);
@@ -115,6 +119,18 @@ impl SolverBodies {
         })
     }
 
+    /// Whether what forces do to a body is in range, as to be gathered before.
+    pub(super) fn is_kicked_in_range(&self, row: usize) -> bool {
+        let Eight([px, py, pz, lx, ly, lz, linear, angular]) = self.kick[row];
+        let impulses = within(Vec3::new(px, py, pz), MOST_IMPULSE) && within(Vec3::new(lx, ly, lz), MOST_IMPULSE);
+        let kept = |part: Real| (0.0..=1.0).contains(&part);
+        let Eight([.., inverse_mass, _]) = self.motion[row];
+        let change = within(Vec3::new(px, py, pz) * inverse_mass, MOST_SPEED);
+        let Eight([.., ix, iy, iz, _, _]) = self.inertia[row];
+        let turn = within(Vec3::new(lx, ly, lz) * ix.max(iy).max(iz), MOST_SPEED);
+        impulses && change && turn && kept(linear) && kept(angular)
+    }
+
     /// Hands out the poses beside the rest.
     pub(super) fn with_poses(&mut self, then: impl FnOnce(&mut Self, &[Eight])) {
         let poses = std::mem::take(&mut self.pose);
@@ -126,14 +142,14 @@ impl SolverBodies {
     pub(super) fn kick(&mut self) {
         let rows = self.kick.len();
         let parts = self.motion[..rows].par_chunks_mut(PART).zip(self.kick.par_chunks(PART));
-        parts.for_each(|(motion, kick)| dispatch_in_blocks(&mut KickAll { motion, kick }));
+        parts.by_at_least(LEAST_PARTS).for_each(|(motion, kick)| dispatch_in_blocks(&mut KickAll { motion, kick }));
     }
 
     /// Adds what contacts do when a substep begins, and forgets it.
     pub(super) fn hold(&mut self) {
         let rows = self.kick.len();
         let parts = self.motion[..rows].par_chunks_mut(PART).zip(self.held[..rows].par_chunks_mut(PART));
-        parts.for_each(|(motion, held)| dispatch_in_blocks(&mut HoldAll { motion, held }));
+        parts.by_at_least(LEAST_PARTS).for_each(|(motion, held)| dispatch_in_blocks(&mut HoldAll { motion, held }));
     }
 
     /// Moves all by the velocities there are, which stay, for `h` \[s\]. Free rotation is exact, so a body spins on as it does without contacts.
@@ -154,7 +170,7 @@ impl SolverBodies {
         let (response, pose, moved) = (&mut response[..rows], &mut pose[..rows], &mut moved[..rows]);
         let changed = response.par_chunks_mut(PART).zip(pose.par_chunks_mut(PART)).zip(moved.par_chunks_mut(PART));
         let parts = changed.zip(motion[..rows].par_chunks(PART).zip(inertia.par_chunks(PART)));
-        parts.for_each(|(((response, pose), moved), (motion, inertia))| {
+        parts.by_at_least(LEAST_PARTS).for_each(|(((response, pose), moved), (motion, inertia))| {
             dispatch_in_blocks(&mut DriftAll { motion, response, pose, inertia, moved, h });
         });
     }

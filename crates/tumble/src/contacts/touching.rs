@@ -7,6 +7,7 @@ use tumble_math::lane::{Quat, Vec3};
 
 use super::collider::{Collider, Groups};
 use super::contact::{Contact, FIXED, MATERIAL, REFINED, Second};
+use super::crowds::Crowds;
 use super::keeping::Past;
 use super::materials::Materials;
 use super::names::Names;
@@ -18,6 +19,7 @@ use crate::held_columns::HeldColumns;
 use crate::math::{Real, Vec3 as WorldVec3};
 use crate::members::Members;
 use crate::settings::Settings;
+use crate::threads::InParts;
 
 /// How near \[m\] two surfaces are a contact.
 pub(super) const MARGIN: Real = 0.02;
@@ -39,7 +41,8 @@ pub(crate) struct Contacts {
     pub(super) proxies: Vec<Proxy<Real>>,
     pub(super) lanes: Shapes,
     /// The pairs that are near each other, in parts that threads find; then those of each kind.
-    near: Vec<Vec<(Kind, [u32; 2])>>,
+    pub(super) near: Vec<Vec<(Kind, [u32; 2])>>,
+    pub(super) crowds: Crowds,
     cuboids: Pairs,
     balls: Pairs,
     others: Vec<[u32; 2]>,
@@ -102,8 +105,7 @@ impl Contacts {
                 places.for_each(|(row, slot)| colliders[slot] = Some((column[row].clone(), offset(row))));
             }
         });
-        self.materials
-            .list(self.colliders.iter().map(|collider| collider.as_ref().map(|(collider, _)| collider.material())));
+        self.materials.list(self.colliders.iter().map(|collider| collider.as_ref().map(|(collider, _)| collider)));
         let of = |collider: &Option<(Collider, _)>| collider.as_ref().map_or(Groups::ALL, |(it, _)| it.filter_groups());
         if !self.colliders.iter().map(of).eq(self.groups.iter().copied()) {
             // Who touches whom is asked once.
@@ -142,6 +144,11 @@ impl Contacts {
         [moved, touching().count() - moved]
     }
 
+    /// How many contacts there were after the last step, and how many pairs of shapes without lanes of their own.
+    pub(crate) fn counts(&self) -> (usize, usize) {
+        (self.contacts.len(), self.others.len())
+    }
+
     /// The rows of a contact's bodies.
     pub(super) fn rows_of(&self, contact: &Contact) -> [u32; 2] {
         rows_of(contact, &self.rows)
@@ -158,7 +165,7 @@ impl Contacts {
         contacts.truncate(end);
         let parts = others.len().div_ceil(OTHERS_PART);
         found.resize_with(parts.max(found.len()), Vec::new);
-        others.par_chunks(OTHERS_PART).zip(&mut *found).for_each(|(pairs, found)| {
+        others.par_chunks(OTHERS_PART).zip(&mut *found).by_at_least(2).for_each(|(pairs, found)| {
             found.clear();
             pairs.iter().for_each(|slots| touch_one(*slots, shapes, colliders, found));
         });
@@ -167,18 +174,18 @@ impl Contacts {
             contacts.retain(|contact| contact.count() > 0);
         }
         let Self { contacts, last, materials, .. } = self;
-        contacts.par_chunks_mut(PART).for_each(|contacts| go_on(contacts, last, materials));
+        contacts.par_chunks_mut(PART).by_at_least(2).for_each(|contacts| go_on(contacts, last, materials));
         // The next step's list takes the place of the last one's: so it allocates nothing. Exactly as much, for with some more both would outgrow each other without end.
         self.last.reserve_exact(self.contacts.capacity().saturating_sub(self.last.len()));
     }
 
     /// Finds the pairs that may touch, and sorts them by the kind of their shapes. Where impulses move only one of two, it is the second.
     fn find_near(&mut self) {
-        let Self { shapes, proxies, groups, broad_phase, near, cuboids, balls, others, .. } = self;
+        let Self { shapes, proxies, groups, broad_phase, near, .. } = self;
         let candidates = broad_phase.update(proxies, |a, b| groups[a as usize].touch(groups[b as usize]));
         let parts = candidates.len().div_ceil(CANDIDATES_PART);
         near.resize_with(parts.max(near.len()), Vec::new);
-        candidates.par_chunks(CANDIDATES_PART).zip(&mut *near).for_each(|(candidates, near)| {
+        candidates.par_chunks(CANDIDATES_PART).zip(&mut *near).by_at_least(2).for_each(|(candidates, near)| {
             near.clear();
             near.extend(candidates.iter().filter_map(|&(first, second)| {
                 // Which others are candidates depends on what was before; the contacts must not.
@@ -188,6 +195,8 @@ impl Contacts {
                 p.is_near(q).then_some((kind, slots))
             }));
         });
+        self.limit_near(parts);
+        let Self { near, cuboids, balls, others, .. } = self;
         cuboids.clear();
         balls.clear();
         others.clear();
@@ -214,7 +223,9 @@ fn touch_one(slots: [u32; 2], shapes: &[Shape], colliders: &[Option<(Collider, W
         let of_second = Second { center: second.center, alone: !first.moves };
         let law = law([first, second], [&a.geometry, &b.geometry]);
         touching(&a.geometry, &first.placement, &b.geometry, &second.placement, margin, &mut |part, manifold| {
-            found.push(Contact::new(slots, part, manifold, of_second, law));
+            if a.parts_touch(b, part) {
+                found.push(Contact::new(slots, part, manifold, of_second, law));
+            }
         });
         found[before..].sort_by_key(Contact::key);
     }
@@ -246,7 +257,7 @@ fn go_on(contacts: &mut [Contact], last: &[Contact], materials: &Materials) {
         if let Some(old) = last.next_if(|old| old.key() == contact.key()) {
             contact.take_over(old);
         }
-        contact.set_surface(&materials.between(contact.slots));
+        contact.set_surface(&materials.between(contact.slots, contact.part));
     }
 }
 

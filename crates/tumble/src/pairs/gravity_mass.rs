@@ -4,11 +4,12 @@ use tumble_math::lane::Vec3 as LaneVec3;
 use crate::generators::attraction;
 use crate::math::{Real, Vec3};
 use crate::simd::{Kernel, MOST_BODIES, Tile, dispatch};
+use crate::threads::InParts;
 
 /// Makes a body attract all others that carry one, and be attracted by them: `F_i = M_i sum mu_j r/(r^2 + e_i^2 + e_j^2)^(3/2)`, `r` from i to j.
 ///
 /// Every pair is computed, at any number of bodies; docs/forces.md says what that costs. Momentum is kept, and there is an energy, where `mu` is in proportion to
-/// [`Mass`](crate::Mass). A body that is nowhere, at a position that is not finite, takes all the others with it. With a `mu` of zero a body feels the others and they do not feel it.
+/// [`Mass`](crate::Mass). A body further than 1e15 m from the origin along an axis, or nowhere, attracts nothing, and no more does one whose numbers here are not finite. With a `mu` of zero a body feels the others and they do not feel it.
 ///
 /// ```
 /// # use tumble::GravityMass;
@@ -59,6 +60,8 @@ pub(super) struct Gravity {
 
 /// Bodies whose accelerations one thread computes at a time: a multiple of every tile's width.
 const PART: usize = 2 * MOST_BODIES;
+/// So many attractions at least are worth handing to another thread: they take ten microseconds.
+const ATTRACTIONS: usize = 8192;
 
 impl Gravity {
     /// Computes the accelerations, unless these very sources were the last.
@@ -82,7 +85,8 @@ impl Gravity {
         let (sources, rows) = (&self.sources, &self.rows);
         let [x, y, z] = &mut self.accelerations;
         let parts = x.par_chunks_mut(PART).zip(y.par_chunks_mut(PART)).zip(z.par_chunks_mut(PART));
-        parts.enumerate().for_each(|(part, ((x, y), z))| {
+        let least = ATTRACTIONS.div_ceil(PART * sources.len().max(1));
+        parts.enumerate().by_at_least(least).for_each(|(part, ((x, y), z))| {
             dispatch(&mut Attract { sources, rows, first: part * PART, sums: [x, y, z] });
         });
     }

@@ -8,8 +8,9 @@ use super::{GravityMass, Spring};
 use crate::components::Work;
 use crate::force_laws::{GRAVITY_MASS, SPRING};
 use crate::held_columns::HeldColumns;
-use crate::math::{Real, double};
+use crate::math::{Real, Vec3, double};
 use crate::members::Members;
+use crate::range::{MOST_DISTANCE, within};
 
 /// The forces between the bodies of a world, with what their evaluation needs: kept from step to step, so that a step need not allocate.
 #[derive(Clone, Default)]
@@ -62,10 +63,15 @@ impl PairForces {
     pub(crate) fn kick(&mut self, held: &mut HeldColumns<'_>, t: Real, h: Real) {
         self.members.see(held);
         let seen = &self.members.seen;
-        self.gravity.update(self.attracting.iter().map(|(slot, mass)| Source {
-            position: seen[*slot].state.position.into(),
-            mu: mass.mu,
-            softening_squared: mass.softening * mass.softening,
+        self.gravity.update(self.attracting.iter().map(|(slot, mass)| {
+            let position = seen[*slot].state.position;
+            let softening_squared = mass.softening * mass.softening;
+            if within(position, MOST_DISTANCE) && mass.mu.is_finite() && softening_squared.is_finite() {
+                Source { position: position.into(), mu: mass.mu, softening_squared }
+            } else {
+                // It attracts nothing.
+                Source { position: Vec3::ZERO, mu: 0.0, softening_squared: 1.0 }
+            }
         }));
         self.velocities.clear();
         self.velocities.extend(seen.iter().map(|seen| Velocities::halfway(seen, &Impulse::zero())));

@@ -6,8 +6,10 @@ use tumble_math::lane::{Lane, Vec3};
 use super::Spring;
 use crate::math::Real;
 use crate::members::{Members, Seen};
+use crate::range::{MOST_IMPULSE, MOST_SPEED, within};
 use crate::spring_potential::{End, Hooke, pull};
 use crate::stiff::{MOST_ANGLE, MOST_ANGLE_IN_A_NET, stable_damping};
+use crate::threads::InParts;
 
 /// A spring and the slots of its bodies.
 #[derive(Clone, Copy)]
@@ -121,10 +123,13 @@ impl Springs {
         pulls.clear();
         pulls.resize(connections.len(), Pull::none());
         let parts = pulls.par_chunks_mut(PART).zip(connections.par_chunks(PART));
-        parts.for_each(|(pulls, connections)| {
+        parts.by_at_least(1).for_each(|(pulls, connections)| {
             for (pull, connection) in pulls.iter_mut().zip(connections) {
                 let shares = connection.slots.map(springs_of);
-                *pull = connection.pull(connection.slots.map(|slot| &members.seen[slot]), shares, t, h);
+                let bodies = connection.slots.map(|slot| &members.seen[slot]);
+                *pull = Some(connection.pull(bodies, shares, t, h))
+                    .filter(|pull| pull.is_in_range() && bodies.iter().all(|seen| seen.is_in_range()))
+                    .unwrap_or(Pull::none());
             }
         });
     }
@@ -133,7 +138,7 @@ impl Springs {
     pub(super) fn update(&mut self, velocities: &[Velocities]) {
         self.impulses.resize(self.pulls.len(), [Impulse::zero(); 2]);
         let parts = self.impulses.par_chunks_mut(PART).zip(self.pulls.par_chunks(PART));
-        parts.for_each(|(impulses, pulls)| {
+        parts.by_at_least(1).for_each(|(impulses, pulls)| {
             for (impulse, pull) in impulses.iter_mut().zip(pulls) {
                 *impulse = pull.impulses(velocities);
             }
@@ -198,7 +203,18 @@ impl Pull {
         Self { slots: [0; 2], direction: zero, arms, impulse, drawing: zero, drawing_turns, damping }
     }
 
+    fn is_in_range(&self) -> bool {
+        let arms = self.arms.iter().all(|arm| within(*arm, MOST_SPEED));
+        let impulse = self.impulse.abs() <= MOST_IMPULSE && (0.0..=MOST_IMPULSE).contains(&self.damping);
+        let turns = self.drawing_turns.iter().all(|turn| within(*turn, MOST_IMPULSE));
+        arms && impulse && turns && within(self.drawing, MOST_IMPULSE) && within(self.direction, 2.0)
+    }
+
     fn impulses(&self, velocities: &[Velocities]) -> [Impulse; 2] {
+        if self.impulse == 0.0 && self.damping == 0.0 {
+            // One of the bodies may be one whose velocity is no number.
+            return [Impulse::zero(); 2];
+        }
         let [at_a, at_b] = [0, 1].map(|end| velocities[self.slots[end]].at(self.arms[end]));
         let impulse = self.impulse + self.damping * self.direction.dot(at_b - at_a);
         let (on_a, on_b) = (self.direction * impulse, self.direction * -impulse);

@@ -68,6 +68,7 @@ impl Simulation {
         matching: &mut Matching,
     ) -> Result<Vec<Entity>, SnapshotError> {
         let spawned_since = snapshot.restore_with(world, matching)?;
+        self.forget_events();
         if let Some(clock) = snapshot.clock() {
             self.set_clock(clock);
         }

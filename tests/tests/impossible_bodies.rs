@@ -1,0 +1,258 @@
+//! Promise: a body with impossible numbers, in its state, what acts on it and its springs, spoils nothing but itself: all others stay finite, and where they do not touch or pull it, keep the bits that they have
+//! without it. What is out of range is refused where it is given, by name.
+//!
+//! Why: components are public, and one division by zero in a game must not take the whole world along. It fails if a number that is none, or a square that overflows, gets from one body to another
+//! through a contact, a spring or gravity.
+
+#![allow(clippy::unwrap_used, reason = "a test without what it tests is to fail")]
+
+use hecs::{Entity, World};
+use proptest::prelude::*;
+use tumble::math::{Quat, Real, Vec3};
+use tumble::prelude::*;
+use tumble::{BodyError, Chance, ColliderError, ConstantWrench, InverseInertia, SettingsError};
+use tumble_tests::run;
+use tumble_tests::touching::{collider, cube, ground, pose, spawn};
+
+const BODIES: u64 = 24;
+
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Poisoned {
+    Position,
+    Orientation,
+    LinearMomentum,
+    AngularMomentum,
+    Force,
+    Torque,
+    GravityScale,
+    LinearDamping,
+    AngularDamping,
+    // From here on what is not the state, nor what acts on it alone.
+    KinematicVelocity,
+    CenterOfMass,
+    Derived,
+    Softening,
+    Stiffness,
+    SpringDamping,
+    RestLength,
+    Attachment,
+    SpringForce,
+    Constant,
+}
+
+const ALL: [Poisoned; 19] = [
+    Poisoned::Position,
+    Poisoned::Orientation,
+    Poisoned::LinearMomentum,
+    Poisoned::AngularMomentum,
+    Poisoned::Force,
+    Poisoned::Torque,
+    Poisoned::GravityScale,
+    Poisoned::LinearDamping,
+    Poisoned::AngularDamping,
+    Poisoned::KinematicVelocity,
+    Poisoned::CenterOfMass,
+    Poisoned::Derived,
+    Poisoned::Softening,
+    Poisoned::Stiffness,
+    Poisoned::SpringDamping,
+    Poisoned::RestLength,
+    Poisoned::Attachment,
+    Poisoned::SpringForce,
+    Poisoned::Constant,
+];
+
+/// No number, and numbers out of range; then such as are only odd.
+const VALUES: [Real; 9] =
+    [Real::NAN, Real::INFINITY, Real::NEG_INFINITY, Real::MAX, -1e30, 1e20, Real::MIN_POSITIVE, -1.0, 0.0];
+const OUT_OF_RANGE: usize = 6;
+
+/// What is the same with the poisoned body and without.
+fn scene(seed: u64) -> (World, Vec<Entity>) {
+    let mut chance = Chance::new(seed);
+    let mut world = World::new();
+    ground(&mut world, Material::new(0.5, 0.3), Quat::IDENTITY);
+    let bodies: Vec<Entity> = (0..BODIES).map(|id| body(&mut world, &mut chance, id)).collect();
+    if seed % 3 == 0 {
+        for pair in bodies.windows(2) {
+            world.spawn((Spring::between(pair[0], pair[1]).stiffness(20.0).damping(0.5),));
+        }
+    }
+    (world, bodies)
+}
+
+fn body(world: &mut World, chance: &mut Chance, id: u64) -> Entity {
+    let shape = match chance.bits() % 4 {
+        0 => Shape::sphere(0.2),
+        1 => cube(0.15),
+        2 => Shape::cylinder(0.15, 0.1),
+        _ => Shape::capsule(0.1, 0.1),
+    };
+    let body = RigidBody::new(shape.clone()).mass(1.0).id(BodyId(id)).orientation(chance.orientation());
+    let body = body.position(Vec3::Y * 0.5 + chance.vector(-0.5, 0.5)).linear_velocity(chance.vector(-2.0, 2.0));
+    let surface = Material::new(0.4, 0.5);
+    spawn(world, body, collider(&shape).with_material(surface).unwrap())
+}
+
+/// Puts a value into a component of a body.
+fn poison(world: &mut World, victim: Entity, others: &[Entity], what: Poisoned, value: Real, axis: usize) {
+    let mut vector = Vec3::ZERO;
+    vector[axis] = value;
+    let spring = Spring::between(victim, others[0]).stiffness(10.0).damping(1.0);
+    match what {
+        Poisoned::Position => world.get::<&mut Pose>(victim).unwrap().position[axis] = value,
+        Poisoned::Orientation => {
+            let mut turned = world.get::<&Pose>(victim).unwrap().orientation.to_array();
+            turned[axis] = value;
+            world.get::<&mut Pose>(victim).unwrap().orientation = Quat::from_array(turned);
+        }
+        Poisoned::LinearMomentum => world.get::<&mut Momentum>(victim).unwrap().linear[axis] = value,
+        Poisoned::AngularMomentum => world.get::<&mut Momentum>(victim).unwrap().angular[axis] = value,
+        Poisoned::Force => world.get::<&mut Wrench>(victim).unwrap().force = vector,
+        Poisoned::Torque => world.get::<&mut Wrench>(victim).unwrap().torque = vector,
+        Poisoned::GravityScale => world.insert_one(victim, tumble::GravityScale(value)).unwrap(),
+        Poisoned::LinearDamping => world.insert_one(victim, Damping { linear: value, angular: 0.1 }).unwrap(),
+        Poisoned::AngularDamping => world.insert_one(victim, Damping { linear: 0.1, angular: value }).unwrap(),
+        Poisoned::KinematicVelocity => {
+            world.remove_one::<Momentum>(victim).unwrap();
+            world.get::<&mut Velocity>(victim).unwrap().linear = vector;
+            world.get::<&mut Velocity>(victim).unwrap().angular = vector;
+        }
+        Poisoned::CenterOfMass => world.insert_one(victim, tumble::CenterOfMass(vector)).unwrap(),
+        Poisoned::Derived => {
+            world.get::<&mut Velocity>(victim).unwrap().linear = vector;
+            let _ = world.get::<&mut InverseInertia>(victim).map(|mut it| it.diagonal = vector);
+        }
+        Poisoned::Softening => {
+            others.iter().for_each(|other| world.insert_one(*other, GravityMass::new(0.1)).unwrap());
+            world.insert_one(victim, GravityMass { mu: 0.1, softening: value }).unwrap();
+        }
+        Poisoned::Stiffness => drop(world.spawn((spring.stiffness(value),))),
+        Poisoned::SpringDamping => drop(world.spawn((spring.damping(value),))),
+        Poisoned::RestLength => drop(world.spawn((spring.rest_length(value),))),
+        Poisoned::Attachment => drop(world.spawn((spring.attached_at(vector, vector),))),
+        Poisoned::SpringForce => {
+            world.spawn((spring,));
+            world.get::<&mut Momentum>(victim).unwrap().linear[axis] = value;
+        }
+        Poisoned::Constant => {
+            world.insert_one(victim, ConstantWrench { force: vector, ..ConstantWrench::default() }).unwrap();
+        }
+    }
+}
+
+/// All that a body is.
+fn state(world: &World, entity: Entity) -> (Pose, Momentum, Velocity) {
+    let momentum = *world.get::<&Momentum>(entity).unwrap();
+    (pose(world, entity), momentum, *world.get::<&Velocity>(entity).unwrap())
+}
+
+fn is_finite((pose, momentum, velocity): &(Pose, Momentum, Velocity)) -> bool {
+    let vectors = [pose.position, momentum.linear, momentum.angular, velocity.linear, velocity.angular];
+    vectors.iter().all(|it| it.is_finite()) && pose.orientation.is_finite()
+}
+
+/// After some steps; a body is poisoned after a few of them, if any is.
+fn end(seed: u64, poisoned: Option<(Poisoned, Real, u32)>) -> Vec<(Pose, Momentum, Velocity)> {
+    let (mut world, bodies) = scene(seed);
+    let mut simulation = Simulation::new(Settings::default()).unwrap();
+    if let Some((what, value, before)) = poisoned {
+        let victim = body(&mut world, &mut Chance::new(seed ^ 9), BODIES);
+        run(&mut simulation, &mut world, before);
+        poison(&mut world, victim, &bodies, what, value, seed as usize % 3);
+        run(&mut simulation, &mut world, 40 - before);
+    } else {
+        run(&mut simulation, &mut world, 40);
+    }
+    bodies.into_iter().map(|body| state(&world, body)).collect()
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(4))]
+
+    #[test]
+    fn others_do_not_notice(seed in any::<u64>(), before in 0_u32..20) {
+        let without = end(seed, None);
+        for what in ALL {
+            for (index, value) in VALUES.into_iter().enumerate() {
+                for before in [0, before] {
+                    let others = end(seed, Some((what, value, before)));
+                    prop_assert!(others.iter().all(is_finite), "{:?} {} after {}", what, value, before);
+                    // What pushes on a body alone is out of range where its mass is about one. Damping is not among it: it is clamped.
+                    let apart = ALL[..7].contains(&what) && index < OUT_OF_RANGE && before == 0;
+                    // A step makes a unit quaternion of what has a direction, and then the body is as others.
+                    let healed = what == Poisoned::Orientation && !value.is_nan();
+                    if apart && !healed {
+                        prop_assert!(others == without, "{:?} {} has touched others", what, value);
+                    }
+                }
+            }
+        }
+    }
+}
+
+/// Masses and moments at the ends of what can be given.
+#[test]
+fn extreme_bodies_touch_nothing_that_they_could_spoil() {
+    for seed in 0..6 {
+        for exponent in [-37, -30, -20, -10, 10, 20, 30, 37] {
+            for of_moments in [false, true] {
+                let (mut world, bodies) = scene(seed);
+                let amount = 10_f64.powi(exponent);
+                let shape = cube(0.2);
+                let start = RigidBody::new(shape.clone()).position(Vec3::Y * 0.6);
+                let start = if of_moments {
+                    let moments = tumble::InertiaTensor::from_principal([amount; 3], Default::default()).unwrap();
+                    start.mass(1.0).inertia(moments)
+                } else {
+                    start.mass(amount)
+                };
+                // Some are refused, in single precision.
+                let Ok(body) = start.build() else { continue };
+                body.spawn_with(&mut world, (collider(&shape),));
+                let mut simulation = Simulation::new(Settings::default()).unwrap();
+                run(&mut simulation, &mut world, 40);
+                let finite = bodies.iter().all(|body| is_finite(&state(&world, *body)));
+                assert!(finite, "1e{exponent}, of moments: {of_moments}");
+            }
+        }
+    }
+}
+
+#[test]
+fn what_is_out_of_range_is_refused_by_name() {
+    let settings = Settings::default();
+    for dt in [1e-30, 0.99e-9, 1.01e9, 1e30, Real::NAN] {
+        assert!(matches!(settings.with_dt(dt).validate(), Err(SettingsError::Step(_))), "{dt}");
+    }
+    assert!(matches!(settings.with_dt(1e-8).with_substeps(100).validate(), Err(SettingsError::Step(_))));
+    for gravity in [3e38, -1.01e9, Real::INFINITY] {
+        let gravity = settings.with_gravity(Vec3::X * gravity);
+        assert!(matches!(gravity.validate(), Err(SettingsError::Gravity(_))));
+    }
+    for dt in [1e-9, 1e9] {
+        let at_the_edge = settings.with_dt(dt).with_contact_substeps(1).with_gravity(Vec3::splat(1e9));
+        assert!(at_the_edge.validate().is_ok(), "{dt}");
+    }
+    let body = || RigidBody::new(Shape::sphere(1.0)).mass(1.0);
+    let refused = [
+        (body().position(Vec3::X * 1.01e15), "position"),
+        (body().linear_velocity(Vec3::Y * -1e20), "linear_velocity"),
+        (body().angular_velocity(Vec3::Z * 1.01e9), "angular_velocity"),
+    ];
+    for (body, field) in refused {
+        let error = body.build().unwrap_err();
+        assert!(matches!(error, BodyError::TooLarge { .. }), "{error}");
+        assert_eq!(error.field(), field);
+    }
+    for size in [1e-10, 1e10, 1e30] {
+        let points = [Vec3::ZERO, Vec3::X, Vec3::Y, Vec3::Z].map(|point| point * size as Real);
+        let hull = tumble::Collider::convex_hull(points);
+        assert!(matches!(hull, Err(ColliderError::Size { .. })), "{hull:?}");
+        let error = tumble::Collider::new(&Shape::sphere(size)).unwrap_err();
+        assert_eq!(error, ColliderError::Size { field: "radius", value: size });
+    }
+    let far = Pose { position: Vec3::X * 1.01e9, ..Pose::default() };
+    let offset = tumble::Collider::half_space().with_offset(far);
+    assert!(matches!(offset, Err(ColliderError::Offset { .. })));
+}
