@@ -15,6 +15,8 @@ use crate::lanes::{FAR, ManifoldLanes};
 /// An edge axis must separate by so much more \[m\] than the best face to be taken: a face holds a body better, and a choice that
 /// changes back and forth holds it worst.
 const EDGE_LEAD: f64 = 5e-4;
+/// But by no more than this part of the margin.
+const LEAD_SHARE: f64 = 0.025;
 /// And a face of the second box by so much more than one of the first.
 const SECOND_LEAD: f64 = 2.5e-4;
 /// Edges at a smaller sine of the angle between them are parallel: a face separates as well.
@@ -133,11 +135,14 @@ pub fn cuboid_pair<L: Lane>(
 ) -> ManifoldLanes<L> {
     let pair = Pair::new(first, second, apart);
     let gaps = pair.face_gaps();
+    // Of small boxes the margin is small, and with it what a choice is worth.
+    let most_lead = margin * L::splat(LEAD_SHARE);
+    let leads = [L::splat(SECOND_LEAD).min(most_lead), L::splat(EDGE_LEAD).min(most_lead)];
     let (mut best, mut code) = (gaps[0], L::splat(0.0));
     let (mut widest, mut sum) = (gaps[0], gaps[0]);
     let mut axis = 1;
     while axis < 6 {
-        let lead = L::splat(if axis < 3 { 0.0 } else { SECOND_LEAD });
+        let lead = if axis < 3 { L::splat(0.0) } else { leads[0] };
         let better = (best + lead).lt(gaps[axis]);
         code = L::select(better, L::splat(axis as f64), code);
         best = L::select(better, gaps[axis], best);
@@ -151,7 +156,7 @@ pub fn cuboid_pair<L: Lane>(
     let near = L::select(margin.lt(widest), L::splat(0.0), L::splat(1.0));
     let near = L::select(sum.abs().lt(L::splat(FAR)), near, L::splat(0.0));
     let mut manifold = faces::contact(&pair, code, margin);
-    let by_edges = (best + L::splat(EDGE_LEAD)).lt(edge_gap);
+    let by_edges = (best + leads[1]).lt(edge_gap);
     if L::any(by_edges) {
         manifold = edges::contact(&pair, edge_code, edge_gap).or(by_edges, manifold);
     }

@@ -31,6 +31,8 @@ pub(super) struct Second {
     pub(super) center: Vec3<Real>,
     /// Whether impulses move it alone.
     pub(super) alone: bool,
+    /// How near its surface and the other are a contact \[m\].
+    pub(super) margin: Real,
 }
 
 impl Second {
@@ -52,7 +54,8 @@ pub(super) const POINTS: [usize; MOST_POINTS / 2] = [1, 2];
 pub(super) const HELD: usize = 3;
 /// No impulses.
 const NEW: Eight = Eight([0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0]);
-/// Impulse of friction \[N s\] and angular impulse of what resists twisting and rolling [N m s], of a substep, world frame.
+/// Impulse of friction \[N s\] and angular impulse of what resists twisting and rolling [N m s], of a substep, world frame; and how
+/// near the surfaces are a contact \[m\], but for how fast they come.
 pub(super) const RUBBED: usize = 4;
 
 /// Points and normals are fixed to the bodies.
@@ -64,8 +67,8 @@ pub(super) const FIXED: f64 = 3.0;
 /// What is round and rolls: found again in each substep.
 pub(super) const REFINED: f64 = 2.0;
 
-/// Points that moved no further than this \[m\] are the same, whatever features meet there now.
-const SAME_PLACE: Real = 0.01;
+/// Points that moved no further than this part of the margin are the same, whatever features meet there now.
+const SAME_PLACE: Real = 0.5;
 
 impl Contact {
     /// Of nobody.
@@ -91,6 +94,7 @@ impl Contact {
         }
         numbers[HELD] = NEW;
         numbers[HELD].0[7] = second.share(manifold.carried);
+        numbers[RUBBED].0[6] = second.margin;
         numbers[SHAPE] = Eight([n.x, n.y, n.z, manifold.carried, count as Real, 0.0, 0.0, crate::math::real(law)]);
         Self { kind: Kind::Other, slots, part, touched: false, features, numbers }
     }
@@ -98,9 +102,9 @@ impl Contact {
     /// Makes it the only contact of two shapes, without impulses.
     pub(super) fn begin(&mut self, kind: Kind) {
         (self.kind, self.part, self.touched) = (kind, 0, false);
-        let [.., share] = self.numbers[HELD].0;
+        let ([.., share], margin) = (self.numbers[HELD].0, self.margin());
         (self.numbers[HELD], self.numbers[RUBBED]) = (NEW, Eight::ZERO);
-        self.numbers[HELD].0[7] = share;
+        (self.numbers[HELD].0[7], self.numbers[RUBBED].0[6]) = (share, margin);
     }
 
     /// Says what the surfaces are like.
@@ -131,6 +135,11 @@ impl Contact {
         self.place(j) - Vec3::new(x, y, z) * (self.separation(j) * (share - 0.5))
     }
 
+    /// How near the surfaces are a contact \[m\], but for how fast they come: a length that goes with the bodies' sizes.
+    pub(super) fn margin(&self) -> Real {
+        self.numbers[RUBBED].0[6]
+    }
+
     /// Separation at a point \[m\].
     pub(super) fn separation(&self, j: usize) -> Real {
         self.numbers[POINTS[j / 2]].0[j % 2 * 4 + 3]
@@ -149,15 +158,16 @@ impl Contact {
         if self.slots != old.slots {
             return;
         }
-        self.numbers[RUBBED] = old.numbers[RUBBED];
+        self.numbers[RUBBED].0[..6].copy_from_slice(&old.numbers[RUBBED].0[..6]);
         let (count, old_count) = (self.count(), old.count());
         let near = |j: usize, i: usize| {
             let apart = self.place(j) - old.place(i);
             apart.dot(apart)
         };
-        const NEAR: Real = SAME_PLACE * SAME_PLACE;
+        let same_place = SAME_PLACE * self.margin();
+        let near_enough = same_place * same_place;
         let mut held = [0.0; MOST_POINTS];
-        if count == old_count && (0..count).all(|j| self.features[j] == old.features[j] && near(j, j) <= NEAR) {
+        if count == old_count && (0..count).all(|j| self.features[j] == old.features[j] && near(j, j) <= near_enough) {
             held[..count].copy_from_slice(&old.numbers[HELD].0[..count]);
         } else {
             let (mut taken, mut found) = ([false; MOST_POINTS], [false; MOST_POINTS]);
@@ -167,8 +177,8 @@ impl Contact {
                         continue;
                     }
                     let same = |i: &usize| match way {
-                        0 => self.features[j] == old.features[*i] && near(j, *i) <= NEAR,
-                        1 => near(j, *i) <= NEAR,
+                        0 => self.features[j] == old.features[*i] && near(j, *i) <= near_enough,
+                        1 => near(j, *i) <= near_enough,
                         _ => self.features[j] == old.features[*i],
                     };
                     let candidates = (0..old_count).filter(|i| !taken[*i]).filter(same);

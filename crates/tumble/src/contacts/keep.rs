@@ -28,7 +28,7 @@ impl<const P: usize, const C: usize> Kernel for Keep<'_, P, C> {
         let mut l = 0;
         while l < T::WIDTH && lane + l < block.count {
             let contact = &mut self.contacts[block.contacts[lane + l] as usize];
-            contact.numbers[RUBBED] = rubbed[l];
+            contact.numbers[RUBBED].0[..6].copy_from_slice(&rubbed[l].0[..6]);
             contact.numbers[HELD].0[6] = block.start.kept[lane + l];
             let mut j = 0;
             while j < P {

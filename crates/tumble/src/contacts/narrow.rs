@@ -5,7 +5,7 @@ use tumble_collide::lanes::{CuboidLanes, ManifoldLanes, ball_pair, cuboid_gap, c
 use tumble_collide::{Geometry, MOST_POINTS, Placement};
 use tumble_math::lane::{Quat, Vec3};
 
-use super::contact::{CENTERS, Contact, HELD, MATERIAL, POINTS, REFINED, SHAPE};
+use super::contact::{CENTERS, Contact, HELD, MATERIAL, POINTS, REFINED, RUBBED, SHAPE};
 use super::rows::put;
 use crate::math::Real;
 use crate::simd::{BLOCK, Eight, Kernel, Tile, dispatch_in_blocks, gather};
@@ -16,8 +16,8 @@ use crate::threads::InParts;
 pub(super) struct Shapes {
     /// Position of the shape's origin, and its orientation.
     places: Vec<Eight>,
-    /// Half extents, or a radius, the shape's origin from the body's centre of mass, world frame, how far it looks for others, and whether
-    /// impulses move it.
+    /// Half extents, or a radius, the shape's origin from the body's centre of mass, world frame, how far it looks for others, and how
+    /// near they are a contact, which is zero of what impulses do not move.
     sizes: Vec<Eight>,
 }
 
@@ -85,7 +85,7 @@ impl ShapesPart<'_> {
         geometry: &Geometry<Real>,
         at: &Placement<Real>,
         center: Vec3<Real>,
-        (reach, moves): (Real, bool),
+        (reach, margin): (Real, Real),
     ) {
         let (x, q, offset) = (at.position, at.orientation, at.position - center);
         let size = match *geometry {
@@ -94,7 +94,7 @@ impl ShapesPart<'_> {
             _ => Vec3::zero(),
         };
         self.places[slot] = Eight([x.x, x.y, x.z, q.x, q.y, q.z, q.w, 0.0]);
-        self.sizes[slot] = Eight([size.x, size.y, size.z, offset.x, offset.y, offset.z, reach, Real::from(u8::from(moves))]);
+        self.sizes[slot] = Eight([size.x, size.y, size.z, offset.x, offset.y, offset.z, reach, margin]);
     }
 }
 
@@ -230,7 +230,7 @@ impl Kernel for CuboidContacts<'_> {
         let (first, a, place) = cuboids::<T>(self.shapes, &rows[0], lane);
         let (second, b, other) = cuboids::<T>(self.shapes, &rows[1], lane);
         let manifold = cuboid_pair(&first, &second, b - a, place.reach + other.reach);
-        write(&manifold, other.offset, (T::splat(MATERIAL), place.moves), &mut self.found[i..], rows, lane);
+        write(&manifold, other.offset, T::splat(MATERIAL), [place.margin, other.margin], &mut self.found[i..], rows, lane);
     }
 }
 
@@ -255,7 +255,7 @@ impl Kernel for BallContacts<'_> {
         // Balls that are not about their centres of mass wobble.
         let off = place.offset.dot(place.offset) + other.offset.dot(other.offset);
         let law = T::select(T::splat(0.0).lt(off), T::splat(REFINED), T::splat(CENTERS));
-        write(&manifold, other.offset, (law, place.moves), &mut self.found[i..], rows, lane);
+        write(&manifold, other.offset, law, [place.margin, other.margin], &mut self.found[i..], rows, lane);
     }
 }
 
@@ -265,17 +265,17 @@ struct Place<T> {
     offset: Vec3<T>,
     /// How far they look for others \[m\].
     reach: T,
-    /// One where impulses move them, else zero.
-    moves: T,
+    /// The same but for how fast they go \[m\]; zero of what impulses do not move.
+    margin: T,
 }
 
 /// A tile's boxes, and where they are.
 #[inline(always)]
 fn cuboids<T: Tile>(shapes: &Shapes, slots: &[u32; BLOCK], lane: usize) -> (CuboidLanes<T>, Vec3<T>, Place<T>) {
     let [x, y, z, qx, qy, qz, qw] = gather(&shapes.places, slots, lane);
-    let [a, b, c, u, v, w, reach, moves] = gather(&shapes.sizes, slots, lane);
+    let [a, b, c, u, v, w, reach, margin] = gather(&shapes.sizes, slots, lane);
     let orientation = Quat { x: qx, y: qy, z: qz, w: qw };
-    let place = Place { offset: Vec3::new(u, v, w), reach, moves };
+    let place = Place { offset: Vec3::new(u, v, w), reach, margin };
     (CuboidLanes { half_extents: Vec3::new(a, b, c), orientation }, Vec3::new(x, y, z), place)
 }
 
@@ -283,8 +283,8 @@ fn cuboids<T: Tile>(shapes: &Shapes, slots: &[u32; BLOCK], lane: usize) -> (Cubo
 #[inline(always)]
 fn balls<T: Tile>(shapes: &Shapes, slots: &[u32; BLOCK], lane: usize) -> (T, Vec3<T>, Place<T>) {
     let [x, y, z, _] = gather(&shapes.places, slots, lane);
-    let [radius, _, _, u, v, w, reach, moves] = gather(&shapes.sizes, slots, lane);
-    (radius, Vec3::new(x, y, z), Place { offset: Vec3::new(u, v, w), reach, moves })
+    let [radius, _, _, u, v, w, reach, margin] = gather(&shapes.sizes, slots, lane);
+    (radius, Vec3::new(x, y, z), Place { offset: Vec3::new(u, v, w), reach, margin })
 }
 
 /// Writes a tile's manifolds as contacts; `offset` goes from the second bodies' centres of mass to their shapes' origins.
@@ -292,7 +292,8 @@ fn balls<T: Tile>(shapes: &Shapes, slots: &[u32; BLOCK], lane: usize) -> (T, Vec
 fn write<T: Tile>(
     manifold: &ManifoldLanes<T>,
     offset: Vec3<T>,
-    (law, first_moves): (T, T),
+    law: T,
+    margins: [T; 2],
     found: &mut [Contact],
     rows: &[[u32; BLOCK]; 2],
     lane: usize,
@@ -302,9 +303,10 @@ fn write<T: Tile>(
     let mut numbers = [[Eight::ZERO; BLOCK]; 3];
     T::store([n.x, n.y, n.z, manifold.carried, manifold.count, zero, zero, law], &mut numbers[SHAPE]);
     // As `Second::share` has it.
-    let share = manifold.carried.max(T::splat(1.0) - first_moves);
-    let mut shares = [0.0; BLOCK];
+    let share = T::select(zero.lt(margins[0]), manifold.carried, T::splat(1.0));
+    let (mut shares, mut margin) = ([0.0; BLOCK], [0.0; BLOCK]);
     put(share, &mut shares, 0);
+    put(margins[0] + margins[1], &mut margin, 0);
     let mut half = 0;
     while half < POINTS.len() {
         let (j, k) = (2 * half, 2 * half + 1);
@@ -325,7 +327,7 @@ fn write<T: Tile>(
     while i < T::WIDTH {
         let contact = &mut found[i];
         contact.slots = [rows[0][lane + i], rows[1][lane + i]];
-        contact.numbers[HELD].0[7] = shares[i];
+        (contact.numbers[HELD].0[7], contact.numbers[RUBBED].0[6]) = (shares[i], margin[i]);
         let mut which = 0;
         while which < numbers.len() {
             contact.numbers[which] = numbers[which][i];

@@ -8,7 +8,6 @@ use super::passes::{Blocks, Bodied, hold, speeds};
 use super::refresh::tangents;
 use super::rows::{at, gather_two_vectors, put, put_vector};
 use super::rubbing::Rubbing;
-use crate::math::Real;
 use crate::simd::{BLOCK, Eight, Kernel, Tile};
 
 /// Fills blocks whose lanes know their contacts and rows.
@@ -18,8 +17,6 @@ pub(super) struct Prepare<'a, const P: usize, const C: usize> {
     pub(super) bodies: Bodied<'a>,
     /// Where they are.
     pub(super) poses: &'a [Eight],
-    /// How near \[m\] two surfaces are a contact.
-    pub(super) margin: Real,
 }
 
 /// Weight of a point in the middle at the least, so that a middle there is.
@@ -49,7 +46,8 @@ impl<const P: usize, const C: usize> Kernel for Prepare<'_, P, C> {
         let separations = [s0, s1, s2, s3];
 
         // A point that comes into reach has no weight yet, so the middle does not jump.
-        let inverse_margin = T::splat(1.0 / f64::from(self.margin));
+        let [_, _, _, _, _, _, margin]: [T; 7] = pick(self.contacts, block, RUBBED, lane);
+        let inverse_margin = one / margin;
         let (mut sum, mut total) = (Vec3::zero(), zero);
         let mut j = 0;
         while j < P {

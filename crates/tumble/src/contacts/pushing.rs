@@ -5,7 +5,6 @@ use super::passes::Moment;
 use super::refine::{self, Round};
 use super::solver::{Pass, Solver};
 use super::solver_bodies::SolverBodies;
-use super::touching::MARGIN;
 use crate::settings::Settings;
 
 /// The bodies that touch something and what is done to them in a substep of the settings: those of one world, or of several.
@@ -39,7 +38,7 @@ impl Pushing {
         solver.lay_out(contacts, rows, bodies, extras);
         refine::leave_out_needles(rounds, bodies);
         solver.locate(contacts.len(), rounds);
-        bodies.with_poses(|bodies, poses| solver.run(Pass::Prepare(contacts, poses, MARGIN), bodies));
+        bodies.with_poses(|bodies, poses| solver.run(Pass::Prepare(contacts, poses), bodies));
         for substep in 0..substeps {
             bookings.before_kick(bodies);
             bodies.kick();

@@ -118,15 +118,16 @@ impl Simulation {
     }
 }
 
-/// Surfaces this near \[m\] touch: as much as rounding leaves between bodies that stopped each other, a hundred metres from the origin.
-const TOUCHING: Real = 1e-4;
-/// Surfaces that touched have to be this far apart \[m\] to do so no more.
-const APART: Real = 1e-3;
+/// Surfaces as near as this part of the margin touch: of metres, as much as rounding leaves between bodies that stopped each other,
+/// a hundred metres from the origin.
+const TOUCHING: Real = 0.005;
+/// Surfaces that touched have to be this part of the margin apart to do so no more.
+const APART: Real = 0.05;
 
 impl Held {
     /// Whether the bodies touch: something holds them apart, or nothing is between them. Not to be asked before the impulses are known.
     pub(super) fn touches(&self) -> bool {
-        let within = if self.touched { APART } else { TOUCHING };
+        let within = self.margin() * if self.touched { APART } else { TOUCHING };
         (0..self.count()).any(|j| self.separation(j) <= within || self.numbers[HELD].0[j] > 0.0)
     }
 

@@ -11,9 +11,10 @@ use super::refresh::tangents;
 use super::rows::{put, put_vector};
 use super::rubbing::Rubbing;
 use super::solver_bodies::SolverBodies;
-use super::touching::{Contacts, MARGIN};
+use super::touching::Contacts;
 use crate::math::Real;
 use crate::simd::{BLOCK, Eight};
+use crate::threads::InParts;
 
 /// A contact of which a shape is round. Lengths are from the second body's centre of mass when the step began.
 #[derive(Clone)]
@@ -62,7 +63,7 @@ impl Contacts {
                 part: contact.part,
                 geometries: [a.geometry.clone(), b.geometry.clone()],
                 placements,
-                weights: std::array::from_fn(|j| if j < contact.count() { weight(contact.separation(j)) } else { 0.0 }),
+                weights: std::array::from_fn(|j| if j < contact.count() { weight(contact.separation(j) / contact.margin()) } else { 0.0 }),
                 alone: !shapes[0].moves,
                 apart: shapes[0].center - origin,
                 margin: shapes[0].reach + shapes[1].reach,
@@ -71,16 +72,16 @@ impl Contacts {
     }
 }
 
-/// Weight of a point in the middle of its contact, as [`Prepare`](super::prepare::Prepare) has it.
-fn weight(separation: Real) -> Real {
-    (2.0 - separation / MARGIN).clamp(LEAST_WEIGHT as Real, 1.0)
+/// Weight in the middle of its contact of a point whose separation is this many margins, as [`Prepare`](super::prepare::Prepare) has it.
+fn weight(margins: Real) -> Real {
+    (2.0 - margins).clamp(LEAST_WEIGHT as Real, 1.0)
 }
 
 /// What has become of the contacts, if their bodies have moved: manifolds about the second body's centre of mass as it is now.
 pub(super) fn find(rounds: &[Round], moved: &[Eight]) -> Vec<Option<Manifold<Real>>> {
     let mut found = vec![None; rounds.len()];
     let parts = rounds.par_chunks(PART).zip(found.par_chunks_mut(PART));
-    parts.for_each(|(rounds, found)| {
+    parts.by_at_least(2).for_each(|(rounds, found)| {
         rounds.iter().zip(found).for_each(|(round, found)| *found = round.find(moved));
     });
     found

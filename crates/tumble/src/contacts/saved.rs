@@ -33,7 +33,7 @@ pub(crate) struct SavedContact {
     /// Whether they touched before this step.
     pub(crate) touched: bool,
     /// The normal from the first body to the second; impulse \[N s\] and angular impulse [N m s] of friction; which part of the
-    /// impulses the next step begins with, and which share of the gap is before a point.
+    /// impulses the next step begins with, which share of the gap is before a point, and the margin \[m\].
     pub(crate) numbers: [Real; Self::NUMBERS],
     pub(crate) points: [SavedPoint; MOST_POINTS],
     /// How many points there are.
@@ -50,7 +50,7 @@ pub(crate) struct SavedPoint {
 }
 
 impl SavedContact {
-    pub(crate) const NUMBERS: usize = 11;
+    pub(crate) const NUMBERS: usize = 12;
 
     /// What contacts of a file are in the order of.
     pub(crate) fn key(&self) -> (u32, u32, u32) {
@@ -112,7 +112,7 @@ impl Contact {
             point.numbers[4] = self.numbers[HELD].0[j];
         }
         let [.., kept, share] = self.numbers[HELD].0;
-        let numbers = [x, y, z, a, b, c, d, e, f, kept, share];
+        let numbers = [x, y, z, a, b, c, d, e, f, kept, share, self.margin()];
         let (part, touched) = (self.part, self.touched);
         SavedContact { bodies: self.slots, part, touched, numbers, points, count: self.count() }
     }
@@ -122,7 +122,8 @@ impl Contact {
         contact.numbers[SHAPE].0[..3].copy_from_slice(&saved.numbers[..3]);
         contact.numbers[SHAPE].0[4] = saved.count as Real;
         contact.numbers[RUBBED].0[..6].copy_from_slice(&saved.numbers[3..9]);
-        contact.numbers[HELD].0[6..].copy_from_slice(&saved.numbers[9..]);
+        contact.numbers[HELD].0[6..].copy_from_slice(&saved.numbers[9..11]);
+        contact.numbers[RUBBED].0[6] = saved.numbers[11];
         for (j, point) in saved.points.iter().enumerate().take(saved.count) {
             contact.numbers[POINTS[j / 2]].0[j % 2 * 4..][..4].copy_from_slice(&point.numbers[..4]);
             contact.numbers[HELD].0[j] = point.numbers[4];

@@ -5,7 +5,7 @@ use tumble_math::lane::{Quat, Vec3};
 
 use super::collider::Collider;
 use super::narrow::{Kind, ShapesPart};
-use super::touching::{Contacts, MARGIN, Shape};
+use super::touching::{Contacts, Shape};
 use crate::columns::LEAST_CHUNK;
 use crate::components::{Momentum, Velocity};
 use crate::held_columns::{HeldColumns, Looked};
@@ -97,18 +97,26 @@ impl Sight<'_> {
             // It is nowhere then, and touches nothing that it could spoil.
             placement.position = Vec3::splat(Real::NAN);
         }
-        let reach = reach(geometry, linear.length() * interval);
         let (kind, moves) = (Kind::of(geometry), bodies.pushed.is_some());
-        self.lanes.set(i, geometry, &placement, center, (reach, moves));
+        let half_thickness = geometry.half_thickness();
+        let margin = if moves { (MARGIN_SHARE * half_thickness).min(MOST_MARGIN) } else { 0.0 };
+        let reach = margin + ahead(half_thickness, linear.length() * interval);
+        self.lanes.set(i, geometry, &placement, center, (reach, margin));
         let velocity = (velocity.linear.into(), velocity.angular.into());
-        self.shapes[i] = Shape { placement, center, kind, moves, reach, velocity };
+        self.shapes[i] = Shape { placement, center, kind, moves, reach, margin, velocity };
         self.proxies[i] = self.shapes[i].proxy(Some(geometry));
     }
 }
 
-/// How far from its surface a shape looks for others \[m\] that goes so far \[m\] in a step. What goes less than half its thickness is stopped in what it hits and leaves it on the side it came
-/// from; only what is faster looks further, since a surface is taken for endless on the way to it.
-fn reach(geometry: &Geometry<Real>, way: Real) -> Real {
-    let enough = 0.5 * geometry.half_thickness();
-    0.5 * MARGIN + if way > enough && way.is_finite() { way - enough } else { 0.0 }
+/// How near surfaces are a contact is this share of half the thickness of what impulses move ...
+const MARGIN_SHARE: Real = 0.02;
+/// ... but no more than this \[m\]; of two that impulses move the sum.
+const MOST_MARGIN: Real = 0.01;
+
+/// How much further a shape looks for others \[m\] that goes so far \[m\] in a step. What goes less than half its half thickness is
+/// stopped in what it hits and leaves it on the side it came from; only what is faster looks further, since a surface is taken for
+/// endless on the way to it.
+fn ahead(half_thickness: Real, way: Real) -> Real {
+    let enough = 0.5 * half_thickness;
+    if way > enough && way.is_finite() { way - enough } else { 0.0 }
 }

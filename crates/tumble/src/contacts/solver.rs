@@ -61,8 +61,8 @@ struct Stage {
 /// What is done to all contacts.
 #[derive(Clone, Copy)]
 pub(super) enum Pass<'a> {
-    /// Fills the blocks for bodies with these poses, as the contacts have it. Surfaces that are so near \[m\] are a contact.
-    Prepare(&'a [Contact], &'a [Eight], Real),
+    /// Fills the blocks for bodies with these poses, as the contacts have it.
+    Prepare(&'a [Contact], &'a [Eight]),
     /// Pushes overlapping bodies apart, those that move and those on what does not, in substeps of which so many make a second.
     Biased([Softness; 2], Real),
     /// Takes out again the velocity that this gave, and adds friction; and, where it is said, notes for another substep what contacts then do to bodies.
@@ -277,9 +277,7 @@ impl Pass<'_> {
 
     fn run_on<const P: usize, const C: usize>(self, blocks: Blocks<'_, P, C>, bodies: Bodied<'_>) {
         match self {
-            Self::Prepare(contacts, poses, margin) => {
-                run(Prepare::<P, C> { blocks, contacts, bodies, poses, margin });
-            }
+            Self::Prepare(contacts, poses) => run(Prepare::<P, C> { blocks, contacts, bodies, poses }),
             Self::Biased(softness, inverse_h) => {
                 let softness = Some(softness[usize::from(bodies.motion.is_grounded())]);
                 run(Solve::<P, C> { blocks, bodies, softness, inverse_h, holds: false });

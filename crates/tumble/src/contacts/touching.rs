@@ -21,9 +21,6 @@ use crate::members::Members;
 use crate::settings::Settings;
 use crate::threads::InParts;
 
-/// How near \[m\] two surfaces are a contact.
-pub(super) const MARGIN: Real = 0.02;
-
 /// The contacts of a world: what they were at the end of the last step is where the next begins.
 #[derive(Clone, Default)]
 pub(crate) struct Contacts {
@@ -67,6 +64,8 @@ pub(super) struct Shape {
     pub(super) moves: bool,
     /// How far from its surface another's may be to be a contact, with the other's reach added \[m\].
     pub(super) reach: Real,
+    /// The same but for how fast it goes \[m\]; zero of what impulses do not move.
+    pub(super) margin: Real,
     /// Of what impulses do not move \[m/s\] \[rad/s\].
     pub(super) velocity: (Vec3<Real>, Vec3<Real>),
 }
@@ -220,7 +219,7 @@ fn touch_one(slots: [u32; 2], shapes: &[Shape], colliders: &[Option<(Collider, W
     if let [Some((a, _)), Some((b, _))] = slots.map(|slot| colliders[slot as usize].as_ref()) {
         let before = found.len();
         let margin = first.reach + second.reach;
-        let of_second = Second { center: second.center, alone: !first.moves };
+        let of_second = Second { center: second.center, alone: !first.moves, margin: first.margin + second.margin };
         let law = law([first, second], [&a.geometry, &b.geometry]);
         touching(&a.geometry, &first.placement, &b.geometry, &second.placement, margin, &mut |part, manifold| {
             if a.parts_touch(b, part) {
@@ -287,6 +286,7 @@ impl Shape {
             kind: Kind::Other,
             moves: false,
             reach: 0.0,
+            margin: 0.0,
             velocity: (zero, zero),
         }
     };

@@ -150,7 +150,7 @@ fn defect(contact: &SavedContact, before: Option<&SavedContact>, bodies: usize) 
         Some(ContactDefect::NotFinite)
     } else if (length - 1.0).abs() > UNIT_TOLERANCE {
         Some(ContactDefect::Normal)
-    } else if contact.numbers[9..].iter().any(|part| !(0.0..=1.0).contains(part)) {
+    } else if contact.numbers[9..11].iter().any(|part| !(0.0..=1.0).contains(part)) {
         Some(ContactDefect::Part)
     } else if points.iter().any(|point| point.numbers[4] < 0.0) {
         Some(ContactDefect::Pull)
