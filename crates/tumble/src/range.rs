@@ -10,7 +10,7 @@ use crate::math::Real;
 use crate::state::{Constants, Moments};
 
 /// Steps and their parts \[s\].
-pub(crate) const SECONDS: RangeInclusive<Real> = 1e-9..=1e9;
+pub(crate) const SECONDS: RangeInclusive<Real> = 1e-12..=1e9;
 /// Sizes of colliders \[m\], and how far one may be from its body.
 pub(crate) const LENGTHS: RangeInclusive<Real> = 1e-9..=1e9;
 /// Acceleration of gravity [m/s^2].
@@ -22,9 +22,9 @@ pub(crate) const MOST_SPEED: Real = 1e9;
 /// How far from the origin \[m\] bodies touch.
 pub(crate) const MOST_DISTANCE_OF_CONTACTS: Real = 1e9;
 /// Masses \[kg\] of bodies that touch or that springs hold.
-const MASSES: RangeInclusive<Real> = 1e-15..=1e24;
+const MASSES: RangeInclusive<Real> = 1e-16..=1e24;
 /// What an impulse of 1 N s at the furthest point of a body may change its velocity there by turning it [1/kg], and one of 1 N m s its angular velocity [1/(kg m^2)].
-const MOST_RESPONSES: [Real; 2] = [1e15, 1e30];
+const MOST_RESPONSES: [Real; 2] = [1e17, 1e32];
 /// Force times a step and pull of a spring times a kick [N s].
 pub(crate) const MOST_IMPULSE: Real = 1e30;
 

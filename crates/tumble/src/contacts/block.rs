@@ -42,8 +42,8 @@ pub(super) struct Start<const P: usize> {
     pub(super) law: Lanes,
     /// How far an arm may change \[m\] before the effective masses are computed again; below zero where that is done in any case.
     pub(super) slide: Lanes,
-    /// Which part of the impulses the next step begins with.
-    pub(super) kept: Lanes,
+    /// One less how much effective masses have changed in the last substep, but not below zero.
+    pub(super) steady: Lanes,
     pub(super) separations: [Lanes; P],
     pub(super) normal: [Lanes; 3],
     pub(super) tangent: [Lanes; 3],
@@ -104,10 +104,9 @@ pub(super) struct Bounce<const P: usize> {
     /// Velocity along the normal at each point before forces act on them in this substep, and what those do to it \[m/s\].
     pub(super) before: [Lanes; P],
     pub(super) kick: [Lanes; P],
-    /// How fast they come together at each point in this substep until they meet \[m/s\].
+    /// How fast they come together at each point in this substep until they meet, and before impulses act \[m/s\].
     pub(super) met: [Lanes; P],
-    /// The impulse with which the substep began at each point \[N s\].
-    pub(super) warm: [Lanes; P],
+    pub(super) coming: [Lanes; P],
     /// Energy that impulses along the normal have taken from the bodies in this step \[J\]: no more comes back.
     pub(super) absorbed: Lanes,
 }
@@ -138,7 +137,7 @@ impl<const P: usize, const C: usize> Block<P, C> {
                 carried: ZEROS,
                 law: ZEROS,
                 slide: ZEROS,
-                kept: ZEROS,
+                steady: ZEROS,
                 separations: [ZEROS; P],
                 normal: [ZEROS; 3],
                 tangent: [ZEROS; 3],
@@ -161,7 +160,7 @@ impl<const P: usize> Bounce<P> {
         before: [ZEROS; P],
         kick: [ZEROS; P],
         met: [ZEROS; P],
-        warm: [ZEROS; P],
+        coming: [ZEROS; P],
         absorbed: ZEROS,
     };
 }

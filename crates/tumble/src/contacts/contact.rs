@@ -49,8 +49,8 @@ pub(super) const SHAPE: usize = 0;
 /// Two points each: from the second body's centre of mass when the step began, and the separation there. They are on the surface of
 /// the body that carries them, so that friction has the arm that it has when they meet.
 pub(super) const POINTS: [usize; MOST_POINTS / 2] = [1, 2];
-/// Impulses of a substep along the normal \[N s\], the coefficients of static and dynamic friction, which part of all impulses
-/// the next step begins with, and which share of the gap between the surfaces is before the points.
+/// Impulses of a substep along the normal \[N s\], the coefficients of static and dynamic friction, how steady effective
+/// masses were in the last substep, and which share of the gap between the surfaces is before the points.
 pub(super) const HELD: usize = 3;
 /// No impulses.
 const NEW: Eight = Eight([0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0]);

@@ -14,12 +14,16 @@ pub(super) struct Mobility<T> {
     pub(super) inverse_mass: T,
 }
 
-/// Change of an effective mass with which nothing of the impulses is of use for the next substep. Impulses of a body that turned
-/// under them would be given again where they do something else: a rod that slaps the ground would take off.
-const MOST_CHANGE: f64 = 1.0 / 16.0;
+/// Which part of the impulses a substep begins with where effective masses are this steady: none where they have changed by more than
+/// a sixteenth. Impulses of a body that turned under them would do something else: a rod that slaps the ground would take off.
+#[inline(always)]
+pub(super) fn warm_start<T: Tile>(steady: T) -> T {
+    let one = T::splat(1.0);
+    (one - (one - steady) * T::splat(16.0)).max(T::splat(0.0))
+}
 
-/// Computes the effective masses of a tile where `changed` is above zero. A point without mass keeps none. Returns which part of
-/// the impulses is as good as it was: none where masses have changed by more than [`MOST_CHANGE`].
+/// Computes the effective masses of a tile where `changed` is above zero. A point without mass keeps none. Returns how
+/// steady they are: one less the greatest relative change, but not below zero.
 #[inline(always)]
 pub(super) fn compute<T: Tile, const P: usize, const C: usize>(
     block: &mut Block<P, C>,
@@ -32,8 +36,7 @@ pub(super) fn compute<T: Tile, const P: usize, const C: usize>(
     let change = of_points(block, lane, &frame, mobility, changed);
     let change = change.max(of_friction(block, rolling, lane, &frame, mobility, changed));
     let (zero, one) = (T::splat(0.0), T::splat(1.0));
-    let kept = (one - change * T::splat(1.0 / MOST_CHANGE)).max(zero);
-    T::select(zero.lt(changed), kept, one)
+    T::select(zero.lt(changed), (one - change).max(zero), one)
 }
 
 #[inline(always)]

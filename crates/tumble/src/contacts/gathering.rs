@@ -80,6 +80,10 @@ impl Contacts {
             let mut its_rows = contact.slots.into_iter().map(|slot| row_of[slot as usize] as usize);
             its_rows.all(|row| !rows.contains(&row) || bodies.is_kicked_in_range(row))
         });
+        // Who touches nothing then is left to the integrator, as if the others were not there.
+        let mut touching = vec![false; row_of.len()];
+        contacts.iter().flat_map(|contact| contact.slots).for_each(|slot| touching[slot as usize] = true);
+        row_of.iter_mut().zip(touching).filter(|(_, touching)| !touching).for_each(|(row, _)| *row = NONE);
     }
 
     /// Writes what was worked out, alone or with other worlds, over what the integrator made of the same bodies.
@@ -96,7 +100,7 @@ impl Contacts {
             }
         });
         // Worlds in which accounts are kept are not packed with others.
-        for (slot, work) in bookings.close(bodies) {
+        for (slot, work) in bookings.close(bodies).filter(|(slot, _)| self.rows[*slot] != NONE) {
             let place = self.members.place(slot);
             if let Some(works) = columns.moving_mut(place).and_then(|moving| moving.work.as_mut()) {
                 works[place.row as usize] = work;

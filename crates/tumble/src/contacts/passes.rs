@@ -4,6 +4,7 @@ use tumble_math::lane::Vec3;
 
 use super::block::{Block, Bounce, Rolling};
 use super::frame::{Bodies, Frame, Momenta, Moved, Response, along_normal};
+use super::effective_mass::warm_start;
 use super::refresh::refresh;
 use super::rows::{at, put};
 use super::rubbing::Rubbing;
@@ -96,7 +97,7 @@ impl<const P: usize, const C: usize> Kernel for Solve<'_, P, C> {
             let contact = (&frame, lane);
             let after =
                 rub(before, block, self.blocks.rolling.get(index), contact, &mut bodies, (&response, arms), sum);
-            let kept = if self.holds { at(&block.start.kept, lane) } else { T::splat(1.0) };
+            let kept = if self.holds { warm_start(at(&block.start.steady, lane)) } else { T::splat(1.0) };
             let after = after.scaled(kept);
             after.store(&mut block.friction, self.blocks.rolling.get_mut(index), lane);
             if self.holds {
@@ -115,8 +116,9 @@ impl<const P: usize, const C: usize> Solve<'_, P, C> {
         let (zero, one) = (T::splat(0.0), T::splat(1.0));
         let block = &mut self.blocks.blocks[index];
         let inverse_h = T::splat(self.inverse_h.into());
-        // A body that turns too fast for its impulses to be of use again is not where a push would have it go either.
-        let pushed: T = at(&block.start.kept, lane);
+        // A body that turns right over is not where a push would have it go.
+        let pushed: T = at(&block.start.steady, lane);
+        let begun = speeds;
         let (mut speeds, mut changes, mut sum) = (speeds, [zero; P], zero);
         let mut j = 0;
         while j < P {
@@ -145,12 +147,11 @@ impl<const P: usize, const C: usize> Solve<'_, P, C> {
                 let met = T::select(zero.lt(impulse), at(&bounce.met[j], lane), zero);
                 let approach: T = at(&bounce.approach[j], lane);
                 put(met.min(approach), &mut bounce.approach[j], lane);
-                // What only takes back impulses that the substep began with takes no energy that came in with the bodies.
+                let mut given = work(impulse - before, speeds[j], at(&point.mass, lane));
                 if self.softness.is_some() {
-                    put(before, &mut bounce.warm[j], lane);
+                    // And what the impulse did that the substep began with.
+                    given = given + before * (at::<T>(&bounce.coming[j], lane) + begun[j]) * T::splat(0.5);
                 }
-                let warm: T = at(&bounce.warm[j], lane);
-                let given = work(impulse.max(warm) - before.max(warm), speeds[j], at(&point.mass, lane));
                 put(at::<T>(&bounce.absorbed, lane) - given, &mut bounce.absorbed, lane);
             }
             changes[j] = impulse - before;
@@ -217,6 +218,7 @@ impl<const P: usize, const C: usize> Kernel for NoteApproach<'_, P, C> {
                 let part = (at::<T>(&block.points[j].separation, lane) * inverse_h / -speed).max(zero).min(one);
                 let met = before + kick * T::select(speed.lt(zero), part, one);
                 put(met, &mut bounce.met[j], lane);
+                put(speed, &mut bounce.coming[j], lane);
             }
             j += 1;
         }

@@ -3,7 +3,7 @@ use tumble_math::lane::Vec3;
 use super::block::Block;
 use super::contact::{Contact, HELD, POINTS, RUBBED, SHAPE};
 use super::frame::{Bodies, Frame, Response};
-use super::effective_mass;
+use super::effective_mass::{self, warm_start};
 use super::passes::{Blocks, Bodied, hold, speeds};
 use super::refresh::tangents;
 use super::rows::{at, gather_two_vectors, put, put_vector};
@@ -73,9 +73,10 @@ impl<const P: usize, const C: usize> Kernel for Prepare<'_, P, C> {
         put(law, &mut block.start.law, lane);
         put_vector(normal, &mut block.start.normal, lane);
         put_vector(tangents[0], &mut block.start.tangent, lane);
-        let [h0, h1, h2, h3, _, _, kept]: [T; 7] = pick(self.contacts, block, HELD, lane);
+        let [h0, h1, h2, h3, _, _, steady]: [T; 7] = pick(self.contacts, block, HELD, lane);
+        let kept = warm_start(steady);
         let held = [h0 * kept, h1 * kept, h2 * kept, h3 * kept];
-        put(kept, &mut block.start.kept, lane);
+        put(steady, &mut block.start.steady, lane);
         let mut j = 0;
         while j < P {
             let from_middle = places[j] - arm;
@@ -148,7 +149,7 @@ impl<const P: usize, const C: usize> Prepare<'_, P, C> {
             radius = T::select(T::splat(2.0).lt(count), mean * T::splat(FACE), mean);
         }
         put(radius, &mut block.friction.radius, lane);
-        let [_, _, _, _, fixed, sliding, kept]: [T; 7] = pick(self.contacts, block, HELD, lane);
+        let [_, _, _, _, fixed, sliding, steady]: [T; 7] = pick(self.contacts, block, HELD, lane);
         put(fixed, &mut block.friction.limits[0], lane);
         put(sliding, &mut block.friction.limits[1], lane);
 
@@ -157,7 +158,7 @@ impl<const P: usize, const C: usize> Prepare<'_, P, C> {
         if let Some(rolling) = self.blocks.rolling.get_mut(index) {
             put(length, &mut rolling.length, lane);
         }
-        let rubbing = Rubbing::from_world(&frame, linear, angular).of_what_rolls(length).scaled(kept);
+        let rubbing = Rubbing::from_world(&frame, linear, angular).of_what_rolls(length).scaled(warm_start(steady));
         rubbing.store(&mut block.friction, self.blocks.rolling.get_mut(index), lane);
         hold(block, &frame, &rubbing, &mut self.bodies.held, (index, lane));
     }

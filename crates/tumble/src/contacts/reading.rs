@@ -118,16 +118,17 @@ impl Simulation {
     }
 }
 
-/// Surfaces as near as this part of the margin touch: of metres, as much as rounding leaves between bodies that stopped each other,
-/// a hundred metres from the origin.
-const TOUCHING: Real = 0.005;
-/// Surfaces that touched have to be this part of the margin apart to do so no more.
-const APART: Real = 0.05;
+/// Surfaces as near as this \[m\] touch, as much as rounding leaves between bodies that stopped each other, a hundred metres from the
+/// origin; but no nearer than this part of the margin.
+const TOUCHING: [Real; 2] = [1e-4, 0.05];
+/// Surfaces that touched have to be this far apart to do so no more, or this part of the margin.
+const APART: [Real; 2] = [1e-3, 0.5];
 
 impl Held {
     /// Whether the bodies touch: something holds them apart, or nothing is between them. Not to be asked before the impulses are known.
     pub(super) fn touches(&self) -> bool {
-        let within = self.margin() * if self.touched { APART } else { TOUCHING };
+        let [most, part] = if self.touched { APART } else { TOUCHING };
+        let within = most.min(part * self.margin());
         (0..self.count()).any(|j| self.separation(j) <= within || self.numbers[HELD].0[j] > 0.0)
     }
 

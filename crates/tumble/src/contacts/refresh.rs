@@ -54,10 +54,10 @@ pub(super) fn refresh<T: Tile, const P: usize, const C: usize>(
     let changed = T::select(zero.lt(between_centers), zero, slide.max(moved.turned));
     if T::any(zero.lt(changed)) {
         turn(block, lane, moved, (carried, slid, now), moved.turned * material);
-        let kept = effective_mass::compute(block, rolling, lane, mobility, changed);
-        put(kept, &mut block.start.kept, lane);
+        let steady = effective_mass::compute(block, rolling, lane, mobility, changed);
+        put(steady, &mut block.start.steady, lane);
     } else {
-        put(one, &mut block.start.kept, lane);
+        put(one, &mut block.start.steady, lane);
     }
 }
 

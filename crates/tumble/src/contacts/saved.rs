@@ -32,8 +32,8 @@ pub(crate) struct SavedContact {
     pub(crate) part: u32,
     /// Whether they touched before this step.
     pub(crate) touched: bool,
-    /// The normal from the first body to the second; impulse \[N s\] and angular impulse [N m s] of friction; which part of the
-    /// impulses the next step begins with, which share of the gap is before a point, and the margin \[m\].
+    /// The normal from the first body to the second; impulse \[N s\] and angular impulse [N m s] of friction; how steady
+    /// effective masses were in the last substep, which share of the gap is before a point, and the margin \[m\].
     pub(crate) numbers: [Real; Self::NUMBERS],
     pub(crate) points: [SavedPoint; MOST_POINTS],
     /// How many points there are.
@@ -111,8 +111,8 @@ impl Contact {
             point.numbers[..4].copy_from_slice(place);
             point.numbers[4] = self.numbers[HELD].0[j];
         }
-        let [.., kept, share] = self.numbers[HELD].0;
-        let numbers = [x, y, z, a, b, c, d, e, f, kept, share, self.margin()];
+        let [.., steady, share] = self.numbers[HELD].0;
+        let numbers = [x, y, z, a, b, c, d, e, f, steady, share, self.margin()];
         let (part, touched) = (self.part, self.touched);
         SavedContact { bodies: self.slots, part, touched, numbers, points, count: self.count() }
     }

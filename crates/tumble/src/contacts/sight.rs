@@ -1,6 +1,6 @@
 //! Where bodies with colliders are, as contacts are found with.
 
-use tumble_collide::{Geometry, Placement, Proxy};
+use tumble_collide::{Placement, Proxy};
 use tumble_math::lane::{Quat, Vec3};
 
 use super::collider::Collider;

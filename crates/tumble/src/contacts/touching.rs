@@ -220,9 +220,11 @@ fn touch_one(slots: [u32; 2], shapes: &[Shape], colliders: &[Option<(Collider, W
         let before = found.len();
         let margin = first.reach + second.reach;
         let of_second = Second { center: second.center, alone: !first.moves, margin: first.margin + second.margin };
-        let law = law([first, second], [&a.geometry, &b.geometry]);
+        let rolls = law([first, second], [&a.geometry, &b.geometry]);
         touching(&a.geometry, &first.placement, &b.geometry, &second.placement, margin, &mut |part, manifold| {
             if a.parts_touch(b, part) {
+                // What lies on three points does not roll.
+                let law = if manifold.points().len() < 3 { rolls } else { MATERIAL };
                 found.push(Contact::new(slots, part, manifold, of_second, law));
             }
         });
