@@ -252,7 +252,7 @@ const NUMBER: usize = size_of::<Real>();
 const NAMES: usize = 120 + 2 * (8 + 13 * NUMBER);
 const CENTERS: usize = NAMES + 2 * 8 + 4;
 const CONTACTS: usize = CENTERS + 3 * 3 * NUMBER;
-const CONTACT: usize = 16 + 9 * NUMBER;
+const CONTACT: usize = 16 + 12 * NUMBER;
 const POINTS: usize = CONTACTS + 2 * CONTACT;
 const POINT: usize = 4 + 5 * NUMBER;
 
@@ -294,7 +294,7 @@ fn impossible_contacts_are_refused() {
             assert_eq!(error(CENTERS + body * 3 * NUMBER, &bad), SnapshotError::ContactBody { body });
         }
         for contact in 0..2 {
-            for i in 0..9 {
+            for i in 0..12 {
                 let found = error(CONTACTS + contact * CONTACT + 16 + i * NUMBER, &bad);
                 assert_eq!(found, defect(contact, ContactDefect::NotFinite));
             }
@@ -318,6 +318,11 @@ fn impossible_contacts_are_refused() {
     }
     for up in [0.0, 0.9, 1.1, -0.5] {
         assert_eq!(error(second + 16 + NUMBER, &Real::to_le_bytes(up)), defect(1, ContactDefect::Normal));
+    }
+    for part in [-1e-3, 1.001] {
+        for i in [9, 10] {
+            assert_eq!(error(second + 16 + i * NUMBER, &Real::to_le_bytes(part)), defect(1, ContactDefect::Part));
+        }
     }
     let pull = Real::to_le_bytes(-1e-3);
     assert_eq!(error(POINTS + POINT + 4 + 4 * NUMBER, &pull), defect(0, ContactDefect::Pull));

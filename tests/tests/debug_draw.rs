@@ -326,8 +326,8 @@ fn a_box_that_rests_has_its_weight_at_its_corners() {
 #[test]
 fn what_does_not_push_is_a_point_and_what_does_not_touch_is_nothing() {
     let view = DebugView { contacts: Some(0.1), contact_forces: Some(1.0), ..DebugView::nothing() };
-    // Without gravity: in touch, and a centimetre apart, which the solver looks at already.
-    for (lift, expected) in [(0.0, 4 * 2), (0.01, 0)] {
+    // Without gravity: in touch, and half a margin apart.
+    for (lift, expected) in [(0.0, 4 * 2), (0.003, 0)] {
         let (mut world, body) = box_on_ground(0);
         world.get::<&mut Pose>(body).unwrap().position.y += lift;
         let mut simulation = Simulation::new(Settings::default().with_gravity(Vec3::ZERO)).unwrap();

@@ -104,7 +104,7 @@ pub(super) struct Bounce<const P: usize> {
     /// Velocity along the normal at each point before forces act on them in this substep, and what those do to it \[m/s\].
     pub(super) before: [Lanes; P],
     pub(super) kick: [Lanes; P],
-    /// How fast they come together at each point in this substep until they meet, and before impulses act \[m/s\].
+    /// How fast they come together at each point in this substep until they meet, and before any impulse acts \[m/s\].
     pub(super) met: [Lanes; P],
     pub(super) coming: [Lanes; P],
     /// Energy that impulses along the normal have taken from the bodies in this step \[J\]: no more comes back.

@@ -218,7 +218,7 @@ impl<const P: usize, const C: usize> Kernel for NoteApproach<'_, P, C> {
                 let part = (at::<T>(&block.points[j].separation, lane) * inverse_h / -speed).max(zero).min(one);
                 let met = before + kick * T::select(speed.lt(zero), part, one);
                 put(met, &mut bounce.met[j], lane);
-                put(speed, &mut bounce.coming[j], lane);
+                put(speeds[j], &mut bounce.coming[j], lane);
             }
             j += 1;
         }

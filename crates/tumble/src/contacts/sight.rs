@@ -113,10 +113,12 @@ const MARGIN_SHARE: Real = 0.02;
 /// ... but no more than this \[m\]; of two that impulses move the sum.
 const MOST_MARGIN: Real = 0.01;
 
+/// As far as this \[m\] what moves is foreseen in any case.
+const FORESEEN: Real = 0.02;
+
 /// How much further a shape looks for others \[m\] that goes so far \[m\] in a step. What goes less than half its half thickness is
-/// stopped in what it hits and leaves it on the side it came from; only what is faster looks further, since a surface is taken for
-/// endless on the way to it.
+/// stopped in what it hits and leaves it on the side it came from; only what is faster looks as far as it goes, since a surface is
+/// taken for endless on the way to it.
 fn ahead(half_thickness: Real, way: Real) -> Real {
-    let enough = 0.5 * half_thickness;
-    if way > enough && way.is_finite() { way - enough } else { 0.0 }
+    if way.is_finite() { (way - 0.5 * half_thickness).max(way.min(FORESEEN)) } else { 0.0 }
 }
