@@ -80,16 +80,30 @@ fn masses_that_are_no_masses() {
 #[test]
 fn absurd_numbers() {
     body(r#""mass": 1, "position": [0, 1e30, 0]"#, "position", "1e30");
+    body(r#""mass": 1, "position": [0, 1e16, 0]"#, "position", "must be within 1e15 along each axis");
+    body(r#""mass": 1, "linear_velocity": [0, 0, 1e10]"#, "linear_velocity", "must be within 1e9 along each axis");
+    body(
+        r#""mass": 1, "shape": { "sphere": { "radius": 1 } }, "angular_velocity": [-1e10, 0, 0]"#,
+        "angular_velocity",
+        "within 1e9",
+    );
     body(r#""mass": 1, "linear_velocity": [0, -1e19, 0]"#, "linear_velocity", "-1e19");
     body(r#""mass": 1, "angular_velocity": [1e99, 0, 0]"#, "angular_velocity", "1e99");
     body(r#""mass": 1, "gravity_scale": 1e40"#, "gravity_scale", "1e40");
     body(r#""mass": 1, "shape": { "sphere": { "radius": 0 } }"#, "shape.radius", "0");
     body(r#""mass": 1, "shape": { "sphere": { "radius": -3 } }"#, "shape.radius", "-3");
     body(r#""mass": 1, "forces": [ { "damping": { "linear": -1 } } ]"#, "forces[0].damping.linear", "-1");
-    for dt in ["0", "-0.1", "1e300", "1e-300"] {
+    for dt in ["0", "-0.1", "1e300", "1e-300", "10000000", "1e-10"] {
         refused("scene.json", format!(r#"{{ "dt": {dt} }}"#).as_bytes(), &["field dt: ", &format!("not {dt}")]);
     }
     refused("scene.json", br#"{ "gravity": [0, 1e40, 0] }"#, &["field gravity: ", "1e40"]);
+    refused("scene.json", br#"{ "gravity": [0, 1e10, 0] }"#, &["field gravity: ", "within 1e9 m/s^2", "10000000000"]);
+    // The one at fault is named, whatever else is set.
+    let many = br#"{ "gravity": [0, 1e10, 0], "substeps": 2, "contact_substeps": 8, "restitution_threshold": 0 }"#;
+    refused("scene.json", many, &["field gravity: "]);
+    refused("scene.json", br#"{ "dt": 1e-8, "contact_substeps": 100 }"#, &["field dt: ", "divided", "e-10"]);
+    refused("scene.json", br#"{ "dt": 1e-8, "substeps": 4000000000 }"#, &["field substeps: ", "4000000000"]);
+    refused("scene.json", br#"{ "restitution_threshold": 1e10 }"#, &["field restitution_threshold: ", "1e9 m/s"]);
     refused("scene.json", br#"{ "steps": 2000000000000 }"#, &["field steps: ", "2000000000000"]);
     refused("scene.json", br#"{ "substeps": 0 }"#, &["field substeps: ", "0"]);
     refused("scene.json", br#"{ "integrator": "euler" }"#, &["field integrator: ", "\"euler\"", "moser-veselov"]);

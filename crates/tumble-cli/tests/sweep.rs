@@ -333,7 +333,7 @@ fn damaged_and_foreign_files_are_refused_and_stay() {
 
 #[test]
 fn bad_input_names_the_field_and_writes_nothing() {
-    let cases: [(&[&str], &str); 19] = [
+    let cases: [(&[&str], &str); 22] = [
         (&["--vary", "bodies.brick.masss=1..2"], "bodies.brick.masss: the body has no such number"),
         (&["--vary", "bodies.wall.mass=1..2"], "bodies.wall.mass: no body is called \"wall\""),
         (&["--vary", "bodies.2.mass=1..2"], "bodies.2.mass: there are 2 bodies"),
@@ -346,6 +346,12 @@ fn bad_input_names_the_field_and_writes_nothing() {
         (&["--vary", "bodies.0.shape.half_extents.1=0..1"], "body \"brick\" (bodies[0]), field shape.half_extents"),
         (&["--vary", "bodies.0.mass=1..1e300"], "body \"brick\" (bodies[0]), field mass: "),
         (&["--vary", "dt=0..1"], "field dt: "),
+        (&["--vary", "dt=1e-9..1"], "field dt: dt, divided by the substeps, must be from 1e-9 to 1e9 seconds"),
+        (&["--vary", "gravity.0=0..1e10"], "field gravity: must be within 1e9 m/s^2"),
+        (
+            &["--vary", "restitution_threshold=0..1e10"],
+            "field restitution_threshold: the restitution threshold must be",
+        ),
         (&["--vary", "bodies.1.angular_velocity.0=1..2"], "body \"stone\" (bodies[1]), field angular_velocity"),
         (&["--vary", "bodies.0.mass=2..1"], "bodies.0.mass: 2..1: 2 is more than 1"),
         (&["--vary", "bodies.0.mass=1..x"], "bodies.0.mass: 1..x: \"x\" is not a finite number"),
@@ -399,9 +405,10 @@ fn impossible_and_infinite_worlds_are_rows() {
     assert!(records.iter().all(|row| (row[1].parse::<f64>().unwrap() <= 0.0) == (&row[2] == "impossible")));
     assert!(impossible.iter().all(|row| row.iter().skip(3).all(str::is_empty)));
 
-    // Half g t^2 is 8e38 m after these steps, more than single precision can hold.
-    place.write("far.json", SCENE.replace("0.01", "1000000"));
-    let vary = "gravity.0=grid(0,1e18,2)";
+    // Half g t^2, 1e9 times over, is 8e38 m after these steps, more than single precision can hold.
+    let far = SCENE.replace("0.01", "1000000").replace(r#""mass": 1"#, r#""mass": 1, "gravity_scale": 1e9"#);
+    place.write("far.json", far);
+    let vary = "gravity.0=grid(0,1e9,2)";
     place.succeed(&["sweep", "far.json", "--steps", "40000", "--out", "far.csv", "--vary", vary]);
     let records = rows(&place.read("far.csv"));
     let outcomes: Vec<&str> = records.iter().map(|row| &row[2]).collect();

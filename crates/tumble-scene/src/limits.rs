@@ -26,7 +26,7 @@ pub const MAX_HEIGHTS: usize = 4_000_000;
 pub const MAX_STEPS: u64 = 1_000_000_000_000;
 
 /// Time steps that make sense \[s\].
-pub const TIME_STEPS: RangeInclusive<f64> = 1e-12..=1e6;
+pub const TIME_STEPS: RangeInclusive<f64> = 1e-9..=1e6;
 
 /// The time step \[s\] in the build's precision.
 ///

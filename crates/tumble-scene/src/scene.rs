@@ -469,7 +469,6 @@ pub(crate) fn settings(model: &SceneModel) -> Result<(Settings, u64), FieldError
     }
     if let Some(substeps) = model.substeps {
         settings = settings.with_substeps(substeps);
-        settings.validate().map_err(|error| FieldError::new("substeps", error))?;
     }
     if let Some(integrator) = &model.integrator {
         let integrator = integrator.parse().map_err(|error| FieldError::new("integrator", error))?;
@@ -477,13 +476,12 @@ pub(crate) fn settings(model: &SceneModel) -> Result<(Settings, u64), FieldError
     }
     if let Some(substeps) = model.contact_substeps {
         settings = settings.with_contact_substeps(substeps);
-        settings.validate().map_err(|error| FieldError::new("contact_substeps", error))?;
     }
     if let Some(speed) = model.restitution_threshold {
         let speed = convert::finite("restitution_threshold", speed)?;
         settings = settings.with_restitution_threshold(convert::real(speed));
-        settings.validate().map_err(|error| FieldError::new("restitution_threshold", error))?;
     }
+    settings.validate().map_err(|error| FieldError::new(error.field(), error))?;
     let steps = step_count(model.steps.unwrap_or(DEFAULT_STEPS));
     Ok((settings, steps.map_err(|problem| FieldError::new("steps", problem))?))
 }

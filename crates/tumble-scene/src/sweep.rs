@@ -5,7 +5,7 @@ use std::path::PathBuf;
 
 use hecs::World;
 use tumble::math::Real;
-use tumble::{Chance, Integrator, Settings, Trial};
+use tumble::{Chance, Integrator, Settings, SettingsError, Trial};
 
 use crate::contact_scenes;
 use crate::convert::Others;
@@ -264,7 +264,8 @@ impl Sweep {
         let mut world = World::new();
         let bodies = self.bodies.iter().enumerate().map(|(index, body)| remade.get(&index).unwrap_or(body));
         SceneBody::spawn_all(bodies, &mut world);
-        let trial = Trial::new(settings, world).map_err(|error| invalid(file, None, FieldError::new("dt", error)))?;
+        let refused = |error: SettingsError| invalid(file, None, FieldError::new(error.field(), error));
+        let trial = Trial::new(settings, world).map_err(refused)?;
         Ok(SweepWorld { trial, steps })
     }
 

@@ -157,7 +157,7 @@ fn what_cannot_be_is_refused_by_body_and_field() {
         assert!(error.starts_with(&place) && error.contains(problem), "{body}: {error}");
     }
     for (setting, problem) in
-        [("\"contact_substeps\": 0", "from 1 to 1000"), ("\"restitution_threshold\": -1", "zero or positive")]
+        [("\"contact_substeps\": 0", "from 1 to 1000"), ("\"restitution_threshold\": -1", "from 0 to 1e9 m/s")]
     {
         let error = Scene::from_json(&format!("{{ {setting} }}"), "bad.json").unwrap_err().to_string();
         assert!(error.contains(problem) && error.contains(setting.split('"').nth(1).unwrap()), "{error}");

@@ -2,6 +2,7 @@ use glam::DVec3;
 use tumble_math::{InertiaError, MassError, ShapeError};
 
 use crate::components::InertiaComponentError;
+use crate::math::real;
 use crate::property_error::PropertyError;
 
 /// Why a [`RigidBody`](crate::RigidBody) cannot be built.
@@ -42,7 +43,7 @@ pub enum BodyError {
         value: DVec3,
     },
     /// A coordinate of a vector is too large for what is done with it.
-    #[error("{field} must be within {most:e} along each axis, got {value}")]
+    #[error("{field} must be within {:e} along each axis, got {value}", real(*.most))]
     TooLarge {
         /// Which one.
         field: &'static str,

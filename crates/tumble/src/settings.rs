@@ -92,14 +92,14 @@ impl Settings {
         if !SECONDS.contains(&self.dt) {
             return Err(SettingsError::Step(self.dt));
         }
-        if self.substeps > 0 && !SECONDS.contains(&self.substep()) {
-            return Err(SettingsError::Step(self.substep()));
-        }
         if !within(self.gravity.into(), MOST_GRAVITY) {
             return Err(SettingsError::Gravity(self.gravity));
         }
         if self.substeps == 0 || self.substeps > Self::MOST_SUBSTEPS {
             return Err(SettingsError::Substeps(self.substeps));
+        }
+        if !SECONDS.contains(&self.substep()) {
+            return Err(SettingsError::Step(self.substep()));
         }
         if self.contact_substeps == 0 || self.contact_substeps > Self::MOST_CONTACT_SUBSTEPS {
             return Err(SettingsError::ContactSubsteps(self.contact_substeps));
@@ -160,4 +160,24 @@ pub enum SettingsError {
     /// The speed below which nothing bounces is not from 0 to 1e9 m/s.
     #[error("the restitution threshold must be from 0 to 1e9 m/s, got {0}")]
     RestitutionThreshold(Real),
+}
+
+impl SettingsError {
+    /// The field of [`Settings`] that is at fault; of a step that is divided into parts too short, `dt`.
+    ///
+    /// ```
+    /// # use tumble::{Settings, math::Vec3};
+    /// let error = Settings::default().with_gravity(Vec3::splat(1e10)).validate().unwrap_err();
+    /// assert_eq!(error.field(), "gravity");
+    /// ```
+    #[must_use]
+    pub fn field(&self) -> &'static str {
+        match self {
+            Self::Step(_) => "dt",
+            Self::Gravity(_) => "gravity",
+            Self::Substeps(_) => "substeps",
+            Self::ContactSubsteps(_) => "contact_substeps",
+            Self::RestitutionThreshold(_) => "restitution_threshold",
+        }
+    }
 }
