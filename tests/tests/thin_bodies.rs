@@ -6,7 +6,14 @@
 //!
 //! `TUMBLE_DROPS=100000` draws as many of each shape; without it some hundreds.
 
-#![cfg_attr(feature = "f64", allow(clippy::useless_conversion, reason = "Real is f64 in this build, f32 in the other"))]
+#![cfg_attr(
+    feature = "f64",
+    allow(
+        clippy::unnecessary_cast,
+        clippy::useless_conversion,
+        reason = "Real is f64 in this build, f32 in the other"
+    )
+)]
 #![allow(clippy::unwrap_used, reason = "a body that cannot be made is a failed test")]
 
 use hecs::{Entity, World};
@@ -112,7 +119,8 @@ fn worst_of(make: impl Fn(&mut Draw, Lengths) -> Shape) -> (f64, u64) {
         let before = energy(&world);
         let fastest = (2.0 * before / mass).sqrt();
         // Rounding of an inertia that single precision barely holds, and what a fall over one substep may give twice over.
-        let allowed = 0.02 * before + 2.0 * mass * GRAVITY * fastest * f64::from(simulation.settings().contact_substep());
+        let allowed =
+            0.02 * before + 2.0 * mass * GRAVITY * fastest * f64::from(simulation.settings().contact_substep());
         for _ in 0..(3.0 * steps_a_second) as u32 {
             simulation.step(&mut world);
             let over = (energy(&world) - before) / allowed;
@@ -248,7 +256,8 @@ fn a_die_lies_still() {
     spawn_ground(&mut world, true, Material::default());
     let shape = Shape::cuboid([0.008; 3]);
     let collider = Collider::new(&shape).unwrap();
-    let body = RigidBody::new(shape).density(1000.0).position(Vec3::Y * 0.05).angular_velocity(Vec3::new(9.0, 4.0, 7.0));
+    let body =
+        RigidBody::new(shape).density(1000.0).position(Vec3::Y * 0.05).angular_velocity(Vec3::new(9.0, 4.0, 7.0));
     let die = body.build().unwrap().spawn_with(&mut world, (collider,));
     let mut simulation = Simulation::new(Settings::default()).unwrap();
     simulation.step_many(&mut world, 180);

@@ -87,7 +87,8 @@ impl Contact {
         let mut numbers = [Eight::ZERO; 5];
         let mut features = [0; MOST_POINTS];
         for (j, point) in manifold.points().iter().enumerate() {
-            let from_second = point.position - second.center + n * (point.separation * (second.share(manifold.carried) - 0.5));
+            let from_second =
+                point.position - second.center + n * (point.separation * (second.share(manifold.carried) - 0.5));
             let place = [from_second.x, from_second.y, from_second.z, point.separation];
             numbers[POINTS[j / 2]].0[j % 2 * 4..][..4].copy_from_slice(&place);
             features[j] = point.feature;

@@ -230,7 +230,15 @@ impl Kernel for CuboidContacts<'_> {
         let (first, a, place) = cuboids::<T>(self.shapes, &rows[0], lane);
         let (second, b, other) = cuboids::<T>(self.shapes, &rows[1], lane);
         let manifold = cuboid_pair(&first, &second, b - a, place.reach + other.reach);
-        write(&manifold, other.offset, T::splat(MATERIAL), [place.margin, other.margin], &mut self.found[i..], rows, lane);
+        write(
+            &manifold,
+            other.offset,
+            T::splat(MATERIAL),
+            [place.margin, other.margin],
+            &mut self.found[i..],
+            rows,
+            lane,
+        );
     }
 }
 

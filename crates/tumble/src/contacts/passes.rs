@@ -3,8 +3,8 @@
 use tumble_math::lane::Vec3;
 
 use super::block::{Block, Bounce, Rolling};
-use super::frame::{Bodies, Frame, Momenta, Moved, Response, along_normal};
 use super::effective_mass::warm_start;
+use super::frame::{Bodies, Frame, Momenta, Moved, Response, along_normal};
 use super::refresh::refresh;
 use super::rows::{at, put};
 use super::rubbing::Rubbing;

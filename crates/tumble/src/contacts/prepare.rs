@@ -2,8 +2,8 @@ use tumble_math::lane::Vec3;
 
 use super::block::Block;
 use super::contact::{Contact, HELD, POINTS, RUBBED, SHAPE};
-use super::frame::{Bodies, Frame, Response};
 use super::effective_mass::{self, warm_start};
+use super::frame::{Bodies, Frame, Response};
 use super::passes::{Blocks, Bodied, hold, speeds};
 use super::refresh::tangents;
 use super::rows::{at, gather_two_vectors, put, put_vector};

@@ -5,8 +5,8 @@ use tumble_collide::{Geometry, MOST_POINTS, Manifold, Placement, touching};
 use tumble_math::lane::{Quat, Vec3};
 
 use super::block::{Block, Rolling};
-use super::prepare::LEAST_WEIGHT;
 use super::frame::{Frame, Moved, along_normal};
+use super::prepare::LEAST_WEIGHT;
 use super::refresh::tangents;
 use super::rows::{put, put_vector};
 use super::rubbing::Rubbing;
@@ -63,7 +63,9 @@ impl Contacts {
                 part: contact.part,
                 geometries: [a.geometry.clone(), b.geometry.clone()],
                 placements,
-                weights: std::array::from_fn(|j| if j < contact.count() { weight(contact.separation(j) / contact.margin()) } else { 0.0 }),
+                weights: std::array::from_fn(|j| {
+                    if j < contact.count() { weight(contact.separation(j) / contact.margin()) } else { 0.0 }
+                }),
                 alone: !shapes[0].moves,
                 apart: shapes[0].center - origin,
                 margin: shapes[0].reach + shapes[1].reach,
@@ -74,7 +76,7 @@ impl Contacts {
 
 /// Weight in the middle of its contact of a point whose separation is this many margins, as [`Prepare`](super::prepare::Prepare) has it.
 fn weight(margins: Real) -> Real {
-    (2.0 - margins).clamp(LEAST_WEIGHT as Real, 1.0)
+    (2.0 - margins).clamp(crate::math::real(LEAST_WEIGHT), 1.0)
 }
 
 /// What has become of the contacts, if their bodies have moved: manifolds about the second body's centre of mass as it is now.
@@ -123,7 +125,7 @@ impl Round {
 /// Writes a manifold that was found over the contact in a lane of a block.
 pub(super) fn write<const P: usize, const C: usize>(
     manifold: &Manifold<Real>,
-    (block, mut rolling, lane): (&mut Block<P, C>, Option<&mut Rolling>, usize),
+    (block, rolling, lane): (&mut Block<P, C>, Option<&mut Rolling>, usize),
     (moved, round): (&[Eight], &Round),
 ) {
     let (rows, alone) = (round.rows, round.alone);
@@ -166,7 +168,7 @@ pub(super) fn write<const P: usize, const C: usize>(
     let frame = Frame { normal, tangents: [s, t], arms: before.arms };
     let rubbing = Rubbing::load(&block.friction, rolling.as_deref(), lane);
     let rubbing = Rubbing::from_world(&frame, rubbing.linear(&before), rubbing.angular(&before));
-    rubbing.store(&mut block.friction, rolling.as_deref_mut(), lane);
+    rubbing.store(&mut block.friction, rolling, lane);
 
     let rows = rows.map(|row| [row; BLOCK]);
     let apart = Vec3::new(block.start.apart[0][lane], block.start.apart[1][lane], block.start.apart[2][lane]);

@@ -50,7 +50,11 @@ pub(super) fn refresh<T: Tile, const P: usize, const C: usize>(
     }
 
     // An arm that slides along with the other body changes what impulses do.
-    let slide = T::select(at::<T>(&block.start.slide, lane).lt(largest(slid * carried).max(largest(slid * (carried - one)))), one, zero);
+    let slide = T::select(
+        at::<T>(&block.start.slide, lane).lt(largest(slid * carried).max(largest(slid * (carried - one)))),
+        one,
+        zero,
+    );
     let changed = T::select(zero.lt(between_centers), zero, slide.max(moved.turned));
     if T::any(zero.lt(changed)) {
         turn(block, lane, moved, (carried, slid, now), moved.turned * material);
