@@ -3,6 +3,7 @@
 use tumble_math::lane::Vec3;
 
 use super::block::{Block, Bounce, Rolling};
+use super::contact::CENTERS;
 use super::effective_mass::warm_start;
 use super::frame::{Bodies, Frame, Momenta, Moved, Response, along_normal};
 use super::refresh::refresh;
@@ -267,7 +268,11 @@ impl<const P: usize, const C: usize> Kernel for Rebound<'_, P, C> {
         }
         // Bodies that turn while they touch come back with other effective masses, but never with more energy.
         let most = restitution * restitution * at::<T>(&bounce.absorbed, lane).max(zero);
-        let part = T::select(most.lt(given), most / given, T::splat(1.0));
+        // Balls are as hard to move as before: what each of a heap gives back may have come in through another.
+        let one = T::splat(1.0);
+        let turns = T::splat(0.5).lt((at::<T>(&block.start.law, lane) - T::splat(CENTERS)).abs());
+        let most = T::select(turns, most, given);
+        let part = T::select(most.lt(given), most / given, one);
         let mut j = 0;
         while j < P {
             changes[j] = changes[j] * part;
