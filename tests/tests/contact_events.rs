@@ -33,7 +33,7 @@ impl Scene {
     fn new(seed: u64, steps: u64) -> Self {
         let mut chance = Chance::new(seed);
         let count = 5 + (chance.bits() % 40) as usize;
-        let last = chance.bits() % 8 == 0;
+        let last = chance.bits().is_multiple_of(8);
         let changes = (0..count + 5)
             .map(|i| {
                 let step = chance.bits() % steps;
@@ -47,7 +47,7 @@ impl Scene {
             })
             .collect();
         let mut this = Self { world: World::new(), bodies: Vec::new(), chance, changes };
-        if seed % 3 > 0 {
+        if !seed.is_multiple_of(3) {
             let bouncy = surfaced(Collider::half_space(), Material::new(0.3, 0.9));
             let ground = spawn(&mut this.world, RigidBody::new(Shape::Point).fixed(), bouncy);
             this.bodies.push(ground);
@@ -74,7 +74,7 @@ impl Scene {
             .linear_velocity(chance.vector(-4.0, 4.0));
         let body = if matches!(shape, Shape::Compound(_)) { body } else { body.mass(1.0) };
         // Some have an identity, some go by their entity.
-        let body = if chance.bits() % 2 == 0 { body.id(BodyId(chance.bits())) } else { body };
+        let body = if chance.bits().is_multiple_of(2) { body.id(BodyId(chance.bits())) } else { body };
         let bouncy = surfaced(collider(&shape), Material::new(0.2, chance.between(0.0, 1.0)));
         self.bodies.push(spawn(&mut self.world, body, bouncy));
     }

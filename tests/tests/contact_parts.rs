@@ -4,6 +4,7 @@
 //! Why: with one filter for all a body falls through ground that a part of it should rest on. It fails if the number of a part leads to another part's surface, or a compound of equal parts is
 //! another than a compound shape.
 
+#![cfg_attr(feature = "f64", allow(clippy::useless_conversion, reason = "Real is f64 in this build, f32 in the other"))]
 #![allow(clippy::unwrap_used, reason = "a test without what it tests is to fail")]
 
 use hecs::{Entity, World};
@@ -34,7 +35,7 @@ fn feet(chance: &mut Chance) -> Vec<Foot> {
     (0..count)
         .map(|i| {
             let ball = |z: f64| Part::new(Shape::sphere(0.1), Amount::Density(500.0)).at([0.0, 0.0, z]);
-            let is_bar = chance.bits() % 2 == 0;
+            let is_bar = chance.bits().is_multiple_of(2);
             Foot {
                 place: Vec3::X * (i as Real - 0.5 * (count - 1) as Real),
                 shape: if is_bar { Shape::compound([ball(-0.2), ball(0.2)]) } else { Shape::sphere(0.1) },
@@ -68,7 +69,7 @@ fn ground(world: &mut World, chance: &mut Chance) -> (u32, u32, Real) {
     let (membership, filter, friction) = (1 << (chance.bits() % 3), chance.bits() as u32 % 8, chance.between(0.1, 1.0));
     let surface = Material::new(friction, 0.0);
     let one = Collider::half_space().with_groups(membership, filter).with_material(surface).unwrap();
-    let ground = if chance.bits() % 2 == 0 {
+    let ground = if chance.bits().is_multiple_of(2) {
         one
     } else {
         // Far below, and with other numbers: it is never met.

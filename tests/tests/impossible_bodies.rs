@@ -73,7 +73,7 @@ fn scene(seed: u64) -> (World, Vec<Entity>) {
     let mut world = World::new();
     ground(&mut world, Material::new(0.5, 0.3), Quat::IDENTITY);
     let bodies: Vec<Entity> = (0..BODIES).map(|id| body(&mut world, &mut chance, id)).collect();
-    if seed % 3 == 0 {
+    if seed.is_multiple_of(3) {
         for pair in bodies.windows(2) {
             world.spawn((Spring::between(pair[0], pair[1]).stiffness(20.0).damping(0.5),));
         }
