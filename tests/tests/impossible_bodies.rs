@@ -222,10 +222,10 @@ fn extreme_bodies_touch_nothing_that_they_could_spoil() {
 #[test]
 fn what_is_out_of_range_is_refused_by_name() {
     let settings = Settings::default();
-    for dt in [1e-30, 0.99e-12, 1.01e9, 1e30, Real::NAN] {
+    for dt in [1e-30, 0.99e-9, 1.01e9, 1e30, Real::NAN] {
         assert!(matches!(settings.with_dt(dt).validate(), Err(SettingsError::Step(_))), "{dt}");
     }
-    assert!(matches!(settings.with_dt(1e-11).with_substeps(100).validate(), Err(SettingsError::Step(_))));
+    assert!(matches!(settings.with_dt(1e-8).with_substeps(100).validate(), Err(SettingsError::Step(_))));
     for gravity in [3e38, -1.01e9, Real::INFINITY] {
         let gravity = settings.with_gravity(Vec3::X * gravity);
         assert!(matches!(gravity.validate(), Err(SettingsError::Gravity(_))));

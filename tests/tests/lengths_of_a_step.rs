@@ -189,7 +189,7 @@ fn extreme_bodies_stay_finite() {
     let (tiny, huge) = if tumble_tests::DOUBLE { (1e-290, 1e290) } else { (1e-30, 1e30) };
     for moment in [tiny, 1.0, huge] {
         for momentum in [0.0, tiny, 1.0, huge] {
-            for dt in [1e-9, 1.0, 1e9] {
+            for dt in [1e-8, 1.0, 1e9] {
                 let mut world = World::new();
                 let moments = DVec3::new(moment, moment * 1.5, moment * 2.0);
                 let inertia = InertiaTensor::from_principal(moments, DQuat::IDENTITY).unwrap();

@@ -10,7 +10,7 @@ use crate::math::Real;
 use crate::state::{Constants, Moments};
 
 /// Steps and their parts \[s\].
-pub(crate) const SECONDS: RangeInclusive<Real> = 1e-12..=1e9;
+pub(crate) const SECONDS: RangeInclusive<Real> = 1e-9..=1e9;
 /// Sizes of colliders \[m\], and how far one may be from its body.
 pub(crate) const LENGTHS: RangeInclusive<Real> = 1e-9..=1e9;
 /// Acceleration of gravity [m/s^2].
