@@ -172,7 +172,9 @@ impl Booking {
 
     fn closed(&self, forces: &[(Source, Wrench)], bodies: &SolverBodies) -> Work {
         let mut work = Work { damping: self.damping, integrator: self.moving, ..Work::default() };
-        let (way, turn) = two_vectors(&bodies.moved[self.row]);
+        // Twice the vector of the rotation's quaternion is the angle about its axis, to third order.
+        let (way, half_turn) = two_vectors(&bodies.moved[self.row]);
+        let turn = half_turn * 2.0;
         for (source, wrench) in forces {
             let done = dvec3(wrench.force).dot(way) + dvec3(wrench.torque).dot(turn);
             match source {
