@@ -55,13 +55,13 @@ pub struct Contact {
 /// # RigidBody::new(Shape::Point).fixed().build()?.spawn_with(&mut world, (Collider::half_space(),));
 /// # let shape = Shape::sphere(0.5);
 /// # let collider = Collider::new(&shape)?;
-/// // A ball a centimetre above the ground, at rest.
-/// RigidBody::new(shape).mass(2.0).position(Vec3::Y * 0.51).build()?.spawn_with(&mut world, (collider,));
+/// // A ball half a centimetre above the ground, at rest.
+/// RigidBody::new(shape).mass(2.0).position(Vec3::Y * 0.505).build()?.spawn_with(&mut world, (collider,));
 /// let mut simulation = Simulation::new(Settings::default())?;
 /// simulation.step(&mut world);
 /// let contact = simulation.contacts().next().unwrap();
 /// let point = contact.points()[0];
-/// assert!((point.separation - 0.01).abs() < 1e-6 && point.impulse == 0.0 && !contact.touches());
+/// assert!((point.separation - 0.005).abs() < 1e-6 && point.impulse == 0.0 && !contact.touches());
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
