@@ -99,6 +99,25 @@ impl Bookings {
         });
     }
 
+    /// Takes over the accounts of bodies whose rows have a place here, for substeps halved so often.
+    pub(super) fn copy(&mut self, others: &Self, place: impl Fn(usize) -> Option<usize>, halvings: u8) {
+        self.clear();
+        for booking in &others.bookings {
+            if let Some(row) = place(booking.row) {
+                let kept = (0..halvings).fold(booking.kept, |(p, l), _| (p.sqrt(), l.sqrt()));
+                self.bookings.push(Booking { row, kept, ..booking.clone() });
+            }
+        }
+    }
+
+    /// Gives back to others the accounts that were taken over from them.
+    pub(super) fn give_back(&self, others: &mut Self, place: impl Fn(usize) -> Option<usize>) {
+        let taken = others.bookings.iter_mut().filter(|booking| place(booking.row).is_some());
+        for (booking, here) in taken.zip(&self.bookings) {
+            *booking = Booking { row: booking.row, kept: booking.kept, ..here.clone() };
+        }
+    }
+
     /// Notes what damping takes from bodies that are about to be kicked.
     pub(super) fn before_kick(&mut self, bodies: &SolverBodies) {
         for booking in &mut self.bookings {

@@ -54,9 +54,13 @@ pub(super) const POINTS: [usize; MOST_POINTS / 2] = [1, 2];
 pub(super) const HELD: usize = 3;
 /// No impulses.
 const NEW: Eight = Eight([0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0]);
-/// Impulse of friction \[N s\] and angular impulse of what resists twisting and rolling [N m s], of a substep, world frame; and how
-/// near the surfaces are a contact \[m\], but for how fast they come.
+/// Impulse of friction \[N s\] and angular impulse of what resists twisting and rolling [N m s], of a substep, world frame; how near
+/// the surfaces are a contact \[m\], but for how fast they come; and how often the substeps of its island were halved.
 pub(super) const RUBBED: usize = 4;
+
+fn two_points(Eight([ax, ay, az, a, bx, by, bz, b]): &Eight) -> [(Vec3<Real>, Real); 2] {
+    [(Vec3::new(*ax, *ay, *az), *a), (Vec3::new(*bx, *by, *bz), *b)]
+}
 
 /// Points and normals are fixed to the bodies.
 pub(super) const MATERIAL: f64 = 0.0;
@@ -125,6 +129,24 @@ impl Contact {
         f64::from(self.numbers[SHAPE].0[7]) == REFINED
     }
 
+    /// Unit vector from the first body to the second.
+    pub(super) fn normal(&self) -> Vec3<Real> {
+        let [x, y, z, ..] = self.numbers[SHAPE].0;
+        Vec3::new(x, y, z)
+    }
+
+    /// Places from the second body's centre of mass and separations of all points, also of those past the count.
+    pub(super) fn points(&self) -> [(Vec3<Real>, Real); MOST_POINTS] {
+        let ([a, b], [c, d]) = (two_points(&self.numbers[POINTS[0]]), two_points(&self.numbers[POINTS[1]]));
+        [a, b, c, d]
+    }
+
+    /// Multiplies the impulses that it begins with.
+    pub(super) fn scale_impulses(&mut self, by: Real) {
+        self.numbers[HELD].0[..MOST_POINTS].iter_mut().for_each(|impulse| *impulse *= by);
+        self.numbers[RUBBED].0[..6].iter_mut().for_each(|impulse| *impulse *= by);
+    }
+
     /// How many points.
     pub(super) fn count(&self) -> usize {
         self.numbers[SHAPE].0[4] as usize
@@ -134,6 +156,15 @@ impl Contact {
     pub(super) fn half_way(&self, j: usize) -> Vec3<Real> {
         let ([x, y, z, ..], [.., share]) = (self.numbers[SHAPE].0, self.numbers[HELD].0);
         self.place(j) - Vec3::new(x, y, z) * (self.separation(j) * (share - 0.5))
+    }
+
+    /// How often the substeps of its island were halved in the last step.
+    pub(super) fn halvings(&self) -> u8 {
+        self.numbers[RUBBED].0[7] as u8
+    }
+
+    pub(super) fn set_halvings(&mut self, times: u8) {
+        self.numbers[RUBBED].0[7] = Real::from(times);
     }
 
     /// How near the surfaces are a contact \[m\], but for how fast they come: a length that goes with the bodies' sizes.
@@ -191,5 +222,6 @@ impl Contact {
         }
         self.numbers[HELD].0[..MOST_POINTS].copy_from_slice(&held);
         self.numbers[HELD].0[6] = old.numbers[HELD].0[6];
+        self.set_halvings(old.halvings());
     }
 }

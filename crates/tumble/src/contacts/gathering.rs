@@ -5,7 +5,7 @@ use std::ops::Range;
 use tumble_math::lane::Quat;
 
 use super::booking::Bookings;
-use super::pushing::Pushing;
+use super::pushing::{Group, Pushing};
 use super::solver_bodies::{FreeRows, SolverBodies};
 use super::touching::{Contacts, NONE};
 use crate::columns::{Chunk, LEAST_CHUNK};
@@ -25,11 +25,11 @@ impl Contacts {
         &mut self,
         columns: &mut HeldColumns<'_>,
         (settings, laws, time): (&Settings, &ForceLaws, f64),
-        pushing: &mut Pushing,
+        group: &mut Group,
         [mut next_moved, mut next_unmoved]: [usize; 2],
     ) -> [usize; 2] {
         let Self { members, shapes, rows, .. } = self;
-        let (Pushing { bodies, bookings, .. }, mut begin, first_moved) = (pushing, next_moved, next_moved);
+        let (Group { bodies, bookings, .. }, mut begin, first_moved) = (group, next_moved, next_moved);
         for slot in members.in_order_of_places() {
             let shape = &shapes[slot];
             if rows[slot] == NONE {
@@ -88,7 +88,10 @@ impl Contacts {
 
     /// Writes what was worked out, alone or with other worlds, over what the integrator made of the same bodies.
     pub(crate) fn write(&self, columns: &mut HeldColumns<'_>, with_others: Option<&Pushing>) {
-        let Some(Pushing { bodies, bookings, .. }) = with_others.or(self.pushing.as_deref()) else { return };
+        let Some(Pushing { group: Group { bodies, bookings, .. }, .. }) = with_others.or(self.pushing.as_deref())
+        else {
+            return;
+        };
         columns.for_each_chunk(|archetype, chunk| {
             let slots = self.members.slots_in(archetype).iter().skip(chunk.first_row);
             for (i, slot) in slots.enumerate().take(chunk.len()) {

@@ -15,8 +15,10 @@ mod contact;
 mod crowds;
 mod effective_mass;
 mod events;
+mod finer;
 mod frame;
 mod gathering;
+mod islands;
 mod keep;
 mod keeping;
 mod material;
@@ -38,6 +40,7 @@ mod sight;
 mod soft;
 mod solver;
 mod solver_bodies;
+mod stacks;
 mod touching;
 
 pub use collider::Collider;

@@ -61,7 +61,7 @@ impl Packed {
     pub(crate) fn begin(&mut self, touching: [usize; 2]) {
         self.pushing.reset(touching);
         self.contacts.clear();
-        self.next = [0, self.pushing.bodies.first_unmoved()];
+        self.next = [0, self.pushing.group.bodies.first_unmoved()];
         self.given_back = 0;
     }
 
@@ -74,9 +74,10 @@ impl Packed {
         laws: &ForceLaws,
         time: f64,
     ) {
-        self.next = found.gather(columns, (settings, laws, time), &mut self.pushing, self.next);
+        self.next = found.gather(columns, (settings, laws, time), &mut self.pushing.group, self.next);
+        found.add_round(self.contacts.len(), &mut self.pushing.group.rounds);
+        found.add_halvings(settings, &self.pushing.group.bodies, &mut self.pushing.halvings);
         let found = &*found;
-        found.add_round(self.contacts.len(), &mut self.pushing.rounds);
         self.contacts
             .extend(found.contacts.iter().map(|contact| Contact { slots: found.rows_of(contact), ..contact.clone() }));
     }

@@ -1,28 +1,54 @@
 use super::booking::Bookings;
 use super::contact::Contact;
+use super::finer::Finer;
 use super::materials::Extras;
 use super::passes::Moment;
 use super::refine::{self, Round};
 use super::solver::{Pass, Solver};
 use super::solver_bodies::SolverBodies;
+use crate::math::Real;
 use crate::settings::Settings;
 
 /// The bodies that touch something and what is done to them in a substep of the settings: those of one world, or of several.
 #[derive(Clone, Default)]
 pub(crate) struct Pushing {
+    /// At first all bodies; where some have shorter substeps, in the end too.
+    pub(super) group: Group,
+    /// By contact, how often its substeps are halved.
+    pub(super) halvings: Vec<u8>,
+    finer: Vec<Finer>,
+}
+
+/// Bodies that are advanced in substeps of the same length, and the contacts among them.
+#[derive(Clone, Default)]
+pub(super) struct Group {
     pub(super) bodies: SolverBodies,
     pub(super) bookings: Bookings,
     /// Contacts that are found again in each substep.
     pub(super) rounds: Vec<Round>,
+    /// The numbers of its contacts.
+    pub(super) chosen: Vec<u32>,
     solver: Solver,
+}
+
+/// How contacts are solved in a substep of the settings.
+#[derive(Clone, Copy)]
+pub(super) struct Solving {
+    substeps: u32,
+    /// Their length \[s\].
+    h: Real,
+    extras: Extras,
+    /// Slower points do not bounce [m/s].
+    threshold: Real,
 }
 
 impl Pushing {
     /// Makes room for so many bodies that impulses move and so many that they do not.
     pub(super) fn reset(&mut self, [moved, unmoved]: [usize; 2]) {
-        self.bookings.clear();
-        self.rounds.clear();
-        self.bodies.reset(moved, unmoved);
+        self.group.bookings.clear();
+        self.group.rounds.clear();
+        self.halvings.clear();
+        self.group.bodies.reset(moved, unmoved);
     }
 
     /// Pushes the bodies apart that contacts between these rows hold apart, and leaves them where they are after one substep of the settings; the contacts get the impulses.
@@ -33,9 +59,48 @@ impl Pushing {
         settings: &Settings,
         extras: Extras,
     ) {
+        let Self { group, halvings, finer } = self;
         let (substeps, h) = (settings.contact_substeps_each(), settings.contact_substep());
-        let (Self { bodies, bookings, rounds, solver }, biased) = (self, Pass::biased(h));
-        solver.lay_out(contacts, rows, bodies, extras);
+        let solving = Solving { substeps, h, extras, threshold: settings.restitution_threshold };
+        let mut parts = 0;
+        let numbers = 0..contacts.len() as u32;
+        group.chosen.clear();
+        match halvings.iter().max() {
+            None | Some(0) => group.chosen.extend(numbers),
+            Some(most) => {
+                for times in (1..=*most).filter(|times| halvings.contains(times)) {
+                    finer.resize_with(finer.len().max(parts + 1), Finer::default);
+                    finer[parts].take((times, halvings), contacts, &rows, group);
+                    parts += 1;
+                }
+                group.chosen.extend(numbers.filter(|contact| halvings[*contact as usize] == 0));
+            }
+        }
+        group.push(contacts, &rows, solving);
+        for part in &mut finer[..parts] {
+            part.push(contacts, &rows, solving);
+            part.give_back(contacts, group);
+        }
+    }
+}
+
+impl Solving {
+    /// The same in substeps halved so often.
+    pub(super) fn halved(self, times: u8) -> Self {
+        Self { substeps: self.substeps << times, h: self.h / (1u32 << times) as Real, ..self }
+    }
+}
+
+impl Group {
+    /// Advances the bodies under their chosen contacts; `rows` are those of a contact here.
+    pub(super) fn push(
+        &mut self,
+        contacts: &mut [Contact],
+        rows: impl Fn(&Contact) -> [u32; 2],
+        Solving { substeps, h, extras, threshold }: Solving,
+    ) {
+        let (Self { bodies, bookings, rounds, chosen, solver }, biased) = (self, Pass::biased(h));
+        solver.lay_out((contacts, chosen), rows, bodies, extras);
         refine::leave_out_needles(rounds, bodies);
         solver.locate(contacts.len(), rounds);
         bodies.with_poses(|bodies, poses| solver.run(Pass::Prepare(contacts, poses), bodies));
@@ -61,7 +126,7 @@ impl Pushing {
             bookings.after_substep(bodies);
         }
         if extras.bounces {
-            solver.run(Pass::Rebound(settings.restitution_threshold), bodies);
+            solver.run(Pass::Rebound(threshold), bodies);
         }
         solver.keep(contacts);
     }

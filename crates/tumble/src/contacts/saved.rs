@@ -33,7 +33,8 @@ pub(crate) struct SavedContact {
     /// Whether they touched before this step.
     pub(crate) touched: bool,
     /// The normal from the first body to the second; impulse \[N s\] and angular impulse [N m s] of friction; how steady
-    /// effective masses were in the last substep, which share of the gap is before a point, and the margin \[m\].
+    /// effective masses were in the last substep, which share of the gap is before a point, the margin \[m\], and
+    /// how often the substeps of its island were halved.
     pub(crate) numbers: [Real; Self::NUMBERS],
     pub(crate) points: [SavedPoint; MOST_POINTS],
     /// How many points there are.
@@ -50,7 +51,7 @@ pub(crate) struct SavedPoint {
 }
 
 impl SavedContact {
-    pub(crate) const NUMBERS: usize = 12;
+    pub(crate) const NUMBERS: usize = 13;
 
     /// What contacts of a file are in the order of.
     pub(crate) fn key(&self) -> (u32, u32, u32) {
@@ -112,7 +113,7 @@ impl Contact {
             point.numbers[4] = self.numbers[HELD].0[j];
         }
         let [.., steady, share] = self.numbers[HELD].0;
-        let numbers = [x, y, z, a, b, c, d, e, f, steady, share, self.margin()];
+        let numbers = [x, y, z, a, b, c, d, e, f, steady, share, self.margin(), Real::from(self.halvings())];
         let (part, touched) = (self.part, self.touched);
         SavedContact { bodies: self.slots, part, touched, numbers, points, count: self.count() }
     }
@@ -123,7 +124,7 @@ impl Contact {
         contact.numbers[SHAPE].0[4] = saved.count as Real;
         contact.numbers[RUBBED].0[..6].copy_from_slice(&saved.numbers[3..9]);
         contact.numbers[HELD].0[6..].copy_from_slice(&saved.numbers[9..11]);
-        contact.numbers[RUBBED].0[6] = saved.numbers[11];
+        contact.numbers[RUBBED].0[6..].copy_from_slice(&saved.numbers[11..]);
         for (j, point) in saved.points.iter().enumerate().take(saved.count) {
             contact.numbers[POINTS[j / 2]].0[j % 2 * 4..][..4].copy_from_slice(&point.numbers[..4]);
             contact.numbers[HELD].0[j] = point.numbers[4];

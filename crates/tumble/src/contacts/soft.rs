@@ -31,6 +31,12 @@ impl Softness {
         Self::new(2.0 * PERIODS / h, 0.5 * DAMPING_RATIO, h)
     }
 
+    /// Stiffness for each kilogram of effective mass [N/m/kg] in substeps of `h` \[s\], of two moving bodies and of one on what does
+    /// not move.
+    pub(super) fn stiffness(h: f64) -> [Real; 2] {
+        [1.0, 2.0].map(|times| crate::math::real((times * PERIODS / h * std::f64::consts::TAU).powi(2)))
+    }
+
     fn new(hertz: f64, damping_ratio: f64, h: f64) -> Self {
         let omega = std::f64::consts::TAU * hertz;
         let a1 = 2.0 * damping_ratio + h * omega;

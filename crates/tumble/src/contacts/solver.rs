@@ -80,15 +80,15 @@ const COLOURS: usize = Colour::ALONE as usize + 1;
 const LEAST_PART: usize = 16;
 
 impl Solver {
-    /// Lays out contacts between rows of bodies, with room for extras.
+    /// Lays out the contacts of these numbers between rows of bodies, with room for extras.
     pub(super) fn lay_out(
         &mut self,
-        contacts: &[Contact],
+        (contacts, chosen): (&[Contact], &[u32]),
         rows: impl Fn(&Contact) -> [u32; 2],
         bodies: &SolverBodies,
         extras: Extras,
     ) {
-        let ends = self.sort(contacts, &rows, bodies.first_unmoved());
+        let ends = self.sort((contacts, chosen), &rows, bodies.first_unmoved());
         let Self { order, ones, fours, stages, colours, .. } = self;
         stages.clear();
         colours.reset(bodies.first_unmoved());
@@ -127,29 +127,30 @@ impl Solver {
     /// colour by colour those with one point and those with more. Returns where each of these ends.
     fn sort(
         &mut self,
-        contacts: &[Contact],
+        (contacts, chosen): (&[Contact], &[u32]),
         rows: impl Fn(&Contact) -> [u32; 2],
         first_unmoved: usize,
     ) -> [usize; 4 * COLOURS] {
-        self.colouring.colour(contacts.iter().map(rows), first_unmoved);
+        let contact = |index: u32| &contacts[index as usize];
+        self.colouring.colour(chosen.iter().map(|index| rows(contact(*index))), first_unmoved);
         let colours = self.colouring.colours();
         let kind = |index: usize| {
             let Colour { grounded, index: colour } = colours[index];
             let alone = colour == Colour::ALONE;
             let place = if alone { 0 } else { colour as usize + 1 };
-            (usize::from(grounded) * COLOURS + place) * 2 + usize::from(alone || contacts[index].count() > 1)
+            (usize::from(grounded) * COLOURS + place) * 2 + usize::from(alone || contact(chosen[index]).count() > 1)
         };
         let mut ends = [0; 4 * COLOURS];
-        (0..contacts.len()).for_each(|index| ends[kind(index)] += 1);
+        (0..chosen.len()).for_each(|index| ends[kind(index)] += 1);
         let mut sum = 0;
         for end in &mut ends {
             (*end, sum) = (sum, sum + *end);
         }
         self.order.clear();
-        self.order.resize(contacts.len(), 0);
-        for index in 0..contacts.len() {
+        self.order.resize(chosen.len(), 0);
+        for index in 0..chosen.len() {
             let place = &mut ends[kind(index)];
-            self.order[*place] = index as u32;
+            self.order[*place] = chosen[index];
             *place += 1;
         }
         ends

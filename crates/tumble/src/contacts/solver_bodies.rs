@@ -5,6 +5,7 @@ use tumble_math::FreeRotation;
 use tumble_math::lane::{Quat, Vec3};
 
 use super::rows::{put_two_vectors, two_vectors};
+use crate::derived::symmetric_product;
 use crate::integrators::Kick;
 use crate::math::Real;
 use crate::range::{MOST_IMPULSE, MOST_SPEED, within};
@@ -75,6 +76,11 @@ impl SolverBodies {
         self.inertia.resize(in_blocks, Eight([1.0, 1.0, 1.0, 0.0, 0.0, 0.0, 0.0, 0.0]));
     }
 
+    /// How many rows.
+    pub(super) fn len(&self) -> usize {
+        self.motion.len()
+    }
+
     /// The row of the first that impulses do not move. The one before it is nobody's.
     pub(super) fn first_unmoved(&self) -> usize {
         self.free.next_multiple_of(BLOCK) + 1
@@ -119,6 +125,14 @@ impl SolverBodies {
         })
     }
 
+    /// Of what impulses move: one over the mass, the inverse inertia about two directions, and what is beside them.
+    pub(super) fn mobility(&self, row: u32, [u, v]: [Vec3<Real>; 2]) -> [Real; 4] {
+        let (Eight([.., mass, _]), Eight([xx, yy, zz, yz, zx, xy, ..])) =
+            (self.motion[row as usize], self.response[row as usize]);
+        let times = |v| symmetric_product(Vec3::new(xx, yy, zz), Vec3::new(yz, zx, xy), v);
+        [mass, u.dot(times(u)), v.dot(times(v)), u.dot(times(v))]
+    }
+
     /// Whether what forces do to a body is in range, as to be gathered before.
     pub(super) fn is_kicked_in_range(&self, row: usize) -> bool {
         let Eight([px, py, pz, lx, ly, lz, linear, angular]) = self.kick[row];
@@ -136,6 +150,39 @@ impl SolverBodies {
         let poses = std::mem::take(&mut self.pose);
         then(self, &poses);
         self.pose = poses;
+    }
+
+    /// Takes over the bodies of these rows of others, those that impulses move first; forces act as in substeps halved so often.
+    pub(super) fn copy(&mut self, others: &Self, rows: &[u32], halvings: u8) {
+        let first_unmoved = others.first_unmoved();
+        let free = rows.iter().take_while(|row| (**row as usize) < first_unmoved).count();
+        self.reset(free, rows.len() - free);
+        for (place, row) in self.places(rows) {
+            self.motion[place] = others.motion[row];
+            self.response[place] = others.response[row];
+            self.pose[place] = others.pose[row];
+            if place < free {
+                self.inertia[place] = others.inertia[row];
+                self.kick[place] = halved(others.kick[row], halvings);
+            }
+        }
+    }
+
+    /// Gives back to others what has become of the bodies of these rows that impulses move.
+    pub(super) fn give_back(&self, others: &mut Self, rows: &[u32]) {
+        for (place, row) in self.places(rows).take(self.free) {
+            others.motion[row] = self.motion[place];
+            others.response[row] = self.response[place];
+            others.pose[row] = self.pose[place];
+            others.moved[row] = self.moved[place];
+        }
+    }
+
+    /// The rows here of copies of these rows.
+    pub(super) fn places<'a>(&self, rows: &'a [u32]) -> impl Iterator<Item = (usize, usize)> + use<'a> {
+        let (free, first_unmoved) = (self.free, self.first_unmoved());
+        let place = move |i: usize| if i < free { i } else { first_unmoved + i - free };
+        rows.iter().enumerate().map(move |(i, row)| (place(i), *row as usize))
     }
 
     /// Adds what forces do in a substep.
@@ -317,6 +364,15 @@ impl Kernel for DriftAll<'_> {
             put_two_vectors(d, o, &mut self.response[i..]);
         }
     }
+}
+
+/// What forces do in substeps that are halved so often: twice it does what the kick of the substep before does.
+fn halved(kick: Eight, halvings: u8) -> Eight {
+    (0..halvings).fold(kick, |Eight([px, py, pz, lx, ly, lz, linear, angular]), _| {
+        let (linear, angular) = (linear.sqrt(), angular.sqrt());
+        let (p, l) = (1.0 / (1.0 + linear), 1.0 / (1.0 + angular));
+        Eight([px * p, py * p, pz * p, lx * l, ly * l, lz * l, linear, angular])
+    })
 }
 
 /// Square of half the angle that a body with these inverse moments may turn before contacts turn with it.

@@ -13,6 +13,7 @@ use super::materials::Materials;
 use super::names::Names;
 use super::narrow::{Kind, Pairs, Shapes};
 use super::pushing::Pushing;
+use super::stacks::Stacks;
 use crate::components::CenterOfMass;
 use crate::force_laws::ForceLaws;
 use crate::held_columns::HeldColumns;
@@ -46,6 +47,7 @@ pub(crate) struct Contacts {
     /// Contacts of the last, in parts that threads find.
     found: Vec<Vec<Contact>>,
     materials: Materials,
+    pub(super) stacks: Stacks,
     /// In the order of their keys.
     pub(super) contacts: Vec<Contact>,
     pub(super) last: Vec<Contact>,
@@ -120,9 +122,10 @@ impl Contacts {
         let touching = self.find_touching(columns, settings);
         let mut pushing = self.pushing.take().unwrap_or_default();
         pushing.reset(touching);
-        let first = [0, pushing.bodies.first_unmoved()];
-        self.gather(columns, (settings, laws, time), &mut pushing, first);
-        self.add_round(0, &mut pushing.rounds);
+        let first = [0, pushing.group.bodies.first_unmoved()];
+        self.gather(columns, (settings, laws, time), &mut pushing.group, first);
+        self.add_round(0, &mut pushing.group.rounds);
+        self.add_halvings(settings, &pushing.group.bodies, &mut pushing.halvings);
         let Self { contacts, rows, materials, .. } = self;
         pushing.push(contacts, |contact| rows_of(contact, rows), settings, materials.extras());
         self.pushing = Some(pushing);

@@ -14,7 +14,7 @@
 //! | 6 numbers a kinematic body | linear and angular velocity |
 //! | 8 or 4 a body in contact | who it is: identities of those that have one, then numbers of entities, each in ascending order |
 //! | 3 numbers a body in contact | where its centre of mass was when the last step began |
-//! | 16 and 12 numbers a contact | two bodies, as indices of those in contact; which of the contacts of the two; number of points, and 256 if the two touched before. Normal from the first to the second; impulse and angular impulse of friction on the second; how steady its effective masses were, from 0 to 1; which share of the gap is before its points; the margin. In the order of both bodies, the lower index first, and which |
+//! | 16 and 13 numbers a contact | two bodies, as indices of those in contact; which of the contacts of the two; number of points, and 256 if the two touched before. Normal from the first to the second; impulse and angular impulse of friction on the second; how steady its effective masses were, from 0 to 1; which share of the gap is before its points; the margin; how often the substeps of its island were halved. In the order of both bodies, the lower index first, and which |
 //! | 4 and 5 numbers a point | contact by contact: which features meet; place, from the second body's centre of mass; separation; impulse along the normal |
 //! | 8 | 64-bit FNV-1a of all before |
 
