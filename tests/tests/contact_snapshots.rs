@@ -252,7 +252,7 @@ const NUMBER: usize = size_of::<Real>();
 const NAMES: usize = 120 + 2 * (8 + 13 * NUMBER);
 const CENTERS: usize = NAMES + 2 * 8 + 4;
 const CONTACTS: usize = CENTERS + 3 * 3 * NUMBER;
-const CONTACT: usize = 16 + 12 * NUMBER;
+const CONTACT: usize = 16 + 13 * NUMBER;
 const POINTS: usize = CONTACTS + 2 * CONTACT;
 const POINT: usize = 4 + 5 * NUMBER;
 
@@ -294,7 +294,7 @@ fn impossible_contacts_are_refused() {
             assert_eq!(error(CENTERS + body * 3 * NUMBER, &bad), SnapshotError::ContactBody { body });
         }
         for contact in 0..2 {
-            for i in 0..12 {
+            for i in 0..13 {
                 let found = error(CONTACTS + contact * CONTACT + 16 + i * NUMBER, &bad);
                 assert_eq!(found, defect(contact, ContactDefect::NotFinite));
             }
@@ -323,6 +323,10 @@ fn impossible_contacts_are_refused() {
         for i in [9, 10] {
             assert_eq!(error(second + 16 + i * NUMBER, &Real::to_le_bytes(part)), defect(1, ContactDefect::Part));
         }
+    }
+    for halvings in [-1.0, 0.5, 7.0] {
+        let found = error(second + 16 + 12 * NUMBER, &Real::to_le_bytes(halvings));
+        assert_eq!(found, defect(1, ContactDefect::Halvings));
     }
     let pull = Real::to_le_bytes(-1e-3);
     assert_eq!(error(POINTS + POINT + 4 + 4 * NUMBER, &pull), defect(0, ContactDefect::Pull));

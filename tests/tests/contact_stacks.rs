@@ -41,10 +41,10 @@ fn with_contact_substeps(substeps: u32) -> (Simulation, f64) {
     (Simulation::new(settings).unwrap(), omega * omega)
 }
 
-/// Each contact gives way by the weight above it: the ground by `n g/(2 w)^2`, the box that carries `k` of `m` by `2 k g/w^2`.
+/// At substeps that are short enough for the height each contact gives way by the weight above it: the ground by `n g/(2 w)^2`, the box that carries `k` of `m` by `2 k g/w^2`.
 #[test]
 fn towers_stand_as_high_as_they_should() {
-    for (count, substeps) in [(10_u8, 4), (30, 12)] {
+    for (count, substeps) in [(10_u8, 4), (30, 24)] {
         let mut world = World::new();
         ground(&mut world, Material::default(), Quat::IDENTITY);
         let shape = cube(0.5);

@@ -6,6 +6,7 @@ use super::collider::Collider;
 use super::contact::{Contact, HELD, POINTS, RUBBED, SHAPE};
 use super::names::Name;
 use super::narrow::Kind;
+use super::stacks::MOST_HALVINGS;
 use crate::math::Real;
 
 /// Contacts as the last step left them, between bodies by their names: what a step begins with beside the bodies, and what is told of them.
@@ -52,6 +53,7 @@ pub(crate) struct SavedPoint {
 
 impl SavedContact {
     pub(crate) const NUMBERS: usize = 13;
+    pub(crate) const MOST_HALVINGS: u8 = MOST_HALVINGS;
 
     /// What contacts of a file are in the order of.
     pub(crate) fn key(&self) -> (u32, u32, u32) {

@@ -30,7 +30,7 @@ pub(super) struct SolverBodies {
     /// Principal moments, their inverses, whether it turns, and the square of half the angle \[rad\] that it may turn in a step
     /// before contacts are turned with it.
     inertia: Vec<Eight>,
-    /// Position, and orientation of the principal frame.
+    /// Position when the step began, and orientation of the principal frame now.
     pose: Vec<Eight>,
     /// Since the start of the step: how far the centre went \[m\], the rotation as a unit quaternion, and whether that is or was
     /// more than is left out of account.
@@ -108,9 +108,11 @@ impl SolverBodies {
     pub(super) fn state(&self, row: usize, axes: Option<Quat<Real>>) -> State<Real> {
         let Eight([px, py, pz, lx, ly, lz, ..]) = self.motion[row];
         let Eight([x, y, z, i, j, k, w, _]) = self.pose[row];
+        let Eight([dx, dy, dz, ..]) = self.moved[row];
         let orientation = Quat { x: i, y: j, z: k, w };
         State {
-            position: Vec3::new(x, y, z),
+            // Rounded once a step: rounded in each of many short substeps, it would creep.
+            position: Vec3::new(x, y, z) + Vec3::new(dx, dy, dz),
             orientation: axes.map_or(orientation, |axes| (orientation * axes.conjugate()).normalize()),
             linear: Vec3::new(px, py, pz),
             angular: Vec3::new(lx, ly, lz),
@@ -350,9 +352,12 @@ impl Kernel for DriftAll<'_> {
         let rotation = FreeRotation::new(moments.moments, moments.inverse_moments, None, h);
         let before = Quat { x: qx, y: qy, z: qz, w: qw };
         let q = rotation.rotate(before, l * turns);
-        T::store([x + way.x, y + way.y, z + way.z, q.x, q.y, q.z, q.w], &mut self.pose[i..]);
-        let t = q * before.conjugate() * Quat { x: ti, y: tj, z: tk, w: tw };
+        T::store([x, y, z, q.x, q.y, q.z, q.w], &mut self.pose[i..]);
         let (zero, one) = (T::splat(0.0), T::splat(1.0));
+        // The product of the two would be rounded to the grid of one in every substep, and what lies would creep.
+        let change = Quat { x: q.x - before.x, y: q.y - before.y, z: q.z - before.z, w: q.w - before.w };
+        let turn = change * before.conjugate();
+        let t = Quat { w: one + turn.w, ..turn } * Quat { x: ti, y: tj, z: tk, w: tw };
         let turned = T::select(tolerance.lt(t.vector().dot(t.vector())), one, had_turned);
         T::store([dx + way.x, dy + way.y, dz + way.z, t.x, t.y, t.z, t.w, turned], &mut self.moved[i..]);
         // Otherwise contacts go on with the masses that they have, which belong to this response.

@@ -86,7 +86,7 @@ const DEEP: Real = 100.0;
 /// Variance of the places that a body rests on, over their squared distance, below which it stands on an edge and not on a face.
 const LEAST_FACE: Real = 1e-4;
 /// Substeps are halved as often as this at most.
-const MOST_HALVINGS: u32 = 6;
+pub(super) const MOST_HALVINGS: u8 = 6;
 /// By how much what is needed must have fallen before an island has longer substeps again: a change of stiffness is a small push.
 const SLACK: Real = 2.0;
 

@@ -152,6 +152,8 @@ fn defect(contact: &SavedContact, before: Option<&SavedContact>, bodies: usize) 
         Some(ContactDefect::Normal)
     } else if contact.numbers[9..11].iter().any(|part| !(0.0..=1.0).contains(part)) {
         Some(ContactDefect::Part)
+    } else if !(0..=SavedContact::MOST_HALVINGS).any(|times| contact.numbers[12] == Real::from(times)) {
+        Some(ContactDefect::Halvings)
     } else if points.iter().any(|point| point.numbers[4] < 0.0) {
         Some(ContactDefect::Pull)
     } else {

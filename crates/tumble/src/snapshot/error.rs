@@ -116,6 +116,9 @@ pub enum ContactDefect {
     /// A part of the whole is not from 0 to 1.
     #[error("a part of the whole is not from 0 to 1")]
     Part,
+    /// How often substeps are halved is not one of 0 to 6.
+    #[error("has substeps halved by no whole number from 0 to 6")]
+    Halvings,
     /// It is between a body and itself, or bodies that are not there.
     #[error("is not between two of the bodies in contact")]
     Bodies,
