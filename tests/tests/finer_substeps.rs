@@ -35,7 +35,7 @@ fn body(id: u64) -> (RigidBody, Shape) {
         let body = RigidBody::new(shape.clone()).density(500.0).position(place(5.0, 0.11)).orientation(turned);
         return (body.linear_velocity(Vec3::new(3.0, 0.0, 1.0)).angular_velocity(Vec3::Y * 4.0), shape);
     }
-    let (radius, x, y) = if id % 2 == 0 { (0.01, 0.003, 0.5) } else { (0.1, 2.05, 4.5) };
+    let (radius, x, y) = if id.is_multiple_of(2) { (0.01, 0.003, 0.5) } else { (0.1, 2.05, 4.5) };
     let shape = Shape::sphere(radius);
     let body = RigidBody::new(shape.clone()).density(300.0).position(place(x, y + (id - 33) as f64 * 0.1));
     (body, shape)
@@ -104,7 +104,7 @@ fn the_bits_are_the_same_everywhere() {
         let found = pool.install(|| hashes(&mut simulation(), &mut scene(0..BODIES), 120));
         assert_eq!(found, expected, "{threads} threads");
         let trial = |index: u64| {
-            let world = if index % 3 == 0 { scene(0..BODIES) } else { scene(index % 16..20 + index % 13) };
+            let world = if index.is_multiple_of(3) { scene(0..BODIES) } else { scene(index % 16..20 + index % 13) };
             Trial::new(Settings::default(), world).unwrap()
         };
         let mut batch: Batch = (0..40).map(trial).collect();

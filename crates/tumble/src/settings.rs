@@ -21,8 +21,8 @@ pub struct Settings {
     pub substeps: u32,
     /// How the state is advanced.
     pub integrator: Integrator,
-    /// Into how many parts a step is divided where bodies touch; never fewer than `substeps`. Contacts are stiffer the more there are: 12 for a tower of thirty boxes or a thousandfold
-    /// mass on another. 4 unless set.
+    /// Into how many parts a step is divided where bodies touch; never fewer than `substeps`. Contacts are stiffer the more there
+    /// are. Islands whose stacks would buckle, or be pressed in too deep, have up to 64 times as many. 4 unless set.
     pub contact_substeps: u32,
     /// Bodies that come together slower than this \[m/s\] do not bounce, whatever their restitution: they would never come to rest. 1 unless set.
     pub restitution_threshold: Real,
