@@ -83,8 +83,8 @@ const STIFFNESS: Real = 2.5;
 const MOST_DEPTH: Real = 5.0;
 /// What is deeper \[margins\] does not rest but was shot in: twice half its thickness.
 const DEEP: Real = 100.0;
-/// Variance of the places that a body rests on, over their squared distance, below which it stands on an edge and not on a face.
-const LEAST_FACE: Real = 1e-4;
+/// Root mean square distance from the middle \[margins\] of what a body rests on, below which that is an edge or a corner and not a face.
+const LEAST_SPREAD: Real = 8.0;
 /// Substeps are halved as often as this at most.
 pub(super) const MOST_HALVINGS: u8 = 6;
 /// By how much what is needed must have fallen before an island has longer substeps again: a change of stiffness is a small push.
@@ -159,7 +159,7 @@ impl Stacks {
             let own = g / mobilities[slot as usize][0];
             load.weight += own;
             load.moment += own * height;
-            load.lean += base.lean(on_face, load, height);
+            load.lean += base.lean(on_face, load, (height, LEAST_SPREAD * margin));
             let depth = if is_stacked { load.weight / (base.stiffness * margin) } else { 0.0 };
             let stands = load.lean * LEAST_STIFFNESS <= 1.0;
             let stiffness = if stands { LEAST_STIFFNESS } else { STIFFNESS };
@@ -221,8 +221,8 @@ impl Base {
         self.second.iter_mut().zip(other.second).for_each(|(sum, it)| *sum += it);
     }
 
-    /// `W H / k` of what a body at a height \[m\] bears.
-    fn lean(&self, on_face: bool, load: &Load, height: Real) -> Real {
+    /// `W H / k` of what a body at a height \[m\] bears, on points that are spread by so much at least \[m\].
+    fn lean(&self, on_face: bool, load: &Load, (height, spread): (Real, Real)) -> Real {
         let Self { stiffness, first: [x, y], second: [xx, yy, xy], .. } = *self;
         let joint = height + self.height / stiffness;
         let lever = load.moment - load.weight * joint;
@@ -230,7 +230,7 @@ impl Base {
         let (xx, yy, xy) = (xx - x * x / stiffness, yy - y * y / stiffness, xy - x * y / stiffness);
         let (mean, half) = (0.5 * (xx + yy), 0.5 * (xx - yy));
         let least = mean - (half * half + xy * xy).sqrt();
-        if on_face && lever > 0.0 && least > LEAST_FACE * mean { lever / least } else { 0.0 }
+        if on_face && lever > 0.0 && least > spread * spread * stiffness { lever / least } else { 0.0 }
     }
 }
 
