@@ -58,10 +58,6 @@ const NEW: Eight = Eight([0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0]);
 /// the surfaces are a contact \[m\], but for how fast they come; and how often the substeps of its island were halved.
 pub(super) const RUBBED: usize = 4;
 
-fn two_points(Eight([ax, ay, az, a, bx, by, bz, b]): &Eight) -> [(Vec3<Real>, Real); 2] {
-    [(Vec3::new(*ax, *ay, *az), *a), (Vec3::new(*bx, *by, *bz), *b)]
-}
-
 /// Points and normals are fixed to the bodies.
 pub(super) const MATERIAL: f64 = 0.0;
 /// Of balls: the normal is along the line of the centres of mass.
@@ -127,18 +123,6 @@ impl Contact {
     /// Whether it is found again in each substep.
     pub(super) fn is_refined(&self) -> bool {
         f64::from(self.numbers[SHAPE].0[7]) == REFINED
-    }
-
-    /// Unit vector from the first body to the second.
-    pub(super) fn normal(&self) -> Vec3<Real> {
-        let [x, y, z, ..] = self.numbers[SHAPE].0;
-        Vec3::new(x, y, z)
-    }
-
-    /// Places from the second body's centre of mass and separations of all points, also of those past the count.
-    pub(super) fn points(&self) -> [(Vec3<Real>, Real); MOST_POINTS] {
-        let ([a, b], [c, d]) = (two_points(&self.numbers[POINTS[0]]), two_points(&self.numbers[POINTS[1]]));
-        [a, b, c, d]
     }
 
     /// Multiplies the impulses that it begins with.

@@ -1,15 +1,17 @@
 //! How stiff contacts have to be for what is stacked on them to stand.
 
 use rayon::prelude::*;
+use tumble_collide::MOST_POINTS;
 use tumble_math::lane::Vec3;
 
-use super::contact::Contact;
+use super::contact::{Contact, POINTS, RUBBED, SHAPE};
 use super::islands::Islands;
 use super::soft::Softness;
 use super::solver_bodies::SolverBodies;
 use super::touching::{Contacts, NONE, Shape};
 use crate::math::Real;
 use crate::settings::Settings;
+use crate::simd::{BLOCK, Eight, Kernel, Tile, dispatch_in_blocks};
 use crate::threads::InParts;
 
 /// The loads of a world's bodies on each other under gravity, and the islands that need shorter substeps to bear them.
@@ -20,17 +22,21 @@ use crate::threads::InParts;
 /// column under its own weight: 1.3).
 #[derive(Clone, Default)]
 pub(super) struct Stacks {
-    /// By slot, of what impulses move: one over the mass, and the inverse inertia about the two horizontal directions and off its diagonal.
-    mobilities: Vec<[Real; 4]>,
-    /// By contact.
-    supports: Vec<Support>,
+    /// By slot: centre of mass, one over the mass, the inverse inertia about the two horizontal directions and off its diagonal, and
+    /// whether impulses move it.
+    bodies: Vec<Eight>,
+    /// By contact: how it bears its upper body, as [`Base::read`] has it; in whole blocks.
+    supports: Vec<Eight>,
     /// By slot.
     loads: Vec<Load>,
     /// Where the supports of each slot begin among `by_upper`.
     begins: Vec<u32>,
-    by_upper: Vec<u32>,
-    /// Slots that rest on something, from the top, with their heights \[m\].
-    order: Vec<(Real, u32)>,
+    /// The number of a support, and the slot of the lower body.
+    by_upper: Vec<(u32, u32)>,
+    /// By slot: how many supports hand it loads that have not done so.
+    waiting: Vec<u32>,
+    /// Slots that rest on something, each after all that rest on it.
+    order: Vec<u32>,
     islands: Islands,
     /// By slot of an island's root, how often its substeps were halved before.
     before: Vec<u8>,
@@ -38,18 +44,6 @@ pub(super) struct Stacks {
 
 /// So many contacts are taken by one thread at a time.
 const PART: usize = 512;
-
-/// How a contact bears its upper body.
-#[derive(Clone, Copy)]
-struct Support {
-    /// Slots; the first is [`NONE`] if it bears nothing.
-    upper: u32,
-    lower: u32,
-    base: Base,
-    /// Whether it is a face.
-    is_face: bool,
-    margin: Real,
-}
 
 /// What a body rests on: sums over points by their stiffness [N/m].
 #[derive(Clone, Copy, Default)]
@@ -74,7 +68,7 @@ struct Load {
 }
 
 /// Least vertical part of the normal of a contact that bears.
-const LEAST_SLOPE: Real = 0.5;
+const LEAST_SLOPE: f64 = 0.5;
 /// Least `k / (W H)` of a column that is left as it is: it buckles at 1/1.3.
 const LEAST_STIFFNESS: Real = 1.25;
 /// What `k / (W H)` becomes at least where there is less. Layers of several blocks side by side still shake at half of it.
@@ -82,7 +76,7 @@ const STIFFNESS: Real = 2.5;
 /// How deep \[margins\] a body in a stack may be pressed in by its load: a tenth of half its thickness.
 const MOST_DEPTH: Real = 5.0;
 /// What is deeper \[margins\] does not rest but was shot in: twice half its thickness.
-const DEEP: Real = 100.0;
+const DEEP: f64 = 100.0;
 /// Root mean square distance from the middle \[margins\] of what a body rests on, below which that is an edge or a corner and not a face.
 const LEAST_SPREAD: Real = 8.0;
 /// Substeps are halved as often as this at most.
@@ -121,42 +115,55 @@ impl Stacks {
         }
         let up = gravity * (-1.0 / g);
         let sides = sides(up);
-        let Self { mobilities, supports, loads, begins, by_upper, order, .. } = self;
-        mobilities.clear();
-        mobilities.extend(
-            rows.iter()
-                .zip(shapes)
-                .map(|(row, shape)| if *row != NONE && shape.moves { bodies.mobility(*row, sides) } else { [0.0; 4] }),
-        );
+        let Self { bodies: rows_of_slots, supports, loads, begins, by_upper, waiting, order, .. } = self;
+        rows_of_slots.clear();
+        rows_of_slots.extend(rows.iter().zip(shapes).map(|(row, shape)| {
+            let Vec3 { x, y, z } = shape.center;
+            let is_free = *row != NONE && shape.moves;
+            let [mass, a, b, c] = if is_free { bodies.mobility(*row, sides) } else { [0.0; 4] };
+            Eight([x, y, z, mass, a, b, c, if shape.moves { 1.0 } else { 0.0 }])
+        }));
+        let bodies = &*rows_of_slots;
+        supports.resize(contacts.len().next_multiple_of(BLOCK), Eight::ZERO);
         let rates = Softness::stiffness(settings.contact_substep().into());
-        let bearing = Bearing { shapes, mobilities, up, sides, rates };
-        supports.resize(contacts.len(), Support::NONE);
         let parts = supports.par_chunks_mut(PART).zip(contacts.par_chunks(PART));
         parts.by_at_least(2).for_each(|(supports, contacts)| {
-            supports.iter_mut().zip(contacts).for_each(|(support, contact)| *support = bearing.support(contact));
+            dispatch_in_blocks(&mut Bear { supports, contacts, bodies, up, sides, rates });
         });
-        order_by_upper(supports, shapes.len(), begins, by_upper);
+        order_by_upper((supports, contacts), shapes.len(), begins, by_upper);
         let supports_of = |slot: u32| {
             let range = begins[slot as usize] as usize..begins[slot as usize + 1] as usize;
-            by_upper[range].iter().map(|index| &supports[*index as usize])
+            by_upper[range].iter().map(|(index, lower)| (Base::read(&supports[*index as usize]), *lower))
         };
 
+        waiting.clear();
+        waiting.resize(shapes.len(), 0);
+        by_upper.iter().for_each(|(_, lower)| waiting[*lower as usize] += 1);
+        let bears_on = |slot: usize| begins[slot] < begins[slot + 1];
         order.clear();
-        let resting = (0..shapes.len()).filter(|slot| begins[*slot] < begins[slot + 1]);
-        order.extend(resting.map(|slot| (shapes[slot].center.dot(up), slot as u32)));
-        order.sort_unstable_by(|a, b| b.0.total_cmp(&a.0).then(a.1.cmp(&b.1)));
-        let mut most = 0.0;
-        for &(height, slot) in &*order {
+        order.extend((0..shapes.len() as u32).filter(|slot| bears_on(*slot as usize) && waiting[*slot as usize] == 0));
+        let (mut most, mut next, mut first_left) = (0.0, 0, 0);
+        loop {
+            // Of bodies that bear each other in a ring the one with the lowest slot begins.
+            if next == order.len() {
+                let left = first_left..shapes.len();
+                let Some(slot) = left.into_iter().find(|slot| bears_on(*slot) && waiting[*slot] > 0) else { break };
+                (waiting[slot], first_left) = (0, slot + 1);
+                order.push(slot as u32);
+            }
+            let slot = order[next];
+            next += 1;
+            let height = shapes[slot as usize].center.dot(up);
             let load = &mut loads[slot as usize];
             let (mut base, mut on_face, mut margin) = (Base::default(), false, Real::INFINITY);
             let mut is_stacked = load.weight > 0.0;
-            for support in supports_of(slot) {
-                base.add(&support.base);
-                on_face |= support.is_face;
-                is_stacked |= shapes[support.lower as usize].moves;
-                margin = margin.min(support.margin);
+            for ((support, signed_margin), lower) in supports_of(slot) {
+                base.add(&support);
+                on_face |= signed_margin > 0.0;
+                is_stacked |= shapes[lower as usize].moves;
+                margin = margin.min(signed_margin.abs());
             }
-            let own = g / mobilities[slot as usize][0];
+            let own = g / bodies[slot as usize].0[3];
             load.weight += own;
             load.moment += own * height;
             load.lean += base.lean(on_face, load, (height, LEAST_SPREAD * margin));
@@ -166,12 +173,17 @@ impl Stacks {
             load.need = (load.lean * stiffness).max(depth / MOST_DEPTH);
             most = load.need.max(most);
             let Load { weight, moment, lean, .. } = *load;
-            for support in supports_of(slot) {
-                let share = support.base.stiffness / base.stiffness;
-                let below = &mut loads[support.lower as usize];
+            for ((support, _), lower) in supports_of(slot) {
+                let share = support.stiffness / base.stiffness;
+                let below = &mut loads[lower as usize];
                 below.weight += share * weight;
                 below.moment += share * moment;
                 below.lean = below.lean.max(lean);
+                let waiting = &mut waiting[lower as usize];
+                if *waiting == 1 && bears_on(lower as usize) {
+                    order.push(lower);
+                }
+                *waiting = waiting.saturating_sub(1);
             }
         }
         most > 1.0
@@ -203,17 +215,13 @@ impl Stacks {
     }
 }
 
-impl Support {
-    const NONE: Self = Self {
-        upper: NONE,
-        lower: NONE,
-        base: Base { stiffness: 0.0, first: [0.0; 2], second: [0.0; 3], height: 0.0 },
-        is_face: false,
-        margin: 0.0,
-    };
-}
-
 impl Base {
+    /// Of a support, and its margin, which is negative where fewer than three points bear.
+    fn read(Eight([stiffness, x, y, xx, yy, xy, height, margin]): &Eight) -> (Self, Real) {
+        let base = Self { stiffness: stiffness.abs(), first: [*x, *y], second: [*xx, *yy, *xy], height: *height };
+        (base, *margin)
+    }
+
     fn add(&mut self, other: &Self) {
         self.stiffness += other.stiffness;
         self.height += other.height;
@@ -247,76 +255,151 @@ fn sides(up: Vec3<Real>) -> [Vec3<Real>; 2] {
     [side, up.cross(side)]
 }
 
-/// What contacts bear in a world.
-struct Bearing<'a> {
-    /// By slot.
-    shapes: &'a [Shape],
-    mobilities: &'a [[Real; 4]],
+/// Works out how contacts bear their upper bodies.
+struct Bear<'a> {
+    supports: &'a mut [Eight],
+    contacts: &'a [Contact],
+    bodies: &'a [Eight],
     up: Vec3<Real>,
     sides: [Vec3<Real>; 2],
     /// Stiffness for each kilogram, of two moving bodies and on what does not move.
     rates: [Real; 2],
 }
 
-impl Bearing<'_> {
-    fn support(&self, contact: &Contact) -> Support {
-        let (slope, margin) = (contact.normal().dot(self.up), contact.margin());
-        let [first, second] = contact.slots;
-        let (upper, lower) = if slope > 0.0 { (second, first) } else { (first, second) };
-        let [above, below] = [upper, lower].map(|slot| &self.shapes[slot as usize]);
-        if slope.abs() < LEAST_SLOPE || !above.moves || margin <= 0.0 {
-            return Support::NONE;
+impl Bear<'_> {
+    /// A row of numbers of the contacts from `i` on.
+    #[inline(always)]
+    fn numbers<T: Tile, const N: usize>(&self, which: usize, i: usize) -> [T; N] {
+        let mut picked = [&Eight::ZERO; BLOCK];
+        let mut l = 0;
+        while l < T::WIDTH && i + l < self.contacts.len() {
+            picked[l] = &self.contacts[i + l].numbers[which];
+            l += 1;
         }
-        let (mut sum, mut second_moments, mut points) = ([0.0; 3], [0.0; 3], 0);
-        let to_upper = self.shapes[second as usize].center - above.center;
-        let near = -DEEP * margin..=margin;
-        for (place, separation) in contact.points().into_iter().take(contact.count()) {
-            if near.contains(&separation) {
-                let place = to_upper + place;
-                let (x, y) = (self.sides[0].dot(place), self.sides[1].dot(place));
-                sum = [sum[0] + x, sum[1] + y, sum[2] + self.up.dot(place)];
-                second_moments = [second_moments[0] + x * x, second_moments[1] + y * y, second_moments[2] + x * y];
-                points += 1;
-            }
+        T::gather(&picked)
+    }
+
+    /// The first or the second bodies of the contacts from `i` on.
+    #[inline(always)]
+    fn bodies<T: Tile>(&self, which: usize, i: usize) -> [T; 8] {
+        let mut picked = [&Eight::ZERO; BLOCK];
+        let mut l = 0;
+        while l < T::WIDTH && i + l < self.contacts.len() {
+            picked[l] = &self.bodies[self.contacts[i + l].slots[which] as usize];
+            l += 1;
         }
-        let count = points as Real;
-        let apart = above.center - below.center;
-        let (x, y) = (self.sides[0].dot(apart), self.sides[1].dot(apart));
-        let about_lower = [
-            second_moments[0] + x * (2.0 * sum[0] + count * x),
-            second_moments[1] + y * (2.0 * sum[1] + count * y),
-            second_moments[2] + x * sum[1] + y * sum[0] + count * x * y,
-        ];
-        let response = |slot: u32, [xx, yy, xy]: [Real; 3]| {
-            let [inverse_mass, about_x, about_y, off_diagonal] = self.mobilities[slot as usize];
-            count * inverse_mass + about_x * yy + about_y * xx - 2.0 * off_diagonal * xy
-        };
-        let responses = response(upper, second_moments) + response(lower, about_lower);
-        let k = self.rates[usize::from(!below.moves)] * count / responses;
-        let base = Base {
-            stiffness: k * count,
-            first: [k * sum[0], k * sum[1]],
-            second: second_moments.map(|sum| k * sum),
-            height: k * sum[2],
-        };
-        if points == 0 { Support::NONE } else { Support { upper, lower, base, is_face: points > 2, margin } }
+        T::gather(&picked)
     }
 }
 
+impl Kernel for Bear<'_> {
+    #[inline(always)]
+    fn len(&self) -> usize {
+        self.supports.len()
+    }
+
+    #[inline(always)]
+    fn tile<T: Tile>(&mut self, i: usize) {
+        let (zero, one) = (T::splat(0.0), T::splat(1.0));
+        let (up, sides) = (splat(self.up), [splat(self.sides[0]), splat(self.sides[1])]);
+        let [nx, ny, nz, _, count] = self.numbers(SHAPE, i);
+        let [ax, ay, az, s0, bx, by, bz, s1] = self.numbers(POINTS[0], i);
+        let [cx, cy, cz, s2, dx, dy, dz, s3] = self.numbers(POINTS[1], i);
+        let [_, _, _, _, _, _, margin]: [T; 7] = self.numbers(RUBBED, i);
+        let slope = up.dot(Vec3::new(nx, ny, nz));
+        let (first, second): ([T; 8], [T; 8]) = (self.bodies(0, i), self.bodies(1, i));
+        let (mut upper, mut lower) = ([zero; 8], [zero; 8]);
+        let mut k = 0;
+        while k < 8 {
+            upper[k] = T::select(zero.lt(slope), second[k], first[k]);
+            lower[k] = T::select(zero.lt(slope), first[k], second[k]);
+            k += 1;
+        }
+        let center = Vec3::new(upper[0], upper[1], upper[2]);
+        let to_upper = Vec3::new(second[0], second[1], second[2]) - center;
+
+        let places = [Vec3::new(ax, ay, az), Vec3::new(bx, by, bz), Vec3::new(cx, cy, cz), Vec3::new(dx, dy, dz)];
+        let separations = [s0, s1, s2, s3];
+        let deep = margin * T::splat(-DEEP);
+        let (mut points, mut sum, mut second_moments) = (zero, [zero; 3], [zero; 3]);
+        let mut j = 0;
+        while j < MOST_POINTS {
+            let is_point = T::select(T::splat(j as f64).lt(count), one, zero);
+            let weight = T::select(margin.lt(separations[j]), zero, is_point);
+            let weight = T::select(separations[j].lt(deep), zero, weight);
+            let place = to_upper + places[j];
+            let (x, y) = (sides[0].dot(place) * weight, sides[1].dot(place) * weight);
+            points = points + weight;
+            sum = [sum[0] + x, sum[1] + y, sum[2] + up.dot(place) * weight];
+            second_moments = [second_moments[0] + x * x, second_moments[1] + y * y, second_moments[2] + x * y];
+            j += 1;
+        }
+        let apart = center - Vec3::new(lower[0], lower[1], lower[2]);
+        let (x, y, two) = (sides[0].dot(apart), sides[1].dot(apart), T::splat(2.0));
+        let about_lower = [
+            second_moments[0] + x * (two * sum[0] + points * x),
+            second_moments[1] + y * (two * sum[1] + points * y),
+            second_moments[2] + x * sum[1] + y * sum[0] + points * x * y,
+        ];
+        let responses = response(&upper, points, second_moments) + response(&lower, points, about_lower);
+        let [between, on_ground] = [T::splat(self.rates[0].into()), T::splat(self.rates[1].into())];
+        let rate = T::select(zero.lt(lower[7]), between, on_ground);
+        // Nothing is borne by a wall, or by what impulses do not move, or where no point is near.
+        let stiffness = rate * points / responses;
+        let stiffness = T::select(slope.abs().lt(T::splat(LEAST_SLOPE)), zero, stiffness);
+        let stiffness = T::select(zero.lt(points * upper[7] * margin), stiffness, zero);
+        let s = [sum[0] * stiffness, sum[1] * stiffness, sum[2] * stiffness];
+        let [xx, yy, xy] = second_moments;
+        let total = stiffness * points;
+        let signed_total = T::select(zero.lt(slope), total, zero - total);
+        let signed_margin = T::select(two.lt(points), margin, zero - margin);
+        let second = [xx * stiffness, yy * stiffness, xy * stiffness];
+        let row = [signed_total, s[0], s[1], second[0], second[1], second[2], s[2], signed_margin];
+        T::store(row, &mut self.supports[i..]);
+    }
+}
+
+/// How points at these second moments from the centre of a body give way to impulses, summed.
+#[inline(always)]
+fn response<T: Tile>(body: &[T; 8], points: T, [xx, yy, xy]: [T; 3]) -> T {
+    body[3] * points + body[4] * yy + body[5] * xx - T::splat(2.0) * body[6] * xy
+}
+
+#[inline(always)]
+fn splat<T: Tile>(v: Vec3<Real>) -> Vec3<T> {
+    Vec3::new(T::splat(v.x.into()), T::splat(v.y.into()), T::splat(v.z.into()))
+}
+
 /// Orders supports by the slot of the upper body, keeping their order.
-fn order_by_upper(supports: &[Support], slots: usize, begins: &mut Vec<u32>, by_upper: &mut Vec<u32>) {
+fn order_by_upper(
+    (supports, contacts): (&[Eight], &[Contact]),
+    slots: usize,
+    begins: &mut Vec<u32>,
+    by_upper: &mut Vec<(u32, u32)>,
+) {
+    let pairs = || {
+        let all = supports.iter().zip(contacts).enumerate();
+        all.filter(|(_, (support, _))| support.0[0] != 0.0).map(|(index, (support, contact))| {
+            let [first, second] = contact.slots;
+            let (upper, lower) = if support.0[0] > 0.0 { (second, first) } else { (first, second) };
+            (upper as usize, (index as u32, lower))
+        })
+    };
     begins.clear();
     begins.resize(slots + 2, 0);
-    let upper = |support: &Support| Some(support.upper as usize).filter(|_| support.upper != NONE);
-    supports.iter().filter_map(upper).for_each(|upper| begins[upper + 2] += 1);
+    let mut count = 0;
+    for (upper, _) in pairs() {
+        begins[upper + 2] += 1;
+        count += 1;
+    }
     for slot in 2..begins.len() {
         begins[slot] += begins[slot - 1];
     }
     by_upper.clear();
-    by_upper.resize(supports.len(), 0);
-    for (index, upper) in supports.iter().enumerate().filter_map(|(index, it)| Some((index, upper(it)?))) {
+    by_upper.resize(count, (0, 0));
+    for (upper, support) in pairs() {
         let place = &mut begins[upper + 1];
-        by_upper[*place as usize] = index as u32;
+        by_upper[*place as usize] = support;
         *place += 1;
     }
 }
