@@ -354,11 +354,11 @@ fn totals_do_not_depend_on_threads_or_the_order_of_spawning() {
         let mut world = World::new();
         for id in ids {
             let entity = mixed_body(id).spawn(&mut world);
-            if id % 5 == 0 {
+            if id.is_multiple_of(5) {
                 let anchor = Vec3::new(1.0, id as Real * 1e-3, -1.0);
                 world.insert_one(entity, SpringToPoint { anchor, stiffness: 3.0, ..SpringToPoint::default() }).unwrap();
             }
-            if id % 7 == 0 {
+            if id.is_multiple_of(7) {
                 world.insert_one(entity, GravityMass::new(1e-3 * id as Real)).unwrap();
             }
         }

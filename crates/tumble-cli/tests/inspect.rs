@@ -125,7 +125,7 @@ fn parts_of_a_collider_are_listed_with_their_surfaces() {
         serde_json::json!({ "bodies": [ { "name": "a", "shape": shape, "collider": collider } ] }).to_string()
     };
     let listed = |collider: &serde_json::Value| {
-        place.write("scene.json", &scene(collider));
+        place.write("scene.json", scene(collider));
         json(&place, "scene.json", 0)["bodies"][0]["collider"].clone()
     };
     for (i, way) in ways.iter().enumerate() {

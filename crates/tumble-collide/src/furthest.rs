@@ -1,3 +1,5 @@
+use std::cmp::Ordering;
+
 use crate::convex::Vector;
 use crate::work;
 
@@ -92,7 +94,7 @@ impl Furthest {
             work::multiplied(2);
             for (most, half) in halves {
                 // What is not a number is gone through.
-                if !(most < best.0) {
+                if most.partial_cmp(&best.0) != Some(Ordering::Less) {
                     self.search(vectors, d, half, best);
                 }
             }
