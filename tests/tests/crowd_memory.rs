@@ -6,42 +6,14 @@
 
 #![allow(clippy::unwrap_used, reason = "a test without what it tests is to fail")]
 
-use std::alloc::{GlobalAlloc, Layout, System};
-use std::sync::atomic::{AtomicUsize, Ordering};
-
+use alloc_tracker::{Allocator, Session};
 use hecs::World;
 use tumble::math::{Quat, Real, Vec3};
 use tumble::prelude::*;
 use tumble_tests::touching::{collider, spawn};
 
-/// The system's, with the largest piece of memory that was asked for.
-struct Largest;
-
-static LARGEST: AtomicUsize = AtomicUsize::new(0);
-
-// SAFETY: all is handed on to the system's allocator as it came.
-#[allow(unsafe_code, reason = "an allocator cannot be written without")]
-unsafe impl GlobalAlloc for Largest {
-    unsafe fn alloc(&self, layout: Layout) -> *mut u8 {
-        LARGEST.fetch_max(layout.size(), Ordering::Relaxed);
-        // SAFETY: the caller's promise is the same.
-        unsafe { System.alloc(layout) }
-    }
-
-    unsafe fn dealloc(&self, pointer: *mut u8, layout: Layout) {
-        // SAFETY: the caller's promise is the same.
-        unsafe { System.dealloc(pointer, layout) }
-    }
-
-    unsafe fn realloc(&self, pointer: *mut u8, layout: Layout, size: usize) -> *mut u8 {
-        LARGEST.fetch_max(size, Ordering::Relaxed);
-        // SAFETY: the caller's promise is the same.
-        unsafe { System.realloc(pointer, layout, size) }
-    }
-}
-
 #[global_allocator]
-static ALLOCATOR: Largest = Largest;
+static ALLOCATOR: Allocator<std::alloc::System> = Allocator::system();
 
 /// Rods side by side, askew, so that the boxes around all of them meet and no two rods touch.
 fn rods(count: u64) -> World {
@@ -58,20 +30,23 @@ fn rods(count: u64) -> World {
     world
 }
 
-/// Lists of all pairs would have 8 bytes or more a pair in one piece: 64 MB and more of four thousand.
+/// Lists of all pairs, the broad phase's and those that come of it, are some hundred bytes a pair with what they grow through: nearly a gigabyte of four thousand.
 #[test]
 fn memory_goes_with_the_number() {
+    let session = Session::new();
     for count in [1000, 2000, 4000_u64] {
         let mut world = rods(count);
         let mut simulation = Simulation::new(Settings::default().with_gravity(Vec3::ZERO)).unwrap();
-        LARGEST.store(0, Ordering::Relaxed);
-        simulation.step(&mut world);
-        let largest = LARGEST.load(Ordering::Relaxed);
-        let left_out = simulation.pairs_left_out() as u64;
-        println!("{count} bodies: {largest} bytes at most in one piece, {left_out} pairs left out");
+        let counted = session.operation(count.to_string());
+        {
+            let _counting = counted.measure_process();
+            simulation.step(&mut world);
+        }
+        let (bytes, left_out) = (counted.total_bytes_allocated(), simulation.pairs_left_out() as u64);
+        println!("{count} bodies: {bytes} bytes, {left_out} pairs left out");
         let all = count * (count - 1) / 2;
         assert!(left_out < all && left_out >= all - 128 * count, "{left_out}");
-        // Twice 128 pairs a body, for a list that grows by doubling, of a dozen bytes each.
-        assert!(largest <= count as usize * 256 * 12, "{largest} bytes for {count}");
+        // 128 pairs a body in some lists of eight to twenty-four bytes each, twice over while they grow.
+        assert!(bytes <= count * 40_000, "{bytes} bytes for {count}");
     }
 }
