@@ -1,13 +1,14 @@
 //! What the ledger costs: a step that no ledger is attached to, one whose work is booked, and one whose ledger was taken away again.
 //!
-//! The first and the last are to cost the same; `cargo bench --bench ledger`.
+//! The first and the last are to cost the same; `cargo bench --bench ledger`. The group `measure` has what it takes to sum up energy and momentum
+//! beside a step of the same bodies: as they were spawned, and with numbers that scatter their order over memory.
 
 mod setup;
 
 use criterion::{BenchmarkId, Criterion, Throughput, criterion_group, criterion_main};
 use hecs::World;
-use tumble::{Integrator, Ledger, Settings, Simulation};
-use tumble_benches::tumbling_boxes;
+use tumble::{BodyId, BodyOrder, Integrator, Ledger, Settings, Simulation, measure};
+use tumble_benches::{mixed_moving_bodies, pool, tumbling_boxes};
 
 const BODIES: usize = 10_000;
 
@@ -35,9 +36,46 @@ fn ledger(criterion: &mut Criterion) {
     }
 }
 
+/// Numbers the bodies so that neighbours in order are far apart in memory.
+fn scattered(mut world: World) -> World {
+    let entities: Vec<_> = world.query_mut::<hecs::Entity>().into_iter().collect();
+    for (i, entity) in entities.into_iter().enumerate() {
+        // The factor is odd, so that no number comes twice.
+        let id = BodyId(u64::from((i as u32).wrapping_mul(0x9e37_79b1)));
+        let inserted = world.insert_one(entity, id);
+        debug_assert!(inserted.is_ok());
+    }
+    world
+}
+
+fn sums(criterion: &mut Criterion) {
+    let mut group = criterion.benchmark_group("measure");
+    group.throughput(Throughput::Elements(BODIES as u64));
+    let worlds = [
+        ("boxes", tumbling_boxes(BODIES)),
+        ("scattered-boxes", scattered(tumbling_boxes(BODIES))),
+        ("mixed", mixed_moving_bodies(BODIES)),
+    ];
+    for (name, mut world) in worlds {
+        let settings = Settings::default();
+        let Ok(mut simulation) = Simulation::new(settings) else { return };
+        let order = BodyOrder::of(&world);
+        for threads in [1, 2] {
+            let pool = pool(threads);
+            let label = format!("{name}/{threads}");
+            group.bench_function(BenchmarkId::new("sums", &label), |bencher| {
+                pool.install(|| bencher.iter(|| measure(&world, &settings, &order)));
+            });
+            group.bench_function(BenchmarkId::new("step", &label), |bencher| {
+                pool.install(|| bencher.iter(|| simulation.step(&mut world)));
+            });
+        }
+    }
+}
+
 criterion_group! {
     name = benches;
     config = setup::criterion();
-    targets = ledger
+    targets = ledger, sums
 }
 criterion_main!(benches);

@@ -1,4 +1,6 @@
-//! What every target does with its bytes: a file of that ending, opened in all the ways there are.
+//! What the targets do with their bytes: a file of that ending, opened in all the ways there are; or a pair of shapes.
+
+pub mod pairs;
 
 use std::fs;
 use std::path::PathBuf;

@@ -56,4 +56,7 @@ mod documents {
 
     #[doc = include_str!("../../docs/rollback.md")]
     struct Rollback;
+
+    #[doc = include_str!("../../docs/spinning.md")]
+    struct Spinning;
 }

@@ -18,9 +18,9 @@
 use hecs::World;
 use tumble::math::{PRECISION, Quat, Real, Vec3};
 use tumble::{
-    BodyId, BodyOrder, BodySlices, BodyState, Damping, ForceLaw, GravityScale, Inertia, Integrator, InverseInertia,
-    Mass, Momentum, Pose, PreviousPose, PrincipalAxes, Settings, Simulation, UnequalSlices, Velocity, Wrench,
-    accumulate_forces, integrate, measure, simd_name, update_derived,
+    BodyId, BodyOrder, BodySlices, BodyState, Damping, ForceLaw, GravityMass, GravityScale, Inertia, Integrator,
+    InverseInertia, Mass, Momentum, Pose, PreviousPose, PrincipalAxes, Settings, Simulation, SpringToPoint, Totals,
+    UnequalSlices, Velocity, Wrench, accumulate_forces, integrate, measure, simd_name, update_derived,
 };
 use tumble_benches::{mixed_bodies, mixed_body, mixed_moving_bodies, pool, tumbling_boxes};
 use tumble_tests::{hash, run, run_on_every_instruction_set};
@@ -345,18 +345,50 @@ fn substeps_are_shorter_steps() {
     }
 }
 
-/// Sums over bodies are taken in their order, so they have the same bits too.
+/// Sums over bodies are taken in their order, in blocks, so they have the same bits too, on any number of threads; and they are those of the bodies one by one.
 #[test]
-fn totals_do_not_depend_on_the_order_of_spawning() {
-    let mut backwards = World::new();
-    for id in (0..BODIES).rev() {
-        mixed_body(id).spawn(&mut backwards);
-    }
-    let forwards = mixed_bodies(BODIES as usize);
+fn totals_do_not_depend_on_threads_or_the_order_of_spawning() {
+    // Three blocks and a part of one; some with a component more, so that neighbours in order lie in different archetypes.
+    let count = 3500;
+    let world_of = |ids: &mut dyn Iterator<Item = u64>| {
+        let mut world = World::new();
+        for id in ids {
+            let entity = mixed_body(id).spawn(&mut world);
+            if id.is_multiple_of(5) {
+                let anchor = Vec3::new(1.0, id as Real * 1e-3, -1.0);
+                world.insert_one(entity, SpringToPoint { anchor, stiffness: 3.0, ..SpringToPoint::default() }).unwrap();
+            }
+            if id.is_multiple_of(7) {
+                world.insert_one(entity, GravityMass::new(1e-3 * id as Real)).unwrap();
+            }
+        }
+        world
+    };
+    let (forwards, backwards) = (world_of(&mut (0..count)), world_of(&mut (0..count).rev()));
     let settings = Settings::default();
-    let totals = |world: &World| measure(world, &settings, &BodyOrder::of(world));
-    assert_eq!(totals(&backwards), totals(&forwards));
-    assert!(totals(&forwards).rotational_kinetic > 0.0);
+    let order = BodyOrder::of(&forwards);
+    let alone = measure(&forwards, &settings, &order);
+    for threads in [1, 2, 7] {
+        for world in [&forwards, &backwards] {
+            let totals = pool(threads).install(|| measure(world, &settings, &BodyOrder::of(world)));
+            assert_eq!(totals, alone, "{threads} threads");
+        }
+    }
+    let mut sums = [0.0_f64; 4];
+    let mut sizes = [0.0_f64; 4];
+    for entity in order.entities() {
+        let body = Totals::of_body(forwards.entity(*entity).unwrap(), &settings);
+        let numbers = [body.linear_kinetic, body.rotational_kinetic, body.potential, body.angular_momentum.y];
+        for (i, number) in numbers.into_iter().enumerate() {
+            sums[i] += number;
+            sizes[i] += number.abs();
+        }
+    }
+    let numbers = [alone.linear_kinetic, alone.rotational_kinetic, alone.potential, alone.angular_momentum.y];
+    for i in 0..4 {
+        // A rounding for each addition.
+        assert!((sums[i] - numbers[i]).abs() <= count as f64 * f64::EPSILON * sizes[i] && sizes[i] > 0.0, "{i}");
+    }
 }
 
 /// One bit of one body changes the hash.

@@ -5,7 +5,9 @@ use std::io::Write as _;
 use std::path::Path;
 
 use tumble::MeshAudit;
-use tumble_scene::{Audit, AuditedBody, MeshOptions, MeshRepairs, PendingFile, printable, printable_json};
+use tumble_scene::{
+    Audit, AuditedBody, AuditedCollider, MeshOptions, MeshRepairs, PendingFile, printable, printable_json,
+};
 
 use crate::ending::check_ending;
 use crate::failure::Failure;
@@ -111,7 +113,11 @@ fn people(body: &AuditedBody) -> Result<String, Failure> {
         line("force", &serde_json::to_string(force).map_err(|error| unwritten(&error))?);
     }
     if let Some(collider) = &body.collider {
-        line("collider", &serde_json::to_string(collider).map_err(|error| unwritten(&error))?);
+        let written = |one: &AuditedCollider| serde_json::to_string(one).map_err(|error| unwritten(&error));
+        line("collider", &written(&AuditedCollider { parts: Vec::new(), ..collider.clone() })?);
+        for (index, part) in collider.parts.iter().enumerate() {
+            line(&format!("collider part {index}"), &written(part)?);
+        }
     }
     for problem in &body.problems {
         line("PROBLEM", problem);

@@ -113,6 +113,43 @@ fn forces_are_listed_with_all_their_numbers() {
     assert!(text.lines().any(|line| line == drag), "{text}");
 }
 
+/// What is listed of a compound's parts makes the same collider again, and people see a line for each.
+#[test]
+fn parts_of_a_collider_are_listed_with_their_surfaces() {
+    let place = Place::new();
+    let ways = ["average", "minimum", "maximum", "multiply"];
+    let scene = |collider: &serde_json::Value| {
+        let part =
+            |x: f64| serde_json::json!({ "shape": { "sphere": { "radius": 0.5 } }, "mass": 1, "position": [x, 0, 0] });
+        let shape = serde_json::json!({ "compound": { "parts": [part(0.0), part(1.0), part(2.0)] } });
+        serde_json::json!({ "bodies": [ { "name": "a", "shape": shape, "collider": collider } ] }).to_string()
+    };
+    let listed = |collider: &serde_json::Value| {
+        place.write("scene.json", scene(collider));
+        json(&place, "scene.json", 0)["bodies"][0]["collider"].clone()
+    };
+    for (i, way) in ways.iter().enumerate() {
+        // Eighths and quarters are written as they are in either precision.
+        let part = |k: usize| {
+            serde_json::json!({
+                "static_friction": 0.5 + 0.125 * (i + k) as f64, "dynamic_friction": 0.25, "restitution": 0.125 * k as f64,
+                "rolling_friction": 0.25 * i as f64, "friction_combine": way, "restitution_combine": ways[k],
+                "groups": [i, k + 4], "touches": [k],
+            })
+        };
+        let parts = [part(0), part(1), part(2)];
+        let found = listed(&serde_json::json!({ "friction": 0.75, "parts": parts }));
+        assert_eq!(found["parts"], serde_json::json!(parts));
+        assert_eq!(listed(&found), found, "what is listed is not what a scene could have said");
+        let text = place.succeed(&["inspect", "scene.json"]);
+        let lines: Vec<_> = text.lines().filter(|line| line.trim_start().starts_with("collider part ")).collect();
+        assert_eq!(lines.len(), 3, "{text}");
+        assert!(lines[2].contains(&format!("\"static_friction\":{}", 0.75 + 0.125 * i as f64)), "{text}");
+    }
+    let plain = listed(&serde_json::json!({ "friction": 0.75 }));
+    assert_eq!(plain.get("parts"), None);
+}
+
 #[test]
 fn every_built_in_can_be_inspected() {
     let place = Place::new();

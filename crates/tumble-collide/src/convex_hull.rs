@@ -2,11 +2,12 @@ use tumble_math::{HullError, convex_hull};
 
 use crate::convex::{Vector, unit};
 use crate::feature::{Feature, MOST_CORNERS};
+use crate::furthest::Furthest;
 
 /// The convex hull of points, made to be touched: its corners and its flat faces, in its own frame.
 ///
 /// Faces that lie in one plane, within a thousandth of a degree, are one. A face of more than sixteen corners touches with sixteen of them. Finding out how far it reaches in
-/// a direction looks at every corner, so a hull of some dozens is quick and one of thousands is not.
+/// a direction looks at a number of corners that grows as the root of how many there are.
 ///
 /// ```
 /// use tumble_collide::ConvexHull;
@@ -21,7 +22,11 @@ use crate::feature::{Feature, MOST_CORNERS};
 #[derive(Clone, Debug, PartialEq)]
 pub struct ConvexHull {
     points: Vec<Vector>,
+    furthest_points: Furthest,
     faces: Vec<Face>,
+    /// Of the faces, by place.
+    normals: Vec<Vector>,
+    furthest_normals: Furthest,
     /// The corners of all faces, one after the other.
     corners: Vec<u32>,
     middle: Vector,
@@ -31,7 +36,6 @@ pub struct ConvexHull {
 /// Counter-clockwise as seen from outside.
 #[derive(Clone, Debug, PartialEq)]
 struct Face {
-    normal: Vector,
     from: usize,
     to: usize,
 }
@@ -54,8 +58,18 @@ impl ConvexHull {
         let sum = points.iter().fold(Vector::zero(), |sum, point| sum + *point);
         let middle = sum * (1.0 / points.len() as f64);
         let reach = points.iter().fold(0.0, |reach, point| f64::max(reach, point.dot(*point))).sqrt();
-        let mut this = Self { points, faces: Vec::new(), corners: Vec::new(), middle, reach };
+        let mut this = Self {
+            furthest_points: Furthest::new(&points),
+            points,
+            faces: Vec::new(),
+            normals: Vec::new(),
+            furthest_normals: Furthest::default(),
+            corners: Vec::new(),
+            middle,
+            reach,
+        };
         this.join_faces(mesh.triangles());
+        this.furthest_normals = Furthest::new(&this.normals);
         Ok(this)
     }
 
@@ -122,39 +136,28 @@ impl ConvexHull {
             }
             let from = self.corners.len();
             self.corners.extend(around(outline));
-            self.faces.push(Face { normal: normals[seed], from, to: self.corners.len() });
+            self.faces.push(Face { from, to: self.corners.len() });
+            self.normals.push(normals[seed]);
         }
     }
 
     pub(crate) fn support(&self, d: Vector) -> Vector {
-        let mut best = (f64::NEG_INFINITY, Vector::zero());
-        for point in &self.points {
-            let along = point.dot(d);
-            if along > best.0 {
-                best = (along, *point);
-            }
-        }
-        best.1
+        self.furthest_points.find(&self.points, d).map_or(Vector::zero(), |place| self.points[place])
     }
 
-    /// The face that looks most in a direction.
-    fn face(&self, d: Vector) -> Option<&Face> {
-        let mut best: Option<(f64, &Face)> = None;
-        for face in &self.faces {
-            let along = face.normal.dot(d);
-            if best.is_none_or(|(most, _)| along > most) {
-                best = Some((along, face));
-            }
-        }
-        best.map(|(_, face)| face)
+    /// The place of the face that looks most in a direction.
+    fn face(&self, d: Vector) -> Option<usize> {
+        let first = if self.normals.is_empty() { None } else { Some(0) };
+        self.furthest_normals.find(&self.normals, d).or(first)
     }
 
     pub(crate) fn face_normal(&self, d: Vector) -> Vector {
-        self.face(d).map_or(d, |face| face.normal)
+        self.face(d).map_or(d, |face| self.normals[face])
     }
 
     pub(crate) fn feature(&self, d: Vector) -> Feature<f64> {
-        let Some(face) = self.face(d) else { return Feature::point(self.support(d)) };
+        let Some(place) = self.face(d) else { return Feature::point(self.support(d)) };
+        let (face, normal) = (&self.faces[place], self.normals[place]);
         let corners = &self.corners[face.from..face.to];
         let most = corners.len().min(MOST_CORNERS);
         let along = |place: usize| self.points[corners[place] as usize].dot(d);
@@ -175,7 +178,7 @@ impl ConvexHull {
             places[before] = furthest;
         }
         let chosen = places.iter().take(most).map(|place| corners[*place]);
-        Feature::new(chosen.map(|corner| (self.points[corner as usize], corner)), face.normal)
+        Feature::new(chosen.map(|corner| (self.points[corner as usize], corner)), normal)
     }
 
     pub(crate) fn middle(&self) -> Vector {

@@ -30,6 +30,7 @@ mod cuboids;
 mod epa;
 mod feature;
 mod frustum;
+mod furthest;
 mod geometry;
 mod gjk;
 mod half_space;
@@ -60,6 +61,8 @@ pub use height_field::{HeightField, HeightFieldError};
 pub use manifold::{ContactPoint, MOST_POINTS, Manifold};
 pub use mesh::Mesh;
 pub use scalar::Scalar;
+#[cfg(feature = "count-work")]
+pub use work::work_done;
 
 /// The snippet of the README, run as a doctest.
 #[cfg(doctest)]

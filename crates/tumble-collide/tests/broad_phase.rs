@@ -115,10 +115,12 @@ fn all_near<R: Scalar>(proxies: &[Proxy<R>]) -> Vec<(u32, u32)> {
 fn check<R: Scalar>(start: &[Object], events: &[Event]) -> Result<(), TestCaseError> {
     let mut objects = start.to_vec();
     let mut broad_phase = BroadPhase::<R>::default();
+    let mut limited = BroadPhase::<R>::default();
     for (step, event) in std::iter::once(&Event::Tremble).chain(events).enumerate() {
         happen(event, &mut objects);
         if matches!(event, Event::Begin { reset: true, .. }) {
             broad_phase.reset();
+            limited.reset();
         }
         let proxies: Vec<Proxy<R>> = objects.iter().map(proxy).collect();
         let found = broad_phase.update(&proxies, wanted).to_vec();
@@ -131,8 +133,29 @@ fn check<R: Scalar>(start: &[Object], events: &[Event]) -> Result<(), TestCaseEr
         let mut near = found;
         near.retain(|(a, b)| proxies[*a as usize].is_near(&proxies[*b as usize]));
         prop_assert_eq!(near, all_near(&proxies), "step {}", step);
+        let most = 40 * (step % 3);
+        let mut near = match limited.update_within(&proxies, most, wanted) {
+            Some(found) => {
+                let with_end = found.iter().filter(|(a, b)| !endless(&proxies, *a) && !endless(&proxies, *b)).count();
+                prop_assert!(with_end <= most, "{} of {}", with_end, most);
+                found.to_vec()
+            }
+            None => {
+                let mut found = Vec::new();
+                limited.for_each_pair(&proxies, wanted, |a, b| found.push((a, b)));
+                found.sort_unstable();
+                prop_assert!(found.is_sorted_by(|a, b| a < b), "step {}: twice: {:?}", step, found);
+                found
+            }
+        };
+        near.retain(|(a, b)| proxies[*a as usize].is_near(&proxies[*b as usize]));
+        prop_assert_eq!(near, all_near(&proxies), "step {}, at most {}", step, most);
     }
     Ok(())
+}
+
+fn endless<R>(proxies: &[Proxy<R>], index: u32) -> bool {
+    proxies[index as usize].bounds.is_none()
 }
 
 proptest! {

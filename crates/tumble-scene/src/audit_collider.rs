@@ -1,6 +1,6 @@
 use serde::{Serialize, Serializer};
 use tumble::math::Real;
-use tumble::{Collider, Combine};
+use tumble::{Collider, Combine, Material};
 
 /// The surface and the groups of a body's collider: written as JSON it is what a scene could have said.
 ///
@@ -34,11 +34,20 @@ pub struct AuditedCollider {
     /// Numbers of the groups that it touches; left out of JSON where it touches all.
     #[serde(skip_serializing_if = "are_all")]
     pub touches: Vec<u32>,
+    /// Of a compound whose parts have surfaces of their own, each of them in order, but for points; left out of JSON where there are none.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub parts: Vec<AuditedCollider>,
 }
 
 impl AuditedCollider {
     pub(crate) fn of(collider: &Collider) -> Self {
-        let (material, (membership, filter)) = (collider.material(), collider.groups());
+        let parts: Vec<Self> = collider.materials().zip(collider.groups_of_parts()).map(Self::of_surface).collect();
+        // Of one surface, the part is the whole.
+        let parts = if parts.len() > 1 { parts } else { Vec::new() };
+        Self { parts, ..Self::of_surface((collider.material(), collider.groups())) }
+    }
+
+    fn of_surface((material, (membership, filter)): (&Material, (u32, u32))) -> Self {
         let numbers = |bits: u32| (0..u32::BITS).filter(|group| bits >> group & 1 == 1).collect();
         Self {
             static_friction: material.static_friction,
@@ -49,6 +58,7 @@ impl AuditedCollider {
             restitution_combine: material.restitution_combine,
             groups: numbers(membership),
             touches: numbers(filter),
+            parts: Vec::new(),
         }
     }
 }

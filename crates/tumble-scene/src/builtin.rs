@@ -9,15 +9,17 @@ use crate::parse::{Format, parse};
 pub(crate) const STRESS: &str = "stress";
 
 /// Scenes, each with the source of its figures in the file.
-const FILES: [(&str, &str); 9] = [
+const FILES: [(&str, &str); 11] = [
     ("drake-cylinder", include_str!("../scenes/drake-cylinder.json")),
     ("iss", include_str!("../scenes/iss.json")),
     ("mujoco-box", include_str!("../scenes/mujoco-box.json")),
     ("raft", include_str!("../scenes/raft.json")),
     ("satellite", include_str!("../scenes/satellite.json")),
+    ("skater", include_str!("../scenes/skater.json")),
     ("solar-system", include_str!("../scenes/solar-system.json")),
     ("t-handle", include_str!("../scenes/t-handle.json")),
     ("van-zon-top", include_str!("../scenes/van-zon-top.json")),
+    ("weighted-sphere", include_str!("../scenes/weighted-sphere.json")),
     ("windy-day", include_str!("../scenes/windy-day.json")),
 ];
 
@@ -62,7 +64,7 @@ mod tests {
     fn the_names_are_sorted_and_complete() {
         let names: Vec<_> = builtin_names().collect();
         let known = "bowling cradle dominoes drake-cylinder drum hills iss mujoco-box pile pyramid raft satellite \
-                     solar-system spheres stress t-handle van-zon-top wall windy-day";
+                     skater solar-system spheres stress t-handle van-zon-top wall weighted-sphere windy-day";
         assert_eq!(names.join(" "), known);
     }
 }

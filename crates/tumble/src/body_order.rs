@@ -1,6 +1,11 @@
 use hecs::{Entity, World};
+use rayon::prelude::*;
 
 use crate::components::{BodyId, Mass, Momentum, Pose};
+use crate::threads::InParts;
+
+/// Bodies whose sums are taken in one go. Where a block ends decides the last bits of sums, so it depends on nothing.
+const BLOCK: usize = 1024;
 
 /// The bodies of a world in an order that does not depend on how they lie in memory: by [`BodyId`], and after them, by entity, those
 /// without one. A body is an entity with a [`Pose`].
@@ -44,6 +49,11 @@ impl BodyOrder {
     /// The bodies, in order.
     pub fn entities(&self) -> &[Entity] {
         &self.entities
+    }
+
+    /// What is made of each block of bodies, in order; in parallel within a pool.
+    pub(crate) fn in_blocks<T: Send>(&self, of_block: impl Fn(&[Entity]) -> T + Sync) -> Vec<T> {
+        self.entities.par_chunks(BLOCK).by_at_least(1).map(&of_block).collect()
     }
 
     /// How many there are.

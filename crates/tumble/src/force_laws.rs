@@ -48,22 +48,37 @@ pub struct ForceLaws {
 
 /// Declares the laws that are known without being added, each evaluated in lanes.
 macro_rules! known {
-    ($($Law:ident: $numbers:literal),+ $(,)?) => {
+    ($($law:ident: $Law:ident, $numbers:literal);+ $(;)?) => {
         static KNOWN: &[&dyn Source] = &[$(&OfComponent::<InLanes<$Law, $numbers>>(PhantomData)),+];
 
         const KNOWN_NAMES: &[&str] = &[$(stringify!($Law)),+];
+
+        /// The force components of a body, but for those between bodies.
+        pub(crate) type KnownLaws<'a> = ($(Option<&'a $Law>,)+);
+
+        /// Whether there is one.
+        pub(crate) fn is_any(($($law,)+): &KnownLaws<'_>) -> bool {
+            $($law.is_some())||+
+        }
+
+        /// The potential energy \[J\] of one body in them.
+        pub(crate) fn potential(($($law,)+): &KnownLaws<'_>, state: &BodyState<'_>) -> f64 {
+            let mut sum = 0.0;
+            $(sum += $law.map_or(0.0, |law| LaneLaw::<$numbers>::potential(law, state));)+
+            sum
+        }
     };
 }
 
 known! {
-    Drag: 6,
-    Magnus: 1,
-    Thruster: 6,
-    ConstantWrench: 7,
-    SpringToPoint: 9,
-    PointGravity: 5,
-    Buoyancy: 9,
-    AngularVelocityServo: 5,
+    drag: Drag, 6;
+    magnus: Magnus, 1;
+    thruster: Thruster, 6;
+    constant_wrench: ConstantWrench, 7;
+    spring_to_point: SpringToPoint, 9;
+    point_gravity: PointGravity, 5;
+    buoyancy: Buoyancy, 9;
+    servo: AngularVelocityServo, 5;
 }
 
 /// Kinds of forces between bodies; they are no laws of one body, but have accounts like them.
@@ -187,6 +202,11 @@ impl ForceLaws {
         self.added.iter().map(|source| source.name())
     }
 
+    /// Whether none was added.
+    pub(crate) fn is_empty(&self) -> bool {
+        self.added.is_empty()
+    }
+
     /// Whether there is a body in the world on which a law may act.
     pub(crate) fn act_in(&self, world: &World) -> bool {
         world.archetypes().any(|archetype| !archetype.is_empty() && self.may_act_on(archetype))
@@ -226,11 +246,6 @@ impl ForceLaws {
         let mut sum = Wrench::default();
         self.added.iter().for_each(|source| sum.add(source.wrench(body, state)));
         sum
-    }
-
-    /// The potential energy \[J\] of one body in its force components, but for those between bodies.
-    pub(crate) fn potential_of_components(body: EntityRef<'_>, state: &BodyState<'_>) -> f64 {
-        KNOWN.iter().map(|source| source.potential(body, state)).sum()
     }
 }
 

@@ -4,7 +4,7 @@ use crate::body_order::BodyOrder;
 use crate::components::{Mass, Momentum, Pose, Work, Wrench};
 use crate::force_law::BodyState;
 use crate::simulation::Simulation;
-use crate::state::moving_body;
+use crate::state::{State, moving_body};
 use crate::surroundings::Surroundings;
 use crate::totals::{Totals, measure};
 
@@ -122,19 +122,8 @@ impl Ledger {
 
     /// Makes an entry of how things stand now.
     pub fn record(&mut self, world: &World, simulation: &Simulation) -> LedgerEntry {
-        let mut work = Work::default();
-        let mut law_potential = 0.0;
-        for body in self.order.entities().iter().filter_map(|&entity| world.entity(entity).ok()) {
-            // A body that is not finite is named in the totals and left out of all sums.
-            if let Some((constants, state)) = moving_body(body).filter(|(_, state)| state.is_finite()) {
-                if let Some(done) = body.get::<&Work>() {
-                    work += *done;
-                }
-                let surroundings = Surroundings::of_body(body, simulation.settings());
-                let seen = BodyState::new((simulation.time(), 0.0), (&constants, &surroundings), &state);
-                law_potential += simulation.laws().potential(body, &seen);
-            }
-        }
+        let work = self.work(world);
+        let law_potential = self.law_potential(world, simulation);
         let totals = measure(world, simulation.settings(), &self.order);
         let first = self.entries.first().filter(|_| self.keeps_work);
         let entry = LedgerEntry {
@@ -147,6 +136,40 @@ impl Ledger {
         };
         self.entries.push(entry);
         entry
+    }
+
+    /// The work on all bodies; one that is not finite is named in the totals and left out of all sums.
+    fn work(&self, world: &World) -> Work {
+        let mut query = world.query::<(&Pose, &Momentum, &Mass, &Work)>();
+        let bodies = query.view();
+        let blocks = self.order.in_blocks(|block| {
+            let mut sum = Work::default();
+            for (pose, momentum, _, work) in block.iter().filter_map(|&entity| bodies.get(entity)) {
+                if State::new(pose, momentum).is_finite() {
+                    sum += *work;
+                }
+            }
+            sum
+        });
+        let mut sum = Work::default();
+        blocks.into_iter().for_each(|block| sum += block);
+        sum
+    }
+
+    /// The energy \[J\] in the laws that were added.
+    fn law_potential(&self, world: &World, simulation: &Simulation) -> f64 {
+        let mut sum = 0.0;
+        if simulation.laws().is_empty() {
+            return sum;
+        }
+        for body in self.order.entities().iter().filter_map(|&entity| world.entity(entity).ok()) {
+            if let Some((constants, state)) = moving_body(body).filter(|(_, state)| state.is_finite()) {
+                let surroundings = Surroundings::of_body(body, simulation.settings());
+                let seen = BodyState::new((simulation.time(), 0.0), (&constants, &surroundings), &state);
+                sum += simulation.laws().potential(body, &seen);
+            }
+        }
+        sum
     }
 
     /// All entries, the first from when the ledger was attached.

@@ -57,6 +57,11 @@ impl Effort {
         Self(f64::from(world.len()) * each)
     }
 
+    /// Of sums over so many bodies, which take about as long as a step of them.
+    pub(crate) fn of_sums(bodies: usize) -> Self {
+        Self(bodies as f64 * BODY)
+    }
+
     /// Does it within the rayon pool that is the caller's where it is worth it, and otherwise where the caller is.
     pub(crate) fn run<R: Send>(self, work: impl FnOnce() -> R + Send) -> R {
         if self < LEAST || are_shared() || rayon::current_num_threads() < 2 {

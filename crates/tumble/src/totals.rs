@@ -2,14 +2,23 @@ use glam::DVec3;
 use hecs::{Entity, EntityRef, World};
 
 use crate::body_order::BodyOrder;
-use crate::components::GravityScale;
+use crate::components::{GravityScale, Inertia, Mass, Momentum, Pose, PrincipalAxes};
 use crate::force_law::BodyState;
-use crate::force_laws::ForceLaws;
+use crate::force_laws::{self, KnownLaws};
+use crate::generators::Wind;
 use crate::math::{Real, double, double_quat, dvec3};
 use crate::pairs;
 use crate::settings::Settings;
-use crate::state::{Constants, State, moving_body};
+use crate::state::{Constants, Moments, State};
 use crate::surroundings::Surroundings;
+use crate::threads::Effort;
+
+/// What the sums need of a moving body.
+type Measured<'a> = (
+    (&'a Pose, &'a Momentum, &'a Mass),
+    (Option<&'a Inertia>, Option<&'a PrincipalAxes>, Option<&'a GravityScale>, Option<&'a Wind>),
+    KnownLaws<'a>,
+);
 
 /// What a system of bodies has in all, in double precision. Only bodies with momentum count.
 ///
@@ -54,7 +63,9 @@ impl Totals {
     /// ```
     pub fn of_body(body: EntityRef<'_>, settings: &Settings) -> Self {
         let mut totals = Self::default();
-        totals.add(body, settings);
+        if let Ok(measured) = body.query::<Measured<'_>>().get() {
+            totals.add((body.entity(), measured), &Surroundings::new(settings));
+        }
         totals
     }
 
@@ -73,23 +84,39 @@ impl Totals {
         self.potential + self.force_potential
     }
 
-    fn add(&mut self, body: EntityRef<'_>, settings: &Settings) {
-        let Some((constants, state)) = moving_body(body) else { return };
-        let (position, linear, angular) = (double(state.position), double(state.linear), double(state.angular));
+    fn add(&mut self, (entity, (moving, own, laws)): (Entity, Measured<'_>), around: &Surroundings) {
+        let ((pose, momentum, mass), (inertia, axes, scale, wind)) = (moving, own);
+        let state = State::new(pose, momentum);
         if !state.is_finite() {
-            self.non_finite = self.non_finite.or(Some(body.entity()));
+            self.non_finite = self.non_finite.or(Some(entity));
             return;
         }
+        let inertia = inertia.map(|inertia| Moments::new(inertia, axes));
+        let constants = Constants { mass: mass.kilograms(), inertia, damping: None };
+        let (position, linear, angular) = (double(state.position), double(state.linear), double(state.angular));
         let kinetic = KineticEnergy::of(&constants, &state);
         self.linear_kinetic += kinetic.linear;
         self.rotational_kinetic += kinetic.rotational;
-        let scale = body.get::<&GravityScale>().map_or(1.0, |scale| f64::from(scale.0));
-        self.potential -= f64::from(constants.mass) * scale * dvec3(settings.gravity).dot(position);
-        let surroundings = Surroundings::of_body(body, settings);
-        let seen = BodyState::new((0.0, 0.0), (&constants, &surroundings), &state);
-        self.force_potential += ForceLaws::potential_of_components(body, &seen);
+        let scale = scale.map_or(1.0, |scale| f64::from(scale.0));
+        self.potential -= f64::from(constants.mass) * scale * dvec3(around.gravity).dot(position);
+        if force_laws::is_any(&laws) {
+            let surroundings = Surroundings { wind: wind.map_or(around.wind, |wind| wind.0), ..*around };
+            let seen = BodyState::new((0.0, 0.0), (&constants, &surroundings), &state);
+            self.force_potential += force_laws::potential(&laws, &seen);
+        }
         self.linear_momentum += linear;
         self.angular_momentum += position.cross(linear) + angular;
+    }
+
+    /// Adds the sums over bodies that come later in order.
+    fn append(&mut self, later: &Self) {
+        self.linear_kinetic += later.linear_kinetic;
+        self.rotational_kinetic += later.rotational_kinetic;
+        self.potential += later.potential;
+        self.force_potential += later.force_potential;
+        self.linear_momentum += later.linear_momentum;
+        self.angular_momentum += later.angular_momentum;
+        self.non_finite = self.non_finite.or(later.non_finite);
     }
 }
 
@@ -118,8 +145,8 @@ impl KineticEnergy {
     }
 }
 
-/// Sums up energy and momentum of the moving bodies, one after the other in the given order, so that the sums have the same bits for
-/// any number of threads.
+/// Sums up energy and momentum of the moving bodies in the given order: one after the other in blocks of a thousand, which are shared among threads, and then
+/// block after block. So the sums have the same bits for any number of threads and wherever the bodies lie.
 ///
 /// ```
 /// # use tumble::prelude::*;
@@ -131,10 +158,22 @@ impl KineticEnergy {
 /// # Ok::<(), tumble::BodyError>(())
 /// ```
 pub fn measure(world: &World, settings: &Settings, order: &BodyOrder) -> Totals {
-    let mut totals = Totals::default();
-    for body in order.entities().iter().filter_map(|&entity| world.entity(entity).ok()) {
-        totals.add(body, settings);
-    }
-    totals.force_potential += pairs::potential(world, order);
-    totals
+    Effort::of_sums(order.len()).run(|| {
+        let around = Surroundings::new(settings);
+        let mut query = world.query::<Measured<'_>>();
+        let bodies = query.view();
+        let blocks = order.in_blocks(|block| {
+            let mut totals = Totals::default();
+            for &entity in block {
+                if let Some(measured) = bodies.get(entity) {
+                    totals.add((entity, measured), &around);
+                }
+            }
+            totals
+        });
+        let mut totals = Totals::default();
+        blocks.iter().for_each(|block| totals.append(block));
+        totals.force_potential += pairs::potential(world, order);
+        totals
+    })
 }

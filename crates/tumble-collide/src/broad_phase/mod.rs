@@ -90,20 +90,72 @@ impl<R: Scalar> BroadPhase<R> {
     /// [is near](Proxy::is_near). Whether a pair is `wanted` is asked when it is found and then taken as known: call [`reset`](Self::reset)
     /// when the answers are others. Objects may move, or be replaced by others of the same index, as they like.
     pub fn update(&mut self, proxies: &[Proxy<R>], wanted: impl Fn(u32, u32) -> bool) -> &[(u32, u32)] {
+        self.update_within(proxies, usize::MAX, wanted).unwrap_or_default()
+    }
+
+    /// The same, unless more than `most` pairs of objects that have an end are found: then there is no list, and nothing is known any longer. So a crowd takes no
+    /// memory with the square of its number; [`for_each_pair`](Self::for_each_pair) goes through its pairs.
+    ///
+    /// ```
+    /// # use tumble_collide::{Bounds, BroadPhase, Proxy};
+    /// # use tumble_math::lane::Vec3;
+    /// let unit = Proxy { bounds: Some(Bounds::about(Vec3::zero(), Vec3::splat(0.5))), moves: true };
+    /// let mut broad_phase = BroadPhase::<f64>::default();
+    /// assert_eq!(broad_phase.update_within(&[unit; 100], 1000, |_, _| true), None);
+    /// let mut count = 0;
+    /// broad_phase.for_each_pair(&[unit; 100], |_, _| true, |_, _| count += 1);
+    /// assert_eq!(count, 4950);
+    /// ```
+    pub fn update_within(
+        &mut self,
+        proxies: &[Proxy<R>],
+        most: usize,
+        wanted: impl Fn(u32, u32) -> bool,
+    ) -> Option<&[(u32, u32)]> {
         self.fat.advance();
         let known = self.kinds.len() == proxies.len();
         if !known || !self.kinds.iter().zip(proxies).all(|(kind, proxy)| *kind == Kind::of(proxy)) {
             self.begin(proxies, &wanted);
-            self.search(Search::All, &wanted);
-            return self.pairs();
+            let is_complete = self.search(Search::All, most, &wanted);
+            return self.kept(is_complete);
         }
         self.left.clear();
         self.fat.find_left(proxies, &mut self.left);
-        if !self.left.is_empty() {
+        let is_complete = if self.left.is_empty() {
+            self.near.pairs().len() <= most
+        } else {
             let search = self.follow(proxies);
-            self.search(search, &wanted);
+            self.search(search, most, &wanted)
+        };
+        self.kept(is_complete)
+    }
+
+    /// The pairs, or none, and then nothing is known.
+    fn kept(&mut self, is_complete: bool) -> Option<&[(u32, u32)]> {
+        if !is_complete {
+            self.reset();
         }
-        self.pairs()
+        is_complete.then(|| self.pairs())
+    }
+
+    /// Calls `then` with the pairs that [`update`](Self::update) would list, in any order, and keeps nothing of them.
+    pub fn for_each_pair(
+        &mut self,
+        proxies: &[Proxy<R>],
+        wanted: impl Fn(u32, u32) -> bool,
+        mut then: impl FnMut(u32, u32),
+    ) {
+        self.fat.advance();
+        self.begin(proxies, &wanted);
+        for leaf in 0..self.moving.leaves() {
+            self.search_leaf(leaf, Search::All);
+            let Self { kinds, near, .. } = self;
+            near.found().retain(|pair| is_wanted(kinds, pair, &wanted));
+            near.found().pairs().iter().for_each(|pair| then(pair.0, pair.1));
+            near.found().clear();
+        }
+        self.endless.iter().for_each(|pair| then(pair.0, pair.1));
+        self.reset();
     }
 
     /// What [`update`](Self::update) found the last time.
@@ -215,37 +267,56 @@ impl<R: Scalar> BroadPhase<R> {
         }
     }
 
-    fn search(&mut self, search: Search, wanted: &impl Fn(u32, u32) -> bool) {
-        let Self { kinds, moving, still, stirred, stirred_objects, near, stack, met, .. } = self;
-        let found = near.found();
+    /// Whether there are no more than `most` pairs of objects with an end.
+    fn search(&mut self, search: Search, most: usize, wanted: &impl Fn(u32, u32) -> bool) -> bool {
         let all = search == Search::All;
-        for leaf in (0..moving.leaves()).filter(|leaf| all || stirred[*leaf]) {
-            let around = moving.leaf(leaf).union();
-            met.clear();
-            moving.find(&around, if all { leaf } else { 0 }, stack, met);
-            for other in met.iter().map(|other| *other as usize) {
-                // Of two leaves that both look for each other the first one does.
-                if other == leaf {
-                    moving.pairs_within(leaf, found);
-                } else if all || other > leaf || !stirred[other] {
-                    moving.pairs_between((leaf, &around), (moving, other), found);
-                }
+        let mut check_at = most;
+        for leaf in 0..self.moving.leaves() {
+            if !all && !self.stirred[leaf] {
+                continue;
             }
-            met.clear();
-            still.find(&around, 0, stack, met);
-            for other in &*met {
-                moving.pairs_between((leaf, &around), (still, *other as usize), found);
+            self.search_leaf(leaf, search);
+            if self.near.found().len() > check_at {
+                let Self { kinds, near, .. } = self;
+                near.found().retain(|pair| is_wanted(kinds, pair, wanted));
+                if near.found().len() > most {
+                    return false;
+                }
+                // Each time at least as many are found as are gone through again.
+                check_at = most.saturating_add(near.found().len());
             }
         }
-        found.retain(|(first, second)| {
-            (kinds[first as usize].moves || kinds[second as usize].moves) && wanted(first, second)
-        });
+        let Self { kinds, near, .. } = self;
+        near.found().retain(|pair| is_wanted(kinds, pair, wanted));
         if all {
             near.replace_all(kinds.len());
         } else {
-            near.replace(stirred_objects);
+            near.replace(&self.stirred_objects);
         }
         self.merge_endless();
+        self.near.pairs().len() <= most
+    }
+
+    /// Adds the pairs of a leaf's objects to those found.
+    fn search_leaf(&mut self, leaf: usize, search: Search) {
+        let Self { moving, still, stirred, near, stack, met, .. } = self;
+        let (found, all) = (near.found(), search == Search::All);
+        let around = moving.leaf(leaf).union();
+        met.clear();
+        moving.find(&around, if all { leaf } else { 0 }, stack, met);
+        for other in met.iter().map(|other| *other as usize) {
+            // Of two leaves that both look for each other the first one does.
+            if other == leaf {
+                moving.pairs_within(leaf, found);
+            } else if all || other > leaf || !stirred[other] {
+                moving.pairs_between((leaf, &around), (moving, other), found);
+            }
+        }
+        met.clear();
+        still.find(&around, 0, stack, met);
+        for other in &*met {
+            moving.pairs_between((leaf, &around), (still, *other as usize), found);
+        }
     }
 
     fn merge_endless(&mut self) {
@@ -254,4 +325,9 @@ impl<R: Scalar> BroadPhase<R> {
         }
         merge(self.near.pairs(), &self.endless, &mut self.all);
     }
+}
+
+/// Whether one of two objects can be moved, and the caller wants the pair.
+fn is_wanted(kinds: &[Kind], (first, second): Pair, wanted: &impl Fn(u32, u32) -> bool) -> bool {
+    (kinds[first as usize].moves || kinds[second as usize].moves) && wanted(first, second)
 }

@@ -27,6 +27,18 @@ impl Found {
         }
     }
 
+    pub(super) fn len(&self) -> usize {
+        self.count
+    }
+
+    pub(super) fn pairs(&self) -> &[Pair] {
+        &self.pairs[..self.count]
+    }
+
+    pub(super) fn clear(&mut self) {
+        self.count = 0;
+    }
+
     /// Leaves out those that are not wanted.
     pub(super) fn retain(&mut self, wanted: impl Fn(Pair) -> bool) {
         let mut kept = 0;
@@ -57,8 +69,10 @@ impl PairList {
         &self.pairs
     }
 
+    /// Forgets the pairs, and those found too.
     pub(super) fn clear(&mut self) {
         self.pairs.clear();
+        self.found.clear();
     }
 
     /// Where pairs that are found are added. None may be in the list, but those that [`replace`](Self::replace) leaves out.

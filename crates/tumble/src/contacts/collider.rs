@@ -58,6 +58,11 @@ pub(super) struct Groups {
 impl Groups {
     pub(super) const ALL: Self = Self { membership: u32::MAX, filter: u32::MAX };
 
+    /// Membership and filter.
+    pub(super) fn bits(self) -> (u32, u32) {
+        (self.membership, self.filter)
+    }
+
     /// What either is, and what either touches.
     pub(super) fn with(self, other: Self) -> Self {
         Self { membership: self.membership | other.membership, filter: self.filter | other.filter }
@@ -209,7 +214,7 @@ impl Collider {
     /// What it is, and what it touches; of [several colliders](Self::compound) what any of them does.
     #[must_use]
     pub fn groups(&self) -> (u32, u32) {
-        (self.groups.membership, self.groups.filter)
+        self.groups.bits()
     }
 
     pub(super) fn filter_groups(&self) -> Groups {

@@ -3,12 +3,22 @@
 use tumble_collide::Proxy;
 
 use super::narrow::Kind;
-use super::touching::Contacts;
+use super::touching::{Contacts, Shape};
 use crate::math::Real;
 use crate::simulation::Simulation;
 
 /// A body with more pairs than this is in a crowd. Around a ball there is room for twelve that touch it, and for some sixty within twice its own size.
 const MOST_PAIRS: usize = 64;
+
+/// So many pairs of a body, on average, are listed at most: where there are more, as in one place, they are gone through without a list.
+const MOST_LISTED: usize = 2 * MOST_PAIRS;
+/// Where there are fewer bodies, as many as of these.
+const FEW_BODIES: usize = 1024;
+
+/// How many pairs of bodies the broad phase may list.
+pub(super) fn most_listed(bodies: usize) -> usize {
+    MOST_LISTED * bodies.max(FEW_BODIES)
+}
 
 /// What the limit is found out with.
 #[derive(Clone, Default)]
@@ -89,6 +99,18 @@ impl Crowds {
     }
 }
 
+/// The nearest of one in a crowd, in order: how far apart, and with whom.
+type Nearest = Vec<(Real, u32)>;
+
+/// Takes one in where it is among the nearest.
+fn offer(nearest: &mut Nearest, apart: Real, other: u32) {
+    let place = nearest.partition_point(|known| known.0.total_cmp(&apart).then(known.1.cmp(&other)).is_lt());
+    if place < MOST_PAIRS {
+        nearest.truncate(MOST_PAIRS - 1);
+        nearest.insert(place, (apart, other));
+    }
+}
+
 /// How far the boxes of two are apart along the axis where they are furthest \[m\], negative where they overlap.
 fn apart(a: &Proxy<Real>, b: &Proxy<Real>) -> Real {
     let (Some(a), Some(b)) = (&a.bounds, &b.bounds) else { return Real::NEG_INFINITY };
@@ -97,9 +119,59 @@ fn apart(a: &Proxy<Real>, b: &Proxy<Real>) -> Real {
 }
 
 impl Contacts {
+    /// Finds the pairs that [`thin_out`](Crowds::thin_out) leaves where all are too many for a list: goes through them once to count and once to choose. All are in one part.
+    pub(super) fn find_near_in_crowds(&mut self) {
+        let Self { shapes, proxies, groups, broad_phase, near, crowds, .. } = self;
+        let wanted = |a: u32, b: u32| groups[a as usize].touch(groups[b as usize]);
+        let are_near = |a: u32, b: u32| proxies[a as usize].is_near(&proxies[b as usize]);
+        let counts = &mut crowds.counts;
+        counts.clear();
+        counts.resize(proxies.len(), 0);
+        let mut all = 0;
+        broad_phase.for_each_pair(proxies, wanted, |a, b| {
+            if are_near(a, b) {
+                [a, b].into_iter().for_each(|slot| counts[slot as usize] += 1);
+                all += 1;
+            }
+        });
+        let counts = &crowds.counts;
+        let in_crowd =
+            |slot: u32| counts[slot as usize] as usize > MOST_PAIRS && proxies[slot as usize].bounds.is_some();
+        let mut nearest: Vec<Nearest> = vec![Nearest::new(); proxies.len()];
+        let mut kept = Vec::new();
+        broad_phase.for_each_pair(proxies, wanted, |a, b| {
+            if !are_near(a, b) {
+                return;
+            }
+            if in_crowd(a) && in_crowd(b) {
+                let apart = apart(&proxies[a as usize], &proxies[b as usize]);
+                offer(&mut nearest[a as usize], apart, b);
+                offer(&mut nearest[b as usize], apart, a);
+            } else {
+                kept.push([a, b]);
+            }
+        });
+        for (slot, nearest) in (0..).zip(&nearest) {
+            kept.extend(nearest.iter().map(|&(_, other)| [slot.min(other), slot.max(other)]));
+        }
+        kept.sort_unstable();
+        kept.dedup();
+        crowds.left_out = all - kept.len();
+        near.resize_with(near.len().max(1), Vec::new);
+        near[0].clear();
+        near[0].extend(kept.into_iter().map(|[a, b]| near_pair(shapes, proxies, (a, b))));
+    }
+
     /// Leaves out what is too much of the pairs that were found near each other, in so many parts.
     pub(super) fn limit_near(&mut self, parts: usize) {
         let Self { crowds, near, proxies, .. } = self;
         crowds.thin_out(&mut near[..parts], proxies);
     }
+}
+
+/// A pair with the kind of its shapes. Where impulses move only one of two, it is the second.
+pub(super) fn near_pair(shapes: &[Shape], proxies: &[Proxy<Real>], (first, second): (u32, u32)) -> (Kind, [u32; 2]) {
+    let [p, q] = [&proxies[first as usize], &proxies[second as usize]];
+    let slots = if p.moves && !q.moves { [second, first] } else { [first, second] };
+    (Kind::both(shapes[first as usize].kind, shapes[second as usize].kind), slots)
 }

@@ -68,6 +68,20 @@ impl Collider {
         whole.into_iter().chain(self.surfaces().iter().map(|part| &part.material))
     }
 
+    /// [Membership and filter](Self::groups) of its parts, in the same order as their [materials](Self::materials); or its one pair.
+    ///
+    /// ```
+    /// # use tumble::{Collider, Shape};
+    /// let ball = || Collider::new(&Shape::sphere(0.5));
+    /// let pair = Collider::compound([ball()?.with_groups(1, 2), ball()?.with_groups(4, !0)])?;
+    /// assert_eq!(pair.groups_of_parts().collect::<Vec<_>>(), [(1, 2), (4, !0)]);
+    /// # Ok::<(), tumble::ColliderError>(())
+    /// ```
+    pub fn groups_of_parts(&self) -> impl Iterator<Item = (u32, u32)> {
+        let whole = self.surfaces().is_empty().then_some(self.groups());
+        whole.into_iter().chain(self.surfaces().iter().map(|part| part.groups.bits()))
+    }
+
     /// The part of a number, as its geometry has it, if parts have surfaces of their own.
     pub(super) fn surface_of(&self, number: u32) -> Option<&PartSurface> {
         let parts = self.surfaces();

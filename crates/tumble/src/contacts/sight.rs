@@ -82,7 +82,8 @@ impl Sight<'_> {
         let (linear, in_range) = match bodies.pushed {
             Some((momenta, masses, inertia)) => {
                 let (mass, Momentum { linear, angular }) = (masses[i].kilograms(), momenta[i]);
-                let inertia = inertia.map(|inertia| Moments::new(&inertia[i], None));
+                let axes = bodies.axes.map(|axes| &axes[i]);
+                let inertia = inertia.map(|inertia| Moments::new(&inertia[i], axes));
                 let from_center = placement.position - center;
                 let radius = geometry.reach().unwrap_or(0.0) + from_center.dot(from_center).sqrt();
                 let constants = Constants { mass, inertia, damping: None };

@@ -7,7 +7,7 @@ use tumble_math::lane::{Quat, Vec3};
 
 use super::collider::{Collider, Groups};
 use super::contact::{Contact, FIXED, MATERIAL, REFINED, Second};
-use super::crowds::Crowds;
+use super::crowds::{Crowds, most_listed, near_pair};
 use super::keeping::Past;
 use super::materials::Materials;
 use super::names::Names;
@@ -31,7 +31,7 @@ pub(crate) struct Contacts {
     pub(super) past: Past,
     /// By slot.
     pub(super) colliders: Vec<Option<(Collider, WorldVec3)>>,
-    groups: Vec<Groups>,
+    pub(super) groups: Vec<Groups>,
     pub(super) shapes: Vec<Shape>,
     /// By slot: its row among the solver's bodies, if it touches anything.
     pub(super) rows: Vec<u32>,
@@ -184,20 +184,23 @@ impl Contacts {
     /// Finds the pairs that may touch, and sorts them by the kind of their shapes. Where impulses move only one of two, it is the second.
     fn find_near(&mut self) {
         let Self { shapes, proxies, groups, broad_phase, near, .. } = self;
-        let candidates = broad_phase.update(proxies, |a, b| groups[a as usize].touch(groups[b as usize]));
-        let parts = candidates.len().div_ceil(CANDIDATES_PART);
-        near.resize_with(parts.max(near.len()), Vec::new);
-        candidates.par_chunks(CANDIDATES_PART).zip(&mut *near).by_at_least(2).for_each(|(candidates, near)| {
-            near.clear();
-            near.extend(candidates.iter().filter_map(|&(first, second)| {
-                // Which others are candidates depends on what was before; the contacts must not.
-                let [p, q] = [&proxies[first as usize], &proxies[second as usize]];
-                let slots = if p.moves && !q.moves { [second, first] } else { [first, second] };
-                let kind = Kind::both(shapes[first as usize].kind, shapes[second as usize].kind);
-                p.is_near(q).then_some((kind, slots))
-            }));
-        });
-        self.limit_near(parts);
+        let wanted = |a: u32, b: u32| groups[a as usize].touch(groups[b as usize]);
+        let mut parts = 1;
+        if let Some(candidates) = broad_phase.update_within(proxies, most_listed(proxies.len()), wanted) {
+            parts = candidates.len().div_ceil(CANDIDATES_PART);
+            near.resize_with(parts.max(near.len()), Vec::new);
+            candidates.par_chunks(CANDIDATES_PART).zip(&mut *near).by_at_least(2).for_each(|(candidates, near)| {
+                near.clear();
+                near.extend(candidates.iter().filter_map(|&(first, second)| {
+                    // Which others are candidates depends on what was before; the contacts must not.
+                    let is_near = proxies[first as usize].is_near(&proxies[second as usize]);
+                    is_near.then(|| near_pair(shapes, proxies, (first, second)))
+                }));
+            });
+            self.limit_near(parts);
+        } else {
+            self.find_near_in_crowds();
+        }
         let Self { near, cuboids, balls, others, .. } = self;
         cuboids.clear();
         balls.clear();

@@ -10,7 +10,7 @@ use crate::force_laws::{GRAVITY_MASS, SPRING};
 use crate::held_columns::HeldColumns;
 use crate::math::{Real, Vec3, double};
 use crate::members::Members;
-use crate::range::{MOST_DISTANCE, within};
+use crate::range::{MOST_DISTANCE, MOST_MU, MOST_SPEED, within};
 
 /// The forces between the bodies of a world, with what their evaluation needs: kept from step to step, so that a step need not allocate.
 #[derive(Clone, Default)]
@@ -66,7 +66,7 @@ impl PairForces {
         self.gravity.update(self.attracting.iter().map(|(slot, mass)| {
             let position = seen[*slot].state.position;
             let softening_squared = mass.softening * mass.softening;
-            if within(position, MOST_DISTANCE) && mass.mu.is_finite() && softening_squared.is_finite() {
+            if within(position, MOST_DISTANCE) && mass.mu.abs() <= MOST_MU && softening_squared.is_finite() {
                 Source { position: position.into(), mu: mass.mu, softening_squared }
             } else {
                 // It attracts nothing.
@@ -106,7 +106,12 @@ impl PairForces {
         if let Some(index) = self.masses[slot]
             && inverse_mass > 0.0
         {
-            impulse.linear = (self.gravity.acceleration(index) * (t / inverse_mass)).into();
+            // Near a great mass the pull may be too great for numbers: then there is none.
+            let change = self.gravity.acceleration(index) * t;
+            let linear = (self.gravity.acceleration(index) * (t / inverse_mass)).into();
+            if within(change.into(), MOST_SPEED) && within(linear, Real::MAX) {
+                impulse.linear = linear;
+            }
         }
         impulse
     }
