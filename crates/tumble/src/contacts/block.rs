@@ -99,6 +99,8 @@ pub(super) struct Rolling {
 #[repr(C)]
 pub(super) struct Bounce<const P: usize> {
     pub(super) restitution: Lanes,
+    /// What relaxing leaves of the velocity in the middle, as [`follow`](super::refresh::follow) has it \[m/s\].
+    pub(super) lag: [Lanes; 3],
     /// The fastest that the bodies came together at each point before it held them, in this step: velocity along the normal \[m/s\].
     pub(super) approach: [Lanes; P],
     /// Velocity along the normal at each point before forces act on them in this substep, and what those do to it \[m/s\].
@@ -156,6 +158,7 @@ impl Rolling {
 impl<const P: usize> Bounce<P> {
     pub(super) const NONE: Self = Self {
         restitution: ZEROS,
+        lag: [ZEROS; 3],
         approach: [ZEROS; P],
         before: [ZEROS; P],
         kick: [ZEROS; P],

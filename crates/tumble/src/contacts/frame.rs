@@ -22,6 +22,12 @@ impl<T: Tile> Relative<T> {
         let second = linear[1] + angular[1].cross(arms[1]);
         Self { linear: second - first, angular: angular[1] - angular[0] }
     }
+
+    /// With less of a linear velocity.
+    #[inline(always)]
+    pub(super) fn less(self, velocity: Vec3<T>) -> Self {
+        Self { linear: self.linear - velocity, ..self }
+    }
 }
 
 /// Where contacts are and which way they look.
@@ -168,6 +174,15 @@ impl<T: Tile> Bodies<T> {
         let of_first = self.inverse_mass[0] / (first.x + first.y + first.z);
         let of_second = self.inverse_mass[1] / (second.x + second.y + second.z);
         of_first.min(of_second).sqrt()
+    }
+
+    /// Angular velocities `w`, and what free rotation adds to them a second, `I^-1 (L x w)`; nothing where impulses turn nothing.
+    #[inline(always)]
+    pub(super) fn free_spins(&self, response: &Response<T>) -> ([Vec3<T>; 2], [Vec3<T>; 2]) {
+        let [first, second] = self.momenta.angular;
+        let spins = [response.of_first(first), response.of_second(second)];
+        let gains = [response.of_first(first.cross(spins[0])), response.of_second(second.cross(spins[1]))];
+        (spins, gains)
     }
 
     /// Velocity of the second seen from the first.

@@ -6,8 +6,8 @@ use super::block::{Block, Bounce, Rolling};
 use super::contact::CENTERS;
 use super::effective_mass::warm_start;
 use super::frame::{Bodies, Frame, Momenta, Moved, Response, along_normal};
-use super::refresh::refresh;
-use super::rows::{at, put};
+use super::refresh::follow;
+use super::rows::{at, put, put_vector, vector_at};
 use super::rubbing::Rubbing;
 use super::soft::Softness;
 use crate::math::Real;
@@ -79,15 +79,20 @@ impl<const P: usize, const C: usize> Kernel for Solve<'_, P, C> {
         let block = &mut self.blocks.blocks[index];
         let response = Response::<T>::load(self.bodies.response, self.bodies.motion.pairs(index), lane);
         let mut bodies = Bodies::<T>::load(&self.bodies.motion, index, lane);
-        // Where bodies bounce, that has been done.
-        if self.softness.is_none() && self.blocks.bounces.is_empty() {
-            let moved = Moved::load(self.bodies.moved, self.bodies.motion.pairs(index), lane);
-            refresh(block, self.blocks.rolling.get_mut(index), lane, &moved, &bodies.mobility(&response));
-        }
+        let lag = match (self.softness, self.blocks.bounces.get(index)) {
+            (Some(_), _) => Vec3::zero(),
+            // Where bodies bounce, contacts have followed.
+            (None, Some(bounce)) => vector_at(&bounce.lag, lane),
+            (None, None) => {
+                let moved = Moved::load(self.bodies.moved, self.bodies.motion.pairs(index), lane);
+                let h = T::splat(1.0) / T::splat(self.inverse_h.into());
+                follow(block, self.blocks.rolling.get_mut(index), (lane, h), &moved, (&bodies, &response))
+            }
+        };
         let frame = Frame::<T>::load(block, lane);
         let arms = frame.arms;
 
-        let speeds = speeds(block, lane, frame.normal_parts(&bodies.relative(&response, arms)));
+        let speeds = speeds(block, lane, frame.normal_parts(&bodies.relative(&response, arms).less(lag)));
         let (changes, sum) = self.solve_points(index, lane, speeds);
         let block = &mut self.blocks.blocks[index];
         let (linear, angular) = along_normals(block, &frame, lane, changes);
@@ -97,7 +102,7 @@ impl<const P: usize, const C: usize> Kernel for Solve<'_, P, C> {
             let before = Rubbing::load(&block.friction, self.blocks.rolling.get(index), lane);
             let contact = (&frame, lane);
             let after =
-                rub(before, block, self.blocks.rolling.get(index), contact, &mut bodies, (&response, arms), sum);
+                rub(before, block, self.blocks.rolling.get(index), contact, &mut bodies, (&response, arms, lag), sum);
             let kept = if self.holds { warm_start(at(&block.start.steady, lane)) } else { T::splat(1.0) };
             let after = after.scaled(kept);
             after.store(&mut block.friction, self.blocks.rolling.get_mut(index), lane);
@@ -198,7 +203,12 @@ impl<const P: usize, const C: usize> Kernel for NoteApproach<'_, P, C> {
         let bodies = Bodies::<T>::load(&self.bodies.motion, index, lane);
         if self.moment == Moment::Moved {
             let moved = Moved::load(self.bodies.moved, self.bodies.motion.pairs(index), lane);
-            refresh(block, self.blocks.rolling.get_mut(index), lane, &moved, &bodies.mobility(&response));
+            let h = T::splat(1.0) / T::splat(self.inverse_h.into());
+            let lag = follow(block, self.blocks.rolling.get_mut(index), (lane, h), &moved, (&bodies, &response));
+            // A blow that is to bounce stops what comes, and adds nothing: it would come back with energy out of nothing.
+            let bounce = &mut self.blocks.bounces[index];
+            let bounces = T::splat(0.0).lt(at(&bounce.restitution, lane));
+            put_vector(Vec3::select(bounces, Vec3::zero(), lag), &mut bounce.lag, lane);
         }
         let frame = Frame::<T>::load(block, lane);
         let speeds = speeds(block, lane, frame.normal_parts(&bodies.relative(&response, frame.arms)));
@@ -285,7 +295,8 @@ impl<const P: usize, const C: usize> Kernel for Rebound<'_, P, C> {
         bodies.push(arms, linear, angular);
 
         let (contact, limit) = ((&frame, lane), added.max(zero));
-        rub(Rubbing::none(), block, self.blocks.rolling.get(index), contact, &mut bodies, (&response, arms), limit);
+        let motion = (&response, arms, Vec3::zero());
+        rub(Rubbing::none(), block, self.blocks.rolling.get(index), contact, &mut bodies, motion, limit);
         bodies.store(&mut self.bodies.motion, index, lane);
     }
 }
@@ -305,7 +316,7 @@ fn rub<T: Tile, const P: usize, const C: usize>(
     rolling: Option<&Rolling>,
     contact: (&Frame<T>, usize),
     bodies: &mut Bodies<T>,
-    (response, arms): (&Response<T>, [Vec3<T>; 2]),
+    (response, arms, lag): (&Response<T>, [Vec3<T>; 2], Vec3<T>),
     normal: T,
 ) -> Rubbing<T> {
     let frame = contact.0;
@@ -314,7 +325,7 @@ fn rub<T: Tile, const P: usize, const C: usize>(
         rubbing = before.rolled(rolling, contact, &bodies.relative(response, arms), normal);
         bodies.push(arms, Vec3::zero(), rubbing.angular(frame) - before.angular(frame));
     }
-    let after = rubbing.slid(&block.friction, contact, &bodies.relative(response, arms), normal);
+    let after = rubbing.slid(&block.friction, contact, &bodies.relative(response, arms).less(lag), normal);
     let linear = after.linear(frame) - rubbing.linear(frame);
     bodies.push(arms, linear, after.angular(frame) - rubbing.angular(frame));
     after

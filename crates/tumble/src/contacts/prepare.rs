@@ -40,22 +40,28 @@ impl<const P: usize, const C: usize> Kernel for Prepare<'_, P, C> {
         let [nx, ny, nz, carried, count, length, restitution, law] = pick(self.contacts, block, SHAPE, lane);
         let normal = Vec3::new(nx, ny, nz);
         let tangents = tangents(normal);
-        let [ax, ay, az, s0, bx, by, bz, s1] = pick(self.contacts, block, POINTS[0], lane);
+        let [ax, ay, az, s0, bx, by, bz, s1]: [T; 8] = pick(self.contacts, block, POINTS[0], lane);
         let [cx, cy, cz, s2, dx, dy, dz, s3] = pick(self.contacts, block, POINTS[1], lane);
         let places = [Vec3::new(ax, ay, az), Vec3::new(bx, by, bz), Vec3::new(cx, cy, cz), Vec3::new(dx, dy, dz)];
-        let separations = [s0, s1, s2, s3];
+        let separations: [T; 4] = [s0, s1, s2, s3];
 
-        // A point that comes into reach has no weight yet, so the middle does not jump.
+        // A point that comes into reach has no weight yet, so the middle does not jump; of what all are far from, the nearest have it.
         let [_, _, _, _, _, _, margin]: [T; 7] = pick(self.contacts, block, RUBBED, lane);
         let inverse_margin = one / margin;
-        let (mut sum, mut total) = (Vec3::zero(), zero);
+        let (mut nearest, mut j) = (separations[0], 1);
+        while j < P {
+            nearest = nearest.min(T::select(T::splat(j as f64).lt(count), separations[j], nearest));
+            j += 1;
+        }
+        let nearest = nearest.max(zero);
+        let (mut sum, mut total, mut weights) = (Vec3::zero(), zero, [zero; P]);
         let mut j = 0;
         while j < P {
-            let weight = T::splat(2.0) - separations[j] * inverse_margin;
+            let weight = T::splat(2.0) - (separations[j] - nearest) * inverse_margin;
             let weight = weight.max(T::splat(LEAST_WEIGHT)).min(one);
-            let weight = T::select(T::splat(j as f64).lt(count), weight, zero);
-            sum = sum + places[j] * weight;
-            total = total + weight;
+            weights[j] = T::select(T::splat(j as f64).lt(count), weight, zero);
+            sum = sum + places[j] * weights[j];
+            total = total + weights[j];
             j += 1;
         }
         let arm = sum * T::select(zero.lt(total), one / total, zero);
@@ -100,7 +106,7 @@ impl<const P: usize, const C: usize> Kernel for Prepare<'_, P, C> {
         put(bodies.least_size(&mobility.response) * T::splat(SLIDE), &mut self.blocks.blocks[index].start.slide, lane);
         let Blocks { blocks, rolling, .. } = &mut self.blocks;
         effective_mass::compute(&mut blocks[index], rolling.get_mut(index), lane, &mobility, one);
-        self.prepare_friction(index, lane, (count, length));
+        self.prepare_friction(index, lane, (&weights, total), length);
         self.prepare_bounce(index, lane, restitution, (&bodies, &response));
     }
 }
@@ -129,10 +135,10 @@ impl<const P: usize, const C: usize> Prepare<'_, P, C> {
         }
     }
 
-    /// Sets the patch and begins with the impulses of the last step.
+    /// Sets the patch and begins with the impulses of the last step. A point that is far off makes no patch.
     #[inline(always)]
-    fn prepare_friction<T: Tile>(&mut self, index: usize, lane: usize, (count, length): (T, T)) {
-        let (zero, one) = (T::splat(0.0), T::splat(1.0));
+    fn prepare_friction<T: Tile>(&mut self, index: usize, lane: usize, (weights, total): (&[T; P], T), length: T) {
+        let zero = T::splat(0.0);
         let block = &mut self.blocks.blocks[index];
         let frame = Frame::<T>::load(block, lane);
         let mut radius = zero;
@@ -141,12 +147,12 @@ impl<const P: usize, const C: usize> Prepare<'_, P, C> {
             while j < P {
                 let offset = &block.points[j].offset;
                 let (a, b): (T, T) = (at(&offset[0], lane), at(&offset[1], lane));
-                let distance = (a * a + b * b).sqrt();
-                sum = sum + T::select(T::splat(j as f64).lt(count), distance, zero);
+                sum = sum + (a * a + b * b).sqrt() * weights[j];
                 j += 1;
             }
-            let mean = sum / count.max(one);
-            radius = T::select(T::splat(2.0).lt(count), mean * T::splat(FACE), mean);
+            let mean = sum / total.max(T::splat(1.0));
+            let patch = T::select(T::splat(2.0).lt(total), mean * T::splat(FACE), mean);
+            radius = T::select(T::splat(1.0 + 1e-6).lt(total), patch, zero);
         }
         put(radius, &mut block.friction.radius, lane);
         let [_, _, _, _, fixed, sliding, steady]: [T; 7] = pick(self.contacts, block, HELD, lane);

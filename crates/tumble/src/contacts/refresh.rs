@@ -5,9 +5,45 @@ use tumble_math::lane::Vec3;
 use super::block::{Block, Rolling};
 use super::contact::{CENTERS, MATERIAL};
 use super::effective_mass::{self, Mobility, put_where};
-use super::frame::{Frame, Moved, along_normal};
+use super::frame::{Bodies, Frame, Moved, Response, along_normal};
 use super::rows::{at, put, put_vector, vector_at};
 use crate::simd::Tile;
+
+/// Square of half of what an arm, or a spin, changes in a substep over itself, from which on it is another and nothing lags.
+const LAG: f64 = 1.0 / 16.0;
+
+/// Moves the contacts of a tile with their bodies. Returns by how much the relative velocity in the middle of those that are found
+/// again differs from its mean over the substep of `h` \[s\].
+///
+/// Contacts hold over a substep, `x' = x + h v`, if velocities vanish in its middle: at the arms `(r + r')/2`, with the spin that
+/// free rotation has there, `w' - h/2 I^-1 (L x w)`. With those of its end, what rolls gains or loses energy to first order in `h`.
+#[inline(always)]
+pub(super) fn follow<T: Tile, const P: usize, const C: usize>(
+    block: &mut Block<P, C>,
+    rolling: Option<&mut Rolling>,
+    (lane, h): (usize, T),
+    moved: &Moved<T>,
+    (bodies, response): (&Bodies<T>, &Response<T>),
+) -> Vec3<T> {
+    let before: [Vec3<T>; 2] = [vector_at(&block.arms[0], lane), vector_at(&block.arms[1], lane)];
+    refresh(block, rolling, lane, moved, &bodies.mobility(response));
+    let is_found_again = at::<T>(&block.start.slide, lane).lt(T::splat(0.0));
+    if !T::any(is_found_again) {
+        return Vec3::zero();
+    }
+    let (spins, gains) = bodies.free_spins(response);
+    let half = T::splat(0.5);
+    let of_body = |which: usize| {
+        let arm: Vec3<T> = vector_at(&block.arms[which], lane);
+        let way = (arm - before[which]) * half;
+        let (spin, gain) = (spins[which], gains[which] * (h * half));
+        let lag = spin.cross(way) + gain.cross(arm - way);
+        let limit = T::splat(LAG);
+        let lag = Vec3::select(way.dot(way).lt(arm.dot(arm) * limit), lag, Vec3::zero());
+        Vec3::select(gain.dot(gain).lt(spin.dot(spin) * limit), lag, Vec3::zero())
+    };
+    Vec3::select(is_found_again, of_body(1) - of_body(0), Vec3::zero())
+}
 
 /// The contacts of a tile where their bodies have moved to: separations and arms in any case; normals, tangents, offsets and
 /// effective masses where a body has turned, or an arm has changed, by more than a tolerance.
@@ -15,7 +51,7 @@ use crate::simd::Tile;
 /// The reference body of a contact is the one that the normal turns with, the other carries the points. Points are fixed to a
 /// body, so a corner on a face is exact at any angle; what is cut by edges is right to first order.
 #[inline(always)]
-pub(super) fn refresh<T: Tile, const P: usize, const C: usize>(
+fn refresh<T: Tile, const P: usize, const C: usize>(
     block: &mut Block<P, C>,
     rolling: Option<&mut Rolling>,
     lane: usize,
