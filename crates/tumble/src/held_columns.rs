@@ -9,7 +9,7 @@ use std::ops::Range;
 use hecs::{Archetype, ArchetypeColumn, ArchetypeColumnMut, World};
 
 use crate::columns::{Chunk, Columns, for_each_part};
-use crate::components::{Inertia, Mass, Momentum, Pose, PreviousPose, Velocity};
+use crate::components::{Inertia, Mass, Momentum, Pose, PreviousPose, PrincipalAxes, Velocity};
 use crate::force_laws::{ForceLaws, Laws};
 use crate::kinematic::move_a_substep;
 use crate::math::Real;
@@ -57,6 +57,8 @@ pub(crate) struct Looked<'a> {
     /// Of bodies that forces move.
     pub(crate) pushed: Option<Pushed<'a>>,
     pub(crate) velocity: Option<&'a [Velocity]>,
+    /// Of what forces move, where they are not the body's.
+    pub(crate) axes: Option<&'a [PrincipalAxes]>,
 }
 
 impl<'a> Looked<'a> {
@@ -66,7 +68,8 @@ impl<'a> Looked<'a> {
             pushed: self.pushed.map(|(momenta, masses, inertia)| {
                 (&momenta[rows.clone()], &masses[rows.clone()], inertia.map(|inertia| &inertia[rows.clone()]))
             }),
-            velocity: self.velocity.map(|velocities| &velocities[rows]),
+            velocity: self.velocity.map(|velocities| &velocities[rows.clone()]),
+            axes: self.axes.map(|axes| &axes[rows]),
         }
     }
 }
@@ -109,10 +112,10 @@ impl<'w> HeldColumns<'w> {
                 Bodies::Moving(columns) => {
                     let pushed = Some((&*columns.momentum, &*columns.mass, columns.inertia.as_deref()));
                     let pose = &*columns.pose;
-                    Looked { pose, pushed, velocity: columns.velocity.as_deref() }
+                    Looked { pose, pushed, velocity: columns.velocity.as_deref(), axes: columns.axes.as_deref() }
                 }
                 Bodies::Unmoved(columns) => {
-                    Looked { pose: &columns.pose, pushed: None, velocity: columns.velocity.as_deref() }
+                    Looked { pose: &columns.pose, pushed: None, velocity: columns.velocity.as_deref(), axes: None }
                 }
                 Bodies::None => return None,
             };
