@@ -56,6 +56,12 @@ impl<R: Scalar> Compound<R> {
         self.parts.iter().any(|(_, part)| part.is_round())
     }
 
+    /// The part that has a number, and the first of the numbers that it has.
+    pub(crate) fn part_of(&self, number: u32) -> Option<(u32, &(Placement<R>, Geometry<R>))> {
+        let place = self.numbers.partition_point(|first| *first <= number).checked_sub(1)?;
+        self.numbers.get(place).copied().zip(self.parts.get(place))
+    }
+
     /// How many numbers its parts have.
     pub(crate) fn count(&self) -> u32 {
         let last = self.parts.last().zip(self.numbers.last());

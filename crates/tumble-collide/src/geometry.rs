@@ -4,7 +4,7 @@ use tumble_math::lane::{Lane, Quat, Vec3};
 
 use crate::bounds::Bounds;
 use crate::compound::Compound;
-use crate::convex::{Convex, Vector, narrow};
+use crate::convex::{Convex, Vector, narrow, unit, wide};
 use crate::convex_hull::ConvexHull;
 use crate::height_field::HeightField;
 use crate::mesh::Mesh;
@@ -271,6 +271,43 @@ impl<R: Scalar> Geometry<R> {
             Self::HeightField(field) => Some(of_surface(field.bounds())),
             Self::Compound(compound) => compound.reach(),
             Self::HalfSpace => None,
+        }
+    }
+
+    /// The point that is furthest in a direction, in the shape's frame; `None` of compounds, surfaces and half-spaces.
+    ///
+    /// ```
+    /// use tumble_collide::Geometry;
+    /// use tumble_math::lane::Vec3;
+    ///
+    /// let cube = Geometry::Cuboid { half_extents: Vec3::splat(0.5) };
+    /// assert_eq!(cube.furthest(Vec3::new(1.0, 2.0, -3.0)), Some(Vec3::new(0.5, 0.5, -0.5)));
+    /// ```
+    pub fn furthest(&self, direction: Vec3<R>) -> Option<Vec3<R>> {
+        let (convex, layer) = Convex::of(self)?;
+        let direction = wide(direction);
+        Some(narrow(convex.support(direction) + unit(direction) * layer))
+    }
+
+    /// The part that has a number, of those that [`parts`](Self::parts) counts: the first of its numbers, its place in the whole, and its shape. The whole where that is no compound.
+    ///
+    /// ```
+    /// use std::sync::Arc;
+    /// use tumble_collide::{Compound, Geometry, Placement};
+    /// use tumble_math::lane::Vec3;
+    ///
+    /// let ball = |x: f64| (Placement::at(Vec3::new(x, 0.0, 0.0)), Geometry::Ball { radius: 0.5 });
+    /// let dumbbell = Geometry::Compound(Arc::new(Compound::new([ball(-1.0), ball(1.0)])));
+    /// let (first, at, part) = dumbbell.part_of(1);
+    /// assert_eq!((first, at.position.x, part), (1, 1.0, &Geometry::Ball { radius: 0.5 }));
+    /// ```
+    pub fn part_of(&self, number: u32) -> (u32, Placement<R>, &Self) {
+        let whole = (0, Placement::at(Vec3::zero()), self);
+        match self {
+            Self::Compound(compound) => {
+                compound.part_of(number).map_or(whole, |(first, (at, part))| (first, *at, part))
+            }
+            _ => whole,
         }
     }
 

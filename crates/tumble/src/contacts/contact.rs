@@ -131,6 +131,18 @@ impl Contact {
         self.numbers[RUBBED].0[..6].iter_mut().for_each(|impulse| *impulse *= by);
     }
 
+    /// Whether it is that of balls about their centres of mass.
+    pub(super) fn is_between_centers(&self) -> bool {
+        f64::from(self.numbers[SHAPE].0[7]) == CENTERS
+    }
+
+    /// Leaves what is found again in each substep as it is.
+    pub(super) fn hold_still(&mut self) {
+        if self.is_refined() {
+            self.numbers[SHAPE].0[7] = crate::math::real(FIXED);
+        }
+    }
+
     /// How many points.
     pub(super) fn count(&self) -> usize {
         self.numbers[SHAPE].0[4] as usize

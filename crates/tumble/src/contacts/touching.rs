@@ -70,6 +70,27 @@ pub(super) struct Shape {
     pub(super) margin: Real,
     /// Of what impulses do not move \[m/s\] \[rad/s\].
     pub(super) velocity: (Vec3<Real>, Vec3<Real>),
+    pub(super) motion: Motion,
+}
+
+/// How a body with a collider goes on if nothing holds it, through a step and one more substep: so far contacts look ahead.
+#[derive(Clone, Copy)]
+pub(super) struct Motion {
+    /// How far its centre of mass goes \[m\].
+    pub(super) way: Vec3<Real>,
+    /// By which angle it turns, about this direction \[rad\]; zero of what hardly does.
+    pub(super) turn: Vec3<Real>,
+    /// How far from its centre of mass its collider reaches \[m\].
+    pub(super) radius: Real,
+    /// Without end of what impulses do not move \[kg\].
+    pub(super) mass: Real,
+}
+
+impl Motion {
+    pub(super) const NONE: Self = {
+        let zero = Vec3 { x: 0.0, y: 0.0, z: 0.0 };
+        Self { way: zero, turn: zero, radius: 0.0, mass: Real::INFINITY }
+    };
 }
 
 /// So many contacts go on from those there were on one thread at a time.
@@ -133,8 +154,10 @@ impl Contacts {
 
     /// Finds what touches in a substep of the settings, and how many bodies that is: of those that impulses move and of those that they do not.
     pub(crate) fn find_touching(&mut self, columns: &HeldColumns<'_>, settings: &Settings) -> [usize; 2] {
-        self.look(columns, settings.substep());
-        self.find_contacts();
+        // After the last substep contacts see to it that in one more nothing would come too near.
+        let ahead = settings.substep() + settings.contact_substep();
+        self.look(columns, [settings.substep(), ahead]);
+        self.find_contacts(settings.gravity.length() * ahead * ahead);
         let Self { members, shapes, rows, contacts, .. } = self;
         rows.clear();
         rows.resize(members.len(), NONE);
@@ -157,7 +180,8 @@ impl Contacts {
     }
 
     /// The contacts there are, beginning with the impulses of those that there were.
-    fn find_contacts(&mut self) {
+    /// Gravity has what is let go fall by `fall` \[m\].
+    fn find_contacts(&mut self, fall: Real) {
         self.find_near();
         self.keep_the_past();
         std::mem::swap(&mut self.contacts, &mut self.last);
@@ -175,6 +199,8 @@ impl Contacts {
         if some_empty || more_empty || contacts[end..].iter().any(|contact| contact.count() == 0) {
             contacts.retain(|contact| contact.count() > 0);
         }
+        self.foresee(fall);
+        self.leave_out_seams();
         let Self { contacts, last, materials, .. } = self;
         contacts.par_chunks_mut(PART).by_at_least(2).for_each(|contacts| go_on(contacts, last, materials));
         // The next step's list takes the place of the last one's: so it allocates nothing. Exactly as much, for with some more both would outgrow each other without end.
@@ -296,6 +322,7 @@ impl Shape {
             reach: 0.0,
             margin: 0.0,
             velocity: (zero, zero),
+            motion: Motion::NONE,
         }
     };
 }

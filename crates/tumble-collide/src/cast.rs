@@ -1,0 +1,368 @@
+//! When shapes on their ways meet.
+//!
+//! Conservative advancement (B. Mirtich, "Impulse-based dynamic simulation of rigid body systems", 1996): at a distance `d` along the unit vector `n`
+//! nothing can meet before `d` is gone at the greatest rate at which any points of both shapes come together along `n`.
+
+use crate::bounds::Bounds;
+use crate::convex::{Convex, Vector, narrow};
+use crate::convex_pair::difference;
+use crate::course::Course;
+use crate::geometry::{Geometry, Placement};
+use crate::gjk::{Nearest, nearest};
+use crate::manifold::{ContactPoint, Manifold, Points};
+use crate::scalar::Scalar;
+use crate::surface::Surface;
+use crate::touching;
+use crate::work;
+
+/// A way is gone along in at most so many advances; what has not met by then may meet.
+const MOST_ADVANCES: usize = 48;
+/// Shapes that come this many times as near as what counts as meeting are sought the moment for when they are nearest.
+const NEARLY: f64 = 8.0;
+/// So many times the span of time in which that is is narrowed down, to two thirds each time.
+const NARROWED: usize = 12;
+/// Past more triangles of a surface no way is gone along: something may meet at once.
+const MOST_TRIANGLES: usize = 4096;
+
+/// Shapes that meet, or pass each other closely.
+///
+/// ```
+/// use tumble_collide::{Course, Geometry, Meeting, Placement};
+/// use tumble_math::lane::Vec3;
+///
+/// let (zero, ball) = (Vec3::<f64>::zero(), Geometry::Ball { radius: 0.5 });
+/// let wall = Geometry::Cuboid { half_extents: Vec3::new(0.1, 2.0, 2.0) };
+/// let stays = Course::new(&Placement::at(zero), zero, zero, zero);
+/// let shot = |y: f64| {
+///     let at = Vec3::new(-5.6, y, 0.0);
+///     Course::new(&Placement::at(at), at, Vec3::new(10.0, 0.0, 0.0), zero)
+/// };
+/// // Half a metre of radius before the wall after half of ten metres.
+/// let met = Meeting::find([&wall, &ball], [&stays, &shot(0.0)], 1e-6, 0.0).unwrap();
+/// assert!(met.is_hit && (met.moment - 0.5).abs() < 1e-6);
+/// assert!(Meeting::find([&wall, &ball], [&stays, &shot(2.6)], 1e-6, 0.0).is_none());
+/// ```
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Meeting {
+    /// When, as a part of the interval.
+    pub moment: f64,
+    /// Whether they touch then; otherwise they are as near as they get, or that is not known.
+    pub is_hit: bool,
+    /// How far they are apart then \[m\].
+    pub distance: f64,
+    /// From the first to the second, unit vector, world frame; zero where they overlap.
+    pub normal: tumble_math::lane::Vec3<f64>,
+}
+
+/// What points of contact go along with between the beginning of an interval and a meeting.
+///
+/// ```
+/// use tumble_collide::{Course, Follow, Geometry, Meeting, Placement};
+/// use tumble_math::lane::Vec3;
+///
+/// let (zero, ball) = (Vec3::<f64>::zero(), Geometry::Ball { radius: 0.5 });
+/// let stays = Course::new(&Placement::at(zero), zero, zero, zero);
+/// let at = Vec3::new(-3.0, 0.6, 0.0);
+/// let shot = Course::new(&Placement::at(at), at, Vec3::new(4.0, 0.0, 0.0), zero);
+/// let (pair, courses) = ([&ball, &ball], [&stays, &shot]);
+/// let met = Meeting::find(pair, courses, 1e-9, 0.0).unwrap();
+/// // They meet with centres 0.6 m apart across the way and 0.8 m along it, so 2.2 m of the way are left.
+/// met.manifolds(pair, courses, [0.01, 0.01], Follow::Centers, &mut |_, manifold| {
+///     assert!((manifold.normal.x + 0.8).abs() < 1e-6);
+///     assert!((manifold.points()[0].separation - 0.8 * 2.2).abs() < 1e-6);
+/// });
+/// ```
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Follow {
+    /// With the bodies as they move and turn.
+    Bodies,
+    /// With the centres of mass, as those of what is round: it turns under them.
+    Centers,
+}
+
+/// Two convex shapes on their ways.
+struct Moving<'a> {
+    shapes: [Convex<'a>; 2],
+    /// Of both together.
+    layers: f64,
+    courses: [&'a Course; 2],
+    /// How far points are from what they turn about at most.
+    radii: [f64; 2],
+}
+
+/// How far two shapes are apart at some moment, and the unit vector from the first to the second.
+struct Gap {
+    distance: f64,
+    normal: Vector,
+}
+
+impl Meeting {
+    /// The first of two shapes on their ways, or the nearest that they come to each other if that is nearer than `slack` \[m\]. What is nearer than
+    /// `tolerance` \[m\], above zero, meets. None of compounds, half-spaces, and two surfaces. A surface is met from outside.
+    pub fn find<R: Scalar>(
+        geometries: [&Geometry<R>; 2],
+        courses: [&Course; 2],
+        tolerance: f64,
+        slack: f64,
+    ) -> Option<Self> {
+        match geometries {
+            [Geometry::Mesh(mesh), other] => with_surface(mesh.as_ref(), other, courses, (tolerance, slack)),
+            [Geometry::HeightField(field), other] => with_surface(field.as_ref(), other, courses, (tolerance, slack)),
+            [other, surface @ (Geometry::Mesh(_) | Geometry::HeightField(_))] => {
+                let [a, b] = courses;
+                let met = Self::find([surface, other], [b, a], tolerance, slack);
+                met.map(|met| Self { normal: met.normal * -1.0, ..met })
+            }
+            [first, second] => {
+                let moving = Moving::new(Convex::of(first)?, Convex::of(second)?, [first, second], courses);
+                if moving.are_passed(tolerance, slack) { None } else { moving.meet(tolerance, slack) }
+            }
+        }
+    }
+
+    /// Shows the manifolds that two shapes have when they meet, as [`touching`] has them, laid back to the beginning of the interval: with separations that
+    /// are used up at the meeting. They have all points that are nearer than `margin` \[m\] then, and one that is nearer than `near` \[m\].
+    pub fn manifolds<R: Scalar>(
+        &self,
+        [first, second]: [&Geometry<R>; 2],
+        courses: [&Course; 2],
+        [near, margin]: [R; 2],
+        follow: Follow,
+        visit: &mut impl FnMut(u32, &Manifold<R>),
+    ) {
+        let [first_at, second_at] = courses.map(|course| narrow_placement::<R>(&course.at(self.moment)));
+        touching(first, &first_at, second, &second_at, margin, &mut |part, manifold| {
+            if manifold.points().iter().any(|point| point.separation <= near) {
+                visit(part, &laid_back(manifold, courses, self.moment, follow));
+            }
+        });
+    }
+}
+
+impl<'a> Moving<'a> {
+    fn new<R: Scalar>(
+        (first, layer): (Convex<'a>, f64),
+        (second, other_layer): (Convex<'a>, f64),
+        geometries: [&Geometry<R>; 2],
+        courses: [&'a Course; 2],
+    ) -> Self {
+        let reach = |which: usize, layer: f64| {
+            let reach: f64 = geometries[which].reach().map_or(0.0, Into::into);
+            courses[which].off_center() + (reach - layer).max(0.0)
+        };
+        let radii = [reach(0, layer), reach(1, other_layer)];
+        Self { shapes: [first, second], layers: layer + other_layer, courses, radii }
+    }
+
+    /// Whether balls around both pass each other, or a ball around one passes the other: these turn as they like.
+    fn are_passed(&self, tolerance: f64, slack: f64) -> bool {
+        let wrapped = |which: [bool; 2]| {
+            let more = (0..2).filter(|i| which[*i]).fold(0.0, |sum, i| sum + self.radii[i]);
+            let shape = |i: usize| if which[i] { Convex::Point } else { self.shapes[i] };
+            let course = |i: usize| if which[i] { self.courses[i].of_center() } else { *self.courses[i] };
+            let radii = [0, 1].map(|i: usize| if which[i] { 0.0 } else { self.radii[i] });
+            let courses = [course(0), course(1)];
+            let courses = [&courses[0], &courses[1]];
+            let shapes = [shape(0), shape(1)];
+            Moving { shapes, layers: self.layers + more, courses, radii }.meet(tolerance, slack).is_none()
+        };
+        let turns = self.courses.map(|course| course.angular().dot(course.angular()) > 0.0);
+        match turns {
+            [false, false] => wrapped([true, true]),
+            _ => {
+                wrapped([true, true]) || (!turns[0] && wrapped([false, true])) || (!turns[1] && wrapped([true, false]))
+            }
+        }
+    }
+
+    fn gap(&self, moment: f64) -> Option<Gap> {
+        let [first_at, second_at] = self.courses.map(|course| course.at(moment));
+        let shapes = difference(self.shapes[0], &first_at, self.shapes[1], &second_at)?;
+        Some(match nearest(&shapes, f64::INFINITY) {
+            Nearest::Apart { between, .. } => {
+                let length = between.dot(between).sqrt();
+                let normal = first_at.orientation.rotate(between * (1.0 / length));
+                Gap { distance: length - self.layers, normal }
+            }
+            Nearest::Far | Nearest::Overlap(_) => Gap { distance: -self.layers, normal: Vector::zero() },
+        })
+    }
+
+    /// How fast they can come together along a unit vector from the first to the second, in a leg in which the second goes `way` past the first.
+    fn rate(&self, way: Vector, normal: Vector) -> f64 {
+        let turning = |which: usize| {
+            let across = normal.cross(self.courses[which].angular());
+            across.dot(across).sqrt() * self.radii[which]
+        };
+        turning(0) + turning(1) - way.dot(normal)
+    }
+
+    fn way(&self, moment: f64) -> Vector {
+        self.courses[1].linear(moment) - self.courses[0].linear(moment)
+    }
+
+    fn meet(&self, tolerance: f64, slack: f64) -> Option<Meeting> {
+        let (mut now, mut before) = (0.0, 0.0);
+        let mut nearest: Option<(f64, [f64; 2])> = None;
+        for _ in 0..MOST_ADVANCES {
+            work::compared(1);
+            let gap = self.gap(now)?;
+            if gap.distance <= tolerance {
+                let Gap { distance, normal } = gap;
+                return Some(Meeting { moment: now, is_hit: true, distance, normal });
+            }
+            let end = self.courses.iter().flat_map(|course| course.turns()).filter(|end| *end > now);
+            let end = end.fold(1.0, f64::min);
+            let rate = self.rate(self.way(now), gap.normal);
+            let passes = rate * (end - now) < gap.distance - tolerance;
+            let next = if passes { end } else { now + (gap.distance - 0.5 * tolerance) / rate };
+            match &mut nearest {
+                Some((least, _)) if gap.distance >= *least => {}
+                _ => nearest = Some((gap.distance, [before, next])),
+            }
+            if next >= 1.0 {
+                let (least, span) = nearest?;
+                return if least <= NEARLY * slack { self.nearest(span, slack) } else { None };
+            }
+            (before, now) = (now, next);
+        }
+        // They graze each other for long: from here on anything may be.
+        let Gap { distance, normal } = self.gap(now)?;
+        Some(Meeting { moment: now, is_hit: false, distance, normal })
+    }
+
+    /// When they are nearest within a span of time, if that is near enough.
+    fn nearest(&self, [mut low, mut high]: [f64; 2], slack: f64) -> Option<Meeting> {
+        let high_end = high;
+        for _ in 0..NARROWED {
+            let third = (high - low) * (1.0 / 3.0);
+            let (a, b) = (low + third, high - third);
+            if self.gap(a)?.distance <= self.gap(b)?.distance { high = b } else { low = a }
+        }
+        let moment = if high == high_end { high } else { 0.5 * (low + high) };
+        let Gap { distance, normal } = self.gap(moment)?;
+        (distance <= slack).then_some(Meeting { moment, is_hit: distance <= 0.0, distance, normal })
+    }
+}
+
+/// The first meeting of a convex shape with a surface.
+fn with_surface<R: Scalar>(
+    surface: &impl Surface,
+    geometry: &Geometry<R>,
+    courses: [&Course; 2],
+    (tolerance, slack): (f64, f64),
+) -> Option<Meeting> {
+    let (shape, layer) = Convex::of(geometry)?;
+    let reach: f64 = geometry.reach()?.into();
+    let ground = courses[0].at(0.0);
+    let mut bounds = Bounds::empty();
+    let turned = {
+        let angle = courses[0].angular();
+        angle.dot(angle).sqrt()
+    };
+    let corners = courses[0].turns().chain(courses[1].turns()).chain([0.0]);
+    for moment in corners {
+        let body = courses[1].at(moment).position - courses[0].gone(moment);
+        let from_center = body - ground.position;
+        // What turns by an angle moves by no more than that times its distance.
+        let more = reach
+            + courses[1].off_center()
+            + slack
+            + tolerance
+            + turned * (from_center.dot(from_center).sqrt() + courses[0].off_center());
+        let half = Vector::splat(more);
+        let around = Bounds::about(ground.to_local(body), half);
+        bounds = crate::tree::enclosing(&bounds, &around);
+    }
+    let mut triangles = Vec::new();
+    surface.near(&bounds, &mut |triangle| triangles.push(triangle));
+    if triangles.len() > MOST_TRIANGLES {
+        return Some(Meeting { moment: 0.0, is_hit: false, distance: f64::INFINITY, normal: Vector::zero() });
+    }
+    triangles.sort_unstable();
+    let mut first: Option<Meeting> = None;
+    for triangle in triangles {
+        let corners = surface.triangle(triangle);
+        let normal = surface.normal(triangle);
+        let radii = [
+            courses[0].off_center() + furthest_from_origin(corners),
+            courses[1].off_center() + (reach - layer).max(0.0),
+        ];
+        let moving = Moving { shapes: [Convex::Triangle(corners), shape], layers: layer, courses, radii };
+        if moving.stays_over(normal, corners[0], tolerance) {
+            continue;
+        }
+        if moving.are_passed(tolerance, slack) {
+            continue;
+        }
+        let Some(met) = moving.meet(tolerance, slack) else { continue };
+        let [ground, body] = courses.map(|course| course.at(met.moment));
+        let middle = ground.to_local(body.to_world(shape.middle()));
+        let is_before = normal.dot(middle - corners[0]) > 0.0;
+        let key = |met: &Meeting| (!met.is_hit, met.moment);
+        if is_before && first.as_ref().is_none_or(|first| key(&met) < key(first)) {
+            first = Some(met);
+        }
+    }
+    first
+}
+
+fn furthest_from_origin(corners: [Vector; 3]) -> f64 {
+    corners.iter().fold(0.0, |most, corner| f64::max(most, corner.dot(*corner).sqrt()))
+}
+
+impl Moving<'_> {
+    /// Whether the second stays on its side of the plane of a face of the first, given by its outward normal and a point in the frame of the first.
+    fn stays_over(&self, normal: Vector, point: Vector, tolerance: f64) -> bool {
+        let [ground, body] = self.courses.map(|course| course.at(0.0));
+        let up = ground.orientation.rotate(normal);
+        let lowest = body.to_world(self.shapes[1].support(body.orientation.rotate_back(up * -1.0)));
+        let mut height = up.dot(lowest - ground.to_world(point)) - self.layers;
+        // What begins below is not held by this face.
+        if height < 0.0 {
+            return false;
+        }
+        let mut begin = 0.0;
+        let mut ends: Vec<f64> = self.courses.iter().flat_map(|course| course.turns()).collect();
+        ends.sort_by(f64::total_cmp);
+        for end in ends {
+            height -= self.rate(self.way(begin), up).max(0.0) * (end - begin);
+            begin = end;
+        }
+        height > 0.25 * tolerance
+    }
+}
+
+fn narrow_placement<R: Scalar>(at: &Placement<f64>) -> Placement<R> {
+    let tumble_math::lane::Quat { x, y, z, w } = at.orientation;
+    let orientation = tumble_math::lane::Quat { x: R::splat(x), y: R::splat(y), z: R::splat(z), w: R::splat(w) };
+    Placement { position: narrow(at.position), orientation }
+}
+
+/// A manifold of some moment, as it lies when the interval begins.
+fn laid_back<R: Scalar>(manifold: &Manifold<R>, courses: [&Course; 2], moment: f64, follow: Follow) -> Manifold<R> {
+    let turns = follow == Follow::Bodies;
+    let carried: f64 = manifold.carried.into();
+    let normal = crate::convex::wide(manifold.normal);
+    // The normal turns with what does not carry the points.
+    let reference = courses[usize::from(carried < 0.5 - 1e-3)];
+    let before = if turns { reference.turn(moment).rotate_back(normal) } else { normal };
+    let mut points = Points::none();
+    for point in manifold.points() {
+        let (middle, separation): (Vector, f64) = (crate::convex::wide(point.position), point.separation.into());
+        let half = normal * (0.5 * separation);
+        let on_first = courses[0].back(middle - half, moment, turns);
+        let on_second = courses[1].back(middle + half, moment, turns);
+        let apart = before.dot(on_second - on_first);
+        // What swings around may begin behind the plane that it meets.
+        let separation = if moment > 0.0 { apart.max(0.0) } else { apart };
+        let half = before * (0.5 * separation);
+        let position = (on_first + half) * (1.0 - carried) + (on_second - half) * carried;
+        points.push(ContactPoint {
+            position: narrow(position),
+            separation: R::splat(separation),
+            feature: point.feature,
+        });
+    }
+    Manifold::new(narrow(before), manifold.carried, points)
+}

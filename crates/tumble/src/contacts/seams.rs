@@ -1,0 +1,130 @@
+//! Floors of several: what slides over one is not stopped by the edge of the next.
+//!
+//! A contact holds a body over a plane through the whole step. What lies beside with its highest point at that plane is not met, whatever way out of it is the shortest: the body
+//! would have to be under the plane.
+
+use tumble_collide::Geometry;
+use tumble_math::lane::Vec3;
+
+use super::contact::{Contact, SHAPE};
+use super::parts::numbers;
+use super::touching::{Contacts, Shape};
+use crate::math::Real;
+
+/// What goes less than this part of a margin past another in a step meets no edge of it.
+const SLIDES: Real = 0.5;
+/// Tops that differ by less than this part of the margin are one floor: a hundredth of half the thickness of what slides.
+const LEVEL: Real = 0.5;
+/// Normals with a cosine above this are those of one floor: of faces, which may lie on it at a small angle, ...
+const SAME_FACE: Real = 0.9999;
+/// ... and of single points, which are exact.
+const SAME_NORMAL: Real = 0.999_999;
+/// A body on a floor is looked at with no more of its contacts.
+const MOST: usize = 64;
+
+/// A plane that holds a body over it.
+#[derive(Clone, Copy)]
+pub(super) struct Floor {
+    normal: Vec3<Real>,
+    /// A point of the plane.
+    point: Vec3<Real>,
+    /// Differences in height that do not count \[m\].
+    level: Real,
+}
+
+impl Floor {
+    /// That of a contact, under its second body or the first.
+    pub(super) fn of(contact: &Contact, under_second: bool, shapes: &[Shape]) -> Self {
+        let [x, y, z, ..] = contact.numbers[SHAPE].0;
+        let normal = Vec3::new(x, y, z);
+        let center = shapes[contact.slots[1] as usize].center;
+        let sign = if under_second { 0.5 } else { -0.5 };
+        let point = center + contact.half_way(0) - normal * (contact.separation(0) * sign);
+        let normal = if under_second { normal } else { normal * -1.0 };
+        Self { normal, point, level: LEVEL * contact.margin() }
+    }
+
+    /// Whether the highest point of a part of a body is at the plane.
+    pub(super) fn is_level_with(&self, geometry: &Geometry<Real>, number: u32, shape: &Shape) -> bool {
+        let (_, inner, part) = geometry.part_of(number);
+        let at = shape.placement.then(&inner);
+        let top = part.furthest(at.orientation.rotate_back(self.normal));
+        top.is_some_and(|top| {
+            let height = self.normal.dot(at.position + at.orientation.rotate(top) - self.point);
+            height.abs() <= self.level
+        })
+    }
+}
+
+impl Contacts {
+    /// Leaves out the contacts of bodies with what lies level with the floor that they slide over.
+    pub(super) fn leave_out_seams(&mut self) {
+        let Self { contacts, shapes, colliders, .. } = self;
+        let slides = |shape: &Shape, margin: Real| {
+            let way = shape.motion.way;
+            way.dot(way) > SLIDES * SLIDES * margin * margin
+        };
+        if !shapes.iter().any(|shape| shape.moves && slides(shape, shape.margin)) {
+            return;
+        }
+        // By body: its contacts with what it goes past.
+        let mut sliding: Vec<(u32, u32)> = Vec::new();
+        for (index, contact) in (0_u32..).zip(&*contacts) {
+            let [a, b] = contact.slots.map(|slot| &shapes[slot as usize]);
+            let (past, most) = (b.motion.way - a.motion.way, SLIDES * contact.margin());
+            if past.dot(past) > most * most {
+                let moved = contact.slots.into_iter().filter(|slot| shapes[*slot as usize].moves);
+                sliding.extend(moved.map(|slot| (slot, index)));
+            }
+        }
+        sliding.sort_unstable();
+        let mut left_out = Vec::new();
+        for group in sliding.chunk_by(|a, b| a.0 == b.0).filter(|group| group.len() > 1) {
+            let slot = group[0].0;
+            for (_, of_edge) in group.iter().take(MOST) {
+                let edge = &contacts[*of_edge as usize];
+                let other = usize::from(edge.slots[0] == slot);
+                let its_slot = edge.slots[other];
+                let Some((collider, _)) = &colliders[its_slot as usize] else { continue };
+                let Some((second, _)) = &colliders[edge.slots[1] as usize] else { continue };
+                let number = numbers(edge.part, second.geometry.parts())[other];
+                let away = normal_of(edge, slot);
+                let floor = group.iter().take(MOST).filter(|(_, index)| index != of_edge).find(|(_, index)| {
+                    let contact = &contacts[*index as usize];
+                    let up = normal_of(contact, slot).dot(away);
+                    let floor = || Floor::of(contact, contact.slots[1] == slot, shapes);
+                    let is_one_point = contact.count() == 1 && edge.count() == 1;
+                    let same = if is_one_point { SAME_NORMAL } else { SAME_FACE };
+                    (SAME_FACE - 1.0..same).contains(&up)
+                        && floor().is_level_with(&collider.geometry, number, &shapes[its_slot as usize])
+                });
+                if let Some((_, of_floor)) = floor {
+                    left_out.push((*of_edge, *of_floor));
+                }
+            }
+        }
+        if left_out.is_empty() {
+            return;
+        }
+        left_out.sort_unstable();
+        left_out.dedup_by_key(|(of_edge, _)| *of_edge);
+        for (_, of_floor) in &left_out {
+            // Where the one ends the plane goes on.
+            contacts[*of_floor as usize].hold_still();
+        }
+        let left_out = left_out.into_iter().map(|(of_edge, _)| of_edge);
+        let (mut left_out, mut index) = (left_out.peekable(), 0);
+        contacts.retain(|_| {
+            let stays = left_out.next_if_eq(&index).is_none();
+            index += 1;
+            stays
+        });
+    }
+}
+
+/// The normal of a contact towards a body.
+fn normal_of(contact: &Contact, slot: u32) -> Vec3<Real> {
+    let [x, y, z, ..] = contact.numbers[SHAPE].0;
+    let normal = Vec3::new(x, y, z);
+    if contact.slots[1] == slot { normal } else { normal * -1.0 }
+}
