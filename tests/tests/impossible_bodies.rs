@@ -10,7 +10,7 @@ use hecs::{Entity, World};
 use proptest::prelude::*;
 use tumble::math::{Quat, Real, Vec3};
 use tumble::prelude::*;
-use tumble::{BodyError, Chance, ColliderError, ConstantWrench, InverseInertia, SettingsError};
+use tumble::{BodyError, BodyOrder, Chance, ColliderError, InverseInertia, SettingsError, Work};
 use tumble_tests::run;
 use tumble_tests::touching::{collider, cube, ground, pose, spawn};
 
@@ -32,6 +32,7 @@ enum Poisoned {
     CenterOfMass,
     Derived,
     Softening,
+    Mu,
     Stiffness,
     SpringDamping,
     RestLength,
@@ -40,7 +41,7 @@ enum Poisoned {
     Constant,
 }
 
-const ALL: [Poisoned; 19] = [
+const ALL: [Poisoned; 20] = [
     Poisoned::Position,
     Poisoned::Orientation,
     Poisoned::LinearMomentum,
@@ -54,6 +55,7 @@ const ALL: [Poisoned; 19] = [
     Poisoned::CenterOfMass,
     Poisoned::Derived,
     Poisoned::Softening,
+    Poisoned::Mu,
     Poisoned::Stiffness,
     Poisoned::SpringDamping,
     Poisoned::RestLength,
@@ -127,6 +129,10 @@ fn poison(world: &mut World, victim: Entity, others: &[Entity], what: Poisoned, 
             others.iter().for_each(|other| world.insert_one(*other, GravityMass::new(0.1)).unwrap());
             world.insert_one(victim, GravityMass { mu: 0.1, softening: value }).unwrap();
         }
+        Poisoned::Mu => {
+            others.iter().for_each(|other| world.insert_one(*other, GravityMass::new(0.1)).unwrap());
+            world.insert_one(victim, GravityMass { mu: value, softening: 0.0 }).unwrap();
+        }
         Poisoned::Stiffness => drop(world.spawn((spring.stiffness(value),))),
         Poisoned::SpringDamping => drop(world.spawn((spring.damping(value),))),
         Poisoned::RestLength => drop(world.spawn((spring.rest_length(value),))),
@@ -165,6 +171,212 @@ fn end(seed: u64, poisoned: Option<(Poisoned, Real, u32)>) -> Vec<(Pose, Momentu
         run(&mut simulation, &mut world, 40);
     }
     bodies.into_iter().map(|body| state(&world, body)).collect()
+}
+
+/// A component of a body with one number of it poisoned, or all of a vector; what is not poisoned is as a game would have it.
+type Component = (&'static str, fn(&mut World, Entity, Bad));
+
+#[derive(Clone, Copy, Debug)]
+struct Bad {
+    value: Real,
+    /// Which number of those that the component has, counted around.
+    which: usize,
+}
+
+impl Bad {
+    fn vector(self, else_of: Vec3) -> Vec3 {
+        let mut vector = else_of;
+        match self.which % 4 {
+            3 => vector = Vec3::splat(self.value),
+            axis => vector[axis] = self.value,
+        }
+        vector
+    }
+
+    fn quat(self) -> Quat {
+        let mut numbers = Quat::IDENTITY.to_array();
+        numbers[self.which % 4] = self.value;
+        Quat::from_array(numbers)
+    }
+
+    /// The first of two, three, ... numbers or the next ones.
+    fn number<const N: usize>(self, else_of: [Real; N]) -> [Real; N] {
+        let mut numbers = else_of;
+        numbers[self.which % N] = self.value;
+        numbers
+    }
+}
+
+fn put<C: hecs::Component>(world: &mut World, victim: Entity, component: C) {
+    world.insert_one(victim, component).unwrap();
+}
+
+/// Of which some are tried.
+const HUGE: [Real; 8] =
+    [Real::INFINITY, Real::NEG_INFINITY, Real::MAX, -Real::MAX, 1e30, -1e20, Real::MIN_POSITIVE, 0.0];
+
+/// All components with public numbers, and all laws.
+const COMPONENTS: &[Component] = &[
+    ("Pose", |world, victim, bad| {
+        let pose = *world.get::<&Pose>(victim).unwrap();
+        let poisoned = match bad.which % 2 {
+            0 => Pose { position: bad.vector(pose.position), ..pose },
+            _ => Pose { orientation: bad.quat(), ..pose },
+        };
+        put(world, victim, poisoned);
+    }),
+    ("PreviousPose", |world, victim, bad| {
+        put(world, victim, PreviousPose(Pose { position: bad.vector(Vec3::ZERO), orientation: bad.quat() }));
+    }),
+    ("Momentum", |world, victim, bad| {
+        let Momentum { linear, angular } = *world.get::<&Momentum>(victim).unwrap();
+        let poisoned = match bad.which % 2 {
+            0 => Momentum { linear: bad.vector(linear), angular },
+            _ => Momentum { linear, angular: bad.vector(angular) },
+        };
+        put(world, victim, poisoned);
+    }),
+    ("Velocity", |world, victim, bad| {
+        put(world, victim, Velocity { linear: bad.vector(Vec3::ZERO), angular: bad.vector(Vec3::ZERO) });
+    }),
+    ("InverseInertia", |world, victim, bad| {
+        let [diagonal, off_diagonal] = [bad.vector(Vec3::ONE), bad.vector(Vec3::ZERO)];
+        put(world, victim, InverseInertia { diagonal, off_diagonal });
+    }),
+    ("PrincipalAxes", |world, victim, bad| put(world, victim, PrincipalAxes(bad.quat()))),
+    ("CenterOfMass", |world, victim, bad| put(world, victim, CenterOfMass(bad.vector(Vec3::ZERO)))),
+    ("Wrench", |world, victim, bad| {
+        let [force, torque] = match bad.which % 2 {
+            0 => [bad.vector(Vec3::X), Vec3::ZERO],
+            _ => [Vec3::ZERO, bad.vector(Vec3::X)],
+        };
+        put(world, victim, Wrench { force, torque });
+    }),
+    ("Damping", |world, victim, bad| {
+        let [linear, angular] = bad.number([0.1, 0.1]);
+        put(world, victim, Damping { linear, angular });
+    }),
+    ("GravityScale", |world, victim, bad| put(world, victim, GravityScale(bad.value))),
+    ("Work", |world, victim, bad| {
+        put(world, victim, Work { gravity: f64::from(bad.value), contacts: f64::from(bad.value), ..Work::default() });
+    }),
+    ("Wind", |world, victim, bad| {
+        put(world, victim, Drag { linear: Vec3::ONE, angular: Vec3::ZERO });
+        put(world, victim, Wind(bad.vector(Vec3::ZERO)));
+    }),
+    ("Drag", |world, victim, bad| {
+        let [linear, angular] = match bad.which % 2 {
+            0 => [bad.vector(Vec3::ONE), Vec3::ZERO],
+            _ => [Vec3::ZERO, bad.vector(Vec3::ONE)],
+        };
+        put(world, victim, Drag { linear, angular });
+    }),
+    ("Magnus", |world, victim, bad| put(world, victim, Magnus { coefficient: bad.value })),
+    ("Thruster", |world, victim, bad| {
+        let [throttle] = if bad.which % 3 == 2 { bad.number([1.0]) } else { [1.0] };
+        let force = if bad.which.is_multiple_of(3) { bad.vector(Vec3::X) } else { Vec3::X };
+        let torque = if bad.which % 3 == 1 { bad.vector(Vec3::X) } else { Vec3::ZERO };
+        put(world, victim, Thruster { force, torque, throttle });
+    }),
+    ("ConstantWrench", |world, victim, bad| {
+        let frame = if bad.which.is_multiple_of(2) { Frame::World } else { Frame::Body };
+        put(world, victim, ConstantWrench { force: Vec3::ZERO, torque: bad.vector(Vec3::ZERO), frame });
+        if bad.which >= 4 {
+            put(world, victim, ConstantWrench { force: bad.vector(Vec3::ZERO), torque: Vec3::ZERO, frame });
+        }
+    }),
+    ("SpringToPoint", |world, victim, bad| {
+        let [rest_length, stiffness, damping] = bad.number([0.1, 10.0, 0.5]);
+        let anchor = if bad.which == 3 { bad.vector(Vec3::Y) } else { Vec3::Y };
+        let attachment = if bad.which == 4 { bad.vector(Vec3::ZERO) } else { Vec3::ZERO };
+        put(world, victim, SpringToPoint { anchor, attachment, rest_length, stiffness, damping });
+    }),
+    ("PointGravity", |world, victim, bad| {
+        let [mu, softening] = bad.number([0.1, 0.1]);
+        let center = if bad.which > 4 { bad.vector(Vec3::ZERO) } else { Vec3::ZERO };
+        put(world, victim, PointGravity { center, mu, softening });
+    }),
+    ("Buoyancy", |world, victim, bad| {
+        let [density, level, radius] = bad.number([1000.0, 1.0, 0.2]);
+        let center = if bad.which == 5 { bad.vector(Vec3::ZERO) } else { Vec3::ZERO };
+        put(world, victim, Buoyancy { density, level, hull: Hull::Sphere { radius }, center });
+    }),
+    ("AngularVelocityServo", |world, victim, bad| {
+        let [max_torque] = if bad.which.is_multiple_of(2) { bad.number([1.0]) } else { [1.0] };
+        let target = if bad.which % 2 == 1 { bad.vector(Vec3::Y) } else { Vec3::Y };
+        put(world, victim, AngularVelocityServo { target, frame: Frame::World, max_torque });
+    }),
+    ("GravityMass", |world, victim, bad| {
+        let [mu, softening] = bad.number([0.1, 0.1]);
+        put(world, victim, GravityMass { mu, softening });
+    }),
+    ("Spring", |world, victim, bad| {
+        let other = BodyOrder::of(world).entities()[0];
+        let [rest_length, stiffness, damping] = bad.number([0.1, 10.0, 0.5]);
+        let attachment = if bad.which > 4 { bad.vector(Vec3::ZERO) } else { Vec3::ZERO };
+        let spring = Spring::between(victim, other).rest_length(rest_length).stiffness(stiffness).damping(damping);
+        world.spawn((spring.attached_at(attachment, Vec3::ZERO),));
+    }),
+];
+
+/// The others after some steps in which a body among them, or as far off, has components with bad numbers from the start.
+fn end_with(seed: u64, far: Real, poison: impl FnOnce(&mut World, Entity)) -> Vec<(Pose, Momentum, Velocity)> {
+    let (mut world, bodies) = scene(seed);
+    let mut simulation = Simulation::new(Settings::default()).unwrap();
+    let victim = body(&mut world, &mut Chance::new(seed ^ 9), BODIES);
+    world.get::<&mut Pose>(victim).unwrap().position += Vec3::X * far;
+    poison(&mut world, victim);
+    run(&mut simulation, &mut world, 30);
+    bodies.into_iter().map(|body| state(&world, body)).collect()
+}
+
+/// Every law of the engine is among them.
+#[test]
+fn no_component_is_left_out() {
+    let names: Vec<&str> = COMPONENTS.iter().map(|(name, _)| *name).collect();
+    for law in tumble::ForceLaws::COMPONENTS {
+        assert!(names.contains(&law), "{law}");
+    }
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(4))]
+
+    /// What is no number in a body that touches nobody changes no bit of anybody. In one that lies among others it either counts for nothing, and they go on as beside a healthy
+    /// body, or takes its body out of the world; what laws make of their other numbers is left aside.
+    #[test]
+    fn no_number_of_any_component_reaches_others(
+        seed in any::<u64>(), which in 0_usize..12, values in prop::sample::subsequence(HUGE.to_vec(), 2),
+    ) {
+        let without = end_with(seed, 0.0, |world, victim| world.despawn(victim).unwrap());
+        let healthy = end_with(seed, 0.0, |_, _| {});
+        for (name, poison) in COMPONENTS {
+            let with = |far, value| end_with(seed, far, |world, victim| poison(world, victim, Bad { value, which }));
+            let is_law = tumble::ForceLaws::COMPONENTS.contains(name) || ["Damping", "Wind"].contains(name);
+            // Springs draw their body to the others by what their other numbers say, and so may a law with a number without end.
+            let is_spring = name.starts_with("Spring");
+            prop_assert!(is_spring || with(200.0, Real::NAN) == without, "{} NaN, far away", name);
+            prop_assert!(is_law || with(200.0, Real::INFINITY) == without, "{} inf, far away", name);
+            let others = with(0.0, Real::NAN);
+            prop_assert!(others.iter().all(is_finite), "{} NaN", name);
+            prop_assert!(is_law || others == without || others == healthy, "{} NaN has touched others", name);
+            for value in values.clone() {
+                prop_assert!(with(0.0, value).iter().all(is_finite), "{} {}", name, value);
+            }
+        }
+    }
+
+    /// Several at once, among them such as need each other.
+    #[test]
+    fn nor_do_several(seed in any::<u64>(), bad in prop::collection::vec((0..COMPONENTS.len(), 0..VALUES.len(), 0_usize..12), 2..5)) {
+        let others = end_with(seed, 0.0, |world, victim| {
+            for (component, value, which) in &bad {
+                COMPONENTS[*component].1(world, victim, Bad { value: VALUES[*value], which: *which });
+            }
+        });
+        let names: Vec<_> = bad.iter().map(|(component, value, _)| (COMPONENTS[*component].0, VALUES[*value])).collect();
+        prop_assert!(others.iter().all(is_finite), "{:?}", names);
+    }
 }
 
 proptest! {
