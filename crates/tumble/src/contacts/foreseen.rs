@@ -61,13 +61,18 @@ impl Contacts {
     /// Goes along the ways of bodies that are about to get through the plane of a contact.
     pub(super) fn foresee(&mut self, fall: Real) {
         let Self { contacts, shapes, colliders, .. } = self;
-        let doubtful: Vec<u32> = (0..contacts.len() as u32)
-            .filter(|index| {
-                let contact = &contacts[*index as usize];
-                is_apart(contact) && is_doubtful(contact, contact.slots.map(|slot| &shapes[slot as usize]), fall)
-            })
-            .collect();
-        if doubtful.is_empty() {
+        let (mut doubtful, mut passed) = (Vec::new(), Vec::new());
+        for (index, contact) in (0_u32..).zip(&*contacts) {
+            let shapes = contact.slots.map(|slot| &shapes[slot as usize]);
+            if is_apart(contact) && is_doubtful(contact, shapes, fall) {
+                if !contact.is_between_centers() {
+                    doubtful.push(index);
+                } else if balls_pass(contact, shapes, fall) {
+                    passed.push(index);
+                }
+            }
+        }
+        if doubtful.is_empty() && passed.is_empty() {
             return;
         }
         let mut encounters = encounters(contacts, &doubtful, colliders, shapes);
@@ -81,20 +86,22 @@ impl Contacts {
             }
             view.meet_again(&mut encounters, &travellers);
         }
-        let mut doubtful = doubtful.into_iter().peekable();
+        let (mut doubtful, mut passed) = (doubtful.into_iter().peekable(), passed.into_iter().peekable());
         let (mut index, mut before) = (0, Vec::new());
         contacts.retain(|contact| {
-            let is_doubtful = doubtful.next_if_eq(&index).is_some();
+            let (is_doubtful, is_passed) = (doubtful.next_if_eq(&index).is_some(), passed.next_if_eq(&index).is_some());
             index += 1;
             if is_doubtful {
                 before.push(contact.clone());
             }
-            !is_doubtful
+            !is_doubtful && !is_passed
         });
         for encounter in &encounters {
             view.add(encounter, &travellers, &before, contacts);
         }
-        contacts.sort_by_key(Contact::key);
+        if !encounters.is_empty() {
+            contacts.sort_by_key(Contact::key);
+        }
     }
 }
 
@@ -125,6 +132,15 @@ fn is_doubtful(contact: &Contact, shapes: [&Shape; 2], fall: Real) -> bool {
     let tilt = (length(s) + length(t)) * (gap + length(way));
     let through = gap + normal.dot(way) - swing[0] - swing[1] - tilt < fall;
     through && (gap > margin || length(way) + swing[0] + swing[1] > FAST * margin)
+}
+
+/// Whether two balls stay further apart than the margin on their ways, which for balls are lines.
+fn balls_pass(contact: &Contact, [first, second]: [&Shape; 2], fall: Real) -> bool {
+    let apart = second.center - first.center;
+    let way = second.motion.way - first.motion.way;
+    let moment = (-apart.dot(way) / way.dot(way)).clamp(0.0, 1.0);
+    let radii = length(apart) - nearest(contact);
+    length(apart + way * moment) - radii > contact.margin() + fall
 }
 
 /// Those of doubtful contacts, each once.

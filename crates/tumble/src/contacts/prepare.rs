@@ -147,7 +147,8 @@ impl<const P: usize, const C: usize> Prepare<'_, P, C> {
             while j < P {
                 let offset = &block.points[j].offset;
                 let (a, b): (T, T) = (at(&offset[0], lane), at(&offset[1], lane));
-                sum = sum + (a * a + b * b).sqrt() * weights[j];
+                // Of a point that is not there anything may be written, also what has no square.
+                sum = sum + T::select(zero.lt(weights[j]), (a * a + b * b).sqrt() * weights[j], zero);
                 j += 1;
             }
             let mean = sum / total.max(T::splat(1.0));

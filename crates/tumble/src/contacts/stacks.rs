@@ -327,10 +327,10 @@ impl Kernel for Bear<'_> {
             let is_point = T::select(T::splat(j as f64).lt(count), one, zero);
             let weight = T::select(margin.lt(separations[j]), zero, is_point);
             let weight = T::select(separations[j].lt(deep), zero, weight);
-            let place = to_upper + places[j];
-            let (x, y) = (sides[0].dot(place) * weight, sides[1].dot(place) * weight);
+            let place = Vec3::select(zero.lt(weight), to_upper + places[j], Vec3::zero());
+            let (x, y) = (sides[0].dot(place), sides[1].dot(place));
             points = points + weight;
-            sum = [sum[0] + x, sum[1] + y, sum[2] + up.dot(place) * weight];
+            sum = [sum[0] + x, sum[1] + y, sum[2] + up.dot(place)];
             second_moments = [second_moments[0] + x * x, second_moments[1] + y * y, second_moments[2] + x * y];
             j += 1;
         }
