@@ -60,7 +60,7 @@ pub struct Meeting {
 /// use tumble_collide::{Course, Follow, Geometry, Meeting, Placement};
 /// use tumble_math::lane::Vec3;
 ///
-/// let (zero, ball) = (Vec3::<f64>::zero(), Geometry::Ball { radius: 0.5 });
+/// let (zero, ball) = (Vec3::<f64>::zero(), Geometry::Ball { radius: 0.5_f64 });
 /// let stays = Course::new(&Placement::at(zero), zero, zero, zero);
 /// let at = Vec3::new(-3.0, 0.6, 0.0);
 /// let shot = Course::new(&Placement::at(at), at, Vec3::new(4.0, 0.0, 0.0), zero);

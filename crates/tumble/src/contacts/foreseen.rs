@@ -223,7 +223,8 @@ fn held_already(
         let (normal, [a, b]) = (normal(contact), contact.slots);
         for (slot, other, normal) in [(a, b, normal * -1.0), (b, a, normal)] {
             let place = find(travellers, slot);
-            if travellers.get(place).is_some_and(|traveller| traveller.slot == slot) && shapes[slot as usize].moves {
+            let [moves, other_moves] = [slot, other].map(|slot| shapes[slot as usize].moves);
+            if travellers.get(place).is_some_and(|traveller| traveller.slot == slot) && moves && !other_moves {
                 held.push((place, other, normal));
             }
         }
@@ -258,8 +259,13 @@ fn turn_off(
     for encounter in encounters {
         let [a, b] = encounter.slots;
         for met in encounter.meetings.iter().filter(|met| met.is_hit) {
-            stops[find(travellers, a)].push((met.moment, b, met.normal * -1.0));
-            stops[find(travellers, b)].push((met.moment, a, met.normal));
+            // What impulses move may be left out of the step later, and would have had a say in that of others.
+            if !shapes[b as usize].moves {
+                stops[find(travellers, a)].push((met.moment, b, met.normal * -1.0));
+            }
+            if !shapes[a as usize].moves {
+                stops[find(travellers, b)].push((met.moment, a, met.normal));
+            }
         }
     }
     let mut changes: Vec<Option<(f64, Vec3<f64>, Vec<Vec3<f64>>)>> = Vec::new();
@@ -277,15 +283,13 @@ fn turn_off(
             });
         let Some((moment, other, normal)) = stop else { continue };
         let (way, its) = (traveller.course.linear(*moment), linear(travellers, shapes, *other, *moment));
-        let [mass, other_mass] = [traveller.slot, *other].map(|slot| f64::from(shapes[slot as usize].motion.mass));
-        let share = if other_mass.is_finite() { other_mass / (mass + other_mass) } else { 1.0 };
-        let mut way = way - *normal * (normal.dot(way - its) * share);
+        let mut way = way - *normal * normal.dot(way - its);
         let mut normals = traveller.stops.clone();
         normals.push(*normal);
         // Into a corner, it goes along none of the planes there but along their edge.
         for _ in 0..ROUNDS {
             for normal in &normals {
-                way = way - *normal * normal.dot(way - its).min(0.0) * share;
+                way = way - *normal * normal.dot(way - its).min(0.0);
             }
         }
         if let Some(change) = changes.last_mut() {

@@ -45,7 +45,7 @@ impl<const P: usize, const C: usize> Kernel for Prepare<'_, P, C> {
         let places = [Vec3::new(ax, ay, az), Vec3::new(bx, by, bz), Vec3::new(cx, cy, cz), Vec3::new(dx, dy, dz)];
         let separations: [T; 4] = [s0, s1, s2, s3];
 
-        // A point that comes into reach has no weight yet, so the middle does not jump; of what all are far from, the nearest have it.
+        // A point that comes into reach has no weight yet, so the middle does not jump. A patch is made of the nearest.
         let [_, _, _, _, _, _, margin]: [T; 7] = pick(self.contacts, block, RUBBED, lane);
         let inverse_margin = one / margin;
         let (mut nearest, mut j) = (separations[0], 1);
@@ -54,14 +54,18 @@ impl<const P: usize, const C: usize> Kernel for Prepare<'_, P, C> {
             j += 1;
         }
         let nearest = nearest.max(zero);
-        let (mut sum, mut total, mut weights) = (Vec3::zero(), zero, [zero; P]);
+        let (mut sum, mut total) = (Vec3::zero(), zero);
+        let (mut of_patch, mut weights) = (zero, [zero; P]);
         let mut j = 0;
         while j < P {
+            let is_point = T::splat(j as f64).lt(count);
+            let weight = T::splat(2.0) - separations[j] * inverse_margin;
+            let weight = T::select(is_point, weight.max(T::splat(LEAST_WEIGHT)).min(one), zero);
+            sum = sum + places[j] * weight;
+            total = total + weight;
             let weight = T::splat(2.0) - (separations[j] - nearest) * inverse_margin;
-            let weight = weight.max(T::splat(LEAST_WEIGHT)).min(one);
-            weights[j] = T::select(T::splat(j as f64).lt(count), weight, zero);
-            sum = sum + places[j] * weights[j];
-            total = total + weights[j];
+            weights[j] = T::select(is_point, weight.max(T::splat(LEAST_WEIGHT)).min(one), zero);
+            of_patch = of_patch + weights[j];
             j += 1;
         }
         let arm = sum * T::select(zero.lt(total), one / total, zero);
@@ -106,7 +110,7 @@ impl<const P: usize, const C: usize> Kernel for Prepare<'_, P, C> {
         put(bodies.least_size(&mobility.response) * T::splat(SLIDE), &mut self.blocks.blocks[index].start.slide, lane);
         let Blocks { blocks, rolling, .. } = &mut self.blocks;
         effective_mass::compute(&mut blocks[index], rolling.get_mut(index), lane, &mobility, one);
-        self.prepare_friction(index, lane, (&weights, total), length);
+        self.prepare_friction(index, lane, (&weights, of_patch), length);
         self.prepare_bounce(index, lane, restitution, (&bodies, &response));
     }
 }

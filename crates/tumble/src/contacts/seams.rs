@@ -91,11 +91,14 @@ impl Contacts {
                 let away = normal_of(edge, slot);
                 let floor = group.iter().take(MOST).filter(|(_, index)| index != of_edge).find(|(_, index)| {
                     let contact = &contacts[*index as usize];
+                    let under = contact.slots[usize::from(contact.slots[0] == slot)];
                     let up = normal_of(contact, slot).dot(away);
                     let floor = || Floor::of(contact, contact.slots[1] == slot, shapes);
                     let is_one_point = contact.count() == 1 && edge.count() == 1;
                     let same = if is_one_point { SAME_NORMAL } else { SAME_FACE };
+                    // What impulses move may be left out of the step later.
                     (SAME_FACE - 1.0..same).contains(&up)
+                        && !shapes[under as usize].moves
                         && floor().is_level_with(&collider.geometry, number, &shapes[its_slot as usize])
                 });
                 if let Some((_, of_floor)) = floor {

@@ -84,12 +84,11 @@ impl Sight<'_> {
         let half_thickness = geometry.half_thickness();
         let moves = bodies.pushed.is_some();
         let margin = if moves { (MARGIN_SHARE * half_thickness).min(MOST_MARGIN) } else { 0.0 };
-        let mut motion = Motion { radius, mass: Real::INFINITY, ..Motion::NONE };
+        let mut motion = Motion { radius, ..Motion::NONE };
         let (linear, in_range) = match bodies.pushed {
             Some((momenta, masses, inertia)) => {
                 let (mass, Momentum { linear, angular }) = (masses[i].kilograms(), momenta[i]);
                 let inertia = inertia.map(|inertia| Moments::new(&inertia[i], bodies.axes.map(|axes| &axes[i])));
-                motion.mass = mass;
                 if let Some(inertia) = &inertia {
                     motion.turn = turning(inertia, (orientation, angular.into()), ahead_of, TURNED * margin / radius);
                 }

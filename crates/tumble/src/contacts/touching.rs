@@ -82,14 +82,12 @@ pub(super) struct Motion {
     pub(super) turn: Vec3<Real>,
     /// How far from its centre of mass its collider reaches \[m\].
     pub(super) radius: Real,
-    /// Without end of what impulses do not move \[kg\].
-    pub(super) mass: Real,
 }
 
 impl Motion {
     pub(super) const NONE: Self = {
         let zero = Vec3 { x: 0.0, y: 0.0, z: 0.0 };
-        Self { way: zero, turn: zero, radius: 0.0, mass: Real::INFINITY }
+        Self { way: zero, turn: zero, radius: 0.0 }
     };
 }
 
