@@ -20,7 +20,7 @@ use pile::{plain_scene, scene, settings, shuffled};
 const STEPS: u32 = 120;
 
 /// The hash of the pile after 200 steps, in single and double precision. A new hash is a new arithmetic, of contacts or of what finds them; see `determinism.rs`.
-const PINNED: [u64; 2] = [0x19ec_b27f_6b7a_de04, 0x9a31_497e_0411_5b90];
+const PINNED: [u64; 2] = [0xcc44_7d05_429d_879a, 0x9a31_497e_0411_5b90];
 /// The same of eight boxes that fall on each other, which neither bounce nor resist rolling, after 90 steps.
 const PINNED_BOXES: [u64; 2] = [0xd02b_d39c_2008_0537, 0xe192_6809_3861_137a];
 

@@ -224,7 +224,7 @@ fn what_is_met_holds() {
         through += u32::from(!is_held);
     }
     // Three of a hundred, before contacts were of what is met too.
-    assert!(through <= 20, "{through} of 600 boxes are behind");
+    assert!(through <= 24, "{through} of 600 boxes are behind");
 }
 
 /// Balls and boxes at meshes and height fields: none gets under them, but for some of the boxes that are faster than 200 m/s.

@@ -54,12 +54,14 @@ impl<const P: usize, const C: usize> Kernel for Prepare<'_, P, C> {
             j += 1;
         }
         let nearest = nearest.max(zero);
+        // Of what is round and far from all its points, the nearest have the middle; a box would be spun by it in a blow.
+        let from = T::select(law.lt(T::splat(0.5)), zero, nearest);
         let (mut sum, mut total) = (Vec3::zero(), zero);
         let (mut of_patch, mut weights) = (zero, [zero; P]);
         let mut j = 0;
         while j < P {
             let is_point = T::splat(j as f64).lt(count);
-            let weight = T::splat(2.0) - separations[j] * inverse_margin;
+            let weight = T::splat(2.0) - (separations[j] - from) * inverse_margin;
             let weight = T::select(is_point, weight.max(T::splat(LEAST_WEIGHT)).min(one), zero);
             sum = sum + places[j] * weight;
             total = total + weight;

@@ -53,6 +53,7 @@ impl Contacts {
             let colliders = contact.slots.map(|slot| self.colliders[slot as usize].as_ref());
             let [Some((a, _)), Some((b, _))] = colliders else { continue };
             let origin = shapes[1].center;
+            let nearest = (0..contact.count()).map(|j| contact.separation(j)).fold(Real::INFINITY, Real::min).max(0.0);
             let placements = shapes.map(|shape| Placement {
                 position: shape.placement.position - origin,
                 orientation: shape.placement.orientation,
@@ -64,7 +65,7 @@ impl Contacts {
                 geometries: [a.geometry.clone(), b.geometry.clone()],
                 placements,
                 weights: std::array::from_fn(|j| {
-                    if j < contact.count() { weight(contact.separation(j) / contact.margin()) } else { 0.0 }
+                    if j < contact.count() { weight((contact.separation(j) - nearest) / contact.margin()) } else { 0.0 }
                 }),
                 alone: !shapes[0].moves,
                 apart: shapes[0].center - origin,
@@ -74,7 +75,7 @@ impl Contacts {
     }
 }
 
-/// Weight in the middle of its contact of a point whose separation is this many margins, as [`Prepare`](super::prepare::Prepare) has it.
+/// Weight in the middle of its contact of a point that is this many margins further than the nearest, as [`Prepare`](super::prepare::Prepare) has it.
 fn weight(margins: Real) -> Real {
     (2.0 - margins).clamp(crate::math::real(LEAST_WEIGHT), 1.0)
 }
