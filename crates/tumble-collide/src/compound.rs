@@ -2,6 +2,9 @@ use crate::convex::{Vector, wide};
 use crate::geometry::{Geometry, Placement};
 use crate::scalar::Scalar;
 
+/// A shape, and where it is in its compound.
+type Part<R> = (Placement<R>, Geometry<R>);
+
 /// Shapes fixed to each other, made to be touched: each at a place in the compound's frame.
 ///
 /// ```
@@ -15,7 +18,7 @@ use crate::scalar::Scalar;
 /// ```
 #[derive(Clone, Debug, PartialEq)]
 pub struct Compound<R> {
-    parts: Vec<(Placement<R>, Geometry<R>)>,
+    parts: Vec<Part<R>>,
     /// Of each part, the first of the numbers that its own parts have.
     numbers: Vec<u32>,
 }
@@ -57,7 +60,7 @@ impl<R: Scalar> Compound<R> {
     }
 
     /// The part that has a number, and the first of the numbers that it has.
-    pub(crate) fn part_of(&self, number: u32) -> Option<(u32, &(Placement<R>, Geometry<R>))> {
+    pub(crate) fn part_of(&self, number: u32) -> Option<(u32, &Part<R>)> {
         let place = self.numbers.partition_point(|first| *first <= number).checked_sub(1)?;
         self.numbers.get(place).copied().zip(self.parts.get(place))
     }

@@ -244,6 +244,9 @@ fn wide(v: Vec3<Real>) -> Vec3<f64> {
     Vec3::new(v.x.into(), v.y.into(), v.z.into())
 }
 
+/// When a body is stopped, how it goes on, and the normals of what has stopped it.
+type Change = (f64, Vec3<f64>, Vec<Vec3<f64>>);
+
 /// Lets those that are stopped for the next time go on along what stops them; whether there are any.
 fn turn_off(
     travellers: &mut [Traveller],
@@ -268,7 +271,7 @@ fn turn_off(
             }
         }
     }
-    let mut changes: Vec<Option<(f64, Vec3<f64>, Vec<Vec3<f64>>)>> = Vec::new();
+    let mut changes: Vec<Option<Change>> = Vec::new();
     for (traveller, stops) in travellers.iter().zip(&mut stops) {
         changes.push(None);
         if !shapes[traveller.slot as usize].moves {
