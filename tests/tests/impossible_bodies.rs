@@ -4,6 +4,7 @@
 //! Why: components are public, and one division by zero in a game must not take the whole world along. It fails if a number that is none, or a square that overflows, gets from one body to another
 //! through a contact, a spring or gravity.
 
+#![cfg_attr(feature = "f64", allow(clippy::useless_conversion, reason = "Real is f64 in this build, f32 in the other"))]
 #![allow(clippy::unwrap_used, reason = "a test without what it tests is to fail")]
 
 use hecs::{Entity, World};
