@@ -146,7 +146,7 @@ fn what_meets_without_restitution_stays() {
         percent
     });
     for [half, _, most] in found {
-        assert!(half < 5.0 && most < 25.0, "{found:?}");
+        assert!(half < 1.0 && most < 12.0, "{found:?}");
     }
 }
 

@@ -15,7 +15,7 @@
 use hecs::{Entity, World};
 use tumble::math::{Quat, Real, Vec3};
 use tumble::prelude::*;
-use tumble::{Collider, Combine, Material};
+use tumble::{Collider, Material};
 use tumble_math::{Amount, Part};
 use tumble_tests::touching::{pose, spawn, surfaced, velocity};
 
@@ -164,10 +164,9 @@ fn a_ball_past_a_box_keeps_its_speed() {
     }
 }
 
-/// Without friction: what a blow spins up may put a corner through a thin wall within the step.
+/// With half the friction of others: what a blow spins up may put a corner through a thin wall within the step.
 fn slick(shape: &Shape) -> Collider {
-    let material = Material { friction_combine: Combine::Minimum, ..Material::new(0.0, 0.0) };
-    surfaced(Collider::new(shape).unwrap(), material)
+    surfaced(Collider::new(shape).unwrap(), Material::new(0.0, 0.0))
 }
 
 /// A shot, and the furthest that it gets in the direction `out` until it would have been a second past its target.
@@ -190,11 +189,11 @@ fn shoot(
     (furthest, shot)
 }
 
-/// Balls at walls of 1 mm and 10 cm, and boxes up to 200 m/s that come flat: none gets behind. Faster boxes, and those that come any way, spin up so much in the blow that a corner may get
-/// through within the step.
+/// Balls at walls of 1 mm and 10 cm, and boxes up to 200 m/s that come flat: none gets behind. Friction spins up faster ones, and what comes with a corner or an edge is spun by the blow, so that another
+/// corner may get through within the step.
 #[test]
 fn what_is_met_holds() {
-    let (mut draws, mut through) = (Draws(3), 0);
+    let (mut draws, mut through) = (Draws(3), [0; 3]);
     for case in 0..900 {
         let mut world = World::new();
         let half = if case % 2 == 0 { 0.0005 } else { 0.05 };
@@ -217,17 +216,16 @@ fn what_is_met_holds() {
         let (furthest, shot) = shoot(&mut world, (&shape, start, way * speed as Real), how, dt, Vec3::X);
         let met = velocity(&world, shot).linear.x < 0.5 * speed as Real;
         let is_held = furthest < 0.0 && met;
-        assert!(
-            is_held || case % 3 == 2 || (case % 3 == 1 && speed > 200.0),
-            "case {case}: {shape:?} at {speed} m/s, {dt} s: {furthest}"
-        );
-        through += u32::from(!is_held);
+        let may_spin = case % 3 == 2 || (case % 3 == 1 && speed > 200.0);
+        assert!(is_held || may_spin, "case {case}: {shape:?} at {speed} m/s, {dt} s: {furthest}");
+        through[case % 3] += u32::from(!is_held);
     }
-    // Three of a hundred, before contacts were of what is met too.
-    assert!(through <= 24, "{through} of 600 boxes are behind");
+    let [_, flat, turned] = through;
+    println!("of 300 boxes each that come flat and any way {flat} and {turned} are behind");
+    assert!(flat <= 14 && turned <= 9, "{through:?} of 300 each are behind");
 }
 
-/// Balls and boxes at meshes and height fields: none gets under them, but for some of the boxes that are faster than 200 m/s.
+/// Balls and boxes at meshes and height fields: none gets under them, but for a few of the boxes that are faster than 200 m/s.
 #[test]
 fn surfaces_that_are_met_hold() {
     let (mut draws, mut under) = (Draws(5), 0);
@@ -247,11 +245,12 @@ fn surfaces_that_are_met_hold() {
         let start = way * -(draws.within(0.0, 1.0) * dt * speed) as Real + Vec3::Y * (1.8 * size) as Real;
         let (furthest, _) =
             shoot(&mut world, (&shape, start, way * speed as Real), (Quat::IDENTITY, Vec3::ZERO), dt, Vec3::NEG_Y);
-        let spins = case % 4 >= 2 && speed > 200.0;
-        assert!(furthest < 0.0 || spins, "case {case}: {shape:?} at {speed} m/s, {dt} s: {furthest}");
+        let may_spin = case % 4 >= 2 && speed > 200.0;
+        assert!(furthest < 0.0 || may_spin, "case {case}: {shape:?} at {speed} m/s, {dt} s: {furthest}");
         under += u32::from(furthest >= 0.0);
     }
-    assert!(under <= 4, "{under} of 100 boxes are under it");
+    println!("{under} of 100 boxes are under it");
+    assert!(under <= 5, "{under} of 100 boxes are under it");
 }
 
 /// Balls that a floor turns towards a wall that stands on it: their straight way leads under the wall, and the wall holds them.
@@ -310,7 +309,7 @@ fn what_is_free_is_hit() {
         // Some of what it gets if they stay together: the blow may be far off its centre.
         let least = 0.02 * speed * mass / (1.0 + mass);
         if linear(hit).length() <= least as Real {
-            eprintln!("case {case}: {speed} m/s, {:?}", linear(hit));
+            println!("case {case}: {speed} m/s, {:?}", linear(hit));
             missed += 1;
         }
         let sum = (linear(hit) + linear(shot) - along * speed as Real).length();

@@ -175,7 +175,7 @@ fn flat_pyramids_stand() {
 fn a_house_of_cards_stands() {
     const STOREYS: u8 = 3;
     const LEAN: f64 = 0.3;
-    for long in [0.09, 0.9] {
+    for long in [0.07, 0.09, 0.5, 0.9, 1.2] {
         let (thick, wide) = (0.01 * long, 0.7 * long);
         let mass = 800.0 * long * thick * wide;
         let (reach, high) =

@@ -92,6 +92,9 @@ pub enum Geometry<R> {
     HalfSpace,
 }
 
+/// Cosine of a thousandth of a radian.
+const SAME_FACE: f64 = 1.0 - 5e-7;
+
 /// Where the frame of a shape is.
 ///
 /// ```
@@ -287,6 +290,26 @@ impl<R: Scalar> Geometry<R> {
         let (convex, layer) = Convex::of(self)?;
         let direction = wide(direction);
         Some(narrow(convex.support(direction) + unit(direction) * layer))
+    }
+
+    /// Whether it has a flat face whose outward normal is a unit vector, to a thousandth of a radian. Always true of surfaces, whose contacts have
+    /// the normals of their faces, and of half-spaces.
+    ///
+    /// ```
+    /// use tumble_collide::Geometry;
+    /// use tumble_math::lane::Vec3;
+    ///
+    /// let can = Geometry::Cylinder { radius: 0.5, half_height: 2.0 };
+    /// assert!(can.has_face(Vec3::new(0.0, 1.0, 0.0)) && !can.has_face(Vec3::new(1.0, 0.0, 0.0)));
+    /// ```
+    pub fn has_face(&self, direction: Vec3<R>) -> bool {
+        match Convex::of(self) {
+            Some((convex, _)) => {
+                let direction = wide(direction);
+                convex.face_normal(direction).is_some_and(|normal| normal.dot(direction) > SAME_FACE)
+            }
+            None => true,
+        }
     }
 
     /// The part that has a number, of those that [`parts`](Self::parts) counts: the first of its numbers, its place in the whole, and its shape. The whole where that is no compound.

@@ -119,8 +119,14 @@ fn a_wall_stands_until_it_is_struck() {
     }
     run.finish();
     let places = run.places("brick");
-    let fallen = moved(&start, &places).iter().filter(|by| **by > 0.2).count();
-    assert!(fallen > start.len() / 3, "{fallen} of {}", start.len());
+    // The ball leaves a hole, and what lies beside it stands: columns that buckle would bring the whole wall down.
+    let (ball, strike) = (0.4, 0.6 * 3.2);
+    let moved = moved(&start, &places);
+    let is_in_the_way = |from: &DVec3| from.x.hypot(from.y - strike) < ball;
+    let in_the_way = start.iter().zip(&moved).filter(|(from, _)| is_in_the_way(from));
+    assert!(in_the_way.clone().count() > 6 && in_the_way.clone().all(|(_, by)| *by > 0.2), "bricks in its way stay");
+    let fallen = moved.iter().filter(|by| **by > 0.2).count();
+    assert!((30..110).contains(&fallen), "{fallen} of {}", start.len());
     assert!(smallest(places.iter().map(|place| place.y)) > 0.0, "a brick is under ground");
     assert!(run.places("ball")[0].z > 1.0, "the ball has gone through");
 }

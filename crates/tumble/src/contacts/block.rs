@@ -44,6 +44,8 @@ pub(super) struct Start<const P: usize> {
     pub(super) slide: Lanes,
     /// One less how much effective masses have changed in the last substep, but not below zero.
     pub(super) steady: Lanes,
+    /// Above zero where the impulses of this substep are a blow's: the next begins without.
+    pub(super) blow: Lanes,
     pub(super) separations: [Lanes; P],
     pub(super) normal: [Lanes; 3],
     pub(super) tangent: [Lanes; 3],
@@ -140,6 +142,7 @@ impl<const P: usize, const C: usize> Block<P, C> {
                 law: ZEROS,
                 slide: ZEROS,
                 steady: ZEROS,
+                blow: ZEROS,
                 separations: [ZEROS; P],
                 normal: [ZEROS; 3],
                 tangent: [ZEROS; 3],

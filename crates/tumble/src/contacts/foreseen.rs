@@ -33,6 +33,8 @@ const ROUNDS: usize = 3;
 const ALONG: f64 = 1e-6;
 /// Gone along by one thread at a time.
 const PART: usize = 4;
+/// Contacts that one thread tells apart at a time.
+const MANY: usize = 512;
 
 /// Two parts of two bodies that may meet.
 struct Encounter<'a> {
@@ -57,21 +59,45 @@ struct Traveller {
     turned_off: f64,
 }
 
+/// What is known of the ways that two bodies go.
+#[derive(Clone, Copy, PartialEq, Eq)]
+pub(super) enum Way {
+    /// Their contact is as it was found.
+    Plain,
+    /// They get through the plane of their contact, that is further than the margin or passed fast.
+    Doubtful,
+    /// Balls that pass each other.
+    Passed,
+}
+
+impl Way {
+    fn of(contact: &Contact, shapes: [&Shape; 2], fall: Real) -> Self {
+        let gap = nearest(contact);
+        let is_doubtful = gap > 0.0 && is_doubtful(contact, gap, shapes, fall);
+        match (is_doubtful, contact.is_between_centers()) {
+            (false, _) => Self::Plain,
+            (true, false) => Self::Doubtful,
+            (true, true) if balls_pass(contact, gap, shapes, fall) => Self::Passed,
+            (true, true) => Self::Plain,
+        }
+    }
+}
+
 impl Contacts {
     /// Goes along the ways of bodies that are about to get through the plane of a contact.
     pub(super) fn foresee(&mut self, fall: Real) {
-        let Self { contacts, shapes, colliders, .. } = self;
-        let (mut doubtful, mut passed) = (Vec::new(), Vec::new());
-        for (index, contact) in (0_u32..).zip(&*contacts) {
-            let shapes = contact.slots.map(|slot| &shapes[slot as usize]);
-            if is_apart(contact) && is_doubtful(contact, shapes, fall) {
-                if !contact.is_between_centers() {
-                    doubtful.push(index);
-                } else if balls_pass(contact, shapes, fall) {
-                    passed.push(index);
-                }
-            }
-        }
+        let Self { contacts, shapes, colliders, ways, .. } = self;
+        let class = |contact: &Contact| Way::of(contact, contact.slots.map(|slot| &shapes[slot as usize]), fall);
+        ways.clear();
+        ways.resize(contacts.len(), Way::Plain);
+        let parts = ways.par_chunks_mut(MANY).zip(contacts.par_chunks(MANY));
+        parts.by_at_least(2).for_each(|(ways, contacts)| {
+            ways.iter_mut().zip(contacts).for_each(|(way, contact)| *way = class(contact));
+        });
+        let of_class = |class: Way| -> Vec<u32> {
+            (0..).zip(&*ways).filter(|(_, way)| **way == class).map(|(index, _)| index).collect()
+        };
+        let (doubtful, passed) = (of_class(Way::Doubtful), of_class(Way::Passed));
         if doubtful.is_empty() && passed.is_empty() {
             return;
         }
@@ -105,11 +131,6 @@ impl Contacts {
     }
 }
 
-/// Whether no points of a contact touch.
-fn is_apart(contact: &Contact) -> bool {
-    (0..contact.count()).all(|j| contact.separation(j) > 0.0)
-}
-
 fn nearest(contact: &Contact) -> Real {
     (0..contact.count()).fold(Real::INFINITY, |least, j| least.min(contact.separation(j)))
 }
@@ -119,7 +140,7 @@ fn length(v: Vec3<Real>) -> Real {
 }
 
 /// Whether two bodies get through the plane of their contact, that is further than the margin or passed fast.
-fn is_doubtful(contact: &Contact, shapes: [&Shape; 2], fall: Real) -> bool {
+fn is_doubtful(contact: &Contact, gap: Real, shapes: [&Shape; 2], fall: Real) -> bool {
     let [x, y, z, ..] = contact.numbers[SHAPE].0;
     let normal = Vec3::new(x, y, z);
     let [Motion { way: a, turn: s, radius: r, .. }, Motion { way: b, turn: t, radius: q, .. }] =
@@ -127,7 +148,7 @@ fn is_doubtful(contact: &Contact, shapes: [&Shape; 2], fall: Real) -> bool {
     let way = b - a;
     let turned = [normal.cross(s), normal.cross(t)].map(length);
     let swing = [if turned[0] > 0.0 { turned[0] * r } else { 0.0 }, if turned[1] > 0.0 { turned[1] * q } else { 0.0 }];
-    let (gap, margin) = (nearest(contact), contact.margin());
+    let margin = contact.margin();
     // The plane turns with the bodies.
     let tilt = (length(s) + length(t)) * (gap + length(way));
     let through = gap + normal.dot(way) - swing[0] - swing[1] - tilt < fall;
@@ -135,11 +156,11 @@ fn is_doubtful(contact: &Contact, shapes: [&Shape; 2], fall: Real) -> bool {
 }
 
 /// Whether two balls stay further apart than the margin on their ways, which for balls are lines.
-fn balls_pass(contact: &Contact, [first, second]: [&Shape; 2], fall: Real) -> bool {
+fn balls_pass(contact: &Contact, gap: Real, [first, second]: [&Shape; 2], fall: Real) -> bool {
     let apart = second.center - first.center;
     let way = second.motion.way - first.motion.way;
     let moment = (-apart.dot(way) / way.dot(way)).clamp(0.0, 1.0);
-    let radii = length(apart) - nearest(contact);
+    let radii = length(apart) - gap;
     length(apart + way * moment) - radii > contact.margin() + fall
 }
 
@@ -185,6 +206,10 @@ fn plane(contact: &Contact, shapes: [&Shape; 2]) -> Meeting {
     Meeting { moment: if along > gap { gap / along } else { 1.0 }, is_hit: along > gap, distance: 0.0, normal }
 }
 
+fn is_surface(geometry: &Geometry<Real>) -> bool {
+    matches!(geometry, Geometry::Mesh(_) | Geometry::HeightField(_))
+}
+
 fn normal(contact: &Contact) -> Vec3<f64> {
     let [x, y, z, ..] = contact.numbers[SHAPE].0;
     wide(Vec3::new(x, y, z))
@@ -217,16 +242,19 @@ fn held_already(
     let mut held = Vec::new();
     let mut doubtful = doubtful.iter().peekable();
     for (index, contact) in (0_u32..).zip(contacts) {
-        if doubtful.next_if(|next| **next == index).is_some() || nearest(contact) > contact.margin() {
+        let [a, b] = contact.slots;
+        let is_doubtful = doubtful.next_if(|next| **next == index).is_some();
+        let (slot, other, sign) = match [a, b].map(|slot| shapes[slot as usize].moves) {
+            [true, false] => (a, b, -1.0),
+            [false, true] => (b, a, 1.0),
+            _ => continue,
+        };
+        if is_doubtful || nearest(contact) > contact.margin() {
             continue;
         }
-        let (normal, [a, b]) = (normal(contact), contact.slots);
-        for (slot, other, normal) in [(a, b, normal * -1.0), (b, a, normal)] {
-            let place = find(travellers, slot);
-            let [moves, other_moves] = [slot, other].map(|slot| shapes[slot as usize].moves);
-            if travellers.get(place).is_some_and(|traveller| traveller.slot == slot) && moves && !other_moves {
-                held.push((place, other, normal));
-            }
+        let place = find(travellers, slot);
+        if travellers.get(place).is_some_and(|traveller| traveller.slot == slot) {
+            held.push((place, other, normal(contact) * sign));
         }
     }
     held
@@ -382,8 +410,13 @@ impl View<'_> {
         let pair = (*kind, slots[0].min(slots[1]), slots[0].max(slots[1]), 0);
         let before = &before[before.partition_point(|known| known.key() < pair)..];
         let before = before.iter().take_while(|known| known.slots == *slots);
+        // Of the parts' contacts, of which a surface has one a triangle.
+        let is_theirs = |known: &Contact| {
+            let [on_first, on_second] = numbers(known.part, parts);
+            [a.geometry.part_of(on_first).0, b.geometry.part_of(on_second).0] == encounter.numbers
+        };
         if encounter.plane.is_some() {
-            contacts.extend(before.filter(|known| numbers(known.part, parts) == encounter.numbers).cloned());
+            contacts.extend(before.filter(|known| is_theirs(known)).cloned());
             return;
         }
         let follow = self.follow(encounter);
@@ -394,7 +427,9 @@ impl View<'_> {
         for met in &encounter.meetings {
             let least = margin + crate::math::real(met.distance.clamp(0.0, f64::from(reach)));
             let way = second.gone(met.moment) - first.gone(met.moment);
-            met.manifolds(*geometries, [&first, &second], [least, reach.max(least)], follow, &mut |part, manifold| {
+            // Of a surface only some triangles are met; the nearest points of others need not be over a face.
+            let near = if geometries.iter().any(|it| is_surface(it)) { least } else { Real::INFINITY };
+            met.manifolds(*geometries, [&first, &second], [near, reach.max(least)], follow, &mut |part, manifold| {
                 let [on_first, on_second] = numbers(part, geometries[1].parts());
                 let of_first = (encounter.numbers[0] + on_first).wrapping_mul(parts);
                 let part = of_first.wrapping_add(encounter.numbers[1] + on_second);
@@ -404,12 +439,15 @@ impl View<'_> {
                 }
                 let known = before.clone().find(|known| is_there(known));
                 let same =
-                    known.filter(|known| met.is_hit && (known.is_between_centers() || is_same(known, manifold, way)));
+                    known.filter(|known| known.is_between_centers() || (met.is_hit && is_same(known, manifold, way)));
                 contacts.push(match same {
                     Some(known) => known.clone(),
                     None => Contact { kind: *kind, ..Contact::new(*slots, part, manifold, of_second, law) },
                 });
             });
+            if contacts.len() == from && met.is_hit {
+                contacts.extend(before.clone().filter(|known| is_theirs(known)).cloned());
+            }
         }
     }
 

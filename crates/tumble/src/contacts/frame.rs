@@ -85,7 +85,8 @@ impl<T: Tile> Moved<T> {
     #[inline(always)]
     pub(super) fn relative(&self, arms: [Vec3<T>; 2]) -> Relative<T> {
         let two = T::splat(2.0);
-        Relative::new(self.linear, self.rotation.map(|q| q.vector() * two), arms)
+        let turned = [self.rotation[0].vector() * two, self.rotation[1].vector() * two];
+        Relative::new(self.linear, turned, arms)
     }
 }
 

@@ -29,7 +29,8 @@ impl<const P: usize, const C: usize> Kernel for Keep<'_, P, C> {
         while l < T::WIDTH && lane + l < block.count {
             let contact = &mut self.contacts[block.contacts[lane + l] as usize];
             contact.numbers[RUBBED].0[..6].copy_from_slice(&rubbed[l].0[..6]);
-            contact.numbers[HELD].0[6] = block.start.steady[lane + l];
+            let is_blow = block.start.blow[lane + l] > 0.0;
+            contact.numbers[HELD].0[6] = if is_blow { 0.0 } else { block.start.steady[lane + l] };
             let mut j = 0;
             while j < P {
                 contact.numbers[HELD].0[j] = block.points[j].impulse[lane + l];

@@ -6,6 +6,7 @@
 //! SCA 2019; E. Catto, "Solver2D", 2024). What touches nothing is left to the integrator of the settings.
 
 mod block;
+mod blow;
 mod booking;
 mod collider;
 mod collider_error;

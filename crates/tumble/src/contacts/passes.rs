@@ -3,6 +3,7 @@
 use tumble_math::lane::Vec3;
 
 use super::block::{Block, Bounce, Rolling};
+use super::blow::{Alone, note_blow};
 use super::contact::CENTERS;
 use super::effective_mass::warm_start;
 use super::frame::{Bodies, Frame, Momenta, Moved, Response, along_normal};
@@ -61,6 +62,8 @@ pub(super) struct Solve<'a, const P: usize, const C: usize> {
     pub(super) bodies: Bodied<'a>,
     /// How what overlaps is pushed apart; none where it is to relax.
     pub(super) softness: Option<Softness>,
+    /// What comes faster gives a blow \[m/s\].
+    pub(super) blow: Real,
     /// Whether another substep begins with the impulses that there are after it has relaxed.
     pub(super) holds: bool,
     /// One over the substep [1/s].
@@ -103,7 +106,11 @@ impl<const P: usize, const C: usize> Kernel for Solve<'_, P, C> {
             let contact = (&frame, lane);
             let after =
                 rub(before, block, self.blocks.rolling.get(index), contact, &mut bodies, (&response, arms, lag), sum);
-            let kept = if self.holds { warm_start(at(&block.start.steady, lane)) } else { T::splat(1.0) };
+            let (zero, one) = (T::splat(0.0), T::splat(1.0));
+            // What a blow gave in a substep is no force: a body pushed off by it would be somewhere else before that is taken back.
+            let lasting =
+                T::select(zero.lt(at(&block.start.blow, lane)), zero, warm_start(at(&block.start.steady, lane)));
+            let kept = if self.holds { lasting } else { one };
             let after = after.scaled(kept);
             after.store(&mut block.friction, self.blocks.rolling.get_mut(index), lane);
             if self.holds {
@@ -120,52 +127,112 @@ impl<const P: usize, const C: usize> Solve<'_, P, C> {
     #[inline(always)]
     fn solve_points<T: Tile>(&mut self, index: usize, lane: usize, speeds: [T; P]) -> ([T; P], T) {
         let (zero, one) = (T::splat(0.0), T::splat(1.0));
+        let to = (self.softness.as_ref(), self.inverse_h);
         let block = &mut self.blocks.blocks[index];
-        let inverse_h = T::splat(self.inverse_h.into());
-        // A body that turns right over is not where a push would have it go.
-        let pushed: T = at(&block.start.steady, lane);
-        let begun = speeds;
-        let (mut speeds, mut changes, mut sum) = (speeds, [zero; P], zero);
+        let fast = T::splat((-self.blow).into());
+        let (mut before, mut changes) = ([zero; P], [zero; P]);
+        let (mut is_blow, mut begins) = (zero, zero);
         let mut j = 0;
         while j < P {
-            let separation: T = at(&block.points[j].separation, lane);
+            before[j] = at(&block.points[j].impulse, lane);
+            let point = &block.points[j];
+            // A point that is not there has no mass and any speed.
+            let is_fast = T::select(zero.lt(at(&point.mass, lane)), T::select(speeds[j].lt(fast), one, zero), zero);
+            is_blow = is_blow.max(is_fast);
+            // What overlaps is pressed.
+            let is_apart = T::select(zero.lt(at(&point.separation, lane)), is_fast, zero);
+            begins = begins.max(T::select(zero.lt(before[j]), zero, is_apart));
+            j += 1;
+        }
+        let (begun, mut speeds) = (speeds, speeds);
+        let mut means = speeds;
+        if P > 1 && T::any(zero.lt(is_blow)) {
+            let mut alone = Alone::none();
+            j = 0;
+            while j < P {
+                let aim = aim(block, (j, lane), to, speeds[j]);
+                let mass: T = at(&block.points[j].mass, lane);
+                alone.set(j, aim.impulse(before[j], speeds[j], mass) - before[j], mass, is_blow);
+                j += 1;
+            }
+            (changes, means) = alone.together(block, lane, &mut speeds);
+        }
+
+        let mut sum = zero;
+        j = 0;
+        while j < P {
+            let aim = aim(block, (j, lane), to, speeds[j]);
             let point = &mut block.points[j];
-            // What is apart may come as near in a substep as it is apart.
-            let apart = zero.lt(separation);
-            let mut bias = zero;
-            let (mut mass_scale, mut impulse_scale) = (one, zero);
-            if let Some(softness) = &self.softness {
-                bias = softness.bias(separation) * pushed;
-                mass_scale = T::select(apart, one, T::splat(softness.mass_scale.into()));
-                impulse_scale = T::select(apart, zero, T::splat(softness.impulse_scale.into()));
-            }
-            let mut bias = T::select(apart, separation * inverse_h, bias);
-            if self.softness.is_none() {
-                // Between coming as near as it may and leaving there is nothing to take out.
-                bias = bias.min((zero - speeds[j]).max(zero));
-            }
-            let before: T = at(&point.impulse, lane);
-            let wanted = before - (mass_scale * speeds[j] + bias) * at(&point.mass, lane) - impulse_scale * before;
-            let impulse = wanted.max(zero);
+            let (start, mass): (T, T) = (before[j] + changes[j], at(&point.mass, lane));
+            let impulse = aim.impulse(start, speeds[j], mass).max(zero);
             put(impulse, &mut point.impulse, lane);
             if let Some(bounce) = self.blocks.bounces.get_mut(index) {
                 // What nothing stops does not bounce, however fast it comes.
                 let met = T::select(zero.lt(impulse), at(&bounce.met[j], lane), zero);
                 let approach: T = at(&bounce.approach[j], lane);
                 put(met.min(approach), &mut bounce.approach[j], lane);
-                let mut given = work(impulse - before, speeds[j], at(&point.mass, lane));
+                let mut given = changes[j] * means[j] + work(impulse - start, speeds[j], mass);
                 if self.softness.is_some() {
                     // And what the impulse did that the substep began with.
-                    given = given + before * (at::<T>(&bounce.coming[j], lane) + begun[j]) * T::splat(0.5);
+                    given = given + before[j] * (at::<T>(&bounce.coming[j], lane) + begun[j]) * T::splat(0.5);
                 }
                 put(at::<T>(&bounce.absorbed, lane) - given, &mut bounce.absorbed, lane);
             }
-            changes[j] = impulse - before;
+            changes[j] = impulse - before[j];
             sum = sum + impulse;
-            couple(block, lane, j, changes[j], &mut speeds);
+            couple(block, lane, j, impulse - start, &mut speeds);
             j += 1;
         }
+        let begins = T::select(zero.lt(sum), begins, zero);
+        let block = &mut self.blocks.blocks[index];
+        put(note_blow(at(&block.start.blow, lane), begins, self.softness.is_some()), &mut block.start.blow, lane);
         (changes, sum)
+    }
+}
+
+/// A point is to move at `-bias` \[m/s\] along the normal; how much of that a soft contact brings about, and how much of its impulse it lets go.
+struct Aim<T> {
+    bias: T,
+    mass_scale: T,
+    impulse_scale: T,
+}
+
+impl<T: Tile> Aim<T> {
+    /// The impulse that a point has, alone and if it could pull.
+    #[inline(always)]
+    fn impulse(&self, before: T, speed: T, mass: T) -> T {
+        before - (self.mass_scale * speed + self.bias) * mass - self.impulse_scale * before
+    }
+}
+
+/// What is aimed at at a point with this speed along the normal \[m/s\].
+#[inline(always)]
+fn aim<T: Tile, const P: usize, const C: usize>(
+    block: &Block<P, C>,
+    (j, lane): (usize, usize),
+    (softness, inverse_h): (Option<&Softness>, Real),
+    speed: T,
+) -> Aim<T> {
+    let (zero, one) = (T::splat(0.0), T::splat(1.0));
+    let separation: T = at(&block.points[j].separation, lane);
+    // What is apart may come as near in a substep as it is apart.
+    let apart = zero.lt(separation);
+    let near = separation * T::splat(inverse_h.into());
+    match softness {
+        Some(softness) => {
+            // A body that turns right over is not where a push would have it go.
+            let pushed: T = at(&block.start.steady, lane);
+            Aim {
+                bias: T::select(apart, near, softness.bias(separation) * pushed),
+                mass_scale: T::select(apart, one, T::splat(softness.mass_scale.into())),
+                impulse_scale: T::select(apart, zero, T::splat(softness.impulse_scale.into())),
+            }
+        }
+        // Between coming as near as it may and leaving there is nothing to take out.
+        None => {
+            let bias = T::select(apart, near, zero).min((zero - speed).max(zero));
+            Aim { bias, mass_scale: one, impulse_scale: zero }
+        }
     }
 }
 
@@ -264,16 +331,36 @@ impl<const P: usize, const C: usize> Kernel for Rebound<'_, P, C> {
 
         let mut speeds = speeds(block, lane, frame.normal_parts(&bodies.relative(&response, arms)));
         let (mut changes, mut added, mut given) = ([zero; P], zero, zero);
+        if P > 1 {
+            let mut alone = Alone::none();
+            let mut j = 0;
+            while j < P {
+                let approach: T = at(&bounce.approach[j], lane);
+                let bounces = T::select(approach.lt(slowest), restitution, zero);
+                let mass: T = at(&block.points[j].mass, lane);
+                alone.set(j, zero - (speeds[j] + restitution * approach) * mass, mass, bounces);
+                j += 1;
+            }
+            let means;
+            (changes, means) = alone.together(block, lane, &mut speeds);
+            j = 0;
+            while j < P {
+                given = given + changes[j] * means[j];
+                j += 1;
+            }
+        }
         let mut j = 0;
         while j < P {
             let approach: T = at(&bounce.approach[j], lane);
             let bounces = zero.lt(T::select(approach.lt(slowest), restitution, zero));
             let point = &mut block.points[j];
             let (before, mass): (T, T) = (at(&point.impulse, lane), at(&point.mass, lane));
-            let wanted = before - (speeds[j] + restitution * approach) * mass;
-            changes[j] = T::select(bounces, wanted.max(zero), before) - before;
-            given = given + work(changes[j], speeds[j], mass);
-            couple(block, lane, j, changes[j], &mut speeds);
+            let start = before + changes[j];
+            let wanted = start - (speeds[j] + restitution * approach) * mass;
+            let change = T::select(bounces, wanted.max(zero), start) - start;
+            given = given + work(change, speeds[j], mass);
+            couple(block, lane, j, change, &mut speeds);
+            changes[j] = changes[j] + change;
             j += 1;
         }
         // Bodies that turn while they touch come back with other effective masses, but never with more energy.

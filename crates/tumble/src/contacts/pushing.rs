@@ -31,6 +31,9 @@ pub(super) struct Group {
     solver: Solver,
 }
 
+/// What a free fall over this many substeps of the settings gives is no blow yet: it may rest, and shake.
+const FALLS: Real = 4.0;
+
 /// How contacts are solved in a substep of the settings.
 #[derive(Clone, Copy)]
 pub(super) struct Solving {
@@ -40,6 +43,8 @@ pub(super) struct Solving {
     extras: Extras,
     /// Slower points do not bounce [m/s].
     threshold: Real,
+    /// What comes faster gives a blow \[m/s\].
+    blow: Real,
 }
 
 impl Pushing {
@@ -61,7 +66,9 @@ impl Pushing {
     ) {
         let Self { group, halvings, finer } = self;
         let (substeps, h) = (settings.contact_substeps_each(), settings.contact_substep());
-        let solving = Solving { substeps, h, extras, threshold: settings.restitution_threshold };
+        let threshold = settings.restitution_threshold;
+        let blow = threshold.max(FALLS * settings.gravity.length() * settings.substep());
+        let solving = Solving { substeps, h, extras, threshold, blow };
         let mut parts = 0;
         let numbers = 0..contacts.len() as u32;
         group.chosen.clear();
@@ -97,9 +104,9 @@ impl Group {
         &mut self,
         contacts: &mut [Contact],
         rows: impl Fn(&Contact) -> [u32; 2],
-        Solving { substeps, h, extras, threshold }: Solving,
+        Solving { substeps, h, extras, threshold, blow }: Solving,
     ) {
-        let (Self { bodies, bookings, rounds, chosen, solver }, biased) = (self, Pass::biased(h));
+        let (Self { bodies, bookings, rounds, chosen, solver }, biased) = (self, Pass::biased(h, blow));
         solver.lay_out((contacts, chosen), rows, bodies, extras);
         refine::leave_out_needles(rounds, bodies);
         solver.locate(contacts.len(), rounds);
@@ -122,7 +129,7 @@ impl Group {
             if extras.bounces {
                 solver.run(Pass::NoteApproach(h, Moment::Moved), bodies);
             }
-            solver.run(Pass::Relax(h, substep + 1 < substeps), bodies);
+            solver.run(Pass::Relax(h, blow, substep + 1 < substeps), bodies);
             bookings.after_substep(bodies);
         }
         if extras.bounces {

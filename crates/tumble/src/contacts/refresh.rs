@@ -32,17 +32,25 @@ pub(super) fn follow<T: Tile, const P: usize, const C: usize>(
         return Vec3::zero();
     }
     let (spins, gains) = bodies.free_spins(response);
-    let half = T::splat(0.5);
-    let of_body = |which: usize| {
+    let mut lags = [Vec3::zero(); 2];
+    let mut which = 0;
+    while which < 2 {
         let arm: Vec3<T> = vector_at(&block.arms[which], lane);
-        let way = (arm - before[which]) * half;
-        let (spin, gain) = (spins[which], gains[which] * (h * half));
-        let lag = spin.cross(way) + gain.cross(arm - way);
-        let limit = T::splat(LAG);
-        let lag = Vec3::select(way.dot(way).lt(arm.dot(arm) * limit), lag, Vec3::zero());
-        Vec3::select(gain.dot(gain).lt(spin.dot(spin) * limit), lag, Vec3::zero())
-    };
-    Vec3::select(is_found_again, of_body(1) - of_body(0), Vec3::zero())
+        lags[which] = lag([before[which], arm], spins[which], gains[which], h);
+        which += 1;
+    }
+    Vec3::select(is_found_again, lags[1] - lags[0], Vec3::zero())
+}
+
+/// By how much the velocity at the end of an arm differs from that in the middle of a substep, in which the arm goes from one place to
+/// another.
+#[inline(always)]
+fn lag<T: Tile>([before, arm]: [Vec3<T>; 2], spin: Vec3<T>, gain: Vec3<T>, h: T) -> Vec3<T> {
+    let (half, limit) = (T::splat(0.5), T::splat(LAG));
+    let (way, gain) = ((arm - before) * half, gain * (h * half));
+    let lag = spin.cross(way) + gain.cross(arm - way);
+    let lag = Vec3::select(way.dot(way).lt(arm.dot(arm) * limit), lag, Vec3::zero());
+    Vec3::select(gain.dot(gain).lt(spin.dot(spin) * limit), lag, Vec3::zero())
 }
 
 /// The contacts of a tile where their bodies have moved to: separations and arms in any case; normals, tangents, offsets and

@@ -6,10 +6,11 @@
 use tumble_collide::Geometry;
 use tumble_math::lane::Vec3;
 
+use super::collider::Collider;
 use super::contact::{Contact, SHAPE};
 use super::parts::numbers;
 use super::touching::{Contacts, Shape};
-use crate::math::Real;
+use crate::math::{Real, Vec3 as WorldVec3};
 
 /// What goes less than this part of a margin past another in a step meets no edge of it.
 const SLIDES: Real = 0.5;
@@ -67,14 +68,24 @@ impl Contacts {
         if !shapes.iter().any(|shape| shape.moves && slides(shape, shape.margin)) {
             return;
         }
-        // By body: its contacts with what it goes past.
+        // Only what impulses do not move is a floor: what they move may be left out of the step later.
+        let mut on_fixed = vec![false; shapes.len()];
+        for Contact { slots: [a, b], .. } in &*contacts {
+            if shapes[*a as usize].moves != shapes[*b as usize].moves {
+                (on_fixed[*a as usize], on_fixed[*b as usize]) = (true, true);
+            }
+        }
+        // By body on a floor: its contacts with what it goes past.
         let mut sliding: Vec<(u32, u32)> = Vec::new();
         for (index, contact) in (0_u32..).zip(&*contacts) {
+            let may_slide = |slot: u32| on_fixed[slot as usize] && shapes[slot as usize].moves;
+            if !contact.slots.into_iter().any(may_slide) {
+                continue;
+            }
             let [a, b] = contact.slots.map(|slot| &shapes[slot as usize]);
             let (past, most) = (b.motion.way - a.motion.way, SLIDES * contact.margin());
             if past.dot(past) > most * most {
-                let moved = contact.slots.into_iter().filter(|slot| shapes[*slot as usize].moves);
-                sliding.extend(moved.map(|slot| (slot, index)));
+                sliding.extend(contact.slots.into_iter().filter(|slot| may_slide(*slot)).map(|slot| (slot, index)));
             }
         }
         sliding.sort_unstable();
@@ -96,10 +107,10 @@ impl Contacts {
                     let floor = || Floor::of(contact, contact.slots[1] == slot, shapes);
                     let is_one_point = contact.count() == 1 && edge.count() == 1;
                     let same = if is_one_point { SAME_NORMAL } else { SAME_FACE };
-                    // What impulses move may be left out of the step later.
                     (SAME_FACE - 1.0..same).contains(&up)
                         && !shapes[under as usize].moves
                         && floor().is_level_with(&collider.geometry, number, &shapes[its_slot as usize])
+                        && is_face(contact, slot, shapes, colliders)
                 });
                 if let Some((_, of_floor)) = floor {
                     left_out.push((*of_edge, *of_floor));
@@ -123,6 +134,20 @@ impl Contacts {
             stays
         });
     }
+}
+
+/// Whether a contact holds a body over a flat face of the other: what holds it over an edge may itself be a seam.
+fn is_face(contact: &Contact, slot: u32, shapes: &[Shape], colliders: &[Option<(Collider, WorldVec3)>]) -> bool {
+    let other = usize::from(contact.slots[0] == slot);
+    let [Some((collider, _)), Some((second, _))] =
+        [other, 1].map(|which| colliders[contact.slots[which] as usize].as_ref())
+    else {
+        return false;
+    };
+    let number = numbers(contact.part, second.geometry.parts())[other];
+    let (_, inner, part) = collider.geometry.part_of(number);
+    let at = shapes[contact.slots[other] as usize].placement.then(&inner);
+    part.has_face(at.orientation.rotate_back(normal_of(contact, slot)))
 }
 
 /// The normal of a contact towards a body.

@@ -8,6 +8,7 @@ use tumble_math::lane::{Quat, Vec3};
 use super::collider::{Collider, Groups};
 use super::contact::{Contact, FIXED, MATERIAL, REFINED, Second};
 use super::crowds::{Crowds, most_listed, near_pair};
+use super::foreseen::Way;
 use super::keeping::Past;
 use super::materials::Materials;
 use super::names::Names;
@@ -50,6 +51,8 @@ pub(crate) struct Contacts {
     pub(super) stacks: Stacks,
     /// In the order of their keys.
     pub(super) contacts: Vec<Contact>,
+    /// By contact.
+    pub(super) ways: Vec<Way>,
     pub(super) last: Vec<Contact>,
     /// What pushes them where they are not pushed together with those of other worlds.
     pub(super) pushing: Option<Box<Pushing>>,
