@@ -164,7 +164,7 @@ fn a_ball_past_a_box_keeps_its_speed() {
     }
 }
 
-/// With half the friction of others: what a blow spins up may put a corner through a thin wall within the step.
+/// No friction against another of the same, half of it against others.
 fn slick(shape: &Shape) -> Collider {
     surfaced(Collider::new(shape).unwrap(), Material::new(0.0, 0.0))
 }
@@ -189,15 +189,16 @@ fn shoot(
     (furthest, shot)
 }
 
-/// Balls at walls of 1 mm and 10 cm, and boxes up to 200 m/s that come flat: none gets behind. Friction spins up faster ones, and what comes with a corner or an edge is spun by the blow, so that another
-/// corner may get through within the step.
+/// Balls, and boxes that come flat, at walls of 1 mm and 10 cm without friction: none gets behind.
+/// A few boxes that come any way do: the blow spins them so fast that another corner gets through.
 #[test]
 fn what_is_met_holds() {
-    let (mut draws, mut through) = (Draws(3), [0; 3]);
+    let (mut draws, mut through) = (Draws(3), 0);
     for case in 0..900 {
         let mut world = World::new();
         let half = if case % 2 == 0 { 0.0005 } else { 0.05 };
-        box_ground(&mut world, [half, 20.0, 20.0], Vec3::ZERO, Quat::IDENTITY);
+        let slick = Material::new(0.0, 0.0);
+        box_ground_of(&mut world, [half, 20.0, 20.0], Vec3::ZERO, Quat::IDENTITY, slick);
         let size = draws.over(0.05, 1.0);
         let shape = match case % 3 {
             0 => Shape::sphere(size),
@@ -216,16 +217,15 @@ fn what_is_met_holds() {
         let (furthest, shot) = shoot(&mut world, (&shape, start, way * speed as Real), how, dt, Vec3::X);
         let met = velocity(&world, shot).linear.x < 0.5 * speed as Real;
         let is_held = furthest < 0.0 && met;
-        let may_spin = case % 3 == 2 || (case % 3 == 1 && speed > 200.0);
-        assert!(is_held || may_spin, "case {case}: {shape:?} at {speed} m/s, {dt} s: {furthest}");
-        through[case % 3] += u32::from(!is_held);
+        assert!(is_held || case % 3 == 2, "case {case}: {shape:?} at {speed} m/s, {dt} s: {furthest}");
+        through += u32::from(!is_held);
     }
-    let [_, flat, turned] = through;
-    println!("of 300 boxes each that come flat and any way {flat} and {turned} are behind");
-    assert!(flat <= 14 && turned <= 9, "{through:?} of 300 each are behind");
+    println!("{through} of 300 boxes that come any way are behind");
+    assert!(through <= 9, "{through} of 300 boxes are behind");
 }
 
-/// Balls and boxes at meshes and height fields: none gets under them, but for a few of the boxes that are faster than 200 m/s.
+/// Balls and boxes at meshes and height fields without friction: none gets under them up to 200 m/s, and
+/// no ball at all. Each triangle has its own contact, and faster boxes are spun by one after the other.
 #[test]
 fn surfaces_that_are_met_hold() {
     let (mut draws, mut under) = (Draws(5), 0);
@@ -236,6 +236,7 @@ fn surfaces_that_are_met_hold() {
             0 => Collider::mesh(corners, &[[0, 2, 1], [0, 3, 2]]).unwrap(),
             _ => Collider::height_field([0.0; 25], 5, [20.0, 20.0]).unwrap(),
         };
+        let ground = surfaced(ground, Material::new(0.0, 0.0));
         spawn(&mut world, RigidBody::new(Shape::Point).fixed(), ground);
         let size = draws.over(0.05, 1.0);
         let shape = if case % 4 < 2 { Shape::sphere(size) } else { Shape::cuboid([size, size, size]) };
@@ -250,7 +251,7 @@ fn surfaces_that_are_met_hold() {
         under += u32::from(furthest >= 0.0);
     }
     println!("{under} of 100 boxes are under it");
-    assert!(under <= 5, "{under} of 100 boxes are under it");
+    assert!(under <= 4, "{under} of 100 boxes are under it");
 }
 
 /// Balls that a floor turns towards a wall that stands on it: their straight way leads under the wall, and the wall holds them.
@@ -315,7 +316,7 @@ fn what_is_free_is_hit() {
         let sum = (linear(hit) + linear(shot) - along * speed as Real).length();
         assert!(sum < 1e-4 * speed as Real, "case {case}: {sum}");
     }
-    assert!(missed <= 2, "{missed} of 300 are not hit");
+    assert!(missed <= 1, "{missed} of 300 are not hit");
 }
 
 /// Lets a body run over a floor of tiles; how far it left its height \[m\] at most, and its speed at the end over that at the start.
@@ -373,7 +374,7 @@ fn a_floor_of_tiles_is_as_smooth_as_a_slab() {
         let height = r;
         let (off, kept) = over_tiles(&shape, height, speed, tile, turn, spin, false);
         let (slab_off, slab_kept) = over_tiles(&shape, height, speed, tile, turn, spin, true);
-        if off > slab_off + 0.02 * r || kept < slab_kept - 0.01 {
+        if off > slab_off + 0.01 * r || kept < slab_kept - 0.01 {
             let said = format!("{:.4} r off for {:.4}, {kept:.4} kept for {slab_kept:.4}", off / r, slab_off / r);
             rough.push(format!("case {case}: {shape:?} at {speed} m/s over tiles of {tile} m: {said}"));
         }

@@ -93,7 +93,7 @@ pub enum Geometry<R> {
 }
 
 /// Cosine of a thousandth of a radian.
-const SAME_FACE: f64 = 1.0 - 5e-7;
+const ALONG_NORMAL: f64 = 1.0 - 5e-7;
 
 /// Where the frame of a shape is.
 ///
@@ -306,7 +306,7 @@ impl<R: Scalar> Geometry<R> {
         match Convex::of(self) {
             Some((convex, _)) => {
                 let direction = wide(direction);
-                convex.face_normal(direction).is_some_and(|normal| normal.dot(direction) > SAME_FACE)
+                convex.face_normal(direction).is_some_and(|normal| normal.dot(direction) > ALONG_NORMAL)
             }
             None => true,
         }

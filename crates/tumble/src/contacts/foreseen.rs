@@ -11,7 +11,7 @@ use super::collider::Collider;
 use super::contact::{Contact, FIXED, MATERIAL, SHAPE, Second};
 use super::narrow::Kind;
 use super::parts::numbers;
-use super::touching::{Contacts, Motion, Shape};
+use super::touching::{Contacts, Motion, PART, Shape};
 use crate::math::{Real, Vec3 as WorldVec3};
 use crate::threads::InParts;
 
@@ -31,10 +31,8 @@ const ROLLS: Real = 0.2;
 const ROUNDS: usize = 3;
 /// Slower than this part of the way they go they do not approach what they go along.
 const ALONG: f64 = 1e-6;
-/// Gone along by one thread at a time.
-const PART: usize = 4;
-/// Contacts that one thread tells apart at a time.
-const MANY: usize = 512;
+/// Encounters that one thread follows at a time.
+const FEW: usize = 4;
 
 /// Two parts of two bodies that may meet.
 struct Encounter<'a> {
@@ -90,37 +88,31 @@ impl Contacts {
         let class = |contact: &Contact| Way::of(contact, contact.slots.map(|slot| &shapes[slot as usize]), fall);
         ways.clear();
         ways.resize(contacts.len(), Way::Plain);
-        let parts = ways.par_chunks_mut(MANY).zip(contacts.par_chunks(MANY));
+        let parts = ways.par_chunks_mut(PART).zip(contacts.par_chunks(PART));
         parts.by_at_least(2).for_each(|(ways, contacts)| {
             ways.iter_mut().zip(contacts).for_each(|(way, contact)| *way = class(contact));
         });
-        let of_class = |class: Way| -> Vec<u32> {
-            (0..).zip(&*ways).filter(|(_, way)| **way == class).map(|(index, _)| index).collect()
-        };
-        let (doubtful, passed) = (of_class(Way::Doubtful), of_class(Way::Passed));
-        if doubtful.is_empty() && passed.is_empty() {
+        if ways.iter().all(|way| *way == Way::Plain) {
             return;
         }
-        let mut encounters = encounters(contacts, &doubtful, colliders, shapes);
+        let mut encounters = encounters((contacts, ways), colliders, shapes);
         let mut travellers = travellers(&encounters, shapes);
         let view = View { shapes, colliders, fall };
         view.meet(&mut encounters, &travellers);
-        let held = held_already(contacts, &doubtful, &travellers, shapes);
+        let held = held_already((contacts, ways), &travellers, shapes);
         for _ in 0..ROUNDS {
             if !turn_off(&mut travellers, &encounters, &held, shapes) {
                 break;
             }
             view.meet_again(&mut encounters, &travellers);
         }
-        let (mut doubtful, mut passed) = (doubtful.into_iter().peekable(), passed.into_iter().peekable());
-        let (mut index, mut before) = (0, Vec::new());
+        let (mut ways, mut before) = (ways.iter(), Vec::new());
         contacts.retain(|contact| {
-            let (is_doubtful, is_passed) = (doubtful.next_if_eq(&index).is_some(), passed.next_if_eq(&index).is_some());
-            index += 1;
-            if is_doubtful {
+            let way = ways.next();
+            if way == Some(&Way::Doubtful) {
                 before.push(contact.clone());
             }
-            !is_doubtful && !is_passed
+            way == Some(&Way::Plain)
         });
         for encounter in &encounters {
             view.add(encounter, &travellers, &before, contacts);
@@ -166,13 +158,12 @@ fn balls_pass(contact: &Contact, gap: Real, [first, second]: [&Shape; 2], fall: 
 
 /// Those of doubtful contacts, each once.
 fn encounters<'a>(
-    contacts: &[Contact],
-    doubtful: &[u32],
+    (contacts, ways): (&[Contact], &[Way]),
     colliders: &'a [Option<(Collider, WorldVec3)>],
     shapes: &[Shape],
 ) -> Vec<Encounter<'a>> {
     let mut encounters: Vec<Encounter<'a>> = Vec::new();
-    for contact in doubtful.iter().map(|index| &contacts[*index as usize]) {
+    for (contact, _) in contacts.iter().zip(ways).filter(|(_, way)| **way == Way::Doubtful) {
         let [Some((a, _)), Some((b, _))] = contact.slots.map(|slot| colliders[slot as usize].as_ref()) else {
             continue;
         };
@@ -234,22 +225,22 @@ fn find(travellers: &[Traveller], slot: u32) -> usize {
 
 /// What holds travellers from the beginning: who, what else, and the outward normal.
 fn held_already(
-    contacts: &[Contact],
-    doubtful: &[u32],
+    (contacts, ways): (&[Contact], &[Way]),
     travellers: &[Traveller],
     shapes: &[Shape],
 ) -> Vec<(usize, u32, Vec3<f64>)> {
     let mut held = Vec::new();
-    let mut doubtful = doubtful.iter().peekable();
-    for (index, contact) in (0_u32..).zip(contacts) {
+    if travellers.is_empty() {
+        return held;
+    }
+    for (contact, way) in contacts.iter().zip(ways) {
         let [a, b] = contact.slots;
-        let is_doubtful = doubtful.next_if(|next| **next == index).is_some();
         let (slot, other, sign) = match [a, b].map(|slot| shapes[slot as usize].moves) {
             [true, false] => (a, b, -1.0),
             [false, true] => (b, a, 1.0),
             _ => continue,
         };
-        if is_doubtful || nearest(contact) > contact.margin() {
+        if *way == Way::Doubtful || nearest(contact) > contact.margin() {
             continue;
         }
         let place = find(travellers, slot);
@@ -368,7 +359,7 @@ impl View<'_> {
     }
 
     fn meet(&self, encounters: &mut [Encounter<'_>], travellers: &[Traveller]) {
-        encounters.par_chunks_mut(PART).by_at_least(2).for_each(|encounters| {
+        encounters.par_chunks_mut(FEW).by_at_least(2).for_each(|encounters| {
             for encounter in encounters {
                 encounter.meetings = self.find(encounter, travellers).into_iter().collect();
             }
@@ -377,7 +368,7 @@ impl View<'_> {
 
     /// The same for those whose bodies have turned off before they met.
     fn meet_again(&self, encounters: &mut [Encounter<'_>], travellers: &[Traveller]) {
-        encounters.par_chunks_mut(PART).by_at_least(2).for_each(|encounters| {
+        encounters.par_chunks_mut(FEW).by_at_least(2).for_each(|encounters| {
             for encounter in encounters {
                 let of = |slot: u32| &travellers[find(travellers, slot)];
                 let turned = encounter

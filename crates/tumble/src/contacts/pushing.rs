@@ -129,7 +129,7 @@ impl Group {
             if extras.bounces {
                 solver.run(Pass::NoteApproach(h, Moment::Moved), bodies);
             }
-            solver.run(Pass::Relax(h, blow, substep + 1 < substeps), bodies);
+            solver.run(Pass::Relax { h, blow, holds: substep + 1 < substeps }, bodies);
             bookings.after_substep(bodies);
         }
         if extras.bounces {

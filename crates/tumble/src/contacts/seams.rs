@@ -23,6 +23,17 @@ const SAME_NORMAL: Real = 0.999_999;
 /// A body on a floor is looked at with no more of its contacts.
 const MOST: usize = 64;
 
+/// What the seams of floors are found with.
+#[derive(Clone, Default)]
+pub(super) struct Seams {
+    /// By slot: whether it is in contact with what impulses do not move, or is that.
+    on_fixed: Vec<bool>,
+    /// Slots of bodies on a floor, and the numbers of their contacts with what they go past.
+    sliding: Vec<(u32, u32)>,
+    /// Numbers of contacts with an edge, and with the floor beside it.
+    left_out: Vec<(u32, u32)>,
+}
+
 /// A plane that holds a body over it.
 #[derive(Clone, Copy)]
 pub(super) struct Floor {
@@ -60,7 +71,7 @@ impl Floor {
 impl Contacts {
     /// Leaves out the contacts of bodies with what lies level with the floor that they slide over.
     pub(super) fn leave_out_seams(&mut self) {
-        let Self { contacts, shapes, colliders, .. } = self;
+        let Self { contacts, shapes, colliders, seams: Seams { on_fixed, sliding, left_out }, .. } = self;
         let slides = |shape: &Shape, margin: Real| {
             let way = shape.motion.way;
             way.dot(way) > SLIDES * SLIDES * margin * margin
@@ -69,14 +80,14 @@ impl Contacts {
             return;
         }
         // Only what impulses do not move is a floor: what they move may be left out of the step later.
-        let mut on_fixed = vec![false; shapes.len()];
+        on_fixed.clear();
+        on_fixed.resize(shapes.len(), false);
         for Contact { slots: [a, b], .. } in &*contacts {
             if shapes[*a as usize].moves != shapes[*b as usize].moves {
                 (on_fixed[*a as usize], on_fixed[*b as usize]) = (true, true);
             }
         }
-        // By body on a floor: its contacts with what it goes past.
-        let mut sliding: Vec<(u32, u32)> = Vec::new();
+        sliding.clear();
         for (index, contact) in (0_u32..).zip(&*contacts) {
             let may_slide = |slot: u32| on_fixed[slot as usize] && shapes[slot as usize].moves;
             if !contact.slots.into_iter().any(may_slide) {
@@ -89,7 +100,7 @@ impl Contacts {
             }
         }
         sliding.sort_unstable();
-        let mut left_out = Vec::new();
+        left_out.clear();
         for group in sliding.chunk_by(|a, b| a.0 == b.0).filter(|group| group.len() > 1) {
             let slot = group[0].0;
             for (_, of_edge) in group.iter().take(MOST) {
@@ -122,11 +133,11 @@ impl Contacts {
         }
         left_out.sort_unstable();
         left_out.dedup_by_key(|(of_edge, _)| *of_edge);
-        for (_, of_floor) in &left_out {
+        for (_, of_floor) in &*left_out {
             // Where the one ends the plane goes on.
             contacts[*of_floor as usize].hold_still();
         }
-        let left_out = left_out.into_iter().map(|(of_edge, _)| of_edge);
+        let left_out = left_out.iter().map(|(of_edge, _)| *of_edge);
         let (mut left_out, mut index) = (left_out.peekable(), 0);
         contacts.retain(|_| {
             let stays = left_out.next_if_eq(&index).is_none();

@@ -63,11 +63,11 @@ struct Stage {
 pub(super) enum Pass<'a> {
     /// Fills the blocks for bodies with these poses, as the contacts have it.
     Prepare(&'a [Contact], &'a [Eight]),
-    /// Pushes overlapping bodies apart, those that move and those on what does not, in substeps of which so many make a second. What
-    /// comes faster than the last \[m/s\] gives a blow.
-    Biased([Softness; 2], Real, Real),
+    /// Pushes overlapping bodies apart, two that move and one on what does not, in substeps of `h` \[s\].
+    /// What closes faster than `blow` \[m/s\] gives a blow.
+    Biased { softness: [Softness; 2], h: Real, blow: Real },
     /// Takes out again the velocity that this gave, and adds friction; and, where it is said, notes for another substep what contacts then do to bodies.
-    Relax(Real, Real, bool),
+    Relax { h: Real, blow: Real, holds: bool },
     /// Notes how fast bodies come together in substeps of so many seconds.
     NoteApproach(Real, Moment),
     /// Lets bodies bounce that came together faster than so many metres a second.
@@ -249,7 +249,8 @@ impl<const P: usize, const C: usize> Sheet<P, C> {
 impl Pass<'_> {
     /// Pushes overlapping bodies apart, in substeps of `h` \[s\].
     pub(super) fn biased(h: Real, blow: Real) -> Self {
-        Self::Biased([Softness::between_moving(h.into()), Softness::on_ground(h.into())], 1.0 / h, blow)
+        let softness = [Softness::between_moving(h.into()), Softness::on_ground(h.into())];
+        Self::Biased { softness, h, blow }
     }
 
     /// Shares the blocks of a colour among the threads.
@@ -280,11 +281,11 @@ impl Pass<'_> {
     fn run_on<const P: usize, const C: usize>(self, blocks: Blocks<'_, P, C>, bodies: Bodied<'_>) {
         match self {
             Self::Prepare(contacts, poses) => run(Prepare::<P, C> { blocks, contacts, bodies, poses }),
-            Self::Biased(softness, inverse_h, blow) => {
+            Self::Biased { softness, h, blow } => {
                 let softness = Some(softness[usize::from(bodies.motion.is_grounded())]);
-                run(Solve::<P, C> { blocks, bodies, softness, blow, inverse_h, holds: false });
+                run(Solve::<P, C> { blocks, bodies, softness, blow, inverse_h: 1.0 / h, holds: false });
             }
-            Self::Relax(h, blow, holds) => {
+            Self::Relax { h, blow, holds } => {
                 run(Solve::<P, C> { blocks, bodies, softness: None, blow, inverse_h: 1.0 / h, holds });
             }
             Self::NoteApproach(h, moment) => {

@@ -8,7 +8,7 @@ use super::contact::{Contact, POINTS, RUBBED, SHAPE};
 use super::islands::Islands;
 use super::soft::Softness;
 use super::solver_bodies::SolverBodies;
-use super::touching::{Contacts, NONE, Shape};
+use super::touching::{Contacts, NONE, PART, Shape};
 use crate::math::Real;
 use crate::settings::Settings;
 use crate::simd::{BLOCK, Eight, Kernel, Tile, dispatch_in_blocks};
@@ -41,9 +41,6 @@ pub(super) struct Stacks {
     /// By slot of an island's root, how often its substeps were halved before.
     before: Vec<u8>,
 }
-
-/// So many contacts are taken by one thread at a time.
-const PART: usize = 512;
 
 /// What a body rests on: sums over points by their stiffness [N/m].
 #[derive(Clone, Copy, Default)]

@@ -14,6 +14,7 @@ use super::materials::Materials;
 use super::names::Names;
 use super::narrow::{Kind, Pairs, Shapes};
 use super::pushing::Pushing;
+use super::seams::Seams;
 use super::stacks::Stacks;
 use crate::components::CenterOfMass;
 use crate::force_laws::ForceLaws;
@@ -53,6 +54,7 @@ pub(crate) struct Contacts {
     pub(super) contacts: Vec<Contact>,
     /// By contact.
     pub(super) ways: Vec<Way>,
+    pub(super) seams: Seams,
     pub(super) last: Vec<Contact>,
     /// What pushes them where they are not pushed together with those of other worlds.
     pub(super) pushing: Option<Box<Pushing>>,
@@ -94,8 +96,8 @@ impl Motion {
     };
 }
 
-/// So many contacts go on from those there were on one thread at a time.
-const PART: usize = 512;
+/// Contacts that one thread takes at a time.
+pub(super) const PART: usize = 512;
 /// So many pairs that may be near each other are looked at.
 const CANDIDATES_PART: usize = 1024;
 /// And so many pairs of shapes that have no lanes of their own are looked at.
