@@ -52,7 +52,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     Ok(())
 }
 
-/// Many small worlds: a batch of ours, and Rapier's with four iterations, in turns.
+/// Many small worlds: a batch of ours, and Rapier's with four iterations, interleaved.
 fn worlds() -> Result<(), Box<dyn std::error::Error>> {
     const WORLDS: usize = 4096;
     const BOXES: usize = 8;

@@ -27,9 +27,9 @@ const COUPLED: [(&str, u32, u32); 5] = [
 ];
 /// Of eight boxes.
 const WORLDS: u32 = 16;
-/// So many steps of free bodies come before counting begins.
+/// Steps of free bodies before counting begins.
 const SHORT: u32 = 5;
-/// And so many are counted: runs of two lengths, so that making the world is not.
+/// Steps that are counted: runs of two lengths, so that making the world is not.
 const COUNTED: u32 = 10;
 /// How many times the instructions on record a body-step may have.
 const ALLOWED: f64 = 1.03;

@@ -2,7 +2,7 @@ use hecs::World;
 use tumble::math::{Real, Vec3};
 use tumble::{Amount, Body, BodyId, Chance, Damping, Part, RigidBody, Shape, spawn_bodies};
 
-/// Every so many bodies the kinds repeat; the last two are kinematic and fixed.
+/// Number of bodies after which the kinds repeat; the last two are kinematic and fixed.
 const KINDS: u64 = 16;
 const KINEMATIC: u64 = 14;
 const FIXED: u64 = 15;

@@ -11,7 +11,7 @@ pub fn pools() -> [ThreadPool; 2] {
     [1, 2].map(pool)
 }
 
-/// A pool of so many threads: made once, since starting threads is not what is measured.
+/// A pool of this many threads: made once, since starting threads is not what is measured.
 ///
 /// # Panics
 /// Where the system has no threads to give; there is nothing to measure then.
@@ -20,8 +20,8 @@ pub fn pool(threads: usize) -> ThreadPool {
     ThreadPoolBuilder::new().num_threads(threads).build().expect("a thread pool")
 }
 
-/// Calls `work` with all items, a part of them on each of so many threads, and each part in a pool of its own with one thread: two worlds of an engine whose steps wait in a pool of two threads
-/// wait for each other without end.
+/// Calls `work` with all items, a part of them on each of `threads` threads, and each part in a pool of its own with one thread: two worlds of an engine whose steps wait in a pool of two threads
+/// wait for each other forever.
 pub fn in_pools_of_one<T: Send>(items: &mut [T], threads: usize, work: impl Fn(&mut T) + Sync) {
     let alone: Vec<ThreadPool> = (0..threads).map(|_| pool(1)).collect();
     let part = items.len().div_ceil(threads).max(1);

@@ -10,7 +10,7 @@ pub fn spawn(world: &mut World, body: RigidBody, collider: Collider) -> Entity {
     body.build().expect("a possible body").spawn_with(world, (collider,))
 }
 
-/// Ground without end below the origin, turned about it.
+/// Infinite ground below the origin, turned about it.
 pub fn ground(world: &mut World, material: Material, orientation: Quat) -> Entity {
     spawn(
         world,

@@ -4,7 +4,7 @@
 //! Why: what ends large batches in other engines is memory. It fails if a world gets buffers of its own before it has bodies, or a body more
 //! components than it needs.
 //!
-//! What the process has in memory is looked at, so the allocator's own overhead counts; and there is only one test in this file, because tests of one
+//! What the process has in memory is measured, so the allocator's own overhead counts; and there is only one test in this file, because tests of one
 //! file share a process.
 
 #![cfg(target_os = "linux")]
@@ -21,7 +21,7 @@ fn resident() -> f64 {
     line.trim().strip_suffix(" kB").unwrap().parse::<f64>().unwrap() * 1024.0
 }
 
-/// A batch of worlds of so many bodies that has been stepped, and the bytes that each world has.
+/// A batch of worlds of this many bodies that has been stepped, and the bytes that each world has.
 fn measured(worlds: usize, bodies: u32) -> (Batch, f64) {
     let body = RigidBody::new(Shape::cuboid([0.1, 0.2, 0.3])).mass(1.0).angular_velocity(Vec3::ONE).build().unwrap();
     let before = resident();

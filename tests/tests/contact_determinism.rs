@@ -16,7 +16,7 @@ use tumble_tests::{hash, run, run_on_every_instruction_set};
 mod pile;
 use pile::{plain_scene, scene, settings, shuffled};
 
-/// After so many steps the pile has fallen and the paddle stirs it.
+/// Steps after which the pile has fallen and the paddle stirs it.
 const STEPS: u32 = 120;
 
 /// The hash of the pile after 200 steps, in single and double precision. A new hash is a new arithmetic, of contacts or of what finds them; see `determinism.rs`.

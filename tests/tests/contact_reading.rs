@@ -81,7 +81,7 @@ fn friction_is_told() {
     let mut simulation = simulation();
     run(&mut simulation, &mut world, 20);
     let contact = simulation.contacts().next().unwrap();
-    // The box comes first, and friction is told on the second.
+    // The box comes first, and friction is reported on the second.
     assert_eq!(contact.bodies[0], sliding);
     let friction = -contact.friction / simulation.settings().contact_substep();
     assert!((friction - Vec3::X * (-0.5 * 2.0 * G)).length() < 0.02 * G, "{friction}");
@@ -136,7 +136,7 @@ fn a_bounce_begins_and_ends() {
     assert_eq!(told, [one; 4].concat());
 }
 
-/// In a pile that settles, however lightly things lie on others, no pair ends to touch and begins again at once; and what began and did not end is what touches.
+/// In a pile that settles, however lightly things lie on others, no pair ends to touch and begins again at once; and what began and did not end are the touching pairs.
 #[test]
 fn a_pile_that_settles_does_not_flicker() {
     let mut world = pile::plain_scene();
@@ -184,7 +184,7 @@ fn order_of(world: &World, bodies: [Entity; 2]) -> [(bool, Option<u64>, u32); 2]
     })
 }
 
-/// The end of a touch is told in the step after one of the bodies was despawned or lost its collider, with the entity that it was.
+/// The end of a touch is reported in the step after one of the bodies was despawned or lost its collider, with the entity that it was.
 #[test]
 fn what_is_gone_has_ended() {
     for colliders_only in [false, true] {

@@ -19,7 +19,7 @@ fn simulation() -> Simulation {
     Simulation::new(settings()).unwrap()
 }
 
-/// Hashes after each of so many steps.
+/// Hashes after each of this many steps.
 fn hashes(simulation: &mut Simulation, world: &mut World, steps: u32) -> Vec<u64> {
     let step = |_| {
         simulation.step(world);
@@ -113,7 +113,7 @@ fn a_respawned_body_has_its_contacts() {
     assert_eq!(hashes(&mut simulation, &mut world, 50), after);
 }
 
-/// What is told of contacts is restored with them, and so is what events are compared with.
+/// What is reported of contacts is restored with them, and so is what events are compared with.
 #[test]
 fn contacts_and_events_are_those_of_then() {
     let (mut world, mut simulation) = (plain_scene(), simulation());

@@ -2,7 +2,7 @@
 //!
 //! Why: a list of all pairs of ten thousand bodies in one place has 600 MB. It fails if pairs are listed before those that count are chosen.
 //!
-//! The whole process is looked at, so there is one test in this file.
+//! The whole process is measured, so there is one test in this file.
 
 #![allow(clippy::unwrap_used, reason = "a test without what it tests is to fail")]
 

@@ -1,4 +1,4 @@
-//! Promise: however many bodies are in one place, the pairs of each that count are limited, and what is left out is told: the contacts of n bodies are at most 128 n. Which are left out is the same
+//! Promise: however many bodies are in one place, the pairs of each that count are limited, and what is left out is reported: the contacts of n bodies are at most 128 n. Which are left out is the same
 //! whatever order bodies were spawned in; and where no more than 64 are near one, nothing is.
 //!
 //! Why: n bodies in one point would make n^2 contacts, gigabytes for two thousand. It fails if a crowd's contacts grow with the square, or a heap loses contacts to the limit.

@@ -193,7 +193,7 @@ enum How {
     OneByOne,
 }
 
-/// `step_many` is so many calls of `step`: on bodies with and without laws, wrenches that act in the first step, previous poses, and kinematic
+/// `step_many(n)` is n calls of `step`: on bodies with and without laws, wrenches that act in the first step, previous poses, and kinematic
 /// bodies.
 #[test]
 fn many_steps_at_once_are_single_steps() {
@@ -330,7 +330,7 @@ fn the_systems_one_by_one_are_the_step() {
     }
 }
 
-/// Under forces that stay the same, such as gravity, a step of so many substeps is so many steps of that length.
+/// Under forces that stay the same, such as gravity, a step of n substeps is n steps of that length.
 #[test]
 fn substeps_are_shorter_steps() {
     for integrator in Integrator::ALL {

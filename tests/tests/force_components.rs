@@ -78,7 +78,7 @@ fn state(world: &World, body: Entity) -> (Pose, Velocity) {
     (*world.get::<&Pose>(body).unwrap(), *world.get::<&Velocity>(body).unwrap())
 }
 
-/// The state of one body after so many steps without gravity.
+/// The state of one body after this many steps without gravity.
 fn after(steps: u32, integrator: Integrator, body: RigidBody, components: impl DynamicBundle) -> (Pose, Velocity) {
     let (mut world, entity) = world_of(body, components);
     run(&mut weightless(integrator, DT), &mut world, steps);

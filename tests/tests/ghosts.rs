@@ -1,6 +1,6 @@
 //! Contacts are of features that bodies really meet: nothing is pushed by what it passes, at any speed, and nothing gets through what it meets.
 //!
-//! Why: what is foreseen over a whole step is foreseen as a plane without end, and a shot past the corner of a crate used to be stopped in the air beside it. It fails if a contact
+//! Why: what is foreseen over a whole step is foreseen as an infinite plane, and a shot past the corner of a crate used to be stopped in the air beside it. It fails if a contact
 //! that the ways of the bodies do not lead to stays in the step, if one that they lead to is left out, or if its normal is that of where they began.
 #![cfg_attr(
     feature = "f64",

@@ -266,7 +266,7 @@ impl Elements {
     }
 }
 
-/// The angle by which the ellipse turns in a period \[rad\], by the line through the pericentre over so many periods.
+/// The angle by which the ellipse turns in a period \[rad\], by the line through the pericentre over this many periods.
 fn precession(steps_a_period: u32, periods: u32) -> f64 {
     let mut orbit = Orbit::new(0.6, steps_a_period);
     let (mut samples, mut turns, mut last) = (Vec::new(), 0.0, 0.0);

@@ -354,7 +354,7 @@ proptest! {
         for (name, poison) in COMPONENTS {
             let with = |far, value| end_with(seed, far, |world, victim| poison(world, victim, Bad { value, which }));
             let is_law = tumble::ForceLaws::COMPONENTS.contains(name) || ["Damping", "Wind"].contains(name);
-            // Springs draw their body to the others by what their other numbers say, and so may a law with a number without end.
+            // Springs draw their body to the others by what their other numbers say, and so may a law with an infinite number.
             let is_spring = name.starts_with("Spring");
             prop_assert!(is_spring || with(200.0, Real::NAN) == without, "{} NaN, far away", name);
             prop_assert!(is_law || with(200.0, Real::INFINITY) == without, "{} inf, far away", name);

@@ -135,7 +135,7 @@ fn quat(q: DQuat) -> Quat {
     Quat::from_xyzw(q.x as Real, q.y as Real, q.z as Real, q.w as Real)
 }
 
-/// A blow that falls so many seconds after the start of a step of `dt`.
+/// A blow that falls this many seconds after the start of a step of `dt`.
 struct Time {
     dt: f64,
     seconds: f64,

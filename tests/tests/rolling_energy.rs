@@ -108,7 +108,7 @@ impl Scene {
         Self::new(start, ROUGH, 1.0, 1.0, substeps)
     }
 
-    /// Steps for so many seconds of the body of a metre, and looks at it after each.
+    /// Steps for this many seconds of the body of a metre, and measures it after each.
     fn run(&mut self, seconds: f64, mut look: impl FnMut(f64, &Self)) {
         for step in 0..(seconds * 60.0).round() as u32 {
             run(&mut self.simulation, &mut self.world, 1);

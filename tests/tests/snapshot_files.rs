@@ -2,7 +2,7 @@
 //! flipped bit, every cut, and every state that no world can have is refused with a typed error; no bytes whatever make it panic or
 //! take more memory than they are long.
 //!
-//! Why: files are damaged and peers lie. It fails if a field is not covered by the checksum, a count is trusted, or a number is not looked at.
+//! Why: files are damaged and peers lie. It fails if a field is not covered by the checksum, a count is trusted, or a number is not checked.
 
 #![allow(clippy::unwrap_used, reason = "a test without what it tests is to fail")]
 

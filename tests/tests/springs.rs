@@ -348,7 +348,7 @@ fn a_spring_to_a_fixed_body() {
     }
 }
 
-/// Seen from a body that moves as it is told, a ball that goes along swings as before a wall: the spring sees it where
+/// Seen from a kinematic body, a ball that goes along swings as before a wall: the spring sees it where
 /// it is at the time of each kick, taken step by step, many at
 /// once, or in substeps.
 #[test]

@@ -3,7 +3,7 @@
 //!
 //! `cargo bench --bench piles`, with `-- pyramid`, `balls` or `worlds` for one of them, or `growth` for what a body costs in a pyramid of 1015 boxes and in one of 29 370; `-- stands`
 //! has the pyramid stand for 10 000 steps, and fails where it does not. With `--features peers` the same scenes are run in Rapier in the same
-//! process, in turns of ten steps, with its default of four solver iterations; with `peers-simd8` Rapier's solver has eight lanes. Printed are milliseconds a step
+//! process, alternating every ten steps, with its default of four solver iterations; with `peers-simd8` Rapier's solver has eight lanes. Printed are milliseconds a step
 //! (of the pyramid the mean of steps 60 to 240, of the balls of all 300), and what became of the scene: how far the top sank and the box that moved most went, how deep
 //! balls are in each other.
 //!
@@ -169,7 +169,7 @@ fn stands(threads: usize, pool: &ThreadPool) -> Outcome<()> {
     }
 }
 
-/// What a body costs in a small pyramid and in a large one, in turns.
+/// What a body costs in a small pyramid and in a large one, interleaved.
 fn growth(bases: [u32; 2], threads: usize, pool: &ThreadPool) -> Outcome<()> {
     const STEPS: u32 = 30;
     let mut worlds = bases.map(pyramid);

@@ -4,7 +4,7 @@ use hecs::{Entity, World};
 use tumble::{BodyOrder, Settings, Totals, measure};
 use tumble_scene::{Conserved, MomentumScale};
 
-/// Up to so many body-steps every step is a sample: measuring them all takes a second at most.
+/// Up to this number of body-steps every step is a sample: measuring them all takes a second at most.
 pub(crate) const EVERY_STEP_UP_TO: u64 = 1_000_000;
 
 /// Samples of longer runs.

@@ -28,7 +28,7 @@ pub(crate) struct Outputs {
 }
 
 impl Outputs {
-    /// For a run of so many steps of the scene.
+    /// For a run of this many steps of the scene.
     pub(crate) fn open(options: &RunOptions, scene: &Scene, steps: u64) -> Result<Self, Failure> {
         let mut outputs = Self { record: None, report: None, directories: NewDirectories(Vec::new()) };
         let format = options.record.as_deref().map(trajectory_format).transpose()?;

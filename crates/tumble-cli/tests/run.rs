@@ -170,7 +170,7 @@ fn the_record_has_the_columns_and_starts_with_the_scene() {
     }
     // The record is at the centre of mass, half a half height below the middle of the cone.
     assert_eq!(record[1][4].parse(), Ok(-0.25));
-    // What moves as it is told is where it was told to be: 0.9 s at 1 m/s.
+    // A kinematic body is where it was prescribed to be: 0.9 s at 1 m/s.
     let belt: f64 = record.last().unwrap()[4].parse().unwrap();
     // Ninety additions of 0.01 in f32.
     assert!((belt - 0.9).abs() < 1e-5, "{belt}");

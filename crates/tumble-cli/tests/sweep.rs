@@ -2,7 +2,7 @@
 //! what a run of that world alone gives; what cannot be swept is refused with nothing written.
 //!
 //! Why: a Monte-Carlo study is spread over machines and days. It would fail if a value depended on another world's, if rows were written as they
-//! finish, if a killed sweep began anew or went on in another sweep's file, or if all worlds were held in memory.
+//! finish, if a killed sweep restarted or went on in another sweep's file, or if all worlds were held in memory.
 #![allow(clippy::unwrap_used, reason = "a test fails by panicking, in its helper functions too")]
 
 mod support;
@@ -117,7 +117,7 @@ fn values_depend_on_seed_field_and_world_only() {
     for at in [1, 3] {
         assert!(column(&whole, at).iter().zip(column(&other, at)).all(|(a, b)| *a != b), "column {at}");
     }
-    // The grid's value changes from world to world and begins anew.
+    // The grid's value changes from world to world and starts over.
     assert_eq!(column(&whole, 2)[..4], ["-10.0", "-5.0", "0.0", "-10.0"]);
     let one = |field: &str, out: &str| {
         place.succeed(&["sweep", "scene.json", "--worlds", "5", "--quiet", "--out", out, "--vary", field]);

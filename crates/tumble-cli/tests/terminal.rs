@@ -71,10 +71,10 @@ fn hostile_copies(document: &Value) -> Vec<Value> {
     copies
 }
 
-/// Makes the string or key hostile that comes after so many others; false if there is none.
+/// Makes the string or key hostile at this index; false if there is none.
 fn make_hostile(value: &mut Value, left: &mut usize) -> bool {
     match value {
-        // What is a buffer is told by none of its letters, and tested as a whole elsewhere.
+        // Data of a buffer are tested as a whole elsewhere, not letter by letter.
         Value::String(text) if !text.starts_with("data:") => {
             let here = *left == 0;
             *left = left.wrapping_sub(1);

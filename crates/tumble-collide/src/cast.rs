@@ -15,11 +15,11 @@ use crate::surface::Surface;
 use crate::touching;
 use crate::work;
 
-/// A way is gone along in at most so many advances; what has not met by then may meet.
+/// A way is followed in at most this number of advances; what has not met by then may meet.
 const MOST_ADVANCES: usize = 48;
 /// Shapes that come this many times as near as what counts as meeting are sought the moment for when they are nearest.
 const NEARLY: f64 = 8.0;
-/// So many times the span of time in which that is is narrowed down, to two thirds each time.
+/// How often the span of time in which that is is narrowed down, to two thirds each time.
 const NARROWED: usize = 12;
 /// Past more triangles of a surface no way is gone along: something may meet at once.
 const MOST_TRIANGLES: usize = 4096;

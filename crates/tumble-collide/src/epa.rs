@@ -17,11 +17,11 @@ pub(crate) struct Penetration {
 
 /// Polyhedra end by themselves after a few dozen points; round shapes are as round as can be told after this many.
 const MOST_POINTS: usize = 256;
-/// Faces looked at and sides compared, most of all. A polyhedron of so many points has twice as many faces, each of which may be looked at for every point.
+/// Faces tested and sides compared, at most. A polyhedron of n points has 2 n faces, each of which may be tested for every point.
 const MOST_WORK: usize = 1 << 18;
-/// What is not certain, of round shapes and where faces were so thin that rounding tore the surface, is bettered so many times at most,
+/// What is not certain, of round shapes and where faces were so thin that rounding tore the surface, is refined this often at most,
 const MOST_REFINEMENTS: usize = 8;
-/// from so many of the axes of both shapes too,
+/// from this number of axes of both shapes too,
 const MOST_STARTS: usize = 4;
 /// with the shapes moved apart by this part of what the difference reaches.
 const GAP: f64 = 1e-4;
@@ -43,11 +43,11 @@ struct Polyhedron {
     points: Vec<Reached>,
     faces: Vec<Face>,
     scale: f64,
-    /// Faces looked at and sides compared.
+    /// Faces tested and sides compared.
     work: usize,
 }
 
-/// `None` where the difference is flat, and where numbers are not finite. Whatever rounding does, the shapes overlap along the normal by no less than is told, and it is no longer than
+/// `None` where the difference is flat, and where numbers are not finite. Whatever rounding does, the shapes overlap along the normal by no less than is reported, and it is no longer than
 /// any other way out that was tried.
 pub(crate) fn penetration(shapes: &Difference<'_>, simplex: &Simplex) -> Option<Penetration> {
     let mut polyhedron = Polyhedron::around(shapes, simplex)?;

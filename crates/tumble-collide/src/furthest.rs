@@ -11,7 +11,7 @@ const ROUNDING: f64 = 1e-14;
 
 /// Many vectors, to find the one furthest in a direction: the same as by going through all, the first of equal ones.
 ///
-/// A tree of boxes. A box is left out when none of its corners is as far as the best so far: of 1e5 points on a sphere some hundred are looked at.
+/// A tree of boxes. A box is left out when none of its corners is as far as the best so far: of 1e5 points on a sphere some hundred are tested.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(crate) struct Furthest {
     nodes: Vec<Node>,

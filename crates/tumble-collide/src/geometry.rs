@@ -88,7 +88,7 @@ pub enum Geometry<R> {
     HeightField(Arc<HeightField>),
     /// Several shapes, each at its place.
     Compound(Arc<Compound<R>>),
-    /// All below the plane y = 0: ground without end.
+    /// All below the plane y = 0: infinite ground.
     HalfSpace,
 }
 

@@ -18,7 +18,7 @@ use crate::{collide, work};
 
 /// Points reached of a pair: turns of the search for the nearest points, points of the polyhedron and what starts it, refinements, and the choice of a face.
 const MOST_REACHED: usize = 64 + 24 + 512 + 12 + 5 * 8 * 65 + 8;
-/// Faces looked at and sides compared.
+/// Faces tested and sides compared.
 const MOST_COMPARED: usize = (1 << 18) + (1 << 13);
 
 /// Part by which an overlap may be longer than the shortest where that is not certain. The most that was found in some millions of pairs is 6e-4.
@@ -195,7 +195,7 @@ proptest! {
     }
 }
 
-/// A box deep in a cylinder, and as rounding may move them. The polyhedron tore, and looked at its faces for eight seconds.
+/// A box deep in a cylinder, and as rounding may move them. The polyhedron tore, and its faces were tested for eight seconds.
 #[test]
 fn a_torn_polyhedron_ends() {
     let cuboid = Geometry::Cuboid { half_extents: Vec3::new(0.076_981_66, 0.022_479_191, 0.043_510_687) };

@@ -24,11 +24,11 @@ const SHALLOW: f64 = 0.05;
 const OUTSIDE: f64 = 1e-3;
 /// Cosine of directions that are the same to a face and to an edge of it: within a thousandth of a radian.
 const SAME: f64 = 1.0 - 5e-7;
-/// A direction is turned out of the way of each side at a corner in turn, so many times around.
+/// A direction is turned out of the way of each side at a corner in turn, this number of times around.
 const TURNS: usize = 4;
-/// So many of the triangles at a corner look at what lies over it.
+/// Most triangles at a corner that are tested against what lies over it.
 const MOST_ASKED: usize = 64;
-/// So many normals of faces of one part are compared with that of an edge.
+/// Most normals of faces of one part that are compared with that of an edge.
 const MOST_NORMALS: usize = 16;
 /// Of more points than this the near ones are found in a grid.
 const FEW: usize = 64;

@@ -23,7 +23,7 @@ struct Node {
     leaf: [u32; 2],
 }
 
-/// So many boxes are a leaf.
+/// Boxes in a leaf.
 const LEAF: usize = 4;
 
 impl Tree {

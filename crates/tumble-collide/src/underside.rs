@@ -9,13 +9,13 @@ use crate::overlay::AS_NEAR;
 
 /// By how much a later point must be better than an earlier one to be taken in its place: as much as rounding may make of points that are the same.
 const LEAD: f64 = 1e-6;
-/// A corner must be further out by so many times its height over the facet to be worth more than one on it: half a degree.
+/// A corner must be further out by this multiple of its height over the facet to be worth more than one on it: half a degree.
 const WORTH: f64 = 100.0;
 /// What is up a steeper slope from a corner is behind it, since no turn by less than 45 degrees makes it touch; no steeper facet is stood on.
 const STEEPEST: f64 = 1.0;
 /// Points nearer to each other than this part of the extent of all are one, and triangles so narrow are none.
 const NARROW: f64 = 1e-6;
-/// A corner that turns out to be behind a later one makes room for another, so many times at most.
+/// A corner that turns out to be behind a later one makes room for another, this often at most.
 const MOST_TURNS: usize = 2 * MOST_POINTS;
 
 /// A corner seen along the normal.

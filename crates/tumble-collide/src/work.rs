@@ -15,7 +15,7 @@ pub(crate) fn reached() {
     add(0, 1);
 }
 
-/// Faces looked at and sides compared.
+/// Faces tested and sides compared.
 #[inline(always)]
 pub(crate) fn compared(count: usize) {
     add(1, count);

@@ -11,7 +11,7 @@ static ALLOCATOR: Allocator<std::alloc::System> = Allocator::system();
 
 const COUNT: u32 = 2000;
 
-/// Places at a step: every so many of them wander, there and back.
+/// Places at a step: one in this number wanders, there and back.
 fn place(proxies: &mut [Proxy<f32>], step: u32, every: u32) {
     let part = step.min(60 - step) as f32 / 30.0;
     for (i, proxy) in (0..).zip(proxies.iter_mut()).filter(|(i, _)| i % every == 0 && *i < COUNT) {

@@ -1,7 +1,7 @@
 //! Promise: a manifold says how far two shapes are apart and where, and moving them apart by as much parts them; whatever the frame they are seen
 //! from, and whichever of them comes first.
 //!
-//! Why: a solver believes what it is told here. A point beside the surfaces makes torques, a normal that is not the shortest way out throws
+//! Why: a solver believes what it gets here. A point beside the surfaces makes torques, a normal that is not the shortest way out throws
 //! bodies through each other.
 
 use proptest::prelude::*;

@@ -13,7 +13,7 @@ use crate::looks::Looks;
 use crate::mesh_file::{self, MeshFile, MeshFormat};
 use crate::reading::Reading;
 
-/// How a mesh is looked at.
+/// How a mesh is inspected.
 ///
 /// ```
 /// let options = tumble_scene::MeshOptions { density: 7850.0, ..Default::default() };

@@ -13,7 +13,7 @@ mod wall;
 
 use crate::model::SceneModel;
 
-/// A scene that is made anew whenever it is asked for.
+/// A scene that is generated on each request.
 pub(crate) struct ContactScene {
     pub(crate) name: &'static str,
     /// How many bodies that are not scenery, unless told otherwise; `None` where the number is part of the scene.
@@ -107,7 +107,7 @@ pub(crate) fn named(name: &str) -> Option<&'static ContactScene> {
 }
 
 impl ContactScene {
-    /// With so many bodies, and scenery.
+    /// With this many bodies, and scenery.
     pub(crate) fn model(&self, bodies: Option<usize>, seed: Option<u64>) -> SceneModel {
         let bodies = bodies.or(self.bodies).unwrap_or_default();
         let model = (self.make)(bodies, seed.unwrap_or(0));

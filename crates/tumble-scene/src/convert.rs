@@ -149,7 +149,7 @@ fn with_mass(model: &BodyModel, body: RigidBody, problems: &mut Vec<FieldError>)
 
 /// The shape with its lengths and parts checked.
 fn shape(model: Option<&ShapeModel>) -> Result<Shape, FieldError> {
-    // Ground has no mass; it is told from a point where it matters.
+    // Ground has no mass; it is distinguished from a point where it matters.
     let Some(model) = model.filter(|model| !model.is_ground()) else {
         return Ok(Shape::Point);
     };

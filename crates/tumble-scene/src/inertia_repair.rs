@@ -38,7 +38,7 @@ pub(crate) fn nearest_moments(moments: DVec3) -> Option<(DVec3, f64)> {
     Some((nearest, (nearest - moments).length() / moments.max_element()))
 }
 
-/// What is told of a repair.
+/// What is reported about a repair.
 pub(crate) fn told(from: DVec3, to: DVec3, away: f64) -> String {
     let [a, b, c] = from.to_array();
     let [x, y, z] = to.to_array();

@@ -18,7 +18,7 @@ pub enum Looks {
     Shape(Shape),
     /// As a surface that need not bound anything, such as ground.
     Mesh(Arc<TriangleMesh>),
-    /// As ground without end: the plane y = 0, seen from above it.
+    /// As infinite ground: the plane y = 0, seen from above it.
     HalfSpace,
     /// As ground of heights over a grid.
     HeightField(Arc<Heights>),
@@ -74,5 +74,5 @@ pub const BODY_COLORS: [[f32; 3]; 7] = [
 /// The colour of what forces do not move, in linear light.
 pub const FIXED_COLOR: [f32; 3] = [0.3, 0.3, 0.3];
 
-/// The colour of ground without end, in linear light.
+/// The colour of infinite ground, in linear light.
 pub const GROUND_COLOR: [f32; 3] = [0.075, 0.08, 0.095];

@@ -1,4 +1,4 @@
-//! Pieces of ground without end, for files and pictures.
+//! Pieces of infinite ground, for files and pictures.
 
 use std::sync::Arc;
 

@@ -37,7 +37,7 @@ pub const MAX_WORLDS: u64 = 1_000_000_000_000;
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum RunLength {
-    /// So many steps.
+    /// Number of steps.
     Steps(u64),
     /// So much simulated time \[s\], rounded to whole steps of the world's own length.
     Duration(f64),
@@ -79,7 +79,7 @@ pub struct SweepPlan {
 /// A field is named by its path in the file: `gravity.1`, `dt`, `bodies.0.mass`, `bodies.brick.angular_velocity.2`,
 /// `bodies.0.shape.cuboid.half_extents.0`; bodies go by index or name, and `bodies[0]` is understood too. The
 /// value of a field in a world depends on the seed, the place of the field among those that are varied, and the index of the world, and on
-/// nothing else. Several grids make all combinations, the last one changing fastest; past the last combination they begin anew.
+/// nothing else. Several grids make all combinations, the last one changing fastest; past the last combination they start over.
 ///
 /// ```
 /// use tumble_scene::{Sweep, SweepPlan};
@@ -279,7 +279,7 @@ impl Sweep {
     }
 }
 
-/// Models of the bodies to be made anew for every world, and of those that are looked at then.
+/// Models of the bodies to be made for every world, and of those that are reported then.
 fn varied_bodies(
     varied: &[Varied],
     bodies: &[BodyModel],

@@ -373,7 +373,7 @@ fn a_mesh_that_stands_still_is_touched_as_it_is() {
     assert!((height(r#""mass": 1000"#) - 1.25).abs() < 5e-3, "{}", height(r#""mass": 1000"#));
 }
 
-/// Ground without end is a disc in a record, as wide as the scene, and a surface that is seen from above only.
+/// Infinite ground is a disc in a record, as wide as the scene, and a surface that is seen from above only.
 #[test]
 fn a_record_has_a_plate_for_ground() {
     let scene = Scene::from_json(BOX_ON_GROUND, "box.json").unwrap();

@@ -1,7 +1,7 @@
 //! Promise: the built-in scenes of bodies that touch do what their names say: what is to stand stands, what is to fall falls, and nothing goes through
 //! the ground or a wall.
 //!
-//! Why: they are what is looked at first. Each test has in it what one would look for.
+//! Why: they are what people open first. Each test asserts what one would look for.
 #![allow(clippy::unwrap_used, reason = "a scene that cannot be run is a failed test")]
 
 use std::f64::consts::TAU;

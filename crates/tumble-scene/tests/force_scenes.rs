@@ -101,7 +101,7 @@ fn the_solar_system_keeps_energy_and_momenta() {
     assert!(angular < by_precision(1e-5, 4e-14), "{angular:e}");
 }
 
-/// How many days the planets take to come round once as the sun sees it, for as many of them as do in so many days.
+/// How many days the planets take to come round once as the sun sees it, for as many of them as do in the given days.
 fn years(substeps: Option<u32>, days: u32) -> Vec<f64> {
     let (mut run, _) = Run::of("solar-system", substeps);
     run.ledger.detach(&mut run.world);

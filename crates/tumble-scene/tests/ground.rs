@@ -9,7 +9,7 @@ use hecs::World;
 use tumble::{BodyOrder, Pose, Simulation};
 use tumble_scene::{Looks, MAX_HEIGHTS, Scene};
 
-/// Where the bodies are after so many steps, in the order of the scene.
+/// Where the bodies are after a number of steps, in the order of the scene.
 #[allow(clippy::useless_conversion, reason = "it is f64 already in one of the two builds")]
 fn run(scene: Scene, steps: u32) -> Vec<DVec3> {
     let mut simulation = Simulation::new(scene.settings).unwrap();

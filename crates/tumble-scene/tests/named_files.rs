@@ -1,6 +1,6 @@
 //! A document reads what lies below its own directory, links included, and leaves out of a glTF file what is impossible, by name.
 //!
-//! A scene of somebody else is opened to be looked at. It would fail if it could read what lies elsewhere on the disk, if a file that is
+//! A scene of somebody else is opened to be inspected. It would fail if it could read what lies elsewhere on the disk, if a file that is
 //! named a thousand times were read as often, or if one bad body hid the others or went missing without a word.
 #![allow(clippy::unwrap_used, reason = "a test fails by panicking, in its helper functions too")]
 
@@ -77,7 +77,7 @@ fn links_lead_no_farther() {
     }
 }
 
-/// What was read is told, for a program that is not to write over it; a file in twenty sizes was read once.
+/// What was read is reported, for a program that is not to write over it; a file in twenty sizes was read once.
 #[test]
 fn files_are_told_and_read_once() {
     let (_place, root) = place();

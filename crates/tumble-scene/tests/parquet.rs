@@ -16,7 +16,7 @@ use tumble::math::{PRECISION, Real};
 use tumble::{BodyOrder, Simulation};
 use tumble_scene::{COLUMNS, Frame, Scene, TrajectoryWriter};
 
-/// Records so many frames of 50 bodies both ways, with checkpoints after some; the table at the last of them, or at the end if there
+/// Records this many frames of 50 bodies both ways, with checkpoints after some; the table at the last of them, or at the end if there
 /// are none, and the other record.
 fn recorded(frames: u64, checkpoints: &[u64]) -> (bytes::Bytes, Vec<csv::StringRecord>) {
     let scene = Scene::stress(50, 1).unwrap();

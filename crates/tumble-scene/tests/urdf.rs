@@ -1,5 +1,5 @@
 //! Promise: a robot's links are bodies with exactly the mass properties that the file gives them, where the file puts them; what is
-//! wrong with a link is said with its name, the field and the line, and what is not simulated is told.
+//! wrong with a link is said with its name, the field and the line, and what is not simulated is reported.
 //!
 //! Why: the inertials of published robots are wrong more often than any other of their numbers, and a simulator that takes them as
 //! they come explodes later. It would fail by a sign of an off-diagonal element, by a rotation taken the wrong way or about moving axes,

@@ -14,7 +14,7 @@ const AS_BEFORE: u8 = 255;
 /// Units of a delay in a second.
 const HUNDREDTHS: u32 = 100;
 
-/// Writes pictures of one size, so many a second, with one palette for all of them, and of each only what has changed.
+/// Writes pictures of one size, at a fixed rate, with one palette for all of them, and of each only what has changed.
 pub(crate) fn write_gif(file: Output, images: &[Image], fps: u16) -> Result<(), Failure> {
     let Some(first) = images.first() else { return Ok(()) };
     let mut histogram = Histogram::new();

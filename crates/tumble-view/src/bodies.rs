@@ -16,7 +16,7 @@ use crate::convert::{dquat, dvec3};
 use crate::framing::Frame;
 use crate::pick::Bounds;
 
-/// Ground without end is drawn so many radii of the frame wide, either way.
+/// Infinite ground is drawn this many radii of the frame wide, either way.
 const GROUND: f64 = 12.0;
 
 /// What never changes of a body's picture.
@@ -33,7 +33,7 @@ pub(crate) struct DrawnBody {
     /// Red, green, blue in linear light.
     pub(crate) color: [f32; 3],
     pub(crate) moves: bool,
-    /// Whether it is ground without end, of which a piece is drawn.
+    /// Whether it is infinite ground, of which a piece is drawn.
     pub(crate) endless: bool,
     /// Whether it touches others with something else than what is seen of it.
     pub(crate) touches_unseen: bool,

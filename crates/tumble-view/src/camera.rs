@@ -10,7 +10,7 @@ const POLE: f64 = 0.02;
 pub(crate) const DISTANCES: std::ops::RangeInclusive<f64> = 1e-6..=1e6;
 /// The nearest that is drawn, as a part of the camera's distance.
 const NEAR: f64 = 0.02;
-/// The farthest that is drawn is at least and at most so many distances away; beyond, 24 bits of depth no longer tell things apart.
+/// The farthest that is drawn is at least and at most this many distances away; beyond, 24 bits of depth no longer tell things apart.
 const FAR: [f64; 2] = [40.0, 4000.0];
 
 /// The axis that points up in the picture.

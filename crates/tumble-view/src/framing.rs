@@ -62,7 +62,7 @@ impl Frame {
         let share = if distances.len() > CROWD { OF_A_CROWD } else { 1.0 };
         let last = (share * (distances.len().saturating_sub(1)) as f64).ceil() as usize;
         let of_most = distances.get(last).copied().unwrap_or_default();
-        // What moves as it is told does not stray, and what is hardly farther away has not strayed.
+        // A kinematic body does not stray, and what is hardly farther away has not strayed.
         let told = seen().filter(|(body, _)| body.moves && body.mass == 0.0).map(away).fold(of_most, f64::max);
         let all = distances.last().copied().filter(|all| *all <= HARDLY_FARTHER * of_most).unwrap_or_default();
         let radius = of_most.max(told).max(all);

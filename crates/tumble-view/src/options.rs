@@ -130,7 +130,7 @@ impl Options {
         Ok(scene)
     }
 
-    /// What to do, with its files and times checked against the scene's step, and so many simulated seconds to one of watching.
+    /// What to do, with its files and times checked against the scene's step, and the simulated seconds in one of watching.
     pub(crate) fn task(&self, dt: Real, pace: f64) -> Result<Task<PathBuf>, Failure> {
         let check = |option: &str, seconds: f64| {
             let steps = steps_of_duration(seconds, dt);
@@ -151,7 +151,7 @@ impl Options {
     }
 }
 
-/// Pictures of an animation of so many seconds of watching, if that is not too many.
+/// Pictures of an animation of this many seconds, if that is not too many.
 fn frame_count(seconds: f64, fps: u16, size: Size) -> Result<u32, Failure> {
     let frames = (seconds * f64::from(fps)).round().max(1.0);
     let bytes = 3.0 * f64::from(size.width) * f64::from(size.height) * frames;

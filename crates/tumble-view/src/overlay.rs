@@ -96,7 +96,7 @@ impl Writer {
         }
     }
 
-    /// Draws onto a picture of this size in points, of so many pixels each.
+    /// Draws onto a picture of this size in points, of this many pixels each.
     pub(crate) fn draw(&self, overlay: &Overlay, size: DVec2, pixels_per_point: f32) {
         self.prepare(overlay, pixels_per_point);
         let pen = Pen { font: &self.font, pixels_per_point };
@@ -135,7 +135,7 @@ impl Pen<'_> {
         draw_text_ex(written(text), x, y, params);
     }
 
-    /// Of a panel with so many rows.
+    /// Of a panel with this many rows.
     fn height(rows: usize) -> f32 {
         2.0 * PADDING + LINE * rows as f32
     }

@@ -1,6 +1,6 @@
 //! A few colours that stand for all those of some pictures.
 
-/// A colour is told from others by so many bits of red, green and blue.
+/// Colours are distinguished by this many bits of red, green and blue.
 const BITS: u32 = 5;
 const SHIFT: u32 = 8 - BITS;
 const CELLS: usize = 1 << (3 * BITS);
@@ -42,7 +42,7 @@ impl Histogram {
         }
     }
 
-    /// At most so many colours, chosen by median cut: the box of colours with the largest spread is halved, again and again
+    /// `most` colours or fewer, chosen by median cut: the box of colours with the largest spread is halved, again and again
     /// (P. Heckbert, Color Image Quantization for Frame Buffer Display, SIGGRAPH 1982).
     pub(crate) fn palette(&self, most: u8) -> Palette {
         let used: Vec<Cell> = self.cells.iter().copied().filter(|cell| cell.count > 0).collect();

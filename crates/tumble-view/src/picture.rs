@@ -14,7 +14,7 @@ use crate::options::Size;
 use crate::overlay::Writer;
 use crate::stage::{Canvas, Stage};
 
-/// Every point of a picture is the mean of so many pixels in either direction, so that edges are smooth with any driver.
+/// Every point of a picture is the mean of this many pixels in either direction, so that edges are smooth with any driver.
 const FINER: u32 = 2;
 
 /// Red, green and blue, row by row from the top.

@@ -88,7 +88,7 @@ impl Playback {
         self.alpha = 1.0;
     }
 
-    /// Takes the steps that fall into a frame of so many simulated seconds, for at most so long; whether there was time for them all.
+    /// Takes the steps that fall into a frame of a simulated length, within a time limit; whether there was time for them all.
     pub(crate) fn advance(&mut self, seconds: f64, budget: Duration) -> bool {
         let started = Instant::now();
         // A step at a time, for each may take longer than all that are to fit into the frame.

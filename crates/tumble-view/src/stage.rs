@@ -26,9 +26,9 @@ use crate::readout::{self, Row};
 const LEEWAY: f64 = 0.12;
 /// Names of more bodies cover each other.
 const MOST_NAMES: usize = 300;
-/// Ground without end is seen up to so many radii of the frame.
+/// Infinite ground is seen up to this many radii of the frame.
 const SEEN: f64 = 6.0;
-/// Up to so many lines of contacts and colliders are seen through bodies: some two hundred points. More would hide the bodies.
+/// Up to this many lines of contacts and colliders are seen through bodies: some two hundred points. More would hide the bodies.
 const MOST_THROUGH: usize = 1500;
 /// Width of a trail \[points\].
 const TRAIL: f32 = 1.6;
@@ -165,7 +165,7 @@ impl Stage {
         };
     }
 
-    /// Moves what the camera looks at by so many points of the picture.
+    /// Moves the target of the camera by this many points of the picture.
     pub(crate) fn pan(&mut self, by: DVec2, size: DVec2) {
         let view = self.view(size);
         let metres = view.metres_per_point(view.target);
@@ -332,7 +332,7 @@ impl Stage {
         lines
     }
 
-    /// A place and the normal of each ground without end.
+    /// A place and the normal of each infinite ground.
     fn grounds<'a>(&'a self, places: &'a [Placed]) -> impl Iterator<Item = (DVec3, DVec3)> + 'a {
         let endless = self.playback.bodies.all.iter().zip(places).filter(|(body, _)| body.endless);
         endless.map(|(_, placed)| (placed.origin, placed.rotation * DVec3::Y))

@@ -341,7 +341,7 @@ fn what_cannot_be_used_is_refused_in_a_line() {
     assert!(!place.path("a.png").exists());
 }
 
-/// Without a screen there is no window that could have run anything: the file is looked at before.
+/// Without a screen there is no window that could have run anything: the file is read before.
 #[test]
 fn what_cannot_be_written_is_refused_before_anything_runs() {
     let place = Place::new();

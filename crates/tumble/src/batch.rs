@@ -45,7 +45,7 @@ pub struct Batch {
     packs: Vec<Packed>,
 }
 
-/// So many worlds go through their steps together: enough for the contacts of eight bodies in each to fill lanes.
+/// Worlds that go through their steps together: enough for the contacts of eight bodies in each to fill lanes.
 const PACK: usize = 16;
 
 impl Batch {
@@ -114,7 +114,7 @@ impl Batch {
         self.trials.par_iter_mut().enumerate().map(|(index, trial)| work(index, trial)).collect()
     }
 
-    /// [`Trial::run`] for every world, in parallel: up to `steps` steps, looked at every `every` steps. Each world ends by itself; the
+    /// [`Trial::run`] for every world, in parallel: up to `steps` steps, tested every `every` steps. Each world ends by itself; the
     /// results say with what, in the order of the worlds.
     ///
     /// ```

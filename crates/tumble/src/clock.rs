@@ -43,7 +43,7 @@ impl Clock {
         self.time_after(0)
     }
 
-    /// Simulated time \[s\] so many steps on.
+    /// Simulated time \[s\] after this many more steps.
     pub(crate) fn time_after(&self, steps: u32) -> f64 {
         let (since, time) = self.since;
         time + (self.steps + u64::from(steps) - since) as f64 * f64::from(self.dt)

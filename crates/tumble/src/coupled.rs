@@ -53,7 +53,7 @@ pub(crate) fn coupled_steps(
     }
 }
 
-/// The integration of a step, so many after the clocks: kicks between bodies before and after each substep, all of it before where the
+/// The integration of a step, this many after the clocks: kicks between bodies before and after each substep, all of it before where the
 /// integrator is of first order, and contacts in the place of the integrator where something touches. `beside` is called for what else moves in a substep, with its number.
 pub(crate) fn integrate_coupled(
     worlds: &mut [Coupled<'_>],
@@ -97,7 +97,7 @@ pub(crate) fn integrate_coupled(
     }
 }
 
-/// Pushes what touches in all worlds at the same time.
+/// Solves the contacts of all worlds at the same time.
 fn push_together(worlds: &mut [Coupled<'_>], packed: &mut Packed, likeness: &Likeness, (step, substep): (u32, u32)) {
     crate::scope::scope!("tumble::contacts");
     let Some(settings) = worlds.first().map(|it| it.settings) else { return };

@@ -50,7 +50,7 @@ pub(crate) struct Unmoved<'w> {
 /// Momenta, masses and, of what turns, inertia.
 pub(crate) type Pushed<'a> = (&'a [Momentum], &'a [Mass], Option<&'a [Inertia]>);
 
-/// What is looked at of the bodies of one archetype.
+/// What is read of the bodies of one archetype.
 #[derive(Clone, Copy)]
 pub(crate) struct Looked<'a> {
     pub(crate) pose: &'a [Pose],
@@ -105,7 +105,7 @@ impl<'w> HeldColumns<'w> {
         }
     }
 
-    /// What is to be looked at, by archetype.
+    /// What is to be read, by archetype.
     pub(crate) fn looked(&self) -> impl Iterator<Item = (usize, Looked<'_>)> {
         self.archetypes.iter().enumerate().filter_map(|(index, held)| {
             let looked = match &held.bodies {
@@ -192,7 +192,7 @@ impl<'w> Bodies<'w> {
 }
 
 impl Unmoved<'_> {
-    /// How the body of a row moves as it is told, if it does.
+    /// How the body of a row moves if it is kinematic.
     pub(crate) fn velocity(&self, row: usize) -> Velocity {
         self.velocity.as_deref().map_or(Velocity::default(), |velocities| velocities[row])
     }

@@ -15,7 +15,7 @@ use crate::surroundings::Surroundings;
 /// One number of each body.
 type Row = [Real; MOST_BODIES];
 
-/// What laws see of a tile of bodies at one stage, and the sum of what they answer. One for a chunk, filled anew for every tile.
+/// What laws see of a tile of bodies at one stage, and the sum of what they answer. One for a chunk, refilled for every tile.
 #[repr(align(64))]
 pub(crate) struct LawTile {
     mass: Row,

@@ -222,7 +222,7 @@ impl Seen {
         }
     }
 
-    /// A body that stays or moves as it is told.
+    /// A fixed or kinematic body.
     fn unmoved(pose: Pose, velocity: Velocity) -> Self {
         let mut seen = Self::NOWHERE;
         seen.state.position = pose.position.into();

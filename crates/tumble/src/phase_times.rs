@@ -54,7 +54,7 @@ impl PhaseTimes {
         self.of(Phase::Pairs)
     }
 
-    /// In finding what touches, and in pushing it: [`Collider`](crate::Collider).
+    /// In finding contacts, and in solving them: [`Collider`](crate::Collider).
     pub fn contacts(&self) -> Duration {
         self.of(Phase::Contacts)
     }

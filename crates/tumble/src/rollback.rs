@@ -8,7 +8,7 @@ use crate::systems::update_derived;
 
 /// The last snapshots of a run, to go back to when an input arrives late.
 ///
-/// It holds the state of so many steps, 64 bytes a body and step in single precision, 112 in double, and 192 or 352 a contact ([`memory`](Self::memory) says how much
+/// It holds the state of this many steps, 64 bytes a body and step in single precision, 112 in double, and 192 or 352 a contact ([`memory`](Self::memory) says how much
 /// it is), and uses the room of those that it drops: once it is full and while the same bodies are in the world, saving allocates nothing.
 ///
 /// Save before the inputs of a step are added and the step is taken; to correct an input, rewind to its step and do the same again.
@@ -83,7 +83,7 @@ impl Rollback {
     /// [updated](update_derived). Returns the bodies that were spawned since, which are the caller's to despawn; see [`Snapshot::restore`].
     ///
     /// # Errors
-    /// [`RollbackError`] where so many saves are not kept, or the world lacks bodies; world, simulation and saves are unchanged then, so the
+    /// [`RollbackError`] where that many saves are not kept, or the world lacks bodies; world, simulation and saves are unchanged then, so the
     /// caller may spawn what is missing and rewind again.
     pub fn rewind(
         &mut self,
@@ -113,7 +113,7 @@ impl Rollback {
         self.rewind(saves, world, simulation)
     }
 
-    /// The snapshot of so many saves back, 0 being the last.
+    /// The snapshot this many saves back, 0 being the last.
     pub fn snapshot(&self, saves: usize) -> Option<&Snapshot> {
         self.kept.iter().nth_back(saves)
     }

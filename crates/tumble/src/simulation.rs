@@ -141,7 +141,7 @@ impl Simulation {
 
     /// Advances the world by `count` steps, with the same bits as `count` calls of [`step`](Self::step).
     ///
-    /// For when nothing is looked at or changed in between: bodies that nothing couples stay in registers from the first step to the last.
+    /// For when nothing is read or changed in between: bodies that nothing couples stay in registers from the first step to the last.
     /// [`contact_events`](Self::contact_events) then gives those of all the steps.
     pub fn step_many(&mut self, world: &mut World, count: u32) {
         self.advance_by(world, count, None);
@@ -176,7 +176,7 @@ impl Simulation {
         Some(Coupled::new(world, &self.settings, &self.laws, coupling, clock))
     }
 
-    /// So many steps have been taken with [`coupled`](Self::coupled).
+    /// Counts steps that have been taken with [`coupled`](Self::coupled).
     pub(crate) fn count_steps(&mut self, count: u32) {
         self.steps += u64::from(count);
     }

@@ -96,7 +96,7 @@ impl<'a> BodySlices<'a> {
         self.step_many(settings, 1)
     }
 
-    /// So many [`step`](Self::step)s, with the same bits.
+    /// Several [`step`](Self::step)s, with the same bits.
     ///
     /// # Errors
     /// [`UnequalSlices`], and nothing is changed.

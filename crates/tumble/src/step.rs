@@ -35,7 +35,7 @@ pub fn step(world: &mut World, settings: &Settings) {
     steps_under_laws(world, settings, &ForceLaws::default(), &mut None, 1, Clock::at(0.0), None);
 }
 
-/// So many [`step`]s under force laws, from a time on, adding to `times` how long each phase took.
+/// Several [`step`]s under force laws, from a time on, adding to `times` how long each phase took.
 pub(crate) fn steps_under_laws(
     world: &mut World,
     settings: &Settings,

@@ -170,7 +170,7 @@ pub(crate) fn integrate_bodies(bodies: &mut Chunk<'_>, settings: &Settings, time
 enum Extent {
     /// The integration of one step.
     Integration(Wrenches),
-    /// All systems of so many steps.
+    /// All systems of this many steps.
     Steps(u32),
 }
 

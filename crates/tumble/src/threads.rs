@@ -57,7 +57,7 @@ impl Effort {
         Self(f64::from(world.len()) * each)
     }
 
-    /// Of sums over so many bodies, which take about as long as a step of them.
+    /// Of sums over this many bodies, which take about as long as a step of them.
     pub(crate) fn of_sums(bodies: usize) -> Self {
         Self(bodies as f64 * BODY)
     }
@@ -83,7 +83,7 @@ pub(crate) fn join<A: Send, B: Send>(first: impl FnOnce() -> A + Send, second: i
 
 /// Parts of some work that are done in parallel within a pool.
 pub(crate) trait InParts: IndexedParallelIterator {
-    /// Divides them among threads by no fewer than so many, and outside a pool not at all.
+    /// Divides them among threads by no fewer than this, and outside a pool not at all.
     fn by_at_least(self, parts: usize) -> MinLen<Self> {
         self.with_min_len(if are_shared() { parts.max(1) } else { usize::MAX })
     }

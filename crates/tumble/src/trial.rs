@@ -21,7 +21,7 @@ use crate::state_hash::state_hash;
 ///     Ok(pose) if pose.position.y <= 0.0 => ControlFlow::Break(trial.simulation.time()),
 ///     _ => ControlFlow::Continue(()),
 /// });
-/// // The square root of 2 h / g is 2.02 s; looked at every sixth of a second, it is seen at 2 1/6 s.
+/// // The square root of 2 h / g is 2.02 s; tested every sixth of a second, it is seen at 2 1/6 s.
 /// assert!(matches!(landed, ControlFlow::Break(time) if (time - 13.0 / 6.0).abs() < 1e-6));
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```

@@ -89,7 +89,7 @@ pub(crate) enum Outcome {
     Docked,
 }
 
-/// How it stands now. A miss is told until the ports are clear of each other.
+/// How it stands now. A miss is reported until the ports are clear of each other.
 pub(crate) fn judge(world: &World, before: &Outcome) -> Outcome {
     let (Some(ship), Some(target)) = (Craft::of::<Player>(world), Craft::of::<Target>(world)) else {
         return before.clone();

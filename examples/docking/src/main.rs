@@ -185,7 +185,7 @@ fn burn_fuel(world: &mut World, dt: Real) {
     }
 }
 
-/// Hulls that meet push each other off: a force of this one step, added anew before the next if they still touch.
+/// Hulls that meet push each other off: a force of this one step, added again before the next if they still touch.
 fn bump(world: &mut World) {
     let (Some(ship), Some(target)) = (Craft::of::<Player>(world), Craft::of::<Target>(world)) else { return };
     let apart = ship.pose.position - target.pose.position;

@@ -31,7 +31,7 @@ fn lit(color: mq::Color, normal: mq::Vec3) -> mq::Color {
     mq::Color::new(shade.x, shade.y, shade.z, color.a)
 }
 
-/// Draws a profile turned about y. `paint` is told where a corner is, on the solid, and which way its face looks, in the world.
+/// Draws a profile turned about y. `paint` gets where a corner is, on the solid, and which way its face looks, in the world.
 fn draw_revolved(profile: &[(f32, f32)], sides: u16, place: mq::Mat4, paint: impl Fn(mq::Vec3, mq::Vec3) -> mq::Color) {
     let mut mesh = mq::Mesh { vertices: Vec::new(), indices: Vec::new(), texture: None };
     let (smooth, middle) = (profile.len() > 8, place.transform_point3(mq::Vec3::ZERO));

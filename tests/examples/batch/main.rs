@@ -50,7 +50,7 @@ fn toss(ratio: f64) -> Result<Vec<Option<Side>>, Failure> {
     let mut batch = Batch::from_seed(COINS, SEED, |_, chance| -> Result<Trial, Failure> {
         Ok(Trial::new(Settings::default(), table(ratio, chance)?)?)
     })?;
-    // Looked at every tenth of a second.
+    // Tested every tenth of a second.
     let ends = batch.run(3600, 6, |_, trial| match resting_side(&mut trial.world) {
         Some(side) => ControlFlow::Break(side),
         None => ControlFlow::Continue(()),

@@ -61,7 +61,7 @@ impl Orbit {
         })
     }
 
-    /// The elements in each of so many periods: means over the period, which the error that comes and goes in each does not touch.
+    /// The elements in each of a number of periods: means over the period, which the error that comes and goes in each does not touch.
     fn periods(&mut self, count: u32) -> Result<Vec<Elements>, Failure> {
         const SAMPLES: u32 = 50;
         let mut periods = Vec::new();

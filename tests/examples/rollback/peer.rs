@@ -122,7 +122,7 @@ impl Peer {
         self.heard.iter().take_while(|input| input.is_some()).count() as u64
     }
 
-    /// Rewinds. A snapshot cannot make bodies that are gone: they are spawned anew and then put where they were.
+    /// Rewinds. A snapshot cannot make bodies that are gone: they are spawned again and then put where they were.
     fn go_back_to(&mut self, step: u64) -> Result<(), Failure> {
         let mut rewound = self.rollback.rewind_to_step(step, &mut self.world, &mut self.simulation);
         if let Err(RollbackError::Snapshot(SnapshotError::Missing { ids })) = &rewound {

@@ -17,10 +17,10 @@ pub(crate) struct Outcome {
     pub(crate) corrections: [Corrections; 2],
 }
 
-/// Plays so many steps.
+/// Plays this many steps.
 pub(crate) fn play(steps: u64) -> Result<Outcome, Failure> {
     let mut peers = [Peer::new(0)?, Peer::new(1)?];
-    // Each carries what the peer of its number is told.
+    // Each carries what the peer of its number gets.
     let mut wires = [Wire::default(), Wire::default()];
     for now in 0..steps + Wire::LONGEST_DELAY {
         for player in 0..2 {

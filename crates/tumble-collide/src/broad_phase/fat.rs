@@ -11,7 +11,7 @@ const MARGIN: f64 = 0.125;
 /// ... but not by more than this \[m\]. With twice as much a pile of balls of a metre has a quarter more pairs to look at, and is searched in a
 /// tenth less time.
 const MOST_MARGIN: f64 = 0.025;
-/// Where it moves it is larger by the way it makes in so many steps: without, the search takes half as long again while such a pile falls and
+/// Where it moves it is larger by the way it makes in this number of steps: without, the search takes half as long again while such a pile falls and
 /// comes to rest; with more steps there are more pairs and hardly a gain ...
 const STEPS_AHEAD: f64 = 4.0;
 /// ... but not by more than this part of its mean extent: what jumps does not go on jumping.

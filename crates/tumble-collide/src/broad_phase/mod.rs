@@ -14,11 +14,11 @@ use tree::Tree;
 
 use crate::scalar::Scalar;
 
-/// The tree is made anew when its leaves have become so much longer than they were when it was made. Between 1.15 and 1.3 the number makes no
-/// difference to speak of; at 1.05 the tree is made too often, and a tree that is never made anew takes half as long again where balls mix.
+/// The tree is rebuilt when its leaves have become so much longer than they were when it was made. Between 1.15 and 1.3 the number makes no
+/// difference to speak of; at 1.05 the tree is rebuilt too often, and a tree that is never rebuilt takes half as long again where balls mix.
 const MOST_LOOSENESS: f64 = 1.2;
 
-/// Where more than one leaf of so many is stirred, all get other boxes: they then leave them together, and rarely.
+/// Where more than one leaf in this number is stirred, all get other boxes: they then leave them together, and rarely.
 const MANY: usize = 8;
 
 /// Finds which of many objects are near each other, in time that grows as their number does.
@@ -252,7 +252,7 @@ impl<R: Scalar> BroadPhase<R> {
         }
     }
 
-    /// Gives another box to all that move, and arranges them anew.
+    /// Gives another box to all that move, and rearranges them.
     fn renew(&mut self, proxies: &[Proxy<R>]) -> Search {
         self.renew_boxes(proxies);
         self.build_moving();

@@ -94,7 +94,7 @@ impl Marks {
     pub(super) fn select<T>(&self, to: &mut [T; LANES], what: impl Fn(usize) -> T) -> usize {
         let mut count = 0;
         for (lane, mark) in self.0.iter().enumerate() {
-            // Never more than were looked at, so the remainder is the count.
+            // Never more than were tested, so the remainder is the count.
             to[count % LANES] = what(lane);
             count += *mark as usize;
         }

@@ -3,7 +3,7 @@ use super::octet::{LANES, Marks};
 /// Indices of two objects, the lower first.
 pub(super) type Pair = (u32, u32);
 
-/// A list is short if it is so many times shorter than the other: runs of the other are then long enough to be worth looking for.
+/// A list is short if it is shorter than the other by this factor: runs of the other are then long enough to be worth looking for.
 const FEW: usize = 8;
 
 /// Pairs that were found, in any order.
@@ -51,11 +51,11 @@ impl Found {
     }
 }
 
-/// Pairs in order, of which some are found anew.
+/// Pairs in order, of which some are found again.
 #[derive(Clone, Debug, Default)]
 pub(super) struct PairList {
     pairs: Vec<Pair>,
-    /// Those found anew, and then the same in order.
+    /// Those found again, and then the same in order.
     found: Found,
     sorted: Vec<Pair>,
     /// Where to put what is sorted or merged.

@@ -63,7 +63,7 @@ pub fn convex_hull(points: &[DVec3]) -> Result<TriangleMesh, HullError> {
     Ok(hull.mesh(points)?)
 }
 
-/// So many times a point is compared with a face at the most, some seconds' work, and so many times more for each point: six times as often as points on a sphere need.
+/// Comparisons of a point with a face at the most, some seconds' work, and how many more for each point: six times as often as points on a sphere need.
 const MOST_WORK: usize = 1 << 27;
 const WORK_OF_POINT: usize = 256;
 

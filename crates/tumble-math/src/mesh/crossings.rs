@@ -81,7 +81,7 @@ impl<'a> Shadows<'a> {
         self.divide(start + half, end);
     }
 
-    /// Puts the crossings of the line through `(y, z)` into `found` and returns how many triangles were looked at.
+    /// Puts the crossings of the line through `(y, z)` into `found` and returns how many triangles were tested.
     pub(crate) fn crossings(&self, line: DVec2, found: &mut Vec<Crossing>) -> usize {
         found.clear();
         let mut looked_at = 0;
@@ -110,7 +110,7 @@ impl<'a> Shadows<'a> {
 ///
 /// In the plane seen along x, the triangle's outline winds around the line as often as its edges cross the ray from the line to
 /// the right, up counted as 1 and down as -1. Whether an edge does depends on its two ends alone, not on the triangle it is
-/// looked at from, rounding included; so a line can neither slip through between two triangles that share an edge nor hit both, and
+/// seen from, rounding included; so a line can neither slip through between two triangles that share an edge nor hit both, and
 /// over a closed surface the signs always add up to zero.
 fn crossing(corners: [DVec3; 3], line: DVec2) -> Option<(f64, i32)> {
     let [a, b, c] = corners;

@@ -69,7 +69,7 @@ pub enum MeshDefect {
         /// How many.
         parts: usize,
     },
-    /// So many parts lie over one another that which is inside which was not found out within
+    /// Too many parts lie over one another: which is inside which was not found out within
     /// [`TriangleMesh::MOST_CROSSINGS`](crate::TriangleMesh::MOST_CROSSINGS).
     TooManyCrossings,
 }

@@ -29,7 +29,7 @@ impl BodyModel {
         Self::touching(ShapeModel::Sphere { radius }, position)
     }
 
-    /// Fixed ground without end.
+    /// Fixed infinite ground.
     pub(super) fn half_space(name: &str, normal: [f64; 3], position: [f64; 3]) -> Self {
         let shape = ShapeModel::HalfSpace { normal: Tuple(normal) };
         Self { fixed: true, ..Self::touching(shape, position) }.named(name)

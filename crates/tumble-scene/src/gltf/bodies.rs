@@ -39,7 +39,7 @@ struct Made<'a, 'b> {
     repairs: InertiaRepairs,
 }
 
-/// What is told of nodes: which node, and what.
+/// Notices about nodes: which node, and what.
 type Notices = Vec<(usize, String)>;
 
 /// The bodies of a scene: one for every motion, and one for every collider or trigger that nothing carries. With what there is to tell of them.

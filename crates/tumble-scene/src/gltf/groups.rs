@@ -11,7 +11,7 @@ use crate::{ColliderRole, SceneCollider};
 /// As many filters as the engine's groups have bits.
 const MOST_FILTERS: usize = u32::BITS as usize;
 
-/// Gives each collider the groups of its filter; what cannot be is told.
+/// Gives each collider the groups of its filter; what is impossible is reported.
 ///
 /// Each different filter of the file is a group of its own, which touches the groups whose filters and it agree on, so that names of systems, of which a
 /// collider may have several, mean what they do in the file.

@@ -68,7 +68,7 @@ pub(crate) struct GltfScene {
 }
 
 impl Physics {
-    /// Reads the physics of a `.gltf` or `.glb` file. Buffers are not looked at.
+    /// Reads the physics of a `.gltf` or `.glb` file. Buffers are not read.
     ///
     /// # Errors
     /// [`SceneError`], whose message names file, node and field.

@@ -35,7 +35,7 @@ const OF_LOOKS: [&str; 13] = [
     "EXT_meshopt_compression",
 ];
 
-/// So many names stand in one notice.
+/// Most names in one notice.
 const MOST_NAMES: usize = 8;
 
 /// Refuses a document of another version, and one that requires what is not read and may matter.

@@ -10,7 +10,7 @@ use super::{Surface, position};
 /// Statements that say nothing of the surface and are nothing to speak of.
 const SILENT: [&str; 5] = ["vt", "vn", "o", "g", "s"];
 
-/// Statements that are told to be left out; what is none of these either is told as one kind.
+/// Statements that are reported as ignored; what is none of these either is reported as one kind.
 const TOLD: [&str; 10] = ["mtllib", "usemtl", "p", "l", "vp", "curv", "curv2", "surf", "cstype", "usemap"];
 
 /// The surface, or what is wrong and in which line.

@@ -37,7 +37,7 @@ impl Surface {
             Looks::HeightField(heights) => Self::of_mesh(heights.triangles()),
             Looks::HalfSpace => {
                 let Tessellation { positions, triangles, .. } = Tessellation::of_looks(looks);
-                Self { positions, triangles, remark: Some("a square of ground without end".to_owned()) }
+                Self { positions, triangles, remark: Some("a square of infinite ground".to_owned()) }
             }
             Looks::Shape(shape) if leaves(shape, 0) > MOST_PARTS => {
                 return Self { remark: Some(format!("more than {MOST_PARTS} parts, not drawn")), ..Self::default() };

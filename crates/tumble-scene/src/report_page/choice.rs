@@ -1,6 +1,6 @@
 //! Which bodies of many are shown.
 
-/// Bodies that no force moves are scenery, of which so many are shown before the others.
+/// Bodies that no force moves are scenery, of which this many are shown before the others.
 const MOST_SCENERY: usize = 100;
 /// The fractional part of the golden ratio in 2^32: multiples of it are spread evenly over whole turns.
 const GOLDEN: u32 = 2_654_435_769;

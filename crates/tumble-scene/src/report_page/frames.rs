@@ -25,7 +25,7 @@ pub(super) struct Frames {
 }
 
 impl Frames {
-    /// For so many bodies, whose frames may take so many bytes.
+    /// For a number of bodies, whose frames may take a number of bytes.
     pub(super) fn new(bodies: usize, bytes: usize) -> Self {
         let most = (bytes / (SAMPLE_BYTES * bodies.max(1))).clamp(2, MOST_FRAMES);
         let (steps, times, positions, rotations) = (Vec::new(), Vec::new(), Vec::new(), Vec::new());

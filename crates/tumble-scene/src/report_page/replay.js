@@ -322,7 +322,7 @@
     gl.disable(gl.BLEND);
   }
 
-  // Ground without end is not seen from below, so that walls on this side do not hide what is between them.
+  // Infinite ground is not seen from below, so that walls on this side do not hide what is between them.
   function isHidden(body, eye) {
     if (!run.bodies[body].one_sided) return false;
     const [x, y, z, w] = [0, 1, 2, 3].map((i) => placed.rotations[4 * body + i]);

@@ -13,7 +13,7 @@ use crate::trajectory::{Bodies, Frame, double};
 const MOST_BODIES: usize = 1000;
 /// Meshes and frames together, before a third is added to write them as text \[bytes\].
 const BYTES: u64 = 6 << 20;
-/// Of these, meshes have at most so many.
+/// Of these, what meshes may have \[bytes\].
 const MESH_BYTES: u64 = BYTES / 3 * 2;
 
 /// The motion of a scene's bodies, thinned out to what a page can show, in memory that does not grow with the run.

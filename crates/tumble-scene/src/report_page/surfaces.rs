@@ -18,7 +18,7 @@ pub(super) struct Surfaces {
 }
 
 impl Surfaces {
-    /// As many of the surfaces as fit into so many bytes, small ones first.
+    /// As many of the surfaces as fit into this number of bytes, small ones first.
     pub(super) fn within(bytes: u64, bodies: &Bodies) -> Self {
         let surfaces = &bodies.geometry.surfaces;
         let mut by_size: Vec<(u64, usize)> = surfaces.iter().map(size).zip(0..).collect();

@@ -3,7 +3,7 @@ use std::time::{Duration, Instant};
 /// The most that a killed program loses, where checkpoints are cheap.
 const INTERVAL: Duration = Duration::from_secs(1);
 
-/// Checkpoints take at most one part in so many of the time.
+/// Checkpoints take at most one part in this number of the time.
 const SHARE: u32 = 10;
 
 /// When checkpoints are made: the first at once, the others about once a second, more rarely where they take long.

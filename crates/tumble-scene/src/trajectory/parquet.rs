@@ -29,7 +29,7 @@ type RealType = DoubleType;
 /// Rows of a group, which are held in memory: about five megabytes of them in single precision.
 const GROUP_ROWS: usize = 1 << 16;
 
-/// A description is written when there is so many times as much that is new. It is written twice, so all of them are at most an
+/// A description is written when what is new is this many times as much. It is written twice, so all of them are at most an
 /// eighth of the file.
 const DESCRIPTION_SHARE: usize = 16;
 

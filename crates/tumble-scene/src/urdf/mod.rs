@@ -27,7 +27,7 @@ pub(crate) const MAX_URDF_BYTES: u64 = 32 << 20;
 /// Robots have z up.
 const GRAVITY: Vec3 = Vec3::new(0.0, 0.0, -9.81);
 
-/// So many names are told in a notice.
+/// Most names in one notice.
 const MOST_NAMES: usize = 12;
 
 /// A robot whose links are read, the impossible ones too.

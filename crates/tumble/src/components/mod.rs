@@ -1,4 +1,4 @@
-//! The components of a body; who writes which is told in the documentation of the crate.
+//! The components of a body; who writes which is in the documentation of the crate.
 
 mod body_id;
 mod inertia;

@@ -40,7 +40,7 @@ struct Booking {
     kept: (Real, Real),
     /// The end of its forces among all.
     forces_end: usize,
-    /// Linear and angular momentum when they were last looked at.
+    /// Linear and angular momentum when they were last read.
     momenta: (DVec3, DVec3),
     /// Whether contacts changed a momentum.
     pushed: bool,

@@ -85,7 +85,7 @@ impl Collider {
         Ok(Self::of(collider_shape::of_shape(shape)?))
     }
 
-    /// All that is below the plane y = 0 of the body's frame: ground without end. Nothing with momentum should have it.
+    /// All that is below the plane y = 0 of the body's frame: infinite ground. Nothing with momentum should have it.
     #[must_use]
     pub fn half_space() -> Self {
         Self::of(Geometry::HalfSpace)

@@ -10,7 +10,7 @@ use crate::simulation::Simulation;
 /// A body with more pairs than this is in a crowd. Around a ball there is room for twelve that touch it, and for some sixty within twice its own size.
 const MOST_PAIRS: usize = 64;
 
-/// So many pairs of a body, on average, are listed at most: where there are more, as in one place, they are gone through without a list.
+/// Most pairs of a body, on average, that are listed: where there are more, as in one place, they are gone through without a list.
 const MOST_LISTED: usize = 2 * MOST_PAIRS;
 /// Where there are fewer bodies, as many as of these.
 const FEW_BODIES: usize = 1024;
@@ -36,7 +36,7 @@ impl Simulation {
     /// How many pairs of bodies that are near each other were left out of the last step, or of its last substep: usually none.
     ///
     /// A body that is near more than 64 others is in a crowd. Between two in a crowd a pair counts if it is one of the 64 of either that overlap deepest or are nearest, by the boxes around them; of equal
-    /// ones those with the body that comes first in the order of [`BodyOrder`](crate::BodyOrder). So what is large may touch any number of small ones, and ground without end all there is.
+    /// ones those with the body that comes first in the order of [`BodyOrder`](crate::BodyOrder). So what is large may touch any number of small ones, and infinite ground all there is.
     ///
     /// ```
     /// use tumble::{Collider, prelude::*};
@@ -162,7 +162,7 @@ impl Contacts {
         near[0].extend(kept.into_iter().map(|[a, b]| near_pair(shapes, proxies, (a, b))));
     }
 
-    /// Leaves out what is too much of the pairs that were found near each other, in so many parts.
+    /// Leaves out what is too much of the pairs that were found near each other, in the given number of parts.
     pub(super) fn limit_near(&mut self, parts: usize) {
         let Self { crowds, near, proxies, .. } = self;
         crowds.thin_out(&mut near[..parts], proxies);

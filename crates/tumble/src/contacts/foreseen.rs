@@ -27,7 +27,7 @@ const SAME_NORMAL: f64 = 1e-2;
 const SAME_PLANE: f64 = 0.05;
 /// What turns by less about other axes than its own \[rad\] leaves points where they are on it.
 const ROLLS: Real = 0.2;
-/// Bodies are stopped so many times in a step and go on along what stopped them.
+/// How often a body may be stopped in a step and go on along what stopped it.
 const ROUNDS: usize = 3;
 /// Slower than this part of the way they go they do not approach what they go along.
 const ALONG: f64 = 1e-6;

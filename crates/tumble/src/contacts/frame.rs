@@ -168,7 +168,7 @@ impl<T: Tile> Bodies<T> {
         Mobility { response: response.of_what_moves(self.momenta.grounded), inverse_mass: self.inverse_mass() }
     }
 
-    /// The smaller of the bodies' sizes, as what turns them has it: of their mass over their inertia; without end where impulses turn neither \[m\].
+    /// The smaller of the bodies' sizes, as what turns them has it: of their mass over their inertia; infinite where impulses turn neither \[m\].
     #[inline(always)]
     pub(super) fn least_size(&self, response: &Response<T>) -> T {
         let [first, second] = response.diagonal;

@@ -20,7 +20,7 @@ pub(super) struct Past {
     pub(super) parted: Vec<Parted>,
     /// Of the steps before the last that were taken in the same call.
     pub(super) events: Vec<ContactEvent>,
-    /// No step has been taken since names were looked at.
+    /// No step has been taken since names were compared.
     is_next: bool,
 }
 

@@ -107,7 +107,7 @@ pub(super) struct Surface {
 
 impl Surface {
     pub(super) fn between(a: &Material, b: &Material) -> Self {
-        // Without end it would hold, with no impulse at all, what does not touch.
+        // Infinite it would hold, with no impulse at all, what does not touch.
         let friction = |of: fn(&Material) -> Real| {
             Combine::of((of(a), a.friction_combine), (of(b), b.friction_combine)).min(Real::MAX)
         };

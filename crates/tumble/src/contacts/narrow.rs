@@ -11,7 +11,7 @@ use crate::math::Real;
 use crate::simd::{BLOCK, Eight, Kernel, Tile, dispatch_in_blocks, gather};
 use crate::threads::InParts;
 
-/// Where shapes are that several pairs of are looked at side by side, by slot.
+/// Where shapes are whose pairs are tested in lanes, by slot.
 #[derive(Clone, Default)]
 pub(super) struct Shapes {
     /// Position of the shape's origin, and its orientation.
@@ -26,7 +26,7 @@ pub(super) struct Shapes {
 pub(super) enum Kind {
     Cuboid,
     Ball,
-    /// None: pairs with it are looked at one by one.
+    /// None: pairs with it are tested one by one.
     Other,
 }
 
@@ -72,7 +72,7 @@ pub(super) struct ShapesPart<'a> {
 }
 
 impl ShapesPart<'_> {
-    /// The first so many, and the others.
+    /// The first `middle`, and the others.
     pub(super) fn split_at(self, middle: usize) -> (Self, Self) {
         let (places, other_places) = self.places.split_at_mut(middle);
         let (sizes, other_sizes) = self.sizes.split_at_mut(middle);
@@ -98,7 +98,7 @@ impl ShapesPart<'_> {
     }
 }
 
-/// So many blocks of pairs are looked at by one thread at a time.
+/// Blocks of pairs that one thread tests at a time.
 const PART: usize = 32;
 
 /// Pairs of one kind, in blocks, and what was found out about them.

@@ -57,7 +57,7 @@ impl Likeness {
 }
 
 impl Packed {
-    /// Makes room for so many bodies that impulses move and so many that they do not.
+    /// Makes room for the bodies that impulses move and for those that they do not.
     pub(crate) fn begin(&mut self, touching: [usize; 2]) {
         self.pushing.reset(touching);
         self.contacts.clear();

@@ -102,7 +102,7 @@ impl Collider {
     }
 }
 
-/// The numbers of two parts from that of the pair, where the second shape has so many.
+/// The numbers of two parts from that of the pair, where the second shape has `of_second`.
 pub(super) fn numbers(pair: u32, of_second: u32) -> [u32; 2] {
     let of_second = of_second.max(1);
     [pair / of_second, pair % of_second]

@@ -27,7 +27,7 @@ impl<'a, const P: usize, const C: usize> Blocks<'a, P, C> {
         self.blocks.len()
     }
 
-    /// The first so many, and the others.
+    /// The first `middle`, and the others.
     pub(super) fn split_at(self, middle: usize) -> (Self, Self) {
         let of_some = |count: usize| if count == 0 { 0 } else { middle };
         let (blocks, other_blocks) = self.blocks.split_at_mut(middle);
@@ -48,7 +48,7 @@ pub(super) struct Bodied<'a> {
 }
 
 impl Bodied<'_> {
-    /// Those of the first so many blocks, and of the others.
+    /// Those of the first `middle` blocks, and of the others.
     pub(super) fn split_at(self, middle: usize) -> (Self, Self) {
         let (motion, other_motion) = self.motion.split_at(middle);
         let (held, other_held) = self.held.split_at(middle);

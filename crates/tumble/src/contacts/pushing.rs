@@ -48,7 +48,7 @@ pub(super) struct Solving {
 }
 
 impl Pushing {
-    /// Makes room for so many bodies that impulses move and so many that they do not.
+    /// Makes room for the bodies that impulses move and for those that they do not.
     pub(super) fn reset(&mut self, [moved, unmoved]: [usize; 2]) {
         self.group.bookings.clear();
         self.group.rounds.clear();

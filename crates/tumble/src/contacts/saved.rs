@@ -9,9 +9,9 @@ use super::narrow::Kind;
 use super::stacks::MOST_HALVINGS;
 use crate::math::Real;
 
-/// Contacts as the last step left them, between bodies by their names: what a step begins with beside the bodies, and what is told of them.
+/// Contacts as the last step left them, between bodies by their names: what a step begins with beside the bodies, and what is reported of them.
 ///
-/// Forces, materials and colours are found anew in every step.
+/// Forces, materials and colours are recomputed in every step.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct SavedContacts {
     /// Of the bodies that have contacts, in order, no two the same.
@@ -103,7 +103,7 @@ impl SavedContacts {
 }
 
 impl Contact {
-    /// What of it decides the next step, and what is told of it; the rest is found anew.
+    /// What of it decides the next step, and what is reported of it; the rest is recomputed.
     fn saved(&self) -> SavedContact {
         let [x, y, z, ..] = self.numbers[SHAPE].0;
         let [a, b, c, d, e, f, ..] = self.numbers[RUBBED].0;

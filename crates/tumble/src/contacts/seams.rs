@@ -20,7 +20,7 @@ const LEVEL: Real = 0.5;
 const SAME_FACE: Real = 0.9999;
 /// ... and of single points, which are exact.
 const SAME_NORMAL: Real = 0.999_999;
-/// A body on a floor is looked at with no more of its contacts.
+/// Most contacts of a body on a floor that are compared.
 const MOST: usize = 64;
 
 /// What the seams of floors are found with.

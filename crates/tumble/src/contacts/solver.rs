@@ -68,9 +68,9 @@ pub(super) enum Pass<'a> {
     Biased { softness: [Softness; 2], h: Real, blow: Real },
     /// Takes out again the velocity that this gave, and adds friction; and, where it is said, notes for another substep what contacts then do to bodies.
     Relax { h: Real, blow: Real, holds: bool },
-    /// Notes how fast bodies come together in substeps of so many seconds.
+    /// Notes how fast bodies come together in substeps of this length \[s\].
     NoteApproach(Real, Moment),
-    /// Lets bodies bounce that came together faster than so many metres a second.
+    /// Lets bodies bounce that came together faster than this \[m/s\].
     Rebound(Real),
 }
 

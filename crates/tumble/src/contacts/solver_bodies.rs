@@ -39,9 +39,9 @@ pub(super) struct SolverBodies {
     free: usize,
 }
 
-/// So many bodies are advanced by one thread at a time.
+/// Bodies that one thread advances at a time.
 const PART: usize = 256;
-/// Of so many parts at least: one takes some microseconds.
+/// Fewest parts that are shared: one takes some microseconds.
 const LEAST_PARTS: usize = 2;
 
 /// Nowhere, and not turned.
@@ -55,7 +55,7 @@ const TURN: Real = 1e-4;
 const ONE: Eight = Eight([1.0, 1.0, 1.0, 0.0, 0.0, 0.0, 0.0, 0.0]);
 
 impl SolverBodies {
-    /// Makes room for so many that impulses move and so many that they do not; all are nowhere at first.
+    /// Makes room for those that impulses move and those that they do not; all are nowhere at first.
     pub(super) fn reset(&mut self, free: usize, unmoved: usize) {
         self.free = free;
         let (in_blocks, moved) = (free.next_multiple_of(BLOCK), self.first_unmoved());
@@ -235,7 +235,7 @@ pub(super) struct FreeRows<'a> {
 }
 
 impl FreeRows<'_> {
-    /// The first so many, and the others.
+    /// The first `middle`, and the others.
     pub(super) fn split_at(self, middle: usize) -> (Self, Self) {
         let (motion, other_motion) = self.motion.split_at_mut(middle);
         let (response, other_response) = self.response.split_at_mut(middle);

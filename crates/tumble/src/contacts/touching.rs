@@ -98,9 +98,9 @@ impl Motion {
 
 /// Contacts that one thread takes at a time.
 pub(super) const PART: usize = 512;
-/// So many pairs that may be near each other are looked at.
+/// Pairs that may be near each other that one thread takes at a time.
 const CANDIDATES_PART: usize = 1024;
-/// And so many pairs of shapes that have no lanes of their own are looked at.
+/// Pairs of shapes without lanes of their own that one thread takes at a time.
 const OTHERS_PART: usize = 16;
 
 /// No row.
@@ -141,7 +141,7 @@ impl Contacts {
         self.renumber(world);
     }
 
-    /// Works out where what touches something will be after one substep of the settings, starting from the world as it is.
+    /// Works out where the touching bodies will be after one substep of the settings, starting from the world as it is.
     pub(crate) fn solve(&mut self, columns: &mut HeldColumns<'_>, settings: &Settings, laws: &ForceLaws, time: f64) {
         let touching = self.find_touching(columns, settings);
         let mut pushing = self.pushing.take().unwrap_or_default();
@@ -155,7 +155,7 @@ impl Contacts {
         self.pushing = Some(pushing);
     }
 
-    /// Finds what touches in a substep of the settings, and how many bodies that is: of those that impulses move and of those that they do not.
+    /// Finds the contacts in a substep of the settings, and how many bodies they have: of those that impulses move and of those that they do not.
     pub(crate) fn find_touching(&mut self, columns: &HeldColumns<'_>, settings: &Settings) -> [usize; 2] {
         // After the last substep contacts see to it that in one more nothing would come too near.
         let ahead = settings.substep() + settings.contact_substep();
@@ -206,7 +206,7 @@ impl Contacts {
         self.leave_out_seams();
         let Self { contacts, last, materials, .. } = self;
         contacts.par_chunks_mut(PART).by_at_least(2).for_each(|contacts| go_on(contacts, last, materials));
-        // The next step's list takes the place of the last one's: so it allocates nothing. Exactly as much, for with some more both would outgrow each other without end.
+        // The next step's list takes the place of the last one's: so it allocates nothing. Exactly as much, for with some more both would outgrow each other forever.
         self.last.reserve_exact(self.contacts.capacity().saturating_sub(self.last.len()));
     }
 

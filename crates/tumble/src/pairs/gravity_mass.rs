@@ -61,7 +61,7 @@ pub(super) struct Gravity {
 
 /// Bodies whose accelerations one thread computes at a time: a multiple of every tile's width.
 const PART: usize = 2 * MOST_BODIES;
-/// So many attractions at least are worth handing to another thread: they take ten microseconds.
+/// Fewest attractions that are worth handing to another thread: they take ten microseconds.
 const ATTRACTIONS: usize = 8192;
 
 impl Gravity {

@@ -7,7 +7,7 @@ use crate::components::{Mass, Momentum, Pose, Wrench};
 use crate::math::{Vec3, dquat, dvec3};
 use crate::threads::InParts;
 
-/// So many pairs of masses at least are worth handing to another thread: they take some ten microseconds.
+/// Fewest pairs of masses that are worth handing to another thread: they take some ten microseconds.
 const PAIRS: usize = 4096;
 
 /// The energy of springs between bodies and of gravity among them \[J\], in double precision; bodies whose pose is not finite are left out.

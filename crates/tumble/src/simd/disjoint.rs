@@ -96,7 +96,7 @@ pub(crate) struct Rows<'a> {
 unsafe impl Send for Rows<'_> {}
 
 impl Rows<'_> {
-    /// The first so many blocks, and the others.
+    /// The first `middle` blocks, and the others.
     pub(crate) fn split_at(self, middle: usize) -> (Self, Self) {
         let (first, second) = self.blocks.split_at(middle);
         (Self { blocks: first, ..self }, Self { blocks: second, ..self })

@@ -225,7 +225,7 @@ pub(crate) fn widest() -> usize {
     Level::chosen().widths()[0]
 }
 
-/// The width of the narrowest tile of this machine that has room for so many bodies, at most those of the widest.
+/// The width of the narrowest tile of this machine that has room for this many bodies, at most those of the widest.
 pub(crate) fn narrowest_for(bodies: usize) -> usize {
     let widths = Level::chosen().widths();
     widths.iter().rev().copied().find(|&width| width >= bodies).unwrap_or(widths[0])

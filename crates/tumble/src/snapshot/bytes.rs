@@ -175,7 +175,7 @@ impl Header {
     }
 }
 
-/// How long a snapshot of so many bodies is; `u64::MAX` where it is longer.
+/// How long a snapshot of this many bodies is; `u64::MAX` where it is longer.
 fn expected_length([moving, kinematic, fixed]: [u64; 3]) -> u64 {
     let number = NUMBER as u64;
     let of = |count: u64, numbers: u64| count.saturating_mul(8 + numbers * number);
@@ -198,7 +198,7 @@ impl Reader<'_> {
         Ok(*taken)
     }
 
-    /// So many things, in no more memory than they take.
+    /// This many things, in no more memory than they take.
     pub(super) fn many<T>(
         &mut self,
         count: usize,

@@ -87,7 +87,7 @@ impl<'a> Written<'a> {
     }
 }
 
-/// Reads so many, which are known to be there, and checks that a step can have left them.
+/// Reads as many as are counted, which are known to be there, and checks that a step can have left them.
 pub(super) fn read(reader: &mut Reader<'_>, counts: &Counts) -> Result<SavedContacts, SnapshotError> {
     let [ids, entities] = counts.names.map(|count| count as usize);
     let mut names = reader.many(ids, |reader| Ok(Name::Id(BodyId(reader.u64()?))))?;
@@ -135,7 +135,7 @@ fn contact(reader: &mut Reader<'_>) -> Result<SavedContact, SnapshotError> {
     })
 }
 
-/// What is wrong with a contact that comes after another, of so many bodies.
+/// What is wrong with a contact that comes after another, with this many bodies.
 fn defect(contact: &SavedContact, before: Option<&SavedContact>, bodies: usize) -> Option<ContactDefect> {
     let [first, second] = contact.bodies;
     let points = &contact.points[..contact.count];

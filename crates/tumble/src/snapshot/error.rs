@@ -58,7 +58,7 @@ pub enum SnapshotError {
         found: u32,
     },
     /// There are more or fewer bytes than the number of bodies takes: the file was cut short, or something was added.
-    #[error("a snapshot of so many bodies takes {expected} bytes, these are {found}")]
+    #[error("a snapshot of this many bodies takes {expected} bytes, these are {found}")]
     Length {
         /// How many bytes there are.
         found: usize,

@@ -131,7 +131,7 @@ impl Snapshot {
         duplicate.map_or(Ok(()), |id| Err(SnapshotError::Duplicate { id }))
     }
 
-    /// Room for exactly so many bodies as there are: growing by doubling would hold twice the memory for archetype after archetype.
+    /// Room for exactly as many bodies as there are: growing by doubling would hold twice the memory for archetype after archetype.
     fn reserve_for(&mut self, world: &World) {
         let mut counts = [0; 3];
         for archetype in world.archetypes().filter(|archetype| archetype.has::<BodyId>()) {
@@ -369,7 +369,7 @@ fn first_duplicate(ids: &[BodyId]) -> Option<BodyId> {
 /// Whether identities that lie close together, as counted ones do, are all different: a mark for each that there could be is faster than
 /// sorting.
 fn are_close_and_distinct(ids: &[BodyId]) -> bool {
-    /// So many times as many as there are may be between the smallest and the largest.
+    /// Most numbers between the smallest and the largest, as a multiple of how many there are.
     const SPREAD: u64 = 8;
     let (smallest, largest) = ids.iter().fold((u64::MAX, 0), |(low, high), id| (low.min(id.0), high.max(id.0)));
     let last = largest.saturating_sub(smallest);
@@ -386,7 +386,7 @@ fn are_close_and_distinct(ids: &[BodyId]) -> bool {
 
 /// How many identities are the same from the start on.
 fn equal_from_the_start(a: &[BodyId], b: &[BodyId]) -> usize {
-    /// So many are compared at a time, without a branch for each.
+    /// Compared at a time, without a branch for each.
     const BLOCK: usize = 32;
     let differ = |(a, b): &(&[BodyId], &[BodyId])| a.iter().zip(*b).fold(0, |bits, (a, b)| bits | (a.0 ^ b.0)) != 0;
     let common = a.len().min(b.len());

@@ -14,7 +14,7 @@ use crate::tessellation::POINT_RADIUS;
 /// A body without size is drawn as this part of the scene, where that is more than its octahedron has.
 const POINT_SHARE: f64 = 1.0 / 200.0;
 
-/// Ground without end is a disc of so many radii of what stands on it.
+/// Infinite ground is a disc of this many radii of what stands on it.
 const GROUND: f64 = 1.6;
 
 /// The bodies of the first frame, and what they look like.
@@ -52,7 +52,7 @@ pub(crate) struct Look {
 pub(crate) enum Color {
     /// Of what no force moves.
     Grey,
-    /// Of ground without end.
+    /// Of infinite ground.
     Ground,
     /// One of [`BODY_COLORS`].
     Bright(usize),
@@ -120,7 +120,7 @@ impl Bodies {
         }
     }
 
-    /// Ground without end is drawn as large as suits the others.
+    /// Infinite ground is drawn as large as suits the others.
     fn lay(&mut self, endless: &[usize], known: &mut HashMap<Look, usize>) {
         let (middle, radius) = self.ball_around();
         let place = |index: &usize| {

@@ -29,7 +29,7 @@ pub struct SurfaceSet {
     alike: HashMap<u64, Vec<usize>>,
 }
 
-/// A surface, made anew whenever it is written, for there may be many.
+/// A surface, made again whenever it is written, for there may be many.
 #[derive(Debug)]
 pub(crate) struct Surface {
     looks: Looks,

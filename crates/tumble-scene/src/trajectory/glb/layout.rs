@@ -5,7 +5,7 @@ use super::bodies::Bodies;
 /// What lies where in the file: header, document, and one buffer that holds vertices, indices, times and tracks, in this order.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Layout {
-    /// For so many frames there is room.
+    /// Number of frames there is room for.
     pub(super) frames: u64,
     /// Of the first frame \[s\].
     pub(super) first_time: f32,
