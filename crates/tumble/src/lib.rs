@@ -69,105 +69,74 @@
 
 mod batch;
 mod body;
-mod body_columns;
-mod body_error;
-mod body_order;
-mod chance;
-mod change_mass;
 mod clock;
-mod columns;
+mod collision;
 mod components;
-mod contacts;
-mod coupled;
-mod coupling;
 mod debug_draw;
-mod derived;
-mod force_law;
-mod force_laws;
-mod generators;
-mod held_columns;
+mod energy;
+mod forces;
 mod integrator;
 mod integrators;
-mod kinematic;
 pub mod lane;
-mod lane_law;
-mod law_forces;
-mod law_tile;
-mod ledger;
 pub mod math;
-mod members;
-mod pairs;
-mod phase_times;
-mod property_error;
 mod range;
-mod rigid_body;
-mod rollback;
 pub mod rotation;
 mod scope;
 mod settings;
 mod simd;
-mod simulation;
-mod slices;
 mod snapshot;
-mod spawn_bodies;
-mod spring_potential;
-mod state;
-mod state_arrays;
-mod state_hash;
-mod state_rates;
+mod solver;
 mod step;
-mod stiff;
-mod stream;
-mod surroundings;
-mod systems;
+mod storage;
 mod threads;
-mod tile;
-mod totals;
-mod trial;
-mod weld;
 
 pub use batch::Batch;
-pub use body::Body;
-pub use body_error::BodyError;
-pub use body_order::BodyOrder;
-pub use chance::Chance;
-pub use change_mass::{ChangeMassError, change_mass_properties};
+pub use batch::rng::Chance;
+pub use batch::run_worlds::stream;
+pub use batch::trial::Trial;
+pub use body::body_error::BodyError;
+pub use body::bundle::Body;
+pub use body::change_mass::{ChangeMassError, change_mass_properties};
+pub use body::rigid_body::RigidBody;
+pub use body::spawn_bodies::spawn_bodies;
+pub use body::weld::{WeldError, weld};
 pub use clock::Clock;
+pub use collision::collider::Collider;
+pub use collision::collider_error::ColliderError;
+pub use collision::contact_events::ContactEvent;
+pub use collision::material::{Combine, Material};
+pub use components::property_error::PropertyError;
 pub use components::{
     BodyId, CenterOfMass, Damping, GravityScale, Inertia, InertiaComponentError, InverseInertia, Mass, Momentum, Pose,
-    PreviousPose, PrincipalAxes, Velocity, Work, Wrench,
+    PreviousPose, PrincipalAxes, Velocity, Wind, Work, Wrench,
 };
-pub use contacts::{Collider, ColliderError, Combine, Contact, ContactEvent, ContactPoint, Material};
 pub use debug_draw::{DebugDraw, DebugView};
-pub use force_law::{BodyState, ForceLaw};
-pub use force_laws::ForceLaws;
-pub use generators::{
+pub use energy::ledger::{Ledger, LedgerEntry};
+pub use energy::totals::{Totals, measure};
+pub use forces::components::{
     AngularVelocityServo, Buoyancy, ConstantWrench, Drag, Frame, Hull, Magnus, PointGravity, SpringToPoint, Thruster,
-    Wind,
 };
+pub use forces::force_law::{BodyState, ForceLaw};
+pub use forces::pairwise::{GravityMass, Spring};
+pub use forces::registry::ForceLaws;
+pub use forces::simd_force_law::{LaneBody, LaneLaw, LaneWrench};
 pub use integrator::{Integrator, UnknownIntegrator};
-pub use lane_law::{LaneBody, LaneLaw, LaneWrench};
-pub use ledger::{Ledger, LedgerEntry};
-pub use pairs::{GravityMass, Spring};
-pub use phase_times::PhaseTimes;
-pub use property_error::PropertyError;
-pub use rigid_body::RigidBody;
-pub use rollback::{Rollback, RollbackError};
 pub use settings::{Settings, SettingsError};
 pub use simd::simd_name;
-pub use simulation::Simulation;
-pub use slices::{BodySlices, UnequalSlices};
-pub use snapshot::{BodyKind, ContactDefect, Snapshot, SnapshotError};
-pub use spawn_bodies::spawn_bodies;
-pub use state_arrays::{STATE_SIZE, StateArrayError, array_to_derived_state, array_to_state, state_to_array};
-pub use state_hash::state_hash;
-pub use state_rates::derivative_to_array;
+pub use snapshot::Snapshot;
+pub use snapshot::error::{ContactDefect, SnapshotError};
+pub use snapshot::kind::BodyKind;
+pub use snapshot::rollback::{Rollback, RollbackError};
+pub use snapshot::state_arrays::{STATE_SIZE, StateArrayError, array_to_derived_state, array_to_state, state_to_array};
+pub use snapshot::state_hash::state_hash;
+pub use snapshot::state_rates::derivative_to_array;
+pub use step::body_slices::{BodySlices, UnequalSlices};
+pub use step::contact_report::{Contact, ContactPoint};
+pub use step::phase_times::PhaseTimes;
+pub use step::simulation::Simulation;
 pub use step::step;
-pub use stream::stream;
-pub use systems::{accumulate_forces, integrate, integrate_under_laws, update_derived};
-pub use totals::{Totals, measure};
-pub use trial::Trial;
-pub use weld::{WeldError, weld};
+pub use step::systems::{accumulate_forces, integrate, integrate_under_laws, update_derived};
+pub use storage::body_order::BodyOrder;
 
 pub use {glam, hecs};
 
@@ -180,11 +149,23 @@ pub use tumble_math::{
 
 /// What most programs need: `use tumble::prelude::*;`.
 pub mod prelude {
-    pub use crate::math::{Mat3, Quat, Real, Vec3};
-    pub use crate::{
-        AngularVelocityServo, BodyId, BodyState, Buoyancy, CenterOfMass, Collider, ConstantWrench, Damping, Drag,
-        ForceLaw, Frame, GravityMass, GravityScale, Hull, Inertia, Integrator, Ledger, Magnus, Mass, Material,
-        Momentum, PointGravity, Pose, PreviousPose, PrincipalAxes, RigidBody, Settings, Shape, Simulation, Spring,
-        SpringToPoint, Thruster, Velocity, Wind, Wrench,
+    pub use crate::Shape;
+    pub use crate::body::rigid_body::RigidBody;
+    pub use crate::collision::collider::Collider;
+    pub use crate::collision::material::Material;
+    pub use crate::components::{
+        BodyId, CenterOfMass, Damping, GravityScale, Inertia, Mass, Momentum, Pose, PreviousPose, PrincipalAxes,
+        Velocity, Wrench,
     };
+    pub use crate::energy::ledger::Ledger;
+    pub use crate::forces::components::{
+        AngularVelocityServo, Buoyancy, ConstantWrench, Drag, Frame, Hull, Magnus, PointGravity, SpringToPoint,
+        Thruster,
+    };
+    pub use crate::forces::force_law::{BodyState, ForceLaw};
+    pub use crate::forces::pairwise::{GravityMass, Spring};
+    pub use crate::integrator::Integrator;
+    pub use crate::math::{Mat3, Quat, Real, Vec3};
+    pub use crate::settings::Settings;
+    pub use crate::step::simulation::Simulation;
 }

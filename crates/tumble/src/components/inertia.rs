@@ -1,8 +1,8 @@
 use glam::DVec3;
 use tumble_math::{InertiaError, InertiaTensor};
 
+use crate::components::property_error::PropertyError;
 use crate::math::{Mat3, Quat, Real, Vec3, vec3};
-use crate::property_error::PropertyError;
 
 /// Principal moments of inertia about the centre of mass [kg m^2], with their inverses.
 ///

@@ -1,5 +1,5 @@
+use crate::components::property_error::PropertyError;
 use crate::math::{Real, real};
-use crate::property_error::PropertyError;
 
 /// Mass of a body \[kg\]: positive and finite, as is its inverse.
 ///

@@ -1,21 +1,25 @@
 //! The components of a body; who writes which is in the documentation of the crate.
 
-mod body_id;
-mod inertia;
-mod mass;
-mod momentum;
-mod persistent;
-mod pose;
-mod velocity;
-mod work;
-mod wrench;
+pub(crate) mod body_id;
+pub(crate) mod inertia;
+pub(crate) mod mass;
+pub(crate) mod momentum;
+pub(crate) mod persistent;
+pub(crate) mod pose;
+pub(crate) mod property_error;
+pub(crate) mod velocity;
+pub(crate) mod wind;
+pub(crate) mod work;
+pub(crate) mod wrench;
 
-pub use body_id::BodyId;
-pub use inertia::{CenterOfMass, Inertia, InertiaComponentError, InverseInertia, PrincipalAxes};
-pub use mass::Mass;
-pub use momentum::Momentum;
-pub use persistent::{Damping, GravityScale};
-pub use pose::{Pose, PreviousPose};
-pub use velocity::Velocity;
-pub use work::Work;
-pub use wrench::Wrench;
+pub use crate::components::body_id::BodyId;
+pub use crate::components::inertia::{CenterOfMass, Inertia, InertiaComponentError, InverseInertia, PrincipalAxes};
+pub use crate::components::mass::Mass;
+pub use crate::components::momentum::Momentum;
+pub use crate::components::persistent::{Damping, GravityScale};
+pub use crate::components::pose::{Pose, PreviousPose};
+pub use crate::components::velocity::Velocity;
+pub use crate::components::wind::Wind;
+pub use crate::components::work::Work;
+pub use crate::components::wrench::Wrench;
+pub(crate) use crate::components::wrench::Wrenches;

@@ -1,4 +1,4 @@
-use super::CenterOfMass;
+use crate::components::CenterOfMass;
 use crate::math::{Mat3, Mat4, Quat, Real, Vec3};
 use crate::rotation::{NotARotation, quat_from_matrix};
 

@@ -1,6 +1,18 @@
 use std::ops::AddAssign;
 
-use crate::force_laws::ForceLaws;
+/// Kinds of forces with an account of their own: force components of a body, then forces between bodies.
+pub(crate) const FORCE_KINDS: [&str; 10] = [
+    "Drag",
+    "Magnus",
+    "Thruster",
+    "ConstantWrench",
+    "SpringToPoint",
+    "PointGravity",
+    "Buoyancy",
+    "AngularVelocityServo",
+    "Spring",
+    "GravityMass",
+];
 
 /// Work done on a body since it got this component \[J\], by what did it. [`Ledger::attach`](crate::Ledger::attach) adds it.
 ///
@@ -28,7 +40,7 @@ pub struct Work {
     /// By damping; never positive.
     pub damping: f64,
     /// By each kind of force component, in the order of [`ForceLaws::COMPONENTS`](crate::ForceLaws::COMPONENTS).
-    pub forces: [f64; ForceLaws::COMPONENTS.len()],
+    pub forces: [f64; FORCE_KINDS.len()],
     /// By each force law, in the order they were added; the last is the sum of all from there on.
     pub laws: [f64; Self::LAWS],
     /// By contacts: what pushes and friction changed of the kinetic energy. A force that pushes a body against another is booked for the way that the body went, which is none at rest; where a
@@ -50,7 +62,7 @@ impl Work {
 
     /// By a kind of force component, by its name: `"Drag"`. `None` where no kind is called so.
     pub fn of(&self, component: &str) -> Option<f64> {
-        ForceLaws::COMPONENTS.iter().position(|name| *name == component).map(|index| self.forces[index])
+        FORCE_KINDS.iter().position(|name| *name == component).map(|index| self.forces[index])
     }
 
     /// The entry of a law by its index among all: force components first, then those that were added.

@@ -58,3 +58,12 @@ impl Wrench {
         self.torque += torque;
     }
 }
+
+/// What becomes of the wrenches when the bodies have been integrated.
+#[derive(Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Wrenches {
+    /// They are zero.
+    Consumed,
+    /// They act in the next substep too.
+    Kept,
+}

@@ -2,13 +2,13 @@ use glam::DVec3;
 use tumble_collide::{Geometry, Placement};
 use tumble_math::Shape;
 
-use super::outline::outline;
+use crate::collision::collider::Collider;
 use crate::components::Pose;
-use crate::contacts::Collider;
+use crate::debug_draw::outline::outline;
 use crate::math::{Real, dquat, dvec3};
 
 /// The edges of a collider of a body whose frame is given.
-pub(super) fn outline_collider(collider: &Collider, frame: Pose, draw: &mut dyn FnMut(DVec3, DVec3)) {
+pub(crate) fn outline_collider(collider: &Collider, frame: Pose, draw: &mut dyn FnMut(DVec3, DVec3)) {
     let frame = Placement { position: frame.position.into(), orientation: frame.orientation.into() };
     outline_geometry(&collider.geometry, &collider.placement(frame), draw);
 }

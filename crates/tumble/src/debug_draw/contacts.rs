@@ -1,11 +1,11 @@
 use glam::DVec3;
 use hecs::World;
 
-use super::{DebugDraw, DebugView, Pen};
 use crate::components::Momentum;
-use crate::contacts::Contact;
+use crate::debug_draw::{DebugDraw, DebugView, Pen};
 use crate::math::dvec3;
-use crate::simulation::Simulation;
+use crate::step::contact_report::Contact;
+use crate::step::simulation::Simulation;
 
 impl DebugView {
     /// Draws where bodies touched in the last step of a simulation, and what pushed there: [`contacts`](Self::contacts) and

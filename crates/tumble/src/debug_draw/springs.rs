@@ -1,10 +1,10 @@
 use hecs::{EntityRef, World};
 
-use super::{DebugDraw, DebugView, Pen};
 use crate::components::Pose;
-use crate::generators::SpringToPoint;
+use crate::debug_draw::{DebugDraw, DebugView, Pen};
+use crate::forces::components::SpringToPoint;
+use crate::forces::pairwise::Spring;
 use crate::math::dvec3;
-use crate::pairs::Spring;
 
 impl DebugView {
     /// Of springs, if they are to be seen: each is one line, whichever asks for it.
@@ -13,7 +13,7 @@ impl DebugView {
     }
 
     /// The line of an entity that is a [`Spring`], if both of its ends are there.
-    pub(super) fn draw_spring(&self, world: &World, entity: EntityRef<'_>, target: &mut dyn DebugDraw) {
+    pub(crate) fn draw_spring(&self, world: &World, entity: EntityRef<'_>, target: &mut dyn DebugDraw) {
         let Some(color) = self.spring_color() else { return };
         let Some(spring) = entity.get::<&Spring>() else { return };
         let end = |i: usize| {
@@ -26,7 +26,7 @@ impl DebugView {
     }
 
     /// The line of a body's [`SpringToPoint`].
-    pub(super) fn draw_spring_to_point(&self, entity: EntityRef<'_>, pose: &Pose, pen: &mut Pen<'_>) {
+    pub(crate) fn draw_spring_to_point(&self, entity: EntityRef<'_>, pose: &Pose, pen: &mut Pen<'_>) {
         let Some(color) = self.spring_color() else { return };
         if let Some(spring) = entity.get::<&SpringToPoint>() {
             pen.line(dvec3(pose.transform_point(spring.attachment)), dvec3(spring.anchor), color);

@@ -1,6 +1,6 @@
 use tumble_math::lane::Vec3;
 
-use crate::state::State;
+use crate::integrators::state::State;
 
 /// Keeps account of the work that is done on a body.
 ///

@@ -1,6 +1,6 @@
 use tumble_math::lane::Lane;
 
-use crate::state::{Force, State};
+use crate::integrators::state::{Force, State};
 
 /// What pushes a body, at any stage of a substep.
 pub(crate) trait Forces<L: Lane> {

@@ -1,8 +1,8 @@
 use tumble_math::lane::{Lane, Vec3};
 use tumble_math::{Decay, decay};
 
-use super::{Account, Forces, Mean};
-use crate::state::{Constants, Force, State};
+use crate::integrators::state::{Constants, Force, State};
+use crate::integrators::{Account, Forces, Mean};
 
 /// What a force and a damping do to the momenta over a fixed time: `p <- kept p + weight F`, exact for a constant force.
 #[derive(Clone, Copy)]
@@ -113,7 +113,7 @@ impl<L: Lane> Kick<L> {
     /// Enters what damping and constant forces do in a kick from this state to that, and returns the mean velocities over which all forces
     /// act: damping comes first, so that it is given what it takes from the momenta at the start, which is never positive.
     #[inline(always)]
-    pub(super) fn account_for_the_rest(
+    pub(crate) fn account_for_the_rest(
         &self,
         start: &State<L>,
         end: &State<L>,
@@ -148,7 +148,7 @@ impl<L: Lane> Kick<L> {
 impl<L: Lane> Constants<L> {
     /// Mean velocities of two states, each with its own orientation.
     #[inline(always)]
-    pub(super) fn mean(&self, before: &State<L>, after: &State<L>) -> Mean<L> {
+    pub(crate) fn mean(&self, before: &State<L>, after: &State<L>) -> Mean<L> {
         let half = L::splat(0.5);
         Mean {
             linear: self.velocity(before.linear + after.linear) * half,

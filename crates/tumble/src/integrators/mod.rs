@@ -4,23 +4,28 @@
 
 #![allow(clippy::manual_map, reason = "a closure that computes with tiles is compiled without their instruction set")]
 
-mod account;
-mod forces;
-mod kick;
-mod moser_veselov;
-mod runge_kutta4;
-mod semi_implicit_euler;
+pub(crate) mod account;
+pub(crate) mod derived;
+pub(crate) mod forces;
+pub(crate) mod kick;
+pub(crate) mod kinematic;
+pub(crate) mod kinetic_energy;
+pub(crate) mod moser_veselov;
+pub(crate) mod response_range;
+pub(crate) mod runge_kutta4;
+pub(crate) mod semi_implicit_euler;
+pub(crate) mod state;
 
-pub(crate) use account::{Account, Mean, NoAccount};
-pub(crate) use forces::{ConstantForce, Forces};
-pub(crate) use kick::Kick;
-pub(crate) use moser_veselov::MoserVeselov;
-pub(crate) use runge_kutta4::{RungeKutta4, derivative};
-pub(crate) use semi_implicit_euler::SemiImplicitEuler;
+pub(crate) use crate::integrators::account::{Account, Mean, NoAccount};
+pub(crate) use crate::integrators::forces::{ConstantForce, Forces};
+pub(crate) use crate::integrators::kick::Kick;
+pub(crate) use crate::integrators::moser_veselov::MoserVeselov;
+pub(crate) use crate::integrators::runge_kutta4::{RungeKutta4, derivative};
+pub(crate) use crate::integrators::semi_implicit_euler::SemiImplicitEuler;
 
 use tumble_math::lane::Lane;
 
-use crate::state::{Constants, State};
+use crate::integrators::state::{Constants, State};
 
 /// One integration scheme, prepared for one body and one length of substep.
 pub(crate) trait Scheme<L: Lane> {

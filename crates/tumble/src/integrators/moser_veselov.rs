@@ -1,9 +1,9 @@
 use tumble_math::FreeRotation;
 use tumble_math::lane::Lane;
 
-use super::kick::Kick;
-use super::{Account, Forces, Scheme};
-use crate::state::{Constants, State};
+use crate::integrators::Kick;
+use crate::integrators::state::{Constants, State};
+use crate::integrators::{Account, Forces, Scheme};
 
 /// Half a kick, free flight, half a kick. The flight keeps both momenta; [`FreeRotation`] turns the body.
 pub(crate) struct MoserVeselov<L> {

@@ -1,9 +1,9 @@
 use tumble_math::lane::{Lane, Quat, Vec3};
 use tumble_math::orientation_rate;
 
-use super::kick::Kick;
-use super::{Account, Forces, Scheme};
-use crate::state::{Constants, Force, State};
+use crate::integrators::Kick;
+use crate::integrators::state::{Constants, Force, State};
+use crate::integrators::{Account, Forces, Scheme};
 
 /// The classical Runge-Kutta method, with constant forces and damping taken out.
 ///

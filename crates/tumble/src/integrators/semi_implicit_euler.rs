@@ -1,9 +1,9 @@
 use tumble_math::lane::Lane;
 use tumble_math::rotate_to_first_order;
 
-use super::kick::Kick;
-use super::{Account, Forces, Scheme};
-use crate::state::{Constants, Moments, State};
+use crate::integrators::Kick;
+use crate::integrators::state::{Constants, Moments, State};
+use crate::integrators::{Account, Forces, Scheme};
 
 /// `P += F h`, `L += tau h`, `x += P/M h`, `q += 1/2 [0, w] q h`, normalised.
 pub(crate) struct SemiImplicitEuler<L> {

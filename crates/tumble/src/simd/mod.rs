@@ -13,6 +13,7 @@ use tumble_math::lane::Lane;
 
 use crate::math::Real;
 
+pub(crate) mod block_lanes;
 mod disjoint;
 mod gather;
 #[cfg(vector_code)]

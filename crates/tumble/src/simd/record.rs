@@ -5,9 +5,9 @@
 use std::mem::size_of;
 
 use crate::components::{
-    Damping, GravityScale, Inertia, InverseInertia, Mass, Momentum, Pose, PreviousPose, PrincipalAxes, Velocity, Wrench,
+    Damping, GravityScale, Inertia, InverseInertia, Mass, Momentum, Pose, PreviousPose, PrincipalAxes, Velocity, Wind,
+    Wrench,
 };
-use crate::generators::Wind;
 use crate::math::Real;
 
 /// A component that is `NUMBERS` numbers in a row, possibly with padding after them.

@@ -18,19 +18,22 @@
 //! | 4 and 5 numbers a point | contact by contact: which features meet; place, from the second body's centre of mass; separation; impulse along the normal |
 //! | 8 | 64-bit FNV-1a of all before |
 
-use super::contact_bytes::{self, Counts, Written};
-use super::{BodyKind, Segment, Snapshot, SnapshotError, first_duplicate};
 use crate::clock::Clock;
 use crate::components::{BodyId, Momentum, Pose, Velocity};
 use crate::math::{Quat, Real, Vec3, dquat, real};
-use crate::state_hash::Fnv;
+use crate::snapshot::contact_bytes;
+use crate::snapshot::contact_bytes::{Counts, Written};
+use crate::snapshot::error::SnapshotError;
+use crate::snapshot::kind::BodyKind;
+use crate::snapshot::state_hash::Fnv;
+use crate::snapshot::{Segment, Snapshot, first_duplicate};
 
 const MAGIC: [u8; 8] = *b"TUMBLE-S";
 const HEADER: usize = 120;
 /// Bytes of the clock, which is between the counts of bodies and those of contacts.
 const CLOCK: usize = 48;
 const CHECKSUM: usize = 8;
-pub(super) const NUMBER: usize = size_of::<Real>();
+pub(crate) const NUMBER: usize = size_of::<Real>();
 /// How far from one the length of an orientation may be: as far as [`RigidBody`](crate::RigidBody) allows.
 const UNIT_TOLERANCE: f64 = 1e-3;
 
@@ -184,7 +187,7 @@ fn expected_length([moving, kinematic, fixed]: [u64; 3]) -> u64 {
 }
 
 /// Takes numbers from the front.
-pub(super) struct Reader<'a> {
+pub(crate) struct Reader<'a> {
     rest: &'a [u8],
     /// How many bytes the file has.
     found: usize,
@@ -199,7 +202,7 @@ impl Reader<'_> {
     }
 
     /// This many things, in no more memory than they take.
-    pub(super) fn many<T>(
+    pub(crate) fn many<T>(
         &mut self,
         count: usize,
         one: impl Fn(&mut Self) -> Result<T, SnapshotError>,
@@ -211,11 +214,11 @@ impl Reader<'_> {
         Ok(all)
     }
 
-    pub(super) fn u32(&mut self) -> Result<u32, SnapshotError> {
+    pub(crate) fn u32(&mut self) -> Result<u32, SnapshotError> {
         self.take().map(u32::from_le_bytes)
     }
 
-    pub(super) fn u64(&mut self) -> Result<u64, SnapshotError> {
+    pub(crate) fn u64(&mut self) -> Result<u64, SnapshotError> {
         self.take().map(u64::from_le_bytes)
     }
 
@@ -234,7 +237,7 @@ impl Reader<'_> {
         self.take().map(Real::from_le_bytes)
     }
 
-    pub(super) fn numbers<const N: usize>(&mut self) -> Result<[Real; N], SnapshotError> {
+    pub(crate) fn numbers<const N: usize>(&mut self) -> Result<[Real; N], SnapshotError> {
         let mut numbers = [0.0; N];
         for number in &mut numbers {
             *number = self.real()?;

@@ -1,11 +1,12 @@
-//! The contacts of a snapshot as bytes; see [`bytes`](super::bytes) for the format.
+//! The contacts of a snapshot as bytes; see [`bytes`](crate::snapshot::bytes) for the format.
 
-use super::SnapshotError;
-use super::bytes::{NUMBER, Reader};
-use super::error::ContactDefect;
+use crate::collision::body_key::Name;
+use crate::collision::saved_contacts::{SavedContact, SavedContacts, SavedPoint};
 use crate::components::BodyId;
-use crate::contacts::{Name, SavedContact, SavedContacts, SavedPoint};
 use crate::math::Real;
+use crate::snapshot::bytes::{NUMBER, Reader};
+use crate::snapshot::error::ContactDefect;
+use crate::snapshot::error::SnapshotError;
 
 /// How far from one the length of a normal may be.
 const UNIT_TOLERANCE: Real = 1e-3;
@@ -14,7 +15,7 @@ const TOUCHED: u32 = 1 << 8;
 
 /// How many there are of what a file has of contacts.
 #[derive(Clone, Copy, Default)]
-pub(super) struct Counts {
+pub(crate) struct Counts {
     /// Bodies by [`BodyId`], and by entity.
     names: [u64; 2],
     contacts: u64,
@@ -28,13 +29,13 @@ impl Counts {
         Self { names: [ids as u64, (names.len() - ids) as u64], contacts: contacts.len() as u64, points: points as u64 }
     }
 
-    pub(super) fn read(reader: &mut Reader<'_>) -> Result<Self, SnapshotError> {
+    pub(crate) fn read(reader: &mut Reader<'_>) -> Result<Self, SnapshotError> {
         let names = [reader.u64()?, reader.u64()?];
         Ok(Self { names, contacts: reader.u64()?, points: reader.u64()? })
     }
 
     /// How many bytes they take; `u64::MAX` where it is more.
-    pub(super) fn length(&self) -> u64 {
+    pub(crate) fn length(&self) -> u64 {
         let number = NUMBER as u64;
         let [ids, entities] = self.names;
         let parts = [
@@ -48,25 +49,25 @@ impl Counts {
 }
 
 /// Contacts on their way into a file.
-pub(super) struct Written<'a> {
+pub(crate) struct Written<'a> {
     saved: &'a SavedContacts,
     contacts: Vec<SavedContact>,
-    pub(super) counts: Counts,
+    pub(crate) counts: Counts,
 }
 
 impl<'a> Written<'a> {
-    pub(super) fn new(saved: &'a SavedContacts) -> Self {
+    pub(crate) fn new(saved: &'a SavedContacts) -> Self {
         let contacts = saved.contacts();
         let counts = Counts::of(saved.names(), &contacts);
         Self { saved, contacts, counts }
     }
 
-    pub(super) fn write_counts(&self, bytes: &mut Vec<u8>) {
+    pub(crate) fn write_counts(&self, bytes: &mut Vec<u8>) {
         let Counts { names: [ids, entities], contacts, points } = self.counts;
         bytes.extend([ids, entities, contacts, points].into_iter().flat_map(u64::to_le_bytes));
     }
 
-    pub(super) fn write(&self, bytes: &mut Vec<u8>) {
+    pub(crate) fn write(&self, bytes: &mut Vec<u8>) {
         for name in self.saved.names() {
             match name {
                 Name::Id(id) => bytes.extend(id.0.to_le_bytes()),
@@ -88,7 +89,7 @@ impl<'a> Written<'a> {
 }
 
 /// Reads as many as are counted, which are known to be there, and checks that a step can have left them.
-pub(super) fn read(reader: &mut Reader<'_>, counts: &Counts) -> Result<SavedContacts, SnapshotError> {
+pub(crate) fn read(reader: &mut Reader<'_>, counts: &Counts) -> Result<SavedContacts, SnapshotError> {
     let [ids, entities] = counts.names.map(|count| count as usize);
     let mut names = reader.many(ids, |reader| Ok(Name::Id(BodyId(reader.u64()?))))?;
     names.extend(reader.many(entities, |reader| Ok(Name::Entity(reader.u32()?)))?);

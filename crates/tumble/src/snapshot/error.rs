@@ -1,6 +1,6 @@
-use super::BodyKind;
 use crate::components::BodyId;
 use crate::math::PRECISION;
+use crate::snapshot::kind::BodyKind;
 
 /// Why a snapshot cannot be taken, read or restored. Whatever it is, the world is as it was.
 ///

@@ -22,10 +22,10 @@ pub enum BodyKind {
 
 impl BodyKind {
     /// In the order in which a snapshot holds them.
-    pub(super) const ALL: [Self; 3] = [Self::Moving, Self::Kinematic, Self::Fixed];
+    pub(crate) const ALL: [Self; 3] = [Self::Moving, Self::Kinematic, Self::Fixed];
 
     /// Of the entities of an archetype; `None` where they are not bodies.
-    pub(super) fn of(archetype: &Archetype) -> Option<Self> {
+    pub(crate) fn of(archetype: &Archetype) -> Option<Self> {
         if archetype.is_empty() || !archetype.has::<Pose>() {
             None
         } else if archetype.has::<Momentum>() {

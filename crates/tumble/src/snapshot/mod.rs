@@ -1,28 +1,32 @@
 //! The state of all bodies at one moment, to come back to.
 
-mod bytes;
-mod contact_bytes;
-mod error;
-mod kind;
-mod matching;
-mod of_simulation;
+pub(crate) mod bytes;
+pub(crate) mod contact_bytes;
+pub(crate) mod error;
+pub(crate) mod kind;
+pub(crate) mod of_simulation;
+pub(crate) mod rollback;
+pub(crate) mod row_map;
 #[cfg(feature = "serde")]
 mod serialize;
+pub(crate) mod state_arrays;
+pub(crate) mod state_hash;
+pub(crate) mod state_rates;
 
-pub use error::{ContactDefect, SnapshotError};
-pub use kind::BodyKind;
-pub(crate) use matching::Matching;
+use crate::snapshot::error::SnapshotError;
+use crate::snapshot::kind::BodyKind;
+pub(crate) use crate::snapshot::row_map::Matching;
 
 use std::ops::Range;
 
 use hecs::{Archetype, Entity, World};
 
 use crate::clock::Clock;
+use crate::collision::saved_contacts::SavedContacts;
 use crate::components::{BodyId, Momentum, Pose, PreviousPose, Velocity, Wrench};
-use crate::contacts::SavedContacts;
 use crate::math::Real;
-use crate::state_hash::{Fnv, canonical};
-use matching::Run;
+use crate::snapshot::row_map::Run;
+use crate::snapshot::state_hash::{Fnv, canonical};
 
 /// The state of all bodies of a world at one moment, by [`BodyId`].
 ///
@@ -283,7 +287,7 @@ impl Snapshot {
         Self { clock: Some(clock), ..self }
     }
 
-    /// The hash that [`state_hash`](crate::state_hash()) gives the world when it is as it was, if all its bodies have a [`BodyId`]. It is of the bodies, as that is: clock
+    /// The hash that [`state_hash`](crate::snapshot::state_hash()) gives the world when it is as it was, if all its bodies have a [`BodyId`]. It is of the bodies, as that is: clock
     /// and contacts are not in it.
     ///
     /// What peers compare: each has the snapshot of a past step at hand, whatever step its world is at now.

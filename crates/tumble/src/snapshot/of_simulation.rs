@@ -2,8 +2,10 @@
 
 use hecs::{Entity, World};
 
-use super::{Matching, Snapshot, SnapshotError};
-use crate::simulation::Simulation;
+use crate::snapshot::Snapshot;
+use crate::snapshot::error::SnapshotError;
+use crate::snapshot::row_map::Matching;
+use crate::step::simulation::Simulation;
 
 impl Simulation {
     /// The state of the world's bodies, the [`clock`](Self::clock) and the contacts now: all that a run goes on from, to the bit. To be taken between steps, as [`Snapshot::capture`].

@@ -1,0 +1,197 @@
+pub(crate) mod rng;
+pub(crate) mod run_worlds;
+pub(crate) mod trial;
+
+use std::ops::ControlFlow;
+
+use rayon::prelude::*;
+
+use crate::batch::rng::Chance;
+use crate::batch::trial::Trial;
+use crate::solver::multi_world::{Likeness, Packed};
+use crate::step::interacting::coupled_steps;
+
+/// Many independent worlds, each with its own settings, stepped in parallel.
+///
+/// Threads take whole worlds, and a world takes many steps at a time while it is in cache. It gets the same bits as alone, for any
+/// number of threads and whatever the other worlds are. The threads are those of the rayon pool that it is called in, as for a
+/// step; a world of many bodies is split among them too.
+///
+/// Results come back in the order of the worlds. A batch is held in memory as a whole; [`stream`](crate::batch::run_worlds()) makes worlds one by one, as
+/// many as one likes.
+///
+/// ```
+/// use tumble::prelude::*;
+/// use tumble::{Batch, Trial};
+///
+/// // A thousand bricks, each thrown in its own way.
+/// let mut batch = Batch::from_seed(1000, 42, |_, mut chance| -> Result<_, Box<dyn std::error::Error + Send + Sync>> {
+///     let mut world = hecs::World::new();
+///     RigidBody::new(Shape::cuboid([0.1, 0.05, 0.03]))
+///         .mass(2.0)
+///         .angular_velocity(chance.vector(-5.0, 5.0))
+///         .build()?
+///         .spawn(&mut world);
+///     Ok(Trial::new(Settings::default(), world)?)
+/// })?;
+/// batch.step_many(60);
+/// let heights: Vec<f64> = batch.map(|_, trial| {
+///     trial.world.query_mut::<&Pose>().into_iter().map(|pose| f64::from(pose.position.y)).sum()
+/// });
+/// assert_eq!(heights.len(), 1000);
+/// assert!(heights.iter().all(|height| (height + 0.5 * 9.81).abs() < 1e-3));
+/// # Ok::<(), Box<dyn std::error::Error + Send + Sync>>(())
+/// ```
+#[derive(Default)]
+pub struct Batch {
+    trials: Vec<Trial>,
+    /// For worlds next to each other, what their contacts are packed in.
+    packs: Vec<Packed>,
+}
+
+/// Worlds that go through their steps together: enough for the contacts of eight bodies in each to fill lanes.
+const PACK: usize = 16;
+
+impl Batch {
+    /// A batch without worlds.
+    pub fn new() -> Self {
+        Self::default()
+    }
+
+    /// Makes `count` worlds in parallel. `set_up` is given the index of a world and [numbers](Chance::stream) of its own, so that a world
+    /// depends on nothing but the seed and its index.
+    ///
+    /// # Errors
+    /// That of the first world, by index, that could not be set up.
+    pub fn from_seed<E: Send>(
+        count: usize,
+        seed: u64,
+        set_up: impl Fn(usize, Chance) -> Result<Trial, E> + Sync,
+    ) -> Result<Self, E> {
+        let made: Vec<Result<Trial, E>> =
+            (0..count).into_par_iter().map(|index| set_up(index, Chance::stream(seed, index as u64))).collect();
+        // One after the other: in parallel it would be left to chance whose error is returned.
+        made.into_iter().collect()
+    }
+
+    /// Adds a world at the end.
+    pub fn push(&mut self, trial: Trial) {
+        self.trials.push(trial);
+    }
+
+    /// The worlds, in order.
+    pub fn trials(&self) -> &[Trial] {
+        &self.trials
+    }
+
+    /// The worlds, in order, to be changed.
+    pub fn trials_mut(&mut self) -> &mut [Trial] {
+        &mut self.trials
+    }
+
+    /// How many worlds there are.
+    pub fn len(&self) -> usize {
+        self.trials.len()
+    }
+
+    /// Whether there are none.
+    pub fn is_empty(&self) -> bool {
+        self.trials.is_empty()
+    }
+
+    /// Advances every world by `count` steps of its own.
+    ///
+    /// Small worlds with contacts take their steps in packs, since alone they leave most lanes of a vector empty: up to sixteen neighbours, each with the bits that it has alone. In a pack are worlds
+    /// of at most 128 entities, without a ledger, that have `dt`, `substeps`, `contact_substeps` and `restitution_threshold` in common with the first of them, and also whether anything in them
+    /// bounces or resists rolling. The others take their steps by themselves, as all do in [`map`](Self::map) and [`run`](Self::run).
+    pub fn step_many(&mut self, count: u32) {
+        // With fewer worlds than would give each thread a pack, threads come first.
+        let size = self.trials.len().div_ceil(rayon::current_num_threads()).clamp(1, PACK);
+        self.packs.resize_with(self.trials.len().div_ceil(size), Packed::default);
+        self.trials.par_chunks_mut(size).zip(&mut self.packs).for_each(|(trials, pack)| {
+            step_pack(trials, pack, count);
+        });
+    }
+
+    /// Calls `work` with every world and its index, in parallel, and returns what it gave, in the order of the worlds.
+    pub fn map<R: Send>(&mut self, work: impl Fn(usize, &mut Trial) -> R + Sync) -> Vec<R> {
+        self.trials.par_iter_mut().enumerate().map(|(index, trial)| work(index, trial)).collect()
+    }
+
+    /// [`Trial::run`] for every world, in parallel: up to `steps` steps, tested every `every` steps. Each world ends by itself; the
+    /// results say with what, in the order of the worlds.
+    ///
+    /// ```
+    /// # use std::ops::ControlFlow;
+    /// # use tumble::prelude::*;
+    /// # use tumble::{Batch, Trial};
+    /// # let mut batch = Batch::from_seed(10, 1, |_, _| Trial::new(Settings::default(), hecs::World::new()))?;
+    /// let ends = batch.run(100, 10, |index, trial| {
+    ///     // World 3 has seen enough after 50 steps.
+    ///     if index == 3 && trial.simulation.steps() >= 50 { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
+    /// });
+    /// assert_eq!(ends.iter().filter(|end| end.is_break()).count(), 1);
+    /// assert_eq!(batch.trials()[3].simulation.steps(), 50);
+    /// # Ok::<(), tumble::SettingsError>(())
+    /// ```
+    pub fn run<B: Send>(
+        &mut self,
+        steps: u64,
+        every: u32,
+        observe: impl Fn(usize, &mut Trial) -> ControlFlow<B> + Sync,
+    ) -> Vec<ControlFlow<B>> {
+        self.map(|index, trial| trial.run(steps, every, |trial| observe(index, trial)))
+    }
+}
+
+/// Advances worlds, those together that can be.
+fn step_pack(trials: &mut [Trial], pack: &mut Packed, count: u32) {
+    let (mut common, mut together, mut others) = (None, Vec::new(), Vec::new());
+    for trial in trials {
+        match Likeness::of(&trial.world, trial.simulation.settings()) {
+            Some(likeness) if count > 0 && *common.get_or_insert(likeness) == likeness => together.push(trial),
+            _ => others.push(trial),
+        }
+    }
+    if together.len() < 2 {
+        others.append(&mut together);
+    }
+    let step_others = || others.into_par_iter().for_each(|trial| trial.step_many(count));
+    match common.filter(|_| !together.is_empty()) {
+        Some(likeness) => rayon::join(|| step_together(&mut together, pack, likeness, count), step_others).0,
+        None => step_others(),
+    }
+}
+
+fn step_together(trials: &mut [&mut Trial], pack: &mut Packed, likeness: Likeness, count: u32) {
+    crate::scope::scope!("tumble::pack");
+    let worlds = trials.iter_mut().filter_map(|trial| trial.simulation.coupled(&mut trial.world));
+    let mut worlds: Vec<_> = worlds.collect();
+    let found = worlds.len();
+    coupled_steps(&mut worlds, Some((pack, likeness)), count, None);
+    drop(worlds);
+    // Where there are colliders, bodies may act on each other.
+    debug_assert_eq!(found, trials.len());
+    trials.iter_mut().for_each(|trial| trial.simulation.count_steps(count));
+}
+
+impl FromIterator<Trial> for Batch {
+    fn from_iter<I: IntoIterator<Item = Trial>>(trials: I) -> Self {
+        Self { trials: trials.into_iter().collect(), packs: Vec::new() }
+    }
+}
+
+impl Extend<Trial> for Batch {
+    fn extend<I: IntoIterator<Item = Trial>>(&mut self, trials: I) {
+        self.trials.extend(trials);
+    }
+}
+
+impl IntoIterator for Batch {
+    type Item = Trial;
+    type IntoIter = std::vec::IntoIter<Trial>;
+
+    fn into_iter(self) -> Self::IntoIter {
+        self.trials.into_iter()
+    }
+}

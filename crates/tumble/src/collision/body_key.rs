@@ -1,0 +1,153 @@
+//! What bodies are called, so that contacts are theirs from step to step, and in another world.
+
+use hecs::{Entity, World};
+
+use crate::collision::collider::Collider;
+use crate::collision::contact::Contact;
+use crate::components::{BodyId, Pose};
+use crate::storage::body_index::Members;
+
+/// What a body is called: by its [`BodyId`], whatever its entity, or without one by the number of its entity. In the order of members.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub(crate) enum Name {
+    Id(BodyId),
+    Entity(u32),
+}
+
+impl Name {
+    pub(crate) fn of(id: Option<BodyId>, entity: u32) -> Self {
+        id.map_or(Self::Entity(entity), Self::Id)
+    }
+}
+
+/// Who the slots of contacts stand for.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Names {
+    /// In order; equal ones only where bodies of the world have the same [`BodyId`].
+    names: Vec<Name>,
+    /// By slot; the one that was in the world when it was last looked.
+    entities: Vec<Entity>,
+    /// By old slot, the one that the name has now.
+    now: Vec<u32>,
+    /// The entities that are in the world now, by new slot.
+    here: Vec<Entity>,
+}
+
+/// Two bodies that touched, of which one is gone.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Parted {
+    pub(crate) names: [Name; 2],
+    pub(crate) entities: [Entity; 2],
+}
+
+/// No slot.
+const NONE: u32 = u32::MAX;
+
+impl Names {
+    pub(crate) fn len(&self) -> usize {
+        self.names.len()
+    }
+
+    pub(crate) fn name(&self, slot: u32) -> Name {
+        self.names[slot as usize]
+    }
+
+    pub(crate) fn entity(&self, slot: u32) -> Entity {
+        self.entities[slot as usize]
+    }
+
+    /// Whether a slot's body was in the world when it was last looked.
+    pub(crate) fn is_here(&self, slot: u32) -> bool {
+        self.entity(slot) != Entity::DANGLING
+    }
+
+    /// Gives contacts the slots that the names of their bodies have now, and drops those of bodies that are gone; `parted` are those of them that touched. Returns whether slots are
+    /// others than they were.
+    pub(crate) fn renew(
+        &mut self,
+        world: &World,
+        members: &Members,
+        contacts: &mut Vec<Contact>,
+        parted: &mut Vec<Parted>,
+    ) -> bool {
+        let member = |slot: usize| {
+            let (_, id, entity) = members.key(slot);
+            Name::of(id, entity)
+        };
+        let count = members.len();
+        self.here.clear();
+        self.here.resize(count, Entity::DANGLING);
+        for entity in world.query::<Entity>().with::<&Collider>().iter() {
+            if let Some(slot) = members.slot(entity.id()) {
+                self.here[slot] = entity;
+            }
+        }
+        let same = self.names.len() == count
+            && (0..count).all(|slot| self.names[slot] == member(slot) && !self.is_replaced(slot, slot));
+        if !same {
+            self.match_names(count, member);
+            let Self { names, entities, now, .. } = &*self;
+            contacts.retain_mut(|contact| {
+                let old = contact.slots;
+                contact.slots = old.map(|slot| now[slot as usize]);
+                let stays = !contact.slots.contains(&NONE);
+                if !stays && contact.touches() {
+                    let [a, b] = [old[0].min(old[1]), old[0].max(old[1])].map(|slot| slot as usize);
+                    parted.push(Parted { names: [names[a], names[b]], entities: [entities[a], entities[b]] });
+                }
+                stays
+            });
+            self.names.clear();
+            self.names.extend((0..count).map(member));
+        }
+        self.entities.clone_from(&self.here);
+        !same
+    }
+
+    /// Whether what had a name by the number of its entity is gone, and that number another's: hecs gives it to the next that is spawned.
+    fn is_replaced(&self, old: usize, new: usize) -> bool {
+        let was = self.entities[old];
+        matches!(self.names[old], Name::Entity(_)) && was != Entity::DANGLING && was != self.here[new]
+    }
+
+    /// Finds the new slots of names: of equal names the first has the first slot, and no two the same.
+    fn match_names(&mut self, count: usize, member: impl Fn(usize) -> Name) {
+        self.now.clear();
+        let mut slot = 0;
+        for (old, name) in self.names.iter().enumerate() {
+            while slot < count && member(slot) < *name {
+                slot += 1;
+            }
+            let is_there = slot < count && member(slot) == *name;
+            self.now.push(if is_there && !self.is_replaced(old, slot) { slot as u32 } else { NONE });
+            slot += usize::from(is_there);
+        }
+    }
+
+    /// Takes names that are in order, and finds who they are in a world; who is not there is [`Entity::DANGLING`].
+    pub(crate) fn set(&mut self, names: &[Name], world: &World) {
+        self.names.clear();
+        self.names.extend_from_slice(names);
+        self.entities.clear();
+        self.entities.resize(names.len(), Entity::DANGLING);
+        if names.is_empty() {
+            return;
+        }
+        let mut next = 0;
+        for (entity, id) in world.query::<(Entity, Option<&BodyId>)>().with::<&Pose>().iter() {
+            let name = Name::of(id.copied(), entity.id());
+            // Most worlds have their bodies in order.
+            let place = if names.get(next) == Some(&name) { Ok(next) } else { names.binary_search(&name) };
+            if let Ok(place) = place {
+                self.entities[place] = entity;
+                next = place + 1;
+            }
+        }
+    }
+
+    /// Without anyone.
+    pub(crate) fn clear(&mut self) {
+        self.names.clear();
+        self.entities.clear();
+    }
+}

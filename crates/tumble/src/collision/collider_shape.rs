@@ -1,0 +1,115 @@
+//! What can be touched of the shapes that bodies have.
+
+use std::sync::Arc;
+
+use glam::DVec3;
+use tumble_collide::{Compound, ConvexHull, Placement};
+use tumble_math::{Part, Shape};
+
+use crate::collision::collider_error::ColliderError;
+use crate::components::Pose;
+use crate::math::{Real, quat, real, vec3};
+use crate::range::{LENGTHS, within};
+
+pub(crate) type Geometry = tumble_collide::Geometry<Real>;
+
+/// In the precision of the build.
+fn length(field: &'static str, value: f64) -> Result<Real, ColliderError> {
+    let length = real(value);
+    match length {
+        _ if !(length.is_normal() && length > 0.0) => Err(ColliderError::Length { field, value }),
+        _ if !LENGTHS.contains(&length) => Err(ColliderError::Size { field, value }),
+        _ => Ok(length),
+    }
+}
+
+/// Of two radii one may be zero.
+fn radii(bottom: f64, top: f64) -> Result<[Real; 2], ColliderError> {
+    let or_zero = |field, value: f64, other: f64| {
+        if value == 0.0 && other != 0.0 { Ok(0.0) } else { length(field, value) }
+    };
+    Ok([or_zero("radius_bottom", bottom, top)?, or_zero("radius_top", top, bottom)?])
+}
+
+pub(crate) fn of_shape(shape: &Shape) -> Result<Geometry, ColliderError> {
+    let all = |field, values: DVec3| values.to_array().into_iter().try_for_each(|x| length(field, x).map(drop));
+    let half_height = |value| length("half_height", value);
+    Ok(match *shape {
+        Shape::Point => return Err(ColliderError::Shape { shape: "point" }),
+        Shape::Sphere { radius } | Shape::HollowSphere { radius } => {
+            Geometry::Ball { radius: length("radius", radius)? }
+        }
+        Shape::Cuboid { half_extents } => {
+            all("half_extents", half_extents)?;
+            Geometry::Cuboid { half_extents: vec3(half_extents).into() }
+        }
+        Shape::Cylinder { radius, half_height: h } => {
+            Geometry::Cylinder { radius: length("radius", radius)?, half_height: half_height(h)? }
+        }
+        Shape::Capsule { radius, half_height: h } => {
+            Geometry::Capsule { radius: length("radius", radius)?, half_height: half_height(h)? }
+        }
+        Shape::Cone { radius, half_height: h } => {
+            Geometry::Cone { radius: length("radius", radius)?, half_height: half_height(h)? }
+        }
+        Shape::Frustum { radius_bottom, radius_top, half_height: h } => {
+            let [radius_bottom, radius_top] = radii(radius_bottom, radius_top)?;
+            Geometry::Frustum { radius_bottom, radius_top, half_height: half_height(h)? }
+        }
+        Shape::TaperedCapsule { radius_bottom, radius_top, half_height: h } => {
+            let [radius_bottom, radius_top] = radii(radius_bottom, radius_top)?;
+            Geometry::TaperedCapsule { radius_bottom, radius_top, half_height: half_height(h)? }
+        }
+        Shape::Ellipsoid { radii } => {
+            all("radii", radii)?;
+            Geometry::Ellipsoid { radii: vec3(radii).into() }
+        }
+        Shape::Mesh(ref mesh) => hull(mesh.mesh().positions())?,
+        Shape::Compound(ref parts) => compound(parts, 1)?,
+        _ => return Err(ColliderError::Shape { shape: "shape of this kind" }),
+    })
+}
+
+/// What of a compound can be touched.
+fn compound(parts: &[Part], depth: usize) -> Result<Geometry, ColliderError> {
+    let mut found = Vec::new();
+    if depth > Shape::MAX_DEPTH {
+        return Err(ColliderError::Shape { shape: "compound nested so deep" });
+    }
+    for (index, part) in parts.iter().enumerate() {
+        let in_part = |error| ColliderError::Part { part: index, error: Box::new(error) };
+        let geometry = match &part.shape {
+            // A weight, with nothing to touch.
+            Shape::Point => continue,
+            Shape::Compound(inner) => compound(inner, depth + 1),
+            shape => of_shape(shape),
+        };
+        let geometry = geometry.map_err(in_part)?;
+        let offset = Pose { position: vec3(part.position), orientation: quat(part.orientation.normalize()) };
+        if !within(offset.position.into(), *LENGTHS.end()) || !offset.orientation.is_finite() {
+            return Err(in_part(ColliderError::Offset { offset }));
+        }
+        let at = Placement { position: offset.position.into(), orientation: offset.orientation.into() };
+        found.push((at, geometry));
+    }
+    if found.is_empty() {
+        return Err(ColliderError::Shape { shape: "compound of points" });
+    }
+    Ok(Geometry::Compound(Arc::new(Compound::new(found))))
+}
+
+pub(crate) fn hull(points: &[DVec3]) -> Result<Geometry, ColliderError> {
+    let points: Vec<_> = points.iter().map(|point| (*point).into()).collect();
+    checked(Geometry::Hull(Arc::new(ConvexHull::new(&points)?)))
+}
+
+/// What is given in double precision has to have a size in the build's.
+pub(crate) fn checked(geometry: Geometry) -> Result<Geometry, ColliderError> {
+    match geometry.reach() {
+        Some(reach) if !(reach.is_normal() && reach > 0.0) => {
+            Err(ColliderError::Length { field: "extent", value: reach.into() })
+        }
+        Some(reach) if !LENGTHS.contains(&reach) => Err(ColliderError::Size { field: "extent", value: reach.into() }),
+        _ => Ok(geometry),
+    }
+}

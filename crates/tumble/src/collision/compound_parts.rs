@@ -1,0 +1,109 @@
+//! Colliders made of several, each with a surface and groups of its own.
+
+use std::sync::Arc;
+
+use tumble_collide::{Compound, Placement};
+
+use crate::collision::collider::{Collider, Groups};
+use crate::collision::collider_error::ColliderError;
+use crate::collision::collider_shape::{Geometry, checked};
+use crate::collision::material::Material;
+
+/// What is a part's own.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct PartSurface {
+    /// Of the numbers of the shape's parts, the first after those of this one.
+    pub(crate) end: u32,
+    pub(crate) material: Material,
+    pub(crate) groups: Groups,
+}
+
+impl Collider {
+    /// Several colliders fixed to each other, of one body: each at the [place](Self::with_offset) that it has, with the material and the groups that it has.
+    ///
+    /// Where two bodies meet, the material and the groups are those of the two parts. [`with_material`](Self::with_material) and [`with_groups`](Self::with_groups) on the whole give all parts
+    /// the same, [`with_offset`](Self::with_offset) moves it as a whole. Surfaces and half-spaces may be among the parts, as ground.
+    ///
+    /// ```
+    /// use tumble::{Collider, Material, Pose, Shape, math::Vec3};
+    ///
+    /// // A sledge: runners of steel, and a box of wood that snow, group 2, does not touch.
+    /// let at = |y| Pose { position: Vec3::Y * y, ..Pose::default() };
+    /// let runners = Collider::new(&Shape::cuboid([0.3, 0.05, 1.0]))?.with_material(Material::new(0.02, 0.0))?;
+    /// let load = Collider::new(&Shape::cuboid([0.3, 0.2, 0.6]))?.with_groups(1, !2).with_offset(at(0.25))?;
+    /// let sledge = Collider::compound([runners, load])?;
+    /// assert_eq!(sledge.materials().map(|it| it.dynamic_friction).collect::<Vec<_>>(), [0.02, 0.5]);
+    /// # Ok::<(), tumble::ColliderError>(())
+    /// ```
+    ///
+    /// # Errors
+    /// [`ColliderError::Shape`] for no parts, and [`ColliderError::Size`] if one reaches too far.
+    pub fn compound(parts: impl IntoIterator<Item = Self>) -> Result<Self, ColliderError> {
+        let (mut shapes, mut surfaces) = (Vec::new(), Vec::new());
+        let mut first = 0_u32;
+        for part in parts {
+            let own = |end| PartSurface { end, material: *part.material(), groups: part.filter_groups() };
+            match part.surfaces() {
+                [] => surfaces.push(own(first.saturating_add(part.geometry.parts()))),
+                inner => surfaces.extend(
+                    inner.iter().map(|inner| PartSurface { end: first.saturating_add(inner.end), ..inner.clone() }),
+                ),
+            }
+            first = first.saturating_add(part.geometry.parts());
+            let at = part.place().unwrap_or(Placement::at(tumble_math::lane::Vec3::zero()));
+            shapes.push((at, part.geometry));
+        }
+        let Some(PartSurface { material, groups, .. }) = surfaces.first().cloned() else {
+            return Err(ColliderError::Shape { shape: "compound of nothing" });
+        };
+        let geometry = checked(Geometry::Compound(Arc::new(Compound::new(shapes))))?;
+        // Whoever asks for the groups of the whole asks whether any part may touch.
+        let groups = surfaces.iter().fold(groups, |all, part| all.with(part.groups));
+        Ok(Self::of_parts(geometry, material, groups, surfaces.into()))
+    }
+
+    /// The surfaces of its parts, in their order, where they have their own; or its one.
+    pub fn materials(&self) -> impl Iterator<Item = &Material> {
+        let whole = self.surfaces().is_empty().then_some(self.material());
+        whole.into_iter().chain(self.surfaces().iter().map(|part| &part.material))
+    }
+
+    /// [Membership and filter](Self::groups) of its parts, in the same order as their [materials](Self::materials); or its one pair.
+    ///
+    /// ```
+    /// # use tumble::{Collider, Shape};
+    /// let ball = || Collider::new(&Shape::sphere(0.5));
+    /// let pair = Collider::compound([ball()?.with_groups(1, 2), ball()?.with_groups(4, !0)])?;
+    /// assert_eq!(pair.groups_of_parts().collect::<Vec<_>>(), [(1, 2), (4, !0)]);
+    /// # Ok::<(), tumble::ColliderError>(())
+    /// ```
+    pub fn groups_of_parts(&self) -> impl Iterator<Item = (u32, u32)> {
+        let whole = self.surfaces().is_empty().then_some(self.groups());
+        whole.into_iter().chain(self.surfaces().iter().map(|part| part.groups.bits()))
+    }
+
+    /// The part of a number, as its geometry has it, if parts have surfaces of their own.
+    pub(crate) fn surface_of(&self, number: u32) -> Option<&PartSurface> {
+        let parts = self.surfaces();
+        parts.get(parts.partition_point(|part| part.end <= number)).or(parts.last())
+    }
+
+    fn groups_of(&self, number: u32) -> Groups {
+        self.surface_of(number).map_or(self.filter_groups(), |part| part.groups)
+    }
+
+    /// Whether parts of two colliders touch each other, by the number that their geometries give the pair.
+    pub(crate) fn parts_touch(&self, other: &Self, pair: u32) -> bool {
+        if self.surfaces().is_empty() && other.surfaces().is_empty() {
+            return true;
+        }
+        let [mine, its] = numbers(pair, other.geometry.parts());
+        self.groups_of(mine).touch(other.groups_of(its))
+    }
+}
+
+/// The numbers of two parts from that of the pair, where the second shape has `of_second`.
+pub(crate) fn numbers(pair: u32, of_second: u32) -> [u32; 2] {
+    let of_second = of_second.max(1);
+    [pair / of_second, pair % of_second]
+}

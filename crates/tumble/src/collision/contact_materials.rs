@@ -1,0 +1,130 @@
+use crate::collision::collider::Collider;
+use crate::collision::compound_parts::numbers;
+use crate::collision::material::{Material, Surface};
+
+/// What only some surfaces do, and takes passes and numbers of its own.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub(crate) struct Extras {
+    pub(crate) rolls: bool,
+    pub(crate) bounces: bool,
+}
+
+impl Extras {
+    /// Adds what a surface may do, whatever it touches.
+    pub(crate) fn add(&mut self, material: &Material) {
+        self.rolls |= material.rolling_friction > 0.0;
+        self.bounces |= material.restitution > 0.0;
+    }
+}
+
+/// The materials of all colliders, each once, and what two of them make together.
+#[derive(Clone, Default)]
+pub(crate) struct Materials {
+    /// By slot, which; or [`OF_PARTS`] and which of the compounds.
+    of_slots: Vec<u32>,
+    /// Of the colliders whose parts have their own.
+    compounds: Vec<Parts>,
+    of_parts: Vec<OfPart>,
+    /// By slot, how many numbers the parts of its shape have, as far as there are compounds.
+    counts: Vec<u32>,
+    different: Vec<Material>,
+    /// By two of them, where there are not too many.
+    surfaces: Vec<Surface>,
+}
+
+/// Which of the parts in the list are a collider's.
+#[derive(Clone)]
+struct Parts(std::ops::Range<usize>);
+
+/// The first number after a part's, and which material it has.
+#[derive(Clone, Copy)]
+struct OfPart {
+    end: u32,
+    material: u32,
+}
+
+/// Marks slots whose parts have materials of their own.
+const OF_PARTS: u32 = 1 << 31;
+
+/// Of more materials the surfaces are not kept but worked out, and no two are compared but neighbours.
+const MOST: usize = 32;
+
+impl Materials {
+    /// Lists those of the colliders of all slots.
+    pub(crate) fn list<'a>(&mut self, colliders: impl Iterator<Item = Option<&'a Collider>> + Clone) {
+        self.of_slots.clear();
+        self.different.clear();
+        self.compounds.clear();
+        self.of_parts.clear();
+        for collider in colliders.clone() {
+            let parts = collider.map_or(&[][..], Collider::surfaces);
+            let which = if parts.is_empty() {
+                self.which(collider.map(Collider::material).copied().unwrap_or_default())
+            } else {
+                let begin = self.of_parts.len();
+                for part in parts {
+                    let material = self.which(part.material);
+                    self.of_parts.push(OfPart { end: part.end, material });
+                }
+                self.compounds.push(Parts(begin..self.of_parts.len()));
+                OF_PARTS | (self.compounds.len() - 1) as u32
+            };
+            self.of_slots.push(which);
+        }
+        self.counts.clear();
+        if !self.compounds.is_empty() {
+            self.counts.extend(colliders.map(|collider| collider.map_or(1, |it| it.geometry.parts())));
+        }
+        self.surfaces.clear();
+        if self.different.len() <= MOST {
+            let pairs = self.different.iter().flat_map(|a| self.different.iter().map(move |b| Surface::between(a, b)));
+            self.surfaces.extend(pairs);
+        }
+    }
+
+    /// Which of the materials it is, a new one if it has to be.
+    fn which(&mut self, material: Material) -> u32 {
+        let known = if self.different.len() > MOST {
+            self.different.last().filter(|last| **last == material).map(|_| self.different.len() - 1)
+        } else {
+            self.different.iter().rposition(|known| *known == material)
+        };
+        if known.is_none() {
+            self.different.push(material);
+        }
+        known.unwrap_or(self.different.len() - 1) as u32
+    }
+
+    /// What any of them may do. That of the contacts there are would change from step to step, and with it how those without are rounded.
+    pub(crate) fn extras(&self) -> Extras {
+        let mut extras = Extras::default();
+        self.different.iter().for_each(|material| extras.add(material));
+        extras
+    }
+
+    /// What the surfaces of two slots' colliders are like where they touch, in the contact of this number.
+    pub(crate) fn between(&self, slots: [u32; 2], pair: u32) -> Surface {
+        let [mut a, mut b] = slots.map(|slot| self.of_slots[slot as usize]);
+        if (a | b) & OF_PARTS != 0 {
+            let of_second = self.counts.get(slots[1] as usize).copied().unwrap_or(1);
+            let [on_first, on_second] = numbers(pair, of_second);
+            (a, b) = (self.of_part(a, on_first), self.of_part(b, on_second));
+        }
+        let [a, b] = [a, b].map(|which| which as usize);
+        match self.surfaces.get(a * self.different.len() + b) {
+            Some(surface) => *surface,
+            None => Surface::between(&self.different[a], &self.different[b]),
+        }
+    }
+
+    /// Which material the part of a number has.
+    fn of_part(&self, which: u32, number: u32) -> u32 {
+        if which & OF_PARTS == 0 {
+            return which;
+        }
+        let Parts(range) = &self.compounds[(which & !OF_PARTS) as usize];
+        let parts = &self.of_parts[range.clone()];
+        let part = parts.partition_point(|part| part.end <= number).min(parts.len() - 1);
+        parts[part].material
+    }
+}

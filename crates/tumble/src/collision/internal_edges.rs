@@ -1,0 +1,169 @@
+//! Floors of several: what slides over one is not stopped by the edge of the next.
+//!
+//! A contact holds a body over a plane through the whole step. What lies beside with its highest point at that plane is not met, whatever way out of it is the shortest: the body
+//! would have to be under the plane.
+
+use tumble_collide::Geometry;
+use tumble_math::lane::Vec3;
+
+use crate::collision::collider::Collider;
+use crate::collision::compound_parts::numbers;
+use crate::collision::contact::{Contact, SHAPE};
+use crate::collision::find_contacts::{Contacts, Shape};
+use crate::math::{Real, Vec3 as WorldVec3};
+
+/// What goes less than this part of a margin past another in a step meets no edge of it.
+const SLIDES: Real = 0.5;
+/// Tops that differ by less than this part of the margin are one floor: a hundredth of half the thickness of what slides.
+const LEVEL: Real = 0.5;
+/// Normals with a cosine above this are those of one floor: of faces, which may lie on it at a small angle, ...
+const SAME_FACE: Real = 0.9999;
+/// ... and of single points, which are exact.
+const SAME_NORMAL: Real = 0.999_999;
+/// Most contacts of a body on a floor that are compared.
+const MOST: usize = 64;
+
+/// What the seams of floors are found with.
+#[derive(Clone, Default)]
+pub(crate) struct Seams {
+    /// By slot: whether it is in contact with what impulses do not move, or is that.
+    on_fixed: Vec<bool>,
+    /// Slots of bodies on a floor, and the numbers of their contacts with what they go past.
+    sliding: Vec<(u32, u32)>,
+    /// Numbers of contacts with an edge, and with the floor beside it.
+    left_out: Vec<(u32, u32)>,
+}
+
+/// A plane that holds a body over it.
+#[derive(Clone, Copy)]
+pub(crate) struct Floor {
+    normal: Vec3<Real>,
+    /// A point of the plane.
+    point: Vec3<Real>,
+    /// Differences in height that do not count \[m\].
+    level: Real,
+}
+
+impl Floor {
+    /// That of a contact, under its second body or the first.
+    pub(crate) fn of(contact: &Contact, under_second: bool, shapes: &[Shape]) -> Self {
+        let [x, y, z, ..] = contact.numbers[SHAPE].0;
+        let normal = Vec3::new(x, y, z);
+        let center = shapes[contact.slots[1] as usize].center;
+        let sign = if under_second { 0.5 } else { -0.5 };
+        let point = center + contact.half_way(0) - normal * (contact.separation(0) * sign);
+        let normal = if under_second { normal } else { normal * -1.0 };
+        Self { normal, point, level: LEVEL * contact.margin() }
+    }
+
+    /// Whether the highest point of a part of a body is at the plane.
+    pub(crate) fn is_level_with(&self, geometry: &Geometry<Real>, number: u32, shape: &Shape) -> bool {
+        let (_, inner, part) = geometry.part_of(number);
+        let at = shape.placement.then(&inner);
+        let top = part.furthest(at.orientation.rotate_back(self.normal));
+        top.is_some_and(|top| {
+            let height = self.normal.dot(at.position + at.orientation.rotate(top) - self.point);
+            height.abs() <= self.level
+        })
+    }
+}
+
+impl Contacts {
+    /// Leaves out the contacts of bodies with what lies level with the floor that they slide over.
+    pub(crate) fn leave_out_seams(&mut self) {
+        let Self { contacts, shapes, colliders, seams: Seams { on_fixed, sliding, left_out }, .. } = self;
+        let slides = |shape: &Shape, margin: Real| {
+            let way = shape.motion.way;
+            way.dot(way) > SLIDES * SLIDES * margin * margin
+        };
+        if !shapes.iter().any(|shape| shape.moves && slides(shape, shape.margin)) {
+            return;
+        }
+        // Only what impulses do not move is a floor: what they move may be left out of the step later.
+        on_fixed.clear();
+        on_fixed.resize(shapes.len(), false);
+        for Contact { slots: [a, b], .. } in &*contacts {
+            if shapes[*a as usize].moves != shapes[*b as usize].moves {
+                (on_fixed[*a as usize], on_fixed[*b as usize]) = (true, true);
+            }
+        }
+        sliding.clear();
+        for (index, contact) in (0_u32..).zip(&*contacts) {
+            let may_slide = |slot: u32| on_fixed[slot as usize] && shapes[slot as usize].moves;
+            if !contact.slots.into_iter().any(may_slide) {
+                continue;
+            }
+            let [a, b] = contact.slots.map(|slot| &shapes[slot as usize]);
+            let (past, most) = (b.motion.way - a.motion.way, SLIDES * contact.margin());
+            if past.dot(past) > most * most {
+                sliding.extend(contact.slots.into_iter().filter(|slot| may_slide(*slot)).map(|slot| (slot, index)));
+            }
+        }
+        sliding.sort_unstable();
+        left_out.clear();
+        for group in sliding.chunk_by(|a, b| a.0 == b.0).filter(|group| group.len() > 1) {
+            let slot = group[0].0;
+            for (_, of_edge) in group.iter().take(MOST) {
+                let edge = &contacts[*of_edge as usize];
+                let other = usize::from(edge.slots[0] == slot);
+                let its_slot = edge.slots[other];
+                let Some((collider, _)) = &colliders[its_slot as usize] else { continue };
+                let Some((second, _)) = &colliders[edge.slots[1] as usize] else { continue };
+                let number = numbers(edge.part, second.geometry.parts())[other];
+                let away = normal_of(edge, slot);
+                let floor = group.iter().take(MOST).filter(|(_, index)| index != of_edge).find(|(_, index)| {
+                    let contact = &contacts[*index as usize];
+                    let under = contact.slots[usize::from(contact.slots[0] == slot)];
+                    let up = normal_of(contact, slot).dot(away);
+                    let floor = || Floor::of(contact, contact.slots[1] == slot, shapes);
+                    let is_one_point = contact.count() == 1 && edge.count() == 1;
+                    let same = if is_one_point { SAME_NORMAL } else { SAME_FACE };
+                    (SAME_FACE - 1.0..same).contains(&up)
+                        && !shapes[under as usize].moves
+                        && floor().is_level_with(&collider.geometry, number, &shapes[its_slot as usize])
+                        && is_face(contact, slot, shapes, colliders)
+                });
+                if let Some((_, of_floor)) = floor {
+                    left_out.push((*of_edge, *of_floor));
+                }
+            }
+        }
+        if left_out.is_empty() {
+            return;
+        }
+        left_out.sort_unstable();
+        left_out.dedup_by_key(|(of_edge, _)| *of_edge);
+        for (_, of_floor) in &*left_out {
+            // Where the one ends the plane goes on.
+            contacts[*of_floor as usize].hold_still();
+        }
+        let left_out = left_out.iter().map(|(of_edge, _)| *of_edge);
+        let (mut left_out, mut index) = (left_out.peekable(), 0);
+        contacts.retain(|_| {
+            let stays = left_out.next_if_eq(&index).is_none();
+            index += 1;
+            stays
+        });
+    }
+}
+
+/// Whether a contact holds a body over a flat face of the other: what holds it over an edge may itself be a seam.
+fn is_face(contact: &Contact, slot: u32, shapes: &[Shape], colliders: &[Option<(Collider, WorldVec3)>]) -> bool {
+    let other = usize::from(contact.slots[0] == slot);
+    let [Some((collider, _)), Some((second, _))] =
+        [other, 1].map(|which| colliders[contact.slots[which] as usize].as_ref())
+    else {
+        return false;
+    };
+    let number = numbers(contact.part, second.geometry.parts())[other];
+    let (_, inner, part) = collider.geometry.part_of(number);
+    let at = shapes[contact.slots[other] as usize].placement.then(&inner);
+    part.has_face(at.orientation.rotate_back(normal_of(contact, slot)))
+}
+
+/// The normal of a contact towards a body.
+fn normal_of(contact: &Contact, slot: u32) -> Vec3<Real> {
+    let [x, y, z, ..] = contact.numbers[SHAPE].0;
+    let normal = Vec3::new(x, y, z);
+    if contact.slots[1] == slot { normal } else { normal * -1.0 }
+}

@@ -1,0 +1,123 @@
+use crate::collision::collider_error::ColliderError;
+use crate::math::Real;
+
+/// What the surface of a [`Collider`](crate::Collider) is like. Rules and fields are those of KHR_physics_rigid_bodies, and resistance to rolling.
+///
+/// ```
+/// use tumble::{Collider, Material, Shape};
+///
+/// let ice = Material { friction_combine: tumble::Combine::Minimum, ..Material::new(0.02, 0.0) };
+/// let puck = Collider::new(&Shape::cuboid([0.04, 0.04, 0.04]))?.with_material(ice)?;
+/// assert_eq!(puck.material().dynamic_friction, 0.02);
+/// # Ok::<(), tumble::ColliderError>(())
+/// ```
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Material {
+    /// Coefficient of friction while nothing slides: it begins to at a force of this times the normal force.
+    pub static_friction: Real,
+    /// Coefficient of friction of what slides.
+    pub dynamic_friction: Real,
+    /// Speed after a bounce over speed before it, from 0 to 1.
+    pub restitution: Real,
+    /// Resistance to rolling as a length \[m\]: the torque it resists with is this times the normal force. Of two surfaces the greater counts.
+    pub rolling_friction: Real,
+    /// How the coefficients of friction of two surfaces become one.
+    pub friction_combine: Combine,
+    /// How the restitutions of two surfaces become one.
+    pub restitution_combine: Combine,
+}
+
+impl Default for Material {
+    /// Friction of one half, no bounce.
+    fn default() -> Self {
+        Self::new(0.5, 0.0)
+    }
+}
+
+impl Material {
+    /// A surface with one coefficient of friction.
+    #[must_use]
+    pub fn new(friction: Real, restitution: Real) -> Self {
+        Self {
+            static_friction: friction,
+            dynamic_friction: friction,
+            restitution,
+            rolling_friction: 0.0,
+            friction_combine: Combine::Average,
+            restitution_combine: Combine::Average,
+        }
+    }
+
+    pub(crate) fn check(&self) -> Result<(), ColliderError> {
+        let numbers = [
+            ("static_friction", self.static_friction, Real::MAX),
+            ("dynamic_friction", self.dynamic_friction, Real::MAX),
+            ("restitution", self.restitution, 1.0),
+            ("rolling_friction", self.rolling_friction, Real::MAX),
+        ];
+        match numbers.into_iter().find(|(_, value, most)| !(0.0..=*most).contains(value)) {
+            Some((field, value, most)) => Err(ColliderError::Material { field, value, most }),
+            None => Ok(()),
+        }
+    }
+}
+
+/// How two coefficients become one. Where two surfaces ask for different ways, the first of them in this order counts.
+///
+/// ```
+/// use tumble::Combine;
+///
+/// assert_eq!(Combine::of((0.5, Combine::Multiply), (0.25, Combine::Minimum)), 0.25);
+/// assert_eq!(Combine::of((0.5, Combine::Multiply), (0.25, Combine::Multiply)), 0.125);
+/// ```
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Combine {
+    /// Their mean.
+    #[default]
+    Average,
+    /// The smaller.
+    Minimum,
+    /// The larger.
+    Maximum,
+    /// Their product.
+    Multiply,
+}
+
+impl Combine {
+    /// One coefficient out of two surfaces'.
+    #[must_use]
+    pub fn of((a, way_a): (Real, Self), (b, way_b): (Real, Self)) -> Real {
+        match way_a.min(way_b) {
+            Self::Average => 0.5 * (a + b),
+            Self::Minimum => a.min(b),
+            Self::Maximum => a.max(b),
+            Self::Multiply => a * b,
+        }
+    }
+}
+
+/// Two surfaces that touch.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Surface {
+    pub(crate) static_friction: Real,
+    pub(crate) dynamic_friction: Real,
+    pub(crate) restitution: Real,
+    pub(crate) rolling_friction: Real,
+}
+
+impl Surface {
+    pub(crate) fn between(a: &Material, b: &Material) -> Self {
+        // Infinite it would hold, with no impulse at all, what does not touch.
+        let friction = |of: fn(&Material) -> Real| {
+            Combine::of((of(a), a.friction_combine), (of(b), b.friction_combine)).min(Real::MAX)
+        };
+        let dynamic_friction = friction(|material| material.dynamic_friction);
+        Self {
+            // What is easier to start than to keep going would be neither.
+            static_friction: friction(|material| material.static_friction).max(dynamic_friction),
+            dynamic_friction,
+            restitution: Combine::of((a.restitution, a.restitution_combine), (b.restitution, b.restitution_combine)),
+            rolling_friction: a.rolling_friction.max(b.rolling_friction),
+        }
+    }
+}

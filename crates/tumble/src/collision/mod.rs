@@ -1,0 +1,33 @@
+//! Contacts: bodies with colliders that touch push each other.
+//!
+//! Once a step, or a substep of the settings: bodies with colliders are gathered in the order of [`BodyId`](crate::BodyId), those near each other found, and
+//! each touching pair becomes a [`Contact`](contact::Contact). Then momenta and poses of all bodies that touch something are advanced together in substeps: forces, a pass that
+//! pushes bodies apart, free motion, a pass that takes the push's velocity out again and adds friction ("Small Steps in Physics Simulation", M. Macklin and others,
+//! SCA 2019; E. Catto, "Solver2D", 2024). What touches nothing is left to the integrator of the settings.
+
+pub(crate) mod body_key;
+pub(crate) mod collider;
+pub(crate) mod collider_error;
+pub(crate) mod collider_shape;
+pub(crate) mod compound_parts;
+pub(crate) mod contact;
+pub(crate) mod contact_cache;
+pub(crate) mod contact_events;
+pub(crate) mod contact_materials;
+pub(crate) mod find_contacts;
+pub(crate) mod internal_edges;
+pub(crate) mod material;
+pub(crate) mod narrow_phase;
+pub(crate) mod pair_limit;
+pub(crate) mod saved_contacts;
+pub(crate) mod speculative;
+pub(crate) mod update_aabbs;
+
+use hecs::World;
+
+use crate::collision::collider::Collider;
+
+/// Whether anything in a world can touch anything.
+pub(crate) fn are_in(world: &World) -> bool {
+    world.archetypes().any(|archetype| !archetype.is_empty() && archetype.has::<Collider>())
+}

@@ -1,0 +1,351 @@
+use std::ops::Range;
+
+use rayon::prelude::*;
+use tumble_collide::lanes::{CuboidLanes, ManifoldLanes, ball_pair, cuboid_gap, cuboid_pair};
+use tumble_collide::{Geometry, MOST_POINTS, Placement};
+use tumble_math::lane::{Quat, Vec3};
+
+use crate::collision::contact::{CENTERS, Contact, HELD, MATERIAL, POINTS, REFINED, RUBBED, SHAPE};
+use crate::math::Real;
+use crate::simd::block_lanes::put;
+use crate::simd::{BLOCK, Eight, Kernel, Tile, dispatch_in_blocks, gather};
+use crate::threads::InParts;
+
+/// Where shapes are whose pairs are tested in lanes, by slot.
+#[derive(Clone, Default)]
+pub(crate) struct Shapes {
+    /// Position of the shape's origin, and its orientation.
+    places: Vec<Eight>,
+    /// Half extents, or a radius, the shape's origin from the body's centre of mass, world frame, how far it looks for others, and how
+    /// near they are a contact, which is zero of what impulses do not move.
+    sizes: Vec<Eight>,
+}
+
+/// Which lanes a shape is for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub(crate) enum Kind {
+    Cuboid,
+    Ball,
+    /// None: pairs with it are tested one by one.
+    Other,
+}
+
+impl Kind {
+    pub(crate) fn of(geometry: &Geometry<Real>) -> Self {
+        match geometry {
+            Geometry::Cuboid { .. } => Self::Cuboid,
+            Geometry::Ball { .. } => Self::Ball,
+            _ => Self::Other,
+        }
+    }
+
+    /// Of a pair.
+    pub(crate) fn both(first: Self, second: Self) -> Self {
+        if first == second { first } else { Self::Other }
+    }
+}
+
+impl Shapes {
+    pub(crate) fn reset(&mut self, count: usize) {
+        for rows in [&mut self.places, &mut self.sizes] {
+            rows.clear();
+            // One more, for lanes without a pair.
+            rows.resize(count + 1, Eight::ZERO);
+        }
+    }
+
+    /// A slot without pairs.
+    fn nobody(&self) -> u32 {
+        (self.places.len() - 1) as u32
+    }
+
+    /// Some slots, to be set.
+    pub(crate) fn part(&mut self, slots: Range<usize>) -> ShapesPart<'_> {
+        ShapesPart { places: &mut self.places[slots.clone()], sizes: &mut self.sizes[slots] }
+    }
+}
+
+/// Some neighbouring slots.
+pub(crate) struct ShapesPart<'a> {
+    places: &'a mut [Eight],
+    sizes: &'a mut [Eight],
+}
+
+impl ShapesPart<'_> {
+    /// The first `middle`, and the others.
+    pub(crate) fn split_at(self, middle: usize) -> (Self, Self) {
+        let (places, other_places) = self.places.split_at_mut(middle);
+        let (sizes, other_sizes) = self.sizes.split_at_mut(middle);
+        (Self { places, sizes }, Self { places: other_places, sizes: other_sizes })
+    }
+
+    pub(crate) fn set(
+        &mut self,
+        slot: usize,
+        geometry: &Geometry<Real>,
+        at: &Placement<Real>,
+        center: Vec3<Real>,
+        (reach, margin): (Real, Real),
+    ) {
+        let (x, q, offset) = (at.position, at.orientation, at.position - center);
+        let size = match *geometry {
+            Geometry::Cuboid { half_extents } => half_extents,
+            Geometry::Ball { radius } => Vec3::new(radius, 0.0, 0.0),
+            _ => Vec3::zero(),
+        };
+        self.places[slot] = Eight([x.x, x.y, x.z, q.x, q.y, q.z, q.w, 0.0]);
+        self.sizes[slot] = Eight([size.x, size.y, size.z, offset.x, offset.y, offset.z, reach, margin]);
+    }
+}
+
+/// Blocks of pairs that one thread tests at a time.
+const PART: usize = 32;
+
+/// Pairs of one kind, in blocks, and what was found out about them.
+#[derive(Clone, Default)]
+pub(crate) struct Pairs {
+    pairs: Vec<[u32; 2]>,
+    blocks: Vec<[[u32; BLOCK]; 2]>,
+    gaps: Vec<Real>,
+}
+
+impl Pairs {
+    pub(crate) fn clear(&mut self) {
+        self.pairs.clear();
+    }
+
+    pub(crate) fn push(&mut self, pair: [u32; 2]) {
+        self.pairs.push(pair);
+    }
+
+    /// Writes contacts of the pairs that may touch, in their order, over those from `begin` on. Returns their end, and whether there are some without points among them.
+    pub(crate) fn touch(
+        &mut self,
+        kind: Kind,
+        shapes: &Shapes,
+        contacts: &mut Vec<Contact>,
+        begin: usize,
+    ) -> (usize, bool) {
+        self.fill_blocks(shapes.nobody());
+        self.gaps.clear();
+        self.gaps.resize(self.blocks.len() * BLOCK, 0.0);
+        let parts = self.blocks.par_chunks(PART).zip(self.gaps.par_chunks_mut(PART * BLOCK));
+        parts.by_at_least(1).for_each(|(blocks, gaps)| match kind {
+            Kind::Cuboid => dispatch_in_blocks(&mut CuboidGaps { blocks, shapes, gaps }),
+            _ => dispatch_in_blocks(&mut BallGaps { blocks, shapes, gaps }),
+        });
+        let mut gaps = self.gaps.iter();
+        // What is not a number is not near.
+        self.pairs.retain(|_| gaps.next().is_some_and(|gap| *gap <= 0.0));
+        self.fill_blocks(shapes.nobody());
+
+        // What is there is not cleared first: many contacts are more than caches hold, and this way they are written once.
+        let end = begin + self.blocks.len() * BLOCK;
+        if contacts.len() < end {
+            contacts.resize(end, Contact::NONE);
+        }
+        let parts = self.blocks.par_chunks(PART).zip(contacts[begin..end].par_chunks_mut(PART * BLOCK));
+        let parts = parts.zip(self.pairs.par_chunks(PART * BLOCK)).by_at_least(1).map(|((blocks, found), pairs)| {
+            match kind {
+                Kind::Cuboid => dispatch_in_blocks(&mut CuboidContacts { blocks, shapes, found }),
+                _ => dispatch_in_blocks(&mut BallContacts { blocks, shapes, found }),
+            }
+            let found = &mut found[..pairs.len()];
+            found.iter_mut().for_each(|contact| contact.begin(kind));
+            found.iter().any(|contact| contact.count() == 0)
+        });
+        (begin + self.pairs.len(), parts.reduce(|| false, |some, others| some | others))
+    }
+
+    fn fill_blocks(&mut self, nobody: u32) {
+        self.blocks.clear();
+        self.blocks.extend(self.pairs.chunks(BLOCK).map(|chunk| {
+            let mut block = [[nobody; BLOCK]; 2];
+            for (lane, [first, second]) in chunk.iter().enumerate() {
+                (block[0][lane], block[1][lane]) = (*first, *second);
+            }
+            block
+        }));
+    }
+}
+
+struct CuboidGaps<'a> {
+    blocks: &'a [[[u32; BLOCK]; 2]],
+    shapes: &'a Shapes,
+    gaps: &'a mut [Real],
+}
+
+impl Kernel for CuboidGaps<'_> {
+    #[inline(always)]
+    fn len(&self) -> usize {
+        self.gaps.len()
+    }
+
+    #[inline(always)]
+    fn tile<T: Tile>(&mut self, i: usize) {
+        let (rows, lane) = (&self.blocks[i / BLOCK], i % BLOCK);
+        let (first, a, place) = cuboids::<T>(self.shapes, &rows[0], lane);
+        let (second, b, other) = cuboids::<T>(self.shapes, &rows[1], lane);
+        T::store([cuboid_gap(&first, &second, b - a) - (place.reach + other.reach)], &mut self.gaps[i..]);
+    }
+}
+
+struct BallGaps<'a> {
+    blocks: &'a [[[u32; BLOCK]; 2]],
+    shapes: &'a Shapes,
+    gaps: &'a mut [Real],
+}
+
+impl Kernel for BallGaps<'_> {
+    #[inline(always)]
+    fn len(&self) -> usize {
+        self.gaps.len()
+    }
+
+    #[inline(always)]
+    fn tile<T: Tile>(&mut self, i: usize) {
+        let (rows, lane) = (&self.blocks[i / BLOCK], i % BLOCK);
+        let (first, a, place) = balls::<T>(self.shapes, &rows[0], lane);
+        let (second, b, other) = balls::<T>(self.shapes, &rows[1], lane);
+        let apart = b - a;
+        T::store([apart.dot(apart).sqrt() - (first + second) - (place.reach + other.reach)], &mut self.gaps[i..]);
+    }
+}
+
+struct CuboidContacts<'a> {
+    blocks: &'a [[[u32; BLOCK]; 2]],
+    shapes: &'a Shapes,
+    found: &'a mut [Contact],
+}
+
+impl Kernel for CuboidContacts<'_> {
+    #[inline(always)]
+    fn len(&self) -> usize {
+        self.found.len()
+    }
+
+    #[inline(always)]
+    fn tile<T: Tile>(&mut self, i: usize) {
+        let (rows, lane) = (&self.blocks[i / BLOCK], i % BLOCK);
+        let (first, a, place) = cuboids::<T>(self.shapes, &rows[0], lane);
+        let (second, b, other) = cuboids::<T>(self.shapes, &rows[1], lane);
+        let manifold = cuboid_pair(&first, &second, b - a, place.reach + other.reach);
+        write(
+            &manifold,
+            other.offset,
+            T::splat(MATERIAL),
+            [place.margin, other.margin],
+            &mut self.found[i..],
+            rows,
+            lane,
+        );
+    }
+}
+
+struct BallContacts<'a> {
+    blocks: &'a [[[u32; BLOCK]; 2]],
+    shapes: &'a Shapes,
+    found: &'a mut [Contact],
+}
+
+impl Kernel for BallContacts<'_> {
+    #[inline(always)]
+    fn len(&self) -> usize {
+        self.found.len()
+    }
+
+    #[inline(always)]
+    fn tile<T: Tile>(&mut self, i: usize) {
+        let (rows, lane) = (&self.blocks[i / BLOCK], i % BLOCK);
+        let (first, a, place) = balls::<T>(self.shapes, &rows[0], lane);
+        let (second, b, other) = balls::<T>(self.shapes, &rows[1], lane);
+        let manifold = ball_pair(first, second, b - a, place.reach + other.reach);
+        // Balls that are not about their centres of mass wobble.
+        let off = place.offset.dot(place.offset) + other.offset.dot(other.offset);
+        let law = T::select(T::splat(0.0).lt(off), T::splat(REFINED), T::splat(CENTERS));
+        write(&manifold, other.offset, law, [place.margin, other.margin], &mut self.found[i..], rows, lane);
+    }
+}
+
+/// Of the shapes of a tile.
+struct Place<T> {
+    /// From their bodies' centres of mass to their origins \[m\].
+    offset: Vec3<T>,
+    /// How far they look for others \[m\].
+    reach: T,
+    /// The same but for how fast they go \[m\]; zero of what impulses do not move.
+    margin: T,
+}
+
+/// A tile's boxes, and where they are.
+#[inline(always)]
+fn cuboids<T: Tile>(shapes: &Shapes, slots: &[u32; BLOCK], lane: usize) -> (CuboidLanes<T>, Vec3<T>, Place<T>) {
+    let [x, y, z, qx, qy, qz, qw] = gather(&shapes.places, slots, lane);
+    let [a, b, c, u, v, w, reach, margin] = gather(&shapes.sizes, slots, lane);
+    let orientation = Quat { x: qx, y: qy, z: qz, w: qw };
+    let place = Place { offset: Vec3::new(u, v, w), reach, margin };
+    (CuboidLanes { half_extents: Vec3::new(a, b, c), orientation }, Vec3::new(x, y, z), place)
+}
+
+/// A tile's radii, and where the balls are.
+#[inline(always)]
+fn balls<T: Tile>(shapes: &Shapes, slots: &[u32; BLOCK], lane: usize) -> (T, Vec3<T>, Place<T>) {
+    let [x, y, z, _] = gather(&shapes.places, slots, lane);
+    let [radius, _, _, u, v, w, reach, margin] = gather(&shapes.sizes, slots, lane);
+    (radius, Vec3::new(x, y, z), Place { offset: Vec3::new(u, v, w), reach, margin })
+}
+
+/// Writes a tile's manifolds as contacts; `offset` goes from the second bodies' centres of mass to their shapes' origins.
+#[inline(always)]
+fn write<T: Tile>(
+    manifold: &ManifoldLanes<T>,
+    offset: Vec3<T>,
+    law: T,
+    margins: [T; 2],
+    found: &mut [Contact],
+    rows: &[[u32; BLOCK]; 2],
+    lane: usize,
+) {
+    let zero = T::splat(0.0);
+    let n = manifold.normal;
+    let mut numbers = [[Eight::ZERO; BLOCK]; 3];
+    T::store([n.x, n.y, n.z, manifold.carried, manifold.count, zero, zero, law], &mut numbers[SHAPE]);
+    // As `Second::share` has it.
+    let share = T::select(zero.lt(margins[0]), manifold.carried, T::splat(1.0));
+    let (mut shares, mut margin) = ([0.0; BLOCK], [0.0; BLOCK]);
+    put(share, &mut shares, 0);
+    put(margins[0] + margins[1], &mut margin, 0);
+    let mut half = 0;
+    while half < POINTS.len() {
+        let (j, k) = (2 * half, 2 * half + 1);
+        let (s, t) = (manifold.separations[j], manifold.separations[k]);
+        let to_surface = share - T::splat(0.5);
+        let (a, b) = (manifold.places[j] + n * (s * to_surface), manifold.places[k] + n * (t * to_surface));
+        let (a, b) = (a + offset, b + offset);
+        T::store([a.x, a.y, a.z, s, b.x, b.y, b.z, t], &mut numbers[POINTS[half]]);
+        half += 1;
+    }
+    let mut features = [[0.0; BLOCK]; MOST_POINTS];
+    let mut j = 0;
+    while j < MOST_POINTS {
+        put(manifold.features[j], &mut features[j], 0);
+        j += 1;
+    }
+    let mut i = 0;
+    while i < T::WIDTH {
+        let contact = &mut found[i];
+        contact.slots = [rows[0][lane + i], rows[1][lane + i]];
+        (contact.numbers[HELD].0[7], contact.numbers[RUBBED].0[6]) = (shares[i], margin[i]);
+        let mut which = 0;
+        while which < numbers.len() {
+            contact.numbers[which] = numbers[which][i];
+            which += 1;
+        }
+        let mut j = 0;
+        while j < MOST_POINTS {
+            contact.features[j] = features[j][i] as u32;
+            j += 1;
+        }
+        i += 1;
+    }
+}

@@ -1,0 +1,150 @@
+//! A limit on the pairs of a body, so that many bodies in one place take time and memory that go with their number and not with its square.
+
+use tumble_collide::Proxy;
+
+use crate::collision::find_contacts::{Contacts, Shape};
+use crate::collision::narrow_phase::Kind;
+use crate::math::Real;
+
+/// A body with more pairs than this is in a crowd. Around a ball there is room for twelve that touch it, and for some sixty within twice its own size.
+const MOST_PAIRS: usize = 64;
+
+/// Most pairs of a body, on average, that are listed: where there are more, as in one place, they are gone through without a list.
+const MOST_LISTED: usize = 2 * MOST_PAIRS;
+/// Where there are fewer bodies, as many as of these.
+const FEW_BODIES: usize = 1024;
+
+/// How many pairs of bodies the broad phase may list.
+pub(crate) fn most_listed(bodies: usize) -> usize {
+    MOST_LISTED * bodies.max(FEW_BODIES)
+}
+
+/// What the limit is found out with.
+#[derive(Clone, Default)]
+pub(crate) struct Crowds {
+    /// By slot, how many pairs it is in.
+    counts: Vec<u32>,
+    /// Of pairs between two that are in a crowd, once for each of them: whose, how far apart, and with whom.
+    crowded: Vec<(u32, Real, u32)>,
+    /// Those that are kept, the lower slot first.
+    kept: Vec<[u32; 2]>,
+    pub(crate) left_out: usize,
+}
+
+impl Crowds {
+    /// Leaves out pairs of crowds.
+    pub(crate) fn thin_out(&mut self, near: &mut [Vec<(Kind, [u32; 2])>], proxies: &[Proxy<Real>]) {
+        let Self { counts, crowded, kept, left_out } = self;
+        *left_out = 0;
+        if near.iter().map(Vec::len).sum::<usize>() <= MOST_PAIRS {
+            return;
+        }
+        counts.clear();
+        counts.resize(proxies.len(), 0);
+        let all = || near.iter().flatten().map(|(_, slots)| *slots);
+        all().flatten().for_each(|slot| counts[slot as usize] += 1);
+        // What has no end is ground: it takes no part in a crowd.
+        let in_crowd =
+            |slot: u32| counts[slot as usize] as usize > MOST_PAIRS && proxies[slot as usize].bounds.is_some();
+        let are_crowded = |[a, b]: [u32; 2]| in_crowd(a) && in_crowd(b);
+        crowded.clear();
+        for [a, b] in all().filter(|slots| are_crowded(*slots)) {
+            let apart = apart(&proxies[a as usize], &proxies[b as usize]);
+            crowded.extend([(a, apart, b), (b, apart, a)]);
+        }
+        if crowded.is_empty() {
+            return;
+        }
+        crowded.sort_unstable_by(|x, y| x.0.cmp(&y.0).then(x.1.total_cmp(&y.1)).then(x.2.cmp(&y.2)));
+        kept.clear();
+        for of_one in crowded.chunk_by(|x, y| x.0 == y.0) {
+            kept.extend(of_one.iter().take(MOST_PAIRS).map(|&(a, _, b)| [a.min(b), a.max(b)]));
+        }
+        kept.sort_unstable();
+        for part in near {
+            let before = part.len();
+            part.retain(|&(_, [a, b])| !are_crowded([a, b]) || kept.binary_search(&[a.min(b), a.max(b)]).is_ok());
+            *left_out += before - part.len();
+        }
+        // A crowd is an accident, and what it took is not kept for it.
+        *crowded = Vec::new();
+        *kept = Vec::new();
+    }
+}
+
+/// The nearest of one in a crowd, in order: how far apart, and with whom.
+type Nearest = Vec<(Real, u32)>;
+
+/// Takes one in where it is among the nearest.
+fn offer(nearest: &mut Nearest, apart: Real, other: u32) {
+    let place = nearest.partition_point(|known| known.0.total_cmp(&apart).then(known.1.cmp(&other)).is_lt());
+    if place < MOST_PAIRS {
+        nearest.truncate(MOST_PAIRS - 1);
+        nearest.insert(place, (apart, other));
+    }
+}
+
+/// How far the boxes of two are apart along the axis where they are furthest \[m\], negative where they overlap.
+fn apart(a: &Proxy<Real>, b: &Proxy<Real>) -> Real {
+    let (Some(a), Some(b)) = (&a.bounds, &b.bounds) else { return Real::NEG_INFINITY };
+    let [p, q] = [b.low - a.high, a.low - b.high];
+    p.x.max(q.x).max(p.y.max(q.y)).max(p.z.max(q.z))
+}
+
+impl Contacts {
+    /// Finds the pairs that [`thin_out`](Crowds::thin_out) leaves where all are too many for a list: goes through them once to count and once to choose. All are in one part.
+    pub(crate) fn find_near_in_crowds(&mut self) {
+        let Self { shapes, proxies, groups, broad_phase, near, crowds, .. } = self;
+        let wanted = |a: u32, b: u32| groups[a as usize].touch(groups[b as usize]);
+        let are_near = |a: u32, b: u32| proxies[a as usize].is_near(&proxies[b as usize]);
+        let counts = &mut crowds.counts;
+        counts.clear();
+        counts.resize(proxies.len(), 0);
+        let mut all = 0;
+        broad_phase.for_each_pair(proxies, wanted, |a, b| {
+            if are_near(a, b) {
+                [a, b].into_iter().for_each(|slot| counts[slot as usize] += 1);
+                all += 1;
+            }
+        });
+        let counts = &crowds.counts;
+        let in_crowd =
+            |slot: u32| counts[slot as usize] as usize > MOST_PAIRS && proxies[slot as usize].bounds.is_some();
+        let mut nearest: Vec<Nearest> = vec![Nearest::new(); proxies.len()];
+        let mut kept = Vec::new();
+        broad_phase.for_each_pair(proxies, wanted, |a, b| {
+            if !are_near(a, b) {
+                return;
+            }
+            if in_crowd(a) && in_crowd(b) {
+                let apart = apart(&proxies[a as usize], &proxies[b as usize]);
+                offer(&mut nearest[a as usize], apart, b);
+                offer(&mut nearest[b as usize], apart, a);
+            } else {
+                kept.push([a, b]);
+            }
+        });
+        for (slot, nearest) in (0..).zip(&nearest) {
+            kept.extend(nearest.iter().map(|&(_, other)| [slot.min(other), slot.max(other)]));
+        }
+        kept.sort_unstable();
+        kept.dedup();
+        crowds.left_out = all - kept.len();
+        near.resize_with(near.len().max(1), Vec::new);
+        near[0].clear();
+        near[0].extend(kept.into_iter().map(|[a, b]| near_pair(shapes, proxies, (a, b))));
+    }
+
+    /// Leaves out what is too much of the pairs that were found near each other, in the given number of parts.
+    pub(crate) fn limit_near(&mut self, parts: usize) {
+        let Self { crowds, near, proxies, .. } = self;
+        crowds.thin_out(&mut near[..parts], proxies);
+    }
+}
+
+/// A pair with the kind of its shapes. Where impulses move only one of two, it is the second.
+pub(crate) fn near_pair(shapes: &[Shape], proxies: &[Proxy<Real>], (first, second): (u32, u32)) -> (Kind, [u32; 2]) {
+    let [p, q] = [&proxies[first as usize], &proxies[second as usize]];
+    let slots = if p.moves && !q.moves { [second, first] } else { [first, second] };
+    (Kind::both(shapes[first as usize].kind, shapes[second as usize].kind), slots)
+}

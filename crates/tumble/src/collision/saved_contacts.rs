@@ -1,0 +1,142 @@
+//! Contacts apart from the world that they were found in.
+
+use tumble_collide::MOST_POINTS;
+
+use crate::collision::body_key::Name;
+use crate::collision::collider::Collider;
+use crate::collision::contact::{Contact, HELD, MOST_HALVINGS, POINTS, RUBBED, SHAPE};
+use crate::collision::narrow_phase::Kind;
+use crate::math::Real;
+
+/// Contacts as the last step left them, between bodies by their names: what a step begins with beside the bodies, and what is reported of them.
+///
+/// Forces, materials and colours are recomputed in every step.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct SavedContacts {
+    /// Of the bodies that have contacts, in order, no two the same.
+    pub(crate) names: Vec<Name>,
+    /// Where their centres of mass were when the step began \[m\], one for each name.
+    pub(crate) centers: Vec<[Real; 3]>,
+    /// Whose slots are places among the names.
+    pub(crate) contacts: Vec<Contact>,
+    /// By slot, the place among the names.
+    pub(crate) places: Vec<u32>,
+}
+
+/// The numbers of a contact that a file has.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct SavedContact {
+    /// The bodies, as places among the names.
+    pub(crate) bodies: [u32; 2],
+    /// Which of the contacts of the two.
+    pub(crate) part: u32,
+    /// Whether they touched before this step.
+    pub(crate) touched: bool,
+    /// The normal from the first body to the second; impulse \[N s\] and angular impulse [N m s] of friction; how steady
+    /// effective masses were in the last substep, which share of the gap is before a point, the margin \[m\], and
+    /// how often the substeps of its island were halved.
+    pub(crate) numbers: [Real; Self::NUMBERS],
+    pub(crate) points: [SavedPoint; MOST_POINTS],
+    /// How many points there are.
+    pub(crate) count: usize,
+}
+
+/// A point of a contact.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(crate) struct SavedPoint {
+    /// Which features of the shapes meet.
+    pub(crate) feature: u32,
+    /// From the second body's centre of mass \[m\], separation \[m\], impulse along the normal \[N s\].
+    pub(crate) numbers: [Real; 5],
+}
+
+impl SavedContact {
+    pub(crate) const NUMBERS: usize = 13;
+    pub(crate) const MOST_HALVINGS: u8 = MOST_HALVINGS;
+
+    /// What contacts of a file are in the order of.
+    pub(crate) fn key(&self) -> (u32, u32, u32) {
+        let [a, b] = self.bodies;
+        (a.min(b), a.max(b), self.part)
+    }
+}
+
+impl SavedContacts {
+    pub(crate) fn clear(&mut self) {
+        self.names.clear();
+        self.centers.clear();
+        self.contacts.clear();
+    }
+
+    pub(crate) fn is_empty(&self) -> bool {
+        self.contacts.is_empty()
+    }
+
+    pub(crate) fn names(&self) -> &[Name] {
+        &self.names
+    }
+
+    pub(crate) fn centers(&self) -> &[[Real; 3]] {
+        &self.centers
+    }
+
+    /// The contacts in the order of their keys.
+    pub(crate) fn contacts(&self) -> Vec<SavedContact> {
+        let mut contacts: Vec<_> = self.contacts.iter().map(Contact::saved).collect();
+        contacts.sort_by_key(SavedContact::key);
+        contacts
+    }
+
+    /// What was read from a file: one centre for each name, and contacts between those.
+    pub(crate) fn new(names: Vec<Name>, centers: Vec<[Real; 3]>, contacts: &[SavedContact]) -> Self {
+        Self { names, centers, contacts: contacts.iter().map(Contact::of_saved).collect(), places: Vec::new() }
+    }
+
+    /// Bytes of memory that its buffers hold.
+    pub(crate) fn memory(&self) -> usize {
+        self.names.capacity() * size_of::<Name>()
+            + self.centers.capacity() * size_of::<[Real; 3]>()
+            + self.contacts.capacity() * size_of::<Contact>()
+            + self.places.capacity() * size_of::<u32>()
+    }
+}
+
+impl Contact {
+    /// What of it decides the next step, and what is reported of it; the rest is recomputed.
+    fn saved(&self) -> SavedContact {
+        let [x, y, z, ..] = self.numbers[SHAPE].0;
+        let [a, b, c, d, e, f, ..] = self.numbers[RUBBED].0;
+        let mut points = [SavedPoint::default(); MOST_POINTS];
+        for (j, point) in points.iter_mut().enumerate().take(self.count()) {
+            let place = &self.numbers[POINTS[j / 2]].0[j % 2 * 4..][..4];
+            point.feature = self.features[j];
+            point.numbers[..4].copy_from_slice(place);
+            point.numbers[4] = self.numbers[HELD].0[j];
+        }
+        let [.., steady, share] = self.numbers[HELD].0;
+        let numbers = [x, y, z, a, b, c, d, e, f, steady, share, self.margin(), Real::from(self.halvings())];
+        let (part, touched) = (self.part, self.touched);
+        SavedContact { bodies: self.slots, part, touched, numbers, points, count: self.count() }
+    }
+
+    fn of_saved(saved: &SavedContact) -> Self {
+        let mut contact = Self { slots: saved.bodies, part: saved.part, touched: saved.touched, ..Self::NONE };
+        contact.numbers[SHAPE].0[..3].copy_from_slice(&saved.numbers[..3]);
+        contact.numbers[SHAPE].0[4] = saved.count as Real;
+        contact.numbers[RUBBED].0[..6].copy_from_slice(&saved.numbers[3..9]);
+        contact.numbers[HELD].0[6..].copy_from_slice(&saved.numbers[9..11]);
+        contact.numbers[RUBBED].0[6..].copy_from_slice(&saved.numbers[11..]);
+        for (j, point) in saved.points.iter().enumerate().take(saved.count) {
+            contact.numbers[POINTS[j / 2]].0[j % 2 * 4..][..4].copy_from_slice(&point.numbers[..4]);
+            contact.numbers[HELD].0[j] = point.numbers[4];
+            contact.features[j] = point.feature;
+        }
+        contact
+    }
+
+    /// Says of which shapes it is; none are of a body that lost its collider.
+    pub(crate) fn set_kind(&mut self, [first, second]: [Option<&Collider>; 2]) {
+        let kind = |collider: Option<&Collider>| collider.map_or(Kind::Other, |it| Kind::of(&it.geometry));
+        self.kind = Kind::both(kind(first), kind(second));
+    }
+}

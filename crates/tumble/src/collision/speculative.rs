@@ -1,0 +1,469 @@
+//! What bodies meet on their ways through a step: contacts that they only would have if surfaces had no end are left out, and the others
+//! lie as they do when the bodies meet.
+//!
+//! A body that is stopped goes on along what stops it, so what it would have met behind is left out, and what is beside counts.
+
+use rayon::prelude::*;
+use tumble_collide::{Course, Follow, Geometry, Manifold, Meeting};
+use tumble_math::lane::Vec3;
+
+use crate::collision::collider::Collider;
+use crate::collision::compound_parts::numbers;
+use crate::collision::contact::{Contact, FIXED, MATERIAL, SHAPE, Second};
+use crate::collision::find_contacts::{Contacts, Motion, PART, Shape};
+use crate::collision::narrow_phase::Kind;
+use crate::math::{Real, Vec3 as WorldVec3};
+use crate::threads::InParts;
+
+/// Surfaces nearer than this part of their margin meet.
+const MEETING: Real = 0.25;
+/// What goes further past the other than this many margins in a step is gone along even where it is nearer than the margin.
+const FAST: Real = 4.0;
+/// A contact is as it was found where, until they meet, the bodies go past each other by less than this many margins, ...
+const BESIDE: f64 = 10.0;
+/// ... its normal is the same to this angle \[rad\], ...
+const SAME_NORMAL: f64 = 1e-2;
+/// ... and its plane to this part of the margin.
+const SAME_PLANE: f64 = 0.05;
+/// What turns by less about other axes than its own \[rad\] leaves points where they are on it.
+const ROLLS: Real = 0.2;
+/// How often a body may be stopped in a step and go on along what stopped it.
+const ROUNDS: usize = 3;
+/// Slower than this part of the way they go they do not approach what they go along.
+const ALONG: f64 = 1e-6;
+/// Encounters that one thread follows at a time.
+const FEW: usize = 4;
+
+/// Two parts of two bodies that may meet.
+struct Encounter<'a> {
+    slots: [u32; 2],
+    kind: Kind,
+    /// Numbers of the parts, and what they are.
+    numbers: [u32; 2],
+    geometries: [&'a Geometry<Real>; 2],
+    /// Of the parts in the bodies' colliders.
+    inner: [tumble_collide::Placement<Real>; 2],
+    /// Of a half-space, which has an end nowhere: when its plane is met.
+    plane: Option<Meeting>,
+    meetings: Vec<Meeting>,
+}
+
+/// A body on its way.
+struct Traveller {
+    slot: u32,
+    course: Course,
+    /// Outward normals of what has stopped it.
+    stops: Vec<Vec3<f64>>,
+    turned_off: f64,
+}
+
+/// What is known of the ways that two bodies go.
+#[derive(Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Way {
+    /// Their contact is as it was found.
+    Plain,
+    /// They get through the plane of their contact, that is further than the margin or passed fast.
+    Doubtful,
+    /// Balls that pass each other.
+    Passed,
+}
+
+impl Way {
+    fn of(contact: &Contact, shapes: [&Shape; 2], fall: Real) -> Self {
+        let gap = nearest(contact);
+        let is_doubtful = gap > 0.0 && is_doubtful(contact, gap, shapes, fall);
+        match (is_doubtful, contact.is_between_centers()) {
+            (false, _) => Self::Plain,
+            (true, false) => Self::Doubtful,
+            (true, true) if balls_pass(contact, gap, shapes, fall) => Self::Passed,
+            (true, true) => Self::Plain,
+        }
+    }
+}
+
+impl Contacts {
+    /// Goes along the ways of bodies that are about to get through the plane of a contact.
+    pub(crate) fn foresee(&mut self, fall: Real) {
+        let Self { contacts, shapes, colliders, ways, .. } = self;
+        let class = |contact: &Contact| Way::of(contact, contact.slots.map(|slot| &shapes[slot as usize]), fall);
+        ways.clear();
+        ways.resize(contacts.len(), Way::Plain);
+        let parts = ways.par_chunks_mut(PART).zip(contacts.par_chunks(PART));
+        parts.by_at_least(2).for_each(|(ways, contacts)| {
+            ways.iter_mut().zip(contacts).for_each(|(way, contact)| *way = class(contact));
+        });
+        if ways.iter().all(|way| *way == Way::Plain) {
+            return;
+        }
+        let mut encounters = encounters((contacts, ways), colliders, shapes);
+        let mut travellers = travellers(&encounters, shapes);
+        let view = View { shapes, colliders, fall };
+        view.meet(&mut encounters, &travellers);
+        let held = held_already((contacts, ways), &travellers, shapes);
+        for _ in 0..ROUNDS {
+            if !turn_off(&mut travellers, &encounters, &held, shapes) {
+                break;
+            }
+            view.meet_again(&mut encounters, &travellers);
+        }
+        let (mut ways, mut before) = (ways.iter(), Vec::new());
+        contacts.retain(|contact| {
+            let way = ways.next();
+            if way == Some(&Way::Doubtful) {
+                before.push(contact.clone());
+            }
+            way == Some(&Way::Plain)
+        });
+        for encounter in &encounters {
+            view.add(encounter, &travellers, &before, contacts);
+        }
+        if !encounters.is_empty() {
+            contacts.sort_by_key(Contact::key);
+        }
+    }
+}
+
+fn nearest(contact: &Contact) -> Real {
+    (0..contact.count()).fold(Real::INFINITY, |least, j| least.min(contact.separation(j)))
+}
+
+fn length(v: Vec3<Real>) -> Real {
+    v.dot(v).sqrt()
+}
+
+/// Whether two bodies get through the plane of their contact, that is further than the margin or passed fast.
+fn is_doubtful(contact: &Contact, gap: Real, shapes: [&Shape; 2], fall: Real) -> bool {
+    let [x, y, z, ..] = contact.numbers[SHAPE].0;
+    let normal = Vec3::new(x, y, z);
+    let [Motion { way: a, turn: s, radius: r, .. }, Motion { way: b, turn: t, radius: q, .. }] =
+        shapes.map(|shape| shape.motion);
+    let way = b - a;
+    let turned = [normal.cross(s), normal.cross(t)].map(length);
+    let swing = [if turned[0] > 0.0 { turned[0] * r } else { 0.0 }, if turned[1] > 0.0 { turned[1] * q } else { 0.0 }];
+    let margin = contact.margin();
+    // The plane turns with the bodies.
+    let tilt = (length(s) + length(t)) * (gap + length(way));
+    let through = gap + normal.dot(way) - swing[0] - swing[1] - tilt < fall;
+    through && (gap > margin || length(way) + swing[0] + swing[1] > FAST * margin)
+}
+
+/// Whether two balls stay further apart than the margin on their ways, which for balls are lines.
+fn balls_pass(contact: &Contact, gap: Real, [first, second]: [&Shape; 2], fall: Real) -> bool {
+    let apart = second.center - first.center;
+    let way = second.motion.way - first.motion.way;
+    let moment = (-apart.dot(way) / way.dot(way)).clamp(0.0, 1.0);
+    let radii = length(apart) - gap;
+    length(apart + way * moment) - radii > contact.margin() + fall
+}
+
+/// Those of doubtful contacts, each once.
+fn encounters<'a>(
+    (contacts, ways): (&[Contact], &[Way]),
+    colliders: &'a [Option<(Collider, WorldVec3)>],
+    shapes: &[Shape],
+) -> Vec<Encounter<'a>> {
+    let mut encounters: Vec<Encounter<'a>> = Vec::new();
+    for (contact, _) in contacts.iter().zip(ways).filter(|(_, way)| **way == Way::Doubtful) {
+        let [Some((a, _)), Some((b, _))] = contact.slots.map(|slot| colliders[slot as usize].as_ref()) else {
+            continue;
+        };
+        let [first, second] = numbers(contact.part, b.geometry.parts());
+        let [(first, at, one), (second, other_at, other)] = [a.geometry.part_of(first), b.geometry.part_of(second)];
+        let is_known = |known: &Encounter<'_>| known.slots == contact.slots && known.numbers == [first, second];
+        // Contacts of one pair of bodies follow each other.
+        let of_pair = encounters.iter().rev().take_while(|known| known.slots == contact.slots);
+        if !of_pair.into_iter().any(is_known) {
+            encounters.push(Encounter {
+                slots: contact.slots,
+                kind: contact.kind,
+                numbers: [first, second],
+                geometries: [one, other],
+                inner: [at, other_at],
+                plane: [one, other]
+                    .contains(&&Geometry::HalfSpace)
+                    .then(|| plane(contact, contact.slots.map(|slot| &shapes[slot as usize]))),
+                meetings: Vec::new(),
+            });
+        }
+    }
+    encounters
+}
+
+/// When the plane of a contact is met.
+fn plane(contact: &Contact, shapes: [&Shape; 2]) -> Meeting {
+    let normal = normal(contact);
+    let way = wide(shapes[1].motion.way - shapes[0].motion.way);
+    let (gap, along) = (f64::from(nearest(contact)), -normal.dot(way));
+    Meeting { moment: if along > gap { gap / along } else { 1.0 }, is_hit: along > gap, distance: 0.0, normal }
+}
+
+fn is_surface(geometry: &Geometry<Real>) -> bool {
+    matches!(geometry, Geometry::Mesh(_) | Geometry::HeightField(_))
+}
+
+fn normal(contact: &Contact) -> Vec3<f64> {
+    let [x, y, z, ..] = contact.numbers[SHAPE].0;
+    wide(Vec3::new(x, y, z))
+}
+
+/// The bodies of encounters, by slot.
+fn travellers(encounters: &[Encounter<'_>], shapes: &[Shape]) -> Vec<Traveller> {
+    let mut slots: Vec<u32> = encounters.iter().flat_map(|encounter| encounter.slots).collect();
+    slots.sort_unstable();
+    slots.dedup();
+    let traveller = |slot: u32| {
+        let Shape { placement, center, motion, .. } = &shapes[slot as usize];
+        let course = Course::new(placement, *center, motion.way, motion.turn);
+        Traveller { slot, course, stops: Vec::new(), turned_off: 0.0 }
+    };
+    slots.into_iter().map(traveller).collect()
+}
+
+fn find(travellers: &[Traveller], slot: u32) -> usize {
+    travellers.partition_point(|traveller| traveller.slot < slot)
+}
+
+/// What holds travellers from the beginning: who, what else, and the outward normal.
+fn held_already(
+    (contacts, ways): (&[Contact], &[Way]),
+    travellers: &[Traveller],
+    shapes: &[Shape],
+) -> Vec<(usize, u32, Vec3<f64>)> {
+    let mut held = Vec::new();
+    if travellers.is_empty() {
+        return held;
+    }
+    for (contact, way) in contacts.iter().zip(ways) {
+        let [a, b] = contact.slots;
+        let (slot, other, sign) = match [a, b].map(|slot| shapes[slot as usize].moves) {
+            [true, false] => (a, b, -1.0),
+            [false, true] => (b, a, 1.0),
+            _ => continue,
+        };
+        if *way == Way::Doubtful || nearest(contact) > contact.margin() {
+            continue;
+        }
+        let place = find(travellers, slot);
+        if travellers.get(place).is_some_and(|traveller| traveller.slot == slot) {
+            held.push((place, other, normal(contact) * sign));
+        }
+    }
+    held
+}
+
+/// How far a body goes in a step at a moment.
+fn linear(travellers: &[Traveller], shapes: &[Shape], slot: u32, moment: f64) -> Vec3<f64> {
+    match travellers.get(find(travellers, slot)).filter(|traveller| traveller.slot == slot) {
+        Some(traveller) => traveller.course.linear(moment),
+        None => wide(shapes[slot as usize].motion.way),
+    }
+}
+
+fn wide(v: Vec3<Real>) -> Vec3<f64> {
+    Vec3::new(v.x.into(), v.y.into(), v.z.into())
+}
+
+/// When a body is stopped, how it goes on, and the normals of what has stopped it.
+type Change = (f64, Vec3<f64>, Vec<Vec3<f64>>);
+
+/// Lets those that are stopped for the next time go on along what stops them; whether there are any.
+fn turn_off(
+    travellers: &mut [Traveller],
+    encounters: &[Encounter<'_>],
+    held: &[(usize, u32, Vec3<f64>)],
+    shapes: &[Shape],
+) -> bool {
+    // By traveller: when, by whom, and the outward normal.
+    let mut stops: Vec<Vec<(f64, u32, Vec3<f64>)>> = travellers.iter().map(|_| Vec::new()).collect();
+    for (place, other, normal) in held {
+        stops[*place].push((0.0, *other, *normal));
+    }
+    for encounter in encounters {
+        let [a, b] = encounter.slots;
+        for met in encounter.meetings.iter().filter(|met| met.is_hit) {
+            // What impulses move may be left out of the step later, and would have had a say in that of others.
+            if !shapes[b as usize].moves {
+                stops[find(travellers, a)].push((met.moment, b, met.normal * -1.0));
+            }
+            if !shapes[a as usize].moves {
+                stops[find(travellers, b)].push((met.moment, a, met.normal));
+            }
+        }
+    }
+    let mut changes: Vec<Option<Change>> = Vec::new();
+    for (traveller, stops) in travellers.iter().zip(&mut stops) {
+        changes.push(None);
+        if !shapes[traveller.slot as usize].moves {
+            continue;
+        }
+        stops.sort_by(|a, b| a.0.total_cmp(&b.0));
+        let stop =
+            stops.iter().filter(|(moment, ..)| *moment >= traveller.turned_off).find(|(moment, other, normal)| {
+                let (way, its) = (traveller.course.linear(*moment), linear(travellers, shapes, *other, *moment));
+                let most = (way.dot(way) + its.dot(its)).sqrt();
+                normal.dot(way - its) < -ALONG * most
+            });
+        let Some((moment, other, normal)) = stop else { continue };
+        let (way, its) = (traveller.course.linear(*moment), linear(travellers, shapes, *other, *moment));
+        let mut way = way - *normal * normal.dot(way - its);
+        let mut normals = traveller.stops.clone();
+        normals.push(*normal);
+        // Into a corner, it goes along none of the planes there but along their edge.
+        for _ in 0..ROUNDS {
+            for normal in &normals {
+                way = way - *normal * normal.dot(way - its).min(0.0);
+            }
+        }
+        if let Some(change) = changes.last_mut() {
+            *change = Some((*moment, way, normals));
+        }
+    }
+    let is_any = changes.iter().any(Option::is_some);
+    for (traveller, change) in travellers.iter_mut().zip(changes) {
+        if let Some((moment, way, normals)) = change {
+            traveller.course = traveller.course.turned_off(moment, way);
+            (traveller.turned_off, traveller.stops) = (moment, normals);
+        }
+    }
+    is_any
+}
+
+/// What is known of the bodies.
+struct View<'a> {
+    shapes: &'a [Shape],
+    colliders: &'a [Option<(Collider, WorldVec3)>],
+    fall: Real,
+}
+
+impl View<'_> {
+    fn margin(&self, slots: [u32; 2]) -> Real {
+        slots.iter().fold(0.0, |sum, slot| sum + self.shapes[*slot as usize].margin)
+    }
+
+    fn courses(&self, encounter: &Encounter<'_>, travellers: &[Traveller]) -> [Course; 2] {
+        let course = |which: usize| {
+            let traveller = &travellers[find(travellers, encounter.slots[which])];
+            traveller.course.of_part(&encounter.inner[which])
+        };
+        [course(0), course(1)]
+    }
+
+    fn find(&self, encounter: &Encounter<'_>, travellers: &[Traveller]) -> Option<Meeting> {
+        let [first, second] = self.courses(encounter, travellers);
+        let margin = self.margin(encounter.slots);
+        let slack = f64::from(margin + self.fall);
+        if encounter.plane.is_some() {
+            return encounter.plane;
+        }
+        Meeting::find(encounter.geometries, [&first, &second], f64::from(MEETING * margin), slack)
+    }
+
+    fn meet(&self, encounters: &mut [Encounter<'_>], travellers: &[Traveller]) {
+        encounters.par_chunks_mut(FEW).by_at_least(2).for_each(|encounters| {
+            for encounter in encounters {
+                encounter.meetings = self.find(encounter, travellers).into_iter().collect();
+            }
+        });
+    }
+
+    /// The same for those whose bodies have turned off before they met.
+    fn meet_again(&self, encounters: &mut [Encounter<'_>], travellers: &[Traveller]) {
+        encounters.par_chunks_mut(FEW).by_at_least(2).for_each(|encounters| {
+            for encounter in encounters {
+                let of = |slot: u32| &travellers[find(travellers, slot)];
+                let turned = encounter
+                    .slots
+                    .map(of)
+                    .map(|traveller| if traveller.stops.is_empty() { f64::INFINITY } else { traveller.turned_off });
+                let turned = f64::min(turned[0], turned[1]);
+                let is_over = |met: &Meeting| met.is_hit && met.moment <= turned;
+                if turned.is_finite() && !encounter.meetings.iter().any(is_over) {
+                    encounter.meetings = self.find(encounter, travellers).into_iter().collect();
+                }
+            }
+        });
+    }
+
+    /// Adds the contacts of an encounter; those there were `before` stay where they hold as well.
+    fn add(
+        &self,
+        encounter: &Encounter<'_>,
+        travellers: &[Traveller],
+        before: &[Contact],
+        contacts: &mut Vec<Contact>,
+    ) {
+        let Encounter { slots, kind, geometries, .. } = encounter;
+        let shapes = slots.map(|slot| &self.shapes[slot as usize]);
+        let [Some((a, _)), Some((b, _))] = slots.map(|slot| self.colliders[slot as usize].as_ref()) else { return };
+        let [first, second] = self.courses(encounter, travellers);
+        let (margin, parts) = (self.margin(*slots), b.geometry.parts());
+        let from = contacts.len();
+        let pair = (*kind, slots[0].min(slots[1]), slots[0].max(slots[1]), 0);
+        let before = &before[before.partition_point(|known| known.key() < pair)..];
+        let before = before.iter().take_while(|known| known.slots == *slots);
+        // Of the parts' contacts, of which a surface has one a triangle.
+        let is_theirs = |known: &Contact| {
+            let [on_first, on_second] = numbers(known.part, parts);
+            [a.geometry.part_of(on_first).0, b.geometry.part_of(on_second).0] == encounter.numbers
+        };
+        if encounter.plane.is_some() {
+            contacts.extend(before.filter(|known| is_theirs(known)).cloned());
+            return;
+        }
+        let follow = self.follow(encounter);
+        let of_second = Second { center: shapes[1].center, alone: !shapes[0].moves, margin };
+        let law = if follow == Follow::Centers { FIXED } else { MATERIAL };
+        // Once they have met, what is behind comes down on the same plane.
+        let reach = shapes[0].reach + shapes[1].reach;
+        for met in &encounter.meetings {
+            let least = margin + crate::math::real(met.distance.clamp(0.0, f64::from(reach)));
+            let way = second.gone(met.moment) - first.gone(met.moment);
+            // Of a surface only some triangles are met; the nearest points of others need not be over a face.
+            let near = if geometries.iter().any(|it| is_surface(it)) { least } else { Real::INFINITY };
+            met.manifolds(*geometries, [&first, &second], [near, reach.max(least)], follow, &mut |part, manifold| {
+                let [on_first, on_second] = numbers(part, geometries[1].parts());
+                let of_first = (encounter.numbers[0] + on_first).wrapping_mul(parts);
+                let part = of_first.wrapping_add(encounter.numbers[1] + on_second);
+                let is_there = |known: &Contact| known.slots == *slots && known.part == part;
+                if !a.parts_touch(b, part) || contacts[from..].iter().any(is_there) {
+                    return;
+                }
+                let known = before.clone().find(|known| is_there(known));
+                let same =
+                    known.filter(|known| known.is_between_centers() || (met.is_hit && is_same(known, manifold, way)));
+                contacts.push(match same {
+                    Some(known) => known.clone(),
+                    None => Contact { kind: *kind, ..Contact::new(*slots, part, manifold, of_second, law) },
+                });
+            });
+            if contacts.len() == from && met.is_hit {
+                contacts.extend(before.clone().filter(|known| is_theirs(known)).cloned());
+            }
+        }
+    }
+
+    /// What rolls turns under its points.
+    fn follow(&self, encounter: &Encounter<'_>) -> Follow {
+        let rolls = |which: usize| {
+            let Shape { motion, placement, .. } = &self.shapes[encounter.slots[which] as usize];
+            let turn = motion.turn;
+            let is_round = encounter.geometries[which].is_round();
+            let [_, axis, _] = placement.orientation.axes();
+            let about_others = turn - axis * axis.dot(turn);
+            let ball = matches!(encounter.geometries[which], Geometry::Ball { .. });
+            is_round && (ball || length(about_others) <= ROLLS)
+        };
+        if rolls(0) || rolls(1) { Follow::Centers } else { Follow::Bodies }
+    }
+}
+
+/// Whether a contact has the plane that the bodies meet with, after one has gone this way past the other.
+fn is_same(known: &Contact, manifold: &Manifold<Real>, way: Vec3<f64>) -> bool {
+    let (before, now, margin) = (normal(known), wide(manifold.normal), f64::from(known.margin()));
+    let (turned, across) = (before.cross(now), way - now * now.dot(way));
+    let (turned, across) = (turned.dot(turned).sqrt(), across.dot(across).sqrt());
+    before.dot(now) > 0.0
+        && across <= BESIDE * margin
+        && turned <= SAME_NORMAL
+        && turned * across <= SAME_PLANE * margin
+}

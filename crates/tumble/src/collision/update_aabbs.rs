@@ -1,0 +1,145 @@
+//! Where bodies with colliders are, as contacts are found with.
+
+use tumble_collide::{Placement, Proxy};
+use tumble_math::lane::{Quat, Vec3};
+
+use crate::collision::collider::Collider;
+use crate::collision::find_contacts::{Contacts, Motion, Shape};
+use crate::collision::narrow_phase::{Kind, ShapesPart};
+use crate::components::{Momentum, Velocity};
+use crate::integrators::response_range::responds_in_range;
+use crate::integrators::state::{Constants, Moments};
+use crate::math::{Real, Vec3 as WorldVec3};
+use crate::range::{MOST_DISTANCE_OF_CONTACTS, MOST_SPEED, within};
+use crate::storage::chunk::LEAST_CHUNK;
+use crate::storage::world_columns::{HeldColumns, Looked};
+use crate::threads;
+
+impl Contacts {
+    /// Reads where all bodies with colliders are, how far from there they may go in an interval, and how they go on in the one that the solver looks ahead \[s\].
+    pub(crate) fn look(&mut self, columns: &HeldColumns<'_>, intervals: [Real; 2]) {
+        let Self { members, shapes, colliders, lanes, proxies, .. } = self;
+        lanes.reset(members.len());
+        shapes.clear();
+        shapes.resize(members.len(), Shape::NOWHERE);
+        proxies.clear();
+        proxies.resize(members.len(), Shape::NOWHERE.proxy(None));
+        for (archetype, bodies) in columns.looked() {
+            let mut row = 0;
+            // Slots go by another order than rows, mostly the same.
+            for run in members.slots_in(archetype).chunk_by(|a, b| *b == a + 1) {
+                let slots = run[0] as usize..run[0] as usize + run.len();
+                let sight = Sight {
+                    colliders: &colliders[slots.clone()],
+                    shapes: &mut shapes[slots.clone()],
+                    proxies: &mut proxies[slots.clone()],
+                    lanes: lanes.part(slots),
+                };
+                sight.look_in_parts(bodies.rows(row..row + run.len()), intervals);
+                row += run.len();
+            }
+        }
+    }
+}
+
+/// Neighbouring slots, for what is seen of their bodies.
+struct Sight<'a> {
+    colliders: &'a [Option<(Collider, WorldVec3)>],
+    shapes: &'a mut [Shape],
+    proxies: &'a mut [Proxy<Real>],
+    lanes: ShapesPart<'a>,
+}
+
+impl Sight<'_> {
+    /// Looks at bodies in parallel.
+    fn look_in_parts(mut self, bodies: Looked<'_>, intervals: [Real; 2]) {
+        let middle = self.shapes.len() / 2;
+        if self.shapes.len() <= LEAST_CHUNK {
+            return (0..self.shapes.len()).for_each(|i| self.look(i, bodies, intervals));
+        }
+        let (colliders, other_colliders) = self.colliders.split_at(middle);
+        let (shapes, other_shapes) = self.shapes.split_at_mut(middle);
+        let (proxies, other_proxies) = self.proxies.split_at_mut(middle);
+        let (lanes, other_lanes) = self.lanes.split_at(middle);
+        let others =
+            Sight { colliders: other_colliders, shapes: other_shapes, proxies: other_proxies, lanes: other_lanes };
+        let these = Sight { colliders, shapes, proxies, lanes };
+        threads::join(
+            || these.look_in_parts(bodies.rows(0..middle), intervals),
+            || others.look_in_parts(bodies.rows(middle..bodies.pose.len()), intervals),
+        );
+    }
+
+    fn look(&mut self, i: usize, bodies: Looked<'_>, [interval, ahead_of]: [Real; 2]) {
+        let Some((collider, offset)) = &self.colliders[i] else { return };
+        let center = Vec3::from(bodies.pose[i].position);
+        let orientation = Quat::from(bodies.pose[i].orientation).normalize();
+        let position = center - orientation.rotate(Vec3::from(*offset));
+        let mut placement = collider.placement(Placement { position, orientation });
+        let velocity = bodies.velocity.map_or(Velocity::default(), |velocities| velocities[i]);
+        let geometry = &collider.geometry;
+        let turned = (0.25..=4.0).contains(&bodies.pose[i].orientation.length_squared());
+        let place = turned && [placement.position, center].into_iter().all(|at| within(at, MOST_DISTANCE_OF_CONTACTS));
+        let from_center = placement.position - center;
+        let radius = geometry.reach().unwrap_or(0.0) + from_center.dot(from_center).sqrt();
+        let half_thickness = geometry.half_thickness();
+        let moves = bodies.pushed.is_some();
+        let margin = if moves { (MARGIN_SHARE * half_thickness).min(MOST_MARGIN) } else { 0.0 };
+        let mut motion = Motion { radius, ..Motion::NONE };
+        let (linear, in_range) = match bodies.pushed {
+            Some((momenta, masses, inertia)) => {
+                let (mass, Momentum { linear, angular }) = (masses[i].kilograms(), momenta[i]);
+                let inertia = inertia.map(|inertia| Moments::new(&inertia[i], bodies.axes.map(|axes| &axes[i])));
+                if let Some(inertia) = &inertia {
+                    motion.turn = turning(inertia, (orientation, angular.into()), ahead_of, TURNED * margin / radius);
+                }
+                let constants = Constants { mass, inertia, damping: None };
+                (linear / mass, place && responds_in_range(&constants, [linear.into(), angular.into()], radius))
+            }
+            None => {
+                motion.turn = Vec3::from(velocity.angular) * ahead_of;
+                let all = [velocity.linear, velocity.angular].into_iter().all(|it| within(it.into(), MOST_SPEED));
+                (velocity.linear, place && all)
+            }
+        };
+        motion.way = Vec3::from(linear) * ahead_of;
+        if !in_range {
+            // It is nowhere then, and touches nothing that it could spoil.
+            placement.position = Vec3::splat(Real::NAN);
+        }
+        let kind = Kind::of(geometry);
+        let reach = margin + ahead(half_thickness, linear.length() * interval);
+        self.lanes.set(i, geometry, &placement, center, (reach, margin));
+        let velocity = (velocity.linear.into(), velocity.angular.into());
+        self.shapes[i] = Shape { placement, center, kind, moves, reach, margin, velocity, motion };
+        self.proxies[i] = self.shapes[i].proxy(Some(geometry));
+    }
+}
+
+/// How near surfaces are a contact is this share of half the thickness of what impulses move ...
+const MARGIN_SHARE: Real = 0.02;
+/// ... but no more than this \[m\]; of two that impulses move the sum.
+const MOST_MARGIN: Real = 0.01;
+
+/// As far as this \[m\] what moves is foreseen in any case.
+const FORESEEN: Real = 0.02;
+/// What turns so little that its furthest points go less than this part of its margin does not turn, for what it meets.
+const TURNED: Real = 0.25;
+
+/// How much further a shape looks for others \[m\] that goes so far \[m\] in a step. What goes less than half its half thickness is
+/// stopped in what it hits and leaves it on the side it came from; only what is faster looks as far as it goes.
+fn ahead(half_thickness: Real, way: Real) -> Real {
+    if way.is_finite() { (way - 0.5 * half_thickness).max(way.min(FORESEEN)) } else { 0.0 }
+}
+
+/// The angle by which a body turns in an interval \[rad\], if that may be more than `least`.
+fn turning(
+    inertia: &Moments<Real>,
+    (orientation, momentum): (Quat<Real>, Vec3<Real>),
+    interval: Real,
+    least: Real,
+) -> Vec3<Real> {
+    let Vec3 { x, y, z } = inertia.inverse_moments;
+    let most = x.max(y).max(z) * momentum.dot(momentum).sqrt() * interval;
+    if most > least { inertia.angular_velocity(orientation, momentum) * interval } else { Vec3::zero() }
+}

@@ -1,0 +1,4 @@
+//! Energy, momentum and work of all bodies: totals, and an account of where they come from.
+
+pub(crate) mod ledger;
+pub(crate) mod totals;

@@ -1,0 +1,156 @@
+use glam::DVec3;
+use hecs::{Entity, EntityRef, World};
+
+use crate::components::Wind;
+use crate::components::{GravityScale, Inertia, Mass, Momentum, Pose, PrincipalAxes};
+use crate::forces::force_context::Surroundings;
+use crate::forces::force_law::BodyState;
+use crate::forces::pairwise;
+use crate::forces::registry;
+use crate::forces::registry::KnownLaws;
+use crate::integrators::kinetic_energy::KineticEnergy;
+use crate::integrators::state::{Constants, Moments, State};
+use crate::math::{double, dvec3};
+use crate::settings::Settings;
+use crate::storage::body_order::BodyOrder;
+use crate::threads::Effort;
+
+/// What the sums need of a moving body.
+type Measured<'a> = (
+    (&'a Pose, &'a Momentum, &'a Mass),
+    (Option<&'a Inertia>, Option<&'a PrincipalAxes>, Option<&'a GravityScale>, Option<&'a Wind>),
+    KnownLaws<'a>,
+);
+
+/// What a system of bodies has in all, in double precision. Only bodies with momentum count.
+///
+/// ```
+/// # use tumble::{BodyOrder, measure, prelude::*};
+/// # let mut world = hecs::World::new();
+/// RigidBody::new(Shape::Point).mass(2.0).position(Vec3::Y).linear_velocity(Vec3::X * 3.0).build()?.spawn(&mut world);
+/// let totals = measure(&world, &Settings::default(), &BodyOrder::of(&world));
+/// assert_eq!((totals.linear_momentum.x, totals.angular_momentum.z), (6.0, -6.0));
+/// assert!((totals.energy() - (9.0 + 2.0 * 9.81)).abs() < 1e-5);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+#[derive(Clone, Copy, Debug, PartialEq, Default)]
+pub struct Totals {
+    /// Kinetic energy of the centres of mass, `sum P^2/2M` \[J\].
+    pub linear_kinetic: f64,
+    /// Kinetic energy of rotation, `sum L.w/2` \[J\].
+    pub rotational_kinetic: f64,
+    /// Energy in the simulation's gravity, zero at the world's origin, `-sum M g.x` \[J\].
+    pub potential: f64,
+    /// Energy in force components such as [`SpringToPoint`](crate::SpringToPoint) or [`Spring`](crate::Spring) \[J\], with the parameters that they were given; a
+    /// spring that is stiff for the step acts softer, and has less. `measure` takes time with the square of the number of [`GravityMass`](crate::GravityMass)es.
+    pub force_potential: f64,
+    /// `sum P` [kg m/s].
+    pub linear_momentum: DVec3,
+    /// Angular momentum about the world's origin, `sum x x P + L` [kg m^2/s].
+    pub angular_momentum: DVec3,
+    /// The first body whose state is not finite; it is left out of the sums.
+    pub non_finite: Option<Entity>,
+}
+
+impl Totals {
+    /// Of one body, without what forces between bodies hold; nothing but [`non_finite`](Self::non_finite) if its state is not finite.
+    ///
+    /// ```
+    /// # use tumble::{prelude::*, Totals};
+    /// # let mut world = hecs::World::new();
+    /// let wheel = RigidBody::new(Shape::cylinder(1.0, 0.1)).mass(4.0).angular_velocity(Vec3::Y * 2.0).build()?.spawn(&mut world);
+    /// let totals = Totals::of_body(world.entity(wheel)?, &Settings::default());
+    /// assert!((totals.rotational_kinetic - 4.0).abs() < 1e-6); // m r^2/4 w^2
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    pub fn of_body(body: EntityRef<'_>, settings: &Settings) -> Self {
+        let mut totals = Self::default();
+        if let Ok(measured) = body.query::<Measured<'_>>().get() {
+            totals.add((body.entity(), measured), &Surroundings::new(settings));
+        }
+        totals
+    }
+
+    /// Kinetic and potential energy \[J\].
+    pub fn energy(&self) -> f64 {
+        self.linear_kinetic + self.rotational_kinetic + self.potential + self.force_potential
+    }
+
+    /// Kinetic energy, of centres of mass and of rotation \[J\].
+    pub fn kinetic(&self) -> f64 {
+        self.linear_kinetic + self.rotational_kinetic
+    }
+
+    /// Energy in gravity and in force components \[J\].
+    pub fn all_potential(&self) -> f64 {
+        self.potential + self.force_potential
+    }
+
+    fn add(&mut self, (entity, (moving, own, laws)): (Entity, Measured<'_>), around: &Surroundings) {
+        let ((pose, momentum, mass), (inertia, axes, scale, wind)) = (moving, own);
+        let state = State::new(pose, momentum);
+        if !state.is_finite() {
+            self.non_finite = self.non_finite.or(Some(entity));
+            return;
+        }
+        let inertia = inertia.map(|inertia| Moments::new(inertia, axes));
+        let constants = Constants { mass: mass.kilograms(), inertia, damping: None };
+        let (position, linear, angular) = (double(state.position), double(state.linear), double(state.angular));
+        let kinetic = KineticEnergy::of(&constants, &state);
+        self.linear_kinetic += kinetic.linear;
+        self.rotational_kinetic += kinetic.rotational;
+        let scale = scale.map_or(1.0, |scale| f64::from(scale.0));
+        self.potential -= f64::from(constants.mass) * scale * dvec3(around.gravity).dot(position);
+        if registry::is_any(&laws) {
+            let surroundings = Surroundings { wind: wind.map_or(around.wind, |wind| wind.0), ..*around };
+            let seen = BodyState::new((0.0, 0.0), (&constants, &surroundings), &state);
+            self.force_potential += registry::potential(&laws, &seen);
+        }
+        self.linear_momentum += linear;
+        self.angular_momentum += position.cross(linear) + angular;
+    }
+
+    /// Adds the sums over bodies that come later in order.
+    fn append(&mut self, later: &Self) {
+        self.linear_kinetic += later.linear_kinetic;
+        self.rotational_kinetic += later.rotational_kinetic;
+        self.potential += later.potential;
+        self.force_potential += later.force_potential;
+        self.linear_momentum += later.linear_momentum;
+        self.angular_momentum += later.angular_momentum;
+        self.non_finite = self.non_finite.or(later.non_finite);
+    }
+}
+
+/// Sums up energy and momentum of the moving bodies in the given order: one after the other in blocks of a thousand, which are shared among threads, and then
+/// block after block. So the sums have the same bits for any number of threads and wherever the bodies lie.
+///
+/// ```
+/// # use tumble::prelude::*;
+/// # use tumble::{BodyOrder, measure};
+/// let mut world = hecs::World::new();
+/// RigidBody::new(Shape::Point).mass(2.0).linear_velocity(Vec3::X * 3.0).build()?.spawn(&mut world);
+/// let totals = measure(&world, &Settings::default(), &BodyOrder::of(&world));
+/// assert_eq!(totals.linear_kinetic, 9.0);
+/// # Ok::<(), tumble::BodyError>(())
+/// ```
+pub fn measure(world: &World, settings: &Settings, order: &BodyOrder) -> Totals {
+    Effort::of_sums(order.len()).run(|| {
+        let around = Surroundings::new(settings);
+        let mut query = world.query::<Measured<'_>>();
+        let bodies = query.view();
+        let blocks = order.in_blocks(|block| {
+            let mut totals = Totals::default();
+            for &entity in block {
+                if let Some(measured) = bodies.get(entity) {
+                    totals.add((entity, measured), &around);
+                }
+            }
+            totals
+        });
+        let mut totals = Totals::default();
+        blocks.iter().for_each(|block| totals.append(block));
+        totals.force_potential += pairwise::potential(world, order);
+        totals
+    })
+}

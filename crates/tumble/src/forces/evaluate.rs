@@ -1,0 +1,167 @@
+//! The forces on bodies where force laws act: on a tile of them, and on one with an account of their work.
+
+use std::cell::RefCell;
+
+use tumble_math::lane::Vec3 as LaneVec3;
+
+use crate::components::{Work, Wrench};
+use crate::forces::force_context::Surroundings;
+use crate::forces::force_law::BodyState;
+use crate::forces::registry::Laws;
+use crate::forces::tile_buffer::LawTile;
+use crate::integrators::state::{Constants, Force, State};
+use crate::integrators::{Account, Forces, Mean};
+use crate::math::{Real, Vec3, double, dvec3};
+use crate::simd::{MOST_BODIES, Tile};
+use crate::storage::chunk::Chunk;
+
+/// All that pushes one body during a substep.
+pub(crate) struct LawForces<'a> {
+    pub(crate) constants: &'a Constants<Real>,
+    pub(crate) surroundings: &'a Surroundings,
+    /// Gravity and what the caller applied, constant over the step.
+    pub(crate) wrench: Wrench,
+    pub(crate) laws: Laws<'a>,
+    /// The body's row among the laws' rows.
+    pub(crate) row: usize,
+    /// Time at the start of the substep \[s\].
+    pub(crate) time: f64,
+}
+
+impl LawForces<'_> {
+    fn seen_by_laws(&self, offset: Real, state: &State<Real>) -> BodyState<'_> {
+        BodyState::new((self.time, offset), (self.constants, self.surroundings), state)
+    }
+}
+
+impl Forces<Real> for LawForces<'_> {
+    const VARY: bool = true;
+
+    fn constant(&self) -> Force<Real> {
+        self.wrench.into()
+    }
+
+    fn varying(&self, offset: Real, state: &State<Real>) -> Force<Real> {
+        let mut sum = Wrench::default();
+        if !self.laws.is_empty() {
+            let seen = self.seen_by_laws(offset, state);
+            for (_, law) in self.laws {
+                sum.add(law.wrench(self.row, &seen));
+            }
+        }
+        sum.into()
+    }
+
+    fn depends_on_velocity(&self) -> Option<bool> {
+        let mut depends = [0.0];
+        self.laws.into_iter().for_each(|(_, law)| law.mark_velocity_dependent(self.row, &mut depends));
+        (depends[0] > 0.0).then_some(true)
+    }
+}
+
+/// The laws that act on a tile of bodies, and what they are told of them.
+pub(crate) struct ActingLaws<'a, T: Tile> {
+    constants: Constants<T>,
+    tile: RefCell<&'a mut LawTile>,
+    laws: Laws<'a>,
+    /// Which bodies some law on them depends on velocity; `None` for none.
+    depends_on_velocity: Option<T::Mask>,
+}
+
+impl<'a, T: Tile> ActingLaws<'a, T> {
+    /// Of the bodies from row `i` of a chunk, under these laws.
+    #[inline(always)]
+    pub(crate) fn new(
+        (bodies, i): (&Chunk<'_>, usize),
+        constants: &Constants<T>,
+        tile: &'a mut LawTile,
+        laws: Laws<'a>,
+    ) -> Self {
+        let row = bodies.first_row + i;
+        let mut depend: [Real; MOST_BODIES] = [0.0; MOST_BODIES];
+        for (_, law) in laws {
+            law.mark_velocity_dependent(row, &mut depend[..T::WIDTH]);
+        }
+        let [depend] = T::load(&depend);
+        let mask = T::splat(0.0).lt(depend);
+        tile.set_constants(constants, bodies.wind::<T>(i), row, laws.bodies_from(row));
+        Self {
+            constants: *constants,
+            tile: RefCell::new(tile),
+            laws,
+            depends_on_velocity: if T::any(mask) { Some(mask) } else { None },
+        }
+    }
+}
+
+/// All that pushes a tile of bodies during a substep.
+pub(crate) struct TileLawForces<'f, 'a, T: Tile> {
+    pub(crate) acting: &'f ActingLaws<'a, T>,
+    /// Gravity and what the caller applied, constant over the step.
+    pub(crate) constant: Force<T>,
+    /// Time at the start of the substep \[s\].
+    pub(crate) time: f64,
+}
+
+impl<T: Tile> Forces<T> for TileLawForces<'_, '_, T> {
+    const VARY: bool = true;
+
+    #[inline(always)]
+    fn constant(&self) -> Force<T> {
+        self.constant
+    }
+
+    #[inline(always)]
+    fn varying(&self, offset: T, state: &State<T>) -> Force<T> {
+        let mut tile = self.acting.tile.borrow_mut();
+        tile.set_stage(self.time, offset, &self.acting.constants, state);
+        for (_, law) in self.acting.laws {
+            law.add_forces(&mut tile);
+        }
+        tile.sum()
+    }
+
+    #[inline(always)]
+    fn depends_on_velocity(&self) -> Option<T::Mask> {
+        self.acting.depends_on_velocity
+    }
+}
+
+/// Adds up the work done on one body.
+pub(crate) struct WorkAccount<'a> {
+    pub(crate) work: &'a mut Work,
+    pub(crate) forces: &'a LawForces<'a>,
+    /// The part of the constant force that is gravity \[N\].
+    pub(crate) gravity: Vec3,
+}
+
+impl Account<Real> for WorkAccount<'_> {
+    const KEPT: bool = true;
+
+    fn constant_impulse(&mut self, weight: (Real, Real), mean: &Mean<Real>) {
+        let linear = double(mean.linear) * f64::from(weight.0);
+        let angular = double(mean.angular) * f64::from(weight.1);
+        let gravity = dvec3(self.gravity);
+        let wrench = self.forces.wrench;
+        self.work.gravity += gravity.dot(linear);
+        self.work.applied += (dvec3(wrench.force) - gravity).dot(linear) + dvec3(wrench.torque).dot(angular);
+    }
+
+    fn varying_impulse(&mut self, offset: Real, at: &State<Real>, weight: (Real, Real), mean: &Mean<Real>) {
+        if self.forces.laws.is_empty() {
+            return;
+        }
+        let linear = double(mean.linear) * f64::from(weight.0);
+        let angular = double(mean.angular) * f64::from(weight.1);
+        let seen = self.forces.seen_by_laws(offset, at);
+        for (index, law) in self.forces.laws {
+            let wrench = law.wrench(self.forces.row, &seen);
+            let work = dvec3(wrench.force).dot(linear) + dvec3(wrench.torque).dot(angular);
+            *self.work.of_law_mut(index) += work;
+        }
+    }
+
+    fn damping(&mut self, linear: LaneVec3<Real>, angular: LaneVec3<Real>, mean: &Mean<Real>) {
+        self.work.damping += double(linear).dot(double(mean.linear)) + double(angular).dot(double(mean.angular));
+    }
+}

@@ -1,0 +1,37 @@
+use hecs::EntityRef;
+
+use crate::components::Wind;
+use crate::integrator::Integrator;
+use crate::math::{Real, Vec3};
+use crate::settings::Settings;
+
+/// What laws are told beside time and the state of a body.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct Surroundings {
+    /// Velocity of the medium around the body [m/s].
+    pub(crate) wind: Vec3,
+    /// The simulation's gravity [m/s^2].
+    pub(crate) gravity: Vec3,
+    /// The time over which a kick applies the force of one evaluation \[s\]; zero where the integrator does not kick, but takes rates at stages.
+    pub(crate) kick: Real,
+    /// Length of a substep \[s\].
+    pub(crate) substep: Real,
+}
+
+impl Surroundings {
+    /// Those of a body in still air.
+    pub(crate) fn new(settings: &Settings) -> Self {
+        let substep = settings.substep();
+        let kick = match settings.integrator {
+            Integrator::SemiImplicitEuler => substep,
+            Integrator::MoserVeselov => substep * 0.5,
+            Integrator::RungeKutta4 => 0.0,
+        };
+        Self { wind: Vec3::ZERO, gravity: settings.gravity, kick, substep }
+    }
+
+    /// Those of a body, with its own wind.
+    pub(crate) fn of_body(body: EntityRef<'_>, settings: &Settings) -> Self {
+        Self { wind: body.get::<&Wind>().map_or(Vec3::ZERO, |wind| wind.0), ..Self::new(settings) }
+    }
+}

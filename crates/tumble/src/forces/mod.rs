@@ -1,0 +1,13 @@
+//! Forces: laws of the caller, force components, and forces between pairs of bodies.
+
+pub(crate) mod components;
+pub(crate) mod evaluate;
+pub(crate) mod force_context;
+pub(crate) mod force_law;
+pub(crate) mod pairwise;
+pub(crate) mod registry;
+pub(crate) mod simd_force_law;
+pub(crate) mod spring_potential;
+pub(crate) mod stable_spring;
+pub(crate) mod tile_buffer;
+pub(crate) mod under_laws;

@@ -1,0 +1,129 @@
+use std::fmt;
+
+use hecs::World;
+
+use crate::components::Work;
+use crate::forces::pairwise::gravity_mass::{Gravity, Source};
+use crate::forces::pairwise::spring_impulse::{Impulse, Springs, Velocities};
+use crate::forces::pairwise::{GravityMass, Spring};
+use crate::forces::registry::{GRAVITY_MASS, SPRING};
+use crate::math::{Real, Vec3, double};
+use crate::range::{MOST_DISTANCE, MOST_MU, MOST_SPEED, within};
+use crate::storage::body_index::Members;
+use crate::storage::world_columns::HeldColumns;
+
+/// The forces between the bodies of a world, with what their evaluation needs: kept from step to step, so that a step need not allocate.
+#[derive(Clone, Default)]
+pub(crate) struct PairForces {
+    members: Members,
+    springs: Springs,
+    gravity: Gravity,
+    /// By slot: at which springs are damped.
+    velocities: Vec<Velocities>,
+    /// By slot: what gravity does there. Its index among the masses, if it is one.
+    masses: Vec<Option<usize>>,
+    attracting: Vec<(usize, GravityMass)>,
+}
+
+impl fmt::Debug for PairForces {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.debug_struct("PairForces").field("bodies", &self.members.len()).finish_non_exhaustive()
+    }
+}
+
+impl PairForces {
+    /// Finds out what acts between which bodies of a world. To be called again when anything was spawned, despawned or changed but momentum and pose.
+    pub(crate) fn find(&mut self, world: &World) {
+        self.members.find(world, |archetype, mark| {
+            if let Some(springs) = archetype.get::<&Spring>() {
+                let ends = springs.iter().flat_map(|spring| spring.bodies);
+                ends.filter(|end| world.contains(*end)).for_each(|end| mark(end.id()));
+            }
+            if archetype.has::<GravityMass>() {
+                archetype.ids().iter().for_each(|id| mark(*id));
+            }
+        });
+        self.springs.find(world, &self.members);
+        self.masses.clear();
+        self.masses.resize(self.members.len(), None);
+        self.attracting.clear();
+        let Self { members, attracting, .. } = self;
+        members.for_each_archetype(world, |archetype, places| {
+            if let Some(column) = archetype.get::<&GravityMass>() {
+                attracting.extend(places.map(|(row, slot)| (slot, column[row])));
+            }
+        });
+        self.attracting.sort_unstable_by_key(|(slot, _)| *slot);
+        for (index, (slot, _)) in self.attracting.iter().enumerate() {
+            self.masses[*slot] = Some(index);
+        }
+    }
+
+    /// Changes the momenta by what the forces, as they are now, do in the time `t` \[s\]; `h` \[s\] is the substep.
+    pub(crate) fn kick(&mut self, held: &mut HeldColumns<'_>, t: Real, h: Real) {
+        self.members.see(held);
+        let seen = &self.members.seen;
+        self.gravity.update(self.attracting.iter().map(|(slot, mass)| {
+            let position = seen[*slot].state.position;
+            let softening_squared = mass.softening * mass.softening;
+            if within(position, MOST_DISTANCE) && mass.mu.abs() <= MOST_MU && softening_squared.is_finite() {
+                Source { position: position.into(), mu: mass.mu, softening_squared }
+            } else {
+                // It attracts nothing.
+                Source { position: Vec3::ZERO, mu: 0.0, softening_squared: 1.0 }
+            }
+        }));
+        self.velocities.clear();
+        self.velocities.extend(seen.iter().map(|seen| Velocities::halfway(seen, &Impulse::zero())));
+        self.springs.prepare(&self.members, t, h);
+        self.springs.update(&self.velocities);
+        if self.springs.are_damped() {
+            // Once more at the velocities half-way, which makes the kick one of second order. No damper takes more than the velocity there is, in all of a net
+            // together: the kick leaves between half and all of every motion.
+            for slot in 0..self.members.len() {
+                let mut impulse = self.springs.impulse(slot);
+                impulse.linear = impulse.linear + self.by_gravity(slot, t).linear;
+                self.velocities[slot] = Velocities::halfway(&self.members.seen[slot], &impulse);
+            }
+            self.springs.update(&self.velocities);
+        }
+        for (slot, seen) in self.members.seen.iter().enumerate().filter(|(_, seen)| seen.constants.is_some()) {
+            let place = self.members.place(slot);
+            let (Some(columns), row) = (held.moving_mut(place), place.row as usize) else { continue };
+            let (by_springs, by_gravity) = (self.springs.impulse(slot), self.by_gravity(slot, t));
+            let momentum = &mut columns.momentum[row];
+            momentum.linear = (seen.state.linear + (by_springs.linear + by_gravity.linear)).into();
+            momentum.angular = (seen.state.angular + by_springs.angular).into();
+            if let Some(works) = &mut columns.work {
+                self.book(&mut works[row], slot, &by_springs, &by_gravity);
+            }
+        }
+    }
+
+    fn by_gravity(&self, slot: usize, t: Real) -> Impulse {
+        let mut impulse = Impulse::zero();
+        let inverse_mass = self.members.seen[slot].inverse_mass;
+        if let Some(index) = self.masses[slot]
+            && inverse_mass > 0.0
+        {
+            // Near a great mass the pull may be too great for numbers: then there is none.
+            let change = self.gravity.acceleration(index) * t;
+            let linear = (self.gravity.acceleration(index) * (t / inverse_mass)).into();
+            if within(change.into(), MOST_SPEED) && within(linear, Real::MAX) {
+                impulse.linear = linear;
+            }
+        }
+        impulse
+    }
+
+    /// Enters the work of both, each with its share of the impulse and the mean velocity.
+    fn book(&self, work: &mut Work, slot: usize, by_springs: &Impulse, by_gravity: &Impulse) {
+        let seen = &self.members.seen[slot];
+        let linear_change = (by_springs.linear + by_gravity.linear) * seen.inverse_mass;
+        let linear = double(seen.derived.linear) + 0.5 * double(linear_change);
+        let angular =
+            double(seen.derived.angular) + 0.5 * double(seen.derived.apply_inverse_inertia(by_springs.angular));
+        work.forces[SPRING] += double(by_springs.linear).dot(linear) + double(by_springs.angular).dot(angular);
+        work.forces[GRAVITY_MASS] += double(by_gravity.linear).dot(linear);
+    }
+}

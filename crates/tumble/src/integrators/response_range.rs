@@ -1,0 +1,27 @@
+use std::ops::RangeInclusive;
+
+use tumble_math::lane::Vec3;
+
+use crate::integrators::state::{Constants, Moments};
+use crate::math::Real;
+use crate::range::{MOST_IMPULSE, MOST_SPEED, is_rotation, within};
+
+/// Masses \[kg\] of bodies that touch or that springs hold.
+const MASSES: RangeInclusive<Real> = 1e-16..=1e24;
+/// What an impulse of 1 N s at the furthest point of a body may change its velocity there by turning it [1/kg], and one of 1 N m s its angular velocity [1/(kg m^2)].
+const MOST_RESPONSES: [Real; 2] = [1e17, 1e32];
+
+/// Whether a body with these momenta, and points at most so far from its centre \[m\], answers to impulses by numbers that are in range.
+pub(crate) fn responds_in_range(constants: &Constants<Real>, [linear, angular]: [Vec3<Real>; 2], radius: Real) -> bool {
+    let Constants { mass, inertia, .. } = constants;
+    let turns = |Moments { inverse_moments, axes, .. }: &Moments<Real>| {
+        let most = inverse_moments.x.max(inverse_moments.y).max(inverse_moments.z);
+        let least = inverse_moments.x.min(inverse_moments.y).min(inverse_moments.z);
+        let responses = least > 0.0 && most <= MOST_RESPONSES[1] && radius * most * radius <= MOST_RESPONSES[0];
+        responses && within(angular * most, MOST_SPEED) && axes.is_none_or(is_rotation)
+    };
+    MASSES.contains(mass)
+        && within(linear * (1.0 / *mass), MOST_SPEED)
+        && within(angular, MOST_IMPULSE)
+        && inertia.as_ref().is_none_or(turns)
+}

@@ -1,0 +1,152 @@
+//! Effective masses of contacts: what impulses at them do to the velocities there.
+
+use crate::simd::Tile;
+use crate::simd::block_lanes::{Lanes, at, put};
+use crate::solver::contact::constraint::{Block, Rolling};
+use crate::solver::contact::contact_frame::{Frame, Response};
+use crate::solver::contact::solve::coupling;
+
+/// How the bodies of a tile's contacts answer to impulses.
+pub(crate) struct Mobility<T> {
+    /// Inverse inertias, zero of what impulses do not move.
+    pub(crate) response: Response<T>,
+    /// Sum of the inverse masses [1/kg].
+    pub(crate) inverse_mass: T,
+}
+
+/// Which part of the impulses a substep begins with where effective masses are this steady: none where they have changed by more than
+/// a sixteenth. Impulses of a body that turned under them would do something else: a rod that slaps the ground would take off.
+#[inline(always)]
+pub(crate) fn warm_start<T: Tile>(steady: T) -> T {
+    let one = T::splat(1.0);
+    (one - (one - steady) * T::splat(16.0)).max(T::splat(0.0))
+}
+
+/// Computes the effective masses of a tile where `changed` is above zero. A point without mass keeps none. Returns how
+/// steady they are: one less the greatest relative change, but not below zero.
+#[inline(always)]
+pub(crate) fn compute<T: Tile, const P: usize, const C: usize>(
+    block: &mut Block<P, C>,
+    rolling: Option<&mut Rolling>,
+    lane: usize,
+    mobility: &Mobility<T>,
+    changed: T,
+) -> T {
+    let frame = Frame::<T>::load(block, lane);
+    let change = of_points(block, lane, &frame, mobility, changed);
+    let change = change.max(of_friction(block, rolling, lane, &frame, mobility, changed));
+    let (zero, one) = (T::splat(0.0), T::splat(1.0));
+    T::select(zero.lt(changed), (one - change).max(zero), one)
+}
+
+#[inline(always)]
+fn of_points<T: Tile, const P: usize, const C: usize>(
+    block: &mut Block<P, C>,
+    lane: usize,
+    frame: &Frame<T>,
+    Mobility { response, inverse_mass }: &Mobility<T>,
+    changed: T,
+) -> T {
+    let (zero, one) = (T::splat(0.0), T::splat(1.0));
+    let mut most = zero;
+    let levers = [frame.arms[0].cross(frame.normal), frame.arms[1].cross(frame.normal)];
+    let mut turnings = [levers; P];
+    let mut j = 0;
+    while j < P {
+        let offset = &block.points[j].offset;
+        let (a, b) = (at(&offset[0], lane), at(&offset[1], lane));
+        let from_middle = frame.tangents[0] * b - frame.tangents[1] * a;
+        turnings[j] = [levers[0] + from_middle, levers[1] + from_middle];
+        j += 1;
+    }
+    let mut j = 0;
+    while j < P {
+        let responses = [response.of_first(turnings[j][0]), response.of_second(turnings[j][1])];
+        let mut k = j;
+        while k < P {
+            let turning = turnings[k][0].dot(responses[0]) + turnings[k][1].dot(responses[1]);
+            let between = *inverse_mass + turning;
+            if k == j {
+                let before: T = at(&block.points[j].mass, lane);
+                let there = T::select(zero.lt(before), between, zero);
+                let mass = T::select(zero.lt(there), one / between, zero);
+                let ratio = (mass * one / before).max(before * between);
+                most = T::select(zero.lt(there), most.max(ratio - one), most);
+                put_where(changed, mass, &mut block.points[j].mass, lane);
+            } else {
+                put_where(changed, between, &mut block.couplings[coupling::<P>(j, k)], lane);
+            }
+            k += 1;
+        }
+        j += 1;
+    }
+    most
+}
+
+#[inline(always)]
+fn of_friction<T: Tile, const P: usize, const C: usize>(
+    block: &mut Block<P, C>,
+    rolling: Option<&mut Rolling>,
+    lane: usize,
+    frame: &Frame<T>,
+    Mobility { response, inverse_mass }: &Mobility<T>,
+    changed: T,
+) -> T {
+    let (zero, one) = (T::splat(0.0), T::splat(1.0));
+    let ([s, t], [first, second]) = (frame.tangents, frame.arms);
+    let (s_first, t_first) = (first.cross(s), first.cross(t));
+    let (s_second, t_second) = (second.cross(s), second.cross(t));
+    let (of_s, of_t) = (response.of_first(s_first), response.of_second(s_second));
+    let ss = *inverse_mass + s_first.dot(of_s) + s_second.dot(of_t);
+    let st = t_first.dot(of_s) + t_second.dot(of_t);
+    let tt = *inverse_mass + t_first.dot(response.of_first(t_first)) + t_second.dot(response.of_second(t_second));
+    let m = &block.friction.mass;
+    let before: [T; 3] = [at(&m[0], lane), at(&m[1], lane), at(&m[2], lane)];
+    let mass = inverse([ss, st, tt]);
+    let [of_ss, of_st, of_tt] = [mass[0] - before[0], mass[1] - before[1], mass[2] - before[2]];
+    let change = of_ss.abs().max(of_tt.abs()).max(of_st.abs()) / (mass[0] + mass[2]);
+    put_all_where(changed, mass, &mut block.friction.mass, lane);
+
+    let n = frame.normal;
+    let about_normal = n.dot(response.of_first(n)) + n.dot(response.of_second(n));
+    let twisting_mass = T::select(zero.lt(about_normal), one / about_normal, zero);
+    put_where(changed, twisting_mass, &mut block.friction.twisting_mass, lane);
+
+    if let Some(rolling) = rolling {
+        let (s_first, t_first) = (response.of_first(s), response.of_first(t));
+        let (s_second, t_second) = (response.of_second(s), response.of_second(t));
+        let (ss, tt) = (s.dot(s_first) + s.dot(s_second), t.dot(t_first) + t.dot(t_second));
+        let mass = inverse([ss, t.dot(s_first) + t.dot(s_second), tt]);
+        put_all_where(changed, mass, &mut rolling.mass, lane);
+    }
+    T::select(zero.lt(change), change, zero)
+}
+
+/// Inverse of a symmetric 2x2 matrix `xx, xy, yy` with positive eigenvalues; zero where it has none. Without its determinant,
+/// which has the square of the masses in it: a moon's is no number in single precision.
+#[inline(always)]
+fn inverse<T: Tile>([a, b, c]: [T; 3]) -> [T; 3] {
+    let (zero, one) = (T::splat(0.0), T::splat(1.0));
+    let ratio = b / a;
+    let left = c - b * ratio;
+    let there = zero.lt(T::select(zero.lt(a), left, zero));
+    let yy = one / left;
+    let xy = -ratio * yy;
+    [T::select(there, one / a - ratio * xy, zero), T::select(there, xy, zero), T::select(there, yy, zero)]
+}
+
+/// Overwrites numbers where `changed` is above zero.
+#[inline(always)]
+pub(crate) fn put_where<T: Tile>(changed: T, tile: T, numbers: &mut Lanes, lane: usize) {
+    let before = at(numbers, lane);
+    put(T::select(T::splat(0.0).lt(changed), tile, before), numbers, lane);
+}
+
+#[inline(always)]
+fn put_all_where<T: Tile>(changed: T, tiles: [T; 3], numbers: &mut [Lanes; 3], lane: usize) {
+    let mut i = 0;
+    while i < 3 {
+        put_where(changed, tiles[i], &mut numbers[i], lane);
+        i += 1;
+    }
+}

@@ -1,0 +1,197 @@
+use tumble_math::lane::Vec3;
+
+use crate::collision::contact::{Contact, HELD, POINTS, RUBBED, SHAPE};
+use crate::simd::block_lanes::{at, gather_two_vectors, put, put_vector};
+use crate::simd::{BLOCK, Eight, Kernel, Tile};
+use crate::solver::contact::constraint::Block;
+use crate::solver::contact::contact_frame::{Bodies, Frame, Response};
+use crate::solver::contact::effective_mass;
+use crate::solver::contact::effective_mass::warm_start;
+use crate::solver::contact::friction::Rubbing;
+use crate::solver::contact::solve::{Blocks, Bodied, hold, speeds};
+use crate::solver::contact::update_geometry::tangents;
+
+/// Fills blocks whose lanes know their contacts and rows.
+pub(crate) struct Prepare<'a, const P: usize, const C: usize> {
+    pub(crate) blocks: Blocks<'a, P, C>,
+    pub(crate) contacts: &'a [Contact],
+    pub(crate) bodies: Bodied<'a>,
+    /// Where they are.
+    pub(crate) poses: &'a [Eight],
+}
+
+/// Weight of a point in the middle at the least, so that a middle there is.
+pub(crate) const LEAST_WEIGHT: f64 = 1e-10;
+/// An arm that changes by this part of a body's size changes the effective masses by as much.
+const SLIDE: f64 = 1e-2;
+/// Mean distance from the middle of a square under even pressure, over that of its corners: 0.3826 and 0.7071 of the side.
+const FACE: f64 = 0.541;
+
+impl<const P: usize, const C: usize> Kernel for Prepare<'_, P, C> {
+    #[inline(always)]
+    fn len(&self) -> usize {
+        self.blocks.blocks.len() * BLOCK
+    }
+
+    #[inline(always)]
+    fn tile<T: Tile>(&mut self, i: usize) {
+        let (index, lane) = (i / BLOCK, i % BLOCK);
+        let (zero, one) = (T::splat(0.0), T::splat(1.0));
+        let block = &mut self.blocks.blocks[index];
+        let [nx, ny, nz, carried, count, length, restitution, law] = pick(self.contacts, block, SHAPE, lane);
+        let normal = Vec3::new(nx, ny, nz);
+        let tangents = tangents(normal);
+        let [ax, ay, az, s0, bx, by, bz, s1]: [T; 8] = pick(self.contacts, block, POINTS[0], lane);
+        let [cx, cy, cz, s2, dx, dy, dz, s3] = pick(self.contacts, block, POINTS[1], lane);
+        let places = [Vec3::new(ax, ay, az), Vec3::new(bx, by, bz), Vec3::new(cx, cy, cz), Vec3::new(dx, dy, dz)];
+        let separations: [T; 4] = [s0, s1, s2, s3];
+
+        // A point that comes into reach has no weight yet, so the middle does not jump. A patch is made of the nearest.
+        let [_, _, _, _, _, _, margin]: [T; 7] = pick(self.contacts, block, RUBBED, lane);
+        let inverse_margin = one / margin;
+        let (mut nearest, mut j) = (separations[0], 1);
+        while j < P {
+            nearest = nearest.min(T::select(T::splat(j as f64).lt(count), separations[j], nearest));
+            j += 1;
+        }
+        let nearest = nearest.max(zero);
+        // Of what is round and far from all its points, the nearest have the middle; a box would be spun by it in a blow.
+        let from = T::select(law.lt(T::splat(0.5)), zero, nearest);
+        let (mut sum, mut total) = (Vec3::zero(), zero);
+        let (mut of_patch, mut weights) = (zero, [zero; P]);
+        let mut j = 0;
+        while j < P {
+            let is_point = T::splat(j as f64).lt(count);
+            let weight = T::splat(2.0) - (separations[j] - from) * inverse_margin;
+            let weight = T::select(is_point, weight.max(T::splat(LEAST_WEIGHT)).min(one), zero);
+            sum = sum + places[j] * weight;
+            total = total + weight;
+            let weight = T::splat(2.0) - (separations[j] - nearest) * inverse_margin;
+            weights[j] = T::select(is_point, weight.max(T::splat(LEAST_WEIGHT)).min(one), zero);
+            of_patch = of_patch + weights[j];
+            j += 1;
+        }
+        let arm = sum * T::select(zero.lt(total), one / total, zero);
+        let rows = self.bodies.motion.pairs(index);
+        let (first, _) = gather_two_vectors::<T>(self.poses, &rows[0], lane);
+        let (second, _) = gather_two_vectors::<T>(self.poses, &rows[1], lane);
+        let apart = second - first;
+        put_vector(normal, &mut block.normal, lane);
+        put_vector(tangents[0], &mut block.tangent, lane);
+        put_vector(arm + apart, &mut block.arms[0], lane);
+        put_vector(arm, &mut block.arms[1], lane);
+        put_vector(arm, &mut block.start.arm, lane);
+        put_vector(apart, &mut block.start.apart, lane);
+        put(carried, &mut block.start.carried, lane);
+        put(law, &mut block.start.law, lane);
+        put_vector(normal, &mut block.start.normal, lane);
+        put_vector(tangents[0], &mut block.start.tangent, lane);
+        let [h0, h1, h2, h3, _, _, steady]: [T; 7] = pick(self.contacts, block, HELD, lane);
+        let kept = warm_start(steady);
+        let held = [h0 * kept, h1 * kept, h2 * kept, h3 * kept];
+        put(steady, &mut block.start.steady, lane);
+        put(T::select(zero.lt(steady), zero, one), &mut block.start.blow, lane);
+        let mut j = 0;
+        while j < P {
+            let from_middle = places[j] - arm;
+            let offset = [tangents[0].dot(from_middle), tangents[1].dot(from_middle)];
+            let point = &mut block.points[j];
+            put(offset[0], &mut point.offset[0], lane);
+            put(offset[1], &mut point.offset[1], lane);
+            put(offset[0], &mut block.start.offsets[j][0], lane);
+            put(offset[1], &mut block.start.offsets[j][1], lane);
+            put(separations[j], &mut point.separation, lane);
+            put(separations[j], &mut block.start.separations[j], lane);
+            put(held[j], &mut point.impulse, lane);
+            // The sign of a mass says whether there is a point.
+            put(T::select(T::splat(j as f64).lt(count), one, zero), &mut point.mass, lane);
+            j += 1;
+        }
+
+        let response = Response::<T>::load(self.bodies.response, self.bodies.motion.pairs(index), lane);
+        let bodies = Bodies::<T>::load(&self.bodies.motion, index, lane);
+        let mobility = bodies.mobility(&response);
+        put(bodies.least_size(&mobility.response) * T::splat(SLIDE), &mut self.blocks.blocks[index].start.slide, lane);
+        let Blocks { blocks, rolling, .. } = &mut self.blocks;
+        effective_mass::compute(&mut blocks[index], rolling.get_mut(index), lane, &mobility, one);
+        self.prepare_friction(index, lane, (&weights, of_patch), length);
+        self.prepare_bounce(index, lane, restitution, (&bodies, &response));
+    }
+}
+
+impl<const P: usize, const C: usize> Prepare<'_, P, C> {
+    /// Notes how fast the bodies come together now.
+    #[inline(always)]
+    fn prepare_bounce<T: Tile>(
+        &mut self,
+        index: usize,
+        lane: usize,
+        restitution: T,
+        (bodies, response): (&Bodies<T>, &Response<T>),
+    ) {
+        let block = &self.blocks.blocks[index];
+        let Some(bounce) = self.blocks.bounces.get_mut(index) else { return };
+        let frame = Frame::load(block, lane);
+        let speeds = speeds(block, lane, frame.normal_parts(&bodies.relative(response, frame.arms)));
+        put(restitution, &mut bounce.restitution, lane);
+        put(T::splat(0.0), &mut bounce.absorbed, lane);
+        let mut j = 0;
+        while j < P {
+            put(T::splat(0.0), &mut bounce.approach[j], lane);
+            put(speeds[j], &mut bounce.before[j], lane);
+            j += 1;
+        }
+    }
+
+    /// Sets the patch and begins with the impulses of the last step. A point that is far off makes no patch.
+    #[inline(always)]
+    fn prepare_friction<T: Tile>(&mut self, index: usize, lane: usize, (weights, total): (&[T; P], T), length: T) {
+        let zero = T::splat(0.0);
+        let block = &mut self.blocks.blocks[index];
+        let frame = Frame::<T>::load(block, lane);
+        let mut radius = zero;
+        if P > 1 {
+            let (mut sum, mut j) = (zero, 0);
+            while j < P {
+                let offset = &block.points[j].offset;
+                let (a, b): (T, T) = (at(&offset[0], lane), at(&offset[1], lane));
+                // Of a point that is not there anything may be written, also what has no square.
+                sum = sum + T::select(zero.lt(weights[j]), (a * a + b * b).sqrt() * weights[j], zero);
+                j += 1;
+            }
+            let mean = sum / total.max(T::splat(1.0));
+            let patch = T::select(T::splat(2.0).lt(total), mean * T::splat(FACE), mean);
+            radius = T::select(T::splat(1.0 + 1e-6).lt(total), patch, zero);
+        }
+        put(radius, &mut block.friction.radius, lane);
+        let [_, _, _, _, fixed, sliding, steady]: [T; 7] = pick(self.contacts, block, HELD, lane);
+        put(fixed, &mut block.friction.limits[0], lane);
+        put(sliding, &mut block.friction.limits[1], lane);
+
+        let [p, q, r, u, v, w] = pick(self.contacts, block, RUBBED, lane);
+        let (linear, angular) = (Vec3::new(p, q, r), Vec3::new(u, v, w));
+        if let Some(rolling) = self.blocks.rolling.get_mut(index) {
+            put(length, &mut rolling.length, lane);
+        }
+        let rubbing = Rubbing::from_world(&frame, linear, angular).of_what_rolls(length).scaled(warm_start(steady));
+        rubbing.store(&mut block.friction, self.blocks.rolling.get_mut(index), lane);
+        hold(block, &frame, &rubbing, &mut self.bodies.held, (index, lane));
+    }
+}
+
+/// Some of the numbers of a tile's contacts.
+#[inline(always)]
+fn pick<T: Tile, const P: usize, const C: usize, const N: usize>(
+    contacts: &[Contact],
+    block: &Block<P, C>,
+    which: usize,
+    lane: usize,
+) -> [T; N] {
+    let mut picked = [&Eight::ZERO; BLOCK];
+    let mut i = 0;
+    while i < T::WIDTH && lane + i < block.count {
+        picked[i] = &contacts[block.contacts[lane + i] as usize].numbers[which];
+        i += 1;
+    }
+    T::gather(&picked)
+}

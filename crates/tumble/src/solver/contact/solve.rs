@@ -1,0 +1,511 @@
+//! What is done to the contacts of a colour in a substep, a tile at a time.
+
+use tumble_math::lane::Vec3;
+
+use crate::collision::contact::CENTERS;
+use crate::math::Real;
+use crate::simd::block_lanes::{at, put, put_vector, vector_at};
+use crate::simd::{BLOCK, Eight, Kernel, Rows, Tile};
+use crate::solver::contact::constraint::{Block, Bounce, Rolling};
+use crate::solver::contact::contact_frame::{Bodies, Frame, Momenta, Moved, Response, along_normal};
+use crate::solver::contact::effective_mass::warm_start;
+use crate::solver::contact::friction::Rubbing;
+use crate::solver::contact::impact::{Alone, note_blow};
+use crate::solver::contact::softness::Softness;
+use crate::solver::contact::update_geometry::follow;
+
+/// Blocks of one colour, with what only some contacts have: as many of it as there are blocks, or none.
+pub(crate) struct Blocks<'a, const P: usize, const C: usize> {
+    pub(crate) blocks: &'a mut [Block<P, C>],
+    pub(crate) rolling: &'a mut [Rolling],
+    pub(crate) bounces: &'a mut [Bounce<P>],
+}
+
+impl<'a, const P: usize, const C: usize> Blocks<'a, P, C> {
+    /// How many.
+    pub(crate) fn len(&self) -> usize {
+        self.blocks.len()
+    }
+
+    /// The first `middle`, and the others.
+    pub(crate) fn split_at(self, middle: usize) -> (Self, Self) {
+        let of_some = |count: usize| if count == 0 { 0 } else { middle };
+        let (blocks, other_blocks) = self.blocks.split_at_mut(middle);
+        let (rolling, other_rolling) = self.rolling.split_at_mut(of_some(self.rolling.len()));
+        let (bounces, other_bounces) = self.bounces.split_at_mut(of_some(self.bounces.len()));
+        let others = Self { blocks: other_blocks, rolling: other_rolling, bounces: other_bounces };
+        (Self { blocks, rolling, bounces }, others)
+    }
+}
+
+/// The bodies that a pass reads and writes.
+pub(crate) struct Bodied<'a> {
+    pub(crate) motion: Rows<'a>,
+    /// What contacts do to them when the next substep begins.
+    pub(crate) held: Rows<'a>,
+    pub(crate) response: &'a [Eight],
+    pub(crate) moved: &'a [Eight],
+}
+
+impl Bodied<'_> {
+    /// Those of the first `middle` blocks, and of the others.
+    pub(crate) fn split_at(self, middle: usize) -> (Self, Self) {
+        let (motion, other_motion) = self.motion.split_at(middle);
+        let (held, other_held) = self.held.split_at(middle);
+        (Self { motion, held, ..self }, Self { motion: other_motion, held: other_held, ..self })
+    }
+}
+
+/// One pass over the points, in order: what overlaps is pushed apart or, where it is to relax, the velocity that this gave is taken out again, and friction follows.
+pub(crate) struct Solve<'a, const P: usize, const C: usize> {
+    pub(crate) blocks: Blocks<'a, P, C>,
+    pub(crate) bodies: Bodied<'a>,
+    /// How what overlaps is pushed apart; none where it is to relax.
+    pub(crate) softness: Option<Softness>,
+    /// What comes faster gives a blow \[m/s\].
+    pub(crate) blow: Real,
+    /// Whether another substep begins with the impulses that there are after it has relaxed.
+    pub(crate) holds: bool,
+    /// One over the substep [1/s].
+    pub(crate) inverse_h: Real,
+}
+
+impl<const P: usize, const C: usize> Kernel for Solve<'_, P, C> {
+    #[inline(always)]
+    fn len(&self) -> usize {
+        self.blocks.blocks.len() * BLOCK
+    }
+
+    #[inline(always)]
+    fn tile<T: Tile>(&mut self, i: usize) {
+        let (index, lane) = (i / BLOCK, i % BLOCK);
+        let block = &mut self.blocks.blocks[index];
+        let response = Response::<T>::load(self.bodies.response, self.bodies.motion.pairs(index), lane);
+        let mut bodies = Bodies::<T>::load(&self.bodies.motion, index, lane);
+        let lag = match (self.softness, self.blocks.bounces.get(index)) {
+            (Some(_), _) => Vec3::zero(),
+            // Where bodies bounce, contacts have followed.
+            (None, Some(bounce)) => vector_at(&bounce.lag, lane),
+            (None, None) => {
+                let moved = Moved::load(self.bodies.moved, self.bodies.motion.pairs(index), lane);
+                let h = T::splat(1.0) / T::splat(self.inverse_h.into());
+                follow(block, self.blocks.rolling.get_mut(index), (lane, h), &moved, (&bodies, &response))
+            }
+        };
+        let frame = Frame::<T>::load(block, lane);
+        let arms = frame.arms;
+
+        let speeds = speeds(block, lane, frame.normal_parts(&bodies.relative(&response, arms).less(lag)));
+        let (changes, sum) = self.solve_points(index, lane, speeds);
+        let block = &mut self.blocks.blocks[index];
+        let (linear, angular) = along_normals(block, &frame, lane, changes);
+        bodies.push(arms, linear, angular);
+
+        if self.softness.is_none() {
+            let before = Rubbing::load(&block.friction, self.blocks.rolling.get(index), lane);
+            let contact = (&frame, lane);
+            let after =
+                rub(before, block, self.blocks.rolling.get(index), contact, &mut bodies, (&response, arms, lag), sum);
+            let (zero, one) = (T::splat(0.0), T::splat(1.0));
+            // What a blow gave in a substep is no force: a body pushed off by it would be somewhere else before that is taken back.
+            let lasting =
+                T::select(zero.lt(at(&block.start.blow, lane)), zero, warm_start(at(&block.start.steady, lane)));
+            let kept = if self.holds { lasting } else { one };
+            let after = after.scaled(kept);
+            after.store(&mut block.friction, self.blocks.rolling.get_mut(index), lane);
+            if self.holds {
+                scale_impulses(block, lane, kept);
+                hold(block, &frame, &after, &mut self.bodies.held, (index, lane));
+            }
+        }
+        bodies.store(&mut self.bodies.motion, index, lane);
+    }
+}
+
+impl<const P: usize, const C: usize> Solve<'_, P, C> {
+    /// By how much the impulse of each point changed, and the sum of the impulses.
+    #[inline(always)]
+    fn solve_points<T: Tile>(&mut self, index: usize, lane: usize, speeds: [T; P]) -> ([T; P], T) {
+        let (zero, one) = (T::splat(0.0), T::splat(1.0));
+        let to = (self.softness.as_ref(), self.inverse_h);
+        let block = &mut self.blocks.blocks[index];
+        let fast = T::splat((-self.blow).into());
+        let (mut before, mut changes) = ([zero; P], [zero; P]);
+        let (mut is_blow, mut begins) = (zero, zero);
+        let mut j = 0;
+        while j < P {
+            before[j] = at(&block.points[j].impulse, lane);
+            let point = &block.points[j];
+            // A point that is not there has no mass and any speed.
+            let is_fast = T::select(zero.lt(at(&point.mass, lane)), T::select(speeds[j].lt(fast), one, zero), zero);
+            is_blow = is_blow.max(is_fast);
+            // What overlaps is pressed.
+            let is_apart = T::select(zero.lt(at(&point.separation, lane)), is_fast, zero);
+            begins = begins.max(T::select(zero.lt(before[j]), zero, is_apart));
+            j += 1;
+        }
+        let (begun, mut speeds) = (speeds, speeds);
+        let mut means = speeds;
+        if P > 1 && T::any(zero.lt(is_blow)) {
+            let mut alone = Alone::none();
+            j = 0;
+            while j < P {
+                let aim = aim(block, (j, lane), to, speeds[j]);
+                let mass: T = at(&block.points[j].mass, lane);
+                alone.set(j, aim.impulse(before[j], speeds[j], mass) - before[j], mass, is_blow);
+                j += 1;
+            }
+            (changes, means) = alone.together(block, lane, &mut speeds);
+        }
+
+        let mut sum = zero;
+        j = 0;
+        while j < P {
+            let aim = aim(block, (j, lane), to, speeds[j]);
+            let point = &mut block.points[j];
+            let (start, mass): (T, T) = (before[j] + changes[j], at(&point.mass, lane));
+            let impulse = aim.impulse(start, speeds[j], mass).max(zero);
+            put(impulse, &mut point.impulse, lane);
+            if let Some(bounce) = self.blocks.bounces.get_mut(index) {
+                // What nothing stops does not bounce, however fast it comes.
+                let met = T::select(zero.lt(impulse), at(&bounce.met[j], lane), zero);
+                let approach: T = at(&bounce.approach[j], lane);
+                put(met.min(approach), &mut bounce.approach[j], lane);
+                let mut given = changes[j] * means[j] + work(impulse - start, speeds[j], mass);
+                if self.softness.is_some() {
+                    // And what the impulse did that the substep began with.
+                    given = given + before[j] * (at::<T>(&bounce.coming[j], lane) + begun[j]) * T::splat(0.5);
+                }
+                put(at::<T>(&bounce.absorbed, lane) - given, &mut bounce.absorbed, lane);
+            }
+            changes[j] = impulse - before[j];
+            sum = sum + impulse;
+            couple(block, lane, j, impulse - start, &mut speeds);
+            j += 1;
+        }
+        let begins = T::select(zero.lt(sum), begins, zero);
+        let block = &mut self.blocks.blocks[index];
+        put(note_blow(at(&block.start.blow, lane), begins, self.softness.is_some()), &mut block.start.blow, lane);
+        (changes, sum)
+    }
+}
+
+/// A point is to move at `-bias` \[m/s\] along the normal; how much of that a soft contact brings about, and how much of its impulse it lets go.
+struct Aim<T> {
+    bias: T,
+    mass_scale: T,
+    impulse_scale: T,
+}
+
+impl<T: Tile> Aim<T> {
+    /// The impulse that a point has, alone and if it could pull.
+    #[inline(always)]
+    fn impulse(&self, before: T, speed: T, mass: T) -> T {
+        before - (self.mass_scale * speed + self.bias) * mass - self.impulse_scale * before
+    }
+}
+
+/// What is aimed at at a point with this speed along the normal \[m/s\].
+#[inline(always)]
+fn aim<T: Tile, const P: usize, const C: usize>(
+    block: &Block<P, C>,
+    (j, lane): (usize, usize),
+    (softness, inverse_h): (Option<&Softness>, Real),
+    speed: T,
+) -> Aim<T> {
+    let (zero, one) = (T::splat(0.0), T::splat(1.0));
+    let separation: T = at(&block.points[j].separation, lane);
+    // What is apart may come as near in a substep as it is apart.
+    let apart = zero.lt(separation);
+    let near = separation * T::splat(inverse_h.into());
+    match softness {
+        Some(softness) => {
+            // A body that turns right over is not where a push would have it go.
+            let pushed: T = at(&block.start.steady, lane);
+            Aim {
+                bias: T::select(apart, near, softness.bias(separation) * pushed),
+                mass_scale: T::select(apart, one, T::splat(softness.mass_scale.into())),
+                impulse_scale: T::select(apart, zero, T::splat(softness.impulse_scale.into())),
+            }
+        }
+        // Between coming as near as it may and leaving there is nothing to take out.
+        None => {
+            let bias = T::select(apart, near, zero).min((zero - speed).max(zero));
+            Aim { bias, mass_scale: one, impulse_scale: zero }
+        }
+    }
+}
+
+/// Notes how fast bodies come together before anything pushes them apart. Of what forces do in a substep only the part until they meet counts: with the rest they would bounce with
+/// energy out of nothing.
+pub(crate) struct NoteApproach<'a, const P: usize, const C: usize> {
+    pub(crate) blocks: Blocks<'a, P, C>,
+    pub(crate) bodies: Bodied<'a>,
+    /// One over the substep [1/s].
+    pub(crate) inverse_h: Real,
+    pub(crate) moment: Moment,
+}
+
+/// When in a substep.
+#[derive(Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Moment {
+    /// After forces have acted for the first time in the step: what they did they do in the others too.
+    FirstKicked,
+    Kicked,
+    /// After the bodies have moved, and before anything looks ahead to the next substep.
+    Moved,
+}
+
+impl<const P: usize, const C: usize> Kernel for NoteApproach<'_, P, C> {
+    #[inline(always)]
+    fn len(&self) -> usize {
+        self.blocks.bounces.len() * BLOCK
+    }
+
+    #[inline(always)]
+    fn tile<T: Tile>(&mut self, i: usize) {
+        let (index, lane) = (i / BLOCK, i % BLOCK);
+        let block = &mut self.blocks.blocks[index];
+        let response = Response::<T>::load(self.bodies.response, self.bodies.motion.pairs(index), lane);
+        let bodies = Bodies::<T>::load(&self.bodies.motion, index, lane);
+        if self.moment == Moment::Moved {
+            let moved = Moved::load(self.bodies.moved, self.bodies.motion.pairs(index), lane);
+            let h = T::splat(1.0) / T::splat(self.inverse_h.into());
+            let lag = follow(block, self.blocks.rolling.get_mut(index), (lane, h), &moved, (&bodies, &response));
+            // A blow that is to bounce stops what comes, and adds nothing: it would come back with energy out of nothing.
+            let bounce = &mut self.blocks.bounces[index];
+            let bounces = T::splat(0.0).lt(at(&bounce.restitution, lane));
+            put_vector(Vec3::select(bounces, Vec3::zero(), lag), &mut bounce.lag, lane);
+        }
+        let frame = Frame::<T>::load(block, lane);
+        let speeds = speeds(block, lane, frame.normal_parts(&bodies.relative(&response, frame.arms)));
+        let bounce = &mut self.blocks.bounces[index];
+        let (zero, one, inverse_h) = (T::splat(0.0), T::splat(1.0), T::splat(self.inverse_h.into()));
+        let mut j = 0;
+        while j < P {
+            if self.moment == Moment::Moved {
+                put(speeds[j], &mut bounce.before[j], lane);
+            } else {
+                let before: T = at(&bounce.before[j], lane);
+                if self.moment == Moment::FirstKicked {
+                    put(speeds[j] - before, &mut bounce.kick[j], lane);
+                }
+                let kick: T = at(&bounce.kick[j], lane);
+                let speed = before + kick;
+                // The part of the substep after which they meet.
+                let part = (at::<T>(&block.points[j].separation, lane) * inverse_h / -speed).max(zero).min(one);
+                let met = before + kick * T::select(speed.lt(zero), part, one);
+                put(met, &mut bounce.met[j], lane);
+                put(speeds[j], &mut bounce.coming[j], lane);
+            }
+            j += 1;
+        }
+    }
+}
+
+/// Makes points leave as fast as the restitution has it, where they came in faster than `threshold` \[m/s\], with the friction that the
+/// added impulse allows.
+pub(crate) struct Rebound<'a, const P: usize, const C: usize> {
+    pub(crate) blocks: Blocks<'a, P, C>,
+    pub(crate) bodies: Bodied<'a>,
+    pub(crate) threshold: Real,
+}
+
+impl<const P: usize, const C: usize> Kernel for Rebound<'_, P, C> {
+    #[inline(always)]
+    fn len(&self) -> usize {
+        self.blocks.bounces.len() * BLOCK
+    }
+
+    #[inline(always)]
+    fn tile<T: Tile>(&mut self, i: usize) {
+        let (index, lane) = (i / BLOCK, i % BLOCK);
+        let zero = T::splat(0.0);
+        let (block, bounce) = (&mut self.blocks.blocks[index], &mut self.blocks.bounces[index]);
+        let frame = Frame::<T>::load(block, lane);
+        let response = Response::<T>::load(self.bodies.response, self.bodies.motion.pairs(index), lane);
+        let mut bodies = Bodies::<T>::load(&self.bodies.motion, index, lane);
+        let arms = frame.arms;
+        let restitution: T = at(&bounce.restitution, lane);
+        let slowest = T::splat(-f64::from(self.threshold));
+
+        let mut speeds = speeds(block, lane, frame.normal_parts(&bodies.relative(&response, arms)));
+        let (mut changes, mut added, mut given) = ([zero; P], zero, zero);
+        if P > 1 {
+            let mut alone = Alone::none();
+            let mut j = 0;
+            while j < P {
+                let approach: T = at(&bounce.approach[j], lane);
+                let bounces = T::select(approach.lt(slowest), restitution, zero);
+                let mass: T = at(&block.points[j].mass, lane);
+                alone.set(j, zero - (speeds[j] + restitution * approach) * mass, mass, bounces);
+                j += 1;
+            }
+            let means;
+            (changes, means) = alone.together(block, lane, &mut speeds);
+            j = 0;
+            while j < P {
+                given = given + changes[j] * means[j];
+                j += 1;
+            }
+        }
+        let mut j = 0;
+        while j < P {
+            let approach: T = at(&bounce.approach[j], lane);
+            let bounces = zero.lt(T::select(approach.lt(slowest), restitution, zero));
+            let point = &mut block.points[j];
+            let (before, mass): (T, T) = (at(&point.impulse, lane), at(&point.mass, lane));
+            let start = before + changes[j];
+            let wanted = start - (speeds[j] + restitution * approach) * mass;
+            let change = T::select(bounces, wanted.max(zero), start) - start;
+            given = given + work(change, speeds[j], mass);
+            couple(block, lane, j, change, &mut speeds);
+            changes[j] = changes[j] + change;
+            j += 1;
+        }
+        // Bodies that turn while they touch come back with other effective masses, but never with more energy.
+        let most = restitution * restitution * at::<T>(&bounce.absorbed, lane).max(zero);
+        // Balls are as hard to move as before: what each of a heap gives back may have come in through another.
+        let one = T::splat(1.0);
+        let turns = T::splat(0.5).lt((at::<T>(&block.start.law, lane) - T::splat(CENTERS)).abs());
+        let most = T::select(turns, most, given);
+        let part = T::select(most.lt(given), most / given, one);
+        let mut j = 0;
+        while j < P {
+            changes[j] = changes[j] * part;
+            added = added + changes[j];
+            let impulse = at::<T>(&block.points[j].impulse, lane) + changes[j];
+            put(impulse, &mut block.points[j].impulse, lane);
+            j += 1;
+        }
+        let (linear, angular) = along_normals(block, &frame, lane, changes);
+        bodies.push(arms, linear, angular);
+
+        let (contact, limit) = ((&frame, lane), added.max(zero));
+        let motion = (&response, arms, Vec3::zero());
+        rub(Rubbing::none(), block, self.blocks.rolling.get(index), contact, &mut bodies, motion, limit);
+        bodies.store(&mut self.bodies.motion, index, lane);
+    }
+}
+
+/// Energy that an impulse gives to the bodies at a point with this velocity and this effective mass.
+#[inline(always)]
+fn work<T: Tile>(impulse: T, speed: T, mass: T) -> T {
+    let (zero, half) = (T::splat(0.0), T::splat(0.5));
+    T::select(zero.lt(mass), impulse * (speed + impulse / mass * half), zero)
+}
+
+/// Takes out what resistance to rolling and then friction can of the motion, where normal impulses add up to `normal`; returns the impulses as they are then.
+#[inline(always)]
+fn rub<T: Tile, const P: usize, const C: usize>(
+    before: Rubbing<T>,
+    block: &Block<P, C>,
+    rolling: Option<&Rolling>,
+    contact: (&Frame<T>, usize),
+    bodies: &mut Bodies<T>,
+    (response, arms, lag): (&Response<T>, [Vec3<T>; 2], Vec3<T>),
+    normal: T,
+) -> Rubbing<T> {
+    let frame = contact.0;
+    let mut rubbing = before;
+    if let Some(rolling) = rolling {
+        rubbing = before.rolled(rolling, contact, &bodies.relative(response, arms), normal);
+        bodies.push(arms, Vec3::zero(), rubbing.angular(frame) - before.angular(frame));
+    }
+    let after = rubbing.slid(&block.friction, contact, &bodies.relative(response, arms).less(lag), normal);
+    let linear = after.linear(frame) - rubbing.linear(frame);
+    bodies.push(arms, linear, after.angular(frame) - rubbing.angular(frame));
+    after
+}
+
+/// Velocity along the normal at each point.
+#[inline(always)]
+pub(crate) fn speeds<T: Tile, const P: usize, const C: usize>(
+    block: &Block<P, C>,
+    lane: usize,
+    parts: [T; 3],
+) -> [T; P] {
+    let mut speeds = [parts[0]; P];
+    let mut j = 0;
+    while j < P {
+        let offset = &block.points[j].offset;
+        speeds[j] = along_normal(parts, at(&offset[0], lane), at(&offset[1], lane));
+        j += 1;
+    }
+    speeds
+}
+
+/// What an impulse at a point does to the velocities at those after it.
+#[inline(always)]
+fn couple<T: Tile, const P: usize, const C: usize>(
+    block: &Block<P, C>,
+    lane: usize,
+    j: usize,
+    change: T,
+    speeds: &mut [T; P],
+) {
+    let mut k = j + 1;
+    while k < P {
+        speeds[k] = speeds[k] + at::<T>(&block.couplings[coupling::<P>(j, k)], lane) * change;
+        k += 1;
+    }
+}
+
+/// Where the coupling of two points is, the first with a lower index than the second.
+#[inline(always)]
+pub(crate) const fn coupling<const P: usize>(j: usize, k: usize) -> usize {
+    j * (2 * P - j - 1) / 2 + (k - j - 1)
+}
+
+/// Impulses along the normal at the points, as an impulse in the middle and an angular impulse.
+#[inline(always)]
+fn along_normals<T: Tile, const P: usize, const C: usize>(
+    block: &Block<P, C>,
+    frame: &Frame<T>,
+    lane: usize,
+    impulses: [T; P],
+) -> (Vec3<T>, Vec3<T>) {
+    let zero = T::splat(0.0);
+    let (mut sum, mut about_1, mut about_2) = (zero, zero, zero);
+    let mut j = 0;
+    while j < P {
+        let offset = &block.points[j].offset;
+        sum = sum + impulses[j];
+        about_1 = about_1 + at::<T>(&offset[1], lane) * impulses[j];
+        about_2 = about_2 + at::<T>(&offset[0], lane) * impulses[j];
+        j += 1;
+    }
+    (frame.normal * sum, frame.tangents[0] * about_1 - frame.tangents[1] * about_2)
+}
+
+/// What is left of the impulses along the normal for the next substep to begin with.
+#[inline(always)]
+fn scale_impulses<T: Tile, const P: usize, const C: usize>(block: &mut Block<P, C>, lane: usize, kept: T) {
+    let mut j = 0;
+    while j < P {
+        let impulse: T = at(&block.points[j].impulse, lane);
+        put(impulse * kept, &mut block.points[j].impulse, lane);
+        j += 1;
+    }
+}
+
+/// Adds all impulses of a contact to what holds the bodies.
+#[inline(always)]
+pub(crate) fn hold<T: Tile, const P: usize, const C: usize>(
+    block: &Block<P, C>,
+    frame: &Frame<T>,
+    rubbing: &Rubbing<T>,
+    held: &mut Rows<'_>,
+    (index, lane): (usize, usize),
+) {
+    let mut impulses = [T::splat(0.0); P];
+    let mut j = 0;
+    while j < P {
+        impulses[j] = at(&block.points[j].impulse, lane);
+        j += 1;
+    }
+    let (linear, angular) = along_normals(block, frame, lane, impulses);
+    let mut momenta = Momenta::load(held, index, lane);
+    momenta.push(frame.arms, linear + rubbing.linear(frame), angular + rubbing.angular(frame));
+    momenta.store([T::splat(0.0); 2], held, index, lane);
+}

@@ -1,0 +1,214 @@
+//! Contacts as they are after their bodies have moved in a substep.
+
+use tumble_math::lane::Vec3;
+
+use crate::collision::contact::{CENTERS, MATERIAL};
+use crate::simd::Tile;
+use crate::simd::block_lanes::{at, put, put_vector, vector_at};
+use crate::solver::contact::constraint::{Block, Rolling};
+use crate::solver::contact::contact_frame::{Bodies, Frame, Moved, Response, along_normal};
+use crate::solver::contact::effective_mass;
+use crate::solver::contact::effective_mass::{Mobility, put_where};
+
+/// Square of half of what an arm, or a spin, changes in a substep over itself, from which on it is another and nothing lags.
+const LAG: f64 = 1.0 / 16.0;
+
+/// Moves the contacts of a tile with their bodies. Returns by how much the relative velocity in the middle of those that are found
+/// again differs from its mean over the substep of `h` \[s\].
+///
+/// Contacts hold over a substep, `x' = x + h v`, if velocities vanish in its middle: at the arms `(r + r')/2`, with the spin that
+/// free rotation has there, `w' - h/2 I^-1 (L x w)`. With those of its end, what rolls gains or loses energy to first order in `h`.
+#[inline(always)]
+pub(crate) fn follow<T: Tile, const P: usize, const C: usize>(
+    block: &mut Block<P, C>,
+    rolling: Option<&mut Rolling>,
+    (lane, h): (usize, T),
+    moved: &Moved<T>,
+    (bodies, response): (&Bodies<T>, &Response<T>),
+) -> Vec3<T> {
+    let before: [Vec3<T>; 2] = [vector_at(&block.arms[0], lane), vector_at(&block.arms[1], lane)];
+    refresh(block, rolling, lane, moved, &bodies.mobility(response));
+    let is_found_again = at::<T>(&block.start.slide, lane).lt(T::splat(0.0));
+    if !T::any(is_found_again) {
+        return Vec3::zero();
+    }
+    let (spins, gains) = bodies.free_spins(response);
+    let mut lags = [Vec3::zero(); 2];
+    let mut which = 0;
+    while which < 2 {
+        let arm: Vec3<T> = vector_at(&block.arms[which], lane);
+        lags[which] = lag([before[which], arm], spins[which], gains[which], h);
+        which += 1;
+    }
+    Vec3::select(is_found_again, lags[1] - lags[0], Vec3::zero())
+}
+
+/// By how much the velocity at the end of an arm differs from that in the middle of a substep, in which the arm goes from one place to
+/// another.
+#[inline(always)]
+fn lag<T: Tile>([before, arm]: [Vec3<T>; 2], spin: Vec3<T>, gain: Vec3<T>, h: T) -> Vec3<T> {
+    let (half, limit) = (T::splat(0.5), T::splat(LAG));
+    let (way, gain) = ((arm - before) * half, gain * (h * half));
+    let lag = spin.cross(way) + gain.cross(arm - way);
+    let lag = Vec3::select(way.dot(way).lt(arm.dot(arm) * limit), lag, Vec3::zero());
+    Vec3::select(gain.dot(gain).lt(spin.dot(spin) * limit), lag, Vec3::zero())
+}
+
+/// The contacts of a tile where their bodies have moved to: separations and arms in any case; normals, tangents, offsets and
+/// effective masses where a body has turned, or an arm has changed, by more than a tolerance.
+///
+/// The reference body of a contact is the one that the normal turns with, the other carries the points. Points are fixed to a
+/// body, so a corner on a face is exact at any angle; what is cut by edges is right to first order.
+#[inline(always)]
+fn refresh<T: Tile, const P: usize, const C: usize>(
+    block: &mut Block<P, C>,
+    rolling: Option<&mut Rolling>,
+    lane: usize,
+    moved: &Moved<T>,
+    mobility: &Mobility<T>,
+) {
+    let (zero, one) = (T::splat(0.0), T::splat(1.0));
+    let start = &block.start;
+    let (arm, apart): (Vec3<T>, Vec3<T>) = (vector_at(&start.arm, lane), vector_at(&start.apart, lane));
+    let carried: T = at(&start.carried, lane);
+    let slid = moved.linear[1] - moved.linear[0];
+    let now = apart + slid;
+    let frame = Frame::<T>::load(block, lane);
+
+    let law: T = at(&start.law, lane);
+    let half = T::splat(0.5);
+    let between_centers = T::select((law - T::splat(CENTERS)).abs().lt(half), one, zero);
+    let material = T::select((law - T::splat(MATERIAL)).abs().lt(half), one, zero);
+    let second = arm + slid * (carried - one);
+    let way = frame.normal_parts(&moved.relative([arm + apart, arm]));
+    put_vector(second + now, &mut block.arms[0], lane);
+    put_vector(second, &mut block.arms[1], lane);
+    let mut j = 0;
+    while j < P {
+        let offset = &block.points[j].offset;
+        let way = along_normal(way, at(&offset[0], lane), at(&offset[1], lane));
+        put(at::<T>(&block.start.separations[j], lane) + way, &mut block.points[j].separation, lane);
+        j += 1;
+    }
+    if P == 1 && T::any(zero.lt(between_centers)) {
+        along_centers(block, lane, (between_centers, arm, apart, now));
+    }
+
+    // An arm that slides along with the other body changes what impulses do.
+    let slide = T::select(
+        at::<T>(&block.start.slide, lane).lt(largest(slid * carried).max(largest(slid * (carried - one)))),
+        one,
+        zero,
+    );
+    let changed = T::select(zero.lt(between_centers), zero, slide.max(moved.turned));
+    if T::any(zero.lt(changed)) {
+        turn(block, lane, moved, (carried, slid, now), moved.turned * material);
+        let steady = effective_mass::compute(block, rolling, lane, mobility, changed);
+        put(steady, &mut block.start.steady, lane);
+    } else {
+        put(one, &mut block.start.steady, lane);
+    }
+}
+
+/// The contact of balls, along the line of their centres.
+#[inline(always)]
+fn along_centers<T: Tile, const P: usize, const C: usize>(
+    block: &mut Block<P, C>,
+    lane: usize,
+    (which, arm, apart, now): (T, Vec3<T>, Vec3<T>, Vec3<T>),
+) {
+    let (zero, one, half) = (T::splat(0.0), T::splat(1.0), T::splat(0.5));
+    let which = T::select(zero.lt(now.dot(now)), which, zero);
+    let before = Frame::<T>::load(block, lane);
+    let start: Vec3<T> = vector_at(&block.start.normal, lane);
+    let gap: T = at(&block.start.separations[0], lane);
+    let distance = now.dot(now).sqrt();
+    let normal = now * (one / distance);
+    let separation = distance - (start.dot(apart) - gap);
+    let second = normal * (start.dot(arm) + gap * half - separation * half);
+    let tangents = tangents(normal);
+    put_where(which, separation, &mut block.points[0].separation, lane);
+    put_vector_where(which, normal, &mut block.normal, lane);
+    put_vector_where(which, tangents[0], &mut block.tangent, lane);
+    put_vector_where(which, second + now, &mut block.arms[0], lane);
+    put_vector_where(which, second, &mut block.arms[1], lane);
+    let [u, v]: [T; 2] = [at(&block.friction.sliding[0], lane), at(&block.friction.sliding[1], lane)];
+    let world = before.tangents[0] * u + before.tangents[1] * v;
+    put_where(which, tangents[0].dot(world), &mut block.friction.sliding[0], lane);
+    put_where(which, tangents[1].dot(world), &mut block.friction.sliding[1], lane);
+}
+
+/// Turns the geometry of the step's start with the bodies.
+#[inline(always)]
+fn turn<T: Tile, const P: usize, const C: usize>(
+    block: &mut Block<P, C>,
+    lane: usize,
+    moved: &Moved<T>,
+    (carried, slid, now): (T, Vec3<T>, Vec3<T>),
+    turned: T,
+) {
+    let one = T::splat(1.0);
+    let start = &block.start;
+    let arm: Vec3<T> = vector_at(&start.arm, lane);
+    let first_arm = arm + vector_at(&start.apart, lane);
+    let turned_arms = [moved.rotation[0].rotate(first_arm), moved.rotation[1].rotate(arm)];
+    let second = turned_arms[1] * carried + (turned_arms[0] - now) * (one - carried);
+    let gap = slid + (turned_arms[1] - arm) - (turned_arms[0] - first_arm);
+
+    let first_is_reference = T::splat(0.5 - 1e-3).lt(carried);
+    let select = |a, b| tumble_math::lane::Quat::select(first_is_reference, a, b);
+    let reference = select(moved.rotation[0], moved.rotation[1]);
+    let material = select(moved.rotation[1], moved.rotation[0]);
+    let sign = T::select(first_is_reference, one, -one);
+    let (normal, tangent): (Vec3<T>, Vec3<T>) = (vector_at(&start.normal, lane), vector_at(&start.tangent, lane));
+    let (s, t) = (material.rotate(tangent), material.rotate(normal.cross(tangent)));
+    let normal = reference.rotate(normal);
+    let tangents = [reference.rotate(tangent), normal.cross(reference.rotate(tangent))];
+    put_vector_where(turned, normal, &mut block.normal, lane);
+    put_vector_where(turned, tangents[0], &mut block.tangent, lane);
+    put_vector_where(turned, second + now, &mut block.arms[0], lane);
+    put_vector_where(turned, second, &mut block.arms[1], lane);
+    let mut j = 0;
+    while j < P {
+        let offset = &block.start.offsets[j];
+        let (a, b): (T, T) = (at(&offset[0], lane), at(&offset[1], lane));
+        let from_middle = s * a + t * b;
+        let separation = at::<T>(&block.start.separations[j], lane) + normal.dot(gap) + normal.dot(from_middle) * sign;
+        let point = &mut block.points[j];
+        put_where(turned, separation, &mut point.separation, lane);
+        put_where(turned, tangents[0].dot(from_middle), &mut point.offset[0], lane);
+        put_where(turned, tangents[1].dot(from_middle), &mut point.offset[1], lane);
+        j += 1;
+    }
+}
+
+#[inline(always)]
+fn put_vector_where<T: Tile>(
+    changed: T,
+    vector: Vec3<T>,
+    numbers: &mut [crate::simd::block_lanes::Lanes; 3],
+    lane: usize,
+) {
+    put_where(changed, vector.x, &mut numbers[0], lane);
+    put_where(changed, vector.y, &mut numbers[1], lane);
+    put_where(changed, vector.z, &mut numbers[2], lane);
+}
+
+#[inline(always)]
+fn largest<T: Tile>(v: Vec3<T>) -> T {
+    v.x.abs().max(v.y.abs()).max(v.z.abs())
+}
+
+/// Two unit vectors, each perpendicular to the other and to `n`: the first as near as it can be to the axis that `n` is farthest from.
+#[inline(always)]
+pub(crate) fn tangents<T: Tile>(n: Vec3<T>) -> [Vec3<T>; 2] {
+    let (zero, one) = (T::splat(0.0), T::splat(1.0));
+    let (x, y, z) = (n.x.abs(), n.y.abs(), n.z.abs());
+    let least = z.min(y);
+    let y_axis = Vec3::new(zero, one, zero);
+    let axis = Vec3::select(z.lt(y), Vec3::new(zero, zero, one), y_axis);
+    let axis = Vec3::select(least.lt(x), axis, Vec3::new(one, zero, zero));
+    let across = axis - n * n.dot(axis);
+    let first = across * (one / across.dot(across).sqrt());
+    [first, n.cross(first)]
+}

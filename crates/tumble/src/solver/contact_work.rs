@@ -1,0 +1,220 @@
+//! The works of bodies that touch something, for those who keep account of them.
+
+use glam::DVec3;
+use tumble_math::lane::{Quat, Vec3};
+
+use crate::components::{Work, Wrench};
+use crate::forces::evaluate::LawForces;
+use crate::forces::force_law::BodyState;
+use crate::integrators::Kick;
+use crate::integrators::derived::symmetric_product;
+use crate::integrators::kinetic_energy::KineticEnergy;
+use crate::integrators::state::{Constants, State};
+use crate::math::{Real, Vec3 as WorldVec3, double, dvec3};
+use crate::simd::Eight;
+use crate::solver::solver_bodies::SolverBodies;
+
+/// Accounts of the bodies that have [`Work`] and touch something, opened at the start of a step.
+///
+/// Forces are constant over a step of such bodies, and do work over the way that the body goes: gravity what its potential energy says, and nothing on a body that is held. (Over the
+/// velocities before and after its own kick, it would do work at rest, which contacts then undo.) Damping is booked kick by kick, the free motion's error is measured, and what is left of the
+/// change of kinetic energy is the contacts'.
+#[derive(Clone, Default)]
+pub(crate) struct Bookings {
+    bookings: Vec<Booking>,
+    /// Of all bookings, one after the other.
+    forces: Vec<(Source, Wrench)>,
+}
+
+/// One body's account.
+#[derive(Clone)]
+struct Booking {
+    /// Among the solver's bodies.
+    row: usize,
+    slot: usize,
+    /// As it was before the step.
+    work: Work,
+    constants: Constants<Real>,
+    axes: Option<Quat<Real>>,
+    /// How much damping leaves of linear and angular momentum in a substep.
+    kept: (Real, Real),
+    /// The end of its forces among all.
+    forces_end: usize,
+    /// Linear and angular momentum when they were last read.
+    momenta: (DVec3, DVec3),
+    /// Whether contacts changed a momentum.
+    pushed: bool,
+    /// Kinetic energy \[J\]: at the start, and before the body moved on.
+    start: f64,
+    last: f64,
+    damping: f64,
+    moving: f64,
+}
+
+/// What a force comes from.
+#[derive(Clone, Copy, Debug)]
+enum Source {
+    Gravity,
+    Applied,
+    /// By its index among all laws.
+    Law(usize),
+}
+
+impl Bookings {
+    pub(crate) fn clear(&mut self) {
+        self.bookings.clear();
+        self.forces.clear();
+    }
+
+    /// Opens the account of a body that had done so much work, under these forces of which so much is gravity, for kicks of `h` \[s\].
+    pub(crate) fn open(
+        &mut self,
+        (slot, row): (usize, u32),
+        work: Work,
+        (forces, gravity): (&LawForces<'_>, WorldVec3),
+        state: &State<Real>,
+        h: Real,
+    ) {
+        let LawForces { constants, surroundings, wrench, laws, row: law_row, time } = forces;
+        let applied = Wrench { force: wrench.force - gravity, torque: wrench.torque };
+        self.forces.push((Source::Gravity, Wrench { force: gravity, torque: WorldVec3::ZERO }));
+        self.forces.push((Source::Applied, applied));
+        let seen = BodyState::new((*time, 0.0), (constants, surroundings), state);
+        self.forces.extend((*laws).into_iter().map(|(index, law)| (Source::Law(index), law.wrench(*law_row, &seen))));
+        let start = KineticEnergy::of(constants, state).sum();
+        self.bookings.push(Booking {
+            row: row as usize,
+            slot,
+            work,
+            constants: **constants,
+            axes: constants.inertia.and_then(|inertia| inertia.axes),
+            kept: Kick::new(constants, h).kept(),
+            forces_end: self.forces.len(),
+            momenta: (DVec3::ZERO, DVec3::ZERO),
+            pushed: false,
+            start,
+            last: start,
+            damping: 0.0,
+            moving: 0.0,
+        });
+    }
+
+    /// Takes over the accounts of bodies whose rows have a place here, for substeps halved so often.
+    pub(crate) fn copy(&mut self, others: &Self, place: impl Fn(usize) -> Option<usize>, halvings: u8) {
+        self.clear();
+        for booking in &others.bookings {
+            if let Some(row) = place(booking.row) {
+                let kept = (0..halvings).fold(booking.kept, |(p, l), _| (p.sqrt(), l.sqrt()));
+                self.bookings.push(Booking { row, kept, ..booking.clone() });
+            }
+        }
+    }
+
+    /// Gives back to others the accounts that were taken over from them.
+    pub(crate) fn give_back(&self, others: &mut Self, place: impl Fn(usize) -> Option<usize>) {
+        let taken = others.bookings.iter_mut().filter(|booking| place(booking.row).is_some());
+        for (booking, here) in taken.zip(&self.bookings) {
+            *booking = Booking { row: booking.row, kept: booking.kept, ..here.clone() };
+        }
+    }
+
+    /// Notes what damping takes from bodies that are about to be kicked.
+    pub(crate) fn before_kick(&mut self, bodies: &SolverBodies) {
+        for booking in &mut self.bookings {
+            booking.begin_substep(bodies);
+        }
+    }
+
+    /// Notes momenta before contacts push.
+    pub(crate) fn before_push(&mut self, bodies: &SolverBodies) {
+        for booking in &mut self.bookings {
+            booking.momenta = two_vectors(&bodies.motion[booking.row]);
+        }
+    }
+
+    /// Notes energies before bodies move on.
+    pub(crate) fn before_motion(&mut self, bodies: &SolverBodies) {
+        for booking in &mut self.bookings {
+            booking.last = booking.energy(bodies);
+        }
+    }
+
+    /// Notes what moving on did to the energies.
+    pub(crate) fn after_motion(&mut self, bodies: &SolverBodies) {
+        for booking in &mut self.bookings {
+            booking.moving += booking.energy(bodies) - booking.last;
+        }
+    }
+
+    /// Notes whether contacts pushed in a substep.
+    pub(crate) fn after_substep(&mut self, bodies: &SolverBodies) {
+        for booking in &mut self.bookings {
+            booking.end_substep(bodies);
+        }
+    }
+
+    /// The works of all, by slot in the order they were opened, those of before the step among them.
+    pub(crate) fn close<'a>(&'a self, bodies: &'a SolverBodies) -> impl Iterator<Item = (usize, Work)> + 'a {
+        let mut begin = 0;
+        self.bookings.iter().map(move |booking| {
+            let forces = &self.forces[begin..booking.forces_end];
+            begin = booking.forces_end;
+            (booking.slot, booking.closed(forces, bodies))
+        })
+    }
+}
+
+impl Booking {
+    fn energy(&self, bodies: &SolverBodies) -> f64 {
+        KineticEnergy::of(&self.constants, &bodies.state(self.row, self.axes)).sum()
+    }
+
+    /// Velocities at momenta, with the attitude as it is.
+    fn velocities(&self, (p, l): (DVec3, DVec3), bodies: &SolverBodies) -> (DVec3, DVec3) {
+        let (diagonal, off_diagonal) = two_vectors(&bodies.response[self.row]);
+        let angular = symmetric_product(diagonal.into(), off_diagonal.into(), l.into()).into();
+        (p / f64::from(self.constants.mass), angular)
+    }
+
+    fn begin_substep(&mut self, bodies: &SolverBodies) {
+        let (p, l) = two_vectors(&bodies.motion[self.row]);
+        let damped = (p * f64::from(self.kept.0), l * f64::from(self.kept.1));
+        let mean = self.velocities(((p + damped.0) * 0.5, (l + damped.1) * 0.5), bodies);
+        self.damping += (damped.0 - p).dot(mean.0) + (damped.1 - l).dot(mean.1);
+    }
+
+    fn end_substep(&mut self, bodies: &SolverBodies) {
+        let now = two_vectors(&bodies.motion[self.row]);
+        self.pushed |= now != self.momenta;
+        self.momenta = now;
+    }
+
+    fn closed(&self, forces: &[(Source, Wrench)], bodies: &SolverBodies) -> Work {
+        let mut work = Work { damping: self.damping, integrator: self.moving, ..Work::default() };
+        // Twice the vector of the rotation's quaternion is the angle about its axis, to third order.
+        let (way, half_turn) = two_vectors(&bodies.moved[self.row]);
+        let turn = half_turn * 2.0;
+        for (source, wrench) in forces {
+            let done = dvec3(wrench.force).dot(way) + dvec3(wrench.torque).dot(turn);
+            match source {
+                Source::Gravity => work.gravity += done,
+                Source::Applied => work.applied += done,
+                Source::Law(index) => *work.of_law_mut(*index) += done,
+            }
+        }
+        let rest = self.energy(bodies) - self.start - work.total();
+        // What was near something and touched nothing is the integrator's alone. A bounce comes after the last substep.
+        if self.pushed || two_vectors(&bodies.motion[self.row]) != self.momenta {
+            work.contacts = rest;
+        } else {
+            work.integrator += rest;
+        }
+        work += self.work;
+        work
+    }
+}
+
+fn two_vectors(row: &Eight) -> (DVec3, DVec3) {
+    let Eight([a, b, c, d, e, f, ..]) = *row;
+    (double(Vec3::new(a, b, c)), double(Vec3::new(d, e, f)))
+}

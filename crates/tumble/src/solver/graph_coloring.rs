@@ -1,0 +1,50 @@
+/// Which contacts can be worked on side by side: those of one colour have no body in common that impulses move.
+///
+/// Colours are given in the order of the contacts, to each the lowest that both bodies have not got yet, so they depend on nothing but which contacts there are.
+#[derive(Clone, Default)]
+pub(crate) struct Colouring {
+    /// By row, the colours that it has: as bits, of contacts between moving bodies and of those with what does not move.
+    taken: Vec<[u64; 2]>,
+    /// By contact.
+    colours: Vec<Colour>,
+}
+
+/// The colour of a contact.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct Colour {
+    /// Impulses move only the second body.
+    pub(crate) grounded: bool,
+    /// From 0; [`Colour::ALONE`] for one that is worked on by itself, since its bodies have all colours.
+    pub(crate) index: u32,
+}
+
+impl Colour {
+    pub(crate) const ALONE: u32 = u64::BITS;
+}
+
+impl Colouring {
+    /// Of each contact.
+    pub(crate) fn colours(&self) -> &[Colour] {
+        &self.colours
+    }
+
+    /// Of contacts, each with the rows of its bodies; those from `first_unmoved` on impulses do not move.
+    pub(crate) fn colour(&mut self, rows: impl Iterator<Item = [u32; 2]>, first_unmoved: usize) {
+        self.taken.clear();
+        self.taken.resize(first_unmoved, [0; 2]);
+        self.colours.clear();
+        for [first, second] in rows {
+            let grounded = first as usize >= first_unmoved;
+            let which = usize::from(grounded);
+            let taken = self.taken[second as usize][which] | if grounded { 0 } else { self.taken[first as usize][0] };
+            let index = taken.trailing_ones();
+            if index < Colour::ALONE {
+                self.taken[second as usize][which] |= 1 << index;
+                if !grounded {
+                    self.taken[first as usize][0] |= 1 << index;
+                }
+            }
+            self.colours.push(Colour { grounded, index });
+        }
+    }
+}

@@ -1,0 +1,13 @@
+//! The solver: bodies that interact are advanced in substeps under their contacts.
+
+pub(crate) mod contact;
+pub(crate) mod contact_work;
+pub(crate) mod gather_scatter;
+pub(crate) mod graph_coloring;
+pub(crate) mod halved_substeps;
+pub(crate) mod islands;
+pub(crate) mod multi_world;
+pub(crate) mod solver_bodies;
+pub(crate) mod stack_stiffness;
+pub(crate) mod stages;
+pub(crate) mod substeps;

@@ -1,0 +1,406 @@
+//! How stiff contacts have to be for what is stacked on them to stand.
+
+use rayon::prelude::*;
+use tumble_collide::MOST_POINTS;
+use tumble_math::lane::Vec3;
+
+use crate::collision::contact::{Contact, MOST_HALVINGS, POINTS, RUBBED, SHAPE};
+use crate::collision::find_contacts::{Contacts, NONE, PART, Shape};
+use crate::math::Real;
+use crate::settings::Settings;
+use crate::simd::{BLOCK, Eight, Kernel, Tile, dispatch_in_blocks};
+use crate::solver::contact::softness::Softness;
+use crate::solver::islands::Islands;
+use crate::solver::solver_bodies::SolverBodies;
+use crate::threads::InParts;
+
+/// The loads of a world's bodies on each other under gravity, and the islands that need shorter substeps to bear them.
+///
+/// A contact is a spring whose stiffness goes with the square of the substeps' rate. A column of such springs buckles when the moment of
+/// what leans beats their resistance to tilting: for one joint when `W H > k`, with the weight `W` of all that is above, the height `H`
+/// of its centre over the joint and the rotational stiffness `k`; for joints in series when the sum of `W H / k` is about one (Euler's
+/// column under its own weight: 1.3).
+#[derive(Clone, Default)]
+pub(crate) struct Stacks {
+    /// By slot: centre of mass, one over the mass, the inverse inertia about the two horizontal directions and off its diagonal, and
+    /// whether impulses move it.
+    bodies: Vec<Eight>,
+    /// By contact: how it bears its upper body, as [`Base::read`] has it; in whole blocks.
+    supports: Vec<Eight>,
+    /// By slot.
+    loads: Vec<Load>,
+    /// Where the supports of each slot begin among `by_upper`.
+    begins: Vec<u32>,
+    /// The number of a support, and the slot of the lower body.
+    by_upper: Vec<(u32, u32)>,
+    /// By slot: how many supports hand it loads that have not done so.
+    waiting: Vec<u32>,
+    /// Slots that rest on something, each after all that rest on it.
+    order: Vec<u32>,
+    islands: Islands,
+    /// By slot of an island's root, how often its substeps were halved before.
+    before: Vec<u8>,
+}
+
+/// What a body rests on: sums over points by their stiffness [N/m].
+#[derive(Clone, Copy, Default)]
+struct Base {
+    stiffness: Real,
+    /// Of horizontal places from the upper body's centre of mass, of their squares and product, and of heights.
+    first: [Real; 2],
+    second: [Real; 3],
+    height: Real,
+}
+
+/// What rests on a body.
+#[derive(Clone, Copy, Default)]
+struct Load {
+    /// Weight of it and of what it bears \[N\], and their moment about height zero [N m].
+    weight: Real,
+    moment: Real,
+    /// Sum of `W H / k` over the joints from the top.
+    lean: Real,
+    /// The stiffness that is needed, over that which there is.
+    need: Real,
+}
+
+/// Least vertical part of the normal of a contact that bears.
+const LEAST_SLOPE: f64 = 0.5;
+/// Least `k / (W H)` of a column that is left as it is: it buckles at 1/1.3.
+const LEAST_STIFFNESS: Real = 1.25;
+/// What `k / (W H)` becomes at least where there is less. Layers of several blocks side by side still shake at half of it.
+const STIFFNESS: Real = 2.5;
+/// How deep \[margins\] a body in a stack may be pressed in by its load: a tenth of half its thickness.
+const MOST_DEPTH: Real = 5.0;
+/// What is deeper \[margins\] does not rest but was shot in: twice half its thickness.
+const DEEP: f64 = 100.0;
+/// Root mean square distance from the middle \[margins\] of what a body rests on, below which that is an edge or a corner and not a face.
+const LEAST_SPREAD: Real = 8.0;
+/// By how much what is needed must have fallen before an island has longer substeps again: a change of stiffness is a small push.
+const SLACK: Real = 2.0;
+
+impl Stacks {
+    /// Adds how often the substeps of each contact of a world are to be halved.
+    pub(crate) fn add_halvings(
+        &mut self,
+        found: &mut Contacts,
+        settings: &Settings,
+        bodies: &SolverBodies,
+        halvings: &mut Vec<u8>,
+    ) {
+        let first = halvings.len();
+        let Contacts { contacts, shapes, rows, .. } = found;
+        halvings.resize(first + contacts.len(), 0);
+        let in_need = self.load(contacts, (shapes, rows), bodies, settings);
+        if in_need || contacts.iter().any(|contact| contact.halvings() > 0) {
+            self.halve(contacts, shapes, &mut halvings[first..]);
+        }
+    }
+}
+
+impl Stacks {
+    /// Works out the loads; returns whether any contact is not stiff enough.
+    fn load(
+        &mut self,
+        contacts: &[Contact],
+        (shapes, rows): (&[Shape], &[u32]),
+        bodies: &SolverBodies,
+        settings: &Settings,
+    ) -> bool {
+        let gravity = Vec3::from(settings.gravity);
+        let g = gravity.dot(gravity).sqrt();
+        self.loads.clear();
+        self.loads.resize(shapes.len(), Load::default());
+        if g == 0.0 || contacts.is_empty() {
+            return false;
+        }
+        let up = gravity * (-1.0 / g);
+        let sides = sides(up);
+        let Self { bodies: rows_of_slots, supports, loads, begins, by_upper, waiting, order, .. } = self;
+        rows_of_slots.clear();
+        rows_of_slots.extend(rows.iter().zip(shapes).map(|(row, shape)| {
+            let Vec3 { x, y, z } = shape.center;
+            let is_free = *row != NONE && shape.moves;
+            let [mass, a, b, c] = if is_free { bodies.mobility(*row, sides) } else { [0.0; 4] };
+            Eight([x, y, z, mass, a, b, c, if shape.moves { 1.0 } else { 0.0 }])
+        }));
+        let bodies = &*rows_of_slots;
+        supports.resize(contacts.len().next_multiple_of(BLOCK), Eight::ZERO);
+        let rates = Softness::stiffness(settings.contact_substep().into());
+        let parts = supports.par_chunks_mut(PART).zip(contacts.par_chunks(PART));
+        parts.by_at_least(2).for_each(|(supports, contacts)| {
+            dispatch_in_blocks(&mut Bear { supports, contacts, bodies, up, sides, rates });
+        });
+        order_by_upper((supports, contacts), shapes.len(), begins, by_upper);
+        let supports_of = |slot: u32| {
+            let range = begins[slot as usize] as usize..begins[slot as usize + 1] as usize;
+            by_upper[range].iter().map(|(index, lower)| (Base::read(&supports[*index as usize]), *lower))
+        };
+
+        waiting.clear();
+        waiting.resize(shapes.len(), 0);
+        by_upper.iter().for_each(|(_, lower)| waiting[*lower as usize] += 1);
+        let bears_on = |slot: usize| begins[slot] < begins[slot + 1];
+        order.clear();
+        order.extend((0..shapes.len() as u32).filter(|slot| bears_on(*slot as usize) && waiting[*slot as usize] == 0));
+        let (mut most, mut next, mut first_left) = (0.0, 0, 0);
+        loop {
+            // Of bodies that bear each other in a ring the one with the lowest slot begins.
+            if next == order.len() {
+                let left = first_left..shapes.len();
+                let Some(slot) = left.into_iter().find(|slot| bears_on(*slot) && waiting[*slot] > 0) else { break };
+                (waiting[slot], first_left) = (0, slot + 1);
+                order.push(slot as u32);
+            }
+            let slot = order[next];
+            next += 1;
+            let height = shapes[slot as usize].center.dot(up);
+            let load = &mut loads[slot as usize];
+            let (mut base, mut on_face, mut margin) = (Base::default(), false, Real::INFINITY);
+            let mut is_stacked = load.weight > 0.0;
+            for ((support, signed_margin), lower) in supports_of(slot) {
+                base.add(&support);
+                on_face |= signed_margin > 0.0;
+                is_stacked |= shapes[lower as usize].moves;
+                margin = margin.min(signed_margin.abs());
+            }
+            let own = g / bodies[slot as usize].0[3];
+            load.weight += own;
+            load.moment += own * height;
+            load.lean += base.lean(on_face, load, (height, LEAST_SPREAD * margin));
+            let depth = if is_stacked { load.weight / (base.stiffness * margin) } else { 0.0 };
+            let stands = load.lean * LEAST_STIFFNESS <= 1.0;
+            let stiffness = if stands { LEAST_STIFFNESS } else { STIFFNESS };
+            load.need = (load.lean * stiffness).max(depth / MOST_DEPTH);
+            most = load.need.max(most);
+            let Load { weight, moment, lean, .. } = *load;
+            for ((support, _), lower) in supports_of(slot) {
+                let share = support.stiffness / base.stiffness;
+                let below = &mut loads[lower as usize];
+                below.weight += share * weight;
+                below.moment += share * moment;
+                below.lean = below.lean.max(lean);
+                let waiting = &mut waiting[lower as usize];
+                if *waiting == 1 && bears_on(lower as usize) {
+                    order.push(lower);
+                }
+                *waiting = waiting.saturating_sub(1);
+            }
+        }
+        most > 1.0
+    }
+
+    /// Halves the substeps of whole islands, as often as the body needs it that needs it most.
+    fn halve(&mut self, contacts: &mut [Contact], shapes: &[Shape], halvings: &mut [u8]) {
+        let Self { loads, islands, .. } = self;
+        islands.join(shapes.len(), contacts.iter().map(|contact| contact.slots), |slot| shapes[slot as usize].moves);
+        for slot in 0..shapes.len() as u32 {
+            let root = islands.root(slot);
+            let need = loads[slot as usize].need.max(loads[root as usize].need);
+            loads[root as usize].need = need;
+        }
+        self.before.clear();
+        self.before.resize(shapes.len(), 0);
+        for contact in &*contacts {
+            let before = &mut self.before[islands.root(contact.slots[1]) as usize];
+            *before = contact.halvings().max(*before);
+        }
+        for (contact, halvings) in contacts.iter_mut().zip(halvings) {
+            let root = islands.root(contact.slots[1]) as usize;
+            let need = loads[root].need;
+            *halvings = self.before[root].clamp(halvings_for(need), halvings_for(SLACK * need));
+            // Longer substeps begin with the impulses of a shorter one: what a blow gave in it is no force.
+            contact.scale_impulses(1.0 / (1u32 << contact.halvings().max(*halvings)) as Real);
+            contact.set_halvings(*halvings);
+        }
+    }
+}
+
+impl Base {
+    /// Of a support, and its margin, which is negative where fewer than three points bear.
+    fn read(Eight([stiffness, x, y, xx, yy, xy, height, margin]): &Eight) -> (Self, Real) {
+        let base = Self { stiffness: stiffness.abs(), first: [*x, *y], second: [*xx, *yy, *xy], height: *height };
+        (base, *margin)
+    }
+
+    fn add(&mut self, other: &Self) {
+        self.stiffness += other.stiffness;
+        self.height += other.height;
+        self.first.iter_mut().zip(other.first).for_each(|(sum, it)| *sum += it);
+        self.second.iter_mut().zip(other.second).for_each(|(sum, it)| *sum += it);
+    }
+
+    /// `W H / k` of what a body at a height \[m\] bears, on points that are spread by so much at least \[m\].
+    fn lean(&self, on_face: bool, load: &Load, (height, spread): (Real, Real)) -> Real {
+        let Self { stiffness, first: [x, y], second: [xx, yy, xy], .. } = *self;
+        let joint = height + self.height / stiffness;
+        let lever = load.moment - load.weight * joint;
+        // Of the two principal axes of where it rests, that about which it tilts more easily.
+        let (xx, yy, xy) = (xx - x * x / stiffness, yy - y * y / stiffness, xy - x * y / stiffness);
+        let (mean, half) = (0.5 * (xx + yy), 0.5 * (xx - yy));
+        let least = mean - (half * half + xy * xy).sqrt();
+        if on_face && lever > 0.0 && least > spread * spread * stiffness { lever / least } else { 0.0 }
+    }
+}
+
+/// How often substeps must be halved for contacts that have to be stiffer by a factor.
+fn halvings_for(need: Real) -> u8 {
+    (0..MOST_HALVINGS).take_while(|times| need > (1u32 << (2 * times)) as Real).count() as u8
+}
+
+/// Two horizontal directions.
+fn sides(up: Vec3<Real>) -> [Vec3<Real>; 2] {
+    let least = if up.x * up.x <= 0.5 { Vec3::new(1.0, 0.0, 0.0) } else { Vec3::new(0.0, 1.0, 0.0) };
+    let side = up.cross(least);
+    let side = side * (1.0 / side.dot(side).sqrt());
+    [side, up.cross(side)]
+}
+
+/// Works out how contacts bear their upper bodies.
+struct Bear<'a> {
+    supports: &'a mut [Eight],
+    contacts: &'a [Contact],
+    bodies: &'a [Eight],
+    up: Vec3<Real>,
+    sides: [Vec3<Real>; 2],
+    /// Stiffness for each kilogram, of two moving bodies and on what does not move.
+    rates: [Real; 2],
+}
+
+impl Bear<'_> {
+    /// A row of numbers of the contacts from `i` on.
+    #[inline(always)]
+    fn numbers<T: Tile, const N: usize>(&self, which: usize, i: usize) -> [T; N] {
+        let mut picked = [&Eight::ZERO; BLOCK];
+        let mut l = 0;
+        while l < T::WIDTH && i + l < self.contacts.len() {
+            picked[l] = &self.contacts[i + l].numbers[which];
+            l += 1;
+        }
+        T::gather(&picked)
+    }
+
+    /// The first or the second bodies of the contacts from `i` on.
+    #[inline(always)]
+    fn bodies<T: Tile>(&self, which: usize, i: usize) -> [T; 8] {
+        let mut picked = [&Eight::ZERO; BLOCK];
+        let mut l = 0;
+        while l < T::WIDTH && i + l < self.contacts.len() {
+            picked[l] = &self.bodies[self.contacts[i + l].slots[which] as usize];
+            l += 1;
+        }
+        T::gather(&picked)
+    }
+}
+
+impl Kernel for Bear<'_> {
+    #[inline(always)]
+    fn len(&self) -> usize {
+        self.supports.len()
+    }
+
+    #[inline(always)]
+    fn tile<T: Tile>(&mut self, i: usize) {
+        let (zero, one) = (T::splat(0.0), T::splat(1.0));
+        let (up, sides) = (splat(self.up), [splat(self.sides[0]), splat(self.sides[1])]);
+        let [nx, ny, nz, _, count] = self.numbers(SHAPE, i);
+        let [ax, ay, az, s0, bx, by, bz, s1] = self.numbers(POINTS[0], i);
+        let [cx, cy, cz, s2, dx, dy, dz, s3] = self.numbers(POINTS[1], i);
+        let [_, _, _, _, _, _, margin]: [T; 7] = self.numbers(RUBBED, i);
+        let slope = up.dot(Vec3::new(nx, ny, nz));
+        let (first, second): ([T; 8], [T; 8]) = (self.bodies(0, i), self.bodies(1, i));
+        let (mut upper, mut lower) = ([zero; 8], [zero; 8]);
+        let mut k = 0;
+        while k < 8 {
+            upper[k] = T::select(zero.lt(slope), second[k], first[k]);
+            lower[k] = T::select(zero.lt(slope), first[k], second[k]);
+            k += 1;
+        }
+        let center = Vec3::new(upper[0], upper[1], upper[2]);
+        let to_upper = Vec3::new(second[0], second[1], second[2]) - center;
+
+        let places = [Vec3::new(ax, ay, az), Vec3::new(bx, by, bz), Vec3::new(cx, cy, cz), Vec3::new(dx, dy, dz)];
+        let separations = [s0, s1, s2, s3];
+        let deep = margin * T::splat(-DEEP);
+        let (mut points, mut sum, mut second_moments) = (zero, [zero; 3], [zero; 3]);
+        let mut j = 0;
+        while j < MOST_POINTS {
+            let is_point = T::select(T::splat(j as f64).lt(count), one, zero);
+            let weight = T::select(margin.lt(separations[j]), zero, is_point);
+            let weight = T::select(separations[j].lt(deep), zero, weight);
+            let place = Vec3::select(zero.lt(weight), to_upper + places[j], Vec3::zero());
+            let (x, y) = (sides[0].dot(place), sides[1].dot(place));
+            points = points + weight;
+            sum = [sum[0] + x, sum[1] + y, sum[2] + up.dot(place)];
+            second_moments = [second_moments[0] + x * x, second_moments[1] + y * y, second_moments[2] + x * y];
+            j += 1;
+        }
+        let apart = center - Vec3::new(lower[0], lower[1], lower[2]);
+        let (x, y, two) = (sides[0].dot(apart), sides[1].dot(apart), T::splat(2.0));
+        let about_lower = [
+            second_moments[0] + x * (two * sum[0] + points * x),
+            second_moments[1] + y * (two * sum[1] + points * y),
+            second_moments[2] + x * sum[1] + y * sum[0] + points * x * y,
+        ];
+        let responses = response(&upper, points, second_moments) + response(&lower, points, about_lower);
+        let [between, on_ground] = [T::splat(self.rates[0].into()), T::splat(self.rates[1].into())];
+        let rate = T::select(zero.lt(lower[7]), between, on_ground);
+        // Nothing is borne by a wall, or by what impulses do not move, or where no point is near.
+        let stiffness = rate * points / responses;
+        let stiffness = T::select(slope.abs().lt(T::splat(LEAST_SLOPE)), zero, stiffness);
+        let stiffness = T::select(zero.lt(points * upper[7] * margin), stiffness, zero);
+        let s = [sum[0] * stiffness, sum[1] * stiffness, sum[2] * stiffness];
+        let [xx, yy, xy] = second_moments;
+        let total = stiffness * points;
+        let signed_total = T::select(zero.lt(slope), total, zero - total);
+        let signed_margin = T::select(two.lt(points), margin, zero - margin);
+        let second = [xx * stiffness, yy * stiffness, xy * stiffness];
+        let row = [signed_total, s[0], s[1], second[0], second[1], second[2], s[2], signed_margin];
+        T::store(row, &mut self.supports[i..]);
+    }
+}
+
+/// How points at these second moments from the centre of a body give way to impulses, summed.
+#[inline(always)]
+fn response<T: Tile>(body: &[T; 8], points: T, [xx, yy, xy]: [T; 3]) -> T {
+    body[3] * points + body[4] * yy + body[5] * xx - T::splat(2.0) * body[6] * xy
+}
+
+#[inline(always)]
+fn splat<T: Tile>(v: Vec3<Real>) -> Vec3<T> {
+    Vec3::new(T::splat(v.x.into()), T::splat(v.y.into()), T::splat(v.z.into()))
+}
+
+/// Orders supports by the slot of the upper body, keeping their order.
+fn order_by_upper(
+    (supports, contacts): (&[Eight], &[Contact]),
+    slots: usize,
+    begins: &mut Vec<u32>,
+    by_upper: &mut Vec<(u32, u32)>,
+) {
+    let pairs = || {
+        let all = supports.iter().zip(contacts).enumerate();
+        all.filter(|(_, (support, _))| support.0[0] != 0.0).map(|(index, (support, contact))| {
+            let [first, second] = contact.slots;
+            let (upper, lower) = if support.0[0] > 0.0 { (second, first) } else { (first, second) };
+            (upper as usize, (index as u32, lower))
+        })
+    };
+    begins.clear();
+    begins.resize(slots + 2, 0);
+    let mut count = 0;
+    for (upper, _) in pairs() {
+        begins[upper + 2] += 1;
+        count += 1;
+    }
+    for slot in 2..begins.len() {
+        begins[slot] += begins[slot - 1];
+    }
+    by_upper.clear();
+    by_upper.resize(count, (0, 0));
+    for (upper, support) in pairs() {
+        let place = &mut begins[upper + 1];
+        by_upper[*place as usize] = support;
+        *place += 1;
+    }
+}

@@ -1,0 +1,302 @@
+use std::ops::Range;
+
+use crate::collision::contact::Contact;
+use crate::collision::contact_materials::Extras;
+use crate::math::Real;
+use crate::simd::{BLOCK, Colours, Eight, Kernel, dispatch_in_blocks};
+use crate::solver::contact::constraint::{Block, Bounce, Rolling};
+use crate::solver::contact::prepare::Prepare;
+use crate::solver::contact::round_contacts;
+use crate::solver::contact::round_contacts::Round;
+use crate::solver::contact::softness::Softness;
+use crate::solver::contact::solve::{Blocks, Bodied, Moment, NoteApproach, Rebound, Solve};
+use crate::solver::contact::store_impulses::Keep;
+use crate::solver::graph_coloring::{Colour, Colouring};
+use crate::solver::solver_bodies::SolverBodies;
+use crate::threads;
+
+/// The contacts of a step, coloured and laid out in blocks.
+#[derive(Clone, Default)]
+pub(crate) struct Solver {
+    colouring: Colouring,
+    /// Contacts by colour and number of points.
+    order: Vec<u32>,
+    ones: Sheet<1, 0>,
+    fours: Sheet<4, 6>,
+    stages: Vec<Stage>,
+    /// Of the round contacts.
+    places: Vec<Place>,
+    /// Which rows the contacts of each stage change.
+    colours: Colours,
+}
+
+/// Blocks of contacts of up to `P` points, and what only some have: for all blocks, or for none.
+#[derive(Clone)]
+struct Sheet<const P: usize, const C: usize> {
+    blocks: Vec<Block<P, C>>,
+    rolling: Vec<Rolling>,
+    bounces: Vec<Bounce<P>>,
+}
+
+impl<const P: usize, const C: usize> Default for Sheet<P, C> {
+    fn default() -> Self {
+        Self { blocks: Vec::new(), rolling: Vec::new(), bounces: Vec::new() }
+    }
+}
+
+/// Where a contact is laid out.
+#[derive(Clone, Copy, Default)]
+struct Place {
+    has_four: bool,
+    block: usize,
+    lane: usize,
+}
+
+/// Blocks that can be worked on at the same time: one colour's.
+#[derive(Clone, Debug)]
+struct Stage {
+    ones: Range<usize>,
+    fours: Range<usize>,
+}
+
+/// What is done to all contacts.
+#[derive(Clone, Copy)]
+pub(crate) enum Pass<'a> {
+    /// Fills the blocks for bodies with these poses, as the contacts have it.
+    Prepare(&'a [Contact], &'a [Eight]),
+    /// Pushes overlapping bodies apart, two that move and one on what does not, in substeps of `h` \[s\].
+    /// What closes faster than `blow` \[m/s\] gives a blow.
+    Biased { softness: [Softness; 2], h: Real, blow: Real },
+    /// Takes out again the velocity that this gave, and adds friction; and, where it is said, notes for another substep what contacts then do to bodies.
+    Relax { h: Real, blow: Real, holds: bool },
+    /// Notes how fast bodies come together in substeps of this length \[s\].
+    NoteApproach(Real, Moment),
+    /// Lets bodies bounce that came together faster than this \[m/s\].
+    Rebound(Real),
+}
+
+/// Colours of each kind, and one more for contacts that are worked on by themselves.
+const COLOURS: usize = Colour::ALONE as usize + 1;
+
+/// Fewer blocks are not shared among threads.
+const LEAST_PART: usize = 16;
+
+impl Solver {
+    /// Lays out the contacts of these numbers between rows of bodies, with room for extras.
+    pub(crate) fn lay_out(
+        &mut self,
+        (contacts, chosen): (&[Contact], &[u32]),
+        rows: impl Fn(&Contact) -> [u32; 2],
+        bodies: &SolverBodies,
+        extras: Extras,
+    ) {
+        let ends = self.sort((contacts, chosen), &rows, bodies.first_unmoved());
+        let Self { order, ones, fours, stages, colours, .. } = self;
+        stages.clear();
+        colours.reset(bodies.first_unmoved());
+        let (mut one, mut four) = (0, 0);
+        let mut add = |grounded, with_one: &[u32], with_more: &[u32]| {
+            let (first_one, first_four) = (one, four);
+            colours.begin(grounded);
+            for chunk in with_one.chunks(BLOCK) {
+                colours.push(chunk.iter().map(|index| rows(&contacts[*index as usize])));
+                ones.set(one, chunk);
+                one += 1;
+            }
+            for chunk in with_more.chunks(BLOCK) {
+                colours.push(chunk.iter().map(|index| rows(&contacts[*index as usize])));
+                fours.set(four, chunk);
+                four += 1;
+            }
+            stages.push(Stage { ones: first_one..one, fours: first_four..four });
+        };
+        let mut begin = 0;
+        for (index, kinds) in ends.chunks_exact(2).enumerate() {
+            let (with_one, with_more) = (&order[begin..kinds[0]], &order[kinds[0]..kinds[1]]);
+            begin = kinds[1];
+            let grounded = index >= COLOURS;
+            if index % COLOURS == 0 {
+                with_more.chunks(1).for_each(|alone| add(grounded, &[], alone));
+            } else if !(with_one.is_empty() && with_more.is_empty()) {
+                add(grounded, with_one, with_more);
+            }
+        }
+        ones.finish(one, extras);
+        fours.finish(four, extras);
+    }
+
+    /// Puts the contacts in the order of what is done first: those between moving bodies, then those with what does not move; of each those by themselves, then
+    /// colour by colour those with one point and those with more. Returns where each of these ends.
+    fn sort(
+        &mut self,
+        (contacts, chosen): (&[Contact], &[u32]),
+        rows: impl Fn(&Contact) -> [u32; 2],
+        first_unmoved: usize,
+    ) -> [usize; 4 * COLOURS] {
+        let contact = |index: u32| &contacts[index as usize];
+        self.colouring.colour(chosen.iter().map(|index| rows(contact(*index))), first_unmoved);
+        let colours = self.colouring.colours();
+        let kind = |index: usize| {
+            let Colour { grounded, index: colour } = colours[index];
+            let alone = colour == Colour::ALONE;
+            let place = if alone { 0 } else { colour as usize + 1 };
+            (usize::from(grounded) * COLOURS + place) * 2 + usize::from(alone || contact(chosen[index]).count() > 1)
+        };
+        let mut ends = [0; 4 * COLOURS];
+        (0..chosen.len()).for_each(|index| ends[kind(index)] += 1);
+        let mut sum = 0;
+        for end in &mut ends {
+            (*end, sum) = (sum, sum + *end);
+        }
+        self.order.clear();
+        self.order.resize(chosen.len(), 0);
+        for index in 0..chosen.len() {
+            let place = &mut ends[kind(index)];
+            self.order[*place] = chosen[index];
+            *place += 1;
+        }
+        ends
+    }
+
+    /// Does to all contacts, colour by colour, what a pass does; those with what does not move have the last word.
+    pub(crate) fn run(&mut self, pass: Pass<'_>, bodies: &mut SolverBodies) {
+        let Self { ones, fours, stages, colours, .. } = self;
+        for (index, stage) in stages.iter().enumerate() {
+            let SolverBodies { motion, held, response, moved, .. } = bodies;
+            let (response, moved) = (&**response, &**moved);
+            let bodies =
+                Bodied { motion: colours.rows(index, motion), held: colours.rows(index, held), response, moved };
+            let (of_ones, of_fours) = bodies.split_at(stage.ones.len());
+            pass.in_parts(ones.blocks(&stage.ones), of_ones);
+            pass.in_parts(fours.blocks(&stage.fours), of_fours);
+        }
+    }
+
+    /// Finds out where the contacts with these numbers, in their order, are laid out.
+    pub(crate) fn locate(&mut self, contacts: usize, rounds: &[Round]) {
+        self.places.clear();
+        if rounds.is_empty() {
+            return;
+        }
+        let mut places = vec![Place::default(); contacts];
+        self.ones.places(false, &mut places);
+        self.fours.places(true, &mut places);
+        self.places.extend(rounds.iter().map(|round| places[round.contact as usize]));
+    }
+
+    /// Finds round contacts again after their bodies have moved.
+    pub(crate) fn refine(&mut self, rounds: &[Round], moved: &[Eight]) {
+        let Self { ones, fours, places, .. } = self;
+        for ((round, found), place) in rounds.iter().zip(round_contacts::find(rounds, moved)).zip(places) {
+            let (Some(manifold), motion) = (found, (moved, round)) else { continue };
+            if place.has_four {
+                round_contacts::write(&manifold, fours.lane(place), motion);
+            } else {
+                round_contacts::write(&manifold, ones.lane(place), motion);
+            }
+        }
+    }
+
+    /// Gives the impulses back to the contacts.
+    pub(crate) fn keep(&mut self, contacts: &mut [Contact]) {
+        let Self { ones, fours, .. } = self;
+        let (all_ones, all_fours) = (0..ones.blocks.len(), 0..fours.blocks.len());
+        dispatch_in_blocks(&mut Keep { blocks: ones.blocks(&all_ones), contacts });
+        dispatch_in_blocks(&mut Keep { blocks: fours.blocks(&all_fours), contacts });
+    }
+}
+
+impl<const P: usize, const C: usize> Sheet<P, C> {
+    /// Says which contacts are in a block, one that is there or the next.
+    fn set(&mut self, index: usize, contacts: &[u32]) {
+        if self.blocks.len() == index {
+            self.blocks.push(Block::empty());
+        }
+        let block = &mut self.blocks[index];
+        block.count = contacts.len();
+        block.contacts[..contacts.len()].copy_from_slice(contacts);
+    }
+
+    /// Drops the blocks from `count` on, and makes room for extras.
+    fn finish(&mut self, count: usize, extras: Extras) {
+        self.blocks.truncate(count);
+        self.rolling.resize(if extras.rolls { count } else { 0 }, Rolling::NONE);
+        self.bounces.resize(if extras.bounces { count } else { 0 }, Bounce::NONE);
+    }
+
+    /// Notes where each contact is.
+    fn places(&self, has_four: bool, places: &mut [Place]) {
+        for (index, block) in self.blocks.iter().enumerate() {
+            for (lane, contact) in block.contacts[..block.count].iter().enumerate() {
+                places[*contact as usize] = Place { has_four, block: index, lane };
+            }
+        }
+    }
+
+    /// The block of a contact, and its lane there.
+    fn lane(&mut self, place: &Place) -> (&mut Block<P, C>, Option<&mut Rolling>, usize) {
+        (&mut self.blocks[place.block], self.rolling.get_mut(place.block), place.lane)
+    }
+
+    fn blocks(&mut self, range: &Range<usize>) -> Blocks<'_, P, C> {
+        Blocks {
+            blocks: &mut self.blocks[range.clone()],
+            rolling: self.rolling.get_mut(range.clone()).unwrap_or_default(),
+            bounces: self.bounces.get_mut(range.clone()).unwrap_or_default(),
+        }
+    }
+}
+
+impl Pass<'_> {
+    /// Pushes overlapping bodies apart, in substeps of `h` \[s\].
+    pub(crate) fn biased(h: Real, blow: Real) -> Self {
+        let softness = [Softness::between_moving(h.into()), Softness::on_ground(h.into())];
+        Self::Biased { softness, h, blow }
+    }
+
+    /// Shares the blocks of a colour among the threads.
+    fn in_parts<const P: usize, const C: usize>(self, blocks: Blocks<'_, P, C>, bodies: Bodied<'_>) {
+        if blocks.len() == 0 {
+            return;
+        }
+        if blocks.len() <= LEAST_PART || !threads::are_shared() {
+            return self.run_on::<P, C>(blocks, bodies);
+        }
+        let part = blocks.len().div_ceil(rayon::current_num_threads()).max(LEAST_PART);
+        self.in_parts_of::<P, C>(part, blocks, bodies);
+    }
+
+    fn in_parts_of<const P: usize, const C: usize>(self, part: usize, blocks: Blocks<'_, P, C>, bodies: Bodied<'_>) {
+        if blocks.len() <= part {
+            return self.run_on::<P, C>(blocks, bodies);
+        }
+        let middle = blocks.len() / 2;
+        let (first, second) = blocks.split_at(middle);
+        let (of_first, of_second) = bodies.split_at(middle);
+        threads::join(
+            || self.in_parts_of::<P, C>(part, first, of_first),
+            || self.in_parts_of::<P, C>(part, second, of_second),
+        );
+    }
+
+    fn run_on<const P: usize, const C: usize>(self, blocks: Blocks<'_, P, C>, bodies: Bodied<'_>) {
+        match self {
+            Self::Prepare(contacts, poses) => run(Prepare::<P, C> { blocks, contacts, bodies, poses }),
+            Self::Biased { softness, h, blow } => {
+                let softness = Some(softness[usize::from(bodies.motion.is_grounded())]);
+                run(Solve::<P, C> { blocks, bodies, softness, blow, inverse_h: 1.0 / h, holds: false });
+            }
+            Self::Relax { h, blow, holds } => {
+                run(Solve::<P, C> { blocks, bodies, softness: None, blow, inverse_h: 1.0 / h, holds });
+            }
+            Self::NoteApproach(h, moment) => {
+                run(NoteApproach::<P, C> { blocks, bodies, inverse_h: 1.0 / h, moment });
+            }
+            Self::Rebound(threshold) => run(Rebound::<P, C> { blocks, bodies, threshold }),
+        }
+    }
+}
+
+fn run(mut kernel: impl Kernel) {
+    dispatch_in_blocks(&mut kernel);
+}

@@ -1,0 +1,164 @@
+use crate::collision::contact::Contact;
+use crate::collision::contact_materials::Extras;
+use crate::collision::find_contacts::{Contacts, rows_of};
+use crate::forces::registry::ForceLaws;
+use crate::math::Real;
+use crate::settings::Settings;
+use crate::solver::contact::round_contacts;
+use crate::solver::contact::round_contacts::Round;
+use crate::solver::contact::solve::Moment;
+use crate::solver::contact_work::Bookings;
+use crate::solver::halved_substeps::Finer;
+use crate::solver::solver_bodies::SolverBodies;
+use crate::solver::stack_stiffness::Stacks;
+use crate::solver::stages::{Pass, Solver};
+use crate::storage::world_columns::HeldColumns;
+
+/// The bodies that touch something and what is done to them in a substep of the settings: those of one world, or of several.
+#[derive(Clone, Default)]
+pub(crate) struct Pushing {
+    /// At first all bodies; where some have shorter substeps, in the end too.
+    pub(crate) group: Group,
+    /// By contact, how often its substeps are halved.
+    pub(crate) halvings: Vec<u8>,
+    finer: Vec<Finer>,
+    pub(crate) stacks: Stacks,
+}
+
+/// Bodies that are advanced in substeps of the same length, and the contacts among them.
+#[derive(Clone, Default)]
+pub(crate) struct Group {
+    pub(crate) bodies: SolverBodies,
+    pub(crate) bookings: Bookings,
+    /// Contacts that are found again in each substep.
+    pub(crate) rounds: Vec<Round>,
+    /// The numbers of its contacts.
+    pub(crate) chosen: Vec<u32>,
+    solver: Solver,
+}
+
+/// What a free fall over this many substeps of the settings gives is no blow yet: it may rest, and shake.
+const FALLS: Real = 4.0;
+
+/// How contacts are solved in a substep of the settings.
+#[derive(Clone, Copy)]
+pub(crate) struct Solving {
+    substeps: u32,
+    /// Their length \[s\].
+    h: Real,
+    extras: Extras,
+    /// Slower points do not bounce [m/s].
+    threshold: Real,
+    /// What comes faster gives a blow \[m/s\].
+    blow: Real,
+}
+
+impl Pushing {
+    /// Makes room for the bodies that impulses move and for those that they do not.
+    pub(crate) fn reset(&mut self, [moved, unmoved]: [usize; 2]) {
+        self.group.bookings.clear();
+        self.group.rounds.clear();
+        self.halvings.clear();
+        self.group.bodies.reset(moved, unmoved);
+    }
+
+    /// Works out where the bodies of one world that touch something will be after one substep of the settings, starting from the
+    /// world as it is.
+    pub(crate) fn push_world(
+        &mut self,
+        found: &mut Contacts,
+        columns: &mut HeldColumns<'_>,
+        (settings, laws, time): (&Settings, &ForceLaws, f64),
+    ) {
+        let touching = found.find_touching(columns, settings);
+        self.reset(touching);
+        let first = [0, self.group.bodies.first_unmoved()];
+        found.gather(columns, (settings, laws, time), &mut self.group, first);
+        found.add_round(0, &mut self.group.rounds);
+        self.stacks.add_halvings(found, settings, &self.group.bodies, &mut self.halvings);
+        let Contacts { contacts, rows, materials, .. } = found;
+        self.push(contacts, |contact| rows_of(contact, rows), settings, materials.extras());
+    }
+
+    /// Pushes the bodies apart that contacts between these rows hold apart, and leaves them where they are after one substep of the settings; the contacts get the impulses.
+    pub(crate) fn push(
+        &mut self,
+        contacts: &mut [Contact],
+        rows: impl Fn(&Contact) -> [u32; 2],
+        settings: &Settings,
+        extras: Extras,
+    ) {
+        let Self { group, halvings, finer, .. } = self;
+        let (substeps, h) = (settings.contact_substeps_each(), settings.contact_substep());
+        let threshold = settings.restitution_threshold;
+        let blow = threshold.max(FALLS * settings.gravity.length() * settings.substep());
+        let solving = Solving { substeps, h, extras, threshold, blow };
+        let mut parts = 0;
+        let numbers = 0..contacts.len() as u32;
+        group.chosen.clear();
+        match halvings.iter().max() {
+            None | Some(0) => group.chosen.extend(numbers),
+            Some(most) => {
+                for times in (1..=*most).filter(|times| halvings.contains(times)) {
+                    finer.resize_with(finer.len().max(parts + 1), Finer::default);
+                    finer[parts].take((times, halvings), contacts, &rows, group);
+                    parts += 1;
+                }
+                group.chosen.extend(numbers.filter(|contact| halvings[*contact as usize] == 0));
+            }
+        }
+        group.push(contacts, &rows, solving);
+        for part in &mut finer[..parts] {
+            part.push(contacts, &rows, solving);
+            part.give_back(contacts, group);
+        }
+    }
+}
+
+impl Solving {
+    /// The same in substeps halved so often.
+    pub(crate) fn halved(self, times: u8) -> Self {
+        Self { substeps: self.substeps << times, h: self.h / (1u32 << times) as Real, ..self }
+    }
+}
+
+impl Group {
+    /// Advances the bodies under their chosen contacts; `rows` are those of a contact here.
+    pub(crate) fn push(
+        &mut self,
+        contacts: &mut [Contact],
+        rows: impl Fn(&Contact) -> [u32; 2],
+        Solving { substeps, h, extras, threshold, blow }: Solving,
+    ) {
+        let (Self { bodies, bookings, rounds, chosen, solver }, biased) = (self, Pass::biased(h, blow));
+        solver.lay_out((contacts, chosen), rows, bodies, extras);
+        round_contacts::leave_out_needles(rounds, bodies);
+        solver.locate(contacts.len(), rounds);
+        bodies.with_poses(|bodies, poses| solver.run(Pass::Prepare(contacts, poses), bodies));
+        for substep in 0..substeps {
+            bookings.before_kick(bodies);
+            bodies.kick();
+            bookings.before_push(bodies);
+            // Before the impulses of the last step act: bodies that those push together have not come together, and to bounce them would make energy.
+            if extras.bounces {
+                let moment = if substep == 0 { Moment::FirstKicked } else { Moment::Kicked };
+                solver.run(Pass::NoteApproach(h, moment), bodies);
+            }
+            bodies.hold();
+            solver.run(biased, bodies);
+            bookings.before_motion(bodies);
+            bodies.drift(h);
+            solver.refine(rounds, &bodies.moved);
+            bookings.after_motion(bodies);
+            if extras.bounces {
+                solver.run(Pass::NoteApproach(h, Moment::Moved), bodies);
+            }
+            solver.run(Pass::Relax { h, blow, holds: substep + 1 < substeps }, bodies);
+            bookings.after_substep(bodies);
+        }
+        if extras.bounces {
+            solver.run(Pass::Rebound(threshold), bodies);
+        }
+        solver.keep(contacts);
+    }
+}

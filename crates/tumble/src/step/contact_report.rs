@@ -1,0 +1,212 @@
+//! What a simulation tells of its contacts.
+
+use hecs::Entity;
+use tumble_collide::MOST_POINTS;
+
+use crate::collision::contact::{Contact as Held, HELD, RUBBED, SHAPE};
+use crate::collision::contact_events::ContactEvent;
+use crate::collision::find_contacts::Contacts;
+use crate::math::{Real, Vec3};
+use crate::step::interactions::Coupling;
+use crate::step::simulation::Simulation;
+
+/// Two bodies that touch or are about to, as [`Simulation::contacts`](crate::Simulation::contacts) tells it: where, and with what impulses.
+///
+/// Impulses are those of the last substep of the contacts, of the length [`Settings::contact_substep`](crate::Settings::contact_substep): divided by it they are forces. At rest
+/// these are the forces at any time; a body that hits another without bouncing may have been stopped in an earlier substep, whose impulse is not told.
+///
+/// ```
+/// use tumble::{Collider, prelude::*};
+///
+/// let mut world = hecs::World::new();
+/// let ground = RigidBody::new(Shape::Point).fixed().build()?.spawn_with(&mut world, (Collider::half_space(),));
+/// let shape = Shape::cuboid([0.5, 0.5, 0.5]);
+/// let collider = Collider::new(&shape)?;
+/// let body = RigidBody::new(shape).mass(2.0).position(Vec3::Y * 0.5).build()?.spawn_with(&mut world, (collider,));
+///
+/// let mut simulation = Simulation::new(Settings::default())?;
+/// simulation.step_many(&mut world, 60);
+/// let contacts: Vec<_> = simulation.contacts().collect();
+/// assert_eq!((contacts.len(), contacts[0].points().len()), (1, 4));
+/// assert_eq!(contacts[0].bodies, [ground, body]);
+/// // Gravity pulls with M g, and the ground pushes back.
+/// let force = contacts[0].impulse() / simulation.settings().contact_substep();
+/// assert!((force.y - 2.0 * 9.81).abs() < 1e-2);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
+pub struct Contact {
+    /// The bodies, first the one that comes first in the order of [`BodyOrder`](crate::BodyOrder).
+    pub bodies: [Entity; 2],
+    /// Unit vector from the first body to the second, world frame.
+    pub normal: Vec3,
+    /// Impulse of friction on the second body \[N s\], world frame; the first has the opposite.
+    pub friction: Vec3,
+    points: [ContactPoint; MOST_POINTS],
+    count: usize,
+    touches: bool,
+}
+
+/// Where two bodies touch; see [`Contact`].
+///
+/// ```
+/// # use tumble::{Collider, prelude::*};
+/// # let mut world = hecs::World::new();
+/// # RigidBody::new(Shape::Point).fixed().build()?.spawn_with(&mut world, (Collider::half_space(),));
+/// # let shape = Shape::sphere(0.5);
+/// # let collider = Collider::new(&shape)?;
+/// // A ball half a centimetre above the ground, at rest.
+/// RigidBody::new(shape).mass(2.0).position(Vec3::Y * 0.505).build()?.spawn_with(&mut world, (collider,));
+/// let mut simulation = Simulation::new(Settings::default())?;
+/// simulation.step(&mut world);
+/// let contact = simulation.contacts().next().unwrap();
+/// let point = contact.points()[0];
+/// assert!((point.separation - 0.005).abs() < 1e-6 && point.impulse == 0.0 && !contact.touches());
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[non_exhaustive]
+pub struct ContactPoint {
+    /// Where it was when the step began, or its last substep of the settings \[m\], world frame.
+    pub position: Vec3,
+    /// How far the surfaces were apart there then \[m\]; negative where they overlapped.
+    pub separation: Real,
+    /// Impulse along the normal on the second body \[N s\], never negative.
+    pub impulse: Real,
+}
+
+impl Contact {
+    /// The points, at least one and up to four.
+    pub fn points(&self) -> &[ContactPoint] {
+        &self.points[..self.count]
+    }
+
+    /// Whether the bodies touch, rather than being about to: something pushes, or a point is not apart. Bodies that touched still do while they are within a millimetre, so that what barely
+    /// lies on another does not begin and end to touch with every step.
+    pub fn touches(&self) -> bool {
+        self.touches
+    }
+
+    /// The whole impulse on the second body, along the normal and of friction \[N s\]; the first has the opposite.
+    pub fn impulse(&self) -> Vec3 {
+        self.normal * self.points().iter().map(|point| point.impulse).sum::<Real>() + self.friction
+    }
+}
+
+impl Simulation {
+    /// The contacts of the last step, between bodies that touch or are about to, in the order of their bodies; see [`Contact`].
+    ///
+    /// They are made when they are asked for, in time and memory that go with their number; a step does nothing for it.
+    ///
+    /// ```
+    /// # use tumble::prelude::*;
+    /// # let simulation = Simulation::new(Settings::default())?;
+    /// let load = |body| -> Vec3 {
+    ///     let on_it = simulation.contacts().filter(|contact| contact.bodies[1] == body);
+    ///     on_it.map(|contact| contact.impulse()).sum::<Vec3>() / simulation.settings().contact_substep()
+    /// };
+    /// # assert_eq!(load(tumble::hecs::Entity::DANGLING), Vec3::ZERO);
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    pub fn contacts(&self) -> impl Iterator<Item = Contact> + '_ {
+        self.touching().into_iter().flat_map(Contacts::read)
+    }
+
+    /// What began and ended to touch in the steps of the last call of [`step`](Self::step), [`step_many`](Self::step_many), [`advance`](Self::advance) or
+    /// [`advance_with`](Self::advance_with): every event once, in the order of the steps, and within a step in the order of the bodies. A frame without a step has none, nor has a simulation that was
+    /// restored and has taken no step since. Within the closure of [`advance_with`](Self::advance_with) they are those of the last step.
+    ///
+    /// A pair begins and ends once, whatever happens at its points, and not while it rests: see [`Contact::touches`](crate::Contact::touches). What hits another, does not bounce and is pushed away
+    /// within a step is not told of. A body that was despawned has ended to touch in the step after.
+    ///
+    /// Those of a single step are put together when they are asked for. Of several, those of all but the last are kept, twenty bytes each, until the next call.
+    ///
+    /// ```
+    /// # use tumble::{ContactEvent, prelude::*};
+    /// # let (mut world, mut simulation) = (tumble::hecs::World::new(), Simulation::new(Settings::default())?);
+    /// # let frame_seconds = 0.02;
+    /// simulation.advance(&mut world, frame_seconds);
+    /// for event in simulation.contact_events() {
+    ///     match event {
+    ///         ContactEvent::Begin([first, second]) => println!("{first:?} hits {second:?}"),
+    ///         ContactEvent::End([first, second]) => println!("{first:?} leaves {second:?}"),
+    ///     }
+    /// }
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    pub fn contact_events(&self) -> impl Iterator<Item = ContactEvent> + '_ {
+        let contacts = self.touching().filter(|_| self.has_stepped);
+        let of_call = contacts.into_iter().flat_map(|it| it.past.events.iter().copied().chain(it.events_of_step()));
+        self.events.iter().copied().chain(of_call)
+    }
+
+    /// Forgets the events of the steps before the last.
+    pub(crate) fn forget_events(&mut self) {
+        self.events.clear();
+        if let Some(contacts) = self.coupling.as_mut().and_then(|coupling| coupling.contacts.as_mut()) {
+            contacts.past.events.clear();
+        }
+    }
+
+    /// How many pairs of bodies that are near each other were left out of the last step, or of its last substep: usually none.
+    ///
+    /// A body that is near more than 64 others is in a crowd. Between two in a crowd a pair counts if it is one of the 64 of either that overlap deepest or are nearest, by the boxes around them; of equal
+    /// ones those with the body that comes first in the order of [`BodyOrder`](crate::BodyOrder). So what is large may touch any number of small ones, and infinite ground all there is.
+    ///
+    /// ```
+    /// use tumble::{Collider, prelude::*};
+    ///
+    /// let mut world = hecs::World::new();
+    /// let shape = Shape::sphere(0.5);
+    /// for _ in 0..200 {
+    ///     let collider = Collider::new(&shape)?;
+    ///     RigidBody::new(shape.clone()).mass(1.0).build()?.spawn_with(&mut world, (collider,));
+    /// }
+    /// let mut simulation = Simulation::new(Settings::default())?;
+    /// simulation.step(&mut world);
+    /// assert!(simulation.contacts().count() <= 200 * 64);
+    /// assert_eq!(simulation.contacts().count() + simulation.pairs_left_out(), 200 * 199 / 2);
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    pub fn pairs_left_out(&self) -> usize {
+        self.touching().map_or(0, |contacts| contacts.crowds.left_out)
+    }
+
+    pub(crate) fn touching(&self) -> Option<&Contacts> {
+        let coupling: &Coupling = self.coupling.as_deref()?;
+        coupling.contacts.as_ref()
+    }
+}
+
+impl Contacts {
+    /// The contacts of the last step, in the order of their bodies.
+    pub(crate) fn read(&self) -> impl Iterator<Item = Contact> + '_ {
+        let mut order: Vec<&Held> = self.contacts.iter().collect();
+        // They are in this order but for the kinds of their shapes, which takes a sort that merges little time.
+        order.sort_by_key(|contact| (contact.pair(), contact.part));
+        order.into_iter().map(|contact| self.told(contact))
+    }
+
+    fn told(&self, held: &Held) -> Contact {
+        let [x, y, z, ..] = held.numbers[SHAPE].0;
+        let [u, v, w, ..] = held.numbers[RUBBED].0;
+        let center = Vec3::from(self.center(held.slots[1]));
+        let mut points = [ContactPoint::default(); MOST_POINTS];
+        for (j, point) in points.iter_mut().enumerate().take(held.count()) {
+            let place = Vec3::from(held.half_way(j));
+            let (separation, impulse) = (held.separation(j), held.numbers[HELD].0[j]);
+            *point = ContactPoint { position: center + place, separation, impulse };
+        }
+        // What the solver has for the first may be the second in order.
+        let sign = if held.slots[0] < held.slots[1] { 1.0 } else { -1.0 };
+        Contact {
+            bodies: held.pair().map(|slot| self.names().entity(slot)),
+            normal: Vec3::new(x, y, z) * sign,
+            friction: Vec3::new(u, v, w) * sign,
+            points,
+            count: held.count(),
+            touches: held.touches(),
+        }
+    }
+}

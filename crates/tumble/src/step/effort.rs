@@ -1,0 +1,37 @@
+//! How much work steps of a world are, so that threads get some only where it pays.
+
+use hecs::World;
+
+use crate::collision::collider::Collider;
+use crate::collision::find_contacts::Contacts;
+use crate::forces::pairwise::{GravityMass, Spring};
+use crate::forces::registry::ForceLaws;
+use crate::threads::{BODY, BODY_UNDER_LAWS, Effort};
+
+/// What two bodies do that attract each other.
+const ATTRACTION: f64 = 0.002;
+const SPRING: f64 = 0.2;
+/// A contact, from finding it to the last of four substeps.
+const CONTACT: f64 = 0.6;
+/// What is added where shapes have no lanes of their own.
+const PAIR_OF_OTHERS: f64 = 3.0;
+
+/// Of steps in a world, whose contacts were these after the last. Of bodies that act on each other it is that of one step, for they wait for each other in every one.
+pub(crate) fn effort_of_steps(world: &World, laws: &ForceLaws, contacts: Option<&Contacts>, steps: u32) -> Effort {
+    let [mut attracting, mut springs, mut colliders] = [0.0; 3];
+    let mut bodies = 0.0;
+    for archetype in world.archetypes().filter(|archetype| !archetype.is_empty()) {
+        let count = f64::from(archetype.len());
+        bodies += count * if laws.may_act_on(archetype) { BODY_UNDER_LAWS } else { BODY };
+        attracting += if archetype.has::<GravityMass>() { count } else { 0.0 };
+        springs += if archetype.has::<Spring>() { count } else { 0.0 };
+        colliders += if archetype.has::<Collider>() { count } else { 0.0 };
+    }
+    if attracting + springs + colliders == 0.0 {
+        return Effort::of_microseconds(bodies * f64::from(steps));
+    }
+    // Before the first step nobody knows how many touch.
+    let (known, of_others) = contacts.map_or((0, 0), Contacts::counts);
+    let contacts = CONTACT * colliders.max(known as f64) + PAIR_OF_OTHERS * of_others as f64;
+    Effort::of_microseconds(bodies + ATTRACTION * attracting * attracting + SPRING * springs + contacts)
+}

@@ -1,0 +1,183 @@
+//! Steps of worlds in which bodies act on each other: of one, or of several whose contacts are pushed together.
+
+use hecs::World;
+
+use crate::clock::Clock;
+use crate::components::Wrenches;
+use crate::forces::registry::ForceLaws;
+use crate::integrator::Integrator;
+use crate::math::Real;
+use crate::settings::Settings;
+use crate::solver::multi_world::{Likeness, Packed};
+use crate::step::interactions::Coupling;
+use crate::step::phase_times::{Phase, PhaseTimes, Stopwatch};
+use crate::step::systems::{accumulate_forces_of, integrate_bodies, remember_poses, update_derived_of};
+use crate::storage::world_columns::HeldColumns;
+
+/// A world in which bodies act on each other, and what it is stepped with.
+pub(crate) struct Coupled<'a> {
+    held: HeldColumns<'a>,
+    settings: &'a Settings,
+    laws: &'a ForceLaws,
+    coupling: &'a mut Coupling,
+    /// At the first step.
+    clock: Clock,
+}
+
+/// What worlds that go step by step together are packed in, and what they have in common.
+pub(crate) type Together<'a> = (&'a mut Packed, Likeness);
+
+/// Steps: a whole world goes from one kick to the next together, kinematic bodies too. Of several worlds contacts are packed, and they have the same likeness.
+pub(crate) fn coupled_steps(
+    worlds: &mut [Coupled<'_>],
+    mut together: Option<Together<'_>>,
+    steps: u32,
+    times: Option<&PhaseTimes>,
+) {
+    for step in 0..steps {
+        let mut stopwatch = PhaseTimes::start(times);
+        for Coupled { held, settings, .. } in &mut *worlds {
+            held.for_each_chunk(|_, bodies| {
+                remember_poses(bodies);
+                accumulate_forces_of(bodies, settings);
+            });
+        }
+        stopwatch.end_of(Phase::AccumulateForces);
+        let beside = |held: &mut HeldColumns<'_>, settings: &Settings, substep| {
+            held.move_kinematic_bodies(settings.substep(), substep);
+        };
+        integrate_coupled(worlds, together.as_mut(), step, beside, &mut stopwatch);
+        for Coupled { held, .. } in &mut *worlds {
+            held.for_each_chunk(|_, bodies| update_derived_of(bodies));
+        }
+        stopwatch.end_of(Phase::UpdateDerived);
+    }
+}
+
+/// The integration of a step, this many after the clocks: kicks between bodies before and after each substep, all of it before where the
+/// integrator is of first order, and contacts in the place of the integrator where something touches. `beside` is called for what else moves in a substep, with its number.
+pub(crate) fn integrate_coupled(
+    worlds: &mut [Coupled<'_>],
+    mut together: Option<&mut Together<'_>>,
+    step: u32,
+    beside: impl Fn(&mut HeldColumns<'_>, &Settings, u32),
+    stopwatch: &mut Stopwatch<'_>,
+) {
+    for contacts in worlds.iter_mut().filter_map(|it| it.coupling.contacts.as_mut()) {
+        contacts.begin_step();
+    }
+    let substeps = worlds.first().map_or(0, |it| it.settings.substeps);
+    debug_assert!(worlds.iter().all(|it| it.settings.substeps == substeps));
+    let pull = worlds.iter().any(|it| it.coupling.pairs.is_some());
+    let touch = worlds.iter().any(|it| it.coupling.contacts.is_some());
+    for substep in 0..substeps {
+        for it in &mut *worlds {
+            it.kick(it.kicks().0);
+        }
+        stopwatch.end_if(pull, Phase::Pairs);
+        match &mut together {
+            Some((packed, likeness)) => push_together(worlds, packed, likeness, (step, substep)),
+            None => worlds.iter_mut().for_each(|it| it.push_alone(it.time_of(step, substep))),
+        }
+        stopwatch.end_if(touch, Phase::Contacts);
+        for it in &mut *worlds {
+            it.integrate(it.time_of(step, substep), substep);
+            beside(&mut it.held, it.settings, substep);
+        }
+        stopwatch.end_of(Phase::Integrate);
+        for it in &mut *worlds {
+            it.write_contacts(together.as_deref());
+        }
+        stopwatch.end_if(touch, Phase::Contacts);
+        for it in &mut *worlds {
+            if let Some(after) = it.kicks().1 {
+                it.kick(after);
+            }
+        }
+        stopwatch.end_if(pull, Phase::Pairs);
+    }
+}
+
+/// Solves the contacts of all worlds at the same time.
+fn push_together(worlds: &mut [Coupled<'_>], packed: &mut Packed, likeness: &Likeness, (step, substep): (u32, u32)) {
+    crate::scope::scope!("tumble::contacts");
+    let Some(settings) = worlds.first().map(|it| it.settings) else { return };
+    let mut touching = [0; 2];
+    for it in &mut *worlds {
+        if let Some(contacts) = &mut it.coupling.contacts {
+            let [moved, unmoved] = contacts.find_touching(&it.held, it.settings);
+            touching = [touching[0] + moved, touching[1] + unmoved];
+        }
+    }
+    packed.begin(touching);
+    for it in &mut *worlds {
+        let time = it.time_of(step, substep);
+        if let Some(contacts) = &mut it.coupling.contacts {
+            packed.add(contacts, &mut it.held, it.settings, it.laws, time);
+        }
+    }
+    packed.push(settings, likeness);
+    for contacts in worlds.iter_mut().filter_map(|it| it.coupling.contacts.as_mut()) {
+        packed.give_back(contacts);
+    }
+}
+
+impl<'a> Coupled<'a> {
+    /// Of a world, of which it finds out what acts between which bodies, and holds these until it is dropped.
+    pub(crate) fn new(
+        world: &'a mut World,
+        settings: &'a Settings,
+        laws: &'a ForceLaws,
+        coupling: &'a mut Coupling,
+        clock: Clock,
+    ) -> Self {
+        coupling.find(world);
+        Self { held: laws.columns_of(world), settings, laws, coupling, clock }
+    }
+
+    /// When a substep begins \[s\].
+    fn time_of(&self, step: u32, substep: u32) -> f64 {
+        self.clock.time_after(step) + f64::from(substep) * f64::from(self.settings.substep())
+    }
+
+    /// How long the kicks before and after a substep act \[s\].
+    fn kicks(&self) -> (Real, Option<Real>) {
+        let h = self.settings.substep();
+        match self.settings.integrator {
+            Integrator::SemiImplicitEuler => (h, None),
+            Integrator::RungeKutta4 | Integrator::MoserVeselov => (h * 0.5, Some(h * 0.5)),
+        }
+    }
+
+    fn kick(&mut self, duration: Real) {
+        if let Some(pairs) = &mut self.coupling.pairs {
+            crate::scope::scope!("tumble::pairs");
+            pairs.kick(&mut self.held, duration, self.settings.substep());
+        }
+    }
+
+    fn push_alone(&mut self, time: f64) {
+        if let Some(contacts) = &mut self.coupling.contacts {
+            crate::scope::scope!("tumble::contacts");
+            let pushing = self.coupling.pushing.get_or_insert_default();
+            pushing.push_world(contacts, &mut self.held, (self.settings, self.laws, time));
+        }
+    }
+
+    /// Integrates all bodies over a substep.
+    fn integrate(&mut self, time: f64, substep: u32) {
+        let one = Settings { dt: self.settings.substep(), substeps: 1, ..*self.settings };
+        let wrenches = if substep + 1 == self.settings.substeps { Wrenches::Consumed } else { Wrenches::Kept };
+        self.laws.for_each_chunk_of(&mut self.held, |bodies, laws| {
+            integrate_bodies(bodies, laws, &one, time, wrenches);
+        });
+    }
+
+    /// Puts the bodies that touch something where contacts have pushed them.
+    fn write_contacts(&mut self, together: Option<&Together<'_>>) {
+        let pushing = together.map(|(packed, _)| packed.pushing()).or(self.coupling.pushing.as_deref());
+        if let (Some(contacts), Some(pushing)) = (&self.coupling.contacts, pushing) {
+            contacts.write(&mut self.held, pushing);
+        }
+    }
+}

@@ -1,0 +1,98 @@
+pub(crate) mod body_slices;
+pub(crate) mod contact_report;
+pub(crate) mod effort;
+pub(crate) mod interacting;
+pub(crate) mod interactions;
+pub(crate) mod phase_times;
+pub(crate) mod simulation;
+pub(crate) mod systems;
+
+use hecs::World;
+
+use crate::clock::Clock;
+use crate::components::Wrenches;
+use crate::forces::registry::ForceLaws;
+use crate::forces::under_laws::for_each_chunk_under;
+use crate::integrators::kinematic::move_kinematic_bodies;
+use crate::settings::Settings;
+use crate::step::effort::effort_of_steps;
+use crate::step::interacting::{Coupled, coupled_steps};
+use crate::step::interactions::Coupling;
+use crate::step::phase_times::{Phase, PhaseTimes};
+use crate::step::systems::{accumulate_forces_of, integrate_bodies, remember_poses, step_chunk, update_derived_of};
+
+/// Advances every body of the world by `settings.dt`: the three systems, the motion of kinematic bodies, and [`PreviousPose`](crate::PreviousPose).
+///
+/// All systems run on a chunk of bodies while it is in cache. [`accumulate_forces`](crate::accumulate_forces), [`integrate`](crate::integrate) and
+/// [`update_derived`](crate::update_derived), one after the other over the whole world, give moving bodies the same bits, with one exception: what a
+/// [`Spring`](crate::Spring) or [`GravityMass`](crate::GravityMass) ties to a kinematic body, since a step moves that one along in every substep.
+///
+/// Nothing is kept for the next step here: contacts begin each without the impulses that held bodies in the last, so piles sink and creep. A
+/// [`Simulation`](crate::Simulation) keeps them.
+///
+/// The settings are not [validated](Settings::validate) here; [`Simulation`](crate::Simulation) does that once, and knows the force
+/// laws and the time.
+///
+/// ```
+/// # use tumble::{step, prelude::*};
+/// # let mut world = hecs::World::new();
+/// let stone = RigidBody::new(Shape::Point).mass(2.0).build()?.spawn(&mut world);
+/// step(&mut world, &Settings::default().with_dt(0.5));
+/// assert!((world.get::<&Pose>(stone)?.position.y + 0.5 * 9.81 * 0.25).abs() < 1e-6);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+pub fn step(world: &mut World, settings: &Settings) {
+    steps_under_laws(world, settings, &ForceLaws::default(), &mut None, 1, Clock::at(0.0), None);
+}
+
+/// Several [`step`]s under force laws, from a time on, adding to `times` how long each phase took.
+pub(crate) fn steps_under_laws(
+    world: &mut World,
+    settings: &Settings,
+    laws: &ForceLaws,
+    coupling: &mut Option<Box<Coupling>>,
+    steps: u32,
+    clock: Clock,
+    times: Option<&PhaseTimes>,
+) {
+    crate::scope::scope!("tumble::step");
+    let contacts = coupling.as_ref().and_then(|coupling| coupling.contacts.as_ref());
+    let work = effort_of_steps(world, laws, contacts, steps);
+    work.run(|| steps_here(world, settings, laws, coupling, steps, clock, times));
+}
+
+/// The same where the caller is.
+fn steps_here(
+    world: &mut World,
+    settings: &Settings,
+    laws: &ForceLaws,
+    coupling: &mut Option<Box<Coupling>>,
+    steps: u32,
+    clock: Clock,
+    times: Option<&PhaseTimes>,
+) {
+    if Coupling::is_in(world) {
+        let coupling = coupling.get_or_insert_default();
+        coupled_steps(&mut [Coupled::new(world, settings, laws, coupling, clock)], None, steps, times);
+    } else {
+        if let Some(coupling) = coupling {
+            coupling.pass(world, steps);
+        }
+        for_each_chunk_under(world, laws, |bodies, laws| {
+            if bodies.work.is_none() && times.is_none() {
+                return step_chunk(bodies, laws, settings, steps, &|step| clock.time_after(step));
+            }
+            for step in 0..steps {
+                remember_poses(bodies);
+                let mut stopwatch = PhaseTimes::start(times);
+                accumulate_forces_of(bodies, settings);
+                stopwatch.end_of(Phase::AccumulateForces);
+                integrate_bodies(bodies, laws, settings, clock.time_after(step), Wrenches::Consumed);
+                stopwatch.end_of(Phase::Integrate);
+                update_derived_of(bodies);
+                stopwatch.end_of(Phase::UpdateDerived);
+            }
+        });
+        move_kinematic_bodies(world, settings.dt, steps);
+    }
+}

@@ -1,0 +1,257 @@
+use hecs::{Component, World};
+
+use crate::clock::Clock;
+use crate::collision::contact_events::ContactEvent;
+use crate::forces::force_law::ForceLaw;
+use crate::forces::registry::ForceLaws;
+use crate::forces::simd_force_law::LaneLaw;
+use crate::math::Real;
+use crate::settings::{Settings, SettingsError};
+use crate::step::interacting::Coupled;
+use crate::step::interactions::Coupling;
+use crate::step::phase_times::PhaseTimes;
+use crate::step::steps_under_laws;
+
+/// Steps a world with validated settings and keeps the time.
+///
+/// ```
+/// use tumble::prelude::*;
+///
+/// let mut world = hecs::World::new();
+/// let brick = RigidBody::new(Shape::cuboid([0.1, 0.05, 0.03]))
+///     .mass(2.0)
+///     .angular_velocity(Vec3::new(0.1, 5.0, 0.1))
+///     .build()?
+///     .spawn(&mut world);
+///
+/// let mut simulation = Simulation::new(Settings::default())?;
+/// for _ in 0..60 {
+///     simulation.step(&mut world);
+/// }
+/// let pose = world.get::<&Pose>(brick)?;
+/// assert!((pose.position.y + 0.5 * 9.81).abs() < 1e-3);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+#[derive(Clone, Debug)]
+pub struct Simulation {
+    settings: Settings,
+    laws: ForceLaws,
+    /// What forces between bodies are evaluated with, and contacts as they were left; none until there are any.
+    pub(crate) coupling: Option<Box<Coupling>>,
+    /// What began and ended to touch in the last call, in the steps that were taken one by one before the last.
+    pub(crate) events: Vec<ContactEvent>,
+    /// Whether the last call took a step.
+    pub(crate) has_stepped: bool,
+    steps: u64,
+    /// Steps and time \[s\] when the settings were last changed; from there on time is a multiple of the step.
+    since: (u64, f64),
+    /// Frame time that no step has covered yet \[s\], in [0, dt).
+    owed: f64,
+}
+
+impl Simulation {
+    /// The most steps that one [`advance`](Self::advance) takes; the time beyond is dropped, so that a slow frame is not followed by slower ones.
+    pub const MOST_STEPS_A_FRAME: u32 = 8;
+
+    /// A simulation at time zero.
+    ///
+    /// # Errors
+    /// [`SettingsError`] where the settings are ones that nothing can be simulated with.
+    pub fn new(settings: Settings) -> Result<Self, SettingsError> {
+        settings.validate()?;
+        Ok(Self {
+            settings,
+            laws: ForceLaws::default(),
+            coupling: None,
+            events: Vec::new(),
+            has_stepped: false,
+            steps: 0,
+            since: (0, 0.0),
+            owed: 0.0,
+        })
+    }
+
+    /// What the simulation is run with.
+    pub fn settings(&self) -> &Settings {
+        &self.settings
+    }
+
+    /// Goes on with other settings; time and state stay.
+    ///
+    /// # Errors
+    /// [`SettingsError`], and the old settings stay.
+    pub fn set_settings(&mut self, settings: Settings) -> Result<(), SettingsError> {
+        settings.validate()?;
+        self.since = (self.steps, self.time());
+        self.settings = settings;
+        Ok(())
+    }
+
+    /// Makes a [`ForceLaw`] known that is a component of the bodies it acts on.
+    pub fn add_law<L: ForceLaw + Component>(&mut self) {
+        self.laws.add::<L>();
+    }
+
+    /// Adds a [`ForceLaw`] that acts on every moving body.
+    pub fn add_law_everywhere<L: ForceLaw>(&mut self, law: L) {
+        self.laws.add_everywhere(law);
+    }
+
+    /// Makes a [`LaneLaw`] known that is a component of the bodies it acts on. The force components of this crate need not be added.
+    pub fn add_lane_law<L: LaneLaw<N> + Component, const N: usize>(&mut self) {
+        self.laws.add_lane_law::<L, N>();
+    }
+
+    /// Adds a [`LaneLaw`] that acts on every moving body: one of the caller's own, or a force component of this crate.
+    pub fn add_lane_law_everywhere<L: LaneLaw<N>, const N: usize>(&mut self, law: L) {
+        self.laws.add_lane_law_everywhere::<L, N>(law);
+    }
+
+    /// The force laws that were added.
+    pub fn laws(&self) -> &ForceLaws {
+        &self.laws
+    }
+
+    /// How many steps have been taken.
+    pub fn steps(&self) -> u64 {
+        self.steps
+    }
+
+    /// Simulated time \[s\].
+    pub fn time(&self) -> f64 {
+        self.clock().time()
+    }
+
+    /// Where the simulation stands in time: what a run is continued from, beside the state of the bodies.
+    pub fn clock(&self) -> Clock {
+        Clock { steps: self.steps, since: self.since, dt: self.settings.dt, owed: self.owed }
+    }
+
+    /// Goes on from where this or another simulation stood. With another step than that had, time goes on from there in steps of its own.
+    pub fn set_clock(&mut self, clock: Clock) {
+        self.steps = clock.steps;
+        self.owed = clock.owed;
+        self.since = if clock.dt == self.settings.dt { clock.since } else { (clock.steps, clock.time()) };
+    }
+
+    /// Advances the world by one step of `settings.dt`; see [`step`](crate::step()).
+    pub fn step(&mut self, world: &mut World) {
+        self.step_many(world, 1);
+    }
+
+    /// Advances the world by `count` steps, with the same bits as `count` calls of [`step`](Self::step).
+    ///
+    /// For when nothing is read or changed in between: bodies that nothing couples stay in registers from the first step to the last.
+    /// [`contact_events`](Self::contact_events) then gives those of all the steps.
+    pub fn step_many(&mut self, world: &mut World, count: u32) {
+        self.advance_by(world, count, None);
+    }
+
+    /// [`step`](Self::step), adding to `times` how long each system took. The systems run one after the other on each chunk of bodies
+    /// then, which takes longer than a step that no one times.
+    pub fn step_timed(&mut self, world: &mut World, times: &PhaseTimes) {
+        self.advance_by(world, 1, Some(times));
+    }
+
+    fn advance_by(&mut self, world: &mut World, count: u32, times: Option<&PhaseTimes>) {
+        self.forget_events();
+        self.has_stepped = count > 0;
+        if count > 0 {
+            let mut coupling = self.coupling.take();
+            steps_under_laws(world, &self.settings, &self.laws, &mut coupling, count, self.clock(), times);
+            self.coupling = coupling;
+            self.count_steps(count);
+        }
+    }
+
+    /// What the steps of a world in which bodies act on each other are taken with, if they do in this one.
+    pub(crate) fn coupled<'a>(&'a mut self, world: &'a mut World) -> Option<Coupled<'a>> {
+        if !Coupling::is_in(world) {
+            return None;
+        }
+        self.forget_events();
+        self.has_stepped = true;
+        let clock = self.clock();
+        let coupling = self.coupling.get_or_insert_default();
+        Some(Coupled::new(world, &self.settings, &self.laws, coupling, clock))
+    }
+
+    /// Counts steps that have been taken with [`coupled`](Self::coupled).
+    pub(crate) fn count_steps(&mut self, count: u32) {
+        self.steps += u64::from(count);
+    }
+
+    /// Takes as many whole steps as fit into the frame time that has passed, and keeps the rest for the next frame.
+    ///
+    /// Returns `alpha`, how far the frame is from the last step to the next, in [0, 1). Bodies with a
+    /// [`PreviousPose`](crate::PreviousPose) are drawn at `previous.0.interpolate(&pose, alpha)`: smooth at any frame rate, one
+    /// step late. A frame time that is not positive and finite counts as none.
+    ///
+    /// A frame has no step, or several: a [`Wrench`](crate::Wrench) added once a frame acts in the first of them only, and where there is none it waits and
+    /// the next comes on top of it. Forces belong into [`advance_with`](Self::advance_with), or into a [`ForceLaw`].
+    ///
+    /// ```
+    /// # use tumble::{Settings, Simulation};
+    /// # let mut world = hecs::World::new();
+    /// let mut simulation = Simulation::new(Settings::default().with_dt(0.01))?;
+    /// let alpha = simulation.advance(&mut world, 0.025);
+    /// assert_eq!(simulation.steps(), 2);
+    /// assert!((alpha - 0.5).abs() < 1e-4);
+    /// # Ok::<(), tumble::SettingsError>(())
+    /// ```
+    pub fn advance(&mut self, world: &mut World, frame_seconds: f64) -> Real {
+        self.advance_with(world, frame_seconds, |_, _| ())
+    }
+
+    /// [`advance`](Self::advance), calling `before_step` before every step with the world and the simulation as the last step left it: the place to add the forces of that step.
+    ///
+    /// [`contact_events`](Self::contact_events) gives there what began and ended to touch in the last step alone, whatever frame it was taken in: who reads it there in every step misses nothing
+    /// and gets nothing twice. After the call it gives the events of all steps that the frame has taken.
+    ///
+    /// ```
+    /// # use tumble::prelude::*;
+    /// # let mut world = hecs::World::new();
+    /// # let body = RigidBody::new(Shape::Point).mass(1.0).build()?.spawn(&mut world);
+    /// let mut simulation = Simulation::new(Settings::default().with_gravity(Vec3::ZERO).with_dt(0.01))?;
+    /// simulation.advance_with(&mut world, 0.055, |world, _| {
+    ///     for wrench in world.query_mut::<&mut Wrench>() {
+    ///         wrench.add_force(Vec3::X * 2.0);
+    ///     }
+    /// });
+    /// // Five steps, a hundredth of a second each.
+    /// assert!((world.get::<&Momentum>(body)?.linear.x - 0.1).abs() < 1e-6);
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    pub fn advance_with(
+        &mut self,
+        world: &mut World,
+        frame_seconds: f64,
+        mut before_step: impl FnMut(&mut World, &Self),
+    ) -> Real {
+        let dt = f64::from(self.settings.dt);
+        if frame_seconds > 0.0 && frame_seconds.is_finite() {
+            self.owed += frame_seconds;
+        }
+        let mut taken = 0;
+        let mut events = std::mem::take(&mut self.events);
+        events.clear();
+        while self.owed >= dt && taken < Self::MOST_STEPS_A_FRAME {
+            self.forget_events();
+            self.has_stepped = true;
+            before_step(world, self);
+            if taken > 0 {
+                events.extend(self.contact_events());
+            }
+            self.step(world);
+            self.owed -= dt;
+            taken += 1;
+        }
+        self.events = events;
+        self.has_stepped = taken > 0;
+        if self.owed >= dt {
+            self.owed %= dt;
+        }
+        // A quotient just below one may round up to it.
+        crate::math::real(self.owed / dt).min(1.0 - Real::EPSILON)
+    }
+}

@@ -1,0 +1,394 @@
+//! The systems of a step: what each does to a chunk of bodies, and each as a function of its own.
+
+use std::marker::PhantomData;
+
+use hecs::World;
+use tumble_math::lane::Vec3 as LaneVec3;
+
+use crate::clock::Clock;
+use crate::components::Wrenches;
+use crate::components::{PreviousPose, Work, Wrench};
+use crate::forces::evaluate::{ActingLaws, LawForces, TileLawForces, WorkAccount};
+use crate::forces::force_context::Surroundings;
+use crate::forces::registry::{ForceLaws, Laws};
+use crate::forces::tile_buffer::LawTile;
+use crate::forces::under_laws::for_each_chunk_under;
+use crate::integrator::Integrator;
+use crate::integrators::derived::derived;
+use crate::integrators::kinetic_energy::KineticEnergy;
+use crate::integrators::state::{Force, State};
+use crate::integrators::{AnyWidth, ConstantForce, MoserVeselov, NoAccount, RungeKutta4, Scheme, SemiImplicitEuler};
+use crate::math::{Real, Vec3};
+use crate::settings::Settings;
+use crate::simd::{Kernel, Tile, dispatch};
+use crate::step::interacting::{Coupled, integrate_coupled};
+use crate::step::interactions::Coupling;
+use crate::step::phase_times::PhaseTimes;
+use crate::storage::chunk::{Chunk, for_each_chunk};
+use crate::storage::tile_io::splat;
+
+/// Adds to each moving body's [`Wrench`] the force that is the same at every stage of a step: gravity, scaled by its
+/// [`GravityScale`](crate::GravityScale).
+///
+/// Force components that depend on the state, such as [`Drag`](crate::Drag), are evaluated in [`integrate`], as laws are; so is
+/// [`Damping`](crate::Damping), a decay that is treated exactly.
+///
+/// ```
+/// # use tumble::{accumulate_forces, prelude::*};
+/// # let mut world = hecs::World::new();
+/// let body = RigidBody::new(Shape::Point).mass(2.0).build()?.spawn(&mut world);
+/// accumulate_forces(&mut world, &Settings::default());
+/// assert_eq!(world.get::<&Wrench>(body)?.force, Vec3::Y * -19.62);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+pub fn accumulate_forces(world: &mut World, settings: &Settings) {
+    for_each_chunk(world, |bodies| accumulate_forces_of(bodies, settings));
+}
+
+/// Advances [`Momentum`](crate::Momentum) and [`Pose`](crate::Pose) of the moving bodies by `settings.dt`, and sets the [`Wrench`] that it has consumed to zero.
+///
+/// It takes the chosen [`Integrator`] through `settings.substeps` equal parts, under the wrench, the force components and the forces between bodies.
+/// Gravity is not in it, but in what [`accumulate_forces`] adds. Bodies that touch are pushed apart, but in each call as if they had not touched before: for piles take a
+/// [`Simulation`](crate::Simulation), which keeps what held them.
+///
+/// ```
+/// # use tumble::{integrate, prelude::*};
+/// # let mut world = hecs::World::new();
+/// let body = RigidBody::new(Shape::Point).mass(2.0).build()?.spawn(&mut world);
+/// world.get::<&mut Wrench>(body)?.add_force(Vec3::X * 4.0);
+/// integrate(&mut world, &Settings::default().with_dt(0.5));
+/// assert_eq!(world.get::<&Momentum>(body)?.linear, Vec3::X * 2.0);
+/// assert_eq!(world.get::<&Wrench>(body)?.force, Vec3::ZERO);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+pub fn integrate(world: &mut World, settings: &Settings) {
+    integrate_under_laws(world, settings, &ForceLaws::default(), 0.0);
+}
+
+/// [`integrate`] under force laws, which are evaluated at every stage; `time` \[s\] is the simulated time at the start of the step.
+///
+/// ```
+/// # use tumble::{ForceLaws, integrate_under_laws, prelude::*};
+/// /// Grows by a newton a second.
+/// struct Thrust;
+///
+/// impl ForceLaw for Thrust {
+///     fn wrench(&self, state: &BodyState<'_>) -> Wrench {
+///         Wrench { force: Vec3::X * state.time as Real, torque: Vec3::ZERO }
+///     }
+/// }
+///
+/// # let mut world = hecs::World::new();
+/// let body = RigidBody::new(Shape::Point).mass(1.0).build()?.spawn(&mut world);
+/// let mut laws = ForceLaws::default();
+/// laws.add_everywhere(Thrust);
+/// integrate_under_laws(&mut world, &Settings::default().with_dt(0.5), &laws, 10.0);
+/// // The integral of t from 10 to 10.5.
+/// assert!((world.get::<&Momentum>(body)?.linear.x - 5.125).abs() < 1e-5);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+pub fn integrate_under_laws(world: &mut World, settings: &Settings, laws: &ForceLaws, time: f64) {
+    if Coupling::is_in(world) {
+        let mut coupling = Coupling::default();
+        let coupled = Coupled::new(world, settings, laws, &mut coupling, Clock::at(time));
+        integrate_coupled(&mut [coupled], None, 0, |_, _, _| (), &mut PhaseTimes::start(None));
+    } else {
+        for_each_chunk_under(world, laws, |bodies, laws| {
+            integrate_bodies(bodies, laws, settings, time, Wrenches::Consumed);
+        });
+    }
+}
+
+/// Derives [`Velocity`](crate::Velocity) and [`InverseInertia`](crate::InverseInertia) of the moving bodies that have them from their state:
+/// `v = P/M`, `I^-1 = R I_body^-1 R^T`, `w = I^-1 L`.
+///
+/// ```
+/// # use tumble::{update_derived, prelude::*};
+/// # let mut world = hecs::World::new();
+/// let body = RigidBody::new(Shape::Point).mass(2.0).build()?.spawn(&mut world);
+/// world.get::<&mut Momentum>(body)?.apply_impulse(Vec3::X * 4.0);
+/// update_derived(&mut world);
+/// assert_eq!(world.get::<&Velocity>(body)?.linear, Vec3::X * 2.0);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+pub fn update_derived(world: &mut World) {
+    for_each_chunk(world, update_derived_of);
+}
+
+pub(crate) fn remember_poses(bodies: &mut Chunk<'_>) {
+    if let Some(previous) = bodies.previous_pose.as_deref_mut() {
+        for (previous, pose) in previous.iter_mut().zip(&*bodies.pose) {
+            *previous = PreviousPose(*pose);
+        }
+    }
+}
+
+pub(crate) fn accumulate_forces_of(bodies: &mut Chunk<'_>, settings: &Settings) {
+    crate::scope::scope!("tumble::accumulate_forces");
+    for i in 0..bodies.len() {
+        bodies.wrench[i].force += bodies.gravity_on(i, settings);
+    }
+}
+
+impl Chunk<'_> {
+    /// The force of gravity on a body \[N\].
+    pub(crate) fn gravity_on(&self, i: usize, settings: &Settings) -> Vec3 {
+        self.gravity(i, self.mass[i].kilograms(), splat(settings.gravity)).into()
+    }
+}
+
+/// All systems of some steps, of bodies that nothing couples and whose work no one books: the bodies stay in registers from the first system of the
+/// first step to the last of the last. `time_of_step` is the simulated time \[s\] at the start of each.
+pub(crate) fn step_chunk(
+    bodies: &mut Chunk<'_>,
+    laws: Laws<'_>,
+    settings: &Settings,
+    steps: u32,
+    time_of_step: &dyn Fn(u32) -> f64,
+) {
+    crate::scope::scope!("tumble::step_chunk");
+    advance(bodies, laws, settings, Extent::Steps(steps), time_of_step);
+}
+
+/// The integration of one step under the wrenches as they are; `time` \[s\] is that at its start.
+pub(crate) fn integrate_bodies(
+    bodies: &mut Chunk<'_>,
+    laws: Laws<'_>,
+    settings: &Settings,
+    time: f64,
+    wrenches: Wrenches,
+) {
+    crate::scope::scope!("tumble::integrate");
+    if bodies.work.is_none() {
+        return advance(bodies, laws, settings, Extent::Integration(wrenches), &|_| time);
+    }
+    match settings.integrator {
+        Integrator::SemiImplicitEuler => {
+            integrate_with_account::<SemiImplicitEuler<Real>>(bodies, laws, settings, time)
+        }
+        Integrator::RungeKutta4 => integrate_with_account::<RungeKutta4<Real>>(bodies, laws, settings, time),
+        Integrator::MoserVeselov => integrate_with_account::<MoserVeselov<Real>>(bodies, laws, settings, time),
+    }
+    if wrenches == Wrenches::Consumed {
+        bodies.wrench.fill(Wrench::default());
+    }
+}
+
+/// How much of how many steps is done.
+#[derive(Clone, Copy)]
+enum Extent {
+    /// The integration of one step.
+    Integration(Wrenches),
+    /// All systems of this many steps.
+    Steps(u32),
+}
+
+impl Extent {
+    /// Whether all systems run.
+    fn is_all(self) -> bool {
+        matches!(self, Self::Steps(_))
+    }
+
+    fn wrenches(self) -> Wrenches {
+        match self {
+            Self::Integration(wrenches) => wrenches,
+            Self::Steps(_) => Wrenches::Consumed,
+        }
+    }
+}
+
+fn advance(
+    bodies: &mut Chunk<'_>,
+    laws: Laws<'_>,
+    settings: &Settings,
+    extent: Extent,
+    time_of_step: &dyn Fn(u32) -> f64,
+) {
+    match settings.integrator {
+        Integrator::SemiImplicitEuler => {
+            advance_with::<SemiImplicitEuler<()>>(bodies, laws, settings, extent, time_of_step)
+        }
+        Integrator::RungeKutta4 => advance_with::<RungeKutta4<()>>(bodies, laws, settings, extent, time_of_step),
+        Integrator::MoserVeselov => advance_with::<MoserVeselov<()>>(bodies, laws, settings, extent, time_of_step),
+    }
+}
+
+fn advance_with<S: AnyWidth>(
+    bodies: &mut Chunk<'_>,
+    laws: Laws<'_>,
+    settings: &Settings,
+    extent: Extent,
+    time_of_step: &dyn Fn(u32) -> f64,
+) {
+    if laws.is_empty() {
+        bodies.in_whole_tiles(|bodies| {
+            let acting = Lawless;
+            dispatch(&mut Advance { bodies, settings, extent, time_of_step, acting, scheme: PhantomData::<S> });
+        });
+    } else {
+        let mut tile = LawTile::new(Surroundings::new(settings));
+        bodies.in_whole_tiles(|bodies| {
+            let acting = UnderLaws { laws, tile: &mut tile };
+            dispatch(&mut Advance { bodies, settings, extent, time_of_step, acting, scheme: PhantomData::<S> });
+        });
+    }
+}
+
+/// The laws that act on the bodies of a kernel, if any do.
+trait Acting {
+    const LAWS: bool;
+
+    /// The laws, and where they see their bodies.
+    fn laws(&mut self) -> Option<(Laws<'_>, &mut LawTile)>;
+}
+
+/// No laws act.
+struct Lawless;
+
+impl Acting for Lawless {
+    const LAWS: bool = false;
+
+    #[inline(always)]
+    fn laws(&mut self) -> Option<(Laws<'_>, &mut LawTile)> {
+        None
+    }
+}
+
+/// These laws act.
+struct UnderLaws<'a> {
+    laws: Laws<'a>,
+    tile: &'a mut LawTile,
+}
+
+impl Acting for UnderLaws<'_> {
+    const LAWS: bool = true;
+
+    #[inline(always)]
+    fn laws(&mut self) -> Option<(Laws<'_>, &mut LawTile)> {
+        Some((self.laws, self.tile))
+    }
+}
+
+/// Advances bodies, a tile at a time.
+struct Advance<'k, 'a, S, A> {
+    bodies: &'k mut Chunk<'a>,
+    settings: &'k Settings,
+    extent: Extent,
+    time_of_step: &'k dyn Fn(u32) -> f64,
+    acting: A,
+    scheme: PhantomData<S>,
+}
+
+impl<S: AnyWidth, A: Acting> Kernel for Advance<'_, '_, S, A> {
+    #[inline(always)]
+    fn len(&self) -> usize {
+        self.bodies.len()
+    }
+
+    #[inline(always)]
+    fn tile<T: Tile>(&mut self, i: usize) {
+        let (bodies, settings) = (&mut *self.bodies, self.settings);
+        let constants = bodies.constants::<T>(i);
+        let scheme = S::Of::<T>::new(&constants, T::splat(settings.substep().into()));
+        let acting = match self.acting.laws() {
+            Some((laws, tile)) => Some(ActingLaws::new((bodies, i), &constants, tile, laws)),
+            None => None,
+        };
+        let mut force = bodies.force::<T>(i, self.extent.wrenches());
+        let mut state = bodies.state::<T>(i);
+        let (steps, gravity) = match self.extent {
+            Extent::Integration(_) => (1, LaneVec3::zero()),
+            Extent::Steps(steps) => {
+                let gravity = bodies.gravity::<T>(i, constants.mass, splat(settings.gravity));
+                force.force = force.force + gravity;
+                (steps, gravity)
+            }
+        };
+        for step in 0..steps {
+            if step + 1 == steps && self.extent.is_all() {
+                bodies.set_previous_pose(i, &state);
+            }
+            let time = if A::LAWS { (self.time_of_step)(step) } else { 0.0 };
+            state = substeps(&scheme, state, force, &acting, settings, time);
+            // The wrench is consumed, and gravity added to nothing, as a step of its own does it.
+            force = Force { force: LaneVec3::zero() + gravity, torque: LaneVec3::zero() };
+        }
+        if self.extent.is_all() && (bodies.velocity.is_some() || bodies.inverse_inertia.is_some()) {
+            bodies.set_derived(i, &derived(&constants, &state));
+        }
+        bodies.set_state(i, &state);
+    }
+}
+
+#[inline(always)]
+fn substeps<T: Tile, S: Scheme<T>>(
+    scheme: &S,
+    mut state: State<T>,
+    force: Force<T>,
+    acting: &Option<ActingLaws<'_, T>>,
+    settings: &Settings,
+    time: f64,
+) -> State<T> {
+    for substep in 0..settings.substeps {
+        state = match acting {
+            Some(acting) => {
+                let time = time + f64::from(substep) * f64::from(settings.substep());
+                scheme.advance(state, &TileLawForces { acting, constant: force, time }, &mut NoAccount)
+            }
+            None => scheme.advance(state, &ConstantForce(force), &mut NoAccount),
+        };
+    }
+    state
+}
+
+fn integrate_with_account<S: Scheme<Real>>(bodies: &mut Chunk<'_>, laws: Laws<'_>, settings: &Settings, time: f64) {
+    let h = settings.substep();
+    for i in 0..bodies.len() {
+        let constants = bodies.constants::<Real>(i);
+        let scheme = S::new(&constants, h);
+        let gravity = bodies.gravity_on(i, settings);
+        let wind = bodies.wind.map_or(Vec3::ZERO, |wind| wind[i].0);
+        let surroundings = Surroundings { wind, ..Surroundings::new(settings) };
+        let (start, row) = (bodies.state::<Real>(i), bodies.first_row + i);
+        let mut work = Work::default();
+        let mut state = start;
+        for substep in 0..settings.substeps {
+            let time = time + f64::from(substep) * f64::from(h);
+            let wrench = bodies.wrench[i];
+            let forces = LawForces { constants: &constants, surroundings: &surroundings, wrench, laws, row, time };
+            let mut account = WorkAccount { work: &mut work, forces: &forces, gravity };
+            state = scheme.advance(state, &forces, &mut account);
+        }
+        bodies.set_state(i, &state);
+        if let Some(column) = bodies.work.as_deref_mut() {
+            let change = KineticEnergy::of(&constants, &state).sum() - KineticEnergy::of(&constants, &start).sum();
+            work.integrator = change - work.total();
+            column[i] += work;
+        }
+    }
+}
+
+pub(crate) fn update_derived_of(bodies: &mut Chunk<'_>) {
+    crate::scope::scope!("tumble::update_derived");
+    if bodies.velocity.is_some() || bodies.inverse_inertia.is_some() {
+        bodies.in_whole_tiles(|bodies| dispatch(&mut Derive { bodies }));
+    }
+}
+
+/// Computes velocities and world-frame inverse inertias, a tile at a time.
+struct Derive<'k, 'a> {
+    bodies: &'k mut Chunk<'a>,
+}
+
+impl Kernel for Derive<'_, '_> {
+    #[inline(always)]
+    fn len(&self) -> usize {
+        self.bodies.len()
+    }
+
+    #[inline(always)]
+    fn tile<T: Tile>(&mut self, i: usize) {
+        let derived = derived(&self.bodies.constants::<T>(i), &self.bodies.state::<T>(i));
+        self.bodies.set_derived(i, &derived);
+    }
+}

@@ -1,0 +1,235 @@
+//! Bodies that act on each other, by forces or contacts, gathered from their archetypes.
+
+use hecs::{Archetype, World};
+
+use crate::components::{BodyId, Pose, Velocity};
+use crate::integrators::derived::{Derived, derived};
+use crate::integrators::response_range::responds_in_range;
+use crate::integrators::state::{Constants, Moments, State};
+use crate::math::Real;
+use crate::range::{MOST_DISTANCE, MOST_SPEED, within};
+use crate::storage::world_columns::{Bodies, HeldColumns};
+
+/// No slot.
+const NONE: u32 = u32::MAX;
+
+/// What the order of bodies goes by: those without a [`BodyId`] last, by the number of their entity.
+pub(crate) type Key = (bool, Option<BodyId>, u32);
+
+/// Where a body's components are.
+#[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+struct Member {
+    key: Key,
+    place: Place,
+}
+
+/// An archetype of a world, by its index, and a row of it.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord)]
+pub(crate) struct Place {
+    pub(crate) archetype: u32,
+    pub(crate) row: u32,
+}
+
+/// A body as forces between bodies see it.
+#[derive(Clone, Copy)]
+pub(crate) struct Seen {
+    pub(crate) state: State<Real>,
+    /// Zero for a body that forces do not move.
+    pub(crate) inverse_mass: Real,
+    /// Of one that they move.
+    pub(crate) constants: Option<Constants<Real>>,
+    pub(crate) derived: Derived<Real>,
+}
+
+/// The bodies concerned, each with a slot, in the order of their [`BodyId`]s.
+#[derive(Clone, Default)]
+pub(crate) struct Members {
+    members: Vec<Member>,
+    /// By entity number, whether it is concerned.
+    marks: Vec<bool>,
+    /// By entity number.
+    slots: Vec<u32>,
+    /// The slots in the order of places.
+    by_place: Vec<u32>,
+    /// By archetype, where its slots begin in that order; and where the last end.
+    begins: Vec<u32>,
+    pub(crate) seen: Vec<Seen>,
+}
+
+impl Members {
+    /// Finds the bodies among the entities that are marked, by number, when each archetype of the world is gone through.
+    pub(crate) fn find(&mut self, world: &World, marked: impl Fn(&Archetype, &mut dyn FnMut(u32))) {
+        let mut marks = std::mem::take(&mut self.marks);
+        marks.clear();
+        for archetype in world.archetypes().filter(|archetype| !archetype.is_empty()) {
+            marked(archetype, &mut |entity| mark(&mut marks, entity as usize));
+        }
+        // From step to step they are mostly the same, and need not be sorted again.
+        let known = self.by_place.iter().map(|slot| self.members[*slot as usize]);
+        if !known.eq(found(world, &marks)) {
+            self.list(found(world, &marks));
+        }
+        self.begins.clear();
+        let mut begin = 0;
+        for (index, _) in world.archetypes().enumerate() {
+            self.begins.push(begin as u32);
+            let is_here = |slot: &&u32| self.members[**slot as usize].place.archetype as usize == index;
+            begin += self.by_place[begin..].iter().take_while(is_here).count();
+        }
+        self.begins.push(begin as u32);
+        self.marks = marks;
+    }
+
+    /// Gives slots to bodies, which come in the order of their places.
+    fn list(&mut self, found: impl Iterator<Item = Member>) {
+        let Self { members, slots, by_place, .. } = self;
+        members.clear();
+        members.extend(found);
+        if !members.is_sorted() {
+            members.sort_unstable();
+        }
+        slots.clear();
+        by_place.clear();
+        for (slot, member) in members.iter().enumerate() {
+            let entity = member.key.2 as usize;
+            if slots.len() <= entity {
+                slots.resize(entity + 1, NONE);
+            }
+            slots[entity] = slot as u32;
+            by_place.push(slot as u32);
+        }
+        let place = |slot: &u32| members[*slot as usize].place;
+        if !by_place.is_sorted_by_key(place) {
+            by_place.sort_unstable_by_key(place);
+        }
+    }
+
+    /// The slot of an entity, if it is a body that was found.
+    pub(crate) fn slot(&self, id: u32) -> Option<usize> {
+        self.slots.get(id as usize).filter(|slot| **slot != NONE).map(|slot| *slot as usize)
+    }
+
+    /// What the order of slots goes by.
+    pub(crate) fn key(&self, slot: usize) -> Key {
+        self.members[slot].key
+    }
+
+    /// Where the components of a slot's body are.
+    pub(crate) fn place(&self, slot: usize) -> Place {
+        self.members[slot].place
+    }
+
+    /// All slots in the order of places.
+    pub(crate) fn in_order_of_places(&self) -> impl Iterator<Item = usize> + '_ {
+        self.by_place.iter().map(|slot| *slot as usize)
+    }
+
+    /// The slots of the bodies in an archetype, by its index, in the order of rows: those of all its rows where archetypes are marked as a whole.
+    pub(crate) fn slots_in(&self, archetype: usize) -> &[u32] {
+        match self.begins.get(archetype..archetype + 2) {
+            Some(&[begin, end]) => &self.by_place[begin as usize..end as usize],
+            _ => &[],
+        }
+    }
+
+    pub(crate) fn len(&self) -> usize {
+        self.members.len()
+    }
+
+    /// Calls `then` for each archetype with members, and the row and slot of each of them there.
+    pub(crate) fn for_each_archetype(
+        &self,
+        world: &World,
+        mut then: impl FnMut(&Archetype, &mut dyn Iterator<Item = (usize, usize)>),
+    ) {
+        for (index, archetype) in world.archetypes().enumerate() {
+            let slots = self.slots_in(index).iter().map(|slot| *slot as usize);
+            if slots.len() > 0 {
+                then(archetype, &mut slots.map(|slot| (self.members[slot].place.row as usize, slot)));
+            }
+        }
+    }
+
+    /// Reads the state of all.
+    pub(crate) fn see(&mut self, held: &HeldColumns<'_>) {
+        let Self { members, seen, .. } = self;
+        seen.clear();
+        seen.extend(members.iter().map(|member| Seen::of(held.bodies(member.place), member.place.row as usize)));
+    }
+}
+
+fn mark(marks: &mut Vec<bool>, entity: usize) {
+    if marks.len() <= entity {
+        marks.resize(entity + 1, false);
+    }
+    marks[entity] = true;
+}
+
+/// The bodies among marked entities, in the order of their places: hecs goes through archetypes and rows in theirs.
+fn found<'a>(world: &'a World, marks: &'a [bool]) -> impl Iterator<Item = Member> + 'a {
+    let archetypes = world.archetypes().enumerate().filter(|(_, archetype)| archetype.has::<Pose>());
+    archetypes.flat_map(move |(index, archetype)| {
+        let ids = archetype.get::<&BodyId>();
+        archetype.ids().iter().enumerate().filter_map(move |(row, &entity)| {
+            let id = ids.as_deref().map(|ids| ids[row]);
+            let place = Place { archetype: index as u32, row: row as u32 };
+            let is_marked = marks.get(entity as usize).is_some_and(|mark| *mark);
+            is_marked.then_some(Member { key: (id.is_none(), id, entity), place })
+        })
+    })
+}
+
+impl Seen {
+    /// In the place of one that is not there.
+    const NOWHERE: Self = {
+        let zero = tumble_math::lane::Vec3 { x: 0.0, y: 0.0, z: 0.0 };
+        let orientation = tumble_math::lane::Quat { x: 0.0, y: 0.0, z: 0.0, w: 1.0 };
+        Self {
+            state: State { position: zero, orientation, linear: zero, angular: zero },
+            inverse_mass: 0.0,
+            constants: None,
+            derived: Derived { linear: zero, angular: zero, diagonal: zero, off_diagonal: zero },
+        }
+    };
+
+    /// Whether others can be pulled by it, or pull it.
+    pub(crate) fn is_in_range(&self) -> bool {
+        let State { position, orientation, linear, angular } = self.state;
+        let turned = (0.5..2.0).contains(&orientation.length_squared());
+        let moves = match &self.constants {
+            Some(constants) => responds_in_range(constants, [linear, angular], 0.0),
+            None => within(self.derived.linear, MOST_SPEED) && within(self.derived.angular, MOST_SPEED),
+        };
+        turned && moves && within(position, MOST_DISTANCE)
+    }
+
+    /// A body in a row.
+    fn of(bodies: &Bodies<'_>, row: usize) -> Self {
+        let columns = match bodies {
+            Bodies::Moving(columns) => columns,
+            Bodies::Unmoved(columns) => return Self::unmoved(columns.pose[row], columns.velocity(row)),
+            Bodies::None => return Self::NOWHERE,
+        };
+        let axes = columns.axes.as_deref().map(|column| column[row]);
+        let inertia = columns.inertia.as_deref().map(|column| Moments::new(&column[row], axes.as_ref()));
+        let constants = Constants { mass: columns.mass[row].kilograms(), inertia, damping: None };
+        let state = State::new(&columns.pose[row], &columns.momentum[row]);
+        let upright = State { orientation: state.orientation.normalize(), ..state };
+        Self {
+            state: upright,
+            inverse_mass: 1.0 / constants.mass,
+            constants: Some(constants),
+            derived: derived(&constants, &upright),
+        }
+    }
+
+    /// A fixed or kinematic body.
+    fn unmoved(pose: Pose, velocity: Velocity) -> Self {
+        let mut seen = Self::NOWHERE;
+        seen.state.position = pose.position.into();
+        seen.state.orientation = tumble_math::lane::Quat::from(pose.orientation).normalize();
+        seen.derived.linear = velocity.linear.into();
+        seen.derived.angular = velocity.angular.into();
+        seen
+    }
+}

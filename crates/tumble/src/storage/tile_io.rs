@@ -1,0 +1,125 @@
+//! From columns to tiles and back.
+
+use tumble_math::lane::{Lane, Quat, Vec3};
+
+use crate::components::Wrenches;
+use crate::integrators::derived::Derived;
+use crate::integrators::state::{Constants, Force, Moments, Rates, State};
+use crate::simd::Tile;
+use crate::storage::chunk::Chunk;
+
+impl Chunk<'_> {
+    /// What does not change during a step, of the bodies from row `i`.
+    #[inline(always)]
+    pub(crate) fn constants<T: Tile>(&self, i: usize) -> Constants<T> {
+        let [mass] = T::load(&self.mass[i..]);
+        let inertia = match self.inertia {
+            Some(inertia) => {
+                let [a, b, c, inverse_a, inverse_b, inverse_c] = T::load(&inertia[i..]);
+                let axes = match self.axes {
+                    Some(axes) => {
+                        let [x, y, z, w] = T::load(&axes[i..]);
+                        Some(Quat { x, y, z, w })
+                    }
+                    None => None,
+                };
+                let inverse_moments = Vec3::new(inverse_a, inverse_b, inverse_c);
+                Some(Moments { moments: Vec3::new(a, b, c), inverse_moments, axes })
+            }
+            None => None,
+        };
+        let damping = match self.damping {
+            Some(damping) => {
+                let [linear, angular] = T::load(&damping[i..]);
+                Some(Rates { linear, angular })
+            }
+            None => None,
+        };
+        Constants { mass, inertia, damping }
+    }
+
+    /// The wind around the bodies from row `i`, where they have one.
+    #[inline(always)]
+    pub(crate) fn wind<T: Tile>(&self, i: usize) -> Option<Vec3<T>> {
+        match self.wind {
+            Some(wind) => {
+                let [x, y, z] = T::load(&wind[i..]);
+                Some(Vec3::new(x, y, z))
+            }
+            None => None,
+        }
+    }
+
+    /// The force of gravity on the bodies from row `i`, with their masses, in a field [m/s^2].
+    #[inline(always)]
+    pub(crate) fn gravity<T: Tile>(&self, i: usize, mass: T, field: Vec3<T>) -> Vec3<T> {
+        let scale = match self.gravity_scale {
+            Some(scales) => {
+                let [scale] = T::load(&scales[i..]);
+                scale
+            }
+            None => T::splat(1.0),
+        };
+        field * (mass * scale)
+    }
+
+    /// The wrenches of the bodies from row `i`. Where they are zero already nothing is written: memory that is not written need not be brought back.
+    #[inline(always)]
+    pub(crate) fn force<T: Tile>(&mut self, i: usize, wrenches: Wrenches) -> Force<T> {
+        let numbers = T::load(&self.wrench[i..]);
+        if wrenches == Wrenches::Consumed && !T::are_zero(numbers) {
+            T::store([T::splat(0.0); 6], &mut self.wrench[i..]);
+        }
+        let [x, y, z, a, b, c] = numbers;
+        Force { force: Vec3::new(x, y, z), torque: Vec3::new(a, b, c) }
+    }
+
+    /// The state of the bodies from row `i`.
+    #[inline(always)]
+    pub(crate) fn state<T: Tile>(&self, i: usize) -> State<T> {
+        let [qx, qy, qz, qw, x, y, z] = T::load(&self.pose[i..]);
+        let [px, py, pz, lx, ly, lz] = T::load(&self.momentum[i..]);
+        State {
+            position: Vec3::new(x, y, z),
+            orientation: Quat { x: qx, y: qy, z: qz, w: qw },
+            linear: Vec3::new(px, py, pz),
+            angular: Vec3::new(lx, ly, lz),
+        }
+    }
+
+    /// Writes back the state of the bodies from row `i`.
+    #[inline(always)]
+    pub(crate) fn set_state<T: Tile>(&mut self, i: usize, state: &State<T>) {
+        let (q, x, p, l) = (state.orientation, state.position, state.linear, state.angular);
+        T::store([q.x, q.y, q.z, q.w, x.x, x.y, x.z], &mut self.pose[i..]);
+        T::store([p.x, p.y, p.z, l.x, l.y, l.z], &mut self.momentum[i..]);
+    }
+
+    /// Writes the poses of the bodies from row `i` as the previous ones, where those are kept.
+    #[inline(always)]
+    pub(crate) fn set_previous_pose<T: Tile>(&mut self, i: usize, state: &State<T>) {
+        if let Some(previous) = self.previous_pose.as_deref_mut() {
+            let (q, x) = (state.orientation, state.position);
+            T::store([q.x, q.y, q.z, q.w, x.x, x.y, x.z], &mut previous[i..]);
+        }
+    }
+
+    /// Writes the derived quantities of the bodies from row `i` to the columns that there are.
+    #[inline(always)]
+    pub(crate) fn set_derived<T: Tile>(&mut self, i: usize, derived: &Derived<T>) {
+        if let Some(column) = self.velocity.as_deref_mut() {
+            let (v, w) = (derived.linear, derived.angular);
+            T::store([v.x, v.y, v.z, w.x, w.y, w.z], &mut column[i..]);
+        }
+        if let Some(column) = self.inverse_inertia.as_deref_mut() {
+            let (d, o) = (derived.diagonal, derived.off_diagonal);
+            T::store([d.x, d.y, d.z, o.x, o.y, o.z], &mut column[i..]);
+        }
+    }
+}
+
+/// The same vector for every body.
+#[inline(always)]
+pub(crate) fn splat<L: Lane>(vector: crate::math::Vec3) -> Vec3<L> {
+    Vec3::new(L::splat(vector.x.into()), L::splat(vector.y.into()), L::splat(vector.z.into()))
+}
