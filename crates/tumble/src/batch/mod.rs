@@ -8,8 +8,8 @@ use rayon::prelude::*;
 
 use crate::batch::rng::Chance;
 use crate::batch::trial::Trial;
-use crate::solver::multi_world::{Likeness, Packed};
-use crate::step::interacting::coupled_steps;
+use crate::solver::multi_world::{MultiWorld, PackKey};
+use crate::step::interacting::step_interacting;
 
 /// Many independent worlds, each with its own settings, stepped in parallel.
 ///
@@ -46,7 +46,7 @@ use crate::step::interacting::coupled_steps;
 pub struct Batch {
     trials: Vec<Trial>,
     /// For worlds next to each other, what their contacts are packed in.
-    packs: Vec<Packed>,
+    packs: Vec<MultiWorld>,
 }
 
 /// Worlds that go through their steps together: enough for the contacts of eight bodies in each to fill lanes.
@@ -107,7 +107,7 @@ impl Batch {
     pub fn step_many(&mut self, count: u32) {
         // With fewer worlds than would give each thread a pack, threads come first.
         let size = self.trials.len().div_ceil(rayon::current_num_threads()).clamp(1, PACK);
-        self.packs.resize_with(self.trials.len().div_ceil(size), Packed::default);
+        self.packs.resize_with(self.trials.len().div_ceil(size), MultiWorld::default);
         self.trials.par_chunks_mut(size).zip(&mut self.packs).for_each(|(trials, pack)| {
             step_pack(trials, pack, count);
         });
@@ -145,11 +145,11 @@ impl Batch {
 }
 
 /// Advances worlds, those together that can be.
-fn step_pack(trials: &mut [Trial], pack: &mut Packed, count: u32) {
+fn step_pack(trials: &mut [Trial], pack: &mut MultiWorld, count: u32) {
     let (mut common, mut together, mut others) = (None, Vec::new(), Vec::new());
     for trial in trials {
-        match Likeness::of(&trial.world, trial.simulation.settings()) {
-            Some(likeness) if count > 0 && *common.get_or_insert(likeness) == likeness => together.push(trial),
+        match PackKey::of(&trial.world, trial.simulation.settings()) {
+            Some(pack_key) if count > 0 && *common.get_or_insert(pack_key) == pack_key => together.push(trial),
             _ => others.push(trial),
         }
     }
@@ -158,17 +158,17 @@ fn step_pack(trials: &mut [Trial], pack: &mut Packed, count: u32) {
     }
     let step_others = || others.into_par_iter().for_each(|trial| trial.step_many(count));
     match common.filter(|_| !together.is_empty()) {
-        Some(likeness) => rayon::join(|| step_together(&mut together, pack, likeness, count), step_others).0,
+        Some(pack_key) => rayon::join(|| step_together(&mut together, pack, pack_key, count), step_others).0,
         None => step_others(),
     }
 }
 
-fn step_together(trials: &mut [&mut Trial], pack: &mut Packed, likeness: Likeness, count: u32) {
+fn step_together(trials: &mut [&mut Trial], pack: &mut MultiWorld, pack_key: PackKey, count: u32) {
     crate::scope::scope!("tumble::pack");
     let worlds = trials.iter_mut().filter_map(|trial| trial.simulation.coupled(&mut trial.world));
     let mut worlds: Vec<_> = worlds.collect();
     let found = worlds.len();
-    coupled_steps(&mut worlds, Some((pack, likeness)), count, None);
+    step_interacting(&mut worlds, Some((pack, pack_key)), count, None);
     drop(worlds);
     // Where there are colliders, bodies may act on each other.
     debug_assert_eq!(found, trials.len());

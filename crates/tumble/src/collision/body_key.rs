@@ -3,18 +3,18 @@
 use hecs::{Entity, World};
 
 use crate::collision::collider::Collider;
-use crate::collision::contact::Contact;
+use crate::collision::contact::ContactRecord;
 use crate::components::{BodyId, Pose};
-use crate::storage::body_index::Members;
+use crate::storage::body_index::BodyIndex;
 
 /// What a body is called: by its [`BodyId`], whatever its entity, or without one by the number of its entity. In the order of members.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
-pub(crate) enum Name {
+pub(crate) enum BodyKey {
     Id(BodyId),
     Entity(u32),
 }
 
-impl Name {
+impl BodyKey {
     pub(crate) fn of(id: Option<BodyId>, entity: u32) -> Self {
         id.map_or(Self::Entity(entity), Self::Id)
     }
@@ -22,9 +22,9 @@ impl Name {
 
 /// Who the slots of contacts stand for.
 #[derive(Clone, Debug, Default)]
-pub(crate) struct Names {
+pub(crate) struct BodyKeys {
     /// In order; equal ones only where bodies of the world have the same [`BodyId`].
-    names: Vec<Name>,
+    names: Vec<BodyKey>,
     /// By slot; the one that was in the world when it was last looked.
     entities: Vec<Entity>,
     /// By old slot, the one that the name has now.
@@ -35,20 +35,20 @@ pub(crate) struct Names {
 
 /// Two bodies that touched, of which one is gone.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Parted {
-    pub(crate) names: [Name; 2],
+pub(crate) struct EndedPair {
+    pub(crate) names: [BodyKey; 2],
     pub(crate) entities: [Entity; 2],
 }
 
 /// No slot.
 const NONE: u32 = u32::MAX;
 
-impl Names {
+impl BodyKeys {
     pub(crate) fn len(&self) -> usize {
         self.names.len()
     }
 
-    pub(crate) fn name(&self, slot: u32) -> Name {
+    pub(crate) fn name(&self, slot: u32) -> BodyKey {
         self.names[slot as usize]
     }
 
@@ -66,13 +66,13 @@ impl Names {
     pub(crate) fn renew(
         &mut self,
         world: &World,
-        members: &Members,
-        contacts: &mut Vec<Contact>,
-        parted: &mut Vec<Parted>,
+        members: &BodyIndex,
+        contacts: &mut Vec<ContactRecord>,
+        parted: &mut Vec<EndedPair>,
     ) -> bool {
         let member = |slot: usize| {
             let (_, id, entity) = members.key(slot);
-            Name::of(id, entity)
+            BodyKey::of(id, entity)
         };
         let count = members.len();
         self.here.clear();
@@ -93,7 +93,7 @@ impl Names {
                 let stays = !contact.slots.contains(&NONE);
                 if !stays && contact.touches() {
                     let [a, b] = [old[0].min(old[1]), old[0].max(old[1])].map(|slot| slot as usize);
-                    parted.push(Parted { names: [names[a], names[b]], entities: [entities[a], entities[b]] });
+                    parted.push(EndedPair { names: [names[a], names[b]], entities: [entities[a], entities[b]] });
                 }
                 stays
             });
@@ -107,11 +107,11 @@ impl Names {
     /// Whether what had a name by the number of its entity is gone, and that number another's: hecs gives it to the next that is spawned.
     fn is_replaced(&self, old: usize, new: usize) -> bool {
         let was = self.entities[old];
-        matches!(self.names[old], Name::Entity(_)) && was != Entity::DANGLING && was != self.here[new]
+        matches!(self.names[old], BodyKey::Entity(_)) && was != Entity::DANGLING && was != self.here[new]
     }
 
     /// Finds the new slots of names: of equal names the first has the first slot, and no two the same.
-    fn match_names(&mut self, count: usize, member: impl Fn(usize) -> Name) {
+    fn match_names(&mut self, count: usize, member: impl Fn(usize) -> BodyKey) {
         self.now.clear();
         let mut slot = 0;
         for (old, name) in self.names.iter().enumerate() {
@@ -125,7 +125,7 @@ impl Names {
     }
 
     /// Takes names that are in order, and finds who they are in a world; who is not there is [`Entity::DANGLING`].
-    pub(crate) fn set(&mut self, names: &[Name], world: &World) {
+    pub(crate) fn set(&mut self, names: &[BodyKey], world: &World) {
         self.names.clear();
         self.names.extend_from_slice(names);
         self.entities.clear();
@@ -135,7 +135,7 @@ impl Names {
         }
         let mut next = 0;
         for (entity, id) in world.query::<(Entity, Option<&BodyId>)>().with::<&Pose>().iter() {
-            let name = Name::of(id.copied(), entity.id());
+            let name = BodyKey::of(id.copied(), entity.id());
             // Most worlds have their bodies in order.
             let place = if names.get(next) == Some(&name) { Ok(next) } else { names.binary_search(&name) };
             if let Ok(place) = place {

@@ -2,7 +2,7 @@ use tumble_collide::{MOST_POINTS, Manifold};
 use tumble_math::lane::Vec3;
 
 use crate::collision::material::Surface;
-use crate::collision::narrow_phase::Kind;
+use crate::collision::narrow_phase::PairKind;
 use crate::math::Real;
 use crate::simd::Eight;
 
@@ -10,11 +10,11 @@ use crate::simd::Eight;
 ///
 /// The numbers lie as the solver reads them, eight at a time.
 #[derive(Clone, Debug)]
-pub(crate) struct Contact {
+pub(crate) struct ContactRecord {
     /// Slots of the bodies; where impulses move only one, it is the second.
     pub(crate) slots: [u32; 2],
     /// Of the shapes.
-    pub(crate) kind: Kind,
+    pub(crate) kind: PairKind,
     /// Which of the contacts of the two.
     pub(crate) part: u32,
     /// Whether the two touched before this step.
@@ -51,15 +51,15 @@ pub(crate) const SHAPE: usize = 0;
 pub(crate) const POINTS: [usize; MOST_POINTS / 2] = [1, 2];
 /// Impulses of a substep along the normal \[N s\], the coefficients of static and dynamic friction, how steady effective
 /// masses were in the last substep, and which share of the gap between the surfaces is before the points.
-pub(crate) const HELD: usize = 3;
+pub(crate) const NORMAL_IMPULSE: usize = 3;
 /// No impulses.
 /// Most halvings of the substeps of a contact.
-pub(crate) const MOST_HALVINGS: u8 = 6;
+pub(crate) const MAX_HALVINGS: u8 = 6;
 
 const NEW: Eight = Eight([0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0]);
 /// Impulse of friction \[N s\] and angular impulse of what resists twisting and rolling [N m s], of a substep, world frame; how near
 /// the surfaces are a contact \[m\], but for how fast they come; and how often the substeps of its island were halved.
-pub(crate) const RUBBED: usize = 4;
+pub(crate) const FRICTION_IMPULSE: usize = 4;
 
 /// Points and normals are fixed to the bodies.
 pub(crate) const MATERIAL: f64 = 0.0;
@@ -73,10 +73,10 @@ pub(crate) const REFINED: f64 = 2.0;
 /// Points that moved no further than this part of the margin are the same, whatever features meet there now.
 const SAME_PLACE: Real = 0.5;
 
-impl Contact {
+impl ContactRecord {
     /// Of nobody.
     pub(crate) const NONE: Self = Self {
-        kind: Kind::Other,
+        kind: PairKind::Other,
         part: 0,
         touched: false,
         slots: [0; 2],
@@ -96,29 +96,30 @@ impl Contact {
             numbers[POINTS[j / 2]].0[j % 2 * 4..][..4].copy_from_slice(&place);
             features[j] = point.feature;
         }
-        numbers[HELD] = NEW;
-        numbers[HELD].0[7] = second.share(manifold.carried);
-        numbers[RUBBED].0[6] = second.margin;
+        numbers[NORMAL_IMPULSE] = NEW;
+        numbers[NORMAL_IMPULSE].0[7] = second.share(manifold.carried);
+        numbers[FRICTION_IMPULSE].0[6] = second.margin;
         numbers[SHAPE] = Eight([n.x, n.y, n.z, manifold.carried, count as Real, 0.0, 0.0, crate::math::real(law)]);
-        Self { kind: Kind::Other, slots, part, touched: false, features, numbers }
+        Self { kind: PairKind::Other, slots, part, touched: false, features, numbers }
     }
 
     /// Makes it the only contact of two shapes, without impulses.
-    pub(crate) fn begin(&mut self, kind: Kind) {
+    pub(crate) fn begin(&mut self, kind: PairKind) {
         (self.kind, self.part, self.touched) = (kind, 0, false);
-        let ([.., share], margin) = (self.numbers[HELD].0, self.margin());
-        (self.numbers[HELD], self.numbers[RUBBED]) = (NEW, Eight::ZERO);
-        (self.numbers[HELD].0[7], self.numbers[RUBBED].0[6]) = (share, margin);
+        let ([.., share], margin) = (self.numbers[NORMAL_IMPULSE].0, self.margin());
+        (self.numbers[NORMAL_IMPULSE], self.numbers[FRICTION_IMPULSE]) = (NEW, Eight::ZERO);
+        (self.numbers[NORMAL_IMPULSE].0[7], self.numbers[FRICTION_IMPULSE].0[6]) = (share, margin);
     }
 
     /// Says what the surfaces are like.
     pub(crate) fn set_surface(&mut self, surface: &Surface) {
         (self.numbers[SHAPE].0[5], self.numbers[SHAPE].0[6]) = (surface.rolling_friction, surface.restitution);
-        (self.numbers[HELD].0[4], self.numbers[HELD].0[5]) = (surface.static_friction, surface.dynamic_friction);
+        (self.numbers[NORMAL_IMPULSE].0[4], self.numbers[NORMAL_IMPULSE].0[5]) =
+            (surface.static_friction, surface.dynamic_friction);
     }
 
     /// What contacts are in the order of: the kind of the shapes, both slots, the lower first, and the part.
-    pub(crate) fn key(&self) -> (Kind, u32, u32, u32) {
+    pub(crate) fn key(&self) -> (PairKind, u32, u32, u32) {
         let [a, b] = self.slots;
         (self.kind, a.min(b), a.max(b), self.part)
     }
@@ -130,8 +131,8 @@ impl Contact {
 
     /// Multiplies the impulses that it begins with.
     pub(crate) fn scale_impulses(&mut self, by: Real) {
-        self.numbers[HELD].0[..MOST_POINTS].iter_mut().for_each(|impulse| *impulse *= by);
-        self.numbers[RUBBED].0[..6].iter_mut().for_each(|impulse| *impulse *= by);
+        self.numbers[NORMAL_IMPULSE].0[..MOST_POINTS].iter_mut().for_each(|impulse| *impulse *= by);
+        self.numbers[FRICTION_IMPULSE].0[..6].iter_mut().for_each(|impulse| *impulse *= by);
     }
 
     /// Whether it is that of balls about their centres of mass.
@@ -153,22 +154,22 @@ impl Contact {
 
     /// Half-way between the surfaces at a point, from the second body's centre of mass.
     pub(crate) fn half_way(&self, j: usize) -> Vec3<Real> {
-        let ([x, y, z, ..], [.., share]) = (self.numbers[SHAPE].0, self.numbers[HELD].0);
+        let ([x, y, z, ..], [.., share]) = (self.numbers[SHAPE].0, self.numbers[NORMAL_IMPULSE].0);
         self.place(j) - Vec3::new(x, y, z) * (self.separation(j) * (share - 0.5))
     }
 
     /// How often the substeps of its island were halved in the last step.
     pub(crate) fn halvings(&self) -> u8 {
-        self.numbers[RUBBED].0[7] as u8
+        self.numbers[FRICTION_IMPULSE].0[7] as u8
     }
 
     pub(crate) fn set_halvings(&mut self, times: u8) {
-        self.numbers[RUBBED].0[7] = Real::from(times);
+        self.numbers[FRICTION_IMPULSE].0[7] = Real::from(times);
     }
 
     /// How near the surfaces are a contact \[m\], but for how fast they come: a length that goes with the bodies' sizes.
     pub(crate) fn margin(&self) -> Real {
-        self.numbers[RUBBED].0[6]
+        self.numbers[FRICTION_IMPULSE].0[6]
     }
 
     /// Separation at a point \[m\].
@@ -184,12 +185,12 @@ impl Contact {
     /// Begins with the impulses of the same contact in the last step, point by point. The same are points where nearly the same features meet nearly where they
     /// did, then what is there now whatever meets, then what slid on with its features. (Where an edge lies along another, features alone would
     /// not do: they cross anywhere along their length, from step to step.)
-    pub(crate) fn take_over(&mut self, old: &Self) {
+    pub(crate) fn take_impulses_of(&mut self, old: &Self) {
         self.touched = old.touches();
         if self.slots != old.slots {
             return;
         }
-        self.numbers[RUBBED].0[..6].copy_from_slice(&old.numbers[RUBBED].0[..6]);
+        self.numbers[FRICTION_IMPULSE].0[..6].copy_from_slice(&old.numbers[FRICTION_IMPULSE].0[..6]);
         let (count, old_count) = (self.count(), old.count());
         let near = |j: usize, i: usize| {
             let apart = self.place(j) - old.place(i);
@@ -199,7 +200,7 @@ impl Contact {
         let near_enough = same_place * same_place;
         let mut held = [0.0; MOST_POINTS];
         if count == old_count && (0..count).all(|j| self.features[j] == old.features[j] && near(j, j) <= near_enough) {
-            held[..count].copy_from_slice(&old.numbers[HELD].0[..count]);
+            held[..count].copy_from_slice(&old.numbers[NORMAL_IMPULSE].0[..count]);
         } else {
             let (mut taken, mut found) = ([false; MOST_POINTS], [false; MOST_POINTS]);
             for way in 0..3 {
@@ -214,13 +215,13 @@ impl Contact {
                     };
                     let candidates = (0..old_count).filter(|i| !taken[*i]).filter(same);
                     if let Some(i) = candidates.min_by(|a, b| near(j, *a).total_cmp(&near(j, *b))) {
-                        (taken[i], found[j], held[j]) = (true, true, old.numbers[HELD].0[i]);
+                        (taken[i], found[j], held[j]) = (true, true, old.numbers[NORMAL_IMPULSE].0[i]);
                     }
                 }
             }
         }
-        self.numbers[HELD].0[..MOST_POINTS].copy_from_slice(&held);
-        self.numbers[HELD].0[6] = old.numbers[HELD].0[6];
+        self.numbers[NORMAL_IMPULSE].0[..MOST_POINTS].copy_from_slice(&held);
+        self.numbers[NORMAL_IMPULSE].0[6] = old.numbers[NORMAL_IMPULSE].0[6];
         self.set_halvings(old.halvings());
     }
 }
@@ -231,12 +232,12 @@ const TOUCHING: [Real; 2] = [1e-4, 0.05];
 /// Surfaces that touched have to be this far apart to do so no more, or this part of the margin.
 const APART: [Real; 2] = [1e-3, 0.5];
 
-impl Contact {
+impl ContactRecord {
     /// Whether the bodies touch: something holds them apart, or nothing is between them. Not to be asked before the impulses are known.
     pub(crate) fn touches(&self) -> bool {
         let [most, part] = if self.touched { APART } else { TOUCHING };
         let within = most.min(part * self.margin());
-        (0..self.count()).any(|j| self.separation(j) <= within || self.numbers[HELD].0[j] > 0.0)
+        (0..self.count()).any(|j| self.separation(j) <= within || self.numbers[NORMAL_IMPULSE].0[j] > 0.0)
     }
 
     /// Both slots, the lower first.

@@ -2,22 +2,22 @@
 
 use hecs::World;
 
-use crate::collision::body_key::{Names, Parted};
-use crate::collision::contact::Contact;
+use crate::collision::body_key::{BodyKeys, EndedPair};
+use crate::collision::contact::ContactRecord;
 use crate::collision::contact_events::ContactEvent;
-use crate::collision::find_contacts::{Contacts, Shape};
+use crate::collision::find_contacts::{ColliderState, Contacts};
 use crate::collision::saved_contacts::SavedContacts;
 use crate::math::Real;
 
 /// What the contacts of before the last step are compared by.
 #[derive(Clone, Debug, Default)]
-pub(crate) struct Past {
+pub(crate) struct PreviousContacts {
     /// How often contacts were found since the step began: once a substep of the settings.
     pub(crate) found: u32,
     /// As they were before the step, once its second substep has overwritten what the first replaced.
-    pub(crate) contacts: Vec<Contact>,
+    pub(crate) contacts: Vec<ContactRecord>,
     /// What touched and has lost one of two bodies between the steps.
-    pub(crate) parted: Vec<Parted>,
+    pub(crate) parted: Vec<EndedPair>,
     /// Of the steps before the last that were taken in the same call.
     pub(crate) events: Vec<ContactEvent>,
     /// No step has been taken since names were compared.
@@ -41,8 +41,8 @@ impl Contacts {
         for contact in &mut self.contacts {
             contact.set_kind(contact.slots.map(|slot| colliders[slot as usize].as_ref().map(|(it, _)| it)));
         }
-        if !self.contacts.is_sorted_by_key(Contact::key) {
-            self.contacts.sort_unstable_by_key(Contact::key);
+        if !self.contacts.is_sorted_by_key(ContactRecord::key) {
+            self.contacts.sort_unstable_by_key(ContactRecord::key);
         }
     }
 
@@ -71,7 +71,7 @@ impl Contacts {
     }
 
     /// Keeps the contacts of before the step, which those of a second substep would overwrite.
-    pub(crate) fn keep_the_past(&mut self) {
+    pub(crate) fn keep_previous(&mut self) {
         if self.past.found == 1 {
             std::mem::swap(&mut self.last, &mut self.past.contacts);
         }
@@ -79,7 +79,7 @@ impl Contacts {
     }
 
     /// The contacts of before the last step; `None` where none has been taken.
-    pub(crate) fn before_the_step(&self) -> Option<&[Contact]> {
+    pub(crate) fn before_the_step(&self) -> Option<&[ContactRecord]> {
         match self.past.found {
             0 => None,
             1 => Some(&self.last),
@@ -111,12 +111,12 @@ impl Contacts {
             *place = if names.last() == Some(&name) { NONE } else { names.len() as u32 };
             if *place != NONE {
                 names.push(name);
-                centers.push(self.shapes.get(slot).map_or([0.0; 3], Shape::center));
+                centers.push(self.shapes.get(slot).map_or([0.0; 3], ColliderState::center));
             }
         }
         contacts.extend(self.contacts.iter().filter_map(|contact| {
             let slots = contact.slots.map(|slot| places[slot as usize]);
-            (!slots.contains(&NONE)).then(|| Contact { slots, ..contact.clone() })
+            (!slots.contains(&NONE)).then(|| ContactRecord { slots, ..contact.clone() })
         }));
     }
 
@@ -128,15 +128,15 @@ impl Contacts {
         let names = &self.names;
         self.contacts.retain(|contact| contact.slots.iter().all(|slot| names.is_here(*slot)));
         self.shapes.clear();
-        self.shapes.extend(saved.centers.iter().copied().map(Shape::at_center));
+        self.shapes.extend(saved.centers.iter().copied().map(ColliderState::at_center));
     }
 
     /// Where the centre of mass of a slot was when the step began \[m\].
     pub(crate) fn center(&self, slot: u32) -> [Real; 3] {
-        self.shapes.get(slot as usize).map_or([0.0; 3], Shape::center)
+        self.shapes.get(slot as usize).map_or([0.0; 3], ColliderState::center)
     }
 
-    pub(crate) fn names(&self) -> &Names {
+    pub(crate) fn names(&self) -> &BodyKeys {
         &self.names
     }
 }

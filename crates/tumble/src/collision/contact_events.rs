@@ -2,10 +2,10 @@
 
 use hecs::Entity;
 
-use crate::collision::body_key::Name;
-use crate::collision::contact::Contact as Held;
+use crate::collision::body_key::BodyKey;
+use crate::collision::contact::ContactRecord;
 use crate::collision::find_contacts::Contacts;
-use crate::collision::narrow_phase::Kind;
+use crate::collision::narrow_phase::PairKind;
 
 /// What changed in a step between two bodies with colliders; see [`Simulation::contact_events`](crate::Simulation::contact_events).
 ///
@@ -47,7 +47,7 @@ impl ContactEvent {
 }
 
 /// What contacts are in the order of, but for the part.
-type Pair = (Kind, [u32; 2]);
+type Pair = (PairKind, [u32; 2]);
 
 impl Contacts {
     /// Keeps the events of the last step beside those of the steps before it, as long as nothing was spawned or despawned since.
@@ -59,7 +59,7 @@ impl Contacts {
 
     /// What began and ended to touch in the last step, in the order of the bodies.
     pub(crate) fn events_of_step(&self) -> impl Iterator<Item = ContactEvent> + use<> {
-        let mut events: Vec<([Name; 2], ContactEvent)> = Vec::new();
+        let mut events: Vec<([BodyKey; 2], ContactEvent)> = Vec::new();
         if let Some(before) = self.before_the_step() {
             let named = |slots: [u32; 2]| slots.map(|slot| self.names().name(slot));
             let entities = |slots: [u32; 2]| slots.map(|slot| self.names().entity(slot));
@@ -102,10 +102,10 @@ fn for_each_change(
 }
 
 /// The pairs that touch, in order. The contacts of a pair lie next to each other.
-fn touching_pairs(contacts: &[Held]) -> impl Iterator<Item = Pair> + '_ {
-    let pair = |contact: &Held| (contact.kind, contact.pair());
+fn touching_pairs(contacts: &[ContactRecord]) -> impl Iterator<Item = Pair> + '_ {
+    let pair = |contact: &ContactRecord| (contact.kind, contact.pair());
     contacts
         .chunk_by(move |a, b| pair(a) == pair(b))
-        .filter(|contacts| contacts.iter().any(Held::touches))
+        .filter(|contacts| contacts.iter().any(ContactRecord::touches))
         .map(move |contacts| pair(&contacts[0]))
 }

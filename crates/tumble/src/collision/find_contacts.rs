@@ -5,62 +5,62 @@ use rayon::prelude::*;
 use tumble_collide::{Bounds, BroadPhase, Geometry, Placement, Proxy, touching};
 use tumble_math::lane::{Quat, Vec3};
 
-use crate::collision::body_key::Names;
+use crate::collision::body_key::BodyKeys;
 use crate::collision::collider::{Collider, Groups};
-use crate::collision::contact::{Contact, FIXED, MATERIAL, REFINED, Second};
-use crate::collision::contact_cache::Past;
+use crate::collision::contact::{ContactRecord, FIXED, MATERIAL, REFINED, Second};
+use crate::collision::contact_cache::PreviousContacts;
 use crate::collision::contact_materials::Materials;
-use crate::collision::internal_edges::Seams;
-use crate::collision::narrow_phase::{Kind, Pairs, Shapes};
-use crate::collision::pair_limit::{Crowds, most_listed, near_pair};
+use crate::collision::internal_edges::InternalEdges;
+use crate::collision::narrow_phase::{PairKind, Pairs, ShapeLanes};
+use crate::collision::pair_limit::{PairLimit, most_listed, near_pair};
 use crate::collision::speculative::Way;
 use crate::components::CenterOfMass;
 use crate::math::{Real, Vec3 as WorldVec3};
 use crate::settings::Settings;
-use crate::storage::body_index::Members;
-use crate::storage::world_columns::HeldColumns;
+use crate::storage::body_index::BodyIndex;
+use crate::storage::world_columns::WorldColumns;
 use crate::threads::InParts;
 
 /// The contacts of a world: what they were at the end of the last step is where the next begins.
 #[derive(Clone, Default)]
 pub(crate) struct Contacts {
-    pub(crate) members: Members,
+    pub(crate) members: BodyIndex,
     /// Who the slots of the last step's contacts stood for.
-    pub(crate) names: Names,
-    pub(crate) past: Past,
+    pub(crate) names: BodyKeys,
+    pub(crate) past: PreviousContacts,
     /// By slot.
     pub(crate) colliders: Vec<Option<(Collider, WorldVec3)>>,
     pub(crate) groups: Vec<Groups>,
-    pub(crate) shapes: Vec<Shape>,
+    pub(crate) shapes: Vec<ColliderState>,
     /// By slot: its row among the solver's bodies, if it touches anything.
     pub(crate) rows: Vec<u32>,
     pub(crate) broad_phase: BroadPhase<Real>,
     pub(crate) proxies: Vec<Proxy<Real>>,
-    pub(crate) lanes: Shapes,
+    pub(crate) lanes: ShapeLanes,
     /// The pairs that are near each other, in parts that threads find; then those of each kind.
-    pub(crate) near: Vec<Vec<(Kind, [u32; 2])>>,
-    pub(crate) crowds: Crowds,
+    pub(crate) near: Vec<Vec<(PairKind, [u32; 2])>>,
+    pub(crate) crowds: PairLimit,
     cuboids: Pairs,
     balls: Pairs,
     others: Vec<[u32; 2]>,
     /// Contacts of the last, in parts that threads find.
-    found: Vec<Vec<Contact>>,
+    found: Vec<Vec<ContactRecord>>,
     pub(crate) materials: Materials,
     /// In the order of their keys.
-    pub(crate) contacts: Vec<Contact>,
+    pub(crate) contacts: Vec<ContactRecord>,
     /// By contact.
     pub(crate) ways: Vec<Way>,
-    pub(crate) seams: Seams,
-    pub(crate) last: Vec<Contact>,
+    pub(crate) internal_edges: InternalEdges,
+    pub(crate) last: Vec<ContactRecord>,
 }
 
 /// Where a body with a collider is at the start of a step.
 #[derive(Clone, Copy)]
-pub(crate) struct Shape {
+pub(crate) struct ColliderState {
     pub(crate) placement: Placement<Real>,
     /// Centre of mass \[m\].
     pub(crate) center: Vec3<Real>,
-    pub(crate) kind: Kind,
+    pub(crate) kind: PairKind,
     /// Whether impulses move it.
     pub(crate) moves: bool,
     /// How far from its surface another's may be to be a contact, with the other's reach added \[m\].
@@ -136,7 +136,7 @@ impl Contacts {
     }
 
     /// Finds the contacts in a substep of the settings, and how many bodies they have: of those that impulses move and of those that they do not.
-    pub(crate) fn find_touching(&mut self, columns: &HeldColumns<'_>, settings: &Settings) -> [usize; 2] {
+    pub(crate) fn find_touching(&mut self, columns: &WorldColumns<'_>, settings: &Settings) -> [usize; 2] {
         // After the last substep contacts see to it that in one more nothing would come too near.
         let ahead = settings.substep() + settings.contact_substep();
         self.look(columns, [settings.substep(), ahead]);
@@ -158,7 +158,7 @@ impl Contacts {
     }
 
     /// The rows of a contact's bodies.
-    pub(crate) fn rows_of(&self, contact: &Contact) -> [u32; 2] {
+    pub(crate) fn rows_of(&self, contact: &ContactRecord) -> [u32; 2] {
         rows_of(contact, &self.rows)
     }
 
@@ -166,26 +166,26 @@ impl Contacts {
     /// Gravity has what is let go fall by `fall` \[m\].
     fn find_contacts(&mut self, fall: Real) {
         self.find_near();
-        self.keep_the_past();
+        self.keep_previous();
         std::mem::swap(&mut self.contacts, &mut self.last);
         let Self { shapes, lanes, cuboids, balls, others, found, contacts, colliders, .. } = self;
-        let (end, some_empty) = cuboids.touch(Kind::Cuboid, lanes, contacts, 0);
-        let (end, more_empty) = balls.touch(Kind::Ball, lanes, contacts, end);
+        let (end, some_empty) = cuboids.touch(PairKind::Cuboid, lanes, contacts, 0);
+        let (end, more_empty) = balls.touch(PairKind::Ball, lanes, contacts, end);
         contacts.truncate(end);
         let parts = others.len().div_ceil(OTHERS_PART);
         found.resize_with(parts.max(found.len()), Vec::new);
         others.par_chunks(OTHERS_PART).zip(&mut *found).by_at_least(2).for_each(|(pairs, found)| {
             found.clear();
-            pairs.iter().for_each(|slots| touch_one(*slots, shapes, colliders, found));
+            pairs.iter().for_each(|slots| collide_pair(*slots, shapes, colliders, found));
         });
         found[..parts].iter().for_each(|found| contacts.extend_from_slice(found));
         if some_empty || more_empty || contacts[end..].iter().any(|contact| contact.count() == 0) {
             contacts.retain(|contact| contact.count() > 0);
         }
-        self.foresee(fall);
-        self.leave_out_seams();
+        self.limit_speculative(fall);
+        self.leave_out_internal_edges();
         let Self { contacts, last, materials, .. } = self;
-        contacts.par_chunks_mut(PART).by_at_least(2).for_each(|contacts| go_on(contacts, last, materials));
+        contacts.par_chunks_mut(PART).by_at_least(2).for_each(|contacts| match_impulses(contacts, last, materials));
         // The next step's list takes the place of the last one's: so it allocates nothing. Exactly as much, for with some more both would outgrow each other forever.
         self.last.reserve_exact(self.contacts.capacity().saturating_sub(self.last.len()));
     }
@@ -208,7 +208,7 @@ impl Contacts {
             });
             self.limit_near(parts);
         } else {
-            self.find_near_in_crowds();
+            self.find_near_limited();
         }
         let Self { near, cuboids, balls, others, .. } = self;
         cuboids.clear();
@@ -216,20 +216,25 @@ impl Contacts {
         others.clear();
         for &(kind, slots) in near[..parts].iter().flatten() {
             match kind {
-                Kind::Cuboid => cuboids.push(slots),
-                Kind::Ball => balls.push(slots),
-                Kind::Other => others.push(slots),
+                PairKind::Cuboid => cuboids.push(slots),
+                PairKind::Ball => balls.push(slots),
+                PairKind::Other => others.push(slots),
             }
         }
     }
 }
 
-pub(crate) fn rows_of(contact: &Contact, rows: &[u32]) -> [u32; 2] {
+pub(crate) fn rows_of(contact: &ContactRecord, rows: &[u32]) -> [u32; 2] {
     contact.slots.map(|slot| rows[slot as usize])
 }
 
 /// Adds the contacts of shapes that have no lanes of their own.
-fn touch_one(slots: [u32; 2], shapes: &[Shape], colliders: &[Option<(Collider, WorldVec3)>], found: &mut Vec<Contact>) {
+fn collide_pair(
+    slots: [u32; 2],
+    shapes: &[ColliderState],
+    colliders: &[Option<(Collider, WorldVec3)>],
+    found: &mut Vec<ContactRecord>,
+) {
     let [first, second] = slots.map(|slot| &shapes[slot as usize]);
     if let [Some((a, _)), Some((b, _))] = slots.map(|slot| colliders[slot as usize].as_ref()) {
         let before = found.len();
@@ -240,15 +245,15 @@ fn touch_one(slots: [u32; 2], shapes: &[Shape], colliders: &[Option<(Collider, W
             if a.parts_touch(b, part) {
                 // What lies on three points does not roll.
                 let law = if manifold.points().len() < 3 { rolls } else { MATERIAL };
-                found.push(Contact::new(slots, part, manifold, of_second, law));
+                found.push(ContactRecord::new(slots, part, manifold, of_second, law));
             }
         });
-        found[before..].sort_by_key(Contact::key);
+        found[before..].sort_by_key(ContactRecord::key);
     }
 }
 
 /// How the geometry of a contact follows its bodies.
-fn law(shapes: [&Shape; 2], geometries: [&Geometry<Real>; 2]) -> f64 {
+fn law(shapes: [&ColliderState; 2], geometries: [&Geometry<Real>; 2]) -> f64 {
     if !geometries.iter().any(|geometry| geometry.is_round()) {
         return MATERIAL;
     }
@@ -265,19 +270,19 @@ fn law(shapes: [&Shape; 2], geometries: [&Geometry<Real>; 2]) -> f64 {
 }
 
 /// Begins contacts with the impulses of those there were, both in the order of their keys.
-fn go_on(contacts: &mut [Contact], last: &[Contact], materials: &Materials) {
-    let Some(first) = contacts.first().map(Contact::key) else { return };
+fn match_impulses(contacts: &mut [ContactRecord], last: &[ContactRecord], materials: &Materials) {
+    let Some(first) = contacts.first().map(ContactRecord::key) else { return };
     let mut last = last[last.partition_point(|old| old.key() < first)..].iter().peekable();
     for contact in contacts {
         while last.next_if(|old| old.key() < contact.key()).is_some() {}
         if let Some(old) = last.next_if(|old| old.key() == contact.key()) {
-            contact.take_over(old);
+            contact.take_impulses_of(old);
         }
         contact.set_surface(&materials.between(contact.slots, contact.part));
     }
 }
 
-impl Shape {
+impl ColliderState {
     /// What the broad phase is to know of it. What has no geometry is nowhere.
     pub(crate) fn proxy(&self, geometry: Option<&Geometry<Real>>) -> Proxy<Real> {
         let nowhere = Some(Bounds::about(Vec3::splat(Real::NAN), Vec3::zero()));
@@ -300,7 +305,7 @@ impl Shape {
         Self {
             placement: Placement { position: zero, orientation },
             center: zero,
-            kind: Kind::Other,
+            kind: PairKind::Other,
             moves: false,
             reach: 0.0,
             margin: 0.0,

@@ -8,8 +8,8 @@ use tumble_math::lane::Vec3;
 
 use crate::collision::collider::Collider;
 use crate::collision::compound_parts::numbers;
-use crate::collision::contact::{Contact, SHAPE};
-use crate::collision::find_contacts::{Contacts, Shape};
+use crate::collision::contact::{ContactRecord, SHAPE};
+use crate::collision::find_contacts::{ColliderState, Contacts};
 use crate::math::{Real, Vec3 as WorldVec3};
 
 /// What goes less than this part of a margin past another in a step meets no edge of it.
@@ -25,7 +25,7 @@ const MOST: usize = 64;
 
 /// What the seams of floors are found with.
 #[derive(Clone, Default)]
-pub(crate) struct Seams {
+pub(crate) struct InternalEdges {
     /// By slot: whether it is in contact with what impulses do not move, or is that.
     on_fixed: Vec<bool>,
     /// Slots of bodies on a floor, and the numbers of their contacts with what they go past.
@@ -46,7 +46,7 @@ pub(crate) struct Floor {
 
 impl Floor {
     /// That of a contact, under its second body or the first.
-    pub(crate) fn of(contact: &Contact, under_second: bool, shapes: &[Shape]) -> Self {
+    pub(crate) fn of(contact: &ContactRecord, under_second: bool, shapes: &[ColliderState]) -> Self {
         let [x, y, z, ..] = contact.numbers[SHAPE].0;
         let normal = Vec3::new(x, y, z);
         let center = shapes[contact.slots[1] as usize].center;
@@ -57,7 +57,7 @@ impl Floor {
     }
 
     /// Whether the highest point of a part of a body is at the plane.
-    pub(crate) fn is_level_with(&self, geometry: &Geometry<Real>, number: u32, shape: &Shape) -> bool {
+    pub(crate) fn is_level_with(&self, geometry: &Geometry<Real>, number: u32, shape: &ColliderState) -> bool {
         let (_, inner, part) = geometry.part_of(number);
         let at = shape.placement.then(&inner);
         let top = part.furthest(at.orientation.rotate_back(self.normal));
@@ -70,9 +70,10 @@ impl Floor {
 
 impl Contacts {
     /// Leaves out the contacts of bodies with what lies level with the floor that they slide over.
-    pub(crate) fn leave_out_seams(&mut self) {
-        let Self { contacts, shapes, colliders, seams: Seams { on_fixed, sliding, left_out }, .. } = self;
-        let slides = |shape: &Shape, margin: Real| {
+    pub(crate) fn leave_out_internal_edges(&mut self) {
+        let Self { contacts, shapes, colliders, internal_edges: InternalEdges { on_fixed, sliding, left_out }, .. } =
+            self;
+        let slides = |shape: &ColliderState, margin: Real| {
             let way = shape.motion.way;
             way.dot(way) > SLIDES * SLIDES * margin * margin
         };
@@ -82,7 +83,7 @@ impl Contacts {
         // Only what impulses do not move is a floor: what they move may be left out of the step later.
         on_fixed.clear();
         on_fixed.resize(shapes.len(), false);
-        for Contact { slots: [a, b], .. } in &*contacts {
+        for ContactRecord { slots: [a, b], .. } in &*contacts {
             if shapes[*a as usize].moves != shapes[*b as usize].moves {
                 (on_fixed[*a as usize], on_fixed[*b as usize]) = (true, true);
             }
@@ -148,7 +149,12 @@ impl Contacts {
 }
 
 /// Whether a contact holds a body over a flat face of the other: what holds it over an edge may itself be a seam.
-fn is_face(contact: &Contact, slot: u32, shapes: &[Shape], colliders: &[Option<(Collider, WorldVec3)>]) -> bool {
+fn is_face(
+    contact: &ContactRecord,
+    slot: u32,
+    shapes: &[ColliderState],
+    colliders: &[Option<(Collider, WorldVec3)>],
+) -> bool {
     let other = usize::from(contact.slots[0] == slot);
     let [Some((collider, _)), Some((second, _))] =
         [other, 1].map(|which| colliders[contact.slots[which] as usize].as_ref())
@@ -162,7 +168,7 @@ fn is_face(contact: &Contact, slot: u32, shapes: &[Shape], colliders: &[Option<(
 }
 
 /// The normal of a contact towards a body.
-fn normal_of(contact: &Contact, slot: u32) -> Vec3<Real> {
+fn normal_of(contact: &ContactRecord, slot: u32) -> Vec3<Real> {
     let [x, y, z, ..] = contact.numbers[SHAPE].0;
     let normal = Vec3::new(x, y, z);
     if contact.slots[1] == slot { normal } else { normal * -1.0 }

@@ -5,7 +5,9 @@ use tumble_collide::lanes::{CuboidLanes, ManifoldLanes, ball_pair, cuboid_gap, c
 use tumble_collide::{Geometry, MOST_POINTS, Placement};
 use tumble_math::lane::{Quat, Vec3};
 
-use crate::collision::contact::{CENTERS, Contact, HELD, MATERIAL, POINTS, REFINED, RUBBED, SHAPE};
+use crate::collision::contact::{
+    CENTERS, ContactRecord, FRICTION_IMPULSE, MATERIAL, NORMAL_IMPULSE, POINTS, REFINED, SHAPE,
+};
 use crate::math::Real;
 use crate::simd::block_lanes::put;
 use crate::simd::{BLOCK, Eight, Kernel, Tile, dispatch_in_blocks, gather};
@@ -13,7 +15,7 @@ use crate::threads::InParts;
 
 /// Where shapes are whose pairs are tested in lanes, by slot.
 #[derive(Clone, Default)]
-pub(crate) struct Shapes {
+pub(crate) struct ShapeLanes {
     /// Position of the shape's origin, and its orientation.
     places: Vec<Eight>,
     /// Half extents, or a radius, the shape's origin from the body's centre of mass, world frame, how far it looks for others, and how
@@ -23,14 +25,14 @@ pub(crate) struct Shapes {
 
 /// Which lanes a shape is for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
-pub(crate) enum Kind {
+pub(crate) enum PairKind {
     Cuboid,
     Ball,
     /// None: pairs with it are tested one by one.
     Other,
 }
 
-impl Kind {
+impl PairKind {
     pub(crate) fn of(geometry: &Geometry<Real>) -> Self {
         match geometry {
             Geometry::Cuboid { .. } => Self::Cuboid,
@@ -45,7 +47,7 @@ impl Kind {
     }
 }
 
-impl Shapes {
+impl ShapeLanes {
     pub(crate) fn reset(&mut self, count: usize) {
         for rows in [&mut self.places, &mut self.sizes] {
             rows.clear();
@@ -60,18 +62,18 @@ impl Shapes {
     }
 
     /// Some slots, to be set.
-    pub(crate) fn part(&mut self, slots: Range<usize>) -> ShapesPart<'_> {
-        ShapesPart { places: &mut self.places[slots.clone()], sizes: &mut self.sizes[slots] }
+    pub(crate) fn part(&mut self, slots: Range<usize>) -> ShapeLanesPart<'_> {
+        ShapeLanesPart { places: &mut self.places[slots.clone()], sizes: &mut self.sizes[slots] }
     }
 }
 
 /// Some neighbouring slots.
-pub(crate) struct ShapesPart<'a> {
+pub(crate) struct ShapeLanesPart<'a> {
     places: &'a mut [Eight],
     sizes: &'a mut [Eight],
 }
 
-impl ShapesPart<'_> {
+impl ShapeLanesPart<'_> {
     /// The first `middle`, and the others.
     pub(crate) fn split_at(self, middle: usize) -> (Self, Self) {
         let (places, other_places) = self.places.split_at_mut(middle);
@@ -121,9 +123,9 @@ impl Pairs {
     /// Writes contacts of the pairs that may touch, in their order, over those from `begin` on. Returns their end, and whether there are some without points among them.
     pub(crate) fn touch(
         &mut self,
-        kind: Kind,
-        shapes: &Shapes,
-        contacts: &mut Vec<Contact>,
+        kind: PairKind,
+        shapes: &ShapeLanes,
+        contacts: &mut Vec<ContactRecord>,
         begin: usize,
     ) -> (usize, bool) {
         self.fill_blocks(shapes.nobody());
@@ -131,7 +133,7 @@ impl Pairs {
         self.gaps.resize(self.blocks.len() * BLOCK, 0.0);
         let parts = self.blocks.par_chunks(PART).zip(self.gaps.par_chunks_mut(PART * BLOCK));
         parts.by_at_least(1).for_each(|(blocks, gaps)| match kind {
-            Kind::Cuboid => dispatch_in_blocks(&mut CuboidGaps { blocks, shapes, gaps }),
+            PairKind::Cuboid => dispatch_in_blocks(&mut CuboidGaps { blocks, shapes, gaps }),
             _ => dispatch_in_blocks(&mut BallGaps { blocks, shapes, gaps }),
         });
         let mut gaps = self.gaps.iter();
@@ -142,12 +144,12 @@ impl Pairs {
         // What is there is not cleared first: many contacts are more than caches hold, and this way they are written once.
         let end = begin + self.blocks.len() * BLOCK;
         if contacts.len() < end {
-            contacts.resize(end, Contact::NONE);
+            contacts.resize(end, ContactRecord::NONE);
         }
         let parts = self.blocks.par_chunks(PART).zip(contacts[begin..end].par_chunks_mut(PART * BLOCK));
         let parts = parts.zip(self.pairs.par_chunks(PART * BLOCK)).by_at_least(1).map(|((blocks, found), pairs)| {
             match kind {
-                Kind::Cuboid => dispatch_in_blocks(&mut CuboidContacts { blocks, shapes, found }),
+                PairKind::Cuboid => dispatch_in_blocks(&mut CuboidContacts { blocks, shapes, found }),
                 _ => dispatch_in_blocks(&mut BallContacts { blocks, shapes, found }),
             }
             let found = &mut found[..pairs.len()];
@@ -171,7 +173,7 @@ impl Pairs {
 
 struct CuboidGaps<'a> {
     blocks: &'a [[[u32; BLOCK]; 2]],
-    shapes: &'a Shapes,
+    shapes: &'a ShapeLanes,
     gaps: &'a mut [Real],
 }
 
@@ -192,7 +194,7 @@ impl Kernel for CuboidGaps<'_> {
 
 struct BallGaps<'a> {
     blocks: &'a [[[u32; BLOCK]; 2]],
-    shapes: &'a Shapes,
+    shapes: &'a ShapeLanes,
     gaps: &'a mut [Real],
 }
 
@@ -214,8 +216,8 @@ impl Kernel for BallGaps<'_> {
 
 struct CuboidContacts<'a> {
     blocks: &'a [[[u32; BLOCK]; 2]],
-    shapes: &'a Shapes,
-    found: &'a mut [Contact],
+    shapes: &'a ShapeLanes,
+    found: &'a mut [ContactRecord],
 }
 
 impl Kernel for CuboidContacts<'_> {
@@ -244,8 +246,8 @@ impl Kernel for CuboidContacts<'_> {
 
 struct BallContacts<'a> {
     blocks: &'a [[[u32; BLOCK]; 2]],
-    shapes: &'a Shapes,
-    found: &'a mut [Contact],
+    shapes: &'a ShapeLanes,
+    found: &'a mut [ContactRecord],
 }
 
 impl Kernel for BallContacts<'_> {
@@ -268,7 +270,7 @@ impl Kernel for BallContacts<'_> {
 }
 
 /// Of the shapes of a tile.
-struct Place<T> {
+struct PoseLanes<T> {
     /// From their bodies' centres of mass to their origins \[m\].
     offset: Vec3<T>,
     /// How far they look for others \[m\].
@@ -279,20 +281,20 @@ struct Place<T> {
 
 /// A tile's boxes, and where they are.
 #[inline(always)]
-fn cuboids<T: Tile>(shapes: &Shapes, slots: &[u32; BLOCK], lane: usize) -> (CuboidLanes<T>, Vec3<T>, Place<T>) {
+fn cuboids<T: Tile>(shapes: &ShapeLanes, slots: &[u32; BLOCK], lane: usize) -> (CuboidLanes<T>, Vec3<T>, PoseLanes<T>) {
     let [x, y, z, qx, qy, qz, qw] = gather(&shapes.places, slots, lane);
     let [a, b, c, u, v, w, reach, margin] = gather(&shapes.sizes, slots, lane);
     let orientation = Quat { x: qx, y: qy, z: qz, w: qw };
-    let place = Place { offset: Vec3::new(u, v, w), reach, margin };
+    let place = PoseLanes { offset: Vec3::new(u, v, w), reach, margin };
     (CuboidLanes { half_extents: Vec3::new(a, b, c), orientation }, Vec3::new(x, y, z), place)
 }
 
 /// A tile's radii, and where the balls are.
 #[inline(always)]
-fn balls<T: Tile>(shapes: &Shapes, slots: &[u32; BLOCK], lane: usize) -> (T, Vec3<T>, Place<T>) {
+fn balls<T: Tile>(shapes: &ShapeLanes, slots: &[u32; BLOCK], lane: usize) -> (T, Vec3<T>, PoseLanes<T>) {
     let [x, y, z, _] = gather(&shapes.places, slots, lane);
     let [radius, _, _, u, v, w, reach, margin] = gather(&shapes.sizes, slots, lane);
-    (radius, Vec3::new(x, y, z), Place { offset: Vec3::new(u, v, w), reach, margin })
+    (radius, Vec3::new(x, y, z), PoseLanes { offset: Vec3::new(u, v, w), reach, margin })
 }
 
 /// Writes a tile's manifolds as contacts; `offset` goes from the second bodies' centres of mass to their shapes' origins.
@@ -302,7 +304,7 @@ fn write<T: Tile>(
     offset: Vec3<T>,
     law: T,
     margins: [T; 2],
-    found: &mut [Contact],
+    found: &mut [ContactRecord],
     rows: &[[u32; BLOCK]; 2],
     lane: usize,
 ) {
@@ -335,7 +337,7 @@ fn write<T: Tile>(
     while i < T::WIDTH {
         let contact = &mut found[i];
         contact.slots = [rows[0][lane + i], rows[1][lane + i]];
-        (contact.numbers[HELD].0[7], contact.numbers[RUBBED].0[6]) = (shares[i], margin[i]);
+        (contact.numbers[NORMAL_IMPULSE].0[7], contact.numbers[FRICTION_IMPULSE].0[6]) = (shares[i], margin[i]);
         let mut which = 0;
         while which < numbers.len() {
             contact.numbers[which] = numbers[which][i];

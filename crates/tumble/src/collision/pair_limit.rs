@@ -2,8 +2,8 @@
 
 use tumble_collide::Proxy;
 
-use crate::collision::find_contacts::{Contacts, Shape};
-use crate::collision::narrow_phase::Kind;
+use crate::collision::find_contacts::{ColliderState, Contacts};
+use crate::collision::narrow_phase::PairKind;
 use crate::math::Real;
 
 /// A body with more pairs than this is in a crowd. Around a ball there is room for twelve that touch it, and for some sixty within twice its own size.
@@ -21,7 +21,7 @@ pub(crate) fn most_listed(bodies: usize) -> usize {
 
 /// What the limit is found out with.
 #[derive(Clone, Default)]
-pub(crate) struct Crowds {
+pub(crate) struct PairLimit {
     /// By slot, how many pairs it is in.
     counts: Vec<u32>,
     /// Of pairs between two that are in a crowd, once for each of them: whose, how far apart, and with whom.
@@ -31,9 +31,9 @@ pub(crate) struct Crowds {
     pub(crate) left_out: usize,
 }
 
-impl Crowds {
+impl PairLimit {
     /// Leaves out pairs of crowds.
-    pub(crate) fn thin_out(&mut self, near: &mut [Vec<(Kind, [u32; 2])>], proxies: &[Proxy<Real>]) {
+    pub(crate) fn thin_out(&mut self, near: &mut [Vec<(PairKind, [u32; 2])>], proxies: &[Proxy<Real>]) {
         let Self { counts, crowded, kept, left_out } = self;
         *left_out = 0;
         if near.iter().map(Vec::len).sum::<usize>() <= MOST_PAIRS {
@@ -92,8 +92,8 @@ fn apart(a: &Proxy<Real>, b: &Proxy<Real>) -> Real {
 }
 
 impl Contacts {
-    /// Finds the pairs that [`thin_out`](Crowds::thin_out) leaves where all are too many for a list: goes through them once to count and once to choose. All are in one part.
-    pub(crate) fn find_near_in_crowds(&mut self) {
+    /// Finds the pairs that [`thin_out`](PairLimit::thin_out) leaves where all are too many for a list: goes through them once to count and once to choose. All are in one part.
+    pub(crate) fn find_near_limited(&mut self) {
         let Self { shapes, proxies, groups, broad_phase, near, crowds, .. } = self;
         let wanted = |a: u32, b: u32| groups[a as usize].touch(groups[b as usize]);
         let are_near = |a: u32, b: u32| proxies[a as usize].is_near(&proxies[b as usize]);
@@ -143,8 +143,12 @@ impl Contacts {
 }
 
 /// A pair with the kind of its shapes. Where impulses move only one of two, it is the second.
-pub(crate) fn near_pair(shapes: &[Shape], proxies: &[Proxy<Real>], (first, second): (u32, u32)) -> (Kind, [u32; 2]) {
+pub(crate) fn near_pair(
+    shapes: &[ColliderState],
+    proxies: &[Proxy<Real>],
+    (first, second): (u32, u32),
+) -> (PairKind, [u32; 2]) {
     let [p, q] = [&proxies[first as usize], &proxies[second as usize]];
     let slots = if p.moves && !q.moves { [second, first] } else { [first, second] };
-    (Kind::both(shapes[first as usize].kind, shapes[second as usize].kind), slots)
+    (PairKind::both(shapes[first as usize].kind, shapes[second as usize].kind), slots)
 }

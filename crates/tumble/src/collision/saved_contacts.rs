@@ -2,10 +2,10 @@
 
 use tumble_collide::MOST_POINTS;
 
-use crate::collision::body_key::Name;
+use crate::collision::body_key::BodyKey;
 use crate::collision::collider::Collider;
-use crate::collision::contact::{Contact, HELD, MOST_HALVINGS, POINTS, RUBBED, SHAPE};
-use crate::collision::narrow_phase::Kind;
+use crate::collision::contact::{ContactRecord, FRICTION_IMPULSE, MAX_HALVINGS, NORMAL_IMPULSE, POINTS, SHAPE};
+use crate::collision::narrow_phase::PairKind;
 use crate::math::Real;
 
 /// Contacts as the last step left them, between bodies by their names: what a step begins with beside the bodies, and what is reported of them.
@@ -14,11 +14,11 @@ use crate::math::Real;
 #[derive(Clone, Debug, Default)]
 pub(crate) struct SavedContacts {
     /// Of the bodies that have contacts, in order, no two the same.
-    pub(crate) names: Vec<Name>,
+    pub(crate) names: Vec<BodyKey>,
     /// Where their centres of mass were when the step began \[m\], one for each name.
     pub(crate) centers: Vec<[Real; 3]>,
     /// Whose slots are places among the names.
-    pub(crate) contacts: Vec<Contact>,
+    pub(crate) contacts: Vec<ContactRecord>,
     /// By slot, the place among the names.
     pub(crate) places: Vec<u32>,
 }
@@ -52,7 +52,7 @@ pub(crate) struct SavedPoint {
 
 impl SavedContact {
     pub(crate) const NUMBERS: usize = 13;
-    pub(crate) const MOST_HALVINGS: u8 = MOST_HALVINGS;
+    pub(crate) const MAX_HALVINGS: u8 = MAX_HALVINGS;
 
     /// What contacts of a file are in the order of.
     pub(crate) fn key(&self) -> (u32, u32, u32) {
@@ -72,7 +72,7 @@ impl SavedContacts {
         self.contacts.is_empty()
     }
 
-    pub(crate) fn names(&self) -> &[Name] {
+    pub(crate) fn names(&self) -> &[BodyKey] {
         &self.names
     }
 
@@ -82,38 +82,38 @@ impl SavedContacts {
 
     /// The contacts in the order of their keys.
     pub(crate) fn contacts(&self) -> Vec<SavedContact> {
-        let mut contacts: Vec<_> = self.contacts.iter().map(Contact::saved).collect();
+        let mut contacts: Vec<_> = self.contacts.iter().map(ContactRecord::saved).collect();
         contacts.sort_by_key(SavedContact::key);
         contacts
     }
 
     /// What was read from a file: one centre for each name, and contacts between those.
-    pub(crate) fn new(names: Vec<Name>, centers: Vec<[Real; 3]>, contacts: &[SavedContact]) -> Self {
-        Self { names, centers, contacts: contacts.iter().map(Contact::of_saved).collect(), places: Vec::new() }
+    pub(crate) fn new(names: Vec<BodyKey>, centers: Vec<[Real; 3]>, contacts: &[SavedContact]) -> Self {
+        Self { names, centers, contacts: contacts.iter().map(ContactRecord::of_saved).collect(), places: Vec::new() }
     }
 
     /// Bytes of memory that its buffers hold.
     pub(crate) fn memory(&self) -> usize {
-        self.names.capacity() * size_of::<Name>()
+        self.names.capacity() * size_of::<BodyKey>()
             + self.centers.capacity() * size_of::<[Real; 3]>()
-            + self.contacts.capacity() * size_of::<Contact>()
+            + self.contacts.capacity() * size_of::<ContactRecord>()
             + self.places.capacity() * size_of::<u32>()
     }
 }
 
-impl Contact {
+impl ContactRecord {
     /// What of it decides the next step, and what is reported of it; the rest is recomputed.
     fn saved(&self) -> SavedContact {
         let [x, y, z, ..] = self.numbers[SHAPE].0;
-        let [a, b, c, d, e, f, ..] = self.numbers[RUBBED].0;
+        let [a, b, c, d, e, f, ..] = self.numbers[FRICTION_IMPULSE].0;
         let mut points = [SavedPoint::default(); MOST_POINTS];
         for (j, point) in points.iter_mut().enumerate().take(self.count()) {
             let place = &self.numbers[POINTS[j / 2]].0[j % 2 * 4..][..4];
             point.feature = self.features[j];
             point.numbers[..4].copy_from_slice(place);
-            point.numbers[4] = self.numbers[HELD].0[j];
+            point.numbers[4] = self.numbers[NORMAL_IMPULSE].0[j];
         }
-        let [.., steady, share] = self.numbers[HELD].0;
+        let [.., steady, share] = self.numbers[NORMAL_IMPULSE].0;
         let numbers = [x, y, z, a, b, c, d, e, f, steady, share, self.margin(), Real::from(self.halvings())];
         let (part, touched) = (self.part, self.touched);
         SavedContact { bodies: self.slots, part, touched, numbers, points, count: self.count() }
@@ -123,12 +123,12 @@ impl Contact {
         let mut contact = Self { slots: saved.bodies, part: saved.part, touched: saved.touched, ..Self::NONE };
         contact.numbers[SHAPE].0[..3].copy_from_slice(&saved.numbers[..3]);
         contact.numbers[SHAPE].0[4] = saved.count as Real;
-        contact.numbers[RUBBED].0[..6].copy_from_slice(&saved.numbers[3..9]);
-        contact.numbers[HELD].0[6..].copy_from_slice(&saved.numbers[9..11]);
-        contact.numbers[RUBBED].0[6..].copy_from_slice(&saved.numbers[11..]);
+        contact.numbers[FRICTION_IMPULSE].0[..6].copy_from_slice(&saved.numbers[3..9]);
+        contact.numbers[NORMAL_IMPULSE].0[6..].copy_from_slice(&saved.numbers[9..11]);
+        contact.numbers[FRICTION_IMPULSE].0[6..].copy_from_slice(&saved.numbers[11..]);
         for (j, point) in saved.points.iter().enumerate().take(saved.count) {
             contact.numbers[POINTS[j / 2]].0[j % 2 * 4..][..4].copy_from_slice(&point.numbers[..4]);
-            contact.numbers[HELD].0[j] = point.numbers[4];
+            contact.numbers[NORMAL_IMPULSE].0[j] = point.numbers[4];
             contact.features[j] = point.feature;
         }
         contact
@@ -136,7 +136,7 @@ impl Contact {
 
     /// Says of which shapes it is; none are of a body that lost its collider.
     pub(crate) fn set_kind(&mut self, [first, second]: [Option<&Collider>; 2]) {
-        let kind = |collider: Option<&Collider>| collider.map_or(Kind::Other, |it| Kind::of(&it.geometry));
-        self.kind = Kind::both(kind(first), kind(second));
+        let kind = |collider: Option<&Collider>| collider.map_or(PairKind::Other, |it| PairKind::of(&it.geometry));
+        self.kind = PairKind::both(kind(first), kind(second));
     }
 }

@@ -9,9 +9,9 @@ use tumble_math::lane::Vec3;
 
 use crate::collision::collider::Collider;
 use crate::collision::compound_parts::numbers;
-use crate::collision::contact::{Contact, FIXED, MATERIAL, SHAPE, Second};
-use crate::collision::find_contacts::{Contacts, Motion, PART, Shape};
-use crate::collision::narrow_phase::Kind;
+use crate::collision::contact::{ContactRecord, FIXED, MATERIAL, SHAPE, Second};
+use crate::collision::find_contacts::{ColliderState, Contacts, Motion, PART};
+use crate::collision::narrow_phase::PairKind;
 use crate::math::{Real, Vec3 as WorldVec3};
 use crate::threads::InParts;
 
@@ -37,7 +37,7 @@ const FEW: usize = 4;
 /// Two parts of two bodies that may meet.
 struct Encounter<'a> {
     slots: [u32; 2],
-    kind: Kind,
+    kind: PairKind,
     /// Numbers of the parts, and what they are.
     numbers: [u32; 2],
     geometries: [&'a Geometry<Real>; 2],
@@ -69,7 +69,7 @@ pub(crate) enum Way {
 }
 
 impl Way {
-    fn of(contact: &Contact, shapes: [&Shape; 2], fall: Real) -> Self {
+    fn of(contact: &ContactRecord, shapes: [&ColliderState; 2], fall: Real) -> Self {
         let gap = nearest(contact);
         let is_doubtful = gap > 0.0 && is_doubtful(contact, gap, shapes, fall);
         match (is_doubtful, contact.is_between_centers()) {
@@ -83,9 +83,9 @@ impl Way {
 
 impl Contacts {
     /// Goes along the ways of bodies that are about to get through the plane of a contact.
-    pub(crate) fn foresee(&mut self, fall: Real) {
+    pub(crate) fn limit_speculative(&mut self, fall: Real) {
         let Self { contacts, shapes, colliders, ways, .. } = self;
-        let class = |contact: &Contact| Way::of(contact, contact.slots.map(|slot| &shapes[slot as usize]), fall);
+        let class = |contact: &ContactRecord| Way::of(contact, contact.slots.map(|slot| &shapes[slot as usize]), fall);
         ways.clear();
         ways.resize(contacts.len(), Way::Plain);
         let parts = ways.par_chunks_mut(PART).zip(contacts.par_chunks(PART));
@@ -118,12 +118,12 @@ impl Contacts {
             view.add(encounter, &travellers, &before, contacts);
         }
         if !encounters.is_empty() {
-            contacts.sort_by_key(Contact::key);
+            contacts.sort_by_key(ContactRecord::key);
         }
     }
 }
 
-fn nearest(contact: &Contact) -> Real {
+fn nearest(contact: &ContactRecord) -> Real {
     (0..contact.count()).fold(Real::INFINITY, |least, j| least.min(contact.separation(j)))
 }
 
@@ -132,7 +132,7 @@ fn length(v: Vec3<Real>) -> Real {
 }
 
 /// Whether two bodies get through the plane of their contact, that is further than the margin or passed fast.
-fn is_doubtful(contact: &Contact, gap: Real, shapes: [&Shape; 2], fall: Real) -> bool {
+fn is_doubtful(contact: &ContactRecord, gap: Real, shapes: [&ColliderState; 2], fall: Real) -> bool {
     let [x, y, z, ..] = contact.numbers[SHAPE].0;
     let normal = Vec3::new(x, y, z);
     let [Motion { way: a, turn: s, radius: r, .. }, Motion { way: b, turn: t, radius: q, .. }] =
@@ -148,7 +148,7 @@ fn is_doubtful(contact: &Contact, gap: Real, shapes: [&Shape; 2], fall: Real) ->
 }
 
 /// Whether two balls stay further apart than the margin on their ways, which for balls are lines.
-fn balls_pass(contact: &Contact, gap: Real, [first, second]: [&Shape; 2], fall: Real) -> bool {
+fn balls_pass(contact: &ContactRecord, gap: Real, [first, second]: [&ColliderState; 2], fall: Real) -> bool {
     let apart = second.center - first.center;
     let way = second.motion.way - first.motion.way;
     let moment = (-apart.dot(way) / way.dot(way)).clamp(0.0, 1.0);
@@ -158,9 +158,9 @@ fn balls_pass(contact: &Contact, gap: Real, [first, second]: [&Shape; 2], fall: 
 
 /// Those of doubtful contacts, each once.
 fn encounters<'a>(
-    (contacts, ways): (&[Contact], &[Way]),
+    (contacts, ways): (&[ContactRecord], &[Way]),
     colliders: &'a [Option<(Collider, WorldVec3)>],
-    shapes: &[Shape],
+    shapes: &[ColliderState],
 ) -> Vec<Encounter<'a>> {
     let mut encounters: Vec<Encounter<'a>> = Vec::new();
     for (contact, _) in contacts.iter().zip(ways).filter(|(_, way)| **way == Way::Doubtful) {
@@ -190,7 +190,7 @@ fn encounters<'a>(
 }
 
 /// When the plane of a contact is met.
-fn plane(contact: &Contact, shapes: [&Shape; 2]) -> Meeting {
+fn plane(contact: &ContactRecord, shapes: [&ColliderState; 2]) -> Meeting {
     let normal = normal(contact);
     let way = wide(shapes[1].motion.way - shapes[0].motion.way);
     let (gap, along) = (f64::from(nearest(contact)), -normal.dot(way));
@@ -201,18 +201,18 @@ fn is_surface(geometry: &Geometry<Real>) -> bool {
     matches!(geometry, Geometry::Mesh(_) | Geometry::HeightField(_))
 }
 
-fn normal(contact: &Contact) -> Vec3<f64> {
+fn normal(contact: &ContactRecord) -> Vec3<f64> {
     let [x, y, z, ..] = contact.numbers[SHAPE].0;
     wide(Vec3::new(x, y, z))
 }
 
 /// The bodies of encounters, by slot.
-fn travellers(encounters: &[Encounter<'_>], shapes: &[Shape]) -> Vec<Traveller> {
+fn travellers(encounters: &[Encounter<'_>], shapes: &[ColliderState]) -> Vec<Traveller> {
     let mut slots: Vec<u32> = encounters.iter().flat_map(|encounter| encounter.slots).collect();
     slots.sort_unstable();
     slots.dedup();
     let traveller = |slot: u32| {
-        let Shape { placement, center, motion, .. } = &shapes[slot as usize];
+        let ColliderState { placement, center, motion, .. } = &shapes[slot as usize];
         let course = Course::new(placement, *center, motion.way, motion.turn);
         Traveller { slot, course, stops: Vec::new(), turned_off: 0.0 }
     };
@@ -225,9 +225,9 @@ fn find(travellers: &[Traveller], slot: u32) -> usize {
 
 /// What holds travellers from the beginning: who, what else, and the outward normal.
 fn held_already(
-    (contacts, ways): (&[Contact], &[Way]),
+    (contacts, ways): (&[ContactRecord], &[Way]),
     travellers: &[Traveller],
-    shapes: &[Shape],
+    shapes: &[ColliderState],
 ) -> Vec<(usize, u32, Vec3<f64>)> {
     let mut held = Vec::new();
     if travellers.is_empty() {
@@ -252,7 +252,7 @@ fn held_already(
 }
 
 /// How far a body goes in a step at a moment.
-fn linear(travellers: &[Traveller], shapes: &[Shape], slot: u32, moment: f64) -> Vec3<f64> {
+fn linear(travellers: &[Traveller], shapes: &[ColliderState], slot: u32, moment: f64) -> Vec3<f64> {
     match travellers.get(find(travellers, slot)).filter(|traveller| traveller.slot == slot) {
         Some(traveller) => traveller.course.linear(moment),
         None => wide(shapes[slot as usize].motion.way),
@@ -271,7 +271,7 @@ fn turn_off(
     travellers: &mut [Traveller],
     encounters: &[Encounter<'_>],
     held: &[(usize, u32, Vec3<f64>)],
-    shapes: &[Shape],
+    shapes: &[ColliderState],
 ) -> bool {
     // By traveller: when, by whom, and the outward normal.
     let mut stops: Vec<Vec<(f64, u32, Vec3<f64>)>> = travellers.iter().map(|_| Vec::new()).collect();
@@ -330,7 +330,7 @@ fn turn_off(
 
 /// What is known of the bodies.
 struct View<'a> {
-    shapes: &'a [Shape],
+    shapes: &'a [ColliderState],
     colliders: &'a [Option<(Collider, WorldVec3)>],
     fall: Real,
 }
@@ -389,8 +389,8 @@ impl View<'_> {
         &self,
         encounter: &Encounter<'_>,
         travellers: &[Traveller],
-        before: &[Contact],
-        contacts: &mut Vec<Contact>,
+        before: &[ContactRecord],
+        contacts: &mut Vec<ContactRecord>,
     ) {
         let Encounter { slots, kind, geometries, .. } = encounter;
         let shapes = slots.map(|slot| &self.shapes[slot as usize]);
@@ -402,7 +402,7 @@ impl View<'_> {
         let before = &before[before.partition_point(|known| known.key() < pair)..];
         let before = before.iter().take_while(|known| known.slots == *slots);
         // Of the parts' contacts, of which a surface has one a triangle.
-        let is_theirs = |known: &Contact| {
+        let is_theirs = |known: &ContactRecord| {
             let [on_first, on_second] = numbers(known.part, parts);
             [a.geometry.part_of(on_first).0, b.geometry.part_of(on_second).0] == encounter.numbers
         };
@@ -424,7 +424,7 @@ impl View<'_> {
                 let [on_first, on_second] = numbers(part, geometries[1].parts());
                 let of_first = (encounter.numbers[0] + on_first).wrapping_mul(parts);
                 let part = of_first.wrapping_add(encounter.numbers[1] + on_second);
-                let is_there = |known: &Contact| known.slots == *slots && known.part == part;
+                let is_there = |known: &ContactRecord| known.slots == *slots && known.part == part;
                 if !a.parts_touch(b, part) || contacts[from..].iter().any(is_there) {
                     return;
                 }
@@ -433,7 +433,7 @@ impl View<'_> {
                     known.filter(|known| known.is_between_centers() || (met.is_hit && is_same(known, manifold, way)));
                 contacts.push(match same {
                     Some(known) => known.clone(),
-                    None => Contact { kind: *kind, ..Contact::new(*slots, part, manifold, of_second, law) },
+                    None => ContactRecord { kind: *kind, ..ContactRecord::new(*slots, part, manifold, of_second, law) },
                 });
             });
             if contacts.len() == from && met.is_hit {
@@ -445,7 +445,7 @@ impl View<'_> {
     /// What rolls turns under its points.
     fn follow(&self, encounter: &Encounter<'_>) -> Follow {
         let rolls = |which: usize| {
-            let Shape { motion, placement, .. } = &self.shapes[encounter.slots[which] as usize];
+            let ColliderState { motion, placement, .. } = &self.shapes[encounter.slots[which] as usize];
             let turn = motion.turn;
             let is_round = encounter.geometries[which].is_round();
             let [_, axis, _] = placement.orientation.axes();
@@ -458,7 +458,7 @@ impl View<'_> {
 }
 
 /// Whether a contact has the plane that the bodies meet with, after one has gone this way past the other.
-fn is_same(known: &Contact, manifold: &Manifold<Real>, way: Vec3<f64>) -> bool {
+fn is_same(known: &ContactRecord, manifold: &Manifold<Real>, way: Vec3<f64>) -> bool {
     let (before, now, margin) = (normal(known), wide(manifold.normal), f64::from(known.margin()));
     let (turned, across) = (before.cross(now), way - now * now.dot(way));
     let (turned, across) = (turned.dot(turned).sqrt(), across.dot(across).sqrt());

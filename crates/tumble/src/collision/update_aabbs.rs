@@ -4,38 +4,38 @@ use tumble_collide::{Placement, Proxy};
 use tumble_math::lane::{Quat, Vec3};
 
 use crate::collision::collider::Collider;
-use crate::collision::find_contacts::{Contacts, Motion, Shape};
-use crate::collision::narrow_phase::{Kind, ShapesPart};
+use crate::collision::find_contacts::{ColliderState, Contacts, Motion};
+use crate::collision::narrow_phase::{PairKind, ShapeLanesPart};
 use crate::components::{Momentum, Velocity};
 use crate::integrators::response_range::responds_in_range;
 use crate::integrators::state::{Constants, Moments};
 use crate::math::{Real, Vec3 as WorldVec3};
 use crate::range::{MOST_DISTANCE_OF_CONTACTS, MOST_SPEED, within};
 use crate::storage::chunk::LEAST_CHUNK;
-use crate::storage::world_columns::{HeldColumns, Looked};
+use crate::storage::world_columns::{PoseView, WorldColumns};
 use crate::threads;
 
 impl Contacts {
     /// Reads where all bodies with colliders are, how far from there they may go in an interval, and how they go on in the one that the solver looks ahead \[s\].
-    pub(crate) fn look(&mut self, columns: &HeldColumns<'_>, intervals: [Real; 2]) {
+    pub(crate) fn look(&mut self, columns: &WorldColumns<'_>, intervals: [Real; 2]) {
         let Self { members, shapes, colliders, lanes, proxies, .. } = self;
         lanes.reset(members.len());
         shapes.clear();
-        shapes.resize(members.len(), Shape::NOWHERE);
+        shapes.resize(members.len(), ColliderState::NOWHERE);
         proxies.clear();
-        proxies.resize(members.len(), Shape::NOWHERE.proxy(None));
-        for (archetype, bodies) in columns.looked() {
+        proxies.resize(members.len(), ColliderState::NOWHERE.proxy(None));
+        for (archetype, bodies) in columns.pose_views() {
             let mut row = 0;
             // Slots go by another order than rows, mostly the same.
             for run in members.slots_in(archetype).chunk_by(|a, b| *b == a + 1) {
                 let slots = run[0] as usize..run[0] as usize + run.len();
-                let sight = Sight {
+                let sight = AabbUpdate {
                     colliders: &colliders[slots.clone()],
                     shapes: &mut shapes[slots.clone()],
                     proxies: &mut proxies[slots.clone()],
                     lanes: lanes.part(slots),
                 };
-                sight.look_in_parts(bodies.rows(row..row + run.len()), intervals);
+                sight.update_aabbs_in_parts(bodies.rows(row..row + run.len()), intervals);
                 row += run.len();
             }
         }
@@ -43,16 +43,16 @@ impl Contacts {
 }
 
 /// Neighbouring slots, for what is seen of their bodies.
-struct Sight<'a> {
+struct AabbUpdate<'a> {
     colliders: &'a [Option<(Collider, WorldVec3)>],
-    shapes: &'a mut [Shape],
+    shapes: &'a mut [ColliderState],
     proxies: &'a mut [Proxy<Real>],
-    lanes: ShapesPart<'a>,
+    lanes: ShapeLanesPart<'a>,
 }
 
-impl Sight<'_> {
+impl AabbUpdate<'_> {
     /// Looks at bodies in parallel.
-    fn look_in_parts(mut self, bodies: Looked<'_>, intervals: [Real; 2]) {
+    fn update_aabbs_in_parts(mut self, bodies: PoseView<'_>, intervals: [Real; 2]) {
         let middle = self.shapes.len() / 2;
         if self.shapes.len() <= LEAST_CHUNK {
             return (0..self.shapes.len()).for_each(|i| self.look(i, bodies, intervals));
@@ -62,15 +62,15 @@ impl Sight<'_> {
         let (proxies, other_proxies) = self.proxies.split_at_mut(middle);
         let (lanes, other_lanes) = self.lanes.split_at(middle);
         let others =
-            Sight { colliders: other_colliders, shapes: other_shapes, proxies: other_proxies, lanes: other_lanes };
-        let these = Sight { colliders, shapes, proxies, lanes };
+            AabbUpdate { colliders: other_colliders, shapes: other_shapes, proxies: other_proxies, lanes: other_lanes };
+        let these = AabbUpdate { colliders, shapes, proxies, lanes };
         threads::join(
-            || these.look_in_parts(bodies.rows(0..middle), intervals),
-            || others.look_in_parts(bodies.rows(middle..bodies.pose.len()), intervals),
+            || these.update_aabbs_in_parts(bodies.rows(0..middle), intervals),
+            || others.update_aabbs_in_parts(bodies.rows(middle..bodies.pose.len()), intervals),
         );
     }
 
-    fn look(&mut self, i: usize, bodies: Looked<'_>, [interval, ahead_of]: [Real; 2]) {
+    fn look(&mut self, i: usize, bodies: PoseView<'_>, [interval, ahead_of]: [Real; 2]) {
         let Some((collider, offset)) = &self.colliders[i] else { return };
         let center = Vec3::from(bodies.pose[i].position);
         let orientation = Quat::from(bodies.pose[i].orientation).normalize();
@@ -107,11 +107,11 @@ impl Sight<'_> {
             // It is nowhere then, and touches nothing that it could spoil.
             placement.position = Vec3::splat(Real::NAN);
         }
-        let kind = Kind::of(geometry);
+        let kind = PairKind::of(geometry);
         let reach = margin + ahead(half_thickness, linear.length() * interval);
         self.lanes.set(i, geometry, &placement, center, (reach, margin));
         let velocity = (velocity.linear.into(), velocity.angular.into());
-        self.shapes[i] = Shape { placement, center, kind, moves, reach, margin, velocity, motion };
+        self.shapes[i] = ColliderState { placement, center, kind, moves, reach, margin, velocity, motion };
         self.proxies[i] = self.shapes[i].proxy(Some(geometry));
     }
 }

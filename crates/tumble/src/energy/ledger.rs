@@ -2,7 +2,7 @@ use hecs::{Entity, World};
 
 use crate::components::{Mass, Momentum, Pose, Work, Wrench};
 use crate::energy::totals::{Totals, measure};
-use crate::forces::force_context::Surroundings;
+use crate::forces::force_context::ForceContext;
 use crate::forces::force_law::BodyState;
 use crate::integrators::state::{State, moving_body};
 use crate::step::simulation::Simulation;
@@ -164,8 +164,8 @@ impl Ledger {
         }
         for body in self.order.entities().iter().filter_map(|&entity| world.entity(entity).ok()) {
             if let Some((constants, state)) = moving_body(body).filter(|(_, state)| state.is_finite()) {
-                let surroundings = Surroundings::of_body(body, simulation.settings());
-                let seen = BodyState::new((simulation.time(), 0.0), (&constants, &surroundings), &state);
+                let context = ForceContext::of_body(body, simulation.settings());
+                let seen = BodyState::new((simulation.time(), 0.0), (&constants, &context), &state);
                 sum += simulation.laws().potential(body, &seen);
             }
         }

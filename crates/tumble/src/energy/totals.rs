@@ -3,7 +3,7 @@ use hecs::{Entity, EntityRef, World};
 
 use crate::components::Wind;
 use crate::components::{GravityScale, Inertia, Mass, Momentum, Pose, PrincipalAxes};
-use crate::forces::force_context::Surroundings;
+use crate::forces::force_context::ForceContext;
 use crate::forces::force_law::BodyState;
 use crate::forces::pairwise;
 use crate::forces::registry;
@@ -66,7 +66,7 @@ impl Totals {
     pub fn of_body(body: EntityRef<'_>, settings: &Settings) -> Self {
         let mut totals = Self::default();
         if let Ok(measured) = body.query::<Measured<'_>>().get() {
-            totals.add((body.entity(), measured), &Surroundings::new(settings));
+            totals.add((body.entity(), measured), &ForceContext::new(settings));
         }
         totals
     }
@@ -86,7 +86,7 @@ impl Totals {
         self.potential + self.force_potential
     }
 
-    fn add(&mut self, (entity, (moving, own, laws)): (Entity, Measured<'_>), around: &Surroundings) {
+    fn add(&mut self, (entity, (moving, own, laws)): (Entity, Measured<'_>), around: &ForceContext) {
         let ((pose, momentum, mass), (inertia, axes, scale, wind)) = (moving, own);
         let state = State::new(pose, momentum);
         if !state.is_finite() {
@@ -102,8 +102,8 @@ impl Totals {
         let scale = scale.map_or(1.0, |scale| f64::from(scale.0));
         self.potential -= f64::from(constants.mass) * scale * dvec3(around.gravity).dot(position);
         if registry::is_any(&laws) {
-            let surroundings = Surroundings { wind: wind.map_or(around.wind, |wind| wind.0), ..*around };
-            let seen = BodyState::new((0.0, 0.0), (&constants, &surroundings), &state);
+            let context = ForceContext { wind: wind.map_or(around.wind, |wind| wind.0), ..*around };
+            let seen = BodyState::new((0.0, 0.0), (&constants, &context), &state);
             self.force_potential += registry::potential(&laws, &seen);
         }
         self.linear_momentum += linear;
@@ -136,7 +136,7 @@ impl Totals {
 /// ```
 pub fn measure(world: &World, settings: &Settings, order: &BodyOrder) -> Totals {
     Effort::of_sums(order.len()).run(|| {
-        let around = Surroundings::new(settings);
+        let around = ForceContext::new(settings);
         let mut query = world.query::<Measured<'_>>();
         let bodies = query.view();
         let blocks = order.in_blocks(|block| {

@@ -5,10 +5,10 @@ use std::cell::RefCell;
 use tumble_math::lane::Vec3 as LaneVec3;
 
 use crate::components::{Work, Wrench};
-use crate::forces::force_context::Surroundings;
+use crate::forces::force_context::ForceContext;
 use crate::forces::force_law::BodyState;
 use crate::forces::registry::Laws;
-use crate::forces::tile_buffer::LawTile;
+use crate::forces::tile_buffer::TileBuffer;
 use crate::integrators::state::{Constants, Force, State};
 use crate::integrators::{Account, Forces, Mean};
 use crate::math::{Real, Vec3, double, dvec3};
@@ -18,7 +18,7 @@ use crate::storage::chunk::Chunk;
 /// All that pushes one body during a substep.
 pub(crate) struct LawForces<'a> {
     pub(crate) constants: &'a Constants<Real>,
-    pub(crate) surroundings: &'a Surroundings,
+    pub(crate) context: &'a ForceContext,
     /// Gravity and what the caller applied, constant over the step.
     pub(crate) wrench: Wrench,
     pub(crate) laws: Laws<'a>,
@@ -30,7 +30,7 @@ pub(crate) struct LawForces<'a> {
 
 impl LawForces<'_> {
     fn seen_by_laws(&self, offset: Real, state: &State<Real>) -> BodyState<'_> {
-        BodyState::new((self.time, offset), (self.constants, self.surroundings), state)
+        BodyState::new((self.time, offset), (self.constants, self.context), state)
     }
 }
 
@@ -62,7 +62,7 @@ impl Forces<Real> for LawForces<'_> {
 /// The laws that act on a tile of bodies, and what they are told of them.
 pub(crate) struct ActingLaws<'a, T: Tile> {
     constants: Constants<T>,
-    tile: RefCell<&'a mut LawTile>,
+    tile: RefCell<&'a mut TileBuffer>,
     laws: Laws<'a>,
     /// Which bodies some law on them depends on velocity; `None` for none.
     depends_on_velocity: Option<T::Mask>,
@@ -74,7 +74,7 @@ impl<'a, T: Tile> ActingLaws<'a, T> {
     pub(crate) fn new(
         (bodies, i): (&Chunk<'_>, usize),
         constants: &Constants<T>,
-        tile: &'a mut LawTile,
+        tile: &'a mut TileBuffer,
         laws: Laws<'a>,
     ) -> Self {
         let row = bodies.first_row + i;

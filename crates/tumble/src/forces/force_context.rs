@@ -7,7 +7,7 @@ use crate::settings::Settings;
 
 /// What laws are told beside time and the state of a body.
 #[derive(Clone, Copy, Debug, Default)]
-pub(crate) struct Surroundings {
+pub(crate) struct ForceContext {
     /// Velocity of the medium around the body [m/s].
     pub(crate) wind: Vec3,
     /// The simulation's gravity [m/s^2].
@@ -18,7 +18,7 @@ pub(crate) struct Surroundings {
     pub(crate) substep: Real,
 }
 
-impl Surroundings {
+impl ForceContext {
     /// Those of a body in still air.
     pub(crate) fn new(settings: &Settings) -> Self {
         let substep = settings.substep();

@@ -3,7 +3,7 @@
 use tumble_math::lane::Vec3 as LaneVec3;
 
 use crate::components::Wrench;
-use crate::forces::force_context::Surroundings;
+use crate::forces::force_context::ForceContext;
 use crate::integrators::state::{Constants, State};
 use crate::math::{Quat, Real, Vec3};
 
@@ -104,12 +104,12 @@ pub struct BodyState<'a> {
     start: f64,
     offset: Real,
     constants: &'a Constants<Real>,
-    surroundings: &'a Surroundings,
+    context: &'a ForceContext,
 }
 
 impl<'a> BodyState<'a> {
     /// Of a state that the body reaches `when.1` \[s\] after `when.0` \[s\], the start of a substep.
-    pub(crate) fn new(when: (f64, Real), about: (&'a Constants<Real>, &'a Surroundings), state: &State<Real>) -> Self {
+    pub(crate) fn new(when: (f64, Real), about: (&'a Constants<Real>, &'a ForceContext), state: &State<Real>) -> Self {
         let orientation = state.orientation.normalize();
         let angular_velocity = about.0.angular_velocity(&State { orientation, ..*state });
         let velocities = (about.0.velocity(state.linear).into(), angular_velocity.into());
@@ -119,24 +119,13 @@ impl<'a> BodyState<'a> {
     /// Of a position, an orientation of unit length, and velocities.
     pub(crate) fn seen(
         (start, offset): (f64, Real),
-        (constants, surroundings): (&'a Constants<Real>, &'a Surroundings),
+        (constants, context): (&'a Constants<Real>, &'a ForceContext),
         (position, orientation): (Vec3, Quat),
         (linear_velocity, angular_velocity): (Vec3, Vec3),
     ) -> Self {
         let mass = constants.mass;
         let time = start + f64::from(offset);
-        Self {
-            time,
-            start,
-            offset,
-            position,
-            orientation,
-            linear_velocity,
-            angular_velocity,
-            mass,
-            constants,
-            surroundings,
-        }
+        Self { time, start, offset, position, orientation, linear_velocity, angular_velocity, mass, constants, context }
     }
 
     /// Time at the start of the substep \[s\].
@@ -153,18 +142,18 @@ impl<'a> BodyState<'a> {
         self.constants
     }
 
-    pub(crate) fn surroundings(&self) -> &'a Surroundings {
-        self.surroundings
+    pub(crate) fn context(&self) -> &'a ForceContext {
+        self.context
     }
 
     /// Velocity of the medium [m/s], world frame: the body's [`Wind`](crate::Wind), or zero.
     pub fn wind(&self) -> Vec3 {
-        self.surroundings.wind
+        self.context.wind
     }
 
     /// The simulation's gravity [m/s^2], world frame, whatever the body's [`GravityScale`](crate::GravityScale).
     pub fn gravity(&self) -> Vec3 {
-        self.surroundings.gravity
+        self.context.gravity
     }
 
     /// World coordinates \[m\] of a point given relative to the centre of mass along the body's axes.

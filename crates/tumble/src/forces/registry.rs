@@ -19,7 +19,7 @@ use crate::forces::components::{
 use crate::forces::force_law::{BodyState, ForceLaw};
 use crate::forces::pairwise::{GravityMass, Spring};
 use crate::forces::simd_force_law::{LaneBody, LaneLaw};
-use crate::forces::tile_buffer::LawTile;
+use crate::forces::tile_buffer::TileBuffer;
 use crate::math::Real;
 
 /// The laws of a simulation: the force components, which every simulation knows, and those that were added, in their order.
@@ -44,13 +44,13 @@ use crate::math::Real;
 /// ```
 #[derive(Clone, Default)]
 pub struct ForceLaws {
-    added: Vec<Arc<dyn Source>>,
+    added: Vec<Arc<dyn LawSource>>,
 }
 
 /// Declares the laws that are known without being added, each evaluated in lanes.
 macro_rules! known {
     ($($law:ident: $Law:ident, $numbers:literal);+ $(;)?) => {
-        static KNOWN: &[&dyn Source] = &[$(&OfComponent::<InLanes<$Law, $numbers>>(PhantomData)),+];
+        static KNOWN: &[&dyn LawSource] = &[$(&OfComponent::<InLanes<$Law, $numbers>>(PhantomData)),+];
 
         const KNOWN_NAMES: &[&str] = &[$(stringify!($Law)),+];
 
@@ -108,7 +108,7 @@ const fn is_same(a: &str, b: &str) -> bool {
 }
 
 /// One law that can act on the bodies of an archetype.
-trait Source: Send + Sync {
+trait LawSource: Send + Sync {
     fn name(&self) -> &'static str;
 
     /// The component that the law is; none of one that acts everywhere.
@@ -166,7 +166,7 @@ impl<'a> Iterator for Laws<'a> {
 /// The law of each body of an archetype, by row.
 pub(crate) trait LawRows: Sync {
     /// Adds the wrench on each body of a tile.
-    fn add_forces(&self, tile: &mut LawTile);
+    fn add_forces(&self, tile: &mut TileBuffer);
     fn wrench(&self, row: usize, state: &BodyState<'_>) -> Wrench;
     /// Sets to one the marks of those bodies, from a row on, whose law depends on velocity.
     fn mark_velocity_dependent(&self, row: usize, marks: &mut [Real]);
@@ -191,7 +191,7 @@ impl ForceLaws {
         E::Law: Component,
     {
         let law = OfComponent::<E>(PhantomData);
-        let is_known = |source: &dyn Source| source.component() == law.component();
+        let is_known = |source: &dyn LawSource| source.component() == law.component();
         if !KNOWN.iter().any(|source| is_known(*source)) && !self.added.iter().any(|source| is_known(&**source)) {
             self.added.push(Arc::new(law));
         }
@@ -228,7 +228,7 @@ impl ForceLaws {
     }
 
     /// The laws, with their indices: the index of an account is that of the law.
-    fn sources(&self) -> impl DoubleEndedIterator<Item = (usize, &dyn Source)> {
+    fn sources(&self) -> impl DoubleEndedIterator<Item = (usize, &dyn LawSource)> {
         let added = self.added.iter().enumerate().map(|(i, source)| (Self::COMPONENTS.len() + i, &**source));
         KNOWN.iter().enumerate().map(|(i, source)| (i, *source)).chain(added)
     }
@@ -307,7 +307,7 @@ impl Hasher for OwnBits {
 
 /// Puts the laws of `sources`, which come last first, before those that are there: one call deeper for each, which keeps its column borrowed.
 fn with_rows_before<'s>(
-    sources: &mut dyn Iterator<Item = (usize, &'s dyn Source)>,
+    sources: &mut dyn Iterator<Item = (usize, &'s dyn LawSource)>,
     archetype: &Archetype,
     laws: Laws<'_>,
     then: &mut dyn FnMut(Laws<'_>),
@@ -338,7 +338,7 @@ trait Evaluation: 'static {
     type Law: Send + Sync + 'static;
 
     /// Adds the wrenches on a tile; `law` is that of a row.
-    fn add_forces<'l>(law: impl Fn(usize) -> &'l Self::Law, tile: &mut LawTile);
+    fn add_forces<'l>(law: impl Fn(usize) -> &'l Self::Law, tile: &mut TileBuffer);
     fn wrench(law: &Self::Law, state: &BodyState<'_>) -> Wrench;
     fn depends_on_velocity(law: &Self::Law) -> bool;
     fn potential(law: &Self::Law, state: &BodyState<'_>) -> f64;
@@ -350,7 +350,7 @@ struct OneByOne<L>(PhantomData<L>);
 impl<L: ForceLaw> Evaluation for OneByOne<L> {
     type Law = L;
 
-    fn add_forces<'l>(law: impl Fn(usize) -> &'l L, tile: &mut LawTile) {
+    fn add_forces<'l>(law: impl Fn(usize) -> &'l L, tile: &mut TileBuffer) {
         tile.add_one_by_one(|row, state| law(row).wrench(state));
     }
 
@@ -373,7 +373,7 @@ struct InLanes<L, const N: usize>(PhantomData<L>);
 impl<L: LaneLaw<N>, const N: usize> Evaluation for InLanes<L, N> {
     type Law = L;
 
-    fn add_forces<'l>(law: impl Fn(usize) -> &'l L, tile: &mut LawTile) {
+    fn add_forces<'l>(law: impl Fn(usize) -> &'l L, tile: &mut TileBuffer) {
         tile.add_in_lanes(law);
     }
 
@@ -394,7 +394,7 @@ impl<L: LaneLaw<N>, const N: usize> Evaluation for InLanes<L, N> {
 /// A law that is a component.
 struct OfComponent<E>(PhantomData<fn() -> E>);
 
-impl<E: Evaluation<Law: Component>> Source for OfComponent<E> {
+impl<E: Evaluation<Law: Component>> LawSource for OfComponent<E> {
     fn component(&self) -> Option<TypeId> {
         Some(TypeId::of::<E::Law>())
     }
@@ -409,7 +409,7 @@ impl<E: Evaluation<Law: Component>> Source for OfComponent<E> {
 
     fn with_rows(&self, archetype: &Archetype, then: &mut dyn FnMut(&dyn LawRows)) {
         if let Some(column) = archetype.get::<&E::Law>() {
-            then(&Rows::<E>::Each(&column));
+            then(&RowsOfLaw::<E>::Each(&column));
         }
     }
 
@@ -425,7 +425,7 @@ impl<E: Evaluation<Law: Component>> Source for OfComponent<E> {
 /// A law that acts on every moving body.
 struct Everywhere<E: Evaluation>(E::Law);
 
-impl<E: Evaluation> Source for Everywhere<E> {
+impl<E: Evaluation> LawSource for Everywhere<E> {
     fn component(&self) -> Option<TypeId> {
         None
     }
@@ -439,7 +439,7 @@ impl<E: Evaluation> Source for Everywhere<E> {
     }
 
     fn with_rows(&self, _: &Archetype, then: &mut dyn FnMut(&dyn LawRows)) {
-        then(&Rows::<E>::Same(&self.0));
+        then(&RowsOfLaw::<E>::Same(&self.0));
     }
 
     fn potential(&self, _: EntityRef<'_>, state: &BodyState<'_>) -> f64 {
@@ -452,12 +452,12 @@ impl<E: Evaluation> Source for Everywhere<E> {
 }
 
 /// The law of each row.
-enum Rows<'a, E: Evaluation> {
+enum RowsOfLaw<'a, E: Evaluation> {
     Each(&'a [E::Law]),
     Same(&'a E::Law),
 }
 
-impl<E: Evaluation> Rows<'_, E> {
+impl<E: Evaluation> RowsOfLaw<'_, E> {
     fn law(&self, row: usize) -> &E::Law {
         match self {
             Self::Each(laws) => &laws[row],
@@ -466,8 +466,8 @@ impl<E: Evaluation> Rows<'_, E> {
     }
 }
 
-impl<E: Evaluation> LawRows for Rows<'_, E> {
-    fn add_forces(&self, tile: &mut LawTile) {
+impl<E: Evaluation> LawRows for RowsOfLaw<'_, E> {
+    fn add_forces(&self, tile: &mut TileBuffer) {
         E::add_forces(|row| self.law(row), tile);
     }
 

@@ -2,7 +2,7 @@
 
 use tumble_math::lane::{Lane, Quat, Vec3};
 
-use crate::forces::force_context::Surroundings;
+use crate::forces::force_context::ForceContext;
 use crate::forces::force_law::BodyState;
 use crate::integrators::state::Constants;
 use crate::math::Real;
@@ -143,7 +143,7 @@ pub struct LaneBody<L> {
     /// The simulation's gravity [m/s^2], world frame, whatever the body's [`GravityScale`](crate::GravityScale).
     pub gravity: Vec3<L>,
     pub(crate) constants: Constants<L>,
-    /// The time over which a kick applies the force of one evaluation \[s\], and the substep \[s\]; see [`Surroundings`].
+    /// The time over which a kick applies the force of one evaluation \[s\], and the substep \[s\]; see [`ForceContext`].
     pub(crate) kick: L,
     pub(crate) substep: L,
 }
@@ -247,7 +247,7 @@ impl<L: Lane> LaneBody<L> {
 impl LaneBody<Real> {
     /// One body.
     pub(crate) fn of(state: &BodyState<'_>) -> Self {
-        let Surroundings { wind, gravity, kick, substep } = *state.surroundings();
+        let ForceContext { wind, gravity, kick, substep } = *state.context();
         Self {
             time: state.start(),
             offset: state.offset(),

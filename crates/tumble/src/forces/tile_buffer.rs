@@ -5,7 +5,7 @@ use std::marker::PhantomData;
 use tumble_math::lane::{Quat, Vec3 as LaneVec3};
 
 use crate::components::Wrench;
-use crate::forces::force_context::Surroundings;
+use crate::forces::force_context::ForceContext;
 use crate::forces::force_law::BodyState;
 use crate::forces::simd_force_law::{LaneBody, LaneLaw, LaneWrench};
 use crate::integrators::state::{Constants, Force, Moments, State};
@@ -17,7 +17,7 @@ type Row = [Real; MOST_BODIES];
 
 /// What laws see of a tile of bodies at one stage, and the sum of what they answer. One for a chunk, refilled for every tile.
 #[repr(align(64))]
-pub(crate) struct LawTile {
+pub(crate) struct TileBuffer {
     mass: Row,
     wind: [Row; 3],
     /// Principal moments and their inverses.
@@ -37,11 +37,11 @@ pub(crate) struct LawTile {
     /// Time at the start of the substep \[s\].
     time: f64,
     /// All but the wind, which is each body's own.
-    surroundings: Surroundings,
+    context: ForceContext,
 }
 
-impl LawTile {
-    pub(crate) fn new(surroundings: Surroundings) -> Self {
+impl TileBuffer {
+    pub(crate) fn new(context: ForceContext) -> Self {
         const ROW: Row = [0.0; MOST_BODIES];
         Self {
             mass: ROW,
@@ -56,7 +56,7 @@ impl LawTile {
             bodies: 0,
             row: 0,
             time: 0.0,
-            surroundings,
+            context,
         }
     }
 
@@ -126,7 +126,7 @@ impl LawTile {
         let [offset, x, y, z, qx, qy, qz, qw, vx, vy, vz, wx, wy, wz] = load(&self.stage, i);
         let [wind_x, wind_y, wind_z] = load(&self.wind, i);
         let constants = self.constants::<T>(i);
-        let surroundings = &self.surroundings;
+        let context = &self.context;
         LaneBody {
             time: self.time,
             offset,
@@ -136,10 +136,10 @@ impl LawTile {
             angular_velocity: LaneVec3::new(wx, wy, wz),
             mass: constants.mass,
             wind: LaneVec3::new(wind_x, wind_y, wind_z),
-            gravity: crate::storage::tile_io::splat(surroundings.gravity),
+            gravity: crate::storage::tile_io::splat(context.gravity),
             constants,
-            kick: T::splat(surroundings.kick.into()),
-            substep: T::splat(surroundings.substep.into()),
+            kick: T::splat(context.kick.into()),
+            substep: T::splat(context.substep.into()),
         }
     }
 
@@ -150,11 +150,11 @@ impl LawTile {
             let n = &self.stage;
             let vector = |at: usize| Vec3::new(n[at][i], n[at + 1][i], n[at + 2][i]);
             let wind = Vec3::new(self.wind[0][i], self.wind[1][i], self.wind[2][i]);
-            let surroundings = Surroundings { wind, ..self.surroundings };
+            let context = ForceContext { wind, ..self.context };
             let orientation = GlamQuat::from_xyzw(n[4][i], n[5][i], n[6][i], n[7][i]);
             let state = BodyState::seen(
                 (self.time, n[0][i]),
-                (&constants, &surroundings),
+                (&constants, &context),
                 (vector(1), orientation),
                 (vector(8), vector(11)),
             );
@@ -183,7 +183,7 @@ impl LawTile {
 
 /// Evaluates a law on the bodies of a tile, as many at a time as the machine has lanes.
 struct InLanes<'k, const N: usize, L> {
-    tile: &'k mut LawTile,
+    tile: &'k mut TileBuffer,
     numbers: &'k [Row; N],
     law: PhantomData<fn() -> L>,
 }

@@ -4,7 +4,7 @@ use hecs::World;
 
 use crate::forces::registry::{ForceLaws, Laws};
 use crate::storage::chunk::{Chunk, for_each_body, for_each_columns, for_each_part, has_few_bodies};
-use crate::storage::world_columns::HeldColumns;
+use crate::storage::world_columns::WorldColumns;
 use crate::threads::Effort;
 
 /// Calls `system` once for every chunk of moving bodies, with the laws that act on them, in parallel.
@@ -28,14 +28,14 @@ pub(crate) fn for_each_chunk_under(
 
 impl ForceLaws {
     /// Borrows the columns of all bodies of a world, for steps under these laws.
-    pub(crate) fn columns_of<'w>(&self, world: &'w World) -> HeldColumns<'w> {
-        HeldColumns::of(world, |archetype| self.may_act_on(archetype))
+    pub(crate) fn columns_of<'w>(&self, world: &'w World) -> WorldColumns<'w> {
+        WorldColumns::of(world, |archetype| self.may_act_on(archetype))
     }
 
     /// Calls `system` once for every chunk of moving bodies, with the laws that act on them, in parallel.
     pub(crate) fn for_each_chunk_of(
         &self,
-        held: &mut HeldColumns<'_>,
+        held: &mut WorldColumns<'_>,
         system: impl Fn(&mut Chunk<'_>, Laws<'_>) + Sync,
     ) {
         self.for_each_archetype_of(held, |_, chunk, laws| {
@@ -46,7 +46,7 @@ impl ForceLaws {
     /// Calls `then` with the moving bodies of each archetype, its index, and the laws that act on them, one archetype after the other.
     pub(crate) fn for_each_archetype_of(
         &self,
-        held: &mut HeldColumns<'_>,
+        held: &mut WorldColumns<'_>,
         mut then: impl FnMut(usize, Chunk<'_>, Laws<'_>),
     ) {
         held.for_each_archetype(|index, (archetype, may_have_laws), columns| {

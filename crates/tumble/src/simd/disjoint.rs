@@ -10,9 +10,9 @@ use super::{BLOCK, Eight, Tile};
 
 /// Blocks of pairs of rows, in colours: within a colour no row that is changed occurs twice.
 #[derive(Clone, Debug, Default)]
-pub(crate) struct Colours {
+pub(crate) struct RowColors {
     blocks: Vec<RowPairs>,
-    colours: Vec<Colour>,
+    colours: Vec<ContactColor>,
     /// By row that may be changed, the last colour in which it is.
     last: Vec<usize>,
 }
@@ -26,13 +26,13 @@ struct RowPairs {
 }
 
 #[derive(Clone, Debug)]
-struct Colour {
+struct ContactColor {
     /// Whether the first rows are only read.
     grounded: bool,
     blocks: Range<usize>,
 }
 
-impl Colours {
+impl RowColors {
     /// No blocks, of rows of which the first `changing` may be changed, but for the last of these: it stands for no row.
     pub(crate) fn reset(&mut self, changing: usize) {
         self.blocks.clear();
@@ -44,7 +44,7 @@ impl Colours {
     /// Begins a colour. Where it is `grounded`, the first rows of its pairs are ones that are never changed, else both are changed.
     pub(crate) fn begin(&mut self, grounded: bool) {
         let end = self.blocks.len();
-        self.colours.push(Colour { grounded, blocks: end..end });
+        self.colours.push(ContactColor { grounded, blocks: end..end });
     }
 
     /// Adds a block of at most eight pairs to the colour that was begun last.
@@ -77,7 +77,7 @@ impl Colours {
     /// Where there are fewer rows than may be changed.
     pub(crate) fn rows<'a>(&'a self, colour: usize, rows: &'a mut [Eight]) -> Rows<'a> {
         assert!(rows.len() >= self.last.len(), "too few rows");
-        let Colour { grounded, blocks } = self.colours[colour].clone();
+        let ContactColor { grounded, blocks } = self.colours[colour].clone();
         Rows { blocks: &self.blocks[blocks], grounded, base: rows.as_mut_ptr(), count: rows.len(), rows: PhantomData }
     }
 }
@@ -145,8 +145,8 @@ mod tests {
     use super::*;
     use crate::math::Real;
 
-    fn colours() -> Colours {
-        let mut colours = Colours::default();
+    fn colours() -> RowColors {
+        let mut colours = RowColors::default();
         // Rows 0 to 2 may be changed, 3 stands for none, those from 4 on are only read.
         colours.reset(4);
         colours

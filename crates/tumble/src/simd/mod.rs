@@ -22,7 +22,7 @@ mod record;
 #[cfg(vector_code)]
 mod x86_64;
 
-pub(crate) use disjoint::{Colours, Rows};
+pub(crate) use disjoint::{RowColors, Rows};
 pub(crate) use gather::gather;
 pub(crate) use record::{Eight, Record};
 

@@ -1,6 +1,6 @@
 //! The contacts of a snapshot as bytes; see [`bytes`](crate::snapshot::bytes) for the format.
 
-use crate::collision::body_key::Name;
+use crate::collision::body_key::BodyKey;
 use crate::collision::saved_contacts::{SavedContact, SavedContacts, SavedPoint};
 use crate::components::BodyId;
 use crate::math::Real;
@@ -23,8 +23,8 @@ pub(crate) struct Counts {
 }
 
 impl Counts {
-    fn of(names: &[Name], contacts: &[SavedContact]) -> Self {
-        let ids = names.iter().filter(|name| matches!(name, Name::Id(_))).count();
+    fn of(names: &[BodyKey], contacts: &[SavedContact]) -> Self {
+        let ids = names.iter().filter(|name| matches!(name, BodyKey::Id(_))).count();
         let points = contacts.iter().map(|contact| contact.count).sum::<usize>();
         Self { names: [ids as u64, (names.len() - ids) as u64], contacts: contacts.len() as u64, points: points as u64 }
     }
@@ -70,8 +70,8 @@ impl<'a> Written<'a> {
     pub(crate) fn write(&self, bytes: &mut Vec<u8>) {
         for name in self.saved.names() {
             match name {
-                Name::Id(id) => bytes.extend(id.0.to_le_bytes()),
-                Name::Entity(entity) => bytes.extend(entity.to_le_bytes()),
+                BodyKey::Id(id) => bytes.extend(id.0.to_le_bytes()),
+                BodyKey::Entity(entity) => bytes.extend(entity.to_le_bytes()),
             }
         }
         bytes.extend(self.saved.centers().iter().flatten().flat_map(|number| number.to_le_bytes()));
@@ -91,8 +91,8 @@ impl<'a> Written<'a> {
 /// Reads as many as are counted, which are known to be there, and checks that a step can have left them.
 pub(crate) fn read(reader: &mut Reader<'_>, counts: &Counts) -> Result<SavedContacts, SnapshotError> {
     let [ids, entities] = counts.names.map(|count| count as usize);
-    let mut names = reader.many(ids, |reader| Ok(Name::Id(BodyId(reader.u64()?))))?;
-    names.extend(reader.many(entities, |reader| Ok(Name::Entity(reader.u32()?)))?);
+    let mut names = reader.many(ids, |reader| Ok(BodyKey::Id(BodyId(reader.u64()?))))?;
+    names.extend(reader.many(entities, |reader| Ok(BodyKey::Entity(reader.u32()?)))?);
     let centers = reader.many(names.len(), Reader::numbers)?;
     if let Some(pair) = names.windows(2).position(|pair| pair[0] >= pair[1]) {
         return Err(SnapshotError::ContactBody { body: pair + 1 });
@@ -153,7 +153,7 @@ fn defect(contact: &SavedContact, before: Option<&SavedContact>, bodies: usize) 
         Some(ContactDefect::Normal)
     } else if contact.numbers[9..11].iter().any(|part| !(0.0..=1.0).contains(part)) {
         Some(ContactDefect::Part)
-    } else if !(0..=SavedContact::MOST_HALVINGS).any(|times| contact.numbers[12] == Real::from(times)) {
+    } else if !(0..=SavedContact::MAX_HALVINGS).any(|times| contact.numbers[12] == Real::from(times)) {
         Some(ContactDefect::Halvings)
     } else if points.iter().any(|point| point.numbers[4] < 0.0) {
         Some(ContactDefect::Pull)

@@ -7,7 +7,7 @@ use hecs::{Entity, World};
 use tumble_math::lane::Vec3 as LaneVec3;
 
 use crate::components::{Damping, GravityScale, Mass, Momentum, Pose, Velocity, Wrench};
-use crate::forces::force_context::Surroundings;
+use crate::forces::force_context::ForceContext;
 use crate::forces::force_law::BodyState;
 use crate::forces::pairwise;
 use crate::forces::pairwise::{GravityMass, Spring};
@@ -145,8 +145,8 @@ fn forced(
     let mut wrench = body.get::<&Wrench>().map_or(Wrench::default(), |wrench| *wrench);
     let scale = body.get::<&GravityScale>().map_or(1.0, |scale| scale.0);
     wrench.force += settings.gravity * (constants.mass * scale);
-    let surroundings = Surroundings { kick: 0.0, ..Surroundings::of_body(body, settings) };
-    let seen = BodyState::new((time, 0.0), (&constants, &surroundings), state);
+    let context = ForceContext { kick: 0.0, ..ForceContext::of_body(body, settings) };
+    let seen = BodyState::new((time, 0.0), (&constants, &context), state);
     wrench.add(ForceLaws::wrench_of_components(body, &seen));
     wrench.add(laws.wrench_of_added(body, &seen));
     let damping = body.get::<&Damping>().map_or(Damping::default(), |damping| *damping);

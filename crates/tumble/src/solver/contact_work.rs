@@ -20,15 +20,15 @@ use crate::solver::solver_bodies::SolverBodies;
 /// velocities before and after its own kick, it would do work at rest, which contacts then undo.) Damping is booked kick by kick, the free motion's error is measured, and what is left of the
 /// change of kinetic energy is the contacts'.
 #[derive(Clone, Default)]
-pub(crate) struct Bookings {
-    bookings: Vec<Booking>,
+pub(crate) struct ContactWorks {
+    bookings: Vec<BodyWork>,
     /// Of all bookings, one after the other.
-    forces: Vec<(Source, Wrench)>,
+    forces: Vec<(WorkSource, Wrench)>,
 }
 
 /// One body's account.
 #[derive(Clone)]
-struct Booking {
+struct BodyWork {
     /// Among the solver's bodies.
     row: usize,
     slot: usize,
@@ -53,14 +53,14 @@ struct Booking {
 
 /// What a force comes from.
 #[derive(Clone, Copy, Debug)]
-enum Source {
+enum WorkSource {
     Gravity,
     Applied,
     /// By its index among all laws.
     Law(usize),
 }
 
-impl Bookings {
+impl ContactWorks {
     pub(crate) fn clear(&mut self) {
         self.bookings.clear();
         self.forces.clear();
@@ -75,14 +75,15 @@ impl Bookings {
         state: &State<Real>,
         h: Real,
     ) {
-        let LawForces { constants, surroundings, wrench, laws, row: law_row, time } = forces;
+        let LawForces { constants, context, wrench, laws, row: law_row, time } = forces;
         let applied = Wrench { force: wrench.force - gravity, torque: wrench.torque };
-        self.forces.push((Source::Gravity, Wrench { force: gravity, torque: WorldVec3::ZERO }));
-        self.forces.push((Source::Applied, applied));
-        let seen = BodyState::new((*time, 0.0), (constants, surroundings), state);
-        self.forces.extend((*laws).into_iter().map(|(index, law)| (Source::Law(index), law.wrench(*law_row, &seen))));
+        self.forces.push((WorkSource::Gravity, Wrench { force: gravity, torque: WorldVec3::ZERO }));
+        self.forces.push((WorkSource::Applied, applied));
+        let seen = BodyState::new((*time, 0.0), (constants, context), state);
+        self.forces
+            .extend((*laws).into_iter().map(|(index, law)| (WorkSource::Law(index), law.wrench(*law_row, &seen))));
         let start = KineticEnergy::of(constants, state).sum();
-        self.bookings.push(Booking {
+        self.bookings.push(BodyWork {
             row: row as usize,
             slot,
             work,
@@ -105,7 +106,7 @@ impl Bookings {
         for booking in &others.bookings {
             if let Some(row) = place(booking.row) {
                 let kept = (0..halvings).fold(booking.kept, |(p, l), _| (p.sqrt(), l.sqrt()));
-                self.bookings.push(Booking { row, kept, ..booking.clone() });
+                self.bookings.push(BodyWork { row, kept, ..booking.clone() });
             }
         }
     }
@@ -114,7 +115,7 @@ impl Bookings {
     pub(crate) fn give_back(&self, others: &mut Self, place: impl Fn(usize) -> Option<usize>) {
         let taken = others.bookings.iter_mut().filter(|booking| place(booking.row).is_some());
         for (booking, here) in taken.zip(&self.bookings) {
-            *booking = Booking { row: booking.row, kept: booking.kept, ..here.clone() };
+            *booking = BodyWork { row: booking.row, kept: booking.kept, ..here.clone() };
         }
     }
 
@@ -164,7 +165,7 @@ impl Bookings {
     }
 }
 
-impl Booking {
+impl BodyWork {
     fn energy(&self, bodies: &SolverBodies) -> f64 {
         KineticEnergy::of(&self.constants, &bodies.state(self.row, self.axes)).sum()
     }
@@ -189,7 +190,7 @@ impl Booking {
         self.momenta = now;
     }
 
-    fn closed(&self, forces: &[(Source, Wrench)], bodies: &SolverBodies) -> Work {
+    fn closed(&self, forces: &[(WorkSource, Wrench)], bodies: &SolverBodies) -> Work {
         let mut work = Work { damping: self.damping, integrator: self.moving, ..Work::default() };
         // Twice the vector of the rotation's quaternion is the angle about its axis, to third order.
         let (way, half_turn) = two_vectors(&bodies.moved[self.row]);
@@ -197,9 +198,9 @@ impl Booking {
         for (source, wrench) in forces {
             let done = dvec3(wrench.force).dot(way) + dvec3(wrench.torque).dot(turn);
             match source {
-                Source::Gravity => work.gravity += done,
-                Source::Applied => work.applied += done,
-                Source::Law(index) => *work.of_law_mut(*index) += done,
+                WorkSource::Gravity => work.gravity += done,
+                WorkSource::Applied => work.applied += done,
+                WorkSource::Law(index) => *work.of_law_mut(*index) += done,
             }
         }
         let rest = self.energy(bodies) - self.start - work.total();

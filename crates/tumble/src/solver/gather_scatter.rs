@@ -6,30 +6,30 @@ use tumble_math::lane::Quat;
 
 use crate::collision::find_contacts::{Contacts, NONE};
 use crate::forces::evaluate::LawForces;
-use crate::forces::force_context::Surroundings;
+use crate::forces::force_context::ForceContext;
 use crate::forces::registry::{ForceLaws, Laws};
 use crate::integrators::Forces;
 use crate::integrators::state::{Constants, State};
 use crate::math::{Real, Vec3 as WorldVec3};
 use crate::settings::Settings;
-use crate::solver::contact_work::Bookings;
+use crate::solver::contact_work::ContactWorks;
 use crate::solver::solver_bodies::{FreeRows, SolverBodies};
-use crate::solver::substeps::{Group, Pushing};
+use crate::solver::substeps::{ContactSolver, SolverGroup};
 use crate::storage::chunk::{Chunk, LEAST_CHUNK};
-use crate::storage::world_columns::HeldColumns;
+use crate::storage::world_columns::WorldColumns;
 use crate::threads;
 
 impl Contacts {
     /// Reads the bodies that touch something, and the forces on them as they are now, into rows from these on: of what impulses move, and of what they do not. Returns the rows after them.
     pub(crate) fn gather(
         &mut self,
-        columns: &mut HeldColumns<'_>,
+        columns: &mut WorldColumns<'_>,
         (settings, laws, time): (&Settings, &ForceLaws, f64),
-        group: &mut Group,
+        group: &mut SolverGroup,
         [mut next_moved, mut next_unmoved]: [usize; 2],
     ) -> [usize; 2] {
         let Self { members, shapes, rows, .. } = self;
-        let (Group { bodies, bookings, .. }, mut begin, first_moved) = (group, next_moved, next_moved);
+        let (SolverGroup { bodies, bookings, .. }, mut begin, first_moved) = (group, next_moved, next_moved);
         for slot in members.in_order_of_places() {
             let shape = &shapes[slot];
             if rows[slot] == NONE {
@@ -38,11 +38,11 @@ impl Contacts {
             let next = if shape.moves { &mut next_moved } else { &mut next_unmoved };
             rows[slot] = *next as u32;
             if !shape.moves {
-                bodies.set_unmoved(*next, shape.center, shape.velocity.0, shape.velocity.1);
+                bodies.set_non_dynamic(*next, shape.center, shape.velocity.0, shape.velocity.1);
             }
             *next += 1;
         }
-        let gathering = Gathering { rows, settings, time };
+        let gathering = Gather { rows, settings, time };
         laws.for_each_archetype_of(columns, |archetype, chunk, laws| {
             let slots = members.slots_in(archetype);
             let count = gathering.count(slots);
@@ -87,8 +87,8 @@ impl Contacts {
     }
 
     /// Writes what was worked out, alone or with other worlds, over what the integrator made of the same bodies.
-    pub(crate) fn write(&self, columns: &mut HeldColumns<'_>, pushing: &Pushing) {
-        let Group { bodies, bookings, .. } = &pushing.group;
+    pub(crate) fn write(&self, columns: &mut WorldColumns<'_>, pushing: &ContactSolver) {
+        let SolverGroup { bodies, bookings, .. } = &pushing.group;
         columns.for_each_chunk(|archetype, chunk| {
             let slots = self.members.slots_in(archetype).iter().skip(chunk.first_row);
             for (i, slot) in slots.enumerate().take(chunk.len()) {
@@ -110,7 +110,7 @@ impl Contacts {
 }
 
 /// How bodies that touch something are read.
-struct Gathering<'a> {
+struct Gather<'a> {
     /// By slot.
     rows: &'a [u32],
     settings: &'a Settings,
@@ -118,7 +118,7 @@ struct Gathering<'a> {
     time: f64,
 }
 
-impl Gathering<'_> {
+impl Gather<'_> {
     /// How many of these touch something.
     fn count(&self, slots: &[u32]) -> usize {
         slots.iter().filter(|slot| self.rows[**slot as usize] != NONE).count()
@@ -143,7 +143,7 @@ impl Gathering<'_> {
         (chunk, laws): (&Chunk<'_>, Laws<'_>),
         slots: &[u32],
         mut free: FreeRows<'_>,
-        mut bookings: Option<&mut Bookings>,
+        mut bookings: Option<&mut ContactWorks>,
     ) {
         let Self { rows, settings, time } = *self;
         let h = settings.contact_substep();
@@ -152,9 +152,9 @@ impl Gathering<'_> {
             let constants: Constants<Real> = chunk.constants(i);
             let state: State<Real> = chunk.state(i);
             let wind = chunk.wind.map_or(WorldVec3::ZERO, |wind| wind[i].0);
-            let surroundings = Surroundings { wind, ..Surroundings::new(settings) };
+            let context = ForceContext { wind, ..ForceContext::new(settings) };
             let (wrench, row) = (chunk.wrench[i], chunk.first_row + i);
-            let forces = LawForces { constants: &constants, surroundings: &surroundings, wrench, laws, row, time };
+            let forces = LawForces { constants: &constants, context: &context, wrench, laws, row, time };
             free.set(next, &constants, &state, forces.at(0.0, &state), h);
             if let (Some(work), Some(bookings)) = (chunk.work.as_deref(), bookings.as_deref_mut()) {
                 let (booked, gravity) = ((slot as usize, rows[slot as usize]), chunk.gravity_on(i, settings));

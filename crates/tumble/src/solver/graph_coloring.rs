@@ -2,49 +2,49 @@
 ///
 /// Colours are given in the order of the contacts, to each the lowest that both bodies have not got yet, so they depend on nothing but which contacts there are.
 #[derive(Clone, Default)]
-pub(crate) struct Colouring {
+pub(crate) struct GraphColoring {
     /// By row, the colours that it has: as bits, of contacts between moving bodies and of those with what does not move.
     taken: Vec<[u64; 2]>,
     /// By contact.
-    colours: Vec<Colour>,
+    colours: Vec<ContactColor>,
 }
 
 /// The colour of a contact.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) struct Colour {
+pub(crate) struct ContactColor {
     /// Impulses move only the second body.
     pub(crate) grounded: bool,
-    /// From 0; [`Colour::ALONE`] for one that is worked on by itself, since its bodies have all colours.
+    /// From 0; [`ContactColor::ALONE`] for one that is worked on by itself, since its bodies have all colours.
     pub(crate) index: u32,
 }
 
-impl Colour {
+impl ContactColor {
     pub(crate) const ALONE: u32 = u64::BITS;
 }
 
-impl Colouring {
+impl GraphColoring {
     /// Of each contact.
-    pub(crate) fn colours(&self) -> &[Colour] {
+    pub(crate) fn colours(&self) -> &[ContactColor] {
         &self.colours
     }
 
-    /// Of contacts, each with the rows of its bodies; those from `first_unmoved` on impulses do not move.
-    pub(crate) fn colour(&mut self, rows: impl Iterator<Item = [u32; 2]>, first_unmoved: usize) {
+    /// Of contacts, each with the rows of its bodies; those from `first_non_dynamic` on impulses do not move.
+    pub(crate) fn colour(&mut self, rows: impl Iterator<Item = [u32; 2]>, first_non_dynamic: usize) {
         self.taken.clear();
-        self.taken.resize(first_unmoved, [0; 2]);
+        self.taken.resize(first_non_dynamic, [0; 2]);
         self.colours.clear();
         for [first, second] in rows {
-            let grounded = first as usize >= first_unmoved;
+            let grounded = first as usize >= first_non_dynamic;
             let which = usize::from(grounded);
             let taken = self.taken[second as usize][which] | if grounded { 0 } else { self.taken[first as usize][0] };
             let index = taken.trailing_ones();
-            if index < Colour::ALONE {
+            if index < ContactColor::ALONE {
                 self.taken[second as usize][which] |= 1 << index;
                 if !grounded {
                     self.taken[first as usize][0] |= 1 << index;
                 }
             }
-            self.colours.push(Colour { grounded, index });
+            self.colours.push(ContactColor { grounded, index });
         }
     }
 }

@@ -1,28 +1,28 @@
-use crate::collision::contact::Contact;
+use crate::collision::contact::ContactRecord;
 use crate::collision::find_contacts::NONE;
 use crate::math::Real;
-use crate::solver::substeps::{Group, Solving};
+use crate::solver::substeps::{SolverGroup, SubstepSettings};
 
 /// The islands whose substeps are shorter than the others'.
 #[derive(Clone, Default)]
-pub(crate) struct Finer {
+pub(crate) struct HalvedGroup {
     /// How often the substeps are halved.
     halvings: u8,
-    group: Group,
+    group: SolverGroup,
     /// Rows among all bodies of those here.
     rows: Vec<u32>,
     /// By row among all bodies, the row here.
     places: Vec<u32>,
 }
 
-impl Finer {
+impl HalvedGroup {
     /// Takes over what belongs to the contacts whose substeps are halved so often.
     pub(crate) fn take(
         &mut self,
         (these, halvings): (u8, &[u8]),
-        contacts: &[Contact],
-        rows_of: impl Fn(&Contact) -> [u32; 2],
-        all: &mut Group,
+        contacts: &[ContactRecord],
+        rows_of: impl Fn(&ContactRecord) -> [u32; 2],
+        all: &mut SolverGroup,
     ) {
         let is_here = |contact: u32| halvings[contact as usize] == these;
         self.halvings = these;
@@ -48,14 +48,19 @@ impl Finer {
     }
 
     /// Advances them by a substep of the settings, as others are `solving` theirs.
-    pub(crate) fn push(&mut self, contacts: &mut [Contact], rows_of: impl Fn(&Contact) -> [u32; 2], solving: Solving) {
+    pub(crate) fn push(
+        &mut self,
+        contacts: &mut [ContactRecord],
+        rows_of: impl Fn(&ContactRecord) -> [u32; 2],
+        solving: SubstepSettings,
+    ) {
         let places = &self.places;
-        let rows = |contact: &Contact| rows_of(contact).map(|row| places[row as usize]);
+        let rows = |contact: &ContactRecord| rows_of(contact).map(|row| places[row as usize]);
         self.group.push(contacts, rows, solving.halved(self.halvings));
     }
 
     /// Gives back what has become of them, the impulses as those of a substep of the settings.
-    pub(crate) fn give_back(&self, contacts: &mut [Contact], all: &mut Group) {
+    pub(crate) fn give_back(&self, contacts: &mut [ContactRecord], all: &mut SolverGroup) {
         let parts = (1u32 << self.halvings) as Real;
         self.group.chosen.iter().for_each(|contact| contacts[*contact as usize].scale_impulses(parts));
         self.group.bodies.give_back(&mut all.bodies, &self.rows);

@@ -1,25 +1,25 @@
 use hecs::World;
 
 use crate::collision::collider::Collider;
-use crate::collision::contact::{Contact, HELD, RUBBED};
+use crate::collision::contact::{ContactRecord, FRICTION_IMPULSE, NORMAL_IMPULSE};
 use crate::collision::contact_materials::Extras;
 use crate::collision::find_contacts::Contacts;
 use crate::components::{Pose, Work};
 use crate::forces::registry::ForceLaws;
 use crate::math::Real;
 use crate::settings::Settings;
-use crate::solver::substeps::Pushing;
-use crate::storage::world_columns::HeldColumns;
+use crate::solver::substeps::ContactSolver;
+use crate::storage::world_columns::WorldColumns;
 
 /// Contacts of several small worlds, pushed side by side: of one world alone they would leave most lanes empty.
 ///
 /// A contact gets the same bits as alone. Its colour depends on the contacts before it that have a body in common with it, which are of its own world, and the contacts of a colour
 /// do not depend on each other.
 #[derive(Default)]
-pub(crate) struct Packed {
-    pushing: Pushing,
+pub(crate) struct MultiWorld {
+    pushing: ContactSolver,
     /// Those of all worlds, between rows in the place of slots.
-    contacts: Vec<Contact>,
+    contacts: Vec<ContactRecord>,
     /// Where the next world's rows begin: of what impulses move and of what they do not.
     next: [usize; 2],
     /// How many contacts have been given back.
@@ -28,7 +28,7 @@ pub(crate) struct Packed {
 
 /// What worlds must have in common to be packed.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct Likeness {
+pub(crate) struct PackKey {
     dt: Real,
     substeps: u32,
     contact_substeps: u32,
@@ -39,7 +39,7 @@ pub(crate) struct Likeness {
 /// Worlds of more entities fill lanes by themselves, and threads if there are many more.
 const MOST_ENTITIES: u32 = 128;
 
-impl Likeness {
+impl PackKey {
     /// Of a world in which something may touch; `None` where it is better off alone.
     pub(crate) fn of(world: &World, settings: &Settings) -> Option<Self> {
         let is_booked = world.archetypes().any(|archetype| !archetype.is_empty() && archetype.has::<Work>());
@@ -56,12 +56,12 @@ impl Likeness {
     }
 }
 
-impl Packed {
+impl MultiWorld {
     /// Makes room for the bodies that impulses move and for those that they do not.
     pub(crate) fn begin(&mut self, touching: [usize; 2]) {
         self.pushing.reset(touching);
         self.contacts.clear();
-        self.next = [0, self.pushing.group.bodies.first_unmoved()];
+        self.next = [0, self.pushing.group.bodies.first_non_dynamic()];
         self.given_back = 0;
     }
 
@@ -69,36 +69,37 @@ impl Packed {
     pub(crate) fn add(
         &mut self,
         found: &mut Contacts,
-        columns: &mut HeldColumns<'_>,
+        columns: &mut WorldColumns<'_>,
         settings: &Settings,
         laws: &ForceLaws,
         time: f64,
     ) {
         self.next = found.gather(columns, (settings, laws, time), &mut self.pushing.group, self.next);
         found.add_round(self.contacts.len(), &mut self.pushing.group.rounds);
-        let Pushing { group, halvings, stacks, .. } = &mut self.pushing;
+        let ContactSolver { group, halvings, stacks, .. } = &mut self.pushing;
         stacks.add_halvings(found, settings, &group.bodies, halvings);
         let found = &*found;
-        self.contacts
-            .extend(found.contacts.iter().map(|contact| Contact { slots: found.rows_of(contact), ..contact.clone() }));
+        self.contacts.extend(
+            found.contacts.iter().map(|contact| ContactRecord { slots: found.rows_of(contact), ..contact.clone() }),
+        );
     }
 
     /// Pushes them all, with settings that are alike.
-    pub(crate) fn push(&mut self, settings: &Settings, likeness: &Likeness) {
-        self.pushing.push(&mut self.contacts, |contact| contact.slots, settings, likeness.extras);
+    pub(crate) fn push(&mut self, settings: &Settings, pack_key: &PackKey) {
+        self.pushing.push(&mut self.contacts, |contact| contact.slots, settings, pack_key.extras);
     }
 
     /// Gives the contacts of the next world their impulses, in the order in which worlds were added.
     pub(crate) fn give_back(&mut self, found: &mut Contacts) {
         for (contact, pushed) in found.contacts.iter_mut().zip(&self.contacts[self.given_back..]) {
-            for which in [HELD, RUBBED] {
+            for which in [NORMAL_IMPULSE, FRICTION_IMPULSE] {
                 contact.numbers[which] = pushed.numbers[which];
             }
         }
         self.given_back += found.contacts.len();
     }
 
-    pub(crate) fn pushing(&self) -> &Pushing {
+    pub(crate) fn pushing(&self) -> &ContactSolver {
         &self.pushing
     }
 }
@@ -122,30 +123,30 @@ mod tests {
     #[test]
     fn alike_is_what_is_pushed_in_the_same_way() {
         let (plain, settings) = (world(Material::default()), Settings::default());
-        let likeness = |world: &World, settings: Settings| Likeness::of(world, &settings);
-        let common = likeness(&plain, settings);
+        let pack_key = |world: &World, settings: Settings| PackKey::of(world, &settings);
+        let common = pack_key(&plain, settings);
         assert!(common.is_some());
-        assert_eq!(likeness(&world(Material::new(0.1, 0.0)), settings.with_gravity(crate::math::Vec3::ZERO)), common);
+        assert_eq!(pack_key(&world(Material::new(0.1, 0.0)), settings.with_gravity(crate::math::Vec3::ZERO)), common);
         for other in [
-            likeness(&plain, settings.with_dt(0.01)),
-            likeness(&plain, settings.with_substeps(2)),
-            likeness(&plain, settings.with_contact_substeps(8)),
-            likeness(&plain, Settings { restitution_threshold: 0.1, ..settings }),
-            likeness(&world(Material::new(0.5, 0.5)), settings),
-            likeness(&world(Material { rolling_friction: 0.01, ..Material::default() }), settings),
-            likeness(&World::new(), settings),
+            pack_key(&plain, settings.with_dt(0.01)),
+            pack_key(&plain, settings.with_substeps(2)),
+            pack_key(&plain, settings.with_contact_substeps(8)),
+            pack_key(&plain, Settings { restitution_threshold: 0.1, ..settings }),
+            pack_key(&world(Material::new(0.5, 0.5)), settings),
+            pack_key(&world(Material { rolling_friction: 0.01, ..Material::default() }), settings),
+            pack_key(&World::new(), settings),
         ] {
             assert_ne!(other, common);
         }
         let mut booked = world(Material::default());
         let bodies: Vec<_> = booked.query::<hecs::Entity>().iter().collect();
         bodies.into_iter().for_each(|body| assert!(booked.insert_one(body, Work::default()).is_ok()));
-        assert_eq!(likeness(&booked, settings), None);
+        assert_eq!(pack_key(&booked, settings), None);
         // A collider without a place touches nothing, so what it is like does not matter.
         let mut with_template = world(Material::default());
         if let Ok(bouncy) = Collider::half_space().with_material(Material::new(0.5, 1.0)) {
             with_template.spawn((bouncy,));
         }
-        assert_eq!(likeness(&with_template, settings), common);
+        assert_eq!(pack_key(&with_template, settings), common);
     }
 }

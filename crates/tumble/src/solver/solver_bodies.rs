@@ -58,7 +58,7 @@ impl SolverBodies {
     /// Makes room for those that impulses move and those that they do not; all are nowhere at first.
     pub(crate) fn reset(&mut self, free: usize, unmoved: usize) {
         self.free = free;
-        let (in_blocks, moved) = (free.next_multiple_of(BLOCK), self.first_unmoved());
+        let (in_blocks, moved) = (free.next_multiple_of(BLOCK), self.first_non_dynamic());
         for (rows, empty) in [(&mut self.motion, Eight::ZERO), (&mut self.moved, UNMOVED)] {
             rows.clear();
             rows.resize(moved + unmoved, empty);
@@ -82,7 +82,7 @@ impl SolverBodies {
     }
 
     /// The row of the first that impulses do not move. The one before it is nobody's.
-    pub(crate) fn first_unmoved(&self) -> usize {
+    pub(crate) fn first_non_dynamic(&self) -> usize {
         self.free.next_multiple_of(BLOCK) + 1
     }
 
@@ -99,7 +99,7 @@ impl SolverBodies {
     }
 
     /// Sets what moves with given velocities.
-    pub(crate) fn set_unmoved(&mut self, row: usize, x: Vec3<Real>, linear: Vec3<Real>, angular: Vec3<Real>) {
+    pub(crate) fn set_non_dynamic(&mut self, row: usize, x: Vec3<Real>, linear: Vec3<Real>, angular: Vec3<Real>) {
         self.pose[row].0[..3].copy_from_slice(&[x.x, x.y, x.z]);
         self.motion[row] = Eight([linear.x, linear.y, linear.z, angular.x, angular.y, angular.z, 1.0, 0.0]);
     }
@@ -156,8 +156,8 @@ impl SolverBodies {
 
     /// Takes over the bodies of these rows of others, those that impulses move first; forces act as in substeps halved so often.
     pub(crate) fn copy(&mut self, others: &Self, rows: &[u32], halvings: u8) {
-        let first_unmoved = others.first_unmoved();
-        let free = rows.iter().take_while(|row| (**row as usize) < first_unmoved).count();
+        let first_non_dynamic = others.first_non_dynamic();
+        let free = rows.iter().take_while(|row| (**row as usize) < first_non_dynamic).count();
         self.reset(free, rows.len() - free);
         for (place, row) in self.places(rows) {
             self.motion[place] = others.motion[row];
@@ -182,8 +182,8 @@ impl SolverBodies {
 
     /// The rows here of copies of these rows.
     pub(crate) fn places<'a>(&self, rows: &'a [u32]) -> impl Iterator<Item = (usize, usize)> + use<'a> {
-        let (free, first_unmoved) = (self.free, self.first_unmoved());
-        let place = move |i: usize| if i < free { i } else { first_unmoved + i - free };
+        let (free, first_non_dynamic) = (self.free, self.first_non_dynamic());
+        let place = move |i: usize| if i < free { i } else { first_non_dynamic + i - free };
         rows.iter().enumerate().map(move |(i, row)| (place(i), *row as usize))
     }
 
@@ -191,19 +191,23 @@ impl SolverBodies {
     pub(crate) fn kick(&mut self) {
         let rows = self.kick.len();
         let parts = self.motion[..rows].par_chunks_mut(PART).zip(self.kick.par_chunks(PART));
-        parts.by_at_least(LEAST_PARTS).for_each(|(motion, kick)| dispatch_in_blocks(&mut KickAll { motion, kick }));
+        parts
+            .by_at_least(LEAST_PARTS)
+            .for_each(|(motion, kick)| dispatch_in_blocks(&mut IntegrateVelocities { motion, kick }));
     }
 
     /// Adds what contacts do when a substep begins, and forgets it.
     pub(crate) fn hold(&mut self) {
         let rows = self.kick.len();
         let parts = self.motion[..rows].par_chunks_mut(PART).zip(self.held[..rows].par_chunks_mut(PART));
-        parts.by_at_least(LEAST_PARTS).for_each(|(motion, held)| dispatch_in_blocks(&mut HoldAll { motion, held }));
+        parts
+            .by_at_least(LEAST_PARTS)
+            .for_each(|(motion, held)| dispatch_in_blocks(&mut ApplyWarmStart { motion, held }));
     }
 
     /// Moves all by the velocities there are, which stay, for `h` \[s\]. Free rotation is exact, so a body spins on as it does without contacts.
     pub(crate) fn drift(&mut self, h: Real) {
-        for row in self.first_unmoved()..self.motion.len() {
+        for row in self.first_non_dynamic()..self.motion.len() {
             let (Eight([x, y, z, u, v, w, ..]), Eight(moved)) = (&self.motion[row], &mut self.moved[row]);
             for (moved, velocity) in moved.iter_mut().zip([x, y, z]) {
                 *moved += velocity * h;
@@ -220,7 +224,7 @@ impl SolverBodies {
         let changed = response.par_chunks_mut(PART).zip(pose.par_chunks_mut(PART)).zip(moved.par_chunks_mut(PART));
         let parts = changed.zip(motion[..rows].par_chunks(PART).zip(inertia.par_chunks(PART)));
         parts.by_at_least(LEAST_PARTS).for_each(|(((response, pose), moved), (motion, inertia))| {
-            dispatch_in_blocks(&mut DriftAll { motion, response, pose, inertia, moved, h });
+            dispatch_in_blocks(&mut IntegratePositions { motion, response, pose, inertia, moved, h });
         });
     }
 }
@@ -282,12 +286,12 @@ impl FreeRows<'_> {
     }
 }
 
-struct KickAll<'a> {
+struct IntegrateVelocities<'a> {
     motion: &'a mut [Eight],
     kick: &'a [Eight],
 }
 
-impl Kernel for KickAll<'_> {
+impl Kernel for IntegrateVelocities<'_> {
     #[inline(always)]
     fn len(&self) -> usize {
         self.kick.len()
@@ -302,12 +306,12 @@ impl Kernel for KickAll<'_> {
     }
 }
 
-struct HoldAll<'a> {
+struct ApplyWarmStart<'a> {
     motion: &'a mut [Eight],
     held: &'a mut [Eight],
 }
 
-impl Kernel for HoldAll<'_> {
+impl Kernel for ApplyWarmStart<'_> {
     #[inline(always)]
     fn len(&self) -> usize {
         self.held.len()
@@ -322,7 +326,7 @@ impl Kernel for HoldAll<'_> {
     }
 }
 
-struct DriftAll<'a> {
+struct IntegratePositions<'a> {
     motion: &'a [Eight],
     response: &'a mut [Eight],
     pose: &'a mut [Eight],
@@ -331,7 +335,7 @@ struct DriftAll<'a> {
     h: Real,
 }
 
-impl Kernel for DriftAll<'_> {
+impl Kernel for IntegratePositions<'_> {
     #[inline(always)]
     fn len(&self) -> usize {
         self.response.len()

@@ -4,8 +4,8 @@ use rayon::prelude::*;
 use tumble_collide::MOST_POINTS;
 use tumble_math::lane::Vec3;
 
-use crate::collision::contact::{Contact, MOST_HALVINGS, POINTS, RUBBED, SHAPE};
-use crate::collision::find_contacts::{Contacts, NONE, PART, Shape};
+use crate::collision::contact::{ContactRecord, FRICTION_IMPULSE, MAX_HALVINGS, POINTS, SHAPE};
+use crate::collision::find_contacts::{ColliderState, Contacts, NONE, PART};
 use crate::math::Real;
 use crate::settings::Settings;
 use crate::simd::{BLOCK, Eight, Kernel, Tile, dispatch_in_blocks};
@@ -102,8 +102,8 @@ impl Stacks {
     /// Works out the loads; returns whether any contact is not stiff enough.
     fn load(
         &mut self,
-        contacts: &[Contact],
-        (shapes, rows): (&[Shape], &[u32]),
+        contacts: &[ContactRecord],
+        (shapes, rows): (&[ColliderState], &[u32]),
         bodies: &SolverBodies,
         settings: &Settings,
     ) -> bool {
@@ -191,7 +191,7 @@ impl Stacks {
     }
 
     /// Halves the substeps of whole islands, as often as the body needs it that needs it most.
-    fn halve(&mut self, contacts: &mut [Contact], shapes: &[Shape], halvings: &mut [u8]) {
+    fn halve(&mut self, contacts: &mut [ContactRecord], shapes: &[ColliderState], halvings: &mut [u8]) {
         let Self { loads, islands, .. } = self;
         islands.join(shapes.len(), contacts.iter().map(|contact| contact.slots), |slot| shapes[slot as usize].moves);
         for slot in 0..shapes.len() as u32 {
@@ -245,7 +245,7 @@ impl Base {
 
 /// How often substeps must be halved for contacts that have to be stiffer by a factor.
 fn halvings_for(need: Real) -> u8 {
-    (0..MOST_HALVINGS).take_while(|times| need > (1u32 << (2 * times)) as Real).count() as u8
+    (0..MAX_HALVINGS).take_while(|times| need > (1u32 << (2 * times)) as Real).count() as u8
 }
 
 /// Two horizontal directions.
@@ -259,7 +259,7 @@ fn sides(up: Vec3<Real>) -> [Vec3<Real>; 2] {
 /// Works out how contacts bear their upper bodies.
 struct Bear<'a> {
     supports: &'a mut [Eight],
-    contacts: &'a [Contact],
+    contacts: &'a [ContactRecord],
     bodies: &'a [Eight],
     up: Vec3<Real>,
     sides: [Vec3<Real>; 2],
@@ -306,7 +306,7 @@ impl Kernel for Bear<'_> {
         let [nx, ny, nz, _, count] = self.numbers(SHAPE, i);
         let [ax, ay, az, s0, bx, by, bz, s1] = self.numbers(POINTS[0], i);
         let [cx, cy, cz, s2, dx, dy, dz, s3] = self.numbers(POINTS[1], i);
-        let [_, _, _, _, _, _, margin]: [T; 7] = self.numbers(RUBBED, i);
+        let [_, _, _, _, _, _, margin]: [T; 7] = self.numbers(FRICTION_IMPULSE, i);
         let slope = up.dot(Vec3::new(nx, ny, nz));
         let (first, second): ([T; 8], [T; 8]) = (self.bodies(0, i), self.bodies(1, i));
         let (mut upper, mut lower) = ([zero; 8], [zero; 8]);
@@ -373,7 +373,7 @@ fn splat<T: Tile>(v: Vec3<Real>) -> Vec3<T> {
 
 /// Orders supports by the slot of the upper body, keeping their order.
 fn order_by_upper(
-    (supports, contacts): (&[Eight], &[Contact]),
+    (supports, contacts): (&[Eight], &[ContactRecord]),
     slots: usize,
     begins: &mut Vec<u32>,
     by_upper: &mut Vec<(u32, u32)>,

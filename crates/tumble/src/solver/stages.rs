@@ -1,44 +1,44 @@
 use std::ops::Range;
 
-use crate::collision::contact::Contact;
+use crate::collision::contact::ContactRecord;
 use crate::collision::contact_materials::Extras;
 use crate::math::Real;
-use crate::simd::{BLOCK, Colours, Eight, Kernel, dispatch_in_blocks};
+use crate::simd::{BLOCK, Eight, Kernel, RowColors, dispatch_in_blocks};
 use crate::solver::contact::constraint::{Block, Bounce, Rolling};
 use crate::solver::contact::prepare::Prepare;
 use crate::solver::contact::round_contacts;
-use crate::solver::contact::round_contacts::Round;
+use crate::solver::contact::round_contacts::RoundContact;
 use crate::solver::contact::softness::Softness;
-use crate::solver::contact::solve::{Blocks, Bodied, Moment, NoteApproach, Rebound, Solve};
-use crate::solver::contact::store_impulses::Keep;
-use crate::solver::graph_coloring::{Colour, Colouring};
+use crate::solver::contact::solve::{ApplyRestitution, Blocks, RecordApproachSpeed, Solve, SolverLanes, SubstepMoment};
+use crate::solver::contact::store_impulses::StoreImpulses;
+use crate::solver::graph_coloring::{ContactColor, GraphColoring};
 use crate::solver::solver_bodies::SolverBodies;
 use crate::threads;
 
 /// The contacts of a step, coloured and laid out in blocks.
 #[derive(Clone, Default)]
 pub(crate) struct Solver {
-    colouring: Colouring,
+    colouring: GraphColoring,
     /// Contacts by colour and number of points.
     order: Vec<u32>,
-    ones: Sheet<1, 0>,
-    fours: Sheet<4, 6>,
-    stages: Vec<Stage>,
+    ones: BlockSheet<1, 0>,
+    fours: BlockSheet<4, 6>,
+    stages: Vec<ColorRange>,
     /// Of the round contacts.
     places: Vec<Place>,
     /// Which rows the contacts of each stage change.
-    colours: Colours,
+    colours: RowColors,
 }
 
 /// Blocks of contacts of up to `P` points, and what only some have: for all blocks, or for none.
 #[derive(Clone)]
-struct Sheet<const P: usize, const C: usize> {
+struct BlockSheet<const P: usize, const C: usize> {
     blocks: Vec<Block<P, C>>,
     rolling: Vec<Rolling>,
     bounces: Vec<Bounce<P>>,
 }
 
-impl<const P: usize, const C: usize> Default for Sheet<P, C> {
+impl<const P: usize, const C: usize> Default for BlockSheet<P, C> {
     fn default() -> Self {
         Self { blocks: Vec::new(), rolling: Vec::new(), bounces: Vec::new() }
     }
@@ -54,29 +54,29 @@ struct Place {
 
 /// Blocks that can be worked on at the same time: one colour's.
 #[derive(Clone, Debug)]
-struct Stage {
+struct ColorRange {
     ones: Range<usize>,
     fours: Range<usize>,
 }
 
 /// What is done to all contacts.
 #[derive(Clone, Copy)]
-pub(crate) enum Pass<'a> {
+pub(crate) enum SolverStage<'a> {
     /// Fills the blocks for bodies with these poses, as the contacts have it.
-    Prepare(&'a [Contact], &'a [Eight]),
+    Prepare(&'a [ContactRecord], &'a [Eight]),
     /// Pushes overlapping bodies apart, two that move and one on what does not, in substeps of `h` \[s\].
     /// What closes faster than `blow` \[m/s\] gives a blow.
-    Biased { softness: [Softness; 2], h: Real, blow: Real },
+    Solve { softness: [Softness; 2], h: Real, blow: Real },
     /// Takes out again the velocity that this gave, and adds friction; and, where it is said, notes for another substep what contacts then do to bodies.
     Relax { h: Real, blow: Real, holds: bool },
     /// Notes how fast bodies come together in substeps of this length \[s\].
-    NoteApproach(Real, Moment),
+    RecordApproachSpeed(Real, SubstepMoment),
     /// Lets bodies bounce that came together faster than this \[m/s\].
-    Rebound(Real),
+    ApplyRestitution(Real),
 }
 
 /// Colours of each kind, and one more for contacts that are worked on by themselves.
-const COLOURS: usize = Colour::ALONE as usize + 1;
+const COLOURS: usize = ContactColor::ALONE as usize + 1;
 
 /// Fewer blocks are not shared among threads.
 const LEAST_PART: usize = 16;
@@ -85,15 +85,15 @@ impl Solver {
     /// Lays out the contacts of these numbers between rows of bodies, with room for extras.
     pub(crate) fn lay_out(
         &mut self,
-        (contacts, chosen): (&[Contact], &[u32]),
-        rows: impl Fn(&Contact) -> [u32; 2],
+        (contacts, chosen): (&[ContactRecord], &[u32]),
+        rows: impl Fn(&ContactRecord) -> [u32; 2],
         bodies: &SolverBodies,
         extras: Extras,
     ) {
-        let ends = self.sort((contacts, chosen), &rows, bodies.first_unmoved());
+        let ends = self.sort((contacts, chosen), &rows, bodies.first_non_dynamic());
         let Self { order, ones, fours, stages, colours, .. } = self;
         stages.clear();
-        colours.reset(bodies.first_unmoved());
+        colours.reset(bodies.first_non_dynamic());
         let (mut one, mut four) = (0, 0);
         let mut add = |grounded, with_one: &[u32], with_more: &[u32]| {
             let (first_one, first_four) = (one, four);
@@ -108,7 +108,7 @@ impl Solver {
                 fours.set(four, chunk);
                 four += 1;
             }
-            stages.push(Stage { ones: first_one..one, fours: first_four..four });
+            stages.push(ColorRange { ones: first_one..one, fours: first_four..four });
         };
         let mut begin = 0;
         for (index, kinds) in ends.chunks_exact(2).enumerate() {
@@ -129,16 +129,16 @@ impl Solver {
     /// colour by colour those with one point and those with more. Returns where each of these ends.
     fn sort(
         &mut self,
-        (contacts, chosen): (&[Contact], &[u32]),
-        rows: impl Fn(&Contact) -> [u32; 2],
-        first_unmoved: usize,
+        (contacts, chosen): (&[ContactRecord], &[u32]),
+        rows: impl Fn(&ContactRecord) -> [u32; 2],
+        first_non_dynamic: usize,
     ) -> [usize; 4 * COLOURS] {
         let contact = |index: u32| &contacts[index as usize];
-        self.colouring.colour(chosen.iter().map(|index| rows(contact(*index))), first_unmoved);
+        self.colouring.colour(chosen.iter().map(|index| rows(contact(*index))), first_non_dynamic);
         let colours = self.colouring.colours();
         let kind = |index: usize| {
-            let Colour { grounded, index: colour } = colours[index];
-            let alone = colour == Colour::ALONE;
+            let ContactColor { grounded, index: colour } = colours[index];
+            let alone = colour == ContactColor::ALONE;
             let place = if alone { 0 } else { colour as usize + 1 };
             (usize::from(grounded) * COLOURS + place) * 2 + usize::from(alone || contact(chosen[index]).count() > 1)
         };
@@ -159,13 +159,13 @@ impl Solver {
     }
 
     /// Does to all contacts, colour by colour, what a pass does; those with what does not move have the last word.
-    pub(crate) fn run(&mut self, pass: Pass<'_>, bodies: &mut SolverBodies) {
+    pub(crate) fn run(&mut self, pass: SolverStage<'_>, bodies: &mut SolverBodies) {
         let Self { ones, fours, stages, colours, .. } = self;
         for (index, stage) in stages.iter().enumerate() {
             let SolverBodies { motion, held, response, moved, .. } = bodies;
             let (response, moved) = (&**response, &**moved);
             let bodies =
-                Bodied { motion: colours.rows(index, motion), held: colours.rows(index, held), response, moved };
+                SolverLanes { motion: colours.rows(index, motion), held: colours.rows(index, held), response, moved };
             let (of_ones, of_fours) = bodies.split_at(stage.ones.len());
             pass.in_parts(ones.blocks(&stage.ones), of_ones);
             pass.in_parts(fours.blocks(&stage.fours), of_fours);
@@ -173,7 +173,7 @@ impl Solver {
     }
 
     /// Finds out where the contacts with these numbers, in their order, are laid out.
-    pub(crate) fn locate(&mut self, contacts: usize, rounds: &[Round]) {
+    pub(crate) fn locate(&mut self, contacts: usize, rounds: &[RoundContact]) {
         self.places.clear();
         if rounds.is_empty() {
             return;
@@ -185,7 +185,7 @@ impl Solver {
     }
 
     /// Finds round contacts again after their bodies have moved.
-    pub(crate) fn refine(&mut self, rounds: &[Round], moved: &[Eight]) {
+    pub(crate) fn refine(&mut self, rounds: &[RoundContact], moved: &[Eight]) {
         let Self { ones, fours, places, .. } = self;
         for ((round, found), place) in rounds.iter().zip(round_contacts::find(rounds, moved)).zip(places) {
             let (Some(manifold), motion) = (found, (moved, round)) else { continue };
@@ -198,15 +198,15 @@ impl Solver {
     }
 
     /// Gives the impulses back to the contacts.
-    pub(crate) fn keep(&mut self, contacts: &mut [Contact]) {
+    pub(crate) fn keep(&mut self, contacts: &mut [ContactRecord]) {
         let Self { ones, fours, .. } = self;
         let (all_ones, all_fours) = (0..ones.blocks.len(), 0..fours.blocks.len());
-        dispatch_in_blocks(&mut Keep { blocks: ones.blocks(&all_ones), contacts });
-        dispatch_in_blocks(&mut Keep { blocks: fours.blocks(&all_fours), contacts });
+        dispatch_in_blocks(&mut StoreImpulses { blocks: ones.blocks(&all_ones), contacts });
+        dispatch_in_blocks(&mut StoreImpulses { blocks: fours.blocks(&all_fours), contacts });
     }
 }
 
-impl<const P: usize, const C: usize> Sheet<P, C> {
+impl<const P: usize, const C: usize> BlockSheet<P, C> {
     /// Says which contacts are in a block, one that is there or the next.
     fn set(&mut self, index: usize, contacts: &[u32]) {
         if self.blocks.len() == index {
@@ -247,15 +247,15 @@ impl<const P: usize, const C: usize> Sheet<P, C> {
     }
 }
 
-impl Pass<'_> {
+impl SolverStage<'_> {
     /// Pushes overlapping bodies apart, in substeps of `h` \[s\].
     pub(crate) fn biased(h: Real, blow: Real) -> Self {
         let softness = [Softness::between_moving(h.into()), Softness::on_ground(h.into())];
-        Self::Biased { softness, h, blow }
+        Self::Solve { softness, h, blow }
     }
 
     /// Shares the blocks of a colour among the threads.
-    fn in_parts<const P: usize, const C: usize>(self, blocks: Blocks<'_, P, C>, bodies: Bodied<'_>) {
+    fn in_parts<const P: usize, const C: usize>(self, blocks: Blocks<'_, P, C>, bodies: SolverLanes<'_>) {
         if blocks.len() == 0 {
             return;
         }
@@ -266,7 +266,12 @@ impl Pass<'_> {
         self.in_parts_of::<P, C>(part, blocks, bodies);
     }
 
-    fn in_parts_of<const P: usize, const C: usize>(self, part: usize, blocks: Blocks<'_, P, C>, bodies: Bodied<'_>) {
+    fn in_parts_of<const P: usize, const C: usize>(
+        self,
+        part: usize,
+        blocks: Blocks<'_, P, C>,
+        bodies: SolverLanes<'_>,
+    ) {
         if blocks.len() <= part {
             return self.run_on::<P, C>(blocks, bodies);
         }
@@ -279,20 +284,20 @@ impl Pass<'_> {
         );
     }
 
-    fn run_on<const P: usize, const C: usize>(self, blocks: Blocks<'_, P, C>, bodies: Bodied<'_>) {
+    fn run_on<const P: usize, const C: usize>(self, blocks: Blocks<'_, P, C>, bodies: SolverLanes<'_>) {
         match self {
             Self::Prepare(contacts, poses) => run(Prepare::<P, C> { blocks, contacts, bodies, poses }),
-            Self::Biased { softness, h, blow } => {
+            Self::Solve { softness, h, blow } => {
                 let softness = Some(softness[usize::from(bodies.motion.is_grounded())]);
                 run(Solve::<P, C> { blocks, bodies, softness, blow, inverse_h: 1.0 / h, holds: false });
             }
             Self::Relax { h, blow, holds } => {
                 run(Solve::<P, C> { blocks, bodies, softness: None, blow, inverse_h: 1.0 / h, holds });
             }
-            Self::NoteApproach(h, moment) => {
-                run(NoteApproach::<P, C> { blocks, bodies, inverse_h: 1.0 / h, moment });
+            Self::RecordApproachSpeed(h, moment) => {
+                run(RecordApproachSpeed::<P, C> { blocks, bodies, inverse_h: 1.0 / h, moment });
             }
-            Self::Rebound(threshold) => run(Rebound::<P, C> { blocks, bodies, threshold }),
+            Self::ApplyRestitution(threshold) => run(ApplyRestitution::<P, C> { blocks, bodies, threshold }),
         }
     }
 }

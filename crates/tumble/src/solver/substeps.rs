@@ -1,37 +1,37 @@
-use crate::collision::contact::Contact;
+use crate::collision::contact::ContactRecord;
 use crate::collision::contact_materials::Extras;
 use crate::collision::find_contacts::{Contacts, rows_of};
 use crate::forces::registry::ForceLaws;
 use crate::math::Real;
 use crate::settings::Settings;
 use crate::solver::contact::round_contacts;
-use crate::solver::contact::round_contacts::Round;
-use crate::solver::contact::solve::Moment;
-use crate::solver::contact_work::Bookings;
-use crate::solver::halved_substeps::Finer;
+use crate::solver::contact::round_contacts::RoundContact;
+use crate::solver::contact::solve::SubstepMoment;
+use crate::solver::contact_work::ContactWorks;
+use crate::solver::halved_substeps::HalvedGroup;
 use crate::solver::solver_bodies::SolverBodies;
 use crate::solver::stack_stiffness::Stacks;
-use crate::solver::stages::{Pass, Solver};
-use crate::storage::world_columns::HeldColumns;
+use crate::solver::stages::{Solver, SolverStage};
+use crate::storage::world_columns::WorldColumns;
 
 /// The bodies that touch something and what is done to them in a substep of the settings: those of one world, or of several.
 #[derive(Clone, Default)]
-pub(crate) struct Pushing {
+pub(crate) struct ContactSolver {
     /// At first all bodies; where some have shorter substeps, in the end too.
-    pub(crate) group: Group,
+    pub(crate) group: SolverGroup,
     /// By contact, how often its substeps are halved.
     pub(crate) halvings: Vec<u8>,
-    finer: Vec<Finer>,
+    finer: Vec<HalvedGroup>,
     pub(crate) stacks: Stacks,
 }
 
 /// Bodies that are advanced in substeps of the same length, and the contacts among them.
 #[derive(Clone, Default)]
-pub(crate) struct Group {
+pub(crate) struct SolverGroup {
     pub(crate) bodies: SolverBodies,
-    pub(crate) bookings: Bookings,
+    pub(crate) bookings: ContactWorks,
     /// Contacts that are found again in each substep.
-    pub(crate) rounds: Vec<Round>,
+    pub(crate) rounds: Vec<RoundContact>,
     /// The numbers of its contacts.
     pub(crate) chosen: Vec<u32>,
     solver: Solver,
@@ -42,7 +42,7 @@ const FALLS: Real = 4.0;
 
 /// How contacts are solved in a substep of the settings.
 #[derive(Clone, Copy)]
-pub(crate) struct Solving {
+pub(crate) struct SubstepSettings {
     substeps: u32,
     /// Their length \[s\].
     h: Real,
@@ -53,7 +53,7 @@ pub(crate) struct Solving {
     blow: Real,
 }
 
-impl Pushing {
+impl ContactSolver {
     /// Makes room for the bodies that impulses move and for those that they do not.
     pub(crate) fn reset(&mut self, [moved, unmoved]: [usize; 2]) {
         self.group.bookings.clear();
@@ -64,15 +64,15 @@ impl Pushing {
 
     /// Works out where the bodies of one world that touch something will be after one substep of the settings, starting from the
     /// world as it is.
-    pub(crate) fn push_world(
+    pub(crate) fn solve_world(
         &mut self,
         found: &mut Contacts,
-        columns: &mut HeldColumns<'_>,
+        columns: &mut WorldColumns<'_>,
         (settings, laws, time): (&Settings, &ForceLaws, f64),
     ) {
         let touching = found.find_touching(columns, settings);
         self.reset(touching);
-        let first = [0, self.group.bodies.first_unmoved()];
+        let first = [0, self.group.bodies.first_non_dynamic()];
         found.gather(columns, (settings, laws, time), &mut self.group, first);
         found.add_round(0, &mut self.group.rounds);
         self.stacks.add_halvings(found, settings, &self.group.bodies, &mut self.halvings);
@@ -83,8 +83,8 @@ impl Pushing {
     /// Pushes the bodies apart that contacts between these rows hold apart, and leaves them where they are after one substep of the settings; the contacts get the impulses.
     pub(crate) fn push(
         &mut self,
-        contacts: &mut [Contact],
-        rows: impl Fn(&Contact) -> [u32; 2],
+        contacts: &mut [ContactRecord],
+        rows: impl Fn(&ContactRecord) -> [u32; 2],
         settings: &Settings,
         extras: Extras,
     ) {
@@ -92,7 +92,7 @@ impl Pushing {
         let (substeps, h) = (settings.contact_substeps_each(), settings.contact_substep());
         let threshold = settings.restitution_threshold;
         let blow = threshold.max(FALLS * settings.gravity.length() * settings.substep());
-        let solving = Solving { substeps, h, extras, threshold, blow };
+        let solving = SubstepSettings { substeps, h, extras, threshold, blow };
         let mut parts = 0;
         let numbers = 0..contacts.len() as u32;
         group.chosen.clear();
@@ -100,7 +100,7 @@ impl Pushing {
             None | Some(0) => group.chosen.extend(numbers),
             Some(most) => {
                 for times in (1..=*most).filter(|times| halvings.contains(times)) {
-                    finer.resize_with(finer.len().max(parts + 1), Finer::default);
+                    finer.resize_with(finer.len().max(parts + 1), HalvedGroup::default);
                     finer[parts].take((times, halvings), contacts, &rows, group);
                     parts += 1;
                 }
@@ -115,34 +115,34 @@ impl Pushing {
     }
 }
 
-impl Solving {
+impl SubstepSettings {
     /// The same in substeps halved so often.
     pub(crate) fn halved(self, times: u8) -> Self {
         Self { substeps: self.substeps << times, h: self.h / (1u32 << times) as Real, ..self }
     }
 }
 
-impl Group {
+impl SolverGroup {
     /// Advances the bodies under their chosen contacts; `rows` are those of a contact here.
     pub(crate) fn push(
         &mut self,
-        contacts: &mut [Contact],
-        rows: impl Fn(&Contact) -> [u32; 2],
-        Solving { substeps, h, extras, threshold, blow }: Solving,
+        contacts: &mut [ContactRecord],
+        rows: impl Fn(&ContactRecord) -> [u32; 2],
+        SubstepSettings { substeps, h, extras, threshold, blow }: SubstepSettings,
     ) {
-        let (Self { bodies, bookings, rounds, chosen, solver }, biased) = (self, Pass::biased(h, blow));
+        let (Self { bodies, bookings, rounds, chosen, solver }, biased) = (self, SolverStage::biased(h, blow));
         solver.lay_out((contacts, chosen), rows, bodies, extras);
         round_contacts::leave_out_needles(rounds, bodies);
         solver.locate(contacts.len(), rounds);
-        bodies.with_poses(|bodies, poses| solver.run(Pass::Prepare(contacts, poses), bodies));
+        bodies.with_poses(|bodies, poses| solver.run(SolverStage::Prepare(contacts, poses), bodies));
         for substep in 0..substeps {
             bookings.before_kick(bodies);
             bodies.kick();
             bookings.before_push(bodies);
             // Before the impulses of the last step act: bodies that those push together have not come together, and to bounce them would make energy.
             if extras.bounces {
-                let moment = if substep == 0 { Moment::FirstKicked } else { Moment::Kicked };
-                solver.run(Pass::NoteApproach(h, moment), bodies);
+                let moment = if substep == 0 { SubstepMoment::FirstKicked } else { SubstepMoment::Kicked };
+                solver.run(SolverStage::RecordApproachSpeed(h, moment), bodies);
             }
             bodies.hold();
             solver.run(biased, bodies);
@@ -151,13 +151,13 @@ impl Group {
             solver.refine(rounds, &bodies.moved);
             bookings.after_motion(bodies);
             if extras.bounces {
-                solver.run(Pass::NoteApproach(h, Moment::Moved), bodies);
+                solver.run(SolverStage::RecordApproachSpeed(h, SubstepMoment::Moved), bodies);
             }
-            solver.run(Pass::Relax { h, blow, holds: substep + 1 < substeps }, bodies);
+            solver.run(SolverStage::Relax { h, blow, holds: substep + 1 < substeps }, bodies);
             bookings.after_substep(bodies);
         }
         if extras.bounces {
-            solver.run(Pass::Rebound(threshold), bodies);
+            solver.run(SolverStage::ApplyRestitution(threshold), bodies);
         }
         solver.keep(contacts);
     }

@@ -3,11 +3,11 @@
 use hecs::Entity;
 use tumble_collide::MOST_POINTS;
 
-use crate::collision::contact::{Contact as Held, HELD, RUBBED, SHAPE};
+use crate::collision::contact::{ContactRecord, FRICTION_IMPULSE, NORMAL_IMPULSE, SHAPE};
 use crate::collision::contact_events::ContactEvent;
 use crate::collision::find_contacts::Contacts;
 use crate::math::{Real, Vec3};
-use crate::step::interactions::Coupling;
+use crate::step::interactions::Interactions;
 use crate::step::simulation::Simulation;
 
 /// Two bodies that touch or are about to, as [`Simulation::contacts`](crate::Simulation::contacts) tells it: where, and with what impulses.
@@ -174,7 +174,7 @@ impl Simulation {
     }
 
     pub(crate) fn touching(&self) -> Option<&Contacts> {
-        let coupling: &Coupling = self.coupling.as_deref()?;
+        let coupling: &Interactions = self.coupling.as_deref()?;
         coupling.contacts.as_ref()
     }
 }
@@ -182,20 +182,20 @@ impl Simulation {
 impl Contacts {
     /// The contacts of the last step, in the order of their bodies.
     pub(crate) fn read(&self) -> impl Iterator<Item = Contact> + '_ {
-        let mut order: Vec<&Held> = self.contacts.iter().collect();
+        let mut order: Vec<&ContactRecord> = self.contacts.iter().collect();
         // They are in this order but for the kinds of their shapes, which takes a sort that merges little time.
         order.sort_by_key(|contact| (contact.pair(), contact.part));
         order.into_iter().map(|contact| self.told(contact))
     }
 
-    fn told(&self, held: &Held) -> Contact {
+    fn told(&self, held: &ContactRecord) -> Contact {
         let [x, y, z, ..] = held.numbers[SHAPE].0;
-        let [u, v, w, ..] = held.numbers[RUBBED].0;
+        let [u, v, w, ..] = held.numbers[FRICTION_IMPULSE].0;
         let center = Vec3::from(self.center(held.slots[1]));
         let mut points = [ContactPoint::default(); MOST_POINTS];
         for (j, point) in points.iter_mut().enumerate().take(held.count()) {
             let place = Vec3::from(held.half_way(j));
-            let (separation, impulse) = (held.separation(j), held.numbers[HELD].0[j]);
+            let (separation, impulse) = (held.separation(j), held.numbers[NORMAL_IMPULSE].0[j]);
             *point = ContactPoint { position: center + place, separation, impulse };
         }
         // What the solver has for the first may be the second in order.

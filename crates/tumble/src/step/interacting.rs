@@ -8,46 +8,46 @@ use crate::forces::registry::ForceLaws;
 use crate::integrator::Integrator;
 use crate::math::Real;
 use crate::settings::Settings;
-use crate::solver::multi_world::{Likeness, Packed};
-use crate::step::interactions::Coupling;
+use crate::solver::multi_world::{MultiWorld, PackKey};
+use crate::step::interactions::Interactions;
 use crate::step::phase_times::{Phase, PhaseTimes, Stopwatch};
 use crate::step::systems::{accumulate_forces_of, integrate_bodies, remember_poses, update_derived_of};
-use crate::storage::world_columns::HeldColumns;
+use crate::storage::world_columns::WorldColumns;
 
 /// A world in which bodies act on each other, and what it is stepped with.
-pub(crate) struct Coupled<'a> {
-    held: HeldColumns<'a>,
+pub(crate) struct InteractingWorld<'a> {
+    held: WorldColumns<'a>,
     settings: &'a Settings,
     laws: &'a ForceLaws,
-    coupling: &'a mut Coupling,
+    coupling: &'a mut Interactions,
     /// At the first step.
     clock: Clock,
 }
 
 /// What worlds that go step by step together are packed in, and what they have in common.
-pub(crate) type Together<'a> = (&'a mut Packed, Likeness);
+pub(crate) type Together<'a> = (&'a mut MultiWorld, PackKey);
 
 /// Steps: a whole world goes from one kick to the next together, kinematic bodies too. Of several worlds contacts are packed, and they have the same likeness.
-pub(crate) fn coupled_steps(
-    worlds: &mut [Coupled<'_>],
+pub(crate) fn step_interacting(
+    worlds: &mut [InteractingWorld<'_>],
     mut together: Option<Together<'_>>,
     steps: u32,
     times: Option<&PhaseTimes>,
 ) {
     for step in 0..steps {
         let mut stopwatch = PhaseTimes::start(times);
-        for Coupled { held, settings, .. } in &mut *worlds {
+        for InteractingWorld { held, settings, .. } in &mut *worlds {
             held.for_each_chunk(|_, bodies| {
                 remember_poses(bodies);
                 accumulate_forces_of(bodies, settings);
             });
         }
         stopwatch.end_of(Phase::AccumulateForces);
-        let beside = |held: &mut HeldColumns<'_>, settings: &Settings, substep| {
+        let beside = |held: &mut WorldColumns<'_>, settings: &Settings, substep| {
             held.move_kinematic_bodies(settings.substep(), substep);
         };
-        integrate_coupled(worlds, together.as_mut(), step, beside, &mut stopwatch);
-        for Coupled { held, .. } in &mut *worlds {
+        integrate_interacting(worlds, together.as_mut(), step, beside, &mut stopwatch);
+        for InteractingWorld { held, .. } in &mut *worlds {
             held.for_each_chunk(|_, bodies| update_derived_of(bodies));
         }
         stopwatch.end_of(Phase::UpdateDerived);
@@ -56,11 +56,11 @@ pub(crate) fn coupled_steps(
 
 /// The integration of a step, this many after the clocks: kicks between bodies before and after each substep, all of it before where the
 /// integrator is of first order, and contacts in the place of the integrator where something touches. `beside` is called for what else moves in a substep, with its number.
-pub(crate) fn integrate_coupled(
-    worlds: &mut [Coupled<'_>],
+pub(crate) fn integrate_interacting(
+    worlds: &mut [InteractingWorld<'_>],
     mut together: Option<&mut Together<'_>>,
     step: u32,
-    beside: impl Fn(&mut HeldColumns<'_>, &Settings, u32),
+    beside: impl Fn(&mut WorldColumns<'_>, &Settings, u32),
     stopwatch: &mut Stopwatch<'_>,
 ) {
     for contacts in worlds.iter_mut().filter_map(|it| it.coupling.contacts.as_mut()) {
@@ -76,7 +76,7 @@ pub(crate) fn integrate_coupled(
         }
         stopwatch.end_if(pull, Phase::Pairs);
         match &mut together {
-            Some((packed, likeness)) => push_together(worlds, packed, likeness, (step, substep)),
+            Some((packed, pack_key)) => push_together(worlds, packed, pack_key, (step, substep)),
             None => worlds.iter_mut().for_each(|it| it.push_alone(it.time_of(step, substep))),
         }
         stopwatch.end_if(touch, Phase::Contacts);
@@ -99,7 +99,12 @@ pub(crate) fn integrate_coupled(
 }
 
 /// Solves the contacts of all worlds at the same time.
-fn push_together(worlds: &mut [Coupled<'_>], packed: &mut Packed, likeness: &Likeness, (step, substep): (u32, u32)) {
+fn push_together(
+    worlds: &mut [InteractingWorld<'_>],
+    packed: &mut MultiWorld,
+    pack_key: &PackKey,
+    (step, substep): (u32, u32),
+) {
     crate::scope::scope!("tumble::contacts");
     let Some(settings) = worlds.first().map(|it| it.settings) else { return };
     let mut touching = [0; 2];
@@ -116,19 +121,19 @@ fn push_together(worlds: &mut [Coupled<'_>], packed: &mut Packed, likeness: &Lik
             packed.add(contacts, &mut it.held, it.settings, it.laws, time);
         }
     }
-    packed.push(settings, likeness);
+    packed.push(settings, pack_key);
     for contacts in worlds.iter_mut().filter_map(|it| it.coupling.contacts.as_mut()) {
         packed.give_back(contacts);
     }
 }
 
-impl<'a> Coupled<'a> {
+impl<'a> InteractingWorld<'a> {
     /// Of a world, of which it finds out what acts between which bodies, and holds these until it is dropped.
     pub(crate) fn new(
         world: &'a mut World,
         settings: &'a Settings,
         laws: &'a ForceLaws,
-        coupling: &'a mut Coupling,
+        coupling: &'a mut Interactions,
         clock: Clock,
     ) -> Self {
         coupling.find(world);
@@ -160,7 +165,7 @@ impl<'a> Coupled<'a> {
         if let Some(contacts) = &mut self.coupling.contacts {
             crate::scope::scope!("tumble::contacts");
             let pushing = self.coupling.pushing.get_or_insert_default();
-            pushing.push_world(contacts, &mut self.held, (self.settings, self.laws, time));
+            pushing.solve_world(contacts, &mut self.held, (self.settings, self.laws, time));
         }
     }
 

@@ -6,25 +6,25 @@ use crate::collision;
 use crate::collision::find_contacts::Contacts;
 use crate::forces::pairwise;
 use crate::forces::pairwise::PairForces;
-use crate::solver::substeps::Pushing;
+use crate::solver::substeps::ContactSolver;
 
 /// What bodies do to each other, kept from step to step.
 #[derive(Clone, Default)]
-pub(crate) struct Coupling {
+pub(crate) struct Interactions {
     pub(crate) pairs: Option<PairForces>,
     pub(crate) contacts: Option<Contacts>,
     /// What pushes contacts where they are not pushed together with those of other worlds; no state.
-    pub(crate) pushing: Option<Box<Pushing>>,
+    pub(crate) pushing: Option<Box<ContactSolver>>,
 }
 
-impl fmt::Debug for Coupling {
+impl fmt::Debug for Interactions {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let Self { pairs, contacts, pushing: _ } = self;
-        f.debug_struct("Coupling").field("pairs", pairs).field("contacts", contacts).finish_non_exhaustive()
+        f.debug_struct("Interactions").field("pairs", pairs).field("contacts", contacts).finish_non_exhaustive()
     }
 }
 
-impl Coupling {
+impl Interactions {
     /// Whether bodies of a world may act on each other.
     pub(crate) fn is_in(world: &World) -> bool {
         pairwise::are_in(world) || collision::are_in(world)

@@ -16,8 +16,8 @@ use crate::forces::under_laws::for_each_chunk_under;
 use crate::integrators::kinematic::move_kinematic_bodies;
 use crate::settings::Settings;
 use crate::step::effort::effort_of_steps;
-use crate::step::interacting::{Coupled, coupled_steps};
-use crate::step::interactions::Coupling;
+use crate::step::interacting::{InteractingWorld, step_interacting};
+use crate::step::interactions::Interactions;
 use crate::step::phase_times::{Phase, PhaseTimes};
 use crate::step::systems::{accumulate_forces_of, integrate_bodies, remember_poses, step_chunk, update_derived_of};
 
@@ -50,7 +50,7 @@ pub(crate) fn steps_under_laws(
     world: &mut World,
     settings: &Settings,
     laws: &ForceLaws,
-    coupling: &mut Option<Box<Coupling>>,
+    coupling: &mut Option<Box<Interactions>>,
     steps: u32,
     clock: Clock,
     times: Option<&PhaseTimes>,
@@ -66,14 +66,14 @@ fn steps_here(
     world: &mut World,
     settings: &Settings,
     laws: &ForceLaws,
-    coupling: &mut Option<Box<Coupling>>,
+    coupling: &mut Option<Box<Interactions>>,
     steps: u32,
     clock: Clock,
     times: Option<&PhaseTimes>,
 ) {
-    if Coupling::is_in(world) {
+    if Interactions::is_in(world) {
         let coupling = coupling.get_or_insert_default();
-        coupled_steps(&mut [Coupled::new(world, settings, laws, coupling, clock)], None, steps, times);
+        step_interacting(&mut [InteractingWorld::new(world, settings, laws, coupling, clock)], None, steps, times);
     } else {
         if let Some(coupling) = coupling {
             coupling.pass(world, steps);

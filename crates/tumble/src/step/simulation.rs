@@ -7,8 +7,8 @@ use crate::forces::registry::ForceLaws;
 use crate::forces::simd_force_law::LaneLaw;
 use crate::math::Real;
 use crate::settings::{Settings, SettingsError};
-use crate::step::interacting::Coupled;
-use crate::step::interactions::Coupling;
+use crate::step::interacting::InteractingWorld;
+use crate::step::interactions::Interactions;
 use crate::step::phase_times::PhaseTimes;
 use crate::step::steps_under_laws;
 
@@ -37,7 +37,7 @@ pub struct Simulation {
     settings: Settings,
     laws: ForceLaws,
     /// What forces between bodies are evaluated with, and contacts as they were left; none until there are any.
-    pub(crate) coupling: Option<Box<Coupling>>,
+    pub(crate) coupling: Option<Box<Interactions>>,
     /// What began and ended to touch in the last call, in the steps that were taken one by one before the last.
     pub(crate) events: Vec<ContactEvent>,
     /// Whether the last call took a step.
@@ -165,15 +165,15 @@ impl Simulation {
     }
 
     /// What the steps of a world in which bodies act on each other are taken with, if they do in this one.
-    pub(crate) fn coupled<'a>(&'a mut self, world: &'a mut World) -> Option<Coupled<'a>> {
-        if !Coupling::is_in(world) {
+    pub(crate) fn coupled<'a>(&'a mut self, world: &'a mut World) -> Option<InteractingWorld<'a>> {
+        if !Interactions::is_in(world) {
             return None;
         }
         self.forget_events();
         self.has_stepped = true;
         let clock = self.clock();
         let coupling = self.coupling.get_or_insert_default();
-        Some(Coupled::new(world, &self.settings, &self.laws, coupling, clock))
+        Some(InteractingWorld::new(world, &self.settings, &self.laws, coupling, clock))
     }
 
     /// Counts steps that have been taken with [`coupled`](Self::coupled).

@@ -9,9 +9,9 @@ use crate::clock::Clock;
 use crate::components::Wrenches;
 use crate::components::{PreviousPose, Work, Wrench};
 use crate::forces::evaluate::{ActingLaws, LawForces, TileLawForces, WorkAccount};
-use crate::forces::force_context::Surroundings;
+use crate::forces::force_context::ForceContext;
 use crate::forces::registry::{ForceLaws, Laws};
-use crate::forces::tile_buffer::LawTile;
+use crate::forces::tile_buffer::TileBuffer;
 use crate::forces::under_laws::for_each_chunk_under;
 use crate::integrator::Integrator;
 use crate::integrators::derived::derived;
@@ -21,8 +21,8 @@ use crate::integrators::{AnyWidth, ConstantForce, MoserVeselov, NoAccount, Runge
 use crate::math::{Real, Vec3};
 use crate::settings::Settings;
 use crate::simd::{Kernel, Tile, dispatch};
-use crate::step::interacting::{Coupled, integrate_coupled};
-use crate::step::interactions::Coupling;
+use crate::step::interacting::{InteractingWorld, integrate_interacting};
+use crate::step::interactions::Interactions;
 use crate::step::phase_times::PhaseTimes;
 use crate::storage::chunk::{Chunk, for_each_chunk};
 use crate::storage::tile_io::splat;
@@ -88,10 +88,10 @@ pub fn integrate(world: &mut World, settings: &Settings) {
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 pub fn integrate_under_laws(world: &mut World, settings: &Settings, laws: &ForceLaws, time: f64) {
-    if Coupling::is_in(world) {
-        let mut coupling = Coupling::default();
-        let coupled = Coupled::new(world, settings, laws, &mut coupling, Clock::at(time));
-        integrate_coupled(&mut [coupled], None, 0, |_, _, _| (), &mut PhaseTimes::start(None));
+    if Interactions::is_in(world) {
+        let mut coupling = Interactions::default();
+        let coupled = InteractingWorld::new(world, settings, laws, &mut coupling, Clock::at(time));
+        integrate_interacting(&mut [coupled], None, 0, |_, _, _| (), &mut PhaseTimes::start(None));
     } else {
         for_each_chunk_under(world, laws, |bodies, laws| {
             integrate_bodies(bodies, laws, settings, time, Wrenches::Consumed);
@@ -226,7 +226,7 @@ fn advance_with<S: AnyWidth>(
             dispatch(&mut Advance { bodies, settings, extent, time_of_step, acting, scheme: PhantomData::<S> });
         });
     } else {
-        let mut tile = LawTile::new(Surroundings::new(settings));
+        let mut tile = TileBuffer::new(ForceContext::new(settings));
         bodies.in_whole_tiles(|bodies| {
             let acting = UnderLaws { laws, tile: &mut tile };
             dispatch(&mut Advance { bodies, settings, extent, time_of_step, acting, scheme: PhantomData::<S> });
@@ -239,7 +239,7 @@ trait Acting {
     const LAWS: bool;
 
     /// The laws, and where they see their bodies.
-    fn laws(&mut self) -> Option<(Laws<'_>, &mut LawTile)>;
+    fn laws(&mut self) -> Option<(Laws<'_>, &mut TileBuffer)>;
 }
 
 /// No laws act.
@@ -249,7 +249,7 @@ impl Acting for Lawless {
     const LAWS: bool = false;
 
     #[inline(always)]
-    fn laws(&mut self) -> Option<(Laws<'_>, &mut LawTile)> {
+    fn laws(&mut self) -> Option<(Laws<'_>, &mut TileBuffer)> {
         None
     }
 }
@@ -257,14 +257,14 @@ impl Acting for Lawless {
 /// These laws act.
 struct UnderLaws<'a> {
     laws: Laws<'a>,
-    tile: &'a mut LawTile,
+    tile: &'a mut TileBuffer,
 }
 
 impl Acting for UnderLaws<'_> {
     const LAWS: bool = true;
 
     #[inline(always)]
-    fn laws(&mut self) -> Option<(Laws<'_>, &mut LawTile)> {
+    fn laws(&mut self) -> Option<(Laws<'_>, &mut TileBuffer)> {
         Some((self.laws, self.tile))
     }
 }
@@ -348,14 +348,14 @@ fn integrate_with_account<S: Scheme<Real>>(bodies: &mut Chunk<'_>, laws: Laws<'_
         let scheme = S::new(&constants, h);
         let gravity = bodies.gravity_on(i, settings);
         let wind = bodies.wind.map_or(Vec3::ZERO, |wind| wind[i].0);
-        let surroundings = Surroundings { wind, ..Surroundings::new(settings) };
+        let context = ForceContext { wind, ..ForceContext::new(settings) };
         let (start, row) = (bodies.state::<Real>(i), bodies.first_row + i);
         let mut work = Work::default();
         let mut state = start;
         for substep in 0..settings.substeps {
             let time = time + f64::from(substep) * f64::from(h);
             let wrench = bodies.wrench[i];
-            let forces = LawForces { constants: &constants, surroundings: &surroundings, wrench, laws, row, time };
+            let forces = LawForces { constants: &constants, context: &context, wrench, laws, row, time };
             let mut account = WorkAccount { work: &mut work, forces: &forces, gravity };
             state = scheme.advance(state, &forces, &mut account);
         }

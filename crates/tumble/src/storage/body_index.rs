@@ -8,7 +8,7 @@ use crate::integrators::response_range::responds_in_range;
 use crate::integrators::state::{Constants, Moments, State};
 use crate::math::Real;
 use crate::range::{MOST_DISTANCE, MOST_SPEED, within};
-use crate::storage::world_columns::{Bodies, HeldColumns};
+use crate::storage::world_columns::{ArchetypeBodies, WorldColumns};
 
 /// No slot.
 const NONE: u32 = u32::MAX;
@@ -18,21 +18,21 @@ pub(crate) type Key = (bool, Option<BodyId>, u32);
 
 /// Where a body's components are.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
-struct Member {
+struct BodyPlace {
     key: Key,
-    place: Place,
+    place: RowPlace,
 }
 
 /// An archetype of a world, by its index, and a row of it.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord)]
-pub(crate) struct Place {
+pub(crate) struct RowPlace {
     pub(crate) archetype: u32,
     pub(crate) row: u32,
 }
 
 /// A body as forces between bodies see it.
 #[derive(Clone, Copy)]
-pub(crate) struct Seen {
+pub(crate) struct BodyView {
     pub(crate) state: State<Real>,
     /// Zero for a body that forces do not move.
     pub(crate) inverse_mass: Real,
@@ -43,8 +43,8 @@ pub(crate) struct Seen {
 
 /// The bodies concerned, each with a slot, in the order of their [`BodyId`]s.
 #[derive(Clone, Default)]
-pub(crate) struct Members {
-    members: Vec<Member>,
+pub(crate) struct BodyIndex {
+    members: Vec<BodyPlace>,
     /// By entity number, whether it is concerned.
     marks: Vec<bool>,
     /// By entity number.
@@ -53,10 +53,10 @@ pub(crate) struct Members {
     by_place: Vec<u32>,
     /// By archetype, where its slots begin in that order; and where the last end.
     begins: Vec<u32>,
-    pub(crate) seen: Vec<Seen>,
+    pub(crate) seen: Vec<BodyView>,
 }
 
-impl Members {
+impl BodyIndex {
     /// Finds the bodies among the entities that are marked, by number, when each archetype of the world is gone through.
     pub(crate) fn find(&mut self, world: &World, marked: impl Fn(&Archetype, &mut dyn FnMut(u32))) {
         let mut marks = std::mem::take(&mut self.marks);
@@ -81,7 +81,7 @@ impl Members {
     }
 
     /// Gives slots to bodies, which come in the order of their places.
-    fn list(&mut self, found: impl Iterator<Item = Member>) {
+    fn list(&mut self, found: impl Iterator<Item = BodyPlace>) {
         let Self { members, slots, by_place, .. } = self;
         members.clear();
         members.extend(found);
@@ -115,7 +115,7 @@ impl Members {
     }
 
     /// Where the components of a slot's body are.
-    pub(crate) fn place(&self, slot: usize) -> Place {
+    pub(crate) fn place(&self, slot: usize) -> RowPlace {
         self.members[slot].place
     }
 
@@ -151,10 +151,10 @@ impl Members {
     }
 
     /// Reads the state of all.
-    pub(crate) fn see(&mut self, held: &HeldColumns<'_>) {
+    pub(crate) fn see(&mut self, held: &WorldColumns<'_>) {
         let Self { members, seen, .. } = self;
         seen.clear();
-        seen.extend(members.iter().map(|member| Seen::of(held.bodies(member.place), member.place.row as usize)));
+        seen.extend(members.iter().map(|member| BodyView::of(held.bodies(member.place), member.place.row as usize)));
     }
 }
 
@@ -166,20 +166,20 @@ fn mark(marks: &mut Vec<bool>, entity: usize) {
 }
 
 /// The bodies among marked entities, in the order of their places: hecs goes through archetypes and rows in theirs.
-fn found<'a>(world: &'a World, marks: &'a [bool]) -> impl Iterator<Item = Member> + 'a {
+fn found<'a>(world: &'a World, marks: &'a [bool]) -> impl Iterator<Item = BodyPlace> + 'a {
     let archetypes = world.archetypes().enumerate().filter(|(_, archetype)| archetype.has::<Pose>());
     archetypes.flat_map(move |(index, archetype)| {
         let ids = archetype.get::<&BodyId>();
         archetype.ids().iter().enumerate().filter_map(move |(row, &entity)| {
             let id = ids.as_deref().map(|ids| ids[row]);
-            let place = Place { archetype: index as u32, row: row as u32 };
+            let place = RowPlace { archetype: index as u32, row: row as u32 };
             let is_marked = marks.get(entity as usize).is_some_and(|mark| *mark);
-            is_marked.then_some(Member { key: (id.is_none(), id, entity), place })
+            is_marked.then_some(BodyPlace { key: (id.is_none(), id, entity), place })
         })
     })
 }
 
-impl Seen {
+impl BodyView {
     /// In the place of one that is not there.
     const NOWHERE: Self = {
         let zero = tumble_math::lane::Vec3 { x: 0.0, y: 0.0, z: 0.0 };
@@ -204,11 +204,13 @@ impl Seen {
     }
 
     /// A body in a row.
-    fn of(bodies: &Bodies<'_>, row: usize) -> Self {
+    fn of(bodies: &ArchetypeBodies<'_>, row: usize) -> Self {
         let columns = match bodies {
-            Bodies::Moving(columns) => columns,
-            Bodies::Unmoved(columns) => return Self::unmoved(columns.pose[row], columns.velocity(row)),
-            Bodies::None => return Self::NOWHERE,
+            ArchetypeBodies::Moving(columns) => columns,
+            ArchetypeBodies::NonDynamicColumns(columns) => {
+                return Self::unmoved(columns.pose[row], columns.velocity(row));
+            }
+            ArchetypeBodies::None => return Self::NOWHERE,
         };
         let axes = columns.axes.as_deref().map(|column| column[row]);
         let inertia = columns.inertia.as_deref().map(|column| Moments::new(&column[row], axes.as_ref()));

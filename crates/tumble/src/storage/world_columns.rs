@@ -11,35 +11,35 @@ use hecs::{Archetype, ArchetypeColumn, ArchetypeColumnMut, World};
 use crate::components::{Inertia, Mass, Momentum, Pose, PreviousPose, PrincipalAxes, Velocity};
 use crate::integrators::kinematic::move_a_substep;
 use crate::math::Real;
-use crate::storage::body_index::Place;
+use crate::storage::body_index::RowPlace;
 use crate::storage::chunk::{Chunk, Columns, for_each_part};
 
 /// The columns of all bodies of a world.
-pub(crate) struct HeldColumns<'w> {
+pub(crate) struct WorldColumns<'w> {
     /// By the index that they have in the world.
-    archetypes: Vec<HeldArchetype<'w>>,
+    archetypes: Vec<ArchetypeColumns<'w>>,
 }
 
-struct HeldArchetype<'w> {
+struct ArchetypeColumns<'w> {
     archetype: &'w Archetype,
     /// What the caller marked when it borrowed the columns.
     is_marked: bool,
-    bodies: Bodies<'w>,
+    bodies: ArchetypeBodies<'w>,
 }
 
 /// The columns of one archetype.
 #[allow(clippy::large_enum_variant, reason = "there are a few of them, and boxes would be allocated in every call")]
-pub(crate) enum Bodies<'w> {
+pub(crate) enum ArchetypeBodies<'w> {
     /// Of bodies that forces move.
     Moving(Columns<'w>),
     /// Of bodies that stay or move as they are told.
-    Unmoved(Unmoved<'w>),
+    NonDynamicColumns(NonDynamicColumns<'w>),
     /// Of no bodies.
     None,
 }
 
 /// The columns of bodies that forces do not move.
-pub(crate) struct Unmoved<'w> {
+pub(crate) struct NonDynamicColumns<'w> {
     pub(crate) pose: ArchetypeColumnMut<'w, Pose>,
     velocity: Option<ArchetypeColumn<'w, Velocity>>,
     previous_pose: Option<ArchetypeColumnMut<'w, PreviousPose>>,
@@ -47,20 +47,20 @@ pub(crate) struct Unmoved<'w> {
 }
 
 /// Momenta, masses and, of what turns, inertia.
-pub(crate) type Pushed<'a> = (&'a [Momentum], &'a [Mass], Option<&'a [Inertia]>);
+pub(crate) type MomentumView<'a> = (&'a [Momentum], &'a [Mass], Option<&'a [Inertia]>);
 
 /// What is read of the bodies of one archetype.
 #[derive(Clone, Copy)]
-pub(crate) struct Looked<'a> {
+pub(crate) struct PoseView<'a> {
     pub(crate) pose: &'a [Pose],
     /// Of bodies that forces move.
-    pub(crate) pushed: Option<Pushed<'a>>,
+    pub(crate) pushed: Option<MomentumView<'a>>,
     pub(crate) velocity: Option<&'a [Velocity]>,
     /// Of what forces move, where they are not the body's.
     pub(crate) axes: Option<&'a [PrincipalAxes]>,
 }
 
-impl<'a> Looked<'a> {
+impl<'a> PoseView<'a> {
     pub(crate) fn rows(self, rows: Range<usize>) -> Self {
         Self {
             pose: &self.pose[rows.clone()],
@@ -75,57 +75,57 @@ impl<'a> Looked<'a> {
 
 thread_local! {
     /// Memory of columns that were given back, for the next. hecs keeps borrowed columns to one thread, so it is not a simulation's, which goes from thread to thread.
-    static ROOMS: RefCell<Vec<Vec<HeldArchetype<'static>>>> = const { RefCell::new(Vec::new()) };
+    static ROOMS: RefCell<Vec<Vec<ArchetypeColumns<'static>>>> = const { RefCell::new(Vec::new()) };
 }
 
-impl<'w> HeldColumns<'w> {
+impl<'w> WorldColumns<'w> {
     /// Borrows the columns of all bodies of a world, and marks some archetypes for [`for_each_archetype`](Self::for_each_archetype).
     pub(crate) fn of(world: &'w World, mark: impl Fn(&Archetype) -> bool) -> Self {
         let room = ROOMS.try_with(|rooms| rooms.borrow_mut().pop()).ok().flatten();
         let mut archetypes = emptied(room.unwrap_or_default());
-        archetypes.extend(world.archetypes().map(|archetype| HeldArchetype {
+        archetypes.extend(world.archetypes().map(|archetype| ArchetypeColumns {
             archetype,
             is_marked: mark(archetype),
-            bodies: Bodies::of(archetype),
+            bodies: ArchetypeBodies::of(archetype),
         }));
         Self { archetypes }
     }
 
     /// The columns of the archetype of a place.
-    pub(crate) fn bodies(&self, place: Place) -> &Bodies<'w> {
+    pub(crate) fn bodies(&self, place: RowPlace) -> &ArchetypeBodies<'w> {
         &self.archetypes[place.archetype as usize].bodies
     }
 
     /// The columns of the archetype of a place where forces move its bodies.
-    pub(crate) fn moving_mut(&mut self, place: Place) -> Option<&mut Columns<'w>> {
+    pub(crate) fn moving_mut(&mut self, place: RowPlace) -> Option<&mut Columns<'w>> {
         match &mut self.archetypes[place.archetype as usize].bodies {
-            Bodies::Moving(columns) => Some(columns),
-            Bodies::Unmoved(_) | Bodies::None => None,
+            ArchetypeBodies::Moving(columns) => Some(columns),
+            ArchetypeBodies::NonDynamicColumns(_) | ArchetypeBodies::None => None,
         }
     }
 
     /// What is to be read, by archetype.
-    pub(crate) fn looked(&self) -> impl Iterator<Item = (usize, Looked<'_>)> {
+    pub(crate) fn pose_views(&self) -> impl Iterator<Item = (usize, PoseView<'_>)> {
         self.archetypes.iter().enumerate().filter_map(|(index, held)| {
-            let looked = match &held.bodies {
-                Bodies::Moving(columns) => {
+            let pose_views = match &held.bodies {
+                ArchetypeBodies::Moving(columns) => {
                     let pushed = Some((&*columns.momentum, &*columns.mass, columns.inertia.as_deref()));
                     let pose = &*columns.pose;
-                    Looked { pose, pushed, velocity: columns.velocity.as_deref(), axes: columns.axes.as_deref() }
+                    PoseView { pose, pushed, velocity: columns.velocity.as_deref(), axes: columns.axes.as_deref() }
                 }
-                Bodies::Unmoved(columns) => {
-                    Looked { pose: &columns.pose, pushed: None, velocity: columns.velocity.as_deref(), axes: None }
+                ArchetypeBodies::NonDynamicColumns(columns) => {
+                    PoseView { pose: &columns.pose, pushed: None, velocity: columns.velocity.as_deref(), axes: None }
                 }
-                Bodies::None => return None,
+                ArchetypeBodies::None => return None,
             };
-            Some((index, looked))
+            Some((index, pose_views))
         })
     }
 
     /// Calls `system` once for every chunk of moving bodies, with the index of their archetype, in parallel.
     pub(crate) fn for_each_chunk(&mut self, system: impl Fn(usize, &mut Chunk<'_>) + Sync) {
         for (index, held) in self.archetypes.iter_mut().enumerate() {
-            if let Bodies::Moving(columns) = &mut held.bodies {
+            if let ArchetypeBodies::Moving(columns) = &mut held.bodies {
                 for_each_part(columns.chunk(), &|part: &mut Chunk<'_>| system(index, part));
             }
         }
@@ -133,8 +133,8 @@ impl<'w> HeldColumns<'w> {
 
     /// Calls `then` for each archetype of moving bodies, one after the other, with its index, whether it was marked, and its columns.
     pub(crate) fn for_each_archetype(&mut self, mut then: impl FnMut(usize, (&Archetype, bool), &mut Columns<'w>)) {
-        for (index, HeldArchetype { archetype, is_marked, bodies }) in self.archetypes.iter_mut().enumerate() {
-            if let Bodies::Moving(columns) = bodies {
+        for (index, ArchetypeColumns { archetype, is_marked, bodies }) in self.archetypes.iter_mut().enumerate() {
+            if let ArchetypeBodies::Moving(columns) = bodies {
                 then(index, (archetype, *is_marked), columns);
             }
         }
@@ -144,7 +144,7 @@ impl<'w> HeldColumns<'w> {
     pub(crate) fn move_kinematic_bodies(&mut self, h: Real, substep: u32) {
         for held in &mut self.archetypes {
             match &mut held.bodies {
-                Bodies::Unmoved(bodies) if bodies.is_kinematic => bodies.move_a_substep(h, substep),
+                ArchetypeBodies::NonDynamicColumns(bodies) if bodies.is_kinematic => bodies.move_a_substep(h, substep),
                 _ => {}
             }
         }
@@ -152,12 +152,12 @@ impl<'w> HeldColumns<'w> {
 }
 
 /// The memory of what is no longer borrowed: collected in place.
-fn emptied<'b>(mut held: Vec<HeldArchetype<'_>>) -> Vec<HeldArchetype<'b>> {
+fn emptied<'b>(mut held: Vec<ArchetypeColumns<'_>>) -> Vec<ArchetypeColumns<'b>> {
     held.clear();
     held.into_iter().map_while(|_| None).collect()
 }
 
-impl Drop for HeldColumns<'_> {
+impl Drop for WorldColumns<'_> {
     fn drop(&mut self) {
         let room = emptied(std::mem::take(&mut self.archetypes));
         // A thread that ends keeps no memory.
@@ -165,7 +165,7 @@ impl Drop for HeldColumns<'_> {
     }
 }
 
-impl<'w> Bodies<'w> {
+impl<'w> ArchetypeBodies<'w> {
     fn of(archetype: &'w Archetype) -> Self {
         if archetype.is_empty() {
             return Self::None;
@@ -176,11 +176,16 @@ impl<'w> Bodies<'w> {
         let Some(pose) = archetype.get::<&mut Pose>() else { return Self::None };
         let velocity = archetype.get::<&Velocity>();
         let is_kinematic = velocity.is_some() && !archetype.has::<Momentum>();
-        Self::Unmoved(Unmoved { pose, velocity, previous_pose: archetype.get::<&mut PreviousPose>(), is_kinematic })
+        Self::NonDynamicColumns(NonDynamicColumns {
+            pose,
+            velocity,
+            previous_pose: archetype.get::<&mut PreviousPose>(),
+            is_kinematic,
+        })
     }
 }
 
-impl Unmoved<'_> {
+impl NonDynamicColumns<'_> {
     /// How the body of a row moves if it is kinematic.
     pub(crate) fn velocity(&self, row: usize) -> Velocity {
         self.velocity.as_deref().map_or(Velocity::default(), |velocities| velocities[row])

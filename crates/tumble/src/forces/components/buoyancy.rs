@@ -95,7 +95,7 @@ impl LaneLaw<9> for Buoyancy {
     }
 
     fn potential(&self, state: &BodyState<'_>) -> f64 {
-        let gravity = dvec3(state.surroundings().gravity);
+        let gravity = dvec3(state.context().gravity);
         let (strength, up) = (gravity.length(), -gravity.normalize_or_zero());
         let orientation = dquat(state.orientation);
         let up_body = orientation.inverse() * up;

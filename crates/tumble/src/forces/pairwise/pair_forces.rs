@@ -9,13 +9,13 @@ use crate::forces::pairwise::{GravityMass, Spring};
 use crate::forces::registry::{GRAVITY_MASS, SPRING};
 use crate::math::{Real, Vec3, double};
 use crate::range::{MOST_DISTANCE, MOST_MU, MOST_SPEED, within};
-use crate::storage::body_index::Members;
-use crate::storage::world_columns::HeldColumns;
+use crate::storage::body_index::BodyIndex;
+use crate::storage::world_columns::WorldColumns;
 
 /// The forces between the bodies of a world, with what their evaluation needs: kept from step to step, so that a step need not allocate.
 #[derive(Clone, Default)]
 pub(crate) struct PairForces {
-    members: Members,
+    members: BodyIndex,
     springs: Springs,
     gravity: Gravity,
     /// By slot: at which springs are damped.
@@ -60,7 +60,7 @@ impl PairForces {
     }
 
     /// Changes the momenta by what the forces, as they are now, do in the time `t` \[s\]; `h` \[s\] is the substep.
-    pub(crate) fn kick(&mut self, held: &mut HeldColumns<'_>, t: Real, h: Real) {
+    pub(crate) fn kick(&mut self, held: &mut WorldColumns<'_>, t: Real, h: Real) {
         self.members.see(held);
         let seen = &self.members.seen;
         self.gravity.update(self.attracting.iter().map(|(slot, mass)| {

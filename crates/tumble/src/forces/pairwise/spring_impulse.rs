@@ -8,7 +8,7 @@ use crate::forces::spring_potential::{End, Hooke, pull};
 use crate::forces::stable_spring::{MOST_ANGLE, MOST_ANGLE_IN_A_NET, stable_damping};
 use crate::math::Real;
 use crate::range::{MOST_IMPULSE, MOST_SPEED, within};
-use crate::storage::body_index::{Members, Seen};
+use crate::storage::body_index::{BodyIndex, BodyView};
 use crate::threads::InParts;
 
 /// A spring and the slots of its bodies.
@@ -67,7 +67,7 @@ const PART: usize = 1024;
 
 impl Springs {
     /// Takes over the springs of a world; those whose bodies are not there, or one and the same, are left out.
-    pub(crate) fn find(&mut self, world: &hecs::World, members: &Members) {
+    pub(crate) fn find(&mut self, world: &hecs::World, members: &BodyIndex) {
         self.connections.clear();
         for archetype in world.archetypes() {
             let Some(springs) = archetype.get::<&Spring>() else { continue };
@@ -117,7 +117,7 @@ impl Springs {
     }
 
     /// Finds out how each spring pulls in a kick of the duration `t` \[s\], in substeps of `h` \[s\].
-    pub(crate) fn prepare(&mut self, members: &Members, t: Real, h: Real) {
+    pub(crate) fn prepare(&mut self, members: &BodyIndex, t: Real, h: Real) {
         let Self { connections, first_end, pulls, .. } = self;
         let springs_of = |slot: usize| (first_end[slot + 1] - first_end[slot]) as Real;
         pulls.clear();
@@ -167,9 +167,9 @@ impl Connection {
     /// What it does in a kick over the time `t` in substeps of `h`. Each body lends the spring its share of mass and inertia, one part for every
     /// spring that it has. What the spring moves is taken at its lightest, so that it does not depend on attitude: a stiffness that changes as bodies turn has no
     /// potential, and energy would not come back.
-    fn pull(&self, [a, b]: [&Seen; 2], shares: [Real; 2], t: Real, h: Real) -> Pull {
+    fn pull(&self, [a, b]: [&BodyView; 2], shares: [Real; 2], t: Real, h: Real) -> Pull {
         let spring = &self.spring;
-        let end = |seen: &Seen, at: crate::math::Vec3, share: Real| {
+        let end = |seen: &BodyView, at: crate::math::Vec3, share: Real| {
             let moving = seen.inverse_mass * share;
             let turning = (seen.most_inverse_mass_at(at) * share - moving).max(0.0);
             End { arm: seen.state.orientation.rotate(at.into()), inverse_masses: [moving, turning] }
@@ -225,7 +225,7 @@ impl Pull {
     }
 }
 
-impl Seen {
+impl BodyView {
     /// As [`Constants::most_inverse_mass_at`](crate::integrators::state::Constants::most_inverse_mass_at); zero for one that forces do not move.
     fn most_inverse_mass_at(&self, point_body: crate::math::Vec3) -> Real {
         self.constants.map_or(0.0, |constants| constants.most_inverse_mass_at(point_body.into()))
@@ -241,7 +241,7 @@ pub(crate) struct Velocities {
 
 impl Velocities {
     /// Those of a body after half of an impulse.
-    pub(crate) fn halfway(seen: &Seen, impulse: &Impulse) -> Self {
+    pub(crate) fn halfway(seen: &BodyView, impulse: &Impulse) -> Self {
         let turned = seen.derived.apply_inverse_inertia(impulse.angular);
         Self {
             linear: seen.derived.linear + impulse.linear * (0.5 * seen.inverse_mass),

@@ -31,14 +31,14 @@ impl<T: Tile> Relative<T> {
 }
 
 /// Where contacts are and which way they look.
-pub(crate) struct Frame<T> {
+pub(crate) struct ContactFrame<T> {
     pub(crate) normal: Vec3<T>,
     pub(crate) tangents: [Vec3<T>; 2],
     /// From the centres of mass of both bodies to the middle of the contact \[m\].
     pub(crate) arms: [Vec3<T>; 2],
 }
 
-impl<T: Tile> Frame<T> {
+impl<T: Tile> ContactFrame<T> {
     #[inline(always)]
     pub(crate) fn load<const P: usize, const C: usize>(block: &Block<P, C>, lane: usize) -> Self {
         let normal = vector_at(&block.normal, lane);
@@ -62,14 +62,14 @@ pub(crate) fn along_normal<T: Tile>([linear, about_1, about_2]: [T; 3], a: T, b:
 }
 
 /// How two bodies moved since the step began.
-pub(crate) struct Moved<T> {
+pub(crate) struct DeltaPoses<T> {
     pub(crate) linear: [Vec3<T>; 2],
     pub(crate) rotation: [Quat<T>; 2],
     /// Above zero where one of them has turned by more than its tolerance.
     pub(crate) turned: T,
 }
 
-impl<T: Tile> Moved<T> {
+impl<T: Tile> DeltaPoses<T> {
     #[inline(always)]
     pub(crate) fn load(moved: &[Eight], rows: &[[u32; BLOCK]; 2], lane: usize) -> Self {
         let [ax, ay, az, ai, aj, ak, aw, a_turned] = gather(moved, &rows[0], lane);
@@ -138,13 +138,13 @@ fn in_a_row<T: Tile>((p, l, number): (Vec3<T>, Vec3<T>, T)) -> [T; 8] {
 }
 
 /// The bodies of a tile's contacts.
-pub(crate) struct Bodies<T> {
+pub(crate) struct BodyLanes<T> {
     /// Of what impulses do not move, the velocities.
     momenta: Momenta<T>,
     inverse_mass: [T; 2],
 }
 
-impl<T: Tile> Bodies<T> {
+impl<T: Tile> BodyLanes<T> {
     #[inline(always)]
     pub(crate) fn load(motion: &Rows<'_>, block: usize, lane: usize) -> Self {
         let [a, b, c, d, e, f, first_mass] = motion.gather(block, 0, lane);
@@ -164,13 +164,13 @@ impl<T: Tile> Bodies<T> {
 
     /// How they answer to impulses.
     #[inline(always)]
-    pub(crate) fn mobility(&self, response: &Response<T>) -> Mobility<T> {
+    pub(crate) fn mobility(&self, response: &InverseMasses<T>) -> Mobility<T> {
         Mobility { response: response.of_what_moves(self.momenta.grounded), inverse_mass: self.inverse_mass() }
     }
 
     /// The smaller of the bodies' sizes, as what turns them has it: of their mass over their inertia; infinite where impulses turn neither \[m\].
     #[inline(always)]
-    pub(crate) fn least_size(&self, response: &Response<T>) -> T {
+    pub(crate) fn least_size(&self, response: &InverseMasses<T>) -> T {
         let [first, second] = response.diagonal;
         let of_first = self.inverse_mass[0] / (first.x + first.y + first.z);
         let of_second = self.inverse_mass[1] / (second.x + second.y + second.z);
@@ -179,7 +179,7 @@ impl<T: Tile> Bodies<T> {
 
     /// Angular velocities `w`, and what free rotation adds to them a second, `I^-1 (L x w)`; nothing where impulses turn nothing.
     #[inline(always)]
-    pub(crate) fn free_spins(&self, response: &Response<T>) -> ([Vec3<T>; 2], [Vec3<T>; 2]) {
+    pub(crate) fn free_spins(&self, response: &InverseMasses<T>) -> ([Vec3<T>; 2], [Vec3<T>; 2]) {
         let [first, second] = self.momenta.angular;
         let spins = [response.of_first(first), response.of_second(second)];
         let gains = [response.of_first(first.cross(spins[0])), response.of_second(second.cross(spins[1]))];
@@ -188,7 +188,7 @@ impl<T: Tile> Bodies<T> {
 
     /// Velocity of the second seen from the first.
     #[inline(always)]
-    pub(crate) fn relative(&self, response: &Response<T>, arms: [Vec3<T>; 2]) -> Relative<T> {
+    pub(crate) fn relative(&self, response: &InverseMasses<T>, arms: [Vec3<T>; 2]) -> Relative<T> {
         let Momenta { linear, angular, .. } = &self.momenta;
         let first = (linear[0] * self.inverse_mass[0], response.of_first(angular[0]));
         let second = (linear[1] * self.inverse_mass[1], response.of_second(angular[1]));
@@ -209,12 +209,12 @@ impl<T: Tile> Bodies<T> {
 }
 
 /// How bodies answer to angular impulses: their inverse inertia in the world. What impulses do not move has one with which its angular velocity is the momentum that it is given.
-pub(crate) struct Response<T> {
+pub(crate) struct InverseMasses<T> {
     diagonal: [Vec3<T>; 2],
     off_diagonal: [Vec3<T>; 2],
 }
 
-impl<T: Tile> Response<T> {
+impl<T: Tile> InverseMasses<T> {
     #[inline(always)]
     pub(crate) fn load(response: &[Eight], indices: &[[u32; BLOCK]; 2], lane: usize) -> Self {
         let first = gather_two_vectors(response, &indices[0], lane);

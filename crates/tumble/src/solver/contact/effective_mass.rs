@@ -3,13 +3,13 @@
 use crate::simd::Tile;
 use crate::simd::block_lanes::{Lanes, at, put};
 use crate::solver::contact::constraint::{Block, Rolling};
-use crate::solver::contact::contact_frame::{Frame, Response};
+use crate::solver::contact::contact_frame::{ContactFrame, InverseMasses};
 use crate::solver::contact::solve::coupling;
 
 /// How the bodies of a tile's contacts answer to impulses.
 pub(crate) struct Mobility<T> {
     /// Inverse inertias, zero of what impulses do not move.
-    pub(crate) response: Response<T>,
+    pub(crate) response: InverseMasses<T>,
     /// Sum of the inverse masses [1/kg].
     pub(crate) inverse_mass: T,
 }
@@ -32,7 +32,7 @@ pub(crate) fn compute<T: Tile, const P: usize, const C: usize>(
     mobility: &Mobility<T>,
     changed: T,
 ) -> T {
-    let frame = Frame::<T>::load(block, lane);
+    let frame = ContactFrame::<T>::load(block, lane);
     let change = of_points(block, lane, &frame, mobility, changed);
     let change = change.max(of_friction(block, rolling, lane, &frame, mobility, changed));
     let (zero, one) = (T::splat(0.0), T::splat(1.0));
@@ -43,7 +43,7 @@ pub(crate) fn compute<T: Tile, const P: usize, const C: usize>(
 fn of_points<T: Tile, const P: usize, const C: usize>(
     block: &mut Block<P, C>,
     lane: usize,
-    frame: &Frame<T>,
+    frame: &ContactFrame<T>,
     Mobility { response, inverse_mass }: &Mobility<T>,
     changed: T,
 ) -> T {
@@ -88,7 +88,7 @@ fn of_friction<T: Tile, const P: usize, const C: usize>(
     block: &mut Block<P, C>,
     rolling: Option<&mut Rolling>,
     lane: usize,
-    frame: &Frame<T>,
+    frame: &ContactFrame<T>,
     Mobility { response, inverse_mass }: &Mobility<T>,
     changed: T,
 ) -> T {

@@ -3,17 +3,17 @@ use tumble_math::lane::Vec3;
 use crate::simd::Tile;
 use crate::simd::block_lanes::{at, put};
 use crate::solver::contact::constraint::{Friction, Rolling};
-use crate::solver::contact::contact_frame::{Frame, Relative};
+use crate::solver::contact::contact_frame::{ContactFrame, Relative};
 
 /// Impulses of what resists sliding, twisting and rolling, in the frames of a tile's contacts.
 #[derive(Clone, Copy)]
-pub(crate) struct Rubbing<T> {
+pub(crate) struct FrictionSolve<T> {
     sliding: [T; 2],
     twist: T,
     roll: [T; 2],
 }
 
-impl<T: Tile> Rubbing<T> {
+impl<T: Tile> FrictionSolve<T> {
     #[inline(always)]
     pub(crate) fn none() -> Self {
         let zero = T::splat(0.0);
@@ -44,7 +44,7 @@ impl<T: Tile> Rubbing<T> {
 
     /// The same impulses, given in the world.
     #[inline(always)]
-    pub(crate) fn from_world(frame: &Frame<T>, linear: Vec3<T>, angular: Vec3<T>) -> Self {
+    pub(crate) fn from_world(frame: &ContactFrame<T>, linear: Vec3<T>, angular: Vec3<T>) -> Self {
         let [s, t] = frame.tangents;
         Self {
             sliding: [s.dot(linear), t.dot(linear)],
@@ -70,13 +70,13 @@ impl<T: Tile> Rubbing<T> {
 
     /// The impulse in the tangent plane, world frame.
     #[inline(always)]
-    pub(crate) fn linear(&self, frame: &Frame<T>) -> Vec3<T> {
+    pub(crate) fn linear(&self, frame: &ContactFrame<T>) -> Vec3<T> {
         frame.tangents[0] * self.sliding[0] + frame.tangents[1] * self.sliding[1]
     }
 
     /// The angular impulse, world frame.
     #[inline(always)]
-    pub(crate) fn angular(&self, frame: &Frame<T>) -> Vec3<T> {
+    pub(crate) fn angular(&self, frame: &ContactFrame<T>) -> Vec3<T> {
         frame.normal * self.twist + frame.tangents[0] * self.roll[0] + frame.tangents[1] * self.roll[1]
     }
 
@@ -87,7 +87,7 @@ impl<T: Tile> Rubbing<T> {
     pub(crate) fn rolled(
         &self,
         rolling: &Rolling,
-        (frame, lane): (&Frame<T>, usize),
+        (frame, lane): (&ContactFrame<T>, usize),
         motion: &Relative<T>,
         normal: T,
     ) -> Self {
@@ -109,7 +109,7 @@ impl<T: Tile> Rubbing<T> {
     pub(crate) fn slid(
         &self,
         friction: &Friction,
-        (frame, lane): (&Frame<T>, usize),
+        (frame, lane): (&ContactFrame<T>, usize),
         motion: &Relative<T>,
         normal: T,
     ) -> Self {

@@ -79,7 +79,7 @@ const LONGEST: f64 = 2.0;
 /// In how many substeps up to this one a contact has had a blow, from that up to the last one, and from whether it `begins` in one of the two passes of this one. What the
 /// first notes for the second is below zero.
 #[inline(always)]
-pub(crate) fn note_blow<T: Tile>(noted: T, begins: T, is_first_pass: bool) -> T {
+pub(crate) fn record_impact<T: Tile>(noted: T, begins: T, is_first_pass: bool) -> T {
     let (zero, one) = (T::splat(0.0), T::splat(1.0));
     if is_first_pass {
         return T::select(zero.lt(begins), zero - noted - one, noted);

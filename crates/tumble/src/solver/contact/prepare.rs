@@ -1,21 +1,21 @@
 use tumble_math::lane::Vec3;
 
-use crate::collision::contact::{Contact, HELD, POINTS, RUBBED, SHAPE};
+use crate::collision::contact::{ContactRecord, FRICTION_IMPULSE, NORMAL_IMPULSE, POINTS, SHAPE};
 use crate::simd::block_lanes::{at, gather_two_vectors, put, put_vector};
 use crate::simd::{BLOCK, Eight, Kernel, Tile};
 use crate::solver::contact::constraint::Block;
-use crate::solver::contact::contact_frame::{Bodies, Frame, Response};
+use crate::solver::contact::contact_frame::{BodyLanes, ContactFrame, InverseMasses};
 use crate::solver::contact::effective_mass;
 use crate::solver::contact::effective_mass::warm_start;
-use crate::solver::contact::friction::Rubbing;
-use crate::solver::contact::solve::{Blocks, Bodied, hold, speeds};
+use crate::solver::contact::friction::FrictionSolve;
+use crate::solver::contact::solve::{Blocks, SolverLanes, hold, speeds};
 use crate::solver::contact::update_geometry::tangents;
 
 /// Fills blocks whose lanes know their contacts and rows.
 pub(crate) struct Prepare<'a, const P: usize, const C: usize> {
     pub(crate) blocks: Blocks<'a, P, C>,
-    pub(crate) contacts: &'a [Contact],
-    pub(crate) bodies: Bodied<'a>,
+    pub(crate) contacts: &'a [ContactRecord],
+    pub(crate) bodies: SolverLanes<'a>,
     /// Where they are.
     pub(crate) poses: &'a [Eight],
 }
@@ -47,7 +47,7 @@ impl<const P: usize, const C: usize> Kernel for Prepare<'_, P, C> {
         let separations: [T; 4] = [s0, s1, s2, s3];
 
         // A point that comes into reach has no weight yet, so the middle does not jump. A patch is made of the nearest.
-        let [_, _, _, _, _, _, margin]: [T; 7] = pick(self.contacts, block, RUBBED, lane);
+        let [_, _, _, _, _, _, margin]: [T; 7] = pick(self.contacts, block, FRICTION_IMPULSE, lane);
         let inverse_margin = one / margin;
         let (mut nearest, mut j) = (separations[0], 1);
         while j < P {
@@ -86,7 +86,7 @@ impl<const P: usize, const C: usize> Kernel for Prepare<'_, P, C> {
         put(law, &mut block.start.law, lane);
         put_vector(normal, &mut block.start.normal, lane);
         put_vector(tangents[0], &mut block.start.tangent, lane);
-        let [h0, h1, h2, h3, _, _, steady]: [T; 7] = pick(self.contacts, block, HELD, lane);
+        let [h0, h1, h2, h3, _, _, steady]: [T; 7] = pick(self.contacts, block, NORMAL_IMPULSE, lane);
         let kept = warm_start(steady);
         let held = [h0 * kept, h1 * kept, h2 * kept, h3 * kept];
         put(steady, &mut block.start.steady, lane);
@@ -108,8 +108,8 @@ impl<const P: usize, const C: usize> Kernel for Prepare<'_, P, C> {
             j += 1;
         }
 
-        let response = Response::<T>::load(self.bodies.response, self.bodies.motion.pairs(index), lane);
-        let bodies = Bodies::<T>::load(&self.bodies.motion, index, lane);
+        let response = InverseMasses::<T>::load(self.bodies.response, self.bodies.motion.pairs(index), lane);
+        let bodies = BodyLanes::<T>::load(&self.bodies.motion, index, lane);
         let mobility = bodies.mobility(&response);
         put(bodies.least_size(&mobility.response) * T::splat(SLIDE), &mut self.blocks.blocks[index].start.slide, lane);
         let Blocks { blocks, rolling, .. } = &mut self.blocks;
@@ -127,11 +127,11 @@ impl<const P: usize, const C: usize> Prepare<'_, P, C> {
         index: usize,
         lane: usize,
         restitution: T,
-        (bodies, response): (&Bodies<T>, &Response<T>),
+        (bodies, response): (&BodyLanes<T>, &InverseMasses<T>),
     ) {
         let block = &self.blocks.blocks[index];
         let Some(bounce) = self.blocks.bounces.get_mut(index) else { return };
-        let frame = Frame::load(block, lane);
+        let frame = ContactFrame::load(block, lane);
         let speeds = speeds(block, lane, frame.normal_parts(&bodies.relative(response, frame.arms)));
         put(restitution, &mut bounce.restitution, lane);
         put(T::splat(0.0), &mut bounce.absorbed, lane);
@@ -148,7 +148,7 @@ impl<const P: usize, const C: usize> Prepare<'_, P, C> {
     fn prepare_friction<T: Tile>(&mut self, index: usize, lane: usize, (weights, total): (&[T; P], T), length: T) {
         let zero = T::splat(0.0);
         let block = &mut self.blocks.blocks[index];
-        let frame = Frame::<T>::load(block, lane);
+        let frame = ContactFrame::<T>::load(block, lane);
         let mut radius = zero;
         if P > 1 {
             let (mut sum, mut j) = (zero, 0);
@@ -164,16 +164,17 @@ impl<const P: usize, const C: usize> Prepare<'_, P, C> {
             radius = T::select(T::splat(1.0 + 1e-6).lt(total), patch, zero);
         }
         put(radius, &mut block.friction.radius, lane);
-        let [_, _, _, _, fixed, sliding, steady]: [T; 7] = pick(self.contacts, block, HELD, lane);
+        let [_, _, _, _, fixed, sliding, steady]: [T; 7] = pick(self.contacts, block, NORMAL_IMPULSE, lane);
         put(fixed, &mut block.friction.limits[0], lane);
         put(sliding, &mut block.friction.limits[1], lane);
 
-        let [p, q, r, u, v, w] = pick(self.contacts, block, RUBBED, lane);
+        let [p, q, r, u, v, w] = pick(self.contacts, block, FRICTION_IMPULSE, lane);
         let (linear, angular) = (Vec3::new(p, q, r), Vec3::new(u, v, w));
         if let Some(rolling) = self.blocks.rolling.get_mut(index) {
             put(length, &mut rolling.length, lane);
         }
-        let rubbing = Rubbing::from_world(&frame, linear, angular).of_what_rolls(length).scaled(warm_start(steady));
+        let rubbing =
+            FrictionSolve::from_world(&frame, linear, angular).of_what_rolls(length).scaled(warm_start(steady));
         rubbing.store(&mut block.friction, self.blocks.rolling.get_mut(index), lane);
         hold(block, &frame, &rubbing, &mut self.bodies.held, (index, lane));
     }
@@ -182,7 +183,7 @@ impl<const P: usize, const C: usize> Prepare<'_, P, C> {
 /// Some of the numbers of a tile's contacts.
 #[inline(always)]
 fn pick<T: Tile, const P: usize, const C: usize, const N: usize>(
-    contacts: &[Contact],
+    contacts: &[ContactRecord],
     block: &Block<P, C>,
     which: usize,
     lane: usize,

@@ -9,8 +9,8 @@ use crate::math::Real;
 use crate::simd::block_lanes::{put, put_vector};
 use crate::simd::{BLOCK, Eight};
 use crate::solver::contact::constraint::{Block, Rolling};
-use crate::solver::contact::contact_frame::{Frame, Moved, along_normal};
-use crate::solver::contact::friction::Rubbing;
+use crate::solver::contact::contact_frame::{ContactFrame, DeltaPoses, along_normal};
+use crate::solver::contact::friction::FrictionSolve;
 use crate::solver::contact::prepare::LEAST_WEIGHT;
 use crate::solver::contact::update_geometry::tangents;
 use crate::solver::solver_bodies::SolverBodies;
@@ -18,7 +18,7 @@ use crate::threads::InParts;
 
 /// A contact of which a shape is round. Lengths are from the second body's centre of mass when the step began.
 #[derive(Clone)]
-pub(crate) struct Round {
+pub(crate) struct RoundContact {
     /// Its number among the contacts.
     pub(crate) contact: u32,
     pub(crate) rows: [u32; 2],
@@ -47,7 +47,7 @@ const STILL: Real = 1e-3;
 
 impl Contacts {
     /// Adds the round contacts, with numbers from `first` on.
-    pub(crate) fn add_round(&self, first: usize, rounds: &mut Vec<Round>) {
+    pub(crate) fn add_round(&self, first: usize, rounds: &mut Vec<RoundContact>) {
         for (index, contact) in self.contacts.iter().enumerate().filter(|(_, contact)| contact.is_refined()) {
             let shapes = contact.slots.map(|slot| &self.shapes[slot as usize]);
             let colliders = contact.slots.map(|slot| self.colliders[slot as usize].as_ref());
@@ -58,7 +58,7 @@ impl Contacts {
                 position: shape.placement.position - origin,
                 orientation: shape.placement.orientation,
             });
-            rounds.push(Round {
+            rounds.push(RoundContact {
                 contact: (first + index) as u32,
                 rows: self.rows_of(contact),
                 part: contact.part,
@@ -81,7 +81,7 @@ fn weight(margins: Real) -> Real {
 }
 
 /// What has become of the contacts, if their bodies have moved: manifolds about the second body's centre of mass as it is now.
-pub(crate) fn find(rounds: &[Round], moved: &[Eight]) -> Vec<Option<Manifold<Real>>> {
+pub(crate) fn find(rounds: &[RoundContact], moved: &[Eight]) -> Vec<Option<Manifold<Real>>> {
     let mut found = vec![None; rounds.len()];
     let parts = rounds.par_chunks(PART).zip(found.par_chunks_mut(PART));
     parts.by_at_least(2).for_each(|(rounds, found)| {
@@ -91,11 +91,11 @@ pub(crate) fn find(rounds: &[Round], moved: &[Eight]) -> Vec<Option<Manifold<Rea
 }
 
 /// Leaves out the contacts of needles: these stay as they were found.
-pub(crate) fn leave_out_needles(rounds: &mut Vec<Round>, bodies: &SolverBodies) {
+pub(crate) fn leave_out_needles(rounds: &mut Vec<RoundContact>, bodies: &SolverBodies) {
     rounds.retain(|round| round.rows.iter().all(|row| bodies.inertia_ratio(*row) >= LEAST_RATIO));
 }
 
-impl Round {
+impl RoundContact {
     fn find(&self, moved: &[Eight]) -> Option<Manifold<Real>> {
         let [first, second] = self.rows.map(|row| &moved[row as usize].0);
         let slid = Vec3::new(first[0] - second[0], first[1] - second[1], first[2] - second[2]);
@@ -127,10 +127,10 @@ impl Round {
 pub(crate) fn write<const P: usize, const C: usize>(
     manifold: &Manifold<Real>,
     (block, rolling, lane): (&mut Block<P, C>, Option<&mut Rolling>, usize),
-    (moved, round): (&[Eight], &Round),
+    (moved, round): (&[Eight], &RoundContact),
 ) {
     let (rows, alone) = (round.rows, round.alone);
-    let before = Frame::<Real>::load(block, lane);
+    let before = ContactFrame::<Real>::load(block, lane);
     let points = manifold.points();
     if points.is_empty() {
         for j in 0..P {
@@ -166,14 +166,14 @@ pub(crate) fn write<const P: usize, const C: usize>(
     put_vector(s, &mut block.tangent, lane);
     put_vector(middle, &mut block.start.arm, lane);
     (block.start.carried[lane], block.start.slide[lane]) = (1.0, -1.0);
-    let frame = Frame { normal, tangents: [s, t], arms: before.arms };
-    let rubbing = Rubbing::load(&block.friction, rolling.as_deref(), lane);
-    let rubbing = Rubbing::from_world(&frame, rubbing.linear(&before), rubbing.angular(&before));
+    let frame = ContactFrame { normal, tangents: [s, t], arms: before.arms };
+    let rubbing = FrictionSolve::load(&block.friction, rolling.as_deref(), lane);
+    let rubbing = FrictionSolve::from_world(&frame, rubbing.linear(&before), rubbing.angular(&before));
     rubbing.store(&mut block.friction, rolling, lane);
 
     let rows = rows.map(|row| [row; BLOCK]);
     let apart = Vec3::new(block.start.apart[0][lane], block.start.apart[1][lane], block.start.apart[2][lane]);
-    let way = frame.normal_parts(&Moved::<Real>::load(moved, &rows, 0).relative([middle + apart, middle]));
+    let way = frame.normal_parts(&DeltaPoses::<Real>::load(moved, &rows, 0).relative([middle + apart, middle]));
     for (j, place) in places.into_iter().enumerate() {
         // A point that is not there any more still has the impulse that it gave.
         let from_middle = now[j] - middle;

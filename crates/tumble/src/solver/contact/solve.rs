@@ -7,10 +7,12 @@ use crate::math::Real;
 use crate::simd::block_lanes::{at, put, put_vector, vector_at};
 use crate::simd::{BLOCK, Eight, Kernel, Rows, Tile};
 use crate::solver::contact::constraint::{Block, Bounce, Rolling};
-use crate::solver::contact::contact_frame::{Bodies, Frame, Momenta, Moved, Response, along_normal};
+use crate::solver::contact::contact_frame::{
+    BodyLanes, ContactFrame, DeltaPoses, InverseMasses, Momenta, along_normal,
+};
 use crate::solver::contact::effective_mass::warm_start;
-use crate::solver::contact::friction::Rubbing;
-use crate::solver::contact::impact::{Alone, note_blow};
+use crate::solver::contact::friction::FrictionSolve;
+use crate::solver::contact::impact::{Alone, record_impact};
 use crate::solver::contact::softness::Softness;
 use crate::solver::contact::update_geometry::follow;
 
@@ -39,7 +41,7 @@ impl<'a, const P: usize, const C: usize> Blocks<'a, P, C> {
 }
 
 /// The bodies that a pass reads and writes.
-pub(crate) struct Bodied<'a> {
+pub(crate) struct SolverLanes<'a> {
     pub(crate) motion: Rows<'a>,
     /// What contacts do to them when the next substep begins.
     pub(crate) held: Rows<'a>,
@@ -47,7 +49,7 @@ pub(crate) struct Bodied<'a> {
     pub(crate) moved: &'a [Eight],
 }
 
-impl Bodied<'_> {
+impl SolverLanes<'_> {
     /// Those of the first `middle` blocks, and of the others.
     pub(crate) fn split_at(self, middle: usize) -> (Self, Self) {
         let (motion, other_motion) = self.motion.split_at(middle);
@@ -59,7 +61,7 @@ impl Bodied<'_> {
 /// One pass over the points, in order: what overlaps is pushed apart or, where it is to relax, the velocity that this gave is taken out again, and friction follows.
 pub(crate) struct Solve<'a, const P: usize, const C: usize> {
     pub(crate) blocks: Blocks<'a, P, C>,
-    pub(crate) bodies: Bodied<'a>,
+    pub(crate) bodies: SolverLanes<'a>,
     /// How what overlaps is pushed apart; none where it is to relax.
     pub(crate) softness: Option<Softness>,
     /// What comes faster gives a blow \[m/s\].
@@ -80,19 +82,19 @@ impl<const P: usize, const C: usize> Kernel for Solve<'_, P, C> {
     fn tile<T: Tile>(&mut self, i: usize) {
         let (index, lane) = (i / BLOCK, i % BLOCK);
         let block = &mut self.blocks.blocks[index];
-        let response = Response::<T>::load(self.bodies.response, self.bodies.motion.pairs(index), lane);
-        let mut bodies = Bodies::<T>::load(&self.bodies.motion, index, lane);
+        let response = InverseMasses::<T>::load(self.bodies.response, self.bodies.motion.pairs(index), lane);
+        let mut bodies = BodyLanes::<T>::load(&self.bodies.motion, index, lane);
         let lag = match (self.softness, self.blocks.bounces.get(index)) {
             (Some(_), _) => Vec3::zero(),
             // Where bodies bounce, contacts have followed.
             (None, Some(bounce)) => vector_at(&bounce.lag, lane),
             (None, None) => {
-                let moved = Moved::load(self.bodies.moved, self.bodies.motion.pairs(index), lane);
+                let moved = DeltaPoses::load(self.bodies.moved, self.bodies.motion.pairs(index), lane);
                 let h = T::splat(1.0) / T::splat(self.inverse_h.into());
                 follow(block, self.blocks.rolling.get_mut(index), (lane, h), &moved, (&bodies, &response))
             }
         };
-        let frame = Frame::<T>::load(block, lane);
+        let frame = ContactFrame::<T>::load(block, lane);
         let arms = frame.arms;
 
         let speeds = speeds(block, lane, frame.normal_parts(&bodies.relative(&response, arms).less(lag)));
@@ -102,7 +104,7 @@ impl<const P: usize, const C: usize> Kernel for Solve<'_, P, C> {
         bodies.push(arms, linear, angular);
 
         if self.softness.is_none() {
-            let before = Rubbing::load(&block.friction, self.blocks.rolling.get(index), lane);
+            let before = FrictionSolve::load(&block.friction, self.blocks.rolling.get(index), lane);
             let contact = (&frame, lane);
             let after =
                 rub(before, block, self.blocks.rolling.get(index), contact, &mut bodies, (&response, arms, lag), sum);
@@ -185,7 +187,7 @@ impl<const P: usize, const C: usize> Solve<'_, P, C> {
         }
         let begins = T::select(zero.lt(sum), begins, zero);
         let block = &mut self.blocks.blocks[index];
-        put(note_blow(at(&block.start.blow, lane), begins, self.softness.is_some()), &mut block.start.blow, lane);
+        put(record_impact(at(&block.start.blow, lane), begins, self.softness.is_some()), &mut block.start.blow, lane);
         (changes, sum)
     }
 }
@@ -238,17 +240,17 @@ fn aim<T: Tile, const P: usize, const C: usize>(
 
 /// Notes how fast bodies come together before anything pushes them apart. Of what forces do in a substep only the part until they meet counts: with the rest they would bounce with
 /// energy out of nothing.
-pub(crate) struct NoteApproach<'a, const P: usize, const C: usize> {
+pub(crate) struct RecordApproachSpeed<'a, const P: usize, const C: usize> {
     pub(crate) blocks: Blocks<'a, P, C>,
-    pub(crate) bodies: Bodied<'a>,
+    pub(crate) bodies: SolverLanes<'a>,
     /// One over the substep [1/s].
     pub(crate) inverse_h: Real,
-    pub(crate) moment: Moment,
+    pub(crate) moment: SubstepMoment,
 }
 
 /// When in a substep.
 #[derive(Clone, Copy, PartialEq, Eq)]
-pub(crate) enum Moment {
+pub(crate) enum SubstepMoment {
     /// After forces have acted for the first time in the step: what they did they do in the others too.
     FirstKicked,
     Kicked,
@@ -256,7 +258,7 @@ pub(crate) enum Moment {
     Moved,
 }
 
-impl<const P: usize, const C: usize> Kernel for NoteApproach<'_, P, C> {
+impl<const P: usize, const C: usize> Kernel for RecordApproachSpeed<'_, P, C> {
     #[inline(always)]
     fn len(&self) -> usize {
         self.blocks.bounces.len() * BLOCK
@@ -266,10 +268,10 @@ impl<const P: usize, const C: usize> Kernel for NoteApproach<'_, P, C> {
     fn tile<T: Tile>(&mut self, i: usize) {
         let (index, lane) = (i / BLOCK, i % BLOCK);
         let block = &mut self.blocks.blocks[index];
-        let response = Response::<T>::load(self.bodies.response, self.bodies.motion.pairs(index), lane);
-        let bodies = Bodies::<T>::load(&self.bodies.motion, index, lane);
-        if self.moment == Moment::Moved {
-            let moved = Moved::load(self.bodies.moved, self.bodies.motion.pairs(index), lane);
+        let response = InverseMasses::<T>::load(self.bodies.response, self.bodies.motion.pairs(index), lane);
+        let bodies = BodyLanes::<T>::load(&self.bodies.motion, index, lane);
+        if self.moment == SubstepMoment::Moved {
+            let moved = DeltaPoses::load(self.bodies.moved, self.bodies.motion.pairs(index), lane);
             let h = T::splat(1.0) / T::splat(self.inverse_h.into());
             let lag = follow(block, self.blocks.rolling.get_mut(index), (lane, h), &moved, (&bodies, &response));
             // A blow that is to bounce stops what comes, and adds nothing: it would come back with energy out of nothing.
@@ -277,17 +279,17 @@ impl<const P: usize, const C: usize> Kernel for NoteApproach<'_, P, C> {
             let bounces = T::splat(0.0).lt(at(&bounce.restitution, lane));
             put_vector(Vec3::select(bounces, Vec3::zero(), lag), &mut bounce.lag, lane);
         }
-        let frame = Frame::<T>::load(block, lane);
+        let frame = ContactFrame::<T>::load(block, lane);
         let speeds = speeds(block, lane, frame.normal_parts(&bodies.relative(&response, frame.arms)));
         let bounce = &mut self.blocks.bounces[index];
         let (zero, one, inverse_h) = (T::splat(0.0), T::splat(1.0), T::splat(self.inverse_h.into()));
         let mut j = 0;
         while j < P {
-            if self.moment == Moment::Moved {
+            if self.moment == SubstepMoment::Moved {
                 put(speeds[j], &mut bounce.before[j], lane);
             } else {
                 let before: T = at(&bounce.before[j], lane);
-                if self.moment == Moment::FirstKicked {
+                if self.moment == SubstepMoment::FirstKicked {
                     put(speeds[j] - before, &mut bounce.kick[j], lane);
                 }
                 let kick: T = at(&bounce.kick[j], lane);
@@ -305,13 +307,13 @@ impl<const P: usize, const C: usize> Kernel for NoteApproach<'_, P, C> {
 
 /// Makes points leave as fast as the restitution has it, where they came in faster than `threshold` \[m/s\], with the friction that the
 /// added impulse allows.
-pub(crate) struct Rebound<'a, const P: usize, const C: usize> {
+pub(crate) struct ApplyRestitution<'a, const P: usize, const C: usize> {
     pub(crate) blocks: Blocks<'a, P, C>,
-    pub(crate) bodies: Bodied<'a>,
+    pub(crate) bodies: SolverLanes<'a>,
     pub(crate) threshold: Real,
 }
 
-impl<const P: usize, const C: usize> Kernel for Rebound<'_, P, C> {
+impl<const P: usize, const C: usize> Kernel for ApplyRestitution<'_, P, C> {
     #[inline(always)]
     fn len(&self) -> usize {
         self.blocks.bounces.len() * BLOCK
@@ -322,9 +324,9 @@ impl<const P: usize, const C: usize> Kernel for Rebound<'_, P, C> {
         let (index, lane) = (i / BLOCK, i % BLOCK);
         let zero = T::splat(0.0);
         let (block, bounce) = (&mut self.blocks.blocks[index], &mut self.blocks.bounces[index]);
-        let frame = Frame::<T>::load(block, lane);
-        let response = Response::<T>::load(self.bodies.response, self.bodies.motion.pairs(index), lane);
-        let mut bodies = Bodies::<T>::load(&self.bodies.motion, index, lane);
+        let frame = ContactFrame::<T>::load(block, lane);
+        let response = InverseMasses::<T>::load(self.bodies.response, self.bodies.motion.pairs(index), lane);
+        let mut bodies = BodyLanes::<T>::load(&self.bodies.motion, index, lane);
         let arms = frame.arms;
         let restitution: T = at(&bounce.restitution, lane);
         let slowest = T::splat(-f64::from(self.threshold));
@@ -383,7 +385,7 @@ impl<const P: usize, const C: usize> Kernel for Rebound<'_, P, C> {
 
         let (contact, limit) = ((&frame, lane), added.max(zero));
         let motion = (&response, arms, Vec3::zero());
-        rub(Rubbing::none(), block, self.blocks.rolling.get(index), contact, &mut bodies, motion, limit);
+        rub(FrictionSolve::none(), block, self.blocks.rolling.get(index), contact, &mut bodies, motion, limit);
         bodies.store(&mut self.bodies.motion, index, lane);
     }
 }
@@ -398,14 +400,14 @@ fn work<T: Tile>(impulse: T, speed: T, mass: T) -> T {
 /// Takes out what resistance to rolling and then friction can of the motion, where normal impulses add up to `normal`; returns the impulses as they are then.
 #[inline(always)]
 fn rub<T: Tile, const P: usize, const C: usize>(
-    before: Rubbing<T>,
+    before: FrictionSolve<T>,
     block: &Block<P, C>,
     rolling: Option<&Rolling>,
-    contact: (&Frame<T>, usize),
-    bodies: &mut Bodies<T>,
-    (response, arms, lag): (&Response<T>, [Vec3<T>; 2], Vec3<T>),
+    contact: (&ContactFrame<T>, usize),
+    bodies: &mut BodyLanes<T>,
+    (response, arms, lag): (&InverseMasses<T>, [Vec3<T>; 2], Vec3<T>),
     normal: T,
-) -> Rubbing<T> {
+) -> FrictionSolve<T> {
     let frame = contact.0;
     let mut rubbing = before;
     if let Some(rolling) = rolling {
@@ -461,7 +463,7 @@ pub(crate) const fn coupling<const P: usize>(j: usize, k: usize) -> usize {
 #[inline(always)]
 fn along_normals<T: Tile, const P: usize, const C: usize>(
     block: &Block<P, C>,
-    frame: &Frame<T>,
+    frame: &ContactFrame<T>,
     lane: usize,
     impulses: [T; P],
 ) -> (Vec3<T>, Vec3<T>) {
@@ -493,8 +495,8 @@ fn scale_impulses<T: Tile, const P: usize, const C: usize>(block: &mut Block<P, 
 #[inline(always)]
 pub(crate) fn hold<T: Tile, const P: usize, const C: usize>(
     block: &Block<P, C>,
-    frame: &Frame<T>,
-    rubbing: &Rubbing<T>,
+    frame: &ContactFrame<T>,
+    rubbing: &FrictionSolve<T>,
     held: &mut Rows<'_>,
     (index, lane): (usize, usize),
 ) {

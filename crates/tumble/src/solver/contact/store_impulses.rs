@@ -1,17 +1,17 @@
-use crate::collision::contact::{Contact, HELD, RUBBED};
+use crate::collision::contact::{ContactRecord, FRICTION_IMPULSE, NORMAL_IMPULSE};
 use crate::simd::block_lanes::put_two_vectors;
 use crate::simd::{BLOCK, Eight, Kernel, Tile};
-use crate::solver::contact::contact_frame::Frame;
-use crate::solver::contact::friction::Rubbing;
+use crate::solver::contact::contact_frame::ContactFrame;
+use crate::solver::contact::friction::FrictionSolve;
 use crate::solver::contact::solve::Blocks;
 
 /// Gives the impulses of blocks back to the contacts.
-pub(crate) struct Keep<'a, const P: usize, const C: usize> {
+pub(crate) struct StoreImpulses<'a, const P: usize, const C: usize> {
     pub(crate) blocks: Blocks<'a, P, C>,
-    pub(crate) contacts: &'a mut [Contact],
+    pub(crate) contacts: &'a mut [ContactRecord],
 }
 
-impl<const P: usize, const C: usize> Kernel for Keep<'_, P, C> {
+impl<const P: usize, const C: usize> Kernel for StoreImpulses<'_, P, C> {
     #[inline(always)]
     fn len(&self) -> usize {
         self.blocks.blocks.len() * BLOCK
@@ -21,19 +21,19 @@ impl<const P: usize, const C: usize> Kernel for Keep<'_, P, C> {
     fn tile<T: Tile>(&mut self, i: usize) {
         let (index, lane) = (i / BLOCK, i % BLOCK);
         let block = &self.blocks.blocks[index];
-        let frame = Frame::<T>::load(block, lane);
-        let rubbing = Rubbing::load(&block.friction, self.blocks.rolling.get(index), lane);
+        let frame = ContactFrame::<T>::load(block, lane);
+        let rubbing = FrictionSolve::load(&block.friction, self.blocks.rolling.get(index), lane);
         let mut rubbed = [Eight::ZERO; BLOCK];
         put_two_vectors(rubbing.linear(&frame), rubbing.angular(&frame), &mut rubbed);
         let mut l = 0;
         while l < T::WIDTH && lane + l < block.count {
             let contact = &mut self.contacts[block.contacts[lane + l] as usize];
-            contact.numbers[RUBBED].0[..6].copy_from_slice(&rubbed[l].0[..6]);
+            contact.numbers[FRICTION_IMPULSE].0[..6].copy_from_slice(&rubbed[l].0[..6]);
             let is_blow = block.start.blow[lane + l] > 0.0;
-            contact.numbers[HELD].0[6] = if is_blow { 0.0 } else { block.start.steady[lane + l] };
+            contact.numbers[NORMAL_IMPULSE].0[6] = if is_blow { 0.0 } else { block.start.steady[lane + l] };
             let mut j = 0;
             while j < P {
-                contact.numbers[HELD].0[j] = block.points[j].impulse[lane + l];
+                contact.numbers[NORMAL_IMPULSE].0[j] = block.points[j].impulse[lane + l];
                 j += 1;
             }
             l += 1;

@@ -6,7 +6,7 @@ use crate::collision::contact::{CENTERS, MATERIAL};
 use crate::simd::Tile;
 use crate::simd::block_lanes::{at, put, put_vector, vector_at};
 use crate::solver::contact::constraint::{Block, Rolling};
-use crate::solver::contact::contact_frame::{Bodies, Frame, Moved, Response, along_normal};
+use crate::solver::contact::contact_frame::{BodyLanes, ContactFrame, DeltaPoses, InverseMasses, along_normal};
 use crate::solver::contact::effective_mass;
 use crate::solver::contact::effective_mass::{Mobility, put_where};
 
@@ -23,8 +23,8 @@ pub(crate) fn follow<T: Tile, const P: usize, const C: usize>(
     block: &mut Block<P, C>,
     rolling: Option<&mut Rolling>,
     (lane, h): (usize, T),
-    moved: &Moved<T>,
-    (bodies, response): (&Bodies<T>, &Response<T>),
+    moved: &DeltaPoses<T>,
+    (bodies, response): (&BodyLanes<T>, &InverseMasses<T>),
 ) -> Vec3<T> {
     let before: [Vec3<T>; 2] = [vector_at(&block.arms[0], lane), vector_at(&block.arms[1], lane)];
     refresh(block, rolling, lane, moved, &bodies.mobility(response));
@@ -64,7 +64,7 @@ fn refresh<T: Tile, const P: usize, const C: usize>(
     block: &mut Block<P, C>,
     rolling: Option<&mut Rolling>,
     lane: usize,
-    moved: &Moved<T>,
+    moved: &DeltaPoses<T>,
     mobility: &Mobility<T>,
 ) {
     let (zero, one) = (T::splat(0.0), T::splat(1.0));
@@ -73,7 +73,7 @@ fn refresh<T: Tile, const P: usize, const C: usize>(
     let carried: T = at(&start.carried, lane);
     let slid = moved.linear[1] - moved.linear[0];
     let now = apart + slid;
-    let frame = Frame::<T>::load(block, lane);
+    let frame = ContactFrame::<T>::load(block, lane);
 
     let law: T = at(&start.law, lane);
     let half = T::splat(0.5);
@@ -119,7 +119,7 @@ fn along_centers<T: Tile, const P: usize, const C: usize>(
 ) {
     let (zero, one, half) = (T::splat(0.0), T::splat(1.0), T::splat(0.5));
     let which = T::select(zero.lt(now.dot(now)), which, zero);
-    let before = Frame::<T>::load(block, lane);
+    let before = ContactFrame::<T>::load(block, lane);
     let start: Vec3<T> = vector_at(&block.start.normal, lane);
     let gap: T = at(&block.start.separations[0], lane);
     let distance = now.dot(now).sqrt();
@@ -143,7 +143,7 @@ fn along_centers<T: Tile, const P: usize, const C: usize>(
 fn turn<T: Tile, const P: usize, const C: usize>(
     block: &mut Block<P, C>,
     lane: usize,
-    moved: &Moved<T>,
+    moved: &DeltaPoses<T>,
     (carried, slid, now): (T, Vec3<T>, Vec3<T>),
     turned: T,
 ) {
