@@ -10,7 +10,7 @@ use criterion::measurement::WallTime;
 use criterion::{BenchmarkGroup, BenchmarkId, Criterion, SamplingMode, Throughput, criterion_group, criterion_main};
 use hecs::World;
 use rayon::ThreadPool;
-use tumble::{Batch, Chance, RigidBody, Settings, Shape, Trial};
+use tumble::{Batch, RigidBody, Rng, Settings, Shape, Trial};
 use tumble_benches::{label, pools};
 
 const STEPS: u32 = 120;
@@ -20,21 +20,21 @@ const MANY_BODIES: usize = 1_000_000;
 const STEPS_OF_MANY: u32 = 20;
 
 /// A world of free boxes; the bodies are possible, so it is always one.
-fn trial(bodies: usize, mut chance: Chance) -> Option<Trial> {
+fn trial(bodies: usize, mut rng: Rng) -> Option<Trial> {
     let mut world = World::new();
     for _ in 0..bodies {
-        let body = RigidBody::new(Shape::cuboid(chance.vector(0.1, 1.0)))
+        let body = RigidBody::new(Shape::cuboid(rng.vector(0.1, 1.0)))
             .density(1000.0)
-            .position(chance.vector(-50.0, 50.0))
-            .linear_velocity(chance.vector(-3.0, 3.0))
-            .angular_velocity(chance.vector(-5.0, 5.0));
+            .position(rng.vector(-50.0, 50.0))
+            .linear_velocity(rng.vector(-3.0, 3.0))
+            .angular_velocity(rng.vector(-5.0, 5.0));
         body.build().ok()?.spawn(&mut world);
     }
     Trial::new(Settings::default(), world).ok()
 }
 
 fn batch(worlds: usize, bodies: usize) -> Option<Batch> {
-    Batch::from_seed(worlds, 1, |_, chance| trial(bodies, chance).ok_or(())).ok()
+    Batch::from_seed(worlds, 1, |_, rng| trial(bodies, rng).ok_or(())).ok()
 }
 
 /// One batch on one and on two threads.

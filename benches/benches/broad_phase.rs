@@ -13,7 +13,7 @@ use std::hint::black_box;
 use std::time::{Duration, Instant};
 
 use criterion::{BenchmarkId, Criterion, Throughput, criterion_group, criterion_main};
-use tumble::Chance;
+use tumble::Rng;
 use tumble_collide::{Bounds, BroadPhase, Proxy};
 use tumble_math::lane::Vec3;
 
@@ -43,9 +43,9 @@ struct Pile {
 
 impl Pile {
     fn new(count: usize, motion: Motion) -> Self {
-        let mut chance = Chance::new(7);
+        let mut rng = Rng::new(7);
         let side = (count as f32).cbrt().round() as usize;
-        let mut number = || (2.0 * chance.unit() - 1.0) as f32;
+        let mut number = || (2.0 * rng.unit() - 1.0) as f32;
         let ways = (0..count).map(|_| Vec3::new(number(), number(), number())).collect();
         let home = |i: usize| [i % side, i / (side * side), i / side % side].map(|place| PITCH * place as f32);
         let homes: Vec<Vec3<f32>> = (0..count).map(home).map(|[x, y, z]| Vec3::new(x, y, z)).collect();

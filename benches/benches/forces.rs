@@ -10,7 +10,7 @@ use criterion::{BenchmarkId, Criterion, Throughput, criterion_group, criterion_m
 use hecs::{Entity, World};
 use tumble::lane::Lane;
 use tumble::prelude::*;
-use tumble::{LaneBody, LaneLaw, LaneWrench};
+use tumble::{SimdBody, SimdForceLaw, SimdWrench};
 use tumble_benches::{attracting_points, label, net_of_springs, pools, tumbling_boxes};
 
 const BODIES: usize = 10_000;
@@ -32,14 +32,14 @@ impl ForceLaw for OneByOne {
     }
 }
 
-impl LaneLaw<1> for Tether {
+impl SimdForceLaw<1> for Tether {
     fn numbers(&self) -> [Real; 1] {
         [self.0]
     }
 
     #[inline(always)]
-    fn wrench<L: Lane>([stiffness]: [L; 1], body: &LaneBody<L>) -> LaneWrench<L> {
-        LaneWrench::force(body.position * -stiffness)
+    fn wrench<L: Lane>([stiffness]: [L; 1], body: &SimdBody<L>) -> SimdWrench<L> {
+        SimdWrench::force(body.position * -stiffness)
     }
 
     fn depends_on_velocity(&self) -> bool {
@@ -87,7 +87,7 @@ fn components(criterion: &mut Criterion) {
             }
             let Ok(mut simulation) = Simulation::new(Settings::default().with_integrator(integrator)) else { return };
             simulation.add_law::<OneByOne>();
-            simulation.add_lane_law::<Tether, 1>();
+            simulation.add_simd_law::<Tether, 1>();
             for pool in &pools {
                 group.bench_function(BenchmarkId::new(kind, format!("{integrator}/{}", label(pool))), |bencher| {
                     pool.install(|| bencher.iter(|| simulation.step(&mut world)));

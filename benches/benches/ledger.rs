@@ -7,7 +7,7 @@ mod setup;
 
 use criterion::{BenchmarkId, Criterion, Throughput, criterion_group, criterion_main};
 use hecs::World;
-use tumble::{BodyId, BodyOrder, Integrator, Ledger, Settings, Simulation, measure};
+use tumble::{BodyId, BodyOrder, Integrator, Ledger, Settings, Simulation, Totals};
 use tumble_benches::{mixed_moving_bodies, pool, tumbling_boxes};
 
 const BODIES: usize = 10_000;
@@ -64,7 +64,7 @@ fn sums(criterion: &mut Criterion) {
             let pool = pool(threads);
             let label = format!("{name}/{threads}");
             group.bench_function(BenchmarkId::new("sums", &label), |bencher| {
-                pool.install(|| bencher.iter(|| measure(&world, &settings, &order)));
+                pool.install(|| bencher.iter(|| Totals::of(&world, &settings, &order)));
             });
             group.bench_function(BenchmarkId::new("step", &label), |bencher| {
                 pool.install(|| bencher.iter(|| simulation.step(&mut world)));

@@ -10,7 +10,7 @@ use criterion::{BatchSize, BenchmarkGroup, BenchmarkId, Criterion, Throughput, c
 use hecs::{Entity, World};
 use tumble::math::Vec3;
 use tumble::{
-    Body, Chance, Inertia, InverseInertia, Mass, Momentum, Pose, RigidBody, Shape, Velocity, Wrench, spawn_bodies,
+    Body, Inertia, InverseInertia, Mass, Momentum, Pose, RigidBody, Rng, Shape, Velocity, Wrench, spawn_bodies,
 };
 use tumble_benches::{mixed_body, tumbling_box};
 
@@ -47,8 +47,8 @@ fn bench<O>(group: &mut BenchmarkGroup<'_, WallTime>, name: &str, size: usize, m
 }
 
 fn boxes(criterion: &mut Criterion) {
-    let mut chance = Chance::new(0xb0);
-    let bodies: Vec<Body> = (0..DIFFERENT).map(|_| tumbling_box(&mut chance)).collect();
+    let mut rng = Rng::new(0xb0);
+    let bodies: Vec<Body> = (0..DIFFERENT).map(|_| tumbling_box(&mut rng)).collect();
     let equal = components(&bodies[0]);
     let mut group = criterion.benchmark_group("boxes");
     for size in SIZES {

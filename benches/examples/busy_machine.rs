@@ -11,7 +11,7 @@ use std::thread;
 use std::time::Instant;
 
 use hecs::World;
-use tumble::Chance;
+use tumble::Rng;
 use tumble::math::Vec3;
 use tumble::prelude::*;
 
@@ -21,7 +21,7 @@ const STEPS: usize = 600;
 fn heap(count: u32) -> Result<World, Box<dyn Error>> {
     let mut world = World::new();
     RigidBody::new(Shape::Point).fixed().build()?.spawn_with(&mut world, (Collider::half_space(),));
-    let mut chance = Chance::new(1);
+    let mut rng = Rng::new(1);
     for i in 0..count {
         let shape = match i % 3 {
             0 => Shape::cylinder(0.2, 0.2),
@@ -29,7 +29,7 @@ fn heap(count: u32) -> Result<World, Box<dyn Error>> {
             _ => Shape::ellipsoid([0.2, 0.15, 0.1]),
         };
         let collider = Collider::new(&shape)?;
-        let place = chance.vector(-0.6, 0.6) + Vec3::Y * (1.0 + 0.05 * i as Real);
+        let place = rng.vector(-0.6, 0.6) + Vec3::Y * (1.0 + 0.05 * i as Real);
         RigidBody::new(shape).mass(1.0).position(place).build()?.spawn_with(&mut world, (collider,));
     }
     Ok(world)
@@ -37,9 +37,9 @@ fn heap(count: u32) -> Result<World, Box<dyn Error>> {
 
 /// Bodies that attract each other.
 fn cluster(count: u32) -> Result<World, Box<dyn Error>> {
-    let (mut world, mut chance) = (World::new(), Chance::new(2));
+    let (mut world, mut rng) = (World::new(), Rng::new(2));
     for _ in 0..count {
-        let body = RigidBody::new(Shape::sphere(0.1)).mass(1.0).position(chance.vector(-50.0, 50.0));
+        let body = RigidBody::new(Shape::sphere(0.1)).mass(1.0).position(rng.vector(-50.0, 50.0));
         body.build()?.spawn_with(&mut world, (GravityMass::of_kilograms(1e9),));
     }
     Ok(world)

@@ -1,6 +1,6 @@
 //! The scenes that the benches run, and the tests that are about many bodies at once.
 //!
-//! The same numbers on every machine and in every run: the only source of chance is [`Chance`], and nothing but basic
+//! The same numbers on every machine and in every run: the only source of chance is [`Rng`], and nothing but basic
 //! arithmetic and square roots is used.
 
 #![cfg_attr(
@@ -20,4 +20,4 @@ pub use piles::{FRICTION, PileShape, eight_boxes, falling_balls, pyramid};
 pub use pulling::{attracting_points, net_of_springs};
 pub use scenes::{mixed_bodies, mixed_body, mixed_moving_bodies, tumbling_box, tumbling_boxes};
 pub use threads::{SIZES, in_pools_of_one, label, pool, pools};
-pub use tumble::Chance;
+pub use tumble::Rng;

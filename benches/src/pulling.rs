@@ -1,6 +1,6 @@
 use hecs::{DynamicBundle, Entity, World};
 use tumble::math::{Real, Vec3};
-use tumble::{BodyId, Chance, GravityMass, RigidBody, Shape, Spring};
+use tumble::{BodyId, GravityMass, RigidBody, Rng, Shape, Spring};
 
 /// A square net of `side` times `side` balls, a metre apart, with a damped spring between neighbours: `2 side (side - 1)` of them.
 pub fn net_of_springs(side: usize) -> World {
@@ -22,9 +22,9 @@ pub fn net_of_springs(side: usize) -> World {
 
 /// A cloud of points in which every one pulls at every other.
 pub fn attracting_points(count: usize) -> World {
-    let (mut world, mut chance) = (World::new(), Chance::new(7));
+    let (mut world, mut rng) = (World::new(), Rng::new(7));
     for i in 0..count {
-        let place = chance.vector(-100.0, 100.0);
+        let place = rng.vector(-100.0, 100.0);
         spawn(&mut world, Shape::Point, i, place, (GravityMass { mu: 1.0, softening: 0.1 },));
     }
     world

@@ -6,8 +6,8 @@ use tumble_collide::{Compound, ConvexHull, Geometry, Mesh, Placement, touching, 
 use tumble_math::lane::{Quat, Vec3};
 
 /// Of a pair of convex shapes, as `pair_tests.rs` in `tumble-collide` has them.
-const MOST_REACHED: usize = 4096;
-const MOST_COMPARED: usize = (1 << 18) + (1 << 13);
+const MAX_REACHED: usize = 4096;
+const MAX_COMPARED: usize = (1 << 18) + (1 << 13);
 
 /// Reads numbers as long as there are bytes, and zeros after that.
 struct Bytes<'a>(std::slice::Iter<'a, u8>);
@@ -107,8 +107,8 @@ pub fn meet(bytes: &[u8]) {
     });
     let [reached, compared, multiplied] = work_done();
     let pairs = parts(&first) * parts(&second);
-    assert!(reached <= pairs * MOST_REACHED, "{reached} points reached of {pairs} pairs");
-    assert!(compared <= pairs * MOST_COMPARED, "{compared} faces and sides compared of {pairs} pairs");
+    assert!(reached <= pairs * MAX_REACHED, "{reached} points reached of {pairs} pairs");
+    assert!(compared <= pairs * MAX_COMPARED, "{compared} faces and sides compared of {pairs} pairs");
     // A hull here has at most 31 corners and 58 faces, each gone through for a point that is reached.
-    assert!(multiplied <= pairs * MOST_REACHED * 128, "{multiplied} products of {pairs} pairs");
+    assert!(multiplied <= pairs * MAX_REACHED * 128, "{multiplied} products of {pairs} pairs");
 }

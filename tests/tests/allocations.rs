@@ -88,7 +88,7 @@ fn a_step_allocates_nothing() {
                 let mut world = scene();
                 let mut simulation = Simulation::new(Settings::default().with_integrator(integrator)).unwrap();
                 simulation.add_law::<Brake>();
-                simulation.add_lane_law::<coupled::Honey, 1>();
+                simulation.add_simd_law::<coupled::Honey, 1>();
                 if name.ends_with("booked") {
                     Ledger::attach(&mut world, &simulation);
                 }

@@ -12,8 +12,8 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 use hecs::World;
 use tumble::math::{Real, Vec3};
 use tumble::{
-    Batch, BodyOrder, BodyState, Chance, ForceLaw, Integrator, RigidBody, Settings, Shape, Trial, Wrench, state_hash,
-    stream,
+    Batch, BodyOrder, BodyState, ForceLaw, Integrator, RigidBody, Rng, Settings, Shape, Trial, Wrench, for_each_world,
+    state_hash,
 };
 use tumble_benches::{mixed_body, pool};
 
@@ -33,7 +33,7 @@ impl ForceLaw for Ramp {
 }
 
 /// World `index`: bodies, settings and laws of its own.
-fn trial(index: usize, mut chance: Chance) -> Trial {
+fn trial(index: usize, mut rng: Rng) -> Trial {
     let mut world = World::new();
     let bodies = match index % 8 {
         0 => 0,
@@ -44,25 +44,25 @@ fn trial(index: usize, mut chance: Chance) -> Trial {
         few => few as u64,
     };
     for id in 0..bodies {
-        mixed_body(id + 16 * (chance.bits() % 1000)).spawn(&mut world);
+        mixed_body(id + 16 * (rng.next_u64() % 1000)).spawn(&mut world);
     }
     let settings = Settings::default()
         .with_integrator(Integrator::ALL[index % Integrator::ALL.len()])
-        .with_dt(chance.between(0.005, 0.02))
-        .with_gravity(chance.vector(-10.0, 10.0));
+        .with_dt(rng.range(0.005, 0.02))
+        .with_gravity(rng.vector(-10.0, 10.0));
     let mut trial = Trial::new(settings, world).unwrap();
     if index % 5 == 2 {
-        trial.simulation.add_law_everywhere(Ramp(0.5));
+        trial.simulation.add_global_law(Ramp(0.5));
     }
     trial
 }
 
 fn batch() -> Batch {
-    Batch::from_seed(WORLDS, 9, |index, chance| Ok::<_, ()>(trial(index, chance))).unwrap()
+    Batch::from_seed(WORLDS, 9, |index, rng| Ok::<_, ()>(trial(index, rng))).unwrap()
 }
 
 fn alone(index: usize) -> u64 {
-    let Trial { mut simulation, mut world } = trial(index, Chance::stream(9, index as u64));
+    let Trial { mut simulation, mut world } = trial(index, Rng::stream(9, index as u64));
     for _ in 0..STEPS {
         simulation.step(&mut world);
     }
@@ -88,7 +88,7 @@ fn a_world_in_a_batch_has_the_bits_it_has_alone() {
         });
         assert_eq!(together, alone, "{threads} threads");
     }
-    let mut reversed: Batch = (0..WORLDS).rev().map(|i| trial(i, Chance::stream(9, i as u64))).collect();
+    let mut reversed: Batch = (0..WORLDS).rev().map(|i| trial(i, Rng::stream(9, i as u64))).collect();
     reversed.step_many(STEPS);
     let mut backwards = hashes(&mut reversed);
     backwards.reverse();
@@ -164,23 +164,23 @@ fn an_observer_may_push() {
 fn the_error_of_the_first_world_is_returned() {
     for _ in 0..20 {
         let made =
-            Batch::from_seed(1000, 0, |index, _| if index >= 7 { Err(index) } else { Ok(trial(0, Chance::new(0))) });
+            Batch::from_seed(1000, 0, |index, _| if index >= 7 { Err(index) } else { Ok(trial(0, Rng::new(0))) });
         assert_eq!(made.err(), Some(7));
     }
 }
 
 #[test]
 fn sequences_of_chance_are_their_own_and_pinned() {
-    let first: Vec<u64> = (0..10_000).map(|index| Chance::stream(3, index).bits()).collect();
+    let first: Vec<u64> = (0..10_000).map(|index| Rng::stream(3, index).next_u64()).collect();
     let mut distinct = first.clone();
     distinct.sort_unstable();
     distinct.dedup();
     assert_eq!(distinct.len(), first.len());
     // SplitMix64's first number for seed 1234567, as in its reference implementations.
-    assert_eq!(Chance::new(1_234_567).bits(), 6_457_827_717_110_365_317);
+    assert_eq!(Rng::new(1_234_567).next_u64(), 6_457_827_717_110_365_317);
     // Computed apart from this code, in Python; recorded sweeps are worth nothing if it changes.
-    assert_eq!(Chance::stream(42, 7).bits(), PINNED);
-    let mean = (0..10_000).map(|index| Chance::stream(3, index).unit()).sum::<f64>() / 10_000.0;
+    assert_eq!(Rng::stream(42, 7).next_u64(), PINNED);
+    let mean = (0..10_000).map(|index| Rng::stream(3, index).unit()).sum::<f64>() / 10_000.0;
     // Standard deviation of the mean of 10 000 uniform numbers: 0.0029; five of them.
     assert!((mean - 0.5).abs() < 0.0145, "{mean}");
 }
@@ -216,7 +216,7 @@ fn a_stream_is_in_order_and_in_bounded_memory() {
         let (worlds, results) = (Census::default(), Census::default());
         let mut next = 5;
         let end = pool(threads).install(|| {
-            stream(
+            for_each_world(
                 5..40_005,
                 |index| {
                     let _world = Counted::new(&worlds);
@@ -241,10 +241,10 @@ fn a_stream_is_in_order_and_in_bounded_memory() {
 fn a_streamed_world_has_the_bits_it_has_alone_and_the_taker_may_stop() {
     let alone: Vec<u64> = (0..WORLDS).map(alone).collect();
     let mut taken = Vec::new();
-    let end = stream(
+    let end = for_each_world(
         0..WORLDS as u64,
         |index| {
-            let mut trial = trial(index as usize, Chance::stream(9, index));
+            let mut trial = trial(index as usize, Rng::stream(9, index));
             trial.step_many(STEPS);
             trial.state_hash()
         },
@@ -256,5 +256,5 @@ fn a_streamed_world_has_the_bits_it_has_alone_and_the_taker_may_stop() {
     assert_eq!(end, ControlFlow::Break(30));
     assert_eq!(taken, alone[..31]);
     let reversed = Range { start: 3, end: 2 };
-    assert!(stream(reversed, |_| (), |_, ()| ControlFlow::Break(())).is_continue());
+    assert!(for_each_world(reversed, |_| (), |_, ()| ControlFlow::Break(())).is_continue());
 }

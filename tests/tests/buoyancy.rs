@@ -23,7 +23,7 @@ use glam::{DQuat, DVec3};
 use hecs::{Entity, World};
 use tumble::Integrator::{self, MoserVeselov, RungeKutta4, SemiImplicitEuler};
 use tumble::math::{Quat, Real, Vec3};
-use tumble::{BodyOrder, Buoyancy, Chance, Damping, GravityScale, Hull, Momentum, Pose, RigidBody, Shape, measure};
+use tumble::{BodyOrder, Buoyancy, Damping, GravityScale, Hull, Momentum, Pose, RigidBody, Rng, Shape, Totals};
 use tumble_tests::{EPSILON, attitude_error, by_precision, dquat, dvec3, run, seconds, simulation};
 
 mod nets;
@@ -60,7 +60,7 @@ fn lift(buoyancy: Buoyancy, pose: Pose) -> (DVec3, DVec3) {
 fn potential(buoyancy: Buoyancy, pose: Pose) -> f64 {
     let (world, _) = floating(buoyancy, pose);
     let simulation = simulation(SemiImplicitEuler, gravity(), 1.0);
-    measure(&world, simulation.settings(), &BodyOrder::of(&world)).force_potential
+    Totals::of(&world, simulation.settings(), &BodyOrder::of(&world)).force_potential
 }
 
 /// Volume and first moment about the origin of the part of a turned box below the plane `up . x = 0`, by slices:
@@ -136,7 +136,7 @@ fn slices_are_right() {
 }
 
 /// Attitudes: at random, along the axes, on edges and corners, and a hair beside.
-fn attitudes(chance: &mut Chance) -> Vec<Quat> {
+fn attitudes(rng: &mut Rng) -> Vec<Quat> {
     let quarter = std::f64::consts::FRAC_PI_4 as Real;
     let mut special = vec![Quat::IDENTITY, Quat::from_rotation_x(2.0 * quarter), Quat::from_rotation_y(2.0 * quarter)];
     special.extend([Quat::from_rotation_x(quarter), Quat::from_rotation_z(1e-4), Quat::from_rotation_y(1e-7)]);
@@ -145,25 +145,25 @@ fn attitudes(chance: &mut Chance) -> Vec<Quat> {
     let level = DQuat::from_rotation_arc(DVec3::Y, up());
     let level = Quat::from_xyzw(level.x as Real, level.y as Real, level.z as Real, level.w as Real);
     let leveled: Vec<Quat> = special.iter().map(|q| (level * *q).normalize()).collect();
-    special.into_iter().chain(leveled).chain((0..300).map(|_| chance.orientation())).collect()
+    special.into_iter().chain(leveled).chain((0..300).map(|_| rng.orientation())).collect()
 }
 
 /// Volume and centroid of what is under water, for boxes of many proportions in hundreds of attitudes, from just
 /// touching to just drowned.
 #[test]
 fn a_box_displaces_what_slices_of_it_add_up_to() {
-    let mut chance = Chance::new(11);
+    let mut rng = Rng::new(11);
     let (mut worst, mut parts) = ((0.0_f64, 0.0_f64), [0; 3]);
     for half in [Vec3::ONE, Vec3::new(0.3, 0.5, 0.8), Vec3::new(2.0, 0.02, 1.0), Vec3::new(0.05, 3.0, 0.05)] {
-        for orientation in attitudes(&mut chance) {
+        for orientation in attitudes(&mut rng) {
             let axes = dquat(orientation).inverse() * up() * dvec3(half);
             let reach = axes.abs().element_sum();
             let depths = [-1.5, -1.0, -0.9999, -0.5, 0.0, 0.3, 0.9, 0.9999, 1.0, 1.2];
-            let somewhere = f64::from(chance.between(-1.1, 1.1));
+            let somewhere = f64::from(rng.range(-1.1, 1.1));
             for depth in depths.into_iter().chain([somewhere]) {
-                let hull_center = Vec3::new(0.2, -0.1, 0.3) * chance.between(0.0, 1.0);
+                let hull_center = Vec3::new(0.2, -0.1, 0.3) * rng.range(0.0, 1.0);
                 let level: Real = 0.75;
-                let across = dvec3(chance.vector(-1.0, 1.0)).cross(up());
+                let across = dvec3(rng.vector(-1.0, 1.0)).cross(up());
                 let wanted =
                     up() * (f64::from(level) - depth * reach) + across - dquat(orientation) * dvec3(hull_center);
                 let [x, y, z] = wanted.to_array().map(|number| number as Real);
@@ -229,12 +229,12 @@ fn a_ball_displaces_its_cap() {
 /// hulls, partly in the water, drowned and dry.
 #[test]
 fn the_lift_is_the_slope_of_the_energy() {
-    let mut chance = Chance::new(4);
+    let mut rng = Rng::new(4);
     let hulls = [Hull::Cuboid { half_extents: Vec3::new(0.3, 0.5, 0.8) }, Hull::Sphere { radius: 0.6 }];
     for (hull, i) in hulls.into_iter().flat_map(|hull| (0..200).map(move |i| (hull, i))) {
-        let center = chance.vector(-0.2, 0.2);
+        let center = rng.vector(-0.2, 0.2);
         let buoyancy = Buoyancy { level: 0.25, center, ..Buoyancy::new(hull) };
-        let pose = Pose { position: chance.vector(-1.0, 1.0), orientation: chance.orientation() };
+        let pose = Pose { position: rng.vector(-1.0, 1.0), orientation: rng.orientation() };
         let (force, torque) = lift(buoyancy, pose);
         let d = by_precision(1e-3, 1e-5);
         for axis in [DVec3::X, DVec3::Y, DVec3::Z] {

@@ -13,17 +13,17 @@ use proptest::prelude::*;
 use proptest::test_runner::TestRunner;
 use tumble::math::{Quat, Real, Vec3};
 use tumble::prelude::*;
-use tumble::{Chance, Ledger};
+use tumble::{Ledger, Rng};
 use tumble_benches::pool;
 use tumble_tests::touching::{collider, cube, ground, spawn};
 use tumble_tests::{hash, run};
 
 /// Bodies of all shapes in a heap, some with springs, some that attract each other, by a number.
 fn heap(seed: u64, count: usize) -> World {
-    let mut chance = Chance::new(seed);
+    let mut rng = Rng::new(seed);
     let mut world = World::new();
     ground(&mut world, Material::default(), Quat::IDENTITY);
-    let kinds = chance.bits();
+    let kinds = rng.next_u64();
     let mut bodies = Vec::new();
     for i in 0..count {
         let shape = match (kinds >> (2 * (i % 8))) % 5 {
@@ -33,8 +33,8 @@ fn heap(seed: u64, count: usize) -> World {
             3 => Shape::ellipsoid([0.2, 0.15, 0.1]),
             _ => cube(0.2),
         };
-        let place = chance.vector(-0.8, 0.8) + Vec3::Y * (1.0 + 0.04 * i as Real);
-        let body = RigidBody::new(shape.clone()).mass(1.0).position(place).orientation(chance.orientation());
+        let place = rng.vector(-0.8, 0.8) + Vec3::Y * (1.0 + 0.04 * i as Real);
+        let body = RigidBody::new(shape.clone()).mass(1.0).position(place).orientation(rng.orientation());
         bodies.push(spawn(&mut world, body, collider(&shape)));
     }
     for pair in bodies.windows(2).filter(|_| kinds & 1 << 40 != 0) {

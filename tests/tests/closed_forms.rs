@@ -21,7 +21,7 @@ use tumble::{
     Ledger, MassProperties, Momentum, PrincipalInertia, RigidBody, STATE_SIZE, Settings, Shape, Simulation, Thruster,
     Velocity, derivative_to_array, state_to_array, update_derived,
 };
-use tumble_math::{FreeRotation, LARGEST_KAPPA, MOST_PARTS, angle_between, from_scaled_axis, rotate_freely};
+use tumble_math::{FreeRotation, LARGEST_KAPPA, MAX_PARTS, angle_between, from_scaled_axis, rotate_freely};
 use tumble_tests::{EPSILON, by_precision, dvec3};
 
 /// About a principal axis a body turns uniformly, whatever its moments and however far in one step: from a tenth of a
@@ -50,7 +50,7 @@ fn a_long_step_about_a_principal_axis_turns_by_its_angle() {
             }
         }
     }
-    const { assert!(LARGEST_KAPPA < 1.0 && MOST_PARTS > 10.0) }
+    const { assert!(LARGEST_KAPPA < 1.0 && MAX_PARTS > 10.0) }
 }
 
 /// A symmetric top: it turns about its own axis as seen from a frame that precesses about the angular momentum at

@@ -20,8 +20,8 @@ use glam::{DQuat, DVec3};
 use hecs::{Entity, World};
 use tumble::math::{Quat, Real, Vec3};
 use tumble::{
-    BodyOrder, Damping, InertiaTensor, Integrator, Momentum, Pose, PrincipalAxes, RigidBody, Settings, Shape, Velocity,
-    measure,
+    BodyOrder, Damping, InertiaTensor, Integrator, Momentum, Pose, PrincipalAxes, RigidBody, Settings, Shape, Totals,
+    Velocity,
 };
 use tumble_benches::mixed_body;
 use tumble_tests::{EPSILON, FreeBody, attitude_error, by_precision, dquat, dvec3, energy_of, run, weightless};
@@ -257,7 +257,7 @@ fn totals_are_the_sums_over_bodies() {
     throw(2.0, 3.0).spawn(&mut world);
     throw(-2.0, -3.0).spawn(&mut world);
     let settings = Settings::default().with_gravity(Vec3::X * -2.0);
-    let totals = measure(&world, &settings, &BodyOrder::of(&world));
+    let totals = Totals::of(&world, &settings, &BodyOrder::of(&world));
     // All numbers are whole: exact.
     assert_eq!(totals.linear_momentum, DVec3::ZERO);
     assert_eq!(totals.angular_momentum, DVec3::Z * (2.0 * 6.0 + 2.0 * 3.0));

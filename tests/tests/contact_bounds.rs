@@ -18,7 +18,7 @@ use glam::DVec3;
 use hecs::{Entity, World};
 use tumble::math::{Quat, Real, Vec3};
 use tumble::prelude::*;
-use tumble::{BodyOrder, Chance, measure};
+use tumble::{BodyOrder, Rng, Totals};
 use tumble_tests::touching::{collider, ground, pose, spawn, surfaced, velocity};
 use tumble_tests::{EPSILON, dvec3};
 
@@ -27,12 +27,12 @@ fn floating(dt: Real) -> Settings {
 }
 
 /// A number between two, evenly spread by its logarithm.
-fn magnitude(chance: &mut Chance, low: f64, high: f64) -> f64 {
-    low * (high / low).powf(chance.unit())
+fn magnitude(rng: &mut Rng, low: f64, high: f64) -> f64 {
+    low * (high / low).powf(rng.unit())
 }
 
-fn between(chance: &mut Chance, low: f64, high: f64) -> f64 {
-    low + (high - low) * chance.unit()
+fn between(rng: &mut Rng, low: f64, high: f64) -> f64 {
+    low + (high - low) * rng.unit()
 }
 
 /// All that momenta are sums of, without their signs.
@@ -46,10 +46,10 @@ fn size(world: &World) -> [f64; 2] {
     sizes
 }
 
-fn shape(chance: &mut Chance) -> Shape {
-    let mut side = || between(chance, 0.15, 0.45);
+fn shape(rng: &mut Rng) -> Shape {
+    let mut side = || between(rng, 0.15, 0.45);
     let [a, b, c] = [side(), side(), side()];
-    match chance.bits() % 4 {
+    match rng.next_u64() % 4 {
         0 => Shape::sphere(a),
         1 => Shape::cuboid([a, b, c]),
         2 => Shape::capsule(a, b),
@@ -58,16 +58,16 @@ fn shape(chance: &mut Chance) -> Shape {
 }
 
 /// Twenty-seven bodies, at up to 20 m/s and 60 rad/s towards each other.
-fn cluster(chance: &mut Chance) -> World {
+fn cluster(rng: &mut Rng) -> World {
     let mut world = World::new();
-    let speed = magnitude(chance, 0.1, 20.0) as Real;
+    let speed = magnitude(rng, 0.1, 20.0) as Real;
     for i in 0..27_u32 {
-        let shape = shape(chance);
+        let shape = shape(rng);
         let at = Vec3::new((i % 3) as Real, (i / 3 % 3) as Real, (i / 9) as Real) - Vec3::ONE;
-        let surface = Material::new(chance.unit() as Real, chance.unit() as Real);
-        let body = RigidBody::new(shape.clone()).mass(magnitude(chance, 0.1, 10.0)).orientation(chance.orientation());
-        let body = body.position(at * 1.2).linear_velocity((chance.vector(-1.0, 1.0) - at) * speed);
-        let body = body.angular_velocity(chance.vector(-3.0, 3.0) * speed);
+        let surface = Material::new(rng.unit() as Real, rng.unit() as Real);
+        let body = RigidBody::new(shape.clone()).mass(magnitude(rng, 0.1, 10.0)).orientation(rng.orientation());
+        let body = body.position(at * 1.2).linear_velocity((rng.vector(-1.0, 1.0) - at) * speed);
+        let body = body.angular_velocity(rng.vector(-3.0, 3.0) * speed);
         spawn(&mut world, body, surfaced(collider(&shape), surface));
     }
     world
@@ -75,12 +75,12 @@ fn cluster(chance: &mut Chance) -> World {
 
 #[test]
 fn clusters_keep_their_momenta() {
-    let mut chance = Chance::new(191);
+    let mut rng = Rng::new(191);
     let mut worst = [0.0_f64; 2];
     for _ in 0..60 {
-        let mut world = cluster(&mut chance);
-        let settings = floating([1.0 / 30.0, 1.0 / 60.0, 1.0 / 240.0][chance.bits() as usize % 3]);
-        let totals = |world: &World| measure(world, &settings, &BodyOrder::of(world));
+        let mut world = cluster(&mut rng);
+        let settings = floating([1.0 / 30.0, 1.0 / 60.0, 1.0 / 240.0][rng.next_u64() as usize % 3]);
+        let totals = |world: &World| Totals::of(world, &settings, &BodyOrder::of(world));
         let (start, sizes) = (totals(&world), size(&world));
         let mut simulation = Simulation::new(settings).unwrap();
         for _ in 0..60 {
@@ -98,25 +98,25 @@ fn clusters_keep_their_momenta() {
 }
 
 /// The share of the speed of approach with which two boxes that met face to face leave each other, or one leaves the ground.
-fn parting(chance: &mut Chance, rate: f64) -> f64 {
+fn parting(rng: &mut Rng, rate: f64) -> f64 {
     let dt = (1.0 / rate) as Real;
-    let [a, b] = [0; 2].map(|_| [0; 3].map(|_| magnitude(chance, 0.05, 1.0)));
-    let (speed, turned) = (magnitude(chance, 1.0, 10.0) as Real, chance.orientation());
+    let [a, b] = [0; 2].map(|_| [0; 3].map(|_| magnitude(rng, 0.05, 1.0)));
+    let (speed, turned) = (magnitude(rng, 1.0, 10.0) as Real, rng.orientation());
     let up = turned * Vec3::Y;
     let mut world = World::new();
     let surface = Material::new(0.5, 0.0);
     // Neither the distance nor the time is a multiple of a step.
-    let gap = (speed * dt * between(chance, 0.5, 3.0) as Real).max(1e-3);
-    let mass = |chance: &mut Chance| magnitude(chance, 0.1, 100.0);
+    let gap = (speed * dt * between(rng, 0.5, 3.0) as Real).max(1e-3);
+    let mass = |rng: &mut Rng| magnitude(rng, 0.1, 100.0);
     let first = Shape::cuboid(a);
-    let body = RigidBody::new(first.clone()).mass(mass(chance)).orientation(turned);
+    let body = RigidBody::new(first.clone()).mass(mass(rng)).orientation(turned);
     let body = body.position(up * (a[1] as Real + gap)).linear_velocity(up * -speed);
     let first = spawn(&mut world, body, surfaced(collider(&first), surface));
-    let second = if chance.bits().is_multiple_of(2) {
+    let second = if rng.next_u64().is_multiple_of(2) {
         ground(&mut world, surface, turned)
     } else {
         let shape = Shape::cuboid(b);
-        let body = RigidBody::new(shape.clone()).mass(mass(chance)).orientation(turned);
+        let body = RigidBody::new(shape.clone()).mass(mass(rng)).orientation(turned);
         spawn(&mut world, body.position(up * -b[1] as Real), surfaced(collider(&shape), surface))
     };
     let mut simulation = Simulation::new(floating(dt)).unwrap();
@@ -135,8 +135,8 @@ fn parting(chance: &mut Chance, rate: f64) -> f64 {
 #[test]
 fn what_meets_without_restitution_stays() {
     let found = [60.0, 240.0, 1000.0].map(|rate| {
-        let mut chance = Chance::new(192);
-        let mut shares: Vec<f64> = (0..300).map(|_| parting(&mut chance, rate)).collect();
+        let mut rng = Rng::new(192);
+        let mut shares: Vec<f64> = (0..300).map(|_| parting(&mut rng, rate)).collect();
         shares.sort_by(f64::total_cmp);
         let percent = [150, 270, 299].map(|place| 100.0 * shares[place]);
         println!(
@@ -154,7 +154,7 @@ fn what_meets_without_restitution_stays() {
 fn cradle(balls: usize, rate: f64, phase: f64) -> Vec<f64> {
     let mut world = World::new();
     let shape = Shape::sphere(0.05);
-    let surface = Material { restitution_combine: tumble::Combine::Maximum, ..Material::new(0.0, 1.0) };
+    let surface = Material { restitution_combine: tumble::CombineRule::Maximum, ..Material::new(0.0, 1.0) };
     let mut row: Vec<Entity> = Vec::new();
     for i in 0..balls {
         let x = 0.1 * i as f64 - if i == 0 { (0.2 + phase) / rate } else { 0.0 };
@@ -211,10 +211,10 @@ fn bounce(restitution: f64, height: f64, rate: f64) -> f64 {
 fn balls_bounce_with_their_restitution() {
     for rate in [60.0, 240.0] {
         for restitution in [0.25, 0.5, 0.75, 1.0] {
-            let mut chance = Chance::new(193);
+            let mut rng = Rng::new(193);
             let (mut least, mut most, mut off) = (f64::INFINITY, 0.0_f64, 0.0_f64);
             for _ in 0..200 {
-                let height = magnitude(&mut chance, 0.2, 20.0);
+                let height = magnitude(&mut rng, 0.2, 20.0);
                 let found = bounce(restitution, height, rate);
                 (least, most) = (least.min(found), most.max(found));
                 off = off.max((found - restitution).abs() * (19.62 * height).sqrt() * rate / 9.81);
@@ -229,16 +229,16 @@ fn balls_bounce_with_their_restitution() {
 /// The way on which two bodies went past each other changes neither momentum: that of one is what the other lost.
 #[test]
 fn two_that_graze_give_each_other_what_they_lose() {
-    let mut chance = Chance::new(194);
+    let mut rng = Rng::new(194);
     for _ in 0..200 {
         let mut world = World::new();
         let mut bodies = Vec::new();
         for side in [-1.0, 1.0] {
-            let shape = shape(&mut chance);
-            let body = RigidBody::new(shape.clone()).mass(magnitude(&mut chance, 0.1, 10.0));
-            let place = Vec3::X * (side * 0.6) + chance.vector(-0.3, 0.3);
-            let body = body.position(place).linear_velocity(Vec3::X * -side * 10.0 + chance.vector(-5.0, 5.0));
-            let body = body.angular_velocity(chance.vector(-60.0, 60.0)).orientation(chance.orientation());
+            let shape = shape(&mut rng);
+            let body = RigidBody::new(shape.clone()).mass(magnitude(&mut rng, 0.1, 10.0));
+            let place = Vec3::X * (side * 0.6) + rng.vector(-0.3, 0.3);
+            let body = body.position(place).linear_velocity(Vec3::X * -side * 10.0 + rng.vector(-5.0, 5.0));
+            let body = body.angular_velocity(rng.vector(-60.0, 60.0)).orientation(rng.orientation());
             bodies.push(spawn(&mut world, body, surfaced(collider(&shape), Material::new(1.0, 0.5))));
         }
         let sums = |world: &World| {

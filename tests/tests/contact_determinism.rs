@@ -9,7 +9,7 @@
 use hecs::{Entity, World};
 use tumble::math::{PRECISION, Vec3};
 use tumble::prelude::*;
-use tumble::{Batch, BodyOrder, Collider, ConstantWrench, Trial, measure, simd_name};
+use tumble::{Batch, BodyOrder, Collider, ConstantWrench, Totals, Trial, simd_name};
 use tumble_benches::pool;
 use tumble_tests::{hash, run, run_on_every_instruction_set};
 
@@ -27,7 +27,7 @@ const PINNED_BOXES: [u64; 2] = [0x8b14_ee7a_0957_7e92, 0x224a_868d_0eef_0487];
 fn hash_after(mut world: World, steps: u32) -> u64 {
     let mut simulation = Simulation::new(settings()).unwrap();
     run(&mut simulation, &mut world, steps);
-    let totals = measure(&world, simulation.settings(), &BodyOrder::of(&world));
+    let totals = Totals::of(&world, simulation.settings(), &BodyOrder::of(&world));
     // A world of numbers that are none would be the same however it came about, and so would one without contacts.
     assert!(totals.non_finite.is_none() && totals.energy().abs() < 1e6, "{totals:?}");
     assert!(simulation.contacts().filter(tumble::Contact::touches).count() > 60);

@@ -10,7 +10,7 @@ use hecs::{Entity, World};
 use proptest::prelude::*;
 use tumble::math::{Real, Vec3};
 use tumble::prelude::*;
-use tumble::{Batch, Chance, Collider, ContactEvent, Material, Trial};
+use tumble::{Batch, Collider, ContactEvent, Material, Rng, Trial};
 use tumble_tests::touching::{collider, cube, spawn, surfaced};
 
 /// What is done before a step.
@@ -25,19 +25,19 @@ enum Change {
 struct Scene {
     world: World,
     bodies: Vec<Entity>,
-    chance: Chance,
+    rng: Rng,
     changes: Vec<(u64, Change)>,
 }
 
 impl Scene {
     fn new(seed: u64, steps: u64) -> Self {
-        let mut chance = Chance::new(seed);
-        let count = 5 + (chance.bits() % 40) as usize;
-        let last = chance.bits().is_multiple_of(8);
+        let mut rng = Rng::new(seed);
+        let count = 5 + (rng.next_u64() % 40) as usize;
+        let last = rng.next_u64().is_multiple_of(8);
         let changes = (0..count + 5)
             .map(|i| {
-                let step = chance.bits() % steps;
-                let kind = match chance.bits() % 4 {
+                let step = rng.next_u64() % steps;
+                let kind = match rng.next_u64() % 4 {
                     0 => Change::Despawn(i),
                     1 => Change::TakeCollider(i),
                     _ => Change::Spawn,
@@ -46,7 +46,7 @@ impl Scene {
                 (step, if last { Change::Despawn(i) } else { kind })
             })
             .collect();
-        let mut this = Self { world: World::new(), bodies: Vec::new(), chance, changes };
+        let mut this = Self { world: World::new(), bodies: Vec::new(), rng, changes };
         if !seed.is_multiple_of(3) {
             let bouncy = surfaced(Collider::half_space(), Material::new(0.3, 0.9));
             let ground = spawn(&mut this.world, RigidBody::new(Shape::Point).fixed(), bouncy);
@@ -57,25 +57,25 @@ impl Scene {
     }
 
     fn spawn(&mut self) {
-        let chance = &mut self.chance;
+        let rng = &mut self.rng;
         let ball = |x: f64| {
             let ball = Shape::sphere(0.12);
             tumble::Part::new(ball, tumble::Amount::Density(500.0)).at([x, 0.0, 0.0])
         };
-        let shape = match chance.bits() % 4 {
+        let shape = match rng.next_u64() % 4 {
             0 => Shape::sphere(0.2),
             1 => cube(0.15),
             2 => Shape::cylinder(0.15, 0.1),
             _ => Shape::compound([ball(-0.15), ball(0.15)]),
         };
         let body = RigidBody::new(shape.clone())
-            .position(Vec3::Y * 1.5 + chance.vector(-1.0, 1.0))
-            .orientation(chance.orientation())
-            .linear_velocity(chance.vector(-4.0, 4.0));
+            .position(Vec3::Y * 1.5 + rng.vector(-1.0, 1.0))
+            .orientation(rng.orientation())
+            .linear_velocity(rng.vector(-4.0, 4.0));
         let body = if matches!(shape, Shape::Compound(_)) { body } else { body.mass(1.0) };
         // Some have an identity, some go by their entity.
-        let body = if chance.bits().is_multiple_of(2) { body.id(BodyId(chance.bits())) } else { body };
-        let bouncy = surfaced(collider(&shape), Material::new(0.2, chance.between(0.0, 1.0)));
+        let body = if rng.next_u64().is_multiple_of(2) { body.id(BodyId(rng.next_u64())) } else { body };
+        let bouncy = surfaced(collider(&shape), Material::new(0.2, rng.range(0.0, 1.0)));
         self.bodies.push(spawn(&mut self.world, body, bouncy));
     }
 
@@ -127,8 +127,8 @@ proptest! {
         prop_assume!(alone.iter().flatten().count() > 3);
         let mut scene = Scene::new(seed, STEPS);
         let mut simulation = Simulation::new(settings(seed)).unwrap();
-        let (mut frames, mut times) = (Vec::new(), Chance::new(seed ^ 1));
-        while simulation.steps() + u64::from(Simulation::MOST_STEPS_A_FRAME) < STEPS {
+        let (mut frames, mut times) = (Vec::new(), Rng::new(seed ^ 1));
+        while simulation.steps() + u64::from(Simulation::MAX_STEPS_PER_FRAME) < STEPS {
             let frame = 0.005 + times.unit() * (fastest - 0.005);
             let before = simulation.steps();
             let mut world = std::mem::take(&mut scene.world);
@@ -160,12 +160,12 @@ proptest! {
         let alone = step_by_step(seed, STEPS);
         let mut scene = Scene::new(seed, STEPS);
         let mut simulation = Simulation::new(settings(seed)).unwrap();
-        let mut counts = Chance::new(seed ^ 2);
+        let mut counts = Rng::new(seed ^ 2);
         while simulation.steps() < STEPS {
             let step = simulation.steps();
             scene.before_step(step);
             let changed = scene.changes.iter().map(|(at, _)| *at).filter(|at| *at > step).min().unwrap_or(STEPS);
-            let end = changed.min(step + 1 + counts.bits() % most).min(STEPS);
+            let end = changed.min(step + 1 + counts.next_u64() % most).min(STEPS);
             simulation.step_many(&mut scene.world, (end - step) as u32);
             prop_assert_eq!(told(&simulation), alone[step as usize..end as usize].concat());
         }

@@ -16,7 +16,7 @@
 
 use glam::DVec3;
 use hecs::{Entity, World};
-use tumble::Combine::{self, Average, Maximum, Minimum, Multiply};
+use tumble::CombineRule::{self, Average, Maximum, Minimum, Multiply};
 use tumble::math::{Quat, Real, Vec3};
 use tumble::prelude::*;
 use tumble_tests::touching::{collider, cube, ground, pose, spawn, surfaced, velocity};
@@ -200,7 +200,7 @@ fn a_rolling_ball_slows_down_and_stops() {
     let tolerance = by_precision(3e-5, 2.0 * sunk);
     // Of two surfaces that with the greater length counts.
     for lengths in [[length, 0.0], [0.0, length], [length, 0.4 * length]] {
-        let surfaces = lengths.map(|l| Material { rolling_friction: l as Real, ..Material::new(0.5, 0.0) });
+        let surfaces = lengths.map(|l| Material { rolling_resistance: l as Real, ..Material::new(0.5, 0.0) });
         // It rolls for a second.
         let start = lying(&Shape::sphere(radius), radius, 2.0)
             .linear_velocity(Vec3::X * rate as Real)
@@ -282,7 +282,7 @@ fn what_stops_on_a_slope_stays() {
 fn surfaces_are_combined_as_the_first_rule_has_it() {
     let (below, above) = (0.6, 0.2);
     let (mean, less, more, product) = (0.4, 0.2, 0.6, 0.12);
-    let rules: [(Combine, [f64; 4]); 4] = [
+    let rules: [(CombineRule, [f64; 4]); 4] = [
         (Average, [mean; 4]),
         (Minimum, [mean, less, less, less]),
         (Maximum, [mean, less, more, more]),

@@ -19,7 +19,7 @@ use glam::{DMat3, DQuat, DVec3};
 use hecs::{Entity, World};
 use tumble::math::{Quat, Real, Vec3};
 use tumble::prelude::*;
-use tumble::{Chance, Combine, Material};
+use tumble::{CombineRule, Material, Rng};
 use tumble_math::PrincipalInertia;
 use tumble_tests::touching::{collider, ground, pose, spawn, surfaced, velocity};
 use tumble_tests::{by_precision, dvec3, run};
@@ -29,11 +29,11 @@ const G: f64 = 9.81;
 const SUBSTEP: f64 = 1.0 / 240.0;
 
 /// Random numbers of one case.
-struct Draw(Chance);
+struct Draw(Rng);
 
 impl Draw {
     fn new(case: u64) -> Self {
-        Self(Chance::stream(1907, case))
+        Self(Rng::stream(1907, case))
     }
 
     fn between(&mut self, low: f64, high: f64) -> f64 {
@@ -354,7 +354,7 @@ fn what_slips_on_a_point_is_resisted_as_its_moments_have_it() {
 fn resistance_to_rolling_stops_both_directions() {
     for case in 0..24 {
         let mut draw = Draw::new(case);
-        let surface = Material { rolling_friction: 1e3, ..Material::new(0.0, 0.0) };
+        let surface = Material { rolling_resistance: 1e3, ..Material::new(0.0, 0.0) };
         let (radius, mut world) = (draw.log_between(0.3, 3.0), World::new());
         ground(&mut world, surface, Quat::IDENTITY);
         let moments = DVec3::new(0.2, 0.6, 0.5) * (radius * radius);
@@ -425,7 +425,7 @@ fn a_torque_on_what_rolls_does_its_work() {
         let radius = draw.log_between(0.05, 3.0);
         let mass = draw.log_between(1e-2, 1e4);
         let mut world = World::new();
-        let surface = Material { friction_combine: Combine::Minimum, ..Material::new(5.0, 0.0) };
+        let surface = Material { friction_combine: CombineRule::Minimum, ..Material::new(5.0, 0.0) };
         ground(&mut world, surface, Quat::IDENTITY);
         let (shape, lying, part) = if case % 2 == 0 {
             (Shape::sphere(radius), DQuat::IDENTITY, 0.4)

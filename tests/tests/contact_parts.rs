@@ -11,7 +11,7 @@ use hecs::{Entity, World};
 use proptest::prelude::*;
 use tumble::math::{Real, Vec3};
 use tumble::prelude::*;
-use tumble::{Amount, Chance, Contact, Part};
+use tumble::{Amount, Contact, Part, Rng};
 use tumble_scene::Scene;
 use tumble_tests::touching::{collider, pose, spawn};
 use tumble_tests::{hash, run};
@@ -30,18 +30,18 @@ struct Foot {
 }
 
 /// Feet in a row along x, all on the ground.
-fn feet(chance: &mut Chance) -> Vec<Foot> {
-    let count = 2 + (chance.bits() % 6) as usize;
+fn feet(rng: &mut Rng) -> Vec<Foot> {
+    let count = 2 + (rng.next_u64() % 6) as usize;
     (0..count)
         .map(|i| {
             let ball = |z: f64| Part::new(Shape::sphere(0.1), Amount::Density(500.0)).at([0.0, 0.0, z]);
-            let is_bar = chance.bits().is_multiple_of(2);
+            let is_bar = rng.next_u64().is_multiple_of(2);
             Foot {
                 place: Vec3::X * (i as Real - 0.5 * (count - 1) as Real),
                 shape: if is_bar { Shape::compound([ball(-0.2), ball(0.2)]) } else { Shape::sphere(0.1) },
-                friction: chance.between(0.1, 1.0),
-                membership: 1 << (chance.bits() % 3),
-                filter: chance.bits() as u32 % 8,
+                friction: rng.range(0.1, 1.0),
+                membership: 1 << (rng.next_u64() % 3),
+                filter: rng.next_u64() as u32 % 8,
             }
         })
         .collect()
@@ -65,11 +65,11 @@ fn foot_at<'a>(feet: &'a [Foot], pose: &Pose, point: Vec3) -> &'a Foot {
 }
 
 /// Ground of two plates, each with its material and groups, side by side along z; or of one half-space.
-fn ground(world: &mut World, chance: &mut Chance) -> (u32, u32, Real) {
-    let (membership, filter, friction) = (1 << (chance.bits() % 3), chance.bits() as u32 % 8, chance.between(0.1, 1.0));
+fn ground(world: &mut World, rng: &mut Rng) -> (u32, u32, Real) {
+    let (membership, filter, friction) = (1 << (rng.next_u64() % 3), rng.next_u64() as u32 % 8, rng.range(0.1, 1.0));
     let surface = Material::new(friction, 0.0);
     let one = Collider::half_space().with_groups(membership, filter).with_material(surface).unwrap();
-    let ground = if chance.bits().is_multiple_of(2) {
+    let ground = if rng.next_u64().is_multiple_of(2) {
         one
     } else {
         // Far below, and with other numbers: it is never met.
@@ -85,10 +85,10 @@ proptest! {
 
     #[test]
     fn each_part_meets_with_its_own(seed in any::<u64>(), turn in -3.0..3.0_f64) {
-        let mut chance = Chance::new(seed);
+        let mut rng = Rng::new(seed);
         let mut world = World::new();
-        let feet = feet(&mut chance);
-        let (membership, filter, friction) = ground(&mut world, &mut chance);
+        let feet = feet(&mut rng);
+        let (membership, filter, friction) = ground(&mut world, &mut rng);
         let body = rack(&mut world, &feet, turn as Real);
         let mut simulation = Simulation::new(Settings::default()).unwrap();
         let touches = |foot: &Foot| foot.membership & filter != 0 && membership & foot.filter != 0;

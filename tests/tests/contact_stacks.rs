@@ -10,7 +10,7 @@ use hecs::{Entity, World};
 use proptest::prelude::*;
 use tumble::math::{Quat, Real, Vec3};
 use tumble::prelude::*;
-use tumble::{BodyOrder, Collider, Material, measure};
+use tumble::{BodyOrder, Collider, Material, Totals};
 use tumble_tests::touching::{self, collider, cube, ground, pose, surfaced};
 use tumble_tests::{dvec3, run};
 
@@ -167,14 +167,14 @@ fn a_heap_at_rest_gains_no_energy() {
         let shape = &shapes[usize::from(i % 3)];
         let place = [i % 3, i / 9, i / 3 % 3].map(Real::from);
         let at = Vec3::new(place[0] - 1.0, 0.5 + place[1], place[2] - 1.0) * 0.7;
-        let rolling = Material { rolling_friction: 0.02, ..Material::default() };
+        let rolling = Material { rolling_resistance: 0.02, ..Material::default() };
         let body = RigidBody::new(shape.clone()).density(300.0).position(at).build().unwrap();
         body.spawn_with(&mut world, (Collider::new(shape).unwrap().with_material(rolling).unwrap(),));
     }
     let settings = Settings::default();
     let mut simulation = simulation();
     run(&mut simulation, &mut world, 1200);
-    let energy = |world: &World| measure(world, &settings, &BodyOrder::of(world)).energy();
+    let energy = |world: &World| Totals::of(world, &settings, &BodyOrder::of(world)).energy();
     let settled = energy(&world);
     let mut most = settled;
     for _ in 0..100 {

@@ -16,7 +16,7 @@
 use hecs::{Entity, World};
 use tumble::math::{Quat, Real, Vec3};
 use tumble::prelude::*;
-use tumble::{BodyOrder, Collider, Material, measure};
+use tumble::{BodyOrder, Collider, Material, Totals};
 use tumble_tests::touching::{collider, cube, ground, pose, spawn, surfaced, velocity};
 use tumble_tests::{EPSILON, dvec3};
 
@@ -197,7 +197,7 @@ fn a_cluster_keeps_its_momenta() {
         body(&mut world, body_i, shape, surface);
     }
     let settings = settings(1.0 / 60.0).with_gravity(Vec3::ZERO);
-    let totals = |world: &World| measure(world, &settings, &BodyOrder::of(world));
+    let totals = |world: &World| Totals::of(world, &settings, &BodyOrder::of(world));
     let start = totals(&world);
     let mut before = start.energy();
     let mut simulation = Simulation::new(settings).unwrap();

@@ -41,10 +41,10 @@ fn hull(points: &[DVec3]) -> TriangleMesh {
 /// The points in some other order.
 fn shuffled(points: &[DVec3], seed: u64) -> Vec<DVec3> {
     let mut points = points.to_vec();
-    let mut chance = seed;
+    let mut rng = seed;
     for i in (1..points.len()).rev() {
-        chance = chance.wrapping_mul(6364136223846793005).wrapping_add(1442695040888963407);
-        points.swap(i, (chance >> 33) as usize % (i + 1));
+        rng = rng.wrapping_mul(6364136223846793005).wrapping_add(1442695040888963407);
+        points.swap(i, (rng >> 33) as usize % (i + 1));
     }
     points
 }

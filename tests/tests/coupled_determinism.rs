@@ -22,8 +22,8 @@
 use hecs::{Entity, World};
 use tumble::math::PRECISION;
 use tumble::{
-    Batch, BodyOrder, Integrator, Settings, Simulation, Snapshot, Spring, Trial, accumulate_forces,
-    integrate_under_laws, measure, simd_name, update_derived,
+    Batch, BodyOrder, Integrator, Settings, Simulation, Snapshot, Spring, Totals, Trial, accumulate_forces,
+    integrate_under_laws, simd_name, update_derived,
 };
 use tumble_benches::pool;
 use tumble_tests::{hash, run, run_on_every_instruction_set};
@@ -36,8 +36,8 @@ fn settings(integrator: Integrator) -> Settings {
 }
 
 fn under_laws(mut simulation: Simulation) -> Simulation {
-    simulation.add_law_everywhere(Tide);
-    simulation.add_lane_law::<Honey, 1>();
+    simulation.add_global_law(Tide);
+    simulation.add_simd_law::<Honey, 1>();
     simulation
 }
 
@@ -48,7 +48,7 @@ fn simulation(integrator: Integrator) -> Simulation {
 fn hash_after(mut world: World, integrator: Integrator, steps: u32) -> u64 {
     let mut simulation = simulation(integrator);
     run(&mut simulation, &mut world, steps);
-    let totals = measure(&world, simulation.settings(), &BodyOrder::of(&world));
+    let totals = Totals::of(&world, simulation.settings(), &BodyOrder::of(&world));
     // A world of numbers that are none would be the same however it came about.
     assert!(totals.non_finite.is_none() && totals.energy().abs() < 1e12, "{integrator}: {totals:?}");
     hash(&world)

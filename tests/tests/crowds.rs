@@ -9,7 +9,7 @@ use std::collections::BTreeSet;
 
 use hecs::World;
 use proptest::prelude::*;
-use tumble::Chance;
+use tumble::Rng;
 use tumble::math::{Quat, Real, Vec3};
 use tumble::prelude::*;
 use tumble_tests::touching::{collider, ground, spawn};
@@ -18,9 +18,9 @@ use tumble_tests::touching::{collider, ground, spawn};
 fn crowd(count: u64, spread: Real, order: impl Iterator<Item = u64>) -> World {
     let mut world = World::new();
     for id in order {
-        let mut chance = Chance::stream(count, id);
+        let mut rng = Rng::stream(count, id);
         let shape = if spread > 0.0 && id % 3 == 0 { Shape::cuboid([0.2; 3]) } else { Shape::sphere(0.25) };
-        let place = chance.vector(-spread, spread);
+        let place = rng.vector(-spread, spread);
         let body = RigidBody::new(shape.clone()).mass(1.0).id(BodyId(id)).position(place);
         spawn(&mut world, body, collider(&shape));
     }

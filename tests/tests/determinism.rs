@@ -19,8 +19,8 @@ use hecs::World;
 use tumble::math::{PRECISION, Quat, Real, Vec3};
 use tumble::{
     BodyId, BodyOrder, BodySlices, BodyState, Damping, ForceLaw, GravityMass, GravityScale, Inertia, Integrator,
-    InverseInertia, Mass, Momentum, Pose, PreviousPose, PrincipalAxes, Settings, Simulation, SpringToPoint, Totals,
-    UnequalSlices, Velocity, Wrench, accumulate_forces, integrate, measure, simd_name, update_derived,
+    InverseInertia, LengthMismatch, Mass, Momentum, Pose, PreviousPose, PrincipalAxes, Settings, Simulation,
+    SpringToPoint, Totals, Velocity, Wrench, accumulate_forces, integrate, simd_name, update_derived,
 };
 use tumble_benches::{mixed_bodies, mixed_body, mixed_moving_bodies, pool, tumbling_boxes};
 use tumble_tests::{hash, run, run_on_every_instruction_set};
@@ -303,7 +303,7 @@ fn unequal_slices_are_refused() {
     let mut bodies = BodySlices::new(&mut poses, &mut momenta, &mut wrenches, &masses);
     bodies.damping = Some(&[]);
     let error = bodies.step(&Settings::default()).unwrap_err();
-    assert_eq!(error, UnequalSlices { column: "damping", rows: 0, bodies: 3 });
+    assert_eq!(error, LengthMismatch { column: "damping", rows: 0, bodies: 3 });
     assert_eq!(error.to_string(), "damping has 0 rows, and there are 3 poses");
     assert_eq!(poses, [Pose::default(); 3]);
 }
@@ -367,10 +367,10 @@ fn totals_do_not_depend_on_threads_or_the_order_of_spawning() {
     let (forwards, backwards) = (world_of(&mut (0..count)), world_of(&mut (0..count).rev()));
     let settings = Settings::default();
     let order = BodyOrder::of(&forwards);
-    let alone = measure(&forwards, &settings, &order);
+    let alone = Totals::of(&forwards, &settings, &order);
     for threads in [1, 2, 7] {
         for world in [&forwards, &backwards] {
-            let totals = pool(threads).install(|| measure(world, &settings, &BodyOrder::of(world)));
+            let totals = pool(threads).install(|| Totals::of(world, &settings, &BodyOrder::of(world)));
             assert_eq!(totals, alone, "{threads} threads");
         }
     }
@@ -485,7 +485,7 @@ fn under_laws(ids: impl Iterator<Item = u64>, integrator: Integrator) -> (u64, V
     }
     let mut simulation = Simulation::new(settings(integrator).with_substeps(2)).unwrap();
     simulation.add_law::<Breeze>();
-    simulation.add_law_everywhere(Tide);
+    simulation.add_global_law(Tide);
     simulation.step_many(&mut world, 100);
     let order = BodyOrder::of(&world);
     let state = |&body| (*world.get::<&Pose>(body).unwrap(), *world.get::<&Momentum>(body).unwrap());

@@ -86,15 +86,15 @@ fn frames_do_not_change_the_simulation() {
 fn a_slow_frame_is_cut_short() {
     let (mut world, mut simulation) = (World::new(), simulation(1.0 / 64.0));
     let alpha = simulation.advance(&mut world, 3600.0 + 1.0 / 256.0);
-    assert_eq!(simulation.steps(), u64::from(Simulation::MOST_STEPS_A_FRAME));
+    assert_eq!(simulation.steps(), u64::from(Simulation::MAX_STEPS_PER_FRAME));
     assert_eq!(alpha, 0.25);
     let alpha = simulation.advance(&mut world, 1.0 / 64.0);
-    assert_eq!(simulation.steps(), u64::from(Simulation::MOST_STEPS_A_FRAME) + 1);
+    assert_eq!(simulation.steps(), u64::from(Simulation::MAX_STEPS_PER_FRAME) + 1);
     assert_eq!(alpha, 0.25);
     // Exactly as many as are allowed are not too many.
-    let most = f64::from(Simulation::MOST_STEPS_A_FRAME);
+    let most = f64::from(Simulation::MAX_STEPS_PER_FRAME);
     simulation.advance(&mut world, most / 64.0);
-    assert_eq!(simulation.steps(), 2 * u64::from(Simulation::MOST_STEPS_A_FRAME) + 1);
+    assert_eq!(simulation.steps(), 2 * u64::from(Simulation::MAX_STEPS_PER_FRAME) + 1);
 }
 
 /// A clock that went backwards, stood still or broke: no step, no time, and no harm to what follows.
@@ -109,9 +109,9 @@ fn a_bad_frame_time_counts_as_none() {
     // A frame that would last for ever is cut like any long one.
     let alpha = simulation.advance(&mut world, f64::MAX);
     assert!((0.0..1.0).contains(&alpha));
-    assert_eq!(simulation.steps(), u64::from(Simulation::MOST_STEPS_A_FRAME));
+    assert_eq!(simulation.steps(), u64::from(Simulation::MAX_STEPS_PER_FRAME));
     simulation.advance(&mut world, 1.0 / 64.0);
-    assert_eq!(simulation.steps(), u64::from(Simulation::MOST_STEPS_A_FRAME) + 1);
+    assert_eq!(simulation.steps(), u64::from(Simulation::MAX_STEPS_PER_FRAME) + 1);
 }
 
 /// Drawn one step late, a body in uniform motion is where it was a step ago at every frame: no stutter, at any odd rate. In rotation
@@ -191,7 +191,7 @@ fn impossible_settings_are_refused() {
     for dt in [0.0, -0.01, Real::NAN, Real::INFINITY, Real::MIN_POSITIVE / 2.0] {
         assert!(matches!(Simulation::new(good.with_dt(dt)), Err(SettingsError::Step(_))), "{dt}");
     }
-    for substeps in [0, Settings::MOST_SUBSTEPS + 1] {
+    for substeps in [0, Settings::MAX_SUBSTEPS + 1] {
         assert!(
             matches!(Simulation::new(good.with_substeps(substeps)), Err(SettingsError::Substeps(s)) if s == substeps)
         );

@@ -172,7 +172,7 @@ fn laws_are_evaluated_at_every_stage() {
         let mut world = World::new();
         box_of_three_lengths().build().unwrap().spawn(&mut world);
         let mut simulation = weightless(integrator, 0.25);
-        simulation.add_law_everywhere(law.clone());
+        simulation.add_global_law(law.clone());
         run(&mut simulation, &mut world, 2);
         law.times.lock().unwrap().clear();
         simulation.step(&mut world);
@@ -187,7 +187,7 @@ fn substeps_have_their_own_times() {
     let mut world = World::new();
     box_of_three_lengths().build().unwrap().spawn(&mut world);
     let mut simulation = weightless(SemiImplicitEuler, 0.5);
-    simulation.add_law_everywhere(law.clone());
+    simulation.add_global_law(law.clone());
     simulation.step(&mut world);
     let settings = simulation.settings().with_dt(1.0).with_substeps(4);
     simulation.set_settings(settings).unwrap();
@@ -208,7 +208,7 @@ fn substeps_under_laws_are_steps() {
             // A power of two, so that the substep is exact.
             let settings = settings.with_dt(substeps as Real / 128.0).with_substeps(substeps);
             let mut simulation = Simulation::new(settings).unwrap();
-            simulation.add_law_everywhere(Kind::All);
+            simulation.add_global_law(Kind::All);
             run(&mut simulation, &mut world, 64 / substeps);
             hash(&world)
         };
@@ -278,7 +278,7 @@ fn an_everywhere_law_acts_on_every_moving_body() {
     let kinematic = thing().kinematic().build().unwrap().spawn(&mut world);
     world.spawn(("not a body",));
     let mut simulation = weightless(SemiImplicitEuler, 0.25);
-    simulation.add_law_everywhere(Push { force: Vec3::X, count: count.clone() });
+    simulation.add_global_law(Push { force: Vec3::X, count: count.clone() });
     simulation.step(&mut world);
     assert_eq!(count.load(Ordering::Relaxed), 2);
     for body in [moving, point] {
@@ -303,7 +303,7 @@ fn forces_in_the_body_frame_turn_with_the_body() {
     let body = box_of_three_lengths().angular_velocity(Vec3::Z * std::f64::consts::TAU as Real);
     let body = body.build().unwrap().spawn(&mut world);
     let mut simulation = weightless(MoserVeselov, 1.0 / 256.0);
-    simulation.add_law_everywhere(Forward);
+    simulation.add_global_law(Forward);
     run(&mut simulation, &mut world, 128);
     // Half a turn: the impulse is (0, 2/w F), to second order in the step of 0.025 rad: (w dt)^2/12 of it.
     let impulse = dvec3(world.get::<&Momentum>(body).unwrap().linear);
@@ -342,7 +342,7 @@ fn a_law_sees_the_state() {
     let body = compound.linear_velocity(Vec3::Y).angular_velocity(spin).build().unwrap().spawn(&mut world);
     let before = *world.get::<&Momentum>(body).unwrap();
     let mut simulation = weightless(SemiImplicitEuler, 0.125);
-    simulation.add_law_everywhere(Checks(spin, frame));
+    simulation.add_global_law(Checks(spin, frame));
     simulation.step(&mut world);
     // The torque was I w, so L has grown by an eighth of itself.
     let after = *world.get::<&Momentum>(body).unwrap();
@@ -365,7 +365,7 @@ fn laws_do_not_depend_on_threads() {
             }
             let mut simulation = weightless(integrator, 0.01);
             simulation.add_law::<Kind>();
-            simulation.add_law_everywhere(Kind::All);
+            simulation.add_global_law(Kind::All);
             let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
             pool.install(|| run(&mut simulation, &mut world, 20));
             hash(&world)
@@ -390,7 +390,7 @@ fn a_law_without_force_changes_nothing() {
             let mut world = mixed_bodies(200);
             let mut simulation = weightless(integrator, 0.01);
             if with_law {
-                simulation.add_law_everywhere(Nothing);
+                simulation.add_global_law(Nothing);
             }
             run(&mut simulation, &mut world, 50);
             hash(&world)
@@ -420,7 +420,7 @@ fn a_law_is_asked_for_bodies_that_are_there() {
         for bodies in 1..40 {
             let asked = Arc::new(AtomicU64::new(0));
             let mut simulation = Simulation::new(Settings::default().with_integrator(integrator)).unwrap();
-            simulation.add_law_everywhere(Counting(Arc::clone(&asked)));
+            simulation.add_global_law(Counting(Arc::clone(&asked)));
             simulation.step(&mut tumble_benches::tumbling_boxes(bodies as usize));
             assert_eq!(asked.load(Ordering::Relaxed), bodies * evaluations, "{integrator}, {bodies} bodies");
         }

@@ -120,8 +120,8 @@ fn the_books_of_a_coupled_world_balance() {
         let settings = Settings::default().with_dt(DT).with_substeps(2).with_integrator(integrator);
         let mut world = plain_scene(Kinds::All);
         let mut simulation = Simulation::new(settings).unwrap();
-        simulation.add_law_everywhere(Tide);
-        simulation.add_lane_law::<Honey, 1>();
+        simulation.add_global_law(Tide);
+        simulation.add_simd_law::<Honey, 1>();
         let mut ledger = Ledger::attach(&mut world, &simulation);
         assert_eq!(ledger.laws(), ["Tide", "Honey"]);
         for _ in 0..40 {
@@ -146,8 +146,8 @@ fn a_ledger_changes_no_bit() {
             let mut world = plain_scene(Kinds::All);
             let settings = Settings::default().with_dt(DT).with_substeps(2).with_integrator(integrator);
             let mut simulation = Simulation::new(settings).unwrap();
-            simulation.add_law_everywhere(Tide);
-            simulation.add_lane_law::<Honey, 1>();
+            simulation.add_global_law(Tide);
+            simulation.add_simd_law::<Honey, 1>();
             let ledger = attached.then(|| Ledger::attach(&mut world, &simulation));
             run(&mut simulation, &mut world, 20);
             if let Some(ledger) = ledger {

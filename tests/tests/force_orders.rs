@@ -22,9 +22,9 @@ use tumble::Integrator::{self, MoserVeselov, RungeKutta4, SemiImplicitEuler};
 use tumble::lane::{Lane, Vec3 as LaneVec3};
 use tumble::math::{Real, Vec3};
 use tumble::{
-    BodyOrder, BodyState, Buoyancy, ConstantWrench, Drag, ForceLaw, Frame, GravityMass, Hull, LaneBody, LaneLaw,
-    LaneWrench, Magnus, Momentum, PointGravity, Pose, RigidBody, Shape, Spring, SpringToPoint, Thruster, Velocity,
-    Wind, Wrench,
+    BodyOrder, BodyState, Buoyancy, ConstantWrench, Drag, ForceLaw, Frame, GravityMass, Hull, Magnus, Momentum,
+    PointGravity, Pose, RigidBody, Shape, SimdBody, SimdForceLaw, SimdWrench, Spring, SpringToPoint, Thruster,
+    Velocity, Wind, Wrench,
 };
 use tumble_benches::mixed_moving_bodies;
 use tumble_tests::{DOUBLE, EPSILON, attitude_error, by_precision, dquat, dvec3, run, simulation};
@@ -234,20 +234,20 @@ impl ForceLaw for Mixed {
     }
 }
 
-impl LaneLaw<5> for MixedInLanes {
+impl SimdForceLaw<5> for MixedInLanes {
     fn numbers(&self) -> [Real; 5] {
         let Mixed { stiffness, push, depends_on_velocity } = self.0;
         [stiffness, push.x, push.y, push.z, if depends_on_velocity { 0.5 } else { 0.0 }]
     }
 
     #[inline(always)]
-    fn wrench<L: Lane>([stiffness, x, y, z, damping]: [L; 5], body: &LaneBody<L>) -> LaneWrench<L> {
+    fn wrench<L: Lane>([stiffness, x, y, z, damping]: [L; 5], body: &SimdBody<L>) -> SimdWrench<L> {
         let arm = body.orientation.rotate(LaneVec3::new(L::splat(0.1), L::splat(0.2), L::splat(0.3)));
         let velocity = body.velocity_at(arm) - body.wind;
-        let pull = LaneWrench::force_at((body.position + arm) * -stiffness - velocity * damping, arm);
+        let pull = SimdWrench::force_at((body.position + arm) * -stiffness - velocity * damping, arm);
         let time = L::splat(body.time) + body.offset;
         let force = pull.force + body.orientation.rotate(LaneVec3::new(x, y, z)) + body.gravity * (body.mass * time);
-        LaneWrench { force, torque: pull.torque + body.apply_inertia(body.gravity) * L::splat(0.01) }
+        SimdWrench { force, torque: pull.torque + body.apply_inertia(body.gravity) * L::splat(0.01) }
     }
 
     fn depends_on_velocity(&self) -> bool {
@@ -276,7 +276,7 @@ fn a_law_in_lanes_is_the_law() {
             }
             let mut simulation = simulation(integrator, Vec3::NEG_Y * 9.81, 1.0 / 128.0);
             simulation.add_law::<Mixed>();
-            simulation.add_lane_law::<MixedInLanes, 5>();
+            simulation.add_simd_law::<MixedInLanes, 5>();
             run(&mut simulation, &mut world, 10);
             let momentum = |body: &Entity| *world.get::<&Momentum>(*body).unwrap();
             BodyOrder::of(&world).entities().iter().map(momentum).collect::<Vec<_>>()

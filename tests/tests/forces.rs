@@ -22,7 +22,7 @@ use tumble::{
     CenterOfMass, GravityScale, Inertia, InertiaTensor, Integrator, InverseInertia, Momentum, Pose, PrincipalAxes,
     RigidBody, Settings, Shape, Simulation, Velocity, Wrench, update_derived,
 };
-use tumble_benches::Chance;
+use tumble_benches::Rng;
 use tumble_tests::references::real_vec3;
 use tumble_tests::{EPSILON, dquat, dvec3, energy_of, seconds, weightless};
 
@@ -122,12 +122,12 @@ fn a_blow_at_the_end_of_a_rod() {
 #[test]
 fn many_forces_are_their_sum() {
     for integrator in Integrator::ALL {
-        let mut chance = Chance::new(7);
+        let mut rng = Rng::new(7);
         let mut world = World::new();
         let (many, one) = (spawn(&mut world, brick()), spawn(&mut world, brick()));
         let (mut force, mut torque, mut size) = (DVec3::ZERO, DVec3::ZERO, 0.0);
         for _ in 0..100 {
-            let (f, at) = (chance.vector(-10.0, 10.0), chance.vector(-2.0, 2.0));
+            let (f, at) = (rng.vector(-10.0, 10.0), rng.vector(-2.0, 2.0));
             world.get::<&mut Wrench>(many).unwrap().add_force_at(f, at, Vec3::ZERO);
             force += dvec3(f);
             torque += dvec3(at).cross(dvec3(f));

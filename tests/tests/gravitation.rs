@@ -24,8 +24,7 @@ use hecs::{Entity, World};
 use tumble::Integrator::{self, MoserVeselov, SemiImplicitEuler};
 use tumble::math::{Real, Vec3};
 use tumble::{
-    BodyOrder, Chance, GravityMass, Momentum, PointGravity, Pose, RigidBody, Shape, Simulation, Totals, Velocity,
-    measure,
+    BodyOrder, GravityMass, Momentum, PointGravity, Pose, RigidBody, Rng, Shape, Simulation, Totals, Velocity,
 };
 use tumble_tests::{DOUBLE, EPSILON, by_precision, dvec3, run, seconds, weightless};
 
@@ -43,20 +42,20 @@ fn spawn(world: &mut World, body: RigidBody, gravity: GravityMass) -> Entity {
 }
 
 fn totals(world: &World, simulation: &Simulation) -> Totals {
-    measure(world, simulation.settings(), &BodyOrder::of(world))
+    Totals::of(world, simulation.settings(), &BodyOrder::of(world))
 }
 
 /// `count` bodies at rest within 10 m; of every seven one is a test particle, of every five one is softened.
 fn cloud(count: u64, seed: u64) -> World {
-    let mut chance = Chance::new(seed);
+    let mut rng = Rng::new(seed);
     let mut world = World::new();
     for i in 0..count {
-        let mass = chance.between(0.5, 2.0);
+        let mass = rng.range(0.5, 2.0);
         let gravity = GravityMass {
             mu: if i % 7 == 3 { 0.0 } else { 10.0 * mass },
             softening: if i % 5 == 1 { 0.5 } else { 0.0 },
         };
-        spawn(&mut world, point(mass.into(), chance.vector(-10.0, 10.0), Vec3::ZERO), gravity);
+        spawn(&mut world, point(mass.into(), rng.vector(-10.0, 10.0), Vec3::ZERO), gravity);
     }
     world
 }
@@ -125,11 +124,11 @@ fn who_attracts_whom() {
 #[test]
 fn momentum_is_kept() {
     for integrator in Integrator::ALL {
-        let mut chance = Chance::new(5);
+        let mut rng = Rng::new(5);
         let mut world = World::new();
         for _ in 0..100 {
-            let mass = chance.between(0.5, 2.0);
-            let body = point(mass.into(), chance.vector(-5.0, 5.0), chance.vector(-1.0, 1.0));
+            let mass = rng.range(0.5, 2.0);
+            let body = point(mass.into(), rng.vector(-5.0, 5.0), rng.vector(-1.0, 1.0));
             spawn(&mut world, body, GravityMass { mu: mass * 0.05, softening: 0.1 });
         }
         let mut simulation = weightless(integrator, 0.01);
@@ -184,11 +183,11 @@ fn the_force_is_the_slope_of_the_energy() {
 
 fn force_is_slope(test_particles: bool) {
     let mut world = World::new();
-    let mut chance = Chance::new(3);
+    let mut rng = Rng::new(3);
     for i in 0..12 {
-        let mass = chance.between(0.5, 2.0);
+        let mass = rng.range(0.5, 2.0);
         let gravity = GravityMass { mu: if test_particles && i % 3 == 0 { 0.0 } else { 10.0 * mass }, softening: 0.3 };
-        spawn(&mut world, point(mass.into(), chance.vector(-3.0, 3.0), Vec3::ZERO), gravity);
+        spawn(&mut world, point(mass.into(), rng.vector(-3.0, 3.0), Vec3::ZERO), gravity);
     }
     let simulation = weightless(SemiImplicitEuler, 0.125);
     let before = sources(&world);

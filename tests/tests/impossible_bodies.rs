@@ -11,7 +11,7 @@ use hecs::{Entity, World};
 use proptest::prelude::*;
 use tumble::math::{Quat, Real, Vec3};
 use tumble::prelude::*;
-use tumble::{BodyError, BodyOrder, Chance, ColliderError, InverseInertia, SettingsError, Work};
+use tumble::{BodyError, BodyOrder, ColliderError, InverseInertia, Rng, SettingsError, Work};
 use tumble_tests::run;
 use tumble_tests::touching::{collider, cube, ground, pose, spawn};
 
@@ -72,10 +72,10 @@ const OUT_OF_RANGE: usize = 6;
 
 /// What is the same with the poisoned body and without.
 fn scene(seed: u64) -> (World, Vec<Entity>) {
-    let mut chance = Chance::new(seed);
+    let mut rng = Rng::new(seed);
     let mut world = World::new();
     ground(&mut world, Material::new(0.5, 0.3), Quat::IDENTITY);
-    let bodies: Vec<Entity> = (0..BODIES).map(|id| body(&mut world, &mut chance, id)).collect();
+    let bodies: Vec<Entity> = (0..BODIES).map(|id| body(&mut world, &mut rng, id)).collect();
     if seed.is_multiple_of(3) {
         for pair in bodies.windows(2) {
             world.spawn((Spring::between(pair[0], pair[1]).stiffness(20.0).damping(0.5),));
@@ -84,15 +84,15 @@ fn scene(seed: u64) -> (World, Vec<Entity>) {
     (world, bodies)
 }
 
-fn body(world: &mut World, chance: &mut Chance, id: u64) -> Entity {
-    let shape = match chance.bits() % 4 {
+fn body(world: &mut World, rng: &mut Rng, id: u64) -> Entity {
+    let shape = match rng.next_u64() % 4 {
         0 => Shape::sphere(0.2),
         1 => cube(0.15),
         2 => Shape::cylinder(0.15, 0.1),
         _ => Shape::capsule(0.1, 0.1),
     };
-    let body = RigidBody::new(shape.clone()).mass(1.0).id(BodyId(id)).orientation(chance.orientation());
-    let body = body.position(Vec3::Y * 0.5 + chance.vector(-0.5, 0.5)).linear_velocity(chance.vector(-2.0, 2.0));
+    let body = RigidBody::new(shape.clone()).mass(1.0).id(BodyId(id)).orientation(rng.orientation());
+    let body = body.position(Vec3::Y * 0.5 + rng.vector(-0.5, 0.5)).linear_velocity(rng.vector(-2.0, 2.0));
     let surface = Material::new(0.4, 0.5);
     spawn(world, body, collider(&shape).with_material(surface).unwrap())
 }
@@ -164,7 +164,7 @@ fn end(seed: u64, poisoned: Option<(Poisoned, Real, u32)>) -> Vec<(Pose, Momentu
     let (mut world, bodies) = scene(seed);
     let mut simulation = Simulation::new(Settings::default()).unwrap();
     if let Some((what, value, before)) = poisoned {
-        let victim = body(&mut world, &mut Chance::new(seed ^ 9), BODIES);
+        let victim = body(&mut world, &mut Rng::new(seed ^ 9), BODIES);
         run(&mut simulation, &mut world, before);
         poison(&mut world, victim, &bodies, what, value, seed as usize % 3);
         run(&mut simulation, &mut world, 40 - before);
@@ -324,7 +324,7 @@ const COMPONENTS: &[Component] = &[
 fn end_with(seed: u64, far: Real, poison: impl FnOnce(&mut World, Entity)) -> Vec<(Pose, Momentum, Velocity)> {
     let (mut world, bodies) = scene(seed);
     let mut simulation = Simulation::new(Settings::default()).unwrap();
-    let victim = body(&mut world, &mut Chance::new(seed ^ 9), BODIES);
+    let victim = body(&mut world, &mut Rng::new(seed ^ 9), BODIES);
     world.get::<&mut Pose>(victim).unwrap().position += Vec3::X * far;
     poison(&mut world, victim);
     run(&mut simulation, &mut world, 30);

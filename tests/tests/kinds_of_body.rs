@@ -19,7 +19,7 @@ use hecs::{Entity, World};
 use tumble::math::{Quat, Real, Vec3};
 use tumble::{
     BodyOrder, Collider, Damping, GravityMass, GravityScale, Integrator, InverseInertia, Mass, Momentum, Pose,
-    PreviousPose, RigidBody, Settings, Shape, Simulation, Velocity, Wrench, accumulate_forces, integrate, measure,
+    PreviousPose, RigidBody, Settings, Shape, Simulation, Totals, Velocity, Wrench, accumulate_forces, integrate,
     update_derived,
 };
 use tumble_benches::mixed_body;
@@ -151,7 +151,7 @@ fn any_part_of_a_body_is_taken_as_it_is() {
             simulation.step(&mut world);
         }
         let order = BodyOrder::of(&world);
-        assert_eq!(measure(&world, simulation.settings(), &order).non_finite, None);
+        assert_eq!(Totals::of(&world, simulation.settings(), &order).non_finite, None);
         for (missing, entity) in bodies {
             let Ok(now) = world.get::<&Pose>(entity).map(|pose| *pose) else { continue };
             let has = |bit: u32| missing & 1 << bit == 0;

@@ -84,7 +84,7 @@ fn busy_simulation(integrator: Integrator, substeps: u32) -> (World, Entity, Sim
     let mut simulation = simulation(integrator, Vec3::new(1.0, -9.81, 0.5), 0.01);
     simulation.set_settings(simulation.settings().with_substeps(substeps)).unwrap();
     simulation.add_law::<Spring>();
-    simulation.add_law_everywhere(Drag(0.1));
+    simulation.add_global_law(Drag(0.1));
     (world, entity, simulation)
 }
 
@@ -185,7 +185,7 @@ fn damping_never_does_positive_work() {
     for integrator in Integrator::ALL {
         let mut world = mixed_bodies(2000);
         let mut simulation = simulation(integrator, Vec3::NEG_Y * 9.81, 0.02);
-        simulation.add_law_everywhere(Spring { stiffness: 50.0 });
+        simulation.add_global_law(Spring { stiffness: 50.0 });
         let ledger = Ledger::attach(&mut world, &simulation);
         let mut damped = 0;
         let mut before = vec![0.0; ledger_len(&world)];
@@ -213,8 +213,8 @@ fn conservative(integrator: Integrator, steps_a_second: u32) -> f64 {
     let mut world = World::new();
     body().build().unwrap().spawn(&mut world);
     let mut simulation = simulation(integrator, Vec3::new(0.3, -1.0, 0.5), 1.0 / steps_a_second as Real);
-    simulation.add_law_everywhere(Spring { stiffness: 20.0 });
-    simulation.add_law_everywhere(Magnet { strength: 3.0 });
+    simulation.add_global_law(Spring { stiffness: 20.0 });
+    simulation.add_global_law(Magnet { strength: 3.0 });
     let mut ledger = Ledger::attach(&mut world, &simulation);
     let start = ledger.entries()[0].energy();
     assert!(ledger.entries()[0].law_potential != 0.0);
@@ -248,8 +248,8 @@ fn mixed_run(threads: usize, ids: impl Iterator<Item = u64>, integrator: Integra
         mixed_body(id).spawn(&mut world);
     }
     let mut simulation = simulation(integrator, Vec3::NEG_Y * 9.81, 0.01);
-    simulation.add_law_everywhere(Spring { stiffness: 3.0 });
-    simulation.add_law_everywhere(Drag(0.05));
+    simulation.add_global_law(Spring { stiffness: 3.0 });
+    simulation.add_global_law(Drag(0.05));
     let mut ledger = Ledger::attach(&mut world, &simulation);
     let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
     pool.install(|| {
@@ -283,7 +283,7 @@ fn a_ledger_does_not_change_the_motion() {
                 let mut world = mixed_bodies(500);
                 let mut simulation = simulation(integrator, Vec3::NEG_Y * 9.81, 0.01);
                 if with_law {
-                    simulation.add_law_everywhere(Drag(0.05));
+                    simulation.add_global_law(Drag(0.05));
                 }
                 let ledger = attached.then(|| Ledger::attach(&mut world, &simulation));
                 for step in 0..100 {
@@ -385,16 +385,16 @@ fn laws_past_the_last_account_share_it() {
     let mut world = World::new();
     RigidBody::new(Shape::Point).mass(1.0).build().unwrap().spawn(&mut world);
     let mut simulation = simulation(MoserVeselov, Vec3::ZERO, 0.25);
-    simulation.add_law_everywhere(Numbered::<0>);
-    simulation.add_law_everywhere(Numbered::<1>);
-    simulation.add_law_everywhere(Numbered::<2>);
-    simulation.add_law_everywhere(Numbered::<3>);
-    simulation.add_law_everywhere(Numbered::<4>);
-    simulation.add_law_everywhere(Numbered::<5>);
-    simulation.add_law_everywhere(Numbered::<6>);
-    simulation.add_law_everywhere(Numbered::<7>);
-    simulation.add_law_everywhere(Numbered::<8>);
-    simulation.add_law_everywhere(Numbered::<9>);
+    simulation.add_global_law(Numbered::<0>);
+    simulation.add_global_law(Numbered::<1>);
+    simulation.add_global_law(Numbered::<2>);
+    simulation.add_global_law(Numbered::<3>);
+    simulation.add_global_law(Numbered::<4>);
+    simulation.add_global_law(Numbered::<5>);
+    simulation.add_global_law(Numbered::<6>);
+    simulation.add_global_law(Numbered::<7>);
+    simulation.add_global_law(Numbered::<8>);
+    simulation.add_global_law(Numbered::<9>);
     let mut ledger = Ledger::attach(&mut world, &simulation);
     simulation.step(&mut world);
     let work = ledger.record(&world, &simulation).work;

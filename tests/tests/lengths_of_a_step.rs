@@ -106,7 +106,7 @@ impl Case {
 }
 
 /// The map's limit is on `kappa`, at most a third of the squared turn (`(|w| dt)^2/4` for a ball, a third for a flat needle that
-/// turns in its plane): within `LARGEST_KAPPA MOST_PARTS^2` up to a turn of 27 rad for every body, and up to this one where moments a million
+/// turns in its plane): within `LARGEST_KAPPA MAX_PARTS^2` up to a turn of 27 rad for every body, and up to this one where moments a million
 /// times apart, rounded to single precision, move `kappa` by a tenth.
 const LONGEST_MAPPED: f64 = 25.0;
 

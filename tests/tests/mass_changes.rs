@@ -19,17 +19,17 @@ use glam::{DMat3, DQuat, DVec3};
 use hecs::{Entity, World};
 use tumble::math::{Real, Vec3};
 use tumble::{
-    CenterOfMass, Chance, ChangeMassError, Inertia, InertiaTensor, Integrator, InverseInertia, Ledger, MassProperties,
-    Momentum, Pose, PreviousPose, PrincipalAxes, RigidBody, Shape, Velocity, change_mass_properties,
+    CenterOfMass, ChangeMassError, Inertia, InertiaTensor, Integrator, InverseInertia, Ledger, MassProperties,
+    Momentum, Pose, PreviousPose, PrincipalAxes, RigidBody, Rng, Shape, Velocity, change_mass_properties,
 };
 use tumble_tests::{EPSILON, dvec3, weightless};
 
-fn properties(chance: &mut Chance) -> MassProperties {
-    let moments = DVec3::new(chance.between(1.0, 2.0).into(), chance.between(1.0, 2.0).into(), 1.9);
-    let q = chance.orientation();
+fn properties(rng: &mut Rng) -> MassProperties {
+    let moments = DVec3::new(rng.range(1.0, 2.0).into(), rng.range(1.0, 2.0).into(), 1.9);
+    let q = rng.orientation();
     let axes = DQuat::from_xyzw(q.x.into(), q.y.into(), q.z.into(), q.w.into()).normalize();
     let tensor = InertiaTensor::from_principal(moments, axes).unwrap();
-    MassProperties::new(chance.between(0.5, 8.0).into(), dvec3(chance.vector(-0.5, 0.5)), tensor).unwrap()
+    MassProperties::new(rng.range(0.5, 8.0).into(), dvec3(rng.vector(-0.5, 0.5)), tensor).unwrap()
 }
 
 /// Linear momentum, angular momentum about the world's origin, and where the frame's origin is.
@@ -43,7 +43,7 @@ fn kept(world: &World, body: Entity) -> [DVec3; 3] {
 /// Two hundred changes in a row, with what a step would have derived.
 #[test]
 fn momentum_and_frame_are_kept() {
-    let mut chance = Chance::new(11);
+    let mut rng = Rng::new(11);
     let mut world = World::new();
     let body = RigidBody::new(Shape::cuboid([0.3, 0.4, 0.5])).mass(2.0).position(Vec3::new(1.0, -2.0, 0.5));
     let body = body.linear_velocity(Vec3::new(1.0, 2.0, -1.0)).angular_velocity(Vec3::new(0.5, 3.0, -1.0));
@@ -51,7 +51,7 @@ fn momentum_and_frame_are_kept() {
     let mut simulation = weightless(Integrator::MoserVeselov, 1.0 / 64.0);
     for change in 0..200 {
         let before = kept(&world, body);
-        let new = properties(&mut chance);
+        let new = properties(&mut rng);
         change_mass_properties(&mut world, body, &new).unwrap();
         for (before, after) in before.into_iter().zip(kept(&world, body)) {
             // Positions and momenta of some units, and a handful of roundings.
@@ -124,12 +124,12 @@ fn the_books_have_what_happens_between_steps() {
 /// Moments that were published with three digits, of any flat body: what was accepted makes a body, whose moments are possible and within the tolerance.
 #[test]
 fn what_is_accepted_with_a_tolerance_makes_a_body() {
-    let mut chance = Chance::new(5);
+    let mut rng = Rng::new(5);
     for case in 0..500 {
-        let (x, y) = (f64::from(chance.between(0.1, 1.0)), f64::from(chance.between(0.1, 1.0)));
-        let excess = f64::from(chance.between(0.0, 2.9e-3));
+        let (x, y) = (f64::from(rng.range(0.1, 1.0)), f64::from(rng.range(0.1, 1.0)));
+        let excess = f64::from(rng.range(0.0, 2.9e-3));
         let z = (x + y) / (1.0 - excess);
-        let turn = chance.orientation();
+        let turn = rng.orientation();
         let r = DMat3::from_quat(tumble_tests::dquat(turn).normalize());
         let matrix = r * DMat3::from_diagonal(DVec3::new(x, y, z)) * r.transpose();
         let tensor = InertiaTensor::with_tolerance(matrix, 3e-3).unwrap();

@@ -10,7 +10,7 @@ use hecs::World;
 use rayon::ThreadPoolBuilder;
 use tumble::math::{Quat, Real, Vec3};
 use tumble::prelude::*;
-use tumble::{Chance, Snapshot};
+use tumble::{Rng, Snapshot};
 use tumble_benches::mixed_moving_bodies;
 use tumble_tests::hash;
 use tumble_tests::touching::{collider, cube, ground, spawn};
@@ -22,7 +22,7 @@ const STEPS: u32 = 3;
 fn world() -> World {
     let mut world = mixed_moving_bodies(19);
     ground(&mut world, Material::new(0.5, 0.3), Quat::IDENTITY);
-    let mut chance = Chance::new(4);
+    let mut rng = Rng::new(4);
     let mut heap = Vec::new();
     for id in 100..121 {
         let shape = match id % 4 {
@@ -33,7 +33,7 @@ fn world() -> World {
         };
         let place = Vec3::new((id % 3) as Real * 0.4, 0.2 + (id / 3 % 7) as Real * 0.35, 0.0);
         let body = RigidBody::new(shape.clone()).mass(1.0).id(BodyId(id)).position(place);
-        let body = body.linear_velocity(chance.vector(-1.0, 1.0)).angular_velocity(chance.vector(-3.0, 3.0));
+        let body = body.linear_velocity(rng.vector(-1.0, 1.0)).angular_velocity(rng.vector(-3.0, 3.0));
         heap.push(spawn(&mut world, body, collider(&shape)));
     }
     for pair in heap.chunks(2).filter(|pair| pair.len() == 2) {

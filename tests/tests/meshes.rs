@@ -404,10 +404,10 @@ proptest! {
     fn what_was_broken_is_repaired(turned in proptest::collection::vec(any::<bool>(), 56), seed in any::<u64>(), share in any::<bool>()) {
         let good = torus(1.0, 0.4, 7, 4);
         let mut triangles = good.triangles().to_vec();
-        let mut chance = seed;
+        let mut rng = seed;
         for i in (1..triangles.len()).rev() {
-            chance = chance.wrapping_mul(6364136223846793005).wrapping_add(1442695040888963407);
-            triangles.swap(i, (chance >> 33) as usize % (i + 1));
+            rng = rng.wrapping_mul(6364136223846793005).wrapping_add(1442695040888963407);
+            triangles.swap(i, (rng >> 33) as usize % (i + 1));
         }
         for (triangle, turned) in triangles.iter_mut().zip(turned) {
             if turned { triangle.swap(1, 2); }

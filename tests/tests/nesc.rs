@@ -70,7 +70,7 @@ fn a_tumbling_brick_is_slowed_by_the_air() {
         let brick = brick.build().unwrap().spawn(&mut world);
         let dt = if integrator == Integrator::SemiImplicitEuler { 0.001 } else { 0.01 };
         let mut simulation = weightless(integrator, dt);
-        simulation.add_law_everywhere(law);
+        simulation.add_global_law(law);
         let mut worst = [0.0_f64; 5];
         for row in list(&case["rates"]) {
             while simulation.time() + 0.5 * seconds(dt) < number(&row["time"]) {
@@ -170,10 +170,10 @@ impl Orbit {
         let body = body.build().unwrap().spawn(&mut world);
         world.insert_one(body, BodyTorque(Vec3::ZERO)).unwrap();
         let mut simulation = weightless(integrator, dt);
-        simulation.add_law_everywhere(PointGravity { mu });
+        simulation.add_global_law(PointGravity { mu });
         simulation.add_law::<BodyTorque>();
         if name == "10A" {
-            simulation.add_law_everywhere(GravityGradient { mu });
+            simulation.add_global_law(GravityGradient { mu });
         }
         Self { world, simulation, body }
     }

@@ -19,17 +19,17 @@ use glam::{DMat3, DQuat, DVec3};
 use hecs::World;
 use tumble::math::{Quat, Real, Vec3};
 use tumble::prelude::*;
-use tumble::{Chance, Material};
+use tumble::{Material, Rng};
 use tumble_math::{PrincipalInertia, from_scaled_axis};
 use tumble_tests::touching::{collider, ground, spawn, surfaced};
 use tumble_tests::{EPSILON, dvec3};
 
 /// Random numbers of one case.
-struct Draw(Chance);
+struct Draw(Rng);
 
 impl Draw {
     fn new(case: u64) -> Self {
-        Self(Chance::stream(1904, case))
+        Self(Rng::stream(1904, case))
     }
 
     fn between(&mut self, low: f64, high: f64) -> f64 {

@@ -91,7 +91,7 @@ fn after_a_second(laws: bool) -> (Vec<Real>, Vec<Real>, Vec<Real>) {
     let order = BodyOrder::moving(&world);
     let mut inside: Simulation = simulation(Integrator::MoserVeselov, Vec3::new(0.0, -2.0, 0.0), 1.0 / 4096.0);
     if laws {
-        inside.add_law_everywhere(Tide);
+        inside.add_global_law(Tide);
     }
     let mut outside = vec![0.0; order.len() * STATE_SIZE];
     state_to_array(&world, &order, &mut outside).unwrap();

@@ -83,7 +83,7 @@ fn every_phase_is_seen() {
         assert_eq!(scopes(|| update_derived(&mut bodies)), counts([(derive, 1)]));
 
         // Laws make no difference; where work is booked the systems run one after the other in every step.
-        simulation.add_law_everywhere(Still);
+        simulation.add_global_law(Still);
         let steps = scopes(|| simulation.step_many(&mut bodies, 3));
         assert_eq!(steps, counts([("tumble::step", 1), ("tumble::step_chunk", 1), (kinematic, 1)]));
         Ledger::attach(&mut bodies, &simulation);

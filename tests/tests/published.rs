@@ -9,7 +9,7 @@
 use serde_json::Value;
 use tumble::Integrator::MoserVeselov;
 use tumble::math::{Real, Vec3};
-use tumble::{BodyOrder, Momentum, Pose, Settings, Simulation, measure};
+use tumble::{BodyOrder, Momentum, Pose, Settings, Simulation, Totals};
 use tumble_tests::references::{number, parse, real_vec3};
 use tumble_tests::{FreeBody, by_precision, dvec3, energy_of};
 
@@ -41,7 +41,7 @@ fn thrown_box(dt: f64) -> Errors {
     let entity = body.spawn(&mut world);
     let mut simulation = simulation(real_vec3(throw.gravity), dt);
     let order = BodyOrder::of(&world);
-    let start = measure(&world, simulation.settings(), &order).energy();
+    let start = Totals::of(&world, simulation.settings(), &order).energy();
     let spin = dvec3(world.get::<&Momentum>(entity).unwrap().angular);
     let mut worst = Errors::default();
     for _ in 0..(10.0 / dt).round() as u32 {
@@ -51,7 +51,7 @@ fn thrown_box(dt: f64) -> Errors {
         let exact = throw.position + throw.linear_velocity * time + throw.gravity * (0.5 * time * time);
         let velocity = dvec3(momentum.linear) / body.mass;
         worst.angular_momentum = worst.angular_momentum.max((dvec3(momentum.angular) - spin).length());
-        worst.energy = worst.energy.max((measure(&world, simulation.settings(), &order).energy() - start).abs());
+        worst.energy = worst.energy.max((Totals::of(&world, simulation.settings(), &order).energy() - start).abs());
         worst.position = worst.position.max((dvec3(pose.position) - exact).length());
         worst.velocity = worst.velocity.max((velocity - throw.linear_velocity - throw.gravity * time).length());
     }

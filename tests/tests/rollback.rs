@@ -52,7 +52,7 @@ impl ForceLaw for Tide {
 
 fn simulation(integrator: Integrator) -> Simulation {
     let mut simulation = Simulation::new(Settings::default().with_integrator(integrator)).unwrap();
-    simulation.add_law_everywhere(Tide);
+    simulation.add_global_law(Tide);
     simulation
 }
 

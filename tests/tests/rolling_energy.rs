@@ -21,7 +21,7 @@ use glam::{DQuat, DVec3};
 use hecs::{Entity, World};
 use tumble::math::{Quat, Real, Vec3};
 use tumble::prelude::*;
-use tumble::{Chance, Material};
+use tumble::{Material, Rng};
 use tumble_tests::touching::{collider, ground, pose, spawn, surfaced, velocity};
 use tumble_tests::{dvec3, run};
 
@@ -32,11 +32,11 @@ const ROUGH: f64 = 100.0;
 const SAG: f64 = 6.9e-5;
 
 /// Random numbers of one case.
-struct Draw(Chance);
+struct Draw(Rng);
 
 impl Draw {
     fn new(case: u64) -> Self {
-        Self(Chance::stream(1901, case))
+        Self(Rng::stream(1901, case))
     }
 
     fn between(&mut self, low: f64, high: f64) -> f64 {

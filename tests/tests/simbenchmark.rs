@@ -16,7 +16,7 @@
 use hecs::{Entity, World};
 use tumble::math::{Quat, Real, Vec3};
 use tumble::prelude::*;
-use tumble::{Chance, Combine, ConstantWrench, Material};
+use tumble::{CombineRule, ConstantWrench, Material, Rng};
 use tumble_tests::dvec3;
 use tumble_tests::touching::{self, collider, ground, pose, spawn, surfaced};
 
@@ -24,7 +24,7 @@ const G: f64 = 9.81;
 
 /// Of two, the smaller friction and the larger restitution.
 fn surface(friction: Real, restitution: Real) -> Material {
-    let (friction_combine, restitution_combine) = (Combine::Minimum, Combine::Maximum);
+    let (friction_combine, restitution_combine) = (CombineRule::Minimum, CombineRule::Maximum);
     Material { friction_combine, restitution_combine, ..Material::new(friction, restitution) }
 }
 
@@ -108,9 +108,9 @@ fn bouncing(dt: f64) -> f64 {
 fn cube_of_balls(lowest: f64, restitution: Real) -> (World, Vec<Entity>) {
     let mut world = World::new();
     ground(&mut world, surface(0.0, restitution), Quat::IDENTITY);
-    let (mut balls, mut chance) = (Vec::new(), Chance::stream(666, 0));
+    let (mut balls, mut rng) = (Vec::new(), Rng::stream(666, 0));
     for index in 0..216 {
-        let place = [index % 6, index / 36, index / 6 % 6].map(|i| 0.21 * f64::from(i) + 1e-3 * chance.unit());
+        let place = [index % 6, index / 36, index / 6 % 6].map(|i| 0.21 * f64::from(i) + 1e-3 * rng.unit());
         let at = [place[0], place[1] + lowest, place[2]];
         balls.push(ball(&mut world, (0.1, 10.0), at, surface(0.0, restitution)));
     }

@@ -50,7 +50,7 @@ impl ForceLaw for Honey {
 
 fn simulation(integrator: Integrator) -> Simulation {
     let mut simulation = Simulation::new(Settings::default().with_integrator(integrator).with_substeps(2)).unwrap();
-    simulation.add_law_everywhere(Tide);
+    simulation.add_global_law(Tide);
     simulation.add_law::<Honey>();
     simulation
 }

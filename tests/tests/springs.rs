@@ -25,7 +25,7 @@ use glam::DVec3;
 use hecs::{Entity, World};
 use tumble::Integrator::{self, MoserVeselov, SemiImplicitEuler};
 use tumble::math::{Real, Vec3};
-use tumble::{BodyOrder, Momentum, Pose, RigidBody, Shape, Simulation, Spring, Totals, measure};
+use tumble::{BodyOrder, Momentum, Pose, RigidBody, Shape, Simulation, Spring, Totals};
 use tumble_tests::{EPSILON, by_precision, dvec3, hash, run, seconds, weightless};
 
 mod nets;
@@ -47,7 +47,7 @@ fn position(world: &World, body: Entity) -> DVec3 {
 }
 
 fn totals(world: &World, simulation: &Simulation) -> Totals {
-    measure(world, simulation.settings(), &BodyOrder::of(world))
+    Totals::of(world, simulation.settings(), &BodyOrder::of(world))
 }
 
 fn kinetic(world: &World, simulation: &Simulation) -> f64 {

@@ -8,7 +8,7 @@
 use hecs::World;
 use tumble::Integrator::{MoserVeselov, SemiImplicitEuler};
 use tumble::math::Vec3;
-use tumble::{BodyOrder, Drag, RigidBody, Shape, measure};
+use tumble::{BodyOrder, Drag, RigidBody, Shape, Totals};
 use tumble_tests::{EPSILON, weightless};
 
 /// A leaf that slips sideways, and a rod that turns end over end, far past where an explicit
@@ -29,7 +29,7 @@ fn drag_of_any_strength_takes_energy() {
             let mut simulation = weightless(integrator, 1.0 / 60.0);
             let mut before = f64::INFINITY;
             for step in 0..600 {
-                let totals = measure(&world, simulation.settings(), &BodyOrder::of(&world));
+                let totals = Totals::of(&world, simulation.settings(), &BodyOrder::of(&world));
                 let kinetic = totals.kinetic();
                 assert!(
                     kinetic <= before * (1.0 + 8.0 * EPSILON),

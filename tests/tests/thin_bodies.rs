@@ -19,7 +19,7 @@
 use hecs::{Entity, World};
 use tumble::math::{Quat, Real, Vec3};
 use tumble::prelude::*;
-use tumble::{Chance, Collider, Mass, Material};
+use tumble::{Collider, Mass, Material, Rng};
 use tumble_tests::dvec3;
 
 const GRAVITY: f64 = 9.81;
@@ -29,11 +29,11 @@ fn real(number: f64) -> Real {
 }
 
 /// Numbers of one case.
-struct Draw(Chance);
+struct Draw(Rng);
 
 impl Draw {
     fn new(case: u64) -> Self {
-        Self(Chance::stream(19, case))
+        Self(Rng::stream(19, case))
     }
 
     fn between(&mut self, low: f64, high: f64) -> f64 {

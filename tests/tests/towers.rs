@@ -10,7 +10,7 @@
 use hecs::{Entity, World};
 use tumble::math::{Quat, Real, Vec3};
 use tumble::prelude::*;
-use tumble::{Chance, Material};
+use tumble::{Material, Rng};
 use tumble_tests::touching::{collider, ground, pose, spawn};
 use tumble_tests::{dvec3, run};
 
@@ -55,12 +55,12 @@ impl Stack {
     }
 }
 
-fn logarithmic(chance: &mut Chance, least: f64, most: f64) -> f64 {
-    (f64::from(chance.between(least.ln() as Real, most.ln() as Real))).exp()
+fn logarithmic(rng: &mut Rng, least: f64, most: f64) -> f64 {
+    (f64::from(rng.range(least.ln() as Real, most.ln() as Real))).exp()
 }
 
-fn any_way_up(chance: &mut Chance) -> Quat {
-    let [x, y, z, w] = std::array::from_fn(|_| chance.between(-1.0, 1.0));
+fn any_way_up(rng: &mut Rng) -> Quat {
+    let [x, y, z, w] = std::array::from_fn(|_| rng.range(-1.0, 1.0));
     Quat::from_xyzw(x, y, z, w).normalize()
 }
 
@@ -85,21 +85,21 @@ fn thirty_cubes_of_any_size_stand() {
 fn random_towers_stand() {
     const SECONDS: f64 = 8.0;
     for draw in 0..40 {
-        let mut chance = Chance::stream(19, draw);
-        let edge = logarithmic(&mut chance, 0.01, 10.0);
-        let count = f64::from(chance.between(3.0, 30.0)) as u8;
-        let slim = f64::from(chance.between(0.4, 1.2));
-        let density = logarithmic(&mut chance, 10.0, 10_000.0);
-        let mut stack = Stack::new(any_way_up(&mut chance));
+        let mut rng = Rng::stream(19, draw);
+        let edge = logarithmic(&mut rng, 0.01, 10.0);
+        let count = f64::from(rng.range(3.0, 30.0)) as u8;
+        let slim = f64::from(rng.range(0.4, 1.2));
+        let density = logarithmic(&mut rng, 10.0, 10_000.0);
+        let mut stack = Stack::new(any_way_up(&mut rng));
         for i in 0..count {
             // Heights differ from the widths, and each is turned as it happens to be.
-            let edges = [edge, edge * slim, edge * f64::from(chance.between(0.8, 1.0))];
+            let edges = [edge, edge * slim, edge * f64::from(rng.range(0.8, 1.0))];
             let mass = density * edges[0] * edges[1] * edges[2];
-            let turned = Quat::from_rotation_y(chance.between(0.0, 6.0));
+            let turned = Quat::from_rotation_y(rng.range(0.0, 6.0));
             stack.add(edges, mass, [0.0, edges[1] * (f64::from(i) + 0.5), 0.0], turned);
         }
-        let steps = logarithmic(&mut chance, 60.0, 240.0);
-        let substeps = f64::from(chance.between(4.0, 16.0)) as u32;
+        let steps = logarithmic(&mut rng, 60.0, 240.0);
+        let substeps = f64::from(rng.range(4.0, 16.0)) as u32;
         let settings = Settings::default().with_dt((1.0 / steps) as Real).with_contact_substeps(substeps);
         let [aside, down, _] = stack.run(settings, SECONDS);
         // A position is rounded to its grid once a step, and each contact may creep by a few units of that: see `docs/contacts.md`.
@@ -116,11 +116,11 @@ fn random_towers_stand() {
 #[test]
 fn a_tonne_stands_on_a_kilogram() {
     for draw in 0..24 {
-        let mut chance = Chance::stream(23, draw);
-        let edge = logarithmic(&mut chance, 0.01, 10.0);
-        let ratio = if draw == 0 { 1000.0 } else { logarithmic(&mut chance, 1.0, 1000.0) };
-        let mut stack = Stack::new(any_way_up(&mut chance));
-        let light = logarithmic(&mut chance, 1e-3, 1e3);
+        let mut rng = Rng::stream(23, draw);
+        let edge = logarithmic(&mut rng, 0.01, 10.0);
+        let ratio = if draw == 0 { 1000.0 } else { logarithmic(&mut rng, 1.0, 1000.0) };
+        let mut stack = Stack::new(any_way_up(&mut rng));
+        let light = logarithmic(&mut rng, 1e-3, 1e3);
         stack.add([edge; 3], light, [0.0, 0.5 * edge, 0.0], Quat::IDENTITY);
         stack.add([edge; 3], ratio * light, [0.0, 1.5 * edge, 0.0], Quat::IDENTITY);
         let [aside, down, speed] = stack.run(Settings::default(), 10.0);

@@ -6,7 +6,7 @@ use hecs::World;
 use rayon::ThreadPool;
 use tumble::math::Vec3;
 use tumble::{BodyId, GravityMass, RigidBody, Settings, Shape, Simulation};
-use tumble_benches::Chance;
+use tumble_benches::Rng;
 use tumble_math::lane::{Lane, Vec3 as LaneVec3};
 
 use crate::counted::{Counted, Operations, count};
@@ -26,9 +26,9 @@ pub(crate) fn operations() -> Operations {
 }
 
 fn cloud(bodies: usize) -> Result<World, Box<dyn std::error::Error>> {
-    let (mut world, mut chance) = (World::new(), Chance::new(7));
+    let (mut world, mut rng) = (World::new(), Rng::new(7));
     for i in 0..bodies {
-        let place = chance.vector(-100.0, 100.0);
+        let place = rng.vector(-100.0, 100.0);
         let body = RigidBody::new(Shape::Point).mass(1.0).id(BodyId(i as u64)).position(place).build()?;
         let body = body.spawn(&mut world);
         world.insert_one(body, GravityMass { mu: 1.0, softening: 0.1 })?;

@@ -1,7 +1,7 @@
 //! How well energy and momentum are kept, sampled now and then.
 
 use hecs::{Entity, World};
-use tumble::{BodyOrder, Settings, Totals, measure};
+use tumble::{BodyOrder, Settings, Totals};
 use tumble_scene::{Conserved, MomentumScale};
 
 /// Up to this number of body-steps every step is a sample: measuring them all takes a second at most.
@@ -112,7 +112,7 @@ fn relative(departure: f64, scale: f64) -> f64 {
 }
 
 fn finite_totals(world: &World, settings: &Settings, order: &BodyOrder) -> Result<Totals, NotFinite> {
-    let totals = measure(world, settings, order);
+    let totals = Totals::of(world, settings, order);
     if let Some(body) = totals.non_finite {
         return Err(NotFinite::Body(body));
     }

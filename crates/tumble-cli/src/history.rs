@@ -20,13 +20,13 @@ pub(crate) struct History {
 }
 
 /// Entries of a long run: more than a plot can show, few enough to hold.
-const MOST_ENTRIES: u64 = 10_000;
+const MAX_ENTRIES: u64 = 10_000;
 
 impl History {
     pub(crate) fn open(world: &mut World, simulation: &Simulation, bodies: u64, steps: u64) -> Self {
         let works = bodies.saturating_mul(steps) <= EVERY_STEP_UP_TO;
         let ledger = if works { Ledger::attach(world, simulation) } else { Ledger::watch(world, simulation) };
-        Self { ledger, works, every: steps.div_ceil(MOST_ENTRIES).max(1), steps }
+        Self { ledger, works, every: steps.div_ceil(MAX_ENTRIES).max(1), steps }
     }
 
     pub(crate) fn record(&mut self, world: &World, simulation: &Simulation) {

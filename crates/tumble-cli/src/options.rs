@@ -89,7 +89,7 @@ pub(crate) struct StepOptions {
     #[arg(long, value_name = "S", allow_negative_numbers = true, value_parser = dt)]
     pub(crate) dt: Option<Real>,
     /// Equal parts that each step is divided into
-    #[arg(long, value_name = "N", allow_negative_numbers = true, value_parser = clap::value_parser!(u32).range(1..=i64::from(Settings::MOST_SUBSTEPS)))]
+    #[arg(long, value_name = "N", allow_negative_numbers = true, value_parser = clap::value_parser!(u32).range(1..=i64::from(Settings::MAX_SUBSTEPS)))]
     pub(crate) substeps: Option<u32>,
     /// semi-implicit-euler, runge-kutta4 or moser-veselov
     #[arg(long, value_name = "NAME", value_parser = str::parse::<Integrator>)]

@@ -75,7 +75,7 @@ fn is_same(a: &Path, b: &Path) -> bool {
 const HEAD: u64 = 1 << 14;
 
 /// Longest description of a record that is looked into \[bytes\].
-const MOST_JSON: u64 = 256 << 20;
+const MAX_JSON: u64 = 256 << 20;
 
 /// Whether a file is one that this program writes. An empty one is nobody's.
 fn is_ours(path: &Path, kind: Kind) -> bool {
@@ -121,7 +121,7 @@ fn is_our_animation(mut file: File) -> bool {
         return false;
     }
     let [.., a, b, c, d, _, _, _, _] = header;
-    let length = u64::from(u32::from_le_bytes([a, b, c, d])).min(MOST_JSON);
+    let length = u64::from(u32::from_le_bytes([a, b, c, d])).min(MAX_JSON);
     let document: Result<Document, _> = serde_json::from_reader(std::io::BufReader::new(file.take(length)));
     document.is_ok_and(|document| document.asset.generator.starts_with("tumble "))
 }
@@ -140,7 +140,7 @@ fn is_our_table(mut file: File) -> bool {
     else {
         return false;
     };
-    let length = u64::from(u32::from_le_bytes([a, b, c, d])).min(MOST_JSON);
+    let length = u64::from(u32::from_le_bytes([a, b, c, d])).min(MAX_JSON);
     let description = read_back(length.saturating_add(8)).unwrap_or_default();
     description.windows(7).any(|window| window == b"tumble ")
 }

@@ -6,7 +6,7 @@ use std::ops::{ControlFlow, Range};
 use std::path::Path;
 use std::time::{Duration, Instant};
 
-use tumble::stream;
+use tumble::for_each_world;
 use tumble_scene::{Outcome, Sweep, SweepFile, SweepIdentity, printable};
 
 use crate::ending::check_ending;
@@ -69,7 +69,7 @@ fn run(sweep: &Sweep, mut file: SweepFile, report: &mut Report, quiet: bool) -> 
     let begun = Instant::now();
     let Range { start, end } = report.worlds;
     let progress = Progress::start_worlds(report.begun_at - start, end - start, quiet);
-    let stopped = stream(
+    let stopped = for_each_world(
         report.begun_at..end,
         |index| if interrupt::asked() { None } else { row(sweep, index) },
         |index, row| {

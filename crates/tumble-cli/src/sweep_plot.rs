@@ -11,7 +11,7 @@ use crate::replacing::{Guard, Kind};
 use crate::sweep_options::PlotOptions;
 
 /// Points of a picture: more cannot be told apart, and a picture of all worlds would have no bounds.
-const MOST_POINTS: u64 = 5000;
+const MAX_POINTS: u64 = 5000;
 
 /// Characters that the picture has room for: it is 650 by 316 pixels between its axes' ends, and a character about 7 wide, 8.5 in the title.
 const LONGEST_TITLE: usize = 76;
@@ -75,7 +75,7 @@ impl SweepPlot {
     fn points(&self, from: &Path) -> Result<Vec<(f64, f64)>, tumble_scene::SweepFileError> {
         let mut reader = SweepReader::open(from)?;
         let worlds = reader.worlds();
-        let stride = (worlds.end - worlds.start).div_ceil(MOST_POINTS).max(1);
+        let stride = (worlds.end - worlds.start).div_ceil(MAX_POINTS).max(1);
         let [(_, x), (_, y)] = self.axes;
         let mut points = Vec::new();
         loop {

@@ -133,7 +133,7 @@ fn parts_of_a_collider_are_listed_with_their_surfaces() {
         let part = |k: usize| {
             serde_json::json!({
                 "static_friction": 0.5 + 0.125 * (i + k) as f64, "dynamic_friction": 0.25, "restitution": 0.125 * k as f64,
-                "rolling_friction": 0.25 * i as f64, "friction_combine": way, "restitution_combine": ways[k],
+                "rolling_resistance": 0.25 * i as f64, "friction_combine": way, "restitution_combine": ways[k],
                 "groups": [i, k + 4], "touches": [k],
             })
         };

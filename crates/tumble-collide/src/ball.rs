@@ -18,7 +18,7 @@ pub(crate) fn ball_and_ball<R: Scalar>(
 }
 
 /// Nearer than this \[m\] two points are one: its square is a normal number in either precision.
-const LEAST_DISTANCE: f64 = 1e-18;
+const MIN_DISTANCE: f64 = 1e-18;
 
 /// From the box to the ball. A ball whose centre is in the box leaves it through the nearest face.
 pub(crate) fn cuboid_and_ball<R: Scalar>(
@@ -34,7 +34,7 @@ pub(crate) fn cuboid_and_ball<R: Scalar>(
     let nearest = Vec3::new(clamp(local.x, h.x), clamp(local.y, h.y), clamp(local.z, h.z));
     let apart = local - nearest;
     let distance = apart.dot(apart).sqrt();
-    let (normal, separation) = if distance > R::splat(LEAST_DISTANCE) {
+    let (normal, separation) = if distance > R::splat(MIN_DISTANCE) {
         (apart * (R::splat(1.0) / distance), distance)
     } else {
         way_out(local, h)

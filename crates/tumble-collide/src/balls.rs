@@ -3,7 +3,7 @@ use tumble_math::lane::{Lane, Vec3};
 use crate::lanes::ManifoldLanes;
 
 /// Nearer than this \[m\] two points are one: its square is a normal number in either precision.
-const LEAST_DISTANCE: f64 = 1e-18;
+const MIN_DISTANCE: f64 = 1e-18;
 
 /// How balls touch, `apart` being the way from the first centre to the second \[m\]. Balls about the same point are pushed apart along y.
 ///
@@ -22,7 +22,7 @@ pub fn ball_pair<L: Lane>(first: L, second: L, apart: Vec3<L>, margin: L) -> Man
     let (zero, one) = (L::splat(0.0), L::splat(1.0));
     let distance = apart.dot(apart).sqrt();
     let up = Vec3::new(zero, one, zero);
-    let normal = Vec3::select(L::splat(LEAST_DISTANCE).lt(distance), apart * (one / distance), up);
+    let normal = Vec3::select(L::splat(MIN_DISTANCE).lt(distance), apart * (one / distance), up);
     let separation = distance - (first + second);
     let place = normal * (zero - (second + separation * L::splat(0.5)));
     ManifoldLanes {

@@ -22,7 +22,7 @@ pub(crate) struct Rod<R> {
 /// Nearer than this part of the lengths they are computed from two points are one, in units of rounding: the direction between them is lost.
 const ONE_POINT: f64 = 32.0;
 /// The square of a shorter length \[m\] may not be a normal number in either precision.
-const LEAST_DISTANCE: f64 = 1e-18;
+const MIN_DISTANCE: f64 = 1e-18;
 /// By how much more \[m\] an edge of a box must separate than a face to be taken.
 const EDGE_LEAD: f64 = 5e-4;
 
@@ -61,7 +61,7 @@ fn clamped<R: Scalar>(x: R, most: R) -> R {
 pub(crate) fn capsule_and_ball<R: Scalar>(rod: &Rod<R>, radius: R, center: Vec3<R>, margin: R) -> Manifold<R> {
     let apart = center - rod.at(rod.nearest_to(center));
     let distance = apart.dot(apart).sqrt();
-    let normal = if distance > R::splat(LEAST_DISTANCE) { apart * (R::splat(1.0) / distance) } else { rod.across };
+    let normal = if distance > R::splat(MIN_DISTANCE) { apart * (R::splat(1.0) / distance) } else { rod.across };
     Manifold::of_point(normal, center - normal * radius, distance - (rod.radius + radius), 0, margin).carried_by_both()
 }
 
@@ -83,7 +83,7 @@ pub(crate) fn capsule_and_capsule<R: Scalar>(first: &Rod<R>, second: &Rod<R>, ma
         // Axes that cross: out of the plane of both, to whichever side.
         let out = first.half.cross(second.half);
         let length = out.dot(out).sqrt();
-        if length > R::splat(LEAST_DISTANCE) { out * (one / length) } else { first.across }
+        if length > R::splat(MIN_DISTANCE) { out * (one / length) } else { first.across }
     };
     let separation = distance - (layers[0] + layers[1]);
     let nearest = (on_first + normal * layers[0] + on_second - normal * layers[1]) * half;
@@ -185,7 +185,7 @@ fn way_out<R: Scalar>(rod: &Rod<R>, h: Vec3<R>) -> (Vec3<R>, R) {
     let edges = axes.iter().filter_map(|axis| {
         let across = axis.cross(rod.half);
         let length = across.dot(across).sqrt();
-        (length > R::splat(LEAST_DISTANCE)).then(|| (across * (one / length), R::splat(EDGE_LEAD)))
+        (length > R::splat(MIN_DISTANCE)).then(|| (across * (one / length), R::splat(EDGE_LEAD)))
     });
     let mut best = (axes[0], separation(axes[0]));
     for (axis, lead) in axes.into_iter().map(|axis| (axis, zero)).chain(edges) {

@@ -16,13 +16,13 @@ use crate::touching;
 use crate::work;
 
 /// A way is followed in at most this number of advances; what has not met by then may meet.
-const MOST_ADVANCES: usize = 48;
+const MAX_ADVANCES: usize = 48;
 /// Shapes that come this many times as near as what counts as meeting are sought the moment for when they are nearest.
 const NEARLY: f64 = 8.0;
 /// How often the span of time in which that is is narrowed down, to two thirds each time.
 const NARROWED: usize = 12;
 /// Past more triangles of a surface no way is gone along: something may meet at once.
-const MOST_TRIANGLES: usize = 4096;
+const MAX_TRIANGLES: usize = 4096;
 
 /// Shapes that meet, or pass each other closely.
 ///
@@ -204,7 +204,7 @@ impl<'a> Moving<'a> {
     fn meet(&self, tolerance: f64, slack: f64) -> Option<Meeting> {
         let (mut now, mut before) = (0.0, 0.0);
         let mut nearest: Option<(f64, [f64; 2])> = None;
-        for _ in 0..MOST_ADVANCES {
+        for _ in 0..MAX_ADVANCES {
             work::compared(1);
             let gap = self.gap(now)?;
             if gap.distance <= tolerance {
@@ -276,7 +276,7 @@ fn with_surface<R: Scalar>(
     }
     let mut triangles = Vec::new();
     surface.near(&bounds, &mut |triangle| triangles.push(triangle));
-    if triangles.len() > MOST_TRIANGLES {
+    if triangles.len() > MAX_TRIANGLES {
         return Some(Meeting { moment: 0.0, is_hit: false, distance: f64::INFINITY, normal: Vector::zero() });
     }
     triangles.sort_unstable();

@@ -1,7 +1,7 @@
 use tumble_math::{HullError, convex_hull};
 
 use crate::convex::{Vector, unit};
-use crate::feature::{Feature, MOST_CORNERS};
+use crate::feature::{Feature, MAX_CORNERS};
 use crate::furthest::Furthest;
 
 /// The convex hull of points, made to be touched: its corners and its flat faces, in its own frame.
@@ -159,9 +159,9 @@ impl ConvexHull {
         let Some(place) = self.face(d) else { return Feature::point(self.support(d)) };
         let (face, normal) = (&self.faces[place], self.normals[place]);
         let corners = &self.corners[face.from..face.to];
-        let most = corners.len().min(MOST_CORNERS);
+        let most = corners.len().min(MAX_CORNERS);
         let along = |place: usize| self.points[corners[place] as usize].dot(d);
-        let mut places = [0; MOST_CORNERS];
+        let mut places = [0; MAX_CORNERS];
         let (mut furthest, mut of_few) = (0, f64::NEG_INFINITY);
         for (k, place) in places.iter_mut().take(most).enumerate() {
             *place = k * corners.len() / most;

@@ -7,7 +7,7 @@ use crate::geometry::Placement;
 use crate::scalar::Scalar;
 
 /// The most straight pieces of a course.
-const MOST_LEGS: usize = 4;
+const MAX_LEGS: usize = 4;
 
 /// How a shape moves over an interval of time: its body's centre of mass goes straight on, and turns off a few times at most;
 /// the shape turns about it at an even rate. Moments are parts of the interval, from 0 to 1.
@@ -29,7 +29,7 @@ pub struct Course {
     center: Vector,
     angular: Vector,
     /// When each begins, and how far it would go in the whole interval.
-    legs: [(f64, Vector); MOST_LEGS],
+    legs: [(f64, Vector); MAX_LEGS],
     len: usize,
 }
 
@@ -37,7 +37,7 @@ impl Course {
     /// Of a shape placed `at` in a body with the centre of mass `center` \[m\], which goes `linear` \[m\] in the interval
     /// and turns by `angular` \[rad\], about the direction of that vector.
     pub fn new<R: Scalar>(at: &Placement<R>, center: Vec3<R>, linear: Vec3<R>, angular: Vec3<R>) -> Self {
-        let mut legs = [(1.0, Vector::zero()); MOST_LEGS];
+        let mut legs = [(1.0, Vector::zero()); MAX_LEGS];
         legs[0] = (0.0, wide(linear));
         Self { start: wide_placement(at), center: wide(center), angular: wide(angular), legs, len: 1 }
     }

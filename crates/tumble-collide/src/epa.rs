@@ -16,13 +16,13 @@ pub(crate) struct Penetration {
 }
 
 /// Polyhedra end by themselves after a few dozen points; round shapes are as round as can be told after this many.
-const MOST_POINTS: usize = 256;
+const MAX_MANIFOLD_POINTS: usize = 256;
 /// Faces tested and sides compared, at most. A polyhedron of n points has 2 n faces, each of which may be tested for every point.
-const MOST_WORK: usize = 1 << 18;
+const MAX_WORK: usize = 1 << 18;
 /// What is not certain, of round shapes and where faces were so thin that rounding tore the surface, is refined this often at most,
-const MOST_REFINEMENTS: usize = 8;
+const MAX_REFINEMENTS: usize = 8;
 /// from this number of axes of both shapes too,
-const MOST_STARTS: usize = 4;
+const MAX_STARTS: usize = 4;
 /// with the shapes moved apart by this part of what the difference reaches.
 const GAP: f64 = 1e-4;
 /// Part of what the difference reaches that a point must add to the polyhedron to be worth it. The normal of round shapes is good to its square root.
@@ -54,7 +54,7 @@ pub(crate) fn penetration(shapes: &Difference<'_>, simplex: &Simplex) -> Option<
     let mut outline = Outline::default();
     let mut best: Option<(f64, Vector)> = None;
     let mut is_certain = true;
-    for _ in 0..2 * MOST_POINTS {
+    for _ in 0..2 * MAX_MANIFOLD_POINTS {
         let Some((index, face)) = polyhedron.nearest() else { break };
         let least = best.map_or(f64::INFINITY, |(least, _)| least);
         if least - face.distance <= GAIN * polyhedron.scale {
@@ -69,7 +69,7 @@ pub(crate) fn penetration(shapes: &Difference<'_>, simplex: &Simplex) -> Option<
         if overlap - face.distance <= GAIN * polyhedron.scale {
             break;
         }
-        if polyhedron.points.len() >= MOST_POINTS || polyhedron.work > MOST_WORK {
+        if polyhedron.points.len() >= MAX_MANIFOLD_POINTS || polyhedron.work > MAX_WORK {
             is_certain = false;
             break;
         }
@@ -93,7 +93,7 @@ fn shortest(shapes: &Difference<'_>, found: Penetration, overlap: f64, scale: f6
     let axes = AXES.iter().chain(&shapes.axes).flat_map(both_ways);
     let mut starts: Vec<(f64, Vector)> = axes.map(|axis| (-shapes.separation(axis), axis)).collect();
     starts.sort_by(|a, b| a.0.total_cmp(&b.0));
-    for (overlap, normal) in starts.into_iter().take(MOST_STARTS) {
+    for (overlap, normal) in starts.into_iter().take(MAX_STARTS) {
         let start = Penetration { normal, on_first: shapes.first.support(normal) };
         let next = refined(shapes, start, overlap, scale);
         if next.0 < best.0 - GAIN * scale {
@@ -105,7 +105,7 @@ fn shortest(shapes: &Difference<'_>, found: Penetration, overlap: f64, scale: f6
 
 /// Moved apart along a way out, shapes are nearest to each other along one that is as short or shorter.
 fn refined(shapes: &Difference<'_>, mut found: Penetration, mut overlap: f64, scale: f64) -> (f64, Penetration) {
-    for _ in 0..MOST_REFINEMENTS {
+    for _ in 0..MAX_REFINEMENTS {
         let position = shapes.position + found.normal * (overlap + GAP * scale);
         let Nearest::Apart { between, on_first } = nearest(&Difference { position, ..*shapes }, f64::INFINITY) else {
             break;
@@ -241,7 +241,7 @@ impl Polyhedron {
                     None => outline.sides.push([from, to]),
                 }
             }
-            if self.work > MOST_WORK {
+            if self.work > MAX_WORK {
                 return false;
             }
         }

@@ -5,7 +5,7 @@ use tumble_math::lane::Vec3;
 use crate::scalar::Scalar;
 
 /// The most corners of a piece; of a face with more, as many are left out evenly.
-pub(crate) const MOST_CORNERS: usize = 16;
+pub(crate) const MAX_CORNERS: usize = 16;
 
 /// A corner, and its number in the shape.
 #[derive(Clone, Copy, Debug)]
@@ -17,7 +17,7 @@ pub(crate) struct Corner<R> {
 /// One corner, the two ends of an edge, or the corners of a face counter-clockwise as seen from outside.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Feature<R> {
-    corners: [Corner<R>; MOST_CORNERS],
+    corners: [Corner<R>; MAX_CORNERS],
     len: usize,
     /// Unit normal of a face, outwards; of anything else it means nothing.
     pub(crate) normal: Vec3<R>,
@@ -27,7 +27,7 @@ impl<R: Scalar> Feature<R> {
     /// The corners given, as far as there is room.
     pub(crate) fn new(corners: impl IntoIterator<Item = (Vec3<R>, u32)>, normal: Vec3<R>) -> Self {
         let nowhere = Corner { at: Vec3::zero(), id: 0 };
-        let mut this = Self { corners: [nowhere; MOST_CORNERS], len: 0, normal };
+        let mut this = Self { corners: [nowhere; MAX_CORNERS], len: 0, normal };
         for ((at, id), slot) in corners.into_iter().zip(&mut this.corners) {
             *slot = Corner { at, id };
             this.len += 1;

@@ -22,7 +22,7 @@ const RIM: [[f64; 2]; 8] = {
 /// the point run around the rim of what stands still.
 const LOWER: f64 = 1e-4;
 /// A cap is stood on when its normal is within about 25 degrees; further over it is the rim that rolls.
-const LEAST_COSINE: f64 = 0.9;
+const MIN_COSINE: f64 = 0.9;
 /// Numbers of points: those on the rim of the upper cap begin here,
 const UPPER: u32 = 16;
 /// the lowest of a rim comes after eight that are fixed,
@@ -66,7 +66,7 @@ impl Frustum {
         let along_side = Vector::new(2.0 * self.half_height, below - above, 0.0);
         let along_side = (along_side.x * around + along_side.y * d.y) / along_side.dot(along_side).sqrt();
         let along_cap = Lane::abs(d.y);
-        if along_cap < along_side || along_cap < LEAST_COSINE || radius * around > margin {
+        if along_cap < along_side || along_cap < MIN_COSINE || radius * around > margin {
             return None;
         }
         let first = if upper { UPPER } else { 0 };

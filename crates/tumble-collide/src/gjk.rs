@@ -25,7 +25,7 @@ pub(crate) enum Nearest {
 }
 
 /// Each turn comes nearer; of polyhedra a dozen reach the end, and of round shapes thirty are within rounding.
-const MOST_TURNS: usize = 64;
+const MAX_TURNS: usize = 64;
 /// Nearer than this part of what the difference reaches, the direction is lost in rounding.
 const TOUCHING: f64 = 1e-10;
 /// The square of the distance is good to this part.
@@ -40,7 +40,7 @@ pub(crate) fn nearest(shapes: &Difference<'_>, limit: f64) -> Nearest {
     let mut v = if start.dot(start) > 0.0 { start } else { Vector::new(1.0, 0.0, 0.0) };
     let mut simplex = Simplex::none();
     let (mut square, mut largest) = (f64::INFINITY, 0.0);
-    for _ in 0..MOST_TURNS {
+    for _ in 0..MAX_TURNS {
         let reached = shapes.support(v * -1.0);
         let (w, length_squared) = (reached.point, v.dot(v));
         let along = v.dot(w);

@@ -50,8 +50,8 @@ pub enum HeightFieldError {
         /// How many there are in a row.
         columns: usize,
     },
-    /// There are more heights than [`HeightField::MOST`].
-    #[error("there are {heights} heights, more than {most}", most = HeightField::MOST)]
+    /// There are more heights than [`HeightField::MAX`].
+    #[error("there are {heights} heights, more than {most}", most = HeightField::MAX)]
     TooMany {
         /// How many were given.
         heights: usize,
@@ -76,7 +76,7 @@ pub enum HeightFieldError {
 
 impl HeightField {
     /// The most heights.
-    pub const MOST: usize = 1 << 26;
+    pub const MAX: usize = 1 << 26;
 
     const SPACINGS: RangeInclusive<f64> = 1e-6..=1e6;
     const HEIGHTS: RangeInclusive<f64> = -1e6..=1e6;
@@ -88,7 +88,7 @@ impl HeightField {
     pub fn new(heights: impl AsRef<[f64]>, columns: usize, spacing: [f64; 2]) -> Result<Self, HeightFieldError> {
         let heights = heights.as_ref();
         let count = heights.len();
-        if count > Self::MOST {
+        if count > Self::MAX {
             return Err(HeightFieldError::TooMany { heights: count });
         }
         if columns < 2 || count < 2 * columns || !count.is_multiple_of(columns) {

@@ -4,7 +4,7 @@
 
 use tumble_math::lane::{Lane, Vec3};
 
-use crate::manifold::{ContactPoint, MOST_POINTS, Manifold, Points};
+use crate::manifold::{ContactPoint, MAX_MANIFOLD_POINTS, Manifold, Points};
 use crate::scalar::Scalar;
 
 pub use crate::balls::ball_pair;
@@ -29,18 +29,18 @@ pub struct ManifoldLanes<L> {
     /// How many points there are, from 0 to 4.
     pub count: L,
     /// The points half-way between the surfaces, from the second shape's origin along the world's axes \[m\].
-    pub places: [Vec3<L>; MOST_POINTS],
+    pub places: [Vec3<L>; MAX_MANIFOLD_POINTS],
     /// Distance of the surfaces along the normal there \[m\].
-    pub separations: [L; MOST_POINTS],
+    pub separations: [L; MAX_MANIFOLD_POINTS],
     /// Which vertices, edges and faces meet there, as whole numbers below 2^24.
-    pub features: [L; MOST_POINTS],
+    pub features: [L; MAX_MANIFOLD_POINTS],
 }
 
 impl<R: Scalar> ManifoldLanes<R> {
     /// The manifold of one pair whose second shape has its origin here.
     pub(crate) fn of_one(&self, origin: Vec3<R>) -> Manifold<R> {
         let mut points = Points::none();
-        for j in 0..MOST_POINTS {
+        for j in 0..MAX_MANIFOLD_POINTS {
             if R::splat(j as f64) < self.count {
                 points.push(ContactPoint {
                     position: origin + self.places[j],

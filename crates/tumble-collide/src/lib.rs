@@ -62,7 +62,7 @@ pub use convex_hull::ConvexHull;
 pub use course::Course;
 pub use geometry::{Geometry, Placement};
 pub use height_field::{HeightField, HeightFieldError};
-pub use manifold::{ContactPoint, MOST_POINTS, Manifold};
+pub use manifold::{ContactPoint, MAX_MANIFOLD_POINTS, Manifold};
 pub use mesh::Mesh;
 pub use scalar::Scalar;
 #[cfg(feature = "count-work")]

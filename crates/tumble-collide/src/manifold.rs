@@ -48,19 +48,19 @@ pub struct Manifold<R> {
 }
 
 /// The most points that a manifold has, as many as a flat contact needs.
-pub const MOST_POINTS: usize = 4;
+pub const MAX_MANIFOLD_POINTS: usize = 4;
 
-/// Up to [`MOST_POINTS`] points.
+/// Up to [`MAX_MANIFOLD_POINTS`] points.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Points<R> {
-    points: [ContactPoint<R>; MOST_POINTS],
+    points: [ContactPoint<R>; MAX_MANIFOLD_POINTS],
     len: usize,
 }
 
 impl<R: Scalar> Points<R> {
     pub(crate) fn none() -> Self {
         let point = ContactPoint { position: Vec3::zero(), separation: R::splat(0.0), feature: 0 };
-        Self { points: [point; MOST_POINTS], len: 0 }
+        Self { points: [point; MAX_MANIFOLD_POINTS], len: 0 }
     }
 
     pub(crate) fn iter(&self) -> std::slice::Iter<'_, ContactPoint<R>> {

@@ -36,7 +36,7 @@ pub struct Mesh {
 
 impl Mesh {
     /// The most triangles of a mesh: their patches, sides and corners are to be counted in 32 bits.
-    pub const MOST: usize = 1 << 28;
+    pub const MAX: usize = 1 << 28;
 
     /// From vertices \[m\] and, for each triangle, the indices of its corners.
     ///
@@ -44,7 +44,7 @@ impl Mesh {
     /// [`MeshError`] names the vertex that is not finite or too far out, or the triangle with an index out of range, by its index.
     pub fn new(vertices: &[Vector], triangles: &[[u32; 3]]) -> Result<Self, MeshError> {
         for (what, count) in [("vertices", vertices.len()), ("triangles", triangles.len())] {
-            if count > Self::MOST {
+            if count > Self::MAX {
                 return Err(MeshError::TooLarge { what, count });
             }
         }

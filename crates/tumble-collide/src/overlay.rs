@@ -2,7 +2,7 @@
 
 use tumble_math::lane::Vec3;
 
-use crate::feature::{Corner, Feature, MOST_CORNERS};
+use crate::feature::{Corner, Feature, MAX_CORNERS};
 use crate::manifold::{ContactPoint, Manifold, Points};
 use crate::reduction::{at_most_extent, keep_nearest, reduce};
 use crate::scalar::Scalar;
@@ -21,7 +21,7 @@ pub(crate) struct Overlay<R> {
 }
 
 /// The most points that two polygons can have in common, each with as many corners as there can be.
-const MOST: usize = 2 * MOST_CORNERS;
+const MAX: usize = 2 * MAX_CORNERS;
 /// A face seen at a smaller cosine is an edge.
 const EDGE_ON: f64 = 0.05;
 /// Edges at a smaller sine of the angle between them are parallel, and touch along their length.
@@ -56,13 +56,13 @@ struct Left<R> {
 }
 
 struct List<T> {
-    items: [T; MOST],
+    items: [T; MAX],
     len: usize,
 }
 
 impl<T: Copy> List<T> {
     fn of(nothing: T) -> Self {
-        Self { items: [nothing; MOST], len: 0 }
+        Self { items: [nothing; MAX], len: 0 }
     }
 
     fn push(&mut self, item: T) {

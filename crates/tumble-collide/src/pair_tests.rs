@@ -17,9 +17,9 @@ use crate::minkowski::Difference;
 use crate::{collide, work};
 
 /// Points reached of a pair: turns of the search for the nearest points, points of the polyhedron and what starts it, refinements, and the choice of a face.
-const MOST_REACHED: usize = 64 + 24 + 512 + 12 + 5 * 8 * 65 + 8;
+const MAX_REACHED: usize = 64 + 24 + 512 + 12 + 5 * 8 * 65 + 8;
 /// Faces tested and sides compared.
-const MOST_COMPARED: usize = (1 << 18) + (1 << 13);
+const MAX_COMPARED: usize = (1 << 18) + (1 << 13);
 
 /// Part by which an overlap may be longer than the shortest where that is not certain. The most that was found in some millions of pairs is 6e-4.
 const UNCERTAIN: f64 = 5e-3;
@@ -152,7 +152,7 @@ fn check(first: &Geometry<f64>, second: &Geometry<f64>, at: &Placement<f64>) -> 
     let _ = work::taken();
     let manifold = collide(first, &here(), second, at, 0.02);
     let [reached, compared, _] = work::taken();
-    prop_assert!(reached <= MOST_REACHED && compared <= MOST_COMPARED, "{reached} points, {compared} faces and sides");
+    prop_assert!(reached <= MAX_REACHED && compared <= MAX_COMPARED, "{reached} points, {compared} faces and sides");
     for point in manifold.points() {
         let square = point.position.dot(point.position);
         prop_assert!(square.is_finite() && point.separation.is_finite(), "{point:?}");
@@ -226,7 +226,7 @@ fn a_torn_polyhedron_ends() {
         most = [most[0].max(taken[0]), most[1].max(taken[1])];
         assert!(!manifold.points().is_empty());
     }
-    assert!(most[0] <= MOST_REACHED && most[1] <= MOST_COMPARED, "{most:?} points reached, faces and sides compared");
+    assert!(most[0] <= MAX_REACHED && most[1] <= MAX_COMPARED, "{most:?} points reached, faces and sides compared");
 }
 
 /// A fan of triangles about one corner, flat or as a cone that points up or down.

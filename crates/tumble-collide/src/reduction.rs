@@ -2,7 +2,7 @@
 
 use tumble_math::lane::Vec3;
 
-use crate::manifold::{ContactPoint, MOST_POINTS, Points};
+use crate::manifold::{ContactPoint, MAX_MANIFOLD_POINTS, Points};
 use crate::scalar::Scalar;
 
 /// By how much a later point must be better than an earlier one to be taken in its place. Only as much as rounding may make of points that are the same:
@@ -16,7 +16,7 @@ const AS_DEEP: f64 = 0.05;
 /// one that adds most to its area.
 pub(crate) fn reduce<R: Scalar>(candidates: &[ContactPoint<R>], normal: Vec3<R>, margin: R) -> Points<R> {
     let mut points = Points::none();
-    if candidates.len() <= MOST_POINTS {
+    if candidates.len() <= MAX_MANIFOLD_POINTS {
         candidates.iter().for_each(|candidate| points.push(*candidate));
         return points;
     }
@@ -78,14 +78,14 @@ pub(crate) fn keep_nearest<R: Scalar>(
     if points.iter().any(|point| point.separation <= level) {
         return;
     }
-    let mut places = [Vec3::zero(); MOST_POINTS];
+    let mut places = [Vec3::zero(); MAX_MANIFOLD_POINTS];
     places.iter_mut().zip(points.iter()).for_each(|(place, point)| *place = point.position);
     let count = points.iter().count();
     let score = |replaced: usize| {
         let mut places = places;
         let apart = nearest.position - places[replaced];
         places[replaced] = nearest.position;
-        if count == MOST_POINTS { width(places, normal) } else { -apart.dot(apart) }
+        if count == MAX_MANIFOLD_POINTS { width(places, normal) } else { -apart.dot(apart) }
     };
     let mut best: Option<(usize, R)> = None;
     for index in 0..count {
@@ -100,7 +100,7 @@ pub(crate) fn keep_nearest<R: Scalar>(
 }
 
 /// How wide four points are: twice their area where each is a corner.
-fn width<R: Scalar>([a, b, c, d]: [Vec3<R>; MOST_POINTS], normal: Vec3<R>) -> R {
+fn width<R: Scalar>([a, b, c, d]: [Vec3<R>; MAX_MANIFOLD_POINTS], normal: Vec3<R>) -> R {
     let across =
         |from: Vec3<R>, to: Vec3<R>, other: [Vec3<R>; 2]| normal.dot((to - from).cross(other[1] - other[0])).abs();
     across(a, b, [c, d]).max(across(a, c, [b, d])).max(across(a, d, [b, c]))

@@ -27,9 +27,9 @@ const SAME: f64 = 1.0 - 5e-7;
 /// A direction is turned out of the way of each side at a corner in turn, this number of times around.
 const TURNS: usize = 4;
 /// Most triangles at a corner that are tested against what lies over it.
-const MOST_ASKED: usize = 64;
+const MAX_ASKED: usize = 64;
 /// Most normals of faces of one part that are compared with that of an edge.
-const MOST_NORMALS: usize = 16;
+const MAX_NORMALS: usize = 16;
 /// Of more points than this the near ones are found in a grid.
 const FEW: usize = 64;
 /// Weight of a corner in a point that is beside it.
@@ -225,7 +225,7 @@ impl<S: Surface> Over<'_, S> {
             // Each asks all sides at the corner, and of a corner that many triangles have each has the same to say.
             let asked = self.asked.entry(place.part).or_default();
             *asked += 1;
-            if *asked > MOST_ASKED {
+            if *asked > MAX_ASKED {
                 return;
             }
         }
@@ -372,7 +372,7 @@ impl<S: Surface> Over<'_, S> {
             hit.beside.is_some_and(|beside| {
                 beside.into_iter().any(|part| {
                     let from = faces.partition_point(|(other, _)| *other < part);
-                    let of_part = faces[from..].iter().take(MOST_NORMALS).take_while(|(other, _)| *other == part);
+                    let of_part = faces[from..].iter().take(MAX_NORMALS).take_while(|(other, _)| *other == part);
                     of_part.into_iter().any(|(_, normal)| {
                         work::compared(1);
                         normal.dot(hit.normal) > SAME

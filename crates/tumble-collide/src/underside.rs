@@ -4,7 +4,7 @@
 //! worth how far out it is less its height many times over: what lies over a lower corner never takes its place. All lengths are in proportion to the body.
 
 use crate::convex::Vector;
-use crate::manifold::{ContactPoint, MOST_POINTS, Points};
+use crate::manifold::{ContactPoint, MAX_MANIFOLD_POINTS, Points};
 use crate::overlay::AS_NEAR;
 
 /// By how much a later point must be better than an earlier one to be taken in its place: as much as rounding may make of points that are the same.
@@ -16,7 +16,7 @@ const STEEPEST: f64 = 1.0;
 /// Points nearer to each other than this part of the extent of all are one, and triangles so narrow are none.
 const NARROW: f64 = 1e-6;
 /// A corner that turns out to be behind a later one makes room for another, this often at most.
-const MOST_TURNS: usize = 2 * MOST_POINTS;
+const MAX_TURNS: usize = 2 * MAX_MANIFOLD_POINTS;
 
 /// A corner seen along the normal.
 #[derive(Clone, Copy)]
@@ -40,7 +40,7 @@ struct Facet {
 
 /// Those that are there come first.
 struct Chosen {
-    corners: [Option<Corner>; MOST_POINTS],
+    corners: [Option<Corner>; MAX_MANIFOLD_POINTS],
 }
 
 /// Up to four of the points near a plane, in their order; their separations are their heights over it.
@@ -52,8 +52,8 @@ pub(crate) fn stood_on(
     let mut few = Points::none();
     let Some(facet) = Facet::under(&points, up) else { return few };
     let corners = || points.clone().enumerate().map(|(index, point)| facet.corner(index, &point));
-    let mut chosen = Chosen { corners: [None; MOST_POINTS] };
-    for _ in 0..MOST_TURNS {
+    let mut chosen = Chosen { corners: [None; MAX_MANIFOLD_POINTS] };
+    for _ in 0..MAX_TURNS {
         let Some(next) = chosen.next(corners(), &facet) else { break };
         chosen.add(next);
     }
@@ -167,7 +167,7 @@ impl Chosen {
     /// In the first place that is free, and away with those it is under.
     fn add(&mut self, corner: Corner) {
         let stay = self.corners.into_iter().flatten().filter(|other| !other.is_behind(&corner));
-        let mut all = [None; MOST_POINTS];
+        let mut all = [None; MAX_MANIFOLD_POINTS];
         for (place, corner) in all.iter_mut().zip(stay.chain([corner])) {
             *place = Some(corner);
         }
@@ -224,7 +224,7 @@ impl Chosen {
 }
 
 /// How wide four points are: twice their area where each is a corner.
-fn width([a, b, c, d]: [[f64; 2]; MOST_POINTS]) -> f64 {
+fn width([a, b, c, d]: [[f64; 2]; MAX_MANIFOLD_POINTS]) -> f64 {
     let across = |[a, b]: [[f64; 2]; 2], [c, d]: [[f64; 2]; 2]| {
         let ([p, q], [r, s]) = (minus(b, a), minus(d, c));
         (p * s - q * r).abs()

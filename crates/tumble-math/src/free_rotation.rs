@@ -40,7 +40,7 @@
 //! # Long steps
 //!
 //! `kappa = h^2 (t2 H + D)/(3 e)` is, like H and C, the same all along the motion and is `(h|w|/2)^2` for a sphere: the square of the
-//! largest half-turn a step can make. A step with kappa over [`LARGEST_KAPPA`] is divided into equal parts, at most [`MOST_PARTS`]; beyond,
+//! largest half-turn a step can make. A step with kappa over [`LARGEST_KAPPA`] is divided into equal parts, at most [`MAX_PARTS`]; beyond,
 //! where a step turns the body about four times around, it turns about its angular momentum at the mean rate `2 H/|L|`, which
 //! keeps momentum and energy but not the phase.
 
@@ -50,9 +50,9 @@ use crate::orientation::rotate_exactly;
 /// The largest `(h|w|/2)^2` that the map takes in one part: a turn of about half a radian.
 pub const LARGEST_KAPPA: f64 = 0.06;
 /// The most parts a step is divided into; past it a step turns the body by more than 25 radians.
-pub const MOST_PARTS: f64 = 64.0;
+pub const MAX_PARTS: f64 = 64.0;
 /// Newton iterations at most; from the starting value below two or three are enough.
-const MOST_ITERATIONS: u32 = 6;
+const MAX_ITERATIONS: u32 = 6;
 
 /// The orientation after the time `h` \[s\] of a body on which nothing acts.
 ///
@@ -146,7 +146,7 @@ impl<L: Lane> FreeRotation<L> {
     fn rotate_in_parts(&self, orientation: Quat<L>, momentum: Vec3<L>, y: Vec3<L>, (h2, d2): (L, L)) -> Quat<L> {
         let (zero, one, half) = (L::splat(0.0), L::splat(1.0), L::splat(0.5));
         let kappa = self.ratios.kappa((h2, d2));
-        let slow_enough = kappa.lt(L::splat(LARGEST_KAPPA * MOST_PARTS * MOST_PARTS));
+        let slow_enough = kappa.lt(L::splat(LARGEST_KAPPA * MAX_PARTS * MAX_PARTS));
         let parts = parts_needed(L::select(slow_enough, kappa, zero));
         let part = one / parts;
         let map = self.ratios.map((h2 * (part * part), d2 * (part * part)));
@@ -339,7 +339,7 @@ impl<L: Lane> Map<L> {
         let m2 = m + m;
         let mut u = fixed_point(m, k, fixed_point(m, k, fixed_point(m, k, m)));
         let mut open = one;
-        for _ in 0..MOST_ITERATIONS {
+        for _ in 0..MAX_ITERATIONS {
             let p = pairs(u);
             let crossed = self.differences.scale(p) + self.remainders.scale(p);
             let residual = (self.moments.scale(u) + crossed - b * (one + u.dot(u))).scale(self.inverses);

@@ -43,7 +43,7 @@ mod free_rotation;
 mod orientation;
 
 pub use decay::{Decay, decay};
-pub use free_rotation::{FreeRotation, LARGEST_KAPPA, MOST_PARTS, rotate_freely};
+pub use free_rotation::{FreeRotation, LARGEST_KAPPA, MAX_PARTS, rotate_freely};
 pub use orientation::{orientation_rate, rotate_exactly, rotate_to_first_order};
 
 mod equivalent_ellipsoid;

@@ -1,6 +1,6 @@
 use serde::{Serialize, Serializer};
 use tumble::math::Real;
-use tumble::{Collider, Combine, Material};
+use tumble::{Collider, CombineRule, Material};
 
 /// The surface and the groups of a body's collider: written as JSON it is what a scene could have said.
 ///
@@ -21,13 +21,13 @@ pub struct AuditedCollider {
     /// Speed after a bounce over speed before it.
     pub restitution: Real,
     /// Resistance to rolling \[m\].
-    pub rolling_friction: Real,
+    pub rolling_resistance: Real,
     /// How the frictions of two surfaces become one.
     #[serde(serialize_with = "name")]
-    pub friction_combine: Combine,
+    pub friction_combine: CombineRule,
     /// How the restitutions of two surfaces become one.
     #[serde(serialize_with = "name")]
-    pub restitution_combine: Combine,
+    pub restitution_combine: CombineRule,
     /// Numbers of the groups that the body is in, from 0 to 31; left out of JSON where it is in all.
     #[serde(skip_serializing_if = "are_all")]
     pub groups: Vec<u32>,
@@ -53,7 +53,7 @@ impl AuditedCollider {
             static_friction: material.static_friction,
             dynamic_friction: material.dynamic_friction,
             restitution: material.restitution,
-            rolling_friction: material.rolling_friction,
+            rolling_resistance: material.rolling_resistance,
             friction_combine: material.friction_combine,
             restitution_combine: material.restitution_combine,
             groups: numbers(membership),
@@ -68,11 +68,11 @@ fn are_all(groups: &[u32]) -> bool {
 }
 
 /// As it is called in files.
-fn name<S: Serializer>(combine: &Combine, serializer: S) -> Result<S::Ok, S::Error> {
+fn name<S: Serializer>(combine: &CombineRule, serializer: S) -> Result<S::Ok, S::Error> {
     serializer.serialize_str(match combine {
-        Combine::Average => "average",
-        Combine::Minimum => "minimum",
-        Combine::Maximum => "maximum",
-        Combine::Multiply => "multiply",
+        CombineRule::Average => "average",
+        CombineRule::Minimum => "minimum",
+        CombineRule::Maximum => "maximum",
+        CombineRule::Multiply => "multiply",
     })
 }

@@ -1,7 +1,7 @@
 //! The part of the model that makes bodies touch. Values are checked in `convert/collider.rs`.
 
 use serde::{Deserialize, Deserializer};
-use tumble::Combine;
+use tumble::CombineRule;
 
 use crate::model::Groups;
 
@@ -14,7 +14,7 @@ pub(crate) struct ColliderModel {
     pub(crate) static_friction: Option<f64>,
     pub(crate) dynamic_friction: Option<f64>,
     pub(crate) restitution: Option<f64>,
-    pub(crate) rolling_friction: Option<f64>,
+    pub(crate) rolling_resistance: Option<f64>,
     pub(crate) friction_combine: Option<CombineModel>,
     pub(crate) restitution_combine: Option<CombineModel>,
     /// Numbers of the groups that it is in, and of those that it touches.
@@ -35,7 +35,7 @@ impl ColliderModel {
             static_friction: friction.static_friction,
             dynamic_friction: friction.dynamic_friction,
             restitution: self.restitution.or(whole.restitution),
-            rolling_friction: self.rolling_friction.or(whole.rolling_friction),
+            rolling_resistance: self.rolling_resistance.or(whole.rolling_resistance),
             friction_combine: self.friction_combine.or(whole.friction_combine),
             restitution_combine: self.restitution_combine.or(whole.restitution_combine),
             groups: self.groups.clone().or(whole.groups.clone()),
@@ -55,7 +55,7 @@ pub(crate) enum CombineModel {
     Multiply,
 }
 
-impl From<CombineModel> for Combine {
+impl From<CombineModel> for CombineRule {
     fn from(model: CombineModel) -> Self {
         match model {
             CombineModel::Average => Self::Average,
@@ -67,6 +67,6 @@ impl From<CombineModel> for Combine {
 }
 
 /// For a field of a model that holds the engine's own.
-pub(crate) fn combine<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Combine, D::Error> {
-    CombineModel::deserialize(deserializer).map(Combine::from)
+pub(crate) fn combine<'de, D: Deserializer<'de>>(deserializer: D) -> Result<CombineRule, D::Error> {
+    CombineModel::deserialize(deserializer).map(CombineRule::from)
 }

@@ -4,7 +4,7 @@ use std::f64::consts::TAU;
 use std::fmt;
 use std::str::FromStr;
 
-use tumble::Chance;
+use tumble::Rng;
 
 /// What the values of a field are drawn from in a [`Sweep`](crate::Sweep).
 ///
@@ -67,10 +67,10 @@ impl Distribution {
     }
 
     /// The value that comes of a sequence of chance; `step` is the step of a grid, which is left to no chance.
-    pub(crate) fn draw(&self, mut chance: Chance, step: u64) -> f64 {
+    pub(crate) fn draw(&self, mut rng: Rng, step: u64) -> f64 {
         match *self {
-            Self::Uniform { low, high } => (low + (high - low) * chance.unit()).min(high),
-            Self::Normal { mean, deviation } => mean + deviation * standard_normal(&mut chance),
+            Self::Uniform { low, high } => (low + (high - low) * rng.unit()).min(high),
+            Self::Normal { mean, deviation } => mean + deviation * standard_normal(&mut rng),
             Self::Grid { low, high, count } => {
                 let (width, parts) = (high - low, count.saturating_sub(1).max(1) as f64);
                 let (product, step_size) = (width * step as f64, width / parts);
@@ -128,10 +128,10 @@ fn check_ends(low: f64, high: f64) -> Result<(), String> {
 }
 
 /// By G. E. P. Box and M. E. Muller (1958). The functions are libm's, whose bits are the same on every machine.
-fn standard_normal(chance: &mut Chance) -> f64 {
+fn standard_normal(rng: &mut Rng) -> f64 {
     // In (0, 1], whose logarithm is finite.
-    let first = 1.0 - chance.unit();
-    (-2.0 * libm::log(first)).sqrt() * libm::cos(TAU * chance.unit())
+    let first = 1.0 - rng.unit();
+    (-2.0 * libm::log(first)).sqrt() * libm::cos(TAU * rng.unit())
 }
 
 impl FromStr for Distribution {
@@ -199,7 +199,7 @@ mod tests {
     fn draws(distribution: &str, count: u64) -> Vec<f64> {
         let distribution: Distribution = distribution.parse().unwrap();
         let steps = distribution.steps();
-        (0..count).map(|index| distribution.draw(Chance::stream(5, index), index % steps)).collect()
+        (0..count).map(|index| distribution.draw(Rng::stream(5, index), index % steps)).collect()
     }
 
     fn mean(values: &[f64]) -> f64 {

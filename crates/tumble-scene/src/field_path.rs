@@ -226,7 +226,7 @@ fn in_collider<'a>(collider: &'a mut ColliderModel, field: &str) -> Option<&'a m
         "static_friction" => collider.static_friction.as_mut(),
         "dynamic_friction" => collider.dynamic_friction.as_mut(),
         "restitution" => Some(collider.restitution.get_or_insert(0.0)),
-        "rolling_friction" => Some(collider.rolling_friction.get_or_insert(0.0)),
+        "rolling_resistance" => Some(collider.rolling_resistance.get_or_insert(0.0)),
         _ => None,
     }
 }
@@ -362,7 +362,7 @@ mod tests {
              bodies.0.forces.1.damping.angular bodies.a.b[1].shape.cone.radius bodies.1.shape.half_height \
              bodies.1.inertia.tensor.1.1 bodies.body-2.inertia.principal.0 bodies.2.inertia.axes.3 bodies.2.shape.radii.1 \
              bodies.2.center_of_mass.1 contact_substeps restitution_threshold bodies.2.collider.friction \
-             bodies.2.collider.restitution bodies.2.collider.rolling_friction bodies.3.collider.static_friction \
+             bodies.2.collider.restitution bodies.2.collider.rolling_resistance bodies.3.collider.static_friction \
              bodies.3.collider.dynamic_friction bodies.3.shape.half_space.normal.0 bodies.3.shape.normal.2 \
              bodies.4.shape.height_field.heights.1.0 bodies.4.shape.heights[0][1] bodies.4.shape.spacing.1";
         let mut seen = std::collections::BTreeSet::new();

@@ -32,7 +32,7 @@ const APART: f64 = 17.0;
 const NOTHING: f64 = 1e-12;
 /// Longest title \[characters\], and most problems that are told.
 const TITLE: usize = 72;
-const MOST_PROBLEMS: usize = 4;
+const MAX_PROBLEMS: usize = 4;
 
 /// Light and dark colours of the surface's darkest and lightest shade.
 const DARKEST: [[f64; 3]; 2] = [[62.0, 92.0, 122.0], [38.0, 58.0, 80.0]];
@@ -262,7 +262,7 @@ impl<'a> Portrait<'a> {
         if let Some(remark) = &self.surface.remark {
             figures.entry("surface", &wrapped(remark));
         }
-        for problem in body.problems.iter().take(MOST_PROBLEMS) {
+        for problem in body.problems.iter().take(MAX_PROBLEMS) {
             figures.entry("problem", &wrapped(problem));
         }
     }

@@ -9,7 +9,7 @@ use crate::error::{Place, SceneError};
 use crate::read::read_bytes;
 
 /// Most bytes of all the files that one document names, each counted once: four of the largest \[bytes\].
-pub(crate) const MOST_BYTES: u64 = 4 * MAX_FILE_BYTES;
+pub(crate) const MAX_BYTES: u64 = 4 * MAX_FILE_BYTES;
 
 /// Reads files, as long as there is room for them.
 #[derive(Debug)]
@@ -23,7 +23,7 @@ pub(crate) struct Reading {
 
 impl Default for Reading {
     fn default() -> Self {
-        Self { room: MOST_BYTES, files: Vec::new(), buffers: HashMap::new() }
+        Self { room: MAX_BYTES, files: Vec::new(), buffers: HashMap::new() }
     }
 }
 
@@ -36,7 +36,7 @@ impl Reading {
                 file,
                 place: Place::default(),
                 what: "bytes in all files that are named",
-                limit: MOST_BYTES,
+                limit: MAX_BYTES,
             },
             error => error,
         })?;
@@ -68,7 +68,7 @@ impl Reading {
     /// How much has been read \[bytes\].
     #[cfg(test)]
     pub(crate) fn bytes(&self) -> u64 {
-        MOST_BYTES - self.room
+        MAX_BYTES - self.room
     }
 }
 
@@ -150,6 +150,6 @@ mod tests {
         }
         assert_eq!(reading.bytes(), 1000);
         reading.room = 999;
-        assert!(matches!(reading.file(&path), Err(SceneError::TooMuch { limit: MOST_BYTES, .. })));
+        assert!(matches!(reading.file(&path), Err(SceneError::TooMuch { limit: MAX_BYTES, .. })));
     }
 }

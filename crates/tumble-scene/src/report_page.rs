@@ -22,7 +22,7 @@ const STYLE: &str = include_str!("report_page/page.css");
 const SCRIPT: &str = include_str!("report_page/replay.js");
 
 /// Notices that are told; of more it is said how many there are.
-const MOST_NOTICES: usize = 100;
+const MAX_NOTICES: usize = 100;
 /// Longest text from a scene that is shown as it is \[characters\].
 const LONGEST_TEXT: usize = 600;
 
@@ -136,9 +136,9 @@ impl ReportPage<'_> {
             return String::new();
         }
         let item = |text: &String| format!("<li>{}</li>\n", escaped(&shortened(text)));
-        let mut items: String = notices.iter().take(MOST_NOTICES).map(item).collect();
-        if notices.len() > MOST_NOTICES {
-            items.push_str(&format!("<li>and {} more</li>\n", notices.len() - MOST_NOTICES));
+        let mut items: String = notices.iter().take(MAX_NOTICES).map(item).collect();
+        if notices.len() > MAX_NOTICES {
+            items.push_str(&format!("<li>and {} more</li>\n", notices.len() - MAX_NOTICES));
         }
         format!("<section>\n<h2>Notes on the scene</h2>\n<ul class=\"notes\">\n{items}</ul>\n</section>\n")
     }

@@ -20,7 +20,7 @@ pub struct Shard {
 
 impl Shard {
     /// The most shards.
-    pub const MOST: u64 = 1_000_000;
+    pub const MAX: u64 = 1_000_000;
 
     /// Which one, from 1.
     pub fn index(self) -> u64 {
@@ -45,8 +45,8 @@ impl FromStr for Shard {
     fn from_str(text: &str) -> Result<Self, String> {
         let parts = text.split_once('/').and_then(|(index, count)| Some((index.parse().ok()?, count.parse().ok()?)));
         match parts {
-            Some((index, count)) if (1..=count).contains(&index) && count <= Self::MOST => Ok(Self { index, count }),
-            _ => Err(format!("{text:?} is not I/N with I from 1 to N, at most {}", Self::MOST)),
+            Some((index, count)) if (1..=count).contains(&index) && count <= Self::MAX => Ok(Self { index, count }),
+            _ => Err(format!("{text:?} is not I/N with I from 1 to N, at most {}", Self::MAX)),
         }
     }
 }

@@ -5,7 +5,7 @@ use std::path::PathBuf;
 
 use hecs::World;
 use tumble::math::Real;
-use tumble::{Chance, Integrator, Settings, SettingsError, Trial};
+use tumble::{Integrator, Rng, Settings, SettingsError, Trial};
 
 use crate::contact_scenes;
 use crate::convert::Others;
@@ -230,9 +230,9 @@ impl Sweep {
     /// The values that the varied fields have in a world.
     pub fn draw(&self, world: u64) -> Vec<f64> {
         let value = |(place, varied): (usize, &Varied)| {
-            let seed_of_field = Chance::stream(self.plan.seed, place as u64).bits();
+            let seed_of_field = Rng::stream(self.plan.seed, place as u64).next_u64();
             let step = world / varied.stride % varied.distribution.steps();
-            varied.distribution.draw(Chance::stream(seed_of_field, world), step)
+            varied.distribution.draw(Rng::stream(seed_of_field, world), step)
         };
         self.varied.iter().enumerate().map(value).collect()
     }

@@ -30,7 +30,7 @@ fn start(name: &str) -> tumble::Totals {
     let settings = scene.settings;
     let mut world = hecs::World::new();
     scene.spawn(&mut world).unwrap();
-    tumble::measure(&world, &settings, &tumble::BodyOrder::of(&world))
+    tumble::Totals::of(&world, &settings, &tumble::BodyOrder::of(&world))
 }
 
 /// The engine rounds to f32 in the default build: a few units of the last place.

@@ -8,7 +8,7 @@ use std::io::Cursor;
 
 use glam::DVec3;
 use hecs::World;
-use tumble::{BodyOrder, Collider, Combine, Pose, Simulation};
+use tumble::{BodyOrder, Collider, CombineRule, Pose, Simulation};
 use tumble_scene::{Animation, Audit, Frame, Looks, Scene, Sweep, SweepPlan, TrajectoryWriter};
 
 /// Where the bodies of a scene are after some steps.
@@ -29,7 +29,7 @@ fn places(world: &World) -> Vec<DVec3> {
 const BOX_ON_GROUND: &str = r#"{ "contact_substeps": 8, "restitution_threshold": 0.25, "bodies": [
     { "name": "ground", "shape": { "half_space": {} }, "fixed": true, "collider": {} },
     { "name": "box", "shape": { "cuboid": { "half_extents": [0.5, 0.25, 0.5] } }, "mass": 2, "position": [0, 1, 0],
-      "collider": { "friction": 0.75, "rolling_friction": 0.125, "restitution": 0.5,
+      "collider": { "friction": 0.75, "rolling_resistance": 0.125, "restitution": 0.5,
                     "friction_combine": "minimum", "restitution_combine": "multiply" } } ] }"#;
 
 #[test]
@@ -43,8 +43,11 @@ fn what_a_scene_says_is_what_the_simulation_has() {
     let collider = world.get::<&Collider>(order.entities()[1]).unwrap();
     let material = *collider.material();
     assert_eq!((material.static_friction, material.dynamic_friction), (0.75, 0.75));
-    assert_eq!((material.restitution, material.rolling_friction), (0.5, 0.125));
-    assert_eq!((material.friction_combine, material.restitution_combine), (Combine::Minimum, Combine::Multiply));
+    assert_eq!((material.restitution, material.rolling_resistance), (0.5, 0.125));
+    assert_eq!(
+        (material.friction_combine, material.restitution_combine),
+        (CombineRule::Minimum, CombineRule::Multiply)
+    );
     let ground = world.get::<&Collider>(order.entities()[0]).unwrap();
     assert_eq!(*ground.material(), tumble::Material::default());
     // It lies on the ground.
@@ -57,7 +60,7 @@ fn both_formats_say_the_same() {
     let ron = r#"( contact_substeps: 8, restitution_threshold: 0.25, bodies: [
         ( name: "ground", shape: half_space(), fixed: true, collider: () ),
         ( name: "box", shape: cuboid(half_extents: (0.5, 0.25, 0.5)), mass: 2, position: (0, 1, 0),
-          collider: ( friction: 0.75, rolling_friction: 0.125, restitution: 0.5, friction_combine: minimum, restitution_combine: multiply ) ) ] )"#;
+          collider: ( friction: 0.75, rolling_resistance: 0.125, restitution: 0.5, friction_combine: minimum, restitution_combine: multiply ) ) ] )"#;
     let [json, ron] = [Scene::from_json(BOX_ON_GROUND, "a").unwrap(), Scene::from_ron(ron, "a").unwrap()];
     assert_eq!(run(json, 100), run(ron, 100));
 }
@@ -115,7 +118,7 @@ fn what_cannot_be_is_refused_by_body_and_field() {
             "must be from 0 to 1, not 1.5",
         ),
         (format!(r#"{ball}, "collider": {{ "static_friction": 1e999 }}"#), "collider.static_friction", ""),
-        (format!(r#"{ball}, "collider": {{ "rolling_friction": -0.5 }}"#), "collider.rolling_friction", "not -0.5"),
+        (format!(r#"{ball}, "collider": {{ "rolling_resistance": -0.5 }}"#), "collider.rolling_resistance", "not -0.5"),
         (
             format!(r#"{ball}, "collider": {{ "friction": 1, "dynamic_friction": 1 }}"#),
             "collider.dynamic_friction",

@@ -13,7 +13,7 @@ use tumble::{
     BodyId, BodyOrder, Collider, GravityScale, Inertia, Mass, Momentum, Pose, PrincipalAxes, RigidBody, Shape,
     Simulation, Velocity, state_hash,
 };
-use tumble_scene::gltf::{Combine, Geometry, Physics};
+use tumble_scene::gltf::{CombineRule, Geometry, Physics};
 use tumble_scene::{Audit, AuditedBody, ColliderRole, Names, Scene};
 
 fn file(name: &str) -> PathBuf {
@@ -170,7 +170,7 @@ fn colliders_are_kept_with_all_they_say() {
     assert_eq!((ground.material.static_friction, ground.material.dynamic_friction), (0.9, 0.8));
     assert_eq!(
         (ground.material.friction_combine, ground.material.restitution_combine),
-        (Combine::Maximum, Combine::Average)
+        (CombineRule::Maximum, CombineRule::Average)
     );
     let filter = ground.filter.unwrap();
     assert_eq!(filter.collision_systems, ["ground"]);

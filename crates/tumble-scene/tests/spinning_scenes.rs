@@ -11,7 +11,7 @@ use std::f64::consts::TAU;
 use glam::{DQuat, DVec3};
 use hecs::{Entity, World};
 use tumble::math::Real;
-use tumble::{BodyOrder, Chance, Momentum, Pose, Simulation, Totals, Velocity, measure};
+use tumble::{BodyOrder, Momentum, Pose, Rng, Simulation, Totals, Velocity};
 use tumble_scene::Scene;
 
 const SINGLE: bool = size_of::<Real>() == 4;
@@ -41,7 +41,7 @@ impl Run {
     }
 
     fn totals(&self) -> Totals {
-        measure(&self.world, self.simulation.settings(), &self.order)
+        Totals::of(&self.world, self.simulation.settings(), &self.order)
     }
 
     /// The body's y axis in the world.
@@ -117,9 +117,9 @@ fn the_weighted_sphere_wobbles_and_the_even_one_does_not() {
 /// Any weight anywhere on any ball, spinning at up to a third of a radian a step.
 #[test]
 fn any_weight_makes_the_axis_go_round_at_its_rate() {
-    let mut chance = Chance::new(19);
+    let mut rng = Rng::new(19);
     for _ in 0..40 {
-        let mut between = |low: f64, high: f64| low + (high - low) * chance.unit();
+        let mut between = |low: f64, high: f64| low + (high - low) * rng.unit();
         let (ball, radius, weight, small) =
             (between(0.1, 10.0), between(0.05, 2.0), between(0.01, 10.0), between(0.005, 0.05));
         let out = between(0.2, 1.0) * radius;

@@ -17,8 +17,8 @@ use crate::picture::Output;
 /// Edges of a picture \[points\]: graphics cards have textures of twice this.
 const EDGES: std::ops::RangeInclusive<u32> = 64..=4096;
 /// The most pictures of an animation, and the most bytes of them: all are held until their common colours are chosen.
-const MOST_FRAMES: f64 = 2000.0;
-const MOST_BYTES: f64 = 1.5e9;
+const MAX_FRAMES: f64 = 2000.0;
+const MAX_BYTES: f64 = 1.5e9;
 
 /// Shows a scene of rigid bodies in a window, or makes a picture or an animation of it.
 #[derive(Debug, Parser)]
@@ -43,7 +43,7 @@ pub(crate) struct Options {
     #[arg(long, value_name = "S", allow_negative_numbers = true, value_parser = dt)]
     dt: Option<Real>,
     /// Equal parts that each step is divided into
-    #[arg(long, value_name = "N", allow_negative_numbers = true, value_parser = clap::value_parser!(u32).range(1..=i64::from(Settings::MOST_SUBSTEPS)))]
+    #[arg(long, value_name = "N", allow_negative_numbers = true, value_parser = clap::value_parser!(u32).range(1..=i64::from(Settings::MAX_SUBSTEPS)))]
     substeps: Option<u32>,
     /// semi-implicit-euler, runge-kutta4 or moser-veselov
     #[arg(long, value_name = "NAME", value_parser = str::parse::<Integrator>)]
@@ -155,13 +155,13 @@ impl Options {
 fn frame_count(seconds: f64, fps: u16, size: Size) -> Result<u32, Failure> {
     let frames = (seconds * f64::from(fps)).round().max(1.0);
     let bytes = 3.0 * f64::from(size.width) * f64::from(size.height) * frames;
-    if frames > MOST_FRAMES {
+    if frames > MAX_FRAMES {
         Err(Failure::Input(format!(
-            "--for: {frames} pictures are more than {MOST_FRAMES}, the most an animation may have"
+            "--for: {frames} pictures are more than {MAX_FRAMES}, the most an animation may have"
         )))
-    } else if bytes > MOST_BYTES {
+    } else if bytes > MAX_BYTES {
         Err(Failure::Input(format!(
-            "--for: {frames} pictures of this --size are more than fit into {MOST_BYTES:e} bytes"
+            "--for: {frames} pictures of this --size are more than fit into {MAX_BYTES:e} bytes"
         )))
     } else {
         Ok(frames as u32)

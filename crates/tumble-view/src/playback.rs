@@ -4,7 +4,7 @@ use std::time::{Duration, Instant};
 
 use hecs::{Entity, World};
 use tumble::math::Real;
-use tumble::{BodyOrder, Pose, PreviousPose, Simulation, Snapshot, Totals, Velocity, measure};
+use tumble::{BodyOrder, Pose, PreviousPose, Simulation, Snapshot, Totals, Velocity};
 use tumble_scene::{MomentumScale, Scene};
 
 use crate::bodies::{Bodies, Placed};
@@ -43,7 +43,7 @@ impl Playback {
         remember_poses(&mut world);
         let order = BodyOrder::of(&world);
         let bodies = Bodies::of(&world, &order, &names, &looks);
-        let start = measure(&world, simulation.settings(), &order);
+        let start = Totals::of(&world, simulation.settings(), &order);
         let scale = MomentumScale::of(&world, &order);
         let beginning = simulation.snapshot(&world).map_err(|error| Failure::Input(error.to_string()))?;
         let trails = Trails::new(moving(&bodies), steps);
@@ -134,7 +134,7 @@ impl Playback {
 
     /// Energy and momentum now.
     pub(crate) fn totals(&self) -> Totals {
-        measure(&self.world, self.simulation.settings(), &self.order)
+        Totals::of(&self.world, self.simulation.settings(), &self.order)
     }
 }
 

@@ -25,11 +25,11 @@ use crate::readout::{self, Row};
 /// A camera that stays lets the bodies go so far from the middle, in radii of the frame, before it moves with them.
 const LEEWAY: f64 = 0.12;
 /// Names of more bodies cover each other.
-const MOST_NAMES: usize = 300;
+const MAX_NAMES: usize = 300;
 /// Infinite ground is seen up to this many radii of the frame.
 const SEEN: f64 = 6.0;
 /// Up to this many lines of contacts and colliders are seen through bodies: some two hundred points. More would hide the bodies.
-const MOST_THROUGH: usize = 1500;
+const MAX_THROUGH: usize = 1500;
 /// Width of a trail \[points\].
 const TRAIL: f32 = 1.6;
 /// Width of a spring \[points\].
@@ -208,7 +208,7 @@ impl Stage {
         let mut marks = self.marks();
         let mut scenery = self.scenery(&places);
         let mut touching = self.touching();
-        let lines = if touching.len() <= MOST_THROUGH { &mut marks.lines } else { &mut scenery };
+        let lines = if touching.len() <= MAX_THROUGH { &mut marks.lines } else { &mut scenery };
         lines.append(&mut touching);
         let picture = Picture {
             view: &view,
@@ -390,7 +390,7 @@ impl Stage {
             .filter_map(|label| Some((view.project(label.at)?, label.text.clone(), label.color)))
             .collect();
         if self.layers.has(Layer::Names) {
-            let named = bodies.iter().zip(places).take(MOST_NAMES).filter_map(|(body, placed)| {
+            let named = bodies.iter().zip(places).take(MAX_NAMES).filter_map(|(body, placed)| {
                 let at = view.project(placed.center)?;
                 let away = body.reach * framing::enlargement(view, placed.center, body.reach, bodies.len());
                 let above = (0.7 * away / view.metres_per_point(placed.center)).min(60.0);

@@ -9,7 +9,7 @@ use tumble::glam::DVec3;
 use crate::convert::dvec3;
 
 /// Points of all trails together, and of one.
-const MOST_POINTS: usize = 40_000;
+const MAX_POINTS: usize = 40_000;
 const LONGEST: usize = 400;
 /// With fewer points a trail shows nothing: then there are none.
 const SHORTEST: usize = 8;
@@ -28,7 +28,7 @@ pub(crate) struct Trails {
 
 impl Trails {
     pub(crate) fn new(entities: Vec<Entity>, steps: u64) -> Self {
-        let length = MOST_POINTS.checked_div(entities.len()).unwrap_or(0).min(LONGEST);
+        let length = MAX_POINTS.checked_div(entities.len()).unwrap_or(0).min(LONGEST);
         let entities = if length < SHORTEST { Vec::new() } else { entities };
         let places = entities.iter().map(|_| VecDeque::with_capacity(length)).collect();
         Self { entities, every: (steps / SHARE / length.max(1) as u64).max(1), length, places }
@@ -93,7 +93,7 @@ mod tests {
                 trails.before_step(step, &world);
             }
             let points: usize = trails.all().map(|(_, places)| places.len()).sum();
-            assert!(points <= MOST_POINTS && points == bodies * length.min(trails.length), "{points}");
+            assert!(points <= MAX_POINTS && points == bodies * length.min(trails.length), "{points}");
         }
     }
 }

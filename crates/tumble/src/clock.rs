@@ -51,10 +51,10 @@ impl Clock {
 
     /// Whether a simulation can have left it so, and can go on from it: more steps than f64 counts are not taken in a lifetime.
     pub(crate) fn is_possible(&self) -> bool {
-        const MOST_STEPS: u64 = 1 << f64::MANTISSA_DIGITS;
+        const MAX_STEPS: u64 = 1 << f64::MANTISSA_DIGITS;
         let (steps, time) = self.since;
         let finite = time.is_finite() && self.dt.is_normal() && self.owed.is_finite();
         let positive = self.dt > 0.0 && self.owed >= 0.0;
-        steps <= self.steps && self.steps <= MOST_STEPS && finite && positive && self.time().is_finite()
+        steps <= self.steps && self.steps <= MAX_STEPS && finite && positive && self.time().is_finite()
     }
 }

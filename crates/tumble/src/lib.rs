@@ -31,7 +31,7 @@
 //! | by the step: the state | [`Pose`], [`Momentum`] |
 //! | by the step: derived from it | [`Velocity`], [`InverseInertia`], [`PreviousPose`], and [`Work`] where a [`Ledger`] wants it |
 //! | by you, for one step, which sets it to zero | [`Wrench`] |
-//! | by you, until it is removed | [`GravityScale`], [`Damping`]; forces: [`ConstantWrench`], [`Thruster`], [`Drag`], [`Wind`], [`Magnus`], [`SpringToPoint`], [`PointGravity`], [`Buoyancy`], [`AngularVelocityServo`], [`GravityMass`]; laws of your own: [`ForceLaw`], [`LaneLaw`]; what others bump into: [`Collider`], with a [`Material`] |
+//! | by you, until it is removed | [`GravityScale`], [`Damping`]; forces: [`ConstantWrench`], [`Thruster`], [`Drag`], [`Wind`], [`Magnus`], [`SpringToPoint`], [`PointGravity`], [`Buoyancy`], [`AngularVelocityServo`], [`GravityMass`]; laws of your own: [`ForceLaw`], [`SimdForceLaw`]; what others bump into: [`Collider`], with a [`Material`] |
 //! | by you, on an entity of its own | [`Spring`] |
 //!
 //! A body needs [`Pose`], [`Momentum`], [`Mass`] and [`Wrench`] to be moved by forces. One without [`Momentum`] is kinematic if it has a
@@ -91,8 +91,8 @@ mod storage;
 mod threads;
 
 pub use batch::Batch;
-pub use batch::rng::Chance;
-pub use batch::run_worlds::stream;
+pub use batch::rng::Rng;
+pub use batch::run_worlds::for_each_world;
 pub use batch::trial::Trial;
 pub use body::body_error::BodyError;
 pub use body::bundle::Body;
@@ -104,7 +104,7 @@ pub use clock::Clock;
 pub use collision::collider::Collider;
 pub use collision::collider_error::ColliderError;
 pub use collision::contact_events::ContactEvent;
-pub use collision::material::{Combine, Material};
+pub use collision::material::{CombineRule, Material};
 pub use components::property_error::PropertyError;
 pub use components::{
     BodyId, CenterOfMass, Damping, GravityScale, Inertia, InertiaComponentError, InverseInertia, Mass, Momentum, Pose,
@@ -112,14 +112,14 @@ pub use components::{
 };
 pub use debug_draw::{DebugDraw, DebugView};
 pub use energy::ledger::{Ledger, LedgerEntry};
-pub use energy::totals::{Totals, measure};
+pub use energy::totals::Totals;
 pub use forces::components::{
     AngularVelocityServo, Buoyancy, ConstantWrench, Drag, Frame, Hull, Magnus, PointGravity, SpringToPoint, Thruster,
 };
 pub use forces::force_law::{BodyState, ForceLaw};
 pub use forces::pairwise::{GravityMass, Spring};
 pub use forces::registry::ForceLaws;
-pub use forces::simd_force_law::{LaneBody, LaneLaw, LaneWrench};
+pub use forces::simd_force_law::{SimdBody, SimdForceLaw, SimdWrench};
 pub use integrator::{Integrator, UnknownIntegrator};
 pub use settings::{Settings, SettingsError};
 pub use simd::simd_name;
@@ -130,7 +130,7 @@ pub use snapshot::rollback::{Rollback, RollbackError};
 pub use snapshot::state_arrays::{STATE_SIZE, StateArrayError, array_to_derived_state, array_to_state, state_to_array};
 pub use snapshot::state_hash::state_hash;
 pub use snapshot::state_rates::derivative_to_array;
-pub use step::body_slices::{BodySlices, UnequalSlices};
+pub use step::body_slices::{BodySlices, LengthMismatch};
 pub use step::contact_report::{Contact, ContactPoint};
 pub use step::phase_times::PhaseTimes;
 pub use step::simulation::Simulation;
@@ -149,23 +149,11 @@ pub use tumble_math::{
 
 /// What most programs need: `use tumble::prelude::*;`.
 pub mod prelude {
-    pub use crate::Shape;
-    pub use crate::body::rigid_body::RigidBody;
-    pub use crate::collision::collider::Collider;
-    pub use crate::collision::material::Material;
-    pub use crate::components::{
-        BodyId, CenterOfMass, Damping, GravityScale, Inertia, Mass, Momentum, Pose, PreviousPose, PrincipalAxes,
-        Velocity, Wrench,
-    };
-    pub use crate::energy::ledger::Ledger;
-    pub use crate::forces::components::{
-        AngularVelocityServo, Buoyancy, ConstantWrench, Drag, Frame, Hull, Magnus, PointGravity, SpringToPoint,
-        Thruster,
-    };
-    pub use crate::forces::force_law::{BodyState, ForceLaw};
-    pub use crate::forces::pairwise::{GravityMass, Spring};
-    pub use crate::integrator::Integrator;
     pub use crate::math::{Mat3, Quat, Real, Vec3};
-    pub use crate::settings::Settings;
-    pub use crate::step::simulation::Simulation;
+    pub use crate::{
+        AngularVelocityServo, BodyId, BodyState, Buoyancy, CenterOfMass, Collider, ConstantWrench, Damping, Drag,
+        ForceLaw, Frame, GravityMass, GravityScale, Hull, Inertia, Integrator, Ledger, Magnus, Mass, Material,
+        Momentum, PointGravity, Pose, PreviousPose, PrincipalAxes, RigidBody, Settings, Shape, Simulation, Spring,
+        SpringToPoint, Thruster, Velocity, Wind, Wrench,
+    };
 }

@@ -13,17 +13,17 @@ pub(crate) const SECONDS: RangeInclusive<Real> = 1e-9..=1e9;
 /// Sizes of colliders \[m\], and how far one may be from its body.
 pub(crate) const LENGTHS: RangeInclusive<Real> = 1e-9..=1e9;
 /// Acceleration of gravity [m/s^2].
-pub(crate) const MOST_GRAVITY: Real = 1e9;
+pub(crate) const MAX_GRAVITY: Real = 1e9;
 /// How far from the origin a body may be made \[m\].
-pub(crate) const MOST_DISTANCE: Real = 1e15;
+pub(crate) const MAX_DISTANCE: Real = 1e15;
 /// Speeds [m/s] and [rad/s].
-pub(crate) const MOST_SPEED: Real = 1e9;
+pub(crate) const MAX_SPEED: Real = 1e9;
 /// How far from the origin \[m\] bodies touch.
-pub(crate) const MOST_DISTANCE_OF_CONTACTS: Real = 1e9;
+pub(crate) const MAX_DISTANCE_OF_CONTACTS: Real = 1e9;
 /// Pull of a mass [m^3/s^2]; that of a galaxy is 1e32.
-pub(crate) const MOST_MU: Real = 1e33;
+pub(crate) const MAX_MU: Real = 1e33;
 /// Force times a step and pull of a spring times a kick [N s].
-pub(crate) const MOST_IMPULSE: Real = 1e30;
+pub(crate) const MAX_IMPULSE: Real = 1e30;
 
 /// Whether no coordinate is further from zero; what is not a number is not.
 pub(crate) fn within(v: Vec3<Real>, most: Real) -> bool {

@@ -1,6 +1,6 @@
 use crate::integrator::Integrator;
 use crate::math::{Real, Vec3};
-use crate::range::{MOST_GRAVITY, MOST_SPEED, SECONDS, within};
+use crate::range::{MAX_GRAVITY, MAX_SPEED, SECONDS, within};
 
 /// What one simulation is run with.
 ///
@@ -43,10 +43,10 @@ impl Default for Settings {
 
 impl Settings {
     /// The most substeps a step can have.
-    pub const MOST_SUBSTEPS: u32 = 1_000_000;
+    pub const MAX_SUBSTEPS: u32 = 1_000_000;
 
     /// The most parts a step can have where bodies touch.
-    pub const MOST_CONTACT_SUBSTEPS: u32 = 1_000;
+    pub const MAX_CONTACT_SUBSTEPS: u32 = 1_000;
 
     /// The same with another gravity [m/s^2].
     #[must_use]
@@ -92,22 +92,22 @@ impl Settings {
         if !SECONDS.contains(&self.dt) {
             return Err(SettingsError::Step(self.dt));
         }
-        if !within(self.gravity.into(), MOST_GRAVITY) {
+        if !within(self.gravity.into(), MAX_GRAVITY) {
             return Err(SettingsError::Gravity(self.gravity));
         }
-        if self.substeps == 0 || self.substeps > Self::MOST_SUBSTEPS {
+        if self.substeps == 0 || self.substeps > Self::MAX_SUBSTEPS {
             return Err(SettingsError::Substeps(self.substeps));
         }
         if !SECONDS.contains(&self.substep()) {
             return Err(SettingsError::Step(self.substep()));
         }
-        if self.contact_substeps == 0 || self.contact_substeps > Self::MOST_CONTACT_SUBSTEPS {
+        if self.contact_substeps == 0 || self.contact_substeps > Self::MAX_CONTACT_SUBSTEPS {
             return Err(SettingsError::ContactSubsteps(self.contact_substeps));
         }
         if !SECONDS.contains(&self.contact_substep()) {
             return Err(SettingsError::Step(self.contact_substep()));
         }
-        if !(0.0..=MOST_SPEED).contains(&self.restitution_threshold) {
+        if !(0.0..=MAX_SPEED).contains(&self.restitution_threshold) {
             return Err(SettingsError::RestitutionThreshold(self.restitution_threshold));
         }
         Ok(())
@@ -151,11 +151,11 @@ pub enum SettingsError {
     /// A component of gravity is beyond 1e9 m/s^2, or not a number.
     #[error("gravity must be within 1e9 m/s^2 along each axis, got {0}")]
     Gravity(Vec3),
-    /// No substeps, or more than [`Settings::MOST_SUBSTEPS`].
-    #[error("substeps must be from 1 to {most}, got {0}", most = Settings::MOST_SUBSTEPS)]
+    /// No substeps, or more than [`Settings::MAX_SUBSTEPS`].
+    #[error("substeps must be from 1 to {most}, got {0}", most = Settings::MAX_SUBSTEPS)]
     Substeps(u32),
-    /// No substeps where bodies touch, or more than [`Settings::MOST_CONTACT_SUBSTEPS`].
-    #[error("contact substeps must be from 1 to {most}, got {0}", most = Settings::MOST_CONTACT_SUBSTEPS)]
+    /// No substeps where bodies touch, or more than [`Settings::MAX_CONTACT_SUBSTEPS`].
+    #[error("contact substeps must be from 1 to {most}, got {0}", most = Settings::MAX_CONTACT_SUBSTEPS)]
     ContactSubsteps(u32),
     /// The speed below which nothing bounces is not from 0 to 1e9 m/s.
     #[error("the restitution threshold must be from 0 to 1e9 m/s, got {0}")]

@@ -11,7 +11,7 @@ use rayon::iter::{IndexedParallelIterator, MinLen};
 pub(crate) struct Effort(f64);
 
 /// Less work \[us\] does not enter a pool. It is a sixteenth of a frame, of which two threads would save half at best.
-const LEAST: Effort = Effort(1000.0);
+const MIN: Effort = Effort(1000.0);
 
 /// A step of a body [us].
 pub(crate) const BODY: f64 = 0.02;
@@ -40,7 +40,7 @@ impl Effort {
 
     /// Does it within the rayon pool that is the caller's where it is worth it, and otherwise where the caller is.
     pub(crate) fn run<R: Send>(self, work: impl FnOnce() -> R + Send) -> R {
-        if self < LEAST || are_shared() || rayon::current_num_threads() < 2 {
+        if self < MIN || are_shared() || rayon::current_num_threads() < 2 {
             return work();
         }
         rayon::scope(|_| work())

@@ -8,11 +8,11 @@ use crate::{DockingPort, Fuel, Player, Target};
 /// Port to port \[m\].
 pub(crate) const CAPTURE_DISTANCE: Real = 0.25;
 /// Of one port past the other [m/s].
-pub(crate) const MOST_SPEED: Real = 0.3;
+pub(crate) const MAX_SPEED: Real = 0.3;
 /// Between the axes \[rad\]: ten degrees.
-pub(crate) const MOST_MISALIGNMENT: Real = 0.1745;
+pub(crate) const MAX_MISALIGNMENT: Real = 0.1745;
 /// Of one craft against the other [rad/s].
-pub(crate) const MOST_SPIN: Real = 0.08;
+pub(crate) const MAX_SPIN: Real = 0.08;
 
 /// One of the two craft as both pilots see it.
 #[derive(Clone, Copy)]
@@ -71,9 +71,9 @@ impl Approach {
     /// What the latches have against it, once the ports are close enough to catch.
     pub(crate) fn verdict(&self) -> Option<Result<(), &'static str>> {
         (self.gap.length() < CAPTURE_DISTANCE).then_some(match self {
-            Self { drift, .. } if drift.length() > MOST_SPEED => Err("too fast"),
-            Self { misalignment, .. } if *misalignment > MOST_MISALIGNMENT => Err("not aligned"),
-            Self { spin, .. } if *spin > MOST_SPIN => Err("spinning against it"),
+            Self { drift, .. } if drift.length() > MAX_SPEED => Err("too fast"),
+            Self { misalignment, .. } if *misalignment > MAX_MISALIGNMENT => Err("not aligned"),
+            Self { spin, .. } if *spin > MAX_SPIN => Err("spinning against it"),
             _ => Ok(()),
         })
     }

@@ -24,7 +24,7 @@ use std::error::Error;
 use hecs::{Entity, World};
 use macroquad::prelude as mq;
 use tumble::prelude::*;
-use tumble::{BodyError, Chance, Snapshot, WeldError, update_derived, weld};
+use tumble::{BodyError, Rng, Snapshot, WeldError, update_derived, weld};
 
 use approach::{Approach, Craft, Outcome};
 use models::{Look, Looks};
@@ -107,10 +107,10 @@ struct Controls {
 
 /// Both craft at a start: tumble's components and ours on the same entities.
 fn spawn_craft(world: &mut World, level: usize, seed: u64) -> Result<(), BodyError> {
-    let mut chance = Chance::new(seed);
+    let mut rng = Rng::new(seed);
     let (_, spin) = LEVELS.get(level).copied().unwrap_or_default();
-    let attitude = chance.orientation();
-    let from_port = (attitude * Vec3::Y + chance.vector(-0.6, 0.6)).normalize();
+    let attitude = rng.orientation();
+    let from_port = (attitude * Vec3::Y + rng.vector(-0.6, 0.6)).normalize();
     let ahead = Quat::from_rotation_arc(Vec3::Y, -from_port);
 
     let looks = models::satellite();
@@ -120,7 +120,7 @@ fn spawn_craft(world: &mut World, level: usize, seed: u64) -> Result<(), BodyErr
     spawn_body(world, satellite, (Target, port, Looks(looks)))?;
 
     let looks = models::ship(&nozzles());
-    let place = from_port * chance.between(22.0, 30.0);
+    let place = from_port * rng.range(22.0, 30.0);
     let ship = RigidBody::new(models::shape_of(&looks)).id(SHIP).orientation(ahead).position(place);
     let port = DockingPort { point: Vec3::Y * 1.6, axis: Vec3::Y };
     spawn_body(world, ship, (Player, port, Looks(looks), TANK, nozzles(), Thruster::default(), Trail::default()))
@@ -243,10 +243,10 @@ impl Game {
     fn new(level: usize, seed: u64) -> Result<Self, Box<dyn Error>> {
         let mut world = World::new();
         spawn_craft(&mut world, level, seed)?;
-        let mut chance = Chance::new(1);
+        let mut rng = Rng::new(1);
         for _ in 0..500 {
-            let direction = chance.orientation() * Vec3::X;
-            world.spawn((Star { direction, brightness: chance.unit().powi(3) as f32 },));
+            let direction = rng.orientation() * Vec3::X;
+            world.spawn((Star { direction, brightness: rng.unit().powi(3) as f32 },));
         }
         let simulation = Simulation::new(Settings::default().with_gravity(Vec3::ZERO))?;
         Ok(Self { world, simulation, level, seed, outcome: Outcome::Flying })

@@ -8,7 +8,7 @@ use macroquad::prelude as mq;
 use tumble::math::Mat4;
 use tumble::prelude::*;
 
-use crate::approach::{Approach, CAPTURE_DISTANCE, Craft, MOST_MISALIGNMENT, MOST_SPEED, MOST_SPIN, Outcome};
+use crate::approach::{Approach, CAPTURE_DISTANCE, Craft, MAX_MISALIGNMENT, MAX_SPEED, MAX_SPIN, Outcome};
 use crate::models::Look;
 use crate::{Assist, Fuel, Game, LEVELS, Nozzle, Player, TANK, Target};
 
@@ -215,13 +215,13 @@ pub(crate) fn draw_instruments(game: &Game, assist: Assist, camera: &mq::Camera3
     let warning = if distance < 4.0 { BAD } else { PLAIN };
     let lines = [
         (format!("distance   {distance:7.2} m"), distance < CAPTURE_DISTANCE),
-        (format!("closing    {closing:7.2} m/s"), closing > 0.0 && closing < MOST_SPEED),
-        (format!("drift      {speed:7.2} m/s"), speed < MOST_SPEED),
+        (format!("closing    {closing:7.2} m/s"), closing > 0.0 && closing < MAX_SPEED),
+        (format!("drift      {speed:7.2} m/s"), speed < MAX_SPEED),
         (
             format!("misaligned {:7.1} deg", approach.misalignment.to_degrees()),
-            approach.misalignment < MOST_MISALIGNMENT,
+            approach.misalignment < MAX_MISALIGNMENT,
         ),
-        (format!("spin       {:7.2} deg/s", approach.spin.to_degrees()), approach.spin < MOST_SPIN),
+        (format!("spin       {:7.2} deg/s", approach.spin.to_degrees()), approach.spin < MAX_SPIN),
         (format!("tumble     {:7.2} deg/s", target.velocity.angular.length().to_degrees()), true),
         (format!("fuel       {:7.0} %", fuel * 100.0), fuel > 0.2),
         (["nozzles alone", "attitude held", "tumble matched"][assist as usize].to_owned(), assist != Assist::Off),
@@ -253,7 +253,7 @@ fn draw_reticle(ship: &Craft, target: &Craft, approach: &Approach, camera: &mq::
     let (width, height) = (mq::screen_width(), mq::screen_height());
     let to_ship = ship.pose.orientation.conjugate();
     let at = mq::Vec3::from(seen(target.port_point().to_array()));
-    let good = approach.misalignment < MOST_MISALIGNMENT;
+    let good = approach.misalignment < MAX_MISALIGNMENT;
     let visible = |at: &mq::Vec2| at.cmpge(mq::Vec2::ZERO).all() && at.cmple(mq::vec2(width, height)).all();
     if let Some(at) = on_screen(camera, at).filter(visible) {
         mq::draw_circle_lines(at.x, at.y, 22.0, 1.5, if good { GOOD } else { BAD });

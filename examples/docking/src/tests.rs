@@ -6,7 +6,7 @@
 #![cfg_attr(feature = "f64", allow(clippy::useless_conversion, reason = "Real is f64 in this build"))]
 
 use tumble::glam::DVec3;
-use tumble::{BodyOrder, Totals, measure, state_hash};
+use tumble::{BodyOrder, Totals, state_hash};
 
 use super::*;
 
@@ -18,7 +18,7 @@ fn hash(game: &Game) -> u64 {
 }
 
 fn totals(game: &Game) -> Totals {
-    measure(&game.world, game.simulation.settings(), &BodyOrder::of(&game.world))
+    Totals::of(&game.world, game.simulation.settings(), &BodyOrder::of(&game.world))
 }
 
 fn fuel(game: &Game) -> Real {

@@ -9,7 +9,7 @@ use std::process::ExitCode;
 
 use tumble::hecs::World;
 use tumble::prelude::*;
-use tumble::{Batch, Chance, ColliderError, Trial};
+use tumble::{Batch, ColliderError, Rng, Trial};
 
 const COINS: usize = 500;
 const SEED: u64 = 5;
@@ -47,8 +47,8 @@ fn main() -> ExitCode {
 
 /// On which side coins land, as thick as this part of their diameter; none for those that still move after a minute.
 fn toss(ratio: f64) -> Result<Vec<Option<Side>>, Failure> {
-    let mut batch = Batch::from_seed(COINS, SEED, |_, chance| -> Result<Trial, Failure> {
-        Ok(Trial::new(Settings::default(), table(ratio, chance)?)?)
+    let mut batch = Batch::from_seed(COINS, SEED, |_, rng| -> Result<Trial, Failure> {
+        Ok(Trial::new(Settings::default(), table(ratio, rng)?)?)
     })?;
     // Tested every tenth of a second.
     let ends = batch.run(3600, 6, |_, trial| match resting_side(&mut trial.world) {
@@ -59,20 +59,20 @@ fn toss(ratio: f64) -> Result<Vec<Option<Side>>, Failure> {
 }
 
 /// Ground, and a coin a few metres above it that spins about any axis.
-fn table(ratio: f64, mut chance: Chance) -> Result<World, Failure> {
+fn table(ratio: f64, mut rng: Rng) -> Result<World, Failure> {
     let mut world = World::new();
     // A table of wood, which takes a part of the speed that the coin comes with.
     let wood = |collider: Collider| -> Result<Collider, ColliderError> {
-        collider.with_material(Material { rolling_friction: 0.02, ..Material::new(0.4, 0.3) })
+        collider.with_material(Material { rolling_resistance: 0.02, ..Material::new(0.4, 0.3) })
     };
     RigidBody::new(Shape::Point).fixed().build()?.spawn_with(&mut world, (wood(Collider::half_space())?,));
     let coin = Shape::cylinder(RADIUS, RADIUS * ratio);
     RigidBody::new(coin.clone())
         .mass(1.0)
-        .position(Vec3::Y * chance.between(3.0, 5.0))
-        .orientation(chance.orientation())
-        .linear_velocity(chance.vector(-1.0, 1.0))
-        .angular_velocity(chance.vector(-10.0, 10.0))
+        .position(Vec3::Y * rng.range(3.0, 5.0))
+        .orientation(rng.orientation())
+        .linear_velocity(rng.vector(-1.0, 1.0))
+        .angular_velocity(rng.vector(-10.0, 10.0))
         .build()?
         .spawn_with(&mut world, (wood(Collider::new(&coin)?)?,));
     Ok(world)

@@ -4,7 +4,7 @@ use std::fmt::Write as _;
 
 use hecs::{Entity, World};
 use tumble::math::{Real, Vec3};
-use tumble::{BodyId, BodyOrder, GravityMass, RigidBody, Settings, Shape, Simulation, Spring, measure};
+use tumble::{BodyId, BodyOrder, GravityMass, RigidBody, Settings, Shape, Simulation, Spring, Totals};
 use tumble_scene::{Mark, Plot, Scale};
 
 use crate::{Failure, Findings};
@@ -56,10 +56,10 @@ fn planets() -> Result<World, Failure> {
 fn changes(mut world: World, dt: Real) -> Result<Vec<(f64, f64)>, Failure> {
     let mut simulation = Simulation::new(Settings::default().with_gravity(Vec3::ZERO).with_dt(dt))?;
     let order = BodyOrder::of(&world);
-    let first = measure(&world, simulation.settings(), &order);
+    let first = Totals::of(&world, simulation.settings(), &order);
     let mut changes = Vec::new();
     for sample in 0..=SAMPLES {
-        let now = measure(&world, simulation.settings(), &order);
+        let now = Totals::of(&world, simulation.settings(), &order);
         let change = (now.energy() - first.energy()) / first.kinetic();
         changes.push((f64::from(sample * (STEPS / SAMPLES)) * 1e-3, change));
         simulation.step_many(&mut world, STEPS / SAMPLES);

@@ -7,8 +7,8 @@ use hecs::{Entity, World};
 use tumble::lane::Lane;
 use tumble::math::{Real, Vec3};
 use tumble::{
-    AngularVelocityServo, BodyState, Buoyancy, Chance, ConstantWrench, Drag, ForceLaw, Frame, GravityMass, Hull,
-    LaneBody, LaneLaw, LaneWrench, Magnus, PointGravity, Pose, Spring, SpringToPoint, Thruster, Wind, Wrench,
+    AngularVelocityServo, BodyState, Buoyancy, ConstantWrench, Drag, ForceLaw, Frame, GravityMass, Hull, Magnus,
+    PointGravity, Pose, Rng, SimdBody, SimdForceLaw, SimdWrench, Spring, SpringToPoint, Thruster, Wind, Wrench,
 };
 use tumble_benches::mixed_body;
 
@@ -37,63 +37,62 @@ impl ForceLaw for Tide {
 #[derive(Clone, Copy)]
 pub(crate) struct Honey(pub(crate) Real);
 
-impl LaneLaw<1> for Honey {
+impl SimdForceLaw<1> for Honey {
     fn numbers(&self) -> [Real; 1] {
         [self.0]
     }
 
     #[inline(always)]
-    fn wrench<L: Lane>([strength]: [L; 1], body: &LaneBody<L>) -> LaneWrench<L> {
-        LaneWrench::force(body.linear_velocity * -strength)
+    fn wrench<L: Lane>([strength]: [L; 1], body: &SimdBody<L>) -> SimdWrench<L> {
+        SimdWrench::force(body.linear_velocity * -strength)
     }
 }
 
 pub(crate) fn spawn(world: &mut World, id: u64) -> Entity {
-    let mut chance = Chance::stream(3, id);
+    let mut rng = Rng::stream(3, id);
     let body = mixed_body(id).spawn(world);
     let when = |every: u64| id.is_multiple_of(every);
     if when(2) {
-        let gravity = GravityMass { mu: chance.between(0.0, 500.0), softening: chance.between(0.0, 1.0) };
+        let gravity = GravityMass { mu: rng.range(0.0, 500.0), softening: rng.range(0.0, 1.0) };
         world.insert_one(body, gravity).unwrap();
     }
     if when(3) {
-        world.insert_one(body, Drag { linear: chance.vector(0.0, 1e-3), angular: chance.vector(0.0, 1e-5) }).unwrap();
+        world.insert_one(body, Drag { linear: rng.vector(0.0, 1e-3), angular: rng.vector(0.0, 1e-5) }).unwrap();
     }
     if when(4) {
-        world.insert_one(body, Wind(chance.vector(-5.0, 5.0))).unwrap();
+        world.insert_one(body, Wind(rng.vector(-5.0, 5.0))).unwrap();
     }
     if when(5) {
-        world.insert_one(body, Magnus { coefficient: chance.between(0.0, 1.0) }).unwrap();
+        world.insert_one(body, Magnus { coefficient: rng.range(0.0, 1.0) }).unwrap();
     }
     if when(6) {
-        let thruster = Thruster::new(chance.vector(-5.0, 5.0), chance.vector(-0.1, 0.1));
-        world.insert_one(body, thruster.and(chance.vector(-5.0, 5.0), chance.vector(-0.1, 0.1))).unwrap();
+        let thruster = Thruster::new(rng.vector(-5.0, 5.0), rng.vector(-0.1, 0.1));
+        world.insert_one(body, thruster.and(rng.vector(-5.0, 5.0), rng.vector(-0.1, 0.1))).unwrap();
     }
     if when(7) {
         let frame = if when(2) { Frame::Body } else { Frame::World };
-        let wrench = ConstantWrench { force: chance.vector(-5.0, 5.0), torque: chance.vector(-0.1, 0.1), frame };
+        let wrench = ConstantWrench { force: rng.vector(-5.0, 5.0), torque: rng.vector(-0.1, 0.1), frame };
         world.insert_one(body, wrench).unwrap();
     }
     if when(8) {
-        let (anchor, attachment) = (chance.vector(-50.0, 50.0), chance.vector(-0.1, 0.1));
-        let stiffness = chance.between(0.0, 1e3);
+        let (anchor, attachment) = (rng.vector(-50.0, 50.0), rng.vector(-0.1, 0.1));
+        let stiffness = rng.range(0.0, 1e3);
         let damping = if when(16) { 3.0 } else { 0.0 };
         let spring = SpringToPoint { anchor, attachment, rest_length: 1.0, stiffness, damping };
         world.insert_one(body, spring).unwrap();
     }
     if when(9) {
-        let gravity = PointGravity { center: Vec3::X, mu: chance.between(0.0, 1e3), softening: 0.5 };
+        let gravity = PointGravity { center: Vec3::X, mu: rng.range(0.0, 1e3), softening: 0.5 };
         world.insert_one(body, gravity).unwrap();
     }
     if when(10) {
         let sphere = Hull::Sphere { radius: 0.3 };
-        let hull = if when(20) { sphere } else { Hull::Cuboid { half_extents: chance.vector(0.1, 0.6) } };
-        let buoyancy =
-            Buoyancy { level: chance.between(-20.0, 20.0), center: chance.vector(-0.1, 0.1), ..Buoyancy::new(hull) };
+        let hull = if when(20) { sphere } else { Hull::Cuboid { half_extents: rng.vector(0.1, 0.6) } };
+        let buoyancy = Buoyancy { level: rng.range(-20.0, 20.0), center: rng.vector(-0.1, 0.1), ..Buoyancy::new(hull) };
         world.insert_one(body, buoyancy).unwrap();
     }
     if when(11) {
-        let target = chance.vector(-2.0, 2.0);
+        let target = rng.vector(-2.0, 2.0);
         world.insert_one(body, AngularVelocityServo { target, frame: Frame::Body, max_torque: 0.5 }).unwrap();
     }
     if when(13) {
@@ -105,21 +104,21 @@ pub(crate) fn spawn(world: &mut World, id: u64) -> Entity {
 /// Springs by the identities of their bodies: at random, some soft, some stiff, some damped, some twice, some the other
 /// way round; bodies with many and with none.
 pub(crate) fn springs() -> Vec<([u64; 2], Spring)> {
-    let mut chance = Chance::new(8);
+    let mut rng = Rng::new(8);
     let mut springs = Vec::new();
     for i in 0..700_u64 {
-        let a = chance.bits() % if i % 5 == 0 { 10 } else { BODIES };
-        let b = (a + 1 + chance.bits() % (BODIES - 1)) % BODIES;
+        let a = rng.next_u64() % if i % 5 == 0 { 10 } else { BODIES };
+        let b = (a + 1 + rng.next_u64() % (BODIES - 1)) % BODIES;
         // The stiff ones hold centres, so that no small body is shaken to pieces.
         let off = if i % 7 == 0 { 0.0 } else { 1.0 };
         let spring = Spring::between(Entity::DANGLING, Entity::DANGLING)
-            .attached_at(chance.vector(-0.05, 0.05) * off, chance.vector(-0.05, 0.05) * off)
+            .attached_at(rng.vector(-0.05, 0.05) * off, rng.vector(-0.05, 0.05) * off)
             // Times the distance at the start.
-            .rest_length(chance.between(0.99, 1.01))
-            .stiffness(if i % 7 == 0 { 1e8 } else { chance.between(0.0, 200.0) })
+            .rest_length(rng.range(0.99, 1.01))
+            .stiffness(if i % 7 == 0 { 1e8 } else { rng.range(0.0, 200.0) })
             .damping(match i {
                 _ if i % 7 == 0 => 1e3,
-                _ if i % 3 == 0 => chance.between(0.0, 20.0),
+                _ if i % 3 == 0 => rng.range(0.0, 20.0),
                 _ => 0.0,
             });
         springs.push(([a, b], spring));
@@ -162,9 +161,9 @@ pub(crate) fn plain_scene(kinds: Kinds) -> World {
 
 /// Shuffled by numbers of chance.
 pub(crate) fn shuffled<T>(mut list: Vec<T>, seed: u64) -> Vec<T> {
-    let mut chance = Chance::new(seed);
+    let mut rng = Rng::new(seed);
     for i in (1..list.len()).rev() {
-        list.swap(i, (chance.bits() % (i as u64 + 1)) as usize);
+        list.swap(i, (rng.next_u64() % (i as u64 + 1)) as usize);
     }
     list
 }

@@ -5,7 +5,7 @@
 use glam::{DQuat, DVec3};
 use hecs::{Entity, World};
 use tumble::math::{Quat, Real, Vec3};
-use tumble::{BodyId, Chance, Pose, RigidBody, Shape, Spring};
+use tumble::{BodyId, Pose, RigidBody, Rng, Shape, Spring};
 use tumble_tests::{dquat, dvec3};
 
 /// How bodies hang together.
@@ -37,13 +37,13 @@ pub(crate) enum Turning {
     Yes,
 }
 
-fn places_and_pairs(kind: Net, chance: &mut Chance) -> (Vec<Vec3>, Vec<(usize, usize)>) {
+fn places_and_pairs(kind: Net, rng: &mut Rng) -> (Vec<Vec3>, Vec<(usize, usize)>) {
     let row = |count: u8| (0..count).map(|i| Vec3::X * Real::from(i));
     match kind {
         Net::Pair => (row(2).collect(), vec![(0, 1)]),
         Net::Chain => (row(20).collect(), (0..19).map(|i| (i, i + 1)).collect()),
         Net::Star => {
-            let around = (0..20).map(|_| chance.vector(-1.0, 1.0).normalize() * 2.0);
+            let around = (0..20).map(|_| rng.vector(-1.0, 1.0).normalize() * 2.0);
             (std::iter::once(Vec3::ZERO).chain(around).collect(), (1..=20).map(|i| (0, i)).collect())
         }
         Net::Grid => {
@@ -52,10 +52,10 @@ fn places_and_pairs(kind: Net, chance: &mut Chance) -> (Vec<Vec3>, Vec<(usize, u
             (places, right.chain((0..20).map(|i| (i, i + 5))).collect())
         }
         Net::Random(_) => {
-            let places = (0..15).map(|_| chance.vector(-3.0, 3.0)).collect();
+            let places = (0..15).map(|_| rng.vector(-3.0, 3.0)).collect();
             let pairs = (0..40).map(|_| {
-                let a = (chance.bits() % 15) as usize;
-                (a, (a + 1 + (chance.bits() % 14) as usize) % 15)
+                let a = (rng.next_u64() % 15) as usize;
+                (a, (a + 1 + (rng.next_u64() % 14) as usize) % 15)
             });
             (places, pairs.collect())
         }
@@ -64,17 +64,17 @@ fn places_and_pairs(kind: Net, chance: &mut Chance) -> (Vec<Vec3>, Vec<(usize, u
 
 /// A net whose springs are stretched or pressed by up to 5 cm, of bodies from 0.5 to 4 kg that move at up to 1 m/s.
 pub(crate) fn net(kind: Net, stiffness: f64, damping: f64, attached: Attached, turning: Turning) -> World {
-    let mut chance = Chance::new(if let Net::Random(seed) = kind { 77 + seed } else { 7 });
-    let (places, pairs) = places_and_pairs(kind, &mut chance);
+    let mut rng = Rng::new(if let Net::Random(seed) = kind { 77 + seed } else { 7 });
+    let (places, pairs) = places_and_pairs(kind, &mut rng);
     let mut world = World::new();
     let bodies: Vec<Entity> = places
         .iter()
         .enumerate()
         .map(|(i, place)| {
-            let shape = Shape::cuboid(dvec3(chance.vector(0.2, 0.4)));
-            let mut body = RigidBody::new(shape).mass(chance.between(0.5, 4.0)).position(*place).id(BodyId(i as u64));
-            body = body.linear_velocity(chance.vector(-0.5, 0.5)).orientation(chance.orientation());
-            let spin = chance.vector(-4.0, 4.0);
+            let shape = Shape::cuboid(dvec3(rng.vector(0.2, 0.4)));
+            let mut body = RigidBody::new(shape).mass(rng.range(0.5, 4.0)).position(*place).id(BodyId(i as u64));
+            body = body.linear_velocity(rng.vector(-0.5, 0.5)).orientation(rng.orientation());
+            let spin = rng.vector(-4.0, 4.0);
             if turning == Turning::Yes {
                 body = body.angular_velocity(spin);
             }
@@ -82,13 +82,13 @@ pub(crate) fn net(kind: Net, stiffness: f64, damping: f64, attached: Attached, t
         })
         .collect();
     for (a, b) in pairs {
-        let hooks = [chance.vector(-0.3, 0.3), chance.vector(-0.3, 0.3)].map(|hook| match attached {
+        let hooks = [rng.vector(-0.3, 0.3), rng.vector(-0.3, 0.3)].map(|hook| match attached {
             Attached::Centers => Vec3::ZERO,
             Attached::Anywhere => hook,
         });
         let end = |i: usize, hook: Vec3| world.get::<&Pose>(bodies[i]).unwrap().transform_point(hook);
         let length = (end(b, hooks[1]) - end(a, hooks[0])).length();
-        let rest = (length + chance.between(-0.05, 0.05)).max(0.0);
+        let rest = (length + rng.range(-0.05, 0.05)).max(0.0);
         let spring = Spring::between(bodies[a], bodies[b]).attached_at(hooks[0], hooks[1]).rest_length(rest);
         world.spawn((spring.stiffness(stiffness as Real).damping(damping as Real),));
     }

@@ -8,7 +8,7 @@
 use hecs::{Entity, World};
 use tumble::math::{Quat, Real, Vec3, dquat};
 use tumble::prelude::*;
-use tumble::{Amount, Chance, Collider, InertiaTensor, Material, Part};
+use tumble::{Amount, Collider, InertiaTensor, Material, Part, Rng};
 
 /// Moving bodies, and the paddle.
 pub(crate) const BODIES: u64 = 61;
@@ -48,8 +48,8 @@ pub(crate) fn spawn(world: &mut World, id: u64) -> Entity {
 }
 
 fn spawn_falling(world: &mut World, id: u64) -> Entity {
-    let mut chance = Chance::stream(7, id);
-    let mut length = || f64::from(chance.between(0.15, 0.25));
+    let mut rng = Rng::stream(7, id);
+    let mut length = || f64::from(rng.range(0.15, 0.25));
     let shape = match id % 8 {
         0 | 2 => Shape::sphere(length()),
         4 => Shape::capsule(length(), length()),
@@ -62,24 +62,24 @@ fn spawn_falling(world: &mut World, id: u64) -> Entity {
     };
     let (layer, place) = ((id - 2) / 9, (id - 2) % 9);
     let [x, y, z] = [place % 3, layer, place / 3].map(|i| i as u8).map(Real::from);
-    let at = Vec3::new(1.1 * (x - 1.0), 1.0 + 0.6 * y, 1.1 * (z - 1.0)) + chance.vector(-0.1, 0.1);
+    let at = Vec3::new(1.1 * (x - 1.0), 1.0 + 0.6 * y, 1.1 * (z - 1.0)) + rng.vector(-0.1, 0.1);
     let when = |every: u64| id.is_multiple_of(every);
     let surface = Material {
         restitution: if when(3) { 0.6 } else { 0.0 },
-        rolling_friction: if when(4) { 0.01 } else { 0.0 },
-        ..Material::new(chance.between(0.1, 0.9), 0.0)
+        rolling_resistance: if when(4) { 0.01 } else { 0.0 },
+        ..Material::new(rng.range(0.1, 0.9), 0.0)
     };
     let collider = Collider::new(&shape).unwrap().with_material(surface).unwrap();
-    let turned = Quat::from_xyzw(chance.between(-0.5, 0.5), chance.between(-0.5, 0.5), 0.0, 1.0).normalize();
+    let turned = Quat::from_xyzw(rng.range(-0.5, 0.5), rng.range(-0.5, 0.5), 0.0, 1.0).normalize();
     let mut body = RigidBody::new(shape).id(BodyId(id)).position(at).orientation(turned);
-    body = body.linear_velocity(chance.vector(-1.0, 1.0)).angular_velocity(chance.vector(-5.0, 5.0));
+    body = body.linear_velocity(rng.vector(-1.0, 1.0)).angular_velocity(rng.vector(-5.0, 5.0));
     if when(5) {
         // Neither centre nor axes are those of the shape.
         let axes = dquat(Quat::from_xyzw(0.2, -0.1, 0.3, 1.0).normalize());
         let tensor = InertiaTensor::from_principal([0.4, 0.5, 0.6], axes).unwrap();
         body = body.mass(30.0).center_of_mass([0.02, -0.03, 0.01]).inertia(tensor);
     } else {
-        body = body.mass(chance.between(10.0, 60.0));
+        body = body.mass(rng.range(10.0, 60.0));
     }
     if when(7) {
         body = body.damping(Damping { linear: 0.1, angular: 0.3 });
@@ -111,9 +111,9 @@ pub(crate) fn plain_scene() -> World {
 /// The identities in another order.
 pub(crate) fn shuffled(seed: u64) -> Vec<u64> {
     let mut ids = identities();
-    let mut chance = Chance::stream(seed, 0);
+    let mut rng = Rng::stream(seed, 0);
     for i in (1..ids.len()).rev() {
-        ids.swap(i, (chance.bits() % (i as u64 + 1)) as usize);
+        ids.swap(i, (rng.next_u64() % (i as u64 + 1)) as usize);
     }
     ids
 }

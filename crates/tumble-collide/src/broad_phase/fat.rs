@@ -10,12 +10,12 @@ use crate::scalar::Scalar;
 const MARGIN: f64 = 0.125;
 /// ... but not by more than this \[m\]. With twice as much a pile of balls of a metre has a quarter more pairs to look at, and is searched in a
 /// tenth less time.
-const MOST_MARGIN: f64 = 0.025;
+const MAX_MARGIN: f64 = 0.025;
 /// Where it moves it is larger by the way it makes in this number of steps: without, the search takes half as long again while such a pile falls and
 /// comes to rest; with more steps there are more pairs and hardly a gain ...
 const STEPS_AHEAD: f64 = 4.0;
 /// ... but not by more than this part of its mean extent: what jumps does not go on jumping.
-const MOST_AHEAD: f64 = 0.5;
+const MAX_AHEAD: f64 = 0.5;
 
 #[derive(Clone, Debug, Default)]
 pub(super) struct Fat<R> {
@@ -64,7 +64,7 @@ impl<R: Scalar> Fat<R> {
         let center = bounds.center();
         let (before, step) = std::mem::replace(&mut self.since[object as usize], (center, self.now));
         let margin = margin(&bounds);
-        let most = mean_extent(&bounds) * R::splat(MOST_AHEAD);
+        let most = mean_extent(&bounds) * R::splat(MAX_AHEAD);
         let steps = f64::from(self.now.wrapping_sub(step).max(1));
         let way = (center - before) * R::splat(STEPS_AHEAD / steps);
         // No way, where that is not a number: the larger of it and nothing is nothing.
@@ -85,7 +85,7 @@ fn mean_extent<R: Scalar>(bounds: &Bounds<R>) -> R {
 }
 
 fn margin<R: Scalar>(bounds: &Bounds<R>) -> R {
-    (mean_extent(bounds) * R::splat(MARGIN)).min(R::splat(MOST_MARGIN)).max(R::splat(0.0))
+    (mean_extent(bounds) * R::splat(MARGIN)).min(R::splat(MAX_MARGIN)).max(R::splat(0.0))
 }
 
 fn grown<R: Scalar>(bounds: &Bounds<R>, below: Vec3<R>, above: Vec3<R>) -> Bounds<R> {

@@ -16,7 +16,7 @@ use crate::scalar::Scalar;
 
 /// The tree is rebuilt when its leaves have become so much longer than they were when it was made. Between 1.15 and 1.3 the number makes no
 /// difference to speak of; at 1.05 the tree is rebuilt too often, and a tree that is never rebuilt takes half as long again where balls mix.
-const MOST_LOOSENESS: f64 = 1.2;
+const MAX_LOOSENESS: f64 = 1.2;
 
 /// Where more than one leaf in this number is stirred, all get other boxes: they then leave them together, and rarely.
 const MANY: usize = 8;
@@ -210,7 +210,7 @@ impl<R: Scalar> BroadPhase<R> {
                 self.leaves[*object as usize] = leaf as u32;
             }
         }
-        self.most_looseness = self.moving.looseness() * R::splat(MOST_LOOSENESS);
+        self.most_looseness = self.moving.looseness() * R::splat(MAX_LOOSENESS);
     }
 
     /// Gives another box to those that left theirs, and to some that will soon; says whose neighbours are to be looked for.

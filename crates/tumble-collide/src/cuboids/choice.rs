@@ -10,7 +10,7 @@ const AS_DEEP: f64 = 0.05;
 
 /// Points in one place are one, and three in a line are two: squares of distances and areas that are less than this part of the square of the faces' size are none.
 /// A corner of one face that lies on one of the other is found up to three times.
-const LEAST_SIZE: f64 = 1e-5;
+const MIN_SIZE: f64 = 1e-5;
 
 /// A point that may be one of a manifold's.
 #[derive(Clone, Copy)]
@@ -61,7 +61,7 @@ pub(super) fn choose<L: Lane, const N: usize>(
     size: L,
     middle: [L; 2],
 ) -> [Candidate<L>; 4] {
-    let least_size = size * L::splat(LEAST_SIZE);
+    let least_size = size * L::splat(MIN_SIZE);
     let (zero, one) = (L::splat(0.0), L::splat(1.0));
     let mut least = L::splat(FAR);
     let mut k = 0;

@@ -1,6 +1,6 @@
 use tumble_math::lane::{Lane, Vec3};
 
-use super::{LEAST_SINE, Pair};
+use super::{MIN_SINE, Pair};
 use crate::lanes::{FAR, ManifoldLanes, sign};
 
 /// How far the common perpendicular of an edge of each separates the boxes at most, and which edges: `3 i + j`. Among edges the best has
@@ -19,7 +19,7 @@ pub(super) fn widest_gap<L: Lane>(pair: &Pair<L>) -> (L, L) {
         let distance = (c[i1][j] * along[i2] - c[i2][j] * along[i1]).abs();
         let reach = (h[i2] * d[i1][j] + h[i1] * d[i2][j]) + (k[j1] * d[i][j2] + k[j2] * d[i][j1]);
         let gap = (distance - reach) * (one / square.sqrt());
-        let gap = L::select(square.lt(L::splat(LEAST_SINE * LEAST_SINE)), L::splat(-FAR), gap);
+        let gap = L::select(square.lt(L::splat(MIN_SINE * MIN_SINE)), L::splat(-FAR), gap);
         let better = best.lt(gap);
         best = L::select(better, gap, best);
         code = L::select(better, L::splat(index as f64), code);

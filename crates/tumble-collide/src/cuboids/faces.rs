@@ -18,7 +18,7 @@ struct Facing<L> {
 /// Candidates: where edges of the incident face begin within the reference face, where they leave it, and corners of it under the incident face.
 const CANDIDATES: usize = 12;
 /// Nearer to zero than this \[m\] an edge does not go along an axis.
-const LEAST_WAY: f64 = 1e-12;
+const MIN_WAY: f64 = 1e-12;
 /// A face is so much wider when it is asked whether a corner of the other is within it: one that lies on its edge is, however that is rounded, or boxes that are stacked flush would lose corners.
 const WIDER: f64 = 1.0 + 4e-6;
 
@@ -195,7 +195,7 @@ fn slab<L: Lane>(from: L, way: L, half: L) -> [L; 2] {
     let far = L::splat(FAR);
     let inverse = L::splat(1.0) / way;
     let (a, b) = ((-half - from) * inverse, (half - from) * inverse);
-    let stays = way.abs().lt(L::splat(LEAST_WAY));
+    let stays = way.abs().lt(L::splat(MIN_WAY));
     let inside = L::select(half.lt(from.abs()), far, -far);
     [L::select(stays, inside, a.min(b)), L::select(stays, far, a.max(b))]
 }

@@ -20,7 +20,7 @@ const LEAD_SHARE: f64 = 0.025;
 /// And a face of the second box by so much more than one of the first.
 const SECOND_LEAD: f64 = 2.5e-4;
 /// Edges at a smaller sine of the angle between them are parallel: a face separates as well.
-const LEAST_SINE: f64 = 5e-3;
+const MIN_SINE: f64 = 5e-3;
 
 /// Boxes about their origins, turned.
 ///

@@ -58,7 +58,7 @@ impl Anatomy {
             }
         }
         let parts = Parts::of(positions, &surface.triangles, &edges, &frame);
-        let depths = nesting::depths(positions, &surface.triangles, &parts, &frame, TriangleMesh::MOST_CROSSINGS);
+        let depths = nesting::depths(positions, &surface.triangles, &parts, &frame, TriangleMesh::MAX_CROSSINGS);
         Self { frame, unused, coincident, nearby, surface, edges, parts, depths, cracks }
     }
 

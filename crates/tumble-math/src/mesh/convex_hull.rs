@@ -47,7 +47,7 @@ pub fn convex_hull(points: &[DVec3]) -> Result<TriangleMesh, HullError> {
     if let Some((point, &position)) = points.iter().enumerate().find(|(_, p)| check_position(**p).is_err()) {
         return Err(HullError::Position { point, position });
     }
-    if count > TriangleMesh::MOST {
+    if count > TriangleMesh::MAX {
         return Err(HullError::Mesh(super::MeshError::TooLarge { what: "vertices", count }));
     }
     let low = points.iter().fold(DVec3::INFINITY, |low, p| low.min(*p));
@@ -56,7 +56,7 @@ pub fn convex_hull(points: &[DVec3]) -> Result<TriangleMesh, HullError> {
         return Err(HullError::Flat { count });
     }
     let grid = GridPoint::all(points);
-    let mut hull = Hull::started(&grid, MOST_WORK + WORK_OF_POINT * count).ok_or(HullError::Flat { count })?;
+    let mut hull = Hull::started(&grid, MAX_WORK + WORK_OF_POINT * count).ok_or(HullError::Flat { count })?;
     if !hull.grow() {
         return Err(HullError::TooMuchWork { count });
     }
@@ -64,7 +64,7 @@ pub fn convex_hull(points: &[DVec3]) -> Result<TriangleMesh, HullError> {
 }
 
 /// Comparisons of a point with a face at the most, some seconds' work, and how many more for each point: six times as often as points on a sphere need.
-const MOST_WORK: usize = 1 << 27;
+const MAX_WORK: usize = 1 << 27;
 const WORK_OF_POINT: usize = 256;
 
 /// A face of the growing hull.

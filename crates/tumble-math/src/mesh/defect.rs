@@ -70,7 +70,7 @@ pub enum MeshDefect {
         parts: usize,
     },
     /// Too many parts lie over one another: which is inside which was not found out within
-    /// [`TriangleMesh::MOST_CROSSINGS`](crate::TriangleMesh::MOST_CROSSINGS).
+    /// [`TriangleMesh::MAX_CROSSINGS`](crate::TriangleMesh::MAX_CROSSINGS).
     TooManyCrossings,
 }
 

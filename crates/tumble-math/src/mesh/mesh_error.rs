@@ -18,7 +18,7 @@ pub enum MeshError {
     /// There is no triangle.
     #[error("a mesh needs at least one triangle")]
     NoTriangles,
-    /// There are more vertices or triangles than [`TriangleMesh::MOST`](crate::TriangleMesh::MOST).
+    /// There are more vertices or triangles than [`TriangleMesh::MAX`](crate::TriangleMesh::MAX).
     #[error("a mesh of {count} {what} is too large: at most 2^30 are counted")]
     TooLarge {
         /// `"vertices"` or `"triangles"`.

@@ -35,11 +35,11 @@ pub struct TriangleMesh {
 
 impl TriangleMesh {
     /// Most vertices, and most triangles, of a mesh: their sides are to be counted in 32 bits.
-    pub const MOST: usize = 1 << 30;
+    pub const MAX: usize = 1 << 30;
 
     /// How many times a triangle is compared with a line before the question which part is inside which is given up, about ten
     /// seconds' work. A mesh of one part needs none, parts beside or in one another some dozens each.
-    pub const MOST_CROSSINGS: usize = 1 << 31;
+    pub const MAX_CROSSINGS: usize = 1 << 31;
 
     /// Vertices closer than this times the longest side of the mesh's box count as near-duplicates. It is far above the rounding of
     /// double precision, so that transforming one side of a seam and not the other does not tear it, and far below that of single
@@ -56,7 +56,7 @@ impl TriangleMesh {
             return Err(MeshError::NoTriangles);
         }
         for (what, count) in [("vertices", positions.len()), ("triangles", triangles.len())] {
-            if count > Self::MOST {
+            if count > Self::MAX {
                 return Err(MeshError::TooLarge { what, count });
             }
         }
@@ -110,7 +110,7 @@ impl TriangleMesh {
         for mesh in meshes {
             let count = positions.len();
             // Checked before a vertex index can leave 32 bits.
-            if count > Self::MOST {
+            if count > Self::MAX {
                 return Err(MeshError::TooLarge { what: "vertices", count });
             }
             let first = count as u32;

@@ -76,7 +76,7 @@ impl ColliderModel {
 
     /// Of a ball that is to come to rest somewhere.
     pub(super) fn rolling(self, length: f64) -> Self {
-        Self { rolling_friction: Some(length), ..self }
+        Self { rolling_resistance: Some(length), ..self }
     }
 
     pub(super) fn bouncing(self, restitution: f64) -> Self {

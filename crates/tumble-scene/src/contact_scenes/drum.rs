@@ -1,4 +1,4 @@
-use tumble::Chance;
+use tumble::Rng;
 
 use crate::collider_model::ColliderModel;
 use crate::model::{BodyModel, SceneModel, Tuple};
@@ -45,7 +45,7 @@ pub(super) fn scene(bodies: usize, seed: u64) -> SceneModel {
 
 /// Balls and blocks on a grid in the middle of the drum, of sizes that leave room for all.
 fn contents(bodies: usize, axis: f64, seed: u64) -> impl Iterator<Item = BodyModel> {
-    let mut chance = Chance::new(seed);
+    let mut rng = Rng::new(seed);
     // A block in the middle of the drum, wide as 2.8 m, high as 2.8 m and long as the drum less a little, in cubic cells.
     let (wide, long) = (2.8, 2.0 * HALF_LENGTH - 0.1);
     let fits = |cell: f64| {
@@ -61,7 +61,7 @@ fn contents(bodies: usize, axis: f64, seed: u64) -> impl Iterator<Item = BodyMod
             axis + at(columns, index / columns / layers),
             at(layers, index / columns % layers),
         ];
-        let mut length = |most: f64| most * (0.5 + 0.5 * chance.unit());
+        let mut length = |most: f64| most * (0.5 + 0.5 * rng.unit());
         let body = if index % 3 == 0 {
             BodyModel::sphere(length(0.45 * cell), place)
         } else {

@@ -1,4 +1,4 @@
-use tumble::Chance;
+use tumble::Rng;
 
 use crate::collider_model::ColliderModel;
 use crate::model::{BodyModel, Row, Rows, SceneModel, ShapeModel, Tuple};
@@ -18,9 +18,9 @@ const SIDE: usize = 11;
 
 /// Balls, boxes and pills fall on hills with hollows between them, in a bowl.
 pub(super) fn scene(bodies: usize, seed: u64) -> SceneModel {
-    let mut chance = Chance::new(seed);
+    let mut rng = Rng::new(seed);
     let body = |index: usize| {
-        let mut around = |middle: f64, width: f64| middle + width * (2.0 * chance.unit() - 1.0);
+        let mut around = |middle: f64, width: f64| middle + width * (2.0 * rng.unit() - 1.0);
         let across = |cell: usize| PITCH * (cell as f64 - 0.5 * (SIDE as f64 - 1.0));
         let place = [
             around(across(index % SIDE), 0.2),

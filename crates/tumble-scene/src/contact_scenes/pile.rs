@@ -1,4 +1,4 @@
-use tumble::Chance;
+use tumble::Rng;
 
 use crate::collider_model::ColliderModel;
 use crate::model::{BodyModel, SceneModel, ShapeModel};
@@ -10,12 +10,12 @@ const SIDE: usize = 5;
 
 /// Layers above each other, turned at random, fall on one heap.
 pub(super) fn scene(bodies: usize, seed: u64) -> SceneModel {
-    let mut chance = Chance::new(seed);
+    let mut rng = Rng::new(seed);
     let body = |index: usize| {
         let across = |cell: usize| PITCH * (cell as f64 - 0.5 * (SIDE as f64 - 1.0));
         let layer = index / (SIDE * SIDE);
         let place = [across(index % SIDE), 0.8 + PITCH * layer as f64, across(index / SIDE % SIDE)];
-        let mut length = |low: f64, high: f64| low + (high - low) * chance.unit();
+        let mut length = |low: f64, high: f64| low + (high - low) * rng.unit();
         let body = match index % 7 {
             0 => BodyModel::sphere(length(0.15, 0.35), place),
             1 => BodyModel::cuboid([length(0.1, 0.25), length(0.1, 0.25), length(0.1, 0.25)], place),
@@ -39,7 +39,7 @@ pub(super) fn scene(bodies: usize, seed: u64) -> SceneModel {
         };
         // Uniform enough: a point of a ball in four dimensions, far from its middle.
         let turn = loop {
-            let turn: [f64; 4] = std::array::from_fn(|_| 2.0 * chance.unit() - 1.0);
+            let turn: [f64; 4] = std::array::from_fn(|_| 2.0 * rng.unit() - 1.0);
             let square: f64 = turn.iter().map(|part| part * part).sum();
             if (0.01..=1.0).contains(&square) {
                 break turn;

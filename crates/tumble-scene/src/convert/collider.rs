@@ -112,13 +112,13 @@ fn material(model: &ColliderModel, problems: &mut Vec<FieldError>) -> Option<Mat
     let at_rest = number("static_friction", model.static_friction, Real::MAX).or(both);
     let sliding = number("dynamic_friction", model.dynamic_friction, Real::MAX).or(both);
     let restitution = number("restitution", model.restitution, 1.0);
-    let rolling = number("rolling_friction", model.rolling_friction, Real::MAX);
+    let rolling = number("rolling_resistance", model.rolling_resistance, Real::MAX);
     let material = Material {
         // One of the two alone says both.
         static_friction: at_rest.or(sliding).unwrap_or(usual.static_friction),
         dynamic_friction: sliding.or(at_rest).unwrap_or(usual.dynamic_friction),
         restitution: restitution.unwrap_or(usual.restitution),
-        rolling_friction: rolling.unwrap_or(usual.rolling_friction),
+        rolling_resistance: rolling.unwrap_or(usual.rolling_resistance),
         friction_combine: model.friction_combine.map_or(usual.friction_combine, Into::into),
         restitution_combine: model.restitution_combine.map_or(usual.restitution_combine, Into::into),
     };

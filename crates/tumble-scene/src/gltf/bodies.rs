@@ -23,7 +23,7 @@ use crate::scene_body::SceneBody;
 use crate::{ColliderRole, SceneCollider};
 
 /// Most lines of notices about bodies.
-const MOST_NOTICES: usize = 50;
+const MAX_NOTICES: usize = 50;
 
 /// A body of the file, or what is wrong with it.
 pub(crate) struct GltfBody {
@@ -82,9 +82,9 @@ fn grouped(physics: &Physics, notices: &Notices) -> Vec<String> {
         nodes_of.entry(notice).or_default().push(*node);
     }
     let called = |index: usize| physics.node(index).and_then(|node| node.name.as_deref());
-    let left_out = nodes_of.len().saturating_sub(MOST_NOTICES);
+    let left_out = nodes_of.len().saturating_sub(MAX_NOTICES);
     let mut lines: Vec<String> =
-        nodes_of.into_iter().take(MOST_NOTICES).map(|(notice, nodes)| listed(notice, &nodes, called)).collect();
+        nodes_of.into_iter().take(MAX_NOTICES).map(|(notice, nodes)| listed(notice, &nodes, called)).collect();
     if left_out > 0 {
         lines.push(format!("and {left_out} more"));
     }

@@ -8,7 +8,7 @@ use base64::engine::general_purpose::STANDARD;
 use glam::DVec3;
 
 use super::document::{Accessor, Buffer, BufferView, Document};
-use super::triangles::{MOST_TRIANGLES, OF_COLLIDERS};
+use super::triangles::{MAX_TRIANGLES, OF_COLLIDERS};
 use crate::MAX_FILE_BYTES;
 use crate::error::FieldError;
 use crate::reading::{Reading, beside};
@@ -80,7 +80,7 @@ impl<'a> Buffers<'a> {
         } else if accessor.sparse.is_some() {
             Err(field(index, "sparse", "is given, and such accessors are not read"))
         } else if accessor.count > most {
-            Err(FieldError::exceeding(format!("accessors[{index}].count"), OF_COLLIDERS, MOST_TRIANGLES as u64))
+            Err(FieldError::exceeding(format!("accessors[{index}].count"), OF_COLLIDERS, MAX_TRIANGLES as u64))
         } else {
             Ok(accessor)
         }

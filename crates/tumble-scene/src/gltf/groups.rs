@@ -9,7 +9,7 @@ use crate::scene_body::SceneBody;
 use crate::{ColliderRole, SceneCollider};
 
 /// As many filters as the engine's groups have bits.
-const MOST_FILTERS: usize = u32::BITS as usize;
+const MAX_FILTERS: usize = u32::BITS as usize;
 
 /// Gives each collider the groups of its filter; what is impossible is reported.
 ///
@@ -25,8 +25,8 @@ pub(super) fn assign<'a>(bodies: impl Iterator<Item = &'a mut SceneBody>) -> Opt
         let filter = piece.filter.clone().unwrap_or_default();
         let find = || filters.iter().position(|known| *known == filter).unwrap_or(filters.len());
         if *known.entry(at).or_insert_with(find) == filters.len() {
-            if filters.len() == MOST_FILTERS {
-                return Some(format!("more than {MOST_FILTERS} different collision filters: they count for nothing"));
+            if filters.len() == MAX_FILTERS {
+                return Some(format!("more than {MAX_FILTERS} different collision filters: they count for nothing"));
             }
             filters.push(filter);
         }

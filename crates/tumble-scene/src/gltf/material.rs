@@ -3,7 +3,7 @@
 use std::collections::HashSet;
 
 use serde::{Deserialize, Deserializer};
-use tumble::{Combine, Material};
+use tumble::{CombineRule, Material};
 
 use crate::collider_model::combine;
 use crate::convert::real;
@@ -27,10 +27,10 @@ pub struct SurfaceMaterial {
     pub restitution: f64,
     /// How the frictions of two surfaces become one.
     #[serde(deserialize_with = "combine")]
-    pub friction_combine: Combine,
+    pub friction_combine: CombineRule,
     /// How the restitutions of two surfaces become one.
     #[serde(deserialize_with = "combine")]
-    pub restitution_combine: Combine,
+    pub restitution_combine: CombineRule,
 }
 
 impl Default for SurfaceMaterial {
@@ -40,8 +40,8 @@ impl Default for SurfaceMaterial {
             static_friction: 0.6,
             dynamic_friction: 0.6,
             restitution: 0.0,
-            friction_combine: Combine::Average,
-            restitution_combine: Combine::Average,
+            friction_combine: CombineRule::Average,
+            restitution_combine: CombineRule::Average,
         }
     }
 }

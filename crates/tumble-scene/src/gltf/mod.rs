@@ -44,7 +44,7 @@ pub use joint::{Joint, JointDrive, JointLimit};
 pub use material::{CollisionFilter, SurfaceMaterial};
 pub use motion::{Motion, MotionKind};
 pub use physics::{Collider, JointTo, Physics, PhysicsNode, Trigger};
-pub use tumble::Combine;
+pub use tumble::CombineRule;
 
 use crate::MAX_FILE_BYTES;
 use crate::error::{FieldError, Place, SceneError, one_line};
@@ -168,12 +168,12 @@ pub(crate) fn mesh(path: &Path, reading: &mut Reading) -> Result<MeshFile, Scene
 }
 
 /// Most objects and most strings of a document. An empty object takes two bytes of a file and a hundred times that of memory.
-const MOST_OBJECTS: usize = 2_000_000;
-const MOST_STRINGS: usize = 20_000_000;
+const MAX_OBJECTS: usize = 2_000_000;
+const MAX_STRINGS: usize = 20_000_000;
 
 fn parse(json: &str, file: &str) -> Result<Document, SceneError> {
     let count = |wanted: u8| json.bytes().filter(|byte| *byte == wanted).count();
-    for (what, most, found) in [("objects", MOST_OBJECTS, count(b'{')), ("strings", MOST_STRINGS, count(b'"') / 2)] {
+    for (what, most, found) in [("objects", MAX_OBJECTS, count(b'{')), ("strings", MAX_STRINGS, count(b'"') / 2)] {
         if found > most {
             return Err(invalid(file, FieldError::new("", format!("has more than {most} {what}"))));
         }

@@ -11,7 +11,7 @@ use crate::model::Tuple;
 const SHEAR_TOLERANCE: f64 = 1e-5;
 
 /// Most nodes above one another. A chain of bones or of a rope has hundreds.
-const MOST_DEPTH: usize = 10_000;
+const MAX_DEPTH: usize = 10_000;
 
 /// A node's place in the world.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -62,11 +62,11 @@ impl Tree {
         }
         // Every node has one parent and the walk starts at nodes without, so it ends.
         while let Some((index, depth, above, turned)) = open.pop() {
-            if depth == MOST_DEPTH {
+            if depth == MAX_DEPTH {
                 return Err(FieldError::exceeding(
                     format!("nodes[{index}]"),
                     "nodes above one another",
-                    MOST_DEPTH as u64,
+                    MAX_DEPTH as u64,
                 ));
             }
             let (inner, turn) = local(&nodes[index], index)?;

@@ -15,7 +15,7 @@ use crate::error::FieldError;
 
 /// Most vertices, triangles and nodes together of all the meshes that a scene's colliders are made of. A mesh that colliders of
 /// one size share counts once.
-pub(super) const MOST_TRIANGLES: usize = 10_000_000;
+pub(super) const MAX_TRIANGLES: usize = 10_000_000;
 
 /// What there are at most as many of.
 pub(super) const OF_COLLIDERS: &str = "vertices, triangles and nodes of all colliders";
@@ -41,7 +41,7 @@ impl<'a> Triangles<'a> {
         Self {
             document,
             buffers,
-            room: MOST_TRIANGLES,
+            room: MAX_TRIANGLES,
             decoded: HashMap::new(),
             solids: HashMap::new(),
             notices: BTreeSet::new(),
@@ -99,12 +99,12 @@ impl<'a> Triangles<'a> {
     /// How many vertices, triangles and nodes have been worked on.
     #[cfg(test)]
     pub(super) fn work(&self) -> usize {
-        MOST_TRIANGLES - self.room
+        MAX_TRIANGLES - self.room
     }
 
     /// Takes up room.
     pub(super) fn take(&mut self, amount: usize) -> Result<(), FieldError> {
-        let full = || FieldError::exceeding("", OF_COLLIDERS, MOST_TRIANGLES as u64);
+        let full = || FieldError::exceeding("", OF_COLLIDERS, MAX_TRIANGLES as u64);
         self.room = self.room.checked_sub(amount).ok_or_else(full)?;
         Ok(())
     }

@@ -36,7 +36,7 @@ const OF_LOOKS: [&str; 13] = [
 ];
 
 /// Most names in one notice.
-const MOST_NAMES: usize = 8;
+const MAX_NAMES: usize = 8;
 
 /// Refuses a document of another version, and one that requires what is not read and may matter.
 pub(super) fn refuse(document: &Document) -> Result<(), FieldError> {
@@ -115,7 +115,7 @@ pub(super) fn listed<'a>(what: &str, nodes: &[usize], called: impl Fn(usize) -> 
         Some(name) => format!("nodes[{index}] {:?}", crate::error::quoted(name)),
         None => format!("nodes[{index}]"),
     };
-    let names: Vec<String> = nodes.iter().take(MOST_NAMES).map(named).collect();
-    let more = if nodes.len() > MOST_NAMES { ", …" } else { "" };
+    let names: Vec<String> = nodes.iter().take(MAX_NAMES).map(named).collect();
+    let more = if nodes.len() > MAX_NAMES { ", …" } else { "" };
     format!("{what} ({}): {}{more}", nodes.len(), names.join(", "))
 }

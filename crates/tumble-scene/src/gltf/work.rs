@@ -154,17 +154,17 @@ fn limits_are_of_the_whole_document() {
     // Of triangles: the last that has room is made, the next is not.
     let mut reading = Reading::default();
     let mut triangles = read.triangles(Some(place.path()), &mut reading);
-    triangles.take(triangles::MOST_TRIANGLES - VERTICES - TRIANGLES - 1).unwrap();
+    triangles.take(triangles::MAX_TRIANGLES - VERTICES - TRIANGLES - 1).unwrap();
     let (bodies, _) = bodies::bodies(&read.physics, &mut triangles, InertiaRepairs::Refused);
     assert!(bodies[0].body.is_ok());
     let text = document(&[(0, 1.0, true), (0, 2.0, true)], 1, "a.bin");
     let twice = File::read(text.as_bytes(), "scene.gltf").unwrap();
     let mut reading = Reading::default();
     let mut triangles = twice.triangles(Some(place.path()), &mut reading);
-    triangles.take(triangles::MOST_TRIANGLES - VERTICES - TRIANGLES - 2).unwrap();
+    triangles.take(triangles::MAX_TRIANGLES - VERTICES - TRIANGLES - 2).unwrap();
     let (bodies, _) = bodies::bodies(&twice.physics, &mut triangles, InertiaRepairs::Refused);
     let Err(error) = &bodies[1].body else { panic!("no limit") };
-    assert_eq!(error.scope, Scope::Limit(triangles::OF_COLLIDERS, triangles::MOST_TRIANGLES as u64));
+    assert_eq!(error.scope, Scope::Limit(triangles::OF_COLLIDERS, triangles::MAX_TRIANGLES as u64));
     assert!(matches!(
         crate::Scene::from_gltf(deep(10_001).as_bytes(), "deep.gltf"),
         Err(SceneError::TooMuch { limit: 10_000, what: "nodes above one another", .. })

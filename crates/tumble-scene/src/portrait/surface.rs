@@ -11,9 +11,9 @@ use crate::looks::Looks;
 use crate::tessellation::Tessellation;
 
 /// Most triangles that are drawn; more of them are a megabyte that no eye tells apart.
-const MOST_TRIANGLES: usize = 20_000;
+const MAX_TRIANGLES: usize = 20_000;
 /// Most parts of a compound whose surfaces are put together; each may have a thousand triangles.
-const MOST_PARTS: usize = 400;
+const MAX_PARTS: usize = 400;
 /// Cells along the longest side of the box, to begin with, in which vertices are taken for one.
 const FINEST: f64 = 128.0;
 /// Shades of the surface, from dark to light.
@@ -39,8 +39,8 @@ impl Surface {
                 let Tessellation { positions, triangles, .. } = Tessellation::of_looks(looks);
                 Self { positions, triangles, remark: Some("a square of infinite ground".to_owned()) }
             }
-            Looks::Shape(shape) if leaves(shape, 0) > MOST_PARTS => {
-                return Self { remark: Some(format!("more than {MOST_PARTS} parts, not drawn")), ..Self::default() };
+            Looks::Shape(shape) if leaves(shape, 0) > MAX_PARTS => {
+                return Self { remark: Some(format!("more than {MAX_PARTS} parts, not drawn")), ..Self::default() };
             }
             Looks::Shape(shape) => {
                 let Tessellation { positions, triangles, .. } = Tessellation::of(shape);
@@ -58,7 +58,7 @@ impl Surface {
     fn coarse(self) -> Self {
         let all = self.triangles.len();
         let (mut cells, mut coarse) = (FINEST, None);
-        while coarse.as_ref().unwrap_or(&self).triangles.len() > MOST_TRIANGLES && cells >= 1.0 {
+        while coarse.as_ref().unwrap_or(&self).triangles.len() > MAX_TRIANGLES && cells >= 1.0 {
             coarse = Some(self.clustered(cells));
             cells *= 0.7;
         }

@@ -1,7 +1,7 @@
 //! Which bodies of many are shown.
 
 /// Bodies that no force moves are scenery, of which this many are shown before the others.
-const MOST_SCENERY: usize = 100;
+const MAX_SCENERY: usize = 100;
 /// The fractional part of the golden ratio in 2^32: multiples of it are spread evenly over whole turns.
 const GOLDEN: u32 = 2_654_435_769;
 
@@ -14,7 +14,7 @@ pub(super) fn choose(count: usize, most: usize, is_scenery: impl Fn(usize) -> bo
         return (0..count).collect();
     }
     let (scenery, mut others): (Vec<usize>, Vec<usize>) = (0..count).partition(|&index| is_scenery(index));
-    let shown = scenery.len().min(MOST_SCENERY).min(most);
+    let shown = scenery.len().min(MAX_SCENERY).min(most);
     let (scenery, left) = scenery.split_at(shown);
     others.extend(left);
     let room = (most - shown).min(others.len());

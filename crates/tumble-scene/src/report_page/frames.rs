@@ -5,7 +5,7 @@ use tumble::Pose;
 use crate::trajectory::{Bodies, Frame, Sample};
 
 /// No more frames than anyone sees, even of few bodies.
-pub(super) const MOST_FRAMES: usize = 1200;
+pub(super) const MAX_FRAMES: usize = 1200;
 /// Position in f32 and orientation in 16-bit integers \[bytes\].
 pub(super) const SAMPLE_BYTES: usize = size_of::<[f32; 3]>() + size_of::<[i16; 4]>();
 
@@ -27,7 +27,7 @@ pub(super) struct Frames {
 impl Frames {
     /// For a number of bodies, whose frames may take a number of bytes.
     pub(super) fn new(bodies: usize, bytes: usize) -> Self {
-        let most = (bytes / (SAMPLE_BYTES * bodies.max(1))).clamp(2, MOST_FRAMES);
+        let most = (bytes / (SAMPLE_BYTES * bodies.max(1))).clamp(2, MAX_FRAMES);
         let (steps, times, positions, rotations) = (Vec::new(), Vec::new(), Vec::new(), Vec::new());
         Self { most, every: 1, bodies, steps, times, positions, rotations }
     }

@@ -10,7 +10,7 @@ use crate::scene::Scene;
 use crate::trajectory::{Bodies, Frame, double};
 
 /// More bodies than this are more than anyone can tell apart.
-const MOST_BODIES: usize = 1000;
+const MAX_BODIES: usize = 1000;
 /// Meshes and frames together, before a third is added to write them as text \[bytes\].
 const BYTES: u64 = 6 << 20;
 /// Of these, what meshes may have \[bytes\].
@@ -64,7 +64,7 @@ impl Replay {
     /// # Errors
     /// As [`Scene::looks`].
     pub fn of(scene: &Scene) -> Result<Self, SceneError> {
-        let chosen = choose(scene.body_count(), MOST_BODIES, |index| !scene.is_free(index));
+        let chosen = choose(scene.body_count(), MAX_BODIES, |index| !scene.is_free(index));
         let gravity = scene.settings.gravity.to_array().map(|part| double(part).abs());
         let along = |axis: usize| gravity.get(axis).copied().unwrap_or_default();
         Ok(Self {

@@ -141,12 +141,12 @@ impl Opened {
         let bodies = Bodies::of(frame, &animation.looks);
         let mut layout = Layout::new(&bodies, animation.frames, single(frame.time));
         let too_large = |bytes| TrajectoryError::TooLarge { bodies: bodies.len(), frames: animation.frames, bytes };
-        if layout.buffer_bytes() > Layout::MOST_BYTES {
+        if layout.buffer_bytes() > Layout::MAX_BYTES {
             return Err(too_large(layout.buffer_bytes()));
         }
         let mut buffered = BufWriter::new(&mut *writer);
         layout.json_bytes = document::write(&mut buffered, animation, &bodies, &layout)?;
-        if layout.file_bytes() > Layout::MOST_BYTES {
+        if layout.file_bytes() > Layout::MAX_BYTES {
             return Err(too_large(layout.file_bytes()));
         }
         layout.write_headers(&mut buffered)?;

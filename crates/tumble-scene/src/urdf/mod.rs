@@ -28,7 +28,7 @@ pub(crate) const MAX_URDF_BYTES: u64 = 32 << 20;
 const GRAVITY: Vec3 = Vec3::new(0.0, 0.0, -9.81);
 
 /// Most names in one notice.
-const MOST_NAMES: usize = 12;
+const MAX_NAMES: usize = 12;
 
 /// A robot whose links are read, the impossible ones too.
 pub(crate) struct Robot {
@@ -196,8 +196,8 @@ fn counted(count: usize, noun: &str) -> String {
 
 /// The first names, and how many more there are.
 fn listed(names: &[String]) -> String {
-    let first: Vec<String> = names.iter().take(MOST_NAMES).map(|name| one_line(name)).collect();
-    match names.len().saturating_sub(MOST_NAMES) {
+    let first: Vec<String> = names.iter().take(MAX_NAMES).map(|name| one_line(name)).collect();
+    match names.len().saturating_sub(MAX_NAMES) {
         0 => first.join(", "),
         more => format!("{} and {more} more", first.join(", ")),
     }

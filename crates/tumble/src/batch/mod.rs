@@ -6,7 +6,7 @@ use std::ops::ControlFlow;
 
 use rayon::prelude::*;
 
-use crate::batch::rng::Chance;
+use crate::batch::rng::Rng;
 use crate::batch::trial::Trial;
 use crate::solver::multi_world::{MultiWorld, PackKey};
 use crate::step::interacting::step_interacting;
@@ -17,7 +17,7 @@ use crate::step::interacting::step_interacting;
 /// number of threads and whatever the other worlds are. The threads are those of the rayon pool that it is called in, as for a
 /// step; a world of many bodies is split among them too.
 ///
-/// Results come back in the order of the worlds. A batch is held in memory as a whole; [`stream`](crate::batch::run_worlds()) makes worlds one by one, as
+/// Results come back in the order of the worlds. A batch is held in memory as a whole; [`for_each_world`](crate::batch::run_worlds()) makes worlds one by one, as
 /// many as one likes.
 ///
 /// ```
@@ -25,11 +25,11 @@ use crate::step::interacting::step_interacting;
 /// use tumble::{Batch, Trial};
 ///
 /// // A thousand bricks, each thrown in its own way.
-/// let mut batch = Batch::from_seed(1000, 42, |_, mut chance| -> Result<_, Box<dyn std::error::Error + Send + Sync>> {
+/// let mut batch = Batch::from_seed(1000, 42, |_, mut rng| -> Result<_, Box<dyn std::error::Error + Send + Sync>> {
 ///     let mut world = hecs::World::new();
 ///     RigidBody::new(Shape::cuboid([0.1, 0.05, 0.03]))
 ///         .mass(2.0)
-///         .angular_velocity(chance.vector(-5.0, 5.0))
+///         .angular_velocity(rng.vector(-5.0, 5.0))
 ///         .build()?
 ///         .spawn(&mut world);
 ///     Ok(Trial::new(Settings::default(), world)?)
@@ -58,7 +58,7 @@ impl Batch {
         Self::default()
     }
 
-    /// Makes `count` worlds in parallel. `set_up` is given the index of a world and [numbers](Chance::stream) of its own, so that a world
+    /// Makes `count` worlds in parallel. `set_up` is given the index of a world and [numbers](Rng::stream) of its own, so that a world
     /// depends on nothing but the seed and its index.
     ///
     /// # Errors
@@ -66,10 +66,10 @@ impl Batch {
     pub fn from_seed<E: Send>(
         count: usize,
         seed: u64,
-        set_up: impl Fn(usize, Chance) -> Result<Trial, E> + Sync,
+        set_up: impl Fn(usize, Rng) -> Result<Trial, E> + Sync,
     ) -> Result<Self, E> {
         let made: Vec<Result<Trial, E>> =
-            (0..count).into_par_iter().map(|index| set_up(index, Chance::stream(seed, index as u64))).collect();
+            (0..count).into_par_iter().map(|index| set_up(index, Rng::stream(seed, index as u64))).collect();
         // One after the other: in parallel it would be left to chance whose error is returned.
         made.into_iter().collect()
     }

@@ -6,17 +6,17 @@ use crate::math::{Quat, Real, Vec3};
 /// generators", OOPSLA 2014): a mixed counter, so that any number of independent sequences can be had without making those before.
 ///
 /// ```
-/// use tumble::Chance;
+/// use tumble::Rng;
 ///
 /// // World 7 of a batch gets the same numbers whatever the other worlds do.
-/// let (mut once, mut again) = (Chance::stream(42, 7), Chance::stream(42, 7));
-/// assert_eq!(once.bits(), again.bits());
-/// assert!((-1.0..=1.0).contains(&once.between(-1.0, 1.0)));
+/// let (mut once, mut again) = (Rng::stream(42, 7), Rng::stream(42, 7));
+/// assert_eq!(once.next_u64(), again.next_u64());
+/// assert!((-1.0..=1.0).contains(&once.range(-1.0, 1.0)));
 /// ```
 #[derive(Clone, Debug)]
-pub struct Chance(u64);
+pub struct Rng(u64);
 
-impl Chance {
+impl Rng {
     /// The sequence that belongs to a seed.
     pub fn new(seed: u64) -> Self {
         Self(seed)
@@ -25,11 +25,11 @@ impl Chance {
     /// Sequence `index` of those that belong to a seed; no two of them begin at the same place.
     pub fn stream(seed: u64, index: u64) -> Self {
         // Both steps are one-to-one in the index.
-        Self(Self(Self(seed).bits() ^ index).bits())
+        Self(Self(Self(seed).next_u64() ^ index).next_u64())
     }
 
     /// 64 random bits.
-    pub fn bits(&mut self) -> u64 {
+    pub fn next_u64(&mut self) -> u64 {
         self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
         let z = (self.0 ^ (self.0 >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
         let z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
@@ -38,25 +38,25 @@ impl Chance {
 
     /// In [0, 1): one of 2^53 equally likely numbers.
     pub fn unit(&mut self) -> f64 {
-        (self.bits() >> 11) as f64 / (1_u64 << 53) as f64
+        (self.next_u64() >> 11) as f64 / (1_u64 << 53) as f64
     }
 
     /// From `low` to `high`: one of 2^24 equally likely numbers, which every precision of the build can hold; their distance must be finite.
-    pub fn between(&mut self, low: Real, high: Real) -> Real {
-        let unit = (self.bits() >> 40) as Real / (1_u32 << 24) as Real;
+    pub fn range(&mut self, low: Real, high: Real) -> Real {
+        let unit = (self.next_u64() >> 40) as Real / (1_u32 << 24) as Real;
         low + (high - low) * unit
     }
 
     /// Each component from `low` to `high`.
     pub fn vector(&mut self, low: Real, high: Real) -> Vec3 {
-        let (x, y, z) = (self.between(low, high), self.between(low, high), self.between(low, high));
+        let (x, y, z) = (self.range(low, high), self.range(low, high), self.range(low, high));
         Vec3::new(x, y, z)
     }
 
     /// A unit quaternion, every orientation equally likely.
     pub fn orientation(&mut self) -> Quat {
         loop {
-            let (v, w) = (self.vector(-1.0, 1.0), self.between(-1.0, 1.0));
+            let (v, w) = (self.vector(-1.0, 1.0), self.range(-1.0, 1.0));
             let squared = v.x * v.x + v.y * v.y + v.z * v.z + w * w;
             if (0.01..=1.0).contains(&squared) {
                 let scale = 1.0 / squared.sqrt();

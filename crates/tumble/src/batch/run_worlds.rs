@@ -23,14 +23,14 @@ const LARGEST_BLOCK: usize = 8192;
 /// ```
 /// use std::ops::ControlFlow;
 /// use tumble::prelude::*;
-/// use tumble::{Chance, Trial, stream};
+/// use tumble::{Rng, Trial, for_each_world};
 ///
 /// let mut highest = f64::NEG_INFINITY;
-/// let end = stream(
+/// let end = for_each_world(
 ///     0..10_000,
 ///     |index| {
 ///         let mut world = hecs::World::new();
-///         let speed = Chance::stream(1, index).between(0.0, 10.0);
+///         let speed = Rng::stream(1, index).range(0.0, 10.0);
 ///         let ball = RigidBody::new(Shape::Point).mass(1.0).linear_velocity(Vec3::Y * speed).build()?;
 ///         let ball = ball.spawn(&mut world);
 ///         let mut trial = Trial::new(Settings::default(), world)?;
@@ -48,7 +48,7 @@ const LARGEST_BLOCK: usize = 8192;
 /// );
 /// assert!(end.is_continue() && highest > 3.7);
 /// ```
-pub fn stream<R: Send, B>(
+pub fn for_each_world<R: Send, B>(
     worlds: Range<u64>,
     work: impl Fn(u64) -> R + Sync,
     mut take: impl FnMut(u64, R) -> ControlFlow<B>,
@@ -101,7 +101,7 @@ mod tests {
             let (mut taken, mut most_waiting) = (0, 0);
             let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
             let end = pool.install(|| {
-                stream(
+                for_each_world(
                     0..SHORT + 500,
                     |index| {
                         if index >= SHORT {

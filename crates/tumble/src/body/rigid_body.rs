@@ -9,7 +9,7 @@ use crate::components::{
 };
 use crate::math::{Quat, Real, Vec3, dquat, dvec3, quat, vec3};
 use crate::range;
-use crate::range::{MOST_DISTANCE, MOST_SPEED};
+use crate::range::{MAX_DISTANCE, MAX_SPEED};
 
 /// What makes a body move.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -254,9 +254,9 @@ impl RigidBody {
     }
 
     fn check_numbers(&self) -> Result<(), BodyError> {
-        within("position", self.position, MOST_DISTANCE)?;
-        within("linear_velocity", self.linear_velocity, MOST_SPEED)?;
-        within("angular_velocity", self.angular_velocity, MOST_SPEED)?;
+        within("position", self.position, MAX_DISTANCE)?;
+        within("linear_velocity", self.linear_velocity, MAX_SPEED)?;
+        within("angular_velocity", self.angular_velocity, MAX_SPEED)?;
         let number = |field, wanted, value: Option<Real>, fits: fn(Real) -> bool| match value {
             Some(value) if !fits(value) => Err(BodyError::Number { field, wanted, value: value.into() }),
             _ => Ok(()),

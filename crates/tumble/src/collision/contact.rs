@@ -1,4 +1,4 @@
-use tumble_collide::{MOST_POINTS, Manifold};
+use tumble_collide::{MAX_MANIFOLD_POINTS, Manifold};
 use tumble_math::lane::Vec3;
 
 use crate::collision::material::Surface;
@@ -19,7 +19,7 @@ pub(crate) struct ContactRecord {
     pub(crate) part: u32,
     /// Whether the two touched before this step.
     pub(crate) touched: bool,
-    pub(crate) features: [u32; MOST_POINTS],
+    pub(crate) features: [u32; MAX_MANIFOLD_POINTS],
     /// By [`SHAPE`] and the others.
     pub(crate) numbers: [Eight; 5],
 }
@@ -48,7 +48,7 @@ impl Second {
 pub(crate) const SHAPE: usize = 0;
 /// Two points each: from the second body's centre of mass when the step began, and the separation there. They are on the surface of
 /// the body that carries them, so that friction has the arm that it has when they meet.
-pub(crate) const POINTS: [usize; MOST_POINTS / 2] = [1, 2];
+pub(crate) const POINTS: [usize; MAX_MANIFOLD_POINTS / 2] = [1, 2];
 /// Impulses of a substep along the normal \[N s\], the coefficients of static and dynamic friction, how steady effective
 /// masses were in the last substep, and which share of the gap between the surfaces is before the points.
 pub(crate) const NORMAL_IMPULSE: usize = 3;
@@ -80,7 +80,7 @@ impl ContactRecord {
         part: 0,
         touched: false,
         slots: [0; 2],
-        features: [0; MOST_POINTS],
+        features: [0; MAX_MANIFOLD_POINTS],
         numbers: [Eight::ZERO; 5],
     };
 
@@ -88,7 +88,7 @@ impl ContactRecord {
     pub(crate) fn new(slots: [u32; 2], part: u32, manifold: &Manifold<Real>, second: Second, law: f64) -> Self {
         let (n, count) = (manifold.normal, manifold.points().len());
         let mut numbers = [Eight::ZERO; 5];
-        let mut features = [0; MOST_POINTS];
+        let mut features = [0; MAX_MANIFOLD_POINTS];
         for (j, point) in manifold.points().iter().enumerate() {
             let from_second =
                 point.position - second.center + n * (point.separation * (second.share(manifold.carried) - 0.5));
@@ -113,7 +113,7 @@ impl ContactRecord {
 
     /// Says what the surfaces are like.
     pub(crate) fn set_surface(&mut self, surface: &Surface) {
-        (self.numbers[SHAPE].0[5], self.numbers[SHAPE].0[6]) = (surface.rolling_friction, surface.restitution);
+        (self.numbers[SHAPE].0[5], self.numbers[SHAPE].0[6]) = (surface.rolling_resistance, surface.restitution);
         (self.numbers[NORMAL_IMPULSE].0[4], self.numbers[NORMAL_IMPULSE].0[5]) =
             (surface.static_friction, surface.dynamic_friction);
     }
@@ -131,7 +131,7 @@ impl ContactRecord {
 
     /// Multiplies the impulses that it begins with.
     pub(crate) fn scale_impulses(&mut self, by: Real) {
-        self.numbers[NORMAL_IMPULSE].0[..MOST_POINTS].iter_mut().for_each(|impulse| *impulse *= by);
+        self.numbers[NORMAL_IMPULSE].0[..MAX_MANIFOLD_POINTS].iter_mut().for_each(|impulse| *impulse *= by);
         self.numbers[FRICTION_IMPULSE].0[..6].iter_mut().for_each(|impulse| *impulse *= by);
     }
 
@@ -198,11 +198,11 @@ impl ContactRecord {
         };
         let same_place = SAME_PLACE * self.margin();
         let near_enough = same_place * same_place;
-        let mut held = [0.0; MOST_POINTS];
+        let mut held = [0.0; MAX_MANIFOLD_POINTS];
         if count == old_count && (0..count).all(|j| self.features[j] == old.features[j] && near(j, j) <= near_enough) {
             held[..count].copy_from_slice(&old.numbers[NORMAL_IMPULSE].0[..count]);
         } else {
-            let (mut taken, mut found) = ([false; MOST_POINTS], [false; MOST_POINTS]);
+            let (mut taken, mut found) = ([false; MAX_MANIFOLD_POINTS], [false; MAX_MANIFOLD_POINTS]);
             for way in 0..3 {
                 for j in 0..count {
                     if found[j] {
@@ -220,7 +220,7 @@ impl ContactRecord {
                 }
             }
         }
-        self.numbers[NORMAL_IMPULSE].0[..MOST_POINTS].copy_from_slice(&held);
+        self.numbers[NORMAL_IMPULSE].0[..MAX_MANIFOLD_POINTS].copy_from_slice(&held);
         self.numbers[NORMAL_IMPULSE].0[6] = old.numbers[NORMAL_IMPULSE].0[6];
         self.set_halvings(old.halvings());
     }

@@ -12,7 +12,7 @@ pub(crate) struct Extras {
 impl Extras {
     /// Adds what a surface may do, whatever it touches.
     pub(crate) fn add(&mut self, material: &Material) {
-        self.rolls |= material.rolling_friction > 0.0;
+        self.rolls |= material.rolling_resistance > 0.0;
         self.bounces |= material.restitution > 0.0;
     }
 }
@@ -47,7 +47,7 @@ struct OfPart {
 const OF_PARTS: u32 = 1 << 31;
 
 /// Of more materials the surfaces are not kept but worked out, and no two are compared but neighbours.
-const MOST: usize = 32;
+const MAX: usize = 32;
 
 impl Materials {
     /// Lists those of the colliders of all slots.
@@ -76,7 +76,7 @@ impl Materials {
             self.counts.extend(colliders.map(|collider| collider.map_or(1, |it| it.geometry.parts())));
         }
         self.surfaces.clear();
-        if self.different.len() <= MOST {
+        if self.different.len() <= MAX {
             let pairs = self.different.iter().flat_map(|a| self.different.iter().map(move |b| Surface::between(a, b)));
             self.surfaces.extend(pairs);
         }
@@ -84,7 +84,7 @@ impl Materials {
 
     /// Which of the materials it is, a new one if it has to be.
     fn which(&mut self, material: Material) -> u32 {
-        let known = if self.different.len() > MOST {
+        let known = if self.different.len() > MAX {
             self.different.last().filter(|last| **last == material).map(|_| self.different.len() - 1)
         } else {
             self.different.iter().rposition(|known| *known == material)

@@ -21,7 +21,7 @@ const SAME_FACE: Real = 0.9999;
 /// ... and of single points, which are exact.
 const SAME_NORMAL: Real = 0.999_999;
 /// Most contacts of a body on a floor that are compared.
-const MOST: usize = 64;
+const MAX: usize = 64;
 
 /// What the seams of floors are found with.
 #[derive(Clone, Default)]
@@ -104,7 +104,7 @@ impl Contacts {
         left_out.clear();
         for group in sliding.chunk_by(|a, b| a.0 == b.0).filter(|group| group.len() > 1) {
             let slot = group[0].0;
-            for (_, of_edge) in group.iter().take(MOST) {
+            for (_, of_edge) in group.iter().take(MAX) {
                 let edge = &contacts[*of_edge as usize];
                 let other = usize::from(edge.slots[0] == slot);
                 let its_slot = edge.slots[other];
@@ -112,7 +112,7 @@ impl Contacts {
                 let Some((second, _)) = &colliders[edge.slots[1] as usize] else { continue };
                 let number = numbers(edge.part, second.geometry.parts())[other];
                 let away = normal_of(edge, slot);
-                let floor = group.iter().take(MOST).filter(|(_, index)| index != of_edge).find(|(_, index)| {
+                let floor = group.iter().take(MAX).filter(|(_, index)| index != of_edge).find(|(_, index)| {
                     let contact = &contacts[*index as usize];
                     let under = contact.slots[usize::from(contact.slots[0] == slot)];
                     let up = normal_of(contact, slot).dot(away);

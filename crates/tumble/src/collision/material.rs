@@ -6,7 +6,7 @@ use crate::math::Real;
 /// ```
 /// use tumble::{Collider, Material, Shape};
 ///
-/// let ice = Material { friction_combine: tumble::Combine::Minimum, ..Material::new(0.02, 0.0) };
+/// let ice = Material { friction_combine: tumble::CombineRule::Minimum, ..Material::new(0.02, 0.0) };
 /// let puck = Collider::new(&Shape::cuboid([0.04, 0.04, 0.04]))?.with_material(ice)?;
 /// assert_eq!(puck.material().dynamic_friction, 0.02);
 /// # Ok::<(), tumble::ColliderError>(())
@@ -20,11 +20,11 @@ pub struct Material {
     /// Speed after a bounce over speed before it, from 0 to 1.
     pub restitution: Real,
     /// Resistance to rolling as a length \[m\]: the torque it resists with is this times the normal force. Of two surfaces the greater counts.
-    pub rolling_friction: Real,
+    pub rolling_resistance: Real,
     /// How the coefficients of friction of two surfaces become one.
-    pub friction_combine: Combine,
+    pub friction_combine: CombineRule,
     /// How the restitutions of two surfaces become one.
-    pub restitution_combine: Combine,
+    pub restitution_combine: CombineRule,
 }
 
 impl Default for Material {
@@ -42,9 +42,9 @@ impl Material {
             static_friction: friction,
             dynamic_friction: friction,
             restitution,
-            rolling_friction: 0.0,
-            friction_combine: Combine::Average,
-            restitution_combine: Combine::Average,
+            rolling_resistance: 0.0,
+            friction_combine: CombineRule::Average,
+            restitution_combine: CombineRule::Average,
         }
     }
 
@@ -53,7 +53,7 @@ impl Material {
             ("static_friction", self.static_friction, Real::MAX),
             ("dynamic_friction", self.dynamic_friction, Real::MAX),
             ("restitution", self.restitution, 1.0),
-            ("rolling_friction", self.rolling_friction, Real::MAX),
+            ("rolling_resistance", self.rolling_resistance, Real::MAX),
         ];
         match numbers.into_iter().find(|(_, value, most)| !(0.0..=*most).contains(value)) {
             Some((field, value, most)) => Err(ColliderError::Material { field, value, most }),
@@ -65,13 +65,13 @@ impl Material {
 /// How two coefficients become one. Where two surfaces ask for different ways, the first of them in this order counts.
 ///
 /// ```
-/// use tumble::Combine;
+/// use tumble::CombineRule;
 ///
-/// assert_eq!(Combine::of((0.5, Combine::Multiply), (0.25, Combine::Minimum)), 0.25);
-/// assert_eq!(Combine::of((0.5, Combine::Multiply), (0.25, Combine::Multiply)), 0.125);
+/// assert_eq!(CombineRule::of((0.5, CombineRule::Multiply), (0.25, CombineRule::Minimum)), 0.25);
+/// assert_eq!(CombineRule::of((0.5, CombineRule::Multiply), (0.25, CombineRule::Multiply)), 0.125);
 /// ```
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord)]
-pub enum Combine {
+pub enum CombineRule {
     /// Their mean.
     #[default]
     Average,
@@ -83,7 +83,7 @@ pub enum Combine {
     Multiply,
 }
 
-impl Combine {
+impl CombineRule {
     /// One coefficient out of two surfaces'.
     #[must_use]
     pub fn of((a, way_a): (Real, Self), (b, way_b): (Real, Self)) -> Real {
@@ -102,22 +102,25 @@ pub(crate) struct Surface {
     pub(crate) static_friction: Real,
     pub(crate) dynamic_friction: Real,
     pub(crate) restitution: Real,
-    pub(crate) rolling_friction: Real,
+    pub(crate) rolling_resistance: Real,
 }
 
 impl Surface {
     pub(crate) fn between(a: &Material, b: &Material) -> Self {
         // Infinite it would hold, with no impulse at all, what does not touch.
         let friction = |of: fn(&Material) -> Real| {
-            Combine::of((of(a), a.friction_combine), (of(b), b.friction_combine)).min(Real::MAX)
+            CombineRule::of((of(a), a.friction_combine), (of(b), b.friction_combine)).min(Real::MAX)
         };
         let dynamic_friction = friction(|material| material.dynamic_friction);
         Self {
             // What is easier to start than to keep going would be neither.
             static_friction: friction(|material| material.static_friction).max(dynamic_friction),
             dynamic_friction,
-            restitution: Combine::of((a.restitution, a.restitution_combine), (b.restitution, b.restitution_combine)),
-            rolling_friction: a.rolling_friction.max(b.rolling_friction),
+            restitution: CombineRule::of(
+                (a.restitution, a.restitution_combine),
+                (b.restitution, b.restitution_combine),
+            ),
+            rolling_resistance: a.rolling_resistance.max(b.rolling_resistance),
         }
     }
 }

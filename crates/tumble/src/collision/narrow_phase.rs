@@ -2,7 +2,7 @@ use std::ops::Range;
 
 use rayon::prelude::*;
 use tumble_collide::lanes::{CuboidLanes, ManifoldLanes, ball_pair, cuboid_gap, cuboid_pair};
-use tumble_collide::{Geometry, MOST_POINTS, Placement};
+use tumble_collide::{Geometry, MAX_MANIFOLD_POINTS, Placement};
 use tumble_math::lane::{Quat, Vec3};
 
 use crate::collision::contact::{
@@ -327,9 +327,9 @@ fn write<T: Tile>(
         T::store([a.x, a.y, a.z, s, b.x, b.y, b.z, t], &mut numbers[POINTS[half]]);
         half += 1;
     }
-    let mut features = [[0.0; BLOCK]; MOST_POINTS];
+    let mut features = [[0.0; BLOCK]; MAX_MANIFOLD_POINTS];
     let mut j = 0;
-    while j < MOST_POINTS {
+    while j < MAX_MANIFOLD_POINTS {
         put(manifold.features[j], &mut features[j], 0);
         j += 1;
     }
@@ -344,7 +344,7 @@ fn write<T: Tile>(
             which += 1;
         }
         let mut j = 0;
-        while j < MOST_POINTS {
+        while j < MAX_MANIFOLD_POINTS {
             contact.features[j] = features[j][i] as u32;
             j += 1;
         }

@@ -7,16 +7,16 @@ use crate::collision::narrow_phase::PairKind;
 use crate::math::Real;
 
 /// A body with more pairs than this is in a crowd. Around a ball there is room for twelve that touch it, and for some sixty within twice its own size.
-const MOST_PAIRS: usize = 64;
+const MAX_PAIRS: usize = 64;
 
 /// Most pairs of a body, on average, that are listed: where there are more, as in one place, they are gone through without a list.
-const MOST_LISTED: usize = 2 * MOST_PAIRS;
+const MAX_LISTED: usize = 2 * MAX_PAIRS;
 /// Where there are fewer bodies, as many as of these.
 const FEW_BODIES: usize = 1024;
 
 /// How many pairs of bodies the broad phase may list.
 pub(crate) fn most_listed(bodies: usize) -> usize {
-    MOST_LISTED * bodies.max(FEW_BODIES)
+    MAX_LISTED * bodies.max(FEW_BODIES)
 }
 
 /// What the limit is found out with.
@@ -36,7 +36,7 @@ impl PairLimit {
     pub(crate) fn thin_out(&mut self, near: &mut [Vec<(PairKind, [u32; 2])>], proxies: &[Proxy<Real>]) {
         let Self { counts, crowded, kept, left_out } = self;
         *left_out = 0;
-        if near.iter().map(Vec::len).sum::<usize>() <= MOST_PAIRS {
+        if near.iter().map(Vec::len).sum::<usize>() <= MAX_PAIRS {
             return;
         }
         counts.clear();
@@ -45,7 +45,7 @@ impl PairLimit {
         all().flatten().for_each(|slot| counts[slot as usize] += 1);
         // What has no end is ground: it takes no part in a crowd.
         let in_crowd =
-            |slot: u32| counts[slot as usize] as usize > MOST_PAIRS && proxies[slot as usize].bounds.is_some();
+            |slot: u32| counts[slot as usize] as usize > MAX_PAIRS && proxies[slot as usize].bounds.is_some();
         let are_crowded = |[a, b]: [u32; 2]| in_crowd(a) && in_crowd(b);
         crowded.clear();
         for [a, b] in all().filter(|slots| are_crowded(*slots)) {
@@ -58,7 +58,7 @@ impl PairLimit {
         crowded.sort_unstable_by(|x, y| x.0.cmp(&y.0).then(x.1.total_cmp(&y.1)).then(x.2.cmp(&y.2)));
         kept.clear();
         for of_one in crowded.chunk_by(|x, y| x.0 == y.0) {
-            kept.extend(of_one.iter().take(MOST_PAIRS).map(|&(a, _, b)| [a.min(b), a.max(b)]));
+            kept.extend(of_one.iter().take(MAX_PAIRS).map(|&(a, _, b)| [a.min(b), a.max(b)]));
         }
         kept.sort_unstable();
         for part in near {
@@ -78,8 +78,8 @@ type Nearest = Vec<(Real, u32)>;
 /// Takes one in where it is among the nearest.
 fn offer(nearest: &mut Nearest, apart: Real, other: u32) {
     let place = nearest.partition_point(|known| known.0.total_cmp(&apart).then(known.1.cmp(&other)).is_lt());
-    if place < MOST_PAIRS {
-        nearest.truncate(MOST_PAIRS - 1);
+    if place < MAX_PAIRS {
+        nearest.truncate(MAX_PAIRS - 1);
         nearest.insert(place, (apart, other));
     }
 }
@@ -109,7 +109,7 @@ impl Contacts {
         });
         let counts = &crowds.counts;
         let in_crowd =
-            |slot: u32| counts[slot as usize] as usize > MOST_PAIRS && proxies[slot as usize].bounds.is_some();
+            |slot: u32| counts[slot as usize] as usize > MAX_PAIRS && proxies[slot as usize].bounds.is_some();
         let mut nearest: Vec<Nearest> = vec![Nearest::new(); proxies.len()];
         let mut kept = Vec::new();
         broad_phase.for_each_pair(proxies, wanted, |a, b| {

@@ -1,6 +1,6 @@
 //! Contacts apart from the world that they were found in.
 
-use tumble_collide::MOST_POINTS;
+use tumble_collide::MAX_MANIFOLD_POINTS;
 
 use crate::collision::body_key::BodyKey;
 use crate::collision::collider::Collider;
@@ -36,7 +36,7 @@ pub(crate) struct SavedContact {
     /// effective masses were in the last substep, which share of the gap is before a point, the margin \[m\], and
     /// how often the substeps of its island were halved.
     pub(crate) numbers: [Real; Self::NUMBERS],
-    pub(crate) points: [SavedPoint; MOST_POINTS],
+    pub(crate) points: [SavedPoint; MAX_MANIFOLD_POINTS],
     /// How many points there are.
     pub(crate) count: usize,
 }
@@ -106,7 +106,7 @@ impl ContactRecord {
     fn saved(&self) -> SavedContact {
         let [x, y, z, ..] = self.numbers[SHAPE].0;
         let [a, b, c, d, e, f, ..] = self.numbers[FRICTION_IMPULSE].0;
-        let mut points = [SavedPoint::default(); MOST_POINTS];
+        let mut points = [SavedPoint::default(); MAX_MANIFOLD_POINTS];
         for (j, point) in points.iter_mut().enumerate().take(self.count()) {
             let place = &self.numbers[POINTS[j / 2]].0[j % 2 * 4..][..4];
             point.feature = self.features[j];

@@ -10,8 +10,8 @@ use crate::components::{Momentum, Velocity};
 use crate::integrators::response_range::responds_in_range;
 use crate::integrators::state::{Constants, Moments};
 use crate::math::{Real, Vec3 as WorldVec3};
-use crate::range::{MOST_DISTANCE_OF_CONTACTS, MOST_SPEED, within};
-use crate::storage::chunk::LEAST_CHUNK;
+use crate::range::{MAX_DISTANCE_OF_CONTACTS, MAX_SPEED, within};
+use crate::storage::chunk::MIN_CHUNK;
 use crate::storage::world_columns::{PoseView, WorldColumns};
 use crate::threads;
 
@@ -54,7 +54,7 @@ impl AabbUpdate<'_> {
     /// Looks at bodies in parallel.
     fn update_aabbs_in_parts(mut self, bodies: PoseView<'_>, intervals: [Real; 2]) {
         let middle = self.shapes.len() / 2;
-        if self.shapes.len() <= LEAST_CHUNK {
+        if self.shapes.len() <= MIN_CHUNK {
             return (0..self.shapes.len()).for_each(|i| self.look(i, bodies, intervals));
         }
         let (colliders, other_colliders) = self.colliders.split_at(middle);
@@ -79,12 +79,12 @@ impl AabbUpdate<'_> {
         let velocity = bodies.velocity.map_or(Velocity::default(), |velocities| velocities[i]);
         let geometry = &collider.geometry;
         let turned = (0.25..=4.0).contains(&bodies.pose[i].orientation.length_squared());
-        let place = turned && [placement.position, center].into_iter().all(|at| within(at, MOST_DISTANCE_OF_CONTACTS));
+        let place = turned && [placement.position, center].into_iter().all(|at| within(at, MAX_DISTANCE_OF_CONTACTS));
         let from_center = placement.position - center;
         let radius = geometry.reach().unwrap_or(0.0) + from_center.dot(from_center).sqrt();
         let half_thickness = geometry.half_thickness();
         let moves = bodies.pushed.is_some();
-        let margin = if moves { (MARGIN_SHARE * half_thickness).min(MOST_MARGIN) } else { 0.0 };
+        let margin = if moves { (MARGIN_SHARE * half_thickness).min(MAX_MARGIN) } else { 0.0 };
         let mut motion = Motion { radius, ..Motion::NONE };
         let (linear, in_range) = match bodies.pushed {
             Some((momenta, masses, inertia)) => {
@@ -98,7 +98,7 @@ impl AabbUpdate<'_> {
             }
             None => {
                 motion.turn = Vec3::from(velocity.angular) * ahead_of;
-                let all = [velocity.linear, velocity.angular].into_iter().all(|it| within(it.into(), MOST_SPEED));
+                let all = [velocity.linear, velocity.angular].into_iter().all(|it| within(it.into(), MAX_SPEED));
                 (velocity.linear, place && all)
             }
         };
@@ -119,7 +119,7 @@ impl AabbUpdate<'_> {
 /// How near surfaces are a contact is this share of half the thickness of what impulses move ...
 const MARGIN_SHARE: Real = 0.02;
 /// ... but no more than this \[m\]; of two that impulses move the sum.
-const MOST_MARGIN: Real = 0.01;
+const MAX_MARGIN: Real = 0.01;
 
 /// As far as this \[m\] what moves is foreseen in any case.
 const FORESEEN: Real = 0.02;

@@ -1,7 +1,7 @@
 use hecs::{Entity, World};
 
 use crate::components::{Mass, Momentum, Pose, Work, Wrench};
-use crate::energy::totals::{Totals, measure};
+use crate::energy::totals::Totals;
 use crate::forces::force_context::ForceContext;
 use crate::forces::force_law::BodyState;
 use crate::integrators::state::{State, moving_body};
@@ -124,7 +124,7 @@ impl Ledger {
     pub fn record(&mut self, world: &World, simulation: &Simulation) -> LedgerEntry {
         let work = self.work(world);
         let law_potential = self.law_potential(world, simulation);
-        let totals = measure(world, simulation.settings(), &self.order);
+        let totals = Totals::of(world, simulation.settings(), &self.order);
         let first = self.entries.first().filter(|_| self.keeps_work);
         let entry = LedgerEntry {
             step: simulation.steps(),

@@ -25,10 +25,10 @@ type Measured<'a> = (
 /// What a system of bodies has in all, in double precision. Only bodies with momentum count.
 ///
 /// ```
-/// # use tumble::{BodyOrder, measure, prelude::*};
+/// # use tumble::{BodyOrder, Totals, prelude::*};
 /// # let mut world = hecs::World::new();
 /// RigidBody::new(Shape::Point).mass(2.0).position(Vec3::Y).linear_velocity(Vec3::X * 3.0).build()?.spawn(&mut world);
-/// let totals = measure(&world, &Settings::default(), &BodyOrder::of(&world));
+/// let totals = Totals::of(&world, &Settings::default(), &BodyOrder::of(&world));
 /// assert_eq!((totals.linear_momentum.x, totals.angular_momentum.z), (6.0, -6.0));
 /// assert!((totals.energy() - (9.0 + 2.0 * 9.81)).abs() < 1e-5);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
@@ -53,6 +53,39 @@ pub struct Totals {
 }
 
 impl Totals {
+    /// Sums up energy and momentum of the moving bodies in the given order: one after the other in blocks of a thousand, which are shared among threads, and then
+    /// block after block. So the sums have the same bits for any number of threads and wherever the bodies lie.
+    ///
+    /// ```
+    /// # use tumble::prelude::*;
+    /// # use tumble::{BodyOrder, Totals};
+    /// let mut world = hecs::World::new();
+    /// RigidBody::new(Shape::Point).mass(2.0).linear_velocity(Vec3::X * 3.0).build()?.spawn(&mut world);
+    /// let totals = Totals::of(&world, &Settings::default(), &BodyOrder::of(&world));
+    /// assert_eq!(totals.linear_kinetic, 9.0);
+    /// # Ok::<(), tumble::BodyError>(())
+    /// ```
+    pub fn of(world: &World, settings: &Settings, order: &BodyOrder) -> Self {
+        Effort::of_sums(order.len()).run(|| {
+            let around = ForceContext::new(settings);
+            let mut query = world.query::<Measured<'_>>();
+            let bodies = query.view();
+            let blocks = order.in_blocks(|block| {
+                let mut totals = Self::default();
+                for &entity in block {
+                    if let Some(measured) = bodies.get(entity) {
+                        totals.add((entity, measured), &around);
+                    }
+                }
+                totals
+            });
+            let mut totals = Self::default();
+            blocks.iter().for_each(|block| totals.append(block));
+            totals.force_potential += pairwise::potential(world, order);
+            totals
+        })
+    }
+
     /// Of one body, without what forces between bodies hold; nothing but [`non_finite`](Self::non_finite) if its state is not finite.
     ///
     /// ```
@@ -120,37 +153,4 @@ impl Totals {
         self.angular_momentum += later.angular_momentum;
         self.non_finite = self.non_finite.or(later.non_finite);
     }
-}
-
-/// Sums up energy and momentum of the moving bodies in the given order: one after the other in blocks of a thousand, which are shared among threads, and then
-/// block after block. So the sums have the same bits for any number of threads and wherever the bodies lie.
-///
-/// ```
-/// # use tumble::prelude::*;
-/// # use tumble::{BodyOrder, measure};
-/// let mut world = hecs::World::new();
-/// RigidBody::new(Shape::Point).mass(2.0).linear_velocity(Vec3::X * 3.0).build()?.spawn(&mut world);
-/// let totals = measure(&world, &Settings::default(), &BodyOrder::of(&world));
-/// assert_eq!(totals.linear_kinetic, 9.0);
-/// # Ok::<(), tumble::BodyError>(())
-/// ```
-pub fn measure(world: &World, settings: &Settings, order: &BodyOrder) -> Totals {
-    Effort::of_sums(order.len()).run(|| {
-        let around = ForceContext::new(settings);
-        let mut query = world.query::<Measured<'_>>();
-        let bodies = query.view();
-        let blocks = order.in_blocks(|block| {
-            let mut totals = Totals::default();
-            for &entity in block {
-                if let Some(measured) = bodies.get(entity) {
-                    totals.add((entity, measured), &around);
-                }
-            }
-            totals
-        });
-        let mut totals = Totals::default();
-        blocks.iter().for_each(|block| totals.append(block));
-        totals.force_potential += pairwise::potential(world, order);
-        totals
-    })
 }

@@ -12,7 +12,7 @@ use crate::forces::tile_buffer::TileBuffer;
 use crate::integrators::state::{Constants, Force, State};
 use crate::integrators::{Account, Forces, Mean};
 use crate::math::{Real, Vec3, double, dvec3};
-use crate::simd::{MOST_BODIES, Tile};
+use crate::simd::{MAX_BODIES, Tile};
 use crate::storage::chunk::Chunk;
 
 /// All that pushes one body during a substep.
@@ -78,7 +78,7 @@ impl<'a, T: Tile> ActingLaws<'a, T> {
         laws: Laws<'a>,
     ) -> Self {
         let row = bodies.first_row + i;
-        let mut depend: [Real; MOST_BODIES] = [0.0; MOST_BODIES];
+        let mut depend: [Real; MAX_BODIES] = [0.0; MAX_BODIES];
         for (_, law) in laws {
             law.mark_velocity_dependent(row, &mut depend[..T::WIDTH]);
         }

@@ -10,7 +10,7 @@ use crate::math::{Quat, Real, Vec3};
 /// A force on a body that depends on its state, or on time.
 ///
 /// A law is a component of the bodies it acts on, made known by [`Simulation::add_law`](crate::Simulation::add_law), or it acts on
-/// every moving body ([`Simulation::add_law_everywhere`](crate::Simulation::add_law_everywhere)). Every integrator evaluates it at every
+/// every moving body ([`Simulation::add_global_law`](crate::Simulation::add_global_law)). Every integrator evaluates it at every
 /// stage, with the time and the state of that stage:
 ///
 /// | integrator | evaluations a substep | order under laws |
@@ -19,7 +19,7 @@ use crate::math::{Quat, Real, Vec3};
 /// | `RungeKutta4` | 4 | 4 |
 /// | `MoserVeselov` | 2, at start and end; 3 where the law [depends on velocity](Self::depends_on_velocity) | 2 |
 ///
-/// One that is to run at the speed of the engine's own forces, many bodies at a time, is a [`LaneLaw`](crate::LaneLaw).
+/// One that is to run at the speed of the engine's own forces, many bodies at a time, is a [`SimdForceLaw`](crate::SimdForceLaw).
 ///
 /// A body's laws are evaluated together, and bodies next to each other too: one that depends on velocity has the others evaluated once more as well.
 ///

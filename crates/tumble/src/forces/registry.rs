@@ -18,7 +18,7 @@ use crate::forces::components::{
 };
 use crate::forces::force_law::{BodyState, ForceLaw};
 use crate::forces::pairwise::{GravityMass, Spring};
-use crate::forces::simd_force_law::{LaneBody, LaneLaw};
+use crate::forces::simd_force_law::{SimdBody, SimdForceLaw};
 use crate::forces::tile_buffer::TileBuffer;
 use crate::math::Real;
 
@@ -37,7 +37,7 @@ use crate::math::Real;
 /// }
 ///
 /// let mut simulation = Simulation::new(Settings::default())?;
-/// simulation.add_law_everywhere(Current);
+/// simulation.add_global_law(Current);
 /// assert_eq!(simulation.laws().names().count(), 1);
 /// assert!(ForceLaws::COMPONENTS.contains(&"Drag"));
 /// # Ok::<(), Box<dyn std::error::Error>>(())
@@ -65,7 +65,7 @@ macro_rules! known {
         /// The potential energy \[J\] of one body in them.
         pub(crate) fn potential(($($law,)+): &KnownLaws<'_>, state: &BodyState<'_>) -> f64 {
             let mut sum = 0.0;
-            $(sum += $law.map_or(0.0, |law| LaneLaw::<$numbers>::potential(law, state));)+
+            $(sum += $law.map_or(0.0, |law| SimdForceLaw::<$numbers>::potential(law, state));)+
             sum
         }
     };
@@ -182,7 +182,7 @@ impl ForceLaws {
     }
 
     /// Adds the law that is a component of some bodies and written for many at once; once, however often it is called.
-    pub fn add_lane_law<L: LaneLaw<N> + Component, const N: usize>(&mut self) {
+    pub fn add_simd_law<L: SimdForceLaw<N> + Component, const N: usize>(&mut self) {
         self.add_component::<InLanes<L, N>>();
     }
 
@@ -198,12 +198,12 @@ impl ForceLaws {
     }
 
     /// Adds a law that acts on every moving body.
-    pub fn add_everywhere<L: ForceLaw>(&mut self, law: L) {
+    pub fn add_global<L: ForceLaw>(&mut self, law: L) {
         self.added.push(Arc::new(Everywhere::<OneByOne<L>>(law)));
     }
 
     /// Adds a law that acts on every moving body and is written for many at once.
-    pub fn add_lane_law_everywhere<L: LaneLaw<N>, const N: usize>(&mut self, law: L) {
+    pub fn add_global_simd_law<L: SimdForceLaw<N>, const N: usize>(&mut self, law: L) {
         self.added.push(Arc::new(Everywhere::<InLanes<L, N>>(law)));
     }
 
@@ -370,7 +370,7 @@ impl<L: ForceLaw> Evaluation for OneByOne<L> {
 /// Many bodies at once.
 struct InLanes<L, const N: usize>(PhantomData<L>);
 
-impl<L: LaneLaw<N>, const N: usize> Evaluation for InLanes<L, N> {
+impl<L: SimdForceLaw<N>, const N: usize> Evaluation for InLanes<L, N> {
     type Law = L;
 
     fn add_forces<'l>(law: impl Fn(usize) -> &'l L, tile: &mut TileBuffer) {
@@ -378,7 +378,7 @@ impl<L: LaneLaw<N>, const N: usize> Evaluation for InLanes<L, N> {
     }
 
     fn wrench(law: &L, state: &BodyState<'_>) -> Wrench {
-        let wrench = L::wrench(law.numbers(), &LaneBody::of(state));
+        let wrench = L::wrench(law.numbers(), &SimdBody::of(state));
         Wrench { force: wrench.force.into(), torque: wrench.torque.into() }
     }
 

@@ -11,8 +11,8 @@ use crate::math::Real;
 ///
 /// The force components of this crate, such as [`Drag`](crate::Drag), are such laws, and one of the caller's own is their equal: it is evaluated at the same
 /// stages, and the ledger gives it an account. It is a component of the bodies it acts on, made known by
-/// [`Simulation::add_lane_law`](crate::Simulation::add_lane_law), or acts on all
-/// ([`add_lane_law_everywhere`](crate::Simulation::add_lane_law_everywhere)). Where a law needs a table, a loop that ends at a different time for each body, or `sin`,
+/// [`Simulation::add_simd_law`](crate::Simulation::add_simd_law), or acts on all
+/// ([`add_global_simd_law`](crate::Simulation::add_global_simd_law)). Where a law needs a table, a loop that ends at a different time for each body, or `sin`,
 /// [`ForceLaw`](crate::ForceLaw) is the easier one.
 ///
 /// `N` is how many numbers of the component the equation takes. [`wrench`](Self::wrench) must be `#[inline(always)]`, and may use arithmetic,
@@ -22,21 +22,21 @@ use crate::math::Real;
 /// ```
 /// use tumble::lane::{Lane, Vec3 as LaneVec3};
 /// use tumble::prelude::*;
-/// use tumble::{LaneBody, LaneLaw, LaneWrench};
+/// use tumble::{SimdBody, SimdForceLaw, SimdWrench};
 ///
 /// /// Pulls towards the axis x = z = 0.
 /// #[derive(Clone, Copy)]
 /// struct Trough { stiffness: Real }
 ///
-/// impl LaneLaw<1> for Trough {
+/// impl SimdForceLaw<1> for Trough {
 ///     fn numbers(&self) -> [Real; 1] {
 ///         [self.stiffness]
 ///     }
 ///
 ///     #[inline(always)]
-///     fn wrench<L: Lane>([stiffness]: [L; 1], body: &LaneBody<L>) -> LaneWrench<L> {
+///     fn wrench<L: Lane>([stiffness]: [L; 1], body: &SimdBody<L>) -> SimdWrench<L> {
 ///         let from_axis = LaneVec3::new(body.position.x, L::splat(0.0), body.position.z);
-///         LaneWrench::force(from_axis * -stiffness)
+///         SimdWrench::force(from_axis * -stiffness)
 ///     }
 ///
 ///     fn depends_on_velocity(&self) -> bool {
@@ -48,19 +48,19 @@ use crate::math::Real;
 /// let body = RigidBody::new(Shape::Point).mass(1.0).position(Vec3::X).build()?.spawn(&mut world);
 /// world.insert_one(body, Trough { stiffness: 4.0 })?;
 /// let mut simulation = Simulation::new(Settings::default().with_gravity(Vec3::ZERO).with_dt(0.01))?;
-/// simulation.add_lane_law::<Trough, 1>();
+/// simulation.add_simd_law::<Trough, 1>();
 /// for _ in 0..314 {
 ///     simulation.step(&mut world); // one period is pi seconds
 /// }
 /// assert!((world.get::<&Pose>(body)?.position - Vec3::X).length() < 1e-2);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
-pub trait LaneLaw<const N: usize>: Send + Sync + 'static {
+pub trait SimdForceLaw<const N: usize>: Send + Sync + 'static {
     /// What [`wrench`](Self::wrench) takes of one body's law.
     fn numbers(&self) -> [Real; N];
 
     /// The wrench on each body, from each body's numbers.
-    fn wrench<L: Lane>(numbers: [L; N], body: &LaneBody<L>) -> LaneWrench<L>;
+    fn wrench<L: Lane>(numbers: [L; N], body: &SimdBody<L>) -> SimdWrench<L>;
 
     /// Whether the force depends on velocity; `false` saves an evaluation.
     fn depends_on_velocity(&self) -> bool {
@@ -77,20 +77,20 @@ pub trait LaneLaw<const N: usize>: Send + Sync + 'static {
 /// Forces \[N\] and torques about the centre of mass [N m] on bodies side by side, world frame.
 ///
 /// ```
-/// use tumble::{LaneWrench, lane::Vec3};
+/// use tumble::{SimdWrench, lane::Vec3};
 ///
 /// let (force, arm) = (Vec3::new(0.0, 10.0, 0.0), Vec3::new(0.5, 0.0, 0.0));
-/// assert_eq!(LaneWrench::force_at(force, arm).torque.z, 5.0);
+/// assert_eq!(SimdWrench::force_at(force, arm).torque.z, 5.0);
 /// ```
 #[derive(Clone, Copy, Debug)]
-pub struct LaneWrench<L> {
+pub struct SimdWrench<L> {
     /// Force \[N\].
     pub force: Vec3<L>,
     /// Torque about the centre of mass [N m].
     pub torque: Vec3<L>,
 }
 
-impl<L: Lane> LaneWrench<L> {
+impl<L: Lane> SimdWrench<L> {
     /// A force \[N\] through the centre of mass.
     #[inline(always)]
     pub fn force(force: Vec3<L>) -> Self {
@@ -110,20 +110,20 @@ impl<L: Lane> LaneWrench<L> {
     }
 }
 
-/// What a [`LaneLaw`] sees of bodies side by side, at one stage of an integrator.
+/// What a [`SimdForceLaw`] sees of bodies side by side, at one stage of an integrator.
 ///
 /// ```
 /// use tumble::lane::Lane;
-/// use tumble::{LaneBody, LaneWrench};
+/// use tumble::{SimdBody, SimdWrench};
 ///
 /// /// Resistance in proportion to the velocity through the medium.
 /// #[inline(always)]
-/// fn viscous<L: Lane>(coefficient: L, body: &LaneBody<L>) -> LaneWrench<L> {
-///     LaneWrench::force((body.wind - body.linear_velocity) * coefficient)
+/// fn viscous<L: Lane>(coefficient: L, body: &SimdBody<L>) -> SimdWrench<L> {
+///     SimdWrench::force((body.wind - body.linear_velocity) * coefficient)
 /// }
 /// ```
 #[derive(Clone, Copy)]
-pub struct LaneBody<L> {
+pub struct SimdBody<L> {
     /// Simulated time at the start of the substep \[s\].
     pub time: f64,
     /// Time from there to the stage \[s\].
@@ -148,7 +148,7 @@ pub struct LaneBody<L> {
     pub(crate) substep: L,
 }
 
-impl<L: Lane> LaneBody<L> {
+impl<L: Lane> SimdBody<L> {
     /// `I^-1 v`, in the world frame: the change of angular velocity by an angular impulse `v`; zero for a point mass.
     #[inline(always)]
     pub fn apply_inverse_inertia(&self, v: Vec3<L>) -> Vec3<L> {
@@ -198,7 +198,7 @@ impl<L: Lane> LaneBody<L> {
             stiffness,
             inverse_mass,
             self.substep,
-            L::splat(crate::forces::stable_spring::MOST_ANGLE),
+            L::splat(crate::forces::stable_spring::MAX_ANGLE),
         );
         L::select(L::splat(0.0).lt(self.kick), filtered, stiffness)
     }
@@ -244,7 +244,7 @@ impl<L: Lane> LaneBody<L> {
     }
 }
 
-impl LaneBody<Real> {
+impl SimdBody<Real> {
     /// One body.
     pub(crate) fn of(state: &BodyState<'_>) -> Self {
         let ForceContext { wind, gravity, kick, substep } = *state.context();

@@ -14,7 +14,7 @@ use tumble_math::lane::{Lane, Vec3};
 use crate::forces::stable_spring::stiffness_up_to;
 
 /// The square of the angle in a substep up to which turning by a spring at its given arm is resolved.
-const MOST_TURNING: f64 = 1.0;
+const MAX_TURNING: f64 = 1.0;
 
 /// The square of the angle in a substep up to which the arm stays as it is.
 const RESOLVED: f64 = 0.5;
@@ -23,7 +23,7 @@ const RESOLVED: f64 = 0.5;
 const UNDAMPED: f64 = 0.3;
 
 /// The most of the velocity along a spring that a kick takes away for the sake of what the step does not resolve.
-const MOST_DAMPED: f64 = 0.25;
+const MAX_DAMPED: f64 = 0.25;
 
 /// One end of a spring.
 #[derive(Clone, Copy)]
@@ -79,7 +79,7 @@ pub(crate) fn pull<L: Lane>(spring: Hooke<L>, difference: Vec3<L>, ends: [End<L>
     let turning = a.inverse_masses[1] + b.inverse_masses[1];
     let inverse_mass = moving + turning;
     let most_squared = most_angle * most_angle;
-    let most = inverse_mass / (moving / most_squared + turning * L::splat(1.0 / MOST_TURNING));
+    let most = inverse_mass / (moving / most_squared + turning * L::splat(1.0 / MAX_TURNING));
     // Between two bodies that nothing moves.
     let most = L::select(zero.lt(inverse_mass), most, most_squared);
     let hooke = Hooke { stiffness: stiffness_up_to(spring.stiffness, inverse_mass, h, most), ..spring };
@@ -96,7 +96,7 @@ pub(crate) fn pull<L: Lane>(spring: Hooke<L>, difference: Vec3<L>, ends: [End<L>
     let by_far = far.gradient * (direction.dot(b.arm) * tension * L::splat(-1.0));
     // Kick and drift are stable with it as long as it stays below (4 - z)/2.
     let swing = near.angle_squared.max(far.angle_squared).max(L::splat(UNDAMPED));
-    let damped = L::splat(MOST_DAMPED) * (one - L::splat(UNDAMPED) / swing);
+    let damped = L::splat(MAX_DAMPED) * (one - L::splat(UNDAMPED) / swing);
     let damped = damped.min(L::splat(0.4) * (L::splat(4.0) - angle_squared));
     Pull {
         direction,

@@ -4,10 +4,10 @@ use tumble_math::lane::Lane;
 
 /// The angle `w h` past which an oscillation of frequency `w` is slowed down to it \[rad\]: 0.45 periods a step. At half a period the method is
 /// stable no more.
-pub(crate) const MOST_ANGLE: f64 = 0.9 * std::f64::consts::PI;
+pub(crate) const MAX_ANGLE: f64 = 0.9 * std::f64::consts::PI;
 
 /// The same for a spring in a net, a third of a period: springs that are not in line are not linear, and need room.
-pub(crate) const MOST_ANGLE_IN_A_NET: f64 = std::f64::consts::TAU / 3.0;
+pub(crate) const MAX_ANGLE_IN_A_NET: f64 = std::f64::consts::TAU / 3.0;
 
 /// `(2/x)^2 sin^2(x/2)` as a series in `-x^2`: `2/(2n + 2)!`. The first term left out is 3e-16 at the largest angle.
 const SINC_SQUARED: [f64; 12] = {
@@ -59,7 +59,7 @@ mod tests {
             let angle = f64::from(i) * 1e-3 * std::f64::consts::PI;
             let stiffness = angle * angle;
             let exact = 4.0 * (angle / 2.0).sin().powi(2);
-            let error = (stable_stiffness(stiffness, 1.0, 1.0, MOST_ANGLE) - exact).abs();
+            let error = (stable_stiffness(stiffness, 1.0, 1.0, MAX_ANGLE) - exact).abs();
             // A dozen roundings of terms that are up to eight.
             assert!(error <= 1e-14, "{angle}: {error:e}");
         }
@@ -68,7 +68,7 @@ mod tests {
     #[test]
     fn no_stiffness_is_too_much() {
         for stiffness in [10.0, 1e3, 1e9, 1e300, f64::INFINITY] {
-            let stable = stable_stiffness(stiffness, 0.5, 0.1, MOST_ANGLE);
+            let stable = stable_stiffness(stiffness, 0.5, 0.1, MAX_ANGLE);
             assert!(stable * 0.5 * 0.01 < 4.0, "{stiffness:e}: {stable:e}");
         }
         assert_eq!(stable_stiffness(0.0_f32, 2.0, 0.1, 2.0), 0.0);

@@ -7,13 +7,13 @@ use tumble_math::lane::{Quat, Vec3 as LaneVec3};
 use crate::components::Wrench;
 use crate::forces::force_context::ForceContext;
 use crate::forces::force_law::BodyState;
-use crate::forces::simd_force_law::{LaneBody, LaneLaw, LaneWrench};
+use crate::forces::simd_force_law::{SimdBody, SimdForceLaw, SimdWrench};
 use crate::integrators::state::{Constants, Force, Moments, State};
 use crate::math::{Quat as GlamQuat, Real, Vec3};
-use crate::simd::{Kernel, MOST_BODIES, Tile, dispatch};
+use crate::simd::{Kernel, MAX_BODIES, Tile, dispatch};
 
 /// One number of each body.
-type Row = [Real; MOST_BODIES];
+type Row = [Real; MAX_BODIES];
 
 /// What laws see of a tile of bodies at one stage, and the sum of what they answer. One for a chunk, refilled for every tile.
 #[repr(align(64))]
@@ -42,7 +42,7 @@ pub(crate) struct TileBuffer {
 
 impl TileBuffer {
     pub(crate) fn new(context: ForceContext) -> Self {
-        const ROW: Row = [0.0; MOST_BODIES];
+        const ROW: Row = [0.0; MAX_BODIES];
         Self {
             mass: ROW,
             wind: [ROW; 3],
@@ -122,12 +122,12 @@ impl TileBuffer {
 
     /// Some of the bodies, from the `i`-th on.
     #[inline(always)]
-    fn lanes<T: Tile>(&self, i: usize) -> LaneBody<T> {
+    fn lanes<T: Tile>(&self, i: usize) -> SimdBody<T> {
         let [offset, x, y, z, qx, qy, qz, qw, vx, vy, vz, wx, wy, wz] = load(&self.stage, i);
         let [wind_x, wind_y, wind_z] = load(&self.wind, i);
         let constants = self.constants::<T>(i);
         let context = &self.context;
-        LaneBody {
+        SimdBody {
             time: self.time,
             offset,
             position: LaneVec3::new(x, y, z),
@@ -167,8 +167,8 @@ impl TileBuffer {
     }
 
     /// Adds the wrenches of a law that is written for tiles; `law` is that of a row.
-    pub(crate) fn add_in_lanes<'l, const N: usize, L: LaneLaw<N>>(&mut self, law: impl Fn(usize) -> &'l L) {
-        let mut numbers = [[0.0; MOST_BODIES]; N];
+    pub(crate) fn add_in_lanes<'l, const N: usize, L: SimdForceLaw<N>>(&mut self, law: impl Fn(usize) -> &'l L) {
+        let mut numbers = [[0.0; MAX_BODIES]; N];
         // A tile is of one body at least.
         let last = self.bodies - 1;
         for i in 0..self.width {
@@ -188,7 +188,7 @@ struct InLanes<'k, const N: usize, L> {
     law: PhantomData<fn() -> L>,
 }
 
-impl<const N: usize, L: LaneLaw<N>> Kernel for InLanes<'_, N, L> {
+impl<const N: usize, L: SimdForceLaw<N>> Kernel for InLanes<'_, N, L> {
     #[inline(always)]
     fn len(&self) -> usize {
         self.tile.width
@@ -196,7 +196,7 @@ impl<const N: usize, L: LaneLaw<N>> Kernel for InLanes<'_, N, L> {
 
     #[inline(always)]
     fn tile<T: Tile>(&mut self, i: usize) {
-        let LaneWrench { force: f, torque: t } = L::wrench(load(self.numbers, i), &self.tile.lanes::<T>(i));
+        let SimdWrench { force: f, torque: t } = L::wrench(load(self.numbers, i), &self.tile.lanes::<T>(i));
         let [x, y, z, a, b, c] = load::<T, 6>(&self.tile.forces, i);
         let sums = [x + f.x, y + f.y, z + f.z, a + t.x, b + t.y, c + t.z];
         let mut k = 0;

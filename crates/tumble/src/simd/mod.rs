@@ -30,7 +30,7 @@ pub(crate) use record::{Eight, Record};
 pub(crate) const WIDEST: usize = 16;
 
 /// The most bodies of any tile: two of the widest.
-pub(crate) const MOST_BODIES: usize = 2 * WIDEST;
+pub(crate) const MAX_BODIES: usize = 2 * WIDEST;
 
 /// A lane whose bodies are loaded from and stored to columns.
 pub(crate) trait Tile: Lane {

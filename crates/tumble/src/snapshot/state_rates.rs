@@ -66,7 +66,7 @@ impl Simulation {
     /// # let mut world = hecs::World::new();
     /// # RigidBody::new(Shape::Point).mass(2.0).build()?.spawn(&mut world);
     /// let mut simulation = Simulation::new(Settings::default())?;
-    /// simulation.add_law_everywhere(Ramp);
+    /// simulation.add_global_law(Ramp);
     /// let (mut state, mut rates) = ([0.0; STATE_SIZE], [0.0; STATE_SIZE]);
     /// state[3] = 1.0; // w of the orientation
     /// simulation.derivative_to_array(&world, 3.0, &BodyOrder::moving(&world), &state, &mut rates)?;

@@ -15,7 +15,7 @@ use crate::settings::Settings;
 use crate::solver::contact_work::ContactWorks;
 use crate::solver::solver_bodies::{FreeRows, SolverBodies};
 use crate::solver::substeps::{ContactSolver, SolverGroup};
-use crate::storage::chunk::{Chunk, LEAST_CHUNK};
+use crate::storage::chunk::{Chunk, MIN_CHUNK};
 use crate::storage::world_columns::WorldColumns;
 use crate::threads;
 
@@ -126,7 +126,7 @@ impl Gather<'_> {
 
     /// Reads those bodies of a chunk that touch something, of which the slots are given, in parallel.
     fn read_in_parts(&self, (chunk, laws): (Chunk<'_>, Laws<'_>), slots: &[u32], free: FreeRows<'_>) {
-        if chunk.len() <= LEAST_CHUNK {
+        if chunk.len() <= MIN_CHUNK {
             return self.read((&chunk, laws), slots, free, None);
         }
         let (slots, other_slots) = slots.split_at(slots.len() / 2);

@@ -37,13 +37,13 @@ pub(crate) struct PackKey {
 }
 
 /// Worlds of more entities fill lanes by themselves, and threads if there are many more.
-const MOST_ENTITIES: u32 = 128;
+const MAX_ENTITIES: u32 = 128;
 
 impl PackKey {
     /// Of a world in which something may touch; `None` where it is better off alone.
     pub(crate) fn of(world: &World, settings: &Settings) -> Option<Self> {
         let is_booked = world.archetypes().any(|archetype| !archetype.is_empty() && archetype.has::<Work>());
-        if world.len() > MOST_ENTITIES || is_booked || !crate::collision::are_in(world) {
+        if world.len() > MAX_ENTITIES || is_booked || !crate::collision::are_in(world) {
             return None;
         }
         let mut extras = Extras::default();
@@ -133,7 +133,7 @@ mod tests {
             pack_key(&plain, settings.with_contact_substeps(8)),
             pack_key(&plain, Settings { restitution_threshold: 0.1, ..settings }),
             pack_key(&world(Material::new(0.5, 0.5)), settings),
-            pack_key(&world(Material { rolling_friction: 0.01, ..Material::default() }), settings),
+            pack_key(&world(Material { rolling_resistance: 0.01, ..Material::default() }), settings),
             pack_key(&World::new(), settings),
         ] {
             assert_ne!(other, common);

@@ -8,7 +8,7 @@ use crate::integrators::Kick;
 use crate::integrators::derived::symmetric_product;
 use crate::integrators::state::{Constants, Force, Moments, State};
 use crate::math::Real;
-use crate::range::{MOST_IMPULSE, MOST_SPEED, within};
+use crate::range::{MAX_IMPULSE, MAX_SPEED, within};
 use crate::simd::block_lanes::{put_two_vectors, two_vectors};
 use crate::simd::{BLOCK, Eight, Kernel, Tile, dispatch_in_blocks};
 use crate::threads::InParts;
@@ -42,7 +42,7 @@ pub(crate) struct SolverBodies {
 /// Bodies that one thread advances at a time.
 const PART: usize = 256;
 /// Fewest parts that are shared: one takes some microseconds.
-const LEAST_PARTS: usize = 2;
+const MIN_PARTS: usize = 2;
 
 /// Nowhere, and not turned.
 const UNMOVED: Eight = Eight([0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0]);
@@ -138,12 +138,12 @@ impl SolverBodies {
     /// Whether what forces do to a body is in range, as to be gathered before.
     pub(crate) fn is_kicked_in_range(&self, row: usize) -> bool {
         let Eight([px, py, pz, lx, ly, lz, linear, angular]) = self.kick[row];
-        let impulses = within(Vec3::new(px, py, pz), MOST_IMPULSE) && within(Vec3::new(lx, ly, lz), MOST_IMPULSE);
+        let impulses = within(Vec3::new(px, py, pz), MAX_IMPULSE) && within(Vec3::new(lx, ly, lz), MAX_IMPULSE);
         let kept = |part: Real| (0.0..=1.0).contains(&part);
         let Eight([.., inverse_mass, _]) = self.motion[row];
-        let change = within(Vec3::new(px, py, pz) * inverse_mass, MOST_SPEED);
+        let change = within(Vec3::new(px, py, pz) * inverse_mass, MAX_SPEED);
         let Eight([.., ix, iy, iz, _, _]) = self.inertia[row];
-        let turn = within(Vec3::new(lx, ly, lz) * ix.max(iy).max(iz), MOST_SPEED);
+        let turn = within(Vec3::new(lx, ly, lz) * ix.max(iy).max(iz), MAX_SPEED);
         impulses && change && turn && kept(linear) && kept(angular)
     }
 
@@ -192,7 +192,7 @@ impl SolverBodies {
         let rows = self.kick.len();
         let parts = self.motion[..rows].par_chunks_mut(PART).zip(self.kick.par_chunks(PART));
         parts
-            .by_at_least(LEAST_PARTS)
+            .by_at_least(MIN_PARTS)
             .for_each(|(motion, kick)| dispatch_in_blocks(&mut IntegrateVelocities { motion, kick }));
     }
 
@@ -201,7 +201,7 @@ impl SolverBodies {
         let rows = self.kick.len();
         let parts = self.motion[..rows].par_chunks_mut(PART).zip(self.held[..rows].par_chunks_mut(PART));
         parts
-            .by_at_least(LEAST_PARTS)
+            .by_at_least(MIN_PARTS)
             .for_each(|(motion, held)| dispatch_in_blocks(&mut ApplyWarmStart { motion, held }));
     }
 
@@ -223,7 +223,7 @@ impl SolverBodies {
         let (response, pose, moved) = (&mut response[..rows], &mut pose[..rows], &mut moved[..rows]);
         let changed = response.par_chunks_mut(PART).zip(pose.par_chunks_mut(PART)).zip(moved.par_chunks_mut(PART));
         let parts = changed.zip(motion[..rows].par_chunks(PART).zip(inertia.par_chunks(PART)));
-        parts.by_at_least(LEAST_PARTS).for_each(|(((response, pose), moved), (motion, inertia))| {
+        parts.by_at_least(MIN_PARTS).for_each(|(((response, pose), moved), (motion, inertia))| {
             dispatch_in_blocks(&mut IntegratePositions { motion, response, pose, inertia, moved, h });
         });
     }

@@ -1,7 +1,7 @@
 //! How stiff contacts have to be for what is stacked on them to stand.
 
 use rayon::prelude::*;
-use tumble_collide::MOST_POINTS;
+use tumble_collide::MAX_MANIFOLD_POINTS;
 use tumble_math::lane::Vec3;
 
 use crate::collision::contact::{ContactRecord, FRICTION_IMPULSE, MAX_HALVINGS, POINTS, SHAPE};
@@ -65,17 +65,17 @@ struct Load {
 }
 
 /// Least vertical part of the normal of a contact that bears.
-const LEAST_SLOPE: f64 = 0.5;
+const MIN_SLOPE: f64 = 0.5;
 /// Least `k / (W H)` of a column that is left as it is: it buckles at 1/1.3.
-const LEAST_STIFFNESS: Real = 1.25;
+const MIN_STIFFNESS: Real = 1.25;
 /// What `k / (W H)` becomes at least where there is less. Layers of several blocks side by side still shake at half of it.
 const STIFFNESS: Real = 2.5;
 /// How deep \[margins\] a body in a stack may be pressed in by its load: a tenth of half its thickness.
-const MOST_DEPTH: Real = 5.0;
+const MAX_DEPTH: Real = 5.0;
 /// What is deeper \[margins\] does not rest but was shot in: twice half its thickness.
 const DEEP: f64 = 100.0;
 /// Root mean square distance from the middle \[margins\] of what a body rests on, below which that is an edge or a corner and not a face.
-const LEAST_SPREAD: Real = 8.0;
+const MIN_SPREAD: Real = 8.0;
 /// By how much what is needed must have fallen before an island has longer substeps again: a change of stiffness is a small push.
 const SLACK: Real = 2.0;
 
@@ -167,11 +167,11 @@ impl Stacks {
             let own = g / bodies[slot as usize].0[3];
             load.weight += own;
             load.moment += own * height;
-            load.lean += base.lean(on_face, load, (height, LEAST_SPREAD * margin));
+            load.lean += base.lean(on_face, load, (height, MIN_SPREAD * margin));
             let depth = if is_stacked { load.weight / (base.stiffness * margin) } else { 0.0 };
-            let stands = load.lean * LEAST_STIFFNESS <= 1.0;
-            let stiffness = if stands { LEAST_STIFFNESS } else { STIFFNESS };
-            load.need = (load.lean * stiffness).max(depth / MOST_DEPTH);
+            let stands = load.lean * MIN_STIFFNESS <= 1.0;
+            let stiffness = if stands { MIN_STIFFNESS } else { STIFFNESS };
+            load.need = (load.lean * stiffness).max(depth / MAX_DEPTH);
             most = load.need.max(most);
             let Load { weight, moment, lean, .. } = *load;
             for ((support, _), lower) in supports_of(slot) {
@@ -324,7 +324,7 @@ impl Kernel for Bear<'_> {
         let deep = margin * T::splat(-DEEP);
         let (mut points, mut sum, mut second_moments) = (zero, [zero; 3], [zero; 3]);
         let mut j = 0;
-        while j < MOST_POINTS {
+        while j < MAX_MANIFOLD_POINTS {
             let is_point = T::select(T::splat(j as f64).lt(count), one, zero);
             let weight = T::select(margin.lt(separations[j]), zero, is_point);
             let weight = T::select(separations[j].lt(deep), zero, weight);
@@ -347,7 +347,7 @@ impl Kernel for Bear<'_> {
         let rate = T::select(zero.lt(lower[7]), between, on_ground);
         // Nothing is borne by a wall, or by what impulses do not move, or where no point is near.
         let stiffness = rate * points / responses;
-        let stiffness = T::select(slope.abs().lt(T::splat(LEAST_SLOPE)), zero, stiffness);
+        let stiffness = T::select(slope.abs().lt(T::splat(MIN_SLOPE)), zero, stiffness);
         let stiffness = T::select(zero.lt(points * upper[7] * margin), stiffness, zero);
         let s = [sum[0] * stiffness, sum[1] * stiffness, sum[2] * stiffness];
         let [xx, yy, xy] = second_moments;

@@ -79,7 +79,7 @@ pub(crate) enum SolverStage<'a> {
 const COLOURS: usize = ContactColor::ALONE as usize + 1;
 
 /// Fewer blocks are not shared among threads.
-const LEAST_PART: usize = 16;
+const MIN_PART: usize = 16;
 
 impl Solver {
     /// Lays out the contacts of these numbers between rows of bodies, with room for extras.
@@ -259,10 +259,10 @@ impl SolverStage<'_> {
         if blocks.len() == 0 {
             return;
         }
-        if blocks.len() <= LEAST_PART || !threads::are_shared() {
+        if blocks.len() <= MIN_PART || !threads::are_shared() {
             return self.run_on::<P, C>(blocks, bodies);
         }
-        let part = blocks.len().div_ceil(rayon::current_num_threads()).max(LEAST_PART);
+        let part = blocks.len().div_ceil(rayon::current_num_threads()).max(MIN_PART);
         self.in_parts_of::<P, C>(part, blocks, bodies);
     }
 

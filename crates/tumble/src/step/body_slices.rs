@@ -55,14 +55,14 @@ pub struct BodySlices<'a> {
 /// A slice that has not as many rows as there are bodies.
 ///
 /// ```
-/// # use tumble::{BodySlices, Momentum, Pose, Settings, UnequalSlices, Wrench};
+/// # use tumble::{BodySlices, Momentum, Pose, Settings, LengthMismatch, Wrench};
 /// let (mut pose, mut momentum, mut wrench) = ([Pose::default()], [Momentum::default()], [Wrench::default()]);
 /// let error = BodySlices::new(&mut pose, &mut momentum, &mut wrench, &[]).step(&Settings::default()).unwrap_err();
-/// assert_eq!(error, UnequalSlices { column: "mass", rows: 0, bodies: 1 });
+/// assert_eq!(error, LengthMismatch { column: "mass", rows: 0, bodies: 1 });
 /// ```
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("{column} has {rows} rows, and there are {bodies} poses")]
-pub struct UnequalSlices {
+pub struct LengthMismatch {
     /// The component.
     pub column: &'static str,
     /// Its length.
@@ -92,16 +92,16 @@ impl<'a> BodySlices<'a> {
     /// Advances every body by `settings.dt`; see [`step`](crate::step()).
     ///
     /// # Errors
-    /// [`UnequalSlices`], and nothing is changed.
-    pub fn step(&mut self, settings: &Settings) -> Result<(), UnequalSlices> {
+    /// [`LengthMismatch`], and nothing is changed.
+    pub fn step(&mut self, settings: &Settings) -> Result<(), LengthMismatch> {
         self.step_many(settings, 1)
     }
 
     /// Several [`step`](Self::step)s, with the same bits.
     ///
     /// # Errors
-    /// [`UnequalSlices`], and nothing is changed.
-    pub fn step_many(&mut self, settings: &Settings, count: u32) -> Result<(), UnequalSlices> {
+    /// [`LengthMismatch`], and nothing is changed.
+    pub fn step_many(&mut self, settings: &Settings, count: u32) -> Result<(), LengthMismatch> {
         self.check()?;
         if count > 0 {
             let chunk = Chunk {
@@ -127,7 +127,7 @@ impl<'a> BodySlices<'a> {
         Ok(())
     }
 
-    fn check(&self) -> Result<(), UnequalSlices> {
+    fn check(&self) -> Result<(), LengthMismatch> {
         fn rows<T>(column: Option<&[T]>) -> Option<usize> {
             column.map(<[T]>::len)
         }
@@ -145,7 +145,7 @@ impl<'a> BodySlices<'a> {
         ];
         let bodies = self.pose.len();
         match columns.into_iter().find_map(|(column, rows)| Some((column, rows.filter(|rows| *rows != bodies)?))) {
-            Some((column, rows)) => Err(UnequalSlices { column, rows, bodies }),
+            Some((column, rows)) => Err(LengthMismatch { column, rows, bodies }),
             None => Ok(()),
         }
     }

@@ -1,7 +1,7 @@
 //! What a simulation tells of its contacts.
 
 use hecs::Entity;
-use tumble_collide::MOST_POINTS;
+use tumble_collide::MAX_MANIFOLD_POINTS;
 
 use crate::collision::contact::{ContactRecord, FRICTION_IMPULSE, NORMAL_IMPULSE, SHAPE};
 use crate::collision::contact_events::ContactEvent;
@@ -43,7 +43,7 @@ pub struct Contact {
     pub normal: Vec3,
     /// Impulse of friction on the second body \[N s\], world frame; the first has the opposite.
     pub friction: Vec3,
-    points: [ContactPoint; MOST_POINTS],
+    points: [ContactPoint; MAX_MANIFOLD_POINTS],
     count: usize,
     touches: bool,
 }
@@ -192,7 +192,7 @@ impl Contacts {
         let [x, y, z, ..] = held.numbers[SHAPE].0;
         let [u, v, w, ..] = held.numbers[FRICTION_IMPULSE].0;
         let center = Vec3::from(self.center(held.slots[1]));
-        let mut points = [ContactPoint::default(); MOST_POINTS];
+        let mut points = [ContactPoint::default(); MAX_MANIFOLD_POINTS];
         for (j, point) in points.iter_mut().enumerate().take(held.count()) {
             let place = Vec3::from(held.half_way(j));
             let (separation, impulse) = (held.separation(j), held.numbers[NORMAL_IMPULSE].0[j]);

@@ -4,7 +4,7 @@ use crate::clock::Clock;
 use crate::collision::contact_events::ContactEvent;
 use crate::forces::force_law::ForceLaw;
 use crate::forces::registry::ForceLaws;
-use crate::forces::simd_force_law::LaneLaw;
+use crate::forces::simd_force_law::SimdForceLaw;
 use crate::math::Real;
 use crate::settings::{Settings, SettingsError};
 use crate::step::interacting::InteractingWorld;
@@ -51,7 +51,7 @@ pub struct Simulation {
 
 impl Simulation {
     /// The most steps that one [`advance`](Self::advance) takes; the time beyond is dropped, so that a slow frame is not followed by slower ones.
-    pub const MOST_STEPS_A_FRAME: u32 = 8;
+    pub const MAX_STEPS_PER_FRAME: u32 = 8;
 
     /// A simulation at time zero.
     ///
@@ -93,18 +93,18 @@ impl Simulation {
     }
 
     /// Adds a [`ForceLaw`] that acts on every moving body.
-    pub fn add_law_everywhere<L: ForceLaw>(&mut self, law: L) {
-        self.laws.add_everywhere(law);
+    pub fn add_global_law<L: ForceLaw>(&mut self, law: L) {
+        self.laws.add_global(law);
     }
 
-    /// Makes a [`LaneLaw`] known that is a component of the bodies it acts on. The force components of this crate need not be added.
-    pub fn add_lane_law<L: LaneLaw<N> + Component, const N: usize>(&mut self) {
-        self.laws.add_lane_law::<L, N>();
+    /// Makes a [`SimdForceLaw`] known that is a component of the bodies it acts on. The force components of this crate need not be added.
+    pub fn add_simd_law<L: SimdForceLaw<N> + Component, const N: usize>(&mut self) {
+        self.laws.add_simd_law::<L, N>();
     }
 
-    /// Adds a [`LaneLaw`] that acts on every moving body: one of the caller's own, or a force component of this crate.
-    pub fn add_lane_law_everywhere<L: LaneLaw<N>, const N: usize>(&mut self, law: L) {
-        self.laws.add_lane_law_everywhere::<L, N>(law);
+    /// Adds a [`SimdForceLaw`] that acts on every moving body: one of the caller's own, or a force component of this crate.
+    pub fn add_global_simd_law<L: SimdForceLaw<N>, const N: usize>(&mut self, law: L) {
+        self.laws.add_global_simd_law::<L, N>(law);
     }
 
     /// The force laws that were added.
@@ -235,7 +235,7 @@ impl Simulation {
         let mut taken = 0;
         let mut events = std::mem::take(&mut self.events);
         events.clear();
-        while self.owed >= dt && taken < Self::MOST_STEPS_A_FRAME {
+        while self.owed >= dt && taken < Self::MAX_STEPS_PER_FRAME {
             self.forget_events();
             self.has_stepped = true;
             before_step(world, self);

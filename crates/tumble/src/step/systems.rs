@@ -81,7 +81,7 @@ pub fn integrate(world: &mut World, settings: &Settings) {
 /// # let mut world = hecs::World::new();
 /// let body = RigidBody::new(Shape::Point).mass(1.0).build()?.spawn(&mut world);
 /// let mut laws = ForceLaws::default();
-/// laws.add_everywhere(Thrust);
+/// laws.add_global(Thrust);
 /// integrate_under_laws(&mut world, &Settings::default().with_dt(0.5), &laws, 10.0);
 /// // The integral of t from 10 to 10.5.
 /// assert!((world.get::<&Momentum>(body)?.linear.x - 5.125).abs() < 1e-5);

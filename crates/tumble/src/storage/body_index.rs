@@ -7,7 +7,7 @@ use crate::integrators::derived::{Derived, derived};
 use crate::integrators::response_range::responds_in_range;
 use crate::integrators::state::{Constants, Moments, State};
 use crate::math::Real;
-use crate::range::{MOST_DISTANCE, MOST_SPEED, within};
+use crate::range::{MAX_DISTANCE, MAX_SPEED, within};
 use crate::storage::world_columns::{ArchetypeBodies, WorldColumns};
 
 /// No slot.
@@ -198,9 +198,9 @@ impl BodyView {
         let turned = (0.5..2.0).contains(&orientation.length_squared());
         let moves = match &self.constants {
             Some(constants) => responds_in_range(constants, [linear, angular], 0.0),
-            None => within(self.derived.linear, MOST_SPEED) && within(self.derived.angular, MOST_SPEED),
+            None => within(self.derived.linear, MAX_SPEED) && within(self.derived.angular, MAX_SPEED),
         };
-        turned && moves && within(position, MOST_DISTANCE)
+        turned && moves && within(position, MAX_DISTANCE)
     }
 
     /// A body in a row.

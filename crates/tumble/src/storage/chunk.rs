@@ -13,7 +13,7 @@ use crate::components::{
     Damping, GravityScale, Inertia, InverseInertia, Mass, Momentum, Pose, PreviousPose, PrincipalAxes, Velocity, Wind,
     Work, Wrench,
 };
-use crate::simd::{MOST_BODIES, WIDEST, narrowest_for, widest};
+use crate::simd::{MAX_BODIES, WIDEST, narrowest_for, widest};
 use crate::threads;
 use crate::threads::Effort;
 
@@ -22,10 +22,10 @@ const FEW: u32 = 2;
 
 /// Fewer bodies are not shared among threads: a step of 512 takes six microseconds, and handing half of them over saves less than it costs even
 /// while the other thread is awake.
-pub(crate) const LEAST_CHUNK: usize = 512;
+pub(crate) const MIN_CHUNK: usize = 512;
 
 /// More bodies than these would not stay in the second-level cache from one system to the next, with all their columns.
-const MOST_CHUNK: usize = 2048;
+const MAX_CHUNK: usize = 2048;
 
 /// Declares `Columns`, the borrowed columns of one archetype, and `Chunk`, slices of the same rows of them.
 macro_rules! columns {
@@ -250,7 +250,7 @@ pub(crate) fn for_each_columns(world: &World, effort: Effort, then: &(impl Fn(&A
 fn for_each_columns_of(world: &World, archetypes: Range<usize>, then: &(impl Fn(&Archetype, Columns<'_>) + Sync)) {
     let these = || world.archetypes().skip(archetypes.start).take(archetypes.len());
     let entities: usize = these().map(|archetype| archetype.len() as usize).sum();
-    if archetypes.len() > 1 && entities > LEAST_CHUNK {
+    if archetypes.len() > 1 && entities > MIN_CHUNK {
         let middle = archetypes.start + archetypes.len() / 2;
         threads::join(
             || for_each_columns_of(world, archetypes.start..middle, then),
@@ -268,7 +268,7 @@ fn for_each_columns_of(world: &World, archetypes: Range<usize>, then: &(impl Fn(
 /// Cuts the bodies into chunks and calls `system` once for each, in parallel. There are eight of a few thousand bodies, so that threads that begin late or are
 /// slow do less, and more of more.
 pub(crate) fn for_each_part(chunk: Chunk<'_>, system: &(impl Fn(&mut Chunk<'_>) + Sync)) {
-    let size = (chunk.len() / 8).next_multiple_of(MOST_BODIES).clamp(LEAST_CHUNK, MOST_CHUNK);
+    let size = (chunk.len() / 8).next_multiple_of(MAX_BODIES).clamp(MIN_CHUNK, MAX_CHUNK);
     for_each_part_of(size, chunk, system);
 }
 

@@ -19,7 +19,7 @@ pub(super) struct Layout {
 
 impl Layout {
     /// All lengths in the format are 32 bits.
-    pub(super) const MOST_BYTES: u64 = u32::MAX as u64;
+    pub(super) const MAX_BYTES: u64 = u32::MAX as u64;
     pub(super) const TIME: u64 = size_of::<f32>() as u64;
     pub(super) const TRANSLATION: u64 = size_of::<[f32; 3]>() as u64;
     pub(super) const ROTATION: u64 = size_of::<[f32; 4]>() as u64;
@@ -94,7 +94,7 @@ impl Layout {
 
     /// Writes the headers around the document and leaves the writer at the beginning of the buffer.
     pub(super) fn write_headers(&self, writer: &mut (impl Write + Seek)) -> io::Result<()> {
-        // No more than MOST_BYTES, which has been checked.
+        // No more than MAX_BYTES, which has been checked.
         let [file, json, buffer] = [self.file_bytes(), self.json_bytes, self.buffer_bytes()].map(|bytes| bytes as u32);
         writer.seek(SeekFrom::Start(0))?;
         writer.write_all(b"glTF")?;

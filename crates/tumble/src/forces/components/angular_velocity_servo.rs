@@ -2,7 +2,7 @@ use tumble_math::lane::{Lane, Vec3 as LaneVec3};
 
 use crate::forces::components::Frame;
 use crate::forces::components::constant_wrench::to_world;
-use crate::forces::simd_force_law::{LaneBody, LaneLaw, LaneWrench};
+use crate::forces::simd_force_law::{SimdBody, SimdForceLaw, SimdWrench};
 use crate::math::{Real, Vec3};
 
 /// Turns the body up to a wanted angular velocity, in one step where the torque suffices: `torque = I (wanted - w)/dt`, up to a limit.
@@ -30,19 +30,19 @@ pub struct AngularVelocityServo {
     pub max_torque: Real,
 }
 
-impl LaneLaw<5> for AngularVelocityServo {
+impl SimdForceLaw<5> for AngularVelocityServo {
     fn numbers(&self) -> [Real; 5] {
         [self.target.x, self.target.y, self.target.z, self.frame.number(), self.max_torque]
     }
 
     #[inline(always)]
-    fn wrench<L: Lane>([x, y, z, frame, max_torque]: [L; 5], body: &LaneBody<L>) -> LaneWrench<L> {
+    fn wrench<L: Lane>([x, y, z, frame, max_torque]: [L; 5], body: &SimdBody<L>) -> SimdWrench<L> {
         let one = L::splat(1.0);
         let target = to_world(frame, LaneVec3::new(x, y, z), body);
         let missing = body.apply_inertia(target - body.angular_velocity);
         let torque = missing * (one / body.response_time());
         // `min` takes the one where nothing is missing and the quotient is none.
         let share = (max_torque / torque.dot(torque).sqrt()).min(one);
-        LaneWrench::torque(torque * share)
+        SimdWrench::torque(torque * share)
     }
 }

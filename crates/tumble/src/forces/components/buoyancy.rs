@@ -1,7 +1,7 @@
 use tumble_math::lane::{Lane, Vec3 as LaneVec3};
 
 use crate::forces::force_law::BodyState;
-use crate::forces::simd_force_law::{LaneBody, LaneLaw, LaneWrench};
+use crate::forces::simd_force_law::{SimdBody, SimdForceLaw, SimdWrench};
 use crate::math::{Real, Vec3, dquat, dvec3};
 
 /// The lift of a body in still water: `F = -rho V g` at the centroid of the volume `V` that is under water (Archimedes).
@@ -61,7 +61,7 @@ impl Buoyancy {
     }
 }
 
-impl LaneLaw<9> for Buoyancy {
+impl SimdForceLaw<9> for Buoyancy {
     fn numbers(&self) -> [Real; 9] {
         // A negative radius tells the cuboid.
         let (radius, h) = match self.hull {
@@ -73,7 +73,7 @@ impl LaneLaw<9> for Buoyancy {
     }
 
     #[inline(always)]
-    fn wrench<L: Lane>([density, level, radius, hx, hy, hz, cx, cy, cz]: [L; 9], body: &LaneBody<L>) -> LaneWrench<L> {
+    fn wrench<L: Lane>([density, level, radius, hx, hy, hz, cx, cy, cz]: [L; 9], body: &SimdBody<L>) -> SimdWrench<L> {
         let (zero, one) = (L::splat(0.0), L::splat(1.0));
         let strength = body.gravity.dot(body.gravity).sqrt();
         let up = body.gravity * L::select(zero.lt(strength), -(one / strength), zero);
@@ -87,7 +87,7 @@ impl LaneLaw<9> for Buoyancy {
         // The centroid of a cap is straight below or above the centre, where its arm makes no torque.
         let centroid = LaneVec3::select(is_cuboid, cuboid.centroid, sphere.centroid);
         let lift = body.gravity * -(density * volume);
-        LaneWrench::force_at(lift, body.orientation.rotate(center + centroid))
+        SimdWrench::force_at(lift, body.orientation.rotate(center + centroid))
     }
 
     fn depends_on_velocity(&self) -> bool {

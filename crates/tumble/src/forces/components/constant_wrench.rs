@@ -1,6 +1,6 @@
 use tumble_math::lane::{Lane, Vec3 as LaneVec3};
 
-use crate::forces::simd_force_law::{LaneBody, LaneLaw, LaneWrench};
+use crate::forces::simd_force_law::{SimdBody, SimdForceLaw, SimdWrench};
 use crate::math::{Real, Vec3};
 
 /// Which axes a vector is given along.
@@ -53,15 +53,15 @@ pub struct ConstantWrench {
     pub frame: Frame,
 }
 
-impl LaneLaw<7> for ConstantWrench {
+impl SimdForceLaw<7> for ConstantWrench {
     fn numbers(&self) -> [Real; 7] {
         let (f, t) = (self.force, self.torque);
         [f.x, f.y, f.z, t.x, t.y, t.z, self.frame.number()]
     }
 
     #[inline(always)]
-    fn wrench<L: Lane>([fx, fy, fz, tx, ty, tz, frame]: [L; 7], body: &LaneBody<L>) -> LaneWrench<L> {
-        LaneWrench {
+    fn wrench<L: Lane>([fx, fy, fz, tx, ty, tz, frame]: [L; 7], body: &SimdBody<L>) -> SimdWrench<L> {
+        SimdWrench {
             force: to_world(frame, LaneVec3::new(fx, fy, fz), body),
             torque: to_world(frame, LaneVec3::new(tx, ty, tz), body),
         }
@@ -74,7 +74,7 @@ impl LaneLaw<7> for ConstantWrench {
 
 /// A vector given along the axes of a [`Frame`], in the world frame.
 #[inline(always)]
-pub(crate) fn to_world<L: Lane>(frame: L, vector: LaneVec3<L>, body: &LaneBody<L>) -> LaneVec3<L> {
+pub(crate) fn to_world<L: Lane>(frame: L, vector: LaneVec3<L>, body: &SimdBody<L>) -> LaneVec3<L> {
     let is_body = L::splat(0.5).lt(frame);
     LaneVec3::select(is_body, body.orientation.rotate(vector), vector)
 }

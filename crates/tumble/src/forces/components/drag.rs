@@ -1,6 +1,6 @@
 use tumble_math::lane::{Lane, Vec3 as LaneVec3};
 
-use crate::forces::simd_force_law::{LaneBody, LaneLaw, LaneWrench};
+use crate::forces::simd_force_law::{SimdBody, SimdForceLaw, SimdWrench};
 use crate::math::{Real, Vec3};
 
 /// Resistance that grows with the square of speed: `F = -|u| K u` with `u` the velocity relative to the [`Wind`](crate::Wind), and `torque = -|w| C w`.
@@ -33,17 +33,17 @@ impl Drag {
     }
 }
 
-impl LaneLaw<6> for Drag {
+impl SimdForceLaw<6> for Drag {
     fn numbers(&self) -> [Real; 6] {
         let (k, c) = (self.linear, self.angular);
         [k.x, k.y, k.z, c.x, c.y, c.z]
     }
 
     #[inline(always)]
-    fn wrench<L: Lane>([kx, ky, kz, cx, cy, cz]: [L; 6], body: &LaneBody<L>) -> LaneWrench<L> {
+    fn wrench<L: Lane>([kx, ky, kz, cx, cy, cz]: [L; 6], body: &SimdBody<L>) -> SimdWrench<L> {
         let (u, w) = (body.linear_velocity - body.wind, body.angular_velocity);
         let mass = LaneVec3::splat(body.mass);
-        LaneWrench {
+        SimdWrench {
             force: resistance(body, u, LaneVec3::new(kx, ky, kz), mass),
             torque: resistance(body, w, LaneVec3::new(cx, cy, cz), body.least_inertia()),
         }
@@ -52,7 +52,7 @@ impl LaneLaw<6> for Drag {
 
 /// `-|u| K u`, with K along the body's axes; at the most so much along each that a kick takes away all of the velocity there.
 #[inline(always)]
-fn resistance<L: Lane>(body: &LaneBody<L>, u: LaneVec3<L>, k: LaneVec3<L>, inertia: LaneVec3<L>) -> LaneVec3<L> {
+fn resistance<L: Lane>(body: &SimdBody<L>, u: LaneVec3<L>, k: LaneVec3<L>, inertia: LaneVec3<L>) -> LaneVec3<L> {
     let speed = u.dot(u).sqrt();
     let most = inertia * (L::splat(1.0) / (speed * body.kick));
     // `min` takes K where there is no limit: for a point, which does not turn.

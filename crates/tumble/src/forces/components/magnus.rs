@@ -1,6 +1,6 @@
 use tumble_math::lane::Lane;
 
-use crate::forces::simd_force_law::{LaneBody, LaneLaw, LaneWrench};
+use crate::forces::simd_force_law::{SimdBody, SimdForceLaw, SimdWrench};
 use crate::math::Real;
 
 /// The sideways force on a body that spins in a stream: `F = S w x u`, with `u` the velocity relative to the [`Wind`](crate::Wind).
@@ -25,13 +25,13 @@ pub struct Magnus {
     pub coefficient: Real,
 }
 
-impl LaneLaw<1> for Magnus {
+impl SimdForceLaw<1> for Magnus {
     fn numbers(&self) -> [Real; 1] {
         [self.coefficient]
     }
 
     #[inline(always)]
-    fn wrench<L: Lane>([coefficient]: [L; 1], body: &LaneBody<L>) -> LaneWrench<L> {
-        LaneWrench::force(body.angular_velocity.cross(body.linear_velocity - body.wind) * coefficient)
+    fn wrench<L: Lane>([coefficient]: [L; 1], body: &SimdBody<L>) -> SimdWrench<L> {
+        SimdWrench::force(body.angular_velocity.cross(body.linear_velocity - body.wind) * coefficient)
     }
 }

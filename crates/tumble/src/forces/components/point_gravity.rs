@@ -1,7 +1,7 @@
 use tumble_math::lane::{Lane, Vec3 as LaneVec3};
 
 use crate::forces::force_law::BodyState;
-use crate::forces::simd_force_law::{LaneBody, LaneLaw, LaneWrench};
+use crate::forces::simd_force_law::{SimdBody, SimdForceLaw, SimdWrench};
 use crate::math::{Real, Vec3, dvec3};
 
 /// Gravity towards a point of the world: `F = -M mu r/(r^2 + e^2)^(3/2)`, `r` from the point to the body, with the energy `-M mu/(r^2 + e^2)^(1/2)`.
@@ -32,15 +32,15 @@ pub struct PointGravity {
     pub softening: Real,
 }
 
-impl LaneLaw<5> for PointGravity {
+impl SimdForceLaw<5> for PointGravity {
     fn numbers(&self) -> [Real; 5] {
         [self.center.x, self.center.y, self.center.z, self.mu, self.softening]
     }
 
     #[inline(always)]
-    fn wrench<L: Lane>([x, y, z, mu, softening]: [L; 5], body: &LaneBody<L>) -> LaneWrench<L> {
+    fn wrench<L: Lane>([x, y, z, mu, softening]: [L; 5], body: &SimdBody<L>) -> SimdWrench<L> {
         let acceleration = attraction(LaneVec3::new(x, y, z) - body.position, mu, softening * softening);
-        LaneWrench::force(acceleration * body.mass)
+        SimdWrench::force(acceleration * body.mass)
     }
 
     fn depends_on_velocity(&self) -> bool {

@@ -2,9 +2,9 @@ use tumble_math::lane::{Lane, Vec3 as LaneVec3};
 
 use crate::forces::components::spring_force::Direction;
 use crate::forces::force_law::BodyState;
-use crate::forces::simd_force_law::{LaneBody, LaneLaw, LaneWrench};
+use crate::forces::simd_force_law::{SimdBody, SimdForceLaw, SimdWrench};
 use crate::forces::spring_potential::{End, Hooke, pull};
-use crate::forces::stable_spring::MOST_ANGLE;
+use crate::forces::stable_spring::MAX_ANGLE;
 use crate::math::{Real, Vec3, dvec3};
 
 /// A spring with a damper from a point of the body to a point of the world.
@@ -13,7 +13,7 @@ use crate::math::{Real, Vec3, dvec3};
 /// the anchor from every side.
 ///
 /// Under `MoserVeselov` and `SemiImplicitEuler` it never explodes, however stiff. At the centre of mass it has its true frequency up to 0.45 a substep, and elsewhere
-/// no higher one than it should: see [`LaneBody::stable_stiffness`]. Under `RungeKutta4` the angular frequency times the substep must stay below 2.8. Between two bodies there is [`Spring`](crate::Spring).
+/// no higher one than it should: see [`SimdBody::stable_stiffness`]. Under `RungeKutta4` the angular frequency times the substep must stay below 2.8. Between two bodies there is [`Spring`](crate::Spring).
 ///
 /// It reckons with the whole mass of the body: on one that other springs hold as well, all of them together must not be stiffer than one may be at its stiffest.
 ///
@@ -41,7 +41,7 @@ pub struct SpringToPoint {
     pub damping: Real,
 }
 
-impl LaneLaw<9> for SpringToPoint {
+impl SimdForceLaw<9> for SpringToPoint {
     fn numbers(&self) -> [Real; 9] {
         let (a, b) = (self.anchor, self.attachment);
         [a.x, a.y, a.z, b.x, b.y, b.z, self.rest_length, self.stiffness, self.damping]
@@ -50,8 +50,8 @@ impl LaneLaw<9> for SpringToPoint {
     #[inline(always)]
     fn wrench<L: Lane>(
         [ax, ay, az, bx, by, bz, rest, stiffness, damping]: [L; 9],
-        body: &LaneBody<L>,
-    ) -> LaneWrench<L> {
+        body: &SimdBody<L>,
+    ) -> SimdWrench<L> {
         let attachment = LaneVec3::new(bx, by, bz);
         let arm = body.orientation.rotate(attachment);
         let (zero, one) = (L::splat(0.0), L::splat(1.0));
@@ -63,7 +63,7 @@ impl LaneLaw<9> for SpringToPoint {
         let ends = [anchored, End { arm, inverse_masses: [moving, turning] }];
         let hooke = Hooke { stiffness, rest_length: rest, h: body.substep };
         let given = Direction::of(difference + arm);
-        let soft = pull(hooke, difference, ends, L::splat(MOST_ANGLE));
+        let soft = pull(hooke, difference, ends, L::splat(MAX_ANGLE));
         // `RungeKutta4` has no kicks, and takes the spring as it was given.
         let kicks = zero.lt(body.kick);
         let choose = |soft, given| LaneVec3::select(kicks, soft, given);
@@ -72,7 +72,7 @@ impl LaneLaw<9> for SpringToPoint {
         let damping = damping + L::select(kicks, soft.damping / body.kick, zero);
         let speed = unit.dot(body.velocity_at(arm));
         let tension = body.damped_pull(elastic, [damping, speed], moving + turning);
-        let mut wrench = LaneWrench::force_at(unit * (zero - tension), arm);
+        let mut wrench = SimdWrench::force_at(unit * (zero - tension), arm);
         wrench.force = wrench.force - choose(soft.drawing, LaneVec3::zero());
         wrench.torque = wrench.torque + choose(soft.drawing_torques[1], LaneVec3::zero());
         wrench

@@ -1,6 +1,6 @@
 use tumble_math::lane::{Lane, Vec3 as LaneVec3};
 
-use crate::forces::simd_force_law::{LaneBody, LaneLaw, LaneWrench};
+use crate::forces::simd_force_law::{SimdBody, SimdForceLaw, SimdWrench};
 use crate::math::{Real, Vec3};
 
 /// Nozzles that are fixed to the body and push along its axes: each with a force at a point, all opened by one throttle.
@@ -43,15 +43,15 @@ impl Thruster {
     }
 }
 
-impl LaneLaw<6> for Thruster {
+impl SimdForceLaw<6> for Thruster {
     fn numbers(&self) -> [Real; 6] {
         let (f, t) = (self.force * self.throttle, self.torque * self.throttle);
         [f.x, f.y, f.z, t.x, t.y, t.z]
     }
 
     #[inline(always)]
-    fn wrench<L: Lane>([fx, fy, fz, tx, ty, tz]: [L; 6], body: &LaneBody<L>) -> LaneWrench<L> {
-        LaneWrench {
+    fn wrench<L: Lane>([fx, fy, fz, tx, ty, tz]: [L; 6], body: &SimdBody<L>) -> SimdWrench<L> {
+        SimdWrench {
             force: body.orientation.rotate(LaneVec3::new(fx, fy, fz)),
             torque: body.orientation.rotate(LaneVec3::new(tx, ty, tz)),
         }

@@ -3,7 +3,7 @@ use tumble_math::lane::Vec3 as LaneVec3;
 
 use crate::forces::components::attraction;
 use crate::math::{Real, Vec3};
-use crate::simd::{Kernel, MOST_BODIES, Tile, dispatch};
+use crate::simd::{Kernel, MAX_BODIES, Tile, dispatch};
 use crate::threads::InParts;
 
 /// Makes a body attract all others that carry one, and be attracted by them: `F_i = M_i sum mu_j r/(r^2 + e_i^2 + e_j^2)^(3/2)`, `r` from i to j.
@@ -60,7 +60,7 @@ pub(crate) struct Gravity {
 }
 
 /// Bodies whose accelerations one thread computes at a time: a multiple of every tile's width.
-const PART: usize = 2 * MOST_BODIES;
+const PART: usize = 2 * MAX_BODIES;
 /// Fewest attractions that are worth handing to another thread: they take ten microseconds.
 const ATTRACTIONS: usize = 8192;
 

@@ -8,7 +8,7 @@ use crate::forces::pairwise::spring_impulse::{Impulse, Springs, Velocities};
 use crate::forces::pairwise::{GravityMass, Spring};
 use crate::forces::registry::{GRAVITY_MASS, SPRING};
 use crate::math::{Real, Vec3, double};
-use crate::range::{MOST_DISTANCE, MOST_MU, MOST_SPEED, within};
+use crate::range::{MAX_DISTANCE, MAX_MU, MAX_SPEED, within};
 use crate::storage::body_index::BodyIndex;
 use crate::storage::world_columns::WorldColumns;
 
@@ -66,7 +66,7 @@ impl PairForces {
         self.gravity.update(self.attracting.iter().map(|(slot, mass)| {
             let position = seen[*slot].state.position;
             let softening_squared = mass.softening * mass.softening;
-            if within(position, MOST_DISTANCE) && mass.mu.abs() <= MOST_MU && softening_squared.is_finite() {
+            if within(position, MAX_DISTANCE) && mass.mu.abs() <= MAX_MU && softening_squared.is_finite() {
                 Source { position: position.into(), mu: mass.mu, softening_squared }
             } else {
                 // It attracts nothing.
@@ -109,7 +109,7 @@ impl PairForces {
             // Near a great mass the pull may be too great for numbers: then there is none.
             let change = self.gravity.acceleration(index) * t;
             let linear = (self.gravity.acceleration(index) * (t / inverse_mass)).into();
-            if within(change.into(), MOST_SPEED) && within(linear, Real::MAX) {
+            if within(change.into(), MAX_SPEED) && within(linear, Real::MAX) {
                 impulse.linear = linear;
             }
         }

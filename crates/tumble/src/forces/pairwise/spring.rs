@@ -9,7 +9,7 @@ use crate::math::{Real, Vec3};
 ///
 /// It is made to keep energy within bounds however stiff it is, wherever it is attached and however many hang together: of a thousand random pairs, rings and nets none had more than
 /// twice the energy of its start; `docs/forces.md` has the range that was drawn from. Between two centres of mass it has its true frequency up to 0.45 a
-/// substep, and stiffer springs that one; [`LaneBody::stable_stiffness`](crate::LaneBody::stable_stiffness) says how. Where several springs hold a body each counts on its share of the mass alone: what all of
+/// substep, and stiffer springs that one; [`SimdBody::stable_stiffness`](crate::SimdBody::stable_stiffness) says how. Where several springs hold a body each counts on its share of the mass alone: what all of
 /// them do at once is stable then, and a stiff net softer than it should be, with a third of an oscillation a substep at the most. At the rim of a body it turns that by at most a radian a substep
 /// in small swings; where a long pull would turn it by more than 0.7, it acts at a shorter arm, and damps from 0.55 on. Damping takes no more than the velocity there is.
 ///

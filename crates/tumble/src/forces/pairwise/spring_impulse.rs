@@ -5,9 +5,9 @@ use tumble_math::lane::{Lane, Vec3};
 
 use crate::forces::pairwise::Spring;
 use crate::forces::spring_potential::{End, Hooke, pull};
-use crate::forces::stable_spring::{MOST_ANGLE, MOST_ANGLE_IN_A_NET, stable_damping};
+use crate::forces::stable_spring::{MAX_ANGLE, MAX_ANGLE_IN_A_NET, stable_damping};
 use crate::math::Real;
-use crate::range::{MOST_IMPULSE, MOST_SPEED, within};
+use crate::range::{MAX_IMPULSE, MAX_SPEED, within};
 use crate::storage::body_index::{BodyIndex, BodyView};
 use crate::threads::InParts;
 
@@ -178,7 +178,7 @@ impl Connection {
         let ends = [end(a, at_a, shares[0]), end(b, at_b, shares[1])];
         let in_a_net =
             [(a, shares[0]), (b, shares[1])].iter().any(|(seen, share)| seen.constants.is_some() && *share > 1.0);
-        let most_angle = Real::splat(if in_a_net { MOST_ANGLE_IN_A_NET } else { MOST_ANGLE });
+        let most_angle = Real::splat(if in_a_net { MAX_ANGLE_IN_A_NET } else { MAX_ANGLE });
         let hooke = Hooke { stiffness: spring.stiffness, rest_length: spring.rest_length, h };
         let pull = pull(hooke, b.state.position - a.state.position, ends, most_angle);
         let inverse_mass: Real = ends.iter().flat_map(|end| end.inverse_masses).sum();
@@ -204,10 +204,10 @@ impl Pull {
     }
 
     fn is_in_range(&self) -> bool {
-        let arms = self.arms.iter().all(|arm| within(*arm, MOST_SPEED));
-        let impulse = self.impulse.abs() <= MOST_IMPULSE && (0.0..=MOST_IMPULSE).contains(&self.damping);
-        let turns = self.drawing_turns.iter().all(|turn| within(*turn, MOST_IMPULSE));
-        arms && impulse && turns && within(self.drawing, MOST_IMPULSE) && within(self.direction, 2.0)
+        let arms = self.arms.iter().all(|arm| within(*arm, MAX_SPEED));
+        let impulse = self.impulse.abs() <= MAX_IMPULSE && (0.0..=MAX_IMPULSE).contains(&self.damping);
+        let turns = self.drawing_turns.iter().all(|turn| within(*turn, MAX_IMPULSE));
+        arms && impulse && turns && within(self.drawing, MAX_IMPULSE) && within(self.direction, 2.0)
     }
 
     fn impulses(&self, velocities: &[Velocities]) -> [Impulse; 2] {

@@ -21,7 +21,7 @@ pub(crate) struct Prepare<'a, const P: usize, const C: usize> {
 }
 
 /// Weight of a point in the middle at the least, so that a middle there is.
-pub(crate) const LEAST_WEIGHT: f64 = 1e-10;
+pub(crate) const MIN_WEIGHT: f64 = 1e-10;
 /// An arm that changes by this part of a body's size changes the effective masses by as much.
 const SLIDE: f64 = 1e-2;
 /// Mean distance from the middle of a square under even pressure, over that of its corners: 0.3826 and 0.7071 of the side.
@@ -63,11 +63,11 @@ impl<const P: usize, const C: usize> Kernel for Prepare<'_, P, C> {
         while j < P {
             let is_point = T::splat(j as f64).lt(count);
             let weight = T::splat(2.0) - (separations[j] - from) * inverse_margin;
-            let weight = T::select(is_point, weight.max(T::splat(LEAST_WEIGHT)).min(one), zero);
+            let weight = T::select(is_point, weight.max(T::splat(MIN_WEIGHT)).min(one), zero);
             sum = sum + places[j] * weight;
             total = total + weight;
             let weight = T::splat(2.0) - (separations[j] - nearest) * inverse_margin;
-            weights[j] = T::select(is_point, weight.max(T::splat(LEAST_WEIGHT)).min(one), zero);
+            weights[j] = T::select(is_point, weight.max(T::splat(MIN_WEIGHT)).min(one), zero);
             of_patch = of_patch + weights[j];
             j += 1;
         }

@@ -1,7 +1,7 @@
 //! Contacts of round shapes, found again where their bodies have moved to within a step.
 
 use rayon::prelude::*;
-use tumble_collide::{Geometry, MOST_POINTS, Manifold, Placement, touching};
+use tumble_collide::{Geometry, MAX_MANIFOLD_POINTS, Manifold, Placement, touching};
 use tumble_math::lane::{Quat, Vec3};
 
 use crate::collision::find_contacts::Contacts;
@@ -11,7 +11,7 @@ use crate::simd::{BLOCK, Eight};
 use crate::solver::contact::constraint::{Block, Rolling};
 use crate::solver::contact::contact_frame::{ContactFrame, DeltaPoses, along_normal};
 use crate::solver::contact::friction::FrictionSolve;
-use crate::solver::contact::prepare::LEAST_WEIGHT;
+use crate::solver::contact::prepare::MIN_WEIGHT;
 use crate::solver::contact::update_geometry::tangents;
 use crate::solver::solver_bodies::SolverBodies;
 use crate::threads::InParts;
@@ -26,7 +26,7 @@ pub(crate) struct RoundContact {
     geometries: [Geometry<Real>; 2],
     placements: [Placement<Real>; 2],
     /// What the middle of the contact is made of.
-    weights: [Real; MOST_POINTS],
+    weights: [Real; MAX_MANIFOLD_POINTS],
     /// Whether impulses move the second body alone.
     pub(crate) alone: bool,
     /// The first body's centre of mass.
@@ -41,7 +41,7 @@ const PART: usize = 32;
 const FAR: Real = 1e6;
 /// Least inverse moment over the greatest of a body whose contacts are found again. A needle that spins turns over between substeps,
 /// and impulses that are taken back at other places than they were given heat it up.
-const LEAST_RATIO: Real = 1.0 / 400.0;
+const MIN_RATIO: Real = 1.0 / 400.0;
 /// A pair that has moved by less than this part of its margin is where it was.
 const STILL: Real = 1e-3;
 
@@ -77,7 +77,7 @@ impl Contacts {
 
 /// Weight in the middle of its contact of a point that is this many margins further than the nearest, as [`Prepare`](crate::solver::contact::prepare::Prepare) has it.
 fn weight(margins: Real) -> Real {
-    (2.0 - margins).clamp(crate::math::real(LEAST_WEIGHT), 1.0)
+    (2.0 - margins).clamp(crate::math::real(MIN_WEIGHT), 1.0)
 }
 
 /// What has become of the contacts, if their bodies have moved: manifolds about the second body's centre of mass as it is now.
@@ -92,7 +92,7 @@ pub(crate) fn find(rounds: &[RoundContact], moved: &[Eight]) -> Vec<Option<Manif
 
 /// Leaves out the contacts of needles: these stay as they were found.
 pub(crate) fn leave_out_needles(rounds: &mut Vec<RoundContact>, bodies: &SolverBodies) {
-    rounds.retain(|round| round.rows.iter().all(|row| bodies.inertia_ratio(*row) >= LEAST_RATIO));
+    rounds.retain(|round| round.rows.iter().all(|row| bodies.inertia_ratio(*row) >= MIN_RATIO));
 }
 
 impl RoundContact {

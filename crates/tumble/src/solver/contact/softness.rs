@@ -53,9 +53,9 @@ impl Softness {
     #[inline(always)]
     pub(crate) fn bias<T: Tile>(&self, separation: T) -> T {
         let rate = T::splat(f64::from(self.mass_scale * self.bias_rate));
-        (rate * separation).max(T::splat(-MOST_PUSH))
+        (rate * separation).max(T::splat(-MAX_PUSH))
     }
 }
 
 /// Fastest that overlapping bodies are pushed apart \[m/s\].
-const MOST_PUSH: f64 = 3.0;
+const MAX_PUSH: f64 = 3.0;
