@@ -14,7 +14,7 @@ use std::time::{Duration, Instant};
 
 use criterion::{BenchmarkId, Criterion, Throughput, criterion_group, criterion_main};
 use tumble::Rng;
-use tumble_collide::{Bounds, BroadPhase, Proxy};
+use tumble_collide::{Aabb, BroadPhase, Proxy};
 use tumble_math::lane::Vec3;
 
 const SIZES: [usize; 5] = [1_000, 3_000, 5_000, 10_000, 30_000];
@@ -52,7 +52,7 @@ impl Pile {
         let (middle, wide) = (0.5 * PITCH * side as f32, 100.0 * side as f32);
         let wall = |x: f32, y: f32, z: f32, half: [f32; 3]| {
             let center = Vec3::new(middle + x, middle + y, middle + z);
-            Proxy { bounds: Some(Bounds::about(center, Vec3::new(half[0], half[1], half[2]))), moves: false }
+            Proxy { aabb: Some(Aabb::about(center, Vec3::new(half[0], half[1], half[2]))), moves: false }
         };
         let out = middle + 1.0;
         let mut proxies = vec![
@@ -82,7 +82,7 @@ impl Pile {
 }
 
 fn proxy(center: Vec3<f32>) -> Proxy<f32> {
-    Proxy { bounds: Some(Bounds::about(center, Vec3::splat(HALF))), moves: true }
+    Proxy { aabb: Some(Aabb::about(center, Vec3::splat(HALF))), moves: true }
 }
 
 fn motions(criterion: &mut Criterion) {

@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use tumble_collide::{Compound, ConvexHull, Geometry, Mesh, Placement, touching, work_done};
+use tumble_collide::{Compound, ConvexHull, ColliderShape, Mesh, Isometry, contact_manifolds, work_done};
 use tumble_math::lane::{Quat, Vec3};
 
 /// Of a pair of convex shapes, as `pair_tests.rs` in `tumble-collide` has them.
@@ -44,46 +44,46 @@ impl Bytes<'_> {
         (0..count).map(|_| self.vector(size)).collect()
     }
 
-    fn shape(&mut self, depth: u32) -> Option<Geometry<f64>> {
+    fn shape(&mut self, depth: u32) -> Option<ColliderShape<f64>> {
         let kind = self.byte() % if depth == 0 { 11 } else { 9 };
         let [a, b, c] = [self.length(), self.length(), self.length()];
         Some(match kind {
-            0 => Geometry::Ball { radius: a },
-            1 => Geometry::Cuboid { half_extents: Vec3::new(a, b, c) },
-            2 => Geometry::Capsule { radius: a, half_height: b },
-            3 => Geometry::Cylinder { radius: a, half_height: b },
-            4 => Geometry::Cone { radius: a, half_height: b },
-            5 => Geometry::Frustum { radius_bottom: a, radius_top: b, half_height: c },
-            6 => Geometry::TaperedCapsule { radius_bottom: a, radius_top: b, half_height: c },
-            7 => Geometry::Ellipsoid { radii: Vec3::new(a, b, c) },
-            8 => Geometry::Hull(Arc::new(ConvexHull::new(&self.points()).ok()?)),
+            0 => ColliderShape::Sphere { radius: a },
+            1 => ColliderShape::Cuboid { half_extents: Vec3::new(a, b, c) },
+            2 => ColliderShape::Capsule { radius: a, half_height: b },
+            3 => ColliderShape::Cylinder { radius: a, half_height: b },
+            4 => ColliderShape::Cone { radius: a, half_height: b },
+            5 => ColliderShape::Frustum { radius_bottom: a, radius_top: b, half_height: c },
+            6 => ColliderShape::TaperedCapsule { radius_bottom: a, radius_top: b, half_height: c },
+            7 => ColliderShape::Ellipsoid { radii: Vec3::new(a, b, c) },
+            8 => ColliderShape::Hull(Arc::new(ConvexHull::new(&self.points()).ok()?)),
             9 => {
                 let points = self.points();
                 let corner = |byte: u8| u32::from(byte) % points.len() as u32;
                 let triangles: Vec<[u32; 3]> = (0..1 + self.byte() % 16)
                     .map(|_| [corner(self.byte()), corner(self.byte()), corner(self.byte())])
                     .collect();
-                Geometry::Mesh(Arc::new(Mesh::new(&points, &triangles).ok()?))
+                ColliderShape::Mesh(Arc::new(Mesh::new(&points, &triangles).ok()?))
             }
             _ => {
                 let count = 1 + self.byte() % 4;
                 let parts: Option<Vec<_>> = (0..count)
                     .map(|_| {
-                        let placement = Placement { position: self.vector(a), orientation: self.orientation() };
+                        let placement = Isometry { position: self.vector(a), orientation: self.orientation() };
                         Some((placement, self.shape(depth + 1)?))
                     })
                     .collect();
-                Geometry::Compound(Arc::new(Compound::new(parts?)))
+                ColliderShape::Compound(Arc::new(Compound::new(parts?)))
             }
         })
     }
 }
 
 /// How many convex shapes a shape is.
-fn parts(shape: &Geometry<f64>) -> usize {
+fn parts(shape: &ColliderShape<f64>) -> usize {
     match shape {
-        Geometry::Mesh(mesh) => mesh.triangles().len(),
-        Geometry::Compound(compound) => compound.parts().iter().map(|(_, part)| parts(part)).sum(),
+        ColliderShape::Mesh(mesh) => mesh.triangles().len(),
+        ColliderShape::Compound(compound) => compound.parts().iter().map(|(_, part)| parts(part)).sum(),
         _ => 1,
     }
 }
@@ -96,9 +96,9 @@ pub fn meet(bytes: &[u8]) {
     let reach = first.reach().unwrap_or(1.0) + second.reach().unwrap_or(1.0);
     let position = bytes.vector(reach);
     let margin = 0.02 * bytes.part().abs();
-    let here = Placement::at(Vec3::zero());
+    let here = Isometry::at(Vec3::zero());
     let _ = work_done();
-    touching(&first, &here, &second, &Placement { position, orientation }, margin, &mut |part, manifold| {
+    contact_manifolds(&first, &here, &second, &Isometry { position, orientation }, margin, &mut |part, manifold| {
         let numbers = [manifold.normal.x, manifold.normal.y, manifold.normal.z];
         assert!(numbers.iter().all(|number| number.is_finite()), "part {part}: {manifold:?}");
         for point in manifold.points() {

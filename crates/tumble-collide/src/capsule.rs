@@ -2,10 +2,10 @@
 
 use tumble_math::lane::Vec3;
 
+use crate::collider_shape::Isometry;
+use crate::face_clipping::Overlay;
 use crate::feature::Feature;
-use crate::geometry::Placement;
 use crate::manifold::Manifold;
-use crate::overlay::Overlay;
 use crate::scalar::Scalar;
 
 /// A capsule seen from somewhere.
@@ -27,7 +27,7 @@ const MIN_DISTANCE: f64 = 1e-18;
 const EDGE_LEAD: f64 = 5e-4;
 
 impl<R: Scalar> Rod<R> {
-    pub(crate) fn new(radius: R, half_height: R, at: &Placement<R>) -> Self {
+    pub(crate) fn new(radius: R, half_height: R, at: &Isometry<R>) -> Self {
         let [across, along, _] = at.orientation.axes();
         Self { center: at.position, half: along * half_height, across, radius }
     }
@@ -87,8 +87,8 @@ pub(crate) fn capsule_and_capsule<R: Scalar>(first: &Rod<R>, second: &Rod<R>, ma
     };
     let separation = distance - (layers[0] + layers[1]);
     let nearest = (on_first + normal * layers[0] + on_second - normal * layers[1]) * half;
-    let overlay = Overlay { normal, separation, layers, margin };
-    overlay.manifold(&first.feature(), &second.feature(), nearest, R::splat(0.0)).carried_by_both()
+    let face_clipping = Overlay { normal, separation, layers, margin };
+    face_clipping.manifold(&first.feature(), &second.feature(), nearest, R::splat(0.0)).carried_by_both()
 }
 
 /// The nearest points of two segments (C. Ericson, "Real-Time Collision Detection", 2005, 5.1.9); of parallel ones, some that are nearest.
@@ -108,7 +108,7 @@ fn nearest_of_axes<R: Scalar>(first: &Rod<R>, second: &Rod<R>) -> (Vec3<R>, Vec3
 /// From the box to the capsule.
 pub(crate) fn cuboid_and_capsule<R: Scalar>(
     half_extents: Vec3<R>,
-    at: &Placement<R>,
+    at: &Isometry<R>,
     rod: &Rod<R>,
     margin: R,
 ) -> Manifold<R> {
@@ -131,9 +131,9 @@ pub(crate) fn cuboid_and_capsule<R: Scalar>(
         let (normal, between) = way_out(&local, h);
         (normal, between, on_axis - normal * between)
     };
-    let overlay = Overlay { normal, separation: between - rod.radius, layers: [zero, rod.radius], margin };
+    let face_clipping = Overlay { normal, separation: between - rod.radius, layers: [zero, rod.radius], margin };
     let middle = nearest + normal * ((between - rod.radius) * half);
-    let manifold = overlay.manifold(&Feature::of_cuboid(h, normal), &local.feature(), middle, zero);
+    let manifold = face_clipping.manifold(&Feature::of_cuboid(h, normal), &local.feature(), middle, zero);
     manifold.seen(|point| at.to_world(point), |v| at.orientation.rotate(v))
 }
 

@@ -3,16 +3,16 @@
 //! Conservative advancement (B. Mirtich, "Impulse-based dynamic simulation of rigid body systems", 1996): at a distance `d` along the unit vector `n`
 //! nothing can meet before `d` is gone at the greatest rate at which any points of both shapes come together along `n`.
 
-use crate::bounds::Bounds;
-use crate::convex::{Convex, Vector, narrow};
+use crate::aabb::Aabb;
+use crate::collider_shape::{ColliderShape, Isometry};
+use crate::contact_manifolds;
 use crate::convex_pair::difference;
 use crate::course::Course;
-use crate::geometry::{Geometry, Placement};
 use crate::gjk::{Nearest, nearest};
 use crate::manifold::{ContactPoint, Manifold, Points};
 use crate::scalar::Scalar;
+use crate::support_map::{Convex, Vector, narrow};
 use crate::surface::Surface;
-use crate::touching;
 use crate::work;
 
 /// A way is followed in at most this number of advances; what has not met by then may meet.
@@ -27,20 +27,20 @@ const MAX_TRIANGLES: usize = 4096;
 /// Shapes that meet, or pass each other closely.
 ///
 /// ```
-/// use tumble_collide::{Course, Geometry, Meeting, Placement};
+/// use tumble_collide::{Course, ColliderShape, Meeting, Isometry};
 /// use tumble_math::lane::Vec3;
 ///
-/// let (zero, ball) = (Vec3::<f64>::zero(), Geometry::Ball { radius: 0.5 });
-/// let wall = Geometry::Cuboid { half_extents: Vec3::new(0.1, 2.0, 2.0) };
-/// let stays = Course::new(&Placement::at(zero), zero, zero, zero);
+/// let (zero, sphere) = (Vec3::<f64>::zero(), ColliderShape::Sphere { radius: 0.5 });
+/// let wall = ColliderShape::Cuboid { half_extents: Vec3::new(0.1, 2.0, 2.0) };
+/// let stays = Course::new(&Isometry::at(zero), zero, zero, zero);
 /// let shot = |y: f64| {
 ///     let at = Vec3::new(-5.6, y, 0.0);
-///     Course::new(&Placement::at(at), at, Vec3::new(10.0, 0.0, 0.0), zero)
+///     Course::new(&Isometry::at(at), at, Vec3::new(10.0, 0.0, 0.0), zero)
 /// };
 /// // Half a metre of radius before the wall after half of ten metres.
-/// let met = Meeting::find([&wall, &ball], [&stays, &shot(0.0)], 1e-6, 0.0).unwrap();
+/// let met = Meeting::find([&wall, &sphere], [&stays, &shot(0.0)], 1e-6, 0.0).unwrap();
 /// assert!(met.is_hit && (met.moment - 0.5).abs() < 1e-6);
-/// assert!(Meeting::find([&wall, &ball], [&stays, &shot(2.6)], 1e-6, 0.0).is_none());
+/// assert!(Meeting::find([&wall, &sphere], [&stays, &shot(2.6)], 1e-6, 0.0).is_none());
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Meeting {
@@ -57,14 +57,14 @@ pub struct Meeting {
 /// What points of contact go along with between the beginning of an interval and a meeting.
 ///
 /// ```
-/// use tumble_collide::{Course, Follow, Geometry, Meeting, Placement};
+/// use tumble_collide::{Course, Follow, ColliderShape, Meeting, Isometry};
 /// use tumble_math::lane::Vec3;
 ///
-/// let (zero, ball) = (Vec3::<f64>::zero(), Geometry::Ball { radius: 0.5_f64 });
-/// let stays = Course::new(&Placement::at(zero), zero, zero, zero);
+/// let (zero, sphere) = (Vec3::<f64>::zero(), ColliderShape::Sphere { radius: 0.5_f64 });
+/// let stays = Course::new(&Isometry::at(zero), zero, zero, zero);
 /// let at = Vec3::new(-3.0, 0.6, 0.0);
-/// let shot = Course::new(&Placement::at(at), at, Vec3::new(4.0, 0.0, 0.0), zero);
-/// let (pair, courses) = ([&ball, &ball], [&stays, &shot]);
+/// let shot = Course::new(&Isometry::at(at), at, Vec3::new(4.0, 0.0, 0.0), zero);
+/// let (pair, courses) = ([&sphere, &sphere], [&stays, &shot]);
 /// let met = Meeting::find(pair, courses, 1e-9, 0.0).unwrap();
 /// // They meet with centres 0.6 m apart across the way and 0.8 m along it, so 2.2 m of the way are left.
 /// met.manifolds(pair, courses, [0.01, 0.01], Follow::Centers, &mut |_, manifold| {
@@ -100,15 +100,17 @@ impl Meeting {
     /// The first of two shapes on their ways, or the nearest that they come to each other if that is nearer than `slack` \[m\]. What is nearer than
     /// `tolerance` \[m\], above zero, meets. None of compounds, half-spaces, and two surfaces. A surface is met from outside.
     pub fn find<R: Scalar>(
-        geometries: [&Geometry<R>; 2],
+        shapes: [&ColliderShape<R>; 2],
         courses: [&Course; 2],
         tolerance: f64,
         slack: f64,
     ) -> Option<Self> {
-        match geometries {
-            [Geometry::Mesh(mesh), other] => with_surface(mesh.as_ref(), other, courses, (tolerance, slack)),
-            [Geometry::HeightField(field), other] => with_surface(field.as_ref(), other, courses, (tolerance, slack)),
-            [other, surface @ (Geometry::Mesh(_) | Geometry::HeightField(_))] => {
+        match shapes {
+            [ColliderShape::Mesh(mesh), other] => with_surface(mesh.as_ref(), other, courses, (tolerance, slack)),
+            [ColliderShape::HeightField(field), other] => {
+                with_surface(field.as_ref(), other, courses, (tolerance, slack))
+            }
+            [other, surface @ (ColliderShape::Mesh(_) | ColliderShape::HeightField(_))] => {
                 let [a, b] = courses;
                 let met = Self::find([surface, other], [b, a], tolerance, slack);
                 met.map(|met| Self { normal: met.normal * -1.0, ..met })
@@ -120,18 +122,18 @@ impl Meeting {
         }
     }
 
-    /// Shows the manifolds that two shapes have when they meet, as [`touching`] has them, laid back to the beginning of the interval: with separations that
+    /// Shows the manifolds that two shapes have when they meet, as [`contact_manifolds`] has them, laid back to the beginning of the interval: with separations that
     /// are used up at the meeting. They have all points that are nearer than `margin` \[m\] then, and one that is nearer than `near` \[m\].
     pub fn manifolds<R: Scalar>(
         &self,
-        [first, second]: [&Geometry<R>; 2],
+        [first, second]: [&ColliderShape<R>; 2],
         courses: [&Course; 2],
         [near, margin]: [R; 2],
         follow: Follow,
         visit: &mut impl FnMut(u32, &Manifold<R>),
     ) {
         let [first_at, second_at] = courses.map(|course| narrow_placement::<R>(&course.at(self.moment)));
-        touching(first, &first_at, second, &second_at, margin, &mut |part, manifold| {
+        contact_manifolds(first, &first_at, second, &second_at, margin, &mut |part, manifold| {
             if manifold.points().iter().any(|point| point.separation <= near) {
                 visit(part, &laid_back(manifold, courses, self.moment, follow));
             }
@@ -143,11 +145,11 @@ impl<'a> Moving<'a> {
     fn new<R: Scalar>(
         (first, layer): (Convex<'a>, f64),
         (second, other_layer): (Convex<'a>, f64),
-        geometries: [&Geometry<R>; 2],
+        shapes: [&ColliderShape<R>; 2],
         courses: [&'a Course; 2],
     ) -> Self {
         let reach = |which: usize, layer: f64| {
-            let reach: f64 = geometries[which].reach().map_or(0.0, Into::into);
+            let reach: f64 = shapes[which].reach().map_or(0.0, Into::into);
             courses[which].off_center() + (reach - layer).max(0.0)
         };
         let radii = [reach(0, layer), reach(1, other_layer)];
@@ -248,14 +250,14 @@ impl<'a> Moving<'a> {
 /// The first meeting of a convex shape with a surface.
 fn with_surface<R: Scalar>(
     surface: &impl Surface,
-    geometry: &Geometry<R>,
+    shape: &ColliderShape<R>,
     courses: [&Course; 2],
     (tolerance, slack): (f64, f64),
 ) -> Option<Meeting> {
-    let (shape, layer) = Convex::of(geometry)?;
-    let reach: f64 = geometry.reach()?.into();
+    let (convex, layer) = Convex::of(shape)?;
+    let reach: f64 = shape.reach()?.into();
     let ground = courses[0].at(0.0);
-    let mut bounds = Bounds::empty();
+    let mut aabb = Aabb::empty();
     let turned = {
         let angle = courses[0].angular();
         angle.dot(angle).sqrt()
@@ -271,11 +273,11 @@ fn with_surface<R: Scalar>(
             + tolerance
             + turned * (from_center.dot(from_center).sqrt() + courses[0].off_center());
         let half = Vector::splat(more);
-        let around = Bounds::about(ground.to_local(body), half);
-        bounds = crate::tree::enclosing(&bounds, &around);
+        let around = Aabb::about(ground.to_local(body), half);
+        aabb = crate::bvh::enclosing(&aabb, &around);
     }
     let mut triangles = Vec::new();
-    surface.near(&bounds, &mut |triangle| triangles.push(triangle));
+    surface.near(&aabb, &mut |triangle| triangles.push(triangle));
     if triangles.len() > MAX_TRIANGLES {
         return Some(Meeting { moment: 0.0, is_hit: false, distance: f64::INFINITY, normal: Vector::zero() });
     }
@@ -288,7 +290,7 @@ fn with_surface<R: Scalar>(
             courses[0].off_center() + furthest_from_origin(corners),
             courses[1].off_center() + (reach - layer).max(0.0),
         ];
-        let moving = Moving { shapes: [Convex::Triangle(corners), shape], layers: layer, courses, radii };
+        let moving = Moving { shapes: [Convex::Triangle(corners), convex], layers: layer, courses, radii };
         if moving.stays_over(normal, corners[0], tolerance) {
             continue;
         }
@@ -297,7 +299,7 @@ fn with_surface<R: Scalar>(
         }
         let Some(met) = moving.meet(tolerance, slack) else { continue };
         let [ground, body] = courses.map(|course| course.at(met.moment));
-        let middle = ground.to_local(body.to_world(shape.middle()));
+        let middle = ground.to_local(body.to_world(convex.middle()));
         let is_before = normal.dot(middle - corners[0]) > 0.0;
         let key = |met: &Meeting| (!met.is_hit, met.moment);
         if is_before && first.as_ref().is_none_or(|first| key(&met) < key(first)) {
@@ -333,23 +335,23 @@ impl Moving<'_> {
     }
 }
 
-fn narrow_placement<R: Scalar>(at: &Placement<f64>) -> Placement<R> {
+fn narrow_placement<R: Scalar>(at: &Isometry<f64>) -> Isometry<R> {
     let tumble_math::lane::Quat { x, y, z, w } = at.orientation;
     let orientation = tumble_math::lane::Quat { x: R::splat(x), y: R::splat(y), z: R::splat(z), w: R::splat(w) };
-    Placement { position: narrow(at.position), orientation }
+    Isometry { position: narrow(at.position), orientation }
 }
 
 /// A manifold of some moment, as it lies when the interval begins.
 fn laid_back<R: Scalar>(manifold: &Manifold<R>, courses: [&Course; 2], moment: f64, follow: Follow) -> Manifold<R> {
     let turns = follow == Follow::Bodies;
     let carried: f64 = manifold.carried.into();
-    let normal = crate::convex::wide(manifold.normal);
+    let normal = crate::support_map::wide(manifold.normal);
     // The normal turns with what does not carry the points.
     let reference = courses[usize::from(carried < 0.5 - 1e-3)];
     let before = if turns { reference.turn(moment).rotate_back(normal) } else { normal };
     let mut points = Points::none();
     for point in manifold.points() {
-        let (middle, separation): (Vector, f64) = (crate::convex::wide(point.position), point.separation.into());
+        let (middle, separation): (Vector, f64) = (crate::support_map::wide(point.position), point.separation.into());
         let half = normal * (0.5 * separation);
         let on_first = courses[0].back(middle - half, moment, turns);
         let on_second = courses[1].back(middle + half, moment, turns);

@@ -1,18 +1,18 @@
-use crate::convex::{Vector, wide};
-use crate::geometry::{Geometry, Placement};
+use crate::collider_shape::{ColliderShape, Isometry};
 use crate::scalar::Scalar;
+use crate::support_map::{Vector, wide};
 
 /// A shape, and where it is in its compound.
-type Part<R> = (Placement<R>, Geometry<R>);
+type Part<R> = (Isometry<R>, ColliderShape<R>);
 
 /// Shapes fixed to each other, made to be touched: each at a place in the compound's frame.
 ///
 /// ```
-/// use tumble_collide::{Compound, Geometry, Placement};
+/// use tumble_collide::{Compound, ColliderShape, Isometry};
 /// use tumble_math::lane::Vec3;
 ///
-/// let ball = |x: f64| (Placement::at(Vec3::new(x, 0.0, 0.0)), Geometry::Ball { radius: 0.5 });
-/// let dumbbell = Compound::new([ball(-1.0), ball(1.0)]);
+/// let sphere = |x: f64| (Isometry::at(Vec3::new(x, 0.0, 0.0)), ColliderShape::Sphere { radius: 0.5 });
+/// let dumbbell = Compound::new([sphere(-1.0), sphere(1.0)]);
 /// assert_eq!(dumbbell.parts().len(), 2);
 /// assert_eq!(dumbbell.reach(), Some(1.5));
 /// ```
@@ -25,15 +25,15 @@ pub struct Compound<R> {
 
 impl<R: Scalar> Compound<R> {
     /// From its parts; the parts of a compound among them become parts of this one.
-    pub fn new(parts: impl IntoIterator<Item = (Placement<R>, Geometry<R>)>) -> Self {
+    pub fn new(parts: impl IntoIterator<Item = (Isometry<R>, ColliderShape<R>)>) -> Self {
         let mut this = Self { parts: Vec::new(), numbers: Vec::new() };
         let mut next = 0_u32;
-        for (at, geometry) in parts {
-            let inner = match &geometry {
-                Geometry::Compound(compound) => {
+        for (at, shape) in parts {
+            let inner = match &shape {
+                ColliderShape::Compound(compound) => {
                     compound.parts.iter().map(|(inner, part)| (at.then(inner), part.clone())).collect()
                 }
-                _ => vec![(at, geometry)],
+                _ => vec![(at, shape)],
             };
             for part in inner {
                 this.numbers.push(next);
@@ -46,12 +46,12 @@ impl<R: Scalar> Compound<R> {
 
     /// Its parts, none of them a compound.
     #[must_use]
-    pub fn parts(&self) -> &[(Placement<R>, Geometry<R>)] {
+    pub fn parts(&self) -> &[(Isometry<R>, ColliderShape<R>)] {
         &self.parts
     }
 
     /// Each part with its place in the world and the first of its numbers.
-    pub(crate) fn placed(&self, at: &Placement<R>) -> impl Iterator<Item = (u32, Placement<R>, &Geometry<R>)> {
+    pub(crate) fn placed(&self, at: &Isometry<R>) -> impl Iterator<Item = (u32, Isometry<R>, &ColliderShape<R>)> {
         self.parts.iter().zip(&self.numbers).map(|((inner, part), number)| (*number, at.then(inner), part))
     }
 

@@ -1,8 +1,8 @@
 use tumble_math::{HullError, convex_hull};
 
-use crate::convex::{Vector, unit};
 use crate::feature::{Feature, MAX_CORNERS};
 use crate::furthest::Furthest;
+use crate::support_map::{Vector, unit};
 
 /// The convex hull of points, made to be touched: its corners and its flat faces, in its own frame.
 ///

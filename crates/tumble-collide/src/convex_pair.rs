@@ -2,14 +2,14 @@
 
 use tumble_math::lane::Quat;
 
-use crate::convex::{Convex, Vector, narrow, unit, wide};
+use crate::collider_shape::{ColliderShape, Isometry};
 use crate::epa::penetration;
-use crate::geometry::{Geometry, Placement};
+use crate::face_clipping::Overlay;
 use crate::gjk::{Nearest, nearest};
 use crate::manifold::Manifold;
 use crate::minkowski::Difference;
-use crate::overlay::Overlay;
 use crate::scalar::Scalar;
+use crate::support_map::{Convex, Vector, narrow, unit, wide};
 
 /// A face is taken for a direction between edges that separates by no more than this \[m\]: it holds a body better, and a choice that changes back and forth
 /// holds it worst.
@@ -77,18 +77,18 @@ pub(crate) fn with_faces_first(shapes: &Difference<'_>, found: &Approach) -> App
 }
 
 /// A placement in double precision.
-pub(crate) fn wide_placement<R: Scalar>(at: &Placement<R>) -> Placement<f64> {
+pub(crate) fn wide_placement<R: Scalar>(at: &Isometry<R>) -> Isometry<f64> {
     let Quat { x, y, z, w } = at.orientation;
     let orientation = Quat { x: x.into(), y: y.into(), z: z.into(), w: w.into() };
-    Placement { position: wide(at.position), orientation: orientation.normalize() }
+    Isometry { position: wide(at.position), orientation: orientation.normalize() }
 }
 
 /// Two shapes as seen from the first; `None` where either is nowhere.
 pub(crate) fn difference<'a>(
     first: Convex<'a>,
-    first_at: &Placement<f64>,
+    first_at: &Isometry<f64>,
     second: Convex<'a>,
-    second_at: &Placement<f64>,
+    second_at: &Isometry<f64>,
 ) -> Option<Difference<'a>> {
     let position = first_at.to_local(second_at.position);
     let axes = second_at.orientation.axes().map(|axis| first_at.orientation.rotate_back(axis));
@@ -100,20 +100,20 @@ pub(crate) fn difference<'a>(
 pub(crate) fn manifold_of(shapes: &Difference<'_>, found: &Approach, layers: [f64; 2], margin: f64) -> Manifold<f64> {
     let Approach { normal, between, lead, on_first } = *found;
     let separation = between - (layers[0] + layers[1]);
-    let overlay = Overlay { normal, separation, layers, margin };
+    let face_clipping = Overlay { normal, separation, layers, margin };
     let of_first = shapes.first.feature(normal, margin);
     let of_second = shapes.second.feature(shapes.turned_back(normal * -1.0), margin);
     let of_second = of_second.seen(|point| shapes.place(point), |v| shapes.turn(v));
     let nearest = on_first + normal * (layers[0] + 0.5 * separation);
-    overlay.manifold(&of_first, &of_second, nearest, lead)
+    face_clipping.manifold(&of_first, &of_second, nearest, lead)
 }
 
 /// From the first to the second.
 pub(crate) fn convex_and_convex<R: Scalar>(
-    first: &Geometry<R>,
-    first_at: &Placement<R>,
-    second: &Geometry<R>,
-    second_at: &Placement<R>,
+    first: &ColliderShape<R>,
+    first_at: &Isometry<R>,
+    second: &ColliderShape<R>,
+    second_at: &Isometry<R>,
     margin: R,
 ) -> Manifold<R> {
     let found = Convex::of(first).zip(Convex::of(second)).and_then(|((first, layer_1), (second, layer_2))| {

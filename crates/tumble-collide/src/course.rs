@@ -1,10 +1,10 @@
 use tumble_math::lane::{Quat, Vec3};
 use tumble_math::rotate_exactly;
 
-use crate::convex::{Vector, wide};
+use crate::collider_shape::Isometry;
 use crate::convex_pair::wide_placement;
-use crate::geometry::Placement;
 use crate::scalar::Scalar;
+use crate::support_map::{Vector, wide};
 
 /// The most straight pieces of a course.
 const MAX_LEGS: usize = 4;
@@ -13,11 +13,11 @@ const MAX_LEGS: usize = 4;
 /// the shape turns about it at an even rate. Moments are parts of the interval, from 0 to 1.
 ///
 /// ```
-/// use tumble_collide::{Course, Placement};
+/// use tumble_collide::{Course, Isometry};
 /// use tumble_math::lane::Vec3;
 ///
 /// let (zero, along) = (Vec3::<f64>::zero(), Vec3::new(2.0, 0.0, 0.0));
-/// let course = Course::new(&Placement::at(zero), zero, along, zero);
+/// let course = Course::new(&Isometry::at(zero), zero, along, zero);
 /// assert_eq!(course.at(0.25).position, Vec3::new(0.5, 0.0, 0.0));
 /// // From the middle of the interval on it goes upwards.
 /// let turned_off = course.turned_off(0.5, Vec3::new(0.0, 2.0, 0.0));
@@ -25,7 +25,7 @@ const MAX_LEGS: usize = 4;
 /// ```
 #[derive(Clone, Copy, Debug)]
 pub struct Course {
-    start: Placement<f64>,
+    start: Isometry<f64>,
     center: Vector,
     angular: Vector,
     /// When each begins, and how far it would go in the whole interval.
@@ -36,7 +36,7 @@ pub struct Course {
 impl Course {
     /// Of a shape placed `at` in a body with the centre of mass `center` \[m\], which goes `linear` \[m\] in the interval
     /// and turns by `angular` \[rad\], about the direction of that vector.
-    pub fn new<R: Scalar>(at: &Placement<R>, center: Vec3<R>, linear: Vec3<R>, angular: Vec3<R>) -> Self {
+    pub fn new<R: Scalar>(at: &Isometry<R>, center: Vec3<R>, linear: Vec3<R>, angular: Vec3<R>) -> Self {
         let mut legs = [(1.0, Vector::zero()); MAX_LEGS];
         legs[0] = (0.0, wide(linear));
         Self { start: wide_placement(at), center: wide(center), angular: wide(angular), legs, len: 1 }
@@ -59,7 +59,7 @@ impl Course {
 
     /// The course of a part of the shape, placed `inner` in it.
     #[must_use]
-    pub fn of_part<R: Scalar>(&self, inner: &Placement<R>) -> Self {
+    pub fn of_part<R: Scalar>(&self, inner: &Isometry<R>) -> Self {
         Self { start: self.start.then(&wide_placement(inner)), ..*self }
     }
 
@@ -82,16 +82,16 @@ impl Course {
 
     /// Where the shape is.
     #[must_use]
-    pub fn at(&self, moment: f64) -> Placement<f64> {
+    pub fn at(&self, moment: f64) -> Isometry<f64> {
         let center = self.center + self.gone(moment);
         let turn = self.turn(moment);
         let position = center + turn.rotate(self.start.position - self.center);
-        Placement { position, orientation: (turn * self.start.orientation).normalize() }
+        Isometry { position, orientation: (turn * self.start.orientation).normalize() }
     }
 
     /// Of a ball about what it turns about.
     pub(crate) fn of_center(&self) -> Self {
-        let start = Placement { position: self.center, ..self.start };
+        let start = Isometry { position: self.center, ..self.start };
         Self { start, angular: Vector::zero(), ..*self }
     }
 

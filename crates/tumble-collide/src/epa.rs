@@ -3,9 +3,9 @@
 //! G. van den Bergen, "Proximity queries and penetration depth computation on 3D game objects", GDC 2001: a polyhedron inside the difference of the shapes grows
 //! where its surface is nearest to the origin, until it has the difference's own surface there.
 
-use crate::convex::{Vector, unit};
 use crate::gjk::{Nearest, Simplex, nearest, on_triangle};
 use crate::minkowski::{Difference, Reached};
+use crate::support_map::{Vector, unit};
 use crate::work;
 
 /// Where two shapes overlap least: the unit normal from the first to the second, and the point of the first that is deepest in the second.

@@ -2,8 +2,8 @@
 
 use tumble_math::lane::Lane;
 
-use crate::convex::Vector;
 use crate::feature::Feature;
+use crate::support_map::Vector;
 
 /// About y, from `-half_height` to `+half_height`.
 #[derive(Clone, Copy, Debug)]

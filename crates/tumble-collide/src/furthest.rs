@@ -1,6 +1,6 @@
 use std::cmp::Ordering;
 
-use crate::convex::Vector;
+use crate::support_map::Vector;
 use crate::work;
 
 /// Vectors of a leaf; with fewer than twice as many there is no tree.
@@ -136,10 +136,10 @@ mod tests {
     proptest! {
         #[test]
         fn it_is_that_of_going_through_all(vectors in vectors(), directions in vectors()) {
-            let tree = Furthest::new(&vectors);
+            let bvh = Furthest::new(&vectors);
             let all = Furthest::default();
             for d in directions.into_iter().chain([Vector::new(f64::NAN, 0.0, 1.0), Vector::new(1e200, 1e-200, 0.0)]) {
-                prop_assert_eq!(tree.find(&vectors, d), all.find(&vectors, d));
+                prop_assert_eq!(bvh.find(&vectors, d), all.find(&vectors, d));
             }
         }
     }
@@ -157,10 +157,10 @@ mod tests {
                     Vector::new(radius * cos, y, radius * sin)
                 })
                 .collect();
-            let tree = Furthest::new(&vectors);
+            let bvh = Furthest::new(&vectors);
             let _ = work::multiplications();
             for (i, vector) in vectors.iter().enumerate().step_by(97) {
-                assert_eq!(tree.find(&vectors, *vector), Some(i));
+                assert_eq!(bvh.find(&vectors, *vector), Some(i));
                 let looked = work::multiplications();
                 assert!(looked <= 16 * f64::from(count).sqrt() as usize, "{looked} of {count}");
             }

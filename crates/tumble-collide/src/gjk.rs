@@ -3,8 +3,8 @@
 //! E. G. Gilbert, D. W. Johnson, S. S. Keerthi, "A fast procedure for computing the distance between complex objects in three-dimensional space", IEEE
 //! J. Robot. Autom. 4 (1988); the nearest points of triangle and tetrahedron after C. Ericson, "Real-Time Collision Detection" (2005), 5.1.
 
-use crate::convex::Vector;
 use crate::minkowski::{Difference, Reached};
+use crate::support_map::Vector;
 
 /// Up to four points of the difference, and how much of each is in the point that is nearest to the origin.
 #[derive(Clone, Copy, Debug)]

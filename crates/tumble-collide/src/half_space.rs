@@ -2,11 +2,11 @@
 
 use tumble_math::lane::Vec3;
 
-use crate::geometry::Placement;
+use crate::collider_shape::Isometry;
 use crate::manifold::{ContactPoint, Manifold, Points};
 use crate::scalar::Scalar;
 
-impl<R: Scalar> Placement<R> {
+impl<R: Scalar> Isometry<R> {
     /// Out of the half-space placed here.
     pub(crate) fn up(&self) -> Vec3<R> {
         let [_, up, _] = self.orientation.axes();
@@ -14,8 +14,8 @@ impl<R: Scalar> Placement<R> {
     }
 }
 
-pub(crate) fn half_space_and_ball<R: Scalar>(
-    ground: &Placement<R>,
+pub(crate) fn half_space_and_sphere<R: Scalar>(
+    ground: &Isometry<R>,
     radius: R,
     center: Vec3<R>,
     margin: R,
@@ -27,9 +27,9 @@ pub(crate) fn half_space_and_ball<R: Scalar>(
 
 /// The corners that are near enough of the face that looks down most: those above them hold nothing. A feature is the number of a corner.
 pub(crate) fn half_space_and_cuboid<R: Scalar>(
-    ground: &Placement<R>,
+    ground: &Isometry<R>,
     half_extents: Vec3<R>,
-    at: &Placement<R>,
+    at: &Isometry<R>,
     margin: R,
 ) -> Manifold<R> {
     let up = ground.up();
@@ -56,10 +56,10 @@ pub(crate) fn half_space_and_cuboid<R: Scalar>(
 
 /// Both ends that are near enough. A feature is the number of an end, the lower one on its axis first.
 pub(crate) fn half_space_and_capsule<R: Scalar>(
-    ground: &Placement<R>,
+    ground: &Isometry<R>,
     radius: R,
     half_height: R,
-    at: &Placement<R>,
+    at: &Isometry<R>,
     margin: R,
 ) -> Manifold<R> {
     let up = ground.up();

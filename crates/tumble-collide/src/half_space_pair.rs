@@ -1,17 +1,17 @@
 //! A half-space against what is not a ball, a box or a capsule.
 
-use crate::convex::{Convex, Vector, narrow};
+use crate::collider_shape::{ColliderShape, Isometry};
 use crate::convex_pair::wide_placement;
-use crate::geometry::{Geometry, Placement};
 use crate::manifold::{ContactPoint, Manifold, Points};
 use crate::scalar::Scalar;
+use crate::support_map::{Convex, Vector, narrow};
 use crate::underside::stood_on;
 
 /// From the half-space to points of the shape: for a hull or a surface all corners that are near, for what is round the corners of what it lies on.
 pub(crate) fn half_space_and_other<R: Scalar>(
-    ground: &Placement<R>,
-    geometry: &Geometry<R>,
-    at: &Placement<R>,
+    ground: &Isometry<R>,
+    shape: &ColliderShape<R>,
+    at: &Isometry<R>,
     margin: R,
 ) -> Manifold<R> {
     let (ground_at, body) = (wide_placement(ground), wide_placement(at));
@@ -26,18 +26,18 @@ pub(crate) fn half_space_and_other<R: Scalar>(
         let points = corners.iter().zip(0..).filter_map(|(corner, index)| near(*corner, index));
         stood_on(points, up, margin.into())
     };
-    let points = match geometry {
-        Geometry::Mesh(mesh) => of_all(mesh.points()),
-        Geometry::HeightField(field) => of_all(field.points()),
-        _ => match Convex::of(geometry) {
+    let points = match shape {
+        ColliderShape::Mesh(mesh) => of_all(mesh.points()),
+        ColliderShape::HeightField(field) => of_all(field.points()),
+        _ => match Convex::of(shape) {
             Some((Convex::Hull(hull), _)) => of_all(hull.points()),
-            Some((convex, _)) => {
+            Some((support_map, _)) => {
                 let down = up * -1.0;
-                let feature = match convex {
+                let feature = match support_map {
                     Convex::Frustum(frustum) => {
                         frustum.cap::<4>(down, margin.into()).unwrap_or_else(|| frustum.side(down))
                     }
-                    _ => convex.feature(down, margin.into()),
+                    _ => support_map.feature(down, margin.into()),
                 };
                 let points = feature.corners().iter().filter_map(|corner| near(corner.at, corner.id));
                 stood_on(points, up, margin.into())

@@ -2,10 +2,10 @@ use std::ops::RangeInclusive;
 
 use thiserror::Error;
 
-use crate::bounds::Bounds;
-use crate::convex::Vector;
+use crate::aabb::Aabb;
+use crate::bvh::enclosing;
+use crate::support_map::Vector;
 use crate::surface::{Patches, Surface};
-use crate::tree::enclosing;
 
 /// Ground given by its height at the crossings of a grid, made to be touched from above.
 ///
@@ -28,7 +28,7 @@ pub struct HeightField {
     columns: u32,
     rows: u32,
     spacing: [f64; 2],
-    bounds: Bounds<f64>,
+    aabb: Aabb<f64>,
     patches: Patches,
 }
 
@@ -109,10 +109,10 @@ impl HeightField {
             Vector::new((column - wide) * spacing[0], *height, (row - deep) * spacing[1])
         };
         let points: Vec<Vector> = heights.iter().enumerate().map(place).collect();
-        let of = |point: Vector| Bounds { low: point, high: point };
-        let bounds = points.iter().fold(of(points[0]), |bounds, point| enclosing(&bounds, &of(*point)));
+        let of = |point: Vector| Aabb { low: point, high: point };
+        let aabb = points.iter().fold(of(points[0]), |aabb, point| enclosing(&aabb, &of(*point)));
         let (columns, rows) = (columns as u32, rows as u32);
-        let mut this = Self { points, columns, rows, spacing, bounds, patches: Patches::default() };
+        let mut this = Self { points, columns, rows, spacing, aabb, patches: Patches::default() };
         this.patches = Patches::of(&this);
         Ok(this)
     }
@@ -141,8 +141,8 @@ impl HeightField {
     }
 
     /// The box along the axes that holds it.
-    pub(crate) fn bounds(&self) -> Bounds<f64> {
-        self.bounds
+    pub(crate) fn aabb(&self) -> Aabb<f64> {
+        self.aabb
     }
 
     /// Column and row of a triangle's cell, and which of the two it is.
@@ -200,8 +200,8 @@ impl Surface for HeightField {
         }
     }
 
-    fn near(&self, bounds: &Bounds<f64>, visit: &mut dyn FnMut(u32)) {
-        if !self.bounds.meets(bounds) {
+    fn near(&self, aabb: &Aabb<f64>, visit: &mut dyn FnMut(u32)) {
+        if !self.aabb.meets(aabb) {
             return;
         }
         // A number out of range becomes the nearest that is in it.
@@ -209,12 +209,12 @@ impl Surface for HeightField {
             let cell = |x: f64| (((x - first) / spacing).max(0.0) as u32).min(cells - 1);
             cell(low)..=cell(high)
         };
-        let (low, high) = (bounds.low, bounds.high);
-        for row in range(low.z, high.z, self.bounds.low.z, self.spacing[1], self.rows - 1) {
-            for column in range(low.x, high.x, self.bounds.low.x, self.spacing[0], self.columns - 1) {
+        let (low, high) = (aabb.low, aabb.high);
+        for row in range(low.z, high.z, self.aabb.low.z, self.spacing[1], self.rows - 1) {
+            for column in range(low.x, high.x, self.aabb.low.x, self.spacing[0], self.columns - 1) {
                 let first = 2 * (row * (self.columns - 1) + column);
                 for triangle in [first, first + 1] {
-                    if crate::mesh::around(&self.triangle(triangle)).meets(bounds) {
+                    if crate::mesh::around(&self.triangle(triangle)).meets(aabb) {
                         visit(triangle);
                     }
                 }

@@ -7,17 +7,17 @@ use tumble_math::lane::{Lane, Vec3};
 use crate::manifold::{ContactPoint, MAX_MANIFOLD_POINTS, Manifold, Points};
 use crate::scalar::Scalar;
 
-pub use crate::balls::ball_pair;
 pub use crate::cuboids::{CuboidLanes, cuboid_gap, cuboid_pair};
+pub use crate::sphere_lanes::sphere_pair;
 
 /// How pairs of shapes touch, each as a [`Manifold`] says it.
 ///
 /// ```
-/// use tumble_collide::lanes::ball_pair;
+/// use tumble_collide::lanes::sphere_pair;
 /// use tumble_math::lane::Vec3;
 ///
 /// // One pair is a lane of one.
-/// let apart = ball_pair(1.0, 0.5, Vec3::new(2.0_f64, 0.0, 0.0), 0.02);
+/// let apart = sphere_pair(1.0, 0.5, Vec3::new(2.0_f64, 0.0, 0.0), 0.02);
 /// assert_eq!(apart.count, 0.0);
 /// ```
 #[derive(Clone, Copy, Debug)]

@@ -4,63 +4,63 @@
 //! every machine: basic IEEE arithmetic, ties broken by index.
 //!
 //! ```
-//! use tumble_collide::{Geometry, Placement, collide};
+//! use tumble_collide::{ColliderShape, Isometry, contact_manifold};
 //! use tumble_math::lane::Vec3;
 //!
-//! let ball = Geometry::Ball { radius: 0.5 };
-//! let (ground, origin) = (Geometry::HalfSpace, Placement::at(Vec3::zero()));
-//! let above = Placement::at(Vec3::new(0.0, 0.49, 0.0));
-//! let manifold = collide(&ground, &origin, &ball, &above, 0.02);
-//! // The ball is a centimetre inside the ground, whose surface looks up to it.
+//! let sphere = ColliderShape::Sphere { radius: 0.5 };
+//! let (ground, origin) = (ColliderShape::HalfSpace, Isometry::at(Vec3::zero()));
+//! let above = Isometry::at(Vec3::new(0.0, 0.49, 0.0));
+//! let manifold = contact_manifold(&ground, &origin, &sphere, &above, 0.02);
+//! // The sphere is a centimetre inside the ground, whose surface looks up to it.
 //! assert_eq!((manifold.normal.y, manifold.points().len()), (1.0, 1));
 //! assert!((manifold.points()[0].separation - -0.01_f64).abs() < 1e-15);
 //! ```
 
-mod ball;
-mod balls;
-mod bounds;
+mod aabb;
 mod broad_phase;
+mod bvh;
 mod capsule;
 mod cast;
-mod collide;
+mod collider_shape;
 mod compound;
-mod convex;
+mod contact_manifold;
 mod convex_hull;
 mod convex_pair;
 mod course;
 mod cuboids;
 mod epa;
+mod face_clipping;
 mod feature;
 mod frustum;
 mod furthest;
-mod geometry;
 mod gjk;
 mod half_space;
 mod half_space_pair;
 mod height_field;
 pub mod lanes;
 mod manifold;
+mod manifold_reduction;
 mod mesh;
+mod mesh_pair;
 mod minkowski;
-mod overlay;
 #[cfg(test)]
 mod pair_tests;
-mod reduction;
 mod scalar;
+mod sphere;
+mod sphere_lanes;
+mod support_map;
 mod surface;
-mod surface_pair;
-mod tree;
 mod underside;
 mod work;
 
-pub use bounds::Bounds;
+pub use aabb::Aabb;
 pub use broad_phase::{BroadPhase, Proxy};
 pub use cast::{Follow, Meeting};
-pub use collide::{collide, touching};
+pub use collider_shape::{ColliderShape, Isometry};
 pub use compound::Compound;
+pub use contact_manifold::{contact_manifold, contact_manifolds};
 pub use convex_hull::ConvexHull;
 pub use course::Course;
-pub use geometry::{Geometry, Placement};
 pub use height_field::{HeightField, HeightFieldError};
 pub use manifold::{ContactPoint, MAX_MANIFOLD_POINTS, Manifold};
 pub use mesh::Mesh;

@@ -5,12 +5,12 @@ use crate::scalar::Scalar;
 /// Where two shapes are nearest to touching.
 ///
 /// ```
-/// use tumble_collide::{Geometry, Placement, collide};
+/// use tumble_collide::{ColliderShape, Isometry, contact_manifold};
 /// use tumble_math::lane::Vec3;
 ///
-/// let cube = Geometry::Cuboid { half_extents: Vec3::splat(0.5) };
-/// let on_it = Placement::at(Vec3::new(0.0, 1.01, 0.0));
-/// let manifold = collide(&cube, &Placement::at(Vec3::zero()), &cube, &on_it, 0.02);
+/// let cube = ColliderShape::Cuboid { half_extents: Vec3::splat(0.5) };
+/// let on_it = Isometry::at(Vec3::new(0.0, 1.01, 0.0));
+/// let manifold = contact_manifold(&cube, &Isometry::at(Vec3::zero()), &cube, &on_it, 0.02);
 /// for point in manifold.points() {
 ///     assert!((point.separation - 0.01_f64).abs() < 1e-15 && (point.position.y - 0.505).abs() < 1e-15);
 /// }
@@ -28,12 +28,12 @@ pub struct ContactPoint<R> {
 /// How two shapes touch: one normal, and up to four points on it.
 ///
 /// ```
-/// use tumble_collide::{Geometry, Placement, collide};
+/// use tumble_collide::{ColliderShape, Isometry, contact_manifold};
 /// use tumble_math::lane::Vec3;
 ///
-/// let cube = Geometry::Cuboid { half_extents: Vec3::splat(0.5) };
-/// let on_it = Placement::at(Vec3::new(0.0, 1.01, 0.0));
-/// let manifold = collide(&cube, &Placement::at(Vec3::zero()), &cube, &on_it, 0.02);
+/// let cube = ColliderShape::Cuboid { half_extents: Vec3::splat(0.5) };
+/// let on_it = Isometry::at(Vec3::new(0.0, 1.01, 0.0));
+/// let manifold = contact_manifold(&cube, &Isometry::at(Vec3::zero()), &cube, &on_it, 0.02);
 /// // A centimetre apart, which is nearer than the margin: the four corners.
 /// assert_eq!((manifold.points().len(), manifold.normal.y), (4, 1.0_f64));
 /// ```

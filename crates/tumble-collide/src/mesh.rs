@@ -1,9 +1,9 @@
 use tumble_math::{MeshError, TriangleMesh};
 
-use crate::bounds::Bounds;
-use crate::convex::Vector;
+use crate::aabb::Aabb;
+use crate::bvh::{Tree, enclosing};
+use crate::support_map::Vector;
 use crate::surface::{Patches, Surface};
-use crate::tree::{Tree, enclosing};
 
 /// A surface of triangles, made to be touched from its outside: the side from which the corners of a triangle run counter-clockwise.
 ///
@@ -31,7 +31,7 @@ pub struct Mesh {
     starts: Vec<u32>,
     ends: Vec<u32>,
     patches: Patches,
-    tree: Tree,
+    bvh: Tree,
 }
 
 impl Mesh {
@@ -58,13 +58,13 @@ impl Mesh {
             starts: Vec::new(),
             ends: Vec::new(),
             patches: Patches::default(),
-            tree: Tree::new(&[]),
+            bvh: Tree::new(&[]),
             points,
             triangles,
         };
         this.join_corners();
-        let boxes: Vec<Bounds<f64>> = (0..this.count()).map(|triangle| around(&this.triangle(triangle))).collect();
-        this.tree = Tree::new(&boxes);
+        let boxes: Vec<Aabb<f64>> = (0..this.count()).map(|triangle| around(&this.triangle(triangle))).collect();
+        this.bvh = Tree::new(&boxes);
         this.patches = Patches::of(&this);
         Ok(this)
     }
@@ -87,8 +87,8 @@ impl Mesh {
     }
 
     /// The box along the axes that holds it.
-    pub(crate) fn bounds(&self) -> Bounds<f64> {
-        self.tree.bounds()
+    pub(crate) fn aabb(&self) -> Aabb<f64> {
+        self.bvh.aabb()
     }
 
     fn join_corners(&mut self) {
@@ -106,8 +106,8 @@ impl Mesh {
 }
 
 /// The box of a triangle.
-pub(crate) fn around([a, b, c]: &[Vector; 3]) -> Bounds<f64> {
-    let of = |point: Vector| Bounds { low: point, high: point };
+pub(crate) fn around([a, b, c]: &[Vector; 3]) -> Aabb<f64> {
+    let of = |point: Vector| Aabb { low: point, high: point };
     enclosing(&enclosing(&of(*a), &of(*b)), &of(*c))
 }
 
@@ -182,8 +182,8 @@ impl Surface for Mesh {
         self.ends[range].iter().for_each(|end| visit(*end));
     }
 
-    fn near(&self, bounds: &Bounds<f64>, visit: &mut dyn FnMut(u32)) {
-        self.tree.near(bounds, visit);
+    fn near(&self, aabb: &Aabb<f64>, visit: &mut dyn FnMut(u32)) {
+        self.bvh.near(aabb, visit);
     }
 
     fn patches(&self) -> &Patches {

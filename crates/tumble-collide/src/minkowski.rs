@@ -1,6 +1,6 @@
 //! All differences of a point of one convex shape and a point of another: how far the origin is from this set is how far the shapes are apart.
 
-use crate::convex::{Convex, Vector};
+use crate::support_map::{Convex, Vector};
 use crate::work;
 
 /// Two convex shapes, seen from the first.

@@ -8,13 +8,13 @@ use std::sync::Arc;
 use proptest::prelude::*;
 use tumble_math::lane::{Quat, Vec3};
 
-use crate::convex::{Convex, Vector, unit};
+use crate::collider_shape::{ColliderShape, Isometry};
 use crate::convex_hull::ConvexHull;
 use crate::convex_pair::{approach, difference};
-use crate::geometry::{Geometry, Placement};
 use crate::mesh::Mesh;
 use crate::minkowski::Difference;
-use crate::{collide, work};
+use crate::support_map::{Convex, Vector, unit};
+use crate::{contact_manifold, work};
 
 /// Points reached of a pair: turns of the search for the nearest points, points of the polyhedron and what starts it, refinements, and the choice of a face.
 const MAX_REACHED: usize = 64 + 24 + 512 + 12 + 5 * 8 * 65 + 8;
@@ -33,12 +33,12 @@ fn vector(range: std::ops::Range<f64>) -> impl Strategy<Value = Vector> {
     [range.clone(), range.clone(), range].prop_map(|[x, y, z]| Vec3::new(x, y, z))
 }
 
-fn hull(points: &[Vector]) -> Option<Geometry<f64>> {
-    ConvexHull::new(points).ok().map(|hull| Geometry::Hull(Arc::new(hull)))
+fn hull(points: &[Vector]) -> Option<ColliderShape<f64>> {
+    ConvexHull::new(points).ok().map(|hull| ColliderShape::Hull(Arc::new(hull)))
 }
 
 /// A shape of about this size; `like` another in its proportions or not.
-fn shape() -> impl Strategy<Value = Geometry<f64>> {
+fn shape() -> impl Strategy<Value = ColliderShape<f64>> {
     let lengths = || [length(), length(), length()];
     // Proportions of one to ten, which most shapes have, beside any.
     let alike = (length(), [0.1..1.0, 0.1..1.0, 0.1..1.0]).prop_map(|(size, parts)| parts.map(|part: f64| size * part));
@@ -54,14 +54,14 @@ fn shape() -> impl Strategy<Value = Geometry<f64>> {
     });
     prop_oneof![
         6 => (three, 0..8_u32).prop_map(|([a, b, c], kind)| match kind {
-            0 => Geometry::Ball { radius: a },
-            1 => Geometry::Cuboid { half_extents: Vec3::new(a, b, c) },
-            2 => Geometry::Capsule { radius: a, half_height: b },
-            3 => Geometry::Cylinder { radius: a, half_height: b },
-            4 => Geometry::Cone { radius: a, half_height: b },
-            5 => Geometry::Frustum { radius_bottom: a, radius_top: b, half_height: c },
-            6 => Geometry::TaperedCapsule { radius_bottom: a, radius_top: b, half_height: c },
-            _ => Geometry::Ellipsoid { radii: Vec3::new(a, b, c) },
+            0 => ColliderShape::Sphere { radius: a },
+            1 => ColliderShape::Cuboid { half_extents: Vec3::new(a, b, c) },
+            2 => ColliderShape::Capsule { radius: a, half_height: b },
+            3 => ColliderShape::Cylinder { radius: a, half_height: b },
+            4 => ColliderShape::Cone { radius: a, half_height: b },
+            5 => ColliderShape::Frustum { radius_bottom: a, radius_top: b, half_height: c },
+            6 => ColliderShape::TaperedCapsule { radius_bottom: a, radius_top: b, half_height: c },
+            _ => ColliderShape::Ellipsoid { radii: Vec3::new(a, b, c) },
         }),
         2 => points.prop_filter_map("flat", |points| hull(&points)),
         1 => prism.prop_filter_map("flat", |points| hull(&points)),
@@ -89,7 +89,7 @@ fn turn() -> impl Strategy<Value = Quat<f64>> {
 }
 
 /// Two shapes, or the same twice, and where the second is: as far from the first as they reach together, times these along each axis.
-fn pair() -> impl Strategy<Value = (Geometry<f64>, Geometry<f64>, Placement<f64>)> {
+fn pair() -> impl Strategy<Value = (ColliderShape<f64>, ColliderShape<f64>, Isometry<f64>)> {
     let places = prop_oneof![
         4 => vector(-1.0..1.0),
         // A little beside each other; along an axis; one in the other.
@@ -105,18 +105,18 @@ fn pair() -> impl Strategy<Value = (Geometry<f64>, Geometry<f64>, Placement<f64>
         let second = if same == 0 { first.clone() } else { other };
         let reach = [&first, &second].map(|shape| shape.reach().unwrap_or(1.0));
         let position = place * (reach[0] + reach[1]);
-        (first, second, Placement { position, orientation })
+        (first, second, Isometry { position, orientation })
     })
 }
 
-fn here() -> Placement<f64> {
-    Placement::at(Vec3::zero())
+fn here() -> Isometry<f64> {
+    Isometry::at(Vec3::zero())
 }
 
 /// All directions in which the shortest way out of two polyhedra may lead.
 fn ways_out(shapes: &Difference<'_>) -> Option<Vec<Vector>> {
-    let edges = |convex: &Convex<'_>| -> Option<Vec<Vector>> {
-        match convex {
+    let edges = |support_map: &Convex<'_>| -> Option<Vec<Vector>> {
+        match support_map {
             Convex::Cuboid { .. } => {
                 Some(vec![Vec3::new(1.0, 0.0, 0.0), Vec3::new(0.0, 1.0, 0.0), Vec3::new(0.0, 0.0, 1.0)])
             }
@@ -148,9 +148,9 @@ fn directions(count: usize) -> impl Iterator<Item = Vector> {
     })
 }
 
-fn check(first: &Geometry<f64>, second: &Geometry<f64>, at: &Placement<f64>) -> Result<(), TestCaseError> {
+fn check(first: &ColliderShape<f64>, second: &ColliderShape<f64>, at: &Isometry<f64>) -> Result<(), TestCaseError> {
     let _ = work::taken();
-    let manifold = collide(first, &here(), second, at, 0.02);
+    let manifold = contact_manifold(first, &here(), second, at, 0.02);
     let [reached, compared, _] = work::taken();
     prop_assert!(reached <= MAX_REACHED && compared <= MAX_COMPARED, "{reached} points, {compared} faces and sides");
     for point in manifold.points() {
@@ -159,7 +159,7 @@ fn check(first: &Geometry<f64>, second: &Geometry<f64>, at: &Placement<f64>) -> 
         prop_assert!((manifold.normal.dot(manifold.normal) - 1.0).abs() < 1e-9, "{:?}", manifold.normal);
     }
     let (Some((a, _)), Some((b, _))) = (Convex::of(first), Convex::of(second)) else { return Ok(()) };
-    let is_thin = |convex: &Convex<'_>| matches!(convex, Convex::Point | Convex::Segment { .. });
+    let is_thin = |support_map: &Convex<'_>| matches!(support_map, Convex::Point | Convex::Segment { .. });
     if is_thin(&a) && is_thin(&b) {
         // Balls and capsules have code of their own.
         return Ok(());
@@ -198,16 +198,16 @@ proptest! {
 /// A box deep in a cylinder, and as rounding may move them. The polyhedron tore, and its faces were tested for eight seconds.
 #[test]
 fn a_torn_polyhedron_ends() {
-    let cuboid = Geometry::Cuboid { half_extents: Vec3::new(0.076_981_66, 0.022_479_191, 0.043_510_687) };
-    let can = Geometry::Cylinder { radius: 0.063_045_35, half_height: 0.353_498_37 };
-    let of_box = Placement {
+    let cuboid = ColliderShape::Cuboid { half_extents: Vec3::new(0.076_981_66, 0.022_479_191, 0.043_510_687) };
+    let can = ColliderShape::Cylinder { radius: 0.063_045_35, half_height: 0.353_498_37 };
+    let of_box = Isometry {
         position: Vec3::new(-0.051_493_548, 0.044_589_825, -0.032_926_33),
         orientation: Quat { x: -0.122_235_596, y: -0.505_367_46, z: 0.740_855_6, w: 0.425_200_22 },
     };
     let mut most = [0; 2];
     for step in 0..4000 {
         let bit = |k: i32| f64::from((step >> (2 * k)) % 4) * 2e-9;
-        let of_can = Placement {
+        let of_can = Isometry {
             position: Vec3::new(
                 0.041_309_754_134_048_86 + bit(0),
                 0.050_020_997_937_949_43 + bit(1),
@@ -221,7 +221,7 @@ fn a_torn_polyhedron_ends() {
             },
         };
         let _ = work::taken();
-        let manifold = collide(&cuboid, &of_box, &can, &of_can, 0.02);
+        let manifold = contact_manifold(&cuboid, &of_box, &can, &of_can, 0.02);
         let taken = work::taken();
         most = [most[0].max(taken[0]), most[1].max(taken[1])];
         assert!(!manifold.points().is_empty());
@@ -230,28 +230,28 @@ fn a_torn_polyhedron_ends() {
 }
 
 /// A fan of triangles about one corner, flat or as a cone that points up or down.
-fn fan(triangles: u32, height: f64) -> Geometry<f64> {
+fn fan(triangles: u32, height: f64) -> ColliderShape<f64> {
     let mut points = vec![Vec3::new(0.0, height, 0.0)];
     points.extend((0..triangles).map(|k| {
         let (sin, cos) = (std::f64::consts::TAU * f64::from(k) / f64::from(triangles)).sin_cos();
         Vec3::new(cos, 0.0, sin)
     }));
     let corners: Vec<[u32; 3]> = (0..triangles).map(|k| [0, 1 + (k + 1) % triangles, 1 + k]).collect();
-    Geometry::Mesh(Arc::new(Mesh::new(&points, &corners).unwrap()))
+    ColliderShape::Mesh(Arc::new(Mesh::new(&points, &corners).unwrap()))
 }
 
 /// However many triangles have one corner, twice as many take twice the work, and the contact is the same.
 #[test]
 fn a_fan_takes_work_in_proportion_to_its_triangles() {
-    let bodies = [Geometry::Cuboid { half_extents: Vec3::splat(0.2) }, Geometry::Ball { radius: 0.2 }];
+    let bodies = [ColliderShape::Cuboid { half_extents: Vec3::splat(0.2) }, ColliderShape::Sphere { radius: 0.2 }];
     for height in [0.0, 0.5, -0.5] {
         for body in &bodies {
             for lift in [-0.01, 0.01] {
-                let at = Placement::at(Vec3::new(0.01, f64::max(height, 0.0) + 0.2 + lift, 0.02));
+                let at = Isometry::at(Vec3::new(0.01, f64::max(height, 0.0) + 0.2 + lift, 0.02));
                 let met = |triangles: u32| {
                     let ground = fan(triangles, height);
                     let _ = work::taken();
-                    let manifold = collide(&ground, &here(), body, &at, 0.02);
+                    let manifold = contact_manifold(&ground, &here(), body, &at, 0.02);
                     let [reached, compared, _] = work::taken();
                     (reached + compared, manifold.points().len(), manifold.normal)
                 };

@@ -1,7 +1,7 @@
 //! What meshes and height fields have in common: triangles that know what is beyond their sides.
 
-use crate::bounds::Bounds;
-use crate::convex::{Vector, unit};
+use crate::aabb::Aabb;
+use crate::support_map::{Vector, unit};
 
 /// Triangles, counter-clockwise as seen from outside. Side `k` goes from corner `k` to the next.
 pub(crate) trait Surface {
@@ -20,7 +20,7 @@ pub(crate) trait Surface {
     fn around(&self, corner: u32, visit: &mut dyn FnMut(u32));
 
     /// Shows the triangles that a box may meet.
-    fn near(&self, bounds: &Bounds<f64>, visit: &mut dyn FnMut(u32));
+    fn near(&self, aabb: &Aabb<f64>, visit: &mut dyn FnMut(u32));
 
     fn patches(&self) -> &Patches;
 

@@ -3,9 +3,9 @@
 //! A body comes to stand on a facet of the lower hull of its corners. Heights are measured over that facet, so that a tilt of the whole body changes nothing, and a corner is
 //! worth how far out it is less its height many times over: what lies over a lower corner never takes its place. All lengths are in proportion to the body.
 
-use crate::convex::Vector;
+use crate::face_clipping::AS_NEAR;
 use crate::manifold::{ContactPoint, MAX_MANIFOLD_POINTS, Points};
-use crate::overlay::AS_NEAR;
+use crate::support_map::Vector;
 
 /// By how much a later point must be better than an earlier one to be taken in its place: as much as rounding may make of points that are the same.
 const LEAD: f64 = 1e-6;
@@ -70,7 +70,7 @@ impl Facet {
     /// `None` of no points.
     fn under(points: &(impl Iterator<Item = ContactPoint<f64>> + Clone), up: Vector) -> Option<Self> {
         let aside = if up.x.abs() < 0.5 { Vector::new(1.0, 0.0, 0.0) } else { Vector::new(0.0, 1.0, 0.0) };
-        let first = crate::convex::unit(up.cross(aside));
+        let first = crate::support_map::unit(up.cross(aside));
         let nowhere = Corner { index: 0, at: [0.0; 2], height: 0.0, above: 0.0 };
         let (axes, zero) = ([first, up.cross(first)], [0.0; 2]);
         let mut this = Self { axes, lowest: nowhere, slope: zero, middle: zero, extent: 0.0 };

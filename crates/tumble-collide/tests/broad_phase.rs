@@ -5,7 +5,7 @@
 //! another day. Every history is compared with what all pairs, asked one by one, give.
 
 use proptest::prelude::*;
-use tumble_collide::{Bounds, BroadPhase, Proxy, Scalar};
+use tumble_collide::{Aabb, BroadPhase, Proxy, Scalar};
 use tumble_math::lane::Vec3;
 
 /// What happens between two updates.
@@ -68,8 +68,8 @@ fn event() -> impl Strategy<Value = Event> {
 
 fn proxy<R: Scalar>(object: &Object) -> Proxy<R> {
     let vector = |v: [f64; 3]| Vec3::new(R::splat(v[0]), R::splat(v[1]), R::splat(v[2]));
-    let bounds = Bounds::about(vector(object.center), vector(object.half));
-    Proxy { bounds: (!object.endless).then_some(bounds), moves: object.moves }
+    let aabb = Aabb::about(vector(object.center), vector(object.half));
+    Proxy { aabb: (!object.endless).then_some(aabb), moves: object.moves }
 }
 
 fn happen(event: &Event, objects: &mut Vec<Object>) {
@@ -155,7 +155,7 @@ fn check<R: Scalar>(start: &[Object], events: &[Event]) -> Result<(), TestCaseEr
 }
 
 fn endless<R>(proxies: &[Proxy<R>], index: u32) -> bool {
-    proxies[index as usize].bounds.is_none()
+    proxies[index as usize].aabb.is_none()
 }
 
 proptest! {

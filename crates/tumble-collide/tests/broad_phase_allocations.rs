@@ -3,7 +3,7 @@
 //! Why: an allocation in a game's frame is a hitch. There is one test in this file, because the whole process is counted.
 
 use alloc_tracker::{Allocator, Session};
-use tumble_collide::{Bounds, BroadPhase, Proxy};
+use tumble_collide::{Aabb, BroadPhase, Proxy};
 use tumble_math::lane::Vec3;
 
 #[global_allocator]
@@ -18,17 +18,17 @@ fn place(proxies: &mut [Proxy<f32>], step: u32, every: u32) {
         let home = [i % 13, i / 13 % 13, i / 169].map(|place| 1.05 * place as f32);
         let way = [i * 7 % 11, i * 5 % 13, i * 3 % 7].map(|way| way as f32 - 5.0);
         let at = |axis: usize| home[axis] + 0.3 * part * way[axis];
-        proxy.bounds = Some(Bounds::about(Vec3::new(at(0), at(1), at(2)), Vec3::splat(0.5)));
+        proxy.aabb = Some(Aabb::about(Vec3::new(at(0), at(1), at(2)), Vec3::splat(0.5)));
     }
 }
 
 #[test]
 fn the_second_time_allocates_nothing() {
     let session = Session::new();
-    let mut proxies = vec![Proxy { bounds: None, moves: true }; COUNT as usize];
+    let mut proxies = vec![Proxy { aabb: None, moves: true }; COUNT as usize];
     place(&mut proxies, 0, 1);
-    let wall = Bounds::about(Vec3::zero(), Vec3::splat(3.0));
-    proxies.extend([Proxy { bounds: None, moves: false }, Proxy { bounds: Some(wall), moves: false }]);
+    let wall = Aabb::about(Vec3::zero(), Vec3::splat(3.0));
+    proxies.extend([Proxy { aabb: None, moves: false }, Proxy { aabb: Some(wall), moves: false }]);
     for every in [1, 40] {
         // Every round begins as the first did, so it is the same.
         let mut broad_phase = BroadPhase::default();

@@ -5,7 +5,7 @@
 //! bodies through each other.
 
 use proptest::prelude::*;
-use tumble_collide::{Geometry, Manifold, Placement, collide};
+use tumble_collide::{ColliderShape, Isometry, Manifold, contact_manifold};
 use tumble_math::lane::{Quat, Vec3};
 
 const MARGIN: f64 = 0.02;
@@ -31,14 +31,14 @@ fn rotation() -> impl Strategy<Value = Quat<f64>> {
     ]
 }
 
-fn placement() -> impl Strategy<Value = Placement<f64>> {
-    (vector(-1.5..1.5), rotation()).prop_map(|(position, orientation)| Placement { position, orientation })
+fn placement() -> impl Strategy<Value = Isometry<f64>> {
+    (vector(-1.5..1.5), rotation()).prop_map(|(position, orientation)| Isometry { position, orientation })
 }
 
-fn geometry() -> impl Strategy<Value = Geometry<f64>> {
+fn shape() -> impl Strategy<Value = ColliderShape<f64>> {
     prop_oneof![
-        (0.1..1.0).prop_map(|radius| Geometry::Ball { radius }),
-        vector(0.1..1.0).prop_map(|half_extents| Geometry::Cuboid { half_extents }),
+        (0.1..1.0).prop_map(|radius| ColliderShape::Sphere { radius }),
+        vector(0.1..1.0).prop_map(|half_extents| ColliderShape::Cuboid { half_extents }),
     ]
 }
 
@@ -50,16 +50,18 @@ fn least(manifold: &Manifold<f64>) -> Option<f64> {
     manifold.points().iter().map(|point| point.separation).reduce(f64::min)
 }
 
-fn moved(at: &Placement<f64>, by: Vec3<f64>) -> Placement<f64> {
-    Placement { position: at.position + by, ..*at }
+fn moved(at: &Isometry<f64>, by: Vec3<f64>) -> Isometry<f64> {
+    Isometry { position: at.position + by, ..*at }
 }
 
 /// How far a point is outside a shape at the least; negative inside.
-fn outside(point: Vec3<f64>, geometry: &Geometry<f64>, at: &Placement<f64>) -> f64 {
+fn outside(point: Vec3<f64>, shape: &ColliderShape<f64>, at: &Isometry<f64>) -> f64 {
     let local = at.orientation.rotate_back(point - at.position);
-    match *geometry {
-        Geometry::Ball { radius } => length(local) - radius,
-        Geometry::Cuboid { half_extents: h } => (local.x.abs() - h.x).max(local.y.abs() - h.y).max(local.z.abs() - h.z),
+    match *shape {
+        ColliderShape::Sphere { radius } => length(local) - radius,
+        ColliderShape::Cuboid { half_extents: h } => {
+            (local.x.abs() - h.x).max(local.y.abs() - h.y).max(local.z.abs() - h.z)
+        }
         _ => local.y,
     }
 }
@@ -69,8 +71,8 @@ proptest! {
 
     /// Half the separation from the point, along the normal, is a surface on either side.
     #[test]
-    fn points_are_between_the_surfaces(a in geometry(), at in placement(), b in geometry(), bt in placement()) {
-        let manifold = collide(&a, &at, &b, &bt, MARGIN);
+    fn points_are_between_the_surfaces(a in shape(), at in placement(), b in shape(), bt in placement()) {
+        let manifold = contact_manifold(&a, &at, &b, &bt, MARGIN);
         prop_assert!(manifold.points().len() <= 4);
         for point in manifold.points() {
             prop_assert!((length(manifold.normal) - 1.0).abs() < ROUNDING);
@@ -85,11 +87,11 @@ proptest! {
 
     /// No point of one is in the other where they are said to be apart, and moving them apart as far as they overlap parts them.
     #[test]
-    fn the_least_separation_is_the_way_out(a in geometry(), at in placement(), b in geometry(), bt in placement(), inside in vector(-1.0..1.0)) {
-        let manifold = collide(&a, &at, &b, &bt, MARGIN);
+    fn the_least_separation_is_the_way_out(a in shape(), at in placement(), b in shape(), bt in placement(), inside in vector(-1.0..1.0)) {
+        let manifold = contact_manifold(&a, &at, &b, &bt, MARGIN);
         let within = match a {
-            Geometry::Cuboid { half_extents } => half_extents.scale(inside),
-            Geometry::Ball { radius } => inside * (radius / 3.0_f64.sqrt()),
+            ColliderShape::Cuboid { half_extents } => half_extents.scale(inside),
+            ColliderShape::Sphere { radius } => inside * (radius / 3.0_f64.sqrt()),
             _ => inside,
         };
         let point = at.position + at.orientation.rotate(within);
@@ -98,7 +100,7 @@ proptest! {
             Some(separation) => {
                 prop_assert!(!shared || separation < 0.0, "a point of both, and {separation}");
                 let apart = moved(&bt, manifold.normal * (MARGIN - separation - 1e-9));
-                let again = collide(&a, &at, &b, &apart, MARGIN);
+                let again = contact_manifold(&a, &at, &b, &apart, MARGIN);
                 if let Some(now) = least(&again) {
                     prop_assert!(now > MARGIN - 2.0 * HYSTERESIS - 1e-6, "{separation} became {now}");
                 }
@@ -108,8 +110,8 @@ proptest! {
     }
 
     #[test]
-    fn either_may_come_first(a in geometry(), at in placement(), b in geometry(), bt in placement()) {
-        let (forth, back) = (collide(&a, &at, &b, &bt, MARGIN), collide(&b, &bt, &a, &at, MARGIN));
+    fn either_may_come_first(a in shape(), at in placement(), b in shape(), bt in placement()) {
+        let (forth, back) = (contact_manifold(&a, &at, &b, &bt, MARGIN), contact_manifold(&b, &bt, &a, &at, MARGIN));
         match (least(&forth), least(&back)) {
             (Some(x), Some(y)) => prop_assert!((x - y).abs() <= HYSTERESIS, "{x} and {y}"),
             (x, y) => prop_assert!(x.or(y).is_none_or(|apart| apart > MARGIN - HYSTERESIS), "{x:?} and {y:?}"),
@@ -118,12 +120,12 @@ proptest! {
 
     /// The same from another place and another angle.
     #[test]
-    fn space_has_no_favourite_frame(a in geometry(), at in placement(), b in geometry(), bt in placement(), frame in placement()) {
-        let place = |p: &Placement<f64>| Placement {
+    fn space_has_no_favourite_frame(a in shape(), at in placement(), b in shape(), bt in placement(), frame in placement()) {
+        let place = |p: &Isometry<f64>| Isometry {
             position: frame.position + frame.orientation.rotate(p.position),
             orientation: (frame.orientation * p.orientation).normalize(),
         };
-        let (here, there) = (collide(&a, &at, &b, &bt, MARGIN), collide(&a, &place(&at), &b, &place(&bt), MARGIN));
+        let (here, there) = (contact_manifold(&a, &at, &b, &bt, MARGIN), contact_manifold(&a, &place(&at), &b, &place(&bt), MARGIN));
         match (least(&here), least(&there)) {
             // Where two axes are as good as each other, rounding may choose, within what one is given over the other.
             (Some(x), Some(y)) => prop_assert!((x - y).abs() <= HYSTERESIS, "{x} and {y}"),
@@ -135,10 +137,10 @@ proptest! {
 /// A box flat on another touches in four points at the corners of what they share, deep as it is.
 #[test]
 fn a_box_on_a_box_has_four_corners() {
-    let bottom = Geometry::Cuboid { half_extents: Vec3::new(1.0, 0.5, 1.0) };
-    let top = Geometry::Cuboid { half_extents: Vec3::new(0.5, 0.5, 2.0) };
-    let above = Placement::at(Vec3::new(0.75, 0.99, 0.0));
-    let manifold = collide(&bottom, &Placement::at(Vec3::zero()), &top, &above, MARGIN);
+    let bottom = ColliderShape::Cuboid { half_extents: Vec3::new(1.0, 0.5, 1.0) };
+    let top = ColliderShape::Cuboid { half_extents: Vec3::new(0.5, 0.5, 2.0) };
+    let above = Isometry::at(Vec3::new(0.75, 0.99, 0.0));
+    let manifold = contact_manifold(&bottom, &Isometry::at(Vec3::zero()), &top, &above, MARGIN);
     assert_eq!(manifold.normal, Vec3::new(0.0, 1.0, 0.0));
     let mut corners: Vec<[f64; 2]> =
         manifold.points().iter().map(|point| [point.position.x, point.position.z]).collect();
@@ -156,14 +158,14 @@ fn a_box_on_a_box_has_four_corners() {
 /// Two bars across each other on their edges touch in one point.
 #[test]
 fn edges_that_cross_touch_in_one_point() {
-    let bar = Geometry::Cuboid { half_extents: Vec3::new(2.0, 0.5, 0.5) };
+    let bar = ColliderShape::Cuboid { half_extents: Vec3::new(2.0, 0.5, 0.5) };
     let eighth = (std::f64::consts::FRAC_PI_8.sin(), std::f64::consts::FRAC_PI_8.cos());
     let on_edge = Quat { x: eighth.0, y: 0.0, z: 0.0, w: eighth.1 };
     let half = std::f64::consts::FRAC_1_SQRT_2;
     let across = Quat { x: 0.0, y: half, z: 0.0, w: half } * on_edge;
-    let lower = Placement { position: Vec3::zero(), orientation: on_edge };
-    let upper = Placement { position: Vec3::new(0.3, 2.0 * half - 0.01, 0.2), orientation: across };
-    let manifold = collide(&bar, &lower, &bar, &upper, MARGIN);
+    let lower = Isometry { position: Vec3::zero(), orientation: on_edge };
+    let upper = Isometry { position: Vec3::new(0.3, 2.0 * half - 0.01, 0.2), orientation: across };
+    let manifold = contact_manifold(&bar, &lower, &bar, &upper, MARGIN);
     let [point] = manifold.points() else { panic!("{manifold:?}") };
     assert!((manifold.normal.y - 1.0).abs() < 1e-12);
     assert!((point.separation + 0.01).abs() < 1e-12);
@@ -197,11 +199,11 @@ proptest! {
 /// Four corners of a cube on a cube, each turned by what is nearly nothing.
 fn stacked(place: [f32; 2], turn: [f32; 3], also: [f32; 3], depth: f32, scale: f32) -> Result<(), TestCaseError> {
     let half = scale * 0.5;
-    let cube = Geometry::Cuboid { half_extents: Vec3::splat(half) };
+    let cube = ColliderShape::Cuboid { half_extents: Vec3::splat(half) };
     let turned = |[x, y, z]: [f32; 3]| Quat { x, y, z, w: 1.0 }.normalize();
-    let below = Placement { position: Vec3::new(0.0, half, 0.0), orientation: turned(also) };
+    let below = Isometry { position: Vec3::new(0.0, half, 0.0), orientation: turned(also) };
     let position = Vec3::new(place[0], 3.0 * half - depth, place[1]);
-    let manifold = collide(&cube, &below, &cube, &Placement { position, orientation: turned(turn) }, 0.02);
+    let manifold = contact_manifold(&cube, &below, &cube, &Isometry { position, orientation: turned(turn) }, 0.02);
     let mut corners = [false; 4];
     for point in manifold.points() {
         prop_assert!(point.position.x.abs() > 0.9 * half && point.position.z.abs() > 0.9 * half, "{manifold:?}");

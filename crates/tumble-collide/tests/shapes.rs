@@ -7,7 +7,7 @@
 use std::sync::Arc;
 
 use proptest::prelude::*;
-use tumble_collide::{ConvexHull, Geometry, Manifold, Placement, Scalar, collide};
+use tumble_collide::{ColliderShape, ConvexHull, Isometry, Manifold, Scalar, contact_manifold};
 use tumble_math::lane::{Quat, Vec3};
 
 const MARGIN: f64 = 0.02;
@@ -36,29 +36,29 @@ fn rotation() -> impl Strategy<Value = Quat<f64>> {
     ]
 }
 
-fn placement() -> impl Strategy<Value = Placement<f64>> {
-    (vector(-1.2..1.2), rotation()).prop_map(|(position, orientation)| Placement { position, orientation })
+fn placement() -> impl Strategy<Value = Isometry<f64>> {
+    (vector(-1.2..1.2), rotation()).prop_map(|(position, orientation)| Isometry { position, orientation })
 }
 
-fn geometry() -> impl Strategy<Value = Geometry<f64>> {
+fn shape() -> impl Strategy<Value = ColliderShape<f64>> {
     let length = || 0.1..1.0;
     prop_oneof![
-        length().prop_map(|radius| Geometry::Ball { radius }),
-        vector(0.1..1.0).prop_map(|half_extents| Geometry::Cuboid { half_extents }),
-        [length(), length()].prop_map(|[radius, half_height]| Geometry::Capsule { radius, half_height }),
-        [length(), length()].prop_map(|[radius, half_height]| Geometry::Cylinder { radius, half_height }),
-        [length(), length()].prop_map(|[radius, half_height]| Geometry::Cone { radius, half_height }),
-        [length(), length(), length()].prop_map(|[radius_bottom, radius_top, half_height]| Geometry::Frustum {
+        length().prop_map(|radius| ColliderShape::Sphere { radius }),
+        vector(0.1..1.0).prop_map(|half_extents| ColliderShape::Cuboid { half_extents }),
+        [length(), length()].prop_map(|[radius, half_height]| ColliderShape::Capsule { radius, half_height }),
+        [length(), length()].prop_map(|[radius, half_height]| ColliderShape::Cylinder { radius, half_height }),
+        [length(), length()].prop_map(|[radius, half_height]| ColliderShape::Cone { radius, half_height }),
+        [length(), length(), length()].prop_map(|[radius_bottom, radius_top, half_height]| ColliderShape::Frustum {
             radius_bottom,
             radius_top,
             half_height
         }),
         [length(), length(), length()].prop_map(|[radius_bottom, radius_top, half_height]| {
-            Geometry::TaperedCapsule { radius_bottom, radius_top, half_height }
+            ColliderShape::TaperedCapsule { radius_bottom, radius_top, half_height }
         }),
-        vector(0.1..1.0).prop_map(|radii| Geometry::Ellipsoid { radii }),
+        vector(0.1..1.0).prop_map(|radii| ColliderShape::Ellipsoid { radii }),
         prop::collection::vec(vector(-1.0..1.0), 4..20).prop_filter_map("flat", |points| {
-            ConvexHull::new(&points).ok().map(|hull| Geometry::Hull(Arc::new(hull)))
+            ConvexHull::new(&points).ok().map(|hull| ColliderShape::Hull(Arc::new(hull)))
         }),
     ]
 }
@@ -68,29 +68,35 @@ fn length(v: Vector) -> f64 {
 }
 
 /// How far a shape reaches along a unit vector, from its origin.
-fn reach(geometry: &Geometry<f64>, d: Vector) -> f64 {
+fn reach(shape: &ColliderShape<f64>, d: Vector) -> f64 {
     let around = (d.x * d.x + d.z * d.z).sqrt();
-    match geometry {
-        Geometry::Ball { radius } => *radius,
-        Geometry::Cuboid { half_extents: h } => d.x.abs() * h.x + d.y.abs() * h.y + d.z.abs() * h.z,
-        Geometry::Capsule { radius, half_height } => d.y.abs() * half_height + radius,
-        Geometry::Cylinder { radius, half_height } => d.y.abs() * half_height + around * radius,
-        Geometry::Cone { radius, half_height } => (d.y * half_height).max(around * radius - d.y * half_height),
-        Geometry::Frustum { radius_bottom, radius_top, half_height } => {
+    match shape {
+        ColliderShape::Sphere { radius } => *radius,
+        ColliderShape::Cuboid { half_extents: h } => d.x.abs() * h.x + d.y.abs() * h.y + d.z.abs() * h.z,
+        ColliderShape::Capsule { radius, half_height } => d.y.abs() * half_height + radius,
+        ColliderShape::Cylinder { radius, half_height } => d.y.abs() * half_height + around * radius,
+        ColliderShape::Cone { radius, half_height } => (d.y * half_height).max(around * radius - d.y * half_height),
+        ColliderShape::Frustum { radius_bottom, radius_top, half_height } => {
             (around * radius_top + d.y * half_height).max(around * radius_bottom - d.y * half_height)
         }
-        Geometry::TaperedCapsule { radius_bottom, radius_top, half_height } => {
+        ColliderShape::TaperedCapsule { radius_bottom, radius_top, half_height } => {
             (radius_top + d.y * half_height).max(radius_bottom - d.y * half_height)
         }
-        Geometry::Ellipsoid { radii } => length(radii.scale(d)),
-        Geometry::Hull(hull) => hull.points().iter().map(|point| point.dot(d)).fold(f64::NEG_INFINITY, f64::max),
+        ColliderShape::Ellipsoid { radii } => length(radii.scale(d)),
+        ColliderShape::Hull(hull) => hull.points().iter().map(|point| point.dot(d)).fold(f64::NEG_INFINITY, f64::max),
         _ => f64::NAN,
     }
 }
 
 /// How far two shapes are apart along a unit vector from the first to the second.
-fn separation(a: &Geometry<f64>, at: &Placement<f64>, b: &Geometry<f64>, bt: &Placement<f64>, d: Vector) -> f64 {
-    let local = |at: &Placement<f64>, d| at.orientation.rotate_back(d);
+fn separation(
+    a: &ColliderShape<f64>,
+    at: &Isometry<f64>,
+    b: &ColliderShape<f64>,
+    bt: &Isometry<f64>,
+    d: Vector,
+) -> f64 {
+    let local = |at: &Isometry<f64>, d| at.orientation.rotate_back(d);
     d.dot(bt.position - at.position) - reach(a, local(at, d)) - reach(b, local(bt, d * -1.0))
 }
 
@@ -109,27 +115,27 @@ fn least<R: Scalar>(manifold: &Manifold<R>) -> Option<f64> {
 }
 
 /// Two boxes have tests of their own: how far apart they are is only told near each other.
-fn are_boxes(a: &Geometry<f64>, b: &Geometry<f64>) -> bool {
-    matches!((a, b), (Geometry::Cuboid { .. }, Geometry::Cuboid { .. }))
+fn are_boxes(a: &ColliderShape<f64>, b: &ColliderShape<f64>) -> bool {
+    matches!((a, b), (ColliderShape::Cuboid { .. }, ColliderShape::Cuboid { .. }))
 }
 
-fn has_lines(geometry: &Geometry<f64>) -> bool {
-    !is_faceted(geometry) && !matches!(geometry, Geometry::Ball { .. } | Geometry::Ellipsoid { .. })
+fn has_lines(shape: &ColliderShape<f64>) -> bool {
+    !is_faceted(shape) && !matches!(shape, ColliderShape::Sphere { .. } | ColliderShape::Ellipsoid { .. })
 }
 
-fn is_faceted(geometry: &Geometry<f64>) -> bool {
-    matches!(geometry, Geometry::Cuboid { .. } | Geometry::Hull(_))
+fn is_faceted(shape: &ColliderShape<f64>) -> bool {
+    matches!(shape, ColliderShape::Cuboid { .. } | ColliderShape::Hull(_))
 }
 
 /// How much lower the lowest point may be than those that are shown: of a box, which keeps the same corners, a twentieth of the margin; of what is round, what a rim
 /// is lower than places fixed on it before it is taken to roll; of few points out of many, a part of the margin again.
-fn as_low(geometry: &Geometry<f64>) -> f64 {
-    if matches!(geometry, Geometry::Cuboid { .. }) { 0.05 * MARGIN + 1e-12 } else { 1e-4 + 1e-12 }
+fn as_low(shape: &ColliderShape<f64>) -> f64 {
+    if matches!(shape, ColliderShape::Cuboid { .. }) { 0.05 * MARGIN + 1e-12 } else { 1e-4 + 1e-12 }
 }
 
 /// What may be between the best direction and the one that is found.
-fn lead(a: &Geometry<f64>, b: &Geometry<f64>) -> f64 {
-    let own_code = |x: &Geometry<f64>| matches!(x, Geometry::Cuboid { .. } | Geometry::Capsule { .. });
+fn lead(a: &ColliderShape<f64>, b: &ColliderShape<f64>) -> f64 {
+    let own_code = |x: &ColliderShape<f64>| matches!(x, ColliderShape::Cuboid { .. } | ColliderShape::Capsule { .. });
     if is_faceted(a) && is_faceted(b) || own_code(a) && own_code(b) { HYSTERESIS } else { 10.0 * ROUND }
 }
 
@@ -138,16 +144,16 @@ proptest! {
 
     /// Asked from far enough away, any two shapes answer, with a separation that is theirs along the normal and that no direction beats.
     #[test]
-    fn no_direction_parts_them_sooner(a in geometry(), at in placement(), b in geometry(), bt in placement()) {
+    fn no_direction_parts_them_sooner(a in shape(), at in placement(), b in shape(), bt in placement()) {
         prop_assume!(!are_boxes(&a, &b));
-        let manifold = collide(&a, &at, &b, &bt, 10.0);
+        let manifold = contact_manifold(&a, &at, &b, &bt, 10.0);
         let normal = manifold.normal;
         prop_assert!((length(normal) - 1.0).abs() < 1e-12, "{normal:?}");
         let along = separation(&a, &at, &b, &bt, normal);
         let found = least(&manifold).unwrap();
         // Some point is as near as the shapes are, within what is not worth one more.
         // Triangles of a hull at less than 1.4e-5 to each other are one face, and hulls are up to two metres across.
-        let flat = if matches!(a, Geometry::Hull(_)) || matches!(b, Geometry::Hull(_)) { 3e-5 } else { 1e-6 };
+        let flat = if matches!(a, ColliderShape::Hull(_)) || matches!(b, ColliderShape::Hull(_)) { 3e-5 } else { 1e-6 };
         prop_assert!(found > along - flat && found <= along + 0.005 * 10.0 + HYSTERESIS, "{found} along {along}");
         // So far from each other only the nearest points count, and the normal need not be better than along a face.
         let slack = lead(&a, &b) + 1e-4 * (-along).max(0.0);
@@ -159,16 +165,16 @@ proptest! {
             prop_assert!(other <= along + slack, "{other} along {d:?}, {along} along {normal:?}");
         }
         // A smaller margin leaves out what is further and nothing else.
-        let near = collide(&a, &at, &b, &bt, MARGIN);
+        let near = contact_manifold(&a, &at, &b, &bt, MARGIN);
         prop_assert!(near.points().is_empty() || along <= MARGIN + 1e-9);
         prop_assert!(!near.points().is_empty() || along > MARGIN - 1e-9, "{along}");
     }
 
     /// Half the separation from a point, along the normal, are points of either shape, on its surface or within the margin of it.
     #[test]
-    fn points_are_on_both_shapes(a in geometry(), at in placement(), b in geometry(), bt in placement()) {
+    fn points_are_on_both_shapes(a in shape(), at in placement(), b in shape(), bt in placement()) {
         prop_assume!(!are_boxes(&a, &b));
-        let manifold = collide(&a, &at, &b, &bt, MARGIN);
+        let manifold = contact_manifold(&a, &at, &b, &bt, MARGIN);
         prop_assert!(manifold.points().len() <= 4);
         prop_assert!((0.0..=1.0).contains(&manifold.carried));
         // Where both are round the place is as uncertain as the normal: the square root of 1e-11, times a few metres.
@@ -194,8 +200,8 @@ proptest! {
     }
 
     #[test]
-    fn either_may_come_first(a in geometry(), at in placement(), b in geometry(), bt in placement()) {
-        let (forth, back) = (collide(&a, &at, &b, &bt, MARGIN), collide(&b, &bt, &a, &at, MARGIN));
+    fn either_may_come_first(a in shape(), at in placement(), b in shape(), bt in placement()) {
+        let (forth, back) = (contact_manifold(&a, &at, &b, &bt, MARGIN), contact_manifold(&b, &bt, &a, &at, MARGIN));
         let slack = lead(&a, &b) + 1e-4;
         match (least(&forth), least(&back)) {
             (Some(x), Some(y)) => prop_assert!((x - y).abs() <= slack, "{x} and {y}"),
@@ -209,9 +215,9 @@ proptest! {
     }
 
     #[test]
-    fn space_has_no_favourite_frame(a in geometry(), at in placement(), b in geometry(), bt in placement(), frame in placement()) {
-        let place = |p: &Placement<f64>| frame.then(p);
-        let (here, there) = (collide(&a, &at, &b, &bt, MARGIN), collide(&a, &place(&at), &b, &place(&bt), MARGIN));
+    fn space_has_no_favourite_frame(a in shape(), at in placement(), b in shape(), bt in placement(), frame in placement()) {
+        let place = |p: &Isometry<f64>| frame.then(p);
+        let (here, there) = (contact_manifold(&a, &at, &b, &bt, MARGIN), contact_manifold(&a, &place(&at), &b, &place(&bt), MARGIN));
         let slack = lead(&a, &b) + 1e-4;
         match (least(&here), least(&there)) {
             (Some(x), Some(y)) => prop_assert!((x - y).abs() <= slack, "{x} and {y}"),
@@ -221,8 +227,8 @@ proptest! {
 
     /// A half-space touches what reaches below its surface, as far as it does.
     #[test]
-    fn ground_touches_what_reaches_it(a in geometry(), at in placement(), ground in placement()) {
-        let manifold = collide(&Geometry::HalfSpace, &ground, &a, &at, MARGIN);
+    fn ground_touches_what_reaches_it(a in shape(), at in placement(), ground in placement()) {
+        let manifold = contact_manifold(&ColliderShape::HalfSpace, &ground, &a, &at, MARGIN);
         let up = ground.orientation.rotate(Vec3::new(0.0, 1.0, 0.0));
         let height = up.dot(at.position - ground.position) - reach(&a, at.orientation.rotate_back(up * -1.0));
         match least(&manifold) {
@@ -244,14 +250,14 @@ proptest! {
 
     /// What is not finite touches nothing, and nothing stops.
     #[test]
-    fn nonsense_touches_nothing(a in geometry(), at in placement(), b in geometry(), bt in placement(), which in 0..7, what in 0..3) {
+    fn nonsense_touches_nothing(a in shape(), at in placement(), b in shape(), bt in placement(), which in 0..7, what in 0..3) {
         let bad = [f64::NAN, f64::INFINITY, 1e300][what as usize];
         let mut at = at;
         *[
             &mut at.position.x, &mut at.position.y, &mut at.position.z,
             &mut at.orientation.x, &mut at.orientation.y, &mut at.orientation.z, &mut at.orientation.w,
         ][which as usize] = bad;
-        for manifold in [collide(&a, &at, &b, &bt, MARGIN), collide(&b, &bt, &a, &at, MARGIN)] {
+        for manifold in [contact_manifold(&a, &at, &b, &bt, MARGIN), contact_manifold(&b, &bt, &a, &at, MARGIN)] {
             for point in manifold.points() {
                 prop_assert!(point.separation.is_finite() && length(point.position).is_finite() && length(manifold.normal).is_finite(), "{manifold:?}");
             }

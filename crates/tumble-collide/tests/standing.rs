@@ -8,7 +8,7 @@
 use std::sync::Arc;
 
 use proptest::prelude::*;
-use tumble_collide::{Compound, ConvexHull, Geometry, HeightField, Mesh, Placement, Scalar, touching};
+use tumble_collide::{ColliderShape, Compound, ConvexHull, HeightField, Isometry, Mesh, Scalar, contact_manifolds};
 use tumble_math::lane::{Quat, Vec3};
 
 type Vector = Vec3<f64>;
@@ -16,7 +16,7 @@ type Vector = Vec3<f64>;
 /// A body: its shape, and all its corners.
 #[derive(Clone, Debug)]
 struct Body {
-    shape: Geometry<f64>,
+    shape: ColliderShape<f64>,
     corners: Vec<Vector>,
     /// Whether it lies on a face of four corners, all of which have to be shown.
     is_box: bool,
@@ -34,26 +34,26 @@ enum Ground {
 /// How far the ground reaches to each side \[m\].
 const WIDE: f64 = 250.0;
 
-fn ground(kind: Ground) -> (Geometry<f64>, Placement<f64>) {
-    let top = Placement::at(Vec3::new(0.0, -0.5 * WIDE, 0.0));
+fn ground(kind: Ground) -> (ColliderShape<f64>, Isometry<f64>) {
+    let top = Isometry::at(Vec3::new(0.0, -0.5 * WIDE, 0.0));
     let half = Vec3::new(WIDE, 0.5 * WIDE, WIDE);
     let corner = |i: u32| half.scale(Vec3::new(sign(i, 0), sign(i, 1), sign(i, 2)));
-    let here = Placement::at(Vec3::zero());
+    let here = Isometry::at(Vec3::zero());
     match kind {
-        Ground::HalfSpace => (Geometry::HalfSpace, here),
-        Ground::Box => (Geometry::Cuboid { half_extents: half }, top),
+        Ground::HalfSpace => (ColliderShape::HalfSpace, here),
+        Ground::Box => (ColliderShape::Cuboid { half_extents: half }, top),
         Ground::Hull => {
             let corners: Vec<Vector> = (0..8).map(corner).collect();
-            (Geometry::Hull(Arc::new(ConvexHull::new(&corners).unwrap())), top)
+            (ColliderShape::Hull(Arc::new(ConvexHull::new(&corners).unwrap())), top)
         }
         Ground::Mesh => {
             let corners = [[-1.0, -1.0], [-1.0, 1.0], [1.0, 1.0], [1.0, -1.0]];
             let corners = corners.map(|[x, z]| Vec3::new(x * WIDE, 0.0, z * WIDE));
-            (Geometry::Mesh(Arc::new(Mesh::new(&corners, &[[0, 1, 2], [0, 2, 3]]).unwrap())), here)
+            (ColliderShape::Mesh(Arc::new(Mesh::new(&corners, &[[0, 1, 2], [0, 2, 3]]).unwrap())), here)
         }
         Ground::HeightField => {
             let field = HeightField::new(vec![0.0; 25], 5, [0.5 * WIDE; 2]).unwrap();
-            (Geometry::HeightField(Arc::new(field)), here)
+            (ColliderShape::HeightField(Arc::new(field)), here)
         }
     }
 }
@@ -104,10 +104,10 @@ fn body() -> impl Strategy<Value = Body> {
             state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
             corners.swap(place, (state >> 33) as usize % (place + 1));
         }
-        let hull = || Geometry::Hull(Arc::new(ConvexHull::new(&corners).unwrap()));
+        let hull = || ColliderShape::Hull(Arc::new(ConvexHull::new(&corners).unwrap()));
         let shape = match kind {
-            0 | 1 if is_box => Geometry::Cuboid { half_extents: half },
-            2 => Geometry::Compound(Arc::new(Compound::new([(Placement::at(Vec3::zero()), hull())]))),
+            0 | 1 if is_box => ColliderShape::Cuboid { half_extents: half },
+            2 => ColliderShape::Compound(Arc::new(Compound::new([(Isometry::at(Vec3::zero()), hull())]))),
             _ => hull(),
         };
         Body { shape, corners, is_box }
@@ -147,17 +147,17 @@ fn lying() -> impl Strategy<Value = Quat<f64>> {
 /// A corner over the ground: its place along it, and its height.
 type Over = ([f64; 2], f64);
 
-fn over(body: &Body, at: &Placement<f64>) -> Vec<Over> {
+fn over(body: &Body, at: &Isometry<f64>) -> Vec<Over> {
     let placed = body.corners.iter().map(|corner| at.position + at.orientation.rotate(*corner));
     placed.map(|place| ([place.x, place.z], place.y)).collect()
 }
 
 /// The points that are shown, and the height that all of them are at least of.
-fn shown<R: Scalar>(body: &Body, kind: Ground, at: &Placement<f64>, margin: f64) -> Result<Vec<Over>, TestCaseError> {
+fn shown<R: Scalar>(body: &Body, kind: Ground, at: &Isometry<f64>, margin: f64) -> Result<Vec<Over>, TestCaseError> {
     let ((ground, ground_at), shape) = (ground(kind), &body.shape);
     let mut points = Vec::new();
     let mut counts = Vec::new();
-    touching::<R>(
+    contact_manifolds::<R>(
         &cast(&ground),
         &placed(&ground_at),
         &cast(shape),
@@ -178,27 +178,27 @@ fn shown<R: Scalar>(body: &Body, kind: Ground, at: &Placement<f64>, margin: f64)
     Ok(points)
 }
 
-fn placed<R: Scalar>(at: &Placement<f64>) -> Placement<R> {
+fn placed<R: Scalar>(at: &Isometry<f64>) -> Isometry<R> {
     let (p, q) = (at.position, at.orientation);
-    Placement {
+    Isometry {
         position: Vec3::new(R::splat(p.x), R::splat(p.y), R::splat(p.z)),
         orientation: Quat { x: R::splat(q.x), y: R::splat(q.y), z: R::splat(q.z), w: R::splat(q.w) },
     }
 }
 
-fn cast<R: Scalar>(shape: &Geometry<f64>) -> Geometry<R> {
+fn cast<R: Scalar>(shape: &ColliderShape<f64>) -> ColliderShape<R> {
     match shape {
-        Geometry::Cuboid { half_extents: h } => {
-            Geometry::Cuboid { half_extents: Vec3::new(R::splat(h.x), R::splat(h.y), R::splat(h.z)) }
+        ColliderShape::Cuboid { half_extents: h } => {
+            ColliderShape::Cuboid { half_extents: Vec3::new(R::splat(h.x), R::splat(h.y), R::splat(h.z)) }
         }
-        Geometry::Hull(hull) => Geometry::Hull(hull.clone()),
-        Geometry::Mesh(mesh) => Geometry::Mesh(mesh.clone()),
-        Geometry::HeightField(field) => Geometry::HeightField(field.clone()),
-        Geometry::Compound(compound) => {
+        ColliderShape::Hull(hull) => ColliderShape::Hull(hull.clone()),
+        ColliderShape::Mesh(mesh) => ColliderShape::Mesh(mesh.clone()),
+        ColliderShape::HeightField(field) => ColliderShape::HeightField(field.clone()),
+        ColliderShape::Compound(compound) => {
             let parts = compound.parts().iter().map(|(at, part)| (placed(at), cast(part)));
-            Geometry::Compound(Arc::new(Compound::new(parts)))
+            ColliderShape::Compound(Arc::new(Compound::new(parts)))
         }
-        _ => Geometry::HalfSpace,
+        _ => ColliderShape::HalfSpace,
     }
 }
 
@@ -235,8 +235,8 @@ fn area_of(outline: &[[f64; 2]]) -> f64 {
 }
 
 fn check<R: Scalar>(body: &Body, kind: Ground, turn: Quat<f64>, lift: f64, margin: f64) -> Result<(), TestCaseError> {
-    let mut at = Placement { position: Vec3::zero(), orientation: turn };
-    let lowest = |at: &Placement<f64>| over(body, at).iter().fold(f64::INFINITY, |least, (_, y)| f64::min(least, *y));
+    let mut at = Isometry { position: Vec3::zero(), orientation: turn };
+    let lowest = |at: &Isometry<f64>| over(body, at).iter().fold(f64::INFINITY, |least, (_, y)| f64::min(least, *y));
     let box_size = body.corners.iter().fold(Vector::zero(), |most, corner| {
         Vec3::new(most.x.max(corner.x.abs()), most.y.max(corner.y.abs()), most.z.max(corner.z.abs()))
     });

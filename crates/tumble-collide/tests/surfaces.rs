@@ -6,7 +6,9 @@
 use std::sync::Arc;
 
 use proptest::prelude::*;
-use tumble_collide::{Compound, ConvexHull, Geometry, HeightField, Manifold, Mesh, Placement, collide, touching};
+use tumble_collide::{
+    ColliderShape, Compound, ConvexHull, HeightField, Isometry, Manifold, Mesh, contact_manifold, contact_manifolds,
+};
 use tumble_math::lane::{Quat, Vec3};
 
 const MARGIN: f64 = 0.02;
@@ -26,31 +28,31 @@ fn rotation() -> impl Strategy<Value = Quat<f64>> {
     })
 }
 
-fn placement() -> impl Strategy<Value = Placement<f64>> {
-    (vector(-1.2..1.2), rotation()).prop_map(|(position, orientation)| Placement { position, orientation })
+fn placement() -> impl Strategy<Value = Isometry<f64>> {
+    (vector(-1.2..1.2), rotation()).prop_map(|(position, orientation)| Isometry { position, orientation })
 }
 
-fn convex() -> impl Strategy<Value = Geometry<f64>> {
+fn support_map() -> impl Strategy<Value = ColliderShape<f64>> {
     let length = || 0.1..0.6;
     prop_oneof![
-        length().prop_map(|radius| Geometry::Ball { radius }),
-        vector(0.1..0.6).prop_map(|half_extents| Geometry::Cuboid { half_extents }),
-        [length(), length()].prop_map(|[radius, half_height]| Geometry::Capsule { radius, half_height }),
-        [length(), length()].prop_map(|[radius, half_height]| Geometry::Cylinder { radius, half_height }),
-        [length(), length()].prop_map(|[radius, half_height]| Geometry::Cone { radius, half_height }),
-        vector(0.1..0.6).prop_map(|radii| Geometry::Ellipsoid { radii }),
+        length().prop_map(|radius| ColliderShape::Sphere { radius }),
+        vector(0.1..0.6).prop_map(|half_extents| ColliderShape::Cuboid { half_extents }),
+        [length(), length()].prop_map(|[radius, half_height]| ColliderShape::Capsule { radius, half_height }),
+        [length(), length()].prop_map(|[radius, half_height]| ColliderShape::Cylinder { radius, half_height }),
+        [length(), length()].prop_map(|[radius, half_height]| ColliderShape::Cone { radius, half_height }),
+        vector(0.1..0.6).prop_map(|radii| ColliderShape::Ellipsoid { radii }),
     ]
 }
 
 /// The same solid as a hull and as a closed surface.
-fn solid() -> impl Strategy<Value = (Geometry<f64>, Geometry<f64>)> {
+fn solid() -> impl Strategy<Value = (ColliderShape<f64>, ColliderShape<f64>)> {
     prop::collection::vec(vector(-1.0..1.0), 4..24).prop_filter_map("flat", |points| {
         let hull = ConvexHull::new(&points).ok()?;
         let positions: Vec<_> = points.iter().map(|point| (*point).into()).collect();
         let mesh = tumble_math::convex_hull(&positions).ok()?;
         let corners: Vec<Vector> = mesh.positions().iter().map(|corner| (*corner).into()).collect();
         let mesh = Mesh::new(&corners, mesh.triangles()).ok()?;
-        Some((Geometry::Hull(Arc::new(hull)), Geometry::Mesh(Arc::new(mesh))))
+        Some((ColliderShape::Hull(Arc::new(hull)), ColliderShape::Mesh(Arc::new(mesh))))
     })
 }
 
@@ -62,9 +64,14 @@ fn least(manifold: &Manifold<f64>) -> Option<f64> {
     manifold.points().iter().map(|point| point.separation).reduce(f64::min)
 }
 
-fn all(a: &Geometry<f64>, at: &Placement<f64>, b: &Geometry<f64>, bt: &Placement<f64>) -> Vec<(u32, Manifold<f64>)> {
+fn all(
+    a: &ColliderShape<f64>,
+    at: &Isometry<f64>,
+    b: &ColliderShape<f64>,
+    bt: &Isometry<f64>,
+) -> Vec<(u32, Manifold<f64>)> {
     let mut found = Vec::new();
-    touching(a, at, b, bt, MARGIN, &mut |part, manifold| found.push((part, *manifold)));
+    contact_manifolds(a, at, b, bt, MARGIN, &mut |part, manifold| found.push((part, *manifold)));
     found
 }
 
@@ -77,11 +84,11 @@ proptest! {
 
     /// Moved to just above its surface, or just into it, a shape touches a closed surface as it touches the hull that it bounds.
     #[test]
-    fn a_closed_surface_is_as_its_solid((hull, mesh) in solid(), at in placement(), shape in convex(), bt in placement(), gap in -0.0005..0.018_f64) {
-        let far = collide(&hull, &at, &shape, &bt, 10.0);
+    fn a_closed_surface_is_as_its_solid((hull, mesh) in solid(), at in placement(), shape in support_map(), bt in placement(), gap in -0.0005..0.018_f64) {
+        let far = contact_manifold(&hull, &at, &shape, &bt, 10.0);
         let apart = least(&far).unwrap();
-        let bt = Placement { position: bt.position + far.normal * (gap - apart), ..bt };
-        let of_hull = collide(&hull, &at, &shape, &bt, MARGIN);
+        let bt = Isometry { position: bt.position + far.normal * (gap - apart), ..bt };
+        let of_hull = contact_manifold(&hull, &at, &shape, &bt, MARGIN);
         // What parted them along the normal may not have parted them; how deep it is in the solid no triangle knows.
         prop_assume!(least(&of_hull).is_none_or(|separation| separation > -0.001));
         let of_mesh = all(&mesh, &at, &shape, &bt);
@@ -110,14 +117,14 @@ proptest! {
 
     /// Level ground of many triangles is a half-space to what is over it: one manifold, one normal, the same depth.
     #[test]
-    fn level_ground_has_one_face(shape in convex(), orientation in rotation(), place in [-1.0..1.0, -1.0..1.0_f64], gap in -0.01..0.019_f64) {
+    fn level_ground_has_one_face(shape in support_map(), orientation in rotation(), place in [-1.0..1.0, -1.0..1.0_f64], gap in -0.01..0.019_f64) {
         let field = HeightField::new(vec![0.0; 225], 15, [0.4, 0.35]).unwrap();
-        let ground = Placement::at(Vec3::new(0.1, 0.2, 0.3));
-        let high = Placement { position: Vec3::new(place[0], 5.0, place[1]), orientation };
-        let height = shape.bounds(&high, 0.0).unwrap().low.y - ground.position.y;
-        let at = Placement { position: high.position + Vec3::new(0.0, gap - height, 0.0), ..high };
-        let plane = collide(&Geometry::HalfSpace, &ground, &shape, &at, MARGIN);
-        let field = all(&Geometry::HeightField(Arc::new(field)), &ground, &shape, &at);
+        let ground = Isometry::at(Vec3::new(0.1, 0.2, 0.3));
+        let high = Isometry { position: Vec3::new(place[0], 5.0, place[1]), orientation };
+        let height = shape.aabb(&high, 0.0).unwrap().low.y - ground.position.y;
+        let at = Isometry { position: high.position + Vec3::new(0.0, gap - height, 0.0), ..high };
+        let plane = contact_manifold(&ColliderShape::HalfSpace, &ground, &shape, &at, MARGIN);
+        let field = all(&ColliderShape::HeightField(Arc::new(field)), &ground, &shape, &at);
         prop_assert!(field.len() <= 1, "{field:?}");
         for (_, manifold) in &field {
             prop_assert!((manifold.normal.y - 1.0).abs() < 1e-12);
@@ -145,8 +152,8 @@ proptest! {
                 }
             }
         }
-        let ball = Geometry::Ball { radius };
-        let found = all(&Geometry::HeightField(Arc::new(field)), &Placement::at(Vec3::zero()), &ball, &Placement::at(center));
+        let sphere = ColliderShape::Sphere { radius };
+        let found = all(&ColliderShape::HeightField(Arc::new(field)), &Isometry::at(Vec3::zero()), &sphere, &Isometry::at(center));
         match nearest(&found) {
             Some(separation) => prop_assert!((separation - (nearest_of_all - radius)).abs() < 1e-5, "{separation} and {}", nearest_of_all - radius),
             None => prop_assert!(nearest_of_all - radius > MARGIN - 1e-9, "{nearest_of_all} and {radius}"),
@@ -155,25 +162,25 @@ proptest! {
 
     /// A compound touches as its parts do, each at its place.
     #[test]
-    fn parts_touch_one_by_one(parts in prop::collection::vec((placement(), convex()), 1..4), at in placement(), shape in convex(), bt in placement()) {
-        let compound = Geometry::Compound(Arc::new(Compound::new(parts.clone())));
+    fn parts_touch_one_by_one(parts in prop::collection::vec((placement(), support_map()), 1..4), at in placement(), shape in support_map(), bt in placement()) {
+        let compound = ColliderShape::Compound(Arc::new(Compound::new(parts.clone())));
         let found = all(&compound, &at, &shape, &bt);
         let mut expected = Vec::new();
         for (number, (inner, part)) in (0..).zip(&parts) {
-            let manifold = collide(part, &at.then(inner), &shape, &bt, MARGIN);
+            let manifold = contact_manifold(part, &at.then(inner), &shape, &bt, MARGIN);
             if !manifold.points().is_empty() {
                 expected.push((number, manifold));
             }
         }
         prop_assert_eq!(&found, &expected);
         // As parts of a compound in a compound, too.
-        let nested = Geometry::Compound(Arc::new(Compound::new([(Placement::at(Vec3::zero()), compound)])));
+        let nested = ColliderShape::Compound(Arc::new(Compound::new([(Isometry::at(Vec3::zero()), compound)])));
         prop_assert_eq!(all(&nested, &at, &shape, &bt).len(), expected.len());
-        let bounds = nested.bounds(&at, 0.0).unwrap();
+        let aabb = nested.aabb(&at, 0.0).unwrap();
         for (inner, part) in &parts {
-            let of_part = part.bounds(&at.then(inner), -1e-9).unwrap();
-            prop_assert!(bounds.low.x <= of_part.low.x && bounds.high.x >= of_part.high.x);
-            prop_assert!(bounds.low.y <= of_part.low.y && bounds.high.z >= of_part.high.z);
+            let of_part = part.aabb(&at.then(inner), -1e-9).unwrap();
+            prop_assert!(aabb.low.x <= of_part.low.x && aabb.high.x >= of_part.high.x);
+            prop_assert!(aabb.low.y <= of_part.low.y && aabb.high.z >= of_part.high.z);
         }
     }
 }

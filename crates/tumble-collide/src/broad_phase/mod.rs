@@ -1,16 +1,16 @@
-mod arrangement;
-mod fat;
-mod octet;
+mod aabb8;
+mod bvh;
+mod bvh_build;
+mod fat_aabb;
 mod pair_list;
 mod proxy;
-mod tree;
 
 pub use proxy::Proxy;
 
-use arrangement::NONE;
-use fat::Fat;
+use bvh::Tree;
+use bvh_build::NONE;
+use fat_aabb::Fat;
 use pair_list::{Pair, PairList, merge};
-use tree::Tree;
 
 use crate::scalar::Scalar;
 
@@ -27,18 +27,18 @@ const MANY: usize = 8;
 /// to see that is all it costs. What leaves gets another box, and its neighbours are looked for in a tree.
 ///
 /// ```
-/// use tumble_collide::{Bounds, BroadPhase, Proxy};
+/// use tumble_collide::{Aabb, BroadPhase, Proxy};
 /// use tumble_math::lane::Vec3;
 ///
-/// let unit = |x: f64| Some(Bounds::about(Vec3::new(x, 0.0, 0.0), Vec3::splat(0.5)));
-/// let proxies = [unit(3.2), unit(0.0), unit(2.5), unit(0.9)].map(|bounds| Proxy { bounds, moves: true });
+/// let unit = |x: f64| Some(Aabb::about(Vec3::new(x, 0.0, 0.0), Vec3::splat(0.5)));
+/// let proxies = [unit(3.2), unit(0.0), unit(2.5), unit(0.9)].map(|aabb| Proxy { aabb, moves: true });
 /// let mut broad_phase = BroadPhase::default();
 /// assert_eq!(broad_phase.update(&proxies, |_, _| true), [(0, 2), (1, 3)]);
 /// ```
 #[derive(Clone, Debug, Default)]
 pub struct BroadPhase<R> {
     kinds: Vec<Kind>,
-    fat: Fat<R>,
+    fat_aabb: Fat<R>,
     /// Of each object, its leaf in the tree of what moves; [`NONE`] for what is in the other one, or in none.
     leaves: Vec<u32>,
     moving: Tree<R>,
@@ -48,7 +48,7 @@ pub struct BroadPhase<R> {
     /// The objects that are no longer in their boxes.
     left: Vec<u32>,
     /// Of each leaf, whether one of its objects has left.
-    stirred: Vec<bool>,
+    dirty: Vec<bool>,
     /// The same of each object: whether it is in such a leaf.
     stirred_objects: Vec<bool>,
     near: PairList,
@@ -69,7 +69,7 @@ struct Kind {
 
 impl Kind {
     fn of<R>(proxy: &Proxy<R>) -> Self {
-        Self { endless: proxy.bounds.is_none(), moves: proxy.moves }
+        Self { endless: proxy.aabb.is_none(), moves: proxy.moves }
     }
 }
 
@@ -97,9 +97,9 @@ impl<R: Scalar> BroadPhase<R> {
     /// memory with the square of its number; [`for_each_pair`](Self::for_each_pair) goes through its pairs.
     ///
     /// ```
-    /// # use tumble_collide::{Bounds, BroadPhase, Proxy};
+    /// # use tumble_collide::{Aabb, BroadPhase, Proxy};
     /// # use tumble_math::lane::Vec3;
-    /// let unit = Proxy { bounds: Some(Bounds::about(Vec3::zero(), Vec3::splat(0.5))), moves: true };
+    /// let unit = Proxy { aabb: Some(Aabb::about(Vec3::zero(), Vec3::splat(0.5))), moves: true };
     /// let mut broad_phase = BroadPhase::<f64>::default();
     /// assert_eq!(broad_phase.update_within(&[unit; 100], 1000, |_, _| true), None);
     /// let mut count = 0;
@@ -112,7 +112,7 @@ impl<R: Scalar> BroadPhase<R> {
         most: usize,
         wanted: impl Fn(u32, u32) -> bool,
     ) -> Option<&[(u32, u32)]> {
-        self.fat.advance();
+        self.fat_aabb.advance();
         let known = self.kinds.len() == proxies.len();
         if !known || !self.kinds.iter().zip(proxies).all(|(kind, proxy)| *kind == Kind::of(proxy)) {
             self.begin(proxies, &wanted);
@@ -120,7 +120,7 @@ impl<R: Scalar> BroadPhase<R> {
             return self.kept(is_complete);
         }
         self.left.clear();
-        self.fat.find_left(proxies, &mut self.left);
+        self.fat_aabb.find_left(proxies, &mut self.left);
         let is_complete = if self.left.is_empty() {
             self.near.pairs().len() <= most
         } else {
@@ -145,7 +145,7 @@ impl<R: Scalar> BroadPhase<R> {
         wanted: impl Fn(u32, u32) -> bool,
         mut then: impl FnMut(u32, u32),
     ) {
-        self.fat.advance();
+        self.fat_aabb.advance();
         self.begin(proxies, &wanted);
         for leaf in 0..self.moving.leaves() {
             self.search_leaf(leaf, Search::All);
@@ -175,7 +175,7 @@ impl<R: Scalar> BroadPhase<R> {
     fn begin(&mut self, proxies: &[Proxy<R>], wanted: &impl Fn(u32, u32) -> bool) {
         self.kinds.clear();
         self.kinds.extend(proxies.iter().map(Kind::of));
-        self.fat.begin(proxies);
+        self.fat_aabb.begin(proxies);
         self.leaves.clear();
         self.leaves.extend(self.kinds.iter().map(|kind| if kind.moves && !kind.endless { 0 } else { NONE }));
         self.build_still();
@@ -199,12 +199,12 @@ impl<R: Scalar> BroadPhase<R> {
     fn build_still(&mut self) {
         let objects = (0..).zip(self.kinds.iter().zip(&self.leaves));
         let still = objects.filter(|(_, (kind, leaf))| !kind.endless && **leaf == NONE).map(|(object, _)| object);
-        self.still.build(still, self.fat.boxes());
+        self.still.build(still, self.fat_aabb.boxes());
     }
 
     fn build_moving(&mut self) {
         let objects = (0..).zip(&self.leaves).filter(|(_, leaf)| **leaf != NONE).map(|(object, _)| object);
-        self.moving.build(objects, self.fat.boxes());
+        self.moving.build(objects, self.fat_aabb.boxes());
         for leaf in 0..self.moving.leaves() {
             for object in self.moving.objects(leaf).iter().filter(|object| **object != NONE) {
                 self.leaves[*object as usize] = leaf as u32;
@@ -222,13 +222,13 @@ impl<R: Scalar> BroadPhase<R> {
             return self.renew(proxies);
         }
         let leaves = self.moving.leaves();
-        self.stirred.clear();
-        self.stirred.resize(leaves, false);
-        self.left.iter().for_each(|object| self.stirred[self.leaves[*object as usize] as usize] = true);
-        let all = self.stirred.iter().filter(|stirred| **stirred).count() * MANY > leaves;
+        self.dirty.clear();
+        self.dirty.resize(leaves, false);
+        self.left.iter().for_each(|object| self.dirty[self.leaves[*object as usize] as usize] = true);
+        let all = self.dirty.iter().filter(|dirty| **dirty).count() * MANY > leaves;
         if all {
             self.renew_boxes(proxies);
-            (0..leaves).for_each(|leaf| self.moving.load(leaf, self.fat.boxes()));
+            (0..leaves).for_each(|leaf| self.moving.load(leaf, self.fat_aabb.boxes()));
         } else {
             self.stir(proxies);
         }
@@ -243,12 +243,12 @@ impl<R: Scalar> BroadPhase<R> {
     fn stir(&mut self, proxies: &[Proxy<R>]) {
         self.stirred_objects.clear();
         self.stirred_objects.resize(proxies.len(), false);
-        for leaf in (0..self.stirred.len()).filter(|leaf| self.stirred[*leaf]) {
+        for leaf in (0..self.dirty.len()).filter(|leaf| self.dirty[*leaf]) {
             for object in self.moving.objects(leaf).iter().filter(|object| **object != NONE) {
-                self.fat.renew(*object, &proxies[*object as usize]);
+                self.fat_aabb.renew(*object, &proxies[*object as usize]);
                 self.stirred_objects[*object as usize] = true;
             }
-            self.moving.load(leaf, self.fat.boxes());
+            self.moving.load(leaf, self.fat_aabb.boxes());
         }
     }
 
@@ -262,7 +262,7 @@ impl<R: Scalar> BroadPhase<R> {
     fn renew_boxes(&mut self, proxies: &[Proxy<R>]) {
         for (object, (leaf, proxy)) in (0..).zip(self.leaves.iter().zip(proxies)) {
             if *leaf != NONE {
-                self.fat.renew(object, proxy);
+                self.fat_aabb.renew(object, proxy);
             }
         }
     }
@@ -272,7 +272,7 @@ impl<R: Scalar> BroadPhase<R> {
         let all = search == Search::All;
         let mut check_at = most;
         for leaf in 0..self.moving.leaves() {
-            if !all && !self.stirred[leaf] {
+            if !all && !self.dirty[leaf] {
                 continue;
             }
             self.search_leaf(leaf, search);
@@ -299,7 +299,7 @@ impl<R: Scalar> BroadPhase<R> {
 
     /// Adds the pairs of a leaf's objects to those found.
     fn search_leaf(&mut self, leaf: usize, search: Search) {
-        let Self { moving, still, stirred, near, stack, met, .. } = self;
+        let Self { moving, still, dirty, near, stack, met, .. } = self;
         let (found, all) = (near.found(), search == Search::All);
         let around = moving.leaf(leaf).union();
         met.clear();
@@ -308,7 +308,7 @@ impl<R: Scalar> BroadPhase<R> {
             // Of two leaves that both look for each other the first one does.
             if other == leaf {
                 moving.pairs_within(leaf, found);
-            } else if all || other > leaf || !stirred[other] {
+            } else if all || other > leaf || !dirty[other] {
                 moving.pairs_between((leaf, &around), (moving, other), found);
             }
         }

@@ -1,4 +1,4 @@
-use super::octet::{LANES, Marks};
+use super::aabb8::{LANES, Marks};
 
 /// Indices of two objects, the lower first.
 pub(super) type Pair = (u32, u32);
@@ -80,16 +80,16 @@ impl PairList {
         &mut self.found
     }
 
-    /// Adds the pairs found to those of the list of which neither object is `stirred`.
-    pub(super) fn replace(&mut self, stirred: &[bool]) {
+    /// Adds the pairs found to those of the list of which neither object is `dirty`.
+    pub(super) fn replace(&mut self, dirty: &[bool]) {
         let mut kept = 0;
         for place in 0..self.pairs.len() {
             let pair = self.pairs[place];
             self.pairs[kept] = pair;
-            kept += usize::from(!(stirred[pair.0 as usize] | stirred[pair.1 as usize]));
+            kept += usize::from(!(dirty[pair.0 as usize] | dirty[pair.1 as usize]));
         }
         self.pairs.truncate(kept);
-        self.sort_found(stirred.len());
+        self.sort_found(dirty.len());
         merge(&self.pairs, &self.sorted, &mut self.spare);
         std::mem::swap(&mut self.pairs, &mut self.spare);
     }

@@ -1,8 +1,8 @@
 use tumble_math::lane::{Lane, Vec3};
 
 use super::Pair;
-use super::choice::{Candidate, choose};
 use super::edges::{of_three, vector_of_three};
+use super::reduction::{Candidate, choose};
 use crate::lanes::{FAR, ManifoldLanes, sign};
 
 /// A face of one box, and the face of the other that looks against it, in the plane of the first: along its edges u and v, and above it.

@@ -4,9 +4,9 @@
 //! SIGGRAPH 1996); the points of a face contact are the corners of what is left of the face of one box that looks against the axis when it is cut
 //! to the face of the other. Nothing branches on a pair, so that several are worked on side by side.
 
-mod choice;
 mod edges;
 mod faces;
+mod reduction;
 
 use tumble_math::lane::{Lane, Quat, Vec3};
 

@@ -1,12 +1,12 @@
 use std::sync::Arc;
 
 use glam::DVec3;
-use tumble_collide::{HeightField, Mesh, Placement};
+use tumble_collide::{HeightField, Isometry, Mesh};
 use tumble_math::Shape;
 
 use crate::collision::collider_error::ColliderError;
 use crate::collision::collider_shape;
-use crate::collision::collider_shape::Geometry;
+use crate::collision::collider_shape::ColliderShape;
 use crate::collision::compound_parts::PartSurface;
 use crate::collision::material::Material;
 use crate::components::Pose;
@@ -40,10 +40,10 @@ use crate::range::{LENGTHS, within};
 /// ```
 #[derive(Clone, Debug, PartialEq)]
 pub struct Collider {
-    pub(crate) geometry: Geometry,
+    pub(crate) geometry: ColliderShape,
     material: Material,
     /// Where the shape is in the body's frame; `None` where that is its own.
-    offset: Option<Placement<Real>>,
+    offset: Option<Isometry<Real>>,
     groups: Groups,
     /// Of a compound of colliders, what its parts have.
     parts: Option<Arc<[PartSurface]>>,
@@ -89,7 +89,7 @@ impl Collider {
     /// All that is below the plane y = 0 of the body's frame: infinite ground. Nothing with momentum should have it.
     #[must_use]
     pub fn half_space() -> Self {
-        Self::of(Geometry::HalfSpace)
+        Self::of(ColliderShape::HalfSpace)
     }
 
     /// The convex hull of points \[m\].
@@ -132,7 +132,7 @@ impl Collider {
     ) -> Result<Self, ColliderError> {
         let vertices: Vec<_> = vertices.into_iter().map(|vertex| Into::<DVec3>::into(vertex).into()).collect();
         let mesh = Mesh::new(&vertices, triangles)?;
-        Ok(Self::of(collider_shape::checked(Geometry::Mesh(Arc::new(mesh)))?))
+        Ok(Self::of(collider_shape::checked(ColliderShape::Mesh(Arc::new(mesh)))?))
     }
 
     /// Ground given by its heights \[m\] over a grid, row by row, `columns` of them in a row. y is up, rows run along x and follow each other along z, `spacing` \[m\] apart in
@@ -153,7 +153,7 @@ impl Collider {
     /// [`ColliderError::HeightField`] says which number is wrong, or that rows are not full.
     pub fn height_field(heights: impl AsRef<[f64]>, columns: usize, spacing: [f64; 2]) -> Result<Self, ColliderError> {
         let field = HeightField::new(heights, columns, spacing)?;
-        Ok(Self::of(collider_shape::checked(Geometry::HeightField(Arc::new(field)))?))
+        Ok(Self::of(collider_shape::checked(ColliderShape::HeightField(Arc::new(field)))?))
     }
 
     /// The same with another surface.
@@ -183,7 +183,7 @@ impl Collider {
             return Err(ColliderError::Offset { offset });
         }
         let orientation = offset.orientation.normalize().into();
-        Ok(Self { offset: Some(Placement { position: offset.position.into(), orientation }), ..self })
+        Ok(Self { offset: Some(Isometry { position: offset.position.into(), orientation }), ..self })
     }
 
     /// The same with groups: what the collider is, and what it touches, each a set of up to 32 bits. Two colliders touch if each is something that the other touches.
@@ -223,11 +223,11 @@ impl Collider {
     }
 
     /// Where the shape is, for a body whose frame is there.
-    pub(crate) fn placement(&self, body: Placement<Real>) -> Placement<Real> {
+    pub(crate) fn placement(&self, body: Isometry<Real>) -> Isometry<Real> {
         self.offset.as_ref().map_or(body, |offset| body.then(offset))
     }
 
-    pub(crate) fn place(&self) -> Option<Placement<Real>> {
+    pub(crate) fn place(&self) -> Option<Isometry<Real>> {
         self.offset
     }
 
@@ -240,11 +240,16 @@ impl Collider {
         self.parts.as_ref().map(|parts| parts.iter().cloned().map(change).collect())
     }
 
-    pub(crate) fn of_parts(geometry: Geometry, material: Material, groups: Groups, parts: Arc<[PartSurface]>) -> Self {
+    pub(crate) fn of_parts(
+        geometry: ColliderShape,
+        material: Material,
+        groups: Groups,
+        parts: Arc<[PartSurface]>,
+    ) -> Self {
         Self { geometry, material, offset: None, groups, parts: Some(parts) }
     }
 
-    fn of(geometry: Geometry) -> Self {
+    fn of(geometry: ColliderShape) -> Self {
         Self { geometry, material: Material::default(), offset: None, groups: Groups::ALL, parts: None }
     }
 }

@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use glam::DVec3;
-use tumble_collide::{Compound, ConvexHull, Placement};
+use tumble_collide::{Compound, ConvexHull, Isometry};
 use tumble_math::{Part, Shape};
 
 use crate::collision::collider_error::ColliderError;
@@ -11,7 +11,7 @@ use crate::components::Pose;
 use crate::math::{Real, quat, real, vec3};
 use crate::range::{LENGTHS, within};
 
-pub(crate) type Geometry = tumble_collide::Geometry<Real>;
+pub(crate) type ColliderShape = tumble_collide::ColliderShape<Real>;
 
 /// In the precision of the build.
 fn length(field: &'static str, value: f64) -> Result<Real, ColliderError> {
@@ -31,38 +31,38 @@ fn radii(bottom: f64, top: f64) -> Result<[Real; 2], ColliderError> {
     Ok([or_zero("radius_bottom", bottom, top)?, or_zero("radius_top", top, bottom)?])
 }
 
-pub(crate) fn of_shape(shape: &Shape) -> Result<Geometry, ColliderError> {
+pub(crate) fn of_shape(shape: &Shape) -> Result<ColliderShape, ColliderError> {
     let all = |field, values: DVec3| values.to_array().into_iter().try_for_each(|x| length(field, x).map(drop));
     let half_height = |value| length("half_height", value);
     Ok(match *shape {
         Shape::Point => return Err(ColliderError::Shape { shape: "point" }),
         Shape::Sphere { radius } | Shape::HollowSphere { radius } => {
-            Geometry::Ball { radius: length("radius", radius)? }
+            ColliderShape::Sphere { radius: length("radius", radius)? }
         }
         Shape::Cuboid { half_extents } => {
             all("half_extents", half_extents)?;
-            Geometry::Cuboid { half_extents: vec3(half_extents).into() }
+            ColliderShape::Cuboid { half_extents: vec3(half_extents).into() }
         }
         Shape::Cylinder { radius, half_height: h } => {
-            Geometry::Cylinder { radius: length("radius", radius)?, half_height: half_height(h)? }
+            ColliderShape::Cylinder { radius: length("radius", radius)?, half_height: half_height(h)? }
         }
         Shape::Capsule { radius, half_height: h } => {
-            Geometry::Capsule { radius: length("radius", radius)?, half_height: half_height(h)? }
+            ColliderShape::Capsule { radius: length("radius", radius)?, half_height: half_height(h)? }
         }
         Shape::Cone { radius, half_height: h } => {
-            Geometry::Cone { radius: length("radius", radius)?, half_height: half_height(h)? }
+            ColliderShape::Cone { radius: length("radius", radius)?, half_height: half_height(h)? }
         }
         Shape::Frustum { radius_bottom, radius_top, half_height: h } => {
             let [radius_bottom, radius_top] = radii(radius_bottom, radius_top)?;
-            Geometry::Frustum { radius_bottom, radius_top, half_height: half_height(h)? }
+            ColliderShape::Frustum { radius_bottom, radius_top, half_height: half_height(h)? }
         }
         Shape::TaperedCapsule { radius_bottom, radius_top, half_height: h } => {
             let [radius_bottom, radius_top] = radii(radius_bottom, radius_top)?;
-            Geometry::TaperedCapsule { radius_bottom, radius_top, half_height: half_height(h)? }
+            ColliderShape::TaperedCapsule { radius_bottom, radius_top, half_height: half_height(h)? }
         }
         Shape::Ellipsoid { radii } => {
             all("radii", radii)?;
-            Geometry::Ellipsoid { radii: vec3(radii).into() }
+            ColliderShape::Ellipsoid { radii: vec3(radii).into() }
         }
         Shape::Mesh(ref mesh) => hull(mesh.mesh().positions())?,
         Shape::Compound(ref parts) => compound(parts, 1)?,
@@ -71,7 +71,7 @@ pub(crate) fn of_shape(shape: &Shape) -> Result<Geometry, ColliderError> {
 }
 
 /// What of a compound can be touched.
-fn compound(parts: &[Part], depth: usize) -> Result<Geometry, ColliderError> {
+fn compound(parts: &[Part], depth: usize) -> Result<ColliderShape, ColliderError> {
     let mut found = Vec::new();
     if depth > Shape::MAX_DEPTH {
         return Err(ColliderError::Shape { shape: "compound nested so deep" });
@@ -89,22 +89,22 @@ fn compound(parts: &[Part], depth: usize) -> Result<Geometry, ColliderError> {
         if !within(offset.position.into(), *LENGTHS.end()) || !offset.orientation.is_finite() {
             return Err(in_part(ColliderError::Offset { offset }));
         }
-        let at = Placement { position: offset.position.into(), orientation: offset.orientation.into() };
+        let at = Isometry { position: offset.position.into(), orientation: offset.orientation.into() };
         found.push((at, geometry));
     }
     if found.is_empty() {
         return Err(ColliderError::Shape { shape: "compound of points" });
     }
-    Ok(Geometry::Compound(Arc::new(Compound::new(found))))
+    Ok(ColliderShape::Compound(Arc::new(Compound::new(found))))
 }
 
-pub(crate) fn hull(points: &[DVec3]) -> Result<Geometry, ColliderError> {
+pub(crate) fn hull(points: &[DVec3]) -> Result<ColliderShape, ColliderError> {
     let points: Vec<_> = points.iter().map(|point| (*point).into()).collect();
-    checked(Geometry::Hull(Arc::new(ConvexHull::new(&points)?)))
+    checked(ColliderShape::Hull(Arc::new(ConvexHull::new(&points)?)))
 }
 
 /// What is given in double precision has to have a size in the build's.
-pub(crate) fn checked(geometry: Geometry) -> Result<Geometry, ColliderError> {
+pub(crate) fn checked(geometry: ColliderShape) -> Result<ColliderShape, ColliderError> {
     match geometry.reach() {
         Some(reach) if !(reach.is_normal() && reach > 0.0) => {
             Err(ColliderError::Length { field: "extent", value: reach.into() })

@@ -2,11 +2,11 @@
 
 use std::sync::Arc;
 
-use tumble_collide::{Compound, Placement};
+use tumble_collide::{Compound, Isometry};
 
 use crate::collision::collider::{Collider, Groups};
 use crate::collision::collider_error::ColliderError;
-use crate::collision::collider_shape::{Geometry, checked};
+use crate::collision::collider_shape::{ColliderShape, checked};
 use crate::collision::material::Material;
 
 /// What is a part's own.
@@ -50,13 +50,13 @@ impl Collider {
                 ),
             }
             first = first.saturating_add(part.geometry.parts());
-            let at = part.place().unwrap_or(Placement::at(tumble_math::lane::Vec3::zero()));
+            let at = part.place().unwrap_or(Isometry::at(tumble_math::lane::Vec3::zero()));
             shapes.push((at, part.geometry));
         }
         let Some(PartSurface { material, groups, .. }) = surfaces.first().cloned() else {
             return Err(ColliderError::Shape { shape: "compound of nothing" });
         };
-        let geometry = checked(Geometry::Compound(Arc::new(Compound::new(shapes))))?;
+        let geometry = checked(ColliderShape::Compound(Arc::new(Compound::new(shapes))))?;
         // Whoever asks for the groups of the whole asks whether any part may touch.
         let groups = surfaces.iter().fold(groups, |all, part| all.with(part.groups));
         Ok(Self::of_parts(geometry, material, groups, surfaces.into()))

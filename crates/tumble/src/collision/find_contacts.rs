@@ -2,7 +2,7 @@ use std::fmt;
 
 use hecs::World;
 use rayon::prelude::*;
-use tumble_collide::{Bounds, BroadPhase, Geometry, Placement, Proxy, touching};
+use tumble_collide::{Aabb, BroadPhase, ColliderShape, Isometry, Proxy, contact_manifolds};
 use tumble_math::lane::{Quat, Vec3};
 
 use crate::collision::body_key::BodyKeys;
@@ -41,7 +41,7 @@ pub(crate) struct Contacts {
     pub(crate) near: Vec<Vec<(PairKind, [u32; 2])>>,
     pub(crate) crowds: PairLimit,
     cuboids: Pairs,
-    balls: Pairs,
+    spheres: Pairs,
     others: Vec<[u32; 2]>,
     /// Contacts of the last, in parts that threads find.
     found: Vec<Vec<ContactRecord>>,
@@ -57,7 +57,7 @@ pub(crate) struct Contacts {
 /// Where a body with a collider is at the start of a step.
 #[derive(Clone, Copy)]
 pub(crate) struct ColliderState {
-    pub(crate) placement: Placement<Real>,
+    pub(crate) placement: Isometry<Real>,
     /// Centre of mass \[m\].
     pub(crate) center: Vec3<Real>,
     pub(crate) kind: PairKind,
@@ -168,9 +168,9 @@ impl Contacts {
         self.find_near();
         self.keep_previous();
         std::mem::swap(&mut self.contacts, &mut self.last);
-        let Self { shapes, lanes, cuboids, balls, others, found, contacts, colliders, .. } = self;
+        let Self { shapes, lanes, cuboids, spheres, others, found, contacts, colliders, .. } = self;
         let (end, some_empty) = cuboids.touch(PairKind::Cuboid, lanes, contacts, 0);
-        let (end, more_empty) = balls.touch(PairKind::Ball, lanes, contacts, end);
+        let (end, more_empty) = spheres.touch(PairKind::Sphere, lanes, contacts, end);
         contacts.truncate(end);
         let parts = others.len().div_ceil(OTHERS_PART);
         found.resize_with(parts.max(found.len()), Vec::new);
@@ -210,14 +210,14 @@ impl Contacts {
         } else {
             self.find_near_limited();
         }
-        let Self { near, cuboids, balls, others, .. } = self;
+        let Self { near, cuboids, spheres, others, .. } = self;
         cuboids.clear();
-        balls.clear();
+        spheres.clear();
         others.clear();
         for &(kind, slots) in near[..parts].iter().flatten() {
             match kind {
                 PairKind::Cuboid => cuboids.push(slots),
-                PairKind::Ball => balls.push(slots),
+                PairKind::Sphere => spheres.push(slots),
                 PairKind::Other => others.push(slots),
             }
         }
@@ -241,29 +241,39 @@ fn collide_pair(
         let margin = first.reach + second.reach;
         let of_second = Second { center: second.center, alone: !first.moves, margin: first.margin + second.margin };
         let rolls = law([first, second], [&a.geometry, &b.geometry]);
-        touching(&a.geometry, &first.placement, &b.geometry, &second.placement, margin, &mut |part, manifold| {
-            if a.parts_touch(b, part) {
-                // What lies on three points does not roll.
-                let law = if manifold.points().len() < 3 { rolls } else { MATERIAL };
-                found.push(ContactRecord::new(slots, part, manifold, of_second, law));
-            }
-        });
+        contact_manifolds(
+            &a.geometry,
+            &first.placement,
+            &b.geometry,
+            &second.placement,
+            margin,
+            &mut |part, manifold| {
+                if a.parts_touch(b, part) {
+                    // What lies on three points does not roll.
+                    let law = if manifold.points().len() < 3 { rolls } else { MATERIAL };
+                    found.push(ContactRecord::new(slots, part, manifold, of_second, law));
+                }
+            },
+        );
         found[before..].sort_by_key(ContactRecord::key);
     }
 }
 
 /// How the geometry of a contact follows its bodies.
-fn law(shapes: [&ColliderState; 2], geometries: [&Geometry<Real>; 2]) -> f64 {
-    if !geometries.iter().any(|geometry| geometry.is_round()) {
+fn law(shapes: [&ColliderState; 2], shapes_of_pair: [&ColliderShape<Real>; 2]) -> f64 {
+    if !shapes_of_pair.iter().any(|geometry| geometry.is_round()) {
         return MATERIAL;
     }
     let is_centered = |which: usize| {
         let apart = shapes[which].placement.position - shapes[which].center;
-        matches!(geometries[which], Geometry::Ball { .. }) && apart.dot(apart) == 0.0
+        matches!(shapes_of_pair[which], ColliderShape::Sphere { .. }) && apart.dot(apart) == 0.0
     };
     let is_flat_ground = |which: usize| {
         let [u, v, w] = [shapes[which].velocity.1.x, shapes[which].velocity.1.y, shapes[which].velocity.1.z];
-        let flat = matches!(geometries[which], Geometry::HalfSpace | Geometry::Mesh(_) | Geometry::HeightField(_));
+        let flat = matches!(
+            shapes_of_pair[which],
+            ColliderShape::HalfSpace | ColliderShape::Mesh(_) | ColliderShape::HeightField(_)
+        );
         flat && !shapes[which].moves && [u, v, w] == [0.0; 3]
     };
     if (is_centered(0) && is_flat_ground(1)) || (is_centered(1) && is_flat_ground(0)) { FIXED } else { REFINED }
@@ -284,10 +294,10 @@ fn match_impulses(contacts: &mut [ContactRecord], last: &[ContactRecord], materi
 
 impl ColliderState {
     /// What the broad phase is to know of it. What has no geometry is nowhere.
-    pub(crate) fn proxy(&self, geometry: Option<&Geometry<Real>>) -> Proxy<Real> {
-        let nowhere = Some(Bounds::about(Vec3::splat(Real::NAN), Vec3::zero()));
-        let bounds = geometry.map_or(nowhere, |geometry| geometry.bounds(&self.placement, self.reach));
-        Proxy { bounds, moves: self.moves }
+    pub(crate) fn proxy(&self, geometry: Option<&ColliderShape<Real>>) -> Proxy<Real> {
+        let nowhere = Some(Aabb::about(Vec3::splat(Real::NAN), Vec3::zero()));
+        let aabb = geometry.map_or(nowhere, |geometry| geometry.aabb(&self.placement, self.reach));
+        Proxy { aabb, moves: self.moves }
     }
 
     /// Known by its centre of mass alone.
@@ -303,7 +313,7 @@ impl ColliderState {
         let zero = Vec3 { x: 0.0, y: 0.0, z: 0.0 };
         let orientation = Quat { x: 0.0, y: 0.0, z: 0.0, w: 1.0 };
         Self {
-            placement: Placement { position: zero, orientation },
+            placement: Isometry { position: zero, orientation },
             center: zero,
             kind: PairKind::Other,
             moves: false,

@@ -3,7 +3,7 @@
 //! A contact holds a body over a plane through the whole step. What lies beside with its highest point at that plane is not met, whatever way out of it is the shortest: the body
 //! would have to be under the plane.
 
-use tumble_collide::Geometry;
+use tumble_collide::ColliderShape;
 use tumble_math::lane::Vec3;
 
 use crate::collision::collider::Collider;
@@ -57,7 +57,7 @@ impl Floor {
     }
 
     /// Whether the highest point of a part of a body is at the plane.
-    pub(crate) fn is_level_with(&self, geometry: &Geometry<Real>, number: u32, shape: &ColliderState) -> bool {
+    pub(crate) fn is_level_with(&self, geometry: &ColliderShape<Real>, number: u32, shape: &ColliderState) -> bool {
         let (_, inner, part) = geometry.part_of(number);
         let at = shape.placement.then(&inner);
         let top = part.furthest(at.orientation.rotate_back(self.normal));

@@ -1,8 +1,8 @@
 use std::ops::Range;
 
 use rayon::prelude::*;
-use tumble_collide::lanes::{CuboidLanes, ManifoldLanes, ball_pair, cuboid_gap, cuboid_pair};
-use tumble_collide::{Geometry, MAX_MANIFOLD_POINTS, Placement};
+use tumble_collide::lanes::{CuboidLanes, ManifoldLanes, cuboid_gap, cuboid_pair, sphere_pair};
+use tumble_collide::{ColliderShape, Isometry, MAX_MANIFOLD_POINTS};
 use tumble_math::lane::{Quat, Vec3};
 
 use crate::collision::contact::{
@@ -27,16 +27,16 @@ pub(crate) struct ShapeLanes {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub(crate) enum PairKind {
     Cuboid,
-    Ball,
+    Sphere,
     /// None: pairs with it are tested one by one.
     Other,
 }
 
 impl PairKind {
-    pub(crate) fn of(geometry: &Geometry<Real>) -> Self {
+    pub(crate) fn of(geometry: &ColliderShape<Real>) -> Self {
         match geometry {
-            Geometry::Cuboid { .. } => Self::Cuboid,
-            Geometry::Ball { .. } => Self::Ball,
+            ColliderShape::Cuboid { .. } => Self::Cuboid,
+            ColliderShape::Sphere { .. } => Self::Sphere,
             _ => Self::Other,
         }
     }
@@ -84,15 +84,15 @@ impl ShapeLanesPart<'_> {
     pub(crate) fn set(
         &mut self,
         slot: usize,
-        geometry: &Geometry<Real>,
-        at: &Placement<Real>,
+        geometry: &ColliderShape<Real>,
+        at: &Isometry<Real>,
         center: Vec3<Real>,
         (reach, margin): (Real, Real),
     ) {
         let (x, q, offset) = (at.position, at.orientation, at.position - center);
         let size = match *geometry {
-            Geometry::Cuboid { half_extents } => half_extents,
-            Geometry::Ball { radius } => Vec3::new(radius, 0.0, 0.0),
+            ColliderShape::Cuboid { half_extents } => half_extents,
+            ColliderShape::Sphere { radius } => Vec3::new(radius, 0.0, 0.0),
             _ => Vec3::zero(),
         };
         self.places[slot] = Eight([x.x, x.y, x.z, q.x, q.y, q.z, q.w, 0.0]);
@@ -134,7 +134,7 @@ impl Pairs {
         let parts = self.blocks.par_chunks(PART).zip(self.gaps.par_chunks_mut(PART * BLOCK));
         parts.by_at_least(1).for_each(|(blocks, gaps)| match kind {
             PairKind::Cuboid => dispatch_in_blocks(&mut CuboidGaps { blocks, shapes, gaps }),
-            _ => dispatch_in_blocks(&mut BallGaps { blocks, shapes, gaps }),
+            _ => dispatch_in_blocks(&mut SphereGaps { blocks, shapes, gaps }),
         });
         let mut gaps = self.gaps.iter();
         // What is not a number is not near.
@@ -150,7 +150,7 @@ impl Pairs {
         let parts = parts.zip(self.pairs.par_chunks(PART * BLOCK)).by_at_least(1).map(|((blocks, found), pairs)| {
             match kind {
                 PairKind::Cuboid => dispatch_in_blocks(&mut CuboidContacts { blocks, shapes, found }),
-                _ => dispatch_in_blocks(&mut BallContacts { blocks, shapes, found }),
+                _ => dispatch_in_blocks(&mut SphereContacts { blocks, shapes, found }),
             }
             let found = &mut found[..pairs.len()];
             found.iter_mut().for_each(|contact| contact.begin(kind));
@@ -192,13 +192,13 @@ impl Kernel for CuboidGaps<'_> {
     }
 }
 
-struct BallGaps<'a> {
+struct SphereGaps<'a> {
     blocks: &'a [[[u32; BLOCK]; 2]],
     shapes: &'a ShapeLanes,
     gaps: &'a mut [Real],
 }
 
-impl Kernel for BallGaps<'_> {
+impl Kernel for SphereGaps<'_> {
     #[inline(always)]
     fn len(&self) -> usize {
         self.gaps.len()
@@ -207,8 +207,8 @@ impl Kernel for BallGaps<'_> {
     #[inline(always)]
     fn tile<T: Tile>(&mut self, i: usize) {
         let (rows, lane) = (&self.blocks[i / BLOCK], i % BLOCK);
-        let (first, a, place) = balls::<T>(self.shapes, &rows[0], lane);
-        let (second, b, other) = balls::<T>(self.shapes, &rows[1], lane);
+        let (first, a, place) = spheres::<T>(self.shapes, &rows[0], lane);
+        let (second, b, other) = spheres::<T>(self.shapes, &rows[1], lane);
         let apart = b - a;
         T::store([apart.dot(apart).sqrt() - (first + second) - (place.reach + other.reach)], &mut self.gaps[i..]);
     }
@@ -244,13 +244,13 @@ impl Kernel for CuboidContacts<'_> {
     }
 }
 
-struct BallContacts<'a> {
+struct SphereContacts<'a> {
     blocks: &'a [[[u32; BLOCK]; 2]],
     shapes: &'a ShapeLanes,
     found: &'a mut [ContactRecord],
 }
 
-impl Kernel for BallContacts<'_> {
+impl Kernel for SphereContacts<'_> {
     #[inline(always)]
     fn len(&self) -> usize {
         self.found.len()
@@ -259,9 +259,9 @@ impl Kernel for BallContacts<'_> {
     #[inline(always)]
     fn tile<T: Tile>(&mut self, i: usize) {
         let (rows, lane) = (&self.blocks[i / BLOCK], i % BLOCK);
-        let (first, a, place) = balls::<T>(self.shapes, &rows[0], lane);
-        let (second, b, other) = balls::<T>(self.shapes, &rows[1], lane);
-        let manifold = ball_pair(first, second, b - a, place.reach + other.reach);
+        let (first, a, place) = spheres::<T>(self.shapes, &rows[0], lane);
+        let (second, b, other) = spheres::<T>(self.shapes, &rows[1], lane);
+        let manifold = sphere_pair(first, second, b - a, place.reach + other.reach);
         // Balls that are not about their centres of mass wobble.
         let off = place.offset.dot(place.offset) + other.offset.dot(other.offset);
         let law = T::select(T::splat(0.0).lt(off), T::splat(REFINED), T::splat(CENTERS));
@@ -291,7 +291,7 @@ fn cuboids<T: Tile>(shapes: &ShapeLanes, slots: &[u32; BLOCK], lane: usize) -> (
 
 /// A tile's radii, and where the balls are.
 #[inline(always)]
-fn balls<T: Tile>(shapes: &ShapeLanes, slots: &[u32; BLOCK], lane: usize) -> (T, Vec3<T>, PoseLanes<T>) {
+fn spheres<T: Tile>(shapes: &ShapeLanes, slots: &[u32; BLOCK], lane: usize) -> (T, Vec3<T>, PoseLanes<T>) {
     let [x, y, z, _] = gather(&shapes.places, slots, lane);
     let [radius, _, _, u, v, w, reach, margin] = gather(&shapes.sizes, slots, lane);
     (radius, Vec3::new(x, y, z), PoseLanes { offset: Vec3::new(u, v, w), reach, margin })

@@ -44,8 +44,7 @@ impl PairLimit {
         let all = || near.iter().flatten().map(|(_, slots)| *slots);
         all().flatten().for_each(|slot| counts[slot as usize] += 1);
         // What has no end is ground: it takes no part in a crowd.
-        let in_crowd =
-            |slot: u32| counts[slot as usize] as usize > MAX_PAIRS && proxies[slot as usize].bounds.is_some();
+        let in_crowd = |slot: u32| counts[slot as usize] as usize > MAX_PAIRS && proxies[slot as usize].aabb.is_some();
         let are_crowded = |[a, b]: [u32; 2]| in_crowd(a) && in_crowd(b);
         crowded.clear();
         for [a, b] in all().filter(|slots| are_crowded(*slots)) {
@@ -86,7 +85,7 @@ fn offer(nearest: &mut Nearest, apart: Real, other: u32) {
 
 /// How far the boxes of two are apart along the axis where they are furthest \[m\], negative where they overlap.
 fn apart(a: &Proxy<Real>, b: &Proxy<Real>) -> Real {
-    let (Some(a), Some(b)) = (&a.bounds, &b.bounds) else { return Real::NEG_INFINITY };
+    let (Some(a), Some(b)) = (&a.aabb, &b.aabb) else { return Real::NEG_INFINITY };
     let [p, q] = [b.low - a.high, a.low - b.high];
     p.x.max(q.x).max(p.y.max(q.y)).max(p.z.max(q.z))
 }
@@ -108,8 +107,7 @@ impl Contacts {
             }
         });
         let counts = &crowds.counts;
-        let in_crowd =
-            |slot: u32| counts[slot as usize] as usize > MAX_PAIRS && proxies[slot as usize].bounds.is_some();
+        let in_crowd = |slot: u32| counts[slot as usize] as usize > MAX_PAIRS && proxies[slot as usize].aabb.is_some();
         let mut nearest: Vec<Nearest> = vec![Nearest::new(); proxies.len()];
         let mut kept = Vec::new();
         broad_phase.for_each_pair(proxies, wanted, |a, b| {

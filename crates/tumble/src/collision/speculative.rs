@@ -4,7 +4,7 @@
 //! A body that is stopped goes on along what stops it, so what it would have met behind is left out, and what is beside counts.
 
 use rayon::prelude::*;
-use tumble_collide::{Course, Follow, Geometry, Manifold, Meeting};
+use tumble_collide::{ColliderShape, Course, Follow, Manifold, Meeting};
 use tumble_math::lane::Vec3;
 
 use crate::collision::collider::Collider;
@@ -40,9 +40,9 @@ struct Encounter<'a> {
     kind: PairKind,
     /// Numbers of the parts, and what they are.
     numbers: [u32; 2],
-    geometries: [&'a Geometry<Real>; 2],
+    shapes_of_pair: [&'a ColliderShape<Real>; 2],
     /// Of the parts in the bodies' colliders.
-    inner: [tumble_collide::Placement<Real>; 2],
+    inner: [tumble_collide::Isometry<Real>; 2],
     /// Of a half-space, which has an end nowhere: when its plane is met.
     plane: Option<Meeting>,
     meetings: Vec<Meeting>,
@@ -177,10 +177,10 @@ fn encounters<'a>(
                 slots: contact.slots,
                 kind: contact.kind,
                 numbers: [first, second],
-                geometries: [one, other],
+                shapes_of_pair: [one, other],
                 inner: [at, other_at],
                 plane: [one, other]
-                    .contains(&&Geometry::HalfSpace)
+                    .contains(&&ColliderShape::HalfSpace)
                     .then(|| plane(contact, contact.slots.map(|slot| &shapes[slot as usize]))),
                 meetings: Vec::new(),
             });
@@ -197,8 +197,8 @@ fn plane(contact: &ContactRecord, shapes: [&ColliderState; 2]) -> Meeting {
     Meeting { moment: if along > gap { gap / along } else { 1.0 }, is_hit: along > gap, distance: 0.0, normal }
 }
 
-fn is_surface(geometry: &Geometry<Real>) -> bool {
-    matches!(geometry, Geometry::Mesh(_) | Geometry::HeightField(_))
+fn is_surface(geometry: &ColliderShape<Real>) -> bool {
+    matches!(geometry, ColliderShape::Mesh(_) | ColliderShape::HeightField(_))
 }
 
 fn normal(contact: &ContactRecord) -> Vec3<f64> {
@@ -355,7 +355,7 @@ impl View<'_> {
         if encounter.plane.is_some() {
             return encounter.plane;
         }
-        Meeting::find(encounter.geometries, [&first, &second], f64::from(MEETING * margin), slack)
+        Meeting::find(encounter.shapes_of_pair, [&first, &second], f64::from(MEETING * margin), slack)
     }
 
     fn meet(&self, encounters: &mut [Encounter<'_>], travellers: &[Traveller]) {
@@ -392,7 +392,7 @@ impl View<'_> {
         before: &[ContactRecord],
         contacts: &mut Vec<ContactRecord>,
     ) {
-        let Encounter { slots, kind, geometries, .. } = encounter;
+        let Encounter { slots, kind, shapes_of_pair, .. } = encounter;
         let shapes = slots.map(|slot| &self.shapes[slot as usize]);
         let [Some((a, _)), Some((b, _))] = slots.map(|slot| self.colliders[slot as usize].as_ref()) else { return };
         let [first, second] = self.courses(encounter, travellers);
@@ -419,23 +419,31 @@ impl View<'_> {
             let least = margin + crate::math::real(met.distance.clamp(0.0, f64::from(reach)));
             let way = second.gone(met.moment) - first.gone(met.moment);
             // Of a surface only some triangles are met; the nearest points of others need not be over a face.
-            let near = if geometries.iter().any(|it| is_surface(it)) { least } else { Real::INFINITY };
-            met.manifolds(*geometries, [&first, &second], [near, reach.max(least)], follow, &mut |part, manifold| {
-                let [on_first, on_second] = numbers(part, geometries[1].parts());
-                let of_first = (encounter.numbers[0] + on_first).wrapping_mul(parts);
-                let part = of_first.wrapping_add(encounter.numbers[1] + on_second);
-                let is_there = |known: &ContactRecord| known.slots == *slots && known.part == part;
-                if !a.parts_touch(b, part) || contacts[from..].iter().any(is_there) {
-                    return;
-                }
-                let known = before.clone().find(|known| is_there(known));
-                let same =
-                    known.filter(|known| known.is_between_centers() || (met.is_hit && is_same(known, manifold, way)));
-                contacts.push(match same {
-                    Some(known) => known.clone(),
-                    None => ContactRecord { kind: *kind, ..ContactRecord::new(*slots, part, manifold, of_second, law) },
-                });
-            });
+            let near = if shapes_of_pair.iter().any(|it| is_surface(it)) { least } else { Real::INFINITY };
+            met.manifolds(
+                *shapes_of_pair,
+                [&first, &second],
+                [near, reach.max(least)],
+                follow,
+                &mut |part, manifold| {
+                    let [on_first, on_second] = numbers(part, shapes_of_pair[1].parts());
+                    let of_first = (encounter.numbers[0] + on_first).wrapping_mul(parts);
+                    let part = of_first.wrapping_add(encounter.numbers[1] + on_second);
+                    let is_there = |known: &ContactRecord| known.slots == *slots && known.part == part;
+                    if !a.parts_touch(b, part) || contacts[from..].iter().any(is_there) {
+                        return;
+                    }
+                    let known = before.clone().find(|known| is_there(known));
+                    let same = known
+                        .filter(|known| known.is_between_centers() || (met.is_hit && is_same(known, manifold, way)));
+                    contacts.push(match same {
+                        Some(known) => known.clone(),
+                        None => {
+                            ContactRecord { kind: *kind, ..ContactRecord::new(*slots, part, manifold, of_second, law) }
+                        }
+                    });
+                },
+            );
             if contacts.len() == from && met.is_hit {
                 contacts.extend(before.clone().filter(|known| is_theirs(known)).cloned());
             }
@@ -447,10 +455,10 @@ impl View<'_> {
         let rolls = |which: usize| {
             let ColliderState { motion, placement, .. } = &self.shapes[encounter.slots[which] as usize];
             let turn = motion.turn;
-            let is_round = encounter.geometries[which].is_round();
+            let is_round = encounter.shapes_of_pair[which].is_round();
             let [_, axis, _] = placement.orientation.axes();
             let about_others = turn - axis * axis.dot(turn);
-            let ball = matches!(encounter.geometries[which], Geometry::Ball { .. });
+            let ball = matches!(encounter.shapes_of_pair[which], ColliderShape::Sphere { .. });
             is_round && (ball || length(about_others) <= ROLLS)
         };
         if rolls(0) || rolls(1) { Follow::Centers } else { Follow::Bodies }

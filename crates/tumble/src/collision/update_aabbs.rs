@@ -1,6 +1,6 @@
 //! Where bodies with colliders are, as contacts are found with.
 
-use tumble_collide::{Placement, Proxy};
+use tumble_collide::{Isometry, Proxy};
 use tumble_math::lane::{Quat, Vec3};
 
 use crate::collision::collider::Collider;
@@ -75,16 +75,16 @@ impl AabbUpdate<'_> {
         let center = Vec3::from(bodies.pose[i].position);
         let orientation = Quat::from(bodies.pose[i].orientation).normalize();
         let position = center - orientation.rotate(Vec3::from(*offset));
-        let mut placement = collider.placement(Placement { position, orientation });
+        let mut placement = collider.placement(Isometry { position, orientation });
         let velocity = bodies.velocity.map_or(Velocity::default(), |velocities| velocities[i]);
         let geometry = &collider.geometry;
         let turned = (0.25..=4.0).contains(&bodies.pose[i].orientation.length_squared());
         let place = turned && [placement.position, center].into_iter().all(|at| within(at, MAX_DISTANCE_OF_CONTACTS));
         let from_center = placement.position - center;
         let radius = geometry.reach().unwrap_or(0.0) + from_center.dot(from_center).sqrt();
-        let half_thickness = geometry.half_thickness();
+        let ccd_thickness = geometry.ccd_thickness();
         let moves = bodies.pushed.is_some();
-        let margin = if moves { (MARGIN_SHARE * half_thickness).min(MAX_MARGIN) } else { 0.0 };
+        let margin = if moves { (MARGIN_SHARE * ccd_thickness).min(MAX_MARGIN) } else { 0.0 };
         let mut motion = Motion { radius, ..Motion::NONE };
         let (linear, in_range) = match bodies.pushed {
             Some((momenta, masses, inertia)) => {
@@ -108,7 +108,7 @@ impl AabbUpdate<'_> {
             placement.position = Vec3::splat(Real::NAN);
         }
         let kind = PairKind::of(geometry);
-        let reach = margin + ahead(half_thickness, linear.length() * interval);
+        let reach = margin + ahead(ccd_thickness, linear.length() * interval);
         self.lanes.set(i, geometry, &placement, center, (reach, margin));
         let velocity = (velocity.linear.into(), velocity.angular.into());
         self.shapes[i] = ColliderState { placement, center, kind, moves, reach, margin, velocity, motion };
@@ -128,8 +128,8 @@ const TURNED: Real = 0.25;
 
 /// How much further a shape looks for others \[m\] that goes so far \[m\] in a step. What goes less than half its half thickness is
 /// stopped in what it hits and leaves it on the side it came from; only what is faster looks as far as it goes.
-fn ahead(half_thickness: Real, way: Real) -> Real {
-    if way.is_finite() { (way - 0.5 * half_thickness).max(way.min(FORESEEN)) } else { 0.0 }
+fn ahead(ccd_thickness: Real, way: Real) -> Real {
+    if way.is_finite() { (way - 0.5 * ccd_thickness).max(way.min(FORESEEN)) } else { 0.0 }
 }
 
 /// The angle by which a body turns in an interval \[rad\], if that may be more than `least`.

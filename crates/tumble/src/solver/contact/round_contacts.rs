@@ -1,7 +1,7 @@
 //! Contacts of round shapes, found again where their bodies have moved to within a step.
 
 use rayon::prelude::*;
-use tumble_collide::{Geometry, MAX_MANIFOLD_POINTS, Manifold, Placement, touching};
+use tumble_collide::{ColliderShape, Isometry, MAX_MANIFOLD_POINTS, Manifold, contact_manifolds};
 use tumble_math::lane::{Quat, Vec3};
 
 use crate::collision::find_contacts::Contacts;
@@ -23,8 +23,8 @@ pub(crate) struct RoundContact {
     pub(crate) contact: u32,
     pub(crate) rows: [u32; 2],
     part: u32,
-    geometries: [Geometry<Real>; 2],
-    placements: [Placement<Real>; 2],
+    geometries: [ColliderShape<Real>; 2],
+    placements: [Isometry<Real>; 2],
     /// What the middle of the contact is made of.
     weights: [Real; MAX_MANIFOLD_POINTS],
     /// Whether impulses move the second body alone.
@@ -54,7 +54,7 @@ impl Contacts {
             let [Some((a, _)), Some((b, _))] = colliders else { continue };
             let origin = shapes[1].center;
             let nearest = (0..contact.count()).map(|j| contact.separation(j)).fold(Real::INFINITY, Real::min).max(0.0);
-            let placements = shapes.map(|shape| Placement {
+            let placements = shapes.map(|shape| Isometry {
                 position: shape.placement.position - origin,
                 orientation: shape.placement.orientation,
             });
@@ -107,14 +107,14 @@ impl RoundContact {
         let turn = |row: &[Real; 8]| Quat { x: row[3], y: row[4], z: row[5], w: row[6] };
         let [a, b] = &self.placements;
         let (p, q) = (turn(first), turn(second));
-        let first_at = Placement {
+        let first_at = Isometry {
             position: self.apart + slid + p.rotate(a.position - self.apart),
             orientation: p * a.orientation,
         };
-        let second_at = Placement { position: q.rotate(b.position), orientation: q * b.orientation };
+        let second_at = Isometry { position: q.rotate(b.position), orientation: q * b.orientation };
         let mut found = Manifold::none();
         let [one, other] = &self.geometries;
-        touching(one, &first_at, other, &second_at, self.margin, &mut |part, manifold| {
+        contact_manifolds(one, &first_at, other, &second_at, self.margin, &mut |part, manifold| {
             if part == self.part {
                 found = *manifold;
             }

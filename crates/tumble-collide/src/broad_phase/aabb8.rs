@@ -1,6 +1,6 @@
 use tumble_math::lane::Vec3;
 
-use crate::bounds::Bounds;
+use crate::aabb::Aabb;
 use crate::scalar::Scalar;
 
 /// Boxes side by side, compared with another at once.
@@ -21,8 +21,8 @@ impl<R: Scalar> Octet<R> {
     }
 
     #[inline]
-    pub(super) fn set(&mut self, lane: usize, bounds: &Bounds<R>) {
-        let Bounds { low, high } = *bounds;
+    pub(super) fn set(&mut self, lane: usize, aabb: &Aabb<R>) {
+        let Aabb { low, high } = *aabb;
         for (axis, (low, high)) in [(low.x, high.x), (low.y, high.y), (low.z, high.z)].into_iter().enumerate() {
             self.low[axis][lane] = low;
             self.high[axis][lane] = high;
@@ -31,10 +31,10 @@ impl<R: Scalar> Octet<R> {
 
     /// The smallest box that holds all of them.
     #[inline]
-    pub(super) fn union(&self) -> Bounds<R> {
+    pub(super) fn union(&self) -> Aabb<R> {
         let low = self.low.map(|lanes| fold(lanes, R::min));
         let high = self.high.map(|lanes| fold(lanes, R::max));
-        Bounds { low: Vec3::new(low[0], low[1], low[2]), high: Vec3::new(high[0], high[1], high[2]) }
+        Aabb { low: Vec3::new(low[0], low[1], low[2]), high: Vec3::new(high[0], high[1], high[2]) }
     }
 
     /// The lengths of the sides of all of them, added up \[m\].
@@ -54,8 +54,8 @@ impl<R: Scalar> Octet<R> {
     ///
     /// Not inlined, so that it is vector code: a compiler that sees what becomes of the marks takes them one by one.
     #[inline(never)]
-    pub(super) fn meeting(&self, other: &Bounds<R>, marks: &mut Marks) {
-        let Bounds { low, high } = *other;
+    pub(super) fn meeting(&self, other: &Aabb<R>, marks: &mut Marks) {
+        let Aabb { low, high } = *other;
         self.compare([low.x, low.y, low.z], [high.x, high.y, high.z], marks);
     }
 

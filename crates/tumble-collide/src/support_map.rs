@@ -2,10 +2,10 @@
 
 use tumble_math::lane::Vec3;
 
+use crate::collider_shape::ColliderShape;
 use crate::convex_hull::ConvexHull;
 use crate::feature::Feature;
 use crate::frustum::Frustum;
-use crate::geometry::Geometry;
 use crate::scalar::Scalar;
 
 /// Shapes in general meet in double precision, whatever the precision of the caller: so no length needs a tolerance of its own.
@@ -37,28 +37,28 @@ pub(crate) enum Convex<'a> {
 
 impl<'a> Convex<'a> {
     /// What is inside the layer, and how thick that is; `None` for what is not convex or has no end.
-    pub(crate) fn of<R: Scalar>(geometry: &'a Geometry<R>) -> Option<(Self, f64)> {
-        let inner = match *geometry {
-            Geometry::Ball { radius } => return Some((Self::Point, radius.into())),
-            Geometry::Capsule { radius, half_height } => {
+    pub(crate) fn of<R: Scalar>(shape: &'a ColliderShape<R>) -> Option<(Self, f64)> {
+        let inner = match *shape {
+            ColliderShape::Sphere { radius } => return Some((Self::Point, radius.into())),
+            ColliderShape::Capsule { radius, half_height } => {
                 return Some((Self::Segment { half_height: half_height.into() }, radius.into()));
             }
-            Geometry::Cuboid { half_extents } => Self::Cuboid { half: wide(half_extents) },
-            Geometry::Cylinder { radius, half_height } => {
+            ColliderShape::Cuboid { half_extents } => Self::Cuboid { half: wide(half_extents) },
+            ColliderShape::Cylinder { radius, half_height } => {
                 Self::Frustum(Frustum { radii: [radius.into(); 2], half_height: half_height.into() })
             }
-            Geometry::Cone { radius, half_height } => {
+            ColliderShape::Cone { radius, half_height } => {
                 Self::Frustum(Frustum { radii: [radius.into(), 0.0], half_height: half_height.into() })
             }
-            Geometry::Frustum { radius_bottom, radius_top, half_height } => Self::Frustum(Frustum {
+            ColliderShape::Frustum { radius_bottom, radius_top, half_height } => Self::Frustum(Frustum {
                 radii: [radius_bottom.into(), radius_top.into()],
                 half_height: half_height.into(),
             }),
-            Geometry::Ellipsoid { radii } => Self::Ellipsoid { radii: wide(radii) },
-            Geometry::TaperedCapsule { radius_bottom, radius_top, half_height } => {
+            ColliderShape::Ellipsoid { radii } => Self::Ellipsoid { radii: wide(radii) },
+            ColliderShape::TaperedCapsule { radius_bottom, radius_top, half_height } => {
                 Self::Tapered { radii: [radius_bottom.into(), radius_top.into()], half_height: half_height.into() }
             }
-            Geometry::Hull(ref hull) => Self::Hull(hull),
+            ColliderShape::Hull(ref hull) => Self::Hull(hull),
             _ => return None,
         };
         Some((inner, 0.0))

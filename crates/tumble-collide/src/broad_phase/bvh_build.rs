@@ -8,8 +8,8 @@ use std::cmp::Ordering;
 
 use tumble_math::lane::Vec3;
 
-use super::octet::LANES;
-use crate::bounds::Bounds;
+use super::aabb8::LANES;
+use crate::aabb::Aabb;
 use crate::scalar::Scalar;
 
 /// No object: what is in the lanes that are left over.
@@ -27,15 +27,15 @@ pub(super) struct Item<R> {
 /// Fills `leaves` with the objects; where a leaf is not full, with [`NONE`].
 pub(super) fn arrange<R: Scalar>(
     objects: impl Iterator<Item = u32>,
-    boxes: &[Bounds<R>],
+    boxes: &[Aabb<R>],
     items: &mut Vec<Item<R>>,
     leaves: &mut Vec<[u32; LANES]>,
 ) {
     items.clear();
     items.extend(objects.map(|object| {
-        let bounds = &boxes[object as usize];
-        let center = if bounds.is_finite() { bounds.center() } else { Vec3::zero() };
-        Item { class: magnitude(bounds), center, object }
+        let aabb = &boxes[object as usize];
+        let center = if aabb.is_finite() { aabb.center() } else { Vec3::zero() };
+        Item { class: magnitude(aabb), center, object }
     }));
     classify(items);
     leaves.clear();
@@ -50,8 +50,8 @@ pub(super) fn arrange<R: Scalar>(
 }
 
 /// The exponent of two of how far it reaches, 0 for what has no extent.
-fn magnitude<R: Scalar>(bounds: &Bounds<R>) -> i32 {
-    let extent: Vec3<R> = bounds.high - bounds.low;
+fn magnitude<R: Scalar>(aabb: &Aabb<R>) -> i32 {
+    let extent: Vec3<R> = aabb.high - aabb.low;
     let most: f64 = extent.x.max(extent.y).max(extent.z).into();
     if most > 0.0 { (most.to_bits() >> 52 & 0x7ff) as i32 } else { 0 }
 }
@@ -107,7 +107,7 @@ fn cut(first: usize, end: usize) -> usize {
 
 /// The axis along which the centres are spread most.
 fn longest_side<R: Scalar>(items: &[Item<R>]) -> usize {
-    let mut spread: Bounds<R> = Bounds::empty();
+    let mut spread: Aabb<R> = Aabb::empty();
     for Item { center, .. } in items {
         spread.low = Vec3::new(spread.low.x.min(center.x), spread.low.y.min(center.y), spread.low.z.min(center.z));
         spread.high = Vec3::new(spread.high.x.max(center.x), spread.high.y.max(center.y), spread.high.z.max(center.z));

@@ -4,7 +4,7 @@ use tumble_math::lane::Vec3;
 
 use crate::feature::{Corner, Feature, MAX_CORNERS};
 use crate::manifold::{ContactPoint, Manifold, Points};
-use crate::reduction::{at_most_extent, keep_nearest, reduce};
+use crate::manifold_reduction::{at_most_extent, keep_nearest, reduce};
 use crate::scalar::Scalar;
 
 /// Two pieces along the normal between them.

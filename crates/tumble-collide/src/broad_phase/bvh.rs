@@ -1,7 +1,7 @@
-use super::arrangement::{Item, NONE, arrange};
-use super::octet::{LANES, Marks, Octet};
+use super::aabb8::{LANES, Marks, Octet};
+use super::bvh_build::{Item, NONE, arrange};
 use super::pair_list::{Found, Pair};
-use crate::bounds::Bounds;
+use crate::aabb::Aabb;
 use crate::scalar::Scalar;
 
 /// Boxes in eights, the boxes of eights in eights, and so on up to one. It has no pointers: the children of node `i` are the nodes
@@ -17,7 +17,7 @@ pub(super) struct Tree<R> {
 
 impl<R: Scalar> Tree<R> {
     /// Makes a tree of some of the objects.
-    pub(super) fn build(&mut self, objects: impl Iterator<Item = u32>, boxes: &[Bounds<R>]) {
+    pub(super) fn build(&mut self, objects: impl Iterator<Item = u32>, boxes: &[Aabb<R>]) {
         arrange(objects, boxes, &mut self.items, &mut self.objects);
         let mut width = self.objects.len();
         let mut height = 0;
@@ -51,7 +51,7 @@ impl<R: Scalar> Tree<R> {
     }
 
     /// Takes over the boxes of a leaf's objects.
-    pub(super) fn load(&mut self, leaf: usize, boxes: &[Bounds<R>]) {
+    pub(super) fn load(&mut self, leaf: usize, boxes: &[Aabb<R>]) {
         for (lane, object) in self.objects[leaf].iter().enumerate().filter(|(_, object)| **object != NONE) {
             self.levels[0][leaf].set(lane, &boxes[*object as usize]);
         }
@@ -74,13 +74,13 @@ impl<R: Scalar> Tree<R> {
     pub(super) fn looseness(&self) -> R {
         let sides = |height: usize| {
             let octets = self.levels.get(height).into_iter().flatten();
-            octets.fold(R::splat(0.0), |sum, octet| sum + octet.sides())
+            octets.fold(R::splat(0.0), |sum, aabb8| sum + aabb8.sides())
         };
         sides(1) / sides(0)
     }
 
     /// Adds the leaves, from leaf `from` on, whose boxes meet the other to `found`.
-    pub(super) fn find(&self, other: &Bounds<R>, from: usize, stack: &mut Vec<(u32, u32)>, found: &mut Vec<u32>) {
+    pub(super) fn find(&self, other: &Aabb<R>, from: usize, stack: &mut Vec<(u32, u32)>, found: &mut Vec<u32>) {
         let Some(root) = self.levels.len().checked_sub(1) else { return };
         if root == 0 {
             found.push(0);
@@ -106,10 +106,10 @@ impl<R: Scalar> Tree<R> {
 
     /// Adds the pairs among the objects of a leaf whose boxes meet.
     pub(super) fn pairs_within(&self, leaf: usize, found: &mut Found) {
-        let (octet, objects) = (self.leaf(leaf), self.objects(leaf));
+        let (aabb8, objects) = (self.leaf(leaf), self.objects(leaf));
         let mut marks = Marks::default();
         for lane in 1..LANES {
-            octet.meeting_one_of(octet, lane, &mut marks);
+            aabb8.meeting_one_of(aabb8, lane, &mut marks);
             marks.keep_before(lane);
             found.add(&marks, |before| ordered(objects[before], objects[lane]));
         }
@@ -118,18 +118,18 @@ impl<R: Scalar> Tree<R> {
     /// Adds the pairs of an object of a leaf, with the box `around` all of it, and one of another leaf, whose boxes meet.
     pub(super) fn pairs_between(
         &self,
-        (leaf, around): (usize, &Bounds<R>),
-        (tree, other): (&Self, usize),
+        (leaf, around): (usize, &Aabb<R>),
+        (bvh, other): (&Self, usize),
         found: &mut Found,
     ) {
-        let (octet, objects) = (self.leaf(leaf), self.objects(leaf));
-        let (others, other_objects) = (tree.leaf(other), tree.objects(other));
+        let (aabb8, objects) = (self.leaf(leaf), self.objects(leaf));
+        let (others, other_objects) = (bvh.leaf(other), bvh.objects(other));
         let mut marks = Marks::default();
         let mut lanes = [0; LANES];
         others.meeting(around, &mut marks);
         let count = marks.select(&mut lanes, |lane| lane);
         for lane in &lanes[..count] {
-            octet.meeting_one_of(others, *lane, &mut marks);
+            aabb8.meeting_one_of(others, *lane, &mut marks);
             found.add(&marks, |hit| ordered(objects[hit], other_objects[*lane]));
         }
     }
@@ -146,39 +146,39 @@ mod tests {
 
     use super::*;
 
-    fn cube(x: f64, y: f64, z: f64, half: f64) -> Bounds<f64> {
-        Bounds::about(Vec3::new(x, y, z), Vec3::splat(half))
+    fn cube(x: f64, y: f64, z: f64, half: f64) -> Aabb<f64> {
+        Aabb::about(Vec3::new(x, y, z), Vec3::splat(half))
     }
 
     /// Of 16 x 16 x 16 cubes every leaf has eight that are a cube together.
     #[test]
     fn leaves_are_as_small_as_they_can_be() {
         let places = (0..4096_u32).map(|i| [i % 16, i / 16 % 16, i / 256].map(f64::from));
-        let boxes: Vec<Bounds<f64>> = places.map(|[x, y, z]| cube(x, y, z, 0.25)).collect();
-        let mut tree = Tree::default();
+        let boxes: Vec<Aabb<f64>> = places.map(|[x, y, z]| cube(x, y, z, 0.25)).collect();
+        let mut bvh = Tree::default();
         // Not in the order they are made in.
-        tree.build((0..4096).map(|i| i * 1025 % 4096), &boxes);
-        assert_eq!(tree.leaves(), 512);
+        bvh.build((0..4096).map(|i| i * 1025 % 4096), &boxes);
+        assert_eq!(bvh.leaves(), 512);
         for leaf in 0..512 {
-            let around = tree.leaf(leaf).union();
+            let around = bvh.leaf(leaf).union();
             assert_eq!(around.high - around.low, Vec3::splat(1.5), "leaf {leaf}");
         }
-        assert_eq!(tree.looseness(), 1.5 / (8.0 * 0.5));
+        assert_eq!(bvh.looseness(), 1.5 / (8.0 * 0.5));
     }
 
     /// What is large is not in a leaf of small ones, and all are in some leaf, once.
     #[test]
     fn large_and_small_are_apart() {
-        let mut boxes: Vec<Bounds<f64>> = (0..100).map(|i| cube(f64::from(i), 0.0, 0.0, 0.4)).collect();
+        let mut boxes: Vec<Aabb<f64>> = (0..100).map(|i| cube(f64::from(i), 0.0, 0.0, 0.4)).collect();
         boxes[17] = cube(17.0, 0.0, 0.0, 40.0);
         boxes[60] = cube(60.0, 0.0, 0.0, 4000.0);
-        let mut tree = Tree::default();
-        tree.build(0..100, &boxes);
+        let mut bvh = Tree::default();
+        bvh.build(0..100, &boxes);
         let mut seen = Vec::new();
-        for leaf in 0..tree.leaves() {
-            let objects = tree.objects(leaf).iter().copied().filter(|object| *object != NONE);
+        for leaf in 0..bvh.leaves() {
+            let objects = bvh.objects(leaf).iter().copied().filter(|object| *object != NONE);
             let large = objects.clone().filter(|object| [17, 60].contains(object)).count();
-            assert!(large == 0 || objects.clone().count() == 1, "{:?}", tree.objects(leaf));
+            assert!(large == 0 || objects.clone().count() == 1, "{:?}", bvh.objects(leaf));
             seen.extend(objects);
         }
         seen.sort_unstable();

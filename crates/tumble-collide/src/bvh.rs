@@ -2,9 +2,9 @@
 
 use tumble_math::lane::Vec3;
 
-use crate::bounds::Bounds;
-use crate::convex::Vector;
+use crate::aabb::Aabb;
 use crate::scalar::Scalar;
+use crate::support_map::Vector;
 
 /// A tree of boxes in the order in which it is walked through.
 #[derive(Clone, Debug, PartialEq)]
@@ -16,7 +16,7 @@ pub(crate) struct Tree {
 
 #[derive(Clone, Debug, PartialEq)]
 struct Node {
-    bounds: Bounds<f64>,
+    aabb: Aabb<f64>,
     /// The node to go on with where this one is not met.
     skip: u32,
     /// Of a leaf, its part of the order; empty otherwise.
@@ -27,7 +27,7 @@ struct Node {
 const LEAF: usize = 4;
 
 impl Tree {
-    pub(crate) fn new(boxes: &[Bounds<f64>]) -> Self {
+    pub(crate) fn new(boxes: &[Aabb<f64>]) -> Self {
         let mut order: Vec<u32> = (0..boxes.len() as u32).collect();
         let mut this = Self { nodes: Vec::new(), order: Vec::new() };
         if !order.is_empty() {
@@ -38,17 +38,17 @@ impl Tree {
     }
 
     /// Adds the tree of some boxes, the first of which has this place in the order.
-    fn add(&mut self, boxes: &[Bounds<f64>], order: &mut [u32], first: u32) {
-        let mut bounds = boxes[order[0] as usize];
+    fn add(&mut self, boxes: &[Aabb<f64>], order: &mut [u32], first: u32) {
+        let mut aabb = boxes[order[0] as usize];
         for index in order.iter() {
-            bounds = enclosing(&bounds, &boxes[*index as usize]);
+            aabb = enclosing(&aabb, &boxes[*index as usize]);
         }
         let place = self.nodes.len();
-        self.nodes.push(Node { bounds, skip: 0, leaf: [first, first] });
+        self.nodes.push(Node { aabb, skip: 0, leaf: [first, first] });
         if order.len() <= LEAF {
             self.nodes[place].leaf[1] = first + order.len() as u32;
         } else {
-            let extent = bounds.high - bounds.low;
+            let extent = aabb.high - aabb.low;
             let middle = |index: u32| {
                 let sum = boxes[index as usize].low + boxes[index as usize].high;
                 if extent.x >= extent.y && extent.x >= extent.z {
@@ -69,10 +69,10 @@ impl Tree {
     }
 
     /// Shows the numbers of all boxes that may meet one.
-    pub(crate) fn near(&self, bounds: &Bounds<f64>, visit: &mut dyn FnMut(u32)) {
+    pub(crate) fn near(&self, aabb: &Aabb<f64>, visit: &mut dyn FnMut(u32)) {
         let mut place = 0;
         while let Some(node) = self.nodes.get(place) {
-            if node.bounds.meets(bounds) {
+            if node.aabb.meets(aabb) {
                 place += 1;
                 let [from, to] = node.leaf;
                 self.order[from as usize..to as usize].iter().for_each(|index| visit(*index));
@@ -83,14 +83,14 @@ impl Tree {
     }
 
     /// The box that holds all.
-    pub(crate) fn bounds(&self) -> Bounds<f64> {
-        self.nodes.first().map_or(Bounds { low: Vector::zero(), high: Vector::zero() }, |node| node.bounds)
+    pub(crate) fn aabb(&self) -> Aabb<f64> {
+        self.nodes.first().map_or(Aabb { low: Vector::zero(), high: Vector::zero() }, |node| node.aabb)
     }
 }
 
 /// The smallest box that holds both.
-pub(crate) fn enclosing<R: Scalar>(a: &Bounds<R>, b: &Bounds<R>) -> Bounds<R> {
+pub(crate) fn enclosing<R: Scalar>(a: &Aabb<R>, b: &Aabb<R>) -> Aabb<R> {
     let least = |a: Vec3<R>, b: Vec3<R>| Vec3::new(a.x.min(b.x), a.y.min(b.y), a.z.min(b.z));
     let most = |a: Vec3<R>, b: Vec3<R>| Vec3::new(a.x.max(b.x), a.y.max(b.y), a.z.max(b.z));
-    Bounds { low: least(a.low, b.low), high: most(a.high, b.high) }
+    Aabb { low: least(a.low, b.low), high: most(a.high, b.high) }
 }

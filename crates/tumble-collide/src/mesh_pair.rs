@@ -5,16 +5,16 @@
 
 use std::collections::HashMap;
 
-use crate::bounds::Bounds;
-use crate::convex::{Convex, Vector, narrow, unit};
+use crate::aabb::Aabb;
+use crate::collider_shape::{ColliderShape, Isometry};
 use crate::convex_pair::{Approach, FACE_LEAD, approach, difference, manifold_of, wide_placement, with_faces_first};
-use crate::geometry::{Geometry, Placement};
+use crate::face_clipping::{AS_NEAR, ON_THE_SIDE, Overlay, as_near, is_corner_of_second};
 use crate::gjk::on_triangle;
 use crate::manifold::{ContactPoint, Manifold, Points};
+use crate::manifold_reduction::{keep_nearest, reduce};
 use crate::minkowski::Difference;
-use crate::overlay::{AS_NEAR, ON_THE_SIDE, Overlay, as_near, is_corner_of_second};
-use crate::reduction::{keep_nearest, reduce};
 use crate::scalar::Scalar;
+use crate::support_map::{Convex, Vector, narrow, unit};
 use crate::surface::Surface;
 use crate::work;
 
@@ -63,7 +63,7 @@ struct Place {
 struct Over<'a, S> {
     surface: &'a S,
     shape: Convex<'a>,
-    at: Placement<f64>,
+    at: Isometry<f64>,
     layer: f64,
     margin: f64,
     /// The margin, or the size of the shape if that is less: what counts as small.
@@ -78,19 +78,19 @@ struct Over<'a, S> {
 /// Shows the manifolds of a surface and a convex shape, from the former to the latter, each with the number of the part of the surface it belongs to.
 pub(crate) fn surface_and_convex<R: Scalar>(
     surface: &impl Surface,
-    surface_at: &Placement<R>,
-    geometry: &Geometry<R>,
-    at: &Placement<R>,
+    surface_at: &Isometry<R>,
+    shape: &ColliderShape<R>,
+    at: &Isometry<R>,
     margin: R,
     visit: &mut dyn FnMut(u32, &Manifold<R>),
 ) {
-    let Some((shape, layer)) = Convex::of(geometry) else { return };
+    let Some((shape, layer)) = Convex::of(shape) else { return };
     if !surface_at.is_somewhere() || !at.is_somewhere() {
         return;
     }
     let (ground, body) = (wide_placement(surface_at), wide_placement(at));
     let orientation = (ground.orientation.conjugate() * body.orientation).normalize();
-    let at = Placement { position: ground.to_local(body.position), orientation };
+    let at = Isometry { position: ground.to_local(body.position), orientation };
     let mut over = Over {
         surface,
         shape,
@@ -129,11 +129,11 @@ impl<S: Surface> Over<'_, S> {
         let axes = [Vector::new(1.0, 0.0, 0.0), Vector::new(0.0, 1.0, 0.0), Vector::new(0.0, 0.0, 1.0)];
         let [high, low] = [1.0, -1.0].map(|sign| axes.map(|axis| far(axis * sign) * sign));
         let corner = |[x, y, z]: [f64; 3]| Vector::new(x, y, z);
-        let bounds = Bounds { low: corner(low), high: corner(high) };
-        let size = bounds.high - bounds.low - Vector::splat(2.0 * self.margin);
+        let aabb = Aabb { low: corner(low), high: corner(high) };
+        let size = aabb.high - aabb.low - Vector::splat(2.0 * self.margin);
         self.small = f64::min(self.margin, size.dot(size).sqrt());
         let mut near = Vec::new();
-        self.surface.near(&bounds, &mut |triangle| near.push(triangle));
+        self.surface.near(&aabb, &mut |triangle| near.push(triangle));
         near.sort_unstable();
         near.into_iter().for_each(|triangle| self.meet(triangle));
     }
@@ -147,7 +147,7 @@ impl<S: Surface> Over<'_, S> {
         if !(depth <= self.margin && normal.dot(middle - corners[0]) > 0.0) {
             return;
         }
-        let Some(shapes) = difference(Convex::Triangle(corners), &Placement::at(Vector::zero()), self.shape, &self.at)
+        let Some(shapes) = difference(Convex::Triangle(corners), &Isometry::at(Vector::zero()), self.shape, &self.at)
         else {
             return;
         };
@@ -173,10 +173,10 @@ impl<S: Surface> Over<'_, S> {
 
     /// Points over the triangle itself.
     fn over_face(&self, triangle: u32, shapes: &Difference<'_>, normal: Vector, depth: f64) -> Vec<Hit> {
-        let overlay = Overlay { normal, separation: depth, layers: [0.0, self.layer], margin: self.margin };
+        let face_clipping = Overlay { normal, separation: depth, layers: [0.0, self.layer], margin: self.margin };
         let below = shapes.second.feature(shapes.turned_back(normal * -1.0), self.margin);
         let below = below.seen(|point| shapes.place(point), |v| shapes.turn(v));
-        let (mut points, carried) = overlay.shared(&shapes.first.feature(normal, self.margin), &below);
+        let (mut points, carried) = face_clipping.shared(&shapes.first.feature(normal, self.margin), &below);
         let is_near = |point: &ContactPoint<f64>| point.separation <= depth + AS_NEAR * self.small;
         if !points.iter().any(is_near) {
             // The face that looks down most need not have the lowest corner.

@@ -3,7 +3,7 @@
 use tumble_math::lane::Vec3;
 
 use super::Proxy;
-use crate::bounds::Bounds;
+use crate::aabb::Aabb;
 use crate::scalar::Scalar;
 
 /// A box is so much larger to every side, as a part of its mean extent ...
@@ -19,14 +19,14 @@ const MAX_AHEAD: f64 = 0.5;
 
 #[derive(Clone, Debug, Default)]
 pub(super) struct Fat<R> {
-    boxes: Vec<Bounds<R>>,
+    boxes: Vec<Aabb<R>>,
     /// Where each was when it got its box, and at which step that was.
     since: Vec<(Vec3<R>, u32)>,
     now: u32,
 }
 
 impl<R: Scalar> Fat<R> {
-    pub(super) fn boxes(&self) -> &[Bounds<R>] {
+    pub(super) fn boxes(&self) -> &[Aabb<R>] {
         &self.boxes
     }
 
@@ -40,19 +40,19 @@ impl<R: Scalar> Fat<R> {
         self.boxes.clear();
         self.since.clear();
         for proxy in proxies {
-            let bounds = finite(proxy);
-            let margin = if proxy.moves { margin(&bounds) } else { R::splat(0.0) };
-            self.boxes.push(grown(&bounds, Vec3::splat(margin), Vec3::splat(margin)));
-            self.since.push((bounds.center(), self.now));
+            let aabb = finite(proxy);
+            let margin = if proxy.moves { margin(&aabb) } else { R::splat(0.0) };
+            self.boxes.push(grown(&aabb, Vec3::splat(margin), Vec3::splat(margin)));
+            self.since.push((aabb.center(), self.now));
         }
     }
 
     /// Adds those that are no longer in their boxes.
     pub(super) fn find_left(&self, proxies: &[Proxy<R>], left: &mut Vec<u32>) {
-        for (object, (proxy, fat)) in (0..).zip(proxies.iter().zip(&self.boxes)) {
-            let Some(bounds) = &proxy.bounds else { continue };
+        for (object, (proxy, fat_aabb)) in (0..).zip(proxies.iter().zip(&self.boxes)) {
+            let Some(aabb) = &proxy.aabb else { continue };
             // What is not finite is in no box, and has an empty one.
-            if !fat.holds(bounds) && (fat.is_finite() || bounds.is_finite()) {
+            if !fat_aabb.holds(aabb) && (fat_aabb.is_finite() || aabb.is_finite()) {
                 left.push(object);
             }
         }
@@ -60,34 +60,34 @@ impl<R: Scalar> Fat<R> {
 
     /// Gives an object a box about where it is now, and where it is going.
     pub(super) fn renew(&mut self, object: u32, proxy: &Proxy<R>) {
-        let bounds = finite(proxy);
-        let center = bounds.center();
+        let aabb = finite(proxy);
+        let center = aabb.center();
         let (before, step) = std::mem::replace(&mut self.since[object as usize], (center, self.now));
-        let margin = margin(&bounds);
-        let most = mean_extent(&bounds) * R::splat(MAX_AHEAD);
+        let margin = margin(&aabb);
+        let most = mean_extent(&aabb) * R::splat(MAX_AHEAD);
         let steps = f64::from(self.now.wrapping_sub(step).max(1));
         let way = (center - before) * R::splat(STEPS_AHEAD / steps);
         // No way, where that is not a number: the larger of it and nothing is nothing.
         let ahead = |way: R| (margin + way.max(R::splat(0.0)).min(most), margin + (-way).max(R::splat(0.0)).min(most));
         let (x, y, z) = (ahead(way.x), ahead(way.y), ahead(way.z));
-        self.boxes[object as usize] = grown(&bounds, Vec3::new(x.1, y.1, z.1), Vec3::new(x.0, y.0, z.0));
+        self.boxes[object as usize] = grown(&aabb, Vec3::new(x.1, y.1, z.1), Vec3::new(x.0, y.0, z.0));
     }
 }
 
 /// The box of an object; an empty one if it is not finite.
-fn finite<R: Scalar>(proxy: &Proxy<R>) -> Bounds<R> {
-    proxy.bounds.filter(Bounds::is_finite).unwrap_or_else(Bounds::empty)
+fn finite<R: Scalar>(proxy: &Proxy<R>) -> Aabb<R> {
+    proxy.aabb.filter(Aabb::is_finite).unwrap_or_else(Aabb::empty)
 }
 
-fn mean_extent<R: Scalar>(bounds: &Bounds<R>) -> R {
-    let extent = bounds.high - bounds.low;
+fn mean_extent<R: Scalar>(aabb: &Aabb<R>) -> R {
+    let extent = aabb.high - aabb.low;
     (extent.x + extent.y + extent.z) * R::splat(1.0 / 3.0)
 }
 
-fn margin<R: Scalar>(bounds: &Bounds<R>) -> R {
-    (mean_extent(bounds) * R::splat(MARGIN)).min(R::splat(MAX_MARGIN)).max(R::splat(0.0))
+fn margin<R: Scalar>(aabb: &Aabb<R>) -> R {
+    (mean_extent(aabb) * R::splat(MARGIN)).min(R::splat(MAX_MARGIN)).max(R::splat(0.0))
 }
 
-fn grown<R: Scalar>(bounds: &Bounds<R>, below: Vec3<R>, above: Vec3<R>) -> Bounds<R> {
-    Bounds { low: bounds.low - below, high: bounds.high + above }
+fn grown<R: Scalar>(aabb: &Aabb<R>, below: Vec3<R>, above: Vec3<R>) -> Aabb<R> {
+    Aabb { low: aabb.low - below, high: aabb.high + above }
 }

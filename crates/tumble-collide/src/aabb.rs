@@ -5,22 +5,22 @@ use crate::scalar::Scalar;
 /// A box along the world's axes \[m\].
 ///
 /// ```
-/// use tumble_collide::Bounds;
+/// use tumble_collide::Aabb;
 /// use tumble_math::lane::Vec3;
 ///
-/// let cube = Bounds::about(Vec3::zero(), Vec3::splat(0.5));
-/// assert!(cube.meets(&Bounds::about(Vec3::new(0.9, 0.0, 0.0), Vec3::splat(0.5))));
-/// assert!(!cube.meets(&Bounds::about(Vec3::new(1.1, 0.0, 0.0), Vec3::splat(0.5))));
+/// let cube = Aabb::about(Vec3::zero(), Vec3::splat(0.5));
+/// assert!(cube.meets(&Aabb::about(Vec3::new(0.9, 0.0, 0.0), Vec3::splat(0.5))));
+/// assert!(!cube.meets(&Aabb::about(Vec3::new(1.1, 0.0, 0.0), Vec3::splat(0.5))));
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Bounds<R> {
+pub struct Aabb<R> {
     /// Its corner where all coordinates are least.
     pub low: Vec3<R>,
     /// Its corner where all coordinates are greatest.
     pub high: Vec3<R>,
 }
 
-impl<R: Scalar> Bounds<R> {
+impl<R: Scalar> Aabb<R> {
     /// The box that reaches `half` \[m\] from its centre to all sides.
     pub fn about(center: Vec3<R>, half: Vec3<R>) -> Self {
         Self { low: center - half, high: center + half }

@@ -2,28 +2,28 @@
 
 use tumble_math::lane::Vec3;
 
-use crate::balls::ball_pair;
-use crate::geometry::Placement;
+use crate::collider_shape::Isometry;
 use crate::manifold::Manifold;
 use crate::scalar::Scalar;
+use crate::sphere_lanes::sphere_pair;
 
-pub(crate) fn ball_and_ball<R: Scalar>(
+pub(crate) fn sphere_and_sphere<R: Scalar>(
     first: R,
     first_center: Vec3<R>,
     second: R,
     second_center: Vec3<R>,
     margin: R,
 ) -> Manifold<R> {
-    ball_pair(first, second, second_center - first_center, margin).of_one(second_center)
+    sphere_pair(first, second, second_center - first_center, margin).of_one(second_center)
 }
 
 /// Nearer than this \[m\] two points are one: its square is a normal number in either precision.
 const MIN_DISTANCE: f64 = 1e-18;
 
 /// From the box to the ball. A ball whose centre is in the box leaves it through the nearest face.
-pub(crate) fn cuboid_and_ball<R: Scalar>(
+pub(crate) fn cuboid_and_sphere<R: Scalar>(
     half_extents: Vec3<R>,
-    at: &Placement<R>,
+    at: &Isometry<R>,
     radius: R,
     center: Vec3<R>,
     margin: R,

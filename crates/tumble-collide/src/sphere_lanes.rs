@@ -8,17 +8,17 @@ const MIN_DISTANCE: f64 = 1e-18;
 /// How balls touch, `apart` being the way from the first centre to the second \[m\]. Balls about the same point are pushed apart along y.
 ///
 /// ```
-/// use tumble_collide::lanes::ball_pair;
+/// use tumble_collide::lanes::sphere_pair;
 /// use tumble_math::lane::Vec3;
 ///
-/// let manifold = ball_pair(1.0, 0.5, Vec3::new(1.49_f64, 0.0, 0.0), 0.02);
+/// let manifold = sphere_pair(1.0, 0.5, Vec3::new(1.49_f64, 0.0, 0.0), 0.02);
 /// assert_eq!((manifold.count, manifold.normal.x), (1.0, 1.0));
 /// assert!((manifold.separations[0] + 0.01).abs() < 1e-15);
 /// // From the second centre to the middle of the overlap.
 /// assert!((manifold.places[0].x + 0.495).abs() < 1e-15);
 /// ```
 #[inline(always)]
-pub fn ball_pair<L: Lane>(first: L, second: L, apart: Vec3<L>, margin: L) -> ManifoldLanes<L> {
+pub fn sphere_pair<L: Lane>(first: L, second: L, apart: Vec3<L>, margin: L) -> ManifoldLanes<L> {
     let (zero, one) = (L::splat(0.0), L::splat(1.0));
     let distance = apart.dot(apart).sqrt();
     let up = Vec3::new(zero, one, zero);

@@ -2,32 +2,32 @@ use std::sync::Arc;
 
 use tumble_math::lane::{Lane, Quat, Vec3};
 
-use crate::bounds::Bounds;
+use crate::aabb::Aabb;
+use crate::bvh::enclosing;
 use crate::compound::Compound;
-use crate::convex::{Convex, Vector, narrow, unit, wide};
 use crate::convex_hull::ConvexHull;
 use crate::height_field::HeightField;
 use crate::mesh::Mesh;
+use crate::mesh_pair;
 use crate::scalar::Scalar;
-use crate::surface_pair;
-use crate::tree::enclosing;
+use crate::support_map::{Convex, Vector, narrow, unit, wide};
 
 /// A shape that others can touch, in its own frame: axes of revolution lie along y, and the origin is at mid-height, as in [`tumble_math::Shape`]. Lengths are
 /// in metres.
 ///
 /// ```
-/// use tumble_collide::{Geometry, Placement};
+/// use tumble_collide::{ColliderShape, Isometry};
 /// use tumble_math::lane::Vec3;
 ///
-/// let can = Geometry::Cylinder { radius: 0.5, half_height: 2.0 };
-/// let bounds = can.bounds(&Placement::at(Vec3::new(1.0, 0.0, 0.0)), 0.0).unwrap();
-/// assert_eq!((bounds.low, bounds.high), (Vec3::new(0.5, -2.0, -0.5), Vec3::new(1.5, 2.0, 0.5)));
+/// let can = ColliderShape::Cylinder { radius: 0.5, half_height: 2.0 };
+/// let aabb = can.aabb(&Isometry::at(Vec3::new(1.0, 0.0, 0.0)), 0.0).unwrap();
+/// assert_eq!((aabb.low, aabb.high), (Vec3::new(0.5, -2.0, -0.5), Vec3::new(1.5, 2.0, 0.5)));
 /// ```
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
-pub enum Geometry<R> {
+pub enum ColliderShape<R> {
     /// A ball about the origin.
-    Ball {
+    Sphere {
         /// \[m\]
         radius: R,
     },
@@ -98,22 +98,22 @@ const ALONG_NORMAL: f64 = 1.0 - 5e-7;
 /// Where the frame of a shape is.
 ///
 /// ```
-/// use tumble_collide::Placement;
+/// use tumble_collide::Isometry;
 /// use tumble_math::lane::{Quat, Vec3};
 ///
-/// let turned = Placement { position: Vec3::new(1.0, 0.0, 0.0), orientation: Quat { x: 0.0, y: 0.0, z: 1.0, w: 0.0 } };
-/// let part = turned.then(&Placement::at(Vec3::new(0.25, 0.0, 0.0)));
+/// let turned = Isometry { position: Vec3::new(1.0, 0.0, 0.0), orientation: Quat { x: 0.0, y: 0.0, z: 1.0, w: 0.0 } };
+/// let part = turned.then(&Isometry::at(Vec3::new(0.25, 0.0, 0.0)));
 /// assert_eq!(part.position, Vec3::new(0.75, 0.0, 0.0));
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Placement<R> {
+pub struct Isometry<R> {
     /// Its origin \[m\].
     pub position: Vec3<R>,
     /// Unit quaternion from the shape's coordinates to the world's.
     pub orientation: Quat<R>,
 }
 
-impl<R: Scalar> Placement<R> {
+impl<R: Scalar> Isometry<R> {
     /// Not turned.
     pub fn at(position: Vec3<R>) -> Self {
         let zero = Vec3::zero();
@@ -146,49 +146,48 @@ impl<R: Scalar> Placement<R> {
     }
 }
 
-impl<R: Scalar> Geometry<R> {
+impl<R: Scalar> ColliderShape<R> {
     /// The smallest box along the world's axes that holds the shape, and `margin` \[m\] around it; `None` for what has no end.
     ///
     /// Of a mesh or a height field it is that of the box along its own axes.
-    pub fn bounds(&self, at: &Placement<R>, margin: R) -> Option<Bounds<R>> {
+    pub fn aabb(&self, at: &Isometry<R>, margin: R) -> Option<Aabb<R>> {
         let [x, y, z] = at.orientation.axes();
         let rows = [Vec3::new(x.x, y.x, z.x), Vec3::new(x.y, y.y, z.y), Vec3::new(x.z, y.z, z.z)];
         let of_box = |center: Vec3<R>, h: Vec3<R>| {
             let reach = |row: Vec3<R>| row.x.abs() * h.x + row.y.abs() * h.y + row.z.abs() * h.z;
             let [x, y, z] = rows.map(reach);
-            Bounds::about(at.to_world(center), Vec3::new(x, y, z) + Vec3::splat(margin))
+            Aabb::about(at.to_world(center), Vec3::new(x, y, z) + Vec3::splat(margin))
         };
-        let of_surface = |bounds: Bounds<f64>| {
-            of_box(narrow((bounds.low + bounds.high) * 0.5), narrow((bounds.high - bounds.low) * 0.5))
-        };
+        let of_surface =
+            |aabb: Aabb<f64>| of_box(narrow((aabb.low + aabb.high) * 0.5), narrow((aabb.high - aabb.low) * 0.5));
         match self {
-            Self::Ball { radius } => Some(Bounds::about(at.position, Vec3::splat(*radius + margin))),
+            Self::Sphere { radius } => Some(Aabb::about(at.position, Vec3::splat(*radius + margin))),
             Self::Cuboid { half_extents } => Some(of_box(Vec3::zero(), *half_extents)),
             Self::HalfSpace => None,
-            Self::Mesh(mesh) => Some(of_surface(mesh.bounds())),
-            Self::HeightField(field) => Some(of_surface(field.bounds())),
+            Self::Mesh(mesh) => Some(of_surface(mesh.aabb())),
+            Self::HeightField(field) => Some(of_surface(field.aabb())),
             Self::Compound(compound) => {
-                let mut all: Option<Bounds<R>> = None;
+                let mut all: Option<Aabb<R>> = None;
                 for (_, at, part) in compound.placed(at) {
-                    let bounds = part.bounds(&at, margin)?;
-                    all = Some(all.map_or(bounds, |all| enclosing(&all, &bounds)));
+                    let aabb = part.aabb(&at, margin)?;
+                    all = Some(all.map_or(aabb, |all| enclosing(&all, &aabb)));
                 }
                 // Nothing at all is a point.
-                all.or_else(|| Some(Bounds::about(at.position, Vec3::splat(margin))))
+                all.or_else(|| Some(Aabb::about(at.position, Vec3::splat(margin))))
             }
             _ => {
-                let (convex, layer) = Convex::of(self)?;
+                let (support_map, layer) = Convex::of(self)?;
                 let more = R::splat(layer) + margin;
                 // Row by row: the world's axes as the shape sees them.
                 let reach = |row: Vec3<R>, sign: f64| {
                     let d = Vector::new(row.x.into(), row.y.into(), row.z.into()) * sign;
-                    R::splat(convex.support(d).dot(d))
+                    R::splat(support_map.support(d).dot(d))
                 };
                 let [high, low] = [1.0, -1.0].map(|sign| {
                     let [x, y, z] = rows.map(|row| reach(row, sign) + more);
                     Vec3::new(x, y, z)
                 });
-                Some(Bounds { low: at.position - low, high: at.position + high })
+                Some(Aabb { low: at.position - low, high: at.position + high })
             }
         }
     }
@@ -196,11 +195,11 @@ impl<R: Scalar> Geometry<R> {
     /// Whether some of its surface is curved: where such a shape rolls, its contacts move over it.
     ///
     /// ```
-    /// use tumble_collide::Geometry;
+    /// use tumble_collide::ColliderShape;
     /// use tumble_math::lane::Vec3;
     ///
-    /// assert!(Geometry::Cylinder { radius: 0.5, half_height: 1.0 }.is_round());
-    /// assert!(!Geometry::Cuboid { half_extents: Vec3::splat(1.0) }.is_round());
+    /// assert!(ColliderShape::Cylinder { radius: 0.5, half_height: 1.0 }.is_round());
+    /// assert!(!ColliderShape::Cuboid { half_extents: Vec3::splat(1.0) }.is_round());
     /// ```
     pub fn is_round(&self) -> bool {
         match self {
@@ -213,17 +212,17 @@ impl<R: Scalar> Geometry<R> {
     /// Half its thickness where it is thinnest, or somewhat less \[m\]: what goes through it by less is still on the side it came from. Zero for surfaces.
     ///
     /// ```
-    /// use tumble_collide::Geometry;
+    /// use tumble_collide::ColliderShape;
     /// use tumble_math::lane::Vec3;
     ///
-    /// let plate = Geometry::Cuboid { half_extents: Vec3::new(1.0, 0.05, 2.0) };
-    /// assert_eq!(plate.half_thickness(), 0.05);
+    /// let plate = ColliderShape::Cuboid { half_extents: Vec3::new(1.0, 0.05, 2.0) };
+    /// assert_eq!(plate.ccd_thickness(), 0.05);
     /// ```
-    pub fn half_thickness(&self) -> R {
+    pub fn ccd_thickness(&self) -> R {
         let (zero, half) = (R::splat(0.0), R::splat(0.5));
         let least = |v: Vec3<R>| v.x.min(v.y).min(v.z);
         match self {
-            Self::Ball { radius } | Self::Capsule { radius, .. } => *radius,
+            Self::Sphere { radius } | Self::Capsule { radius, .. } => *radius,
             Self::Cuboid { half_extents } => least(*half_extents),
             Self::Ellipsoid { radii } => least(*radii),
             Self::Cylinder { radius, half_height } => radius.min(*half_height),
@@ -235,13 +234,13 @@ impl<R: Scalar> Geometry<R> {
             Self::HalfSpace => R::splat(f64::INFINITY),
             Self::Mesh(_) | Self::HeightField(_) => zero,
             Self::Compound(compound) => {
-                let here = Placement::at(Vec3::zero());
-                let parts = compound.placed(&here).map(|(_, _, part)| part.half_thickness());
+                let here = Isometry::at(Vec3::zero());
+                let parts = compound.placed(&here).map(|(_, _, part)| part.ccd_thickness());
                 parts.reduce(Lane::min).unwrap_or(zero)
             }
             Self::Hull(_) => {
-                let bounds = self.bounds(&Placement::at(Vec3::zero()), zero);
-                bounds.map_or(zero, |bounds| least(bounds.high - bounds.low) * (half * half))
+                let aabb = self.aabb(&Isometry::at(Vec3::zero()), zero);
+                aabb.map_or(zero, |aabb| least(aabb.high - aabb.low) * (half * half))
             }
         }
     }
@@ -250,13 +249,13 @@ impl<R: Scalar> Geometry<R> {
     pub fn reach(&self) -> Option<R> {
         let length = |v: Vec3<R>| v.dot(v).sqrt();
         let zero = R::splat(0.0);
-        let of_surface = |bounds: Bounds<f64>| {
+        let of_surface = |aabb: Aabb<f64>| {
             let most = |low: f64, high: f64| f64::max(high, -low);
-            let (low, high) = (bounds.low, bounds.high);
+            let (low, high) = (aabb.low, aabb.high);
             length(narrow(Vector::new(most(low.x, high.x), most(low.y, high.y), most(low.z, high.z))))
         };
         match self {
-            Self::Ball { radius } => Some(*radius),
+            Self::Sphere { radius } => Some(*radius),
             Self::Cuboid { half_extents } => Some(length(*half_extents)),
             Self::Capsule { radius, half_height } => Some(*radius + *half_height),
             Self::Cylinder { radius, half_height } | Self::Cone { radius, half_height } => {
@@ -270,8 +269,8 @@ impl<R: Scalar> Geometry<R> {
             }
             Self::Ellipsoid { radii } => Some(radii.x.max(radii.y).max(radii.z)),
             Self::Hull(hull) => Some(R::splat(hull.reach())),
-            Self::Mesh(mesh) => Some(of_surface(mesh.bounds())),
-            Self::HeightField(field) => Some(of_surface(field.bounds())),
+            Self::Mesh(mesh) => Some(of_surface(mesh.aabb())),
+            Self::HeightField(field) => Some(of_surface(field.aabb())),
             Self::Compound(compound) => compound.reach(),
             Self::HalfSpace => None,
         }
@@ -280,33 +279,33 @@ impl<R: Scalar> Geometry<R> {
     /// The point that is furthest in a direction, in the shape's frame; `None` of compounds, surfaces and half-spaces.
     ///
     /// ```
-    /// use tumble_collide::Geometry;
+    /// use tumble_collide::ColliderShape;
     /// use tumble_math::lane::Vec3;
     ///
-    /// let cube = Geometry::Cuboid { half_extents: Vec3::splat(0.5) };
+    /// let cube = ColliderShape::Cuboid { half_extents: Vec3::splat(0.5) };
     /// assert_eq!(cube.furthest(Vec3::new(1.0, 2.0, -3.0)), Some(Vec3::new(0.5, 0.5, -0.5)));
     /// ```
     pub fn furthest(&self, direction: Vec3<R>) -> Option<Vec3<R>> {
-        let (convex, layer) = Convex::of(self)?;
+        let (support_map, layer) = Convex::of(self)?;
         let direction = wide(direction);
-        Some(narrow(convex.support(direction) + unit(direction) * layer))
+        Some(narrow(support_map.support(direction) + unit(direction) * layer))
     }
 
     /// Whether it has a flat face whose outward normal is a unit vector, to a thousandth of a radian. Always true of surfaces, whose contacts have
     /// the normals of their faces, and of half-spaces.
     ///
     /// ```
-    /// use tumble_collide::Geometry;
+    /// use tumble_collide::ColliderShape;
     /// use tumble_math::lane::Vec3;
     ///
-    /// let can = Geometry::Cylinder { radius: 0.5, half_height: 2.0 };
+    /// let can = ColliderShape::Cylinder { radius: 0.5, half_height: 2.0 };
     /// assert!(can.has_face(Vec3::new(0.0, 1.0, 0.0)) && !can.has_face(Vec3::new(1.0, 0.0, 0.0)));
     /// ```
     pub fn has_face(&self, direction: Vec3<R>) -> bool {
         match Convex::of(self) {
-            Some((convex, _)) => {
+            Some((support_map, _)) => {
                 let direction = wide(direction);
-                convex.face_normal(direction).is_some_and(|normal| normal.dot(direction) > ALONG_NORMAL)
+                support_map.face_normal(direction).is_some_and(|normal| normal.dot(direction) > ALONG_NORMAL)
             }
             None => true,
         }
@@ -316,16 +315,16 @@ impl<R: Scalar> Geometry<R> {
     ///
     /// ```
     /// use std::sync::Arc;
-    /// use tumble_collide::{Compound, Geometry, Placement};
+    /// use tumble_collide::{Compound, ColliderShape, Isometry};
     /// use tumble_math::lane::Vec3;
     ///
-    /// let ball = |x: f64| (Placement::at(Vec3::new(x, 0.0, 0.0)), Geometry::Ball { radius: 0.5 });
-    /// let dumbbell = Geometry::Compound(Arc::new(Compound::new([ball(-1.0), ball(1.0)])));
+    /// let sphere = |x: f64| (Isometry::at(Vec3::new(x, 0.0, 0.0)), ColliderShape::Sphere { radius: 0.5 });
+    /// let dumbbell = ColliderShape::Compound(Arc::new(Compound::new([sphere(-1.0), sphere(1.0)])));
     /// let (first, at, part) = dumbbell.part_of(1);
-    /// assert_eq!((first, at.position.x, part), (1, 1.0, &Geometry::Ball { radius: 0.5 }));
+    /// assert_eq!((first, at.position.x, part), (1, 1.0, &ColliderShape::Sphere { radius: 0.5 }));
     /// ```
-    pub fn part_of(&self, number: u32) -> (u32, Placement<R>, &Self) {
-        let whole = (0, Placement::at(Vec3::zero()), self);
+    pub fn part_of(&self, number: u32) -> (u32, Isometry<R>, &Self) {
+        let whole = (0, Isometry::at(Vec3::zero()), self);
         match self {
             Self::Compound(compound) => {
                 compound.part_of(number).map_or(whole, |(first, (at, part))| (first, *at, part))
@@ -334,11 +333,11 @@ impl<R: Scalar> Geometry<R> {
         }
     }
 
-    /// How many numbers its parts have: [`touching`](crate::touching) numbers a pair of parts as that of the first shape times this of the second, and that of the second. One of what has no parts.
+    /// How many numbers its parts have: [`contact_manifolds`](crate::contact_manifolds) numbers a pair of parts as that of the first shape times this of the second, and that of the second. One of what has no parts.
     pub fn parts(&self) -> u32 {
         match self {
-            Self::Mesh(mesh) => surface_pair::parts(mesh.as_ref(), mesh.points().len()),
-            Self::HeightField(field) => surface_pair::parts(field.as_ref(), field.points().len()),
+            Self::Mesh(mesh) => mesh_pair::parts(mesh.as_ref(), mesh.points().len()),
+            Self::HeightField(field) => mesh_pair::parts(field.as_ref(), field.points().len()),
             Self::Compound(compound) => compound.count(),
             _ => 1,
         }
