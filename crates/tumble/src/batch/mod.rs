@@ -165,7 +165,7 @@ fn step_pack(trials: &mut [Trial], pack: &mut MultiWorld, count: u32) {
 
 fn step_together(trials: &mut [&mut Trial], pack: &mut MultiWorld, pack_key: PackKey, count: u32) {
     crate::scope::scope!("tumble::pack");
-    let worlds = trials.iter_mut().filter_map(|trial| trial.simulation.coupled(&mut trial.world));
+    let worlds = trials.iter_mut().filter_map(|trial| trial.simulation.interacting(&mut trial.world));
     let mut worlds: Vec<_> = worlds.collect();
     let found = worlds.len();
     step_interacting(&mut worlds, Some((pack, pack_key)), count, None);

@@ -24,7 +24,7 @@ impl BodyKey {
 #[derive(Clone, Debug, Default)]
 pub(crate) struct BodyKeys {
     /// In order; equal ones only where bodies of the world have the same [`BodyId`].
-    names: Vec<BodyKey>,
+    body_keys: Vec<BodyKey>,
     /// By slot; the one that was in the world when it was last looked.
     entities: Vec<Entity>,
     /// By old slot, the one that the name has now.
@@ -36,7 +36,7 @@ pub(crate) struct BodyKeys {
 /// Two bodies that touched, of which one is gone.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct EndedPair {
-    pub(crate) names: [BodyKey; 2],
+    pub(crate) body_keys: [BodyKey; 2],
     pub(crate) entities: [Entity; 2],
 }
 
@@ -45,11 +45,11 @@ const NONE: u32 = u32::MAX;
 
 impl BodyKeys {
     pub(crate) fn len(&self) -> usize {
-        self.names.len()
+        self.body_keys.len()
     }
 
     pub(crate) fn name(&self, slot: u32) -> BodyKey {
-        self.names[slot as usize]
+        self.body_keys[slot as usize]
     }
 
     pub(crate) fn entity(&self, slot: u32) -> Entity {
@@ -66,39 +66,42 @@ impl BodyKeys {
     pub(crate) fn renew(
         &mut self,
         world: &World,
-        members: &BodyIndex,
+        body_index: &BodyIndex,
         contacts: &mut Vec<ContactRecord>,
         parted: &mut Vec<EndedPair>,
     ) -> bool {
         let member = |slot: usize| {
-            let (_, id, entity) = members.key(slot);
+            let (_, id, entity) = body_index.key(slot);
             BodyKey::of(id, entity)
         };
-        let count = members.len();
+        let count = body_index.len();
         self.here.clear();
         self.here.resize(count, Entity::DANGLING);
         for entity in world.query::<Entity>().with::<&Collider>().iter() {
-            if let Some(slot) = members.slot(entity.id()) {
+            if let Some(slot) = body_index.slot(entity.id()) {
                 self.here[slot] = entity;
             }
         }
-        let same = self.names.len() == count
-            && (0..count).all(|slot| self.names[slot] == member(slot) && !self.is_replaced(slot, slot));
+        let same = self.body_keys.len() == count
+            && (0..count).all(|slot| self.body_keys[slot] == member(slot) && !self.is_replaced(slot, slot));
         if !same {
             self.match_names(count, member);
-            let Self { names, entities, now, .. } = &*self;
+            let Self { body_keys, entities, now, .. } = &*self;
             contacts.retain_mut(|contact| {
                 let old = contact.slots;
                 contact.slots = old.map(|slot| now[slot as usize]);
                 let stays = !contact.slots.contains(&NONE);
                 if !stays && contact.touches() {
                     let [a, b] = [old[0].min(old[1]), old[0].max(old[1])].map(|slot| slot as usize);
-                    parted.push(EndedPair { names: [names[a], names[b]], entities: [entities[a], entities[b]] });
+                    parted.push(EndedPair {
+                        body_keys: [body_keys[a], body_keys[b]],
+                        entities: [entities[a], entities[b]],
+                    });
                 }
                 stays
             });
-            self.names.clear();
-            self.names.extend((0..count).map(member));
+            self.body_keys.clear();
+            self.body_keys.extend((0..count).map(member));
         }
         self.entities.clone_from(&self.here);
         !same
@@ -107,14 +110,14 @@ impl BodyKeys {
     /// Whether what had a name by the number of its entity is gone, and that number another's: hecs gives it to the next that is spawned.
     fn is_replaced(&self, old: usize, new: usize) -> bool {
         let was = self.entities[old];
-        matches!(self.names[old], BodyKey::Entity(_)) && was != Entity::DANGLING && was != self.here[new]
+        matches!(self.body_keys[old], BodyKey::Entity(_)) && was != Entity::DANGLING && was != self.here[new]
     }
 
     /// Finds the new slots of names: of equal names the first has the first slot, and no two the same.
     fn match_names(&mut self, count: usize, member: impl Fn(usize) -> BodyKey) {
         self.now.clear();
         let mut slot = 0;
-        for (old, name) in self.names.iter().enumerate() {
+        for (old, name) in self.body_keys.iter().enumerate() {
             while slot < count && member(slot) < *name {
                 slot += 1;
             }
@@ -125,19 +128,19 @@ impl BodyKeys {
     }
 
     /// Takes names that are in order, and finds who they are in a world; who is not there is [`Entity::DANGLING`].
-    pub(crate) fn set(&mut self, names: &[BodyKey], world: &World) {
-        self.names.clear();
-        self.names.extend_from_slice(names);
+    pub(crate) fn set(&mut self, body_keys: &[BodyKey], world: &World) {
+        self.body_keys.clear();
+        self.body_keys.extend_from_slice(body_keys);
         self.entities.clear();
-        self.entities.resize(names.len(), Entity::DANGLING);
-        if names.is_empty() {
+        self.entities.resize(body_keys.len(), Entity::DANGLING);
+        if body_keys.is_empty() {
             return;
         }
         let mut next = 0;
         for (entity, id) in world.query::<(Entity, Option<&BodyId>)>().with::<&Pose>().iter() {
             let name = BodyKey::of(id.copied(), entity.id());
             // Most worlds have their bodies in order.
-            let place = if names.get(next) == Some(&name) { Ok(next) } else { names.binary_search(&name) };
+            let place = if body_keys.get(next) == Some(&name) { Ok(next) } else { body_keys.binary_search(&name) };
             if let Ok(place) = place {
                 self.entities[place] = entity;
                 next = place + 1;
@@ -147,7 +150,7 @@ impl BodyKeys {
 
     /// Without anyone.
     pub(crate) fn clear(&mut self) {
-        self.names.clear();
+        self.body_keys.clear();
         self.entities.clear();
     }
 }

@@ -30,10 +30,10 @@ const NONE: u32 = u32::MAX;
 impl Contacts {
     /// Gives the contacts that there were the slots that their bodies have now, and drops those of bodies that are gone.
     pub(crate) fn renumber(&mut self, world: &World) {
-        let Self { members, names, contacts, past, .. } = self;
-        past.parted.clear();
-        past.is_next = true;
-        if names.renew(world, members, contacts, &mut past.parted) {
+        let Self { body_index, body_keys, contacts, previous, .. } = self;
+        previous.parted.clear();
+        previous.is_next = true;
+        if body_keys.renew(world, body_index, contacts, &mut previous.parted) {
             self.broad_phase.reset();
         }
         // Colliders may be others than they were, and contacts that were put back lie as they did elsewhere.
@@ -48,11 +48,11 @@ impl Contacts {
 
     /// To be called before the first substep of every step.
     pub(crate) fn begin_step(&mut self) {
-        if !std::mem::take(&mut self.past.is_next) {
+        if !std::mem::take(&mut self.previous.is_next) {
             self.keep_events();
-            self.past.parted.clear();
+            self.previous.parted.clear();
         }
-        self.past.found = 0;
+        self.previous.found = 0;
     }
 
     /// A step, or several, in which nothing has a collider.
@@ -61,56 +61,56 @@ impl Contacts {
         for _ in 0..steps.min(2) {
             self.begin_step();
             self.last.clear();
-            self.past.found = 1;
+            self.previous.found = 1;
         }
     }
 
     /// Whether nothing touches nor has just parted.
     pub(crate) fn are_over(&self) -> bool {
-        self.contacts.is_empty() && self.past.parted.is_empty()
+        self.contacts.is_empty() && self.previous.parted.is_empty()
     }
 
     /// Keeps the contacts of before the step, which those of a second substep would overwrite.
     pub(crate) fn keep_previous(&mut self) {
-        if self.past.found == 1 {
-            std::mem::swap(&mut self.last, &mut self.past.contacts);
+        if self.previous.found == 1 {
+            std::mem::swap(&mut self.last, &mut self.previous.contacts);
         }
-        self.past.found += 1;
+        self.previous.found += 1;
     }
 
     /// The contacts of before the last step; `None` where none has been taken.
     pub(crate) fn before_the_step(&self) -> Option<&[ContactRecord]> {
-        match self.past.found {
+        match self.previous.found {
             0 => None,
             1 => Some(&self.last),
-            _ => Some(&self.past.contacts),
+            _ => Some(&self.previous.contacts),
         }
     }
 
     /// Forgets all contacts, so that the next step begins without.
     pub(crate) fn forget(&mut self) {
-        self.names.clear();
+        self.body_keys.clear();
         self.contacts.clear();
-        self.past.parted.clear();
-        self.past.events.clear();
-        self.past.found = 0;
+        self.previous.parted.clear();
+        self.previous.events.clear();
+        self.previous.found = 0;
     }
 
     /// Copies what decides the next step.
     pub(crate) fn save(&self, into: &mut SavedContacts) {
         into.clear();
-        let SavedContacts { names, centers, contacts, places } = into;
+        let SavedContacts { body_keys, centers, contacts, places } = into;
         places.clear();
-        places.resize(self.names.len(), NONE);
+        places.resize(self.body_keys.len(), NONE);
         for slot in self.contacts.iter().flat_map(|contact| contact.slots) {
             places[slot as usize] = 0;
         }
         for (slot, place) in places.iter_mut().enumerate().filter(|(_, place)| **place != NONE) {
-            let name = self.names.name(slot as u32);
+            let name = self.body_keys.name(slot as u32);
             // A world in which two bodies have one name has no snapshot; here one of them may be gone since the step.
-            *place = if names.last() == Some(&name) { NONE } else { names.len() as u32 };
+            *place = if body_keys.last() == Some(&name) { NONE } else { body_keys.len() as u32 };
             if *place != NONE {
-                names.push(name);
+                body_keys.push(name);
                 centers.push(self.shapes.get(slot).map_or([0.0; 3], ColliderState::center));
             }
         }
@@ -123,10 +123,10 @@ impl Contacts {
     /// Puts back what was saved, between the bodies that have the same names in this world.
     pub(crate) fn put_back(&mut self, saved: &SavedContacts, world: &World) {
         self.forget();
-        self.names.set(&saved.names, world);
+        self.body_keys.set(&saved.body_keys, world);
         self.contacts.extend_from_slice(&saved.contacts);
-        let names = &self.names;
-        self.contacts.retain(|contact| contact.slots.iter().all(|slot| names.is_here(*slot)));
+        let body_keys = &self.body_keys;
+        self.contacts.retain(|contact| contact.slots.iter().all(|slot| body_keys.is_here(*slot)));
         self.shapes.clear();
         self.shapes.extend(saved.centers.iter().copied().map(ColliderState::at_center));
     }
@@ -136,7 +136,7 @@ impl Contacts {
         self.shapes.get(slot as usize).map_or([0.0; 3], ColliderState::center)
     }
 
-    pub(crate) fn names(&self) -> &BodyKeys {
-        &self.names
+    pub(crate) fn body_keys(&self) -> &BodyKeys {
+        &self.body_keys
     }
 }

@@ -52,25 +52,27 @@ type Pair = (PairKind, [u32; 2]);
 impl Contacts {
     /// Keeps the events of the last step beside those of the steps before it, as long as nothing was spawned or despawned since.
     pub(crate) fn keep_events(&mut self) {
-        let mut events = std::mem::take(&mut self.past.events);
+        let mut events = std::mem::take(&mut self.previous.events);
         events.extend(self.events_of_step());
-        self.past.events = events;
+        self.previous.events = events;
     }
 
     /// What began and ended to touch in the last step, in the order of the bodies.
     pub(crate) fn events_of_step(&self) -> impl Iterator<Item = ContactEvent> + use<> {
         let mut events: Vec<([BodyKey; 2], ContactEvent)> = Vec::new();
         if let Some(before) = self.before_the_step() {
-            let named = |slots: [u32; 2]| slots.map(|slot| self.names().name(slot));
-            let entities = |slots: [u32; 2]| slots.map(|slot| self.names().entity(slot));
+            let named = |slots: [u32; 2]| slots.map(|slot| self.body_keys().name(slot));
+            let entities = |slots: [u32; 2]| slots.map(|slot| self.body_keys().entity(slot));
             for_each_change(touching_pairs(before), touching_pairs(&self.contacts), |change| {
                 events.push(match change {
                     Change::Begun((_, slots)) => (named(slots), ContactEvent::Begin(entities(slots))),
                     Change::Ended((_, slots)) => (named(slots), ContactEvent::End(entities(slots))),
                 });
             });
-            events.extend(self.past.parted.iter().map(|parted| (parted.names, ContactEvent::End(parted.entities))));
-            events.sort_by_key(|(names, _)| *names);
+            events.extend(
+                self.previous.parted.iter().map(|parted| (parted.body_keys, ContactEvent::End(parted.entities))),
+            );
+            events.sort_by_key(|(body_keys, _)| *body_keys);
             // Of a pair with several contacts each has parted.
             events.dedup();
         }

@@ -24,10 +24,10 @@ use crate::threads::InParts;
 /// The contacts of a world: what they were at the end of the last step is where the next begins.
 #[derive(Clone, Default)]
 pub(crate) struct Contacts {
-    pub(crate) members: BodyIndex,
+    pub(crate) body_index: BodyIndex,
     /// Who the slots of the last step's contacts stood for.
-    pub(crate) names: BodyKeys,
-    pub(crate) past: PreviousContacts,
+    pub(crate) body_keys: BodyKeys,
+    pub(crate) previous: PreviousContacts,
     /// By slot.
     pub(crate) colliders: Vec<Option<(Collider, WorldVec3)>>,
     pub(crate) groups: Vec<Groups>,
@@ -39,7 +39,7 @@ pub(crate) struct Contacts {
     pub(crate) lanes: ShapeLanes,
     /// The pairs that are near each other, in parts that threads find; then those of each kind.
     pub(crate) near: Vec<Vec<(PairKind, [u32; 2])>>,
-    pub(crate) crowds: PairLimit,
+    pub(crate) pair_limit: PairLimit,
     cuboids: Pairs,
     spheres: Pairs,
     others: Vec<[u32; 2]>,
@@ -109,15 +109,15 @@ impl fmt::Debug for Contacts {
 impl Contacts {
     /// Finds out what has a collider. To be called again when anything was spawned, despawned or changed but momentum and pose.
     pub(crate) fn find(&mut self, world: &World) {
-        self.members.find(world, |archetype, mark| {
+        self.body_index.find(world, |archetype, mark| {
             if archetype.has::<Collider>() {
                 archetype.ids().iter().for_each(|id| mark(*id));
             }
         });
         self.colliders.clear();
-        self.colliders.resize(self.members.len(), None);
-        let Self { members, colliders, .. } = self;
-        members.for_each_archetype(world, |archetype, places| {
+        self.colliders.resize(self.body_index.len(), None);
+        let Self { body_index, colliders, .. } = self;
+        body_index.for_each_archetype(world, |archetype, places| {
             if let Some(column) = archetype.get::<&Collider>() {
                 let offsets = archetype.get::<&CenterOfMass>();
                 let offset = |row: usize| offsets.as_deref().map_or(WorldVec3::ZERO, |offsets| offsets[row].0);
@@ -139,17 +139,17 @@ impl Contacts {
     pub(crate) fn find_touching(&mut self, columns: &WorldColumns<'_>, settings: &Settings) -> [usize; 2] {
         // After the last substep contacts see to it that in one more nothing would come too near.
         let ahead = settings.substep() + settings.contact_substep();
-        self.look(columns, [settings.substep(), ahead]);
+        self.update_aabbs(columns, [settings.substep(), ahead]);
         self.find_contacts(settings.gravity.length() * ahead * ahead);
-        let Self { members, shapes, rows, contacts, .. } = self;
+        let Self { body_index, shapes, rows, contacts, .. } = self;
         rows.clear();
-        rows.resize(members.len(), NONE);
+        rows.resize(body_index.len(), NONE);
         for slot in contacts.iter().flat_map(|contact| contact.slots) {
             rows[slot as usize] = 0;
         }
         let touching = || (0..shapes.len()).filter(|slot| rows[*slot] != NONE);
-        let moved = touching().filter(|slot| shapes[*slot].moves).count();
-        [moved, touching().count() - moved]
+        let dynamic = touching().filter(|slot| shapes[*slot].moves).count();
+        [dynamic, touching().count() - dynamic]
     }
 
     /// How many contacts there were after the last step, and how many pairs of shapes without lanes of their own.

@@ -95,8 +95,8 @@ impl Contacts {
                 continue;
             }
             let [a, b] = contact.slots.map(|slot| &shapes[slot as usize]);
-            let (past, most) = (b.motion.way - a.motion.way, SLIDES * contact.margin());
-            if past.dot(past) > most * most {
+            let (previous, most) = (b.motion.way - a.motion.way, SLIDES * contact.margin());
+            if previous.dot(previous) > most * most {
                 sliding.extend(contact.slots.into_iter().filter(|slot| may_slide(*slot)).map(|slot| (slot, index)));
             }
         }

@@ -93,10 +93,10 @@ fn apart(a: &Proxy<Real>, b: &Proxy<Real>) -> Real {
 impl Contacts {
     /// Finds the pairs that [`thin_out`](PairLimit::thin_out) leaves where all are too many for a list: goes through them once to count and once to choose. All are in one part.
     pub(crate) fn find_near_limited(&mut self) {
-        let Self { shapes, proxies, groups, broad_phase, near, crowds, .. } = self;
+        let Self { shapes, proxies, groups, broad_phase, near, pair_limit, .. } = self;
         let wanted = |a: u32, b: u32| groups[a as usize].touch(groups[b as usize]);
         let are_near = |a: u32, b: u32| proxies[a as usize].is_near(&proxies[b as usize]);
-        let counts = &mut crowds.counts;
+        let counts = &mut pair_limit.counts;
         counts.clear();
         counts.resize(proxies.len(), 0);
         let mut all = 0;
@@ -106,7 +106,7 @@ impl Contacts {
                 all += 1;
             }
         });
-        let counts = &crowds.counts;
+        let counts = &pair_limit.counts;
         let in_crowd = |slot: u32| counts[slot as usize] as usize > MAX_PAIRS && proxies[slot as usize].aabb.is_some();
         let mut nearest: Vec<Nearest> = vec![Nearest::new(); proxies.len()];
         let mut kept = Vec::new();
@@ -127,7 +127,7 @@ impl Contacts {
         }
         kept.sort_unstable();
         kept.dedup();
-        crowds.left_out = all - kept.len();
+        pair_limit.left_out = all - kept.len();
         near.resize_with(near.len().max(1), Vec::new);
         near[0].clear();
         near[0].extend(kept.into_iter().map(|[a, b]| near_pair(shapes, proxies, (a, b))));
@@ -135,8 +135,8 @@ impl Contacts {
 
     /// Leaves out what is too much of the pairs that were found near each other, in the given number of parts.
     pub(crate) fn limit_near(&mut self, parts: usize) {
-        let Self { crowds, near, proxies, .. } = self;
-        crowds.thin_out(&mut near[..parts], proxies);
+        let Self { pair_limit, near, proxies, .. } = self;
+        pair_limit.thin_out(&mut near[..parts], proxies);
     }
 }
 

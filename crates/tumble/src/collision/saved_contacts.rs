@@ -10,11 +10,11 @@ use crate::math::Real;
 
 /// Contacts as the last step left them, between bodies by their names: what a step begins with beside the bodies, and what is reported of them.
 ///
-/// Forces, materials and colours are recomputed in every step.
+/// Forces, materials and colors are recomputed in every step.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct SavedContacts {
     /// Of the bodies that have contacts, in order, no two the same.
-    pub(crate) names: Vec<BodyKey>,
+    pub(crate) body_keys: Vec<BodyKey>,
     /// Where their centres of mass were when the step began \[m\], one for each name.
     pub(crate) centers: Vec<[Real; 3]>,
     /// Whose slots are places among the names.
@@ -63,7 +63,7 @@ impl SavedContact {
 
 impl SavedContacts {
     pub(crate) fn clear(&mut self) {
-        self.names.clear();
+        self.body_keys.clear();
         self.centers.clear();
         self.contacts.clear();
     }
@@ -72,8 +72,8 @@ impl SavedContacts {
         self.contacts.is_empty()
     }
 
-    pub(crate) fn names(&self) -> &[BodyKey] {
-        &self.names
+    pub(crate) fn body_keys(&self) -> &[BodyKey] {
+        &self.body_keys
     }
 
     pub(crate) fn centers(&self) -> &[[Real; 3]] {
@@ -88,13 +88,18 @@ impl SavedContacts {
     }
 
     /// What was read from a file: one centre for each name, and contacts between those.
-    pub(crate) fn new(names: Vec<BodyKey>, centers: Vec<[Real; 3]>, contacts: &[SavedContact]) -> Self {
-        Self { names, centers, contacts: contacts.iter().map(ContactRecord::of_saved).collect(), places: Vec::new() }
+    pub(crate) fn new(body_keys: Vec<BodyKey>, centers: Vec<[Real; 3]>, contacts: &[SavedContact]) -> Self {
+        Self {
+            body_keys,
+            centers,
+            contacts: contacts.iter().map(ContactRecord::of_saved).collect(),
+            places: Vec::new(),
+        }
     }
 
     /// Bytes of memory that its buffers hold.
     pub(crate) fn memory(&self) -> usize {
-        self.names.capacity() * size_of::<BodyKey>()
+        self.body_keys.capacity() * size_of::<BodyKey>()
             + self.centers.capacity() * size_of::<[Real; 3]>()
             + self.contacts.capacity() * size_of::<ContactRecord>()
             + self.places.capacity() * size_of::<u32>()

@@ -17,17 +17,17 @@ use crate::threads;
 
 impl Contacts {
     /// Reads where all bodies with colliders are, how far from there they may go in an interval, and how they go on in the one that the solver looks ahead \[s\].
-    pub(crate) fn look(&mut self, columns: &WorldColumns<'_>, intervals: [Real; 2]) {
-        let Self { members, shapes, colliders, lanes, proxies, .. } = self;
-        lanes.reset(members.len());
+    pub(crate) fn update_aabbs(&mut self, columns: &WorldColumns<'_>, intervals: [Real; 2]) {
+        let Self { body_index, shapes, colliders, lanes, proxies, .. } = self;
+        lanes.reset(body_index.len());
         shapes.clear();
-        shapes.resize(members.len(), ColliderState::NOWHERE);
+        shapes.resize(body_index.len(), ColliderState::NOWHERE);
         proxies.clear();
-        proxies.resize(members.len(), ColliderState::NOWHERE.proxy(None));
+        proxies.resize(body_index.len(), ColliderState::NOWHERE.proxy(None));
         for (archetype, bodies) in columns.pose_views() {
             let mut row = 0;
             // Slots go by another order than rows, mostly the same.
-            for run in members.slots_in(archetype).chunk_by(|a, b| *b == a + 1) {
+            for run in body_index.slots_in(archetype).chunk_by(|a, b| *b == a + 1) {
                 let slots = run[0] as usize..run[0] as usize + run.len();
                 let sight = AabbUpdate {
                     colliders: &colliders[slots.clone()],
@@ -55,7 +55,7 @@ impl AabbUpdate<'_> {
     fn update_aabbs_in_parts(mut self, bodies: PoseView<'_>, intervals: [Real; 2]) {
         let middle = self.shapes.len() / 2;
         if self.shapes.len() <= MIN_CHUNK {
-            return (0..self.shapes.len()).for_each(|i| self.look(i, bodies, intervals));
+            return (0..self.shapes.len()).for_each(|i| self.update_aabbs(i, bodies, intervals));
         }
         let (colliders, other_colliders) = self.colliders.split_at(middle);
         let (shapes, other_shapes) = self.shapes.split_at_mut(middle);
@@ -70,7 +70,7 @@ impl AabbUpdate<'_> {
         );
     }
 
-    fn look(&mut self, i: usize, bodies: PoseView<'_>, [interval, ahead_of]: [Real; 2]) {
+    fn update_aabbs(&mut self, i: usize, bodies: PoseView<'_>, [interval, ahead_of]: [Real; 2]) {
         let Some((collider, offset)) = &self.colliders[i] else { return };
         let center = Vec3::from(bodies.pose[i].position);
         let orientation = Quat::from(bodies.pose[i].orientation).normalize();

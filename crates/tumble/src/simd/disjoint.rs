@@ -8,12 +8,12 @@ use std::ops::Range;
 use super::gather::gather_from;
 use super::{BLOCK, Eight, Tile};
 
-/// Blocks of pairs of rows, in colours: within a colour no row that is changed occurs twice.
+/// Blocks of pairs of rows, in colors: within a color no row that is changed occurs twice.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct RowColors {
     blocks: Vec<RowPairs>,
-    colours: Vec<ContactColor>,
-    /// By row that may be changed, the last colour in which it is.
+    colors: Vec<ContactColor>,
+    /// By row that may be changed, the last color in which it is.
     last: Vec<usize>,
 }
 
@@ -36,53 +36,53 @@ impl RowColors {
     /// No blocks, of rows of which the first `changing` may be changed, but for the last of these: it stands for no row.
     pub(crate) fn reset(&mut self, changing: usize) {
         self.blocks.clear();
-        self.colours.clear();
+        self.colors.clear();
         self.last.clear();
         self.last.resize(changing, usize::MAX);
     }
 
-    /// Begins a colour. Where it is `grounded`, the first rows of its pairs are ones that are never changed, else both are changed.
+    /// Begins a color. Where it is `grounded`, the first rows of its pairs are ones that are never changed, else both are changed.
     pub(crate) fn begin(&mut self, grounded: bool) {
         let end = self.blocks.len();
-        self.colours.push(ContactColor { grounded, blocks: end..end });
+        self.colors.push(ContactColor { grounded, blocks: end..end });
     }
 
-    /// Adds a block of at most eight pairs to the colour that was begun last.
+    /// Adds a block of at most eight pairs to the color that was begun last.
     ///
     /// # Panics
-    /// Where a row that is changed was in this colour before, or a row is not of the kind that the colour is for: the threads would not be safe from each other.
+    /// Where a row that is changed was in this color before, or a row is not of the kind that the color is for: the threads would not be safe from each other.
     pub(crate) fn push(&mut self, pairs: impl Iterator<Item = [u32; 2]>) {
         let nobody = self.last.len() - 1;
         let mut block = RowPairs { rows: [[nobody as u32; BLOCK]; 2], count: 0 };
-        let index = self.colours.len() - 1;
-        let colour = &mut self.colours[index];
+        let index = self.colors.len() - 1;
+        let color = &mut self.colors[index];
         for [first, second] in pairs.take(BLOCK) {
-            let changed = if colour.grounded { &[second][..] } else { &[first, second][..] };
+            let changed = if color.grounded { &[second][..] } else { &[first, second][..] };
             for row in changed {
                 assert!((*row as usize) < nobody, "row {row} is not to be changed");
                 let last = std::mem::replace(&mut self.last[*row as usize], index);
-                assert!(last != index, "row {row} is changed twice in a colour");
+                assert!(last != index, "row {row} is changed twice in a color");
             }
-            assert!(!colour.grounded || first as usize > nobody, "row {first} is only read, but may be changed");
+            assert!(!color.grounded || first as usize > nobody, "row {first} is only read, but may be changed");
             (block.rows[0][block.count], block.rows[1][block.count]) = (first, second);
             block.count += 1;
         }
         self.blocks.push(block);
-        colour.blocks.end += 1;
+        color.blocks.end += 1;
     }
 
-    /// The blocks of a colour, to change rows with.
+    /// The blocks of a color, to change rows with.
     ///
     /// # Panics
     /// Where there are fewer rows than may be changed.
-    pub(crate) fn rows<'a>(&'a self, colour: usize, rows: &'a mut [Eight]) -> Rows<'a> {
+    pub(crate) fn rows<'a>(&'a self, color: usize, rows: &'a mut [Eight]) -> Rows<'a> {
         assert!(rows.len() >= self.last.len(), "too few rows");
-        let ContactColor { grounded, blocks } = self.colours[colour].clone();
+        let ContactColor { grounded, blocks } = self.colors[color].clone();
         Rows { blocks: &self.blocks[blocks], grounded, base: rows.as_mut_ptr(), count: rows.len(), rows: PhantomData }
     }
 }
 
-/// Some of the blocks of one colour: nobody else has access to the rows that they change, and nobody changes those that they only read.
+/// Some of the blocks of one color: nobody else has access to the rows that they change, and nobody changes those that they only read.
 pub(crate) struct Rows<'a> {
     blocks: &'a [RowPairs],
     grounded: bool,
@@ -91,7 +91,7 @@ pub(crate) struct Rows<'a> {
     rows: PhantomData<&'a mut [Eight]>,
 }
 
-// SAFETY: the rows that blocks of one colour change are different ones, and there is one `Rows` for a block at a time: it is made from the only reference
+// SAFETY: the rows that blocks of one color change are different ones, and there is one `Rows` for a block at a time: it is made from the only reference
 // to the rows, and split into parts without a block in common.
 unsafe impl Send for Rows<'_> {}
 
@@ -145,53 +145,53 @@ mod tests {
     use super::*;
     use crate::math::Real;
 
-    fn colours() -> RowColors {
-        let mut colours = RowColors::default();
+    fn colors() -> RowColors {
+        let mut colors = RowColors::default();
         // Rows 0 to 2 may be changed, 3 stands for none, those from 4 on are only read.
-        colours.reset(4);
-        colours
+        colors.reset(4);
+        colors
     }
 
     #[test]
-    fn rows_are_changed_once_a_colour() {
-        let mut colours = colours();
-        colours.begin(false);
-        colours.push([[0, 1]].into_iter());
-        colours.begin(true);
-        colours.push([[4, 1], [4, 2]].into_iter());
+    fn rows_are_changed_once_a_color() {
+        let mut colors = colors();
+        colors.begin(false);
+        colors.push([[0, 1]].into_iter());
+        colors.begin(true);
+        colors.push([[4, 1], [4, 2]].into_iter());
         let mut rows = [1.0, 2.0, 3.0, 4.0, 5.0].map(|x| Eight([x; 8]));
-        let mut of_colour = colours.rows(1, &mut rows);
-        let gathered: [Real; 4] = of_colour.gather(0, 1, 1);
+        let mut of_color = colors.rows(1, &mut rows);
+        let gathered: [Real; 4] = of_color.gather(0, 1, 1);
         assert_eq!(gathered, [3.0; 4]);
-        of_colour.scatter::<Real>([9.0; 8], 0, 1, 1);
-        of_colour.scatter::<Real>([9.0; 8], 0, 0, 0);
+        of_color.scatter::<Real>([9.0; 8], 0, 1, 1);
+        of_color.scatter::<Real>([9.0; 8], 0, 0, 0);
         // A lane without a pair.
-        of_colour.scatter::<Real>([9.0; 8], 0, 1, 5);
+        of_color.scatter::<Real>([9.0; 8], 0, 1, 5);
         assert_eq!(rows.map(|row| row.0[0]), [1.0, 2.0, 9.0, 4.0, 5.0]);
     }
 
     #[test]
     #[should_panic(expected = "row 1 is changed twice")]
     fn a_row_is_not_changed_twice() {
-        let mut colours = colours();
-        colours.begin(false);
-        colours.push([[0, 1]].into_iter());
-        colours.push([[1, 2]].into_iter());
+        let mut colors = colors();
+        colors.begin(false);
+        colors.push([[0, 1]].into_iter());
+        colors.push([[1, 2]].into_iter());
     }
 
     #[test]
     #[should_panic(expected = "row 2 is only read")]
     fn what_is_only_read_is_never_changed() {
-        let mut colours = colours();
-        colours.begin(true);
-        colours.push([[2, 1]].into_iter());
+        let mut colors = colors();
+        colors.begin(true);
+        colors.push([[2, 1]].into_iter());
     }
 
     #[test]
     #[should_panic(expected = "row 3 is not to be changed")]
     fn what_stands_for_none_is_never_changed() {
-        let mut colours = colours();
-        colours.begin(true);
-        colours.push([[4, 3]].into_iter());
+        let mut colors = colors();
+        colors.begin(true);
+        colors.push([[4, 3]].into_iter());
     }
 }

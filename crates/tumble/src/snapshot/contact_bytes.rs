@@ -17,27 +17,31 @@ const TOUCHED: u32 = 1 << 8;
 #[derive(Clone, Copy, Default)]
 pub(crate) struct Counts {
     /// Bodies by [`BodyId`], and by entity.
-    names: [u64; 2],
+    body_keys: [u64; 2],
     contacts: u64,
     points: u64,
 }
 
 impl Counts {
-    fn of(names: &[BodyKey], contacts: &[SavedContact]) -> Self {
-        let ids = names.iter().filter(|name| matches!(name, BodyKey::Id(_))).count();
+    fn of(body_keys: &[BodyKey], contacts: &[SavedContact]) -> Self {
+        let ids = body_keys.iter().filter(|name| matches!(name, BodyKey::Id(_))).count();
         let points = contacts.iter().map(|contact| contact.count).sum::<usize>();
-        Self { names: [ids as u64, (names.len() - ids) as u64], contacts: contacts.len() as u64, points: points as u64 }
+        Self {
+            body_keys: [ids as u64, (body_keys.len() - ids) as u64],
+            contacts: contacts.len() as u64,
+            points: points as u64,
+        }
     }
 
     pub(crate) fn read(reader: &mut Reader<'_>) -> Result<Self, SnapshotError> {
-        let names = [reader.u64()?, reader.u64()?];
-        Ok(Self { names, contacts: reader.u64()?, points: reader.u64()? })
+        let body_keys = [reader.u64()?, reader.u64()?];
+        Ok(Self { body_keys, contacts: reader.u64()?, points: reader.u64()? })
     }
 
     /// How many bytes they take; `u64::MAX` where it is more.
     pub(crate) fn length(&self) -> u64 {
         let number = NUMBER as u64;
-        let [ids, entities] = self.names;
+        let [ids, entities] = self.body_keys;
         let parts = [
             ids.saturating_mul(8 + 3 * number),
             entities.saturating_mul(4 + 3 * number),
@@ -58,17 +62,17 @@ pub(crate) struct Written<'a> {
 impl<'a> Written<'a> {
     pub(crate) fn new(saved: &'a SavedContacts) -> Self {
         let contacts = saved.contacts();
-        let counts = Counts::of(saved.names(), &contacts);
+        let counts = Counts::of(saved.body_keys(), &contacts);
         Self { saved, contacts, counts }
     }
 
     pub(crate) fn write_counts(&self, bytes: &mut Vec<u8>) {
-        let Counts { names: [ids, entities], contacts, points } = self.counts;
+        let Counts { body_keys: [ids, entities], contacts, points } = self.counts;
         bytes.extend([ids, entities, contacts, points].into_iter().flat_map(u64::to_le_bytes));
     }
 
     pub(crate) fn write(&self, bytes: &mut Vec<u8>) {
-        for name in self.saved.names() {
+        for name in self.saved.body_keys() {
             match name {
                 BodyKey::Id(id) => bytes.extend(id.0.to_le_bytes()),
                 BodyKey::Entity(entity) => bytes.extend(entity.to_le_bytes()),
@@ -90,11 +94,11 @@ impl<'a> Written<'a> {
 
 /// Reads as many as are counted, which are known to be there, and checks that a step can have left them.
 pub(crate) fn read(reader: &mut Reader<'_>, counts: &Counts) -> Result<SavedContacts, SnapshotError> {
-    let [ids, entities] = counts.names.map(|count| count as usize);
-    let mut names = reader.many(ids, |reader| Ok(BodyKey::Id(BodyId(reader.u64()?))))?;
-    names.extend(reader.many(entities, |reader| Ok(BodyKey::Entity(reader.u32()?)))?);
-    let centers = reader.many(names.len(), Reader::numbers)?;
-    if let Some(pair) = names.windows(2).position(|pair| pair[0] >= pair[1]) {
+    let [ids, entities] = counts.body_keys.map(|count| count as usize);
+    let mut body_keys = reader.many(ids, |reader| Ok(BodyKey::Id(BodyId(reader.u64()?))))?;
+    body_keys.extend(reader.many(entities, |reader| Ok(BodyKey::Entity(reader.u32()?)))?);
+    let centers = reader.many(body_keys.len(), Reader::numbers)?;
+    if let Some(pair) = body_keys.windows(2).position(|pair| pair[0] >= pair[1]) {
         return Err(SnapshotError::ContactBody { body: pair + 1 });
     }
     if let Some(body) = centers.iter().position(|center| !center.iter().all(|number| number.is_finite())) {
@@ -116,12 +120,12 @@ pub(crate) fn read(reader: &mut Reader<'_>, counts: &Counts) -> Result<SavedCont
     }
     let mut before = None;
     for (index, contact) in contacts.iter().enumerate() {
-        if let Some(defect) = defect(contact, before, names.len()) {
+        if let Some(defect) = defect(contact, before, body_keys.len()) {
             return Err(SnapshotError::Contact { contact: index, defect });
         }
         before = Some(contact);
     }
-    Ok(SavedContacts::new(names, centers, &contacts))
+    Ok(SavedContacts::new(body_keys, centers, &contacts))
 }
 
 fn contact(reader: &mut Reader<'_>) -> Result<SavedContact, SnapshotError> {

@@ -56,7 +56,7 @@ impl Simulation {
     pub(crate) fn take_snapshot(&self, world: &World, snapshot: &mut Snapshot) -> Result<(), SnapshotError> {
         snapshot.recapture(world)?;
         snapshot.set_clock(self.clock());
-        if let Some(contacts) = self.coupling.as_ref().and_then(|coupling| coupling.contacts.as_ref()) {
+        if let Some(contacts) = self.interactions.as_ref().and_then(|interactions| interactions.contacts.as_ref()) {
             contacts.save(&mut snapshot.contacts);
         }
         Ok(())
@@ -75,9 +75,11 @@ impl Simulation {
             self.set_clock(clock);
         }
         if !snapshot.contacts.is_empty() {
-            let contacts = self.coupling.get_or_insert_default().contacts.get_or_insert_default();
+            let contacts = self.interactions.get_or_insert_default().contacts.get_or_insert_default();
             contacts.put_back(&snapshot.contacts, world);
-        } else if let Some(contacts) = self.coupling.as_mut().and_then(|coupling| coupling.contacts.as_mut()) {
+        } else if let Some(contacts) =
+            self.interactions.as_mut().and_then(|interactions| interactions.contacts.as_mut())
+        {
             contacts.forget();
         }
         Ok(spawned_since)

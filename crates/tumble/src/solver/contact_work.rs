@@ -112,7 +112,7 @@ impl ContactWorks {
     }
 
     /// Gives back to others the accounts that were taken over from them.
-    pub(crate) fn give_back(&self, others: &mut Self, place: impl Fn(usize) -> Option<usize>) {
+    pub(crate) fn return_impulses(&self, others: &mut Self, place: impl Fn(usize) -> Option<usize>) {
         let taken = others.bookings.iter_mut().filter(|booking| place(booking.row).is_some());
         for (booking, here) in taken.zip(&self.bookings) {
             *booking = BodyWork { row: booking.row, kept: booking.kept, ..here.clone() };
@@ -172,7 +172,7 @@ impl BodyWork {
 
     /// Velocities at momenta, with the attitude as it is.
     fn velocities(&self, (p, l): (DVec3, DVec3), bodies: &SolverBodies) -> (DVec3, DVec3) {
-        let (diagonal, off_diagonal) = two_vectors(&bodies.response[self.row]);
+        let (diagonal, off_diagonal) = two_vectors(&bodies.inv_inertia[self.row]);
         let angular = symmetric_product(diagonal.into(), off_diagonal.into(), l.into()).into();
         (p / f64::from(self.constants.mass), angular)
     }
@@ -193,7 +193,7 @@ impl BodyWork {
     fn closed(&self, forces: &[(WorkSource, Wrench)], bodies: &SolverBodies) -> Work {
         let mut work = Work { damping: self.damping, integrator: self.moving, ..Work::default() };
         // Twice the vector of the rotation's quaternion is the angle about its axis, to third order.
-        let (way, half_turn) = two_vectors(&bodies.moved[self.row]);
+        let (way, half_turn) = two_vectors(&bodies.delta_pose[self.row]);
         let turn = half_turn * 2.0;
         for (source, wrench) in forces {
             let done = dvec3(wrench.force).dot(way) + dvec3(wrench.torque).dot(turn);

@@ -26,16 +26,16 @@ impl Contacts {
         columns: &mut WorldColumns<'_>,
         (settings, laws, time): (&Settings, &ForceLaws, f64),
         group: &mut SolverGroup,
-        [mut next_moved, mut next_unmoved]: [usize; 2],
+        [mut next_dynamic, mut next_non_dynamic]: [usize; 2],
     ) -> [usize; 2] {
-        let Self { members, shapes, rows, .. } = self;
-        let (SolverGroup { bodies, bookings, .. }, mut begin, first_moved) = (group, next_moved, next_moved);
-        for slot in members.in_order_of_places() {
+        let Self { body_index, shapes, rows, .. } = self;
+        let (SolverGroup { bodies, bookings, .. }, mut begin, first_dynamic) = (group, next_dynamic, next_dynamic);
+        for slot in body_index.in_order_of_places() {
             let shape = &shapes[slot];
             if rows[slot] == NONE {
                 continue;
             }
-            let next = if shape.moves { &mut next_moved } else { &mut next_unmoved };
+            let next = if shape.moves { &mut next_dynamic } else { &mut next_non_dynamic };
             rows[slot] = *next as u32;
             if !shape.moves {
                 bodies.set_non_dynamic(*next, shape.center, shape.velocity.0, shape.velocity.1);
@@ -44,7 +44,7 @@ impl Contacts {
         }
         let gathering = Gather { rows, settings, time };
         laws.for_each_archetype_of(columns, |archetype, chunk, laws| {
-            let slots = members.slots_in(archetype);
+            let slots = body_index.slots_in(archetype);
             let count = gathering.count(slots);
             debug_assert!(
                 slots.is_empty() || slots.len() == chunk.len(),
@@ -65,9 +65,9 @@ impl Contacts {
                 gathering.read_in_parts((chunk, laws), slots, free);
             }
         });
-        debug_assert_eq!(begin, next_moved);
-        self.leave_out(bodies, first_moved..next_moved);
-        [next_moved, next_unmoved]
+        debug_assert_eq!(begin, next_dynamic);
+        self.leave_out(bodies, first_dynamic..next_dynamic);
+        [next_dynamic, next_non_dynamic]
     }
 
     /// Lets bodies of these rows, under forces that are out of range, touch nothing: what they become they become alone.
@@ -87,10 +87,10 @@ impl Contacts {
     }
 
     /// Writes what was worked out, alone or with other worlds, over what the integrator made of the same bodies.
-    pub(crate) fn write(&self, columns: &mut WorldColumns<'_>, pushing: &ContactSolver) {
-        let SolverGroup { bodies, bookings, .. } = &pushing.group;
+    pub(crate) fn write(&self, columns: &mut WorldColumns<'_>, contact_solver: &ContactSolver) {
+        let SolverGroup { bodies, bookings, .. } = &contact_solver.group;
         columns.for_each_chunk(|archetype, chunk| {
-            let slots = self.members.slots_in(archetype).iter().skip(chunk.first_row);
+            let slots = self.body_index.slots_in(archetype).iter().skip(chunk.first_row);
             for (i, slot) in slots.enumerate().take(chunk.len()) {
                 let row = self.rows[*slot as usize];
                 if row != NONE {
@@ -101,7 +101,7 @@ impl Contacts {
         });
         // Worlds in which accounts are kept are not packed with others.
         for (slot, work) in bookings.close(bodies).filter(|(slot, _)| self.rows[*slot] != NONE) {
-            let place = self.members.place(slot);
+            let place = self.body_index.place(slot);
             if let Some(works) = columns.moving_mut(place).and_then(|moving| moving.work.as_mut()) {
                 works[place.row as usize] = work;
             }

@@ -1,20 +1,20 @@
-/// Which contacts can be worked on side by side: those of one colour have no body in common that impulses move.
+/// Which contacts can be worked on side by side: those of one color have no body in common that impulses move.
 ///
-/// Colours are given in the order of the contacts, to each the lowest that both bodies have not got yet, so they depend on nothing but which contacts there are.
+/// Colors are given in the order of the contacts, to each the lowest that both bodies have not got yet, so they depend on nothing but which contacts there are.
 #[derive(Clone, Default)]
 pub(crate) struct GraphColoring {
-    /// By row, the colours that it has: as bits, of contacts between moving bodies and of those with what does not move.
+    /// By row, the colors that it has: as bits, of contacts between moving bodies and of those with what does not move.
     taken: Vec<[u64; 2]>,
     /// By contact.
-    colours: Vec<ContactColor>,
+    colors: Vec<ContactColor>,
 }
 
-/// The colour of a contact.
+/// The color of a contact.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct ContactColor {
     /// Impulses move only the second body.
     pub(crate) grounded: bool,
-    /// From 0; [`ContactColor::ALONE`] for one that is worked on by itself, since its bodies have all colours.
+    /// From 0; [`ContactColor::ALONE`] for one that is worked on by itself, since its bodies have all colors.
     pub(crate) index: u32,
 }
 
@@ -24,15 +24,15 @@ impl ContactColor {
 
 impl GraphColoring {
     /// Of each contact.
-    pub(crate) fn colours(&self) -> &[ContactColor] {
-        &self.colours
+    pub(crate) fn colors(&self) -> &[ContactColor] {
+        &self.colors
     }
 
     /// Of contacts, each with the rows of its bodies; those from `first_non_dynamic` on impulses do not move.
-    pub(crate) fn colour(&mut self, rows: impl Iterator<Item = [u32; 2]>, first_non_dynamic: usize) {
+    pub(crate) fn color(&mut self, rows: impl Iterator<Item = [u32; 2]>, first_non_dynamic: usize) {
         self.taken.clear();
         self.taken.resize(first_non_dynamic, [0; 2]);
-        self.colours.clear();
+        self.colors.clear();
         for [first, second] in rows {
             let grounded = first as usize >= first_non_dynamic;
             let which = usize::from(grounded);
@@ -44,7 +44,7 @@ impl GraphColoring {
                     self.taken[first as usize][0] |= 1 << index;
                 }
             }
-            self.colours.push(ContactColor { grounded, index });
+            self.colors.push(ContactColor { grounded, index });
         }
     }
 }

@@ -60,11 +60,11 @@ impl HalvedGroup {
     }
 
     /// Gives back what has become of them, the impulses as those of a substep of the settings.
-    pub(crate) fn give_back(&self, contacts: &mut [ContactRecord], all: &mut SolverGroup) {
+    pub(crate) fn return_impulses(&self, contacts: &mut [ContactRecord], all: &mut SolverGroup) {
         let parts = (1u32 << self.halvings) as Real;
         self.group.chosen.iter().for_each(|contact| contacts[*contact as usize].scale_impulses(parts));
-        self.group.bodies.give_back(&mut all.bodies, &self.rows);
-        self.group.bookings.give_back(&mut all.bookings, |row| place(&self.places, row));
+        self.group.bodies.return_impulses(&mut all.bodies, &self.rows);
+        self.group.bookings.return_impulses(&mut all.bookings, |row| place(&self.places, row));
     }
 }
 

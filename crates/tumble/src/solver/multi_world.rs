@@ -13,17 +13,17 @@ use crate::storage::world_columns::WorldColumns;
 
 /// Contacts of several small worlds, pushed side by side: of one world alone they would leave most lanes empty.
 ///
-/// A contact gets the same bits as alone. Its colour depends on the contacts before it that have a body in common with it, which are of its own world, and the contacts of a colour
+/// A contact gets the same bits as alone. Its color depends on the contacts before it that have a body in common with it, which are of its own world, and the contacts of a color
 /// do not depend on each other.
 #[derive(Default)]
 pub(crate) struct MultiWorld {
-    pushing: ContactSolver,
+    contact_solver: ContactSolver,
     /// Those of all worlds, between rows in the place of slots.
     contacts: Vec<ContactRecord>,
     /// Where the next world's rows begin: of what impulses move and of what they do not.
     next: [usize; 2],
     /// How many contacts have been given back.
-    given_back: usize,
+    returned: usize,
 }
 
 /// What worlds must have in common to be packed.
@@ -59,10 +59,10 @@ impl PackKey {
 impl MultiWorld {
     /// Makes room for the bodies that impulses move and for those that they do not.
     pub(crate) fn begin(&mut self, touching: [usize; 2]) {
-        self.pushing.reset(touching);
+        self.contact_solver.reset(touching);
         self.contacts.clear();
-        self.next = [0, self.pushing.group.bodies.first_non_dynamic()];
-        self.given_back = 0;
+        self.next = [0, self.contact_solver.group.bodies.first_non_dynamic()];
+        self.returned = 0;
     }
 
     /// Adds what touches in a world.
@@ -74,9 +74,9 @@ impl MultiWorld {
         laws: &ForceLaws,
         time: f64,
     ) {
-        self.next = found.gather(columns, (settings, laws, time), &mut self.pushing.group, self.next);
-        found.add_round(self.contacts.len(), &mut self.pushing.group.rounds);
-        let ContactSolver { group, halvings, stacks, .. } = &mut self.pushing;
+        self.next = found.gather(columns, (settings, laws, time), &mut self.contact_solver.group, self.next);
+        found.add_round_contacts(self.contacts.len(), &mut self.contact_solver.group.rounds);
+        let ContactSolver { group, halvings, stacks, .. } = &mut self.contact_solver;
         stacks.add_halvings(found, settings, &group.bodies, halvings);
         let found = &*found;
         self.contacts.extend(
@@ -86,21 +86,21 @@ impl MultiWorld {
 
     /// Pushes them all, with settings that are alike.
     pub(crate) fn push(&mut self, settings: &Settings, pack_key: &PackKey) {
-        self.pushing.push(&mut self.contacts, |contact| contact.slots, settings, pack_key.extras);
+        self.contact_solver.push(&mut self.contacts, |contact| contact.slots, settings, pack_key.extras);
     }
 
     /// Gives the contacts of the next world their impulses, in the order in which worlds were added.
-    pub(crate) fn give_back(&mut self, found: &mut Contacts) {
-        for (contact, pushed) in found.contacts.iter_mut().zip(&self.contacts[self.given_back..]) {
+    pub(crate) fn return_impulses(&mut self, found: &mut Contacts) {
+        for (contact, pushed) in found.contacts.iter_mut().zip(&self.contacts[self.returned..]) {
             for which in [NORMAL_IMPULSE, FRICTION_IMPULSE] {
                 contact.numbers[which] = pushed.numbers[which];
             }
         }
-        self.given_back += found.contacts.len();
+        self.returned += found.contacts.len();
     }
 
-    pub(crate) fn pushing(&self) -> &ContactSolver {
-        &self.pushing
+    pub(crate) fn contact_solver(&self) -> &ContactSolver {
+        &self.contact_solver
     }
 }
 

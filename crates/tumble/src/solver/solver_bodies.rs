@@ -22,11 +22,11 @@ pub(crate) struct SolverBodies {
     /// Linear and angular momentum, and one over the mass; of what impulses do not move the velocities.
     pub(crate) motion: Vec<Eight>,
     /// What contacts do when the next substep begins, by the impulses that the last ended with: where nothing changes they are what that needs. Impulse and angular impulse.
-    pub(crate) held: Vec<Eight>,
+    pub(crate) warm_start: Vec<Eight>,
     /// Inverse inertia in the world: `xx yy zz`, `yz zx xy`; of what impulses do not move one.
-    pub(crate) response: Vec<Eight>,
+    pub(crate) inv_inertia: Vec<Eight>,
     /// What forces do in a substep: impulse, angular impulse, and what is left of linear and angular momentum under damping.
-    kick: Vec<Eight>,
+    force_impulse: Vec<Eight>,
     /// Principal moments, their inverses, whether it turns, and the square of half the angle \[rad\] that it may turn in a step
     /// before contacts are turned with it.
     inertia: Vec<Eight>,
@@ -34,7 +34,7 @@ pub(crate) struct SolverBodies {
     pose: Vec<Eight>,
     /// Since the start of the step: how far the centre went \[m\], the rotation as a unit quaternion, and whether that is or was
     /// more than is left out of account.
-    pub(crate) moved: Vec<Eight>,
+    pub(crate) delta_pose: Vec<Eight>,
     /// How many impulses move.
     free: usize,
 }
@@ -56,22 +56,22 @@ const ONE: Eight = Eight([1.0, 1.0, 1.0, 0.0, 0.0, 0.0, 0.0, 0.0]);
 
 impl SolverBodies {
     /// Makes room for those that impulses move and those that they do not; all are nowhere at first.
-    pub(crate) fn reset(&mut self, free: usize, unmoved: usize) {
+    pub(crate) fn reset(&mut self, free: usize, non_dynamic: usize) {
         self.free = free;
-        let (in_blocks, moved) = (free.next_multiple_of(BLOCK), self.first_non_dynamic());
-        for (rows, empty) in [(&mut self.motion, Eight::ZERO), (&mut self.moved, UNMOVED)] {
+        let (in_blocks, dynamic) = (free.next_multiple_of(BLOCK), self.first_non_dynamic());
+        for (rows, empty) in [(&mut self.motion, Eight::ZERO), (&mut self.delta_pose, UNMOVED)] {
             rows.clear();
-            rows.resize(moved + unmoved, empty);
+            rows.resize(dynamic + non_dynamic, empty);
         }
-        self.held.clear();
-        self.held.resize(moved, Eight::ZERO);
-        self.response.clear();
-        self.response.resize(moved, Eight::ZERO);
-        self.response.resize(moved + unmoved, ONE);
-        self.kick.clear();
-        self.kick.resize(in_blocks, Eight::ZERO);
+        self.warm_start.clear();
+        self.warm_start.resize(dynamic, Eight::ZERO);
+        self.inv_inertia.clear();
+        self.inv_inertia.resize(dynamic, Eight::ZERO);
+        self.inv_inertia.resize(dynamic + non_dynamic, ONE);
+        self.force_impulse.clear();
+        self.force_impulse.resize(in_blocks, Eight::ZERO);
         self.pose.clear();
-        self.pose.resize(moved + unmoved, Eight([0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0]));
+        self.pose.resize(dynamic + non_dynamic, Eight([0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0]));
         self.inertia.clear();
         self.inertia.resize(in_blocks, Eight([1.0, 1.0, 1.0, 0.0, 0.0, 0.0, 0.0, 0.0]));
     }
@@ -88,11 +88,11 @@ impl SolverBodies {
 
     /// Rows of bodies that forces move, to be set.
     pub(crate) fn free_rows(&mut self, rows: Range<usize>) -> FreeRows<'_> {
-        let Self { motion, response, kick, inertia, pose, .. } = self;
+        let Self { motion, inv_inertia, force_impulse, inertia, pose, .. } = self;
         FreeRows {
             motion: &mut motion[rows.clone()],
-            response: &mut response[rows.clone()],
-            kick: &mut kick[rows.clone()],
+            inv_inertia: &mut inv_inertia[rows.clone()],
+            force_impulse: &mut force_impulse[rows.clone()],
             inertia: &mut inertia[rows.clone()],
             pose: &mut pose[rows],
         }
@@ -108,7 +108,7 @@ impl SolverBodies {
     pub(crate) fn state(&self, row: usize, axes: Option<Quat<Real>>) -> State<Real> {
         let Eight([px, py, pz, lx, ly, lz, ..]) = self.motion[row];
         let Eight([x, y, z, i, j, k, w, _]) = self.pose[row];
-        let Eight([dx, dy, dz, ..]) = self.moved[row];
+        let Eight([dx, dy, dz, ..]) = self.delta_pose[row];
         let orientation = Quat { x: i, y: j, z: k, w };
         State {
             // Rounded once a step: rounded in each of many short substeps, it would creep.
@@ -130,14 +130,14 @@ impl SolverBodies {
     /// Of what impulses move: one over the mass, the inverse inertia about two directions, and what is beside them.
     pub(crate) fn mobility(&self, row: u32, [u, v]: [Vec3<Real>; 2]) -> [Real; 4] {
         let (Eight([.., mass, _]), Eight([xx, yy, zz, yz, zx, xy, ..])) =
-            (self.motion[row as usize], self.response[row as usize]);
+            (self.motion[row as usize], self.inv_inertia[row as usize]);
         let times = |v| symmetric_product(Vec3::new(xx, yy, zz), Vec3::new(yz, zx, xy), v);
         [mass, u.dot(times(u)), v.dot(times(v)), u.dot(times(v))]
     }
 
     /// Whether what forces do to a body is in range, as to be gathered before.
     pub(crate) fn is_kicked_in_range(&self, row: usize) -> bool {
-        let Eight([px, py, pz, lx, ly, lz, linear, angular]) = self.kick[row];
+        let Eight([px, py, pz, lx, ly, lz, linear, angular]) = self.force_impulse[row];
         let impulses = within(Vec3::new(px, py, pz), MAX_IMPULSE) && within(Vec3::new(lx, ly, lz), MAX_IMPULSE);
         let kept = |part: Real| (0.0..=1.0).contains(&part);
         let Eight([.., inverse_mass, _]) = self.motion[row];
@@ -161,22 +161,22 @@ impl SolverBodies {
         self.reset(free, rows.len() - free);
         for (place, row) in self.places(rows) {
             self.motion[place] = others.motion[row];
-            self.response[place] = others.response[row];
+            self.inv_inertia[place] = others.inv_inertia[row];
             self.pose[place] = others.pose[row];
             if place < free {
                 self.inertia[place] = others.inertia[row];
-                self.kick[place] = halved(others.kick[row], halvings);
+                self.force_impulse[place] = halved(others.force_impulse[row], halvings);
             }
         }
     }
 
     /// Gives back to others what has become of the bodies of these rows that impulses move.
-    pub(crate) fn give_back(&self, others: &mut Self, rows: &[u32]) {
+    pub(crate) fn return_impulses(&self, others: &mut Self, rows: &[u32]) {
         for (place, row) in self.places(rows).take(self.free) {
             others.motion[row] = self.motion[place];
-            others.response[row] = self.response[place];
+            others.inv_inertia[row] = self.inv_inertia[place];
             others.pose[row] = self.pose[place];
-            others.moved[row] = self.moved[place];
+            others.delta_pose[row] = self.delta_pose[place];
         }
     }
 
@@ -188,43 +188,44 @@ impl SolverBodies {
     }
 
     /// Adds what forces do in a substep.
-    pub(crate) fn kick(&mut self) {
-        let rows = self.kick.len();
-        let parts = self.motion[..rows].par_chunks_mut(PART).zip(self.kick.par_chunks(PART));
+    pub(crate) fn integrate_velocities(&mut self) {
+        let rows = self.force_impulse.len();
+        let parts = self.motion[..rows].par_chunks_mut(PART).zip(self.force_impulse.par_chunks(PART));
         parts
             .by_at_least(MIN_PARTS)
-            .for_each(|(motion, kick)| dispatch_in_blocks(&mut IntegrateVelocities { motion, kick }));
+            .for_each(|(motion, force_impulse)| dispatch_in_blocks(&mut IntegrateVelocities { motion, force_impulse }));
     }
 
     /// Adds what contacts do when a substep begins, and forgets it.
-    pub(crate) fn hold(&mut self) {
-        let rows = self.kick.len();
-        let parts = self.motion[..rows].par_chunks_mut(PART).zip(self.held[..rows].par_chunks_mut(PART));
+    pub(crate) fn apply_warm_start(&mut self) {
+        let rows = self.force_impulse.len();
+        let parts = self.motion[..rows].par_chunks_mut(PART).zip(self.warm_start[..rows].par_chunks_mut(PART));
         parts
             .by_at_least(MIN_PARTS)
-            .for_each(|(motion, held)| dispatch_in_blocks(&mut ApplyWarmStart { motion, held }));
+            .for_each(|(motion, warm_start)| dispatch_in_blocks(&mut ApplyWarmStart { motion, warm_start }));
     }
 
     /// Moves all by the velocities there are, which stay, for `h` \[s\]. Free rotation is exact, so a body spins on as it does without contacts.
-    pub(crate) fn drift(&mut self, h: Real) {
+    pub(crate) fn integrate_positions(&mut self, h: Real) {
         for row in self.first_non_dynamic()..self.motion.len() {
-            let (Eight([x, y, z, u, v, w, ..]), Eight(moved)) = (&self.motion[row], &mut self.moved[row]);
-            for (moved, velocity) in moved.iter_mut().zip([x, y, z]) {
-                *moved += velocity * h;
+            let (Eight([x, y, z, u, v, w, ..]), Eight(delta_pose)) = (&self.motion[row], &mut self.delta_pose[row]);
+            for (delta_pose, velocity) in delta_pose.iter_mut().zip([x, y, z]) {
+                *delta_pose += velocity * h;
             }
             if [*u, *v, *w] != [0.0; 3] {
-                let before = Quat { x: moved[3], y: moved[4], z: moved[5], w: moved[6] };
+                let before = Quat { x: delta_pose[3], y: delta_pose[4], z: delta_pose[5], w: delta_pose[6] };
                 let q = tumble_math::rotate_exactly(before, Vec3::new(*u, *v, *w), h);
-                moved[3..].copy_from_slice(&[q.x, q.y, q.z, q.w, 1.0]);
+                delta_pose[3..].copy_from_slice(&[q.x, q.y, q.z, q.w, 1.0]);
             }
         }
-        let Self { motion, response, pose, inertia, moved, .. } = self;
+        let Self { motion, inv_inertia, pose, inertia, delta_pose, .. } = self;
         let rows = inertia.len();
-        let (response, pose, moved) = (&mut response[..rows], &mut pose[..rows], &mut moved[..rows]);
-        let changed = response.par_chunks_mut(PART).zip(pose.par_chunks_mut(PART)).zip(moved.par_chunks_mut(PART));
+        let (inv_inertia, pose, delta_pose) = (&mut inv_inertia[..rows], &mut pose[..rows], &mut delta_pose[..rows]);
+        let changed =
+            inv_inertia.par_chunks_mut(PART).zip(pose.par_chunks_mut(PART)).zip(delta_pose.par_chunks_mut(PART));
         let parts = changed.zip(motion[..rows].par_chunks(PART).zip(inertia.par_chunks(PART)));
-        parts.by_at_least(MIN_PARTS).for_each(|(((response, pose), moved), (motion, inertia))| {
-            dispatch_in_blocks(&mut IntegratePositions { motion, response, pose, inertia, moved, h });
+        parts.by_at_least(MIN_PARTS).for_each(|(((inv_inertia, pose), delta_pose), (motion, inertia))| {
+            dispatch_in_blocks(&mut IntegratePositions { motion, inv_inertia, pose, inertia, delta_pose, h });
         });
     }
 }
@@ -232,8 +233,8 @@ impl SolverBodies {
 /// Rows of bodies that forces move.
 pub(crate) struct FreeRows<'a> {
     motion: &'a mut [Eight],
-    response: &'a mut [Eight],
-    kick: &'a mut [Eight],
+    inv_inertia: &'a mut [Eight],
+    force_impulse: &'a mut [Eight],
     inertia: &'a mut [Eight],
     pose: &'a mut [Eight],
 }
@@ -242,18 +243,18 @@ impl FreeRows<'_> {
     /// The first `middle`, and the others.
     pub(crate) fn split_at(self, middle: usize) -> (Self, Self) {
         let (motion, other_motion) = self.motion.split_at_mut(middle);
-        let (response, other_response) = self.response.split_at_mut(middle);
-        let (kick, other_kick) = self.kick.split_at_mut(middle);
+        let (inv_inertia, other_response) = self.inv_inertia.split_at_mut(middle);
+        let (force_impulse, other_kick) = self.force_impulse.split_at_mut(middle);
         let (inertia, other_inertia) = self.inertia.split_at_mut(middle);
         let (pose, other_pose) = self.pose.split_at_mut(middle);
         let others = Self {
             motion: other_motion,
-            response: other_response,
-            kick: other_kick,
+            inv_inertia: other_response,
+            force_impulse: other_kick,
             inertia: other_inertia,
             pose: other_pose,
         };
-        (Self { motion, response, kick, inertia, pose }, others)
+        (Self { motion, inv_inertia, force_impulse, inertia, pose }, others)
     }
 
     /// Sets what forces move, for substeps of `h` \[s\].
@@ -269,7 +270,7 @@ impl FreeRows<'_> {
         let mut orientation = state.orientation.normalize();
         if let Some(inertia) = &constants.inertia {
             let (d, o) = inertia.inverse_in_world(orientation);
-            self.response[row] = Eight([d.x, d.y, d.z, o.x, o.y, o.z, 0.0, 0.0]);
+            self.inv_inertia[row] = Eight([d.x, d.y, d.z, o.x, o.y, o.z, 0.0, 0.0]);
             let (m, i) = (inertia.moments, inertia.inverse_moments);
             let tolerance = turn_tolerance(i);
             self.inertia[row] = Eight([m.x, m.y, m.z, i.x, i.y, i.z, 1.0, tolerance]);
@@ -278,29 +279,29 @@ impl FreeRows<'_> {
         let q = orientation;
         self.motion[row] = Eight([p.x, p.y, p.z, l.x, l.y, l.z, 1.0 / constants.mass, 0.0]);
         self.pose[row] = Eight([x.x, x.y, x.z, q.x, q.y, q.z, q.w, 0.0]);
-        let kick = Kick::new(constants, h);
+        let force_impulse = Kick::new(constants, h);
         let still = State { linear: Vec3::zero(), angular: Vec3::zero(), ..*state };
-        let State { linear: p, angular: l, .. } = kick.kicked(still, force);
-        let (linear, angular) = kick.kept();
-        self.kick[row] = Eight([p.x, p.y, p.z, l.x, l.y, l.z, linear, angular]);
+        let State { linear: p, angular: l, .. } = force_impulse.kicked(still, force);
+        let (linear, angular) = force_impulse.kept();
+        self.force_impulse[row] = Eight([p.x, p.y, p.z, l.x, l.y, l.z, linear, angular]);
     }
 }
 
 struct IntegrateVelocities<'a> {
     motion: &'a mut [Eight],
-    kick: &'a [Eight],
+    force_impulse: &'a [Eight],
 }
 
 impl Kernel for IntegrateVelocities<'_> {
     #[inline(always)]
     fn len(&self) -> usize {
-        self.kick.len()
+        self.force_impulse.len()
     }
 
     #[inline(always)]
     fn tile<T: Tile>(&mut self, i: usize) {
         let (p, l) = two_vectors::<T>(&self.motion[i..]);
-        let [px, py, pz, lx, ly, lz, linear, angular] = T::load(&self.kick[i..]);
+        let [px, py, pz, lx, ly, lz, linear, angular] = T::load(&self.force_impulse[i..]);
         let (p, l) = (p * linear + Vec3::new(px, py, pz), l * angular + Vec3::new(lx, ly, lz));
         put_two_vectors(p, l, &mut self.motion[i..]);
     }
@@ -308,37 +309,37 @@ impl Kernel for IntegrateVelocities<'_> {
 
 struct ApplyWarmStart<'a> {
     motion: &'a mut [Eight],
-    held: &'a mut [Eight],
+    warm_start: &'a mut [Eight],
 }
 
 impl Kernel for ApplyWarmStart<'_> {
     #[inline(always)]
     fn len(&self) -> usize {
-        self.held.len()
+        self.warm_start.len()
     }
 
     #[inline(always)]
     fn tile<T: Tile>(&mut self, i: usize) {
         let (p, l) = two_vectors::<T>(&self.motion[i..]);
-        let (linear, angular) = two_vectors(&self.held[i..]);
+        let (linear, angular) = two_vectors(&self.warm_start[i..]);
         put_two_vectors(p + linear, l + angular, &mut self.motion[i..]);
-        put_two_vectors(Vec3::<T>::zero(), Vec3::zero(), &mut self.held[i..]);
+        put_two_vectors(Vec3::<T>::zero(), Vec3::zero(), &mut self.warm_start[i..]);
     }
 }
 
 struct IntegratePositions<'a> {
     motion: &'a [Eight],
-    response: &'a mut [Eight],
+    inv_inertia: &'a mut [Eight],
     pose: &'a mut [Eight],
     inertia: &'a [Eight],
-    moved: &'a mut [Eight],
+    delta_pose: &'a mut [Eight],
     h: Real,
 }
 
 impl Kernel for IntegratePositions<'_> {
     #[inline(always)]
     fn len(&self) -> usize {
-        self.response.len()
+        self.inv_inertia.len()
     }
 
     #[inline(always)]
@@ -347,7 +348,7 @@ impl Kernel for IntegratePositions<'_> {
         let [px, py, pz, lx, ly, lz, inverse_mass] = T::load(&self.motion[i..]);
         let [x, y, z, qx, qy, qz, qw] = T::load(&self.pose[i..]);
         let [a, b, c, inverse_a, inverse_b, inverse_c, turns, tolerance] = T::load(&self.inertia[i..]);
-        let [dx, dy, dz, ti, tj, tk, tw, had_turned] = T::load(&self.moved[i..]);
+        let [dx, dy, dz, ti, tj, tk, tw, had_turned] = T::load(&self.delta_pose[i..]);
 
         let l = Vec3::new(lx, ly, lz);
         let way = Vec3::new(px, py, pz) * inverse_mass * h;
@@ -363,21 +364,21 @@ impl Kernel for IntegratePositions<'_> {
         let turn = change * before.conjugate();
         let t = Quat { w: one + turn.w, ..turn } * Quat { x: ti, y: tj, z: tk, w: tw };
         let turned = T::select(tolerance.lt(t.vector().dot(t.vector())), one, had_turned);
-        T::store([dx + way.x, dy + way.y, dz + way.z, t.x, t.y, t.z, t.w, turned], &mut self.moved[i..]);
+        T::store([dx + way.x, dy + way.y, dz + way.z, t.x, t.y, t.z, t.w, turned], &mut self.delta_pose[i..]);
         // Otherwise contacts go on with the masses that they have, which belong to this response.
         if T::any(zero.lt(turned)) {
             let (diagonal, off_diagonal) = moments.inverse_in_world(q);
-            let (d, o) = two_vectors::<T>(&self.response[i..]);
+            let (d, o) = two_vectors::<T>(&self.inv_inertia[i..]);
             let turned = zero.lt(turned);
             let (d, o) = (Vec3::select(turned, diagonal, d), Vec3::select(turned, off_diagonal, o));
-            put_two_vectors(d, o, &mut self.response[i..]);
+            put_two_vectors(d, o, &mut self.inv_inertia[i..]);
         }
     }
 }
 
 /// What forces do in substeps that are halved so often: twice it does what the kick of the substep before does.
-fn halved(kick: Eight, halvings: u8) -> Eight {
-    (0..halvings).fold(kick, |Eight([px, py, pz, lx, ly, lz, linear, angular]), _| {
+fn halved(force_impulse: Eight, halvings: u8) -> Eight {
+    (0..halvings).fold(force_impulse, |Eight([px, py, pz, lx, ly, lz, linear, angular]), _| {
         let (linear, angular) = (linear.sqrt(), angular.sqrt());
         let (p, l) = (1.0 / (1.0 + linear), 1.0 / (1.0 + angular));
         Eight([px * p, py * p, pz * p, lx * l, ly * l, lz * l, linear, angular])

@@ -342,7 +342,7 @@ impl Kernel for Bear<'_> {
             second_moments[1] + y * (two * sum[1] + points * y),
             second_moments[2] + x * sum[1] + y * sum[0] + points * x * y,
         ];
-        let responses = response(&upper, points, second_moments) + response(&lower, points, about_lower);
+        let responses = inv_inertia(&upper, points, second_moments) + inv_inertia(&lower, points, about_lower);
         let [between, on_ground] = [T::splat(self.rates[0].into()), T::splat(self.rates[1].into())];
         let rate = T::select(zero.lt(lower[7]), between, on_ground);
         // Nothing is borne by a wall, or by what impulses do not move, or where no point is near.
@@ -362,7 +362,7 @@ impl Kernel for Bear<'_> {
 
 /// How points at these second moments from the centre of a body give way to impulses, summed.
 #[inline(always)]
-fn response<T: Tile>(body: &[T; 8], points: T, [xx, yy, xy]: [T; 3]) -> T {
+fn inv_inertia<T: Tile>(body: &[T; 8], points: T, [xx, yy, xy]: [T; 3]) -> T {
     body[3] * points + body[4] * yy + body[5] * xx - T::splat(2.0) * body[6] * xy
 }
 

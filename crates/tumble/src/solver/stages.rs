@@ -15,11 +15,11 @@ use crate::solver::graph_coloring::{ContactColor, GraphColoring};
 use crate::solver::solver_bodies::SolverBodies;
 use crate::threads;
 
-/// The contacts of a step, coloured and laid out in blocks.
+/// The contacts of a step, colored and laid out in blocks.
 #[derive(Clone, Default)]
 pub(crate) struct Solver {
-    colouring: GraphColoring,
-    /// Contacts by colour and number of points.
+    coloring: GraphColoring,
+    /// Contacts by color and number of points.
     order: Vec<u32>,
     ones: BlockSheet<1, 0>,
     fours: BlockSheet<4, 6>,
@@ -27,7 +27,7 @@ pub(crate) struct Solver {
     /// Of the round contacts.
     places: Vec<Place>,
     /// Which rows the contacts of each stage change.
-    colours: RowColors,
+    colors: RowColors,
 }
 
 /// Blocks of contacts of up to `P` points, and what only some have: for all blocks, or for none.
@@ -52,7 +52,7 @@ struct Place {
     lane: usize,
 }
 
-/// Blocks that can be worked on at the same time: one colour's.
+/// Blocks that can be worked on at the same time: one color's.
 #[derive(Clone, Debug)]
 struct ColorRange {
     ones: Range<usize>,
@@ -68,15 +68,15 @@ pub(crate) enum SolverStage<'a> {
     /// What closes faster than `blow` \[m/s\] gives a blow.
     Solve { softness: [Softness; 2], h: Real, blow: Real },
     /// Takes out again the velocity that this gave, and adds friction; and, where it is said, notes for another substep what contacts then do to bodies.
-    Relax { h: Real, blow: Real, holds: bool },
+    Relax { h: Real, blow: Real, stores_warm_start: bool },
     /// Notes how fast bodies come together in substeps of this length \[s\].
     RecordApproachSpeed(Real, SubstepMoment),
     /// Lets bodies bounce that came together faster than this \[m/s\].
     ApplyRestitution(Real),
 }
 
-/// Colours of each kind, and one more for contacts that are worked on by themselves.
-const COLOURS: usize = ContactColor::ALONE as usize + 1;
+/// Colors of each kind, and one more for contacts that are worked on by themselves.
+const COLORS: usize = ContactColor::ALONE as usize + 1;
 
 /// Fewer blocks are not shared among threads.
 const MIN_PART: usize = 16;
@@ -91,20 +91,20 @@ impl Solver {
         extras: Extras,
     ) {
         let ends = self.sort((contacts, chosen), &rows, bodies.first_non_dynamic());
-        let Self { order, ones, fours, stages, colours, .. } = self;
+        let Self { order, ones, fours, stages, colors, .. } = self;
         stages.clear();
-        colours.reset(bodies.first_non_dynamic());
+        colors.reset(bodies.first_non_dynamic());
         let (mut one, mut four) = (0, 0);
         let mut add = |grounded, with_one: &[u32], with_more: &[u32]| {
             let (first_one, first_four) = (one, four);
-            colours.begin(grounded);
+            colors.begin(grounded);
             for chunk in with_one.chunks(BLOCK) {
-                colours.push(chunk.iter().map(|index| rows(&contacts[*index as usize])));
+                colors.push(chunk.iter().map(|index| rows(&contacts[*index as usize])));
                 ones.set(one, chunk);
                 one += 1;
             }
             for chunk in with_more.chunks(BLOCK) {
-                colours.push(chunk.iter().map(|index| rows(&contacts[*index as usize])));
+                colors.push(chunk.iter().map(|index| rows(&contacts[*index as usize])));
                 fours.set(four, chunk);
                 four += 1;
             }
@@ -114,8 +114,8 @@ impl Solver {
         for (index, kinds) in ends.chunks_exact(2).enumerate() {
             let (with_one, with_more) = (&order[begin..kinds[0]], &order[kinds[0]..kinds[1]]);
             begin = kinds[1];
-            let grounded = index >= COLOURS;
-            if index % COLOURS == 0 {
+            let grounded = index >= COLORS;
+            if index % COLORS == 0 {
                 with_more.chunks(1).for_each(|alone| add(grounded, &[], alone));
             } else if !(with_one.is_empty() && with_more.is_empty()) {
                 add(grounded, with_one, with_more);
@@ -126,23 +126,23 @@ impl Solver {
     }
 
     /// Puts the contacts in the order of what is done first: those between moving bodies, then those with what does not move; of each those by themselves, then
-    /// colour by colour those with one point and those with more. Returns where each of these ends.
+    /// color by color those with one point and those with more. Returns where each of these ends.
     fn sort(
         &mut self,
         (contacts, chosen): (&[ContactRecord], &[u32]),
         rows: impl Fn(&ContactRecord) -> [u32; 2],
         first_non_dynamic: usize,
-    ) -> [usize; 4 * COLOURS] {
+    ) -> [usize; 4 * COLORS] {
         let contact = |index: u32| &contacts[index as usize];
-        self.colouring.colour(chosen.iter().map(|index| rows(contact(*index))), first_non_dynamic);
-        let colours = self.colouring.colours();
+        self.coloring.color(chosen.iter().map(|index| rows(contact(*index))), first_non_dynamic);
+        let colors = self.coloring.colors();
         let kind = |index: usize| {
-            let ContactColor { grounded, index: colour } = colours[index];
-            let alone = colour == ContactColor::ALONE;
-            let place = if alone { 0 } else { colour as usize + 1 };
-            (usize::from(grounded) * COLOURS + place) * 2 + usize::from(alone || contact(chosen[index]).count() > 1)
+            let ContactColor { grounded, index: color } = colors[index];
+            let alone = color == ContactColor::ALONE;
+            let place = if alone { 0 } else { color as usize + 1 };
+            (usize::from(grounded) * COLORS + place) * 2 + usize::from(alone || contact(chosen[index]).count() > 1)
         };
-        let mut ends = [0; 4 * COLOURS];
+        let mut ends = [0; 4 * COLORS];
         (0..chosen.len()).for_each(|index| ends[kind(index)] += 1);
         let mut sum = 0;
         for end in &mut ends {
@@ -158,14 +158,18 @@ impl Solver {
         ends
     }
 
-    /// Does to all contacts, colour by colour, what a pass does; those with what does not move have the last word.
+    /// Does to all contacts, color by color, what a pass does; those with what does not move have the last word.
     pub(crate) fn run(&mut self, pass: SolverStage<'_>, bodies: &mut SolverBodies) {
-        let Self { ones, fours, stages, colours, .. } = self;
+        let Self { ones, fours, stages, colors, .. } = self;
         for (index, stage) in stages.iter().enumerate() {
-            let SolverBodies { motion, held, response, moved, .. } = bodies;
-            let (response, moved) = (&**response, &**moved);
-            let bodies =
-                SolverLanes { motion: colours.rows(index, motion), held: colours.rows(index, held), response, moved };
+            let SolverBodies { motion, warm_start, inv_inertia, delta_pose, .. } = bodies;
+            let (inv_inertia, delta_pose) = (&**inv_inertia, &**delta_pose);
+            let bodies = SolverLanes {
+                motion: colors.rows(index, motion),
+                warm_start: colors.rows(index, warm_start),
+                inv_inertia,
+                delta_pose,
+            };
             let (of_ones, of_fours) = bodies.split_at(stage.ones.len());
             pass.in_parts(ones.blocks(&stage.ones), of_ones);
             pass.in_parts(fours.blocks(&stage.fours), of_fours);
@@ -185,10 +189,10 @@ impl Solver {
     }
 
     /// Finds round contacts again after their bodies have moved.
-    pub(crate) fn refine(&mut self, rounds: &[RoundContact], moved: &[Eight]) {
+    pub(crate) fn update_round_contacts(&mut self, rounds: &[RoundContact], delta_pose: &[Eight]) {
         let Self { ones, fours, places, .. } = self;
-        for ((round, found), place) in rounds.iter().zip(round_contacts::find(rounds, moved)).zip(places) {
-            let (Some(manifold), motion) = (found, (moved, round)) else { continue };
+        for ((round, found), place) in rounds.iter().zip(round_contacts::find(rounds, delta_pose)).zip(places) {
+            let (Some(manifold), motion) = (found, (delta_pose, round)) else { continue };
             if place.has_four {
                 round_contacts::write(&manifold, fours.lane(place), motion);
             } else {
@@ -198,7 +202,7 @@ impl Solver {
     }
 
     /// Gives the impulses back to the contacts.
-    pub(crate) fn keep(&mut self, contacts: &mut [ContactRecord]) {
+    pub(crate) fn store_impulses(&mut self, contacts: &mut [ContactRecord]) {
         let Self { ones, fours, .. } = self;
         let (all_ones, all_fours) = (0..ones.blocks.len(), 0..fours.blocks.len());
         dispatch_in_blocks(&mut StoreImpulses { blocks: ones.blocks(&all_ones), contacts });
@@ -254,7 +258,7 @@ impl SolverStage<'_> {
         Self::Solve { softness, h, blow }
     }
 
-    /// Shares the blocks of a colour among the threads.
+    /// Shares the blocks of a color among the threads.
     fn in_parts<const P: usize, const C: usize>(self, blocks: Blocks<'_, P, C>, bodies: SolverLanes<'_>) {
         if blocks.len() == 0 {
             return;
@@ -289,10 +293,10 @@ impl SolverStage<'_> {
             Self::Prepare(contacts, poses) => run(Prepare::<P, C> { blocks, contacts, bodies, poses }),
             Self::Solve { softness, h, blow } => {
                 let softness = Some(softness[usize::from(bodies.motion.is_grounded())]);
-                run(Solve::<P, C> { blocks, bodies, softness, blow, inverse_h: 1.0 / h, holds: false });
+                run(Solve::<P, C> { blocks, bodies, softness, blow, inverse_h: 1.0 / h, stores_warm_start: false });
             }
-            Self::Relax { h, blow, holds } => {
-                run(Solve::<P, C> { blocks, bodies, softness: None, blow, inverse_h: 1.0 / h, holds });
+            Self::Relax { h, blow, stores_warm_start } => {
+                run(Solve::<P, C> { blocks, bodies, softness: None, blow, inverse_h: 1.0 / h, stores_warm_start });
             }
             Self::RecordApproachSpeed(h, moment) => {
                 run(RecordApproachSpeed::<P, C> { blocks, bodies, inverse_h: 1.0 / h, moment });

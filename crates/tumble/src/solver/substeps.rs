@@ -55,11 +55,11 @@ pub(crate) struct SubstepSettings {
 
 impl ContactSolver {
     /// Makes room for the bodies that impulses move and for those that they do not.
-    pub(crate) fn reset(&mut self, [moved, unmoved]: [usize; 2]) {
+    pub(crate) fn reset(&mut self, [dynamic, non_dynamic]: [usize; 2]) {
         self.group.bookings.clear();
         self.group.rounds.clear();
         self.halvings.clear();
-        self.group.bodies.reset(moved, unmoved);
+        self.group.bodies.reset(dynamic, non_dynamic);
     }
 
     /// Works out where the bodies of one world that touch something will be after one substep of the settings, starting from the
@@ -74,7 +74,7 @@ impl ContactSolver {
         self.reset(touching);
         let first = [0, self.group.bodies.first_non_dynamic()];
         found.gather(columns, (settings, laws, time), &mut self.group, first);
-        found.add_round(0, &mut self.group.rounds);
+        found.add_round_contacts(0, &mut self.group.rounds);
         self.stacks.add_halvings(found, settings, &self.group.bodies, &mut self.halvings);
         let Contacts { contacts, rows, materials, .. } = found;
         self.push(contacts, |contact| rows_of(contact, rows), settings, materials.extras());
@@ -110,7 +110,7 @@ impl ContactSolver {
         group.push(contacts, &rows, solving);
         for part in &mut finer[..parts] {
             part.push(contacts, &rows, solving);
-            part.give_back(contacts, group);
+            part.return_impulses(contacts, group);
         }
     }
 }
@@ -132,33 +132,33 @@ impl SolverGroup {
     ) {
         let (Self { bodies, bookings, rounds, chosen, solver }, biased) = (self, SolverStage::biased(h, blow));
         solver.lay_out((contacts, chosen), rows, bodies, extras);
-        round_contacts::leave_out_needles(rounds, bodies);
+        round_contacts::drop_needles(rounds, bodies);
         solver.locate(contacts.len(), rounds);
         bodies.with_poses(|bodies, poses| solver.run(SolverStage::Prepare(contacts, poses), bodies));
         for substep in 0..substeps {
             bookings.before_kick(bodies);
-            bodies.kick();
+            bodies.integrate_velocities();
             bookings.before_push(bodies);
             // Before the impulses of the last step act: bodies that those push together have not come together, and to bounce them would make energy.
             if extras.bounces {
                 let moment = if substep == 0 { SubstepMoment::FirstKicked } else { SubstepMoment::Kicked };
                 solver.run(SolverStage::RecordApproachSpeed(h, moment), bodies);
             }
-            bodies.hold();
+            bodies.apply_warm_start();
             solver.run(biased, bodies);
             bookings.before_motion(bodies);
-            bodies.drift(h);
-            solver.refine(rounds, &bodies.moved);
+            bodies.integrate_positions(h);
+            solver.update_round_contacts(rounds, &bodies.delta_pose);
             bookings.after_motion(bodies);
             if extras.bounces {
                 solver.run(SolverStage::RecordApproachSpeed(h, SubstepMoment::Moved), bodies);
             }
-            solver.run(SolverStage::Relax { h, blow, holds: substep + 1 < substeps }, bodies);
+            solver.run(SolverStage::Relax { h, blow, stores_warm_start: substep + 1 < substeps }, bodies);
             bookings.after_substep(bodies);
         }
         if extras.bounces {
             solver.run(SolverStage::ApplyRestitution(threshold), bodies);
         }
-        solver.keep(contacts);
+        solver.store_impulses(contacts);
     }
 }

@@ -110,7 +110,7 @@ impl Simulation {
     /// # Ok::<(), Box<dyn std::error::Error>>(())
     /// ```
     pub fn contacts(&self) -> impl Iterator<Item = Contact> + '_ {
-        self.touching().into_iter().flat_map(Contacts::read)
+        self.touching().into_iter().flat_map(Contacts::report)
     }
 
     /// What began and ended to touch in the steps of the last call of [`step`](Self::step), [`step_many`](Self::step_many), [`advance`](Self::advance) or
@@ -137,15 +137,15 @@ impl Simulation {
     /// ```
     pub fn contact_events(&self) -> impl Iterator<Item = ContactEvent> + '_ {
         let contacts = self.touching().filter(|_| self.has_stepped);
-        let of_call = contacts.into_iter().flat_map(|it| it.past.events.iter().copied().chain(it.events_of_step()));
+        let of_call = contacts.into_iter().flat_map(|it| it.previous.events.iter().copied().chain(it.events_of_step()));
         self.events.iter().copied().chain(of_call)
     }
 
     /// Forgets the events of the steps before the last.
     pub(crate) fn forget_events(&mut self) {
         self.events.clear();
-        if let Some(contacts) = self.coupling.as_mut().and_then(|coupling| coupling.contacts.as_mut()) {
-            contacts.past.events.clear();
+        if let Some(contacts) = self.interactions.as_mut().and_then(|interactions| interactions.contacts.as_mut()) {
+            contacts.previous.events.clear();
         }
     }
 
@@ -170,25 +170,25 @@ impl Simulation {
     /// # Ok::<(), Box<dyn std::error::Error>>(())
     /// ```
     pub fn pairs_left_out(&self) -> usize {
-        self.touching().map_or(0, |contacts| contacts.crowds.left_out)
+        self.touching().map_or(0, |contacts| contacts.pair_limit.left_out)
     }
 
     pub(crate) fn touching(&self) -> Option<&Contacts> {
-        let coupling: &Interactions = self.coupling.as_deref()?;
-        coupling.contacts.as_ref()
+        let interactions: &Interactions = self.interactions.as_deref()?;
+        interactions.contacts.as_ref()
     }
 }
 
 impl Contacts {
     /// The contacts of the last step, in the order of their bodies.
-    pub(crate) fn read(&self) -> impl Iterator<Item = Contact> + '_ {
+    pub(crate) fn report(&self) -> impl Iterator<Item = Contact> + '_ {
         let mut order: Vec<&ContactRecord> = self.contacts.iter().collect();
         // They are in this order but for the kinds of their shapes, which takes a sort that merges little time.
         order.sort_by_key(|contact| (contact.pair(), contact.part));
-        order.into_iter().map(|contact| self.told(contact))
+        order.into_iter().map(|contact| self.report_one(contact))
     }
 
-    fn told(&self, held: &ContactRecord) -> Contact {
+    fn report_one(&self, held: &ContactRecord) -> Contact {
         let [x, y, z, ..] = held.numbers[SHAPE].0;
         let [u, v, w, ..] = held.numbers[FRICTION_IMPULSE].0;
         let center = Vec3::from(self.center(held.slots[1]));
@@ -201,7 +201,7 @@ impl Contacts {
         // What the solver has for the first may be the second in order.
         let sign = if held.slots[0] < held.slots[1] { 1.0 } else { -1.0 };
         Contact {
-            bodies: held.pair().map(|slot| self.names().entity(slot)),
+            bodies: held.pair().map(|slot| self.body_keys().entity(slot)),
             normal: Vec3::new(x, y, z) * sign,
             friction: Vec3::new(u, v, w) * sign,
             points,

@@ -16,10 +16,10 @@ use crate::storage::world_columns::WorldColumns;
 
 /// A world in which bodies act on each other, and what it is stepped with.
 pub(crate) struct InteractingWorld<'a> {
-    held: WorldColumns<'a>,
+    columns: WorldColumns<'a>,
     settings: &'a Settings,
     laws: &'a ForceLaws,
-    coupling: &'a mut Interactions,
+    interactions: &'a mut Interactions,
     /// At the first step.
     clock: Clock,
 }
@@ -36,19 +36,19 @@ pub(crate) fn step_interacting(
 ) {
     for step in 0..steps {
         let mut stopwatch = PhaseTimes::start(times);
-        for InteractingWorld { held, settings, .. } in &mut *worlds {
-            held.for_each_chunk(|_, bodies| {
+        for InteractingWorld { columns, settings, .. } in &mut *worlds {
+            columns.for_each_chunk(|_, bodies| {
                 remember_poses(bodies);
                 accumulate_forces_of(bodies, settings);
             });
         }
         stopwatch.end_of(Phase::AccumulateForces);
-        let beside = |held: &mut WorldColumns<'_>, settings: &Settings, substep| {
-            held.move_kinematic_bodies(settings.substep(), substep);
+        let beside = |columns: &mut WorldColumns<'_>, settings: &Settings, substep| {
+            columns.move_kinematic_bodies(settings.substep(), substep);
         };
         integrate_interacting(worlds, together.as_mut(), step, beside, &mut stopwatch);
-        for InteractingWorld { held, .. } in &mut *worlds {
-            held.for_each_chunk(|_, bodies| update_derived_of(bodies));
+        for InteractingWorld { columns, .. } in &mut *worlds {
+            columns.for_each_chunk(|_, bodies| update_derived_of(bodies));
         }
         stopwatch.end_of(Phase::UpdateDerived);
     }
@@ -63,30 +63,30 @@ pub(crate) fn integrate_interacting(
     beside: impl Fn(&mut WorldColumns<'_>, &Settings, u32),
     stopwatch: &mut Stopwatch<'_>,
 ) {
-    for contacts in worlds.iter_mut().filter_map(|it| it.coupling.contacts.as_mut()) {
+    for contacts in worlds.iter_mut().filter_map(|it| it.interactions.contacts.as_mut()) {
         contacts.begin_step();
     }
     let substeps = worlds.first().map_or(0, |it| it.settings.substeps);
     debug_assert!(worlds.iter().all(|it| it.settings.substeps == substeps));
-    let pull = worlds.iter().any(|it| it.coupling.pairs.is_some());
-    let touch = worlds.iter().any(|it| it.coupling.contacts.is_some());
+    let pull = worlds.iter().any(|it| it.interactions.pairs.is_some());
+    let touch = worlds.iter().any(|it| it.interactions.contacts.is_some());
     for substep in 0..substeps {
         for it in &mut *worlds {
             it.kick(it.kicks().0);
         }
         stopwatch.end_if(pull, Phase::Pairs);
         match &mut together {
-            Some((packed, pack_key)) => push_together(worlds, packed, pack_key, (step, substep)),
-            None => worlds.iter_mut().for_each(|it| it.push_alone(it.time_of(step, substep))),
+            Some((multi_world, pack_key)) => solve_together(worlds, multi_world, pack_key, (step, substep)),
+            None => worlds.iter_mut().for_each(|it| it.solve_alone(it.time_of(step, substep))),
         }
         stopwatch.end_if(touch, Phase::Contacts);
         for it in &mut *worlds {
             it.integrate(it.time_of(step, substep), substep);
-            beside(&mut it.held, it.settings, substep);
+            beside(&mut it.columns, it.settings, substep);
         }
         stopwatch.end_of(Phase::Integrate);
         for it in &mut *worlds {
-            it.write_contacts(together.as_deref());
+            it.write_constrained(together.as_deref());
         }
         stopwatch.end_if(touch, Phase::Contacts);
         for it in &mut *worlds {
@@ -99,9 +99,9 @@ pub(crate) fn integrate_interacting(
 }
 
 /// Solves the contacts of all worlds at the same time.
-fn push_together(
+fn solve_together(
     worlds: &mut [InteractingWorld<'_>],
-    packed: &mut MultiWorld,
+    multi_world: &mut MultiWorld,
     pack_key: &PackKey,
     (step, substep): (u32, u32),
 ) {
@@ -109,21 +109,21 @@ fn push_together(
     let Some(settings) = worlds.first().map(|it| it.settings) else { return };
     let mut touching = [0; 2];
     for it in &mut *worlds {
-        if let Some(contacts) = &mut it.coupling.contacts {
-            let [moved, unmoved] = contacts.find_touching(&it.held, it.settings);
-            touching = [touching[0] + moved, touching[1] + unmoved];
+        if let Some(contacts) = &mut it.interactions.contacts {
+            let [dynamic, non_dynamic] = contacts.find_touching(&it.columns, it.settings);
+            touching = [touching[0] + dynamic, touching[1] + non_dynamic];
         }
     }
-    packed.begin(touching);
+    multi_world.begin(touching);
     for it in &mut *worlds {
         let time = it.time_of(step, substep);
-        if let Some(contacts) = &mut it.coupling.contacts {
-            packed.add(contacts, &mut it.held, it.settings, it.laws, time);
+        if let Some(contacts) = &mut it.interactions.contacts {
+            multi_world.add(contacts, &mut it.columns, it.settings, it.laws, time);
         }
     }
-    packed.push(settings, pack_key);
-    for contacts in worlds.iter_mut().filter_map(|it| it.coupling.contacts.as_mut()) {
-        packed.give_back(contacts);
+    multi_world.push(settings, pack_key);
+    for contacts in worlds.iter_mut().filter_map(|it| it.interactions.contacts.as_mut()) {
+        multi_world.return_impulses(contacts);
     }
 }
 
@@ -133,11 +133,11 @@ impl<'a> InteractingWorld<'a> {
         world: &'a mut World,
         settings: &'a Settings,
         laws: &'a ForceLaws,
-        coupling: &'a mut Interactions,
+        interactions: &'a mut Interactions,
         clock: Clock,
     ) -> Self {
-        coupling.find(world);
-        Self { held: laws.columns_of(world), settings, laws, coupling, clock }
+        interactions.find(world);
+        Self { columns: laws.columns_of(world), settings, laws, interactions, clock }
     }
 
     /// When a substep begins \[s\].
@@ -155,17 +155,17 @@ impl<'a> InteractingWorld<'a> {
     }
 
     fn kick(&mut self, duration: Real) {
-        if let Some(pairs) = &mut self.coupling.pairs {
+        if let Some(pairs) = &mut self.interactions.pairs {
             crate::scope::scope!("tumble::pairs");
-            pairs.kick(&mut self.held, duration, self.settings.substep());
+            pairs.kick(&mut self.columns, duration, self.settings.substep());
         }
     }
 
-    fn push_alone(&mut self, time: f64) {
-        if let Some(contacts) = &mut self.coupling.contacts {
+    fn solve_alone(&mut self, time: f64) {
+        if let Some(contacts) = &mut self.interactions.contacts {
             crate::scope::scope!("tumble::contacts");
-            let pushing = self.coupling.pushing.get_or_insert_default();
-            pushing.solve_world(contacts, &mut self.held, (self.settings, self.laws, time));
+            let contact_solver = self.interactions.contact_solver.get_or_insert_default();
+            contact_solver.solve_world(contacts, &mut self.columns, (self.settings, self.laws, time));
         }
     }
 
@@ -173,16 +173,18 @@ impl<'a> InteractingWorld<'a> {
     fn integrate(&mut self, time: f64, substep: u32) {
         let one = Settings { dt: self.settings.substep(), substeps: 1, ..*self.settings };
         let wrenches = if substep + 1 == self.settings.substeps { Wrenches::Consumed } else { Wrenches::Kept };
-        self.laws.for_each_chunk_of(&mut self.held, |bodies, laws| {
+        self.laws.for_each_chunk_of(&mut self.columns, |bodies, laws| {
             integrate_bodies(bodies, laws, &one, time, wrenches);
         });
     }
 
     /// Puts the bodies that touch something where contacts have pushed them.
-    fn write_contacts(&mut self, together: Option<&Together<'_>>) {
-        let pushing = together.map(|(packed, _)| packed.pushing()).or(self.coupling.pushing.as_deref());
-        if let (Some(contacts), Some(pushing)) = (&self.coupling.contacts, pushing) {
-            contacts.write(&mut self.held, pushing);
+    fn write_constrained(&mut self, together: Option<&Together<'_>>) {
+        let contact_solver = together
+            .map(|(multi_world, _)| multi_world.contact_solver())
+            .or(self.interactions.contact_solver.as_deref());
+        if let (Some(contacts), Some(contact_solver)) = (&self.interactions.contacts, contact_solver) {
+            contacts.write(&mut self.columns, contact_solver);
         }
     }
 }

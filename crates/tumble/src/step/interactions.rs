@@ -14,12 +14,12 @@ pub(crate) struct Interactions {
     pub(crate) pairs: Option<PairForces>,
     pub(crate) contacts: Option<Contacts>,
     /// What pushes contacts where they are not pushed together with those of other worlds; no state.
-    pub(crate) pushing: Option<Box<ContactSolver>>,
+    pub(crate) contact_solver: Option<Box<ContactSolver>>,
 }
 
 impl fmt::Debug for Interactions {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let Self { pairs, contacts, pushing: _ } = self;
+        let Self { pairs, contacts, contact_solver: _ } = self;
         f.debug_struct("Interactions").field("pairs", pairs).field("contacts", contacts).finish_non_exhaustive()
     }
 }

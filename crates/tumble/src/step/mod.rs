@@ -50,15 +50,15 @@ pub(crate) fn steps_under_laws(
     world: &mut World,
     settings: &Settings,
     laws: &ForceLaws,
-    coupling: &mut Option<Box<Interactions>>,
+    interactions: &mut Option<Box<Interactions>>,
     steps: u32,
     clock: Clock,
     times: Option<&PhaseTimes>,
 ) {
     crate::scope::scope!("tumble::step");
-    let contacts = coupling.as_ref().and_then(|coupling| coupling.contacts.as_ref());
+    let contacts = interactions.as_ref().and_then(|interactions| interactions.contacts.as_ref());
     let work = effort_of_steps(world, laws, contacts, steps);
-    work.run(|| steps_here(world, settings, laws, coupling, steps, clock, times));
+    work.run(|| steps_here(world, settings, laws, interactions, steps, clock, times));
 }
 
 /// The same where the caller is.
@@ -66,17 +66,17 @@ fn steps_here(
     world: &mut World,
     settings: &Settings,
     laws: &ForceLaws,
-    coupling: &mut Option<Box<Interactions>>,
+    interactions: &mut Option<Box<Interactions>>,
     steps: u32,
     clock: Clock,
     times: Option<&PhaseTimes>,
 ) {
     if Interactions::is_in(world) {
-        let coupling = coupling.get_or_insert_default();
-        step_interacting(&mut [InteractingWorld::new(world, settings, laws, coupling, clock)], None, steps, times);
+        let interactions = interactions.get_or_insert_default();
+        step_interacting(&mut [InteractingWorld::new(world, settings, laws, interactions, clock)], None, steps, times);
     } else {
-        if let Some(coupling) = coupling {
-            coupling.pass(world, steps);
+        if let Some(interactions) = interactions {
+            interactions.pass(world, steps);
         }
         for_each_chunk_under(world, laws, |bodies, laws| {
             if bodies.work.is_none() && times.is_none() {

@@ -37,7 +37,7 @@ pub struct Simulation {
     settings: Settings,
     laws: ForceLaws,
     /// What forces between bodies are evaluated with, and contacts as they were left; none until there are any.
-    pub(crate) coupling: Option<Box<Interactions>>,
+    pub(crate) interactions: Option<Box<Interactions>>,
     /// What began and ended to touch in the last call, in the steps that were taken one by one before the last.
     pub(crate) events: Vec<ContactEvent>,
     /// Whether the last call took a step.
@@ -62,7 +62,7 @@ impl Simulation {
         Ok(Self {
             settings,
             laws: ForceLaws::default(),
-            coupling: None,
+            interactions: None,
             events: Vec::new(),
             has_stepped: false,
             steps: 0,
@@ -157,26 +157,26 @@ impl Simulation {
         self.forget_events();
         self.has_stepped = count > 0;
         if count > 0 {
-            let mut coupling = self.coupling.take();
-            steps_under_laws(world, &self.settings, &self.laws, &mut coupling, count, self.clock(), times);
-            self.coupling = coupling;
+            let mut interactions = self.interactions.take();
+            steps_under_laws(world, &self.settings, &self.laws, &mut interactions, count, self.clock(), times);
+            self.interactions = interactions;
             self.count_steps(count);
         }
     }
 
     /// What the steps of a world in which bodies act on each other are taken with, if they do in this one.
-    pub(crate) fn coupled<'a>(&'a mut self, world: &'a mut World) -> Option<InteractingWorld<'a>> {
+    pub(crate) fn interacting<'a>(&'a mut self, world: &'a mut World) -> Option<InteractingWorld<'a>> {
         if !Interactions::is_in(world) {
             return None;
         }
         self.forget_events();
         self.has_stepped = true;
         let clock = self.clock();
-        let coupling = self.coupling.get_or_insert_default();
-        Some(InteractingWorld::new(world, &self.settings, &self.laws, coupling, clock))
+        let interactions = self.interactions.get_or_insert_default();
+        Some(InteractingWorld::new(world, &self.settings, &self.laws, interactions, clock))
     }
 
-    /// Counts steps that have been taken with [`coupled`](Self::coupled).
+    /// Counts steps that have been taken with [`interacting`](Self::interacting).
     pub(crate) fn count_steps(&mut self, count: u32) {
         self.steps += u64::from(count);
     }

@@ -89,9 +89,9 @@ pub fn integrate(world: &mut World, settings: &Settings) {
 /// ```
 pub fn integrate_under_laws(world: &mut World, settings: &Settings, laws: &ForceLaws, time: f64) {
     if Interactions::is_in(world) {
-        let mut coupling = Interactions::default();
-        let coupled = InteractingWorld::new(world, settings, laws, &mut coupling, Clock::at(time));
-        integrate_interacting(&mut [coupled], None, 0, |_, _, _| (), &mut PhaseTimes::start(None));
+        let mut interactions = Interactions::default();
+        let interacting = InteractingWorld::new(world, settings, laws, &mut interactions, Clock::at(time));
+        integrate_interacting(&mut [interacting], None, 0, |_, _, _| (), &mut PhaseTimes::start(None));
     } else {
         for_each_chunk_under(world, laws, |bodies, laws| {
             integrate_bodies(bodies, laws, settings, time, Wrenches::Consumed);

@@ -53,7 +53,7 @@ pub(crate) struct BodyIndex {
     by_place: Vec<u32>,
     /// By archetype, where its slots begin in that order; and where the last end.
     begins: Vec<u32>,
-    pub(crate) seen: Vec<BodyView>,
+    pub(crate) views: Vec<BodyView>,
 }
 
 impl BodyIndex {
@@ -151,10 +151,10 @@ impl BodyIndex {
     }
 
     /// Reads the state of all.
-    pub(crate) fn see(&mut self, held: &WorldColumns<'_>) {
-        let Self { members, seen, .. } = self;
-        seen.clear();
-        seen.extend(members.iter().map(|member| BodyView::of(held.bodies(member.place), member.place.row as usize)));
+    pub(crate) fn update_views(&mut self, held: &WorldColumns<'_>) {
+        let Self { members, views, .. } = self;
+        views.clear();
+        views.extend(members.iter().map(|member| BodyView::of(held.bodies(member.place), member.place.row as usize)));
     }
 }
 
@@ -208,7 +208,7 @@ impl BodyView {
         let columns = match bodies {
             ArchetypeBodies::Moving(columns) => columns,
             ArchetypeBodies::NonDynamicColumns(columns) => {
-                return Self::unmoved(columns.pose[row], columns.velocity(row));
+                return Self::non_dynamic(columns.pose[row], columns.velocity(row));
             }
             ArchetypeBodies::None => return Self::NOWHERE,
         };
@@ -226,12 +226,12 @@ impl BodyView {
     }
 
     /// A fixed or kinematic body.
-    fn unmoved(pose: Pose, velocity: Velocity) -> Self {
-        let mut seen = Self::NOWHERE;
-        seen.state.position = pose.position.into();
-        seen.state.orientation = tumble_math::lane::Quat::from(pose.orientation).normalize();
-        seen.derived.linear = velocity.linear.into();
-        seen.derived.angular = velocity.angular.into();
-        seen
+    fn non_dynamic(pose: Pose, velocity: Velocity) -> Self {
+        let mut views = Self::NOWHERE;
+        views.state.position = pose.position.into();
+        views.state.orientation = tumble_math::lane::Quat::from(pose.orientation).normalize();
+        views.derived.linear = velocity.linear.into();
+        views.derived.angular = velocity.angular.into();
+        views
     }
 }

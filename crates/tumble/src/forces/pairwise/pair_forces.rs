@@ -61,10 +61,10 @@ impl PairForces {
 
     /// Changes the momenta by what the forces, as they are now, do in the time `t` \[s\]; `h` \[s\] is the substep.
     pub(crate) fn kick(&mut self, held: &mut WorldColumns<'_>, t: Real, h: Real) {
-        self.members.see(held);
-        let seen = &self.members.seen;
+        self.members.update_views(held);
+        let views = &self.members.views;
         self.gravity.update(self.attracting.iter().map(|(slot, mass)| {
-            let position = seen[*slot].state.position;
+            let position = views[*slot].state.position;
             let softening_squared = mass.softening * mass.softening;
             if within(position, MAX_DISTANCE) && mass.mu.abs() <= MAX_MU && softening_squared.is_finite() {
                 Source { position: position.into(), mu: mass.mu, softening_squared }
@@ -74,7 +74,7 @@ impl PairForces {
             }
         }));
         self.velocities.clear();
-        self.velocities.extend(seen.iter().map(|seen| Velocities::halfway(seen, &Impulse::zero())));
+        self.velocities.extend(views.iter().map(|views| Velocities::halfway(views, &Impulse::zero())));
         self.springs.prepare(&self.members, t, h);
         self.springs.update(&self.velocities);
         if self.springs.are_damped() {
@@ -83,17 +83,17 @@ impl PairForces {
             for slot in 0..self.members.len() {
                 let mut impulse = self.springs.impulse(slot);
                 impulse.linear = impulse.linear + self.by_gravity(slot, t).linear;
-                self.velocities[slot] = Velocities::halfway(&self.members.seen[slot], &impulse);
+                self.velocities[slot] = Velocities::halfway(&self.members.views[slot], &impulse);
             }
             self.springs.update(&self.velocities);
         }
-        for (slot, seen) in self.members.seen.iter().enumerate().filter(|(_, seen)| seen.constants.is_some()) {
+        for (slot, views) in self.members.views.iter().enumerate().filter(|(_, views)| views.constants.is_some()) {
             let place = self.members.place(slot);
             let (Some(columns), row) = (held.moving_mut(place), place.row as usize) else { continue };
             let (by_springs, by_gravity) = (self.springs.impulse(slot), self.by_gravity(slot, t));
             let momentum = &mut columns.momentum[row];
-            momentum.linear = (seen.state.linear + (by_springs.linear + by_gravity.linear)).into();
-            momentum.angular = (seen.state.angular + by_springs.angular).into();
+            momentum.linear = (views.state.linear + (by_springs.linear + by_gravity.linear)).into();
+            momentum.angular = (views.state.angular + by_springs.angular).into();
             if let Some(works) = &mut columns.work {
                 self.book(&mut works[row], slot, &by_springs, &by_gravity);
             }
@@ -102,7 +102,7 @@ impl PairForces {
 
     fn by_gravity(&self, slot: usize, t: Real) -> Impulse {
         let mut impulse = Impulse::zero();
-        let inverse_mass = self.members.seen[slot].inverse_mass;
+        let inverse_mass = self.members.views[slot].inverse_mass;
         if let Some(index) = self.masses[slot]
             && inverse_mass > 0.0
         {
@@ -118,11 +118,11 @@ impl PairForces {
 
     /// Enters the work of both, each with its share of the impulse and the mean velocity.
     fn book(&self, work: &mut Work, slot: usize, by_springs: &Impulse, by_gravity: &Impulse) {
-        let seen = &self.members.seen[slot];
-        let linear_change = (by_springs.linear + by_gravity.linear) * seen.inverse_mass;
-        let linear = double(seen.derived.linear) + 0.5 * double(linear_change);
+        let views = &self.members.views[slot];
+        let linear_change = (by_springs.linear + by_gravity.linear) * views.inverse_mass;
+        let linear = double(views.derived.linear) + 0.5 * double(linear_change);
         let angular =
-            double(seen.derived.angular) + 0.5 * double(seen.derived.apply_inverse_inertia(by_springs.angular));
+            double(views.derived.angular) + 0.5 * double(views.derived.apply_inverse_inertia(by_springs.angular));
         work.forces[SPRING] += double(by_springs.linear).dot(linear) + double(by_springs.angular).dot(angular);
         work.forces[GRAVITY_MASS] += double(by_gravity.linear).dot(linear);
     }

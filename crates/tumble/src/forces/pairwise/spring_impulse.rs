@@ -126,9 +126,9 @@ impl Springs {
         parts.by_at_least(1).for_each(|(pulls, connections)| {
             for (pull, connection) in pulls.iter_mut().zip(connections) {
                 let shares = connection.slots.map(springs_of);
-                let bodies = connection.slots.map(|slot| &members.seen[slot]);
+                let bodies = connection.slots.map(|slot| &members.views[slot]);
                 *pull = Some(connection.pull(bodies, shares, t, h))
-                    .filter(|pull| pull.is_in_range() && bodies.iter().all(|seen| seen.is_in_range()))
+                    .filter(|pull| pull.is_in_range() && bodies.iter().all(|views| views.is_in_range()))
                     .unwrap_or(Pull::none());
             }
         });
@@ -169,15 +169,15 @@ impl Connection {
     /// potential, and energy would not come back.
     fn pull(&self, [a, b]: [&BodyView; 2], shares: [Real; 2], t: Real, h: Real) -> Pull {
         let spring = &self.spring;
-        let end = |seen: &BodyView, at: crate::math::Vec3, share: Real| {
-            let moving = seen.inverse_mass * share;
-            let turning = (seen.most_inverse_mass_at(at) * share - moving).max(0.0);
-            End { arm: seen.state.orientation.rotate(at.into()), inverse_masses: [moving, turning] }
+        let end = |views: &BodyView, at: crate::math::Vec3, share: Real| {
+            let moving = views.inverse_mass * share;
+            let turning = (views.most_inverse_mass_at(at) * share - moving).max(0.0);
+            End { arm: views.state.orientation.rotate(at.into()), inverse_masses: [moving, turning] }
         };
         let [at_a, at_b] = spring.attachments;
         let ends = [end(a, at_a, shares[0]), end(b, at_b, shares[1])];
         let in_a_net =
-            [(a, shares[0]), (b, shares[1])].iter().any(|(seen, share)| seen.constants.is_some() && *share > 1.0);
+            [(a, shares[0]), (b, shares[1])].iter().any(|(views, share)| views.constants.is_some() && *share > 1.0);
         let most_angle = Real::splat(if in_a_net { MAX_ANGLE_IN_A_NET } else { MAX_ANGLE });
         let hooke = Hooke { stiffness: spring.stiffness, rest_length: spring.rest_length, h };
         let pull = pull(hooke, b.state.position - a.state.position, ends, most_angle);
@@ -241,11 +241,11 @@ pub(crate) struct Velocities {
 
 impl Velocities {
     /// Those of a body after half of an impulse.
-    pub(crate) fn halfway(seen: &BodyView, impulse: &Impulse) -> Self {
-        let turned = seen.derived.apply_inverse_inertia(impulse.angular);
+    pub(crate) fn halfway(views: &BodyView, impulse: &Impulse) -> Self {
+        let turned = views.derived.apply_inverse_inertia(impulse.angular);
         Self {
-            linear: seen.derived.linear + impulse.linear * (0.5 * seen.inverse_mass),
-            angular: seen.derived.angular + turned * 0.5,
+            linear: views.derived.linear + impulse.linear * (0.5 * views.inverse_mass),
+            angular: views.derived.angular + turned * 0.5,
         }
     }
 

@@ -71,9 +71,9 @@ pub(crate) struct DeltaPoses<T> {
 
 impl<T: Tile> DeltaPoses<T> {
     #[inline(always)]
-    pub(crate) fn load(moved: &[Eight], rows: &[[u32; BLOCK]; 2], lane: usize) -> Self {
-        let [ax, ay, az, ai, aj, ak, aw, a_turned] = gather(moved, &rows[0], lane);
-        let [bx, by, bz, bi, bj, bk, bw, b_turned]: [T; 8] = gather(moved, &rows[1], lane);
+    pub(crate) fn load(delta_pose: &[Eight], rows: &[[u32; BLOCK]; 2], lane: usize) -> Self {
+        let [ax, ay, az, ai, aj, ak, aw, a_turned] = gather(delta_pose, &rows[0], lane);
+        let [bx, by, bz, bi, bj, bk, bw, b_turned]: [T; 8] = gather(delta_pose, &rows[1], lane);
         Self {
             linear: [Vec3::new(ax, ay, az), Vec3::new(bx, by, bz)],
             rotation: [Quat { x: ai, y: aj, z: ak, w: aw }, Quat { x: bi, y: bj, z: bk, w: bw }],
@@ -164,14 +164,14 @@ impl<T: Tile> BodyLanes<T> {
 
     /// How they answer to impulses.
     #[inline(always)]
-    pub(crate) fn mobility(&self, response: &InverseMasses<T>) -> Mobility<T> {
-        Mobility { response: response.of_what_moves(self.momenta.grounded), inverse_mass: self.inverse_mass() }
+    pub(crate) fn mobility(&self, inv_inertia: &InverseMasses<T>) -> Mobility<T> {
+        Mobility { inv_inertia: inv_inertia.of_what_moves(self.momenta.grounded), inverse_mass: self.inverse_mass() }
     }
 
     /// The smaller of the bodies' sizes, as what turns them has it: of their mass over their inertia; infinite where impulses turn neither \[m\].
     #[inline(always)]
-    pub(crate) fn least_size(&self, response: &InverseMasses<T>) -> T {
-        let [first, second] = response.diagonal;
+    pub(crate) fn least_size(&self, inv_inertia: &InverseMasses<T>) -> T {
+        let [first, second] = inv_inertia.diagonal;
         let of_first = self.inverse_mass[0] / (first.x + first.y + first.z);
         let of_second = self.inverse_mass[1] / (second.x + second.y + second.z);
         of_first.min(of_second).sqrt()
@@ -179,19 +179,19 @@ impl<T: Tile> BodyLanes<T> {
 
     /// Angular velocities `w`, and what free rotation adds to them a second, `I^-1 (L x w)`; nothing where impulses turn nothing.
     #[inline(always)]
-    pub(crate) fn free_spins(&self, response: &InverseMasses<T>) -> ([Vec3<T>; 2], [Vec3<T>; 2]) {
+    pub(crate) fn free_spins(&self, inv_inertia: &InverseMasses<T>) -> ([Vec3<T>; 2], [Vec3<T>; 2]) {
         let [first, second] = self.momenta.angular;
-        let spins = [response.of_first(first), response.of_second(second)];
-        let gains = [response.of_first(first.cross(spins[0])), response.of_second(second.cross(spins[1]))];
+        let spins = [inv_inertia.of_first(first), inv_inertia.of_second(second)];
+        let gains = [inv_inertia.of_first(first.cross(spins[0])), inv_inertia.of_second(second.cross(spins[1]))];
         (spins, gains)
     }
 
     /// Velocity of the second seen from the first.
     #[inline(always)]
-    pub(crate) fn relative(&self, response: &InverseMasses<T>, arms: [Vec3<T>; 2]) -> Relative<T> {
+    pub(crate) fn relative(&self, inv_inertia: &InverseMasses<T>, arms: [Vec3<T>; 2]) -> Relative<T> {
         let Momenta { linear, angular, .. } = &self.momenta;
-        let first = (linear[0] * self.inverse_mass[0], response.of_first(angular[0]));
-        let second = (linear[1] * self.inverse_mass[1], response.of_second(angular[1]));
+        let first = (linear[0] * self.inverse_mass[0], inv_inertia.of_first(angular[0]));
+        let second = (linear[1] * self.inverse_mass[1], inv_inertia.of_second(angular[1]));
         Relative::new([first.0, second.0], [first.1, second.1], arms)
     }
 
@@ -216,9 +216,9 @@ pub(crate) struct InverseMasses<T> {
 
 impl<T: Tile> InverseMasses<T> {
     #[inline(always)]
-    pub(crate) fn load(response: &[Eight], indices: &[[u32; BLOCK]; 2], lane: usize) -> Self {
-        let first = gather_two_vectors(response, &indices[0], lane);
-        let second = gather_two_vectors(response, &indices[1], lane);
+    pub(crate) fn load(inv_inertia: &[Eight], indices: &[[u32; BLOCK]; 2], lane: usize) -> Self {
+        let first = gather_two_vectors(inv_inertia, &indices[0], lane);
+        let second = gather_two_vectors(inv_inertia, &indices[1], lane);
         Self { diagonal: [first.0, second.0], off_diagonal: [first.1, second.1] }
     }
 

@@ -9,7 +9,7 @@ use crate::solver::contact::solve::coupling;
 /// How the bodies of a tile's contacts answer to impulses.
 pub(crate) struct Mobility<T> {
     /// Inverse inertias, zero of what impulses do not move.
-    pub(crate) response: InverseMasses<T>,
+    pub(crate) inv_inertia: InverseMasses<T>,
     /// Sum of the inverse masses [1/kg].
     pub(crate) inverse_mass: T,
 }
@@ -17,7 +17,7 @@ pub(crate) struct Mobility<T> {
 /// Which part of the impulses a substep begins with where effective masses are this steady: none where they have changed by more than
 /// a sixteenth. Impulses of a body that turned under them would do something else: a rod that slaps the ground would take off.
 #[inline(always)]
-pub(crate) fn warm_start<T: Tile>(steady: T) -> T {
+pub(crate) fn warm_start_factor<T: Tile>(steady: T) -> T {
     let one = T::splat(1.0);
     (one - (one - steady) * T::splat(16.0)).max(T::splat(0.0))
 }
@@ -44,7 +44,7 @@ fn of_points<T: Tile, const P: usize, const C: usize>(
     block: &mut Block<P, C>,
     lane: usize,
     frame: &ContactFrame<T>,
-    Mobility { response, inverse_mass }: &Mobility<T>,
+    Mobility { inv_inertia, inverse_mass }: &Mobility<T>,
     changed: T,
 ) -> T {
     let (zero, one) = (T::splat(0.0), T::splat(1.0));
@@ -61,7 +61,7 @@ fn of_points<T: Tile, const P: usize, const C: usize>(
     }
     let mut j = 0;
     while j < P {
-        let responses = [response.of_first(turnings[j][0]), response.of_second(turnings[j][1])];
+        let responses = [inv_inertia.of_first(turnings[j][0]), inv_inertia.of_second(turnings[j][1])];
         let mut k = j;
         while k < P {
             let turning = turnings[k][0].dot(responses[0]) + turnings[k][1].dot(responses[1]);
@@ -89,17 +89,17 @@ fn of_friction<T: Tile, const P: usize, const C: usize>(
     rolling: Option<&mut Rolling>,
     lane: usize,
     frame: &ContactFrame<T>,
-    Mobility { response, inverse_mass }: &Mobility<T>,
+    Mobility { inv_inertia, inverse_mass }: &Mobility<T>,
     changed: T,
 ) -> T {
     let (zero, one) = (T::splat(0.0), T::splat(1.0));
     let ([s, t], [first, second]) = (frame.tangents, frame.arms);
     let (s_first, t_first) = (first.cross(s), first.cross(t));
     let (s_second, t_second) = (second.cross(s), second.cross(t));
-    let (of_s, of_t) = (response.of_first(s_first), response.of_second(s_second));
+    let (of_s, of_t) = (inv_inertia.of_first(s_first), inv_inertia.of_second(s_second));
     let ss = *inverse_mass + s_first.dot(of_s) + s_second.dot(of_t);
     let st = t_first.dot(of_s) + t_second.dot(of_t);
-    let tt = *inverse_mass + t_first.dot(response.of_first(t_first)) + t_second.dot(response.of_second(t_second));
+    let tt = *inverse_mass + t_first.dot(inv_inertia.of_first(t_first)) + t_second.dot(inv_inertia.of_second(t_second));
     let m = &block.friction.mass;
     let before: [T; 3] = [at(&m[0], lane), at(&m[1], lane), at(&m[2], lane)];
     let mass = inverse([ss, st, tt]);
@@ -108,13 +108,13 @@ fn of_friction<T: Tile, const P: usize, const C: usize>(
     put_all_where(changed, mass, &mut block.friction.mass, lane);
 
     let n = frame.normal;
-    let about_normal = n.dot(response.of_first(n)) + n.dot(response.of_second(n));
+    let about_normal = n.dot(inv_inertia.of_first(n)) + n.dot(inv_inertia.of_second(n));
     let twisting_mass = T::select(zero.lt(about_normal), one / about_normal, zero);
     put_where(changed, twisting_mass, &mut block.friction.twisting_mass, lane);
 
     if let Some(rolling) = rolling {
-        let (s_first, t_first) = (response.of_first(s), response.of_first(t));
-        let (s_second, t_second) = (response.of_second(s), response.of_second(t));
+        let (s_first, t_first) = (inv_inertia.of_first(s), inv_inertia.of_first(t));
+        let (s_second, t_second) = (inv_inertia.of_second(s), inv_inertia.of_second(t));
         let (ss, tt) = (s.dot(s_first) + s.dot(s_second), t.dot(t_first) + t.dot(t_second));
         let mass = inverse([ss, t.dot(s_first) + t.dot(s_second), tt]);
         put_all_where(changed, mass, &mut rolling.mass, lane);

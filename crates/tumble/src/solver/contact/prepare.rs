@@ -6,9 +6,9 @@ use crate::simd::{BLOCK, Eight, Kernel, Tile};
 use crate::solver::contact::constraint::Block;
 use crate::solver::contact::contact_frame::{BodyLanes, ContactFrame, InverseMasses};
 use crate::solver::contact::effective_mass;
-use crate::solver::contact::effective_mass::warm_start;
+use crate::solver::contact::effective_mass::warm_start_factor;
 use crate::solver::contact::friction::FrictionSolve;
-use crate::solver::contact::solve::{Blocks, SolverLanes, hold, speeds};
+use crate::solver::contact::solve::{Blocks, SolverLanes, accumulate_warm_start, speeds};
 use crate::solver::contact::update_geometry::tangents;
 
 /// Fills blocks whose lanes know their contacts and rows.
@@ -87,8 +87,8 @@ impl<const P: usize, const C: usize> Kernel for Prepare<'_, P, C> {
         put_vector(normal, &mut block.start.normal, lane);
         put_vector(tangents[0], &mut block.start.tangent, lane);
         let [h0, h1, h2, h3, _, _, steady]: [T; 7] = pick(self.contacts, block, NORMAL_IMPULSE, lane);
-        let kept = warm_start(steady);
-        let held = [h0 * kept, h1 * kept, h2 * kept, h3 * kept];
+        let kept = warm_start_factor(steady);
+        let warm_start = [h0 * kept, h1 * kept, h2 * kept, h3 * kept];
         put(steady, &mut block.start.steady, lane);
         put(T::select(zero.lt(steady), zero, one), &mut block.start.blow, lane);
         let mut j = 0;
@@ -102,20 +102,24 @@ impl<const P: usize, const C: usize> Kernel for Prepare<'_, P, C> {
             put(offset[1], &mut block.start.offsets[j][1], lane);
             put(separations[j], &mut point.separation, lane);
             put(separations[j], &mut block.start.separations[j], lane);
-            put(held[j], &mut point.impulse, lane);
+            put(warm_start[j], &mut point.impulse, lane);
             // The sign of a mass says whether there is a point.
             put(T::select(T::splat(j as f64).lt(count), one, zero), &mut point.mass, lane);
             j += 1;
         }
 
-        let response = InverseMasses::<T>::load(self.bodies.response, self.bodies.motion.pairs(index), lane);
+        let inv_inertia = InverseMasses::<T>::load(self.bodies.inv_inertia, self.bodies.motion.pairs(index), lane);
         let bodies = BodyLanes::<T>::load(&self.bodies.motion, index, lane);
-        let mobility = bodies.mobility(&response);
-        put(bodies.least_size(&mobility.response) * T::splat(SLIDE), &mut self.blocks.blocks[index].start.slide, lane);
+        let mobility = bodies.mobility(&inv_inertia);
+        put(
+            bodies.least_size(&mobility.inv_inertia) * T::splat(SLIDE),
+            &mut self.blocks.blocks[index].start.slide,
+            lane,
+        );
         let Blocks { blocks, rolling, .. } = &mut self.blocks;
         effective_mass::compute(&mut blocks[index], rolling.get_mut(index), lane, &mobility, one);
         self.prepare_friction(index, lane, (&weights, of_patch), length);
-        self.prepare_bounce(index, lane, restitution, (&bodies, &response));
+        self.prepare_bounce(index, lane, restitution, (&bodies, &inv_inertia));
     }
 }
 
@@ -127,12 +131,12 @@ impl<const P: usize, const C: usize> Prepare<'_, P, C> {
         index: usize,
         lane: usize,
         restitution: T,
-        (bodies, response): (&BodyLanes<T>, &InverseMasses<T>),
+        (bodies, inv_inertia): (&BodyLanes<T>, &InverseMasses<T>),
     ) {
         let block = &self.blocks.blocks[index];
         let Some(bounce) = self.blocks.bounces.get_mut(index) else { return };
         let frame = ContactFrame::load(block, lane);
-        let speeds = speeds(block, lane, frame.normal_parts(&bodies.relative(response, frame.arms)));
+        let speeds = speeds(block, lane, frame.normal_parts(&bodies.relative(inv_inertia, frame.arms)));
         put(restitution, &mut bounce.restitution, lane);
         put(T::splat(0.0), &mut bounce.absorbed, lane);
         let mut j = 0;
@@ -174,9 +178,9 @@ impl<const P: usize, const C: usize> Prepare<'_, P, C> {
             put(length, &mut rolling.length, lane);
         }
         let rubbing =
-            FrictionSolve::from_world(&frame, linear, angular).of_what_rolls(length).scaled(warm_start(steady));
+            FrictionSolve::from_world(&frame, linear, angular).of_what_rolls(length).scaled(warm_start_factor(steady));
         rubbing.store(&mut block.friction, self.blocks.rolling.get_mut(index), lane);
-        hold(block, &frame, &rubbing, &mut self.bodies.held, (index, lane));
+        accumulate_warm_start(block, &frame, &rubbing, &mut self.bodies.warm_start, (index, lane));
     }
 }
 

@@ -47,7 +47,7 @@ const STILL: Real = 1e-3;
 
 impl Contacts {
     /// Adds the round contacts, with numbers from `first` on.
-    pub(crate) fn add_round(&self, first: usize, rounds: &mut Vec<RoundContact>) {
+    pub(crate) fn add_round_contacts(&self, first: usize, rounds: &mut Vec<RoundContact>) {
         for (index, contact) in self.contacts.iter().enumerate().filter(|(_, contact)| contact.is_refined()) {
             let shapes = contact.slots.map(|slot| &self.shapes[slot as usize]);
             let colliders = contact.slots.map(|slot| self.colliders[slot as usize].as_ref());
@@ -81,23 +81,23 @@ fn weight(margins: Real) -> Real {
 }
 
 /// What has become of the contacts, if their bodies have moved: manifolds about the second body's centre of mass as it is now.
-pub(crate) fn find(rounds: &[RoundContact], moved: &[Eight]) -> Vec<Option<Manifold<Real>>> {
+pub(crate) fn find(rounds: &[RoundContact], delta_pose: &[Eight]) -> Vec<Option<Manifold<Real>>> {
     let mut found = vec![None; rounds.len()];
     let parts = rounds.par_chunks(PART).zip(found.par_chunks_mut(PART));
     parts.by_at_least(2).for_each(|(rounds, found)| {
-        rounds.iter().zip(found).for_each(|(round, found)| *found = round.find(moved));
+        rounds.iter().zip(found).for_each(|(round, found)| *found = round.find(delta_pose));
     });
     found
 }
 
 /// Leaves out the contacts of needles: these stay as they were found.
-pub(crate) fn leave_out_needles(rounds: &mut Vec<RoundContact>, bodies: &SolverBodies) {
+pub(crate) fn drop_needles(rounds: &mut Vec<RoundContact>, bodies: &SolverBodies) {
     rounds.retain(|round| round.rows.iter().all(|row| bodies.inertia_ratio(*row) >= MIN_RATIO));
 }
 
 impl RoundContact {
-    fn find(&self, moved: &[Eight]) -> Option<Manifold<Real>> {
-        let [first, second] = self.rows.map(|row| &moved[row as usize].0);
+    fn find(&self, delta_pose: &[Eight]) -> Option<Manifold<Real>> {
+        let [first, second] = self.rows.map(|row| &delta_pose[row as usize].0);
         let slid = Vec3::new(first[0] - second[0], first[1] - second[1], first[2] - second[2]);
         let still = STILL * self.margin;
         if first[7] + second[7] == 0.0 && slid.dot(slid) < still * still {
@@ -127,7 +127,7 @@ impl RoundContact {
 pub(crate) fn write<const P: usize, const C: usize>(
     manifold: &Manifold<Real>,
     (block, rolling, lane): (&mut Block<P, C>, Option<&mut Rolling>, usize),
-    (moved, round): (&[Eight], &RoundContact),
+    (delta_pose, round): (&[Eight], &RoundContact),
 ) {
     let (rows, alone) = (round.rows, round.alone);
     let before = ContactFrame::<Real>::load(block, lane);
@@ -173,7 +173,7 @@ pub(crate) fn write<const P: usize, const C: usize>(
 
     let rows = rows.map(|row| [row; BLOCK]);
     let apart = Vec3::new(block.start.apart[0][lane], block.start.apart[1][lane], block.start.apart[2][lane]);
-    let way = frame.normal_parts(&DeltaPoses::<Real>::load(moved, &rows, 0).relative([middle + apart, middle]));
+    let way = frame.normal_parts(&DeltaPoses::<Real>::load(delta_pose, &rows, 0).relative([middle + apart, middle]));
     for (j, place) in places.into_iter().enumerate() {
         // A point that is not there any more still has the impulse that it gave.
         let from_middle = now[j] - middle;

@@ -1,4 +1,4 @@
-//! What is done to the contacts of a colour in a substep, a tile at a time.
+//! What is done to the contacts of a color in a substep, a tile at a time.
 
 use tumble_math::lane::Vec3;
 
@@ -10,13 +10,13 @@ use crate::solver::contact::constraint::{Block, Bounce, Rolling};
 use crate::solver::contact::contact_frame::{
     BodyLanes, ContactFrame, DeltaPoses, InverseMasses, Momenta, along_normal,
 };
-use crate::solver::contact::effective_mass::warm_start;
+use crate::solver::contact::effective_mass::warm_start_factor;
 use crate::solver::contact::friction::FrictionSolve;
 use crate::solver::contact::impact::{Alone, record_impact};
 use crate::solver::contact::softness::Softness;
 use crate::solver::contact::update_geometry::follow;
 
-/// Blocks of one colour, with what only some contacts have: as many of it as there are blocks, or none.
+/// Blocks of one color, with what only some contacts have: as many of it as there are blocks, or none.
 pub(crate) struct Blocks<'a, const P: usize, const C: usize> {
     pub(crate) blocks: &'a mut [Block<P, C>],
     pub(crate) rolling: &'a mut [Rolling],
@@ -44,17 +44,17 @@ impl<'a, const P: usize, const C: usize> Blocks<'a, P, C> {
 pub(crate) struct SolverLanes<'a> {
     pub(crate) motion: Rows<'a>,
     /// What contacts do to them when the next substep begins.
-    pub(crate) held: Rows<'a>,
-    pub(crate) response: &'a [Eight],
-    pub(crate) moved: &'a [Eight],
+    pub(crate) warm_start: Rows<'a>,
+    pub(crate) inv_inertia: &'a [Eight],
+    pub(crate) delta_pose: &'a [Eight],
 }
 
 impl SolverLanes<'_> {
     /// Those of the first `middle` blocks, and of the others.
     pub(crate) fn split_at(self, middle: usize) -> (Self, Self) {
         let (motion, other_motion) = self.motion.split_at(middle);
-        let (held, other_held) = self.held.split_at(middle);
-        (Self { motion, held, ..self }, Self { motion: other_motion, held: other_held, ..self })
+        let (warm_start, other_held) = self.warm_start.split_at(middle);
+        (Self { motion, warm_start, ..self }, Self { motion: other_motion, warm_start: other_held, ..self })
     }
 }
 
@@ -67,7 +67,7 @@ pub(crate) struct Solve<'a, const P: usize, const C: usize> {
     /// What comes faster gives a blow \[m/s\].
     pub(crate) blow: Real,
     /// Whether another substep begins with the impulses that there are after it has relaxed.
-    pub(crate) holds: bool,
+    pub(crate) stores_warm_start: bool,
     /// One over the substep [1/s].
     pub(crate) inverse_h: Real,
 }
@@ -82,22 +82,22 @@ impl<const P: usize, const C: usize> Kernel for Solve<'_, P, C> {
     fn tile<T: Tile>(&mut self, i: usize) {
         let (index, lane) = (i / BLOCK, i % BLOCK);
         let block = &mut self.blocks.blocks[index];
-        let response = InverseMasses::<T>::load(self.bodies.response, self.bodies.motion.pairs(index), lane);
+        let inv_inertia = InverseMasses::<T>::load(self.bodies.inv_inertia, self.bodies.motion.pairs(index), lane);
         let mut bodies = BodyLanes::<T>::load(&self.bodies.motion, index, lane);
         let lag = match (self.softness, self.blocks.bounces.get(index)) {
             (Some(_), _) => Vec3::zero(),
             // Where bodies bounce, contacts have followed.
             (None, Some(bounce)) => vector_at(&bounce.lag, lane),
             (None, None) => {
-                let moved = DeltaPoses::load(self.bodies.moved, self.bodies.motion.pairs(index), lane);
+                let delta_pose = DeltaPoses::load(self.bodies.delta_pose, self.bodies.motion.pairs(index), lane);
                 let h = T::splat(1.0) / T::splat(self.inverse_h.into());
-                follow(block, self.blocks.rolling.get_mut(index), (lane, h), &moved, (&bodies, &response))
+                follow(block, self.blocks.rolling.get_mut(index), (lane, h), &delta_pose, (&bodies, &inv_inertia))
             }
         };
         let frame = ContactFrame::<T>::load(block, lane);
         let arms = frame.arms;
 
-        let speeds = speeds(block, lane, frame.normal_parts(&bodies.relative(&response, arms).less(lag)));
+        let speeds = speeds(block, lane, frame.normal_parts(&bodies.relative(&inv_inertia, arms).less(lag)));
         let (changes, sum) = self.solve_points(index, lane, speeds);
         let block = &mut self.blocks.blocks[index];
         let (linear, angular) = along_normals(block, &frame, lane, changes);
@@ -106,18 +106,25 @@ impl<const P: usize, const C: usize> Kernel for Solve<'_, P, C> {
         if self.softness.is_none() {
             let before = FrictionSolve::load(&block.friction, self.blocks.rolling.get(index), lane);
             let contact = (&frame, lane);
-            let after =
-                rub(before, block, self.blocks.rolling.get(index), contact, &mut bodies, (&response, arms, lag), sum);
+            let after = apply_friction(
+                before,
+                block,
+                self.blocks.rolling.get(index),
+                contact,
+                &mut bodies,
+                (&inv_inertia, arms, lag),
+                sum,
+            );
             let (zero, one) = (T::splat(0.0), T::splat(1.0));
             // What a blow gave in a substep is no force: a body pushed off by it would be somewhere else before that is taken back.
             let lasting =
-                T::select(zero.lt(at(&block.start.blow, lane)), zero, warm_start(at(&block.start.steady, lane)));
-            let kept = if self.holds { lasting } else { one };
+                T::select(zero.lt(at(&block.start.blow, lane)), zero, warm_start_factor(at(&block.start.steady, lane)));
+            let kept = if self.stores_warm_start { lasting } else { one };
             let after = after.scaled(kept);
             after.store(&mut block.friction, self.blocks.rolling.get_mut(index), lane);
-            if self.holds {
+            if self.stores_warm_start {
                 scale_impulses(block, lane, kept);
-                hold(block, &frame, &after, &mut self.bodies.held, (index, lane));
+                accumulate_warm_start(block, &frame, &after, &mut self.bodies.warm_start, (index, lane));
             }
         }
         bodies.store(&mut self.bodies.motion, index, lane);
@@ -268,19 +275,20 @@ impl<const P: usize, const C: usize> Kernel for RecordApproachSpeed<'_, P, C> {
     fn tile<T: Tile>(&mut self, i: usize) {
         let (index, lane) = (i / BLOCK, i % BLOCK);
         let block = &mut self.blocks.blocks[index];
-        let response = InverseMasses::<T>::load(self.bodies.response, self.bodies.motion.pairs(index), lane);
+        let inv_inertia = InverseMasses::<T>::load(self.bodies.inv_inertia, self.bodies.motion.pairs(index), lane);
         let bodies = BodyLanes::<T>::load(&self.bodies.motion, index, lane);
         if self.moment == SubstepMoment::Moved {
-            let moved = DeltaPoses::load(self.bodies.moved, self.bodies.motion.pairs(index), lane);
+            let delta_pose = DeltaPoses::load(self.bodies.delta_pose, self.bodies.motion.pairs(index), lane);
             let h = T::splat(1.0) / T::splat(self.inverse_h.into());
-            let lag = follow(block, self.blocks.rolling.get_mut(index), (lane, h), &moved, (&bodies, &response));
+            let lag =
+                follow(block, self.blocks.rolling.get_mut(index), (lane, h), &delta_pose, (&bodies, &inv_inertia));
             // A blow that is to bounce stops what comes, and adds nothing: it would come back with energy out of nothing.
             let bounce = &mut self.blocks.bounces[index];
             let bounces = T::splat(0.0).lt(at(&bounce.restitution, lane));
             put_vector(Vec3::select(bounces, Vec3::zero(), lag), &mut bounce.lag, lane);
         }
         let frame = ContactFrame::<T>::load(block, lane);
-        let speeds = speeds(block, lane, frame.normal_parts(&bodies.relative(&response, frame.arms)));
+        let speeds = speeds(block, lane, frame.normal_parts(&bodies.relative(&inv_inertia, frame.arms)));
         let bounce = &mut self.blocks.bounces[index];
         let (zero, one, inverse_h) = (T::splat(0.0), T::splat(1.0), T::splat(self.inverse_h.into()));
         let mut j = 0;
@@ -325,13 +333,13 @@ impl<const P: usize, const C: usize> Kernel for ApplyRestitution<'_, P, C> {
         let zero = T::splat(0.0);
         let (block, bounce) = (&mut self.blocks.blocks[index], &mut self.blocks.bounces[index]);
         let frame = ContactFrame::<T>::load(block, lane);
-        let response = InverseMasses::<T>::load(self.bodies.response, self.bodies.motion.pairs(index), lane);
+        let inv_inertia = InverseMasses::<T>::load(self.bodies.inv_inertia, self.bodies.motion.pairs(index), lane);
         let mut bodies = BodyLanes::<T>::load(&self.bodies.motion, index, lane);
         let arms = frame.arms;
         let restitution: T = at(&bounce.restitution, lane);
         let slowest = T::splat(-f64::from(self.threshold));
 
-        let mut speeds = speeds(block, lane, frame.normal_parts(&bodies.relative(&response, arms)));
+        let mut speeds = speeds(block, lane, frame.normal_parts(&bodies.relative(&inv_inertia, arms)));
         let (mut changes, mut added, mut given) = ([zero; P], zero, zero);
         if P > 1 {
             let mut alone = Alone::none();
@@ -384,8 +392,16 @@ impl<const P: usize, const C: usize> Kernel for ApplyRestitution<'_, P, C> {
         bodies.push(arms, linear, angular);
 
         let (contact, limit) = ((&frame, lane), added.max(zero));
-        let motion = (&response, arms, Vec3::zero());
-        rub(FrictionSolve::none(), block, self.blocks.rolling.get(index), contact, &mut bodies, motion, limit);
+        let motion = (&inv_inertia, arms, Vec3::zero());
+        apply_friction(
+            FrictionSolve::none(),
+            block,
+            self.blocks.rolling.get(index),
+            contact,
+            &mut bodies,
+            motion,
+            limit,
+        );
         bodies.store(&mut self.bodies.motion, index, lane);
     }
 }
@@ -399,22 +415,22 @@ fn work<T: Tile>(impulse: T, speed: T, mass: T) -> T {
 
 /// Takes out what resistance to rolling and then friction can of the motion, where normal impulses add up to `normal`; returns the impulses as they are then.
 #[inline(always)]
-fn rub<T: Tile, const P: usize, const C: usize>(
+fn apply_friction<T: Tile, const P: usize, const C: usize>(
     before: FrictionSolve<T>,
     block: &Block<P, C>,
     rolling: Option<&Rolling>,
     contact: (&ContactFrame<T>, usize),
     bodies: &mut BodyLanes<T>,
-    (response, arms, lag): (&InverseMasses<T>, [Vec3<T>; 2], Vec3<T>),
+    (inv_inertia, arms, lag): (&InverseMasses<T>, [Vec3<T>; 2], Vec3<T>),
     normal: T,
 ) -> FrictionSolve<T> {
     let frame = contact.0;
     let mut rubbing = before;
     if let Some(rolling) = rolling {
-        rubbing = before.rolled(rolling, contact, &bodies.relative(response, arms), normal);
+        rubbing = before.rolled(rolling, contact, &bodies.relative(inv_inertia, arms), normal);
         bodies.push(arms, Vec3::zero(), rubbing.angular(frame) - before.angular(frame));
     }
-    let after = rubbing.slid(&block.friction, contact, &bodies.relative(response, arms).less(lag), normal);
+    let after = rubbing.slid(&block.friction, contact, &bodies.relative(inv_inertia, arms).less(lag), normal);
     let linear = after.linear(frame) - rubbing.linear(frame);
     bodies.push(arms, linear, after.angular(frame) - rubbing.angular(frame));
     after
@@ -493,11 +509,11 @@ fn scale_impulses<T: Tile, const P: usize, const C: usize>(block: &mut Block<P, 
 
 /// Adds all impulses of a contact to what holds the bodies.
 #[inline(always)]
-pub(crate) fn hold<T: Tile, const P: usize, const C: usize>(
+pub(crate) fn accumulate_warm_start<T: Tile, const P: usize, const C: usize>(
     block: &Block<P, C>,
     frame: &ContactFrame<T>,
     rubbing: &FrictionSolve<T>,
-    held: &mut Rows<'_>,
+    warm_start: &mut Rows<'_>,
     (index, lane): (usize, usize),
 ) {
     let mut impulses = [T::splat(0.0); P];
@@ -507,7 +523,7 @@ pub(crate) fn hold<T: Tile, const P: usize, const C: usize>(
         j += 1;
     }
     let (linear, angular) = along_normals(block, frame, lane, impulses);
-    let mut momenta = Momenta::load(held, index, lane);
+    let mut momenta = Momenta::load(warm_start, index, lane);
     momenta.push(frame.arms, linear + rubbing.linear(frame), angular + rubbing.angular(frame));
-    momenta.store([T::splat(0.0); 2], held, index, lane);
+    momenta.store([T::splat(0.0); 2], warm_start, index, lane);
 }

@@ -23,16 +23,16 @@ pub(crate) fn follow<T: Tile, const P: usize, const C: usize>(
     block: &mut Block<P, C>,
     rolling: Option<&mut Rolling>,
     (lane, h): (usize, T),
-    moved: &DeltaPoses<T>,
-    (bodies, response): (&BodyLanes<T>, &InverseMasses<T>),
+    delta_pose: &DeltaPoses<T>,
+    (bodies, inv_inertia): (&BodyLanes<T>, &InverseMasses<T>),
 ) -> Vec3<T> {
     let before: [Vec3<T>; 2] = [vector_at(&block.arms[0], lane), vector_at(&block.arms[1], lane)];
-    refresh(block, rolling, lane, moved, &bodies.mobility(response));
+    refresh(block, rolling, lane, delta_pose, &bodies.mobility(inv_inertia));
     let is_found_again = at::<T>(&block.start.slide, lane).lt(T::splat(0.0));
     if !T::any(is_found_again) {
         return Vec3::zero();
     }
-    let (spins, gains) = bodies.free_spins(response);
+    let (spins, gains) = bodies.free_spins(inv_inertia);
     let mut lags = [Vec3::zero(); 2];
     let mut which = 0;
     while which < 2 {
@@ -64,14 +64,14 @@ fn refresh<T: Tile, const P: usize, const C: usize>(
     block: &mut Block<P, C>,
     rolling: Option<&mut Rolling>,
     lane: usize,
-    moved: &DeltaPoses<T>,
+    delta_pose: &DeltaPoses<T>,
     mobility: &Mobility<T>,
 ) {
     let (zero, one) = (T::splat(0.0), T::splat(1.0));
     let start = &block.start;
     let (arm, apart): (Vec3<T>, Vec3<T>) = (vector_at(&start.arm, lane), vector_at(&start.apart, lane));
     let carried: T = at(&start.carried, lane);
-    let slid = moved.linear[1] - moved.linear[0];
+    let slid = delta_pose.linear[1] - delta_pose.linear[0];
     let now = apart + slid;
     let frame = ContactFrame::<T>::load(block, lane);
 
@@ -80,7 +80,7 @@ fn refresh<T: Tile, const P: usize, const C: usize>(
     let between_centers = T::select((law - T::splat(CENTERS)).abs().lt(half), one, zero);
     let material = T::select((law - T::splat(MATERIAL)).abs().lt(half), one, zero);
     let second = arm + slid * (carried - one);
-    let way = frame.normal_parts(&moved.relative([arm + apart, arm]));
+    let way = frame.normal_parts(&delta_pose.relative([arm + apart, arm]));
     put_vector(second + now, &mut block.arms[0], lane);
     put_vector(second, &mut block.arms[1], lane);
     let mut j = 0;
@@ -100,9 +100,9 @@ fn refresh<T: Tile, const P: usize, const C: usize>(
         one,
         zero,
     );
-    let changed = T::select(zero.lt(between_centers), zero, slide.max(moved.turned));
+    let changed = T::select(zero.lt(between_centers), zero, slide.max(delta_pose.turned));
     if T::any(zero.lt(changed)) {
-        turn(block, lane, moved, (carried, slid, now), moved.turned * material);
+        turn(block, lane, delta_pose, (carried, slid, now), delta_pose.turned * material);
         let steady = effective_mass::compute(block, rolling, lane, mobility, changed);
         put(steady, &mut block.start.steady, lane);
     } else {
@@ -143,7 +143,7 @@ fn along_centers<T: Tile, const P: usize, const C: usize>(
 fn turn<T: Tile, const P: usize, const C: usize>(
     block: &mut Block<P, C>,
     lane: usize,
-    moved: &DeltaPoses<T>,
+    delta_pose: &DeltaPoses<T>,
     (carried, slid, now): (T, Vec3<T>, Vec3<T>),
     turned: T,
 ) {
@@ -151,14 +151,14 @@ fn turn<T: Tile, const P: usize, const C: usize>(
     let start = &block.start;
     let arm: Vec3<T> = vector_at(&start.arm, lane);
     let first_arm = arm + vector_at(&start.apart, lane);
-    let turned_arms = [moved.rotation[0].rotate(first_arm), moved.rotation[1].rotate(arm)];
+    let turned_arms = [delta_pose.rotation[0].rotate(first_arm), delta_pose.rotation[1].rotate(arm)];
     let second = turned_arms[1] * carried + (turned_arms[0] - now) * (one - carried);
     let gap = slid + (turned_arms[1] - arm) - (turned_arms[0] - first_arm);
 
     let first_is_reference = T::splat(0.5 - 1e-3).lt(carried);
     let select = |a, b| tumble_math::lane::Quat::select(first_is_reference, a, b);
-    let reference = select(moved.rotation[0], moved.rotation[1]);
-    let material = select(moved.rotation[1], moved.rotation[0]);
+    let reference = select(delta_pose.rotation[0], delta_pose.rotation[1]);
+    let material = select(delta_pose.rotation[1], delta_pose.rotation[0]);
     let sign = T::select(first_is_reference, one, -one);
     let (normal, tangent): (Vec3<T>, Vec3<T>) = (vector_at(&start.normal, lane), vector_at(&start.tangent, lane));
     let (s, t) = (material.rotate(tangent), material.rotate(normal.cross(tangent)));
