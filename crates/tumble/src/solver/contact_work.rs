@@ -21,7 +21,7 @@ use crate::solver::solver_bodies::SolverBodies;
 /// change of kinetic energy is the contacts'.
 #[derive(Clone, Default)]
 pub(crate) struct ContactWorks {
-    bookings: Vec<BodyWork>,
+    contact_works: Vec<BodyWork>,
     /// Of all bookings, one after the other.
     forces: Vec<(WorkSource, Wrench)>,
 }
@@ -62,7 +62,7 @@ enum WorkSource {
 
 impl ContactWorks {
     pub(crate) fn clear(&mut self) {
-        self.bookings.clear();
+        self.contact_works.clear();
         self.forces.clear();
     }
 
@@ -83,7 +83,7 @@ impl ContactWorks {
         self.forces
             .extend((*laws).into_iter().map(|(index, law)| (WorkSource::Law(index), law.wrench(*law_row, &seen))));
         let start = KineticEnergy::of(constants, state).sum();
-        self.bookings.push(BodyWork {
+        self.contact_works.push(BodyWork {
             row: row as usize,
             slot,
             work,
@@ -103,53 +103,53 @@ impl ContactWorks {
     /// Takes over the accounts of bodies whose rows have a place here, for substeps halved so often.
     pub(crate) fn copy(&mut self, others: &Self, place: impl Fn(usize) -> Option<usize>, halvings: u8) {
         self.clear();
-        for booking in &others.bookings {
+        for booking in &others.contact_works {
             if let Some(row) = place(booking.row) {
                 let kept = (0..halvings).fold(booking.kept, |(p, l), _| (p.sqrt(), l.sqrt()));
-                self.bookings.push(BodyWork { row, kept, ..booking.clone() });
+                self.contact_works.push(BodyWork { row, kept, ..booking.clone() });
             }
         }
     }
 
     /// Gives back to others the accounts that were taken over from them.
     pub(crate) fn return_impulses(&self, others: &mut Self, place: impl Fn(usize) -> Option<usize>) {
-        let taken = others.bookings.iter_mut().filter(|booking| place(booking.row).is_some());
-        for (booking, here) in taken.zip(&self.bookings) {
+        let taken = others.contact_works.iter_mut().filter(|booking| place(booking.row).is_some());
+        for (booking, here) in taken.zip(&self.contact_works) {
             *booking = BodyWork { row: booking.row, kept: booking.kept, ..here.clone() };
         }
     }
 
     /// Notes what damping takes from bodies that are about to be kicked.
-    pub(crate) fn before_kick(&mut self, bodies: &SolverBodies) {
-        for booking in &mut self.bookings {
+    pub(crate) fn before_velocities(&mut self, bodies: &SolverBodies) {
+        for booking in &mut self.contact_works {
             booking.begin_substep(bodies);
         }
     }
 
     /// Notes momenta before contacts push.
-    pub(crate) fn before_push(&mut self, bodies: &SolverBodies) {
-        for booking in &mut self.bookings {
+    pub(crate) fn before_solve(&mut self, bodies: &SolverBodies) {
+        for booking in &mut self.contact_works {
             booking.momenta = two_vectors(&bodies.motion[booking.row]);
         }
     }
 
     /// Notes energies before bodies move on.
     pub(crate) fn before_motion(&mut self, bodies: &SolverBodies) {
-        for booking in &mut self.bookings {
+        for booking in &mut self.contact_works {
             booking.last = booking.energy(bodies);
         }
     }
 
     /// Notes what moving on did to the energies.
     pub(crate) fn after_motion(&mut self, bodies: &SolverBodies) {
-        for booking in &mut self.bookings {
+        for booking in &mut self.contact_works {
             booking.moving += booking.energy(bodies) - booking.last;
         }
     }
 
     /// Notes whether contacts pushed in a substep.
     pub(crate) fn after_substep(&mut self, bodies: &SolverBodies) {
-        for booking in &mut self.bookings {
+        for booking in &mut self.contact_works {
             booking.end_substep(bodies);
         }
     }
@@ -157,7 +157,7 @@ impl ContactWorks {
     /// The works of all, by slot in the order they were opened, those of before the step among them.
     pub(crate) fn close<'a>(&'a self, bodies: &'a SolverBodies) -> impl Iterator<Item = (usize, Work)> + 'a {
         let mut begin = 0;
-        self.bookings.iter().map(move |booking| {
+        self.contact_works.iter().map(move |booking| {
             let forces = &self.forces[begin..booking.forces_end];
             begin = booking.forces_end;
             (booking.slot, booking.closed(forces, bodies))

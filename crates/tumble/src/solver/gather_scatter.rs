@@ -29,7 +29,7 @@ impl Contacts {
         [mut next_dynamic, mut next_non_dynamic]: [usize; 2],
     ) -> [usize; 2] {
         let Self { body_index, shapes, rows, .. } = self;
-        let (SolverGroup { bodies, bookings, .. }, mut begin, first_dynamic) = (group, next_dynamic, next_dynamic);
+        let (SolverGroup { bodies, contact_works, .. }, mut begin, first_dynamic) = (group, next_dynamic, next_dynamic);
         for slot in body_index.in_order_of_places() {
             let shape = &shapes[slot];
             if rows[slot] == NONE {
@@ -60,7 +60,7 @@ impl Contacts {
             let free = bodies.free_rows(begin..begin + count);
             begin += count;
             if chunk.work.is_some() {
-                gathering.read((&chunk, laws), slots, free, Some(bookings));
+                gathering.read((&chunk, laws), slots, free, Some(contact_works));
             } else if count > 0 {
                 gathering.read_in_parts((chunk, laws), slots, free);
             }
@@ -88,7 +88,7 @@ impl Contacts {
 
     /// Writes what was worked out, alone or with other worlds, over what the integrator made of the same bodies.
     pub(crate) fn write(&self, columns: &mut WorldColumns<'_>, contact_solver: &ContactSolver) {
-        let SolverGroup { bodies, bookings, .. } = &contact_solver.group;
+        let SolverGroup { bodies, contact_works, .. } = &contact_solver.group;
         columns.for_each_chunk(|archetype, chunk| {
             let slots = self.body_index.slots_in(archetype).iter().skip(chunk.first_row);
             for (i, slot) in slots.enumerate().take(chunk.len()) {
@@ -100,7 +100,7 @@ impl Contacts {
             }
         });
         // Worlds in which accounts are kept are not packed with others.
-        for (slot, work) in bookings.close(bodies).filter(|(slot, _)| self.rows[*slot] != NONE) {
+        for (slot, work) in contact_works.close(bodies).filter(|(slot, _)| self.rows[*slot] != NONE) {
             let place = self.body_index.place(slot);
             if let Some(works) = columns.moving_mut(place).and_then(|moving| moving.work.as_mut()) {
                 works[place.row as usize] = work;
@@ -143,7 +143,7 @@ impl Gather<'_> {
         (chunk, laws): (&Chunk<'_>, Laws<'_>),
         slots: &[u32],
         mut free: FreeRows<'_>,
-        mut bookings: Option<&mut ContactWorks>,
+        mut contact_works: Option<&mut ContactWorks>,
     ) {
         let Self { rows, settings, time } = *self;
         let h = settings.contact_substep();
@@ -156,9 +156,9 @@ impl Gather<'_> {
             let (wrench, row) = (chunk.wrench[i], chunk.first_row + i);
             let forces = LawForces { constants: &constants, context: &context, wrench, laws, row, time };
             free.set(next, &constants, &state, forces.at(0.0, &state), h);
-            if let (Some(work), Some(bookings)) = (chunk.work.as_deref(), bookings.as_deref_mut()) {
+            if let (Some(work), Some(contact_works)) = (chunk.work.as_deref(), contact_works.as_deref_mut()) {
                 let (booked, gravity) = ((slot as usize, rows[slot as usize]), chunk.gravity_on(i, settings));
-                bookings.open(booked, work[i], (&forces, gravity), &state, h);
+                contact_works.open(booked, work[i], (&forces, gravity), &state, h);
             }
         }
     }

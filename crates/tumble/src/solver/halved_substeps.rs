@@ -28,9 +28,9 @@ impl HalvedGroup {
         self.halvings = these;
         self.places.clear();
         self.places.resize(all.bodies.len(), NONE);
-        self.group.chosen.clear();
-        self.group.chosen.extend((0..contacts.len() as u32).filter(|contact| is_here(*contact)));
-        for contact in &self.group.chosen {
+        self.group.selected.clear();
+        self.group.selected.extend((0..contacts.len() as u32).filter(|contact| is_here(*contact)));
+        for contact in &self.group.selected {
             rows_of(&contacts[*contact as usize]).into_iter().for_each(|row| self.places[row as usize] = 0);
         }
         self.rows.clear();
@@ -39,7 +39,7 @@ impl HalvedGroup {
         for (place, row) in self.group.bodies.places(&self.rows) {
             self.places[row] = place as u32;
         }
-        self.group.bookings.copy(&all.bookings, |row| place(&self.places, row), these);
+        self.group.contact_works.copy(&all.contact_works, |row| place(&self.places, row), these);
         self.group.rounds.clear();
         self.group.rounds.extend(all.rounds.extract_if(.., |round| is_here(round.contact)));
         for round in &mut self.group.rounds {
@@ -48,7 +48,7 @@ impl HalvedGroup {
     }
 
     /// Advances them by a substep of the settings, as others are `solving` theirs.
-    pub(crate) fn push(
+    pub(crate) fn solve_substeps(
         &mut self,
         contacts: &mut [ContactRecord],
         rows_of: impl Fn(&ContactRecord) -> [u32; 2],
@@ -56,15 +56,15 @@ impl HalvedGroup {
     ) {
         let places = &self.places;
         let rows = |contact: &ContactRecord| rows_of(contact).map(|row| places[row as usize]);
-        self.group.push(contacts, rows, solving.halved(self.halvings));
+        self.group.solve_substeps(contacts, rows, solving.halved(self.halvings));
     }
 
     /// Gives back what has become of them, the impulses as those of a substep of the settings.
     pub(crate) fn return_impulses(&self, contacts: &mut [ContactRecord], all: &mut SolverGroup) {
         let parts = (1u32 << self.halvings) as Real;
-        self.group.chosen.iter().for_each(|contact| contacts[*contact as usize].scale_impulses(parts));
+        self.group.selected.iter().for_each(|contact| contacts[*contact as usize].scale_impulses(parts));
         self.group.bodies.return_impulses(&mut all.bodies, &self.rows);
-        self.group.bookings.return_impulses(&mut all.bookings, |row| place(&self.places, row));
+        self.group.contact_works.return_impulses(&mut all.contact_works, |row| place(&self.places, row));
     }
 }
 

@@ -85,8 +85,8 @@ impl MultiWorld {
     }
 
     /// Pushes them all, with settings that are alike.
-    pub(crate) fn push(&mut self, settings: &Settings, pack_key: &PackKey) {
-        self.contact_solver.push(&mut self.contacts, |contact| contact.slots, settings, pack_key.extras);
+    pub(crate) fn solve_substeps(&mut self, settings: &Settings, pack_key: &PackKey) {
+        self.contact_solver.solve_substeps(&mut self.contacts, |contact| contact.slots, settings, pack_key.extras);
     }
 
     /// Gives the contacts of the next world their impulses, in the order in which worlds were added.

@@ -65,10 +65,10 @@ pub(crate) enum SolverStage<'a> {
     /// Fills the blocks for bodies with these poses, as the contacts have it.
     Prepare(&'a [ContactRecord], &'a [Eight]),
     /// Pushes overlapping bodies apart, two that move and one on what does not, in substeps of `h` \[s\].
-    /// What closes faster than `blow` \[m/s\] gives a blow.
-    Solve { softness: [Softness; 2], h: Real, blow: Real },
+    /// What closes faster than `impact_speed` \[m/s\] gives a blow.
+    Solve { softness: [Softness; 2], h: Real, impact_speed: Real },
     /// Takes out again the velocity that this gave, and adds friction; and, where it is said, notes for another substep what contacts then do to bodies.
-    Relax { h: Real, blow: Real, stores_warm_start: bool },
+    Relax { h: Real, impact_speed: Real, stores_warm_start: bool },
     /// Notes how fast bodies come together in substeps of this length \[s\].
     RecordApproachSpeed(Real, SubstepMoment),
     /// Lets bodies bounce that came together faster than this \[m/s\].
@@ -85,12 +85,12 @@ impl Solver {
     /// Lays out the contacts of these numbers between rows of bodies, with room for extras.
     pub(crate) fn lay_out(
         &mut self,
-        (contacts, chosen): (&[ContactRecord], &[u32]),
+        (contacts, selected): (&[ContactRecord], &[u32]),
         rows: impl Fn(&ContactRecord) -> [u32; 2],
         bodies: &SolverBodies,
         extras: Extras,
     ) {
-        let ends = self.sort((contacts, chosen), &rows, bodies.first_non_dynamic());
+        let ends = self.sort((contacts, selected), &rows, bodies.first_non_dynamic());
         let Self { order, ones, fours, stages, colors, .. } = self;
         stages.clear();
         colors.reset(bodies.first_non_dynamic());
@@ -129,30 +129,30 @@ impl Solver {
     /// color by color those with one point and those with more. Returns where each of these ends.
     fn sort(
         &mut self,
-        (contacts, chosen): (&[ContactRecord], &[u32]),
+        (contacts, selected): (&[ContactRecord], &[u32]),
         rows: impl Fn(&ContactRecord) -> [u32; 2],
         first_non_dynamic: usize,
     ) -> [usize; 4 * COLORS] {
         let contact = |index: u32| &contacts[index as usize];
-        self.coloring.color(chosen.iter().map(|index| rows(contact(*index))), first_non_dynamic);
+        self.coloring.color(selected.iter().map(|index| rows(contact(*index))), first_non_dynamic);
         let colors = self.coloring.colors();
         let kind = |index: usize| {
             let ContactColor { grounded, index: color } = colors[index];
             let alone = color == ContactColor::ALONE;
             let place = if alone { 0 } else { color as usize + 1 };
-            (usize::from(grounded) * COLORS + place) * 2 + usize::from(alone || contact(chosen[index]).count() > 1)
+            (usize::from(grounded) * COLORS + place) * 2 + usize::from(alone || contact(selected[index]).count() > 1)
         };
         let mut ends = [0; 4 * COLORS];
-        (0..chosen.len()).for_each(|index| ends[kind(index)] += 1);
+        (0..selected.len()).for_each(|index| ends[kind(index)] += 1);
         let mut sum = 0;
         for end in &mut ends {
             (*end, sum) = (sum, sum + *end);
         }
         self.order.clear();
-        self.order.resize(chosen.len(), 0);
-        for index in 0..chosen.len() {
+        self.order.resize(selected.len(), 0);
+        for index in 0..selected.len() {
             let place = &mut ends[kind(index)];
-            self.order[*place] = chosen[index];
+            self.order[*place] = selected[index];
             *place += 1;
         }
         ends
@@ -253,9 +253,9 @@ impl<const P: usize, const C: usize> BlockSheet<P, C> {
 
 impl SolverStage<'_> {
     /// Pushes overlapping bodies apart, in substeps of `h` \[s\].
-    pub(crate) fn biased(h: Real, blow: Real) -> Self {
+    pub(crate) fn solve_stage(h: Real, impact_speed: Real) -> Self {
         let softness = [Softness::between_moving(h.into()), Softness::on_ground(h.into())];
-        Self::Solve { softness, h, blow }
+        Self::Solve { softness, h, impact_speed }
     }
 
     /// Shares the blocks of a color among the threads.
@@ -291,12 +291,26 @@ impl SolverStage<'_> {
     fn run_on<const P: usize, const C: usize>(self, blocks: Blocks<'_, P, C>, bodies: SolverLanes<'_>) {
         match self {
             Self::Prepare(contacts, poses) => run(Prepare::<P, C> { blocks, contacts, bodies, poses }),
-            Self::Solve { softness, h, blow } => {
+            Self::Solve { softness, h, impact_speed } => {
                 let softness = Some(softness[usize::from(bodies.motion.is_grounded())]);
-                run(Solve::<P, C> { blocks, bodies, softness, blow, inverse_h: 1.0 / h, stores_warm_start: false });
+                run(Solve::<P, C> {
+                    blocks,
+                    bodies,
+                    softness,
+                    impact_speed,
+                    inverse_h: 1.0 / h,
+                    stores_warm_start: false,
+                });
             }
-            Self::Relax { h, blow, stores_warm_start } => {
-                run(Solve::<P, C> { blocks, bodies, softness: None, blow, inverse_h: 1.0 / h, stores_warm_start });
+            Self::Relax { h, impact_speed, stores_warm_start } => {
+                run(Solve::<P, C> {
+                    blocks,
+                    bodies,
+                    softness: None,
+                    impact_speed,
+                    inverse_h: 1.0 / h,
+                    stores_warm_start,
+                });
             }
             Self::RecordApproachSpeed(h, moment) => {
                 run(RecordApproachSpeed::<P, C> { blocks, bodies, inverse_h: 1.0 / h, moment });

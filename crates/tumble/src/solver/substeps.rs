@@ -21,7 +21,7 @@ pub(crate) struct ContactSolver {
     pub(crate) group: SolverGroup,
     /// By contact, how often its substeps are halved.
     pub(crate) halvings: Vec<u8>,
-    finer: Vec<HalvedGroup>,
+    halved_groups: Vec<HalvedGroup>,
     pub(crate) stacks: Stacks,
 }
 
@@ -29,11 +29,11 @@ pub(crate) struct ContactSolver {
 #[derive(Clone, Default)]
 pub(crate) struct SolverGroup {
     pub(crate) bodies: SolverBodies,
-    pub(crate) bookings: ContactWorks,
+    pub(crate) contact_works: ContactWorks,
     /// Contacts that are found again in each substep.
     pub(crate) rounds: Vec<RoundContact>,
     /// The numbers of its contacts.
-    pub(crate) chosen: Vec<u32>,
+    pub(crate) selected: Vec<u32>,
     solver: Solver,
 }
 
@@ -50,13 +50,13 @@ pub(crate) struct SubstepSettings {
     /// Slower points do not bounce [m/s].
     threshold: Real,
     /// What comes faster gives a blow \[m/s\].
-    blow: Real,
+    impact_speed: Real,
 }
 
 impl ContactSolver {
     /// Makes room for the bodies that impulses move and for those that they do not.
     pub(crate) fn reset(&mut self, [dynamic, non_dynamic]: [usize; 2]) {
-        self.group.bookings.clear();
+        self.group.contact_works.clear();
         self.group.rounds.clear();
         self.halvings.clear();
         self.group.bodies.reset(dynamic, non_dynamic);
@@ -77,39 +77,39 @@ impl ContactSolver {
         found.add_round_contacts(0, &mut self.group.rounds);
         self.stacks.add_halvings(found, settings, &self.group.bodies, &mut self.halvings);
         let Contacts { contacts, rows, materials, .. } = found;
-        self.push(contacts, |contact| rows_of(contact, rows), settings, materials.extras());
+        self.solve_substeps(contacts, |contact| rows_of(contact, rows), settings, materials.extras());
     }
 
     /// Pushes the bodies apart that contacts between these rows hold apart, and leaves them where they are after one substep of the settings; the contacts get the impulses.
-    pub(crate) fn push(
+    pub(crate) fn solve_substeps(
         &mut self,
         contacts: &mut [ContactRecord],
         rows: impl Fn(&ContactRecord) -> [u32; 2],
         settings: &Settings,
         extras: Extras,
     ) {
-        let Self { group, halvings, finer, .. } = self;
+        let Self { group, halvings, halved_groups, .. } = self;
         let (substeps, h) = (settings.contact_substeps_each(), settings.contact_substep());
         let threshold = settings.restitution_threshold;
-        let blow = threshold.max(FALLS * settings.gravity.length() * settings.substep());
-        let solving = SubstepSettings { substeps, h, extras, threshold, blow };
+        let impact_speed = threshold.max(FALLS * settings.gravity.length() * settings.substep());
+        let solving = SubstepSettings { substeps, h, extras, threshold, impact_speed };
         let mut parts = 0;
         let numbers = 0..contacts.len() as u32;
-        group.chosen.clear();
+        group.selected.clear();
         match halvings.iter().max() {
-            None | Some(0) => group.chosen.extend(numbers),
+            None | Some(0) => group.selected.extend(numbers),
             Some(most) => {
                 for times in (1..=*most).filter(|times| halvings.contains(times)) {
-                    finer.resize_with(finer.len().max(parts + 1), HalvedGroup::default);
-                    finer[parts].take((times, halvings), contacts, &rows, group);
+                    halved_groups.resize_with(halved_groups.len().max(parts + 1), HalvedGroup::default);
+                    halved_groups[parts].take((times, halvings), contacts, &rows, group);
                     parts += 1;
                 }
-                group.chosen.extend(numbers.filter(|contact| halvings[*contact as usize] == 0));
+                group.selected.extend(numbers.filter(|contact| halvings[*contact as usize] == 0));
             }
         }
-        group.push(contacts, &rows, solving);
-        for part in &mut finer[..parts] {
-            part.push(contacts, &rows, solving);
+        group.solve_substeps(contacts, &rows, solving);
+        for part in &mut halved_groups[..parts] {
+            part.solve_substeps(contacts, &rows, solving);
             part.return_impulses(contacts, group);
         }
     }
@@ -124,37 +124,38 @@ impl SubstepSettings {
 
 impl SolverGroup {
     /// Advances the bodies under their chosen contacts; `rows` are those of a contact here.
-    pub(crate) fn push(
+    pub(crate) fn solve_substeps(
         &mut self,
         contacts: &mut [ContactRecord],
         rows: impl Fn(&ContactRecord) -> [u32; 2],
-        SubstepSettings { substeps, h, extras, threshold, blow }: SubstepSettings,
+        SubstepSettings { substeps, h, extras, threshold, impact_speed }: SubstepSettings,
     ) {
-        let (Self { bodies, bookings, rounds, chosen, solver }, biased) = (self, SolverStage::biased(h, blow));
-        solver.lay_out((contacts, chosen), rows, bodies, extras);
+        let (Self { bodies, contact_works, rounds, selected, solver }, solve_stage) =
+            (self, SolverStage::solve_stage(h, impact_speed));
+        solver.lay_out((contacts, selected), rows, bodies, extras);
         round_contacts::drop_needles(rounds, bodies);
         solver.locate(contacts.len(), rounds);
         bodies.with_poses(|bodies, poses| solver.run(SolverStage::Prepare(contacts, poses), bodies));
         for substep in 0..substeps {
-            bookings.before_kick(bodies);
+            contact_works.before_velocities(bodies);
             bodies.integrate_velocities();
-            bookings.before_push(bodies);
+            contact_works.before_solve(bodies);
             // Before the impulses of the last step act: bodies that those push together have not come together, and to bounce them would make energy.
             if extras.bounces {
-                let moment = if substep == 0 { SubstepMoment::FirstKicked } else { SubstepMoment::Kicked };
+                let moment = if substep == 0 { SubstepMoment::AfterFirstForces } else { SubstepMoment::AfterForces };
                 solver.run(SolverStage::RecordApproachSpeed(h, moment), bodies);
             }
             bodies.apply_warm_start();
-            solver.run(biased, bodies);
-            bookings.before_motion(bodies);
+            solver.run(solve_stage, bodies);
+            contact_works.before_motion(bodies);
             bodies.integrate_positions(h);
             solver.update_round_contacts(rounds, &bodies.delta_pose);
-            bookings.after_motion(bodies);
+            contact_works.after_motion(bodies);
             if extras.bounces {
-                solver.run(SolverStage::RecordApproachSpeed(h, SubstepMoment::Moved), bodies);
+                solver.run(SolverStage::RecordApproachSpeed(h, SubstepMoment::AfterMotion), bodies);
             }
-            solver.run(SolverStage::Relax { h, blow, stores_warm_start: substep + 1 < substeps }, bodies);
-            bookings.after_substep(bodies);
+            solver.run(SolverStage::Relax { h, impact_speed, stores_warm_start: substep + 1 < substeps }, bodies);
+            contact_works.after_substep(bodies);
         }
         if extras.bounces {
             solver.run(SolverStage::ApplyRestitution(threshold), bodies);

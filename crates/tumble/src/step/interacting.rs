@@ -121,7 +121,7 @@ fn solve_together(
             multi_world.add(contacts, &mut it.columns, it.settings, it.laws, time);
         }
     }
-    multi_world.push(settings, pack_key);
+    multi_world.solve_substeps(settings, pack_key);
     for contacts in worlds.iter_mut().filter_map(|it| it.interactions.contacts.as_mut()) {
         multi_world.return_impulses(contacts);
     }

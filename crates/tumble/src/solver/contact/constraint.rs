@@ -45,7 +45,7 @@ pub(crate) struct Start<const P: usize> {
     /// One less how much effective masses have changed in the last substep, but not below zero.
     pub(crate) steady: Lanes,
     /// Above zero where the impulses of this substep are a blow's: the next begins without.
-    pub(crate) blow: Lanes,
+    pub(crate) is_impact: Lanes,
     pub(crate) separations: [Lanes; P],
     pub(crate) normal: [Lanes; 3],
     pub(crate) tangent: [Lanes; 3],
@@ -142,7 +142,7 @@ impl<const P: usize, const C: usize> Block<P, C> {
                 law: ZEROS,
                 slide: ZEROS,
                 steady: ZEROS,
-                blow: ZEROS,
+                is_impact: ZEROS,
                 separations: [ZEROS; P],
                 normal: [ZEROS; 3],
                 tangent: [ZEROS; 3],

@@ -90,7 +90,7 @@ impl<const P: usize, const C: usize> Kernel for Prepare<'_, P, C> {
         let kept = warm_start_factor(steady);
         let warm_start = [h0 * kept, h1 * kept, h2 * kept, h3 * kept];
         put(steady, &mut block.start.steady, lane);
-        put(T::select(zero.lt(steady), zero, one), &mut block.start.blow, lane);
+        put(T::select(zero.lt(steady), zero, one), &mut block.start.is_impact, lane);
         let mut j = 0;
         while j < P {
             let from_middle = places[j] - arm;

@@ -65,7 +65,7 @@ pub(crate) struct Solve<'a, const P: usize, const C: usize> {
     /// How what overlaps is pushed apart; none where it is to relax.
     pub(crate) softness: Option<Softness>,
     /// What comes faster gives a blow \[m/s\].
-    pub(crate) blow: Real,
+    pub(crate) impact_speed: Real,
     /// Whether another substep begins with the impulses that there are after it has relaxed.
     pub(crate) stores_warm_start: bool,
     /// One over the substep [1/s].
@@ -117,8 +117,11 @@ impl<const P: usize, const C: usize> Kernel for Solve<'_, P, C> {
             );
             let (zero, one) = (T::splat(0.0), T::splat(1.0));
             // What a blow gave in a substep is no force: a body pushed off by it would be somewhere else before that is taken back.
-            let lasting =
-                T::select(zero.lt(at(&block.start.blow, lane)), zero, warm_start_factor(at(&block.start.steady, lane)));
+            let lasting = T::select(
+                zero.lt(at(&block.start.is_impact, lane)),
+                zero,
+                warm_start_factor(at(&block.start.steady, lane)),
+            );
             let kept = if self.stores_warm_start { lasting } else { one };
             let after = after.scaled(kept);
             after.store(&mut block.friction, self.blocks.rolling.get_mut(index), lane);
@@ -138,16 +141,16 @@ impl<const P: usize, const C: usize> Solve<'_, P, C> {
         let (zero, one) = (T::splat(0.0), T::splat(1.0));
         let to = (self.softness.as_ref(), self.inverse_h);
         let block = &mut self.blocks.blocks[index];
-        let fast = T::splat((-self.blow).into());
+        let fast = T::splat((-self.impact_speed).into());
         let (mut before, mut changes) = ([zero; P], [zero; P]);
-        let (mut is_blow, mut begins) = (zero, zero);
+        let (mut is_impact, mut begins) = (zero, zero);
         let mut j = 0;
         while j < P {
             before[j] = at(&block.points[j].impulse, lane);
             let point = &block.points[j];
             // A point that is not there has no mass and any speed.
             let is_fast = T::select(zero.lt(at(&point.mass, lane)), T::select(speeds[j].lt(fast), one, zero), zero);
-            is_blow = is_blow.max(is_fast);
+            is_impact = is_impact.max(is_fast);
             // What overlaps is pressed.
             let is_apart = T::select(zero.lt(at(&point.separation, lane)), is_fast, zero);
             begins = begins.max(T::select(zero.lt(before[j]), zero, is_apart));
@@ -155,13 +158,13 @@ impl<const P: usize, const C: usize> Solve<'_, P, C> {
         }
         let (begun, mut speeds) = (speeds, speeds);
         let mut means = speeds;
-        if P > 1 && T::any(zero.lt(is_blow)) {
+        if P > 1 && T::any(zero.lt(is_impact)) {
             let mut alone = Alone::none();
             j = 0;
             while j < P {
                 let aim = aim(block, (j, lane), to, speeds[j]);
                 let mass: T = at(&block.points[j].mass, lane);
-                alone.set(j, aim.impulse(before[j], speeds[j], mass) - before[j], mass, is_blow);
+                alone.set(j, aim.impulse(before[j], speeds[j], mass) - before[j], mass, is_impact);
                 j += 1;
             }
             (changes, means) = alone.together(block, lane, &mut speeds);
@@ -194,7 +197,11 @@ impl<const P: usize, const C: usize> Solve<'_, P, C> {
         }
         let begins = T::select(zero.lt(sum), begins, zero);
         let block = &mut self.blocks.blocks[index];
-        put(record_impact(at(&block.start.blow, lane), begins, self.softness.is_some()), &mut block.start.blow, lane);
+        put(
+            record_impact(at(&block.start.is_impact, lane), begins, self.softness.is_some()),
+            &mut block.start.is_impact,
+            lane,
+        );
         (changes, sum)
     }
 }
@@ -259,10 +266,10 @@ pub(crate) struct RecordApproachSpeed<'a, const P: usize, const C: usize> {
 #[derive(Clone, Copy, PartialEq, Eq)]
 pub(crate) enum SubstepMoment {
     /// After forces have acted for the first time in the step: what they did they do in the others too.
-    FirstKicked,
-    Kicked,
+    AfterFirstForces,
+    AfterForces,
     /// After the bodies have moved, and before anything looks ahead to the next substep.
-    Moved,
+    AfterMotion,
 }
 
 impl<const P: usize, const C: usize> Kernel for RecordApproachSpeed<'_, P, C> {
@@ -277,7 +284,7 @@ impl<const P: usize, const C: usize> Kernel for RecordApproachSpeed<'_, P, C> {
         let block = &mut self.blocks.blocks[index];
         let inv_inertia = InverseMasses::<T>::load(self.bodies.inv_inertia, self.bodies.motion.pairs(index), lane);
         let bodies = BodyLanes::<T>::load(&self.bodies.motion, index, lane);
-        if self.moment == SubstepMoment::Moved {
+        if self.moment == SubstepMoment::AfterMotion {
             let delta_pose = DeltaPoses::load(self.bodies.delta_pose, self.bodies.motion.pairs(index), lane);
             let h = T::splat(1.0) / T::splat(self.inverse_h.into());
             let lag =
@@ -293,11 +300,11 @@ impl<const P: usize, const C: usize> Kernel for RecordApproachSpeed<'_, P, C> {
         let (zero, one, inverse_h) = (T::splat(0.0), T::splat(1.0), T::splat(self.inverse_h.into()));
         let mut j = 0;
         while j < P {
-            if self.moment == SubstepMoment::Moved {
+            if self.moment == SubstepMoment::AfterMotion {
                 put(speeds[j], &mut bounce.before[j], lane);
             } else {
                 let before: T = at(&bounce.before[j], lane);
-                if self.moment == SubstepMoment::FirstKicked {
+                if self.moment == SubstepMoment::AfterFirstForces {
                     put(speeds[j] - before, &mut bounce.kick[j], lane);
                 }
                 let kick: T = at(&bounce.kick[j], lane);

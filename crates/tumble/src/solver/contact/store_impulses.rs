@@ -29,8 +29,8 @@ impl<const P: usize, const C: usize> Kernel for StoreImpulses<'_, P, C> {
         while l < T::WIDTH && lane + l < block.count {
             let contact = &mut self.contacts[block.contacts[lane + l] as usize];
             contact.numbers[FRICTION_IMPULSE].0[..6].copy_from_slice(&rubbed[l].0[..6]);
-            let is_blow = block.start.blow[lane + l] > 0.0;
-            contact.numbers[NORMAL_IMPULSE].0[6] = if is_blow { 0.0 } else { block.start.steady[lane + l] };
+            let is_impact = block.start.is_impact[lane + l] > 0.0;
+            contact.numbers[NORMAL_IMPULSE].0[6] = if is_impact { 0.0 } else { block.start.steady[lane + l] };
             let mut j = 0;
             while j < P {
                 contact.numbers[NORMAL_IMPULSE].0[j] = block.points[j].impulse[lane + l];
