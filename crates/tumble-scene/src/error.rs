@@ -246,6 +246,15 @@ pub(crate) fn quoted(name: &str) -> String {
     name.chars().take(LONGEST_QUOTE).collect()
 }
 
+/// The error of a document or one of its bodies, in a file.
+pub(crate) fn invalid(file: &str, body: Option<(usize, Option<String>)>, error: FieldError) -> SceneError {
+    let (file, place) = (one_line(file), Place { body, field: error.field });
+    match error.scope {
+        Scope::Limit(what, limit) => SceneError::TooMuch { file, place, what, limit },
+        Scope::Body | Scope::Document => SceneError::Invalid { file, place, problem: error.problem },
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

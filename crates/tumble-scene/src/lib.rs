@@ -20,89 +20,58 @@
 // On docs.rs items say which feature they need.
 #![cfg_attr(docsrs, feature(doc_cfg))]
 
-pub mod gltf;
-
-mod audit;
-mod audit_collider;
-mod audit_mesh;
-mod builtin;
-mod collider;
-mod collider_model;
-mod contact_scenes;
-mod convert;
-mod csv_cell;
-mod distribution;
+mod bodies;
 mod error;
-mod field_path;
-mod force;
-mod force_model;
-mod force_path;
-mod inertia_repair;
+mod error_context;
+mod import;
 mod limits;
-mod looks;
-mod mesh_file;
-mod mesh_shape;
-mod model;
-mod momentum_scale;
-mod outcome;
-mod output;
-mod parse;
-mod plates;
-mod plot;
-mod portrait;
-mod read;
-mod reading;
-mod recover;
-mod report_page;
+mod pending_file;
+mod read_file;
+mod record;
 mod scene;
-mod scene_body;
-mod shard;
-mod stress;
-mod summary;
-mod svg;
 mod sweep;
-mod sweep_error;
-mod sweep_file;
-mod sweep_identity;
 mod terminal;
 mod tessellation;
-mod trajectory;
-mod urdf;
-mod vary;
+mod values;
 
-pub use audit::{Audit, AuditedBody};
-pub use audit_collider::AuditedCollider;
-pub use audit_mesh::{MeshOptions, MeshRepairs};
-pub use builtin::builtin_names;
-pub use collider::{ColliderRole, SceneCollider};
-pub use csv_cell::csv_cell;
-pub use distribution::Distribution;
+pub use bodies::appearance::{BODY_COLORS, FIXED_COLOR, GROUND_COLOR, Heights, Looks};
+pub use bodies::collider::{ColliderRole, SceneCollider};
+pub use bodies::force::{Force, HullShape};
 pub use error::{Place, SceneError};
-pub use force::{Force, HullShape};
-pub use inertia_repair::InertiaRepairs;
+pub use import::gltf;
+pub use import::inertia_repair::InertiaRepairs;
 pub use limits::{
     MAX_BODIES, MAX_FILE_BYTES, MAX_HEIGHTS, MAX_HULL_POINTS, MAX_MESH, MAX_PARTS, MAX_STEPS, TIME_STEPS, step_count,
     steps_of_duration, time_step,
 };
-pub use looks::{BODY_COLORS, FIXED_COLOR, GROUND_COLOR, Heights, Looks};
-pub use momentum_scale::MomentumScale;
-pub use outcome::Outcome;
-pub use output::PendingFile;
-pub use parse::Format;
-pub use plates::plates;
-pub use plot::{Mark, Plot, Scale};
-pub use report_page::{Replay, ReportPage};
+pub use pending_file::PendingFile;
+pub use record::csv_cell::csv_cell;
+pub use record::plot::axis::Scale;
+pub use record::plot::{Mark, Plot};
+pub use record::report_page::ReportPage;
+pub use record::report_page::replay::Replay;
+pub use record::run_status::Outcome;
+pub use record::summary::{Conserved, Summary};
+pub use record::trajectory::error::TrajectoryError;
+pub use record::trajectory::format::TrajectoryFormat;
+pub use record::trajectory::frame::Frame;
+pub use record::trajectory::glb::Animation;
+pub use record::trajectory::glb::geometry::SurfaceSet;
+pub use record::trajectory::{COLUMNS, STATE_COLUMNS, TrajectoryWriter, state_numbers};
+pub use scene::audit::{Audit, AuditedBody};
+pub use scene::audit_collider::AuditedCollider;
+pub use scene::audit_mesh::{MeshOptions, MeshRepairs};
+pub use scene::builtin::builtin_names;
+pub use scene::ground_patches::plates;
+pub use scene::momentum_scale::MomentumScale;
+pub use scene::parse::Format;
 pub use scene::{DEFAULT_STEPS, Names, Scene};
-pub use shard::Shard;
-pub use summary::{Conserved, Summary};
+pub use sweep::distribution::Distribution;
+pub use sweep::shard::Shard;
+pub use sweep::sweep_error::SweepError;
+pub use sweep::sweep_file::{SweepFile, SweepFileError, SweepReader, sweep_header};
+pub use sweep::sweep_identity::SweepIdentity;
+pub use sweep::sweep_parameter::Vary;
 pub use sweep::{MAX_WORLDS, RunLength, Sweep, SweepPlan, SweepWorld};
-pub use sweep_error::SweepError;
-pub use sweep_file::{SweepFile, SweepFileError, SweepReader, sweep_header};
-pub use sweep_identity::SweepIdentity;
 pub use terminal::{printable, printable_json, printable_lines};
 pub use tessellation::Tessellation;
-pub use trajectory::{
-    Animation, COLUMNS, Frame, STATE_COLUMNS, SurfaceSet, TrajectoryError, TrajectoryFormat, TrajectoryWriter,
-    state_numbers,
-};
-pub use vary::Vary;

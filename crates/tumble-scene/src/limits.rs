@@ -39,7 +39,7 @@ pub const TIME_STEPS: RangeInclusive<f64> = 1e-9..=1e6;
 /// ```
 pub fn time_step(seconds: f64) -> Result<Real, String> {
     if TIME_STEPS.contains(&seconds) {
-        Ok(crate::convert::real(seconds))
+        Ok(crate::values::checked::real(seconds))
     } else {
         Err(format!(
             "must be from {:e} to {:e} seconds, not {}",

@@ -1,12 +1,12 @@
 //! Shapes as triangles, for files and pictures that know no other surfaces.
 
-mod revolution;
+pub(crate) mod revolution;
 
 use glam::{DQuat, DVec3};
 use tumble::{Part, Shape, TriangleMesh};
 
-use crate::looks::Looks;
-use revolution::{ball, cone_frustum, revolve, tapered_capsule};
+use crate::bodies::appearance::Looks;
+use crate::tessellation::revolution::{ball, cone_frustum, revolve, tapered_capsule};
 
 /// Half the diagonals of the octahedron that stands for a point, which has no size \[m\].
 pub(crate) const POINT_RADIUS: f64 = 0.02;

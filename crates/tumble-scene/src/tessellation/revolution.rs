@@ -4,7 +4,7 @@ use std::f64::consts::{FRAC_PI_2, TAU};
 
 use glam::DVec3;
 
-use super::Tessellation;
+use crate::tessellation::Tessellation;
 
 /// Equal parts of a whole turn.
 pub(crate) const SEGMENTS: u32 = 24;

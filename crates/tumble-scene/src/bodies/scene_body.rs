@@ -1,0 +1,57 @@
+//! A body of a scene with its forces.
+
+use glam::DVec3;
+use hecs::{Entity, EntityBuilder, World};
+use tumble::{Body, Collider};
+
+use crate::bodies::appearance::Looks;
+use crate::bodies::collider::SceneCollider;
+use crate::bodies::force::Force;
+
+/// A checked body, what it looks like, and its checked forces.
+#[derive(Clone, Debug)]
+pub(crate) struct SceneBody {
+    pub(crate) body: Body,
+    pub(crate) looks: Looks,
+    pub(crate) forces: Vec<Force>,
+    /// For each spring among the forces, in order, the index of the body it leads to.
+    pub(crate) springs_to: Vec<usize>,
+    /// What it touches others with.
+    pub(crate) collider: Option<Collider>,
+    /// What a glTF file says of its colliders and triggers.
+    pub(crate) pieces: Vec<SceneCollider>,
+}
+
+impl SceneBody {
+    /// Spawns bodies and then the springs between them. A spring finds the other body by its index among them.
+    pub(crate) fn spawn_all<'a>(bodies: impl IntoIterator<Item = &'a Self>, world: &mut World) {
+        let spawned: Vec<(Entity, &Self)> = bodies.into_iter().map(|body| (body.spawn(world), body)).collect();
+        for (entity, body) in &spawned {
+            let springs = body.forces.iter().filter(|force| matches!(force, Force::Spring { .. }));
+            for (spring, to) in springs.zip(&body.springs_to) {
+                let Some((other_entity, other)) = spawned.get(*to) else { continue };
+                if let Some(spring) = spring.spring([*entity, *other_entity], [body.center(), other.center()]) {
+                    world.spawn((spring,));
+                }
+            }
+        }
+    }
+
+    fn spawn(&self, world: &mut World) -> Entity {
+        if self.forces.is_empty() && self.collider.is_none() {
+            return self.body.spawn(world);
+        }
+        let mut entity = EntityBuilder::new();
+        self.body.insert_into(&mut entity);
+        Force::insert_all(&self.forces, self.center(), &mut entity);
+        for collider in self.collider.iter().cloned() {
+            entity.add(collider);
+        }
+        world.spawn(entity.build())
+    }
+
+    /// The centre of mass in the body's frame \[m\]; the frame's origin of a body that forces do not move, which has no other.
+    fn center(&self) -> DVec3 {
+        self.body.properties().map_or(DVec3::ZERO, tumble::MassProperties::center_of_mass)
+    }
+}
