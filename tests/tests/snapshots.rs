@@ -216,7 +216,7 @@ fn bodies_may_come_go_and_move_in_memory() {
 enum Change {
     Spawn,
     Respawn(usize),
-    Mark(usize),
+    SeriesStyle(usize),
     Unmark(usize),
 }
 
@@ -225,7 +225,7 @@ fn changes() -> impl Strategy<Value = Vec<Change>> {
     let change = prop_oneof![
         proptest::strategy::Just(Change::Spawn),
         which.prop_map(Change::Respawn),
-        which.prop_map(Change::Mark),
+        which.prop_map(Change::SeriesStyle),
         which.prop_map(Change::Unmark),
     ];
     prop::collection::vec(change, 0..60)
@@ -271,7 +271,7 @@ fn apply(world: &mut World, changes: &[Change], next: &mut u64) {
                 world.despawn(pick(which)).unwrap();
                 spawn(world, id);
             }
-            Change::Mark(which) => world.insert_one(pick(which), 'm').unwrap(),
+            Change::SeriesStyle(which) => world.insert_one(pick(which), 'm').unwrap(),
             Change::Unmark(which) => {
                 let _ = world.remove_one::<char>(pick(which));
             }

@@ -28,12 +28,12 @@ use tumble::math::PRECISION;
 use tumble::{Batch, BodyId, Momentum, Pose, Settings, Simulation, Trial, simd_name};
 use tumble_benches::{eight_boxes, falling_balls, in_pools_of_one, pool as pool_of, pyramid};
 
-type Outcome<T> = Result<T, Box<dyn std::error::Error>>;
+type RunStatus<T> = Result<T, Box<dyn std::error::Error>>;
 
 /// Steps of one engine before it is the other's turn.
 const TURN: usize = 10;
 
-fn main() -> Outcome<()> {
+fn main() -> RunStatus<()> {
     let arguments: Vec<String> = std::env::args().skip(1).collect();
     let asked = |name: &str| arguments.iter().any(|argument| argument == name);
     let scenes = ["pyramid", "balls", "worlds", "growth", "stands"];
@@ -82,7 +82,7 @@ struct Pile<'a> {
 }
 
 impl Pile<'_> {
-    fn run(&self, name: &str, threads: usize, pool: &ThreadPool) -> Outcome<()> {
+    fn run(&self, name: &str, threads: usize, pool: &ThreadPool) -> RunStatus<()> {
         let mut world = (self.made)();
         let mut simulation = Simulation::new(Settings::default())?;
         let mut peer = Peer::new(&world, simulation.settings())?;
@@ -153,7 +153,7 @@ fn overlap(_: &Places, end: &Places) -> String {
 }
 
 /// The pyramid over 10 000 steps, in which the top may sink by 15 mm and no box may go further than 3 cm, as in the flat one of the tests.
-fn stands(threads: usize, pool: &ThreadPool) -> Outcome<()> {
+fn stands(threads: usize, pool: &ThreadPool) -> RunStatus<()> {
     const STEPS: u32 = 10_000;
     let mut world = pyramid(20);
     let mut simulation = Simulation::new(Settings::default())?;
@@ -170,7 +170,7 @@ fn stands(threads: usize, pool: &ThreadPool) -> Outcome<()> {
 }
 
 /// What a body costs in a small pyramid and in a large one, interleaved.
-fn growth(bases: [u32; 2], threads: usize, pool: &ThreadPool) -> Outcome<()> {
+fn growth(bases: [u32; 2], threads: usize, pool: &ThreadPool) -> RunStatus<()> {
     const STEPS: u32 = 30;
     let mut worlds = bases.map(pyramid);
     let mut simulations = [Simulation::new(Settings::default())?, Simulation::new(Settings::default())?];
@@ -194,11 +194,11 @@ fn growth(bases: [u32; 2], threads: usize, pool: &ThreadPool) -> Outcome<()> {
 }
 
 /// Many small worlds.
-fn worlds(count: u64, steps: u32, threads: usize, pool: &ThreadPool) -> Outcome<()> {
+fn worlds(count: u64, steps: u32, threads: usize, pool: &ThreadPool) -> RunStatus<()> {
     let made = |index: u64| Trial::new(Settings::default(), eight_boxes(index));
     let trials = (0..count).map(made).collect::<Result<Vec<_>, _>>()?;
     let peers = trials.iter().map(|trial| Peer::new(&trial.world, trial.simulation.settings()));
-    let mut peers: Vec<Peer> = peers.collect::<Outcome<Vec<_>>>()?.into_iter().flatten().collect();
+    let mut peers: Vec<Peer> = peers.collect::<RunStatus<Vec<_>>>()?.into_iter().flatten().collect();
     let mut batch: Batch = trials.into_iter().collect();
     let rate = |time: Duration| (count * 8) as f64 * f64::from(steps) * 1e-6 / time.as_secs_f64();
 

@@ -10,7 +10,7 @@ use tumble::math::Vec3;
 use tumble::{BodyId, Momentum, Pose, Settings, Velocity};
 use tumble_benches::{FRICTION, PileShape};
 
-use crate::{Outcome, Places};
+use crate::{Places, RunStatus};
 
 /// The same bodies in Rapier, which never sleep. Steps run in the pool of the caller, as ours do.
 pub(crate) struct Peer {
@@ -19,7 +19,7 @@ pub(crate) struct Peer {
 }
 
 impl Peer {
-    pub(crate) fn new(ours: &World, settings: &Settings) -> Outcome<Option<Self>> {
+    pub(crate) fn new(ours: &World, settings: &Settings) -> RunStatus<Option<Self>> {
         let mut world = rapier::PhysicsWorld::new();
         world.gravity = vector(settings.gravity);
         world.integration_parameters.dt = settings.dt as f32;

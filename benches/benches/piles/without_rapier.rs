@@ -1,13 +1,13 @@
 use hecs::World;
 use tumble::Settings;
 
-use crate::{Outcome, Places};
+use crate::{Places, RunStatus};
 
 /// No other engine was built.
 pub(crate) enum Peer {}
 
 impl Peer {
-    pub(crate) fn new(_: &World, _: &Settings) -> Outcome<Option<Self>> {
+    pub(crate) fn new(_: &World, _: &Settings) -> RunStatus<Option<Self>> {
         Ok(None)
     }
 

@@ -30,7 +30,7 @@ pub(crate) struct PlainVectors {
 }
 
 /// Where a body is, and what follows from that.
-pub(crate) struct Outcome {
+pub(crate) struct RunStatus {
     pub(crate) position: [Real; 3],
     /// x, y, z, w.
     pub(crate) orientation: [Real; 4],
@@ -92,8 +92,8 @@ impl PlainVectors {
     }
 
     /// What a step leaves, body after body.
-    pub(crate) fn outcomes(&self) -> impl Iterator<Item = Outcome> {
-        (0..self.bodies).map(|i| Outcome {
+    pub(crate) fn outcomes(&self) -> impl Iterator<Item = RunStatus> {
+        (0..self.bodies).map(|i| RunStatus {
             position: self.position.each_ref().map(|column| column[i]),
             orientation: self.orientation.each_ref().map(|column| column[i]),
             velocity: self.velocity.each_ref().map(|column| column[i]),

@@ -4,7 +4,7 @@ use std::io::{self, Write};
 
 use hecs::World;
 use tumble::{ForceLaws, Ledger, LedgerEntry, Simulation, Totals};
-use tumble_scene::{Mark, Plot, Scale};
+use tumble_scene::{Plot, Scale, SeriesStyle};
 
 use crate::drift::EVERY_STEP_UP_TO;
 
@@ -80,16 +80,16 @@ impl History {
         let mut plot = Plot::new("Energy")
             .x_axis("time [s]", Scale::Linear)
             .y_axis("energy [J]", Scale::Linear)
-            .series("kinetic, linear", Mark::Line, self.over_time(|entry| entry.totals.linear_kinetic))
-            .series("kinetic, rotation", Mark::Line, self.over_time(|entry| entry.totals.rotational_kinetic));
+            .series("kinetic, linear", SeriesStyle::Line, self.over_time(|entry| entry.totals.linear_kinetic))
+            .series("kinetic, rotation", SeriesStyle::Line, self.over_time(|entry| entry.totals.rotational_kinetic));
         if !of_forces || is_there(|totals| totals.potential) {
-            plot = plot.series("potential", Mark::Line, self.over_time(|entry| entry.totals.potential));
+            plot = plot.series("potential", SeriesStyle::Line, self.over_time(|entry| entry.totals.potential));
         }
         if of_forces {
             let potential = self.over_time(|entry| entry.totals.force_potential);
-            plot = plot.series("potential of forces", Mark::Line, potential);
+            plot = plot.series("potential of forces", SeriesStyle::Line, potential);
         }
-        plot.series("sum", Mark::Line, self.over_time(LedgerEntry::energy))
+        plot.series("sum", SeriesStyle::Line, self.over_time(LedgerEntry::energy))
     }
 
     /// How far the energy is from where it began, relative to the kinetic energy at the start or the most that the potentials have
@@ -106,7 +106,7 @@ impl History {
         Plot::new("Change of energy")
             .x_axis("time [s]", Scale::Linear)
             .y_axis("relative to the energy at play", Scale::Linear)
-            .series("", Mark::Line, drift)
+            .series("", SeriesStyle::Line, drift)
     }
 
     fn over_time<'a>(

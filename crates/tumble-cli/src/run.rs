@@ -7,7 +7,7 @@ use hecs::World;
 use rayon::{ThreadPool, ThreadPoolBuilder};
 use tumble::math::PRECISION;
 use tumble::{BodyId, BodyOrder, PhaseTimes, Simulation, simd_name, state_hash};
-use tumble_scene::{Frame, InertiaRepairs, Names, Replay, Scene, Summary, steps_of_duration};
+use tumble_scene::{BodyNames, Frame, InertiaRepairs, Replay, Scene, Summary, steps_of_duration};
 
 use crate::drift::{Drift, NotFinite, interval};
 use crate::failure::Failure;
@@ -107,7 +107,7 @@ pub(crate) fn pool(options: &StepOptions) -> Result<ThreadPool, Failure> {
 struct Run {
     order: BodyOrder,
     world: World,
-    names: Names,
+    names: BodyNames,
     history: Option<History>,
     replay: Option<Replay>,
     simulation: Simulation,

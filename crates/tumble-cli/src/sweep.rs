@@ -7,7 +7,7 @@ use std::path::Path;
 use std::time::{Duration, Instant};
 
 use tumble::for_each_world;
-use tumble_scene::{Outcome, Sweep, SweepFile, SweepIdentity, printable};
+use tumble_scene::{RunStatus, Sweep, SweepFile, SweepIdentity, printable};
 
 use crate::ending::check_ending;
 use crate::failure::Failure;
@@ -105,11 +105,11 @@ struct Report {
 }
 
 impl Report {
-    fn count(&mut self, outcome: Outcome) {
+    fn count(&mut self, outcome: RunStatus) {
         match outcome {
-            Outcome::Ok => self.ok += 1,
-            Outcome::Impossible => self.impossible += 1,
-            Outcome::NotFinite => self.not_finite += 1,
+            RunStatus::Ok => self.ok += 1,
+            RunStatus::Impossible => self.impossible += 1,
+            RunStatus::NotFinite => self.not_finite += 1,
         }
     }
 

@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 
 use clap::Args;
-use tumble_scene::{MAX_WORLDS, RunLength, Shard, SweepPlan, Vary};
+use tumble_scene::{MAX_WORLDS, RunLength, Shard, SweepParameter, SweepPlan};
 
 use crate::options::StepOptions;
 
@@ -18,8 +18,8 @@ pub(crate) struct SweepOptions {
     /// A numeric field and its values: FIELD=LO..HI, FIELD=normal(MEAN,SD) or FIELD=grid(LO,HI,N); may be given again
     ///
     /// FIELD is the path in the file: gravity.1, dt, bodies.0.mass, bodies.brick.angular_velocity.2, …
-    #[arg(long, value_name = "FIELD=VALUES", value_parser = str::parse::<Vary>)]
-    pub(crate) vary: Vec<Vary>,
+    #[arg(long, value_name = "FIELD=VALUES", value_parser = str::parse::<SweepParameter>)]
+    pub(crate) vary: Vec<SweepParameter>,
     /// Worlds [default: all combinations, where there are only grids]
     #[arg(long, value_name = "N", allow_negative_numbers = true, value_parser = clap::value_parser!(u64).range(1..=MAX_WORLDS))]
     pub(crate) worlds: Option<u64>,

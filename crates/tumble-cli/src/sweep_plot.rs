@@ -3,7 +3,7 @@
 use std::io::Write as _;
 use std::path::{Path, PathBuf};
 
-use tumble_scene::{Mark, PendingFile, Plot, Scale, SweepReader, csv_cell};
+use tumble_scene::{PendingFile, Plot, Scale, SeriesStyle, SweepReader, csv_cell};
 
 use crate::ending::check_ending;
 use crate::failure::Failure;
@@ -64,7 +64,7 @@ impl SweepPlot {
         let plot = Plot::new(shortened(&format!("Sweep of {scene}"), LONGEST_TITLE))
             .x_axis(shortened(x, LONGEST_X), Scale::Linear)
             .y_axis(shortened(y, LONGEST_Y), scale)
-            .series("", Mark::Cloud, points);
+            .series("", SeriesStyle::Cloud, points);
         let written = PendingFile::create(&self.path).and_then(|mut file| {
             file.write_all(plot.to_svg().as_bytes())?;
             file.finish()

@@ -5,7 +5,7 @@ use std::ops::ControlFlow;
 
 use tumble::math::Real;
 use tumble::{BodyOrder, Pose, Trial, Velocity};
-use tumble_scene::{Outcome, STATE_COLUMNS, Sweep, SweepWorld, csv_cell, state_numbers};
+use tumble_scene::{RunStatus, STATE_COLUMNS, Sweep, SweepWorld, csv_cell, state_numbers};
 
 use crate::drift::Drift;
 use crate::interrupt;
@@ -16,7 +16,7 @@ const UNINTERRUPTED: usize = 1_000_000;
 /// The line of one world, with its end.
 pub(crate) struct Row {
     pub(crate) text: String,
-    pub(crate) outcome: Outcome,
+    pub(crate) outcome: RunStatus,
 }
 
 /// The end of a world that was run.
@@ -49,10 +49,10 @@ pub(crate) fn row(sweep: &Sweep, index: u64) -> Option<Row> {
     let drawn = sweep.draw(index);
     let (outcome, end) = match sweep.build(&drawn) {
         Ok(world) => match run(sweep, world)? {
-            Ok(end) => (Outcome::Ok, Some(end)),
-            Err(()) => (Outcome::NotFinite, None),
+            Ok(end) => (RunStatus::Ok, Some(end)),
+            Err(()) => (RunStatus::NotFinite, None),
         },
-        Err(_) => (Outcome::Impossible, None),
+        Err(_) => (RunStatus::Impossible, None),
     };
     let mut text = index.to_string();
     for value in drawn {

@@ -53,6 +53,7 @@ mod inertia_error;
 mod kinematics;
 mod mass_error;
 mod mass_properties;
+mod merge_bodies;
 mod mesh;
 mod nearest_rotation;
 mod principal;
@@ -64,7 +65,6 @@ mod solids;
 mod symmetric;
 mod symmetric_eigen;
 mod unit;
-mod welding;
 mod yaw_pitch_roll;
 
 pub use equivalent_ellipsoid::equivalent_ellipsoid;
@@ -77,6 +77,7 @@ pub use kinematics::{
 };
 pub use mass_error::MassError;
 pub use mass_properties::MassProperties;
+pub use merge_bodies::{MovingBody, WeldError, WeldedBody, weld};
 pub use mesh::{HullError, MeshAudit, MeshDefect, MeshError, MeshRepair, SolidMesh, TriangleMesh, convex_hull};
 pub use nearest_rotation::{change_of_basis_of_transform, nearest_rotation};
 pub use principal::PrincipalInertia;
@@ -86,5 +87,4 @@ pub use rotation::{
 };
 pub use shape::{Amount, Part, Shape};
 pub use shape_error::{ShapeError, ShapeErrorReason};
-pub use welding::{MovingBody, WeldError, WeldedBody, weld};
 pub use yaw_pitch_roll::YawPitchRoll;

@@ -5,7 +5,7 @@ pub(crate) mod revolution;
 use glam::{DQuat, DVec3};
 use tumble::{Part, Shape, TriangleMesh};
 
-use crate::bodies::appearance::Looks;
+use crate::bodies::appearance::Appearance;
 use crate::tessellation::revolution::{ball, cone_frustum, revolve, tapered_capsule};
 
 /// Half the diagonals of the octahedron that stands for a point, which has no size \[m\].
@@ -18,9 +18,9 @@ pub(crate) const POINT_RADIUS: f64 = 0.02;
 /// that touch are equal to the bit.
 ///
 /// ```
-/// use tumble_scene::{Looks, Tessellation};
+/// use tumble_scene::{Appearance, Tessellation};
 ///
-/// let cube = Tessellation::of_looks(&Looks::Shape(tumble::Shape::cuboid([1.0, 1.0, 1.0])));
+/// let cube = Tessellation::of_looks(&Appearance::Shape(tumble::Shape::cuboid([1.0, 1.0, 1.0])));
 /// assert_eq!((cube.positions.len(), cube.normals.len(), cube.triangles.len()), (24, 24, 12));
 /// ```
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -36,12 +36,12 @@ pub struct Tessellation {
 impl Tessellation {
     /// The surface that is seen.
     #[must_use]
-    pub fn of_looks(looks: &Looks) -> Self {
-        match looks {
-            Looks::Shape(shape) => Self::of(shape),
-            Looks::Mesh(surface) => mesh(surface),
-            Looks::HeightField(heights) => mesh(heights.triangles()),
-            Looks::HalfSpace => square(),
+    pub fn of_looks(appearance: &Appearance) -> Self {
+        match appearance {
+            Appearance::Shape(shape) => Self::of(shape),
+            Appearance::Mesh(surface) => mesh(surface),
+            Appearance::HeightField(heights) => mesh(heights.triangles()),
+            Appearance::HalfSpace => square(),
         }
     }
 

@@ -9,7 +9,7 @@ use std::io::Cursor;
 use glam::DVec3;
 use hecs::World;
 use tumble::{BodyOrder, Collider, CombineRule, Pose, Simulation};
-use tumble_scene::{Animation, Audit, Frame, Looks, Scene, Sweep, SweepPlan, TrajectoryWriter};
+use tumble_scene::{Animation, Appearance, Audit, Frame, Scene, Sweep, SweepPlan, TrajectoryWriter};
 
 /// Where the bodies of a scene are after some steps.
 fn run(scene: Scene, steps: u32) -> Vec<DVec3> {
@@ -36,7 +36,7 @@ const BOX_ON_GROUND: &str = r#"{ "contact_substeps": 8, "restitution_threshold":
 fn what_a_scene_says_is_what_the_simulation_has() {
     let scene = Scene::from_json(BOX_ON_GROUND, "box.json").unwrap();
     assert_eq!((scene.settings.contact_substeps, scene.settings.restitution_threshold), (8, 0.25));
-    assert_eq!(scene.looks().unwrap()[0], Looks::HalfSpace);
+    assert_eq!(scene.appearance().unwrap()[0], Appearance::HalfSpace);
     let mut world = World::new();
     scene.clone().spawn(&mut world).unwrap();
     let order = BodyOrder::of(&world);
@@ -267,7 +267,7 @@ fn colliders_of_gltf_touch() {
         node("ball", [0.0, 3.0, 0.0], &collider)
     };
     let dull = gltf(&format!("{}, {}", plane(""), ball("")));
-    assert_eq!(dull.looks().unwrap()[0], Looks::HalfSpace);
+    assert_eq!(dull.appearance().unwrap()[0], Appearance::HalfSpace);
     assert!(dull.notices.is_empty(), "{:?}", dull.notices);
     let height = run(dull, 240)[1].y;
     assert!((height - 1.5).abs() < 2e-3, "{height}");

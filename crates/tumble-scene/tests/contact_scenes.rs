@@ -9,13 +9,13 @@ use std::f64::consts::TAU;
 use glam::DVec3;
 use hecs::World;
 use tumble::{BodyOrder, Pose, Simulation, Velocity};
-use tumble_scene::{Names, Scene};
+use tumble_scene::{BodyNames, Scene};
 
 /// A scene that is being run, and its bodies by name.
 struct Run {
     world: World,
     order: BodyOrder,
-    names: Names,
+    names: BodyNames,
     simulation: Simulation,
     steps: u64,
 }

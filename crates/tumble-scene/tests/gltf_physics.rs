@@ -14,7 +14,7 @@ use tumble::{
     Simulation, Velocity, state_hash,
 };
 use tumble_scene::gltf::{CombineRule, Geometry, Physics};
-use tumble_scene::{Audit, AuditedBody, ColliderRole, Names, Scene};
+use tumble_scene::{Audit, AuditedBody, BodyNames, ColliderRole, Scene};
 
 fn file(name: &str) -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/gltf_scenes").join(name)
@@ -38,7 +38,7 @@ fn tensor(body: &AuditedBody) -> DMat3 {
 
 struct Spawned {
     world: World,
-    names: Names,
+    names: BodyNames,
 }
 
 impl Spawned {

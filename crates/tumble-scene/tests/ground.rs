@@ -7,7 +7,7 @@
 use glam::DVec3;
 use hecs::World;
 use tumble::{BodyOrder, Pose, Simulation};
-use tumble_scene::{Looks, MAX_HEIGHTS, Scene};
+use tumble_scene::{Appearance, MAX_HEIGHTS, Scene};
 
 /// Where the bodies are after a number of steps, in the order of the scene.
 #[allow(clippy::useless_conversion, reason = "it is f64 already in one of the two builds")]
@@ -29,8 +29,8 @@ fn heights_are_seen_where_they_are() {
     let ron = "( bodies: [ ( name: \"roof\", fixed: true, position: (10, 1, 0), collider: (),
         shape: height_field(heights: [[0, 1, 0], [0, 1, 0.5]], spacing: (2, 10)) ) ] )";
     for scene in [Scene::from_json(ROOF, "roof.json").unwrap(), Scene::from_ron(ron, "roof.ron").unwrap()] {
-        let looks = scene.looks().unwrap();
-        let [Looks::HeightField(roof)] = &looks[..] else { panic!("{looks:?}") };
+        let appearance = scene.appearance().unwrap();
+        let [Appearance::HeightField(roof)] = &appearance[..] else { panic!("{appearance:?}") };
         let mesh = roof.triangles();
         let corners: Vec<[f64; 3]> = mesh.positions().iter().map(DVec3::to_array).collect();
         let back = [[-2.0, 0.0, -5.0], [0.0, 1.0, -5.0], [2.0, 0.0, -5.0]];

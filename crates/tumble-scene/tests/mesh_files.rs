@@ -249,7 +249,7 @@ fn meshes_are_shapes_in_scenes() {
         // Coordinates in metres are rounded, three of them in a volume.
         assert!((audit.bodies[0].mass.unwrap() / 8000.0 - 1.0).abs() < 1e-15, "{shape}");
         let scene = Scene::load(&path).unwrap();
-        assert_eq!(scene.looks().unwrap().len(), 1);
+        assert_eq!(scene.appearance().unwrap().len(), 1);
         let mut world = hecs::World::new();
         scene.spawn(&mut world).unwrap();
     }

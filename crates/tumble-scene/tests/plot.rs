@@ -7,7 +7,7 @@
 #![allow(clippy::unwrap_used, reason = "a test without what it tests is to fail")]
 
 use roxmltree::Document;
-use tumble_scene::{Mark, Plot, Scale};
+use tumble_scene::{Plot, Scale, SeriesStyle};
 
 /// Numbers of all paths and circles, after checking that the picture is well-formed and that all of them are on it.
 fn numbers(svg: &str) -> Vec<f64> {
@@ -41,7 +41,7 @@ fn labels(svg: &str) -> Vec<String> {
 
 fn plot(scale: Scale, points: &[(f64, f64)]) -> String {
     let plot = Plot::new("title").x_axis("x", scale).y_axis("y", scale);
-    plot.series("", Mark::Dots, points.iter().copied()).to_svg()
+    plot.series("", SeriesStyle::Dots, points.iter().copied()).to_svg()
 }
 
 #[test]
@@ -50,7 +50,7 @@ fn labels_are_escaped() {
     let svg = Plot::new(nasty)
         .x_axis(nasty, Scale::Linear)
         .y_axis(nasty, Scale::Log)
-        .series(nasty, Mark::Line, [(1.0, 1.0)])
+        .series(nasty, SeriesStyle::Line, [(1.0, 1.0)])
         .to_svg();
     numbers(&svg);
     let shown = "a < b && c > \"d\" 'e' </svg> \u{2202}H";
@@ -119,7 +119,7 @@ fn ranges_of_any_size_fit() {
 #[test]
 fn a_million_points_stay_a_small_picture() {
     let noisy = (0..1_000_000).map(|i| (f64::from(i), if i == 500_000 { 9.0 } else { f64::from(i).sin() }));
-    let svg = Plot::new("").series("", Mark::Line, noisy).to_svg();
+    let svg = Plot::new("").series("", SeriesStyle::Line, noisy).to_svg();
     assert!(svg.len() < 120_000, "{} bytes", svg.len());
     let highest = lines(&svg).concat();
     let highest =
@@ -150,7 +150,7 @@ fn points_are_where_the_axes_say() {
 #[test]
 fn a_cloud_has_all_its_points_and_no_line() {
     let points = (0..500).map(|i| (f64::from(i % 2), f64::from(i)));
-    let svg = Plot::new("title").series("", Mark::Cloud, points).to_svg();
+    let svg = Plot::new("title").series("", SeriesStyle::Cloud, points).to_svg();
     numbers(&svg);
     assert_eq!((svg.matches("<circle").count(), lines(&svg).len()), (500, 0));
 }

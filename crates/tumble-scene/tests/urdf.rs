@@ -10,7 +10,7 @@
 use proptest::prelude::*;
 use serde_json::Value;
 use tumble::Pose;
-use tumble_scene::{Audit, AuditedBody, Looks, Scene, SceneError};
+use tumble_scene::{Appearance, Audit, AuditedBody, Scene, SceneError};
 
 const PUBLISHED: &str = include_str!("../../../tests/data/inertia_robot_links.json");
 
@@ -280,25 +280,27 @@ fn trees_that_are_none_are_told() {
 
 #[test]
 fn what_is_no_body_and_what_is_not_read_is_told() {
-    let looks = r#"<link name="a"><inertial><mass value="1"/><inertia ixx="1" ixy="0" ixz="0" iyy="1" iyz="0" izz="1"/></inertial>
+    let appearance = r#"<link name="a"><inertial><mass value="1"/><inertia ixx="1" ixy="0" ixz="0" iyy="1" iyz="0" izz="1"/></inertial>
         <collision><origin xyz="0 0 1"/><geometry><cylinder radius="0.1" length="2"/></geometry></collision>
         <collision><geometry><mesh filename="package://r/hand.dae"/></geometry></collision>
         <collision><geometry><box size="1 -1 1"/></geometry></collision></link>"#;
-    let text = robot(&[looks, r#"<link name="world"/>"#, &joint("j", "fixed", "world", "a", "")].concat());
+    let text = robot(&[appearance, r#"<link name="world"/>"#, &joint("j", "fixed", "world", "a", "")].concat());
     let scene = Scene::from_urdf(&text, "r.urdf").unwrap();
     assert_eq!(
         scene.notices,
         [
             "1 fixed joint not simulated, the links move freely: j",
             "1 link without inertial, not simulated: world",
-            "1 mesh file not read, for looks only: package://r/hand.dae",
-            "1 geometry not understood, for looks only: link \"a\", collision.box: half_extents must be a length from 1e-90 to \
+            "1 mesh file not read, for appearance only: package://r/hand.dae",
+            "1 geometry not understood, for appearance only: link \"a\", collision.box: half_extents must be a length from 1e-90 to \
              1e90 m, it is -0.5, at line 6",
         ]
     );
     assert_eq!(scene.body_count(), 1);
     // A cylinder of URDF lies along z, ours along y.
-    let Looks::Shape(tumble::Shape::Compound(parts)) = &scene.looks().unwrap()[0] else { panic!("not a compound") };
+    let Appearance::Shape(tumble::Shape::Compound(parts)) = &scene.appearance().unwrap()[0] else {
+        panic!("not a compound")
+    };
     assert_eq!((parts.len(), parts[0].position.to_array()), (1, [0.0, 0.0, 1.0]));
     let axis = parts[0].orientation * glam::DVec3::Y;
     // The quaternion of a quarter turn is rounded.

@@ -9,7 +9,7 @@ use tumble::{
     BodyId, BodyOrder, CenterOfMass, Collider, Inertia, Mass, Momentum, Pose, PreviousPose, PrincipalAxes, Shape,
     Velocity, equivalent_ellipsoid,
 };
-use tumble_scene::{BODY_COLORS, FIXED_COLOR, GROUND_COLOR, Looks, Names, SurfaceSet, plates};
+use tumble_scene::{Appearance, BODY_COLORS, BodyNames, FIXED_COLOR, GROUND_COLOR, SurfaceSet, ground_patches};
 
 use crate::colliders;
 use crate::convert::{dquat, dvec3};
@@ -75,27 +75,28 @@ pub(crate) struct Bodies {
 }
 
 impl Bodies {
-    pub(crate) fn of(world: &World, order: &BodyOrder, names: &Names, looks: &[Looks]) -> Self {
+    pub(crate) fn of(world: &World, order: &BodyOrder, names: &BodyNames, appearance: &[Appearance]) -> Self {
         let mut bodies =
             Self { all: Vec::with_capacity(order.len()), surfaces: SurfaceSet::default(), surface_count: 0 };
         for (index, &entity) in order.entities().iter().enumerate() {
             let Ok(body) = world.entity(entity) else { continue };
             let id = body.get::<&BodyId>().map_or(index as u64, |id| id.0);
-            let its_looks = usize::try_from(id).ok().and_then(|id| looks.get(id));
+            let its_looks = usize::try_from(id).ok().and_then(|id| appearance.get(id));
             let center = body.get::<&CenterOfMass>().map_or(DVec3::ZERO, |center| dvec3(center.0));
             let mut pieces = Vec::new();
             match its_looks {
-                None | Some(Looks::Shape(Shape::Point)) => {
+                None | Some(Appearance::Shape(Shape::Point)) => {
                     let (shape, rotation) = inertia_ellipsoid(body).unwrap_or((Shape::Point, DQuat::IDENTITY));
                     bodies.add_pieces(&shape, (center, rotation), &mut pieces);
                 }
-                Some(Looks::HalfSpace) => {}
-                Some(Looks::Shape(shape)) => bodies.add_pieces(shape, (DVec3::ZERO, DQuat::IDENTITY), &mut pieces),
+                Some(Appearance::HalfSpace) => {}
+                Some(Appearance::Shape(shape)) => bodies.add_pieces(shape, (DVec3::ZERO, DQuat::IDENTITY), &mut pieces),
                 Some(other) => bodies.add_piece(other, (DVec3::ZERO, DQuat::IDENTITY), &mut pieces),
             }
             let moves = body.get::<&Velocity>().is_some();
-            let unlike = |collider: &Collider| its_looks.is_none_or(|looks| colliders::differs(collider, looks));
-            let endless = matches!(its_looks, Some(Looks::HalfSpace));
+            let unlike =
+                |collider: &Collider| its_looks.is_none_or(|appearance| colliders::differs(collider, appearance));
+            let endless = matches!(its_looks, Some(Appearance::HalfSpace));
             bodies.all.push(DrawnBody {
                 entity,
                 name: names.of(id).into_owned(),
@@ -138,12 +139,12 @@ impl Bodies {
                     add(&Shape::sphere(radius), DVec3::Y * end, DQuat::IDENTITY);
                 }
             }
-            _ => self.add_piece(&Looks::Shape(shape.clone()), (position, rotation), pieces),
+            _ => self.add_piece(&Appearance::Shape(shape.clone()), (position, rotation), pieces),
         }
     }
 
-    fn add_piece(&mut self, looks: &Looks, (position, rotation): (DVec3, DQuat), pieces: &mut Vec<Piece>) {
-        let (surface, factors) = self.surfaces.insert(looks);
+    fn add_piece(&mut self, appearance: &Appearance, (position, rotation): (DVec3, DQuat), pieces: &mut Vec<Piece>) {
+        let (surface, factors) = self.surfaces.insert(appearance);
         pieces.push(Piece { surface, factors, rotation, position });
     }
 
@@ -177,11 +178,11 @@ impl Bodies {
         let frame = Frame::of(self, &places);
         let endless: Vec<usize> = (0..self.all.len()).filter(|&index| self.all[index].endless).collect();
         let frames: Vec<_> = endless.iter().map(|&index| (places[index].origin, places[index].rotation)).collect();
-        for (&index, plate) in endless.iter().zip(plates(&frames, frame.middle, GROUND * frame.radius)) {
-            let Some(Looks::Mesh(mesh)) = &plate else { continue };
+        for (&index, plate) in endless.iter().zip(ground_patches(&frames, frame.middle, GROUND * frame.radius)) {
+            let Some(Appearance::Mesh(mesh)) = &plate else { continue };
             let [low, high] = around(&mut mesh.positions().iter().copied());
             let mut pieces = Vec::new();
-            self.add_piece(&Looks::Mesh(mesh.clone()), (DVec3::ZERO, DQuat::IDENTITY), &mut pieces);
+            self.add_piece(&Appearance::Mesh(mesh.clone()), (DVec3::ZERO, DQuat::IDENTITY), &mut pieces);
             let body = &mut self.all[index];
             (body.middle, body.half_extents) = (0.5 * (low + high), 0.5 * (high - low));
             body.reach = body.half_extents.length();
@@ -246,10 +247,10 @@ mod tests {
 
     fn bodies(scene: &str) -> (World, Bodies) {
         let scene = Scene::open(scene).unwrap();
-        let (looks, mut world) = (scene.looks().unwrap(), World::new());
+        let (appearance, mut world) = (scene.appearance().unwrap(), World::new());
         let names = scene.spawn(&mut world).unwrap();
         let order = BodyOrder::of(&world);
-        let bodies = Bodies::of(&world, &order, &names, &looks);
+        let bodies = Bodies::of(&world, &order, &names, &appearance);
         (world, bodies)
     }
 

@@ -1,7 +1,7 @@
 //! What bodies touch with, where that is not what is seen of them.
 
 use tumble::{Collider, Pose, Shape, TriangleMesh, convex_hull};
-use tumble_scene::Looks;
+use tumble_scene::Appearance;
 
 /// A mesh fills its convex hull if what is missing is less than this part of it: rounding of sums over all triangles.
 const FILLED: f64 = 1e-9;
@@ -9,24 +9,24 @@ const FILLED: f64 = 1e-9;
 /// Whether a body that looks like this touches others with something else.
 ///
 /// To be asked once: colliders are made to be compared with.
-pub(crate) fn differs(collider: &Collider, looks: &Looks) -> bool {
+pub(crate) fn differs(collider: &Collider, appearance: &Appearance) -> bool {
     let (membership, filter) = collider.groups();
     let is_the_same = |seen: Collider| {
         let Ok(seen) = seen.with_groups(membership, filter).with_material(*collider.material()) else { return false };
         // What is put at the origin is where it was.
         *collider == seen || seen.with_offset(Pose::default()).is_ok_and(|placed| *collider == placed)
     };
-    !of_looks(looks).into_iter().flatten().any(is_the_same)
+    !of_looks(appearance).into_iter().flatten().any(is_the_same)
 }
 
 /// The colliders that are what is seen, solid and as a surface.
-fn of_looks(looks: &Looks) -> [Option<Collider>; 2] {
+fn of_looks(appearance: &Appearance) -> [Option<Collider>; 2] {
     let surface = |mesh: &TriangleMesh| Collider::mesh(mesh.positions().iter().copied(), mesh.triangles()).ok();
-    match looks {
-        Looks::HalfSpace => [Some(Collider::half_space()), None],
-        Looks::Mesh(mesh) => [None, surface(mesh)],
-        Looks::HeightField(heights) => [Some(heights.collider().clone()), None],
-        Looks::Shape(shape) => {
+    match appearance {
+        Appearance::HalfSpace => [Some(Collider::half_space()), None],
+        Appearance::Mesh(mesh) => [None, surface(mesh)],
+        Appearance::HeightField(heights) => [Some(heights.collider().clone()), None],
+        Appearance::Shape(shape) => {
             let solid = if fills_its_hull(shape) { Collider::new(shape).ok() } else { None };
             [solid, if let Shape::Mesh(mesh) = shape { surface(mesh.mesh()) } else { None }]
         }
@@ -64,23 +64,23 @@ mod tests {
         let cuboid = Shape::cuboid([0.1, 0.2, 0.3]);
         let of_cuboid = Collider::new(&cuboid).unwrap();
         let slippery = Material { static_friction: 0.0, dynamic_friction: 0.0, ..Material::default() };
-        let looks = Looks::Shape(cuboid);
-        assert!(!differs(&of_cuboid, &looks));
-        assert!(!differs(&of_cuboid.clone().with_material(slippery).unwrap().with_groups(1, 2), &looks));
-        assert!(!differs(&of_cuboid.clone().with_offset(Pose::default()).unwrap(), &looks));
-        assert!(!differs(&Collider::half_space(), &Looks::HalfSpace));
+        let appearance = Appearance::Shape(cuboid);
+        assert!(!differs(&of_cuboid, &appearance));
+        assert!(!differs(&of_cuboid.clone().with_material(slippery).unwrap().with_groups(1, 2), &appearance));
+        assert!(!differs(&of_cuboid.clone().with_offset(Pose::default()).unwrap(), &appearance));
+        assert!(!differs(&Collider::half_space(), &Appearance::HalfSpace));
         let hill =
             r#"{ "bodies": [ { "shape": { "height_field": { "heights": [[0, 1], [0, 0]] } }, "fixed": true } ] }"#;
-        let hill = Scene::from_json(hill, "hill.json").unwrap().looks().unwrap().remove(0);
+        let hill = Scene::from_json(hill, "hill.json").unwrap().appearance().unwrap().remove(0);
         let heights = Collider::height_field([0.0, 1.0, 0.0, 0.0], 2, [1.0, 1.0]).unwrap();
         assert!(!differs(&heights.with_material(slippery).unwrap(), &hill) && differs(&of_cuboid, &hill));
 
         let aside = Pose { position: Vec3::X, ..Pose::default() };
-        assert!(differs(&of_cuboid.clone().with_offset(aside).unwrap(), &looks));
-        assert!(differs(&of_cuboid, &Looks::HalfSpace));
-        assert!(differs(&of_cuboid, &Looks::Shape(Shape::sphere(0.1))));
+        assert!(differs(&of_cuboid.clone().with_offset(aside).unwrap(), &appearance));
+        assert!(differs(&of_cuboid, &Appearance::HalfSpace));
+        assert!(differs(&of_cuboid, &Appearance::Shape(Shape::sphere(0.1))));
         // A point is drawn as the ellipsoid of its inertia.
-        assert!(differs(&of_cuboid, &Looks::Shape(Shape::Point)));
+        assert!(differs(&of_cuboid, &Appearance::Shape(Shape::Point)));
     }
 
     #[test]
@@ -98,13 +98,13 @@ mod tests {
             let compound = Shape::Compound(vec![part]);
             let hulls = Collider::new(&compound).unwrap();
             let expected = [
-                (&surface, Looks::Mesh(Arc::new(mesh)), false),
-                (&surface, Looks::Shape(shape.clone()), false),
-                (&hull, Looks::Shape(shape), is_hollow),
-                (&hulls, Looks::Shape(compound), is_hollow),
+                (&surface, Appearance::Mesh(Arc::new(mesh)), false),
+                (&surface, Appearance::Shape(shape.clone()), false),
+                (&hull, Appearance::Shape(shape), is_hollow),
+                (&hulls, Appearance::Shape(compound), is_hollow),
             ];
-            for (collider, looks, expected) in expected {
-                assert_eq!(differs(collider, &looks), expected, "{looks:?}");
+            for (collider, appearance, expected) in expected {
+                assert_eq!(differs(collider, &appearance), expected, "{appearance:?}");
             }
         }
     }

@@ -18,7 +18,7 @@ pub(crate) enum Layer {
     Contacts,
     Colliders,
     Trails,
-    Names,
+    BodyNames,
     Grid,
     Ledger,
     Legend,
@@ -74,7 +74,7 @@ pub(crate) const LAYERS: [LayerInfo; 14] = [
     info(Layer::Contacts, "contacts", "contacts", (KeyCode::X, 'X'), DebugView::CONTACT),
     info(Layer::Colliders, "colliders", "colliders", (KeyCode::B, 'B'), DebugView::COLLIDER),
     info(Layer::Trails, "trails", "trails", (KeyCode::T, 'T'), WHITE),
-    info(Layer::Names, "names", "names", (KeyCode::N, 'N'), WHITE),
+    info(Layer::BodyNames, "names", "names", (KeyCode::N, 'N'), WHITE),
     info(Layer::Grid, "grid", "grid", (KeyCode::G, 'G'), WHITE),
     info(Layer::Ledger, "ledger", "energy and momentum", (KeyCode::E, 'E'), WHITE),
     info(Layer::Legend, "legend", "keys", (KeyCode::H, 'H'), WHITE),
@@ -96,7 +96,7 @@ impl Layers {
     pub(crate) fn fitting(moving: usize, turning: usize) -> Self {
         let mut all = vec![Layer::Springs, Layer::Trails, Layer::Grid, Layer::Ledger, Layer::Legend];
         if (2..=10).contains(&moving) {
-            all.push(Layer::Names);
+            all.push(Layer::BodyNames);
         }
         if (1..=3).contains(&turning) {
             all.extend([Layer::AngularMomentum, Layer::AngularVelocity, Layer::Axes]);

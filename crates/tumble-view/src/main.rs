@@ -19,11 +19,11 @@ mod colliders;
 mod convert;
 mod failure;
 mod framing;
+mod glyphs;
 mod gpu;
 mod layers;
-mod letters;
 mod lines;
-mod opening;
+mod open_window;
 mod options;
 mod overlay;
 mod palette;
@@ -31,8 +31,8 @@ mod pick;
 mod picture;
 mod playback;
 mod readout;
-mod stage;
 mod trails;
+mod viewport;
 mod window;
 
 use std::io::Write as _;
@@ -84,6 +84,6 @@ fn run(options: &Options) -> Result<(), Failure> {
     }
     let pace = options.speed.unwrap_or_else(|| playback::pace(&scene));
     let task = options.task(scene.settings.dt, pace)?;
-    let stage = stage::Stage::new(scene, &options.view)?;
-    opening::open(stage, task.open()?, pace, options)
+    let viewport = viewport::Viewport::new(scene, &options.view)?;
+    open_window::open(viewport, task.open()?, pace, options)
 }

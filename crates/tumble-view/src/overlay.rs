@@ -9,8 +9,8 @@ use macroquad::text::{Font, TextParams, draw_text_ex, load_ttf_font_from_bytes};
 use macroquad::window::screen_dpi_scale;
 use tumble::glam::DVec2;
 
+use crate::glyphs::{FONT, written};
 use crate::layers::{LAYERS, Layer, Layers};
-use crate::letters::{FONT, written};
 use crate::readout::Row;
 
 /// From one letter to the next, in sizes of the font.

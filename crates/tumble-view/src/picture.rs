@@ -12,7 +12,7 @@ use crate::failure::Failure;
 use crate::gpu::{Background, Gpu, Renderer};
 use crate::options::Size;
 use crate::overlay::Writer;
-use crate::stage::{Canvas, Stage};
+use crate::viewport::{Canvas, Viewport};
 
 /// Every point of a picture is the mean of this many pixels in either direction, so that edges are smooth with any driver.
 const FINER: u32 = 2;
@@ -40,14 +40,14 @@ impl Easel {
 
     pub(crate) fn draw(
         &self,
-        stage: &mut Stage,
+        viewport: &mut Viewport,
         (gpu, renderer, writer): (&mut Gpu, &mut Renderer, &Writer),
         status: String,
     ) -> Image {
         let size = self.size.points();
         let canvas =
             Canvas { pass: Some(self.target.render_pass.raw_miniquad_id()), size, background: self.background };
-        let overlay = stage.draw(gpu, renderer, &canvas, status);
+        let overlay = viewport.draw(gpu, renderer, &canvas, status);
         let points = Rect::new(0.0, 0.0, size.x as f32, size.y as f32);
         set_camera(&Camera2D { render_target: Some(self.target.clone()), ..Camera2D::from_display_rect(points) });
         writer.draw(&overlay, size, FINER as f32);

@@ -37,12 +37,12 @@ pub(crate) struct Playback {
 impl Playback {
     pub(crate) fn of(scene: Scene) -> Result<Self, Failure> {
         let simulation = Simulation::new(scene.settings).map_err(|error| Failure::Input(error.to_string()))?;
-        let (looks, steps) = (scene.looks()?, scene.steps);
+        let (appearance, steps) = (scene.appearance()?, scene.steps);
         let mut world = World::new();
         let names = scene.spawn(&mut world)?;
         remember_poses(&mut world);
         let order = BodyOrder::of(&world);
-        let bodies = Bodies::of(&world, &order, &names, &looks);
+        let bodies = Bodies::of(&world, &order, &names, &appearance);
         let start = Totals::of(&world, simulation.settings(), &order);
         let scale = MomentumScale::of(&world, &order);
         let beginning = simulation.snapshot(&world).map_err(|error| Failure::Input(error.to_string()))?;

@@ -16,7 +16,7 @@ use crate::gpu::{Background, Gpu, Renderer};
 use crate::layers::LAYERS;
 use crate::overlay::Writer;
 use crate::readout;
-use crate::stage::{Canvas, Follow, Stage};
+use crate::viewport::{Canvas, Follow, Viewport};
 
 /// A frame may take so long to simulate; what it then lacks is not made up for.
 const BUDGET: Duration = Duration::from_millis(12);
@@ -48,27 +48,27 @@ struct Controls {
 
 /// Shows the stage until the window is closed.
 pub(crate) async fn show(
-    mut stage: Stage,
+    mut viewport: Viewport,
     (mut gpu, mut renderer, writer): (Gpu, Renderer, Writer),
     pace: f64,
     paused: bool,
 ) -> Result<(), Failure> {
     let mut controls = Controls { paused, speed: 0, pace, keeps_up: true, mouse: DVec2::ZERO, pressed_at: None };
-    stage.books_every = BOOKS;
+    viewport.books_every = BOOKS;
     loop {
         let size = DVec2::new(f64::from(screen_width()), f64::from(screen_height())).max(DVec2::ONE);
         if is_key_pressed(KeyCode::Q) {
             return Ok(());
         }
-        controls.keys(&mut stage, size)?;
-        controls.mouse(&mut stage, size);
+        controls.keys(&mut viewport, size)?;
+        controls.mouse(&mut viewport, size);
         if !controls.paused {
             let seconds = f64::from(get_frame_time()).min(LONGEST_FRAME) * controls.factor();
-            controls.keeps_up = stage.playback.advance(seconds, BUDGET);
+            controls.keeps_up = viewport.playback.advance(seconds, BUDGET);
         }
         let canvas = Canvas { pass: None, size, background: Background::Gradient };
-        let status = controls.status(&stage);
-        let overlay = stage.draw(&mut gpu, &mut renderer, &canvas, status);
+        let status = controls.status(&viewport);
+        let overlay = viewport.draw(&mut gpu, &mut renderer, &canvas, status);
         writer.draw(&overlay, size, 1.0);
         next_frame().await;
     }
@@ -80,8 +80,8 @@ impl Controls {
         self.pace * 2.0_f64.powi(self.speed)
     }
 
-    fn status(&self, stage: &Stage) -> String {
-        let speed = status(stage.playback.time(), self.factor(), self.pace);
+    fn status(&self, viewport: &Viewport) -> String {
+        let speed = status(viewport.playback.time(), self.factor(), self.pace);
         let note = match (self.paused, self.keeps_up) {
             (true, _) => "   paused",
             (false, false) => "   as fast as it goes",
@@ -90,10 +90,10 @@ impl Controls {
         format!("{speed}{note}")
     }
 
-    fn keys(&mut self, stage: &mut Stage, size: DVec2) -> Result<(), Failure> {
+    fn keys(&mut self, viewport: &mut Viewport, size: DVec2) -> Result<(), Failure> {
         for info in &LAYERS {
             if is_key_pressed(info.key) {
-                stage.layers.toggle(info.layer);
+                viewport.layers.toggle(info.layer);
             }
         }
         if is_key_pressed(KeyCode::Space) {
@@ -101,29 +101,29 @@ impl Controls {
         }
         if is_key_pressed(KeyCode::Period) {
             self.paused = true;
-            stage.playback.step();
+            viewport.playback.step();
         }
         let faster = is_key_pressed(KeyCode::Equal) || is_key_pressed(KeyCode::KpAdd);
         let slower = is_key_pressed(KeyCode::Minus) || is_key_pressed(KeyCode::KpSubtract);
         self.speed = (self.speed + i32::from(faster) - i32::from(slower)).clamp(SLOWEST, FASTEST);
         if is_key_pressed(KeyCode::R) {
-            stage.restart()?;
+            viewport.restart()?;
         }
         if is_key_pressed(KeyCode::Tab) {
-            let bodies = stage.playback.bodies.all.len();
+            let bodies = viewport.playback.bodies.all.len();
             let back = is_key_down(KeyCode::LeftShift) || is_key_down(KeyCode::RightShift);
-            pick(stage, next_body(stage.picked, bodies, back));
+            pick(viewport, next_body(viewport.picked, bodies, back));
         }
         if is_key_pressed(KeyCode::Escape) {
-            pick(stage, None);
+            pick(viewport, None);
         }
         if is_key_pressed(KeyCode::C) {
-            let follow = match (stage.follow, stage.picked) {
+            let follow = match (viewport.follow, viewport.picked) {
                 (Follow::All, Some(index)) => Follow::Body(index),
                 (Follow::All, None) | (Follow::Body(_), _) => Follow::Nothing,
                 (Follow::Nothing, _) => Follow::All,
             };
-            stage.set_follow(follow);
+            viewport.set_follow(follow);
         }
         let quarter = std::f64::consts::FRAC_PI_2;
         let views = [
@@ -134,34 +134,34 @@ impl Controls {
         ];
         for (key, (yaw, pitch)) in views {
             if is_key_pressed(key) {
-                stage.look_from(yaw, pitch, size);
+                viewport.look_from(yaw, pitch, size);
             }
         }
         Ok(())
     }
 
-    fn mouse(&mut self, stage: &mut Stage, size: DVec2) {
+    fn mouse(&mut self, viewport: &mut Viewport, size: DVec2) {
         let (x, y) = mouse_position();
         let now = DVec2::new(f64::from(x), f64::from(y));
         let by = now - std::mem::replace(&mut self.mouse, now);
         if is_mouse_button_pressed(MouseButton::Left) {
             self.pressed_at = Some(now);
         } else if is_mouse_button_down(MouseButton::Left) {
-            stage.camera.turn(-TURN * by.x, TURN * by.y);
+            viewport.camera.turn(-TURN * by.x, TURN * by.y);
         }
         // A quick click is pressed and released within one frame.
         if is_mouse_button_released(MouseButton::Left)
             && self.pressed_at.take().is_some_and(|at| at.distance(now) <= CLICK)
         {
-            pick(stage, stage.body_at(now, size));
+            pick(viewport, viewport.body_at(now, size));
         }
         if is_mouse_button_down(MouseButton::Right) || is_mouse_button_down(MouseButton::Middle) {
-            stage.pan(by, size);
+            viewport.pan(by, size);
         }
         // Some systems count notches, others points.
         let notches = f64::from(mouse_wheel().1).clamp(-3.0, 3.0);
         if notches != 0.0 {
-            stage.zoom((-NOTCH * notches).exp(), size);
+            viewport.zoom((-NOTCH * notches).exp(), size);
         }
     }
 }
@@ -177,11 +177,11 @@ pub(crate) fn status(time: f64, factor: f64, pace: f64) -> String {
 }
 
 /// A camera that follows the picked body follows the next one that is picked.
-fn pick(stage: &mut Stage, body: Option<usize>) {
-    stage.picked = body;
-    match (stage.follow, body) {
-        (Follow::Body(_), Some(index)) => stage.set_follow(Follow::Body(index)),
-        (Follow::Body(_), None) => stage.set_follow(Follow::Nothing),
+fn pick(viewport: &mut Viewport, body: Option<usize>) {
+    viewport.picked = body;
+    match (viewport.follow, body) {
+        (Follow::Body(_), Some(index)) => viewport.set_follow(Follow::Body(index)),
+        (Follow::Body(_), None) => viewport.set_follow(Follow::Nothing),
         _ => {}
     }
 }

@@ -5,7 +5,7 @@ use std::fmt::Write as _;
 use hecs::{Entity, World};
 use tumble::math::{Real, Vec3};
 use tumble::{BodyId, BodyOrder, GravityMass, RigidBody, Settings, Shape, Simulation, Spring, Totals};
-use tumble_scene::{Mark, Plot, Scale};
+use tumble_scene::{Plot, Scale, SeriesStyle};
 
 use crate::{Failure, Findings};
 
@@ -84,7 +84,7 @@ pub(crate) fn find() -> Result<Findings, Failure> {
         let mean = |part: &[(f64, f64)]| part.iter().map(|(_, change)| change).sum::<f64>() / part.len() as f64;
         let (start, end) = (mean(&changes[..tenth]), mean(&changes[changes.len() - tenth..]));
         writeln!(text, "| {name} | {largest:.1e} | {start:.2e} | {end:.2e} |")?;
-        plot = plot.series(name, Mark::Line, changes);
+        plot = plot.series(name, SeriesStyle::Line, changes);
     }
     Ok((text, vec![("coupled-energy", plot)]))
 }

@@ -6,7 +6,7 @@ use std::fmt::Write as _;
 use hecs::{Entity, World};
 use tumble::math::{Real, Vec3};
 use tumble::{PointGravity, Pose, RigidBody, Settings, Shape, Simulation, Velocity};
-use tumble_scene::{Mark, Plot, Scale};
+use tumble_scene::{Plot, Scale, SeriesStyle};
 use tumble_tests::dvec3;
 
 use crate::{Failure, Findings};
@@ -142,10 +142,10 @@ pub(crate) fn find() -> Result<Findings, Failure> {
     let energy = Plot::new("A Kepler orbit, 1000 periods of 500 steps")
         .x_axis("period", Scale::Linear)
         .y_axis("relative change of energy", Scale::Linear)
-        .series("", Mark::Line, errors);
+        .series("", SeriesStyle::Line, errors);
     let falling = Plot::new("How far the ellipse turns in a period")
         .x_axis("steps a period", Scale::Log)
         .y_axis("precession [rad]", Scale::Log)
-        .series("", Mark::Dots, precession);
+        .series("", SeriesStyle::Dots, precession);
     Ok((text, vec![("kepler-energy", energy), ("kepler-precession", falling)]))
 }

@@ -6,7 +6,7 @@ use std::fmt::Write as _;
 use hecs::World;
 use tumble::math::{Real, Vec3};
 use tumble::{Pose, RigidBody, Settings, Shape, Simulation, Spring};
-use tumble_scene::{Mark, Plot, Scale};
+use tumble_scene::{Plot, Scale, SeriesStyle};
 use tumble_tests::seconds;
 
 use crate::{Failure, Findings};
@@ -56,7 +56,7 @@ pub(crate) fn find() -> Result<Findings, Failure> {
     let plot = Plot::new("Frequency of a stiff spring")
         .x_axis("oscillations a step in truth", Scale::Linear)
         .y_axis("oscillations a step as simulated", Scale::Linear)
-        .series("tumble", Mark::Dots, ours)
-        .series("kick and drift without more", Mark::Line, plain);
+        .series("tumble", SeriesStyle::Dots, ours)
+        .series("kick and drift without more", SeriesStyle::Line, plain);
     Ok((text, vec![("spring-frequency", plot)]))
 }

@@ -3,7 +3,7 @@
 use hecs::{Entity, World};
 use tumble::math::Vec3;
 use tumble::{Integrator, Momentum, Pose, Settings, Simulation};
-use tumble_scene::{Mark, Plot, Scale};
+use tumble_scene::{Plot, Scale, SeriesStyle};
 use tumble_tests::references::Tumbler;
 use tumble_tests::{dquat, dvec3};
 
@@ -20,9 +20,9 @@ pub(crate) fn draw() -> Vec<Picture> {
         .x_axis("time [s]", Scale::Log)
         .y_axis("relative energy error", Scale::Log);
     for (integrator, mark) in [
-        (Integrator::SemiImplicitEuler, Mark::Line),
-        (Integrator::RungeKutta4, Mark::Line),
-        (Integrator::MoserVeselov, Mark::Line),
+        (Integrator::SemiImplicitEuler, SeriesStyle::Line),
+        (Integrator::RungeKutta4, SeriesStyle::Line),
+        (Integrator::MoserVeselov, SeriesStyle::Line),
     ] {
         let history = history(&body, integrator, 36_000);
         let start = history.first().map_or(f64::NAN, |moment| moment.energy);

@@ -3,7 +3,7 @@
 use hecs::World;
 use tumble::math::{Real, Vec3};
 use tumble::{Integrator, Pose, Settings, Simulation};
-use tumble_scene::{Mark, Plot, Scale};
+use tumble_scene::{Plot, Scale, SeriesStyle};
 use tumble_tests::references::double_quat;
 use tumble_tests::{FreeBody, attitude_error, dquat, energy_of};
 
@@ -133,7 +133,7 @@ pub(crate) fn draw(rows: &[Row]) -> Vec<Picture> {
                 Plot::new(&title).x_axis("work per simulated second [\u{b5}s]", Scale::Log).y_axis(label, Scale::Log);
             for integrator in Integrator::ALL {
                 let of_this = rows.iter().filter(|row| row.body == name && row.integrator == integrator);
-                plot = plot.series(integrator.name(), Mark::Dots, of_this.map(|row| (row.work(), value(row))));
+                plot = plot.series(integrator.name(), SeriesStyle::Dots, of_this.map(|row| (row.work(), value(row))));
             }
             pictures.push((format!("{quantity}-{file}"), plot));
         }

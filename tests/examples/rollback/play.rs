@@ -8,7 +8,7 @@ use crate::wire::Wire;
 
 /// How a game ended.
 #[derive(Debug)]
-pub(crate) struct Outcome {
+pub(crate) struct RunStatus {
     /// The hash of each peer's state.
     pub(crate) peers: [u64; 2],
     /// The hash of a run without a network.
@@ -18,7 +18,7 @@ pub(crate) struct Outcome {
 }
 
 /// Plays this many steps.
-pub(crate) fn play(steps: u64) -> Result<Outcome, Failure> {
+pub(crate) fn play(steps: u64) -> Result<RunStatus, Failure> {
     let mut peers = [Peer::new(0)?, Peer::new(1)?];
     // Each carries what the peer of its number gets.
     let mut wires = [Wire::default(), Wire::default()];
@@ -32,7 +32,7 @@ pub(crate) fn play(steps: u64) -> Result<Outcome, Failure> {
         }
     }
     let corrections = [0, 1].map(|player| peers[player].corrections);
-    Ok(Outcome { peers: peers.map(|peer| peer.hash()), referee: referee(steps)?, corrections })
+    Ok(RunStatus { peers: peers.map(|peer| peer.hash()), referee: referee(steps)?, corrections })
 }
 
 fn referee(steps: u64) -> Result<u64, Failure> {

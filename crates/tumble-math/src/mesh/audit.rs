@@ -2,8 +2,8 @@
 
 use glam::DVec3;
 
-use super::anatomy::Anatomy;
 use super::defect::MeshDefect;
+use super::mesh_analysis::Anatomy;
 use super::moments::{signed_volume, surface_area};
 use super::triangle_mesh::TriangleMesh;
 

@@ -4,24 +4,24 @@
 //! edges (`edges`), what hangs together (`parts`), what lies within what (`nesting`). `audit` counts, `solid_mesh` repairs and refuses. `convex_hull` makes
 //! meshes that need none of it.
 
-mod anatomy;
 mod audit;
-mod coincidence;
+mod connected_components;
 mod convex_hull;
-mod crossings;
 mod defect;
 mod edges;
 mod grid_point;
 mod hull_error;
 mod local_frame;
+mod mesh_analysis;
 mod mesh_error;
 mod moments;
 mod nesting;
-mod parts;
+mod ray_crossings;
 mod solid_mesh;
 mod surface;
 mod triangle_mesh;
 mod varying_density;
+mod vertex_weld;
 
 pub use audit::MeshAudit;
 pub use convex_hull::convex_hull;

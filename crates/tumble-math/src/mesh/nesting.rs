@@ -2,9 +2,9 @@
 
 use glam::{DVec2, DVec3};
 
-use super::crossings::{Crossing, Shadows};
+use super::connected_components::Parts;
 use super::local_frame::LocalFrame;
-use super::parts::Parts;
+use super::ray_crossings::{Crossing, Shadows};
 use super::triangle_mesh::TriangleMesh;
 
 /// Parts nearer to each other than this, in units of the mesh, touch. As near-duplicate vertices.

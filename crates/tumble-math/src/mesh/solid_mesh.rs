@@ -2,13 +2,13 @@
 
 use glam::{DMat3, DVec3};
 
-use super::anatomy::Anatomy;
 use super::audit::MeshAudit;
+use super::connected_components::turned;
 use super::defect::{MeshDefect, MeshRepair};
 use super::local_frame::LocalFrame;
+use super::mesh_analysis::Anatomy;
 use super::mesh_error::MeshError;
 use super::moments::{Moments, moments};
-use super::parts::turned;
 use super::triangle_mesh::TriangleMesh;
 use crate::mass_properties::MassProperties;
 use crate::shape::{Amount, Shape};

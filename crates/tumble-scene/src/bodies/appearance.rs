@@ -5,15 +5,15 @@ use tumble::{Collider, Shape, TriangleMesh};
 /// What a body looks like, in its own frame.
 ///
 /// ```
-/// use tumble_scene::{Looks, Scene};
+/// use tumble_scene::{Appearance, Scene};
 ///
 /// let scene = Scene::from_json(r#"{ "bodies": [ { "shape": { "sphere": { "radius": 0.5 } }, "mass": 2 } ] }"#, "ball.json")?;
-/// assert_eq!(scene.looks()?, [Looks::Shape(tumble::Shape::sphere(0.5))]);
+/// assert_eq!(scene.appearance()?, [Appearance::Shape(tumble::Shape::sphere(0.5))]);
 /// # Ok::<(), tumble_scene::SceneError>(())
 /// ```
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
-pub enum Looks {
+pub enum Appearance {
     /// As its shape.
     Shape(Shape),
     /// As a surface that need not bound anything, such as ground.
@@ -27,11 +27,11 @@ pub enum Looks {
 /// Ground of heights: what is touched and what is seen of it.
 ///
 /// ```
-/// use tumble_scene::{Looks, Scene};
+/// use tumble_scene::{Appearance, Scene};
 ///
 /// let text = r#"{ "bodies": [ { "shape": { "height_field": { "heights": [[0, 1, 0], [0, 2, 0]] } }, "fixed": true } ] }"#;
 /// let scene = Scene::from_json(text, "ridge.json")?;
-/// let [Looks::HeightField(ridge)] = &scene.looks()?[..] else { return Ok(()) };
+/// let [Appearance::HeightField(ridge)] = &scene.appearance()?[..] else { return Ok(()) };
 /// assert_eq!(ridge.triangles().triangles().len(), 4);
 /// # Ok::<(), tumble_scene::SceneError>(())
 /// ```

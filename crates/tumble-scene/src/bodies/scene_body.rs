@@ -4,7 +4,7 @@ use glam::DVec3;
 use hecs::{Entity, EntityBuilder, World};
 use tumble::{Body, Collider};
 
-use crate::bodies::appearance::Looks;
+use crate::bodies::appearance::Appearance;
 use crate::bodies::collider::SceneCollider;
 use crate::bodies::force::Force;
 
@@ -12,7 +12,7 @@ use crate::bodies::force::Force;
 #[derive(Clone, Debug)]
 pub(crate) struct SceneBody {
     pub(crate) body: Body,
-    pub(crate) looks: Looks,
+    pub(crate) appearance: Appearance,
     pub(crate) forces: Vec<Force>,
     /// For each spring among the forces, in order, the index of the body it leads to.
     pub(crate) springs_to: Vec<usize>,

@@ -60,8 +60,8 @@ impl AuditedBody {
     /// ```
     #[must_use]
     pub fn portrait(&self) -> String {
-        let surface = self.looks.as_ref().map(|(looks, _)| Surface::of(looks)).unwrap_or_default();
-        let up = self.looks.as_ref().map_or(Up::Y, |(_, up)| *up);
+        let surface = self.appearance.as_ref().map(|(appearance, _)| Surface::of(appearance)).unwrap_or_default();
+        let up = self.appearance.as_ref().map_or(Up::Y, |(_, up)| *up);
         Portrait::new(self, surface, up).to_svg()
     }
 }

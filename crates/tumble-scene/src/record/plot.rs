@@ -32,12 +32,12 @@ const STYLE_IN_THE_DARK: &str = "text{fill:#ddd}.ground{fill:#15181c}.grid{strok
 /// How a series is drawn.
 ///
 /// ```
-/// use tumble_scene::{Mark, Plot};
-/// let measured = Plot::new("Falls").series("measured", Mark::Cloud, [(0.1, 0.05), (0.2, 0.19)]).to_svg();
+/// use tumble_scene::{SeriesStyle, Plot};
+/// let measured = Plot::new("Falls").series("measured", SeriesStyle::Cloud, [(0.1, 0.05), (0.2, 0.19)]).to_svg();
 /// # assert!(measured.contains("measured"));
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Mark {
+pub enum SeriesStyle {
     /// A line.
     Line,
     /// A dashed line.
@@ -54,9 +54,9 @@ pub enum Mark {
 /// points is thinned to what can be seen, so the picture stays small.
 ///
 /// ```
-/// use tumble_scene::{Mark, Plot, Scale};
+/// use tumble_scene::{SeriesStyle, Plot, Scale};
 /// let falls = (0..100).map(|i| (f64::from(i) * 0.01, -4.905 * f64::from(i * i) * 1e-4));
-/// let svg = Plot::new("A fall").x_axis("time [s]", Scale::Linear).y_axis("height [m]", Scale::Linear).series("brick", Mark::Line, falls).to_svg();
+/// let svg = Plot::new("A fall").x_axis("time [s]", Scale::Linear).y_axis("height [m]", Scale::Linear).series("brick", SeriesStyle::Line, falls).to_svg();
 /// assert!(svg.starts_with("<svg") && svg.contains("height [m]"));
 /// ```
 #[derive(Clone, Debug)]
@@ -70,7 +70,7 @@ pub struct Plot {
 #[derive(Clone, Debug)]
 struct Series {
     name: String,
-    mark: Mark,
+    mark: SeriesStyle,
     points: Vec<(f64, f64)>,
 }
 
@@ -94,7 +94,12 @@ impl Plot {
     }
 
     /// Adds a series. A series without a name is not in the legend.
-    pub fn series(mut self, name: impl Into<String>, mark: Mark, points: impl IntoIterator<Item = (f64, f64)>) -> Self {
+    pub fn series(
+        mut self,
+        name: impl Into<String>,
+        mark: SeriesStyle,
+        points: impl IntoIterator<Item = (f64, f64)>,
+    ) -> Self {
         self.series.push(Series { name: name.into(), mark, points: points.into_iter().collect() });
         self
     }
@@ -164,7 +169,7 @@ impl Plot {
     }
 }
 
-impl Mark {
+impl SeriesStyle {
     fn dashes(self) -> &'static str {
         if self == Self::Dashed { " stroke-dasharray=\"6 5\"" } else { "" }
     }
@@ -176,7 +181,7 @@ impl Series {
         let mut path = String::new();
         let mut dots = String::new();
         let mut pen_down = false;
-        let radius = if self.mark == Mark::Cloud { 1.8 } else { 3.4 };
+        let radius = if self.mark == SeriesStyle::Cloud { 1.8 } else { 3.4 };
         while let Some(point) = placed.next() {
             if !(point.0.is_finite() && point.1.is_finite()) {
                 pen_down = false;
@@ -186,7 +191,7 @@ impl Series {
             let column = (2.0 * point.0).floor();
             let mut seen = [point; 4];
             // The density of a cloud is what it shows, so none of its points are left out.
-            let thin = self.mark != Mark::Cloud;
+            let thin = self.mark != SeriesStyle::Cloud;
             while let Some(next) = placed.next_if(|p| thin && p.1.is_finite() && (2.0 * p.0).floor() == column) {
                 seen[1] = if next.1 < seen[1].1 { next } else { seen[1] };
                 seen[2] = if next.1 > seen[2].1 { next } else { seen[2] };
@@ -204,10 +209,10 @@ impl Series {
                 }
             }
         }
-        if !path.is_empty() && self.mark != Mark::Cloud {
+        if !path.is_empty() && self.mark != SeriesStyle::Cloud {
             put(svg, format_args!("<path class=\"line c{color}\"{} d=\"{path}\"/>\n", self.mark.dashes()));
         }
-        if matches!(self.mark, Mark::Dots | Mark::Cloud) {
+        if matches!(self.mark, SeriesStyle::Dots | SeriesStyle::Cloud) {
             put(svg, format_args!("{dots}\n"));
         }
     }

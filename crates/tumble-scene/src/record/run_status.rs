@@ -1,13 +1,13 @@
 /// What a world of a sweep came to, as its row says it.
 ///
 /// ```
-/// use tumble_scene::Outcome;
+/// use tumble_scene::RunStatus;
 ///
-/// assert_eq!(Outcome::named("not-finite"), Some(Outcome::NotFinite));
-/// assert_eq!(Outcome::named("fine"), None);
+/// assert_eq!(RunStatus::named("not-finite"), Some(RunStatus::NotFinite));
+/// assert_eq!(RunStatus::named("fine"), None);
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Outcome {
+pub enum RunStatus {
     /// It was run to its end; only then does anything follow in the row.
     Ok,
     /// No body, or no simulation, has the values that were drawn.
@@ -16,7 +16,7 @@ pub enum Outcome {
     NotFinite,
 }
 
-impl Outcome {
+impl RunStatus {
     const ALL: [Self; 3] = [Self::Ok, Self::Impossible, Self::NotFinite];
 
     /// The word for it in a row.

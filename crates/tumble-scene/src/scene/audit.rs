@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use serde::Serialize;
 use tumble::{MassProperties, MeshAudit};
 
-use crate::bodies::appearance::Looks;
+use crate::bodies::appearance::Appearance;
 use crate::bodies::force::Force;
 use crate::bodies::scene_body::SceneBody;
 use crate::error::invalid;
@@ -92,7 +92,7 @@ pub struct AuditedBody {
     pub problems: Vec<String>,
     /// What it looks like in its own frame, and which axis of that is up.
     #[serde(skip)]
-    pub(crate) looks: Option<(Looks, Up)>,
+    pub(crate) appearance: Option<(Appearance, Up)>,
 }
 
 /// An axis of a body's frame.
@@ -234,7 +234,7 @@ impl AuditedBody {
             None => Self::impossible(name, &[]),
         };
         let collider = body.collider.as_ref().map(AuditedCollider::of);
-        Self { looks: Some((body.looks.clone(), up)), collider, ..audited }
+        Self { appearance: Some((body.appearance.clone(), up)), collider, ..audited }
     }
 
     pub(crate) fn of_properties(name: String, properties: &MassProperties) -> Self {
@@ -266,7 +266,7 @@ impl AuditedBody {
             axes: None,
             volume: None,
             mesh: None,
-            looks: None,
+            appearance: None,
             forces: Vec::new(),
             collider: None,
             problems: problems.iter().map(ToString::to_string).collect(),

@@ -6,7 +6,7 @@ use std::sync::Arc;
 use tumble::Amount;
 use tumble_math::{MeshAudit, MeshError, SolidMesh, TriangleMesh};
 
-use crate::bodies::appearance::Looks;
+use crate::bodies::appearance::Appearance;
 use crate::error::{SceneError, one_line};
 use crate::import::mesh_file;
 use crate::import::mesh_file::{MeshFile, MeshFormat};
@@ -74,7 +74,7 @@ fn audited(
     body.mesh = Some(audit);
     // What drawing programs have up, and what machines are built on.
     let up = if format == MeshFormat::Stl { Up::Z } else { Up::Y };
-    body.looks = Some((Looks::Mesh(Arc::new(mesh)), up));
+    body.appearance = Some((Appearance::Mesh(Arc::new(mesh)), up));
     body
 }
 

@@ -12,7 +12,7 @@ use tumble::{Amount, BodyId, InertiaTensor, Part, PrincipalInertia, RigidBody, S
 
 pub(crate) use crate::scene::convert::forces::{Others, indices, springs_by_distance};
 
-use crate::bodies::appearance::Looks;
+use crate::bodies::appearance::Appearance;
 use crate::bodies::scene_body::SceneBody;
 use crate::error::FieldError;
 use crate::scene::model::{BodyModel, InertiaModel, PartModel, ShapeModel};
@@ -25,7 +25,7 @@ use crate::values::tuple::Triple;
 pub(crate) fn body(model: &BodyModel, index: usize, others: Others<'_>) -> Result<SceneBody, Vec<FieldError>> {
     let mut problems = Vec::new();
     let checked = note(&mut problems, shape(model.shape.as_ref()));
-    let ground = ground::looks(model, &mut problems);
+    let ground = ground::appearance(model, &mut problems);
     let collider = collider::collider(model, ground.as_ref(), checked.as_ref(), &mut problems);
     let shape = checked.unwrap_or(Shape::Point);
     let body = with_fields(model, index, shape.clone(), &mut problems);
@@ -34,8 +34,8 @@ pub(crate) fn body(model: &BodyModel, index: usize, others: Others<'_>) -> Resul
         return Err(problems);
     }
     let body = body.build().map_err(|error| vec![FieldError::new(error.field(), error)])?;
-    let looks = ground.unwrap_or(Looks::Shape(shape));
-    Ok(SceneBody { body, looks, forces, springs_to, collider, pieces: Vec::new() })
+    let appearance = ground.unwrap_or(Appearance::Shape(shape));
+    Ok(SceneBody { body, appearance, forces, springs_to, collider, pieces: Vec::new() })
 }
 
 /// The name given, or `body-<index>`.

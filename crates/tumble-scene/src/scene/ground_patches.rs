@@ -5,7 +5,7 @@ use std::sync::Arc;
 use glam::{DQuat, DVec3};
 use tumble::TriangleMesh;
 
-use crate::bodies::appearance::Looks;
+use crate::bodies::appearance::Appearance;
 
 /// Corners of a plate that nothing cuts.
 const CORNERS: usize = 48;
@@ -19,15 +19,15 @@ const TANGENT: f64 = 0.065_543_462_815_238_23;
 ///
 /// ```
 /// use tumble::glam::{DQuat, DVec3};
-/// use tumble_scene::{Looks, plates};
+/// use tumble_scene::{Appearance, ground_patches};
 ///
 /// let ground = (DVec3::ZERO, DQuat::IDENTITY);
-/// let plate = plates(&[ground], DVec3::new(7.0, 5.0, 0.0), 2.0).remove(0);
-/// let Some(Looks::Mesh(disc)) = plate else { return };
+/// let plate = ground_patches(&[ground], DVec3::new(7.0, 5.0, 0.0), 2.0).remove(0);
+/// let Some(Appearance::Mesh(disc)) = plate else { return };
 /// assert!(disc.positions().iter().all(|corner| corner.y == 0.0 && (corner.x - 7.0).abs() < 2.01));
 /// ```
 #[must_use]
-pub fn plates(half_spaces: &[(DVec3, DQuat)], middle: DVec3, radius: f64) -> Vec<Option<Looks>> {
+pub fn ground_patches(half_spaces: &[(DVec3, DQuat)], middle: DVec3, radius: f64) -> Vec<Option<Appearance>> {
     let plate = |(index, (origin, rotation)): (usize, &(DVec3, DQuat))| {
         let others = half_spaces.iter().enumerate().filter(|(other, _)| *other != index);
         let nearest = rotation.conjugate() * (middle - *origin);
@@ -45,7 +45,7 @@ pub fn plates(half_spaces: &[(DVec3, DQuat)], middle: DVec3, radius: f64) -> Vec
         if triangles.is_empty() {
             return None;
         }
-        TriangleMesh::new(corners, triangles).ok().map(|mesh| Looks::Mesh(Arc::new(mesh)))
+        TriangleMesh::new(corners, triangles).ok().map(|mesh| Appearance::Mesh(Arc::new(mesh)))
     };
     half_spaces.iter().enumerate().map(plate).collect()
 }
@@ -79,9 +79,9 @@ mod tests {
 
     use super::*;
 
-    fn mesh(looks: &Option<Looks>) -> &TriangleMesh {
-        match looks {
-            Some(Looks::Mesh(mesh)) => mesh,
+    fn mesh(appearance: &Option<Appearance>) -> &TriangleMesh {
+        match appearance {
+            Some(Appearance::Mesh(mesh)) => mesh,
             other => panic!("{other:?} is no plate"),
         }
     }
@@ -95,8 +95,8 @@ mod tests {
     #[test]
     fn ground_alone_is_a_disc_below_the_middle() {
         let turn = DQuat::from_rotation_x(0.3);
-        let plates = plates(&[(DVec3::new(1.0, 2.0, 3.0), turn)], DVec3::new(5.0, 9.0, -4.0), 2.0);
-        let disc = mesh(&plates[0]);
+        let ground_patches = ground_patches(&[(DVec3::new(1.0, 2.0, 3.0), turn)], DVec3::new(5.0, 9.0, -4.0), 2.0);
+        let disc = mesh(&ground_patches[0]);
         // A regular polygon of 48 corners.
         let expected = 0.5 * 48.0 * 4.0 * (2.0 * PI / 48.0).sin();
         assert!((area(disc) / expected - 1.0).abs() < 1e-12, "{} {expected}", area(disc));
@@ -115,9 +115,9 @@ mod tests {
             wall(DVec3::Z * 3.0, DQuat::from_rotation_x(-FRAC_PI_2)),
             wall(DVec3::Z * -3.0, DQuat::from_rotation_x(FRAC_PI_2)),
         ];
-        let plates = plates(&half_spaces, DVec3::Y, 50.0);
-        assert!((area(mesh(&plates[0])) - 24.0).abs() < 1e-9, "{}", area(mesh(&plates[0])));
-        for (plate, (place, turn)) in plates.iter().zip(&half_spaces).skip(1) {
+        let ground_patches = ground_patches(&half_spaces, DVec3::Y, 50.0);
+        assert!((area(mesh(&ground_patches[0])) - 24.0).abs() < 1e-9, "{}", area(mesh(&ground_patches[0])));
+        for (plate, (place, turn)) in ground_patches.iter().zip(&half_spaces).skip(1) {
             let corners: Vec<DVec3> = mesh(plate).positions().iter().map(|corner| *place + *turn * *corner).collect();
             assert!(corners.iter().all(|at| at.x.abs() < 2.0 + 1e-9 && at.y > -1e-9 && at.z.abs() < 3.0 + 1e-9));
             assert!(corners.iter().any(|at| at.y > 40.0), "walls have no upper end");
@@ -129,8 +129,8 @@ mod tests {
     fn ground_under_ground_is_not_seen() {
         let steep = DQuat::from_rotation_x(0.2);
         let half_spaces = [(DVec3::ZERO, steep), (DVec3::Y * 30.0, DQuat::IDENTITY)];
-        let plates = plates(&half_spaces, DVec3::ZERO, 10.0);
-        assert_eq!(plates[0], None);
-        assert!(plates[1].is_some());
+        let ground_patches = ground_patches(&half_spaces, DVec3::ZERO, 10.0);
+        assert_eq!(ground_patches[0], None);
+        assert!(ground_patches[1].is_some());
     }
 }

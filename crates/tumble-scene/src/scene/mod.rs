@@ -22,7 +22,7 @@ use std::path::{Path, PathBuf};
 use hecs::World;
 use tumble::{BodyError, BodyId, Settings};
 
-use crate::bodies::appearance::Looks;
+use crate::bodies::appearance::Appearance;
 use crate::bodies::collider::SceneCollider;
 use crate::bodies::scene_body::SceneBody;
 use crate::error::{FieldError, SceneError, Scope, invalid, one_line};
@@ -257,24 +257,24 @@ impl Scene {
     ///
     /// # Errors
     /// As [`spawn`](Self::spawn).
-    pub fn looks(&self) -> Result<Vec<Looks>, SceneError> {
+    pub fn appearance(&self) -> Result<Vec<Appearance>, SceneError> {
         match &self.bodies {
-            Bodies::Listed { bodies, .. } => Ok(bodies.iter().map(|body| body.looks.clone()).collect()),
-            Bodies::Stress { count, seed } => stress_bodies(*count, *seed).map(|body| Ok(body?.looks)).collect(),
+            Bodies::Listed { bodies, .. } => Ok(bodies.iter().map(|body| body.appearance.clone()).collect()),
+            Bodies::Stress { count, seed } => stress_bodies(*count, *seed).map(|body| Ok(body?.appearance)).collect(),
         }
     }
 
     /// What the bodies with these indices look like, which increase.
-    pub(crate) fn looks_of(&self, chosen: &[usize]) -> Result<Vec<Looks>, SceneError> {
+    pub(crate) fn looks_of(&self, chosen: &[usize]) -> Result<Vec<Appearance>, SceneError> {
         match &self.bodies {
             Bodies::Listed { bodies, .. } => {
-                Ok(chosen.iter().filter_map(|&index| bodies.get(index)).map(|body| body.looks.clone()).collect())
+                Ok(chosen.iter().filter_map(|&index| bodies.get(index)).map(|body| body.appearance.clone()).collect())
             }
             // Most of a million bodies are made for nothing; but none of them is kept.
             Bodies::Stress { count, seed } => stress_bodies(*count, *seed)
                 .enumerate()
                 .filter(|(index, _)| chosen.binary_search(index).is_ok())
-                .map(|(_, body)| Ok(body?.looks))
+                .map(|(_, body)| Ok(body?.appearance))
                 .collect(),
         }
     }
@@ -291,17 +291,17 @@ impl Scene {
     ///
     /// # Errors
     /// [`SceneError::Invalid`] if the generated scene made an impossible body, which its tests deny.
-    pub fn spawn(self, world: &mut World) -> Result<Names, SceneError> {
+    pub fn spawn(self, world: &mut World) -> Result<BodyNames, SceneError> {
         match self.bodies {
             Bodies::Listed { bodies, names } => {
                 SceneBody::spawn_all(&bodies, world);
-                Ok(Names { given: Some(names) })
+                Ok(BodyNames { given: Some(names) })
             }
             Bodies::Stress { count, seed } => {
                 for body in stress_bodies(count, seed) {
                     body?.body.spawn(world);
                 }
-                Ok(Names { given: None })
+                Ok(BodyNames { given: None })
             }
         }
     }
@@ -409,12 +409,12 @@ impl Scene {
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 #[derive(Clone, Debug)]
-pub struct Names {
+pub struct BodyNames {
     /// `None` where all are called by their number.
     given: Option<Vec<String>>,
 }
 
-impl Names {
+impl BodyNames {
     /// The name of the body with this id; `body-<id>` for one that the scene does not know.
     #[must_use]
     pub fn of(&self, id: u64) -> Cow<'_, str> {

@@ -6,7 +6,7 @@ use rand_pcg::Pcg32;
 use tumble::math::Vec3;
 use tumble::{Amount, BodyError, BodyId, Part, RigidBody, Shape};
 
-use crate::bodies::appearance::Looks;
+use crate::bodies::appearance::Appearance;
 use crate::bodies::scene_body::SceneBody;
 use crate::values::checked::{real_quaternion, real_vector};
 
@@ -116,7 +116,7 @@ impl StressBodies {
             .build()?;
         Ok(SceneBody {
             body,
-            looks: Looks::Shape(shape),
+            appearance: Appearance::Shape(shape),
             forces: Vec::new(),
             springs_to: Vec::new(),
             collider: None,

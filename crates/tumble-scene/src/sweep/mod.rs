@@ -31,7 +31,7 @@ use crate::scene::{is_path, settings, unknown};
 use crate::sweep::distribution::Distribution;
 use crate::sweep::field_path::FieldPath;
 use crate::sweep::sweep_error::SweepError;
-use crate::sweep::sweep_parameter::Vary;
+use crate::sweep::sweep_parameter::SweepParameter;
 
 /// The most worlds of a sweep.
 pub const MAX_WORLDS: u64 = 1_000_000_000_000;
@@ -72,7 +72,7 @@ pub struct SweepPlan {
     /// What chance begins with.
     pub seed: u64,
     /// What differs between worlds.
-    pub vary: Vec<Vary>,
+    pub vary: Vec<SweepParameter>,
     /// How long to run instead of as long as the scene says.
     pub length: Option<RunLength>,
     /// Step \[s\] instead of the scene's.
@@ -352,7 +352,7 @@ fn apply(plan: &SweepPlan, model: &mut SceneModel) {
 
 fn find_fields(plan: &SweepPlan, model: &SceneModel) -> Result<Vec<Varied>, SweepError> {
     let mut found: Vec<Varied> = Vec::with_capacity(plan.vary.len());
-    for Vary { field, distribution } in &plan.vary {
+    for SweepParameter { field, distribution } in &plan.vary {
         let refuse = |problem: &str| Err(FieldError::new(field.as_str(), problem).into());
         let path = FieldPath::new(field, model)?;
         if let Err(problem) = distribution.check() {

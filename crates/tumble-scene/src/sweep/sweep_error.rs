@@ -17,7 +17,7 @@ pub enum SweepError {
     Scene(#[from] SceneError),
     /// A field cannot be varied.
     #[error("--vary {}: {}", printable(.field), printable(.problem))]
-    Vary {
+    SweepParameter {
         /// Its path.
         field: String,
         /// Why not.
@@ -36,6 +36,6 @@ pub enum SweepError {
 
 impl From<FieldError> for SweepError {
     fn from(error: FieldError) -> Self {
-        Self::Vary { field: one_line(&error.field), problem: error.problem }
+        Self::SweepParameter { field: one_line(&error.field), problem: error.problem }
     }
 }

@@ -5,7 +5,7 @@ use std::io::{self, BufRead, BufReader, Read, Seek, SeekFrom, Write};
 use std::ops::Range;
 use std::path::{Path, PathBuf};
 
-use crate::record::run_status::Outcome;
+use crate::record::run_status::RunStatus;
 use crate::sweep::sweep_identity::SweepIdentity;
 use crate::terminal::printable;
 
@@ -270,8 +270,8 @@ impl SweepReader {
         for (column, field) in self.columns.iter().zip(row.split(',')) {
             let sound = match (column.as_str(), finished) {
                 ("outcome", _) => {
-                    let outcome = Outcome::named(field);
-                    finished = Some(outcome == Some(Outcome::Ok));
+                    let outcome = RunStatus::named(field);
+                    finished = Some(outcome == Some(RunStatus::Ok));
                     outcome.is_some()
                 }
                 (_, Some(false)) => field.is_empty(),

@@ -6,21 +6,21 @@ use crate::sweep::distribution::Distribution;
 /// A numeric field of a scene and what its values are drawn from, written `FIELD=LO..HI` and the like.
 ///
 /// ```
-/// use tumble_scene::Vary;
+/// use tumble_scene::SweepParameter;
 ///
-/// let vary: Vary = "bodies.brick.mass=normal(2,0.1)".parse()?;
+/// let vary: SweepParameter = "bodies.brick.mass=normal(2,0.1)".parse()?;
 /// assert_eq!((vary.field.as_str(), vary.to_string().as_str()), ("bodies.brick.mass", "bodies.brick.mass=normal(2,0.1)"));
 /// # Ok::<(), String>(())
 /// ```
 #[derive(Clone, Debug, PartialEq)]
-pub struct Vary {
+pub struct SweepParameter {
     /// The path of the field; see [`Sweep`](crate::Sweep).
     pub field: String,
     /// What its values are drawn from.
     pub distribution: Distribution,
 }
 
-impl FromStr for Vary {
+impl FromStr for SweepParameter {
     type Err = String;
 
     fn from_str(text: &str) -> Result<Self, String> {
@@ -33,7 +33,7 @@ impl FromStr for Vary {
     }
 }
 
-impl fmt::Display for Vary {
+impl fmt::Display for SweepParameter {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         write!(f, "{}={}", self.field, self.distribution)
     }

@@ -5,7 +5,7 @@ use std::collections::{BTreeMap, HashMap, HashSet};
 use glam::{DQuat, DVec3};
 use tumble::{Amount, BodyId, Part, RigidBody, Shape};
 
-use crate::bodies::appearance::Looks;
+use crate::bodies::appearance::Appearance;
 use crate::bodies::collider::{ColliderRole, SceneCollider};
 use crate::bodies::scene_body::SceneBody;
 use crate::error::FieldError;
@@ -60,7 +60,7 @@ pub(crate) fn bodies(
         }
     }
     let mut notices = Notices::new();
-    let mut names = Names::default();
+    let mut names = BodyNames::default();
     let mut bodies = Vec::with_capacity(carried.len());
     let mut made = Made { triangles, colliders: HashMap::new(), repairs };
     for (index, parts) in carried {
@@ -93,9 +93,9 @@ fn grouped(physics: &Physics, notices: &Notices) -> Vec<String> {
 
 /// Names that are a scene's: not empty, not too long, none twice.
 #[derive(Default)]
-struct Names(HashSet<String>);
+struct BodyNames(HashSet<String>);
 
-impl Names {
+impl BodyNames {
     fn of(&mut self, node: &PhysicsNode) -> String {
         let given = node.name.as_deref().filter(|name| check_name(name).is_ok());
         let mut name = given.map_or_else(|| format!("node-{}", node.index), str::to_owned);
@@ -144,18 +144,18 @@ fn body(
     let is_moved = body.properties().is_some();
     let collider = collider(&pieces, shape.as_ref(), is_moved, &mut made.colliders, &mut told);
     notices.extend(told.into_iter().map(|notice| (node.index, notice)));
-    let looks = match pieces.as_slice() {
-        _ if !is_moved && is_ground(&pieces) => Looks::HalfSpace,
+    let appearance = match pieces.as_slice() {
+        _ if !is_moved && is_ground(&pieces) => Appearance::HalfSpace,
         [SceneCollider { surface: Some(surface), geometry, position, orientation, .. }]
             if !matches!(geometry, Geometry::Mesh { convex_hull: true, .. })
                 && (*position, *orientation) == (DVec3::ZERO, DQuat::IDENTITY) =>
         {
-            Looks::Mesh(surface.clone())
+            Appearance::Mesh(surface.clone())
         }
         // What is seen is also what only notices.
-        _ => Looks::Shape(shape.or_else(|| together(&pieces, |_| true)).unwrap_or(Shape::Point)),
+        _ => Appearance::Shape(shape.or_else(|| together(&pieces, |_| true)).unwrap_or(Shape::Point)),
     };
-    Ok(SceneBody { body, looks, forces: Vec::new(), springs_to: Vec::new(), collider, pieces })
+    Ok(SceneBody { body, appearance, forces: Vec::new(), springs_to: Vec::new(), collider, pieces })
 }
 
 /// The shapes of some pieces as one, each as heavy as it is large; `None` if none has a volume.

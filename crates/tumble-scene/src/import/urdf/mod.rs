@@ -10,7 +10,7 @@ use std::collections::HashMap;
 use tumble::math::Vec3;
 use tumble::{Amount, BodyId, Part, RigidBody, Settings, Shape};
 
-use crate::bodies::appearance::Looks;
+use crate::bodies::appearance::Appearance;
 use crate::bodies::scene_body::SceneBody;
 use crate::error::{FieldError, Place, SceneError, one_line};
 use crate::import::inertia_repair::InertiaRepairs;
@@ -146,7 +146,7 @@ fn body(inertial: &Inertial, shape: Option<Shape>, frame: &Frame, index: u64) ->
     let point = || Shape::compound([Part::new(Shape::Point, Amount::Mass(inertial.mass)).at(inertial.center_of_mass)]);
     Ok(SceneBody {
         body,
-        looks: Looks::Shape(shape.unwrap_or_else(point)),
+        appearance: Appearance::Shape(shape.unwrap_or_else(point)),
         forces: Vec::new(),
         springs_to: Vec::new(),
         collider: None,
@@ -177,11 +177,11 @@ fn notices(links: &[Link], joints: &JointNames, left_out: &LeftOut) -> Vec<Strin
     }
     if !left_out.meshes.is_empty() {
         let meshes = counted(left_out.meshes.len(), "mesh file");
-        notices.push(format!("{meshes} not read, for looks only: {}", listed(&left_out.meshes)));
+        notices.push(format!("{meshes} not read, for appearance only: {}", listed(&left_out.meshes)));
     }
     if !left_out.shapes.is_empty() {
         let shapes = counted(left_out.shapes.len(), "geometry");
-        notices.push(format!("{shapes} not understood, for looks only: {}", listed(&left_out.shapes)));
+        notices.push(format!("{shapes} not understood, for appearance only: {}", listed(&left_out.shapes)));
     }
     notices
 }

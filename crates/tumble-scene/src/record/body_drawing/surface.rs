@@ -6,7 +6,7 @@ use std::fmt::Write as _;
 use glam::DVec3;
 use tumble::{Shape, TriangleMesh};
 
-use crate::bodies::appearance::Looks;
+use crate::bodies::appearance::Appearance;
 use crate::record::body_drawing::camera::Camera;
 use crate::tessellation::Tessellation;
 
@@ -31,18 +31,18 @@ pub(crate) struct Surface {
 }
 
 impl Surface {
-    pub(crate) fn of(looks: &Looks) -> Self {
-        let whole = match looks {
-            Looks::Mesh(mesh) => Self::of_mesh(mesh),
-            Looks::HeightField(heights) => Self::of_mesh(heights.triangles()),
-            Looks::HalfSpace => {
-                let Tessellation { positions, triangles, .. } = Tessellation::of_looks(looks);
+    pub(crate) fn of(appearance: &Appearance) -> Self {
+        let whole = match appearance {
+            Appearance::Mesh(mesh) => Self::of_mesh(mesh),
+            Appearance::HeightField(heights) => Self::of_mesh(heights.triangles()),
+            Appearance::HalfSpace => {
+                let Tessellation { positions, triangles, .. } = Tessellation::of_looks(appearance);
                 Self { positions, triangles, remark: Some("a square of infinite ground".to_owned()) }
             }
-            Looks::Shape(shape) if leaves(shape, 0) > MAX_PARTS => {
+            Appearance::Shape(shape) if leaves(shape, 0) > MAX_PARTS => {
                 return Self { remark: Some(format!("more than {MAX_PARTS} parts, not drawn")), ..Self::default() };
             }
-            Looks::Shape(shape) => {
+            Appearance::Shape(shape) => {
                 let Tessellation { positions, triangles, .. } = Tessellation::of(shape);
                 Self { positions, triangles, remark: None }
             }

@@ -3,8 +3,8 @@
 /// How the values of an axis are laid out.
 ///
 /// ```
-/// use tumble_scene::{Mark, Plot, Scale};
-/// let plot = Plot::new("Errors").y_axis("error", Scale::Log).series("runs", Mark::Dots, [(1.0, 1e-3), (2.0, 1e-6)]);
+/// use tumble_scene::{SeriesStyle, Plot, Scale};
+/// let plot = Plot::new("Errors").y_axis("error", Scale::Log).series("runs", SeriesStyle::Dots, [(1.0, 1e-3), (2.0, 1e-6)]);
 /// # assert!(plot.to_svg().contains("error"));
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -76,7 +76,7 @@ impl Data {
             self.surfaces.push(SurfaceData { r#box, positions, normals, indices, corners, wide });
         }
         for body in bodies.all() {
-            let Some(look) = bodies.looks.get(body.look) else { continue };
+            let Some(look) = bodies.appearance.get(body.look) else { continue };
             self.bodies.push(BodyData {
                 name: body.name.chars().take(LONGEST_NAME).collect(),
                 surface: look.surface,

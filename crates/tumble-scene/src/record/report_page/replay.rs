@@ -1,6 +1,6 @@
 //! What is shown of a run, collected while it goes on.
 
-use crate::bodies::appearance::Looks;
+use crate::bodies::appearance::Appearance;
 use crate::error::SceneError;
 use crate::record::report_page::choice::choose;
 use crate::record::report_page::figures::{count, figure, rounded};
@@ -48,7 +48,7 @@ pub struct Replay {
     bodies: usize,
     chosen: Vec<usize>,
     /// Of those that are chosen; empty from the first frame on.
-    looks: Vec<Looks>,
+    appearance: Vec<Appearance>,
     shown: Option<Shown>,
 }
 
@@ -64,7 +64,7 @@ impl Replay {
     /// Of a scene that is about to be run.
     ///
     /// # Errors
-    /// As [`Scene::looks`].
+    /// As [`Scene::appearance`].
     pub fn of(scene: &Scene) -> Result<Self, SceneError> {
         let chosen = choose(scene.body_count(), MAX_BODIES, |index| !scene.is_free(index));
         let gravity = scene.settings.gravity.to_array().map(|part| double(part).abs());
@@ -75,7 +75,7 @@ impl Replay {
             notices: scene.notices.clone(),
             up: [0, 2].into_iter().fold(1, |up, axis| if along(axis) > along(up) { axis } else { up }),
             bodies: scene.body_count(),
-            looks: scene.looks_of(&chosen)?,
+            appearance: scene.looks_of(&chosen)?,
             chosen,
             shown: None,
         })
@@ -135,16 +135,16 @@ impl Replay {
     }
 
     fn is_boxed(surfaces: &Surfaces, bodies: &Bodies, look: usize) -> bool {
-        bodies.looks.get(look).is_some_and(|look| surfaces.is_boxed(look.surface))
+        bodies.appearance.get(look).is_some_and(|look| surfaces.is_boxed(look.surface))
     }
 
     /// What there is to show, made of the first frame.
     fn shown(&mut self, frame: &Frame<'_>) -> &mut Shown {
         self.shown.get_or_insert_with(|| {
-            let looks = std::mem::take(&mut self.looks);
+            let appearance = std::mem::take(&mut self.appearance);
             let bodies = Bodies::chosen(frame, |id| {
                 let id = usize::try_from(id).ok()?;
-                looks.get(self.chosen.binary_search(&id).ok()?)
+                appearance.get(self.chosen.binary_search(&id).ok()?)
             });
             let surfaces = Surfaces::within(MESH_BYTES, &bodies);
             let left = BYTES.saturating_sub(surfaces.bytes);

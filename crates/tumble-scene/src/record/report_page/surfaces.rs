@@ -90,10 +90,10 @@ mod tests {
 
     fn bodies(scene: &str) -> Bodies {
         let scene = Scene::open(scene).unwrap();
-        let (looks, mut world) = (scene.looks().unwrap(), World::new());
+        let (appearance, mut world) = (scene.appearance().unwrap(), World::new());
         let names = scene.spawn(&mut world).unwrap();
         let order = BodyOrder::of(&world);
-        Bodies::of(&Frame { step: 0, time: 0.0, world: &world, order: &order, names: &names }, &looks)
+        Bodies::of(&Frame { step: 0, time: 0.0, world: &world, order: &order, names: &names }, &appearance)
     }
 
     #[test]

@@ -3,7 +3,7 @@ use std::io;
 use hecs::World;
 use tumble::{BodyId, BodyOrder, Pose, Simulation, Velocity};
 
-use crate::scene::Names;
+use crate::scene::BodyNames;
 
 /// All bodies at one step, as they are recorded. `Velocity` must be that of the state: run [`update_derived`](tumble::update_derived) before.
 ///
@@ -31,17 +31,17 @@ pub struct Frame<'a> {
     /// Which of them, in which order.
     pub order: &'a BodyOrder,
     /// What they are called.
-    pub names: &'a Names,
+    pub names: &'a BodyNames,
 }
 
 impl<'a> Frame<'a> {
     /// At the step that a simulation has come to.
     #[must_use]
-    pub fn of(simulation: &Simulation, world: &'a World, order: &'a BodyOrder, names: &'a Names) -> Self {
+    pub fn of(simulation: &Simulation, world: &'a World, order: &'a BodyOrder, names: &'a BodyNames) -> Self {
         Self { step: simulation.steps(), time: simulation.time(), world, order, names }
     }
 
-    /// Calls `row` with the number for [`Names::of`] and the state of each body, in order.
+    /// Calls `row` with the number for [`BodyNames::of`] and the state of each body, in order.
     pub(crate) fn for_each(
         &self,
         mut row: impl FnMut(u64, &Pose, Option<&Velocity>) -> io::Result<()>,

@@ -15,7 +15,7 @@ use std::io::{self, BufWriter, Seek, SeekFrom, Write};
 
 use tumble::Pose;
 
-use crate::bodies::appearance::Looks;
+use crate::bodies::appearance::Appearance;
 use crate::record::trajectory::error::TrajectoryError;
 use crate::record::trajectory::frame::Frame;
 pub(crate) use crate::record::trajectory::glb::bodies::Bodies;
@@ -46,7 +46,7 @@ pub struct Animation {
     /// Name of the scene.
     pub scene: String,
     /// What the bodies look like in their own frames, by [`BodyId`](tumble::BodyId). A body that has none here is drawn as a point.
-    pub looks: Vec<Looks>,
+    pub appearance: Vec<Appearance>,
     /// Time step \[s\].
     pub dt: f64,
     /// Steps from one frame to the next.
@@ -59,12 +59,12 @@ impl Animation {
     /// Of `steps` steps of a scene, of which every `every`-th is recorded, and the state before the first.
     ///
     /// # Errors
-    /// As [`Scene::looks`](crate::Scene::looks).
+    /// As [`Scene::appearance`](crate::Scene::appearance).
     #[allow(clippy::useless_conversion, reason = "dt is f64 already in one of the two builds")]
     pub fn of(scene: &crate::Scene, steps: u64, every: u64) -> Result<Self, crate::SceneError> {
         Ok(Self {
             scene: scene.name.clone().unwrap_or_else(|| scene.origin.clone()),
-            looks: scene.looks()?,
+            appearance: scene.appearance()?,
             dt: f64::from(scene.settings.dt),
             every,
             frames: (steps / every.max(1)).saturating_add(1),
@@ -104,7 +104,7 @@ impl<W: Write + Seek> GlbRecord<W> {
             Some(opened) => opened,
             None => {
                 let opened = Opened::begin(&mut self.writer, &self.animation, frame)?;
-                self.animation.looks = Vec::new();
+                self.animation.appearance = Vec::new();
                 self.opened.insert(opened)
             }
         };
@@ -136,7 +136,7 @@ impl Opened {
         animation: &Animation,
         frame: &Frame<'_>,
     ) -> Result<Self, TrajectoryError> {
-        let bodies = Bodies::of(frame, &animation.looks);
+        let bodies = Bodies::of(frame, &animation.appearance);
         let mut layout = Layout::new(&bodies, animation.frames, single(frame.time));
         let too_large = |bytes| TrajectoryError::TooLarge { bodies: bodies.len(), frames: animation.frames, bytes };
         if layout.buffer_bytes() > Layout::MAX_BYTES {

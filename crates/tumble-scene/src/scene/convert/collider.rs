@@ -3,7 +3,7 @@
 use tumble::math::Real;
 use tumble::{Collider, ColliderError, Material, Pose, Shape};
 
-use crate::bodies::appearance::Looks;
+use crate::bodies::appearance::Appearance;
 use crate::error::{FieldError, shortest};
 use crate::scene::collider_model::ColliderModel;
 use crate::scene::model::{BodyModel, Groups, ShapeModel};
@@ -12,7 +12,7 @@ use crate::values::checked::{note, real, real_quaternion, real_vector};
 /// What the body touches others with; `ground` is what it is, `shape` is `None` if it has been complained of already.
 pub(crate) fn collider(
     model: &BodyModel,
-    ground: Option<&Looks>,
+    ground: Option<&Appearance>,
     shape: Option<&Shape>,
     problems: &mut Vec<FieldError>,
 ) -> Option<Collider> {
@@ -26,7 +26,7 @@ pub(crate) fn collider(
     let (material, membership, filter) = of_whole?;
     let collider = match (&model.shape, shape) {
         (Some(shape), _) if shape.is_ground() => Ok(match ground? {
-            Looks::HeightField(heights) => heights.collider().clone(),
+            Appearance::HeightField(heights) => heights.collider().clone(),
             _ => Collider::half_space(),
         }),
         // What stands still is as it is, hollows and all; what moves has to be solid.

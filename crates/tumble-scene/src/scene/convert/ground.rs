@@ -5,7 +5,7 @@ use std::sync::Arc;
 use glam::{DQuat, DVec3};
 use tumble::{Collider, ColliderError, HeightFieldError, MeshError, TriangleMesh};
 
-use crate::bodies::appearance::{Heights, Looks};
+use crate::bodies::appearance::{Appearance, Heights};
 use crate::error::{FieldError, shortest};
 use crate::limits::MAX_HEIGHTS;
 use crate::scene::model::{BodyModel, Rows, ShapeModel};
@@ -16,18 +16,18 @@ use crate::values::tuple::{Triple, Tuple};
 const SHORTEST_NORMAL: f64 = 1e-9;
 
 /// What a body looks like whose shape is ground without a mistake. Notes what cannot be said of such a body.
-pub(crate) fn looks(model: &BodyModel, problems: &mut Vec<FieldError>) -> Option<Looks> {
+pub(crate) fn appearance(model: &BodyModel, problems: &mut Vec<FieldError>) -> Option<Appearance> {
     let shape = model.shape.as_ref().filter(|shape| shape.is_ground())?;
-    let (looks, immovable) = match shape {
+    let (appearance, immovable) = match shape {
         ShapeModel::HeightField { heights, spacing } => {
             let heights = note(problems, height_field(heights, spacing));
             let problem = "has no mass and cannot be pushed: the body is to be fixed or kinematic";
-            let looks = heights.map(|heights| Looks::HeightField(Arc::new(heights)));
-            (looks, (!(model.fixed || model.kinematic)).then_some(problem))
+            let appearance = heights.map(|heights| Appearance::HeightField(Arc::new(heights)));
+            (appearance, (!(model.fixed || model.kinematic)).then_some(problem))
         }
         _ => {
             let problem = "has no end and cannot move: the body is to be fixed";
-            (Some(Looks::HalfSpace), (!model.fixed).then_some(problem))
+            (Some(Appearance::HalfSpace), (!model.fixed).then_some(problem))
         }
     };
     let name = shape.name();
@@ -41,7 +41,7 @@ pub(crate) fn looks(model: &BodyModel, problems: &mut Vec<FieldError>) -> Option
     for (field, _) in given.into_iter().filter(|(_, is_given)| *is_given) {
         problems.push(FieldError::new(field, format!("belongs to a body with a volume, and the shape is a {name}")));
     }
-    looks
+    appearance
 }
 
 fn height_field(heights: &Rows, spacing: &Tuple<f64, 2>) -> Result<Heights, FieldError> {

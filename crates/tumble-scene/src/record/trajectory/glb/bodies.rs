@@ -4,11 +4,11 @@ use glam::{DQuat, DVec3};
 use hecs::Entity;
 use tumble::{BodyId, CenterOfMass, Momentum, Pose, Shape, Velocity};
 
-use crate::bodies::appearance::{BODY_COLORS, Looks};
+use crate::bodies::appearance::{Appearance, BODY_COLORS};
 use crate::record::trajectory::frame::Frame;
 use crate::record::trajectory::glb::geometry::SurfaceSet;
 use crate::record::trajectory::glb::sample::{Sample, double, single};
-use crate::scene::ground_patches::plates;
+use crate::scene::ground_patches::ground_patches;
 use crate::tessellation::POINT_RADIUS;
 
 /// A body without size is drawn as this part of the scene, where that is more than its octahedron has.
@@ -23,7 +23,7 @@ pub(crate) struct Bodies {
     all: Vec<DrawnBody>,
     pub(crate) geometry: SurfaceSet,
     /// Different pairs of surface and colour among the bodies.
-    pub(crate) looks: Vec<Look>,
+    pub(crate) appearance: Vec<Look>,
 }
 
 #[derive(Debug)]
@@ -59,30 +59,30 @@ pub(crate) enum Color {
 }
 
 impl Bodies {
-    pub(crate) fn of(frame: &Frame<'_>, all: &[Looks]) -> Self {
+    pub(crate) fn of(frame: &Frame<'_>, all: &[Appearance]) -> Self {
         let of_body = |id| usize::try_from(id).ok().and_then(|id: usize| all.get(id));
-        Self::chosen(frame, |id| Some(of_body(id).unwrap_or(&Looks::Shape(Shape::Point))))
+        Self::chosen(frame, |id| Some(of_body(id).unwrap_or(&Appearance::Shape(Shape::Point))))
     }
 
     /// The bodies that have looks, which are asked for by their number in the order of the scene.
-    pub(crate) fn chosen<'a>(frame: &Frame<'_>, looks: impl Fn(u64) -> Option<&'a Looks>) -> Self {
+    pub(crate) fn chosen<'a>(frame: &Frame<'_>, appearance: impl Fn(u64) -> Option<&'a Appearance>) -> Self {
         let states =
             frame.world.view::<(&Pose, Option<&BodyId>, Option<&CenterOfMass>, Option<&Velocity>, Option<&Momentum>)>();
-        let mut bodies = Self { all: Vec::new(), geometry: SurfaceSet::default(), looks: Vec::new() };
+        let mut bodies = Self { all: Vec::new(), geometry: SurfaceSet::default(), appearance: Vec::new() };
         let mut known = HashMap::new();
         let (mut points, mut endless) = (Vec::new(), Vec::new());
         for (index, &entity) in frame.order.entities().iter().enumerate() {
             let Some((pose, id, center, velocity, momentum)) = states.get(entity) else { continue };
             let id = id.map_or(index as u64, |id| id.0);
-            let Some(looks) = looks(id) else { continue };
+            let Some(appearance) = appearance(id) else { continue };
             let center = center.map_or(DVec3::ZERO, |center| DVec3::from_array(center.0.to_array().map(double)));
             let color = match momentum {
                 Some(_) => Color::Bright(bodies.all.len() % BODY_COLORS.len()),
                 None => Color::Grey,
             };
-            match looks {
-                Looks::Shape(Shape::Point) => points.push(bodies.all.len()),
-                Looks::HalfSpace => endless.push(bodies.all.len()),
+            match appearance {
+                Appearance::Shape(Shape::Point) => points.push(bodies.all.len()),
+                Appearance::HalfSpace => endless.push(bodies.all.len()),
                 _ => {}
             }
             bodies.all.push(DrawnBody {
@@ -90,14 +90,14 @@ impl Bodies {
                 name: frame.names.of(id).into_owned(),
                 center,
                 moves: velocity.is_some(),
-                one_sided: *looks == Looks::HalfSpace,
+                one_sided: *appearance == Appearance::HalfSpace,
                 look: 0,
                 scale: [1.0; 3],
                 sample: Sample::of(pose, center, None)
                     .unwrap_or(Sample { rotation: [0.0, 0.0, 0.0, 1.0], ..Sample::default() }),
             });
-            if *looks != Looks::HalfSpace {
-                bodies.put_on(bodies.all.len() - 1, looks, color, &mut known);
+            if *appearance != Appearance::HalfSpace {
+                bodies.put_on(bodies.all.len() - 1, appearance, color, &mut known);
             }
         }
         bodies.enlarge(&points);
@@ -106,14 +106,14 @@ impl Bodies {
     }
 
     /// Gives a body its surface and colour.
-    fn put_on(&mut self, index: usize, looks: &Looks, color: Color, known: &mut HashMap<Look, usize>) {
-        let (surface, factors) = self.geometry.insert(looks);
+    fn put_on(&mut self, index: usize, appearance: &Appearance, color: Color, known: &mut HashMap<Look, usize>) {
+        let (surface, factors) = self.geometry.insert(appearance);
         let look = Look { surface, color };
-        let Self { all, looks, .. } = self;
+        let Self { all, appearance, .. } = self;
         if let Some(body) = all.get_mut(index) {
             body.look = *known.entry(look).or_insert_with(|| {
-                looks.push(look);
-                looks.len() - 1
+                appearance.push(look);
+                appearance.len() - 1
             });
             // A size of zero cannot be undone, which viewers need for the normals.
             body.scale = factors.to_array().map(|factor| single(factor).max(f32::MIN_POSITIVE));
@@ -128,10 +128,10 @@ impl Bodies {
             (DVec3::from_array(sample.translation.map(f64::from)), DQuat::from_array(sample.rotation.map(f64::from)))
         };
         let places: Vec<_> = endless.iter().map(place).collect();
-        for (&index, plate) in endless.iter().zip(plates(&places, middle, GROUND * radius)) {
+        for (&index, plate) in endless.iter().zip(ground_patches(&places, middle, GROUND * radius)) {
             // Where nothing of it is seen, there is still to be a node for the body.
-            let looks = plate.unwrap_or(Looks::Shape(Shape::Point));
-            self.put_on(index, &looks, Color::Ground, known);
+            let appearance = plate.unwrap_or(Appearance::Shape(Shape::Point));
+            self.put_on(index, &appearance, Color::Ground, known);
         }
     }
 
@@ -140,7 +140,7 @@ impl Bodies {
         let any_moves = self.all.iter().any(|body| body.moves);
         let (mut low, mut high) = (DVec3::INFINITY, DVec3::NEG_INFINITY);
         for body in self.all.iter().filter(|body| !body.one_sided && body.moves == any_moves) {
-            let surface = self.looks.get(body.look).and_then(|look| self.geometry.surfaces.get(look.surface));
+            let surface = self.appearance.get(body.look).and_then(|look| self.geometry.surfaces.get(look.surface));
             let Some(surface) = surface else { continue };
             let corners = [surface.min, surface.max].map(|corner| DVec3::from_array(corner.map(f64::from)).abs());
             let reach = (corners[0].max(corners[1]) * DVec3::from_array(body.scale.map(f64::from))).length();

@@ -48,7 +48,7 @@ pub(crate) fn write(
             serde_json::to_writer(&mut *writer, &accessor)?;
         }
         writer.write_all(b"],")?;
-        write_looks(writer, &bodies.looks, layout)?;
+        write_looks(writer, &bodies.appearance, layout)?;
         list(writer, "nodes", bodies.all().iter().map(Node::of))?;
         writer.write_all(b",")?;
         if layout.moving > 0 {
@@ -159,10 +159,10 @@ fn surface_accessors(surface: &Surface) -> [Value; 3] {
 }
 
 /// Meshes, a surface in a colour each, with their materials, and where all numbers lie.
-fn write_looks(writer: &mut impl Write, looks: &[Look], layout: &Layout) -> io::Result<()> {
+fn write_looks(writer: &mut impl Write, appearance: &[Look], layout: &Layout) -> io::Result<()> {
     let mut colors: Vec<Color> = Vec::new();
     let surfaces_from = if layout.moving > 0 { 1 + 2 * layout.moving as usize } else { 0 };
-    let meshes = looks.iter().map(|look| {
+    let meshes = appearance.iter().map(|look| {
         let material = colors.iter().position(|color| *color == look.color).unwrap_or_else(|| {
             colors.push(look.color);
             colors.len() - 1

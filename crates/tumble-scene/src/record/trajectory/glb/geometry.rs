@@ -5,7 +5,7 @@ use std::io::{self, Write};
 use glam::DVec3;
 use tumble::Shape;
 
-use crate::bodies::appearance::Looks;
+use crate::bodies::appearance::Appearance;
 use crate::record::trajectory::glb::sample::single;
 use crate::tessellation::Tessellation;
 
@@ -15,11 +15,11 @@ const VERTEX: u64 = size_of::<[f32; 3]>() as u64;
 ///
 /// ```
 /// use tumble::{Shape, glam::DVec3};
-/// use tumble_scene::{Looks, SurfaceSet};
+/// use tumble_scene::{Appearance, SurfaceSet};
 ///
 /// let mut surfaces = SurfaceSet::default();
-/// assert_eq!(surfaces.insert(&Looks::Shape(Shape::sphere(2.0))), (0, DVec3::splat(2.0)));
-/// assert_eq!(surfaces.insert(&Looks::Shape(Shape::sphere(3.0))), (0, DVec3::splat(3.0)));
+/// assert_eq!(surfaces.insert(&Appearance::Shape(Shape::sphere(2.0))), (0, DVec3::splat(2.0)));
+/// assert_eq!(surfaces.insert(&Appearance::Shape(Shape::sphere(3.0))), (0, DVec3::splat(3.0)));
 /// assert_eq!(surfaces.tessellations().count(), 1);
 /// ```
 #[derive(Debug, Default)]
@@ -32,7 +32,7 @@ pub struct SurfaceSet {
 /// A surface, made again whenever it is written, for there may be many.
 #[derive(Debug)]
 pub(crate) struct Surface {
-    looks: Looks,
+    appearance: Appearance,
     pub(crate) vertices: u64,
     pub(crate) corners: u64,
     /// The box around it \[m\].
@@ -56,7 +56,7 @@ impl Surface {
 
     /// Its triangles.
     pub(crate) fn tessellation(&self) -> Tessellation {
-        Tessellation::of_looks(&self.looks)
+        Tessellation::of_looks(&self.appearance)
     }
 
     fn index_bytes(&self) -> u64 {
@@ -71,30 +71,32 @@ impl SurfaceSet {
     }
 
     /// The index of the surface of a body, and the factors to stretch it by.
-    pub fn insert(&mut self, looks: &Looks) -> (usize, DVec3) {
-        let (looks, factors) = match looks {
-            Looks::Shape(shape) => {
+    pub fn insert(&mut self, appearance: &Appearance) -> (usize, DVec3) {
+        let (appearance, factors) = match appearance {
+            Appearance::Shape(shape) => {
                 let (shape, factors) = unstretched(shape);
-                (Looks::Shape(shape), factors)
+                (Appearance::Shape(shape), factors)
             }
             unstretched => (unstretched.clone(), DVec3::ONE),
         };
-        let key = match &looks {
-            Looks::Shape(shape) => shape.volume().map_or_else(|| of_its_text(shape), f64::to_bits),
-            Looks::Mesh(mesh) => mesh.triangles().len() as u64,
-            Looks::HeightField(heights) => heights.triangles().triangles().len() as u64,
-            Looks::HalfSpace => 0,
+        let key = match &appearance {
+            Appearance::Shape(shape) => shape.volume().map_or_else(|| of_its_text(shape), f64::to_bits),
+            Appearance::Mesh(mesh) => mesh.triangles().len() as u64,
+            Appearance::HeightField(heights) => heights.triangles().triangles().len() as u64,
+            Appearance::HalfSpace => 0,
         };
         let same = self.alike.entry(key).or_default();
-        let known =
-            same.iter().copied().find(|&index| self.surfaces.get(index).is_some_and(|known| known.looks == looks));
+        let known = same
+            .iter()
+            .copied()
+            .find(|&index| self.surfaces.get(index).is_some_and(|known| known.appearance == appearance));
         let index = known.unwrap_or_else(|| {
             let index = self.surfaces.len();
             same.push(index);
             let (vertices_at, indices_at) = self.surfaces.last().map_or((0, 0), |last| {
                 (last.normals_at() + last.vertices * VERTEX, last.indices_at + last.index_bytes())
             });
-            self.surfaces.push(measured(looks, vertices_at, indices_at));
+            self.surfaces.push(measured(appearance, vertices_at, indices_at));
             index
         });
         (index, factors)
@@ -142,8 +144,8 @@ fn of_its_text(shape: &Shape) -> u64 {
     hasher.finish()
 }
 
-fn measured(looks: Looks, vertices_at: u64, indices_at: u64) -> Surface {
-    let triangles = Tessellation::of_looks(&looks);
+fn measured(appearance: Appearance, vertices_at: u64, indices_at: u64) -> Surface {
+    let triangles = Tessellation::of_looks(&appearance);
     let positions = || triangles.positions.iter().map(|position| position.to_array().map(single));
     let each = |a: [f32; 3], b: [f32; 3], of: fn(f32, f32) -> f32| std::array::from_fn(|axis| of(a[axis], b[axis]));
     Surface {
@@ -153,7 +155,7 @@ fn measured(looks: Looks, vertices_at: u64, indices_at: u64) -> Surface {
         max: positions().reduce(|a, b| each(a, b, f32::max)).unwrap_or_default(),
         vertices_at,
         indices_at,
-        looks,
+        appearance,
     }
 }
 
@@ -176,7 +178,7 @@ mod tests {
     #[test]
     fn a_surface_is_there_once_and_stretched_to_its_size() {
         let mut surfaces = SurfaceSet::default();
-        let mut inserted = |shape| surfaces.insert(&Looks::Shape(shape));
+        let mut inserted = |shape| surfaces.insert(&Appearance::Shape(shape));
         assert_eq!(inserted(Shape::sphere(2.0)), (0, DVec3::splat(2.0)));
         assert_eq!(inserted(Shape::ellipsoid([1.0, 2.0, 3.0])), (0, DVec3::new(1.0, 2.0, 3.0)));
         assert_eq!(inserted(Shape::hollow_sphere(0.5)), (0, DVec3::splat(0.5)));

@@ -47,7 +47,7 @@ pub(crate) enum Follow {
 }
 
 /// Everything but the window.
-pub(crate) struct Stage {
+pub(crate) struct Viewport {
     pub(crate) playback: Playback,
     pub(crate) layers: Layers,
     pub(crate) camera: Camera,
@@ -81,7 +81,7 @@ pub(crate) struct Canvas {
     pub(crate) background: Background,
 }
 
-impl Stage {
+impl Viewport {
     pub(crate) fn new(scene: Scene, options: &ViewOptions) -> Result<Self, Failure> {
         let title = scene.name.clone().unwrap_or_else(|| scene.origin.clone());
         let gravity = dvec3(scene.settings.gravity);
@@ -99,7 +99,7 @@ impl Stage {
             angles.apply(&mut camera);
         }
         let center = center_of_mass(&playback, &places).unwrap_or(start.middle);
-        let mut stage = Self {
+        let mut viewport = Self {
             camera,
             layers,
             follow: Follow::All,
@@ -118,14 +118,14 @@ impl Stage {
             playback,
         };
         if let Some(name) = &options.pick {
-            let found = stage.playback.bodies.all.iter().position(|body| body.name == *name);
+            let found = viewport.playback.bodies.all.iter().position(|body| body.name == *name);
             let found = found.ok_or_else(|| Failure::Input(format!("--pick: no body is called {name:?}")))?;
-            stage.picked = Some(found);
+            viewport.picked = Some(found);
             if options.follow {
-                stage.set_follow(Follow::Body(found));
+                viewport.set_follow(Follow::Body(found));
             }
         }
-        Ok(stage)
+        Ok(viewport)
     }
 
     /// What the camera sees in a picture of this size.
@@ -389,7 +389,7 @@ impl Stage {
             .iter()
             .filter_map(|label| Some((view.project(label.at)?, label.text.clone(), label.color)))
             .collect();
-        if self.layers.has(Layer::Names) {
+        if self.layers.has(Layer::BodyNames) {
             let named = bodies.iter().zip(places).take(MAX_NAMES).filter_map(|(body, placed)| {
                 let at = view.project(placed.center)?;
                 let away = body.reach * framing::enlargement(view, placed.center, body.reach, bodies.len());
@@ -442,19 +442,19 @@ mod tests {
 
     const SIZE: DVec2 = DVec2::new(1280.0, 720.0);
 
-    fn stage(arguments: &[&str]) -> Stage {
+    fn viewport(arguments: &[&str]) -> Viewport {
         let options = Options::try_parse_from(["tumble-view"].iter().chain(arguments)).unwrap();
-        Stage::new(options.scene().unwrap(), &options.view).unwrap()
+        Viewport::new(options.scene().unwrap(), &options.view).unwrap()
     }
 
-    fn lose(stage: &mut Stage, index: usize) {
-        let entity = stage.playback.bodies.all[index].entity;
-        stage.playback.world.get::<&mut Pose>(entity).unwrap().position = Vec3::splat(Real::NAN);
+    fn lose(viewport: &mut Viewport, index: usize) {
+        let entity = viewport.playback.bodies.all[index].entity;
+        viewport.playback.world.get::<&mut Pose>(entity).unwrap().position = Vec3::splat(Real::NAN);
     }
 
-    fn aim(stage: &mut Stage) -> DVec3 {
-        stage.aim(&stage.playback.place());
-        stage.camera.target
+    fn aim(viewport: &mut Viewport) -> DVec3 {
+        viewport.aim(&viewport.playback.place());
+        viewport.camera.target
     }
 
     #[test]
@@ -465,60 +465,60 @@ mod tests {
             |x| format!(r#"{{ "shape": {{ "sphere": {{ "radius": 0.2 }} }}, "mass": 1, "position": [{x}, 0, 0] }}"#);
         let scene = format!(r#"{{ "gravity": [0, -9.81, 0], "dt": 0.01, "bodies": [ {}, {} ] }}"#, ball(-1), ball(1));
         std::fs::write(&file, scene).unwrap();
-        let mut stage = stage(&[file.to_str().unwrap()]);
-        stage.playback.go_to(2.0);
-        let before = aim(&mut stage);
-        let fallen = before.distance(stage.start.middle);
-        assert!(fallen > 2.0 * stage.start.radius, "{fallen}");
-        lose(&mut stage, 0);
+        let mut viewport = viewport(&[file.to_str().unwrap()]);
+        viewport.playback.go_to(2.0);
+        let before = aim(&mut viewport);
+        let fallen = before.distance(viewport.start.middle);
+        assert!(fallen > 2.0 * viewport.start.radius, "{fallen}");
+        lose(&mut viewport, 0);
         // From between the two to the other one, a metre beside.
-        let after = aim(&mut stage);
+        let after = aim(&mut viewport);
         assert!(after.distance(before) < 1.1, "{before} {after}");
-        lose(&mut stage, 1);
-        assert_eq!(aim(&mut stage), after);
+        lose(&mut viewport, 1);
+        assert_eq!(aim(&mut viewport), after);
     }
 
     #[test]
     fn a_camera_stays_where_the_body_it_followed_was_lost() {
-        let mut stage = stage(&["raft", "--pick", "box-0-0", "--follow"]);
-        stage.playback.go_to(1.0);
-        let last = aim(&mut stage);
-        lose(&mut stage, 0);
-        assert_eq!(aim(&mut stage), last);
-        stage.set_follow(Follow::Body(0));
-        assert_eq!(aim(&mut stage), last);
-        let named = stage.ledger(&stage.playback.totals()).pop().unwrap().0;
+        let mut viewport = viewport(&["raft", "--pick", "box-0-0", "--follow"]);
+        viewport.playback.go_to(1.0);
+        let last = aim(&mut viewport);
+        lose(&mut viewport, 0);
+        assert_eq!(aim(&mut viewport), last);
+        viewport.set_follow(Follow::Body(0));
+        assert_eq!(aim(&mut viewport), last);
+        let named = viewport.ledger(&viewport.playback.totals()).pop().unwrap().0;
         assert_eq!(named, "not finite: box-0-0");
     }
 
     /// What is drawn goes as far as the bodies are, also where the camera follows none of them.
     #[test]
     fn a_camera_that_stays_sees_as_far() {
-        let mut stage = stage(&["satellite"]);
-        let follows = stage.extent();
-        assert!(stage.center.length() > 2.0 * follows, "{} {follows}", stage.center);
-        stage.set_follow(Follow::Nothing);
-        aim(&mut stage);
-        assert_eq!(stage.extent(), follows);
+        let mut viewport = viewport(&["satellite"]);
+        let follows = viewport.extent();
+        assert!(viewport.center.length() > 2.0 * follows, "{} {follows}", viewport.center);
+        viewport.set_follow(Follow::Nothing);
+        aim(&mut viewport);
+        assert_eq!(viewport.extent(), follows);
     }
 
     #[test]
     fn a_restart_forgets_the_largest_arrows() {
-        let mut stage = stage(&["t-handle"]);
-        stage.marks();
-        assert_ne!(stage.largest, Largest::default());
-        stage.restart().unwrap();
-        assert_eq!(stage.largest, Largest::default());
+        let mut viewport = viewport(&["t-handle"]);
+        viewport.marks();
+        assert_ne!(viewport.largest, Largest::default());
+        viewport.restart().unwrap();
+        assert_eq!(viewport.largest, Largest::default());
     }
 
     #[test]
     fn the_wheel_goes_as_far_as_the_option() {
-        let mut stage = stage(&["raft", "--camera", "0,0,1e6"]);
-        let farthest = stage.camera.distance;
-        stage.zoom(1.1, SIZE);
+        let mut viewport = viewport(&["raft", "--camera", "0,0,1e6"]);
+        let farthest = viewport.camera.distance;
+        viewport.zoom(1.1, SIZE);
         // A rounding of the product with 1e6.
-        assert!((stage.camera.distance / farthest - 1.0).abs() < 1e-15, "{farthest}");
-        stage.zoom(1e-30, SIZE);
-        assert!((stage.camera.distance / farthest / 1e-12 - 1.0).abs() < 1e-15);
+        assert!((viewport.camera.distance / farthest - 1.0).abs() < 1e-15, "{farthest}");
+        viewport.zoom(1e-30, SIZE);
+        assert!((viewport.camera.distance / farthest / 1e-12 - 1.0).abs() < 1e-15);
     }
 }

@@ -1,12 +1,12 @@
 //! Everything about a mesh that its audit counts and its repair changes.
 
-use super::coincidence::{first_at_same_place, first_nearby};
+use super::connected_components::Parts;
 use super::edges::Edges;
 use super::local_frame::LocalFrame;
 use super::nesting;
-use super::parts::Parts;
 use super::surface::Surface;
 use super::triangle_mesh::TriangleMesh;
+use super::vertex_weld::{first_at_same_place, first_nearby};
 
 /// A mesh taken apart.
 #[derive(Clone, Debug)]

@@ -15,14 +15,14 @@ use crate::gpu::{Background, Gpu, Renderer};
 use crate::options::{Options, Size, Task};
 use crate::overlay::Writer;
 use crate::picture::{Easel, Output, write_png};
-use crate::stage::Stage;
+use crate::viewport::Viewport;
 use crate::window;
 
 /// Samples of each pixel in the window.
 const SAMPLES: i32 = 4;
 
 /// Opens a window and does in it what is to be done.
-pub(crate) fn open(stage: Stage, task: Task<Output>, pace: f64, options: &Options) -> Result<(), Failure> {
+pub(crate) fn open(viewport: Viewport, task: Task<Output>, pace: f64, options: &Options) -> Result<(), Failure> {
     check_display()?;
     let size = options.view.size;
     let conf = Conf {
@@ -43,32 +43,38 @@ pub(crate) fn open(stage: Stage, task: Task<Output>, pace: f64, options: &Option
     without_panic(&opened, move || {
         macroquad::Window::from_config(conf, async move {
             is_open.store(true, Ordering::Relaxed);
-            let result = perform(stage, task, size, pace, paused).await;
+            let result = perform(viewport, task, size, pace, paused).await;
             *in_window.borrow_mut() = result;
         });
     })?;
     done.replace(Ok(()))
 }
 
-async fn perform(mut stage: Stage, task: Task<Output>, size: Size, pace: f64, paused: bool) -> Result<(), Failure> {
+async fn perform(
+    mut viewport: Viewport,
+    task: Task<Output>,
+    size: Size,
+    pace: f64,
+    paused: bool,
+) -> Result<(), Failure> {
     let mut gpu = Gpu::of_the_window();
-    let mut renderer = Renderer::new(&mut gpu, &stage.playback.bodies)?;
+    let mut renderer = Renderer::new(&mut gpu, &viewport.playback.bodies)?;
     let writer = Writer::new().map_err(Failure::Running)?;
     match task {
-        Task::Window => window::show(stage, (gpu, renderer, writer), pace, paused).await,
+        Task::Window => window::show(viewport, (gpu, renderer, writer), pace, paused).await,
         Task::Screenshot { file, at } => {
-            stage.playback.go_to(at);
+            viewport.playback.go_to(at);
             let easel = Easel::new(size, Background::Gradient);
-            let status = window::status(stage.playback.time(), pace, pace);
-            write_png(file, &easel.draw(&mut stage, (&mut gpu, &mut renderer, &writer), status))
+            let status = window::status(viewport.playback.time(), pace, pace);
+            write_png(file, &easel.draw(&mut viewport, (&mut gpu, &mut renderer, &writer), status))
         }
         Task::Animation { file, from, frames, fps } => {
             let easel = Easel::new(size, Background::Plain);
             let mut images = Vec::new();
             for frame in 0..frames {
-                stage.playback.go_to(from + pace * f64::from(frame) / f64::from(fps));
-                let status = window::status(stage.playback.time(), pace, pace);
-                images.push(easel.draw(&mut stage, (&mut gpu, &mut renderer, &writer), status));
+                viewport.playback.go_to(from + pace * f64::from(frame) / f64::from(fps));
+                let status = window::status(viewport.playback.time(), pace, pace);
+                images.push(easel.draw(&mut viewport, (&mut gpu, &mut renderer, &writer), status));
             }
             write_gif(file, &images, fps)
         }
