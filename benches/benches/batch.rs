@@ -1,8 +1,9 @@
 //! Batches: many small worlds, and how close they come to one world with as many bodies.
 //!
-//! `cargo bench --bench batch -- target` is the run that other engines were measured with: 4096 worlds of 8 free boxes, 120 steps, and beside
-//! it one world of 32 768. `-- scaling` goes from one world to 65 536 and from one body to 100 in each, `-- setup` makes worlds.
-//! The throughput is in body-steps a second, for `setup` in bodies a second.
+//! `cargo bench --bench batch -- target` is the run that other engines were measured with: 4096
+//! worlds of 8 free boxes, 120 steps, and beside it one world of 32 768. `-- scaling` goes from one
+//! world to 65 536 and from one body to 100 in each, `-- setup` makes worlds. The throughput is in
+//! body-steps a second, for `setup` in bodies a second.
 
 use std::time::Duration;
 

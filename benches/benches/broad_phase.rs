@@ -1,7 +1,10 @@
-//! What it costs to find what is near what, for balls of a metre in a box of walls and for what is a hundred times as large beside them.
+//! What it costs to find what is near what, for balls of a metre in a box of walls and for what is
+//! a hundred times as large beside them.
 //!
-//! - `falling`: all fall, at 5 m/s and 60 steps a second, each ball with a way of its own besides of a fifth of a metre;
-//! - `mixing`: every ball goes its own way, up to 1.5 m/s along each axis, so that neighbours do not stay neighbours;
+//! - `falling`: all fall, at 5 m/s and 60 steps a second, each ball with a way of its own besides
+//!   of a fifth of a metre;
+//! - `mixing`: every ball goes its own way, up to 1.5 m/s along each axis, so that neighbours do
+//!   not stay neighbours;
 //! - `at rest`: they tremble by a tenth of a millimetre;
 //! - `from nothing`: after a reset.
 //!

@@ -1,8 +1,10 @@
-//! What forces cost: boxes that carry one kind of force component each, under every integrator; springs between bodies; gravity among all of them.
+//! What forces cost: boxes that carry one kind of force component each, under every integrator;
+//! springs between bodies; gravity among all of them.
 //!
-//! `cargo bench --bench forces`. The first group is to be read against its own `none`: a step without forces. `law` is a force law of the caller's that is evaluated
-//! body by body, the same spring as `lane law`, which is evaluated for many at once. How near gravity among bodies comes to what the machine can do is printed by
-//! `cargo bench --bench roofline`.
+//! `cargo bench --bench forces`. The first group is to be read against its own `none`: a step
+//! without forces. `law` is a force law of the caller's that is evaluated body by body, the same
+//! spring as `lane law`, which is evaluated for many at once. How near gravity among bodies comes
+//! to what the machine can do is printed by `cargo bench --bench roofline`.
 
 mod setup;
 

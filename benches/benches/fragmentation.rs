@@ -1,7 +1,8 @@
-//! What archetypes cost: 10 000 boxes in 1 to 256 of them, as the caller's own components spread them.
+//! What archetypes cost: 10 000 boxes in 1 to 256 of them, as the caller's own components spread
+//! them.
 //!
-//! The boxes are told apart by up to eight components without data; neighbours are of different archetypes.
-//! `cargo bench --bench fragmentation -- "1 thread"`.
+//! The boxes are told apart by up to eight components without data; neighbours are of different
+//! archetypes. `cargo bench --bench fragmentation -- "1 thread"`.
 
 mod setup;
 
@@ -22,7 +23,8 @@ fn mark<const N: u8>(world: &mut World, entity: Entity, number: usize) {
     }
 }
 
-/// The boxes in this many archetypes, a power of two up to 256: those of one archetype have the markers of the bits of its number.
+/// The boxes in this many archetypes, a power of two up to 256: those of one archetype have the
+/// markers of the bits of its number.
 fn fragmented_boxes(archetypes: usize) -> World {
     let mut world = tumbling_boxes(BODIES);
     let boxes: Vec<Entity> = world.iter().map(|entity| entity.entity()).collect();

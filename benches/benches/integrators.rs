@@ -1,10 +1,14 @@
-//! What each integrator costs: 10 000 boxes under gravity on one thread, with one and with eight substeps a step.
+//! What each integrator costs: 10 000 boxes under gravity on one thread, with one and with eight
+//! substeps a step.
 //!
-//! Substeps that nothing couples run in registers, so that seven eighths of what eight of them cost above one is a substep without
-//! memory. The throughput is in bodies stepped a second; `--features f64` measures double precision.
+//! Substeps that nothing couples run in registers, so that seven eighths of what eight of them cost
+//! above one is a substep without memory. The throughput is in bodies stepped a second;
+//! `--features f64` measures double precision.
 //!
-//! Beside each time stands what it buys: how far off a second of the same motion is, in energy and in attitude, over a hundred of the boxes. Energy of rotation is to
-//! stay what it was; attitude is compared with sixteen substeps of the sixth-order map, so that less than rounding in those is not seen.
+//! Beside each time stands what it buys: how far off a second of the same motion is, in energy and
+//! in attitude, over a hundred of the boxes. Energy of rotation is to stay what it was; attitude is
+//! compared with sixteen substeps of the sixth-order map, so that less than rounding in those is
+//! not seen.
 //!
 //! `cargo bench --bench integrators -- moser-veselov`.
 
@@ -37,7 +41,8 @@ fn after(settings: Settings, steps: u32) -> Option<Vec<(f64, DQuat)>> {
     bodies.collect()
 }
 
-/// Root mean squares of the relative error of energy and of the angle \[rad\] that attitudes are off by.
+/// Root mean squares of the relative error of energy and of the angle \[rad\] that attitudes are
+/// off by.
 fn errors(settings: Settings) -> Option<[f64; 2]> {
     let exact = settings.with_integrator(Integrator::MoserVeselov).with_substeps(REFERENCE_SUBSTEPS);
     let (start, exact, found) = (after(settings, 0)?, after(exact, STEPS)?, after(settings, STEPS)?);

@@ -1,7 +1,9 @@
-//! What the ledger costs: a step that no ledger is attached to, one whose work is booked, and one whose ledger was taken away again.
+//! What the ledger costs: a step that no ledger is attached to, one whose work is booked, and one
+//! whose ledger was taken away again.
 //!
-//! The first and the last are to cost the same; `cargo bench --bench ledger`. The group `measure` has what it takes to sum up energy and momentum
-//! beside a step of the same bodies: as they were spawned, and with numbers that scatter their order over memory.
+//! The first and the last are to cost the same; `cargo bench --bench ledger`. The group `measure`
+//! has what it takes to sum up energy and momentum beside a step of the same bodies: as they were
+//! spawned, and with numbers that scatter their order over memory.
 
 mod setup;
 

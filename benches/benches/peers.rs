@@ -1,14 +1,18 @@
-//! The same scene in Rapier and in tumble, in one process: boxes without colliders that tumble and fall, on one and on two threads.
+//! The same scene in Rapier and in tumble, in one process: boxes without colliders that tumble and
+//! fall, on one and on two threads.
 //!
-//! `cargo bench --bench peers --features peers`, with `-- 100000` for another number of boxes. Both begin with the same masses,
-//! moments, poses and velocities, step by 1/60 s, and never sleep; Rapier is built with its threads and its default vector code, keeps
-//! the gyroscopic term that it has by default, and runs with its default of four solver iterations and with one. Blocks of steps
-//! of both alternate, so that what else the machine does hits both; medians over the blocks are printed. Before that, it is checked that
-//! both moved every body the same way.
+//! `cargo bench --bench peers --features peers`, with `-- 100000` for another number of boxes. Both
+//! begin with the same masses, moments, poses and velocities, step by 1/60 s, and never sleep;
+//! Rapier is built with its threads and its default vector code, keeps the gyroscopic term that it
+//! has by default, and runs with its default of four solver iterations and with one. Blocks of
+//! steps of both alternate, so that what else the machine does hits both; medians over the blocks
+//! are printed. Before that, it is checked that both moved every body the same way.
 //!
-//! With `-- worlds` it is 4096 worlds of eight such boxes over 120 steps, a part of Rapier's on each thread.
+//! With `-- worlds` it is 4096 worlds of eight such boxes over 120 steps, a part of Rapier's on
+//! each thread.
 //!
-//! Under `--features f64` tumble is in double precision and Rapier, a crate of single precision, is not.
+//! Under `--features f64` tumble is in double precision and Rapier, a crate of single precision, is
+//! not.
 
 #![allow(
     clippy::unnecessary_cast,
@@ -145,7 +149,8 @@ fn rapier_world(world: &mut World, settings: &Settings) -> rapier::PhysicsWorld 
 }
 
 /// # Panics
-/// Where a body is not where Rapier's scheme of first order may have it: then one of the two did not do the work that is measured.
+/// Where a body is not where Rapier's scheme of first order may have it: then one of the two did
+/// not do the work that is measured.
 fn compare(world: &mut World, rapier: &rapier::PhysicsWorld, settings: &Settings) {
     let (time, gravity) = (COMPARED as Real * settings.dt, settings.gravity.length());
     let substep = settings.dt / rapier.integration_parameters.num_solver_iterations as Real;
@@ -153,14 +158,16 @@ fn compare(world: &mut World, rapier: &rapier::PhysicsWorld, settings: &Settings
     for ((pose, velocity), (_, body)) in world.query_mut::<(&Pose, &Velocity)>().into_iter().zip(rapier.bodies.iter()) {
         let [x, y, z] = body.translation().to_array().map(Real::from);
         let distance = (Vec3::new(x, y, z) - pose.position).length();
-        // Velocity before position: it falls g t h/2 further than is right. What is left is rounding, within 60 m of the origin.
+        // Velocity before position: it falls g t h/2 further than is right. What is left is
+        // rounding, within 60 m of the origin.
         let allowed = 0.5 * gravity * time * substep * 1.01 + 60.0 * COMPARED as Real * 4.0 * Real::from(f32::EPSILON);
         assert!(distance <= allowed, "a body is {distance} m away from Rapier's, at most {allowed} m was expected");
 
         let [x, y, z, w] = body.rotation().to_array().map(Real::from);
         let angle = Quat::from_xyzw(x, y, z, w).angle_between(pose.orientation);
-        // Each substep turns at a rate that is up to dw/dt h/2 off, and |dw/dt| <= |w|^2/sqrt 3 by the triangle inequality of the moments;
-        // the sqrt 3 is left for |w| changing on the way. glam's angle is good to a thousandth in single precision.
+        // Each substep turns at a rate that is up to dw/dt h/2 off, and |dw/dt| <= |w|^2/sqrt 3 by
+        // the triangle inequality of the moments; the sqrt 3 is left for |w| changing on the way.
+        // glam's angle is good to a thousandth in single precision.
         let rate = velocity.angular.length();
         let allowed = 0.5 * time * substep * rate * rate + 2e-3;
         assert!(angle <= allowed, "a body is turned {angle} rad from Rapier's, at most {allowed} rad was expected");

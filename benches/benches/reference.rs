@@ -1,11 +1,13 @@
-//! How far the engine is from bodies that are nothing but `Vec`s: the same boxes under gravity on one thread, with velocities and inverse inertias
-//! written.
+//! How far the engine is from bodies that are nothing but `Vec`s: the same boxes under gravity on
+//! one thread, with velocities and inverse inertias written.
 //!
-//! `world or Vecs` measures the ECS alone: the engine's own step with each integrator, over the columns of a hecs world and over `Vec`s of the same components.
-//! `reference` measures kernel and layout: a step of semi-implicit Euler by the engine in a world, and over plain vectors by hand.
+//! `world or Vecs` measures the ECS alone: the engine's own step with each integrator, over the
+//! columns of a hecs world and over `Vec`s of the same components. `reference` measures kernel and
+//! layout: a step of semi-implicit Euler by the engine in a world, and over plain vectors by hand.
 //!
-//! The yardstick has each number in a column of its own, knows every body to have the same components, and has nothing for very fast or
-//! very light bodies; its vector code is another library's. Both do the same work, which is checked before anything is measured.
+//! The yardstick has each number in a column of its own, knows every body to have the same
+//! components, and has nothing for very fast or very light bodies; its vector code is another
+//! library's. Both do the same work, which is checked before anything is measured.
 //!
 //! `cargo bench --bench reference -- /10000`.
 
@@ -27,15 +29,16 @@ use crate::plain_vectors::PlainVectors;
 const COMPARED: u32 = 20;
 
 /// # Panics
-/// Where the yardstick does not move the bodies as the engine does; what it takes would mean nothing.
+/// Where the yardstick does not move the bodies as the engine does; what it takes would mean
+/// nothing.
 fn check_the_same_work(simulation: &mut Simulation, world: &mut World, plain: &mut PlainVectors) {
     let settings = *simulation.settings();
     for _ in 0..COMPARED {
         simulation.step(world);
         plain.step(settings.dt, settings.gravity);
     }
-    // The two round in different orders, a few roundings a step of numbers up to 50, and the scheme at worst doubles a
-    // difference within so few steps.
+    // The two round in different orders, a few roundings a step of numbers up to 50, and the scheme
+    // at worst doubles a difference within so few steps.
     let apart = 50.0 * COMPARED as Real * 8.0 * Real::EPSILON;
     let mut compared = 0;
     let bodies = world.query_mut::<(&Pose, &Momentum, &Inertia, &Velocity, &InverseInertia)>();
@@ -43,7 +46,8 @@ fn check_the_same_work(simulation: &mut Simulation, world: &mut World, plain: &m
         agree(&pose.position.to_array(), &plain.position, apart);
         agree(&pose.orientation.to_array(), &plain.orientation, apart);
         agree(&velocity.linear.to_array(), &plain.velocity, apart);
-        // A quaternion that is so far apart is an angle of twice as much, on either side of the inverse moments.
+        // A quaternion that is so far apart is an angle of twice as much, on either side of the
+        // inverse moments.
         let apart = 4.0 * apart * inertia.inverse_moments().max_element();
         agree(&velocity.angular.to_array(), &plain.angular_velocity, apart * momentum.angular.length());
         agree(&[tensor.diagonal.to_array(), tensor.off_diagonal.to_array()].concat(), &plain.inverse_inertia, apart);

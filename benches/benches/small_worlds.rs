@@ -1,7 +1,8 @@
-//! Worlds so small that what counts is what a step costs besides its bodies: none to a hundred boxes, called as a game calls it, from a
-//! thread that is not one of rayon's.
+//! Worlds so small that what counts is what a step costs besides its bodies: none to a hundred
+//! boxes, called as a game calls it, from a thread that is not one of rayon's.
 //!
-//! `step` is one step; `step_many` is 120, divided by 120 in the throughput. `cargo bench --bench small_worlds -- step/`.
+//! `step` is one step; `step_many` is 120, divided by 120 in the throughput.
+//! `cargo bench --bench small_worlds -- step/`.
 
 mod setup;
 

@@ -1,4 +1,5 @@
-//! What it costs to take and to restore a snapshot of 10 000 bodies, beside a plain copy of as many bytes: of one kind, and of every kind.
+//! What it costs to take and to restore a snapshot of 10 000 bodies, beside a plain copy of as many
+//! bytes: of one kind, and of every kind.
 //!
 //! `capture` and `copy to new memory` allocate, the others do not. `cargo bench --bench snapshots`.
 

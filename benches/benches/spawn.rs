@@ -1,7 +1,8 @@
-//! What it costs to make bodies: one entity at a time, many at once, and, as the yardstick, the same components pushed to plain `Vec`s.
+//! What it costs to make bodies: one entity at a time, many at once, and, as the yardstick, the
+//! same components pushed to plain `Vec`s.
 //!
-//! All but `build` begin with bodies that are checked and computed, and with an empty world; making the bodies of a scene from their shapes
-//! is `build`. `cargo bench --bench spawn -- boxes/copies`.
+//! All but `build` begin with bodies that are checked and computed, and with an empty world; making
+//! the bodies of a scene from their shapes is `build`. `cargo bench --bench spawn -- boxes/copies`.
 
 mod setup;
 

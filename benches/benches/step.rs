@@ -1,6 +1,8 @@
-//! A whole step with each integrator: bodies of every kind, 100 to a million of them, on one and on two threads.
+//! A whole step with each integrator: bodies of every kind, 100 to a million of them, on one and on
+//! two threads.
 //!
-//! `cargo bench --bench step -- moser-veselov/2` picks some by name. The throughput is in bodies a second.
+//! `cargo bench --bench step -- moser-veselov/2` picks some by name. The throughput is in bodies a
+//! second.
 
 mod setup;
 

@@ -1,5 +1,5 @@
-//! Each system of the step alone: bodies of every kind, 100 to a million of them, on one and on two threads. `integrate` is with
-//! the default integrator; the others are in `step.rs`.
+//! Each system of the step alone: bodies of every kind, 100 to a million of them, on one and on two
+//! threads. `integrate` is with the default integrator; the others are in `step.rs`.
 
 mod setup;
 

@@ -1,6 +1,8 @@
-//! What a further thread brings: a step of the default integrator over boxes, on one, two and four threads; and what each integrator costs on one and on two.
+//! What a further thread brings: a step of the default integrator over boxes, on one, two and four
+//! threads; and what each integrator costs on one and on two.
 //!
-//! More threads than the machine has cores show what it costs to ask for too many. `cargo bench --bench threads -- /100000`.
+//! More threads than the machine has cores show what it costs to ask for too many.
+//! `cargo bench --bench threads -- /100000`.
 
 mod setup;
 

@@ -1,7 +1,9 @@
-//! How long frames take while other programs keep every core busy: steps from the main thread, with the pool that rayon has by default, beside as many busy loops as there are cores.
+//! How long frames take while other programs keep every core busy: steps from the main thread, with
+//! the pool that rayon has by default, beside as many busy loops as there are cores.
 //!
-//! `cargo run --release -p tumble-benches --example busy_machine`; `-- 0` for none beside it. Prints the median of the steps, the one in a hundred and the longest in
-//! milliseconds, and, on Linux, how often in a step the thread that calls it waited for another.
+//! `cargo run --release -p tumble-benches --example busy_machine`; `-- 0` for none beside it.
+//! Prints the median of the steps, the one in a hundred and the longest in milliseconds, and, on
+//! Linux, how often in a step the thread that calls it waited for another.
 
 use std::error::Error;
 use std::hint::black_box;

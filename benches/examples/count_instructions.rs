@@ -1,12 +1,15 @@
-//! Counts the instructions of a body-step and compares them with those on record: unlike times, they are the same on a busy machine and on
-//! a quiet one.
+//! Counts the instructions of a body-step and compares them with those on record: unlike times,
+//! they are the same on a busy machine and on a quiet one.
 //!
-//! `cargo run --release -p tumble-benches --example count_instructions`, with `--features f64` for double precision, runs boxes under each
-//! integrator, bodies that pull at each other and bodies that touch under valgrind, with each instruction set that valgrind knows, and fails where a body-step has over 3 % more instructions than in
-//! `benches/instruction_counts.csv`. `-- --record` writes what it finds there; that file says with which compiler, since another one
-//! makes other code. A minute; not among the checks of every change.
+//! `cargo run --release -p tumble-benches --example count_instructions`, with `--features f64` for
+//! double precision, runs boxes under each integrator, bodies that pull at each other and bodies
+//! that touch under valgrind, with each instruction set that valgrind knows, and fails where a
+//! body-step has over 3 % more instructions than in `benches/instruction_counts.csv`. `-- --record`
+//! writes what it finds there; that file says with which compiler, since another one makes other
+//! code. A minute; not among the checks of every change.
 //!
-//! To see where instructions are: `valgrind --tool=callgrind target/release/examples/count_instructions step moser-veselov 30`.
+//! To see where instructions are:
+//! `valgrind --tool=callgrind target/release/examples/count_instructions step moser-veselov 30`.
 
 use std::fmt::Write;
 use std::process::{Command, ExitCode};
@@ -17,7 +20,8 @@ use tumble_benches::{attracting_points, eight_boxes, falling_balls, net_of_sprin
 
 /// Of free bodies: whole tiles, in whole chunks.
 const BODIES: u32 = 4096;
-/// Where bodies act on each other: a name, how many they are, and after how many steps counting begins.
+/// Where bodies act on each other: a name, how many they are, and after how many steps counting
+/// begins.
 const COUPLED: [(&str, u32, u32); 5] = [
     ("springs", 1024, 5),
     ("attraction", 256, 5),

@@ -1,7 +1,7 @@
 //! The scenes that the benches run, and the tests that are about many bodies at once.
 //!
-//! The same numbers on every machine and in every run: the only source of chance is [`Rng`], and nothing but basic
-//! arithmetic and square roots is used.
+//! The same numbers on every machine and in every run: the only source of chance is [`Rng`], and
+//! nothing but basic arithmetic and square roots is used.
 
 #![cfg_attr(
     feature = "f64",

@@ -16,7 +16,8 @@ pub enum PileShape {
 
 const UNIT_BOX: PileShape = PileShape::Box(Vec3::splat(0.5));
 
-/// A pyramid of unit boxes of 1 kg on the ground, `base` by `base` at the bottom with gaps of a tenth, each layer one box narrower: 2870 boxes for 20.
+/// A pyramid of unit boxes of 1 kg on the ground, `base` by `base` at the bottom with gaps of a
+/// tenth, each layer one box narrower: 2870 boxes for 20.
 pub fn pyramid(base: u32) -> World {
     let mut world = World::new();
     fixed_box(&mut world, Vec3::new(100.0, 1.0, 100.0), -Vec3::Y);
@@ -34,7 +35,8 @@ pub fn pyramid(base: u32) -> World {
     world
 }
 
-/// `count` balls of 1 kg and a metre across in layers of 18 by 18, each a little beside its place in the grid, about to fall into a box of 20 by 20 m.
+/// `count` balls of 1 kg and a metre across in layers of 18 by 18, each a little beside its place
+/// in the grid, about to fall into a box of 20 by 20 m.
 pub fn falling_balls(count: usize) -> World {
     let mut world = World::new();
     fixed_box(&mut world, Vec3::new(12.0, 1.0, 12.0), -Vec3::Y);
@@ -92,7 +94,8 @@ fn spawn(world: &mut World, shape: PileShape, placed: impl FnOnce(RigidBody) -> 
     body.spawn_with(world, (collider, shape));
 }
 
-/// The linear congruential generator of Knuth's MMIX, whose upper 31 bits count: the one that other engines' drivers drew the same scenes with.
+/// The linear congruential generator of Knuth's MMIX, whose upper 31 bits count: the one that other
+/// engines' drivers drew the same scenes with.
 struct Lcg(u64);
 
 impl Lcg {

@@ -2,7 +2,8 @@ use hecs::{DynamicBundle, Entity, World};
 use tumble::math::{Real, Vec3};
 use tumble::{BodyId, GravityMass, RigidBody, Rng, Shape, Spring};
 
-/// A square net of `side` times `side` balls, a metre apart, with a damped spring between neighbours: `2 side (side - 1)` of them.
+/// A square net of `side` times `side` balls, a metre apart, with a damped spring between
+/// neighbours: `2 side (side - 1)` of them.
 pub fn net_of_springs(side: usize) -> World {
     let mut world = World::new();
     let net: Vec<Entity> = (0..side * side)

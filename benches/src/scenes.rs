@@ -7,7 +7,8 @@ const KINDS: u64 = 16;
 const KINEMATIC: u64 = 14;
 const FIXED: u64 = 15;
 
-/// `count` boxes of all proportions, tumbling at up to 9 rad/s: bodies of one kind, with nothing but what a body needs.
+/// `count` boxes of all proportions, tumbling at up to 9 rad/s: bodies of one kind, with nothing
+/// but what a body needs.
 pub fn tumbling_boxes(count: usize) -> World {
     let mut rng = Rng::new(0xb0);
     let mut world = World::new();
@@ -21,8 +22,9 @@ pub fn tumbling_box(rng: &mut Rng) -> Body {
     place(RigidBody::new(shape).density(1000.0), rng)
 }
 
-/// `count` bodies of every kind there is: all shapes, with their own principal axes and centres of mass or without, damped or
-/// not, heavier or lighter in gravity, points, kinematic ones and fixed ones. Their [`BodyId`]s count from zero.
+/// `count` bodies of every kind there is: all shapes, with their own principal axes and centres of
+/// mass or without, damped or not, heavier or lighter in gravity, points, kinematic ones and fixed
+/// ones. Their [`BodyId`]s count from zero.
 pub fn mixed_bodies(count: usize) -> World {
     let mut world = World::new();
     for id in 0..count as u64 {
@@ -74,7 +76,8 @@ fn mixed_shape(kind: u64, rng: &mut Rng) -> Shape {
         3 => Shape::cone(length(), length()),
         4 => Shape::ellipsoid([length(), length(), length()].map(f64::from)),
         9 => {
-            // A weight on a sphere: neither the centre of mass nor the principal axes are those of the frame.
+            // A weight on a sphere: neither the centre of mass nor the principal axes are those of
+            // the frame.
             let (radius, weight) = (length(), f64::from(length()) * 0.1);
             let sphere = Part::new(Shape::sphere(radius), Amount::Density(700.0));
             let at = rng.vector(-1.0, 1.0) * radius;

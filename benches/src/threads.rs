@@ -20,8 +20,9 @@ pub fn pool(threads: usize) -> ThreadPool {
     ThreadPoolBuilder::new().num_threads(threads).build().expect("a thread pool")
 }
 
-/// Calls `work` with all items, a part of them on each of `threads` threads, and each part in a pool of its own with one thread: two worlds of an engine whose steps wait in a pool of two threads
-/// wait for each other forever.
+/// Calls `work` with all items, a part of them on each of `threads` threads, and each part in a
+/// pool of its own with one thread: two worlds of an engine whose steps wait in a pool of two
+/// threads wait for each other forever.
 pub fn in_pools_of_one<T: Send>(items: &mut [T], threads: usize, work: impl Fn(&mut T) + Sync) {
     let alone: Vec<ThreadPool> = (0..threads).map(|_| pool(1)).collect();
     let part = items.len().div_ceil(threads).max(1);

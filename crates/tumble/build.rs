@@ -1,7 +1,9 @@
-//! Decides whether vector code is compiled: `cfg(vector_code)`, on x86-64, but not without optimisation.
+//! Decides whether vector code is compiled: `cfg(vector_code)`, on x86-64, but not without
+//! optimisation.
 //!
-//! A kernel is one function into which everything is inlined. Unoptimised, each of its thousands of intermediate vectors gets memory of its own on the
-//! stack, megabytes of it, and a game's debug build would overflow a thread's stack. One body at a time gives the same bits.
+//! A kernel is one function into which everything is inlined. Unoptimised, each of its thousands of
+//! intermediate vectors gets memory of its own on the stack, megabytes of it, and a game's debug
+//! build would overflow a thread's stack. One body at a time gives the same bits.
 
 use std::env;
 

@@ -1,4 +1,5 @@
-//! What the targets do with their bytes: a file of that ending, opened in all the ways there are; or a pair of shapes.
+//! What the targets do with their bytes: a file of that ending, opened in all the ways there are;
+//! or a pair of shapes.
 
 pub mod pairs;
 
@@ -19,8 +20,8 @@ fn directory() -> &'static tempfile::TempDir {
     })
 }
 
-/// Opens the bytes as a file of this ending, audits, repairs and draws what is in it, and spawns it. Whatever they are, there is to be a
-/// result or an error that names the file.
+/// Opens the bytes as a file of this ending, audits, repairs and draws what is in it, and spawns
+/// it. Whatever they are, there is to be a result or an error that names the file.
 pub fn open(bytes: &[u8], ending: &str) {
     let path = directory().path().join(format!("input.{ending}"));
     fs::write(&path, bytes).expect("there is room for a file");

@@ -109,6 +109,7 @@ pub fn meet(bytes: &[u8]) {
     let pairs = parts(&first) * parts(&second);
     assert!(reached <= pairs * MAX_REACHED, "{reached} points reached of {pairs} pairs");
     assert!(compared <= pairs * MAX_COMPARED, "{compared} faces and sides compared of {pairs} pairs");
-    // A hull here has at most 31 corners and 58 faces, each gone through for a point that is reached.
+    // A hull here has at most 31 corners and 58 faces, each gone through for a point that is
+    // reached.
     assert!(multiplied <= pairs * MAX_REACHED * 128, "{multiplied} products of {pairs} pairs");
 }

@@ -4,9 +4,10 @@ use std::process::Command;
 
 use tumble::simd_name;
 
-/// Runs the tests of the calling program whose names begin with `the_bits_` once for each instruction set, in a process of its own each,
-/// since a process chooses once. `passed` of them are to pass, and one is to print `ran on NAME`, by [`simd_name`]. On a machine
-/// without one of the sets the choice falls back to what it has.
+/// Runs the tests of the calling program whose names begin with `the_bits_` once for each
+/// instruction set, in a process of its own each, since a process chooses once. `passed` of them
+/// are to pass, and one is to print `ran on NAME`, by [`simd_name`]. On a machine without one of
+/// the sets the choice falls back to what it has.
 pub fn run_on_every_instruction_set(passed: u32) {
     for name in ["scalar", "baseline", "avx2", "avx512"] {
         let output = Command::new(std::env::current_exe().expect("a test is a program"))

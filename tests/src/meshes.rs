@@ -59,7 +59,8 @@ pub fn torus(ring: f64, tube: f64, around: u32, across: u32) -> TriangleMesh {
     TriangleMesh::new(positions, triangles.collect::<Vec<_>>()).expect("a mesh")
 }
 
-/// A sphere of this radius about the origin: an octahedron whose triangles are divided into four this many times.
+/// A sphere of this radius about the origin: an octahedron whose triangles are divided into four
+/// this many times.
 pub fn sphere(radius: f64, divisions: u32) -> TriangleMesh {
     let axes = [DVec3::X, DVec3::Y, DVec3::Z];
     let mut positions: Vec<DVec3> = axes.into_iter().chain(axes.map(|axis| -axis)).collect();

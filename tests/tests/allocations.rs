@@ -1,15 +1,15 @@
-//! Promise: once a world has been stepped, stepping it allocates nothing, on no thread: not with many kinds of bodies,
-//! own force laws, force components, springs and
-//! attraction between bodies, contacts, a ledger, one thread or two. Nor does it allocate to save a pile and to go back
-//! to it, once a rollback is full.
+//! Promise: once a world has been stepped, stepping it allocates nothing, on no thread: not with
+//! many kinds of bodies, own force laws, force components, springs and attraction between bodies,
+//! contacts, a ledger, one thread or two. Nor does it allocate to save a pile and to go back to it,
+//! once a rollback is full.
 //!
-//! Why: an allocation in a game's frame is a hitch, and in a world of ten bodies it takes longer than they do. It fails
-//! if a step collects archetypes,
-//! chunks or laws in something that grows.
+//! Why: an allocation in a game's frame is a hitch, and in a world of ten bodies it takes longer
+//! than they do. It fails if a step collects archetypes, chunks or laws in something that grows.
 //!
-//! Steps are taken within a thread pool, as a game does that runs its frame there: handing a step over from outside to
-//! a pool's threads may allocate, and so does the first step that a thread takes of bodies that act on each other.
-//! There is one test in this file, because the whole process is counted.
+//! Steps are taken within a thread pool, as a game does that runs its frame there: handing a step
+//! over from outside to a pool's threads may allocate, and so does the first step that a thread
+//! takes of bodies that act on each other. There is one test in this file, because the whole
+//! process is counted.
 
 #![allow(clippy::unwrap_used, reason = "a test without what it tests is to fail")]
 
@@ -71,8 +71,8 @@ fn a_step_allocates_nothing() {
     ];
     for threads in [1, 2] {
         let pool = ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
-        // A thread's first theft makes it known to the others, once in its life; on a busy machine that may be in a
-        // later step than the first.
+        // A thread's first theft makes it known to the others, once in its life; on a busy machine
+        // that may be in a later step than the first.
         let all_at_work = Barrier::new(threads);
         pool.install(|| {
             rayon::scope(|scope| {

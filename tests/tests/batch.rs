@@ -1,8 +1,10 @@
-//! Promise: a world in a batch gets the same bits as alone, whatever else is in the batch, in which order, and on how many threads;
-//! results come in the order of the worlds; a streamed run holds a bounded number of worlds and results.
+//! Promise: a world in a batch gets the same bits as alone, whatever else is in the batch, in which
+//! order, and on how many threads; results come in the order of the worlds; a streamed run holds a
+//! bounded number of worlds and results.
 //!
-//! Why: a Monte-Carlo run on a cluster must be repeatable one world at a time on a laptop. It fails if worlds share a generator or a clock, if
-//! results are taken as they finish, if a large world that is split further is treated differently, or if a stream forgets to drop.
+//! Why: a Monte-Carlo run on a cluster must be repeatable one world at a time on a laptop. It fails
+//! if worlds share a generator or a clock, if results are taken as they finish, if a large world
+//! that is split further is treated differently, or if a stream forgets to drop.
 
 #![allow(clippy::unwrap_used, reason = "a test without what it tests is to fail")]
 
@@ -17,7 +19,8 @@ use tumble::{
 };
 use tumble_benches::{mixed_body, pool};
 
-/// Enough worlds that every thread gets several, of every size there is: none, one, a few, several chunks.
+/// Enough worlds that every thread gets several, of every size there is: none, one, a few, several
+/// chunks.
 const WORLDS: usize = 40;
 const STEPS: u32 = 25;
 
@@ -156,7 +159,8 @@ fn an_observer_may_push() {
     });
     let pushed: Vec<Real> =
         batch.map(|_, trial| trial.world.query_mut::<&tumble::Momentum>().into_iter().map(|p| p.linear.x).sum());
-    // Added after the first and the second step, half a second each; what was added after the third still waits.
+    // Added after the first and the second step, half a second each; what was added after the third
+    // still waits.
     assert_eq!(pushed, [0.0, 1.0, 2.0, 3.0]);
 }
 

@@ -1,11 +1,12 @@
-//! Promise: an empty world of a batch takes at most 4 KB. A body takes at most 256 bytes all told, its share of the world among them, from 64
-//! bodies of a kind on; a world of fewer takes what one of 64 does. In double precision a body takes at most 512.
+//! Promise: an empty world of a batch takes at most 4 KB. A body takes at most 256 bytes all told,
+//! its share of the world among them, from 64 bodies of a kind on; a world of fewer takes what one
+//! of 64 does. In double precision a body takes at most 512.
 //!
-//! Why: what ends large batches in other engines is memory. It fails if a world gets buffers of its own before it has bodies, or a body more
-//! components than it needs.
+//! Why: what ends large batches in other engines is memory. It fails if a world gets buffers of its
+//! own before it has bodies, or a body more components than it needs.
 //!
-//! What the process has in memory is measured, so the allocator's own overhead counts; and there is only one test in this file, because tests of one
-//! file share a process.
+//! What the process has in memory is measured, so the allocator's own overhead counts; and there is
+//! only one test in this file, because tests of one file share a process.
 
 #![cfg(target_os = "linux")]
 #![allow(clippy::unwrap_used, reason = "a test without what it tests is to fail")]
@@ -40,7 +41,8 @@ fn measured(worlds: usize, bodies: u32) -> (Batch, f64) {
 
 #[test]
 fn worlds_and_bodies_are_small() {
-    // Tens of megabytes each, against which the process's other pages do not count. All are kept: memory that was freed would be used again unseen.
+    // Tens of megabytes each, against which the process's other pages do not count. All are kept:
+    // memory that was freed would be used again unseen.
     let mut kept = Vec::new();
     let mut bytes = |worlds, bodies| {
         let (batch, bytes) = measured(worlds, bodies);

@@ -1,11 +1,11 @@
-//! Promise: `Buoyancy` is Archimedes' lift at the centroid of what is under water, exact for spheres and boxes in every
-//! attitude and at every depth; what floats lies as deep as it
-//! weighs, heaves at its frequency, rights itself by its metacentric height or turns over; its energy is the one that
-//! the lift is the slope of.
+//! Promise: `Buoyancy` is Archimedes' lift at the centroid of what is under water, exact for
+//! spheres and boxes in every attitude and at every depth; what floats lies as deep as it weighs,
+//! heaves at its frequency, rights itself by its metacentric height or turns over; its energy is
+//! the one that the lift is the slope of.
 //!
-//! Why: a raft that tips over for no reason, or lies an inch too high in one attitude, is a wrong clip of a box
-//! somewhere. It fails if a case of the clipping is wrong, if a corner or a face that lies just in
-//! the surface counts twice or not at all, or if the lift acts at the wrong point.
+//! Why: a raft that tips over for no reason, or lies an inch too high in one attitude, is a wrong
+//! clip of a box somewhere. It fails if a case of the clipping is wrong, if a corner or a face that
+//! lies just in the surface counts twice or not at all, or if the lift acts at the wrong point.
 
 #![allow(clippy::unwrap_used, reason = "a test without what it tests is to fail")]
 #![cfg_attr(
@@ -63,9 +63,10 @@ fn potential(buoyancy: Buoyancy, pose: Pose) -> f64 {
     Totals::of(&world, simulation.settings(), &BodyOrder::of(&world)).force_potential
 }
 
-/// Volume and first moment about the origin of the part of a turned box below the plane `up . x = 0`, by slices:
-/// between two corners in height the area of a slice is a polynomial of second degree in height and its
-/// moment one of third, so that two points of Gauss are exact. Shares nothing with how the engine does it.
+/// Volume and first moment about the origin of the part of a turned box below the plane
+/// `up . x = 0`, by slices: between two corners in height the area of a slice is a polynomial of
+/// second degree in height and its moment one of third, so that two points of Gauss are exact.
+/// Shares nothing with how the engine does it.
 fn by_slices(half: DVec3, orientation: DQuat, center: DVec3, up: DVec3) -> (f64, DVec3) {
     let corner = |i: usize| {
         let sign = |bit: usize| if i & bit == 0 { -1.0 } else { 1.0 };
@@ -128,7 +129,8 @@ fn slices_are_right() {
     near(by_slices(half, DQuat::IDENTITY, DVec3::ZERO, DVec3::Y), 3.0, DVec3::NEG_Y * 1.5);
     near(by_slices(half, turned, DVec3::Y * -4.0, DVec3::Y), 6.0, DVec3::Y * -24.0);
     near(by_slices(half, turned, DVec3::Y * 4.0, DVec3::Y), 0.0, DVec3::ZERO);
-    // A corner of a cube, cut at a third of its diagonal, with three equal edges of length 1: a volume of 1/6.
+    // A corner of a cube, cut at a third of its diagonal, with three equal edges of length 1: a
+    // volume of 1/6.
     let to_corner = DQuat::from_rotation_arc(DVec3::ONE.normalize(), DVec3::NEG_Y);
     let height = 1.0 / 3.0_f64.sqrt();
     let found = by_slices(DVec3::ONE, to_corner, DVec3::Y * (3.0_f64.sqrt() - height), DVec3::Y);
@@ -148,8 +150,8 @@ fn attitudes(rng: &mut Rng) -> Vec<Quat> {
     special.into_iter().chain(leveled).chain((0..300).map(|_| rng.orientation())).collect()
 }
 
-/// Volume and centroid of what is under water, for boxes of many proportions in hundreds of attitudes, from just
-/// touching to just drowned.
+/// Volume and centroid of what is under water, for boxes of many proportions in hundreds of
+/// attitudes, from just touching to just drowned.
 #[test]
 fn a_box_displaces_what_slices_of_it_add_up_to() {
     let mut rng = Rng::new(11);
@@ -180,10 +182,11 @@ fn a_box_displaces_what_slices_of_it_add_up_to() {
                     (moment - (dvec3(pose.position) - up() * f64::from(level)) * volume).cross(up()) * weight;
                 let whole = 8.0 * f64::from(half.x * half.y * half.z) * weight;
                 let size = dvec3(half).length() + dvec3(hull_center).length();
-                // The height has some roundings of the place, two metres at most; a tilt of the box as large as a
-                // rounding lifts its ends by that times its length. All relative to the height
-                // of the box across the surface, as little as 0.02 m for the flat one. And volumes are sums of pyramids
-                // over the faces, as large as the largest face times that height.
+                // The height has some roundings of the place, two metres at most; a tilt of the box
+                // as large as a rounding lifts its ends by that times its length. All relative to
+                // the height of the box across the surface, as little as 0.02 m for the flat one.
+                // And volumes are sums of pyramids over the faces, as large as the largest face
+                // times that height.
                 let face = reach / f64::from(half.min_element());
                 let roundings = EPSILON * (16.0 + 16.0 * (2.0 + size) / reach + 8.0 * face);
                 let errors = (
@@ -225,8 +228,8 @@ fn a_ball_displaces_its_cap() {
     }
 }
 
-/// Lift and torque are minus the slope of the energy, by differences over what the poses really differ by, for both
-/// hulls, partly in the water, drowned and dry.
+/// Lift and torque are minus the slope of the energy, by differences over what the poses really
+/// differ by, for both hulls, partly in the water, drowned and dry.
 #[test]
 fn the_lift_is_the_slope_of_the_energy() {
     let mut rng = Rng::new(4);
@@ -238,8 +241,8 @@ fn the_lift_is_the_slope_of_the_energy() {
         let (force, torque) = lift(buoyancy, pose);
         let d = by_precision(1e-3, 1e-5);
         for axis in [DVec3::X, DVec3::Y, DVec3::Z] {
-            // The third derivative of the energy is rho g times a length of the waterline; a corner that passes through
-            // the surface makes no more of it. Forces are 1e4 N in all.
+            // The third derivative of the energy is rho g times a length of the waterline; a corner
+            // that passes through the surface makes no more of it. Forces are 1e4 N in all.
             let allowed = 1e4 * (4.0 * d * d + by_precision(1e-4, 1e-8));
             let (there, back) = (nets::shifted(&pose, axis * d), nets::shifted(&pose, axis * -d));
             let slope = (potential(buoyancy, there) - potential(buoyancy, back)) / nets::shift(&back, &there).dot(axis);
@@ -272,7 +275,8 @@ fn raft(center: Vec3) -> (RigidBody, Buoyancy, Vec3) {
     (body, Buoyancy { center, ..Buoyancy::new(Hull::Cuboid { half_extents }) }, half_extents)
 }
 
-/// Damped, both come to lie as deep as they weigh: a box `M/(rho A)`, a ball where its cap weighs what it does.
+/// Damped, both come to lie as deep as they weigh: a box `M/(rho A)`, a ball where its cap weighs
+/// what it does.
 #[test]
 fn what_floats_lies_as_deep_as_it_weighs() {
     for integrator in Integrator::ALL {
@@ -290,9 +294,9 @@ fn what_floats_lies_as_deep_as_it_weighs() {
         let (raft, ball) = (place(box_body.orientation(Quat::from_rotation_z(0.3)), box_hull), place(ball, ball_hull));
         run(&mut with_gravity_down(integrator), &mut world, 6000);
         let pose = |body| *world.get::<&Pose>(body).unwrap();
-        // What is left of the way there is nothing; it stalls where a kick of w^2 dt^2 of the depth's error is below a
-        // rounding. Under RungeKutta4 with damping, gravity and lift have different weights in
-        // the fourth order of the step.
+        // What is left of the way there is nothing; it stalls where a kick of w^2 dt^2 of the
+        // depth's error is below a rounding. Under RungeKutta4 with damping, gravity and lift have
+        // different weights in the fourth order of the step.
         let of_weights = if integrator == RungeKutta4 { (2.0 * seconds(DT)).powi(4) } else { 0.0 };
         let allowed = 1000.0 * EPSILON + of_weights;
         let height = f64::from(pose(raft).position.y);
@@ -309,7 +313,8 @@ fn what_floats_lies_as_deep_as_it_weighs() {
     }
 }
 
-/// Upright a box heaves as on a spring of `rho g A`, as long as its bottom is wet and its deck dry: `w^2 = rho g A/M`.
+/// Upright a box heaves as on a spring of `rho g A`, as long as its bottom is wet and its deck dry:
+/// `w^2 = rho g A/M`.
 #[test]
 fn a_box_heaves_at_its_frequency() {
     for integrator in Integrator::ALL {
@@ -338,9 +343,10 @@ fn a_box_heaves_at_its_frequency() {
     }
 }
 
-/// Heeled by an angle about the long axis, as long as no edge passes the surface, a box is righted by `rho g V sin a
-/// (GM + BM tan^2 a/2)` (the wall-sided formula), where `BM = I/V` with the second moment of the
-/// waterline and `GM = KB + BM - KG`. With its centre of mass high it turns over.
+/// Heeled by an angle about the long axis, as long as no edge passes the surface, a box is righted
+/// by `rho g V sin a (GM + BM tan^2 a/2)` (the wall-sided formula), where `BM = I/V` with the
+/// second moment of the waterline and `GM = KB + BM - KG`. With its centre of mass high it turns
+/// over.
 #[test]
 fn a_box_is_righted_by_its_metacentric_height() {
     for above in [0.0, 0.1, -0.3] {

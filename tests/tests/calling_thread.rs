@@ -1,6 +1,8 @@
-//! Promise: a step of a small world takes place on the thread that calls it, alone: it needs no other thread, neither to begin nor to end. And whether threads share a step changes no bit.
+//! Promise: a step of a small world takes place on the thread that calls it, alone: it needs no
+//! other thread, neither to begin nor to end. And whether threads share a step changes no bit.
 //!
-//! Why: on a busy machine another thread may not run for milliseconds, and a step that waits for it hitches. It fails if something small is handed to a pool.
+//! Why: on a busy machine another thread may not run for milliseconds, and a step that waits for it
+//! hitches. It fails if something small is handed to a pool.
 
 #![allow(clippy::unwrap_used, reason = "a test without what it tests is to fail")]
 

@@ -1,7 +1,8 @@
-//! Promise: numbers that follow from a formula on paper are that number: turns of more than half a radian in one step,
-//! products and sums of tensors, velocities of points, growth rates, works.
+//! Promise: numbers that follow from a formula on paper are that number: turns of more than half a
+//! radian in one step, products and sums of tensors, velocities of points, growth rates, works.
 //!
-//! Why: each of these was once changed by hand, a sign, an index, a unit, and no test noticed. It fails if one of them is.
+//! Why: each of these was once changed by hand, a sign, an index, a unit, and no test noticed. It
+//! fails if one of them is.
 
 #![allow(clippy::unwrap_used, reason = "a test without what it tests is to fail")]
 #![cfg_attr(
@@ -24,8 +25,9 @@ use tumble::{
 use tumble_math::{FreeRotation, LARGEST_KAPPA, MAX_PARTS, angle_between, from_scaled_axis, rotate_freely};
 use tumble_tests::{EPSILON, by_precision, dvec3};
 
-/// About a principal axis a body turns uniformly, whatever its moments and however far in one step: from a tenth of a
-/// radian over the limits at which a step is cut into parts to where it is turned at once, at about 31 rad.
+/// About a principal axis a body turns uniformly, whatever its moments and however far in one step:
+/// from a tenth of a radian over the limits at which a step is cut into parts to where it is turned
+/// at once, at about 31 rad.
 #[test]
 fn a_long_step_about_a_principal_axis_turns_by_its_angle() {
     for moments in [DVec3::new(0.7, 0.5, 0.4), DVec3::new(20.0, 30.0, 45.0), DVec3::new(3.0, 3.0, 3.0)] {
@@ -40,7 +42,8 @@ fn a_long_step_about_a_principal_axis_turns_by_its_angle() {
                     let same: DQuat =
                         rotate_freely(DQuat::IDENTITY.into(), None, momentum.into(), moments.into(), h).into();
                     let exact = from_scaled_axis(spin * h);
-                    // A part of half a radian is off by 0.5^7/1000 at the most, and there are two to a radian.
+                    // A part of half a radian is off by 0.5^7/1000 at the most, and there are two
+                    // to a radian.
                     let allowed = 2e-5 * (1.0 + 2.0 * angle);
                     for turned in [found, same] {
                         let error = angle_between(turned, exact);
@@ -53,8 +56,9 @@ fn a_long_step_about_a_principal_axis_turns_by_its_angle() {
     const { assert!(LARGEST_KAPPA < 1.0 && MAX_PARTS > 10.0) }
 }
 
-/// A symmetric top: it turns about its own axis as seen from a frame that precesses about the angular momentum at
-/// `L/I`. One long step, with the axis of symmetry along each axis in turn, and moments that are no multiples of one.
+/// A symmetric top: it turns about its own axis as seen from a frame that precesses about the
+/// angular momentum at `L/I`. One long step, with the axis of symmetry along each axis in turn, and
+/// moments that are no multiples of one.
 #[test]
 fn a_long_step_of_a_symmetric_top_is_its_precession() {
     let (across, along) = (2.7, 1.9);
@@ -124,7 +128,8 @@ fn what_no_body_has_is_refused() {
     assert_eq!(shifted.matrix(), DMat3::from_diagonal(DVec3::new(19.0, 1.0, 19.0)));
 }
 
-/// A cube of 8 kg without a cube of 1 kg whose centre is half a metre off: 7 kg, 1/14 m the other way.
+/// A cube of 8 kg without a cube of 1 kg whose centre is half a metre off: 7 kg, 1/14 m the other
+/// way.
 #[test]
 fn a_block_with_a_hole() {
     let block = Shape::cuboid([1.0; 3]).mass_properties(Amount::Density(1.0)).unwrap();
@@ -138,7 +143,8 @@ fn a_block_with_a_hole() {
     assert!(left.tensor_about_center().abs_diff_eq(expected, 1e-14), "{}", left.tensor_about_center());
 }
 
-/// Force components push in the derivative as they do in a step: along the body's axes, at their arms.
+/// Force components push in the derivative as they do in a step: along the body's axes, at their
+/// arms.
 #[test]
 fn components_are_in_the_derivative() {
     let mut world = World::new();
@@ -162,7 +168,8 @@ fn components_are_in_the_derivative() {
     assert_eq!(rates[10..13], [-1.0 - 0.25, 0.5 - 0.5, 2.25 + 1.0]);
 }
 
-/// The velocities that a step derives are `p/M` and `R I^-1 R^T L`, of a body with three moments that is turned any way.
+/// The velocities that a step derives are `p/M` and `R I^-1 R^T L`, of a body with three moments
+/// that is turned any way.
 #[test]
 fn derived_velocities_are_those_of_the_momenta() {
     let moments = DVec3::new(0.5, 0.7, 1.0);
@@ -185,8 +192,9 @@ fn derived_velocities_are_those_of_the_momenta() {
     }
 }
 
-/// Resistance in proportion to the square of the spin, `I w' = -C w^2 - b I w`, has `w = b w0 e/(b + k w0 (1 - e))` with `k = C/I` and
-/// `e = exp(-b t)`: drag and damping are booked with what each of them takes.
+/// Resistance in proportion to the square of the spin, `I w' = -C w^2 - b I w`, has
+/// `w = b w0 e/(b + k w0 (1 - e))` with `k = C/I` and `e = exp(-b t)`: drag and damping are booked
+/// with what each of them takes.
 #[test]
 fn drag_and_damping_share_the_work_on_a_spin() {
     let (b, start, seconds) = (1.5_f64, 4.0_f64, 1.0_f64);
@@ -214,7 +222,8 @@ fn drag_and_damping_share_the_work_on_a_spin() {
     let by_damping = -integral(&|t| b * moment * spin(t).powi(2));
     let found = [entry.work.of("Drag").unwrap(), entry.work.damping];
     println!("{found:?} for {by_drag}, {by_damping}");
-    // A step takes damping first, so what drag is given is less by half of that, `b h` = 0.023 of it; both together are right.
+    // A step takes damping first, so what drag is given is less by half of that, `b h` = 0.023 of
+    // it; both together are right.
     for (found, expected) in found.into_iter().zip([by_drag, by_damping]) {
         assert!((found / expected - 1.0).abs() <= 1.5 / 64.0 * 1.1, "{found} for {expected}");
     }
@@ -222,8 +231,8 @@ fn drag_and_damping_share_the_work_on_a_spin() {
     assert!(error.abs() <= by_precision(1e-5, 1e-6), "{found:?} for {by_drag} and {by_damping}: {error:e}");
 }
 
-/// With damping alone the energy of the spin decays by `e^(-2 b t)`, that of the motion by `e^(-2 a t)`, and all of it is
-/// damping's work, under every integrator.
+/// With damping alone the energy of the spin decays by `e^(-2 b t)`, that of the motion by
+/// `e^(-2 a t)`, and all of it is damping's work, under every integrator.
 #[test]
 fn damping_does_the_work_that_decays() {
     for integrator in Integrator::ALL {

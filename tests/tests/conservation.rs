@@ -1,10 +1,12 @@
-//! Promise: on a free body momentum and angular momentum never change, to the bit, under any integrator; energy is kept to
-//! rounding by `MoserVeselov`, to the fifth power of the step by `RungeKutta4`, and grows under `SemiImplicitEuler` as its
-//! documentation says; orientations stay of unit length; a body spins on about its largest and its smallest axis and flips about
-//! the middle one, as often as the exact solution says.
+//! Promise: on a free body momentum and angular momentum never change, to the bit, under any
+//! integrator; energy is kept to rounding by `MoserVeselov`, to the fifth power of the step by
+//! `RungeKutta4`, and grows under `SemiImplicitEuler` as its documentation says; orientations stay
+//! of unit length; a body spins on about its largest and its smallest axis and flips about the
+//! middle one, as often as the exact solution says.
 //!
-//! Why: it is what the engine is for. It fails if the state is velocity instead of momentum, if a frame or the order of a
-//! product is wrong, if the map is not the energy-keeping one, or if orientations are not normalised.
+//! Why: it is what the engine is for. It fails if the state is velocity instead of momentum, if a
+//! frame or the order of a product is wrong, if the map is not the energy-keeping one, or if
+//! orientations are not normalised.
 
 #![allow(clippy::unwrap_used, reason = "a test without what it tests is to fail")]
 #![cfg_attr(
@@ -72,8 +74,9 @@ fn orientations_stay_of_unit_length() {
     }
 }
 
-/// Each step rounds the orientation, turning it by about `EPSILON`, and a turn by `e` changes the energy by at most `|w x L| e`, here
-/// less than `2 T e`. At random the steps add up to `2 EPSILON sqrt(steps)`; four times that is all but never reached.
+/// Each step rounds the orientation, turning it by about `EPSILON`, and a turn by `e` changes the
+/// energy by at most `|w x L| e`, here less than `2 T e`. At random the steps add up to
+/// `2 EPSILON sqrt(steps)`; four times that is all but never reached.
 #[test]
 fn moser_veselov_keeps_energy_to_rounding() {
     for body in [FreeBody::van_zon_top(), FreeBody::drake_cylinder(), FreeBody::t_handle(), FreeBody::mujoco_box()] {
@@ -102,8 +105,9 @@ fn energy_drift(body: &FreeBody, integrator: Integrator, dt: Real, steps: u32) -
     energy_of(&world, entity) / start - 1.0
 }
 
-/// The figures in the documentation of `Integrator`: MuJoCo's box, 5 s at 100 steps a second, here with three digits. In single precision
-/// rounding adds up to `8 EPSILON sqrt(500)`, 2e-5, in which the drift of the fourth-order method is lost.
+/// The figures in the documentation of `Integrator`: MuJoCo's box, 5 s at 100 steps a second, here
+/// with three digits. In single precision rounding adds up to `8 EPSILON sqrt(500)`, 2e-5, in which
+/// the drift of the fourth-order method is lost.
 #[test]
 fn energy_drifts_as_documented() {
     let body = FreeBody::mujoco_box();
@@ -115,7 +119,8 @@ fn energy_drifts_as_documented() {
     assert!((runge_kutta - -1.04e-9).abs() <= allowed, "{runge_kutta:e}");
 }
 
-/// Growth to first order in the step: halving it halves the energy gained, up to the next term, a few per cent at these steps.
+/// Growth to first order in the step: halving it halves the energy gained, up to the next term, a
+/// few per cent at these steps.
 #[test]
 fn energy_grows_in_proportion_to_the_step_under_semi_implicit_euler() {
     let body = FreeBody::mujoco_box();
@@ -124,8 +129,9 @@ fn energy_grows_in_proportion_to_the_step_under_semi_implicit_euler() {
     assert!(fine > 0.0 && (coarse / fine - 2.0).abs() <= 0.1, "{coarse:e}, {fine:e}");
 }
 
-/// Besides an oscillation with the fourth power of the step there is a loss with the fifth, which outgrows it: 100 s of the top that flips. In
-/// single precision rounding adds a tenth to the smaller loss.
+/// Besides an oscillation with the fourth power of the step there is a loss with the fifth, which
+/// outgrows it: 100 s of the top that flips. In single precision rounding adds a tenth to the
+/// smaller loss.
 #[test]
 fn runge_kutta4_loses_energy_with_the_fifth_power_of_the_step() {
     let body = FreeBody::van_zon_top();
@@ -147,9 +153,10 @@ fn unequal(angular_velocity: Vec3) -> RigidBody {
     RigidBody::new(Shape::Point).mass(1.0).inertia(inertia).angular_velocity(angular_velocity)
 }
 
-/// About the largest moment the conserved `2 T I3 - L^2 = I1 (I3 - I1) w1^2 + I2 (I3 - I2) w2^2` bounds the other two components for
-/// ever, and `L^2 - 2 T I1` does about the smallest. Rounding moves these differences of squares by `EPSILON sqrt(steps)` times `L^2`,
-/// which is 5600 times the difference here: 5 % in single precision, nothing in double.
+/// About the largest moment the conserved `2 T I3 - L^2 = I1 (I3 - I1) w1^2 + I2 (I3 - I2) w2^2`
+/// bounds the other two components for ever, and `L^2 - 2 T I1` does about the smallest. Rounding
+/// moves these differences of squares by `EPSILON sqrt(steps)` times `L^2`, which is 5600 times the
+/// difference here: 5 % in single precision, nothing in double.
 #[test]
 fn a_body_spins_on_about_its_largest_and_its_smallest_axis() {
     let slack = by_precision(1.05, 1.0 + 1e-9);
@@ -173,7 +180,8 @@ fn a_body_spins_on_about_its_largest_and_its_smallest_axis() {
     }
 }
 
-/// The same nudge about the middle axis turns the body over: its spin about that axis changes sign, at nearly full speed. 20 s are a few flips.
+/// The same nudge about the middle axis turns the body over: its spin about that axis changes sign,
+/// at nearly full speed. 20 s are a few flips.
 #[test]
 fn a_body_flips_about_its_middle_axis() {
     for integrator in [Integrator::RungeKutta4, Integrator::MoserVeselov] {
@@ -185,15 +193,17 @@ fn a_body_flips_about_its_middle_axis() {
             simulation.step(&mut world);
             least = least.min(spin(&world, body).y);
         }
-        // At the turn the other two components are as small as at the start, so |w_2| is what it was, to their squares.
+        // At the turn the other two components are as small as at the start, so |w_2| is what it
+        // was, to their squares.
         assert!((least + 5.0).abs() <= 0.01, "{integrator}: {least}");
     }
 }
 
-/// The times between sign changes of the middle component are half the period of the elliptic functions.
+/// The times between sign changes of the middle component are half the period of the elliptic
+/// functions.
 ///
-/// A straight line between two steps misses the time of a zero by less than `lambda^2 dt^3`, since the component has no curvature there.
-/// Rounding shifts it as `tests/convergence.rs` derives.
+/// A straight line between two steps misses the time of a zero by less than `lambda^2 dt^3`, since
+/// the component has no curvature there. Rounding shifts it as `tests/convergence.rs` derives.
 #[test]
 fn flips_come_when_the_exact_solution_says() {
     let dt: Real = 1.0 / 512.0;
@@ -226,8 +236,8 @@ fn flips_come_when_the_exact_solution_says() {
     }
 }
 
-/// The same body, described in a frame that is not principal, moves the same. Each of the two runs rounds its orientation about twice a
-/// step, by `EPSILON/2` each time.
+/// The same body, described in a frame that is not principal, moves the same. Each of the two runs
+/// rounds its orientation about twice a step, by `EPSILON/2` each time.
 #[test]
 fn the_choice_of_body_frame_does_not_matter() {
     let reference = FreeBody::mujoco_box();
@@ -249,7 +259,8 @@ fn the_choice_of_body_frame_does_not_matter() {
     }
 }
 
-/// `measure` adds up what single bodies have: a pair thrown apart has no momentum, and the angular momentum of its orbit and spins.
+/// `measure` adds up what single bodies have: a pair thrown apart has no momentum, and the angular
+/// momentum of its orbit and spins.
 #[test]
 fn totals_are_the_sums_over_bodies() {
     let mut world = World::new();

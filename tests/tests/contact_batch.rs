@@ -1,6 +1,8 @@
-//! Promise: worlds in which bodies touch can be put in a batch in any mixture, and each gets the state, the contacts, the events and the snapshot that it gets alone.
+//! Promise: worlds in which bodies touch can be put in a batch in any mixture, and each gets the
+//! state, the contacts, the events and the snapshot that it gets alone.
 //!
-//! Why: small worlds are pushed together there, contacts of several in one vector. It fails if a row, a colour, an impulse or a setting of one world gets into another, or if what a world
+//! Why: small worlds are pushed together there, contacts of several in one vector. It fails if a
+//! row, a colour, an impulse or a setting of one world gets into another, or if what a world
 //! carries on to its next step is left in what was shared.
 
 #![allow(clippy::unwrap_used, reason = "a test without what it tests is to fail")]
@@ -13,7 +15,8 @@ use tumble_benches::{eight_boxes, pool, tumbling_boxes};
 
 mod pile;
 
-/// Nine packs on one thread or two, of which the first seven are of one kind each but for every fourth world, and a part of another.
+/// Nine packs on one thread or two, of which the first seven are of one kind each but for every
+/// fourth world, and a part of another.
 const WORLDS: u64 = 150;
 
 /// Worlds of seven kinds, in runs that can be pushed together and with others between them.
@@ -71,7 +74,8 @@ fn each_world_is_as_it_is_alone() {
     }
 }
 
-/// What is changed between the steps is changed in its own world, and goes on: a body that goes, one that comes, other settings.
+/// What is changed between the steps is changed in its own world, and goes on: a body that goes,
+/// one that comes, other settings.
 #[test]
 fn worlds_may_change_between_steps() {
     let mut batch: Batch = (0..20).map(|index| trial(4 * index)).collect();

@@ -1,8 +1,12 @@
-//! Promise: what docs/contacts.md says of momentum and of bounces, over random scenes: a cluster of whatever flies about keeps its momenta to roundings, what meets without restitution stays
-//! together, a cradle passes its blow on, and a ball bounces with the restitution that it was given.
+//! Promise: what docs/contacts.md says of momentum and of bounces, over random scenes: a cluster of
+//! whatever flies about keeps its momenta to roundings, what meets without restitution stays
+//! together, a cradle passes its blow on, and a ball bounces with the restitution that it was
+//! given.
 //!
-//! Why: these are the first things that a user measures. Each figure of the docs is a bound here, and the figures are printed (`-- --nocapture`). It fails if impulses act at different points of
-//! two bodies, if a push that is to vanish stays, or if a bounce depends on where in the step it falls.
+//! Why: these are the first things that a user measures. Each figure of the docs is a bound here,
+//! and the figures are printed (`-- --nocapture`). It fails if impulses act at different points of
+//! two bodies, if a push that is to vanish stays, or if a bounce depends on where in the step it
+//! falls.
 
 #![allow(clippy::unwrap_used, reason = "a test without what it tests is to fail")]
 #![cfg_attr(
@@ -93,11 +97,13 @@ fn clusters_keep_their_momenta() {
         }
     }
     println!("momenta of clusters: linear {:e}, angular {:e} of the sum of their sizes", worst[0], worst[1]);
-    // Of single precision these are ten roundings; in double it is what turning in a part of a step leaves.
+    // Of single precision these are ten roundings; in double it is what turning in a part of a step
+    // leaves.
     assert!(worst[0] < 2e-6 && worst[1] < 4e-6, "{worst:?}");
 }
 
-/// The share of the speed of approach with which two boxes that met face to face leave each other, or one leaves the ground.
+/// The share of the speed of approach with which two boxes that met face to face leave each other,
+/// or one leaves the ground.
 fn parting(rng: &mut Rng, rate: f64) -> f64 {
     let dt = (1.0 / rate) as Real;
     let [a, b] = [0; 2].map(|_| [0; 3].map(|_| magnitude(rng, 0.05, 1.0)));
@@ -150,7 +156,8 @@ fn what_meets_without_restitution_stays() {
     }
 }
 
-/// Balls in a row that touch, the first of which comes with a meter a second: the speeds after, by the first's.
+/// Balls in a row that touch, the first of which comes with a meter a second: the speeds after, by
+/// the first's.
 fn cradle(balls: usize, rate: f64, phase: f64) -> Vec<f64> {
     let mut world = World::new();
     let shape = Shape::sphere(0.05);
@@ -192,7 +199,8 @@ fn bounce(restitution: f64, height: f64, rate: f64) -> f64 {
     let ball = spawn(&mut world, body, surfaced(collider(&shape), surface));
     let settings = Settings::default().with_dt((1.0 / rate) as Real).with_restitution_threshold(0.1);
     let mut simulation = Simulation::new(settings).unwrap();
-    // Its energy per weight, above the ground: kinetic energy of the centre and height of its lowest point.
+    // Its energy per weight, above the ground: kinetic energy of the centre and height of its
+    // lowest point.
     let energy = |world: &World| {
         let speed = f64::from(velocity(world, ball).linear.y);
         (f64::from(pose(world, ball).position.y) - 0.1 + speed * speed / 19.62, speed)
@@ -226,7 +234,8 @@ fn balls_bounce_with_their_restitution() {
     }
 }
 
-/// The way on which two bodies went past each other changes neither momentum: that of one is what the other lost.
+/// The way on which two bodies went past each other changes neither momentum: that of one is what
+/// the other lost.
 #[test]
 fn two_that_graze_give_each_other_what_they_lose() {
     let mut rng = Rng::new(194);

@@ -1,7 +1,9 @@
-//! Promise: a pile of all that can touch gives the same bits for any number of threads, order of spawning, layout of archetypes, whatever comes and goes beside it, step by step or
-//! many at once, in a batch or alone, and on every instruction set. The bits are pinned.
+//! Promise: a pile of all that can touch gives the same bits for any number of threads, order of
+//! spawning, layout of archetypes, whatever comes and goes beside it, step by step or many at once,
+//! in a batch or alone, and on every instruction set. The bits are pinned.
 //!
-//! Why: contacts are solved one after the other, so their order is in the result. It fails if pairs, colours or impulses follow rows, entities, threads or the width of a tile, or if what is
+//! Why: contacts are solved one after the other, so their order is in the result. It fails if
+//! pairs, colours or impulses follow rows, entities, threads or the width of a tile, or if what is
 //! kept from step to step to find pairs faster decides which are found.
 
 #![allow(clippy::unwrap_used, reason = "a test without what it tests is to fail")]
@@ -19,16 +21,19 @@ use pile::{plain_scene, scene, settings, shuffled};
 /// Steps after which the pile has fallen and the paddle stirs it.
 const STEPS: u32 = 120;
 
-/// The hash of the pile after 200 steps, in single and double precision. A new hash is a new arithmetic, of contacts or of what finds them; see `determinism.rs`.
+/// The hash of the pile after 200 steps, in single and double precision. A new hash is a new
+/// arithmetic, of contacts or of what finds them; see `determinism.rs`.
 const PINNED: [u64; 2] = [0xcd8e_b2b2_51da_c453, 0xc6a4_15ce_fa37_7cf5];
-/// The same of eight boxes that fall on each other, which neither bounce nor resist rolling, after 90 steps.
+/// The same of eight boxes that fall on each other, which neither bounce nor resist rolling, after
+/// 90 steps.
 const PINNED_BOXES: [u64; 2] = [0x8b14_ee7a_0957_7e92, 0x224a_868d_0eef_0487];
 
 fn hash_after(mut world: World, steps: u32) -> u64 {
     let mut simulation = Simulation::new(settings()).unwrap();
     run(&mut simulation, &mut world, steps);
     let totals = Totals::of(&world, simulation.settings(), &BodyOrder::of(&world));
-    // A world of numbers that are none would be the same however it came about, and so would one without contacts.
+    // A world of numbers that are none would be the same however it came about, and so would one
+    // without contacts.
     assert!(totals.non_finite.is_none() && totals.energy().abs() < 1e6, "{totals:?}");
     assert!(simulation.contacts().filter(tumble::Contact::touches).count() > 60);
     hash(&world)
@@ -61,7 +66,9 @@ fn threads_do_not_matter_to_many_bodies() {
     assert_eq!([one, one], [two, four]);
 }
 
-/// More bodies than one thread takes at a time, each with a force of its own: in one archetype in the order of their identities, and in two, in an order that moving from one to the other has made.
+/// More bodies than one thread takes at a time, each with a force of its own: in one archetype in
+/// the order of their identities, and in two, in an order that moving from one to the other has
+/// made.
 #[test]
 fn rows_do_not_matter_to_many_bodies() {
     struct Blue;
@@ -94,7 +101,8 @@ fn the_order_of_spawning_does_not_matter() {
     for seed in 0..3 {
         assert_eq!(hash_after(scene(&shuffled(seed)), STEPS), reference, "{seed}");
     }
-    // Bodies come and go beside it, before and between its own in the order of identities, and touch each other.
+    // Bodies come and go beside it, before and between its own in the order of identities, and
+    // touch each other.
     let mut world = plain_scene();
     let shape = Shape::cuboid([0.5, 0.5, 0.5]);
     let passing = |id: u64, height: tumble::math::Real| {
@@ -111,7 +119,8 @@ fn the_order_of_spawning_does_not_matter() {
     assert_eq!(hash(&world), reference, "passing bodies");
 }
 
-/// Archetypes change while it runs: what is kept from step to step must not remember where things lay.
+/// Archetypes change while it runs: what is kept from step to step must not remember where things
+/// lay.
 #[test]
 fn archetypes_do_not_matter() {
     struct Blue;

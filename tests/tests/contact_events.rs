@@ -1,7 +1,10 @@
-//! Promise: every event of contacts is reported exactly once, however steps fall into frames or calls: what `advance` and `step_many` tell, put one after the other, is what the same
-//! steps tell one by one, in the same order; the closure of `advance_with` gets those of the step before it; batches tell the same.
+//! Promise: every event of contacts is reported exactly once, however steps fall into frames or
+//! calls: what `advance` and `step_many` tell, put one after the other, is what the same steps tell
+//! one by one, in the same order; the closure of `advance_with` gets those of the step before it;
+//! batches tell the same.
 //!
-//! Why: at 20 frames a second a game that reads events after `advance` would miss two of three, and at 120 hear every blow twice. It fails if a frame tells of its last step only, if one without a
+//! Why: at 20 frames a second a game that reads events after `advance` would miss two of three, and
+//! at 120 hear every blow twice. It fails if a frame tells of its last step only, if one without a
 //! step tells again, or if a body that goes in the middle of a frame takes its events along.
 
 #![allow(clippy::unwrap_used, reason = "a test without what it tests is to fail")]

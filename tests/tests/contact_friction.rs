@@ -1,8 +1,12 @@
-//! Promise: friction takes from a motion what its law says: of a patch that spins, of a box that slides and spins, of a ball that rolls, of what is to be started or kept going, of two surfaces combined, on a slope within a
-//! five-thousandth of the one that holds. And it stops a box at the time it should, and a blow gives back the part that it should.
+//! Promise: friction takes from a motion what its law says: of a patch that spins, of a box that
+//! slides and spins, of a ball that rolls, of what is to be started or kept going, of two surfaces
+//! combined, on a slope within a five-thousandth of the one that holds. And it stops a box at the
+//! time it should, and a blow gives back the part that it should.
 //!
-//! Why: a solver can stop every box where `contacts.rs` has it and yet give what slides and spins its friction twice, forget the resistance to rolling, start what should hold or take the wrong one of two surfaces.
-//! Each test has its closed form beside it, and fails at the first digit that rounding or the length of a substep does not explain.
+//! Why: a solver can stop every box where `contacts.rs` has it and yet give what slides and spins
+//! its friction twice, forget the resistance to rolling, start what should hold or take the wrong
+//! one of two surfaces. Each test has its closed form beside it, and fails at the first digit that
+//! rounding or the length of a substep does not explain.
 
 #![allow(clippy::unwrap_used, reason = "a body that cannot be made is a failed test")]
 #![cfg_attr(
@@ -25,7 +29,8 @@ use tumble_tests::{by_precision, dvec3};
 const G: f64 = 9.81;
 /// Length of a step \[s\].
 const DT: f64 = 1e-3;
-/// Length of one of its four parts \[s\]. What slows down evenly goes half of one less far than the closed form, since a place follows the velocity at the end of each.
+/// Length of one of its four parts \[s\]. What slows down evenly goes half of one less far than the
+/// closed form, since a place follows the velocity at the end of each.
 const SUBSTEP: f64 = DT / 4.0;
 /// Half the edge of a cube, and of the side of a plate \[m\].
 const HALF: f64 = 0.25;
@@ -40,7 +45,8 @@ struct Scene {
 }
 
 impl Scene {
-    /// Ground under a gravity that pulls towards +x as down a slope, and a body on it, with a surface each.
+    /// Ground under a gravity that pulls towards +x as down a slope, and a body on it, with a
+    /// surface each.
     fn sloping(slope: f64, [below, above]: [Material; 2], shape: &Shape, body: RigidBody) -> Self {
         let mut world = World::new();
         ground(&mut world, below, Quat::IDENTITY);
@@ -88,7 +94,8 @@ fn assert_near(found: f64, expected: f64, tolerance: f64) {
     assert!(error.abs() < tolerance, "{found} for {expected}: {error:e}");
 }
 
-/// Mean distance from the middle of a square under even pressure over its side: the lever of friction against spinning.
+/// Mean distance from the middle of a square under even pressure over its side: the lever of
+/// friction against spinning.
 fn mean_distance() -> f64 {
     (std::f64::consts::SQRT_2 + 1.0_f64.asinh()) / 6.0
 }
@@ -98,7 +105,8 @@ fn of_radius() -> f64 {
     by_precision(2.5e-4, 1.5e-4)
 }
 
-/// Friction against spinning about the vertical is `mu M g r`, so the spin falls by `mu M g r/I` a second whatever the spin and the mass, until nothing is left.
+/// Friction against spinning about the vertical is `mu M g r`, so the spin falls by `mu M g r/I` a
+/// second whatever the spin and the mass, until nothing is left.
 #[test]
 fn a_spinning_block_slows_down_evenly() {
     for (half, mass, mu) in [(0.25, 1.0, 0.3), (0.05, 40.0, 0.5), (1.0, 0.02, 0.8)] {
@@ -119,7 +127,8 @@ fn a_spinning_block_slows_down_evenly() {
     }
 }
 
-/// What slides and spins has the friction of one, not of both: force and torque over the radius are the legs of a right triangle with `mu M g`, and share it as speed and spin times the radius do,
+/// What slides and spins has the friction of one, not of both: force and torque over the radius are
+/// the legs of a right triangle with `mu M g`, and share it as speed and spin times the radius do,
 /// which takes the most energy.
 #[test]
 fn sliding_and_spinning_share_friction() {
@@ -141,7 +150,8 @@ fn sliding_and_spinning_share_friction() {
     }
 }
 
-/// Friction is against the motion, whatever the body resists tipping with along which axis: what slides goes on straight until it stops after `v^2/(2 mu g)`.
+/// Friction is against the motion, whatever the body resists tipping with along which axis: what
+/// slides goes on straight until it stops after `v^2/(2 mu g)`.
 #[test]
 fn a_box_slides_straight() {
     let half = Vec3::new(0.1, 0.25, 0.5);
@@ -159,7 +169,8 @@ fn a_box_slides_straight() {
     }
 }
 
-/// Where the radius of friction is that of gyration, sliding and spinning are lost in proportion: what would slide for 0.6 s alone and spin for 0.8 s alone does both for 1 s.
+/// Where the radius of friction is that of gyration, sliding and spinning are lost in proportion:
+/// what would slide for 0.6 s alone and spin for 0.8 s alone does both for 1 s.
 #[test]
 fn what_slides_and_spins_stops_at_once() {
     for half_height in [THIN, HALF] {
@@ -178,7 +189,8 @@ fn slides_and_spins_for_a_second(half_height: f64) {
     let mut scene = Scene::level(Material::new(mu as Real, 0.0), &Shape::cuboid([HALF, half_height, HALF]), start);
     for left in [0.75, 0.5, 0.25] {
         scene.run(250);
-        // Thin as it is, it is as if a three-thousandth lighter against sliding, and what that leaves is more and more of the rest.
+        // Thin as it is, it is as if a three-thousandth lighter against sliding, and what that
+        // leaves is more and more of the rest.
         assert_near(scene.speed(), slide * left, 1e-3);
         assert_near(scene.angular().y, spin * left, 1e-3);
     }
@@ -190,7 +202,8 @@ fn slides_and_spins_for_a_second(half_height: f64) {
     assert_near(scene.place().x, slide * (1.0 - SUBSTEP) / 2.0, 5e-4);
 }
 
-/// Rolling is resisted by the torque `l M g`, and rolling without slipping there is the force `M a` too: `2/5 M R^2 a/R = l M g - M a R`, so `a = 5/7 g l/R`.
+/// Rolling is resisted by the torque `l M g`, and rolling without slipping there is the force `M a`
+/// too: `2/5 M R^2 a/R = l M g - M a R`, so `a = 5/7 g l/R`.
 #[test]
 fn a_rolling_ball_slows_down_and_stops() {
     let (radius, length) = (0.1, 0.01);
@@ -225,19 +238,22 @@ fn hard_to_start() -> Material {
     Material { static_friction: 0.6, dynamic_friction: 0.3, ..Material::default() }
 }
 
-/// Between the two coefficients a slope holds what rests, and what moves gains `g (sin - mu cos)` with the lesser of them. Beyond both what rests is started, and goes on like that.
+/// Between the two coefficients a slope holds what rests, and what moves gains `g (sin - mu cos)`
+/// with the lesser of them. Beyond both what rests is started, and goes on like that.
 #[test]
 fn what_rests_is_held_by_more_than_what_moves() {
     let surface = hard_to_start();
     let gain = |slope: f64| G * (slope.sin() - 0.3 * slope.cos());
     for tangent in [0.45_f64, 0.59] {
         let mut resting = Scene::sloping(tangent.atan(), [surface; 2], &cube(HALF), box_at(0.0));
-        // Put down without having been pressed in, it gets a push first, which static friction stops.
+        // Put down without having been pressed in, it gets a push first, which static friction
+        // stops.
         resting.run(500);
         let from = resting.place();
         resting.run(2000);
         let moved = resting.place() - from;
-        // It lies a quarter of a micrometre deep, which single precision knows to a tenth: it creeps by micrometres a second.
+        // It lies a quarter of a micrometre deep, which single precision knows to a tenth: it
+        // creeps by micrometres a second.
         let most = by_precision(2e-5, 1e-9);
         assert!(resting.speed().abs() < 1e-5 && moved.length() < most, "{tangent}: {moved} at {}", resting.speed());
     }
@@ -258,11 +274,13 @@ fn what_rests_is_held_by_more_than_what_moves() {
     let half_way = started.speed();
     started.run(500);
     assert_near((started.speed() - half_way) / 0.5, gain(beyond), tolerance);
-    // While it is so slow that static friction stops it in a substep, that is what resists: 3 mm/s, which it has after 2.5 ms.
+    // While it is so slow that static friction stops it in a substep, that is what resists: 3 mm/s,
+    // which it has after 2.5 ms.
     assert!((0.0..0.002).contains(&(1.0 - started.speed() / gain(beyond))), "{}", started.speed());
 }
 
-/// What slides up a slope stops after `v^2/(2 g (sin + mu cos))` with the lesser coefficient, and stays where the slope is between the two.
+/// What slides up a slope stops after `v^2/(2 g (sin + mu cos))` with the lesser coefficient, and
+/// stays where the slope is between the two.
 #[test]
 fn what_stops_on_a_slope_stays() {
     for (slope, half_height) in [(0.45_f64, THIN), (0.55, THIN), (0.45, HALF), (0.55, HALF)] {
@@ -277,7 +295,8 @@ fn what_stops_on_a_slope_stays() {
     }
 }
 
-/// What a box that slides loses is `mu g` with the coefficient that two surfaces make together. Where they differ in how, the first of average, minimum, maximum and product counts.
+/// What a box that slides loses is `mu g` with the coefficient that two surfaces make together.
+/// Where they differ in how, the first of average, minimum, maximum and product counts.
 #[test]
 fn surfaces_are_combined_as_the_first_rule_has_it() {
     let (below, above) = (0.6, 0.2);
@@ -300,9 +319,13 @@ fn surfaces_are_combined_as_the_first_rule_has_it() {
     }
 }
 
-/// A slope of 20 degrees begins to hold at `mu = tan = 0.36397`. Below, a box that is let go gains `g (sin - mu cos)`, which at 0.3639 is a five-thousandth of gravity's part; above, it comes to rest.
+/// A slope of 20 degrees begins to hold at `mu = tan = 0.36397`. Below, a box that is let go gains
+/// `g (sin - mu cos)`, which at 0.3639 is a five-thousandth of gravity's part; above, it comes to
+/// rest.
 ///
-/// Let go without having been pressed in, a box gets a push: the first friction stops its edge and not its middle. That is less than gravity gives in a substep, and counted apart here: in a second it goes 0.5 mm too far.
+/// Let go without having been pressed in, a box gets a push: the first friction stops its edge and
+/// not its middle. That is less than gravity gives in a substep, and counted apart here: in a
+/// second it goes 0.5 mm too far.
 #[test]
 fn a_slope_holds_from_its_tangent_on() {
     let slope = 20.0_f64.to_radians();
@@ -314,7 +337,8 @@ fn a_slope_holds_from_its_tangent_on() {
         scene.run(500);
         let gain = G * (slope.sin() - mu * slope.cos());
         if gain > 0.0 {
-            // A coefficient is rounded by up to 1.5e-8 in single precision, 2e-4 of what is left at 0.3639, and so is gravity.
+            // A coefficient is rounded by up to 1.5e-8 in single precision, 2e-4 of what is left at
+            // 0.3639, and so is gravity.
             assert_near((scene.speed() - half_way) / 0.5, gain, by_precision(1e-3, 1e-9));
             assert!((0.0..push).contains(&(scene.speed() - gain)), "{mu}: {} for {gain}", scene.speed());
         } else {

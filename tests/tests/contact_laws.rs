@@ -1,7 +1,9 @@
-//! Promise: what a contact does is what statics and the theory of impacts have on paper: what tips and what does not, the impulse
-//! of a blow that turns both bodies, when sliding has stopped, how fast an overlap goes.
+//! Promise: what a contact does is what statics and the theory of impacts have on paper: what tips
+//! and what does not, the impulse of a blow that turns both bodies, when sliding has stopped, how
+//! fast an overlap goes.
 //!
-//! Why: each expression that is behind these was once changed by hand, a sign, a factor, a term, and no test noticed.
+//! Why: each expression that is behind these was once changed by hand, a sign, a factor, a term,
+//! and no test noticed.
 
 #![allow(clippy::unwrap_used, reason = "a body that cannot be made is a failed test")]
 #![cfg_attr(
@@ -62,8 +64,9 @@ fn quat(q: DQuat) -> Quat {
     Quat::from_xyzw(q.x as Real, q.y as Real, q.z as Real, q.w as Real)
 }
 
-/// A block that juts out over the edge of a table tips where its centre of mass does, and falls over the edge as `d^2 a/dt^2 =
-/// m g x/(I + m r^2)`: any size, any direction, an edge of the table along any axis.
+/// A block that juts out over the edge of a table tips where its centre of mass does, and falls
+/// over the edge as `d^2 a/dt^2 = m g x/(I + m r^2)`: any size, any direction, an edge of the table
+/// along any axis.
 #[test]
 fn what_juts_out_tips_from_half_its_length_on() {
     for case in 0..60 {
@@ -95,7 +98,8 @@ fn what_juts_out_tips_from_half_its_length_on() {
         let lever = center.x - table.x;
         let moment = (half.x * half.x + half.y * half.y) / 3.0 + lever * lever + half.y * half.y;
         let rate = G * lever / moment;
-        // Until it has tilted by a tenth: cos and the height of its middle then change the torque by that part.
+        // Until it has tilted by a tenth: cos and the height of its middle then change the torque
+        // by that part.
         let steps = ((0.2 / rate).sqrt() * 60.0).ceil();
         run(&mut simulation, &mut world, steps as u32);
         let expected = 0.5 * rate * (steps / 60.0).powi(2);
@@ -146,8 +150,8 @@ impl Part {
     }
 }
 
-/// A corner of one box hits the face of another, both free, both off their centres, without friction: `J = (1 + e) v_n/(n K n)`,
-/// where both bodies turn.
+/// A corner of one box hits the face of another, both free, both off their centres, without
+/// friction: `J = (1 + e) v_n/(n K n)`, where both bodies turn.
 #[test]
 fn a_blow_turns_both_bodies_as_their_arms_have_it() {
     let mut worst = 0.0_f64;
@@ -198,7 +202,8 @@ fn a_blow_turns_both_bodies_as_their_arms_have_it() {
             for which in 0..2 {
                 let error = (gained[which] - expected[which]).length() / scale[which];
                 worst = worst.max(error);
-                // What the bodies turn until the end of the blow, 1e-3 at the most, and its arm with that.
+                // What the bodies turn until the end of the blow, 1e-3 at the most, and its arm
+                // with that.
                 assert!(error < 4e-3, "case {case}, {which}: {} for {}, {error}", gained[which], expected[which]);
             }
         }
@@ -206,22 +211,25 @@ fn a_blow_turns_both_bodies_as_their_arms_have_it() {
     println!("worst: {worst:e}");
 }
 
-/// Friction of a square plate whose half side is 1, as the limit surface of its patch has it, in substeps: what holds if it can, with
-/// one mass for sliding and twisting where it cannot, and by the lesser coefficient where static friction would not stop that.
+/// Friction of a square plate whose half side is 1, as the limit surface of its patch has it, in
+/// substeps: what holds if it can, with one mass for sliding and twisting where it cannot, and by
+/// the lesser coefficient where static friction would not stop that.
 struct Plate {
     still: f64,
     moving: f64,
 }
 
 impl Plate {
-    /// Mean distance from the middle of a square of side 2, as the engine has it, and the moment about the vertical over the mass.
+    /// Mean distance from the middle of a square of side 2, as the engine has it, and the moment
+    /// about the vertical over the mass.
     const RADIUS: f64 = 0.541 * std::f64::consts::SQRT_2;
     const MOMENT: f64 = 2.0 / 3.0;
-    /// Mean of what an impulse does along a direction, over one over the mass: half of it for the twist.
+    /// Mean of what an impulse does along a direction, over one over the mass: half of it for the
+    /// twist.
     const MEAN: f64 = 1.0 + 0.5 * Self::RADIUS * Self::RADIUS / Self::MOMENT;
 
-    /// What is left of a speed that friction resists with this mass, as a part of the body's: one along the ground, the moment
-    /// over the square of the radius for the twist.
+    /// What is left of a speed that friction resists with this mass, as a part of the body's: one
+    /// along the ground, the moment over the square of the radius for the twist.
     fn after(&self, speed: f64, mass: f64) -> f64 {
         let hold = self.still * G * SUBSTEP;
         if speed * mass <= hold {
@@ -254,7 +262,8 @@ impl Plate {
     }
 }
 
-/// Sliding is over when static friction can take what is left in one substep: above, a plate goes on with `mu_d g`. In any direction.
+/// Sliding is over when static friction can take what is left in one substep: above, a plate goes
+/// on with `mu_d g`. In any direction.
 #[test]
 fn what_static_friction_stops_in_a_substep_has_stopped() {
     for case in 0..80 {
@@ -292,9 +301,10 @@ fn what_static_friction_stops_spinning_in_a_substep_has_stopped() {
     }
 }
 
-/// A ball that touches at one point, with three different moments, turned any way about the vertical: what an impulse along the ground
-/// does there is a matrix `K` with a coupling of both directions. In one substep it sticks, `J = -K^-1 u`, or what slips is resisted
-/// with the mean of `K`, `J = -2 u/trace(K)`, where static friction can take that, or by the dynamic coefficient.
+/// A ball that touches at one point, with three different moments, turned any way about the
+/// vertical: what an impulse along the ground does there is a matrix `K` with a coupling of both
+/// directions. In one substep it sticks, `J = -K^-1 u`, or what slips is resisted with the mean of
+/// `K`, `J = -2 u/trace(K)`, where static friction can take that, or by the dynamic coefficient.
 #[test]
 fn what_slips_on_a_point_is_resisted_as_its_moments_have_it() {
     let mut seen = [0; 3];
@@ -349,7 +359,8 @@ fn what_slips_on_a_point_is_resisted_as_its_moments_have_it() {
     assert!(seen.iter().all(|count| *count > 8), "{seen:?}");
 }
 
-/// The same ball with a resistance to rolling that nothing overcomes and no friction: it turns about the vertical only after a substep.
+/// The same ball with a resistance to rolling that nothing overcomes and no friction: it turns
+/// about the vertical only after a substep.
 #[test]
 fn resistance_to_rolling_stops_both_directions() {
     for case in 0..24 {
@@ -378,8 +389,9 @@ fn resistance_to_rolling_stops_both_directions() {
     }
 }
 
-/// An overlap goes as the oscillator of the documents has it: with `w` of a quarter of a period in a substep, and half of that
-/// between bodies that both move, a part `w h a2/((1 + a2) a1)` of it in each substep, but no faster than 3 m/s.
+/// An overlap goes as the oscillator of the documents has it: with `w` of a quarter of a period in
+/// a substep, and half of that between bodies that both move, a part `w h a2/((1 + a2) a1)` of it
+/// in each substep, but no faster than 3 m/s.
 #[test]
 fn an_overlap_goes_as_the_damped_oscillator_has_it() {
     let rate = |periods: f64, damping: f64| {
@@ -417,7 +429,8 @@ fn an_overlap_goes_as_the_damped_oscillator_has_it() {
     }
 }
 
-/// A wheel that a torque drives along without slipping: the torque's work is torque times angle, and the wheel gets it all.
+/// A wheel that a torque drives along without slipping: the torque's work is torque times angle,
+/// and the wheel gets it all.
 #[test]
 fn a_torque_on_what_rolls_does_its_work() {
     for case in 0..24 {
@@ -435,7 +448,8 @@ fn a_torque_on_what_rolls_does_its_work() {
         let heading = DQuat::from_rotation_y(draw.between(0.0, TAU));
         let body = RigidBody::new(shape.clone()).mass(mass).position(vec3(DVec3::Y * radius));
         let wheel = spawn(&mut world, body.orientation(quat(heading * lying)), surfaced(collider(&shape), surface));
-        // A fifth of what slips, and less where that would turn it by over a tenth of a radian in a step.
+        // A fifth of what slips, and less where that would turn it by over a tenth of a radian in a
+        // step.
         let acceleration = (0.3 * G * draw.between(0.1, 1.0)).min(3.0 * radius);
         let torque = mass * radius * (1.0 + part) * acceleration;
         let vector = vec3(heading * DVec3::NEG_Z * torque);
@@ -470,7 +484,8 @@ fn a_torque_on_what_rolls_does_its_work() {
     }
 }
 
-/// A box that slides without friction through something thick loses `e^(-2 b t)` of its energy, all of it to damping.
+/// A box that slides without friction through something thick loses `e^(-2 b t)` of its energy, all
+/// of it to damping.
 #[test]
 fn damping_of_what_slides_does_the_work_that_decays() {
     for case in 0..12 {
@@ -488,7 +503,8 @@ fn damping_of_what_slides_does_the_work_that_decays() {
         run(&mut simulation, &mut world, 6);
         let work = *world.get::<&tumble::Work>(body).unwrap();
         let expected = speed * speed * ((-2.0 * rate * 0.1).exp() - 1.0);
-        // What damping takes of the millimetres a second that gravity gives in a substep is booked too.
+        // What damping takes of the millimetres a second that gravity gives in a substep is booked
+        // too.
         assert!((work.damping / expected - 1.0).abs() < 2e-3, "case {case}: {work:?} for {expected} J");
     }
 }

@@ -1,8 +1,10 @@
-//! Promise: what contacts take from bodies and give to them is booked as their work, and the works of a body that touches something still add up to the change of its kinetic energy:
-//! sliding, bouncing, rolling, in piles, under damping and force components.
+//! Promise: what contacts take from bodies and give to them is booked as their work, and the works
+//! of a body that touches something still add up to the change of its kinetic energy: sliding,
+//! bouncing, rolling, in piles, under damping and force components.
 //!
-//! Why: a ledger with a hole where bodies touch says nothing about a scene with ground. It fails if the work of the integrator that touched bodies do not take is left in the books, or a force
-//! is booked over another way than it acted on.
+//! Why: a ledger with a hole where bodies touch says nothing about a scene with ground. It fails if
+//! the work of the integrator that touched bodies do not take is left in the books, or a force is
+//! booked over another way than it acted on.
 
 #![allow(clippy::unwrap_used, reason = "a test without what it tests is to fail")]
 #![cfg_attr(feature = "f64", allow(clippy::useless_conversion, reason = "Real is f64 in this build, f32 in the other"))]
@@ -34,7 +36,8 @@ fn work(world: &World, body: Entity) -> Work {
     *world.get::<&Work>(body).unwrap()
 }
 
-/// A box slides to rest: all its energy is what friction took, but for what its weight did as it sank into the ground by less than a millimetre.
+/// A box slides to rest: all its energy is what friction took, but for what its weight did as it
+/// sank into the ground by less than a millimetre.
 #[test]
 fn a_sliding_box_loses_its_energy_to_the_ground() {
     let shape = Shape::cuboid([0.25, 0.25, 0.25]);
@@ -52,7 +55,8 @@ fn a_sliding_box_loses_its_energy_to_the_ground() {
     assert_eq!((work.applied, work.damping), (0.0, 0.0));
 }
 
-/// A ball that falls from a metre and bounces with 0.8: gravity did what its height says, and each bounce took 1 - e^2 of the energy.
+/// A ball that falls from a metre and bounces with 0.8: gravity did what its height says, and each
+/// bounce took 1 - e^2 of the energy.
 #[test]
 fn a_bouncing_ball_loses_what_its_restitution_has_it_lose() {
     let shape = Shape::sphere(0.1);
@@ -70,7 +74,8 @@ fn a_bouncing_ball_loses_what_its_restitution_has_it_lose() {
     assert!((first.total() - kinetic(&world, ball)).abs() < 1e-9, "{first:?}");
 }
 
-/// Applied forces, damping, a law and a force component on a body that lies: each is booked as what it is.
+/// Applied forces, damping, a law and a force component on a body that lies: each is booked as what
+/// it is.
 #[test]
 fn each_force_on_a_touching_body_has_its_own_work() {
     let shape = Shape::cuboid([0.5, 0.5, 0.5]);
@@ -88,8 +93,9 @@ fn each_force_on_a_touching_body_has_its_own_work() {
     let (work, way) = (work(&world, pushed), dvec3(world.get::<&Pose>(pushed).unwrap().position).x);
     assert!((work.applied / way - 1.0).abs() < 1e-3, "{work:?}, {way} m");
     assert!((work.of("ConstantWrench").unwrap() / (2.0 * way) - 1.0).abs() < 1e-3, "{work:?}, {way} m");
-    // On a plane without friction, contacts do nothing but hold up what sinks in by a tenth of a millimetre. To their account comes what a substep does to a force that drives and a
-    // damping that brakes, of first order: half of h c F v a second, a millijoule.
+    // On a plane without friction, contacts do nothing but hold up what sinks in by a tenth of a
+    // millimetre. To their account comes what a substep does to a force that drives and a damping
+    // that brakes, of first order: half of h c F v a second, a millijoule.
     let change = kinetic(&world, pushed) - before;
     assert!((work.contacts + work.gravity).abs() < 2e-3 && work.gravity.abs() < 3e-3, "{work:?}");
     assert!((work.damping - (change - 3.0 * way)).abs() < 2e-2 && work.damping < -5.0, "{work:?}, {change}");
@@ -112,7 +118,8 @@ fn the_works_of_a_pile_add_up() {
             let (work, change) = (work(&world, *body), kinetic(&world, *body) - before);
             let size = work.gravity.abs() + work.contacts.abs() + before;
             assert!((work.total() - change).abs() < 1e-9 * size, "{work:?} for {change}");
-            // Turning in free flight keeps energy but for rounding. What is near others and touches nothing falls by the first-order steps of contacts, each of which loses M g^2 h^2/2.
+            // Turning in free flight keeps energy but for rounding. What is near others and touches
+            // nothing falls by the first-order steps of contacts, each of which loses M g^2 h^2/2.
             let mass = f64::from(world.get::<&tumble::Mass>(*body).unwrap().kilograms());
             assert!(work.integrator.abs() < mass * lost_in_falling + 1e-3 * size, "{work:?} of {mass} kg");
             passed += size;

@@ -1,7 +1,9 @@
-//! Promise: the parts of a compound collider have materials and groups of their own, in the API, in scene files and in glTF: two bodies meet only where parts of them touch by their groups, and
+//! Promise: the parts of a compound collider have materials and groups of their own, in the API, in
+//! scene files and in glTF: two bodies meet only where parts of them touch by their groups, and
 //! with the surfaces of the parts that meet there.
 //!
-//! Why: with one filter for all a body falls through ground that a part of it should rest on. It fails if the number of a part leads to another part's surface, or a compound of equal parts is
+//! Why: with one filter for all a body falls through ground that a part of it should rest on. It
+//! fails if the number of a part leads to another part's surface, or a compound of equal parts is
 //! another than a compound shape.
 
 #![cfg_attr(feature = "f64", allow(clippy::useless_conversion, reason = "Real is f64 in this build, f32 in the other"))]
@@ -20,7 +22,8 @@ fn at(position: Vec3) -> Pose {
     Pose { position, ..Pose::default() }
 }
 
-/// A part of a rack: a ball, or a bar of two balls that is a compound itself, in a place of its own.
+/// A part of a rack: a ball, or a bar of two balls that is a compound itself, in a place of its
+/// own.
 struct Foot {
     place: Vec3,
     shape: Shape,
@@ -64,7 +67,8 @@ fn foot_at<'a>(feet: &'a [Foot], pose: &Pose, point: Vec3) -> &'a Foot {
     feet.iter().min_by(|a, b| (a.place.x - place.x).abs().total_cmp(&(b.place.x - place.x).abs())).unwrap()
 }
 
-/// Ground of two plates, each with its material and groups, side by side along z; or of one half-space.
+/// Ground of two plates, each with its material and groups, side by side along z; or of one
+/// half-space.
 fn ground(world: &mut World, rng: &mut Rng) -> (u32, u32, Real) {
     let (membership, filter, friction) = (1 << (rng.next_u64() % 3), rng.next_u64() as u32 % 8, rng.range(0.1, 1.0));
     let surface = Material::new(friction, 0.0);
@@ -102,7 +106,8 @@ proptest! {
             let foot = foot_at(&feet, &before, contact.points()[0].position);
             prop_assert!(touches(foot));
             let normal: Real = contact.points().iter().map(|point| point.impulse).sum();
-            // All slide: the coefficient is the mean of both surfaces'. What is lifted in the first step has none.
+            // All slide: the coefficient is the mean of both surfaces'. What is lifted in the first
+            // step has none.
             let sliding = 0.5 * (foot.friction + friction) * normal;
             prop_assert!((contact.friction.length() - sliding).abs() <= 2e-3 * sliding + 1e-6, "{:?}", contact);
         }
@@ -149,7 +154,8 @@ fn height(scene: Scene) -> f64 {
     momenta.map(|(pose, _)| f64::from(pose.position.y)).next().unwrap()
 }
 
-/// Two balls side by side, on ground of group 1: it holds the body if it touches both of them, and not if it touches none.
+/// Two balls side by side, on ground of group 1: it holds the body if it touches both of them, and
+/// not if it touches none.
 #[test]
 fn parts_of_scene_files_have_their_own() {
     let scene = |first: &str, second: &str| {
@@ -179,7 +185,8 @@ fn parts_of_scene_files_have_their_own() {
     }
 }
 
-/// A body of two colliders, each with a filter: the second's lets it rest where the first's alone would let it fall.
+/// A body of two colliders, each with a filter: the second's lets it rest where the first's alone
+/// would let it fall.
 #[test]
 fn colliders_of_gltf_have_their_own() {
     let scene = |filters: [u32; 2]| {

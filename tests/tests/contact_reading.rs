@@ -1,7 +1,9 @@
-//! Promise: what a simulation tells of its contacts is what happened: who touches whom, where, along which normal, with what force; and each touch begins once and ends once, in the order of
+//! Promise: what a simulation tells of its contacts is what happened: who touches whom, where,
+//! along which normal, with what force; and each touch begins once and ends once, in the order of
 //! the bodies, whatever is spawned, despawned or rests at the edge of touching.
 //!
-//! Why: games make sounds, damage and logic of it. It fails if a normal has the wrong sign, a point is not in the world, a resting body flickers, or a body that is gone leaves no end.
+//! Why: games make sounds, damage and logic of it. It fails if a normal has the wrong sign, a point
+//! is not in the world, a resting body flickers, or a body that is gone leaves no end.
 
 #![allow(clippy::unwrap_used, reason = "a test without what it tests is to fail")]
 
@@ -36,7 +38,8 @@ fn events(simulation: &Simulation) -> Vec<ContactEvent> {
     simulation.contact_events().collect()
 }
 
-/// A box on a box on ground: two contacts, each with the weight of what is on it, whichever of its bodies comes first.
+/// A box on a box on ground: two contacts, each with the weight of what is on it, whichever of its
+/// bodies comes first.
 #[test]
 fn a_stack_is_told_as_it_stands() {
     // By identity: the ground first, last and in the middle; without one it is last.
@@ -131,12 +134,14 @@ fn a_bounce_begins_and_ends() {
         before = speed;
     }
     assert_eq!(bounces, 4);
-    // The ground has no identity, so it comes after the ball only by its entity, which is the first.
+    // The ground has no identity, so it comes after the ball only by its entity, which is the
+    // first.
     let one = [ContactEvent::Begin([ground, ball]), ContactEvent::End([ground, ball])];
     assert_eq!(told, [one; 4].concat());
 }
 
-/// In a pile that settles, however lightly things lie on others, no pair ends to touch and begins again at once; and what began and did not end are the touching pairs.
+/// In a pile that settles, however lightly things lie on others, no pair ends to touch and begins
+/// again at once; and what began and did not end are the touching pairs.
 #[test]
 fn a_pile_that_settles_does_not_flicker() {
     let mut world = pile::plain_scene();
@@ -184,7 +189,8 @@ fn order_of(world: &World, bodies: [Entity; 2]) -> [(bool, Option<u64>, u32); 2]
     })
 }
 
-/// The end of a touch is reported in the step after one of the bodies was despawned or lost its collider, with the entity that it was.
+/// The end of a touch is reported in the step after one of the bodies was despawned or lost its
+/// collider, with the entity that it was.
 #[test]
 fn what_is_gone_has_ended() {
     for colliders_only in [false, true] {
@@ -224,7 +230,8 @@ fn what_is_gone_has_ended() {
     }
 }
 
-/// hecs gives the number of an entity that was despawned to the next one. Without a [`BodyId`] the number is all that a body is called by, but it is another body.
+/// hecs gives the number of an entity that was despawned to the next one. Without a [`BodyId`] the
+/// number is all that a body is called by, but it is another body.
 #[test]
 fn who_takes_the_place_of_another_is_not_taken_for_it() {
     let mut world = World::new();
@@ -272,7 +279,8 @@ fn a_world_without_colliders_has_no_contacts() {
     }
 }
 
-/// Two pucks in free space that stop each other in the middle of a step: no impulse is left at its end, and they are apart by what rounding makes of their places.
+/// Two pucks in free space that stop each other in the middle of a step: no impulse is left at its
+/// end, and they are apart by what rounding makes of their places.
 #[test]
 fn a_hit_without_a_bounce_is_told() {
     for (i, apart) in [0.001, 0.004, 0.01, 0.015].iter().cycle().take(40).enumerate() {

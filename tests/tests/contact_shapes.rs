@@ -1,8 +1,9 @@
-//! Promise: bodies of every shape rest, roll and slide as their shapes have it: what lies on two points does not rock, what is round rolls without a bump, and nothing stumbles
-//! over the inner edges of flat ground made of triangles.
+//! Promise: bodies of every shape rest, roll and slide as their shapes have it: what lies on two
+//! points does not rock, what is round rolls without a bump, and nothing stumbles over the inner
+//! edges of flat ground made of triangles.
 //!
-//! Why: a manifold that is right in itself may still be useless to a solver, with points that wander, come and go, or push sideways. Each test would show that as
-//! a speed where there is none.
+//! Why: a manifold that is right in itself may still be useless to a solver, with points that
+//! wander, come and go, or push sideways. Each test would show that as a speed where there is none.
 
 #![allow(clippy::unwrap_used, reason = "a body that cannot be made is a failed test")]
 
@@ -40,7 +41,8 @@ fn run(world: &mut World, steps: u32, mut look: impl FnMut(&World)) {
     }
 }
 
-/// Flat ground of triangles, eight metres a side: squares of a fifth of a metre with diagonals this way and that.
+/// Flat ground of triangles, eight metres a side: squares of a fifth of a metre with diagonals this
+/// way and that.
 fn tiles() -> Collider {
     let count = 40;
     let corner = |i: u32, j: u32| j * (count + 1) + i;
@@ -66,7 +68,8 @@ fn around(axis: Vec3, angle: f64) -> Quat {
     Quat::from_axis_angle(axis, angle as Real)
 }
 
-/// What lies on flat ground stays where it is, for ten seconds after two in which soft contacts take the weight.
+/// What lies on flat ground stays where it is, for ten seconds after two in which soft contacts
+/// take the weight.
 #[test]
 fn every_shape_rests_on_every_ground() {
     let lying = around(Vec3::X, FRAC_PI_2);
@@ -117,7 +120,8 @@ fn every_shape_rests_on_every_ground() {
     }
 }
 
-/// A ball and a box that slide without friction over flat ground of many triangles keep their height and speed, and a capsule its height.
+/// A ball and a box that slide without friction over flat ground of many triangles keep their
+/// height and speed, and a capsule its height.
 #[test]
 fn nothing_stumbles_over_inner_edges() {
     for ground in [tiles(), level_field()] {
@@ -220,7 +224,8 @@ fn parts_places_and_groups_are_heeded() {
     }
 }
 
-/// All shapes fall on a heap between four walls, and come to rest there: none falls through, and none gains energy.
+/// All shapes fall on a heap between four walls, and come to rest there: none falls through, and
+/// none gains energy.
 #[test]
 fn a_heap_of_all_shapes_comes_to_rest() {
     let mut world = World::new();

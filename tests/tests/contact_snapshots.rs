@@ -1,7 +1,10 @@
-//! Promise: a pile that is put back to a snapshot of its simulation goes on to the bit as it did, step by step: in the same world and simulation, in others whose bodies were spawned in another
-//! order, through bytes, and through a `Rollback`. The contacts in it are what a step needs: without them the pile goes on otherwise. A file whose contacts no step leaves is refused.
+//! Promise: a pile that is put back to a snapshot of its simulation goes on to the bit as it did,
+//! step by step: in the same world and simulation, in others whose bodies were spawned in another
+//! order, through bytes, and through a `Rollback`. The contacts in it are what a step needs:
+//! without them the pile goes on otherwise. A file whose contacts no step leaves is refused.
 //!
-//! Why: contacts begin with the impulses of the step before, so they are state. It fails if anything that a step keeps of contacts is not saved, goes by entity or row, or is put back to
+//! Why: contacts begin with the impulses of the step before, so they are state. It fails if
+//! anything that a step keeps of contacts is not saved, goes by entity or row, or is put back to
 //! other bodies.
 
 #![allow(clippy::unwrap_used, reason = "a test without what it tests is to fail")]
@@ -28,7 +31,8 @@ fn hashes(simulation: &mut Simulation, world: &mut World, steps: u32) -> Vec<u64
     (0..steps).map(step).collect()
 }
 
-/// A pile after 100 steps, in the middle of falling together, with a snapshot of then and the hashes of the 50 steps after.
+/// A pile after 100 steps, in the middle of falling together, with a snapshot of then and the
+/// hashes of the 50 steps after.
 fn before_and_after() -> (World, Simulation, Snapshot, Vec<u64>) {
     let (mut world, mut simulation) = (plain_scene(), simulation());
     run(&mut simulation, &mut world, 100);
@@ -38,7 +42,8 @@ fn before_and_after() -> (World, Simulation, Snapshot, Vec<u64>) {
     (world, simulation, snapshot, after)
 }
 
-/// A contact in any world: identities in the place of entities, position, separation and impulse of points, normal and friction.
+/// A contact in any world: identities in the place of entities, position, separation and impulse of
+/// points, normal and friction.
 type Told = (Vec<Option<u64>>, Vec<[Real; 5]>, [Real; 6]);
 
 fn told(simulation: &Simulation, world: &World) -> Vec<Told> {
@@ -66,7 +71,8 @@ fn a_pile_goes_on_as_it_did() {
     }
 }
 
-/// A world of its own, where every entity but those of the scenery is another, with a simulation of its own.
+/// A world of its own, where every entity but those of the scenery is another, with a simulation of
+/// its own.
 #[test]
 fn a_pile_goes_on_in_another_world() {
     let (_, _, snapshot, after) = before_and_after();
@@ -204,7 +210,8 @@ fn two_bodies_of_one_name_stay_two() {
     assert_eq!(run_with([5, 5]), run_with([5, 6]));
 }
 
-/// Scenery that is not there is not touched, and whoever has the number of its entity is not taken for it.
+/// Scenery that is not there is not touched, and whoever has the number of its entity is not taken
+/// for it.
 #[test]
 fn contacts_with_scenery_that_is_gone_are_dropped() {
     let (_, _, snapshot, _) = before_and_after();
@@ -231,7 +238,8 @@ fn forged(bytes: &[u8], place: usize, other: &[u8]) -> Vec<u8> {
     bytes
 }
 
-/// Two boxes beside each other on nameless ground: three bodies in contact, two contacts of four points.
+/// Two boxes beside each other on nameless ground: three bodies in contact, two contacts of four
+/// points.
 fn two_boxes() -> (World, Simulation, Vec<u8>) {
     let mut world = World::new();
     RigidBody::new(Shape::Point).fixed().build().unwrap().spawn_with(&mut world, (Collider::half_space(),));
@@ -266,7 +274,8 @@ fn contacts_are_in_the_file_as_documented() {
     assert_eq!([88, 96, 104, 112].map(word), [2, 1, 2, 8]);
     assert_eq!([NAMES, NAMES + 8].map(word), [7, 9]);
     assert_eq!(half(NAMES + 16), 0);
-    // The ground is not moved by impulses, so it is the first of the two in both, though it comes last.
+    // The ground is not moved by impulses, so it is the first of the two in both, though it comes
+    // last.
     for (contact, body) in [(0, 0), (1, 1)] {
         let place = CONTACTS + contact * CONTACT;
         assert_eq!([0, 4, 8, 12].map(|half_word| half(place + half_word)), [2, body, 0, 4 + 256]);

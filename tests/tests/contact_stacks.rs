@@ -1,7 +1,9 @@
-//! Promise: what is stacked stays, what is dropped comes to rest, what overlaps parts gently, and no balls and boxes get out of a closed one.
+//! Promise: what is stacked stays, what is dropped comes to rest, what overlaps parts gently, and
+//! no balls and boxes get out of a closed one.
 //!
-//! Why: these are the scenes that games are made of and that solvers break at: tall towers, heavy on light, corners, bodies spawned in each other. Bounds are
-//! those of the issue that asked for contacts, or a closed form beside them.
+//! Why: these are the scenes that games are made of and that solvers break at: tall towers, heavy
+//! on light, corners, bodies spawned in each other. Bounds are those of the issue that asked for
+//! contacts, or a closed form beside them.
 
 #![cfg_attr(feature = "f64", allow(clippy::useless_conversion, reason = "Real is f64 in this build, f32 in the other"))]
 #![allow(clippy::unwrap_used, reason = "a body that cannot be made is a failed test")]
@@ -34,14 +36,16 @@ fn fastest(world: &World) -> f64 {
     world.query::<&Velocity>().iter().map(of).fold(0.0, f64::max)
 }
 
-/// A simulation, and the angular frequency squared of its contacts: an eighth of a period a substep.
+/// A simulation, and the angular frequency squared of its contacts: an eighth of a period a
+/// substep.
 fn with_contact_substeps(substeps: u32) -> (Simulation, f64) {
     let settings = Settings::default().with_contact_substeps(substeps);
     let omega = std::f64::consts::TAU / 8.0 / f64::from(settings.contact_substep());
     (Simulation::new(settings).unwrap(), omega * omega)
 }
 
-/// At substeps that are short enough for the height each contact gives way by the weight above it: the ground by `n g/(2 w)^2`, the box that carries `k` of `m` by `2 k g/w^2`.
+/// At substeps that are short enough for the height each contact gives way by the weight above it:
+/// the ground by `n g/(2 w)^2`, the box that carries `k` of `m` by `2 k g/w^2`.
 #[test]
 fn towers_stand_as_high_as_they_should() {
     for (count, substeps) in [(10_u8, 4), (30, 24)] {
@@ -67,7 +71,8 @@ fn towers_stand_as_high_as_they_should() {
     }
 }
 
-/// A contact is as stiff as the mass that it moves: what bears a heavy body gives way by the ratio of their masses, the ground a quarter as much.
+/// A contact is as stiff as the mass that it moves: what bears a heavy body gives way by the ratio
+/// of their masses, the ground a quarter as much.
 #[test]
 fn heavy_stands_on_light() {
     for (masses, substeps) in [([1.0, 100.0], 4), ([1000.0, 1.0], 4), ([1.0, 1000.0], 12)] {
@@ -91,7 +96,8 @@ fn heavy_stands_on_light() {
     }
 }
 
-/// For 167 seconds, with nothing ever put to sleep: every box is over where it was put, give or take 3 cm: it spreads by one as it settles, and creeps by another.
+/// For 167 seconds, with nothing ever put to sleep: every box is over where it was put, give or
+/// take 3 cm: it spreads by one as it settles, and creeps by another.
 #[test]
 fn a_pyramid_stands_for_ten_thousand_steps() {
     const BASE: u8 = 20;
@@ -110,7 +116,8 @@ fn a_pyramid_stands_for_ten_thousand_steps() {
     run(&mut simulation(), &mut world, 10_000);
     for (entity, place) in boxes {
         let moved = dvec3(pose(&world, entity).position) - place;
-        // A column of twenty, the tallest there is, would sink in by 106 mm; each box of a pyramid stands on two.
+        // A column of twenty, the tallest there is, would sink in by 106 mm; each box of a pyramid
+        // stands on two.
         assert!(moved.x.hypot(moved.z) < 0.03 && (-0.053..0.0).contains(&moved.y), "from {place} by {moved}");
     }
     assert!(fastest(&world) < 2e-3, "{}", fastest(&world));

@@ -1,7 +1,8 @@
-//! Promise: bodies that touch do what mechanics says: they rest, slide, stop, roll and bounce as closed forms have it, and no contact makes energy
-//! or momentum.
+//! Promise: bodies that touch do what mechanics says: they rest, slide, stop, roll and bounce as
+//! closed forms have it, and no contact makes energy or momentum.
 //!
-//! Why: a solver that only looks right lets boxes creep, balls gain height and stacks jitter. Each test has its closed form beside it.
+//! Why: a solver that only looks right lets boxes creep, balls gain height and stacks jitter. Each
+//! test has its closed form beside it.
 
 #![allow(clippy::unwrap_used, reason = "a body that cannot be made is a failed test")]
 #![cfg_attr(
@@ -35,8 +36,9 @@ fn run(world: &mut World, settings: Settings, steps: u32) {
     (0..steps).for_each(|_| simulation.step(world));
 }
 
-/// At rest the spring of a contact carries the weight. With the mass scale `m = a2/(1 + a2)`, the impulse scale `i = 1/(1 + a2)` and the rate
-/// `w/a1`, nothing changes when `m (w/a1) s / K = i l`, where `l = M g h` is the impulse of a substep and `1/K = M`: `s = -g/w^2`.
+/// At rest the spring of a contact carries the weight. With the mass scale `m = a2/(1 + a2)`, the
+/// impulse scale `i = 1/(1 + a2)` and the rate `w/a1`, nothing changes when `m (w/a1) s / K = i l`,
+/// where `l = M g h` is the impulse of a substep and `1/K = M`: `s = -g/w^2`.
 #[test]
 fn a_resting_box_sinks_in_by_the_closed_form() {
     let mut world = World::new();
@@ -119,7 +121,8 @@ fn a_sliding_ball_comes_to_roll() {
     assert!((f64::from(angular.z) / -14.2857142857 - 1.0).abs() < 5e-3, "{angular}");
 }
 
-/// The heights of a bouncing ball fall by the square of the restitution, and it stands at them at times that follow.
+/// The heights of a bouncing ball fall by the square of the restitution, and it stands at them at
+/// times that follow.
 #[test]
 fn a_ball_bounces_as_high_as_it_should() {
     let mut world = World::new();
@@ -152,7 +155,8 @@ fn a_ball_bounces_as_high_as_it_should() {
     }
 }
 
-/// In a head-on collision momentum is kept and the speed of parting is the restitution times that of meeting.
+/// In a head-on collision momentum is kept and the speed of parting is the restitution times that
+/// of meeting.
 #[test]
 fn balls_collide_head_on() {
     for (m1, m2, v1, v2, e, out) in [
@@ -180,7 +184,8 @@ fn balls_collide_head_on() {
     }
 }
 
-/// A cluster of bodies in free fall together keeps its momentum and its angular momentum whatever they do to each other.
+/// A cluster of bodies in free fall together keeps its momentum and its angular momentum whatever
+/// they do to each other.
 #[test]
 fn a_cluster_keeps_its_momenta() {
     let mut world = World::new();
@@ -203,7 +208,8 @@ fn a_cluster_keeps_its_momenta() {
     let mut simulation = Simulation::new(settings).unwrap();
     for _ in 0..120 {
         simulation.step(&mut world);
-        // Bodies go on turning while contacts hold them as they were when the step began: a little work is done on them by that.
+        // Bodies go on turning while contacts hold them as they were when the step began: a little
+        // work is done on them by that.
         let now = totals(&world).energy();
         assert!(now < before * (1.0 + 1e-4), "{before} J became {now} J");
         before = now;
@@ -244,7 +250,8 @@ fn a_pyramid_stands() {
     assert!(dvec3(velocity(&world, top).linear).length() < 1e-3);
 }
 
-/// Single precision has its limits, of which impulses are squared: these are the masses up to which friction is what it should be.
+/// Single precision has its limits, of which impulses are squared: these are the masses up to which
+/// friction is what it should be.
 #[test]
 fn moons_and_grains_slide_as_far_as_boxes() {
     for mass in [1e-15, 1e-6, 1.0, 1e6, 1e18] {

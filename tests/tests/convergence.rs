@@ -1,10 +1,13 @@
-//! Promise: on free bodies the attitude error falls with the first power of the step under `SemiImplicitEuler`, with the
-//! fourth under `RungeKutta4` and with the sixth under `MoserVeselov`, towards the exact solution.
+//! Promise: on free bodies the attitude error falls with the first power of the step under
+//! `SemiImplicitEuler`, with the fourth under `RungeKutta4` and with the sixth under
+//! `MoserVeselov`, towards the exact solution.
 //!
-//! Why: the order is what a user chooses an integrator by, and only an exact solution shows that it converges to the right
-//! thing. A wrong sign, frame or coefficient would either leave an error that no step removes or lower the order.
+//! Why: the order is what a user chooses an integrator by, and only an exact solution shows that it
+//! converges to the right thing. A wrong sign, frame or coefficient would either leave an error
+//! that no step removes or lower the order.
 //!
-//! The references are solutions in 34 digits (`data/free_body`); all runs are those of [`Simulation`] on a world.
+//! The references are solutions in 34 digits (`data/free_body`); all runs are those of
+//! [`Simulation`] on a world.
 
 #![allow(clippy::unwrap_used, reason = "a test without what it tests is to fail")]
 #![cfg_attr(
@@ -27,7 +30,8 @@ fn bodies() -> [FreeBody; 4] {
     [FreeBody::van_zon_top(), FreeBody::drake_cylinder(), FreeBody::t_handle(), FreeBody::mujoco_box()]
 }
 
-/// Attitude error \[rad\] and the error of the body-frame angular velocity relative to its size after `steps` to `time`.
+/// Attitude error \[rad\] and the error of the body-frame angular velocity relative to its size
+/// after `steps` to `time`.
 fn errors(body: &FreeBody, integrator: Integrator, time: f64, steps: u32) -> (f64, f64) {
     let mut world = World::new();
     let entity = body.spawn(&mut world);
@@ -58,8 +62,9 @@ fn assert_order(body: &FreeBody, integrator: Integrator, time: f64, steps: u32, 
     assert!((order - expected).abs() <= tolerance, "{integrator} on {}: observed order {order}", body.name);
 }
 
-/// The error is `C h (1 + O(h))`: at these steps the second term is below one per cent, hence the order within 0.02. The T-handle,
-/// all but on its separatrix, needs a short time and short steps for that. All errors are far above rounding in single precision.
+/// The error is `C h (1 + O(h))`: at these steps the second term is below one per cent, hence the
+/// order within 0.02. The T-handle, all but on its separatrix, needs a short time and short steps
+/// for that. All errors are far above rounding in single precision.
 #[test]
 fn semi_implicit_euler_is_of_first_order() {
     let [van_zon, cylinder, t_handle, mujoco] = bodies();
@@ -68,10 +73,12 @@ fn semi_implicit_euler_is_of_first_order() {
     }
 }
 
-/// As above with steps at which the next term of the error is about one per cent: the order within 0.04.
+/// As above with steps at which the next term of the error is about one per cent: the order within
+/// 0.04.
 ///
-/// In single precision the steps must be coarse for the error to stand above rounding; there the next terms are a quarter
-/// of the error, and the order comes out up to 0.4 too high, in double precision as well.
+/// In single precision the steps must be coarse for the error to stand above rounding; there the
+/// next terms are a quarter of the error, and the order comes out up to 0.4 too high, in double
+/// precision as well.
 #[test]
 fn runge_kutta4_is_of_fourth_order() {
     let [van_zon, cylinder, t_handle, mujoco] = bodies();
@@ -81,8 +88,9 @@ fn runge_kutta4_is_of_fourth_order() {
     }
 }
 
-/// The largest steps that the map takes in one part; the next term of the error is a few per cent there. In single precision
-/// the error at these steps is below rounding: there is nothing to observe.
+/// The largest steps that the map takes in one part; the next term of the error is a few per cent
+/// there. In single precision the error at these steps is below rounding: there is nothing to
+/// observe.
 #[cfg(feature = "f64")]
 #[test]
 fn moser_veselov_is_of_sixth_order() {
@@ -94,15 +102,16 @@ fn moser_veselov_is_of_sixth_order() {
 
 /// What rounding does to the attitude of a free body \[rad\].
 ///
-/// Every step rounds the orientation about twice; the first term is all of that in one direction. Rounding the components by
-/// `EPSILON/4` on average also changes the energy `T` by that much of itself, at random, so by `sqrt(steps)` times it in all. At the
-/// separatrix `L^2 = 2 T I_2`, where
+/// Every step rounds the orientation about twice; the first term is all of that in one direction.
+/// Rounding the components by `EPSILON/4` on average also changes the energy `T` by that much of
+/// itself, at random, so by `sqrt(steps)` times it in all. At the separatrix `L^2 = 2 T I_2`, where
 ///
 /// ```text
 /// m = (I2 - I1) (2 T I3 - L^2) / ((I3 - I2) (L^2 - 2 T I1)):    dm/m = dT/T (I3/(I3 - I2) + I1/(I2 - I1))
 /// ```
 ///
-/// and a flip takes `ln(16/(1 - m))/lambda`, so each comes late by `dm/((1 - m) lambda)` while the body turns at `|w|`: the second term.
+/// and a flip takes `ln(16/(1 - m))/lambda`, so each comes late by `dm/((1 - m) lambda)` while the
+/// body turns at `|w|`: the second term.
 fn rounding(body: &FreeBody, time: f64, steps: u32) -> f64 {
     let attitude = 2.0 * EPSILON * f64::from(steps);
     let Some(elliptic) = body.elliptic else { return attitude };
@@ -114,9 +123,9 @@ fn rounding(body: &FreeBody, time: f64, steps: u32) -> f64 {
     attitude + body.angular_velocity.length() * late
 }
 
-/// At 1000 steps a second the sixth-order error is below 1e-12 rad on the fastest body, so double precision shows rounding only; at 100
-/// it is below 1e-6, so single precision does. The T-handle's second term is several radians in single precision: nothing
-/// that a test could hold it to.
+/// At 1000 steps a second the sixth-order error is below 1e-12 rad on the fastest body, so double
+/// precision shows rounding only; at 100 it is below 1e-6, so single precision does. The T-handle's
+/// second term is several radians in single precision: nothing that a test could hold it to.
 #[test]
 fn moser_veselov_agrees_with_the_exact_solution_to_rounding() {
     for body in bodies() {
@@ -132,15 +141,16 @@ fn moser_veselov_agrees_with_the_exact_solution_to_rounding() {
                 body.name, sample.time
             );
             assert!(attitude <= allowed, "{} at {} s: {attitude:e} rad > {allowed:e}", body.name, sample.time);
-            // Where the attitude is wrong by an angle, so is the direction of the angular velocity, at most twice for a
-            // body that turns about itself meanwhile.
+            // Where the attitude is wrong by an angle, so is the direction of the angular velocity,
+            // at most twice for a body that turns about itself meanwhile.
             assert!(spin <= 2.0 * allowed, "{} at {} s: spin {spin:e} > {allowed:e}", body.name, sample.time);
         }
     }
 }
 
-/// 100 steps a second, to the end of each reference. The bounds are twice the errors measured when this was written, which is
-/// what the leading term of each gives; a method one order lower would miss them a hundredfold.
+/// 100 steps a second, to the end of each reference. The bounds are twice the errors measured when
+/// this was written, which is what the leading term of each gives; a method one order lower would
+/// miss them a hundredfold.
 #[cfg(feature = "f64")]
 #[test]
 fn attitude_at_a_hundred_steps_a_second_is_within_bounds() {
@@ -161,9 +171,10 @@ fn attitude_at_a_hundred_steps_a_second_is_within_bounds() {
     }
 }
 
-/// Attitude errors \[rad\] of someone else's program for the same two methods, printed with five digits. The methods are the same, so the
-/// errors are: to the digits printed, and to 1e-3 where its fourth-order method does not normalise before each
-/// evaluation, which is a difference of higher order.
+/// Attitude errors \[rad\] of someone else's program for the same two methods, printed with five
+/// digits. The methods are the same, so the errors are: to the digits printed, and to 1e-3 where
+/// its fourth-order method does not normalise before each evaluation, which is a difference of
+/// higher order.
 #[test]
 fn errors_are_those_of_an_independent_implementation() {
     let (van_zon, gazebo) = (FreeBody::van_zon_top(), FreeBody::gazebo_boxes());

@@ -1,8 +1,8 @@
-//! Promise: any rotation goes from one notation to another and back without loss: quaternion, 3x3 matrix, 4x4
-//! transform, axis and angle, scaled axis, Euler angles in all 24 orders.
+//! Promise: any rotation goes from one notation to another and back without loss: quaternion, 3x3
+//! matrix, 4x4 transform, axis and angle, scaled axis, Euler angles in all 24 orders.
 //!
-//! It matters because every loss here looks like physics later: a body that jumps when its Euler angles pass
-//! gimbal lock, or that will not start to turn because tiny angles vanish.
+//! It matters because every loss here looks like physics later: a body that jumps when its Euler
+//! angles pass gimbal lock, or that will not start to turn because tiny angles vanish.
 
 use std::f64::consts::{FRAC_PI_2, PI};
 
@@ -43,8 +43,8 @@ const ORDERS: [EulerRot; 24] = [
     EulerRot::XZXEx,
 ];
 
-/// The first twelve orders have three different axes and lock at a quarter turn, the others at none and at half
-/// a turn.
+/// The first twelve orders have three different axes and lock at a quarter turn, the others at none
+/// and at half a turn.
 fn lock(index: usize) -> [f64; 2] {
     if index < 12 { [-FRAC_PI_2, FRAC_PI_2] } else { [0.0, PI] }
 }
@@ -107,11 +107,11 @@ proptest! {
 
     #[test]
     fn scaled_axis_and_back(axis in any_direction(), angle in any_angle(), exponent in -300.0..0.0_f64) {
-        // Closer to half a turn, rounding may carry the angle past pi, where it comes back about the other end
-        // of the axis.
+        // Closer to half a turn, rounding may carry the angle past pi, where it comes back about
+        // the other end of the axis.
         let v = axis * angle.min(PI - 32.0 * EPS);
-        // Direction made unit twice, 4 roundings each; the angle through sine and arc tangent, 12: 20 halves of
-        // an eps.
+        // Direction made unit twice, 4 roundings each; the angle through sine and arc tangent, 12:
+        // 20 halves of an eps.
         prop_assert!((to_scaled_axis(from_scaled_axis(v)) - v).length() <= 10.0 * EPS * v.length());
         // Down to where the square of the angle is no number any more.
         let tiny = axis * 10.0_f64.powf(exponent);
@@ -127,8 +127,8 @@ proptest! {
             let inwards = 10.0_f64.powf(exponent).min(PI) * (1.0 - 2.0 * end as f64);
             let q = DQuat::from_euler(order, first, lock[end] + inwards, third);
             let (a, b, c) = to_euler(q, order);
-            // A few roundings, and within 2e-15 of the lock what setting the third angle to zero leaves out: 4
-            // eps.
+            // A few roundings, and within 2e-15 of the lock what setting the third angle to zero
+            // leaves out: 4 eps.
             prop_assert!(distance(DQuat::from_euler(order, a, b, c), q) <= 10.0 * EPS, "{:?}", order);
             prop_assert!(lock[0] <= b && b <= lock[1], "{:?} {}", order, b);
             prop_assert!(a.abs() <= PI && c.abs() <= PI);
@@ -169,8 +169,8 @@ proptest! {
     ) {
         let m = DMat3::from_cols_array(&elements);
         let seen = change_of_basis(m, q);
-        // An element of the rotation matrix is off by up to 10 eps, so R m R^T by 25 eps of the norm of m, at
-        // most 3.
+        // An element of the rotation matrix is off by up to 10 eps, so R m R^T by 25 eps of the
+        // norm of m, at most 3.
         prop_assert!((seen * (q * v) - q * (m * v)).length() <= 80.0 * EPS);
         let symmetric = change_of_basis(m + m.transpose(), q);
         prop_assert_eq!(symmetric, symmetric.transpose());
@@ -208,9 +208,9 @@ fn the_second_factor_turns_first() {
     assert!(((first * second) * DVec3::Y + DVec3::X).length() <= 2.0 * EPS);
 }
 
-/// Gimbal lock shown: two different pairs of yaw and roll are the same orientation, and glam's own `to_euler`
-/// loses that orientation near it, which is why this project has one. If the last assertion fails, glam has
-/// become exact and ours can go.
+/// Gimbal lock shown: two different pairs of yaw and roll are the same orientation, and glam's own
+/// `to_euler` loses that orientation near it, which is why this project has one. If the last
+/// assertion fails, glam has become exact and ours can go.
 #[test]
 fn gimbal_lock() {
     let up = |yaw: f64, roll: f64| DQuat::from_euler(EulerRot::ZYX, yaw, FRAC_PI_2, roll);
@@ -233,8 +233,9 @@ fn gimbal_lock() {
 }
 
 proptest! {
-    /// Orientation updates: `[cos, sin w/|w|] q` is the scaled axis `w dt` put before q; its rate at the start
-    /// is `1/2 [0, w] q`; the first-order update turns by `2 atan(|w| dt/2)` about the same axis.
+    /// Orientation updates: `[cos, sin w/|w|] q` is the scaled axis `w dt` put before q; its rate
+    /// at the start is `1/2 [0, w] q`; the first-order update turns by `2 atan(|w| dt/2)` about the
+    /// same axis.
     #[test]
     fn orientation_updates(q in any_rotation(), axis in any_direction(), speed in 0.0..20.0_f64, dt in 1e-3..0.1_f64) {
         let w = axis * speed;
@@ -243,8 +244,8 @@ proptest! {
         let first_order = DQuat::from(rotate_to_first_order(q.into(), w.into(), dt));
         let angle = 2.0 * (0.5 * speed * dt).atan();
         prop_assert!(distance(first_order, from_scaled_axis(axis * angle) * q) <= 8.0 * EPS);
-        // A central difference over 1e-4 rad is off by the square of the half angle, 2.5e-9/6, relative to the
-        // rate.
+        // A central difference over 1e-4 rad is off by the square of the half angle, 2.5e-9/6,
+        // relative to the rate.
         let h = 1e-4 / speed.max(1.0);
         let ahead = DQuat::from(rotate_exactly(q.into(), w.into(), h));
         let behind = DQuat::from(rotate_exactly(q.into(), w.into(), -h));
@@ -253,8 +254,8 @@ proptest! {
     }
 }
 
-/// Angular velocities add as vectors: of two turns at once, what their order changes is of second order in
-/// time.
+/// Angular velocities add as vectors: of two turns at once, what their order changes is of second
+/// order in time.
 #[test]
 fn angular_velocities_add() {
     let (a, b) = (DVec3::new(0.3, -1.0, 2.0), DVec3::new(1.5, 0.4, -0.2));
@@ -268,9 +269,9 @@ fn angular_velocities_add() {
     assert!((error(1e-3) / error(5e-4) - 4.0).abs() < 1e-2);
 }
 
-/// Seed 000: integrating `dR/dt = w* R` and `dq/dt = 1/2 w q` by Euler steps. Each step stretches the matrix by
-/// `sqrt(1 + (w dt)^2)` and the quaternion by `sqrt(1 + (w dt)^2/4)`, a quarter of it, and normalising repairs
-/// the quaternion altogether.
+/// Seed 000: integrating `dR/dt = w* R` and `dq/dt = 1/2 w q` by Euler steps. Each step stretches
+/// the matrix by `sqrt(1 + (w dt)^2)` and the quaternion by `sqrt(1 + (w dt)^2/4)`, a quarter of
+/// it, and normalising repairs the quaternion altogether.
 #[test]
 fn a_quaternion_drifts_less_than_a_matrix() {
     let (w, dt) = (DVec3::new(1.0, 2.0, 2.0), 0.01);

@@ -1,6 +1,8 @@
-//! Promise: the convex hull of any points is a closed convex mesh around all of them, the same whatever their order, or says why there is none.
+//! Promise: the convex hull of any points is a closed convex mesh around all of them, the same
+//! whatever their order, or says why there is none.
 //!
-//! It fails if points on a face or an edge, or at one place, give triangles without area, holes or points outside.
+//! It fails if points on a face or an edge, or at one place, give triangles without area, holes or
+//! points outside.
 
 #![allow(clippy::unwrap_used, clippy::panic, reason = "points without a hull are a failed test")]
 
@@ -11,8 +13,9 @@ use proptest::prelude::*;
 use tumble_math::{HullError, MeshDefect, TriangleMesh, convex_hull};
 use tumble_tests::meshes::sphere;
 
-/// Closed, and no point further out of a face than is promised on the grid: two steps. Point and corners are moved to the grid by up to
-/// half a step on each axis, and beyond its corners the face's plane tilts with that, the more the narrower the face. Returns the volume.
+/// Closed, and no point further out of a face than is promised on the grid: two steps. Point and
+/// corners are moved to the grid by up to half a step on each axis, and beyond its corners the
+/// face's plane tilts with that, the more the narrower the face. Returns the volume.
 fn check(points: &[DVec3], hull: &TriangleMesh) -> f64 {
     let solid = hull.solid().unwrap_or_else(|error| panic!("{error}"));
     assert!(hull.audit().problems().iter().all(MeshDefect::is_harmless));
@@ -63,7 +66,8 @@ fn a_cube_of_points_has_eight_corners() {
         assert_eq!((hull.positions().len(), hull.triangles().len()), (8, 12));
         assert_eq!(check(&points, &hull), 1.0);
     }
-    // Turned, the sides are planes only to the grid's steps, and some points on edges may remain as corners.
+    // Turned, the sides are planes only to the grid's steps, and some points on edges may remain as
+    // corners.
     for (scale, offset) in [(1.0, 0.0), (1e-30, 0.0), (1e40, 0.0), (1.0, 1e3)] {
         let transform = DAffine3::from_scale_rotation_translation(
             DVec3::splat(scale),
@@ -105,7 +109,8 @@ fn a_hundred_thousand_points_of_a_sphere_take_seconds() {
     let hull = hull(&points);
     assert_eq!(hull.positions().len(), count as usize);
     let volume = hull.solid().unwrap().volume();
-    // With n points the gap of a facet is about 2 pi / n of its radius, half of it on average, thrice in volume.
+    // With n points the gap of a facet is about 2 pi / n of its radius, half of it on average,
+    // thrice in volume.
     assert!((volume / (4.0 / 3.0 * PI) - 1.0).abs() <= 20.0 / f64::from(count));
 }
 
@@ -144,7 +149,8 @@ proptest! {
             Ok(hull) => {
                 let volume = check(&points, &hull);
                 let again = again.unwrap();
-                // Which of points in one plane are taken for corners may differ, which moves faces by no more than some steps.
+                // Which of points in one plane are taken for corners may differ, which moves faces
+                // by no more than some steps.
                 prop_assert!((check(&points, &again) - volume).abs() <= hull.audit().area * 2.0_f64.powi(-37) * 4.0);
             }
         }

@@ -1,13 +1,12 @@
-//! Promise: a world of bodies with every force component, springs between them, attraction among them and laws of the
-//! caller's gives the same bits for any number of threads, order of spawning bodies and springs, layout of archetypes,
-//! instruction set,
-//! step by step or many at once, whole or system by system, in a batch or alone, and after a snapshot was restored. The
-//! bits are pinned.
+//! Promise: a world of bodies with every force component, springs between them, attraction among
+//! them and laws of the caller's gives the same bits for any number of threads, order of spawning
+//! bodies and springs, layout of archetypes, instruction set, step by step or many at once, whole
+//! or system by system, in a batch or alone, and after a snapshot was restored. The bits are
+//! pinned.
 //!
-//! Why: what couples bodies sums over others, and a sum in memory's order or by whichever thread is first is the
-//! classical way to lose determinism. It fails if a sum follows rows, entities or threads, or if the state that forces
-//! between bodies keep from step
-//! to step goes stale.
+//! Why: what couples bodies sums over others, and a sum in memory's order or by whichever thread is
+//! first is the classical way to lose determinism. It fails if a sum follows rows, entities or
+//! threads, or if the state that forces between bodies keep from step to step goes stale.
 
 #![allow(clippy::unwrap_used, reason = "a test without what it tests is to fail")]
 #![cfg_attr(
@@ -89,7 +88,8 @@ fn the_order_of_spawning_does_not_matter() {
     }
 }
 
-/// Archetypes change while it runs: what is kept from step to step must not remember where things lay.
+/// Archetypes change while it runs: what is kept from step to step must not remember where things
+/// lay.
 #[test]
 fn archetypes_do_not_matter() {
     struct Blue;
@@ -145,7 +145,8 @@ fn the_systems_one_by_one_are_the_step() {
     }
 }
 
-/// In a batch with others of other settings, on two threads, a world gets the bits that it gets alone.
+/// In a batch with others of other settings, on two threads, a world gets the bits that it gets
+/// alone.
 #[test]
 fn a_batch_does_not_matter() {
     let trial = |integrator| {
@@ -160,8 +161,8 @@ fn a_batch_does_not_matter() {
     assert_eq!(hashes, [alone, alone].concat());
 }
 
-/// Back to a snapshot, and on from there in the same world, in one of its own with another simulation, and in one
-/// spawned in another order.
+/// Back to a snapshot, and on from there in the same world, in one of its own with another
+/// simulation, and in one spawned in another order.
 #[test]
 fn a_restored_world_goes_on_as_before() {
     for integrator in Integrator::ALL {

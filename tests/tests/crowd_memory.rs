@@ -1,6 +1,8 @@
-//! Promise: the memory in which pairs that are near each other are listed goes with the number of bodies, however many are in one place.
+//! Promise: the memory in which pairs that are near each other are listed goes with the number of
+//! bodies, however many are in one place.
 //!
-//! Why: a list of all pairs of ten thousand bodies in one place has 600 MB. It fails if pairs are listed before those that count are chosen.
+//! Why: a list of all pairs of ten thousand bodies in one place has 600 MB. It fails if pairs are
+//! listed before those that count are chosen.
 //!
 //! The whole process is measured, so there is one test in this file.
 
@@ -30,7 +32,8 @@ fn rods(count: u64) -> World {
     world
 }
 
-/// Lists of all pairs, the broad phase's and those that come of it, are some hundred bytes a pair with what they grow through: nearly a gigabyte of four thousand.
+/// Lists of all pairs, the broad phase's and those that come of it, are some hundred bytes a pair
+/// with what they grow through: nearly a gigabyte of four thousand.
 #[test]
 fn memory_goes_with_the_number() {
     let session = Session::new();
@@ -46,7 +49,8 @@ fn memory_goes_with_the_number() {
         println!("{count} bodies: {bytes} bytes, {left_out} pairs left out");
         let all = count * (count - 1) / 2;
         assert!(left_out < all && left_out >= all - 128 * count, "{left_out}");
-        // 128 pairs a body in some lists of eight to twenty-four bytes each, twice over while they grow.
+        // 128 pairs a body in some lists of eight to twenty-four bytes each, twice over while they
+        // grow.
         assert!(bytes <= count * 40_000, "{bytes} bytes for {count}");
     }
 }

@@ -1,7 +1,10 @@
-//! Promise: however many bodies are in one place, the pairs of each that count are limited, and what is left out is reported: the contacts of n bodies are at most 128 n. Which are left out is the same
-//! whatever order bodies were spawned in; and where no more than 64 are near one, nothing is.
+//! Promise: however many bodies are in one place, the pairs of each that count are limited, and
+//! what is left out is reported: the contacts of n bodies are at most 128 n. Which are left out is
+//! the same whatever order bodies were spawned in; and where no more than 64 are near one, nothing
+//! is.
 //!
-//! Why: n bodies in one point would make n^2 contacts, gigabytes for two thousand. It fails if a crowd's contacts grow with the square, or a heap loses contacts to the limit.
+//! Why: n bodies in one point would make n^2 contacts, gigabytes for two thousand. It fails if a
+//! crowd's contacts grow with the square, or a heap loses contacts to the limit.
 
 #![allow(clippy::unwrap_used, reason = "a test without what it tests is to fail")]
 
@@ -14,7 +17,8 @@ use tumble::math::{Quat, Real, Vec3};
 use tumble::prelude::*;
 use tumble_tests::touching::{collider, ground, spawn};
 
-/// Balls and boxes within a distance of the origin, in an order; and how many pairs their boxes alone would make.
+/// Balls and boxes within a distance of the origin, in an order; and how many pairs their boxes
+/// alone would make.
 fn crowd(count: u64, spread: Real, order: impl Iterator<Item = u64>) -> World {
     let mut world = World::new();
     for id in order {

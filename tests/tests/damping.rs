@@ -1,8 +1,10 @@
-//! Promise: `Damping` makes momentum decay as `e^(-c t)`, exactly, at any rate, step and integrator; under a constant force
-//! a body tends to its terminal velocity, and no rate, however stiff, makes anything grow or change sign.
+//! Promise: `Damping` makes momentum decay as `e^(-c t)`, exactly, at any rate, step and
+//! integrator; under a constant force a body tends to its terminal velocity, and no rate, however
+//! stiff, makes anything grow or change sign.
 //!
-//! Why: the usual `v *= 1 - c dt` depends on the step and blows up at `c dt > 2`. It fails if the decay is taken to first
-//! order, applied twice, or if force and decay are split in a way that shifts the balance.
+//! Why: the usual `v *= 1 - c dt` depends on the step and blows up at `c dt > 2`. It fails if the
+//! decay is taken to first order, applied twice, or if force and decay are split in a way that
+//! shifts the balance.
 
 #![allow(clippy::unwrap_used, reason = "a test without what it tests is to fail")]
 #![cfg_attr(
@@ -27,14 +29,16 @@ fn spawn(world: &mut World, body: RigidBody) -> Entity {
     body.build().unwrap().spawn(world)
 }
 
-/// `e^(-c dt)` as the engine is to multiply with it, from the step and rate in the precision of the build.
+/// `e^(-c dt)` as the engine is to multiply with it, from the step and rate in the precision of the
+/// build.
 fn kept(rate: Real, dt: Real) -> f64 {
     (-seconds(rate) * seconds(dt)).exp()
 }
 
-/// From the momentum before each step to the one after: the factor is right to a few units in the last place, at 12 orders of
-/// magnitude of `c dt`. `MoserVeselov` multiplies twice, with factors that are off by two units each, and `c dt` itself is rounded, which
-/// is `c dt EPSILON` of the factor. Below `e^-80` there is nothing left to compare.
+/// From the momentum before each step to the one after: the factor is right to a few units in the
+/// last place, at 12 orders of magnitude of `c dt`. `MoserVeselov` multiplies twice, with factors
+/// that are off by two units each, and `c dt` itself is rounded, which is `c dt EPSILON` of the
+/// factor. Below `e^-80` there is nothing left to compare.
 #[test]
 fn decay_is_exact_at_any_rate_and_step() {
     for integrator in Integrator::ALL {
@@ -78,14 +82,16 @@ fn decay_does_not_depend_on_the_step() {
             }
             let expected = 5.0 * kept(0.3, 10.0);
             let v = f64::from(world.get::<&Velocity>(entity).unwrap().linear.x);
-            // Up to eight units in the last place in a step, and the steps add up to 10 s up to their rounding.
+            // Up to eight units in the last place in a step, and the steps add up to 10 s up to
+            // their rounding.
             let allowed = expected * EPSILON * (8.0 * f64::from(steps) + 8.0);
             assert!((v - expected).abs() <= allowed, "{integrator}, {steps} steps: {v} not {expected}");
         }
     }
 }
 
-/// Damping turns no momentum: a damped tumbling body keeps the direction of its angular momentum, and still tumbles.
+/// Damping turns no momentum: a damped tumbling body keeps the direction of its angular momentum,
+/// and still tumbles.
 #[test]
 fn damping_keeps_the_direction_of_angular_momentum() {
     for integrator in Integrator::ALL {
@@ -104,7 +110,8 @@ fn damping_keeps_the_direction_of_angular_momentum() {
     }
 }
 
-/// The relative error of the velocity after a fall of `steps` from rest under damping, `v = g/c (1 - e^(-c t))`.
+/// The relative error of the velocity after a fall of `steps` from rest under damping,
+/// `v = g/c (1 - e^(-c t))`.
 fn fall(integrator: Integrator, rate: Real, dt: Real, steps: u32) -> f64 {
     let mut world = World::new();
     let entity = spawn(&mut world, brick(Damping { linear: rate, angular: 0.0 }));
@@ -117,10 +124,12 @@ fn fall(integrator: Integrator, rate: Real, dt: Real, steps: u32) -> f64 {
     f64::from(world.get::<&Velocity>(entity).unwrap().linear.y) / exact - 1.0
 }
 
-/// The whole fall and the terminal velocity, from rates that hardly act to ones that stop a body within a thousandth of the step.
+/// The whole fall and the terminal velocity, from rates that hardly act to ones that stop a body
+/// within a thousandth of the step.
 ///
-/// Each step rounds force, impulse and momentum by a few units in the last place. The error of one step is forgotten as the momentum is,
-/// so what is left is that of the last `1/(c dt)` steps or of all.
+/// Each step rounds force, impulse and momentum by a few units in the last place. The error of one
+/// step is forgotten as the momentum is, so what is left is that of the last `1/(c dt)` steps or of
+/// all.
 #[test]
 fn a_falling_body_reaches_its_terminal_velocity() {
     for integrator in Integrator::ALL {
@@ -160,7 +169,8 @@ fn stiff_damping_is_stable() {
             }
             let pose = *world.get::<&Pose>(entity).unwrap();
             assert!(pose.position.is_finite() && pose.orientation.is_finite());
-            // From 1000 m/s, the way to rest is v/c or, where a whole first step is taken before the decay, v dt.
+            // From 1000 m/s, the way to rest is v/c or, where a whole first step is taken before
+            // the decay, v dt.
             assert!(pose.position.x <= 1e3 * 0.1, "{integrator}, {rate}/s: {}", pose.position);
         }
     }
@@ -181,7 +191,8 @@ fn no_damping_is_no_damping() {
         let momentum = |entity| *world.get::<&Momentum>(entity).unwrap();
         let error = (dvec3(momentum(zero).linear) - dvec3(momentum(without).linear)).length();
         assert_eq!(momentum(zero).angular, momentum(without).angular, "{integrator}");
-        // Force times (1 times the step) and force times the step are the same; weighing in halves or thirds rounds otherwise.
+        // Force times (1 times the step) and force times the step are the same; weighing in halves
+        // or thirds rounds otherwise.
         assert!(error <= EPSILON * 100.0 * 3.0, "{integrator}: {error:e}");
     }
 }

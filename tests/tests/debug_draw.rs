@@ -1,8 +1,10 @@
-//! Promise: what `DebugView` draws is where it should be: outlines lie on the surfaces of shapes and colliders, arrows are as long as what they stand
-//! for, contacts are where bodies touch, and nothing that is not finite reaches the renderer.
+//! Promise: what `DebugView` draws is where it should be: outlines lie on the surfaces of shapes
+//! and colliders, arrows are as long as what they stand for, contacts are where bodies touch, and
+//! nothing that is not finite reaches the renderer.
 //!
-//! Why: people find their own mistakes with these lines, so the lines must not be mistaken. It fails if a frame is taken for another, the
-//! centre of mass for the origin, or a radius for a diameter.
+//! Why: people find their own mistakes with these lines, so the lines must not be mistaken. It
+//! fails if a frame is taken for another, the centre of mass for the origin, or a radius for a
+//! diameter.
 
 #![allow(clippy::unwrap_used, reason = "a body that cannot be made is a failed test")]
 #![cfg_attr(
@@ -31,7 +33,8 @@ fn outlines() -> DebugView {
     DebugView { outlines: true, ..DebugView::nothing() }
 }
 
-/// Ends of the outline's lines in the shape's own frame, of a body that is turned and has its frame away from the origin.
+/// Ends of the outline's lines in the shape's own frame, of a body that is turned and has its frame
+/// away from the origin.
 fn ends_in_shape_frame(shape: &Shape) -> Vec<DVec3> {
     let position = Vec3::new(1.0, -2.0, 0.5);
     let orientation = Quat::from_rotation_x(0.7) * Quat::from_rotation_y(-1.9);
@@ -48,7 +51,8 @@ fn ends_in_shape_frame(shape: &Shape) -> Vec<DVec3> {
 /// Rounding of a few operations on lengths of some metres.
 const ROUNDING: f64 = 16.0 * EPSILON;
 
-/// How far from the surface the ends are at the most, by a function that is the distance to it; and that they span the shape's box.
+/// How far from the surface the ends are at the most, by a function that is the distance to it; and
+/// that they span the shape's box.
 fn assert_on_surface(shape: &Shape, half_size: DVec3, distance: impl Fn(DVec3) -> f64) {
     let ends = ends_in_shape_frame(shape);
     let (mut low, mut high) = (DVec3::INFINITY, DVec3::NEG_INFINITY);
@@ -81,7 +85,8 @@ fn outlines_lie_on_surfaces() {
     assert_on_surface(&Shape::cone(0.4, 1.1), tall, |end| end.with_y(0.0).length() - 0.4 * (1.1 - end.y) / 2.2);
 }
 
-/// Every end is on the one ball or the other, at the circles where a cone touches both on both sides of it, and inside neither.
+/// Every end is on the one ball or the other, at the circles where a cone touches both on both
+/// sides of it, and inside neither.
 #[test]
 fn capsules_whose_ends_differ() {
     let [bottom, top, half_height] = [0.5, 0.2, 0.6];
@@ -122,8 +127,9 @@ fn compounds_and_meshes_are_drawn_by_their_parts() {
     }
 }
 
-/// A body that does not carry its shape is shown as the box of its inertia, which of a cuboid is the cuboid: about the centre of mass and along
-/// the principal axes, wherever the origin and the axes of its frame are.
+/// A body that does not carry its shape is shown as the box of its inertia, which of a cuboid is
+/// the cuboid: about the centre of mass and along the principal axes, wherever the origin and the
+/// axes of its frame are.
 #[test]
 fn a_body_without_shape_is_the_box_of_its_inertia() {
     let half = DVec3::new(0.2, 0.5, 0.3);
@@ -138,14 +144,16 @@ fn a_body_without_shape_is_the_box_of_its_inertia() {
     let (mut box_ends, mut ellipsoid_ends) = (0, 0);
     for (from, to, color) in lines {
         for end in [from, to].map(to_part) {
-            // Principal axes are found to about the root of the rounding of the moments' differences: a few times more than before.
+            // Principal axes are found to about the root of the rounding of the moments'
+            // differences: a few times more than before.
             if color == DebugView::DYNAMIC {
                 box_ends += 1;
                 assert!((end.abs() - half).length() < 10.0 * ROUNDING, "{end}");
             } else {
                 assert_eq!(color, DebugView::ELLIPSOID);
                 ellipsoid_ends += 1;
-                // Same mass and moments: m/5 of the squared semi-axes is m/3 of the squared half edges.
+                // Same mass and moments: m/5 of the squared semi-axes is m/3 of the squared half
+                // edges.
                 let radii = half * (5.0_f64 / 3.0).sqrt();
                 assert!(((end / radii).length() - 1.0).abs() < 40.0 * ROUNDING, "{end}");
             }
@@ -230,7 +238,8 @@ fn springs_join_their_ends_and_frames_are_between_steps() {
     assert_eq!(lines(&forces, &world).len(), 1);
 }
 
-/// The ends of springs are given along the axes of bodies that are turned, from centres of mass that are not where the bodies' frames are.
+/// The ends of springs are given along the axes of bodies that are turned, from centres of mass
+/// that are not where the bodies' frames are.
 #[test]
 fn springs_end_where_they_are_attached() {
     let mut world = hecs::World::new();
@@ -245,7 +254,8 @@ fn springs_end_where_they_are_attached() {
     let to_point = SpringToPoint { anchor, attachment: Vec3::Y * 2.0, ..SpringToPoint::default() };
     world.insert_one(one, to_point).unwrap();
 
-    // A quarter turn about z takes x to y, and y to minus x; the centre of mass is a metre up from where the first body's frame is, and so at its left.
+    // A quarter turn about z takes x to y, and y to minus x; the centre of mass is a metre up from
+    // where the first body's frame is, and so at its left.
     let above = dvec3(far) + dquat(tilt) * (DVec3::Y + dvec3(on_other));
     let expected = [(DVec3::new(2.0, 0.5, 0.0), above), (DVec3::ZERO, dvec3(anchor))];
     let springs = DebugView { springs: true, ..DebugView::nothing() };
@@ -273,7 +283,8 @@ fn springs_end_where_they_are_attached() {
     assert_eq!(seen(&springs, &world, DebugView::SPRING), (0, [0, 0]));
 }
 
-/// A world with a box of 3 kg, its lower face in the plane of the ground; with the ground before the box in the order of bodies, or behind it.
+/// A world with a box of 3 kg, its lower face in the plane of the ground; with the ground before
+/// the box in the order of bodies, or behind it.
 fn box_on_ground(ground: u64) -> (hecs::World, hecs::Entity) {
     let mut world = hecs::World::new();
     let fixed = RigidBody::new(Shape::Point).fixed().id(BodyId(ground));
@@ -286,7 +297,8 @@ fn box_on_ground(ground: u64) -> (hecs::World, hecs::Entity) {
     (world, body)
 }
 
-/// Crosses are at the corners, and arrows go up from them, together as long as the weight: the force on what moves, whichever comes first.
+/// Crosses are at the corners, and arrows go up from them, together as long as the weight: the
+/// force on what moves, whichever comes first.
 #[test]
 fn a_box_that_rests_has_its_weight_at_its_corners() {
     let [width, scale] = [0.1, 0.05];
@@ -302,7 +314,8 @@ fn a_box_that_rests_has_its_weight_at_its_corners() {
         let mut total = 0.0;
         for (x, z) in [(-0.5, -0.75), (-0.5, 0.75), (0.5, -0.75), (0.5, 0.75)] {
             let corner = dvec3(pose.transform_point(Vec3::new(x, -0.25, z)));
-            // At rest a step moves nothing by more than rounding, and the surfaces sink into each other by less than a millimetre.
+            // At rest a step moves nothing by more than rounding, and the surfaces sink into each
+            // other by less than a millimetre.
             let near = |point: DVec3| (point - corner).length() < 1e-3;
             let crosses: Vec<DVec3> =
                 lines.iter().filter(|it| near(0.5 * (it.0 + it.1))).map(|it| it.1 - it.0).collect();
@@ -342,7 +355,8 @@ fn what_does_not_push_is_a_point_and_what_does_not_touch_is_nothing() {
     }
 }
 
-/// Ends of a collider's lines in the collider's own frame. The body is turned, its centre of mass is not the origin of its frame, and the collider is put aside in it.
+/// Ends of a collider's lines in the collider's own frame. The body is turned, its centre of mass
+/// is not the origin of its frame, and the collider is put aside in it.
 fn ends_in_collider_frame(collider: Collider) -> Vec<DVec3> {
     let pose = Pose { position: Vec3::new(1.0, -2.0, 0.5), orientation: Quat::from_rotation_x(0.7) };
     let offset = Pose { position: Vec3::new(0.25, 0.5, -0.25), orientation: Quat::from_rotation_z(-1.9) };

@@ -1,9 +1,11 @@
-//! Promise: the same bodies give the same bits, whatever the number of threads, the order they were spawned in, what was despawned
-//! between, how archetypes split them, how many there are beside, and whether the systems run together or one by one. The bits
-//! are pinned: they are the same on every machine and change only when the arithmetic is changed on purpose.
+//! Promise: the same bodies give the same bits, whatever the number of threads, the order they were
+//! spawned in, what was despawned between, how archetypes split them, how many there are beside,
+//! and whether the systems run together or one by one. The bits are pinned: they are the same on
+//! every machine and change only when the arithmetic is changed on purpose.
 //!
-//! Why: replays, lock-step networking and regression hunts need it. It fails if a body's result depends on its neighbours in a chunk, a
-//! reduction follows memory order, a platform's mathematics library or a fused multiply-add gets in, or threads share state.
+//! Why: replays, lock-step networking and regression hunts need it. It fails if a body's result
+//! depends on its neighbours in a chunk, a reduction follows memory order, a platform's mathematics
+//! library or a fused multiply-add gets in, or threads share state.
 
 #![allow(clippy::unwrap_used, reason = "a test without what it tests is to fail")]
 #![cfg_attr(
@@ -36,7 +38,8 @@ fn hash_after(world: &mut World, settings: Settings, steps: u32) -> u64 {
     hash(world)
 }
 
-/// Several chunks in each of many archetypes, on one thread, two, and more than there are processors.
+/// Several chunks in each of many archetypes, on one thread, two, and more than there are
+/// processors.
 #[test]
 fn the_number_of_threads_does_not_matter() {
     for integrator in Integrator::ALL {
@@ -68,7 +71,8 @@ fn the_order_of_spawning_does_not_matter() {
     }
 }
 
-/// Others come and go, before and during the run; hecs fills their rows with the last ones of the archetype.
+/// Others come and go, before and during the run; hecs fills their rows with the last ones of the
+/// archetype.
 #[test]
 fn despawned_bodies_leave_no_trace() {
     for integrator in Integrator::ALL {
@@ -154,7 +158,8 @@ fn the_size_of_the_world_does_not_matter() {
     }
 }
 
-/// The same for bodies of other kinds, whose columns are filled up too: turned axes, damping, scaled gravity, points.
+/// The same for bodies of other kinds, whose columns are filled up too: turned axes, damping,
+/// scaled gravity, points.
 #[test]
 fn the_size_of_a_kind_does_not_matter() {
     for integrator in Integrator::ALL {
@@ -193,8 +198,8 @@ enum How {
     OneByOne,
 }
 
-/// `step_many(n)` is n calls of `step`: on bodies with and without laws, wrenches that act in the first step, previous poses, and kinematic
-/// bodies.
+/// `step_many(n)` is n calls of `step`: on bodies with and without laws, wrenches that act in the
+/// first step, previous poses, and kinematic bodies.
 #[test]
 fn many_steps_at_once_are_single_steps() {
     for integrator in Integrator::ALL {
@@ -258,7 +263,8 @@ fn boxes_with_everything(count: usize) -> World {
     world
 }
 
-/// Bodies in plain slices get the bits of bodies in a world, on any number of threads, with all components and in worlds of any size.
+/// Bodies in plain slices get the bits of bodies in a world, on any number of threads, with all
+/// components and in worlds of any size.
 #[test]
 fn slices_are_as_good_as_a_world() {
     for (integrator, count) in Integrator::ALL.into_iter().flat_map(|i| [1, 3, 7, 13, 40, 5000].map(|count| (i, count)))
@@ -308,7 +314,8 @@ fn unequal_slices_are_refused() {
     assert_eq!(poses, [Pose::default(); 3]);
 }
 
-/// `step` is `accumulate_forces`, `integrate` and `update_derived`, on bodies that forces move, one after the other over the whole world.
+/// `step` is `accumulate_forces`, `integrate` and `update_derived`, on bodies that forces move, one
+/// after the other over the whole world.
 #[test]
 fn the_systems_one_by_one_are_the_step() {
     for integrator in Integrator::ALL {
@@ -330,7 +337,8 @@ fn the_systems_one_by_one_are_the_step() {
     }
 }
 
-/// Under forces that stay the same, such as gravity, a step of n substeps is n steps of that length.
+/// Under forces that stay the same, such as gravity, a step of n substeps is n steps of that
+/// length.
 #[test]
 fn substeps_are_shorter_steps() {
     for integrator in Integrator::ALL {
@@ -345,10 +353,12 @@ fn substeps_are_shorter_steps() {
     }
 }
 
-/// Sums over bodies are taken in their order, in blocks, so they have the same bits too, on any number of threads; and they are those of the bodies one by one.
+/// Sums over bodies are taken in their order, in blocks, so they have the same bits too, on any
+/// number of threads; and they are those of the bodies one by one.
 #[test]
 fn totals_do_not_depend_on_threads_or_the_order_of_spawning() {
-    // Three blocks and a part of one; some with a component more, so that neighbours in order lie in different archetypes.
+    // Three blocks and a part of one; some with a component more, so that neighbours in order lie
+    // in different archetypes.
     let count = 3500;
     let world_of = |ids: &mut dyn Iterator<Item = u64>| {
         let mut world = World::new();
@@ -404,7 +414,8 @@ fn the_hash_sees_a_single_bit() {
     assert_eq!(hash(&world), before);
 }
 
-/// A body that has gone wrong makes the hash another one, but the same one in every instruction set and tile: a NaN has no sign.
+/// A body that has gone wrong makes the hash another one, but the same one in every instruction set
+/// and tile: a NaN has no sign.
 #[test]
 fn a_nan_has_one_hash() {
     let hashes = [Real::NAN, -Real::NAN, Real::from_bits(Real::NAN.to_bits() | 1)].map(|nan| {
@@ -418,8 +429,8 @@ fn a_nan_has_one_hash() {
 
 /// 2000 bodies of every kind after 1000 steps.
 ///
-/// A new hash is a new arithmetic: every recorded run of every user changes with it. Where that is meant, put the printed number here and
-/// say so in the changelog.
+/// A new hash is a new arithmetic: every recorded run of every user changes with it. Where that is
+/// meant, put the printed number here and say so in the changelog.
 #[test]
 fn the_bits_are_pinned() {
     let pinned = match PRECISION {
@@ -473,7 +484,8 @@ impl ForceLaw for Tide {
     }
 }
 
-/// The bodies with these identities after 100 steps under two laws: the hash of all, and the state of each.
+/// The bodies with these identities after 100 steps under two laws: the hash of all, and the state
+/// of each.
 fn under_laws(ids: impl Iterator<Item = u64>, integrator: Integrator) -> (u64, Vec<(Pose, Momentum)>) {
     let mut world = World::new();
     // Without those that forces do not move.
@@ -492,7 +504,8 @@ fn under_laws(ids: impl Iterator<Item = u64>, integrator: Integrator) -> (u64, V
     (hash(&world), order.entities().iter().map(state).collect())
 }
 
-/// Under laws a body moves in a crowd as it does alone, also where the law of its neighbour in a tile depends on velocity and its own does not.
+/// Under laws a body moves in a crowd as it does alone, also where the law of its neighbour in a
+/// tile depends on velocity and its own does not.
 #[test]
 fn neighbours_do_not_matter_under_laws() {
     for integrator in Integrator::ALL {
@@ -502,7 +515,8 @@ fn neighbours_do_not_matter_under_laws() {
     }
 }
 
-/// The same under force laws: with as many bodies of each kind as leave tiles of every width to fill up.
+/// The same under force laws: with as many bodies of each kind as leave tiles of every width to
+/// fill up.
 #[test]
 fn the_bits_under_laws_are_pinned() {
     let pinned = match PRECISION {
@@ -519,7 +533,8 @@ fn every_instruction_set_gives_the_same_bits() {
     run_on_every_instruction_set(2);
 }
 
-/// The scene that is hashed, before any step: if this differs, it is the making of bodies that changed, not the stepping.
+/// The scene that is hashed, before any step: if this differs, it is the making of bodies that
+/// changed, not the stepping.
 #[test]
 fn the_start_is_pinned() {
     let pinned = if PRECISION == "f32" { 0xf8d2_a96f_b8b7_899d } else { 0xc185_b6e3_a4fb_1f55 };

@@ -1,9 +1,11 @@
-//! Promise: how much of a slow motion single precision loses far from the origin is what the table in `docs/scenes.md` says, and double
-//! precision loses nothing that could be seen.
+//! Promise: how much of a slow motion single precision loses far from the origin is what the table
+//! in `docs/scenes.md` says, and double precision loses nothing that could be seen.
 //!
-//! Why: a position is rounded to the grid of its floats in every step, always the same way for a steady motion, so the loss does not average
-//! out: a kilometre out a body at 1 cm/s goes a quarter less far, and one at 1 mm/s does not move. It would fail if positions were advanced in
-//! more or smaller pieces than a step, which lose more, or if the table were of another machine's or another version's figures.
+//! Why: a position is rounded to the grid of its floats in every step, always the same way for a
+//! steady motion, so the loss does not average out: a kilometre out a body at 1 cm/s goes a quarter
+//! less far, and one at 1 mm/s does not move. It would fail if positions were advanced in more or
+//! smaller pieces than a step, which lose more, or if the table were of another machine's or
+//! another version's figures.
 #![allow(clippy::unwrap_used, reason = "a test fails by panicking, in its helper functions too")]
 #![cfg_attr(
     feature = "f64",
@@ -38,7 +40,8 @@ fn way(integrator: Integrator, distance: f64, speed: f64, steps: u32) -> f64 {
     end - start
 }
 
-/// Half of what a float of this size and the next differ by, at 60 steps a second: slower than this nothing moves \[m/s\].
+/// Half of what a float of this size and the next differ by, at 60 steps a second: slower than this
+/// nothing moves \[m/s\].
 fn slowest(distance: f64) -> f64 {
     let grid = f64::from((distance as f32).next_up()) - distance;
     0.5 * grid / DT
@@ -64,12 +67,14 @@ fn the_table_of_the_guide_is_what_happens() {
     assert!(missing.is_empty(), "{missing:#?}");
 }
 
-/// In how many times the slowest step an integrator begins to move. Runge and Kutta's adds a sixth, two thirds and a sixth of a step one by one.
+/// In how many times the slowest step an integrator begins to move. Runge and Kutta's adds a sixth,
+/// two thirds and a sixth of a step one by one.
 fn edge(integrator: Integrator) -> f64 {
     if integrator == Integrator::RungeKutta4 { 3.0 } else { 1.0 }
 }
 
-/// The speed of half a grid in a step is a sharp edge, for every integrator and both sides of the origin.
+/// The speed of half a grid in a step is a sharp edge, for every integrator and both sides of the
+/// origin.
 #[test]
 fn below_half_a_grid_in_a_step_nothing_moves() {
     for integrator in INTEGRATORS {
@@ -79,7 +84,8 @@ fn below_half_a_grid_in_a_step_nothing_moves() {
             for side in [-1.0, 1.0] {
                 let go = |speed: f64| way(integrator, side * distance, side * speed, 600).abs();
                 if DOUBLE {
-                    // Of a way of at least a hundred grids of single precision, double has six digits at least.
+                    // Of a way of at least a hundred grids of single precision, double has six
+                    // digits at least.
                     let expected = 0.9 * edge * 600.0 * DT;
                     assert!((go(0.9 * edge) / expected - 1.0).abs() < 1e-6, "{integrator:?} {distance}");
                 } else {
@@ -93,7 +99,8 @@ fn below_half_a_grid_in_a_step_nothing_moves() {
     }
 }
 
-/// At most half a grid of a step is lost or won, so at n times the slowest speed one nth of the way; four times that with four additions.
+/// At most half a grid of a step is lost or won, so at n times the slowest speed one nth of the
+/// way; four times that with four additions.
 #[test]
 fn at_a_multiple_of_the_slowest_speed_one_in_so_many_is_lost() {
     for integrator in INTEGRATORS {
@@ -115,7 +122,8 @@ fn at_a_multiple_of_the_slowest_speed_one_in_so_many_is_lost() {
 fn a_kilometre_out_a_quarter_of_a_slow_way_is_lost() {
     let gone = way(Integrator::MoserVeselov, 1000.0, 0.01, 2_000_000);
     println!("{gone} m of 333.3");
-    // Up to 1024 m three grids of 1/16384 m for the 2.73 that it should be, beyond that one of 1/8192 m for 1.37.
+    // Up to 1024 m three grids of 1/16384 m for the 2.73 that it should be, beyond that one of
+    // 1/8192 m for 1.37.
     let expected = if DOUBLE { 2e6 * 0.01 * DT } else { 24.0 + (2e6 - 24.0 * 16384.0 / 3.0) / 8192.0 };
     assert!((gone - expected).abs() < if DOUBLE { 1e-5 } else { 1e-3 }, "{gone} for {expected}");
 }

@@ -1,8 +1,11 @@
-//! Promise: an island that takes shorter substeps than others is the same to the bit whatever stands beside it, in whichever order bodies were spawned, alone and in a batch,
-//! on one thread and several, and after it was put back to a snapshot, in memory and through bytes. Impulses are read as those of a substep of the settings, and works add up.
+//! Promise: an island that takes shorter substeps than others is the same to the bit whatever
+//! stands beside it, in whichever order bodies were spawned, alone and in a batch, on one thread
+//! and several, and after it was put back to a snapshot, in memory and through bytes. Impulses are
+//! read as those of a substep of the settings, and works add up.
 //!
-//! Why: such islands are taken out of the others' rows and put back, and how short their substeps are is kept from step to step. It fails if a row, an impulse, a force, an
-//! account or that state is lost on the way.
+//! Why: such islands are taken out of the others' rows and put back, and how short their substeps
+//! are is kept from step to step. It fails if a row, an impulse, a force, an account or that state
+//! is lost on the way.
 
 #![allow(clippy::unwrap_used, reason = "a body that cannot be made is a failed test")]
 #![cfg_attr(feature = "f64", allow(clippy::useless_conversion, reason = "Real is f64 in this build, f32 in the other"))]
@@ -14,8 +17,8 @@ use tumble::{Batch, Collider, ContactEvent, Material, Snapshot, Trial, Work};
 use tumble_tests::touching::{collider, surfaced};
 use tumble_tests::{hash, run};
 
-/// The bodies of a tower of small cubes that leans on nothing, of a larger one that stands apart, of a box that slides beside them, and of
-/// balls that come down on both towers later.
+/// The bodies of a tower of small cubes that leans on nothing, of a larger one that stands apart,
+/// of a box that slides beside them, and of balls that come down on both towers later.
 const BODIES: u64 = 36;
 
 fn body(id: u64) -> (RigidBody, Shape) {
@@ -117,7 +120,8 @@ fn the_bits_are_the_same_everywhere() {
     }
 }
 
-/// While balls fall on the towers, so that islands take shorter substeps than what stands in them needs.
+/// While balls fall on the towers, so that islands take shorter substeps than what stands in them
+/// needs.
 #[test]
 fn snapshots_hold_how_short_the_substeps_are() {
     let (mut world, mut simulation) = (scene(0..BODIES), simulation());
@@ -135,7 +139,8 @@ fn snapshots_hold_how_short_the_substeps_are() {
     }
 }
 
-/// What holds a tower of sixteen up is its weight, read as those of a substep of the settings however short those of the tower are; and a pair begins to touch once.
+/// What holds a tower of sixteen up is its weight, read as those of a substep of the settings
+/// however short those of the tower are; and a pair begins to touch once.
 #[test]
 fn impulses_are_those_of_a_substep_of_the_settings() {
     for (first, edge) in [(0, 0.02), (16, 0.2)] {
@@ -160,7 +165,8 @@ fn impulses_are_those_of_a_substep_of_the_settings() {
     }
 }
 
-/// A box slides at half a millimetre a second ten metres from the origin: in a substep it goes by less than the grid of its position.
+/// A box slides at half a millimetre a second ten metres from the origin: in a substep it goes by
+/// less than the grid of its position.
 #[test]
 fn slow_motion_is_not_lost_in_short_substeps() {
     let mut world = World::new();

@@ -1,8 +1,10 @@
-//! Promise: `Simulation::advance` takes as many fixed steps as fit into the time that has passed, never more than a stated number a
-//! frame, keeps the rest, and gives the fraction with which interpolated poses move smoothly at any frame rate.
+//! Promise: `Simulation::advance` takes as many fixed steps as fit into the time that has passed,
+//! never more than a stated number a frame, keeps the rest, and gives the fraction with which
+//! interpolated poses move smoothly at any frame rate.
 //!
-//! Why: games draw at other rates than they simulate. It fails if time is lost or gained over frames, a slow frame is followed by ever
-//! slower ones, a bad clock stops the world, or bodies stutter.
+//! Why: games draw at other rates than they simulate. It fails if time is lost or gained over
+//! frames, a slow frame is followed by ever slower ones, a bad clock stops the world, or bodies
+//! stutter.
 
 #![allow(clippy::unwrap_used, reason = "a test without what it tests is to fail")]
 #![cfg_attr(
@@ -38,7 +40,8 @@ fn drawn(world: &World, entity: Entity, alpha: Real) -> Pose {
     previous.0.interpolate(pose, alpha)
 }
 
-/// Frames of all lengths: what has been simulated and what is owed add up to the time that has passed.
+/// Frames of all lengths: what has been simulated and what is owed add up to the time that has
+/// passed.
 #[test]
 fn no_time_is_lost_or_gained() {
     for dt in [1.0 / 60.0, 0.01, 1.0 / 128.0] {
@@ -49,8 +52,8 @@ fn no_time_is_lost_or_gained() {
                 let alpha = simulation.advance(&mut world, frame);
                 assert!((0.0..1.0).contains(&alpha), "{alpha}");
                 let accounted = simulation.time() + seconds(alpha) * seconds(dt);
-                // The fraction is rounded to the precision of the build, and capped one EPSILON below one; the sum of frames in double
-                // precision.
+                // The fraction is rounded to the precision of the build, and capped one EPSILON
+                // below one; the sum of frames in double precision.
                 let allowed = 2.0 * EPSILON * seconds(dt) + f64::from(i) * frame * f64::EPSILON * 2000.0;
                 assert!(
                     (accounted - f64::from(i) * frame).abs() <= allowed,
@@ -81,7 +84,8 @@ fn frames_do_not_change_the_simulation() {
     assert_eq!(hash(&uneven), even);
 }
 
-/// A frame that took an hour is not made up for: eight steps, the fraction of what is left, and the next frame is as any other.
+/// A frame that took an hour is not made up for: eight steps, the fraction of what is left, and the
+/// next frame is as any other.
 #[test]
 fn a_slow_frame_is_cut_short() {
     let (mut world, mut simulation) = (World::new(), simulation(1.0 / 64.0));
@@ -97,7 +101,8 @@ fn a_slow_frame_is_cut_short() {
     assert_eq!(simulation.steps(), 2 * u64::from(Simulation::MAX_STEPS_PER_FRAME) + 1);
 }
 
-/// A clock that went backwards, stood still or broke: no step, no time, and no harm to what follows.
+/// A clock that went backwards, stood still or broke: no step, no time, and no harm to what
+/// follows.
 #[test]
 fn a_bad_frame_time_counts_as_none() {
     let (mut world, mut simulation) = (World::new(), simulation(1.0 / 64.0));
@@ -114,8 +119,8 @@ fn a_bad_frame_time_counts_as_none() {
     assert_eq!(simulation.steps(), u64::from(Simulation::MAX_STEPS_PER_FRAME) + 1);
 }
 
-/// Drawn one step late, a body in uniform motion is where it was a step ago at every frame: no stutter, at any odd rate. In rotation
-/// too, since slerp is uniform.
+/// Drawn one step late, a body in uniform motion is where it was a step ago at every frame: no
+/// stutter, at any odd rate. In rotation too, since slerp is uniform.
 #[test]
 fn interpolated_poses_move_smoothly() {
     let dt: Real = 1.0 / 50.0;
@@ -130,7 +135,8 @@ fn interpolated_poses_move_smoothly() {
                 continue;
             }
             let pose = drawn(&world, entity, alpha);
-            // Positions of up to 25 m and angles of up to 17 rad, rounded in each of up to 420 steps.
+            // Positions of up to 25 m and angles of up to 17 rad, rounded in each of up to 420
+            // steps.
             let allowed = EPSILON * 420.0 * 25.0;
             assert!(
                 (f64::from(pose.position.x) - 3.0 * time).abs() <= allowed,
@@ -140,7 +146,8 @@ fn interpolated_poses_move_smoothly() {
             let turned = 2.0 * f64::from(pose.orientation.z).atan2(f64::from(pose.orientation.w));
             let error = (turned - 2.0 * time).rem_euclid(std::f64::consts::TAU);
             let error = error.min(std::f64::consts::TAU - error);
-            // glam's slerp takes its angle from an arc cosine, which is only good to the square root of EPSILON for small steps.
+            // glam's slerp takes its angle from an arc cosine, which is only good to the square
+            // root of EPSILON for small steps.
             assert!(error <= allowed + EPSILON.sqrt() * 0.04, "{frames_per_second} Hz: off by {error:e} rad");
         }
     }
@@ -171,7 +178,8 @@ fn the_previous_pose_is_that_before_the_step() {
     }
 }
 
-/// Time is steps times dt, not a sum that drifts, and goes on from where it was when the step is changed.
+/// Time is steps times dt, not a sum that drifts, and goes on from where it was when the step is
+/// changed.
 #[test]
 fn time_does_not_drift() {
     let (mut world, mut simulation) = (World::new(), simulation(0.001));

@@ -1,11 +1,10 @@
-//! Promise: each force component does what its equation says: bodies under it go where the closed form puts them, under
-//! all three integrators, as
-//! near as the order of the method allows.
+//! Promise: each force component does what its equation says: bodies under it go where the closed
+//! form puts them, under all three integrators, as near as the order of the method allows.
 //!
-//! Why: these are the forces that people build games and studies on, and a factor of two in one of them looks plausible
-//! on a screen. It fails if a component takes a
-//! vector in the wrong frame, forgets the wind or the throttle, takes moments about the wrong point, or acts at the
-//! wrong stage of a step.
+//! Why: these are the forces that people build games and studies on, and a factor of two in one of
+//! them looks plausible on a screen. It fails if a component takes a vector in the wrong frame,
+//! forgets the wind or the throttle, takes moments about the wrong point, or acts at the wrong
+//! stage of a step.
 
 #![allow(clippy::unwrap_used, reason = "a test without what it tests is to fail")]
 #![cfg_attr(
@@ -30,9 +29,9 @@ use tumble_tests::{EPSILON, attitude_error, by_precision, dquat, dvec3, run, sec
 /// A power of two, so that all that is multiplied with it keeps its bits.
 const DT: Real = 1.0 / 128.0;
 
-/// What a method of order p may be off by, relative to what moves at this rate [1/s]: in each step the term of the
-/// Taylor series after the last that it has,
-/// `(rate dt)^(p+1)/(p+1)!`, and a rounding of the state; compounded, as what a step adds grows with what is there.
+/// What a method of order p may be off by, relative to what moves at this rate [1/s]: in each step
+/// the term of the Taylor series after the last that it has, `(rate dt)^(p+1)/(p+1)!`, and a
+/// rounding of the state; compounded, as what a step adds grows with what is there.
 fn allowed(integrator: Integrator, rate: f64, steps: u32) -> f64 {
     let (power, factorial) = match integrator {
         SemiImplicitEuler => (2, 2.0),
@@ -42,8 +41,9 @@ fn allowed(integrator: Integrator, rate: f64, steps: u32) -> f64 {
     (f64::from(steps) * ((rate * seconds(DT)).powi(power) / factorial + EPSILON)).exp_m1()
 }
 
-/// How near to a steady velocity a body comes, relative to it, that goes there at this rate [1/s]: it stays where what a
-/// step adds to its momentum is less than what the step rounds it by, half of `EPSILON` in each of up to four additions.
+/// How near to a steady velocity a body comes, relative to it, that goes there at this rate [1/s]:
+/// it stays where what a step adds to its momentum is less than what the step rounds it by, half of
+/// `EPSILON` in each of up to four additions.
 fn stalls_at(rate: f64) -> f64 {
     EPSILON * (16.0 + 2.0 / (rate * seconds(DT)))
 }
@@ -85,8 +85,8 @@ fn after(steps: u32, integrator: Integrator, body: RigidBody, components: impl D
     state(&world, entity)
 }
 
-/// The wrench on a body as the step applies it: `SemiImplicitEuler` adds it to the momentum as it is at the start, all
-/// of it.
+/// The wrench on a body as the step applies it: `SemiImplicitEuler` adds it to the momentum as it
+/// is at the start, all of it.
 fn wrench_on(body: RigidBody, components: impl DynamicBundle) -> (DVec3, DVec3) {
     let (mut world, entity) = world_of(body, components);
     let before = *world.get::<&Momentum>(entity).unwrap();
@@ -142,14 +142,16 @@ fn a_falling_ball_reaches_its_terminal_speed() {
                 1.0 + f64::from(state(&world, ball).1.linear.y) / terminal
             );
         }
-        // Nothing is left of the way there, and the fixed point of every method is that of the force.
+        // Nothing is left of the way there, and the fixed point of every method is that of the
+        // force.
         let speed = -f64::from(state(&world, ball).1.linear.y);
         let allowed = stalls_at(2.0 * 9.81 / terminal);
         assert!((speed / terminal - 1.0).abs() <= allowed, "{integrator}: {speed} for {terminal}");
     }
 }
 
-/// Each axis of the body has its own resistance: a turned plate is carried sideways, by `-|u| R K R^T u`.
+/// Each axis of the body has its own resistance: a turned plate is carried sideways, by
+/// `-|u| R K R^T u`.
 #[test]
 fn drag_is_along_the_axes_of_the_body() {
     let drag = Drag { linear: Vec3::new(0.1, 4.0, 0.3), angular: Vec3::new(0.02, 0.05, 0.01) };
@@ -162,7 +164,8 @@ fn drag_is_along_the_axes_of_the_body() {
         q * (q.inverse() * u * dvec3(k)) * -u.length()
     };
     let expected = (resistance(dvec3(v - wind), drag.linear), resistance(dvec3(w), drag.angular));
-    // Rounding: of the momentum, which the step divides the change by, and some operations of the force.
+    // Rounding: of the momentum, which the step divides the change by, and some operations of the
+    // force.
     let round = |momentum: f64, scale: f64| EPSILON * (momentum / seconds(DT) + 32.0 * scale);
     assert!((force - expected.0).length() <= round(8.0, expected.0.length()), "{force} for {}", expected.0);
     assert!((torque - expected.1).length() <= round(2.0, expected.1.length()), "{torque} for {}", expected.1);
@@ -170,9 +173,9 @@ fn drag_is_along_the_axes_of_the_body() {
     assert!(force.cross(dvec3(v - wind).normalize()).length() > 0.2 * force.length());
 }
 
-/// A plate that falls at 45 degrees glides: along each of its axes it is a fall of its own only if the other has
-/// stopped, but at the terminal velocity the
-/// force along both is zero: `|u| k_i u_i = M g_i`.
+/// A plate that falls at 45 degrees glides: along each of its axes it is a fall of its own only if
+/// the other has stopped, but at the terminal velocity the force along both is zero:
+/// `|u| k_i u_i = M g_i`.
 #[test]
 fn a_plate_glides() {
     for integrator in Integrator::ALL {
@@ -185,7 +188,8 @@ fn a_plate_glides() {
         let exact = DQuat::from_rotation_z(half.into()) * direction / direction.length().sqrt();
         let found = dvec3(state(&world, plate).1.linear);
         assert!(found.x.abs() > 1.0, "{found}");
-        // The slower of the two ways there, of the axis with the least resistance: |u| K/M a second.
+        // The slower of the two ways there, of the axis with the least resistance: |u| K/M a
+        // second.
         let allowed = stalls_at(exact.length() * 0.5 / MASS) * exact.length();
         assert!((found - exact).length() <= allowed, "{integrator}: {found} for {exact}");
     }
@@ -216,8 +220,8 @@ fn drag_slows_a_spin_down() {
         assert_near("spin", integrator, velocity.angular, DVec3::Z * 4.0 / 3.0, 4.0, 2.0, 128);
         let angle = 2.0 * f64::atan2(pose.orientation.z.into(), pose.orientation.w.into());
         let exact = 2.0 * f64::ln(3.0);
-        // The first-order rotation by 1/2 [0, w] q is short by (w dt)^3/12 a step, the fourth-order one by (w
-        // dt)^5/1920.
+        // The first-order rotation by 1/2 [0, w] q is short by (w dt)^3/12 a step, the fourth-order
+        // one by (w dt)^5/1920.
         let bound = 4.0 * allowed(integrator, 4.0, 128);
         assert!((angle - exact).abs() <= bound, "{integrator}: {angle} for {exact}");
     }
@@ -236,7 +240,8 @@ fn a_spinning_ball_goes_round() {
             let round = DQuat::from_rotation_z(rate * time) * u;
             let scale = u.length();
             assert_near("velocity", integrator, velocity.linear, dvec3(wind) + round, scale, rate, 256);
-            // Radius |u|/rate about a centre on the left, which goes with the wind; along the axis nothing turns.
+            // Radius |u|/rate about a centre on the left, which goes with the wind; along the axis
+            // nothing turns.
             let to_center = |u: DVec3| DVec3::new(-u.y, u.x, 0.0) / rate;
             let along = DVec3::Z * u.z * time;
             let exact = dvec3(wind) * time + along + to_center(u) - to_center(round);
@@ -276,8 +281,8 @@ fn a_thruster_pushes_at_its_point() {
     }
 }
 
-/// A push along the body's x axis turns with it: `P = F/w (sin w t, 1 - cos w t)`. The same by a thruster and by a
-/// constant wrench in the body's frame.
+/// A push along the body's x axis turns with it: `P = F/w (sin w t, 1 - cos w t)`. The same by a
+/// thruster and by a constant wrench in the body's frame.
 #[test]
 fn what_is_fixed_to_the_body_turns_with_it() {
     let thruster = Thruster { throttle: 0.5, ..Thruster::new(Vec3::X * 6.0, Vec3::X * 2.0) };
@@ -319,7 +324,8 @@ fn a_constant_torque_spins_a_body_up() {
     for integrator in Integrator::ALL {
         for frame in [Frame::World, Frame::Body] {
             for (axis, moment) in [(Vec3::X, MOMENTS.x), (Vec3::Y, MOMENTS.y), (Vec3::Z, MOMENTS.z)] {
-                // In the body's frame the axis is one of the turned body; in the world's frame the body is upright.
+                // In the body's frame the axis is one of the turned body; in the world's frame the
+                // body is upright.
                 let orientation = if frame == Frame::Body { turned() } else { Quat::IDENTITY };
                 let wrench = ConstantWrench { torque: axis * 0.25, frame, ..ConstantWrench::default() };
                 let (pose, velocity) = after(256, integrator, body().orientation(orientation), (wrench,));
@@ -343,10 +349,10 @@ fn angle_a_step(stiffness: f64) -> f64 {
     (stiffness / MASS).sqrt() * seconds(DT)
 }
 
-/// Without rest length, in three dimensions: `x0 cos w t + v0/w sin w t`. The splitting methods go through the points
-/// of the swing at its true frequency,
-/// with `sin w dt/(w dt)` of the amplitude in the part from `v0` — up to 0.45 swings a step, for they act with the
-/// stiffness that makes it so.
+/// Without rest length, in three dimensions: `x0 cos w t + v0/w sin w t`. The splitting methods go
+/// through the points of the swing at its true frequency, with `sin w dt/(w dt)` of the amplitude
+/// in the part from `v0` — up to 0.45 swings a step, for they act with the stiffness that makes it
+/// so.
 #[test]
 fn a_spring_swings_at_its_frequency() {
     let (x, v) = (Vec3::new(0.5, -0.2, 0.1), Vec3::new(-0.3, 0.4, 0.6));
@@ -365,8 +371,8 @@ fn a_spring_swings_at_its_frequency() {
                 let kicked = if integrator == MoserVeselov { 0.0 } else { angle.cos() - 1.0 };
                 let second = (dvec3(x) * kicked + dvec3(v) * seconds(DT)) / angle.sin();
                 let exact = dvec3(anchor) + dvec3(x) * cos + second * sin;
-                // The place, four metres away, is rounded in each step, and the stiffness has some eight roundings,
-                // which turn the angle by that over its sine.
+                // The place, four metres away, is rounded in each step, and the stiffness has some
+                // eight roundings, which turn the angle by that over its sine.
                 let amplitude = dvec3(x).length() + second.length();
                 let bound = EPSILON * f64::from(steps) * (4.0 + 8.0 * amplitude / angle.sin());
                 let error = (dvec3(pose.position) - exact).length();
@@ -399,9 +405,9 @@ fn a_damped_spring_decays() {
     }
 }
 
-/// However strong the spring and the damper, under the methods that split a step: nothing grows. Without the damper, at
-/// 0.45 swings a step, velocities of up to
-/// `1/cos(0.45 pi)`, 6.4 times the amplitude over half a step, belong to the swing.
+/// However strong the spring and the damper, under the methods that split a step: nothing grows.
+/// Without the damper, at 0.45 swings a step, velocities of up to `1/cos(0.45 pi)`, 6.4 times the
+/// amplitude over half a step, belong to the swing.
 #[test]
 fn no_spring_to_a_point_is_too_stiff() {
     for integrator in [SemiImplicitEuler, MoserVeselov] {
@@ -420,9 +426,9 @@ fn no_spring_to_a_point_is_too_stiff() {
     }
 }
 
-/// A spring that is attached off the centre turns the body too: small swings have `w^2 = k (1/M + r^2/I)`. A centimetre
-/// (in double precision a tenth of a
-/// millimetre) of a metre, so the frequency is off by the square of that.
+/// A spring that is attached off the centre turns the body too: small swings have
+/// `w^2 = k (1/M + r^2/I)`. A centimetre (in double precision a tenth of a millimetre) of a metre,
+/// so the frequency is off by the square of that.
 #[test]
 fn a_spring_off_the_centre_turns_the_body() {
     let amplitude = by_precision(1e-2, 1e-4);
@@ -455,7 +461,8 @@ fn a_spring_off_the_centre_turns_the_body() {
     }
 }
 
-/// The centre of mass of an ellipse at a time after the pericentre, by Kepler's equation, for `a = 1`.
+/// The centre of mass of an ellipse at a time after the pericentre, by Kepler's equation, for
+/// `a = 1`.
 fn on_ellipse(eccentricity: f64, mean_anomaly: f64) -> DVec3 {
     let mut anomaly = mean_anomaly;
     for _ in 0..50 {
@@ -477,8 +484,8 @@ fn a_planet_goes_round() {
             for steps in [128, 402] {
                 let (pose, _) = after(steps, integrator, planet.clone(), (gravity,));
                 let exact = dvec3(center) + on_ellipse(eccentricity, 2.0 * f64::from(steps) * seconds(DT));
-                // The angular velocity at the pericentre; a shift in energy becomes one in phase, so the errors add up
-                // twice.
+                // The angular velocity at the pericentre; a shift in energy becomes one in phase,
+                // so the errors add up twice.
                 let rate = fastest / nearest;
                 let turns = f64::from(steps) * seconds(DT) * rate;
                 assert_near("place", integrator, pose.position, exact, 1.0 + turns, rate, steps);
@@ -487,8 +494,8 @@ fn a_planet_goes_round() {
     }
 }
 
-/// With softening: `M mu r/(r^2 + e^2)^(3/2)`; in the centre none; at planets' distances the figures of single
-/// precision are enough.
+/// With softening: `M mu r/(r^2 + e^2)^(3/2)`; in the centre none; at planets' distances the
+/// figures of single precision are enough.
 #[test]
 fn softened_gravity_is_finite() {
     let at = |x: Vec3, softening: Real, mu: Real| {
@@ -506,9 +513,9 @@ fn softened_gravity_is_finite() {
     assert_eq!(at(Vec3::ZERO, 1.0, 1.0), DVec3::ZERO);
 }
 
-/// Where the torque suffices, the wanted spin is there after one step: about a principal axis to rounding, about others
-/// but for what the body precesses in a step. Under
-/// `RungeKutta4` 0.375 of the difference is left.
+/// Where the torque suffices, the wanted spin is there after one step: about a principal axis to
+/// rounding, about others but for what the body precesses in a step. Under `RungeKutta4` 0.375 of
+/// the difference is left.
 #[test]
 fn a_servo_reaches_its_target_in_a_step() {
     for integrator in Integrator::ALL {
@@ -520,7 +527,8 @@ fn a_servo_reaches_its_target_in_a_step() {
             let left = if integrator == RungeKutta4 { 0.375 } else { 0.0 };
             let error = (dvec3(velocity.angular) - target * (1.0 - left)).length();
             assert!(error <= 32.0 * EPSILON * 3.0, "{integrator}, {frame:?}: {}", velocity.angular);
-            // From any spin, about any axis, and kept: to what w x I w/I does to the spin in a step.
+            // From any spin, about any axis, and kept: to what w x I w/I does to the spin in a
+            // step.
             let spinning = body().orientation(turned()).angular_velocity(Vec3::new(2.0, -1.0, 4.0));
             let servo = AngularVelocityServo { target: Vec3::new(1.0, 2.0, -1.0), ..servo };
             for steps in [20, 200] {
@@ -558,8 +566,8 @@ fn a_servo_has_no_more_torque_than_it_has() {
     }
 }
 
-/// A body with its own principal axes and a point mass: the servo asks for `I w` in the right frame, and for nothing of
-/// what cannot turn.
+/// A body with its own principal axes and a point mass: the servo asks for `I w` in the right
+/// frame, and for nothing of what cannot turn.
 #[test]
 fn a_servo_knows_the_principal_axes() {
     let inertia = tumble::InertiaTensor::from_principal(MOMENTS, dquat(turned())).unwrap();

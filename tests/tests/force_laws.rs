@@ -1,11 +1,11 @@
-//! Promise: a `ForceLaw` is evaluated at every stage of the integrator with the time and the state of that stage, as often as
-//! the documentation says, on the bodies that have it or on all; under laws that depend on place, orientation, velocity or time
-//! `SemiImplicitEuler` is of first order, `RungeKutta4` of fourth and `MoserVeselov` of second; the result does not
-//! depend on threads.
+//! Promise: a `ForceLaw` is evaluated at every stage of the integrator with the time and the state
+//! of that stage, as often as the documentation says, on the bodies that have it or on all; under
+//! laws that depend on place, orientation, velocity or time `SemiImplicitEuler` is of first order,
+//! `RungeKutta4` of fourth and `MoserVeselov` of second; the result does not depend on threads.
 //!
-//! Why: a law that is evaluated once a step makes every integrator one of first order, and no one sees it but in a comparison like
-//! this. It also fails if a body gets the law of its neighbour, if a stage sees the time of the step, or if the time of a
-//! substep is wrong.
+//! Why: a law that is evaluated once a step makes every integrator one of first order, and no one
+//! sees it but in a comparison like this. It also fails if a body gets the law of its neighbour, if
+//! a stage sees the time of the step, or if the time of a substep is wrong.
 
 #![allow(clippy::unwrap_used, reason = "a test without what it tests is to fail")]
 
@@ -34,7 +34,8 @@ enum Kind {
     Spring,
     /// Drag on both velocities, more than in proportion: depends on velocity.
     Drag,
-    /// A force and a torque, fixed in the body's frame, that come and go: depend on time and orientation.
+    /// A force and a torque, fixed in the body's frame, that come and go: depend on time and
+    /// orientation.
     Thruster,
     /// All three.
     All,
@@ -88,15 +89,17 @@ fn after_a_second(kind: Kind, integrator: Integrator, steps: u32) -> End {
     End { position: dvec3(pose.position), orientation: dquat(pose.orientation), velocity }
 }
 
-/// Distance of two states: metres, radians and metres a second, for a body about a metre long that turns at some rad/s.
+/// Distance of two states: metres, radians and metres a second, for a body about a metre long that
+/// turns at some rad/s.
 fn distance(a: End, b: End) -> f64 {
     (a.position - b.position).length()
         + attitude_error(a.orientation, b.orientation)
         + (a.velocity - b.velocity).length()
 }
 
-/// Order from three runs, each with half the step of the one before: the first two differ by `2^p` times what the last two do, up to the
-/// next term, a few per cent at these steps. Each law by itself, so that none hides behind another.
+/// Order from three runs, each with half the step of the one before: the first two differ by `2^p`
+/// times what the last two do, up to the next term, a few per cent at these steps. Each law by
+/// itself, so that none hides behind another.
 fn assert_orders(cases: &[(Integrator, u32, f64)], tolerance: f64) {
     for kind in [Kind::Spring, Kind::Drag, Kind::Thruster, Kind::All] {
         for &(integrator, steps, order) in cases {
@@ -115,7 +118,8 @@ fn laws_leave_each_integrator_its_order() {
     assert_orders(&[(SemiImplicitEuler, 4096, 1.0), (RungeKutta4, 256, 4.0), (MoserVeselov, 512, 2.0)], 0.1);
 }
 
-/// Coarser steps, at which differences stand above rounding; the next terms of the error are larger there.
+/// Coarser steps, at which differences stand above rounding; the next terms of the error are larger
+/// there.
 #[cfg(not(feature = "f64"))]
 #[test]
 fn laws_leave_each_integrator_its_order() {
@@ -131,8 +135,8 @@ fn all_integrators_agree() {
         let euler = distance(after_a_second(kind, SemiImplicitEuler, 4096), exact);
         let split = distance(after_a_second(kind, MoserVeselov, 1024), exact);
         println!("{kind:?}: semi-implicit-euler {euler:.1e}, moser-veselov {split:.1e}");
-        // Half a step of the first-order method turns by 5e-4; the split is off by (w dt)^2/24 of what it goes through, and
-        // 4096 steps are rounded.
+        // Half a step of the first-order method turns by 5e-4; the split is off by (w dt)^2/24 of
+        // what it goes through, and 4096 steps are rounded.
         assert!(euler <= 2e-2, "{kind:?}: {euler:e}");
         assert!(split <= 5e-5 + 4096.0 * EPSILON, "{kind:?}: {split:e}");
     }
@@ -180,7 +184,8 @@ fn laws_are_evaluated_at_every_stage() {
     }
 }
 
-/// A substep is a step of its own to a law; and after a change of the step time goes on from where it was.
+/// A substep is a step of its own to a law; and after a change of the step time goes on from where
+/// it was.
 #[test]
 fn substeps_have_their_own_times() {
     let law = Asked::default();
@@ -197,7 +202,8 @@ fn substeps_have_their_own_times() {
     assert_eq!(simulation.time(), 2.5);
 }
 
-/// Substeps are steps to everything that laws can see, so the bits are the same; but the derived velocity is of the end.
+/// Substeps are steps to everything that laws can see, so the bits are the same; but the derived
+/// velocity is of the end.
 #[test]
 fn substeps_under_laws_are_steps() {
     for integrator in Integrator::ALL {
@@ -229,8 +235,8 @@ impl ForceLaw for Push {
     }
 }
 
-/// Each body gets its own law, wherever it lies; those without one get none. Of the 9000 bodies those of one kind are 3000, in three
-/// chunks.
+/// Each body gets its own law, wherever it lies; those without one get none. Of the 9000 bodies
+/// those of one kind are 3000, in three chunks.
 #[test]
 fn a_component_law_acts_on_its_own_bodies() {
     let count = Arc::new(AtomicUsize::new(0));
@@ -290,7 +296,8 @@ fn an_everywhere_law_acts_on_every_moving_body() {
     assert_eq!(simulation.laws().names().collect::<Vec<_>>(), ["Push"]);
 }
 
-/// A force fixed in the body's frame turns with it: half a turn each way, and the body comes back to rest.
+/// A force fixed in the body's frame turns with it: half a turn each way, and the body comes back
+/// to rest.
 #[test]
 fn forces_in_the_body_frame_turn_with_the_body() {
     struct Forward;
@@ -305,14 +312,16 @@ fn forces_in_the_body_frame_turn_with_the_body() {
     let mut simulation = weightless(MoserVeselov, 1.0 / 256.0);
     simulation.add_global_law(Forward);
     run(&mut simulation, &mut world, 128);
-    // Half a turn: the impulse is (0, 2/w F), to second order in the step of 0.025 rad: (w dt)^2/12 of it.
+    // Half a turn: the impulse is (0, 2/w F), to second order in the step of 0.025 rad: (w dt)^2/12
+    // of it.
     let impulse = dvec3(world.get::<&Momentum>(body).unwrap().linear);
     let exact = 2.0 / std::f64::consts::TAU * 3.0;
     let allowed = exact * (0.025_f64.powi(2) / 6.0 + 128.0 * EPSILON);
     assert!((impulse - DVec3::Y * exact).length() <= allowed, "{impulse} not {exact}");
     run(&mut simulation, &mut world, 128);
     let impulse = dvec3(world.get::<&Momentum>(body).unwrap().linear);
-    // A whole turn sums to nothing at any step, but that the sixth-order map turns short by 17/315 (w dt/2)^6 of it.
+    // A whole turn sums to nothing at any step, but that the sixth-order map turns short by 17/315
+    // (w dt/2)^6 of it.
     let turned_short = std::f64::consts::TAU * 17.0 / 315.0 * 0.0125_f64.powi(6);
     assert!(impulse.length() <= 0.5 * exact * turned_short + 256.0 * EPSILON, "{impulse}");
 }
@@ -350,7 +359,8 @@ fn a_law_sees_the_state() {
     assert!(error <= 16.0 * EPSILON * dvec3(before.angular).length(), "{error:e}");
 }
 
-/// Bits, for any number of threads, order of spawning and number of steps, under a component law and an everywhere law together.
+/// Bits, for any number of threads, order of spawning and number of steps, under a component law
+/// and an everywhere law together.
 #[test]
 fn laws_do_not_depend_on_threads() {
     for integrator in Integrator::ALL {
@@ -376,7 +386,8 @@ fn laws_do_not_depend_on_threads() {
     }
 }
 
-/// A law that does nothing changes nothing but, at most, the last bits: the paths with and without laws are the same methods.
+/// A law that does nothing changes nothing but, at most, the last bits: the paths with and without
+/// laws are the same methods.
 #[test]
 fn a_law_without_force_changes_nothing() {
     struct Nothing;
@@ -399,8 +410,8 @@ fn a_law_without_force_changes_nothing() {
     }
 }
 
-/// An everywhere law is asked for each body as often as its page says and for no others, however many there are: not for copies that only fill up a
-/// tile.
+/// An everywhere law is asked for each body as often as its page says and for no others, however
+/// many there are: not for copies that only fill up a tile.
 #[test]
 fn a_law_is_asked_for_bodies_that_are_there() {
     use std::sync::Arc;

@@ -1,10 +1,11 @@
-//! Promise: each kind of force component has an account of its own in the ledger, springs and attraction between bodies
-//! too; their sum, with the others, is the change of kinetic energy; what conservative ones do is what
-//! their potential loses, so that the total is constant to the order of the method. Attaching a ledger changes no bit.
+//! Promise: each kind of force component has an account of its own in the ledger, springs and
+//! attraction between bodies too; their sum, with the others, is the change of kinetic energy; what
+//! conservative ones do is what their potential loses, so that the total is constant to the order
+//! of the method. Attaching a ledger changes no bit.
 //!
-//! Why: "where does the energy come from" is answered by the ledger or not at all. It fails if a work is entered under
-//! another's name, at a velocity before the kick instead of the mean, or if the forces between
-//! bodies are in no account.
+//! Why: "where does the energy come from" is answered by the ledger or not at all. It fails if a
+//! work is entered under another's name, at a velocity before the kick instead of the mean, or if
+//! the forces between bodies are in no account.
 
 #![allow(clippy::unwrap_used, reason = "a test without what it tests is to fail")]
 #![cfg_attr(
@@ -48,8 +49,8 @@ fn second(world: &mut World, integrator: Integrator) -> (LedgerEntry, LedgerEntr
     (ledger.entries()[0], ledger.record(world, &simulation))
 }
 
-/// The books are in double precision; they begin and end with axes that are rounded in that of the build, and kicks
-/// between bodies change momenta that are rounded in each.
+/// The books are in double precision; they begin and end with axes that are rounded in that of the
+/// build, and kicks between bodies change momenta that are rounded in each.
 fn assert_balanced(what: &str, start: &LedgerEntry, end: &LedgerEntry) {
     let scale = start.kinetic() + end.kinetic() + end.work.forces.iter().map(|work| work.abs()).sum::<f64>();
     let error = (end.kinetic() - start.kinetic() - end.work.total()).abs();
@@ -57,8 +58,8 @@ fn assert_balanced(what: &str, start: &LedgerEntry, end: &LedgerEntry) {
     assert!(error <= allowed * scale, "{what}: {error:e} of {scale:e}");
 }
 
-/// One kind alone on a body: all work is in its account, and it is the change of kinetic energy but for what the
-/// integrator makes of a tumbling body.
+/// One kind alone on a body: all work is in its account, and it is the change of kinetic energy but
+/// for what the integrator makes of a tumbling body.
 fn assert_own_account(name: &str, prepare: &dyn Fn(&mut World, Entity)) {
     for integrator in Integrator::ALL {
         let mut world = World::new();
@@ -113,7 +114,8 @@ fn each_kind_has_its_own_account() {
     assert_eq!(Work::default().of("Gravity"), None);
 }
 
-/// Everything at once, in substeps, with laws of the caller's: the sum of all accounts is the change of kinetic energy.
+/// Everything at once, in substeps, with laws of the caller's: the sum of all accounts is the
+/// change of kinetic energy.
 #[test]
 fn the_books_of_a_coupled_world_balance() {
     for integrator in Integrator::ALL {
@@ -160,8 +162,8 @@ fn a_ledger_changes_no_bit() {
     }
 }
 
-/// Largest change of energy in two seconds, over the kinetic energy of the start, of bodies under everything that has a
-/// potential.
+/// Largest change of energy in two seconds, over the kinetic energy of the start, of bodies under
+/// everything that has a potential.
 fn conservative(integrator: Integrator, steps_a_second: u32, between_bodies: bool) -> f64 {
     let mut world = World::new();
     let (a, b) = (spawn(&mut world, -0.8), spawn(&mut world, 1.0));
@@ -193,10 +195,10 @@ fn conservative(integrator: Integrator, steps_a_second: u32, between_bodies: boo
     worst / start.kinetic()
 }
 
-/// With the potentials energy is constant to the order of the method: twice the steps, a half or a quarter of the
-/// error, under `RungeKutta4` a sixteenth or less. Between bodies kicks are of second order under both. To the next
-/// term, some per cent; in single precision the fourth-order method needs steps so coarse to stand above rounding that
-/// it is half.
+/// With the potentials energy is constant to the order of the method: twice the steps, a half or a
+/// quarter of the error, under `RungeKutta4` a sixteenth or less. Between bodies kicks are of
+/// second order under both. To the next term, some per cent; in single precision the fourth-order
+/// method needs steps so coarse to stand above rounding that it is half.
 #[test]
 fn energy_with_potentials_is_kept_to_the_order() {
     let runge_kutta = if DOUBLE { (RungeKutta4, 64, false, 4.0..5.3) } else { (RungeKutta4, 10, false, 3.4..6.0) };

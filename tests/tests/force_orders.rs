@@ -1,10 +1,10 @@
-//! Promise: under force components `SemiImplicitEuler` is of first order, `RungeKutta4` of fourth and `MoserVeselov` of
-//! second; forces between bodies, which are kicks, are of second order under the latter two and of first under the
-//! first. A law in lanes does
-//! what the same law for one body does.
+//! Promise: under force components `SemiImplicitEuler` is of first order, `RungeKutta4` of fourth
+//! and `MoserVeselov` of second; forces between bodies, which are kicks, are of second order under
+//! the latter two and of first under the first. A law in lanes does what the same law for one body
+//! does.
 //!
-//! Why: a component that is evaluated once a step where it should be at each stage, or with what was before the kick,
-//! still looks right; only the order shows it.
+//! Why: a component that is evaluated once a step where it should be at each stage, or with what
+//! was before the kick, still looks right; only the order shows it.
 
 #![allow(clippy::unwrap_used, reason = "a test without what it tests is to fail")]
 #![cfg_attr(
@@ -92,7 +92,8 @@ fn equip(world: &mut World, body: Entity, kind: Kind) {
         world.insert_one(body, gravity).unwrap();
     }
     if has(Kind::Buoyancy) {
-        // Never all in or all out, where the force is not smooth; and so strong that differences stand above rounding.
+        // Never all in or all out, where the force is not smooth; and so strong that differences
+        // stand above rounding.
         let density = by_precision(0.05, 0.3) as Real;
         let buoyancy = Buoyancy { density, center: Vec3::Y * 0.2, ..Buoyancy::new(Hull::Sphere { radius: 9.0 }) };
         world.insert_one(body, buoyancy).unwrap();
@@ -146,8 +147,8 @@ fn distance(a: &[End], b: &[End]) -> f64 {
     a.iter().zip(b).map(one).sum()
 }
 
-/// Order from three runs, each with half the step of the one before: the first two differ by `2^p` times what the last
-/// two do, up to the next term, some per cent at these steps.
+/// Order from three runs, each with half the step of the one before: the first two differ by `2^p`
+/// times what the last two do, up to the next term, some per cent at these steps.
 fn assert_orders(kinds: &[Kind], integrator: Integrator, steps: u32, orders: std::ops::Range<f64>) {
     for &kind in kinds {
         let [a, b, c] = [1, 2, 4].map(|finer| after_a_second(kind, integrator, finer * steps));
@@ -165,7 +166,8 @@ fn components_leave_each_integrator_its_order() {
         assert_orders(&OF_ONE_BODY, RungeKutta4, 128, 3.9..4.1);
         assert_orders(&OF_ONE_BODY, MoserVeselov, 512, 1.9..2.1);
     } else {
-        // Coarser steps, at which differences stand above rounding; the next terms of the error are larger there.
+        // Coarser steps, at which differences stand above rounding; the next terms of the error are
+        // larger there.
         assert_orders(&OF_ONE_BODY, SemiImplicitEuler, 128, 0.75..1.25);
         assert_orders(&OF_ONE_BODY, MoserVeselov, 32, 1.75..2.25);
         assert_orders(&OF_ONE_BODY, RungeKutta4, 8, 3.0..5.0);
@@ -188,7 +190,8 @@ fn dampers_that_share_a_body_are_of_second_order() {
     assert_orders(&[Kind::DampedSprings], MoserVeselov, steps, 2.0 - slack..2.0 + slack);
 }
 
-/// All go to the same solution: that of the fourth-order method, or for kicks of the second at smaller steps.
+/// All go to the same solution: that of the fourth-order method, or for kicks of the second at
+/// smaller steps.
 #[test]
 fn all_integrators_agree() {
     for kind in OF_ONE_BODY.into_iter().chain(BETWEEN_BODIES) {
@@ -196,15 +199,17 @@ fn all_integrators_agree() {
         let euler = distance(&after_a_second(kind, SemiImplicitEuler, 4096), &exact);
         let split = distance(&after_a_second(kind, MoserVeselov, 1024), &exact);
         println!("{kind:?}: semi-implicit-euler {euler:.1e}, moser-veselov {split:.1e}");
-        // Up to three bodies: half a step of the first-order method turns each by some 1e-3; the split is off by (w
-        // dt)^2/24 of what it goes through, at up to 10 rad/s, and steps are rounded.
+        // Up to three bodies: half a step of the first-order method turns each by some 1e-3; the
+        // split is off by (w dt)^2/24 of what it goes through, at up to 10 rad/s, and steps are
+        // rounded.
         assert!(euler <= 3e-2, "{kind:?}: {euler:e}");
         let bodies = exact.len() as f64;
         assert!(split <= bodies * (3e-4 + 4096.0 * EPSILON), "{kind:?}: {split:e}");
     }
 }
 
-/// A law that has all in it that laws see: a spring with a damper, a force in the body's frame, wind and gravity.
+/// A law that has all in it that laws see: a spring with a damper, a force in the body's frame,
+/// wind and gravity.
 #[derive(Clone, Copy)]
 struct Mixed {
     stiffness: Real,
@@ -255,8 +260,8 @@ impl SimdForceLaw<5> for MixedInLanes {
     }
 }
 
-/// One law written twice, on bodies of every kind, as a component of some and with velocity on some: momenta after ten
-/// steps are the same but for roundings of the forces.
+/// One law written twice, on bodies of every kind, as a component of some and with velocity on
+/// some: momenta after ten steps are the same but for roundings of the forces.
 #[test]
 fn a_law_in_lanes_is_the_law() {
     for integrator in Integrator::ALL {
@@ -283,8 +288,8 @@ fn a_law_in_lanes_is_the_law() {
         };
         for (one, lanes) in momenta(false).into_iter().zip(momenta(true)) {
             let near = |a: Vec3, b: Vec3| {
-                // Forces of a few hundred newtons over a tenth of a second, and what a turn by a rounding makes of a
-                // momentum.
+                // Forces of a few hundred newtons over a tenth of a second, and what a turn by a
+                // rounding makes of a momentum.
                 let allowed = 256.0 * EPSILON * (1.0 + dvec3(a).length() + 20.0);
                 (dvec3(a) - dvec3(b)).length() <= allowed
             };

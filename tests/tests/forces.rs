@@ -1,9 +1,11 @@
-//! Promise: forces and impulses act as mechanics says: at a point they are a force and a torque, many are their sum, and each step
-//! uses them up; a torque makes a body with products of inertia turn about other axes too; a wanted angular velocity can be reached at
-//! once; a change of inertia keeps angular momentum; gravity scales per body; a point mass never turns.
+//! Promise: forces and impulses act as mechanics says: at a point they are a force and a torque,
+//! many are their sum, and each step uses them up; a torque makes a body with products of inertia
+//! turn about other axes too; a wanted angular velocity can be reached at once; a change of inertia
+//! keeps angular momentum; gravity scales per body; a point mass never turns.
 //!
-//! Why: this is where a game or a controller meets the engine. It fails if a torque is taken about the wrong point, in the wrong frame or
-//! with the wrong sign, if a wrench survives its step, or if spin rather than angular momentum is kept.
+//! Why: this is where a game or a controller meets the engine. It fails if a torque is taken about
+//! the wrong point, in the wrong frame or with the wrong sign, if a wrench survives its step, or if
+//! spin rather than angular momentum is kept.
 
 #![allow(clippy::unwrap_used, reason = "a test without what it tests is to fail")]
 #![cfg_attr(
@@ -37,7 +39,8 @@ fn brick() -> RigidBody {
     RigidBody::new(Shape::cuboid([0.5, 1.0, 1.5])).mass(2.0)
 }
 
-/// A tensor with products of inertia: `Ixy = -0.4` as a matrix element, so mass leans towards `x = y`.
+/// A tensor with products of inertia: `Ixy = -0.4` as a matrix element, so mass leans towards
+/// `x = y`.
 fn lopsided() -> InertiaTensor {
     let columns = [DVec3::new(2.0, -0.4, 0.1), DVec3::new(-0.4, 1.5, 0.3), DVec3::new(0.1, 0.3, 2.5)];
     InertiaTensor::new(DMat3::from_cols(columns[0], columns[1], columns[2])).unwrap()
@@ -50,8 +53,8 @@ fn state(world: &World, entity: Entity) -> (Pose, Momentum, Velocity) {
     (*pose, *momentum, *velocity)
 }
 
-/// A force at a point is that force through the centre of mass with the torque `r x F` about it: the same bits, for a body
-/// whose own frame has its origin elsewhere too.
+/// A force at a point is that force through the centre of mass with the torque `r x F` about it:
+/// the same bits, for a body whose own frame has its origin elsewhere too.
 #[test]
 fn a_force_at_a_point_is_a_force_and_a_torque() {
     let (force, arm) = (Vec3::new(1.0, -2.0, 3.0), Vec3::new(0.5, 0.25, -1.0));
@@ -68,7 +71,8 @@ fn a_force_at_a_point_is_a_force_and_a_torque() {
         weightless(integrator, DT).step(&mut world);
         assert_eq!(state(&world, at_point), state(&world, split), "{integrator}");
         let momentum = state(&world, at_point).1;
-        // F dt and r x F dt, but for the arm's rounding and that of the weights 1/6 and 1/3 of the fourth-order scheme.
+        // F dt and r x F dt, but for the arm's rounding and that of the weights 1/6 and 1/3 of the
+        // fourth-order scheme.
         assert!((momentum.linear - force / 64.0).length() <= 4.0 * Real::EPSILON * force.length() / 64.0);
         let torque = dvec3(arm).cross(dvec3(force)) / 64.0;
         assert!(
@@ -96,8 +100,9 @@ fn a_step_uses_its_wrench_up() {
     }
 }
 
-/// A rod struck at its end moves off with `v = J/m` and turns with `w = r x J/I`, so that a point at two thirds of its length from there stays
-/// at rest for the moment (the centre of percussion). Three or four roundings each.
+/// A rod struck at its end moves off with `v = J/m` and turns with `w = r x J/I`, so that a point
+/// at two thirds of its length from there stays at rest for the moment (the centre of percussion).
+/// Three or four roundings each.
 #[test]
 fn a_blow_at_the_end_of_a_rod() {
     let (mass, length, blow) = (3.0, 2.0, 6.0);
@@ -117,8 +122,8 @@ fn a_blow_at_the_end_of_a_rod() {
     assert!((velocity.at_point(end, Vec3::Y) - Vec3::Z * 8.0).length() <= 16.0 * Real::EPSILON * 8.0);
 }
 
-/// D'Alembert: a hundred forces at points move a body as their resultant and its moment do. The sums of a hundred terms differ by
-/// their roundings, half an `EPSILON` of the running sum each.
+/// D'Alembert: a hundred forces at points move a body as their resultant and its moment do. The
+/// sums of a hundred terms differ by their roundings, half an `EPSILON` of the running sum each.
 #[test]
 fn many_forces_are_their_sum() {
     for integrator in Integrator::ALL {
@@ -143,8 +148,9 @@ fn many_forces_are_their_sum() {
     }
 }
 
-/// A constant force through the centre for a second: `v = F t/m`; a constant torque about a principal axis: `w = tau t/I` and the angle `tau
-/// t^2/2I`, first-order schemes off by half a step of it. Rounding: one a step.
+/// A constant force through the centre for a second: `v = F t/m`; a constant torque about a
+/// principal axis: `w = tau t/I` and the angle `tau t^2/2I`, first-order schemes off by half a step
+/// of it. Rounding: one a step.
 #[test]
 fn constant_force_and_torque() {
     for integrator in Integrator::ALL {
@@ -168,14 +174,16 @@ fn constant_force_and_torque() {
             Integrator::SemiImplicitEuler => exact / 64.0,
             _ => 0.0,
         };
-        // The first-order turn is short by (w dt)^3/12, the fourth-order one by (w dt)^5/480 a step, the exact one by nothing.
+        // The first-order turn is short by (w dt)^3/12, the fourth-order one by (w dt)^5/480 a
+        // step, the exact one by nothing.
         let short = 64.0 * (exact * 2.0 / 64.0_f64).powi(3) / 12.0;
         assert!((turned - exact - late).abs() <= short + 64.0 * EPSILON, "{integrator}: {turned} rad");
     }
 }
 
-/// The Unity idiom: the torque that reaches a wanted angular momentum in one step, and the impulse that reaches a wanted
-/// angular velocity at once, for a body whose principal axes are not those of its frame.
+/// The Unity idiom: the torque that reaches a wanted angular momentum in one step, and the impulse
+/// that reaches a wanted angular velocity at once, for a body whose principal axes are not those of
+/// its frame.
 #[test]
 fn a_wanted_angular_velocity_is_reached() {
     let wanted = Vec3::new(0.3, -2.0, 1.5);
@@ -205,13 +213,15 @@ fn a_wanted_angular_velocity_is_reached() {
         world.get::<&mut Wrench>(turned).unwrap().add_torque(torque);
         weightless(integrator, DT).step(&mut world);
         let error = dvec3(state(&world, turned).1.angular) - tensor * dvec3(wanted);
-        // Angular momentum to rounding; the spin is then that of a free body of this angular momentum, which wobbles.
+        // Angular momentum to rounding; the spin is then that of a free body of this angular
+        // momentum, which wobbles.
         assert!(error.length() <= 40.0 * EPSILON * 10.0, "{integrator}: {error}");
     }
 }
 
-/// "What I_xy tells us is how much our object will be accelerated around the y axis when we apply torque around the x axis": `dw = I^-1
-/// tau`, by an independent inverse of the tensor. A body without products of inertia accelerates about x alone.
+/// "What I_xy tells us is how much our object will be accelerated around the y axis when we apply
+/// torque around the x axis": `dw = I^-1 tau`, by an independent inverse of the tensor. A body
+/// without products of inertia accelerates about x alone.
 #[test]
 fn a_torque_about_x_accelerates_a_lopsided_body_about_y() {
     for integrator in Integrator::ALL {
@@ -237,8 +247,8 @@ fn a_torque_about_x_accelerates_a_lopsided_body_about_y() {
     }
 }
 
-/// The skater draws her arms in: half the moment, the same angular momentum, twice the spin and twice the energy, for which her arms
-/// have worked. All factors are powers of two: exact.
+/// The skater draws her arms in: half the moment, the same angular momentum, twice the spin and
+/// twice the energy, for which her arms have worked. All factors are powers of two: exact.
 #[test]
 fn the_skater() {
     for integrator in Integrator::ALL {

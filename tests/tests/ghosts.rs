@@ -1,7 +1,10 @@
-//! Contacts are of features that bodies really meet: nothing is pushed by what it passes, at any speed, and nothing gets through what it meets.
+//! Contacts are of features that bodies really meet: nothing is pushed by what it passes, at any
+//! speed, and nothing gets through what it meets.
 //!
-//! Why: what is foreseen over a whole step is foreseen as an infinite plane, and a shot past the corner of a crate used to be stopped in the air beside it. It fails if a contact
-//! that the ways of the bodies do not lead to stays in the step, if one that they lead to is left out, or if its normal is that of where they began.
+//! Why: what is foreseen over a whole step is foreseen as an infinite plane, and a shot past the
+//! corner of a crate used to be stopped in the air beside it. It fails if a contact that the ways
+//! of the bodies do not lead to stays in the step, if one that they lead to is left out, or if its
+//! normal is that of where they began.
 #![cfg_attr(
     feature = "f64",
     allow(
@@ -100,10 +103,12 @@ fn box_ground_of(world: &mut World, half: [f64; 3], at: Vec3, turn: Quat, materi
     spawn(world, body, surfaced(Collider::new(&shape).unwrap(), material));
 }
 
-/// The farthest that any point of a drawn shape is from its centre, in sizes: a compound of balls beside each other, and a cuboid's corner, are within it.
+/// The farthest that any point of a drawn shape is from its centre, in sizes: a compound of balls
+/// beside each other, and a cuboid's corner, are within it.
 const REACH: f64 = 2.0;
 
-/// Shots of every shape past fixed and free targets of every shape: at any speed, spin and step, the cylinder around their way misses the ball around the target.
+/// Shots of every shape past fixed and free targets of every shape: at any speed, spin and step,
+/// the cylinder around their way misses the ball around the target.
 #[test]
 fn what_is_passed_pushes_nothing() {
     let mut draws = Draws(7);
@@ -169,7 +174,8 @@ fn slick(shape: &Shape) -> Collider {
     surfaced(Collider::new(shape).unwrap(), Material::new(0.0, 0.0))
 }
 
-/// A shot, and the furthest that it gets in the direction `out` until it would have been a second past its target.
+/// A shot, and the furthest that it gets in the direction `out` until it would have been a second
+/// past its target.
 fn shoot(
     world: &mut World,
     (shape, start, way): (&Shape, Vec3, Vec3),
@@ -224,8 +230,9 @@ fn what_is_met_holds() {
     assert!(through <= 9, "{through} of 300 boxes are behind");
 }
 
-/// Balls and boxes at meshes and height fields without friction: none gets under them up to 200 m/s, and
-/// no ball at all. Each triangle has its own contact, and faster boxes are spun by one after the other.
+/// Balls and boxes at meshes and height fields without friction: none gets under them up to 200
+/// m/s, and no ball at all. Each triangle has its own contact, and faster boxes are spun by one
+/// after the other.
 #[test]
 fn surfaces_that_are_met_hold() {
     let (mut draws, mut under) = (Draws(5), 0);
@@ -254,7 +261,8 @@ fn surfaces_that_are_met_hold() {
     assert!(under <= 4, "{under} of 100 boxes are under it");
 }
 
-/// Balls that a floor turns towards a wall that stands on it: their straight way leads under the wall, and the wall holds them.
+/// Balls that a floor turns towards a wall that stands on it: their straight way leads under the
+/// wall, and the wall holds them.
 #[test]
 fn what_is_met_after_a_floor_holds() {
     let mut draws = Draws(9);
@@ -319,7 +327,8 @@ fn what_is_free_is_hit() {
     assert!(missed <= 1, "{missed} of 300 are not hit");
 }
 
-/// Lets a body run over a floor of tiles; how far it left its height \[m\] at most, and its speed at the end over that at the start.
+/// Lets a body run over a floor of tiles; how far it left its height \[m\] at most, and its speed
+/// at the end over that at the start.
 fn over_tiles(shape: &Shape, height: f64, speed: f64, tile: f64, turn: Quat, spin: f64, whole: bool) -> (f64, f64) {
     let mut world = World::new();
     let slick = Material::new(if spin == 0.0 { 0.0 } else { 0.5 }, 0.0);

@@ -1,11 +1,12 @@
-//! Promise: bodies with a `GravityMass` attract each other as the sum over all pairs says, momentum kept to rounding,
-//! nothing becomes NaN where bodies meet; an orbit in the field of a point or of another body
-//! keeps energy, angular momentum and its ellipse for a thousand periods without trend, and turns by an angle that is
-//! measured and falls with the square of the step.
+//! Promise: bodies with a `GravityMass` attract each other as the sum over all pairs says, momentum
+//! kept to rounding, nothing becomes NaN where bodies meet; an orbit in the field of a point or of
+//! another body keeps energy, angular momentum and its ellipse for a thousand periods without
+//! trend, and turns by an angle that is measured and falls with the square of the step.
 //!
-//! Why: a planet that spirals away is the mark of a bad integrator, and one whose ellipse shrinks by a wrong sum looks
-//! the same. It fails if a pair is left out or counted twice where tiles are filled up, if
-//! the kicks of a step do not have the same sources, or if the step loses its symmetry in time.
+//! Why: a planet that spirals away is the mark of a bad integrator, and one whose ellipse shrinks
+//! by a wrong sum looks the same. It fails if a pair is left out or counted twice where tiles are
+//! filled up, if the kicks of a step do not have the same sources, or if the step loses its
+//! symmetry in time.
 
 #![allow(clippy::unwrap_used, reason = "a test without what it tests is to fail")]
 #![cfg_attr(
@@ -45,7 +46,8 @@ fn totals(world: &World, simulation: &Simulation) -> Totals {
     Totals::of(world, simulation.settings(), &BodyOrder::of(world))
 }
 
-/// `count` bodies at rest within 10 m; of every seven one is a test particle, of every five one is softened.
+/// `count` bodies at rest within 10 m; of every seven one is a test particle, of every five one is
+/// softened.
 fn cloud(count: u64, seed: u64) -> World {
     let mut rng = Rng::new(seed);
     let mut world = World::new();
@@ -81,7 +83,8 @@ fn direct(sources: &[(Entity, DVec3, f64, GravityMass)], body: usize) -> (DVec3,
     (sum, sizes)
 }
 
-/// Against the direct sum, with as many bodies as leave tiles of every width and parts of every size to fill up.
+/// Against the direct sum, with as many bodies as leave tiles of every width and parts of every
+/// size to fill up.
 #[test]
 fn every_pair_attracts() {
     for count in (1..40).chain([63, 64, 65, 200, 1000]) {
@@ -91,7 +94,8 @@ fn every_pair_attracts() {
         for (i, &(entity, _, mass, _)) in before.iter().enumerate() {
             let (exact, sizes) = direct(&before, i);
             let found = dvec3(world.get::<&Momentum>(entity).unwrap().linear) / mass * 128.0;
-            // The difference of places is rounded as these are, and the sum once a part: a walk at random.
+            // The difference of places is rounded as these are, and the sum once a part: a walk at
+            // random.
             let nearest = before.iter().enumerate().filter(|(j, _)| *j != i);
             let nearest = nearest.map(|(_, other)| other.1.distance(before[i].1)).fold(f64::INFINITY, f64::min);
             let allowed = EPSILON * sizes * (8.0 + 10.0 / nearest.max(0.5) + (count as f64).sqrt());
@@ -100,8 +104,8 @@ fn every_pair_attracts() {
     }
 }
 
-/// Test particles feel the others and are not felt; a body without the component neither attracts nor is attracted; a
-/// fixed one attracts.
+/// Test particles feel the others and are not felt; a body without the component neither attracts
+/// nor is attracted; a fixed one attracts.
 #[test]
 fn who_attracts_whom() {
     let mut world = World::new();
@@ -149,7 +153,8 @@ fn momentum_is_kept() {
     }
 }
 
-/// Bodies in one place do nothing to each other, with softening or without; with it, those that are near do not either.
+/// Bodies in one place do nothing to each other, with softening or without; with it, those that are
+/// near do not either.
 #[test]
 fn bodies_that_meet_stay_finite() {
     for (softening, distances) in [(0.0, vec![0.0]), (0.1, vec![0.0, 1e-30, 1e-21, 1e-12, 1e-3])] {
@@ -172,8 +177,8 @@ fn bodies_that_meet_stay_finite() {
     }
 }
 
-/// The force is minus the slope of the energy that `measure` has: of all where mu is in proportion to mass; of a test
-/// particle among them too.
+/// The force is minus the slope of the energy that `measure` has: of all where mu is in proportion
+/// to mass; of a test particle among them too.
 #[test]
 fn the_force_is_the_slope_of_the_energy() {
     for test_particles in [false, true] {
@@ -204,8 +209,8 @@ fn force_is_slope(test_particles: bool) {
         for axis in [DVec3::X, DVec3::Y, DVec3::Z] {
             let (there, back) = (nets::shifted(&start, axis * d), nets::shifted(&start, axis * -d));
             let slope = (energy_at(there) - energy_at(back)) / nets::shift(&back, &there).dot(axis);
-            // The third derivative is 15 mu/r^4, here at half a metre and more, times d^2/6; the sum is in double
-            // precision.
+            // The third derivative is 15 mu/r^4, here at half a metre and more, times d^2/6; the
+            // sum is in double precision.
             let allowed = mass * sizes * (40.0 * d * d + by_precision(1e-4, 1e-9));
             assert!((slope + mass * acceleration.dot(axis)).abs() <= allowed, "{i} at {place}: {slope}");
         }
@@ -265,7 +270,8 @@ impl Elements {
     }
 }
 
-/// The angle by which the ellipse turns in a period \[rad\], by the line through the pericentre over this many periods.
+/// The angle by which the ellipse turns in a period \[rad\], by the line through the pericentre
+/// over this many periods.
 fn precession(steps_a_period: u32, periods: u32) -> f64 {
     let mut orbit = Orbit::new(0.6, steps_a_period);
     let (mut samples, mut turns, mut last) = (Vec::new(), 0.0, 0.0);
@@ -285,8 +291,8 @@ fn precession(steps_a_period: u32, periods: u32) -> f64 {
     fit(&samples).slope
 }
 
-/// Twice the steps, a quarter of the precession: to the next term, which is some (2 pi * 4/250)^2, a per cent, of it;
-/// in single precision to what roundings turn the ellipse by too.
+/// Twice the steps, a quarter of the precession: to the next term, which is some (2 pi * 4/250)^2,
+/// a per cent, of it; in single precision to what roundings turn the ellipse by too.
 #[test]
 fn the_ellipse_turns_by_the_square_of_the_step() {
     let found = [250, 500, 1000].map(|steps| precession(steps, 20));
@@ -298,9 +304,10 @@ fn the_ellipse_turns_by_the_square_of_the_step() {
     }
 }
 
-/// An ellipse of eccentricity 0.6 for a thousand periods of 500 steps: taken every 487 steps, so at all phases in turn,
-/// energy and angular momentum have no trend, and the ellipse keeps its size and shape. In single
-/// precision roundings walk, as far as `EPSILON` times the root of half a million steps.
+/// An ellipse of eccentricity 0.6 for a thousand periods of 500 steps: taken every 487 steps, so at
+/// all phases in turn, energy and angular momentum have no trend, and the ellipse keeps its size
+/// and shape. In single precision roundings walk, as far as `EPSILON` times the root of half a
+/// million steps.
 #[test]
 fn an_ellipse_is_kept_for_a_thousand_periods() {
     let mut orbit = Orbit::new(0.6, 500);
@@ -332,17 +339,19 @@ fn an_ellipse_is_kept_for_a_thousand_periods() {
         // Angular momentum is kept to rounding, and so has no spread to see a trend against.
         let rounding = if DOUBLE && name != "angular momentum" { 0.0 } else { walk };
         assert!(over_run.abs() <= 3.0 * error + rounding, "{name}: {over_run:e} +- {error:e}");
-        // What comes and goes with the phase is (w dt)^2 with the w of the pericentre, 8 rad/s: 1e-2 of it there and
-        // less elsewhere.
+        // What comes and goes with the phase is (w dt)^2 with the w of the pericentre, 8 rad/s:
+        // 1e-2 of it there and less elsewhere.
         assert!(line.spread <= (spread + walk) * line.mean.abs(), "{name}: {:e}", line.spread);
     }
 }
 
-/// The same of two bodies that attract each other, a million steps: energy without trend, momentum too.
+/// The same of two bodies that attract each other, a million steps: energy without trend, momentum
+/// too.
 #[test]
 fn two_bodies_keep_their_energy() {
     let mut world = World::new();
-    // 3 and 1 kg, G = 1/4, so that together mu = 1; relative to each other the ellipse of eccentricity 0.5.
+    // 3 and 1 kg, G = 1/4, so that together mu = 1; relative to each other the ellipse of
+    // eccentricity 0.5.
     let (far, slow) = (1.5, (0.5_f64 / 1.5).sqrt());
     for (mass, share) in [(3.0, -0.25), (1.0, 0.75)] {
         let body = point(mass, Vec3::X * (far * share) as Real, Vec3::Y * (slow * share) as Real);

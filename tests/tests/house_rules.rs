@@ -1,25 +1,30 @@
-//! Promise: the workspace keeps the rules it is built by: dependencies point one way, unsafe code is in a listed place only, files stay
-//! small, nothing is left to do or skipped, and every path that the documents name exists.
+//! Promise: the workspace keeps the rules it is built by: dependencies point one way, unsafe code
+//! is in a listed place only, files stay small, nothing is left to do or skipped, and every path
+//! that the documents name exists.
 //!
-//! Why: rules that no one checks are broken by the third change. Each test fails with the file and line that breaks its rule.
+//! Why: rules that no one checks are broken by the third change. Each test fails with the file and
+//! line that breaks its rule.
 
 #![allow(clippy::unwrap_used, reason = "a test without what it tests is to fail")]
 
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
-/// What may have unsafe code, from the root: the vector code, and the call by which the window gets at the graphics card.
+/// What may have unsafe code, from the root: the vector code, and the call by which the window gets
+/// at the graphics card.
 const UNSAFE_ALLOWED: [&str; 2] = ["crates/tumble/src/simd/", "crates/tumble-view/src/gpu/context.rs"];
 const MAX_LINES: usize = 600;
 
-/// What a crate may depend on: other members of the workspace and, where it is to stay small, crates from outside.
+/// What a crate may depend on: other members of the workspace and, where it is to stay small,
+/// crates from outside.
 struct Rule {
     member: &'static str,
     members: &'static [&'static str],
     outside: Option<&'static [&'static str]>,
 }
 
-/// The workspace from the bottom up. The engine adds a mathematics crate to what it depends on, and so may those above it.
+/// The workspace from the bottom up. The engine adds a mathematics crate to what it depends on, and
+/// so may those above it.
 const RULES: [Rule; 10] = [
     Rule { member: "crates/tumble-math", members: &[], outside: Some(&["glam", "libm", "serde", "thiserror"]) },
     Rule { member: "crates/tumble-collide", members: &["tumble-math"], outside: Some(&["thiserror"]) },
@@ -45,7 +50,8 @@ fn root() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).parent().unwrap().to_path_buf()
 }
 
-/// All files of the workspace with one of the endings, but for what is built or hidden, as paths from the root.
+/// All files of the workspace with one of the endings, but for what is built or hidden, as paths
+/// from the root.
 fn files(endings: &[&str]) -> Vec<PathBuf> {
     fn visit(directory: &Path, endings: &[&str], found: &mut Vec<PathBuf>) {
         for entry in std::fs::read_dir(directory).unwrap() {
@@ -87,8 +93,8 @@ fn dependencies(manifest: &toml::Table, key: &str) -> BTreeSet<String> {
         .collect()
 }
 
-/// Every member has a rule, and what it depends on, for building and running, is in it. Tests of a crate may use more from outside,
-/// but nothing above the crate.
+/// Every member has a rule, and what it depends on, for building and running, is in it. Tests of a
+/// crate may use more from outside, but nothing above the crate.
 #[test]
 fn dependencies_point_one_way() {
     let directories = ["crates", "examples"].map(|directory| std::fs::read_dir(root().join(directory)).unwrap());
@@ -194,8 +200,8 @@ fn files_stay_small() {
     }
 }
 
-/// What a document names as a path: the targets of its links, and what it sets in code that begins with a directory of the root or
-/// is the name of a source, manifest or document.
+/// What a document names as a path: the targets of its links, and what it sets in code that begins
+/// with a directory of the root or is the name of a source, manifest or document.
 fn named_paths(text: &str) -> BTreeSet<String> {
     let mut found = BTreeSet::new();
     let is_path = |word: &str| word.chars().all(|c| c.is_ascii_alphanumeric() || "._-/".contains(c));
@@ -217,7 +223,8 @@ fn named_paths(text: &str) -> BTreeSet<String> {
     found
 }
 
-/// A path is one from the root or from the document; a file may also be named by the end of its path, as in a map of a crate.
+/// A path is one from the root or from the document; a file may also be named by the end of its
+/// path, as in a map of a crate.
 #[test]
 fn documents_name_paths_that_exist() {
     let everything: Vec<PathBuf> = files(&["rs", "toml", "md"]);

@@ -1,8 +1,10 @@
-//! Promise: a body with impossible numbers, in its state, what acts on it and its springs, spoils nothing but itself: all others stay finite, and where they do not touch or pull it, keep the bits that they have
-//! without it. What is out of range is refused where it is given, by name.
+//! Promise: a body with impossible numbers, in its state, what acts on it and its springs, spoils
+//! nothing but itself: all others stay finite, and where they do not touch or pull it, keep the
+//! bits that they have without it. What is out of range is refused where it is given, by name.
 //!
-//! Why: components are public, and one division by zero in a game must not take the whole world along. It fails if a number that is none, or a square that overflows, gets from one body to another
-//! through a contact, a spring or gravity.
+//! Why: components are public, and one division by zero in a game must not take the whole world
+//! along. It fails if a number that is none, or a square that overflows, gets from one body to
+//! another through a contact, a spring or gravity.
 
 #![cfg_attr(feature = "f64", allow(clippy::useless_conversion, reason = "Real is f64 in this build, f32 in the other"))]
 #![allow(clippy::unwrap_used, reason = "a test without what it tests is to fail")]
@@ -174,7 +176,8 @@ fn end(seed: u64, poisoned: Option<(Poisoned, Real, u32)>) -> Vec<(Pose, Momentu
     bodies.into_iter().map(|body| state(&world, body)).collect()
 }
 
-/// A component of a body with one number of it poisoned, or all of a vector; what is not poisoned is as a game would have it.
+/// A component of a body with one number of it poisoned, or all of a vector; what is not poisoned
+/// is as a game would have it.
 type Component = (&'static str, fn(&mut World, Entity, Bad));
 
 #[derive(Clone, Copy, Debug)]
@@ -320,7 +323,8 @@ const COMPONENTS: &[Component] = &[
     }),
 ];
 
-/// The others after some steps in which a body among them, or as far off, has components with bad numbers from the start.
+/// The others after some steps in which a body among them, or as far off, has components with bad
+/// numbers from the start.
 fn end_with(seed: u64, far: Real, poison: impl FnOnce(&mut World, Entity)) -> Vec<(Pose, Momentum, Velocity)> {
     let (mut world, bodies) = scene(seed);
     let mut simulation = Simulation::new(Settings::default()).unwrap();
@@ -343,8 +347,9 @@ fn no_component_is_left_out() {
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(4))]
 
-    /// What is no number in a body that touches nobody changes no bit of anybody. In one that lies among others it either counts for nothing, and they go on as beside a healthy
-    /// body, or takes its body out of the world; what laws make of their other numbers is left aside.
+    /// What is no number in a body that touches nobody changes no bit of anybody. In one that lies
+    /// among others it either counts for nothing, and they go on as beside a healthy body, or takes
+    /// its body out of the world; what laws make of their other numbers is left aside.
     #[test]
     fn no_number_of_any_component_reaches_others(
         seed in any::<u64>(), which in 0_usize..12, values in prop::sample::subsequence(HUGE.to_vec(), 2),
@@ -354,7 +359,8 @@ proptest! {
         for (name, poison) in COMPONENTS {
             let with = |far, value| end_with(seed, far, |world, victim| poison(world, victim, Bad { value, which }));
             let is_law = tumble::ForceLaws::COMPONENTS.contains(name) || ["Damping", "Wind"].contains(name);
-            // Springs draw their body to the others by what their other numbers say, and so may a law with an infinite number.
+            // Springs draw their body to the others by what their other numbers say, and so may a
+            // law with an infinite number.
             let is_spring = name.starts_with("Spring");
             prop_assert!(is_spring || with(200.0, Real::NAN) == without, "{} NaN, far away", name);
             prop_assert!(is_law || with(200.0, Real::INFINITY) == without, "{} inf, far away", name);
@@ -391,9 +397,11 @@ proptest! {
                 for before in [0, before] {
                     let others = end(seed, Some((what, value, before)));
                     prop_assert!(others.iter().all(is_finite), "{:?} {} after {}", what, value, before);
-                    // What pushes on a body alone is out of range where its mass is about one. Damping is not among it: it is clamped.
+                    // What pushes on a body alone is out of range where its mass is about one.
+                    // Damping is not among it: it is clamped.
                     let apart = ALL[..7].contains(&what) && index < OUT_OF_RANGE && before == 0;
-                    // A step makes a unit quaternion of what has a direction, and then the body is as others.
+                    // A step makes a unit quaternion of what has a direction, and then the body is
+                    // as others.
                     let healed = what == Poisoned::Orientation && !value.is_nan();
                     if apart && !healed {
                         prop_assert!(others == without, "{:?} {} has touched others", what, value);

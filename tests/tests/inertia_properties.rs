@@ -1,9 +1,9 @@
-//! Promise: inertia tensors and mass properties obey the laws they come from, for any body, and no input
-//! panics.
+//! Promise: inertia tensors and mass properties obey the laws they come from, for any body, and no
+//! input panics.
 //!
-//! Invariants under rotation, the parallel-axis theorem there and back, additivity, particles against
-//! integrals, shapes cut up and put together, and the eigen-solver on equal, nearly equal and very different
-//! moments.
+//! Invariants under rotation, the parallel-axis theorem there and back, additivity, particles
+//! against integrals, shapes cut up and put together, and the eigen-solver on equal, nearly equal
+//! and very different moments.
 
 use glam::{DMat3, DQuat, DVec3};
 use proptest::prelude::*;
@@ -14,15 +14,16 @@ use tumble_math::{
 
 const EPS: f64 = f64::EPSILON;
 
-/// `R A R^T` relative to the norm of A. Normalising leaves 1.75 eps in each component of the quaternion, an
-/// element of R is then off by up to 10 eps, R as a whole by about as much, and it enters twice; the two
-/// products add 5.
+/// `R A R^T` relative to the norm of A. Normalising leaves 1.75 eps in each component of the
+/// quaternion, an element of R is then off by up to 10 eps, R as a whole by about as much, and it
+/// enters twice; the two products add 5.
 const TURN: f64 = 25.0 * EPS;
 
 /// A quadratic form `n^T A n` of a vector made unit, relative to the norm of A.
 const FORM: f64 = 8.0 * EPS;
 
-/// Eigenvalues of a matrix by Jacobi, relative to the largest: some ten rotations of two roundings each.
+/// Eigenvalues of a matrix by Jacobi, relative to the largest: some ten rotations of two roundings
+/// each.
 const JACOBI: f64 = 10.0 * EPS;
 
 /// The largest absolute value of the elements; NaN if there is one.
@@ -149,16 +150,16 @@ proptest! {
         let body = InertiaTensor::from_principal(moments, axes).unwrap();
         let world = body.rotated(orientation).unwrap();
         let momentum = body.principal().angular_momentum_world(orientation, w);
-        // The body turned twice on one side; found, and turned by a product of quaternions, on the other. |w|
-        // is at most 1.8.
+        // The body turned twice on one side; found, and turned by a product of quaternions, on the
+        // other. |w| is at most 1.8.
         let tolerance = (4.0 * TURN + JACOBI) * 1.8;
         prop_assert!((momentum - world.angular_momentum(w)).length() <= tolerance * moments.max_element());
     }
 
     #[test]
     fn at_the_edge_of_rounding(exponent in -17.0..-12.0_f64, ratio in 0.0..1.0_f64, axes in rotation()) {
-        // A rod with a little thickness: refused where rounding hides its smallest moment, and sound where it
-        // is accepted.
+        // A rod with a little thickness: refused where rounding hides its smallest moment, and
+        // sound where it is accepted.
         let thin = 10.0_f64.powf(exponent);
         if let Ok(rod) = InertiaTensor::from_principal([thin, 1.0, 1.0 - ratio * thin], axes) {
             prop_assert!(rod.principal().moments.min_element() > 0.0);
@@ -186,8 +187,8 @@ proptest! {
         let across = offset.any_orthogonal_vector();
         let steiner = center.moment_about(across) + mass * offset.length_squared();
         prop_assert!((away.moment_about(across) - steiner).abs() <= 2.0 * FORM * scale);
-        // Back, either sign of the offset. What was lost in the sum is lost: the smallest moment must exceed
-        // it.
+        // Back, either sign of the offset. What was lost in the sum is lost: the smallest moment
+        // must exceed it.
         prop_assume!(moments.min_element() > 64.0 * EPS * scale);
         let back = away.shifted_to_center(mass, -offset).unwrap();
         prop_assert!(largest(back.matrix() - center.matrix()) <= 8.0 * EPS * scale);
@@ -221,8 +222,8 @@ proptest! {
         // Moved and turned first or last.
         let moved = |body: &MassProperties| body.transformed(far, turn).unwrap();
         prop_assert!(same_body(&(moved(&left) + moved(&right)), &moved(&whole), 64.0 * EPS));
-        // And taken away again: the sum's rounding, on both, magnified by the ratio of what was there to what
-        // is left.
+        // And taken away again: the sum's rounding, on both, magnified by the ratio of what was
+        // there to what is left.
         let again = whole.without(&right).unwrap();
         let magnified = 256.0 * EPS * whole.mass() / left.mass();
         prop_assert!((again.center_of_mass() - left.center_of_mass()).length() <= magnified * 10.0);
@@ -268,7 +269,8 @@ proptest! {
         let amount = Amount::Density(700.0);
         let [a, h, b] = half;
         let tolerance = 32.0 * EPS;
-        // A cone is a frustum and a smaller cone on top of it; mid-heights at -h + cut h and h - (1 - cut) h.
+        // A cone is a frustum and a smaller cone on top of it; mid-heights at -h + cut h and h - (1 -
+        // cut) h.
         let (low, high) = (h * cut, h * (1.0 - cut));
         let top = Shape::cone(a * (1.0 - cut), high).mass_properties(amount).unwrap();
         let bottom = MassProperties::frustum(a, a * (1.0 - cut), low, amount).unwrap();
@@ -283,8 +285,8 @@ proptest! {
         let capsule = cylinder + cap.transformed([0.0, h, 0.0], DQuat::IDENTITY).unwrap()
             + cap.transformed([0.0, -h, 0.0], upside_down).unwrap();
         prop_assert!(same_body(&Shape::capsule(a, h).mass_properties(amount).unwrap(), &capsule, tolerance));
-        // A tube is a cylinder without its core, a thick shell a ball without its core. (Subtraction loses
-        // digits.)
+        // A tube is a cylinder without its core, a thick shell a ball without its core.
+        // (Subtraction loses digits.)
         let core = Shape::cylinder(a * cut, h).mass_properties(amount).unwrap();
         let tube = MassProperties::tube(a, a * cut, h, amount).unwrap();
         prop_assert!(close(tube.tensor_about_center(), cylinder.without(&core).unwrap().tensor_about_center(), 1e-13));
@@ -397,12 +399,13 @@ fn check_principal(body: InertiaTensor, moments: DVec3) -> Result<(), TestCaseEr
         v.sort_by(f64::total_cmp);
         DVec3::from(v)
     };
-    // The tensor was rounded when it was put together, and no eigenvalue moves further than the norm of that
-    // (Weyl).
+    // The tensor was rounded when it was put together, and no eigenvalue moves further than the
+    // norm of that (Weyl).
     prop_assert!((sorted(principal.moments) - sorted(moments)).abs().max_element() <= (TURN + JACOBI) * scale);
     prop_assert!(largest(principal.matrix() - body.matrix()) <= (TURN + JACOBI) * scale);
     prop_assert!((principal.axes.length() - 1.0).abs() <= 2.0 * EPS && principal.axes.w >= 0.0);
-    // The nearest of the 24 frames is the one with the largest w; no quarter or third of a turn may better it.
+    // The nearest of the 24 frames is the one with the largest w; no quarter or third of a turn may
+    // better it.
     let (half, root) = (0.5, 0.5_f64.sqrt());
     for turn in [
         [root, 0.0, 0.0, root],
@@ -465,8 +468,8 @@ fn impossible_inertias_say_why() {
     assert!(body.moment_about(DVec3::ZERO).is_nan());
 }
 
-/// A flat plate, `I3 = I1 + I2`, that has been through f32 is still a body; a thin rod turned any way is still
-/// none.
+/// A flat plate, `I3 = I1 + I2`, that has been through f32 is still a body; a thin rod turned any
+/// way is still none.
 #[test]
 fn single_precision_plates_pass_and_rods_do_not() {
     for n in 0..1000 {
@@ -478,21 +481,24 @@ fn single_precision_plates_pass_and_rods_do_not() {
         assert!(matches!(rod.inertia(), Err(InertiaError::NotPositive { .. })), "{turn}");
         // Nor as a matrix that somebody wrote down.
         assert!(InertiaTensor::new(rod.tensor_about_center()).is_err(), "{turn}");
-        // Turned by next to nothing, its own moment is nothing but rounding, however small the element.
+        // Turned by next to nothing, its own moment is nothing but rounding, however small the
+        // element.
         let tilt = DQuat::from_rotation_z(10.0_f64.powf(-0.02 * f64::from(n)));
         let rod = MassProperties::thin_rod(0.7, 3.0).unwrap().transformed(DVec3::ZERO, tilt).unwrap();
         assert!(matches!(rod.inertia(), Err(InertiaError::NotPositive { .. })), "{tilt}");
     }
 }
 
-/// Walls down to an ulp of the radius: the closed forms go over into the thin shell and the thin cylinder.
+/// Walls down to an ulp of the radius: the closed forms go over into the thin shell and the thin
+/// cylinder.
 #[test]
 fn thin_walls_cost_no_digits() {
     for wall in [1e-3, 1e-6, 1e-9, 1e-12, 4.0 * EPS] {
         let inner = 1.0 - wall;
         let thickness = 1.0 - inner; // what is left of it in f64, exactly
         let shell = MassProperties::thick_shell(1.0, inner, Amount::Density(1.0)).unwrap();
-        // V = 4 pi t (1 - t + t^2/3), I = 2/3 m (1 - t + ...): series in the thickness t, next term below.
+        // V = 4 pi t (1 - t + t^2/3), I = 2/3 m (1 - t + ...): series in the thickness t, next term
+        // below.
         let t = thickness;
         let volume = 4.0 * std::f64::consts::PI * t * (1.0 - t + t * t / 3.0);
         assert!((shell.mass() / volume - 1.0).abs() <= 4.0 * EPS, "{wall}");

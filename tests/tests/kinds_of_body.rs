@@ -1,9 +1,10 @@
-//! Promise: what moves is decided by the components an entity has. Without `Momentum` a body is fixed, with a `Velocity` and no
-//! `Momentum` it is kinematic and moves exactly as told; what is not a body, or not all of one, is left alone; nothing
-//! panics, and the caller's own components change nothing.
+//! Promise: what moves is decided by the components an entity has. Without `Momentum` a body is
+//! fixed, with a `Velocity` and no `Momentum` it is kinematic and moves exactly as told; what is
+//! not a body, or not all of one, is left alone; nothing panics, and the caller's own components
+//! change nothing.
 //!
-//! Why: the world is the caller's, and anything may be in it. It fails if a system takes a missing component for granted, or writes to
-//! entities it has no business with.
+//! Why: the world is the caller's, and anything may be in it. It fails if a system takes a missing
+//! component for granted, or writes to entities it has no business with.
 
 #![allow(clippy::unwrap_used, reason = "a test without what it tests is to fail")]
 #![cfg_attr(
@@ -53,8 +54,9 @@ fn a_fixed_body_does_not_move() {
     }
 }
 
-/// A constant angular velocity is a rotation by `|w| t` about it, at any step, of however many turns: no error but of rounding, `EPSILON`
-/// a step for the orientation and `|w| dt EPSILON` for the angle, which is rounded before its sine is taken.
+/// A constant angular velocity is a rotation by `|w| t` about it, at any step, of however many
+/// turns: no error but of rounding, `EPSILON` a step for the orientation and `|w| dt EPSILON` for
+/// the angle, which is rounded before its sine is taken.
 #[test]
 fn a_kinematic_body_turns_exactly() {
     let axis = Vec3::new(2.0, -1.0, 2.0) / 3.0;
@@ -117,14 +119,15 @@ fn a_body_changes_kind_with_its_components() {
     assert!(pose(&world, entity).position.y < falling.position.y);
 }
 
-/// Every subset of a moving body's components: no panic, and only those with all four that motion needs, or a kinematic body's
-/// two, go anywhere.
+/// Every subset of a moving body's components: no panic, and only those with all four that motion
+/// needs, or a kinematic body's two, go anywhere.
 #[test]
 fn any_part_of_a_body_is_taken_as_it_is() {
     let whole = RigidBody::new(Shape::cone(0.3, 0.5)).mass(2.0).damping(Damping { linear: 0.1, angular: 0.1 });
     let whole = whole.linear_velocity(Vec3::X).angular_velocity(Vec3::ONE).gravity_scale(0.5).interpolated();
     let whole = whole.build().unwrap();
-    // Where bodies may act on each other, steps go another way. These do not: they touch no one and pull at no one.
+    // Where bodies may act on each other, steps go another way. These do not: they touch no one and
+    // pull at no one.
     let collider = Collider::new(&Shape::sphere(0.1)).unwrap().with_groups(0, 0);
     let lonely: [&dyn Fn(&mut World) -> Entity; 3] =
         [&|world| whole.spawn(world), &|world| whole.spawn_with(world, (collider.clone(),)), &|world| {
@@ -243,8 +246,9 @@ fn components_of_the_caller_are_kept() {
     }
 }
 
-/// The velocities that a step derives are good to rounding for thin rods too, whichever axis of their own they are long in: turned about that axis,
-/// spinning about another, nothing of the one's small moment may get into the other's.
+/// The velocities that a step derives are good to rounding for thin rods too, whichever axis of
+/// their own they are long in: turned about that axis, spinning about another, nothing of the one's
+/// small moment may get into the other's.
 #[test]
 fn a_thin_rod_has_the_angular_velocity_it_was_given() {
     for long in 0..3 {

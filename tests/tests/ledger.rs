@@ -1,11 +1,12 @@
-//! Promise: the ledger's books balance. The change of kinetic energy is the sum of the works of gravity, applied wrench, damping, each
-//! force law and the integrator, to rounding, under every integrator; the integrator's own share is rounding for `MoserVeselov`
-//! where the others make or lose energy; damping never does positive work. Attaching a ledger changes no bit of the motion, and its
-//! sums do not depend on threads or on how bodies lie in memory.
+//! Promise: the ledger's books balance. The change of kinetic energy is the sum of the works of
+//! gravity, applied wrench, damping, each force law and the integrator, to rounding, under every
+//! integrator; the integrator's own share is rounding for `MoserVeselov` where the others make or
+//! lose energy; damping never does positive work. Attaching a ledger changes no bit of the motion,
+//! and its sums do not depend on threads or on how bodies lie in memory.
 //!
-//! Why: a source of energy that is in no account is a bug that one finds here first. It fails if a work is taken with the velocity
-//! before or after instead of the mean, if a stage's share of the impulse is wrong, or if a law's work goes into
-//! another's account.
+//! Why: a source of energy that is in no account is a bug that one finds here first. It fails if a
+//! work is taken with the velocity before or after instead of the mean, if a stage's share of the
+//! impulse is wrong, or if a law's work goes into another's account.
 
 #![allow(clippy::unwrap_used, reason = "a test without what it tests is to fail")]
 
@@ -99,9 +100,10 @@ fn largest_work(work: &Work) -> f64 {
     [work.gravity, work.applied, work.damping, laws].into_iter().fold(0.0, |most, work| most.max(work.abs()))
 }
 
-/// Two energies, measured by `measure`, against the sum of works. The books are in double precision: each of 500 steps rounds them
-/// relative to all that went in and out. They begin and end with axes in the precision of the build, each rounded by an `EPSILON` or
-/// two; that error does not grow with the steps.
+/// Two energies, measured by `measure`, against the sum of works. The books are in double
+/// precision: each of 500 steps rounds them relative to all that went in and out. They begin and
+/// end with axes in the precision of the build, each rounded by an `EPSILON` or two; that error
+/// does not grow with the steps.
 #[test]
 fn change_of_kinetic_energy_is_the_sum_of_works() {
     for integrator in Integrator::ALL {
@@ -126,9 +128,10 @@ fn change_of_kinetic_energy_is_the_sum_of_works() {
     }
 }
 
-/// What no source did is rounding under `MoserVeselov`, whose kicks and flights make no energy of their own: each of 500 steps rounds the state,
-/// which changes the energy by a few `EPSILON` of what is in motion, at random. The first-order method makes energy on a
-/// tumbling body, a hundred thousand times that in single precision.
+/// What no source did is rounding under `MoserVeselov`, whose kicks and flights make no energy of
+/// their own: each of 500 steps rounds the state, which changes the energy by a few `EPSILON` of
+/// what is in motion, at random. The first-order method makes energy on a tumbling body, a hundred
+/// thousand times that in single precision.
 #[test]
 fn the_integrators_own_share() {
     let share = |integrator| {
@@ -145,13 +148,15 @@ fn the_integrators_own_share() {
     println!("semi-implicit-euler {euler:.1e}, runge-kutta4 {runge_kutta:.1e}, moser-veselov {split:.1e}");
     assert!(split <= 4.0 * EPSILON * 500.0_f64.sqrt(), "{split:e}");
     assert!(euler > 1e-4, "{euler:e}");
-    // The shares of the stages are taken with the mean velocity of start and end, which is off by (w dt)^2/12 of it: 1e-4 here.
+    // The shares of the stages are taken with the mean velocity of start and end, which is off by
+    // (w dt)^2/12 of it: 1e-4 here.
     assert!(runge_kutta <= 1e-4, "{runge_kutta:e}");
 }
 
-/// A fall: gravity's work is `-m g . (x' - x)`, the change of `measure`'s potential. Under `MoserVeselov` and `RungeKutta4` the mean velocity is the true
-/// one, so to rounding; `SemiImplicitEuler` falls `g dt t/2` too far, and the integrator's account does not have it, since its kinetic
-/// energy is right.
+/// A fall: gravity's work is `-m g . (x' - x)`, the change of `measure`'s potential. Under
+/// `MoserVeselov` and `RungeKutta4` the mean velocity is the true one, so to rounding;
+/// `SemiImplicitEuler` falls `g dt t/2` too far, and the integrator's account does not have it,
+/// since its kinetic energy is right.
 #[test]
 fn gravity_does_the_work_of_its_potential() {
     for integrator in Integrator::ALL {
@@ -179,7 +184,8 @@ fn gravity_does_the_work_of_its_potential() {
     }
 }
 
-/// Of each of 2000 mixed bodies, in each of 100 steps, with gravity and laws at work: the damping's own account.
+/// Of each of 2000 mixed bodies, in each of 100 steps, with gravity and laws at work: the damping's
+/// own account.
 #[test]
 fn damping_never_does_positive_work() {
     for integrator in Integrator::ALL {
@@ -208,7 +214,8 @@ fn ledger_len(world: &World) -> usize {
     BodyOrder::of(world).len()
 }
 
-/// Largest change of energy, potentials included, of a body on a spring that a magnet turns, in 4 s.
+/// Largest change of energy, potentials included, of a body on a spring that a magnet turns, in 4
+/// s.
 fn conservative(integrator: Integrator, steps_a_second: u32) -> f64 {
     let mut world = World::new();
     body().build().unwrap().spawn(&mut world);
@@ -226,9 +233,11 @@ fn conservative(integrator: Integrator, steps_a_second: u32) -> f64 {
     worst / start.abs()
 }
 
-/// The energy of a conservative system is off by the integrator's order: halving the step divides it by two and by four, and by 32 under
-/// `RungeKutta4`, whose energy on oscillations is one order better than its trajectory. To the next term, a few per cent; in single precision
-/// the fourth-order method needs steps so coarse to stand above rounding that the next term is half of it.
+/// The energy of a conservative system is off by the integrator's order: halving the step divides
+/// it by two and by four, and by 32 under `RungeKutta4`, whose energy on oscillations is one order
+/// better than its trajectory. To the next term, a few per cent; in single precision the
+/// fourth-order method needs steps so coarse to stand above rounding that the next term is half of
+/// it.
 #[test]
 fn energy_with_potentials_is_kept_to_the_order() {
     let runge_kutta = if DOUBLE { (RungeKutta4, 32, 5.0, 0.1) } else { (RungeKutta4, 12, 5.0, 0.6) };
@@ -274,7 +283,8 @@ fn sums_do_not_depend_on_threads_or_spawn_order() {
     }
 }
 
-/// A ledger changes the archetype of the bodies and the path of the step, but not a bit of the state.
+/// A ledger changes the archetype of the bodies and the path of the step, but not a bit of the
+/// state.
 #[test]
 fn a_ledger_does_not_change_the_motion() {
     for integrator in Integrator::ALL {
@@ -302,7 +312,8 @@ fn a_ledger_does_not_change_the_motion() {
     }
 }
 
-/// The first in order of those whose state is not finite; it is left out of the sums, which stay finite.
+/// The first in order of those whose state is not finite; it is left out of the sums, which stay
+/// finite.
 #[test]
 fn a_body_that_became_non_finite_is_named() {
     let mut world = World::new();
@@ -323,7 +334,8 @@ fn a_body_that_became_non_finite_is_named() {
     assert_eq!(ledger.record(&world, &simulation).totals.non_finite, Some(bodies[4]));
 }
 
-/// Bodies come and go while a ledger is attached: the books go on for those that are in them and are there.
+/// Bodies come and go while a ledger is attached: the books go on for those that are in them and
+/// are there.
 #[test]
 fn bodies_that_are_despawned_or_spawned_meanwhile() {
     let mut world = World::new();
@@ -407,8 +419,9 @@ fn laws_past_the_last_account_share_it() {
     }
 }
 
-/// Works that are known otherwise. A wrench from rest: force times way, torque about a principal axis times angle. A damped body on which
-/// nothing acts: all that it loses. Each to 100 roundings of the state; the split's mean velocity is the true one here.
+/// Works that are known otherwise. A wrench from rest: force times way, torque about a principal
+/// axis times angle. A damped body on which nothing acts: all that it loses. Each to 100 roundings
+/// of the state; the split's mean velocity is the true one here.
 #[test]
 fn works_that_are_known() {
     let mut world = World::new();
@@ -426,7 +439,8 @@ fn works_that_are_known() {
     let pose = *world.get::<&Pose>(pushed).unwrap();
     let angle = 2.0 * f64::atan2(dvec3(pose.orientation.xyz()).z, seconds(pose.orientation.w));
     let expected = 2.0 * dvec3(pose.position).x + 0.5 * angle;
-    // The split turns by the middle velocity of each step, so the angle is right but for the map's sixth order, below rounding.
+    // The split turns by the middle velocity of each step, so the angle is right but for the map's
+    // sixth order, below rounding.
     assert!(angle > 0.1 && (work.applied / expected - 1.0).abs() <= 100.0 * EPSILON, "{work:?}, {expected}");
     assert!(work.integrator.abs() <= 100.0 * EPSILON * expected);
 

@@ -1,8 +1,10 @@
-//! Promise: whatever the body and however long the step, nothing becomes NaN, orientations stay of unit length, momentum is kept, and
-//! `MoserVeselov` keeps the energy to rounding up to 27 rad a step, more than four turns, and within its bounds beyond.
+//! Promise: whatever the body and however long the step, nothing becomes NaN, orientations stay of
+//! unit length, momentum is kept, and `MoserVeselov` keeps the energy to rounding up to 27 rad a
+//! step, more than four turns, and within its bounds beyond.
 //!
-//! Why: a game throws anything at a step: a needle that spins at 10 000 rad/s, a frame that took a second. It fails if Newton's method
-//! diverges, the number of parts overflows, a coefficient cancels for extreme moments, or a length underflows.
+//! Why: a game throws anything at a step: a needle that spins at 10 000 rad/s, a frame that took a
+//! second. It fails if Newton's method diverges, the number of parts overflows, a coefficient
+//! cancels for extreme moments, or a length underflows.
 
 #![allow(clippy::unwrap_used, reason = "a test without what it tests is to fail")]
 #![cfg_attr(
@@ -42,7 +44,8 @@ fn orientation() -> impl Strategy<Value = DQuat> {
     (unit_vector(), -3.2..3.2_f64).prop_map(|(axis, angle)| DQuat::from_axis_angle(axis, angle))
 }
 
-/// Moments of a body with any three second moments of mass up to 10^6 apart, one of which may be zero: flat bodies, needles, balls.
+/// Moments of a body with any three second moments of mass up to 10^6 apart, one of which may be
+/// zero: flat bodies, needles, balls.
 fn moments() -> impl Strategy<Value = DVec3> {
     let second = || prop_oneof![8 => magnitude(-6.0, 0.0), 1 => Just(1.0)];
     (second(), second(), prop_oneof![9 => second(), 1 => Just(0.0)], 0..3_usize).prop_map(|(a, b, c, turn)| {
@@ -67,7 +70,8 @@ struct Case {
 
 fn case() -> impl Strategy<Value = Case> {
     let axes = proptest::option::of(orientation());
-    // A spin exactly about a principal axis as often as any other; turns from 1e-9 to 1000 rad a step.
+    // A spin exactly about a principal axis as often as any other; turns from 1e-9 to 1000 rad a
+    // step.
     let direction = prop_oneof![4 => unit_vector(), 1 => proptest::sample::select(DVec3::AXES.to_vec())];
     let integrator = proptest::sample::select(Integrator::ALL.to_vec());
     (moments(), axes, orientation(), direction, magnitude(-9.0, 3.0), magnitude(-4.0, 0.0), integrator).prop_map(
@@ -105,9 +109,10 @@ impl Case {
     }
 }
 
-/// The map's limit is on `kappa`, at most a third of the squared turn (`(|w| dt)^2/4` for a ball, a third for a flat needle that
-/// turns in its plane): within `LARGEST_KAPPA MAX_PARTS^2` up to a turn of 27 rad for every body, and up to this one where moments a million
-/// times apart, rounded to single precision, move `kappa` by a tenth.
+/// The map's limit is on `kappa`, at most a third of the squared turn (`(|w| dt)^2/4` for a ball, a
+/// third for a flat needle that turns in its plane): within `LARGEST_KAPPA MAX_PARTS^2` up to a
+/// turn of 27 rad for every body, and up to this one where moments a million times apart, rounded
+/// to single precision, move `kappa` by a tenth.
 const LONGEST_MAPPED: f64 = 25.0;
 
 fn length(q: Quat) -> f64 {
@@ -115,7 +120,8 @@ fn length(q: Quat) -> f64 {
     (x * x + y * y + z * z + w * w).sqrt()
 }
 
-/// `|w|` [rad/s] from the state, in double precision: the largest rate at which the body's momentum makes it turn now.
+/// `|w|` [rad/s] from the state, in double precision: the largest rate at which the body's momentum
+/// makes it turn now.
 fn angular_speed(world: &World, entity: Entity) -> f64 {
     let mut query = world.query_one::<(&Pose, &Momentum, &Inertia, Option<&PrincipalAxes>)>(entity);
     let (pose, momentum, inertia, axes) = query.get().unwrap();
@@ -135,7 +141,8 @@ proptest! {
         let start = energy_of(&world, entity);
         let mut simulation = case.simulation();
         for _ in 0..3 {
-            // The rate at which a rounding of the orientation changes the energy, |w x L| times its angle.
+            // The rate at which a rounding of the orientation changes the energy, |w x L| times its
+            // angle.
             let sensitivity = angular_speed(&world, entity) * dvec3(before.angular).length();
             let energy = energy_of(&world, entity);
             simulation.step(&mut world);
@@ -154,13 +161,15 @@ proptest! {
         let momentum = dvec3(before.angular);
         let range = momentum.length_squared() / 2.0 / dvec3(world.get::<&Inertia>(entity).unwrap().moments());
         let end = energy_of(&world, entity);
-        // Turning the momentum into the principal frame and summing up takes a dozen roundings in double precision.
+        // Turning the momentum into the principal frame and summing up takes a dozen roundings in
+        // double precision.
         let slack = 16.0 * f64::EPSILON;
         prop_assert!(end >= range.min_element() * (1.0 - slack) && end <= range.max_element() * (1.0 + slack), "{end:e} J");
         prop_assert!(start > 0.0 || case.turn < 1e-6);
     }
 
-    /// Pushed, twisted and damped at any rate as well: only finiteness and unit length can be promised.
+    /// Pushed, twisted and damped at any rate as well: only finiteness and unit length can be
+    /// promised.
     #[test]
     fn a_driven_body(
         case in case(),
@@ -182,8 +191,8 @@ proptest! {
     }
 }
 
-/// The corners of what the precision of the build can hold, where squares overflow and underflow: `MoserVeselov` leaves a rotation that no
-/// number can hold out, and stays on its feet.
+/// The corners of what the precision of the build can hold, where squares overflow and underflow:
+/// `MoserVeselov` leaves a rotation that no number can hold out, and stays on its feet.
 #[test]
 fn extreme_bodies_stay_finite() {
     let (tiny, huge) = if tumble_tests::DOUBLE { (1e-290, 1e290) } else { (1e-30, 1e30) };
@@ -207,8 +216,9 @@ fn extreme_bodies_stay_finite() {
     }
 }
 
-/// The most unequal moments that the precision admits, a wire's, are ordinary input: nothing becomes NaN. A wire that is thinner is refused
-/// by name, since its angular momentum could not hold its spin.
+/// The most unequal moments that the precision admits, a wire's, are ordinary input: nothing
+/// becomes NaN. A wire that is thinner is refused by name, since its angular momentum could not
+/// hold its spin.
 #[test]
 fn the_thinnest_wire() {
     for integrator in Integrator::ALL {
@@ -234,7 +244,8 @@ fn the_thinnest_wire() {
     assert!(error.to_string().contains("too unequal"), "{error}");
 }
 
-/// An orientation that a caller has set to any length, zero too, is a rotation after a step of a body that turns.
+/// An orientation that a caller has set to any length, zero too, is a rotation after a step of a
+/// body that turns.
 #[test]
 fn an_orientation_of_any_length_is_made_a_rotation() {
     for integrator in Integrator::ALL {

@@ -1,10 +1,10 @@
-//! Promise: what is added to a `Wrench` acts in one step, in all its substeps, and is gone afterwards; a force
-//! component acts in every step until it is removed, and then no more.
+//! Promise: what is added to a `Wrench` acts in one step, in all its substeps, and is gone
+//! afterwards; a force component acts in every step until it is removed, and then no more.
 //!
-//! Why: how long a force lasts is what people get wrong with every engine, and an engine that gets it wrong itself — a
-//! wrench spent in the first of four substeps, a thruster that burns one step longer — is not found by looking. It
-//! fails if
-//! the paths of the step, with forces between bodies or without, consume wrenches at different times.
+//! Why: how long a force lasts is what people get wrong with every engine, and an engine that gets
+//! it wrong itself — a wrench spent in the first of four substeps, a thruster that burns one step
+//! longer — is not found by looking. It fails if the paths of the step, with forces between bodies
+//! or without, consume wrenches at different times.
 
 #![allow(clippy::unwrap_used, reason = "a test without what it tests is to fail")]
 
@@ -36,8 +36,8 @@ fn in_substeps(integrator: Integrator, substeps: u32) -> Simulation {
     simulation
 }
 
-/// Puts two bodies on a spring, and two that attract each other, far from all else: the world is stepped from kick to
-/// kick then.
+/// Puts two bodies on a spring, and two that attract each other, far from all else: the world is
+/// stepped from kick to kick then.
 fn couple(world: &mut World) {
     let mut far = |x: Real| {
         let body = RigidBody::new(Shape::sphere(0.1)).mass(1.0).position(Vec3::new(x, 0.0, 1e3)).gravity_scale(0.0);
@@ -49,9 +49,9 @@ fn couple(world: &mut World) {
     world.spawn((Spring::between(a, b).stiffness(10.0).rest_length(1.0),));
 }
 
-/// The force acts for a step, however many substeps it has: the momentum has `F dt` more, exactly, for all numbers are
-/// short, and the next step adds nothing. It acts in every substep: the way under `MoserVeselov` and
-/// `RungeKutta4` is `F dt^2/2M`.
+/// The force acts for a step, however many substeps it has: the momentum has `F dt` more, exactly,
+/// for all numbers are short, and the next step adds nothing. It acts in every substep: the way
+/// under `MoserVeselov` and `RungeKutta4` is `F dt^2/2M`.
 #[test]
 fn a_wrench_acts_in_one_step() {
     for integrator in Integrator::ALL {
@@ -104,7 +104,8 @@ fn a_wrench_acts_in_the_first_of_many_steps() {
     }
 }
 
-/// Under a component the momentum changes in each of ten steps; without it, from the next step on not a bit.
+/// Under a component the momentum changes in each of ten steps; without it, from the next step on
+/// not a bit.
 fn assert_acts_until_removed<C: Component + Clone>(component: C) {
     let name = std::any::type_name::<C>();
     for integrator in Integrator::ALL {
@@ -151,8 +152,8 @@ fn a_component_acts_until_it_is_removed() {
     assert_eq!(ForceLaws::COMPONENTS.len(), 10, "a kind of component that is not in this test");
 }
 
-/// A spring between bodies acts as long as it is there, and attraction as long as one carries its component and there
-/// is another that does.
+/// A spring between bodies acts as long as it is there, and attraction as long as one carries its
+/// component and there is another that does.
 #[test]
 fn forces_between_bodies_act_until_they_are_removed() {
     for integrator in Integrator::ALL {

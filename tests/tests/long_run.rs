@@ -1,23 +1,28 @@
-//! Promise: a free body can be run for ever. Over a million steps all but on the separatrix `MoserVeselov` keeps angular
-//! momentum to the bit, energy to rounding and orientations of unit length; in double precision it is of sixth order and its
-//! attitude is right at the end of each reference; in either precision bodies flip as often as they should.
+//! Promise: a free body can be run for ever. Over a million steps all but on the separatrix
+//! `MoserVeselov` keeps angular momentum to the bit, energy to rounding and orientations of unit
+//! length; in double precision it is of sixth order and its attitude is right at the end of each
+//! reference; in either precision bodies flip as often as they should.
 //!
-//! Why: what drifts only a little in a test of a second is wrong after an hour. It fails if the inner equation is not
-//! solved to rounding (a fixed number of fixed-point iterations loses 1e-10 of the energy in a million steps), if a
-//! coefficient of the map is off (the order falls to four or two), or if rounding is biased.
+//! Why: what drifts only a little in a test of a second is wrong after an hour. It fails if the
+//! inner equation is not solved to rounding (a fixed number of fixed-point iterations loses 1e-10
+//! of the energy in a million steps), if a coefficient of the map is off (the order falls to four
+//! or two), or if rounding is biased.
 
 use tumble::Integrator::MoserVeselov;
 use tumble_tests::references::{Tumbler, Tumbling};
 use tumble_tests::{DOUBLE, EPSILON, by_precision};
 
-/// A million steps at 1/60 s, more than four hours, of I = (1, 2, 3) spinning at (0.01, 5, 0.01) rad/s.
+/// A million steps at 1/60 s, more than four hours, of I = (1, 2, 3) spinning at (0.01, 5, 0.01)
+/// rad/s.
 ///
-/// Energy: the target. Each step rounds the orientation by about `EPSILON`, and changes the energy by at most about as much of itself: near
-/// the middle axis, where this body is nearly always, far less. At random that is `1e3 EPSILON` in the end, 2e-13 and 1.2e-4; the
-/// targets are 1e-12 and 3e-5.
+/// Energy: the target. Each step rounds the orientation by about `EPSILON`, and changes the energy
+/// by at most about as much of itself: near the middle axis, where this body is nearly always, far
+/// less. At random that is `1e3 EPSILON` in the end, 2e-13 and 1.2e-4; the targets are 1e-12 and
+/// 3e-5.
 ///
-/// Length: `q/|q|` rounds each component by at most `EPSILON/4` and the length by half of the spacing; the length is measured here as
-/// the square root of a sum of squares in f64, which itself is off by at most 3e-16.
+/// Length: `q/|q|` rounds each component by at most `EPSILON/4` and the length by half of the
+/// spacing; the length is measured here as the square root of a sum of squares in f64, which itself
+/// is off by at most 3e-16.
 #[test]
 fn a_million_steps() {
     let run = Tumbler::t_handle().run(MoserVeselov, 1.0 / 60.0, 1_000_000);
@@ -29,8 +34,8 @@ fn a_million_steps() {
     assert_flips(&run, 1.0);
 }
 
-/// The body flips as often as its energy says: exactly, but for the flip that is under way at the end and for the steps across the
-/// separatrix itself, where a period would be infinite.
+/// The body flips as often as its energy says: exactly, but for the flip that is under way at the
+/// end and for the steps across the separatrix itself, where a period would be infinite.
 fn assert_flips(run: &Tumbling, allowed: f64) {
     let difference = (f64::from(run.flips) - run.flips_by_energy).abs();
     println!("{} flips, {:.2} by energy", run.flips, run.flips_by_energy);
@@ -39,10 +44,11 @@ fn assert_flips(run: &Tumbling, allowed: f64) {
 
 /// 600 s at 60 steps a second: 119 and 409 flips. The polhode has to flip exactly as often as that.
 ///
-/// The handle is so near the separatrix (`1 - m` is 8e-6) that in single precision rounding itself moves its period: to store the
-/// orientation changes the energy by 2.5e-6 over the run, at random, and with it `1 - m` by as much as it is. Started in
-/// 200 different orientations, the handle flips 116 times with a standard deviation of 5. What can be asked of one run
-/// is that it flips as often as its energy says.
+/// The handle is so near the separatrix (`1 - m` is 8e-6) that in single precision rounding itself
+/// moves its period: to store the orientation changes the energy by 2.5e-6 over the run, at random,
+/// and with it `1 - m` by as much as it is. Started in 200 different orientations, the handle flips
+/// 116 times with a standard deviation of 5. What can be asked of one run is that it flips as often
+/// as its energy says.
 #[test]
 fn flips_in_ten_minutes() {
     let polhode = Tumbler::polhode().run(MoserVeselov, 1.0 / 60.0, 36_000);
@@ -67,7 +73,8 @@ fn attitude_after_ten_seconds_at_sixty_steps_a_second() {
     assert!(run.attitude_after(10.0) <= 1e-6, "{:e}", run.attitude_after(10.0));
 }
 
-/// The order over 10 s, from steps at which the next term of the error is a few per cent and the error a thousand times rounding.
+/// The order over 10 s, from steps at which the next term of the error is a few per cent and the
+/// error a thousand times rounding.
 #[cfg(feature = "f64")]
 #[test]
 fn observed_order_is_six() {
@@ -83,7 +90,8 @@ fn observed_order_is_six() {
     }
 }
 
-/// The target: 1e-6 rad at the end of the two references that flip, 20 s and 10 s, at 240 steps a second.
+/// The target: 1e-6 rad at the end of the two references that flip, 20 s and 10 s, at 240 steps a
+/// second.
 #[cfg(feature = "f64")]
 #[test]
 fn references_that_flip_are_met_at_240_steps_a_second() {

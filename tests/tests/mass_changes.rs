@@ -1,9 +1,10 @@
-//! Promise: a body in a world can be given another mass, centre and inertia; its frame, its linear momentum and its angular momentum about any point
-//! stay. What impulses and such changes between steps do to the kinetic energy has an entry in the ledger, so that the books sum up. A tensor that was
-//! accepted with a tolerance makes a body.
+//! Promise: a body in a world can be given another mass, centre and inertia; its frame, its linear
+//! momentum and its angular momentum about any point stay. What impulses and such changes between
+//! steps do to the kinetic energy has an entry in the ledger, so that the books sum up. A tensor
+//! that was accepted with a tolerance makes a body.
 //!
-//! Why: an engine whose books leave a remainder without a name has books that no one can check. It fails if the centre moves without its momentum,
-//! if the frame jumps, or if the remainder is lost.
+//! Why: an engine whose books leave a remainder without a name has books that no one can check. It
+//! fails if the centre moves without its momentum, if the frame jumps, or if the remainder is lost.
 
 #![allow(clippy::unwrap_used, reason = "a test without what it tests is to fail")]
 #![cfg_attr(
@@ -96,7 +97,8 @@ fn what_cannot_be_changed_stays() {
     assert_eq!(change_mass_properties(&mut world, body, &ball), Err(ChangeMassError::NotMoving(body)));
 }
 
-/// An impulse of 6 N s on 2 kg at 1 m/s: from 1 J to 16 J; a skater who halves the moment of inertia doubles the energy of the spin.
+/// An impulse of 6 N s on 2 kg at 1 m/s: from 1 J to 16 J; a skater who halves the moment of
+/// inertia doubles the energy of the spin.
 #[test]
 fn the_books_have_what_happens_between_steps() {
     let mut world = World::new();
@@ -121,7 +123,8 @@ fn the_books_have_what_happens_between_steps() {
     assert_eq!(Ledger::watch(&world, &simulation).record(&world, &simulation).between_steps, 0.0);
 }
 
-/// Moments that were published with three digits, of any flat body: what was accepted makes a body, whose moments are possible and within the tolerance.
+/// Moments that were published with three digits, of any flat body: what was accepted makes a body,
+/// whose moments are possible and within the tolerance.
 #[test]
 fn what_is_accepted_with_a_tolerance_makes_a_body() {
     let mut rng = Rng::new(5);

@@ -1,11 +1,13 @@
-//! Promise: an orientation kept as a unit quaternion stays a rotation, to rounding, where one kept as a matrix and integrated by the
-//! same scheme, `dR/dt = [w] R`, drifts away from being one; normalising is all a quaternion needs.
+//! Promise: an orientation kept as a unit quaternion stays a rotation, to rounding, where one kept
+//! as a matrix and integrated by the same scheme, `dR/dt = [w] R`, drifts away from being one;
+//! normalising is all a quaternion needs.
 //!
-//! Why: "quaternions experience far less drift than rotation matrices" is why the engine stores them; here it is with
-//! numbers, which the documentation quotes. It fails if orientations are not normalised.
+//! Why: "quaternions experience far less drift than rotation matrices" is why the engine stores
+//! them; here it is with numbers, which the documentation quotes. It fails if orientations are not
+//! normalised.
 //!
-//! The body is MuJoCo's box, 10 s at 100 steps a second. The matrix is integrated in double precision in either build: its drift is
-//! that of the scheme, not of rounding.
+//! The body is MuJoCo's box, 10 s at 100 steps a second. The matrix is integrated in double
+//! precision in either build: its drift is that of the scheme, not of rounding.
 
 #![allow(clippy::unwrap_used, reason = "a test without what it tests is to fail")]
 #![cfg_attr(
@@ -36,7 +38,8 @@ fn orthogonality_lost(r: DMat3) -> f64 {
     lost.to_cols_array().iter().fold(0.0, |most: f64, entry| most.max(entry.abs()))
 }
 
-/// The course notes' equations of motion with a matrix for a state: `w = R I^-1 R^T L`, `dR/dt = [w] R`.
+/// The course notes' equations of motion with a matrix for a state: `w = R I^-1 R^T L`,
+/// `dR/dt = [w] R`.
 struct MatrixBody {
     moments: DVec3,
     momentum: DVec3,
@@ -88,8 +91,9 @@ fn matrix(step: fn(&mut MatrixBody)) -> DMat3 {
     body.rotation
 }
 
-/// The figures that the documentation quotes: after 10 s the matrix of the first-order scheme has columns 1.8 times too long and
-/// four times the volume, the one of the fourth-order scheme has lost seven digits, and a quaternion is of unit length whatever the scheme.
+/// The figures that the documentation quotes: after 10 s the matrix of the first-order scheme has
+/// columns 1.8 times too long and four times the volume, the one of the fourth-order scheme has
+/// lost seven digits, and a quaternion is of unit length whatever the scheme.
 #[test]
 fn a_matrix_drifts_and_a_quaternion_does_not() {
     let (by_euler, by_runge_kutta) = (matrix(MatrixBody::euler), matrix(MatrixBody::runge_kutta4));
@@ -112,9 +116,10 @@ fn a_matrix_drifts_and_a_quaternion_does_not() {
     }
 }
 
-/// Taken back to the nearest rotation, the matrix is further from the exact attitude than the quaternion of the same scheme: what has
-/// drifted is not only its shape. 2.8 against 2.5 rad at first order, where both have lost their way, 1.4e-6 against 2.4e-7 at fourth. In
-/// single precision the second pair is below what rounding adds in 1000 steps.
+/// Taken back to the nearest rotation, the matrix is further from the exact attitude than the
+/// quaternion of the same scheme: what has drifted is not only its shape. 2.8 against 2.5 rad at
+/// first order, where both have lost their way, 1.4e-6 against 2.4e-7 at fourth. In single
+/// precision the second pair is below what rounding adds in 1000 steps.
 #[test]
 fn a_matrix_made_a_rotation_again_is_further_off_than_the_quaternion() {
     let exact = quaternion(Integrator::MoserVeselov).0;

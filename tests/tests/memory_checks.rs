@@ -1,8 +1,10 @@
-//! Promise: a small world in which all that the engine has is at work, free bodies of every kind, springs, attraction and contacts of every law, takes a few steps with the same bits on one
+//! Promise: a small world in which all that the engine has is at work, free bodies of every kind,
+//! springs, attraction and contacts of every law, takes a few steps with the same bits on one
 //! thread and on two.
 //!
-//! Why: it is what the unsafe code is run with under Miri and the sanitizers, where a step takes seconds: CONTRIBUTING.md has the commands. Numbers of bodies are such that tiles and blocks
-//! are filled up at their ends.
+//! Why: it is what the unsafe code is run with under Miri and the sanitizers, where a step takes
+//! seconds: CONTRIBUTING.md has the commands. Numbers of bodies are such that tiles and blocks are
+//! filled up at their ends.
 
 #![allow(clippy::unwrap_used, reason = "a test without what it tests is to fail")]
 

@@ -1,8 +1,9 @@
-//! Promise: everything that is wrong with a triangle mesh is found and named, with how often; what leaves no doubt is repaired, the
-//! rest refused.
+//! Promise: everything that is wrong with a triangle mesh is found and named, with how often; what
+//! leaves no doubt is repaired, the rest refused.
 //!
-//! Each test breaks a good mesh in one way or several and states what the audit must count. It fails if a defect is missed or
-//! counted twice, if a repair changes the solid that was meant, or if bad data panic.
+//! Each test breaks a good mesh in one way or several and states what the audit must count. It
+//! fails if a defect is missed or counted twice, if a repair changes the solid that was meant, or
+//! if bad data panic.
 
 #![allow(clippy::unwrap_used, clippy::panic, reason = "a mesh that cannot be made is a failed test")]
 
@@ -161,7 +162,8 @@ fn sheets_that_meet_in_a_line_are_refused() {
     assert_eq!(beyond_repair(&merged([a, b])), [MeshDefect::OverfullEdges { edges: 1 }]);
     let fin = with_triangles(&block([1.0; 3]), |triangles| triangles.push([0, 1, 7]));
     let defects = beyond_repair(&fin);
-    // One edge of the block and a diagonal or two have a third triangle; the rest of the fin is open.
+    // One edge of the block and a diagonal or two have a third triangle; the rest of the fin is
+    // open.
     let [MeshDefect::OpenEdges { edges: open }, MeshDefect::OverfullEdges { edges: overfull }] = defects[..] else {
         panic!("{defects:?}")
     };
@@ -284,7 +286,8 @@ fn what_is_not_nested_is_solid() {
             [DQuat::IDENTITY, DQuat::from_rotation_y(0.7), DQuat::from_axis_angle(DVec3::new(0.6, 0.0, 0.8), 2.0)]
         {
             let turned = mesh.transformed(&DAffine3::from_quat(turn)).unwrap();
-            // Turning rounds walls that touch, and those that are flush may then stick out: then what is inside is not.
+            // Turning rounds walls that touch, and those that are flush may then stick out: then
+            // what is inside is not.
             if name.contains("flush") && turn != DQuat::IDENTITY {
                 continue;
             }
@@ -293,7 +296,8 @@ fn what_is_not_nested_is_solid() {
     }
 }
 
-/// Ten thousand bubbles in a ball of foam: each compared with all triangles would be 1e9 comparisons, some seconds.
+/// Ten thousand bubbles in a ball of foam: each compared with all triangles would be 1e9
+/// comparisons, some seconds.
 #[test]
 fn many_parts_take_no_squares() {
     let bubble = sphere(0.01, 0);
@@ -319,7 +323,8 @@ fn what_crosses_itself_so_that_no_matter_is_left_is_refused() {
         Err(MeshError::NoVolume { volume }) => volume,
         other => panic!("{other:?}"),
     };
-    // Two cavities that overlap: what both take away is taken away twice, and more than all is gone.
+    // Two cavities that overlap: what both take away is taken away twice, and more than all is
+    // gone.
     let negative = merged([
         block([1.0; 3]),
         hole([-0.99, -0.99, -0.99], [0.9, 0.99, 0.99]),
@@ -399,7 +404,8 @@ proptest! {
         }
     }
 
-    /// A good mesh broken in ways that can be repaired comes back as it was: triangles turned, in any order, doubled, no vertices shared.
+    /// A good mesh broken in ways that can be repaired comes back as it was: triangles turned, in
+    /// any order, doubled, no vertices shared.
     #[test]
     fn what_was_broken_is_repaired(turned in proptest::collection::vec(any::<bool>(), 56), seed in any::<u64>(), share in any::<bool>()) {
         let good = torus(1.0, 0.4, 7, 4);

@@ -1,10 +1,10 @@
-//! Promise: NASA's check-cases for flight simulations come out as NASA's own tools have them: a tumbling brick slowed by air that
-//! thickens as it falls, a space station with a thruster on for a thousand seconds, a cylinder swung by the gravity gradient for
-//! eight hours.
+//! Promise: NASA's check-cases for flight simulations come out as NASA's own tools have them: a
+//! tumbling brick slowed by air that thickens as it falls, a space station with a thruster on for a
+//! thousand seconds, a cylinder swung by the gravity gradient for eight hours.
 //!
-//! Why: these are laws that depend on time, on velocity, on orientation and on position, over long times, against figures made by others.
-//! It fails if a law sees the wrong time, the wrong frame or the state of another stage, or if the products of inertia are
-//! mixed up.
+//! Why: these are laws that depend on time, on velocity, on orientation and on position, over long
+//! times, against figures made by others. It fails if a law sees the wrong time, the wrong frame or
+//! the state of another stage, or if the products of inertia are mixed up.
 
 #![allow(clippy::unwrap_used, reason = "a test without what it tests is to fail")]
 
@@ -26,7 +26,8 @@ fn body_rates(world: &World, body: Entity) -> DVec3 {
     orientation.conjugate() * dvec3(world.get::<&Velocity>(body).unwrap().angular)
 }
 
-/// Damping by air: about each body axis the torque `-rate w`, with `rate = rho V S len^2/4` from a table in time.
+/// Damping by air: about each body axis the torque `-rate w`, with `rate = rho V S len^2/4` from a
+/// table in time.
 struct AirDamping {
     /// Time \[s\] and `rho V` [kg/m^2 s].
     air: Vec<(f64, f64)>,
@@ -49,9 +50,10 @@ impl ForceLaw for AirDamping {
     }
 }
 
-/// Atmos_03: body rates over 30 s within .02 deg/s of four tools; the fifth is .0706 off an independent integration, to which ours may add
-/// .0044. These are the spreads that the tools have among themselves. 100 steps a second; for the first-order method, whose error
-/// is .06 deg/s there, 1000.
+/// Atmos_03: body rates over 30 s within .02 deg/s of four tools; the fifth is .0706 off an
+/// independent integration, to which ours may add .0044. These are the spreads that the tools have
+/// among themselves. 100 steps a second; for the first-order method, whose error is .06 deg/s
+/// there, 1000.
 #[test]
 fn a_tumbling_brick_is_slowed_by_the_air() {
     let case = parse(include_str!("../data/nesc/atmos03.json"));
@@ -110,7 +112,8 @@ struct GravityGradient {
 
 impl ForceLaw for GravityGradient {
     fn wrench(&self, state: &BodyState<'_>) -> Wrench {
-        // The direction is multiplied with the inertia, since r itself squared does not fit single precision well.
+        // The direction is multiplied with the inertia, since r itself squared does not fit single
+        // precision well.
         let length = dvec3(state.position).length();
         let direction = real_vec3(dvec3(state.position) / length);
         let rate = 3.0 * self.mu / (length * length * length);
@@ -136,7 +139,8 @@ impl ForceLaw for BodyTorque {
     }
 }
 
-/// How far a state is from a reference: metres, metres a second, degrees, and the rate relative to its size.
+/// How far a state is from a reference: metres, metres a second, degrees, and the rate relative to
+/// its size.
 #[derive(Debug)]
 #[cfg_attr(not(feature = "f64"), allow(dead_code, reason = "single precision compares the attitude only"))]
 struct Difference {
@@ -188,7 +192,8 @@ impl Orbit {
         let pose = *self.world.get::<&Pose>(self.body).unwrap();
         let velocity = *self.world.get::<&Velocity>(self.body).unwrap();
         let between = to_inertial.transpose() * DMat3::from_quat(dquat(pose.orientation));
-        // Twice the sine of the angle is the length of what is skew in the matrix; for small angles it is exact where the trace is not.
+        // Twice the sine of the angle is the length of what is skew in the matrix; for small angles
+        // it is exact where the trace is not.
         let skew = between - between.transpose();
         let sine = 0.5 * DVec3::new(skew.y_axis.z, skew.z_axis.x, skew.x_axis.y).length();
         let cosine = 0.5 * (between.x_axis.x + between.y_axis.y + between.z_axis.z - 1.0);
@@ -231,13 +236,16 @@ fn fly(name: &str, integrator: Integrator, dt: Real) -> (Vec<Difference>, Differ
     (on_the_way, end)
 }
 
-/// By `RungeKutta4` at two steps a second, where its own error is below rounding. Position: a rounding of the velocity by
-/// `EPSILON/4` in each of N = 57 600 steps changes the mean motion by three times that, and 5.3 revolutions later the place by
-/// `3 (33 rad) sqrt(N/3) EPSILON/4 r`, 5e-6 m; four times that. Velocity: that times the mean motion, 1.13e-3/s.
+/// By `RungeKutta4` at two steps a second, where its own error is below rounding. Position: a
+/// rounding of the velocity by `EPSILON/4` in each of N = 57 600 steps changes the mean motion by
+/// three times that, and 5.3 revolutions later the place by `3 (33 rad) sqrt(N/3) EPSILON/4 r`,
+/// 5e-6 m; four times that. Velocity: that times the mean motion, 1.13e-3/s.
 ///
-/// Attitude and rate of the station: as JEOD itself differs from an integration in high precision, 1e-10 deg and 3e-13, twice. The cylinder
-/// has only 500 kg m^2 about its axis: rounding L, 14 kg m^2/s, five times a step by 5e-16, at random, turns it about that axis by
-/// `sqrt(5 N) 5e-16/500 t/sqrt(3)`, 9e-12 rad or 5e-10 deg, and the body's view of the rate with it; four times that.
+/// Attitude and rate of the station: as JEOD itself differs from an integration in high precision,
+/// 1e-10 deg and 3e-13, twice. The cylinder has only 500 kg m^2 about its axis: rounding L, 14 kg
+/// m^2/s, five times a step by 5e-16, at random, turns it about that axis by
+/// `sqrt(5 N) 5e-16/500 t/sqrt(3)`, 9e-12 rad or 5e-10 deg, and the body's view of the rate with
+/// it; four times that.
 ///
 /// JEOD agrees with the high-precision integration within 2e-6 m.
 #[cfg(feature = "f64")]
@@ -251,15 +259,16 @@ fn eight_hours_in_orbit_end_as_in_jeod() {
         assert!(end.attitude_degrees <= degrees, "{name}: {end:?}");
         assert!(end.rate <= rate, "{name}: {end:?}");
         for sample in on_the_way {
-            // Samples are printed with twelve digits of metres, so with 1e-5 m, and with 14 of everything else.
+            // Samples are printed with twelve digits of metres, so with 1e-5 m, and with 14 of
+            // everything else.
             assert!(sample.position <= 3e-5 && sample.velocity <= 3e-8, "{name}: {sample:?}");
             assert!(sample.attitude_degrees <= degrees && sample.rate <= rate, "{name}: {sample:?}");
         }
     }
 }
 
-/// The split is of second order under laws: at one step a second it ends 91 m and 8e-4 deg off, and at two steps a second a
-/// quarter of that.
+/// The split is of second order under laws: at one step a second it ends 91 m and 8e-4 deg off, and
+/// at two steps a second a quarter of that.
 #[cfg(feature = "f64")]
 #[test]
 fn moser_veselov_is_of_second_order_in_orbit() {
@@ -273,8 +282,9 @@ fn moser_veselov_is_of_second_order_in_orbit() {
     }
 }
 
-/// In single precision a place in orbit has a spacing of half a metre, so only the station's attitude is compared, which does not depend on
-/// it. 7200 steps of 4 s round it by about four `EPSILON` each, at random, and its rate once: 32 radians of turning.
+/// In single precision a place in orbit has a spacing of half a metre, so only the station's
+/// attitude is compared, which does not depend on it. 7200 steps of 4 s round it by about four
+/// `EPSILON` each, at random, and its rate once: 32 radians of turning.
 #[test]
 fn the_station_turns_right_in_either_precision() {
     let (_, end) = fly("9B", Integrator::RungeKutta4, 4.0);

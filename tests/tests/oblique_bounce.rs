@@ -1,9 +1,11 @@
-//! Promise: a body that hits the ground obliquely leaves with the velocity and spin of the closed form, wherever in a step the
-//! blow falls: balls, corners of boxes, ends of capsules, rims of cylinders; sticking and sliding; any restitution and friction.
-//! But for balls no faster than that a step brings it half as near as its next corner has to come.
+//! Promise: a body that hits the ground obliquely leaves with the velocity and spin of the closed
+//! form, wherever in a step the blow falls: balls, corners of boxes, ends of capsules, rims of
+//! cylinders; sticking and sliding; any restitution and friction. But for balls no faster than that
+//! a step brings it half as near as its next corner has to come.
 //!
-//! Why: the arm of friction once was half the gap too long, so the spin depended on the distance at the start of the step by up
-//! to an eighth. It fails if a point is not on the surface of the body that carries it, or an arm has the wrong sign.
+//! Why: the arm of friction once was half the gap too long, so the spin depended on the distance at
+//! the start of the step by up to an eighth. It fails if a point is not on the surface of the body
+//! that carries it, or an arm has the wrong sign.
 
 #![allow(clippy::unwrap_used, reason = "a body that cannot be made is a failed test")]
 #![cfg_attr(
@@ -46,7 +48,8 @@ impl Draw {
     }
 }
 
-/// A shape that meets the ground at a point `below` its centre of mass, turned so that this point is straight below.
+/// A shape that meets the ground at a point `below` its centre of mass, turned so that this point
+/// is straight below.
 struct Striker {
     shape: Shape,
     /// In its own frame \[m\].
@@ -58,7 +61,8 @@ struct Striker {
 }
 
 impl Striker {
-    /// Whose lowest point is at this place of its own frame when that is below its middle; `least` is half of its least length.
+    /// Whose lowest point is at this place of its own frame when that is below its middle; `least`
+    /// is half of its least length.
     fn on(shape: Shape, point: DVec3, about: f64, least: f64) -> Self {
         let upright = DQuat::from_rotation_arc(point.normalize(), DVec3::NEG_Y);
         let (orientation, below) = (DQuat::from_rotation_y(about) * upright, point.length());
@@ -109,8 +113,9 @@ struct Blow {
 }
 
 impl Blow {
-    /// Velocity and spin after the impulse `J_n = (1 + e) m v_n` and the one of friction, `K^-1 u` where that is within
-    /// `mu J_n` and as much against the slip `u` where not. With the point straight below, neither changes the other's velocity.
+    /// Velocity and spin after the impulse `J_n = (1 + e) m v_n` and the one of friction, `K^-1 u`
+    /// where that is within `mu J_n` and as much against the slip `u` where not. With the point
+    /// straight below, neither changes the other's velocity.
     fn after(&self, below: f64) -> (DVec3, DVec3, bool) {
         let arm = DVec3::NEG_Y * below;
         let slip = (self.velocity + self.spin.cross(arm)) * DVec3::new(1.0, 0.0, 1.0);
@@ -175,8 +180,9 @@ fn in_frame(tensor: DMat3, rotation: DQuat) -> DMat3 {
     rotation * tensor * rotation.transpose()
 }
 
-/// Draws a blow for a body whose radius of gyration is this, and how far the ground is when a step begins: up to twice as far as it
-/// comes in a step, which is up to half the arm, and half of what the next point of the body has to come.
+/// Draws a blow for a body whose radius of gyration is this, and how far the ground is when a step
+/// begins: up to twice as far as it comes in a step, which is up to half the arm, and half of what
+/// the next point of the body has to come.
 fn draw_blow(draw: &mut Draw, striker: &Striker, radius_of_gyration: f64) -> (Blow, Time) {
     let below = striker.below;
     let mass = draw.log_between(1e-3, 1e6);
@@ -201,8 +207,9 @@ struct Seen {
 }
 
 impl Seen {
-    /// Compares with the closed form. Where the arm turns with the body, it has turned when the blow is over by what that spins in
-    /// the four substeps of a step, for it bounces when the step ends; and what the blow does is that much off.
+    /// Compares with the closed form. Where the arm turns with the body, it has turned when the
+    /// blow is over by what that spins in the four substeps of a step, for it bounces when the step
+    /// ends; and what the blow does is that much off.
     fn check(&mut self, case: u64, striker: &Striker, (blow, time): &(Blow, Time)) {
         let (velocity, spin, sticks) = blow.after(striker.below);
         let (found, turning) = simulate(striker, blow, time);
@@ -267,7 +274,8 @@ fn the_end_of_a_capsule_leaves_with_the_spin_of_the_closed_form() {
     check("ends", Striker::end);
 }
 
-/// Different moments: what stops the slip is no longer against it. Which way something slides changes in the blow then, so only what sticks has a closed form.
+/// Different moments: what stops the slip is no longer against it. Which way something slides
+/// changes in the blow then, so only what sticks has a closed form.
 #[test]
 fn what_sticks_with_different_moments_leaves_as_the_closed_form_has_it() {
     let mut seen = Seen::default();

@@ -1,7 +1,8 @@
-//! Promise: the derivative of a state array has the forces between bodies and the laws of a simulation in it: a solver of the caller's that integrates it comes where the engine does.
+//! Promise: the derivative of a state array has the forces between bodies and the laws of a
+//! simulation in it: a solver of the caller's that integrates it comes where the engine does.
 //!
-//! Why: an outside solver that silently leaves out a spring solves another problem. It fails if an end, a sign, a body that the
-//! order does not list, or the time of a law is lost.
+//! Why: an outside solver that silently leaves out a spring solves another problem. It fails if an
+//! end, a sign, a body that the order does not list, or the time of a law is lost.
 
 #![allow(clippy::unwrap_used, reason = "a test without what it tests is to fail")]
 #![cfg_attr(
@@ -110,14 +111,16 @@ fn after_a_second(laws: bool) -> (Vec<Real>, Vec<Real>, Vec<Real>) {
     (outside, found, start)
 }
 
-/// Springs, off the centres and damped, to a fixed body too, gravity among bodies, and a law that knows the time.
+/// Springs, off the centres and damped, to a fixed body too, gravity among bodies, and a law that
+/// knows the time.
 #[test]
 fn an_outside_solver_comes_where_the_engine_does() {
     for laws in [false, true] {
         let (outside, inside, start) = after_a_second(laws);
         let error = largest_difference(&outside, &inside);
         println!("laws {laws}: {error:.1e}, of {:.1}", largest_difference(&inside, &start));
-        // The engine's kicks are of second order, at 10 rad/s off by (w h)^2/24 of what they go through; in single precision 4096 steps are rounded.
+        // The engine's kicks are of second order, at 10 rad/s off by (w h)^2/24 of what they go
+        // through; in single precision 4096 steps are rounded.
         assert!(error <= by_precision(5e-3, 5e-5), "laws {laws}: {error:e}");
         assert!(largest_difference(&inside, &start) > 1.0, "nothing moved");
     }
@@ -125,7 +128,8 @@ fn an_outside_solver_comes_where_the_engine_does() {
     assert!(largest_difference(&with, &without) > 0.1, "the law does nothing");
 }
 
-/// A spring to a point under the derivative is as stiff as it was given, and the derived quantities come with the state.
+/// A spring to a point under the derivative is as stiff as it was given, and the derived quantities
+/// come with the state.
 #[test]
 fn derived_quantities_come_with_the_state() {
     let mut world = scene();

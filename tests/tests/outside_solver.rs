@@ -1,8 +1,10 @@
-//! Promise: the state of all bodies goes into a flat array of 13 numbers a body and back, and `derivative_to_array` is the right-hand
-//! side that any ODE solver can integrate, to the same motion as the engine's own integrators.
+//! Promise: the state of all bodies goes into a flat array of 13 numbers a body and back, and
+//! `derivative_to_array` is the right-hand side that any ODE solver can integrate, to the same
+//! motion as the engine's own integrators.
 //!
-//! Why: it is the interface of the course notes, for those who bring their own solver. It fails if the order of the numbers, a
-//! frame or a force differs from the step's, or if a wrong length panics or leaves the world half written.
+//! Why: it is the interface of the course notes, for those who bring their own solver. It fails if
+//! the order of the numbers, a frame or a force differs from the step's, or if a wrong length
+//! panics or leaves the world half written.
 //!
 //! The solver is `Dop853` of the crate `ode_solvers`: Dormand and Prince's method of order eight.
 
@@ -48,8 +50,8 @@ fn array_of(world: &World, order: &BodyOrder) -> Vec<Real> {
 /// Advances the world by `time` with the outside solver.
 fn solve(world: &mut World, order: &BodyOrder, settings: Settings, time: Real) {
     let start = DVector::from_vec(array_of(world, order));
-    // In single precision the solver's estimate of its error, a sum with weights of up to 40, is itself only good to 5e-6: a smaller
-    // tolerance makes it take ever smaller steps in vain.
+    // In single precision the solver's estimate of its error, a sum with weights of up to 40, is
+    // itself only good to 5e-6: a smaller tolerance makes it take ever smaller steps in vain.
     let tolerance = by_precision(1e-5, 1e-13) as Real;
     let bodies = Bodies { world, order, settings };
     let (safety, beta, least, most) = (0.9, 0.0, 0.333, 6.0);
@@ -78,10 +80,11 @@ fn solve(world: &mut World, order: &BodyOrder, settings: Settings, time: Real) {
 
 /// The four bodies at once, thrown where their source throws them, after 2 s.
 ///
-/// In double precision the solver's tolerance of 1e-13 in each of some hundred steps adds up to 1e-11. In single precision it is 1e-5, and the
-/// time is half a second. The T-handle magnifies errors most: an energy that is off by 1e-13 of itself moves the one flip in this
-/// time by `34e-13/((1 - m) lambda)`, as `tests/convergence.rs` derives, that is its attitude by 3e-7 rad; before the flip, at half a
-/// second, by what has grown from it as `e^(lambda t)`, a hundredfold.
+/// In double precision the solver's tolerance of 1e-13 in each of some hundred steps adds up to
+/// 1e-11. In single precision it is 1e-5, and the time is half a second. The T-handle magnifies
+/// errors most: an energy that is off by 1e-13 of itself moves the one flip in this time by
+/// `34e-13/((1 - m) lambda)`, as `tests/convergence.rs` derives, that is its attitude by 3e-7 rad;
+/// before the flip, at half a second, by what has grown from it as `e^(lambda t)`, a hundredfold.
 #[test]
 fn an_outside_solver_finds_the_exact_motion() {
     let bodies = [FreeBody::van_zon_top(), FreeBody::drake_cylinder(), FreeBody::t_handle(), FreeBody::mujoco_box()];
@@ -105,11 +108,12 @@ fn an_outside_solver_finds_the_exact_motion() {
     }
 }
 
-/// Damped, pushed, heavier or lighter, with principal axes of their own: the derivative is that of the motion which the engine's
-/// fourth-order integrator makes in small steps.
+/// Damped, pushed, heavier or lighter, with principal axes of their own: the derivative is that of
+/// the motion which the engine's fourth-order integrator makes in small steps.
 ///
-/// Differences are relative to the larger of the vector's lengths at start and end. A substep of a millisecond leaves `(w dt)^4`, some 1e-9 in
-/// all at 10 rad/s; in single precision a thousand additions leave `1000 EPSILON`.
+/// Differences are relative to the larger of the vector's lengths at start and end. A substep of a
+/// millisecond leaves `(w dt)^4`, some 1e-9 in all at 10 rad/s; in single precision a thousand
+/// additions leave `1000 EPSILON`.
 #[test]
 fn the_derivative_has_all_the_forces_of_a_step() {
     let spawn = || {
@@ -157,7 +161,8 @@ fn the_array_is_in_the_order_of_the_course_notes() {
     assert_eq!(array_of(&world, &order), expected);
 }
 
-/// There and back, nothing changes; but for orientations, which are normalised on the way back and may be rounded by it.
+/// There and back, nothing changes; but for orientations, which are normalised on the way back and
+/// may be rounded by it.
 #[test]
 fn there_and_back_again() {
     let mut world = mixed_moving_bodies(200);
@@ -228,7 +233,8 @@ fn no_bodies_no_numbers() {
     assert_eq!(derivative_to_array(&world, &Settings::default(), &order, &[], &mut []), Ok(()));
 }
 
-/// The derivative itself, on a body whose numbers are easy: `dx/dt = P/M`, `dq/dt = 1/2 [0, w] q`, `dP/dt = F`, `dL/dt = tau`.
+/// The derivative itself, on a body whose numbers are easy: `dx/dt = P/M`, `dq/dt = 1/2 [0, w] q`,
+/// `dP/dt = F`, `dL/dt = tau`.
 #[test]
 fn the_rates_of_one_body() {
     let mut world = World::new();

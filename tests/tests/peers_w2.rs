@@ -1,10 +1,12 @@
-//! Promise: of the engines that were measured on two free bodies over ten minutes, none keeps energy, angular momentum or
-//! attitude better than `MoserVeselov` does in the same precision, and none at all in double precision. The same holds of the count of
-//! flips, but for the handle in single precision, where rounding decides it (`tests/long_run.rs`).
+//! Promise: of the engines that were measured on two free bodies over ten minutes, none keeps
+//! energy, angular momentum or attitude better than `MoserVeselov` does in the same precision, and
+//! none at all in double precision. The same holds of the count of flips, but for the handle in
+//! single precision, where rounding decides it (`tests/long_run.rs`).
 //!
 //! Why: it is the claim of the README. It fails when the figures quoted there are no longer ours.
 //!
-//! The others' figures are in `data/peers/w2.json`; `cargo run --release --example integrators -- --peers` prints the table.
+//! The others' figures are in `data/peers/w2.json`;
+//! `cargo run --release --example integrators -- --peers` prints the table.
 
 use tumble::Integrator::MoserVeselov;
 use tumble_tests::references::{Tumbler, Tumbling};
@@ -14,7 +16,8 @@ fn ours(body: &Tumbler) -> Tumbling {
     body.run(MoserVeselov, 1.0 / 60.0, 36_000)
 }
 
-/// Eleven rows of eight engines. The figures of single precision are compared with those of single-precision engines.
+/// Eleven rows of eight engines. The figures of single precision are compared with those of
+/// single-precision engines.
 #[test]
 fn no_engine_does_better() {
     for body in [Tumbler::t_handle(), Tumbler::polhode()] {
@@ -34,16 +37,17 @@ fn no_engine_does_better() {
             let attitude = run.attitude_after(10.0);
             assert!(attitude < peer.attitude, "{}: {} has {:e}", body.name, peer.engine, peer.attitude);
             let missed = |flips: u32| flips.abs_diff(body.flips);
-            // Bullet, losing 97 % of the energy, has the right count of flips by chance; and in single precision the
-            // handle's count is a matter of rounding for us as well (tests/long_run.rs).
+            // Bullet, losing 97 % of the energy, has the right count of flips by chance; and in
+            // single precision the handle's count is a matter of rounding for us as well
+            // (tests/long_run.rs).
             let by_chance = peer.energy < -0.9 || (!DOUBLE && body.name == "thandle");
             assert!(by_chance || missed(run.flips) <= missed(peer.flips), "{}: {} flips", peer.engine, peer.flips);
         }
     }
 }
 
-/// The map itself, without the error of the method: energy to rounding. Over 36 000 steps a rounding of `EPSILON` each adds up to
-/// `190 EPSILON` at random, 4e-14 and 2.3e-5.
+/// The map itself, without the error of the method: energy to rounding. Over 36 000 steps a
+/// rounding of `EPSILON` each adds up to `190 EPSILON` at random, 4e-14 and 2.3e-5.
 #[test]
 fn energy_is_kept_to_rounding() {
     for body in [Tumbler::t_handle(), Tumbler::polhode()] {

@@ -1,6 +1,8 @@
-//! Promise: `PhaseTimes` tells where the time of steps went: to the systems always, to springs and contacts where there are any, and never more than has passed.
+//! Promise: `PhaseTimes` tells where the time of steps went: to the systems always, to springs and
+//! contacts where there are any, and never more than has passed.
 //!
-//! Why: who looks for what is slow looks there first. It fails when a part of the step is booked as another, or twice.
+//! Why: who looks for what is slow looks there first. It fails when a part of the step is booked as
+//! another, or twice.
 
 #![allow(clippy::unwrap_used, reason = "a body that cannot be made is a failed test")]
 

@@ -1,6 +1,8 @@
-//! Promise: with the feature `profiling` a profiler sees each phase of the step, and the worlds of a batch, as often as they run.
+//! Promise: with the feature `profiling` a profiler sees each phase of the step, and the worlds of
+//! a batch, as often as they run.
 //!
-//! Why: one who looks for lost time in a game wants to see the engine beside the rest. It fails if a scope is dropped with a rewrite of the step.
+//! Why: one who looks for lost time in a game wants to see the engine beside the rest. It fails if
+//! a scope is dropped with a rewrite of the step.
 
 #![allow(clippy::unwrap_used, reason = "a test without what it tests is to fail")]
 
@@ -82,7 +84,8 @@ fn every_phase_is_seen() {
         assert_eq!(scopes(|| integrate(&mut bodies, &settings)), counts([("tumble::integrate", 1)]));
         assert_eq!(scopes(|| update_derived(&mut bodies)), counts([(derive, 1)]));
 
-        // Laws make no difference; where work is booked the systems run one after the other in every step.
+        // Laws make no difference; where work is booked the systems run one after the other in
+        // every step.
         simulation.add_global_law(Still);
         let steps = scopes(|| simulation.step_many(&mut bodies, 3));
         assert_eq!(steps, counts([("tumble::step", 1), ("tumble::step_chunk", 1), (kinematic, 1)]));

@@ -1,8 +1,9 @@
-//! Promise: a dropped and a thrown body follow the parabola `x + v t + g t^2/2`. `RungeKutta4` and `MoserVeselov` are on it to rounding;
-//! `SemiImplicitEuler` is off by exactly `g dt t/2`, since it moves with the velocity at the end of each step. Rotation does not
-//! disturb the flight.
+//! Promise: a dropped and a thrown body follow the parabola `x + v t + g t^2/2`. `RungeKutta4` and
+//! `MoserVeselov` are on it to rounding; `SemiImplicitEuler` is off by exactly `g dt t/2`, since it
+//! moves with the velocity at the end of each step. Rotation does not disturb the flight.
 //!
-//! Why: the first thing anyone simulates. It fails if gravity acts twice, on momentum without the mass, or a half kick is missing.
+//! Why: the first thing anyone simulates. It fails if gravity acts twice, on momentum without the
+//! mass, or a half kick is missing.
 
 #![allow(clippy::unwrap_used, reason = "a test without what it tests is to fail")]
 #![cfg_attr(
@@ -21,13 +22,14 @@ use tumble::{Integrator, Pose, RigidBody, Settings, Shape, Simulation, Velocity}
 use tumble_tests::references::real_vec3;
 use tumble_tests::{DOUBLE, EPSILON, FreeBody, dvec3, run, seconds, simulation};
 
-/// Steps a second: a power of two, so times are exact. In single precision few enough for the known offset of the
-/// first-order scheme to stand above the rounding of every step.
+/// Steps a second: a power of two, so times are exact. In single precision few enough for the known
+/// offset of the first-order scheme to stand above the rounding of every step.
 const RATE: u32 = if DOUBLE { 1024 } else { 64 };
 const DT: Real = 1.0 / RATE as Real;
 
-/// Rounding of the position and the momentum in every step, if all of it goes one way. The position is rounded by `EPSILON/2` of its
-/// size, twice, and so are momentum and velocity, which move it for the rest of the time.
+/// Rounding of the position and the momentum in every step, if all of it goes one way. The position
+/// is rounded by `EPSILON/2` of its size, twice, and so are momentum and velocity, which move it
+/// for the rest of the time.
 fn rounding(steps: u32, farthest: f64, fastest: f64) -> f64 {
     let steps = f64::from(steps);
     EPSILON * steps * (farthest + fastest * steps * seconds(DT))
@@ -90,7 +92,8 @@ fn thrown_bodies_are_on_their_parabola() {
     }
 }
 
-/// The Gazebo benchmark publishes 0.049 m for engines with this scheme, at a step of 1 ms after 10 s: `9.8 * 10 * 0.001/2`.
+/// The Gazebo benchmark publishes 0.049 m for engines with this scheme, at a step of 1 ms after 10
+/// s: `9.8 * 10 * 0.001/2`.
 #[cfg(feature = "f64")]
 #[test]
 fn the_offset_is_the_one_the_benchmark_publishes() {

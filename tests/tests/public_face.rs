@@ -1,8 +1,10 @@
-//! Promise: what a newcomer sees first is there and true: every public type and function that a library re-exports has an example, and
-//! the program in the guide to embedding is the one that is compiled.
+//! Promise: what a newcomer sees first is there and true: every public type and function that a
+//! library re-exports has an example, and the program in the guide to embedding is the one that is
+//! compiled.
 //!
-//! Why: examples are what is read and copied. The other blocks of the documents are compiled as doctests; a block that needs a window
-//! cannot be. It fails when a type becomes public without an example, or when guide and program drift apart.
+//! Why: examples are what is read and copied. The other blocks of the documents are compiled as
+//! doctests; a block that needs a window cannot be. It fails when a type becomes public without an
+//! example, or when guide and program drift apart.
 
 #![allow(clippy::unwrap_used, reason = "a test without what it tests is to fail")]
 
@@ -27,14 +29,16 @@ fn sources(directory: &Path) -> Vec<PathBuf> {
     within.filter(|path| path.extension().is_some_and(|ending| ending == "rs")).collect()
 }
 
-/// All words of the `pub use` lines: the names that are re-exported, and those of the modules on the way.
+/// All words of the `pub use` lines: the names that are re-exported, and those of the modules on
+/// the way.
 fn reexported(library: &str) -> BTreeSet<String> {
     let uses = library.split("pub use ").skip(1).filter_map(|rest| rest.split(';').next());
     let words = uses.flat_map(|list| list.split(|c: char| !c.is_alphanumeric() && c != '_'));
     words.filter(|word| !word.is_empty()).map(str::to_owned).collect()
 }
 
-/// The public items at the top of a source, with the lines right above each: its documentation and attributes.
+/// The public items at the top of a source, with the lines right above each: its documentation and
+/// attributes.
 fn items(source: &str) -> impl Iterator<Item = (&str, Vec<&str>)> {
     let lines: Vec<&str> = source.lines().collect();
     (0..lines.len()).filter_map(move |i| {

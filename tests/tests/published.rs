@@ -1,6 +1,7 @@
 //! Promise: where other teams have published how far their engine is off, ours is off by no more.
 //!
-//! Why: it is what the README's comparisons rest on. It fails when a change makes us worse than what is already there.
+//! Why: it is what the README's comparisons rest on. It fails when a change makes us worse than
+//! what is already there.
 //!
 //! Figures and sources are in `data/published/published.json`.
 
@@ -32,8 +33,8 @@ struct Errors {
     velocity: f64,
 }
 
-/// All four are against the exact solution, over the whole run, as the benchmark takes them: a difference of vectors, of joules, of metres, of
-/// m/s.
+/// All four are against the exact solution, over the whole run, as the benchmark takes them: a
+/// difference of vectors, of joules, of metres, of m/s.
 fn thrown_box(dt: f64) -> Errors {
     let body = FreeBody::gazebo_boxes();
     let throw = body.translation.unwrap();
@@ -58,10 +59,11 @@ fn thrown_box(dt: f64) -> Errors {
     worst
 }
 
-/// ODE, Bullet, Simbody and DART at three steps. Angular momentum is kept to the bit. Energy and position are compared in double precision,
-/// which theirs are in; in single precision adding `g dt` to 100 m/s ten thousand times rounds away a part in a thousand of it.
-/// Velocity is rounding for all of us, so it is not a competition: ours has to be below 1e-9 m/s, an `EPSILON` of 100 m/s for
-/// each of 100 000 steps.
+/// ODE, Bullet, Simbody and DART at three steps. Angular momentum is kept to the bit. Energy and
+/// position are compared in double precision, which theirs are in; in single precision adding
+/// `g dt` to 100 m/s ten thousand times rounds away a part in a thousand of it. Velocity is
+/// rounding for all of us, so it is not a competition: ours has to be below 1e-9 m/s, an `EPSILON`
+/// of 100 m/s for each of 100 000 steps.
 #[test]
 fn the_thrown_box_of_gazebos_benchmark() {
     let rows = published("gazebo");
@@ -81,8 +83,9 @@ fn the_thrown_box_of_gazebos_benchmark() {
     }
 }
 
-/// MuJoCo's box, 500 steps of 0.01 s: `Euler` gains 9 % of the energy, `implicitfast` loses 7 % and .005 of the angular momentum. Ours keeps
-/// angular momentum to the bit and energy to 500 roundings at random, each of at most a few `EPSILON`.
+/// MuJoCo's box, 500 steps of 0.01 s: `Euler` gains 9 % of the energy, `implicitfast` loses 7 % and
+/// .005 of the angular momentum. Ours keeps angular momentum to the bit and energy to 500 roundings
+/// at random, each of at most a few `EPSILON`.
 #[test]
 fn mujocos_box() {
     let body = FreeBody::mujoco_box();
@@ -103,9 +106,10 @@ fn mujocos_box() {
     }
 }
 
-/// Ten methods of the literature at the same steps: of first, second and fourth order, explicit and implicit, splitting and
-/// energy-keeping. Ours has a smaller attitude error than every one, and a smaller energy error than every one but the two that are the same map
-/// at second order, which keep it to rounding as well.
+/// Ten methods of the literature at the same steps: of first, second and fourth order, explicit and
+/// implicit, splitting and energy-keeping. Ours has a smaller attitude error than every one, and a
+/// smaller energy error than every one but the two that are the same map at second order, which
+/// keep it to rounding as well.
 #[cfg(feature = "f64")]
 #[test]
 fn ten_methods_at_the_same_step() {
@@ -130,7 +134,8 @@ fn ten_methods_at_the_same_step() {
         println!("{row}: ours {attitude:.1e} rad, {energy:.1e}");
         assert!(attitude < number(&row["attitude"]), "{row}: {attitude:e} rad");
         let keeps_energy = ["implicit_midpoint_lie", "rattle_dmv"].iter().any(|method| row["method"] == *method);
-        // Theirs is rounding too, so it is not a competition: 1e4 steps of `EPSILON/4` each, at random, are 6e-15.
+        // Theirs is rounding too, so it is not a competition: 1e4 steps of `EPSILON/4` each, at
+        // random, are 6e-15.
         let allowed = if keeps_energy { 2e-14 } else { number(&row["energy"]) };
         assert!(energy <= allowed, "{row}: {energy:e}");
     }

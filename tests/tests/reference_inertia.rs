@@ -1,9 +1,9 @@
 //! Promise: mass, centre of mass, inertia and principal moments agree with published figures.
 //!
-//! Every figure of `tests/data/inertia_*.json` is compared at the tolerance stated in the file, relative to the
-//! largest figure of its kind (a zero has no relative error of its own). It fails if a formula of a shape, the
-//! parallel-axis theorem, a frame or a sign is wrong, and prints the worst error of each file when asked with
-//! `--nocapture`.
+//! Every figure of `tests/data/inertia_*.json` is compared at the tolerance stated in the file,
+//! relative to the largest figure of its kind (a zero has no relative error of its own). It fails
+//! if a formula of a shape, the parallel-axis theorem, a frame or a sign is wrong, and prints the
+//! worst error of each file when asked with `--nocapture`.
 
 #![allow(clippy::unwrap_used, clippy::panic, reason = "a figure that cannot be read or made is a failed test")]
 
@@ -93,8 +93,8 @@ fn shapes() {
         check.vector(name, actual.center_of_mass() + DVec3::Y * lift, vector(&record["com"]), 1.0);
         let tensor = actual.tensor_about_center();
         check.matrix(name, tensor, DMat3::from_diagonal(vector(&record["inertia_com"])));
-        // A rod has no moment about itself and so no valid inertia; all the others have one, the disc
-        // with the triangle inequality as an equality included.
+        // A rod has no moment about itself and so no valid inertia; all the others have one, the
+        // disc with the triangle inequality as an equality included.
         assert_eq!(actual.inertia().is_err(), name == "thin_rod_y", "{name}");
     }
     check.report();
@@ -127,7 +127,8 @@ fn apollo_lunar_module() {
     check.scalar("mass", whole.mass(), number(&tree["jeod_mass"]));
     check.vector("centre", whole.center_of_mass(), vector(&tree["computed_com"]), 1.0);
     check.matrix("inertia", whole.tensor_about_center(), matrix(&tree["computed_inertia"]));
-    // JEOD prints five decimals of the centre and six of the inertia: half a unit of the last place.
+    // JEOD prints five decimals of the centre and six of the inertia: half a unit of the last
+    // place.
     assert!((whole.center_of_mass() - vector(&tree["jeod_com_in_root_struct"])).abs().max_element() <= 0.5e-5);
     let jeod = DMat3::from_diagonal(vector(&tree["jeod_inertia_diag_about_com"]));
     assert!(largest(whole.tensor_about_center() - jeod) <= 0.5e-6 * 1.1);
@@ -147,8 +148,8 @@ fn two_hemispheres_are_a_sphere() {
     let sphere = parts.reduce(|a, b| a + b).unwrap();
     check_identity(&mut check, "parts", &sphere, &identity["expected"]);
 
-    // The same from our own hemispheres, radius 1.5 and density 50, dome up and dome down, about (0, 2, 0)
-    // along y.
+    // The same from our own hemispheres, radius 1.5 and density 50, dome up and dome down, about
+    // (0, 2, 0) along y.
     let half = MassProperties::hemisphere(1.5, Amount::Density(50.0)).unwrap();
     let up = half.transformed([0.0, 0.0, 0.0], DQuat::IDENTITY).unwrap();
     let down = half.transformed([0.0, 0.0, 0.0], DQuat::from_rotation_x(std::f64::consts::PI)).unwrap();

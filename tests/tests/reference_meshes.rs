@@ -1,8 +1,9 @@
-//! Promise: volume, centre of mass and inertia of what a triangle mesh bounds agree with exact figures, wherever it is and however it is
-//! turned; what bounds nothing is refused.
+//! Promise: volume, centre of mass and inertia of what a triangle mesh bounds agree with exact
+//! figures, wherever it is and however it is turned; what bounds nothing is refused.
 //!
-//! The figures of `tests/data/inertia_meshes.json` were computed in rational numbers from the files in `tests/data/meshes`. It fails if
-//! an integral, a sign or a frame is wrong, or if digits are lost far from the origin.
+//! The figures of `tests/data/inertia_meshes.json` were computed in rational numbers from the files
+//! in `tests/data/meshes`. It fails if an integral, a sign or a frame is wrong, or if digits are
+//! lost far from the origin.
 
 #![allow(clippy::unwrap_used, clippy::panic, reason = "a figure that cannot be read or made is a failed test")]
 
@@ -99,21 +100,24 @@ fn far_away_nothing_is_lost_but_what_the_vertices_lose() {
     let file = figures();
     for (record, mesh) in solids(&file) {
         let name = record["file"].as_str().unwrap();
-        // First with vertices on a grid of 2^-20 m, shifted by 2^20 m: exact, so that near and far are the same body.
+        // First with vertices on a grid of 2^-20 m, shifted by 2^20 m: exact, so that near and far
+        // are the same body.
         let grid: Vec<DVec3> = mesh.positions().iter().map(|p| (*p * 1048576.0).round() / 1048576.0).collect();
         let near = TriangleMesh::new(grid, mesh.triangles()).unwrap();
         let offset = DVec3::new(1048576.0, -2097152.0, 3145728.0);
         let far = near.transformed(&DAffine3::from_translation(offset)).unwrap();
         let [near, far] = [near, far].map(|mesh| properties(&mesh.solid().unwrap()));
         let (tensor, shifted) = (near.tensor_about_center(), far.tensor_about_center());
-        // The same integrals with the same numbers, but for the rounding of the shift to local coordinates near the origin.
+        // The same integrals with the same numbers, but for the rounding of the shift to local
+        // coordinates near the origin.
         assert!(largest(tensor - shifted) <= 1e-14 * largest(tensor), "{name}");
         assert!(relative(far.mass(), near.mass()) <= 1e-14, "{name}");
         // The centre itself is a number of some 1e6 m: half a unit of its last place.
         assert!((far.center_of_mass() - offset - near.center_of_mass()).abs().max_element() <= 2.4e-10, "{name}");
 
-        // Then as it is, shifted by 1e6 m on each axis, which rounds the vertices to half of 1.2e-10 m: the surface moves by at
-        // most sqrt(3) times that, and its area times the shift times the largest squared distance bounds what the tensor changes.
+        // Then as it is, shifted by 1e6 m on each axis, which rounds the vertices to half of
+        // 1.2e-10 m: the surface moves by at most sqrt(3) times that, and its area times the shift
+        // times the largest squared distance bounds what the tensor changes.
         let far = mesh.transformed(&DAffine3::from_translation(DVec3::splat(1e6))).unwrap();
         let [near, far] = [mesh, far].map(|mesh| (mesh.audit(), properties(&mesh.solid().unwrap())));
         let shift = 3.0_f64.sqrt() * 0.5 * 2.0_f64.powi(-33);
@@ -143,7 +147,8 @@ fn a_turned_mesh_has_the_turned_tensor() {
             assert!(largest(moved.tensor_about_center() - tensor) <= 1e-13 * largest(tensor), "{name}");
             assert!((moved.center_of_mass() - expected.center_of_mass()).length() <= 1e-13 * 10.0, "{name}");
         }
-        // A mirror image keeps its outside; the products of inertia with the mirrored axis change sign.
+        // A mirror image keeps its outside; the products of inertia with the mirrored axis change
+        // sign.
         let mirror = DMat3::from_diagonal(DVec3::new(-1.0, 1.0, 1.0));
         let mirrored = properties(&mesh.transformed(&DAffine3::from_mat3(mirror)).unwrap().solid().unwrap());
         let tensor = mirror * near.tensor_about_center() * mirror;
@@ -206,8 +211,9 @@ fn a_cavity_is_taken_away() {
     assert!(largest(actual.tensor_about_center() - tensor) <= 1e-14 * largest(tensor));
 }
 
-/// The facets lie inside the torus: its volume is `2 pi^2 R r^2`, and with n sides to the tube and m around, what lacks goes
-/// with 1/n^2 and 1/m^2. Exactly, the volume of such a torus is that of the regular polygons it is swept from.
+/// The facets lie inside the torus: its volume is `2 pi^2 R r^2`, and with n sides to the tube and
+/// m around, what lacks goes with 1/n^2 and 1/m^2. Exactly, the volume of such a torus is that of
+/// the regular polygons it is swept from.
 #[test]
 fn a_finely_divided_torus_comes_near_the_smooth_one() {
     let (ring, tube) = (2.0, 0.5);
@@ -231,7 +237,8 @@ fn points(count: std::ops::Range<usize>) -> impl Strategy<Value = Vec<DVec3>> {
 }
 
 proptest! {
-    /// A convex solid is cut into tetrahedra from one of its corners, whose mass properties have a closed form of their own.
+    /// A convex solid is cut into tetrahedra from one of its corners, whose mass properties have a
+    /// closed form of their own.
     #[test]
     fn a_convex_solid_is_the_sum_of_its_tetrahedra(points in points(8..40), far in -1e3..1e3_f64) {
         let hull = convex_hull(&points).unwrap();

@@ -1,9 +1,9 @@
-//! Promise: every way to write a rotation agrees with 40-digit figures, both ways, tiny angles, half turns and
-//! all branches included.
+//! Promise: every way to write a rotation agrees with 40-digit figures, both ways, tiny angles,
+//! half turns and all branches included.
 //!
-//! Every figure of `tests/data/rotations_*.json` is compared at the tolerance stated in the file. glam's own
-//! conversions are compared where this project relies on them, so an update of glam that loses digits fails
-//! here. Worst errors are printed with `--nocapture`.
+//! Every figure of `tests/data/rotations_*.json` is compared at the tolerance stated in the file.
+//! glam's own conversions are compared where this project relies on them, so an update of glam that
+//! loses digits fails here. Worst errors are printed with `--nocapture`.
 
 #![allow(clippy::unwrap_used, clippy::panic, reason = "a figure that cannot be read or made is a failed test")]
 
@@ -95,8 +95,9 @@ fn euler_angles() {
     let file = parse(include_str!("../data/rotations_euler.json"));
     let mut check = Check::new("rotations_euler", &file);
     let mut back = Check::new("rotations_euler, angles back", &file);
-    // Angles from a rounded quaternion: 1.1e-16 in each component is up to 2/cos(71.25 deg) = 6.2 times that in
-    // the first and the third angle, on top of their own rounding (4.4e-16 above 2 rad).
+    // Angles from a rounded quaternion: 1.1e-16 in each component is up to 2/cos(71.25 deg) = 6.2
+    // times that in the first and the third angle, on top of their own rounding (4.4e-16 above 2
+    // rad).
     back.tolerance = 2e-15;
     assert_eq!(list(&file, "vectors").len(), 36);
     for record in list(&file, "vectors") {

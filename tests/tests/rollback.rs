@@ -1,8 +1,9 @@
-//! Promise: two peers that hear of each other's inputs late end in the state of a run that knew all in time, to the bit. A `Rollback` goes back
-//! to any of the saves it keeps, sets time back with the state, changes nothing where it cannot, and once it is full takes no more memory.
+//! Promise: two peers that hear of each other's inputs late end in the state of a run that knew all
+//! in time, to the bit. A `Rollback` goes back to any of the saves it keeps, sets time back with
+//! the state, changes nothing where it cannot, and once it is full takes no more memory.
 //!
-//! Why: it is what rollback netcode is built on; a part of the state that is not set back shows as a desync that no one finds. The peers are
-//! those of the example `rollback`.
+//! Why: it is what rollback netcode is built on; a part of the state that is not set back shows as
+//! a desync that no one finds. The peers are those of the example `rollback`.
 
 #![allow(clippy::unwrap_used, reason = "a test without what it tests is to fail")]
 
@@ -126,7 +127,8 @@ fn only_what_is_kept_can_be_gone_back_to() {
     assert!(nothing.is_empty() && nothing.snapshot(0).is_none());
 }
 
-/// A second save of a step, as at the start of a replay or after the caller changed something, takes the place of the first.
+/// A second save of a step, as at the start of a replay or after the caller changed something,
+/// takes the place of the first.
 #[test]
 fn a_step_is_kept_once() {
     let (mut world, mut simulation) = (mixed_bodies(32), simulation(Integrator::default()));
@@ -185,7 +187,8 @@ fn a_failed_save_is_not_kept() {
     assert_eq!((rollback.len(), rollback.at_step(5).unwrap().state_hash()), (3, hash(&world)));
 }
 
-/// All buffers are counted; saving and rewinding in any pattern takes no more than it did once, and that is what is stated.
+/// All buffers are counted; saving and rewinding in any pattern takes no more than it did once, and
+/// that is what is stated.
 #[test]
 fn a_full_ring_takes_no_more_memory() {
     const BODIES: usize = 2000;
@@ -202,7 +205,8 @@ fn a_full_ring_takes_no_more_memory() {
     round(&mut world, &mut simulation, &mut rollback);
     let warm = rollback.memory();
     let a_body = if size_of::<Real>() == 4 { 64 } else { 112 };
-    // 8 KB for what does not grow with the bodies: the snapshots themselves and where the rows of each archetype are.
+    // 8 KB for what does not grow with the bodies: the snapshots themselves and where the rows of
+    // each archetype are.
     assert!(warm <= 8 * (BODIES * a_body + 8192), "{warm} bytes");
     for _ in 0..5 {
         round(&mut world, &mut simulation, &mut rollback);

@@ -1,9 +1,11 @@
-//! Promise: what rocks, rolls, spins or precesses on a plane without slipping keeps its energy within a hundredth over twenty
-//! seconds at default settings, more substeps are never worse, and periods and rates are those of the closed forms.
+//! Promise: what rocks, rolls, spins or precesses on a plane without slipping keeps its energy
+//! within a hundredth over twenty seconds at default settings, more substeps are never worse, and
+//! periods and rates are those of the closed forms.
 //!
-//! Why: the arm from a centre of mass to the point of contact moves in a substep. With velocities at the arms of its end, work
-//! that contacts do not do was booked to first order: Euler's disk gained 90 %, and more with more substeps. Bodies of 1 cm to
-//! 10 m, with steps that are in the same proportion to how fast they fall as those of a body of a metre.
+//! Why: the arm from a centre of mass to the point of contact moves in a substep. With velocities
+//! at the arms of its end, work that contacts do not do was booked to first order: Euler's disk
+//! gained 90 %, and more with more substeps. Bodies of 1 cm to 10 m, with steps that are in the
+//! same proportion to how fast they fall as those of a body of a metre.
 
 #![allow(clippy::unwrap_used, reason = "a body that cannot be made is a failed test")]
 #![cfg_attr(
@@ -28,7 +30,8 @@ use tumble_tests::{dvec3, run};
 const G: f64 = 9.81;
 /// More than any of these scenes asks for.
 const ROUGH: f64 = 100.0;
-/// By how much a contact on the ground gives way under the weight, at steps of a 60th: `g/w^2` of 60 Hz.
+/// By how much a contact on the ground gives way under the weight, at steps of a 60th: `g/w^2` of
+/// 60 Hz.
 const SAG: f64 = 6.9e-5;
 
 /// Random numbers of one case.
@@ -56,7 +59,8 @@ fn quat(q: DQuat) -> Quat {
     Quat::from_xyzw(q.x as Real, q.y as Real, q.z as Real, q.w as Real)
 }
 
-/// A body of about a metre, and how it stands on the ground; all lengths and times can be scaled together.
+/// A body of about a metre, and how it stands on the ground; all lengths and times can be scaled
+/// together.
 struct Start {
     shape: fn([f64; 2]) -> Shape,
     /// What the shape is made of \[m\].
@@ -163,8 +167,9 @@ fn rocker(kind: u64, radius: f64, offset: f64, angle: f64) -> Start {
     Start { shape, sizes: [radius, 0.5 * radius], center, orientation, height, velocity, spin }
 }
 
-/// Its greatest swing in the first and in the last of twenty seconds is the same: so is the energy, `m g d (1 - cos)` there. At four
-/// substeps to two hundredths, which eight make less than a third of.
+/// Its greatest swing in the first and in the last of twenty seconds is the same: so is the energy,
+/// `m g d (1 - cos)` there. At four substeps to two hundredths, which eight make less than a third
+/// of.
 #[test]
 fn what_rocks_keeps_its_swing() {
     for (substeps, allowed) in [(4, 0.02), (8, 0.006)] {
@@ -192,7 +197,8 @@ fn what_rocks_keeps_its_swing() {
     }
 }
 
-/// `T = 2 pi sqrt((I + m (r - d)^2)/(m g d))` for small swings: `I` about the centre of mass, which is `r - d` above the point that it turns about.
+/// `T = 2 pi sqrt((I + m (r - d)^2)/(m g d))` for small swings: `I` about the centre of mass, which
+/// is `r - d` above the point that it turns about.
 #[test]
 fn what_rocks_has_the_period_of_the_closed_form() {
     let mut worst = 0.0_f64;
@@ -229,12 +235,14 @@ fn what_rocks_has_the_period_of_the_closed_form() {
     println!("period: worst {worst:.5}");
 }
 
-/// A disk in steady precession about the vertical through its centre of mass, which stands still: the plane at `angle` to the ground.
+/// A disk in steady precession about the vertical through its centre of mass, which stands still:
+/// the plane at `angle` to the ground.
 fn disk(radius: f64, half_height: f64, angle: f64) -> (Start, f64) {
     let orientation = DQuat::from_rotation_z(-angle);
     let axis = orientation * DVec3::Y;
     let rim = orientation * DVec3::new(radius, -half_height, 0.0);
-    // Both ends of the arm stand still, so it spins about the arm: `w = k c`, which is `W` up and the rest about the disk's axis.
+    // Both ends of the arm stand still, so it spins about the arm: `w = k c`, which is `W` up and
+    // the rest about the disk's axis.
     let c = rim.normalize();
     let precession = c.y - c.x / axis.x * axis.y;
     let (about, across) = (0.5 * radius * radius, 0.25 * radius * radius + half_height * half_height / 3.0);
@@ -262,7 +270,8 @@ struct Precessed {
     angle: f64,
 }
 
-/// The worst changes of a disk within twenty seconds, as parts of what it starts with; the tilt is an angle \[rad\].
+/// The worst changes of a disk within twenty seconds, as parts of what it starts with; the tilt is
+/// an angle \[rad\].
 fn precess(mut scene: Scene, start: &Start, rate: f64) -> Precessed {
     let least = start.sizes[1];
     let axis_of = |scene: &Scene| scene.turned() * start.orientation * DVec3::Y;
@@ -296,7 +305,8 @@ fn a_disk_precesses_as_the_closed_form_has_it() {
     assert!(energy < 0.01 && tilt < 0.01 && angle < 0.01, "energy {energy:.4}, tilt {tilt:.4} rad, rate {angle:.4}");
 }
 
-/// More substeps are never worse, and twice as many are better by more than half until rounding is all that is left.
+/// More substeps are never worse, and twice as many are better by more than half until rounding is
+/// all that is left.
 #[test]
 fn more_substeps_are_never_worse() {
     for case in 0..6 {
@@ -328,7 +338,8 @@ fn what_rolls_straight_keeps_its_speed() {
     }
 }
 
-/// A top that stands on its tip, without and with friction, and one that stands on a ball with its centre of mass below the middle.
+/// A top that stands on its tip, without and with friction, and one that stands on a ball with its
+/// centre of mass below the middle.
 #[test]
 fn tops_keep_their_energy() {
     for friction in [0.0, ROUGH] {
@@ -361,7 +372,8 @@ fn tops_keep_their_energy() {
     }
 }
 
-/// Without friction a tippe top does not turn over: nothing turns it about the vertical, and its centre of mass stays low.
+/// Without friction a tippe top does not turn over: nothing turns it about the vertical, and its
+/// centre of mass stays low.
 #[test]
 fn a_tippe_top_without_friction_does_not_turn_over() {
     for case in 0..12 {

@@ -1,7 +1,10 @@
-//! Promise: on the scenes of SimBenchmark (leggedrobotics/SimBenchmark, 2018) contacts are among the most accurate there are.
+//! Promise: on the scenes of SimBenchmark (leggedrobotics/SimBenchmark, 2018) contacts are among
+//! the most accurate there are.
 //!
-//! Why: these are figures that others published for RaiSim, Bullet, ODE, MuJoCo and DART, and that no one here chose. Scenes, measures and the figures named below are those of its
-//! data at commit 3fd17646; where it does not say how long a scene lasts, that is said here. The tower of planks is left out: its plan is not published with the figures.
+//! Why: these are figures that others published for RaiSim, Bullet, ODE, MuJoCo and DART, and that
+//! no one here chose. Scenes, measures and the figures named below are those of its data at commit
+//! 3fd17646; where it does not say how long a scene lasts, that is said here. The tower of planks
+//! is left out: its plan is not published with the figures.
 
 #![allow(clippy::unwrap_used, reason = "a body that cannot be made is a failed test")]
 #![cfg_attr(
@@ -48,7 +51,8 @@ fn velocity(world: &World, entity: Entity) -> glam::DVec3 {
     dvec3(touching::velocity(world, entity).linear)
 }
 
-/// Mean over the steps of the squared errors of the velocities of a plate that is drawn over the ground and of one of the balls that roll on it.
+/// Mean over the steps of the squared errors of the velocities of a plate that is drawn over the
+/// ground and of one of the balls that roll on it.
 fn rolling(towards: [f64; 2]) -> f64 {
     let mut world = World::new();
     ground(&mut world, surface(0.4, 0.0), Quat::IDENTITY);
@@ -66,7 +70,8 @@ fn rolling(towards: [f64; 2]) -> f64 {
     for _ in 0..4000 {
         simulation.step(&mut world);
         let t = simulation.time();
-        // Balls: the plate's acceleration times 2/7; plate: what is left of 150 N after the ground's friction and that of 25 balls.
+        // Balls: the plate's acceleration times 2/7; plate: what is left of 150 N after the
+        // ground's friction and that of 25 balls.
         let (of_ball, of_plate) = (direction * 0.211 * t, direction * 0.7385 * t);
         sum += (velocity(&world, balls[0]) - of_ball).length_squared();
         sum += (velocity(&world, plate) - of_plate).length_squared();
@@ -74,7 +79,8 @@ fn rolling(towards: [f64; 2]) -> f64 {
     sum / 4000.0
 }
 
-/// Mean over the steps of the squared error of the energy of frictionless balls that bounce without loss \[J^2\].
+/// Mean over the steps of the squared error of the energy of frictionless balls that bounce without
+/// loss \[J^2\].
 fn energy_error(world: &mut World, balls: &[Entity], mass: f64, (dt, seconds): (f64, f64)) -> f64 {
     let energy = |world: &World| -> f64 {
         let of = |ball: &Entity| {
@@ -117,7 +123,8 @@ fn cube_of_balls(lowest: f64, restitution: Real) -> (World, Vec<Entity>) {
     (world, balls)
 }
 
-/// Mean over the steps, for ten seconds, of the sum of the squares of how deep balls are in each other \[m^2\].
+/// Mean over the steps, for ten seconds, of the sum of the squares of how deep balls are in each
+/// other \[m^2\].
 fn penetration(dt: f64) -> f64 {
     let (mut world, balls) = cube_of_balls(0.101, 0.0);
     let (mut simulation, steps, mut sum) = (simulation(dt as Real), (10.0 / dt).round() as u32, 0.0);
@@ -132,7 +139,8 @@ fn penetration(dt: f64) -> f64 {
     sum / f64::from(steps)
 }
 
-/// RaiSim 4e-7, Bullet 5e-9; ODE and DART, whose cone of friction is a pyramid, 3.1 across its corners, which is a plate that never moves; MuJoCo 3e-3.
+/// RaiSim 4e-7, Bullet 5e-9; ODE and DART, whose cone of friction is a pyramid, 3.1 across its
+/// corners, which is a plate that never moves; MuJoCo 3e-3.
 #[test]
 fn a_plate_is_drawn_from_under_balls_along_and_across() {
     for towards in [[0.0, 1.0], [0.5, 0.866]] {
@@ -162,7 +170,8 @@ fn balls_that_fall_off_each_other_hardly_overlap() {
     }
 }
 
-/// RaiSim 8, ODE 112, Bullet 41 498: this solver lets a pair bounce once a step, and what the others hit before the step is over is lost. 580 J of 34 kJ.
+/// RaiSim 8, ODE 112, Bullet 41 498: this solver lets a pair bounce once a step, and what the
+/// others hit before the step is over is lost. 580 J of 34 kJ.
 #[test]
 fn balls_that_bounce_off_each_other_keep_most_of_their_energy() {
     let (mut world, balls) = cube_of_balls(1.101, 1.0);

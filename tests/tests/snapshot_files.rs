@@ -1,8 +1,10 @@
-//! Promise: a snapshot written and read again is the same to the bit, as bytes, in postcard within 10 % of the raw size, and in JSON. Every single
-//! flipped bit, every cut, and every state that no world can have is refused with a typed error; no bytes whatever make it panic or
-//! take more memory than they are long.
+//! Promise: a snapshot written and read again is the same to the bit, as bytes, in postcard within
+//! 10 % of the raw size, and in JSON. Every single flipped bit, every cut, and every state that no
+//! world can have is refused with a typed error; no bytes whatever make it panic or take more
+//! memory than they are long.
 //!
-//! Why: files are damaged and peers lie. It fails if a field is not covered by the checksum, a count is trusted, or a number is not checked.
+//! Why: files are damaged and peers lie. It fails if a field is not covered by the checksum, a
+//! count is trusted, or a number is not checked.
 
 #![allow(clippy::unwrap_used, reason = "a test without what it tests is to fail")]
 
@@ -32,7 +34,8 @@ fn error_of(bytes: &[u8]) -> SnapshotError {
     Snapshot::from_bytes(bytes).unwrap_err()
 }
 
-/// The bytes with others in a place, and a checksum that fits: 64-bit FNV-1a, written here once more.
+/// The bytes with others in a place, and a checksum that fits: 64-bit FNV-1a, written here once
+/// more.
 fn forged(bytes: &[u8], place: usize, other: &[u8]) -> Vec<u8> {
     let mut bytes = bytes.to_vec();
     bytes[place..place + other.len()].copy_from_slice(other);
@@ -59,7 +62,8 @@ fn what_is_read_is_what_was_written() {
     }
 }
 
-/// The format, byte by byte: files of today are read by the versions of tomorrow, or refused by number.
+/// The format, byte by byte: files of today are read by the versions of tomorrow, or refused by
+/// number.
 #[test]
 fn the_format_is_as_documented() {
     let (world, bytes) = three_bodies();
@@ -155,7 +159,8 @@ fn impossible_states_are_refused() {
     }
 }
 
-/// Clocks that no simulation leaves and none can go on from: the next step would overflow, or time stand still.
+/// Clocks that no simulation leaves and none can go on from: the next step would overflow, or time
+/// stand still.
 #[test]
 fn impossible_clocks_are_refused() {
     let (_, bytes) = three_bodies();
@@ -199,7 +204,8 @@ proptest! {
         // Most are whole, so that what stands behind a forged checksum is read.
         damaged.truncate(damaged.len() - cut);
         let before = state_hash(&world, &BodyOrder::of(&world));
-        // What is let in under a forged checksum is a state that a world can have, or bodies that this one lacks.
+        // What is let in under a forged checksum is a state that a world can have, or bodies that
+        // this one lacks.
         if let Ok(snapshot) = Snapshot::from_bytes(&damaged) {
             if snapshot.restore(&mut world).is_err() {
                 assert_eq!(state_hash(&world, &BodyOrder::of(&world)), before);

@@ -1,9 +1,11 @@
-//! Promise: a world put back to a snapshot goes on from there as it did before, to the bit, step after step, whatever was spawned, despawned
-//! or moved between archetypes in between, and so does another world with the same bodies. What cannot be restored is refused with
-//! a typed error, and the world is as it was. A snapshot takes at most 64 bytes a body in single precision.
+//! Promise: a world put back to a snapshot goes on from there as it did before, to the bit, step
+//! after step, whatever was spawned, despawned or moved between archetypes in between, and so does
+//! another world with the same bodies. What cannot be restored is refused with a typed error, and
+//! the world is as it was. A snapshot takes at most 64 bytes a body in single precision.
 //!
-//! Why: rollback netcode, replays and searches live from it. It fails if a part of the state is forgotten, the time that force laws see is
-//! not set back, a body gets the state of its neighbour, or a failed restore leaves half of it behind.
+//! Why: rollback netcode, replays and searches live from it. It fails if a part of the state is
+//! forgotten, the time that force laws see is not set back, a body gets the state of its neighbour,
+//! or a failed restore leaves half of it behind.
 
 #![allow(clippy::unwrap_used, reason = "a test without what it tests is to fail")]
 #![cfg_attr(
@@ -55,7 +57,8 @@ fn simulation(integrator: Integrator) -> Simulation {
     simulation
 }
 
-/// A body of every kind there is: shapes, own principal axes, damping, kinematic and fixed ones; some are interpolated, some in honey.
+/// A body of every kind there is: shapes, own principal axes, damping, kinematic and fixed ones;
+/// some are interpolated, some in honey.
 fn spawn(world: &mut World, id: u64) -> Entity {
     let entity = mixed_body(id).spawn(world);
     if id.is_multiple_of(3) {
@@ -160,7 +163,8 @@ fn a_restored_run_goes_on_to_the_bit() {
     }
 }
 
-/// The bodies of a snapshot that was written and read again, in a world that spawned them the other way round and never had those states.
+/// The bodies of a snapshot that was written and read again, in a world that spawned them the other
+/// way round and never had those states.
 #[test]
 fn another_world_goes_on_to_the_bit() {
     for integrator in Integrator::ALL {
@@ -178,7 +182,8 @@ fn another_world_goes_on_to_the_bit() {
     }
 }
 
-/// Others spawn, leave, come back and change archetype; hecs fills their rows with the last ones of the archetype.
+/// Others spawn, leave, come back and change archetype; hecs fills their rows with the last ones of
+/// the archetype.
 #[test]
 fn bodies_may_come_go_and_move_in_memory() {
     let (mut world, mut simulation) = (scene(0..BODIES), simulation(Integrator::default()));
@@ -211,7 +216,8 @@ fn bodies_may_come_go_and_move_in_memory() {
     assert_same(&run(&mut world, &mut simulation, 20), &expected);
 }
 
-/// Spawns, despawns and changes of archetype at random: each body of the snapshot has its state of then, each other its state of now.
+/// Spawns, despawns and changes of archetype at random: each body of the snapshot has its state of
+/// then, each other its state of now.
 #[derive(Clone, Debug)]
 enum Change {
     Spawn,
@@ -287,7 +293,8 @@ fn a_snapshot_takes_64_bytes_a_body() {
         let snapshot = Snapshot::capture(&world).unwrap();
         assert_eq!(snapshot.len() as u64, bodies);
         let archetypes = world.archetypes().count();
-        // What does not grow with the bodies: the snapshot itself, and where each archetype's rows are. Fixed bodies take less.
+        // What does not grow with the bodies: the snapshot itself, and where each archetype's rows
+        // are. Fixed bodies take less.
         let fixed_part = size_of::<Snapshot>() + 4 * archetypes.next_power_of_two() * 24;
         let most = bodies as usize * most + fixed_part;
         assert!(snapshot.memory() <= most, "{} bytes for {bodies} bodies, more than {most}", snapshot.memory());
@@ -297,7 +304,8 @@ fn a_snapshot_takes_64_bytes_a_body() {
     }
 }
 
-/// A body that is gone cannot be made again from its state: all that are missing are named, and nothing is changed.
+/// A body that is gone cannot be made again from its state: all that are missing are named, and
+/// nothing is changed.
 #[test]
 fn missing_bodies_are_named_and_the_world_stays() {
     let (mut world, mut simulation) = (scene(0..BODIES), simulation(Integrator::default()));

@@ -1,8 +1,10 @@
-//! Promise: however bodies are spawned, one by one, many of any kinds or many copies of one, they have the same components with the
-//! same bits, and the entities come back in the order of the bodies.
+//! Promise: however bodies are spawned, one by one, many of any kinds or many copies of one, they
+//! have the same components with the same bits, and the entities come back in the order of the
+//! bodies.
 //!
-//! Why: the ways to many bodies at once write columns and not entities. It fails where one forgets a component, mixes up rows, takes over
-//! an entity of the caller's, or derives a quantity of the wrong body.
+//! Why: the ways to many bodies at once write columns and not entities. It fails where one forgets
+//! a component, mixes up rows, takes over an entity of the caller's, or derives a quantity of the
+//! wrong body.
 
 #![allow(clippy::unwrap_used, reason = "a test without what it tests is to fail")]
 
@@ -26,7 +28,8 @@ fn component<T: Component + Copy + std::fmt::Debug>(entity: EntityRef<'_>) -> St
     entity.get::<&T>().map_or_else(String::new, |component| format!("{:?} ", *component))
 }
 
-/// Everything a body may have, written out: numbers that print alike have the same bits, but for NaNs, of which there are none.
+/// Everything a body may have, written out: numbers that print alike have the same bits, but for
+/// NaNs, of which there are none.
 fn components(world: &World, entity: Entity) -> String {
     let e = world.entity(entity).unwrap();
     let state = component::<Pose>(e) + &component::<PreviousPose>(e) + &component::<Momentum>(e);
@@ -103,7 +106,8 @@ fn many_bodies_are_as_if_spawned_one_by_one() {
     assert_eq!(hash(&fast), hash(&slow));
 }
 
-/// Free handles, fewer than are needed, more, and none, with entities of the caller's and reserved ones among them.
+/// Free handles, fewer than are needed, more, and none, with entities of the caller's and reserved
+/// ones among them.
 #[test]
 fn a_world_in_use_keeps_what_is_in_it() {
     let bodies = bodies();

@@ -1,10 +1,13 @@
-//! Promise: whatever hangs on undamped springs, pairs, rings and nets, attached anywhere, with masses from a gramme to a
-//! thousand tonnes, edges of a body to 1:10 (moments to 1:100), any rest length and 1 to 1e9 N/m: its kinetic energy is not above ten times the energy that was
-//! there at the start (the worst seen is 2.5 times), for a hundred seconds at 60 steps a second (20 under `RungeKutta4`).
+//! Promise: whatever hangs on undamped springs, pairs, rings and nets, attached anywhere, with
+//! masses from a gramme to a thousand tonnes, edges of a body to 1:10 (moments to 1:100), any rest
+//! length and 1 to 1e9 N/m: its kinetic energy is not above ten times the energy that was there at
+//! the start (the worst seen is 2.5 times), for a hundred seconds at 60 steps a second (20 under
+//! `RungeKutta4`).
 //!
-//! Why: a spring that is attached off the centre turns a body as a pendulum, and a long pull makes that faster than any
-//! limit on stiffness. It fails if the arm is not drawn in, if the force has no potential, or if what is not resolved is
-//! not damped: then one pair in three gains ten times its energy.
+//! Why: a spring that is attached off the centre turns a body as a pendulum, and a long pull makes
+//! that faster than any limit on stiffness. It fails if the arm is not drawn in, if the force has
+//! no potential, or if what is not resolved is not damped: then one pair in three gains ten times
+//! its energy.
 
 #![allow(clippy::unwrap_used, reason = "a test without what it tests is to fail")]
 #![cfg_attr(
@@ -113,8 +116,8 @@ fn assert_bound(kind: Kind, count: u64, steps: u32, integrator: Integrator, seed
     }
 }
 
-/// Kinetic energy over kinetic and potential energy at the start. Where a step resolves a spring it is one but for the
-/// error of the step; the worst of these draws is 1.8.
+/// Kinetic energy over kinetic and potential energy at the start. Where a step resolves a spring it
+/// is one but for the error of the step; the worst of these draws is 1.8.
 const MAX_GAIN: f64 = 10.0;
 
 #[test]
@@ -132,7 +135,8 @@ fn nets_keep_their_energy_in_bounds() {
     assert_bound(Kind::Net, 200, 6000, Integrator::MoserVeselov, 5);
 }
 
-/// The other methods turn a body that spins fast less well than they kick it; slow ones they keep too.
+/// The other methods turn a body that spins fast less well than they kick it; slow ones they keep
+/// too.
 #[test]
 fn other_integrators_keep_it_too() {
     for kind in [Kind::Pair, Kind::Ring, Kind::Net] {

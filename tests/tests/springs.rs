@@ -1,13 +1,12 @@
-//! Promise: a spring between two bodies swings at its true frequency up to 0.45 swings a substep and never faster;
-//! however stiff it is and however many hang together,
-//! energy stays bounded for ten thousand steps; damping takes energy and never gives any; momentum and angular momentum
-//! of the whole are kept to rounding; a spring whose body is
-//! not there does nothing.
+//! Promise: a spring between two bodies swings at its true frequency up to 0.45 swings a substep
+//! and never faster; however stiff it is and however many hang together, energy stays bounded for
+//! ten thousand steps; damping takes energy and never gives any; momentum and angular momentum of
+//! the whole are kept to rounding; a spring whose body is not there does nothing.
 //!
-//! Why: springs that explode are the first thing that people meet in other engines, and a spring that is stable because
-//! it is soft in secret is the second. It fails if the
-//! share of a body's mass is forgotten, a damper sees a stale velocity, the impulses on both ends are not on one line,
-//! or an entity's number is taken for the entity.
+//! Why: springs that explode are the first thing that people meet in other engines, and a spring
+//! that is stable because it is soft in secret is the second. It fails if the share of a body's
+//! mass is forgotten, a damper sees a stale velocity, the impulses on both ends are not on one
+//! line, or an entity's number is taken for the entity.
 
 #![allow(clippy::unwrap_used, reason = "a test without what it tests is to fail")]
 #![cfg_attr(
@@ -61,9 +60,9 @@ fn stiffness_for(swings_a_step: f64) -> Real {
     (REDUCED * (TAU * swings_a_step / seconds(DT)).powi(2)) as Real
 }
 
-/// The angle \[rad\] through which the swing of two bodies from rest really turns in a step, found from where they are
-/// after each of `steps`, near `angle`; and the largest
-/// distance from that swing, over the amplitude.
+/// The angle \[rad\] through which the swing of two bodies from rest really turns in a step, found
+/// from where they are after each of `steps`, near `angle`; and the largest distance from that
+/// swing, over the amplitude.
 fn measured_angle(integrator: Integrator, stiffness: Real, rest_length: Real, angle: f64, steps: u32) -> (f64, f64) {
     let mut world = World::new();
     let along = Vec3::new(0.36, 0.48, 0.8);
@@ -98,8 +97,8 @@ fn measured_angle(integrator: Integrator, stiffness: Real, rest_length: Real, an
     (found, stretches.iter().enumerate().map(off).fold(0.0, f64::max))
 }
 
-/// The frequency is right to some roundings of the stiffness that is computed for it, up to 0.45 swings a step, under
-/// every method, with rest length and without.
+/// The frequency is right to some roundings of the stiffness that is computed for it, up to 0.45
+/// swings a step, under every method, with rest length and without.
 #[test]
 fn two_bodies_swing_at_their_frequency() {
     for integrator in Integrator::ALL {
@@ -112,9 +111,10 @@ fn two_bodies_swing_at_their_frequency() {
                 println!(
                     "{integrator}, {swings_a_step}, {rest_length}: frequency off by {error:.1e}, swing by {off:.1e}"
                 );
-                // The stiffness has 8 roundings, of which the angle gets tan(a/2)/a; the series ends at 2e-13. Places
-                // are rounded where they are up to three metres,
-                // 24 amplitudes, and 200 of these roundings, at random, turn the swing by 1/200 of the largest.
+                // The stiffness has 8 roundings, of which the angle gets tan(a/2)/a; the series
+                // ends at 2e-13. Places are rounded where they are up to three metres, 24
+                // amplitudes, and 200 of these roundings, at random, turn the swing by 1/200 of the
+                // largest.
                 let of_stiffness = (8.0 * EPSILON + 2e-13) * (exact / 2.0).tan() / exact;
                 let of_places = 24.0 * EPSILON / (exact * 200.0_f64.sqrt() * exact.sin());
                 assert!(error <= of_stiffness + of_places, "{integrator}, {swings_a_step}, {rest_length}: {error:e}");
@@ -124,8 +124,8 @@ fn two_bodies_swing_at_their_frequency() {
     }
 }
 
-/// Past 0.45 swings a step a spring swings at that, however stiff: at 0.5, where the splitting would explode, and at a
-/// thousand and a million million times as much.
+/// Past 0.45 swings a step a spring swings at that, however stiff: at 0.5, where the splitting
+/// would explode, and at a thousand and a million million times as much.
 #[test]
 fn stiffer_springs_swing_at_the_limit() {
     for integrator in Integrator::ALL {
@@ -141,8 +141,8 @@ fn stiffer_springs_swing_at_the_limit() {
     }
 }
 
-/// Two bodies with a damper: `e^(-t/tau) cos`, to the order of the method; kicks are of second order, of first under
-/// `SemiImplicitEuler`.
+/// Two bodies with a damper: `e^(-t/tau) cos`, to the order of the method; kicks are of second
+/// order, of first under `SemiImplicitEuler`.
 #[test]
 fn a_damper_damps_as_it_says() {
     let (stiffness, damping): (Real, Real) = (75.0, 3.0);
@@ -190,10 +190,10 @@ fn acting_energy(world: &World) -> f64 {
     world.query::<&Spring>().iter().map(of).sum()
 }
 
-/// Ten thousand steps of points and of springs between their centres. In the linear theory of kick and drift with `z =
-/// w^2 dt^2 <= 4 sin^2(0.45 pi)`, the sum of kinetic energy and
-/// `1 - z/4` of the springs' is kept, so at most `1/(1 - z/4) = 41` times the energy of the start is anywhere. What
-/// turns is not linear; twice that is for it.
+/// Ten thousand steps of points and of springs between their centres. In the linear theory of kick
+/// and drift with `z = w^2 dt^2 <= 4 sin^2(0.45 pi)`, the sum of kinetic energy and `1 - z/4` of
+/// the springs' is kept, so at most `1/(1 - z/4) = 41` times the energy of the start is anywhere.
+/// What turns is not linear; twice that is for it.
 #[test]
 fn no_net_explodes() {
     for integrator in Integrator::ALL {
@@ -234,8 +234,8 @@ fn no_turning_net_explodes() {
     }
 }
 
-/// Dampers without springs: in no step does kinetic energy grow by more than roundings of it, however strong they are,
-/// off the centres of turning bodies too.
+/// Dampers without springs: in no step does kinetic energy grow by more than roundings of it,
+/// however strong they are, off the centres of turning bodies too.
 #[test]
 fn damping_gives_no_energy() {
     for kind in NETS {
@@ -253,7 +253,8 @@ fn damping_gives_no_energy() {
                 for step in 0..300 {
                     simulation.step(&mut world);
                     let now = kinetic(&world, &simulation);
-                    // The impulses of up to twenty springs on a body, each rounded, cancel to what is left.
+                    // The impulses of up to twenty springs on a body, each rounded, cancel to what
+                    // is left.
                     let rounding = 64.0 * EPSILON * start;
                     assert!(
                         now <= before + rounding,
@@ -292,8 +293,8 @@ fn stiff_and_damped_nets_come_to_rest() {
     }
 }
 
-/// Every impulse has its opposite on the same line. Over 1000 steps each body's momenta are rounded in each kick, at
-/// random.
+/// Every impulse has its opposite on the same line. Over 1000 steps each body's momenta are rounded
+/// in each kick, at random.
 #[test]
 fn momentum_and_angular_momentum_are_kept() {
     for kind in NETS {
@@ -348,9 +349,8 @@ fn a_spring_to_a_fixed_body() {
     }
 }
 
-/// Seen from a kinematic body, a ball that goes along swings as before a wall: the spring sees it where
-/// it is at the time of each kick, taken step by step, many at
-/// once, or in substeps.
+/// Seen from a kinematic body, a ball that goes along swings as before a wall: the spring sees it
+/// where it is at the time of each kick, taken step by step, many at once, or in substeps.
 #[test]
 fn a_spring_to_a_kinematic_body() {
     let along = Vec3::new(0.5, 2.0, 0.0);
@@ -375,8 +375,8 @@ fn a_spring_to_a_kinematic_body() {
     }
 }
 
-/// A spring does nothing, and nothing panics: while a body of its is gone, also when another entity has got its number;
-/// to itself; to what is no body.
+/// A spring does nothing, and nothing panics: while a body of its is gone, also when another entity
+/// has got its number; to itself; to what is no body.
 #[test]
 fn a_spring_without_its_bodies_does_nothing() {
     let scene = |spoil: &dyn Fn(&mut World, [Entity; 3]) -> Option<Spring>| {
@@ -417,8 +417,8 @@ fn a_spring_without_its_bodies_does_nothing() {
     assert_eq!(another(|[_, b, c]| Some(Spring::between(c, b))), another(|_| None));
 }
 
-/// The potential that `measure` has: the impulse of a step from rest is minus its gradient, by differences over what
-/// the poses really differ by.
+/// The potential that `measure` has: the impulse of a step from rest is minus its gradient, by
+/// differences over what the poses really differ by.
 #[test]
 fn the_force_is_the_slope_of_the_energy() {
     let mut world = net(Net::Random(3), 10.0, 0.0, Attached::Anywhere, Turning::No);
@@ -443,7 +443,8 @@ fn the_force_is_the_slope_of_the_energy() {
         for axis in [DVec3::X, DVec3::Y, DVec3::Z, DVec3::new(0.6, -0.8, 0.0)] {
             let (there, back) = [d, -d].map(|d| nets::shifted(start, axis * d)).into();
             let slope = (energy_at(there) - energy_at(back)) / nets::shift(&back, &there).dot(axis);
-            // The third derivative of the energy is some k/l, 100 N/m^2 here with a dozen springs, times d^2/6.
+            // The third derivative of the energy is some k/l, 100 N/m^2 here with a dozen springs,
+            // times d^2/6.
             let allowed = 64.0 * d * d + by_precision(2e-4, 1e-8) * force.length();
             assert!((slope + force.dot(axis)).abs() <= allowed, "{slope} for {force} along {axis}");
             let (there, back) = [d, -d].map(|d| nets::turned(start, axis * d)).into();
@@ -454,10 +455,10 @@ fn the_force_is_the_slope_of_the_energy() {
     }
 }
 
-/// A million steps of two turning bodies on a spring that is attached off their centres, under `MoserVeselov`: the line
-/// through the energy is level, to three of its own standard errors
-/// in double precision. Taken every 997 steps, so that no period of the motion is sampled. In single precision
-/// roundings walk: they are as large as all else.
+/// A million steps of two turning bodies on a spring that is attached off their centres, under
+/// `MoserVeselov`: the line through the energy is level, to three of its own standard errors in
+/// double precision. Taken every 997 steps, so that no period of the motion is sampled. In single
+/// precision roundings walk: they are as large as all else.
 #[test]
 fn energy_has_no_trend() {
     let mut world = World::new();
@@ -490,6 +491,7 @@ fn energy_has_no_trend() {
         over_run.abs() <= 3.0 * line.error * simulation.time() / line.mean + 1e7_f64.sqrt() * EPSILON,
         "{over_run:e}"
     );
-    // It is off by the square of the step, (w h)^2/12 of what is in the swing, and no more than that at any time.
+    // It is off by the square of the step, (w h)^2/12 of what is in the swing, and no more than
+    // that at any time.
     assert!(line.spread <= 2e-3 * line.mean, "{:e}", line.spread);
 }

@@ -1,7 +1,9 @@
-//! Promise: `Drag` takes energy away, however strong it is and however differently along the axes of the body.
+//! Promise: `Drag` takes energy away, however strong it is and however differently along the axes
+//! of the body.
 //!
-//! Why: light things in a storm are the first to explode under an explicit force. It fails if the limit of a kick is put on the force as a whole: then a
-//! strong axis overshoots while the others carry the speed.
+//! Why: light things in a storm are the first to explode under an explicit force. It fails if the
+//! limit of a kick is put on the force as a whole: then a strong axis overshoots while the others
+//! carry the speed.
 
 #![allow(clippy::unwrap_used, reason = "a test without what it tests is to fail")]
 

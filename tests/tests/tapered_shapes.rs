@@ -1,7 +1,8 @@
-//! Promise: frusta of cones and capsules whose ends differ have the volume, centre and inertia of their geometry, also where they
-//! become a cone, a cylinder, a capsule or a sphere.
+//! Promise: frusta of cones and capsules whose ends differ have the volume, centre and inertia of
+//! their geometry, also where they become a cone, a cylinder, a capsule or a sphere.
 //!
-//! It fails if a segment of a sphere is on the wrong side of its circle, or if digits are lost where one sphere nearly holds the other.
+//! It fails if a segment of a sphere is on the wrong side of its circle, or if digits are lost
+//! where one sphere nearly holds the other.
 
 #![allow(clippy::unwrap_used, reason = "a shape that cannot be made is a failed test")]
 
@@ -28,7 +29,8 @@ fn difference(a: &MassProperties, b: &MassProperties) -> f64 {
     tensor.max(center).max((a.mass() / b.mass() - 1.0).abs())
 }
 
-/// The solid whose squared radius at the height y is given, between two heights, by Simpson's rule in `steps` pieces.
+/// The solid whose squared radius at the height y is given, between two heights, by Simpson's rule
+/// in `steps` pieces.
 fn integrated(squared_radius: impl Fn(f64) -> f64, low: f64, high: f64, steps: u32) -> MassProperties {
     let step = (high - low) / f64::from(steps);
     let (mut area, mut first, mut second, mut fourth) = (0.0, 0.0, 0.0, 0.0);
@@ -54,9 +56,9 @@ fn integrated(squared_radius: impl Fn(f64) -> f64, low: f64, high: f64, steps: u
     MassProperties::new(area, DVec3::Y * center, inertia).unwrap()
 }
 
-/// The squared radius, at height y, of all spheres whose centre and radius go evenly from one to the other: their union is the hull. At
-/// height y the largest is that of the t in 0 to 1 for which `(a + (b - a) t)^2 - (y + h - 2 h t)^2` is largest, at an end or where the
-/// derivative is zero.
+/// The squared radius, at height y, of all spheres whose centre and radius go evenly from one to
+/// the other: their union is the hull. At height y the largest is that of the t in 0 to 1 for which
+/// `(a + (b - a) t)^2 - (y + h - 2 h t)^2` is largest, at an end or where the derivative is zero.
 fn swept(a: f64, b: f64, h: f64, y: f64) -> f64 {
     let at = |t: f64| {
         let (radius, height) = (a + (b - a) * t, y + h - 2.0 * h * t);
@@ -73,8 +75,8 @@ fn tapered_capsules_by_quadrature() {
     {
         let exact = body(&Shape::tapered_capsule(a, b, h));
         let (low, high) = (f64::min(-h - a, h - b), f64::max(h + b, a - h));
-        // Simpson's rule on pieces of polynomials whose second derivatives jump at two circles that are no ends of pieces: an error of
-        // some jump times step^3, of 1e-5 the third power.
+        // Simpson's rule on pieces of polynomials whose second derivatives jump at two circles that
+        // are no ends of pieces: an error of some jump times step^3, of 1e-5 the third power.
         let quadrature = integrated(|y| swept(a, b, h, y), low, high, 100_000);
         assert!(difference(&exact, &quadrature) <= 1e-12, "{a} {b} {h}: {:e}", difference(&exact, &quadrature));
         assert_eq!(Shape::tapered_capsule(a, b, h).volume(), Some(exact.mass()));
@@ -118,7 +120,8 @@ proptest! {
         let held = Shape::tapered_capsule((r - distance) * 0.999, r, (0.5 * distance).max(1e-80));
         let sphere = body(&Shape::sphere(r)).transformed(DVec3::Y * 0.5 * distance, glam::DQuat::IDENTITY).unwrap();
         prop_assert!(difference(&body(&held), &sphere) <= tolerance);
-        // Just outside of it, the little that sticks out changes little: by the square of how far, and never by a jump.
+        // Just outside of it, the little that sticks out changes little: by the square of how far,
+        // and never by a jump.
         let out = body(&Shape::tapered_capsule(r * 0.5, r, r * 0.25 * (1.0 + 1e-9)));
         let sphere = body(&Shape::sphere(r)).transformed(DVec3::Y * 0.25 * r, glam::DQuat::IDENTITY).unwrap();
         prop_assert!(difference(&out, &sphere) <= 1e-8);

@@ -1,8 +1,10 @@
-//! Promise: what is dropped never has more energy than it had, but for a bound that falls with the substep, and boards lie still.
+//! Promise: what is dropped never has more energy than it had, but for a bound that falls with the
+//! substep, and boards lie still.
 //!
-//! Why: contacts of a slender body do something else as soon as it has turned a little, and a body that is thinner than the lengths
-//! that contacts are found with has its upper corners among them. Of every shape, aspect 1:1 to 1:500, a millimetre to metres,
-//! friction 0 to 2, restitution 0 to 1, up to 20 m/s and 200 rad/s, 30 to 240 steps a second of 1 to 16 substeps.
+//! Why: contacts of a slender body do something else as soon as it has turned a little, and a body
+//! that is thinner than the lengths that contacts are found with has its upper corners among them.
+//! Of every shape, aspect 1:1 to 1:500, a millimetre to metres, friction 0 to 2, restitution 0 to
+//! 1, up to 20 m/s and 200 rad/s, 30 to 240 steps a second of 1 to 16 substeps.
 //!
 //! `TUMBLE_DROPS=100000` draws as many of each shape; without it some hundreds.
 
@@ -84,7 +86,8 @@ fn energy(world: &World) -> f64 {
 /// Lengths of a body, the longest first and the shortest last.
 type Lengths = [f64; 3];
 
-/// Drops bodies of a shape and returns by how much the worst of them went over what is allowed, as a part of it.
+/// Drops bodies of a shape and returns by how much the worst of them went over what is allowed, as
+/// a part of it.
 fn worst_of(make: impl Fn(&mut Draw, Lengths) -> Shape) -> (f64, u64) {
     let mut worst = (0.0, 0);
     for case in 0..drops() {
@@ -118,7 +121,8 @@ fn worst_of(make: impl Fn(&mut Draw, Lengths) -> Shape) -> (f64, u64) {
         let mut simulation = Simulation::new(settings).unwrap();
         let before = energy(&world);
         let fastest = (2.0 * before / mass).sqrt();
-        // Rounding of an inertia that single precision barely holds, and what a fall over one substep may give twice over.
+        // Rounding of an inertia that single precision barely holds, and what a fall over one
+        // substep may give twice over.
         let allowed =
             0.02 * before + 2.0 * mass * GRAVITY * fastest * f64::from(simulation.settings().contact_substep());
         for _ in 0..(3.0 * steps_a_second) as u32 {
@@ -181,7 +185,8 @@ fn dropped_ellipsoids_gain_no_energy() {
     });
 }
 
-/// Spawns a board of these lengths a little above the ground, turned any way about the vertical and tilted by up to a tenth.
+/// Spawns a board of these lengths a little above the ground, turned any way about the vertical and
+/// tilted by up to a tenth.
 fn spawn_board(world: &mut World, draw: &mut Draw, lengths: Lengths) -> (Entity, f64) {
     let [_, _, thin] = lengths;
     let mut half = lengths.map(|length| 0.5 * length);
@@ -203,8 +208,9 @@ fn spawn_board(world: &mut World, draw: &mut Draw, lengths: Lengths) -> (Entity,
     (body.spawn_with(world, (collider,)), thin)
 }
 
-/// Thickness 2 mm to 1 m, up to fifty times as long and wide, any face down: still within three seconds, no deeper than their weight
-/// on contacts of 60 Hz makes them, `g/w^2` = 69 micrometres, twice over for what the edges carry.
+/// Thickness 2 mm to 1 m, up to fifty times as long and wide, any face down: still within three
+/// seconds, no deeper than their weight on contacts of 60 Hz makes them, `g/w^2` = 69 micrometres,
+/// twice over for what the edges carry.
 #[test]
 fn boards_lie_still_whatever_their_thickness() {
     let stiffness = (std::f64::consts::TAU * 60.0).powi(2);
@@ -229,7 +235,8 @@ fn boards_lie_still_whatever_their_thickness() {
     }
 }
 
-/// The rod of a metre and two centimetres that once flew off: let go at 85 degrees it falls, slaps, rolls out and rests.
+/// The rod of a metre and two centimetres that once flew off: let go at 85 degrees it falls, slaps,
+/// rolls out and rests.
 #[test]
 fn a_rod_falls_over_and_rests() {
     let mut world = World::new();

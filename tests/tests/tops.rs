@@ -1,11 +1,13 @@
-//! Promise: a body that turns about a fixed point under gravity moves as the published and the exact solutions say: a heavy top at 150
-//! rad/s, the slow steady precession of Lagrange's top, and pendulums at any amplitude; with every integrator's own order.
+//! Promise: a body that turns about a fixed point under gravity moves as the published and the
+//! exact solutions say: a heavy top at 150 rad/s, the slow steady precession of Lagrange's top, and
+//! pendulums at any amplitude; with every integrator's own order.
 //!
-//! Why: these are where a force law that depends on orientation meets fast rotation. It fails if the law is not evaluated at
-//! the stages of the integrator, if body and world frame are mixed, or if torque and rotation are split at the wrong times.
+//! Why: these are where a force law that depends on orientation meets fast rotation. It fails if
+//! the law is not evaluated at the stages of the integrator, if body and world frame are mixed, or
+//! if torque and rotation are split at the wrong times.
 //!
-//! The pinned body is a free one with its inertia about the fixed point and gravity's torque as a `ForceLaw`
-//! ([`Pinned`]).
+//! The pinned body is a free one with its inertia about the fixed point and gravity's torque as a
+//! `ForceLaw` ([`Pinned`]).
 
 #![allow(clippy::unwrap_used, reason = "a test without what it tests is to fail")]
 
@@ -16,7 +18,8 @@ use tumble::{Ledger, LedgerEntry};
 use tumble_tests::references::{Pinned, number, quaternion, vector};
 use tumble_tests::{EPSILON, attitude_error, by_precision};
 
-/// Error of the world's y component of the heavy top's angular velocity at 2 s [rad/s], and its attitude error \[rad\].
+/// Error of the world's y component of the heavy top's angular velocity at 2 s [rad/s], and its
+/// attitude error \[rad\].
 fn heavy_top(integrator: Integrator, dt: Real) -> (f64, f64) {
     let top = Pinned::read("heavy_top");
     let exact = &top.file["checkpoints"][3];
@@ -28,13 +31,15 @@ fn heavy_top(integrator: Integrator, dt: Real) -> (f64, f64) {
     (error, attitude)
 }
 
-/// What single precision does to the attitude of the heavy top \[rad\] in 10 000 steps a second: the spin of 150 rad/s is rounded once, which
-/// adds up to `150 t` roundings, and each step rounds the orientation about sixteen times, four in each stage, at random.
+/// What single precision does to the attitude of the heavy top \[rad\] in 10 000 steps a second:
+/// the spin of 150 rad/s is rounded once, which adds up to `150 t` roundings, and each step rounds
+/// the orientation about sixteen times, four in each stage, at random.
 fn rounding(time: f64) -> f64 {
     EPSILON * (4.0 + 150.0 * time + 16.0 * (1e4 * time).sqrt())
 }
 
-/// The target: `w_y(2 s)` = -106.1638 to 1e-4, by the classical fourth-order method at 10 000 steps a second, a turn of 15 mrad each.
+/// The target: `w_y(2 s)` = -106.1638 to 1e-4, by the classical fourth-order method at 10 000 steps
+/// a second, a turn of 15 mrad each.
 ///
 /// In single precision an attitude error turns the 150 rad/s with it.
 #[test]
@@ -43,8 +48,8 @@ fn the_heavy_top_has_the_published_angular_velocity() {
     assert!(error.abs() <= by_precision(150.0 * rounding(2.0), 1e-4), "{error:e}");
 }
 
-/// `EXUDYN`, a multibody code, has -106.16652 with its fourth-order method at 1000 steps a second and -106.1638062 at 10 000, off by 2.7e-3 and
-/// 2.1e-6. Ours at the same steps must not be worse.
+/// `EXUDYN`, a multibody code, has -106.16652 with its fourth-order method at 1000 steps a second
+/// and -106.1638062 at 10 000, off by 2.7e-3 and 2.1e-6. Ours at the same steps must not be worse.
 #[cfg(feature = "f64")]
 #[test]
 fn the_heavy_top_is_as_good_as_exudyns() {
@@ -58,7 +63,8 @@ fn the_heavy_top_is_as_good_as_exudyns() {
     }
 }
 
-/// Orders under a torque that depends on orientation, from steps at which the next term is a few per cent.
+/// Orders under a torque that depends on orientation, from steps at which the next term is a few
+/// per cent.
 #[cfg(feature = "f64")]
 #[test]
 fn the_heavy_top_shows_each_order() {
@@ -69,8 +75,8 @@ fn the_heavy_top_shows_each_order() {
     }
 }
 
-/// The orientation at 0.2 s, printed by others with six digits: (-0.70828, 0.43878, 0.54573, 0.0894), and at the other checkpoints to
-/// 1e-7 rad, seven times the error of the method.
+/// The orientation at 0.2 s, printed by others with six digits: (-0.70828, 0.43878, 0.54573,
+/// 0.0894), and at the other checkpoints to 1e-7 rad, seven times the error of the method.
 #[test]
 fn the_heavy_top_has_the_published_orientation() {
     let top = Pinned::read("heavy_top");
@@ -94,11 +100,12 @@ fn the_heavy_top_has_the_published_orientation() {
     assert!(q.to_array().iter().zip(printed).all(|(a, b)| (a - b).abs() <= half_digit), "{q}");
 }
 
-/// At its slow steady precession the top keeps its tilt and its centre of mass goes round at 3.6317 rad/s. 5 s at 1000 steps a
-/// second; the top turns by 0.2 rad a step.
+/// At its slow steady precession the top keeps its tilt and its centre of mass goes round at 3.6317
+/// rad/s. 5 s at 1000 steps a second; the top turns by 0.2 rad a step.
 ///
-/// The split of `MoserVeselov` is of second order: it precesses steadily at a tilt that nutates by about `(w dt)^2/24` of the
-/// torque's share, 8e-5 rad measured; the fourth-order method is off by 6e-6. Rounding in single precision adds 5000 EPSILON at most.
+/// The split of `MoserVeselov` is of second order: it precesses steadily at a tilt that nutates by
+/// about `(w dt)^2/24` of the torque's share, 8e-5 rad measured; the fourth-order method is off by
+/// 6e-6. Rounding in single precision adds 5000 EPSILON at most.
 #[test]
 fn lagranges_top_precesses_steadily() {
     let top = Pinned::read("lagrange_top");
@@ -121,8 +128,9 @@ fn lagranges_top_precesses_steadily() {
     }
 }
 
-/// Upward zero crossings of the angle give the period, which depends on the amplitude: 4 K(sin^2(a/2))/w0. 5 s at 1000 steps a second. The
-/// crossing is found on a straight line between two steps, off by less than `(w0 dt)^3`; the split is off by `(w0 dt)^2/24`, 1e-6.
+/// Upward zero crossings of the angle give the period, which depends on the amplitude: 4
+/// K(sin^2(a/2))/w0. 5 s at 1000 steps a second. The crossing is found on a straight line between
+/// two steps, off by less than `(w0 dt)^3`; the split is off by `(w0 dt)^2/24`, 1e-6.
 #[test]
 fn pendulums_have_the_elliptic_period() {
     for name in ["pendulum_10", "pendulum_90"] {
@@ -149,8 +157,9 @@ fn pendulums_have_the_elliptic_period() {
     }
 }
 
-/// The exact orientation of the pendulums at some times. The second-order split is off by about `(w0 dt)^2/24` of the angle gone through,
-/// 5e-6 after 5 s, the fourth-order method by 1.4e-11; the bounds leave room for twice that, and for a tenth of 5000 roundings in single precision.
+/// The exact orientation of the pendulums at some times. The second-order split is off by about
+/// `(w0 dt)^2/24` of the angle gone through, 5e-6 after 5 s, the fourth-order method by 1.4e-11;
+/// the bounds leave room for twice that, and for a tenth of 5000 roundings in single precision.
 #[test]
 fn pendulums_are_where_they_should_be() {
     for name in ["pendulum_10", "pendulum_90"] {
@@ -168,8 +177,9 @@ fn pendulums_are_where_they_should_be() {
     }
 }
 
-/// Energy, with the law's potential, and the vertical angular momentum: what a pinned top keeps. In 2 s the fourth-order
-/// method loses 1.5e-11 of the energy; the split is off by 1.5e-9 at most, without drift. The bounds are six times that.
+/// Energy, with the law's potential, and the vertical angular momentum: what a pinned top keeps. In
+/// 2 s the fourth-order method loses 1.5e-11 of the energy; the split is off by 1.5e-9 at most,
+/// without drift. The bounds are six times that.
 #[test]
 fn the_heavy_top_keeps_energy_and_vertical_momentum() {
     let top = Pinned::read("heavy_top");

@@ -1,8 +1,11 @@
-//! Promise: at default settings what people stack stands: towers of up to thirty boxes of any size from a centimetre to ten metres, a tonne on a kilogram, a flat
-//! pyramid, eighteen layers of crossed blocks, a house of cards, whichever way gravity points; and it neither sways, creeps nor sinks by more than stated.
+//! Promise: at default settings what people stack stands: towers of up to thirty boxes of any size
+//! from a centimetre to ten metres, a tonne on a kilogram, a flat pyramid, eighteen layers of
+//! crossed blocks, a house of cards, whichever way gravity points; and it neither sways, creeps nor
+//! sinks by more than stated.
 //!
-//! Why: towers are what people judge an engine by, and those of small things buckle at the substeps that large ones stand at. It fails if a stack is taken for stiffer than
-//! it is: with loads, levers, widths or masses that are wrong, or islands that are not found.
+//! Why: towers are what people judge an engine by, and those of small things buckle at the substeps
+//! that large ones stand at. It fails if a stack is taken for stiffer than it is: with loads,
+//! levers, widths or masses that are wrong, or islands that are not found.
 
 #![allow(clippy::unwrap_used, reason = "a body that cannot be made is a failed test")]
 #![cfg_attr(feature = "f64", allow(clippy::useless_conversion, reason = "Real is f64 in this build, f32 in the other"))]
@@ -37,7 +40,8 @@ impl Stack {
         self.bodies.push((spawn(&mut self.world, body, collider(&shape)), place));
     }
 
-    /// Runs, and returns how far bodies went sideways and down at most \[m\], and how fast the fastest is [m/s].
+    /// Runs, and returns how far bodies went sideways and down at most \[m\], and how fast the
+    /// fastest is [m/s].
     fn run(&mut self, settings: Settings, seconds: f64) -> [f64; 3] {
         let settings = settings.with_gravity(self.up * (Vec3::Y * -9.81));
         let mut simulation = Simulation::new(settings).unwrap();
@@ -80,7 +84,8 @@ fn thirty_cubes_of_any_size_stand() {
     }
 }
 
-/// Towers of boxes of random edges, densities, turns and ways up, at random steps from the default on.
+/// Towers of boxes of random edges, densities, turns and ways up, at random steps from the default
+/// on.
 #[test]
 fn random_towers_stand() {
     const SECONDS: f64 = 8.0;
@@ -102,7 +107,8 @@ fn random_towers_stand() {
         let substeps = f64::from(rng.range(4.0, 16.0)) as u32;
         let settings = Settings::default().with_dt((1.0 / steps) as Real).with_contact_substeps(substeps);
         let [aside, down, _] = stack.run(settings, SECONDS);
-        // A position is rounded to its grid once a step, and each contact may creep by a few units of that: see `docs/contacts.md`.
+        // A position is rounded to its grid once a step, and each contact may creep by a few units
+        // of that: see `docs/contacts.md`.
         let grid = f64::from(Real::EPSILON) * edge * f64::from(count);
         let creep = 2.0 * grid * f64::from(count) * SECONDS * steps;
         assert!(

@@ -1,7 +1,9 @@
-//! Promise: bodies that are welded become the one body that they make together, with the linear and angular momentum they had and
-//! never more energy; in the engine, to the rounding of the build. What cannot be welded is named.
+//! Promise: bodies that are welded become the one body that they make together, with the linear and
+//! angular momentum they had and never more energy; in the engine, to the rounding of the build.
+//! What cannot be welded is named.
 //!
-//! It fails if an arm, a frame or a spin is left out of the angular momentum, or if the composite is not that of the parts.
+//! It fails if an arm, a frame or a spin is left out of the angular momentum, or if the composite
+//! is not that of the parts.
 
 #![allow(clippy::unwrap_used, clippy::panic, reason = "bodies that cannot be welded are a failed test")]
 #![cfg_attr(
@@ -74,13 +76,15 @@ proptest! {
         let center = welded.properties.center_of_mass();
         let about_origin = welded.angular_momentum + center.cross(welded.linear_momentum);
         prop_assert!((about_origin - angular).length() <= 1e-14 * terms);
-        // L = I W wherever there is a moment; a row of points, and a point that turns about itself, have none.
+        // L = I W wherever there is a moment; a row of points, and a point that turns about itself,
+        // have none.
         let spin = welded.properties.tensor_about_center() * welded.angular_velocity;
         let turning = welded.angular_velocity.length() * largest(welded.properties.tensor_about_center());
         prop_assert!((spin - welded.angular_momentum).length() <= 1e-14 * (terms + turning));
         let after = kinetic_energy(&welded.properties, welded.linear_velocity, welded.angular_velocity);
         prop_assert!(welded.energy_lost >= 0.0);
-        // About an axis with a small moment a rounding of L is a large one of W, and of the energy computed with it here.
+        // About an axis with a small moment a rounding of L is a large one of W, and of the energy
+        // computed with it here.
         let scale = energy + welded.angular_velocity.length() * (terms + turning);
         prop_assert!((energy - after - welded.energy_lost).abs() <= 1e-14 * scale);
     }
@@ -129,8 +133,9 @@ proptest! {
         let composite = weld(&world, &entities).unwrap().spawn(&mut world);
         let after = about_origin(&world, composite);
         let sum = before.iter().fold((DVec3::ZERO, DVec3::ZERO, 0.0), |s, b| (s.0 + b.0, s.1 + b.1, s.2 + b.2));
-        // Each component of what comes out is rounded once: half an EPSILON of it. The position is too, and moves the arm of the momentum.
-        // The sums before that are good to 1e-14, as in the first test.
+        // Each component of what comes out is rounded once: half an EPSILON of it. The position is
+        // too, and moves the arm of the momentum. The sums before that are good to 1e-14, as in the
+        // first test.
         prop_assert!((after.0 - sum.0).length() <= EPSILON * sum.0.length() + 1e-14 * sum.2);
         prop_assert!((after.1 - sum.1).length() <= (EPSILON + 1e-14) * (sum.2 + after.2));
         // The velocity is derived already.
@@ -182,11 +187,13 @@ fn apollo_lunar_module() {
 
     let module = weld(&world, &stages).unwrap();
     let properties = *module.properties().unwrap();
-    // Masses, moments and positions of the stages are in the precision of the build; positions are rounded at some 20 m.
+    // Masses, moments and positions of the stages are in the precision of the build; positions are
+    // rounded at some 20 m.
     let mass = number(&tree["jeod_mass"]);
     assert!((properties.mass() / mass - 1.0).abs() <= 2.0 * EPSILON);
     assert!((properties.center_of_mass() - vector(&tree["computed_com"])).length() <= 40.0 * EPSILON);
-    // The reference tensor is given to eight decimals of some 1e4 kg m^2, good to 2e-14 as seen above.
+    // The reference tensor is given to eight decimals of some 1e4 kg m^2, good to 2e-14 as seen
+    // above.
     assert!(largest(properties.tensor_about_center() - tensor) <= (4.0 * EPSILON + 2e-14) * largest(tensor));
 
     let entity = module.spawn(&mut world);
@@ -243,7 +250,8 @@ fn what_cannot_be_welded_is_named() {
     let lost = ball().build().unwrap().spawn(&mut world);
     world.get::<&mut Momentum>(lost).unwrap().angular.y = Real::NAN;
     assert!(matches!(error(&world, &[a, lost]), WeldError::Impossible { entity, .. } if entity == lost));
-    // Two points have no moment about the line through them, which a body of the engine needs; one has no inertia at all.
+    // Two points have no moment about the line through them, which a body of the engine needs; one
+    // has no inertia at all.
     let point = |x: Real| RigidBody::new(Shape::Point).mass(1.0).position(Vec3::X * x).build().unwrap();
     let points = [point(0.0).spawn(&mut world), point(1.0).spawn(&mut world)];
     assert!(matches!(error(&world, &points), WeldError::Together(_)));

@@ -1,5 +1,5 @@
-//! Vector registers of the widest instruction set of the machine, by a library that is not the engine's: what is measured against
-//! the engine is not to share its code.
+//! Vector registers of the widest instruction set of the machine, by a library that is not the
+//! engine's: what is measured against the engine is not to share its code.
 
 use std::ops::{Add, Div, Mul, Sub};
 

@@ -1,13 +1,18 @@
-//! Bodies that touch, in the scenes that other engines were measured with: a pyramid of 2870 boxes at rest, 5000 balls that fall into a box, and 4096 worlds in
-//! which eight boxes fall on the ground. On one and on two threads.
+//! Bodies that touch, in the scenes that other engines were measured with: a pyramid of 2870 boxes
+//! at rest, 5000 balls that fall into a box, and 4096 worlds in which eight boxes fall on the
+//! ground. On one and on two threads.
 //!
-//! `cargo bench --bench piles`, with `-- pyramid`, `balls` or `worlds` for one of them, or `growth` for what a body costs in a pyramid of 1015 boxes and in one of 29 370; `-- stands`
-//! has the pyramid stand for 10 000 steps, and fails where it does not. With `--features peers` the same scenes are run in Rapier in the same
-//! process, alternating every ten steps, with its default of four solver iterations; with `peers-simd8` Rapier's solver has eight lanes. Printed are milliseconds a step
-//! (of the pyramid the mean of steps 60 to 240, of the balls of all 300), and what became of the scene: how far the top sank and the box that moved most went, how deep
-//! balls are in each other.
+//! `cargo bench --bench piles`, with `-- pyramid`, `balls` or `worlds` for one of them, or `growth`
+//! for what a body costs in a pyramid of 1015 boxes and in one of 29 370; `-- stands` has the
+//! pyramid stand for 10 000 steps, and fails where it does not. With `--features peers` the same
+//! scenes are run in Rapier in the same process, alternating every ten steps, with its default of
+//! four solver iterations; with `peers-simd8` Rapier's solver has eight lanes. Printed are
+//! milliseconds a step (of the pyramid the mean of steps 60 to 240, of the balls of all 300), and
+//! what became of the scene: how far the top sank and the box that moved most went, how deep balls
+//! are in each other.
 //!
-//! Under `--features f64` tumble is in double precision and Rapier, a crate of single precision, is not.
+//! Under `--features f64` tumble is in double precision and Rapier, a crate of single precision, is
+//! not.
 
 #[cfg(feature = "peers")]
 mod rapier_world;
@@ -152,7 +157,8 @@ fn overlap(_: &Places, end: &Places) -> String {
     format!("balls are {deepest:.4} m deep in each other, {in_walls:.4} m in walls")
 }
 
-/// The pyramid over 10 000 steps, in which the top may sink by 15 mm and no box may go further than 3 cm, as in the flat one of the tests.
+/// The pyramid over 10 000 steps, in which the top may sink by 15 mm and no box may go further than
+/// 3 cm, as in the flat one of the tests.
 fn stands(threads: usize, pool: &ThreadPool) -> RunStatus<()> {
     const STEPS: u32 = 10_000;
     let mut world = pyramid(20);

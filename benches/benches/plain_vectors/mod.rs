@@ -1,4 +1,5 @@
-//! The yardstick: a step of bodies that are nothing but `Vec`s of numbers, written by hand for this one purpose.
+//! The yardstick: a step of bodies that are nothing but `Vec`s of numbers, written by hand for this
+//! one purpose.
 
 use hecs::World;
 use pulp::{Arch, Simd, WithSimd};
@@ -7,11 +8,12 @@ use tumble::{Inertia, Mass, Momentum, Pose};
 
 use crate::lanes::{Lanes, registers};
 
-/// The widest register has 16 numbers; columns are filled up to whole ones with copies of the last body.
+/// The widest register has 16 numbers; columns are filled up to whole ones with copies of the last
+/// body.
 const WIDEST: usize = 16;
 
-/// Bodies without an ECS, without options and without checks, each number of theirs in a column of its own: the state, wrenches, and
-/// the derived quantities that the engine writes too.
+/// Bodies without an ECS, without options and without checks, each number of theirs in a column of
+/// its own: the state, wrenches, and the derived quantities that the engine writes too.
 pub(crate) struct PlainVectors {
     bodies: usize,
     position: [Vec<Real>; 3],
@@ -102,8 +104,9 @@ impl PlainVectors {
         })
     }
 
-    /// One step of semi-implicit Euler, `P += F dt, L += tau dt, x += P/M dt, q += 1/2 w q dt, q/|q|`, under gravity and the wrenches,
-    /// which it empties; then velocities and inverse inertias.
+    /// One step of semi-implicit Euler,
+    /// `P += F dt, L += tau dt, x += P/M dt, q += 1/2 w q dt, q/|q|`, under gravity and the
+    /// wrenches, which it empties; then velocities and inverse inertias.
     pub(crate) fn step(&mut self, dt: Real, gravity: Vec3) {
         Arch::new().dispatch(Step { bodies: self, dt, gravity });
     }
@@ -122,7 +125,8 @@ macro_rules! dot {
     };
 }
 
-// No closure computes with registers: it would be compiled without the instruction set, and called for each operation.
+// No closure computes with registers: it would be compiled without the instruction set, and called
+// for each operation.
 impl WithSimd for Step<'_> {
     type Output = ();
 

@@ -50,8 +50,9 @@ impl Traffic {
     }
 }
 
-/// What is computed for a body in a step: in the drift, by running the engine's own map with numbers that count, and in all the rest, by
-/// computing the formulas of the documentation with them.
+/// What is computed for a body in a step: in the drift, by running the engine's own map with
+/// numbers that count, and in all the rest, by computing the formulas of the documentation with
+/// them.
 pub(crate) fn operations(world: &mut World, dt: Real) -> [Operations; 2] {
     let (mut drift, mut rest) = (Operations::default(), Operations::default());
     let mut bodies = 0;
@@ -74,7 +75,8 @@ fn quat(q: Quat) -> LaneQuat<Counted> {
     LaneQuat { x: Counted(q.x), y: Counted(q.y), z: Counted(q.z), w: Counted(q.w) }
 }
 
-/// Gravity on the wrench, half a kick, the way in a straight line, half a kick; velocities and the inverse inertia in the world.
+/// Gravity on the wrench, half a kick, the way in a straight line, half a kick; velocities and the
+/// inverse inertia in the world.
 fn all_but_the_drift<L: Lane>(
     q: LaneQuat<L>,
     p: LaneVec3<L>,

@@ -4,7 +4,8 @@ use std::ops::{Add, AddAssign, Div, Mul, Neg, Sub};
 use tumble::math::Real;
 use tumble_math::lane::Lane;
 
-/// Operations by what they cost: a processor has one unit for division and root, and several for all else.
+/// Operations by what they cost: a processor has one unit for division and root, and several for
+/// all else.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Operations {
     /// Additions, subtractions and multiplications.

@@ -20,7 +20,8 @@ pub(crate) struct Effort {
 impl Effort {
     /// The least time of one pass \[s\], where every thread of the pool makes as many passes.
     ///
-    /// The least, because what is measured is a limit: nothing but the machine makes it longer, and other programs do.
+    /// The least, because what is measured is a limit: nothing but the machine makes it longer, and
+    /// other programs do.
     fn least<T: Send>(self, pool: &ThreadPool, parts: &mut [T], pass: impl Fn(&mut T) + Sync) -> f64 {
         let mut passes = 1_u32;
         loop {
@@ -93,7 +94,8 @@ impl WithSimd for Update<'_> {
     }
 }
 
-/// What all threads of a pool compute together, in numbers a second, with the widest registers of the machine.
+/// What all threads of a pool compute together, in numbers a second, with the widest registers of
+/// the machine.
 #[derive(Clone, Copy)]
 pub(crate) struct Arithmetic {
     /// Additions and multiplications, as many of these as of those, not fused.
@@ -102,7 +104,8 @@ pub(crate) struct Arithmetic {
     pub(crate) slow: f64,
 }
 
-/// Chains of operations that do not wait for each other: more than a processor has under way at a time, and few enough for 16 registers.
+/// Chains of operations that do not wait for each other: more than a processor has under way at a
+/// time, and few enough for 16 registers.
 const CHAINS: usize = 12;
 const ROUNDS: usize = 256;
 

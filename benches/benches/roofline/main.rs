@@ -1,9 +1,10 @@
-//! How close a step comes to what the machine can do at all: the bytes that it must move and the operations that it must do, against
-//! bandwidth and arithmetic rate measured in the same run.
+//! How close a step comes to what the machine can do at all: the bytes that it must move and the
+//! operations that it must do, against bandwidth and arithmetic rate measured in the same run.
 //!
-//! `cargo bench --bench roofline`; what the columns mean is printed with them. The step is that of the default integrator over boxes under
-//! gravity. The rates are measured by code of another library in the widest registers of the machine, so that a step in narrower
-//! ones (`TUMBLE_SIMD=avx2`) is measured against what it could have had.
+//! `cargo bench --bench roofline`; what the columns mean is printed with them. The step is that of
+//! the default integrator over boxes under gravity. The rates are measured by code of another
+//! library in the widest registers of the machine, so that a step in narrower ones
+//! (`TUMBLE_SIMD=avx2`) is measured against what it could have had.
 
 #[path = "../lanes/mod.rs"]
 mod lanes;

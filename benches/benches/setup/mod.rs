@@ -4,7 +4,8 @@ use std::time::Duration;
 
 use criterion::Criterion;
 
-/// Short enough that the whole suite takes minutes. Ten samples even where one takes a tenth of a second; for a closer look
+/// Short enough that the whole suite takes minutes. Ten samples even where one takes a tenth of a
+/// second; for a closer look
 /// `cargo bench --bench NAME -- FILTER --measurement-time 10 --sample-size 50`.
 pub(crate) fn criterion() -> Criterion {
     Criterion::default()

@@ -4,7 +4,8 @@ use hecs::{Entity, World};
 use tumble::{BodyOrder, Settings, Totals};
 use tumble_scene::{Conserved, MomentumScale};
 
-/// Up to this number of body-steps every step is a sample: measuring them all takes a second at most.
+/// Up to this number of body-steps every step is a sample: measuring them all takes a second at
+/// most.
 pub(crate) const EVERY_STEP_UP_TO: u64 = 1_000_000;
 
 /// Samples of longer runs.
@@ -25,10 +26,11 @@ pub(crate) enum NotFinite {
 
 /// The totals at both ends, and the largest departures from the start in between.
 ///
-/// Departures are divided by scales. For energy: the largest of `|initial|`, the kinetic energy at the
-/// start and the most that the potentials of gravity and forces together have changed (what was exchanged, for a body dropped
-/// from rest at the origin has no energy at all). For the momenta: the sum over bodies of their
-/// magnitudes at the start, which is `|initial|` for one body and does not cancel for many.
+/// Departures are divided by scales. For energy: the largest of `|initial|`, the kinetic energy at
+/// the start and the most that the potentials of gravity and forces together have changed (what was
+/// exchanged, for a body dropped from rest at the origin has no energy at all). For the momenta:
+/// the sum over bodies of their magnitudes at the start, which is `|initial|` for one body and does
+/// not cancel for many.
 pub(crate) struct Drift {
     initial: Totals,
     latest: Totals,

@@ -10,7 +10,8 @@ use crate::drift::EVERY_STEP_UP_TO;
 
 /// Energy, momentum and work at every sample of a run.
 ///
-/// Booking the work makes a step about ten times as expensive. Long runs do without, so that the speed a report states is the engine's.
+/// Booking the work makes a step about ten times as expensive. Long runs do without, so that the
+/// speed a report states is the engine's.
 pub(crate) struct History {
     ledger: Ledger,
     works: bool,
@@ -36,8 +37,8 @@ impl History {
         }
     }
 
-    /// One row a sample: energies and works \[J\], momenta \[kg m/s\], \[kg m^2/s\] about the world's origin. Of the kinds of force
-    /// components those have a column that did any work.
+    /// One row a sample: energies and works \[J\], momenta \[kg m/s\], \[kg m^2/s\] about the
+    /// world's origin. Of the kinds of force components those have a column that did any work.
     pub(crate) fn write_csv(&self, to: &mut impl Write) -> io::Result<()> {
         let kinds = if self.works { self.working_kinds() } else { Vec::new() };
         write!(to, "step,time,linear_kinetic,rotational_kinetic,potential,force_potential,energy,px,py,pz,lx,ly,lz")?;
@@ -73,7 +74,8 @@ impl History {
         (0..ForceLaws::COMPONENTS.len()).filter(worked).collect()
     }
 
-    /// Where the energy is, over time. A potential that there is none of is left out where there is another.
+    /// Where the energy is, over time. A potential that there is none of is left out where there is
+    /// another.
     pub(crate) fn energy_plot(&self) -> Plot {
         let is_there = |of: fn(&Totals) -> f64| self.ledger.entries().iter().any(|entry| of(&entry.totals) != 0.0);
         let of_forces = is_there(|totals| totals.force_potential);
@@ -92,8 +94,8 @@ impl History {
         plot.series("sum", SeriesStyle::Line, self.over_time(LedgerEntry::energy))
     }
 
-    /// How far the energy is from where it began, relative to the kinetic energy at the start or the most that the potentials have
-    /// changed so far, whichever is larger.
+    /// How far the energy is from where it began, relative to the kinetic energy at the start or
+    /// the most that the potentials have changed so far, whichever is larger.
     pub(crate) fn drift_plot(&self) -> Plot {
         let entries = self.ledger.entries();
         let (energy, at_start) =

@@ -15,7 +15,8 @@ use crate::options::InspectOptions;
 use crate::print;
 use crate::replacing::{Guard, Kind};
 
-/// Prints the mass properties and forces of every body, or of the one asked for; a failure if one of them has a problem.
+/// Prints the mass properties and forces of every body, or of the one asked for; a failure if one
+/// of them has a problem.
 pub(crate) fn inspect(options: &InspectOptions) -> Result<(), Failure> {
     let file = &options.file;
     if let Some(path) = &options.draw {

@@ -1,4 +1,5 @@
-//! The `tumble` program: runs scenes of rigid bodies, sweeps over their fields, and inspects their mass properties.
+//! The `tumble` program: runs scenes of rigid bodies, sweeps over their fields, and inspects their
+//! mass properties.
 //!
 //! Exit codes: 0 all well, 1 a failure while running, 2 bad input or usage, 130 interrupted (with
 //! what was recorded until then finished and readable).

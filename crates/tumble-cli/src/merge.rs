@@ -55,7 +55,8 @@ pub(crate) fn merge(options: &MergeOptions) -> Result<(), Failure> {
     }
 }
 
-/// Takes the lock that a sweep takes, if there is a file to replace; only one of the same sweep may be.
+/// Takes the lock that a sweep takes, if there is a file to replace; only one of the same sweep may
+/// be.
 fn claim(out: &Path, identity: &SweepIdentity) -> Result<Option<SweepReader>, Failure> {
     match fs::symlink_metadata(out) {
         Err(error) if error.kind() == ErrorKind::NotFound => return Ok(None),

@@ -36,7 +36,8 @@ pub(crate) enum Command {
     /// Put the shards of a sweep together
     #[command(after_help = "Exit codes: 0 all well, 1 a failure while writing, 2 bad input or usage")]
     Merge(MergeOptions),
-    /// Show the mass properties of a scene's bodies, a robot's links or a mesh, and what is wrong with them
+    /// Show the mass properties of a scene's bodies, a robot's links or a mesh, and what is wrong
+    /// with them
     #[command(after_help = "Exit codes: 0 all well, 2 bad input or a body with problems")]
     Inspect(InspectOptions),
 }
@@ -62,10 +63,12 @@ pub(crate) struct RunOptions {
     /// Record every K-th step [default: 1]
     #[arg(long, value_name = "K", allow_negative_numbers = true, requires = "record")]
     pub(crate) every: Option<NonZeroU64>,
-    /// Write report.html, summary.json, ledger.csv, energy.svg and drift.svg into a directory, which is made if need be
+    /// Write report.html, summary.json, ledger.csv, energy.svg and drift.svg into a directory,
+    /// which is made if need be
     #[arg(long, value_name = "DIR")]
     pub(crate) report: Option<PathBuf>,
-    /// Take the nearest possible inertia for bodies of a .gltf, .glb or .urdf file whose own is impossible, and say so of each
+    /// Take the nearest possible inertia for bodies of a .gltf, .glb or .urdf file whose own is
+    /// impossible, and say so of each
     #[arg(long)]
     pub(crate) repair: bool,
     /// Replace files that this program did not write
@@ -101,7 +104,8 @@ pub(crate) struct StepOptions {
 
 #[derive(Debug, Args)]
 pub(crate) struct InspectOptions {
-    /// A scene (.json, .ron, .gltf, .glb), a robot (.urdf), a mesh (.obj, .stl, .gltf, .glb), or the name of a built-in scene
+    /// A scene (.json, .ron, .gltf, .glb), a robot (.urdf), a mesh (.obj, .stl, .gltf, .glb), or
+    /// the name of a built-in scene
     #[arg(value_name = "FILE")]
     pub(crate) file: String,
     /// Print JSON
@@ -110,8 +114,8 @@ pub(crate) struct InspectOptions {
     /// Density of a mesh in kg/m^3 [default: 1]
     #[arg(long, value_name = "D", allow_negative_numbers = true, value_parser = density)]
     pub(crate) density: Option<f64>,
-    /// Repair a mesh where there is no doubt how, or take the nearest possible inertia of a .gltf, .glb or .urdf file's bodies, and
-    /// say what was done
+    /// Repair a mesh where there is no doubt how, or take the nearest possible inertia of a .gltf,
+    /// .glb or .urdf file's bodies, and say what was done
     #[arg(long)]
     pub(crate) repair: bool,
     /// Draw a body to an .svg file

@@ -89,8 +89,8 @@ impl Outputs {
         }
     }
 
-    /// Renames the record into its place, and with it the report where there is one to write. All are on the disk before the first is
-    /// renamed: a disk that is full leaves none.
+    /// Renames the record into its place, and with it the report where there is one to write. All
+    /// are on the disk before the first is renamed: a disk that is full leaves none.
     pub(crate) fn finish(mut self, findings: Option<Findings<'_>>) -> Result<(), Failure> {
         let mut whole = Vec::new();
         if let Some((path, writer)) = self.record.take() {

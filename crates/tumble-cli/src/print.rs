@@ -1,4 +1,5 @@
-//! Standard output and error, the only place that writes to them: what a terminal would obey is escaped, and a closed pipe is no failure.
+//! Standard output and error, the only place that writes to them: what a terminal would obey is
+//! escaped, and a closed pipe is no failure.
 
 use std::fmt::Display;
 use std::io::{self, ErrorKind, Write};

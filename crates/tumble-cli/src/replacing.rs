@@ -30,7 +30,8 @@ pub(crate) struct Guard {
 }
 
 impl Guard {
-    /// Refuses a path at which there is an input of this run, or a file that this program did not write.
+    /// Refuses a path at which there is an input of this run, or a file that this program did not
+    /// write.
     pub(crate) fn check(&self, path: &Path, kind: Kind) -> Result<(), Failure> {
         // What is no file, or cannot be asked, is refused when it is opened.
         let Ok(true) = fs::metadata(path).map(|there| there.is_file()) else { return Ok(()) };

@@ -58,7 +58,8 @@ pub(crate) fn run(options: &RunOptions) -> Result<(), Failure> {
     pool.install(|| run.complete(options, bodies, steps, pool.current_num_threads() as u64))
 }
 
-/// The instruction set that the environment asks for, if any, is to be the one that runs: a figure must not be another's.
+/// The instruction set that the environment asks for, if any, is to be the one that runs: a figure
+/// must not be another's.
 pub(crate) fn check_simd() -> Result<(), Failure> {
     match std::env::var("TUMBLE_SIMD") {
         Ok(wanted) if wanted != simd_name() => Err(Failure::Input(format!(
@@ -200,7 +201,8 @@ impl Run {
         Ok(())
     }
 
-    /// Steps to the given number, or for as long as a burst lasts, and shows what is to be shown on the way.
+    /// Steps to the given number, or for as long as a burst lasts, and shows what is to be shown on
+    /// the way.
     fn burst(&mut self, until: u64) {
         let started = Instant::now();
         while self.simulation.steps() < until && started.elapsed() <= BURST {

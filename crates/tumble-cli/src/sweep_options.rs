@@ -15,9 +15,11 @@ pub(crate) struct SweepOptions {
     /// The .csv file to write, or to go on with: one row for each world
     #[arg(long, value_name = "FILE")]
     pub(crate) out: PathBuf,
-    /// A numeric field and its values: FIELD=LO..HI, FIELD=normal(MEAN,SD) or FIELD=grid(LO,HI,N); may be given again
+    /// A numeric field and its values: FIELD=LO..HI, FIELD=normal(MEAN,SD) or FIELD=grid(LO,HI,N);
+    /// may be given again
     ///
-    /// FIELD is the path in the file: gravity.1, dt, bodies.0.mass, bodies.brick.angular_velocity.2, …
+    /// FIELD is the path in the file: gravity.1, dt, bodies.0.mass,
+    /// bodies.brick.angular_velocity.2, …
     #[arg(long, value_name = "FIELD=VALUES", value_parser = str::parse::<SweepParameter>)]
     pub(crate) vary: Vec<SweepParameter>,
     /// Worlds [default: all combinations, where there are only grids]

@@ -10,15 +10,18 @@ use crate::failure::Failure;
 use crate::replacing::{Guard, Kind};
 use crate::sweep_options::PlotOptions;
 
-/// Points of a picture: more cannot be told apart, and a picture of all worlds would have no bounds.
+/// Points of a picture: more cannot be told apart, and a picture of all worlds would have no
+/// bounds.
 const MAX_POINTS: u64 = 5000;
 
-/// Characters that the picture has room for: it is 650 by 316 pixels between its axes' ends, and a character about 7 wide, 8.5 in the title.
+/// Characters that the picture has room for: it is 650 by 316 pixels between its axes' ends, and a
+/// character about 7 wide, 8.5 in the title.
 const LONGEST_TITLE: usize = 76;
 const LONGEST_X: usize = 90;
 const LONGEST_Y: usize = 44;
 
-/// A picture that is to be drawn when the file is whole; tried before, so that what cannot be written is known early.
+/// A picture that is to be drawn when the file is whole; tried before, so that what cannot be
+/// written is known early.
 pub(crate) struct SweepPlot {
     path: PathBuf,
     axes: [(String, usize); 2],
@@ -34,7 +37,8 @@ impl SweepPlot {
         let Some(path) = options.plot.clone() else { return Ok(None) };
         check_ending(&path, "a plot", "svg")?;
         Guard { inputs, force: options.force }.check(&path, Kind::Picture)?;
-        // What follows the world is the first field that varies; where nothing does, it is the outcome.
+        // What follows the world is the first field that varies; where nothing does, it is the
+        // outcome.
         let first = columns.get(1).filter(|column| *column != "outcome").map_or("world", String::as_str);
         let column = |option: &str, name: &str| match columns
             .iter()
@@ -83,7 +87,8 @@ impl SweepPlot {
             let Some(row) = reader.next_row()? else { break };
             if (world - worlds.start).is_multiple_of(stride) {
                 let row = String::from_utf8_lossy(row);
-                // A world that did not come to its end has nothing in its columns, and no place in the picture.
+                // A world that did not come to its end has nothing in its columns, and no place in
+                // the picture.
                 let field = |at: usize| row.trim_end().split(',').nth(at).and_then(|field| field.parse::<f64>().ok());
                 points.extend(field(x).zip(field(y)));
             }

@@ -10,7 +10,8 @@ use tumble_scene::{RunStatus, STATE_COLUMNS, Sweep, SweepWorld, csv_cell, state_
 use crate::drift::Drift;
 use crate::interrupt;
 
-/// Substeps of one body between two looks at Ctrl-C: a tenth of a second or less, unless a single step takes longer.
+/// Substeps of one body between two looks at Ctrl-C: a tenth of a second or less, unless a single
+/// step takes longer.
 const UNINTERRUPTED: usize = 1_000_000;
 
 /// The line of one world, with its end.

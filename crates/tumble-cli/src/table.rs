@@ -66,7 +66,8 @@ impl Report<'_> {
     }
 }
 
-/// The systems of a step, and the time spent in each, over all threads; of what bodies do to each other only where they did.
+/// The systems of a step, and the time spent in each, over all threads; of what bodies do to each
+/// other only where they did.
 pub(crate) fn systems(times: &PhaseTimes) -> Vec<(&'static str, Duration)> {
     let always = [
         ("accumulate_forces", times.accumulate_forces()),

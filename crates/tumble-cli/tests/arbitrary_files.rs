@@ -1,7 +1,7 @@
 //! No file makes the program panic: it ends with 0 or 2.
 //!
-//! The library's own tests try thousands of texts; these few go all the way through the program, where a stack
-//! overflow or an abort would show as a signal and a panic as exit code 101.
+//! The library's own tests try thousands of texts; these few go all the way through the program,
+//! where a stack overflow or an abort would show as a signal and a panic as exit code 101.
 
 mod support;
 

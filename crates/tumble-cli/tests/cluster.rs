@@ -1,8 +1,11 @@
-//! Promise: the job files for clusters do what they say: their shards, merged, are the bytes of the sweep on one machine.
+//! Promise: the job files for clusters do what they say: their shards, merged, are the bytes of the
+//! sweep on one machine.
 //!
-//! Why: what is copied from a manual at night must work. It fails if an option is renamed, a shard is counted from zero, or quoting breaks a field.
+//! Why: what is copied from a manual at night must work. It fails if an option is renamed, a shard
+//! is counted from zero, or quoting breaks a field.
 //!
-//! GNU parallel is run where it is installed. Slurm and Kubernetes are not there to be run; what they would start is, with the variables that they set.
+//! GNU parallel is run where it is installed. Slurm and Kubernetes are not there to be run; what
+//! they would start is, with the variables that they set.
 #![allow(clippy::unwrap_used, reason = "a test fails by panicking, in its helper functions too")]
 #![cfg(unix)]
 
@@ -92,7 +95,8 @@ fn slurm() {
         .replace("srun --cpus-per-task=\"$SLURM_CPUS_PER_TASK\" tumble", "tumble")
         .replace("--worlds 100000", "--worlds 30");
     place.write("slurm.sh", job);
-    // The third alone first, as one that is submitted again: of an array of one, and still the third of 16.
+    // The third alone first, as one that is submitted again: of an array of one, and still the
+    // third of 16.
     for (task, count) in std::iter::once((3, 1)).chain((1..=16).filter(|task| *task != 3).map(|task| (task, 16))) {
         let mut command = script(&place, "bash");
         command.arg("slurm.sh").env("SLURM_ARRAY_TASK_ID", task.to_string());

@@ -1,7 +1,8 @@
-//! `tumble inspect` shows the mass properties and forces of every body, the impossible ones with their problems.
+//! `tumble inspect` shows the mass properties and forces of every body, the impossible ones with
+//! their problems.
 //!
-//! It is the tool to find out why a scene is refused. It would fail if it stopped at the first bad body, or if a
-//! key of its JSON changed.
+//! It is the tool to find out why a scene is refused. It would fail if it stopped at the first bad
+//! body, or if a key of its JSON changed.
 #![allow(clippy::unwrap_used, reason = "a test fails by panicking, in its helper functions too")]
 
 mod support;
@@ -113,7 +114,8 @@ fn forces_are_listed_with_all_their_numbers() {
     assert!(text.lines().any(|line| line == drag), "{text}");
 }
 
-/// What is listed of a compound's parts makes the same collider again, and people see a line for each.
+/// What is listed of a compound's parts makes the same collider again, and people see a line for
+/// each.
 #[test]
 fn parts_of_a_collider_are_listed_with_their_surfaces() {
     let place = Place::new();

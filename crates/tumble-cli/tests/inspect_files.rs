@@ -1,7 +1,7 @@
 //! `tumble inspect` of robots and meshes, and the pictures it draws.
 //!
-//! It is what one reaches for when a robot explodes or a part weighs nothing. It would fail if a bad link hid the others, if a mesh with a
-//! hole had a mass, or if a picture were not well-formed.
+//! It is what one reaches for when a robot explodes or a part weighs nothing. It would fail if a
+//! bad link hid the others, if a mesh with a hole had a mass, or if a picture were not well-formed.
 #![allow(clippy::unwrap_used, reason = "a test fails by panicking, in its helper functions too")]
 
 mod support;
@@ -104,7 +104,8 @@ fn options_that_do_not_fit_are_refused() {
     }
 }
 
-/// A picture is well-formed whatever the names are, has each thing that it is to show, and nothing of it is outside.
+/// A picture is well-formed whatever the names are, has each thing that it is to show, and nothing
+/// of it is outside.
 #[test]
 fn portraits() {
     let place = Place::new();
@@ -185,7 +186,8 @@ fn an_impossible_body_is_left_out_by_name_and_repaired_when_asked() {
     let bodies = json(&place, &["two.gltf"], 2)["bodies"].clone();
     assert!(bodies[0]["problems"][0].as_str().unwrap().contains("--repair") && bodies[1]["mass"] == 1.0);
     let bodies = json(&place, &["two.gltf", "--repair"], 0)["bodies"].clone();
-    // A third of the excess of 0.2 from the largest to each of the others, in the roundings of the build's precision.
+    // A third of the excess of 0.2 from the largest to each of the others, in the roundings of the
+    // build's precision.
     let moment = |index: usize| bodies[0]["tensor"][index][index].as_f64().unwrap();
     assert!((moment(0) - 1.0 / 3.0).abs() < 1e-6 && (moment(1) - 1.0 / 6.0).abs() < 1e-6, "{bodies}");
     place.refused(&["run", "iss", "--repair"], "--repair goes with");

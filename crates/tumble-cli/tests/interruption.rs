@@ -1,7 +1,7 @@
 //! However a run is cut short, what it leaves behind is whole.
 //!
-//! A long run is the one that gets interrupted. It would fail if Ctrl-C killed the program before the record was
-//! renamed into place, or if a reader that went away made it panic.
+//! A long run is the one that gets interrupted. It would fail if Ctrl-C killed the program before
+//! the record was renamed into place, or if a reader that went away made it panic.
 #![allow(clippy::unwrap_used, reason = "a test fails by panicking, in its helper functions too")]
 #![cfg(unix)]
 

@@ -1,7 +1,9 @@
-//! A run that is killed leaves a record that is readable up to its last checkpoint, under a name that says what it is.
+//! A run that is killed leaves a record that is readable up to its last checkpoint, under a name
+//! that says what it is.
 //!
-//! A machine that is switched off, or a job over its limit, gives no time to finish. It would fail if a record were readable
-//! only from its last byte on, as Parquet and glTF are by nature, or if what is left were taken for the record of a whole run.
+//! A machine that is switched off, or a job over its limit, gives no time to finish. It would fail
+//! if a record were readable only from its last byte on, as Parquet and glTF are by nature, or if
+//! what is left were taken for the record of a whole run.
 #![allow(clippy::unwrap_used, reason = "a test fails by panicking, in its helper functions too")]
 #![cfg(unix)]
 
@@ -15,7 +17,8 @@ use support::{Place, stderr, wait_for};
 
 const BODIES: usize = 100;
 
-/// Starts a run that would take for ever, kills it when its record has been growing for some checkpoints; the directory.
+/// Starts a run that would take for ever, kills it when its record has been growing for some
+/// checkpoints; the directory.
 ///
 /// `frames` says how many frames can be read from the file now, if it can be read at all.
 fn killed(name: &str, every: &str, steps: &str, frames: impl Fn(&Place) -> Option<u64>) -> Place {
@@ -59,7 +62,8 @@ fn comma_separated_values_are_whole_lines_but_for_the_last() {
     assert_replaced(&place, "run.csv");
 }
 
-/// The document of an animation whose lengths and counts all agree, how many frames it has, and where its buffer is in the file.
+/// The document of an animation whose lengths and counts all agree, how many frames it has, and
+/// where its buffer is in the file.
 fn document(place: &Place) -> Option<(serde_json::Value, u64, usize)> {
     let mut file = std::fs::File::open(place.path("run.partial.glb")).ok()?;
     let mut header = [0; 20];

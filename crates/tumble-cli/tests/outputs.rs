@@ -1,7 +1,9 @@
-//! No output takes the place of an input, nor, without `--force`, of a file that this program did not write; what a run leaves is whole or nothing.
+//! No output takes the place of an input, nor, without `--force`, of a file that this program did
+//! not write; what a run leaves is whole or nothing.
 //!
-//! A slip of a name costs a scene or somebody's table. It would fail if one output of one command forgot to look, if a report were half
-//! there after a full disk, or if what a killed run left stayed for ever.
+//! A slip of a name costs a scene or somebody's table. It would fail if one output of one command
+//! forgot to look, if a report were half there after a full disk, or if what a killed run left
+//! stayed for ever.
 #![allow(clippy::unwrap_used, reason = "a test fails by panicking, in its helper functions too")]
 
 mod support;
@@ -12,7 +14,8 @@ use support::{Place, stderr};
 
 const SCENE: &str = r#"{ "bodies": [ { "name": "a", "mass": 1, "shape": { "mesh": { "file": "part.glb" } } } ] }"#;
 
-/// An animation of this program, which is a good mesh too: a file that only its use tells from an output.
+/// An animation of this program, which is a good mesh too: a file that only its use tells from an
+/// output.
 fn place_with_scene() -> Place {
     let place = Place::new();
     place.write("box.json", r#"{ "bodies": [ { "mass": 1, "shape": { "cuboid": { "half_extents": [1, 1, 1] } } } ] }"#);
@@ -70,7 +73,8 @@ fn a_foreign_file_is_replaced_by_force_only_and_our_own_always() {
     }
 }
 
-/// By its name, by another spelling of it, and by both kinds of links; the scene's own file and what it names.
+/// By its name, by another spelling of it, and by both kinds of links; the scene's own file and
+/// what it names.
 #[cfg(unix)]
 #[test]
 fn an_input_is_never_replaced() {
@@ -172,7 +176,8 @@ fn the_next_run_removes_what_a_killed_one_left() {
     assert!(hidden().is_empty(), "{:?}", hidden());
 }
 
-/// Names that a spreadsheet would compute, in every table that has names; the rule gives each of them back.
+/// Names that a spreadsheet would compute, in every table that has names; the rule gives each of
+/// them back.
 #[test]
 fn names_in_tables_are_no_formulas_and_are_read_back() {
     let place = Place::new();

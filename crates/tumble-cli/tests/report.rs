@@ -1,7 +1,8 @@
 //! `--report` writes a page that needs nothing else, beside the files that were there before.
 //!
-//! People open it, mail it and keep it. It would fail if it loaded anything, if a name in a scene file could run as a script, if a
-//! large run made it too large to open, or if it did not say what it leaves out.
+//! People open it, mail it and keep it. It would fail if it loaded anything, if a name in a scene
+//! file could run as a script, if a large run made it too large to open, or if it did not say what
+//! it leaves out.
 #![allow(clippy::unwrap_used, reason = "a test fails by panicking, in its helper functions too")]
 
 mod support;
@@ -80,8 +81,8 @@ fn what_is_left_out_is_said() {
     let data = data(&page);
     assert_eq!(list(&data, "bodies").len(), 1000);
     let times = list(&data, "times");
-    // Three of the six mebibytes go to the capsules, each a mesh of its own. At twenty bytes a body there is room for 150 frames and a few, which is
-    // each eighth of 1000 steps, and the first.
+    // Three of the six mebibytes go to the capsules, each a mesh of its own. At twenty bytes a body
+    // there is room for 150 frames and a few, which is each eighth of 1000 steps, and the first.
     assert_eq!(times.len(), 126);
     assert_eq!(times[0], 0.0);
     // A thousand steps of 1/60 s in f32.
@@ -143,7 +144,8 @@ fn notices_of_the_scene_are_on_the_page() {
     assert_eq!(data(&page)["up"], serde_json::json!([0, 0, 1]));
 }
 
-/// Scenes of bodies that touch are run, recorded and reported like the others, with the time that contacts took and the work that they did.
+/// Scenes of bodies that touch are run, recorded and reported like the others, with the time that
+/// contacts took and the work that they did.
 #[test]
 fn scenes_of_contacts_are_reported() {
     for scene in ["pyramid", "wall", "pile", "dominoes", "cradle", "drum", "hills", "bowling", "spheres"] {

@@ -1,6 +1,7 @@
 //! `tumble run` does what its options say, and its files are the contract.
 //!
-//! Scripts and notebooks read these files. It would fail if a key, a column or a rule for steps changed.
+//! Scripts and notebooks read these files. It would fail if a key, a column or a rule for steps
+//! changed.
 #![allow(clippy::unwrap_used, reason = "a test fails by panicking, in its helper functions too")]
 
 mod support;
@@ -129,7 +130,8 @@ fn the_ledger_has_a_column_for_each_kind_of_force_that_worked() {
     let sum = |names: &str| names.split(' ').map(|name| last[name]).sum::<f64>();
     // Both are sums of the same few numbers of a few joules in double precision.
     assert!((sum("linear_kinetic rotational_kinetic potential force_potential") - last["energy"]).abs() < 1e-12);
-    // Where a force without potential acts the drift of energy is what it did; the integrator's own part is in the works too.
+    // Where a force without potential acts the drift of energy is what it did; the integrator's own
+    // part is in the works too.
     let drift = place.summary()["energy"]["max_relative_drift"].as_f64().unwrap();
     assert!(drift > 0.1, "{drift}");
     let (energy, potential) = (place.read("report/energy.svg"), ">potential of forces<");
@@ -273,7 +275,8 @@ fn a_name_without_extension_is_a_built_in_even_if_a_file_has_it() {
 #[test]
 fn a_body_that_leaves_the_numbers_is_named() {
     let place = Place::new();
-    // 1e9 m/s2, 1e18 times over, for 1e6 s: 1e39 m, beyond f32 at once. The limits of a scene keep f64 within its range.
+    // 1e9 m/s2, 1e18 times over, for 1e6 s: 1e39 m, beyond f32 at once. The limits of a scene keep
+    // f64 within its range.
     let scene = r#"{ "gravity": [0, 1e9, 0], "dt": 1e6, "steps": 1000, "bodies": [
         { "mass": 1, "gravity_scale": 0 }, { "name": "runaway", "mass": 1, "gravity_scale": 1e18 } ] }"#;
     place.write("scene.json", scene);

@@ -1,8 +1,10 @@
-//! Promise: a sweep's file has the same bytes for any number of threads, any shards, and however often it was killed; a row is
-//! what a run of that world alone gives; what cannot be swept is refused with nothing written.
+//! Promise: a sweep's file has the same bytes for any number of threads, any shards, and however
+//! often it was killed; a row is what a run of that world alone gives; what cannot be swept is
+//! refused with nothing written.
 //!
-//! Why: a Monte-Carlo study is spread over machines and days. It would fail if a value depended on another world's, if rows were written as they
-//! finish, if a killed sweep restarted or went on in another sweep's file, or if all worlds were held in memory.
+//! Why: a Monte-Carlo study is spread over machines and days. It would fail if a value depended on
+//! another world's, if rows were written as they finish, if a killed sweep restarted or went on in
+//! another sweep's file, or if all worlds were held in memory.
 #![allow(clippy::unwrap_used, reason = "a test fails by panicking, in its helper functions too")]
 
 mod support;
@@ -148,13 +150,15 @@ fn grids_make_all_combinations() {
     assert!(titles.contains(",time,stone.px,") && titles.contains(",stone.wz,brick.px,"), "{titles}");
 }
 
-/// Whatever of the file was written when the program was killed, the next run ends with the same bytes.
+/// Whatever of the file was written when the program was killed, the next run ends with the same
+/// bytes.
 #[test]
 fn a_sweep_goes_on_wherever_it_was_cut() {
     let place = place();
     let whole = reference(&place).into_bytes();
     let arguments = sweep("cut.csv", &["--worlds", "23", "--threads", "1"]);
-    // Through the two first lines and some rows, and at the end; 97 has no factor in common with a row's length.
+    // Through the two first lines and some rows, and at the end; 97 has no factor in common with a
+    // row's length.
     let lengths = (0..whole.len()).step_by(97).chain(whole.len() - 3..=whole.len());
     for length in lengths {
         place.write("cut.csv", &whole[..length]);
@@ -163,7 +167,8 @@ fn a_sweep_goes_on_wherever_it_was_cut() {
     }
 }
 
-/// Rows that are there are taken as they are: changing a digit of one shows that it is not computed again.
+/// Rows that are there are taken as they are: changing a digit of one shows that it is not computed
+/// again.
 #[test]
 fn finished_worlds_are_not_run_again() {
     let place = place();
@@ -265,7 +270,8 @@ fn peak_memory(place: &Place, arguments: &[&str]) -> u64 {
     peak
 }
 
-/// A world of these takes about 13 KB, so 40 000 of them kept would be 500 MB; results that wait for their turn are 8192 rows at most, 4 MB.
+/// A world of these takes about 13 KB, so 40 000 of them kept would be 500 MB; results that wait
+/// for their turn are 8192 rows at most, 4 MB.
 #[cfg(target_os = "linux")]
 #[test]
 fn many_worlds_do_not_need_much_memory() {
@@ -465,7 +471,8 @@ fn a_plot_has_a_dot_for_every_world() {
     assert_eq!(dots("a.svg"), 40);
     let svg = place.read("a.svg");
     assert!(svg.contains(">bodies.brick.angular_velocity.1<") && svg.contains(">brick.py<"), "{svg}");
-    // Of a finished sweep, another picture; and one of shards, which is the same as that of the whole.
+    // Of a finished sweep, another picture; and one of shards, which is the same as that of the
+    // whole.
     place.succeed(&sweep("a.csv", &["--worlds", "40", "--plot", "b.svg", "--x", "bodies[1].mass", "--y", "energy"]));
     assert_eq!(dots("b.svg"), 40);
     for shard in ["1/2", "2/2"] {

@@ -1,7 +1,9 @@
-//! Promise: no file of somebody else is replaced, nothing half-made stays, Ctrl-C is answered, and what draws nothing is refused.
+//! Promise: no file of somebody else is replaced, nothing half-made stays, Ctrl-C is answered, and
+//! what draws nothing is refused.
 //!
-//! Why: days of work are in these files. It would fail if a merge replaced the file that a sweep is writing, if a full disk or a killed program left
-//! crumbs, or if a step of many substeps made the program deaf.
+//! Why: days of work are in these files. It would fail if a merge replaced the file that a sweep is
+//! writing, if a full disk or a killed program left crumbs, or if a step of many substeps made the
+//! program deaf.
 #![allow(clippy::unwrap_used, reason = "a test fails by panicking, in its helper functions too")]
 #![cfg(unix)]
 
@@ -87,7 +89,8 @@ fn ctrl_c_ends_a_merge_with_nothing_left() {
     place.succeed(&sweep(&["--worlds", "2", "--shard", "1/1", "--out", "s.csv"]));
     let small = place.read("s.csv").replace("\"worlds\":2", &format!("\"worlds\":{WORLDS}"));
     let mut big: String = small.split_inclusive('\n').take(2).collect();
-    // As worlds that could not be: a value for what varies, the outcome, and nothing in the columns after it.
+    // As worlds that could not be: a value for what varies, the outcome, and nothing in the columns
+    // after it.
     let columns = small.lines().nth(1).unwrap().split(',');
     let outcome = columns.clone().position(|column| column == "outcome").unwrap();
     let row = format!("{},impossible{}", ",0".repeat(outcome - 1), ",".repeat(columns.count() - 1 - outcome));

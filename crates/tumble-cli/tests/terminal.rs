@@ -1,8 +1,10 @@
-//! Nothing that a terminal would obey comes out of the program, whatever is in a file, its name, an option or the environment.
+//! Nothing that a terminal would obey comes out of the program, whatever is in a file, its name, an
+//! option or the environment.
 //!
-//! A name with an escape sequence can write the clipboard of who looks at the file. It would fail if one string of one format
-//! reached standard output or error on a way of its own: every string, key and word of sample files is made hostile in turn,
-//! and each file is given to every command that takes it.
+//! A name with an escape sequence can write the clipboard of who looks at the file. It would fail
+//! if one string of one format reached standard output or error on a way of its own: every string,
+//! key and word of sample files is made hostile in turn, and each file is given to every command
+//! that takes it.
 #![allow(clippy::unwrap_used, reason = "a test fails by panicking, in its helper functions too")]
 
 mod support;
@@ -13,10 +15,12 @@ use std::process::Output;
 use serde_json::{Value, json};
 use support::Place;
 
-/// Writes the clipboard, colours, rings, turns letters round, forges lines; C1 and invisible letters too.
+/// Writes the clipboard, colours, rings, turns letters round, forges lines; C1 and invisible
+/// letters too.
 const HOSTILE: &str = "\u{1b}]52;c;cm0=\u{7}\u{1b}[31m\r\u{8}\u{7f}\u{9b}2J\u{90}\u{202e}\u{2066}\u{200f}\u{2028}\u{feff}\u{e0041}\ntumble: forged";
 
-/// Whether a terminal would obey it, by the Unicode tables' general categories Cc, Zl, Zp and those of Cf that hide or reorder.
+/// Whether a terminal would obey it, by the Unicode tables' general categories Cc, Zl, Zp and those
+/// of Cf that hide or reorder.
 fn is_obeyed(letter: char) -> bool {
     let code = letter as u32;
     let control = code < 0x20 || (0x7f..0xa0).contains(&code);
@@ -148,7 +152,8 @@ fn names_and_keys_of_gltf() {
     let samples = Path::new(env!("CARGO_MANIFEST_DIR")).join("../tumble-scene/tests/gltf_scenes");
     for sample in ["everything.gltf", "omi.gltf"] {
         let document = serde_json::from_str(&std::fs::read_to_string(samples.join(sample)).unwrap()).unwrap();
-        // Each string in turn would be a minute: a copy with all strings, and every seventh of the others.
+        // Each string in turn would be a minute: a copy with all strings, and every seventh of the
+        // others.
         let copies = hostile_copies(&document);
         for (at, copy) in copies.iter().enumerate().filter(|(at, _)| at % 7 == 0 || at + 1 == copies.len()) {
             place.write("scene.gltf", serde_json::to_string(copy).unwrap());

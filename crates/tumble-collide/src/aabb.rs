@@ -43,7 +43,8 @@ impl<R: Scalar> Aabb<R> {
             && other.low.z <= self.high.z
     }
 
-    /// Whether all of the other is in this one, its surface included. Compared without branches: the answer is nearly always the same.
+    /// Whether all of the other is in this one, its surface included. Compared without branches:
+    /// the answer is nearly always the same.
     #[inline]
     pub(crate) fn holds(&self, other: &Self) -> bool {
         (self.low.x <= other.low.x)

@@ -1,4 +1,5 @@
-//! A capsule against a ball, another capsule and a box. Its axis is the segment from -`half_height` to +`half_height` on y.
+//! A capsule against a ball, another capsule and a box. Its axis is the segment from -`half_height`
+//! to +`half_height` on y.
 
 use tumble_math::lane::Vec3;
 
@@ -19,7 +20,8 @@ pub(crate) struct Rod<R> {
     radius: R,
 }
 
-/// Nearer than this part of the lengths they are computed from two points are one, in units of rounding: the direction between them is lost.
+/// Nearer than this part of the lengths they are computed from two points are one, in units of
+/// rounding: the direction between them is lost.
 const ONE_POINT: f64 = 32.0;
 /// The square of a shorter length \[m\] may not be a normal number in either precision.
 const MIN_DISTANCE: f64 = 1e-18;
@@ -91,7 +93,8 @@ pub(crate) fn capsule_and_capsule<R: Scalar>(first: &Rod<R>, second: &Rod<R>, ma
     face_clipping.manifold(&first.feature(), &second.feature(), nearest, R::splat(0.0)).carried_by_both()
 }
 
-/// The nearest points of two segments (C. Ericson, "Real-Time Collision Detection", 2005, 5.1.9); of parallel ones, some that are nearest.
+/// The nearest points of two segments (C. Ericson, "Real-Time Collision Detection", 2005, 5.1.9);
+/// of parallel ones, some that are nearest.
 fn nearest_of_axes<R: Scalar>(first: &Rod<R>, second: &Rod<R>) -> (Vec3<R>, Vec3<R>) {
     let (zero, one) = (R::splat(0.0), R::splat(1.0));
     let apart = first.center - second.center;
@@ -137,10 +140,11 @@ pub(crate) fn cuboid_and_capsule<R: Scalar>(
     manifold.seen(|point| at.to_world(point), |v| at.orientation.rotate(v))
 }
 
-/// From -1 to 1: where an axis is nearest to a box about the origin, in the middle of where it is so everywhere.
+/// From -1 to 1: where an axis is nearest to a box about the origin, in the middle of where it is
+/// so everywhere.
 ///
-/// The square of the distance is convex along the axis, and its derivative goes through zero in straight pieces: those between places where the axis goes
-/// through the plane of a face.
+/// The square of the distance is convex along the axis, and its derivative goes through zero in
+/// straight pieces: those between places where the axis goes through the plane of a face.
 fn nearest_to_cuboid<R: Scalar>(rod: &Rod<R>, h: Vec3<R>) -> R {
     let (zero, one) = (R::splat(0.0), R::splat(1.0));
     let along = [(rod.center.x, rod.half.x, h.x), (rod.center.y, rod.half.y, h.y), (rod.center.z, rod.half.z, h.z)];
@@ -150,7 +154,8 @@ fn nearest_to_cuboid<R: Scalar>(rod: &Rod<R>, h: Vec3<R>) -> R {
             sum + half * (x - clamped(x, most))
         })
     };
-    // The end of the last piece before the slope is positive, and where it is zero in the next; `flat` counts zero as positive.
+    // The end of the last piece before the slope is positive, and where it is zero in the next;
+    // `flat` counts zero as positive.
     let root = |flat: bool| {
         let is_up = |slope: R| slope > zero || flat && slope == zero;
         let (mut low, mut high) = ((-one, slope(-one)), (one, slope(one)));
@@ -174,7 +179,8 @@ fn nearest_to_cuboid<R: Scalar>(rod: &Rod<R>, h: Vec3<R>) -> R {
     (root(true) + root(false)) * R::splat(0.5)
 }
 
-/// Out of a box about the origin for an axis that is in it: the unit normal, and minus the distance.
+/// Out of a box about the origin for an axis that is in it: the unit normal, and minus the
+/// distance.
 fn way_out<R: Scalar>(rod: &Rod<R>, h: Vec3<R>) -> (Vec3<R>, R) {
     let (zero, one) = (R::splat(0.0), R::splat(1.0));
     let axes = [Vec3::new(one, zero, zero), Vec3::new(zero, one, zero), Vec3::new(zero, zero, one)];

@@ -1,7 +1,8 @@
 //! When shapes on their ways meet.
 //!
-//! Conservative advancement (B. Mirtich, "Impulse-based dynamic simulation of rigid body systems", 1996): at a distance `d` along the unit vector `n`
-//! nothing can meet before `d` is gone at the greatest rate at which any points of both shapes come together along `n`.
+//! Conservative advancement (B. Mirtich, "Impulse-based dynamic simulation of rigid body systems",
+//! 1996): at a distance `d` along the unit vector `n` nothing can meet before `d` is gone at the
+//! greatest rate at which any points of both shapes come together along `n`.
 
 use crate::aabb::Aabb;
 use crate::collider_shape::{ColliderShape, Isometry};
@@ -17,7 +18,8 @@ use crate::work;
 
 /// A way is followed in at most this number of advances; what has not met by then may meet.
 const MAX_ADVANCES: usize = 48;
-/// Shapes that come this many times as near as what counts as meeting are sought the moment for when they are nearest.
+/// Shapes that come this many times as near as what counts as meeting are sought the moment for
+/// when they are nearest.
 const NEARLY: f64 = 8.0;
 /// How often the span of time in which that is is narrowed down, to two thirds each time.
 const NARROWED: usize = 12;
@@ -97,8 +99,9 @@ struct Gap {
 }
 
 impl Meeting {
-    /// The first of two shapes on their ways, or the nearest that they come to each other if that is nearer than `slack` \[m\]. What is nearer than
-    /// `tolerance` \[m\], above zero, meets. None of compounds, half-spaces, and two surfaces. A surface is met from outside.
+    /// The first of two shapes on their ways, or the nearest that they come to each other if that
+    /// is nearer than `slack` \[m\]. What is nearer than `tolerance` \[m\], above zero, meets. None
+    /// of compounds, half-spaces, and two surfaces. A surface is met from outside.
     pub fn find<R: Scalar>(
         shapes: [&ColliderShape<R>; 2],
         courses: [&Course; 2],
@@ -122,8 +125,10 @@ impl Meeting {
         }
     }
 
-    /// Shows the manifolds that two shapes have when they meet, as [`contact_manifolds`] has them, laid back to the beginning of the interval: with separations that
-    /// are used up at the meeting. They have all points that are nearer than `margin` \[m\] then, and one that is nearer than `near` \[m\].
+    /// Shows the manifolds that two shapes have when they meet, as [`contact_manifolds`] has them,
+    /// laid back to the beginning of the interval: with separations that are used up at the
+    /// meeting. They have all points that are nearer than `margin` \[m\] then, and one that is
+    /// nearer than `near` \[m\].
     pub fn manifolds<R: Scalar>(
         &self,
         [first, second]: [&ColliderShape<R>; 2],
@@ -156,7 +161,8 @@ impl<'a> Moving<'a> {
         Self { shapes: [first, second], layers: layer + other_layer, courses, radii }
     }
 
-    /// Whether balls around both pass each other, or a ball around one passes the other: these turn as they like.
+    /// Whether balls around both pass each other, or a ball around one passes the other: these turn
+    /// as they like.
     fn are_passed(&self, tolerance: f64, slack: f64) -> bool {
         let wrapped = |which: [bool; 2]| {
             let more = (0..2).filter(|i| which[*i]).fold(0.0, |sum, i| sum + self.radii[i]);
@@ -190,7 +196,8 @@ impl<'a> Moving<'a> {
         })
     }
 
-    /// How fast they can come together along a unit vector from the first to the second, in a leg in which the second goes `way` past the first.
+    /// How fast they can come together along a unit vector from the first to the second, in a leg
+    /// in which the second goes `way` past the first.
     fn rate(&self, way: Vector, normal: Vector) -> f64 {
         let turning = |which: usize| {
             let across = normal.cross(self.courses[which].angular());
@@ -314,7 +321,8 @@ fn furthest_from_origin(corners: [Vector; 3]) -> f64 {
 }
 
 impl Moving<'_> {
-    /// Whether the second stays on its side of the plane of a face of the first, given by its outward normal and a point in the frame of the first.
+    /// Whether the second stays on its side of the plane of a face of the first, given by its
+    /// outward normal and a point in the frame of the first.
     fn stays_over(&self, normal: Vector, point: Vector, tolerance: f64) -> bool {
         let [ground, body] = self.courses.map(|course| course.at(0.0));
         let up = ground.orientation.rotate(normal);

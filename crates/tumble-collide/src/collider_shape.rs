@@ -12,8 +12,8 @@ use crate::mesh_pair;
 use crate::scalar::Scalar;
 use crate::support_map::{Convex, Vector, narrow, unit, wide};
 
-/// A shape that others can touch, in its own frame: axes of revolution lie along y, and the origin is at mid-height, as in [`tumble_math::Shape`]. Lengths are
-/// in metres.
+/// A shape that others can touch, in its own frame: axes of revolution lie along y, and the origin
+/// is at mid-height, as in [`tumble_math::Shape`]. Lengths are in metres.
 ///
 /// ```
 /// use tumble_collide::{ColliderShape, Isometry};
@@ -147,7 +147,8 @@ impl<R: Scalar> Isometry<R> {
 }
 
 impl<R: Scalar> ColliderShape<R> {
-    /// The smallest box along the world's axes that holds the shape, and `margin` \[m\] around it; `None` for what has no end.
+    /// The smallest box along the world's axes that holds the shape, and `margin` \[m\] around it;
+    /// `None` for what has no end.
     ///
     /// Of a mesh or a height field it is that of the box along its own axes.
     pub fn aabb(&self, at: &Isometry<R>, margin: R) -> Option<Aabb<R>> {
@@ -209,7 +210,8 @@ impl<R: Scalar> ColliderShape<R> {
         }
     }
 
-    /// Half its thickness where it is thinnest, or somewhat less \[m\]: what goes through it by less is still on the side it came from. Zero for surfaces.
+    /// Half its thickness where it is thinnest, or somewhat less \[m\]: what goes through it by
+    /// less is still on the side it came from. Zero for surfaces.
     ///
     /// ```
     /// use tumble_collide::ColliderShape;
@@ -245,7 +247,8 @@ impl<R: Scalar> ColliderShape<R> {
         }
     }
 
-    /// The longest distance of a point of the shape from its origin \[m\], or somewhat more; `None` for what has no end.
+    /// The longest distance of a point of the shape from its origin \[m\], or somewhat more; `None`
+    /// for what has no end.
     pub fn reach(&self) -> Option<R> {
         let length = |v: Vec3<R>| v.dot(v).sqrt();
         let zero = R::splat(0.0);
@@ -276,7 +279,8 @@ impl<R: Scalar> ColliderShape<R> {
         }
     }
 
-    /// The point that is furthest in a direction, in the shape's frame; `None` of compounds, surfaces and half-spaces.
+    /// The point that is furthest in a direction, in the shape's frame; `None` of compounds,
+    /// surfaces and half-spaces.
     ///
     /// ```
     /// use tumble_collide::ColliderShape;
@@ -291,8 +295,9 @@ impl<R: Scalar> ColliderShape<R> {
         Some(narrow(support_map.support(direction) + unit(direction) * layer))
     }
 
-    /// Whether it has a flat face whose outward normal is a unit vector, to a thousandth of a radian. Always true of surfaces, whose contacts have
-    /// the normals of their faces, and of half-spaces.
+    /// Whether it has a flat face whose outward normal is a unit vector, to a thousandth of a
+    /// radian. Always true of surfaces, whose contacts have the normals of their faces, and of
+    /// half-spaces.
     ///
     /// ```
     /// use tumble_collide::ColliderShape;
@@ -311,7 +316,8 @@ impl<R: Scalar> ColliderShape<R> {
         }
     }
 
-    /// The part that has a number, of those that [`parts`](Self::parts) counts: the first of its numbers, its place in the whole, and its shape. The whole where that is no compound.
+    /// The part that has a number, of those that [`parts`](Self::parts) counts: the first of its
+    /// numbers, its place in the whole, and its shape. The whole where that is no compound.
     ///
     /// ```
     /// use std::sync::Arc;
@@ -333,7 +339,9 @@ impl<R: Scalar> ColliderShape<R> {
         }
     }
 
-    /// How many numbers its parts have: [`contact_manifolds`](crate::contact_manifolds) numbers a pair of parts as that of the first shape times this of the second, and that of the second. One of what has no parts.
+    /// How many numbers its parts have: [`contact_manifolds`](crate::contact_manifolds) numbers a
+    /// pair of parts as that of the first shape times this of the second, and that of the second.
+    /// One of what has no parts.
     pub fn parts(&self) -> u32 {
         match self {
             Self::Mesh(mesh) => mesh_pair::parts(mesh.as_ref(), mesh.points().len()),

@@ -71,7 +71,8 @@ impl<R: Scalar> Compound<R> {
         last.map_or(0, |((_, part), number)| number.saturating_add(part.parts()))
     }
 
-    /// The longest distance of a point of it from its origin \[m\], or somewhat more; `None` if a part has no end.
+    /// The longest distance of a point of it from its origin \[m\], or somewhat more; `None` if a
+    /// part has no end.
     #[must_use]
     pub fn reach(&self) -> Option<R> {
         let mut most = R::splat(0.0);

@@ -9,10 +9,12 @@ use crate::mesh_pair::surface_and_convex;
 use crate::scalar::Scalar;
 use crate::sphere::{cuboid_and_sphere, sphere_and_sphere};
 
-/// How two shapes touch, with all points where they are at most `margin` \[m\] apart. The normal goes from the first to the second.
+/// How two shapes touch, with all points where they are at most `margin` \[m\] apart. The normal
+/// goes from the first to the second.
 ///
-/// Of a compound, a mesh or a height field it is the manifold of the part that is nearest or deepest; [`contact_manifolds`] shows all of them.
-/// Half-spaces do not touch each other, and no more do surfaces. What is not finite touches nothing.
+/// Of a compound, a mesh or a height field it is the manifold of the part that is nearest or
+/// deepest; [`contact_manifolds`] shows all of them. Half-spaces do not touch each other, and no
+/// more do surfaces. What is not finite touches nothing.
 ///
 /// ```
 /// use tumble_collide::{ColliderShape, Isometry, contact_manifold};
@@ -46,10 +48,13 @@ pub fn contact_manifold<R: Scalar>(
     nearest.map_or(Manifold::none(), |(_, manifold)| manifold)
 }
 
-/// Shows how all parts of two shapes touch: for each pair of parts that are near, the number of the pair and the manifold, as [`contact_manifold`] has them.
+/// Shows how all parts of two shapes touch: for each pair of parts that are near, the number of the
+/// pair and the manifold, as [`contact_manifold`] has them.
 ///
-/// Parts are those of a compound and, of a mesh or a height field, its flat pieces, edges and corners. The number of a pair is the same from step to step, in no particular order,
-/// and zero for shapes of one part; of shapes that have more than 2^32 pairs of parts between them, some share a number. Manifolds without points are left out.
+/// Parts are those of a compound and, of a mesh or a height field, its flat pieces, edges and
+/// corners. The number of a pair is the same from step to step, in no particular order, and zero
+/// for shapes of one part; of shapes that have more than 2^32 pairs of parts between them, some
+/// share a number. Manifolds without points are left out.
 ///
 /// ```
 /// use std::sync::Arc;

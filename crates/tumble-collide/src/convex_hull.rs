@@ -6,8 +6,9 @@ use crate::support_map::{Vector, unit};
 
 /// The convex hull of points, made to be touched: its corners and its flat faces, in its own frame.
 ///
-/// Faces that lie in one plane, within a thousandth of a degree, are one. A face of more than sixteen corners touches with sixteen of them. Finding out how far it reaches in
-/// a direction looks at a number of corners that grows as the root of how many there are.
+/// Faces that lie in one plane, within a thousandth of a degree, are one. A face of more than
+/// sixteen corners touches with sixteen of them. Finding out how far it reaches in a direction
+/// looks at a number of corners that grows as the root of how many there are.
 ///
 /// ```
 /// use tumble_collide::ConvexHull;
@@ -43,14 +44,16 @@ struct Face {
 /// Normals whose scalar product is less than one by no more than this belong to one plane.
 const ONE_PLANE: f64 = 1e-10;
 
-/// Part of the hull's reach by which one corner must be further out than others to be shown in place of one of them.
+/// Part of the hull's reach by which one corner must be further out than others to be shown in
+/// place of one of them.
 const FURTHER: f64 = 1e-5;
 
 impl ConvexHull {
     /// The hull of points \[m\].
     ///
     /// # Errors
-    /// Fewer than four points, one that is not finite or too far out (named by its index), or all of them in one plane.
+    /// Fewer than four points, one that is not finite or too far out (named by its index), or all
+    /// of them in one plane.
     pub fn new(points: &[Vector]) -> Result<Self, HullError> {
         let points: Vec<_> = points.iter().map(|point| (*point).into()).collect();
         let mesh = convex_hull(&points)?;
@@ -100,7 +103,8 @@ impl ConvexHull {
         let at = |corner: u32| self.points[corner as usize];
         let normals: Vec<Vector> =
             triangles.iter().map(|&[a, b, c]| unit((at(b) - at(a)).cross(at(c) - at(a)))).collect();
-        // Each side once for the triangle it belongs to, in order, to be found from the triangle on its other hand.
+        // Each side once for the triangle it belongs to, in order, to be found from the triangle on
+        // its other hand.
         let mut sides: Vec<([u32; 2], u32)> = Vec::new();
         for (triangle, [a, b, c]) in triangles.iter().enumerate() {
             sides.extend([[*a, *b], [*b, *c], [*c, *a]].map(|side| (side, triangle as u32)));
@@ -172,7 +176,8 @@ impl ConvexHull {
                 furthest = place;
             }
         }
-        // Of many corners that furthest out takes the place of one beside it, unless others are as far but for rounding.
+        // Of many corners that furthest out takes the place of one beside it, unless others are as
+        // far but for rounding.
         if along(furthest) > of_few + FURTHER * self.reach {
             let before = places.iter().take(most).rposition(|place| *place <= furthest).unwrap_or(0);
             places[before] = furthest;
@@ -196,7 +201,8 @@ fn around(mut outline: Vec<[u32; 2]>) -> Vec<u32> {
     outline.sort_unstable();
     let Some(&[start, mut next]) = outline.first() else { return Vec::new() };
     let mut corners = vec![start];
-    // Each corner has one side that goes on from it; what rounding made otherwise is left where it comes back to a corner.
+    // Each corner has one side that goes on from it; what rounding made otherwise is left where it
+    // comes back to a corner.
     while next != start && corners.len() < outline.len() {
         corners.push(next);
         let Ok(place) = outline.binary_search_by_key(&next, |[from, _]| *from) else { break };

@@ -1,4 +1,5 @@
-//! Two convex shapes of any kind: the direction in which they are furthest apart or overlap least, and the points where they are nearest along it.
+//! Two convex shapes of any kind: the direction in which they are furthest apart or overlap least,
+//! and the points where they are nearest along it.
 
 use tumble_math::lane::Quat;
 
@@ -11,8 +12,8 @@ use crate::minkowski::Difference;
 use crate::scalar::Scalar;
 use crate::support_map::{Convex, Vector, narrow, unit, wide};
 
-/// A face is taken for a direction between edges that separates by no more than this \[m\]: it holds a body better, and a choice that changes back and forth
-/// holds it worst.
+/// A face is taken for a direction between edges that separates by no more than this \[m\]: it
+/// holds a body better, and a choice that changes back and forth holds it worst.
 pub(crate) const FACE_LEAD: f64 = 5e-4;
 /// Where something is round, by no more than what its direction is uncertain by.
 const ROUND_LEAD: f64 = 1e-7;
@@ -30,7 +31,8 @@ pub(crate) struct Approach {
     pub(crate) on_first: Vector,
 }
 
-/// How two shapes are to each other, unless what is inside their layers is further apart than `limit`, or nothing is finite.
+/// How two shapes are to each other, unless what is inside their layers is further apart than
+/// `limit`, or nothing is finite.
 pub(crate) fn approach(shapes: &Difference<'_>, limit: f64) -> Option<Approach> {
     let found = match nearest(shapes, limit) {
         Nearest::Far => return None,

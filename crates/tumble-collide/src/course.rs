@@ -9,8 +9,9 @@ use crate::support_map::{Vector, wide};
 /// The most straight pieces of a course.
 const MAX_LEGS: usize = 4;
 
-/// How a shape moves over an interval of time: its body's centre of mass goes straight on, and turns off a few times at most;
-/// the shape turns about it at an even rate. Moments are parts of the interval, from 0 to 1.
+/// How a shape moves over an interval of time: its body's centre of mass goes straight on, and
+/// turns off a few times at most; the shape turns about it at an even rate. Moments are parts of
+/// the interval, from 0 to 1.
 ///
 /// ```
 /// use tumble_collide::{Course, Isometry};
@@ -34,16 +35,16 @@ pub struct Course {
 }
 
 impl Course {
-    /// Of a shape placed `at` in a body with the centre of mass `center` \[m\], which goes `linear` \[m\] in the interval
-    /// and turns by `angular` \[rad\], about the direction of that vector.
+    /// Of a shape placed `at` in a body with the centre of mass `center` \[m\], which goes `linear`
+    /// \[m\] in the interval and turns by `angular` \[rad\], about the direction of that vector.
     pub fn new<R: Scalar>(at: &Isometry<R>, center: Vec3<R>, linear: Vec3<R>, angular: Vec3<R>) -> Self {
         let mut legs = [(1.0, Vector::zero()); MAX_LEGS];
         legs[0] = (0.0, wide(linear));
         Self { start: wide_placement(at), center: wide(center), angular: wide(angular), legs, len: 1 }
     }
 
-    /// The same up to a moment; from then on the centre goes `linear` \[m\] in a whole interval. A course that has turned off
-    /// as often as it may goes on as it was.
+    /// The same up to a moment; from then on the centre goes `linear` \[m\] in a whole interval. A
+    /// course that has turned off as often as it may goes on as it was.
     #[must_use]
     pub fn turned_off(&self, moment: f64, linear: Vec3<f64>) -> Self {
         let mut this = *self;
@@ -63,7 +64,8 @@ impl Course {
         Self { start: self.start.then(&wide_placement(inner)), ..*self }
     }
 
-    /// How far the centre would go in a whole interval \[m\], as it goes at a moment, or just after.
+    /// How far the centre would go in a whole interval \[m\], as it goes at a moment, or just
+    /// after.
     #[must_use]
     pub fn linear(&self, moment: f64) -> Vec3<f64> {
         let legs = self.legs().iter().rev();
@@ -116,7 +118,8 @@ impl Course {
         if self.angular.dot(self.angular) > 0.0 { rotate_exactly(none, self.angular, moment) } else { none }
     }
 
-    /// Where a point of the shape that is at `point` at a moment was when the interval began; of what does not turn with it, only moved back.
+    /// Where a point of the shape that is at `point` at a moment was when the interval began; of
+    /// what does not turn with it, only moved back.
     pub(crate) fn back(&self, point: Vector, moment: f64, turns: bool) -> Vector {
         let from_center = point - self.center - self.gone(moment);
         self.center + if turns { self.turn(moment).rotate_back(from_center) } else { from_center }

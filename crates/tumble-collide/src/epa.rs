@@ -1,31 +1,37 @@
 //! The shortest way out for two convex shapes that overlap.
 //!
-//! G. van den Bergen, "Proximity queries and penetration depth computation on 3D game objects", GDC 2001: a polyhedron inside the difference of the shapes grows
-//! where its surface is nearest to the origin, until it has the difference's own surface there.
+//! G. van den Bergen, "Proximity queries and penetration depth computation on 3D game objects", GDC
+//! 2001: a polyhedron inside the difference of the shapes grows where its surface is nearest to the
+//! origin, until it has the difference's own surface there.
 
 use crate::gjk::{Nearest, Simplex, nearest, on_triangle};
 use crate::minkowski::{Difference, Reached};
 use crate::support_map::{Vector, unit};
 use crate::work;
 
-/// Where two shapes overlap least: the unit normal from the first to the second, and the point of the first that is deepest in the second.
+/// Where two shapes overlap least: the unit normal from the first to the second, and the point of
+/// the first that is deepest in the second.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Penetration {
     pub(crate) normal: Vector,
     pub(crate) on_first: Vector,
 }
 
-/// Polyhedra end by themselves after a few dozen points; round shapes are as round as can be told after this many.
+/// Polyhedra end by themselves after a few dozen points; round shapes are as round as can be told
+/// after this many.
 const MAX_MANIFOLD_POINTS: usize = 256;
-/// Faces tested and sides compared, at most. A polyhedron of n points has 2 n faces, each of which may be tested for every point.
+/// Faces tested and sides compared, at most. A polyhedron of n points has 2 n faces, each of which
+/// may be tested for every point.
 const MAX_WORK: usize = 1 << 18;
-/// What is not certain, of round shapes and where faces were so thin that rounding tore the surface, is refined this often at most,
+/// What is not certain, of round shapes and where faces were so thin that rounding tore the
+/// surface, is refined this often at most,
 const MAX_REFINEMENTS: usize = 8;
 /// from this number of axes of both shapes too,
 const MAX_STARTS: usize = 4;
 /// with the shapes moved apart by this part of what the difference reaches.
 const GAP: f64 = 1e-4;
-/// Part of what the difference reaches that a point must add to the polyhedron to be worth it. The normal of round shapes is good to its square root.
+/// Part of what the difference reaches that a point must add to the polyhedron to be worth it. The
+/// normal of round shapes is good to its square root.
 const GAIN: f64 = 1e-11;
 /// Part of it that is flat.
 const FLAT: f64 = 1e-12;
@@ -47,8 +53,9 @@ struct Polyhedron {
     work: usize,
 }
 
-/// `None` where the difference is flat, and where numbers are not finite. Whatever rounding does, the shapes overlap along the normal by no less than is reported, and it is no longer than
-/// any other way out that was tried.
+/// `None` where the difference is flat, and where numbers are not finite. Whatever rounding does,
+/// the shapes overlap along the normal by no less than is reported, and it is no longer than any
+/// other way out that was tried.
 pub(crate) fn penetration(shapes: &Difference<'_>, simplex: &Simplex) -> Option<Penetration> {
     let mut polyhedron = Polyhedron::around(shapes, simplex)?;
     let mut outline = Outline::default();
@@ -61,7 +68,8 @@ pub(crate) fn penetration(shapes: &Difference<'_>, simplex: &Simplex) -> Option<
             break;
         }
         let reached = shapes.support(face.normal);
-        // This far the shapes overlap along the normal; the face is no further out than the least overlap of all.
+        // This far the shapes overlap along the normal; the face is no further out than the least
+        // overlap of all.
         let overlap = reached.point.dot(face.normal);
         if overlap < least {
             best = Some((overlap, face.normal));
@@ -103,7 +111,8 @@ fn shortest(shapes: &Difference<'_>, found: Penetration, overlap: f64, scale: f6
     best.1
 }
 
-/// Moved apart along a way out, shapes are nearest to each other along one that is as short or shorter.
+/// Moved apart along a way out, shapes are nearest to each other along one that is as short or
+/// shorter.
 fn refined(shapes: &Difference<'_>, mut found: Penetration, mut overlap: f64, scale: f64) -> (f64, Penetration) {
     for _ in 0..MAX_REFINEMENTS {
         let position = shapes.position + found.normal * (overlap + GAP * scale);
@@ -199,8 +208,9 @@ impl Polyhedron {
         best.map(|(index, face)| (index, *face))
     }
 
-    /// The point of the first shape at the place of the surface that is nearest to a given one. Where the difference is flat, several faces have the distance of the
-    /// nearest, and one of them has the place.
+    /// The point of the first shape at the place of the surface that is nearest to a given one.
+    /// Where the difference is flat, several faces have the distance of the nearest, and one of
+    /// them has the place.
     fn foot(&self, place: Vector) -> Vector {
         let mut best: Option<(f64, Vector)> = None;
         for face in &self.faces {
@@ -222,7 +232,8 @@ impl Polyhedron {
         face.normal.dot(point - self.points[face.corners[0] as usize].point)
     }
 
-    /// Takes away the faces that a point outside sees, that of the index among them, and joins their outline with it. `false`, and all stays as it is, where the outline does not go once
+    /// Takes away the faces that a point outside sees, that of the index among them, and joins
+    /// their outline with it. `false`, and all stays as it is, where the outline does not go once
     /// around: faces too thin to have a normal are not seen as they should be.
     fn grow(&mut self, index: usize, reached: Reached, outline: &mut Outline) -> bool {
         outline.sides.clear();

@@ -1,4 +1,5 @@
-//! Where the flat pieces of two shapes lie over one another, seen along the normal: the points of a contact.
+//! Where the flat pieces of two shapes lie over one another, seen along the normal: the points of a
+//! contact.
 
 use tumble_math::lane::Vec3;
 
@@ -26,7 +27,8 @@ const MAX: usize = 2 * MAX_CORNERS;
 const EDGE_ON: f64 = 0.05;
 /// Edges at a smaller sine of the angle between them are parallel, and touch along their length.
 const PARALLEL: f64 = 0.01;
-/// A point found here is as near as any if it is within this part of the margin, or of the points' extent, of the least separation there is.
+/// A point found here is as near as any if it is within this part of the margin, or of the points'
+/// extent, of the least separation there is.
 pub(crate) const AS_NEAR: f64 = 0.005;
 /// A point no further than this \[m\] beyond a side is on it: between two faces there is no gap.
 pub(crate) const ON_THE_SIDE: f64 = 1e-9;
@@ -38,7 +40,8 @@ const END: u32 = 1 << 30;
 /// and what is left of the first this one.
 const OF_FIRST: u32 = 1 << 31;
 
-/// A point that both have, on the inner surface of the piece that was cut, and its height above the one that cuts.
+/// A point that both have, on the inner surface of the piece that was cut, and its height above the
+/// one that cuts.
 #[derive(Clone, Copy)]
 struct Shared<R> {
     at: Vec3<R>,
@@ -78,8 +81,9 @@ impl<T: Copy> List<T> {
 }
 
 impl<R: Scalar> Overlay<R> {
-    /// The points that both pieces have in common and, where none of them is as near as the shapes are, the given one, halfway between the surfaces. What reaches furthest
-    /// along the normal may be beside both pieces, by which it is up to `lead` less than how far they are apart.
+    /// The points that both pieces have in common and, where none of them is as near as the shapes
+    /// are, the given one, halfway between the surfaces. What reaches furthest along the normal may
+    /// be beside both pieces, by which it is up to `lead` less than how far they are apart.
     pub(crate) fn manifold(&self, first: &Feature<R>, second: &Feature<R>, nearest: Vec3<R>, lead: R) -> Manifold<R> {
         let (mut candidates, carried) = self.candidates(first, second);
         let small = at_most_extent(self.margin, candidates.items());
@@ -183,7 +187,8 @@ pub(crate) fn as_near<R: Scalar>(candidates: &[ContactPoint<R>], margin: R) -> R
     least + at_most_extent(margin, candidates) * R::splat(AS_NEAR)
 }
 
-/// What is left of a piece inside the sides of a face, seen along `outwards`, which looks out of the face. Heights are along it above the face.
+/// What is left of a piece inside the sides of a face, seen along `outwards`, which looks out of
+/// the face. Heights are along it above the face.
 fn cut<R: Scalar>(piece: &Feature<R>, face: &Feature<R>, outwards: Vec3<R>) -> List<Shared<R>> {
     let (zero, half, one) = (R::splat(0.0), R::splat(0.5), R::splat(1.0));
     let nothing = Shared { at: Vec3::zero(), height: zero, feature: 0, carried: one };
@@ -222,7 +227,8 @@ fn cut<R: Scalar>(piece: &Feature<R>, face: &Feature<R>, outwards: Vec3<R>) -> L
     found
 }
 
-/// Of each side of a face: the number of its first corner, a vector out of the face across it, and that corner.
+/// Of each side of a face: the number of its first corner, a vector out of the face across it, and
+/// that corner.
 fn sides<R: Scalar>(face: &Feature<R>, outwards: Vec3<R>) -> impl Iterator<Item = (u32, Vec3<R>, Vec3<R>)> {
     let corners = face.corners();
     // Along a vector that looks against the face's normal its corners run the other way.

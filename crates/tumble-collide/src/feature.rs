@@ -14,7 +14,8 @@ pub(crate) struct Corner<R> {
     pub(crate) id: u32,
 }
 
-/// One corner, the two ends of an edge, or the corners of a face counter-clockwise as seen from outside.
+/// One corner, the two ends of an edge, or the corners of a face counter-clockwise as seen from
+/// outside.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Feature<R> {
     corners: [Corner<R>; MAX_CORNERS],
@@ -43,7 +44,8 @@ impl<R: Scalar> Feature<R> {
         Self::new([(from, 0), (to, 1)], Vec3::zero())
     }
 
-    /// The face of a box about the origin that looks most in a direction. The number of a corner has a bit for each coordinate that is positive.
+    /// The face of a box about the origin that looks most in a direction. The number of a corner
+    /// has a bit for each coordinate that is positive.
     pub(crate) fn of_cuboid(half: Vec3<R>, direction: Vec3<R>) -> Self {
         let along = [direction.x, direction.y, direction.z];
         let mut axis = 0;

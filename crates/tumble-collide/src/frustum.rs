@@ -13,15 +13,18 @@ pub(crate) struct Frustum {
     pub(crate) half_height: f64,
 }
 
-/// Places on a rim that go with the body, so that what stands on a cap has the same points from step to step: an eighth of a turn apart, counter-clockwise about y.
+/// Places on a rim that go with the body, so that what stands on a cap has the same points from
+/// step to step: an eighth of a turn apart, counter-clockwise about y.
 const RIM: [[f64; 2]; 8] = {
     let d = std::f64::consts::FRAC_1_SQRT_2;
     [[0.0, 1.0], [d, d], [1.0, 0.0], [d, -d], [0.0, -1.0], [-d, -d], [-1.0, 0.0], [-d, d]]
 };
-/// The lowest point of a rim takes the place of the nearest of these when it is lower by more than this part of the radius: less is rounding, and would make
-/// the point run around the rim of what stands still.
+/// The lowest point of a rim takes the place of the nearest of these when it is lower by more than
+/// this part of the radius: less is rounding, and would make the point run around the rim of what
+/// stands still.
 const LOWER: f64 = 1e-4;
-/// A cap is stood on when its normal is within about 25 degrees; further over it is the rim that rolls.
+/// A cap is stood on when its normal is within about 25 degrees; further over it is the rim that
+/// rolls.
 const MIN_COSINE: f64 = 0.9;
 /// Numbers of points: those on the rim of the upper cap begin here,
 const UPPER: u32 = 16;

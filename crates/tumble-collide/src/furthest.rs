@@ -6,12 +6,15 @@ use crate::work;
 /// Vectors of a leaf; with fewer than twice as many there is no tree.
 const LEAF: usize = 8;
 
-/// Part of the products of lengths by which a scalar product may be off for rounding: three products and two sums in either.
+/// Part of the products of lengths by which a scalar product may be off for rounding: three
+/// products and two sums in either.
 const ROUNDING: f64 = 1e-14;
 
-/// Many vectors, to find the one furthest in a direction: the same as by going through all, the first of equal ones.
+/// Many vectors, to find the one furthest in a direction: the same as by going through all, the
+/// first of equal ones.
 ///
-/// A tree of boxes. A box is left out when none of its corners is as far as the best so far: of 1e5 points on a sphere some hundred are tested.
+/// A tree of boxes. A box is left out when none of its corners is as far as the best so far: of 1e5
+/// points on a sphere some hundred are tested.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(crate) struct Furthest {
     nodes: Vec<Node>,
@@ -144,7 +147,8 @@ mod tests {
         }
     }
 
-    /// Points on a ball are the worst there is: all are corners of their hull. What is gone through grows as the root of their number.
+    /// Points on a ball are the worst there is: all are corners of their hull. What is gone through
+    /// grows as the root of their number.
     #[test]
     fn of_many_points_few_are_looked_at() {
         for count in [1000, 10_000, 100_000_u32] {

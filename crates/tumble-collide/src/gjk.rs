@@ -1,12 +1,15 @@
 //! The nearest points of two convex shapes that do not overlap.
 //!
-//! E. G. Gilbert, D. W. Johnson, S. S. Keerthi, "A fast procedure for computing the distance between complex objects in three-dimensional space", IEEE
-//! J. Robot. Autom. 4 (1988); the nearest points of triangle and tetrahedron after C. Ericson, "Real-Time Collision Detection" (2005), 5.1.
+//! E. G. Gilbert, D. W. Johnson, S. S. Keerthi, "A fast procedure for computing the distance
+//! between complex objects in three-dimensional space", IEEE J. Robot. Autom. 4 (1988); the nearest
+//! points of triangle and tetrahedron after C. Ericson, "Real-Time Collision Detection" (2005),
+//! 5.1.
 
 use crate::minkowski::{Difference, Reached};
 use crate::support_map::Vector;
 
-/// Up to four points of the difference, and how much of each is in the point that is nearest to the origin.
+/// Up to four points of the difference, and how much of each is in the point that is nearest to the
+/// origin.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Simplex {
     corners: [(Reached, f64); 4],
@@ -24,7 +27,8 @@ pub(crate) enum Nearest {
     Overlap(Simplex),
 }
 
-/// Each turn comes nearer; of polyhedra a dozen reach the end, and of round shapes thirty are within rounding.
+/// Each turn comes nearer; of polyhedra a dozen reach the end, and of round shapes thirty are
+/// within rounding.
 const MAX_TURNS: usize = 64;
 /// Nearer than this part of what the difference reaches, the direction is lost in rounding.
 const TOUCHING: f64 = 1e-10;
@@ -96,7 +100,8 @@ impl Simplex {
             .fold(Vector::zero(), |sum, (reached, weight)| sum + reached.on_first * *weight)
     }
 
-    /// Leaves those corners that the point nearest to the origin lies between, which it returns; all four if the origin is inside.
+    /// Leaves those corners that the point nearest to the origin lies between, which it returns;
+    /// all four if the origin is inside.
     fn reduce(&mut self) -> Vector {
         let p = self.corners.map(|(reached, _)| reached.point);
         let weights = match self.len {
@@ -159,8 +164,9 @@ pub(crate) fn on_triangle([a, b, c]: [Vector; 3]) -> [f64; 3] {
     if d3 >= 0.0 && d4 <= d3 {
         return [0.0, 1.0, 0.0];
     }
-    // Twice the areas that the origin's foot makes with two corners, times that of all three: products of differences, that lose fewer digits of thin triangles
-    // than those of the products above.
+    // Twice the areas that the origin's foot makes with two corners, times that of all three:
+    // products of differences, that lose fewer digits of thin triangles than those of the products
+    // above.
     let normal = ab.cross(ac);
     let area = |from: Vector, to: Vector| normal.dot(from.cross(to - from));
     let vc = area(a, b);
@@ -193,7 +199,8 @@ fn on_tetrahedron(p: [Vector; 4]) -> Option<[f64; 4]> {
         let normal = (p[j] - p[i]).cross(p[k] - p[i]);
         let away = p[l] - p[i];
         let (of_origin, of_corner) = (-p[i].dot(normal), away.dot(normal));
-        // On the side of the fourth corner the origin is not outside this face; a flat tetrahedron has no sides.
+        // On the side of the fourth corner the origin is not outside this face; a flat tetrahedron
+        // has no sides.
         let is_flat = of_corner * of_corner <= FLAT * FLAT * normal.dot(normal) * away.dot(away);
         if !is_flat && of_origin * of_corner > 0.0 {
             continue;

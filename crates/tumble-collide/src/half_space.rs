@@ -25,7 +25,8 @@ pub(crate) fn half_space_and_sphere<R: Scalar>(
     Manifold::of_point(up, center - up * radius, separation, 0, margin)
 }
 
-/// The corners that are near enough of the face that looks down most: those above them hold nothing. A feature is the number of a corner.
+/// The corners that are near enough of the face that looks down most: those above them hold
+/// nothing. A feature is the number of a corner.
 pub(crate) fn half_space_and_cuboid<R: Scalar>(
     ground: &Isometry<R>,
     half_extents: Vec3<R>,
@@ -54,7 +55,8 @@ pub(crate) fn half_space_and_cuboid<R: Scalar>(
     Manifold::new(up, R::splat(1.0), points)
 }
 
-/// Both ends that are near enough. A feature is the number of an end, the lower one on its axis first.
+/// Both ends that are near enough. A feature is the number of an end, the lower one on its axis
+/// first.
 pub(crate) fn half_space_and_capsule<R: Scalar>(
     ground: &Isometry<R>,
     radius: R,

@@ -7,7 +7,8 @@ use crate::scalar::Scalar;
 use crate::support_map::{Convex, Vector, narrow};
 use crate::underside::stood_on;
 
-/// From the half-space to points of the shape: for a hull or a surface all corners that are near, for what is round the corners of what it lies on.
+/// From the half-space to points of the shape: for a hull or a surface all corners that are near,
+/// for what is round the corners of what it lies on.
 pub(crate) fn half_space_and_other<R: Scalar>(
     ground: &Isometry<R>,
     shape: &ColliderShape<R>,

@@ -9,8 +9,10 @@ use crate::surface::{Patches, Surface};
 
 /// Ground given by its height at the crossings of a grid, made to be touched from above.
 ///
-/// In its own frame, y is up and the origin is in the middle of the grid at height zero: the height in column `c` and row `r` is at `x = (c - (columns - 1) / 2) spacing_x`,
-/// `z = (r - (rows - 1) / 2) spacing_z`. A cell is two triangles that meet on the diagonal from its corner of least x and z.
+/// In its own frame, y is up and the origin is in the middle of the grid at height zero: the height
+/// in column `c` and row `r` is at `x = (c - (columns - 1) / 2) spacing_x`,
+/// `z = (r - (rows - 1) / 2) spacing_z`. A cell is two triangles that meet on the diagonal from its
+/// corner of least x and z.
 ///
 /// ```
 /// use tumble_collide::HeightField;
@@ -81,7 +83,8 @@ impl HeightField {
     const SPACINGS: RangeInclusive<f64> = 1e-6..=1e6;
     const HEIGHTS: RangeInclusive<f64> = -1e6..=1e6;
 
-    /// From heights \[m\] row by row, how many there are in a row, and the distances of columns along x and of rows along z \[m\].
+    /// From heights \[m\] row by row, how many there are in a row, and the distances of columns
+    /// along x and of rows along z \[m\].
     ///
     /// # Errors
     /// [`HeightFieldError`] says what is wrong with the numbers.

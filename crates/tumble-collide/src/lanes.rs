@@ -1,6 +1,7 @@
 //! Manifolds of several pairs side by side, for callers with lanes of their own.
 //!
-//! Everything here is `#[inline(always)]`, and what calls it must be too, down from where the instruction set of the lanes is enabled.
+//! Everything here is `#[inline(always)]`, and what calls it must be too, down from where the
+//! instruction set of the lanes is enabled.
 
 use tumble_math::lane::{Lane, Vec3};
 
@@ -28,7 +29,8 @@ pub struct ManifoldLanes<L> {
     pub carried: L,
     /// How many points there are, from 0 to 4.
     pub count: L,
-    /// The points half-way between the surfaces, from the second shape's origin along the world's axes \[m\].
+    /// The points half-way between the surfaces, from the second shape's origin along the world's
+    /// axes \[m\].
     pub places: [Vec3<L>; MAX_MANIFOLD_POINTS],
     /// Distance of the surfaces along the normal there \[m\].
     pub separations: [L; MAX_MANIFOLD_POINTS],

@@ -1,7 +1,8 @@
-//! Where shapes touch: which of them are near each other, and the points, normals and distances of those that are.
+//! Where shapes touch: which of them are near each other, and the points, normals and distances of
+//! those that are.
 //!
-//! Nothing here knows of mass, velocity or time. All is generic over the precision, [`Scalar`], and does the same in the same order on
-//! every machine: basic IEEE arithmetic, ties broken by index.
+//! Nothing here knows of mass, velocity or time. All is generic over the precision, [`Scalar`], and
+//! does the same in the same order on every machine: basic IEEE arithmetic, ties broken by index.
 //!
 //! ```
 //! use tumble_collide::{ColliderShape, Isometry, contact_manifold};

@@ -21,7 +21,8 @@ pub struct ContactPoint<R> {
     pub position: Vec3<R>,
     /// Distance of the surfaces along the normal \[m\]; negative where they overlap.
     pub separation: R,
-    /// Which vertices, edges and faces meet here. The same from step to step while the same ones do.
+    /// Which vertices, edges and faces meet here. The same from step to step while the same ones
+    /// do.
     pub feature: u32,
 }
 
@@ -41,8 +42,9 @@ pub struct ContactPoint<R> {
 pub struct Manifold<R> {
     /// Unit vector from the first shape to the second, world frame.
     pub normal: Vec3<R>,
-    /// How far the points go along with the second shape when it moves past the first, from 0 to 1: a ball takes its point with it
-    /// over a floor, and a large box leaves the points of a small one where the small one is.
+    /// How far the points go along with the second shape when it moves past the first, from 0 to 1:
+    /// a ball takes its point with it over a floor, and a large box leaves the points of a small
+    /// one where the small one is.
     pub carried: R,
     points: Points<R>,
 }
@@ -94,7 +96,8 @@ impl<R: Scalar> Manifold<R> {
         Self { normal, carried, points }
     }
 
-    /// One point, given on the surface of the second shape, which carries it; none where it is further than `margin` or not finite.
+    /// One point, given on the surface of the second shape, which carries it; none where it is
+    /// further than `margin` or not finite.
     pub(crate) fn of_point(normal: Vec3<R>, on_second: Vec3<R>, separation: R, feature: u32, margin: R) -> Self {
         let mut points = Points::none();
         if separation <= margin {

@@ -5,15 +5,18 @@ use tumble_math::lane::Vec3;
 use crate::manifold::{ContactPoint, MAX_MANIFOLD_POINTS, Points};
 use crate::scalar::Scalar;
 
-/// By how much a later point must be better than an earlier one to be taken in its place. Only as much as rounding may make of points that are the same:
-/// the order of the points is not the same from step to step, so a larger lead would choose now one and now another of two that differ.
-/// Of a stick a hundred times as long as wide, the corner of an end is further from its middle than the end's middle by half a ten-thousandth.
+/// By how much a later point must be better than an earlier one to be taken in its place. Only as
+/// much as rounding may make of points that are the same: the order of the points is not the same
+/// from step to step, so a larger lead would choose now one and now another of two that differ. Of
+/// a stick a hundred times as long as wide, the corner of an end is further from its middle than
+/// the end's middle by half a ten-thousandth.
 const LEAD: f64 = 1e-6;
-/// Points that are deeper by less than this part of the margin, or of the extent of all if that is less, are as deep.
+/// Points that are deeper by less than this part of the margin, or of the extent of all if that is
+/// less, are as deep.
 const AS_DEEP: f64 = 0.05;
 
-/// All of four points and fewer. Of more: the outermost of the deepest, the one farthest from it, the one that makes the largest triangle with both, and the
-/// one that adds most to its area.
+/// All of four points and fewer. Of more: the outermost of the deepest, the one farthest from it,
+/// the one that makes the largest triangle with both, and the one that adds most to its area.
 pub(crate) fn reduce<R: Scalar>(candidates: &[ContactPoint<R>], normal: Vec3<R>, margin: R) -> Points<R> {
     let mut points = Points::none();
     if candidates.len() <= MAX_MANIFOLD_POINTS {
@@ -21,7 +24,8 @@ pub(crate) fn reduce<R: Scalar>(candidates: &[ContactPoint<R>], normal: Vec3<R>,
         return points;
     }
     let at = |index: usize| candidates[index].position;
-    // Of those that are as deep as any, give or take, one at a corner: an edge that lies along another crosses it anywhere, from step to step.
+    // Of those that are as deep as any, give or take, one at a corner: an edge that lies along
+    // another crosses it anywhere, from step to step.
     let least = candidates.iter().fold(candidates[0].separation, |least, candidate| least.min(candidate.separation));
     // Of the extent: the mean of the points is beside it where several are close together.
     let [low, high] = extent(candidates);
@@ -60,8 +64,8 @@ pub(crate) fn reduce<R: Scalar>(candidates: &[ContactPoint<R>], normal: Vec3<R>,
     points
 }
 
-/// Few points may have none of many that is as near as `level` among them; then the nearest takes the place of one of four without which they are widest, of fewer of the one
-/// closest to it.
+/// Few points may have none of many that is as near as `level` among them; then the nearest takes
+/// the place of one of four without which they are widest, of fewer of the one closest to it.
 pub(crate) fn keep_nearest<R: Scalar>(
     points: &mut Points<R>,
     candidates: &[ContactPoint<R>],
@@ -114,7 +118,8 @@ fn extent<R: Scalar>(candidates: &[ContactPoint<R>]) -> [Vec3<R>; 2] {
     candidates.iter().fold([start; 2], |[low, high], point| [least(low, point.position), most(high, point.position)])
 }
 
-/// The margin, or the extent of several points if that is less: what counts as a small height among them.
+/// The margin, or the extent of several points if that is less: what counts as a small height among
+/// them.
 pub(crate) fn at_most_extent<R: Scalar>(margin: R, candidates: &[ContactPoint<R>]) -> R {
     let [low, high] = extent(candidates);
     let size = high - low;

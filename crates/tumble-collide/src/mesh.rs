@@ -5,11 +5,13 @@ use crate::bvh::{Tree, enclosing};
 use crate::support_map::Vector;
 use crate::surface::{Patches, Surface};
 
-/// A surface of triangles, made to be touched from its outside: the side from which the corners of a triangle run counter-clockwise.
+/// A surface of triangles, made to be touched from its outside: the side from which the corners of
+/// a triangle run counter-clockwise.
 ///
-/// What is behind a triangle is not held by it, so a closed mesh holds things out of its inside, and an open one is ground seen from above. Corners at exactly the same place are
-/// one. Between triangles that lie in one plane, and where the surface is hollow, nothing sticks out: what slides over it meets no edges there. Triangles without area are
-/// passed over.
+/// What is behind a triangle is not held by it, so a closed mesh holds things out of its inside,
+/// and an open one is ground seen from above. Corners at exactly the same place are one. Between
+/// triangles that lie in one plane, and where the surface is hollow, nothing sticks out: what
+/// slides over it meets no edges there. Triangles without area are passed over.
 ///
 /// ```
 /// use tumble_collide::Mesh;
@@ -41,7 +43,8 @@ impl Mesh {
     /// From vertices \[m\] and, for each triangle, the indices of its corners.
     ///
     /// # Errors
-    /// [`MeshError`] names the vertex that is not finite or too far out, or the triangle with an index out of range, by its index.
+    /// [`MeshError`] names the vertex that is not finite or too far out, or the triangle with an
+    /// index out of range, by its index.
     pub fn new(vertices: &[Vector], triangles: &[[u32; 3]]) -> Result<Self, MeshError> {
         for (what, count) in [("vertices", vertices.len()), ("triangles", triangles.len())] {
             if count > Self::MAX {
@@ -141,7 +144,8 @@ fn distinct(points: &[Vector]) -> (Vec<Vector>, Vec<u32>) {
     (places, numbers)
 }
 
-/// Beyond each side of each triangle the one that has it the other way round. A side of more than two is the end of each.
+/// Beyond each side of each triangle the one that has it the other way round. A side of more than
+/// two is the end of each.
 fn neighbours(triangles: &[[u32; 3]]) -> Vec<[Option<u32>; 3]> {
     let mut sides: Vec<([u32; 2], u32)> = Vec::with_capacity(3 * triangles.len());
     for (triangle, &[a, b, c]) in (0..).zip(triangles) {

@@ -1,6 +1,8 @@
-//! A surface of triangles against a convex shape, so that what slides over it does not stumble over edges that are none.
+//! A surface of triangles against a convex shape, so that what slides over it does not stumble over
+//! edges that are none.
 //!
-//! A triangle holds with its own normal what is over it. Over a side or a corner it holds only what lies in the Voronoi region of that side or corner: in directions from which nothing else of the
+//! A triangle holds with its own normal what is over it. Over a side or a corner it holds only what
+//! lies in the Voronoi region of that side or corner: in directions from which nothing else of the
 //! surface is nearer. Where the surface is flat or hollow there are none.
 
 use std::collections::HashMap;
@@ -18,13 +20,16 @@ use crate::support_map::{Convex, Vector, narrow, unit};
 use crate::surface::Surface;
 use crate::work;
 
-/// Overlaps of no more than this part of the margin need no second look: the way out is the triangle's own.
+/// Overlaps of no more than this part of the margin need no second look: the way out is the
+/// triangle's own.
 const SHALLOW: f64 = 0.05;
 /// A direction may be outside of a Voronoi region by so much, for rounding, as a sine.
 const OUTSIDE: f64 = 1e-3;
-/// Cosine of directions that are the same to a face and to an edge of it: within a thousandth of a radian.
+/// Cosine of directions that are the same to a face and to an edge of it: within a thousandth of a
+/// radian.
 const SAME: f64 = 1.0 - 5e-7;
-/// A direction is turned out of the way of each side at a corner in turn, this number of times around.
+/// A direction is turned out of the way of each side at a corner in turn, this number of times
+/// around.
 const TURNS: usize = 4;
 /// Most triangles at a corner that are tested against what lies over it.
 const MAX_ASKED: usize = 64;
@@ -69,13 +74,15 @@ struct Over<'a, S> {
     /// The margin, or the size of the shape if that is less: what counts as small.
     small: f64,
     hits: Vec<Hit>,
-    /// Where no other triangle holds: how far the shape is over the plane of the one that is left the soonest, and its points there.
+    /// Where no other triangle holds: how far the shape is over the plane of the one that is left
+    /// the soonest, and its points there.
     spare: Option<(f64, Vec<Hit>)>,
     /// Corners of many sides, by their parts, and how many triangles asked what lies over them.
     asked: HashMap<u32, usize>,
 }
 
-/// Shows the manifolds of a surface and a convex shape, from the former to the latter, each with the number of the part of the surface it belongs to.
+/// Shows the manifolds of a surface and a convex shape, from the former to the latter, each with
+/// the number of the part of the surface it belongs to.
 pub(crate) fn surface_and_convex<R: Scalar>(
     surface: &impl Surface,
     surface_at: &Isometry<R>,
@@ -198,16 +205,19 @@ impl<S: Surface> Over<'_, S> {
         Hit { part, normal, point, carried, beside: None }
     }
 
-    /// Points over the triangle itself, where no side or corner holds and not all of the shape's nearest is over the triangle.
+    /// Points over the triangle itself, where no side or corner holds and not all of the shape's
+    /// nearest is over the triangle.
     fn beside_face(&mut self, triangle: u32, shapes: &Difference<'_>, found: &Approach, over_face: Vec<Hit>) {
-        // Over the triangle's plane but beside the triangle nothing is nearer than the triangle itself.
+        // Over the triangle's plane but beside the triangle nothing is nearer than the triangle
+        // itself.
         let (overlaps, separation) = (found.between <= 0.0, found.between - self.layer);
         let before = self.hits.len();
         self.hits
             .extend(over_face.into_iter().filter(|hit| overlaps || hit.point.separation >= separation - FACE_LEAD));
         let is_near = |hit: &Hit| hit.point.separation <= separation + AS_NEAR * self.small;
         if overlaps && furthest(self.surface.triangle(triangle), found.normal) == [true; 3] {
-            // The way out is the face's own as far as directions are certain, and what is deepest is beside the face by no more than that.
+            // The way out is the face's own as far as directions are certain, and what is deepest
+            // is beside the face by no more than that.
             if !self.hits[before..].iter().any(is_near) {
                 let position = found.on_first + self.surface.normal(triangle) * (0.5 * separation);
                 let point = ContactPoint { position, separation, feature: u32::MAX };
@@ -222,7 +232,8 @@ impl<S: Surface> Over<'_, S> {
     fn over_edge(&mut self, triangle: u32, place: &Place, shapes: &Difference<'_>, found: &Approach) {
         let surface = self.surface;
         if place.sides[0] != place.sides[1] {
-            // Each asks all sides at the corner, and of a corner that many triangles have each has the same to say.
+            // Each asks all sides at the corner, and of a corner that many triangles have each has
+            // the same to say.
             let asked = self.asked.entry(place.part).or_default();
             *asked += 1;
             if *asked > MAX_ASKED {
@@ -230,7 +241,8 @@ impl<S: Surface> Over<'_, S> {
             }
         }
         let settled = if self.layer > 0.0 { *found } else { with_faces_first(shapes, found) };
-        // Where they overlap, what is shortest for a triangle alone may lie outside of the region: then some direction at its border is nearly as short.
+        // Where they overlap, what is shortest for a triangle alone may lie outside of the region:
+        // then some direction at its border is nearly as short.
         let across = |side: usize| surface.across(triangle, side).map(|other| surface.normal(other));
         let borders = [Some(surface.normal(triangle)), across(place.sides[0]), across(place.sides[1])];
         let led_away = self.led_away(triangle, place, found.normal);
@@ -259,7 +271,8 @@ impl<S: Surface> Over<'_, S> {
         self.hits.extend(manifold.points().iter().map(hit));
     }
 
-    /// Keeps a way out of a triangle whose own shortest way leads along the surface: that where it is short, or else through the face.
+    /// Keeps a way out of a triangle whose own shortest way leads along the surface: that where it
+    /// is short, or else through the face.
     fn keep_spare(&mut self, triangle: u32, shapes: &Difference<'_>, found: &Approach) {
         let is_shallow = found.between >= self.layer - SHALLOW * self.small;
         let normal = if is_shallow { found.normal } else { self.surface.normal(triangle) };
@@ -274,7 +287,8 @@ impl<S: Surface> Over<'_, S> {
         self.spare = Some((between, manifold.points().iter().map(hit).collect()));
     }
 
-    /// The side or corner that an approach goes out from, unless it goes out from the face or nothing sticks out there.
+    /// The side or corner that an approach goes out from, unless it goes out from the face or
+    /// nothing sticks out there.
     fn place(&self, triangle: u32, found: &Approach) -> Option<Place> {
         let (surface, patches) = (self.surface, self.surface.patches());
         let across = |side| surface.across(triangle, side).map_or(u32::MAX, |other| patches.of_triangle(other));
@@ -316,7 +330,8 @@ impl<S: Surface> Over<'_, S> {
         back.map_or(own, |back| own.min(3 * other + back as u32))
     }
 
-    /// Whether a direction out of a side or corner leads away from all of the surface there, to the outside.
+    /// Whether a direction out of a side or corner leads away from all of the surface there, to the
+    /// outside.
     fn leads_away(&self, triangle: u32, place: &Place, out: Vector) -> bool {
         let [side, other] = place.sides;
         // Over a sharp edge it may look away from one of both faces.
@@ -328,7 +343,8 @@ impl<S: Surface> Over<'_, S> {
         is_away
     }
 
-    /// A direction out of a side or corner, turned until it leads away from all of the surface there, if that is not far.
+    /// A direction out of a side or corner, turned until it leads away from all of the surface
+    /// there, if that is not far.
     fn led_away(&self, triangle: u32, place: &Place, out: Vector) -> Vector {
         let mut led = out;
         for _ in 0..TURNS {
@@ -342,7 +358,8 @@ impl<S: Surface> Over<'_, S> {
         unit(led)
     }
 
-    /// Shows unit vectors from a side, along both triangles and across it, or from a corner along all sides.
+    /// Shows unit vectors from a side, along both triangles and across it, or from a corner along
+    /// all sides.
     fn inwards(&self, triangle: u32, place: &Place, visit: &mut dyn FnMut(Vector)) {
         let corners = self.surface.triangle(triangle);
         let [side, other] = place.sides;
@@ -403,7 +420,8 @@ impl<S: Surface> Over<'_, S> {
 #[derive(Default)]
 struct Distinct {
     points: Vec<ContactPoint<f64>>,
-    /// Once there are many, the points in each cell of a grid as wide as those that are one are apart.
+    /// Once there are many, the points in each cell of a grid as wide as those that are one are
+    /// apart.
     cells: HashMap<[i64; 3], Vec<u32>>,
 }
 
@@ -456,7 +474,8 @@ fn is_over(corners: [Vector; 3], normal: Vector, point: Vector) -> bool {
     })
 }
 
-/// Which corners of a triangle are furthest in a direction. (Of an overlap, where it is deepest is not as certain.)
+/// Which corners of a triangle are furthest in a direction. (Of an overlap, where it is deepest is
+/// not as certain.)
 fn furthest(corners: [Vector; 3], direction: Vector) -> [bool; 3] {
     let mut first = corners[0];
     for corner in corners {

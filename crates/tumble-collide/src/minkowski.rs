@@ -1,4 +1,5 @@
-//! All differences of a point of one convex shape and a point of another: how far the origin is from this set is how far the shapes are apart.
+//! All differences of a point of one convex shape and a point of another: how far the origin is
+//! from this set is how far the shapes are apart.
 
 use crate::support_map::{Convex, Vector};
 use crate::work;
@@ -34,7 +35,8 @@ impl Difference<'_> {
         self.place(self.second.support(self.turned_back(d)))
     }
 
-    /// How far they are apart along a unit vector from the first to the second; negative where they overlap.
+    /// How far they are apart along a unit vector from the first to the second; negative where they
+    /// overlap.
     pub(crate) fn separation(&self, normal: Vector) -> f64 {
         -self.support(normal).point.dot(normal)
     }

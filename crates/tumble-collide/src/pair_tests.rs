@@ -1,7 +1,10 @@
-//! Promise: whatever two convex shapes are and however they lie, finding how far they overlap takes no more than a stated amount of work, and the answer is a way out, the shortest there is.
+//! Promise: whatever two convex shapes are and however they lie, finding how far they overlap takes
+//! no more than a stated amount of work, and the answer is a way out, the shortest there is.
 //!
-//! Why: the polyhedron that grows between them has faces as thin as rounding where shapes are parallel, identical or of very different sizes. A tear in it once made its faces multiply
-//! for seconds. Work is counted, in points reached and faces compared; the shortest way out of polyhedra is found a second time by trying all there are.
+//! Why: the polyhedron that grows between them has faces as thin as rounding where shapes are
+//! parallel, identical or of very different sizes. A tear in it once made its faces multiply for
+//! seconds. Work is counted, in points reached and faces compared; the shortest way out of
+//! polyhedra is found a second time by trying all there are.
 
 use std::sync::Arc;
 
@@ -16,12 +19,14 @@ use crate::minkowski::Difference;
 use crate::support_map::{Convex, Vector, unit};
 use crate::{contact_manifold, work};
 
-/// Points reached of a pair: turns of the search for the nearest points, points of the polyhedron and what starts it, refinements, and the choice of a face.
+/// Points reached of a pair: turns of the search for the nearest points, points of the polyhedron
+/// and what starts it, refinements, and the choice of a face.
 const MAX_REACHED: usize = 64 + 24 + 512 + 12 + 5 * 8 * 65 + 8;
 /// Faces tested and sides compared.
 const MAX_COMPARED: usize = (1 << 18) + (1 << 13);
 
-/// Part by which an overlap may be longer than the shortest where that is not certain. The most that was found in some millions of pairs is 6e-4.
+/// Part by which an overlap may be longer than the shortest where that is not certain. The most
+/// that was found in some millions of pairs is 6e-4.
 const UNCERTAIN: f64 = 5e-3;
 
 /// From a millimetre to a hundred metres.
@@ -88,7 +93,8 @@ fn turn() -> impl Strategy<Value = Quat<f64>> {
     ]
 }
 
-/// Two shapes, or the same twice, and where the second is: as far from the first as they reach together, times these along each axis.
+/// Two shapes, or the same twice, and where the second is: as far from the first as they reach
+/// together, times these along each axis.
 fn pair() -> impl Strategy<Value = (ColliderShape<f64>, ColliderShape<f64>, Isometry<f64>)> {
     let places = prop_oneof![
         4 => vector(-1.0..1.0),
@@ -170,13 +176,16 @@ fn check(first: &ColliderShape<f64>, second: &ColliderShape<f64>, at: &Isometry<
     let reach = [first, second].map(|shape| shape.reach().unwrap_or(0.0));
     let size = reach[0] + reach[1];
     let along = shapes.separation(found.normal);
-    // Of shapes that are apart the square of the distance is sought, to thirteen digits, so the direction to six.
+    // Of shapes that are apart the square of the distance is sought, to thirteen digits, so the
+    // direction to six.
     let apart = if found.between > 0.0 { 1e-6 * (size + found.between) } else { 0.0 };
     prop_assert!((along - found.between).abs() <= apart + 1e-9 * size, "{along} is said to be {}", found.between);
     prop_assert!((found.normal.dot(found.normal) - 1.0).abs() < 1e-9, "{:?}", found.normal);
     let ways = ways_out(&shapes);
-    // Of sticks hundreds of times as long as thick directions are good to the first part. What is round is cut with 256 planes, and where a polyhedron tears the shortest way is only
-    // the shortest of those near where it was sought: of an overlap that is nearly the same in all directions some part is left.
+    // Of sticks hundreds of times as long as thick directions are good to the first part. What is
+    // round is cut with 256 planes, and where a polyhedron tears the shortest way is only the
+    // shortest of those near where it was sought: of an overlap that is nearly the same in all
+    // directions some part is left.
     let left = if is_certain { 0.0 } else { UNCERTAIN * along.abs() };
     let slack = (if ways.is_some() { 1e-8 } else { 1e-7 }) * size + left;
     for way in ways.into_iter().flatten().chain(directions(100)) {
@@ -195,7 +204,8 @@ proptest! {
     }
 }
 
-/// A box deep in a cylinder, and as rounding may move them. The polyhedron tore, and its faces were tested for eight seconds.
+/// A box deep in a cylinder, and as rounding may move them. The polyhedron tore, and its faces were
+/// tested for eight seconds.
 #[test]
 fn a_torn_polyhedron_ends() {
     let cuboid = ColliderShape::Cuboid { half_extents: Vec3::new(0.076_981_66, 0.022_479_191, 0.043_510_687) };
@@ -240,7 +250,8 @@ fn fan(triangles: u32, height: f64) -> ColliderShape<f64> {
     ColliderShape::Mesh(Arc::new(Mesh::new(&points, &corners).unwrap()))
 }
 
-/// However many triangles have one corner, twice as many take twice the work, and the contact is the same.
+/// However many triangles have one corner, twice as many take twice the work, and the contact is
+/// the same.
 #[test]
 fn a_fan_takes_work_in_proportion_to_its_triangles() {
     let bodies = [ColliderShape::Cuboid { half_extents: Vec3::splat(0.2) }, ColliderShape::Sphere { radius: 0.2 }];

@@ -5,7 +5,8 @@ use crate::lanes::ManifoldLanes;
 /// Nearer than this \[m\] two points are one: its square is a normal number in either precision.
 const MIN_DISTANCE: f64 = 1e-18;
 
-/// How balls touch, `apart` being the way from the first centre to the second \[m\]. Balls about the same point are pushed apart along y.
+/// How balls touch, `apart` being the way from the first centre to the second \[m\]. Balls about
+/// the same point are pushed apart along y.
 ///
 /// ```
 /// use tumble_collide::lanes::sphere_pair;

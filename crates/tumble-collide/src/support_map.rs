@@ -8,10 +8,12 @@ use crate::feature::Feature;
 use crate::frustum::Frustum;
 use crate::scalar::Scalar;
 
-/// Shapes in general meet in double precision, whatever the precision of the caller: so no length needs a tolerance of its own.
+/// Shapes in general meet in double precision, whatever the precision of the caller: so no length
+/// needs a tolerance of its own.
 pub(crate) type Vector = Vec3<f64>;
 
-/// A convex shape in its own frame, but for the layer of even thickness that a ball and a capsule have around it.
+/// A convex shape in its own frame, but for the layer of even thickness that a ball and a capsule
+/// have around it.
 #[derive(Clone, Copy, Debug)]
 pub(crate) enum Convex<'a> {
     Point,
@@ -36,7 +38,8 @@ pub(crate) enum Convex<'a> {
 }
 
 impl<'a> Convex<'a> {
-    /// What is inside the layer, and how thick that is; `None` for what is not convex or has no end.
+    /// What is inside the layer, and how thick that is; `None` for what is not convex or has no
+    /// end.
     pub(crate) fn of<R: Scalar>(shape: &'a ColliderShape<R>) -> Option<(Self, f64)> {
         let inner = match *shape {
             ColliderShape::Sphere { radius } => return Some((Self::Point, radius.into())),
@@ -91,7 +94,8 @@ impl<'a> Convex<'a> {
         }
     }
 
-    /// The piece of the surface that holds the point furthest in the direction of a unit vector; of faces not further out of the way than `margin`.
+    /// The piece of the surface that holds the point furthest in the direction of a unit vector; of
+    /// faces not further out of the way than `margin`.
     pub(crate) fn feature(&self, d: Vector, margin: f64) -> Feature<f64> {
         match *self {
             Self::Point => Feature::point(Vector::zero()),

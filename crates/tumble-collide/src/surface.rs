@@ -62,9 +62,11 @@ pub(crate) struct Patches {
     edges: Vec<u8>,
 }
 
-/// Normals whose scalar product is less than one by no more than this belong to one flat piece: half a thousandth of a radian.
+/// Normals whose scalar product is less than one by no more than this belong to one flat piece:
+/// half a thousandth of a radian.
 const ONE_PLANE: f64 = 1e-7;
-/// Sine of the least angle by which a side sticks out: what lies between the normals of two triangles has to be held by the side, however little that is.
+/// Sine of the least angle by which a side sticks out: what lies between the normals of two
+/// triangles has to be held by the side, however little that is.
 const STICKS_OUT: f64 = 1e-9;
 /// The bit of the first corner.
 const CORNER: u32 = 4;

@@ -1,19 +1,25 @@
 //! The few of a body's corners that hold it on a plane as all of them would.
 //!
-//! A body comes to stand on a facet of the lower hull of its corners. Heights are measured over that facet, so that a tilt of the whole body changes nothing, and a corner is
-//! worth how far out it is less its height many times over: what lies over a lower corner never takes its place. All lengths are in proportion to the body.
+//! A body comes to stand on a facet of the lower hull of its corners. Heights are measured over
+//! that facet, so that a tilt of the whole body changes nothing, and a corner is worth how far out
+//! it is less its height many times over: what lies over a lower corner never takes its place. All
+//! lengths are in proportion to the body.
 
 use crate::face_clipping::AS_NEAR;
 use crate::manifold::{ContactPoint, MAX_MANIFOLD_POINTS, Points};
 use crate::support_map::Vector;
 
-/// By how much a later point must be better than an earlier one to be taken in its place: as much as rounding may make of points that are the same.
+/// By how much a later point must be better than an earlier one to be taken in its place: as much
+/// as rounding may make of points that are the same.
 const LEAD: f64 = 1e-6;
-/// A corner must be further out by this multiple of its height over the facet to be worth more than one on it: half a degree.
+/// A corner must be further out by this multiple of its height over the facet to be worth more than
+/// one on it: half a degree.
 const WORTH: f64 = 100.0;
-/// What is up a steeper slope from a corner is behind it, since no turn by less than 45 degrees makes it touch; no steeper facet is stood on.
+/// What is up a steeper slope from a corner is behind it, since no turn by less than 45 degrees
+/// makes it touch; no steeper facet is stood on.
 const STEEPEST: f64 = 1.0;
-/// Points nearer to each other than this part of the extent of all are one, and triangles so narrow are none.
+/// Points nearer to each other than this part of the extent of all are one, and triangles so narrow
+/// are none.
 const NARROW: f64 = 1e-6;
 /// A corner that turns out to be behind a later one makes room for another, this often at most.
 const MAX_TURNS: usize = 2 * MAX_MANIFOLD_POINTS;
@@ -29,7 +35,8 @@ struct Corner {
     above: f64,
 }
 
-/// Where corners are in the plane, and the facet that is stood on: through the lowest corner, with a slope.
+/// Where corners are in the plane, and the facet that is stood on: through the lowest corner, with
+/// a slope.
 struct Facet {
     axes: [Vector; 2],
     lowest: Corner,
@@ -43,7 +50,8 @@ struct Chosen {
     corners: [Option<Corner>; MAX_MANIFOLD_POINTS],
 }
 
-/// Up to four of the points near a plane, in their order; their separations are their heights over it.
+/// Up to four of the points near a plane, in their order; their separations are their heights over
+/// it.
 pub(crate) fn stood_on(
     points: impl Iterator<Item = ContactPoint<f64>> + Clone,
     up: Vector,
@@ -94,7 +102,8 @@ impl Facet {
         Some(this)
     }
 
-    /// Turns the plane about the lowest corner towards the middle until it meets a second, and about both, to the side where that is less, until it meets a third.
+    /// Turns the plane about the lowest corner towards the middle until it meets a second, and
+    /// about both, to the side where that is less, until it meets a third.
     fn lean(&mut self, points: &(impl Iterator<Item = ContactPoint<f64>> + Clone)) {
         let towards = minus(self.middle, self.lowest.at);
         let way = if length(towards) > NARROW * self.extent { unit(towards) } else { [1.0, 0.0] };
@@ -109,7 +118,8 @@ impl Facet {
         }
     }
 
-    /// How the plane slopes once it is turned up in one direction as far as the points let it, and which point does not.
+    /// How the plane slopes once it is turned up in one direction as far as the points let it, and
+    /// which point does not.
     fn turned(&self, points: impl Iterator<Item = ContactPoint<f64>>, way: [f64; 2]) -> Option<([f64; 2], Corner)> {
         let mut least: Option<(f64, Corner)> = None;
         for (index, point) in points.enumerate() {
@@ -144,7 +154,8 @@ impl Corner {
 }
 
 impl Chosen {
-    /// The best of what is left: the outermost, the one farthest from it, the one that makes the largest triangle with both, and the one that adds most to that.
+    /// The best of what is left: the outermost, the one farthest from it, the one that makes the
+    /// largest triangle with both, and the one that adds most to that.
     fn next(&self, corners: impl Iterator<Item = Corner>, facet: &Facet) -> Option<Corner> {
         let [.., None] = self.corners else { return None };
         let is_another = |corner: &Corner| {
@@ -199,7 +210,8 @@ impl Chosen {
         best
     }
 
-    /// Where none is as low as the lowest, that takes the place of one of four without which they are widest, of fewer of the one closest to it.
+    /// Where none is as low as the lowest, that takes the place of one of four without which they
+    /// are widest, of fewer of the one closest to it.
     fn keep(&mut self, lowest: Corner, slack: f64) {
         if self.corners.iter().flatten().any(|corner| corner.height <= lowest.height + slack) {
             return;

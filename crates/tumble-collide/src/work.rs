@@ -1,4 +1,5 @@
-//! Work done on pairs of shapes, counted in tests and with the feature `count-work`, and nowhere else.
+//! Work done on pairs of shapes, counted in tests and with the feature `count-work`, and nowhere
+//! else.
 
 #[cfg(any(test, feature = "count-work"))]
 use std::cell::Cell;
@@ -44,8 +45,9 @@ fn add(_which: usize, _count: usize) {
     });
 }
 
-/// Work done on pairs of shapes by this thread since it was last asked: points reached, faces and sides compared, and scalar products in search of the furthest point or face of a hull.
-/// For fuzzing, with the feature `count-work`.
+/// Work done on pairs of shapes by this thread since it was last asked: points reached, faces and
+/// sides compared, and scalar products in search of the furthest point or face of a hull. For
+/// fuzzing, with the feature `count-work`.
 ///
 /// ```
 /// use tumble_collide::{ColliderShape, Isometry, contact_manifold, work_done};

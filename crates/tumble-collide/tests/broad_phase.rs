@@ -1,8 +1,9 @@
-//! Promise: the broad phase finds all pairs that are near each other, in order, each once, however the objects moved before, and none of two
-//! that do not move.
+//! Promise: the broad phase finds all pairs that are near each other, in order, each once, however
+//! the objects moved before, and none of two that do not move.
 //!
-//! Why: a pair it misses falls through the floor, one it has twice is pushed twice, and an order of its own making would be another result on
-//! another day. Every history is compared with what all pairs, asked one by one, give.
+//! Why: a pair it misses falls through the floor, one it has twice is pushed twice, and an order of
+//! its own making would be another result on another day. Every history is compared with what all
+//! pairs, asked one by one, give.
 
 use proptest::prelude::*;
 use tumble_collide::{Aabb, BroadPhase, Proxy, Scalar};
@@ -168,8 +169,9 @@ proptest! {
     }
 }
 
-/// From nothing the only others are those within the room of a box, 2.5 cm to every side. While all move, an object is anywhere in its box, which has
-/// that room on both sides and four steps of the way it went before.
+/// From nothing the only others are those within the room of a box, 2.5 cm to every side. While all
+/// move, an object is anywhere in its box, which has that room on both sides and four steps of the
+/// way it went before.
 #[test]
 fn not_much_else_is_found() {
     const ROOM: f64 = 0.025;

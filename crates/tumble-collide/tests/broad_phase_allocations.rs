@@ -1,6 +1,8 @@
-//! Promise: once a motion has been gone through, going through it again allocates nothing, whether all move or a few, and whatever has no end.
+//! Promise: once a motion has been gone through, going through it again allocates nothing, whether
+//! all move or a few, and whatever has no end.
 //!
-//! Why: an allocation in a game's frame is a hitch. There is one test in this file, because the whole process is counted.
+//! Why: an allocation in a game's frame is a hitch. There is one test in this file, because the
+//! whole process is counted.
 
 use alloc_tracker::{Allocator, Session};
 use tumble_collide::{Aabb, BroadPhase, Proxy};

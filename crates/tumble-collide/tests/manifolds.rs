@@ -1,15 +1,16 @@
-//! Promise: a manifold says how far two shapes are apart and where, and moving them apart by as much parts them; whatever the frame they are seen
-//! from, and whichever of them comes first.
+//! Promise: a manifold says how far two shapes are apart and where, and moving them apart by as
+//! much parts them; whatever the frame they are seen from, and whichever of them comes first.
 //!
-//! Why: a solver believes what it gets here. A point beside the surfaces makes torques, a normal that is not the shortest way out throws
-//! bodies through each other.
+//! Why: a solver believes what it gets here. A point beside the surfaces makes torques, a normal
+//! that is not the shortest way out throws bodies through each other.
 
 use proptest::prelude::*;
 use tumble_collide::{ColliderShape, Isometry, Manifold, contact_manifold};
 use tumble_math::lane::{Quat, Vec3};
 
 const MARGIN: f64 = 0.02;
-/// Edges give way to faces that separate nearly as well, and faces of the second shape to those of the first.
+/// Edges give way to faces that separate nearly as well, and faces of the second shape to those of
+/// the first.
 const HYSTERESIS: f64 = 5e-4;
 const ROUNDING: f64 = 1e-12;
 
@@ -79,13 +80,15 @@ proptest! {
             prop_assert!(point.separation <= MARGIN);
             let half = manifold.normal * (0.5 * point.separation);
             let (on_a, on_b) = (point.position - half, point.position + half);
-            // Where an edge was taken for a corner, the surfaces are apart along it too, and the point is between them.
+            // Where an edge was taken for a corner, the surfaces are apart along it too, and the
+            // point is between them.
             prop_assert!(outside(on_a, &a, &at) < ROUNDING + 0.5 * MARGIN, "{}", outside(on_a, &a, &at));
             prop_assert!(outside(on_b, &b, &bt) < ROUNDING + 0.5 * MARGIN, "{}", outside(on_b, &b, &bt));
         }
     }
 
-    /// No point of one is in the other where they are said to be apart, and moving them apart as far as they overlap parts them.
+    /// No point of one is in the other where they are said to be apart, and moving them apart as
+    /// far as they overlap parts them.
     #[test]
     fn the_least_separation_is_the_way_out(a in shape(), at in placement(), b in shape(), bt in placement(), inside in vector(-1.0..1.0)) {
         let manifold = contact_manifold(&a, &at, &b, &bt, MARGIN);
@@ -127,7 +130,8 @@ proptest! {
         };
         let (here, there) = (contact_manifold(&a, &at, &b, &bt, MARGIN), contact_manifold(&a, &place(&at), &b, &place(&bt), MARGIN));
         match (least(&here), least(&there)) {
-            // Where two axes are as good as each other, rounding may choose, within what one is given over the other.
+            // Where two axes are as good as each other, rounding may choose, within what one is
+            // given over the other.
             (Some(x), Some(y)) => prop_assert!((x - y).abs() <= HYSTERESIS, "{x} and {y}"),
             (x, y) => prop_assert!(x.or(y).is_none_or(|apart| apart > MARGIN - HYSTERESIS), "{x:?} and {y:?}"),
         }
@@ -172,8 +176,8 @@ fn edges_that_cross_touch_in_one_point() {
     assert!((point.position.x - 0.3).abs() < 1e-12 && point.position.z.abs() < 1e-12, "{point:?}");
 }
 
-/// Drawn in double precision: proptest 1.12 panics in a debug build where a number drawn of a range of `f32` comes to lie below its start, which
-/// it does once in some millions of draws.
+/// Drawn in double precision: proptest 1.12 panics in a debug build where a number drawn of a range
+/// of `f32` comes to lie below its start, which it does once in some millions of draws.
 fn single(range: std::ops::Range<f64>) -> impl Strategy<Value = f32> {
     range.prop_map(|number| number as f32)
 }
@@ -186,7 +190,8 @@ fn nearly() -> impl Strategy<Value = f32> {
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(100_000))]
 
-    /// The corners of one are on the edges of the other but for rounding, which must not lose them: the upper box would tip over the others.
+    /// The corners of one are on the edges of the other but for rounding, which must not lose them:
+    /// the upper box would tip over the others.
     #[test]
     fn boxes_stacked_flush_touch_at_four_corners(
         place in [nearly(), nearly()], turn in [nearly(), nearly(), nearly()], also in [nearly(), nearly(), nearly()],

@@ -1,8 +1,10 @@
-//! Promise: how far any two convex shapes are apart is what their own reach along the normal says, no other direction parts them sooner, and the points lie on both;
-//! whatever the frame, the order and the precision.
+//! Promise: how far any two convex shapes are apart is what their own reach along the normal says,
+//! no other direction parts them sooner, and the points lie on both; whatever the frame, the order
+//! and the precision.
 //!
-//! Why: shapes of many kinds meet in one piece of code that searches. It would fail with a direction that is not the shortest way out, with points beside the surfaces, or where
-//! it stops too early. All is checked against reaches and insides written down here a second time.
+//! Why: shapes of many kinds meet in one piece of code that searches. It would fail with a
+//! direction that is not the shortest way out, with points beside the surfaces, or where it stops
+//! too early. All is checked against reaches and insides written down here a second time.
 
 use std::sync::Arc;
 
@@ -127,8 +129,9 @@ fn is_faceted(shape: &ColliderShape<f64>) -> bool {
     matches!(shape, ColliderShape::Cuboid { .. } | ColliderShape::Hull(_))
 }
 
-/// How much lower the lowest point may be than those that are shown: of a box, which keeps the same corners, a twentieth of the margin; of what is round, what a rim
-/// is lower than places fixed on it before it is taken to roll; of few points out of many, a part of the margin again.
+/// How much lower the lowest point may be than those that are shown: of a box, which keeps the same
+/// corners, a twentieth of the margin; of what is round, what a rim is lower than places fixed on
+/// it before it is taken to roll; of few points out of many, a part of the margin again.
 fn as_low(shape: &ColliderShape<f64>) -> f64 {
     if matches!(shape, ColliderShape::Cuboid { .. }) { 0.05 * MARGIN + 1e-12 } else { 1e-4 + 1e-12 }
 }
@@ -142,7 +145,8 @@ fn lead(a: &ColliderShape<f64>, b: &ColliderShape<f64>) -> f64 {
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(20_000))]
 
-    /// Asked from far enough away, any two shapes answer, with a separation that is theirs along the normal and that no direction beats.
+    /// Asked from far enough away, any two shapes answer, with a separation that is theirs along
+    /// the normal and that no direction beats.
     #[test]
     fn no_direction_parts_them_sooner(a in shape(), at in placement(), b in shape(), bt in placement()) {
         prop_assume!(!are_boxes(&a, &b));
@@ -151,11 +155,13 @@ proptest! {
         prop_assert!((length(normal) - 1.0).abs() < 1e-12, "{normal:?}");
         let along = separation(&a, &at, &b, &bt, normal);
         let found = least(&manifold).unwrap();
-        // Some point is as near as the shapes are, within what is not worth one more.
-        // Triangles of a hull at less than 1.4e-5 to each other are one face, and hulls are up to two metres across.
+        // Some point is as near as the shapes are, within what is not worth one more. Triangles of
+        // a hull at less than 1.4e-5 to each other are one face, and hulls are up to two metres
+        // across.
         let flat = if matches!(a, ColliderShape::Hull(_)) || matches!(b, ColliderShape::Hull(_)) { 3e-5 } else { 1e-6 };
         prop_assert!(found > along - flat && found <= along + 0.005 * 10.0 + HYSTERESIS, "{found} along {along}");
-        // So far from each other only the nearest points count, and the normal need not be better than along a face.
+        // So far from each other only the nearest points count, and the normal need not be better
+        // than along a face.
         let slack = lead(&a, &b) + 1e-4 * (-along).max(0.0);
         for d in directions(200).chain(directions(40).map(|d| {
             let beside = normal + d * 0.02;
@@ -170,17 +176,20 @@ proptest! {
         prop_assert!(!near.points().is_empty() || along > MARGIN - 1e-9, "{along}");
     }
 
-    /// Half the separation from a point, along the normal, are points of either shape, on its surface or within the margin of it.
+    /// Half the separation from a point, along the normal, are points of either shape, on its
+    /// surface or within the margin of it.
     #[test]
     fn points_are_on_both_shapes(a in shape(), at in placement(), b in shape(), bt in placement()) {
         prop_assume!(!are_boxes(&a, &b));
         let manifold = contact_manifold(&a, &at, &b, &bt, MARGIN);
         prop_assert!(manifold.points().len() <= 4);
         prop_assert!((0.0..=1.0).contains(&manifold.carried));
-        // Where both are round the place is as uncertain as the normal: the square root of 1e-11, times a few metres.
+        // Where both are round the place is as uncertain as the normal: the square root of 1e-11,
+        // times a few metres.
         let mut slack = if lead(&a, &b) > 1e-5 { MARGIN } else { 3e-5 };
         if has_lines(&a) && has_lines(&b) {
-            // Lines at an angle of up to a hundredth count as parallel, and these are up to two metres long.
+            // Lines at an angle of up to a hundredth count as parallel, and these are up to two
+            // metres long.
             slack = 0.01;
         }
         for point in manifold.points() {

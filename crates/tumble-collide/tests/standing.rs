@@ -1,7 +1,10 @@
-//! Promise: of all corners of a body that are near flat ground, the few that are shown hold it as all of them would: its lowest is among them, none has another well under it, and what it
-//! stands on stays as wide. It holds for every kind of ground, from a millimetre to a hundred metres, however thin the body is, whichever face is down and in any order of its corners.
+//! Promise: of all corners of a body that are near flat ground, the few that are shown hold it as
+//! all of them would: its lowest is among them, none has another well under it, and what it stands
+//! on stays as wide. It holds for every kind of ground, from a millimetre to a hundred metres,
+//! however thin the body is, whichever face is down and in any order of its corners.
 //!
-//! Why: four points are all that a solver gets. A board whose upper corners take the place of lower ones has nothing under it, sinks and never rests.
+//! Why: four points are all that a solver gets. A board whose upper corners take the place of lower
+//! ones has nothing under it, sinks and never rests.
 
 #![allow(clippy::unwrap_used, reason = "a test without what it tests is to fail")]
 
@@ -72,7 +75,8 @@ fn kinds() -> impl Strategy<Value = Ground> {
     ]
 }
 
-/// Half the lengths of a body: its thinnest from a millimetre to a metre, the others up to a hundred times as long.
+/// Half the lengths of a body: its thinnest from a millimetre to a metre, the others up to a
+/// hundred times as long.
 fn half_extents() -> impl Strategy<Value = Vector> {
     (-3.0..0.0, [0.0..2.0, 0.0..2.0], 0..3_usize).prop_map(|(thickness, longer, thinnest): (f64, [f64; 2], usize)| {
         let thin = 0.5 * 10.0_f64.powf(thickness);
@@ -255,7 +259,8 @@ fn check<R: Scalar>(body: &Body, kind: Ground, turn: Quat<f64>, lift: f64, margi
         least >= target - slack && least <= target + 0.0105 * margin.min(2.0 * size) + 2e-5 * size + slack,
         "{least} for {target}: {points:?}"
     );
-    // Other grounds are touched by the points of one face, which may be steep; over a half-space all corners are candidates. A cube on a corner has edges as steep as 1.41.
+    // Other grounds are touched by the points of one face, which may be steep; over a half-space
+    // all corners are candidates. A cube on a corner has edges as steep as 1.41.
     for (place, height) in points.iter().filter(|_| matches!(kind, Ground::HalfSpace)) {
         for (other, lower) in &points {
             let well_under = height - lower - slack > 1.5 * (apart(*place, *other) + slack);
@@ -271,7 +276,8 @@ fn check<R: Scalar>(body: &Body, kind: Ground, turn: Quat<f64>, lift: f64, margi
         let held = outline(points.iter().map(|(place, _)| *place).collect());
         let part = area_of(&held) / area_of(&whole);
         // Four points of an ellipse's rim make 0.64 of it at the most, the largest triangle 0.41.
-        // Of two points at a ten-thousandth of the size from each other, as where a side of a triangle passes by a corner, either may be shown.
+        // Of two points at a ten-thousandth of the size from each other, as where a side of a
+        // triangle passes by a corner, either may be shown.
         let least = if body.is_box { 1.0 - 1e-3 - 1e3 * slack / thin } else { 0.41 };
         prop_assert!(part > least, "{part} of {whole:?}: {points:?}");
         // Where three corners are all there is room is left for others.

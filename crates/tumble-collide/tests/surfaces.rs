@@ -1,7 +1,10 @@
-//! Promise: a surface of triangles is touched where the solid inside it would be, every triangle that is near is found, and compounds touch with all their parts.
+//! Promise: a surface of triangles is touched where the solid inside it would be, every triangle
+//! that is near is found, and compounds touch with all their parts.
 //!
-//! Why: contacts with triangles are thrown away where a neighbour has them, so that nothing stumbles over inner edges. What is thrown away wrongly is a hole in the ground. The
-//! solid to compare with is the same shape as a convex hull, the same plane as a half-space, and triangles one by one.
+//! Why: contacts with triangles are thrown away where a neighbour has them, so that nothing
+//! stumbles over inner edges. What is thrown away wrongly is a hole in the ground. The solid to
+//! compare with is the same shape as a convex hull, the same plane as a half-space, and triangles
+//! one by one.
 
 use std::sync::Arc;
 
@@ -12,7 +15,8 @@ use tumble_collide::{
 use tumble_math::lane::{Quat, Vec3};
 
 const MARGIN: f64 = 0.02;
-/// Faces are taken for edges that separate by no more than this, and points for the nearest that are by no more than a two-hundredth of the margin further.
+/// Faces are taken for edges that separate by no more than this, and points for the nearest that
+/// are by no more than a two-hundredth of the margin further.
 const HYSTERESIS: f64 = 6e-4;
 
 type Vector = Vec3<f64>;
@@ -82,21 +86,24 @@ fn nearest(found: &[(u32, Manifold<f64>)]) -> Option<f64> {
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(20_000))]
 
-    /// Moved to just above its surface, or just into it, a shape touches a closed surface as it touches the hull that it bounds.
+    /// Moved to just above its surface, or just into it, a shape touches a closed surface as it
+    /// touches the hull that it bounds.
     #[test]
     fn a_closed_surface_is_as_its_solid((hull, mesh) in solid(), at in placement(), shape in support_map(), bt in placement(), gap in -0.0005..0.018_f64) {
         let far = contact_manifold(&hull, &at, &shape, &bt, 10.0);
         let apart = least(&far).unwrap();
         let bt = Isometry { position: bt.position + far.normal * (gap - apart), ..bt };
         let of_hull = contact_manifold(&hull, &at, &shape, &bt, MARGIN);
-        // What parted them along the normal may not have parted them; how deep it is in the solid no triangle knows.
+        // What parted them along the normal may not have parted them; how deep it is in the solid
+        // no triangle knows.
         prop_assume!(least(&of_hull).is_none_or(|separation| separation > -0.001));
         let of_mesh = all(&mesh, &at, &shape, &bt);
         match (least(&of_hull), nearest(&of_mesh)) {
             (Some(x), Some(y)) => prop_assert!((x - y).abs() < HYSTERESIS, "{x} of the hull, {y} of the surface"),
             (x, y) => prop_assert!(x.or(y).is_none_or(|apart| apart > MARGIN - HYSTERESIS), "{x:?} of the hull, {y:?} of the surface"),
         }
-        // Every normal of the surface is a direction that parts them about as well, so none pushes aside.
+        // Every normal of the surface is a direction that parts them about as well, so none pushes
+        // aside.
         let mut parts: Vec<u32> = of_mesh.iter().map(|(part, _)| *part).collect();
         parts.sort_unstable();
         parts.dedup();
@@ -115,7 +122,8 @@ proptest! {
         }
     }
 
-    /// Level ground of many triangles is a half-space to what is over it: one manifold, one normal, the same depth.
+    /// Level ground of many triangles is a half-space to what is over it: one manifold, one normal,
+    /// the same depth.
     #[test]
     fn level_ground_has_one_face(shape in support_map(), orientation in rotation(), place in [-1.0..1.0, -1.0..1.0_f64], gap in -0.01..0.019_f64) {
         let field = HeightField::new(vec![0.0; 225], 15, [0.4, 0.35]).unwrap();

@@ -1,16 +1,19 @@
 //! Exponential decay, exact over a step of any length.
 //!
-//! A quantity that is damped at the rate `c` [1/s] and driven by a constant `f`, `dp/dt = f - c p`, is after a time `h`
+//! A quantity that is damped at the rate `c` [1/s] and driven by a constant `f`, `dp/dt = f - c p`,
+//! is after a time `h`
 //!
 //! ```text
 //! p(h) = e^(-c h) p(0) + h phi(c h) f,    phi(x) = (1 - e^(-x)) / x
 //! ```
 //!
-//! so a step that multiplies by the first factor and weighs the force with the second one makes no error, at any `h`.
+//! so a step that multiplies by the first factor and weighs the force with the second one makes no
+//! error, at any `h`.
 
 use crate::lane::Lane;
 
-/// `e^(-x)` and `phi(x) = (1 - e^(-x))/x`, the factors by which a state and a constant rate enter after a decay of `x >= 0`.
+/// `e^(-x)` and `phi(x) = (1 - e^(-x))/x`, the factors by which a state and a constant rate enter
+/// after a decay of `x >= 0`.
 ///
 /// ```
 /// // Three half-lives.
@@ -25,18 +28,23 @@ pub struct Decay<L> {
     pub mean: L,
 }
 
-/// Past this the state has shrunk by 34 orders of magnitude, and `e^(-x)` is still a normal number in single precision.
+/// Past this the state has shrunk by 34 orders of magnitude, and `e^(-x)` is still a normal number
+/// in single precision.
 const LONGEST: f64 = 80.0;
 const LOG2_E: f64 = std::f64::consts::LOG2_E;
-/// ln 2 in two parts; the first has so few bits that its product with a whole number up to 115 is exact in single precision.
+/// ln 2 in two parts; the first has so few bits that its product with a whole number up to 115 is
+/// exact in single precision.
 const LN_2_HIGH: f64 = 0.693_145_751_953_125;
 const LN_2_LOW: f64 = 1.428_606_820_309_417_2e-6;
-/// Terms of `e^r - 1` for `|r| <= ln(2)/2`: the first one left out is `r^14/14! < 4e-18`, below rounding in double precision.
+/// Terms of `e^r - 1` for `|r| <= ln(2)/2`: the first one left out is `r^14/14! < 4e-18`, below
+/// rounding in double precision.
 const TERMS: i32 = 13;
 
-/// The factors of an exponential decay over `x = rate * time`. Zero, negative and NaN `x` decay nothing: `(1, 1)`.
+/// The factors of an exponential decay over `x = rate * time`. Zero, negative and NaN `x` decay
+/// nothing: `(1, 1)`.
 ///
-/// Both are within three units in the last place, from correctly rounded operations only, so they have the same bits everywhere.
+/// Both are within three units in the last place, from correctly rounded operations only, so they
+/// have the same bits everywhere.
 ///
 /// ```
 /// let half_life = tumble_math::decay(std::f64::consts::LN_2);
@@ -49,7 +57,8 @@ pub fn decay<L: Lane>(x: L) -> Decay<L> {
     // `max` gives its argument where `x` is NaN, so whatever arrives is in range from here on.
     let whole = x.max(zero);
     let x = whole.min(L::splat(LONGEST));
-    // x = n ln 2 + r with |r| <= ln(2)/2: adding and taking away 1.5 * 2^mantissa rounds to the nearest whole number.
+    // x = n ln 2 + r with |r| <= ln(2)/2: adding and taking away 1.5 * 2^mantissa rounds to the
+    // nearest whole number.
     let rounder = L::splat(0.75 / L::ROUNDING);
     let n = (x * L::splat(LOG2_E) + rounder) - rounder;
     let r = (x - n * L::splat(LN_2_HIGH)) - n * L::splat(LN_2_LOW);

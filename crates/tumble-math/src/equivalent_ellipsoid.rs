@@ -1,8 +1,10 @@
 use glam::DVec3;
 
-/// Semi-axes \[m\], along the principal axes, of the homogeneous ellipsoid with this mass \[kg\] and these principal moments [kg m^2].
+/// Semi-axes \[m\], along the principal axes, of the homogeneous ellipsoid with this mass \[kg\]
+/// and these principal moments [kg m^2].
 ///
-/// From `I_x = m/5 (b^2 + c^2)` and so on, `a^2 = 5/(2m) (I_y + I_z - I_x)`. A flat body has a semi-axis of zero, a point three.
+/// From `I_x = m/5 (b^2 + c^2)` and so on, `a^2 = 5/(2m) (I_y + I_z - I_x)`. A flat body has a
+/// semi-axis of zero, a point three.
 ///
 /// ```
 /// use tumble_math::{Amount, Shape, equivalent_ellipsoid};

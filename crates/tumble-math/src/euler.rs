@@ -5,23 +5,26 @@ use std::f64::consts::{FRAC_PI_2, PI, TAU};
 use glam::{DQuat, EulerRot};
 
 /// The three angles \[rad\] of a rotation in the order `order`, so that
-/// `DQuat::from_euler(order, first, second, third)` is `q` again, up to sign, within rounding. `q` need not be
-/// of unit length.
+/// `DQuat::from_euler(order, first, second, third)` is `q` again, up to sign, within rounding. `q`
+/// need not be of unit length.
 ///
-/// The first and third angle are in `(-pi, pi]`; the second is in `[-pi/2, pi/2]` for three different axes and
-/// in `[0, pi]` where the first and the third axis are the same. `EulerRot::XYZ` and its like turn about the
-/// body's moving axes (intrinsic), `EulerRot::XYZEx` and its like about fixed axes (extrinsic).
+/// The first and third angle are in `(-pi, pi]`; the second is in `[-pi/2, pi/2]` for three
+/// different axes and in `[0, pi]` where the first and the third axis are the same. `EulerRot::XYZ`
+/// and its like turn about the body's moving axes (intrinsic), `EulerRot::XYZEx` and its like about
+/// fixed axes (extrinsic).
 ///
-/// *Gimbal lock*: with the second angle at the end of its range (within 2e-15 rad) the first and the third turn
-/// about the same line, so only their sum or difference means anything; the third is then set to zero. Close to
-/// the lock each of the two has a large error, but their sum or difference, and so the rotation itself, is
-/// exact. That is why this function exists: `DQuat::to_euler` takes each angle apart from the other and is
-/// wrong by more than 1e-7 as an orientation at 1e-10 rad from the lock, and by more than 1e-3 at 1e-14.
+/// *Gimbal lock*: with the second angle at the end of its range (within 2e-15 rad) the first and
+/// the third turn about the same line, so only their sum or difference means anything; the third is
+/// then set to zero. Close to the lock each of the two has a large error, but their sum or
+/// difference, and so the rotation itself, is exact. That is why this function exists:
+/// `DQuat::to_euler` takes each angle apart from the other and is wrong by more than 1e-7 as an
+/// orientation at 1e-10 rad from the lock, and by more than 1e-3 at 1e-14.
 ///
 /// A quaternion that is not finite gives NaN.
 ///
-/// Method: half angles straight from the quaternion. E. Bernardes, S. Viollet, "Quaternion to Euler angles
-/// conversion: a direct, general and computationally efficient method", PLoS ONE 17 (2022) e0276302.
+/// Method: half angles straight from the quaternion. E. Bernardes, S. Viollet, "Quaternion to Euler
+/// angles conversion: a direct, general and computationally efficient method", PLoS ONE 17 (2022)
+/// e0276302.
 ///
 /// ```
 /// use glam::{DQuat, EulerRot};
@@ -36,7 +39,8 @@ use glam::{DQuat, EulerRot};
 #[must_use]
 pub fn to_euler(q: DQuat, order: EulerRot) -> (f64, f64, f64) {
     let ([first, middle, last], frame) = axes(order);
-    // The derivation is for fixed axes; a turn about moving axes is one about fixed axes in the reverse order.
+    // The derivation is for fixed axes; a turn about moving axes is one about fixed axes in the
+    // reverse order.
     let (i, j, last) = match frame {
         Frame::Fixed => (first, middle, last),
         Frame::Moving => (last, middle, first),
@@ -50,8 +54,8 @@ pub fn to_euler(q: DQuat, order: EulerRot) -> (f64, f64, f64) {
 
     let (cosine, sine) = (a.hypot(b), c.hypot(d));
     let mut second = 2.0 * sine.atan2(cosine);
-    // A pair that is all rounding has no direction; its half angle is chosen so that the third angle becomes
-    // zero.
+    // A pair that is all rounding has no direction; its half angle is chosen so that the third
+    // angle becomes zero.
     let rounding = 4.0 * f64::EPSILON * cosine.max(sine);
     let keep = if frame == Frame::Moving { 1.0 } else { -1.0 };
     let (half_sum, half_difference) = if sine <= rounding {

@@ -2,47 +2,53 @@
 //!
 //! # The map
 //!
-//! Let `R` be the rotation from the principal frame to the world, `L` the world-frame angular momentum (constant, since nothing
-//! acts on the body), `y = R^T L` its principal-frame components and `h` the step. The discrete Moser-Veselov map solves
+//! Let `R` be the rotation from the principal frame to the world, `L` the world-frame angular
+//! momentum (constant, since nothing acts on the body), `y = R^T L` its principal-frame components
+//! and `h` the step. The discrete Moser-Veselov map solves
 //!
 //! ```text
 //! J u + u x (J u) = h/2 y (1 + |u|^2)           for u, then          q <- q (1, u)/|(1, u)|
 //! ```
 //!
-//! with `J = I` the principal moments. It keeps `|y|` and `sum y_j^2/J_j` exactly and is of second order in the attitude
-//! (J. Moser, A. P. Veselov, Commun. Math. Phys. 139, 1991). E. Hairer and G. Vilmart ("Preprocessed discrete Moser-Veselov
-//! algorithm for the full dynamics of a rigid body", J. Phys. A 39, 2006) raise the order by *modifying the moments*: with
+//! with `J = I` the principal moments. It keeps `|y|` and `sum y_j^2/J_j` exactly and is of second
+//! order in the attitude (J. Moser, A. P. Veselov, Commun. Math. Phys. 139, 1991). E. Hairer and G.
+//! Vilmart ("Preprocessed discrete Moser-Veselov algorithm for the full dynamics of a rigid body",
+//! J. Phys. A 39, 2006) raise the order by *modifying the moments*: with
 //! `1/J_j = alpha/I_j + delta`, where alpha and delta are series in `h^2` of the two invariants
 //!
 //! ```text
 //! C = 1/2 |y|^2,         H = 1/2 sum y_j^2/I_j  (the kinetic energy),
 //! ```
 //!
-//! `sum y_j^2/J_j = 2 (alpha H + delta C)`, so the energy is still kept exactly, whatever alpha and delta are. Two terms of each
-//! series make the map of sixth order.
+//! `sum y_j^2/J_j = 2 (alpha H + delta C)`, so the energy is still kept exactly, whatever alpha and
+//! delta are. Two terms of each series make the map of sixth order.
 //!
 //! # The coefficients
 //!
-//! We write them in the body's second moments of mass `T_1 = (I_2 + I_3 - I_1)/2 = sum m x_1^2` and so on, which the triangle
-//! inequality makes non-negative. In units where `T_1 + T_2 + T_3 = 1` (so `I_j = 1 - T_j`), with `t2 = T_1 T_2 + T_2 T_3 + T_3 T_1`,
-//! `t3 = T_1 T_2 T_3`, `e = I_1 I_2 I_3 = t2 - t3`, `D = H - C = 1/2 sum I_j T_j w_j^2`:
+//! We write them in the body's second moments of mass `T_1 = (I_2 + I_3 - I_1)/2 = sum m x_1^2` and
+//! so on, which the triangle inequality makes non-negative. In units where `T_1 + T_2 + T_3 = 1`
+//! (so `I_j = 1 - T_j`), with `t2 = T_1 T_2 + T_2 T_3 + T_3 T_1`, `t3 = T_1 T_2 T_3`,
+//! `e = I_1 I_2 I_3 = t2 - t3`, `D = H - C = 1/2 sum I_j T_j w_j^2`:
 //!
 //! ```text
 //! alpha = 1 - h^2 (t2 H + D)/(3 e) + h^4 ((t2^2 - 3 t3) H^2 + 4 (t2 + t3) H D + (1 - 3 t2) D^2)/(30 e^2)
 //! delta =     h^2 D/(3 e)          + h^4 (3 t3 H^2 - 4 t2 H D - D^2)/(30 e^2)
 //! ```
 //!
-//! All sums in alpha are of non-negative terms. The same coefficients in the elementary symmetric functions of the moments cancel
-//! catastrophically for a needle (moments 1, 1, 1e-6), where each of their terms is a million times their sum.
+//! All sums in alpha are of non-negative terms. The same coefficients in the elementary symmetric
+//! functions of the moments cancel catastrophically for a needle (moments 1, 1, 1e-6), where each
+//! of their terms is a million times their sum.
 //!
-//! `u` is found by Newton's method, to rounding, from differences of the moments that are kept exactly.
+//! `u` is found by Newton's method, to rounding, from differences of the moments that are kept
+//! exactly.
 //!
 //! # Long steps
 //!
-//! `kappa = h^2 (t2 H + D)/(3 e)` is, like H and C, the same all along the motion and is `(h|w|/2)^2` for a sphere: the square of the
-//! largest half-turn a step can make. A step with kappa over [`LARGEST_KAPPA`] is divided into equal parts, at most [`MAX_PARTS`]; beyond,
-//! where a step turns the body about four times around, it turns about its angular momentum at the mean rate `2 H/|L|`, which
-//! keeps momentum and energy but not the phase.
+//! `kappa = h^2 (t2 H + D)/(3 e)` is, like H and C, the same all along the motion and is
+//! `(h|w|/2)^2` for a sphere: the square of the largest half-turn a step can make. A step with
+//! kappa over [`LARGEST_KAPPA`] is divided into equal parts, at most [`MAX_PARTS`]; beyond, where a
+//! step turns the body about four times around, it turns about its angular momentum at the mean
+//! rate `2 H/|L|`, which keeps momentum and energy but not the phase.
 
 use crate::lane::{Lane, Quat, Vec3};
 use crate::orientation::rotate_exactly;
@@ -59,10 +65,12 @@ const MAX_ITERATIONS: u32 = 6;
 /// - `orientation`: unit quaternion, body frame to world;
 /// - `axes`: unit quaternion, principal frame to body frame, where the two differ;
 /// - `angular_momentum`: in the world frame [kg m^2/s], the same before and after;
-/// - `moments`: the principal moments of inertia [kg m^2], positive, none above the sum of the others, up to rounding.
+/// - `moments`: the principal moments of inertia [kg m^2], positive, none above the sum of the
+///   others, up to rounding.
 ///
-/// Sixth order in `h` up to a turn of about 25 rad. Angular momentum and kinetic energy are kept to rounding at any `h`; the result is of unit
-/// length, and for finite arguments finite. A body at rest keeps its orientation to the bit.
+/// Sixth order in `h` up to a turn of about 25 rad. Angular momentum and kinetic energy are kept to
+/// rounding at any `h`; the result is of unit length, and for finite arguments finite. A body at
+/// rest keeps its orientation to the bit.
 ///
 /// ```
 /// use glam::{DQuat, DVec3};
@@ -85,7 +93,8 @@ pub fn rotate_freely<L: Lane>(
     FreeRotation::new(moments, inverse_moments, axes, h).rotate(orientation, angular_momentum)
 }
 
-/// The free rotation of one body over steps of one length: what of [`rotate_freely`] does not depend on the state.
+/// The free rotation of one body over steps of one length: what of [`rotate_freely`] does not
+/// depend on the state.
 ///
 /// ```
 /// use tumble_math::FreeRotation;
@@ -105,7 +114,8 @@ pub struct FreeRotation<L> {
     axes: Option<Quat<L>>,
     /// `h/I_j`: what takes the angular momentum in the principal frame to the angles `h w_j`.
     to_angles: Vec3<L>,
-    /// Half the step over the unit of the moments: what takes the angular momentum to the right side of the equation.
+    /// Half the step over the unit of the moments: what takes the angular momentum to the right
+    /// side of the equation.
     to_drive: L,
 }
 
@@ -141,7 +151,8 @@ impl<L: Lane> FreeRotation<L> {
         Quat::select(L::splat(0.0).lt(kappa), turned, orientation)
     }
 
-    /// A step in which some body needs several parts. A body that needs one gets the bits that it gets without the others.
+    /// A step in which some body needs several parts. A body that needs one gets the bits that it
+    /// gets without the others.
     #[inline(always)]
     fn rotate_in_parts(&self, orientation: Quat<L>, momentum: Vec3<L>, y: Vec3<L>, (h2, d2): (L, L)) -> Quat<L> {
         let (zero, one, half) = (L::splat(0.0), L::splat(1.0), L::splat(0.5));
@@ -165,8 +176,8 @@ impl<L: Lane> FreeRotation<L> {
         Quat::select(slow_enough, turned, rotate_exactly(orientation, self.mean_rotation(momentum, y), one))
     }
 
-    /// The rotation vector of a step about the angular momentum at the mean rate `2 H/|L|`: it leaves `y`, and so the energy, as
-    /// they are.
+    /// The rotation vector of a step about the angular momentum at the mean rate `2 H/|L|`: it
+    /// leaves `y`, and so the energy, as they are.
     #[inline(always)]
     fn mean_rotation(&self, momentum: Vec3<L>, y: Vec3<L>) -> Vec3<L> {
         let one = L::splat(1.0);
@@ -195,10 +206,12 @@ impl<L: Lane> FreeRotation<L> {
         }
     }
 
-    /// `q (1, u)/|q (1, u)|`, with `u` in the principal frame, for a `q` of unit length up to rounding.
+    /// `q (1, u)/|q (1, u)|`, with `u` in the principal frame, for a `q` of unit length up to
+    /// rounding.
     ///
-    /// Computed as `q + (d + e (q + d))` with the small `d = q (0, u)` and `e = 1/|q (1, u)| - 1`, so that one rounding of `q` itself is
-    /// made and not four: what drifts in the energy over a million steps is the sum of these.
+    /// Computed as `q + (d + e (q + d))` with the small `d = q (0, u)` and `e = 1/|q (1, u)| - 1`,
+    /// so that one rounding of `q` itself is made and not four: what drifts in the energy over a
+    /// million steps is the sum of these.
     #[inline(always)]
     fn turned(&self, q: Quat<L>, u: Vec3<L>) -> Quat<L> {
         let (one, half) = (L::splat(1.0), L::splat(0.5));
@@ -214,8 +227,8 @@ impl<L: Lane> FreeRotation<L> {
 
 /// The world-frame vector in the body frame, for an orientation of unit length up to rounding.
 ///
-/// What the orientation lacks to unit length is made good: the change of the vector is divided by `|q|^2`. Without that the same
-/// lack, step after step, makes the energy drift.
+/// What the orientation lacks to unit length is made good: the change of the vector is divided by
+/// `|q|^2`. Without that the same lack, step after step, makes the energy drift.
 #[inline(always)]
 fn turned_back<L: Lane>(q: Quat<L>, vector: Vec3<L>) -> Vec3<L> {
     let axis = q.vector();
@@ -257,7 +270,8 @@ impl<L: Lane> Ratios<L> {
         let half_sum = ((a + b) + c) * L::splat(0.5);
         let unit = L::splat(1.0) / half_sum;
         let half_unit = unit * L::splat(0.5);
-        // Differences first: they are exact where two moments nearly agree. Rounded moments of a flat body may miss zero.
+        // Differences first: they are exact where two moments nearly agree. Rounded moments of a
+        // flat body may miss zero.
         let seconds = Vec3::new((b - a) + c, (c - b) + a, (a - c) + b) * half_unit;
         let zero = L::splat(0.0);
         let seconds = Vec3::new(seconds.x.max(zero), seconds.y.max(zero), seconds.z.max(zero));
@@ -307,9 +321,10 @@ impl<L: Lane> Ratios<L> {
 
 /// The Moser-Veselov equation of one part, `J u + u x (J u) = b (1 + |u|^2)` with `b = h/2 y`.
 ///
-/// It keeps `sum y_j^2/J_j` for any three numbers `J_j`, so that rounding these does no harm; but it must then be solved with just these.
-/// Written as `u_1 + k_1 u_2 u_3 = m_1 (1 + |u|^2)` with rounded `k_1 = (J_3 - J_2)/J_1` it keeps nothing, and the
-/// energy would drift by a thousandth of a rounding a step, always the same way.
+/// It keeps `sum y_j^2/J_j` for any three numbers `J_j`, so that rounding these does no harm; but
+/// it must then be solved with just these. Written as `u_1 + k_1 u_2 u_3 = m_1 (1 + |u|^2)` with
+/// rounded `k_1 = (J_3 - J_2)/J_1` it keeps nothing, and the energy would drift by a thousandth of
+/// a rounding a step, always the same way.
 #[derive(Clone, Copy)]
 struct Map<L> {
     /// `J_j`.
@@ -343,7 +358,8 @@ impl<L: Lane> Map<L> {
             let p = pairs(u);
             let crossed = self.differences.scale(p) + self.remainders.scale(p);
             let residual = (self.moments.scale(u) + crossed - b * (one + u.dot(u))).scale(self.inverses);
-            // The rows of the Jacobian, and their cross products, which are the columns of its adjugate.
+            // The rows of the Jacobian, and their cross products, which are the columns of its
+            // adjugate.
             let r1 = Vec3::new(one - m2.x * u.x, k.x * u.z - m2.x * u.y, k.x * u.y - m2.x * u.z);
             let r2 = Vec3::new(k.y * u.z - m2.y * u.x, one - m2.y * u.y, k.y * u.x - m2.y * u.z);
             let r3 = Vec3::new(k.z * u.y - m2.z * u.x, k.z * u.x - m2.z * u.y, one - m2.z * u.z);
@@ -351,9 +367,10 @@ impl<L: Lane> Map<L> {
             let adjugate_residual = c1 * residual.x + r3.cross(r1) * residual.y + r1.cross(r2) * residual.z;
             let correction = adjugate_residual * (one / r1.dot(c1));
             u = Vec3::select(zero.lt(open), u - correction, u);
-            // The next correction is at most about the square of this one. A body whose next one is far below rounding is done, and
-            // stays as it is while others of its tile go on. Far below, because what is left is no accident of rounding but
-            // goes the same way in every step.
+            // The next correction is at most about the square of this one. A body whose next one is
+            // far below rounding is done, and stays as it is while others of its tile go on. Far
+            // below, because what is left is no accident of rounding but goes the same way in every
+            // step.
             let size = correction.dot(correction);
             let limit = L::splat(L::ROUNDING / 1024.0);
             let goes_on = (limit * limit * u.dot(u)).lt(size * size);
@@ -362,8 +379,8 @@ impl<L: Lane> Map<L> {
                 break;
             }
         }
-        // Where the moments are so unequal that their rounded differences mean nothing, there may be no solution; then the
-        // body turns about its present angular velocity.
+        // Where the moments are so unequal that their rounded differences mean nothing, there may
+        // be no solution; then the body turns about its present angular velocity.
         Vec3::select(u.dot(u).lt(one), u, m)
     }
 }
@@ -380,8 +397,8 @@ fn fixed_point<L: Lane>(m: Vec3<L>, k: Vec3<L>, u: Vec3<L>) -> Vec3<L> {
     m * (L::splat(1.0) + u.dot(u)) - k.scale(pairs(u))
 }
 
-/// `a - b` rounded, and what rounding took from it: their sum is the difference exactly (D. E. Knuth, The Art of Computer Programming,
-/// vol. 2, section 4.2.2).
+/// `a - b` rounded, and what rounding took from it: their sum is the difference exactly (D. E.
+/// Knuth, The Art of Computer Programming, vol. 2, section 4.2.2).
 #[inline(always)]
 fn exact_difference<L: Lane>(a: L, b: L) -> (L, L) {
     let difference = a - b;
@@ -426,7 +443,8 @@ mod tests {
                 let before = kinetic_energy(DQuat::IDENTITY, moments * w, moments);
                 let q = run(moments, w, dt, 1000);
                 let after = kinetic_energy(q, moments * w, moments);
-                // A rounding of q moves the energy by up to the moments' spread times itself; 1000 of them add up at random.
+                // A rounding of q moves the energy by up to the moments' spread times itself; 1000
+                // of them add up at random.
                 assert!((after / before - 1.0).abs() < 1e-12, "{moments} dt {dt}: {before} to {after}");
             }
         }

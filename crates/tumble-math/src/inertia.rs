@@ -21,9 +21,10 @@ use crate::unit::{unit_quaternion, unit_vector};
 /// The off-diagonal elements are *matrix elements*: minus the integrals of `x y`, `y z`, `x z`.
 /// Some tables list the integrals themselves as "products of inertia" (NASA's do); negate those.
 ///
-/// A value of this type is finite, symmetric to the bit, positive definite, and obeys the triangle inequality
-/// of principal moments, all within a stated tolerance. Which point and which frame it belongs to is the
-/// caller's to know; the mass properties of a body keep it about the centre of mass, in body axes.
+/// A value of this type is finite, symmetric to the bit, positive definite, and obeys the triangle
+/// inequality of principal moments, all within a stated tolerance. Which point and which frame it
+/// belongs to is the caller's to know; the mass properties of a body keep it about the centre of
+/// mass, in body axes.
 ///
 /// Source: H. Goldstein, C. Poole, J. Safko, "Classical Mechanics", 3rd ed., sections 5.3 and 5.4.
 ///
@@ -40,11 +41,12 @@ use crate::unit::{unit_quaternion, unit_vector};
 pub struct InertiaTensor(DMat3);
 
 impl InertiaTensor {
-    /// The relative tolerance of [`new`](Self::new): some rounding units of f32 (6e-8), so that the tensor of a
-    /// flat plate, `I3 = I1 + I2`, still passes after a trip through single precision.
+    /// The relative tolerance of [`new`](Self::new): some rounding units of f32 (6e-8), so that the
+    /// tensor of a flat plate, `I3 = I1 + I2`, still passes after a trip through single precision.
     pub const TOLERANCE: f64 = 1e-6;
 
-    /// Principal moments outside this range [kg m^2] are refused: their inverses and sums would overflow.
+    /// Principal moments outside this range [kg m^2] are refused: their inverses and sums would
+    /// overflow.
     pub const MOMENTS: RangeInclusive<f64> = 1e-300..=1e300;
 
     /// A tensor from its matrix [kg m^2], checked with [`TOLERANCE`](Self::TOLERANCE).
@@ -55,19 +57,20 @@ impl InertiaTensor {
         Self::with_tolerance(matrix, Self::TOLERANCE)
     }
 
-    /// A tensor from its matrix [kg m^2]. Mirrored elements may differ by `relative` times the largest element
-    /// (their mean is kept), and the largest principal moment may exceed the sum of the others by `relative`
-    /// times itself. Published moments of flat bodies, rounded to three digits, need about 3e-3. The matrix is
-    /// kept as it is; what is made of it moves as its [`nearest_possible`](Self::nearest_possible).
+    /// A tensor from its matrix [kg m^2]. Mirrored elements may differ by `relative` times the
+    /// largest element (their mean is kept), and the largest principal moment may exceed the sum of
+    /// the others by `relative` times itself. Published moments of flat bodies, rounded to three
+    /// digits, need about 3e-3. The matrix is kept as it is; what is made of it moves as its
+    /// [`nearest_possible`](Self::nearest_possible).
     ///
-    /// Positive definite is meant up to rounding, with no tolerance: with `S = diag(I)^(-1/2)`, the smallest
-    /// eigenvalue of `S I S` must exceed 16 eps. So moments of 1e-12, 1e12 and 1e12 pass where the
-    /// matrix is diagonal and they are exact, but not where a rotation has buried the small one in the
-    /// rounding of the large ones.
+    /// Positive definite is meant up to rounding, with no tolerance: with `S = diag(I)^(-1/2)`, the
+    /// smallest eigenvalue of `S I S` must exceed 16 eps. So moments of 1e-12, 1e12 and 1e12 pass
+    /// where the matrix is diagonal and they are exact, but not where a rotation has buried the
+    /// small one in the rounding of the large ones.
     ///
     /// # Errors
-    /// [`InertiaError`] says which condition failed, with the numbers. A tolerance of NaN accepts nothing
-    /// that needs one.
+    /// [`InertiaError`] says which condition failed, with the numbers. A tolerance of NaN accepts
+    /// nothing that needs one.
     pub fn with_tolerance(matrix: DMat3, relative: f64) -> Result<Self, InertiaError> {
         let symmetric = symmetrised(matrix, relative)?;
         let moments = sorted(symmetric_eigen(symmetric).0);
@@ -78,12 +81,13 @@ impl InertiaTensor {
         Ok(Self(symmetric))
     }
 
-    /// The nearest tensor that a body can have: where the largest principal moment exceeds the sum of the others
-    /// by more than [`TOLERANCE`](Self::TOLERANCE), a third of the excess is taken from it and added to each of
-    /// the others, which is the least change of the three. Any other tensor as it is.
+    /// The nearest tensor that a body can have: where the largest principal moment exceeds the sum
+    /// of the others by more than [`TOLERANCE`](Self::TOLERANCE), a third of the excess is taken
+    /// from it and added to each of the others, which is the least change of the three. Any other
+    /// tensor as it is.
     ///
-    /// Mass properties and rigid bodies take this, since no solution of Euler's equations is known to keep its
-    /// energy for moments that no body has.
+    /// Mass properties and rigid bodies take this, since no solution of Euler's equations is known
+    /// to keep its energy for moments that no body has.
     ///
     /// ```
     /// use tumble_math::InertiaTensor;
@@ -109,12 +113,12 @@ impl InertiaTensor {
         Self(PrincipalInertia { moments: DVec3::new(x, y, z), axes: principal.axes }.matrix())
     }
 
-    /// The tensor with principal moments `moments` [kg m^2] along the axes that `axes` makes of x, y and z:
-    /// `I = R(axes) diag(moments) R(axes)^T`. The length of `axes` may be off by rounding.
+    /// The tensor with principal moments `moments` [kg m^2] along the axes that `axes` makes of x,
+    /// y and z: `I = R(axes) diag(moments) R(axes)^T`. The length of `axes` may be off by rounding.
     ///
     /// # Errors
-    /// A moment that is not positive, a broken triangle inequality (tolerance [`TOLERANCE`](Self::TOLERANCE)),
-    /// or a quaternion that is no rotation.
+    /// A moment that is not positive, a broken triangle inequality (tolerance
+    /// [`TOLERANCE`](Self::TOLERANCE)), or a quaternion that is no rotation.
     pub fn from_principal(moments: impl Into<DVec3>, axes: DQuat) -> Result<Self, InertiaError> {
         let diagonal = Self::new(DMat3::from_diagonal(moments.into()))?;
         diagonal.rotated(axes)
@@ -146,8 +150,9 @@ impl InertiaTensor {
         self.0
     }
 
-    /// The inverse matrix [1/(kg m^2)], symmetric to the bit. By `L D L^T` factors, whose error does not grow
-    /// when the three axes have very different moments; a diagonal tensor gives exact reciprocals.
+    /// The inverse matrix [1/(kg m^2)], symmetric to the bit. By `L D L^T` factors, whose error
+    /// does not grow when the three axes have very different moments; a diagonal tensor gives exact
+    /// reciprocals.
     #[must_use]
     pub fn inverse(&self) -> DMat3 {
         let m = self.0;
@@ -171,20 +176,21 @@ impl InertiaTensor {
         )
     }
 
-    /// Moment of inertia about the axis through the tensor's point along `axis` (any length) [kg m^2]:
-    /// `n^T I n`. NaN if `axis` is zero or not finite.
+    /// Moment of inertia about the axis through the tensor's point along `axis` (any length) [kg
+    /// m^2]: `n^T I n`. NaN if `axis` is zero or not finite.
     #[must_use]
     pub fn moment_about(&self, axis: impl Into<DVec3>) -> f64 {
         unit_vector(axis.into()).map_or(f64::NAN, |n| n.dot(self.0 * n))
     }
 
-    /// The tensor of the body turned by `rotation` about the tensor's point: `R I R^T`. Seen otherwise,
-    /// `rotation` takes coordinates of the frame the tensor is given in to those of the frame wanted.
+    /// The tensor of the body turned by `rotation` about the tensor's point: `R I R^T`. Seen
+    /// otherwise, `rotation` takes coordinates of the frame the tensor is given in to those of the
+    /// frame wanted.
     ///
     /// # Errors
-    /// [`InertiaError::Orientation`] if the length of `rotation` is further than 1e-3 from one (closer is
-    /// normalised), and [`InertiaError::NotPositive`] if a moment is so small that the turned matrix cannot
-    /// hold it.
+    /// [`InertiaError::Orientation`] if the length of `rotation` is further than 1e-3 from one
+    /// (closer is normalised), and [`InertiaError::NotPositive`] if a moment is so small that the
+    /// turned matrix cannot hold it.
     pub fn rotated(&self, rotation: DQuat) -> Result<Self, InertiaError> {
         let rotation = unit_quaternion(rotation).map_err(|length| InertiaError::Orientation { length })?;
         let turned = change_of_basis(self.0, rotation);
@@ -192,11 +198,12 @@ impl InertiaTensor {
         Ok(Self(turned))
     }
 
-    /// From the centre of mass to a point `offset` \[m\] away, `mass` in kg: the parallel-axis theorem as a
-    /// tensor (Steiner), `I' = I + m (d^2 E - d d^T)`. Axes stay parallel.
+    /// From the centre of mass to a point `offset` \[m\] away, `mass` in kg: the parallel-axis
+    /// theorem as a tensor (Steiner), `I' = I + m (d^2 E - d d^T)`. Axes stay parallel.
     ///
     /// # Errors
-    /// A mass that is negative or not finite, an offset that is not finite, or a result out of range.
+    /// A mass that is negative or not finite, an offset that is not finite, or a result out of
+    /// range.
     pub fn shifted_from_center(&self, mass: f64, offset: impl Into<DVec3>) -> Result<Self, InertiaError> {
         Self::new(self.0 + steiner(mass, offset.into())?)
     }
@@ -218,25 +225,27 @@ impl InertiaTensor {
         }
     }
 
-    /// Angular momentum `L = I w` [kg m^2/s] at the angular velocity `w` [rad/s], both in the tensor's frame.
+    /// Angular momentum `L = I w` [kg m^2/s] at the angular velocity `w` [rad/s], both in the
+    /// tensor's frame.
     #[must_use]
     pub fn angular_momentum(&self, angular_velocity: impl Into<DVec3>) -> DVec3 {
         self.0 * angular_velocity.into()
     }
 
-    /// Kinetic energy of rotation `1/2 w . I w` \[J\] at the angular velocity `w` [rad/s] in the tensor's
-    /// frame.
+    /// Kinetic energy of rotation `1/2 w . I w` \[J\] at the angular velocity `w` [rad/s] in the
+    /// tensor's frame.
     #[must_use]
     pub fn kinetic_energy(&self, angular_velocity: impl Into<DVec3>) -> f64 {
         let w = angular_velocity.into();
         0.5 * w.dot(self.0 * w)
     }
 
-    /// Principal moments and axes. A diagonal tensor gives its diagonal, in its order, and the identity,
-    /// exactly. See [`PrincipalInertia`] for which of the possible frames it is.
+    /// Principal moments and axes. A diagonal tensor gives its diagonal, in its order, and the
+    /// identity, exactly. See [`PrincipalInertia`] for which of the possible frames it is.
     ///
-    /// The moments have a small relative error as long as the tensor is well conditioned up to the scale of
-    /// its axes; the axes put together again give the tensor within a few eps of its largest element.
+    /// The moments have a small relative error as long as the tensor is well conditioned up to the
+    /// scale of its axes; the axes put together again give the tensor within a few eps of its
+    /// largest element.
     #[must_use]
     pub fn principal(&self) -> PrincipalInertia {
         let (moments, axes) = symmetric_eigen(self.0);
@@ -244,7 +253,8 @@ impl InertiaTensor {
     }
 }
 
-/// Tensors about the same point in the same frame add: the inertia of two bodies fixed to each other.
+/// Tensors about the same point in the same frame add: the inertia of two bodies fixed to each
+/// other.
 ///
 /// The sum of valid tensors is valid. It may exceed [`InertiaTensor::MOMENTS`], and overflow after
 /// a hundred million terms at that limit.
@@ -256,8 +266,8 @@ impl Add for InertiaTensor {
     }
 }
 
-/// `m (d^2 E - d d^T)`: the inertia of a mass `m` at `d` about the origin, of [`parallel_axis`] with its input
-/// checked.
+/// `m (d^2 E - d d^T)`: the inertia of a mass `m` at `d` about the origin, of [`parallel_axis`]
+/// with its input checked.
 fn steiner(mass: f64, offset: DVec3) -> Result<DMat3, InertiaError> {
     if !(mass.is_finite() && mass >= 0.0) {
         return Err(InertiaError::Mass { mass });
@@ -266,8 +276,9 @@ fn steiner(mass: f64, offset: DVec3) -> Result<DMat3, InertiaError> {
     if term.is_finite() { Ok(term) } else { Err(InertiaError::Offset { offset }) }
 }
 
-/// `m (d^2 E - d d^T)` [kg m^2]: the inertia about the origin of a point mass `m` \[kg\] at `d` \[m\], and the
-/// term of the parallel-axis theorem. Diagonal elements as sums of two squares, so nothing cancels.
+/// `m (d^2 E - d d^T)` [kg m^2]: the inertia about the origin of a point mass `m` \[kg\] at `d`
+/// \[m\], and the term of the parallel-axis theorem. Diagonal elements as sums of two squares, so
+/// nothing cancels.
 pub(crate) fn parallel_axis(mass: f64, d: DVec3) -> DMat3 {
     let (x, y, z) = (d.x, d.y, d.z);
     let (xy, xz, yz) = (-mass * x * y, -mass * x * z, -mass * y * z);
@@ -333,9 +344,10 @@ fn check_moments(moments: DVec3, relative: f64) -> Result<(), InertiaError> {
     }
 }
 
-/// Whether a matrix that has been turned, with every element known to a few eps of the largest moment, is positive
-/// definite beyond that: a thin rod turned a little has a smallest moment that is all rounding. 32 eps: a turn,
-/// `R I R^T`, costs up to 25. A diagonal matrix has not been turned, or not by more than a renaming of its axes.
+/// Whether a matrix that has been turned, with every element known to a few eps of the largest
+/// moment, is positive definite beyond that: a thin rod turned a little has a smallest moment that
+/// is all rounding. 32 eps: a turn, `R I R^T`, costs up to 25. A diagonal matrix has not been
+/// turned, or not by more than a renaming of its axes.
 pub(crate) fn definite_after_turning(m: DMat3) -> Result<(), InertiaError> {
     let diagonal = m.y_axis.x == 0.0 && m.z_axis.x == 0.0 && m.z_axis.y == 0.0;
     let principal = sorted(symmetric_eigen(m).0);
@@ -343,9 +355,10 @@ pub(crate) fn definite_after_turning(m: DMat3) -> Result<(), InertiaError> {
     if principal.x > rounding { Ok(()) } else { Err(InertiaError::NotPositive { principal }) }
 }
 
-/// Whether a symmetric matrix is positive definite by more than its rounding, whatever the units of each axis:
-/// the smallest eigenvalue of `S I S`, `S = diag(I)^(-1/2)`, exceeds 16 eps. The elements of `S I S` are at
-/// most 1 and carry a few eps each of error from having been computed, and so do its eigenvalues.
+/// Whether a symmetric matrix is positive definite by more than its rounding, whatever the units of
+/// each axis: the smallest eigenvalue of `S I S`, `S = diag(I)^(-1/2)`, exceeds 16 eps. The
+/// elements of `S I S` are at most 1 and carry a few eps each of error from having been computed,
+/// and so do its eigenvalues.
 fn definite_beyond_rounding(m: DMat3) -> bool {
     let diagonal = DVec3::new(m.x_axis.x, m.y_axis.y, m.z_axis.z);
     if diagonal.min_element() <= 0.0 {

@@ -3,7 +3,8 @@
 use glam::DVec3;
 use thiserror::Error;
 
-/// Why a matrix or a triple of moments is not the inertia tensor of any body, with the offending numbers.
+/// Why a matrix or a triple of moments is not the inertia tensor of any body, with the offending
+/// numbers.
 ///
 /// ```
 /// use tumble_math::{InertiaError, InertiaTensor};
@@ -59,7 +60,8 @@ pub enum InertiaError {
         /// The principal moments [kg m^2], ascending.
         principal: DVec3,
     },
-    /// The quaternion of a rotation is not a unit quaternion: its length is further than 1e-3 from one.
+    /// The quaternion of a rotation is not a unit quaternion: its length is further than 1e-3 from
+    /// one.
     #[error("a rotation needs a unit quaternion, its length is {length:?}")]
     Orientation {
         /// Length of the quaternion.
@@ -85,7 +87,8 @@ pub enum InertiaError {
     },
 }
 
-/// `(1.0, 2.0, 1e300)`: the shortest digits that read back the same, with an exponent where that is shorter.
+/// `(1.0, 2.0, 1e300)`: the shortest digits that read back the same, with an exponent where that is
+/// shorter.
 pub(crate) fn listed(v: DVec3) -> String {
     format!("({:?}, {:?}, {:?})", v.x, v.y, v.z)
 }

@@ -8,8 +8,8 @@ use glam::DVec3;
 use crate::inertia::InertiaTensor;
 use crate::unit::unit_vector;
 
-/// Velocity [m/s] of the point of a body that is `r` \[m\] away from where the body has the velocity `linear`:
-/// `v + w x r`.
+/// Velocity [m/s] of the point of a body that is `r` \[m\] away from where the body has the
+/// velocity `linear`: `v + w x r`.
 ///
 /// `angular` is the angular velocity [rad/s]. All vectors in one frame.
 ///
@@ -25,8 +25,8 @@ pub fn velocity_at_point(linear: DVec3, angular: DVec3, r: DVec3) -> DVec3 {
     linear + angular.cross(r)
 }
 
-/// A force \[N\] and a torque [N m] about a stated point, what any number of forces on a rigid body amount to
-/// (a wrench).
+/// A force \[N\] and a torque [N m] about a stated point, what any number of forces on a rigid body
+/// amount to (a wrench).
 ///
 /// Adding them up is D'Alembert's principle at work: the body moves as under the single sum.
 ///
@@ -47,15 +47,15 @@ pub struct ForceAndTorque {
 }
 
 impl ForceAndTorque {
-    /// A force `f` \[N\] that acts at `r` \[m\] from the point: itself, and the torque `r x f`. Through the
-    /// point there is none.
+    /// A force `f` \[N\] that acts at `r` \[m\] from the point: itself, and the torque `r x f`.
+    /// Through the point there is none.
     #[must_use]
     pub fn of_force_at(force: DVec3, r: DVec3) -> Self {
         Self { force, torque: r.cross(force) }
     }
 
-    /// The same forces about another point, `offset` \[m\] away from this one: the force stays, the torque
-    /// loses `offset x f`.
+    /// The same forces about another point, `offset` \[m\] away from this one: the force stays, the
+    /// torque loses `offset x f`.
     #[must_use]
     pub fn about(self, offset: DVec3) -> Self {
         Self { force: self.force, torque: self.torque - offset.cross(self.force) }
@@ -82,10 +82,12 @@ impl Sum for ForceAndTorque {
     }
 }
 
-/// Angular acceleration [rad/s^2] of a body under a torque [N m]: Euler's equation, `I^-1 (tau - w x I w)`.
+/// Angular acceleration [rad/s^2] of a body under a torque [N m]: Euler's equation,
+/// `I^-1 (tau - w x I w)`.
 ///
-/// Inertia and torque about the centre of mass (or a point at rest), everything in one frame. Off the principal
-/// axes the answer is not along the torque: a torque about x turns the body about y and z as well.
+/// Inertia and torque about the centre of mass (or a point at rest), everything in one frame. Off
+/// the principal axes the answer is not along the torque: a torque about x turns the body about y
+/// and z as well.
 ///
 /// Source: H. Goldstein, C. Poole, J. Safko, "Classical Mechanics", 3rd ed., equation 5.39.
 ///
@@ -103,8 +105,8 @@ pub fn angular_acceleration(inertia: &InertiaTensor, angular_velocity: DVec3, to
     inertia.inverse() * (torque - angular_velocity.cross(inertia.angular_momentum(angular_velocity)))
 }
 
-/// Torque [N m] that gives a body an angular acceleration `a` [rad/s^2]: `I a + w x I w`, the inverse of
-/// [`angular_acceleration`].
+/// Torque [N m] that gives a body an angular acceleration `a` [rad/s^2]: `I a + w x I w`, the
+/// inverse of [`angular_acceleration`].
 ///
 /// ```
 /// use glam::DVec3;
@@ -124,9 +126,9 @@ pub fn torque_for_angular_acceleration(
     inertia.angular_momentum(angular_acceleration) + angular_velocity.cross(inertia.angular_momentum(angular_velocity))
 }
 
-/// Moment of inertia [kg m^2] of particles `(mass, position)` \[kg, m\] about the line through `point` along
-/// `direction`: `sum m d^2`, d the distance from the line. NaN if `direction` (any length) is zero or not
-/// finite.
+/// Moment of inertia [kg m^2] of particles `(mass, position)` \[kg, m\] about the line through
+/// `point` along `direction`: `sum m d^2`, d the distance from the line. NaN if `direction` (any
+/// length) is zero or not finite.
 ///
 /// ```
 /// use tumble_math::moment_about_axis;
@@ -165,7 +167,8 @@ mod tests {
         assert_eq!(twice, about_origin + about_origin);
     }
 
-    /// Euler's equation on a principal frame, written out: `I1 dw1 = tau1 + (I2 - I3) w2 w3` and so on.
+    /// Euler's equation on a principal frame, written out: `I1 dw1 = tau1 + (I2 - I3) w2 w3` and so
+    /// on.
     #[test]
     fn euler_equations_by_hand() {
         let inertia = InertiaTensor::from_principal([2.0, 3.0, 4.0], glam::DQuat::IDENTITY).unwrap();

@@ -1,15 +1,16 @@
 //! Arithmetic that the step runs on: one number or many bodies' numbers side by side.
 //!
-//! Every kernel of the step is written once, generic over [`Lane`]. `f32` and `f64` are lanes of one body and serve as the
-//! reference; wider lanes hold the same quantity of several bodies. Only correctly rounded IEEE operations (`+ - * /` and square
-//! root) and comparisons are used, each in the order written, so a body gets the same bits in every lane width and on every CPU.
+//! Every kernel of the step is written once, generic over [`Lane`]. `f32` and `f64` are lanes of
+//! one body and serve as the reference; wider lanes hold the same quantity of several bodies. Only
+//! correctly rounded IEEE operations (`+ - * /` and square root) and comparisons are used, each in
+//! the order written, so a body gets the same bits in every lane width and on every CPU.
 
 use std::ops::{Add, Div, Mul, Neg, Sub};
 
 /// A real number of one body, or of several bodies side by side.
 ///
-/// Arithmetic and [`sqrt`](Lane::sqrt) are IEEE-754 correctly rounded. There is no fused multiply-add, on purpose: it would
-/// give other bits on machines that lack it.
+/// Arithmetic and [`sqrt`](Lane::sqrt) are IEEE-754 correctly rounded. There is no fused
+/// multiply-add, on purpose: it would give other bits on machines that lack it.
 ///
 /// ```
 /// use tumble_math::lane::Lane;
@@ -25,7 +26,8 @@ pub trait Lane:
     /// The outcome of a comparison, one per body.
     type Mask: Copy;
 
-    /// Half the distance from 1 to the next representable number: the relative rounding error of one operation.
+    /// Half the distance from 1 to the next representable number: the relative rounding error of
+    /// one operation.
     const ROUNDING: f64;
 
     /// The same constant for every body, rounded to the lane's precision.
@@ -269,8 +271,8 @@ impl<L: Lane> Quat<L> {
 
     /// The columns of this unit quaternion's rotation matrix: the turned x, y and z axes.
     ///
-    /// Row by row, with the scalar part s: `1 - 2y^2 - 2z^2, 2xy - 2sz, 2xz + 2sy`; `2xy + 2sz, 1 - 2x^2 - 2z^2, 2yz - 2sx`;
-    /// `2xz - 2sy, 2yz + 2sx, 1 - 2x^2 - 2y^2`.
+    /// Row by row, with the scalar part s: `1 - 2y^2 - 2z^2, 2xy - 2sz, 2xz + 2sy`;
+    /// `2xy + 2sz, 1 - 2x^2 - 2z^2, 2yz - 2sx`; `2xz - 2sy, 2yz + 2sx, 1 - 2x^2 - 2y^2`.
     #[inline(always)]
     pub fn axes(self) -> [Vec3<L>; 3] {
         let one = L::splat(1.0);
@@ -285,7 +287,8 @@ impl<L: Lane> Quat<L> {
         ]
     }
 
-    /// [`normalize`](Self::normalize), or `fallback` where the squared length is zero or not finite.
+    /// [`normalize`](Self::normalize), or `fallback` where the squared length is zero or not
+    /// finite.
     #[inline(always)]
     pub fn normalize_or(self, fallback: Self) -> Self {
         let length_squared = self.length_squared();
@@ -294,7 +297,8 @@ impl<L: Lane> Quat<L> {
         Self::select(L::splat(0.0).lt(length_squared), unit, fallback)
     }
 
-    /// The vector turned by this unit quaternion: body coordinates to world coordinates when it is a body's orientation.
+    /// The vector turned by this unit quaternion: body coordinates to world coordinates when it is
+    /// a body's orientation.
     #[inline(always)]
     pub fn rotate(self, vector: Vec3<L>) -> Vec3<L> {
         let axis = self.vector();

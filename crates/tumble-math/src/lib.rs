@@ -1,4 +1,5 @@
-//! The mathematics of one rigid body: rotations, inertia tensors, mass properties of shapes, free rotation.
+//! The mathematics of one rigid body: rotations, inertia tensors, mass properties of shapes, free
+//! rotation.
 //!
 //! ```
 //! use tumble_math::{Amount, Part, Shape};
@@ -14,24 +15,28 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 //!
-//! Everything that is done once, when a body is made, is in f64. What runs in every step is written once over
-//! [`lane::Lane`] and takes f32, f64 or a vector of either.
+//! Everything that is done once, when a body is made, is in f64. What runs in every step is written
+//! once over [`lane::Lane`] and takes f32, f64 or a vector of either.
 //!
 //! # Conventions
 //!
 //! - SI units. Vectors are columns; `R(q) v` takes body to world coordinates.
 //! - Quaternions are glam's, `(x, y, z, w)` with `w` the scalar; `a * b` turns by `b` first.
-//! - The off-diagonal elements of an inertia tensor are minus the integrals of `x y`, `y z` and `x z`.
-//! - Angles are in radians. `EulerRot::XYZ` turns about moving axes, `EulerRot::XYZEx` about fixed ones.
+//! - The off-diagonal elements of an inertia tensor are minus the integrals of `x y`, `y z` and
+//!   `x z`.
+//! - Angles are in radians. `EulerRot::XYZ` turns about moving axes, `EulerRot::XYZEx` about fixed
+//!   ones.
 //!
 //! # What to take from glam
 //!
-//! glam's types are used as they are, and what glam does exactly is not wrapped: products, conjugates,
-//! [slerp](glam::DQuat::slerp), [quaternion to matrix](glam::DMat3::from_quat), [axis and angle to
-//! quaternion](glam::DQuat::from_axis_angle) and [to matrix](glam::DMat3::from_axis_angle), [Euler angles to
-//! quaternion](glam::DQuat::from_euler), [4x4 transforms](glam::DMat4::from_rotation_translation). Its ways back
-//! lose digits in places; use [`to_axis_angle`],
-//! [`to_scaled_axis`], [`to_euler`], [`angle_between`] and the checked [`quat_from_matrix`] of this crate.
+//! glam's types are used as they are, and what glam does exactly is not wrapped: products,
+//! conjugates, [slerp](glam::DQuat::slerp), [quaternion to matrix](glam::DMat3::from_quat),
+//! [axis and angle to quaternion](glam::DQuat::from_axis_angle) and
+//! [to matrix](glam::DMat3::from_axis_angle),
+//! [Euler angles to quaternion](glam::DQuat::from_euler),
+//! [4x4 transforms](glam::DMat4::from_rotation_translation). Its ways back lose digits in places;
+//! use [`to_axis_angle`], [`to_scaled_axis`], [`to_euler`], [`angle_between`] and the checked
+//! [`quat_from_matrix`] of this crate.
 
 // On docs.rs items say which feature they need.
 #![cfg_attr(docsrs, feature(doc_cfg))]

@@ -32,7 +32,8 @@ pub enum MassError {
         /// The mass \[kg\].
         mass: f64,
     },
-    /// A position is not finite or further out than [`MassProperties::REACH`](crate::MassProperties::REACH).
+    /// A position is not finite or further out than
+    /// [`MassProperties::REACH`](crate::MassProperties::REACH).
     #[error("position {} is not finite or beyond 1e90 m", listed(*.position))]
     Position {
         /// The position \[m\].

@@ -11,14 +11,15 @@ use crate::rotation::change_of_basis;
 use crate::symmetric_eigen::symmetric_eigen;
 use crate::unit::unit_quaternion;
 
-/// Mass \[kg\], centre of mass \[m\] and inertia tensor about the centre of mass [kg m^2] of a rigid body, in
-/// one frame.
+/// Mass \[kg\], centre of mass \[m\] and inertia tensor about the centre of mass [kg m^2] of a
+/// rigid body, in one frame.
 ///
-/// The tensor may be singular, unlike an [`InertiaTensor`]: a point mass has none, a thin rod none about
-/// itself. Two bodies fixed to each other add; a hole is taken away with [`without`](Self::without).
+/// The tensor may be singular, unlike an [`InertiaTensor`]: a point mass has none, a thin rod none
+/// about itself. Two bodies fixed to each other add; a hole is taken away with
+/// [`without`](Self::without).
 ///
-/// Masses lie in [`MASSES`](Self::MASSES) and coordinates within [`REACH`](Self::REACH), so that no sum of a
-/// realistic number of bodies overflows.
+/// Masses lie in [`MASSES`](Self::MASSES) and coordinates within [`REACH`](Self::REACH), so that no
+/// sum of a realistic number of bodies overflows.
 ///
 /// ```
 /// use tumble_math::MassProperties;
@@ -42,15 +43,17 @@ pub struct MassProperties {
 }
 
 impl MassProperties {
-    /// Masses outside this range \[kg\] are refused. An electron has 1e-30, the observable universe 1e53.
+    /// Masses outside this range \[kg\] are refused. An electron has 1e-30, the observable universe
+    /// 1e53.
     pub const MASSES: RangeInclusive<f64> = 1e-100..=1e100;
 
-    /// Coordinates further out than this \[m\] are refused: mass times distance squared must stay far from
-    /// overflow.
+    /// Coordinates further out than this \[m\] are refused: mass times distance squared must stay
+    /// far from overflow.
     pub const REACH: f64 = 1e90;
 
-    /// From a mass \[kg\], the centre of mass \[m\] and the inertia about the centre of mass [kg m^2]; of a tensor
-    /// that was accepted with a tolerance the [`nearest_possible`](InertiaTensor::nearest_possible).
+    /// From a mass \[kg\], the centre of mass \[m\] and the inertia about the centre of mass [kg
+    /// m^2]; of a tensor that was accepted with a tolerance the
+    /// [`nearest_possible`](InertiaTensor::nearest_possible).
     ///
     /// # Errors
     /// A mass or a position out of range.
@@ -112,8 +115,8 @@ impl MassProperties {
         self.center_of_mass
     }
 
-    /// Inertia tensor about the centre of mass, axes parallel to those of the frame [kg m^2]. Positive
-    /// semi-definite.
+    /// Inertia tensor about the centre of mass, axes parallel to those of the frame [kg m^2].
+    /// Positive semi-definite.
     #[must_use]
     pub fn tensor_about_center(&self) -> DMat3 {
         self.tensor
@@ -128,20 +131,21 @@ impl MassProperties {
     /// The inertia about the centre of mass as a validated tensor.
     ///
     /// # Errors
-    /// [`InertiaError::NotPositive`] for a point mass or a rod, whose moments are not all positive, and for a body so
-    /// thin that turning it has lost its smallest moment (below 7e-15 of the largest) in rounding.
+    /// [`InertiaError::NotPositive`] for a point mass or a rod, whose moments are not all positive,
+    /// and for a body so thin that turning it has lost its smallest moment (below 7e-15 of the
+    /// largest) in rounding.
     pub fn inertia(&self) -> Result<InertiaTensor, InertiaError> {
         let inertia = InertiaTensor::new(self.tensor)?;
         definite_after_turning(self.tensor)?;
         Ok(inertia)
     }
 
-    /// The same body turned by `orientation` about the origin, then moved by `position` \[m\]. Seen otherwise,
-    /// in the frame in which the body's frame has this pose.
+    /// The same body turned by `orientation` about the origin, then moved by `position` \[m\]. Seen
+    /// otherwise, in the frame in which the body's frame has this pose.
     ///
     /// # Errors
-    /// An orientation whose length is further than 1e-3 from one (closer is normalised), a position out of
-    /// range.
+    /// An orientation whose length is further than 1e-3 from one (closer is normalised), a position
+    /// out of range.
     pub fn transformed(&self, position: impl Into<DVec3>, orientation: DQuat) -> Result<Self, MassError> {
         let orientation = unit_quaternion(orientation).map_err(|length| MassError::Orientation { length })?;
         let position = position.into();
@@ -164,8 +168,8 @@ impl MassProperties {
     /// I = I1 + I2 + (m1 m2 / (m1 + m2)) (d^2 E - d d^T)      d = c2 - c1
     /// ```
     ///
-    /// This is the parallel-axis theorem for both at once, with only the distance of the two centres in it, so
-    /// nothing cancels far from the origin.
+    /// This is the parallel-axis theorem for both at once, with only the distance of the two
+    /// centres in it, so nothing cancels far from the origin.
     #[must_use]
     pub fn combined(&self, other: &Self) -> Self {
         let mass = self.mass + other.mass;
@@ -184,8 +188,8 @@ impl MassProperties {
     /// I = I1 - I2 - (m1 m2 / (m1 - m2)) (d^2 E - d d^T)      d = c2 - c1
     /// ```
     ///
-    /// Where a thin wall is left most digits cancel; tubes and spherical shells have closed forms without that
-    /// loss, [`tube`](Self::tube) and [`thick_shell`](Self::thick_shell).
+    /// Where a thin wall is left most digits cancel; tubes and spherical shells have closed forms
+    /// without that loss, [`tube`](Self::tube) and [`thick_shell`](Self::thick_shell).
     ///
     /// # Errors
     /// [`MassError::Hole`] if what remains is no body: the hole is heavier or sticks out.
@@ -196,8 +200,9 @@ impl MassProperties {
         let center_of_mass = self.center_of_mass - d * share;
         let shift = parallel_axis(self.mass * share, d);
         let tensor = self.tensor - hole.tensor - shift;
-        // What rounding in the three terms can amount to: a few eps of each, of the masses' difference (hence
-        // their ratio), and of the two centres, whose difference d may be small beside them.
+        // What rounding in the three terms can amount to: a few eps of each, of the masses'
+        // difference (hence their ratio), and of the two centres, whose difference d may be small
+        // beside them.
         let reach = self.center_of_mass.length() + hole.center_of_mass.length();
         let terms = half_trace(self.tensor) + half_trace(hole.tensor) + half_trace(shift);
         let rounding = 8.0 * f64::EPSILON * (self.mass / mass) * (terms + self.mass * share * d.length() * reach);
@@ -230,8 +235,9 @@ impl Add for MassProperties {
     }
 }
 
-/// Whether `tensor`, known within `rounding`, can be that of a body: `integral of r r^T dm = 1/2 tr(I) E - I`
-/// has no negative eigenvalue. That holds the triangle inequality too.
+/// Whether `tensor`, known within `rounding`, can be that of a body:
+/// `integral of r r^T dm = 1/2 tr(I) E - I` has no negative eigenvalue. That holds the triangle
+/// inequality too.
 fn is_a_distribution_of_mass(tensor: DMat3, rounding: f64) -> bool {
     let second_moments = DMat3::from_diagonal(DVec3::splat(half_trace(tensor))) - tensor;
     second_moments.is_finite() && symmetric_eigen(second_moments).0.min_element() >= -rounding

@@ -63,9 +63,11 @@ pub struct WeldedBody {
     pub angular_velocity: DVec3,
     /// Linear momentum [kg m/s]: the sum of those of the bodies.
     pub linear_momentum: DVec3,
-    /// Angular momentum about the centre of mass [kg m^2/s]: the sum of those of the bodies about that point.
+    /// Angular momentum about the centre of mass [kg m^2/s]: the sum of those of the bodies about
+    /// that point.
     pub angular_momentum: DVec3,
-    /// Kinetic energy that the bodies had and the one has not \[J\], never negative: what it takes to make them stick.
+    /// Kinetic energy that the bodies had and the one has not \[J\], never negative: what it takes
+    /// to make them stick.
     pub energy_lost: f64,
 }
 
@@ -101,21 +103,24 @@ pub enum WeldError {
     },
 }
 
-/// One body of several that from now on move together: a perfectly inelastic collision, or a joint that closes. Linear and angular
-/// momentum are kept.
+/// One body of several that from now on move together: a perfectly inelastic collision, or a joint
+/// that closes. Linear and angular momentum are kept.
 ///
-/// With the masses m, centres c, velocities v and tensors I of the bodies in the world's axes, and d = c - C:
+/// With the masses m, centres c, velocities v and tensors I of the bodies in the world's axes, and
+/// d = c - C:
 ///
 /// ```text
 /// M = sum m      C = sum m c / M      P = M V = sum m v      L = sum (I w + d x m (v - V))      L = I_C W
 /// lost energy = 1/2 sum (m u^2 + (w - W) . I (w - W)),  u = v - V - W x d
 /// ```
 ///
-/// The lost energy is that of the motions against each other, and so a sum of squares in which nothing cancels: since momentum is kept,
-/// `sum m u = 0` and `sum (I (w - W) + d x m u) = 0`, the products with V and W drop out of the difference of the energies. (Carnot's
-/// theorem on impacts without rebound.)
+/// The lost energy is that of the motions against each other, and so a sum of squares in which
+/// nothing cancels: since momentum is kept, `sum m u = 0` and `sum (I (w - W) + d x m u) = 0`, the
+/// products with V and W drop out of the difference of the energies. (Carnot's theorem on impacts
+/// without rebound.)
 ///
-/// A body without inertia about an axis, such as two points about the line through them, does not turn about it.
+/// A body without inertia about an axis, such as two points about the line through them, does not
+/// turn about it.
 ///
 /// ```
 /// use tumble_math::{Amount, MovingBody, Shape, weld};
@@ -179,7 +184,8 @@ fn in_the_world(index: usize, body: &MovingBody) -> Result<MassProperties, WeldE
 
 /// `I^-1 L`; nothing about an axis without a moment.
 ///
-/// A long body turned out of its axes has an inverse with few digits; one step of iterative refinement makes `I W = L` good to rounding.
+/// A long body turned out of its axes has an inverse with few digits; one step of iterative
+/// refinement makes `I W = L` good to rounding.
 fn angular_velocity(properties: &MassProperties, angular_momentum: DVec3) -> DVec3 {
     let tensor = properties.tensor_about_center();
     let inverse = properties.inertia().map_or_else(|_| pseudoinverse(tensor), |inertia| inertia.inverse());
@@ -187,8 +193,9 @@ fn angular_velocity(properties: &MassProperties, angular_momentum: DVec3) -> DVe
     estimate + inverse * (angular_momentum - tensor * estimate)
 }
 
-/// The inverse where there are moments, zero about axes without. As in [`InertiaTensor`](crate::InertiaTensor), a turned tensor holds a moment
-/// to 32 eps of the largest.
+/// The inverse where there are moments, zero about axes without. As in
+/// [`InertiaTensor`](crate::InertiaTensor), a turned tensor holds a moment to 32 eps of the
+/// largest.
 fn pseudoinverse(tensor: DMat3) -> DMat3 {
     let (moments, axes) = symmetric_eigen(tensor);
     let rounding = 32.0 * f64::EPSILON * moments.max_element();

@@ -4,12 +4,15 @@ use glam::{DMat3, DMat4};
 
 use crate::rotation::NotARotation;
 
-/// The rotation nearest to a matrix, in the sense of the sum of squares of what changes: what a rotation matrix that was integrated, or multiplied a
-/// million times, should have been. The orthogonal factor of the polar decomposition.
+/// The rotation nearest to a matrix, in the sense of the sum of squares of what changes: what a
+/// rotation matrix that was integrated, or multiplied a million times, should have been. The
+/// orthogonal factor of the polar decomposition.
 ///
-/// Newton's iteration `X <- (X + X^-T)/2`, scaled while the matrix is far from orthogonal. It does not prefer one axis, as Gram and Schmidt's method does.
+/// Newton's iteration `X <- (X + X^-T)/2`, scaled while the matrix is far from orthogonal. It does
+/// not prefer one axis, as Gram and Schmidt's method does.
 ///
-/// Source: N. J. Higham, "Computing the polar decomposition, with applications", SIAM J. Sci. Stat. Comput. 7 (1986).
+/// Source: N. J. Higham, "Computing the polar decomposition, with applications", SIAM J. Sci. Stat.
+/// Comput. 7 (1986).
 ///
 /// ```
 /// use glam::DMat3;
@@ -39,7 +42,8 @@ pub fn nearest_rotation(matrix: DMat3) -> Result<DMat3, NotARotation> {
     if determinant < 0.0 {
         return Err(NotARotation::Reflection { determinant });
     }
-    // Quadratic from where the scale has made the determinant one; 1e-15 takes at most a dozen from the edge of singularity.
+    // Quadratic from where the scale has made the determinant one; 1e-15 takes at most a dozen from
+    // the edge of singularity.
     for _ in 0..64 {
         let scale = x.determinant().cbrt().recip();
         let scaled = x * scale;
@@ -53,8 +57,9 @@ pub fn nearest_rotation(matrix: DMat3) -> Result<DMat3, NotARotation> {
     Ok(x)
 }
 
-/// The transform `m` of the frame `B` seen from the frame `A`, where `basis` takes coordinates of `B` to those of `A`: `basis m basis^-1`. For rotations
-/// and tensors there is [`change_of_basis`](crate::change_of_basis).
+/// The transform `m` of the frame `B` seen from the frame `A`, where `basis` takes coordinates of
+/// `B` to those of `A`: `basis m basis^-1`. For rotations and tensors there is
+/// [`change_of_basis`](crate::change_of_basis).
 ///
 /// ```
 /// use glam::{DMat4, DVec3};
@@ -79,7 +84,8 @@ mod tests {
     use super::*;
     use glam::{DQuat, DVec3};
 
-    /// `R S` with a symmetric positive `S` has the orthogonal factor `R`: for stretches of a millionth to a million.
+    /// `R S` with a symmetric positive `S` has the orthogonal factor `R`: for stretches of a
+    /// millionth to a million.
     #[test]
     fn a_stretched_rotation_is_found_again() {
         let rotation = DMat3::from_quat(DQuat::from_xyzw(0.1, -0.7, 0.3, 0.5).normalize());
@@ -89,7 +95,8 @@ mod tests {
         {
             let symmetric = frame * DMat3::from_diagonal(stretch) * frame.transpose();
             let found = nearest_rotation(rotation * symmetric).unwrap_or(DMat3::ZERO);
-            // The factor is known to eps over the smallest of the sums of two stretches, in units of the largest.
+            // The factor is known to eps over the smallest of the sums of two stretches, in units
+            // of the largest.
             let condition =
                 stretch.max_element() / (stretch.min_element() + stretch.element_sum() - stretch.max_element());
             let error = (found - rotation).to_cols_array().iter().fold(0.0_f64, |most, x| most.max(x.abs()));

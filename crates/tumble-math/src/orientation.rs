@@ -1,6 +1,7 @@
 //! How an orientation changes under an angular velocity.
 //!
-//! With `q` the orientation (body to world) and `w` the angular velocity in the world frame [rad/s],
+//! With `q` the orientation (body to world) and `w` the angular velocity in the world frame
+//! [rad/s],
 //!
 //! ```text
 //! dq/dt = 1/2 [0, w] q
@@ -10,7 +11,8 @@
 
 use crate::lane::{Lane, Quat, Vec3};
 
-/// Rate of change of an orientation, `1/2 [0, w] q`, with the angular velocity `w` in the world frame [rad/s].
+/// Rate of change of an orientation, `1/2 [0, w] q`, with the angular velocity `w` in the world
+/// frame [rad/s].
 ///
 /// ```
 /// use tumble_math::lane::{Quat, Vec3};
@@ -26,8 +28,9 @@ pub fn orientation_rate<L: Lane>(orientation: Quat<L>, angular_velocity: Vec3<L>
 
 /// The orientation after `dt` to first order, `normalise(q + dt/2 [0, w] q)`.
 ///
-/// The turn comes out as `2 atan(|w| dt/2)` about the right axis, short by `(|w| dt)^3/12`; [`rotate_exactly`] has no such error.
-/// A rate too large to compute with leaves the orientation as it was.
+/// The turn comes out as `2 atan(|w| dt/2)` about the right axis, short by `(|w| dt)^3/12`;
+/// [`rotate_exactly`] has no such error. A rate too large to compute with leaves the orientation as
+/// it was.
 ///
 /// ```
 /// use glam::{DQuat, DVec3};
@@ -41,8 +44,8 @@ pub fn rotate_to_first_order<L: Lane>(orientation: Quat<L>, angular_velocity: Ve
     (orientation + orientation_rate(orientation, angular_velocity) * dt).normalize_or(orientation)
 }
 
-/// The orientation after turning with a constant world-frame angular velocity [rad/s] for `dt`, exactly:
-/// `[cos(|w| dt/2), sin(|w| dt/2) w/|w|] q`.
+/// The orientation after turning with a constant world-frame angular velocity [rad/s] for `dt`,
+/// exactly: `[cos(|w| dt/2), sin(|w| dt/2) w/|w|] q`.
 ///
 /// ```
 /// use glam::{DQuat, DVec3};
@@ -55,7 +58,8 @@ pub fn rotate_exactly<L: Lane>(orientation: Quat<L>, angular_velocity: Vec3<L>, 
     let half = angular_velocity * (L::splat(0.5) * dt);
     let half_angle = half.dot(half).sqrt();
     let (sine, cosine) = half_angle.sin_cos();
-    // sin(a)/a, whose limit at rest is 1. A half angle whose square underflows turns nothing that the lane can hold.
+    // sin(a)/a, whose limit at rest is 1. A half angle whose square underflows turns nothing that
+    // the lane can hold.
     let still = half_angle.lt(L::splat(f64::from(f32::MIN_POSITIVE)));
     let ratio = L::select(still, L::splat(1.0), sine / L::select(still, L::splat(1.0), half_angle));
     let turn = Quat::from_parts(L::select(still, L::splat(1.0), cosine), half * ratio);

@@ -12,10 +12,11 @@ const PERMUTATIONS: [[usize; 3]; 6] = [[0, 1, 2], [1, 2, 0], [2, 0, 1], [0, 2, 1
 /// Principal moments of inertia and the frame in which the tensor is diagonal:
 /// `I = R(axes) diag(moments) R(axes)^T`.
 ///
-/// `axes` takes principal-frame coordinates to body-frame coordinates; its columns `R x, R y, R z` are the
-/// principal axes, right-handed. Of the 24 right-handed frames along the same three lines it is the one nearest
-/// the body frame (largest trace of R), so a diagonal tensor has the identity here and keeps the order of its
-/// moments. Where moments are equal, the axes within their plane are one choice of many.
+/// `axes` takes principal-frame coordinates to body-frame coordinates; its columns `R x, R y, R z`
+/// are the principal axes, right-handed. Of the 24 right-handed frames along the same three lines
+/// it is the one nearest the body frame (largest trace of R), so a diagonal tensor has the identity
+/// here and keeps the order of its moments. Where moments are equal, the axes within their plane
+/// are one choice of many.
 ///
 /// ```
 /// use tumble_math::InertiaTensor;
@@ -38,9 +39,10 @@ pub struct PrincipalInertia {
 impl PrincipalInertia {
     /// From eigenvalues and orthonormal right-handed eigenvectors (columns) in any order.
     ///
-    /// For each order of the columns the signs that make the diagonal positive give the largest trace. The best
-    /// of the six is right-handed without being told so: two cubes are never turned by more than 62.8 degrees
-    /// against each other (J. K. Mackenzie, Biometrika 45, 1958), so a right-handed frame reaches a trace of 1
+    /// For each order of the columns the signs that make the diagonal positive give the largest
+    /// trace. The best of the six is right-handed without being told so: two cubes are never turned
+    /// by more than 62.8 degrees against each other (J. K. Mackenzie, Biometrika 45, 1958), so a
+    /// right-handed frame reaches a trace of 1
     /// + 2 cos(62.8 deg) = 1.9, and a left-handed one, minus a rotation, none above 1.
     pub(crate) fn nearest_frame(moments: DVec3, vectors: DMat3) -> Self {
         let trace = |order: [usize; 3]| -> f64 { (0..3).map(|row| vectors.col(order[row])[row].abs()).sum() };
@@ -69,12 +71,13 @@ impl PrincipalInertia {
         mirrored(r * DMat3::from_diagonal(self.moments) * r.transpose())
     }
 
-    /// Angular momentum in the world frame [kg m^2/s] of a body with `orientation` (body to world) at the
-    /// world-frame angular velocity `w` [rad/s]: with `q = orientation * axes`, `L = q (moments * (q^-1 w))`.
+    /// Angular momentum in the world frame [kg m^2/s] of a body with `orientation` (body to world)
+    /// at the world-frame angular velocity `w` [rad/s]: with `q = orientation * axes`,
+    /// `L = q (moments * (q^-1 w))`.
     ///
-    /// For a change of angular velocity it is the angular impulse [N m s] that brings the change about, and
-    /// over `dt` seconds the torque [N m] to apply: the idiom of Unity's `inertiaTensor` and
-    /// `inertiaTensorRotation`.
+    /// For a change of angular velocity it is the angular impulse [N m s] that brings the change
+    /// about, and over `dt` seconds the torque [N m] to apply: the idiom of Unity's `inertiaTensor`
+    /// and `inertiaTensorRotation`.
     ///
     /// ```
     /// use tumble_math::PrincipalInertia;
@@ -91,16 +94,17 @@ impl PrincipalInertia {
         q * (self.moments * (q.conjugate() * angular_velocity))
     }
 
-    /// How a small disturbance of a spin about principal axis `axis` (0, 1 or 2) grows: the square of its rate
-    /// over the square of the spin,
+    /// How a small disturbance of a spin about principal axis `axis` (0, 1 or 2) grows: the square
+    /// of its rate over the square of the spin,
     ///
     /// ```text
     /// (lambda / w)^2 = (I_j - I_i)(I_i - I_k) / (I_j I_k)        i the axis, j and k the other two
     /// ```
     ///
-    /// Negative about the axes of largest and smallest moment: the spin is stable and wobbles at `w sqrt(-s)`.
-    /// Positive about the middle one: the disturbance grows as `exp(w sqrt(s) t)` and the body flips over, as
-    /// the T-handle does. Zero where two moments are equal. NaN if there is no such axis.
+    /// Negative about the axes of largest and smallest moment: the spin is stable and wobbles at
+    /// `w sqrt(-s)`. Positive about the middle one: the disturbance grows as `exp(w sqrt(s) t)` and
+    /// the body flips over, as the T-handle does. Zero where two moments are equal. NaN if there is
+    /// no such axis.
     ///
     /// Source: L. D. Landau, E. M. Lifshitz, "Mechanics", 3rd ed., section 37.
     ///

@@ -2,8 +2,8 @@
 
 use std::f64::consts::PI;
 
-/// A homogeneous solid of revolution about y. Moments are those of one kilogram of it, [m^2], so that nothing but the volume has a higher
-/// power of a length than two.
+/// A homogeneous solid of revolution about y. Moments are those of one kilogram of it, [m^2], so
+/// that nothing but the volume has a higher power of a length than two.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Revolved {
     pub(crate) volume: f64,
@@ -16,10 +16,12 @@ pub(crate) struct Revolved {
 }
 
 impl Revolved {
-    /// A frustum of a cone between the radii `bottom` at `-half_height` and `top` at `+half_height`. One of the radii may be
-    /// zero. The formulas are those of [`MassProperties::frustum`](crate::MassProperties::frustum).
+    /// A frustum of a cone between the radii `bottom` at `-half_height` and `top` at
+    /// `+half_height`. One of the radii may be zero. The formulas are those of
+    /// [`MassProperties::frustum`](crate::MassProperties::frustum).
     pub(crate) fn frustum(bottom: f64, top: f64, half_height: f64) -> Self {
-        // In units of the larger radius: fourth powers of the radii themselves could leave the range of f64.
+        // In units of the larger radius: fourth powers of the radii themselves could leave the
+        // range of f64.
         let unit = bottom.max(top);
         let (a, b, height) = (bottom / unit, top / unit, 2.0 * half_height);
         let (a2, ab, b2) = (a * a, a * b, b * b);
@@ -32,20 +34,23 @@ impl Revolved {
         Self { volume, center: 0.25 * height * (b - a) * (a + b) / s2, axial, transverse }
     }
 
-    /// What a plane across y cuts off a sphere of this radius about the origin: the part below, `height` times the radius high, with
-    /// `height` from 0 to 2.
+    /// What a plane across y cuts off a sphere of this radius about the origin: the part below,
+    /// `height` times the radius high, with `height` from 0 to 2.
     ///
-    /// At `w` radii above the pole the section has the radius `sqrt(w (2 - w))`. With k the height, in radii,
+    /// At `w` radii above the pole the section has the radius `sqrt(w (2 - w))`. With k the height,
+    /// in radii,
     ///
     /// ```text
     /// V = pi k^2 (1 - k/3)       F = pi k^3 (2/3 - k/4)       S = pi k^4 (1/2 - k/5)       integrals of 1, w, w^2
     /// I_yy = pi/2 k^3 (4/3 - k + k^2/5)      I_xx = I_zz = I_yy/2 + S - F^2/V
     /// ```
     ///
-    /// From the pole, as only that keeps the digits of a shallow segment; at worst, in `S - F^2/V`, a factor of nine is lost.
+    /// From the pole, as only that keeps the digits of a shallow segment; at worst, in `S - F^2/V`,
+    /// a factor of nine is lost.
     pub(crate) fn segment(radius: f64, height: f64) -> Self {
         let (k, r2) = (height, radius * radius);
-        // All but the volume itself as multiples of the volume, so that no power of a small k is lost.
+        // All but the volume itself as multiples of the volume, so that no power of a small k is
+        // lost.
         let volume = 1.0 - k / 3.0;
         let center = k * (2.0 / 3.0 - 0.25 * k) / volume;
         let second = k * k * (0.5 - 0.2 * k) / volume;
@@ -59,19 +64,22 @@ impl Revolved {
         }
     }
 
-    /// The convex hull of two spheres of the radii `bottom` and `top` about `-half_height` and `+half_height`.
+    /// The convex hull of two spheres of the radii `bottom` and `top` about `-half_height` and
+    /// `+half_height`.
     ///
-    /// The cone that touches both does so in circles which, seen from the centres, lie at the sine `s = (bottom - top)/(2 half_height)`
-    /// above the equators. Below the lower one is a segment of the bottom sphere, `1 + s` radii high, above the upper one a segment of the top
-    /// sphere, `1 - s` radii high, and between them a frustum, with the cosine of that angle in its radii and the cosine's square in its
-    /// height. If one sphere holds the other, it is all.
+    /// The cone that touches both does so in circles which, seen from the centres, lie at the sine
+    /// `s = (bottom - top)/(2 half_height)` above the equators. Below the lower one is a segment of
+    /// the bottom sphere, `1 + s` radii high, above the upper one a segment of the top sphere,
+    /// `1 - s` radii high, and between them a frustum, with the cosine of that angle in its radii
+    /// and the cosine's square in its height. If one sphere holds the other, it is all.
     pub(crate) fn tapered_capsule(bottom: f64, top: f64, half_height: f64) -> Self {
         let (distance, difference) = (2.0 * half_height, bottom - top);
         if distance <= difference.abs() {
             let sign = if bottom > top { -1.0 } else { 1.0 };
             return Self::segment(bottom.max(top), 2.0).raised(sign * half_height);
         }
-        // 1 + s and 1 - s from the lengths themselves: where the spheres nearly hold each other one of them is small.
+        // 1 + s and 1 - s from the lengths themselves: where the spheres nearly hold each other one
+        // of them is small.
         let (low, high) = ((distance + difference) / distance, (distance - difference) / distance);
         let (sine, cosine) = (difference / distance, (low * high).sqrt());
         let bottom_segment = Self::segment(bottom, low).raised(-half_height);

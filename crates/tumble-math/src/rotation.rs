@@ -6,8 +6,9 @@ use thiserror::Error;
 use crate::symmetric::mirrored;
 use crate::unit::{unit_quaternion, unit_vector};
 
-/// How far `R R^T` may be from the identity, element by element, and the matrix still be taken for a rotation
-/// that was rounded: about 17 rounding units of f32, and what a matrix printed with six digits needs.
+/// How far `R R^T` may be from the identity, element by element, and the matrix still be taken for
+/// a rotation that was rounded: about 17 rounding units of f32, and what a matrix printed with six
+/// digits needs.
 pub const ROTATION_TOLERANCE: f64 = 2e-6;
 
 /// A matrix that is no rotation.
@@ -73,8 +74,9 @@ pub fn right_multiplication_matrix(q: DQuat) -> DMat4 {
 
 /// Axis (unit) and angle in `[0, pi]` of the rotation `q`, which need not be of unit length.
 ///
-/// `q` and `-q` give the same answer (at exactly half a turn, `w = 0`, opposite axes). Exact to rounding at every angle: glam's method gives zero for angles
-/// below 2e-8 and angles up to 2 pi. No rotation, or no quaternion at all (zero, not finite), gives `(X, 0)`.
+/// `q` and `-q` give the same answer (at exactly half a turn, `w = 0`, opposite axes). Exact to
+/// rounding at every angle: glam's method gives zero for angles below 2e-8 and angles up to 2 pi.
+/// No rotation, or no quaternion at all (zero, not finite), gives `(X, 0)`.
 ///
 /// ```
 /// use tumble_math::to_axis_angle;
@@ -95,7 +97,8 @@ pub fn to_axis_angle(q: DQuat) -> (DVec3, f64) {
 
 /// The rotation `q` as a vector along its axis with the angle, in `[0, pi]`, as length \[rad\].
 ///
-/// The inverse of [`from_scaled_axis`] up to half a turn. At exactly half a turn both directions are right.
+/// The inverse of [`from_scaled_axis`] up to half a turn. At exactly half a turn both directions
+/// are right.
 ///
 /// ```
 /// use tumble_math::to_scaled_axis;
@@ -110,8 +113,8 @@ pub fn to_scaled_axis(q: DQuat) -> DVec3 {
 
 /// The unit quaternion of the rotation about `v` by the angle `|v|` \[rad\].
 ///
-/// `w = cos(|v|/2)`, `(x, y, z) = sin(|v|/2) / |v| v`. Exact to rounding for tiny `v` too, also where
-/// `|v|^2` vanishes; NaN where `v` is not finite.
+/// `w = cos(|v|/2)`, `(x, y, z) = sin(|v|/2) / |v| v`. Exact to rounding for tiny `v` too, also
+/// where `|v|^2` vanishes; NaN where `v` is not finite.
 ///
 /// ```
 /// use tumble_math::{angle_between, from_scaled_axis};
@@ -131,10 +134,11 @@ pub fn from_scaled_axis(v: DVec3) -> DQuat {
     DQuat::from_xyzw(axis.x * sin, axis.y * sin, axis.z * sin, cos)
 }
 
-/// Angle in `[0, pi]` between two orientations \[rad\]: that of the turn which takes one to the other.
+/// Angle in `[0, pi]` between two orientations \[rad\]: that of the turn which takes one to the
+/// other.
 ///
-/// `2 atan2(|v|, |w|)` of `a* b`, exact at every angle; `DQuat::angle_between` takes an arc cosine, which knows
-/// no angle below 2e-8. Neither quaternion need be of unit length.
+/// `2 atan2(|v|, |w|)` of `a* b`, exact at every angle; `DQuat::angle_between` takes an arc cosine,
+/// which knows no angle below 2e-8. Neither quaternion need be of unit length.
 ///
 /// ```
 /// use glam::DQuat;
@@ -148,7 +152,8 @@ pub fn angle_between(a: DQuat, b: DQuat) -> f64 {
     to_axis_angle(DQuat::from_vec4(v.extend(a.dot(b)))).1
 }
 
-/// The matrix `w*` of the cross product, `w* r = w x r`, with which a rotation matrix obeys `dR/dt = w* R`.
+/// The matrix `w*` of the cross product, `w* r = w x r`, with which a rotation matrix obeys
+/// `dR/dt = w* R`.
 ///
 /// ```
 /// use tumble_math::cross_product_matrix;
@@ -163,9 +168,10 @@ pub fn cross_product_matrix(w: DVec3) -> DMat3 {
 
 /// The unit quaternion, with `w >= 0`, of a rotation matrix.
 ///
-/// The matrix is checked, within [`ROTATION_TOLERANCE`]; then the largest of the four components is taken from
-/// the diagonal and the others from the off-diagonal elements, so nothing cancels at any angle. Half a turn
-/// (`w = 0`) has two quaternions; the one is returned whose largest component is positive.
+/// The matrix is checked, within [`ROTATION_TOLERANCE`]; then the largest of the four components is
+/// taken from the diagonal and the others from the off-diagonal elements, so nothing cancels at any
+/// angle. Half a turn (`w = 0`) has two quaternions; the one is returned whose largest component is
+/// positive.
 ///
 /// Source: S. W. Shepperd, "Quaternion from rotation matrix", J. Guidance and Control 1 (1978).
 ///
@@ -213,8 +219,8 @@ pub(crate) fn quat_from_orthonormal(m: DMat3) -> DQuat {
     if q.w < 0.0 { -q } else { q }
 }
 
-/// The matrix `m` of the frame `B` seen from the frame `A`, where `basis` takes coordinates of `B` to those of
-/// `A`: `R m R^T`.
+/// The matrix `m` of the frame `B` seen from the frame `A`, where `basis` takes coordinates of `B`
+/// to those of `A`: `R m R^T`.
 ///
 /// `R`, of determinant one, is that of the normalised `basis`, which must not be zero. A symmetric
 /// matrix stays symmetric to the bit; anything else is computed as it stands.

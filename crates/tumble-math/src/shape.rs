@@ -14,11 +14,11 @@ use crate::shape_error::{ShapeError, ShapeErrorReason};
 /// The shape of a homogeneous body, in its own frame.
 ///
 /// Axes of revolution lie along local y, the origin is at mid-height (as in parry and in glTF's
-/// KHR_implicit_shapes). The inertia is about the centre of mass, `m` is the mass, `h` the half height, `r` the
-/// radius.
+/// KHR_implicit_shapes). The inertia is about the centre of mass, `m` is the mass, `h` the half
+/// height, `r` the radius.
 ///
-/// Nothing is checked until [`mass_properties`](Self::mass_properties), whose errors name the parameter. The
-/// formulas are textbook ones, tested against 40-digit integrals.
+/// Nothing is checked until [`mass_properties`](Self::mass_properties), whose errors name the
+/// parameter. The formulas are textbook ones, tested against 40-digit integrals.
 ///
 /// ```
 /// use tumble_math::{Amount, Shape};
@@ -60,23 +60,24 @@ pub enum Shape {
     /// A cylinder along y with a half sphere on each end.
     ///
     /// With the masses `c` of the cylinder and `s` of the two caps, `c : s = 3h : 2r`,
-    /// `I_yy = c r^2/2 + 2/5 s r^2` and `I_xx = I_zz = c (r^2/4 + h^2/3) + s (2/5 r^2 + 3/4 h r + h^2)`.
+    /// `I_yy = c r^2/2 + 2/5 s r^2` and
+    /// `I_xx = I_zz = c (r^2/4 + h^2/3) + s (2/5 r^2 + 3/4 h r + h^2)`.
     Capsule {
         /// Radius \[m\].
         radius: f64,
         /// Half the distance between the centres of the caps \[m\].
         half_height: f64,
     },
-    /// A solid cone along y, apex at `+half_height`, base at `-half_height`; its centre of mass is at
-    /// `-half_height/2`. `I_yy = 3/10 m r^2`, `I_xx = I_zz = 3/20 m (r^2 + h^2)`.
+    /// A solid cone along y, apex at `+half_height`, base at `-half_height`; its centre of mass is
+    /// at `-half_height/2`. `I_yy = 3/10 m r^2`, `I_xx = I_zz = 3/20 m (r^2 + h^2)`.
     Cone {
         /// Radius of the base \[m\].
         radius: f64,
         /// Half the height \[m\].
         half_height: f64,
     },
-    /// A solid frustum of a cone along y: a cylinder whose ends differ. One of the radii may be zero, but not both. Formulas:
-    /// [`MassProperties::frustum`].
+    /// A solid frustum of a cone along y: a cylinder whose ends differ. One of the radii may be
+    /// zero, but not both. Formulas: [`MassProperties::frustum`].
     Frustum {
         /// Radius at `-half_height` \[m\].
         radius_bottom: f64,
@@ -85,8 +86,9 @@ pub enum Shape {
         /// Half the height \[m\].
         half_height: f64,
     },
-    /// The convex hull of two spheres on y: a capsule whose ends differ. One of the radii may be zero, but not both. If one sphere holds
-    /// the other, it is all. See [`MassProperties::tapered_capsule`].
+    /// The convex hull of two spheres on y: a capsule whose ends differ. One of the radii may be
+    /// zero, but not both. If one sphere holds the other, it is all. See
+    /// [`MassProperties::tapered_capsule`].
     TaperedCapsule {
         /// Radius of the sphere about `-half_height` \[m\].
         radius_bottom: f64,
@@ -102,7 +104,8 @@ pub enum Shape {
     },
     /// What a triangle mesh bounds, exactly; in the frame of its vertices.
     Mesh(Arc<SolidMesh>),
-    /// Shapes fixed to each other, each with its own pose and mass. Where they overlap, both masses count.
+    /// Shapes fixed to each other, each with its own pose and mass. Where they overlap, both masses
+    /// count.
     Compound(Vec<Part>),
 }
 
@@ -166,8 +169,8 @@ impl Part {
 }
 
 impl Shape {
-    /// Lengths outside this range \[m\] are refused: their squares times a mass must stay far from underflow
-    /// and overflow.
+    /// Lengths outside this range \[m\] are refused: their squares times a mass must stay far from
+    /// underflow and overflow.
     pub const LENGTHS: RangeInclusive<f64> = 1e-90..=1e90;
 
     /// How deep compounds may be nested.
@@ -209,15 +212,16 @@ impl Shape {
         Self::Cone { radius: radius.into(), half_height: half_height.into() }
     }
 
-    /// A frustum along y: radii at the bottom and at the top, one of which may be zero, and half height \[m\].
+    /// A frustum along y: radii at the bottom and at the top, one of which may be zero, and half
+    /// height \[m\].
     #[must_use]
     pub fn frustum(radius_bottom: impl Into<f64>, radius_top: impl Into<f64>, half_height: impl Into<f64>) -> Self {
         let (radius_bottom, radius_top) = (radius_bottom.into(), radius_top.into());
         Self::Frustum { radius_bottom, radius_top, half_height: half_height.into() }
     }
 
-    /// A capsule along y whose ends differ: radii of the bottom and of the top sphere, one of which may be zero, and half the distance of
-    /// their centres \[m\].
+    /// A capsule along y whose ends differ: radii of the bottom and of the top sphere, one of which
+    /// may be zero, and half the distance of their centres \[m\].
     ///
     /// ```
     /// use tumble_math::{Amount, Shape};
@@ -267,9 +271,9 @@ impl Shape {
         Self::Compound(parts.into_iter().collect())
     }
 
-    /// Volume [m^3]; `None` for a point and a thin shell. Of a compound, the sum over the parts (overlaps count
-    /// twice), `None` if it has no parts or one of them has no volume. Not checked: nonsense lengths give a
-    /// nonsense volume.
+    /// Volume [m^3]; `None` for a point and a thin shell. Of a compound, the sum over the parts
+    /// (overlaps count twice), `None` if it has no parts or one of them has no volume. Not checked:
+    /// nonsense lengths give a nonsense volume.
     #[must_use]
     pub fn volume(&self) -> Option<f64> {
         self.volume_within(0)
@@ -298,13 +302,14 @@ impl Shape {
 
     /// Mass properties in the shape's own frame.
     ///
-    /// A compound is put together from its parts, each with its own amount, and then scaled to the mass given
-    /// here, or to the mass that the density given here makes of its volume; see
+    /// A compound is put together from its parts, each with its own amount, and then scaled to the
+    /// mass given here, or to the mass that the density given here makes of its volume; see
     /// [`own_mass_properties`](Self::own_mass_properties).
     ///
     /// # Errors
-    /// [`ShapeError`] names the parameter at fault and, in a compound, the part: a length, a mass or a density
-    /// that is zero, negative, not finite or absurd, a density for a shape without volume, an empty compound.
+    /// [`ShapeError`] names the parameter at fault and, in a compound, the part: a length, a mass
+    /// or a density that is zero, negative, not finite or absurd, a density for a shape without
+    /// volume, an empty compound.
     pub fn mass_properties(&self, amount: Amount) -> Result<MassProperties, ShapeError> {
         self.mass_properties_within(amount, 0)
     }
@@ -312,7 +317,8 @@ impl Shape {
     /// Mass properties of a compound from the masses and densities of its parts.
     ///
     /// # Errors
-    /// As [`mass_properties`](Self::mass_properties), and [`ShapeErrorReason::NoOwnMass`] for any other shape.
+    /// As [`mass_properties`](Self::mass_properties), and [`ShapeErrorReason::NoOwnMass`] for any
+    /// other shape.
     pub fn own_mass_properties(&self) -> Result<MassProperties, ShapeError> {
         match self {
             Self::Compound(parts) => combined(parts, 0),
@@ -346,7 +352,8 @@ impl Shape {
             .map_err(|error| ShapeError::here(ShapeErrorReason::Mass(error)))
     }
 
-    /// Moments about the centre of mass for the mass `m`; the formulas at the variants. Zero for those that are not computed here.
+    /// Moments about the centre of mass for the mass `m`; the formulas at the variants. Zero for
+    /// those that are not computed here.
     fn moments(&self, m: f64) -> DVec3 {
         match *self {
             Self::Point | Self::Compound(_) | Self::Mesh(_) | Self::Frustum { .. } | Self::TaperedCapsule { .. } => {

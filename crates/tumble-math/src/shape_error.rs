@@ -36,7 +36,8 @@ pub struct ShapeError {
 #[derive(Clone, Debug, PartialEq, Error)]
 #[non_exhaustive]
 pub enum ShapeErrorReason {
-    /// A length is zero, negative, not finite, or outside [`Shape::LENGTHS`](crate::Shape::LENGTHS).
+    /// A length is zero, negative, not finite, or outside
+    /// [`Shape::LENGTHS`](crate::Shape::LENGTHS).
     #[error("must be a length from 1e-90 to 1e90 m, it is {value:?}")]
     Length {
         /// Name of the parameter, as in [`Shape`](crate::Shape).
@@ -58,7 +59,8 @@ pub enum ShapeErrorReason {
         /// The density [kg/m^3].
         value: f64,
     },
-    /// A density was given to a shape without volume, such as a point or a thin shell. Give its mass.
+    /// A density was given to a shape without volume, such as a point or a thin shell. Give its
+    /// mass.
     #[error("has no meaning for a {shape}: it has no volume, give a mass")]
     NoVolume {
         /// What the shape is.
@@ -95,8 +97,8 @@ impl ShapeError {
         self
     }
 
-    /// Name of the field at fault: `radius`, `half_height`, `half_extents`, `radii`, `mass`, `density`,
-    /// `position`, `orientation`, `parts`, …
+    /// Name of the field at fault: `radius`, `half_height`, `half_extents`, `radii`, `mass`,
+    /// `density`, `position`, `orientation`, `parts`, …
     #[must_use]
     pub fn field(&self) -> &'static str {
         match &self.reason {
@@ -111,7 +113,8 @@ impl ShapeError {
         }
     }
 
-    /// Where the field is, from the shape the error came from: `radius`, or `parts[2].parts[0].radius`.
+    /// Where the field is, from the shape the error came from: `radius`, or
+    /// `parts[2].parts[0].radius`.
     #[must_use]
     pub fn path(&self) -> String {
         let mut path = String::new();

@@ -1,6 +1,8 @@
-//! Mass properties of homogeneous bodies that are not a [`Shape`](crate::Shape) of their own, in closed form.
+//! Mass properties of homogeneous bodies that are not a [`Shape`](crate::Shape) of their own, in
+//! closed form.
 //!
-//! Axes lie along y. Hollow ones are written so that a thin wall costs no digits: `R^n - r^n` never occurs.
+//! Axes lie along y. Hollow ones are written so that a thin wall costs no digits: `R^n - r^n` never
+//! occurs.
 
 use std::f64::consts::PI;
 
@@ -13,7 +15,8 @@ use crate::shape::{Amount, axial_and_transverse, check_length, check_radii};
 use crate::shape_error::{ShapeError, ShapeErrorReason};
 
 impl MassProperties {
-    /// Half a solid sphere: flat face in the plane y = 0, centred on the origin, dome towards +y \[m\].
+    /// Half a solid sphere: flat face in the plane y = 0, centred on the origin, dome towards +y
+    /// \[m\].
     ///
     /// Centre of mass at `y = 3/8 r`; `I_yy = 2/5 m r^2`, `I_xx = I_zz = 83/320 m r^2`.
     ///
@@ -26,7 +29,8 @@ impl MassProperties {
         solid(m, 0.375 * radius, axial_and_transverse(0.4 * m * r2, 83.0 / 320.0 * m * r2))
     }
 
-    /// A solid frustum of a cone, radii `bottom` at `-half_height` and `top` at `+half_height` \[m\]. One of the radii may be zero.
+    /// A solid frustum of a cone, radii `bottom` at `-half_height` and `top` at `+half_height`
+    /// \[m\]. One of the radii may be zero.
     ///
     /// With `a`, `b` the two radii, `H` the height, `S2 = a^2 + ab + b^2`,
     /// `S4 = a^4 + a^3 b + a^2 b^2 + a b^3 + b^4`:
@@ -36,8 +40,8 @@ impl MassProperties {
     /// I_yy = 3/10 m S4/S2        I_xx = I_zz = 1/2 I_yy + 3/80 m H^2 (a^4 + 4a^3 b + 10a^2 b^2 + 4a b^3 + b^4)/S2^2
     /// ```
     ///
-    /// From the integrals of `r^2`, `t r^2`, `t^2 r^2` and `r^4` over `r = a + (b - a) t`; all terms positive,
-    /// so nothing cancels.
+    /// From the integrals of `r^2`, `t r^2`, `t^2 r^2` and `r^4` over `r = a + (b - a) t`; all
+    /// terms positive, so nothing cancels.
     ///
     /// # Errors
     /// As [`hemisphere`](Self::hemisphere).
@@ -47,10 +51,12 @@ impl MassProperties {
         of_revolution(&Revolved::frustum(bottom, top, half_height), amount, "frustum")
     }
 
-    /// The convex hull of two solid spheres, of the radii `bottom` about `-half_height` and `top` about `+half_height` on y \[m\], one of which
-    /// may be zero: a capsule whose ends differ, as in glTF's KHR_implicit_shapes. If one sphere holds the other, it is all.
+    /// The convex hull of two solid spheres, of the radii `bottom` about `-half_height` and `top`
+    /// about `+half_height` on y \[m\], one of which may be zero: a capsule whose ends differ, as
+    /// in glTF's KHR_implicit_shapes. If one sphere holds the other, it is all.
     ///
-    /// Two segments of spheres and a frustum between the circles in which a cone touches both spheres.
+    /// Two segments of spheres and a frustum between the circles in which a cone touches both
+    /// spheres.
     ///
     /// ```
     /// use tumble_math::{Amount, MassProperties};
@@ -87,9 +93,9 @@ impl MassProperties {
     /// A solid tetrahedron with these corners \[m\], in any order.
     ///
     /// About its centre it has the inertia of four particles of `m/20` at the corners, since
-    /// `integral of x x^T dV = V/20 (sum p_i p_i^T + (sum p_i)(sum p_i)^T)` and the last sum is zero there.
-    /// Source: F. Tonon, "Explicit exact formulas for the 3-D tetrahedron inertia tensor", J. Math. Stat. 1
-    /// (2005).
+    /// `integral of x x^T dV = V/20 (sum p_i p_i^T + (sum p_i)(sum p_i)^T)` and the last sum is
+    /// zero there. Source: F. Tonon, "Explicit exact formulas for the 3-D tetrahedron inertia
+    /// tensor", J. Math. Stat. 1 (2005).
     ///
     /// # Errors
     /// As [`hemisphere`](Self::hemisphere); corners that lie in a plane.
@@ -114,9 +120,11 @@ impl MassProperties {
             .map_err(|error| ShapeError::here(ShapeErrorReason::Pose(error)))
     }
 
-    /// A hollow cylinder with a wall of any thickness: radii `outer` and `inner`, half height \[m\].
+    /// A hollow cylinder with a wall of any thickness: radii `outer` and `inner`, half height
+    /// \[m\].
     ///
-    /// `V = 2 pi h (R - r)(R + r)`, `I_yy = m (R^2 + r^2)/2`, `I_xx = I_zz = m ((R^2 + r^2)/4 + h^2/3)`.
+    /// `V = 2 pi h (R - r)(R + r)`, `I_yy = m (R^2 + r^2)/2`,
+    /// `I_xx = I_zz = m ((R^2 + r^2)/4 + h^2/3)`.
     ///
     /// ```
     /// use tumble_math::{Amount, MassProperties};
@@ -153,8 +161,8 @@ impl MassProperties {
         solid(m, 0.0, DVec3::splat(0.4 * m * (s4 / s2) * outer * outer))
     }
 
-    /// An infinitely thin rod of `mass` \[kg\] along y, `half_length` \[m\]. `I_xx = I_zz = m l^2/3`, none
-    /// about y, so [`inertia`](Self::inertia) refuses it.
+    /// An infinitely thin rod of `mass` \[kg\] along y, `half_length` \[m\].
+    /// `I_xx = I_zz = m l^2/3`, none about y, so [`inertia`](Self::inertia) refuses it.
     ///
     /// # Errors
     /// As [`hemisphere`](Self::hemisphere).
@@ -164,7 +172,8 @@ impl MassProperties {
         solid(m, 0.0, axial_and_transverse(0.0, m * half_length * half_length / 3.0))
     }
 
-    /// An infinitely thin disc of `mass` \[kg\] across y, `radius` \[m\]. `I_yy = m r^2/2 = I_xx + I_zz`.
+    /// An infinitely thin disc of `mass` \[kg\] across y, `radius` \[m\].
+    /// `I_yy = m r^2/2 = I_xx + I_zz`.
     ///
     /// # Errors
     /// As [`hemisphere`](Self::hemisphere).

@@ -2,19 +2,20 @@
 
 use glam::{DMat3, DVec3};
 
-/// Sweeps before the iteration gives up. Convergence is quadratic, six suffice in practice; the bound is for
-/// indefinite matrices with zeros on the diagonal, whose relative stopping rule is never met.
+/// Sweeps before the iteration gives up. Convergence is quadratic, six suffice in practice; the
+/// bound is for indefinite matrices with zeros on the diagonal, whose relative stopping rule is
+/// never met.
 const MAX_SWEEPS: usize = 30;
 
-/// The eigenvalues of `matrix` and, as columns, its orthonormal eigenvectors: `A = V diag(values) V^T`.
-/// `V` is orthogonal with determinant +1; the order is the one the rotations leave. A diagonal
-/// matrix gives its diagonal and the identity exactly.
+/// The eigenvalues of `matrix` and, as columns, its orthonormal eigenvectors:
+/// `A = V diag(values) V^T`. `V` is orthogonal with determinant +1; the order is the one the
+/// rotations leave. A diagonal matrix gives its diagonal and the identity exactly.
 ///
-/// An off-diagonal element counts as zero once `|a_pq| <= eps sqrt(|a_pp a_qq|)`. With that rule the
-/// eigenvalues of a positive definite matrix come out with small *relative* errors, also where they differ by
-/// many orders of magnitude (J. Demmel and K. Veselić, "Jacobi's method is more accurate than QR", SIAM J.
-/// Matrix Anal. Appl. 13, 1992). Rotation angle: W. H. Press et al., "Numerical Recipes", 3rd ed., section
-/// 11.1.
+/// An off-diagonal element counts as zero once `|a_pq| <= eps sqrt(|a_pp a_qq|)`. With that rule
+/// the eigenvalues of a positive definite matrix come out with small *relative* errors, also where
+/// they differ by many orders of magnitude (J. Demmel and K. Veselić, "Jacobi's method is more
+/// accurate than QR", SIAM J. Matrix Anal. Appl. 13, 1992). Rotation angle: W. H. Press et al.,
+/// "Numerical Recipes", 3rd ed., section 11.1.
 ///
 /// Only the upper triangle is read. The elements must be finite.
 pub(crate) fn symmetric_eigen(matrix: DMat3) -> (DVec3, DMat3) {
@@ -55,12 +56,12 @@ fn scaled_rows(matrix: DMat3) -> ([[f64; 3]; 3], f64) {
     (rows, libm::ldexp(1.0, exponent))
 }
 
-/// One Jacobi rotation in the plane `p, q`: makes `a[p][q]` zero. `t = tan` of the smaller of the two
-/// angles, `t^2 + 2 theta t - 1 = 0`.
+/// One Jacobi rotation in the plane `p, q`: makes `a[p][q]` zero. `t = tan` of the smaller of the
+/// two angles, `t^2 + 2 theta t - 1 = 0`.
 fn rotate(a: &mut [[f64; 3]; 3], v: &mut [[f64; 3]; 3], p: usize, q: usize) {
     let theta = 0.5 * (a[q][q] - a[p][p]) / a[p][q];
-    // For a huge theta (its square overflows to infinity) t is zero and a_pq simply dropped; it is then
-    // below eps^2 of the difference of the two diagonal elements.
+    // For a huge theta (its square overflows to infinity) t is zero and a_pq simply dropped; it is
+    // then below eps^2 of the difference of the two diagonal elements.
     let t = 1.0_f64.copysign(theta) / (theta.abs() + (theta * theta + 1.0).sqrt());
     let c = 1.0 / (t * t + 1.0).sqrt();
     let s = t * c;
@@ -97,9 +98,9 @@ mod tests {
         values
     }
 
-    /// `A = D B D` with `D` from 1e-12 to 1e12 and `B` well conditioned: no body has such moments, but the
-    /// solver finds them to a few eps each, where methods that look at the largest element would give the
-    /// smallest no digit at all.
+    /// `A = D B D` with `D` from 1e-12 to 1e12 and `B` well conditioned: no body has such moments,
+    /// but the solver finds them to a few eps each, where methods that look at the largest element
+    /// would give the smallest no digit at all.
     #[test]
     fn graded_matrices_to_full_relative_precision() {
         let matrix = symmetric(1e-24, 1.0, 1e24, 0.25e-12, 0.125, -0.25e12);

@@ -2,8 +2,8 @@
 
 use glam::{DQuat, DVec3};
 
-/// How far from one the length of a quaternion may be and still be taken as a rounded unit quaternion.
-/// Three decimals is what people write by hand; further off is a mistake, not rounding.
+/// How far from one the length of a quaternion may be and still be taken as a rounded unit
+/// quaternion. Three decimals is what people write by hand; further off is a mistake, not rounding.
 pub(crate) const UNIT_TOLERANCE: f64 = 1e-3;
 
 /// `v / |v|`, or `None` where `v` is zero or not finite. Scaled first, so that `|v|^2` neither

@@ -2,8 +2,9 @@ use glam::{DQuat, EulerRot};
 
 use crate::euler::to_euler;
 
-/// Heading, elevation and bank of a vehicle whose body axes are x forward, y left or right, z up or down: turned by `yaw` about z, then by `pitch` about the new y,
-/// then by `roll` about the new x \[rad\] (`EulerRot::ZYX`).
+/// Heading, elevation and bank of a vehicle whose body axes are x forward, y left or right, z up or
+/// down: turned by `yaw` about z, then by `pitch` about the new y, then by `roll` about the new x
+/// \[rad\] (`EulerRot::ZYX`).
 ///
 /// ```
 /// use tumble_math::YawPitchRoll;
@@ -22,8 +23,8 @@ pub struct YawPitchRoll {
 }
 
 impl YawPitchRoll {
-    /// Of a rotation, which need not be of unit length: yaw and roll in `(-pi, pi]`, pitch in `[-pi/2, pi/2]`; with the nose straight up or down, roll
-    /// is zero. As exact as [`to_euler`].
+    /// Of a rotation, which need not be of unit length: yaw and roll in `(-pi, pi]`, pitch in
+    /// `[-pi/2, pi/2]`; with the nose straight up or down, roll is zero. As exact as [`to_euler`].
     #[must_use]
     pub fn of(rotation: DQuat) -> Self {
         let (yaw, pitch, roll) = to_euler(rotation, EulerRot::ZYX);

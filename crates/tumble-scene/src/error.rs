@@ -9,8 +9,8 @@ const LONGEST_QUOTE: usize = 200;
 
 /// Why a scene could not be used.
 ///
-/// `Display` is one [printable](crate::printable) line that names the file, the body (by its name where that could be
-/// read, and by its index) and the field, and repeats the offending value.
+/// `Display` is one [printable](crate::printable) line that names the file, the body (by its name
+/// where that could be read, and by its index) and the field, and repeats the offending value.
 ///
 /// ```
 /// use tumble_scene::Scene;
@@ -33,7 +33,8 @@ pub enum SceneError {
         /// The reason the system gave.
         reason: String,
     },
-    /// The file is larger than [`MAX_FILE_BYTES`](crate::MAX_FILE_BYTES), or than what its format may have.
+    /// The file is larger than [`MAX_FILE_BYTES`](crate::MAX_FILE_BYTES), or than what its format
+    /// may have.
     #[error("{}: is larger than {limit} bytes, the most such a file may have", printable(.file))]
     TooLarge {
         /// The file as the caller named it.
@@ -199,7 +200,8 @@ impl FieldError {
         Self { problem, ..self.inside(&format!("nodes[{index}]")) }
     }
 
-    /// The same error seen from the thing that holds the field's owner. An error without a field is the owner's.
+    /// The same error seen from the thing that holds the field's owner. An error without a field is
+    /// the owner's.
     pub(crate) fn inside(mut self, outer: &str) -> Self {
         self.field = if self.field.is_empty() { outer.to_owned() } else { format!("{outer}.{}", self.field) };
         self

@@ -1,10 +1,12 @@
 //! Scene files for [`tumble`] in, trajectories and summaries out.
 //!
-//! A scene is settings and bodies, written as JSON or RON after one model, or what [glTF](gltf) and URDF files say. [`Scene::open`] reads and checks
-//! it whole before anything is spawned, and a mistake is a [`SceneError`] of one line that names
-//! file, body and field. [`Audit`] shows the mass properties and forces of every body,
-//! [`TrajectoryWriter`] records states, [`Sweep`] makes many worlds of one scene, [`Summary`] is what a run reports and [`MomentumScale`] what it measures drift by, [`ReportPage`] the same as a page to look at, and
-//! [`PendingFile`] makes files appear whole or not at all.
+//! A scene is settings and bodies, written as JSON or RON after one model, or what [glTF](gltf) and
+//! URDF files say. [`Scene::open`] reads and checks it whole before anything is spawned, and a
+//! mistake is a [`SceneError`] of one line that names file, body and field. [`Audit`] shows the
+//! mass properties and forces of every body, [`TrajectoryWriter`] records states, [`Sweep`] makes
+//! many worlds of one scene, [`Summary`] is what a run reports and [`MomentumScale`] what it
+//! measures drift by, [`ReportPage`] the same as a page to look at, and [`PendingFile`] makes files
+//! appear whole or not at all.
 //!
 //! ```
 //! use tumble_scene::Scene;

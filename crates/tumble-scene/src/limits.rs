@@ -53,7 +53,8 @@ pub fn time_step(seconds: f64) -> Result<Real, String> {
 /// How many steps of `dt` \[s\] a simulated time \[s\] has, rounded to the nearest.
 ///
 /// # Errors
-/// A sentence about a time below zero or a number over [`MAX_STEPS`], to stand behind the option's or the field's name.
+/// A sentence about a time below zero or a number over [`MAX_STEPS`], to stand behind the option's
+/// or the field's name.
 ///
 /// ```
 /// assert_eq!(tumble_scene::steps_of_duration(1.1, 0.25), Ok(4));

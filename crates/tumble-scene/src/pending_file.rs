@@ -7,10 +7,10 @@ use std::path::{Path, PathBuf};
 
 /// A file that is written beside its place and renamed into it by [`finish`](Self::finish).
 ///
-/// Dropped before that, it leaves nothing behind and whatever stood in its place untouched. What a program that was killed
-/// left of the same file, the next [`create`](Self::create) removes.
-/// The target may be absent, a regular file or a link to one; anything else (a directory, a
-/// device, a pipe) is refused, for a rename would replace it.
+/// Dropped before that, it leaves nothing behind and whatever stood in its place untouched. What a
+/// program that was killed left of the same file, the next [`create`](Self::create) removes. The
+/// target may be absent, a regular file or a link to one; anything else (a directory, a device, a
+/// pipe) is refused, for a rename would replace it.
 ///
 /// ```
 /// use std::io::Write;
@@ -64,8 +64,9 @@ impl PendingFile {
         Err(io::Error::new(io::ErrorKind::AlreadyExists, "too many unfinished files beside it"))
     }
 
-    /// As [`create`](Self::create), for a file that is readable while it grows, and that is to be found if the program is killed:
-    /// `run.csv` is written as `run.partial.csv`. One that an earlier program left is replaced.
+    /// As [`create`](Self::create), for a file that is readable while it grows, and that is to be
+    /// found if the program is killed: `run.csv` is written as `run.partial.csv`. One that an
+    /// earlier program left is replaced.
     ///
     /// # Errors
     /// As [`create`](Self::create), and if another program is writing it.
@@ -99,8 +100,9 @@ impl PendingFile {
         real_target(&partial(&real_target(target)?)?)
     }
 
-    /// Writes what is buffered through to the disk, so that [`finish`](Self::finish) has only to rename. Of several files that
-    /// belong together all are settled before the first is finished, and a full disk leaves none of them.
+    /// Writes what is buffered through to the disk, so that [`finish`](Self::finish) has only to
+    /// rename. Of several files that belong together all are settled before the first is finished,
+    /// and a full disk leaves none of them.
     ///
     /// # Errors
     /// If the disk is full.
@@ -173,7 +175,8 @@ fn partial(target: &Path) -> io::Result<PathBuf> {
     Ok(target.with_file_name(name))
 }
 
-/// Removes what killed programs left of a file: its name between a dot and `.<process>-<number>.part`, and locked by nobody.
+/// Removes what killed programs left of a file: its name between a dot and
+/// `.<process>-<number>.part`, and locked by nobody.
 fn remove_leftovers(target: &Path, name: &OsStr) {
     let directory = match target.parent() {
         Some(parent) if !parent.as_os_str().is_empty() => parent,
@@ -301,7 +304,8 @@ mod tests {
         assert!(PendingFile::create(&read_only).is_err());
     }
 
-    /// Of a program that was killed: nobody holds the lock. What is written, what is of another file and what only looks alike stays.
+    /// Of a program that was killed: nobody holds the lock. What is written, what is of another
+    /// file and what only looks alike stays.
     #[test]
     fn what_a_killed_program_left_is_removed_by_the_next() {
         let directory = tempfile::tempdir().unwrap();

@@ -4,8 +4,9 @@ use std::fmt::Write as _;
 
 /// The text as one line for a terminal: names come from files, and may have anything in them.
 ///
-/// What a terminal would obey is escaped, and so is what hides or reorders the letters around it: control characters (C0, DEL,
-/// C1), line and paragraph separators, marks of direction, invisible letters but the two joiners, and tags.
+/// What a terminal would obey is escaped, and so is what hides or reorders the letters around it:
+/// control characters (C0, DEL, C1), line and paragraph separators, marks of direction, invisible
+/// letters but the two joiners, and tags.
 ///
 /// ```
 /// assert_eq!(tumble_scene::printable("a\u{1b}[31mb\n"), "a\\u{1b}[31mb\\n");
@@ -35,7 +36,8 @@ pub fn printable_lines(text: &str) -> String {
     text.split('\n').map(printable).collect::<Vec<_>>().join("\n")
 }
 
-/// A JSON document that means the same, with none of the characters in it that [`printable`] escapes.
+/// A JSON document that means the same, with none of the characters in it that [`printable`]
+/// escapes.
 ///
 /// ```
 /// assert_eq!(tumble_scene::printable_json("[\"a\u{9b}\"]\n"), "[\"a\\u009b\"]\n");
@@ -56,7 +58,8 @@ pub fn printable_json(json: &str) -> String {
     })
 }
 
-/// Whether a terminal would do something else than show it. U+200C and U+200D are parts of words and of pictures.
+/// Whether a terminal would do something else than show it. U+200C and U+200D are parts of words
+/// and of pictures.
 fn is_obeyed(letter: char) -> bool {
     letter.is_control()
         || matches!(letter,

@@ -11,11 +11,12 @@ use crate::tessellation::revolution::{ball, cone_frustum, revolve, tapered_capsu
 /// Half the diagonals of the octahedron that stands for a point, which has no size \[m\].
 pub(crate) const POINT_RADIUS: f64 = 0.02;
 
-/// Triangles of a closed surface in the frame of the shape, seen anticlockwise from outside. Ground is open: a half-space's square, and heights.
+/// Triangles of a closed surface in the frame of the shape, seen anticlockwise from outside. Ground
+/// is open: a half-space's square, and heights.
 ///
-/// Round surfaces have 24 corners around; every vertex lies on the shape's surface, so the volume is
-/// a little below the shape's (3 % for a ball). Corners of an edge that is sharp stand there once for every normal: positions
-/// that touch are equal to the bit.
+/// Round surfaces have 24 corners around; every vertex lies on the shape's surface, so the volume
+/// is a little below the shape's (3 % for a ball). Corners of an edge that is sharp stand there
+/// once for every normal: positions that touch are equal to the bit.
 ///
 /// ```
 /// use tumble_scene::{Appearance, Tessellation};
@@ -45,7 +46,8 @@ impl Tessellation {
         }
     }
 
-    /// The surface of a shape; of a compound, the surfaces of its parts, which may run through each other.
+    /// The surface of a shape; of a compound, the surfaces of its parts, which may run through each
+    /// other.
     pub(crate) fn of(shape: &Shape) -> Self {
         match *shape {
             Shape::Sphere { radius } | Shape::HollowSphere { radius } => revolve(&[ball(radius)]),
@@ -73,7 +75,8 @@ impl Tessellation {
             *position *= factors;
         }
         for normal in &mut self.normals {
-            // Normals go with the inverse transpose; multiplied by the product of the factors, nothing is divided by zero.
+            // Normals go with the inverse transpose; multiplied by the product of the factors,
+            // nothing is divided by zero.
             let factors = factors / factors.max_element();
             *normal = (*normal * DVec3::new(factors.y * factors.z, factors.z * factors.x, factors.x * factors.y))
                 .normalize_or(*normal);
@@ -178,7 +181,8 @@ mod tests {
         tetrahedra.sum()
     }
 
-    /// Every edge between two places is gone along once in each direction, which is closed and one way out.
+    /// Every edge between two places is gone along once in each direction, which is closed and one
+    /// way out.
     fn assert_closed(surface: &Tessellation) {
         let mut edges: HashMap<[[u64; 3]; 2], i32> = HashMap::new();
         let place = |index: u32| surface.positions[index as usize].to_array().map(f64::to_bits);
@@ -210,7 +214,8 @@ mod tests {
 
     #[test]
     fn solids_are_closed_and_of_nearly_their_volume() {
-        // A polygon of 24 corners has 0.9886 of the disk, and arcs of 12 chords over half a turn cost about as much again.
+        // A polygon of 24 corners has 0.9886 of the disk, and arcs of 12 chords over half a turn
+        // cost about as much again.
         let (flat, round, curved) = (1.0 - 1e-12, 0.9885, 0.97);
         let solids = [
             (Shape::cuboid([0.1, 2.0, 0.3]), flat),
@@ -225,7 +230,8 @@ mod tests {
             assert_closed(&surface);
             let ratio = volume(&surface) / shape.volume().unwrap();
             assert!((least..1.0 + 1e-12).contains(&ratio), "{shape:?}: {ratio}");
-            // The flat ellipsoid bends by an eighth of a turn and more from one triangle to the next at its rim.
+            // The flat ellipsoid bends by an eighth of a turn and more from one triangle to the
+            // next at its rim.
             assert_outward(&surface, if matches!(shape, Shape::Ellipsoid { .. }) { 0.0 } else { 0.97 });
         }
     }

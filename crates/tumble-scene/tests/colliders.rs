@@ -1,5 +1,6 @@
-//! Promise: a scene's colliders, half-spaces and contact settings are what the simulation has, in every format; what cannot be is refused with the body and
-//! the field; and a glTF file's colliders touch wherever the engine can make them, or are named.
+//! Promise: a scene's colliders, half-spaces and contact settings are what the simulation has, in
+//! every format; what cannot be is refused with the body and the field; and a glTF file's colliders
+//! touch wherever the engine can make them, or are named.
 //!
 //! Why: a collider that is read and dropped lets bodies fall through a floor that everyone sees.
 #![allow(clippy::unwrap_used, reason = "a test fails by panicking, in its helper functions too")]
@@ -65,7 +66,8 @@ fn both_formats_say_the_same() {
     assert_eq!(run(json, 100), run(ron, 100));
 }
 
-/// A block on a slope of 3 in 4 holds with a friction above 0.75, and slides below: a half second with 0.5 is g (0.6 - 0.5 0.8)/8 = 0.245 m along it.
+/// A block on a slope of 3 in 4 holds with a friction above 0.75, and slides below: a half second
+/// with 0.5 is g (0.6 - 0.5 0.8)/8 = 0.245 m along it.
 #[test]
 fn a_normal_tilts_the_ground() {
     let along = |friction: f64, ground: &str| {
@@ -129,7 +131,8 @@ fn what_cannot_be_is_refused_by_body_and_field() {
             "collider.friction_combine",
             "unknown variant",
         ),
-        // The engine has torsion from the size of the patch that touches, and no coefficient of its own for it.
+        // The engine has torsion from the size of the patch that touches, and no coefficient of its
+        // own for it.
         (format!(r#"{ball}, "collider": {{ "spinning_friction": 0 }}"#), "collider.spinning_friction", "unknown field"),
         (r#""mass": 1, "collider": {}"#.to_owned(), "collider", "a point cannot be a collider"),
         (ground.to_owned(), "shape.half_space", "is to be fixed"),
@@ -282,7 +285,8 @@ fn colliders_of_gltf_touch() {
     assert!((height - 3.0).abs() < 0.2, "{height}");
 }
 
-/// A plane with an end, moved up by its node, holds a ball that falls on it, and one that falls beside it falls on.
+/// A plane with an end, moved up by its node, holds a ball that falls on it, and one that falls
+/// beside it falls on.
 #[test]
 fn a_plane_with_an_end_ends() {
     let plate = node("plate", [0.0, 1.0, 0.0], r#""collider": { "geometry": { "shape": 2 } }"#);
@@ -345,7 +349,8 @@ fn what_gltf_has_and_contacts_have_not_is_named() {
 /// A bowl is hollow where it stands, and solid where it moves.
 #[test]
 fn a_mesh_that_stands_still_is_touched_as_it_is() {
-    // A block of two metres with a pit of one metre and a half in its top: a wall of 16 corners, counter-clockwise from outside.
+    // A block of two metres with a pit of one metre and a half in its top: a wall of 16 corners,
+    // counter-clockwise from outside.
     let mut vertices = String::new();
     for (half, height) in [(1.0, -1.0), (1.0, 1.0), (0.75, 1.0), (0.75, -0.5)] {
         for (x, z) in [(-1.0, -1.0), (-1.0, 1.0), (1.0, 1.0), (1.0, -1.0)] {
@@ -376,7 +381,8 @@ fn a_mesh_that_stands_still_is_touched_as_it_is() {
     assert!((height(r#""mass": 1000"#) - 1.25).abs() < 5e-3, "{}", height(r#""mass": 1000"#));
 }
 
-/// Infinite ground is a disc in a record, as wide as the scene, and a surface that is seen from above only.
+/// Infinite ground is a disc in a record, as wide as the scene, and a surface that is seen from
+/// above only.
 #[test]
 fn a_record_has_a_plate_for_ground() {
     let scene = Scene::from_json(BOX_ON_GROUND, "box.json").unwrap();

@@ -1,5 +1,5 @@
-//! Promise: the built-in scenes of bodies that touch do what their names say: what is to stand stands, what is to fall falls, and nothing goes through
-//! the ground or a wall.
+//! Promise: the built-in scenes of bodies that touch do what their names say: what is to stand
+//! stands, what is to fall falls, and nothing goes through the ground or a wall.
 //!
 //! Why: they are what people open first. Each test asserts what one would look for.
 #![allow(clippy::unwrap_used, reason = "a scene that cannot be run is a failed test")]
@@ -81,7 +81,8 @@ fn moved(from: &[DVec3], to: &[DVec3]) -> Vec<f64> {
     from.iter().zip(to).map(|(from, to)| (*to - *from).length()).collect()
 }
 
-/// Ten seconds; the peers' pyramids of these boxes sink by 12 to 15 mm at base 20, and this is half as high.
+/// Ten seconds; the peers' pyramids of these boxes sink by 12 to 15 mm at base 20, and this is half
+/// as high.
 #[test]
 fn a_pyramid_stands() {
     let mut run = Run::of("pyramid", Some(385));
@@ -92,7 +93,8 @@ fn a_pyramid_stands() {
     assert!(start.len() == 385 && farthest < 7e-3 && fastest < 1e-3, "{farthest} {fastest}");
 }
 
-/// The whole one begins as the peers have it: layer k is (20 - k)^2 boxes whose middles are at 0.5 + k.
+/// The whole one begins as the peers have it: layer k is (20 - k)^2 boxes whose middles are at 0.5 +
+/// k.
 #[test]
 fn the_pyramid_is_that_of_the_benchmark() {
     let run = Run::of("pyramid", None);
@@ -110,8 +112,9 @@ fn a_wall_stands_until_it_is_struck() {
     let mut run = Run::of("wall", None);
     let start = run.places("brick");
     run.until(0.45);
-    // Contacts are springs of 30 Hz: in a column, k layers press that below them in by 2 k g/w^2. Of 16 layers the uppermost sinks by the sum for 1 to 15,
-    // and what lies on the ground, whose springs have 60 Hz, by 16 g/w^2.
+    // Contacts are springs of 30 Hz: in a column, k layers press that below them in by 2 k g/w^2.
+    // Of 16 layers the uppermost sinks by the sum for 1 to 15, and what lies on the ground, whose
+    // springs have 60 Hz, by 16 g/w^2.
     let sag = (2.0 * 120.0 * 9.81) / (TAU * 30.0).powi(2) + 16.0 * 9.81 / (TAU * 60.0).powi(2);
     for (from, to) in start.iter().zip(run.places("brick")) {
         let by = to - *from;
@@ -119,7 +122,8 @@ fn a_wall_stands_until_it_is_struck() {
     }
     run.finish();
     let places = run.places("brick");
-    // The ball leaves a hole, and what lies beside it stands: columns that buckle would bring the whole wall down.
+    // The ball leaves a hole, and what lies beside it stands: columns that buckle would bring the
+    // whole wall down.
     let (ball, strike) = (0.4, 0.6 * 3.2);
     let moved = moved(&start, &places);
     let is_in_the_way = |from: &DVec3| from.x.hypot(from.y - strike) < ball;
@@ -151,8 +155,10 @@ fn dominoes_fall_one_after_the_other() {
     assert!(largest(run.velocities("piece").iter().map(|velocity| velocity.length())) < 0.05);
 }
 
-/// The first ball comes down by 0.2 m, so with the speed sqrt(2 g 0.2); equal masses and restitution 1 exchange velocities, so the last one leaves
-/// with that and rises as high, and the others stay. A pendulum of 1 m that swings to 37 degrees takes 2.057 s, a quarter of which is 0.514 s.
+/// The first ball comes down by 0.2 m, so with the speed sqrt(2 g 0.2); equal masses and
+/// restitution 1 exchange velocities, so the last one leaves with that and rises as high, and the
+/// others stay. A pendulum of 1 m that swings to 37 degrees takes 2.057 s, a quarter of which is
+/// 0.514 s.
 #[test]
 fn the_last_ball_of_the_cradle_leaves_with_the_speed_of_the_first() {
     let mut run = Run::of("cradle", None);
@@ -167,7 +173,8 @@ fn the_last_ball_of_the_cradle_leaves_with_the_speed_of_the_first() {
         if (60..145).contains(&hundredth) {
             fastest = fastest.max(velocities[4].length());
             highest = highest.max(places[4].y);
-            // Along the row: wires that are relieved of a swing swing up and down themselves, a little.
+            // Along the row: wires that are relieved of a swing swing up and down themselves, a
+            // little.
             others = others.max(largest(velocities[..4].iter().map(|velocity| velocity.x.abs())));
         }
     }
@@ -175,7 +182,8 @@ fn the_last_ball_of_the_cradle_leaves_with_the_speed_of_the_first() {
     assert!((0.93..1.001).contains(&(fastest / speed)), "{fastest} of {speed}");
     assert!((0.19..0.2005).contains(&highest), "{highest}");
     assert!(others < 0.02 * speed, "{others}");
-    // What is in the wires is not counted: half a millimetre of stretch, by which they hold against gravity and the swing.
+    // What is in the wires is not counted: half a millimetre of stretch, by which they hold against
+    // gravity and the swing.
     let (least, most) = (smallest(energies.iter().copied()), largest(energies.iter().copied()));
     assert!(most < 1.962 * 1.005 && least > 1.962 * 0.98, "{least} {most}");
 }
@@ -211,12 +219,14 @@ fn a_pile_comes_to_rest_on_the_ground() {
     assert!(smallest(places.iter().map(|place| place.y)) > 0.045);
     // It is a heap: some lie on others.
     assert!(largest(places.iter().map(|place| place.y)) > 0.5);
-    // Not at rest to the digit, for balls creep; but nothing is as fast as what has fallen by a tenth of a millimetre.
+    // Not at rest to the digit, for balls creep; but nothing is as fast as what has fallen by a
+    // tenth of a millimetre.
     let fastest = largest(run.velocities("body").iter().map(|velocity| velocity.length()));
     assert!(fastest < (2.0 * 9.81 * 1e-4_f64).sqrt(), "{fastest}");
 }
 
-/// Hills are 0.9 m high: half of what falls on them is in hollows then, and nothing has gone through.
+/// Hills are 0.9 m high: half of what falls on them is in hollows then, and nothing has gone
+/// through.
 #[test]
 fn what_falls_on_hills_gathers_in_hollows() {
     let mut run = Run::of("hills", None);

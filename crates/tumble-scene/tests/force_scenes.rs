@@ -1,9 +1,10 @@
-//! Promise: the built-in scenes of forces keep what their forces keep: the solar system energy, both momenta and its years; the raft energy and what
-//! momentum water cannot change; the satellite's energy changes by what its nozzles and its wheel did; and on a windy day everything ends as wind, weight and
-//! cords have it.
+//! Promise: the built-in scenes of forces keep what their forces keep: the solar system energy,
+//! both momenta and its years; the raft energy and what momentum water cannot change; the
+//! satellite's energy changes by what its nozzles and its wheel did; and on a windy day everything
+//! ends as wind, weight and cords have it.
 //!
-//! Why: they are what the documentation shows forces with. A force with a wrong sign, a potential that does not belong to it, or work that is booked
-//! twice, would show here and in no picture.
+//! Why: they are what the documentation shows forces with. A force with a wrong sign, a potential
+//! that does not belong to it, or work that is booked twice, would show here and in no picture.
 #![allow(clippy::unwrap_used, reason = "a test fails by panicking, in its helper functions too")]
 
 use std::f64::consts::TAU;
@@ -81,8 +82,9 @@ fn work(entry: &LedgerEntry, component: &str) -> f64 {
     entry.work.of(component).unwrap()
 }
 
-/// Rounding in single precision: a kick rounds a momentum by 3e-8 of it on average, and there are 35 000 of them, which make 190 times that where they go either
-/// way. The planets count most that have most.
+/// Rounding in single precision: a kick rounds a momentum by 3e-8 of it on average, and there are
+/// 35 000 of them, which make 190 times that where they go either way. The planets count most that
+/// have most.
 #[test]
 fn the_solar_system_keeps_energy_and_momenta() {
     let (mut run, steps) = Run::of("solar-system", None);
@@ -92,7 +94,8 @@ fn the_solar_system_keeps_energy_and_momenta() {
         run.record();
     }
     let start = run.start().totals;
-    // In double precision it is the scheme's own: Mercury, which has 0.2 % of the energy, goes up and down by (n h)^2/50 of its own every year; n h is 0.018.
+    // In double precision it is the scheme's own: Mercury, which has 0.2 % of the energy, goes up
+    // and down by (n h)^2/50 of its own every year; n h is 0.018.
     let energy = run.largest_change(LedgerEntry::energy) / start.energy().abs();
     assert!(energy < by_precision(2e-5, 2.5e-7), "{energy:e}");
     let linear = run.largest_change_of(|totals| totals.linear_momentum) / magnitudes;
@@ -101,7 +104,8 @@ fn the_solar_system_keeps_energy_and_momenta() {
     assert!(angular < by_precision(1e-5, 4e-14), "{angular:e}");
 }
 
-/// How many days the planets take to come round once as the sun sees it, for as many of them as do in the given days.
+/// How many days the planets take to come round once as the sun sees it, for as many of them as do
+/// in the given days.
 fn years(substeps: Option<u32>, days: u32) -> Vec<f64> {
     let (mut run, _) = Run::of("solar-system", substeps);
     run.ledger.detach(&mut run.world);
@@ -127,7 +131,8 @@ fn years(substeps: Option<u32>, days: u32) -> Vec<f64> {
     years
 }
 
-/// Against the mean motions that come with the elements the scene was made from: 36525 days times 360 degrees over the rate of mean longitude.
+/// Against the mean motions that come with the elements the scene was made from: 36525 days times
+/// 360 degrees over the rate of mean longitude.
 #[test]
 fn the_planets_come_round_in_their_years() {
     let rates = [149_472.674_111_75, 58_517.815_387_29, 35_999.372_449_81, 19_140.302_684_99, 3_034.746_127_75];
@@ -138,13 +143,15 @@ fn the_planets_come_round_in_their_years() {
             assert!((days / mean - 1.0).abs() < tolerance, "{days} days, {mean} on average");
         }
     };
-    // The scheme makes a year longer by about (n h)^2/2: 1.6e-4 for Mercury. Venus and earth, and Mars and Jupiter, change single years of each other by hours.
+    // The scheme makes a year longer by about (n h)^2/2: 1.6e-4 for Mercury. Venus and earth, and
+    // Mars and Jupiter, change single years of each other by hours.
     let inner = years(None, 4383);
     check(&inner[..4], &rates[..4], 3e-4);
     // Saturn pulls Jupiter back and forth by a degree.
     check(&inner[4..], &rates[4..], 3e-3);
-    // The same in whole days, which is enough for those. The sun goes round the centre of mass at up to 16 m/s, and the elements are from the sun: that is
-    // 0.3 % of Neptune's velocity, and three times that of its year.
+    // The same in whole days, which is enough for those. The sun goes round the centre of mass at
+    // up to 16 m/s, and the elements are from the sun: that is 0.3 % of Neptune's velocity, and
+    // three times that of its year.
     let outer = years(Some(1), 61_000);
     check(&outer[5..], &[1_222.493_622_01, 428.482_027_85, 218.459_453_25], 0.01);
 }
@@ -162,22 +169,27 @@ fn raft(substeps: u32) -> Run {
 fn the_raft_keeps_its_energy_and_what_water_cannot_change() {
     let run = raft(4);
     let (start, end) = (run.start(), run.ledger.entries()[run.ledger.entries().len() - 1]);
-    // Of the energy that a spring has that vibrates at w, (w h)^2/12 is not where the potential says; for the stiffest, 0.3 rad a substep, this is
-    // 0.7 %, and half of all energy comes to be in springs and their vibrations.
+    // Of the energy that a spring has that vibrates at w, (w h)^2/12 is not where the potential
+    // says; for the stiffest, 0.3 rad a substep, this is 0.7 %, and half of all energy comes to be
+    // in springs and their vibrations.
     let energy = run.largest_change(LedgerEntry::energy);
     assert!(energy < 0.003 * start.energy(), "{energy} J of {} J", start.energy());
-    // With the square of the substep. The vibrations are chaotic, so one run has more of them than the other, by a half or so.
+    // With the square of the substep. The vibrations are chaotic, so one run has more of them than
+    // the other, by a half or so.
     let ratio = energy / raft(16).largest_change(LedgerEntry::energy);
     assert!((10.0..24.0).contains(&ratio), "{ratio}");
 
-    // Lift is upright, so it changes neither horizontal momentum nor spin about the vertical. Rounding: twelve bodies, 16 000 kicks, momenta of up to 500 kg m/s (half
-    // a unit of the last place: 1.5e-5, 3e-14), which makes 440 times that where they go either way; arms are up to 2.4 m.
+    // Lift is upright, so it changes neither horizontal momentum nor spin about the vertical.
+    // Rounding: twelve bodies, 16 000 kicks, momenta of up to 500 kg m/s (half a unit of the last
+    // place: 1.5e-5, 3e-14), which makes 440 times that where they go either way; arms are up to
+    // 2.4 m.
     let horizontal = run.largest_change_of(|totals| totals.linear_momentum.with_y(0.0));
     assert!(horizontal < by_precision(7e-3, 1.3e-11), "{horizontal:e}");
     let spin = run.largest_change(|entry| entry.totals.angular_momentum.y);
     assert!(spin < by_precision(2e-2, 4e-11), "{spin:e}");
 
-    // What water, springs and gravity did is the kinetic energy; velocities of 1 m/s times the same rounding.
+    // What water, springs and gravity did is the kinetic energy; velocities of 1 m/s times the same
+    // rounding.
     let works = work(&end, "Buoyancy") + work(&end, "Spring") + end.work.gravity;
     assert!((works - end.kinetic()).abs() < by_precision(2e-2, 4e-11), "{works} {}", end.kinetic());
     // It floats: at rest 2.5 cm below the surface, and it fell from 15 cm above.
@@ -189,13 +201,15 @@ fn the_satellite_stops_and_rises_by_the_works_of_wheel_and_nozzles() {
     let (mut run, steps) = Run::of("satellite", None);
     let spin = |run: &Run| run.world.query::<&Momentum>().iter().map(|p| double(p.angular).length()).sum::<f64>();
     let at_first = spin(&run);
-    // At its limit the wheel takes 0.2 N m s a second of the spin, which is 80.8 N m s: it stops in the 405th second.
+    // At its limit the wheel takes 0.2 N m s a second of the spin, which is 80.8 N m s: it stops in
+    // the 405th second.
     for second in 1..=steps {
         run.step();
         run.record();
         let left = at_first - 0.2 * second as f64;
         if left > 0.2 {
-            // Single precision rounds the same 0.1 N m s twice a second by up to 4e-6, and to the same side while the spin is of the same size.
+            // Single precision rounds the same 0.1 N m s twice a second by up to 4e-6, and to the
+            // same side while the spin is of the same size.
             assert!((spin(&run) - left).abs() < by_precision(3e-3, 1e-11), "{second} s: {} {left}", spin(&run));
         } else if left < -0.2 {
             // What is less than the limit goes at once.
@@ -206,8 +220,10 @@ fn the_satellite_stops_and_rises_by_the_works_of_wheel_and_nozzles() {
     assert!((404.0..405.0).contains(&(at_first / 0.2)), "{at_first}");
 
     let start = run.start();
-    // The wheel did all that was done to the rotation, the nozzles, which push through the centre of mass, all to the orbit. In single precision energies of 4 J
-    // are rounded 7200 times by 1e-7; in double what is left is the scheme's, whose push is that of both ends of a step while it turns by 0.05 rad.
+    // The wheel did all that was done to the rotation, the nozzles, which push through the centre
+    // of mass, all to the orbit. In single precision energies of 4 J are rounded 7200 times by
+    // 1e-7; in double what is left is the scheme's, whose push is that of both ends of a step while
+    // it turns by 0.05 rad.
     for entry in run.ledger.entries() {
         let change = |of: fn(&LedgerEntry) -> f64| of(entry) - of(&start);
         let turning = change(|entry| entry.totals.rotational_kinetic) - work(entry, "AngularVelocityServo");
@@ -216,7 +232,8 @@ fn the_satellite_stops_and_rises_by_the_works_of_wheel_and_nozzles() {
             change(|entry| entry.totals.linear_kinetic + entry.totals.force_potential) - work(entry, "Thruster");
         assert!(orbit.abs() < by_precision(1e-4, 1e-8), "{orbit:e}");
     }
-    // Newton's second law, for the 3190 s in which the push of 20 mN has one direction: 0.053 m/s, as much as the orbit has.
+    // Newton's second law, for the 3190 s in which the push of 20 mN has one direction: 0.053 m/s,
+    // as much as the orbit has.
     assert!(work(&end, "Thruster") > 2.0, "{end:?}");
 }
 
@@ -243,7 +260,8 @@ fn a_windy_day_ends_as_wind_weight_and_cords_have_it() {
     };
     // A spin down and a flight along x push along z, and what has curled flies less far.
     assert!(curled.z - 2.0 > plain.z + 10.0 && curled.x < plain.x - 5.0, "{curled} {plain}");
-    // The air carries the balloon, which rises as fast as its drag lets four tenths of its weight lift it.
+    // The air carries the balloon, which rises as fast as its drag lets four tenths of its weight
+    // lift it.
     let risen = double(velocities[2].linear) - DVec3::new(0.0, (0.4 * 0.01 * 9.81 / 0.02_f64).sqrt(), -3.0);
     assert!(risen.length() < 1e-3, "{risen}");
     // The lantern hangs along the cord, which is along the sum of weight and wind.

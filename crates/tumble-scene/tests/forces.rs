@@ -1,7 +1,8 @@
-//! Promise: each force of a scene file becomes the engine's component with the same numbers, whichever format it is written in.
+//! Promise: each force of a scene file becomes the engine's component with the same numbers,
+//! whichever format it is written in.
 //!
-//! Why: a default that differs from what the documentation says, or a point that is taken from another origin, makes a simulation that is wrong
-//! and looks right.
+//! Why: a default that differs from what the documentation says, or a point that is taken from
+//! another origin, makes a simulation that is wrong and looks right.
 #![allow(clippy::unwrap_used, reason = "a test fails by panicking, in its helper functions too")]
 
 use hecs::{Entity, World};
@@ -170,7 +171,8 @@ fn a_spring_lets_its_bodies_swing_and_keeps_their_momentum() {
     // A reduced mass of 1 kg: half a period is pi/2 s, and then they are as close as they were far.
     simulation.step_many(&mut world, 157);
     let pose: tumble::Pose = get(&world, 0);
-    // 157 steps are 8e-4 s less than half a period, where they stand still; the engine's frequency is exact.
+    // 157 steps are 8e-4 s less than half a period, where they stand still; the engine's frequency
+    // is exact.
     assert!(pose.position.x.abs() < 1e-5, "{pose:?}");
 }
 

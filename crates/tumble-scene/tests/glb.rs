@@ -1,8 +1,10 @@
-//! An animation has the numbers of the record, in a file that follows the specification, finished or not.
+//! An animation has the numbers of the record, in a file that follows the specification, finished
+//! or not.
 //!
-//! Viewers show whatever they are given, with a body turned the wrong way or a frame late, or refuse the whole file over one wrong
-//! length. It would fail if a piece were written to another's place, a quaternion took the long way round, or the counts in the
-//! document ran ahead of the frames in the buffer.
+//! Viewers show whatever they are given, with a body turned the wrong way or a frame late, or
+//! refuse the whole file over one wrong length. It would fail if a piece were written to another's
+//! place, a quaternion took the long way round, or the counts in the document ran ahead of the
+//! frames in the buffer.
 #![allow(clippy::unwrap_used, reason = "a test fails by panicking, in its helper functions too")]
 
 mod gltf;
@@ -25,8 +27,9 @@ fn double(number: Real) -> f64 {
     f64::from(number)
 }
 
-/// Runs a scene with room for `capacity` frames and records `frames`, with checkpoints where `at_checkpoint` says; the file at the last
-/// of them or, if there are none, at the end, with the frames it is to have.
+/// Runs a scene with room for `capacity` frames and records `frames`, with checkpoints where
+/// `at_checkpoint` says; the file at the last of them or, if there are none, at the end, with the
+/// frames it is to have.
 fn recorded(
     scene: Scene,
     [frames, capacity, every]: [u64; 3],
@@ -82,7 +85,8 @@ fn assert_same(file: &[u8], times: &[f64], motions: &[Motion]) {
             track.translations.iter().zip(&track.rotations).zip(motion)
         {
             let off = (DVec3::from_array(translation.map(f64::from)) - *origin).length();
-            // Both rounded in single precision: half a unit in the last place of each of three coordinates, and of the sums in the second.
+            // Both rounded in single precision: half a unit in the last place of each of three
+            // coordinates, and of the sums in the second.
             assert!(off <= 4e-7 * (1.0 + origin.length()), "{translation:?} {origin}");
             let cosine = DQuat::from_array(rotation.map(f64::from)).dot(*orientation).abs();
             assert!((cosine - 1.0).abs() < 3e-7, "{rotation:?} {orientation}");
@@ -112,7 +116,8 @@ fn the_animation_is_what_happened() {
     assert_eq!(names, ["brick", "cone", "another brick", "floor", "belt"]);
     // The floor has no track.
     assert_eq!(gltf.animation().1.iter().map(|track| track.node).collect::<Vec<_>>(), [0, 1, 2, 4]);
-    // Blocks are stretched from one surface, in colours of their own: three surfaces with two accessors of vertices each, and indices.
+    // Blocks are stretched from one surface, in colours of their own: three surfaces with two
+    // accessors of vertices each, and indices.
     assert_eq!(gltf.json["accessors"].as_array().unwrap().len(), 1 + 2 * 4 + 3 * 3);
     let extras = &gltf.json["asset"]["extras"];
     assert_eq!((&extras["scene"], &extras["every"]), (&"a \"quoted\" name".into(), &2.into()));

@@ -1,7 +1,9 @@
-//! Scenes that others wrote for KHR_physics_rigid_bodies and OMI_physics_body, against an independent reading of them.
+//! Scenes that others wrote for KHR_physics_rigid_bodies and OMI_physics_body, against an
+//! independent reading of them.
 //!
-//! They carry no licence, so they are not part of this repository. `TUMBLE_GLTF_CASES` names their folder; the default is
-//! `shared/cases/gltf` beside the repository. Where there is none, the tests say so and pass.
+//! They carry no licence, so they are not part of this repository. `TUMBLE_GLTF_CASES` names their
+//! folder; the default is `shared/cases/gltf` beside the repository. Where there is none, the tests
+//! say so and pass.
 #![allow(clippy::unwrap_used, clippy::panic, reason = "a test fails by panicking, in its helper functions too")]
 #![cfg_attr(feature = "f64", allow(clippy::useless_conversion, reason = "Real is f64 in this build, f32 in the other"))]
 
@@ -142,7 +144,8 @@ fn check_node(node: &PhysicsNode, body: &Value, case: &Value, what: &str) {
     }
 }
 
-/// Poses, velocities, masses, colliders, materials, filters, triggers and joints of every node, in the world's frame.
+/// Poses, velocities, masses, colliders, materials, filters, triggers and joints of every node, in
+/// the world's frame.
 #[test]
 fn every_scene_is_read_as_the_independent_reading_has_it() {
     let Some(folder) = cases() else { return };
@@ -189,7 +192,8 @@ fn every_scene_becomes_bodies() {
     assert!(whole >= 46, "{whole}");
 }
 
-/// The motions that the scenes of motion properties are made for: after a second, within the rounding of f32 steps.
+/// The motions that the scenes of motion properties are made for: after a second, within the
+/// rounding of f32 steps.
 #[test]
 fn motions_are_those_described() {
     let Some(folder) = cases() else { return };
@@ -238,7 +242,8 @@ fn omi_examples_are_read() {
         (velocity.linear_velocity(), velocity.angular_velocity()),
         (DVec3::new(1.0, 2.0, 3.0), DVec3::new(4.0, 5.0, 6.0))
     );
-    // One kilogram unless the file says otherwise, and the moments of a block of 1 by 2 by 3 metres.
+    // One kilogram unless the file says otherwise, and the moments of a block of 1 by 2 by 3
+    // metres.
     let mut world = World::new();
     open("dynamic_box.gltf").unwrap().spawn(&mut world).unwrap();
     let mut query = world.query::<(&tumble::Mass, &tumble::Inertia)>();

@@ -1,7 +1,8 @@
-//! Promise: a glTF file with physics becomes the bodies that it describes, what is not simulated is named, and a mistake names file, node and field.
+//! Promise: a glTF file with physics becomes the bodies that it describes, what is not simulated is
+//! named, and a mistake names file, node and field.
 //!
-//! Why: velocities in the node's frame, scales, defaults and infinities are where readers of these drafts differ, and a body that
-//! is read wrong moves and looks right.
+//! Why: velocities in the node's frame, scales, defaults and infinities are where readers of these
+//! drafts differ, and a body that is read wrong moves and looks right.
 #![allow(clippy::unwrap_used, reason = "a test fails by panicking, in its helper functions too")]
 #![cfg_attr(feature = "f64", allow(clippy::useless_conversion, reason = "Real is f64 in this build, f32 in the other"))]
 
@@ -119,7 +120,8 @@ fn mass_and_inertia_are_given_or_those_of_the_colliders() {
     let (balls, apart) = (0.4 * (2.0 / 9.0 * 0.25 + 16.0 / 9.0), 2.0 / 9.0 * 16.0 / 9.0 / 2.0 * 4.0);
     check("dumbbell", 2.0, diagonal(balls, balls + apart, balls + apart), 1e-14);
     check("spinner", 4.0, diagonal(2.0, 1.0, 2.5), 1e-14);
-    // A corner of a block, legs 1, 2, 3: integrals of x^2 and x y about the centre are 3/80 m a^2 and -1/80 m a b.
+    // A corner of a block, legs 1, 2, 3: integrals of x^2 and x y about the centre are 3/80 m a^2
+    // and -1/80 m a b.
     let corner = |mirror: f64| {
         DMat3::from_cols(
             DVec3::new(3.0 * 13.0, mirror * 2.0, mirror * 3.0),
@@ -132,7 +134,8 @@ fn mass_and_inertia_are_given_or_those_of_the_colliders() {
     check("tray", 1.0, diagonal(1.0, 1.0, 1.0) * (1.0 / 6.0), 1e-14);
     check("egg", 1.0, diagonal(0.25, 0.1, 0.25), 1e-14);
     check("bare", 1.0, diagonal(0.1, 0.1, 0.1), 1e-14);
-    // An elliptic cone out of 24 sides: a polygon of n sides has 1 - (2 pi/n)^2/6 of the ellipse's second moments.
+    // An elliptic cone out of 24 sides: a polygon of n sides has 1 - (2 pi/n)^2/6 of the ellipse's
+    // second moments.
     let [a2, b2, h2] = [0.25, 1.0, 4.0];
     let across = |r2: f64| 0.15 * r2 + 3.0 / 80.0 * h2;
     check("flattened cone", 1.0, diagonal(across(b2), 0.15 * (a2 + b2), across(a2)), 0.012);
@@ -140,7 +143,8 @@ fn mass_and_inertia_are_given_or_those_of_the_colliders() {
     assert!((body(&audit, "weightless by name only").mass.unwrap() / (1000.0 * volume) - 1.0).abs() < 1e-15);
 }
 
-/// Zero stands for infinity, which a body is as far as numbers go: it keeps to its axis, is not moved by gravity, or does not turn.
+/// Zero stands for infinity, which a body is as far as numbers go: it keeps to its axis, is not
+/// moved by gravity, or does not turn.
 #[test]
 fn infinite_masses_and_moments_hold() {
     let scene = open("everything.gltf");
@@ -206,7 +210,8 @@ fn what_is_not_simulated_is_named() {
     }
 }
 
-/// The chunks of a binary file hold the same as text and buffer: the same bits after the same steps.
+/// The chunks of a binary file hold the same as text and buffer: the same bits after the same
+/// steps.
 #[test]
 fn text_and_binary_are_the_same_scene() {
     let text = std::fs::read_to_string(file("omi.gltf")).unwrap();
@@ -229,7 +234,8 @@ fn text_and_binary_are_the_same_scene() {
     assert_eq!(after_a_while(Scene::open(&path.to_string_lossy()).unwrap()), after_a_while(open("omi.gltf")));
 }
 
-/// Where OMI differs: a type of motion instead of a flag, a kilogram by default, zero for "compute it", larger default shapes, -1 for none.
+/// Where OMI differs: a type of motion instead of a flag, a kilogram by default, zero for "compute
+/// it", larger default shapes, -1 for none.
 #[test]
 fn omi_has_its_own_defaults() {
     let scene = open("omi.gltf");
@@ -267,7 +273,8 @@ fn a_body_is_the_same_as_one_made_by_hand() {
     assert!(spawned.world.get::<&PrincipalAxes>(entity).is_err() && spawned.world.get::<&Mass>(entity).is_ok());
 }
 
-/// Scales turn nothing: what the file says of rotations and velocities is not found again from a matrix that has other factors too.
+/// Scales turn nothing: what the file says of rotations and velocities is not found again from a
+/// matrix that has other factors too.
 #[test]
 fn mirrors_do_not_turn_what_is_written() {
     for (scale, rotation, linear, angular) in [
@@ -301,7 +308,8 @@ fn names_are_those_of_the_file_and_none_is_there_twice() {
     assert_eq!(names.iter().collect::<std::collections::HashSet<_>>().len(), 6, "{names:?}");
 }
 
-/// A kinematic body is moved by the velocity of its frame's origin, a file says that of the centre of mass.
+/// A kinematic body is moved by the velocity of its frame's origin, a file says that of the centre
+/// of mass.
 #[test]
 fn a_kinematic_body_has_the_velocity_of_its_centre_of_mass() {
     let text = r#"{ "asset": { "version": "2.0" }, "nodes": [ { "name": "arm", "extensions": { "KHR_physics_rigid_bodies": { "motion":

@@ -1,7 +1,8 @@
-//! Promise: ground of heights is where the scene says it is, looks as it is touched, and is rolled over as if it had no edges; and bodies touch those that
-//! their groups say.
+//! Promise: ground of heights is where the scene says it is, looks as it is touched, and is rolled
+//! over as if it had no edges; and bodies touch those that their groups say.
 //!
-//! Why: a row of heights for a column, a grid that is off by half a cell, or a bit for a number, and bodies float above the ground that is drawn, or fall through it.
+//! Why: a row of heights for a column, a grid that is off by half a cell, or a bit for a number,
+//! and bodies float above the ground that is drawn, or fall through it.
 #![allow(clippy::unwrap_used, reason = "a scene that cannot be run is a failed test")]
 
 use glam::DVec3;
@@ -20,7 +21,8 @@ fn run(scene: Scene, steps: u32) -> Vec<DVec3> {
     BodyOrder::of(&world).entities().iter().map(|entity| place(*entity)).collect()
 }
 
-/// Three columns two metres apart and two rows ten metres apart, about a point that is not the origin.
+/// Three columns two metres apart and two rows ten metres apart, about a point that is not the
+/// origin.
 const ROOF: &str = r#"{ "bodies": [ { "name": "roof", "fixed": true, "position": [10, 1, 0], "collider": {},
     "shape": { "height_field": { "heights": [[0, 1, 0], [0, 1, 0.5]], "spacing": [2, 10] } } } ] }"#;
 
@@ -44,7 +46,8 @@ fn heights_are_seen_where_they_are() {
     }
 }
 
-/// A ball comes down on each of the roof's slopes, on the side that it is on, where there are heights and not beside them.
+/// A ball comes down on each of the roof's slopes, on the side that it is on, where there are
+/// heights and not beside them.
 #[test]
 fn heights_are_touched_where_they_are_seen() {
     let ball = |x: f64, z: f64| {
@@ -66,7 +69,8 @@ fn heights_are_touched_where_they_are_seen() {
     }
 }
 
-/// A slope of one in four, in cells of half a metre: a ball that rolls goes `5/7 g sin(a) t^2/2`, and does not feel where cells meet.
+/// A slope of one in four, in cells of half a metre: a ball that rolls goes `5/7 g sin(a) t^2/2`,
+/// and does not feel where cells meet.
 #[test]
 fn a_ball_rolls_down_heights_as_down_a_plane() {
     let row: Vec<String> = (0..41).map(|column| (-0.125 * f64::from(column)).to_string()).collect();
@@ -112,7 +116,8 @@ fn more_heights_than_are_sensible_are_refused() {
     assert!(error.contains("field shape.height_field.heights: are 4000002, more than 4000000"), "{error}");
 }
 
-/// A ghost falls through the table, which it does not touch, and what the table does not touch falls through it too; both end on the ground.
+/// A ghost falls through the table, which it does not touch, and what the table does not touch
+/// falls through it too; both end on the ground.
 #[test]
 fn bodies_touch_what_their_groups_say() {
     let text = r#"{ "bodies": [

@@ -1,8 +1,10 @@
-//! Promise: a mesh in an OBJ or STL file has the mass properties of the solid it bounds, as the body of a scene and in an audit; what
-//! keeps it from bounding one is named and counted, and no file, however made, does more than fail soon.
+//! Promise: a mesh in an OBJ or STL file has the mass properties of the solid it bounds, as the
+//! body of a scene and in an audit; what keeps it from bounding one is named and counted, and no
+//! file, however made, does more than fail soon.
 //!
-//! Why: meshes come from everywhere, and most that look right are not closed or not wound one way. It would fail by a quad cut into
-//! one triangle, a polyline taken for a face, a binary STL taken for text, or a count in a header that is believed.
+//! Why: meshes come from everywhere, and most that look right are not closed or not wound one way.
+//! It would fail by a quad cut into one triangle, a polyline taken for a face, a binary STL taken
+//! for text, or a count in a header that is believed.
 
 #![allow(clippy::unwrap_used, reason = "a test fails by panicking, in its helper functions too")]
 
@@ -106,7 +108,8 @@ fn a_cube_in_every_format() {
     assert_eq!(audit.notices, ["7 bytes behind the last triangle not read"]);
 }
 
-/// A face that is not convex is cut into a fan that folds over itself; what it adds and takes away is the face's.
+/// A face that is not convex is cut into a fan that folds over itself; what it adds and takes away
+/// is the face's.
 #[test]
 fn a_concave_face_has_the_mass_properties_of_its_area() {
     let outline = [(0.0, 0.0), (2.0, 0.0), (2.0, 1.0), (1.0, 1.0), (1.0, 2.0), (0.0, 2.0)];
@@ -123,7 +126,8 @@ fn a_concave_face_has_the_mass_properties_of_its_area() {
     }
 }
 
-/// Published and generated meshes whose mass properties are known exactly; one is inside out, one is open.
+/// Published and generated meshes whose mass properties are known exactly; one is inside out, one
+/// is open.
 #[test]
 fn meshes_of_the_collection() {
     let data = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../tests/data");
@@ -232,7 +236,8 @@ fn scene(shape: &str) -> String {
     format!(r#"{{ "bodies": [ {{ "name": "part", "shape": {shape}, "density": 8000 }} ] }}"#)
 }
 
-/// A cube of a metre in a file in millimetres weighs eight tons; from the same file twice, as a part and as a hull.
+/// A cube of a metre in a file in millimetres weighs eight tons; from the same file twice, as a
+/// part and as a hull.
 #[test]
 fn meshes_are_shapes_in_scenes() {
     let files = Files::new();
@@ -288,7 +293,8 @@ fn a_bad_mesh_of_a_scene_is_named_with_file_body_and_field() {
     assert!(error.contains("field shape.points: all 4 points lie in one plane"), "{error}");
 }
 
-/// A sweep reads a mesh once: the file may be gone when its worlds are made. Another mesh is another sweep.
+/// A sweep reads a mesh once: the file may be gone when its worlds are made. Another mesh is
+/// another sweep.
 #[test]
 #[allow(clippy::useless_conversion, reason = "a mass is f64 already in one of the two builds")]
 fn a_sweep_reads_its_mesh_once() {

@@ -1,7 +1,9 @@
-//! A document reads what lies below its own directory, links included, and leaves out of a glTF file what is impossible, by name.
+//! A document reads what lies below its own directory, links included, and leaves out of a glTF
+//! file what is impossible, by name.
 //!
-//! A scene of somebody else is opened to be inspected. It would fail if it could read what lies elsewhere on the disk, if a file that is
-//! named a thousand times were read as often, or if one bad body hid the others or went missing without a word.
+//! A scene of somebody else is opened to be inspected. It would fail if it could read what lies
+//! elsewhere on the disk, if a file that is named a thousand times were read as often, or if one
+//! bad body hid the others or went missing without a word.
 #![allow(clippy::unwrap_used, reason = "a test fails by panicking, in its helper functions too")]
 
 use std::fs;
@@ -77,7 +79,8 @@ fn links_lead_no_farther() {
     }
 }
 
-/// What was read is reported, for a program that is not to write over it; a file in twenty sizes was read once.
+/// What was read is reported, for a program that is not to write over it; a file in twenty sizes
+/// was read once.
 #[test]
 fn files_are_told_and_read_once() {
     let (_place, root) = place();
@@ -107,7 +110,8 @@ fn is_possible(moments: &[f64; 3]) -> bool {
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(64))]
 
-    /// Of any bodies those that are possible are read, with their own ids, the others are named; repaired, all are there.
+    /// Of any bodies those that are possible are read, with their own ids, the others are named;
+    /// repaired, all are there.
     #[test]
     fn impossible_bodies_are_left_out_or_repaired(
         moments in prop::collection::vec(prop::array::uniform3(0.1_f64..1.0), 1..12),
@@ -166,7 +170,8 @@ proptest! {
 fn links_are_repaired_in_their_own_axes() {
     let (_place, root) = place();
     let path = root.join("robot.urdf");
-    // Moments 0.1, 0.1 and 0.4 about axes turned by 45 degrees about z: the largest is in the plane of x and y.
+    // Moments 0.1, 0.1 and 0.4 about axes turned by 45 degrees about z: the largest is in the plane
+    // of x and y.
     let link = r#"<link name="wheel"><inertial><mass value="2"/><inertia ixx="0.25" ixy="0.15" ixz="0" iyy="0.25" iyz="0" izz="0.1"/></inertial></link>"#;
     fs::write(&path, format!(r#"<robot name="cart">{link}</robot>"#)).unwrap();
     assert!(matches!(Scene::load(&path), Err(SceneError::Link { .. })));

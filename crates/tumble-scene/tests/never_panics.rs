@@ -1,7 +1,7 @@
 //! No text, however broken, makes the library panic, and every refusal is one readable line.
 //!
-//! A reader that panics takes the program down without saying which file was at fault. It would fail by
-//! an index, an overflow or an `unwrap` on a path that no hand-written example takes.
+//! A reader that panics takes the program down without saying which file was at fault. It would
+//! fail by an index, an overflow or an `unwrap` on a path that no hand-written example takes.
 #![allow(clippy::unwrap_used, reason = "a test fails by panicking, in its helper functions too")]
 
 use proptest::prelude::*;

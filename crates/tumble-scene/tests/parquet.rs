@@ -1,7 +1,7 @@
 //! A table has the bits of the comma-separated record, whole and at every checkpoint.
 //!
-//! Notebooks read tables and tests read lines; it would fail if the two disagreed about a bit, or if a table that a killed program left
-//! could not be opened.
+//! Notebooks read tables and tests read lines; it would fail if the two disagreed about a bit, or
+//! if a table that a killed program left could not be opened.
 #![cfg(feature = "parquet")]
 #![allow(clippy::unwrap_used, reason = "a test fails by panicking, in its helper functions too")]
 
@@ -16,8 +16,8 @@ use tumble::math::{PRECISION, Real};
 use tumble::{BodyOrder, Simulation};
 use tumble_scene::{COLUMNS, Frame, Scene, TrajectoryWriter};
 
-/// Records this many frames of 50 bodies both ways, with checkpoints after some; the table at the last of them, or at the end if there
-/// are none, and the other record.
+/// Records this many frames of 50 bodies both ways, with checkpoints after some; the table at the
+/// last of them, or at the end if there are none, and the other record.
 fn recorded(frames: u64, checkpoints: &[u64]) -> (bytes::Bytes, Vec<csv::StringRecord>) {
     let scene = Scene::stress(50, 1).unwrap();
     let mut simulation = Simulation::new(scene.settings).unwrap();

@@ -1,15 +1,17 @@
-//! Promise: a plot is well-formed XML whatever its labels and numbers are, shows every point that its axes can show, and stays
-//! small.
+//! Promise: a plot is well-formed XML whatever its labels and numbers are, shows every point that
+//! its axes can show, and stays small.
 //!
-//! Why: plots are made from runs that may have gone wrong, and a picture that no viewer opens hides just that. It fails if a
-//! label is not escaped, if a NaN or an overflow gets into a path, or if an axis of a constant or a huge range has no ticks.
+//! Why: plots are made from runs that may have gone wrong, and a picture that no viewer opens hides
+//! just that. It fails if a label is not escaped, if a NaN or an overflow gets into a path, or if
+//! an axis of a constant or a huge range has no ticks.
 
 #![allow(clippy::unwrap_used, reason = "a test without what it tests is to fail")]
 
 use roxmltree::Document;
 use tumble_scene::{Plot, Scale, SeriesStyle};
 
-/// Numbers of all paths and circles, after checking that the picture is well-formed and that all of them are on it.
+/// Numbers of all paths and circles, after checking that the picture is well-formed and that all of
+/// them are on it.
 fn numbers(svg: &str) -> Vec<f64> {
     let document = Document::parse(svg).unwrap();
     let mut found = Vec::new();
@@ -85,7 +87,8 @@ fn what_cannot_be_shown_interrupts_the_line() {
     assert_eq!((line.matches('M').count(), line.matches('L').count()), (2, 1), "{line}");
 }
 
-/// A single point and a constant stand in the middle of the picture, with round numbers around them.
+/// A single point and a constant stand in the middle of the picture, with round numbers around
+/// them.
 #[test]
 fn constants_and_single_points_have_a_range() {
     for value in [0.0, 1.0, -3.5, 1e-12, 1e9, 5e-324, 1e300] {
@@ -115,7 +118,8 @@ fn ranges_of_any_size_fit() {
     }
 }
 
-/// Four points fit into each half pixel of the 650 columns at most; the extremes of a million points are drawn.
+/// Four points fit into each half pixel of the 650 columns at most; the extremes of a million
+/// points are drawn.
 #[test]
 fn a_million_points_stay_a_small_picture() {
     let noisy = (0..1_000_000).map(|i| (f64::from(i), if i == 500_000 { 9.0 } else { f64::from(i).sin() }));
@@ -131,7 +135,8 @@ fn a_million_points_stay_a_small_picture() {
 
 #[test]
 fn points_are_where_the_axes_say() {
-    // Padded by 4 %, the range of 100 ticks is 108 wide; the frame is from 92 to 742 and from 364 up to 48.
+    // Padded by 4 %, the range of 100 ticks is 108 wide; the frame is from 92 to 742 and from 364
+    // up to 48.
     let svg = plot(Scale::Linear, &[(0.0, 0.0), (100.0, 50.0)]);
     let line = lines(&svg).concat();
     let part = 4.0 / 108.0;
@@ -146,7 +151,8 @@ fn points_are_where_the_axes_say() {
     }
 }
 
-/// The density of a cloud is what it shows: points above each other are not thinned, and no line joins them.
+/// The density of a cloud is what it shows: points above each other are not thinned, and no line
+/// joins them.
 #[test]
 fn a_cloud_has_all_its_points_and_no_line() {
     let points = (0..500).map(|i| (f64::from(i % 2), f64::from(i)));

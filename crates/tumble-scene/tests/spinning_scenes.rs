@@ -1,8 +1,10 @@
-//! Promise: the skater's spin grows as its moment of inertia falls, and the axis of a ball with a weight on it goes round the angular momentum at the
-//! rate of free precession, that of any weight on any ball.
+//! Promise: the skater's spin grows as its moment of inertia falls, and the axis of a ball with a
+//! weight on it goes round the angular momentum at the rate of free precession, that of any weight
+//! on any ball.
 //!
-//! Why: they are the two experiments of docs/spinning.md, and their figures stand there. It fails if springs give a system a torque, if a compound's moments or
-//! centre are off, or if free rotation leaves its cone.
+//! Why: they are the two experiments of docs/spinning.md, and their figures stand there. It fails
+//! if springs give a system a torque, if a compound's moments or centre are off, or if free
+//! rotation leaves its cone.
 #![allow(clippy::unwrap_used, reason = "a test fails by panicking, in its helper functions too")]
 #![cfg_attr(feature = "f64", allow(clippy::useless_conversion, reason = "Real is f64 in this build, f32 in the other"))]
 
@@ -85,7 +87,8 @@ fn the_skater_spins_faster() {
     assert!(end.energy() < start.energy());
 }
 
-/// How far the axis of a ball with a weight is from where free precession has it at most, in a run \[rad\].
+/// How far the axis of a ball with a weight is from where free precession has it at most, in a run
+/// \[rad\].
 fn worst_of_precession(mut run: Run, index: usize, transverse: f64) -> f64 {
     let (axis, momentum, dt) = (run.axis(index), run.momentum(index), f64::from(run.simulation.settings().dt));
     let mut worst: f64 = 0.0;
@@ -132,7 +135,8 @@ fn any_weight_makes_the_axis_go_round_at_its_rate() {
         let reduced = ball * weight / (ball + weight);
         let transverse = 0.4 * (ball * radius * radius + weight * small * small) + reduced * out * out;
         let worst = worst_of_precession(Run::of(Scene::from_json(&text, "ball.json").unwrap()), 0, transverse);
-        // Two hundred roundings of a turn of up to 50 rad; and the sixth power of a third, by its small factor, for two seconds.
+        // Two hundred roundings of a turn of up to 50 rad; and the sixth power of a third, by its
+        // small factor, for two seconds.
         assert!(worst < if SINGLE { 2e-4 } else { 5e-5 }, "{worst:e}: {text}");
     }
 }

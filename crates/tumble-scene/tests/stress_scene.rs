@@ -1,7 +1,7 @@
 //! The stress scene is the same for everyone: one seed, one set of bits, on every platform.
 //!
-//! Published speeds and hashes are worth nothing if the scene behind them changes. It would fail if the
-//! generator, the order of its draws or the arithmetic after it changed.
+//! Published speeds and hashes are worth nothing if the scene behind them changes. It would fail if
+//! the generator, the order of its draws or the arithmetic after it changed.
 #![allow(clippy::unwrap_used, reason = "a test fails by panicking, in its helper functions too")]
 
 use hecs::World;

@@ -1,9 +1,11 @@
-//! Promise: a robot's links are bodies with exactly the mass properties that the file gives them, where the file puts them; what is
-//! wrong with a link is said with its name, the field and the line, and what is not simulated is reported.
+//! Promise: a robot's links are bodies with exactly the mass properties that the file gives them,
+//! where the file puts them; what is wrong with a link is said with its name, the field and the
+//! line, and what is not simulated is reported.
 //!
-//! Why: the inertials of published robots are wrong more often than any other of their numbers, and a simulator that takes them as
-//! they come explodes later. It would fail by a sign of an off-diagonal element, by a rotation taken the wrong way or about moving axes,
-//! or by a first mistake that hides the others.
+//! Why: the inertials of published robots are wrong more often than any other of their numbers, and
+//! a simulator that takes them as they come explodes later. It would fail by a sign of an
+//! off-diagonal element, by a rotation taken the wrong way or about moving axes, or by a first
+//! mistake that hides the others.
 
 #![allow(clippy::unwrap_used, reason = "a test fails by panicking, in its helper functions too")]
 
@@ -69,7 +71,8 @@ fn sorted(mut moments: [f64; 3]) -> [f64; 3] {
     moments
 }
 
-/// Moments, mass and centre of mass of the links of three published robots; two of them have no mass.
+/// Moments, mass and centre of mass of the links of three published robots; two of them have no
+/// mass.
 #[test]
 fn published_robots() {
     let file: Value = serde_json::from_str(PUBLISHED).unwrap();
@@ -97,7 +100,8 @@ fn published_robots() {
     assert_eq!((links.len(), refused), (20, vec!["lbr_iiwa_link_0", "panda_link8"]));
 }
 
-/// A box turned by 90 degrees about z has its moments about x and y exchanged, and an element `ixy` is the matrix's own.
+/// A box turned by 90 degrees about z has its moments about x and y exchanged, and an element `ixy`
+/// is the matrix's own.
 #[test]
 fn the_inertial_frame_is_turned_into_the_links() {
     let turned = r#"<link name="a"><inertial><origin xyz="1 2 3" rpy="0 0 1.5707963267948966"/><mass value="2"/>
@@ -111,7 +115,8 @@ fn the_inertial_frame_is_turned_into_the_links() {
     assert_eq!(body.center_of_mass, Some([1.0, 2.0, 3.0]));
 }
 
-/// Roll before pitch before yaw about fixed axes: with all three, only this order takes the axes where they belong.
+/// Roll before pitch before yaw about fixed axes: with all three, only this order takes the axes
+/// where they belong.
 #[test]
 fn angles_are_about_fixed_axes() {
     let (r, p, y) = (0.3_f64, -0.7_f64, 1.1_f64);
@@ -341,7 +346,8 @@ fn hostile_files_are_refused_soon() {
     assert!(refusal(&format!("<robot{attributes}/>")).ends_with("element <robot> has more than 1000 quotation marks"));
     let namespaces: String = (0..1000).map(|index| format!(" xmlns:a{index}='{index}'")).collect();
     assert!(refusal(&format!("<robot{namespaces}/>")).ends_with("more than 100 namespaces are declared"));
-    // A chain of joints as long as a file may have, each with a mistake, and a line to be found for it.
+    // A chain of joints as long as a file may have, each with a mistake, and a line to be found for
+    // it.
     let chain: String = (1..=50_000)
         .map(|i| {
             link(&format!("l{i}")) + "\n" + &joint(&format!("j{i}"), "x", &format!("l{}", i - 1), &format!("l{i}"), "")

@@ -14,7 +14,8 @@ const AS_BEFORE: u8 = 255;
 /// Units of a delay in a second.
 const HUNDREDTHS: u32 = 100;
 
-/// Writes pictures of one size, at a fixed rate, with one palette for all of them, and of each only what has changed.
+/// Writes pictures of one size, at a fixed rate, with one palette for all of them, and of each only
+/// what has changed.
 pub(crate) fn write_gif(file: Output, images: &[Image], fps: u16) -> Result<(), Failure> {
     let Some(first) = images.first() else { return Ok(()) };
     let mut histogram = Histogram::new();
@@ -42,7 +43,8 @@ fn encode(bytes: &mut Vec<u8>, images: &[Image], size: Size, palette: &Palette, 
     Ok(())
 }
 
-/// When the picture before this one ends, in hundredths of a second: rounded from the start, so that roundings do not add up.
+/// When the picture before this one ends, in hundredths of a second: rounded from the start, so
+/// that roundings do not add up.
 fn end(number: u32, fps: u16) -> u32 {
     (number * HUNDREDTHS + u32::from(fps) / 2) / u32::from(fps)
 }

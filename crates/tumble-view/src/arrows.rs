@@ -8,12 +8,14 @@ use tumble::{ConstantWrench, DebugView, Momentum, Simulation, Thruster, Velocity
 use crate::convert::{dvec3, real};
 use crate::layers::{Layer, Layers};
 
-/// In each picture what is remembered of the largest force of contacts is this part of what it was: a second later little is left of it.
+/// In each picture what is remembered of the largest force of contacts is this part of what it was:
+/// a second later little is left of it.
 const FADING: f64 = 0.96;
 /// Width of the cross at a point of contact, to the length of the largest arrow.
 const CROSS: f64 = 0.12;
 
-/// The largest of each kind of vector that was drawn since the start, so that arrows of one kind can be compared, over bodies and over time.
+/// The largest of each kind of vector that was drawn since the start, so that arrows of one kind
+/// can be compared, over bodies and over time.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(crate) struct Largest {
     /// [kg m/s]
@@ -24,7 +26,8 @@ pub(crate) struct Largest {
     angular_velocity: f64,
     /// Forces \[N\] and torques [N m], which have arrows of one scale.
     force: f64,
-    /// At a point of contact \[N\]. It fades, for a hit may be a hundred times what the body weighs.
+    /// At a point of contact \[N\]. It fades, for a hit may be a hundred times what the body
+    /// weighs.
     contact_force: f64,
 }
 
@@ -92,7 +95,8 @@ fn grow(largest: &mut f64, vector: DVec3) {
     }
 }
 
-/// Arrows of moving bodies are this long \[m\], of bodies that reach so far, in a frame of this radius.
+/// Arrows of moving bodies are this long \[m\], of bodies that reach so far, in a frame of this
+/// radius.
 pub(crate) fn length(reaches: impl Iterator<Item = f64>, radius: f64) -> f64 {
     let mut reaches: Vec<f64> = reaches.collect();
     reaches.sort_by(f64::total_cmp);
@@ -154,7 +158,8 @@ mod tests {
         assert!(world.query_mut::<&Wrench>().into_iter().all(|wrench| *wrench == Wrench::default()));
     }
 
-    /// The ball hits at about 4 m/s, and is stopped in a step of 1/60 s: some 25 times as hard as it lies there.
+    /// The ball hits at about 4 m/s, and is stopped in a step of 1/60 s: some 25 times as hard as
+    /// it lies there.
     #[test]
     fn a_hit_is_forgotten_in_a_second_or_two() {
         let mut world = World::new();

@@ -44,7 +44,8 @@ pub(crate) struct DrawnBody {
     pub(crate) reach: f64,
 }
 
-/// A surface in a body's frame. Compounds and capsules are made of several, so that all bodies of a scene share a few surfaces.
+/// A surface in a body's frame. Compounds and capsules are made of several, so that all bodies of a
+/// scene share a few surfaces.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Piece {
     /// Index into the surfaces.
@@ -172,7 +173,8 @@ impl Bodies {
         }
     }
 
-    /// Ground is as large as anyone will see of it from where the others are at the start. Its surfaces come after all others.
+    /// Ground is as large as anyone will see of it from where the others are at the start. Its
+    /// surfaces come after all others.
     fn lay(&mut self, world: &World) {
         let places = self.place(world, 1.0);
         let frame = Frame::of(self, &places);
@@ -228,7 +230,8 @@ fn around(points: &mut dyn Iterator<Item = DVec3>) -> [DVec3; 2] {
     points.fold([DVec3::INFINITY, DVec3::NEG_INFINITY], |[low, high], point| [low.min(point), high.max(point)])
 }
 
-/// A body without a shape is shown as the homogeneous ellipsoid with its mass and moments; and the rotation from its axes to the body's frame.
+/// A body without a shape is shown as the homogeneous ellipsoid with its mass and moments; and the
+/// rotation from its axes to the body's frame.
 fn inertia_ellipsoid(body: hecs::EntityRef<'_>) -> Option<(Shape, DQuat)> {
     let mass = f64::from(body.get::<&Mass>()?.kilograms());
     let radii = equivalent_ellipsoid(mass, dvec3(body.get::<&Inertia>()?.moments()));

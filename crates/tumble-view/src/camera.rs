@@ -10,7 +10,8 @@ const POLE: f64 = 0.02;
 pub(crate) const DISTANCES: std::ops::RangeInclusive<f64> = 1e-6..=1e6;
 /// The nearest that is drawn, as a part of the camera's distance.
 const NEAR: f64 = 0.02;
-/// The farthest that is drawn is at least and at most this many distances away; beyond, 24 bits of depth no longer tell things apart.
+/// The farthest that is drawn is at least and at most this many distances away; beyond, 24 bits of
+/// depth no longer tell things apart.
 const FAR: [f64; 2] = [40.0, 4000.0];
 
 /// The axis that points up in the picture.
@@ -87,7 +88,8 @@ impl Camera {
         self.up.axis() * self.pitch.sin() + (first * self.yaw.cos() + second * self.yaw.sin()) * self.pitch.cos()
     }
 
-    /// What the camera sees in a picture of this size in points; things may be up to `extent` from the target \[m\].
+    /// What the camera sees in a picture of this size in points; things may be up to `extent` from
+    /// the target \[m\].
     pub(crate) fn view(&self, size: DVec2, extent: f64) -> View {
         let [first, second] = self.up.horizon();
         let towards = self.towards();
@@ -98,7 +100,8 @@ impl Camera {
         let far = (1.0 + 2.0 * extent / self.distance).clamp(FAR[0], FAR[1]);
         let depth = (far + NEAR) / (NEAR - far);
         let shift = 2.0 * far * NEAR / (NEAR - far);
-        // Columns, by rows of what they are made of: clip = (wide x, focal y, depth (z - 1) + shift, 1 - z), in units of the distance.
+        // Columns, by rows of what they are made of: clip = (wide x, focal y, depth (z - 1) +
+        // shift, 1 - z), in units of the distance.
         let matrix = DMat4::from_cols(
             DVec4::new(wide * right.x, focal * above.x, depth * towards.x, -towards.x),
             DVec4::new(wide * right.y, focal * above.y, depth * towards.y, -towards.y),
@@ -109,8 +112,8 @@ impl Camera {
     }
 }
 
-/// What a camera sees. The graphics card gets everything relative to the target and in units of the distance, so that single precision does for
-/// molecules and planets.
+/// What a camera sees. The graphics card gets everything relative to the target and in units of the
+/// distance, so that single precision does for molecules and planets.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct View {
     pub(crate) target: DVec3,
@@ -138,7 +141,8 @@ impl View {
         (point - self.target) / self.unit
     }
 
-    /// Where a point of the world is in the picture, from its upper left corner, in points; `None` for what is behind the camera.
+    /// Where a point of the world is in the picture, from its upper left corner, in points; `None`
+    /// for what is behind the camera.
     pub(crate) fn project(&self, point: DVec3) -> Option<DVec2> {
         let clip = self.matrix * self.relative(point).extend(1.0);
         if clip.w.is_nan() || clip.w < NEAR {
@@ -215,7 +219,8 @@ mod tests {
         for size in [SIZE, DVec2::new(300.0, 300.0)] {
             let camera = Camera { distance: Camera::distance_for(2.0, size), ..camera(Up::Y) };
             let view = camera.view(size, 2.0);
-            // A ball is seen under the angle whose sine is its radius over the distance: its edge is on the edge of the picture.
+            // A ball is seen under the angle whose sine is its radius over the distance: its edge
+            // is on the edge of the picture.
             let sine = 2.0 / camera.distance;
             let edge = camera.target + 2.0 * (view.towards * sine + view.above * (1.0 - sine * sine).sqrt());
             assert!(view.project(edge).unwrap().y.abs() < 1e-9 * size.y, "{:?}", view.project(edge));

@@ -3,7 +3,8 @@
 use tumble::{Collider, Pose, Shape, TriangleMesh, convex_hull};
 use tumble_scene::Appearance;
 
-/// A mesh fills its convex hull if what is missing is less than this part of it: rounding of sums over all triangles.
+/// A mesh fills its convex hull if what is missing is less than this part of it: rounding of sums
+/// over all triangles.
 const FILLED: f64 = 1e-9;
 
 /// Whether a body that looks like this touches others with something else.

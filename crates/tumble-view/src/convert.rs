@@ -1,4 +1,5 @@
-//! The one place where numbers change their type: the engine's [`Real`], double precision for geometry, single precision for the graphics card.
+//! The one place where numbers change their type: the engine's [`Real`], double precision for
+//! geometry, single precision for the graphics card.
 
 use tumble::glam::DVec3;
 use tumble::math::Real;

@@ -10,24 +10,29 @@ use crate::lines::Line;
 /// The camera stands so far around the upright axis and above the horizon \[rad\].
 pub(crate) const YAW: f64 = 0.7;
 pub(crate) const PITCH: f64 = 0.36;
-/// Of more bodies than this, a few may stray so far that the others would be small: these are left out of the frame.
+/// Of more bodies than this, a few may stray so far that the others would be small: these are left
+/// out of the frame.
 const CROWD: usize = 20;
 const OF_A_CROWD: f64 = 0.85;
 const HARDLY_FARTHER: f64 = 1.5;
 /// Around what is in the frame there is this much room.
 const ROOM: f64 = 1.2;
-/// Half the size of the smallest body that is seen well \[points\]: of a few bodies, and of a crowd.
+/// Half the size of the smallest body that is seen well \[points\]: of a few bodies, and of a
+/// crowd.
 const SMALLEST: [f64; 2] = [5.0, 1.0];
 
-/// Ground is level if its normal has this cosine with the axis that points up; and the grid is drawn so far above it, in radii of the frame.
+/// Ground is level if its normal has this cosine with the axis that points up; and the grid is
+/// drawn so far above it, in radii of the frame.
 const LEVEL: f64 = 1.0 - 1e-9;
 const ABOVE_GROUND: f64 = 1e-3;
 
-/// Lines of the grid on either side of its middle, and into how many pieces each is cut, so that it can fade.
+/// Lines of the grid on either side of its middle, and into how many pieces each is cut, so that it
+/// can fade.
 const GRID_LINES: i32 = 24;
 const GRID_COLOR: [f32; 3] = [0.62, 0.68, 0.78];
 
-/// The axis that points up: against gravity; without it, along the angular momentum of several bodies, which orbit around it.
+/// The axis that points up: against gravity; without it, along the angular momentum of several
+/// bodies, which orbit around it.
 pub(crate) fn up(gravity: DVec3, bodies: usize, totals: &Totals) -> Up {
     let around = if bodies > 1 { Up::along(totals.angular_momentum) } else { None };
     Up::along(gravity).or(around).unwrap_or(Up::Y)
@@ -42,7 +47,8 @@ pub(crate) struct Frame {
 }
 
 impl Frame {
-    /// Around the bodies that move, or all where none does: ground may be far larger than what happens on it.
+    /// Around the bodies that move, or all where none does: ground may be far larger than what
+    /// happens on it.
     pub(crate) fn of(bodies: &Bodies, places: &[Placed]) -> Self {
         let any_moves = bodies.all.iter().any(|body| body.moves);
         let is_seen = |body: &DrawnBody| !body.endless && (body.moves || !any_moves);
@@ -92,7 +98,8 @@ pub(crate) struct Grid {
 }
 
 impl Grid {
-    /// Below what is in a frame now. Where the bodies go down there is another grid below, a few lines' distance each.
+    /// Below what is in a frame now. Where the bodies go down there is another grid below, a few
+    /// lines' distance each.
     pub(crate) fn below(frame: &Frame, start: &Frame, up: Up) -> Self {
         let spacing = round_below(frame.radius / 3.0);
         let bottom = |frame: &Frame| frame.middle.dot(up.axis()) - 1.05 * frame.radius;

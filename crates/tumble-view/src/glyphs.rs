@@ -8,7 +8,8 @@ pub(crate) const FONT: &[u8] = include_bytes!("../assets/NotoSansMono-subset.ttf
 /// Stands for a letter that the font lacks, which would not be seen at all.
 const MISSING: char = '□';
 
-/// All that the font has: Latin with what most of Europe adds to it, Greek, Cyrillic, dashes and quotes, and a few signs.
+/// All that the font has: Latin with what most of Europe adds to it, Greek, Cyrillic, dashes and
+/// quotes, and a few signs.
 const WRITTEN: [RangeInclusive<char>; 15] = [
     ' '..='~',
     '\u{a1}'..='\u{ac}',
@@ -41,7 +42,8 @@ mod tests {
         FONT[at..at + BYTES].iter().fold(0, |number, &byte| number << 8 | usize::from(byte))
     }
 
-    /// First and last letters of the font's segments, read from its `cmap` table in format 4 as the OpenType specification has it.
+    /// First and last letters of the font's segments, read from its `cmap` table in format 4 as the
+    /// OpenType specification has it.
     fn segments() -> Vec<(usize, usize)> {
         let mut tables = (0..number::<2>(4)).map(|index| 12 + 16 * index);
         let cmap = number::<4>(tables.find(|&at| &FONT[at..at + 4] == b"cmap").unwrap() + 8);

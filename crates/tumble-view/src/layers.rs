@@ -92,7 +92,8 @@ impl Layers {
         })
     }
 
-    /// Of a scene by its number of moving bodies and of those that turn: arrows and names of a few explain, those of many hide.
+    /// Of a scene by its number of moving bodies and of those that turn: arrows and names of a few
+    /// explain, those of many hide.
     pub(crate) fn fitting(moving: usize, turning: usize) -> Self {
         let mut all = vec![Layer::Springs, Layer::Trails, Layer::Grid, Layer::Ledger, Layer::Legend];
         if (2..=10).contains(&moving) {

@@ -9,7 +9,8 @@ use crate::convert::dvec3;
 /// Width of what is drawn for the engine \[points\].
 const WIDTH: f32 = 2.0;
 
-/// A line whose colour may change along it. Colours are red, green, blue as displays take them, and opacity.
+/// A line whose colour may change along it. Colours are red, green, blue as displays take them, and
+/// opacity.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Line {
     /// \[m\]

@@ -99,8 +99,9 @@ fn check_display() -> Result<(), Failure> {
     Ok(())
 }
 
-/// The window library panics where it finds no display or no OpenGL. That is no fault of the program, and is reported in a line; a panic
-/// after the window has opened is one of ours, and goes on.
+/// The window library panics where it finds no display or no OpenGL. That is no fault of the
+/// program, and is reported in a line; a panic after the window has opened is one of ours, and goes
+/// on.
 fn without_panic(opened: &Arc<AtomicBool>, open: impl FnOnce()) -> Result<(), Failure> {
     let usual = std::panic::take_hook();
     let is_open = Arc::clone(opened);

@@ -16,7 +16,8 @@ use crate::picture::Output;
 
 /// Edges of a picture \[points\]: graphics cards have textures of twice this.
 const EDGES: std::ops::RangeInclusive<u32> = 64..=4096;
-/// The most pictures of an animation, and the most bytes of them: all are held until their common colours are chosen.
+/// The most pictures of an animation, and the most bytes of them: all are held until their common
+/// colours are chosen.
 const MAX_FRAMES: f64 = 2000.0;
 const MAX_BYTES: f64 = 1.5e9;
 
@@ -68,7 +69,8 @@ pub(crate) struct Options {
     /// Pictures of the animation for a second of watching it
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=50), requires = "animation", default_value = "20")]
     fps: u16,
-    /// Simulated seconds to a second of the window or the animation [default: 1, or what shows the scene in half a minute]
+    /// Simulated seconds to a second of the window or the animation [default: 1, or what shows the
+    /// scene in half a minute]
     #[arg(long, value_name = "X", allow_negative_numbers = true, value_parser = speed)]
     pub(crate) speed: Option<f64>,
     /// Do not begin to run before space is pressed
@@ -82,7 +84,8 @@ pub(crate) struct ViewOptions {
     /// Width and height of the window or picture
     #[arg(long, value_name = "WxH", default_value = "1280x720")]
     pub(crate) size: Size,
-    /// What to show, with commas: momentum, angular-momentum, angular-velocity, axes, ellipsoids, forces, springs, contacts, colliders, trails, names, grid, ledger, legend; or none
+    /// What to show, with commas: momentum, angular-momentum, angular-velocity, axes, ellipsoids,
+    /// forces, springs, contacts, colliders, trails, names, grid, ledger, legend; or none
     #[arg(long, value_name = "LIST")]
     pub(crate) show: Option<Layers>,
     /// The body to show the figures of, by its name
@@ -91,7 +94,8 @@ pub(crate) struct ViewOptions {
     /// Keep the body of --pick in the middle
     #[arg(long, requires = "pick")]
     pub(crate) follow: bool,
-    /// Degrees about the axis that points up and above the horizon, and, if given, the distance in parts of the one from which all is seen
+    /// Degrees about the axis that points up and above the horizon, and, if given, the distance in
+    /// parts of the one from which all is seen
     #[arg(long, value_name = "YAW,PITCH[,DISTANCE]", allow_hyphen_values = true)]
     pub(crate) camera: Option<Angles>,
     /// The axis that points up [default: against gravity, or around what orbits]
@@ -130,7 +134,8 @@ impl Options {
         Ok(scene)
     }
 
-    /// What to do, with its files and times checked against the scene's step, and the simulated seconds in one of watching.
+    /// What to do, with its files and times checked against the scene's step, and the simulated
+    /// seconds in one of watching.
     pub(crate) fn task(&self, dt: Real, pace: f64) -> Result<Task<PathBuf>, Failure> {
         let check = |option: &str, seconds: f64| {
             let steps = steps_of_duration(seconds, dt);

@@ -76,7 +76,8 @@ impl Writer {
         Ok(Self { font, prepared: RefCell::default() })
     }
 
-    /// Makes all letters in all sizes. A letter that comes when others have been written in the same picture may take the place of theirs.
+    /// Makes all letters in all sizes. A letter that comes when others have been written in the
+    /// same picture may take the place of theirs.
     fn prepare(&self, overlay: &Overlay, pixels_per_point: f32) {
         let (scale, there) = &mut *self.prepared.borrow_mut();
         let all = pixels_per_point * screen_dpi_scale();

@@ -42,8 +42,9 @@ impl Histogram {
         }
     }
 
-    /// `most` colours or fewer, chosen by median cut: the box of colours with the largest spread is halved, again and again
-    /// (P. Heckbert, Color Image Quantization for Frame Buffer Display, SIGGRAPH 1982).
+    /// `most` colours or fewer, chosen by median cut: the box of colours with the largest spread is
+    /// halved, again and again (P. Heckbert, Color Image Quantization for Frame Buffer Display,
+    /// SIGGRAPH 1982).
     pub(crate) fn palette(&self, most: u8) -> Palette {
         let used: Vec<Cell> = self.cells.iter().copied().filter(|cell| cell.count > 0).collect();
         let mut boxes = vec![used];
@@ -95,7 +96,8 @@ fn mixed(cells: &[Cell]) -> [u8; 3] {
     mean(&all).map(|part| part.round() as u8)
 }
 
-/// The width of a box of colours, along which axis, and how much that weighs. A colour that is seldom counts too, or small things would lose theirs.
+/// The width of a box of colours, along which axis, and how much that weighs. A colour that is
+/// seldom counts too, or small things would lose theirs.
 fn widest(cells: &[Cell]) -> (f64, usize, f64) {
     let width = |axis: usize| {
         let parts = || cells.iter().map(|cell| mean(cell)[axis]);
@@ -154,7 +156,8 @@ mod tests {
             let stands = palette.colors[usize::from(index)];
             color.iter().zip(stands).map(|(&a, b)| a.abs_diff(b)).max().unwrap()
         });
-        // 64 colours for two ramps of 32 cells of 8 levels each: half a cell, or a whole one where two share a colour.
+        // 64 colours for two ramps of 32 cells of 8 levels each: half a cell, or a whole one where
+        // two share a colour.
         assert!(worst.max().unwrap() <= 12);
     }
 }

@@ -16,10 +16,12 @@ pub(crate) struct Bounds {
 }
 
 impl Bounds {
-    /// How far along a ray the box begins \[m\]; zero for a ray that begins inside. `None` where the ray misses it, or the box is nowhere.
+    /// How far along a ray the box begins \[m\]; zero for a ray that begins inside. `None` where
+    /// the ray misses it, or the box is nowhere.
     ///
-    /// The ray is inside of the box between the last of the entries through its three pairs of faces and the first of the exits
-    /// (T. Kay, J. Kajiya, Ray Tracing Complex Scenes, SIGGRAPH 1986).
+    /// The ray is inside of the box between the last of the entries through its three pairs of
+    /// faces and the first of the exits (T. Kay, J. Kajiya, Ray Tracing Complex Scenes, SIGGRAPH
+    /// 1986).
     pub(crate) fn hit(&self, ray: &Ray) -> Option<f64> {
         // Comparisons with NaN would let it pass between all faces.
         if !self.center.is_finite() || !self.rotation.is_finite() {

@@ -14,7 +14,8 @@ use crate::options::Size;
 use crate::overlay::Writer;
 use crate::viewport::{Canvas, Viewport};
 
-/// Every point of a picture is the mean of this many pixels in either direction, so that edges are smooth with any driver.
+/// Every point of a picture is the mean of this many pixels in either direction, so that edges are
+/// smooth with any driver.
 const FINER: u32 = 2;
 
 /// Red, green and blue, row by row from the top.
@@ -57,7 +58,8 @@ impl Easel {
     }
 }
 
-/// The picture of which the card's pixels, with opacity and from the bottom row up, are the finer one.
+/// The picture of which the card's pixels, with opacity and from the bottom row up, are the finer
+/// one.
 fn averaged(finer: &[u8], size: Size) -> Vec<u8> {
     let [width, height, finer_by] = [size.width, size.height, FINER].map(|edge| edge as usize);
     let row_bytes = 4 * finer_by * width;
@@ -77,7 +79,8 @@ fn averaged(finer: &[u8], size: Size) -> Vec<u8> {
     bytes
 }
 
-/// A file that is open before there is anything to write, so that one that cannot be written costs no run.
+/// A file that is open before there is anything to write, so that one that cannot be written costs
+/// no run.
 #[derive(Debug)]
 pub(crate) struct Output {
     path: PathBuf,

@@ -88,7 +88,8 @@ impl Playback {
         self.alpha = 1.0;
     }
 
-    /// Takes the steps that fall into a frame of a simulated length, within a time limit; whether there was time for them all.
+    /// Takes the steps that fall into a frame of a simulated length, within a time limit; whether
+    /// there was time for them all.
     pub(crate) fn advance(&mut self, seconds: f64, budget: Duration) -> bool {
         let started = Instant::now();
         // A step at a time, for each may take longer than all that are to fit into the frame.
@@ -112,7 +113,8 @@ impl Playback {
     /// Takes steps until this time, which may be between two of them \[s\]. Time does not go back.
     pub(crate) fn go_to(&mut self, time: f64) {
         let steps = time / self.dt();
-        // A step of 0.01 s is a little less in single precision, and 100 of them a little less than a second.
+        // A step of 0.01 s is a little less in single precision, and 100 of them a little less than
+        // a second.
         let near = AT_STEP.max(steps * f64::from(Real::EPSILON));
         let whole = (steps - near).ceil().max(0.0);
         let missing = (whole as u64).saturating_sub(self.simulation.steps());
@@ -184,7 +186,8 @@ mod tests {
     #[test]
     fn what_is_seen_is_what_a_run_does() {
         let mut seen = open("raft");
-        // Frames of two steps and a half, and one that is longer than what `Simulation::advance` would take at once.
+        // Frames of two steps and a half, and one that is longer than what `Simulation::advance`
+        // would take at once.
         for _ in 0..8 {
             assert!(seen.advance(0.025, Duration::MAX));
         }

@@ -44,8 +44,8 @@ pub(crate) fn time(seconds: f64) -> String {
     }
 }
 
-/// Energy and momentum now, and how far they are from the start, by the scales of a run's summary. A body whose state is not finite is in
-/// none of the sums; here is its name.
+/// Energy and momentum now, and how far they are from the start, by the scales of a run's summary.
+/// A body whose state is not finite is in none of the sums; here is its name.
 pub(crate) fn ledger(start: &Totals, scale: MomentumScale, now: &Totals, lost: Option<&str>) -> Vec<Row> {
     let row = |name: &str, figure: String| (name.to_owned(), figure);
     // A body dropped from rest at the origin has no energy at all.
@@ -145,12 +145,14 @@ mod tests {
         assert_eq!((rows[3].1.as_str(), rows[5].1.as_str(), rows[7].1.as_str()), ("+2.5e-1", "+5.0e-1", " 0"));
     }
 
-    /// Momenta of equal size in opposite directions have a sum of nothing, by which a rounding would be no small part.
+    /// Momenta of equal size in opposite directions have a sum of nothing, by which a rounding
+    /// would be no small part.
     #[test]
     fn momenta_that_cancel_have_a_scale() {
         let playback = Playback::of(Scene::open("solar-system").unwrap()).unwrap();
         let (start, scale) = (playback.start, playback.scale);
-        // The sun moves so that the common centre of mass does not: in single precision a rounding of its momentum is left.
+        // The sun moves so that the common centre of mass does not: in single precision a rounding
+        // of its momentum is left.
         assert!(start.linear_momentum.length() < 1e-5 * scale.linear, "{start:?} {scale:?}");
         let pair = MomentumScale { linear: 2.0, angular: 4.0 };
         let now = Totals { linear_momentum: DVec3::X * 1e-6, angular_momentum: DVec3::Y * 1e-6, ..Totals::default() };
@@ -165,7 +167,8 @@ mod tests {
         assert_eq!(rows.last().unwrap().0, "not finite: mars");
     }
 
-    /// A block of 1 kg and 0.2 x 0.4 x 0.6 m with (1, 2, 3) rad/s: the sum of I w^2/2 over its axes.
+    /// A block of 1 kg and 0.2 x 0.4 x 0.6 m with (1, 2, 3) rad/s: the sum of I w^2/2 over its
+    /// axes.
     #[test]
     fn a_body_tells_its_energy() {
         let playback = Playback::of(Scene::open("mujoco-box").unwrap()).unwrap();

@@ -16,7 +16,8 @@ const SHORTEST: usize = 8;
 /// A trail shows this part of the scene's run.
 const SHARE: u64 = 2;
 
-/// The last places of all moving bodies, as far apart in time as makes a trail of half of the scene's run.
+/// The last places of all moving bodies, as far apart in time as makes a trail of half of the
+/// scene's run.
 #[derive(Debug)]
 pub(crate) struct Trails {
     entities: Vec<Entity>,

@@ -22,13 +22,15 @@ use crate::pick::first_hit;
 use crate::playback::Playback;
 use crate::readout::{self, Row};
 
-/// A camera that stays lets the bodies go so far from the middle, in radii of the frame, before it moves with them.
+/// A camera that stays lets the bodies go so far from the middle, in radii of the frame, before it
+/// moves with them.
 const LEEWAY: f64 = 0.12;
 /// Names of more bodies cover each other.
 const MAX_NAMES: usize = 300;
 /// Infinite ground is seen up to this many radii of the frame.
 const SEEN: f64 = 6.0;
-/// Up to this many lines of contacts and colliders are seen through bodies: some two hundred points. More would hide the bodies.
+/// Up to this many lines of contacts and colliders are seen through bodies: some two hundred
+/// points. More would hide the bodies.
 const MAX_THROUGH: usize = 1500;
 /// Width of a trail \[points\].
 const TRAIL: f32 = 1.6;
@@ -133,7 +135,8 @@ impl Viewport {
         self.camera.view(size, 4.0 * self.extent())
     }
 
-    /// How far from the camera's target there is something to see: to the frame of the start, moved along with the centre of mass \[m\].
+    /// How far from the camera's target there is something to see: to the frame of the start, moved
+    /// along with the centre of mass \[m\].
     fn extent(&self) -> f64 {
         let middle = self.center_now + (self.start.middle - self.center);
         (self.camera.target - middle).length() + self.start.radius
@@ -246,7 +249,8 @@ impl Viewport {
         let mut by_surface = vec![Vec::new(); bodies.surface_count];
         let eye = view.target + view.towards * view.unit;
         for (index, (body, placed)) in bodies.all.iter().zip(places).enumerate() {
-            // Ground is not seen from below, so that walls on this side do not hide what is between them.
+            // Ground is not seen from below, so that walls on this side do not hide what is between
+            // them.
             if body.endless && (eye - placed.origin).dot(placed.rotation * DVec3::Y) <= 0.0 {
                 continue;
             }

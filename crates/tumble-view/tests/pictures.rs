@@ -1,11 +1,14 @@
-//! Promise: a picture shows the scene: bodies are where the projection says, layers are seen when they are asked for, time has passed, and the same
-//! command makes the same picture. What cannot be used is refused in one line with exit code 2.
+//! Promise: a picture shows the scene: bodies are where the projection says, layers are seen when
+//! they are asked for, time has passed, and the same command makes the same picture. What cannot be
+//! used is refused in one line with exit code 2.
 //!
-//! Why: a window that shows things in the wrong place, or at the wrong time, is worse than none, and no other test looks at pixels.
+//! Why: a window that shows things in the wrong place, or at the wrong time, is worse than none,
+//! and no other test looks at pixels.
 //!
-//! Pictures need an X server and OpenGL, for which `xvfb-run` and Mesa's software renderer do. Where they are not to be had, the tests say so
-//! and test nothing; with `TUMBLE_VIEW_PICTURES=required` in the environment they fail, so that what breaks the window is not taken for a
-//! machine without one.
+//! Pictures need an X server and OpenGL, for which `xvfb-run` and Mesa's software renderer do.
+//! Where they are not to be had, the tests say so and test nothing; with
+//! `TUMBLE_VIEW_PICTURES=required` in the environment they fail, so that what breaks the window is
+//! not taken for a machine without one.
 
 #![allow(clippy::unwrap_used, clippy::panic, reason = "a test fails by panicking, in its helper functions too")]
 
@@ -63,7 +66,8 @@ impl Place {
     fn on_screen(&self, arguments: &[&str]) -> Option<Output> {
         let program = env!("CARGO_BIN_EXE_tumble-view");
         let all: Vec<&str> = ["-a", program].into_iter().chain(arguments.iter().copied()).collect();
-        // Several at a time may take each other's screen, and now and then one fails to clean up after itself: neither is what is tested.
+        // Several at a time may take each other's screen, and now and then one fails to clean up
+        // after itself: neither is what is tested.
         let _alone = SCREEN.lock().unwrap_or_else(PoisonError::into_inner);
         for _ in 0..5 {
             let Ok(output) = self.command("xvfb-run", &all).output() else {
@@ -149,8 +153,9 @@ fn yellow([red, green, blue]: [f64; 3]) -> bool {
     red > 150.0 && green > 0.82 * red && blue < 0.5 * red
 }
 
-/// Pixels to a metre at the distance of the balls. The camera sees 0.62 rad from top to bottom, and stands where the ball that holds all
-/// balls, with a fifth of room, just fits in. That ball reaches to the corners of the boxes around the balls.
+/// Pixels to a metre at the distance of the balls. The camera sees 0.62 rad from top to bottom, and
+/// stands where the ball that holds all balls, with a fifth of room, just fits in. That ball
+/// reaches to the corners of the boxes around the balls.
 fn pixels_per_metre() -> f64 {
     let radius = 1.0 + 0.2 * 3.0_f64.sqrt();
     let distance = 1.2 * radius / (0.5 * 0.62_f64).sin();
@@ -165,10 +170,12 @@ fn bodies_are_where_the_projection_says() {
     let expected_area = std::f64::consts::PI * (0.2 * scale).powi(2);
     let middle = [320.0, 180.0];
     for (([across, down], area), x) in [(picture.patch(orange), -1.0), (picture.patch(sky_blue), 1.0)] {
-        // The outline of a ball aside of the middle is an ellipse whose middle is a little farther out, by (r/d)^2 of the way; d is above 5 m.
+        // The outline of a ball aside of the middle is an ellipse whose middle is a little farther
+        // out, by (r/d)^2 of the way; d is above 5 m.
         assert!((across - (middle[0] + x * scale)).abs() < 1.5, "{across} {x} {scale}");
         assert!((down - middle[1]).abs() < 1.0, "{down}");
-        // The surface has 24 corners around, at most 2.3 % less of the disk; the edge's mixed pixels may count or not: half a pixel of its radius.
+        // The surface has 24 corners around, at most 2.3 % less of the disk; the edge's mixed
+        // pixels may count or not: half a pixel of its radius.
         assert!((area / expected_area - 1.0).abs() < 0.08, "{area} {expected_area}");
     }
     // Nothing but the two is as bright as they are; here the mixed pixels of their edges all count.
@@ -197,7 +204,8 @@ fn layers_are_seen_when_they_are_asked_for() {
     let arrows = place.picture(&["--show", "momentum"]).unwrap();
     assert_eq!(bare.patch(yellow).1, 0.0);
     let ([across, down], count) = arrows.patch(yellow);
-    // Up from the middle of the ball that moves; the other has none. Two points wide and some 1.7 * 0.35 m long, in part dimmed by the ball.
+    // Up from the middle of the ball that moves; the other has none. Two points wide and some 1.7 *
+    // 0.35 m long, in part dimmed by the ball.
     let scale = pixels_per_metre();
     assert!((across - (320.0 + scale)).abs() < 2.0 && down < 180.0 - 0.2 * scale, "{across} {down}");
     assert!(count > 30.0, "{count}");
@@ -212,7 +220,8 @@ fn layers_are_seen_when_they_are_asked_for() {
     }
 }
 
-/// A block that was thrown up and sideways, and spins, and one that lies: every layer has something to show, and is looked for by its own colour.
+/// A block that was thrown up and sideways, and spins, and one that lies: every layer has something
+/// to show, and is looked for by its own colour.
 #[test]
 fn layers_have_their_colours() {
     let place = Place::new();
@@ -249,7 +258,8 @@ fn layers_have_their_colours() {
         for color in colors {
             // Bytes are rounded once or twice.
             let is_it = |seen: [f64; 3]| (0..3).all(|part| (seen[part] - 255.0 * color[part]).abs() <= 2.0);
-            // Lines are two points wide, springs a little less, and tens of points long; in part they are dimmed by the block, and at their edges mixed.
+            // Lines are two points wide, springs a little less, and tens of points long; in part
+            // they are dimmed by the block, and at their edges mixed.
             let (seen, before) = (picture.patch(is_it).1, bare.patch(is_it).1);
             assert!(seen >= 40.0 && before == 0.0, "{layer}: {seen} {before}");
         }
@@ -375,7 +385,8 @@ fn without_a_display_that_is_said_in_a_line() {
         assert_eq!((code, said.lines().count()), (Some(1), 1), "{said}");
         assert!(said.contains(wanted), "{said}");
     }
-    // Nor is anything left of a picture that could not be drawn, and what was there before is as it was.
+    // Nor is anything left of a picture that could not be drawn, and what was there before is as it
+    // was.
     fs::write(place.path("a.png"), "before").unwrap();
     let mut command = place.command(env!("CARGO_BIN_EXE_tumble-view"), &["balls.json", "--screenshot", "a.png"]);
     assert_eq!(command.env("DISPLAY", ":9876").output().unwrap().status.code(), Some(1));

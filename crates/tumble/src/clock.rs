@@ -1,8 +1,10 @@
 use crate::math::Real;
 
-/// Where a [`Simulation`](crate::Simulation) stands in time: its steps, its simulated time, and the frame time that it still owes.
+/// Where a [`Simulation`](crate::Simulation) stands in time: its steps, its simulated time, and the
+/// frame time that it still owes.
 ///
-/// Force laws see the time, so it is a part of what a run continues from. [`Simulation::clock`](crate::Simulation::clock) reads it,
+/// Force laws see the time, so it is a part of what a run continues from.
+/// [`Simulation::clock`](crate::Simulation::clock) reads it,
 /// [`Simulation::set_clock`](crate::Simulation::set_clock) sets it.
 ///
 /// ```
@@ -49,7 +51,8 @@ impl Clock {
         time + (self.steps + u64::from(steps) - since) as f64 * f64::from(self.dt)
     }
 
-    /// Whether a simulation can have left it so, and can go on from it: more steps than f64 counts are not taken in a lifetime.
+    /// Whether a simulation can have left it so, and can go on from it: more steps than f64 counts
+    /// are not taken in a lifetime.
     pub(crate) fn is_possible(&self) -> bool {
         const MAX_STEPS: u64 = 1 << f64::MANTISSA_DIGITS;
         let (steps, time) = self.since;

@@ -1,8 +1,8 @@
 use std::fmt;
 use std::str::FromStr;
 
-/// How a step advances the state. All three treat [`Damping`](crate::Damping) exactly and take the [`Wrench`](crate::Wrench) as
-/// constant over the step.
+/// How a step advances the state. All three treat [`Damping`](crate::Damping) exactly and take the
+/// [`Wrench`](crate::Wrench) as constant over the step.
 ///
 /// ```
 /// # use tumble::{Integrator, Settings};
@@ -12,22 +12,26 @@ use std::str::FromStr;
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Default)]
 #[non_exhaustive]
 pub enum Integrator {
-    /// `P += F dt`, `L += tau dt`, `x += P/M dt`, `q += 1/2 [0, w] q dt`, normalised: the scheme of D. Baraff's course notes.
+    /// `P += F dt`, `L += tau dt`, `x += P/M dt`, `q += 1/2 [0, w] q dt`, normalised: the scheme of
+    /// D. Baraff's course notes.
     ///
-    /// First order. Keeps linear and angular momentum to the bit where nothing acts, but the energy of a body that does not spin
-    /// about a principal axis grows: MuJoCo's test box (moments 0.0433, 0.0333, 0.0167 kg m^2, spinning at (1, 2, 3) rad/s)
-    /// gains 8.3 % in 5 s at 100 steps a second. The cheapest; what to compare others with.
+    /// First order. Keeps linear and angular momentum to the bit where nothing acts, but the energy
+    /// of a body that does not spin about a principal axis grows: MuJoCo's test box (moments
+    /// 0.0433, 0.0333, 0.0167 kg m^2, spinning at (1, 2, 3) rad/s) gains 8.3 % in 5 s at 100 steps
+    /// a second. The cheapest; what to compare others with.
     SemiImplicitEuler,
     /// The classical fourth-order Runge-Kutta method on position, orientation and the two momenta.
     ///
-    /// Fourth order. Keeps linear and angular momentum where nothing acts; energy drifts with the fifth power of the step, the same
-    /// box by -1e-9 in 5 s at 100 steps a second. The cost of four evaluations.
+    /// Fourth order. Keeps linear and angular momentum where nothing acts; energy drifts with the
+    /// fifth power of the step, the same box by -1e-9 in 5 s at 100 steps a second. The cost of
+    /// four evaluations.
     RungeKutta4,
-    /// Half a kick, free flight, half a kick; the flight turns the body by the preprocessed discrete Moser-Veselov map
-    /// ([`tumble_math::rotate_freely`]).
+    /// Half a kick, free flight, half a kick; the flight turns the body by the preprocessed
+    /// discrete Moser-Veselov map ([`tumble_math::rotate_freely`]).
     ///
-    /// Free rotation is of sixth order and keeps energy and angular momentum to rounding, at any step that turns the body by less than 25 rad; under forces it is of second
-    /// order, symmetric and without drift. A thrown body is on its parabola to rounding.
+    /// Free rotation is of sixth order and keeps energy and angular momentum to rounding, at any
+    /// step that turns the body by less than 25 rad; under forces it is of second order, symmetric
+    /// and without drift. A thrown body is on its parabola to rounding.
     #[default]
     MoserVeselov,
 }

@@ -1,3 +1,4 @@
-//! Numbers of many bodies side by side, and vectors and quaternions of them: what a [`SimdForceLaw`](crate::SimdForceLaw) computes with.
+//! Numbers of many bodies side by side, and vectors and quaternions of them: what a
+//! [`SimdForceLaw`](crate::SimdForceLaw) computes with.
 
 pub use tumble_math::lane::{Lane, Quat, Vec3};

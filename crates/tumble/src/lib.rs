@@ -1,7 +1,8 @@
 //! ECS-based batch simulation of rigid bodies in the caller's own [`hecs::World`].
 //!
-//! Bodies are entities; mass, inertia, pose and momentum are separate components. [`RigidBody`] makes them, and [`Simulation`] steps
-//! them: three systems in parallel, [`accumulate_forces`], [`integrate`] and [`update_derived`], which can also be called one by one.
+//! Bodies are entities; mass, inertia, pose and momentum are separate components. [`RigidBody`]
+//! makes them, and [`Simulation`] steps them: three systems in parallel, [`accumulate_forces`],
+//! [`integrate`] and [`update_derived`], which can also be called one by one.
 //!
 //! ```
 //! use tumble::prelude::*;
@@ -34,26 +35,30 @@
 //! | by you, until it is removed | [`GravityScale`], [`Damping`]; forces: [`ConstantWrench`], [`Thruster`], [`Drag`], [`Wind`], [`Magnus`], [`SpringToPoint`], [`PointGravity`], [`Buoyancy`], [`AngularVelocityServo`], [`GravityMass`]; laws of your own: [`ForceLaw`], [`SimdForceLaw`]; what others bump into: [`Collider`], with a [`Material`] |
 //! | by you, on an entity of its own | [`Spring`] |
 //!
-//! A body needs [`Pose`], [`Momentum`], [`Mass`] and [`Wrench`] to be moved by forces. One without [`Momentum`] is kinematic if it has a
-//! [`Velocity`], and moves as that says; else it is fixed. All other components may be there or not.
+//! A body needs [`Pose`], [`Momentum`], [`Mass`] and [`Wrench`] to be moved by forces. One without
+//! [`Momentum`] is kinematic if it has a [`Velocity`], and moves as that says; else it is fixed.
+//! All other components may be there or not.
 //!
-//! Bodies with a [`Collider`] touch each other: a [`Simulation`] keeps their contacts from step to step, and tells of them in [`contacts`](Simulation::contacts) and
+//! Bodies with a [`Collider`] touch each other: a [`Simulation`] keeps their contacts from step to
+//! step, and tells of them in [`contacts`](Simulation::contacts) and
 //! [`contact_events`](Simulation::contact_events). Those without pass through everything.
 //!
 //! # Units and frames
 //!
-//! Metres, kilograms, seconds, radians. Vectors are in the world frame unless it says otherwise; orientations take body coordinates
-//! to world coordinates. A [`Pose`] is that of the centre of mass. No axis is special but for the default of
-//! [`Settings::gravity`], down y.
+//! Metres, kilograms, seconds, radians. Vectors are in the world frame unless it says otherwise;
+//! orientations take body coordinates to world coordinates. A [`Pose`] is that of the centre of
+//! mass. No axis is special but for the default of [`Settings::gravity`], down y.
 //!
 //! # The same bits
 //!
-//! The arithmetic of a step is the same on every machine: no fused multiply-add, no platform mathematics library, and
-//! no body's result depends on the number of threads, on rows in memory, or on bodies that no force connects it with.
+//! The arithmetic of a step is the same on every machine: no fused multiply-add, no platform
+//! mathematics library, and no body's result depends on the number of threads, on rows in memory,
+//! or on bodies that no force connects it with.
 //!
 //! # Features
 //!
-//! - `f64`: simulates in double precision; [`math::Real`] and [`math::Vec3`] are what the build simulates in.
+//! - `f64`: simulates in double precision; [`math::Real`] and [`math::Vec3`] are what the build
+//!   simulates in.
 //! - `serde`: a [`Snapshot`] in any format of serde.
 //! - `profiling`: scopes for puffin, tracy or tracing, through the crate `profiling`.
 

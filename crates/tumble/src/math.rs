@@ -1,4 +1,5 @@
-//! The precision the engine simulates in: glam's `f32` types, or with the cargo feature `f64` its `f64` types.
+//! The precision the engine simulates in: glam's `f32` types, or with the cargo feature `f64` its
+//! `f64` types.
 
 #[cfg(not(feature = "f64"))]
 mod chosen {
@@ -69,7 +70,8 @@ pub fn dvec3(value: Vec3) -> glam::DVec3 {
     value.into()
 }
 
-/// An orientation in double precision, as shapes and tensors take it, whatever the build simulates in.
+/// An orientation in double precision, as shapes and tensors take it, whatever the build simulates
+/// in.
 ///
 /// ```
 /// use tumble::{Amount, Part, Shape, math::{Quat, dquat}};

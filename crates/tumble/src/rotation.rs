@@ -1,6 +1,8 @@
-//! Rotations in the build's [`Real`]: what glam lacks or does less exactly, computed in double precision and rounded once.
+//! Rotations in the build's [`Real`]: what glam lacks or does less exactly, computed in double
+//! precision and rounded once.
 //!
-//! The same functions in `f64` are those of `tumble-math`, where their conventions and errors are told in full.
+//! The same functions in `f64` are those of `tumble-math`, where their conventions and errors are
+//! told in full.
 //!
 //! ```
 //! use tumble::math::{Quat, Real};
@@ -55,7 +57,8 @@ pub fn from_scaled_axis(vector: Vec3) -> Quat {
     quat(tumble_math::from_scaled_axis(dvec3(vector)))
 }
 
-/// The angle in `[0, pi]` \[rad\] that takes one orientation to the other, exact for small ones too.
+/// The angle in `[0, pi]` \[rad\] that takes one orientation to the other, exact for small ones
+/// too.
 ///
 /// ```
 /// use tumble::math::Quat;

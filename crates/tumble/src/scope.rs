@@ -1,4 +1,5 @@
-/// Shows a profiler how long the rest of the block takes; nothing at all without the feature `profiling`.
+/// Shows a profiler how long the rest of the block takes; nothing at all without the feature
+/// `profiling`.
 macro_rules! scope {
     ($name:literal) => {
         #[cfg(feature = "profiling")]

@@ -16,15 +16,17 @@ pub struct Settings {
     pub gravity: Vec3,
     /// Length of a step \[s\]. 1/60 unless set.
     pub dt: Real,
-    /// How many equal parts the integration of a step is divided into. Gravity and wrenches are constant over them, force laws are
-    /// evaluated in each. 1 unless set.
+    /// How many equal parts the integration of a step is divided into. Gravity and wrenches are
+    /// constant over them, force laws are evaluated in each. 1 unless set.
     pub substeps: u32,
     /// How the state is advanced.
     pub integrator: Integrator,
-    /// Into how many parts a step is divided where bodies touch; never fewer than `substeps`. Contacts are stiffer the more there
-    /// are. Islands whose stacks would buckle, or be pressed in too deep, have up to 64 times as many. 4 unless set.
+    /// Into how many parts a step is divided where bodies touch; never fewer than `substeps`.
+    /// Contacts are stiffer the more there are. Islands whose stacks would buckle, or be pressed in
+    /// too deep, have up to 64 times as many. 4 unless set.
     pub contact_substeps: u32,
-    /// Bodies that come together slower than this \[m/s\] do not bounce, whatever their restitution: they would never come to rest. 1 unless set.
+    /// Bodies that come together slower than this \[m/s\] do not bounce, whatever their
+    /// restitution: they would never come to rest. 1 unless set.
     pub restitution_threshold: Real,
 }
 
@@ -113,7 +115,8 @@ impl Settings {
         Ok(())
     }
 
-    /// Length of a substep of bodies that touch \[s\]: what impulses of a [`Contact`](crate::Contact) are divided by to be forces.
+    /// Length of a substep of bodies that touch \[s\]: what impulses of a
+    /// [`Contact`](crate::Contact) are divided by to be forces.
     ///
     /// ```
     /// # use tumble::Settings;
@@ -145,7 +148,8 @@ impl Settings {
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum SettingsError {
-    /// The step, or one of the equal parts that it is divided into, is not from 1e-9 to 1e9 seconds.
+    /// The step, or one of the equal parts that it is divided into, is not from 1e-9 to 1e9
+    /// seconds.
     #[error("dt, divided by the substeps, must be from 1e-9 to 1e9 seconds, got {0:e}")]
     Step(Real),
     /// A component of gravity is beyond 1e9 m/s^2, or not a number.
@@ -163,7 +167,8 @@ pub enum SettingsError {
 }
 
 impl SettingsError {
-    /// The field of [`Settings`] that is at fault; of a step that is divided into parts too short, `dt`.
+    /// The field of [`Settings`] that is at fault; of a step that is divided into parts too short,
+    /// `dt`.
     ///
     /// ```
     /// # use tumble::{Settings, math::Vec3};

@@ -1,8 +1,11 @@
 //! Whether work is handed to other threads.
 //!
-//! To hand work over takes some microseconds where the other threads are awake and idle, and where they are not, as long as it takes until the system lets them run: milliseconds on a busy
-//! machine, for each time that one waits for another. So a step that is called from outside a pool enters it once, as a whole, where it has enough to do, and takes place on the calling thread alone
-//! where it has not. Within a pool work is divided where each of the parts is worth it. Nothing but time depends on any of it.
+//! To hand work over takes some microseconds where the other threads are awake and idle, and where
+//! they are not, as long as it takes until the system lets them run: milliseconds on a busy
+//! machine, for each time that one waits for another. So a step that is called from outside a pool
+//! enters it once, as a whole, where it has enough to do, and takes place on the calling thread
+//! alone where it has not. Within a pool work is divided where each of the parts is worth it.
+//! Nothing but time depends on any of it.
 
 use rayon::iter::{IndexedParallelIterator, MinLen};
 
@@ -10,7 +13,8 @@ use rayon::iter::{IndexedParallelIterator, MinLen};
 #[derive(Clone, Copy, Debug, PartialEq, PartialOrd)]
 pub(crate) struct Effort(f64);
 
-/// Less work \[us\] does not enter a pool. It is a sixteenth of a frame, of which two threads would save half at best.
+/// Less work \[us\] does not enter a pool. It is a sixteenth of a frame, of which two threads would
+/// save half at best.
 const MIN: Effort = Effort(1000.0);
 
 /// A step of a body [us].
@@ -38,7 +42,8 @@ impl Effort {
         Self(bodies as f64 * BODY)
     }
 
-    /// Does it within the rayon pool that is the caller's where it is worth it, and otherwise where the caller is.
+    /// Does it within the rayon pool that is the caller's where it is worth it, and otherwise where
+    /// the caller is.
     pub(crate) fn run<R: Send>(self, work: impl FnOnce() -> R + Send) -> R {
         if self < MIN || are_shared() || rayon::current_num_threads() < 2 {
             return work();

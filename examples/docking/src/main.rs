@@ -1,15 +1,22 @@
-//! Dock with a tumbling satellite: a game prototype to copy from. `README.md` beside it has the keys.
+//! Dock with a tumbling satellite: a game prototype to copy from. `README.md` beside it has the
+//! keys.
 //!
-//! How the game uses tumble is in this file; rules, models and drawing are beside it. What to look for, from top to bottom:
-//! - components of our own (`Fuel`, `DockingPort`, ..) stand beside tumble's on the same entities of one `hecs::World`: `spawn_craft`;
-//! - forces live in two ways: `Thruster` and servo push until they are changed or removed (`steer`), a `Wrench` for one step (`bump`);
+//! How the game uses tumble is in this file; rules, models and drawing are beside it. What to look
+//! for, from top to bottom:
+//! - components of our own (`Fuel`, `DockingPort`, ..) stand beside tumble's on the same entities
+//!   of one `hecs::World`: `spawn_craft`;
+//! - forces live in two ways: `Thruster` and servo push until they are changed or removed
+//!   (`steer`), a `Wrench` for one step (`bump`);
 //! - two bodies become one, with all their momentum: `dock`;
-//! - systems of our own run before each fixed step, however many of them a frame has: `Game::update`;
-//! - a `Snapshot` holds what tumble steps, and what is ours is kept beside it: `Game::save`, `Game::restore`;
+//! - systems of our own run before each fixed step, however many of them a frame has:
+//!   `Game::update`;
+//! - a `Snapshot` holds what tumble steps, and what is ours is kept beside it: `Game::save`,
+//!   `Game::restore`;
 //! - drawing looks between two steps, and changes nothing: `draw_world`.
 //!
-//! Beside it: `approach.rs` is the rule of the game, `models.rs` what the craft are made of, `screen.rs` macroquad, `options.rs` the command line. Nothing of the game needs a
-//! window: `tests.rs` plays it without one, with `pilot.rs` at the keys.
+//! Beside it: `approach.rs` is the rule of the game, `models.rs` what the craft are made of,
+//! `screen.rs` macroquad, `options.rs` the command line. Nothing of the game needs a window:
+//! `tests.rs` plays it without one, with `pilot.rs` at the keys.
 
 mod approach;
 mod models;
@@ -39,13 +46,15 @@ struct Target;
 /// What is left in the tank \[kg\].
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Fuel(Real);
-/// Where a craft docks, and which way its port looks: from the centre of mass, along the body's axes.
+/// Where a craft docks, and which way its port looks: from the centre of mass, along the body's
+/// axes.
 #[derive(Clone, Copy)]
 struct DockingPort {
     point: Vec3,
     axis: Vec3,
 }
-/// One of the small engines: its force \[N\] and place \[m\] in the body's frame, and whether its valve is open.
+/// One of the small engines: its force \[N\] and place \[m\] in the body's frame, and whether its
+/// valve is open.
 struct Nozzle {
     force: Vec3,
     point: Vec3,
@@ -56,7 +65,8 @@ struct Nozzles(Vec<Nozzle>);
 /// Places it was at, for the dotted line behind it.
 #[derive(Default)]
 struct Trail(Vec<Vec3>);
-/// Scenery in the same world: without `Momentum` and a `Pose` it is no body, and no step looks at it.
+/// Scenery in the same world: without `Momentum` and a `Pose` it is no body, and no step looks at
+/// it.
 struct Star {
     direction: Vec3,
     brightness: f32,
@@ -72,8 +82,8 @@ const WHEEL_TORQUE: Real = 150.0; // [N m]
 const HULLS: Real = 2.1; // [m], the radii of both hulls together; panels do not touch anything
 const HULL_STIFFNESS: Real = 2e4; // [N/m]
 
-/// Names of the levels, and how the satellite spins in each, along its own axes [rad/s]. About z it keeps on, about y, its middle axis,
-/// it turns over every seventy seconds.
+/// Names of the levels, and how the satellite spins in each, along its own axes [rad/s]. About z it
+/// keeps on, about y, its middle axis, it turns over every seventy seconds.
 const LEVELS: [(&str, Vec3); 3] = [
     ("drift", Vec3::new(0.0, 0.003, 0.012)),
     ("tumble", Vec3::new(0.006, 0.01, 0.05)),
@@ -126,7 +136,8 @@ fn spawn_craft(world: &mut World, level: usize, seed: u64) -> Result<(), BodyErr
     spawn_body(world, ship, (Player, port, Looks(looks), TANK, nozzles(), Thruster::default(), Trail::default()))
 }
 
-/// Ballast puts the centre of mass where the drawing has its origin; `interpolated` is for frames between steps.
+/// Ballast puts the centre of mass where the drawing has its origin; `interpolated` is for frames
+/// between steps.
 fn spawn_body(world: &mut World, body: RigidBody, ours: impl hecs::DynamicBundle) -> Result<(), BodyError> {
     body.center_of_mass([0.0; 3]).interpolated().build()?.spawn_with(world, ours);
     Ok(())
@@ -147,7 +158,8 @@ fn nozzles() -> Nozzles {
 
 // ---- Systems: what happens before a step.
 
-/// Keys to valves and wheels. Both push through this step and all that follow, until they are set otherwise or removed.
+/// Keys to valves and wheels. Both push through this step and all that follow, until they are set
+/// otherwise or removed.
 fn steer(world: &mut World, controls: &Controls) {
     let (Some(ship), Some(target)) = (Craft::of::<Player>(world), Craft::of::<Target>(world)) else { return };
     let drift = ship.pose.orientation.conjugate() * Approach::of(&ship, &target).drift;
@@ -185,7 +197,8 @@ fn burn_fuel(world: &mut World, dt: Real) {
     }
 }
 
-/// Hulls that meet push each other off: a force of this one step, added again before the next if they still touch.
+/// Hulls that meet push each other off: a force of this one step, added again before the next if
+/// they still touch.
 fn bump(world: &mut World) {
     let (Some(ship), Some(target)) = (Craft::of::<Player>(world), Craft::of::<Target>(world)) else { return };
     let apart = ship.pose.position - target.pose.position;
@@ -207,7 +220,8 @@ fn leave_trail(world: &mut World, step: u64) {
     }
 }
 
-/// One body in the place of two, unless that is done: in the frame of the satellite, with the linear and angular momentum of both.
+/// One body in the place of two, unless that is done: in the frame of the satellite, with the
+/// linear and angular momentum of both.
 fn dock(world: &mut World) -> Result<(), WeldError> {
     let (Some(ship), Some(target)) = (Craft::of::<Player>(world), Craft::of::<Target>(world)) else { return Ok(()) };
     let pair = weld(world, &[target.entity, ship.entity])?;
@@ -252,7 +266,8 @@ impl Game {
         Ok(Self { world, simulation, level, seed, outcome: Outcome::Flying })
     }
 
-    /// A frame: as many fixed steps as fit, each with our systems before it. Returns how far the frame is past the last.
+    /// A frame: as many fixed steps as fit, each with our systems before it. Returns how far the
+    /// frame is past the last.
     fn update(&mut self, frame_seconds: f64, mut pilot: impl FnMut(&World) -> Controls) -> Real {
         let (outcome, dt) = (&mut self.outcome, self.simulation.settings().dt);
         self.simulation.advance_with(&mut self.world, frame_seconds, |world, simulation| {
@@ -302,7 +317,8 @@ fn draw_world(world: &World, alpha: Real, camera: &mq::Camera3D) {
     screen::draw_sky(world.query::<&Star>().iter().map(|star| (star.direction, star.brightness)), camera);
     for (pose, previous, center, looks) in world.query::<(&Pose, &PreviousPose, Option<&CenterOfMass>, &Looks)>().iter()
     {
-        // A pose is that of the centre of mass, which a pair does not have where the drawing has its origin.
+        // A pose is that of the centre of mass, which a pair does not have where the drawing has
+        // its origin.
         let between = previous.0.interpolate(pose, alpha);
         let body = Pose { position: between.origin(center), ..between };
         looks.0.iter().for_each(|look| screen::draw_look(look, body.to_mat4()));

@@ -1,4 +1,5 @@
-//! A pilot for `--autopilot` and the tests. It sees what a player sees and has a player's keys, each of them down or not.
+//! A pilot for `--autopilot` and the tests. It sees what a player sees and has a player's keys,
+//! each of them down or not.
 
 use hecs::World;
 use tumble::prelude::*;
@@ -11,7 +12,8 @@ const GATE: Real = 5.0;
 /// How far from the satellite's middle to go round it \[m\].
 const DETOUR: Real = 9.0;
 
-/// The keys to press now. Nothing is remembered from step to step, so a flight depends on the state of the bodies alone.
+/// The keys to press now. Nothing is remembered from step to step, so a flight depends on the state
+/// of the bodies alone.
 pub(crate) fn fly(world: &World) -> Controls {
     let (Some(ship), Some(target)) = (Craft::of::<Player>(world), Craft::of::<Target>(world)) else {
         return Controls::default();
@@ -27,13 +29,15 @@ pub(crate) fn fly(world: &World) -> Controls {
     }
 }
 
-/// The rotation that is still missing until the ports face each other \[rad\], with the wheels' lag taken off.
+/// The rotation that is still missing until the ports face each other \[rad\], with the wheels' lag
+/// taken off.
 fn wanted_turn(ship: &Craft, target: &Craft) -> Vec3 {
     let missing = Quat::from_rotation_arc(ship.port_axis(), -target.port_axis()).to_scaled_axis();
     missing - (ship.velocity.angular - target.velocity.angular) * 0.15
 }
 
-/// Close by, the velocity is one past the turning satellite; far off, where turning with it would be a race, past a standing one.
+/// Close by, the velocity is one past the turning satellite; far off, where turning with it would
+/// be a race, past a standing one.
 fn wanted_velocity(ship: &Craft, target: &Craft) -> Vec3 {
     let center = target.pose.position;
     let arm = ship.pose.position - center;

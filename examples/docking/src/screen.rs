@@ -1,5 +1,5 @@
-//! The picture: solids with lit faces, sky, instruments. Poses come from `main.rs`; `seen` is the one place where numbers of tumble become
-//! macroquad's, which has a glam of its own.
+//! The picture: solids with lit faces, sky, instruments. Poses come from `main.rs`; `seen` is the
+//! one place where numbers of tumble become macroquad's, which has a glam of its own.
 
 use std::error::Error;
 
@@ -15,7 +15,8 @@ use crate::{Assist, Fuel, Game, LEVELS, Nozzle, Player, TANK, Target};
 const SUN: mq::Vec3 = mq::vec3(0.1, -0.78, 0.618);
 const PLANET: mq::Vec3 = mq::vec3(-1500.0, -500.0, -1000.0);
 const MOON: mq::Vec3 = mq::vec3(800.0, 1300.0, -560.0);
-/// Solids of revolution about y, as radius and height from end to end; four sides of the first make a cube.
+/// Solids of revolution about y, as radius and height from end to end; four sides of the first make
+/// a cube.
 const CUBE: [(f32, f32); 4] =
     [(0.0, -1.0), (std::f32::consts::SQRT_2, -1.0), (std::f32::consts::SQRT_2, 1.0), (0.0, 1.0)];
 
@@ -31,7 +32,8 @@ fn lit(color: mq::Color, normal: mq::Vec3) -> mq::Color {
     mq::Color::new(shade.x, shade.y, shade.z, color.a)
 }
 
-/// Draws a profile turned about y. `paint` gets where a corner is, on the solid, and which way its face looks, in the world.
+/// Draws a profile turned about y. `paint` gets where a corner is, on the solid, and which way its
+/// face looks, in the world.
 fn draw_revolved(profile: &[(f32, f32)], sides: u16, place: mq::Mat4, paint: impl Fn(mq::Vec3, mq::Vec3) -> mq::Color) {
     let mut mesh = mq::Mesh { vertices: Vec::new(), indices: Vec::new(), texture: None };
     let (smooth, middle) = (profile.len() > 8, place.transform_point3(mq::Vec3::ZERO));
@@ -247,8 +249,9 @@ fn draw_pair(world: &World) {
     }
 }
 
-/// Over the picture: where the port is, or which way to turn to see it. In the middle: a cross where its axis passes the ship's nose, to be flown to, and a ring
-/// that is the way it looks, to be turned to; the line is the drift.
+/// Over the picture: where the port is, or which way to turn to see it. In the middle: a cross
+/// where its axis passes the ship's nose, to be flown to, and a ring that is the way it looks, to
+/// be turned to; the line is the drift.
 fn draw_reticle(ship: &Craft, target: &Craft, approach: &Approach, camera: &mq::Camera3D) {
     let (width, height) = (mq::screen_width(), mq::screen_height());
     let to_ship = ship.pose.orientation.conjugate();

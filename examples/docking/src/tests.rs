@@ -1,5 +1,5 @@
-//! Promise: the game can be won with a player's keys, loses no momentum when two bodies become one, and plays the same again from a
-//! snapshot.
+//! Promise: the game can be won with a player's keys, loses no momentum when two bodies become one,
+//! and plays the same again from a snapshot.
 //!
 //! Why: it is the example that people copy from. If one of these fails, so does their game.
 
@@ -36,7 +36,8 @@ fn step(game: &mut Game, pilot: impl FnMut(&World) -> Controls) {
     assert_eq!(game.simulation.steps(), before + 1);
 }
 
-/// Flies until they are docked or the time is over; returns what was left in the tank, and the totals of the two, before they were one.
+/// Flies until they are docked or the time is over; returns what was left in the tank, and the
+/// totals of the two, before they were one.
 fn fly(game: &mut Game) -> (Real, Totals) {
     let mut last = (fuel(game), totals(game));
     while game.outcome != Outcome::Docked && game.simulation.time() < LIMIT {

@@ -1,4 +1,5 @@
-//! Boxes on springs in a window: the space bar hits them all at a corner, and D shows their axes and angular velocities.
+//! Boxes on springs in a window: the space bar hits them all at a corner, and D shows their axes
+//! and angular velocities.
 
 use macroquad::prelude as mq;
 use tumble::DebugView;

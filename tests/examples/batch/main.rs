@@ -1,5 +1,6 @@
-//! How thick must a coin be to land on its edge as often as on either face? Hundreds of coins of each thickness are tossed on the ground, each in a world of its own that ends when its coin
-//! lies still.
+//! How thick must a coin be to land on its edge as often as on either face? Hundreds of coins of
+//! each thickness are tossed on the ground, each in a world of its own that ends when its coin lies
+//! still.
 //!
 //! `cargo run --release --example batch`
 
@@ -45,7 +46,8 @@ fn main() -> ExitCode {
     ExitCode::SUCCESS
 }
 
-/// On which side coins land, as thick as this part of their diameter; none for those that still move after a minute.
+/// On which side coins land, as thick as this part of their diameter; none for those that still
+/// move after a minute.
 fn toss(ratio: f64) -> Result<Vec<Option<Side>>, Failure> {
     let mut batch = Batch::from_seed(COINS, SEED, |_, rng| -> Result<Trial, Failure> {
         Ok(Trial::new(Settings::default(), table(ratio, rng)?)?)

@@ -52,7 +52,8 @@ fn planets() -> Result<World, Failure> {
     Ok(world)
 }
 
-/// The relative change of kinetic and potential energy together, over time in thousands of steps, relative to the kinetic energy at first.
+/// The relative change of kinetic and potential energy together, over time in thousands of steps,
+/// relative to the kinetic energy at first.
 fn changes(mut world: World, dt: Real) -> Result<Vec<(f64, f64)>, Failure> {
     let mut simulation = Simulation::new(Settings::default().with_gravity(Vec3::ZERO).with_dt(dt))?;
     let order = BodyOrder::of(&world);

@@ -61,7 +61,8 @@ impl Orbit {
         })
     }
 
-    /// The elements in each of a number of periods: means over the period, which the error that comes and goes in each does not touch.
+    /// The elements in each of a number of periods: means over the period, which the error that
+    /// comes and goes in each does not touch.
     fn periods(&mut self, count: u32) -> Result<Vec<Elements>, Failure> {
         const SAMPLES: u32 = 50;
         let mut periods = Vec::new();
@@ -87,7 +88,8 @@ impl Orbit {
     }
 }
 
-/// Slope of the least-squares line through values one apart, and its standard error if all but the line were noise.
+/// Slope of the least-squares line through values one apart, and its standard error if all but the
+/// line were noise.
 fn slope(values: &[f64]) -> (f64, f64) {
     let n = values.len() as f64;
     let (middle, mean) = ((n - 1.0) / 2.0, values.iter().sum::<f64>() / n);

@@ -1,4 +1,5 @@
-//! Runs force components on systems whose motion is known, prints how far each is off, and draws it.
+//! Runs force components on systems whose motion is known, prints how far each is off, and draws
+//! it.
 //!
 //! ```text
 //! cargo run --release --example forces --features f64

@@ -11,7 +11,8 @@ use tumble_tests::seconds;
 
 use crate::{Failure, Findings};
 
-/// Oscillations a step of a spring that in truth makes `frequency` of them, with a step of one second and a reduced mass of one kilogram; `None` where it explodes.
+/// Oscillations a step of a spring that in truth makes `frequency` of them, with a step of one
+/// second and a reduced mass of one kilogram; `None` where it explodes.
 fn measured(frequency: f64) -> Result<Option<f64>, Failure> {
     let mut world = World::new();
     let ball = |x: Real| RigidBody::new(Shape::sphere(0.1)).mass(2.0).position(Vec3::X * x).build();

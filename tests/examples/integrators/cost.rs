@@ -9,7 +9,8 @@ const COPIES: u32 = 4096;
 const STEPS: u32 = 50;
 const ROUNDS: u32 = 5;
 
-/// Nanoseconds per step of one body, when 4096 copies are stepped on one thread: the best of five rounds of 50 steps.
+/// Nanoseconds per step of one body, when 4096 copies are stepped on one thread: the best of five
+/// rounds of 50 steps.
 pub(crate) fn nanoseconds_per_body_step(body: &FreeBody, integrator: Integrator, settings: Settings) -> f64 {
     let mut world = World::new();
     let Ok(copy) = body.rigid_body().build() else { return f64::NAN };

@@ -1,4 +1,5 @@
-//! Runs the three integrators on bodies whose motion is known exactly, prints how far each is off and what it costs, and draws it.
+//! Runs the three integrators on bodies whose motion is known exactly, prints how far each is off
+//! and what it costs, and draws it.
 //!
 //! ```text
 //! cargo run --release --example integrators                    work and precision, and ten minutes beside eight other engines

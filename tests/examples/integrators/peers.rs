@@ -1,4 +1,5 @@
-//! Ten minutes of two free bodies at 60 steps a second, beside what eight other engines make of them.
+//! Ten minutes of two free bodies at 60 steps a second, beside what eight other engines make of
+//! them.
 
 use tumble::Integrator;
 use tumble_tests::references::Tumbler;

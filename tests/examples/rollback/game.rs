@@ -45,8 +45,8 @@ fn scatter(seed: u64) -> Real {
     ((mixed ^ (mixed >> 29)).wrapping_mul(0xbf58_476d_1ce4_e5b9) >> 40) as Real / (1_u32 << 24) as Real
 }
 
-/// Everything about a body that does not change, by its identity: what a snapshot does not hold, so that a body that was despawned can be
-/// spawned again before it is restored.
+/// Everything about a body that does not change, by its identity: what a snapshot does not hold, so
+/// that a body that was despawned can be spawned again before it is restored.
 pub(crate) fn body(id: BodyId) -> Result<Body, BodyError> {
     let random = |n: u64| scatter(16 * id.0 + n);
     let vector = |n| Vec3::new(random(n), random(n + 1), random(n + 2)) - Vec3::splat(0.5);
@@ -73,7 +73,8 @@ pub(crate) fn start() -> Result<World, BodyError> {
     Ok(world)
 }
 
-/// One step of the game under these inputs. Shots come and go by the number of the step alone, so each replay is the same.
+/// One step of the game under these inputs. Shots come and go by the number of the step alone, so
+/// each replay is the same.
 pub(crate) fn step(world: &mut World, simulation: &mut Simulation, inputs: &Inputs) -> Result<(), BodyError> {
     let now = simulation.steps();
     if let Some(born) = now.checked_sub(LIFE_OF_A_SHOT) {

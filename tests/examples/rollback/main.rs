@@ -1,5 +1,6 @@
-//! Two peers simulate the same game, each in its own world. The inputs of the other arrive two to seven steps late and out of order: a
-//! peer plays on with a guess and, where it was wrong, rewinds and takes the steps again. Both end in the same state to the bit.
+//! Two peers simulate the same game, each in its own world. The inputs of the other arrive two to
+//! seven steps late and out of order: a peer plays on with a guess and, where it was wrong, rewinds
+//! and takes the steps again. Both end in the same state to the bit.
 //!
 //! `cargo run --release --example rollback`
 

@@ -69,7 +69,8 @@ impl Peer {
         Ok(Message { step, input, check })
     }
 
-    /// Hears of the other's inputs, goes back to the first that was not as guessed, and takes the steps since again.
+    /// Hears of the other's inputs, goes back to the first that was not as guessed, and takes the
+    /// steps since again.
     pub(crate) fn hear(&mut self, messages: Vec<Message>) -> Result<(), Failure> {
         let now = self.simulation.steps();
         for message in messages {
@@ -79,7 +80,8 @@ impl Peer {
             self.checks.extend(message.check);
         }
         let other = 1 - self.player;
-        // Guesses are made again too: an input that is heard changes what is guessed of those after it.
+        // Guesses are made again too: an input that is heard changes what is guessed of those after
+        // it.
         let wrong = (0..now).find(|&step| self.played[step as usize][other] != self.guess(step));
         if let Some(wrong) = wrong {
             self.go_back_to(wrong)?;
@@ -107,7 +109,8 @@ impl Peer {
         Ok(game::step(&mut self.world, &mut self.simulation, &inputs)?)
     }
 
-    /// What the other is known to have done or, where that is not known, what it did last, with the trigger loose.
+    /// What the other is known to have done or, where that is not known, what it did last, with the
+    /// trigger loose.
     fn guess(&self, step: u64) -> Input {
         let until = self.heard.len().min(step as usize + 1);
         if let Some(Some(known)) = self.heard.get(step as usize) {
@@ -122,7 +125,8 @@ impl Peer {
         self.heard.iter().take_while(|input| input.is_some()).count() as u64
     }
 
-    /// Rewinds. A snapshot cannot make bodies that are gone: they are spawned again and then put where they were.
+    /// Rewinds. A snapshot cannot make bodies that are gone: they are spawned again and then put
+    /// where they were.
     fn go_back_to(&mut self, step: u64) -> Result<(), Failure> {
         let mut rewound = self.rollback.rewind_to_step(step, &mut self.world, &mut self.simulation);
         if let Err(RollbackError::Snapshot(SnapshotError::Missing { ids })) = &rewound {
@@ -140,7 +144,8 @@ impl Peer {
         Ok(())
     }
 
-    /// Compares the other's hashes with the peer's own of the same steps, once all that led there is known.
+    /// Compares the other's hashes with the peer's own of the same steps, once all that led there
+    /// is known.
     fn compare(&mut self) -> Result<(), Failure> {
         let known = self.known();
         for (step, theirs) in self.checks.extract_if(.., |(step, _)| *step <= known) {

@@ -7,7 +7,8 @@ use crate::game::Input;
 pub(crate) struct Message {
     pub(crate) step: u64,
     pub(crate) input: Input,
-    /// The start of a step up to which the sender knows all inputs, and the hash of the state there: what both must agree on.
+    /// The start of a step up to which the sender knows all inputs, and the hash of the state
+    /// there: what both must agree on.
     pub(crate) check: Option<(u64, u64)>,
 }
 

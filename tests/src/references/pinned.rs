@@ -11,8 +11,9 @@ use crate::comparison::{dquat, dvec3};
 
 /// A body that turns about a fixed point under gravity.
 ///
-/// For the engine it is a free body whose inertia is that about the fixed point: then the equation of its rotation is that of the
-/// pinned body, with gravity's torque as a [`PinnedGravity`]. Its centre of mass stays where it is and plays no part.
+/// For the engine it is a free body whose inertia is that about the fixed point: then the equation
+/// of its rotation is that of the pinned body, with gravity's torque as a [`PinnedGravity`]. Its
+/// centre of mass stays where it is and plays no part.
 #[derive(Clone, Debug)]
 pub struct Pinned {
     /// The body's part of the file.

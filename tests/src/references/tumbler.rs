@@ -45,7 +45,8 @@ pub struct PeerRow {
 pub struct Tumbling {
     /// Largest relative error of energy, with its sign.
     pub energy: f64,
-    /// Whether the angular momentum in the world is that of the start, to the bit, after every step.
+    /// Whether the angular momentum in the world is that of the start, to the bit, after every
+    /// step.
     pub momentum_kept: bool,
     /// Largest difference of the length of the orientation from one.
     pub unit: f64,
@@ -155,7 +156,8 @@ impl Watch {
         Self { moments, energy: (momentum * momentum / moments).element_sum(), upright: true, half_period: f64::NAN }
     }
 
-    /// The axis has flipped when it is a fifth past the middle, as in the runs of the other engines: so noise is not counted.
+    /// The axis has flipped when it is a fifth past the middle, as in the runs of the other
+    /// engines: so noise is not counted.
     fn see(&mut self, orientation: DQuat, momentum: DVec3, result: &mut Tumbling) {
         let length = orientation.length_squared().sqrt();
         let difference = (length - 1.0).abs();
@@ -175,8 +177,9 @@ impl Watch {
     }
 }
 
-/// Half the period of the middle component of the angular velocity, `2 K(m)/lambda` \[s\], from twice the energy and the squared angular
-/// momentum (L. D. Landau, E. M. Lifshitz, "Mechanics", section 37); moments in rising order.
+/// Half the period of the middle component of the angular velocity, `2 K(m)/lambda` \[s\], from
+/// twice the energy and the squared angular momentum (L. D. Landau, E. M. Lifshitz, "Mechanics",
+/// section 37); moments in rising order.
 fn half_period(moments: DVec3, double_energy: f64, squared: f64) -> f64 {
     let [i1, i2, i3] = moments.to_array();
     let (from_least, from_most) = (squared - double_energy * i1, double_energy * i3 - squared);

@@ -1,5 +1,5 @@
-//! A world in which everything acts that can: every force component, springs between bodies, attraction among them,
-//! laws of the caller's.
+//! A world in which everything acts that can: every force component, springs between bodies,
+//! attraction among them, laws of the caller's.
 
 #![allow(dead_code, reason = "each test uses a part of it")]
 
@@ -101,8 +101,8 @@ pub(crate) fn spawn(world: &mut World, id: u64) -> Entity {
     body
 }
 
-/// Springs by the identities of their bodies: at random, some soft, some stiff, some damped, some twice, some the other
-/// way round; bodies with many and with none.
+/// Springs by the identities of their bodies: at random, some soft, some stiff, some damped, some
+/// twice, some the other way round; bodies with many and with none.
 pub(crate) fn springs() -> Vec<([u64; 2], Spring)> {
     let mut rng = Rng::new(8);
     let mut springs = Vec::new();

@@ -62,7 +62,8 @@ fn places_and_pairs(kind: Net, rng: &mut Rng) -> (Vec<Vec3>, Vec<(usize, usize)>
     }
 }
 
-/// A net whose springs are stretched or pressed by up to 5 cm, of bodies from 0.5 to 4 kg that move at up to 1 m/s.
+/// A net whose springs are stretched or pressed by up to 5 cm, of bodies from 0.5 to 4 kg that move
+/// at up to 1 m/s.
 pub(crate) fn net(kind: Net, stiffness: f64, damping: f64, attached: Attached, turning: Turning) -> World {
     let mut rng = Rng::new(if let Net::Random(seed) = kind { 77 + seed } else { 7 });
     let (places, pairs) = places_and_pairs(kind, &mut rng);

@@ -1,5 +1,6 @@
-//! A box without a lid into which everything falls that can touch: balls, boxes, capsules, cylinders and dumbbells, some that bounce, roll badly, are damped or off their centre, on
-//! ground with a name, between walls without, with a paddle that turns among them.
+//! A box without a lid into which everything falls that can touch: balls, boxes, capsules,
+//! cylinders and dumbbells, some that bounce, roll badly, are damped or off their centre, on ground
+//! with a name, between walls without, with a paddle that turns among them.
 
 #![allow(dead_code, reason = "each test uses a part of it")]
 #![allow(clippy::unwrap_used, reason = "a body that cannot be made is a failed test")]

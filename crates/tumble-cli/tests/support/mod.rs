@@ -54,7 +54,8 @@ impl Place {
         String::from_utf8(output.stdout).unwrap()
     }
 
-    /// Runs what must be refused with no file made and none lost; what is said, which has `wanted` in it.
+    /// Runs what must be refused with no file made and none lost; what is said, which has `wanted`
+    /// in it.
     pub(crate) fn refused(&self, arguments: &[&str], wanted: &str) -> String {
         let before = self.entries();
         let output = self.run(arguments);
@@ -65,9 +66,11 @@ impl Place {
         message
     }
 
-    /// Runs with a limit on the size of files, which stands in for a disk that is full: a failure that names the file and leaves nothing.
+    /// Runs with a limit on the size of files, which stands in for a disk that is full: a failure
+    /// that names the file and leaves nothing.
     ///
-    /// Ignoring SIGXFSZ turns the signal into an error of the write, as on a full disk. Units of 512 or 1024 bytes.
+    /// Ignoring SIGXFSZ turns the signal into an error of the write, as on a full disk. Units of
+    /// 512 or 1024 bytes.
     #[cfg(unix)]
     pub(crate) fn fills_the_disk(&self, units: u32, arguments: &str, wanted: &str) {
         let program = env!("CARGO_BIN_EXE_tumble");

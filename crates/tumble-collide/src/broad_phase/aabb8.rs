@@ -52,15 +52,16 @@ impl<R: Scalar> Octet<R> {
 
     /// Marks those that have a point in common with the box.
     ///
-    /// Not inlined, so that it is vector code: a compiler that sees what becomes of the marks takes them one by one.
+    /// Not inlined, so that it is vector code: a compiler that sees what becomes of the marks takes
+    /// them one by one.
     #[inline(never)]
     pub(super) fn meeting(&self, other: &Aabb<R>, marks: &mut Marks) {
         let Aabb { low, high } = *other;
         self.compare([low.x, low.y, low.z], [high.x, high.y, high.z], marks);
     }
 
-    /// Marks those that have a point in common with one of other eight, whose numbers are read where they lie: written one by
-    /// one and read together they would have to be waited for.
+    /// Marks those that have a point in common with one of other eight, whose numbers are read
+    /// where they lie: written one by one and read together they would have to be waited for.
     #[inline(never)]
     pub(super) fn meeting_one_of(&self, others: &Self, lane: usize, marks: &mut Marks) {
         let Self { low, high } = others;
@@ -70,7 +71,8 @@ impl<R: Scalar> Octet<R> {
     #[inline(always)]
     fn compare(&self, low: [R; 3], high: [R; 3], marks: &mut Marks) {
         for (lane, mark) in marks.0.iter_mut().enumerate() {
-            // The widest gap between the two. A difference is zero only where the numbers are the same.
+            // The widest gap between the two. A difference is zero only where the numbers are the
+            // same.
             let gap = |axis: usize| (self.low[axis][lane] - high[axis]).max(low[axis] - self.high[axis][lane]);
             *mark = u32::from(gap(0).max(gap(1)).max(gap(2)) <= R::splat(0.0));
         }
@@ -88,8 +90,8 @@ impl Marks {
         self.0.iter_mut().enumerate().for_each(|(place, mark)| *mark &= u32::from(place < lane));
     }
 
-    /// Writes what belongs to the marked lanes from the beginning of `to` on, and returns how many there are. It writes
-    /// all lanes, so that there is no branch on marks that nobody can guess.
+    /// Writes what belongs to the marked lanes from the beginning of `to` on, and returns how many
+    /// there are. It writes all lanes, so that there is no branch on marks that nobody can guess.
     #[inline]
     pub(super) fn select<T>(&self, to: &mut [T; LANES], what: impl Fn(usize) -> T) -> usize {
         let mut count = 0;

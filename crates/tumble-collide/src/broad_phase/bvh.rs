@@ -4,8 +4,8 @@ use super::pair_list::{Found, Pair};
 use crate::aabb::Aabb;
 use crate::scalar::Scalar;
 
-/// Boxes in eights, the boxes of eights in eights, and so on up to one. It has no pointers: the children of node `i` are the nodes
-/// from `8 i` on, one level below.
+/// Boxes in eights, the boxes of eights in eights, and so on up to one. It has no pointers: the
+/// children of node `i` are the nodes from `8 i` on, one level below.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Tree<R> {
     /// What is in each lane of each leaf.
@@ -70,7 +70,8 @@ impl<R: Scalar> Tree<R> {
         }
     }
 
-    /// How long the boxes of the leaves are in the mean, as a multiple of those of the objects in them: the larger, the more leaves meet.
+    /// How long the boxes of the leaves are in the mean, as a multiple of those of the objects in
+    /// them: the larger, the more leaves meet.
     pub(super) fn looseness(&self) -> R {
         let sides = |height: usize| {
             let octets = self.levels.get(height).into_iter().flatten();
@@ -115,7 +116,8 @@ impl<R: Scalar> Tree<R> {
         }
     }
 
-    /// Adds the pairs of an object of a leaf, with the box `around` all of it, and one of another leaf, whose boxes meet.
+    /// Adds the pairs of an object of a leaf, with the box `around` all of it, and one of another
+    /// leaf, whose boxes meet.
     pub(super) fn pairs_between(
         &self,
         (leaf, around): (usize, &Aabb<R>),

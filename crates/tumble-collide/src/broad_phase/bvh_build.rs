@@ -1,7 +1,9 @@
-//! An order in which what is near in space is near in the list: eights, then eights of eights, and so on, in boxes that are small.
+//! An order in which what is near in space is near in the list: eights, then eights of eights, and
+//! so on, in boxes that are small.
 //!
-//! The list is cut in two across the longest side of where its centres are, again and again, always at a multiple of the highest power
-//! of eight that there is. With the order of a curve through space (Morton's) in its place, eights reach round its corners, and looking for all pairs of a
+//! The list is cut in two across the longest side of where its centres are, again and again, always
+//! at a multiple of the highest power of eight that there is. With the order of a curve through
+//! space (Morton's) in its place, eights reach round its corners, and looking for all pairs of a
 //! pile of 5000 balls took two thirds longer.
 
 use std::cmp::Ordering;
@@ -56,8 +58,8 @@ fn magnitude<R: Scalar>(aabb: &Aabb<R>) -> i32 {
     if most > 0.0 { (most.to_bits() >> 52 & 0x7ff) as i32 } else { 0 }
 }
 
-/// Puts those that are much larger than most in eights of their own, by powers of eight: one of them among small ones makes their
-/// box as large as itself.
+/// Puts those that are much larger than most in eights of their own, by powers of eight: one of
+/// them among small ones makes their box as large as itself.
 fn classify<R: Scalar>(items: &mut [Item<R>]) {
     let magnitudes = || items.iter().map(|item| item.class).filter(|class| *class > 0);
     let count = magnitudes().count().max(1) as i64;
@@ -93,7 +95,8 @@ fn arrange_leaves<R: Scalar>(items: &mut [Item<R>], first: usize) {
     arrange_leaves(after, middle);
 }
 
-/// Between `first` and `end`, neither included, the multiple of the highest power of eight that is nearest to the middle.
+/// Between `first` and `end`, neither included, the multiple of the highest power of eight that is
+/// nearest to the middle.
 fn cut(first: usize, end: usize) -> usize {
     let mut step = 1;
     while (first / (LANES * step) + 1) * (LANES * step) < end {

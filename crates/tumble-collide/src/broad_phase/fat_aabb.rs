@@ -8,11 +8,12 @@ use crate::scalar::Scalar;
 
 /// A box is so much larger to every side, as a part of its mean extent ...
 const MARGIN: f64 = 0.125;
-/// ... but not by more than this \[m\]. With twice as much a pile of balls of a metre has a quarter more pairs to look at, and is searched in a
-/// tenth less time.
+/// ... but not by more than this \[m\]. With twice as much a pile of balls of a metre has a quarter
+/// more pairs to look at, and is searched in a tenth less time.
 const MAX_MARGIN: f64 = 0.025;
-/// Where it moves it is larger by the way it makes in this number of steps: without, the search takes half as long again while such a pile falls and
-/// comes to rest; with more steps there are more pairs and hardly a gain ...
+/// Where it moves it is larger by the way it makes in this number of steps: without, the search
+/// takes half as long again while such a pile falls and comes to rest; with more steps there are
+/// more pairs and hardly a gain ...
 const STEPS_AHEAD: f64 = 4.0;
 /// ... but not by more than this part of its mean extent: what jumps does not go on jumping.
 const MAX_AHEAD: f64 = 0.5;

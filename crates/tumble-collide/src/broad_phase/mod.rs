@@ -14,17 +14,20 @@ use pair_list::{Pair, PairList, merge};
 
 use crate::scalar::Scalar;
 
-/// The tree is rebuilt when its leaves have become so much longer than they were when it was made. Between 1.15 and 1.3 the number makes no
-/// difference to speak of; at 1.05 the tree is rebuilt too often, and a tree that is never rebuilt takes half as long again where balls mix.
+/// The tree is rebuilt when its leaves have become so much longer than they were when it was made.
+/// Between 1.15 and 1.3 the number makes no difference to speak of; at 1.05 the tree is rebuilt too
+/// often, and a tree that is never rebuilt takes half as long again where balls mix.
 const MAX_LOOSENESS: f64 = 1.2;
 
-/// Where more than one leaf in this number is stirred, all get other boxes: they then leave them together, and rarely.
+/// Where more than one leaf in this number is stirred, all get other boxes: they then leave them
+/// together, and rarely.
 const MANY: usize = 8;
 
 /// Finds which of many objects are near each other, in time that grows as their number does.
 ///
-/// Every object is in a box that is somewhat larger than itself. As long as nothing leaves its box the pairs are those of the last time, and
-/// to see that is all it costs. What leaves gets another box, and its neighbours are looked for in a tree.
+/// Every object is in a box that is somewhat larger than itself. As long as nothing leaves its box
+/// the pairs are those of the last time, and to see that is all it costs. What leaves gets another
+/// box, and its neighbours are looked for in a tree.
 ///
 /// ```
 /// use tumble_collide::{Aabb, BroadPhase, Proxy};
@@ -39,7 +42,8 @@ const MANY: usize = 8;
 pub struct BroadPhase<R> {
     kinds: Vec<Kind>,
     fat_aabb: Fat<R>,
-    /// Of each object, its leaf in the tree of what moves; [`NONE`] for what is in the other one, or in none.
+    /// Of each object, its leaf in the tree of what moves; [`NONE`] for what is in the other one,
+    /// or in none.
     leaves: Vec<u32>,
     moving: Tree<R>,
     /// What has never left its box since the beginning and is not moved by anything.
@@ -83,18 +87,21 @@ enum Search {
 }
 
 impl<R: Scalar> BroadPhase<R> {
-    /// The indices of those objects that may touch, the lower first, in order: all that [are near](Proxy::is_near) each other and
-    /// `wanted`, and some more that are wanted and nearly so.
+    /// The indices of those objects that may touch, the lower first, in order: all that
+    /// [are near](Proxy::is_near) each other and `wanted`, and some more that are wanted and nearly
+    /// so.
     ///
-    /// Which are more depends on where the objects were before. What must not depend on that asks each pair whether it
-    /// [is near](Proxy::is_near). Whether a pair is `wanted` is asked when it is found and then taken as known: call [`reset`](Self::reset)
-    /// when the answers are others. Objects may move, or be replaced by others of the same index, as they like.
+    /// Which are more depends on where the objects were before. What must not depend on that asks
+    /// each pair whether it [is near](Proxy::is_near). Whether a pair is `wanted` is asked when it
+    /// is found and then taken as known: call [`reset`](Self::reset) when the answers are others.
+    /// Objects may move, or be replaced by others of the same index, as they like.
     pub fn update(&mut self, proxies: &[Proxy<R>], wanted: impl Fn(u32, u32) -> bool) -> &[(u32, u32)] {
         self.update_within(proxies, usize::MAX, wanted).unwrap_or_default()
     }
 
-    /// The same, unless more than `most` pairs of objects that have an end are found: then there is no list, and nothing is known any longer. So a crowd takes no
-    /// memory with the square of its number; [`for_each_pair`](Self::for_each_pair) goes through its pairs.
+    /// The same, unless more than `most` pairs of objects that have an end are found: then there is
+    /// no list, and nothing is known any longer. So a crowd takes no memory with the square of its
+    /// number; [`for_each_pair`](Self::for_each_pair) goes through its pairs.
     ///
     /// ```
     /// # use tumble_collide::{Aabb, BroadPhase, Proxy};
@@ -138,7 +145,8 @@ impl<R: Scalar> BroadPhase<R> {
         is_complete.then(|| self.pairs())
     }
 
-    /// Calls `then` with the pairs that [`update`](Self::update) would list, in any order, and keeps nothing of them.
+    /// Calls `then` with the pairs that [`update`](Self::update) would list, in any order, and
+    /// keeps nothing of them.
     pub fn for_each_pair(
         &mut self,
         proxies: &[Proxy<R>],
@@ -213,7 +221,8 @@ impl<R: Scalar> BroadPhase<R> {
         self.most_looseness = self.moving.looseness() * R::splat(MAX_LOOSENESS);
     }
 
-    /// Gives another box to those that left theirs, and to some that will soon; says whose neighbours are to be looked for.
+    /// Gives another box to those that left theirs, and to some that will soon; says whose
+    /// neighbours are to be looked for.
     fn follow(&mut self, proxies: &[Proxy<R>]) -> Search {
         if self.left.iter().any(|object| self.leaves[*object as usize] == NONE) {
             // From now on they are among those that move.

@@ -3,7 +3,8 @@ use super::aabb8::{LANES, Marks};
 /// Indices of two objects, the lower first.
 pub(super) type Pair = (u32, u32);
 
-/// A list is short if it is shorter than the other by this factor: runs of the other are then long enough to be worth looking for.
+/// A list is short if it is shorter than the other by this factor: runs of the other are then long
+/// enough to be worth looking for.
 const FEW: usize = 8;
 
 /// Pairs that were found, in any order.
@@ -75,7 +76,8 @@ impl PairList {
         self.found.clear();
     }
 
-    /// Where pairs that are found are added. None may be in the list, but those that [`replace`](Self::replace) leaves out.
+    /// Where pairs that are found are added. None may be in the list, but those that
+    /// [`replace`](Self::replace) leaves out.
     pub(super) fn found(&mut self) -> &mut Found {
         &mut self.found
     }
@@ -115,7 +117,8 @@ impl PairList {
     }
 }
 
-/// Puts the pairs in the order of a number of theirs below `count`, and those where it is the same in the order they come in.
+/// Puts the pairs in the order of a number of theirs below `count`, and those where it is the same
+/// in the order they come in.
 fn distribute(from: &[Pair], to: &mut Vec<Pair>, counts: &mut Vec<u32>, count: usize, number: impl Fn(&Pair) -> u32) {
     counts.clear();
     counts.resize(count, 0);
@@ -152,7 +155,8 @@ pub(super) fn merge(many: &[Pair], few: &[Pair], to: &mut Vec<Pair>) {
     to.extend_from_slice(rest);
 }
 
-/// Takes the lower of the first two, again and again, without a branch on which it is: there is no guessing that.
+/// Takes the lower of the first two, again and again, without a branch on which it is: there is no
+/// guessing that.
 fn interleave(a: &[Pair], b: &[Pair], to: &mut Vec<Pair>) {
     to.resize(a.len() + b.len(), (0, 0));
     let (mut i, mut j) = (0, 0);

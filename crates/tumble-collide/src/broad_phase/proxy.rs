@@ -16,15 +16,16 @@ use crate::scalar::Scalar;
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Proxy<R> {
-    /// The box that it is in, world frame, with as much around it as counts as near; `None` for what has no end.
+    /// The box that it is in, world frame, with as much around it as counts as near; `None` for
+    /// what has no end.
     pub aabb: Option<Aabb<R>>,
     /// Whether it can be moved: two that cannot do nothing to each other.
     pub moves: bool,
 }
 
 impl<R: Scalar> Proxy<R> {
-    /// Whether the two may touch: one of them moves, and their boxes meet. What has no end meets everything that has one; a box that
-    /// is not finite, or turned inside out, meets nothing.
+    /// Whether the two may touch: one of them moves, and their boxes meet. What has no end meets
+    /// everything that has one; a box that is not finite, or turned inside out, meets nothing.
     #[inline]
     pub fn is_near(&self, other: &Self) -> bool {
         let near = match (&self.aabb, &other.aabb) {

@@ -3,8 +3,9 @@ use tumble_math::lane::{Lane, Vec3};
 use super::{MIN_SINE, Pair};
 use crate::lanes::{FAR, ManifoldLanes, sign};
 
-/// How far the common perpendicular of an edge of each separates the boxes at most, and which edges: `3 i + j`. Among edges the best has
-/// to be taken: the nearest points of others may be past their ends.
+/// How far the common perpendicular of an edge of each separates the boxes at most, and which
+/// edges: `3 i + j`. Among edges the best has to be taken: the nearest points of others may be past
+/// their ends.
 #[inline(always)]
 pub(super) fn widest_gap<L: Lane>(pair: &Pair<L>) -> (L, L) {
     let (zero, one) = (L::splat(0.0), L::splat(1.0));
@@ -57,7 +58,8 @@ pub(super) fn contact<L: Lane>(pair: &Pair<L>, code: L, separation: L) -> Manifo
     let (d, e) = (vector_of_three(pair.axes[0], i), vector_of_three(pair.axes[1], j));
     let axis = d.cross(e);
     let normal = axis * (sign(axis.dot(pair.apart)) / axis.dot(axis).sqrt());
-    // The edges' middles, seen from the second centre: of the first as far along the normal as it reaches, of the second against it.
+    // The edges' middles, seen from the second centre: of the first as far along the normal as it
+    // reaches, of the second against it.
     let (mut on_a, mut on_b) = (Vec3::zero() - pair.apart, Vec3::zero());
     let mut corners = zero;
     let mut k = 0;
@@ -74,8 +76,9 @@ pub(super) fn contact<L: Lane>(pair: &Pair<L>, code: L, separation: L) -> Manifo
         corners = corners * L::splat(9.0) + (weight_a + one) * L::splat(3.0) + (weight_b + one);
         k += 1;
     }
-    // Of the edges, on_a + s d and on_b + t e, the points nearest to each other. Those of the lines they are on may be past their ends: two corners that
-    // are near each other are furthest apart along no axis of these, so an edge is taken that does not reach as far.
+    // Of the edges, on_a + s d and on_b + t e, the points nearest to each other. Those of the lines
+    // they are on may be past their ends: two corners that are near each other are furthest apart
+    // along no axis of these, so an edge is taken that does not reach as far.
     let (half_d, half_e) = (of_three(pair.half[0], i), of_three(pair.half[1], j));
     let (from_a, across) = (on_b - on_a, d.dot(e));
     let (along_d, along_e) = (d.dot(from_a), e.dot(from_a));

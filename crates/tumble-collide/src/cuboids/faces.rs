@@ -5,7 +5,8 @@ use super::edges::{of_three, vector_of_three};
 use super::reduction::{Candidate, choose};
 use crate::lanes::{FAR, ManifoldLanes, sign};
 
-/// A face of one box, and the face of the other that looks against it, in the plane of the first: along its edges u and v, and above it.
+/// A face of one box, and the face of the other that looks against it, in the plane of the first:
+/// along its edges u and v, and above it.
 struct Facing<L> {
     /// Half the lengths of the reference face.
     half: [L; 2],
@@ -15,11 +16,14 @@ struct Facing<L> {
     q: Vec3<L>,
 }
 
-/// Candidates: where edges of the incident face begin within the reference face, where they leave it, and corners of it under the incident face.
+/// Candidates: where edges of the incident face begin within the reference face, where they leave
+/// it, and corners of it under the incident face.
 const CANDIDATES: usize = 12;
 /// Nearer to zero than this \[m\] an edge does not go along an axis.
 const MIN_WAY: f64 = 1e-12;
-/// A face is so much wider when it is asked whether a corner of the other is within it: one that lies on its edge is, however that is rounded, or boxes that are stacked flush would lose corners.
+/// A face is so much wider when it is asked whether a corner of the other is within it: one that
+/// lies on its edge is, however that is rounded, or boxes that are stacked flush would lose
+/// corners.
 const WIDER: f64 = 1.0 + 4e-6;
 
 /// The contact of the face with a code from 0 to 5 with the other box.
@@ -106,7 +110,8 @@ impl<L: Lane> Facing<L> {
         ]
     }
 
-    /// All corners of what is left of the incident face when it is cut to the reference face. Those that are further than the margin, or are none, are far away.
+    /// All corners of what is left of the incident face when it is cut to the reference face. Those
+    /// that are further than the margin, or are none, are far away.
     #[inline(always)]
     fn candidates(&self, margin: L) -> [Candidate<L>; CANDIDATES] {
         let mut candidates = [Candidate::nowhere(); CANDIDATES];
@@ -134,13 +139,15 @@ impl<L: Lane> Facing<L> {
         candidates
     }
 
-    /// Where an edge of the incident face begins within the reference face, and where it leaves it before its end.
+    /// Where an edge of the incident face begins within the reference face, and where it leaves it
+    /// before its end.
     #[inline(always)]
     fn cut(&self, from: Vec3<L>, way: Vec3<L>, edge: usize) -> [Candidate<L>; 2] {
         let (zero, one, half) = (L::splat(0.0), L::splat(1.0), L::splat(0.5));
         let [enter_u, leave_u] = slab(from.x, way.x, self.half[0]);
         let [enter_v, leave_v] = slab(from.y, way.y, self.half[1]);
-        // Sides of the reference face: which axis, and whether the edge goes along it or against it.
+        // Sides of the reference face: which axis, and whether the edge goes along it or against
+        // it.
         let (side_u, side_v) =
             (L::select(way.x.lt(zero), one, zero), L::select(way.y.lt(zero), L::splat(3.0), L::splat(2.0)));
         let enter = enter_u.max(enter_v);
@@ -189,7 +196,8 @@ impl<L: Lane> Facing<L> {
     }
 }
 
-/// When what is at `from` and goes `way` in a unit of time is within `half` of zero: from when to when.
+/// When what is at `from` and goes `way` in a unit of time is within `half` of zero: from when to
+/// when.
 #[inline(always)]
 fn slab<L: Lane>(from: L, way: L, half: L) -> [L; 2] {
     let far = L::splat(FAR);
@@ -200,7 +208,8 @@ fn slab<L: Lane>(from: L, way: L, half: L) -> [L; 2] {
     [L::select(stays, inside, a.min(b)), L::select(stays, far, a.max(b))]
 }
 
-/// Which of three is largest without its sign: the incident face is the one that looks most against the normal.
+/// Which of three is largest without its sign: the incident face is the one that looks most against
+/// the normal.
 #[inline(always)]
 fn largest<L: Lane>([a, b, c]: [L; 3]) -> L {
     let second = L::select(a.abs().lt(b.abs()), L::splat(1.0), L::splat(0.0));

@@ -1,8 +1,11 @@
-//! Boxes: the axis that separates two of them most, and the points where the faces or edges that it belongs to meet.
+//! Boxes: the axis that separates two of them most, and the points where the faces or edges that it
+//! belongs to meet.
 //!
-//! The separating axis test over the three face normals of each and the nine products of their edges (S. Gottschalk, M. Lin, D. Manocha, "OBBTree",
-//! SIGGRAPH 1996); the points of a face contact are the corners of what is left of the face of one box that looks against the axis when it is cut
-//! to the face of the other. Nothing branches on a pair, so that several are worked on side by side.
+//! The separating axis test over the three face normals of each and the nine products of their
+//! edges (S. Gottschalk, M. Lin, D. Manocha, "OBBTree", SIGGRAPH 1996); the points of a face
+//! contact are the corners of what is left of the face of one box that looks against the axis when
+//! it is cut to the face of the other. Nothing branches on a pair, so that several are worked on
+//! side by side.
 
 mod edges;
 mod faces;
@@ -12,8 +15,8 @@ use tumble_math::lane::{Lane, Quat, Vec3};
 
 use crate::lanes::{FAR, ManifoldLanes};
 
-/// An edge axis must separate by so much more \[m\] than the best face to be taken: a face holds a body better, and a choice that
-/// changes back and forth holds it worst.
+/// An edge axis must separate by so much more \[m\] than the best face to be taken: a face holds a
+/// body better, and a choice that changes back and forth holds it worst.
 const EDGE_LEAD: f64 = 5e-4;
 /// But by no more than this part of the margin.
 const LEAD_SHARE: f64 = 0.025;
@@ -52,7 +55,8 @@ struct Pair<L> {
     apart: Vec3<L>,
     /// The same along the axes of both.
     along: [[L; 3]; 2],
-    /// Cosines of the angles between the axes of the first and of the second, and their absolute values.
+    /// Cosines of the angles between the axes of the first and of the second, and their absolute
+    /// values.
     cosines: [[L; 3]; 3],
     absolute: [[L; 3]; 3],
 }
@@ -80,7 +84,8 @@ impl<L: Lane> Pair<L> {
         Self { axes: [a, b], half: [[h.x, h.y, h.z], [k.x, k.y, k.z]], apart, along, cosines, absolute }
     }
 
-    /// How far the normals of faces separate the boxes: those of the first, then those of the second.
+    /// How far the normals of faces separate the boxes: those of the first, then those of the
+    /// second.
     #[inline(always)]
     fn face_gaps(&self) -> [L; 6] {
         let ([h, k], c) = (self.half, &self.absolute);
@@ -97,7 +102,8 @@ impl<L: Lane> Pair<L> {
     }
 }
 
-/// How far apart boxes are at least \[m\]: what the normals of their faces tell. `apart` is the way from the first centre to the second.
+/// How far apart boxes are at least \[m\]: what the normals of their faces tell. `apart` is the way
+/// from the first centre to the second.
 ///
 /// ```
 /// use tumble_collide::lanes::{CuboidLanes, cuboid_gap};
@@ -113,7 +119,8 @@ pub fn cuboid_gap<L: Lane>(first: &CuboidLanes<L>, second: &CuboidLanes<L>, apar
     a.max(b).max(c).max(d).max(e).max(f)
 }
 
-/// How boxes touch, with points where they are less than `margin` \[m\] apart; `apart` is the way from the first centre to the second.
+/// How boxes touch, with points where they are less than `margin` \[m\] apart; `apart` is the way
+/// from the first centre to the second.
 ///
 /// ```
 /// use tumble_collide::lanes::{CuboidLanes, cuboid_pair};

@@ -2,20 +2,23 @@ use tumble_math::lane::{Lane, Vec3};
 
 use crate::lanes::FAR;
 
-/// By how much a later point must be better than an earlier one to be taken in its place. Only as much as rounding may make of points that are the same:
-/// the order of the points is not the same from step to step, so a larger lead would choose now one and now another of two that differ.
+/// By how much a later point must be better than an earlier one to be taken in its place. Only as
+/// much as rounding may make of points that are the same: the order of the points is not the same
+/// from step to step, so a larger lead would choose now one and now another of two that differ.
 const LEAD: f64 = 1e-4;
 /// Points that are deeper by less than this part of the margin are as deep.
 const AS_DEEP: f64 = 0.05;
 
-/// Points in one place are one, and three in a line are two: squares of distances and areas that are less than this part of the square of the faces' size are none.
-/// A corner of one face that lies on one of the other is found up to three times.
+/// Points in one place are one, and three in a line are two: squares of distances and areas that
+/// are less than this part of the square of the faces' size are none. A corner of one face that
+/// lies on one of the other is found up to three times.
 const MIN_SIZE: f64 = 1e-5;
 
 /// A point that may be one of a manifold's.
 #[derive(Clone, Copy)]
 pub(super) struct Candidate<L> {
-    /// Along the edges of the reference face, and above it, which is the separation; [`FAR`] where there is none.
+    /// Along the edges of the reference face, and above it, which is the separation; [`FAR`] where
+    /// there is none.
     pub(super) at: Vec3<L>,
     /// How far it goes along with the incident box.
     pub(super) carried: L,
@@ -51,9 +54,11 @@ impl<L: Lane> Candidate<L> {
     }
 }
 
-/// Up to four of the points there are: the outermost of the deepest, the one farthest from it, the one that makes the largest triangle with both, and the
-/// one that adds most to its area, as far as they are apart; the rest are far away. `size` is the square of half the diagonal of the smaller face,
-/// `middle` that of what both faces have in common, from which the outermost are far: the mean of the points is beside it where several are in one place.
+/// Up to four of the points there are: the outermost of the deepest, the one farthest from it, the
+/// one that makes the largest triangle with both, and the one that adds most to its area, as far as
+/// they are apart; the rest are far away. `size` is the square of half the diagonal of the smaller
+/// face, `middle` that of what both faces have in common, from which the outermost are far: the
+/// mean of the points is beside it where several are in one place.
 #[inline(always)]
 pub(super) fn choose<L: Lane, const N: usize>(
     mut candidates: [Candidate<L>; N],
@@ -69,7 +74,8 @@ pub(super) fn choose<L: Lane, const N: usize>(
         least = least.min(candidates[k].at.z);
         k += 1;
     }
-    // Of those that are as deep as any, give or take, one at a corner: an edge that lies along another crosses it anywhere, from step to step.
+    // Of those that are as deep as any, give or take, one at a corner: an edge that lies along
+    // another crosses it anywhere, from step to step.
     let deep = least + margin * L::splat(AS_DEEP);
     let mut scores = [L::splat(-FAR); N];
     let mut k = 0;
@@ -107,7 +113,8 @@ pub(super) fn choose<L: Lane, const N: usize>(
     in_order([first, second, third, best(&mut candidates, scores, least_size)])
 }
 
-/// In the order they came in, whatever made them be chosen: a solver that takes them one after the other finds no rest while their order changes.
+/// In the order they came in, whatever made them be chosen: a solver that takes them one after the
+/// other finds no rest while their order changes.
 #[inline(always)]
 fn in_order<L: Lane>(mut chosen: [Candidate<L>; 4]) -> [Candidate<L>; 4] {
     let swaps = [[0, 1], [2, 3], [0, 2], [1, 3], [1, 2]];
@@ -146,7 +153,8 @@ fn best<L: Lane, const N: usize>(candidates: &mut [Candidate<L>; N], scores: [L;
     chosen
 }
 
-/// Twice the area of a triangle in the plane, positive where its corners go around against the clock.
+/// Twice the area of a triangle in the plane, positive where its corners go around against the
+/// clock.
 #[inline(always)]
 fn area<L: Lane>(a: Vec3<L>, b: Vec3<L>, c: Vec3<L>) -> L {
     (b.x - a.x) * (c.y - a.y) - (b.y - a.y) * (c.x - a.x)

@@ -9,9 +9,10 @@ use super::triangle_mesh::TriangleMesh;
 
 /// Counts of what is in a mesh and of what is wrong with it, all of it, not only the first.
 ///
-/// Edges, parts, volume and area are those of the surface after vertices at exactly the same place have been taken for one, and without
-/// the triangles that are degenerate or duplicates. If welding near-duplicates closes all its open edges, they are
-/// [`cracks`](Self::cracks), and everything else is counted as it is once they are welded.
+/// Edges, parts, volume and area are those of the surface after vertices at exactly the same place
+/// have been taken for one, and without the triangles that are degenerate or duplicates. If welding
+/// near-duplicates closes all its open edges, they are [`cracks`](Self::cracks), and everything
+/// else is counted as it is once they are welded.
 ///
 /// Not looked for: whether the surface crosses itself.
 ///
@@ -39,7 +40,8 @@ pub struct MeshAudit {
     pub triangles: usize,
     /// Vertices at exactly the place of an earlier one.
     pub duplicate_vertices: usize,
-    /// Further vertices within [`TriangleMesh::NEAR`] times the longest side of the box of an earlier one.
+    /// Further vertices within [`TriangleMesh::NEAR`] times the longest side of the box of an
+    /// earlier one.
     pub near_duplicates: usize,
     /// Vertices that no triangle uses.
     pub unused_vertices: usize,
@@ -67,7 +69,8 @@ pub struct MeshAudit {
     pub inside_out_parts: usize,
     /// Closed parts at odd depth of nesting; `None` if there are too many crossings to tell.
     pub cavities: Option<usize>,
-    /// Volume as wound [m^3]: negative if inside out. Of an open surface, that of the cone to the middle of its box.
+    /// Volume as wound [m^3]: negative if inside out. Of an open surface, that of the cone to the
+    /// middle of its box.
     pub volume: f64,
     /// Area [m^2].
     pub area: f64,
@@ -119,8 +122,9 @@ impl MeshAudit {
         }
     }
 
-    /// Everything that is wrong, in the order in which it is repaired; empty for a mesh that is solid as it is. Vertices at exactly the same
-    /// place, near-duplicates that tear nothing, and unused vertices are not problems.
+    /// Everything that is wrong, in the order in which it is repaired; empty for a mesh that is
+    /// solid as it is. Vertices at exactly the same place, near-duplicates that tear nothing, and
+    /// unused vertices are not problems.
     #[must_use]
     pub fn problems(&self) -> Vec<MeshDefect> {
         let (edges, parts) = (self.open_edges, self.inside_out_parts);

@@ -1,4 +1,5 @@
-//! Parts of a surface: what hangs together through edges, which way round its triangles go, and the volume within.
+//! Parts of a surface: what hangs together through edges, which way round its triangles go, and the
+//! volume within.
 
 use glam::DVec3;
 
@@ -174,7 +175,8 @@ impl Sheets {
         }
     }
 
-    /// Shortens the way for those who come later, so that long chains do not make the whole quadratic.
+    /// Shortens the way for those who come later, so that long chains do not make the whole
+    /// quadratic.
     fn root_of(&mut self, triangle: u32) -> u32 {
         let mut sheet = self.of_triangle[triangle as usize];
         while self.parents[sheet as usize] != sheet {

@@ -8,20 +8,23 @@ use super::triangle_mesh::TriangleMesh;
 use crate::mass_properties::check_position;
 use crate::shape::Shape;
 
-/// The convex hull of points \[m\]: a closed mesh, wound outwards, whose vertices are those of the points that are its corners, in
-/// their order.
+/// The convex hull of points \[m\]: a closed mesh, wound outwards, whose vertices are those of the
+/// points that are its corners, in their order.
 ///
-/// On which side of a face a point lies is decided without rounding, for points shifted to a grid of 2^37 to 2^38 steps over the longest
-/// side of their box, by half a step on each axis at most (4e-12 of that side). So points in one plane, on one line or at one place do no
-/// harm: the result is closed and convex on the grid, faces with more than three corners are cut into triangles, and none of these is
-/// without area there. A point that is above no face by more than two steps does not become a corner, for that is no more than the
-/// shift can do.
+/// On which side of a face a point lies is decided without rounding, for points shifted to a grid
+/// of 2^37 to 2^38 steps over the longest side of their box, by half a step on each axis at most
+/// (4e-12 of that side). So points in one plane, on one line or at one place do no harm: the result
+/// is closed and convex on the grid, faces with more than three corners are cut into triangles, and
+/// none of these is without area there. A point that is above no face by more than two steps does
+/// not become a corner, for that is no more than the shift can do.
 ///
-/// Points are added furthest first to a growing hull that keeps, for each face, a list of points outside it (quickhull). That takes
-/// about `n log n` steps, a fraction of a second for a hundred thousand points on a sphere. In bad cases, such as all points on two circles, it would take `n^2`: these
-/// are given up after some seconds' work.
+/// Points are added furthest first to a growing hull that keeps, for each face, a list of points
+/// outside it (quickhull). That takes about `n log n` steps, a fraction of a second for a hundred
+/// thousand points on a sphere. In bad cases, such as all points on two circles, it would take
+/// `n^2`: these are given up after some seconds' work.
 ///
-/// Source: C. B. Barber, D. P. Dobkin, H. Huhdanpaa, "The quickhull algorithm for convex hulls", ACM Trans. Math. Softw. 22 (1996).
+/// Source: C. B. Barber, D. P. Dobkin, H. Huhdanpaa, "The quickhull algorithm for convex hulls",
+/// ACM Trans. Math. Softw. 22 (1996).
 ///
 /// ```
 /// use tumble_math::convex_hull;
@@ -37,8 +40,9 @@ use crate::shape::Shape;
 /// ```
 ///
 /// # Errors
-/// Fewer than four points, one that is not finite or too far out (named by its index), or all of them in one plane; and more work than there is patience for, which
-/// depends on the points alone and not on the machine.
+/// Fewer than four points, one that is not finite or too far out (named by its index), or all of
+/// them in one plane; and more work than there is patience for, which depends on the points alone
+/// and not on the machine.
 pub fn convex_hull(points: &[DVec3]) -> Result<TriangleMesh, HullError> {
     let count = points.len();
     if count < 4 {
@@ -63,7 +67,8 @@ pub fn convex_hull(points: &[DVec3]) -> Result<TriangleMesh, HullError> {
     Ok(hull.mesh(points)?)
 }
 
-/// Comparisons of a point with a face at the most, some seconds' work, and how many more for each point: six times as often as points on a sphere need.
+/// Comparisons of a point with a face at the most, some seconds' work, and how many more for each
+/// point: six times as often as points on a sphere need.
 const MAX_WORK: usize = 1 << 27;
 const WORK_OF_POINT: usize = 256;
 
@@ -105,8 +110,8 @@ struct Hull<'a> {
 }
 
 impl<'a> Hull<'a> {
-    /// A tetrahedron of points far from each other, every other point in the list of a face it is outside of. `None` if all points are in
-    /// one plane.
+    /// A tetrahedron of points far from each other, every other point in the list of a face it is
+    /// outside of. `None` if all points are in one plane.
     fn started(points: &'a [GridPoint], most_work: usize) -> Option<Self> {
         let corners = tetrahedron(points)?;
         let mut hull = Self {
@@ -150,8 +155,9 @@ impl<'a> Hull<'a> {
         dot(face.normal, self.points[point as usize] - self.points[face.corners[0] as usize])
     }
 
-    /// Puts each point into the list of the first of the faces that it is outside of. What is outside of none of them is inside for good, or
-    /// within the margin: seen from the new point, the hull is the cone that they bound.
+    /// Puts each point into the list of the first of the faces that it is outside of. What is
+    /// outside of none of them is inside for good, or within the margin: seen from the new point,
+    /// the hull is the cone that they bound.
     fn share_out(&mut self, points: Vec<u32>, faces: &[u32]) {
         for point in points {
             if self.work > self.most_work {
@@ -178,7 +184,8 @@ impl<'a> Hull<'a> {
             }
             self.work += self.faces[face as usize].outside.len();
             let outside = self.faces[face as usize].outside.iter();
-            // Of equally high ones the first in the order of the points, so that nothing depends on the order of lists.
+            // Of equally high ones the first in the order of the points, so that nothing depends on
+            // the order of lists.
             let highest = outside.copied().max_by_key(|point| (self.height(face, *point), std::cmp::Reverse(*point)));
             if let Some(point) = highest {
                 self.reach(face, point);
@@ -220,9 +227,10 @@ impl<'a> Hull<'a> {
 
     /// The faces that a new point makes go, and the edges around them.
     ///
-    /// These are the faces it is above, and those it is level with that are reached from them through edges. Were the latter to
-    /// stay, a new face could have its three corners on one line: the edge of a level face that points at the new point. So such an edge has level
-    /// faces on both sides, and both go.
+    /// These are the faces it is above, and those it is level with that are reached from them
+    /// through edges. Were the latter to stay, a new face could have its three corners on one line:
+    /// the edge of a level face that points at the new point. So such an edge has level faces on
+    /// both sides, and both go.
     fn visible_from(&mut self, start: u32, point: u32) -> (Vec<u32>, Vec<HorizonEdge>) {
         let (mut gone, mut horizon) = (vec![start], Vec::new());
         self.faces[start as usize].stands = false;
@@ -268,7 +276,8 @@ impl<'a> Hull<'a> {
     }
 }
 
-/// Four points not in one plane, far from each other, the fourth below the plane in which the first three run counter-clockwise.
+/// Four points not in one plane, far from each other, the fourth below the plane in which the first
+/// three run counter-clockwise.
 fn tetrahedron(points: &[GridPoint]) -> Option<[u32; 4]> {
     let numbers = || 0..points.len() as u32;
     let at = |number: u32| points[number as usize];
@@ -290,7 +299,8 @@ fn tetrahedron(points: &[GridPoint]) -> Option<[u32; 4]> {
     }
 }
 
-/// Two steps of the grid, as a height over a face with this normal, at least zero and so never short of exactly level.
+/// Two steps of the grid, as a height over a face with this normal, at least zero and so never
+/// short of exactly level.
 fn margin(normal: [i128; 3]) -> i128 {
     let [x, y, z] = normal.map(|x| x as f64);
     (2.0 * (x * x + y * y + z * z).sqrt()) as i128
@@ -325,7 +335,8 @@ mod tests {
         [spiral, circles, short]
     }
 
-    /// About `n log n`: twice as many points take 2.2 times the work, at a hundred thousand 42 comparisons a point.
+    /// About `n log n`: twice as many points take 2.2 times the work, at a hundred thousand 42
+    /// comparisons a point.
     #[test]
     fn points_of_a_sphere_take_work_in_proportion() {
         for (few, many) in spheres(20_000).into_iter().zip(spheres(40_000)) {

@@ -4,9 +4,11 @@ use std::fmt;
 
 /// One kind of thing that is wrong with a mesh, with how often.
 ///
-/// Those with a [`repair`](Self::repair) are mended by [`TriangleMesh::repaired`](crate::TriangleMesh::repaired), those that
-/// [are harmless](Self::is_harmless) change no volume and do not keep a mesh from being [solid](crate::TriangleMesh::solid); the
-/// others leave open what is inside, and nothing but the author of the mesh can tell.
+/// Those with a [`repair`](Self::repair) are mended by
+/// [`TriangleMesh::repaired`](crate::TriangleMesh::repaired), those that
+/// [are harmless](Self::is_harmless) change no volume and do not keep a mesh from being
+/// [solid](crate::TriangleMesh::solid); the others leave open what is inside, and nothing but the
+/// author of the mesh can tell.
 ///
 /// ```
 /// use tumble_math::MeshDefect;
@@ -21,8 +23,8 @@ pub enum MeshDefect {
         /// How many.
         triangles: usize,
     },
-    /// Triangles whose three corners are different but on one line, within rounding. They hold the mesh together where a vertex
-    /// of one neighbour lies on the edge of another, and so are kept.
+    /// Triangles whose three corners are different but on one line, within rounding. They hold the
+    /// mesh together where a vertex of one neighbour lies on the edge of another, and so are kept.
     CollinearTriangles {
         /// How many.
         triangles: usize,
@@ -32,7 +34,8 @@ pub enum MeshDefect {
         /// How many are superfluous.
         triangles: usize,
     },
-    /// Edges with one triangle, all of which are closed by welding vertices that are nearly at the same place.
+    /// Edges with one triangle, all of which are closed by welding vertices that are nearly at the
+    /// same place.
     Cracks {
         /// How many such edges.
         edges: usize,
@@ -75,7 +78,8 @@ pub enum MeshDefect {
 }
 
 impl MeshDefect {
-    /// What [`TriangleMesh::repaired`](crate::TriangleMesh::repaired) does about it, if anything can be done.
+    /// What [`TriangleMesh::repaired`](crate::TriangleMesh::repaired) does about it, if anything
+    /// can be done.
     #[must_use]
     pub fn repair(&self) -> Option<MeshRepair> {
         match *self {
@@ -88,7 +92,8 @@ impl MeshDefect {
         }
     }
 
-    /// Whether it changes neither volume nor inertia, so that [`TriangleMesh::solid`](crate::TriangleMesh::solid) passes over it.
+    /// Whether it changes neither volume nor inertia, so that
+    /// [`TriangleMesh::solid`](crate::TriangleMesh::solid) passes over it.
     #[must_use]
     pub fn is_harmless(&self) -> bool {
         matches!(self, Self::DegenerateTriangles { .. } | Self::CollinearTriangles { .. })

@@ -1,4 +1,5 @@
-//! Edges of a surface: which triangles meet in them, and whether they run along them in opposite directions.
+//! Edges of a surface: which triangles meet in them, and whether they run along them in opposite
+//! directions.
 
 /// A side of a triangle, as an edge between two vertices.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]

@@ -1,11 +1,13 @@
-//! Points on a grid of whole numbers, on which side of a plane one lies is computed without rounding.
+//! Points on a grid of whole numbers, on which side of a plane one lies is computed without
+//! rounding.
 
 use std::ops::Sub;
 
 use glam::DVec3;
 
-/// The longest side of the points' box has at most this power of two of steps, and more than half as many. A determinant of three differences is below
-/// `6 * 2^(3 * 38) < 2^117`, so there is room in 128 bits.
+/// The longest side of the points' box has at most this power of two of steps, and more than half
+/// as many. A determinant of three differences is below `6 * 2^(3 * 38) < 2^117`, so there is room
+/// in 128 bits.
 const STEPS: i32 = 38;
 
 /// A point in steps of the grid, each coordinate from 0 to 2^38.
@@ -13,8 +15,8 @@ const STEPS: i32 = 38;
 pub(crate) struct GridPoint([i64; 3]);
 
 impl GridPoint {
-    /// All points on the grid of their box, each coordinate within half a step of what it was: 2^-38 of the longest side, at most.
-    /// That side must be in the range of lengths.
+    /// All points on the grid of their box, each coordinate within half a step of what it was:
+    /// 2^-38 of the longest side, at most. That side must be in the range of lengths.
     pub(crate) fn all(points: &[DVec3]) -> Vec<Self> {
         let low = points.iter().fold(DVec3::INFINITY, |low, p| low.min(*p));
         let high = points.iter().fold(DVec3::NEG_INFINITY, |high, p| high.max(*p));

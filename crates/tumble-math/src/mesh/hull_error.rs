@@ -21,7 +21,8 @@ pub enum HullError {
         /// How many there are.
         count: usize,
     },
-    /// A point is not finite or further out than [`MassProperties::REACH`](crate::MassProperties::REACH).
+    /// A point is not finite or further out than
+    /// [`MassProperties::REACH`](crate::MassProperties::REACH).
     #[error("point {point} at {} is not finite or beyond 1e90 m", listed(*.position))]
     Position {
         /// Index of the point, from 0.
@@ -29,13 +30,15 @@ pub enum HullError {
         /// Its position \[m\].
         position: DVec3,
     },
-    /// All points lie in one plane, on one line or at one place, within 4e-12 of the longest side of their box.
+    /// All points lie in one plane, on one line or at one place, within 4e-12 of the longest side
+    /// of their box.
     #[error("all {count} points lie in one plane, so their hull has no volume")]
     Flat {
         /// How many there are.
         count: usize,
     },
-    /// The points lie so that finding their hull would take far longer than it takes for most, as those of a cylinder with many thousand corners do.
+    /// The points lie so that finding their hull would take far longer than it takes for most, as
+    /// those of a cylinder with many thousand corners do.
     #[error(
         "the convex hull of these {count} points takes too much work: leave out points that it does not need, such as most of a circle's"
     )]

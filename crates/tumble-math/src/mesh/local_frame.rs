@@ -2,11 +2,13 @@
 
 use glam::DVec3;
 
-/// The box around a mesh, and coordinates from its middle in units of a power of two, in which the box fits into -1 to 1.
+/// The box around a mesh, and coordinates from its middle in units of a power of two, in which the
+/// box fits into -1 to 1.
 ///
-/// Scaling is exact. So is the shift for a mesh far from the origin, whose coordinates are within a factor of two of the middle's
-/// (P. H. Sterbenz, "Floating-Point Computation", 1974, theorem 4.3.1); near the origin it rounds to eps of the local coordinate.
-/// Either way a mesh far away loses nothing against one near.
+/// Scaling is exact. So is the shift for a mesh far from the origin, whose coordinates are within a
+/// factor of two of the middle's (P. H. Sterbenz, "Floating-Point Computation", 1974, theorem
+/// 4.3.1); near the origin it rounds to eps of the local coordinate. Either way a mesh far away
+/// loses nothing against one near.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct LocalFrame {
     pub(crate) low: DVec3,

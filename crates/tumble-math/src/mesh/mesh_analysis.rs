@@ -62,7 +62,8 @@ impl Anatomy {
         Self { frame, unused, coincident, nearby, surface, edges, parts, depths, cracks }
     }
 
-    /// Whether the part is to be turned round as a whole: by the sign of its volume and how deep it lies.
+    /// Whether the part is to be turned round as a whole: by the sign of its volume and how deep it
+    /// lies.
     pub(crate) fn is_inside_out(&self, part: usize) -> bool {
         let depth = self.depths.as_ref().map_or(0, |depths| depths[part]);
         (self.parts.parts[part].volume.value < 0.0) != (depth % 2 == 1)

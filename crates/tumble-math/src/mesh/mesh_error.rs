@@ -26,7 +26,8 @@ pub enum MeshError {
         /// How many there are.
         count: usize,
     },
-    /// A vertex is not finite or further out than [`MassProperties::REACH`](crate::MassProperties::REACH).
+    /// A vertex is not finite or further out than
+    /// [`MassProperties::REACH`](crate::MassProperties::REACH).
     #[error("vertex {vertex} at {} is not finite or beyond 1e90 m", listed(*.position))]
     Position {
         /// Index of the vertex, from 0.
@@ -56,8 +57,9 @@ pub enum MeshError {
         /// Everything that stands against it.
         defects: Vec<MeshDefect>,
     },
-    /// The parts are closed and wound well, but what they bound together has no volume, or is no distribution of mass: cavities as
-    /// large as what they are in, or a surface that crosses itself.
+    /// The parts are closed and wound well, but what they bound together has no volume, or is no
+    /// distribution of mass: cavities as large as what they are in, or a surface that crosses
+    /// itself.
     #[error("the mesh bounds no solid: it crosses itself, its volume comes out as {volume:?} m^3")]
     NoVolume {
         /// The signed volume [m^3].

@@ -1,7 +1,8 @@
 //! Triangle meshes: what is wrong with them, the solid they bound, its exact mass properties.
 //!
-//! A mesh is analysed in stages, a file each: vertices at one place (`coincidence`), the triangles left over them (`surface`), their
-//! edges (`edges`), what hangs together (`parts`), what lies within what (`nesting`). `audit` counts, `solid_mesh` repairs and refuses. `convex_hull` makes
+//! A mesh is analysed in stages, a file each: vertices at one place (`coincidence`), the triangles
+//! left over them (`surface`), their edges (`edges`), what hangs together (`parts`), what lies
+//! within what (`nesting`). `audit` counts, `solid_mesh` repairs and refuses. `convex_hull` makes
 //! meshes that need none of it.
 
 mod audit;

@@ -4,9 +4,11 @@ use glam::{DMat3, DVec3};
 
 use super::local_frame::LocalFrame;
 
-/// A sum that keeps what its additions round off, and adds it at the end: its error does not grow with the number of terms.
+/// A sum that keeps what its additions round off, and adds it at the end: its error does not grow
+/// with the number of terms.
 ///
-/// A. Neumaier, "Rundungsfehleranalyse einiger Verfahren zur Summation endlicher Summen", Z. Angew. Math. Mech. 54 (1974).
+/// A. Neumaier, "Rundungsfehleranalyse einiger Verfahren zur Summation endlicher Summen", Z. Angew.
+/// Math. Mech. 54 (1974).
 #[derive(Clone, Copy, Debug, Default)]
 struct Sum {
     sum: f64,
@@ -41,7 +43,8 @@ impl VectorSum {
     }
 }
 
-/// A volume, positive if the surface is wound outwards, and the most by which rounding can have changed it.
+/// A volume, positive if the surface is wound outwards, and the most by which rounding can have
+/// changed it.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(crate) struct SignedVolume {
     pub(crate) value: f64,
@@ -55,7 +58,8 @@ impl SignedVolume {
     }
 }
 
-/// The volume within a surface, in local units, about its own first corner. See [`moments`] for the formula.
+/// The volume within a surface, in local units, about its own first corner. See [`moments`] for the
+/// formula.
 pub(crate) fn signed_volume(triangles: impl Iterator<Item = [DVec3; 3]>, frame: &LocalFrame) -> SignedVolume {
     let (mut volume, mut terms) = (Sum::default(), 0.0);
     let mut first = None;
@@ -68,19 +72,21 @@ pub(crate) fn signed_volume(triangles: impl Iterator<Item = [DVec3; 3]>, frame: 
     SignedVolume { value: volume.value() / 6.0, rounding: ROUNDING * terms / 6.0 }
 }
 
-/// What rounding can change in `a . (u x v)`, relative to `|a| |u| |v|`: `a`, `u` and `v` are rounded differences (half an eps each), and
-/// the six products of three factors with their sum cost another three eps at most. Twice that, for the bound is rounded itself.
+/// What rounding can change in `a . (u x v)`, relative to `|a| |u| |v|`: `a`, `u` and `v` are
+/// rounded differences (half an eps each), and the six products of three factors with their sum
+/// cost another three eps at most. Twice that, for the bound is rounded itself.
 const ROUNDING: f64 = 8.0 * f64::EPSILON;
 
-/// `a . (u x v)` with the edges `u`, `v` of the triangle from its first corner `a`, which is six times the volume of the
-/// tetrahedron it makes with the origin; and `|a| |u| |v|`. Edges are differences of the given positions, so that a small
-/// triangle far out is as exact as one near.
+/// `a . (u x v)` with the edges `u`, `v` of the triangle from its first corner `a`, which is six
+/// times the volume of the tetrahedron it makes with the origin; and `|a| |u| |v|`. Edges are
+/// differences of the given positions, so that a small triangle far out is as exact as one near.
 fn determinant([p, q, r]: [DVec3; 3], a: DVec3, frame: &LocalFrame) -> (f64, f64) {
     let (u, v) = (frame.difference(p, q), frame.difference(p, r));
     (a.dot(u.cross(v)), a.length() * u.length() * v.length())
 }
 
-/// Moments of a homogeneous solid of density one, in local units: volume, centre, and the integral of `r r^T` about the centre.
+/// Moments of a homogeneous solid of density one, in local units: volume, centre, and the integral
+/// of `r r^T` about the centre.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Moments {
     pub(crate) volume: SignedVolume,
@@ -90,19 +96,21 @@ pub(crate) struct Moments {
 
 /// Moments of the solid within a closed surface.
 ///
-/// By the divergence theorem the integral over a solid is the sum, over its triangles, of integrals over the tetrahedra between
-/// triangle and origin, each with the sign of its determinant `d = a . (b x c)`: what the surface bounds is covered once, everything else
-/// as often with either sign. Over one tetrahedron with corners 0, a, b, c and `s = a + b + c`
+/// By the divergence theorem the integral over a solid is the sum, over its triangles, of integrals
+/// over the tetrahedra between triangle and origin, each with the sign of its determinant
+/// `d = a . (b x c)`: what the surface bounds is covered once, everything else as often with either
+/// sign. Over one tetrahedron with corners 0, a, b, c and `s = a + b + c`
 ///
 /// ```text
 /// integral of 1 = d/6      of r = d/24 s      of r r^T = d/120 (s s^T + a a^T + b b^T + c c^T)
 /// ```
 ///
-/// A first pass about the middle of the box finds volume and centre, a second about the centre the second moments, so that no
-/// parallel-axis shift has to be taken away from them.
+/// A first pass about the middle of the box finds volume and centre, a second about the centre the
+/// second moments, so that no parallel-axis shift has to be taken away from them.
 ///
-/// Sources: B. Mirtich, "Fast and accurate computation of polyhedral mass properties", J. Graphics Tools 1 (1996), and D. Eberly,
-/// "Polyhedral mass properties (revisited)", 2009, for surface integrals of the same; F. Tonon, J. Math. Stat. 1 (2005) for the tetrahedron.
+/// Sources: B. Mirtich, "Fast and accurate computation of polyhedral mass properties", J. Graphics
+/// Tools 1 (1996), and D. Eberly, "Polyhedral mass properties (revisited)", 2009, for surface
+/// integrals of the same; F. Tonon, J. Math. Stat. 1 (2005) for the tetrahedron.
 pub(crate) fn moments<I: Iterator<Item = [DVec3; 3]>>(triangles: impl Fn() -> I, frame: &LocalFrame) -> Moments {
     let (mut volume, mut first, mut terms) = (Sum::default(), VectorSum::default(), 0.0);
     for corners in triangles() {
@@ -128,8 +136,9 @@ pub(crate) fn moments<I: Iterator<Item = [DVec3; 3]>>(triangles: impl Fn() -> I,
     Moments { volume, center, second }
 }
 
-/// Area of a surface in local units, and how many of its triangles have none: the cross product of two edges, each known to half an
-/// eps and with three roundings of its own, is no longer than its rounding.
+/// Area of a surface in local units, and how many of its triangles have none: the cross product of
+/// two edges, each known to half an eps and with three roundings of its own, is no longer than its
+/// rounding.
 pub(crate) fn surface_area(triangles: impl Iterator<Item = [DVec3; 3]>, frame: &LocalFrame) -> (f64, usize) {
     let (mut area, mut collinear) = (Sum::default(), 0);
     for [p, q, r] in triangles {

@@ -10,15 +10,16 @@ use super::triangle_mesh::TriangleMesh;
 /// Parts nearer to each other than this, in units of the mesh, touch. As near-duplicate vertices.
 const TOUCHING: f64 = TriangleMesh::NEAR;
 
-/// For each part how many others it lies within; zero for those that are not closed. `None` if it takes more than `most` comparisons of
-/// a triangle with a line.
+/// For each part how many others it lies within; zero for those that are not closed. `None` if it
+/// takes more than `most` comparisons of a triangle with a line.
 ///
-/// A part is within another if a point just inside its surface is, and its box is. The point lies on a line parallel to x through the
-/// middle of the triangle that is largest as seen along x; all parts that the line goes through are found at once, in a tree, so that
-/// the time for P parts is P times that of one line and not P squared.
+/// A part is within another if a point just inside its surface is, and its box is. The point lies
+/// on a line parallel to x through the middle of the triangle that is largest as seen along x; all
+/// parts that the line goes through are found at once, in a tree, so that the time for P parts is P
+/// times that of one line and not P squared.
 ///
-/// That the point is on the inner side of the surface makes parts that touch, wall to wall, lie beside each other. Parts that
-/// cross each other have no answer; they get some.
+/// That the point is on the inner side of the surface makes parts that touch, wall to wall, lie
+/// beside each other. Parts that cross each other have no answer; they get some.
 pub(crate) fn depths(
     positions: &[DVec3],
     triangles: &[[u32; 3]],
@@ -55,7 +56,8 @@ pub(crate) fn depths(
     Some(depths)
 }
 
-/// How many parts the point just inside part `number`, at the triangle `largest` that the line meets at `x`, lies in.
+/// How many parts the point just inside part `number`, at the triangle `largest` that the line
+/// meets at `x`, lies in.
 fn depth(number: usize, largest: u32, x: f64, found: &mut [Crossing], parts: &Parts) -> u32 {
     let part_of = |crossing: &Crossing| parts.of_triangle[crossing.triangle as usize] as usize;
     let winding = |crossings: &[Crossing], up_to: f64| -> i32 {
@@ -65,7 +67,8 @@ fn depth(number: usize, largest: u32, x: f64, found: &mut [Crossing], parts: &Pa
     found.sort_unstable_by_key(|crossing| (part_of(crossing), crossing.triangle));
     let own = found.iter().position(|c| part_of(c) == number).unwrap_or(found.len());
     let own_end = found.iter().rposition(|c| part_of(c) == number).map_or(own, |last| last + 1);
-    // Outside before it, the line goes in here: the point is a little further on. Else a little before.
+    // Outside before it, the line goes in here: the point is a little further on. Else a little
+    // before.
     let goes_in = winding(&found[own..own_end], x) == 0;
     let up_to = if goes_in { x + TOUCHING } else { x - TOUCHING };
     let part = &parts.parts[number];
@@ -86,7 +89,8 @@ mod tests {
     use super::super::edges::Edges;
     use super::*;
 
-    /// Tetrahedra in each other, each a quarter as large as the last; what takes too long has no answer.
+    /// Tetrahedra in each other, each a quarter as large as the last; what takes too long has no
+    /// answer.
     #[test]
     fn depth_and_the_end_of_patience() {
         let corners =
@@ -97,7 +101,8 @@ mod tests {
         let frame = LocalFrame::around(positions.iter().copied());
         let parts = Parts::of(&positions, &triangles, &Edges::of(&triangles), &frame);
         let found = depths(&positions, &triangles, &parts, &frame, 100_000);
-        // From the fifteenth on they are smaller than what counts as touching, 1e-9, and what is inside what cannot be told.
+        // From the fifteenth on they are smaller than what counts as touching, 1e-9, and what is
+        // inside what cannot be told.
         assert_eq!(found.map(|depths| depths[..14].to_vec()), Some((0..14).collect()));
         assert_eq!(depths(&positions, &triangles, &parts, &frame, 100), None);
     }

@@ -10,14 +10,16 @@ const LEAF: usize = 8;
 pub(crate) struct Crossing {
     pub(crate) triangle: u32,
     pub(crate) x: f64,
-    /// 1 where the line goes in through the front of the triangle, -1 where it comes out through its back.
+    /// 1 where the line goes in through the front of the triangle, -1 where it comes out through
+    /// its back.
     pub(crate) sign: i32,
 }
 
 /// The triangles of a surface in a tree of rectangles, as seen along x.
 ///
-/// Each node holds the triangles of a range of `order`, the median of their middles between its two children; so the tree is balanced
-/// whatever the triangles are like, and a line visits about the square root of their number, or less.
+/// Each node holds the triangles of a range of `order`, the median of their middles between its two
+/// children; so the tree is balanced whatever the triangles are like, and a line visits about the
+/// square root of their number, or less.
 #[derive(Clone, Debug)]
 pub(crate) struct Shadows<'a> {
     positions: &'a [DVec3],
@@ -81,7 +83,8 @@ impl<'a> Shadows<'a> {
         self.divide(start + half, end);
     }
 
-    /// Puts the crossings of the line through `(y, z)` into `found` and returns how many triangles were tested.
+    /// Puts the crossings of the line through `(y, z)` into `found` and returns how many triangles
+    /// were tested.
     pub(crate) fn crossings(&self, line: DVec2, found: &mut Vec<Crossing>) -> usize {
         found.clear();
         let mut looked_at = 0;
@@ -108,10 +111,11 @@ impl<'a> Shadows<'a> {
 
 /// Where on x, and from which side, the line through `(y, z)` goes through a triangle.
 ///
-/// In the plane seen along x, the triangle's outline winds around the line as often as its edges cross the ray from the line to
-/// the right, up counted as 1 and down as -1. Whether an edge does depends on its two ends alone, not on the triangle it is
-/// seen from, rounding included; so a line can neither slip through between two triangles that share an edge nor hit both, and
-/// over a closed surface the signs always add up to zero.
+/// In the plane seen along x, the triangle's outline winds around the line as often as its edges
+/// cross the ray from the line to the right, up counted as 1 and down as -1. Whether an edge does
+/// depends on its two ends alone, not on the triangle it is seen from, rounding included; so a line
+/// can neither slip through between two triangles that share an edge nor hit both, and over a
+/// closed surface the signs always add up to zero.
 fn crossing(corners: [DVec3; 3], line: DVec2) -> Option<(f64, i32)> {
     let [a, b, c] = corners;
     let (mut winding, mut right, mut left) = (0, None, None);
@@ -121,8 +125,9 @@ fn crossing(corners: [DVec3; 3], line: DVec2) -> Option<(f64, i32)> {
             (true, false) => (to, from),
             _ => continue,
         };
-        // At the height of the line, the edge is at y = line.x + (l u + r d)/(u + d): d > 0 and u >= 0 are the heights of the ends
-        // above and below, l and r how far right of the line they are. Only the sign of l u + r d is asked for.
+        // At the height of the line, the edge is at y = line.x + (l u + r d)/(u + d): d > 0 and u >=
+        // 0 are the heights of the ends above and below, l and r how far right of the line they
+        // are. Only the sign of l u + r d is asked for.
         let (up, down) = (above.z - line.y, line.y - below.z);
         let is_right = (below.y - line.x) * up + (above.y - line.x) * down > 0.0;
         let t = down / (up + down);
@@ -139,8 +144,8 @@ fn crossing(corners: [DVec3; 3], line: DVec2) -> Option<(f64, i32)> {
     }
     let ((right, x_right), (left, x_left)) = (right?, left?);
     let t = if right > left { (-left / (right - left)).clamp(0.0, 1.0) } else { 0.5 };
-    // Seen along x, with y to the right and z up, an outline that runs counter-clockwise has its normal towards the eye at +x: the line
-    // comes out.
+    // Seen along x, with y to the right and z up, an outline that runs counter-clockwise has its
+    // normal towards the eye at +x: the line comes out.
     Some((x_left + (x_right - x_left) * t, -winding))
 }
 
@@ -150,7 +155,8 @@ mod tests {
 
     #[test]
     fn a_line_through_a_corner_and_an_edge_goes_in_once_and_out_once() {
-        // An octahedron, seen along x: lines through its corner at the middle, through edges, and beside them.
+        // An octahedron, seen along x: lines through its corner at the middle, through edges, and
+        // beside them.
         let p = [DVec3::X, DVec3::Y, DVec3::Z];
         let positions: Vec<DVec3> = p.into_iter().chain(p.map(|v| -v)).collect();
         let mut triangles = Vec::new();

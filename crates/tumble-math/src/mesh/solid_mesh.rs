@@ -15,11 +15,11 @@ use crate::shape::{Amount, Shape};
 use crate::shape_error::{ShapeError, ShapeErrorReason};
 use crate::symmetric_eigen::symmetric_eigen;
 
-/// A closed surface wound consistently: solids outwards, cavities inwards, with a positive volume. Made by
-/// [`TriangleMesh::solid`] and [`TriangleMesh::repaired`].
+/// A closed surface wound consistently: solids outwards, cavities inwards, with a positive volume.
+/// Made by [`TriangleMesh::solid`] and [`TriangleMesh::repaired`].
 ///
-/// Volume, centre and inertia are computed once, here, by exact integration over the solid (no sampling); rounding is some eps of each,
-/// wherever in the world the mesh is.
+/// Volume, centre and inertia are computed once, here, by exact integration over the solid (no
+/// sampling); rounding is some eps of each, wherever in the world the mesh is.
 ///
 /// ```
 /// use tumble_math::{Amount, TriangleMesh};
@@ -81,8 +81,9 @@ impl SolidMesh {
         let Moments { volume, center, second } = moments(corners, &frame);
         let unit = frame.unit;
         let cubic_metres = volume.value * unit * unit * unit;
-        // A surface that crosses itself may have any volume, but the second moments of matter have no negative eigenvalue. Each
-        // determinant's rounding, d/6 in the volume, is d/120 times at most 27 + 9 in them: the corners are within sqrt(3), their sum 3 sqrt(3).
+        // A surface that crosses itself may have any volume, but the second moments of matter have
+        // no negative eigenvalue. Each determinant's rounding, d/6 in the volume, is d/120 times at
+        // most 27 + 9 in them: the corners are within sqrt(3), their sum 3 sqrt(3).
         let spread = symmetric_eigen(second).0;
         let is_matter = volume.value > volume.rounding && spread.min_element() >= -2.0 * volume.rounding;
         if !is_matter {
@@ -101,7 +102,8 @@ impl SolidMesh {
         })
     }
 
-    /// The surface: each vertex used and at a place of its own, each triangle counter-clockwise as seen from where there is no matter.
+    /// The surface: each vertex used and at a place of its own, each triangle counter-clockwise as
+    /// seen from where there is no matter.
     #[must_use]
     pub fn mesh(&self) -> &TriangleMesh {
         &self.mesh
@@ -142,7 +144,8 @@ impl SolidMesh {
     }
 }
 
-/// The surface with triangles turned as the anatomy says, and only the vertices it uses, in their order.
+/// The surface with triangles turned as the anatomy says, and only the vertices it uses, in their
+/// order.
 fn rewound(mesh: &TriangleMesh, anatomy: &Anatomy) -> Result<TriangleMesh, MeshError> {
     let inside_out: Vec<bool> = (0..anatomy.parts.parts.len()).map(|part| anatomy.is_inside_out(part)).collect();
     let mut numbers: Vec<Option<u32>> = vec![None; mesh.positions().len()];

@@ -8,10 +8,12 @@ use super::mesh_error::MeshError;
 use super::solid_mesh::SolidMesh;
 use crate::mass_properties::check_position;
 
-/// A surface of triangles over shared vertices \[m\]: finite, its indices in range, and nothing more. It may have holes.
+/// A surface of triangles over shared vertices \[m\]: finite, its indices in range, and nothing
+/// more. It may have holes.
 ///
-/// Seen from outside, corners run counter-clockwise. What is right and wrong with the surface says [`audit`](Self::audit); a body
-/// is made of it by [`solid`](Self::solid), or by [`repaired`](Self::repaired).
+/// Seen from outside, corners run counter-clockwise. What is right and wrong with the surface says
+/// [`audit`](Self::audit); a body is made of it by [`solid`](Self::solid), or by
+/// [`repaired`](Self::repaired).
 ///
 /// ```
 /// use tumble_math::{Amount, TriangleMesh};
@@ -37,19 +39,22 @@ impl TriangleMesh {
     /// Most vertices, and most triangles, of a mesh: their sides are to be counted in 32 bits.
     pub const MAX: usize = 1 << 30;
 
-    /// How many times a triangle is compared with a line before the question which part is inside which is given up, about ten
-    /// seconds' work. A mesh of one part needs none, parts beside or in one another some dozens each.
+    /// How many times a triangle is compared with a line before the question which part is inside
+    /// which is given up, about ten seconds' work. A mesh of one part needs none, parts beside or
+    /// in one another some dozens each.
     pub const MAX_CROSSINGS: usize = 1 << 31;
 
-    /// Vertices closer than this times the longest side of the mesh's box count as near-duplicates. It is far above the rounding of
-    /// double precision, so that transforming one side of a seam and not the other does not tear it, and far below that of single
-    /// precision (6e-8), so that vertices which a file of single precision tells apart stay apart.
+    /// Vertices closer than this times the longest side of the mesh's box count as near-duplicates.
+    /// It is far above the rounding of double precision, so that transforming one side of a seam
+    /// and not the other does not tear it, and far below that of single precision (6e-8), so that
+    /// vertices which a file of single precision tells apart stay apart.
     pub const NEAR: f64 = 1e-9;
 
     /// From vertices \[m\] and, for each triangle, the indices of its corners.
     ///
     /// # Errors
-    /// [`MeshError`] names the vertex that is not finite or too far out, or the triangle with an index out of range, by its index.
+    /// [`MeshError`] names the vertex that is not finite or too far out, or the triangle with an
+    /// index out of range, by its index.
     pub fn new(positions: impl Into<Vec<DVec3>>, triangles: impl Into<Vec<[u32; 3]>>) -> Result<Self, MeshError> {
         let (positions, triangles) = (positions.into(), triangles.into());
         if triangles.is_empty() {
@@ -84,7 +89,8 @@ impl TriangleMesh {
         &self.triangles
     }
 
-    /// The mesh moved, turned and scaled. A mirror image is wound the other way, so that outside stays outside.
+    /// The mesh moved, turned and scaled. A mirror image is wound the other way, so that outside
+    /// stays outside.
     ///
     /// # Errors
     /// [`MeshError::Position`] names the vertex that ends up too far out, or nowhere.
@@ -104,7 +110,8 @@ impl TriangleMesh {
     /// All triangles of several meshes as one. No vertices are shared between them.
     ///
     /// # Errors
-    /// [`MeshError::NoTriangles`] if there is no mesh, [`MeshError::TooLarge`] if there are too many vertices.
+    /// [`MeshError::NoTriangles`] if there is no mesh, [`MeshError::TooLarge`] if there are too
+    /// many vertices.
     pub fn merged(meshes: impl IntoIterator<Item = Self>) -> Result<Self, MeshError> {
         let (mut positions, mut triangles) = (Vec::new(), Vec::new());
         for mesh in meshes {
@@ -130,9 +137,10 @@ impl TriangleMesh {
 
     /// The solid inside the surface.
     ///
-    /// Vertices at exactly the same place are taken for one, as files without shared vertices (STL) need, and triangles of no area
-    /// are passed over. Everything else must be right already: each edge with two triangles that run along it in opposite
-    /// directions, solids wound outwards, cavities inwards.
+    /// Vertices at exactly the same place are taken for one, as files without shared vertices (STL)
+    /// need, and triangles of no area are passed over. Everything else must be right already: each
+    /// edge with two triangles that run along it in opposite directions, solids wound outwards,
+    /// cavities inwards.
     ///
     /// Whether the surface crosses itself is not looked for.
     ///
@@ -142,15 +150,18 @@ impl TriangleMesh {
         SolidMesh::strictly(self)
     }
 
-    /// The solid inside the surface, after such repairs as leave no doubt what was meant, and what was repaired:
+    /// The solid inside the surface, after such repairs as leave no doubt what was meant, and what
+    /// was repaired:
     ///
     /// - triangles with two corners at one place and duplicates are left out;
-    /// - where the surface has open edges, and welding vertices closer than [`NEAR`](Self::NEAR) closes all of them, they are welded,
-    ///   each to one that stays where it is, so nothing moves further than that;
+    /// - where the surface has open edges, and welding vertices closer than [`NEAR`](Self::NEAR)
+    ///   closes all of them, they are welded, each to one that stays where it is, so nothing moves
+    ///   further than that;
     /// - triangles wound against their neighbours are turned round;
-    /// - parts are turned so that solids, at even depth of nesting, have positive volume and cavities, at odd depth, negative. A part
-    ///   inside another that is wound outwards like it is taken for a cavity: that its matter should count twice is the other thing
-    ///   it could mean, and less likely.
+    /// - parts are turned so that solids, at even depth of nesting, have positive volume and
+    ///   cavities, at odd depth, negative. A part inside another that is wound outwards like it is
+    ///   taken for a cavity: that its matter should count twice is the other thing it could mean,
+    ///   and less likely.
     ///
     /// No triangle is ever added: holes stay holes.
     ///

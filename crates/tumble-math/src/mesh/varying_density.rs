@@ -7,7 +7,8 @@ use crate::inertia::parallel_axis;
 use crate::mass_error::MassError;
 use crate::mass_properties::MassProperties;
 
-/// Nodes and weights of Gauss and Legendre's rule with five points on \[0, 1\], exact for polynomials up to the ninth degree.
+/// Nodes and weights of Gauss and Legendre's rule with five points on \[0, 1\], exact for
+/// polynomials up to the ninth degree.
 const RULE: [(f64, f64); 5] = [
     (0.046_910_077_030_668_0, 0.118_463_442_528_094_54),
     (0.230_765_344_947_158_45, 0.239_314_335_249_683_23),
@@ -17,12 +18,16 @@ const RULE: [(f64, f64); 5] = [
 ];
 
 impl SolidMesh {
-    /// Mass, centre of mass and inertia of the solid with a density [kg/m^3] that depends on the place \[m\], in the mesh's frame.
+    /// Mass, centre of mass and inertia of the solid with a density [kg/m^3] that depends on the
+    /// place \[m\], in the mesh's frame.
     ///
-    /// Over the tetrahedron between each triangle and the solid's centroid, with a product rule of five points in each of three directions, each cut into `parts`
-    /// (at least one). Exact to rounding for polynomials up to the fifth degree: the rule reaches the ninth, of which the inertia takes two and the shape of
-    /// the tetrahedron two. For other smooth densities the error falls with the tenth power of `parts`. Tetrahedra of a solid that is not convex reach outside it and cancel there, so the
-    /// density is asked for in all of what they fill, and should be the same smooth function there.
+    /// Over the tetrahedron between each triangle and the solid's centroid, with a product rule of
+    /// five points in each of three directions, each cut into `parts` (at least one). Exact to
+    /// rounding for polynomials up to the fifth degree: the rule reaches the ninth, of which the
+    /// inertia takes two and the shape of the tetrahedron two. For other smooth densities the error
+    /// falls with the tenth power of `parts`. Tetrahedra of a solid that is not convex reach
+    /// outside it and cancel there, so the density is asked for in all of what they fill, and
+    /// should be the same smooth function there.
     ///
     /// ```
     /// use tumble_math::TriangleMesh;
@@ -55,7 +60,8 @@ impl SolidMesh {
         };
         for [a, b, c] in self.mesh().triangles().iter().map(corners) {
             let volume_times_six = a.dot(b.cross(c));
-            // From the centroid out by u, and on the triangle by v and w (1 - v): the Jacobian is u^2 (1 - v).
+            // From the centroid out by u, and on the triangle by v and w (1 - v): the Jacobian is
+            // u^2 (1 - v).
             for (u, u_weight) in nodes() {
                 for (v, v_weight) in nodes() {
                     for (w, w_weight) in nodes() {
@@ -70,7 +76,8 @@ impl SolidMesh {
             }
         }
         let offset = first / mass;
-        // By value, not by name of what was wrong: `from_parts` refuses masses and places that are none.
+        // By value, not by name of what was wrong: `from_parts` refuses masses and places that are
+        // none.
         MassProperties::from_parts(mass, center + offset, second - parallel_axis(mass, offset))
     }
 }

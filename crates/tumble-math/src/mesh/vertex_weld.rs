@@ -5,8 +5,8 @@ use std::collections::HashMap;
 
 use glam::DVec3;
 
-/// Cells of the grid are this many times the distance of near-duplicates wide: wide enough that few vertices are so close to the side
-/// of their cell that others must be searched.
+/// Cells of the grid are this many times the distance of near-duplicates wide: wide enough that few
+/// vertices are so close to the side of their cell that others must be searched.
 const CELL: f64 = 4.0;
 
 /// For each vertex the first one at exactly the same place (`-0.0` is `0.0`).
@@ -31,11 +31,13 @@ fn compared(a: DVec3, b: DVec3) -> Ordering {
     a.x.total_cmp(&b.x).then(a.y.total_cmp(&b.y)).then(a.z.total_cmp(&b.z))
 }
 
-/// For each vertex in use one that stays, itself or an earlier one closer than `distance`. Vertices go in the order of
-/// their indices, and those that stay are further apart than `distance`; so a chain of close vertices does not collapse into one, and
-/// however many vertices there are in a cell, few of them stay.
+/// For each vertex in use one that stays, itself or an earlier one closer than `distance`. Vertices
+/// go in the order of their indices, and those that stay are further apart than `distance`; so a
+/// chain of close vertices does not collapse into one, and however many vertices there are in a
+/// cell, few of them stay.
 ///
-/// `first` is what [`first_at_same_place`] gave; vertices that are not in use stay what they are there.
+/// `first` is what [`first_at_same_place`] gave; vertices that are not in use stay what they are
+/// there.
 pub(crate) fn first_nearby(positions: &[DVec3], first: &[u32], used: &[bool], distance: f64) -> Vec<u32> {
     let mut near = first.to_vec();
     let low = positions.iter().zip(used).filter(|(_, used)| **used).fold(DVec3::INFINITY, |low, (p, _)| low.min(*p));
@@ -66,7 +68,8 @@ struct Kept<'a> {
 }
 
 impl Kept<'_> {
-    /// In cells. The lowest vertex is in the middle of its cell, as meshes like to have sides there.
+    /// In cells. The lowest vertex is in the middle of its cell, as meshes like to have sides
+    /// there.
     fn scaled(&self, vertex: u32) -> [f64; 3] {
         let offset = self.positions[vertex as usize] - self.low;
         (offset / (CELL * self.distance) + DVec3::splat(0.5)).to_array()

@@ -59,8 +59,9 @@ impl Heights {
     }
 }
 
-/// Colours that look different to most eyes, after Okabe and Ito, as red, green, blue in linear light, taken by bodies that forces move in turn. Their number
-/// has no factor in common with the kinds of a scene that repeats every two, four or eight.
+/// Colours that look different to most eyes, after Okabe and Ito, as red, green, blue in linear
+/// light, taken by bodies that forces move in turn. Their number has no factor in common with the
+/// kinds of a scene that repeats every two, four or eight.
 pub const BODY_COLORS: [[f32; 3]; 7] = [
     [0.791, 0.347, 0.0],
     [0.093, 0.456, 0.815],

@@ -30,7 +30,8 @@ pub struct SceneCollider {
     pub role: ColliderRole,
     /// As the file has it, before the scale of its node.
     pub geometry: Geometry,
-    /// The shape that the engine makes of it, in the collider's frame; `None` for what encloses no volume.
+    /// The shape that the engine makes of it, in the collider's frame; `None` for what encloses no
+    /// volume.
     pub shape: Option<Shape>,
     /// The triangles of a mesh, in the collider's frame, open or not.
     pub surface: Option<Arc<TriangleMesh>>,

@@ -2,7 +2,8 @@
 
 use glam::DVec3;
 
-/// The geometry of a collider or a trigger in the frame of its node, before the node's scale. Axes of revolution lie along y.
+/// The geometry of a collider or a trigger in the frame of its node, before the node's scale. Axes
+/// of revolution lie along y.
 ///
 /// ```
 /// use tumble_scene::gltf::{Geometry, Physics};

@@ -11,9 +11,11 @@ use tumble::{
 
 use crate::values::checked::{real, real_vector};
 
-/// A force on a body of a scene, as `tumble inspect` lists it: written as JSON it is what the scene file could have said.
+/// A force on a body of a scene, as `tumble inspect` lists it: written as JSON it is what the scene
+/// file could have said.
 ///
-/// Points of a body are in its own frame, as in scene files; the components that come of it have them from the centre of mass.
+/// Points of a body are in its own frame, as in scene files; the components that come of it have
+/// them from the centre of mass.
 ///
 /// ```
 /// use tumble_scene::{Audit, Force};
@@ -163,7 +165,8 @@ pub enum HullShape {
 }
 
 impl Force {
-    /// Adds the components of a body's forces to an entity. `center` is the centre of mass in the body's frame \[m\].
+    /// Adds the components of a body's forces to an entity. `center` is the centre of mass in the
+    /// body's frame \[m\].
     ///
     /// Springs to other bodies are entities of their own: see [`spring`](Self::spring).
     pub(crate) fn insert_all(forces: &[Self], center: DVec3, entity: &mut EntityBuilder) {
@@ -212,7 +215,8 @@ impl Force {
         };
     }
 
-    /// The component of a spring between two bodies, whose centres of mass are at `centers` in their frames \[m\].
+    /// The component of a spring between two bodies, whose centres of mass are at `centers` in
+    /// their frames \[m\].
     pub(crate) fn spring(&self, bodies: [Entity; 2], centers: [DVec3; 2]) -> Option<Spring> {
         let Self::Spring { attachment, attachment_to, rest_length, stiffness, damping, .. } = *self else {
             return None;
@@ -236,7 +240,8 @@ impl HullShape {
     }
 }
 
-/// All nozzles as one component. A single one keeps its throttle; of several each throttle is in its force.
+/// All nozzles as one component. A single one keeps its throttle; of several each throttle is in
+/// its force.
 fn thruster(forces: &[Force], center: DVec3) -> Option<Thruster> {
     let mut nozzles = forces.iter().filter_map(|force| match *force {
         Force::Thruster { force, point, throttle } => Some((force, from_center(point, center), throttle)),
@@ -252,7 +257,8 @@ fn thruster(forces: &[Force], center: DVec3) -> Option<Thruster> {
     Some(rest.fold(first, |sum, (force, point, throttle)| sum.and(scaled(force, throttle), point)))
 }
 
-/// Whether the sums over all nozzles, with the valves as far open as they are, stay within the engine's numbers.
+/// Whether the sums over all nozzles, with the valves as far open as they are, stay within the
+/// engine's numbers.
 pub(crate) fn thrust_is_finite(forces: &[Force]) -> bool {
     thruster(forces, DVec3::ZERO).is_none_or(|Thruster { force, torque, throttle }| {
         (force * throttle).is_finite() && (torque * throttle).is_finite()

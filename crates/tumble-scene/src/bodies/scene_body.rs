@@ -23,7 +23,8 @@ pub(crate) struct SceneBody {
 }
 
 impl SceneBody {
-    /// Spawns bodies and then the springs between them. A spring finds the other body by its index among them.
+    /// Spawns bodies and then the springs between them. A spring finds the other body by its index
+    /// among them.
     pub(crate) fn spawn_all<'a>(bodies: impl IntoIterator<Item = &'a Self>, world: &mut World) {
         let spawned: Vec<(Entity, &Self)> = bodies.into_iter().map(|body| (body.spawn(world), body)).collect();
         for (entity, body) in &spawned {
@@ -50,7 +51,8 @@ impl SceneBody {
         world.spawn(entity.build())
     }
 
-    /// The centre of mass in the body's frame \[m\]; the frame's origin of a body that forces do not move, which has no other.
+    /// The centre of mass in the body's frame \[m\]; the frame's origin of a body that forces do
+    /// not move, which has no other.
     fn center(&self) -> DVec3 {
         self.body.properties().map_or(DVec3::ZERO, tumble::MassProperties::center_of_mass)
     }

@@ -73,8 +73,8 @@ impl SurfaceMaterial {
 
 /// Who collides with whom, by names of systems.
 ///
-/// KHR's draft writes of subsets where it means, as its examples have it, that one system in common is enough; so it is here. An empty list is
-/// none, as OMI has it.
+/// KHR's draft writes of subsets where it means, as its examples have it, that one system in common
+/// is enough; so it is here. An empty list is none, as OMI has it.
 ///
 /// ```
 /// use tumble_scene::gltf::CollisionFilter;

@@ -1,6 +1,7 @@
 use glam::DVec3;
 
-/// What is done about moments of inertia that no body has, because one is larger than the other two together.
+/// What is done about moments of inertia that no body has, because one is larger than the other two
+/// together.
 ///
 /// ```
 /// use tumble_scene::{InertiaRepairs, Scene};
@@ -24,10 +25,12 @@ pub enum InertiaRepairs {
     Made,
 }
 
-/// The nearest principal moments that a body can have, and how far they are away in parts of the largest.
+/// The nearest principal moments that a body can have, and how far they are away in parts of the
+/// largest.
 ///
-/// Nearest by the sum of squares, which in the same axes is nearest of all tensors too: the projection on the plane on which the
-/// largest is the sum of the others, a plate. `None` where that is not what is wrong with them.
+/// Nearest by the sum of squares, which in the same axes is nearest of all tensors too: the
+/// projection on the plane on which the largest is the sum of the others, a plate. `None` where
+/// that is not what is wrong with them.
 pub(crate) fn nearest_moments(moments: DVec3) -> Option<(DVec3, f64)> {
     let excess = 2.0 * moments.max_element() - moments.element_sum();
     if !(moments.is_finite() && moments.min_element() > 0.0 && excess > 0.0) {

@@ -1,9 +1,10 @@
 //! Files of triangles: Wavefront OBJ, STL, and glTF, which `gltf/mod.rs` reads.
 //!
-//! The readers of the first two are our own. What is wanted of either format is a page of code, and the crates there are fall short where it matters: `tobj`
-//! makes triangles of polylines, overflows on texture indices that count back too far and names no lines; `stl_io` takes a binary
-//! file for text if its header begins with `solid`, ends silently at the first of several solids, and splits a file into words, forty
-//! times its size.
+//! The readers of the first two are our own. What is wanted of either format is a page of code, and
+//! the crates there are fall short where it matters: `tobj` makes triangles of polylines, overflows
+//! on texture indices that count back too far and names no lines; `stl_io` takes a binary file for
+//! text if its header begins with `solid`, ends silently at the first of several solids, and splits
+//! a file into words, forty times its size.
 
 pub(crate) mod obj;
 pub(crate) mod stl;

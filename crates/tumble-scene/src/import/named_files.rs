@@ -8,7 +8,8 @@ use crate::error::{Place, SceneError};
 use crate::limits::MAX_FILE_BYTES;
 use crate::read_file::read_bytes;
 
-/// Most bytes of all the files that one document names, each counted once: four of the largest \[bytes\].
+/// Most bytes of all the files that one document names, each counted once: four of the largest
+/// \[bytes\].
 pub(crate) const MAX_BYTES: u64 = 4 * MAX_FILE_BYTES;
 
 /// Reads files, as long as there is room for them.
@@ -72,9 +73,11 @@ impl Reading {
     }
 }
 
-/// The place on the disk of a file that a document names: below the document's own directory, where links lead too.
+/// The place on the disk of a file that a document names: below the document's own directory, where
+/// links lead too.
 ///
-/// A document of somebody else is not to read what lies elsewhere, nor is an archive or a clone with links in it.
+/// A document of somebody else is not to read what lies elsewhere, nor is an archive or a clone
+/// with links in it.
 pub(crate) fn beside(directory: &Path, name: &str) -> Result<PathBuf, String> {
     let path = Path::new(name);
     let below = path.components().all(|part| matches!(part, Component::Normal(_) | Component::CurDir));

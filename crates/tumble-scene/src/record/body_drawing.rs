@@ -1,4 +1,5 @@
-//! A picture of a body: its surface, its centre of mass, its principal axes and the ellipsoid of the same mass and moments.
+//! A picture of a body: its surface, its centre of mass, its principal axes and the ellipsoid of
+//! the same mass and moments.
 
 pub(crate) mod camera;
 pub(crate) mod surface;
@@ -37,7 +38,8 @@ const MAX_PROBLEMS: usize = 4;
 /// Light and dark colours of the surface's darkest and lightest shade.
 const DARKEST: [[f64; 3]; 2] = [[62.0, 92.0, 122.0], [38.0, 58.0, 80.0]];
 const LIGHTEST: [[f64; 3]; 2] = [[214.0, 228.0, 240.0], [128.0, 164.0, 196.0]];
-/// Light and dark colours of the three axes, told apart by all kinds of eyes (M. Okabe, K. Ito, 2002).
+/// Light and dark colours of the three axes, told apart by all kinds of eyes (M. Okabe, K. Ito,
+/// 2002).
 const AXES: [(&str, &str); 3] = [("#c64a00", "#ff8a3d"), ("#007a58", "#2fc79b"), ("#0066a6", "#6cb8ee")];
 const STYLE: &str = "text{font:13px system-ui,-apple-system,'Segoe UI',Helvetica,Arial,sans-serif;fill:#333}\
 .title{font-size:16px;font-weight:600}.small{font-size:12px}.head{font-weight:600}.ground{fill:#fff}.bar{stroke:#333;fill:none;stroke-width:1.5}\
@@ -49,9 +51,10 @@ const STYLE_IN_THE_DARK: &str = "text{fill:#ddd}.ground{fill:#15181c}.bar{stroke
 .ellipsoid{fill:#e6b422;stroke:#e6b422}.ring{stroke:#e6b422}.center{fill:#15181c;stroke:#eee}.quarter{fill:#eee}";
 
 impl AuditedBody {
-    /// A picture of the body as SVG, readable on light and dark grounds: its surface, half transparent, with the
-    /// centre of mass, the principal axes and the homogeneous ellipsoid of the same mass and moments, whose semi-axes are
-    /// `sqrt(5/2 (I_j + I_k - I_i) / m)`. Of a body with problems only the surface is drawn, if there is one, and the problems are told.
+    /// A picture of the body as SVG, readable on light and dark grounds: its surface, half
+    /// transparent, with the centre of mass, the principal axes and the homogeneous ellipsoid of
+    /// the same mass and moments, whose semi-axes are `sqrt(5/2 (I_j + I_k - I_i) / m)`. Of a body
+    /// with problems only the surface is drawn, if there is one, and the problems are told.
     ///
     /// ```
     /// let audit = tumble_scene::Audit::open("t-handle")?;
@@ -117,7 +120,8 @@ impl<'a> Portrait<'a> {
         if let Some(matter) = &self.matter {
             self.draw_ellipsoid(&mut svg, matter);
         }
-        // One transparency for all of them: where they lie over one another, only the nearest shows.
+        // One transparency for all of them: where they lie over one another, only the nearest
+        // shows.
         put(&mut svg, format_args!("<g opacity=\".6\">\n{fronts}</g>\n"));
         if let Some(matter) = &self.matter {
             self.draw_axes(&mut svg, matter);
@@ -132,7 +136,8 @@ impl<'a> Portrait<'a> {
     /// The outline, and the sections through two axes each.
     fn draw_ellipsoid(&self, svg: &mut String, matter: &Matter) {
         let [a, b, c] = matter.semi_axes_as_vectors();
-        // The shadow of an ellipsoid is the image of a circle under the symmetric square root's like: rows of the semi-axes, projected.
+        // The shadow of an ellipsoid is the image of a circle under the symmetric square root's
+        // like: rows of the semi-axes, projected.
         let seen = [a, b, c].map(|axis| self.camera.turn(axis) * self.camera.scale());
         let (xx, xy, yy) =
             seen.iter().fold((0.0, 0.0, 0.0), |(xx, xy, yy), v| (xx + v.x * v.x, xy + v.x * v.y, yy + v.y * v.y));

@@ -1,10 +1,12 @@
 use std::borrow::Cow;
 
-/// What spreadsheets take for the beginning of a formula, in letters of either width, or pass over before one.
+/// What spreadsheets take for the beginning of a formula, in letters of either width, or pass over
+/// before one.
 const BEGINS_A_FORMULA: [char; 11] =
     ['=', '+', '-', '@', '\t', '\r', '\n', '\u{ff1d}', '\u{ff0b}', '\u{ff0d}', '\u{ff20}'];
 
-/// A name as a cell of a table in text: an apostrophe is put before one that a spreadsheet would compute, and before one that has one there.
+/// A name as a cell of a table in text: an apostrophe is put before one that a spreadsheet would
+/// compute, and before one that has one there.
 ///
 /// So a reader has the name back by taking one apostrophe away where a cell begins with it.
 ///

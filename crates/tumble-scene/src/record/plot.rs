@@ -15,7 +15,8 @@ const BOTTOM: f64 = HEIGHT - 56.0;
 /// Width of a character of the legend, on average, and of what stands before it.
 const CHARACTER: f64 = 7.0;
 const SWATCH: f64 = 34.0;
-/// Colours of the series on a light and on a dark ground, told apart by all kinds of eyes (M. Okabe, K. Ito, 2002).
+/// Colours of the series on a light and on a dark ground, told apart by all kinds of eyes (M.
+/// Okabe, K. Ito, 2002).
 const COLORS: [(&str, &str); 6] = [
     ("#0072b2", "#56a8e0"),
     ("#d55e00", "#ff8a3d"),
@@ -48,10 +49,11 @@ pub enum SeriesStyle {
     Cloud,
 }
 
-/// A plot of several series over common axes, written as an SVG picture that is readable on light and dark grounds.
+/// A plot of several series over common axes, written as an SVG picture that is readable on light
+/// and dark grounds.
 ///
-/// A point that is not finite, or not positive on a logarithmic axis, is left out and interrupts its line. A line of very many
-/// points is thinned to what can be seen, so the picture stays small.
+/// A point that is not finite, or not positive on a logarithmic axis, is left out and interrupts
+/// its line. A line of very many points is thinned to what can be seen, so the picture stays small.
 ///
 /// ```
 /// use tumble_scene::{SeriesStyle, Plot, Scale};
@@ -187,7 +189,8 @@ impl Series {
                 pen_down = false;
                 continue;
             }
-            // Of the points in one column of the picture, the first, the lowest, the highest and the last are seen.
+            // Of the points in one column of the picture, the first, the lowest, the highest and
+            // the last are seen.
             let column = (2.0 * point.0).floor();
             let mut seen = [point; 4];
             // The density of a cloud is what it shows, so none of its points are left out.

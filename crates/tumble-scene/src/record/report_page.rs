@@ -26,7 +26,8 @@ const MAX_NOTICES: usize = 100;
 /// Longest text from a scene that is shown as it is \[characters\].
 const LONGEST_TEXT: usize = 600;
 
-/// What a run did, as a page for a browser: HTML, style, script and data in one file that loads nothing from elsewhere.
+/// What a run did, as a page for a browser: HTML, style, script and data in one file that loads
+/// nothing from elsewhere.
 ///
 /// ```
 /// use std::time::Duration;
@@ -75,7 +76,8 @@ impl ReportPage<'_> {
     /// # Errors
     /// Whatever the writer says.
     pub fn write(&self, to: &mut impl Write) -> io::Result<()> {
-        // The template is cut before anything is put in, so what a scene says is never taken for a slot.
+        // The template is cut before anything is put in, so what a scene says is never taken for a
+        // slot.
         let mut pieces = PAGE.split("<!--slot:");
         to.write_all(pieces.next().unwrap_or_default().as_bytes())?;
         for piece in pieces {
@@ -121,7 +123,8 @@ impl ReportPage<'_> {
         )
     }
 
-    /// What the replay does not show, in the file for those who read it as text. All of it is ours: a comment has no escapes.
+    /// What the replay does not show, in the file for those who read it as text. All of it is ours:
+    /// a comment has no escapes.
     fn comment(&self) -> String {
         format!("<!-- A report of tumble, complete in this file. {} -->", self.replay.left_out().join(" "))
     }

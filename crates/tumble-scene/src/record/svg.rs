@@ -2,7 +2,8 @@
 
 use std::fmt::Write as _;
 
-/// The beginning of a picture of this width and height: a title, which may be any text and stands at this place, the style, and the ground.
+/// The beginning of a picture of this width and height: a title, which may be any text and stands
+/// at this place, the style, and the ground.
 pub(crate) fn opening([width, height]: [f64; 2], title: &str, [x, y]: [f64; 2], style: &str) -> String {
     let title = escaped(title);
     format!(

@@ -48,11 +48,12 @@ pub fn state_numbers(pose: &Pose, velocity: Option<&Velocity>) -> [Real; 13] {
 
 /// Writes states, one frame after the other, in memory that does not grow with their number.
 ///
-/// What has been written is readable at every [`checkpoint`](Self::checkpoint), which comes by itself about once a second, so a
-/// program that is killed leaves what it recorded until then. Formats, columns and units are told in the guide to trajectories.
+/// What has been written is readable at every [`checkpoint`](Self::checkpoint), which comes by
+/// itself about once a second, so a program that is killed leaves what it recorded until then.
+/// Formats, columns and units are told in the guide to trajectories.
 ///
-/// As comma-separated values, numbers have the fewest digits that read back to the same bits in the build's precision (`time`
-/// always in f64); what is not finite is written `NaN`, `inf` or `-inf`.
+/// As comma-separated values, numbers have the fewest digits that read back to the same bits in the
+/// build's precision (`time` always in f64); what is not finite is written `NaN`, `inf` or `-inf`.
 ///
 /// ```
 /// use std::io::Cursor;
@@ -103,8 +104,9 @@ impl<W: Write + Seek> TrajectoryWriter<W> {
         Ok(Self::of(Record::Parquet(Box::new(parquet::ParquetRecord::new(writer)?))))
     }
 
-    /// Binary glTF 2.0: the bodies as meshes, their motion as an animation. Nothing is written before the first frame, whose bodies
-    /// are those of the file. The writer is to stand at the beginning of an empty file.
+    /// Binary glTF 2.0: the bodies as meshes, their motion as an animation. Nothing is written
+    /// before the first frame, whose bodies are those of the file. The writer is to stand at the
+    /// beginning of an empty file.
     pub fn glb(writer: W, animation: Animation) -> Self {
         Self::of(Record::Glb(Box::new(glb::GlbRecord::new(writer, animation))))
     }
@@ -127,7 +129,8 @@ impl<W: Write + Seek> TrajectoryWriter<W> {
         Ok(self.keep_pace()?)
     }
 
-    /// Makes a checkpoint if one is due. To be called now and then where long times pass between two frames.
+    /// Makes a checkpoint if one is due. To be called now and then where long times pass between
+    /// two frames.
     ///
     /// # Errors
     /// Whatever the writer says.

@@ -52,8 +52,8 @@ pub struct Audit {
 
 /// The mass properties of one body in its own frame, and its forces.
 ///
-/// `None` (`null` in JSON) is what a body does not have: all of it if something is wrong with it, and
-/// the mass and what follows from it if it is fixed or kinematic and was given none.
+/// `None` (`null` in JSON) is what a body does not have: all of it if something is wrong with it,
+/// and the mass and what follows from it if it is fixed or kinematic and was given none.
 ///
 /// ```
 /// use tumble_scene::Audit;
@@ -111,8 +111,8 @@ impl Audit {
         Self::open_with(name_or_path, MeshOptions::default())
     }
 
-    /// As [`open`](Self::open), with a density for a mesh and a word on its repairs, which are those of
-    /// [inertias](crate::InertiaRepairs) too.
+    /// As [`open`](Self::open), with a density for a mesh and a word on its repairs, which are
+    /// those of [inertias](crate::InertiaRepairs) too.
     ///
     /// # Errors
     /// As [`open`](Self::open).

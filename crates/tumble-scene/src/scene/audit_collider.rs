@@ -2,7 +2,8 @@ use serde::{Serialize, Serializer};
 use tumble::math::Real;
 use tumble::{Collider, CombineRule, Material};
 
-/// The surface and the groups of a body's collider: written as JSON it is what a scene could have said.
+/// The surface and the groups of a body's collider: written as JSON it is what a scene could have
+/// said.
 ///
 /// ```
 /// use tumble_scene::Audit;
@@ -28,13 +29,15 @@ pub struct AuditedCollider {
     /// How the restitutions of two surfaces become one.
     #[serde(serialize_with = "name")]
     pub restitution_combine: CombineRule,
-    /// Numbers of the groups that the body is in, from 0 to 31; left out of JSON where it is in all.
+    /// Numbers of the groups that the body is in, from 0 to 31; left out of JSON where it is in
+    /// all.
     #[serde(skip_serializing_if = "are_all")]
     pub groups: Vec<u32>,
     /// Numbers of the groups that it touches; left out of JSON where it touches all.
     #[serde(skip_serializing_if = "are_all")]
     pub touches: Vec<u32>,
-    /// Of a compound whose parts have surfaces of their own, each of them in order, but for points; left out of JSON where there are none.
+    /// Of a compound whose parts have surfaces of their own, each of them in order, but for points;
+    /// left out of JSON where there are none.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub parts: Vec<AuditedCollider>,
 }

@@ -1,4 +1,5 @@
-//! Built-in scenes of bodies that touch: models as files would give them, made in plain arithmetic, so the same bits on every platform.
+//! Built-in scenes of bodies that touch: models as files would give them, made in plain arithmetic,
+//! so the same bits on every platform.
 
 pub(crate) mod body;
 pub(crate) mod bowling;
@@ -16,7 +17,8 @@ use crate::scene::model::SceneModel;
 /// A scene that is generated on each request.
 pub(crate) struct ContactScene {
     pub(crate) name: &'static str,
-    /// How many bodies that are not scenery, unless told otherwise; `None` where the number is part of the scene.
+    /// How many bodies that are not scenery, unless told otherwise; `None` where the number is part
+    /// of the scene.
     pub(crate) bodies: Option<usize>,
     /// Whether chance has a part in it.
     pub(crate) is_seeded: bool,

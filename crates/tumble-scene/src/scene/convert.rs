@@ -221,7 +221,8 @@ fn principal_inertia(model: &InertiaModel) -> Result<PrincipalInertia, FieldErro
                 Some(axes) => unit_quaternion("inertia.axes", axes)?,
                 None => DQuat::IDENTITY,
             };
-            // The tensor is made for its checks; moments and axes keep the order they were given in.
+            // The tensor is made for its checks; moments and axes keep the order they were given
+            // in.
             InertiaTensor::from_principal(moments.0, axes)
                 .map(|_| PrincipalInertia { moments: DVec3::from_array(moments.0), axes })
                 .map_err(|error| FieldError::new("inertia.principal", error))

@@ -1,4 +1,5 @@
-//! The part of the model that is a body's list of forces. Values are checked in `convert/forces.rs`.
+//! The part of the model that is a body's list of forces. Values are checked in
+//! `convert/forces.rs`.
 
 use std::fmt;
 

@@ -9,13 +9,17 @@ use crate::bodies::appearance::Appearance;
 
 /// Corners of a plate that nothing cuts.
 const CORNERS: usize = 48;
-/// The arm of a unit circle's next corner: `(1 - t^2)/(1 + t^2)` and `2 t/(1 + t^2)` with t = tan(pi/48), so that no sine is needed.
+/// The arm of a unit circle's next corner: `(1 - t^2)/(1 + t^2)` and `2 t/(1 + t^2)` with t =
+/// tan(pi/48), so that no sine is needed.
 const TANGENT: f64 = 0.065_543_462_815_238_23;
 
-/// For each half-space, given by the place and the orientation of its frame, a flat piece of its surface: a disc of the radius about the
-/// place nearest to `middle`, cut off where it would be inside of another half-space. So ground alone is a disc, and five that look inward are an open box.
+/// For each half-space, given by the place and the orientation of its frame, a flat piece of its
+/// surface: a disc of the radius about the place nearest to `middle`, cut off where it would be
+/// inside of another half-space. So ground alone is a disc, and five that look inward are an open
+/// box.
 ///
-/// Coordinates are in the half-space's own frame, seen from its outside anticlockwise. `None` where nothing is left.
+/// Coordinates are in the half-space's own frame, seen from its outside anticlockwise. `None` where
+/// nothing is left.
 ///
 /// ```
 /// use tumble::glam::{DQuat, DVec3};
@@ -57,7 +61,8 @@ fn disc(middle: DVec3, radius: f64) -> Vec<DVec3> {
     std::iter::successors(Some(DVec3::X * radius), next).take(CORNERS).map(|arm| middle + arm).collect()
 }
 
-/// The part of a convex polygon where `normal . x` is at least `height` (Sutherland and Hodgman, 1974).
+/// The part of a convex polygon where `normal . x` is at least `height` (Sutherland and Hodgman,
+/// 1974).
 fn above(corners: &[DVec3], normal: DVec3, height: f64) -> Vec<DVec3> {
     let mut kept = Vec::with_capacity(corners.len() + 1);
     for (corner, next) in corners.iter().zip(corners.iter().cycle().skip(1)) {

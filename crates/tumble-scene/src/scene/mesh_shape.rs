@@ -1,6 +1,7 @@
 //! Shapes of triangles in a scene: read from files beside it, or hulls of points.
 //!
-//! They are made once, when the scene is read, and kept in its model: a sweep makes thousands of worlds of one model.
+//! They are made once, when the scene is read, and kept in its model: a sweep makes thousands of
+//! worlds of one model.
 
 use std::collections::HashMap;
 use std::path::{Path, PathBuf};
@@ -53,7 +54,8 @@ struct Maker {
     room: usize,
     made: HashMap<Wanted, Result<Arc<SolidMesh>, FieldError>>,
     notices: Vec<String>,
-    /// Over all coordinates and corners, so that sweeps over other files are told apart; 0 without a mesh.
+    /// Over all coordinates and corners, so that sweeps over other files are told apart; 0 without
+    /// a mesh.
     hash: u64,
 }
 

@@ -70,9 +70,11 @@ pub struct Scene {
     pub settings: Settings,
     /// How many steps to run.
     pub steps: u64,
-    /// What the file says that is read and not simulated, or was decided where it is silent: a line each.
+    /// What the file says that is read and not simulated, or was decided where it is silent: a line
+    /// each.
     pub notices: Vec<String>,
-    /// Bodies of a glTF file that are impossible, each with what is wrong with it. They are left out, which the notices say too.
+    /// Bodies of a glTF file that are impossible, each with what is wrong with it. They are left
+    /// out, which the notices say too.
     pub left_out: Vec<SceneError>,
     /// The files that it was read from: its own and those that it names.
     pub files: Vec<PathBuf>,
@@ -88,8 +90,8 @@ enum Bodies {
 impl Scene {
     /// Opens a file or a built-in scene.
     ///
-    /// What has an extension or a slash is a file; every other name is that of a built-in scene, even
-    /// where a file of that name exists.
+    /// What has an extension or a slash is a file; every other name is that of a built-in scene,
+    /// even where a file of that name exists.
     ///
     /// # Errors
     /// [`SceneError`], whose message names file, body and field.
@@ -106,12 +108,12 @@ impl Scene {
         }
     }
 
-    /// [`open`](Self::open), where a generated scene may be given how many bodies, and which seed, it is generated from. Ground and
-    /// walls are not counted.
+    /// [`open`](Self::open), where a generated scene may be given how many bodies, and which seed,
+    /// it is generated from. Ground and walls are not counted.
     ///
     /// # Errors
-    /// [`SceneError`]; [`SceneError::NotGenerated`] where either is given for a scene that has no use for it, and [`SceneError::Invalid`] for
-    /// more bodies than [`MAX_BODIES`].
+    /// [`SceneError`]; [`SceneError::NotGenerated`] where either is given for a scene that has no
+    /// use for it, and [`SceneError::Invalid`] for more bodies than [`MAX_BODIES`].
     pub fn open_with(name_or_path: &str, bodies: Option<u64>, seed: Option<u64>) -> Result<Self, SceneError> {
         let Some(option) = bodies.map(|_| "bodies").or(seed.map(|_| "seed")) else { return Self::open(name_or_path) };
         // What is more than there can be is refused with all that is too many.
@@ -139,8 +141,9 @@ impl Scene {
         Self::load_with(path, InertiaRepairs::Refused)
     }
 
-    /// As [`load`](Self::load), where the moments of inertia of a glTF file's bodies or a robot's links that break the triangle
-    /// inequality may be repaired. A notice says of each body what was done.
+    /// As [`load`](Self::load), where the moments of inertia of a glTF file's bodies or a robot's
+    /// links that break the triangle inequality may be repaired. A notice says of each body what
+    /// was done.
     ///
     /// # Errors
     /// As [`load`](Self::load).
@@ -158,7 +161,8 @@ impl Scene {
         Ok(scene)
     }
 
-    /// Reads a scene from JSON text; `file` is what messages call it, and where files of meshes are looked for beside.
+    /// Reads a scene from JSON text; `file` is what messages call it, and where files of meshes are
+    /// looked for beside.
     ///
     /// # Errors
     /// [`SceneError`], whose message names file, body and field.
@@ -166,7 +170,8 @@ impl Scene {
         Self::from_model(&parse(text, Format::Json, file)?, file)
     }
 
-    /// Reads a scene from RON text; `file` is what messages call it, and where files of meshes are looked for beside.
+    /// Reads a scene from RON text; `file` is what messages call it, and where files of meshes are
+    /// looked for beside.
     ///
     /// # Errors
     /// [`SceneError`], whose message names file, body and field.
@@ -176,8 +181,9 @@ impl Scene {
 
     /// Reads a robot in URDF text; `file` is what messages call it.
     ///
-    /// Links with an inertial are free bodies at the poses they have while no joint is moved, in the frame of the root,
-    /// with gravity along -z. Joints are not simulated; the [`notices`](Self::notices) name them.
+    /// Links with an inertial are free bodies at the poses they have while no joint is moved, in
+    /// the frame of the root, with gravity along -z. Joints are not simulated; the
+    /// [`notices`](Self::notices) name them.
     ///
     /// ```
     /// use tumble_scene::Scene;
@@ -214,7 +220,8 @@ impl Scene {
         })
     }
 
-    /// Reads a scene from the bytes of a `.gltf` or `.glb` file; `file` is what messages call it, and buffers are looked for beside it.
+    /// Reads a scene from the bytes of a `.gltf` or `.glb` file; `file` is what messages call it,
+    /// and buffers are looked for beside it.
     ///
     /// # Errors
     /// [`SceneError`], whose message names file, node and field.
@@ -279,7 +286,8 @@ impl Scene {
         }
     }
 
-    /// Whether forces move the body of this index; those that they do not stand still or move as they are told.
+    /// Whether forces move the body of this index; those that they do not stand still or move as
+    /// they are told.
     pub(crate) fn is_free(&self, index: usize) -> bool {
         match &self.bodies {
             Bodies::Listed { bodies, .. } => bodies.get(index).is_some_and(|body| body.body.properties().is_some()),
@@ -287,10 +295,12 @@ impl Scene {
         }
     }
 
-    /// Spawns the bodies, with their index as [`BodyId`](tumble::BodyId), and the springs between them, and gives the bodies' names.
+    /// Spawns the bodies, with their index as [`BodyId`](tumble::BodyId), and the springs between
+    /// them, and gives the bodies' names.
     ///
     /// # Errors
-    /// [`SceneError::Invalid`] if the generated scene made an impossible body, which its tests deny.
+    /// [`SceneError::Invalid`] if the generated scene made an impossible body, which its tests
+    /// deny.
     pub fn spawn(self, world: &mut World) -> Result<BodyNames, SceneError> {
         match self.bodies {
             Bodies::Listed { bodies, names } => {
@@ -306,7 +316,8 @@ impl Scene {
         }
     }
 
-    /// A scene of bodies that are at fault or not, with the engine's settings. Refused if there is none without a fault.
+    /// A scene of bodies that are at fault or not, with the engine's settings. Refused if there is
+    /// none without a fault.
     fn of_gltf(scene: GltfScene, file: &str) -> Result<Self, SceneError> {
         let (mut bodies, mut names) = (Vec::with_capacity(scene.bodies.len()), Vec::with_capacity(scene.bodies.len()));
         let (mut left_out, mut notices) = (Vec::new(), scene.notices);
@@ -342,7 +353,8 @@ impl Scene {
         })
     }
 
-    /// What a glTF file says of the colliders and triggers of its bodies, each with the index of its body.
+    /// What a glTF file says of the colliders and triggers of its bodies, each with the index of
+    /// its body.
     pub fn colliders(&self) -> impl Iterator<Item = (usize, &SceneCollider)> {
         let bodies = match &self.bodies {
             Bodies::Listed { bodies, .. } => bodies.as_slice(),

@@ -6,8 +6,9 @@ use tumble::{BodyOrder, Momentum, Pose};
 
 /// Sums over bodies of the magnitudes of their momenta.
 ///
-/// For one body that is the magnitude of the total. Momenta of many cancel in the total, to nothing for planets about their common
-/// centre of mass, and what is left is no measure of how well it is kept.
+/// For one body that is the magnitude of the total. Momenta of many cancel in the total, to nothing
+/// for planets about their common centre of mass, and what is left is no measure of how well it is
+/// kept.
 ///
 /// ```
 /// use tumble::prelude::*;

@@ -21,10 +21,11 @@ const SPACING: f64 = 2.0;
 
 /// Makes body after body.
 ///
-/// The numbers come from PCG32 (`rand_pcg`), whose output is specified and checked against reference vectors
-/// on all platforms and whose changes count as breaking. From its bits to the bodies there is only
-/// `+ - * /` and `sqrt`, so one seed gives the same bits everywhere. The first bodies do not
-/// depend on how many follow, except for their places: the grid is as wide as it must be.
+/// The numbers come from PCG32 (`rand_pcg`), whose output is specified and checked against
+/// reference vectors on all platforms and whose changes count as breaking. From its bits to the
+/// bodies there is only `+ - * /` and `sqrt`, so one seed gives the same bits everywhere. The first
+/// bodies do not depend on how many follow, except for their places: the grid is as wide as it must
+/// be.
 pub(crate) struct StressBodies {
     random: Pcg32,
     next: usize,

@@ -35,7 +35,8 @@ pub enum Distribution {
         /// Its standard deviation.
         deviation: f64,
     },
-    /// `count` values from `low` to `high` at equal distances, both ends among them; one after the other, not by chance.
+    /// `count` values from `low` to `high` at equal distances, both ends among them; one after the
+    /// other, not by chance.
     Grid {
         /// The first value.
         low: f64,
@@ -66,7 +67,8 @@ impl Distribution {
         }
     }
 
-    /// The value that comes of a sequence of chance; `step` is the step of a grid, which is left to no chance.
+    /// The value that comes of a sequence of chance; `step` is the step of a grid, which is left to
+    /// no chance.
     pub(crate) fn draw(&self, mut rng: Rng, step: u64) -> f64 {
         match *self {
             Self::Uniform { low, high } => (low + (high - low) * rng.unit()).min(high),
@@ -127,7 +129,8 @@ fn check_ends(low: f64, high: f64) -> Result<(), String> {
     }
 }
 
-/// By G. E. P. Box and M. E. Muller (1958). The functions are libm's, whose bits are the same on every machine.
+/// By G. E. P. Box and M. E. Muller (1958). The functions are libm's, whose bits are the same on
+/// every machine.
 fn standard_normal(rng: &mut Rng) -> f64 {
     // In (0, 1], whose logarithm is finite.
     let first = 1.0 - rng.unit();
@@ -210,7 +213,8 @@ mod tests {
     fn uniform_values_fill_their_range() {
         let values = draws("-1..3", 10_000);
         assert!(values.iter().all(|value| (-1.0..=3.0).contains(value)));
-        // Standard deviations of the estimates over 10 000 values: 0.0115 for the mean, 0.0107 for the variance of 4/3; five of them.
+        // Standard deviations of the estimates over 10 000 values: 0.0115 for the mean, 0.0107 for
+        // the variance of 4/3; five of them.
         let mean = mean(&values);
         let variance = values.iter().map(|value| (value - mean) * (value - mean)).sum::<f64>() / 10_000.0;
         assert!((mean - 1.0).abs() < 0.058, "{mean}");
@@ -223,7 +227,8 @@ mod tests {
         let values = draws("normal(3,2)", 10_000);
         let mean = mean(&values);
         let moment = |power: i32| values.iter().map(|value| ((value - mean) / 2.0).powi(power)).sum::<f64>() / 10_000.0;
-        // Standard deviations over 10 000 values: 0.02 for the mean, 0.0141, 0.0245 and 0.098 for the scaled moments 1, 0 and 3; five of them.
+        // Standard deviations over 10 000 values: 0.02 for the mean, 0.0141, 0.0245 and 0.098 for
+        // the scaled moments 1, 0 and 3; five of them.
         assert!((mean - 3.0).abs() < 0.1, "{mean}");
         assert!((moment(2) - 1.0).abs() < 0.071, "{}", moment(2));
         assert!(moment(3).abs() < 0.123, "{}", moment(3));
@@ -256,7 +261,8 @@ mod tests {
         assert!(draws("grid(0,1.5e308,4)", 4).iter().chain(&draws("grid(0.5,1.5e308,4)", 4)).all(|v| v.is_finite()));
     }
 
-    /// Computed apart from this code, in Python. The bits are for ever: a recorded sweep is worth nothing if they change.
+    /// Computed apart from this code, in Python. The bits are for ever: a recorded sweep is worth
+    /// nothing if they change.
     #[test]
     fn draws_are_pinned() {
         let bits = |text: &str| draws(text, 3)[2].to_bits();

@@ -32,10 +32,11 @@ const OF_A_BODY: &str = "mass, density, gravity_scale, position.I, orientation.I
      angular_velocity.I, center_of_mass.I, inertia.principal.I, inertia.axes.I, inertia.tensor.I.J, shape.FIELD, collider.FIELD and forces.I.FIELD";
 
 impl FieldPath {
-    /// Finds the body that the path names. Whether it has the field is found out by [`set_in_scene`](Self::set_in_scene) and
-    /// [`set_in_body`](Self::set_in_body).
+    /// Finds the body that the path names. Whether it has the field is found out by
+    /// [`set_in_scene`](Self::set_in_scene) and [`set_in_body`](Self::set_in_body).
     ///
-    /// Bodies go by their index or, if that is not a number, by their name, which may have dots in it.
+    /// Bodies go by their index or, if that is not a number, by their name, which may have dots in
+    /// it.
     pub(crate) fn new(text: &str, model: &SceneModel) -> Result<Self, FieldError> {
         let refuse = |problem: String| Err(FieldError::new(text, problem));
         let path = |body, after: &str, owner: usize| match segments(after) {
@@ -80,7 +81,8 @@ impl FieldPath {
         self.body == other.body && self.canonical() == other.canonical()
     }
 
-    /// Without the name of a shape, which may be left out, and with the lower index of a symmetric tensor's entry first.
+    /// Without the name of a shape, which may be left out, and with the lower index of a symmetric
+    /// tensor's entry first.
     fn canonical(&self) -> Vec<&str> {
         const SHAPES: [&str; 10] = [
             "sphere",
@@ -219,7 +221,8 @@ fn in_inertia<'a>(inertia: &'a mut InertiaModel, path: &[&str]) -> Option<&'a mu
     }
 }
 
-/// Of both coefficients of friction in one and each alone, that which the file has; neither begins from another.
+/// Of both coefficients of friction in one and each alone, that which the file has; neither begins
+/// from another.
 fn in_collider<'a>(collider: &'a mut ColliderModel, field: &str) -> Option<&'a mut f64> {
     let is_split = collider.static_friction.is_some() || collider.dynamic_friction.is_some();
     match field {

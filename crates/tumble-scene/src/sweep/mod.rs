@@ -67,7 +67,8 @@ pub enum RunLength {
 pub struct SweepPlan {
     /// A file, or the name of a built-in scene, as for [`Scene::open`].
     pub scene: String,
-    /// How many worlds; if nothing is drawn by chance, each combination of the grids once unless this says otherwise.
+    /// How many worlds; if nothing is drawn by chance, each combination of the grids once unless
+    /// this says otherwise.
     pub worlds: Option<u64>,
     /// What chance begins with.
     pub seed: u64,
@@ -87,10 +88,12 @@ pub struct SweepPlan {
 
 /// A scene with fields that differ from world to world: by chance, or over the values of a grid.
 ///
-/// A field is named by its path in the file: `gravity.1`, `dt`, `bodies.0.mass`, `bodies.brick.angular_velocity.2`,
-/// `bodies.0.shape.cuboid.half_extents.0`; bodies go by index or name, and `bodies[0]` is understood too. The
-/// value of a field in a world depends on the seed, the place of the field among those that are varied, and the index of the world, and on
-/// nothing else. Several grids make all combinations, the last one changing fastest; past the last combination they start over.
+/// A field is named by its path in the file: `gravity.1`, `dt`, `bodies.0.mass`,
+/// `bodies.brick.angular_velocity.2`, `bodies.0.shape.cuboid.half_extents.0`; bodies go by index or
+/// name, and `bodies[0]` is understood too. The value of a field in a world depends on the seed,
+/// the place of the field among those that are varied, and the index of the world, and on nothing
+/// else. Several grids make all combinations, the last one changing fastest; past the last
+/// combination they start over.
 ///
 /// ```
 /// use tumble_scene::{Sweep, SweepPlan};
@@ -151,8 +154,8 @@ pub struct SweepWorld {
 }
 
 impl Sweep {
-    /// Reads the scene, finds the fields, and tries a world with all values at their low ends (or means) and one with all at
-    /// their high ends.
+    /// Reads the scene, finds the fields, and tries a world with all values at their low ends (or
+    /// means) and one with all at their high ends.
     ///
     /// # Errors
     /// [`SweepError`], whose message names the field.

@@ -32,7 +32,8 @@ impl Shard {
         self.count
     }
 
-    /// The worlds of this shard: those of all shards follow each other, and differ in number by one at most.
+    /// The worlds of this shard: those of all shards follow each other, and differ in number by one
+    /// at most.
     pub fn range(self, worlds: u64) -> Range<u64> {
         let end = |index: u64| (u128::from(worlds) * u128::from(index) / u128::from(self.count)) as u64;
         end(self.index - 1)..end(self.index)

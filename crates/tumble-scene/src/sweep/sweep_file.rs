@@ -102,8 +102,9 @@ pub fn sweep_header(identity: &SweepIdentity, columns: &[String]) -> io::Result<
 
 /// Reads a sweep's file row after row in bounded memory, and checks each row's place and form.
 ///
-/// A row is refused unless it is that of the next world, and each field is what its column has: a number, a known outcome, 16 hexadecimal
-/// digits, or nothing where the outcome says so. What is not seen is a change that leaves a field well-formed, such as another digit in a number.
+/// A row is refused unless it is that of the next world, and each field is what its column has: a
+/// number, a known outcome, 16 hexadecimal digits, or nothing where the outcome says so. What is
+/// not seen is a change that leaves a field well-formed, such as another digit in a number.
 ///
 /// ```
 /// use tumble_scene::{Sweep, SweepFile, SweepIdentity, SweepPlan, SweepReader};
@@ -289,8 +290,9 @@ impl SweepReader {
 
 /// A sweep's file that rows are appended to.
 ///
-/// Opened again after the program was killed, it goes on where it ended: whole rows stay, a row that was not written to its end is cut
-/// off. A file of another sweep is refused and stays as it is.
+/// Opened again after the program was killed, it goes on where it ended: whole rows stay, a row
+/// that was not written to its end is cut off. A file of another sweep is refused and stays as it
+/// is.
 ///
 /// ```
 /// use tumble_scene::{Sweep, SweepFile, SweepIdentity, SweepPlan};
@@ -414,7 +416,8 @@ mod tests {
         SweepIdentity::new(&Sweep::new(plan).unwrap(), None)
     }
 
-    /// What going on with a file of these contents says, or the next world; what is refused is not changed.
+    /// What going on with a file of these contents says, or the next world; what is refused is not
+    /// changed.
     fn go_on(contents: &[u8]) -> Result<u64, String> {
         let place = tempfile::tempdir().unwrap();
         let path = place.path().join("sweep.csv");

@@ -9,14 +9,17 @@ use crate::sweep::{RunLength, Sweep};
 /// The version of the files; the only one so far.
 const FORMAT: u32 = 1;
 
-/// Which arithmetic the build has: two builds of one version may differ in the bits of their results, and their rows are not to be mixed.
-/// Raised by one whenever a hash that `tests/tests/determinism.rs` pins changes.
+/// Which arithmetic the build has: two builds of one version may differ in the bits of their
+/// results, and their rows are not to be mixed. Raised by one whenever a hash that
+/// `tests/tests/determinism.rs` pins changes.
 const ARITHMETIC: u32 = 1;
 
-/// What the rows of a sweep's file depend on, as its first line has it: two files with the same identity can be one.
+/// What the rows of a sweep's file depend on, as its first line has it: two files with the same
+/// identity can be one.
 ///
-/// Threads and instruction sets are not in it, because no bit depends on them. It says nothing of the place of the scene's file either, which differs
-/// between machines; a hash of its text stands for it.
+/// Threads and instruction sets are not in it, because no bit depends on them. It says nothing of
+/// the place of the scene's file either, which differs between machines; a hash of its text stands
+/// for it.
 ///
 /// ```
 /// use tumble_scene::{Sweep, SweepPlan, SweepIdentity};

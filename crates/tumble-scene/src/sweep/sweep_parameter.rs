@@ -3,7 +3,8 @@ use std::str::FromStr;
 
 use crate::sweep::distribution::Distribution;
 
-/// A numeric field of a scene and what its values are drawn from, written `FIELD=LO..HI` and the like.
+/// A numeric field of a scene and what its values are drawn from, written `FIELD=LO..HI` and the
+/// like.
 ///
 /// ```
 /// use tumble_scene::SweepParameter;

@@ -21,7 +21,8 @@ pub(crate) struct Ring {
     normal_up: f64,
 }
 
-/// Turns smooth strips about y. Each strip is a list of rings from the bottom up as seen from outside; ends on the axis close it.
+/// Turns smooth strips about y. Each strip is a list of rings from the bottom up as seen from
+/// outside; ends on the axis close it.
 pub(crate) fn revolve(strips: &[Vec<Ring>]) -> Tessellation {
     let mut whole = Tessellation::default();
     for strip in strips {
@@ -66,7 +67,8 @@ pub(crate) fn ball(radius: f64) -> Vec<Ring> {
     rings
 }
 
-/// Two disks, at minus and plus the half height, and the cone between them; a disk of radius zero is the apex.
+/// Two disks, at minus and plus the half height, and the cone between them; a disk of radius zero
+/// is the apex.
 pub(crate) fn cone_frustum([bottom, top]: [f64; 2], half_height: f64) -> Vec<Vec<Ring>> {
     let disk = |radius: f64, height: f64, normal_up: f64| Ring { radius, height, normal_out: 0.0, normal_up };
     let side =

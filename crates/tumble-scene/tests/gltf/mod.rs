@@ -124,7 +124,8 @@ impl Gltf {
             .collect()
     }
 
-    /// The times of the animation and the tracks of the bodies, checked for increase, length, and the shortest way.
+    /// The times of the animation and the tracks of the bodies, checked for increase, length, and
+    /// the shortest way.
     pub(crate) fn animation(&self) -> (Vec<f32>, Vec<Track>) {
         let Some(animation) = list(&self.json["animations"]).first() else { return (Vec::new(), Vec::new()) };
         let times: Vec<f32> = self.numbers(0).into_iter().map(|time| time as f32).collect();

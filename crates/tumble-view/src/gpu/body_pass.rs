@@ -19,7 +19,8 @@ pub(crate) struct BodyInstance {
     /// A quaternion: x, y, z, w.
     pub(crate) turn: [f32; 4],
     pub(crate) size: [f32; 3],
-    /// Red, green, blue in linear light, and how much it is lit up; below zero, the distance at which it is no longer seen, with its sign.
+    /// Red, green, blue in linear light, and how much it is lit up; below zero, the distance at
+    /// which it is no longer seen, with its sign.
     pub(crate) paint: [f32; 4],
 }
 

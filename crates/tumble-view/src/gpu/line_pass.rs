@@ -16,7 +16,8 @@ const THROUGH: f32 = 0.45;
 /// Lines begin at this part of the camera's distance, a little behind where everything else does.
 const NEAR: f32 = 0.021;
 
-/// A line on the graphics card, as a strip that faces the viewer. Lengths are in units of the view, widths in points.
+/// A line on the graphics card, as a strip that faces the viewer. Lengths are in units of the view,
+/// widths in points.
 #[derive(Clone, Copy, Debug)]
 #[repr(C)]
 struct LineInstance {

@@ -13,12 +13,13 @@ use crate::step::interacting::step_interacting;
 
 /// Many independent worlds, each with its own settings, stepped in parallel.
 ///
-/// Threads take whole worlds, and a world takes many steps at a time while it is in cache. It gets the same bits as alone, for any
-/// number of threads and whatever the other worlds are. The threads are those of the rayon pool that it is called in, as for a
-/// step; a world of many bodies is split among them too.
+/// Threads take whole worlds, and a world takes many steps at a time while it is in cache. It gets
+/// the same bits as alone, for any number of threads and whatever the other worlds are. The threads
+/// are those of the rayon pool that it is called in, as for a step; a world of many bodies is split
+/// among them too.
 ///
-/// Results come back in the order of the worlds. A batch is held in memory as a whole; [`for_each_world`](crate::batch::run_worlds()) makes worlds one by one, as
-/// many as one likes.
+/// Results come back in the order of the worlds. A batch is held in memory as a whole;
+/// [`for_each_world`](crate::batch::run_worlds()) makes worlds one by one, as many as one likes.
 ///
 /// ```
 /// use tumble::prelude::*;
@@ -49,7 +50,8 @@ pub struct Batch {
     packs: Vec<MultiWorld>,
 }
 
-/// Worlds that go through their steps together: enough for the contacts of eight bodies in each to fill lanes.
+/// Worlds that go through their steps together: enough for the contacts of eight bodies in each to
+/// fill lanes.
 const PACK: usize = 16;
 
 impl Batch {
@@ -58,8 +60,9 @@ impl Batch {
         Self::default()
     }
 
-    /// Makes `count` worlds in parallel. `set_up` is given the index of a world and [numbers](Rng::stream) of its own, so that a world
-    /// depends on nothing but the seed and its index.
+    /// Makes `count` worlds in parallel. `set_up` is given the index of a world and
+    /// [numbers](Rng::stream) of its own, so that a world depends on nothing but the seed and its
+    /// index.
     ///
     /// # Errors
     /// That of the first world, by index, that could not be set up.
@@ -101,9 +104,12 @@ impl Batch {
 
     /// Advances every world by `count` steps of its own.
     ///
-    /// Small worlds with contacts take their steps in packs, since alone they leave most lanes of a vector empty: up to sixteen neighbours, each with the bits that it has alone. In a pack are worlds
-    /// of at most 128 entities, without a ledger, that have `dt`, `substeps`, `contact_substeps` and `restitution_threshold` in common with the first of them, and also whether anything in them
-    /// bounces or resists rolling. The others take their steps by themselves, as all do in [`map`](Self::map) and [`run`](Self::run).
+    /// Small worlds with contacts take their steps in packs, since alone they leave most lanes of a
+    /// vector empty: up to sixteen neighbours, each with the bits that it has alone. In a pack are
+    /// worlds of at most 128 entities, without a ledger, that have `dt`, `substeps`,
+    /// `contact_substeps` and `restitution_threshold` in common with the first of them, and also
+    /// whether anything in them bounces or resists rolling. The others take their steps by
+    /// themselves, as all do in [`map`](Self::map) and [`run`](Self::run).
     pub fn step_many(&mut self, count: u32) {
         // With fewer worlds than would give each thread a pack, threads come first.
         let size = self.trials.len().div_ceil(rayon::current_num_threads()).clamp(1, PACK);
@@ -113,13 +119,14 @@ impl Batch {
         });
     }
 
-    /// Calls `work` with every world and its index, in parallel, and returns what it gave, in the order of the worlds.
+    /// Calls `work` with every world and its index, in parallel, and returns what it gave, in the
+    /// order of the worlds.
     pub fn map<R: Send>(&mut self, work: impl Fn(usize, &mut Trial) -> R + Sync) -> Vec<R> {
         self.trials.par_iter_mut().enumerate().map(|(index, trial)| work(index, trial)).collect()
     }
 
-    /// [`Trial::run`] for every world, in parallel: up to `steps` steps, tested every `every` steps. Each world ends by itself; the
-    /// results say with what, in the order of the worlds.
+    /// [`Trial::run`] for every world, in parallel: up to `steps` steps, tested every `every`
+    /// steps. Each world ends by itself; the results say with what, in the order of the worlds.
     ///
     /// ```
     /// # use std::ops::ControlFlow;

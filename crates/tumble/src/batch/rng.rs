@@ -2,8 +2,9 @@ use crate::math::{Quat, Real, Vec3};
 
 /// A generator of pseudorandom numbers: the same ones for the same seed, everywhere and for ever.
 ///
-/// For scenes that are set up by chance. SplitMix64 (G. L. Steele, D. Lea, C. H. Flood, "Fast splittable pseudorandom number
-/// generators", OOPSLA 2014): a mixed counter, so that any number of independent sequences can be had without making those before.
+/// For scenes that are set up by chance. SplitMix64 (G. L. Steele, D. Lea, C. H. Flood, "Fast
+/// splittable pseudorandom number generators", OOPSLA 2014): a mixed counter, so that any number of
+/// independent sequences can be had without making those before.
 ///
 /// ```
 /// use tumble::Rng;
@@ -41,7 +42,8 @@ impl Rng {
         (self.next_u64() >> 11) as f64 / (1_u64 << 53) as f64
     }
 
-    /// From `low` to `high`: one of 2^24 equally likely numbers, which every precision of the build can hold; their distance must be finite.
+    /// From `low` to `high`: one of 2^24 equally likely numbers, which every precision of the build
+    /// can hold; their distance must be finite.
     pub fn range(&mut self, low: Real, high: Real) -> Real {
         let unit = (self.next_u64() >> 40) as Real / (1_u32 << 24) as Real;
         low + (high - low) * unit

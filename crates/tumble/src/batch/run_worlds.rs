@@ -10,15 +10,17 @@ const BLOCK_TIME: Duration = Duration::from_millis(100);
 /// Results that are held at a time, at most.
 const LARGEST_BLOCK: usize = 8192;
 
-/// Works through any number of worlds in bounded memory: each is made, run, reduced and dropped inside `work`, in parallel, and
-/// `take` is given the results in the order of the worlds.
+/// Works through any number of worlds in bounded memory: each is made, run, reduced and dropped
+/// inside `work`, in parallel, and `take` is given the results in the order of the worlds.
 ///
-/// Worlds are worked on in blocks of a tenth of a second, of 8192 worlds at most: a block begins no world after that time, but one on
-/// each thread. So at most 8192 results are in memory, and what is finished waits to be taken for a tenth of a second and the time of one
-/// world, about. Of the worlds themselves there is one a thread; but a thread that waits inside `work` for others in the same rayon pool,
-/// as it does where a world of more than 512 bodies is stepped, may begin further worlds meanwhile, which then are in memory too.
-/// Neither the results nor their order depend on the blocks or the threads. `take` ends the work with [`ControlFlow::Break`]; the rest
-/// of the block is dropped.
+/// Worlds are worked on in blocks of a tenth of a second, of 8192 worlds at most: a block begins no
+/// world after that time, but one on each thread. So at most 8192 results are in memory, and what
+/// is finished waits to be taken for a tenth of a second and the time of one world, about. Of the
+/// worlds themselves there is one a thread; but a thread that waits inside `work` for others in the
+/// same rayon pool, as it does where a world of more than 512 bodies is stepped, may begin further
+/// worlds meanwhile, which then are in memory too. Neither the results nor their order depend on
+/// the blocks or the threads. `take` ends the work with [`ControlFlow::Break`]; the rest of the
+/// block is dropped.
 ///
 /// ```
 /// use std::ops::ControlFlow;
@@ -60,7 +62,8 @@ pub fn for_each_world<R: Send, B>(
         let left = worlds.end - next;
         let count = usize::try_from(left).map_or(LARGEST_BLOCK, |left| left.min(LARGEST_BLOCK));
         let (first, claimed) = (next, AtomicUsize::new(0));
-        // Each thread claims the next world until time is up. All that is claimed is done, so the results have no gap.
+        // Each thread claims the next world until time is up. All that is claimed is done, so the
+        // results have no gap.
         let work_until_time_is_up = |_| {
             let mut results = Vec::new();
             loop {
@@ -91,7 +94,8 @@ pub fn for_each_world<R: Send, B>(
 mod tests {
     use super::*;
 
-    /// Worlds that suddenly take long must not be held back by the thousand because those before were short.
+    /// Worlds that suddenly take long must not be held back by the thousand because those before
+    /// were short.
     #[test]
     fn long_worlds_after_short_ones_do_not_wait_for_each_other() {
         const SHORT: u64 = 30_000;
@@ -122,7 +126,8 @@ mod tests {
             });
             assert!(end.is_continue());
             assert_eq!(taken, 500);
-            // A sleep is never shorter than asked for, so this many end on a thread before time is up, and one more is begun.
+            // A sleep is never shorter than asked for, so this many end on a thread before time is
+            // up, and one more is begun.
             let most = threads * (BLOCK_TIME.as_millis() / TIME.as_millis() + 1) as usize;
             assert!(most_waiting <= most, "{most_waiting} results waited, {threads} threads");
         }

@@ -7,7 +7,8 @@ use crate::snapshot::state_hash::state_hash;
 use crate::step::simulation::Simulation;
 use crate::storage::body_order::BodyOrder;
 
-/// One world with the simulation that steps it: a member of a [`Batch`](crate::Batch), and the same alone.
+/// One world with the simulation that steps it: a member of a [`Batch`](crate::Batch), and the same
+/// alone.
 ///
 /// ```
 /// use std::ops::ControlFlow;
@@ -47,8 +48,9 @@ impl Trial {
         self.simulation.step_many(&mut self.world, count);
     }
 
-    /// Takes up to `steps` steps, and calls `observe` after every `every`-th of them and after the last; with an `every` of zero only
-    /// after the last. What it sees it may also change, and it ends the run with [`ControlFlow::Break`].
+    /// Takes up to `steps` steps, and calls `observe` after every `every`-th of them and after the
+    /// last; with an `every` of zero only after the last. What it sees it may also change, and it
+    /// ends the run with [`ControlFlow::Break`].
     ///
     /// With no steps to take nothing is observed.
     pub fn run<B>(
@@ -76,7 +78,8 @@ impl Trial {
         }
     }
 
-    /// The hash of the state, to compare runs by; see [`state_hash`](crate::snapshot::state_hash()).
+    /// The hash of the state, to compare runs by; see
+    /// [`state_hash`](crate::snapshot::state_hash()).
     pub fn state_hash(&self) -> u64 {
         state_hash(&self.world, &BodyOrder::of(&self.world))
     }

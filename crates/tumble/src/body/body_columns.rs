@@ -6,10 +6,12 @@ use crate::components::{
     PrincipalAxes, Velocity, Wrench,
 };
 
-/// Declares `BodyColumns`, writers of the columns that a body may have, and what goes over the same list.
+/// Declares `BodyColumns`, writers of the columns that a body may have, and what goes over the same
+/// list.
 macro_rules! body_columns {
     ($($field:ident: $Component:ty),+) => {
-        /// The columns of a batch of entities, being filled with bodies. A column that the batch has not is left out.
+        /// The columns of a batch of entities, being filled with bodies. A column that the batch
+        /// has not is left out.
         pub(crate) struct BodyColumns<'b> {
             $($field: Option<BatchWriter<'b, $Component>>,)+
         }
@@ -31,8 +33,8 @@ macro_rules! body_columns {
         }
 
         impl Body {
-            /// Adds the types of the body's components to those of a batch of entities, beside the caller's own;
-            /// [`insert_copies_into`](Self::insert_copies_into) fills their columns.
+            /// Adds the types of the body's components to those of a batch of entities, beside the
+            /// caller's own; [`insert_copies_into`](Self::insert_copies_into) fills their columns.
             pub fn insert_types_into(&self, types: &mut ColumnBatchType) {
                 $(if Option::<$Component>::from(self.$field).is_some() {
                     types.add::<$Component>();

@@ -74,7 +74,8 @@ pub enum BodyError {
 }
 
 impl BodyError {
-    /// The field at fault, by the name it has in scene files: `mass`, `shape.radius`, `inertia`, `orientation`, …
+    /// The field at fault, by the name it has in scene files: `mass`, `shape.radius`, `inertia`,
+    /// `orientation`, …
     pub fn field(&self) -> String {
         match self {
             Self::MissingMass | Self::Mass(_) | Self::MassRange(_) => "mass".to_owned(),

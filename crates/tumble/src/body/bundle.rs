@@ -12,7 +12,8 @@ use crate::integrators::state::{Constants, Moments, State};
 type Plain = (Pose, Momentum, Mass, Inertia, Wrench, Velocity, InverseInertia);
 type PlainWithId = (Pose, Momentum, Mass, Inertia, Wrench, Velocity, InverseInertia, BodyId);
 
-/// The components of a body that [`RigidBody::build`](crate::RigidBody::build) has checked, ready to be spawned any number of times.
+/// The components of a body that [`RigidBody::build`](crate::RigidBody::build) has checked, ready
+/// to be spawned any number of times.
 ///
 /// ```
 /// # use tumble::prelude::*;
@@ -72,7 +73,8 @@ impl Body {
         derived(&constants, &State::new(&self.pose, &momentum)).into()
     }
 
-    /// Mass \[kg\], centre of mass \[m\] and inertia [kg m^2] in double precision, in the body's own frame; `None` for a body that forces do not move.
+    /// Mass \[kg\], centre of mass \[m\] and inertia [kg m^2] in double precision, in the body's
+    /// own frame; `None` for a body that forces do not move.
     pub fn properties(&self) -> Option<&MassProperties> {
         self.properties.as_ref()
     }
@@ -110,10 +112,11 @@ impl Body {
         add(entity, self.id);
     }
 
-    /// Spawns an entity with the body's components. Many at once come much sooner from [`spawn_copies`](Self::spawn_copies) and
-    /// [`spawn_bodies`](crate::body::spawn_bodies).
+    /// Spawns an entity with the body's components. Many at once come much sooner from
+    /// [`spawn_copies`](Self::spawn_copies) and [`spawn_bodies`](crate::body::spawn_bodies).
     pub fn spawn(&self, world: &mut World) -> Entity {
-        // hecs knows the archetype of a tuple at once, and has to look for that of an `EntityBuilder`.
+        // hecs knows the archetype of a tuple at once, and has to look for that of an
+        // `EntityBuilder`.
         match (self.as_tuple(), self.id) {
             (Some(plain), None) => world.spawn(plain),
             (Some((a, b, c, d, e, f, g)), Some(id)) => world.spawn((a, b, c, d, e, f, g, id)),
@@ -143,8 +146,8 @@ impl Body {
         world.spawn(entity.build())
     }
 
-    /// The same with another identity, or none: [`weld`](crate::body::weld) leaves that of the first body, and two bodies with one id are
-    /// one to a [`Snapshot`](crate::Snapshot).
+    /// The same with another identity, or none: [`weld`](crate::body::weld) leaves that of the
+    /// first body, and two bodies with one id are one to a [`Snapshot`](crate::Snapshot).
     ///
     /// ```
     /// # use tumble::{prelude::*, weld};
@@ -167,7 +170,8 @@ impl Body {
         self.pose
     }
 
-    /// Makes room in the world for more bodies of this kind, where hecs lets us: of the kind that most are.
+    /// Makes room in the world for more bodies of this kind, where hecs lets us: of the kind that
+    /// most are.
     pub(crate) fn reserve(&self, world: &mut World, additional: u32) {
         match (self.as_tuple(), self.id) {
             (Some(_), None) => world.reserve::<Plain>(additional),

@@ -39,15 +39,19 @@ pub enum ChangeMassError {
     Center(glam::DVec3),
 }
 
-/// Gives a moving body another mass, centre of mass and inertia, all in its own frame: a skater who pulls in the arms, a tank that drains.
+/// Gives a moving body another mass, centre of mass and inertia, all in its own frame: a skater who
+/// pulls in the arms, a tank that drains.
 ///
-/// The body's frame stays where it is, and so do its linear momentum and its angular momentum about any point of the world. Where the centre of mass moves within the
-/// frame, the body's `Momentum::angular`, which is about that centre, takes up the difference. `Velocity` and `InverseInertia` are those of the
-/// new properties. What it changes of the kinetic energy is work of no force: a [`Ledger`](crate::Ledger) shows it as
+/// The body's frame stays where it is, and so do its linear momentum and its angular momentum about
+/// any point of the world. Where the centre of mass moves within the frame, the body's
+/// `Momentum::angular`, which is about that centre, takes up the difference. `Velocity` and
+/// `InverseInertia` are those of the new properties. What it changes of the kinetic energy is work
+/// of no force: a [`Ledger`](crate::Ledger) shows it as
 /// [`between_steps`](crate::LedgerEntry::between_steps).
 ///
-/// What of the body moves inside it while it changes is not seen: for a spring or a collider its points are where they were along the frame, but
-/// attachments that are given from the centre of mass move with that.
+/// What of the body moves inside it while it changes is not seen: for a spring or a collider its
+/// points are where they were along the frame, but attachments that are given from the centre of
+/// mass move with that.
 ///
 /// ```
 /// use tumble::{MassProperties, change_mass_properties, prelude::*};

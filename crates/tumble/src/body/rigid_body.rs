@@ -22,7 +22,8 @@ enum Motion {
     Fixed,
 }
 
-/// A rigid body to be: says what it is made of and how it moves, and [`build`](Self::build) checks it all and makes the components.
+/// A rigid body to be: says what it is made of and how it moves, and [`build`](Self::build) checks
+/// it all and makes the components.
 ///
 /// ```
 /// use tumble::prelude::*;
@@ -55,7 +56,8 @@ pub struct RigidBody {
 }
 
 impl RigidBody {
-    /// A body of this shape, at rest at the world's origin, that moves as forces make it. It needs a mass or a density.
+    /// A body of this shape, at rest at the world's origin, that moves as forces make it. It needs
+    /// a mass or a density.
     pub fn new(shape: Shape) -> Self {
         Self {
             shape,
@@ -79,7 +81,8 @@ impl RigidBody {
         Self { motion: Motion::Fixed, ..self }
     }
 
-    /// Makes it a body that moves with the velocities it is given, whatever pushes it. It needs no mass; it turns about the origin of its frame, or about the
+    /// Makes it a body that moves with the velocities it is given, whatever pushes it. It needs no
+    /// mass; it turns about the origin of its frame, or about the
     /// [`center_of_mass`](Self::center_of_mass) that it is given.
     pub fn kinematic(self) -> Self {
         Self { motion: Motion::Kinematic, ..self }
@@ -95,18 +98,21 @@ impl RigidBody {
         Self { amount: Some(Amount::Density(density.into())), ..self }
     }
 
-    /// Its inertia tensor about the centre of mass [kg m^2], in its own frame, instead of the shape's. One that was accepted
-    /// [with a tolerance](InertiaTensor::with_tolerance) moves as its [`nearest_possible`](InertiaTensor::nearest_possible).
+    /// Its inertia tensor about the centre of mass [kg m^2], in its own frame, instead of the
+    /// shape's. One that was accepted [with a tolerance](InertiaTensor::with_tolerance) moves as
+    /// its [`nearest_possible`](InertiaTensor::nearest_possible).
     pub fn inertia(self, inertia: InertiaTensor) -> Self {
         self.principal_inertia(inertia.nearest_possible().principal())
     }
 
-    /// Its principal moments about the centre of mass [kg m^2] and principal axes, instead of the shape's.
+    /// Its principal moments about the centre of mass [kg m^2] and principal axes, instead of the
+    /// shape's.
     pub fn principal_inertia(self, inertia: PrincipalInertia) -> Self {
         Self { inertia: Some(inertia), ..self }
     }
 
-    /// Where its centre of mass is in its own frame \[m\], instead of the shape's. Its inertia about the centre of mass stays what it is.
+    /// Where its centre of mass is in its own frame \[m\], instead of the shape's. Its inertia
+    /// about the centre of mass stays what it is.
     ///
     /// ```
     /// # use tumble::prelude::*;
@@ -238,7 +244,8 @@ impl RigidBody {
         Ok((properties, principal))
     }
 
-    /// The shape's mass properties, with `otherwise` for the amount that was not given; a compound has its own.
+    /// The shape's mass properties, with `otherwise` for the amount that was not given; a compound
+    /// has its own.
     fn shape_properties(&self, otherwise: Option<Amount>) -> Result<MassProperties, BodyError> {
         Ok(match (self.amount, &self.shape) {
             (Some(amount), shape) => shape.mass_properties(amount)?,

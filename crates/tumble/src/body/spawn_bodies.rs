@@ -9,14 +9,16 @@ use crate::body::body_columns::BodyColumns;
 use crate::body::bundle::Body;
 use crate::components::{BodyId, Momentum, Pose, PreviousPose};
 
-/// Bodies that [`spawn_bodies`] sorts by kind at a time: they fit the second-level cache, and their batches are not small.
+/// Bodies that [`spawn_bodies`] sorts by kind at a time: they fit the second-level cache, and their
+/// batches are not small.
 const BLOCK: usize = 512;
 
 /// Spawns many bodies, of any kinds, and returns their entities in the order of the bodies.
 ///
-/// The world is as after a call of [`Body::spawn`] for each, several times sooner. In a world that nothing was despawned from the
-/// entities ascend in the order of the bodies, so that what goes by [`BodyOrder`](crate::BodyOrder) is the same too. Bodies are
-/// taken from the iterator a few hundred at a time and none is kept; copies of one body come cheaper from [`Body::spawn_copies`].
+/// The world is as after a call of [`Body::spawn`] for each, several times sooner. In a world that
+/// nothing was despawned from the entities ascend in the order of the bodies, so that what goes by
+/// [`BodyOrder`](crate::BodyOrder) is the same too. Bodies are taken from the iterator a few
+/// hundred at a time and none is kept; copies of one body come cheaper from [`Body::spawn_copies`].
 ///
 /// ```
 /// use tumble::prelude::*;
@@ -46,20 +48,23 @@ pub fn spawn_bodies<B: Borrow<Body>>(world: &mut World, bodies: impl IntoIterato
             && entities.is_empty()
             && block.iter().all(|body| body.borrow().kind() == block[0].borrow().kind())
         {
-            // All others may well be of that kind too. Without room for them the columns would be copied each time they double.
+            // All others may well be of that kind too. Without room for them the columns would be
+            // copied each time they double.
             block[0].borrow().reserve(world, u32::try_from(expected).unwrap_or(0));
         }
         spawn_block(world, &block, &mut entities);
     }
 }
 
-/// Spawns bodies, those of each kind in one batch, and appends their entities in the order of the bodies.
+/// Spawns bodies, those of each kind in one batch, and appends their entities in the order of the
+/// bodies.
 fn spawn_block<B: Borrow<Body>>(world: &mut World, bodies: &[B], entities: &mut Vec<Entity>) {
     let mut kinds: BTreeMap<u32, Vec<usize>> = BTreeMap::new();
     for (i, body) in bodies.iter().enumerate() {
         kinds.entry(body.borrow().kind()).or_default().push(i);
     }
-    // hecs looks a chosen handle up among all free ones, one by one, so handles are chosen only where none are free.
+    // hecs looks a chosen handle up among all free ones, one by one, so handles are chosen only
+    // where none are free.
     let handles: Option<Vec<Entity>> =
         (kinds.len() > 1 && world.freelist().len() == 0).then(|| world.reserve_entities(bodies.len() as u32).collect());
     world.flush();
@@ -95,13 +100,16 @@ fn batch_of<'b>(bodies: impl ExactSizeIterator<Item = &'b Body> + Clone) -> Opti
 }
 
 impl Body {
-    /// Spawns a copy of the body for each pose of the centre of mass and momentum, and returns their entities in that order.
+    /// Spawns a copy of the body for each pose of the centre of mass and momentum, and returns
+    /// their entities in that order.
     ///
-    /// What depends on the state, such as the [`Velocity`](crate::Velocity), is computed; all else is the body's. A body with a
-    /// [`BodyId`] gives it to the first copy, and the next ids to the others, from 0 on after the largest. A body that forces do not move takes the poses
-    /// and no momenta. Poses are taken as they are: finite, with unit quaternions.
+    /// What depends on the state, such as the [`Velocity`](crate::Velocity), is computed; all else
+    /// is the body's. A body with a [`BodyId`] gives it to the first copy, and the next ids to the
+    /// others, from 0 on after the largest. A body that forces do not move takes the poses and no
+    /// momenta. Poses are taken as they are: finite, with unit quaternions.
     ///
-    /// This is the fastest way to many bodies: the columns are allocated once and filled one after the other.
+    /// This is the fastest way to many bodies: the columns are allocated once and filled one after
+    /// the other.
     ///
     /// ```
     /// use tumble::prelude::*;
@@ -116,7 +124,8 @@ impl Body {
     /// # Ok::<(), Box<dyn std::error::Error>>(())
     /// ```
     ///
-    /// An iterator that ends before the length it states spawns nothing, one that goes on is cut off there.
+    /// An iterator that ends before the length it states spawns nothing, one that goes on is cut
+    /// off there.
     ///
     /// # Panics
     /// Where hecs does: if the world would have more than 2^32 - 2 entities.
@@ -134,8 +143,9 @@ impl Body {
         batch.build().map_or_else(|_| Vec::new(), |batch| world.spawn_column_batch(batch).collect())
     }
 
-    /// Fills the columns of a batch with copies of the body, as [`spawn_copies`](Self::spawn_copies) does; the way to
-    /// spawn many bodies that have components of the caller's own.
+    /// Fills the columns of a batch with copies of the body, as
+    /// [`spawn_copies`](Self::spawn_copies) does; the way to spawn many bodies that have components
+    /// of the caller's own.
     ///
     /// ```
     /// # use tumble::prelude::*;
@@ -156,8 +166,8 @@ impl Body {
     /// # Ok::<(), Box<dyn std::error::Error>>(())
     /// ```
     ///
-    /// Columns that the batch does not have are left out, and so are copies that it has no room for. Where there are fewer states than
-    /// rows, [`build`](ColumnBatchBuilder::build) says so.
+    /// Columns that the batch does not have are left out, and so are copies that it has no room
+    /// for. Where there are fewer states than rows, [`build`](ColumnBatchBuilder::build) says so.
     ///
     /// # Panics
     /// Where another writer of one of the body's columns is alive.

@@ -33,8 +33,8 @@ pub enum WeldError {
         /// The entity.
         entity: Entity,
     },
-    /// The entity is no body that forces move, but fixed, kinematic or no body at all: it has not all of [`Pose`], [`Momentum`] and
-    /// [`Mass`].
+    /// The entity is no body that forces move, but fixed, kinematic or no body at all: it has not
+    /// all of [`Pose`], [`Momentum`] and [`Mass`].
     #[error("{entity:?} is no body that forces move: it lacks a {lacks}")]
     Immovable {
         /// The entity.
@@ -50,18 +50,20 @@ pub enum WeldError {
         /// What is wrong with it.
         source: BodyError,
     },
-    /// What would come of it is no body: too heavy or too far out for the precision of the build, or without inertia about some axis, as
-    /// points in a row are.
+    /// What would come of it is no body: too heavy or too far out for the precision of the build,
+    /// or without inertia about some axis, as points in a row are.
     #[error("the bodies together: {0}")]
     Together(BodyError),
 }
 
-/// The body that the bodies of these entities make together once they are fixed to each other as they are now: ready to be spawned, in the
-/// place of the others. The world is not changed.
+/// The body that the bodies of these entities make together once they are fixed to each other as
+/// they are now: ready to be spawned, in the place of the others. The world is not changed.
 ///
-/// Linear and angular momentum are those of all together, to the rounding of the build's precision; energy is lost in general
-/// ([`tumble_math::weld`] has the equations, and how much). The frame is that of the first entity, whose [`BodyId`], [`GravityScale`] and
-/// [`Damping`] it takes over, and whether it has a [`PreviousPose`]; forces and what else is on the entities is left to the caller.
+/// Linear and angular momentum are those of all together, to the rounding of the build's precision;
+/// energy is lost in general ([`tumble_math::weld`] has the equations, and how much). The frame is
+/// that of the first entity, whose [`BodyId`], [`GravityScale`] and [`Damping`] it takes over, and
+/// whether it has a [`PreviousPose`]; forces and what else is on the entities is left to the
+/// caller.
 ///
 /// Bodies without [`Inertia`] count as points, and do not turn.
 ///

@@ -7,7 +7,8 @@ use crate::collision::contact::ContactRecord;
 use crate::components::{BodyId, Pose};
 use crate::storage::body_index::BodyIndex;
 
-/// What a body is called: by its [`BodyId`], whatever its entity, or without one by the number of its entity. In the order of members.
+/// What a body is called: by its [`BodyId`], whatever its entity, or without one by the number of
+/// its entity. In the order of members.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub(crate) enum BodyKey {
     Id(BodyId),
@@ -61,8 +62,9 @@ impl BodyKeys {
         self.entity(slot) != Entity::DANGLING
     }
 
-    /// Gives contacts the slots that the names of their bodies have now, and drops those of bodies that are gone; `parted` are those of them that touched. Returns whether slots are
-    /// others than they were.
+    /// Gives contacts the slots that the names of their bodies have now, and drops those of bodies
+    /// that are gone; `parted` are those of them that touched. Returns whether slots are others
+    /// than they were.
     pub(crate) fn renew(
         &mut self,
         world: &World,
@@ -107,13 +109,15 @@ impl BodyKeys {
         !same
     }
 
-    /// Whether what had a name by the number of its entity is gone, and that number another's: hecs gives it to the next that is spawned.
+    /// Whether what had a name by the number of its entity is gone, and that number another's: hecs
+    /// gives it to the next that is spawned.
     fn is_replaced(&self, old: usize, new: usize) -> bool {
         let was = self.entities[old];
         matches!(self.body_keys[old], BodyKey::Entity(_)) && was != Entity::DANGLING && was != self.here[new]
     }
 
-    /// Finds the new slots of names: of equal names the first has the first slot, and no two the same.
+    /// Finds the new slots of names: of equal names the first has the first slot, and no two the
+    /// same.
     fn match_names(&mut self, count: usize, member: impl Fn(usize) -> BodyKey) {
         self.now.clear();
         let mut slot = 0;
@@ -127,7 +131,8 @@ impl BodyKeys {
         }
     }
 
-    /// Takes names that are in order, and finds who they are in a world; who is not there is [`Entity::DANGLING`].
+    /// Takes names that are in order, and finds who they are in a world; who is not there is
+    /// [`Entity::DANGLING`].
     pub(crate) fn set(&mut self, body_keys: &[BodyKey], world: &World) {
         self.body_keys.clear();
         self.body_keys.extend_from_slice(body_keys);

@@ -13,10 +13,12 @@ use crate::components::Pose;
 use crate::math::Real;
 use crate::range::{LENGTHS, within};
 
-/// What other bodies bump into: a shape and its surface. A component of anything that has a [`Pose`](crate::Pose).
+/// What other bodies bump into: a shape and its surface. A component of anything that has a
+/// [`Pose`](crate::Pose).
 ///
-/// The shape is in the body's own frame, or at a [place](Self::with_offset) in it. A body with [`Momentum`](crate::Momentum) is pushed, one with a [`Velocity`](crate::Velocity) and no momentum
-/// pushes and is not pushed, and one with neither is ground.
+/// The shape is in the body's own frame, or at a [place](Self::with_offset) in it. A body with
+/// [`Momentum`](crate::Momentum) is pushed, one with a [`Velocity`](crate::Velocity) and no
+/// momentum pushes and is not pushed, and one with neither is ground.
 ///
 /// ```
 /// use tumble::{Collider, prelude::*};
@@ -49,7 +51,8 @@ pub struct Collider {
     parts: Option<Arc<[PartSurface]>>,
 }
 
-/// What a collider is and what it touches, as bits. Two touch if each is something that the other touches.
+/// What a collider is and what it touches, as bits. Two touch if each is something that the other
+/// touches.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct Groups {
     membership: u32,
@@ -77,16 +80,20 @@ impl Groups {
 impl Collider {
     /// A collider of a body's shape, with the [default](Material::default) surface.
     ///
-    /// Everything but a [`Point`](Shape::Point) can be touched; in a compound, points are left out. A [`Mesh`](Shape::Mesh) is touched as its convex hull: what moves has to
-    /// be solid to everything. [`mesh`](Self::mesh) is its surface as it is. Cylinders, cones, frustums, capsules and ellipsoids are round, not cut out of planes.
+    /// Everything but a [`Point`](Shape::Point) can be touched; in a compound, points are left out.
+    /// A [`Mesh`](Shape::Mesh) is touched as its convex hull: what moves has to be solid to
+    /// everything. [`mesh`](Self::mesh) is its surface as it is. Cylinders, cones, frustums,
+    /// capsules and ellipsoids are round, not cut out of planes.
     ///
     /// # Errors
-    /// [`ColliderError`] for points, lengths that are none, and meshes without a volume; in a compound it names the part.
+    /// [`ColliderError`] for points, lengths that are none, and meshes without a volume; in a
+    /// compound it names the part.
     pub fn new(shape: &Shape) -> Result<Self, ColliderError> {
         Ok(Self::of(collider_shape::of_shape(shape)?))
     }
 
-    /// All that is below the plane y = 0 of the body's frame: infinite ground. Nothing with momentum should have it.
+    /// All that is below the plane y = 0 of the body's frame: infinite ground. Nothing with
+    /// momentum should have it.
     #[must_use]
     pub fn half_space() -> Self {
         Self::of(ColliderShape::HalfSpace)
@@ -104,16 +111,19 @@ impl Collider {
     /// ```
     ///
     /// # Errors
-    /// [`ColliderError::Hull`] says which point is not finite, or that there are too few or all lie in one plane.
+    /// [`ColliderError::Hull`] says which point is not finite, or that there are too few or all lie
+    /// in one plane.
     pub fn convex_hull(points: impl IntoIterator<Item = impl Into<DVec3>>) -> Result<Self, ColliderError> {
         let points: Vec<DVec3> = points.into_iter().map(Into::into).collect();
         Ok(Self::of(collider_shape::hull(&points)?))
     }
 
-    /// The surface of triangles: vertices \[m\] and, for each triangle, the indices of its corners, counter-clockwise as seen from outside.
+    /// The surface of triangles: vertices \[m\] and, for each triangle, the indices of its corners,
+    /// counter-clockwise as seen from outside.
     ///
-    /// It is touched from outside only, by everything but other surfaces, so it is for ground and for what is carried about, and not for bodies that are to bump into each
-    /// other. Where triangles lie in one plane or make a hollow, nothing stumbles over the edges between them.
+    /// It is touched from outside only, by everything but other surfaces, so it is for ground and
+    /// for what is carried about, and not for bodies that are to bump into each other. Where
+    /// triangles lie in one plane or make a hollow, nothing stumbles over the edges between them.
     ///
     /// ```
     /// use tumble::{Collider, ColliderError, MeshError, math::Vec3};
@@ -125,7 +135,8 @@ impl Collider {
     /// ```
     ///
     /// # Errors
-    /// [`ColliderError::Mesh`] names the vertex that is not finite or the triangle with an index out of range.
+    /// [`ColliderError::Mesh`] names the vertex that is not finite or the triangle with an index
+    /// out of range.
     pub fn mesh(
         vertices: impl IntoIterator<Item = impl Into<DVec3>>,
         triangles: &[[u32; 3]],
@@ -135,8 +146,9 @@ impl Collider {
         Ok(Self::of(collider_shape::checked(ColliderShape::Mesh(Arc::new(mesh)))?))
     }
 
-    /// Ground given by its heights \[m\] over a grid, row by row, `columns` of them in a row. y is up, rows run along x and follow each other along z, `spacing` \[m\] apart in
-    /// x and z, and the origin is in the middle of the grid.
+    /// Ground given by its heights \[m\] over a grid, row by row, `columns` of them in a row. y is
+    /// up, rows run along x and follow each other along z, `spacing` \[m\] apart in x and z, and
+    /// the origin is in the middle of the grid.
     ///
     /// It is touched from above only, as a [`mesh`](Self::mesh) is from outside.
     ///
@@ -159,14 +171,16 @@ impl Collider {
     /// The same with another surface.
     ///
     /// # Errors
-    /// [`ColliderError::Material`] for coefficients that are negative or not a number, and a restitution of more than one.
+    /// [`ColliderError::Material`] for coefficients that are negative or not a number, and a
+    /// restitution of more than one.
     pub fn with_material(self, material: Material) -> Result<Self, ColliderError> {
         material.check()?;
         let parts = self.changed_parts(|part| PartSurface { material, ..part });
         Ok(Self { material, parts, ..self })
     }
 
-    /// The same at another place: a pose of the shape's frame in the body's, in place of the one it has. A body's frame is that of its own shape, whatever its centre of mass.
+    /// The same at another place: a pose of the shape's frame in the body's, in place of the one it
+    /// has. A body's frame is that of its own shape, whatever its centre of mass.
     ///
     /// ```
     /// use tumble::{Collider, Pose, Shape, math::Vec3};
@@ -176,7 +190,8 @@ impl Collider {
     /// ```
     ///
     /// # Errors
-    /// [`ColliderError::Offset`] if the position is not finite or further than 1e9 m, or the orientation not about a unit quaternion.
+    /// [`ColliderError::Offset`] if the position is not finite or further than 1e9 m, or the
+    /// orientation not about a unit quaternion.
     pub fn with_offset(self, offset: Pose) -> Result<Self, ColliderError> {
         let length = offset.orientation.length_squared();
         if !within(offset.position.into(), *LENGTHS.end()) || !(0.5..2.0).contains(&length) {
@@ -186,8 +201,9 @@ impl Collider {
         Ok(Self { offset: Some(Isometry { position: offset.position.into(), orientation }), ..self })
     }
 
-    /// The same with groups: what the collider is, and what it touches, each a set of up to 32 bits. Two colliders touch if each is something that the other touches.
-    /// Without groups a collider is everything and touches everything.
+    /// The same with groups: what the collider is, and what it touches, each a set of up to 32
+    /// bits. Two colliders touch if each is something that the other touches. Without groups a
+    /// collider is everything and touches everything.
     ///
     /// ```
     /// use tumble::{Collider, Shape};
@@ -212,7 +228,8 @@ impl Collider {
         &self.material
     }
 
-    /// What it is, and what it touches; of [several colliders](Self::compound) what any of them does.
+    /// What it is, and what it touches; of [several colliders](Self::compound) what any of them
+    /// does.
     #[must_use]
     pub fn groups(&self) -> (u32, u32) {
         self.groups.bits()

@@ -48,7 +48,8 @@ pub enum ColliderError {
         /// Why.
         error: Box<ColliderError>,
     },
-    /// Where a shape, or a part of a compound, is in its frame is not finite, further than 1e9 m, or not turned by a unit quaternion.
+    /// Where a shape, or a part of a compound, is in its frame is not finite, further than 1e9 m,
+    /// or not turned by a unit quaternion.
     #[error("{offset:?} is no place for a collider")]
     Offset {
         /// What was given.

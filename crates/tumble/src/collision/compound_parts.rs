@@ -19,10 +19,13 @@ pub(crate) struct PartSurface {
 }
 
 impl Collider {
-    /// Several colliders fixed to each other, of one body: each at the [place](Self::with_offset) that it has, with the material and the groups that it has.
+    /// Several colliders fixed to each other, of one body: each at the [place](Self::with_offset)
+    /// that it has, with the material and the groups that it has.
     ///
-    /// Where two bodies meet, the material and the groups are those of the two parts. [`with_material`](Self::with_material) and [`with_groups`](Self::with_groups) on the whole give all parts
-    /// the same, [`with_offset`](Self::with_offset) moves it as a whole. Surfaces and half-spaces may be among the parts, as ground.
+    /// Where two bodies meet, the material and the groups are those of the two parts.
+    /// [`with_material`](Self::with_material) and [`with_groups`](Self::with_groups) on the whole
+    /// give all parts the same, [`with_offset`](Self::with_offset) moves it as a whole. Surfaces
+    /// and half-spaces may be among the parts, as ground.
     ///
     /// ```
     /// use tumble::{Collider, Material, Pose, Shape, math::Vec3};
@@ -68,7 +71,8 @@ impl Collider {
         whole.into_iter().chain(self.surfaces().iter().map(|part| &part.material))
     }
 
-    /// [Membership and filter](Self::groups) of its parts, in the same order as their [materials](Self::materials); or its one pair.
+    /// [Membership and filter](Self::groups) of its parts, in the same order as their
+    /// [materials](Self::materials); or its one pair.
     ///
     /// ```
     /// # use tumble::{Collider, Shape};
@@ -92,7 +96,8 @@ impl Collider {
         self.surface_of(number).map_or(self.filter_groups(), |part| part.groups)
     }
 
-    /// Whether parts of two colliders touch each other, by the number that their geometries give the pair.
+    /// Whether parts of two colliders touch each other, by the number that their geometries give
+    /// the pair.
     pub(crate) fn parts_touch(&self, other: &Self, pair: u32) -> bool {
         if self.surfaces().is_empty() && other.surfaces().is_empty() {
             return true;

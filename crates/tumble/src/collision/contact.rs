@@ -36,29 +36,34 @@ pub(crate) struct Second {
 }
 
 impl Second {
-    /// Which share of the gap between the surfaces is before a point: none of it where the second alone is moved, so that what is
-    /// thin has the arms that it has however deep it is in what does not move.
+    /// Which share of the gap between the surfaces is before a point: none of it where the second
+    /// alone is moved, so that what is thin has the arms that it has however deep it is in what
+    /// does not move.
     fn share(&self, carried: Real) -> Real {
         if self.alone { 1.0 } else { carried }
     }
 }
 
-/// Normal from the first to the second, how far points go along with the second, how many points there are, resistance to
-/// rolling, restitution, and how the geometry follows the bodies in a step.
+/// Normal from the first to the second, how far points go along with the second, how many points
+/// there are, resistance to rolling, restitution, and how the geometry follows the bodies in a
+/// step.
 pub(crate) const SHAPE: usize = 0;
-/// Two points each: from the second body's centre of mass when the step began, and the separation there. They are on the surface of
-/// the body that carries them, so that friction has the arm that it has when they meet.
+/// Two points each: from the second body's centre of mass when the step began, and the separation
+/// there. They are on the surface of the body that carries them, so that friction has the arm that
+/// it has when they meet.
 pub(crate) const POINTS: [usize; MAX_MANIFOLD_POINTS / 2] = [1, 2];
-/// Impulses of a substep along the normal \[N s\], the coefficients of static and dynamic friction, how steady effective
-/// masses were in the last substep, and which share of the gap between the surfaces is before the points.
+/// Impulses of a substep along the normal \[N s\], the coefficients of static and dynamic friction,
+/// how steady effective masses were in the last substep, and which share of the gap between the
+/// surfaces is before the points.
 pub(crate) const NORMAL_IMPULSE: usize = 3;
 /// No impulses.
 /// Most halvings of the substeps of a contact.
 pub(crate) const MAX_HALVINGS: u8 = 6;
 
 const NEW: Eight = Eight([0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0]);
-/// Impulse of friction \[N s\] and angular impulse of what resists twisting and rolling [N m s], of a substep, world frame; how near
-/// the surfaces are a contact \[m\], but for how fast they come; and how often the substeps of its island were halved.
+/// Impulse of friction \[N s\] and angular impulse of what resists twisting and rolling [N m s], of
+/// a substep, world frame; how near the surfaces are a contact \[m\], but for how fast they come;
+/// and how often the substeps of its island were halved.
 pub(crate) const FRICTION_IMPULSE: usize = 4;
 
 /// Points and normals are fixed to the bodies.
@@ -70,7 +75,8 @@ pub(crate) const FIXED: f64 = 3.0;
 /// What is round and rolls: found again in each substep.
 pub(crate) const REFINED: f64 = 2.0;
 
-/// Points that moved no further than this part of the margin are the same, whatever features meet there now.
+/// Points that moved no further than this part of the margin are the same, whatever features meet
+/// there now.
 const SAME_PLACE: Real = 0.5;
 
 impl ContactRecord {
@@ -84,7 +90,8 @@ impl ContactRecord {
         numbers: [Eight::ZERO; 5],
     };
 
-    /// Of a manifold with points, whose normal goes from the first slot to the second; `second` is its second body.
+    /// Of a manifold with points, whose normal goes from the first slot to the second; `second` is
+    /// its second body.
     pub(crate) fn new(slots: [u32; 2], part: u32, manifold: &Manifold<Real>, second: Second, law: f64) -> Self {
         let (n, count) = (manifold.normal, manifold.points().len());
         let mut numbers = [Eight::ZERO; 5];
@@ -118,7 +125,8 @@ impl ContactRecord {
             (surface.static_friction, surface.dynamic_friction);
     }
 
-    /// What contacts are in the order of: the kind of the shapes, both slots, the lower first, and the part.
+    /// What contacts are in the order of: the kind of the shapes, both slots, the lower first, and
+    /// the part.
     pub(crate) fn key(&self) -> (PairKind, u32, u32, u32) {
         let [a, b] = self.slots;
         (self.kind, a.min(b), a.max(b), self.part)
@@ -167,7 +175,8 @@ impl ContactRecord {
         self.numbers[FRICTION_IMPULSE].0[7] = Real::from(times);
     }
 
-    /// How near the surfaces are a contact \[m\], but for how fast they come: a length that goes with the bodies' sizes.
+    /// How near the surfaces are a contact \[m\], but for how fast they come: a length that goes
+    /// with the bodies' sizes.
     pub(crate) fn margin(&self) -> Real {
         self.numbers[FRICTION_IMPULSE].0[6]
     }
@@ -182,9 +191,10 @@ impl ContactRecord {
         Vec3::new(x, y, z)
     }
 
-    /// Begins with the impulses of the same contact in the last step, point by point. The same are points where nearly the same features meet nearly where they
-    /// did, then what is there now whatever meets, then what slid on with its features. (Where an edge lies along another, features alone would
-    /// not do: they cross anywhere along their length, from step to step.)
+    /// Begins with the impulses of the same contact in the last step, point by point. The same are
+    /// points where nearly the same features meet nearly where they did, then what is there now
+    /// whatever meets, then what slid on with its features. (Where an edge lies along another,
+    /// features alone would not do: they cross anywhere along their length, from step to step.)
     pub(crate) fn take_impulses_of(&mut self, old: &Self) {
         self.touched = old.touches();
         if self.slots != old.slots {
@@ -226,14 +236,15 @@ impl ContactRecord {
     }
 }
 
-/// Surfaces as near as this \[m\] touch, as much as rounding leaves between bodies that stopped each other, a hundred metres from the
-/// origin; but no nearer than this part of the margin.
+/// Surfaces as near as this \[m\] touch, as much as rounding leaves between bodies that stopped
+/// each other, a hundred metres from the origin; but no nearer than this part of the margin.
 const TOUCHING: [Real; 2] = [1e-4, 0.05];
 /// Surfaces that touched have to be this far apart to do so no more, or this part of the margin.
 const APART: [Real; 2] = [1e-3, 0.5];
 
 impl ContactRecord {
-    /// Whether the bodies touch: something holds them apart, or nothing is between them. Not to be asked before the impulses are known.
+    /// Whether the bodies touch: something holds them apart, or nothing is between them. Not to be
+    /// asked before the impulses are known.
     pub(crate) fn touches(&self) -> bool {
         let [most, part] = if self.touched { APART } else { TOUCHING };
         let within = most.min(part * self.margin());

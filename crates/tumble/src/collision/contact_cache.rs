@@ -14,7 +14,8 @@ use crate::math::Real;
 pub(crate) struct PreviousContacts {
     /// How often contacts were found since the step began: once a substep of the settings.
     pub(crate) found: u32,
-    /// As they were before the step, once its second substep has overwritten what the first replaced.
+    /// As they were before the step, once its second substep has overwritten what the first
+    /// replaced.
     pub(crate) contacts: Vec<ContactRecord>,
     /// What touched and has lost one of two bodies between the steps.
     pub(crate) parted: Vec<EndedPair>,
@@ -28,7 +29,8 @@ pub(crate) struct PreviousContacts {
 const NONE: u32 = u32::MAX;
 
 impl Contacts {
-    /// Gives the contacts that there were the slots that their bodies have now, and drops those of bodies that are gone.
+    /// Gives the contacts that there were the slots that their bodies have now, and drops those of
+    /// bodies that are gone.
     pub(crate) fn renumber(&mut self, world: &World) {
         let Self { body_index, body_keys, contacts, previous, .. } = self;
         previous.parted.clear();
@@ -36,7 +38,8 @@ impl Contacts {
         if body_keys.renew(world, body_index, contacts, &mut previous.parted) {
             self.broad_phase.reset();
         }
-        // Colliders may be others than they were, and contacts that were put back lie as they did elsewhere.
+        // Colliders may be others than they were, and contacts that were put back lie as they did
+        // elsewhere.
         let colliders = &self.colliders;
         for contact in &mut self.contacts {
             contact.set_kind(contact.slots.map(|slot| colliders[slot as usize].as_ref().map(|(it, _)| it)));
@@ -107,7 +110,8 @@ impl Contacts {
         }
         for (slot, place) in places.iter_mut().enumerate().filter(|(_, place)| **place != NONE) {
             let name = self.body_keys.name(slot as u32);
-            // A world in which two bodies have one name has no snapshot; here one of them may be gone since the step.
+            // A world in which two bodies have one name has no snapshot; here one of them may be
+            // gone since the step.
             *place = if body_keys.last() == Some(&name) { NONE } else { body_keys.len() as u32 };
             if *place != NONE {
                 body_keys.push(name);

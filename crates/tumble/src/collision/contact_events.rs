@@ -7,7 +7,8 @@ use crate::collision::contact::ContactRecord;
 use crate::collision::find_contacts::Contacts;
 use crate::collision::narrow_phase::PairKind;
 
-/// What changed in a step between two bodies with colliders; see [`Simulation::contact_events`](crate::Simulation::contact_events).
+/// What changed in a step between two bodies with colliders; see
+/// [`Simulation::contact_events`](crate::Simulation::contact_events).
 ///
 /// ```
 /// use tumble::{Collider, ContactEvent, prelude::*};
@@ -32,7 +33,8 @@ use crate::collision::narrow_phase::PairKind;
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum ContactEvent {
-    /// They touch, and did not before the step. Both bodies, in the order of [`Contact::bodies`](crate::Contact::bodies).
+    /// They touch, and did not before the step. Both bodies, in the order of
+    /// [`Contact::bodies`](crate::Contact::bodies).
     Begin([Entity; 2]),
     /// They touched before the step, and do not any more. One of them may be gone.
     End([Entity; 2]),
@@ -50,7 +52,8 @@ impl ContactEvent {
 type Pair = (PairKind, [u32; 2]);
 
 impl Contacts {
-    /// Keeps the events of the last step beside those of the steps before it, as long as nothing was spawned or despawned since.
+    /// Keeps the events of the last step beside those of the steps before it, as long as nothing
+    /// was spawned or despawned since.
     pub(crate) fn keep_events(&mut self) {
         let mut events = std::mem::take(&mut self.previous.events);
         events.extend(self.events_of_step());

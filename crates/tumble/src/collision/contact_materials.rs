@@ -46,7 +46,8 @@ struct OfPart {
 /// Marks slots whose parts have materials of their own.
 const OF_PARTS: u32 = 1 << 31;
 
-/// Of more materials the surfaces are not kept but worked out, and no two are compared but neighbours.
+/// Of more materials the surfaces are not kept but worked out, and no two are compared but
+/// neighbours.
 const MAX: usize = 32;
 
 impl Materials {
@@ -95,14 +96,16 @@ impl Materials {
         known.unwrap_or(self.different.len() - 1) as u32
     }
 
-    /// What any of them may do. That of the contacts there are would change from step to step, and with it how those without are rounded.
+    /// What any of them may do. That of the contacts there are would change from step to step, and
+    /// with it how those without are rounded.
     pub(crate) fn extras(&self) -> Extras {
         let mut extras = Extras::default();
         self.different.iter().for_each(|material| extras.add(material));
         extras
     }
 
-    /// What the surfaces of two slots' colliders are like where they touch, in the contact of this number.
+    /// What the surfaces of two slots' colliders are like where they touch, in the contact of this
+    /// number.
     pub(crate) fn between(&self, slots: [u32; 2], pair: u32) -> Surface {
         let [mut a, mut b] = slots.map(|slot| self.of_slots[slot as usize]);
         if (a | b) & OF_PARTS != 0 {

@@ -63,7 +63,8 @@ pub(crate) struct ColliderState {
     pub(crate) kind: PairKind,
     /// Whether impulses move it.
     pub(crate) moves: bool,
-    /// How far from its surface another's may be to be a contact, with the other's reach added \[m\].
+    /// How far from its surface another's may be to be a contact, with the other's reach added
+    /// \[m\].
     pub(crate) reach: Real,
     /// The same but for how fast it goes \[m\]; zero of what impulses do not move.
     pub(crate) margin: Real,
@@ -72,7 +73,8 @@ pub(crate) struct ColliderState {
     pub(crate) motion: Motion,
 }
 
-/// How a body with a collider goes on if nothing holds it, through a step and one more substep: so far contacts look ahead.
+/// How a body with a collider goes on if nothing holds it, through a step and one more substep: so
+/// far contacts look ahead.
 #[derive(Clone, Copy)]
 pub(crate) struct Motion {
     /// How far its centre of mass goes \[m\].
@@ -107,7 +109,8 @@ impl fmt::Debug for Contacts {
 }
 
 impl Contacts {
-    /// Finds out what has a collider. To be called again when anything was spawned, despawned or changed but momentum and pose.
+    /// Finds out what has a collider. To be called again when anything was spawned, despawned or
+    /// changed but momentum and pose.
     pub(crate) fn find(&mut self, world: &World) {
         self.body_index.find(world, |archetype, mark| {
             if archetype.has::<Collider>() {
@@ -135,7 +138,8 @@ impl Contacts {
         self.renumber(world);
     }
 
-    /// Finds the contacts in a substep of the settings, and how many bodies they have: of those that impulses move and of those that they do not.
+    /// Finds the contacts in a substep of the settings, and how many bodies they have: of those
+    /// that impulses move and of those that they do not.
     pub(crate) fn find_touching(&mut self, columns: &WorldColumns<'_>, settings: &Settings) -> [usize; 2] {
         // After the last substep contacts see to it that in one more nothing would come too near.
         let ahead = settings.substep() + settings.contact_substep();
@@ -152,7 +156,8 @@ impl Contacts {
         [dynamic, touching().count() - dynamic]
     }
 
-    /// How many contacts there were after the last step, and how many pairs of shapes without lanes of their own.
+    /// How many contacts there were after the last step, and how many pairs of shapes without lanes
+    /// of their own.
     pub(crate) fn counts(&self) -> (usize, usize) {
         (self.contacts.len(), self.others.len())
     }
@@ -186,11 +191,13 @@ impl Contacts {
         self.leave_out_internal_edges();
         let Self { contacts, last, materials, .. } = self;
         contacts.par_chunks_mut(PART).by_at_least(2).for_each(|contacts| match_impulses(contacts, last, materials));
-        // The next step's list takes the place of the last one's: so it allocates nothing. Exactly as much, for with some more both would outgrow each other forever.
+        // The next step's list takes the place of the last one's: so it allocates nothing. Exactly
+        // as much, for with some more both would outgrow each other forever.
         self.last.reserve_exact(self.contacts.capacity().saturating_sub(self.last.len()));
     }
 
-    /// Finds the pairs that may touch, and sorts them by the kind of their shapes. Where impulses move only one of two, it is the second.
+    /// Finds the pairs that may touch, and sorts them by the kind of their shapes. Where impulses
+    /// move only one of two, it is the second.
     fn find_near(&mut self) {
         let Self { shapes, proxies, groups, broad_phase, near, .. } = self;
         let wanted = |a: u32, b: u32| groups[a as usize].touch(groups[b as usize]);
@@ -201,7 +208,8 @@ impl Contacts {
             candidates.par_chunks(CANDIDATES_PART).zip(&mut *near).by_at_least(2).for_each(|(candidates, near)| {
                 near.clear();
                 near.extend(candidates.iter().filter_map(|&(first, second)| {
-                    // Which others are candidates depends on what was before; the contacts must not.
+                    // Which others are candidates depends on what was before; the contacts must
+                    // not.
                     let is_near = proxies[first as usize].is_near(&proxies[second as usize]);
                     is_near.then(|| near_pair(shapes, proxies, (first, second)))
                 }));

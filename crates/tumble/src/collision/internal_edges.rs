@@ -1,7 +1,8 @@
 //! Floors of several: what slides over one is not stopped by the edge of the next.
 //!
-//! A contact holds a body over a plane through the whole step. What lies beside with its highest point at that plane is not met, whatever way out of it is the shortest: the body
-//! would have to be under the plane.
+//! A contact holds a body over a plane through the whole step. What lies beside with its highest
+//! point at that plane is not met, whatever way out of it is the shortest: the body would have to
+//! be under the plane.
 
 use tumble_collide::ColliderShape;
 use tumble_math::lane::Vec3;
@@ -14,9 +15,11 @@ use crate::math::{Real, Vec3 as WorldVec3};
 
 /// What goes less than this part of a margin past another in a step meets no edge of it.
 const SLIDES: Real = 0.5;
-/// Tops that differ by less than this part of the margin are one floor: a hundredth of half the thickness of what slides.
+/// Tops that differ by less than this part of the margin are one floor: a hundredth of half the
+/// thickness of what slides.
 const LEVEL: Real = 0.5;
-/// Normals with a cosine above this are those of one floor: of faces, which may lie on it at a small angle, ...
+/// Normals with a cosine above this are those of one floor: of faces, which may lie on it at a
+/// small angle, ...
 const SAME_FACE: Real = 0.9999;
 /// ... and of single points, which are exact.
 const SAME_NORMAL: Real = 0.999_999;
@@ -80,7 +83,8 @@ impl Contacts {
         if !shapes.iter().any(|shape| shape.moves && slides(shape, shape.margin)) {
             return;
         }
-        // Only what impulses do not move is a floor: what they move may be left out of the step later.
+        // Only what impulses do not move is a floor: what they move may be left out of the step
+        // later.
         on_fixed.clear();
         on_fixed.resize(shapes.len(), false);
         for ContactRecord { slots: [a, b], .. } in &*contacts {
@@ -148,7 +152,8 @@ impl Contacts {
     }
 }
 
-/// Whether a contact holds a body over a flat face of the other: what holds it over an edge may itself be a seam.
+/// Whether a contact holds a body over a flat face of the other: what holds it over an edge may
+/// itself be a seam.
 fn is_face(
     contact: &ContactRecord,
     slot: u32,

@@ -1,7 +1,8 @@
 use crate::collision::collider_error::ColliderError;
 use crate::math::Real;
 
-/// What the surface of a [`Collider`](crate::Collider) is like. Rules and fields are those of KHR_physics_rigid_bodies, and resistance to rolling.
+/// What the surface of a [`Collider`](crate::Collider) is like. Rules and fields are those of
+/// KHR_physics_rigid_bodies, and resistance to rolling.
 ///
 /// ```
 /// use tumble::{Collider, Material, Shape};
@@ -13,13 +14,15 @@ use crate::math::Real;
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Material {
-    /// Coefficient of friction while nothing slides: it begins to at a force of this times the normal force.
+    /// Coefficient of friction while nothing slides: it begins to at a force of this times the
+    /// normal force.
     pub static_friction: Real,
     /// Coefficient of friction of what slides.
     pub dynamic_friction: Real,
     /// Speed after a bounce over speed before it, from 0 to 1.
     pub restitution: Real,
-    /// Resistance to rolling as a length \[m\]: the torque it resists with is this times the normal force. Of two surfaces the greater counts.
+    /// Resistance to rolling as a length \[m\]: the torque it resists with is this times the normal
+    /// force. Of two surfaces the greater counts.
     pub rolling_resistance: Real,
     /// How the coefficients of friction of two surfaces become one.
     pub friction_combine: CombineRule,
@@ -62,7 +65,8 @@ impl Material {
     }
 }
 
-/// How two coefficients become one. Where two surfaces ask for different ways, the first of them in this order counts.
+/// How two coefficients become one. Where two surfaces ask for different ways, the first of them in
+/// this order counts.
 ///
 /// ```
 /// use tumble::CombineRule;

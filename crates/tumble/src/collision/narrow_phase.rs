@@ -18,8 +18,9 @@ use crate::threads::InParts;
 pub(crate) struct ShapeLanes {
     /// Position of the shape's origin, and its orientation.
     places: Vec<Eight>,
-    /// Half extents, or a radius, the shape's origin from the body's centre of mass, world frame, how far it looks for others, and how
-    /// near they are a contact, which is zero of what impulses do not move.
+    /// Half extents, or a radius, the shape's origin from the body's centre of mass, world frame,
+    /// how far it looks for others, and how near they are a contact, which is zero of what impulses
+    /// do not move.
     sizes: Vec<Eight>,
 }
 
@@ -120,7 +121,8 @@ impl Pairs {
         self.pairs.push(pair);
     }
 
-    /// Writes contacts of the pairs that may touch, in their order, over those from `begin` on. Returns their end, and whether there are some without points among them.
+    /// Writes contacts of the pairs that may touch, in their order, over those from `begin` on.
+    /// Returns their end, and whether there are some without points among them.
     pub(crate) fn touch(
         &mut self,
         kind: PairKind,
@@ -141,7 +143,8 @@ impl Pairs {
         self.pairs.retain(|_| gaps.next().is_some_and(|gap| *gap <= 0.0));
         self.fill_blocks(shapes.nobody());
 
-        // What is there is not cleared first: many contacts are more than caches hold, and this way they are written once.
+        // What is there is not cleared first: many contacts are more than caches hold, and this way
+        // they are written once.
         let end = begin + self.blocks.len() * BLOCK;
         if contacts.len() < end {
             contacts.resize(end, ContactRecord::NONE);
@@ -297,7 +300,8 @@ fn spheres<T: Tile>(shapes: &ShapeLanes, slots: &[u32; BLOCK], lane: usize) -> (
     (radius, Vec3::new(x, y, z), PoseLanes { offset: Vec3::new(u, v, w), reach, margin })
 }
 
-/// Writes a tile's manifolds as contacts; `offset` goes from the second bodies' centres of mass to their shapes' origins.
+/// Writes a tile's manifolds as contacts; `offset` goes from the second bodies' centres of mass to
+/// their shapes' origins.
 #[inline(always)]
 fn write<T: Tile>(
     manifold: &ManifoldLanes<T>,

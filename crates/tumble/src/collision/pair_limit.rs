@@ -1,4 +1,5 @@
-//! A limit on the pairs of a body, so that many bodies in one place take time and memory that go with their number and not with its square.
+//! A limit on the pairs of a body, so that many bodies in one place take time and memory that go
+//! with their number and not with its square.
 
 use tumble_collide::Proxy;
 
@@ -6,10 +7,12 @@ use crate::collision::find_contacts::{ColliderState, Contacts};
 use crate::collision::narrow_phase::PairKind;
 use crate::math::Real;
 
-/// A body with more pairs than this is in a crowd. Around a ball there is room for twelve that touch it, and for some sixty within twice its own size.
+/// A body with more pairs than this is in a crowd. Around a ball there is room for twelve that
+/// touch it, and for some sixty within twice its own size.
 const MAX_PAIRS: usize = 64;
 
-/// Most pairs of a body, on average, that are listed: where there are more, as in one place, they are gone through without a list.
+/// Most pairs of a body, on average, that are listed: where there are more, as in one place, they
+/// are gone through without a list.
 const MAX_LISTED: usize = 2 * MAX_PAIRS;
 /// Where there are fewer bodies, as many as of these.
 const FEW_BODIES: usize = 1024;
@@ -24,7 +27,8 @@ pub(crate) fn most_listed(bodies: usize) -> usize {
 pub(crate) struct PairLimit {
     /// By slot, how many pairs it is in.
     counts: Vec<u32>,
-    /// Of pairs between two that are in a crowd, once for each of them: whose, how far apart, and with whom.
+    /// Of pairs between two that are in a crowd, once for each of them: whose, how far apart, and
+    /// with whom.
     crowded: Vec<(u32, Real, u32)>,
     /// Those that are kept, the lower slot first.
     kept: Vec<[u32; 2]>,
@@ -83,7 +87,8 @@ fn offer(nearest: &mut Nearest, apart: Real, other: u32) {
     }
 }
 
-/// How far the boxes of two are apart along the axis where they are furthest \[m\], negative where they overlap.
+/// How far the boxes of two are apart along the axis where they are furthest \[m\], negative where
+/// they overlap.
 fn apart(a: &Proxy<Real>, b: &Proxy<Real>) -> Real {
     let (Some(a), Some(b)) = (&a.aabb, &b.aabb) else { return Real::NEG_INFINITY };
     let [p, q] = [b.low - a.high, a.low - b.high];
@@ -91,7 +96,8 @@ fn apart(a: &Proxy<Real>, b: &Proxy<Real>) -> Real {
 }
 
 impl Contacts {
-    /// Finds the pairs that [`thin_out`](PairLimit::thin_out) leaves where all are too many for a list: goes through them once to count and once to choose. All are in one part.
+    /// Finds the pairs that [`thin_out`](PairLimit::thin_out) leaves where all are too many for a
+    /// list: goes through them once to count and once to choose. All are in one part.
     pub(crate) fn find_near_limited(&mut self) {
         let Self { shapes, proxies, groups, broad_phase, near, pair_limit, .. } = self;
         let wanted = |a: u32, b: u32| groups[a as usize].touch(groups[b as usize]);
@@ -133,7 +139,8 @@ impl Contacts {
         near[0].extend(kept.into_iter().map(|[a, b]| near_pair(shapes, proxies, (a, b))));
     }
 
-    /// Leaves out what is too much of the pairs that were found near each other, in the given number of parts.
+    /// Leaves out what is too much of the pairs that were found near each other, in the given
+    /// number of parts.
     pub(crate) fn limit_near(&mut self, parts: usize) {
         let Self { pair_limit, near, proxies, .. } = self;
         pair_limit.thin_out(&mut near[..parts], proxies);

@@ -8,7 +8,8 @@ use crate::collision::contact::{ContactRecord, FRICTION_IMPULSE, MAX_HALVINGS, N
 use crate::collision::narrow_phase::PairKind;
 use crate::math::Real;
 
-/// Contacts as the last step left them, between bodies by their names: what a step begins with beside the bodies, and what is reported of them.
+/// Contacts as the last step left them, between bodies by their names: what a step begins with
+/// beside the bodies, and what is reported of them.
 ///
 /// Forces, materials and colors are recomputed in every step.
 #[derive(Clone, Debug, Default)]
@@ -32,9 +33,9 @@ pub(crate) struct SavedContact {
     pub(crate) part: u32,
     /// Whether they touched before this step.
     pub(crate) touched: bool,
-    /// The normal from the first body to the second; impulse \[N s\] and angular impulse [N m s] of friction; how steady
-    /// effective masses were in the last substep, which share of the gap is before a point, the margin \[m\], and
-    /// how often the substeps of its island were halved.
+    /// The normal from the first body to the second; impulse \[N s\] and angular impulse [N m s] of
+    /// friction; how steady effective masses were in the last substep, which share of the gap is
+    /// before a point, the margin \[m\], and how often the substeps of its island were halved.
     pub(crate) numbers: [Real; Self::NUMBERS],
     pub(crate) points: [SavedPoint; MAX_MANIFOLD_POINTS],
     /// How many points there are.
@@ -46,7 +47,8 @@ pub(crate) struct SavedContact {
 pub(crate) struct SavedPoint {
     /// Which features of the shapes meet.
     pub(crate) feature: u32,
-    /// From the second body's centre of mass \[m\], separation \[m\], impulse along the normal \[N s\].
+    /// From the second body's centre of mass \[m\], separation \[m\], impulse along the normal \[N
+    /// s\].
     pub(crate) numbers: [Real; 5],
 }
 

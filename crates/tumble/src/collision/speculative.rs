@@ -1,7 +1,8 @@
-//! What bodies meet on their ways through a step: contacts that they only would have if surfaces had no end are left out, and the others
-//! lie as they do when the bodies meet.
+//! What bodies meet on their ways through a step: contacts that they only would have if surfaces
+//! had no end are left out, and the others lie as they do when the bodies meet.
 //!
-//! A body that is stopped goes on along what stops it, so what it would have met behind is left out, and what is beside counts.
+//! A body that is stopped goes on along what stops it, so what it would have met behind is left
+//! out, and what is beside counts.
 
 use rayon::prelude::*;
 use tumble_collide::{ColliderShape, Course, Follow, Manifold, Meeting};
@@ -17,9 +18,11 @@ use crate::threads::InParts;
 
 /// Surfaces nearer than this part of their margin meet.
 const MEETING: Real = 0.25;
-/// What goes further past the other than this many margins in a step is gone along even where it is nearer than the margin.
+/// What goes further past the other than this many margins in a step is gone along even where it is
+/// nearer than the margin.
 const FAST: Real = 4.0;
-/// A contact is as it was found where, until they meet, the bodies go past each other by less than this many margins, ...
+/// A contact is as it was found where, until they meet, the bodies go past each other by less than
+/// this many margins, ...
 const BESIDE: f64 = 10.0;
 /// ... its normal is the same to this angle \[rad\], ...
 const SAME_NORMAL: f64 = 1e-2;
@@ -131,7 +134,8 @@ fn length(v: Vec3<Real>) -> Real {
     v.dot(v).sqrt()
 }
 
-/// Whether two bodies get through the plane of their contact, that is further than the margin or passed fast.
+/// Whether two bodies get through the plane of their contact, that is further than the margin or
+/// passed fast.
 fn is_doubtful(contact: &ContactRecord, gap: Real, shapes: [&ColliderState; 2], fall: Real) -> bool {
     let [x, y, z, ..] = contact.numbers[SHAPE].0;
     let normal = Vec3::new(x, y, z);
@@ -266,7 +270,8 @@ fn wide(v: Vec3<Real>) -> Vec3<f64> {
 /// When a body is stopped, how it goes on, and the normals of what has stopped it.
 type Change = (f64, Vec3<f64>, Vec<Vec3<f64>>);
 
-/// Lets those that are stopped for the next time go on along what stops them; whether there are any.
+/// Lets those that are stopped for the next time go on along what stops them; whether there are
+/// any.
 fn turn_off(
     travellers: &mut [Traveller],
     encounters: &[Encounter<'_>],
@@ -281,7 +286,8 @@ fn turn_off(
     for encounter in encounters {
         let [a, b] = encounter.slots;
         for met in encounter.meetings.iter().filter(|met| met.is_hit) {
-            // What impulses move may be left out of the step later, and would have had a say in that of others.
+            // What impulses move may be left out of the step later, and would have had a say in
+            // that of others.
             if !shapes[b as usize].moves {
                 stops[find(travellers, a)].push((met.moment, b, met.normal * -1.0));
             }
@@ -418,7 +424,8 @@ impl View<'_> {
         for met in &encounter.meetings {
             let least = margin + crate::math::real(met.distance.clamp(0.0, f64::from(reach)));
             let way = second.gone(met.moment) - first.gone(met.moment);
-            // Of a surface only some triangles are met; the nearest points of others need not be over a face.
+            // Of a surface only some triangles are met; the nearest points of others need not be
+            // over a face.
             let near = if shapes_of_pair.iter().any(|it| is_surface(it)) { least } else { Real::INFINITY };
             met.manifolds(
                 *shapes_of_pair,
@@ -465,7 +472,8 @@ impl View<'_> {
     }
 }
 
-/// Whether a contact has the plane that the bodies meet with, after one has gone this way past the other.
+/// Whether a contact has the plane that the bodies meet with, after one has gone this way past the
+/// other.
 fn is_same(known: &ContactRecord, manifold: &Manifold<Real>, way: Vec3<f64>) -> bool {
     let (before, now, margin) = (normal(known), wide(manifold.normal), f64::from(known.margin()));
     let (turned, across) = (before.cross(now), way - now * now.dot(way));

@@ -16,7 +16,8 @@ use crate::storage::world_columns::{PoseView, WorldColumns};
 use crate::threads;
 
 impl Contacts {
-    /// Reads where all bodies with colliders are, how far from there they may go in an interval, and how they go on in the one that the solver looks ahead \[s\].
+    /// Reads where all bodies with colliders are, how far from there they may go in an interval,
+    /// and how they go on in the one that the solver looks ahead \[s\].
     pub(crate) fn update_aabbs(&mut self, columns: &WorldColumns<'_>, intervals: [Real; 2]) {
         let Self { body_index, shapes, colliders, lanes, proxies, .. } = self;
         lanes.reset(body_index.len());
@@ -123,11 +124,13 @@ const MAX_MARGIN: Real = 0.01;
 
 /// As far as this \[m\] what moves is foreseen in any case.
 const FORESEEN: Real = 0.02;
-/// What turns so little that its furthest points go less than this part of its margin does not turn, for what it meets.
+/// What turns so little that its furthest points go less than this part of its margin does not
+/// turn, for what it meets.
 const TURNED: Real = 0.25;
 
-/// How much further a shape looks for others \[m\] that goes so far \[m\] in a step. What goes less than half its half thickness is
-/// stopped in what it hits and leaves it on the side it came from; only what is faster looks as far as it goes.
+/// How much further a shape looks for others \[m\] that goes so far \[m\] in a step. What goes less
+/// than half its half thickness is stopped in what it hits and leaves it on the side it came from;
+/// only what is faster looks as far as it goes.
 fn ahead(ccd_thickness: Real, way: Real) -> Real {
     if way.is_finite() { (way - 0.5 * ccd_thickness).max(way.min(FORESEEN)) } else { 0.0 }
 }

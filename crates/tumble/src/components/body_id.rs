@@ -1,9 +1,9 @@
 /// A body's stable identity, chosen by the caller.
 ///
-/// A hecs entity's place in memory changes when others are despawned or components are added, and its handle depends on what was
-/// spawned before it. Whatever depends on order (state hashes, sums over bodies, records) goes by `BodyId`; bodies without one
-/// come after those with one, by entity. Two worlds with the same ids and states have the same hash, whatever order they were
-/// spawned in.
+/// A hecs entity's place in memory changes when others are despawned or components are added, and
+/// its handle depends on what was spawned before it. Whatever depends on order (state hashes, sums
+/// over bodies, records) goes by `BodyId`; bodies without one come after those with one, by entity.
+/// Two worlds with the same ids and states have the same hash, whatever order they were spawned in.
 ///
 /// ```
 /// # use tumble::prelude::*;

@@ -6,8 +6,9 @@ use crate::math::{Mat3, Quat, Real, Vec3, vec3};
 
 /// Principal moments of inertia about the centre of mass [kg m^2], with their inverses.
 ///
-/// A body whose frame is not the principal one also has [`PrincipalAxes`]. A body without `Inertia` is a point mass: it does not
-/// turn. Replacing the component while the simulation runs keeps the angular momentum, so the body spins up or down, as a skater does.
+/// A body whose frame is not the principal one also has [`PrincipalAxes`]. A body without `Inertia`
+/// is a point mass: it does not turn. Replacing the component while the simulation runs keeps the
+/// angular momentum, so the body spins up or down, as a skater does.
 ///
 /// ```
 /// # use tumble::prelude::*;
@@ -32,8 +33,9 @@ impl Inertia {
     /// The three principal moments [kg m^2].
     ///
     /// # Errors
-    /// [`InertiaError`] where they are not positive and finite, or one is larger than the sum of the others; [`PropertyError`] where
-    /// they do not fit the precision of the build, or differ by more than it resolves (1e7 in single precision).
+    /// [`InertiaError`] where they are not positive and finite, or one is larger than the sum of
+    /// the others; [`PropertyError`] where they do not fit the precision of the build, or differ by
+    /// more than it resolves (1e7 in single precision).
     ///
     /// ```
     /// # use tumble::{Inertia, math::Vec3};
@@ -46,8 +48,9 @@ impl Inertia {
         Self::with_tolerance(moments, InertiaTensor::TOLERANCE)
     }
 
-    /// The three principal moments [kg m^2], of which the largest may exceed the sum of the others by `relative` times itself, as published moments of flat
-    /// bodies do. The body then moves with the [nearest moments](InertiaTensor::nearest_possible) that one can have.
+    /// The three principal moments [kg m^2], of which the largest may exceed the sum of the others
+    /// by `relative` times itself, as published moments of flat bodies do. The body then moves with
+    /// the [nearest moments](InertiaTensor::nearest_possible) that one can have.
     ///
     /// # Errors
     /// As [`new`](Self::new).
@@ -84,12 +87,15 @@ impl Inertia {
         self.inverse_moments
     }
 
-    /// Angular momentum in the world frame [kg m^2/s] at an angular velocity in the world frame [rad/s]: `L = R I R^T w`.
+    /// Angular momentum in the world frame [kg m^2/s] at an angular velocity in the world frame
+    /// [rad/s]: `L = R I R^T w`.
     ///
-    /// `frame` takes principal-frame coordinates to world coordinates: the orientation, times the principal axes where there are any.
+    /// `frame` takes principal-frame coordinates to world coordinates: the orientation, times the
+    /// principal axes where there are any.
     ///
-    /// This is the Unity idiom for a wanted spin: `inertia.angular_momentum(frame, wanted) - momentum.angular` is the angular
-    /// impulse that reaches it at once, and divided by the step it is the torque that reaches it in one step.
+    /// This is the Unity idiom for a wanted spin:
+    /// `inertia.angular_momentum(frame, wanted) - momentum.angular` is the angular impulse that
+    /// reaches it at once, and divided by the step it is the torque that reaches it in one step.
     pub fn angular_momentum(&self, frame: Quat, angular_velocity: Vec3) -> Vec3 {
         frame * (self.moments * (frame.conjugate() * angular_velocity))
     }
@@ -114,8 +120,9 @@ pub enum InertiaComponentError {
     Property(#[from] PropertyError),
 }
 
-/// The rotation whose matrix has the principal axes, in body coordinates, as columns: it takes principal-frame coordinates to
-/// body-frame coordinates, `I_body = R diag(moments) R^T`. A body whose frame is principal does without.
+/// The rotation whose matrix has the principal axes, in body coordinates, as columns: it takes
+/// principal-frame coordinates to body-frame coordinates, `I_body = R diag(moments) R^T`. A body
+/// whose frame is principal does without.
 ///
 /// ```
 /// # use tumble::{InertiaTensor, prelude::*};
@@ -131,9 +138,11 @@ pub enum InertiaComponentError {
 #[repr(transparent)]
 pub struct PrincipalAxes(pub Quat);
 
-/// The centre of mass in the body's own frame \[m\]. A body whose frame has its origin there does without.
+/// The centre of mass in the body's own frame \[m\]. A body whose frame has its origin there does
+/// without.
 ///
-/// The state is that of the centre of mass; [`Pose::origin`](crate::Pose::origin) gives where the frame's origin is.
+/// The state is that of the centre of mass; [`Pose::origin`](crate::Pose::origin) gives where the
+/// frame's origin is.
 ///
 /// ```
 /// # use tumble::prelude::*;
@@ -148,8 +157,9 @@ pub struct PrincipalAxes(pub Quat);
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct CenterOfMass(pub Vec3);
 
-/// Inverse inertia tensor about the centre of mass in the world frame [1/(kg m^2)], symmetric: what a torque is multiplied with to
-/// give an angular acceleration. Derived by [`update_derived`](crate::update_derived).
+/// Inverse inertia tensor about the centre of mass in the world frame [1/(kg m^2)], symmetric: what
+/// a torque is multiplied with to give an angular acceleration. Derived by
+/// [`update_derived`](crate::update_derived).
 ///
 /// ```
 /// # use tumble::{InverseInertia, prelude::*};
@@ -177,7 +187,8 @@ impl InverseInertia {
     }
 }
 
-/// The angular acceleration [rad/s^2] that a torque [N m] gives a body that does not spin, `I^-1 tau`, in the world frame.
+/// The angular acceleration [rad/s^2] that a torque [N m] gives a body that does not spin,
+/// `I^-1 tau`, in the world frame.
 impl std::ops::Mul<Vec3> for InverseInertia {
     type Output = Vec3;
     #[inline]

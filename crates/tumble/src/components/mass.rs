@@ -18,7 +18,8 @@ impl Mass {
     /// A mass \[kg\].
     ///
     /// # Errors
-    /// [`PropertyError`] where the mass is not positive and finite, or too large or small for the precision of the build.
+    /// [`PropertyError`] where the mass is not positive and finite, or too large or small for the
+    /// precision of the build.
     pub fn new(kilograms: impl Into<f64>) -> Result<Self, PropertyError> {
         PropertyError::check("mass", kilograms.into()).map(|mass| Self(real(mass)))
     }

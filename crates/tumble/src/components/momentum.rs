@@ -1,8 +1,10 @@
 use crate::math::Vec3;
 
-/// Linear momentum [kg m/s] and angular momentum about the centre of mass [kg m^2/s], both in the world frame.
+/// Linear momentum [kg m/s] and angular momentum about the centre of mass [kg m^2/s], both in the
+/// world frame.
 ///
-/// Momentum, not velocity, is the state: without forces it does not change, to the bit. A body without it is not moved by forces.
+/// Momentum, not velocity, is the state: without forces it does not change, to the bit. A body
+/// without it is not moved by forces.
 ///
 /// ```
 /// # use tumble::{Momentum, math::Vec3};
@@ -27,7 +29,8 @@ impl Momentum {
         self.linear += impulse;
     }
 
-    /// Adds an impulse [N s] at a point, both in the world frame; `center` is the centre of mass, the pose's position.
+    /// Adds an impulse [N s] at a point, both in the world frame; `center` is the centre of mass,
+    /// the pose's position.
     ///
     /// ```
     /// # use tumble::{Momentum, math::Vec3};

@@ -1,6 +1,7 @@
 use crate::math::Real;
 
-/// How many times the simulation's gravity acts on a body; 1 for a body without this component, 0 for one that floats.
+/// How many times the simulation's gravity acts on a body; 1 for a body without this component, 0
+/// for one that floats.
 ///
 /// ```
 /// # use tumble::prelude::*;
@@ -17,7 +18,8 @@ pub struct GravityScale(pub Real);
 
 /// Decay of the momenta at constant rates: `dP/dt = F - linear P`, `dL/dt = torque - angular L`.
 ///
-/// The decay over a step is exact at any rate and step, never unstable; a rate that is not positive does nothing.
+/// The decay over a step is exact at any rate and step, never unstable; a rate that is not positive
+/// does nothing.
 ///
 /// ```
 /// # use tumble::prelude::*;

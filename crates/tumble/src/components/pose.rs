@@ -2,8 +2,8 @@ use crate::components::CenterOfMass;
 use crate::math::{Mat3, Mat4, Quat, Real, Vec3};
 use crate::rotation::{NotARotation, quat_from_matrix};
 
-/// Where a body is: the centre of mass and the orientation of its frame. Of a fixed or kinematic body, which has no mass, the origin of its
-/// frame stands for the centre of mass.
+/// Where a body is: the centre of mass and the orientation of its frame. Of a fixed or kinematic
+/// body, which has no mass, the origin of its frame stands for the centre of mass.
 ///
 /// ```
 /// # use tumble::{Pose, math::{Quat, Real, Vec3}};
@@ -27,25 +27,29 @@ impl Default for Pose {
 }
 
 impl Pose {
-    /// World coordinates \[m\] of a point given relative to the centre of mass along the body's axes.
+    /// World coordinates \[m\] of a point given relative to the centre of mass along the body's
+    /// axes.
     #[inline]
     pub fn transform_point(&self, point_body: Vec3) -> Vec3 {
         self.position + self.orientation * point_body
     }
 
-    /// Coordinates relative to the centre of mass along the body's axes \[m\] of a point in the world.
+    /// Coordinates relative to the centre of mass along the body's axes \[m\] of a point in the
+    /// world.
     #[inline]
     pub fn inverse_transform_point(&self, point_world: Vec3) -> Vec3 {
         self.orientation.conjugate() * (point_world - self.position)
     }
 
-    /// The origin of the body's own frame in the world \[m\]: where the centre of mass is not, if the body has a [`CenterOfMass`].
+    /// The origin of the body's own frame in the world \[m\]: where the centre of mass is not, if
+    /// the body has a [`CenterOfMass`].
     #[inline]
     pub fn origin(&self, center_of_mass: Option<&CenterOfMass>) -> Vec3 {
         center_of_mass.map_or(self.position, |offset| self.transform_point(-offset.0))
     }
 
-    /// The 4x4 transform from body coordinates (relative to the centre of mass) to world coordinates, as renderers take it.
+    /// The 4x4 transform from body coordinates (relative to the centre of mass) to world
+    /// coordinates, as renderers take it.
     #[inline]
     pub fn to_mat4(&self) -> Mat4 {
         Mat4::from_rotation_translation(self.orientation, self.position)
@@ -64,7 +68,8 @@ impl Pose {
     /// ```
     ///
     /// # Errors
-    /// [`NotARotation`](crate::rotation::NotARotation): a transform that scales, shears, mirrors, projects, or is not finite.
+    /// [`NotARotation`](crate::rotation::NotARotation): a transform that scales, shears, mirrors,
+    /// projects, or is not finite.
     pub fn from_mat4(transform: Mat4) -> Result<Self, NotARotation> {
         let rows = transform.transpose();
         let projects = (rows.w_axis.truncate(), rows.w_axis.w) != (Vec3::ZERO, 1.0);
@@ -75,7 +80,8 @@ impl Pose {
         Ok(Self { position, orientation: quat_from_matrix(Mat3::from_mat4(transform))? })
     }
 
-    /// Where the world is as seen from here: what takes this pose to that of the world's origin, not turned.
+    /// Where the world is as seen from here: what takes this pose to that of the world's origin,
+    /// not turned.
     ///
     /// ```
     /// # use tumble::{Pose, math::{Quat, Vec3}};
@@ -90,8 +96,8 @@ impl Pose {
         Self { position: self.inverse_transform_point(Vec3::ZERO), orientation: self.orientation.conjugate() }
     }
 
-    /// The pose at the fraction `alpha` of the way from `self` (0) to `next` (1): straight in position, slerp in orientation.
-    /// For rendering between two steps.
+    /// The pose at the fraction `alpha` of the way from `self` (0) to `next` (1): straight in
+    /// position, slerp in orientation. For rendering between two steps.
     ///
     /// ```
     /// # use tumble::{Pose, math::{Quat, Vec3}};

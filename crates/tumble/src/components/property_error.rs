@@ -17,7 +17,8 @@ pub enum PropertyError {
         /// What was given.
         value: f64,
     },
-    /// The moments of a body are too unequal: the angular momentum cannot hold the spin about the axis of the smallest.
+    /// The moments of a body are too unequal: the angular momentum cannot hold the spin about the
+    /// axis of the smallest.
     #[error("the principal moments {smallest:e} and {largest:e} are too unequal for {PRECISION}, which resolves one part in {:.0e}", 1.0 / f64::from(Real::EPSILON))]
     TooUnequal {
         /// The smallest principal moment [kg m^2].
@@ -36,7 +37,8 @@ pub enum PropertyError {
 }
 
 impl PropertyError {
-    /// Passes on a value that is positive and, like its inverse, a normal number in the build's precision.
+    /// Passes on a value that is positive and, like its inverse, a normal number in the build's
+    /// precision.
     pub(crate) fn check(quantity: &'static str, value: f64) -> Result<f64, Self> {
         if !(value > 0.0 && value.is_finite()) {
             return Err(Self::NotPositive { quantity, value });

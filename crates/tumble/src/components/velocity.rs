@@ -2,8 +2,9 @@ use crate::math::Vec3;
 
 /// Velocity of the centre of mass [m/s] and angular velocity [rad/s], both in the world frame.
 ///
-/// On a body with [`Momentum`](crate::Momentum) it is derived by [`update_derived`](crate::update_derived); change the momentum,
-/// not this. A body with a velocity and no momentum is *kinematic*: it moves as told, whatever pushes it.
+/// On a body with [`Momentum`](crate::Momentum) it is derived by
+/// [`update_derived`](crate::update_derived); change the momentum, not this. A body with a velocity
+/// and no momentum is *kinematic*: it moves as told, whatever pushes it.
 ///
 /// ```
 /// # use tumble::prelude::*;
@@ -25,7 +26,8 @@ pub struct Velocity {
 }
 
 impl Velocity {
-    /// Velocity [m/s] of the body's material at a point: `v + w x (point - center)`, all in the world frame.
+    /// Velocity [m/s] of the body's material at a point: `v + w x (point - center)`, all in the
+    /// world frame.
     ///
     /// ```
     /// # use tumble::{Velocity, math::Vec3};

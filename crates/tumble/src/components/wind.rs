@@ -1,6 +1,7 @@
 use crate::math::Vec3;
 
-/// Velocity of the medium around a body [m/s], world frame: what [`Drag`](crate::Drag) and [`Magnus`](crate::Magnus) take velocity relative to. A body without one is in still air.
+/// Velocity of the medium around a body [m/s], world frame: what [`Drag`](crate::Drag) and
+/// [`Magnus`](crate::Magnus) take velocity relative to. A body without one is in still air.
 ///
 /// ```
 /// # use tumble::prelude::*;

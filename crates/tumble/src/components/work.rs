@@ -1,6 +1,7 @@
 use std::ops::AddAssign;
 
-/// Kinds of forces with an account of their own: force components of a body, then forces between bodies.
+/// Kinds of forces with an account of their own: force components of a body, then forces between
+/// bodies.
 pub(crate) const FORCE_KINDS: [&str; 10] = [
     "Drag",
     "Magnus",
@@ -14,10 +15,12 @@ pub(crate) const FORCE_KINDS: [&str; 10] = [
     "GravityMass",
 ];
 
-/// Work done on a body since it got this component \[J\], by what did it. [`Ledger::attach`](crate::Ledger::attach) adds it.
+/// Work done on a body since it got this component \[J\], by what did it.
+/// [`Ledger::attach`](crate::Ledger::attach) adds it.
 ///
-/// The sum is the change of the body's kinetic energy in steps. What happens between steps, such as an impulse or another
-/// [`Inertia`](crate::Inertia), is not in it; a ledger shows that as [`LedgerEntry::between_steps`](crate::LedgerEntry::between_steps).
+/// The sum is the change of the body's kinetic energy in steps. What happens between steps, such as
+/// an impulse or another [`Inertia`](crate::Inertia), is not in it; a ledger shows that as
+/// [`LedgerEntry::between_steps`](crate::LedgerEntry::between_steps).
 ///
 /// ```
 /// # use tumble::{Work, prelude::*};
@@ -39,12 +42,15 @@ pub struct Work {
     pub applied: f64,
     /// By damping; never positive.
     pub damping: f64,
-    /// By each kind of force component, in the order of [`ForceLaws::COMPONENTS`](crate::ForceLaws::COMPONENTS).
+    /// By each kind of force component, in the order of
+    /// [`ForceLaws::COMPONENTS`](crate::ForceLaws::COMPONENTS).
     pub forces: [f64; FORCE_KINDS.len()],
     /// By each force law, in the order they were added; the last is the sum of all from there on.
     pub laws: [f64; Self::LAWS],
-    /// By contacts: what pushes and friction changed of the kinetic energy. A force that pushes a body against another is booked for the way that the body went, which is none at rest; where a
-    /// body touches something, forces are those of the start of the step, and what neither they nor damping nor the free motion did is the contacts'.
+    /// By contacts: what pushes and friction changed of the kinetic energy. A force that pushes a
+    /// body against another is booked for the way that the body went, which is none at rest; where
+    /// a body touches something, forces are those of the start of the step, and what neither they
+    /// nor damping nor the free motion did is the contacts'.
     pub contacts: f64,
     /// What nothing did: energy that the integrator made or lost, rounding included.
     pub integrator: f64,
@@ -65,7 +71,8 @@ impl Work {
         FORCE_KINDS.iter().position(|name| *name == component).map(|index| self.forces[index])
     }
 
-    /// The entry of a law by its index among all: force components first, then those that were added.
+    /// The entry of a law by its index among all: force components first, then those that were
+    /// added.
     pub(crate) fn of_law_mut(&mut self, index: usize) -> &mut f64 {
         match index.checked_sub(self.forces.len()) {
             Some(added) => &mut self.laws[added.min(Self::LAWS - 1)],

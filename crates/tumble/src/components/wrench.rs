@@ -1,9 +1,10 @@
 use crate::math::Vec3;
 
-/// Sum of the forces \[N\] and of their torques about the centre of mass [N m] that act during the next step, in the world frame.
+/// Sum of the forces \[N\] and of their torques about the centre of mass [N m] that act during the
+/// next step, in the world frame.
 ///
-/// D'Alembert's accumulators: however many forces act, the body moves as under these two. The step that consumes the wrench zeroes
-/// it, so a force that is to last is added before every step.
+/// D'Alembert's accumulators: however many forces act, the body moves as under these two. The step
+/// that consumes the wrench zeroes it, so a force that is to last is added before every step.
 ///
 /// ```
 /// # use tumble::prelude::*;
@@ -31,7 +32,8 @@ impl Wrench {
         self.force += force;
     }
 
-    /// Adds a force \[N\] at a point, both in the world frame; `center` is the centre of mass, the pose's position.
+    /// Adds a force \[N\] at a point, both in the world frame; `center` is the centre of mass, the
+    /// pose's position.
     ///
     /// ```
     /// # use tumble::{Wrench, math::Vec3};

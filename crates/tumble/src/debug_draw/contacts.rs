@@ -8,13 +8,16 @@ use crate::step::contact_report::Contact;
 use crate::step::simulation::Simulation;
 
 impl DebugView {
-    /// Draws where bodies touched in the last step of a simulation, and what pushed there: [`contacts`](Self::contacts) and
-    /// [`contact_forces`](Self::contact_forces).
+    /// Draws where bodies touched in the last step of a simulation, and what pushed there:
+    /// [`contacts`](Self::contacts) and [`contact_forces`](Self::contact_forces).
     ///
-    /// An arrow goes along [`Contact::normal`] and shows how the second of [`Contact::bodies`] is pushed by the first; where forces move the first only, how that is pushed, so
-    /// that arrows on the ground point up. It stands for the force of the last substep of contacts, its impulse over [`Settings::contact_substep`](crate::Settings::contact_substep),
-    /// without friction; a hit that was over before, see [`Contact`], is not seen. Where nothing pushes there is no arrow, and where bodies are about to touch there is
-    /// nothing. Points are where they were when the step began, whatever [`alpha`](Self::alpha) is.
+    /// An arrow goes along [`Contact::normal`] and shows how the second of [`Contact::bodies`] is
+    /// pushed by the first; where forces move the first only, how that is pushed, so that arrows on
+    /// the ground point up. It stands for the force of the last substep of contacts, its impulse
+    /// over [`Settings::contact_substep`](crate::Settings::contact_substep), without friction; a
+    /// hit that was over before, see [`Contact`], is not seen. Where nothing pushes there is no
+    /// arrow, and where bodies are about to touch there is nothing. Points are where they were when
+    /// the step began, whatever [`alpha`](Self::alpha) is.
     ///
     /// ```
     /// use tumble::{Collider, DebugView, prelude::*};

@@ -20,10 +20,11 @@ use crate::debug_draw::outline::outline;
 use crate::forces::components::{ConstantWrench, Frame, Thruster};
 use crate::math::{Real, Vec3, dquat, dvec3, vec3};
 
-/// What a renderer has to be able to do, so that bodies, axes, momenta, forces, springs and contacts can be seen through [`DebugView`].
+/// What a renderer has to be able to do, so that bodies, axes, momenta, forces, springs and
+/// contacts can be seen through [`DebugView`].
 ///
-/// A closure that draws lines is one, and whatever else implements it. Colours are red, green and blue from 0 to 1, as displays take
-/// them (sRGB). No coordinate is ever infinite or not a number.
+/// A closure that draws lines is one, and whatever else implements it. Colours are red, green and
+/// blue from 0 to 1, as displays take them (sRGB). No coordinate is ever infinite or not a number.
 ///
 /// ```
 /// use tumble::{DebugDraw, DebugView, math::Vec3};
@@ -93,11 +94,13 @@ impl<F: FnMut(Vec3, Vec3, [f32; 3])> DebugDraw for F {
 /// ```
 #[derive(Clone, Debug, PartialEq)]
 pub struct DebugView {
-    /// Edges of the [`Shape`] that an entity carries. A body without one is shown as the box that has its mass and moments of inertia.
+    /// Edges of the [`Shape`] that an entity carries. A body without one is shown as the box that
+    /// has its mass and moments of inertia.
     pub outlines: bool,
     /// The ellipsoid that has the mass and moments of inertia of the body.
     pub ellipsoids: bool,
-    /// The principal axes of inertia of moving bodies, and the axes of others, in red, green and blue: their length \[m\].
+    /// The principal axes of inertia of moving bodies, and the axes of others, in red, green and
+    /// blue: their length \[m\].
     pub axes: Option<Real>,
     /// Linear momentum: metres for 1 kg m/s.
     pub momentum: Option<Real>,
@@ -105,23 +108,29 @@ pub struct DebugView {
     pub angular_momentum: Option<Real>,
     /// Angular velocity: metres for 1 rad/s.
     pub angular_velocity: Option<Real>,
-    /// What the body's [`Wrench`], [`ConstantWrench`] and [`Thruster`] push with, each an arrow: metres for 1 N, and for the torque metres
-    /// for 1 N m. Springs are lines between their ends, as with [`springs`](Self::springs). The step leaves a [`Wrench`] at zero; look before it, or between
-    /// [`accumulate_forces`](crate::accumulate_forces) and [`integrate`](crate::integrate), to see what was asked for.
+    /// What the body's [`Wrench`], [`ConstantWrench`] and [`Thruster`] push with, each an arrow:
+    /// metres for 1 N, and for the torque metres for 1 N m. Springs are lines between their ends,
+    /// as with [`springs`](Self::springs). The step leaves a [`Wrench`] at zero; look before it, or
+    /// between [`accumulate_forces`](crate::accumulate_forces) and [`integrate`](crate::integrate),
+    /// to see what was asked for.
     pub forces: Option<Real>,
-    /// A line between the ends of each [`Spring`](crate::Spring), and of each [`SpringToPoint`](crate::SpringToPoint) from the body to its anchor. One of which a body is gone is
-    /// not drawn. Where [`forces`](Self::forces) are shown too, it has their colour.
+    /// A line between the ends of each [`Spring`](crate::Spring), and of each
+    /// [`SpringToPoint`](crate::SpringToPoint) from the body to its anchor. One of which a body is
+    /// gone is not drawn. Where [`forces`](Self::forces) are shown too, it has their colour.
     pub springs: bool,
-    /// Edges of each [`Collider`] at its place: what others bump into, which need not be what is seen. A half-space has none.
+    /// Edges of each [`Collider`] at its place: what others bump into, which need not be what is
+    /// seen. A half-space has none.
     pub colliders: bool,
-    /// A cross at each point where bodies touch, in the plane between them: its width \[m\]. [`draw_contacts`](Self::draw_contacts) draws it.
+    /// A cross at each point where bodies touch, in the plane between them: its width \[m\].
+    /// [`draw_contacts`](Self::draw_contacts) draws it.
     pub contacts: Option<Real>,
-    /// What pushes at each point where bodies touch, as an arrow along the normal: metres for 1 N. [`draw_contacts`](Self::draw_contacts) draws it.
+    /// What pushes at each point where bodies touch, as an arrow along the normal: metres for 1 N.
+    /// [`draw_contacts`](Self::draw_contacts) draws it.
     pub contact_forces: Option<Real>,
     /// The number of the [`BodyId`] of those that have one, as text.
     pub ids: bool,
-    /// How far between its last two steps a body with a [`PreviousPose`] is shown: what [`Simulation::advance`](crate::Simulation::advance)
-    /// returned; 1 is the last one.
+    /// How far between its last two steps a body with a [`PreviousPose`] is shown: what
+    /// [`Simulation::advance`](crate::Simulation::advance) returned; 1 is the last one.
     pub alpha: Real,
 }
 
@@ -179,7 +188,8 @@ impl DebugView {
         }
     }
 
-    /// Draws every entity that has a [`Pose`], and every [`Spring`](crate::Spring) if springs or forces are shown.
+    /// Draws every entity that has a [`Pose`], and every [`Spring`](crate::Spring) if springs or
+    /// forces are shown.
     pub fn draw(&self, world: &World, target: &mut dyn DebugDraw) {
         for entity in world.iter() {
             self.draw_entity(entity, target);
@@ -322,7 +332,8 @@ fn principal_frame(entity: EntityRef<'_>, pose: &Pose) -> DQuat {
     dquat(pose.orientation) * axes
 }
 
-/// Semi-axes \[m\], along the principal axes, of the homogeneous ellipsoid with the mass and moments of a body.
+/// Semi-axes \[m\], along the principal axes, of the homogeneous ellipsoid with the mass and
+/// moments of a body.
 fn equivalent_radii(entity: EntityRef<'_>) -> Option<DVec3> {
     let mass = f64::from(entity.get::<&Mass>()?.kilograms());
     Some(equivalent_ellipsoid(mass, dvec3(entity.get::<&Inertia>()?.moments())))

@@ -8,7 +8,8 @@ const SEGMENTS: u32 = 24;
 /// Lines along a surface of revolution.
 const MERIDIANS: u32 = 4;
 
-/// The edges of a shape whose frame is at `position`, turned by `orientation`; of round ones circles and meridians.
+/// The edges of a shape whose frame is at `position`, turned by `orientation`; of round ones
+/// circles and meridians.
 pub(crate) fn outline(shape: &Shape, position: DVec3, orientation: DQuat, draw: &mut dyn FnMut(DVec3, DVec3)) {
     let mut edge = |from: DVec3, to: DVec3| draw(position + orientation * from, position + orientation * to);
     match *shape {

@@ -8,10 +8,12 @@ use crate::integrators::state::{State, moving_body};
 use crate::step::simulation::Simulation;
 use crate::storage::body_order::BodyOrder;
 
-/// Keeps the books of a simulation: energy and momentum, and the work that each source of force has done.
+/// Keeps the books of a simulation: energy and momentum, and the work that each source of force has
+/// done.
 ///
-/// While it is attached, every step adds up the work on each body, so that the change of kinetic energy in steps is the sum of works, to
-/// rounding; whatever no force did is the integrator's own error. What changes between steps, by an impulse or another mass, has an entry of its own,
+/// While it is attached, every step adds up the work on each body, so that the change of kinetic
+/// energy in steps is the sum of works, to rounding; whatever no force did is the integrator's own
+/// error. What changes between steps, by an impulse or another mass, has an entry of its own,
 /// [`LedgerEntry::between_steps`]. Sums over bodies are taken in [`BodyOrder`]. A world that no
 /// ledger was attached to pays nothing.
 ///
@@ -67,8 +69,10 @@ pub struct LedgerEntry {
     pub law_potential: f64,
     /// Work done since the ledger was attached \[J\].
     pub work: Work,
-    /// What changed the kinetic energy since then between steps \[J\]: impulses on [`Momentum`], other [mass properties](crate::change_mass_properties), bodies
-    /// that are gone. It is the change of kinetic energy that no work accounts for, so the roundings of all sums are in it. Zero in books without work.
+    /// What changed the kinetic energy since then between steps \[J\]: impulses on [`Momentum`],
+    /// other [mass properties](crate::change_mass_properties), bodies that are gone. It is the
+    /// change of kinetic energy that no work accounts for, so the roundings of all sums are in it.
+    /// Zero in books without work.
     pub between_steps: f64,
 }
 
@@ -85,9 +89,11 @@ impl LedgerEntry {
 }
 
 impl Ledger {
-    /// Opens the books: every moving body gets a [`Work`] component of zeros, and the first entry is made.
+    /// Opens the books: every moving body gets a [`Work`] component of zeros, and the first entry
+    /// is made.
     ///
-    /// Bodies spawned later are not in the books. A world has one ledger at a time: attaching another ends the first one's sums.
+    /// Bodies spawned later are not in the books. A world has one ledger at a time: attaching
+    /// another ends the first one's sums.
     pub fn attach(world: &mut World, simulation: &Simulation) -> Self {
         type Moving<'a> = (&'a Pose, &'a Momentum, &'a Mass, &'a Wrench);
         let moving: Vec<Entity> =
@@ -100,7 +106,8 @@ impl Ledger {
         Self::open(world, simulation, true)
     }
 
-    /// Opens books in which energy and momentum are entered but no work: the world stays as it is, and steps cost what they did.
+    /// Opens books in which energy and momentum are entered but no work: the world stays as it is,
+    /// and steps cost what they did.
     pub fn watch(world: &World, simulation: &Simulation) -> Self {
         Self::open(world, simulation, false)
     }
@@ -138,7 +145,8 @@ impl Ledger {
         entry
     }
 
-    /// The work on all bodies; one that is not finite is named in the totals and left out of all sums.
+    /// The work on all bodies; one that is not finite is named in the totals and left out of all
+    /// sums.
     fn work(&self, world: &World) -> Work {
         let mut query = world.query::<(&Pose, &Momentum, &Mass, &Work)>();
         let bodies = query.view();

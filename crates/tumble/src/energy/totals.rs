@@ -41,8 +41,10 @@ pub struct Totals {
     pub rotational_kinetic: f64,
     /// Energy in the simulation's gravity, zero at the world's origin, `-sum M g.x` \[J\].
     pub potential: f64,
-    /// Energy in force components such as [`SpringToPoint`](crate::SpringToPoint) or [`Spring`](crate::Spring) \[J\], with the parameters that they were given; a
-    /// spring that is stiff for the step acts softer, and has less. `measure` takes time with the square of the number of [`GravityMass`](crate::GravityMass)es.
+    /// Energy in force components such as [`SpringToPoint`](crate::SpringToPoint) or
+    /// [`Spring`](crate::Spring) \[J\], with the parameters that they were given; a spring that is
+    /// stiff for the step acts softer, and has less. `measure` takes time with the square of the
+    /// number of [`GravityMass`](crate::GravityMass)es.
     pub force_potential: f64,
     /// `sum P` [kg m/s].
     pub linear_momentum: DVec3,
@@ -53,8 +55,9 @@ pub struct Totals {
 }
 
 impl Totals {
-    /// Sums up energy and momentum of the moving bodies in the given order: one after the other in blocks of a thousand, which are shared among threads, and then
-    /// block after block. So the sums have the same bits for any number of threads and wherever the bodies lie.
+    /// Sums up energy and momentum of the moving bodies in the given order: one after the other in
+    /// blocks of a thousand, which are shared among threads, and then block after block. So the
+    /// sums have the same bits for any number of threads and wherever the bodies lie.
     ///
     /// ```
     /// # use tumble::prelude::*;
@@ -86,7 +89,8 @@ impl Totals {
         })
     }
 
-    /// Of one body, without what forces between bodies hold; nothing but [`non_finite`](Self::non_finite) if its state is not finite.
+    /// Of one body, without what forces between bodies hold; nothing but
+    /// [`non_finite`](Self::non_finite) if its state is not finite.
     ///
     /// ```
     /// # use tumble::{prelude::*, Totals};

@@ -1,4 +1,5 @@
-//! The forces on bodies where force laws act: on a tile of them, and on one with an account of their work.
+//! The forces on bodies where force laws act: on a tile of them, and on one with an account of
+//! their work.
 
 use std::cell::RefCell;
 

@@ -12,7 +12,8 @@ pub(crate) struct ForceContext {
     pub(crate) wind: Vec3,
     /// The simulation's gravity [m/s^2].
     pub(crate) gravity: Vec3,
-    /// The time over which a kick applies the force of one evaluation \[s\]; zero where the integrator does not kick, but takes rates at stages.
+    /// The time over which a kick applies the force of one evaluation \[s\]; zero where the
+    /// integrator does not kick, but takes rates at stages.
     pub(crate) kick: Real,
     /// Length of a substep \[s\].
     pub(crate) substep: Real,

@@ -9,9 +9,10 @@ use crate::math::{Quat, Real, Vec3};
 
 /// A force on a body that depends on its state, or on time.
 ///
-/// A law is a component of the bodies it acts on, made known by [`Simulation::add_law`](crate::Simulation::add_law), or it acts on
-/// every moving body ([`Simulation::add_global_law`](crate::Simulation::add_global_law)). Every integrator evaluates it at every
-/// stage, with the time and the state of that stage:
+/// A law is a component of the bodies it acts on, made known by
+/// [`Simulation::add_law`](crate::Simulation::add_law), or it acts on every moving body
+/// ([`Simulation::add_global_law`](crate::Simulation::add_global_law)). Every integrator evaluates
+/// it at every stage, with the time and the state of that stage:
 ///
 /// | integrator | evaluations a substep | order under laws |
 /// |---|---|---|
@@ -19,12 +20,14 @@ use crate::math::{Quat, Real, Vec3};
 /// | `RungeKutta4` | 4 | 4 |
 /// | `MoserVeselov` | 2, at start and end; 3 where the law [depends on velocity](Self::depends_on_velocity) | 2 |
 ///
-/// One that is to run at the speed of the engine's own forces, many bodies at a time, is a [`SimdForceLaw`](crate::SimdForceLaw).
+/// One that is to run at the speed of the engine's own forces, many bodies at a time, is a
+/// [`SimdForceLaw`](crate::SimdForceLaw).
 ///
-/// A body's laws are evaluated together, and bodies next to each other too: one that depends on velocity has the others evaluated once more as well.
+/// A body's laws are evaluated together, and bodies next to each other too: one that depends on
+/// velocity has the others evaluated once more as well.
 ///
-/// A law must not depend on anything but its own data and the state it is given, and should keep to basic arithmetic if the bits are to be the
-/// same on every machine.
+/// A law must not depend on anything but its own data and the state it is given, and should keep to
+/// basic arithmetic if the bits are to be the same on every machine.
 ///
 /// ```
 /// use tumble::prelude::*;
@@ -108,7 +111,8 @@ pub struct BodyState<'a> {
 }
 
 impl<'a> BodyState<'a> {
-    /// Of a state that the body reaches `when.1` \[s\] after `when.0` \[s\], the start of a substep.
+    /// Of a state that the body reaches `when.1` \[s\] after `when.0` \[s\], the start of a
+    /// substep.
     pub(crate) fn new(when: (f64, Real), about: (&'a Constants<Real>, &'a ForceContext), state: &State<Real>) -> Self {
         let orientation = state.orientation.normalize();
         let angular_velocity = about.0.angular_velocity(&State { orientation, ..*state });
@@ -151,12 +155,14 @@ impl<'a> BodyState<'a> {
         self.context.wind
     }
 
-    /// The simulation's gravity [m/s^2], world frame, whatever the body's [`GravityScale`](crate::GravityScale).
+    /// The simulation's gravity [m/s^2], world frame, whatever the body's
+    /// [`GravityScale`](crate::GravityScale).
     pub fn gravity(&self) -> Vec3 {
         self.context.gravity
     }
 
-    /// World coordinates \[m\] of a point given relative to the centre of mass along the body's axes.
+    /// World coordinates \[m\] of a point given relative to the centre of mass along the body's
+    /// axes.
     pub fn point_to_world(&self, point_body: Vec3) -> Vec3 {
         self.position + self.orientation * point_body
     }
@@ -171,7 +177,8 @@ impl<'a> BodyState<'a> {
         self.orientation.conjugate() * vector_world
     }
 
-    /// The wrench of a force \[N\] through the centre of mass and a torque [N m], both given in the body's frame.
+    /// The wrench of a force \[N\] through the centre of mass and a torque [N m], both given in the
+    /// body's frame.
     pub fn wrench_from_body_frame(&self, force_body: Vec3, torque_body: Vec3) -> Wrench {
         Wrench { force: self.to_world(force_body), torque: self.to_world(torque_body) }
     }

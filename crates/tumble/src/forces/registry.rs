@@ -1,7 +1,7 @@
 //! The laws that a simulation knows, and how the step finds them.
 //!
-//! A law may be a type of the caller's, so the step reaches it through trait objects: once per archetype and law for its column,
-//! once per tile and evaluation for its forces.
+//! A law may be a type of the caller's, so the step reaches it through trait objects: once per
+//! archetype and law for its column, once per tile and evaluation for its forces.
 
 use std::any::{TypeId, type_name};
 use std::fmt;
@@ -22,7 +22,8 @@ use crate::forces::simd_force_law::{SimdBody, SimdForceLaw};
 use crate::forces::tile_buffer::TileBuffer;
 use crate::math::Real;
 
-/// The laws of a simulation: the force components, which every simulation knows, and those that were added, in their order.
+/// The laws of a simulation: the force components, which every simulation knows, and those that
+/// were added, in their order.
 ///
 /// ```
 /// # use tumble::prelude::*;
@@ -181,7 +182,8 @@ impl ForceLaws {
         self.add_component::<OneByOne<L>>();
     }
 
-    /// Adds the law that is a component of some bodies and written for many at once; once, however often it is called.
+    /// Adds the law that is a component of some bodies and written for many at once; once, however
+    /// often it is called.
     pub fn add_simd_law<L: SimdForceLaw<N> + Component, const N: usize>(&mut self) {
         self.add_component::<InLanes<L, N>>();
     }
@@ -259,10 +261,11 @@ impl ForceLaws {
     }
 }
 
-/// Whether an archetype may have force components, those between bodies included; seldom says so of one that has none.
+/// Whether an archetype may have force components, those between bodies included; seldom says so of
+/// one that has none.
 ///
-/// In a world of one body the step takes two hundred nanoseconds, and asking the archetype for ten types would take eighty. Its own few are looked up in a
-/// table of bits instead.
+/// In a world of one body the step takes two hundred nanoseconds, and asking the archetype for ten
+/// types would take eighty. Its own few are looked up in a table of bits instead.
 pub(crate) fn may_have_forces(archetype: &Archetype) -> bool {
     const BITS: u64 = 1024;
     type Table = [u64; BITS as usize / 64];
@@ -305,7 +308,8 @@ impl Hasher for OwnBits {
     }
 }
 
-/// Puts the laws of `sources`, which come last first, before those that are there: one call deeper for each, which keeps its column borrowed.
+/// Puts the laws of `sources`, which come last first, before those that are there: one call deeper
+/// for each, which keeps its column borrowed.
 fn with_rows_before<'s>(
     sources: &mut dyn Iterator<Item = (usize, &'s dyn LawSource)>,
     archetype: &Archetype,

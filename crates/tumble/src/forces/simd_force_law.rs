@@ -7,16 +7,20 @@ use crate::forces::force_law::BodyState;
 use crate::integrators::state::Constants;
 use crate::math::Real;
 
-/// A force law that is computed for many bodies at once: sixteen numbers to an instruction where the machine has AVX-512.
+/// A force law that is computed for many bodies at once: sixteen numbers to an instruction where
+/// the machine has AVX-512.
 ///
-/// The force components of this crate, such as [`Drag`](crate::Drag), are such laws, and one of the caller's own is their equal: it is evaluated at the same
-/// stages, and the ledger gives it an account. It is a component of the bodies it acts on, made known by
+/// The force components of this crate, such as [`Drag`](crate::Drag), are such laws, and one of the
+/// caller's own is their equal: it is evaluated at the same stages, and the ledger gives it an
+/// account. It is a component of the bodies it acts on, made known by
 /// [`Simulation::add_simd_law`](crate::Simulation::add_simd_law), or acts on all
-/// ([`add_global_simd_law`](crate::Simulation::add_global_simd_law)). Where a law needs a table, a loop that ends at a different time for each body, or `sin`,
-/// [`ForceLaw`](crate::ForceLaw) is the easier one.
+/// ([`add_global_simd_law`](crate::Simulation::add_global_simd_law)). Where a law needs a table, a
+/// loop that ends at a different time for each body, or `sin`, [`ForceLaw`](crate::ForceLaw) is the
+/// easier one.
 ///
-/// `N` is how many numbers of the component the equation takes. [`wrench`](Self::wrench) must be `#[inline(always)]`, and may use arithmetic,
-/// square roots and [`Lane::select`], but no closure: what is not inlined is compiled without the vector instructions. A number that the equation
+/// `N` is how many numbers of the component the equation takes. [`wrench`](Self::wrench) must be
+/// `#[inline(always)]`, and may use arithmetic, square roots and [`Lane::select`], but no closure:
+/// what is not inlined is compiled without the vector instructions. A number that the equation
 /// divides by zero in one body does no harm to the others.
 ///
 /// ```
@@ -67,7 +71,8 @@ pub trait SimdForceLaw<const N: usize>: Send + Sync + 'static {
         true
     }
 
-    /// Potential energy \[J\] of a conservative law, zero for others. Only sums of energy ask for it.
+    /// Potential energy \[J\] of a conservative law, zero for others. Only sums of energy ask for
+    /// it.
     fn potential(&self, state: &BodyState<'_>) -> f64 {
         let _ = state;
         0.0
@@ -103,7 +108,8 @@ impl<L: Lane> SimdWrench<L> {
         Self { force: Vec3::zero(), torque }
     }
 
-    /// A force \[N\] that acts at a point; `arm` leads there from the centre of mass \[m\], both in the world frame.
+    /// A force \[N\] that acts at a point; `arm` leads there from the centre of mass \[m\], both in
+    /// the world frame.
     #[inline(always)]
     pub fn force_at(force: Vec3<L>, arm: Vec3<L>) -> Self {
         Self { force, torque: arm.cross(force) }
@@ -140,16 +146,19 @@ pub struct SimdBody<L> {
     pub mass: L,
     /// Velocity of the medium [m/s], world frame: the body's [`Wind`](crate::Wind).
     pub wind: Vec3<L>,
-    /// The simulation's gravity [m/s^2], world frame, whatever the body's [`GravityScale`](crate::GravityScale).
+    /// The simulation's gravity [m/s^2], world frame, whatever the body's
+    /// [`GravityScale`](crate::GravityScale).
     pub gravity: Vec3<L>,
     pub(crate) constants: Constants<L>,
-    /// The time over which a kick applies the force of one evaluation \[s\], and the substep \[s\]; see [`ForceContext`].
+    /// The time over which a kick applies the force of one evaluation \[s\], and the substep \[s\];
+    /// see [`ForceContext`].
     pub(crate) kick: L,
     pub(crate) substep: L,
 }
 
 impl<L: Lane> SimdBody<L> {
-    /// `I^-1 v`, in the world frame: the change of angular velocity by an angular impulse `v`; zero for a point mass.
+    /// `I^-1 v`, in the world frame: the change of angular velocity by an angular impulse `v`; zero
+    /// for a point mass.
     #[inline(always)]
     pub fn apply_inverse_inertia(&self, v: Vec3<L>) -> Vec3<L> {
         match &self.constants.inertia {
@@ -171,8 +180,9 @@ impl<L: Lane> SimdBody<L> {
         }
     }
 
-    /// The most by which an impulse of one newton second at a point can change the velocity there, along the impulse [1/kg]; the point \[m\] is
-    /// given from the centre of mass along the body's axes. It does not depend on attitude.
+    /// The most by which an impulse of one newton second at a point can change the velocity there,
+    /// along the impulse [1/kg]; the point \[m\] is given from the centre of mass along the body's
+    /// axes. It does not depend on attitude.
     #[inline(always)]
     pub fn most_inverse_mass_at(&self, point_body: Vec3<L>) -> L {
         self.constants.most_inverse_mass_at(point_body)
@@ -184,14 +194,17 @@ impl<L: Lane> SimdBody<L> {
         self.linear_velocity + self.angular_velocity.cross(arm)
     }
 
-    /// The stiffness [N/m] with which a spring acts so that it oscillates at its true frequency, as long as that is below 0.45 a substep, and at
-    /// most at that frequency however stiff it is. `inverse_mass` [1/kg] is what it moves. Under `RungeKutta4` it is what was given.
+    /// The stiffness [N/m] with which a spring acts so that it oscillates at its true frequency, as
+    /// long as that is below 0.45 a substep, and at most at that frequency however stiff it is.
+    /// `inverse_mass` [1/kg] is what it moves. Under `RungeKutta4` it is what was given.
     ///
-    /// The inverse mass should be one that does not change as bodies turn, or the spring has no energy to keep: take
-    /// [`most_inverse_mass_at`](Self::most_inverse_mass_at).
+    /// The inverse mass should be one that does not change as bodies turn, or the spring has no
+    /// energy to keep: take [`most_inverse_mass_at`](Self::most_inverse_mass_at).
     ///
-    /// Splitting methods turn the frequency `w` into one with `4 sin^2(w' h/2) = w^2 h^2`, which has no solution past `w h = 2`: the spring explodes. With
-    /// `4/h^2 sin^2(w h/2)` for the squared frequency `k/m` the discrete one is right (P. Deuflhard, ZAMP 30, 1979, for linear oscillators).
+    /// Splitting methods turn the frequency `w` into one with `4 sin^2(w' h/2) = w^2 h^2`, which
+    /// has no solution past `w h = 2`: the spring explodes. With `4/h^2 sin^2(w h/2)` for the
+    /// squared frequency `k/m` the discrete one is right (P. Deuflhard, ZAMP 30, 1979, for linear
+    /// oscillators).
     #[inline(always)]
     pub fn stable_stiffness(&self, stiffness: L, inverse_mass: L) -> L {
         let filtered = crate::forces::stable_spring::stable_stiffness(
@@ -203,8 +216,10 @@ impl<L: Lane> SimdBody<L> {
         L::select(L::splat(0.0).lt(self.kick), filtered, stiffness)
     }
 
-    /// What a spring with a damper pulls with \[N\], so that neither explodes: elongation \[m\] times [`stable_stiffness`](Self::stable_stiffness) and speed of elongation [m/s] times a
-    /// damping \[N s/m\] that never takes away more than there is. `inverse_mass` as there. Under `RungeKutta4` both are what was given.
+    /// What a spring with a damper pulls with \[N\], so that neither explodes: elongation \[m\]
+    /// times [`stable_stiffness`](Self::stable_stiffness) and speed of elongation [m/s] times a
+    /// damping \[N s/m\] that never takes away more than there is. `inverse_mass` as there. Under
+    /// `RungeKutta4` both are what was given.
     #[inline(always)]
     pub fn stable_pull(&self, [stiffness, damping]: [L; 2], [elongation, speed]: [L; 2], inverse_mass: L) -> L {
         self.damped_pull(self.stable_stiffness(stiffness, inverse_mass) * elongation, [damping, speed], inverse_mass)
@@ -215,14 +230,16 @@ impl<L: Lane> SimdBody<L> {
     pub(crate) fn damped_pull(&self, elastic: L, [damping, speed]: [L; 2], inverse_mass: L) -> L {
         let in_halves =
             elastic + crate::forces::stable_spring::stable_damping(damping, inverse_mass, self.kick) * speed;
-        // A kick over a whole step leaves less room: there the damping is implicit, and the elastic force divided with it.
+        // A kick over a whole step leaves less room: there the damping is implicit, and the elastic
+        // force divided with it.
         let one = L::splat(1.0);
         let in_one = (elastic + damping * speed) / (one + damping * inverse_mass * self.kick);
         L::select(self.kick.lt(self.substep), in_halves, in_one)
     }
 
-    /// For each axis of the body a moment of inertia that a resistance along it meets at the least [kg m^2]: the moment itself where the axes are principal ones, else the
-    /// smallest; zero for a point mass, which has nothing to turn.
+    /// For each axis of the body a moment of inertia that a resistance along it meets at the least
+    /// [kg m^2]: the moment itself where the axes are principal ones, else the smallest; zero for a
+    /// point mass, which has nothing to turn.
     #[inline(always)]
     pub(crate) fn least_inertia(&self) -> Vec3<L> {
         match &self.constants.inertia {
@@ -237,7 +254,8 @@ impl<L: Lane> SimdBody<L> {
         }
     }
 
-    /// The time \[s\] in which a force has to do its work so that it is done when the step ends, without going too far.
+    /// The time \[s\] in which a force has to do its work so that it is done when the step ends,
+    /// without going too far.
     #[inline(always)]
     pub fn response_time(&self) -> L {
         L::select(L::splat(0.0).lt(self.kick), self.kick, self.substep)

@@ -1,19 +1,26 @@
-//! The potential with which a spring acts in kicks of fixed length: Hooke's where the step resolves it, and a softer one where not.
+//! The potential with which a spring acts in kicks of fixed length: Hooke's where the step resolves
+//! it, and a softer one where not.
 //!
-//! A kick is one of a symplectic method as long as its force is the gradient of a function of poses, and energy keeps within bounds as long as no kick turns or
-//! moves a body by more than that function is smooth over. A spring that is attached at `r` from the centre of mass of a body, and pulls with `F`, turns it as a
-//! pendulum of frequency `w^2 = F r/I`: however soft the spring is, a long pull makes that as fast as it likes, and kicks that are longer than its swing add
-//! energy at random. So three things are limited, the first two by functions of poses alone:
+//! A kick is one of a symplectic method as long as its force is the gradient of a function of
+//! poses, and energy keeps within bounds as long as no kick turns or moves a body by more than that
+//! function is smooth over. A spring that is attached at `r` from the centre of mass of a body, and
+//! pulls with `F`, turns it as a pendulum of frequency `w^2 = F r/I`: however soft the spring is, a
+//! long pull makes that as fast as it likes, and kicks that are longer than its swing add energy at
+//! random. So three things are limited, the first two by functions of poses alone:
 //!
-//! - the stiffness, so that the frequencies of moving and of turning stay below an angle each ([`stiffness_up_to`]),
-//! - the arm `r`, which is drawn in where the spring is so long that the pendulum were faster ([`Arm`]),
-//! - what is left unresolved is damped, where the pendulum turns by more than 0.55 radians a substep.
+//! - the stiffness, so that the frequencies of moving and of turning stay below an angle each
+//!   ([`stiffness_up_to`]),
+//! - the arm `r`, which is drawn in where the spring is so long that the pendulum were faster
+//!   ([`Arm`]),
+//! - what is left unresolved is damped, where the pendulum turns by more than 0.55 radians a
+//!   substep.
 
 use tumble_math::lane::{Lane, Vec3};
 
 use crate::forces::stable_spring::stiffness_up_to;
 
-/// The square of the angle in a substep up to which turning by a spring at its given arm is resolved.
+/// The square of the angle in a substep up to which turning by a spring at its given arm is
+/// resolved.
 const MAX_TURNING: f64 = 1.0;
 
 /// The square of the angle in a substep up to which the arm stays as it is.
@@ -22,7 +29,8 @@ const RESOLVED: f64 = 0.5;
 /// The same up to which nothing is damped.
 const UNDAMPED: f64 = 0.3;
 
-/// The most of the velocity along a spring that a kick takes away for the sake of what the step does not resolve.
+/// The most of the velocity along a spring that a kick takes away for the sake of what the step
+/// does not resolve.
 const MAX_DAMPED: f64 = 0.25;
 
 /// One end of a spring.
@@ -30,7 +38,8 @@ const MAX_DAMPED: f64 = 0.25;
 pub(crate) struct End<L> {
     /// From the centre of mass to the attachment \[m\], world frame.
     pub(crate) arm: Vec3<L>,
-    /// What moving and what turning, at its most, add to the inverse of the mass that the spring moves [1/kg].
+    /// What moving and what turning, at its most, add to the inverse of the mass that the spring
+    /// moves [1/kg].
     pub(crate) inverse_masses: [L; 2],
 }
 
@@ -62,7 +71,8 @@ pub(crate) struct Hooke<L> {
     pub(crate) h: L,
 }
 
-/// An arm as it is drawn in: `share` of its length, with the gradient of the share \[1/m\] by the far end.
+/// An arm as it is drawn in: `share` of its length, with the gradient of the share \[1/m\] by the
+/// far end.
 struct Arm<L> {
     share: L,
     gradient: Vec3<L>,
@@ -70,7 +80,8 @@ struct Arm<L> {
     angle_squared: L,
 }
 
-/// What a spring does, whose bodies' centres of mass are `difference` apart; `most_angle` is that of moving in a substep \[rad\].
+/// What a spring does, whose bodies' centres of mass are `difference` apart; `most_angle` is that
+/// of moving in a substep \[rad\].
 #[inline(always)]
 pub(crate) fn pull<L: Lane>(spring: Hooke<L>, difference: Vec3<L>, ends: [End<L>; 2], most_angle: L) -> Pull<L> {
     let (zero, one, h) = (L::splat(0.0), L::splat(1.0), spring.h);
@@ -109,8 +120,10 @@ pub(crate) fn pull<L: Lane>(spring: Hooke<L>, difference: Vec3<L>, ends: [End<L>
 }
 
 impl<L: Lane> Arm<L> {
-    /// For an end from whose body's centre of mass the far end is `away`. The share is one where the longest pull turns the body by what is resolved, or by what a pull
-    /// of the arm's own length does; at `x` times that it is `(2 x - 1)/x^2`, which leaves one smoothly and falls as `2/x`.
+    /// For an end from whose body's centre of mass the far end is `away`. The share is one where
+    /// the longest pull turns the body by what is resolved, or by what a pull of the arm's own
+    /// length does; at `x` times that it is `(2 x - 1)/x^2`, which leaves one smoothly and falls as
+    /// `2/x`.
     #[inline(always)]
     fn drawn(spring: &Hooke<L>, end: &End<L>, away: Vec3<L>) -> Self {
         let (zero, one, two) = (L::splat(0.0), L::splat(1.0), L::splat(2.0));
@@ -149,7 +162,8 @@ mod tests {
         0.5 * stiffness * (between.dot(between).sqrt() - l0).powi(2)
     }
 
-    /// Forces and torques are the slopes of one potential, for shifts and turns of either end: from pressed to far out, and attached anywhere.
+    /// Forces and torques are the slopes of one potential, for shifts and turns of either end: from
+    /// pressed to far out, and attached anywhere.
     #[test]
     fn the_pull_is_the_gradient_of_a_potential() {
         let mut regimes = [0; 3];
@@ -200,7 +214,8 @@ mod tests {
                     };
                     worst = worst.max((slope(turned(step), turned(-step)) + torque.dot(axis)).abs());
                 }
-                // The second difference over a step of 1e-6, and roundings of an energy of some tens of forces over it.
+                // The second difference over a step of 1e-6, and roundings of an energy of some
+                // tens of forces over it.
                 assert!(worst <= 1e-4 * scale, "case {case}: off by {worst:e} of {scale:e}");
             }
             let total = difference.cross(force * -1.0) + torques[0] + torques[1];
@@ -212,7 +227,8 @@ mod tests {
         assert!(regimes.iter().all(|count| *count > 10), "{regimes:?} of drawn, damped, pressed");
     }
 
-    /// At lengths and stiffnesses that the step resolves it is Hooke's law to the last bit, but for the filter of its frequency.
+    /// At lengths and stiffnesses that the step resolves it is Hooke's law to the last bit, but for
+    /// the filter of its frequency.
     #[test]
     fn what_is_resolved_is_hookes_law() {
         let ends = [0.2, -0.1].map(|x| End { arm: Vec3::new(x, 0.1, 0.0), inverse_masses: [1.0, 0.5] });

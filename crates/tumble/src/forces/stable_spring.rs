@@ -2,14 +2,16 @@
 
 use tumble_math::lane::Lane;
 
-/// The angle `w h` past which an oscillation of frequency `w` is slowed down to it \[rad\]: 0.45 periods a step. At half a period the method is
-/// stable no more.
+/// The angle `w h` past which an oscillation of frequency `w` is slowed down to it \[rad\]: 0.45
+/// periods a step. At half a period the method is stable no more.
 pub(crate) const MAX_ANGLE: f64 = 0.9 * std::f64::consts::PI;
 
-/// The same for a spring in a net, a third of a period: springs that are not in line are not linear, and need room.
+/// The same for a spring in a net, a third of a period: springs that are not in line are not
+/// linear, and need room.
 pub(crate) const MAX_ANGLE_IN_A_NET: f64 = std::f64::consts::TAU / 3.0;
 
-/// `(2/x)^2 sin^2(x/2)` as a series in `-x^2`: `2/(2n + 2)!`. The first term left out is 3e-16 at the largest angle.
+/// `(2/x)^2 sin^2(x/2)` as a series in `-x^2`: `2/(2n + 2)!`. The first term left out is 3e-16 at
+/// the largest angle.
 const SINC_SQUARED: [f64; 12] = {
     let mut terms = [1.0; 12];
     let mut n = 1;
@@ -20,8 +22,8 @@ const SINC_SQUARED: [f64; 12] = {
     terms
 };
 
-/// The stiffness for which kicks and drifts of a substep `h` give the frequency that `stiffness` and `inverse_mass` have in truth, up to an angle of `most_angle`
-/// a substep.
+/// The stiffness for which kicks and drifts of a substep `h` give the frequency that `stiffness`
+/// and `inverse_mass` have in truth, up to an angle of `most_angle` a substep.
 #[inline(always)]
 pub(crate) fn stable_stiffness<L: Lane>(stiffness: L, inverse_mass: L, h: L, most_angle: L) -> L {
     stiffness_up_to(stiffness, inverse_mass, h, most_angle * most_angle)
@@ -43,7 +45,8 @@ pub(crate) fn stiffness_up_to<L: Lane>(stiffness: L, inverse_mass: L, h: L, most
     L::select(too_stiff, series * most / (inverse_mass * h * h), stiffness * series)
 }
 
-/// The damping with which one kick of the duration `t` takes away no more than the velocity there is: the one given, where that does.
+/// The damping with which one kick of the duration `t` takes away no more than the velocity there
+/// is: the one given, where that does.
 #[inline(always)]
 pub(crate) fn stable_damping<L: Lane>(damping: L, inverse_mass: L, t: L) -> L {
     damping.min(L::splat(1.0) / (inverse_mass * t))

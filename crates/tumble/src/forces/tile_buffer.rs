@@ -1,4 +1,5 @@
-//! Tiles of bodies in memory, as laws are given them: the caller's laws are reached by calls that vector registers do not survive.
+//! Tiles of bodies in memory, as laws are given them: the caller's laws are reached by calls that
+//! vector registers do not survive.
 
 use std::marker::PhantomData;
 
@@ -15,7 +16,8 @@ use crate::simd::{Kernel, MAX_BODIES, Tile, dispatch};
 /// One number of each body.
 type Row = [Real; MAX_BODIES];
 
-/// What laws see of a tile of bodies at one stage, and the sum of what they answer. One for a chunk, refilled for every tile.
+/// What laws see of a tile of bodies at one stage, and the sum of what they answer. One for a
+/// chunk, refilled for every tile.
 #[repr(align(64))]
 pub(crate) struct TileBuffer {
     mass: Row,
@@ -60,7 +62,8 @@ impl TileBuffer {
         }
     }
 
-    /// Takes over what does not change during a step, of bodies whose first is that of a row among the laws' rows.
+    /// Takes over what does not change during a step, of bodies whose first is that of a row among
+    /// the laws' rows.
     #[inline(always)]
     pub(crate) fn set_constants<T: Tile>(
         &mut self,
@@ -85,7 +88,8 @@ impl TileBuffer {
         }
     }
 
-    /// Takes over a state that the bodies reach `offset` \[s\] after `time` \[s\], the start of a substep, and forgets the forces.
+    /// Takes over a state that the bodies reach `offset` \[s\] after `time` \[s\], the start of a
+    /// substep, and forgets the forces.
     #[inline(always)]
     pub(crate) fn set_stage<T: Tile>(&mut self, time: f64, offset: T, constants: &Constants<T>, state: &State<T>) {
         let q = state.orientation.normalize();

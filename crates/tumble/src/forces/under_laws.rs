@@ -7,7 +7,8 @@ use crate::storage::chunk::{Chunk, for_each_body, for_each_columns, for_each_par
 use crate::storage::world_columns::WorldColumns;
 use crate::threads::Effort;
 
-/// Calls `system` once for every chunk of moving bodies, with the laws that act on them, in parallel.
+/// Calls `system` once for every chunk of moving bodies, with the laws that act on them, in
+/// parallel.
 pub(crate) fn for_each_chunk_under(
     world: &mut World,
     laws: &ForceLaws,
@@ -32,7 +33,8 @@ impl ForceLaws {
         WorldColumns::of(world, |archetype| self.may_act_on(archetype))
     }
 
-    /// Calls `system` once for every chunk of moving bodies, with the laws that act on them, in parallel.
+    /// Calls `system` once for every chunk of moving bodies, with the laws that act on them, in
+    /// parallel.
     pub(crate) fn for_each_chunk_of(
         &self,
         held: &mut WorldColumns<'_>,
@@ -43,7 +45,8 @@ impl ForceLaws {
         });
     }
 
-    /// Calls `then` with the moving bodies of each archetype, its index, and the laws that act on them, one archetype after the other.
+    /// Calls `then` with the moving bodies of each archetype, its index, and the laws that act on
+    /// them, one archetype after the other.
     pub(crate) fn for_each_archetype_of(
         &self,
         held: &mut WorldColumns<'_>,

@@ -4,8 +4,9 @@ use crate::integrators::state::State;
 
 /// Keeps account of the work that is done on a body.
 ///
-/// A momentum that changes by `dP` from `P` to `P'` changes the kinetic energy by `dP.(P + P')/2M`, exactly. So each source of a
-/// change is given the work `its share of dP . mean velocity`, likewise for rotation, and the shares add up to the change.
+/// A momentum that changes by `dP` from `P` to `P'` changes the kinetic energy by `dP.(P + P')/2M`,
+/// exactly. So each source of a change is given the work `its share of dP . mean velocity`,
+/// likewise for rotation, and the shares add up to the change.
 pub(crate) trait Account<L> {
     /// Whether anything is kept; `false` lets a scheme leave out what only an account needs.
     const KEPT: bool;
@@ -13,7 +14,8 @@ pub(crate) trait Account<L> {
     /// The constant forces have added their `weight` \[s\] to the linear and the angular momentum.
     fn constant_impulse(&mut self, weight: (L, L), mean: &Mean<L>);
 
-    /// The varying forces at a state, `offset` \[s\] into the substep, have added their `weight` \[s\] to the momenta.
+    /// The varying forces at a state, `offset` \[s\] into the substep, have added their `weight`
+    /// \[s\] to the momenta.
     fn varying_impulse(&mut self, offset: L, at: &State<L>, weight: (L, L), mean: &Mean<L>);
 
     /// Damping has added these to the momenta.

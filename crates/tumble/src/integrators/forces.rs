@@ -10,7 +10,8 @@ pub(crate) trait Forces<L: Lane> {
     /// The part that is the same at every stage.
     fn constant(&self) -> Force<L>;
 
-    /// The part that depends on the state or on time, at a state, `offset` \[s\] after the start of the substep.
+    /// The part that depends on the state or on time, at a state, `offset` \[s\] after the start of
+    /// the substep.
     fn varying(&self, offset: L, state: &State<L>) -> Force<L>;
 
     /// For which bodies the force depends on the momenta; `None` for none.

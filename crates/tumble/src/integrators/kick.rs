@@ -4,7 +4,8 @@ use tumble_math::{Decay, decay};
 use crate::integrators::state::{Constants, Force, State};
 use crate::integrators::{Account, Forces, Mean};
 
-/// What a force and a damping do to the momenta over a fixed time: `p <- kept p + weight F`, exact for a constant force.
+/// What a force and a damping do to the momenta over a fixed time: `p <- kept p + weight F`, exact
+/// for a constant force.
 #[derive(Clone, Copy)]
 pub(crate) struct Kick<L> {
     constants: Constants<L>,
@@ -71,8 +72,9 @@ impl<L: Lane> Kick<L> {
         self.apply_as_at(state, offset, &state, forces, account)
     }
 
-    /// The state with its momenta kicked so that the forces are those at the end of the kick, to second order: a force that depends on
-    /// velocity is evaluated again, at the state that its first value leads to.
+    /// The state with its momenta kicked so that the forces are those at the end of the kick, to
+    /// second order: a force that depends on velocity is evaluated again, at the state that its
+    /// first value leads to.
     #[inline(always)]
     pub(crate) fn apply_to_end(
         &self,
@@ -84,7 +86,8 @@ impl<L: Lane> Kick<L> {
         match forces.depends_on_velocity() {
             Some(depends) => {
                 let predicted = self.kicked(state, forces.at(offset, &state));
-                // The kick changes the momenta alone; where the force does not depend on them they stay, as without the others of the tile.
+                // The kick changes the momenta alone; where the force does not depend on them they
+                // stay, as without the others of the tile.
                 let linear = Vec3::select(depends, predicted.linear, state.linear);
                 let angular = Vec3::select(depends, predicted.angular, state.angular);
                 self.apply_as_at(state, offset, &State { linear, angular, ..state }, forces, account)
@@ -110,8 +113,9 @@ impl<L: Lane> Kick<L> {
         kicked
     }
 
-    /// Enters what damping and constant forces do in a kick from this state to that, and returns the mean velocities over which all forces
-    /// act: damping comes first, so that it is given what it takes from the momenta at the start, which is never positive.
+    /// Enters what damping and constant forces do in a kick from this state to that, and returns
+    /// the mean velocities over which all forces act: damping comes first, so that it is given what
+    /// it takes from the momenta at the start, which is never positive.
     #[inline(always)]
     pub(crate) fn account_for_the_rest(
         &self,
@@ -127,7 +131,8 @@ impl<L: Lane> Kick<L> {
         mean
     }
 
-    /// What is left of a momentum that is added at the start of the kick: of the linear and the angular one.
+    /// What is left of a momentum that is added at the start of the kick: of the linear and the
+    /// angular one.
     #[inline(always)]
     pub(crate) fn kept(&self) -> (L, L) {
         let one = L::splat(1.0);

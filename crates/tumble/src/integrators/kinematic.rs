@@ -7,7 +7,8 @@ use crate::math::Real;
 /// Bodies that have a [`Velocity`] and no [`Momentum`].
 type Kinematic<'a> = Without<(&'a mut Pose, &'a Velocity, Option<&'a mut PreviousPose>), &'a Momentum>;
 
-/// Moves the kinematic bodies for `steps` times `dt` along their velocity: straight, and turning exactly as a constant angular velocity does.
+/// Moves the kinematic bodies for `steps` times `dt` along their velocity: straight, and turning
+/// exactly as a constant angular velocity does.
 pub(crate) fn move_kinematic_bodies(world: &mut World, dt: Real, steps: u32) {
     crate::scope::scope!("tumble::move_kinematic_bodies");
     for (pose, velocity, previous) in world.query_mut::<Kinematic<'_>>() {
@@ -22,7 +23,8 @@ pub(crate) fn move_kinematic_bodies(world: &mut World, dt: Real, steps: u32) {
     }
 }
 
-/// Moves a kinematic body for one of the equal parts, of `h` \[s\] and with this number, of a step; the previous pose is that before the first.
+/// Moves a kinematic body for one of the equal parts, of `h` \[s\] and with this number, of a step;
+/// the previous pose is that before the first.
 pub(crate) fn move_a_substep(
     pose: &mut Pose,
     velocity: &Velocity,

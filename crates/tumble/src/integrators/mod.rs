@@ -1,6 +1,7 @@
 //! The integration schemes: each advances one state over one substep of length `h` \[s\].
 //!
-//! They are generic over [`Lane`](tumble_math::lane::Lane), so one body and a tile of bodies run the same code.
+//! They are generic over [`Lane`](tumble_math::lane::Lane), so one body and a tile of bodies run
+//! the same code.
 
 #![allow(clippy::manual_map, reason = "a closure that computes with tiles is compiled without their instruction set")]
 
@@ -32,7 +33,8 @@ pub(crate) trait Scheme<L: Lane> {
     /// What of the scheme depends on the body and the substep but not on the state.
     fn new(constants: &Constants<L>, h: L) -> Self;
 
-    /// The state one substep later, under forces that are evaluated at every stage and, where asked for, with an account of their work.
+    /// The state one substep later, under forces that are evaluated at every stage and, where asked
+    /// for, with an account of their work.
     fn advance<F: Forces<L>, A: Account<L>>(&self, state: State<L>, forces: &F, account: &mut A) -> State<L>;
 }
 

@@ -5,7 +5,8 @@ use crate::integrators::Kick;
 use crate::integrators::state::{Constants, State};
 use crate::integrators::{Account, Forces, Scheme};
 
-/// Half a kick, free flight, half a kick. The flight keeps both momenta; [`FreeRotation`] turns the body.
+/// Half a kick, free flight, half a kick. The flight keeps both momenta; [`FreeRotation`] turns the
+/// body.
 pub(crate) struct MoserVeselov<L> {
     half_kick: Kick<L>,
     rotation: Option<FreeRotation<L>>,

@@ -7,9 +7,11 @@ use crate::integrators::{Account, Forces, Scheme};
 
 /// The classical Runge-Kutta method, with constant forces and damping taken out.
 ///
-/// The momenta are split, `p = a + b`: `da/dt = F - c a` under the constant force has an exact solution, and `db/dt = f - c b` under the
-/// varying one, with `b = e^(-c t) s`, becomes `ds/dt = e^(c t) f`, to which the method is applied (J. D. Lawson, SIAM J. Numer.
-/// Anal. 4, 1967). So damping and constant forces are exact and never limit the step, and the rest is of fourth order.
+/// The momenta are split, `p = a + b`: `da/dt = F - c a` under the constant force has an exact
+/// solution, and `db/dt = f - c b` under the varying one, with `b = e^(-c t) s`, becomes
+/// `ds/dt = e^(c t) f`, to which the method is applied (J. D. Lawson, SIAM J. Numer. Anal. 4,
+/// 1967). So damping and constant forces are exact and never limit the step, and the rest is of
+/// fourth order.
 pub(crate) struct RungeKutta4<L> {
     constants: Constants<L>,
     /// What constant forces and damping do to the momenta in half a step and in a whole one.
@@ -18,7 +20,8 @@ pub(crate) struct RungeKutta4<L> {
     h: L,
 }
 
-/// The rates of change of a state but for damping: what the seeds' form of the equations of motion gives an ODE solver.
+/// The rates of change of a state but for damping: what the seeds' form of the equations of motion
+/// gives an ODE solver.
 #[derive(Clone, Copy)]
 pub(crate) struct Rates<L> {
     pub(crate) position: Vec3<L>,
@@ -26,7 +29,8 @@ pub(crate) struct Rates<L> {
     pub(crate) force: Force<L>,
 }
 
-/// `dx/dt = P/M`, `dq/dt = 1/2 [0, w] q`, `dP/dt = F`, `dL/dt = tau`, without the damping. The orientation need not be of unit length.
+/// `dx/dt = P/M`, `dq/dt = 1/2 [0, w] q`, `dP/dt = F`, `dL/dt = tau`, without the damping. The
+/// orientation need not be of unit length.
 #[inline(always)]
 pub(crate) fn derivative<L: Lane>(constants: &Constants<L>, force: Force<L>, state: &State<L>) -> Rates<L> {
     let angular_velocity = constants.angular_velocity(&State { orientation: state.orientation.normalize(), ..*state });
@@ -113,7 +117,8 @@ fn moved<L: Lane>(state: &State<L>, rates: &Rates<L>, time: L) -> State<L> {
 }
 
 impl<L: Lane> State<L> {
-    /// The same with another state's momenta, and what a force adds to them in a time, of which a part is kept.
+    /// The same with another state's momenta, and what a force adds to them in a time, of which a
+    /// part is kept.
     #[inline(always)]
     fn with_momenta(self, momenta: &Self, force: &Force<L>, time: L, kept: (L, L)) -> Self {
         Self {

@@ -17,7 +17,8 @@ pub(crate) struct Constants<L> {
     pub(crate) damping: Option<Rates<L>>,
 }
 
-/// Principal moments [kg m^2], their inverses, and the rotation from the principal frame to the body frame where they differ.
+/// Principal moments [kg m^2], their inverses, and the rotation from the principal frame to the
+/// body frame where they differ.
 #[derive(Clone, Copy)]
 pub(crate) struct Moments<L> {
     pub(crate) moments: Vec3<L>,
@@ -78,11 +79,12 @@ impl<L: Lane> Constants<L> {
 }
 
 impl<L: Lane> Constants<L> {
-    /// The most by which an impulse of one newton second at a point can change the velocity there, along the impulse [1/kg]; the point is given from the centre
-    /// of mass along the body's axes.
+    /// The most by which an impulse of one newton second at a point can change the velocity there,
+    /// along the impulse [1/kg]; the point is given from the centre of mass along the body's axes.
     ///
-    /// An impulse along the unit vector `n` changes it by `1/M + sum (n . e_i x r)^2/I_i`, with the principal axes `e_i`. The second term is a quadratic form of rank two,
-    /// whose larger eigenvalue follows from its trace and the sum of squares of its elements.
+    /// An impulse along the unit vector `n` changes it by `1/M + sum (n . e_i x r)^2/I_i`, with the
+    /// principal axes `e_i`. The second term is a quadratic form of rank two, whose larger
+    /// eigenvalue follows from its trace and the sum of squares of its elements.
     #[inline(always)]
     pub(crate) fn most_inverse_mass_at(&self, point_body: Vec3<L>) -> L {
         let (zero, two, half) = (L::splat(0.0), L::splat(2.0), L::splat(0.5));
@@ -161,7 +163,8 @@ impl State<Real> {
     }
 }
 
-/// The constants, without the damping, and the state of a body that has them: of one that forces move.
+/// The constants, without the damping, and the state of a body that has them: of one that forces
+/// move.
 pub(crate) fn moving_body(body: EntityRef<'_>) -> Option<(Constants<Real>, State<Real>)> {
     let axes = body.get::<&PrincipalAxes>().map(|axes| *axes);
     let inertia = body.get::<&Inertia>().map(|inertia| Moments::new(&inertia, axes.as_ref()));
@@ -174,7 +177,8 @@ mod tests {
     use super::*;
     use crate::math::Real;
 
-    /// Against impulses in many directions: none does more, and one does as much but for the coarseness of the directions.
+    /// Against impulses in many directions: none does more, and one does as much but for the
+    /// coarseness of the directions.
     #[test]
     fn the_most_inverse_mass_is_reached_and_not_exceeded() {
         let axes = Quat { x: 0.1, y: -0.5, z: 0.3, w: 0.8 }.normalize();

@@ -1,4 +1,5 @@
-//! Rows of eight numbers, one row for each body of the solver, and tiles of bodies anywhere among them.
+//! Rows of eight numbers, one row for each body of the solver, and tiles of bodies anywhere among
+//! them.
 
 use tumble_math::lane::Vec3;
 

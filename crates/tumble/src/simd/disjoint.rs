@@ -1,4 +1,5 @@
-//! Rows that threads change at the same time, each its own: what makes that sound is checked when the rows are listed.
+//! Rows that threads change at the same time, each its own: what makes that sound is checked when
+//! the rows are listed.
 
 #![allow(unsafe_code, reason = "rows that are changed through a shared pointer; see the SAFETY notes")]
 
@@ -33,7 +34,8 @@ struct ContactColor {
 }
 
 impl RowColors {
-    /// No blocks, of rows of which the first `changing` may be changed, but for the last of these: it stands for no row.
+    /// No blocks, of rows of which the first `changing` may be changed, but for the last of these:
+    /// it stands for no row.
     pub(crate) fn reset(&mut self, changing: usize) {
         self.blocks.clear();
         self.colors.clear();
@@ -41,7 +43,8 @@ impl RowColors {
         self.last.resize(changing, usize::MAX);
     }
 
-    /// Begins a color. Where it is `grounded`, the first rows of its pairs are ones that are never changed, else both are changed.
+    /// Begins a color. Where it is `grounded`, the first rows of its pairs are ones that are never
+    /// changed, else both are changed.
     pub(crate) fn begin(&mut self, grounded: bool) {
         let end = self.blocks.len();
         self.colors.push(ContactColor { grounded, blocks: end..end });
@@ -50,7 +53,8 @@ impl RowColors {
     /// Adds a block of at most eight pairs to the color that was begun last.
     ///
     /// # Panics
-    /// Where a row that is changed was in this color before, or a row is not of the kind that the color is for: the threads would not be safe from each other.
+    /// Where a row that is changed was in this color before, or a row is not of the kind that the
+    /// color is for: the threads would not be safe from each other.
     pub(crate) fn push(&mut self, pairs: impl Iterator<Item = [u32; 2]>) {
         let nobody = self.last.len() - 1;
         let mut block = RowPairs { rows: [[nobody as u32; BLOCK]; 2], count: 0 };
@@ -82,7 +86,8 @@ impl RowColors {
     }
 }
 
-/// Some of the blocks of one color: nobody else has access to the rows that they change, and nobody changes those that they only read.
+/// Some of the blocks of one color: nobody else has access to the rows that they change, and nobody
+/// changes those that they only read.
 pub(crate) struct Rows<'a> {
     blocks: &'a [RowPairs],
     grounded: bool,
@@ -91,8 +96,9 @@ pub(crate) struct Rows<'a> {
     rows: PhantomData<&'a mut [Eight]>,
 }
 
-// SAFETY: the rows that blocks of one color change are different ones, and there is one `Rows` for a block at a time: it is made from the only reference
-// to the rows, and split into parts without a block in common.
+// SAFETY: the rows that blocks of one color change are different ones, and there is one `Rows` for
+// a block at a time: it is made from the only reference to the rows, and split into parts without a
+// block in common.
 unsafe impl Send for Rows<'_> {}
 
 impl Rows<'_> {
@@ -114,15 +120,18 @@ impl Rows<'_> {
         &self.blocks[block].rows
     }
 
-    /// The first numbers of the first or the second rows of a tile from `lane` on. Lanes without a pair have those of the row that stands for none, which nobody changes.
+    /// The first numbers of the first or the second rows of a tile from `lane` on. Lanes without a
+    /// pair have those of the row that stands for none, which nobody changes.
     #[inline(always)]
     pub(crate) fn gather<T: Tile, const N: usize>(&self, block: usize, which: usize, lane: usize) -> [T; N] {
         let indices = &self.blocks[block].rows[which];
-        // SAFETY: nobody changes these rows: see the type; nor the one that stands for none, which no block lists.
+        // SAFETY: nobody changes these rows: see the type; nor the one that stands for none, which
+        // no block lists.
         unsafe { gather_from(self.base, self.count, indices, lane) }
     }
 
-    /// Overwrites the first or the second rows of a tile from `lane` on. First rows that are only read stay as they are, and so does the row that stands for none.
+    /// Overwrites the first or the second rows of a tile from `lane` on. First rows that are only
+    /// read stay as they are, and so does the row that stands for none.
     #[inline(always)]
     pub(crate) fn scatter<T: Tile>(&mut self, numbers: [T; 8], block: usize, which: usize, lane: usize) {
         let RowPairs { rows, count } = &self.blocks[block];

@@ -1,10 +1,13 @@
-//! Vector code: tiles of bodies side by side, and the choice of instruction set while the program runs.
+//! Vector code: tiles of bodies side by side, and the choice of instruction set while the program
+//! runs.
 //!
-//! A kernel is written once, generic over [`Tile`]. [`dispatch`] instantiates it for every instruction set the machine may have and
-//! runs the widest that it has. All tiles do the same correctly rounded operations in the same order, so the bits are the same
-//! with any of them; one body at a time is the reference.
+//! A kernel is written once, generic over [`Tile`]. [`dispatch`] instantiates it for every
+//! instruction set the machine may have and runs the widest that it has. All tiles do the same
+//! correctly rounded operations in the same order, so the bits are the same with any of them; one
+//! body at a time is the reference.
 //!
-//! `TUMBLE_SIMD=scalar|baseline|avx2|avx512` in the environment forces a choice that the machine can run.
+//! `TUMBLE_SIMD=scalar|baseline|avx2|avx512` in the environment forces a choice that the machine
+//! can run.
 
 use std::env;
 use std::sync::OnceLock;
@@ -40,7 +43,8 @@ pub(crate) trait Tile: Lane {
     /// The first `N` numbers of each of the first rows, as many as there are bodies.
     fn load<R: Record, const N: usize>(rows: &[R]) -> [Self; N];
 
-    /// The first `N` numbers of rows that are anywhere, as many as there are bodies: at most a block's.
+    /// The first `N` numbers of rows that are anywhere, as many as there are bodies: at most a
+    /// block's.
     #[inline(always)]
     fn gather<const N: usize>(rows: &[&Eight; BLOCK]) -> [Self; N] {
         const { assert!(Self::WIDTH <= BLOCK) };
@@ -88,8 +92,9 @@ pub(crate) trait Kernel {
     /// How many bodies there are.
     fn len(&self) -> usize;
 
-    /// Runs it on the tile of bodies from row `i`. Must be `#[inline(always)]`, as must be all that it calls with tiles, and no closure may
-    /// compute with them: what is not inlined is compiled without the instruction set, and calls a function for every operation.
+    /// Runs it on the tile of bodies from row `i`. Must be `#[inline(always)]`, as must be all that
+    /// it calls with tiles, and no closure may compute with them: what is not inlined is compiled
+    /// without the instruction set, and calls a function for every operation.
     fn tile<T: Tile>(&mut self, i: usize);
 }
 
@@ -177,8 +182,9 @@ impl Level {
     }
 }
 
-/// The vector code that the step runs on this machine: `"avx512"`, `"avx2"`, `"baseline"` (what every machine of the target has)
-/// or `"scalar"`, one body at a time. The environment variable `TUMBLE_SIMD` forces one of them, if the machine can run it.
+/// The vector code that the step runs on this machine: `"avx512"`, `"avx2"`, `"baseline"` (what
+/// every machine of the target has) or `"scalar"`, one body at a time. The environment variable
+/// `TUMBLE_SIMD` forces one of them, if the machine can run it.
 ///
 /// ```
 /// println!("steps run on {}", tumble::simd_name());
@@ -201,12 +207,13 @@ pub(crate) fn dispatch(kernel: &mut impl Kernel) {
     }
 }
 
-/// How many things a block has. A block is laid out for lanes, the same on every machine, and worked on in tiles as wide as it is or, where
-/// they are narrower, in several.
+/// How many things a block has. A block is laid out for lanes, the same on every machine, and
+/// worked on in tiles as wide as it is or, where they are narrower, in several.
 pub(crate) const BLOCK: usize = 8;
 
-/// Runs a kernel of whole blocks with the widest tiles of this machine that are no wider than a block. Machines without AVX2, the last of which were made in
-/// 2013, go one by one: these kernels are large, and each instruction set more is half a minute of compiling.
+/// Runs a kernel of whole blocks with the widest tiles of this machine that are no wider than a
+/// block. Machines without AVX2, the last of which were made in 2013, go one by one: these kernels
+/// are large, and each instruction set more is half a minute of compiling.
 #[inline]
 pub(crate) fn dispatch_in_blocks(kernel: &mut impl Kernel) {
     debug_assert!(kernel.len().is_multiple_of(BLOCK));
@@ -226,7 +233,8 @@ pub(crate) fn widest() -> usize {
     Level::chosen().widths()[0]
 }
 
-/// The width of the narrowest tile of this machine that has room for this many bodies, at most those of the widest.
+/// The width of the narrowest tile of this machine that has room for this many bodies, at most
+/// those of the widest.
 pub(crate) fn narrowest_for(bodies: usize) -> usize {
     let widths = Level::chosen().widths();
     widths.iter().rev().copied().find(|&width| width >= bodies).unwrap_or(widths[0])

@@ -4,7 +4,8 @@ use tumble_math::lane::Lane;
 
 use super::{Record, Tile};
 
-/// Two tiles side by side: while an operation of one waits for its operands, the machine works on the other's.
+/// Two tiles side by side: while an operation of one waits for its operands, the machine works on
+/// the other's.
 #[derive(Clone, Copy)]
 pub(super) struct Pair<T>(T, T);
 

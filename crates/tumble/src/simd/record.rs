@@ -13,8 +13,8 @@ use crate::math::Real;
 /// A component that is `NUMBERS` numbers in a row, possibly with padding after them.
 ///
 /// # Safety
-/// The type has a fixed layout, its alignment is at least that of [`Real`], and it starts with `NUMBERS` initialised [`Real`]s, for
-/// each of which any value is allowed that a step can store.
+/// The type has a fixed layout, its alignment is at least that of [`Real`], and it starts with
+/// `NUMBERS` initialised [`Real`]s, for each of which any value is allowed that a step can store.
 pub(crate) unsafe trait Record: Copy {
     /// How many numbers.
     const NUMBERS: usize;
@@ -38,8 +38,9 @@ macro_rules! records {
             const _: () = assert!(
                 size_of::<$Component>() % size_of::<Real>() == 0 && size_of::<$Component>() >= $numbers * size_of::<Real>()
             );
-            // SAFETY: `repr(C)` or `repr(transparent)` around glam vectors and numbers, which are their components in order; a vector of
-            // three has no padding, and the one of four numbers comes first.
+            // SAFETY: `repr(C)` or `repr(transparent)` around glam vectors and numbers, which are
+            // their components in order; a vector of three has no padding, and the one of four
+            // numbers comes first.
             unsafe impl Record for $Component {
                 const NUMBERS: usize = $numbers;
             }

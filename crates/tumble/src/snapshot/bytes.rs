@@ -34,15 +34,18 @@ const HEADER: usize = 120;
 const CLOCK: usize = 48;
 const CHECKSUM: usize = 8;
 pub(crate) const NUMBER: usize = size_of::<Real>();
-/// How far from one the length of an orientation may be: as far as [`RigidBody`](crate::RigidBody) allows.
+/// How far from one the length of an orientation may be: as far as [`RigidBody`](crate::RigidBody)
+/// allows.
 const UNIT_TOLERANCE: f64 = 1e-3;
 
 impl Snapshot {
     /// The version of the format of [`to_bytes`](Self::to_bytes).
     pub const VERSION: u32 = 3;
 
-    /// The snapshot as bytes for a file or a peer: 128 bytes and 60 a body in single precision, 112 in double, with up to 160 or 288 a contact and 20 or 32 a body that has any. Bodies are in the
-    /// order of their [`BodyId`]s, so the same state gives the same bytes, whatever the order they were spawned in.
+    /// The snapshot as bytes for a file or a peer: 128 bytes and 60 a body in single precision, 112
+    /// in double, with up to 160 or 288 a contact and 20 or 32 a body that has any. Bodies are in
+    /// the order of their [`BodyId`]s, so the same state gives the same bytes, whatever the order
+    /// they were spawned in.
     ///
     /// With the cargo feature `serde` a snapshot is serialised as these bytes.
     ///
@@ -93,8 +96,10 @@ impl Snapshot {
     /// The snapshot that [`to_bytes`](Self::to_bytes) has written.
     ///
     /// # Errors
-    /// [`SnapshotError`] where the bytes are not a snapshot, of another version or precision, cut short or damaged, or hold numbers that are
-    /// not finite, an orientation far from unit length, or contacts that no step leaves. [`to_bytes`](Self::to_bytes) does not look, so what a world that has gone wrong was written as is refused here.
+    /// [`SnapshotError`] where the bytes are not a snapshot, of another version or precision, cut
+    /// short or damaged, or hold numbers that are not finite, an orientation far from unit length,
+    /// or contacts that no step leaves. [`to_bytes`](Self::to_bytes) does not look, so what a world
+    /// that has gone wrong was written as is refused here.
     pub fn from_bytes(bytes: &[u8]) -> Result<Self, SnapshotError> {
         let header = Header::read(bytes)?;
         let mut rest = Reader { rest: &bytes[HEADER..bytes.len() - CHECKSUM], found: bytes.len() };

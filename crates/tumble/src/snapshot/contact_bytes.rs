@@ -92,7 +92,8 @@ impl<'a> Written<'a> {
     }
 }
 
-/// Reads as many as are counted, which are known to be there, and checks that a step can have left them.
+/// Reads as many as are counted, which are known to be there, and checks that a step can have left
+/// them.
 pub(crate) fn read(reader: &mut Reader<'_>, counts: &Counts) -> Result<SavedContacts, SnapshotError> {
     let [ids, entities] = counts.body_keys.map(|count| count as usize);
     let mut body_keys = reader.many(ids, |reader| Ok(BodyKey::Id(BodyId(reader.u64()?))))?;

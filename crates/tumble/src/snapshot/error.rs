@@ -23,14 +23,15 @@ pub enum SnapshotError {
         /// The smallest such identity.
         id: BodyId,
     },
-    /// Bodies of the snapshot are not in the world. They were despawned since, or never spawned in this one: spawn them, with these
-    /// identities, and restore again.
+    /// Bodies of the snapshot are not in the world. They were despawned since, or never spawned in
+    /// this one: spawn them, with these identities, and restore again.
     #[error("{} bodies of the snapshot are not in the world, the first is BodyId {}", .ids.len(), .ids.first().map_or(0, |id| id.0))]
     Missing {
         /// All of them, in order.
         ids: Vec<BodyId>,
     },
-    /// A body is of another kind than when the snapshot was taken, so it lacks a component that the snapshot would write.
+    /// A body is of another kind than when the snapshot was taken, so it lacks a component that the
+    /// snapshot would write.
     #[error("BodyId {} was {was} when the snapshot was taken and is {is} now", .id.0)]
     Changed {
         /// The body.
@@ -57,7 +58,8 @@ pub enum SnapshotError {
         /// Bytes that a number of the file takes.
         found: u32,
     },
-    /// There are more or fewer bytes than the number of bodies takes: the file was cut short, or something was added.
+    /// There are more or fewer bytes than the number of bodies takes: the file was cut short, or
+    /// something was added.
     #[error("a snapshot of this many bodies takes {expected} bytes, these are {found}")]
     Length {
         /// How many bytes there are.
@@ -77,8 +79,8 @@ pub enum SnapshotError {
         /// The first such body.
         id: BodyId,
     },
-    /// The orientation of a body is further than 1e-3 from unit length, which is what [`RigidBody`](crate::RigidBody) allows and far
-    /// more than a step leaves.
+    /// The orientation of a body is further than 1e-3 from unit length, which is what
+    /// [`RigidBody`](crate::RigidBody) allows and far more than a step leaves.
     #[error("the orientation of BodyId {} has the length {length}", .id.0)]
     NotUnit {
         /// The first such body.

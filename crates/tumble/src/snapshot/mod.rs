@@ -30,12 +30,15 @@ use crate::snapshot::state_hash::{Fnv, canonical};
 
 /// The state of all bodies of a world at one moment, by [`BodyId`].
 ///
-/// It holds the [`Pose`] of every body that has a [`BodyId`], the [`Momentum`] of those that forces move and the [`Velocity`] of kinematic
-/// ones: 64 bytes a body in single precision, 112 in double. With a [`Clock`] and, where bodies touch, the contacts, that is all that a run continues from, to the bit:
-/// [`Simulation::snapshot`](crate::Simulation::snapshot) takes all three. What is no
-/// state of the bodies is not in it: masses, laws and other components of theirs, the settings, the caller's own.
+/// It holds the [`Pose`] of every body that has a [`BodyId`], the [`Momentum`] of those that forces
+/// move and the [`Velocity`] of kinematic ones: 64 bytes a body in single precision, 112 in double.
+/// With a [`Clock`] and, where bodies touch, the contacts, that is all that a run continues from,
+/// to the bit: [`Simulation::snapshot`](crate::Simulation::snapshot) takes all three. What is no
+/// state of the bodies is not in it: masses, laws and other components of theirs, the settings, the
+/// caller's own.
 ///
-/// Bodies may be spawned and despawned, and gain and lose components, between capture and [`restore`](Self::restore).
+/// Bodies may be spawned and despawned, and gain and lose components, between capture and
+/// [`restore`](Self::restore).
 ///
 /// ```
 /// use tumble::prelude::*;
@@ -56,7 +59,8 @@ use crate::snapshot::state_hash::{Fnv, canonical};
 /// ```
 #[derive(Clone, Debug, Default)]
 pub struct Snapshot {
-    /// One identity a row: moving bodies, then kinematic ones, then fixed ones. No two are the same.
+    /// One identity a row: moving bodies, then kinematic ones, then fixed ones. No two are the
+    /// same.
     ids: Vec<BodyId>,
     /// One pose a row.
     poses: Vec<Pose>,
@@ -73,28 +77,33 @@ pub struct Snapshot {
 /// The rows of one archetype.
 #[derive(Clone, Copy, Debug)]
 struct Segment {
-    /// The archetype's place among those of the world, which does not change while the world lives; `usize::MAX` where it is not known.
+    /// The archetype's place among those of the world, which does not change while the world lives;
+    /// `usize::MAX` where it is not known.
     archetype: usize,
     start: usize,
     len: usize,
 }
 
 impl Snapshot {
-    /// The state of the world's bodies now, without a clock and without contacts, which are the simulation's: see [`Simulation::snapshot`](crate::Simulation::snapshot). Take it between steps, before the [`Wrench`]es of the next are added: those are inputs, and not in it.
+    /// The state of the world's bodies now, without a clock and without contacts, which are the
+    /// simulation's: see [`Simulation::snapshot`](crate::Simulation::snapshot). Take it between
+    /// steps, before the [`Wrench`]es of the next are added: those are inputs, and not in it.
     ///
-    /// Fixed bodies without a [`BodyId`] are scenery and left out. Like every query of hecs, it panics while the caller holds a
-    /// mutable reference to one of the components.
+    /// Fixed bodies without a [`BodyId`] are scenery and left out. Like every query of hecs, it
+    /// panics while the caller holds a mutable reference to one of the components.
     ///
     /// # Errors
-    /// [`SnapshotError::Unidentified`] where a body that steps move has no [`BodyId`], [`SnapshotError::Duplicate`] where two have the same.
+    /// [`SnapshotError::Unidentified`] where a body that steps move has no [`BodyId`],
+    /// [`SnapshotError::Duplicate`] where two have the same.
     pub fn capture(world: &World) -> Result<Self, SnapshotError> {
         let mut snapshot = Self::default();
         snapshot.recapture(world)?;
         Ok(snapshot)
     }
 
-    /// [`capture`](Self::capture) in the place of what it held, without a clock and contacts. It allocates nothing where it has held as many
-    /// bodies before, and only checks identities that have changed.
+    /// [`capture`](Self::capture) in the place of what it held, without a clock and contacts. It
+    /// allocates nothing where it has held as many bodies before, and only checks identities that
+    /// have changed.
     ///
     /// # Errors
     /// As [`capture`](Self::capture); the snapshot is empty then.
@@ -135,7 +144,8 @@ impl Snapshot {
         duplicate.map_or(Ok(()), |id| Err(SnapshotError::Duplicate { id }))
     }
 
-    /// Room for exactly as many bodies as there are: growing by doubling would hold twice the memory for archetype after archetype.
+    /// Room for exactly as many bodies as there are: growing by doubling would hold twice the
+    /// memory for archetype after archetype.
     fn reserve_for(&mut self, world: &World) {
         let mut counts = [0; 3];
         for archetype in world.archetypes().filter(|archetype| archetype.has::<BodyId>()) {
@@ -150,7 +160,8 @@ impl Snapshot {
         self.velocities.reserve_exact(counts[BodyKind::Kinematic as usize]);
     }
 
-    /// Adds the rows of an archetype; whether their identities are those that were in their place before.
+    /// Adds the rows of an archetype; whether their identities are those that were in their place
+    /// before.
     fn record_archetype(&mut self, index: usize, archetype: &Archetype) -> bool {
         let (Some(ids), Some(poses)) = (archetype.get::<&BodyId>(), archetype.get::<&Pose>()) else { return true };
         let (start, len) = (self.poses.len(), ids.len());
@@ -173,17 +184,20 @@ impl Snapshot {
         known
     }
 
-    /// Puts the world's bodies back to where they were, and returns those that were spawned since, by [`BodyId`]: they are left as they are, and
-    /// it is the caller's to despawn them.
+    /// Puts the world's bodies back to where they were, and returns those that were spawned since,
+    /// by [`BodyId`]: they are left as they are, and it is the caller's to despawn them.
     ///
-    /// Pending [`Wrench`]es are zeroed and [`PreviousPose`] becomes the pose. As after every change of a momentum, the derived quantities follow
-    /// with the next step, or with [`update_derived`](crate::update_derived) where something looks at them before. The
-    /// [`clock`](Self::clock) and the contacts are the simulation's and not set here, but by [`Simulation::restore`](crate::Simulation::restore). The world need not be the one that was captured, if it has the same
-    /// bodies.
+    /// Pending [`Wrench`]es are zeroed and [`PreviousPose`] becomes the pose. As after every change
+    /// of a momentum, the derived quantities follow with the next step, or with
+    /// [`update_derived`](crate::update_derived) where something looks at them before. The
+    /// [`clock`](Self::clock) and the contacts are the simulation's and not set here, but by
+    /// [`Simulation::restore`](crate::Simulation::restore). The world need not be the one that was
+    /// captured, if it has the same bodies.
     ///
     /// # Errors
-    /// The world is unchanged where a body of the snapshot is not in it ([`SnapshotError::Missing`] names all), is of another kind, two bodies
-    /// have the same [`BodyId`], or one that steps move has none.
+    /// The world is unchanged where a body of the snapshot is not in it ([`SnapshotError::Missing`]
+    /// names all), is of another kind, two bodies have the same [`BodyId`], or one that steps move
+    /// has none.
     pub fn restore(&self, world: &mut World) -> Result<Vec<Entity>, SnapshotError> {
         self.restore_with(world, &mut Matching::default())
     }
@@ -260,7 +274,8 @@ impl Snapshot {
         &self.ids
     }
 
-    /// Bytes of memory that it holds, with the room that it keeps for the next [`recapture`](Self::recapture).
+    /// Bytes of memory that it holds, with the room that it keeps for the next
+    /// [`recapture`](Self::recapture).
     pub fn memory(&self) -> usize {
         size_of::<Self>()
             + self.ids.capacity() * size_of::<BodyId>()
@@ -276,7 +291,8 @@ impl Snapshot {
         self.clock
     }
 
-    /// Says which moment it is of: [`Simulation::clock`](crate::Simulation::clock) when it was captured.
+    /// Says which moment it is of: [`Simulation::clock`](crate::Simulation::clock) when it was
+    /// captured.
     pub fn set_clock(&mut self, clock: Clock) {
         self.clock = Some(clock);
     }
@@ -287,10 +303,12 @@ impl Snapshot {
         Self { clock: Some(clock), ..self }
     }
 
-    /// The hash that [`state_hash`](crate::snapshot::state_hash()) gives the world when it is as it was, if all its bodies have a [`BodyId`]. It is of the bodies, as that is: clock
-    /// and contacts are not in it.
+    /// The hash that [`state_hash`](crate::snapshot::state_hash()) gives the world when it is as it
+    /// was, if all its bodies have a [`BodyId`]. It is of the bodies, as that is: clock and
+    /// contacts are not in it.
     ///
-    /// What peers compare: each has the snapshot of a past step at hand, whatever step its world is at now.
+    /// What peers compare: each has the snapshot of a past step at hand, whatever step its world is
+    /// at now.
     pub fn state_hash(&self) -> u64 {
         let mut hash = Fnv::default();
         for row in self.rows_by_id(0..self.len()) {
@@ -302,8 +320,9 @@ impl Snapshot {
         hash.value()
     }
 
-    /// The body with the smallest [`BodyId`] that is in only one of the two, or whose kind or state is not the same to the bit: where to
-    /// look first when two peers differ. Clock and contacts are not compared; what differs in them differs in bodies a step later.
+    /// The body with the smallest [`BodyId`] that is in only one of the two, or whose kind or state
+    /// is not the same to the bit: where to look first when two peers differ. Clock and contacts
+    /// are not compared; what differs in them differs in bodies a step later.
     pub fn first_difference(&self, other: &Self) -> Option<BodyId> {
         let (ours, theirs) = (self.rows_by_id(0..self.len()), other.rows_by_id(0..other.len()));
         let same = ours.iter().zip(&theirs).take_while(|&(&a, &b)| {
@@ -337,7 +356,8 @@ impl Snapshot {
         rows
     }
 
-    /// What a row holds of a body: position, orientation x y z w and, where it moves, momenta or velocities.
+    /// What a row holds of a body: position, orientation x y z w and, where it moves, momenta or
+    /// velocities.
     fn numbers(&self, row: usize) -> impl Iterator<Item = Real> {
         let pose = &self.poses[row];
         let momentum = self.momenta.get(row).map(|momentum| [momentum.linear, momentum.angular]);
@@ -370,8 +390,8 @@ fn first_duplicate(ids: &[BodyId]) -> Option<BodyId> {
     sorted.windows(2).find(|pair| pair[0] == pair[1]).map(|pair| pair[0])
 }
 
-/// Whether identities that lie close together, as counted ones do, are all different: a mark for each that there could be is faster than
-/// sorting.
+/// Whether identities that lie close together, as counted ones do, are all different: a mark for
+/// each that there could be is faster than sorting.
 fn are_close_and_distinct(ids: &[BodyId]) -> bool {
     /// Most numbers between the smallest and the largest, as a multiple of how many there are.
     const SPREAD: u64 = 8;

@@ -8,7 +8,8 @@ use crate::snapshot::row_map::Matching;
 use crate::step::simulation::Simulation;
 
 impl Simulation {
-    /// The state of the world's bodies, the [`clock`](Self::clock) and the contacts now: all that a run goes on from, to the bit. To be taken between steps, as [`Snapshot::capture`].
+    /// The state of the world's bodies, the [`clock`](Self::clock) and the contacts now: all that a
+    /// run goes on from, to the bit. To be taken between steps, as [`Snapshot::capture`].
     ///
     /// ```
     /// use tumble::{BodyOrder, Collider, Snapshot, prelude::*, state_hash};
@@ -40,11 +41,15 @@ impl Simulation {
         Ok(snapshot)
     }
 
-    /// Puts back the world's bodies as [`Snapshot::restore`] does, the contacts, and the [`clock`](Self::clock) where the snapshot has one. Returns the bodies that were spawned since.
+    /// Puts back the world's bodies as [`Snapshot::restore`] does, the contacts, and the
+    /// [`clock`](Self::clock) where the snapshot has one. Returns the bodies that were spawned
+    /// since.
     ///
-    /// Contacts belong to bodies by their [`BodyId`](crate::BodyId)s; fixed bodies without one, which are scenery, go by the numbers of their entities. Contacts with scenery that is not there are dropped.
-    /// A snapshot without contacts, as [`Snapshot::capture`] takes it, empties the simulation's: the next step begins with no impulse between bodies, and so with other bits than the run
-    /// that was captured where anything touched.
+    /// Contacts belong to bodies by their [`BodyId`](crate::BodyId)s; fixed bodies without one,
+    /// which are scenery, go by the numbers of their entities. Contacts with scenery that is not
+    /// there are dropped. A snapshot without contacts, as [`Snapshot::capture`] takes it, empties
+    /// the simulation's: the next step begins with no impulse between bodies, and so with other
+    /// bits than the run that was captured where anything touched.
     ///
     /// # Errors
     /// As [`Snapshot::restore`]; world and simulation are unchanged then.

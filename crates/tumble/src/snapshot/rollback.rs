@@ -10,10 +10,13 @@ use crate::step::systems::update_derived;
 
 /// The last snapshots of a run, to go back to when an input arrives late.
 ///
-/// It holds the state of this many steps, 64 bytes a body and step in single precision, 112 in double, and 192 or 352 a contact ([`memory`](Self::memory) says how much
-/// it is), and uses the room of those that it drops: once it is full and while the same bodies are in the world, saving allocates nothing.
+/// It holds the state of this many steps, 64 bytes a body and step in single precision, 112 in
+/// double, and 192 or 352 a contact ([`memory`](Self::memory) says how much it is), and uses the
+/// room of those that it drops: once it is full and while the same bodies are in the world, saving
+/// allocates nothing.
 ///
-/// Save before the inputs of a step are added and the step is taken; to correct an input, rewind to its step and do the same again.
+/// Save before the inputs of a step are added and the step is taken; to correct an input, rewind to
+/// its step and do the same again.
 ///
 /// ```
 /// use tumble::prelude::*;
@@ -57,8 +60,8 @@ impl Rollback {
         Self { most, kept: VecDeque::new(), spare: Vec::new(), matching: Matching::default() }
     }
 
-    /// Keeps the state, the contacts and the time as they are now. What was saved at this step or a later one is replaced, and the oldest dropped if
-    /// there is no more room.
+    /// Keeps the state, the contacts and the time as they are now. What was saved at this step or a
+    /// later one is replaced, and the oldest dropped if there is no more room.
     ///
     /// # Errors
     /// As [`Snapshot::capture`]; nothing is saved then, and what had to go for it is gone.
@@ -81,12 +84,14 @@ impl Rollback {
         captured
     }
 
-    /// Goes `saves` saves back, 0 being the last, and drops the later ones. Time and contacts are set back too, and the derived quantities are
-    /// [updated](update_derived). Returns the bodies that were spawned since, which are the caller's to despawn; see [`Snapshot::restore`].
+    /// Goes `saves` saves back, 0 being the last, and drops the later ones. Time and contacts are
+    /// set back too, and the derived quantities are [updated](update_derived). Returns the bodies
+    /// that were spawned since, which are the caller's to despawn; see [`Snapshot::restore`].
     ///
     /// # Errors
-    /// [`RollbackError`] where that many saves are not kept, or the world lacks bodies; world, simulation and saves are unchanged then, so the
-    /// caller may spawn what is missing and rewind again.
+    /// [`RollbackError`] where that many saves are not kept, or the world lacks bodies; world,
+    /// simulation and saves are unchanged then, so the caller may spawn what is missing and rewind
+    /// again.
     pub fn rewind(
         &mut self,
         saves: usize,
@@ -101,7 +106,8 @@ impl Rollback {
         Ok(spawned_since)
     }
 
-    /// [`rewind`](Self::rewind) to the start of a step, counted from zero: to when [`Simulation::steps`] was `step`.
+    /// [`rewind`](Self::rewind) to the start of a step, counted from zero: to when
+    /// [`Simulation::steps`] was `step`.
     ///
     /// # Errors
     /// As [`rewind`](Self::rewind).

@@ -9,16 +9,18 @@ use crate::snapshot::{Segment, Snapshot, equal_from_the_start};
 
 /// Which rows of a snapshot belong to which rows of a world, and what belongs to none.
 ///
-/// Most rows are where they were: an archetype's bodies are compared with those that it had at capture, row by row, and equal rows make a run
-/// that is copied as a whole. hecs fills the row of a body that left with the archetype's last one, so few rows differ when few bodies
-/// came or went; only those are sorted and looked for by identity.
+/// Most rows are where they were: an archetype's bodies are compared with those that it had at
+/// capture, row by row, and equal rows make a run that is copied as a whole. hecs fills the row of
+/// a body that left with the archetype's last one, so few rows differ when few bodies came or went;
+/// only those are sorted and looked for by identity.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Matching {
     /// By archetype.
     runs: Vec<Run>,
     /// Rows of the snapshot whose body is not where it was.
     lost: Vec<(BodyId, usize)>,
-    /// Bodies of the world that are not where the snapshot has them. At the end, those that it does not have.
+    /// Bodies of the world that are not where the snapshot has them. At the end, those that it does
+    /// not have.
     strangers: Vec<Stranger>,
 }
 
@@ -88,7 +90,8 @@ impl Matching {
         Ok(())
     }
 
-    /// Matches bodies that are in the row where they were at capture, or as far from it as their whole archetype is.
+    /// Matches bodies that are in the row where they were at capture, or as far from it as their
+    /// whole archetype is.
     fn match_in_place(&mut self, snapshot: &Snapshot, world: &World) {
         let mut segments = snapshot.segments.as_slice();
         for (index, archetype) in world.archetypes().enumerate() {
@@ -136,7 +139,8 @@ impl Matching {
         self.lost.extend(rows.map(|row| (snapshot.ids[row], row)));
     }
 
-    /// Matches what is left by identity, both sides being in its order. Strangers that the snapshot does not have remain.
+    /// Matches what is left by identity, both sides being in its order. Strangers that the snapshot
+    /// does not have remain.
     fn match_by_id(&mut self, snapshot: &Snapshot) -> Result<(), SnapshotError> {
         let (mut lost, mut missing, mut changed) = (self.lost.iter().peekable(), Vec::new(), None);
         let runs = &mut self.runs;

@@ -1,4 +1,5 @@
-//! A snapshot in any format of serde: as the bytes of [`Snapshot::to_bytes`], so that it is as compact and as well checked in each.
+//! A snapshot in any format of serde: as the bytes of [`Snapshot::to_bytes`], so that it is as
+//! compact and as well checked in each.
 
 use std::fmt;
 

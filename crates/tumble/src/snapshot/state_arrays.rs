@@ -1,7 +1,8 @@
 //! The state of all bodies as one flat array, for ODE solvers that are not ours.
 //!
-//! Thirteen numbers a body, in the order of the course notes that the names come from (D. Baraff, "Rigid body simulation", part I,
-//! section 5), of the bodies of [`BodyOrder::moving`]: position x y z, orientation w x y z, linear momentum x y z, angular momentum x y z; body after body.
+//! Thirteen numbers a body, in the order of the course notes that the names come from (D. Baraff,
+//! "Rigid body simulation", part I, section 5), of the bodies of [`BodyOrder::moving`]: position x
+//! y z, orientation w x y z, linear momentum x y z, angular momentum x y z; body after body.
 
 use hecs::{Entity, World};
 
@@ -75,7 +76,8 @@ pub(crate) fn check_length(array: &[Real], order: &BodyOrder) -> Result<(), Stat
 /// ```
 ///
 /// # Errors
-/// [`StateArrayError`] where the array has another length, or a listed entity is not a moving body; the array is then partly written.
+/// [`StateArrayError`] where the array has another length, or a listed entity is not a moving body;
+/// the array is then partly written.
 pub fn state_to_array(world: &World, order: &BodyOrder, array: &mut [Real]) -> Result<(), StateArrayError> {
     check_length(array, order)?;
     for (&entity, numbers) in order.entities().iter().zip(array.chunks_exact_mut(STATE_SIZE)) {
@@ -91,7 +93,8 @@ pub fn state_to_array(world: &World, order: &BodyOrder, array: &mut [Real]) -> R
     Ok(())
 }
 
-/// Copies the array into the bodies' state. Orientations are normalised; one that is zero or not finite is taken as it is.
+/// Copies the array into the bodies' state. Orientations are normalised; one that is zero or not
+/// finite is taken as it is.
 ///
 /// [`Velocity`](crate::Velocity) and [`InverseInertia`](crate::InverseInertia) are not touched: run
 /// [`update_derived`](crate::update_derived) if they are needed.
@@ -128,7 +131,8 @@ pub fn array_to_state(world: &mut World, order: &BodyOrder, array: &[Real]) -> R
     Ok(())
 }
 
-/// [`array_to_state`], and the derived quantities with it: [`Velocity`] and [`InverseInertia`] of the bodies that have them are those of the new state.
+/// [`array_to_state`], and the derived quantities with it: [`Velocity`] and [`InverseInertia`] of
+/// the bodies that have them are those of the new state.
 ///
 /// ```
 /// # use tumble::{BodyOrder, STATE_SIZE, array_to_derived_state, prelude::*};

@@ -4,10 +4,12 @@ use crate::components::{Momentum, Pose};
 use crate::math::Real;
 use crate::storage::body_order::BodyOrder;
 
-/// A hash of the state to the bit: equal hashes mean equal positions, orientations and momenta, in all likelihood.
+/// A hash of the state to the bit: equal hashes mean equal positions, orientations and momenta, in
+/// all likelihood.
 ///
-/// 64-bit FNV-1a over the little-endian bytes of each body's position x y z, orientation x y z w and, where it has one, linear and
-/// angular momentum x y z, body after body in order; any NaN counts as the same one. Bodies that are gone are passed over.
+/// 64-bit FNV-1a over the little-endian bytes of each body's position x y z, orientation x y z w
+/// and, where it has one, linear and angular momentum x y z, body after body in order; any NaN
+/// counts as the same one. Bodies that are gone are passed over.
 ///
 /// ```
 /// # use tumble::{BodyOrder, state_hash};
@@ -27,8 +29,8 @@ pub fn state_hash(world: &World, order: &BodyOrder) -> u64 {
     hash.value()
 }
 
-/// The number, or the one NaN for all: which sign and payload an operation gives a NaN is up to the processor, and the same calculation leaves
-/// others in other vector registers.
+/// The number, or the one NaN for all: which sign and payload an operation gives a NaN is up to the
+/// processor, and the same calculation leaves others in other vector registers.
 pub(crate) fn canonical(number: Real) -> Real {
     if number.is_nan() { Real::NAN } else { number }
 }

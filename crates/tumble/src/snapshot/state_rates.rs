@@ -20,11 +20,14 @@ use crate::snapshot::state_arrays::{Numbers, STATE_SIZE, StateArrayError, check_
 use crate::step::simulation::Simulation;
 use crate::storage::body_order::BodyOrder;
 
-/// The rate of change of a state array: `dx/dt = P/M`, `dq/dt = 1/2 [0, w] q`, `dP/dt = F`, `dL/dt = tau`.
+/// The rate of change of a state array: `dx/dt = P/M`, `dq/dt = 1/2 [0, w] q`, `dP/dt = F`,
+/// `dL/dt = tau`.
 ///
-/// Takes the state from `array`, and from the world only what is constant: masses, wrenches, damping, force components, springs, and bodies that the order does
-/// not list. The forces are what a step with these settings would apply, those between bodies included, but for contacts and for force laws that were added to a
-/// simulation: [`Simulation::derivative_to_array`] has the laws. Springs are as stiff as they were given, since an outside solver has no step that they would be
+/// Takes the state from `array`, and from the world only what is constant: masses, wrenches,
+/// damping, force components, springs, and bodies that the order does not list. The forces are what
+/// a step with these settings would apply, those between bodies included, but for contacts and for
+/// force laws that were added to a simulation: [`Simulation::derivative_to_array`] has the laws.
+/// Springs are as stiff as they were given, since an outside solver has no step that they would be
 /// too stiff for. The world does not change.
 ///
 /// ```
@@ -52,7 +55,8 @@ pub fn derivative_to_array(
 }
 
 impl Simulation {
-    /// [`derivative_to_array`](crate::derivative_to_array()) with this simulation's settings and with the force laws that were added to it, at a time \[s\].
+    /// [`derivative_to_array`](crate::derivative_to_array()) with this simulation's settings and
+    /// with the force laws that were added to it, at a time \[s\].
     ///
     /// ```
     /// # use tumble::{BodyOrder, STATE_SIZE, prelude::*};
@@ -132,7 +136,8 @@ fn state_of(numbers: &[Real]) -> State<Real> {
     }
 }
 
-/// One body's constants, the force that a step would apply in a state but for those between bodies, and the rates of damping.
+/// One body's constants, the force that a step would apply in a state but for those between bodies,
+/// and the rates of damping.
 fn forced(
     world: &World,
     settings: &Settings,
@@ -163,7 +168,8 @@ struct End {
     index: Option<usize>,
 }
 
-/// Forces \[N\] and torques [N m] on the bodies of an order by the springs and the gravity between bodies; empty where there are none.
+/// Forces \[N\] and torques [N m] on the bodies of an order by the springs and the gravity between
+/// bodies; empty where there are none.
 type Pulls = Vec<(DVec3, DVec3)>;
 
 struct BetweenBodies<'a> {

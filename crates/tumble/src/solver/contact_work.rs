@@ -16,9 +16,11 @@ use crate::solver::solver_bodies::SolverBodies;
 
 /// Accounts of the bodies that have [`Work`] and touch something, opened at the start of a step.
 ///
-/// Forces are constant over a step of such bodies, and do work over the way that the body goes: gravity what its potential energy says, and nothing on a body that is held. (Over the
-/// velocities before and after its own kick, it would do work at rest, which contacts then undo.) Damping is booked kick by kick, the free motion's error is measured, and what is left of the
-/// change of kinetic energy is the contacts'.
+/// Forces are constant over a step of such bodies, and do work over the way that the body goes:
+/// gravity what its potential energy says, and nothing on a body that is held. (Over the velocities
+/// before and after its own kick, it would do work at rest, which contacts then undo.) Damping is
+/// booked kick by kick, the free motion's error is measured, and what is left of the change of
+/// kinetic energy is the contacts'.
 #[derive(Clone, Default)]
 pub(crate) struct ContactWorks {
     contact_works: Vec<BodyWork>,
@@ -66,7 +68,8 @@ impl ContactWorks {
         self.forces.clear();
     }
 
-    /// Opens the account of a body that had done so much work, under these forces of which so much is gravity, for kicks of `h` \[s\].
+    /// Opens the account of a body that had done so much work, under these forces of which so much
+    /// is gravity, for kicks of `h` \[s\].
     pub(crate) fn open(
         &mut self,
         (slot, row): (usize, u32),
@@ -100,7 +103,8 @@ impl ContactWorks {
         });
     }
 
-    /// Takes over the accounts of bodies whose rows have a place here, for substeps halved so often.
+    /// Takes over the accounts of bodies whose rows have a place here, for substeps halved so
+    /// often.
     pub(crate) fn copy(&mut self, others: &Self, place: impl Fn(usize) -> Option<usize>, halvings: u8) {
         self.clear();
         for booking in &others.contact_works {
@@ -154,7 +158,8 @@ impl ContactWorks {
         }
     }
 
-    /// The works of all, by slot in the order they were opened, those of before the step among them.
+    /// The works of all, by slot in the order they were opened, those of before the step among
+    /// them.
     pub(crate) fn close<'a>(&'a self, bodies: &'a SolverBodies) -> impl Iterator<Item = (usize, Work)> + 'a {
         let mut begin = 0;
         self.contact_works.iter().map(move |booking| {
@@ -192,7 +197,8 @@ impl BodyWork {
 
     fn closed(&self, forces: &[(WorkSource, Wrench)], bodies: &SolverBodies) -> Work {
         let mut work = Work { damping: self.damping, integrator: self.moving, ..Work::default() };
-        // Twice the vector of the rotation's quaternion is the angle about its axis, to third order.
+        // Twice the vector of the rotation's quaternion is the angle about its axis, to third
+        // order.
         let (way, half_turn) = two_vectors(&bodies.delta_pose[self.row]);
         let turn = half_turn * 2.0;
         for (source, wrench) in forces {
@@ -204,7 +210,8 @@ impl BodyWork {
             }
         }
         let rest = self.energy(bodies) - self.start - work.total();
-        // What was near something and touched nothing is the integrator's alone. A bounce comes after the last substep.
+        // What was near something and touched nothing is the integrator's alone. A bounce comes
+        // after the last substep.
         if self.pushed || two_vectors(&bodies.motion[self.row]) != self.momenta {
             work.contacts = rest;
         } else {

@@ -20,7 +20,8 @@ use crate::storage::world_columns::WorldColumns;
 use crate::threads;
 
 impl Contacts {
-    /// Reads the bodies that touch something, and the forces on them as they are now, into rows from these on: of what impulses move, and of what they do not. Returns the rows after them.
+    /// Reads the bodies that touch something, and the forces on them as they are now, into rows
+    /// from these on: of what impulses move, and of what they do not. Returns the rows after them.
     pub(crate) fn gather(
         &mut self,
         columns: &mut WorldColumns<'_>,
@@ -70,7 +71,8 @@ impl Contacts {
         [next_dynamic, next_non_dynamic]
     }
 
-    /// Lets bodies of these rows, under forces that are out of range, touch nothing: what they become they become alone.
+    /// Lets bodies of these rows, under forces that are out of range, touch nothing: what they
+    /// become they become alone.
     fn leave_out(&mut self, bodies: &SolverBodies, rows: Range<usize>) {
         if rows.clone().all(|row| bodies.is_kicked_in_range(row)) {
             return;
@@ -86,7 +88,8 @@ impl Contacts {
         row_of.iter_mut().zip(touching).filter(|(_, touching)| !touching).for_each(|(row, _)| *row = NONE);
     }
 
-    /// Writes what was worked out, alone or with other worlds, over what the integrator made of the same bodies.
+    /// Writes what was worked out, alone or with other worlds, over what the integrator made of the
+    /// same bodies.
     pub(crate) fn write(&self, columns: &mut WorldColumns<'_>, contact_solver: &ContactSolver) {
         let SolverGroup { bodies, contact_works, .. } = &contact_solver.group;
         columns.for_each_chunk(|archetype, chunk| {
@@ -124,7 +127,8 @@ impl Gather<'_> {
         slots.iter().filter(|slot| self.rows[**slot as usize] != NONE).count()
     }
 
-    /// Reads those bodies of a chunk that touch something, of which the slots are given, in parallel.
+    /// Reads those bodies of a chunk that touch something, of which the slots are given, in
+    /// parallel.
     fn read_in_parts(&self, (chunk, laws): (Chunk<'_>, Laws<'_>), slots: &[u32], free: FreeRows<'_>) {
         if chunk.len() <= MIN_CHUNK {
             return self.read((&chunk, laws), slots, free, None);

@@ -1,9 +1,12 @@
-/// Which contacts can be worked on side by side: those of one color have no body in common that impulses move.
+/// Which contacts can be worked on side by side: those of one color have no body in common that
+/// impulses move.
 ///
-/// Colors are given in the order of the contacts, to each the lowest that both bodies have not got yet, so they depend on nothing but which contacts there are.
+/// Colors are given in the order of the contacts, to each the lowest that both bodies have not got
+/// yet, so they depend on nothing but which contacts there are.
 #[derive(Clone, Default)]
 pub(crate) struct GraphColoring {
-    /// By row, the colors that it has: as bits, of contacts between moving bodies and of those with what does not move.
+    /// By row, the colors that it has: as bits, of contacts between moving bodies and of those with
+    /// what does not move.
     taken: Vec<[u64; 2]>,
     /// By contact.
     colors: Vec<ContactColor>,
@@ -14,7 +17,8 @@ pub(crate) struct GraphColoring {
 pub(crate) struct ContactColor {
     /// Impulses move only the second body.
     pub(crate) grounded: bool,
-    /// From 0; [`ContactColor::ALONE`] for one that is worked on by itself, since its bodies have all colors.
+    /// From 0; [`ContactColor::ALONE`] for one that is worked on by itself, since its bodies have
+    /// all colors.
     pub(crate) index: u32,
 }
 
@@ -28,7 +32,8 @@ impl GraphColoring {
         &self.colors
     }
 
-    /// Of contacts, each with the rows of its bodies; those from `first_non_dynamic` on impulses do not move.
+    /// Of contacts, each with the rows of its bodies; those from `first_non_dynamic` on impulses do
+    /// not move.
     pub(crate) fn color(&mut self, rows: impl Iterator<Item = [u32; 2]>, first_non_dynamic: usize) {
         self.taken.clear();
         self.taken.resize(first_non_dynamic, [0; 2]);

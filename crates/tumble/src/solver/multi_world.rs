@@ -11,10 +11,12 @@ use crate::settings::Settings;
 use crate::solver::substeps::ContactSolver;
 use crate::storage::world_columns::WorldColumns;
 
-/// Contacts of several small worlds, pushed side by side: of one world alone they would leave most lanes empty.
+/// Contacts of several small worlds, pushed side by side: of one world alone they would leave most
+/// lanes empty.
 ///
-/// A contact gets the same bits as alone. Its color depends on the contacts before it that have a body in common with it, which are of its own world, and the contacts of a color
-/// do not depend on each other.
+/// A contact gets the same bits as alone. Its color depends on the contacts before it that have a
+/// body in common with it, which are of its own world, and the contacts of a color do not depend on
+/// each other.
 #[derive(Default)]
 pub(crate) struct MultiWorld {
     contact_solver: ContactSolver,
@@ -89,7 +91,8 @@ impl MultiWorld {
         self.contact_solver.solve_substeps(&mut self.contacts, |contact| contact.slots, settings, pack_key.extras);
     }
 
-    /// Gives the contacts of the next world their impulses, in the order in which worlds were added.
+    /// Gives the contacts of the next world their impulses, in the order in which worlds were
+    /// added.
     pub(crate) fn return_impulses(&mut self, found: &mut Contacts) {
         for (contact, pushed) in found.contacts.iter_mut().zip(&self.contacts[self.returned..]) {
             for which in [NORMAL_IMPULSE, FRICTION_IMPULSE] {

@@ -13,27 +13,32 @@ use crate::simd::block_lanes::{put_two_vectors, two_vectors};
 use crate::simd::{BLOCK, Eight, Kernel, Tile, dispatch_in_blocks};
 use crate::threads::InParts;
 
-/// The bodies that touch something, as the solver sees them: momentum is what it changes, and the rest says what that does.
+/// The bodies that touch something, as the solver sees them: momentum is what it changes, and the
+/// rest says what that does.
 ///
-/// First those that impulses move, in whole blocks of which the last is filled up with points without mass that nothing acts on, and one more such point; then those that stay or move as they
+/// First those that impulses move, in whole blocks of which the last is filled up with points
+/// without mass that nothing acts on, and one more such point; then those that stay or move as they
 /// are told.
 #[derive(Clone, Default)]
 pub(crate) struct SolverBodies {
-    /// Linear and angular momentum, and one over the mass; of what impulses do not move the velocities.
+    /// Linear and angular momentum, and one over the mass; of what impulses do not move the
+    /// velocities.
     pub(crate) motion: Vec<Eight>,
-    /// What contacts do when the next substep begins, by the impulses that the last ended with: where nothing changes they are what that needs. Impulse and angular impulse.
+    /// What contacts do when the next substep begins, by the impulses that the last ended with:
+    /// where nothing changes they are what that needs. Impulse and angular impulse.
     pub(crate) warm_start: Vec<Eight>,
     /// Inverse inertia in the world: `xx yy zz`, `yz zx xy`; of what impulses do not move one.
     pub(crate) inv_inertia: Vec<Eight>,
-    /// What forces do in a substep: impulse, angular impulse, and what is left of linear and angular momentum under damping.
+    /// What forces do in a substep: impulse, angular impulse, and what is left of linear and
+    /// angular momentum under damping.
     force_impulse: Vec<Eight>,
-    /// Principal moments, their inverses, whether it turns, and the square of half the angle \[rad\] that it may turn in a step
-    /// before contacts are turned with it.
+    /// Principal moments, their inverses, whether it turns, and the square of half the angle
+    /// \[rad\] that it may turn in a step before contacts are turned with it.
     inertia: Vec<Eight>,
     /// Position when the step began, and orientation of the principal frame now.
     pose: Vec<Eight>,
-    /// Since the start of the step: how far the centre went \[m\], the rotation as a unit quaternion, and whether that is or was
-    /// more than is left out of account.
+    /// Since the start of the step: how far the centre went \[m\], the rotation as a unit
+    /// quaternion, and whether that is or was more than is left out of account.
     pub(crate) delta_pose: Vec<Eight>,
     /// How many impulses move.
     free: usize,
@@ -46,16 +51,17 @@ const MIN_PARTS: usize = 2;
 
 /// Nowhere, and not turned.
 const UNMOVED: Eight = Eight([0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0]);
-/// Angle \[rad\] that a cube may turn in a step before its contacts turn with it: what that leaves out is 1e-4 of an arm.
-/// What a body of another shape may turn is less as its radii of gyration differ, since they say by how much its response to
-/// impulses changes.
+/// Angle \[rad\] that a cube may turn in a step before its contacts turn with it: what that leaves
+/// out is 1e-4 of an arm. What a body of another shape may turn is less as its radii of gyration
+/// differ, since they say by how much its response to impulses changes.
 const TURN: Real = 1e-4;
 
 /// The unit matrix: the diagonal, and what is beside it.
 const ONE: Eight = Eight([1.0, 1.0, 1.0, 0.0, 0.0, 0.0, 0.0, 0.0]);
 
 impl SolverBodies {
-    /// Makes room for those that impulses move and those that they do not; all are nowhere at first.
+    /// Makes room for those that impulses move and those that they do not; all are nowhere at
+    /// first.
     pub(crate) fn reset(&mut self, free: usize, non_dynamic: usize) {
         self.free = free;
         let (in_blocks, dynamic) = (free.next_multiple_of(BLOCK), self.first_non_dynamic());
@@ -127,7 +133,8 @@ impl SolverBodies {
         })
     }
 
-    /// Of what impulses move: one over the mass, the inverse inertia about two directions, and what is beside them.
+    /// Of what impulses move: one over the mass, the inverse inertia about two directions, and what
+    /// is beside them.
     pub(crate) fn mobility(&self, row: u32, [u, v]: [Vec3<Real>; 2]) -> [Real; 4] {
         let (Eight([.., mass, _]), Eight([xx, yy, zz, yz, zx, xy, ..])) =
             (self.motion[row as usize], self.inv_inertia[row as usize]);
@@ -154,7 +161,8 @@ impl SolverBodies {
         self.pose = poses;
     }
 
-    /// Takes over the bodies of these rows of others, those that impulses move first; forces act as in substeps halved so often.
+    /// Takes over the bodies of these rows of others, those that impulses move first; forces act as
+    /// in substeps halved so often.
     pub(crate) fn copy(&mut self, others: &Self, rows: &[u32], halvings: u8) {
         let first_non_dynamic = others.first_non_dynamic();
         let free = rows.iter().take_while(|row| (**row as usize) < first_non_dynamic).count();
@@ -205,7 +213,8 @@ impl SolverBodies {
             .for_each(|(motion, warm_start)| dispatch_in_blocks(&mut ApplyWarmStart { motion, warm_start }));
     }
 
-    /// Moves all by the velocities there are, which stay, for `h` \[s\]. Free rotation is exact, so a body spins on as it does without contacts.
+    /// Moves all by the velocities there are, which stay, for `h` \[s\]. Free rotation is exact, so
+    /// a body spins on as it does without contacts.
     pub(crate) fn integrate_positions(&mut self, h: Real) {
         for row in self.first_non_dynamic()..self.motion.len() {
             let (Eight([x, y, z, u, v, w, ..]), Eight(delta_pose)) = (&self.motion[row], &mut self.delta_pose[row]);
@@ -359,7 +368,8 @@ impl Kernel for IntegratePositions<'_> {
         let q = rotation.rotate(before, l * turns);
         T::store([x, y, z, q.x, q.y, q.z, q.w], &mut self.pose[i..]);
         let (zero, one) = (T::splat(0.0), T::splat(1.0));
-        // The product of the two would be rounded to the grid of one in every substep, and what lies would creep.
+        // The product of the two would be rounded to the grid of one in every substep, and what
+        // lies would creep.
         let change = Quat { x: q.x - before.x, y: q.y - before.y, z: q.z - before.z, w: q.w - before.w };
         let turn = change * before.conjugate();
         let t = Quat { w: one + turn.w, ..turn } * Quat { x: ti, y: tj, z: tk, w: tw };
@@ -376,7 +386,8 @@ impl Kernel for IntegratePositions<'_> {
     }
 }
 
-/// What forces do in substeps that are halved so often: twice it does what the kick of the substep before does.
+/// What forces do in substeps that are halved so often: twice it does what the kick of the substep
+/// before does.
 fn halved(force_impulse: Eight, halvings: u8) -> Eight {
     (0..halvings).fold(force_impulse, |Eight([px, py, pz, lx, ly, lz, linear, angular]), _| {
         let (linear, angular) = (linear.sqrt(), angular.sqrt());
@@ -385,7 +396,8 @@ fn halved(force_impulse: Eight, halvings: u8) -> Eight {
     })
 }
 
-/// Square of half the angle that a body with these inverse moments may turn before contacts turn with it.
+/// Square of half the angle that a body with these inverse moments may turn before contacts turn
+/// with it.
 fn turn_tolerance(inverse: Vec3<Real>) -> Real {
     let most = inverse.x.max(inverse.y).max(inverse.z);
     let least = inverse.x.min(inverse.y).min(inverse.z);

@@ -14,16 +14,18 @@ use crate::solver::islands::Islands;
 use crate::solver::solver_bodies::SolverBodies;
 use crate::threads::InParts;
 
-/// The loads of a world's bodies on each other under gravity, and the islands that need shorter substeps to bear them.
+/// The loads of a world's bodies on each other under gravity, and the islands that need shorter
+/// substeps to bear them.
 ///
-/// A contact is a spring whose stiffness goes with the square of the substeps' rate. A column of such springs buckles when the moment of
-/// what leans beats their resistance to tilting: for one joint when `W H > k`, with the weight `W` of all that is above, the height `H`
-/// of its centre over the joint and the rotational stiffness `k`; for joints in series when the sum of `W H / k` is about one (Euler's
-/// column under its own weight: 1.3).
+/// A contact is a spring whose stiffness goes with the square of the substeps' rate. A column of
+/// such springs buckles when the moment of what leans beats their resistance to tilting: for one
+/// joint when `W H > k`, with the weight `W` of all that is above, the height `H` of its centre
+/// over the joint and the rotational stiffness `k`; for joints in series when the sum of `W H / k`
+/// is about one (Euler's column under its own weight: 1.3).
 #[derive(Clone, Default)]
 pub(crate) struct Stacks {
-    /// By slot: centre of mass, one over the mass, the inverse inertia about the two horizontal directions and off its diagonal, and
-    /// whether impulses move it.
+    /// By slot: centre of mass, one over the mass, the inverse inertia about the two horizontal
+    /// directions and off its diagonal, and whether impulses move it.
     bodies: Vec<Eight>,
     /// By contact: how it bears its upper body, as [`Base::read`] has it; in whole blocks.
     supports: Vec<Eight>,
@@ -46,7 +48,8 @@ pub(crate) struct Stacks {
 #[derive(Clone, Copy, Default)]
 struct Base {
     stiffness: Real,
-    /// Of horizontal places from the upper body's centre of mass, of their squares and product, and of heights.
+    /// Of horizontal places from the upper body's centre of mass, of their squares and product, and
+    /// of heights.
     first: [Real; 2],
     second: [Real; 3],
     height: Real,
@@ -68,15 +71,19 @@ struct Load {
 const MIN_SLOPE: f64 = 0.5;
 /// Least `k / (W H)` of a column that is left as it is: it buckles at 1/1.3.
 const MIN_STIFFNESS: Real = 1.25;
-/// What `k / (W H)` becomes at least where there is less. Layers of several blocks side by side still shake at half of it.
+/// What `k / (W H)` becomes at least where there is less. Layers of several blocks side by side
+/// still shake at half of it.
 const STIFFNESS: Real = 2.5;
-/// How deep \[margins\] a body in a stack may be pressed in by its load: a tenth of half its thickness.
+/// How deep \[margins\] a body in a stack may be pressed in by its load: a tenth of half its
+/// thickness.
 const MAX_DEPTH: Real = 5.0;
 /// What is deeper \[margins\] does not rest but was shot in: twice half its thickness.
 const DEEP: f64 = 100.0;
-/// Root mean square distance from the middle \[margins\] of what a body rests on, below which that is an edge or a corner and not a face.
+/// Root mean square distance from the middle \[margins\] of what a body rests on, below which that
+/// is an edge or a corner and not a face.
 const MIN_SPREAD: Real = 8.0;
-/// By how much what is needed must have fallen before an island has longer substeps again: a change of stiffness is a small push.
+/// By how much what is needed must have fallen before an island has longer substeps again: a change
+/// of stiffness is a small push.
 const SLACK: Real = 2.0;
 
 impl Stacks {
@@ -209,7 +216,8 @@ impl Stacks {
             let root = islands.root(contact.slots[1]) as usize;
             let need = loads[root].need;
             *halvings = self.before[root].clamp(halvings_for(need), halvings_for(SLACK * need));
-            // Longer substeps begin with the impulses of a shorter one: what a blow gave in it is no force.
+            // Longer substeps begin with the impulses of a shorter one: what a blow gave in it is
+            // no force.
             contact.scale_impulses(1.0 / (1u32 << contact.halvings().max(*halvings)) as Real);
             contact.set_halvings(*halvings);
         }
@@ -230,7 +238,8 @@ impl Base {
         self.second.iter_mut().zip(other.second).for_each(|(sum, it)| *sum += it);
     }
 
-    /// `W H / k` of what a body at a height \[m\] bears, on points that are spread by so much at least \[m\].
+    /// `W H / k` of what a body at a height \[m\] bears, on points that are spread by so much at
+    /// least \[m\].
     fn lean(&self, on_face: bool, load: &Load, (height, spread): (Real, Real)) -> Real {
         let Self { stiffness, first: [x, y], second: [xx, yy, xy], .. } = *self;
         let joint = height + self.height / stiffness;

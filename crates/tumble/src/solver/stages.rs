@@ -64,10 +64,11 @@ struct ColorRange {
 pub(crate) enum SolverStage<'a> {
     /// Fills the blocks for bodies with these poses, as the contacts have it.
     Prepare(&'a [ContactRecord], &'a [Eight]),
-    /// Pushes overlapping bodies apart, two that move and one on what does not, in substeps of `h` \[s\].
-    /// What closes faster than `impact_speed` \[m/s\] gives a blow.
+    /// Pushes overlapping bodies apart, two that move and one on what does not, in substeps of `h`
+    /// \[s\]. What closes faster than `impact_speed` \[m/s\] gives a blow.
     Solve { softness: [Softness; 2], h: Real, impact_speed: Real },
-    /// Takes out again the velocity that this gave, and adds friction; and, where it is said, notes for another substep what contacts then do to bodies.
+    /// Takes out again the velocity that this gave, and adds friction; and, where it is said, notes
+    /// for another substep what contacts then do to bodies.
     Relax { h: Real, impact_speed: Real, stores_warm_start: bool },
     /// Notes how fast bodies come together in substeps of this length \[s\].
     RecordApproachSpeed(Real, SubstepMoment),
@@ -125,8 +126,9 @@ impl Solver {
         fours.finish(four, extras);
     }
 
-    /// Puts the contacts in the order of what is done first: those between moving bodies, then those with what does not move; of each those by themselves, then
-    /// color by color those with one point and those with more. Returns where each of these ends.
+    /// Puts the contacts in the order of what is done first: those between moving bodies, then
+    /// those with what does not move; of each those by themselves, then color by color those with
+    /// one point and those with more. Returns where each of these ends.
     fn sort(
         &mut self,
         (contacts, selected): (&[ContactRecord], &[u32]),
@@ -158,7 +160,8 @@ impl Solver {
         ends
     }
 
-    /// Does to all contacts, color by color, what a pass does; those with what does not move have the last word.
+    /// Does to all contacts, color by color, what a pass does; those with what does not move have
+    /// the last word.
     pub(crate) fn run(&mut self, pass: SolverStage<'_>, bodies: &mut SolverBodies) {
         let Self { ones, fours, stages, colors, .. } = self;
         for (index, stage) in stages.iter().enumerate() {

@@ -14,7 +14,8 @@ use crate::solver::stack_stiffness::Stacks;
 use crate::solver::stages::{Solver, SolverStage};
 use crate::storage::world_columns::WorldColumns;
 
-/// The bodies that touch something and what is done to them in a substep of the settings: those of one world, or of several.
+/// The bodies that touch something and what is done to them in a substep of the settings: those of
+/// one world, or of several.
 #[derive(Clone, Default)]
 pub(crate) struct ContactSolver {
     /// At first all bodies; where some have shorter substeps, in the end too.
@@ -37,7 +38,8 @@ pub(crate) struct SolverGroup {
     solver: Solver,
 }
 
-/// What a free fall over this many substeps of the settings gives is no blow yet: it may rest, and shake.
+/// What a free fall over this many substeps of the settings gives is no blow yet: it may rest, and
+/// shake.
 const FALLS: Real = 4.0;
 
 /// How contacts are solved in a substep of the settings.
@@ -62,8 +64,8 @@ impl ContactSolver {
         self.group.bodies.reset(dynamic, non_dynamic);
     }
 
-    /// Works out where the bodies of one world that touch something will be after one substep of the settings, starting from the
-    /// world as it is.
+    /// Works out where the bodies of one world that touch something will be after one substep of
+    /// the settings, starting from the world as it is.
     pub(crate) fn solve_world(
         &mut self,
         found: &mut Contacts,
@@ -80,7 +82,8 @@ impl ContactSolver {
         self.solve_substeps(contacts, |contact| rows_of(contact, rows), settings, materials.extras());
     }
 
-    /// Pushes the bodies apart that contacts between these rows hold apart, and leaves them where they are after one substep of the settings; the contacts get the impulses.
+    /// Pushes the bodies apart that contacts between these rows hold apart, and leaves them where
+    /// they are after one substep of the settings; the contacts get the impulses.
     pub(crate) fn solve_substeps(
         &mut self,
         contacts: &mut [ContactRecord],
@@ -140,7 +143,8 @@ impl SolverGroup {
             contact_works.before_velocities(bodies);
             bodies.integrate_velocities();
             contact_works.before_solve(bodies);
-            // Before the impulses of the last step act: bodies that those push together have not come together, and to bounce them would make energy.
+            // Before the impulses of the last step act: bodies that those push together have not
+            // come together, and to bounce them would make energy.
             if extras.bounces {
                 let moment = if substep == 0 { SubstepMoment::AfterFirstForces } else { SubstepMoment::AfterForces };
                 solver.run(SolverStage::RecordApproachSpeed(h, moment), bodies);

@@ -8,8 +8,9 @@ use crate::storage::chunk::{Chunk, for_each_part};
 
 /// Bodies outside any world: plain slices, one per component, with body `i` at index `i` of each.
 ///
-/// The step does the same to them as to the columns of a [`hecs::World`], with the same bits. For those who keep bodies in another ECS or
-/// in arrays of their own; force laws and the ledger need a world.
+/// The step does the same to them as to the columns of a [`hecs::World`], with the same bits. For
+/// those who keep bodies in another ECS or in arrays of their own; force laws and the ledger need a
+/// world.
 ///
 /// ```
 /// use tumble::math::Vec3;

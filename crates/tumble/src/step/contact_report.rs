@@ -10,10 +10,13 @@ use crate::math::{Real, Vec3};
 use crate::step::interactions::Interactions;
 use crate::step::simulation::Simulation;
 
-/// Two bodies that touch or are about to, as [`Simulation::contacts`](crate::Simulation::contacts) tells it: where, and with what impulses.
+/// Two bodies that touch or are about to, as [`Simulation::contacts`](crate::Simulation::contacts)
+/// tells it: where, and with what impulses.
 ///
-/// Impulses are those of the last substep of the contacts, of the length [`Settings::contact_substep`](crate::Settings::contact_substep): divided by it they are forces. At rest
-/// these are the forces at any time; a body that hits another without bouncing may have been stopped in an earlier substep, whose impulse is not told.
+/// Impulses are those of the last substep of the contacts, of the length
+/// [`Settings::contact_substep`](crate::Settings::contact_substep): divided by it they are forces.
+/// At rest these are the forces at any time; a body that hits another without bouncing may have
+/// been stopped in an earlier substep, whose impulse is not told.
 ///
 /// ```
 /// use tumble::{Collider, prelude::*};
@@ -82,22 +85,26 @@ impl Contact {
         &self.points[..self.count]
     }
 
-    /// Whether the bodies touch, rather than being about to: something pushes, or a point is not apart. Bodies that touched still do while they are within a millimetre, so that what barely
+    /// Whether the bodies touch, rather than being about to: something pushes, or a point is not
+    /// apart. Bodies that touched still do while they are within a millimetre, so that what barely
     /// lies on another does not begin and end to touch with every step.
     pub fn touches(&self) -> bool {
         self.touches
     }
 
-    /// The whole impulse on the second body, along the normal and of friction \[N s\]; the first has the opposite.
+    /// The whole impulse on the second body, along the normal and of friction \[N s\]; the first
+    /// has the opposite.
     pub fn impulse(&self) -> Vec3 {
         self.normal * self.points().iter().map(|point| point.impulse).sum::<Real>() + self.friction
     }
 }
 
 impl Simulation {
-    /// The contacts of the last step, between bodies that touch or are about to, in the order of their bodies; see [`Contact`].
+    /// The contacts of the last step, between bodies that touch or are about to, in the order of
+    /// their bodies; see [`Contact`].
     ///
-    /// They are made when they are asked for, in time and memory that go with their number; a step does nothing for it.
+    /// They are made when they are asked for, in time and memory that go with their number; a step
+    /// does nothing for it.
     ///
     /// ```
     /// # use tumble::prelude::*;
@@ -113,14 +120,20 @@ impl Simulation {
         self.touching().into_iter().flat_map(Contacts::report)
     }
 
-    /// What began and ended to touch in the steps of the last call of [`step`](Self::step), [`step_many`](Self::step_many), [`advance`](Self::advance) or
-    /// [`advance_with`](Self::advance_with): every event once, in the order of the steps, and within a step in the order of the bodies. A frame without a step has none, nor has a simulation that was
-    /// restored and has taken no step since. Within the closure of [`advance_with`](Self::advance_with) they are those of the last step.
+    /// What began and ended to touch in the steps of the last call of [`step`](Self::step),
+    /// [`step_many`](Self::step_many), [`advance`](Self::advance) or
+    /// [`advance_with`](Self::advance_with): every event once, in the order of the steps, and
+    /// within a step in the order of the bodies. A frame without a step has none, nor has a
+    /// simulation that was restored and has taken no step since. Within the closure of
+    /// [`advance_with`](Self::advance_with) they are those of the last step.
     ///
-    /// A pair begins and ends once, whatever happens at its points, and not while it rests: see [`Contact::touches`](crate::Contact::touches). What hits another, does not bounce and is pushed away
-    /// within a step is not told of. A body that was despawned has ended to touch in the step after.
+    /// A pair begins and ends once, whatever happens at its points, and not while it rests: see
+    /// [`Contact::touches`](crate::Contact::touches). What hits another, does not bounce and is
+    /// pushed away within a step is not told of. A body that was despawned has ended to touch in
+    /// the step after.
     ///
-    /// Those of a single step are put together when they are asked for. Of several, those of all but the last are kept, twenty bytes each, until the next call.
+    /// Those of a single step are put together when they are asked for. Of several, those of all
+    /// but the last are kept, twenty bytes each, until the next call.
     ///
     /// ```
     /// # use tumble::{ContactEvent, prelude::*};
@@ -149,10 +162,14 @@ impl Simulation {
         }
     }
 
-    /// How many pairs of bodies that are near each other were left out of the last step, or of its last substep: usually none.
+    /// How many pairs of bodies that are near each other were left out of the last step, or of its
+    /// last substep: usually none.
     ///
-    /// A body that is near more than 64 others is in a crowd. Between two in a crowd a pair counts if it is one of the 64 of either that overlap deepest or are nearest, by the boxes around them; of equal
-    /// ones those with the body that comes first in the order of [`BodyOrder`](crate::BodyOrder). So what is large may touch any number of small ones, and infinite ground all there is.
+    /// A body that is near more than 64 others is in a crowd. Between two in a crowd a pair counts
+    /// if it is one of the 64 of either that overlap deepest or are nearest, by the boxes around
+    /// them; of equal ones those with the body that comes first in the order of
+    /// [`BodyOrder`](crate::BodyOrder). So what is large may touch any number of small ones, and
+    /// infinite ground all there is.
     ///
     /// ```
     /// use tumble::{Collider, prelude::*};
@@ -183,7 +200,8 @@ impl Contacts {
     /// The contacts of the last step, in the order of their bodies.
     pub(crate) fn report(&self) -> impl Iterator<Item = Contact> + '_ {
         let mut order: Vec<&ContactRecord> = self.contacts.iter().collect();
-        // They are in this order but for the kinds of their shapes, which takes a sort that merges little time.
+        // They are in this order but for the kinds of their shapes, which takes a sort that merges
+        // little time.
         order.sort_by_key(|contact| (contact.pair(), contact.part));
         order.into_iter().map(|contact| self.report_one(contact))
     }

@@ -16,7 +16,8 @@ const CONTACT: f64 = 0.6;
 /// What is added where shapes have no lanes of their own.
 const PAIR_OF_OTHERS: f64 = 3.0;
 
-/// Of steps in a world, whose contacts were these after the last. Of bodies that act on each other it is that of one step, for they wait for each other in every one.
+/// Of steps in a world, whose contacts were these after the last. Of bodies that act on each other
+/// it is that of one step, for they wait for each other in every one.
 pub(crate) fn effort_of_steps(world: &World, laws: &ForceLaws, contacts: Option<&Contacts>, steps: u32) -> Effort {
     let [mut attracting, mut springs, mut colliders] = [0.0; 3];
     let mut bodies = 0.0;

@@ -1,4 +1,5 @@
-//! Steps of worlds in which bodies act on each other: of one, or of several whose contacts are pushed together.
+//! Steps of worlds in which bodies act on each other: of one, or of several whose contacts are
+//! pushed together.
 
 use hecs::World;
 
@@ -27,7 +28,8 @@ pub(crate) struct InteractingWorld<'a> {
 /// What worlds that go step by step together are packed in, and what they have in common.
 pub(crate) type Together<'a> = (&'a mut MultiWorld, PackKey);
 
-/// Steps: a whole world goes from one kick to the next together, kinematic bodies too. Of several worlds contacts are packed, and they have the same likeness.
+/// Steps: a whole world goes from one kick to the next together, kinematic bodies too. Of several
+/// worlds contacts are packed, and they have the same likeness.
 pub(crate) fn step_interacting(
     worlds: &mut [InteractingWorld<'_>],
     mut together: Option<Together<'_>>,
@@ -54,8 +56,10 @@ pub(crate) fn step_interacting(
     }
 }
 
-/// The integration of a step, this many after the clocks: kicks between bodies before and after each substep, all of it before where the
-/// integrator is of first order, and contacts in the place of the integrator where something touches. `beside` is called for what else moves in a substep, with its number.
+/// The integration of a step, this many after the clocks: kicks between bodies before and after
+/// each substep, all of it before where the integrator is of first order, and contacts in the place
+/// of the integrator where something touches. `beside` is called for what else moves in a substep,
+/// with its number.
 pub(crate) fn integrate_interacting(
     worlds: &mut [InteractingWorld<'_>],
     mut together: Option<&mut Together<'_>>,
@@ -128,7 +132,8 @@ fn solve_together(
 }
 
 impl<'a> InteractingWorld<'a> {
-    /// Of a world, of which it finds out what acts between which bodies, and holds these until it is dropped.
+    /// Of a world, of which it finds out what acts between which bodies, and holds these until it
+    /// is dropped.
     pub(crate) fn new(
         world: &'a mut World,
         settings: &'a Settings,

@@ -13,7 +13,8 @@ use crate::solver::substeps::ContactSolver;
 pub(crate) struct Interactions {
     pub(crate) pairs: Option<PairForces>,
     pub(crate) contacts: Option<Contacts>,
-    /// What pushes contacts where they are not pushed together with those of other worlds; no state.
+    /// What pushes contacts where they are not pushed together with those of other worlds; no
+    /// state.
     pub(crate) contact_solver: Option<Box<ContactSolver>>,
 }
 
@@ -30,7 +31,8 @@ impl Interactions {
         pairwise::are_in(world) || collision::are_in(world)
     }
 
-    /// Finds out what acts between which bodies. To be called again when anything was spawned, despawned or changed but momentum and pose.
+    /// Finds out what acts between which bodies. To be called again when anything was spawned,
+    /// despawned or changed but momentum and pose.
     pub(crate) fn find(&mut self, world: &World) {
         if pairwise::are_in(world) {
             self.pairs.get_or_insert_default().find(world);

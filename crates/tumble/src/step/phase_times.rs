@@ -1,8 +1,10 @@
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::time::{Duration, Instant};
 
-/// Time spent in each system, summed over steps, and over threads where bodies do not act on each other: with two threads busy it then grows by two seconds a second. A step in which bodies
-/// act on each other goes from system to system together, and its times are those of the thread that steps.
+/// Time spent in each system, summed over steps, and over threads where bodies do not act on each
+/// other: with two threads busy it then grows by two seconds a second. A step in which bodies act
+/// on each other goes from system to system together, and its times are those of the thread that
+/// steps.
 ///
 /// ```
 /// # use tumble::{PhaseTimes, prelude::*};
@@ -49,7 +51,8 @@ impl PhaseTimes {
         self.of(Phase::UpdateDerived)
     }
 
-    /// In what springs and the gravity of bodies do to others: [`Spring`](crate::Spring), [`GravityMass`](crate::GravityMass).
+    /// In what springs and the gravity of bodies do to others: [`Spring`](crate::Spring),
+    /// [`GravityMass`](crate::GravityMass).
     pub fn pairs(&self) -> Duration {
         self.of(Phase::Pairs)
     }

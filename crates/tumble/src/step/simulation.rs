@@ -36,21 +36,25 @@ use crate::step::steps_under_laws;
 pub struct Simulation {
     settings: Settings,
     laws: ForceLaws,
-    /// What forces between bodies are evaluated with, and contacts as they were left; none until there are any.
+    /// What forces between bodies are evaluated with, and contacts as they were left; none until
+    /// there are any.
     pub(crate) interactions: Option<Box<Interactions>>,
-    /// What began and ended to touch in the last call, in the steps that were taken one by one before the last.
+    /// What began and ended to touch in the last call, in the steps that were taken one by one
+    /// before the last.
     pub(crate) events: Vec<ContactEvent>,
     /// Whether the last call took a step.
     pub(crate) has_stepped: bool,
     steps: u64,
-    /// Steps and time \[s\] when the settings were last changed; from there on time is a multiple of the step.
+    /// Steps and time \[s\] when the settings were last changed; from there on time is a multiple
+    /// of the step.
     since: (u64, f64),
     /// Frame time that no step has covered yet \[s\], in [0, dt).
     owed: f64,
 }
 
 impl Simulation {
-    /// The most steps that one [`advance`](Self::advance) takes; the time beyond is dropped, so that a slow frame is not followed by slower ones.
+    /// The most steps that one [`advance`](Self::advance) takes; the time beyond is dropped, so
+    /// that a slow frame is not followed by slower ones.
     pub const MAX_STEPS_PER_FRAME: u32 = 8;
 
     /// A simulation at time zero.
@@ -97,12 +101,14 @@ impl Simulation {
         self.laws.add_global(law);
     }
 
-    /// Makes a [`SimdForceLaw`] known that is a component of the bodies it acts on. The force components of this crate need not be added.
+    /// Makes a [`SimdForceLaw`] known that is a component of the bodies it acts on. The force
+    /// components of this crate need not be added.
     pub fn add_simd_law<L: SimdForceLaw<N> + Component, const N: usize>(&mut self) {
         self.laws.add_simd_law::<L, N>();
     }
 
-    /// Adds a [`SimdForceLaw`] that acts on every moving body: one of the caller's own, or a force component of this crate.
+    /// Adds a [`SimdForceLaw`] that acts on every moving body: one of the caller's own, or a force
+    /// component of this crate.
     pub fn add_global_simd_law<L: SimdForceLaw<N>, const N: usize>(&mut self, law: L) {
         self.laws.add_global_simd_law::<L, N>(law);
     }
@@ -122,12 +128,14 @@ impl Simulation {
         self.clock().time()
     }
 
-    /// Where the simulation stands in time: what a run is continued from, beside the state of the bodies.
+    /// Where the simulation stands in time: what a run is continued from, beside the state of the
+    /// bodies.
     pub fn clock(&self) -> Clock {
         Clock { steps: self.steps, since: self.since, dt: self.settings.dt, owed: self.owed }
     }
 
-    /// Goes on from where this or another simulation stood. With another step than that had, time goes on from there in steps of its own.
+    /// Goes on from where this or another simulation stood. With another step than that had, time
+    /// goes on from there in steps of its own.
     pub fn set_clock(&mut self, clock: Clock) {
         self.steps = clock.steps;
         self.owed = clock.owed;
@@ -139,16 +147,18 @@ impl Simulation {
         self.step_many(world, 1);
     }
 
-    /// Advances the world by `count` steps, with the same bits as `count` calls of [`step`](Self::step).
+    /// Advances the world by `count` steps, with the same bits as `count` calls of
+    /// [`step`](Self::step).
     ///
-    /// For when nothing is read or changed in between: bodies that nothing couples stay in registers from the first step to the last.
-    /// [`contact_events`](Self::contact_events) then gives those of all the steps.
+    /// For when nothing is read or changed in between: bodies that nothing couples stay in
+    /// registers from the first step to the last. [`contact_events`](Self::contact_events) then
+    /// gives those of all the steps.
     pub fn step_many(&mut self, world: &mut World, count: u32) {
         self.advance_by(world, count, None);
     }
 
-    /// [`step`](Self::step), adding to `times` how long each system took. The systems run one after the other on each chunk of bodies
-    /// then, which takes longer than a step that no one times.
+    /// [`step`](Self::step), adding to `times` how long each system took. The systems run one after
+    /// the other on each chunk of bodies then, which takes longer than a step that no one times.
     pub fn step_timed(&mut self, world: &mut World, times: &PhaseTimes) {
         self.advance_by(world, 1, Some(times));
     }
@@ -164,7 +174,8 @@ impl Simulation {
         }
     }
 
-    /// What the steps of a world in which bodies act on each other are taken with, if they do in this one.
+    /// What the steps of a world in which bodies act on each other are taken with, if they do in
+    /// this one.
     pub(crate) fn interacting<'a>(&'a mut self, world: &'a mut World) -> Option<InteractingWorld<'a>> {
         if !Interactions::is_in(world) {
             return None;
@@ -181,14 +192,17 @@ impl Simulation {
         self.steps += u64::from(count);
     }
 
-    /// Takes as many whole steps as fit into the frame time that has passed, and keeps the rest for the next frame.
+    /// Takes as many whole steps as fit into the frame time that has passed, and keeps the rest for
+    /// the next frame.
     ///
-    /// Returns `alpha`, how far the frame is from the last step to the next, in [0, 1). Bodies with a
-    /// [`PreviousPose`](crate::PreviousPose) are drawn at `previous.0.interpolate(&pose, alpha)`: smooth at any frame rate, one
-    /// step late. A frame time that is not positive and finite counts as none.
+    /// Returns `alpha`, how far the frame is from the last step to the next, in
+    /// [0, 1). Bodies with a [`PreviousPose`](crate::PreviousPose) are drawn at
+    /// `previous.0.interpolate(&pose, alpha)`: smooth at any frame rate, one step late. A frame
+    /// time that is not positive and finite counts as none.
     ///
-    /// A frame has no step, or several: a [`Wrench`](crate::Wrench) added once a frame acts in the first of them only, and where there is none it waits and
-    /// the next comes on top of it. Forces belong into [`advance_with`](Self::advance_with), or into a [`ForceLaw`].
+    /// A frame has no step, or several: a [`Wrench`](crate::Wrench) added once a frame acts in the
+    /// first of them only, and where there is none it waits and the next comes on top of it. Forces
+    /// belong into [`advance_with`](Self::advance_with), or into a [`ForceLaw`].
     ///
     /// ```
     /// # use tumble::{Settings, Simulation};
@@ -203,10 +217,13 @@ impl Simulation {
         self.advance_with(world, frame_seconds, |_, _| ())
     }
 
-    /// [`advance`](Self::advance), calling `before_step` before every step with the world and the simulation as the last step left it: the place to add the forces of that step.
+    /// [`advance`](Self::advance), calling `before_step` before every step with the world and the
+    /// simulation as the last step left it: the place to add the forces of that step.
     ///
-    /// [`contact_events`](Self::contact_events) gives there what began and ended to touch in the last step alone, whatever frame it was taken in: who reads it there in every step misses nothing
-    /// and gets nothing twice. After the call it gives the events of all steps that the frame has taken.
+    /// [`contact_events`](Self::contact_events) gives there what began and ended to touch in the
+    /// last step alone, whatever frame it was taken in: who reads it there in every step misses
+    /// nothing and gets nothing twice. After the call it gives the events of all steps that the
+    /// frame has taken.
     ///
     /// ```
     /// # use tumble::prelude::*;

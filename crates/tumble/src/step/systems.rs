@@ -27,11 +27,11 @@ use crate::step::phase_times::PhaseTimes;
 use crate::storage::chunk::{Chunk, for_each_chunk};
 use crate::storage::tile_io::splat;
 
-/// Adds to each moving body's [`Wrench`] the force that is the same at every stage of a step: gravity, scaled by its
-/// [`GravityScale`](crate::GravityScale).
+/// Adds to each moving body's [`Wrench`] the force that is the same at every stage of a step:
+/// gravity, scaled by its [`GravityScale`](crate::GravityScale).
 ///
-/// Force components that depend on the state, such as [`Drag`](crate::Drag), are evaluated in [`integrate`], as laws are; so is
-/// [`Damping`](crate::Damping), a decay that is treated exactly.
+/// Force components that depend on the state, such as [`Drag`](crate::Drag), are evaluated in
+/// [`integrate`], as laws are; so is [`Damping`](crate::Damping), a decay that is treated exactly.
 ///
 /// ```
 /// # use tumble::{accumulate_forces, prelude::*};
@@ -45,11 +45,14 @@ pub fn accumulate_forces(world: &mut World, settings: &Settings) {
     for_each_chunk(world, |bodies| accumulate_forces_of(bodies, settings));
 }
 
-/// Advances [`Momentum`](crate::Momentum) and [`Pose`](crate::Pose) of the moving bodies by `settings.dt`, and sets the [`Wrench`] that it has consumed to zero.
+/// Advances [`Momentum`](crate::Momentum) and [`Pose`](crate::Pose) of the moving bodies by
+/// `settings.dt`, and sets the [`Wrench`] that it has consumed to zero.
 ///
-/// It takes the chosen [`Integrator`] through `settings.substeps` equal parts, under the wrench, the force components and the forces between bodies.
-/// Gravity is not in it, but in what [`accumulate_forces`] adds. Bodies that touch are pushed apart, but in each call as if they had not touched before: for piles take a
-/// [`Simulation`](crate::Simulation), which keeps what held them.
+/// It takes the chosen [`Integrator`] through `settings.substeps` equal parts, under the wrench,
+/// the force components and the forces between bodies. Gravity is not in it, but in what
+/// [`accumulate_forces`] adds. Bodies that touch are pushed apart, but in each call as if they had
+/// not touched before: for piles take a [`Simulation`](crate::Simulation), which keeps what held
+/// them.
 ///
 /// ```
 /// # use tumble::{integrate, prelude::*};
@@ -65,7 +68,8 @@ pub fn integrate(world: &mut World, settings: &Settings) {
     integrate_under_laws(world, settings, &ForceLaws::default(), 0.0);
 }
 
-/// [`integrate`] under force laws, which are evaluated at every stage; `time` \[s\] is the simulated time at the start of the step.
+/// [`integrate`] under force laws, which are evaluated at every stage; `time` \[s\] is the
+/// simulated time at the start of the step.
 ///
 /// ```
 /// # use tumble::{ForceLaws, integrate_under_laws, prelude::*};
@@ -99,8 +103,9 @@ pub fn integrate_under_laws(world: &mut World, settings: &Settings, laws: &Force
     }
 }
 
-/// Derives [`Velocity`](crate::Velocity) and [`InverseInertia`](crate::InverseInertia) of the moving bodies that have them from their state:
-/// `v = P/M`, `I^-1 = R I_body^-1 R^T`, `w = I^-1 L`.
+/// Derives [`Velocity`](crate::Velocity) and [`InverseInertia`](crate::InverseInertia) of the
+/// moving bodies that have them from their state: `v = P/M`, `I^-1 = R I_body^-1 R^T`,
+/// `w = I^-1 L`.
 ///
 /// ```
 /// # use tumble::{update_derived, prelude::*};
@@ -137,8 +142,9 @@ impl Chunk<'_> {
     }
 }
 
-/// All systems of some steps, of bodies that nothing couples and whose work no one books: the bodies stay in registers from the first system of the
-/// first step to the last of the last. `time_of_step` is the simulated time \[s\] at the start of each.
+/// All systems of some steps, of bodies that nothing couples and whose work no one books: the
+/// bodies stay in registers from the first system of the first step to the last of the last.
+/// `time_of_step` is the simulated time \[s\] at the start of each.
 pub(crate) fn step_chunk(
     bodies: &mut Chunk<'_>,
     laws: Laws<'_>,

@@ -13,7 +13,8 @@ use crate::storage::world_columns::{ArchetypeBodies, WorldColumns};
 /// No slot.
 const NONE: u32 = u32::MAX;
 
-/// What the order of bodies goes by: those without a [`BodyId`] last, by the number of their entity.
+/// What the order of bodies goes by: those without a [`BodyId`] last, by the number of their
+/// entity.
 pub(crate) type Key = (bool, Option<BodyId>, u32);
 
 /// Where a body's components are.
@@ -57,7 +58,8 @@ pub(crate) struct BodyIndex {
 }
 
 impl BodyIndex {
-    /// Finds the bodies among the entities that are marked, by number, when each archetype of the world is gone through.
+    /// Finds the bodies among the entities that are marked, by number, when each archetype of the
+    /// world is gone through.
     pub(crate) fn find(&mut self, world: &World, marked: impl Fn(&Archetype, &mut dyn FnMut(u32))) {
         let mut marks = std::mem::take(&mut self.marks);
         marks.clear();
@@ -124,7 +126,8 @@ impl BodyIndex {
         self.by_place.iter().map(|slot| *slot as usize)
     }
 
-    /// The slots of the bodies in an archetype, by its index, in the order of rows: those of all its rows where archetypes are marked as a whole.
+    /// The slots of the bodies in an archetype, by its index, in the order of rows: those of all
+    /// its rows where archetypes are marked as a whole.
     pub(crate) fn slots_in(&self, archetype: usize) -> &[u32] {
         match self.begins.get(archetype..archetype + 2) {
             Some(&[begin, end]) => &self.by_place[begin as usize..end as usize],
@@ -165,7 +168,8 @@ fn mark(marks: &mut Vec<bool>, entity: usize) {
     marks[entity] = true;
 }
 
-/// The bodies among marked entities, in the order of their places: hecs goes through archetypes and rows in theirs.
+/// The bodies among marked entities, in the order of their places: hecs goes through archetypes and
+/// rows in theirs.
 fn found<'a>(world: &'a World, marks: &'a [bool]) -> impl Iterator<Item = BodyPlace> + 'a {
     let archetypes = world.archetypes().enumerate().filter(|(_, archetype)| archetype.has::<Pose>());
     archetypes.flat_map(move |(index, archetype)| {

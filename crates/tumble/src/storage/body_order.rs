@@ -4,15 +4,17 @@ use rayon::prelude::*;
 use crate::components::{BodyId, Mass, Momentum, Pose};
 use crate::threads::InParts;
 
-/// Bodies whose sums are taken in one go. Where a block ends decides the last bits of sums, so it depends on nothing.
+/// Bodies whose sums are taken in one go. Where a block ends decides the last bits of sums, so it
+/// depends on nothing.
 const BLOCK: usize = 1024;
 
-/// The bodies of a world in an order that does not depend on how they lie in memory: by [`BodyId`], and after them, by entity, those
-/// without one. A body is an entity with a [`Pose`].
+/// The bodies of a world in an order that does not depend on how they lie in memory: by [`BodyId`],
+/// and after them, by entity, those without one. A body is an entity with a [`Pose`].
 ///
-/// It is a list made once: bodies spawned or despawned later are not followed. Making it reads the world and, like every query of
-/// hecs, panics while the caller holds a mutable reference to one of the components; so do [`measure`](crate::measure),
-/// [`state_hash`](crate::snapshot::state_hash()) and what else takes an order.
+/// It is a list made once: bodies spawned or despawned later are not followed. Making it reads the
+/// world and, like every query of hecs, panics while the caller holds a mutable reference to one of
+/// the components; so do [`measure`](crate::measure), [`state_hash`](crate::snapshot::state_hash())
+/// and what else takes an order.
 ///
 /// ```
 /// # use tumble::{BodyOrder, prelude::*};

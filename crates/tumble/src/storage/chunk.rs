@@ -1,8 +1,10 @@
 //! Archetypes and threads: borrows the columns of bodies and hands them out.
 //!
-//! hecs keeps the entities that have the same set of components together, each component in a contiguous column. The columns of
-//! every archetype of moving bodies are borrowed as slices, cut into chunks of some hundred bodies, and each chunk is handed to one
-//! call of the caller's function, in parallel. A function that only uses its own chunk gives the same result for any number of threads.
+//! hecs keeps the entities that have the same set of components together, each component in a
+//! contiguous column. The columns of every archetype of moving bodies are borrowed as slices, cut
+//! into chunks of some hundred bodies, and each chunk is handed to one call of the caller's
+//! function, in parallel. A function that only uses its own chunk gives the same result for any
+//! number of threads.
 
 use std::ops::Range;
 use std::slice::{from_mut, from_ref};
@@ -20,14 +22,16 @@ use crate::threads::Effort;
 /// So few bodies are gone through one by one: borrowing a dozen columns takes longer than a query.
 const FEW: u32 = 2;
 
-/// Fewer bodies are not shared among threads: a step of 512 takes six microseconds, and handing half of them over saves less than it costs even
-/// while the other thread is awake.
+/// Fewer bodies are not shared among threads: a step of 512 takes six microseconds, and handing
+/// half of them over saves less than it costs even while the other thread is awake.
 pub(crate) const MIN_CHUNK: usize = 512;
 
-/// More bodies than these would not stay in the second-level cache from one system to the next, with all their columns.
+/// More bodies than these would not stay in the second-level cache from one system to the next,
+/// with all their columns.
 const MAX_CHUNK: usize = 2048;
 
-/// Declares `Columns`, the borrowed columns of one archetype, and `Chunk`, slices of the same rows of them.
+/// Declares `Columns`, the borrowed columns of one archetype, and `Chunk`, slices of the same rows
+/// of them.
 macro_rules! columns {
     (
         written: $($written:ident: $Written:ty),+;
@@ -134,7 +138,8 @@ macro_rules! columns {
             }
         }
 
-        /// Copies of the last rows of a chunk, and of the very last as often as it takes to fill `W` rows.
+        /// Copies of the last rows of a chunk, and of the very last as often as it takes to fill
+        /// `W` rows.
         struct Padded<const W: usize> {
             $($written: [$Written; W],)+
             $($read: [$Read; W],)+
@@ -188,8 +193,8 @@ impl Chunk<'_> {
         self.pose.len()
     }
 
-    /// Runs `tiles` on a multiple of the widest tile's bodies, and on the rest, brought to the width of a tile with copies that are
-    /// thrown away.
+    /// Runs `tiles` on a multiple of the widest tile's bodies, and on the rest, brought to the
+    /// width of a tile with copies that are thrown away.
     pub(crate) fn in_whole_tiles(&mut self, mut tiles: impl FnMut(&mut Chunk<'_>)) {
         let left = self.len() % widest();
         let whole = self.len() - left;
@@ -221,8 +226,9 @@ fn padded<T: Copy, const W: usize>(rows: &[T]) -> [T; W] {
     std::array::from_fn(|i| rows[i.min(rows.len() - 1)])
 }
 
-/// Calls `system` once for every chunk of moving bodies, in parallel. Moving bodies have [`Pose`], [`Momentum`], [`Mass`] and
-/// [`Wrench`]; the other columns of a chunk are there where its archetype has them.
+/// Calls `system` once for every chunk of moving bodies, in parallel. Moving bodies have [`Pose`],
+/// [`Momentum`], [`Mass`] and [`Wrench`]; the other columns of a chunk are there where its
+/// archetype has them.
 pub(crate) fn for_each_chunk(world: &mut World, system: impl Fn(&mut Chunk<'_>) + Sync) {
     if has_few_bodies(world) {
         return for_each_body(world, system);
@@ -241,12 +247,14 @@ pub(crate) fn for_each_body(world: &mut World, system: impl Fn(&mut Chunk<'_>)) 
     world.query_mut::<Row<'_>>().into_iter().for_each(|row| system(&mut Chunk::of_row(row)));
 }
 
-/// Calls `then` once for every archetype of moving bodies, with its columns, in parallel where the effort is worth it.
+/// Calls `then` once for every archetype of moving bodies, with its columns, in parallel where the
+/// effort is worth it.
 pub(crate) fn for_each_columns(world: &World, effort: Effort, then: &(impl Fn(&Archetype, Columns<'_>) + Sync)) {
     effort.run(|| for_each_columns_of(world, 0..world.archetypes().len(), then));
 }
 
-/// Splits the archetypes among threads. Columns are borrowed where they are used, so nothing needs memory but the stack.
+/// Splits the archetypes among threads. Columns are borrowed where they are used, so nothing needs
+/// memory but the stack.
 fn for_each_columns_of(world: &World, archetypes: Range<usize>, then: &(impl Fn(&Archetype, Columns<'_>) + Sync)) {
     let these = || world.archetypes().skip(archetypes.start).take(archetypes.len());
     let entities: usize = these().map(|archetype| archetype.len() as usize).sum();
@@ -265,8 +273,8 @@ fn for_each_columns_of(world: &World, archetypes: Range<usize>, then: &(impl Fn(
     }
 }
 
-/// Cuts the bodies into chunks and calls `system` once for each, in parallel. There are eight of a few thousand bodies, so that threads that begin late or are
-/// slow do less, and more of more.
+/// Cuts the bodies into chunks and calls `system` once for each, in parallel. There are eight of a
+/// few thousand bodies, so that threads that begin late or are slow do less, and more of more.
 pub(crate) fn for_each_part(chunk: Chunk<'_>, system: &(impl Fn(&mut Chunk<'_>) + Sync)) {
     let size = (chunk.len() / 8).next_multiple_of(MAX_BODIES).clamp(MIN_CHUNK, MAX_CHUNK);
     for_each_part_of(size, chunk, system);

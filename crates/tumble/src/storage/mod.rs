@@ -1,4 +1,5 @@
-//! The one way to the components of bodies in a `hecs::World`: chunks of columns, and bodies by index.
+//! The one way to the components of bodies in a `hecs::World`: chunks of columns, and bodies by
+//! index.
 
 pub(crate) mod body_index;
 pub(crate) mod body_order;

@@ -63,7 +63,8 @@ impl Chunk<'_> {
         field * (mass * scale)
     }
 
-    /// The wrenches of the bodies from row `i`. Where they are zero already nothing is written: memory that is not written need not be brought back.
+    /// The wrenches of the bodies from row `i`. Where they are zero already nothing is written:
+    /// memory that is not written need not be brought back.
     #[inline(always)]
     pub(crate) fn force<T: Tile>(&mut self, i: usize, wrenches: Wrenches) -> Force<T> {
         let numbers = T::load(&self.wrench[i..]);

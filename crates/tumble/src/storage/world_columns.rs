@@ -1,7 +1,8 @@
 //! The columns of a world's bodies, borrowed once for all steps that are taken at a time.
 //!
-//! To borrow a dozen columns takes as long as to step a body or two. Bodies that act on each other are gone through half a dozen times a step, so in a world of ten of
-//! them it would take longer than all the rest.
+//! To borrow a dozen columns takes as long as to step a body or two. Bodies that act on each other
+//! are gone through half a dozen times a step, so in a world of ten of them it would take longer
+//! than all the rest.
 
 use std::cell::RefCell;
 use std::ops::Range;
@@ -74,12 +75,14 @@ impl<'a> PoseView<'a> {
 }
 
 thread_local! {
-    /// Memory of columns that were given back, for the next. hecs keeps borrowed columns to one thread, so it is not a simulation's, which goes from thread to thread.
+    /// Memory of columns that were given back, for the next. hecs keeps borrowed columns to one
+    /// thread, so it is not a simulation's, which goes from thread to thread.
     static ROOMS: RefCell<Vec<Vec<ArchetypeColumns<'static>>>> = const { RefCell::new(Vec::new()) };
 }
 
 impl<'w> WorldColumns<'w> {
-    /// Borrows the columns of all bodies of a world, and marks some archetypes for [`for_each_archetype`](Self::for_each_archetype).
+    /// Borrows the columns of all bodies of a world, and marks some archetypes for
+    /// [`for_each_archetype`](Self::for_each_archetype).
     pub(crate) fn of(world: &'w World, mark: impl Fn(&Archetype) -> bool) -> Self {
         let room = ROOMS.try_with(|rooms| rooms.borrow_mut().pop()).ok().flatten();
         let mut archetypes = emptied(room.unwrap_or_default());
@@ -122,7 +125,8 @@ impl<'w> WorldColumns<'w> {
         })
     }
 
-    /// Calls `system` once for every chunk of moving bodies, with the index of their archetype, in parallel.
+    /// Calls `system` once for every chunk of moving bodies, with the index of their archetype, in
+    /// parallel.
     pub(crate) fn for_each_chunk(&mut self, system: impl Fn(usize, &mut Chunk<'_>) + Sync) {
         for (index, held) in self.archetypes.iter_mut().enumerate() {
             if let ArchetypeBodies::Moving(columns) = &mut held.bodies {
@@ -131,7 +135,8 @@ impl<'w> WorldColumns<'w> {
         }
     }
 
-    /// Calls `then` for each archetype of moving bodies, one after the other, with its index, whether it was marked, and its columns.
+    /// Calls `then` for each archetype of moving bodies, one after the other, with its index,
+    /// whether it was marked, and its columns.
     pub(crate) fn for_each_archetype(&mut self, mut then: impl FnMut(usize, (&Archetype, bool), &mut Columns<'w>)) {
         for (index, ArchetypeColumns { archetype, is_marked, bodies }) in self.archetypes.iter_mut().enumerate() {
             if let ArchetypeBodies::Moving(columns) = bodies {
@@ -140,7 +145,8 @@ impl<'w> WorldColumns<'w> {
         }
     }
 
-    /// Moves the kinematic bodies for one of the equal parts, `h` \[s\], of a step; the previous pose is that before the first.
+    /// Moves the kinematic bodies for one of the equal parts, `h` \[s\], of a step; the previous
+    /// pose is that before the first.
     pub(crate) fn move_kinematic_bodies(&mut self, h: Real, substep: u32) {
         for held in &mut self.archetypes {
             match &mut held.bodies {

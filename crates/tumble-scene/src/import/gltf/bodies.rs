@@ -42,7 +42,8 @@ struct Made<'a, 'b> {
 /// Notices about nodes: which node, and what.
 type Notices = Vec<(usize, String)>;
 
-/// The bodies of a scene: one for every motion, and one for every collider or trigger that nothing carries. With what there is to tell of them.
+/// The bodies of a scene: one for every motion, and one for every collider or trigger that nothing
+/// carries. With what there is to tell of them.
 pub(crate) fn bodies(
     physics: &Physics,
     triangles: &mut Triangles<'_>,

@@ -16,7 +16,8 @@ use crate::limits::MAX_FILE_BYTES;
 /// The buffers of a document, each read when it is first needed.
 pub(crate) struct Buffers<'a> {
     document: &'a Document,
-    /// Where files that a buffer names are looked for; nowhere for a document that came without a path.
+    /// Where files that a buffer names are looked for; nowhere for a document that came without a
+    /// path.
     directory: Option<&'a Path>,
     /// What a `.glb` brings along.
     binary: Option<&'a [u8]>,
@@ -35,7 +36,8 @@ struct Elements {
 }
 
 impl Elements {
-    /// The bytes of one element from its first on. Bounds were checked when the elements were found.
+    /// The bytes of one element from its first on. Bounds were checked when the elements were
+    /// found.
     fn element(&self, index: usize) -> &[u8] {
         self.bytes.get(self.start + index * self.stride..).unwrap_or_default()
     }
@@ -191,7 +193,8 @@ fn percent_decoded(uri: &str) -> Option<String> {
     String::from_utf8(bytes).ok()
 }
 
-/// How a component of a position is written: as f32, or as whole numbers where KHR_mesh_quantization is used.
+/// How a component of a position is written: as f32, or as whole numbers where
+/// KHR_mesh_quantization is used.
 #[derive(Clone, Copy)]
 enum Component3 {
     Float,

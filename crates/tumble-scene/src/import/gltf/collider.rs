@@ -11,7 +11,8 @@ use crate::bodies::collider::{ColliderRole, SceneCollider};
 use crate::import::gltf::Geometry;
 use crate::values::checked::{real_quaternion, real_vector};
 
-/// What a body touches others with, if the engine can. `shape` is that of its solid pieces together. What is lost goes to `notices`.
+/// What a body touches others with, if the engine can. `shape` is that of its solid pieces
+/// together. What is lost goes to `notices`.
 pub(crate) fn collider(
     pieces: &[SceneCollider],
     shape: Option<&Shape>,
@@ -53,7 +54,8 @@ pub(crate) fn collider(
 /// Colliders of meshes by what they are made of.
 pub(crate) type Colliders = HashMap<(bool, Vec<PieceKey>), (Result<Collider, ColliderError>, Vec<SceneCollider>)>;
 
-/// A mesh by where it lies in memory, any other shape by its figures, and the bits of its place in the body.
+/// A mesh by where it lies in memory, any other shape by its figures, and the bits of its place in
+/// the body.
 pub(crate) type PieceKey = (*const SolidMesh, *const TriangleMesh, String, [u64; 7]);
 
 #[cfg(test)]

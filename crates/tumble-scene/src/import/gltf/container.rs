@@ -16,7 +16,8 @@ const BINARY: &[u8; 4] = b"BIN\0";
 
 /// Takes a file's bytes apart. The first bytes say which of the two it is, not its name.
 ///
-/// A `.glb` shorter than its header says is refused; bytes after what the header counts are passed over, as viewers do.
+/// A `.glb` shorter than its header says is refused; bytes after what the header counts are passed
+/// over, as viewers do.
 pub(crate) fn open(bytes: &[u8]) -> Result<Container<'_>, String> {
     if !bytes.starts_with(MAGIC) {
         return Ok(Container { json: text(bytes)?, binary: None });

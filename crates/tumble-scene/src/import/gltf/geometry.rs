@@ -39,7 +39,8 @@ pub(crate) fn of_omi(document: &Document, index: i64) -> Result<Option<Geometry>
         .map_err(|error| error.inside(&format!("shape {index} of OMI_physics_shape")))
 }
 
-/// What a shape has where it is silent: (radius of a capsule or cylinder, height of a capsule, height of a cylinder) \[m\].
+/// What a shape has where it is silent: (radius of a capsule or cylinder, height of a capsule,
+/// height of a cylinder) \[m\].
 fn defaults(dialect: Dialect) -> (f64, f64, f64) {
     match dialect {
         Dialect::Khr => (0.25, 0.5, 0.5),
@@ -93,7 +94,8 @@ fn of_shape(document: &Document, model: &ShapeModel, dialect: Dialect) -> Result
     }
 }
 
-/// Height and radii of a capsule or a cylinder. One radius may be zero. Older files of both extensions give one radius for both ends.
+/// Height and radii of a capsule or a cylinder. One radius may be zero. Older files of both
+/// extensions give one radius for both ends.
 fn round(name: &str, model: Option<RoundModel>, height: f64, radius: f64) -> Result<(f64, f64, f64), FieldError> {
     let model = model.unwrap_or_default();
     let radius = model.radius.unwrap_or(radius);

@@ -13,8 +13,9 @@ const MAX_FILTERS: usize = u32::BITS as usize;
 
 /// Gives each collider the groups of its filter; what is impossible is reported.
 ///
-/// Each different filter of the file is a group of its own, which touches the groups whose filters and it agree on, so that names of systems, of which a
-/// collider may have several, mean what they do in the file.
+/// Each different filter of the file is a group of its own, which touches the groups whose filters
+/// and it agree on, so that names of systems, of which a collider may have several, mean what they
+/// do in the file.
 pub(crate) fn assign<'a>(bodies: impl Iterator<Item = &'a mut SceneBody>) -> Option<String> {
     let mut bodies: Vec<&mut SceneBody> = bodies.filter(|body| body.collider.is_some()).collect();
     let mut filters: Vec<Arc<CollisionFilter>> = Vec::new();

@@ -24,7 +24,8 @@ pub struct Joint {
     pub drives: Vec<JointDrive>,
 }
 
-/// A limit of the relative motion along or about one to three axes of the joint's frame (0 x, 1 y, 2 z).
+/// A limit of the relative motion along or about one to three axes of the joint's frame (0 x, 1 y,
+/// 2 z).
 ///
 /// ```
 /// use tumble_scene::gltf::JointLimit;

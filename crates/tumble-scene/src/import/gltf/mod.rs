@@ -1,8 +1,9 @@
-//! glTF 2.0 with physics: the drafts KHR_physics_rigid_bodies and KHR_implicit_shapes, and OMI_physics_body with its companions.
+//! glTF 2.0 with physics: the drafts KHR_physics_rigid_bodies and KHR_implicit_shapes, and
+//! OMI_physics_body with its companions.
 //!
-//! [`Physics`] is what a file says, in the world's frame and with every default filled in; [`Scene::open`](crate::Scene::open) makes
-//! bodies of it. Of colliders the engine's are made where it has their like;
-//! filters and joints are read and kept.
+//! [`Physics`] is what a file says, in the world's frame and with every default filled in;
+//! [`Scene::open`](crate::Scene::open) makes bodies of it. Of colliders the engine's are made where
+//! it has their like; filters and joints are read and kept.
 //!
 //! ```
 //! use tumble_scene::gltf::Physics;
@@ -166,7 +167,8 @@ pub(crate) fn mesh(path: &Path, reading: &mut Reading) -> Result<MeshFile, Scene
     Ok(MeshFile { mesh, notices: triangles.notices.into_iter().collect() })
 }
 
-/// Most objects and most strings of a document. An empty object takes two bytes of a file and a hundred times that of memory.
+/// Most objects and most strings of a document. An empty object takes two bytes of a file and a
+/// hundred times that of memory.
 const MAX_OBJECTS: usize = 2_000_000;
 const MAX_STRINGS: usize = 20_000_000;
 

@@ -27,7 +27,8 @@ pub enum MotionKind {
     Static,
 }
 
-/// A body's motion as the file says it. What is `None` is for the reader to compute from the colliders.
+/// A body's motion as the file says it. What is `None` is for the reader to compute from the
+/// colliders.
 ///
 /// ```
 /// use tumble_scene::gltf::{Physics};
@@ -46,11 +47,13 @@ pub struct Motion {
     pub mass: Option<f64>,
     /// Centre of mass in the node's frame \[m\], to be scaled as the node is.
     pub center_of_mass: Option<DVec3>,
-    /// Principal moments about the centre of mass [kg m^2], not to be scaled; a component is infinite where the file says zero.
+    /// Principal moments about the centre of mass [kg m^2], not to be scaled; a component is
+    /// infinite where the file says zero.
     pub inertia_diagonal: Option<DVec3>,
     /// Rotation from the principal frame to the node's.
     pub inertia_orientation: DQuat,
-    /// Velocity of the centre of mass in the node's frame [m/s], turned as the node is but not scaled.
+    /// Velocity of the centre of mass in the node's frame [m/s], turned as the node is but not
+    /// scaled.
     pub linear_velocity: DVec3,
     /// Angular velocity in the node's frame [rad/s].
     pub angular_velocity: DVec3,
@@ -98,8 +101,8 @@ impl Motion {
                 motion.mass = model.mass.map(infinite);
                 motion.inertia_diagonal = moments.map(|moments| DVec3::from_array(moments.to_array().map(infinite)));
             }
-            // OMI: a body weighs 1 kg and has its centre of mass at its origin unless it says otherwise, and no moments
-            // are those of its shapes.
+            // OMI: a body weighs 1 kg and has its centre of mass at its origin unless it says
+            // otherwise, and no moments are those of its shapes.
             Dialect::Omi => {
                 motion.mass = Some(model.mass.filter(|mass| *mass > 0.0).unwrap_or(1.0));
                 motion.center_of_mass = motion.center_of_mass.or(Some(DVec3::ZERO));

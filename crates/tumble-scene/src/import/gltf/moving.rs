@@ -12,14 +12,16 @@ use crate::values::checked::{real, real_vector};
 /// Density of what has colliders and neither mass nor density: that of water [kg/m^3].
 const DENSITY: f64 = 1000.0;
 
-/// Moments that the file calls infinite are this many times the largest finite one: as many as single precision tells apart
-/// from infinitely many, leaving room for a spin about the finite axis.
+/// Moments that the file calls infinite are this many times the largest finite one: as many as
+/// single precision tells apart from infinitely many, leaving room for a spin about the finite
+/// axis.
 const INFINITE_MOMENT: f64 = 1e5;
 
 /// Radius of the ball that stands for a body without a shape \[m\].
 const WITHOUT_SHAPE: f64 = 0.5;
 
-/// A body that moves by itself or by forces, at the origin. What there is to tell goes to `notices`.
+/// A body that moves by itself or by forces, at the origin. What there is to tell goes to
+/// `notices`.
 pub(crate) fn moving(
     node: &PhysicsNode,
     motion: &Motion,
@@ -61,7 +63,8 @@ pub(crate) fn moving(
     Ok(body.principal_inertia(inertia).angular_velocity(real_vector(node.angular_velocity())))
 }
 
-/// A body that moves with its velocities, which the engine takes for those of its frame's origin and the file for those of the centre of mass.
+/// A body that moves with its velocities, which the engine takes for those of its frame's origin
+/// and the file for those of the centre of mass.
 fn kinematic(node: &PhysicsNode, shape: Option<&Shape>, notices: &mut Vec<String>) -> RigidBody {
     let computed = || Some(shape?.mass_properties(Amount::Density(1.0)).ok()?.center_of_mass());
     let from_origin = match node.center_of_mass() {

@@ -13,11 +13,13 @@ use crate::import::gltf::tree::{Place, Tree};
 use crate::import::gltf::{CollisionFilter, SurfaceMaterial};
 use crate::import::gltf::{Geometry, geometry};
 
-/// The physics of a glTF file, read and checked, in the world's frame: Y up, metres, kilograms, seconds.
+/// The physics of a glTF file, read and checked, in the world's frame: Y up, metres, kilograms,
+/// seconds.
 ///
-/// It follows the drafts KHR_physics_rigid_bodies and KHR_implicit_shapes at revision ac5c413 of `eoineoineoin/glTF_Physics` (2025-10-29) and
-/// OMI_physics_body, OMI_physics_shape and OMI_physics_joint at 89d328b of `omigroup/gltf-extensions`.
-/// Of a node that has both, KHR's alone counts. [`Scene::open`](crate::Scene::open) makes bodies of it.
+/// It follows the drafts KHR_physics_rigid_bodies and KHR_implicit_shapes at revision ac5c413 of
+/// `eoineoineoin/glTF_Physics` (2025-10-29) and OMI_physics_body, OMI_physics_shape and
+/// OMI_physics_joint at 89d328b of `omigroup/gltf-extensions`. Of a node that has both, KHR's alone
+/// counts. [`Scene::open`](crate::Scene::open) makes bodies of it.
 ///
 /// ```
 /// use tumble_scene::gltf::{Physics};
@@ -58,7 +60,8 @@ pub struct PhysicsNode {
     pub rotation: DQuat,
     /// Its scale along its own axes; negative where it mirrors.
     pub scale: DVec3,
-    /// The node whose motion carries it: itself or the nearest above it that has one. `None` for what stands still.
+    /// The node whose motion carries it: itself or the nearest above it that has one. `None` for
+    /// what stands still.
     pub body: Option<usize>,
     /// How it moves.
     pub motion: Option<Motion>,

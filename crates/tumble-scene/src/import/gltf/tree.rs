@@ -7,7 +7,8 @@ use crate::import::gltf::document::{Document, Node};
 use crate::values::checked::{LARGEST, unit_quaternion};
 use crate::values::tuple::Tuple;
 
-/// Relative size of what a decomposition may leave over: some roundings of f32, in which files are written.
+/// Relative size of what a decomposition may leave over: some roundings of f32, in which files are
+/// written.
 const SHEAR_TOLERANCE: f64 = 1e-5;
 
 /// Most nodes above one another. A chain of bones or of a rope has hundreds.
@@ -35,7 +36,8 @@ pub(crate) struct Tree {
 }
 
 impl Tree {
-    /// Walks the scene that the document names, the first where it names none, and all roots of a document without scenes.
+    /// Walks the scene that the document names, the first where it names none, and all roots of a
+    /// document without scenes.
     pub(crate) fn of(document: &Document) -> Result<Self, FieldError> {
         let nodes = &document.nodes;
         let parents = parents(nodes)?;
@@ -149,8 +151,9 @@ pub(crate) fn unit(components: [f64; 4]) -> Result<DQuat, String> {
 }
 
 impl Place {
-    /// The rotation that the file has, if what is left without it is a scale along the node's axes. Otherwise, as below an uneven or mirroring
-    /// scale, the one that leaves such a scale, if there is one.
+    /// The rotation that the file has, if what is left without it is a scale along the node's axes.
+    /// Otherwise, as below an uneven or mirroring scale, the one that leaves such a scale, if there
+    /// is one.
     fn of(transform: DAffine3, rotation: DQuat) -> Self {
         let rest = DMat3::from_quat(rotation).transpose() * transform.matrix3;
         let scale = DVec3::new(rest.x_axis.x, rest.y_axis.y, rest.z_axis.z);
@@ -164,7 +167,8 @@ impl Place {
     }
 }
 
-/// Rotation and scale along the node's axes. A mirror is a negative scale of x, or of all three where that needs no turn.
+/// Rotation and scale along the node's axes. A mirror is a negative scale of x, or of all three
+/// where that needs no turn.
 fn decomposed(transform: DAffine3) -> Place {
     let m = transform.matrix3;
     let lengths = DVec3::new(m.x_axis.length(), m.y_axis.length(), m.z_axis.length());
@@ -175,7 +179,8 @@ fn decomposed(transform: DAffine3) -> Place {
     let mut axes = orthonormal(m, lengths, largest);
     let mut scale = lengths;
     if axes.determinant() < 0.0 {
-        // Any axis can carry the mirror. The one that leaves the smallest turn is the one that was written.
+        // Any axis can carry the mirror. The one that leaves the smallest turn is the one that was
+        // written.
         let mirrored =
             [DVec3::new(-1.0, 1.0, 1.0), DVec3::new(1.0, -1.0, 1.0), DVec3::new(1.0, 1.0, -1.0), DVec3::NEG_ONE];
         let trace = |signs: DVec3| signs.dot(DVec3::new(axes.x_axis.x, axes.y_axis.y, axes.z_axis.z));
@@ -191,7 +196,8 @@ fn decomposed(transform: DAffine3) -> Place {
     Place { transform, rotation, scale, sheared }
 }
 
-/// The directions of the columns, made orthogonal from the longest on. A column without length is made of the others.
+/// The directions of the columns, made orthogonal from the longest on. A column without length is
+/// made of the others.
 fn orthonormal(m: DMat3, lengths: DVec3, largest: f64) -> DMat3 {
     let columns = [m.x_axis, m.y_axis, m.z_axis];
     let mut order = [0, 1, 2];
@@ -247,7 +253,8 @@ mod tests {
         assert_eq!((place.rotation, place.scale), (DQuat::IDENTITY, DVec3::new(1.0, -2.0, 3.0)));
     }
 
-    /// What the file says outright is not found again from the product, which has other factors too: an even number of mirrors is a half turn.
+    /// What the file says outright is not found again from the product, which has other factors
+    /// too: an even number of mirrors is a half turn.
     #[test]
     fn rotation_and_scale_are_those_of_the_file() {
         let half = DQuat::from_xyzw(0.0, 1.0, 0.0, 0.0);

@@ -13,8 +13,8 @@ use crate::import::gltf::document::{Document, Mesh, Node, Primitive};
 use crate::import::gltf::solid::Solid;
 use crate::import::gltf::tree::{Tree, local};
 
-/// Most vertices, triangles and nodes together of all the meshes that a scene's colliders are made of. A mesh that colliders of
-/// one size share counts once.
+/// Most vertices, triangles and nodes together of all the meshes that a scene's colliders are made
+/// of. A mesh that colliders of one size share counts once.
 pub(crate) const MAX_TRIANGLES: usize = 10_000_000;
 
 /// What there are at most as many of.
@@ -28,7 +28,8 @@ pub(crate) struct Triangles<'a> {
     document: &'a Document,
     buffers: Buffers<'a>,
     room: usize,
-    /// Of each mesh the surfaces of its primitives, in its own frame, and how often they were placed.
+    /// Of each mesh the surfaces of its primitives, in its own frame, and how often they were
+    /// placed.
     decoded: HashMap<usize, (Arc<Vec<TriangleMesh>>, usize)>,
     /// What has been made of meshes, for all colliders that want the same.
     pub(crate) solids: HashMap<SolidKey, Result<Solid, FieldError>>,

@@ -1,4 +1,5 @@
-//! What a document has that is not read: refused where its meaning would be lost, named where it would only be missed.
+//! What a document has that is not read: refused where its meaning would be lost, named where it
+//! would only be missed.
 
 use std::collections::HashSet;
 
@@ -17,7 +18,8 @@ const READ: [&str; 6] = [
     "KHR_mesh_quantization",
 ];
 
-/// Beginnings of the names of extensions that change how things look or are packed, and not how they move.
+/// Beginnings of the names of extensions that change how things look or are packed, and not how
+/// they move.
 const OF_LOOKS: [&str; 13] = [
     "KHR_materials_",
     "KHR_texture_",

@@ -1,4 +1,5 @@
-//! What a document costs is limited by what is in it and beside it, not by how often that is named: work is counted, not timed.
+//! What a document costs is limited by what is in it and beside it, not by how often that is named:
+//! work is counted, not timed.
 
 use std::fmt::Write as _;
 
@@ -21,7 +22,8 @@ fn octahedron() -> Vec<u8> {
 const VERTICES: usize = 6;
 const TRIANGLES: usize = 8;
 
-/// Bodies that take a mesh each, by its number, with a scale; every mesh has buffers of its own, which all name the same file.
+/// Bodies that take a mesh each, by its number, with a scale; every mesh has buffers of its own,
+/// which all name the same file.
 fn document(bodies: &[(usize, f64, bool)], meshes: usize, uri: &str) -> String {
     let (mut nodes, mut lists) = (String::new(), [const { String::new() }; 4]);
     for (mesh, scale, moves) in bodies {
@@ -94,7 +96,8 @@ fn place() -> tempfile::TempDir {
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(64))]
 
-    /// However many bodies, meshes and buffers name a thing, it is read and made once for each size that it is wanted in.
+    /// However many bodies, meshes and buffers name a thing, it is read and made once for each size
+    /// that it is wanted in.
     #[test]
     fn shared_things_cost_once(
         meshes in 1_usize..12,
@@ -133,7 +136,8 @@ fn what_is_shared_is_what_each_would_have_had() {
     }
 }
 
-/// A scene's own limit, of what all its buffers have together, and not of what they are said to have.
+/// A scene's own limit, of what all its buffers have together, and not of what they are said to
+/// have.
 #[test]
 fn limits_are_of_the_whole_document() {
     let place = place();

@@ -1,7 +1,8 @@
 //! Wavefront OBJ: vertices and faces.
 //!
-//! Faces with more than three corners are cut into a fan from their first. A flat face that is not convex is then covered
-//! more than once in places, once with each sign: volume and moments are those of the face, only its picture is not.
+//! Faces with more than three corners are cut into a fan from their first. A flat face that is not
+//! convex is then covered more than once in places, once with each sign: volume and moments are
+//! those of the face, only its picture is not.
 
 use std::collections::BTreeMap;
 
@@ -49,7 +50,8 @@ fn continued<'a>(line: &'a str, lines: &mut impl Iterator<Item = (usize, &'a str
 #[derive(Default)]
 struct Reader {
     surface: Surface,
-    /// Largest index of a vertex, from 0, and the line that has it: vertices may stand after the faces.
+    /// Largest index of a vertex, from 0, and the line that has it: vertices may stand after the
+    /// faces.
     largest: Option<(u32, usize)>,
     left_out: BTreeMap<&'static str, usize>,
 }
@@ -108,7 +110,8 @@ impl Reader {
 }
 
 impl Surface {
-    /// The vertex of a face's corner `v`, `v/vt`, `v//vn` or `v/vt/vn`, from 0. Numbers count from 1, negative ones back from the last vertex.
+    /// The vertex of a face's corner `v`, `v/vt`, `v//vn` or `v/vt/vn`, from 0. Numbers count from
+    /// 1, negative ones back from the last vertex.
     fn index(&self, corner: &str) -> Result<u32, String> {
         let word = corner.split('/').next().unwrap_or_default();
         let number: i64 = word.parse().map_err(|_| format!("{corner:?} is no corner of a face"))?;

@@ -7,12 +7,14 @@ use crate::import::mesh_file::{Surface, position};
 /// Bytes of the header of a binary file, which may say anything, and of the count behind it.
 const HEADER: usize = 80;
 const COUNT: usize = 4;
-/// Bytes of a triangle: a normal and three corners in single precision, and two bytes that mean nothing.
+/// Bytes of a triangle: a normal and three corners in single precision, and two bytes that mean
+/// nothing.
 const TRIANGLE: usize = 50;
 
 /// The surface, or what is wrong and in which line.
 ///
-/// A file that is as long as its count says is binary, whatever its header begins with; programs write `solid` there too.
+/// A file that is as long as its count says is binary, whatever its header begins with; programs
+/// write `solid` there too.
 pub(crate) fn read(bytes: &[u8]) -> Result<Surface, String> {
     let begins = bytes.trim_ascii_start().get(..5).is_some_and(|word| word.eq_ignore_ascii_case(b"solid"));
     let counted = bytes.get(HEADER..HEADER + COUNT).and_then(|count| count.try_into().ok()).map(u32::from_le_bytes);

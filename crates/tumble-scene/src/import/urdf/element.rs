@@ -14,7 +14,8 @@ const MAX_NODES: u32 = 1_000_000;
 /// Most namespace declarations. The parser keeps a list of them with every element that adds one.
 const MAX_NAMESPACES: usize = 100;
 
-/// Most quotation marks between two angle brackets. The parser compares every attribute with those before it.
+/// Most quotation marks between two angle brackets. The parser compares every attribute with those
+/// before it.
 const MAX_QUOTES: usize = 1000;
 
 /// Namespaces of macros, by how their addresses begin.
@@ -31,7 +32,8 @@ pub(crate) fn parse<'a>(text: &'a str, file: &str) -> Result<Document<'a>, Scene
         return Err(malformed(&format!("more than {MAX_NAMESPACES} namespaces are declared")));
     }
     let quotes = |stretch: &str| stretch.bytes().filter(|byte| matches!(byte, b'"' | b'\'')).count();
-    // Comments have no attributes; whatever is hidden in what only looks like one, the parser takes for text, too.
+    // Comments have no attributes; whatever is hidden in what only looks like one, the parser takes
+    // for text, too.
     let tag = |stretch: &&str| !stretch.starts_with("!--");
     if let Some(stretch) = text.split('<').filter(tag).find(|stretch| quotes(stretch) > MAX_QUOTES) {
         let name: String = stretch.chars().take_while(|letter| letter.is_alphanumeric()).take(30).collect();
@@ -49,7 +51,8 @@ pub(crate) fn parse<'a>(text: &'a str, file: &str) -> Result<Document<'a>, Scene
 pub(crate) const EXPAND: &str =
     "has xacro macros that are not expanded: expand them first (xacro FILE > robot.urdf) and give the result";
 
-/// Whether macros are left. Expanded files keep the declaration of the namespace, so that alone says nothing.
+/// Whether macros are left. Expanded files keep the declaration of the namespace, so that alone
+/// says nothing.
 pub(crate) fn has_macros(document: &Document<'_>) -> bool {
     document.descendants().any(|node| {
         let macros = |namespace: &str| XACRO.iter().any(|start| namespace.starts_with(start));

@@ -22,7 +22,8 @@ impl Frame {
     }
 }
 
-/// Roll, pitch and yaw about the fixed axes x, y and z, in this order: `R = R_z(yaw) R_y(pitch) R_x(roll)`.
+/// Roll, pitch and yaw about the fixed axes x, y and z, in this order:
+/// `R = R_z(yaw) R_y(pitch) R_x(roll)`.
 pub(crate) fn from_roll_pitch_yaw([roll, pitch, yaw]: [f64; 3]) -> DQuat {
     let about = |axis: DVec3, angle: f64| {
         // Not the platform's sine, which differs from one to the next.

@@ -12,7 +12,8 @@ use crate::values::checked::{note, positive};
 use crate::import::urdf::element::Element;
 use crate::import::urdf::frame::Frame;
 
-/// Of this part of the largest moment a tensor that was rounded to three digits may break the triangle inequality.
+/// Of this part of the largest moment a tensor that was rounded to three digits may break the
+/// triangle inequality.
 const ROUNDED: f64 = 0.01;
 
 /// Takes local y, along which our cylinders lie, to z, along which those of robots lie.

@@ -1,4 +1,5 @@
-//! Robots in the Unified Robot Description Format (URDF, <http://wiki.ros.org/urdf/XML>): links that have an inertial become bodies.
+//! Robots in the Unified Robot Description Format (URDF, <http://wiki.ros.org/urdf/XML>): links
+//! that have an inertial become bodies.
 
 pub(crate) mod element;
 pub(crate) mod frame;
@@ -21,7 +22,8 @@ use crate::import::urdf::frame::Frame;
 use crate::import::urdf::link::{Inertial, LeftOut, Link};
 use crate::import::urdf::tree::JointNames;
 
-/// Largest robot that is read \[bytes\]. The largest published ones have a hundredth of this; the parser needs memory many times it.
+/// Largest robot that is read \[bytes\]. The largest published ones have a hundredth of this; the
+/// parser needs memory many times it.
 pub(crate) const MAX_URDF_BYTES: u64 = 32 << 20;
 
 /// Robots have z up.
@@ -45,7 +47,8 @@ pub(crate) struct RobotLink {
 }
 
 impl Robot {
-    /// Reads a robot. Its bodies are where the links are while no joint is moved, seen from the root.
+    /// Reads a robot. Its bodies are where the links are while no joint is moved, seen from the
+    /// root.
     pub(crate) fn read(text: &str, file: &str, repairs: InertiaRepairs) -> Result<Self, SceneError> {
         // Editors on Windows put a byte-order mark in front.
         let text = text.strip_prefix('\u{feff}').unwrap_or(text);

@@ -22,8 +22,8 @@ struct Joint {
 /// Joints by kind, for the notices.
 pub(crate) type JointNames = Vec<(&'static str, Vec<String>)>;
 
-/// Where each link is, in the frame of the root. What is wrong with joints is noted with the links they belong to; links that no
-/// chain of joints leads to stay where the root is.
+/// Where each link is, in the frame of the root. What is wrong with joints is noted with the links
+/// they belong to; links that no chain of joints leads to stay where the root is.
 pub(crate) fn place(robot: Element<'_>, links: &mut [Link]) -> (Vec<Frame>, JointNames) {
     let mut names: JointNames = KINDS.iter().map(|kind| (*kind, Vec::new())).collect();
     let joints = joints(robot, links, &mut names);

@@ -8,7 +8,8 @@ use crate::scene::audit::Up;
 const AROUND: f64 = 0.62;
 const ABOVE: f64 = 0.42;
 
-/// Where things are in the picture: x to the right, y down, as SVG has them, and z towards the viewer.
+/// Where things are in the picture: x to the right, y down, as SVG has them, and z towards the
+/// viewer.
 pub(crate) struct Camera {
     /// Rows: to the right, up, and towards the viewer.
     rotation: DMat3,

@@ -54,7 +54,8 @@ impl Surface {
         Self { positions: mesh.positions().to_vec(), triangles: mesh.triangles().to_vec(), remark: None }
     }
 
-    /// With few enough triangles: vertices in one cell of a grid are taken for one, and triangles that vanish so are left out.
+    /// With few enough triangles: vertices in one cell of a grid are taken for one, and triangles
+    /// that vanish so are left out.
     fn coarse(self) -> Self {
         let all = self.triangles.len();
         let (mut cells, mut coarse) = (FINEST, None);
@@ -92,7 +93,8 @@ impl Surface {
         Self { positions, triangles, remark: None }
     }
 
-    /// The triangles that show their backs and those that show their fronts, as SVG, the furthest first.
+    /// The triangles that show their backs and those that show their fronts, as SVG, the furthest
+    /// first.
     pub(crate) fn draw(&self, camera: &Camera) -> [String; 2] {
         let light = LIGHT.normalize();
         let mut faces: Vec<(f64, bool, usize, [DVec3; 3])> = Vec::with_capacity(self.triangles.len());

@@ -30,7 +30,8 @@ impl Axis {
         let (low, high) = scaled.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), v| (low.min(v), high.max(v)));
         let (low, high) = if low <= high { (low, high) } else { (0.0, 1.0) };
         let size = low.abs().max(high.abs());
-        // Halves, so that the widest range there is does not overflow; a range below rounding is drawn as a constant.
+        // Halves, so that the widest range there is does not overflow; a range below rounding is
+        // drawn as a constant.
         let half = 0.5 * high - 0.5 * low;
         let pad = match (half > 1e-12 * size && half > 1e-290, size > 1e-290) {
             (true, _) => 0.08 * half,
@@ -82,7 +83,8 @@ fn in_scale(scale: Scale, value: f64) -> f64 {
     }
 }
 
-/// A tick's label: as many digits as tell it from its neighbours; all of one axis have the same power of ten.
+/// A tick's label: as many digits as tell it from its neighbours; all of one axis have the same
+/// power of ten.
 fn number(value: f64, step: f64, size: f64) -> String {
     let plain = (1e-3..1e5).contains(&size);
     let power = if plain { 0.0 } else { size.log10().floor() };

@@ -2,13 +2,15 @@
 
 /// Bodies that no force moves are scenery, of which this many are shown before the others.
 const MAX_SCENERY: usize = 100;
-/// The fractional part of the golden ratio in 2^32: multiples of it are spread evenly over whole turns.
+/// The fractional part of the golden ratio in 2^32: multiples of it are spread evenly over whole
+/// turns.
 const GOLDEN: u32 = 2_654_435_769;
 
-/// The indices of at most `most` bodies of `count`, in order: scenery first, then the others, spread over them all.
+/// The indices of at most `most` bodies of `count`, in order: scenery first, then the others,
+/// spread over them all.
 ///
-/// One is taken of each of equally many neighbours, each time at another place among them, for kinds of bodies often take turns
-/// and every tenth may be a ball.
+/// One is taken of each of equally many neighbours, each time at another place among them, for
+/// kinds of bodies often take turns and every tenth may be a ball.
 pub(crate) fn choose(count: usize, most: usize, is_scenery: impl Fn(usize) -> bool) -> Vec<usize> {
     if count <= most {
         return (0..count).collect();

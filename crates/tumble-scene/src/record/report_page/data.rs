@@ -19,7 +19,8 @@ const LONGEST_NAME: usize = 60;
 struct Data {
     /// The direction up.
     up: [u8; 3],
-    /// In linear light: those of bodies that move, then that of those that do not, then that of ground.
+    /// In linear light: those of bodies that move, then that of those that do not, then that of
+    /// ground.
     colors: Vec<[f32; 3]>,
     surfaces: Vec<SurfaceData>,
     bodies: Vec<BodyData>,
@@ -62,7 +63,8 @@ pub(crate) fn write(replay: &Replay, to: &mut impl Write) -> io::Result<()> {
     if let Some(shown) = replay.parts() {
         data.fill(shown);
     }
-    // Outside strings JSON has no such character, and inside one this is another way to write it: no element ends here.
+    // Outside strings JSON has no such character, and inside one this is another way to write it:
+    // no element ends here.
     to.write_all(serde_json::to_string(&data)?.replace('<', "\\u003c").as_bytes())
 }
 

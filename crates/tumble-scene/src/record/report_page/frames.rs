@@ -11,7 +11,8 @@ pub(crate) const MAX_FRAMES: usize = 1200;
 /// Position in f32 and orientation in 16-bit integers \[bytes\].
 pub(crate) const SAMPLE_BYTES: usize = size_of::<[f32; 3]>() + size_of::<[i16; 4]>();
 
-/// Poses at every k-th step. When there are too many, every other one is dropped, and k is twice what it was.
+/// Poses at every k-th step. When there are too many, every other one is dropped, and k is twice
+/// what it was.
 #[derive(Debug)]
 pub(crate) struct Frames {
     most: usize,

@@ -18,10 +18,11 @@ const BYTES: u64 = 6 << 20;
 /// Of these, what meshes may have \[bytes\].
 const MESH_BYTES: u64 = BYTES / 3 * 2;
 
-/// The motion of a scene's bodies, thinned out to what a page can show, in memory that does not grow with the run.
+/// The motion of a scene's bodies, thinned out to what a page can show, in memory that does not
+/// grow with the run.
 ///
-/// Of more than a thousand bodies a thousand are kept. Frames are kept at every k-th step, with k doubled whenever they are too many.
-/// [`left_out`](Self::left_out) says what is missing.
+/// Of more than a thousand bodies a thousand are kept. Frames are kept at every k-th step, with k
+/// doubled whenever they are too many. [`left_out`](Self::left_out) says what is missing.
 ///
 /// ```
 /// use tumble_scene::{Frame, Replay, Scene};

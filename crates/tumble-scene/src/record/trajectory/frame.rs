@@ -5,7 +5,8 @@ use tumble::{BodyId, BodyOrder, Pose, Simulation, Velocity};
 
 use crate::scene::BodyNames;
 
-/// All bodies at one step, as they are recorded. `Velocity` must be that of the state: run [`update_derived`](tumble::update_derived) before.
+/// All bodies at one step, as they are recorded. `Velocity` must be that of the state: run
+/// [`update_derived`](tumble::update_derived) before.
 ///
 /// ```
 /// use tumble::{BodyOrder, Simulation};

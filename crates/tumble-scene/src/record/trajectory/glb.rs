@@ -1,9 +1,11 @@
 //! Binary glTF 2.0, written while the run goes on.
 //!
-//! An animation in glTF is one array of times and, for each body, one array of translations and one of rotations, each in one
-//! piece. The number of frames is known before the first step, so every array has its place from the start, and frames are kept
-//! back until there are enough to write a piece of each. What viewers are told is how many frames there are already: those numbers
-//! stand together at the beginning of the file, in fields of fixed width, and are rewritten at every checkpoint.
+//! An animation in glTF is one array of times and, for each body, one array of translations and one
+//! of rotations, each in one piece. The number of frames is known before the first step, so every
+//! array has its place from the start, and frames are kept back until there are enough to write a
+//! piece of each. What viewers are told is how many frames there are already: those numbers stand
+//! together at the beginning of the file, in fields of fixed width, and are rewritten at every
+//! checkpoint.
 
 pub(crate) mod bodies;
 pub(crate) mod document;
@@ -45,7 +47,8 @@ const PENDING_BYTES: u64 = 16 << 20;
 pub struct Animation {
     /// Name of the scene.
     pub scene: String,
-    /// What the bodies look like in their own frames, by [`BodyId`](tumble::BodyId). A body that has none here is drawn as a point.
+    /// What the bodies look like in their own frames, by [`BodyId`](tumble::BodyId). A body that
+    /// has none here is drawn as a point.
     pub appearance: Vec<Appearance>,
     /// Time step \[s\].
     pub dt: f64,
@@ -56,7 +59,8 @@ pub struct Animation {
 }
 
 impl Animation {
-    /// Of `steps` steps of a scene, of which every `every`-th is recorded, and the state before the first.
+    /// Of `steps` steps of a scene, of which every `every`-th is recorded, and the state before the
+    /// first.
     ///
     /// # Errors
     /// As [`Scene::appearance`](crate::Scene::appearance).
@@ -149,7 +153,8 @@ impl Opened {
         }
         layout.write_headers(&mut buffered)?;
         bodies.geometry.write(&mut buffered)?;
-        // The file has its full length from here on, as its header says; what is not yet written takes no space on the disk.
+        // The file has its full length from here on, as its header says; what is not yet written
+        // takes no space on the disk.
         let last = layout.file_bytes() - 1;
         if buffered.stream_position()? < last {
             buffered.seek(SeekFrom::Start(last))?;
@@ -217,7 +222,8 @@ impl Opened {
         Ok(())
     }
 
-    /// Says in the document how many frames there are. In one write, which a kill is least likely to cut.
+    /// Says in the document how many frames there are. In one write, which a kill is least likely
+    /// to cut.
     fn write_counts(&mut self, writer: &mut (impl Write + Seek)) -> io::Result<()> {
         writer.seek(SeekFrom::Start(document::ACCESSORS_AT))?;
         writer.write_all(&document::track_accessors(&self.layout, self.written, self.last_time))

@@ -6,7 +6,8 @@ const INTERVAL: Duration = Duration::from_secs(1);
 /// Checkpoints take at most one part in this number of the time.
 const SHARE: u32 = 10;
 
-/// When checkpoints are made: the first at once, the others about once a second, more rarely where they take long.
+/// When checkpoints are made: the first at once, the others about once a second, more rarely where
+/// they take long.
 #[derive(Debug, Default)]
 pub(crate) struct Pace {
     begun: Option<Instant>,

@@ -1,8 +1,10 @@
-//! Apache Parquet. Readers look for the description of a file at its end, so every checkpoint writes a whole one, which those that
-//! follow leave behind in the middle of the file, where no reader looks.
+//! Apache Parquet. Readers look for the description of a file at its end, so every checkpoint
+//! writes a whole one, which those that follow leave behind in the middle of the file, where no
+//! reader looks.
 //!
-//! At any moment the file is to end with a description. So the last one is first written again where the end will be, then the new rows
-//! into the gap before it, and then the new description after it. What a kill can cut is only the writing of a description.
+//! At any moment the file is to end with a description. So the last one is first written again
+//! where the end will be, then the new rows into the gap before it, and then the new description
+//! after it. What a kill can cut is only the writing of a description.
 
 use std::collections::HashMap;
 use std::io::{self, Seek, SeekFrom, Write};
@@ -29,8 +31,8 @@ type RealType = DoubleType;
 /// Rows of a group, which are held in memory: about five megabytes of them in single precision.
 const GROUP_ROWS: usize = 1 << 16;
 
-/// A description is written when what is new is this many times as much. It is written twice, so all of them are at most an
-/// eighth of the file.
+/// A description is written when what is new is this many times as much. It is written twice, so
+/// all of them are at most an eighth of the file.
 const DESCRIPTION_SHARE: usize = 16;
 
 /// One row for each body and frame.
@@ -203,8 +205,9 @@ fn schema() -> Result<Type, ParquetError> {
     Type::group_type_builder("state").with_fields(columns).build()
 }
 
-/// Step, time and name are the same in many rows, so each group lists those it has and counts how often they follow each other; and
-/// their least and largest are noted, so that readers can skip groups. Of the numbers of a state hardly two are equal.
+/// Step, time and name are the same in many rows, so each group lists those it has and counts how
+/// often they follow each other; and their least and largest are noted, so that readers can skip
+/// groups. Of the numbers of a state hardly two are equal.
 fn properties() -> WriterProperties {
     let mut properties = WriterProperties::builder()
         .set_created_by(concat!("tumble ", env!("CARGO_PKG_VERSION")).to_owned())

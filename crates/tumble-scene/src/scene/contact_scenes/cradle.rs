@@ -8,7 +8,8 @@ const RADIUS: f64 = 0.1;
 const MASS: f64 = 1.0;
 /// Between neighbours at rest \[m\].
 const GAP: f64 = 0.002;
-/// Below the bars from which the balls hang, and half the distance between the two wires of one \[m\].
+/// Below the bars from which the balls hang, and half the distance between the two wires of one
+/// \[m\].
 const DEPTH: f64 = 1.0;
 const APART: f64 = 0.4;
 /// Of a wire [N/m]; with two of them a ball is stretched down by a third of a millimetre.
@@ -17,7 +18,8 @@ const STIFFNESS: f64 = 2e4;
 /// The bars from which the balls hang, on either side.
 const BARS: [(&str, f64); 2] = [("back", -1.0), ("front", 1.0)];
 
-/// Five balls, each on two wires that are stiff springs; the first is drawn up by an angle whose sine is 0.6.
+/// Five balls, each on two wires that are stiff springs; the first is drawn up by an angle whose
+/// sine is 0.6.
 pub(crate) fn scene() -> SceneModel {
     let wire = |bar: &str, x: f64| ForceModel::Spring {
         to: bar.to_owned(),

@@ -12,11 +12,13 @@ const PUSH: f64 = 1.2;
 
 /// Along two half circles, one to the left and one to the right, and so on if there are more.
 pub(crate) fn scene(bodies: usize) -> SceneModel {
-    // Half the angle between two has this tangent, so that chords are of the same length; no sine is needed.
+    // Half the angle between two has this tangent, so that chords are of the same length; no sine
+    // is needed.
     let tangent = 0.5 * APART / (RADIUS * RADIUS - 0.25 * APART * APART).sqrt();
     let in_half_circle = (std::f64::consts::FRAC_PI_2 * RADIUS / (0.5 * APART)).round().max(1.0) as usize;
     let mut pieces = Vec::with_capacity(bodies + 1);
-    // Where the next one stands; and its heading, as the rotation about y by half its angle: cosine and sine.
+    // Where the next one stands; and its heading, as the rotation about y by half its angle: cosine
+    // and sine.
     let (mut place, mut heading) = ([0.0_f64, 0.0], [1.0_f64, 0.0]);
     for index in 0..bodies {
         let ahead = [heading[0] * heading[0] - heading[1] * heading[1], -2.0 * heading[0] * heading[1]];

@@ -13,10 +13,12 @@ const HALF_THICKNESS: f64 = 0.1;
 const SPIN: f64 = 1.1;
 const PANELS: usize = 8;
 
-/// Each panel is a body of its own that turns about the axis of them all: that is where its centre of mass is said to be.
+/// Each panel is a body of its own that turns about the axis of them all: that is where its centre
+/// of mass is said to be.
 pub(crate) fn scene(bodies: usize, seed: u64) -> SceneModel {
     let axis = RADIUS + 0.5;
-    // A half, a quarter and an eighth of a turn's sines and cosines are square roots; the half angle of an eighth has these.
+    // A half, a quarter and an eighth of a turn's sines and cosines are square roots; the half
+    // angle of an eighth has these.
     let step = [(0.5 + 0.125_f64.sqrt()).sqrt(), (0.5 - 0.125_f64.sqrt()).sqrt()];
     let mut half = [1.0_f64, 0.0];
     let mut all = Vec::with_capacity(bodies + PANELS + 2);
@@ -47,7 +49,8 @@ pub(crate) fn scene(bodies: usize, seed: u64) -> SceneModel {
 /// Balls and blocks on a grid in the middle of the drum, of sizes that leave room for all.
 fn contents(bodies: usize, axis: f64, seed: u64) -> impl Iterator<Item = BodyModel> {
     let mut rng = Rng::new(seed);
-    // A block in the middle of the drum, wide as 2.8 m, high as 2.8 m and long as the drum less a little, in cubic cells.
+    // A block in the middle of the drum, wide as 2.8 m, high as 2.8 m and long as the drum less a
+    // little, in cubic cells.
     let (wide, long) = (2.8, 2.0 * HALF_LENGTH - 0.1);
     let fits = |cell: f64| {
         let count = |length: f64| (length / cell).floor();

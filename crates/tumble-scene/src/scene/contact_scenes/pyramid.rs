@@ -3,7 +3,8 @@ use crate::scene::model::{BodyModel, SceneModel};
 /// Distance between the middles of neighbours \[m\].
 const PITCH: f64 = 1.1;
 
-/// Layers of boxes, each one box shorter on either side than that below; what is too few for a whole pyramid is missing at its top.
+/// Layers of boxes, each one box shorter on either side than that below; what is too few for a
+/// whole pyramid is missing at its top.
 pub(crate) fn scene(bodies: usize) -> SceneModel {
     let whole = |base: usize| base * (base + 1) * (2 * base + 1) / 6;
     let base = (1..).find(|base| whole(*base) >= bodies).unwrap_or(1);

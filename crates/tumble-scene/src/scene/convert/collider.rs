@@ -9,7 +9,8 @@ use crate::scene::collider_model::ColliderModel;
 use crate::scene::model::{BodyModel, Groups, ShapeModel};
 use crate::values::checked::{note, real, real_quaternion, real_vector};
 
-/// What the body touches others with; `ground` is what it is, `shape` is `None` if it has been complained of already.
+/// What the body touches others with; `ground` is what it is, `shape` is `None` if it has been
+/// complained of already.
 pub(crate) fn collider(
     model: &BodyModel,
     ground: Option<&Appearance>,

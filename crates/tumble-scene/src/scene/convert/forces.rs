@@ -185,8 +185,8 @@ fn spring(body: &BodyModel, force: &ForceModel, other: Option<&BodyModel>) -> Re
     })
 }
 
-/// Where a point of the body's frame is at the start \[m\], in the engine's precision: a spring is to be at rest there, not nearly so.
-/// Of a body that has no place the error is its own.
+/// Where a point of the body's frame is at the start \[m\], in the engine's precision: a spring is
+/// to be at rest there, not nearly so. Of a body that has no place the error is its own.
 fn world_point(body: &BodyModel, point: [f64; 3]) -> DVec3 {
     let position = body.position.map_or(DVec3::ZERO, |position| DVec3::from_array(position.0));
     let orientation = crate::scene::convert::ground::orientation(body).ok().flatten();

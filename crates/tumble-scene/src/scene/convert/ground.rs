@@ -15,7 +15,8 @@ use crate::values::tuple::{Triple, Tuple};
 /// A normal shorter than this has no direction to speak of.
 const SHORTEST_NORMAL: f64 = 1e-9;
 
-/// What a body looks like whose shape is ground without a mistake. Notes what cannot be said of such a body.
+/// What a body looks like whose shape is ground without a mistake. Notes what cannot be said of
+/// such a body.
 pub(crate) fn appearance(model: &BodyModel, problems: &mut Vec<FieldError>) -> Option<Appearance> {
     let shape = model.shape.as_ref().filter(|shape| shape.is_ground())?;
     let (appearance, immovable) = match shape {
@@ -92,7 +93,8 @@ fn triangles(heights: &Rows, spacing: &Tuple<f64, 2>) -> Result<TriangleMesh, Me
     TriangleMesh::new(corners, triangles)
 }
 
-/// The rotation from the body's frame to the world, if the model has any. The frame of a half-space has y along the normal.
+/// The rotation from the body's frame to the world, if the model has any. The frame of a half-space
+/// has y along the normal.
 pub(crate) fn orientation(model: &BodyModel) -> Result<Option<DQuat>, FieldError> {
     let given = model.orientation.as_ref().map(|given| unit_quaternion("orientation", given)).transpose()?;
     let Some(ShapeModel::HalfSpace { normal }) = &model.shape else { return Ok(given) };
@@ -108,7 +110,8 @@ fn from_y_to(normal: &Triple) -> Result<DQuat, FieldError> {
         return Err(FieldError::new("normal", format!("has no direction: its length is {}", shortest(length))));
     }
     let DVec3 { x, y, z } = vector / length;
-    // Twice the angle's half: 1 + cos, and the axis times sin. Near the opposite, where both vanish, any axis across will do.
+    // Twice the angle's half: 1 + cos, and the axis times sin. Near the opposite, where both
+    // vanish, any axis across will do.
     let rotation = DQuat::from_xyzw(z, 0.0, -x, 1.0 + y);
     Ok(if y > -1.0 + 1e-12 { rotation.normalize() } else { DQuat::from_xyzw(1.0, 0.0, 0.0, 0.0) })
 }

@@ -5,10 +5,13 @@ use crate::forces::components::constant_wrench::to_world;
 use crate::forces::simd_force_law::{SimdBody, SimdForceLaw, SimdWrench};
 use crate::math::{Real, Vec3};
 
-/// Turns the body up to a wanted angular velocity, in one step where the torque suffices: `torque = I (wanted - w)/dt`, up to a limit.
+/// Turns the body up to a wanted angular velocity, in one step where the torque suffices:
+/// `torque = I (wanted - w)/dt`, up to a limit.
 ///
-/// What other engines leave to the caller (Unity's `AddTorque(inertia * difference / dt)`) with a limit: a reaction wheel. Against a limit the angular
-/// velocity changes at the rate `max_torque/I`, and the last of it may take one step more. It does work, and has no potential. Under `RungeKutta4`, whose stages are within the step, each step leaves 0.375 of the difference.
+/// What other engines leave to the caller (Unity's `AddTorque(inertia * difference / dt)`) with a
+/// limit: a reaction wheel. Against a limit the angular velocity changes at the rate
+/// `max_torque/I`, and the last of it may take one step more. It does work, and has no potential.
+/// Under `RungeKutta4`, whose stages are within the step, each step leaves 0.375 of the difference.
 ///
 /// ```
 /// # use tumble::prelude::*;

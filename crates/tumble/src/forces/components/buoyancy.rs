@@ -4,11 +4,14 @@ use crate::forces::force_law::BodyState;
 use crate::forces::simd_force_law::{SimdBody, SimdForceLaw, SimdWrench};
 use crate::math::{Real, Vec3, dquat, dvec3};
 
-/// The lift of a body in still water: `F = -rho V g` at the centroid of the volume `V` that is under water (Archimedes).
+/// The lift of a body in still water: `F = -rho V g` at the centroid of the volume `V` that is
+/// under water (Archimedes).
 ///
-/// Up is against the simulation's gravity; the surface is the plane of all points `level` above the origin. Volume and centroid are exact for both
-/// hulls, so a box rights itself or turns over as it should. The energy is `rho g` times the integral of depth over the volume. The water does not resist: that is
-/// [`Damping`](crate::Damping)'s or [`Drag`](crate::Drag)'s. Without gravity there is no lift.
+/// Up is against the simulation's gravity; the surface is the plane of all points `level` above the
+/// origin. Volume and centroid are exact for both hulls, so a box rights itself or turns over as it
+/// should. The energy is `rho g` times the integral of depth over the volume. The water does not
+/// resist: that is [`Damping`](crate::Damping)'s or [`Drag`](crate::Drag)'s. Without gravity there
+/// is no lift.
 ///
 /// ```
 /// # use tumble::prelude::*;
@@ -28,7 +31,8 @@ pub struct Buoyancy {
     pub level: Real,
     /// What floats.
     pub hull: Hull,
-    /// Centre of the hull \[m\], from the centre of mass along the body's axes. A boat with ballast has it above.
+    /// Centre of the hull \[m\], from the centre of mass along the body's axes. A boat with ballast
+    /// has it above.
     pub center: Vec3,
 }
 
@@ -55,7 +59,8 @@ pub enum Hull {
 }
 
 impl Buoyancy {
-    /// Of a hull around the centre of mass in fresh water, 1000 kg/m^3, whose surface goes through the origin.
+    /// Of a hull around the centre of mass in fresh water, 1000 kg/m^3, whose surface goes through
+    /// the origin.
     pub fn new(hull: Hull) -> Self {
         Self { density: 1000.0, level: 0.0, hull, center: Vec3::ZERO }
     }
@@ -84,7 +89,8 @@ impl SimdForceLaw<9> for Buoyancy {
         let cuboid = Submerged::cuboid(LaneVec3::new(hx, hy, hz), up_body, height);
         let is_cuboid = radius.lt(zero);
         let volume = L::select(is_cuboid, cuboid.volume, sphere.volume);
-        // The centroid of a cap is straight below or above the centre, where its arm makes no torque.
+        // The centroid of a cap is straight below or above the centre, where its arm makes no
+        // torque.
         let centroid = LaneVec3::select(is_cuboid, cuboid.centroid, sphere.centroid);
         let lift = body.gravity * -(density * volume);
         SimdWrench::force_at(lift, body.orientation.rotate(center + centroid))
@@ -111,7 +117,8 @@ impl SimdForceLaw<9> for Buoyancy {
     }
 }
 
-/// Volume \[m^3\] below the surface of a sphere whose centre is `height` \[m\] above it: a cap, `pi c^2 (3 r - c)/3`.
+/// Volume \[m^3\] below the surface of a sphere whose centre is `height` \[m\] above it: a cap,
+/// `pi c^2 (3 r - c)/3`.
 #[inline(always)]
 fn cap<L: Lane>(radius: L, height: L) -> L {
     let depth = (radius - height).max(L::splat(0.0)).min(radius + radius);
@@ -138,8 +145,8 @@ struct Submerged<L> {
 impl<L: Lane> Submerged<L> {
     /// Of a box whose centre is `height` \[m\] above the surface.
     ///
-    /// From a point of the surface the box is a sum of tetrahedra over the triangles of its faces, each cut by the surface. The cut itself, which contains the point, adds
-    /// nothing.
+    /// From a point of the surface the box is a sum of tetrahedra over the triangles of its faces,
+    /// each cut by the surface. The cut itself, which contains the point, adds nothing.
     #[inline(always)]
     fn cuboid(half_extents: LaneVec3<L>, up: LaneVec3<L>, height: L) -> Self {
         let zero = L::splat(0.0);
@@ -153,7 +160,8 @@ impl<L: Lane> Submerged<L> {
         for triangle in std::hint::black_box(0)..triangles {
             let (axis, positive, first) = (triangle / 4, triangle % 4 >= 2, triangle % 2 == 0);
             let [a, b, c, d] = face(half_extents, axis, positive, up, height);
-            // Six times the volume of each of two tetrahedra is the distance of the face times its area.
+            // Six times the volume of each of two tetrahedra is the distance of the face times its
+            // area.
             let (along, across) = (h[(axis + 1) % 3], h[(axis + 2) % 3]);
             let distance = h[axis] + outward(up, axis, positive) * height;
             let tetrahedron = distance * along * across * L::splat(4.0 / 6.0);
@@ -176,7 +184,8 @@ impl<L: Lane> Submerged<L> {
     }
 }
 
-/// A corner, from the point of the surface below or above the box's centre, and its height above the surface.
+/// A corner, from the point of the surface below or above the box's centre, and its height above
+/// the surface.
 #[derive(Clone, Copy)]
 struct Corner<L> {
     place: LaneVec3<L>,
@@ -213,9 +222,11 @@ fn face<L: Lane>(half_extents: LaneVec3<L>, axis: usize, positive: bool, up: Lan
     corners
 }
 
-/// Volume and first moment of the part below the surface of a tetrahedron that stands on a triangle with its tip in the surface.
+/// Volume and first moment of the part below the surface of a tetrahedron that stands on a triangle
+/// with its tip in the surface.
 ///
-/// Where the surface parts one corner `v` from the others, it cuts off a tetrahedron with the edges from `v` shortened by `t = h_v/(h_v - h_w)` each.
+/// Where the surface parts one corner `v` from the others, it cuts off a tetrahedron with the edges
+/// from `v` shortened by `t = h_v/(h_v - h_w)` each.
 #[inline(always)]
 fn below<L: Lane>([a, b, c]: [Corner<L>; 3], volume: L) -> (L, LaneVec3<L>) {
     let (zero, one) = (L::splat(0.0), L::splat(1.0));

@@ -30,9 +30,11 @@ impl Frame {
     }
 }
 
-/// A force and a torque that act until this component is removed; a [`Wrench`](crate::Wrench) acts in one step only.
+/// A force and a torque that act until this component is removed; a [`Wrench`](crate::Wrench) acts
+/// in one step only.
 ///
-/// In the world frame it is a constant force: `x = x0 + v0 t + F t^2/2M`. In the body frame it turns with the body. It has no potential.
+/// In the world frame it is a constant force: `x = x0 + v0 t + F t^2/2M`. In the body frame it
+/// turns with the body. It has no potential.
 ///
 /// ```
 /// # use tumble::prelude::*;

@@ -3,14 +3,19 @@ use tumble_math::lane::{Lane, Vec3 as LaneVec3};
 use crate::forces::simd_force_law::{SimdBody, SimdForceLaw, SimdWrench};
 use crate::math::{Real, Vec3};
 
-/// Resistance that grows with the square of speed: `F = -|u| K u` with `u` the velocity relative to the [`Wind`](crate::Wind), and `torque = -|w| C w`.
+/// Resistance that grows with the square of speed: `F = -|u| K u` with `u` the velocity relative to
+/// the [`Wind`](crate::Wind), and `torque = -|w| C w`.
 ///
-/// `K` and `C` are diagonal in the body's axes: a plate that meets the air with its face has more in that direction than along it, and is carried sideways.
-/// With three equal numbers the drag is the same in every attitude. For resistance in proportion to speed there is [`Damping`](crate::Damping).
+/// `K` and `C` are diagonal in the body's axes: a plate that meets the air with its face has more
+/// in that direction than along it, and is carried sideways. With three equal numbers the drag is
+/// the same in every attitude. For resistance in proportion to speed there is
+/// [`Damping`](crate::Damping).
 ///
-/// Under `MoserVeselov` and `SemiImplicitEuler` it never takes away more than the velocity there is, so light things in a storm stay where they should.
+/// Under `MoserVeselov` and `SemiImplicitEuler` it never takes away more than the velocity there
+/// is, so light things in a storm stay where they should.
 ///
-/// A sphere alone that starts at speed `v` has `v/(1 + v K t/M)` after a time `t`. It has no potential.
+/// A sphere alone that starts at speed `v` has `v/(1 + v K t/M)` after a time `t`. It has no
+/// potential.
 ///
 /// ```
 /// # use tumble::Drag;
@@ -20,7 +25,8 @@ use crate::math::{Real, Vec3};
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq, Default)]
 pub struct Drag {
-    /// Force over the square of speed along each axis of the body [kg/m]: half the density of the medium times coefficient times area.
+    /// Force over the square of speed along each axis of the body [kg/m]: half the density of the
+    /// medium times coefficient times area.
     pub linear: Vec3,
     /// Torque over the square of angular speed about each axis of the body [kg m^2].
     pub angular: Vec3,
@@ -50,7 +56,8 @@ impl SimdForceLaw<6> for Drag {
     }
 }
 
-/// `-|u| K u`, with K along the body's axes; at the most so much along each that a kick takes away all of the velocity there.
+/// `-|u| K u`, with K along the body's axes; at the most so much along each that a kick takes away
+/// all of the velocity there.
 #[inline(always)]
 fn resistance<L: Lane>(body: &SimdBody<L>, u: LaneVec3<L>, k: LaneVec3<L>, inertia: LaneVec3<L>) -> LaneVec3<L> {
     let speed = u.dot(u).sqrt();

@@ -3,10 +3,11 @@ use tumble_math::lane::Lane;
 use crate::forces::simd_force_law::{SimdBody, SimdForceLaw, SimdWrench};
 use crate::math::Real;
 
-/// The sideways force on a body that spins in a stream: `F = S w x u`, with `u` the velocity relative to the [`Wind`](crate::Wind).
+/// The sideways force on a body that spins in a stream: `F = S w x u`, with `u` the velocity
+/// relative to the [`Wind`](crate::Wind).
 ///
-/// Always across the motion, so in still air it does no work. A body that moves at constant speed with `w` across its way goes round with the
-/// angular velocity `S w/M`.
+/// Always across the motion, so in still air it does no work. A body that moves at constant speed
+/// with `w` across its way goes round with the angular velocity `S w/M`.
 ///
 /// ```
 /// # use tumble::prelude::*;
@@ -21,7 +22,8 @@ use crate::math::Real;
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq, Default)]
 pub struct Magnus {
-    /// `S` \[kg\]. For a sphere of radius r in a fluid of density rho, theory without friction gives `8/3 pi rho r^3`; balls in air have less.
+    /// `S` \[kg\]. For a sphere of radius r in a fluid of density rho, theory without friction
+    /// gives `8/3 pi rho r^3`; balls in air have less.
     pub coefficient: Real,
 }
 

@@ -4,12 +4,14 @@ use crate::forces::force_law::BodyState;
 use crate::forces::simd_force_law::{SimdBody, SimdForceLaw, SimdWrench};
 use crate::math::{Real, Vec3, dvec3};
 
-/// Gravity towards a point of the world: `F = -M mu r/(r^2 + e^2)^(3/2)`, `r` from the point to the body, with the energy `-M mu/(r^2 + e^2)^(1/2)`.
+/// Gravity towards a point of the world: `F = -M mu r/(r^2 + e^2)^(3/2)`, `r` from the point to the
+/// body, with the energy `-M mu/(r^2 + e^2)^(1/2)`.
 ///
-/// Bodies that attract each other carry [`GravityMass`](crate::GravityMass) instead. The force acts at the centre of mass: the torque of a field that is
-/// stronger on the near side is not in it.
+/// Bodies that attract each other carry [`GravityMass`](crate::GravityMass) instead. The force acts
+/// at the centre of mass: the torque of a field that is stronger on the near side is not in it.
 ///
-/// Under `MoserVeselov` the energy of an orbit has no trend, and the ellipse turns by an angle that falls with the square of the step: docs/forces.md has figures.
+/// Under `MoserVeselov` the energy of an orbit has no trend, and the ellipse turns by an angle that
+/// falls with the square of the step: docs/forces.md has figures.
 ///
 /// ```
 /// # use tumble::prelude::*;
@@ -28,7 +30,8 @@ pub struct PointGravity {
     pub center: Vec3,
     /// Gravitational constant times the mass there [m^3/s^2]; 3.986004418e14 for the earth.
     pub mu: Real,
-    /// `e` \[m\], which keeps the force finite where the body passes through the point; 0 is Newton's law.
+    /// `e` \[m\], which keeps the force finite where the body passes through the point; 0 is
+    /// Newton's law.
     pub softening: Real,
 }
 
@@ -53,9 +56,11 @@ impl SimdForceLaw<5> for PointGravity {
     }
 }
 
-/// The acceleration [m/s^2] towards a mass that is `away` \[m\]; none towards one at the same place.
+/// The acceleration [m/s^2] towards a mass that is `away` \[m\]; none towards one at the same
+/// place.
 ///
-/// In this order of factors neither a planet's distance nor an atom's leaves the range of single precision.
+/// In this order of factors neither a planet's distance nor an atom's leaves the range of single
+/// precision.
 #[inline(always)]
 pub(crate) fn attraction<L: Lane>(away: LaneVec3<L>, mu: L, softening_squared: L) -> LaneVec3<L> {
     let (zero, one) = (L::splat(0.0), L::splat(1.0));

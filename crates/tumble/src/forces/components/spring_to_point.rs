@@ -9,13 +9,17 @@ use crate::math::{Real, Vec3, dvec3};
 
 /// A spring with a damper from a point of the body to a point of the world.
 ///
-/// Along the line between them, at the distance `l`, it pulls with `k (l - l0) + c dl/dt`; its energy is `k (l - l0)^2/2`. With a rest length of zero it pulls towards
-/// the anchor from every side.
+/// Along the line between them, at the distance `l`, it pulls with `k (l - l0) + c dl/dt`; its
+/// energy is `k (l - l0)^2/2`. With a rest length of zero it pulls towards the anchor from every
+/// side.
 ///
-/// Under `MoserVeselov` and `SemiImplicitEuler` it never explodes, however stiff. At the centre of mass it has its true frequency up to 0.45 a substep, and elsewhere
-/// no higher one than it should: see [`SimdBody::stable_stiffness`]. Under `RungeKutta4` the angular frequency times the substep must stay below 2.8. Between two bodies there is [`Spring`](crate::Spring).
+/// Under `MoserVeselov` and `SemiImplicitEuler` it never explodes, however stiff. At the centre of
+/// mass it has its true frequency up to 0.45 a substep, and elsewhere no higher one than it should:
+/// see [`SimdBody::stable_stiffness`]. Under `RungeKutta4` the angular frequency times the substep
+/// must stay below 2.8. Between two bodies there is [`Spring`](crate::Spring).
 ///
-/// It reckons with the whole mass of the body: on one that other springs hold as well, all of them together must not be stiffer than one may be at its stiffest.
+/// It reckons with the whole mass of the body: on one that other springs hold as well, all of them
+/// together must not be stiffer than one may be at its stiffest.
 ///
 /// ```
 /// # use tumble::prelude::*;

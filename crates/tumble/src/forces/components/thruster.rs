@@ -3,9 +3,11 @@ use tumble_math::lane::{Lane, Vec3 as LaneVec3};
 use crate::forces::simd_force_law::{SimdBody, SimdForceLaw, SimdWrench};
 use crate::math::{Real, Vec3};
 
-/// Nozzles that are fixed to the body and push along its axes: each with a force at a point, all opened by one throttle.
+/// Nozzles that are fixed to the body and push along its axes: each with a force at a point, all
+/// opened by one throttle.
 ///
-/// `F = throttle R f` and `torque = throttle R (p x f)`, summed over the nozzles. It pushes until it is removed or the throttle closed; no potential.
+/// `F = throttle R f` and `torque = throttle R (p x f)`, summed over the nozzles. It pushes until
+/// it is removed or the throttle closed; no potential.
 ///
 /// ```
 /// # use tumble::{Thruster, math::Vec3};
@@ -31,7 +33,8 @@ impl Default for Thruster {
 }
 
 impl Thruster {
-    /// One nozzle at full throttle: its force \[N\] and where it acts \[m\], from the centre of mass along the body's axes.
+    /// One nozzle at full throttle: its force \[N\] and where it acts \[m\], from the centre of
+    /// mass along the body's axes.
     pub fn new(force_body: Vec3, point_body: Vec3) -> Self {
         Self::default().and(force_body, point_body)
     }

@@ -6,11 +6,15 @@ use crate::math::{Real, Vec3};
 use crate::simd::{Kernel, MAX_BODIES, Tile, dispatch};
 use crate::threads::InParts;
 
-/// Makes a body attract all others that carry one, and be attracted by them: `F_i = M_i sum mu_j r/(r^2 + e_i^2 + e_j^2)^(3/2)`, `r` from i to j.
+/// Makes a body attract all others that carry one, and be attracted by them:
+/// `F_i = M_i sum mu_j r/(r^2 + e_i^2 + e_j^2)^(3/2)`, `r` from i to j.
 ///
-/// Every pair is computed, at any number of bodies; docs/forces.md says what that costs. Momentum is kept, and there is an energy, where `mu` is in proportion to
-/// [`Mass`](crate::Mass). A body further than 1e15 m from the origin along an axis, or nowhere, attracts nothing, and no more does one whose numbers here are not finite or
-/// whose `mu` is beyond 1e33. A pull that would change a velocity by more than 1e9 m/s in a part of a step is not felt. With a `mu` of zero a body feels the others and they do not feel it.
+/// Every pair is computed, at any number of bodies; docs/forces.md says what that costs. Momentum
+/// is kept, and there is an energy, where `mu` is in proportion to [`Mass`](crate::Mass). A body
+/// further than 1e15 m from the origin along an axis, or nowhere, attracts nothing, and no more
+/// does one whose numbers here are not finite or whose `mu` is beyond 1e33. A pull that would
+/// change a velocity by more than 1e9 m/s in a part of a step is not felt. With a `mu` of zero a
+/// body feels the others and they do not feel it.
 ///
 /// ```
 /// # use tumble::GravityMass;

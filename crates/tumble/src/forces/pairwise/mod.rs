@@ -1,9 +1,12 @@
 //! Forces between bodies: springs and gravity among them.
 //!
-//! What two bodies do to each other cannot be computed a chunk at a time. So these forces are kicks: impulses on all bodies concerned, before and after each
-//! substep of everything else (the first alone for the first-order integrator). Momentum changes and place does not, so no stage of an integrator sees half a kick.
+//! What two bodies do to each other cannot be computed a chunk at a time. So these forces are
+//! kicks: impulses on all bodies concerned, before and after each substep of everything else (the
+//! first alone for the first-order integrator). Momentum changes and place does not, so no stage of
+//! an integrator sees half a kick.
 //!
-//! Bodies are gathered in the order of `BodyId`, and every sum is taken in an order that follows from it.
+//! Bodies are gathered in the order of `BodyId`, and every sum is taken in an order that follows
+//! from it.
 
 pub(crate) mod gravity_mass;
 pub(crate) mod pair_forces;

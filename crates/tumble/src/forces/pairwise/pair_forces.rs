@@ -12,7 +12,8 @@ use crate::range::{MAX_DISTANCE, MAX_MU, MAX_SPEED, within};
 use crate::storage::body_index::BodyIndex;
 use crate::storage::world_columns::WorldColumns;
 
-/// The forces between the bodies of a world, with what their evaluation needs: kept from step to step, so that a step need not allocate.
+/// The forces between the bodies of a world, with what their evaluation needs: kept from step to
+/// step, so that a step need not allocate.
 #[derive(Clone, Default)]
 pub(crate) struct PairForces {
     members: BodyIndex,
@@ -32,7 +33,8 @@ impl fmt::Debug for PairForces {
 }
 
 impl PairForces {
-    /// Finds out what acts between which bodies of a world. To be called again when anything was spawned, despawned or changed but momentum and pose.
+    /// Finds out what acts between which bodies of a world. To be called again when anything was
+    /// spawned, despawned or changed but momentum and pose.
     pub(crate) fn find(&mut self, world: &World) {
         self.members.find(world, |archetype, mark| {
             if let Some(springs) = archetype.get::<&Spring>() {
@@ -59,7 +61,8 @@ impl PairForces {
         }
     }
 
-    /// Changes the momenta by what the forces, as they are now, do in the time `t` \[s\]; `h` \[s\] is the substep.
+    /// Changes the momenta by what the forces, as they are now, do in the time `t` \[s\]; `h` \[s\]
+    /// is the substep.
     pub(crate) fn kick(&mut self, held: &mut WorldColumns<'_>, t: Real, h: Real) {
         self.members.update_views(held);
         let views = &self.members.views;
@@ -78,8 +81,9 @@ impl PairForces {
         self.springs.prepare(&self.members, t, h);
         self.springs.update(&self.velocities);
         if self.springs.are_damped() {
-            // Once more at the velocities half-way, which makes the kick one of second order. No damper takes more than the velocity there is, in all of a net
-            // together: the kick leaves between half and all of every motion.
+            // Once more at the velocities half-way, which makes the kick one of second order. No
+            // damper takes more than the velocity there is, in all of a net together: the kick
+            // leaves between half and all of every motion.
             for slot in 0..self.members.len() {
                 let mut impulse = self.springs.impulse(slot);
                 impulse.linear = impulse.linear + self.by_gravity(slot, t).linear;

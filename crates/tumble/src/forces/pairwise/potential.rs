@@ -7,10 +7,12 @@ use crate::math::{Vec3, dquat, dvec3};
 use crate::storage::body_order::BodyOrder;
 use crate::threads::InParts;
 
-/// Fewest pairs of masses that are worth handing to another thread: they take some ten microseconds.
+/// Fewest pairs of masses that are worth handing to another thread: they take some ten
+/// microseconds.
 const PAIRS: usize = 4096;
 
-/// The energy of springs between bodies and of gravity among them \[J\], in double precision; bodies whose pose is not finite are left out.
+/// The energy of springs between bodies and of gravity among them \[J\], in double precision;
+/// bodies whose pose is not finite are left out.
 pub(crate) fn potential(world: &World, order: &BodyOrder) -> f64 {
     if !crate::forces::pairwise::are_in(world) {
         return 0.0;
@@ -36,7 +38,8 @@ fn point(pose: &Pose, attachment: Vec3) -> Option<glam::DVec3> {
     point.is_finite().then_some(point)
 }
 
-/// Half of what each body's mass has in the fields of the others; whole for a pair of which only one feels the other.
+/// Half of what each body's mass has in the fields of the others; whole for a pair of which only
+/// one feels the other.
 fn gravity(world: &World, order: &BodyOrder) -> f64 {
     let mut query = world.query::<(&Pose, &GravityMass, Option<&Mass>, hecs::Satisfies<(&Momentum, &Wrench)>)>();
     let bodies = query.view();
@@ -50,7 +53,8 @@ fn gravity(world: &World, order: &BodyOrder) -> f64 {
             Some((position, mass, f64::from(gravity.mu), f64::from(gravity.softening).powi(2)))
         })
         .collect();
-    // Each body with those before it, and then body after body: the order of the sum does not depend on threads.
+    // Each body with those before it, and then body after body: the order of the sum does not
+    // depend on threads.
     let parts = masses.par_iter().enumerate().by_at_least(PAIRS.div_ceil(masses.len().max(1)));
     let sums: Vec<f64> = parts.map(|(i, mass)| gravity_with(mass, &masses[..i])).collect();
     sums.iter().sum()
@@ -64,7 +68,8 @@ fn gravity_with(
     let mut sum = 0.0;
     for &(other_x, other_mass, other_mu, other_softening) in others {
         let distance = (x.distance_squared(other_x) + softening + other_softening).sqrt();
-        // The two are equal where mu is in proportion to mass; a body without a field, or one that nothing moves, has energy with the other all the same.
+        // The two are equal where mu is in proportion to mass; a body without a field, or one that
+        // nothing moves, has energy with the other all the same.
         let strengths = [mass * other_mu, other_mass * mu];
         let is_one_sided = strengths.contains(&0.0);
         let strength = strengths.iter().sum::<f64>() * if is_one_sided { 1.0 } else { 0.5 };

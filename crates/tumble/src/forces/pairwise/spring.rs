@@ -2,20 +2,29 @@ use hecs::Entity;
 
 use crate::math::{Real, Vec3};
 
-/// A spring with a damper between points of two bodies. It is a component of an entity of its own, so a body can have any number.
+/// A spring with a damper between points of two bodies. It is a component of an entity of its own,
+/// so a body can have any number.
 ///
-/// Along the line between the points, at the distance `l`, it pulls both with `k (l - l0) + c dl/dt`; its energy is `k (l - l0)^2/2`. Either body may be one that does
-/// not move. While a body is not in the world, or both are the same, the spring does nothing.
+/// Along the line between the points, at the distance `l`, it pulls both with
+/// `k (l - l0) + c dl/dt`; its energy is `k (l - l0)^2/2`. Either body may be one that does not
+/// move. While a body is not in the world, or both are the same, the spring does nothing.
 ///
-/// It is made to keep energy within bounds however stiff it is, wherever it is attached and however many hang together: of a thousand random pairs, rings and nets none had more than
-/// twice the energy of its start; `docs/forces.md` has the range that was drawn from. Between two centres of mass it has its true frequency up to 0.45 a
-/// substep, and stiffer springs that one; [`SimdBody::stable_stiffness`](crate::SimdBody::stable_stiffness) says how. Where several springs hold a body each counts on its share of the mass alone: what all of
-/// them do at once is stable then, and a stiff net softer than it should be, with a third of an oscillation a substep at the most. At the rim of a body it turns that by at most a radian a substep
-/// in small swings; where a long pull would turn it by more than 0.7, it acts at a shorter arm, and damps from 0.55 on. Damping takes no more than the velocity there is.
+/// It is made to keep energy within bounds however stiff it is, wherever it is attached and however
+/// many hang together: of a thousand random pairs, rings and nets none had more than twice the
+/// energy of its start; `docs/forces.md` has the range that was drawn from. Between two centres of
+/// mass it has its true frequency up to 0.45 a substep, and stiffer springs that one;
+/// [`SimdBody::stable_stiffness`](crate::SimdBody::stable_stiffness) says how. Where several
+/// springs hold a body each counts on its share of the mass alone: what all of them do at once is
+/// stable then, and a stiff net softer than it should be, with a third of an oscillation a substep
+/// at the most. At the rim of a body it turns that by at most a radian a substep in small swings;
+/// where a long pull would turn it by more than 0.7, it acts at a shorter arm, and damps from 0.55
+/// on. Damping takes no more than the velocity there is.
 ///
-/// They do not know of a [`SpringToPoint`](crate::SpringToPoint) on the same body; to tie a body to a place in a stiff net, spring it to a fixed body.
+/// They do not know of a [`SpringToPoint`](crate::SpringToPoint) on the same body; to tie a body to
+/// a place in a stiff net, spring it to a fixed body.
 ///
-/// A spring with a rest length that is pressed through its own middle turns about at once: the path after that depends on the step.
+/// A spring with a rest length that is pressed through its own middle turns about at once: the path
+/// after that depends on the step.
 ///
 /// ```
 /// use tumble::prelude::*;

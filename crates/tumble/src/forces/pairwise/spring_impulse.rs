@@ -66,7 +66,8 @@ pub(crate) struct Springs {
 const PART: usize = 1024;
 
 impl Springs {
-    /// Takes over the springs of a world; those whose bodies are not there, or one and the same, are left out.
+    /// Takes over the springs of a world; those whose bodies are not there, or one and the same,
+    /// are left out.
     pub(crate) fn find(&mut self, world: &hecs::World, members: &BodyIndex) {
         self.connections.clear();
         for archetype in world.archetypes() {
@@ -116,7 +117,8 @@ impl Springs {
         self.pulls.iter().any(|pull| pull.damping != 0.0)
     }
 
-    /// Finds out how each spring pulls in a kick of the duration `t` \[s\], in substeps of `h` \[s\].
+    /// Finds out how each spring pulls in a kick of the duration `t` \[s\], in substeps of `h`
+    /// \[s\].
     pub(crate) fn prepare(&mut self, members: &BodyIndex, t: Real, h: Real) {
         let Self { connections, first_end, pulls, .. } = self;
         let springs_of = |slot: usize| (first_end[slot + 1] - first_end[slot]) as Real;
@@ -164,9 +166,10 @@ impl Connection {
         (self.slots, numbers.map(|number| u64::from(number.to_bits())))
     }
 
-    /// What it does in a kick over the time `t` in substeps of `h`. Each body lends the spring its share of mass and inertia, one part for every
-    /// spring that it has. What the spring moves is taken at its lightest, so that it does not depend on attitude: a stiffness that changes as bodies turn has no
-    /// potential, and energy would not come back.
+    /// What it does in a kick over the time `t` in substeps of `h`. Each body lends the spring its
+    /// share of mass and inertia, one part for every spring that it has. What the spring moves is
+    /// taken at its lightest, so that it does not depend on attitude: a stiffness that changes as
+    /// bodies turn has no potential, and energy would not come back.
     fn pull(&self, [a, b]: [&BodyView; 2], shares: [Real; 2], t: Real, h: Real) -> Pull {
         let spring = &self.spring;
         let end = |views: &BodyView, at: crate::math::Vec3, share: Real| {
@@ -226,7 +229,9 @@ impl Pull {
 }
 
 impl BodyView {
-    /// As [`Constants::most_inverse_mass_at`](crate::integrators::state::Constants::most_inverse_mass_at); zero for one that forces do not move.
+    /// As
+    /// [`Constants::most_inverse_mass_at`](crate::integrators::state::Constants::most_inverse_mass_at);
+    /// zero for one that forces do not move.
     fn most_inverse_mass_at(&self, point_body: crate::math::Vec3) -> Real {
         self.constants.map_or(0.0, |constants| constants.most_inverse_mass_at(point_body.into()))
     }

@@ -1,6 +1,7 @@
 //! Transposes of SSE2 and AVX2 tiles: rows are read and written in blocks of four numbers.
 //!
-//! A row of more than four numbers is two blocks that may overlap, so no number outside the row is touched.
+//! A row of more than four numbers is two blocks that may overlap, so no number outside the row is
+//! touched.
 
 use std::arch::x86_64::*;
 
@@ -11,8 +12,9 @@ use crate::simd::{BLOCK, Eight};
 /// How a vector type loads and stores one block of as many rows as it has lanes.
 ///
 /// # Safety
-/// `row` says where each row's block begins, or the first one is at `base` and the others `stride` numbers apart; the blocks of as many rows as there are lanes must be
-/// readable (writable), and the machine must have the instruction set.
+/// `row` says where each row's block begins, or the first one is at `base` and the others `stride`
+/// numbers apart; the blocks of as many rows as there are lanes must be readable (writable), and
+/// the machine must have the instruction set.
 pub(super) trait Block: Sized + Copy {
     unsafe fn load4(row: impl Fn(usize) -> *const Real) -> [Self; 4];
     unsafe fn store4(numbers: [Self; 4], base: *mut Real, stride: usize);

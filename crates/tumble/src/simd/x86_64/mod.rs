@@ -1,7 +1,8 @@
 //! Tiles of SSE2, AVX2 and AVX-512.
 //!
-//! Intrinsics are `unsafe`: those of an instruction set may only run where the machine has it. Tiles are private to this
-//! module, and the only way to one is a `with_*` function, whose caller has looked.
+//! Intrinsics are `unsafe`: those of an instruction set may only run where the machine has it.
+//! Tiles are private to this module, and the only way to one is a `with_*` function, whose caller
+//! has looked.
 
 #![allow(unsafe_code, reason = "intrinsics; see the SAFETY notes")]
 
@@ -47,8 +48,8 @@ pub(super) fn with_avx512(kernel: &mut impl Kernel) {
     avx2_from(kernel, left);
 }
 
-/// Runs a kernel from row `first` on. What each instruction set leaves over goes to the code of the next narrower one, which is compiled once and not once more for those
-/// that it is left by.
+/// Runs a kernel from row `first` on. What each instruction set leaves over goes to the code of the
+/// next narrower one, which is compiled once and not once more for those that it is left by.
 fn avx2_from(kernel: &mut impl Kernel, first: usize) {
     #[target_feature(enable = "avx2")]
     fn enabled(kernel: &mut impl Kernel, first: usize) -> usize {
@@ -87,7 +88,8 @@ pub(super) fn blocks_with_avx2(kernel: &mut impl Kernel) {
     }
 }
 
-/// Runs a kernel of whole blocks on AVX-512 tiles where they are as wide as a block, which they are in double precision, else as if there were only AVX2.
+/// Runs a kernel of whole blocks on AVX-512 tiles where they are as wide as a block, which they are
+/// in double precision, else as if there were only AVX2.
 pub(super) fn blocks_with_avx512(kernel: &mut impl Kernel) {
     #[cfg(feature = "f64")]
     #[target_feature(enable = "avx512f")]
@@ -103,8 +105,9 @@ pub(super) fn blocks_with_avx512(kernel: &mut impl Kernel) {
     blocks_with_avx2(kernel);
 }
 
-/// Has the function that this is inlined into keep its stack at multiples of 64 bytes. The compiler lets vectors that it runs out of registers
-/// for lie across cache lines otherwise, since it learns too late that there are any.
+/// Has the function that this is inlined into keep its stack at multiples of 64 bytes. The compiler
+/// lets vectors that it runs out of registers for lie across cache lines otherwise, since it learns
+/// too late that there are any.
 #[inline(always)]
 fn align_the_stack() {
     #[repr(align(64))]
@@ -132,14 +135,16 @@ macro_rules! tile {
         impl $Tile {
             #[inline(always)]
             fn from_array(numbers: &[Real; $width]) -> Self {
-                // SAFETY: the array has the size of the vector, and an unaligned load is used; for the rest see the module.
+                // SAFETY: the array has the size of the vector, and an unaligned load is used; for
+                // the rest see the module.
                 Self(unsafe { $load(numbers.as_ptr()) })
             }
 
             #[inline(always)]
             fn to_array(self) -> [Real; $width] {
                 let mut numbers = [0.0; $width];
-                // SAFETY: the array has the size of the vector, and an unaligned store is used; for the rest see the module.
+                // SAFETY: the array has the size of the vector, and an unaligned store is used; for
+                // the rest see the module.
                 unsafe { $store(numbers.as_mut_ptr(), self.0) };
                 numbers
             }
@@ -153,10 +158,12 @@ macro_rules! tile {
                 let rows = &rows[..$width];
                 let mut tiles = [Self::splat(0.0); N];
                 if R::STRIDE == 1 {
-                    // SAFETY: as many numbers behind each other as the tile is wide; for the rest see the module.
+                    // SAFETY: as many numbers behind each other as the tile is wide; for the rest
+                    // see the module.
                     tiles[0] = Self(unsafe { $load(rows.as_ptr().cast()) });
                 } else if $rows::transposes::<R, N>() {
-                    // SAFETY: as many rows as the tile is wide, of at least N numbers each; for the rest see the module.
+                    // SAFETY: as many rows as the tile is wide, of at least N numbers each; for the
+                    // rest see the module.
                     let vectors: [$Vector; N] = unsafe { $rows::load_rows(rows.as_ptr().cast(), R::STRIDE) };
                     let mut c = 0;
                     while c < N {
@@ -195,7 +202,8 @@ macro_rules! tile {
             fn store<R: Record, const N: usize>(tiles: [Self; N], rows: &mut [R]) {
                 let rows = &mut rows[..$width];
                 if R::STRIDE == 1 {
-                    // SAFETY: as many numbers behind each other as the tile is wide; for the rest see the module.
+                    // SAFETY: as many numbers behind each other as the tile is wide; for the rest
+                    // see the module.
                     unsafe { $store(rows.as_mut_ptr().cast(), tiles[0].0) };
                 } else if $rows::transposes::<R, N>() {
                     let mut vectors = [tiles[0].0; N];
@@ -204,7 +212,8 @@ macro_rules! tile {
                         vectors[c] = tiles[c].0;
                         c += 1;
                     }
-                    // SAFETY: as many rows as the tile is wide, of at least N numbers each; for the rest see the module.
+                    // SAFETY: as many rows as the tile is wide, of at least N numbers each; for the
+                    // rest see the module.
                     unsafe { $rows::store_rows(vectors, rows.as_mut_ptr().cast(), R::STRIDE) };
                 } else {
                     let mut lanes = [[0.0; $width]; N];
@@ -395,7 +404,8 @@ mod precision {
     /// 2^n in the exponent bits, for whole numbers n in the low halves.
     #[inline(always)]
     unsafe fn exponents_128(n: __m128i) -> __m128d {
-        // SAFETY: SSE2 is part of x86-64. Biased exponents are positive, so zeros extend them to 64 bits.
+        // SAFETY: SSE2 is part of x86-64. Biased exponents are positive, so zeros extend them to 64
+        // bits.
         unsafe {
             let biased = _mm_add_epi32(n, _mm_set1_epi32(1023));
             _mm_castsi128_pd(_mm_slli_epi64::<52>(_mm_unpacklo_epi32(biased, _mm_setzero_si128())))

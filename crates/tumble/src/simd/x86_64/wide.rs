@@ -1,9 +1,12 @@
-//! Transposes of AVX-512 tiles: rows are read and written as whole vectors, and sorted by permutations of two vectors.
+//! Transposes of AVX-512 tiles: rows are read and written as whole vectors, and sorted by
+//! permutations of two vectors.
 //!
-//! With W lanes, rows of a power of two numbers are unzipped: vectors next to each other give their even and their odd units, halving the unit
-//! from half a row to one number. Rows of six need fewer permutations: in the 3 W numbers of W/2 rows the first and second number of every
-//! row, taken modulo W, fall on different lanes, likewise the third and fourth, the fifth and sixth. So two blends collect each pair of numbers, and one
-//! permutation of the two halves' blends gives each number of W rows.
+//! With W lanes, rows of a power of two numbers are unzipped: vectors next to each other give their
+//! even and their odd units, halving the unit from half a row to one number. Rows of six need fewer
+//! permutations: in the 3 W numbers of W/2 rows the first and second number of every row, taken
+//! modulo W, fall on different lanes, likewise the third and fourth, the fifth and sixth. So two
+//! blends collect each pair of numbers, and one permutation of the two halves' blends gives each
+//! number of W rows.
 
 use std::arch::x86_64::_mm512_loadu_si512;
 
@@ -150,7 +153,8 @@ unsafe fn zip_rows<const S: usize>(v: [Vector; S]) -> [Vector; S] {
     }
 }
 
-/// In vector `vector` of three that hold W/2 rows of six, the lanes with number `2 pair` or `2 pair + 1` of a row.
+/// In vector `vector` of three that hold W/2 rows of six, the lanes with number `2 pair` or
+/// `2 pair + 1` of a row.
 const fn lanes_of_pair(vector: usize, pair: usize) -> Mask {
     let mut mask = 0;
     let mut lane = 0;
@@ -163,7 +167,8 @@ const fn lanes_of_pair(vector: usize, pair: usize) -> Mask {
     mask
 }
 
-/// For row i, the lane on which blending leaves number `c`; of the second half of the rows behind the first vector.
+/// For row i, the lane on which blending leaves number `c`; of the second half of the rows behind
+/// the first vector.
 const fn lanes_of_number(c: usize) -> Table {
     let mut table = [0; WIDTH];
     let mut row = 0;
@@ -175,7 +180,8 @@ const fn lanes_of_number(c: usize) -> Table {
     table
 }
 
-/// For each lane of a blended vector, where its number comes from: a row's even number from the first vector, its odd one from the second.
+/// For each lane of a blended vector, where its number comes from: a row's even number from the
+/// first vector, its odd one from the second.
 const fn rows_on_lanes(pair: usize, half: usize) -> Table {
     let mut table = [0; WIDTH];
     let mut row = 0;
@@ -303,10 +309,12 @@ pub(super) const fn transposes<R: Record, const N: usize>() -> bool {
 /// Loads the first `N` numbers of as many rows as there are lanes.
 ///
 /// # Safety
-/// The rows, `stride` numbers long, must be readable but for padding after the `N` numbers, and the machine must have AVX-512F.
+/// The rows, `stride` numbers long, must be readable but for padding after the `N` numbers, and the
+/// machine must have AVX-512F.
 #[inline(always)]
 pub(super) unsafe fn load_rows<const N: usize>(base: *const Real, stride: usize) -> [Vector; N] {
-    // SAFETY: whole vectors of rows without padding are read, else only the lanes that hold numbers; and the caller's promise.
+    // SAFETY: whole vectors of rows without padding are read, else only the lanes that hold
+    // numbers; and the caller's promise.
     unsafe {
         match (N, stride) {
             (1, 1) => [load(base); N],
@@ -318,7 +326,8 @@ pub(super) unsafe fn load_rows<const N: usize>(base: *const Real, stride: usize)
     }
 }
 
-/// Loads the first `N` numbers of rows that are anywhere, each a vector of its own as it is in double precision.
+/// Loads the first `N` numbers of rows that are anywhere, each a vector of its own as it is in
+/// double precision.
 ///
 /// # Safety
 /// The machine has AVX-512F.
@@ -343,7 +352,8 @@ pub(super) unsafe fn gather_rows<const N: usize>(rows: &[&Eight; BLOCK]) -> [Vec
 /// The rows, `stride` numbers long, must be writable, and the machine must have AVX-512F.
 #[inline(always)]
 pub(super) unsafe fn store_rows<const N: usize>(numbers: [Vector; N], base: *mut Real, stride: usize) {
-    // SAFETY: whole vectors of rows without padding are written, else only the lanes that hold numbers; and the caller's promise.
+    // SAFETY: whole vectors of rows without padding are written, else only the lanes that hold
+    // numbers; and the caller's promise.
     unsafe {
         match (N, stride) {
             (1, 1) => store(base, numbers[0]),

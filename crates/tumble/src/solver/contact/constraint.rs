@@ -1,14 +1,19 @@
 use crate::simd::BLOCK;
 use crate::simd::block_lanes::Lanes;
 
-/// Contacts side by side that have no body in common that impulses move, of up to `P` points each with `C` couplings between them.
+/// Contacts side by side that have no body in common that impulses move, of up to `P` points each
+/// with `C` couplings between them.
 ///
-/// A contact is a small problem in a frame of its own: impulses along the normal at its points, and in one point in their middle friction and what
-/// resists turning. Both bodies are pushed at one point of the world with equal and opposite impulses, so that momentum and angular momentum of the two
-/// are kept to rounding. With the middle `c`, the normal `n` from the first body to the second and the tangents `t1`, `t2 = n x t1`, the relative velocity
-/// along the normal at the point `c + a t1 + b t2` is `n.u - a t2.r + b t1.r`, where `u` is the relative velocity at `c` and `r` the relative angular velocity.
+/// A contact is a small problem in a frame of its own: impulses along the normal at its points, and
+/// in one point in their middle friction and what resists turning. Both bodies are pushed at one
+/// point of the world with equal and opposite impulses, so that momentum and angular momentum of
+/// the two are kept to rounding. With the middle `c`, the normal `n` from the first body to the
+/// second and the tangents `t1`, `t2 = n x t1`, the relative velocity along the normal at the point
+/// `c + a t1 + b t2` is `n.u - a t2.r + b t1.r`, where `u` is the relative velocity at `c` and `r`
+/// the relative angular velocity.
 ///
-/// What the passes read lies in the order in which they need more of it, so that the first does not fetch what only the last has a use for.
+/// What the passes read lies in the order in which they need more of it, so that the first does not
+/// fetch what only the last has a use for.
 #[derive(Clone, Copy)]
 #[repr(C, align(64))]
 pub(crate) struct Block<const P: usize, const C: usize> {
@@ -18,7 +23,8 @@ pub(crate) struct Block<const P: usize, const C: usize> {
     /// The first tangent.
     pub(crate) tangent: [Lanes; 3],
     pub(crate) points: [Point; P],
-    /// Velocity at the second of two points that a unit impulse at the first gives [1/kg]: 01 02 03 12 13 23.
+    /// Velocity at the second of two points that a unit impulse at the first gives [1/kg]: 01 02 03
+    /// 12 13 23.
     pub(crate) couplings: [Lanes; C],
     pub(crate) friction: Friction,
     pub(crate) start: Start<P>,
@@ -28,7 +34,8 @@ pub(crate) struct Block<const P: usize, const C: usize> {
     pub(crate) count: usize,
 }
 
-/// The geometry of contacts at the start of the step, from which that of each substep follows as the bodies move.
+/// The geometry of contacts at the start of the step, from which that of each substep follows as
+/// the bodies move.
 #[derive(Clone, Copy)]
 #[repr(C)]
 pub(crate) struct Start<const P: usize> {
@@ -38,9 +45,11 @@ pub(crate) struct Start<const P: usize> {
     pub(crate) apart: [Lanes; 3],
     /// How much of the middle is fixed to the second body, from 0 to 1.
     pub(crate) carried: Lanes,
-    /// How the geometry follows the bodies: [`MATERIAL`](crate::collision::contact::MATERIAL) or another.
+    /// How the geometry follows the bodies: [`MATERIAL`](crate::collision::contact::MATERIAL) or
+    /// another.
     pub(crate) law: Lanes,
-    /// How far an arm may change \[m\] before the effective masses are computed again; below zero where that is done in any case.
+    /// How far an arm may change \[m\] before the effective masses are computed again; below zero
+    /// where that is done in any case.
     pub(crate) slide: Lanes,
     /// One less how much effective masses have changed in the last substep, but not below zero.
     pub(crate) steady: Lanes,
@@ -74,7 +83,8 @@ pub(crate) struct Friction {
     pub(crate) limits: [Lanes; 2],
     /// Radius at which friction acts against a twist \[m\].
     pub(crate) radius: Lanes,
-    /// Inverse of the 2x2 matrix that takes an impulse in the tangent plane to a velocity: `xx, xy, yy` \[kg\].
+    /// Inverse of the 2x2 matrix that takes an impulse in the tangent plane to a velocity:
+    /// `xx, xy, yy` \[kg\].
     pub(crate) mass: [Lanes; 3],
     /// Angular impulse about the normal that takes out a twist of one rad/s.
     pub(crate) twisting_mass: Lanes,
@@ -90,7 +100,8 @@ pub(crate) struct Friction {
 pub(crate) struct Rolling {
     /// As a length \[m\].
     pub(crate) length: Lanes,
-    /// Inverse of the 2x2 matrix that takes an angular impulse about the tangents to an angular velocity: `xx, xy, yy` [kg m^2].
+    /// Inverse of the 2x2 matrix that takes an angular impulse about the tangents to an angular
+    /// velocity: `xx, xy, yy` [kg m^2].
     pub(crate) mass: [Lanes; 3],
     /// Angular impulse about the tangents [N m s].
     pub(crate) impulse: [Lanes; 2],
@@ -101,17 +112,22 @@ pub(crate) struct Rolling {
 #[repr(C)]
 pub(crate) struct Bounce<const P: usize> {
     pub(crate) restitution: Lanes,
-    /// What relaxing leaves of the velocity in the middle, as [`follow`](crate::solver::contact::update_geometry::follow) has it \[m/s\].
+    /// What relaxing leaves of the velocity in the middle, as
+    /// [`follow`](crate::solver::contact::update_geometry::follow) has it \[m/s\].
     pub(crate) lag: [Lanes; 3],
-    /// The fastest that the bodies came together at each point before it held them, in this step: velocity along the normal \[m/s\].
+    /// The fastest that the bodies came together at each point before it held them, in this step:
+    /// velocity along the normal \[m/s\].
     pub(crate) approach: [Lanes; P],
-    /// Velocity along the normal at each point before forces act on them in this substep, and what those do to it \[m/s\].
+    /// Velocity along the normal at each point before forces act on them in this substep, and what
+    /// those do to it \[m/s\].
     pub(crate) before: [Lanes; P],
     pub(crate) kick: [Lanes; P],
-    /// How fast they come together at each point in this substep until they meet, and before any impulse acts \[m/s\].
+    /// How fast they come together at each point in this substep until they meet, and before any
+    /// impulse acts \[m/s\].
     pub(crate) met: [Lanes; P],
     pub(crate) coming: [Lanes; P],
-    /// Energy that impulses along the normal have taken from the bodies in this step \[J\]: no more comes back.
+    /// Energy that impulses along the normal have taken from the bodies in this step \[J\]: no more
+    /// comes back.
     pub(crate) absorbed: Lanes,
 }
 

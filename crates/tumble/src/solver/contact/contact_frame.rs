@@ -8,7 +8,8 @@ use crate::simd::{BLOCK, Eight, Rows, Tile, gather};
 use crate::solver::contact::constraint::Block;
 use crate::solver::contact::effective_mass::Mobility;
 
-/// The motion of the second body seen from the first, at the middle of the contact: velocities, or displacements.
+/// The motion of the second body seen from the first, at the middle of the contact: velocities, or
+/// displacements.
 #[derive(Clone, Copy)]
 pub(crate) struct Relative<T> {
     pub(crate) linear: Vec3<T>,
@@ -47,7 +48,8 @@ impl<T: Tile> ContactFrame<T> {
         Self { normal, tangents: [tangent, normal.cross(tangent)], arms }
     }
 
-    /// Along the normal, and about both tangents: what the motion of every point along the normal is made of.
+    /// Along the normal, and about both tangents: what the motion of every point along the normal
+    /// is made of.
     #[inline(always)]
     pub(crate) fn normal_parts(&self, motion: &Relative<T>) -> [T; 3] {
         let [first, second] = self.tangents;
@@ -90,7 +92,8 @@ impl<T: Tile> DeltaPoses<T> {
     }
 }
 
-/// Linear and angular momenta of a tile's bodies. Where they are `grounded`, impulses move only the second of each.
+/// Linear and angular momenta of a tile's bodies. Where they are `grounded`, impulses move only the
+/// second of each.
 pub(crate) struct Momenta<T> {
     grounded: bool,
     linear: [Vec3<T>; 2],
@@ -110,7 +113,8 @@ impl<T: Tile> Momenta<T> {
         Self { grounded, linear: [first.0, second.0], angular: [first.1, second.1] }
     }
 
-    /// An impulse in the middle and an angular impulse on the second bodies, the opposite on the first.
+    /// An impulse in the middle and an angular impulse on the second bodies, the opposite on the
+    /// first.
     #[inline(always)]
     pub(crate) fn push(&mut self, arms: [Vec3<T>; 2], linear: Vec3<T>, angular: Vec3<T>) {
         if !self.grounded {
@@ -168,7 +172,8 @@ impl<T: Tile> BodyLanes<T> {
         Mobility { inv_inertia: inv_inertia.of_what_moves(self.momenta.grounded), inverse_mass: self.inverse_mass() }
     }
 
-    /// The smaller of the bodies' sizes, as what turns them has it: of their mass over their inertia; infinite where impulses turn neither \[m\].
+    /// The smaller of the bodies' sizes, as what turns them has it: of their mass over their
+    /// inertia; infinite where impulses turn neither \[m\].
     #[inline(always)]
     pub(crate) fn least_size(&self, inv_inertia: &InverseMasses<T>) -> T {
         let [first, second] = inv_inertia.diagonal;
@@ -177,7 +182,8 @@ impl<T: Tile> BodyLanes<T> {
         of_first.min(of_second).sqrt()
     }
 
-    /// Angular velocities `w`, and what free rotation adds to them a second, `I^-1 (L x w)`; nothing where impulses turn nothing.
+    /// Angular velocities `w`, and what free rotation adds to them a second, `I^-1 (L x w)`;
+    /// nothing where impulses turn nothing.
     #[inline(always)]
     pub(crate) fn free_spins(&self, inv_inertia: &InverseMasses<T>) -> ([Vec3<T>; 2], [Vec3<T>; 2]) {
         let [first, second] = self.momenta.angular;
@@ -195,7 +201,8 @@ impl<T: Tile> BodyLanes<T> {
         Relative::new([first.0, second.0], [first.1, second.1], arms)
     }
 
-    /// An impulse in the middle and an angular impulse on the second bodies, the opposite on the first.
+    /// An impulse in the middle and an angular impulse on the second bodies, the opposite on the
+    /// first.
     #[inline(always)]
     pub(crate) fn push(&mut self, arms: [Vec3<T>; 2], linear: Vec3<T>, angular: Vec3<T>) {
         self.momenta.push(arms, linear, angular);
@@ -208,7 +215,8 @@ impl<T: Tile> BodyLanes<T> {
     }
 }
 
-/// How bodies answer to angular impulses: their inverse inertia in the world. What impulses do not move has one with which its angular velocity is the momentum that it is given.
+/// How bodies answer to angular impulses: their inverse inertia in the world. What impulses do not
+/// move has one with which its angular velocity is the momentum that it is given.
 pub(crate) struct InverseMasses<T> {
     diagonal: [Vec3<T>; 2],
     off_diagonal: [Vec3<T>; 2],

@@ -14,16 +14,18 @@ pub(crate) struct Mobility<T> {
     pub(crate) inverse_mass: T,
 }
 
-/// Which part of the impulses a substep begins with where effective masses are this steady: none where they have changed by more than
-/// a sixteenth. Impulses of a body that turned under them would do something else: a rod that slaps the ground would take off.
+/// Which part of the impulses a substep begins with where effective masses are this steady: none
+/// where they have changed by more than a sixteenth. Impulses of a body that turned under them
+/// would do something else: a rod that slaps the ground would take off.
 #[inline(always)]
 pub(crate) fn warm_start_factor<T: Tile>(steady: T) -> T {
     let one = T::splat(1.0);
     (one - (one - steady) * T::splat(16.0)).max(T::splat(0.0))
 }
 
-/// Computes the effective masses of a tile where `changed` is above zero. A point without mass keeps none. Returns how
-/// steady they are: one less the greatest relative change, but not below zero.
+/// Computes the effective masses of a tile where `changed` is above zero. A point without mass
+/// keeps none. Returns how steady they are: one less the greatest relative change, but not below
+/// zero.
 #[inline(always)]
 pub(crate) fn compute<T: Tile, const P: usize, const C: usize>(
     block: &mut Block<P, C>,
@@ -122,8 +124,9 @@ fn of_friction<T: Tile, const P: usize, const C: usize>(
     T::select(zero.lt(change), change, zero)
 }
 
-/// Inverse of a symmetric 2x2 matrix `xx, xy, yy` with positive eigenvalues; zero where it has none. Without its determinant,
-/// which has the square of the masses in it: a moon's is no number in single precision.
+/// Inverse of a symmetric 2x2 matrix `xx, xy, yy` with positive eigenvalues; zero where it has
+/// none. Without its determinant, which has the square of the masses in it: a moon's is no number
+/// in single precision.
 #[inline(always)]
 fn inverse<T: Tile>([a, b, c]: [T; 3]) -> [T; 3] {
     let (zero, one) = (T::splat(0.0), T::splat(1.0));

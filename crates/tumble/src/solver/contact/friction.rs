@@ -53,7 +53,8 @@ impl<T: Tile> FrictionSolve<T> {
         }
     }
 
-    /// The same with a torque about the tangents only where something resists rolling: of what is kept from step to step it may have one elsewhere, since the normal turns.
+    /// The same with a torque about the tangents only where something resists rolling: of what is
+    /// kept from step to step it may have one elsewhere, since the normal turns.
     #[inline(always)]
     pub(crate) fn of_what_rolls(self, length: T) -> Self {
         let (zero, [u, v]) = (T::splat(0.0), self.roll);
@@ -82,7 +83,8 @@ impl<T: Tile> FrictionSolve<T> {
 
     /// The same with as much of the rolling taken out as what resists it can take.
     ///
-    /// To be applied before [`slid`](Self::slid) is asked: sliding friction turns a body too, and both at once, each as if it were alone, would turn it back and forth.
+    /// To be applied before [`slid`](Self::slid) is asked: sliding friction turns a body too, and
+    /// both at once, each as if it were alone, would turn it back and forth.
     #[inline(always)]
     pub(crate) fn rolled(
         &self,
@@ -102,9 +104,11 @@ impl<T: Tile> FrictionSolve<T> {
 
     /// The same with as much of the sliding and twisting taken out as friction can take.
     ///
-    /// Sliding and twisting share what there is: the impulse `f` and the angular impulse `t` are within
-    /// `|f|^2 + (t/radius)^2 <= (mu N)^2`, the ellipsoid that approximates the limit surface of a patch (S. Goyal, A. Ruina, J. Papadopoulos, 1991). What slips is resisted against its
-    /// velocity, `(u, radius r)`, as the ellipsoid has it: what would stop it in one go, with all the tipping of the body that goes with that, points elsewhere.
+    /// Sliding and twisting share what there is: the impulse `f` and the angular impulse `t` are
+    /// within `|f|^2 + (t/radius)^2 <= (mu N)^2`, the ellipsoid that approximates the limit surface
+    /// of a patch (S. Goyal, A. Ruina, J. Papadopoulos, 1991). What slips is resisted against its
+    /// velocity, `(u, radius r)`, as the ellipsoid has it: what would stop it in one go, with all
+    /// the tipping of the body that goes with that, points elsewhere.
     #[inline(always)]
     pub(crate) fn slid(
         &self,
@@ -128,8 +132,8 @@ impl<T: Tile> FrictionSolve<T> {
         let hold = at::<T>(&friction.limits[0], lane) * normal;
         let slips = hold.lt((u * u + v * v + reach * reach).sqrt());
 
-        // With one mass for all directions, the inverse of the mean of what impulses along them do: more would turn the slip around
-        // where the directions differ.
+        // With one mass for all directions, the inverse of the mean of what impulses along them do:
+        // more would turn the slip around where the directions differ.
         let both = one / (mass[0] + mass[2]);
         let even = (mass[0] * (mass[2] * both) - mass[1] * (mass[1] * both)) * T::splat(2.0);
         let of_twist = T::select(has_patch, radius * radius / twisting_mass, zero);

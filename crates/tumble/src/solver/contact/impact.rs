@@ -1,6 +1,7 @@
 //! The impulses of a blow, at all points of a contact together.
 //!
-//! One after the other, the first point would take most of a flat blow, and what turns because of it is hardly stopped by the others.
+//! One after the other, the first point would take most of a flat blow, and what turns because of
+//! it is hardly stopped by the others.
 
 use crate::simd::Tile;
 use crate::simd::block_lanes::at;
@@ -21,7 +22,8 @@ impl<T: Tile, const P: usize> Alone<T, P> {
         Self { impulses: [T::splat(0.0); P], responses: [T::splat(0.0); P] }
     }
 
-    /// That the point with an effective `mass` \[kg\] takes an impulse \[N s\] where `which` is above zero, if it pushes.
+    /// That the point with an effective `mass` \[kg\] takes an impulse \[N s\] where `which` is
+    /// above zero, if it pushes.
     #[inline(always)]
     pub(crate) fn set(&mut self, j: usize, impulse: T, mass: T, which: T) {
         let zero = T::splat(0.0);
@@ -32,8 +34,9 @@ impl<T: Tile, const P: usize> Alone<T, P> {
         self.responses[j] = T::select(zero.lt(impulse), impulse / mass, zero);
     }
 
-    /// Impulses at all points in the ratio of these, as large as leaves least of the blow. Changes the `speeds` at the points; returns the
-    /// impulses, and how fast each point moves along the normal meanwhile.
+    /// Impulses at all points in the ratio of these, as large as leaves least of the blow. Changes
+    /// the `speeds` at the points; returns the impulses, and how fast each point moves along the
+    /// normal meanwhile.
     #[inline(always)]
     pub(crate) fn together<const C: usize>(
         &self,
@@ -72,12 +75,13 @@ impl<T: Tile, const P: usize> Alone<T, P> {
     }
 }
 
-/// In how many substeps after each other a blow may be given: it is over when what comes has come as near as it may. What is as fast for longer
-/// is pressed.
+/// In how many substeps after each other a blow may be given: it is over when what comes has come
+/// as near as it may. What is as fast for longer is pressed.
 const LONGEST: f64 = 2.0;
 
-/// In how many substeps up to this one a contact has had a blow, from that up to the last one, and from whether it `begins` in one of the two passes of this one. What the
-/// first notes for the second is below zero.
+/// In how many substeps up to this one a contact has had a blow, from that up to the last one, and
+/// from whether it `begins` in one of the two passes of this one. What the first notes for the
+/// second is below zero.
 #[inline(always)]
 pub(crate) fn record_impact<T: Tile>(noted: T, begins: T, is_first_pass: bool) -> T {
     let (zero, one) = (T::splat(0.0), T::splat(1.0));

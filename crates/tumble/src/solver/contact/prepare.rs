@@ -24,7 +24,8 @@ pub(crate) struct Prepare<'a, const P: usize, const C: usize> {
 pub(crate) const MIN_WEIGHT: f64 = 1e-10;
 /// An arm that changes by this part of a body's size changes the effective masses by as much.
 const SLIDE: f64 = 1e-2;
-/// Mean distance from the middle of a square under even pressure, over that of its corners: 0.3826 and 0.7071 of the side.
+/// Mean distance from the middle of a square under even pressure, over that of its corners: 0.3826
+/// and 0.7071 of the side.
 const FACE: f64 = 0.541;
 
 impl<const P: usize, const C: usize> Kernel for Prepare<'_, P, C> {
@@ -46,7 +47,8 @@ impl<const P: usize, const C: usize> Kernel for Prepare<'_, P, C> {
         let places = [Vec3::new(ax, ay, az), Vec3::new(bx, by, bz), Vec3::new(cx, cy, cz), Vec3::new(dx, dy, dz)];
         let separations: [T; 4] = [s0, s1, s2, s3];
 
-        // A point that comes into reach has no weight yet, so the middle does not jump. A patch is made of the nearest.
+        // A point that comes into reach has no weight yet, so the middle does not jump. A patch is
+        // made of the nearest.
         let [_, _, _, _, _, _, margin]: [T; 7] = pick(self.contacts, block, FRICTION_IMPULSE, lane);
         let inverse_margin = one / margin;
         let (mut nearest, mut j) = (separations[0], 1);
@@ -55,7 +57,8 @@ impl<const P: usize, const C: usize> Kernel for Prepare<'_, P, C> {
             j += 1;
         }
         let nearest = nearest.max(zero);
-        // Of what is round and far from all its points, the nearest have the middle; a box would be spun by it in a blow.
+        // Of what is round and far from all its points, the nearest have the middle; a box would be
+        // spun by it in a blow.
         let from = T::select(law.lt(T::splat(0.5)), zero, nearest);
         let (mut sum, mut total) = (Vec3::zero(), zero);
         let (mut of_patch, mut weights) = (zero, [zero; P]);
@@ -147,7 +150,8 @@ impl<const P: usize, const C: usize> Prepare<'_, P, C> {
         }
     }
 
-    /// Sets the patch and begins with the impulses of the last step. A point that is far off makes no patch.
+    /// Sets the patch and begins with the impulses of the last step. A point that is far off makes
+    /// no patch.
     #[inline(always)]
     fn prepare_friction<T: Tile>(&mut self, index: usize, lane: usize, (weights, total): (&[T; P], T), length: T) {
         let zero = T::splat(0.0);

@@ -16,7 +16,8 @@ use crate::solver::contact::update_geometry::tangents;
 use crate::solver::solver_bodies::SolverBodies;
 use crate::threads::InParts;
 
-/// A contact of which a shape is round. Lengths are from the second body's centre of mass when the step began.
+/// A contact of which a shape is round. Lengths are from the second body's centre of mass when the
+/// step began.
 #[derive(Clone)]
 pub(crate) struct RoundContact {
     /// Its number among the contacts.
@@ -39,8 +40,9 @@ pub(crate) struct RoundContact {
 const PART: usize = 32;
 /// A point that is not there any more is this far away \[m\].
 const FAR: Real = 1e6;
-/// Least inverse moment over the greatest of a body whose contacts are found again. A needle that spins turns over between substeps,
-/// and impulses that are taken back at other places than they were given heat it up.
+/// Least inverse moment over the greatest of a body whose contacts are found again. A needle that
+/// spins turns over between substeps, and impulses that are taken back at other places than they
+/// were given heat it up.
 const MIN_RATIO: Real = 1.0 / 400.0;
 /// A pair that has moved by less than this part of its margin is where it was.
 const STILL: Real = 1e-3;
@@ -75,12 +77,14 @@ impl Contacts {
     }
 }
 
-/// Weight in the middle of its contact of a point that is this many margins further than the nearest, as [`Prepare`](crate::solver::contact::prepare::Prepare) has it.
+/// Weight in the middle of its contact of a point that is this many margins further than the
+/// nearest, as [`Prepare`](crate::solver::contact::prepare::Prepare) has it.
 fn weight(margins: Real) -> Real {
     (2.0 - margins).clamp(crate::math::real(MIN_WEIGHT), 1.0)
 }
 
-/// What has become of the contacts, if their bodies have moved: manifolds about the second body's centre of mass as it is now.
+/// What has become of the contacts, if their bodies have moved: manifolds about the second body's
+/// centre of mass as it is now.
 pub(crate) fn find(rounds: &[RoundContact], delta_pose: &[Eight]) -> Vec<Option<Manifold<Real>>> {
     let mut found = vec![None; rounds.len()];
     let parts = rounds.par_chunks(PART).zip(found.par_chunks_mut(PART));
@@ -159,7 +163,8 @@ pub(crate) fn write<const P: usize, const C: usize>(
         }
     }
     let now: [Vec3<Real>; P] = std::array::from_fn(|j| places[j].map_or(old[j], at));
-    // The middle is made of the points as it was when the step began: friction that jumped to another would do there what it did here.
+    // The middle is made of the points as it was when the step began: friction that jumped to
+    // another would do there what it did here.
     let total: Real = round.weights[..P].iter().sum();
     let middle = (0..P).fold(Vec3::zero(), |sum, j| sum + now[j] * (round.weights[j] / total));
     put_vector(normal, &mut block.normal, lane);

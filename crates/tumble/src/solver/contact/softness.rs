@@ -1,11 +1,14 @@
 use crate::math::Real;
 use crate::simd::Tile;
 
-/// How a contact pushes overlapping bodies apart: as a damped spring whose stiffness goes with the mass it acts on.
+/// How a contact pushes overlapping bodies apart: as a damped spring whose stiffness goes with the
+/// mass it acts on.
 ///
-/// With the angular frequency `w` and the damping ratio `z`, over a substep `h`: `a1 = 2 z + h w`, `a2 = h w a1`, and the impulse that an implicit
-/// step of the oscillator gives is `-(m (v + b) / K + i l)` with the velocity `v`, the impulse so far `l`, the bias `b = rate s` of the overlap `s`,
-/// `m = a2/(1 + a2)`, `i = 1/(1 + a2)` and `rate = w/a1` (E. Catto, "Soft Constraints", GDC 2011; "Solver2D", 2024).
+/// With the angular frequency `w` and the damping ratio `z`, over a substep `h`: `a1 = 2 z + h w`,
+/// `a2 = h w a1`, and the impulse that an implicit step of the oscillator gives is
+/// `-(m (v + b) / K + i l)` with the velocity `v`, the impulse so far `l`, the bias `b = rate s` of
+/// the overlap `s`, `m = a2/(1 + a2)`, `i = 1/(1 + a2)` and `rate = w/a1` (E. Catto, "Soft
+/// Constraints", GDC 2011; "Solver2D", 2024).
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Softness {
     /// Velocity out of an overlap of one metre [1/s].
@@ -14,8 +17,10 @@ pub(crate) struct Softness {
     pub(crate) impulse_scale: Real,
 }
 
-/// Periods that a contact of two moving bodies has in a substep; one on a body that does not move has twice as many. So contacts are as stiff as the substeps resolve, 30 Hz at
-/// the default of four in 1/60 s: with stiffer ones, one pass over the contacts of a large pile does not come to rest.
+/// Periods that a contact of two moving bodies has in a substep; one on a body that does not move
+/// has twice as many. So contacts are as stiff as the substeps resolve, 30 Hz at the default of
+/// four in 1/60 s: with stiffer ones, one pass over the contacts of a large pile does not come to
+/// rest.
 const PERIODS: f64 = 1.0 / 8.0;
 /// Overdamped, so that bodies part without bouncing.
 const DAMPING_RATIO: f64 = 10.0;
@@ -31,8 +36,8 @@ impl Softness {
         Self::new(2.0 * PERIODS / h, 0.5 * DAMPING_RATIO, h)
     }
 
-    /// Stiffness for each kilogram of effective mass [N/m/kg] in substeps of `h` \[s\], of two moving bodies and of one on what does
-    /// not move.
+    /// Stiffness for each kilogram of effective mass [N/m/kg] in substeps of `h` \[s\], of two
+    /// moving bodies and of one on what does not move.
     pub(crate) fn stiffness(h: f64) -> [Real; 2] {
         [1.0, 2.0].map(|times| crate::math::real((times * PERIODS / h * std::f64::consts::TAU).powi(2)))
     }

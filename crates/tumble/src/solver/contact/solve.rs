@@ -16,7 +16,8 @@ use crate::solver::contact::impact::{Alone, record_impact};
 use crate::solver::contact::softness::Softness;
 use crate::solver::contact::update_geometry::follow;
 
-/// Blocks of one color, with what only some contacts have: as many of it as there are blocks, or none.
+/// Blocks of one color, with what only some contacts have: as many of it as there are blocks, or
+/// none.
 pub(crate) struct Blocks<'a, const P: usize, const C: usize> {
     pub(crate) blocks: &'a mut [Block<P, C>],
     pub(crate) rolling: &'a mut [Rolling],
@@ -58,7 +59,8 @@ impl SolverLanes<'_> {
     }
 }
 
-/// One pass over the points, in order: what overlaps is pushed apart or, where it is to relax, the velocity that this gave is taken out again, and friction follows.
+/// One pass over the points, in order: what overlaps is pushed apart or, where it is to relax, the
+/// velocity that this gave is taken out again, and friction follows.
 pub(crate) struct Solve<'a, const P: usize, const C: usize> {
     pub(crate) blocks: Blocks<'a, P, C>,
     pub(crate) bodies: SolverLanes<'a>,
@@ -116,7 +118,8 @@ impl<const P: usize, const C: usize> Kernel for Solve<'_, P, C> {
                 sum,
             );
             let (zero, one) = (T::splat(0.0), T::splat(1.0));
-            // What a blow gave in a substep is no force: a body pushed off by it would be somewhere else before that is taken back.
+            // What a blow gave in a substep is no force: a body pushed off by it would be somewhere
+            // else before that is taken back.
             let lasting = T::select(
                 zero.lt(at(&block.start.is_impact, lane)),
                 zero,
@@ -206,7 +209,8 @@ impl<const P: usize, const C: usize> Solve<'_, P, C> {
     }
 }
 
-/// A point is to move at `-bias` \[m/s\] along the normal; how much of that a soft contact brings about, and how much of its impulse it lets go.
+/// A point is to move at `-bias` \[m/s\] along the normal; how much of that a soft contact brings
+/// about, and how much of its impulse it lets go.
 struct Aim<T> {
     bias: T,
     mass_scale: T,
@@ -252,8 +256,9 @@ fn aim<T: Tile, const P: usize, const C: usize>(
     }
 }
 
-/// Notes how fast bodies come together before anything pushes them apart. Of what forces do in a substep only the part until they meet counts: with the rest they would bounce with
-/// energy out of nothing.
+/// Notes how fast bodies come together before anything pushes them apart. Of what forces do in a
+/// substep only the part until they meet counts: with the rest they would bounce with energy out of
+/// nothing.
 pub(crate) struct RecordApproachSpeed<'a, const P: usize, const C: usize> {
     pub(crate) blocks: Blocks<'a, P, C>,
     pub(crate) bodies: SolverLanes<'a>,
@@ -265,7 +270,8 @@ pub(crate) struct RecordApproachSpeed<'a, const P: usize, const C: usize> {
 /// When in a substep.
 #[derive(Clone, Copy, PartialEq, Eq)]
 pub(crate) enum SubstepMoment {
-    /// After forces have acted for the first time in the step: what they did they do in the others too.
+    /// After forces have acted for the first time in the step: what they did they do in the others
+    /// too.
     AfterFirstForces,
     AfterForces,
     /// After the bodies have moved, and before anything looks ahead to the next substep.
@@ -289,7 +295,8 @@ impl<const P: usize, const C: usize> Kernel for RecordApproachSpeed<'_, P, C> {
             let h = T::splat(1.0) / T::splat(self.inverse_h.into());
             let lag =
                 follow(block, self.blocks.rolling.get_mut(index), (lane, h), &delta_pose, (&bodies, &inv_inertia));
-            // A blow that is to bounce stops what comes, and adds nothing: it would come back with energy out of nothing.
+            // A blow that is to bounce stops what comes, and adds nothing: it would come back with
+            // energy out of nothing.
             let bounce = &mut self.blocks.bounces[index];
             let bounces = T::splat(0.0).lt(at(&bounce.restitution, lane));
             put_vector(Vec3::select(bounces, Vec3::zero(), lag), &mut bounce.lag, lane);
@@ -320,8 +327,8 @@ impl<const P: usize, const C: usize> Kernel for RecordApproachSpeed<'_, P, C> {
     }
 }
 
-/// Makes points leave as fast as the restitution has it, where they came in faster than `threshold` \[m/s\], with the friction that the
-/// added impulse allows.
+/// Makes points leave as fast as the restitution has it, where they came in faster than `threshold`
+/// \[m/s\], with the friction that the added impulse allows.
 pub(crate) struct ApplyRestitution<'a, const P: usize, const C: usize> {
     pub(crate) blocks: Blocks<'a, P, C>,
     pub(crate) bodies: SolverLanes<'a>,
@@ -380,9 +387,11 @@ impl<const P: usize, const C: usize> Kernel for ApplyRestitution<'_, P, C> {
             changes[j] = changes[j] + change;
             j += 1;
         }
-        // Bodies that turn while they touch come back with other effective masses, but never with more energy.
+        // Bodies that turn while they touch come back with other effective masses, but never with
+        // more energy.
         let most = restitution * restitution * at::<T>(&bounce.absorbed, lane).max(zero);
-        // Balls are as hard to move as before: what each of a heap gives back may have come in through another.
+        // Balls are as hard to move as before: what each of a heap gives back may have come in
+        // through another.
         let one = T::splat(1.0);
         let turns = T::splat(0.5).lt((at::<T>(&block.start.law, lane) - T::splat(CENTERS)).abs());
         let most = T::select(turns, most, given);
@@ -413,14 +422,16 @@ impl<const P: usize, const C: usize> Kernel for ApplyRestitution<'_, P, C> {
     }
 }
 
-/// Energy that an impulse gives to the bodies at a point with this velocity and this effective mass.
+/// Energy that an impulse gives to the bodies at a point with this velocity and this effective
+/// mass.
 #[inline(always)]
 fn work<T: Tile>(impulse: T, speed: T, mass: T) -> T {
     let (zero, half) = (T::splat(0.0), T::splat(0.5));
     T::select(zero.lt(mass), impulse * (speed + impulse / mass * half), zero)
 }
 
-/// Takes out what resistance to rolling and then friction can of the motion, where normal impulses add up to `normal`; returns the impulses as they are then.
+/// Takes out what resistance to rolling and then friction can of the motion, where normal impulses
+/// add up to `normal`; returns the impulses as they are then.
 #[inline(always)]
 fn apply_friction<T: Tile, const P: usize, const C: usize>(
     before: FrictionSolve<T>,

@@ -10,14 +10,16 @@ use crate::solver::contact::contact_frame::{BodyLanes, ContactFrame, DeltaPoses,
 use crate::solver::contact::effective_mass;
 use crate::solver::contact::effective_mass::{Mobility, put_where};
 
-/// Square of half of what an arm, or a spin, changes in a substep over itself, from which on it is another and nothing lags.
+/// Square of half of what an arm, or a spin, changes in a substep over itself, from which on it is
+/// another and nothing lags.
 const LAG: f64 = 1.0 / 16.0;
 
-/// Moves the contacts of a tile with their bodies. Returns by how much the relative velocity in the middle of those that are found
-/// again differs from its mean over the substep of `h` \[s\].
+/// Moves the contacts of a tile with their bodies. Returns by how much the relative velocity in the
+/// middle of those that are found again differs from its mean over the substep of `h` \[s\].
 ///
-/// Contacts hold over a substep, `x' = x + h v`, if velocities vanish in its middle: at the arms `(r + r')/2`, with the spin that
-/// free rotation has there, `w' - h/2 I^-1 (L x w)`. With those of its end, what rolls gains or loses energy to first order in `h`.
+/// Contacts hold over a substep, `x' = x + h v`, if velocities vanish in its middle: at the arms
+/// `(r + r')/2`, with the spin that free rotation has there, `w' - h/2 I^-1 (L x w)`. With those of
+/// its end, what rolls gains or loses energy to first order in `h`.
 #[inline(always)]
 pub(crate) fn follow<T: Tile, const P: usize, const C: usize>(
     block: &mut Block<P, C>,
@@ -43,8 +45,8 @@ pub(crate) fn follow<T: Tile, const P: usize, const C: usize>(
     Vec3::select(is_found_again, lags[1] - lags[0], Vec3::zero())
 }
 
-/// By how much the velocity at the end of an arm differs from that in the middle of a substep, in which the arm goes from one place to
-/// another.
+/// By how much the velocity at the end of an arm differs from that in the middle of a substep, in
+/// which the arm goes from one place to another.
 #[inline(always)]
 fn lag<T: Tile>([before, arm]: [Vec3<T>; 2], spin: Vec3<T>, gain: Vec3<T>, h: T) -> Vec3<T> {
     let (half, limit) = (T::splat(0.5), T::splat(LAG));
@@ -54,11 +56,13 @@ fn lag<T: Tile>([before, arm]: [Vec3<T>; 2], spin: Vec3<T>, gain: Vec3<T>, h: T)
     Vec3::select(gain.dot(gain).lt(spin.dot(spin) * limit), lag, Vec3::zero())
 }
 
-/// The contacts of a tile where their bodies have moved to: separations and arms in any case; normals, tangents, offsets and
-/// effective masses where a body has turned, or an arm has changed, by more than a tolerance.
+/// The contacts of a tile where their bodies have moved to: separations and arms in any case;
+/// normals, tangents, offsets and effective masses where a body has turned, or an arm has changed,
+/// by more than a tolerance.
 ///
-/// The reference body of a contact is the one that the normal turns with, the other carries the points. Points are fixed to a
-/// body, so a corner on a face is exact at any angle; what is cut by edges is right to first order.
+/// The reference body of a contact is the one that the normal turns with, the other carries the
+/// points. Points are fixed to a body, so a corner on a face is exact at any angle; what is cut by
+/// edges is right to first order.
 #[inline(always)]
 fn refresh<T: Tile, const P: usize, const C: usize>(
     block: &mut Block<P, C>,
@@ -199,7 +203,8 @@ fn largest<T: Tile>(v: Vec3<T>) -> T {
     v.x.abs().max(v.y.abs()).max(v.z.abs())
 }
 
-/// Two unit vectors, each perpendicular to the other and to `n`: the first as near as it can be to the axis that `n` is farthest from.
+/// Two unit vectors, each perpendicular to the other and to `n`: the first as near as it can be to
+/// the axis that `n` is farthest from.
 #[inline(always)]
 pub(crate) fn tangents<T: Tile>(n: Vec3<T>) -> [Vec3<T>; 2] {
     let (zero, one) = (T::splat(0.0), T::splat(1.0));

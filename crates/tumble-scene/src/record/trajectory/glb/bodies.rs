@@ -11,7 +11,8 @@ use crate::record::trajectory::glb::sample::{Sample, double, single};
 use crate::scene::ground_patches::ground_patches;
 use crate::tessellation::POINT_RADIUS;
 
-/// A body without size is drawn as this part of the scene, where that is more than its octahedron has.
+/// A body without size is drawn as this part of the scene, where that is more than its octahedron
+/// has.
 const POINT_SHARE: f64 = 1.0 / 200.0;
 
 /// Infinite ground is a disc of this many radii of what stands on it.

@@ -30,7 +30,8 @@ const INDICES: u32 = 1;
 const TIMES: u32 = 2;
 const TRACKS: u32 = 3;
 
-/// Writes the document to its place, with no frames, and spaces up to a multiple of four; its length with these.
+/// Writes the document to its place, with no frames, and spaces up to a multiple of four; its
+/// length with these.
 pub(crate) fn write(
     writer: &mut (impl Write + Seek),
     animation: &Animation,
@@ -73,14 +74,16 @@ pub(crate) fn write(
     Ok(padded)
 }
 
-/// The accessors of times and tracks, with the number of frames. The same length whatever the numbers.
+/// The accessors of times and tracks, with the number of frames. The same length whatever the
+/// numbers.
 pub(crate) fn track_accessors(layout: &Layout, frames: u64, last_time: f32) -> Vec<u8> {
     let mut text = Vec::new();
     if layout.moving == 0 {
         return text;
     }
     let [first, last] = [layout.first_time, last_time].map(|time| zmij::Buffer::new().format(time).to_owned());
-    // Sixteen characters hold every number in single precision, and ten every number of frames that fits.
+    // Sixteen characters hold every number in single precision, and ten every number of frames that
+    // fits.
     let times = format!(
         r#"{{"bufferView":{TIMES},"componentType":{FLOAT},"count":{frames:>10},"type":"SCALAR","min":[{first}],"max":[{last:>16}]}}"#
     );

@@ -11,7 +11,8 @@ use crate::tessellation::Tessellation;
 
 const VERTEX: u64 = size_of::<[f32; 3]>() as u64;
 
-/// The different surfaces among bodies. Balls, blocks, cylinders and cones of all sizes are stretched from one of each.
+/// The different surfaces among bodies. Balls, blocks, cylinders and cones of all sizes are
+/// stretched from one of each.
 ///
 /// ```
 /// use tumble::{Shape, glam::DVec3};

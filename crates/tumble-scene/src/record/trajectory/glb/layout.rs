@@ -2,7 +2,8 @@ use std::io::{self, Seek, SeekFrom, Write};
 
 use crate::record::trajectory::glb::bodies::Bodies;
 
-/// What lies where in the file: header, document, and one buffer that holds vertices, indices, times and tracks, in this order.
+/// What lies where in the file: header, document, and one buffer that holds vertices, indices,
+/// times and tracks, in this order.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Layout {
     /// Number of frames there is room for.
@@ -58,7 +59,8 @@ impl Layout {
         self.frames.saturating_mul(self.moving).saturating_mul(Self::TRANSLATION + Self::ROTATION)
     }
 
-    /// Where the translations and the rotations of a moving body begin, from the beginning of the tracks.
+    /// Where the translations and the rotations of a moving body begin, from the beginning of the
+    /// tracks.
     pub(crate) fn track(&self, body: u64) -> [u64; 2] {
         let translations = body * self.frames * (Self::TRANSLATION + Self::ROTATION);
         [translations, translations + self.frames * Self::TRANSLATION]

@@ -12,10 +12,11 @@ pub(crate) struct Sample {
 }
 
 impl Sample {
-    /// Of a body whose centre of mass lies at `center` in its frame \[m\]; nothing of a pose that is not finite.
+    /// Of a body whose centre of mass lies at `center` in its frame \[m\]; nothing of a pose that
+    /// is not finite.
     ///
-    /// Of the two quaternions of a rotation it is the one nearer to that of the sample before, for viewers interpolate between
-    /// the two as they are.
+    /// Of the two quaternions of a rotation it is the one nearer to that of the sample before, for
+    /// viewers interpolate between the two as they are.
     pub(crate) fn of(pose: &Pose, center: DVec3, before: Option<&Self>) -> Option<Self> {
         let orientation = DQuat::from_array(pose.orientation.to_array().map(double));
         let position = DVec3::from_array(pose.position.to_array().map(double));
@@ -55,7 +56,8 @@ mod tests {
     fn the_origin_is_off_the_centre_by_the_turned_offset() {
         let pose = Pose { position: Vec3::new(1.0, 2.0, 3.0), orientation: Quat::from_xyzw(0.0, 0.0, 0.6, 0.8) };
         let sample = Sample::of(&pose, DVec3::X, None).unwrap();
-        // The turn about z by 2 atan(3/4) takes x to (0.28, 0.96, 0); single precision rounds at 6e-8 of 2.
+        // The turn about z by 2 atan(3/4) takes x to (0.28, 0.96, 0); single precision rounds at
+        // 6e-8 of 2.
         for (got, expected) in sample.translation.into_iter().zip([0.72, 1.04, 3.0]) {
             assert!((got - expected).abs() < 3e-7, "{got} {expected}");
         }
