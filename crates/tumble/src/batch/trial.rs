@@ -79,7 +79,7 @@ impl Trial {
     }
 
     /// The hash of the state, to compare runs by; see
-    /// [`state_hash`](crate::snapshot::state_hash()).
+    /// [`state_hash`](crate::state_hash()).
     pub fn state_hash(&self) -> u64 {
         state_hash(&self.world, &BodyOrder::of(&self.world))
     }

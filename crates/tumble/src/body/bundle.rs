@@ -113,7 +113,7 @@ impl Body {
     }
 
     /// Spawns an entity with the body's components. Many at once come much sooner from
-    /// [`spawn_copies`](Self::spawn_copies) and [`spawn_bodies`](crate::body::spawn_bodies).
+    /// [`spawn_copies`](Self::spawn_copies) and [`spawn_bodies`](crate::spawn_bodies()).
     pub fn spawn(&self, world: &mut World) -> Entity {
         // hecs knows the archetype of a tuple at once, and has to look for that of an
         // `EntityBuilder`.
@@ -146,7 +146,7 @@ impl Body {
         world.spawn(entity.build())
     }
 
-    /// The same with another identity, or none: [`weld`](crate::body::weld) leaves that of the
+    /// The same with another identity, or none: [`weld`](crate::weld()) leaves that of the
     /// first body, and two bodies with one id are one to a [`Snapshot`](crate::Snapshot).
     ///
     /// ```

@@ -303,7 +303,7 @@ impl Snapshot {
         Self { clock: Some(clock), ..self }
     }
 
-    /// The hash that [`state_hash`](crate::snapshot::state_hash()) gives the world when it is as it
+    /// The hash that [`state_hash`](crate::state_hash()) gives the world when it is as it
     /// was, if all its bodies have a [`BodyId`]. It is of the bodies, as that is: clock and
     /// contacts are not in it.
     ///

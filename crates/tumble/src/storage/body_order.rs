@@ -13,7 +13,7 @@ const BLOCK: usize = 1024;
 ///
 /// It is a list made once: bodies spawned or despawned later are not followed. Making it reads the
 /// world and, like every query of hecs, panics while the caller holds a mutable reference to one of
-/// the components; so do [`measure`](crate::measure), [`state_hash`](crate::snapshot::state_hash())
+/// the components; so do [`Totals::of`](crate::Totals::of), [`state_hash`](crate::state_hash())
 /// and what else takes an order.
 ///
 /// ```
