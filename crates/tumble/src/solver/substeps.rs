@@ -4,9 +4,9 @@ use crate::collision::find_contacts::{Contacts, rows_of};
 use crate::forces::registry::ForceLaws;
 use crate::math::Real;
 use crate::settings::Settings;
+use crate::solver::contact::restitution::SubstepMoment;
 use crate::solver::contact::round_contacts;
 use crate::solver::contact::round_contacts::RoundContact;
-use crate::solver::contact::solve::SubstepMoment;
 use crate::solver::contact_work::ContactWorks;
 use crate::solver::halved_substeps::HalvedGroup;
 use crate::solver::solver_bodies::SolverBodies;
@@ -146,7 +146,7 @@ impl SolverGroup {
             // Before the impulses of the last step act: bodies that those push together have not
             // come together, and to bounce them would make energy.
             if extras.bounces {
-                let moment = if substep == 0 { SubstepMoment::AfterFirstForces } else { SubstepMoment::AfterForces };
+                let moment = if substep == 0 { SubstepMoment::FirstForces } else { SubstepMoment::Forces };
                 solver.run(SolverStage::RecordApproachSpeed(h, moment), bodies);
             }
             bodies.apply_warm_start();
@@ -156,7 +156,7 @@ impl SolverGroup {
             solver.update_round_contacts(rounds, &bodies.delta_pose);
             contact_works.after_motion(bodies);
             if extras.bounces {
-                solver.run(SolverStage::RecordApproachSpeed(h, SubstepMoment::AfterMotion), bodies);
+                solver.run(SolverStage::RecordApproachSpeed(h, SubstepMoment::Motion), bodies);
             }
             solver.run(SolverStage::Relax { h, impact_speed, stores_warm_start: substep + 1 < substeps }, bodies);
             contact_works.after_substep(bodies);

@@ -122,7 +122,7 @@ impl<'a> BodySlices<'a> {
                 wind: None,
             };
             for_each_part(chunk, &|bodies: &mut Chunk<'_>| {
-                step_chunk(bodies, Laws::default(), settings, count, &|_| 0.0)
+                step_chunk(bodies, Laws::default(), settings, count, &|_| 0.0);
             });
         }
         Ok(())

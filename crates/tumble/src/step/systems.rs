@@ -170,7 +170,7 @@ pub(crate) fn integrate_bodies(
     }
     match settings.integrator {
         Integrator::SemiImplicitEuler => {
-            integrate_with_account::<SemiImplicitEuler<Real>>(bodies, laws, settings, time)
+            integrate_with_account::<SemiImplicitEuler<Real>>(bodies, laws, settings, time);
         }
         Integrator::RungeKutta4 => integrate_with_account::<RungeKutta4<Real>>(bodies, laws, settings, time),
         Integrator::MoserVeselov => integrate_with_account::<MoserVeselov<Real>>(bodies, laws, settings, time),
@@ -212,7 +212,7 @@ fn advance(
 ) {
     match settings.integrator {
         Integrator::SemiImplicitEuler => {
-            advance_with::<SemiImplicitEuler<()>>(bodies, laws, settings, extent, time_of_step)
+            advance_with::<SemiImplicitEuler<()>>(bodies, laws, settings, extent, time_of_step);
         }
         Integrator::RungeKutta4 => advance_with::<RungeKutta4<()>>(bodies, laws, settings, extent, time_of_step),
         Integrator::MoserVeselov => advance_with::<MoserVeselov<()>>(bodies, laws, settings, extent, time_of_step),

@@ -6,6 +6,7 @@ pub(crate) mod effective_mass;
 pub(crate) mod friction;
 pub(crate) mod impact;
 pub(crate) mod prepare;
+pub(crate) mod restitution;
 pub(crate) mod round_contacts;
 pub(crate) mod softness;
 pub(crate) mod solve;

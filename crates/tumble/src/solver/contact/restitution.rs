@@ -1,0 +1,180 @@
+//! Restitution: approach speeds before anything is solved, and the bounce after the last substep.
+
+use tumble_math::lane::Vec3;
+
+use crate::collision::contact::CENTERS;
+use crate::math::Real;
+use crate::simd::block_lanes::{at, put, put_vector};
+use crate::simd::{BLOCK, Kernel, Tile};
+use crate::solver::contact::contact_frame::{BodyLanes, ContactFrame, DeltaPoses, InverseMasses};
+use crate::solver::contact::friction::FrictionSolve;
+use crate::solver::contact::impact::Alone;
+use crate::solver::contact::update_geometry::follow;
+
+use crate::solver::contact::solve::{Blocks, SolverLanes, along_normals, apply_friction, couple, speeds, work};
+
+/// Notes how fast bodies come together before anything pushes them apart. Of what forces do in a
+/// substep only the part until they meet counts: with the rest they would bounce with energy out of
+/// nothing.
+pub(crate) struct RecordApproachSpeed<'a, const P: usize, const C: usize> {
+    pub(crate) blocks: Blocks<'a, P, C>,
+    pub(crate) bodies: SolverLanes<'a>,
+    /// One over the substep [1/s].
+    pub(crate) inverse_h: Real,
+    pub(crate) moment: SubstepMoment,
+}
+
+/// When in a substep.
+#[derive(Clone, Copy, PartialEq, Eq)]
+pub(crate) enum SubstepMoment {
+    /// After forces have acted for the first time in the step: what they did they do in the others
+    /// too.
+    FirstForces,
+    Forces,
+    /// After the bodies have moved, and before anything looks ahead to the next substep.
+    Motion,
+}
+
+impl<const P: usize, const C: usize> Kernel for RecordApproachSpeed<'_, P, C> {
+    #[inline(always)]
+    fn len(&self) -> usize {
+        self.blocks.bounces.len() * BLOCK
+    }
+
+    #[inline(always)]
+    fn tile<T: Tile>(&mut self, i: usize) {
+        let (index, lane) = (i / BLOCK, i % BLOCK);
+        let block = &mut self.blocks.blocks[index];
+        let inv_inertia = InverseMasses::<T>::load(self.bodies.inv_inertia, self.bodies.motion.pairs(index), lane);
+        let bodies = BodyLanes::<T>::load(&self.bodies.motion, index, lane);
+        if self.moment == SubstepMoment::Motion {
+            let delta_pose = DeltaPoses::load(self.bodies.delta_pose, self.bodies.motion.pairs(index), lane);
+            let h = T::splat(1.0) / T::splat(self.inverse_h.into());
+            let lag =
+                follow(block, self.blocks.rolling.get_mut(index), (lane, h), &delta_pose, (&bodies, &inv_inertia));
+            // A blow that is to bounce stops what comes, and adds nothing: it would come back with
+            // energy out of nothing.
+            let bounce = &mut self.blocks.bounces[index];
+            let bounces = T::splat(0.0).lt(at(&bounce.restitution, lane));
+            put_vector(Vec3::select(bounces, Vec3::zero(), lag), &mut bounce.lag, lane);
+        }
+        let frame = ContactFrame::<T>::load(block, lane);
+        let speeds = speeds(block, lane, frame.normal_parts(&bodies.relative(&inv_inertia, frame.arms)));
+        let bounce = &mut self.blocks.bounces[index];
+        let (zero, one, inverse_h) = (T::splat(0.0), T::splat(1.0), T::splat(self.inverse_h.into()));
+        let mut j = 0;
+        while j < P {
+            if self.moment == SubstepMoment::Motion {
+                put(speeds[j], &mut bounce.before[j], lane);
+            } else {
+                let before: T = at(&bounce.before[j], lane);
+                if self.moment == SubstepMoment::FirstForces {
+                    put(speeds[j] - before, &mut bounce.kick[j], lane);
+                }
+                let kick: T = at(&bounce.kick[j], lane);
+                let speed = before + kick;
+                // The part of the substep after which they meet.
+                let part = (at::<T>(&block.points[j].separation, lane) * inverse_h / -speed).max(zero).min(one);
+                let met = before + kick * T::select(speed.lt(zero), part, one);
+                put(met, &mut bounce.met[j], lane);
+                put(speeds[j], &mut bounce.coming[j], lane);
+            }
+            j += 1;
+        }
+    }
+}
+
+/// Makes points leave as fast as the restitution has it, where they came in faster than `threshold`
+/// \[m/s\], with the friction that the added impulse allows.
+pub(crate) struct ApplyRestitution<'a, const P: usize, const C: usize> {
+    pub(crate) blocks: Blocks<'a, P, C>,
+    pub(crate) bodies: SolverLanes<'a>,
+    pub(crate) threshold: Real,
+}
+
+impl<const P: usize, const C: usize> Kernel for ApplyRestitution<'_, P, C> {
+    #[inline(always)]
+    fn len(&self) -> usize {
+        self.blocks.bounces.len() * BLOCK
+    }
+
+    #[inline(always)]
+    fn tile<T: Tile>(&mut self, i: usize) {
+        let (index, lane) = (i / BLOCK, i % BLOCK);
+        let zero = T::splat(0.0);
+        let (block, bounce) = (&mut self.blocks.blocks[index], &mut self.blocks.bounces[index]);
+        let frame = ContactFrame::<T>::load(block, lane);
+        let inv_inertia = InverseMasses::<T>::load(self.bodies.inv_inertia, self.bodies.motion.pairs(index), lane);
+        let mut bodies = BodyLanes::<T>::load(&self.bodies.motion, index, lane);
+        let arms = frame.arms;
+        let restitution: T = at(&bounce.restitution, lane);
+        let slowest = T::splat(-f64::from(self.threshold));
+
+        let mut speeds = speeds(block, lane, frame.normal_parts(&bodies.relative(&inv_inertia, arms)));
+        let (mut changes, mut added, mut given) = ([zero; P], zero, zero);
+        if P > 1 {
+            let mut alone = Alone::none();
+            let mut j = 0;
+            while j < P {
+                let approach: T = at(&bounce.approach[j], lane);
+                let bounces = T::select(approach.lt(slowest), restitution, zero);
+                let mass: T = at(&block.points[j].mass, lane);
+                alone.set(j, zero - (speeds[j] + restitution * approach) * mass, mass, bounces);
+                j += 1;
+            }
+            let means;
+            (changes, means) = alone.together(block, lane, &mut speeds);
+            j = 0;
+            while j < P {
+                given = given + changes[j] * means[j];
+                j += 1;
+            }
+        }
+        let mut j = 0;
+        while j < P {
+            let approach: T = at(&bounce.approach[j], lane);
+            let bounces = zero.lt(T::select(approach.lt(slowest), restitution, zero));
+            let point = &mut block.points[j];
+            let (before, mass): (T, T) = (at(&point.impulse, lane), at(&point.mass, lane));
+            let start = before + changes[j];
+            let wanted = start - (speeds[j] + restitution * approach) * mass;
+            let change = T::select(bounces, wanted.max(zero), start) - start;
+            given = given + work(change, speeds[j], mass);
+            couple(block, lane, j, change, &mut speeds);
+            changes[j] = changes[j] + change;
+            j += 1;
+        }
+        // Bodies that turn while they touch come back with other effective masses, but never with
+        // more energy.
+        let most = restitution * restitution * at::<T>(&bounce.absorbed, lane).max(zero);
+        // Balls are as hard to move as before: what each of a heap gives back may have come in
+        // through another.
+        let one = T::splat(1.0);
+        let turns = T::splat(0.5).lt((at::<T>(&block.start.law, lane) - T::splat(CENTERS)).abs());
+        let most = T::select(turns, most, given);
+        let part = T::select(most.lt(given), most / given, one);
+        let mut j = 0;
+        while j < P {
+            changes[j] = changes[j] * part;
+            added = added + changes[j];
+            let impulse = at::<T>(&block.points[j].impulse, lane) + changes[j];
+            put(impulse, &mut block.points[j].impulse, lane);
+            j += 1;
+        }
+        let (linear, angular) = along_normals(block, &frame, lane, changes);
+        bodies.push(arms, linear, angular);
+
+        let (contact, limit) = ((&frame, lane), added.max(zero));
+        let motion = (&inv_inertia, arms, Vec3::zero());
+        apply_friction(
+            FrictionSolve::none(),
+            block,
+            self.blocks.rolling.get(index),
+            contact,
+            &mut bodies,
+            motion,
+            limit,
+        );
+        bodies.store(&mut self.bodies.motion, index, lane);
+    }
+}
