@@ -1,20 +1,7 @@
 //! What the tests share: exact solutions of free bodies, and how to compare with them.
 
-#![allow(
-    clippy::expect_used,
-    clippy::missing_panics_doc,
-    reason = "where a test's data are not as it needs them, it is to fail"
-)]
-#![cfg_attr(
-    feature = "f64",
-    allow(
-        clippy::useless_conversion,
-        clippy::unnecessary_cast,
-        reason = "Real is f64 in this build, f32 in the other"
-    )
-)]
-
 mod comparison;
+mod draw;
 mod free_body;
 mod instruction_sets;
 pub mod meshes;
@@ -23,6 +10,7 @@ mod simulation;
 pub mod touching;
 
 pub use comparison::{DOUBLE, EPSILON, attitude_error, by_precision, dquat, dvec3, energy_of, seconds};
+pub use draw::Draw;
 pub use free_body::{Elliptic, FreeBody, Sample, Translation};
 pub use instruction_sets::run_on_every_instruction_set;
 pub use simulation::{hash, run, simulation, weightless};

@@ -11,8 +11,6 @@
 //! takes of bodies that act on each other. There is one test in this file, because the whole
 //! process is counted.
 
-#![allow(clippy::unwrap_used, reason = "a test without what it tests is to fail")]
-
 use std::sync::Barrier;
 
 use alloc_tracker::{Allocator, Session};

@@ -6,8 +6,6 @@
 //! if worlds share a generator or a clock, if results are taken as they finish, if a large world
 //! that is split further is treated differently, or if a stream forgets to drop.
 
-#![allow(clippy::unwrap_used, reason = "a test without what it tests is to fail")]
-
 use std::ops::{ControlFlow, Range};
 use std::sync::atomic::{AtomicUsize, Ordering};
 
@@ -29,7 +27,6 @@ struct Ramp(Real);
 
 impl ForceLaw for Ramp {
     fn wrench(&self, state: &BodyState<'_>) -> Wrench {
-        #[allow(clippy::unnecessary_cast, reason = "Real is f64 in one of the two builds")]
         let time = state.time as Real;
         Wrench { force: Vec3::X * (self.0 * time), torque: Vec3::Y * self.0 }
     }

@@ -9,7 +9,6 @@
 //! only one test in this file, because tests of one file share a process.
 
 #![cfg(target_os = "linux")]
-#![allow(clippy::unwrap_used, reason = "a test without what it tests is to fail")]
 
 use hecs::World;
 use tumble::math::{Real, Vec3};

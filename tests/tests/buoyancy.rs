@@ -7,16 +7,6 @@
 //! clip of a box somewhere. It fails if a case of the clipping is wrong, if a corner or a face that
 //! lies just in the surface counts twice or not at all, or if the lift acts at the wrong point.
 
-#![allow(clippy::unwrap_used, reason = "a test without what it tests is to fail")]
-#![cfg_attr(
-    feature = "f64",
-    allow(
-        clippy::unnecessary_cast,
-        clippy::useless_conversion,
-        reason = "Real is f64 in this build, f32 in the other"
-    )
-)]
-
 use std::f64::consts::PI;
 
 use glam::{DQuat, DVec3};

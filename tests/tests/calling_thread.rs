@@ -4,8 +4,6 @@
 //! Why: on a busy machine another thread may not run for milliseconds, and a step that waits for it
 //! hitches. It fails if something small is handed to a pool.
 
-#![allow(clippy::unwrap_used, reason = "a test without what it tests is to fail")]
-
 use std::sync::mpsc;
 use std::thread;
 use std::time::Duration;

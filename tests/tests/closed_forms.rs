@@ -4,16 +4,6 @@
 //! Why: each of these was once changed by hand, a sign, an index, a unit, and no test noticed. It
 //! fails if one of them is.
 
-#![allow(clippy::unwrap_used, reason = "a test without what it tests is to fail")]
-#![cfg_attr(
-    feature = "f64",
-    allow(
-        clippy::unnecessary_cast,
-        clippy::useless_conversion,
-        reason = "Real is f64 in this build, f32 in the other"
-    )
-)]
-
 use glam::{DMat3, DQuat, DVec3};
 use hecs::World;
 use tumble::math::{Quat, Real, Vec3};

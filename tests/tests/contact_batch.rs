@@ -5,8 +5,6 @@
 //! row, a colour, an impulse or a setting of one world gets into another, or if what a world
 //! carries on to its next step is left in what was shared.
 
-#![allow(clippy::unwrap_used, reason = "a test without what it tests is to fail")]
-
 use hecs::World;
 use tumble::math::Vec3;
 use tumble::prelude::*;

@@ -8,16 +8,6 @@
 //! two bodies, if a push that is to vanish stays, or if a bounce depends on where in the step it
 //! falls.
 
-#![allow(clippy::unwrap_used, reason = "a test without what it tests is to fail")]
-#![cfg_attr(
-    feature = "f64",
-    allow(
-        clippy::useless_conversion,
-        clippy::unnecessary_cast,
-        reason = "Real is f64 in this build, f32 in the other"
-    )
-)]
-
 use glam::DVec3;
 use hecs::{Entity, World};
 use tumble::math::{Quat, Real, Vec3};

@@ -6,8 +6,6 @@
 //! pairs, colours or impulses follow rows, entities, threads or the width of a tile, or if what is
 //! kept from step to step to find pairs faster decides which are found.
 
-#![allow(clippy::unwrap_used, reason = "a test without what it tests is to fail")]
-
 use hecs::{Entity, World};
 use tumble::math::{PRECISION, Vec3};
 use tumble::prelude::*;

@@ -7,8 +7,6 @@
 //! at 120 hear every blow twice. It fails if a frame tells of its last step only, if one without a
 //! step tells again, or if a body that goes in the middle of a frame takes its events along.
 
-#![allow(clippy::unwrap_used, reason = "a test without what it tests is to fail")]
-
 use hecs::{Entity, World};
 use proptest::prelude::*;
 use tumble::math::{Real, Vec3};

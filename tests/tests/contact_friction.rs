@@ -8,16 +8,6 @@
 //! one of two surfaces. Each test has its closed form beside it, and fails at the first digit that
 //! rounding or the length of a substep does not explain.
 
-#![allow(clippy::unwrap_used, reason = "a body that cannot be made is a failed test")]
-#![cfg_attr(
-    feature = "f64",
-    allow(
-        clippy::useless_conversion,
-        clippy::unnecessary_cast,
-        reason = "Real is f64 in this build, f32 in the other"
-    )
-)]
-
 use glam::DVec3;
 use hecs::{Entity, World};
 use tumble::CombineRule::{self, Average, Maximum, Minimum, Multiply};

@@ -5,56 +5,20 @@
 //! Why: each expression that is behind these was once changed by hand, a sign, a factor, a term,
 //! and no test noticed.
 
-#![allow(clippy::unwrap_used, reason = "a body that cannot be made is a failed test")]
-#![cfg_attr(
-    feature = "f64",
-    allow(
-        clippy::unnecessary_cast,
-        clippy::useless_conversion,
-        reason = "Real is f64 in this build, f32 in the other"
-    )
-)]
-
 use std::f64::consts::TAU;
 
 use glam::{DMat3, DQuat, DVec3};
 use hecs::{Entity, World};
 use tumble::math::{Quat, Real, Vec3};
 use tumble::prelude::*;
-use tumble::{CombineRule, Material, Rng};
+use tumble::{CombineRule, Material};
 use tumble_math::PrincipalInertia;
 use tumble_tests::touching::{collider, ground, pose, spawn, surfaced, velocity};
-use tumble_tests::{by_precision, dvec3, run};
+use tumble_tests::{Draw, by_precision, dvec3, run};
 
 const G: f64 = 9.81;
 /// A substep at default settings \[s\].
 const SUBSTEP: f64 = 1.0 / 240.0;
-
-/// Random numbers of one case.
-struct Draw(Rng);
-
-impl Draw {
-    fn new(case: u64) -> Self {
-        Self(Rng::stream(1907, case))
-    }
-
-    fn between(&mut self, low: f64, high: f64) -> f64 {
-        low + (high - low) * self.0.unit()
-    }
-
-    fn log_between(&mut self, low: f64, high: f64) -> f64 {
-        self.between(low.ln(), high.ln()).exp()
-    }
-
-    fn vector(&mut self, most: f64) -> DVec3 {
-        DVec3::new(self.between(-most, most), self.between(-most, most), self.between(-most, most))
-    }
-
-    fn orientation(&mut self) -> DQuat {
-        let q = self.0.orientation();
-        DQuat::from_xyzw(q.x.into(), q.y.into(), q.z.into(), q.w.into()).normalize()
-    }
-}
 
 fn vec3(v: DVec3) -> Vec3 {
     Vec3::new(v.x as Real, v.y as Real, v.z as Real)
@@ -70,7 +34,7 @@ fn quat(q: DQuat) -> Quat {
 #[test]
 fn what_juts_out_tips_from_half_its_length_on() {
     for case in 0..60 {
-        let mut draw = Draw::new(case);
+        let mut draw = Draw::new(1907, case);
         let half = DVec3::new(1.0, draw.between(0.1, 0.6), draw.between(0.3, 2.0)) * draw.log_between(0.1, 5.0);
         let out = if case % 2 == 0 { draw.between(0.05, 0.45) } else { draw.between(0.55, 0.75) };
         let about = DQuat::from_rotation_y(draw.between(0.0, TAU));
@@ -156,7 +120,7 @@ impl Part {
 fn a_blow_turns_both_bodies_as_their_arms_have_it() {
     let mut worst = 0.0_f64;
     for case in 0..300 {
-        let mut draw = Draw::new(case);
+        let mut draw = Draw::new(1907, case);
         let size = draw.log_between(0.05, 5.0);
         let mass = draw.log_between(1e-3, 1e6);
         let ratio = draw.log_between(0.1, 10.0);
@@ -267,7 +231,7 @@ impl Plate {
 #[test]
 fn what_static_friction_stops_in_a_substep_has_stopped() {
     for case in 0..80 {
-        let mut draw = Draw::new(case);
+        let mut draw = Draw::new(1907, case);
         let (plate, mut world, body, mut simulation) = Plate::at_rest(&mut draw);
         let start = draw.between(0.1, 2.5) * plate.still * G * SUBSTEP;
         let way = DQuat::from_rotation_y(draw.between(0.0, TAU)) * DVec3::X;
@@ -287,7 +251,7 @@ fn what_static_friction_stops_in_a_substep_has_stopped() {
 #[test]
 fn what_static_friction_stops_spinning_in_a_substep_has_stopped() {
     for case in 0..80 {
-        let mut draw = Draw::new(case);
+        let mut draw = Draw::new(1907, case);
         let (plate, mut world, body, mut simulation) = Plate::at_rest(&mut draw);
         let mass = Plate::MOMENT / Plate::RADIUS.powi(2);
         let start = draw.between(0.1, 2.5) * plate.still * G * SUBSTEP / mass;
@@ -309,7 +273,7 @@ fn what_static_friction_stops_spinning_in_a_substep_has_stopped() {
 fn what_slips_on_a_point_is_resisted_as_its_moments_have_it() {
     let mut seen = [0; 3];
     for case in 0..120 {
-        let mut draw = Draw::new(case);
+        let mut draw = Draw::new(1907, case);
         let (still, moving) = (draw.between(1.0, 3.0), draw.between(0.1, 0.5));
         let surface = Material { static_friction: still as Real, ..Material::new(moving as Real, 0.0) };
         let (radius, mut world) = (draw.log_between(0.3, 3.0), World::new());
@@ -364,7 +328,7 @@ fn what_slips_on_a_point_is_resisted_as_its_moments_have_it() {
 #[test]
 fn resistance_to_rolling_stops_both_directions() {
     for case in 0..24 {
-        let mut draw = Draw::new(case);
+        let mut draw = Draw::new(1907, case);
         let surface = Material { rolling_resistance: 1e3, ..Material::new(0.0, 0.0) };
         let (radius, mut world) = (draw.log_between(0.3, 3.0), World::new());
         ground(&mut world, surface, Quat::IDENTITY);
@@ -401,7 +365,7 @@ fn an_overlap_goes_as_the_damped_oscillator_has_it() {
         turn / a1 * (a2 / (1.0 + a2))
     };
     for case in 0..80 {
-        let mut draw = Draw::new(case);
+        let mut draw = Draw::new(1907, case);
         let both_move = case % 2 == 0;
         let part = if both_move { rate(0.125, 10.0) } else { rate(0.25, 5.0) };
         let (radius, mass) = (draw.log_between(0.5, 5.0), draw.log_between(1e-3, 1e6));
@@ -434,7 +398,7 @@ fn an_overlap_goes_as_the_damped_oscillator_has_it() {
 #[test]
 fn a_torque_on_what_rolls_does_its_work() {
     for case in 0..24 {
-        let mut draw = Draw::new(case);
+        let mut draw = Draw::new(1907, case);
         let radius = draw.log_between(0.05, 3.0);
         let mass = draw.log_between(1e-2, 1e4);
         let mut world = World::new();
@@ -489,7 +453,7 @@ fn a_torque_on_what_rolls_does_its_work() {
 #[test]
 fn damping_of_what_slides_does_the_work_that_decays() {
     for case in 0..12 {
-        let mut draw = Draw::new(case);
+        let mut draw = Draw::new(1907, case);
         let (rate, speed, half) = (draw.between(5.0, 40.0), draw.between(1.0, 5.0), draw.log_between(0.1, 2.0));
         let mut world = World::new();
         let (surface, shape) = (Material::new(0.0, 0.0), Shape::cuboid([half; 3]));

@@ -6,9 +6,6 @@
 //! the work of the integrator that touched bodies do not take is left in the books, or a force is
 //! booked over another way than it acted on.
 
-#![allow(clippy::unwrap_used, reason = "a test without what it tests is to fail")]
-#![cfg_attr(feature = "f64", allow(clippy::useless_conversion, reason = "Real is f64 in this build, f32 in the other"))]
-
 use hecs::{Entity, World};
 use tumble::math::Vec3;
 use tumble::prelude::*;

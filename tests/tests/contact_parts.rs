@@ -6,9 +6,6 @@
 //! fails if the number of a part leads to another part's surface, or a compound of equal parts is
 //! another than a compound shape.
 
-#![cfg_attr(feature = "f64", allow(clippy::useless_conversion, reason = "Real is f64 in this build, f32 in the other"))]
-#![allow(clippy::unwrap_used, reason = "a test without what it tests is to fail")]
-
 use hecs::{Entity, World};
 use proptest::prelude::*;
 use tumble::math::{Real, Vec3};

@@ -5,8 +5,6 @@
 //! Why: games make sounds, damage and logic of it. It fails if a normal has the wrong sign, a point
 //! is not in the world, a resting body flickers, or a body that is gone leaves no end.
 
-#![allow(clippy::unwrap_used, reason = "a test without what it tests is to fail")]
-
 use std::collections::{BTreeMap, BTreeSet};
 
 use hecs::{Entity, World};

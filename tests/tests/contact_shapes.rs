@@ -5,8 +5,6 @@
 //! Why: a manifold that is right in itself may still be useless to a solver, with points that
 //! wander, come and go, or push sideways. Each test would show that as a speed where there is none.
 
-#![allow(clippy::unwrap_used, reason = "a body that cannot be made is a failed test")]
-
 use std::f64::consts::FRAC_PI_2;
 
 use hecs::{Entity, World};

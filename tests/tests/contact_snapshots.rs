@@ -7,8 +7,6 @@
 //! anything that a step keeps of contacts is not saved, goes by entity or row, or is put back to
 //! other bodies.
 
-#![allow(clippy::unwrap_used, reason = "a test without what it tests is to fail")]
-
 use hecs::{Entity, World};
 use tumble::math::{Real, Vec3};
 use tumble::prelude::*;

@@ -5,9 +5,6 @@
 //! on light, corners, bodies spawned in each other. Bounds are those of the issue that asked for
 //! contacts, or a closed form beside them.
 
-#![cfg_attr(feature = "f64", allow(clippy::useless_conversion, reason = "Real is f64 in this build, f32 in the other"))]
-#![allow(clippy::unwrap_used, reason = "a body that cannot be made is a failed test")]
-
 use hecs::{Entity, World};
 use proptest::prelude::*;
 use tumble::math::{Quat, Real, Vec3};

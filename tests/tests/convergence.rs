@@ -9,16 +9,6 @@
 //! The references are solutions in 34 digits (`data/free_body`); all runs are those of
 //! [`Simulation`] on a world.
 
-#![allow(clippy::unwrap_used, reason = "a test without what it tests is to fail")]
-#![cfg_attr(
-    feature = "f64",
-    allow(
-        clippy::useless_conversion,
-        clippy::unnecessary_cast,
-        reason = "Real is f64 in this build, f32 in the other"
-    )
-)]
-
 use hecs::World;
 use tumble::math::Real;
 use tumble::{Integrator, Pose, Velocity};

@@ -4,8 +4,6 @@
 //! It fails if points on a face or an edge, or at one place, give triangles without area, holes or
 //! points outside.
 
-#![allow(clippy::unwrap_used, clippy::panic, reason = "points without a hull are a failed test")]
-
 use std::f64::consts::PI;
 
 use glam::{DAffine3, DQuat, DVec3};

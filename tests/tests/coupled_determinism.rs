@@ -8,16 +8,6 @@
 //! first is the classical way to lose determinism. It fails if a sum follows rows, entities or
 //! threads, or if the state that forces between bodies keep from step to step goes stale.
 
-#![allow(clippy::unwrap_used, reason = "a test without what it tests is to fail")]
-#![cfg_attr(
-    feature = "f64",
-    allow(
-        clippy::unnecessary_cast,
-        clippy::useless_conversion,
-        reason = "Real is f64 in this build, f32 in the other"
-    )
-)]
-
 use hecs::{Entity, World};
 use tumble::math::PRECISION;
 use tumble::{

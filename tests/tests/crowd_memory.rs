@@ -6,8 +6,6 @@
 //!
 //! The whole process is measured, so there is one test in this file.
 
-#![allow(clippy::unwrap_used, reason = "a test without what it tests is to fail")]
-
 use alloc_tracker::{Allocator, Session};
 use hecs::World;
 use tumble::math::{Quat, Real, Vec3};

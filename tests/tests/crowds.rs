@@ -6,8 +6,6 @@
 //! Why: n bodies in one point would make n^2 contacts, gigabytes for two thousand. It fails if a
 //! crowd's contacts grow with the square, or a heap loses contacts to the limit.
 
-#![allow(clippy::unwrap_used, reason = "a test without what it tests is to fail")]
-
 use std::collections::BTreeSet;
 
 use hecs::World;

@@ -6,16 +6,6 @@
 //! decay is taken to first order, applied twice, or if force and decay are split in a way that
 //! shifts the balance.
 
-#![allow(clippy::unwrap_used, reason = "a test without what it tests is to fail")]
-#![cfg_attr(
-    feature = "f64",
-    allow(
-        clippy::useless_conversion,
-        clippy::unnecessary_cast,
-        reason = "Real is f64 in this build, f32 in the other"
-    )
-)]
-
 use hecs::{Entity, World};
 use tumble::math::{Real, Vec3};
 use tumble::{Damping, Integrator, Momentum, Pose, RigidBody, Shape, Velocity};

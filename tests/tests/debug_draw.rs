@@ -6,15 +6,6 @@
 //! fails if a frame is taken for another, the centre of mass for the origin, or a radius for a
 //! diameter.
 
-#![allow(clippy::unwrap_used, reason = "a body that cannot be made is a failed test")]
-#![cfg_attr(
-    feature = "f64",
-    allow(
-        clippy::useless_conversion,
-        reason = "Real is f64 in this build; the same line converts from f32 in the other"
-    )
-)]
-
 use glam::{DQuat, DVec3};
 use tumble::math::{Quat, Real, Vec3};
 use tumble::prelude::*;

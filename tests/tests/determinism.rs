@@ -7,16 +7,6 @@
 //! depends on its neighbours in a chunk, a reduction follows memory order, a platform's mathematics
 //! library or a fused multiply-add gets in, or threads share state.
 
-#![allow(clippy::unwrap_used, reason = "a test without what it tests is to fail")]
-#![cfg_attr(
-    feature = "f64",
-    allow(
-        clippy::useless_conversion,
-        clippy::unnecessary_cast,
-        reason = "Real is f64 in this build, f32 in the other"
-    )
-)]
-
 use hecs::World;
 use tumble::math::{PRECISION, Quat, Real, Vec3};
 use tumble::{

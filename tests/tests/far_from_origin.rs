@@ -6,15 +6,6 @@
 //! less far, and one at 1 mm/s does not move. It would fail if positions were advanced in more or
 //! smaller pieces than a step, which lose more, or if the table were of another machine's or
 //! another version's figures.
-#![allow(clippy::unwrap_used, reason = "a test fails by panicking, in its helper functions too")]
-#![cfg_attr(
-    feature = "f64",
-    allow(
-        clippy::useless_conversion,
-        clippy::unnecessary_cast,
-        reason = "Real is f64 in this build, f32 in the other"
-    )
-)]
 
 use hecs::World;
 use tumble::math::{Real, Vec3};

@@ -7,9 +7,6 @@
 //! are is kept from step to step. It fails if a row, an impulse, a force, an account or that state
 //! is lost on the way.
 
-#![allow(clippy::unwrap_used, reason = "a body that cannot be made is a failed test")]
-#![cfg_attr(feature = "f64", allow(clippy::useless_conversion, reason = "Real is f64 in this build, f32 in the other"))]
-
 use hecs::{Entity, World};
 use tumble::math::{Quat, Real, Vec3};
 use tumble::prelude::*;

@@ -6,16 +6,6 @@
 //! frames, a slow frame is followed by ever slower ones, a bad clock stops the world, or bodies
 //! stutter.
 
-#![allow(clippy::unwrap_used, reason = "a test without what it tests is to fail")]
-#![cfg_attr(
-    feature = "f64",
-    allow(
-        clippy::useless_conversion,
-        clippy::unnecessary_cast,
-        reason = "Real is f64 in this build, f32 in the other"
-    )
-)]
-
 use hecs::{Entity, World};
 use tumble::math::{Real, Vec3};
 use tumble::{

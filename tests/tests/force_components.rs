@@ -6,16 +6,6 @@
 //! forgets the wind or the throttle, takes moments about the wrong point, or acts at the wrong
 //! stage of a step.
 
-#![allow(clippy::unwrap_used, reason = "a test without what it tests is to fail")]
-#![cfg_attr(
-    feature = "f64",
-    allow(
-        clippy::unnecessary_cast,
-        clippy::useless_conversion,
-        reason = "Real is f64 in this build, f32 in the other"
-    )
-)]
-
 use glam::{DQuat, DVec3};
 use hecs::{DynamicBundle, Entity, World};
 use tumble::Integrator::{self, MoserVeselov, RungeKutta4, SemiImplicitEuler};

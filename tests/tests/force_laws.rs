@@ -7,8 +7,6 @@
 //! sees it but in a comparison like this. It also fails if a body gets the law of its neighbour, if
 //! a stage sees the time of the step, or if the time of a substep is wrong.
 
-#![allow(clippy::unwrap_used, reason = "a test without what it tests is to fail")]
-
 use std::sync::Arc;
 use std::sync::atomic::{AtomicUsize, Ordering};
 

@@ -7,16 +7,6 @@
 //! work is entered under another's name, at a velocity before the kick instead of the mean, or if
 //! the forces between bodies are in no account.
 
-#![allow(clippy::unwrap_used, reason = "a test without what it tests is to fail")]
-#![cfg_attr(
-    feature = "f64",
-    allow(
-        clippy::unnecessary_cast,
-        clippy::useless_conversion,
-        reason = "Real is f64 in this build, f32 in the other"
-    )
-)]
-
 use hecs::{Component, Entity, World};
 use tumble::Integrator::{self, MoserVeselov, RungeKutta4, SemiImplicitEuler};
 use tumble::math::{Real, Vec3};

@@ -6,16 +6,6 @@
 //! Why: a component that is evaluated once a step where it should be at each stage, or with what
 //! was before the kick, still looks right; only the order shows it.
 
-#![allow(clippy::unwrap_used, reason = "a test without what it tests is to fail")]
-#![cfg_attr(
-    feature = "f64",
-    allow(
-        clippy::unnecessary_cast,
-        clippy::useless_conversion,
-        reason = "Real is f64 in this build, f32 in the other"
-    )
-)]
-
 use glam::{DQuat, DVec3};
 use hecs::{Entity, World};
 use tumble::Integrator::{self, MoserVeselov, RungeKutta4, SemiImplicitEuler};

@@ -5,15 +5,6 @@
 //! corner of a crate used to be stopped in the air beside it. It fails if a contact that the ways
 //! of the bodies do not lead to stays in the step, if one that they lead to is left out, or if its
 //! normal is that of where they began.
-#![cfg_attr(
-    feature = "f64",
-    allow(
-        clippy::unnecessary_cast,
-        clippy::useless_conversion,
-        reason = "Real is f64 in this build, f32 in the other"
-    )
-)]
-#![allow(clippy::unwrap_used, reason = "a test may panic")]
 
 use hecs::{Entity, World};
 use tumble::math::{Quat, Real, Vec3};

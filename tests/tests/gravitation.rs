@@ -8,16 +8,6 @@
 //! filled up, if the kicks of a step do not have the same sources, or if the step loses its
 //! symmetry in time.
 
-#![allow(clippy::unwrap_used, reason = "a test without what it tests is to fail")]
-#![cfg_attr(
-    feature = "f64",
-    allow(
-        clippy::unnecessary_cast,
-        clippy::useless_conversion,
-        reason = "Real is f64 in this build, f32 in the other"
-    )
-)]
-
 use std::f64::consts::TAU;
 
 use glam::DVec3;

@@ -5,8 +5,6 @@
 //! Why: rules that no one checks are broken by the third change. Each test fails with the file and
 //! line that breaks its rule.
 
-#![allow(clippy::unwrap_used, reason = "a test without what it tests is to fail")]
-
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 

@@ -6,9 +6,6 @@
 //! along. It fails if a number that is none, or a square that overflows, gets from one body to
 //! another through a contact, a spring or gravity.
 
-#![cfg_attr(feature = "f64", allow(clippy::useless_conversion, reason = "Real is f64 in this build, f32 in the other"))]
-#![allow(clippy::unwrap_used, reason = "a test without what it tests is to fail")]
-
 use hecs::{Entity, World};
 use proptest::prelude::*;
 use tumble::math::{Quat, Real, Vec3};

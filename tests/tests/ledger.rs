@@ -8,8 +8,6 @@
 //! work is taken with the velocity before or after instead of the mean, if a stage's share of the
 //! impulse is wrong, or if a law's work goes into another's account.
 
-#![allow(clippy::unwrap_used, reason = "a test without what it tests is to fail")]
-
 use glam::DVec3;
 use hecs::{Entity, World};
 use tumble::Integrator::{self, MoserVeselov, RungeKutta4, SemiImplicitEuler};

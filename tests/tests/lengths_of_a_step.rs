@@ -6,16 +6,6 @@
 //! second. It fails if Newton's method diverges, the number of parts overflows, a coefficient
 //! cancels for extreme moments, or a length underflows.
 
-#![allow(clippy::unwrap_used, reason = "a test without what it tests is to fail")]
-#![cfg_attr(
-    feature = "f64",
-    allow(
-        clippy::useless_conversion,
-        clippy::unnecessary_cast,
-        reason = "Real is f64 in this build, f32 in the other"
-    )
-)]
-
 use glam::{DQuat, DVec3};
 use hecs::{Entity, World};
 use proptest::prelude::*;

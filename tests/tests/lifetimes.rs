@@ -6,8 +6,6 @@
 //! longer — is not found by looking. It fails if the paths of the step, with forces between bodies
 //! or without, consume wrenches at different times.
 
-#![allow(clippy::unwrap_used, reason = "a test without what it tests is to fail")]
-
 use hecs::{Component, Entity, World};
 use tumble::math::{Real, Vec3};
 use tumble::{

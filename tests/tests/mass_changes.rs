@@ -6,16 +6,6 @@
 //! Why: an engine whose books leave a remainder without a name has books that no one can check. It
 //! fails if the centre moves without its momentum, if the frame jumps, or if the remainder is lost.
 
-#![allow(clippy::unwrap_used, reason = "a test without what it tests is to fail")]
-#![cfg_attr(
-    feature = "f64",
-    allow(
-        clippy::unnecessary_cast,
-        clippy::useless_conversion,
-        reason = "Real is f64 in this build, f32 in the other"
-    )
-)]
-
 use glam::{DMat3, DQuat, DVec3};
 use hecs::{Entity, World};
 use tumble::math::{Real, Vec3};

@@ -9,16 +9,6 @@
 //! The body is MuJoCo's box, 10 s at 100 steps a second. The matrix is integrated in double
 //! precision in either build: its drift is that of the scheme, not of rounding.
 
-#![allow(clippy::unwrap_used, reason = "a test without what it tests is to fail")]
-#![cfg_attr(
-    feature = "f64",
-    allow(
-        clippy::useless_conversion,
-        clippy::unnecessary_cast,
-        reason = "Real is f64 in this build, f32 in the other"
-    )
-)]
-
 use glam::{DMat3, DVec3};
 use hecs::World;
 use tumble::{Integrator, Pose};

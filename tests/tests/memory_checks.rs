@@ -6,8 +6,6 @@
 //! seconds: CONTRIBUTING.md has the commands. Numbers of bodies are such that tiles and blocks are
 //! filled up at their ends.
 
-#![allow(clippy::unwrap_used, reason = "a test without what it tests is to fail")]
-
 use hecs::World;
 use rayon::ThreadPoolBuilder;
 use tumble::math::{Quat, Real, Vec3};

@@ -5,8 +5,6 @@
 //! fails if a defect is missed or counted twice, if a repair changes the solid that was meant, or
 //! if bad data panic.
 
-#![allow(clippy::unwrap_used, clippy::panic, reason = "a mesh that cannot be made is a failed test")]
-
 use glam::{DAffine3, DQuat, DVec3};
 use proptest::prelude::*;
 use tumble_math::{Amount, MeshDefect, MeshError, MeshRepair, ShapeErrorReason, SolidMesh, TriangleMesh};

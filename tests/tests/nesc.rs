@@ -6,8 +6,6 @@
 //! times, against figures made by others. It fails if a law sees the wrong time, the wrong frame or
 //! the state of another stage, or if the products of inertia are mixed up.
 
-#![allow(clippy::unwrap_used, reason = "a test without what it tests is to fail")]
-
 use glam::{DMat3, DQuat, DVec3};
 use hecs::{Entity, World};
 use serde_json::Value;

@@ -4,16 +4,6 @@
 //! Why: an outside solver that silently leaves out a spring solves another problem. It fails if an
 //! end, a sign, a body that the order does not list, or the time of a law is lost.
 
-#![allow(clippy::unwrap_used, reason = "a test without what it tests is to fail")]
-#![cfg_attr(
-    feature = "f64",
-    allow(
-        clippy::unnecessary_cast,
-        clippy::useless_conversion,
-        reason = "Real is f64 in this build, f32 in the other"
-    )
-)]
-
 use hecs::World;
 use tumble::math::{Real, Vec3};
 use tumble::{

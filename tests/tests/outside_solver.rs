@@ -8,16 +8,6 @@
 //!
 //! The solver is `Dop853` of the crate `ode_solvers`: Dormand and Prince's method of order eight.
 
-#![allow(clippy::unwrap_used, reason = "a test without what it tests is to fail")]
-#![cfg_attr(
-    feature = "f64",
-    allow(
-        clippy::useless_conversion,
-        clippy::unnecessary_cast,
-        reason = "Real is f64 in this build, f32 in the other"
-    )
-)]
-
 use hecs::World;
 use ode_solvers::{DVector, Dop853, OutputType, System};
 use tumble::math::{Quat, Real, Vec3};

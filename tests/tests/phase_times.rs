@@ -4,8 +4,6 @@
 //! Why: who looks for what is slow looks there first. It fails when a part of the step is booked as
 //! another, or twice.
 
-#![allow(clippy::unwrap_used, reason = "a body that cannot be made is a failed test")]
-
 use std::time::{Duration, Instant};
 
 use hecs::World;

@@ -4,8 +4,6 @@
 //! Why: one who looks for lost time in a game wants to see the engine beside the rest. It fails if
 //! a scope is dropped with a rewrite of the step.
 
-#![allow(clippy::unwrap_used, reason = "a test without what it tests is to fail")]
-
 use std::collections::BTreeMap;
 use std::sync::{Arc, Mutex};
 

@@ -5,16 +5,6 @@
 //! Why: the first thing anyone simulates. It fails if gravity acts twice, on momentum without the
 //! mass, or a half kick is missing.
 
-#![allow(clippy::unwrap_used, reason = "a test without what it tests is to fail")]
-#![cfg_attr(
-    feature = "f64",
-    allow(
-        clippy::useless_conversion,
-        clippy::unnecessary_cast,
-        reason = "Real is f64 in this build, f32 in the other"
-    )
-)]
-
 use glam::DVec3;
 use hecs::World;
 use tumble::math::{Real, Vec3};

@@ -6,8 +6,6 @@
 //! doctests; a block that needs a window cannot be. It fails when a type becomes public without an
 //! example, or when guide and program drift apart.
 
-#![allow(clippy::unwrap_used, reason = "a test without what it tests is to fail")]
-
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 

@@ -5,8 +5,6 @@
 //!
 //! Figures and sources are in `data/published/published.json`.
 
-#![allow(clippy::unwrap_used, reason = "a test without what it tests is to fail")]
-
 use serde_json::Value;
 use tumble::Integrator::MoserVeselov;
 use tumble::math::{Real, Vec3};

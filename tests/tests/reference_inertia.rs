@@ -5,8 +5,6 @@
 //! if a formula of a shape, the parallel-axis theorem, a frame or a sign is wrong, and prints the
 //! worst error of each file when asked with `--nocapture`.
 
-#![allow(clippy::unwrap_used, clippy::panic, reason = "a figure that cannot be read or made is a failed test")]
-
 mod reference;
 
 use glam::{DMat3, DQuat, DVec3};

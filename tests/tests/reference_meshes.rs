@@ -5,8 +5,6 @@
 //! in `tests/data/meshes`. It fails if an integral, a sign or a frame is wrong, or if digits are
 //! lost far from the origin.
 
-#![allow(clippy::unwrap_used, clippy::panic, reason = "a figure that cannot be read or made is a failed test")]
-
 mod reference;
 
 use glam::{DAffine3, DMat3, DQuat, DVec3};

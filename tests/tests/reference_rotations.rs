@@ -5,8 +5,6 @@
 //! glam's own conversions are compared where this project relies on them, so an update of glam that
 //! loses digits fails here. Worst errors are printed with `--nocapture`.
 
-#![allow(clippy::unwrap_used, clippy::panic, reason = "a figure that cannot be read or made is a failed test")]
-
 mod reference;
 
 use std::f64::consts::{PI, TAU};

@@ -5,8 +5,6 @@
 //! Why: it is what rollback netcode is built on; a part of the state that is not set back shows as
 //! a desync that no one finds. The peers are those of the example `rollback`.
 
-#![allow(clippy::unwrap_used, reason = "a test without what it tests is to fail")]
-
 #[path = "../examples/rollback/game.rs"]
 mod game;
 #[path = "../examples/rollback/peer.rs"]

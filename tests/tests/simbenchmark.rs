@@ -6,16 +6,6 @@
 //! 3fd17646; where it does not say how long a scene lasts, that is said here. The tower of planks
 //! is left out: its plan is not published with the figures.
 
-#![allow(clippy::unwrap_used, reason = "a body that cannot be made is a failed test")]
-#![cfg_attr(
-    feature = "f64",
-    allow(
-        clippy::useless_conversion,
-        clippy::unnecessary_cast,
-        reason = "Real is f64 in this build, f32 in the other"
-    )
-)]
-
 use hecs::{Entity, World};
 use tumble::math::{Quat, Real, Vec3};
 use tumble::prelude::*;

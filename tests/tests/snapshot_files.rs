@@ -6,8 +6,6 @@
 //! Why: files are damaged and peers lie. It fails if a field is not covered by the checksum, a
 //! count is trusted, or a number is not checked.
 
-#![allow(clippy::unwrap_used, reason = "a test without what it tests is to fail")]
-
 use hecs::World;
 use proptest::prelude::{Just, ProptestConfig, any, prop, prop_oneof, proptest};
 use tumble::math::Real;

@@ -7,15 +7,6 @@
 //! forgotten, the time that force laws see is not set back, a body gets the state of its neighbour,
 //! or a failed restore leaves half of it behind.
 
-#![allow(clippy::unwrap_used, reason = "a test without what it tests is to fail")]
-#![cfg_attr(
-    feature = "f64",
-    allow(
-        clippy::useless_conversion,
-        reason = "Real is f64 in this build; the same line converts from f32 in the other"
-    )
-)]
-
 use std::collections::BTreeMap;
 
 use hecs::{Entity, World};

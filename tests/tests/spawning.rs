@@ -6,8 +6,6 @@
 //! a component, mixes up rows, takes over an entity of the caller's, or derives a quantity of the
 //! wrong body.
 
-#![allow(clippy::unwrap_used, reason = "a test without what it tests is to fail")]
-
 use std::collections::BTreeSet;
 
 use hecs::{ColumnBatchType, Component, Entity, EntityBuilder, EntityRef, World};

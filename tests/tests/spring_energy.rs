@@ -9,16 +9,6 @@
 //! no potential, or if what is not resolved is not damped: then one pair in three gains ten times
 //! its energy.
 
-#![allow(clippy::unwrap_used, reason = "a test without what it tests is to fail")]
-#![cfg_attr(
-    feature = "f64",
-    allow(
-        clippy::unnecessary_cast,
-        clippy::useless_conversion,
-        reason = "Real is f64 in this build, f32 in the other"
-    )
-)]
-
 use hecs::{Entity, World};
 use tumble::math::{Real, Vec3};
 use tumble::{BodyId, Integrator, Pose, RigidBody, Rng, Settings, Shape, Spring, Totals};

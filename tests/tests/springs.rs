@@ -8,16 +8,6 @@
 //! mass is forgotten, a damper sees a stale velocity, the impulses on both ends are not on one
 //! line, or an entity's number is taken for the entity.
 
-#![allow(clippy::unwrap_used, reason = "a test without what it tests is to fail")]
-#![cfg_attr(
-    feature = "f64",
-    allow(
-        clippy::unnecessary_cast,
-        clippy::useless_conversion,
-        reason = "Real is f64 in this build, f32 in the other"
-    )
-)]
-
 use std::f64::consts::{PI, TAU};
 
 use glam::DVec3;

@@ -5,8 +5,6 @@
 //! limit of a kick is put on the force as a whole: then a strong axis overshoots while the others
 //! carry the speed.
 
-#![allow(clippy::unwrap_used, reason = "a test without what it tests is to fail")]
-
 use hecs::World;
 use tumble::Integrator::{MoserVeselov, SemiImplicitEuler};
 use tumble::math::Vec3;

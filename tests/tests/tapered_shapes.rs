@@ -4,8 +4,6 @@
 //! It fails if a segment of a sphere is on the wrong side of its circle, or if digits are lost
 //! where one sphere nearly holds the other.
 
-#![allow(clippy::unwrap_used, reason = "a shape that cannot be made is a failed test")]
-
 use std::f64::consts::PI;
 
 use glam::{DMat3, DVec3};

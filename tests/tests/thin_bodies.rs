@@ -8,21 +8,11 @@
 //!
 //! `TUMBLE_DROPS=100000` draws as many of each shape; without it some hundreds.
 
-#![cfg_attr(
-    feature = "f64",
-    allow(
-        clippy::unnecessary_cast,
-        clippy::useless_conversion,
-        reason = "Real is f64 in this build, f32 in the other"
-    )
-)]
-#![allow(clippy::unwrap_used, reason = "a body that cannot be made is a failed test")]
-
 use hecs::{Entity, World};
 use tumble::math::{Quat, Real, Vec3};
 use tumble::prelude::*;
-use tumble::{Collider, Mass, Material, Rng};
-use tumble_tests::dvec3;
+use tumble::{Collider, Mass, Material};
+use tumble_tests::{Draw, dvec3};
 
 const GRAVITY: f64 = 9.81;
 
@@ -30,36 +20,9 @@ fn real(number: f64) -> Real {
     number as Real
 }
 
-/// Numbers of one case.
-struct Draw(Rng);
-
-impl Draw {
-    fn new(case: u64) -> Self {
-        Self(Rng::stream(19, case))
-    }
-
-    fn between(&mut self, low: f64, high: f64) -> f64 {
-        low + (high - low) * self.0.unit()
-    }
-
-    /// As many of each order of magnitude.
-    fn log_between(&mut self, low: f64, high: f64) -> f64 {
-        self.between(low.ln(), high.ln()).exp()
-    }
-
-    fn often(&mut self, part: f64) -> bool {
-        self.0.unit() < part
-    }
-
-    fn direction(&mut self) -> Vec3 {
-        loop {
-            let [x, y, z] = [(); 3].map(|()| real(self.between(-1.0, 1.0)));
-            let v = Vec3::new(x, y, z);
-            if (0.1..1.0).contains(&v.length()) {
-                return v.normalize();
-            }
-        }
-    }
+fn direction(draw: &mut Draw) -> Vec3 {
+    let v = draw.direction();
+    Vec3::new(real(v.x), real(v.y), real(v.z))
 }
 
 fn drops() -> u64 {
@@ -91,7 +54,7 @@ type Lengths = [f64; 3];
 fn worst_of(make: impl Fn(&mut Draw, Lengths) -> Shape) -> (f64, u64) {
     let mut worst = (0.0, 0);
     for case in 0..drops() {
-        let mut draw = Draw::new(case);
+        let mut draw = Draw::new(19, case);
         let long = draw.log_between(0.05, 5.0);
         let thin = long / draw.log_between(1.0, 500.0);
         let middle = draw.log_between(thin, long);
@@ -109,9 +72,9 @@ fn worst_of(make: impl Fn(&mut Draw, Lengths) -> Shape) -> (f64, u64) {
         let body = RigidBody::new(shape)
             .mass(mass)
             .position(Vec3::Y * real(height))
-            .orientation(Quat::from_axis_angle(draw.direction(), real(draw.between(0.0, 6.0))))
-            .linear_velocity(draw.direction() * real(speed))
-            .angular_velocity(draw.direction() * real(spin));
+            .orientation(Quat::from_axis_angle(direction(&mut draw), real(draw.between(0.0, 6.0))))
+            .linear_velocity(direction(&mut draw) * real(speed))
+            .angular_velocity(direction(&mut draw) * real(spin));
         // Single precision refuses the thinnest.
         let Ok(body) = body.build() else { continue };
         body.spawn_with(&mut world, (collider,));
@@ -195,7 +158,7 @@ fn spawn_board(world: &mut World, draw: &mut Draw, lengths: Lengths) -> (Entity,
     let mut up = Vec3::ZERO;
     up[(5 - turns) % 3] = if draw.often(0.5) { 1.0 } else { -1.0 };
     let upright = Quat::from_rotation_arc(up, Vec3::Y);
-    let tilt = Quat::from_axis_angle(draw.direction(), real(draw.between(0.0, 0.1)));
+    let tilt = Quat::from_axis_angle(direction(draw), real(draw.between(0.0, 0.1)));
     let about = Quat::from_rotation_y(real(draw.between(0.0, 6.0)));
     let shape = Shape::cuboid(half);
     let collider = Collider::new(&shape).unwrap();
@@ -215,7 +178,7 @@ fn spawn_board(world: &mut World, draw: &mut Draw, lengths: Lengths) -> (Entity,
 fn boards_lie_still_whatever_their_thickness() {
     let stiffness = (std::f64::consts::TAU * 60.0).powi(2);
     for case in 0..drops() / 4 {
-        let mut draw = Draw::new(case);
+        let mut draw = Draw::new(19, case);
         let thin = draw.log_between(2e-3, 1.0);
         let mut lengths = [thin * draw.log_between(1.0, 50.0), thin * draw.log_between(1.0, 50.0), thin];
         lengths.sort_by(|a, b| b.total_cmp(a));

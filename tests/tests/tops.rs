@@ -9,8 +9,6 @@
 //! The pinned body is a free one with its inertia about the fixed point and gravity's torque as a
 //! `ForceLaw` ([`Pinned`]).
 
-#![allow(clippy::unwrap_used, reason = "a test without what it tests is to fail")]
-
 use glam::DVec3;
 use tumble::Integrator::{self, MoserVeselov, RungeKutta4};
 use tumble::math::Real;

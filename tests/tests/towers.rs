@@ -7,9 +7,6 @@
 //! that large ones stand at. It fails if a stack is taken for stiffer than it is: with loads,
 //! levers, widths or masses that are wrong, or islands that are not found.
 
-#![allow(clippy::unwrap_used, reason = "a body that cannot be made is a failed test")]
-#![cfg_attr(feature = "f64", allow(clippy::useless_conversion, reason = "Real is f64 in this build, f32 in the other"))]
-
 use hecs::{Entity, World};
 use tumble::math::{Quat, Real, Vec3};
 use tumble::prelude::*;

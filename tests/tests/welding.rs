@@ -5,16 +5,6 @@
 //! It fails if an arm, a frame or a spin is left out of the angular momentum, or if the composite
 //! is not that of the parts.
 
-#![allow(clippy::unwrap_used, clippy::panic, reason = "bodies that cannot be welded are a failed test")]
-#![cfg_attr(
-    feature = "f64",
-    allow(
-        clippy::useless_conversion,
-        clippy::unnecessary_cast,
-        reason = "Real is f64 in this build, f32 in the other"
-    )
-)]
-
 mod reference;
 
 use glam::{DMat3, DQuat, DVec3};

@@ -3,8 +3,6 @@
 //! with a name, between walls without, with a paddle that turns among them.
 
 #![allow(dead_code, reason = "each test uses a part of it")]
-#![allow(clippy::unwrap_used, reason = "a body that cannot be made is a failed test")]
-#![cfg_attr(feature = "f64", allow(clippy::useless_conversion, reason = "Real is f64 in this build, f32 in the other"))]
 
 use hecs::{Entity, World};
 use tumble::math::{Quat, Real, Vec3, dquat};

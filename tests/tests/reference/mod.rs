@@ -1,7 +1,5 @@
 //! Reading of the reference figures in `tests/data`, and the comparison with them.
 
-#![allow(clippy::unwrap_used, reason = "the files are part of this package")]
-
 use glam::DMat3;
 use serde_json::Value;
 use tumble_tests::references::{number, vector};
