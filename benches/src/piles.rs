@@ -1,3 +1,5 @@
+//! Benchmark scenes with contacts: a pyramid of boxes, falling balls, worlds of eight boxes.
+
 use hecs::World;
 use tumble::math::{Real, Vec3};
 use tumble::{BodyId, Collider, Material, RigidBody, Shape};

@@ -1,3 +1,5 @@
+//! Benchmark scenes with pairwise forces: a net of springs and a cloud of attracting points.
+
 use hecs::{DynamicBundle, Entity, World};
 use tumble::math::{Real, Vec3};
 use tumble::{BodyId, GravityMass, RigidBody, Rng, Shape, Spring};

@@ -1,3 +1,5 @@
+//! Benchmark scenes without contacts: tumbling boxes, and bodies of every kind.
+
 use hecs::World;
 use tumble::math::{Real, Vec3};
 use tumble::{Amount, Body, BodyId, Damping, Part, RigidBody, Rng, Shape, spawn_bodies};

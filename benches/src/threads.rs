@@ -1,3 +1,5 @@
+//! Benchmark sizes, and thread pools for single-threaded and parallel runs.
+
 use rayon::{ThreadPool, ThreadPoolBuilder};
 
 /// The numbers of bodies that each bench runs with.

@@ -11,7 +11,55 @@ use std::path::{Path, PathBuf};
 /// What may have unsafe code, from the root: the vector code, and the call by which the window gets
 /// at the graphics card.
 const UNSAFE_ALLOWED: [&str; 2] = ["crates/tumble/src/simd/", "crates/tumble-view/src/gpu/context.rs"];
-const MAX_LINES: usize = 600;
+/// Lines of a file: sources, and tests and documents.
+const MAX_LINES: [usize; 2] = [500, 600];
+/// Columns of a comment; examples in it may have as many as code.
+const MAX_COMMENT: usize = 100;
+/// Folders and files of the engine's root, from the ground up: each imports only what stands before it.
+const ENGINE: [&str; 23] = [
+    "scope",
+    "math",
+    "lane",
+    "range",
+    "rotation",
+    "integrator",
+    "settings",
+    "clock",
+    "threads",
+    "components",
+    "simd",
+    "integrators",
+    "storage",
+    "body",
+    "forces",
+    "collision",
+    "solver",
+    "step",
+    "energy",
+    "snapshot",
+    "batch",
+    "debug_draw",
+    "lib",
+];
+/// The same of the crate of scenes.
+const SCENE: [&str; 14] = [
+    "terminal",
+    "error",
+    "error_context",
+    "values",
+    "limits",
+    "read_file",
+    "pending_file",
+    "bodies",
+    "tessellation",
+    "import",
+    "scene",
+    "record",
+    "sweep",
+    "lib",
+];
+/// Words that mean something here only.
+const DIALECT: [&str; 7] = ["so many", "looked at", "anew", "is told", "without end", "in turns", "by chance"];
 
 /// What a crate may depend on: other members of the workspace and, where it is to stay small,
 /// crates from outside.
@@ -193,8 +241,129 @@ fn nothing_is_left_to_do_or_skipped() {
 #[test]
 fn files_stay_small() {
     for path in files(&["rs", "toml", "md"]) {
-        let lines = std::fs::read_to_string(&path).unwrap().lines().count();
-        assert!(lines <= MAX_LINES, "{} has {lines} lines", from_root(&path));
+        let (lines, place) = (std::fs::read_to_string(&path).unwrap().lines().count(), from_root(&path));
+        let is_source = place.starts_with("crates/") && place.contains("/src/");
+        assert!(lines <= MAX_LINES[usize::from(!is_source)], "{place} has {lines} lines");
+    }
+}
+
+/// What `crate::` is followed by in code, for every path and every name of an import.
+fn paths_in(code: &str) -> Vec<String> {
+    let words = |text: &str| {
+        let end = text.find(|c: char| !c.is_alphanumeric() && c != '_').unwrap_or(text.len());
+        text[..end].to_owned()
+    };
+    let mut found = Vec::new();
+    for (at, path) in code.match_indices("crate::") {
+        let rest = &code[at + path.len()..];
+        match rest.strip_prefix('{') {
+            Some(list) => {
+                found.extend(list.split('}').next().unwrap_or_default().split(',').map(|it| words(it.trim())))
+            }
+            None => found.push(words(rest)),
+        }
+    }
+    found.retain(|name| !name.is_empty());
+    found
+}
+
+/// Where the public items of a crate's root come from, by the first segment of their path.
+fn origins(root_file: &str) -> std::collections::BTreeMap<String, String> {
+    let mut origins = std::collections::BTreeMap::new();
+    for import in code(root_file).split("pub use ").skip(1) {
+        let import = import.split(';').next().unwrap_or_default();
+        let Some((first, rest)) = import.split_once("::") else { continue };
+        let names = rest.rsplit("::").next().unwrap_or_default();
+        for name in names.trim_matches(['{', '}', '\n', ' ']).split(',') {
+            origins.insert(name.trim().to_owned(), first.trim().to_owned());
+        }
+    }
+    origins
+}
+
+/// Every import within a crate that points up in the order of its folders, as `file imports name`.
+fn imports_that_point_up(source: &str, order: &[&str]) -> Vec<String> {
+    let origins = origins(&std::fs::read_to_string(root().join(source).join("lib.rs")).unwrap());
+    let rank = |name: &str| order.iter().position(|known| *known == name);
+    let mut up = Vec::new();
+    for path in files(&["rs"]) {
+        let place = from_root(&path);
+        let Some(inside) = place.strip_prefix(&format!("{source}/")) else { continue };
+        let own = inside.split(['/', '.']).next().unwrap_or_default();
+        let own_rank = rank(own).unwrap_or_else(|| panic!("{place}: {own} has no place in the order"));
+        let text = std::fs::read_to_string(&path).unwrap();
+        let without_tests = text.split("#[cfg(test)]\nmod tests").next().unwrap_or_default();
+        for name in paths_in(&code(without_tests)) {
+            let from = origins.get(&name).unwrap_or(&name);
+            if rank(from).is_some_and(|rank| rank > own_rank) && !inside.ends_with("_tests.rs") {
+                up.push(format!("{place} imports {name}"));
+            }
+        }
+    }
+    up
+}
+
+#[test]
+fn engine_folders_import_one_way() {
+    assert_eq!(imports_that_point_up("crates/tumble/src", &ENGINE), Vec::<String>::new());
+}
+
+#[test]
+fn scene_folders_import_one_way() {
+    assert_eq!(imports_that_point_up("crates/tumble-scene/src", &SCENE), Vec::<String>::new());
+}
+
+/// Lines of comments that are too long, as `file:line`. Examples, tables and links may be longer.
+fn long_comments(text: &str) -> Vec<usize> {
+    let mut is_example = false;
+    let mut found = Vec::new();
+    for (number, line) in text.lines().enumerate() {
+        let trimmed = line.trim_start();
+        if !trimmed.starts_with("//") {
+            is_example = false;
+            continue;
+        }
+        let comment = trimmed.trim_start_matches(['/', '!']).trim_start();
+        if comment.starts_with("```") {
+            is_example = !is_example;
+        }
+        let may_be_long = is_example || comment.starts_with('|') || comment.contains("](") || comment.contains("://");
+        if line.chars().count() > MAX_COMMENT && !may_be_long {
+            found.push(number + 1);
+        }
+    }
+    found
+}
+
+#[test]
+fn comments_are_narrow_and_files_have_a_head() {
+    for path in files(&["rs"]) {
+        let (text, place) = (std::fs::read_to_string(&path).unwrap(), from_root(&path));
+        let long = long_comments(&text);
+        assert!(long.is_empty(), "{place}: comments of more than {MAX_COMMENT} columns in lines {long:?}");
+        assert!(text.starts_with("//"), "{place} has no head line that says what is in it");
+    }
+}
+
+#[test]
+fn names_and_words_are_those_of_the_field() {
+    for path in files(&["rs", "md"]) {
+        let (text, place) = (std::fs::read_to_string(&path).unwrap(), from_root(&path));
+        if place.ends_with("house_rules.rs") {
+            continue;
+        }
+        for name in ["MOST_", "LEAST_"] {
+            assert!(!code(&text).contains(name), "{place}: {name} is MAX_ or MIN_");
+        }
+        // Words may stand on two lines.
+        let text = text.to_lowercase().replace(['/', '!', '#'], " ").split_whitespace().collect::<Vec<_>>().join(" ");
+        for words in DIALECT {
+            let is_inside = |c: Option<char>| c.is_some_and(|c| c.is_alphanumeric() || c == '_');
+            let stands = text.match_indices(words).any(|(i, _)| {
+                !is_inside(text[..i].chars().next_back()) && !is_inside(text[i + words.len()..].chars().next())
+            });
+            assert!(!stands, "{place}: {words:?}");
+        }
     }
 }
 
@@ -248,6 +417,12 @@ fn the_checks_themselves_work() {
         named_paths("see `crates/nowhere.rs`, `gone.md`, `m/s`, `a b.rs`, [x](docs/y.md#z) and <https://a.b/c>");
     let expected = ["crates/nowhere.rs", "gone.md", "docs/y.md"].map(str::to_owned);
     assert_eq!(named, BTreeSet::from(expected));
+    assert_eq!(paths_in("use crate::solver::x; use crate::{Rng, step::y};"), ["solver", "Rng", "step"]);
+    let roots = origins("pub use step::simulation::Simulation;\npub use energy::totals::{Totals, Other};");
+    assert_eq!(roots["Simulation"], "step");
+    assert_eq!(roots["Other"], "energy");
+    let long = format!("{0}\n/// ```\n{0}\n/// ```\nlet x = 1;\n", format!("/// {}", "word ".repeat(20)));
+    assert_eq!(long_comments(&long), [1]);
     let table: toml::Table =
         "[target.'cfg(unix)'.dependencies]\nx = '1'\n[dependencies]\ny = { package = 'z' }".parse().unwrap();
     assert_eq!(dependencies(&table, "dependencies"), BTreeSet::from(["x".to_owned(), "z".to_owned()]));

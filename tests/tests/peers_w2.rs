@@ -37,7 +37,7 @@ fn no_engine_does_better() {
             let attitude = run.attitude_after(10.0);
             assert!(attitude < peer.attitude, "{}: {} has {:e}", body.name, peer.engine, peer.attitude);
             let missed = |flips: u32| flips.abs_diff(body.flips);
-            // Bullet, losing 97 % of the energy, has the right count of flips by chance; and in
+            // Bullet, losing 97 % of the energy, has the right count of flips by accident; and in
             // single precision the handle's count is a matter of rounding for us as well
             // (tests/long_run.rs).
             let by_chance = peer.energy < -0.9 || (!DOUBLE && body.name == "thandle");

@@ -1,3 +1,5 @@
+//! The benchmark scenes rebuilt in Rapier, with sleeping disabled, as a reference engine.
+
 #![allow(
     clippy::unnecessary_cast,
     clippy::useless_conversion,

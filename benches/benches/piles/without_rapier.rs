@@ -1,3 +1,5 @@
+//! Stub for the reference engine in builds without Rapier.
+
 use hecs::World;
 use tumble::Settings;
 

@@ -1,3 +1,5 @@
+//! Memory traffic and arithmetic operations of one body in one step.
+
 use hecs::World;
 use tumble::math::{Quat, Real, Vec3};
 use tumble::{Inertia, InverseInertia, Mass, Momentum, Pose, Velocity, Wrench};

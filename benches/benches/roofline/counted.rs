@@ -1,3 +1,5 @@
+//! A number type that counts the arithmetic operations done with it.
+
 use std::cell::Cell;
 use std::ops::{Add, AddAssign, Div, Mul, Neg, Sub};
 

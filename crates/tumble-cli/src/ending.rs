@@ -1,3 +1,5 @@
+//! Checks of output file extensions, and the trajectory format that an extension selects.
+
 use std::path::Path;
 
 use tumble_scene::TrajectoryFormat;

@@ -30,7 +30,7 @@ pub(crate) enum Command {
     /// Run a scene and report what happened
     #[command(after_help = EXIT_CODES)]
     Run(RunOptions),
-    /// Run many worlds of one scene whose fields differ, by chance or over a grid
+    /// Run many worlds of one scene whose fields differ, at random or over a grid
     #[command(after_help = EXIT_CODES)]
     Sweep(SweepOptions),
     /// Put the shards of a sweep together

@@ -17,7 +17,7 @@ const SCENE: &str = r#"{ "gravity": [0, -2, 0], "dt": 0.01, "steps": 50, "bodies
     { "name": "brick", "shape": { "cuboid": { "half_extents": [0.1, 0.2, 0.3] } }, "mass": 2, "angular_velocity": [1, 2, 3] },
     { "name": "stone", "mass": 1, "linear_velocity": [1, 0, 0] } ] }"#;
 
-/// A number of each kind: by chance, over a grid, of the scene and of a body.
+/// A number of each kind: at random, over a grid, of the scene and of a body.
 const VARY: [&str; 6] = [
     "--vary",
     "bodies.brick.angular_velocity.1=-5..5",

@@ -1,3 +1,5 @@
+//! Axis-aligned bounding boxes and their overlap tests.
+
 use tumble_math::lane::Vec3;
 
 use crate::scalar::Scalar;

@@ -1,3 +1,5 @@
+//! Collision shapes and their placement: AABBs, support points, and the parts of compounds.
+
 use std::sync::Arc;
 
 use tumble_math::lane::{Lane, Quat, Vec3};

@@ -1,3 +1,5 @@
+//! Compound shapes: a flat list of placed shapes with numbered parts.
+
 use crate::collider_shape::{ColliderShape, Isometry};
 use crate::scalar::Scalar;
 use crate::support_map::{Vector, wide};

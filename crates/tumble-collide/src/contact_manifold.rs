@@ -1,3 +1,5 @@
+//! Contact manifolds of any two shapes: dispatch on shape types, and pairs of compound parts.
+
 use crate::capsule::{Rod, capsule_and_ball, capsule_and_capsule, cuboid_and_capsule};
 use crate::collider_shape::{ColliderShape, Isometry};
 use crate::convex_pair::convex_and_convex;

@@ -1,3 +1,5 @@
+//! Convex hulls as collision shapes: merged coplanar faces, support points and contact features.
+
 use tumble_math::{HullError, convex_hull};
 
 use crate::feature::{Feature, MAX_CORNERS};

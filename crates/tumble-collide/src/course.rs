@@ -1,3 +1,5 @@
+//! Motion of a shape over a time interval: piecewise linear translation with uniform rotation.
+
 use tumble_math::lane::{Quat, Vec3};
 use tumble_math::rotate_exactly;
 

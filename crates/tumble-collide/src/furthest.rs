@@ -1,3 +1,5 @@
+//! Support queries on large point sets with a tree of bounding boxes.
+
 use std::cmp::Ordering;
 
 use crate::support_map::Vector;

@@ -1,3 +1,5 @@
+//! Height fields as collision surfaces: two triangles per grid cell, with validated input.
+
 use std::ops::RangeInclusive;
 
 use thiserror::Error;

@@ -1,3 +1,5 @@
+//! The contact manifold: one normal and up to four points with separations and feature ids.
+
 use tumble_math::lane::Vec3;
 
 use crate::scalar::Scalar;

@@ -1,3 +1,5 @@
+//! Triangle meshes as collision surfaces: welded vertices, triangle adjacency, and a BVH.
+
 use tumble_math::{MeshError, TriangleMesh};
 
 use crate::aabb::Aabb;

@@ -1,3 +1,5 @@
+//! The floating-point types that collision detection supports.
+
 use tumble_math::lane::Lane;
 
 /// The precision contacts are computed in: `f32` or `f64`.

@@ -1,3 +1,5 @@
+//! Sphere-sphere contacts in SIMD lanes.
+
 use tumble_math::lane::{Lane, Vec3};
 
 use crate::lanes::ManifoldLanes;

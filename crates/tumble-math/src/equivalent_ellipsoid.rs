@@ -1,3 +1,5 @@
+//! The homogeneous ellipsoid that has a given mass and given principal moments.
+
 use glam::DVec3;
 
 /// Semi-axes \[m\], along the principal axes, of the homogeneous ellipsoid with this mass \[kg\]

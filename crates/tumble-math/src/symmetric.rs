@@ -1,3 +1,5 @@
+//! Symmetrization of 3x3 matrices after rounding.
+
 use glam::{DMat3, DVec3};
 
 /// The upper triangle, mirrored: rounding may leave the two halves an ulp apart.

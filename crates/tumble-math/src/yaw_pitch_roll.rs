@@ -1,3 +1,5 @@
+//! Yaw, pitch and roll angles of a rotation, and the rotation they describe.
+
 use glam::{DQuat, EulerRot};
 
 use crate::euler::to_euler;

@@ -63,11 +63,12 @@ pub use record::trajectory::{COLUMNS, STATE_COLUMNS, TrajectoryWriter, state_num
 pub use scene::audit::{Audit, AuditedBody};
 pub use scene::audit_collider::AuditedCollider;
 pub use scene::audit_mesh::{MeshOptions, MeshRepairs};
+pub use scene::body_names::BodyNames;
 pub use scene::builtin::builtin_names;
 pub use scene::ground_patches::ground_patches;
 pub use scene::momentum_scale::MomentumScale;
 pub use scene::parse::Format;
-pub use scene::{BodyNames, DEFAULT_STEPS, Scene};
+pub use scene::{DEFAULT_STEPS, Scene};
 pub use sweep::distribution::Distribution;
 pub use sweep::shard::Shard;
 pub use sweep::sweep_error::SweepError;

@@ -1,10 +1,12 @@
 //! What is seen: a scene that is being run, from a camera, with layers on or off.
 
+mod scenery;
+
 use std::time::{Duration, Instant};
 
 use macroquad::miniquad::RenderPass;
 use tumble::glam::{DVec2, DVec3};
-use tumble::{DebugView, Spring, SpringToPoint, Totals};
+use tumble::{DebugView, Totals};
 use tumble_scene::Scene;
 
 use crate::arrows::{self, Largest};
@@ -12,10 +14,10 @@ use crate::bodies::Placed;
 use crate::camera::{Camera, DISTANCES, View};
 use crate::convert::{dvec3, single3};
 use crate::failure::Failure;
-use crate::framing::{self, Frame, Grid};
+use crate::framing::{self, Frame};
 use crate::gpu::{Background, BodyInstance, Gpu, Picture, Renderer};
 use crate::layers::{Layer, Layers};
-use crate::lines::{Line, Marks, encoded};
+use crate::lines::{Line, Marks};
 use crate::options::ViewOptions;
 use crate::overlay::{Label, Overlay};
 use crate::pick::first_hit;
@@ -32,10 +34,6 @@ const SEEN: f64 = 6.0;
 /// Up to this many lines of contacts and colliders are seen through bodies: some two hundred
 /// points. More would hide the bodies.
 const MAX_THROUGH: usize = 1500;
-/// Width of a trail \[points\].
-const TRAIL: f32 = 1.6;
-/// Width of a spring \[points\].
-const SPRING: f32 = 1.4;
 
 /// What stays in the middle of the picture.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -310,67 +308,6 @@ impl Viewport {
             }
         }
         marks.lines
-    }
-
-    /// What bodies hide: the grid, springs and trails.
-    fn scenery(&self, places: &[Placed]) -> Vec<Line> {
-        let mut lines = Vec::new();
-        if self.layers.has(Layer::Grid) {
-            let frame = Frame { middle: self.anchor + self.start.middle - self.center, radius: self.start.radius };
-            let frame = if self.follow == Follow::Nothing { self.start } else { frame };
-            let grounds: Vec<_> = self.grounds(places).collect();
-            let grid = Grid::below(&frame, &self.start, self.camera.up).on_ground(&frame, self.camera.up, &grounds);
-            lines = grid.lines(&frame, self.camera.up);
-            // Walls end the floor.
-            lines.retain(|line| {
-                let middle = 0.5 * (line.from + line.to);
-                grounds.iter().all(|(place, normal)| (middle - *place).dot(*normal) >= 0.0)
-            });
-        }
-        if self.layers.has(Layer::Springs) {
-            self.springs(&mut lines);
-        }
-        if self.layers.has(Layer::Trails) {
-            self.trails(places, &mut lines);
-        }
-        lines
-    }
-
-    /// A place and the normal of each infinite ground.
-    fn grounds<'a>(&'a self, places: &'a [Placed]) -> impl Iterator<Item = (DVec3, DVec3)> + 'a {
-        let endless = self.playback.bodies.all.iter().zip(places).filter(|(body, _)| body.endless);
-        endless.map(|(_, placed)| (placed.origin, placed.rotation * DVec3::Y))
-    }
-
-    fn springs(&self, lines: &mut Vec<Line>) {
-        let world = &self.playback.world;
-        // Not to go through ten thousand bodies for nothing.
-        let there_are =
-            world.query::<&Spring>().iter().next().is_some() || world.query::<&SpringToPoint>().iter().next().is_some();
-        if there_are {
-            let mut marks = Marks::default();
-            let view = DebugView { springs: true, alpha: self.playback.alpha(), ..DebugView::nothing() };
-            view.draw(world, &mut marks);
-            lines.extend(marks.lines.into_iter().map(|line| Line { width: SPRING, ..line }));
-        }
-    }
-
-    fn trails(&self, places: &[Placed], lines: &mut Vec<Line>) {
-        let poses = self.playback.bodies.by_entity(places);
-        for (entity, trail) in self.playback.trails.all() {
-            let Some((body, placed)) = poses.get(&entity) else { continue };
-            let [red, green, blue] = encoded(body.color);
-            let count = trail.len() as f32;
-            let color = |age: f32| [red, green, blue, 0.85 * (1.0 - age / count).max(0.0).powi(2)];
-            let newest_first = std::iter::once(placed.center).chain(trail.iter().rev().copied());
-            let older = trail.iter().rev().copied();
-            for (age, (from, to)) in newest_first.zip(older).enumerate() {
-                if from != to {
-                    let (from_color, to_color) = (color(age as f32), color(age as f32 + 1.0));
-                    lines.push(Line { from, to, from_color, to_color, width: TRAIL });
-                }
-            }
-        }
     }
 
     /// Energy and momentum, not long ago.

@@ -1,3 +1,5 @@
+//! Simulation time: the step count, the simulated time and the unspent frame time.
+
 use crate::math::Real;
 
 /// Where a [`Simulation`](crate::Simulation) stands in time: its steps, its simulated time, and the

@@ -1,3 +1,5 @@
+//! The choice of integrator, with its name in files and on the command line.
+
 use std::fmt;
 use std::str::FromStr;
 

@@ -1,3 +1,5 @@
+//! Simulation settings and their validation.
+
 use crate::integrator::Integrator;
 use crate::math::{Real, Vec3};
 use crate::range::{MAX_GRAVITY, MAX_SPEED, SECONDS, within};

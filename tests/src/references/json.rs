@@ -1,3 +1,5 @@
+//! Numbers, vectors and quaternions from the JSON reference data.
+
 use glam::{DQuat, DVec3};
 use serde_json::Value;
 use tumble::math::{Quat, Real, Vec3};

@@ -1,3 +1,5 @@
+//! Reference cases of bodies with a fixed point under gravity: tops and pendulums.
+
 use glam::{DQuat, DVec3};
 use hecs::{Entity, World};
 use serde_json::Value;

@@ -1,3 +1,5 @@
+//! Reference cases of free rotation, with the results of other engines.
+
 use glam::{DQuat, DVec3};
 use hecs::{Entity, World};
 use serde_json::Value;

@@ -1,3 +1,5 @@
+//! Eight AABBs in SIMD lanes, tested for overlap against one box at once.
+
 use tumble_math::lane::Vec3;
 
 use crate::aabb::Aabb;

@@ -1,3 +1,5 @@
+//! A bounding volume hierarchy with eight children per node: refit, box queries and leaf pairs.
+
 use super::aabb8::{LANES, Marks, Octet};
 use super::bvh_build::{Item, NONE, arrange};
 use super::pair_list::{Found, Pair};

@@ -1,3 +1,5 @@
+//! Broad phase: incremental search for overlapping pairs with fat AABBs and two BVHs.
+
 mod aabb8;
 mod bvh;
 mod bvh_build;

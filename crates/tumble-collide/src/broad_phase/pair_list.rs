@@ -1,3 +1,5 @@
+//! The sorted list of overlapping pairs, updated by counting sort and merge.
+
 use super::aabb8::{LANES, Marks};
 
 /// Indices of two objects, the lower first.

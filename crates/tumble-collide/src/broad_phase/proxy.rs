@@ -1,3 +1,5 @@
+//! Broad-phase proxies: the AABB of an object, and whether the object can move.
+
 use crate::aabb::Aabb;
 use crate::scalar::Scalar;
 

@@ -1,3 +1,5 @@
+//! Edge-edge contacts of two boxes: the nine cross-product axes, and the closest points.
+
 use tumble_math::lane::{Lane, Vec3};
 
 use super::{MIN_SINE, Pair};

@@ -1,3 +1,5 @@
+//! Face contacts of two boxes: the incident face clipped against the reference face.
+
 use tumble_math::lane::{Lane, Vec3};
 
 use super::Pair;

@@ -1,3 +1,5 @@
+//! Reduction of clipped contact points to at most four, with a choice that is stable across steps.
+
 use tumble_math::lane::{Lane, Vec3};
 
 use crate::lanes::FAR;

@@ -1,3 +1,5 @@
+//! Visual geometry of bodies, and the colours they are drawn in.
+
 use std::sync::Arc;
 
 use tumble::{Collider, Shape, TriangleMesh};

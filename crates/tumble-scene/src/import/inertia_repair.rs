@@ -1,3 +1,5 @@
+//! Repair of imported principal moments that violate the triangle inequality.
+
 use glam::DVec3;
 
 /// What is done about moments of inertia that no body has, because one is larger than the other two

@@ -1,3 +1,5 @@
+//! Escaping of names in CSV cells, so that spreadsheets do not read them as formulas.
+
 use std::borrow::Cow;
 
 /// What spreadsheets take for the beginning of a formula, in letters of either width, or pass over

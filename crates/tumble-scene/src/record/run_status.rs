@@ -1,3 +1,5 @@
+//! The status of a world in a sweep, as its row in the result file names it.
+
 /// What a world of a sweep came to, as its row says it.
 ///
 /// ```

@@ -1,3 +1,5 @@
+//! The audit of a collider: friction, restitution, combine rules and collision groups.
+
 use serde::{Serialize, Serializer};
 use tumble::math::Real;
 use tumble::{Collider, CombineRule, Material};

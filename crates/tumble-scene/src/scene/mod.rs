@@ -3,6 +3,7 @@
 pub(crate) mod audit;
 pub(crate) mod audit_collider;
 pub(crate) mod audit_mesh;
+pub(crate) mod body_names;
 pub(crate) mod builtin;
 pub(crate) mod collider_model;
 pub(crate) mod contact_scenes;
@@ -15,7 +16,6 @@ pub(crate) mod momentum_scale;
 pub(crate) mod parse;
 pub(crate) mod stress;
 
-use std::borrow::Cow;
 use std::collections::HashMap;
 use std::path::{Path, PathBuf};
 
@@ -33,6 +33,7 @@ use crate::import::mesh_file::MeshFormat;
 use crate::import::urdf::{MAX_URDF_BYTES, Robot};
 use crate::limits::{MAX_BODIES, step_count, time_step};
 use crate::read_file::{read_limited, read_text};
+use crate::scene::body_names::BodyNames;
 use crate::scene::builtin::builtin_names;
 use crate::scene::convert::forces::Others;
 use crate::scene::model::SceneModel;
@@ -407,34 +408,6 @@ impl Scene {
             files: model.files.clone(),
             bodies: Bodies::Listed { bodies, names },
         })
-    }
-}
-
-/// The names of a scene's bodies, by [`BodyId`](tumble::BodyId).
-///
-/// ```
-/// use tumble_scene::Scene;
-///
-/// let mut world = hecs::World::new();
-/// let names = Scene::open("mujoco-box")?.spawn(&mut world)?;
-/// assert_eq!(names.of(0), "box");
-/// # Ok::<(), Box<dyn std::error::Error>>(())
-/// ```
-#[derive(Clone, Debug)]
-pub struct BodyNames {
-    /// `None` where all are called by their number.
-    given: Option<Vec<String>>,
-}
-
-impl BodyNames {
-    /// The name of the body with this id; `body-<id>` for one that the scene does not know.
-    #[must_use]
-    pub fn of(&self, id: u64) -> Cow<'_, str> {
-        let given = self.given.as_ref().zip(usize::try_from(id).ok());
-        match given.and_then(|(names, index)| names.get(index)) {
-            Some(name) => Cow::Borrowed(name),
-            None => Cow::Owned(convert::numbered(id)),
-        }
     }
 }
 

@@ -36,7 +36,7 @@ pub enum Distribution {
         deviation: f64,
     },
     /// `count` values from `low` to `high` at equal distances, both ends among them; one after the
-    /// other, not by chance.
+    /// other, not at random.
     Grid {
         /// The first value.
         low: f64,
@@ -99,7 +99,7 @@ impl Distribution {
         }
     }
 
-    /// Steps of a grid; one for what is drawn by chance.
+    /// Steps of a grid; one for what is drawn at random.
     pub(crate) fn steps(&self) -> u64 {
         if let Self::Grid { count, .. } = *self { count } else { 1 }
     }

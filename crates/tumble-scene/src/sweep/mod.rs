@@ -67,7 +67,7 @@ pub enum RunLength {
 pub struct SweepPlan {
     /// A file, or the name of a built-in scene, as for [`Scene::open`].
     pub scene: String,
-    /// How many worlds; if nothing is drawn by chance, each combination of the grids once unless
+    /// How many worlds; if nothing is drawn at random, each combination of the grids once unless
     /// this says otherwise.
     pub worlds: Option<u64>,
     /// What chance begins with.
@@ -86,7 +86,7 @@ pub struct SweepPlan {
     pub bodies: Vec<String>,
 }
 
-/// A scene with fields that differ from world to world: by chance, or over the values of a grid.
+/// A scene with fields that differ from world to world: at random, or over the values of a grid.
 ///
 /// A field is named by its path in the file: `gravity.1`, `dt`, `bodies.0.mass`,
 /// `bodies.brick.angular_velocity.2`, `bodies.0.shape.cuboid.half_extents.0`; bodies go by index or
@@ -300,15 +300,15 @@ fn varied_bodies(
     by_name: &HashMap<String, usize>,
 ) -> (BTreeMap<usize, BodyModel>, BTreeMap<usize, BodyModel>) {
     let varied: BTreeSet<usize> = varied.iter().filter_map(|varied| varied.field.body()).collect();
-    let is_made_anew = |(index, body): &(usize, &BodyModel)| {
+    let is_remade = |(index, body): &(usize, &BodyModel)| {
         varied.contains(index) || convert::springs_by_distance(body, by_name).any(|to| varied.contains(&to))
     };
-    let made_anew: BTreeMap<_, _> =
-        bodies.iter().enumerate().filter(is_made_anew).map(|(index, body)| (index, body.clone())).collect();
-    let leads_to = made_anew.values().flat_map(|body| convert::springs_by_distance(body, by_name));
-    let looked_at = leads_to.filter(|to| !made_anew.contains_key(to));
-    let neighbours = looked_at.filter_map(|to| Some((to, bodies.get(to)?.clone()))).collect();
-    (made_anew, neighbours)
+    let remade: BTreeMap<_, _> =
+        bodies.iter().enumerate().filter(is_remade).map(|(index, body)| (index, body.clone())).collect();
+    let leads_to = remade.values().flat_map(|body| convert::springs_by_distance(body, by_name));
+    let seen = leads_to.filter(|to| !remade.contains_key(to));
+    let neighbours = seen.filter_map(|to| Some((to, bodies.get(to)?.clone()))).collect();
+    (remade, neighbours)
 }
 
 fn impossible(file: &str, index: usize, model: &BodyModel, problems: Vec<FieldError>) -> SceneError {

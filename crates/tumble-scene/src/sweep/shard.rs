@@ -1,3 +1,5 @@
+//! Shards of a sweep: parsing of `I/N`, and the range of worlds in each shard.
+
 use std::fmt;
 use std::ops::Range;
 use std::str::FromStr;

@@ -1,3 +1,5 @@
+//! Errors of sweep construction.
+
 use crate::error::{FieldError, SceneError, one_line};
 use crate::terminal::printable;
 

@@ -1,3 +1,5 @@
+//! The identity of a sweep: everything its rows depend on, compared before files are merged.
+
 use std::ops::Range;
 
 use serde::{Deserialize, Serialize};

@@ -1,3 +1,5 @@
+//! A varied scene field with its distribution, parsed from `FIELD=LO..HI` and similar forms.
+
 use std::fmt;
 use std::str::FromStr;
 

@@ -1,3 +1,5 @@
+//! The background pass: a vertical colour gradient or a plain colour.
+
 use macroquad::miniquad::{
     Bindings, BufferLayout, BufferSource, BufferType, BufferUsage, Pipeline, PipelineParams, RenderingBackend,
     UniformType, UniformsSource, VertexAttribute, VertexFormat,

@@ -1,3 +1,5 @@
+//! The body pass: instanced draw calls, one for each surface mesh.
+
 use macroquad::miniquad::{
     Bindings, BlendFactor, BlendState, BlendValue, BufferId, BufferLayout, BufferSource, BufferType, BufferUsage,
     Comparison, Equation, Pipeline, PipelineParams, RenderingBackend, UniformType, UniformsSource, VertexAttribute,

@@ -1,3 +1,5 @@
+//! The line pass: lines as viewer-facing strips, and marks that show through bodies when hidden.
+
 use macroquad::miniquad::{
     Bindings, BlendFactor, BlendState, BlendValue, BufferId, BufferLayout, BufferSource, BufferType, BufferUsage,
     Comparison, Equation, Pipeline, PipelineParams, RenderingBackend, UniformType, UniformsSource, VertexAttribute,

@@ -1,3 +1,5 @@
+//! Batches of independent worlds, stepped in parallel with results in world order.
+
 pub(crate) mod rng;
 pub(crate) mod run_worlds;
 pub(crate) mod trial;

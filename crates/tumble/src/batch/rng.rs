@@ -1,8 +1,10 @@
+//! A seeded SplitMix64 generator with independent streams for scene setup.
+
 use crate::math::{Quat, Real, Vec3};
 
 /// A generator of pseudorandom numbers: the same ones for the same seed, everywhere and for ever.
 ///
-/// For scenes that are set up by chance. SplitMix64 (G. L. Steele, D. Lea, C. H. Flood, "Fast
+/// For scenes that are set up at random. SplitMix64 (G. L. Steele, D. Lea, C. H. Flood, "Fast
 /// splittable pseudorandom number generators", OOPSLA 2014): a mixed counter, so that any number of
 /// independent sequences can be had without making those before.
 ///

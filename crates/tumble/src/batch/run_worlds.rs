@@ -1,3 +1,5 @@
+//! Parallel runs over any number of worlds in bounded memory, with results in order.
+
 use std::ops::{ControlFlow, Range};
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::time::{Duration, Instant};

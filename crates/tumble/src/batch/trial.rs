@@ -1,3 +1,5 @@
+//! One world with its simulation, run until an observer stops it.
+
 use std::ops::ControlFlow;
 
 use hecs::World;

@@ -1,3 +1,5 @@
+//! Column writers for spawning batches of bodies, generated from one list of components.
+
 use hecs::{BatchWriter, ColumnBatchBuilder, ColumnBatchType};
 
 use crate::body::bundle::Body;

@@ -1,3 +1,5 @@
+//! The typed errors of body construction.
+
 use glam::DVec3;
 use tumble_math::{InertiaError, MassError, ShapeError};
 

@@ -1,3 +1,5 @@
+//! Validated bodies: their components, and how they are spawned into a world.
+
 use hecs::{DynamicBundle, Entity, EntityBuilder, World};
 use tumble_math::MassProperties;
 

@@ -1,3 +1,5 @@
+//! The rigid-body builder: shape, mass properties, motion type, initial state and validation.
+
 use glam::{DQuat, DVec3};
 use tumble_math::{Amount, InertiaTensor, MassProperties, PrincipalInertia, Shape};
 

@@ -1,3 +1,5 @@
+//! Welding of several bodies into one that conserves linear and angular momentum.
+
 use glam::DVec3;
 use hecs::{Entity, EntityRef, World};
 use tumble_math::{InertiaTensor, MassProperties, MovingBody, WeldedBody, change_of_basis};

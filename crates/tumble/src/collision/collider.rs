@@ -1,3 +1,5 @@
+//! The collider component: shape, offset, surface material and collision groups.
+
 use std::sync::Arc;
 
 use glam::DVec3;

@@ -1,3 +1,5 @@
+//! The typed errors of collider construction.
+
 use tumble_collide::HeightFieldError;
 use tumble_math::{HullError, MeshError};
 

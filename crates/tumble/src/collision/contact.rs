@@ -1,3 +1,5 @@
+//! The persistent contact record: points, surface values, and impulses for the warm start.
+
 use tumble_collide::{MAX_MANIFOLD_POINTS, Manifold};
 use tumble_math::lane::Vec3;
 

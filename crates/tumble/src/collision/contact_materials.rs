@@ -1,3 +1,5 @@
+//! The material table of a world's colliders, and the combined surface of each contact.
+
 use crate::collision::collider::Collider;
 use crate::collision::compound_parts::numbers;
 use crate::collision::material::{Material, Surface};

@@ -1,3 +1,5 @@
+//! Contact detection of a step: broad phase, narrow phase, and matching with the previous contacts.
+
 use std::fmt;
 
 use hecs::World;

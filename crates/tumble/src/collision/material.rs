@@ -1,3 +1,5 @@
+//! Surface materials: friction, restitution, rolling resistance, and their combine rules.
+
 use crate::collision::collider_error::ColliderError;
 use crate::math::Real;
 

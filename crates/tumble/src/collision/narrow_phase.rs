@@ -1,3 +1,5 @@
+//! Narrow phase of sphere and cuboid pairs in SIMD lanes.
+
 use std::ops::Range;
 
 use rayon::prelude::*;

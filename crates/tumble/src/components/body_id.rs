@@ -1,3 +1,5 @@
+//! The stable body identity that fixes the order of sums, hashes and records.
+
 /// A body's stable identity, chosen by the caller.
 ///
 /// A hecs entity's place in memory changes when others are despawned or components are added, and

@@ -1,3 +1,5 @@
+//! Principal moments, principal axes, centre of mass, and the inverse inertia in the world frame.
+
 use glam::DVec3;
 use tumble_math::{InertiaError, InertiaTensor};
 

@@ -1,3 +1,5 @@
+//! The mass component, positive and finite by construction.
+
 use crate::components::property_error::PropertyError;
 use crate::math::{Real, real};
 

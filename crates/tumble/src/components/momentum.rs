@@ -1,3 +1,5 @@
+//! Linear and angular momentum of a body, with impulses at its centre of mass or at a point.
+
 use crate::math::Vec3;
 
 /// Linear momentum [kg m/s] and angular momentum about the centre of mass [kg m^2/s], both in the

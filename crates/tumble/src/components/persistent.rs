@@ -1,3 +1,5 @@
+//! Per-body gravity scale and damping.
+
 use crate::math::Real;
 
 /// How many times the simulation's gravity acts on a body; 1 for a body without this component, 0

@@ -1,3 +1,5 @@
+//! The pose of a body, rigid transforms with it, and the previous pose for interpolation.
+
 use crate::components::CenterOfMass;
 use crate::math::{Mat3, Mat4, Quat, Real, Vec3};
 use crate::rotation::{NotARotation, quat_from_matrix};

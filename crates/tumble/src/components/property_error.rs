@@ -1,3 +1,5 @@
+//! Range checks and errors of masses and moments of inertia.
+
 use crate::math::{PRECISION, Real, real};
 
 /// Why a mass or a moment of inertia cannot be one.

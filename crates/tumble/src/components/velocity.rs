@@ -1,3 +1,5 @@
+//! Linear and angular velocity: derived for dynamic bodies, prescribed for kinematic ones.
+
 use crate::math::Vec3;
 
 /// Velocity of the centre of mass [m/s] and angular velocity [rad/s], both in the world frame.

@@ -1,3 +1,5 @@
+//! The velocity of the medium around a body, for drag and the Magnus force.
+
 use crate::math::Vec3;
 
 /// Velocity of the medium around a body [m/s], world frame: what [`Drag`](crate::Drag) and

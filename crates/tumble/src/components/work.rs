@@ -1,3 +1,5 @@
+//! Work done on a body, booked by source.
+
 use std::ops::AddAssign;
 
 /// Kinds of forces with an account of their own: force components of a body, then forces between

@@ -1,3 +1,5 @@
+//! The force and torque accumulators of a body.
+
 use crate::math::Vec3;
 
 /// Sum of the forces \[N\] and of their torques about the centre of mass [N m] that act during the

@@ -1,3 +1,5 @@
+//! Wireframe outlines of colliders.
+
 use glam::DVec3;
 use tumble_collide::{ColliderShape, Isometry};
 use tumble_math::Shape;

@@ -1,3 +1,5 @@
+//! Debug drawing of contact points and normal forces.
+
 use glam::DVec3;
 use hecs::World;
 

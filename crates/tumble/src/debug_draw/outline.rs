@@ -1,3 +1,5 @@
+//! Wireframes of primitive shapes: edges, circles and meridians.
+
 use std::f64::consts::{FRAC_PI_2, TAU};
 
 use glam::{DQuat, DVec2, DVec3};

@@ -1,3 +1,5 @@
+//! Debug drawing of springs between bodies and to fixed points.
+
 use hecs::{EntityRef, World};
 
 use crate::components::Pose;

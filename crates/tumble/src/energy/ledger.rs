@@ -1,3 +1,5 @@
+//! The energy ledger: totals of energy and momentum, and work by source, recorded over a run.
+
 use hecs::{Entity, World};
 
 use crate::components::{Mass, Momentum, Pose, Work, Wrench};

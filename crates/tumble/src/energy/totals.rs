@@ -1,3 +1,5 @@
+//! Total energy and momentum of a world, summed in double precision in a fixed order.
+
 use glam::DVec3;
 use hecs::{Entity, EntityRef, World};
 

@@ -1,3 +1,5 @@
+//! Inputs of force laws beyond the body state: wind, gravity, kick time and substep length.
+
 use hecs::EntityRef;
 
 use crate::components::Wind;

@@ -1,3 +1,5 @@
+//! Accounting of work per source of momentum change, and the no-op account.
+
 use tumble_math::lane::Vec3;
 
 use crate::integrators::state::State;

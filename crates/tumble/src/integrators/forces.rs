@@ -1,3 +1,5 @@
+//! Force evaluation for the integrators, split into a constant and a varying part.
+
 use tumble_math::lane::Lane;
 
 use crate::integrators::state::{Force, State};

@@ -1,3 +1,5 @@
+//! Kicks: momentum updates under force and damping, exact for a constant force.
+
 use tumble_math::lane::{Lane, Vec3};
 use tumble_math::{Decay, decay};
 

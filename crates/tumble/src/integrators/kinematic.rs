@@ -1,3 +1,5 @@
+//! Motion of kinematic bodies at constant linear and angular velocity.
+
 use hecs::{Without, World};
 use tumble_math::rotate_exactly;
 

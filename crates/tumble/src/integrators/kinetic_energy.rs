@@ -1,3 +1,5 @@
+//! Linear and rotational kinetic energy of one body in double precision.
+
 use crate::integrators::state::{Constants, State};
 use crate::math::{Real, double, double_quat};
 

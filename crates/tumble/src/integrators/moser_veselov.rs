@@ -1,3 +1,5 @@
+//! The kick-drift-kick integrator with the discrete Moser-Veselov map for free rotation.
+
 use tumble_math::FreeRotation;
 use tumble_math::lane::Lane;
 

@@ -1,3 +1,5 @@
+//! Range check for masses, momenta and impulse responses of interacting bodies.
+
 use std::ops::RangeInclusive;
 
 use tumble_math::lane::Vec3;

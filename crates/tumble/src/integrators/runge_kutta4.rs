@@ -1,3 +1,5 @@
+//! The fourth-order Runge-Kutta integrator, with constant forces and damping solved exactly.
+
 use tumble_math::lane::{Lane, Quat, Vec3};
 use tumble_math::orientation_rate;
 

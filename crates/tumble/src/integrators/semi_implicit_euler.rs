@@ -1,3 +1,5 @@
+//! The semi-implicit Euler integrator.
+
 use tumble_math::lane::Lane;
 use tumble_math::rotate_to_first_order;
 

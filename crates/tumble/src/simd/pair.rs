@@ -1,3 +1,5 @@
+//! Two SIMD tiles combined into a wider one, for instruction-level parallelism.
+
 use std::ops::{Add, Div, Mul, Neg, Sub};
 
 use tumble_math::lane::Lane;

@@ -1,3 +1,5 @@
+//! The typed errors of snapshots, and the defects of stored contacts.
+
 use crate::components::BodyId;
 use crate::math::PRECISION;
 use crate::snapshot::kind::BodyKind;

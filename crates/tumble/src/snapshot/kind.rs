@@ -1,3 +1,5 @@
+//! Dynamic, kinematic and fixed bodies, distinguished by their components.
+
 use std::fmt;
 
 use hecs::Archetype;

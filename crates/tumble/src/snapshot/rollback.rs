@@ -1,3 +1,5 @@
+//! A bounded queue of recent snapshots for rollback to an earlier step.
+
 use std::collections::VecDeque;
 
 use hecs::{Entity, World};

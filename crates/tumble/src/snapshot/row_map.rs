@@ -1,3 +1,5 @@
+//! Matching of snapshot rows with world rows: in place where possible, by identity otherwise.
+
 use std::ops::Range;
 
 use hecs::{Archetype, Entity, World};

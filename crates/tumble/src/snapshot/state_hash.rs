@@ -1,3 +1,5 @@
+//! A bitwise FNV-1a hash of poses and momenta.
+
 use hecs::World;
 
 use crate::components::{Momentum, Pose};

@@ -1,3 +1,5 @@
+//! Greedy graph coloring of contacts, so that no two of one color share a dynamic body.
+
 /// Which contacts can be worked on side by side: those of one color have no body in common that
 /// impulses move.
 ///

@@ -1,3 +1,5 @@
+//! Islands solved with shorter substeps: extraction from the main group, solution and write-back.
+
 use crate::collision::contact::ContactRecord;
 use crate::collision::find_contacts::NONE;
 use crate::math::Real;

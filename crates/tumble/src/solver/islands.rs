@@ -1,3 +1,5 @@
+//! Islands: disjoint sets of dynamic bodies connected by contacts.
+
 /// Bodies that contacts between moving ones connect: disjoint sets of slots.
 #[derive(Clone, Default)]
 pub(crate) struct Islands {

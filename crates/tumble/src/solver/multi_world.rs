@@ -1,3 +1,5 @@
+//! Joint contact solving of several small worlds, to fill the SIMD lanes.
+
 use hecs::World;
 
 use crate::collision::collider::Collider;

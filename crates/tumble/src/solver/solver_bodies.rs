@@ -1,3 +1,5 @@
+//! Solver bodies: momenta, inverse masses and pose changes, with their integration per substep.
+
 use std::ops::Range;
 
 use rayon::prelude::*;

@@ -1,3 +1,5 @@
+//! The stages of the contact solver, run color by color over blocks of constraints.
+
 use std::ops::Range;
 
 use crate::collision::contact::ContactRecord;

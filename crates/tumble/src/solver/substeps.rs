@@ -1,3 +1,5 @@
+//! The substep loop of the contact solver, with islands on shorter substeps in separate groups.
+
 use crate::collision::contact::ContactRecord;
 use crate::collision::contact_materials::Extras;
 use crate::collision::find_contacts::{Contacts, rows_of};

@@ -1,3 +1,5 @@
+//! Stepping of bodies held in plain slices, without a world.
+
 use crate::components::{
     Damping, GravityScale, Inertia, InverseInertia, Mass, Momentum, Pose, PreviousPose, PrincipalAxes, Velocity, Wrench,
 };

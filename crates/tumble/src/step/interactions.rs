@@ -1,3 +1,5 @@
+//! Pairwise forces and contacts of a world, kept between steps.
+
 use std::fmt;
 
 use hecs::World;

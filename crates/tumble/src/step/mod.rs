@@ -1,3 +1,5 @@
+//! The step: force accumulation, integration and derived quantities, chunk by chunk.
+
 pub(crate) mod body_slices;
 pub(crate) mod contact_report;
 pub(crate) mod effort;

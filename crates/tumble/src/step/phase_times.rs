@@ -1,3 +1,5 @@
+//! Time spent in each phase of the step, accumulated over steps and threads.
+
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::time::{Duration, Instant};
 

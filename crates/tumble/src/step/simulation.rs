@@ -1,3 +1,5 @@
+//! The simulation: settings, force laws, time keeping and fixed-step frame advance.
+
 use hecs::{Component, World};
 
 use crate::clock::Clock;

@@ -1,3 +1,5 @@
+//! A deterministic order of bodies, and blockwise evaluation in that order.
+
 use hecs::{Entity, World};
 use rayon::prelude::*;
 

@@ -35,7 +35,7 @@ pub(crate) mod tree;
 pub(crate) mod triangles;
 pub(crate) mod unsupported;
 #[cfg(test)]
-pub(crate) mod work;
+mod work_tests;
 
 use std::path::{Path, PathBuf};
 

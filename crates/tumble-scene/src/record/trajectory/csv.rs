@@ -1,3 +1,5 @@
+//! The CSV trajectory writer: one row per body and frame.
+
 use std::io::{self, Write};
 
 use crate::record::csv_cell::csv_cell;

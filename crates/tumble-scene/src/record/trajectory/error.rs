@@ -1,3 +1,5 @@
+//! Errors of trajectory recording.
+
 use std::io;
 
 /// Why a frame was not recorded.

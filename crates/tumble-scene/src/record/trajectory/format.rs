@@ -1,3 +1,5 @@
+//! Trajectory file formats and their extensions.
+
 use std::path::Path;
 
 /// The formats of a record, each with an ending of its own.

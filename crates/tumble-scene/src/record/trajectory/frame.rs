@@ -1,9 +1,11 @@
+//! One trajectory frame: time, step, and the state of every body in a fixed order.
+
 use std::io;
 
 use hecs::World;
 use tumble::{BodyId, BodyOrder, Pose, Simulation, Velocity};
 
-use crate::scene::BodyNames;
+use crate::scene::body_names::BodyNames;
 
 /// All bodies at one step, as they are recorded. `Velocity` must be that of the state: run
 /// [`update_derived`](tumble::update_derived) before.

@@ -1,3 +1,5 @@
+//! The checkpoint schedule: about once a second, with a bounded share of the run time.
+
 use std::time::{Duration, Instant};
 
 /// The most that a killed program loses, where checkpoints are cheap.

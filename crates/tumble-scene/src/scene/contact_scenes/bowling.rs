@@ -1,3 +1,5 @@
+//! The bowling scene: a rolling ball and ten compound pins.
+
 use crate::scene::collider_model::ColliderModel;
 use crate::scene::model::{BodyModel, PartModel, SceneModel, ShapeModel};
 use crate::values::tuple::Tuple;

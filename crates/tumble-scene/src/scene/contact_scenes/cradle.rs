@@ -1,3 +1,5 @@
+//! The Newton's cradle scene: five balls, each suspended on two stiff springs.
+
 use crate::scene::collider_model::ColliderModel;
 use crate::scene::force_model::ForceModel;
 use crate::scene::model::{BodyModel, SceneModel};

@@ -1,3 +1,5 @@
+//! The dominoes scene: a line of pieces along alternating half circles, with the first one tipping.
+
 use crate::scene::collider_model::ColliderModel;
 use crate::scene::model::{BodyModel, SceneModel};
 

@@ -1,3 +1,5 @@
+//! The drum scene: balls and blocks in a rotating drum of kinematic panels.
+
 use tumble::Rng;
 
 use crate::scene::collider_model::ColliderModel;

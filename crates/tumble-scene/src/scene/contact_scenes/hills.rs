@@ -1,3 +1,5 @@
+//! The hills scene: balls, boxes and capsules dropped on a height field with a raised rim.
+
 use tumble::Rng;
 
 use crate::scene::collider_model::ColliderModel;

@@ -1,3 +1,5 @@
+//! The pile scene: randomly oriented bodies of mixed shapes dropped on one heap.
+
 use tumble::Rng;
 
 use crate::scene::collider_model::ColliderModel;

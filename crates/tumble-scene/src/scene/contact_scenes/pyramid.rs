@@ -1,3 +1,5 @@
+//! The pyramid scene: square layers of boxes, each one box narrower than the layer below.
+
 use crate::scene::model::{BodyModel, SceneModel};
 
 /// Distance between the middles of neighbours \[m\].

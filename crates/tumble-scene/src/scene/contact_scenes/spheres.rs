@@ -1,3 +1,5 @@
+//! The spheres scene: jittered layers of balls dropped between four half-space walls.
+
 use crate::scene::model::{BodyModel, SceneModel};
 
 /// Places along a side of a layer, and the distance between them \[m\].

@@ -1,3 +1,5 @@
+//! The wall scene: a brick wall in running bond, hit by a heavy ball.
+
 use crate::scene::collider_model::ColliderModel;
 use crate::scene::model::{BodyModel, SceneModel};
 

@@ -1,3 +1,5 @@
+//! A torque-limited servo that drives a body to a target angular velocity.
+
 use tumble_math::lane::{Lane, Vec3 as LaneVec3};
 
 use crate::forces::components::Frame;

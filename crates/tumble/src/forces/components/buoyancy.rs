@@ -1,3 +1,5 @@
+//! Buoyancy of spheres and boxes in still water, from the exact submerged volume and centroid.
+
 use tumble_math::lane::{Lane, Vec3 as LaneVec3};
 
 use crate::forces::force_law::BodyState;

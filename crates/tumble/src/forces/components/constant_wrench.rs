@@ -1,3 +1,5 @@
+//! A constant force and torque, given in the world frame or the body frame.
+
 use tumble_math::lane::{Lane, Vec3 as LaneVec3};
 
 use crate::forces::simd_force_law::{SimdBody, SimdForceLaw, SimdWrench};

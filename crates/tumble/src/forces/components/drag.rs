@@ -1,3 +1,5 @@
+//! Quadratic drag along the body axes, relative to the wind.
+
 use tumble_math::lane::{Lane, Vec3 as LaneVec3};
 
 use crate::forces::simd_force_law::{SimdBody, SimdForceLaw, SimdWrench};

@@ -1,3 +1,5 @@
+//! The Magnus force on a spinning body in a flow.
+
 use tumble_math::lane::Lane;
 
 use crate::forces::simd_force_law::{SimdBody, SimdForceLaw, SimdWrench};

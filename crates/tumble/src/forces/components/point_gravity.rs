@@ -1,3 +1,5 @@
+//! Softened inverse-square gravity towards a fixed point.
+
 use tumble_math::lane::{Lane, Vec3 as LaneVec3};
 
 use crate::forces::force_law::BodyState;

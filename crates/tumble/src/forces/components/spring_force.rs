@@ -1,3 +1,5 @@
+//! Unit direction and length of the line between the ends of a spring.
+
 use tumble_math::lane::{Lane, Vec3};
 
 /// From one end of a spring to the other.

@@ -1,3 +1,5 @@
+//! A damped spring from a point of the body to a fixed point in the world.
+
 use tumble_math::lane::{Lane, Vec3 as LaneVec3};
 
 use crate::forces::components::spring_force::Direction;

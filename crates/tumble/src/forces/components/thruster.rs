@@ -1,3 +1,5 @@
+//! Thrusters fixed to the body, summed to one force and torque under a common throttle.
+
 use tumble_math::lane::{Lane, Vec3 as LaneVec3};
 
 use crate::forces::simd_force_law::{SimdBody, SimdForceLaw, SimdWrench};

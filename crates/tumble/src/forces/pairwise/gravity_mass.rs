@@ -1,3 +1,5 @@
+//! Mutual gravity of bodies by direct summation over all pairs.
+
 use rayon::prelude::*;
 use tumble_math::lane::Vec3 as LaneVec3;
 

@@ -1,3 +1,5 @@
+//! Springs and mutual gravity of a world, applied to the momenta as impulses.
+
 use std::fmt;
 
 use hecs::World;

@@ -1,3 +1,5 @@
+//! Potential energy of springs between bodies and of mutual gravity.
+
 use hecs::{View, World};
 use rayon::prelude::*;
 

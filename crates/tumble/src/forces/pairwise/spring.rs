@@ -1,3 +1,5 @@
+//! A damped spring between points of two bodies.
+
 use hecs::Entity;
 
 use crate::math::{Real, Vec3};

@@ -1,3 +1,5 @@
+//! Contact constraints in SIMD blocks: normal points, friction, rolling resistance and restitution.
+
 use crate::simd::BLOCK;
 use crate::simd::block_lanes::Lanes;
 

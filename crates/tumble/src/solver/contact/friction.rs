@@ -1,3 +1,5 @@
+//! Friction impulses: rolling resistance, then sliding and twisting within a limit ellipsoid.
+
 use tumble_math::lane::Vec3;
 
 use crate::simd::Tile;

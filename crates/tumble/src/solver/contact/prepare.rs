@@ -1,3 +1,5 @@
+//! Constraint setup at the start of a step: geometry, friction patch and warm-start impulses.
+
 use tumble_math::lane::Vec3;
 
 use crate::collision::contact::{ContactRecord, FRICTION_IMPULSE, NORMAL_IMPULSE, POINTS, SHAPE};

@@ -1,3 +1,5 @@
+//! Soft-constraint coefficients of contacts, from frequency, damping ratio and substep length.
+
 use crate::math::Real;
 use crate::simd::Tile;
 

@@ -1,3 +1,5 @@
+//! Write-back of solved impulses from constraint blocks to the contact records.
+
 use crate::collision::contact::{ContactRecord, FRICTION_IMPULSE, NORMAL_IMPULSE};
 use crate::simd::block_lanes::put_two_vectors;
 use crate::simd::{BLOCK, Eight, Kernel, Tile};

@@ -1,3 +1,5 @@
+//! The bodies of a glTF animation, with their surfaces, colours and display sizes.
+
 use std::collections::HashMap;
 
 use glam::{DQuat, DVec3};

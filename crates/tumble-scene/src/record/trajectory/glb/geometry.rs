@@ -1,3 +1,5 @@
+//! Deduplicated surface meshes of a binary glTF file, with their vertex and index buffers.
+
 use std::collections::HashMap;
 use std::hash::{DefaultHasher, Hash, Hasher};
 use std::io::{self, Write};

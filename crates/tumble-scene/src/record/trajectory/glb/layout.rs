@@ -1,3 +1,5 @@
+//! Byte layout of the binary glTF file: headers, document, geometry, times and animation tracks.
+
 use std::io::{self, Seek, SeekFrom, Write};
 
 use crate::record::trajectory::glb::bodies::Bodies;

@@ -1,3 +1,5 @@
+//! Animation samples: the translation and rotation of a body's frame in single precision.
+
 use glam::{DQuat, DVec3};
 use tumble::Pose;
 use tumble::math::Real;
