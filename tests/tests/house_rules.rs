@@ -258,7 +258,7 @@ fn paths_in(code: &str) -> Vec<String> {
         let rest = &code[at + path.len()..];
         match rest.strip_prefix('{') {
             Some(list) => {
-                found.extend(list.split('}').next().unwrap_or_default().split(',').map(|it| words(it.trim())))
+                found.extend(list.split('}').next().unwrap_or_default().split(',').map(|it| words(it.trim())));
             }
             None => found.push(words(rest)),
         }
