@@ -185,7 +185,7 @@ proptest! {
     ) {
         let end = from_scaled_axis(axis * angle) * q;
         let expected = from_scaled_axis(axis * (angle * s)) * q;
-        // Both ends are rounded; close to half a turn that is magnified by 1/cos(angle/2), at most 48.
+        // Both ends are rounded; near half a turn that is magnified by 1/cos(angle/2), at most 48.
         let tolerance = 8.0 * EPS / (0.5 * angle).cos();
         prop_assert!(distance(q.slerp(end, s), expected) <= tolerance);
         prop_assert!(distance(q.slerp(-end, s), expected) <= tolerance, "the short way, whatever the sign");

@@ -15,7 +15,7 @@ const UNSAFE_ALLOWED: [&str; 2] = ["crates/tumble/src/simd/", "crates/tumble-vie
 const MAX_LINES: [usize; 2] = [500, 600];
 /// Columns of a comment; examples in it may have as many as code.
 const MAX_COMMENT: usize = 100;
-/// Folders and files of the engine's root, from the ground up: each imports only what stands before it.
+/// Folders and files of the engine's root, from the ground up: each imports only from those before.
 const ENGINE: [&str; 23] = [
     "scope",
     "math",

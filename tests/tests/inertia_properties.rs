@@ -269,8 +269,8 @@ proptest! {
         let amount = Amount::Density(700.0);
         let [a, h, b] = half;
         let tolerance = 32.0 * EPS;
-        // A cone is a frustum and a smaller cone on top of it; mid-heights at -h + cut h and h - (1 -
-        // cut) h.
+        // A cone is a frustum and a smaller cone on top; mid-heights at -h + cut h and
+        // h - (1 - cut) h.
         let (low, high) = (h * cut, h * (1.0 - cut));
         let top = Shape::cone(a * (1.0 - cut), high).mass_properties(amount).unwrap();
         let bottom = MassProperties::frustum(a, a * (1.0 - cut), low, amount).unwrap();

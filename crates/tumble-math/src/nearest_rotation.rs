@@ -26,7 +26,8 @@ use crate::rotation::NotARotation;
 /// ```
 ///
 /// # Errors
-/// [`NotARotation`]: a matrix that is singular to rounding or not finite has no nearest rotation, and one that mirrors is nearest to a reflection.
+/// [`NotARotation`]: a matrix that is singular to rounding or not finite has no nearest rotation,
+/// and one that mirrors is nearest to a reflection.
 pub fn nearest_rotation(matrix: DMat3) -> Result<DMat3, NotARotation> {
     let largest = matrix.to_cols_array().iter().fold(0.0_f64, |largest, x| largest.max(x.abs()));
     let lost = Err(NotARotation::NotOrthonormal { error: f64::NAN });

@@ -93,8 +93,8 @@ fn a_pyramid_stands() {
     assert!(start.len() == 385 && farthest < 7e-3 && fastest < 1e-3, "{farthest} {fastest}");
 }
 
-/// The whole one begins as the peers have it: layer k is (20 - k)^2 boxes whose middles are at 0.5 +
-/// k.
+/// The whole one begins as the peers have it: layer k is (20 - k)^2 boxes with centres at height
+/// k + 0.5.
 #[test]
 fn the_pyramid_is_that_of_the_benchmark() {
     let run = Run::of("pyramid", None);
