@@ -353,7 +353,8 @@ fn names_and_words_are_those_of_the_field() {
             continue;
         }
         for name in ["MOST_", "LEAST_"] {
-            assert!(!code(&text).contains(name), "{place}: {name} is MAX_ or MIN_");
+            let is_code = place.ends_with(".rs") && code(&text).contains(name);
+            assert!(!is_code, "{place}: {name} is MAX_ or MIN_");
         }
         // Words may stand on two lines.
         let text = text.to_lowercase().replace(['/', '!', '#'], " ").split_whitespace().collect::<Vec<_>>().join(" ");

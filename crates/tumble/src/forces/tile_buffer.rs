@@ -181,18 +181,18 @@ impl TileBuffer {
                 row[i] = number;
             }
         }
-        dispatch(&mut InLanes::<N, L> { tile: self, numbers: &numbers, law: PhantomData });
+        dispatch(&mut LaneEvaluation::<N, L> { tile: self, numbers: &numbers, law: PhantomData });
     }
 }
 
 /// Evaluates a law on the bodies of a tile, as many at a time as the machine has lanes.
-struct InLanes<'k, const N: usize, L> {
+struct LaneEvaluation<'k, const N: usize, L> {
     tile: &'k mut TileBuffer,
     numbers: &'k [Row; N],
     law: PhantomData<fn() -> L>,
 }
 
-impl<const N: usize, L: SimdForceLaw<N>> Kernel for InLanes<'_, N, L> {
+impl<const N: usize, L: SimdForceLaw<N>> Kernel for LaneEvaluation<'_, N, L> {
     #[inline(always)]
     fn len(&self) -> usize {
         self.tile.width

@@ -25,7 +25,7 @@ pub(crate) struct RungeKutta4<L> {
 /// The rates of change of a state but for damping: what the seeds' form of the equations of motion
 /// gives an ODE solver.
 #[derive(Clone, Copy)]
-pub(crate) struct Rates<L> {
+pub(crate) struct StateRates<L> {
     pub(crate) position: Vec3<L>,
     pub(crate) orientation: Quat<L>,
     pub(crate) force: Force<L>,
@@ -34,9 +34,9 @@ pub(crate) struct Rates<L> {
 /// `dx/dt = P/M`, `dq/dt = 1/2 [0, w] q`, `dP/dt = F`, `dL/dt = tau`, without the damping. The
 /// orientation need not be of unit length.
 #[inline(always)]
-pub(crate) fn derivative<L: Lane>(constants: &Constants<L>, force: Force<L>, state: &State<L>) -> Rates<L> {
+pub(crate) fn derivative<L: Lane>(constants: &Constants<L>, force: Force<L>, state: &State<L>) -> StateRates<L> {
     let angular_velocity = constants.angular_velocity(&State { orientation: state.orientation.normalize(), ..*state });
-    Rates {
+    StateRates {
         position: constants.velocity(state.linear),
         orientation: orientation_rate(state.orientation, angular_velocity),
         force,
@@ -88,7 +88,7 @@ impl<L: Lane> Scheme<L> for RungeKutta4<L> {
 impl<L: Lane> RungeKutta4<L> {
     /// The rates at a stage, of the momenta those by the varying forces.
     #[inline(always)]
-    fn rates<F: Forces<L>>(&self, forces: &F, offset: L, state: &State<L>) -> Rates<L> {
+    fn rates<F: Forces<L>>(&self, forces: &F, offset: L, state: &State<L>) -> StateRates<L> {
         let varying = if F::VARY { forces.varying(offset, state) } else { Force::zero() };
         derivative(&self.constants, varying, state)
     }
@@ -110,7 +110,7 @@ impl<L: Lane> RungeKutta4<L> {
 
 /// Position and orientation moved along the rates for a time; the momenta stay.
 #[inline(always)]
-fn moved<L: Lane>(state: &State<L>, rates: &Rates<L>, time: L) -> State<L> {
+fn moved<L: Lane>(state: &State<L>, rates: &StateRates<L>, time: L) -> State<L> {
     State {
         position: state.position + rates.position * time,
         orientation: state.orientation + rates.orientation * time,

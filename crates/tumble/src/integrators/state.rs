@@ -14,7 +14,7 @@ pub(crate) struct Constants<L> {
     /// What resists turning; a point mass has none and does not turn.
     pub(crate) inertia: Option<Moments<L>>,
     /// Rates [1/s] at which momentum decays.
-    pub(crate) damping: Option<Rates<L>>,
+    pub(crate) damping: Option<DampingRates<L>>,
 }
 
 /// Principal moments [kg m^2], their inverses, and the rotation from the principal frame to the
@@ -28,7 +28,7 @@ pub(crate) struct Moments<L> {
 
 /// Rates of decay [1/s].
 #[derive(Clone, Copy)]
-pub(crate) struct Rates<L> {
+pub(crate) struct DampingRates<L> {
     pub(crate) linear: L,
     pub(crate) angular: L,
 }

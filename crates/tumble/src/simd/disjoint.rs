@@ -29,7 +29,7 @@ struct RowPairs {
 #[derive(Clone, Debug)]
 struct ContactColor {
     /// Whether the first rows are only read.
-    grounded: bool,
+    has_non_dynamic: bool,
     blocks: Range<usize>,
 }
 
@@ -43,11 +43,11 @@ impl RowColors {
         self.last.resize(changing, usize::MAX);
     }
 
-    /// Begins a color. Where it is `grounded`, the first rows of its pairs are ones that are never
-    /// changed, else both are changed.
-    pub(crate) fn begin(&mut self, grounded: bool) {
+    /// Begins a color. Where it is `has_non_dynamic`, the first rows of its pairs are ones that are
+    /// never changed, else both are changed.
+    pub(crate) fn begin(&mut self, has_non_dynamic: bool) {
         let end = self.blocks.len();
-        self.colors.push(ContactColor { grounded, blocks: end..end });
+        self.colors.push(ContactColor { has_non_dynamic, blocks: end..end });
     }
 
     /// Adds a block of at most eight pairs to the color that was begun last.
@@ -61,13 +61,13 @@ impl RowColors {
         let index = self.colors.len() - 1;
         let color = &mut self.colors[index];
         for [first, second] in pairs.take(BLOCK) {
-            let changed = if color.grounded { &[second][..] } else { &[first, second][..] };
+            let changed = if color.has_non_dynamic { &[second][..] } else { &[first, second][..] };
             for row in changed {
                 assert!((*row as usize) < nobody, "row {row} is not to be changed");
                 let last = std::mem::replace(&mut self.last[*row as usize], index);
                 assert!(last != index, "row {row} is changed twice in a color");
             }
-            assert!(!color.grounded || first as usize > nobody, "row {first} is only read, but may be changed");
+            assert!(!color.has_non_dynamic || first as usize > nobody, "row {first} is only read, but may be changed");
             (block.rows[0][block.count], block.rows[1][block.count]) = (first, second);
             block.count += 1;
         }
@@ -81,8 +81,14 @@ impl RowColors {
     /// Where there are fewer rows than may be changed.
     pub(crate) fn rows<'a>(&'a self, color: usize, rows: &'a mut [Eight]) -> Rows<'a> {
         assert!(rows.len() >= self.last.len(), "too few rows");
-        let ContactColor { grounded, blocks } = self.colors[color].clone();
-        Rows { blocks: &self.blocks[blocks], grounded, base: rows.as_mut_ptr(), count: rows.len(), rows: PhantomData }
+        let ContactColor { has_non_dynamic, blocks } = self.colors[color].clone();
+        Rows {
+            blocks: &self.blocks[blocks],
+            has_non_dynamic,
+            base: rows.as_mut_ptr(),
+            count: rows.len(),
+            rows: PhantomData,
+        }
     }
 }
 
@@ -90,7 +96,7 @@ impl RowColors {
 /// changes those that they only read.
 pub(crate) struct Rows<'a> {
     blocks: &'a [RowPairs],
-    grounded: bool,
+    has_non_dynamic: bool,
     base: *mut Eight,
     count: usize,
     rows: PhantomData<&'a mut [Eight]>,
@@ -110,8 +116,8 @@ impl Rows<'_> {
 
     /// Whether the first rows are only read.
     #[inline(always)]
-    pub(crate) fn is_grounded(&self) -> bool {
-        self.grounded
+    pub(crate) fn has_non_dynamic(&self) -> bool {
+        self.has_non_dynamic
     }
 
     /// Which rows the pairs of a block are.
@@ -135,7 +141,7 @@ impl Rows<'_> {
     #[inline(always)]
     pub(crate) fn scatter<T: Tile>(&mut self, numbers: [T; 8], block: usize, which: usize, lane: usize) {
         let RowPairs { rows, count } = &self.blocks[block];
-        let count = if self.grounded && which == 0 { 0 } else { *count };
+        let count = if self.has_non_dynamic && which == 0 { 0 } else { *count };
         let mut changed = [Eight::ZERO; BLOCK];
         T::store(numbers, &mut changed);
         let mut i = 0;

@@ -18,7 +18,7 @@ pub(crate) struct GraphColoring {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct ContactColor {
     /// Impulses move only the second body.
-    pub(crate) grounded: bool,
+    pub(crate) has_non_dynamic: bool,
     /// From 0; [`ContactColor::ALONE`] for one that is worked on by itself, since its bodies have
     /// all colors.
     pub(crate) index: u32,
@@ -41,17 +41,18 @@ impl GraphColoring {
         self.taken.resize(first_non_dynamic, [0; 2]);
         self.colors.clear();
         for [first, second] in rows {
-            let grounded = first as usize >= first_non_dynamic;
-            let which = usize::from(grounded);
-            let taken = self.taken[second as usize][which] | if grounded { 0 } else { self.taken[first as usize][0] };
+            let has_non_dynamic = first as usize >= first_non_dynamic;
+            let which = usize::from(has_non_dynamic);
+            let taken =
+                self.taken[second as usize][which] | if has_non_dynamic { 0 } else { self.taken[first as usize][0] };
             let index = taken.trailing_ones();
             if index < ContactColor::ALONE {
                 self.taken[second as usize][which] |= 1 << index;
-                if !grounded {
+                if !has_non_dynamic {
                     self.taken[first as usize][0] |= 1 << index;
                 }
             }
-            self.colors.push(ContactColor { grounded, index });
+            self.colors.push(ContactColor { has_non_dynamic, index });
         }
     }
 }

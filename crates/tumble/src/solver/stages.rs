@@ -99,9 +99,9 @@ impl Solver {
         stages.clear();
         colors.reset(bodies.first_non_dynamic());
         let (mut one, mut four) = (0, 0);
-        let mut add = |grounded, with_one: &[u32], with_more: &[u32]| {
+        let mut add = |has_non_dynamic, with_one: &[u32], with_more: &[u32]| {
             let (first_one, first_four) = (one, four);
-            colors.begin(grounded);
+            colors.begin(has_non_dynamic);
             for chunk in with_one.chunks(BLOCK) {
                 colors.push(chunk.iter().map(|index| rows(&contacts[*index as usize])));
                 ones.set(one, chunk);
@@ -118,11 +118,11 @@ impl Solver {
         for (index, kinds) in ends.chunks_exact(2).enumerate() {
             let (with_one, with_more) = (&order[begin..kinds[0]], &order[kinds[0]..kinds[1]]);
             begin = kinds[1];
-            let grounded = index >= COLORS;
+            let has_non_dynamic = index >= COLORS;
             if index % COLORS == 0 {
-                with_more.chunks(1).for_each(|alone| add(grounded, &[], alone));
+                with_more.chunks(1).for_each(|alone| add(has_non_dynamic, &[], alone));
             } else if !(with_one.is_empty() && with_more.is_empty()) {
-                add(grounded, with_one, with_more);
+                add(has_non_dynamic, with_one, with_more);
             }
         }
         ones.finish(one, extras);
@@ -142,10 +142,11 @@ impl Solver {
         self.coloring.color(selected.iter().map(|index| rows(contact(*index))), first_non_dynamic);
         let colors = self.coloring.colors();
         let kind = |index: usize| {
-            let ContactColor { grounded, index: color } = colors[index];
+            let ContactColor { has_non_dynamic, index: color } = colors[index];
             let alone = color == ContactColor::ALONE;
             let place = if alone { 0 } else { color as usize + 1 };
-            (usize::from(grounded) * COLORS + place) * 2 + usize::from(alone || contact(selected[index]).count() > 1)
+            (usize::from(has_non_dynamic) * COLORS + place) * 2
+                + usize::from(alone || contact(selected[index]).count() > 1)
         };
         let mut ends = [0; 4 * COLORS];
         (0..selected.len()).for_each(|index| ends[kind(index)] += 1);
@@ -298,7 +299,7 @@ impl SolverStage<'_> {
         match self {
             Self::Prepare(contacts, poses) => run(Prepare::<P, C> { blocks, contacts, bodies, poses }),
             Self::Solve { softness, h, impact_speed } => {
-                let softness = Some(softness[usize::from(bodies.motion.is_grounded())]);
+                let softness = Some(softness[usize::from(bodies.motion.has_non_dynamic())]);
                 run(Solve::<P, C> {
                     blocks,
                     bodies,

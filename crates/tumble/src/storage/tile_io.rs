@@ -4,7 +4,7 @@ use tumble_math::lane::{Lane, Quat, Vec3};
 
 use crate::components::Wrenches;
 use crate::integrators::derived::Derived;
-use crate::integrators::state::{Constants, Force, Moments, Rates, State};
+use crate::integrators::state::{Constants, DampingRates, Force, Moments, State};
 use crate::simd::Tile;
 use crate::storage::chunk::Chunk;
 
@@ -31,7 +31,7 @@ impl Chunk<'_> {
         let damping = match self.damping {
             Some(damping) => {
                 let [linear, angular] = T::load(&damping[i..]);
-                Some(Rates { linear, angular })
+                Some(DampingRates { linear, angular })
             }
             None => None,
         };

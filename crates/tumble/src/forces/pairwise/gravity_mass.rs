@@ -49,7 +49,7 @@ impl GravityMass {
 
 /// Where masses are and how they pull.
 #[derive(Clone, Copy, PartialEq)]
-pub(crate) struct Source {
+pub(crate) struct GravitySource {
     pub(crate) position: Vec3,
     pub(crate) mu: Real,
     pub(crate) softening_squared: Real,
@@ -58,7 +58,7 @@ pub(crate) struct Source {
 /// The accelerations that bodies give each other, and of what they are.
 #[derive(Clone, Default)]
 pub(crate) struct Gravity {
-    sources: Vec<Source>,
+    sources: Vec<GravitySource>,
     /// x, y, z and squared softening of the same in rows, filled up to whole tiles.
     rows: [Vec<Real>; 4],
     /// x, y and z [m/s^2], in rows.
@@ -72,7 +72,7 @@ const ATTRACTIONS: usize = 8192;
 
 impl Gravity {
     /// Computes the accelerations, unless these very sources were the last.
-    pub(crate) fn update(&mut self, sources: impl Iterator<Item = Source> + Clone) {
+    pub(crate) fn update(&mut self, sources: impl Iterator<Item = GravitySource> + Clone) {
         if self.sources.iter().copied().eq(sources.clone()) {
             return;
         }
@@ -83,7 +83,7 @@ impl Gravity {
             row.clear();
             row.resize(filled, 0.0);
         }
-        for (i, Source { position, softening_squared, .. }) in self.sources.iter().enumerate() {
+        for (i, GravitySource { position, softening_squared, .. }) in self.sources.iter().enumerate() {
             let numbers = [position.x, position.y, position.z, *softening_squared];
             for (row, number) in self.rows.iter_mut().zip(numbers) {
                 row[i] = number;
@@ -107,7 +107,7 @@ impl Gravity {
 
 /// Sums up what all sources do to some bodies, in the sources' order.
 struct Attract<'a> {
-    sources: &'a [Source],
+    sources: &'a [GravitySource],
     rows: &'a [Vec<Real>; 4],
     first: usize,
     sums: [&'a mut [Real]; 3],

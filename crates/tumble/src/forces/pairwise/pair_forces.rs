@@ -5,7 +5,7 @@ use std::fmt;
 use hecs::World;
 
 use crate::components::Work;
-use crate::forces::pairwise::gravity_mass::{Gravity, Source};
+use crate::forces::pairwise::gravity_mass::{Gravity, GravitySource};
 use crate::forces::pairwise::spring_impulse::{Impulse, Springs, Velocities};
 use crate::forces::pairwise::{GravityMass, Spring};
 use crate::forces::registry::{GRAVITY_MASS, SPRING};
@@ -72,10 +72,10 @@ impl PairForces {
             let position = views[*slot].state.position;
             let softening_squared = mass.softening * mass.softening;
             if within(position, MAX_DISTANCE) && mass.mu.abs() <= MAX_MU && softening_squared.is_finite() {
-                Source { position: position.into(), mu: mass.mu, softening_squared }
+                GravitySource { position: position.into(), mu: mass.mu, softening_squared }
             } else {
                 // It attracts nothing.
-                Source { position: Vec3::ZERO, mu: 0.0, softening_squared: 1.0 }
+                GravitySource { position: Vec3::ZERO, mu: 0.0, softening_squared: 1.0 }
             }
         }));
         self.velocities.clear();

@@ -92,10 +92,10 @@ impl<T: Tile> DeltaPoses<T> {
     }
 }
 
-/// Linear and angular momenta of a tile's bodies. Where they are `grounded`, impulses move only the
-/// second of each.
+/// Linear and angular momenta of a tile's bodies. Where they are `has_non_dynamic`, impulses move
+/// only the second of each.
 pub(crate) struct Momenta<T> {
-    grounded: bool,
+    has_non_dynamic: bool,
     linear: [Vec3<T>; 2],
     angular: [Vec3<T>; 2],
 }
@@ -104,20 +104,20 @@ impl<T: Tile> Momenta<T> {
     /// From rows that have nothing else; zero of what impulses do not move.
     #[inline(always)]
     pub(crate) fn load(rows: &Rows<'_>, block: usize, lane: usize) -> Self {
-        let grounded = rows.is_grounded();
+        let has_non_dynamic = rows.has_non_dynamic();
         let zero = T::splat(0.0);
-        let [a, b, c, d, e, f] = if grounded { [zero; 6] } else { rows.gather(block, 0, lane) };
+        let [a, b, c, d, e, f] = if has_non_dynamic { [zero; 6] } else { rows.gather(block, 0, lane) };
         let first = (Vec3::new(a, b, c), Vec3::new(d, e, f));
         let [a, b, c, d, e, f] = rows.gather(block, 1, lane);
         let second = (Vec3::new(a, b, c), Vec3::new(d, e, f));
-        Self { grounded, linear: [first.0, second.0], angular: [first.1, second.1] }
+        Self { has_non_dynamic, linear: [first.0, second.0], angular: [first.1, second.1] }
     }
 
     /// An impulse in the middle and an angular impulse on the second bodies, the opposite on the
     /// first.
     #[inline(always)]
     pub(crate) fn push(&mut self, arms: [Vec3<T>; 2], linear: Vec3<T>, angular: Vec3<T>) {
-        if !self.grounded {
+        if !self.has_non_dynamic {
             self.linear[0] = self.linear[0] - linear;
             self.angular[0] = self.angular[0] - (arms[0].cross(linear) + angular);
         }
@@ -129,7 +129,7 @@ impl<T: Tile> Momenta<T> {
     #[inline(always)]
     pub(crate) fn store(&self, numbers: [T; 2], rows: &mut Rows<'_>, block: usize, lane: usize) {
         let row = |which: usize| (self.linear[which], self.angular[which], numbers[which]);
-        if !self.grounded {
+        if !self.has_non_dynamic {
             rows.scatter(in_a_row(row(0)), block, 0, lane);
         }
         rows.scatter(in_a_row(row(1)), block, 1, lane);
@@ -156,20 +156,23 @@ impl<T: Tile> BodyLanes<T> {
         let [a, b, c, d, e, f, second_mass] = motion.gather(block, 1, lane);
         let second = (Vec3::new(a, b, c), Vec3::new(d, e, f));
         let (linear, angular) = ([first.0, second.0], [first.1, second.1]);
-        let momenta = Momenta { grounded: motion.is_grounded(), linear, angular };
+        let momenta = Momenta { has_non_dynamic: motion.has_non_dynamic(), linear, angular };
         Self { momenta, inverse_mass: [first_mass, second_mass] }
     }
 
     /// Sum of the inverse masses of what impulses move [1/kg].
     #[inline(always)]
     pub(crate) fn inverse_mass(&self) -> T {
-        if self.momenta.grounded { self.inverse_mass[1] } else { self.inverse_mass[0] + self.inverse_mass[1] }
+        if self.momenta.has_non_dynamic { self.inverse_mass[1] } else { self.inverse_mass[0] + self.inverse_mass[1] }
     }
 
     /// How they answer to impulses.
     #[inline(always)]
     pub(crate) fn mobility(&self, inv_inertia: &InverseMasses<T>) -> Mobility<T> {
-        Mobility { inv_inertia: inv_inertia.of_what_moves(self.momenta.grounded), inverse_mass: self.inverse_mass() }
+        Mobility {
+            inv_inertia: inv_inertia.of_what_moves(self.momenta.has_non_dynamic),
+            inverse_mass: self.inverse_mass(),
+        }
     }
 
     /// The smaller of the bodies' sizes, as what turns them has it: of their mass over their
@@ -230,11 +233,11 @@ impl<T: Tile> InverseMasses<T> {
         Self { diagonal: [first.0, second.0], off_diagonal: [first.1, second.1] }
     }
 
-    /// The same where the first bodies do not answer, if they are `grounded`.
+    /// The same where the first bodies do not answer, if they are `has_non_dynamic`.
     #[inline(always)]
-    pub(crate) fn of_what_moves(&self, grounded: bool) -> Self {
+    pub(crate) fn of_what_moves(&self, has_non_dynamic: bool) -> Self {
         let zero = Vec3::zero();
-        let (first, beside) = if grounded { (zero, zero) } else { (self.diagonal[0], self.off_diagonal[0]) };
+        let (first, beside) = if has_non_dynamic { (zero, zero) } else { (self.diagonal[0], self.off_diagonal[0]) };
         Self { diagonal: [first, self.diagonal[1]], off_diagonal: [beside, self.off_diagonal[1]] }
     }
 
