@@ -1,7 +1,7 @@
 //! What the ledger costs: a step that no ledger is attached to, one whose work is booked, and one
 //! whose ledger was taken away again.
 //!
-//! The first and the last are to cost the same; `cargo bench --bench ledger`. The group `measure`
+//! The first and the last are to cost the same; `cargo bench --bench ledger`. The group `totals`
 //! has what it takes to sum up energy and momentum beside a step of the same bodies: as they were
 //! spawned, and with numbers that scatter their order over memory.
 
@@ -51,7 +51,7 @@ fn scattered(mut world: World) -> World {
 }
 
 fn sums(criterion: &mut Criterion) {
-    let mut group = criterion.benchmark_group("measure");
+    let mut group = criterion.benchmark_group("totals");
     group.throughput(Throughput::Elements(BODIES as u64));
     let worlds = [
         ("boxes", tumbling_boxes(BODIES)),

@@ -249,8 +249,8 @@ fn the_choice_of_body_frame_does_not_matter() {
     }
 }
 
-/// `measure` adds up what single bodies have: a pair thrown apart has no momentum, and the angular
-/// momentum of its orbit and spins.
+/// `Totals::of` adds up what single bodies have: a pair thrown apart has no momentum, and the
+/// angular momentum of its orbit and spins.
 #[test]
 fn totals_are_the_sums_over_bodies() {
     let mut world = World::new();

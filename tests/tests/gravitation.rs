@@ -167,8 +167,8 @@ fn bodies_that_meet_stay_finite() {
     }
 }
 
-/// The force is minus the slope of the energy that `measure` has: of all where mu is in proportion
-/// to mass; of a test particle among them too.
+/// The force is minus the slope of the energy that `Totals::of` has: of all where mu is in
+/// proportion to mass; of a test particle among them too.
 #[test]
 fn the_force_is_the_slope_of_the_energy() {
     for test_particles in [false, true] {

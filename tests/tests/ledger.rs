@@ -98,7 +98,7 @@ fn largest_work(work: &Work) -> f64 {
     [work.gravity, work.applied, work.damping, laws].into_iter().fold(0.0, |most, work| most.max(work.abs()))
 }
 
-/// Two energies, measured by `measure`, against the sum of works. The books are in double
+/// Two energies, measured by `Totals::of`, against the sum of works. The books are in double
 /// precision: each of 500 steps rounds them relative to all that went in and out. They begin and
 /// end with axes in the precision of the build, each rounded by an `EPSILON` or two; that error
 /// does not grow with the steps.
@@ -151,7 +151,7 @@ fn the_integrators_own_share() {
     assert!(runge_kutta <= 1e-4, "{runge_kutta:e}");
 }
 
-/// A fall: gravity's work is `-m g . (x' - x)`, the change of `measure`'s potential. Under
+/// A fall: gravity's work is `-m g . (x' - x)`, the change of the totals' potential. Under
 /// `MoserVeselov` and `RungeKutta4` the mean velocity is the true one, so to rounding;
 /// `SemiImplicitEuler` falls `g dt t/2` too far, and the integrator's account does not have it,
 /// since its kinetic energy is right.

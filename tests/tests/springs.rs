@@ -407,7 +407,7 @@ fn a_spring_without_its_bodies_does_nothing() {
     assert_eq!(another(|[_, b, c]| Some(Spring::between(c, b))), another(|_| None));
 }
 
-/// The potential that `measure` has: the impulse of a step from rest is minus its gradient, by
+/// The potential that `Totals::of` has: the impulse of a step from rest is minus its gradient, by
 /// differences over what the poses really differ by.
 #[test]
 fn the_force_is_the_slope_of_the_energy() {

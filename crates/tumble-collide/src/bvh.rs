@@ -8,7 +8,7 @@ use crate::support_map::Vector;
 
 /// A tree of boxes in the order in which it is walked through.
 #[derive(Clone, Debug, PartialEq)]
-pub(crate) struct Tree {
+pub(crate) struct Bvh {
     nodes: Vec<Node>,
     /// Numbers of the boxes, leaf by leaf.
     order: Vec<u32>,
@@ -26,7 +26,7 @@ struct Node {
 /// Boxes in a leaf.
 const LEAF: usize = 4;
 
-impl Tree {
+impl Bvh {
     pub(crate) fn new(boxes: &[Aabb<f64>]) -> Self {
         let mut order: Vec<u32> = (0..boxes.len() as u32).collect();
         let mut this = Self { nodes: Vec::new(), order: Vec::new() };

@@ -4,7 +4,7 @@
 use tumble_math::lane::Vec3;
 
 use crate::collider_shape::Isometry;
-use crate::face_clipping::Overlay;
+use crate::face_clipping::FaceClipping;
 use crate::feature::Feature;
 use crate::manifold::Manifold;
 use crate::scalar::Scalar;
@@ -60,7 +60,7 @@ fn clamped<R: Scalar>(x: R, most: R) -> R {
 }
 
 /// From the capsule to the ball.
-pub(crate) fn capsule_and_ball<R: Scalar>(rod: &Rod<R>, radius: R, center: Vec3<R>, margin: R) -> Manifold<R> {
+pub(crate) fn capsule_and_sphere<R: Scalar>(rod: &Rod<R>, radius: R, center: Vec3<R>, margin: R) -> Manifold<R> {
     let apart = center - rod.at(rod.nearest_to(center));
     let distance = apart.dot(apart).sqrt();
     let normal = if distance > R::splat(MIN_DISTANCE) { apart * (R::splat(1.0) / distance) } else { rod.across };
@@ -89,7 +89,7 @@ pub(crate) fn capsule_and_capsule<R: Scalar>(first: &Rod<R>, second: &Rod<R>, ma
     };
     let separation = distance - (layers[0] + layers[1]);
     let nearest = (on_first + normal * layers[0] + on_second - normal * layers[1]) * half;
-    let face_clipping = Overlay { normal, separation, layers, margin };
+    let face_clipping = FaceClipping { normal, separation, layers, margin };
     face_clipping.manifold(&first.feature(), &second.feature(), nearest, R::splat(0.0)).carried_by_both()
 }
 
@@ -134,7 +134,7 @@ pub(crate) fn cuboid_and_capsule<R: Scalar>(
         let (normal, between) = way_out(&local, h);
         (normal, between, on_axis - normal * between)
     };
-    let face_clipping = Overlay { normal, separation: between - rod.radius, layers: [zero, rod.radius], margin };
+    let face_clipping = FaceClipping { normal, separation: between - rod.radius, layers: [zero, rod.radius], margin };
     let middle = nearest + normal * ((between - rod.radius) * half);
     let manifold = face_clipping.manifold(&Feature::of_cuboid(h, normal), &local.feature(), middle, zero);
     manifold.seen(|point| at.to_world(point), |v| at.orientation.rotate(v))

@@ -1,6 +1,6 @@
 //! Contact manifolds of any two shapes: dispatch on shape types, and pairs of compound parts.
 
-use crate::capsule::{Rod, capsule_and_ball, capsule_and_capsule, cuboid_and_capsule};
+use crate::capsule::{Rod, capsule_and_capsule, capsule_and_sphere, cuboid_and_capsule};
 use crate::collider_shape::{ColliderShape, Isometry};
 use crate::convex_pair::convex_and_convex;
 use crate::cuboids::{CuboidLanes, cuboid_pair};
@@ -195,7 +195,7 @@ fn single<R: Scalar>(
             cuboid_and_capsule(half_extents, first_at, &Rod::new(radius, half_height, second_at), margin)
         }
         (&Capsule { radius: a, half_height }, &Sphere { radius: b }) => {
-            capsule_and_ball(&Rod::new(a, half_height, first_at), b, second_at.position, margin)
+            capsule_and_sphere(&Rod::new(a, half_height, first_at), b, second_at.position, margin)
         }
         (&Capsule { radius: a, half_height: h }, &Capsule { radius: b, half_height: k }) => {
             capsule_and_capsule(&Rod::new(a, h, first_at), &Rod::new(b, k, second_at), margin)

@@ -5,7 +5,7 @@ use tumble_math::lane::Quat;
 
 use crate::collider_shape::{ColliderShape, Isometry};
 use crate::epa::penetration;
-use crate::face_clipping::Overlay;
+use crate::face_clipping::FaceClipping;
 use crate::gjk::{Nearest, nearest};
 use crate::manifold::Manifold;
 use crate::minkowski::Difference;
@@ -102,7 +102,7 @@ pub(crate) fn difference<'a>(
 pub(crate) fn manifold_of(shapes: &Difference<'_>, found: &Approach, layers: [f64; 2], margin: f64) -> Manifold<f64> {
     let Approach { normal, between, lead, on_first } = *found;
     let separation = between - (layers[0] + layers[1]);
-    let face_clipping = Overlay { normal, separation, layers, margin };
+    let face_clipping = FaceClipping { normal, separation, layers, margin };
     let of_first = shapes.first.feature(normal, margin);
     let of_second = shapes.second.feature(shapes.turned_back(normal * -1.0), margin);
     let of_second = of_second.seen(|point| shapes.place(point), |v| shapes.turn(v));

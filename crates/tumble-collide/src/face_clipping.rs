@@ -10,7 +10,7 @@ use crate::scalar::Scalar;
 
 /// Two pieces along the normal between them.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Overlay<R> {
+pub(crate) struct FaceClipping<R> {
     /// Unit vector from the first shape to the second.
     pub(crate) normal: Vec3<R>,
     /// Of the shapes along it \[m\].
@@ -80,7 +80,7 @@ impl<T: Copy> List<T> {
     }
 }
 
-impl<R: Scalar> Overlay<R> {
+impl<R: Scalar> FaceClipping<R> {
     /// The points that both pieces have in common and, where none of them is as near as the shapes
     /// are, the given one, halfway between the surfaces. What reaches furthest along the normal may
     /// be beside both pieces, by which it is up to `lead` less than how far they are apart.

@@ -3,7 +3,7 @@
 use tumble_math::{MeshError, TriangleMesh};
 
 use crate::aabb::Aabb;
-use crate::bvh::{Tree, enclosing};
+use crate::bvh::{Bvh, enclosing};
 use crate::support_map::Vector;
 use crate::surface::{Patches, Surface};
 
@@ -35,7 +35,7 @@ pub struct Mesh {
     starts: Vec<u32>,
     ends: Vec<u32>,
     patches: Patches,
-    bvh: Tree,
+    bvh: Bvh,
 }
 
 impl Mesh {
@@ -63,13 +63,13 @@ impl Mesh {
             starts: Vec::new(),
             ends: Vec::new(),
             patches: Patches::default(),
-            bvh: Tree::new(&[]),
+            bvh: Bvh::new(&[]),
             points,
             triangles,
         };
         this.join_corners();
         let boxes: Vec<Aabb<f64>> = (0..this.count()).map(|triangle| around(&this.triangle(triangle))).collect();
-        this.bvh = Tree::new(&boxes);
+        this.bvh = Bvh::new(&boxes);
         this.patches = Patches::of(&this);
         Ok(this)
     }

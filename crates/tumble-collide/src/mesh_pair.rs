@@ -10,7 +10,7 @@ use std::collections::HashMap;
 use crate::aabb::Aabb;
 use crate::collider_shape::{ColliderShape, Isometry};
 use crate::convex_pair::{Approach, FACE_LEAD, approach, difference, manifold_of, wide_placement, with_faces_first};
-use crate::face_clipping::{AS_NEAR, ON_THE_SIDE, Overlay, as_near, is_corner_of_second};
+use crate::face_clipping::{AS_NEAR, FaceClipping, ON_THE_SIDE, as_near, is_corner_of_second};
 use crate::gjk::on_triangle;
 use crate::manifold::{ContactPoint, Manifold, Points};
 use crate::manifold_reduction::{keep_nearest, reduce};
@@ -180,7 +180,7 @@ impl<S: Surface> Over<'_, S> {
 
     /// Points over the triangle itself.
     fn over_face(&self, triangle: u32, shapes: &Difference<'_>, normal: Vector, depth: f64) -> Vec<Hit> {
-        let face_clipping = Overlay { normal, separation: depth, layers: [0.0, self.layer], margin: self.margin };
+        let face_clipping = FaceClipping { normal, separation: depth, layers: [0.0, self.layer], margin: self.margin };
         let below = shapes.second.feature(shapes.turned_back(normal * -1.0), self.margin);
         let below = below.seen(|point| shapes.place(point), |v| shapes.turn(v));
         let (mut points, carried) = face_clipping.shared(&shapes.first.feature(normal, self.margin), &below);

@@ -21,7 +21,7 @@ pub(crate) const POINT_RADIUS: f64 = 0.02;
 /// ```
 /// use tumble_scene::{Appearance, Tessellation};
 ///
-/// let cube = Tessellation::of_looks(&Appearance::Shape(tumble::Shape::cuboid([1.0, 1.0, 1.0])));
+/// let cube = Tessellation::of_appearance(&Appearance::Shape(tumble::Shape::cuboid([1.0, 1.0, 1.0])));
 /// assert_eq!((cube.positions.len(), cube.normals.len(), cube.triangles.len()), (24, 24, 12));
 /// ```
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -37,7 +37,7 @@ pub struct Tessellation {
 impl Tessellation {
     /// The surface that is seen.
     #[must_use]
-    pub fn of_looks(appearance: &Appearance) -> Self {
+    pub fn of_appearance(appearance: &Appearance) -> Self {
         match appearance {
             Appearance::Shape(shape) => Self::of(shape),
             Appearance::Mesh(surface) => mesh(surface),

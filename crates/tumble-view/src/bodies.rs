@@ -82,10 +82,10 @@ impl Bodies {
         for (index, &entity) in order.entities().iter().enumerate() {
             let Ok(body) = world.entity(entity) else { continue };
             let id = body.get::<&BodyId>().map_or(index as u64, |id| id.0);
-            let its_looks = usize::try_from(id).ok().and_then(|id| appearance.get(id));
+            let its_appearance = usize::try_from(id).ok().and_then(|id| appearance.get(id));
             let center = body.get::<&CenterOfMass>().map_or(DVec3::ZERO, |center| dvec3(center.0));
             let mut pieces = Vec::new();
-            match its_looks {
+            match its_appearance {
                 None | Some(Appearance::Shape(Shape::Point)) => {
                     let (shape, rotation) = inertia_ellipsoid(body).unwrap_or((Shape::Point, DQuat::IDENTITY));
                     bodies.add_pieces(&shape, (center, rotation), &mut pieces);
@@ -96,8 +96,8 @@ impl Bodies {
             }
             let moves = body.get::<&Velocity>().is_some();
             let unlike =
-                |collider: &Collider| its_looks.is_none_or(|appearance| colliders::differs(collider, appearance));
-            let endless = matches!(its_looks, Some(Appearance::HalfSpace));
+                |collider: &Collider| its_appearance.is_none_or(|appearance| colliders::differs(collider, appearance));
+            let endless = matches!(its_appearance, Some(Appearance::HalfSpace));
             bodies.all.push(DrawnBody {
                 entity,
                 name: names.of(id).into_owned(),

@@ -17,11 +17,11 @@ pub(crate) fn differs(collider: &Collider, appearance: &Appearance) -> bool {
         // What is put at the origin is where it was.
         *collider == seen || seen.with_offset(Pose::default()).is_ok_and(|placed| *collider == placed)
     };
-    !of_looks(appearance).into_iter().flatten().any(is_the_same)
+    !of_appearance(appearance).into_iter().flatten().any(is_the_same)
 }
 
 /// The colliders that are what is seen, solid and as a surface.
-fn of_looks(appearance: &Appearance) -> [Option<Collider>; 2] {
+fn of_appearance(appearance: &Appearance) -> [Option<Collider>; 2] {
     let surface = |mesh: &TriangleMesh| Collider::mesh(mesh.positions().iter().copied(), mesh.triangles()).ok();
     match appearance {
         Appearance::HalfSpace => [Some(Collider::half_space()), None],

@@ -17,10 +17,11 @@ pub(crate) struct Effort(f64);
 /// save half at best.
 const MIN: Effort = Effort(1000.0);
 
-/// A step of a body [us].
+/// A step of a body \[us\].
 pub(crate) const BODY: f64 = 0.02;
 /// The same under force laws.
 pub(crate) const BODY_UNDER_LAWS: f64 = 0.1;
+
 impl Effort {
     /// Work that takes one thread about this long \[us\].
     pub(crate) fn of_microseconds(time: f64) -> Self {

@@ -10,13 +10,13 @@ pub(super) const LANES: usize = 8;
 
 /// Eight boxes, their coordinates in lanes. Where there is no box, an empty one.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Octet<R> {
+pub(super) struct Aabb8<R> {
     /// x, y and z of all.
     low: [[R; LANES]; 3],
     high: [[R; LANES]; 3],
 }
 
-impl<R: Scalar> Octet<R> {
+impl<R: Scalar> Aabb8<R> {
     pub(super) fn empty() -> Self {
         let end = R::splat(f64::INFINITY);
         Self { low: [[end; LANES]; 3], high: [[-end; LANES]; 3] }

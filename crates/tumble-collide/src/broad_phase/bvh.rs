@@ -1,6 +1,6 @@
 //! A bounding volume hierarchy with eight children per node: refit, box queries and leaf pairs.
 
-use super::aabb8::{LANES, Marks, Octet};
+use super::aabb8::{Aabb8, LANES, Marks};
 use super::bvh_build::{Item, NONE, arrange};
 use super::pair_list::{Found, Pair};
 use crate::aabb::Aabb;
@@ -9,15 +9,15 @@ use crate::scalar::Scalar;
 /// Boxes in eights, the boxes of eights in eights, and so on up to one. It has no pointers: the
 /// children of node `i` are the nodes from `8 i` on, one level below.
 #[derive(Clone, Debug, Default)]
-pub(super) struct Tree<R> {
+pub(super) struct Bvh8<R> {
     /// What is in each lane of each leaf.
     objects: Vec<[u32; LANES]>,
     /// From the leaves up to the root.
-    levels: Vec<Vec<Octet<R>>>,
+    levels: Vec<Vec<Aabb8<R>>>,
     items: Vec<Item<R>>,
 }
 
-impl<R: Scalar> Tree<R> {
+impl<R: Scalar> Bvh8<R> {
     /// Makes a tree of some of the objects.
     pub(super) fn build(&mut self, objects: impl Iterator<Item = u32>, boxes: &[Aabb<R>]) {
         arrange(objects, boxes, &mut self.items, &mut self.objects);
@@ -28,7 +28,7 @@ impl<R: Scalar> Tree<R> {
                 self.levels.push(Vec::new());
             }
             self.levels[height].clear();
-            self.levels[height].resize(width, Octet::empty());
+            self.levels[height].resize(width, Aabb8::empty());
             height += 1;
             width = if width == 1 { 0 } else { width.div_ceil(LANES) };
         }
@@ -48,7 +48,7 @@ impl<R: Scalar> Tree<R> {
         &self.objects[leaf]
     }
 
-    pub(super) fn leaf(&self, leaf: usize) -> &Octet<R> {
+    pub(super) fn leaf(&self, leaf: usize) -> &Aabb8<R> {
         &self.levels[0][leaf]
     }
 
@@ -76,8 +76,8 @@ impl<R: Scalar> Tree<R> {
     /// them: the larger, the more leaves meet.
     pub(super) fn looseness(&self) -> R {
         let sides = |height: usize| {
-            let octets = self.levels.get(height).into_iter().flatten();
-            octets.fold(R::splat(0.0), |sum, aabb8| sum + aabb8.sides())
+            let nodes = self.levels.get(height).into_iter().flatten();
+            nodes.fold(R::splat(0.0), |sum, aabb8| sum + aabb8.sides())
         };
         sides(1) / sides(0)
     }
@@ -159,7 +159,7 @@ mod tests {
     fn leaves_are_as_small_as_they_can_be() {
         let places = (0..4096_u32).map(|i| [i % 16, i / 16 % 16, i / 256].map(f64::from));
         let boxes: Vec<Aabb<f64>> = places.map(|[x, y, z]| cube(x, y, z, 0.25)).collect();
-        let mut bvh = Tree::default();
+        let mut bvh = Bvh8::default();
         // Not in the order they are made in.
         bvh.build((0..4096).map(|i| i * 1025 % 4096), &boxes);
         assert_eq!(bvh.leaves(), 512);
@@ -176,7 +176,7 @@ mod tests {
         let mut boxes: Vec<Aabb<f64>> = (0..100).map(|i| cube(f64::from(i), 0.0, 0.0, 0.4)).collect();
         boxes[17] = cube(17.0, 0.0, 0.0, 40.0);
         boxes[60] = cube(60.0, 0.0, 0.0, 4000.0);
-        let mut bvh = Tree::default();
+        let mut bvh = Bvh8::default();
         bvh.build(0..100, &boxes);
         let mut seen = Vec::new();
         for leaf in 0..bvh.leaves() {

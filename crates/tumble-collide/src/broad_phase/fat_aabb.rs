@@ -19,14 +19,14 @@ const STEPS_AHEAD: f64 = 4.0;
 const MAX_AHEAD: f64 = 0.5;
 
 #[derive(Clone, Debug, Default)]
-pub(super) struct Fat<R> {
+pub(super) struct FatAabbs<R> {
     boxes: Vec<Aabb<R>>,
     /// Where each was when it got its box, and at which step that was.
     since: Vec<(Vec3<R>, u32)>,
     now: u32,
 }
 
-impl<R: Scalar> Fat<R> {
+impl<R: Scalar> FatAabbs<R> {
     pub(super) fn boxes(&self) -> &[Aabb<R>] {
         &self.boxes
     }

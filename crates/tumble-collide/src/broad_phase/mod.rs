@@ -9,9 +9,9 @@ mod proxy;
 
 pub use proxy::Proxy;
 
-use bvh::Tree;
+use bvh::Bvh8;
 use bvh_build::NONE;
-use fat_aabb::Fat;
+use fat_aabb::FatAabbs;
 use pair_list::{Pair, PairList, merge};
 
 use crate::scalar::Scalar;
@@ -21,7 +21,7 @@ use crate::scalar::Scalar;
 /// often, and a tree that is never rebuilt takes half as long again where balls mix.
 const MAX_LOOSENESS: f64 = 1.2;
 
-/// Where more than one leaf in this number is stirred, all get other boxes: they then leave them
+/// Where more than one leaf in this number is dirty, all get other boxes: they then leave them
 /// together, and rarely.
 const MANY: usize = 8;
 
@@ -43,20 +43,20 @@ const MANY: usize = 8;
 #[derive(Clone, Debug, Default)]
 pub struct BroadPhase<R> {
     kinds: Vec<Kind>,
-    fat_aabb: Fat<R>,
+    fat_aabb: FatAabbs<R>,
     /// Of each object, its leaf in the tree of what moves; [`NONE`] for what is in the other one,
     /// or in none.
     leaves: Vec<u32>,
-    moving: Tree<R>,
+    moving: Bvh8<R>,
     /// What has never left its box since the beginning and is not moved by anything.
-    still: Tree<R>,
+    still: Bvh8<R>,
     most_looseness: R,
     /// The objects that are no longer in their boxes.
     left: Vec<u32>,
     /// Of each leaf, whether one of its objects has left.
     dirty: Vec<bool>,
     /// The same of each object: whether it is in such a leaf.
-    stirred_objects: Vec<bool>,
+    dirty_objects: Vec<bool>,
     near: PairList,
     /// Pairs of what has no end with what has one.
     endless: Vec<Pair>,
@@ -82,8 +82,8 @@ impl Kind {
 /// How much is looked for.
 #[derive(Clone, Copy, PartialEq)]
 enum Search {
-    /// The neighbours of what is in stirred leaves.
-    Stirred,
+    /// The neighbours of what is in dirty leaves.
+    Dirty,
     /// All pairs.
     All,
 }
@@ -241,23 +241,23 @@ impl<R: Scalar> BroadPhase<R> {
             self.renew_boxes(proxies);
             (0..leaves).for_each(|leaf| self.moving.load(leaf, self.fat_aabb.boxes()));
         } else {
-            self.stir(proxies);
+            self.renew_dirty(proxies);
         }
         self.moving.refit();
         if self.moving.looseness() > self.most_looseness {
             return self.renew(proxies);
         }
-        if all { Search::All } else { Search::Stirred }
+        if all { Search::All } else { Search::Dirty }
     }
 
-    /// Gives another box to all in stirred leaves.
-    fn stir(&mut self, proxies: &[Proxy<R>]) {
-        self.stirred_objects.clear();
-        self.stirred_objects.resize(proxies.len(), false);
+    /// Gives another box to all in dirty leaves.
+    fn renew_dirty(&mut self, proxies: &[Proxy<R>]) {
+        self.dirty_objects.clear();
+        self.dirty_objects.resize(proxies.len(), false);
         for leaf in (0..self.dirty.len()).filter(|leaf| self.dirty[*leaf]) {
             for object in self.moving.objects(leaf).iter().filter(|object| **object != NONE) {
                 self.fat_aabb.renew(*object, &proxies[*object as usize]);
-                self.stirred_objects[*object as usize] = true;
+                self.dirty_objects[*object as usize] = true;
             }
             self.moving.load(leaf, self.fat_aabb.boxes());
         }
@@ -302,7 +302,7 @@ impl<R: Scalar> BroadPhase<R> {
         if all {
             near.replace_all(kinds.len());
         } else {
-            near.replace(&self.stirred_objects);
+            near.replace(&self.dirty_objects);
         }
         self.merge_endless();
         self.near.pairs().len() <= most

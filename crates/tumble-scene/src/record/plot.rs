@@ -72,7 +72,7 @@ pub struct Plot {
 #[derive(Clone, Debug)]
 struct Series {
     name: String,
-    mark: SeriesStyle,
+    series_style: SeriesStyle,
     points: Vec<(f64, f64)>,
 }
 
@@ -99,10 +99,10 @@ impl Plot {
     pub fn series(
         mut self,
         name: impl Into<String>,
-        mark: SeriesStyle,
+        series_style: SeriesStyle,
         points: impl IntoIterator<Item = (f64, f64)>,
     ) -> Self {
-        self.series.push(Series { name: name.into(), mark, points: points.into_iter().collect() });
+        self.series.push(Series { name: name.into(), series_style, points: points.into_iter().collect() });
         self
     }
 
@@ -161,7 +161,10 @@ impl Plot {
             let (y, end, color) = (TOP + 12.0 + 20.0 * row as f64, left + 20.0, i % COLORS.len());
             put(
                 svg,
-                format_args!("<path class=\"line c{color}\"{} d=\"M{left:.1} {y}H{end:.1}\"/>", series.mark.dashes()),
+                format_args!(
+                    "<path class=\"line c{color}\"{} d=\"M{left:.1} {y}H{end:.1}\"/>",
+                    series.series_style.dashes()
+                ),
             );
             put(
                 svg,
@@ -183,7 +186,7 @@ impl Series {
         let mut path = String::new();
         let mut dots = String::new();
         let mut pen_down = false;
-        let radius = if self.mark == SeriesStyle::Cloud { 1.8 } else { 3.4 };
+        let radius = if self.series_style == SeriesStyle::Cloud { 1.8 } else { 3.4 };
         while let Some(point) = placed.next() {
             if !(point.0.is_finite() && point.1.is_finite()) {
                 pen_down = false;
@@ -194,7 +197,7 @@ impl Series {
             let column = (2.0 * point.0).floor();
             let mut seen = [point; 4];
             // The density of a cloud is what it shows, so none of its points are left out.
-            let thin = self.mark != SeriesStyle::Cloud;
+            let thin = self.series_style != SeriesStyle::Cloud;
             while let Some(next) = placed.next_if(|p| thin && p.1.is_finite() && (2.0 * p.0).floor() == column) {
                 seen[1] = if next.1 < seen[1].1 { next } else { seen[1] };
                 seen[2] = if next.1 > seen[2].1 { next } else { seen[2] };
@@ -212,10 +215,10 @@ impl Series {
                 }
             }
         }
-        if !path.is_empty() && self.mark != SeriesStyle::Cloud {
-            put(svg, format_args!("<path class=\"line c{color}\"{} d=\"{path}\"/>\n", self.mark.dashes()));
+        if !path.is_empty() && self.series_style != SeriesStyle::Cloud {
+            put(svg, format_args!("<path class=\"line c{color}\"{} d=\"{path}\"/>\n", self.series_style.dashes()));
         }
-        if matches!(self.mark, SeriesStyle::Dots | SeriesStyle::Cloud) {
+        if matches!(self.series_style, SeriesStyle::Dots | SeriesStyle::Cloud) {
             put(svg, format_args!("{dots}\n"));
         }
     }

@@ -273,7 +273,7 @@ impl Scene {
     }
 
     /// What the bodies with these indices look like, which increase.
-    pub(crate) fn looks_of(&self, chosen: &[usize]) -> Result<Vec<Appearance>, SceneError> {
+    pub(crate) fn appearance_of(&self, chosen: &[usize]) -> Result<Vec<Appearance>, SceneError> {
         match &self.bodies {
             Bodies::Listed { bodies, .. } => {
                 Ok(chosen.iter().filter_map(|&index| bodies.get(index)).map(|body| body.appearance.clone()).collect())

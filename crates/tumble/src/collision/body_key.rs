@@ -63,14 +63,14 @@ impl BodyKeys {
     }
 
     /// Gives contacts the slots that the names of their bodies have now, and drops those of bodies
-    /// that are gone; `parted` are those of them that touched. Returns whether slots are others
+    /// that are gone; `ended` are those of them that touched. Returns whether slots are others
     /// than they were.
     pub(crate) fn renew(
         &mut self,
         world: &World,
         body_index: &BodyIndex,
         contacts: &mut Vec<ContactRecord>,
-        parted: &mut Vec<EndedPair>,
+        ended: &mut Vec<EndedPair>,
     ) -> bool {
         let member = |slot: usize| {
             let (_, id, entity) = body_index.key(slot);
@@ -95,7 +95,7 @@ impl BodyKeys {
                 let stays = !contact.slots.contains(&NONE);
                 if !stays && contact.touches() {
                     let [a, b] = [old[0].min(old[1]), old[0].max(old[1])].map(|slot| slot as usize);
-                    parted.push(EndedPair {
+                    ended.push(EndedPair {
                         body_keys: [body_keys[a], body_keys[b]],
                         entities: [entities[a], entities[b]],
                     });

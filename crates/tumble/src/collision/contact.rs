@@ -4,7 +4,7 @@ use tumble_collide::{MAX_MANIFOLD_POINTS, Manifold};
 use tumble_math::lane::Vec3;
 
 use crate::collision::material::Surface;
-use crate::collision::narrow_phase::PairKind;
+use crate::collision::narrow_phase::LaneKind;
 use crate::math::Real;
 use crate::simd::Eight;
 
@@ -16,7 +16,7 @@ pub(crate) struct ContactRecord {
     /// Slots of the bodies; where impulses move only one, it is the second.
     pub(crate) slots: [u32; 2],
     /// Of the shapes.
-    pub(crate) kind: PairKind,
+    pub(crate) kind: LaneKind,
     /// Which of the contacts of the two.
     pub(crate) part: u32,
     /// Whether the two touched before this step.
@@ -58,10 +58,9 @@ pub(crate) const POINTS: [usize; MAX_MANIFOLD_POINTS / 2] = [1, 2];
 /// how steady effective masses were in the last substep, and which share of the gap between the
 /// surfaces is before the points.
 pub(crate) const NORMAL_IMPULSE: usize = 3;
-/// No impulses.
 /// Most halvings of the substeps of a contact.
 pub(crate) const MAX_HALVINGS: u8 = 6;
-
+/// No impulses.
 const NEW: Eight = Eight([0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0]);
 /// Impulse of friction \[N s\] and angular impulse of what resists twisting and rolling [N m s], of
 /// a substep, world frame; how near the surfaces are a contact \[m\], but for how fast they come;
@@ -84,7 +83,7 @@ const SAME_PLACE: Real = 0.5;
 impl ContactRecord {
     /// Of nobody.
     pub(crate) const NONE: Self = Self {
-        kind: PairKind::Other,
+        kind: LaneKind::Other,
         part: 0,
         touched: false,
         slots: [0; 2],
@@ -109,11 +108,11 @@ impl ContactRecord {
         numbers[NORMAL_IMPULSE].0[7] = second.share(manifold.carried);
         numbers[FRICTION_IMPULSE].0[6] = second.margin;
         numbers[SHAPE] = Eight([n.x, n.y, n.z, manifold.carried, count as Real, 0.0, 0.0, crate::math::real(law)]);
-        Self { kind: PairKind::Other, slots, part, touched: false, features, numbers }
+        Self { kind: LaneKind::Other, slots, part, touched: false, features, numbers }
     }
 
     /// Makes it the only contact of two shapes, without impulses.
-    pub(crate) fn begin(&mut self, kind: PairKind) {
+    pub(crate) fn begin(&mut self, kind: LaneKind) {
         (self.kind, self.part, self.touched) = (kind, 0, false);
         let ([.., share], margin) = (self.numbers[NORMAL_IMPULSE].0, self.margin());
         (self.numbers[NORMAL_IMPULSE], self.numbers[FRICTION_IMPULSE]) = (NEW, Eight::ZERO);
@@ -129,7 +128,7 @@ impl ContactRecord {
 
     /// What contacts are in the order of: the kind of the shapes, both slots, the lower first, and
     /// the part.
-    pub(crate) fn key(&self) -> (PairKind, u32, u32, u32) {
+    pub(crate) fn key(&self) -> (LaneKind, u32, u32, u32) {
         let [a, b] = self.slots;
         (self.kind, a.min(b), a.max(b), self.part)
     }

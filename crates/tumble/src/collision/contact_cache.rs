@@ -18,7 +18,7 @@ pub(crate) struct PreviousContacts {
     /// replaced.
     pub(crate) contacts: Vec<ContactRecord>,
     /// What touched and has lost one of two bodies between the steps.
-    pub(crate) parted: Vec<EndedPair>,
+    pub(crate) ended: Vec<EndedPair>,
     /// Of the steps before the last that were taken in the same call.
     pub(crate) events: Vec<ContactEvent>,
     /// No step has been taken since names were compared.
@@ -33,9 +33,9 @@ impl Contacts {
     /// bodies that are gone.
     pub(crate) fn renumber(&mut self, world: &World) {
         let Self { body_index, body_keys, contacts, previous, .. } = self;
-        previous.parted.clear();
+        previous.ended.clear();
         previous.is_next = true;
-        if body_keys.renew(world, body_index, contacts, &mut previous.parted) {
+        if body_keys.renew(world, body_index, contacts, &mut previous.ended) {
             self.broad_phase.reset();
         }
         // Colliders may be others than they were, and contacts that were put back lie as they did
@@ -53,7 +53,7 @@ impl Contacts {
     pub(crate) fn begin_step(&mut self) {
         if !std::mem::take(&mut self.previous.is_next) {
             self.keep_events();
-            self.previous.parted.clear();
+            self.previous.ended.clear();
         }
         self.previous.found = 0;
     }
@@ -70,7 +70,7 @@ impl Contacts {
 
     /// Whether nothing touches nor has just parted.
     pub(crate) fn are_over(&self) -> bool {
-        self.contacts.is_empty() && self.previous.parted.is_empty()
+        self.contacts.is_empty() && self.previous.ended.is_empty()
     }
 
     /// Keeps the contacts of before the step, which those of a second substep would overwrite.
@@ -94,7 +94,7 @@ impl Contacts {
     pub(crate) fn forget(&mut self) {
         self.body_keys.clear();
         self.contacts.clear();
-        self.previous.parted.clear();
+        self.previous.ended.clear();
         self.previous.events.clear();
         self.previous.found = 0;
     }

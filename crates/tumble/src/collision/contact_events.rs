@@ -5,7 +5,7 @@ use hecs::Entity;
 use crate::collision::body_key::BodyKey;
 use crate::collision::contact::ContactRecord;
 use crate::collision::find_contacts::Contacts;
-use crate::collision::narrow_phase::PairKind;
+use crate::collision::narrow_phase::LaneKind;
 
 /// What changed in a step between two bodies with colliders; see
 /// [`Simulation::contact_events`](crate::Simulation::contact_events).
@@ -49,7 +49,7 @@ impl ContactEvent {
 }
 
 /// What contacts are in the order of, but for the part.
-type Pair = (PairKind, [u32; 2]);
+type Pair = (LaneKind, [u32; 2]);
 
 impl Contacts {
     /// Keeps the events of the last step beside those of the steps before it, as long as nothing
@@ -72,9 +72,7 @@ impl Contacts {
                     Change::Ended((_, slots)) => (named(slots), ContactEvent::End(entities(slots))),
                 });
             });
-            events.extend(
-                self.previous.parted.iter().map(|parted| (parted.body_keys, ContactEvent::End(parted.entities))),
-            );
+            events.extend(self.previous.ended.iter().map(|ended| (ended.body_keys, ContactEvent::End(ended.entities))));
             events.sort_by_key(|(body_keys, _)| *body_keys);
             // Of a pair with several contacts each has parted.
             events.dedup();

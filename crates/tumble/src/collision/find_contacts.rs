@@ -13,7 +13,7 @@ use crate::collision::contact::{ContactRecord, FIXED, MATERIAL, REFINED, Second}
 use crate::collision::contact_cache::PreviousContacts;
 use crate::collision::contact_materials::Materials;
 use crate::collision::internal_edges::InternalEdges;
-use crate::collision::narrow_phase::{PairKind, Pairs, ShapeLanes};
+use crate::collision::narrow_phase::{LaneKind, Pairs, ShapeLanes};
 use crate::collision::pair_limit::{PairLimit, most_listed, near_pair};
 use crate::collision::speculative::Way;
 use crate::components::CenterOfMass;
@@ -40,7 +40,7 @@ pub(crate) struct Contacts {
     pub(crate) proxies: Vec<Proxy<Real>>,
     pub(crate) lanes: ShapeLanes,
     /// The pairs that are near each other, in parts that threads find; then those of each kind.
-    pub(crate) near: Vec<Vec<(PairKind, [u32; 2])>>,
+    pub(crate) near: Vec<Vec<(LaneKind, [u32; 2])>>,
     pub(crate) pair_limit: PairLimit,
     cuboids: Pairs,
     spheres: Pairs,
@@ -62,7 +62,7 @@ pub(crate) struct ColliderState {
     pub(crate) placement: Isometry<Real>,
     /// Centre of mass \[m\].
     pub(crate) center: Vec3<Real>,
-    pub(crate) kind: PairKind,
+    pub(crate) kind: LaneKind,
     /// Whether impulses move it.
     pub(crate) moves: bool,
     /// How far from its surface another's may be to be a contact, with the other's reach added
@@ -176,8 +176,8 @@ impl Contacts {
         self.keep_previous();
         std::mem::swap(&mut self.contacts, &mut self.last);
         let Self { shapes, lanes, cuboids, spheres, others, found, contacts, colliders, .. } = self;
-        let (end, some_empty) = cuboids.touch(PairKind::Cuboid, lanes, contacts, 0);
-        let (end, more_empty) = spheres.touch(PairKind::Sphere, lanes, contacts, end);
+        let (end, some_empty) = cuboids.touch(LaneKind::Cuboid, lanes, contacts, 0);
+        let (end, more_empty) = spheres.touch(LaneKind::Sphere, lanes, contacts, end);
         contacts.truncate(end);
         let parts = others.len().div_ceil(OTHERS_PART);
         found.resize_with(parts.max(found.len()), Vec::new);
@@ -226,9 +226,9 @@ impl Contacts {
         others.clear();
         for &(kind, slots) in near[..parts].iter().flatten() {
             match kind {
-                PairKind::Cuboid => cuboids.push(slots),
-                PairKind::Sphere => spheres.push(slots),
-                PairKind::Other => others.push(slots),
+                LaneKind::Cuboid => cuboids.push(slots),
+                LaneKind::Sphere => spheres.push(slots),
+                LaneKind::Other => others.push(slots),
             }
         }
     }
@@ -325,7 +325,7 @@ impl ColliderState {
         Self {
             placement: Isometry { position: zero, orientation },
             center: zero,
-            kind: PairKind::Other,
+            kind: LaneKind::Other,
             moves: false,
             reach: 0.0,
             margin: 0.0,

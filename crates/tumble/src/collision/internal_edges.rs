@@ -99,8 +99,8 @@ impl Contacts {
                 continue;
             }
             let [a, b] = contact.slots.map(|slot| &shapes[slot as usize]);
-            let (previous, most) = (b.motion.way - a.motion.way, SLIDES * contact.margin());
-            if previous.dot(previous) > most * most {
+            let (way, most) = (b.motion.way - a.motion.way, SLIDES * contact.margin());
+            if way.dot(way) > most * most {
                 sliding.extend(contact.slots.into_iter().filter(|slot| may_slide(*slot)).map(|slot| (slot, index)));
             }
         }

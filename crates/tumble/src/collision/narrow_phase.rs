@@ -28,14 +28,14 @@ pub(crate) struct ShapeLanes {
 
 /// Which lanes a shape is for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
-pub(crate) enum PairKind {
+pub(crate) enum LaneKind {
     Cuboid,
     Sphere,
     /// None: pairs with it are tested one by one.
     Other,
 }
 
-impl PairKind {
+impl LaneKind {
     pub(crate) fn of(geometry: &ColliderShape<Real>) -> Self {
         match geometry {
             ColliderShape::Cuboid { .. } => Self::Cuboid,
@@ -127,7 +127,7 @@ impl Pairs {
     /// Returns their end, and whether there are some without points among them.
     pub(crate) fn touch(
         &mut self,
-        kind: PairKind,
+        kind: LaneKind,
         shapes: &ShapeLanes,
         contacts: &mut Vec<ContactRecord>,
         begin: usize,
@@ -137,7 +137,7 @@ impl Pairs {
         self.gaps.resize(self.blocks.len() * BLOCK, 0.0);
         let parts = self.blocks.par_chunks(PART).zip(self.gaps.par_chunks_mut(PART * BLOCK));
         parts.by_at_least(1).for_each(|(blocks, gaps)| match kind {
-            PairKind::Cuboid => dispatch_in_blocks(&mut CuboidGaps { blocks, shapes, gaps }),
+            LaneKind::Cuboid => dispatch_in_blocks(&mut CuboidGaps { blocks, shapes, gaps }),
             _ => dispatch_in_blocks(&mut SphereGaps { blocks, shapes, gaps }),
         });
         let mut gaps = self.gaps.iter();
@@ -154,7 +154,7 @@ impl Pairs {
         let parts = self.blocks.par_chunks(PART).zip(contacts[begin..end].par_chunks_mut(PART * BLOCK));
         let parts = parts.zip(self.pairs.par_chunks(PART * BLOCK)).by_at_least(1).map(|((blocks, found), pairs)| {
             match kind {
-                PairKind::Cuboid => dispatch_in_blocks(&mut CuboidContacts { blocks, shapes, found }),
+                LaneKind::Cuboid => dispatch_in_blocks(&mut CuboidContacts { blocks, shapes, found }),
                 _ => dispatch_in_blocks(&mut SphereContacts { blocks, shapes, found }),
             }
             let found = &mut found[..pairs.len()];
@@ -275,7 +275,7 @@ impl Kernel for SphereContacts<'_> {
 }
 
 /// Of the shapes of a tile.
-struct PoseLanes<T> {
+struct ReachLanes<T> {
     /// From their bodies' centres of mass to their origins \[m\].
     offset: Vec3<T>,
     /// How far they look for others \[m\].
@@ -286,20 +286,24 @@ struct PoseLanes<T> {
 
 /// A tile's boxes, and where they are.
 #[inline(always)]
-fn cuboids<T: Tile>(shapes: &ShapeLanes, slots: &[u32; BLOCK], lane: usize) -> (CuboidLanes<T>, Vec3<T>, PoseLanes<T>) {
+fn cuboids<T: Tile>(
+    shapes: &ShapeLanes,
+    slots: &[u32; BLOCK],
+    lane: usize,
+) -> (CuboidLanes<T>, Vec3<T>, ReachLanes<T>) {
     let [x, y, z, qx, qy, qz, qw] = gather(&shapes.places, slots, lane);
     let [a, b, c, u, v, w, reach, margin] = gather(&shapes.sizes, slots, lane);
     let orientation = Quat { x: qx, y: qy, z: qz, w: qw };
-    let place = PoseLanes { offset: Vec3::new(u, v, w), reach, margin };
+    let place = ReachLanes { offset: Vec3::new(u, v, w), reach, margin };
     (CuboidLanes { half_extents: Vec3::new(a, b, c), orientation }, Vec3::new(x, y, z), place)
 }
 
 /// A tile's radii, and where the balls are.
 #[inline(always)]
-fn spheres<T: Tile>(shapes: &ShapeLanes, slots: &[u32; BLOCK], lane: usize) -> (T, Vec3<T>, PoseLanes<T>) {
+fn spheres<T: Tile>(shapes: &ShapeLanes, slots: &[u32; BLOCK], lane: usize) -> (T, Vec3<T>, ReachLanes<T>) {
     let [x, y, z, _] = gather(&shapes.places, slots, lane);
     let [radius, _, _, u, v, w, reach, margin] = gather(&shapes.sizes, slots, lane);
-    (radius, Vec3::new(x, y, z), PoseLanes { offset: Vec3::new(u, v, w), reach, margin })
+    (radius, Vec3::new(x, y, z), ReachLanes { offset: Vec3::new(u, v, w), reach, margin })
 }
 
 /// Writes a tile's manifolds as contacts; `offset` goes from the second bodies' centres of mass to

@@ -4,7 +4,7 @@
 use tumble_collide::Proxy;
 
 use crate::collision::find_contacts::{ColliderState, Contacts};
-use crate::collision::narrow_phase::PairKind;
+use crate::collision::narrow_phase::LaneKind;
 use crate::math::Real;
 
 /// A body with more pairs than this is in a crowd. Around a ball there is room for twelve that
@@ -37,7 +37,7 @@ pub(crate) struct PairLimit {
 
 impl PairLimit {
     /// Leaves out pairs of crowds.
-    pub(crate) fn thin_out(&mut self, near: &mut [Vec<(PairKind, [u32; 2])>], proxies: &[Proxy<Real>]) {
+    pub(crate) fn thin_out(&mut self, near: &mut [Vec<(LaneKind, [u32; 2])>], proxies: &[Proxy<Real>]) {
         let Self { counts, crowded, kept, left_out } = self;
         *left_out = 0;
         if near.iter().map(Vec::len).sum::<usize>() <= MAX_PAIRS {
@@ -152,8 +152,8 @@ pub(crate) fn near_pair(
     shapes: &[ColliderState],
     proxies: &[Proxy<Real>],
     (first, second): (u32, u32),
-) -> (PairKind, [u32; 2]) {
+) -> (LaneKind, [u32; 2]) {
     let [p, q] = [&proxies[first as usize], &proxies[second as usize]];
     let slots = if p.moves && !q.moves { [second, first] } else { [first, second] };
-    (PairKind::both(shapes[first as usize].kind, shapes[second as usize].kind), slots)
+    (LaneKind::both(shapes[first as usize].kind, shapes[second as usize].kind), slots)
 }

@@ -5,7 +5,7 @@ use tumble_collide::MAX_MANIFOLD_POINTS;
 use crate::collision::body_key::BodyKey;
 use crate::collision::collider::Collider;
 use crate::collision::contact::{ContactRecord, FRICTION_IMPULSE, MAX_HALVINGS, NORMAL_IMPULSE, POINTS, SHAPE};
-use crate::collision::narrow_phase::PairKind;
+use crate::collision::narrow_phase::LaneKind;
 use crate::math::Real;
 
 /// Contacts as the last step left them, between bodies by their names: what a step begins with
@@ -143,7 +143,7 @@ impl ContactRecord {
 
     /// Says of which shapes it is; none are of a body that lost its collider.
     pub(crate) fn set_kind(&mut self, [first, second]: [Option<&Collider>; 2]) {
-        let kind = |collider: Option<&Collider>| collider.map_or(PairKind::Other, |it| PairKind::of(&it.geometry));
-        self.kind = PairKind::both(kind(first), kind(second));
+        let kind = |collider: Option<&Collider>| collider.map_or(LaneKind::Other, |it| LaneKind::of(&it.geometry));
+        self.kind = LaneKind::both(kind(first), kind(second));
     }
 }

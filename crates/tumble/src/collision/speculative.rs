@@ -12,7 +12,7 @@ use crate::collision::collider::Collider;
 use crate::collision::compound_parts::numbers;
 use crate::collision::contact::{ContactRecord, FIXED, MATERIAL, SHAPE, Second};
 use crate::collision::find_contacts::{ColliderState, Contacts, Motion, PART};
-use crate::collision::narrow_phase::PairKind;
+use crate::collision::narrow_phase::LaneKind;
 use crate::math::{Real, Vec3 as WorldVec3};
 use crate::threads::InParts;
 
@@ -40,7 +40,7 @@ const FEW: usize = 4;
 /// Two parts of two bodies that may meet.
 struct Encounter<'a> {
     slots: [u32; 2],
-    kind: PairKind,
+    kind: LaneKind,
     /// Numbers of the parts, and what they are.
     numbers: [u32; 2],
     shapes_of_pair: [&'a ColliderShape<Real>; 2],

@@ -5,7 +5,7 @@ use tumble_math::lane::{Quat, Vec3};
 
 use crate::collision::collider::Collider;
 use crate::collision::find_contacts::{ColliderState, Contacts, Motion};
-use crate::collision::narrow_phase::{PairKind, ShapeLanesPart};
+use crate::collision::narrow_phase::{LaneKind, ShapeLanesPart};
 use crate::components::{Momentum, Velocity};
 use crate::integrators::response_range::responds_in_range;
 use crate::integrators::state::{Constants, Moments};
@@ -108,7 +108,7 @@ impl AabbUpdate<'_> {
             // It is nowhere then, and touches nothing that it could spoil.
             placement.position = Vec3::splat(Real::NAN);
         }
-        let kind = PairKind::of(geometry);
+        let kind = LaneKind::of(geometry);
         let reach = margin + ahead(ccd_thickness, linear.length() * interval);
         self.lanes.set(i, geometry, &placement, center, (reach, margin));
         let velocity = (velocity.linear.into(), velocity.angular.into());

@@ -45,7 +45,7 @@ pub struct Totals {
     pub potential: f64,
     /// Energy in force components such as [`SpringToPoint`](crate::SpringToPoint) or
     /// [`Spring`](crate::Spring) \[J\], with the parameters that they were given; a spring that is
-    /// stiff for the step acts softer, and has less. `measure` takes time with the square of the
+    /// stiff for the step acts softer, and has less. `Totals::of` takes time with the square of the
     /// number of [`GravityMass`](crate::GravityMass)es.
     pub force_potential: f64,
     /// `sum P` [kg m/s].

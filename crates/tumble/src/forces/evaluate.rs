@@ -45,9 +45,9 @@ impl Forces<Real> for LawForces<'_> {
     fn varying(&self, offset: Real, state: &State<Real>) -> Force<Real> {
         let mut sum = Wrench::default();
         if !self.laws.is_empty() {
-            let views = self.seen_by_laws(offset, state);
+            let body_state = self.seen_by_laws(offset, state);
             for (_, law) in self.laws {
-                sum.add(law.wrench(self.row, &views));
+                sum.add(law.wrench(self.row, &body_state));
             }
         }
         sum.into()
@@ -154,9 +154,9 @@ impl Account<Real> for WorkAccount<'_> {
         }
         let linear = double(mean.linear) * f64::from(weight.0);
         let angular = double(mean.angular) * f64::from(weight.1);
-        let views = self.forces.seen_by_laws(offset, at);
+        let body_state = self.forces.seen_by_laws(offset, at);
         for (index, law) in self.forces.laws {
-            let wrench = law.wrench(self.forces.row, &views);
+            let wrench = law.wrench(self.forces.row, &body_state);
             let work = dvec3(wrench.force).dot(linear) + dvec3(wrench.torque).dot(angular);
             *self.work.of_law_mut(index) += work;
         }

@@ -117,11 +117,11 @@ impl<'a> BodyState<'a> {
         let orientation = state.orientation.normalize();
         let angular_velocity = about.0.angular_velocity(&State { orientation, ..*state });
         let velocities = (about.0.velocity(state.linear).into(), angular_velocity.into());
-        Self::views(when, about, (state.position.into(), orientation.into()), velocities)
+        Self::of_velocities(when, about, (state.position.into(), orientation.into()), velocities)
     }
 
     /// Of a position, an orientation of unit length, and velocities.
-    pub(crate) fn views(
+    pub(crate) fn of_velocities(
         (start, offset): (f64, Real),
         (constants, context): (&'a Constants<Real>, &'a ForceContext),
         (position, orientation): (Vec3, Quat),

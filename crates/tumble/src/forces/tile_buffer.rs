@@ -156,7 +156,7 @@ impl TileBuffer {
             let wind = Vec3::new(self.wind[0][i], self.wind[1][i], self.wind[2][i]);
             let context = ForceContext { wind, ..self.context };
             let orientation = GlamQuat::from_xyzw(n[4][i], n[5][i], n[6][i], n[7][i]);
-            let state = BodyState::views(
+            let state = BodyState::of_velocities(
                 (self.time, n[0][i]),
                 (&constants, &context),
                 (vector(1), orientation),

@@ -13,7 +13,7 @@ use super::{BLOCK, Eight, Tile};
 #[derive(Clone, Debug, Default)]
 pub(crate) struct RowColors {
     blocks: Vec<RowPairs>,
-    colors: Vec<ContactColor>,
+    colors: Vec<RowColor>,
     /// By row that may be changed, the last color in which it is.
     last: Vec<usize>,
 }
@@ -27,7 +27,7 @@ struct RowPairs {
 }
 
 #[derive(Clone, Debug)]
-struct ContactColor {
+struct RowColor {
     /// Whether the first rows are only read.
     has_non_dynamic: bool,
     blocks: Range<usize>,
@@ -47,7 +47,7 @@ impl RowColors {
     /// never changed, else both are changed.
     pub(crate) fn begin(&mut self, has_non_dynamic: bool) {
         let end = self.blocks.len();
-        self.colors.push(ContactColor { has_non_dynamic, blocks: end..end });
+        self.colors.push(RowColor { has_non_dynamic, blocks: end..end });
     }
 
     /// Adds a block of at most eight pairs to the color that was begun last.
@@ -81,7 +81,7 @@ impl RowColors {
     /// Where there are fewer rows than may be changed.
     pub(crate) fn rows<'a>(&'a self, color: usize, rows: &'a mut [Eight]) -> Rows<'a> {
         assert!(rows.len() >= self.last.len(), "too few rows");
-        let ContactColor { has_non_dynamic, blocks } = self.colors[color].clone();
+        let RowColor { has_non_dynamic, blocks } = self.colors[color].clone();
         Rows {
             blocks: &self.blocks[blocks],
             has_non_dynamic,

@@ -23,8 +23,8 @@ use crate::solver::solver_bodies::SolverBodies;
 /// kinetic energy is the contacts'.
 #[derive(Clone, Default)]
 pub(crate) struct ContactWorks {
-    contact_works: Vec<BodyWork>,
-    /// Of all bookings, one after the other.
+    bodies: Vec<BodyWork>,
+    /// The forces of all bodies, one body after the other.
     forces: Vec<(WorkSource, Wrench)>,
 }
 
@@ -64,7 +64,7 @@ enum WorkSource {
 
 impl ContactWorks {
     pub(crate) fn clear(&mut self) {
-        self.contact_works.clear();
+        self.bodies.clear();
         self.forces.clear();
     }
 
@@ -86,7 +86,7 @@ impl ContactWorks {
         self.forces
             .extend((*laws).into_iter().map(|(index, law)| (WorkSource::Law(index), law.wrench(*law_row, &seen))));
         let start = KineticEnergy::of(constants, state).sum();
-        self.contact_works.push(BodyWork {
+        self.bodies.push(BodyWork {
             row: row as usize,
             slot,
             work,
@@ -107,54 +107,54 @@ impl ContactWorks {
     /// often.
     pub(crate) fn copy(&mut self, others: &Self, place: impl Fn(usize) -> Option<usize>, halvings: u8) {
         self.clear();
-        for booking in &others.contact_works {
-            if let Some(row) = place(booking.row) {
-                let kept = (0..halvings).fold(booking.kept, |(p, l), _| (p.sqrt(), l.sqrt()));
-                self.contact_works.push(BodyWork { row, kept, ..booking.clone() });
+        for body in &others.bodies {
+            if let Some(row) = place(body.row) {
+                let kept = (0..halvings).fold(body.kept, |(p, l), _| (p.sqrt(), l.sqrt()));
+                self.bodies.push(BodyWork { row, kept, ..body.clone() });
             }
         }
     }
 
     /// Gives back to others the accounts that were taken over from them.
-    pub(crate) fn return_impulses(&self, others: &mut Self, place: impl Fn(usize) -> Option<usize>) {
-        let taken = others.contact_works.iter_mut().filter(|booking| place(booking.row).is_some());
-        for (booking, here) in taken.zip(&self.contact_works) {
-            *booking = BodyWork { row: booking.row, kept: booking.kept, ..here.clone() };
+    pub(crate) fn copy_back(&self, others: &mut Self, place: impl Fn(usize) -> Option<usize>) {
+        let taken = others.bodies.iter_mut().filter(|body| place(body.row).is_some());
+        for (body, here) in taken.zip(&self.bodies) {
+            *body = BodyWork { row: body.row, kept: body.kept, ..here.clone() };
         }
     }
 
     /// Notes what damping takes from bodies that are about to be kicked.
-    pub(crate) fn before_velocities(&mut self, bodies: &SolverBodies) {
-        for booking in &mut self.contact_works {
-            booking.begin_substep(bodies);
+    pub(crate) fn before_forces(&mut self, bodies: &SolverBodies) {
+        for body in &mut self.bodies {
+            body.begin_substep(bodies);
         }
     }
 
     /// Notes momenta before contacts push.
     pub(crate) fn before_solve(&mut self, bodies: &SolverBodies) {
-        for booking in &mut self.contact_works {
-            booking.momenta = two_vectors(&bodies.motion[booking.row]);
+        for body in &mut self.bodies {
+            body.momenta = two_vectors(&bodies.motion[body.row]);
         }
     }
 
     /// Notes energies before bodies move on.
     pub(crate) fn before_motion(&mut self, bodies: &SolverBodies) {
-        for booking in &mut self.contact_works {
-            booking.last = booking.energy(bodies);
+        for body in &mut self.bodies {
+            body.last = body.energy(bodies);
         }
     }
 
     /// Notes what moving on did to the energies.
     pub(crate) fn after_motion(&mut self, bodies: &SolverBodies) {
-        for booking in &mut self.contact_works {
-            booking.moving += booking.energy(bodies) - booking.last;
+        for body in &mut self.bodies {
+            body.moving += body.energy(bodies) - body.last;
         }
     }
 
     /// Notes whether contacts pushed in a substep.
     pub(crate) fn after_substep(&mut self, bodies: &SolverBodies) {
-        for booking in &mut self.contact_works {
-            booking.end_substep(bodies);
+        for body in &mut self.bodies {
+            body.end_substep(bodies);
         }
     }
 
@@ -162,10 +162,10 @@ impl ContactWorks {
     /// them.
     pub(crate) fn close<'a>(&'a self, bodies: &'a SolverBodies) -> impl Iterator<Item = (usize, Work)> + 'a {
         let mut begin = 0;
-        self.contact_works.iter().map(move |booking| {
-            let forces = &self.forces[begin..booking.forces_end];
-            begin = booking.forces_end;
-            (booking.slot, booking.closed(forces, bodies))
+        self.bodies.iter().map(move |body| {
+            let forces = &self.forces[begin..body.forces_end];
+            begin = body.forces_end;
+            (body.slot, body.closed(forces, bodies))
         })
     }
 }

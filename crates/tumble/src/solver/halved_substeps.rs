@@ -62,11 +62,11 @@ impl HalvedGroup {
     }
 
     /// Gives back what has become of them, the impulses as those of a substep of the settings.
-    pub(crate) fn return_impulses(&self, contacts: &mut [ContactRecord], all: &mut SolverGroup) {
+    pub(crate) fn return_results(&self, contacts: &mut [ContactRecord], all: &mut SolverGroup) {
         let parts = (1u32 << self.halvings) as Real;
         self.group.selected.iter().for_each(|contact| contacts[*contact as usize].scale_impulses(parts));
-        self.group.bodies.return_impulses(&mut all.bodies, &self.rows);
-        self.group.contact_works.return_impulses(&mut all.contact_works, |row| place(&self.places, row));
+        self.group.bodies.copy_back(&mut all.bodies, &self.rows);
+        self.group.contact_works.copy_back(&mut all.contact_works, |row| place(&self.places, row));
     }
 }
 

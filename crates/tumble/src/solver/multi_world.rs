@@ -13,7 +13,7 @@ use crate::settings::Settings;
 use crate::solver::substeps::ContactSolver;
 use crate::storage::world_columns::WorldColumns;
 
-/// Contacts of several small worlds, pushed side by side: of one world alone they would leave most
+/// Contacts of several small worlds, solved side by side: of one world alone they would leave most
 /// lanes empty.
 ///
 /// A contact gets the same bits as alone. Its color depends on the contacts before it that have a
@@ -88,7 +88,7 @@ impl MultiWorld {
         );
     }
 
-    /// Pushes them all, with settings that are alike.
+    /// Solves the contacts of all worlds together, with settings that are alike.
     pub(crate) fn solve_substeps(&mut self, settings: &Settings, pack_key: &PackKey) {
         self.contact_solver.solve_substeps(&mut self.contacts, |contact| contact.slots, settings, pack_key.extras);
     }
@@ -126,7 +126,7 @@ mod tests {
     }
 
     #[test]
-    fn alike_is_what_is_pushed_in_the_same_way() {
+    fn alike_is_what_is_solved_in_the_same_way() {
         let (plain, settings) = (world(Material::default()), Settings::default());
         let pack_key = |world: &World, settings: Settings| PackKey::of(world, &settings);
         let common = pack_key(&plain, settings);

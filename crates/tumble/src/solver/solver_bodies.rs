@@ -180,8 +180,8 @@ impl SolverBodies {
         }
     }
 
-    /// Gives back to others what has become of the bodies of these rows that impulses move.
-    pub(crate) fn return_impulses(&self, others: &mut Self, rows: &[u32]) {
+    /// Copies the dynamic bodies back to the rows that they were taken from.
+    pub(crate) fn copy_back(&self, others: &mut Self, rows: &[u32]) {
         for (place, row) in self.places(rows).take(self.free) {
             others.motion[row] = self.motion[place];
             others.inv_inertia[row] = self.inv_inertia[place];
@@ -206,7 +206,7 @@ impl SolverBodies {
             .for_each(|(motion, force_impulse)| dispatch_in_blocks(&mut IntegrateVelocities { motion, force_impulse }));
     }
 
-    /// Adds what contacts do when a substep begins, and forgets it.
+    /// Adds the impulses of the warm start, and clears them.
     pub(crate) fn apply_warm_start(&mut self) {
         let rows = self.force_impulse.len();
         let parts = self.motion[..rows].par_chunks_mut(PART).zip(self.warm_start[..rows].par_chunks_mut(PART));
@@ -220,8 +220,8 @@ impl SolverBodies {
     pub(crate) fn integrate_positions(&mut self, h: Real) {
         for row in self.first_non_dynamic()..self.motion.len() {
             let (Eight([x, y, z, u, v, w, ..]), Eight(delta_pose)) = (&self.motion[row], &mut self.delta_pose[row]);
-            for (delta_pose, velocity) in delta_pose.iter_mut().zip([x, y, z]) {
-                *delta_pose += velocity * h;
+            for (coordinate, velocity) in delta_pose.iter_mut().zip([x, y, z]) {
+                *coordinate += velocity * h;
             }
             if [*u, *v, *w] != [0.0; 3] {
                 let before = Quat { x: delta_pose[3], y: delta_pose[4], z: delta_pose[5], w: delta_pose[6] };
@@ -254,14 +254,14 @@ impl FreeRows<'_> {
     /// The first `middle`, and the others.
     pub(crate) fn split_at(self, middle: usize) -> (Self, Self) {
         let (motion, other_motion) = self.motion.split_at_mut(middle);
-        let (inv_inertia, other_response) = self.inv_inertia.split_at_mut(middle);
-        let (force_impulse, other_kick) = self.force_impulse.split_at_mut(middle);
+        let (inv_inertia, other_inv_inertia) = self.inv_inertia.split_at_mut(middle);
+        let (force_impulse, other_force_impulse) = self.force_impulse.split_at_mut(middle);
         let (inertia, other_inertia) = self.inertia.split_at_mut(middle);
         let (pose, other_pose) = self.pose.split_at_mut(middle);
         let others = Self {
             motion: other_motion,
-            inv_inertia: other_response,
-            force_impulse: other_kick,
+            inv_inertia: other_inv_inertia,
+            force_impulse: other_force_impulse,
             inertia: other_inertia,
             pose: other_pose,
         };
@@ -290,10 +290,10 @@ impl FreeRows<'_> {
         let q = orientation;
         self.motion[row] = Eight([p.x, p.y, p.z, l.x, l.y, l.z, 1.0 / constants.mass, 0.0]);
         self.pose[row] = Eight([x.x, x.y, x.z, q.x, q.y, q.z, q.w, 0.0]);
-        let force_impulse = Kick::new(constants, h);
+        let kick = Kick::new(constants, h);
         let still = State { linear: Vec3::zero(), angular: Vec3::zero(), ..*state };
-        let State { linear: p, angular: l, .. } = force_impulse.kicked(still, force);
-        let (linear, angular) = force_impulse.kept();
+        let State { linear: p, angular: l, .. } = kick.kicked(still, force);
+        let (linear, angular) = kick.kept();
         self.force_impulse[row] = Eight([p.x, p.y, p.z, l.x, l.y, l.z, linear, angular]);
     }
 }

@@ -103,9 +103,7 @@ impl Stacks {
             self.halve(contacts, shapes, &mut halvings[first..]);
         }
     }
-}
 
-impl Stacks {
     /// Works out the loads; returns whether any contact is not stiff enough.
     fn load(
         &mut self,
@@ -216,8 +214,8 @@ impl Stacks {
             let root = islands.root(contact.slots[1]) as usize;
             let need = loads[root].need;
             *halvings = self.before[root].clamp(halvings_for(need), halvings_for(SLACK * need));
-            // Longer substeps begin with the impulses of a shorter one: what a blow gave in it is
-            // no force.
+            // Longer substeps begin with the impulses of a shorter one: what an impact gave in it
+            // is no force.
             contact.scale_impulses(1.0 / (1u32 << contact.halvings().max(*halvings)) as Real);
             contact.set_halvings(*halvings);
         }
@@ -351,7 +349,8 @@ impl Kernel for Bear<'_> {
             second_moments[1] + y * (two * sum[1] + points * y),
             second_moments[2] + x * sum[1] + y * sum[0] + points * x * y,
         ];
-        let responses = inv_inertia(&upper, points, second_moments) + inv_inertia(&lower, points, about_lower);
+        let responses =
+            summed_inverse_mass(&upper, points, second_moments) + summed_inverse_mass(&lower, points, about_lower);
         let [between, on_ground] = [T::splat(self.rates[0].into()), T::splat(self.rates[1].into())];
         let rate = T::select(zero.lt(lower[7]), between, on_ground);
         // Nothing is borne by a wall, or by what impulses do not move, or where no point is near.
@@ -371,7 +370,7 @@ impl Kernel for Bear<'_> {
 
 /// How points at these second moments from the centre of a body give way to impulses, summed.
 #[inline(always)]
-fn inv_inertia<T: Tile>(body: &[T; 8], points: T, [xx, yy, xy]: [T; 3]) -> T {
+fn summed_inverse_mass<T: Tile>(body: &[T; 8], points: T, [xx, yy, xy]: [T; 3]) -> T {
     body[3] * points + body[4] * yy + body[5] * xx - T::splat(2.0) * body[6] * xy
 }
 

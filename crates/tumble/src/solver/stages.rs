@@ -12,7 +12,7 @@ use crate::solver::contact::restitution::{ApplyRestitution, RecordApproachSpeed,
 use crate::solver::contact::round_contacts;
 use crate::solver::contact::round_contacts::RoundContact;
 use crate::solver::contact::softness::Softness;
-use crate::solver::contact::solve::{Blocks, Solve, SolverLanes};
+use crate::solver::contact::solve::{Blocks, Solve, StageBodies};
 use crate::solver::contact::store_impulses::StoreImpulses;
 use crate::solver::graph_coloring::{ContactColor, GraphColoring};
 use crate::solver::solver_bodies::SolverBodies;
@@ -68,7 +68,7 @@ pub(crate) enum SolverStage<'a> {
     /// Fills the blocks for bodies with these poses, as the contacts have it.
     Prepare(&'a [ContactRecord], &'a [Eight]),
     /// Pushes overlapping bodies apart, two that move and one on what does not, in substeps of `h`
-    /// \[s\]. What closes faster than `impact_speed` \[m/s\] gives a blow.
+    /// \[s\]. What closes faster than `impact_speed` \[m/s\] is an impact.
     Solve { softness: [Softness; 2], h: Real, impact_speed: Real },
     /// Takes out again the velocity that this gave, and adds friction; and, where it is said, notes
     /// for another substep what contacts then do to bodies.
@@ -171,7 +171,7 @@ impl Solver {
         for (index, stage) in stages.iter().enumerate() {
             let SolverBodies { motion, warm_start, inv_inertia, delta_pose, .. } = bodies;
             let (inv_inertia, delta_pose) = (&**inv_inertia, &**delta_pose);
-            let bodies = SolverLanes {
+            let bodies = StageBodies {
                 motion: colors.rows(index, motion),
                 warm_start: colors.rows(index, warm_start),
                 inv_inertia,
@@ -260,13 +260,13 @@ impl<const P: usize, const C: usize> BlockSheet<P, C> {
 
 impl SolverStage<'_> {
     /// Pushes overlapping bodies apart, in substeps of `h` \[s\].
-    pub(crate) fn solve_stage(h: Real, impact_speed: Real) -> Self {
+    pub(crate) fn solve(h: Real, impact_speed: Real) -> Self {
         let softness = [Softness::between_moving(h.into()), Softness::on_ground(h.into())];
         Self::Solve { softness, h, impact_speed }
     }
 
     /// Shares the blocks of a color among the threads.
-    fn in_parts<const P: usize, const C: usize>(self, blocks: Blocks<'_, P, C>, bodies: SolverLanes<'_>) {
+    fn in_parts<const P: usize, const C: usize>(self, blocks: Blocks<'_, P, C>, bodies: StageBodies<'_>) {
         if blocks.len() == 0 {
             return;
         }
@@ -281,7 +281,7 @@ impl SolverStage<'_> {
         self,
         part: usize,
         blocks: Blocks<'_, P, C>,
-        bodies: SolverLanes<'_>,
+        bodies: StageBodies<'_>,
     ) {
         if blocks.len() <= part {
             return self.run_on::<P, C>(blocks, bodies);
@@ -295,7 +295,7 @@ impl SolverStage<'_> {
         );
     }
 
-    fn run_on<const P: usize, const C: usize>(self, blocks: Blocks<'_, P, C>, bodies: SolverLanes<'_>) {
+    fn run_on<const P: usize, const C: usize>(self, blocks: Blocks<'_, P, C>, bodies: StageBodies<'_>) {
         match self {
             Self::Prepare(contacts, poses) => run(Prepare::<P, C> { blocks, contacts, bodies, poses }),
             Self::Solve { softness, h, impact_speed } => {

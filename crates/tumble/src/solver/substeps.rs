@@ -40,8 +40,8 @@ pub(crate) struct SolverGroup {
     solver: Solver,
 }
 
-/// What a free fall over this many substeps of the settings gives is no blow yet: it may rest, and
-/// shake.
+/// What a free fall over this many substeps of the settings gives is no impact yet: it may rest,
+/// and shake.
 const FALLS: Real = 4.0;
 
 /// How contacts are solved in a substep of the settings.
@@ -53,7 +53,7 @@ pub(crate) struct SubstepSettings {
     extras: Extras,
     /// Slower points do not bounce [m/s].
     threshold: Real,
-    /// What comes faster gives a blow \[m/s\].
+    /// What comes faster is an impact \[m/s\].
     impact_speed: Real,
 }
 
@@ -84,8 +84,8 @@ impl ContactSolver {
         self.solve_substeps(contacts, |contact| rows_of(contact, rows), settings, materials.extras());
     }
 
-    /// Pushes the bodies apart that contacts between these rows hold apart, and leaves them where
-    /// they are after one substep of the settings; the contacts get the impulses.
+    /// Solves the contacts between these rows over one substep of the settings. Bodies are left
+    /// where they end up, and contacts with the impulses of their last substep.
     pub(crate) fn solve_substeps(
         &mut self,
         contacts: &mut [ContactRecord],
@@ -115,7 +115,7 @@ impl ContactSolver {
         group.solve_substeps(contacts, &rows, solving);
         for part in &mut halved_groups[..parts] {
             part.solve_substeps(contacts, &rows, solving);
-            part.return_impulses(contacts, group);
+            part.return_results(contacts, group);
         }
     }
 }
@@ -135,14 +135,14 @@ impl SolverGroup {
         rows: impl Fn(&ContactRecord) -> [u32; 2],
         SubstepSettings { substeps, h, extras, threshold, impact_speed }: SubstepSettings,
     ) {
-        let (Self { bodies, contact_works, rounds, selected, solver }, solve_stage) =
-            (self, SolverStage::solve_stage(h, impact_speed));
+        let (Self { bodies, contact_works, rounds, selected, solver }, solve) =
+            (self, SolverStage::solve(h, impact_speed));
         solver.lay_out((contacts, selected), rows, bodies, extras);
         round_contacts::drop_needles(rounds, bodies);
         solver.locate(contacts.len(), rounds);
         bodies.with_poses(|bodies, poses| solver.run(SolverStage::Prepare(contacts, poses), bodies));
         for substep in 0..substeps {
-            contact_works.before_velocities(bodies);
+            contact_works.before_forces(bodies);
             bodies.integrate_velocities();
             contact_works.before_solve(bodies);
             // Before the impulses of the last step act: bodies that those push together have not
@@ -152,7 +152,7 @@ impl SolverGroup {
                 solver.run(SolverStage::RecordApproachSpeed(h, moment), bodies);
             }
             bodies.apply_warm_start();
-            solver.run(solve_stage, bodies);
+            solver.run(solve, bodies);
             contact_works.before_motion(bodies);
             bodies.integrate_positions(h);
             solver.update_round_contacts(rounds, &bodies.delta_pose);

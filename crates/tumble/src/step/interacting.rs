@@ -1,5 +1,5 @@
 //! Steps of worlds in which bodies act on each other: of one, or of several whose contacts are
-//! pushed together.
+//! solved together.
 
 use hecs::World;
 
@@ -29,7 +29,7 @@ pub(crate) struct InteractingWorld<'a> {
 pub(crate) type Together<'a> = (&'a mut MultiWorld, PackKey);
 
 /// Steps: a whole world goes from one kick to the next together, kinematic bodies too. Of several
-/// worlds contacts are packed, and they have the same likeness.
+/// worlds contacts are packed, and they have the same [`PackKey`].
 pub(crate) fn step_interacting(
     worlds: &mut [InteractingWorld<'_>],
     mut together: Option<Together<'_>>,

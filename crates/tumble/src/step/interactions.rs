@@ -15,7 +15,7 @@ use crate::solver::substeps::ContactSolver;
 pub(crate) struct Interactions {
     pub(crate) pairs: Option<PairForces>,
     pub(crate) contacts: Option<Contacts>,
-    /// What pushes contacts where they are not pushed together with those of other worlds; no
+    /// Solves the contacts, where they are not solved together with those of other worlds; no
     /// state.
     pub(crate) contact_solver: Option<Box<ContactSolver>>,
 }

@@ -154,10 +154,11 @@ impl BodyIndex {
     }
 
     /// Reads the state of all.
-    pub(crate) fn update_views(&mut self, held: &WorldColumns<'_>) {
+    pub(crate) fn update_views(&mut self, columns: &WorldColumns<'_>) {
         let Self { members, views, .. } = self;
         views.clear();
-        views.extend(members.iter().map(|member| BodyView::of(held.bodies(member.place), member.place.row as usize)));
+        views
+            .extend(members.iter().map(|member| BodyView::of(columns.bodies(member.place), member.place.row as usize)));
     }
 }
 
@@ -211,7 +212,7 @@ impl BodyView {
     fn of(bodies: &ArchetypeBodies<'_>, row: usize) -> Self {
         let columns = match bodies {
             ArchetypeBodies::Moving(columns) => columns,
-            ArchetypeBodies::NonDynamicColumns(columns) => {
+            ArchetypeBodies::NonDynamic(columns) => {
                 return Self::non_dynamic(columns.pose[row], columns.velocity(row));
             }
             ArchetypeBodies::None => return Self::NOWHERE,
@@ -231,11 +232,11 @@ impl BodyView {
 
     /// A fixed or kinematic body.
     fn non_dynamic(pose: Pose, velocity: Velocity) -> Self {
-        let mut views = Self::NOWHERE;
-        views.state.position = pose.position.into();
-        views.state.orientation = tumble_math::lane::Quat::from(pose.orientation).normalize();
-        views.derived.linear = velocity.linear.into();
-        views.derived.angular = velocity.angular.into();
-        views
+        let mut view = Self::NOWHERE;
+        view.state.position = pose.position.into();
+        view.state.orientation = tumble_math::lane::Quat::from(pose.orientation).normalize();
+        view.derived.linear = velocity.linear.into();
+        view.derived.angular = velocity.angular.into();
+        view
     }
 }

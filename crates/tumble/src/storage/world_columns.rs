@@ -34,7 +34,7 @@ pub(crate) enum ArchetypeBodies<'w> {
     /// Of bodies that forces move.
     Moving(Columns<'w>),
     /// Of bodies that stay or move as they are told.
-    NonDynamicColumns(NonDynamicColumns<'w>),
+    NonDynamic(NonDynamicColumns<'w>),
     /// Of no bodies.
     None,
 }
@@ -103,7 +103,7 @@ impl<'w> WorldColumns<'w> {
     pub(crate) fn moving_mut(&mut self, place: RowPlace) -> Option<&mut Columns<'w>> {
         match &mut self.archetypes[place.archetype as usize].bodies {
             ArchetypeBodies::Moving(columns) => Some(columns),
-            ArchetypeBodies::NonDynamicColumns(_) | ArchetypeBodies::None => None,
+            ArchetypeBodies::NonDynamic(_) | ArchetypeBodies::None => None,
         }
     }
 
@@ -116,7 +116,7 @@ impl<'w> WorldColumns<'w> {
                     let pose = &*columns.pose;
                     PoseView { pose, pushed, velocity: columns.velocity.as_deref(), axes: columns.axes.as_deref() }
                 }
-                ArchetypeBodies::NonDynamicColumns(columns) => {
+                ArchetypeBodies::NonDynamic(columns) => {
                     PoseView { pose: &columns.pose, pushed: None, velocity: columns.velocity.as_deref(), axes: None }
                 }
                 ArchetypeBodies::None => return None,
@@ -150,7 +150,7 @@ impl<'w> WorldColumns<'w> {
     pub(crate) fn move_kinematic_bodies(&mut self, h: Real, substep: u32) {
         for held in &mut self.archetypes {
             match &mut held.bodies {
-                ArchetypeBodies::NonDynamicColumns(bodies) if bodies.is_kinematic => bodies.move_a_substep(h, substep),
+                ArchetypeBodies::NonDynamic(bodies) if bodies.is_kinematic => bodies.move_a_substep(h, substep),
                 _ => {}
             }
         }
@@ -182,7 +182,7 @@ impl<'w> ArchetypeBodies<'w> {
         let Some(pose) = archetype.get::<&mut Pose>() else { return Self::None };
         let velocity = archetype.get::<&Velocity>();
         let is_kinematic = velocity.is_some() && !archetype.has::<Momentum>();
-        Self::NonDynamicColumns(NonDynamicColumns {
+        Self::NonDynamic(NonDynamicColumns {
             pose,
             velocity,
             previous_pose: archetype.get::<&mut PreviousPose>(),

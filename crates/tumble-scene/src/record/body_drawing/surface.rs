@@ -36,7 +36,7 @@ impl Surface {
             Appearance::Mesh(mesh) => Self::of_mesh(mesh),
             Appearance::HeightField(heights) => Self::of_mesh(heights.triangles()),
             Appearance::HalfSpace => {
-                let Tessellation { positions, triangles, .. } = Tessellation::of_looks(appearance);
+                let Tessellation { positions, triangles, .. } = Tessellation::of_appearance(appearance);
                 Self { positions, triangles, remark: Some("a square of infinite ground".to_owned()) }
             }
             Appearance::Shape(shape) if leaves(shape, 0) > MAX_PARTS => {

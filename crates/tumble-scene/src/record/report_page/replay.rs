@@ -76,7 +76,7 @@ impl Replay {
             notices: scene.notices.clone(),
             up: [0, 2].into_iter().fold(1, |up, axis| if along(axis) > along(up) { axis } else { up }),
             bodies: scene.body_count(),
-            appearance: scene.looks_of(&chosen)?,
+            appearance: scene.appearance_of(&chosen)?,
             chosen,
             shown: None,
         })

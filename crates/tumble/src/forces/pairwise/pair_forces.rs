@@ -18,7 +18,7 @@ use crate::storage::world_columns::WorldColumns;
 /// step, so that a step need not allocate.
 #[derive(Clone, Default)]
 pub(crate) struct PairForces {
-    members: BodyIndex,
+    body_index: BodyIndex,
     springs: Springs,
     gravity: Gravity,
     /// By slot: at which springs are damped.
@@ -30,7 +30,7 @@ pub(crate) struct PairForces {
 
 impl fmt::Debug for PairForces {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.debug_struct("PairForces").field("bodies", &self.members.len()).finish_non_exhaustive()
+        f.debug_struct("PairForces").field("bodies", &self.body_index.len()).finish_non_exhaustive()
     }
 }
 
@@ -38,7 +38,7 @@ impl PairForces {
     /// Finds out what acts between which bodies of a world. To be called again when anything was
     /// spawned, despawned or changed but momentum and pose.
     pub(crate) fn find(&mut self, world: &World) {
-        self.members.find(world, |archetype, mark| {
+        self.body_index.find(world, |archetype, mark| {
             if let Some(springs) = archetype.get::<&Spring>() {
                 let ends = springs.iter().flat_map(|spring| spring.bodies);
                 ends.filter(|end| world.contains(*end)).for_each(|end| mark(end.id()));
@@ -47,12 +47,12 @@ impl PairForces {
                 archetype.ids().iter().for_each(|id| mark(*id));
             }
         });
-        self.springs.find(world, &self.members);
+        self.springs.find(world, &self.body_index);
         self.masses.clear();
-        self.masses.resize(self.members.len(), None);
+        self.masses.resize(self.body_index.len(), None);
         self.attracting.clear();
-        let Self { members, attracting, .. } = self;
-        members.for_each_archetype(world, |archetype, places| {
+        let Self { body_index, attracting, .. } = self;
+        body_index.for_each_archetype(world, |archetype, places| {
             if let Some(column) = archetype.get::<&GravityMass>() {
                 attracting.extend(places.map(|(row, slot)| (slot, column[row])));
             }
@@ -65,9 +65,9 @@ impl PairForces {
 
     /// Changes the momenta by what the forces, as they are now, do in the time `t` \[s\]; `h` \[s\]
     /// is the substep.
-    pub(crate) fn kick(&mut self, held: &mut WorldColumns<'_>, t: Real, h: Real) {
-        self.members.update_views(held);
-        let views = &self.members.views;
+    pub(crate) fn kick(&mut self, columns: &mut WorldColumns<'_>, t: Real, h: Real) {
+        self.body_index.update_views(columns);
+        let views = &self.body_index.views;
         self.gravity.update(self.attracting.iter().map(|(slot, mass)| {
             let position = views[*slot].state.position;
             let softening_squared = mass.softening * mass.softening;
@@ -79,28 +79,28 @@ impl PairForces {
             }
         }));
         self.velocities.clear();
-        self.velocities.extend(views.iter().map(|views| Velocities::halfway(views, &Impulse::zero())));
-        self.springs.prepare(&self.members, t, h);
+        self.velocities.extend(views.iter().map(|view| Velocities::halfway(view, &Impulse::zero())));
+        self.springs.prepare(&self.body_index, t, h);
         self.springs.update(&self.velocities);
         if self.springs.are_damped() {
             // Once more at the velocities half-way, which makes the kick one of second order. No
             // damper takes more than the velocity there is, in all of a net together: the kick
             // leaves between half and all of every motion.
-            for slot in 0..self.members.len() {
+            for slot in 0..self.body_index.len() {
                 let mut impulse = self.springs.impulse(slot);
                 impulse.linear = impulse.linear + self.by_gravity(slot, t).linear;
-                self.velocities[slot] = Velocities::halfway(&self.members.views[slot], &impulse);
+                self.velocities[slot] = Velocities::halfway(&self.body_index.views[slot], &impulse);
             }
             self.springs.update(&self.velocities);
         }
-        for (slot, views) in self.members.views.iter().enumerate().filter(|(_, views)| views.constants.is_some()) {
-            let place = self.members.place(slot);
-            let (Some(columns), row) = (held.moving_mut(place), place.row as usize) else { continue };
+        for (slot, view) in self.body_index.views.iter().enumerate().filter(|(_, view)| view.constants.is_some()) {
+            let place = self.body_index.place(slot);
+            let (Some(moving), row) = (columns.moving_mut(place), place.row as usize) else { continue };
             let (by_springs, by_gravity) = (self.springs.impulse(slot), self.by_gravity(slot, t));
-            let momentum = &mut columns.momentum[row];
-            momentum.linear = (views.state.linear + (by_springs.linear + by_gravity.linear)).into();
-            momentum.angular = (views.state.angular + by_springs.angular).into();
-            if let Some(works) = &mut columns.work {
+            let momentum = &mut moving.momentum[row];
+            momentum.linear = (view.state.linear + (by_springs.linear + by_gravity.linear)).into();
+            momentum.angular = (view.state.angular + by_springs.angular).into();
+            if let Some(works) = &mut moving.work {
                 self.book(&mut works[row], slot, &by_springs, &by_gravity);
             }
         }
@@ -108,7 +108,7 @@ impl PairForces {
 
     fn by_gravity(&self, slot: usize, t: Real) -> Impulse {
         let mut impulse = Impulse::zero();
-        let inverse_mass = self.members.views[slot].inverse_mass;
+        let inverse_mass = self.body_index.views[slot].inverse_mass;
         if let Some(index) = self.masses[slot]
             && inverse_mass > 0.0
         {
@@ -124,11 +124,11 @@ impl PairForces {
 
     /// Enters the work of both, each with its share of the impulse and the mean velocity.
     fn book(&self, work: &mut Work, slot: usize, by_springs: &Impulse, by_gravity: &Impulse) {
-        let views = &self.members.views[slot];
-        let linear_change = (by_springs.linear + by_gravity.linear) * views.inverse_mass;
-        let linear = double(views.derived.linear) + 0.5 * double(linear_change);
+        let view = &self.body_index.views[slot];
+        let linear_change = (by_springs.linear + by_gravity.linear) * view.inverse_mass;
+        let linear = double(view.derived.linear) + 0.5 * double(linear_change);
         let angular =
-            double(views.derived.angular) + 0.5 * double(views.derived.apply_inverse_inertia(by_springs.angular));
+            double(view.derived.angular) + 0.5 * double(view.derived.apply_inverse_inertia(by_springs.angular));
         work.forces[SPRING] += double(by_springs.linear).dot(linear) + double(by_springs.angular).dot(angular);
         work.forces[GRAVITY_MASS] += double(by_gravity.linear).dot(linear);
     }

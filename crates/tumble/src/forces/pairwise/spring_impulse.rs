@@ -68,14 +68,14 @@ const PART: usize = 1024;
 impl Springs {
     /// Takes over the springs of a world; those whose bodies are not there, or one and the same,
     /// are left out.
-    pub(crate) fn find(&mut self, world: &hecs::World, members: &BodyIndex) {
+    pub(crate) fn find(&mut self, world: &hecs::World, body_index: &BodyIndex) {
         self.connections.clear();
         for archetype in world.archetypes() {
             let Some(springs) = archetype.get::<&Spring>() else { continue };
             let pulls = |spring: &&Spring| spring.stiffness != 0.0 || spring.damping != 0.0;
             let is_there = |spring: &&Spring| spring.bodies.iter().all(|body| world.contains(*body));
             for spring in springs.iter().filter(pulls).filter(is_there) {
-                let [a, b] = spring.bodies.map(|body| members.slot(body.id()));
+                let [a, b] = spring.bodies.map(|body| body_index.slot(body.id()));
                 if let (Some(a), Some(b)) = (a, b)
                     && a != b
                 {
@@ -86,7 +86,7 @@ impl Springs {
         if !self.connections.is_sorted_by(|a, b| a.order() < b.order()) {
             self.connections.sort_unstable_by_key(Connection::order);
         }
-        self.list_ends(members.len());
+        self.list_ends(body_index.len());
     }
 
     /// Sorts the springs' ends by slot, the springs of each in their order.
@@ -119,7 +119,7 @@ impl Springs {
 
     /// Finds out how each spring pulls in a kick of the duration `t` \[s\], in substeps of `h`
     /// \[s\].
-    pub(crate) fn prepare(&mut self, members: &BodyIndex, t: Real, h: Real) {
+    pub(crate) fn prepare(&mut self, body_index: &BodyIndex, t: Real, h: Real) {
         let Self { connections, first_end, pulls, .. } = self;
         let springs_of = |slot: usize| (first_end[slot + 1] - first_end[slot]) as Real;
         pulls.clear();
@@ -128,9 +128,9 @@ impl Springs {
         parts.by_at_least(1).for_each(|(pulls, connections)| {
             for (pull, connection) in pulls.iter_mut().zip(connections) {
                 let shares = connection.slots.map(springs_of);
-                let bodies = connection.slots.map(|slot| &members.views[slot]);
+                let bodies = connection.slots.map(|slot| &body_index.views[slot]);
                 *pull = Some(connection.pull(bodies, shares, t, h))
-                    .filter(|pull| pull.is_in_range() && bodies.iter().all(|views| views.is_in_range()))
+                    .filter(|pull| pull.is_in_range() && bodies.iter().all(|view| view.is_in_range()))
                     .unwrap_or(Pull::none());
             }
         });
@@ -172,15 +172,15 @@ impl Connection {
     /// bodies turn has no potential, and energy would not come back.
     fn pull(&self, [a, b]: [&BodyView; 2], shares: [Real; 2], t: Real, h: Real) -> Pull {
         let spring = &self.spring;
-        let end = |views: &BodyView, at: crate::math::Vec3, share: Real| {
-            let moving = views.inverse_mass * share;
-            let turning = (views.most_inverse_mass_at(at) * share - moving).max(0.0);
-            End { arm: views.state.orientation.rotate(at.into()), inverse_masses: [moving, turning] }
+        let end = |view: &BodyView, at: crate::math::Vec3, share: Real| {
+            let moving = view.inverse_mass * share;
+            let turning = (view.most_inverse_mass_at(at) * share - moving).max(0.0);
+            End { arm: view.state.orientation.rotate(at.into()), inverse_masses: [moving, turning] }
         };
         let [at_a, at_b] = spring.attachments;
         let ends = [end(a, at_a, shares[0]), end(b, at_b, shares[1])];
         let in_a_net =
-            [(a, shares[0]), (b, shares[1])].iter().any(|(views, share)| views.constants.is_some() && *share > 1.0);
+            [(a, shares[0]), (b, shares[1])].iter().any(|(view, share)| view.constants.is_some() && *share > 1.0);
         let most_angle = Real::splat(if in_a_net { MAX_ANGLE_IN_A_NET } else { MAX_ANGLE });
         let hooke = Hooke { stiffness: spring.stiffness, rest_length: spring.rest_length, h };
         let pull = pull(hooke, b.state.position - a.state.position, ends, most_angle);
@@ -246,11 +246,11 @@ pub(crate) struct Velocities {
 
 impl Velocities {
     /// Those of a body after half of an impulse.
-    pub(crate) fn halfway(views: &BodyView, impulse: &Impulse) -> Self {
-        let turned = views.derived.apply_inverse_inertia(impulse.angular);
+    pub(crate) fn halfway(view: &BodyView, impulse: &Impulse) -> Self {
+        let turned = view.derived.apply_inverse_inertia(impulse.angular);
         Self {
-            linear: views.derived.linear + impulse.linear * (0.5 * views.inverse_mass),
-            angular: views.derived.angular + turned * 0.5,
+            linear: view.derived.linear + impulse.linear * (0.5 * view.inverse_mass),
+            angular: view.derived.angular + turned * 0.5,
         }
     }
 

@@ -55,7 +55,7 @@ pub(crate) struct Start<const P: usize> {
     pub(crate) slide: Lanes,
     /// One less how much effective masses have changed in the last substep, but not below zero.
     pub(crate) steady: Lanes,
-    /// Above zero where the impulses of this substep are a blow's: the next begins without.
+    /// Above zero where the impulses of this substep are an impact's: the next begins without.
     pub(crate) is_impact: Lanes,
     pub(crate) separations: [Lanes; P],
     pub(crate) normal: [Lanes; 3],

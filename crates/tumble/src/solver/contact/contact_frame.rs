@@ -168,7 +168,7 @@ impl<T: Tile> BodyLanes<T> {
 
     /// How they answer to impulses.
     #[inline(always)]
-    pub(crate) fn mobility(&self, inv_inertia: &InverseMasses<T>) -> Mobility<T> {
+    pub(crate) fn mobility(&self, inv_inertia: &InverseInertias<T>) -> Mobility<T> {
         Mobility {
             inv_inertia: inv_inertia.of_what_moves(self.momenta.has_non_dynamic),
             inverse_mass: self.inverse_mass(),
@@ -178,7 +178,7 @@ impl<T: Tile> BodyLanes<T> {
     /// The smaller of the bodies' sizes, as what turns them has it: of their mass over their
     /// inertia; infinite where impulses turn neither \[m\].
     #[inline(always)]
-    pub(crate) fn least_size(&self, inv_inertia: &InverseMasses<T>) -> T {
+    pub(crate) fn least_size(&self, inv_inertia: &InverseInertias<T>) -> T {
         let [first, second] = inv_inertia.diagonal;
         let of_first = self.inverse_mass[0] / (first.x + first.y + first.z);
         let of_second = self.inverse_mass[1] / (second.x + second.y + second.z);
@@ -188,7 +188,7 @@ impl<T: Tile> BodyLanes<T> {
     /// Angular velocities `w`, and what free rotation adds to them a second, `I^-1 (L x w)`;
     /// nothing where impulses turn nothing.
     #[inline(always)]
-    pub(crate) fn free_spins(&self, inv_inertia: &InverseMasses<T>) -> ([Vec3<T>; 2], [Vec3<T>; 2]) {
+    pub(crate) fn free_spins(&self, inv_inertia: &InverseInertias<T>) -> ([Vec3<T>; 2], [Vec3<T>; 2]) {
         let [first, second] = self.momenta.angular;
         let spins = [inv_inertia.of_first(first), inv_inertia.of_second(second)];
         let gains = [inv_inertia.of_first(first.cross(spins[0])), inv_inertia.of_second(second.cross(spins[1]))];
@@ -197,7 +197,7 @@ impl<T: Tile> BodyLanes<T> {
 
     /// Velocity of the second seen from the first.
     #[inline(always)]
-    pub(crate) fn relative(&self, inv_inertia: &InverseMasses<T>, arms: [Vec3<T>; 2]) -> Relative<T> {
+    pub(crate) fn relative(&self, inv_inertia: &InverseInertias<T>, arms: [Vec3<T>; 2]) -> Relative<T> {
         let Momenta { linear, angular, .. } = &self.momenta;
         let first = (linear[0] * self.inverse_mass[0], inv_inertia.of_first(angular[0]));
         let second = (linear[1] * self.inverse_mass[1], inv_inertia.of_second(angular[1]));
@@ -220,12 +220,12 @@ impl<T: Tile> BodyLanes<T> {
 
 /// How bodies answer to angular impulses: their inverse inertia in the world. What impulses do not
 /// move has one with which its angular velocity is the momentum that it is given.
-pub(crate) struct InverseMasses<T> {
+pub(crate) struct InverseInertias<T> {
     diagonal: [Vec3<T>; 2],
     off_diagonal: [Vec3<T>; 2],
 }
 
-impl<T: Tile> InverseMasses<T> {
+impl<T: Tile> InverseInertias<T> {
     #[inline(always)]
     pub(crate) fn load(inv_inertia: &[Eight], indices: &[[u32; BLOCK]; 2], lane: usize) -> Self {
         let first = gather_two_vectors(inv_inertia, &indices[0], lane);

@@ -3,13 +3,13 @@
 use crate::simd::Tile;
 use crate::simd::block_lanes::{Lanes, at, put};
 use crate::solver::contact::constraint::{Block, Rolling};
-use crate::solver::contact::contact_frame::{ContactFrame, InverseMasses};
+use crate::solver::contact::contact_frame::{ContactFrame, InverseInertias};
 use crate::solver::contact::solve::coupling;
 
 /// How the bodies of a tile's contacts answer to impulses.
 pub(crate) struct Mobility<T> {
     /// Inverse inertias, zero of what impulses do not move.
-    pub(crate) inv_inertia: InverseMasses<T>,
+    pub(crate) inv_inertia: InverseInertias<T>,
     /// Sum of the inverse masses [1/kg].
     pub(crate) inverse_mass: T,
 }

@@ -9,13 +9,13 @@ use crate::solver::contact::contact_frame::{ContactFrame, Relative};
 
 /// Impulses of what resists sliding, twisting and rolling, in the frames of a tile's contacts.
 #[derive(Clone, Copy)]
-pub(crate) struct FrictionSolve<T> {
+pub(crate) struct FrictionImpulse<T> {
     sliding: [T; 2],
     twist: T,
     roll: [T; 2],
 }
 
-impl<T: Tile> FrictionSolve<T> {
+impl<T: Tile> FrictionImpulse<T> {
     #[inline(always)]
     pub(crate) fn none() -> Self {
         let zero = T::splat(0.0);

@@ -1,6 +1,6 @@
-//! The impulses of a blow, at all points of a contact together.
+//! The impulses of an impact, at all points of a contact together.
 //!
-//! One after the other, the first point would take most of a flat blow, and what turns because of
+//! One after the other, the first point would take most of a flat impact, and what turns because of
 //! it is hardly stopped by the others.
 
 use crate::simd::Tile;
@@ -8,7 +8,7 @@ use crate::simd::block_lanes::at;
 use crate::solver::contact::constraint::Block;
 use crate::solver::contact::solve::coupling;
 
-/// What each point of a contact would take of a blow if it were alone.
+/// What each point of a contact would take of an impact if it were alone.
 pub(crate) struct Alone<T, const P: usize> {
     /// \[N s\].
     impulses: [T; P],
@@ -34,9 +34,9 @@ impl<T: Tile, const P: usize> Alone<T, P> {
         self.responses[j] = T::select(zero.lt(impulse), impulse / mass, zero);
     }
 
-    /// Impulses at all points in the ratio of these, as large as leaves least of the blow. Changes
-    /// the `speeds` at the points; returns the impulses, and how fast each point moves along the
-    /// normal meanwhile.
+    /// Impulses at all points in the ratio of these, as large as leaves least of the impact.
+    /// Changes the `speeds` at the points; returns the impulses, and how fast each point moves
+    /// along the normal meanwhile.
     #[inline(always)]
     pub(crate) fn together<const C: usize>(
         &self,
@@ -75,12 +75,12 @@ impl<T: Tile, const P: usize> Alone<T, P> {
     }
 }
 
-/// In how many substeps after each other a blow may be given: it is over when what comes has come
-/// as near as it may. What is as fast for longer is pressed.
+/// In how many substeps after each other an impact may be given: it is over when what comes has
+/// come as near as it may. What is as fast for longer is pressed.
 const LONGEST: f64 = 2.0;
 
-/// In how many substeps up to this one a contact has had a blow, from that up to the last one, and
-/// from whether it `begins` in one of the two passes of this one. What the first notes for the
+/// In how many substeps up to this one a contact has had an impact, from that up to the last one,
+/// and from whether it `begins` in one of the two passes of this one. What the first notes for the
 /// second is below zero.
 #[inline(always)]
 pub(crate) fn record_impact<T: Tile>(noted: T, begins: T, is_first_pass: bool) -> T {

@@ -6,18 +6,18 @@ use crate::collision::contact::{ContactRecord, FRICTION_IMPULSE, NORMAL_IMPULSE,
 use crate::simd::block_lanes::{at, gather_two_vectors, put, put_vector};
 use crate::simd::{BLOCK, Eight, Kernel, Tile};
 use crate::solver::contact::constraint::Block;
-use crate::solver::contact::contact_frame::{BodyLanes, ContactFrame, InverseMasses};
+use crate::solver::contact::contact_frame::{BodyLanes, ContactFrame, InverseInertias};
 use crate::solver::contact::effective_mass;
 use crate::solver::contact::effective_mass::warm_start_factor;
-use crate::solver::contact::friction::FrictionSolve;
-use crate::solver::contact::solve::{Blocks, SolverLanes, accumulate_warm_start, speeds};
+use crate::solver::contact::friction::FrictionImpulse;
+use crate::solver::contact::solve::{Blocks, StageBodies, accumulate_warm_start, speeds};
 use crate::solver::contact::update_geometry::tangents;
 
 /// Fills blocks whose lanes know their contacts and rows.
 pub(crate) struct Prepare<'a, const P: usize, const C: usize> {
     pub(crate) blocks: Blocks<'a, P, C>,
     pub(crate) contacts: &'a [ContactRecord],
-    pub(crate) bodies: SolverLanes<'a>,
+    pub(crate) bodies: StageBodies<'a>,
     /// Where they are.
     pub(crate) poses: &'a [Eight],
 }
@@ -60,7 +60,7 @@ impl<const P: usize, const C: usize> Kernel for Prepare<'_, P, C> {
         }
         let nearest = nearest.max(zero);
         // Of what is round and far from all its points, the nearest have the middle; a box would be
-        // spun by it in a blow.
+        // spun by it in an impact.
         let from = T::select(law.lt(T::splat(0.5)), zero, nearest);
         let (mut sum, mut total) = (Vec3::zero(), zero);
         let (mut of_patch, mut weights) = (zero, [zero; P]);
@@ -113,7 +113,7 @@ impl<const P: usize, const C: usize> Kernel for Prepare<'_, P, C> {
             j += 1;
         }
 
-        let inv_inertia = InverseMasses::<T>::load(self.bodies.inv_inertia, self.bodies.motion.pairs(index), lane);
+        let inv_inertia = InverseInertias::<T>::load(self.bodies.inv_inertia, self.bodies.motion.pairs(index), lane);
         let bodies = BodyLanes::<T>::load(&self.bodies.motion, index, lane);
         let mobility = bodies.mobility(&inv_inertia);
         put(
@@ -136,7 +136,7 @@ impl<const P: usize, const C: usize> Prepare<'_, P, C> {
         index: usize,
         lane: usize,
         restitution: T,
-        (bodies, inv_inertia): (&BodyLanes<T>, &InverseMasses<T>),
+        (bodies, inv_inertia): (&BodyLanes<T>, &InverseInertias<T>),
     ) {
         let block = &self.blocks.blocks[index];
         let Some(bounce) = self.blocks.bounces.get_mut(index) else { return };
@@ -183,10 +183,11 @@ impl<const P: usize, const C: usize> Prepare<'_, P, C> {
         if let Some(rolling) = self.blocks.rolling.get_mut(index) {
             put(length, &mut rolling.length, lane);
         }
-        let rubbing =
-            FrictionSolve::from_world(&frame, linear, angular).of_what_rolls(length).scaled(warm_start_factor(steady));
-        rubbing.store(&mut block.friction, self.blocks.rolling.get_mut(index), lane);
-        accumulate_warm_start(block, &frame, &rubbing, &mut self.bodies.warm_start, (index, lane));
+        let friction = FrictionImpulse::from_world(&frame, linear, angular)
+            .of_what_rolls(length)
+            .scaled(warm_start_factor(steady));
+        friction.store(&mut block.friction, self.blocks.rolling.get_mut(index), lane);
+        accumulate_warm_start(block, &frame, &friction, &mut self.bodies.warm_start, (index, lane));
     }
 }
 

@@ -6,19 +6,19 @@ use crate::collision::contact::CENTERS;
 use crate::math::Real;
 use crate::simd::block_lanes::{at, put, put_vector};
 use crate::simd::{BLOCK, Kernel, Tile};
-use crate::solver::contact::contact_frame::{BodyLanes, ContactFrame, DeltaPoses, InverseMasses};
-use crate::solver::contact::friction::FrictionSolve;
+use crate::solver::contact::contact_frame::{BodyLanes, ContactFrame, DeltaPoses, InverseInertias};
+use crate::solver::contact::friction::FrictionImpulse;
 use crate::solver::contact::impact::Alone;
 use crate::solver::contact::update_geometry::follow;
 
-use crate::solver::contact::solve::{Blocks, SolverLanes, along_normals, apply_friction, couple, speeds, work};
+use crate::solver::contact::solve::{Blocks, StageBodies, along_normals, apply_friction, couple, speeds, work};
 
 /// Notes how fast bodies come together before anything pushes them apart. Of what forces do in a
 /// substep only the part until they meet counts: with the rest they would bounce with energy out of
 /// nothing.
 pub(crate) struct RecordApproachSpeed<'a, const P: usize, const C: usize> {
     pub(crate) blocks: Blocks<'a, P, C>,
-    pub(crate) bodies: SolverLanes<'a>,
+    pub(crate) bodies: StageBodies<'a>,
     /// One over the substep [1/s].
     pub(crate) inverse_h: Real,
     pub(crate) moment: SubstepMoment,
@@ -45,15 +45,15 @@ impl<const P: usize, const C: usize> Kernel for RecordApproachSpeed<'_, P, C> {
     fn tile<T: Tile>(&mut self, i: usize) {
         let (index, lane) = (i / BLOCK, i % BLOCK);
         let block = &mut self.blocks.blocks[index];
-        let inv_inertia = InverseMasses::<T>::load(self.bodies.inv_inertia, self.bodies.motion.pairs(index), lane);
+        let inv_inertia = InverseInertias::<T>::load(self.bodies.inv_inertia, self.bodies.motion.pairs(index), lane);
         let bodies = BodyLanes::<T>::load(&self.bodies.motion, index, lane);
         if self.moment == SubstepMoment::Motion {
             let delta_pose = DeltaPoses::load(self.bodies.delta_pose, self.bodies.motion.pairs(index), lane);
             let h = T::splat(1.0) / T::splat(self.inverse_h.into());
             let lag =
                 follow(block, self.blocks.rolling.get_mut(index), (lane, h), &delta_pose, (&bodies, &inv_inertia));
-            // A blow that is to bounce stops what comes, and adds nothing: it would come back with
-            // energy out of nothing.
+            // An impact that is to bounce stops what comes, and adds nothing: it would come back
+            // with energy out of nothing.
             let bounce = &mut self.blocks.bounces[index];
             let bounces = T::splat(0.0).lt(at(&bounce.restitution, lane));
             put_vector(Vec3::select(bounces, Vec3::zero(), lag), &mut bounce.lag, lane);
@@ -88,7 +88,7 @@ impl<const P: usize, const C: usize> Kernel for RecordApproachSpeed<'_, P, C> {
 /// \[m/s\], with the friction that the added impulse allows.
 pub(crate) struct ApplyRestitution<'a, const P: usize, const C: usize> {
     pub(crate) blocks: Blocks<'a, P, C>,
-    pub(crate) bodies: SolverLanes<'a>,
+    pub(crate) bodies: StageBodies<'a>,
     pub(crate) threshold: Real,
 }
 
@@ -104,7 +104,7 @@ impl<const P: usize, const C: usize> Kernel for ApplyRestitution<'_, P, C> {
         let zero = T::splat(0.0);
         let (block, bounce) = (&mut self.blocks.blocks[index], &mut self.blocks.bounces[index]);
         let frame = ContactFrame::<T>::load(block, lane);
-        let inv_inertia = InverseMasses::<T>::load(self.bodies.inv_inertia, self.bodies.motion.pairs(index), lane);
+        let inv_inertia = InverseInertias::<T>::load(self.bodies.inv_inertia, self.bodies.motion.pairs(index), lane);
         let mut bodies = BodyLanes::<T>::load(&self.bodies.motion, index, lane);
         let arms = frame.arms;
         let restitution: T = at(&bounce.restitution, lane);
@@ -167,7 +167,7 @@ impl<const P: usize, const C: usize> Kernel for ApplyRestitution<'_, P, C> {
         let (contact, limit) = ((&frame, lane), added.max(zero));
         let motion = (&inv_inertia, arms, Vec3::zero());
         apply_friction(
-            FrictionSolve::none(),
+            FrictionImpulse::none(),
             block,
             self.blocks.rolling.get(index),
             contact,

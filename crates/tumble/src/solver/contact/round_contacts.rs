@@ -10,7 +10,7 @@ use crate::simd::block_lanes::{put, put_vector};
 use crate::simd::{BLOCK, Eight};
 use crate::solver::contact::constraint::{Block, Rolling};
 use crate::solver::contact::contact_frame::{ContactFrame, DeltaPoses, along_normal};
-use crate::solver::contact::friction::FrictionSolve;
+use crate::solver::contact::friction::FrictionImpulse;
 use crate::solver::contact::prepare::MIN_WEIGHT;
 use crate::solver::contact::update_geometry::tangents;
 use crate::solver::solver_bodies::SolverBodies;
@@ -172,9 +172,9 @@ pub(crate) fn write<const P: usize, const C: usize>(
     put_vector(middle, &mut block.start.arm, lane);
     (block.start.carried[lane], block.start.slide[lane]) = (1.0, -1.0);
     let frame = ContactFrame { normal, tangents: [s, t], arms: before.arms };
-    let rubbing = FrictionSolve::load(&block.friction, rolling.as_deref(), lane);
-    let rubbing = FrictionSolve::from_world(&frame, rubbing.linear(&before), rubbing.angular(&before));
-    rubbing.store(&mut block.friction, rolling, lane);
+    let friction = FrictionImpulse::load(&block.friction, rolling.as_deref(), lane);
+    let friction = FrictionImpulse::from_world(&frame, friction.linear(&before), friction.angular(&before));
+    friction.store(&mut block.friction, rolling, lane);
 
     let rows = rows.map(|row| [row; BLOCK]);
     let apart = Vec3::new(block.start.apart[0][lane], block.start.apart[1][lane], block.start.apart[2][lane]);

@@ -7,10 +7,10 @@ use crate::simd::block_lanes::{at, put, vector_at};
 use crate::simd::{BLOCK, Eight, Kernel, Rows, Tile};
 use crate::solver::contact::constraint::{Block, Bounce, Rolling};
 use crate::solver::contact::contact_frame::{
-    BodyLanes, ContactFrame, DeltaPoses, InverseMasses, Momenta, along_normal,
+    BodyLanes, ContactFrame, DeltaPoses, InverseInertias, Momenta, along_normal,
 };
 use crate::solver::contact::effective_mass::warm_start_factor;
-use crate::solver::contact::friction::FrictionSolve;
+use crate::solver::contact::friction::FrictionImpulse;
 use crate::solver::contact::impact::{Alone, record_impact};
 use crate::solver::contact::softness::Softness;
 use crate::solver::contact::update_geometry::follow;
@@ -41,7 +41,7 @@ impl<'a, const P: usize, const C: usize> Blocks<'a, P, C> {
 }
 
 /// The bodies that a pass reads and writes.
-pub(crate) struct SolverLanes<'a> {
+pub(crate) struct StageBodies<'a> {
     pub(crate) motion: Rows<'a>,
     /// What contacts do to them when the next substep begins.
     pub(crate) warm_start: Rows<'a>,
@@ -49,12 +49,12 @@ pub(crate) struct SolverLanes<'a> {
     pub(crate) delta_pose: &'a [Eight],
 }
 
-impl SolverLanes<'_> {
+impl StageBodies<'_> {
     /// Those of the first `middle` blocks, and of the others.
     pub(crate) fn split_at(self, middle: usize) -> (Self, Self) {
         let (motion, other_motion) = self.motion.split_at(middle);
-        let (warm_start, other_held) = self.warm_start.split_at(middle);
-        (Self { motion, warm_start, ..self }, Self { motion: other_motion, warm_start: other_held, ..self })
+        let (warm_start, other_warm_start) = self.warm_start.split_at(middle);
+        (Self { motion, warm_start, ..self }, Self { motion: other_motion, warm_start: other_warm_start, ..self })
     }
 }
 
@@ -62,10 +62,10 @@ impl SolverLanes<'_> {
 /// velocity that this gave is taken out again, and friction follows.
 pub(crate) struct Solve<'a, const P: usize, const C: usize> {
     pub(crate) blocks: Blocks<'a, P, C>,
-    pub(crate) bodies: SolverLanes<'a>,
+    pub(crate) bodies: StageBodies<'a>,
     /// How what overlaps is pushed apart; none where it is to relax.
     pub(crate) softness: Option<Softness>,
-    /// What comes faster gives a blow \[m/s\].
+    /// What comes faster is an impact \[m/s\].
     pub(crate) impact_speed: Real,
     /// Whether another substep begins with the impulses that there are after it has relaxed.
     pub(crate) stores_warm_start: bool,
@@ -83,7 +83,7 @@ impl<const P: usize, const C: usize> Kernel for Solve<'_, P, C> {
     fn tile<T: Tile>(&mut self, i: usize) {
         let (index, lane) = (i / BLOCK, i % BLOCK);
         let block = &mut self.blocks.blocks[index];
-        let inv_inertia = InverseMasses::<T>::load(self.bodies.inv_inertia, self.bodies.motion.pairs(index), lane);
+        let inv_inertia = InverseInertias::<T>::load(self.bodies.inv_inertia, self.bodies.motion.pairs(index), lane);
         let mut bodies = BodyLanes::<T>::load(&self.bodies.motion, index, lane);
         let lag = match (self.softness, self.blocks.bounces.get(index)) {
             (Some(_), _) => Vec3::zero(),
@@ -105,7 +105,7 @@ impl<const P: usize, const C: usize> Kernel for Solve<'_, P, C> {
         bodies.push(arms, linear, angular);
 
         if self.softness.is_none() {
-            let before = FrictionSolve::load(&block.friction, self.blocks.rolling.get(index), lane);
+            let before = FrictionImpulse::load(&block.friction, self.blocks.rolling.get(index), lane);
             let contact = (&frame, lane);
             let after = apply_friction(
                 before,
@@ -117,7 +117,7 @@ impl<const P: usize, const C: usize> Kernel for Solve<'_, P, C> {
                 sum,
             );
             let (zero, one) = (T::splat(0.0), T::splat(1.0));
-            // What a blow gave in a substep is no force: a body pushed off by it would be somewhere
+            // The impulse of an impact is no force: a body pushed off by it would be somewhere
             // else before that is taken back.
             let lasting = T::select(
                 zero.lt(at(&block.start.is_impact, lane)),
@@ -267,23 +267,23 @@ pub(crate) fn work<T: Tile>(impulse: T, speed: T, mass: T) -> T {
 /// add up to `normal`; returns the impulses as they are then.
 #[inline(always)]
 pub(crate) fn apply_friction<T: Tile, const P: usize, const C: usize>(
-    before: FrictionSolve<T>,
+    before: FrictionImpulse<T>,
     block: &Block<P, C>,
     rolling: Option<&Rolling>,
     contact: (&ContactFrame<T>, usize),
     bodies: &mut BodyLanes<T>,
-    (inv_inertia, arms, lag): (&InverseMasses<T>, [Vec3<T>; 2], Vec3<T>),
+    (inv_inertia, arms, lag): (&InverseInertias<T>, [Vec3<T>; 2], Vec3<T>),
     normal: T,
-) -> FrictionSolve<T> {
+) -> FrictionImpulse<T> {
     let frame = contact.0;
-    let mut rubbing = before;
+    let mut friction = before;
     if let Some(rolling) = rolling {
-        rubbing = before.rolled(rolling, contact, &bodies.relative(inv_inertia, arms), normal);
-        bodies.push(arms, Vec3::zero(), rubbing.angular(frame) - before.angular(frame));
+        friction = before.rolled(rolling, contact, &bodies.relative(inv_inertia, arms), normal);
+        bodies.push(arms, Vec3::zero(), friction.angular(frame) - before.angular(frame));
     }
-    let after = rubbing.slid(&block.friction, contact, &bodies.relative(inv_inertia, arms).less(lag), normal);
-    let linear = after.linear(frame) - rubbing.linear(frame);
-    bodies.push(arms, linear, after.angular(frame) - rubbing.angular(frame));
+    let after = friction.slid(&block.friction, contact, &bodies.relative(inv_inertia, arms).less(lag), normal);
+    let linear = after.linear(frame) - friction.linear(frame);
+    bodies.push(arms, linear, after.angular(frame) - friction.angular(frame));
     after
 }
 
@@ -363,7 +363,7 @@ pub(crate) fn scale_impulses<T: Tile, const P: usize, const C: usize>(block: &mu
 pub(crate) fn accumulate_warm_start<T: Tile, const P: usize, const C: usize>(
     block: &Block<P, C>,
     frame: &ContactFrame<T>,
-    rubbing: &FrictionSolve<T>,
+    friction: &FrictionImpulse<T>,
     warm_start: &mut Rows<'_>,
     (index, lane): (usize, usize),
 ) {
@@ -375,6 +375,6 @@ pub(crate) fn accumulate_warm_start<T: Tile, const P: usize, const C: usize>(
     }
     let (linear, angular) = along_normals(block, frame, lane, impulses);
     let mut momenta = Momenta::load(warm_start, index, lane);
-    momenta.push(frame.arms, linear + rubbing.linear(frame), angular + rubbing.angular(frame));
+    momenta.push(frame.arms, linear + friction.linear(frame), angular + friction.angular(frame));
     momenta.store([T::splat(0.0); 2], warm_start, index, lane);
 }

@@ -4,7 +4,7 @@ use crate::collision::contact::{ContactRecord, FRICTION_IMPULSE, NORMAL_IMPULSE}
 use crate::simd::block_lanes::put_two_vectors;
 use crate::simd::{BLOCK, Eight, Kernel, Tile};
 use crate::solver::contact::contact_frame::ContactFrame;
-use crate::solver::contact::friction::FrictionSolve;
+use crate::solver::contact::friction::FrictionImpulse;
 use crate::solver::contact::solve::Blocks;
 
 /// Gives the impulses of blocks back to the contacts.
@@ -24,13 +24,13 @@ impl<const P: usize, const C: usize> Kernel for StoreImpulses<'_, P, C> {
         let (index, lane) = (i / BLOCK, i % BLOCK);
         let block = &self.blocks.blocks[index];
         let frame = ContactFrame::<T>::load(block, lane);
-        let rubbing = FrictionSolve::load(&block.friction, self.blocks.rolling.get(index), lane);
-        let mut rubbed = [Eight::ZERO; BLOCK];
-        put_two_vectors(rubbing.linear(&frame), rubbing.angular(&frame), &mut rubbed);
+        let friction = FrictionImpulse::load(&block.friction, self.blocks.rolling.get(index), lane);
+        let mut friction_rows = [Eight::ZERO; BLOCK];
+        put_two_vectors(friction.linear(&frame), friction.angular(&frame), &mut friction_rows);
         let mut l = 0;
         while l < T::WIDTH && lane + l < block.count {
             let contact = &mut self.contacts[block.contacts[lane + l] as usize];
-            contact.numbers[FRICTION_IMPULSE].0[..6].copy_from_slice(&rubbed[l].0[..6]);
+            contact.numbers[FRICTION_IMPULSE].0[..6].copy_from_slice(&friction_rows[l].0[..6]);
             let is_impact = block.start.is_impact[lane + l] > 0.0;
             contact.numbers[NORMAL_IMPULSE].0[6] = if is_impact { 0.0 } else { block.start.steady[lane + l] };
             let mut j = 0;

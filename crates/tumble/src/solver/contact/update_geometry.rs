@@ -6,7 +6,7 @@ use crate::collision::contact::{CENTERS, MATERIAL};
 use crate::simd::Tile;
 use crate::simd::block_lanes::{at, put, put_vector, vector_at};
 use crate::solver::contact::constraint::{Block, Rolling};
-use crate::solver::contact::contact_frame::{BodyLanes, ContactFrame, DeltaPoses, InverseMasses, along_normal};
+use crate::solver::contact::contact_frame::{BodyLanes, ContactFrame, DeltaPoses, InverseInertias, along_normal};
 use crate::solver::contact::effective_mass;
 use crate::solver::contact::effective_mass::{Mobility, put_where};
 
@@ -26,7 +26,7 @@ pub(crate) fn follow<T: Tile, const P: usize, const C: usize>(
     rolling: Option<&mut Rolling>,
     (lane, h): (usize, T),
     delta_pose: &DeltaPoses<T>,
-    (bodies, inv_inertia): (&BodyLanes<T>, &InverseMasses<T>),
+    (bodies, inv_inertia): (&BodyLanes<T>, &InverseInertias<T>),
 ) -> Vec3<T> {
     let before: [Vec3<T>; 2] = [vector_at(&block.arms[0], lane), vector_at(&block.arms[1], lane)];
     refresh(block, rolling, lane, delta_pose, &bodies.mobility(inv_inertia));

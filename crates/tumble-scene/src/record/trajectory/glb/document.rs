@@ -49,7 +49,7 @@ pub(crate) fn write(
             serde_json::to_writer(&mut *writer, &accessor)?;
         }
         writer.write_all(b"],")?;
-        write_looks(writer, &bodies.appearance, layout)?;
+        write_meshes(writer, &bodies.appearance, layout)?;
         list(writer, "nodes", bodies.all().iter().map(Node::of))?;
         writer.write_all(b",")?;
         if layout.moving > 0 {
@@ -162,7 +162,7 @@ fn surface_accessors(surface: &Surface) -> [Value; 3] {
 }
 
 /// Meshes, a surface in a colour each, with their materials, and where all numbers lie.
-fn write_looks(writer: &mut impl Write, appearance: &[Look], layout: &Layout) -> io::Result<()> {
+fn write_meshes(writer: &mut impl Write, appearance: &[Look], layout: &Layout) -> io::Result<()> {
     let mut colors: Vec<Color> = Vec::new();
     let surfaces_from = if layout.moving > 0 { 1 + 2 * layout.moving as usize } else { 0 };
     let meshes = appearance.iter().map(|look| {

@@ -59,7 +59,7 @@ impl Surface {
 
     /// Its triangles.
     pub(crate) fn tessellation(&self) -> Tessellation {
-        Tessellation::of_looks(&self.appearance)
+        Tessellation::of_appearance(&self.appearance)
     }
 
     fn index_bytes(&self) -> u64 {
@@ -148,7 +148,7 @@ fn of_its_text(shape: &Shape) -> u64 {
 }
 
 fn measured(appearance: Appearance, vertices_at: u64, indices_at: u64) -> Surface {
-    let triangles = Tessellation::of_looks(&appearance);
+    let triangles = Tessellation::of_appearance(&appearance);
     let positions = || triangles.positions.iter().map(|position| position.to_array().map(single));
     let each = |a: [f32; 3], b: [f32; 3], of: fn(f32, f32) -> f32| std::array::from_fn(|axis| of(a[axis], b[axis]));
     Surface {
