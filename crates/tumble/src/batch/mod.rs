@@ -10,8 +10,9 @@ use rayon::prelude::*;
 
 use crate::batch::rng::Rng;
 use crate::batch::trial::Trial;
-use crate::solver::multi_world::{MultiWorld, PackKey};
+use crate::solver::multi_world::MultiWorld;
 use crate::step::interacting::step_interacting;
+use crate::step::pack_key::PackKey;
 
 /// Many independent worlds, each with its own settings, stepped in parallel.
 ///

@@ -1,14 +1,15 @@
-//! What bodies are called, so that contacts are theirs from step to step, and in another world.
+//! Persistent keys of bodies, by which contacts are matched from step to step, and in another
+//! world.
 
 use hecs::{Entity, World};
 
 use crate::collision::collider::Collider;
 use crate::collision::contact::ContactRecord;
 use crate::components::{BodyId, Pose};
-use crate::storage::body_index::BodyIndex;
+use crate::storage::body_index::{BodyIndex, Slot};
 
-/// What a body is called: by its [`BodyId`], whatever its entity, or without one by the number of
-/// its entity. In the order of members.
+/// The persistent key of a body: its [`BodyId`], whatever its entity, or without one the number of
+/// its entity. In the order of slots.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub(crate) enum BodyKey {
     Id(BodyId),
@@ -21,15 +22,15 @@ impl BodyKey {
     }
 }
 
-/// Who the slots of contacts stand for.
+/// The bodies that the slots of contacts stand for.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct BodyKeys {
     /// In order; equal ones only where bodies of the world have the same [`BodyId`].
     body_keys: Vec<BodyKey>,
     /// By slot; the one that was in the world when it was last looked.
     entities: Vec<Entity>,
-    /// By old slot, the one that the name has now.
-    now: Vec<u32>,
+    /// By old slot, the one that its key has now.
+    now: Vec<Slot>,
     /// The entities that are in the world now, by new slot.
     here: Vec<Entity>,
 }
@@ -41,28 +42,25 @@ pub(crate) struct EndedPair {
     pub(crate) entities: [Entity; 2],
 }
 
-/// No slot.
-const NONE: u32 = u32::MAX;
-
 impl BodyKeys {
     pub(crate) fn len(&self) -> usize {
         self.body_keys.len()
     }
 
-    pub(crate) fn name(&self, slot: u32) -> BodyKey {
-        self.body_keys[slot as usize]
+    pub(crate) fn key(&self, slot: Slot) -> BodyKey {
+        self.body_keys[slot.index()]
     }
 
-    pub(crate) fn entity(&self, slot: u32) -> Entity {
-        self.entities[slot as usize]
+    pub(crate) fn entity(&self, slot: Slot) -> Entity {
+        self.entities[slot.index()]
     }
 
     /// Whether a slot's body was in the world when it was last looked.
-    pub(crate) fn is_here(&self, slot: u32) -> bool {
+    pub(crate) fn is_here(&self, slot: Slot) -> bool {
         self.entity(slot) != Entity::DANGLING
     }
 
-    /// Gives contacts the slots that the names of their bodies have now, and drops those of bodies
+    /// Gives contacts the slots that the keys of their bodies have now, and drops those of bodies
     /// that are gone; `ended` are those of them that touched. Returns whether slots are others
     /// than they were.
     pub(crate) fn renew(
@@ -73,7 +71,7 @@ impl BodyKeys {
         ended: &mut Vec<EndedPair>,
     ) -> bool {
         let member = |slot: usize| {
-            let (_, id, entity) = body_index.key(slot);
+            let (_, id, entity) = body_index.key(Slot(slot as u32));
             BodyKey::of(id, entity)
         };
         let count = body_index.len();
@@ -81,20 +79,20 @@ impl BodyKeys {
         self.here.resize(count, Entity::DANGLING);
         for entity in world.query::<Entity>().with::<&Collider>().iter() {
             if let Some(slot) = body_index.slot(entity.id()) {
-                self.here[slot] = entity;
+                self.here[slot.index()] = entity;
             }
         }
         let same = self.body_keys.len() == count
             && (0..count).all(|slot| self.body_keys[slot] == member(slot) && !self.is_replaced(slot, slot));
         if !same {
-            self.match_names(count, member);
+            self.match_keys(count, member);
             let Self { body_keys, entities, now, .. } = &*self;
             contacts.retain_mut(|contact| {
                 let old = contact.slots;
-                contact.slots = old.map(|slot| now[slot as usize]);
-                let stays = !contact.slots.contains(&NONE);
+                contact.slots = old.map(|slot| now[slot.index()]);
+                let stays = !contact.slots.contains(&Slot::NONE);
                 if !stays && contact.touches() {
-                    let [a, b] = [old[0].min(old[1]), old[0].max(old[1])].map(|slot| slot as usize);
+                    let [a, b] = [old[0].min(old[1]), old[0].max(old[1])].map(Slot::index);
                     ended.push(EndedPair {
                         body_keys: [body_keys[a], body_keys[b]],
                         entities: [entities[a], entities[b]],
@@ -109,29 +107,29 @@ impl BodyKeys {
         !same
     }
 
-    /// Whether what had a name by the number of its entity is gone, and that number another's: hecs
+    /// Whether what had a key by the number of its entity is gone, and that number another's: hecs
     /// gives it to the next that is spawned.
     fn is_replaced(&self, old: usize, new: usize) -> bool {
         let was = self.entities[old];
         matches!(self.body_keys[old], BodyKey::Entity(_)) && was != Entity::DANGLING && was != self.here[new]
     }
 
-    /// Finds the new slots of names: of equal names the first has the first slot, and no two the
+    /// Finds the new slots of keys: of equal keys the first has the first slot, and no two the
     /// same.
-    fn match_names(&mut self, count: usize, member: impl Fn(usize) -> BodyKey) {
+    fn match_keys(&mut self, count: usize, member: impl Fn(usize) -> BodyKey) {
         self.now.clear();
         let mut slot = 0;
-        for (old, name) in self.body_keys.iter().enumerate() {
-            while slot < count && member(slot) < *name {
+        for (old, key) in self.body_keys.iter().enumerate() {
+            while slot < count && member(slot) < *key {
                 slot += 1;
             }
-            let is_there = slot < count && member(slot) == *name;
-            self.now.push(if is_there && !self.is_replaced(old, slot) { slot as u32 } else { NONE });
+            let is_there = slot < count && member(slot) == *key;
+            self.now.push(if is_there && !self.is_replaced(old, slot) { Slot(slot as u32) } else { Slot::NONE });
             slot += usize::from(is_there);
         }
     }
 
-    /// Takes names that are in order, and finds who they are in a world; who is not there is
+    /// Takes keys that are in order, and finds their entities in a world; what is not there is
     /// [`Entity::DANGLING`].
     pub(crate) fn set(&mut self, body_keys: &[BodyKey], world: &World) {
         self.body_keys.clear();
@@ -143,9 +141,9 @@ impl BodyKeys {
         }
         let mut next = 0;
         for (entity, id) in world.query::<(Entity, Option<&BodyId>)>().with::<&Pose>().iter() {
-            let name = BodyKey::of(id.copied(), entity.id());
+            let key = BodyKey::of(id.copied(), entity.id());
             // Most worlds have their bodies in order.
-            let place = if body_keys.get(next) == Some(&name) { Ok(next) } else { body_keys.binary_search(&name) };
+            let place = if body_keys.get(next) == Some(&key) { Ok(next) } else { body_keys.binary_search(&key) };
             if let Ok(place) = place {
                 self.entities[place] = entity;
                 next = place + 1;
@@ -153,7 +151,7 @@ impl BodyKeys {
         }
     }
 
-    /// Without anyone.
+    /// Forgets all.
     pub(crate) fn clear(&mut self) {
         self.body_keys.clear();
         self.entities.clear();

@@ -7,6 +7,7 @@ use crate::collision::material::Surface;
 use crate::collision::narrow_phase::LaneKind;
 use crate::math::Real;
 use crate::simd::Eight;
+use crate::storage::body_index::Slot;
 
 /// Two bodies that touch: where, and what held them there. What is kept from step to step.
 ///
@@ -14,7 +15,7 @@ use crate::simd::Eight;
 #[derive(Clone, Debug)]
 pub(crate) struct ContactRecord {
     /// Slots of the bodies; where impulses move only one, it is the second.
-    pub(crate) slots: [u32; 2],
+    pub(crate) slots: [Slot; 2],
     /// Of the shapes.
     pub(crate) kind: LaneKind,
     /// Which of the contacts of the two.
@@ -86,14 +87,14 @@ impl ContactRecord {
         kind: LaneKind::Other,
         part: 0,
         touched: false,
-        slots: [0; 2],
+        slots: [Slot(0); 2],
         features: [0; MAX_MANIFOLD_POINTS],
         numbers: [Eight::ZERO; 5],
     };
 
     /// Of a manifold with points, whose normal goes from the first slot to the second; `second` is
     /// its second body.
-    pub(crate) fn new(slots: [u32; 2], part: u32, manifold: &Manifold<Real>, second: Second, law: f64) -> Self {
+    pub(crate) fn new(slots: [Slot; 2], part: u32, manifold: &Manifold<Real>, second: Second, law: f64) -> Self {
         let (n, count) = (manifold.normal, manifold.points().len());
         let mut numbers = [Eight::ZERO; 5];
         let mut features = [0; MAX_MANIFOLD_POINTS];
@@ -128,7 +129,7 @@ impl ContactRecord {
 
     /// What contacts are in the order of: the kind of the shapes, both slots, the lower first, and
     /// the part.
-    pub(crate) fn key(&self) -> (LaneKind, u32, u32, u32) {
+    pub(crate) fn key(&self) -> (LaneKind, Slot, Slot, u32) {
         let [a, b] = self.slots;
         (self.kind, a.min(b), a.max(b), self.part)
     }
@@ -253,7 +254,7 @@ impl ContactRecord {
     }
 
     /// Both slots, the lower first.
-    pub(crate) fn pair(&self) -> [u32; 2] {
+    pub(crate) fn pair(&self) -> [Slot; 2] {
         let [a, b] = self.slots;
         [a.min(b), a.max(b)]
     }

@@ -1,146 +1,154 @@
-//! What contacts keep from step to step: saved, put back, and compared for what began and ended.
+//! What contacts keep from step to step: matched with the bodies that there are now, saved, put
+//! back, and compared for what began and ended.
 
 use hecs::World;
 
 use crate::collision::body_key::{BodyKeys, EndedPair};
+use crate::collision::collider_state::ColliderState;
 use crate::collision::contact::ContactRecord;
 use crate::collision::contact_events::ContactEvent;
-use crate::collision::find_contacts::{ColliderState, Contacts};
+use crate::collision::contact_set::ContactSet;
+use crate::collision::pipeline::{Colliders, CollisionPipeline};
 use crate::collision::saved_contacts::SavedContacts;
 use crate::math::Real;
+use crate::storage::body_index::{BodyIndex, Slot};
 
-/// What the contacts of before the last step are compared by.
+/// The contacts of before, and the bodies that their slots stand for.
 #[derive(Clone, Debug, Default)]
-pub(crate) struct PreviousContacts {
+pub(crate) struct ContactCache {
+    pub(crate) body_keys: BodyKeys,
+    /// Those of the last substep, when the next ones have been found.
+    pub(crate) last: Vec<ContactRecord>,
+    /// Those of before the step, once its second substep has overwritten what the first replaced.
+    before_step: Vec<ContactRecord>,
     /// How often contacts were found since the step began: once a substep of the settings.
-    pub(crate) found: u32,
-    /// As they were before the step, once its second substep has overwritten what the first
-    /// replaced.
-    pub(crate) contacts: Vec<ContactRecord>,
+    substeps: u32,
     /// What touched and has lost one of two bodies between the steps.
     pub(crate) ended: Vec<EndedPair>,
     /// Of the steps before the last that were taken in the same call.
     pub(crate) events: Vec<ContactEvent>,
-    /// No step has been taken since names were compared.
+    /// No step has been taken since keys were compared.
     is_next: bool,
 }
 
-/// No place among the names.
-const NONE: u32 = u32::MAX;
-
-impl Contacts {
+impl ContactCache {
     /// Gives the contacts that there were the slots that their bodies have now, and drops those of
-    /// bodies that are gone.
-    pub(crate) fn renumber(&mut self, world: &World) {
-        let Self { body_index, body_keys, contacts, previous, .. } = self;
-        previous.ended.clear();
-        previous.is_next = true;
-        if body_keys.renew(world, body_index, contacts, &mut previous.ended) {
-            self.broad_phase.reset();
-        }
+    /// bodies that are gone. Returns whether all slots are what they were.
+    pub(crate) fn renumber(
+        &mut self,
+        world: &World,
+        body_index: &BodyIndex,
+        colliders: &Colliders,
+        contacts: &mut Vec<ContactRecord>,
+    ) -> bool {
+        let Self { body_keys, ended, is_next, .. } = self;
+        ended.clear();
+        *is_next = true;
+        let same = !body_keys.renew(world, body_index, contacts, ended);
         // Colliders may be others than they were, and contacts that were put back lie as they did
         // elsewhere.
-        let colliders = &self.colliders;
-        for contact in &mut self.contacts {
-            contact.set_kind(contact.slots.map(|slot| colliders[slot as usize].as_ref().map(|(it, _)| it)));
+        for contact in &mut *contacts {
+            contact.set_kind(contact.slots.map(|slot| colliders.get(slot).map(|(it, _)| it)));
         }
-        if !self.contacts.is_sorted_by_key(ContactRecord::key) {
-            self.contacts.sort_unstable_by_key(ContactRecord::key);
+        if !contacts.is_sorted_by_key(ContactRecord::key) {
+            contacts.sort_unstable_by_key(ContactRecord::key);
         }
+        same
     }
 
-    /// To be called before the first substep of every step.
-    pub(crate) fn begin_step(&mut self) {
-        if !std::mem::take(&mut self.previous.is_next) {
-            self.keep_events();
-            self.previous.ended.clear();
+    /// To be called before the first substep of every step, with the contacts of the last.
+    pub(crate) fn begin_step(&mut self, contacts: &[ContactRecord]) {
+        if !std::mem::take(&mut self.is_next) {
+            self.keep_events(contacts);
+            self.ended.clear();
         }
-        self.previous.found = 0;
+        self.substeps = 0;
     }
 
-    /// A step, or several, in which nothing has a collider.
-    pub(crate) fn pass(&mut self, world: &World, steps: u32) {
-        self.find(world);
-        for _ in 0..steps.min(2) {
-            self.begin_step();
-            self.last.clear();
-            self.previous.found = 1;
-        }
+    /// A step in which nothing touches.
+    pub(crate) fn pass(&mut self) {
+        self.last.clear();
+        self.substeps = 1;
     }
 
-    /// Whether nothing touches nor has just parted.
-    pub(crate) fn are_over(&self) -> bool {
-        self.contacts.is_empty() && self.previous.ended.is_empty()
-    }
-
-    /// Keeps the contacts of before the step, which those of a second substep would overwrite.
-    pub(crate) fn keep_previous(&mut self) {
-        if self.previous.found == 1 {
-            std::mem::swap(&mut self.last, &mut self.previous.contacts);
+    /// Takes the contacts of before the substep, and gives back a list to overwrite.
+    pub(crate) fn keep_previous(&mut self, contacts: &mut Vec<ContactRecord>) {
+        if self.substeps == 1 {
+            std::mem::swap(&mut self.last, &mut self.before_step);
         }
-        self.previous.found += 1;
+        self.substeps += 1;
+        std::mem::swap(contacts, &mut self.last);
     }
 
     /// The contacts of before the last step; `None` where none has been taken.
     pub(crate) fn before_the_step(&self) -> Option<&[ContactRecord]> {
-        match self.previous.found {
+        match self.substeps {
             0 => None,
             1 => Some(&self.last),
-            _ => Some(&self.previous.contacts),
+            _ => Some(&self.before_step),
         }
+    }
+
+    /// Forgets all contacts.
+    fn forget(&mut self) {
+        self.body_keys.clear();
+        self.ended.clear();
+        self.events.clear();
+        self.substeps = 0;
+    }
+}
+
+impl CollisionPipeline {
+    /// Whether nothing touches nor has just parted.
+    pub(crate) fn are_over(&self) -> bool {
+        self.contacts.records.is_empty() && self.cache.ended.is_empty()
     }
 
     /// Forgets all contacts, so that the next step begins without.
     pub(crate) fn forget(&mut self) {
-        self.body_keys.clear();
-        self.contacts.clear();
-        self.previous.ended.clear();
-        self.previous.events.clear();
-        self.previous.found = 0;
+        self.contacts.records.clear();
+        self.cache.forget();
     }
 
     /// Copies what decides the next step.
     pub(crate) fn save(&self, into: &mut SavedContacts) {
         into.clear();
         let SavedContacts { body_keys, centers, contacts, places } = into;
+        let Self { cache, contacts: ContactSet { records, .. }, .. } = self;
         places.clear();
-        places.resize(self.body_keys.len(), NONE);
-        for slot in self.contacts.iter().flat_map(|contact| contact.slots) {
-            places[slot as usize] = 0;
+        places.resize(cache.body_keys.len(), Slot::NONE);
+        for slot in records.iter().flat_map(|contact| contact.slots) {
+            places[slot.index()] = Slot(0);
         }
-        for (slot, place) in places.iter_mut().enumerate().filter(|(_, place)| **place != NONE) {
-            let name = self.body_keys.name(slot as u32);
-            // A world in which two bodies have one name has no snapshot; here one of them may be
+        for (slot, place) in (0..).map(Slot).zip(&mut *places).filter(|(_, place)| **place != Slot::NONE) {
+            let key = cache.body_keys.key(slot);
+            // A world in which two bodies have one key has no snapshot; here one of them may be
             // gone since the step.
-            *place = if body_keys.last() == Some(&name) { NONE } else { body_keys.len() as u32 };
-            if *place != NONE {
-                body_keys.push(name);
-                centers.push(self.shapes.get(slot).map_or([0.0; 3], ColliderState::center));
+            *place = if body_keys.last() == Some(&key) { Slot::NONE } else { Slot(body_keys.len() as u32) };
+            if *place != Slot::NONE {
+                body_keys.push(key);
+                centers.push(self.center(slot));
             }
         }
-        contacts.extend(self.contacts.iter().filter_map(|contact| {
-            let slots = contact.slots.map(|slot| places[slot as usize]);
-            (!slots.contains(&NONE)).then(|| ContactRecord { slots, ..contact.clone() })
+        contacts.extend(records.iter().filter_map(|contact| {
+            let slots = contact.slots.map(|slot| places[slot.index()]);
+            (!slots.contains(&Slot::NONE)).then(|| ContactRecord { slots, ..contact.clone() })
         }));
     }
 
-    /// Puts back what was saved, between the bodies that have the same names in this world.
+    /// Puts back what was saved, between the bodies that have the same keys in this world.
     pub(crate) fn put_back(&mut self, saved: &SavedContacts, world: &World) {
         self.forget();
-        self.body_keys.set(&saved.body_keys, world);
-        self.contacts.extend_from_slice(&saved.contacts);
-        let body_keys = &self.body_keys;
-        self.contacts.retain(|contact| contact.slots.iter().all(|slot| body_keys.is_here(*slot)));
-        self.shapes.clear();
-        self.shapes.extend(saved.centers.iter().copied().map(ColliderState::at_center));
+        let Self { cache: ContactCache { body_keys, .. }, contacts: ContactSet { records, .. }, states, .. } = self;
+        body_keys.set(&saved.body_keys, world);
+        records.extend_from_slice(&saved.contacts);
+        records.retain(|contact| contact.slots.iter().all(|slot| body_keys.is_here(*slot)));
+        states.states.clear();
+        states.states.extend(saved.centers.iter().copied().map(ColliderState::at_center));
     }
 
     /// Where the centre of mass of a slot was when the step began \[m\].
-    pub(crate) fn center(&self, slot: u32) -> [Real; 3] {
-        self.shapes.get(slot as usize).map_or([0.0; 3], ColliderState::center)
-    }
-
-    pub(crate) fn body_keys(&self) -> &BodyKeys {
-        &self.body_keys
+    pub(crate) fn center(&self, slot: Slot) -> [Real; 3] {
+        self.states.states.get(slot.index()).map_or([0.0; 3], ColliderState::center)
     }
 }

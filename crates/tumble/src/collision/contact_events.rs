@@ -4,8 +4,9 @@ use hecs::Entity;
 
 use crate::collision::body_key::BodyKey;
 use crate::collision::contact::ContactRecord;
-use crate::collision::find_contacts::Contacts;
+use crate::collision::contact_cache::ContactCache;
 use crate::collision::narrow_phase::LaneKind;
+use crate::storage::body_index::Slot;
 
 /// What changed in a step between two bodies with colliders; see
 /// [`Simulation::contact_events`](crate::Simulation::contact_events).
@@ -49,31 +50,32 @@ impl ContactEvent {
 }
 
 /// What contacts are in the order of, but for the part.
-type Pair = (LaneKind, [u32; 2]);
+type Pair = (LaneKind, [Slot; 2]);
 
-impl Contacts {
+impl ContactCache {
     /// Keeps the events of the last step beside those of the steps before it, as long as nothing
     /// was spawned or despawned since.
-    pub(crate) fn keep_events(&mut self) {
-        let mut events = std::mem::take(&mut self.previous.events);
-        events.extend(self.events_of_step());
-        self.previous.events = events;
+    pub(crate) fn keep_events(&mut self, contacts: &[ContactRecord]) {
+        let events = self.events_of_step(contacts);
+        self.events.extend(events);
     }
 
-    /// What began and ended to touch in the last step, in the order of the bodies.
-    pub(crate) fn events_of_step(&self) -> impl Iterator<Item = ContactEvent> + use<> {
+    /// What began and ended to touch in the last step, in the order of the bodies; `contacts` are
+    /// those after it.
+    pub(crate) fn events_of_step(&self, contacts: &[ContactRecord]) -> impl Iterator<Item = ContactEvent> + use<> {
+        let Self { body_keys, ended, .. } = self;
         let mut events: Vec<([BodyKey; 2], ContactEvent)> = Vec::new();
         if let Some(before) = self.before_the_step() {
-            let named = |slots: [u32; 2]| slots.map(|slot| self.body_keys().name(slot));
-            let entities = |slots: [u32; 2]| slots.map(|slot| self.body_keys().entity(slot));
-            for_each_change(touching_pairs(before), touching_pairs(&self.contacts), |change| {
+            let keys = |slots: [Slot; 2]| slots.map(|slot| body_keys.key(slot));
+            let entities = |slots: [Slot; 2]| slots.map(|slot| body_keys.entity(slot));
+            for_each_change(touching_pairs(before), touching_pairs(contacts), |change| {
                 events.push(match change {
-                    Change::Begun((_, slots)) => (named(slots), ContactEvent::Begin(entities(slots))),
-                    Change::Ended((_, slots)) => (named(slots), ContactEvent::End(entities(slots))),
+                    Change::Begun((_, slots)) => (keys(slots), ContactEvent::Begin(entities(slots))),
+                    Change::Ended((_, slots)) => (keys(slots), ContactEvent::End(entities(slots))),
                 });
             });
-            events.extend(self.previous.ended.iter().map(|ended| (ended.body_keys, ContactEvent::End(ended.entities))));
-            events.sort_by_key(|(body_keys, _)| *body_keys);
+            events.extend(ended.iter().map(|ended| (ended.body_keys, ContactEvent::End(ended.entities))));
+            events.sort_by_key(|(keys, _)| *keys);
             // Of a pair with several contacts each has parted.
             events.dedup();
         }

@@ -3,6 +3,7 @@
 use crate::collision::collider::Collider;
 use crate::collision::compound_parts::numbers;
 use crate::collision::material::{Material, Surface};
+use crate::storage::body_index::Slot;
 
 /// What only some surfaces do, and takes passes and numbers of its own.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -108,10 +109,10 @@ impl Materials {
 
     /// What the surfaces of two slots' colliders are like where they touch, in the contact of this
     /// number.
-    pub(crate) fn between(&self, slots: [u32; 2], pair: u32) -> Surface {
-        let [mut a, mut b] = slots.map(|slot| self.of_slots[slot as usize]);
+    pub(crate) fn between(&self, slots: [Slot; 2], pair: u32) -> Surface {
+        let [mut a, mut b] = slots.map(|slot| self.of_slots[slot.index()]);
         if (a | b) & OF_PARTS != 0 {
-            let of_second = self.counts.get(slots[1] as usize).copied().unwrap_or(1);
+            let of_second = self.counts.get(slots[1].index()).copied().unwrap_or(1);
             let [on_first, on_second] = numbers(pair, of_second);
             (a, b) = (self.of_part(a, on_first), self.of_part(b, on_second));
         }

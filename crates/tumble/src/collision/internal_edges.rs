@@ -7,11 +7,13 @@
 use tumble_collide::ColliderShape;
 use tumble_math::lane::Vec3;
 
-use crate::collision::collider::Collider;
+use crate::collision::collider_state::ColliderState;
 use crate::collision::compound_parts::numbers;
 use crate::collision::contact::{ContactRecord, SHAPE};
-use crate::collision::find_contacts::{ColliderState, Contacts};
-use crate::math::{Real, Vec3 as WorldVec3};
+use crate::collision::contact_set::ContactSet;
+use crate::collision::pipeline::{Colliders, CollisionPipeline};
+use crate::math::Real;
+use crate::storage::body_index::Slot;
 
 /// What goes less than this part of a margin past another in a step meets no edge of it.
 const SLIDES: Real = 0.5;
@@ -32,7 +34,7 @@ pub(crate) struct InternalEdges {
     /// By slot: whether it is in contact with what impulses do not move, or is that.
     on_fixed: Vec<bool>,
     /// Slots of bodies on a floor, and the numbers of their contacts with what they go past.
-    sliding: Vec<(u32, u32)>,
+    sliding: Vec<(Slot, u32)>,
     /// Numbers of contacts with an edge, and with the floor beside it.
     left_out: Vec<(u32, u32)>,
 }
@@ -52,7 +54,7 @@ impl Floor {
     pub(crate) fn of(contact: &ContactRecord, under_second: bool, shapes: &[ColliderState]) -> Self {
         let [x, y, z, ..] = contact.numbers[SHAPE].0;
         let normal = Vec3::new(x, y, z);
-        let center = shapes[contact.slots[1] as usize].center;
+        let center = shapes[contact.slots[1].index()].center;
         let sign = if under_second { 0.5 } else { -0.5 };
         let point = center + contact.half_way(0) - normal * (contact.separation(0) * sign);
         let normal = if under_second { normal } else { normal * -1.0 };
@@ -71,11 +73,12 @@ impl Floor {
     }
 }
 
-impl Contacts {
+impl CollisionPipeline {
     /// Leaves out the contacts of bodies with what lies level with the floor that they slide over.
     pub(crate) fn leave_out_internal_edges(&mut self) {
-        let Self { contacts, shapes, colliders, internal_edges: InternalEdges { on_fixed, sliding, left_out }, .. } =
-            self;
+        let Self { contacts: ContactSet { records: contacts, .. }, states, colliders, internal_edges, .. } = self;
+        let InternalEdges { on_fixed, sliding, left_out } = internal_edges;
+        let shapes = &states.states[..];
         let slides = |shape: &ColliderState, margin: Real| {
             let way = shape.motion.way;
             way.dot(way) > SLIDES * SLIDES * margin * margin
@@ -88,17 +91,17 @@ impl Contacts {
         on_fixed.clear();
         on_fixed.resize(shapes.len(), false);
         for ContactRecord { slots: [a, b], .. } in &*contacts {
-            if shapes[*a as usize].moves != shapes[*b as usize].moves {
-                (on_fixed[*a as usize], on_fixed[*b as usize]) = (true, true);
+            if shapes[a.index()].moves != shapes[b.index()].moves {
+                (on_fixed[a.index()], on_fixed[b.index()]) = (true, true);
             }
         }
         sliding.clear();
         for (index, contact) in (0_u32..).zip(&*contacts) {
-            let may_slide = |slot: u32| on_fixed[slot as usize] && shapes[slot as usize].moves;
+            let may_slide = |slot: Slot| on_fixed[slot.index()] && shapes[slot.index()].moves;
             if !contact.slots.into_iter().any(may_slide) {
                 continue;
             }
-            let [a, b] = contact.slots.map(|slot| &shapes[slot as usize]);
+            let [a, b] = contact.slots.map(|slot| &shapes[slot.index()]);
             let (way, most) = (b.motion.way - a.motion.way, SLIDES * contact.margin());
             if way.dot(way) > most * most {
                 sliding.extend(contact.slots.into_iter().filter(|slot| may_slide(*slot)).map(|slot| (slot, index)));
@@ -112,8 +115,8 @@ impl Contacts {
                 let edge = &contacts[*of_edge as usize];
                 let other = usize::from(edge.slots[0] == slot);
                 let its_slot = edge.slots[other];
-                let Some((collider, _)) = &colliders[its_slot as usize] else { continue };
-                let Some((second, _)) = &colliders[edge.slots[1] as usize] else { continue };
+                let Some((collider, _)) = colliders.get(its_slot) else { continue };
+                let Some((second, _)) = colliders.get(edge.slots[1]) else { continue };
                 let number = numbers(edge.part, second.geometry.parts())[other];
                 let away = normal_of(edge, slot);
                 let floor = group.iter().take(MAX).filter(|(_, index)| index != of_edge).find(|(_, index)| {
@@ -124,8 +127,8 @@ impl Contacts {
                     let is_one_point = contact.count() == 1 && edge.count() == 1;
                     let same = if is_one_point { SAME_NORMAL } else { SAME_FACE };
                     (SAME_FACE - 1.0..same).contains(&up)
-                        && !shapes[under as usize].moves
-                        && floor().is_level_with(&collider.geometry, number, &shapes[its_slot as usize])
+                        && !shapes[under.index()].moves
+                        && floor().is_level_with(&collider.geometry, number, &shapes[its_slot.index()])
                         && is_face(contact, slot, shapes, colliders)
                 });
                 if let Some((_, of_floor)) = floor {
@@ -154,26 +157,19 @@ impl Contacts {
 
 /// Whether a contact holds a body over a flat face of the other: what holds it over an edge may
 /// itself be a seam.
-fn is_face(
-    contact: &ContactRecord,
-    slot: u32,
-    shapes: &[ColliderState],
-    colliders: &[Option<(Collider, WorldVec3)>],
-) -> bool {
+fn is_face(contact: &ContactRecord, slot: Slot, shapes: &[ColliderState], colliders: &Colliders) -> bool {
     let other = usize::from(contact.slots[0] == slot);
-    let [Some((collider, _)), Some((second, _))] =
-        [other, 1].map(|which| colliders[contact.slots[which] as usize].as_ref())
-    else {
+    let [Some((collider, _)), Some((second, _))] = [other, 1].map(|which| colliders.get(contact.slots[which])) else {
         return false;
     };
     let number = numbers(contact.part, second.geometry.parts())[other];
     let (_, inner, part) = collider.geometry.part_of(number);
-    let at = shapes[contact.slots[other] as usize].placement.then(&inner);
+    let at = shapes[contact.slots[other].index()].placement.then(&inner);
     part.has_face(at.orientation.rotate_back(normal_of(contact, slot)))
 }
 
 /// The normal of a contact towards a body.
-fn normal_of(contact: &ContactRecord, slot: u32) -> Vec3<Real> {
+fn normal_of(contact: &ContactRecord, slot: Slot) -> Vec3<Real> {
     let [x, y, z, ..] = contact.numbers[SHAPE].0;
     let normal = Vec3::new(x, y, z);
     if contact.slots[1] == slot { normal } else { normal * -1.0 }

@@ -13,6 +13,7 @@ use crate::collision::contact::{
 use crate::math::Real;
 use crate::simd::block_lanes::put;
 use crate::simd::{BLOCK, Eight, Kernel, Tile, dispatch_in_blocks, gather};
+use crate::storage::body_index::Slot;
 use crate::threads::InParts;
 
 /// Where shapes are whose pairs are tested in lanes, by slot.
@@ -109,7 +110,7 @@ const PART: usize = 32;
 /// Pairs of one kind, in blocks, and what was found out about them.
 #[derive(Clone, Default)]
 pub(crate) struct Pairs {
-    pairs: Vec<[u32; 2]>,
+    pairs: Vec<[Slot; 2]>,
     blocks: Vec<[[u32; BLOCK]; 2]>,
     gaps: Vec<Real>,
 }
@@ -119,7 +120,7 @@ impl Pairs {
         self.pairs.clear();
     }
 
-    pub(crate) fn push(&mut self, pair: [u32; 2]) {
+    pub(crate) fn push(&mut self, pair: [Slot; 2]) {
         self.pairs.push(pair);
     }
 
@@ -169,7 +170,7 @@ impl Pairs {
         self.blocks.extend(self.pairs.chunks(BLOCK).map(|chunk| {
             let mut block = [[nobody; BLOCK]; 2];
             for (lane, [first, second]) in chunk.iter().enumerate() {
-                (block[0][lane], block[1][lane]) = (*first, *second);
+                (block[0][lane], block[1][lane]) = (first.0, second.0);
             }
             block
         }));
@@ -346,7 +347,7 @@ fn write<T: Tile>(
     let mut i = 0;
     while i < T::WIDTH {
         let contact = &mut found[i];
-        contact.slots = [rows[0][lane + i], rows[1][lane + i]];
+        contact.slots = [Slot(rows[0][lane + i]), Slot(rows[1][lane + i])];
         (contact.numbers[NORMAL_IMPULSE].0[7], contact.numbers[FRICTION_IMPULSE].0[6]) = (shares[i], margin[i]);
         let mut which = 0;
         while which < numbers.len() {

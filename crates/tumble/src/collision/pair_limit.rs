@@ -1,11 +1,11 @@
 //! A limit on the pairs of a body, so that many bodies in one place take time and memory that go
 //! with their number and not with its square.
 
-use tumble_collide::Proxy;
+use tumble_collide::{BroadPhase, Proxy};
 
-use crate::collision::find_contacts::{ColliderState, Contacts};
-use crate::collision::narrow_phase::LaneKind;
+use crate::collision::near_pairs::NearPair;
 use crate::math::Real;
+use crate::storage::body_index::Slot;
 
 /// A body with more pairs than this is in a crowd. Around a ball there is room for twelve that
 /// touch it, and for some sixty within twice its own size.
@@ -37,7 +37,7 @@ pub(crate) struct PairLimit {
 
 impl PairLimit {
     /// Leaves out pairs of crowds.
-    pub(crate) fn thin_out(&mut self, near: &mut [Vec<(LaneKind, [u32; 2])>], proxies: &[Proxy<Real>]) {
+    pub(crate) fn thin_out(&mut self, near: &mut [Vec<NearPair>], proxies: &[Proxy<Real>]) {
         let Self { counts, crowded, kept, left_out } = self;
         *left_out = 0;
         if near.iter().map(Vec::len).sum::<usize>() <= MAX_PAIRS {
@@ -45,7 +45,7 @@ impl PairLimit {
         }
         counts.clear();
         counts.resize(proxies.len(), 0);
-        let all = || near.iter().flatten().map(|(_, slots)| *slots);
+        let all = || near.iter().flatten().map(|(_, slots)| slots.map(|slot| slot.0));
         all().flatten().for_each(|slot| counts[slot as usize] += 1);
         // What has no end is ground: it takes no part in a crowd.
         let in_crowd = |slot: u32| counts[slot as usize] as usize > MAX_PAIRS && proxies[slot as usize].aabb.is_some();
@@ -66,7 +66,9 @@ impl PairLimit {
         kept.sort_unstable();
         for part in near {
             let before = part.len();
-            part.retain(|&(_, [a, b])| !are_crowded([a, b]) || kept.binary_search(&[a.min(b), a.max(b)]).is_ok());
+            part.retain(|&(_, [Slot(a), Slot(b)])| {
+                !are_crowded([a, b]) || kept.binary_search(&[a.min(b), a.max(b)]).is_ok()
+            });
             *left_out += before - part.len();
         }
         // A crowd is an accident, and what it took is not kept for it.
@@ -95,28 +97,31 @@ fn apart(a: &Proxy<Real>, b: &Proxy<Real>) -> Real {
     p.x.max(q.x).max(p.y.max(q.y)).max(p.z.max(q.z))
 }
 
-impl Contacts {
-    /// Finds the pairs that [`thin_out`](PairLimit::thin_out) leaves where all are too many for a
-    /// list: goes through them once to count and once to choose. All are in one part.
-    pub(crate) fn find_near_limited(&mut self) {
-        let Self { shapes, proxies, groups, broad_phase, near, pair_limit, .. } = self;
-        let wanted = |a: u32, b: u32| groups[a as usize].touch(groups[b as usize]);
+impl PairLimit {
+    /// The pairs that [`thin_out`](PairLimit::thin_out) leaves where all are too many for a list:
+    /// goes through them once to count and once to choose.
+    pub(crate) fn nearest_pairs(
+        &mut self,
+        proxies: &[Proxy<Real>],
+        broad_phase: &mut BroadPhase<Real>,
+        wanted: impl Fn(u32, u32) -> bool,
+    ) -> Vec<[u32; 2]> {
         let are_near = |a: u32, b: u32| proxies[a as usize].is_near(&proxies[b as usize]);
-        let counts = &mut pair_limit.counts;
+        let counts = &mut self.counts;
         counts.clear();
         counts.resize(proxies.len(), 0);
         let mut all = 0;
-        broad_phase.for_each_pair(proxies, wanted, |a, b| {
+        broad_phase.for_each_pair(proxies, &wanted, |a, b| {
             if are_near(a, b) {
                 [a, b].into_iter().for_each(|slot| counts[slot as usize] += 1);
                 all += 1;
             }
         });
-        let counts = &pair_limit.counts;
+        let counts = &self.counts;
         let in_crowd = |slot: u32| counts[slot as usize] as usize > MAX_PAIRS && proxies[slot as usize].aabb.is_some();
         let mut nearest: Vec<Nearest> = vec![Nearest::new(); proxies.len()];
         let mut kept = Vec::new();
-        broad_phase.for_each_pair(proxies, wanted, |a, b| {
+        broad_phase.for_each_pair(proxies, &wanted, |a, b| {
             if !are_near(a, b) {
                 return;
             }
@@ -133,27 +138,7 @@ impl Contacts {
         }
         kept.sort_unstable();
         kept.dedup();
-        pair_limit.left_out = all - kept.len();
-        near.resize_with(near.len().max(1), Vec::new);
-        near[0].clear();
-        near[0].extend(kept.into_iter().map(|[a, b]| near_pair(shapes, proxies, (a, b))));
+        self.left_out = all - kept.len();
+        kept
     }
-
-    /// Leaves out what is too much of the pairs that were found near each other, in the given
-    /// number of parts.
-    pub(crate) fn limit_near(&mut self, parts: usize) {
-        let Self { pair_limit, near, proxies, .. } = self;
-        pair_limit.thin_out(&mut near[..parts], proxies);
-    }
-}
-
-/// A pair with the kind of its shapes. Where impulses move only one of two, it is the second.
-pub(crate) fn near_pair(
-    shapes: &[ColliderState],
-    proxies: &[Proxy<Real>],
-    (first, second): (u32, u32),
-) -> (LaneKind, [u32; 2]) {
-    let [p, q] = [&proxies[first as usize], &proxies[second as usize]];
-    let slots = if p.moves && !q.moves { [second, first] } else { [first, second] };
-    (LaneKind::both(shapes[first as usize].kind, shapes[second as usize].kind), slots)
 }

@@ -7,8 +7,9 @@ use crate::collision::collider::Collider;
 use crate::collision::contact::{ContactRecord, FRICTION_IMPULSE, MAX_HALVINGS, NORMAL_IMPULSE, POINTS, SHAPE};
 use crate::collision::narrow_phase::LaneKind;
 use crate::math::Real;
+use crate::storage::body_index::Slot;
 
-/// Contacts as the last step left them, between bodies by their names: what a step begins with
+/// Contacts as the last step left them, between bodies by their keys: what a step begins with
 /// beside the bodies, and what is reported of them.
 ///
 /// Forces, materials and colors are recomputed in every step.
@@ -16,18 +17,18 @@ use crate::math::Real;
 pub(crate) struct SavedContacts {
     /// Of the bodies that have contacts, in order, no two the same.
     pub(crate) body_keys: Vec<BodyKey>,
-    /// Where their centres of mass were when the step began \[m\], one for each name.
+    /// Where their centres of mass were when the step began \[m\], one for each key.
     pub(crate) centers: Vec<[Real; 3]>,
-    /// Whose slots are places among the names.
+    /// Whose slots are places among the keys.
     pub(crate) contacts: Vec<ContactRecord>,
-    /// By slot, the place among the names.
-    pub(crate) places: Vec<u32>,
+    /// By slot, the place among the keys.
+    pub(crate) places: Vec<Slot>,
 }
 
 /// The numbers of a contact that a file has.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct SavedContact {
-    /// The bodies, as places among the names.
+    /// The bodies, as places among the keys.
     pub(crate) bodies: [u32; 2],
     /// Which of the contacts of the two.
     pub(crate) part: u32,
@@ -89,7 +90,7 @@ impl SavedContacts {
         contacts
     }
 
-    /// What was read from a file: one centre for each name, and contacts between those.
+    /// What was read from a file: one centre for each key, and contacts between those.
     pub(crate) fn new(body_keys: Vec<BodyKey>, centers: Vec<[Real; 3]>, contacts: &[SavedContact]) -> Self {
         Self {
             body_keys,
@@ -104,7 +105,7 @@ impl SavedContacts {
         self.body_keys.capacity() * size_of::<BodyKey>()
             + self.centers.capacity() * size_of::<[Real; 3]>()
             + self.contacts.capacity() * size_of::<ContactRecord>()
-            + self.places.capacity() * size_of::<u32>()
+            + self.places.capacity() * size_of::<Slot>()
     }
 }
 
@@ -123,11 +124,12 @@ impl ContactRecord {
         let [.., steady, share] = self.numbers[NORMAL_IMPULSE].0;
         let numbers = [x, y, z, a, b, c, d, e, f, steady, share, self.margin(), Real::from(self.halvings())];
         let (part, touched) = (self.part, self.touched);
-        SavedContact { bodies: self.slots, part, touched, numbers, points, count: self.count() }
+        SavedContact { bodies: self.slots.map(|slot| slot.0), part, touched, numbers, points, count: self.count() }
     }
 
     fn of_saved(saved: &SavedContact) -> Self {
-        let mut contact = Self { slots: saved.bodies, part: saved.part, touched: saved.touched, ..Self::NONE };
+        let mut contact =
+            Self { slots: saved.bodies.map(Slot), part: saved.part, touched: saved.touched, ..Self::NONE };
         contact.numbers[SHAPE].0[..3].copy_from_slice(&saved.numbers[..3]);
         contact.numbers[SHAPE].0[4] = saved.count as Real;
         contact.numbers[FRICTION_IMPULSE].0[..6].copy_from_slice(&saved.numbers[3..9]);

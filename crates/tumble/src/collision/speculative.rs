@@ -8,12 +8,14 @@ use rayon::prelude::*;
 use tumble_collide::{ColliderShape, Course, Follow, Manifold, Meeting};
 use tumble_math::lane::Vec3;
 
-use crate::collision::collider::Collider;
+use crate::collision::collider_state::{ColliderState, Motion};
 use crate::collision::compound_parts::numbers;
 use crate::collision::contact::{ContactRecord, FIXED, MATERIAL, SHAPE, Second};
-use crate::collision::find_contacts::{ColliderState, Contacts, Motion, PART};
+use crate::collision::contact_set::ContactSet;
 use crate::collision::narrow_phase::LaneKind;
-use crate::math::{Real, Vec3 as WorldVec3};
+use crate::collision::pipeline::{Colliders, CollisionPipeline, PART};
+use crate::math::Real;
+use crate::storage::body_index::Slot;
 use crate::threads::InParts;
 
 /// Surfaces nearer than this part of their margin meet.
@@ -39,7 +41,7 @@ const FEW: usize = 4;
 
 /// Two parts of two bodies that may meet.
 struct Encounter<'a> {
-    slots: [u32; 2],
+    slots: [Slot; 2],
     kind: LaneKind,
     /// Numbers of the parts, and what they are.
     numbers: [u32; 2],
@@ -53,7 +55,7 @@ struct Encounter<'a> {
 
 /// A body on its way.
 struct Traveller {
-    slot: u32,
+    slot: Slot,
     course: Course,
     /// Outward normals of what has stopped it.
     stops: Vec<Vec3<f64>>,
@@ -84,11 +86,12 @@ impl Way {
     }
 }
 
-impl Contacts {
+impl CollisionPipeline {
     /// Goes along the ways of bodies that are about to get through the plane of a contact.
     pub(crate) fn limit_speculative(&mut self, fall: Real) {
-        let Self { contacts, shapes, colliders, ways, .. } = self;
-        let class = |contact: &ContactRecord| Way::of(contact, contact.slots.map(|slot| &shapes[slot as usize]), fall);
+        let Self { contacts: ContactSet { records: contacts, .. }, states, colliders, ways, .. } = self;
+        let shapes = &states.states[..];
+        let class = |contact: &ContactRecord| Way::of(contact, contact.slots.map(|slot| &shapes[slot.index()]), fall);
         ways.clear();
         ways.resize(contacts.len(), Way::Plain);
         let parts = ways.par_chunks_mut(PART).zip(contacts.par_chunks(PART));
@@ -163,12 +166,12 @@ fn balls_pass(contact: &ContactRecord, gap: Real, [first, second]: [&ColliderSta
 /// Those of doubtful contacts, each once.
 fn encounters<'a>(
     (contacts, ways): (&[ContactRecord], &[Way]),
-    colliders: &'a [Option<(Collider, WorldVec3)>],
+    colliders: &'a Colliders,
     shapes: &[ColliderState],
 ) -> Vec<Encounter<'a>> {
     let mut encounters: Vec<Encounter<'a>> = Vec::new();
     for (contact, _) in contacts.iter().zip(ways).filter(|(_, way)| **way == Way::Doubtful) {
-        let [Some((a, _)), Some((b, _))] = contact.slots.map(|slot| colliders[slot as usize].as_ref()) else {
+        let [Some((a, _)), Some((b, _))] = contact.slots.map(|slot| colliders.get(slot)) else {
             continue;
         };
         let [first, second] = numbers(contact.part, b.geometry.parts());
@@ -185,7 +188,7 @@ fn encounters<'a>(
                 inner: [at, other_at],
                 plane: [one, other]
                     .contains(&&ColliderShape::HalfSpace)
-                    .then(|| plane(contact, contact.slots.map(|slot| &shapes[slot as usize]))),
+                    .then(|| plane(contact, contact.slots.map(|slot| &shapes[slot.index()]))),
                 meetings: Vec::new(),
             });
         }
@@ -212,18 +215,18 @@ fn normal(contact: &ContactRecord) -> Vec3<f64> {
 
 /// The bodies of encounters, by slot.
 fn travellers(encounters: &[Encounter<'_>], shapes: &[ColliderState]) -> Vec<Traveller> {
-    let mut slots: Vec<u32> = encounters.iter().flat_map(|encounter| encounter.slots).collect();
+    let mut slots: Vec<Slot> = encounters.iter().flat_map(|encounter| encounter.slots).collect();
     slots.sort_unstable();
     slots.dedup();
-    let traveller = |slot: u32| {
-        let ColliderState { placement, center, motion, .. } = &shapes[slot as usize];
+    let traveller = |slot: Slot| {
+        let ColliderState { placement, center, motion, .. } = &shapes[slot.index()];
         let course = Course::new(placement, *center, motion.way, motion.turn);
         Traveller { slot, course, stops: Vec::new(), turned_off: 0.0 }
     };
     slots.into_iter().map(traveller).collect()
 }
 
-fn find(travellers: &[Traveller], slot: u32) -> usize {
+fn find(travellers: &[Traveller], slot: Slot) -> usize {
     travellers.partition_point(|traveller| traveller.slot < slot)
 }
 
@@ -232,14 +235,14 @@ fn held_already(
     (contacts, ways): (&[ContactRecord], &[Way]),
     travellers: &[Traveller],
     shapes: &[ColliderState],
-) -> Vec<(usize, u32, Vec3<f64>)> {
+) -> Vec<(usize, Slot, Vec3<f64>)> {
     let mut held = Vec::new();
     if travellers.is_empty() {
         return held;
     }
     for (contact, way) in contacts.iter().zip(ways) {
         let [a, b] = contact.slots;
-        let (slot, other, sign) = match [a, b].map(|slot| shapes[slot as usize].moves) {
+        let (slot, other, sign) = match [a, b].map(|slot| shapes[slot.index()].moves) {
             [true, false] => (a, b, -1.0),
             [false, true] => (b, a, 1.0),
             _ => continue,
@@ -256,10 +259,10 @@ fn held_already(
 }
 
 /// How far a body goes in a step at a moment.
-fn linear(travellers: &[Traveller], shapes: &[ColliderState], slot: u32, moment: f64) -> Vec3<f64> {
+fn linear(travellers: &[Traveller], shapes: &[ColliderState], slot: Slot, moment: f64) -> Vec3<f64> {
     match travellers.get(find(travellers, slot)).filter(|traveller| traveller.slot == slot) {
         Some(traveller) => traveller.course.linear(moment),
-        None => wide(shapes[slot as usize].motion.way),
+        None => wide(shapes[slot.index()].motion.way),
     }
 }
 
@@ -275,11 +278,11 @@ type Change = (f64, Vec3<f64>, Vec<Vec3<f64>>);
 fn turn_off(
     travellers: &mut [Traveller],
     encounters: &[Encounter<'_>],
-    held: &[(usize, u32, Vec3<f64>)],
+    held: &[(usize, Slot, Vec3<f64>)],
     shapes: &[ColliderState],
 ) -> bool {
     // By traveller: when, by whom, and the outward normal.
-    let mut stops: Vec<Vec<(f64, u32, Vec3<f64>)>> = travellers.iter().map(|_| Vec::new()).collect();
+    let mut stops: Vec<Vec<(f64, Slot, Vec3<f64>)>> = travellers.iter().map(|_| Vec::new()).collect();
     for (place, other, normal) in held {
         stops[*place].push((0.0, *other, *normal));
     }
@@ -288,10 +291,10 @@ fn turn_off(
         for met in encounter.meetings.iter().filter(|met| met.is_hit) {
             // What impulses move may be left out of the step later, and would have had a say in
             // that of others.
-            if !shapes[b as usize].moves {
+            if !shapes[b.index()].moves {
                 stops[find(travellers, a)].push((met.moment, b, met.normal * -1.0));
             }
-            if !shapes[a as usize].moves {
+            if !shapes[a.index()].moves {
                 stops[find(travellers, b)].push((met.moment, a, met.normal));
             }
         }
@@ -299,7 +302,7 @@ fn turn_off(
     let mut changes: Vec<Option<Change>> = Vec::new();
     for (traveller, stops) in travellers.iter().zip(&mut stops) {
         changes.push(None);
-        if !shapes[traveller.slot as usize].moves {
+        if !shapes[traveller.slot.index()].moves {
             continue;
         }
         stops.sort_by(|a, b| a.0.total_cmp(&b.0));
@@ -337,13 +340,13 @@ fn turn_off(
 /// What is known of the bodies.
 struct View<'a> {
     shapes: &'a [ColliderState],
-    colliders: &'a [Option<(Collider, WorldVec3)>],
+    colliders: &'a Colliders,
     fall: Real,
 }
 
 impl View<'_> {
-    fn margin(&self, slots: [u32; 2]) -> Real {
-        slots.iter().fold(0.0, |sum, slot| sum + self.shapes[*slot as usize].margin)
+    fn margin(&self, slots: [Slot; 2]) -> Real {
+        slots.iter().fold(0.0, |sum, slot| sum + self.shapes[slot.index()].margin)
     }
 
     fn courses(&self, encounter: &Encounter<'_>, travellers: &[Traveller]) -> [Course; 2] {
@@ -376,7 +379,7 @@ impl View<'_> {
     fn meet_again(&self, encounters: &mut [Encounter<'_>], travellers: &[Traveller]) {
         encounters.par_chunks_mut(FEW).by_at_least(2).for_each(|encounters| {
             for encounter in encounters {
-                let of = |slot: u32| &travellers[find(travellers, slot)];
+                let of = |slot: Slot| &travellers[find(travellers, slot)];
                 let turned = encounter
                     .slots
                     .map(of)
@@ -399,8 +402,8 @@ impl View<'_> {
         contacts: &mut Vec<ContactRecord>,
     ) {
         let Encounter { slots, kind, shapes_of_pair, .. } = encounter;
-        let shapes = slots.map(|slot| &self.shapes[slot as usize]);
-        let [Some((a, _)), Some((b, _))] = slots.map(|slot| self.colliders[slot as usize].as_ref()) else { return };
+        let shapes = slots.map(|slot| &self.shapes[slot.index()]);
+        let [Some((a, _)), Some((b, _))] = slots.map(|slot| self.colliders.get(slot)) else { return };
         let [first, second] = self.courses(encounter, travellers);
         let (margin, parts) = (self.margin(*slots), b.geometry.parts());
         let from = contacts.len();
@@ -460,7 +463,7 @@ impl View<'_> {
     /// What rolls turns under its points.
     fn follow(&self, encounter: &Encounter<'_>) -> Follow {
         let rolls = |which: usize| {
-            let ColliderState { motion, placement, .. } = &self.shapes[encounter.slots[which] as usize];
+            let ColliderState { motion, placement, .. } = &self.shapes[encounter.slots[which].index()];
             let turn = motion.turn;
             let is_round = encounter.shapes_of_pair[which].is_round();
             let [_, axis, _] = placement.orientation.axes();

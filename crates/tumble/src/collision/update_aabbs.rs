@@ -4,8 +4,9 @@ use tumble_collide::{Isometry, Proxy};
 use tumble_math::lane::{Quat, Vec3};
 
 use crate::collision::collider::Collider;
-use crate::collision::find_contacts::{ColliderState, Contacts, Motion};
+use crate::collision::collider_state::{ColliderState, ColliderStates, Motion};
 use crate::collision::narrow_phase::{LaneKind, ShapeLanesPart};
+use crate::collision::pipeline::CollisionPipeline;
 use crate::components::{Momentum, Velocity};
 use crate::integrators::response_range::responds_in_range;
 use crate::integrators::state::{Constants, Moments};
@@ -15,63 +16,63 @@ use crate::storage::chunk::MIN_CHUNK;
 use crate::storage::world_columns::{PoseView, WorldColumns};
 use crate::threads;
 
-impl Contacts {
+impl CollisionPipeline {
     /// Reads where all bodies with colliders are, how far from there they may go in an interval,
     /// and how they go on in the one that the solver looks ahead \[s\].
     pub(crate) fn update_aabbs(&mut self, columns: &WorldColumns<'_>, intervals: [Real; 2]) {
-        let Self { body_index, shapes, colliders, lanes, proxies, .. } = self;
+        let Self { body_index, states: ColliderStates { states, proxies, lanes }, colliders, .. } = self;
         lanes.reset(body_index.len());
-        shapes.clear();
-        shapes.resize(body_index.len(), ColliderState::NOWHERE);
+        states.clear();
+        states.resize(body_index.len(), ColliderState::NOWHERE);
         proxies.clear();
         proxies.resize(body_index.len(), ColliderState::NOWHERE.proxy(None));
         for (archetype, bodies) in columns.pose_views() {
             let mut row = 0;
             // Slots go by another order than rows, mostly the same.
-            for run in body_index.slots_in(archetype).chunk_by(|a, b| *b == a + 1) {
-                let slots = run[0] as usize..run[0] as usize + run.len();
-                let sight = AabbUpdate {
-                    colliders: &colliders[slots.clone()],
-                    shapes: &mut shapes[slots.clone()],
+            for run in body_index.slots_in(archetype).chunk_by(|a, b| b.0 == a.0 + 1) {
+                let slots = run[0].index()..run[0].index() + run.len();
+                let update = AabbUpdate {
+                    colliders: &colliders.list[slots.clone()],
+                    states: &mut states[slots.clone()],
                     proxies: &mut proxies[slots.clone()],
                     lanes: lanes.part(slots),
                 };
-                sight.update_aabbs_in_parts(bodies.rows(row..row + run.len()), intervals);
+                update.run(bodies.rows(row..row + run.len()), intervals);
                 row += run.len();
             }
         }
     }
 }
 
-/// Neighbouring slots, for what is seen of their bodies.
+/// The update of neighbouring slots.
 struct AabbUpdate<'a> {
     colliders: &'a [Option<(Collider, WorldVec3)>],
-    shapes: &'a mut [ColliderState],
+    states: &'a mut [ColliderState],
     proxies: &'a mut [Proxy<Real>],
     lanes: ShapeLanesPart<'a>,
 }
 
 impl AabbUpdate<'_> {
-    /// Looks at bodies in parallel.
-    fn update_aabbs_in_parts(mut self, bodies: PoseView<'_>, intervals: [Real; 2]) {
-        let middle = self.shapes.len() / 2;
-        if self.shapes.len() <= MIN_CHUNK {
-            return (0..self.shapes.len()).for_each(|i| self.update_aabbs(i, bodies, intervals));
+    /// Runs in parallel.
+    fn run(mut self, bodies: PoseView<'_>, intervals: [Real; 2]) {
+        let middle = self.states.len() / 2;
+        if self.states.len() <= MIN_CHUNK {
+            return (0..self.states.len()).for_each(|i| self.update(i, bodies, intervals));
         }
         let (colliders, other_colliders) = self.colliders.split_at(middle);
-        let (shapes, other_shapes) = self.shapes.split_at_mut(middle);
+        let (states, other_states) = self.states.split_at_mut(middle);
         let (proxies, other_proxies) = self.proxies.split_at_mut(middle);
         let (lanes, other_lanes) = self.lanes.split_at(middle);
         let others =
-            AabbUpdate { colliders: other_colliders, shapes: other_shapes, proxies: other_proxies, lanes: other_lanes };
-        let these = AabbUpdate { colliders, shapes, proxies, lanes };
+            AabbUpdate { colliders: other_colliders, states: other_states, proxies: other_proxies, lanes: other_lanes };
+        let these = AabbUpdate { colliders, states, proxies, lanes };
         threads::join(
-            || these.update_aabbs_in_parts(bodies.rows(0..middle), intervals),
-            || others.update_aabbs_in_parts(bodies.rows(middle..bodies.pose.len()), intervals),
+            || these.run(bodies.rows(0..middle), intervals),
+            || others.run(bodies.rows(middle..bodies.pose.len()), intervals),
         );
     }
 
-    fn update_aabbs(&mut self, i: usize, bodies: PoseView<'_>, [interval, ahead_of]: [Real; 2]) {
+    fn update(&mut self, i: usize, bodies: PoseView<'_>, [interval, ahead_of]: [Real; 2]) {
         let Some((collider, offset)) = &self.colliders[i] else { return };
         let center = Vec3::from(bodies.pose[i].position);
         let orientation = Quat::from(bodies.pose[i].orientation).normalize();
@@ -112,8 +113,8 @@ impl AabbUpdate<'_> {
         let reach = margin + ahead(ccd_thickness, linear.length() * interval);
         self.lanes.set(i, geometry, &placement, center, (reach, margin));
         let velocity = (velocity.linear.into(), velocity.angular.into());
-        self.shapes[i] = ColliderState { placement, center, kind, moves, reach, margin, velocity, motion };
-        self.proxies[i] = self.shapes[i].proxy(Some(geometry));
+        self.states[i] = ColliderState { placement, center, kind, moves, reach, margin, velocity, motion };
+        self.proxies[i] = self.states[i].proxy(Some(geometry));
     }
 }
 

@@ -33,15 +33,15 @@ impl ForceLaws {
         WorldColumns::of(world, |archetype| self.may_act_on(archetype))
     }
 
-    /// Calls `system` once for every chunk of moving bodies, with the laws that act on them, in
-    /// parallel.
+    /// Calls `system` once for every chunk of moving bodies, with the index of their archetype and
+    /// the laws that act on them, in parallel.
     pub(crate) fn for_each_chunk_of(
         &self,
         held: &mut WorldColumns<'_>,
-        system: impl Fn(&mut Chunk<'_>, Laws<'_>) + Sync,
+        system: impl Fn(usize, &mut Chunk<'_>, Laws<'_>) + Sync,
     ) {
-        self.for_each_archetype_of(held, |_, chunk, laws| {
-            for_each_part(chunk, &|bodies: &mut Chunk<'_>| system(bodies, laws));
+        self.for_each_archetype_of(held, |archetype, chunk, laws| {
+            for_each_part(chunk, &|bodies: &mut Chunk<'_>| system(archetype, bodies, laws));
         });
     }
 

@@ -61,8 +61,8 @@ impl Simulation {
     pub(crate) fn take_snapshot(&self, world: &World, snapshot: &mut Snapshot) -> Result<(), SnapshotError> {
         snapshot.recapture(world)?;
         snapshot.set_clock(self.clock());
-        if let Some(contacts) = self.interactions.as_ref().and_then(|interactions| interactions.contacts.as_ref()) {
-            contacts.save(&mut snapshot.contacts);
+        if let Some(collision) = self.collision() {
+            collision.save(&mut snapshot.contacts);
         }
         Ok(())
     }
@@ -80,12 +80,12 @@ impl Simulation {
             self.set_clock(clock);
         }
         if !snapshot.contacts.is_empty() {
-            let contacts = self.interactions.get_or_insert_default().contacts.get_or_insert_default();
-            contacts.put_back(&snapshot.contacts, world);
-        } else if let Some(contacts) =
-            self.interactions.as_mut().and_then(|interactions| interactions.contacts.as_mut())
+            let collision = self.interactions.get_or_insert_default().collision.get_or_insert_default();
+            collision.put_back(&snapshot.contacts, world);
+        } else if let Some(collision) =
+            self.interactions.as_mut().and_then(|interactions| interactions.collision.as_mut())
         {
-            contacts.forget();
+            collision.forget();
         }
         Ok(spawned_since)
     }

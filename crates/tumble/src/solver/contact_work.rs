@@ -12,7 +12,8 @@ use crate::integrators::kinetic_energy::KineticEnergy;
 use crate::integrators::state::{Constants, State};
 use crate::math::{Real, Vec3 as WorldVec3, double, dvec3};
 use crate::simd::Eight;
-use crate::solver::solver_bodies::SolverBodies;
+use crate::solver::solver_bodies::{SolverBodies, SolverRow};
+use crate::storage::body_index::Slot;
 
 /// Accounts of the bodies that have [`Work`] and touch something, opened at the start of a step.
 ///
@@ -33,9 +34,7 @@ pub(crate) struct ContactWorks {
 struct BodyWork {
     /// Among the solver's bodies.
     row: usize,
-    slot: usize,
-    /// As it was before the step.
-    work: Work,
+    slot: Slot,
     constants: Constants<Real>,
     axes: Option<Quat<Real>>,
     /// How much damping leaves of linear and angular momentum in a substep.
@@ -68,12 +67,11 @@ impl ContactWorks {
         self.forces.clear();
     }
 
-    /// Opens the account of a body that had done so much work, under these forces of which so much
-    /// is gravity, for kicks of `h` \[s\].
+    /// Opens the account of a body under these forces, of which so much is gravity, for kicks of `h`
+    /// \[s\].
     pub(crate) fn open(
         &mut self,
-        (slot, row): (usize, u32),
-        work: Work,
+        (slot, row): (Slot, SolverRow),
         (forces, gravity): (&LawForces<'_>, WorldVec3),
         state: &State<Real>,
         h: Real,
@@ -87,9 +85,8 @@ impl ContactWorks {
             .extend((*laws).into_iter().map(|(index, law)| (WorkSource::Law(index), law.wrench(*law_row, &seen))));
         let start = KineticEnergy::of(constants, state).sum();
         self.bodies.push(BodyWork {
-            row: row as usize,
+            row: row.index(),
             slot,
-            work,
             constants: **constants,
             axes: constants.inertia.and_then(|inertia| inertia.axes),
             kept: Kick::new(constants, h).kept(),
@@ -158,9 +155,8 @@ impl ContactWorks {
         }
     }
 
-    /// The works of all, by slot in the order they were opened, those of before the step among
-    /// them.
-    pub(crate) fn close<'a>(&'a self, bodies: &'a SolverBodies) -> impl Iterator<Item = (usize, Work)> + 'a {
+    /// The works done on all in this substep, by slot in the order they were opened.
+    pub(crate) fn close<'a>(&'a self, bodies: &'a SolverBodies) -> impl Iterator<Item = (Slot, Work)> + 'a {
         let mut begin = 0;
         self.bodies.iter().map(move |body| {
             let forces = &self.forces[begin..body.forces_end];
@@ -217,7 +213,6 @@ impl BodyWork {
         } else {
             work.integrator += rest;
         }
-        work += self.work;
         work
     }
 }

@@ -1,10 +1,11 @@
-//! Between the columns of a world and the bodies that contacts are solved with.
+//! Between the columns of a world and the solver's bodies.
 
 use std::ops::Range;
 
-use tumble_math::lane::Quat;
+use tumble_math::lane::{Quat, Vec3};
 
-use crate::collision::find_contacts::{Contacts, NONE};
+use crate::collision::contact_set::ContactSet;
+use crate::components::{Wrench, Wrenches};
 use crate::forces::evaluate::LawForces;
 use crate::forces::force_context::ForceContext;
 use crate::forces::registry::{ForceLaws, Laws};
@@ -12,124 +13,159 @@ use crate::integrators::Forces;
 use crate::integrators::state::{Constants, State};
 use crate::math::{Real, Vec3 as WorldVec3};
 use crate::settings::Settings;
+use crate::solver::constrained_bodies::ConstrainedBodies;
 use crate::solver::contact_work::ContactWorks;
-use crate::solver::solver_bodies::{FreeRows, SolverBodies};
-use crate::solver::substeps::{ContactSolver, SolverGroup};
+use crate::solver::solver_bodies::{FreeRows, SolverBodies, SolverRow};
+use crate::storage::body_index::{BodyIndex, Slot};
 use crate::storage::chunk::{Chunk, MIN_CHUNK};
-use crate::storage::world_columns::WorldColumns;
+use crate::storage::world_columns::{ArchetypeBodies, WorldColumns};
 use crate::threads;
 
-impl Contacts {
-    /// Reads the bodies that touch something, and the forces on them as they are now, into rows
-    /// from these on: of what impulses move, and of what they do not. Returns the rows after them.
-    pub(crate) fn gather(
-        &mut self,
-        columns: &mut WorldColumns<'_>,
-        (settings, laws, time): (&Settings, &ForceLaws, f64),
-        group: &mut SolverGroup,
-        [mut next_dynamic, mut next_non_dynamic]: [usize; 2],
-    ) -> [usize; 2] {
-        let Self { body_index, shapes, rows, .. } = self;
-        let (SolverGroup { bodies, contact_works, .. }, mut begin, first_dynamic) = (group, next_dynamic, next_dynamic);
-        for slot in body_index.in_order_of_places() {
-            let shape = &shapes[slot];
-            if rows[slot] == NONE {
-                continue;
-            }
-            let next = if shape.moves { &mut next_dynamic } else { &mut next_non_dynamic };
-            rows[slot] = *next as u32;
-            if !shape.moves {
-                bodies.set_non_dynamic(*next, shape.center, shape.velocity.0, shape.velocity.1);
-            }
-            *next += 1;
-        }
-        let gathering = Gather { rows, settings, time };
-        laws.for_each_archetype_of(columns, |archetype, chunk, laws| {
-            let slots = body_index.slots_in(archetype);
-            let count = gathering.count(slots);
-            debug_assert!(
-                slots.is_empty() || slots.len() == chunk.len(),
-                "all bodies of an archetype have colliders, or none"
-            );
-            debug_assert!(
-                slots
-                    .iter()
-                    .map(|slot| rows[*slot as usize])
-                    .find(|row| *row != NONE)
-                    .is_none_or(|row| row as usize == begin)
-            );
-            let free = bodies.free_rows(begin..begin + count);
-            begin += count;
-            if chunk.work.is_some() {
-                gathering.read((&chunk, laws), slots, free, Some(contact_works));
-            } else if count > 0 {
-                gathering.read_in_parts((chunk, laws), slots, free);
-            }
-        });
-        debug_assert_eq!(begin, next_dynamic);
-        self.leave_out(bodies, first_dynamic..next_dynamic);
-        [next_dynamic, next_non_dynamic]
-    }
+/// What moves the bodies of a world but constraints: settings, laws, and the time at the start of
+/// the substep \[s\].
+pub(crate) type Moving<'a> = (&'a Settings, &'a ForceLaws, f64);
 
-    /// Lets bodies of these rows, under forces that are out of range, touch nothing: what they
-    /// become they become alone.
-    fn leave_out(&mut self, bodies: &SolverBodies, rows: Range<usize>) {
-        if rows.clone().all(|row| bodies.is_kicked_in_range(row)) {
-            return;
+/// Reads the constrained bodies, and the forces on them as they are now, into rows from these on:
+/// dynamic ones, and others. Returns the rows after them.
+///
+/// Contacts of bodies under forces out of range are dropped, and those bodies are no longer
+/// constrained.
+pub(crate) fn gather(
+    (constrained, contacts): (&mut ConstrainedBodies, &mut ContactSet),
+    body_index: &BodyIndex,
+    columns: &mut WorldColumns<'_>,
+    (settings, laws, time): Moving<'_>,
+    (bodies, contact_works): (&mut SolverBodies, &mut ContactWorks),
+    [first_dynamic, first_non_dynamic]: [usize; 2],
+) -> [usize; 2] {
+    let next_dynamic = give_rows(constrained, body_index, columns, first_dynamic);
+    let next_non_dynamic = gather_non_dynamic(constrained, body_index, columns, bodies, first_non_dynamic);
+    let mut begin = first_dynamic;
+    let gathering = Gather { constrained, settings, time };
+    laws.for_each_archetype_of(columns, |archetype, chunk, laws| {
+        let slots = body_index.slots_in(archetype);
+        let count = gathering.count(slots);
+        debug_assert!(
+            slots.is_empty() || slots.len() == chunk.len(),
+            "all bodies of an archetype have a slot, or none"
+        );
+        let free = bodies.free_rows(begin..begin + count);
+        begin += count;
+        if chunk.work.is_some() {
+            gathering.read((&chunk, laws), slots, free, Some(contact_works));
+        } else if count > 0 {
+            gathering.read_in_parts((chunk, laws), slots, free);
         }
-        let Self { contacts, rows: row_of, .. } = self;
-        contacts.retain(|contact| {
-            let mut its_rows = contact.slots.into_iter().map(|slot| row_of[slot as usize] as usize);
-            its_rows.all(|row| !rows.contains(&row) || bodies.is_kicked_in_range(row))
-        });
-        // Who touches nothing then is left to the integrator, as if the others were not there.
-        let mut touching = vec![false; row_of.len()];
-        contacts.iter().flat_map(|contact| contact.slots).for_each(|slot| touching[slot as usize] = true);
-        row_of.iter_mut().zip(touching).filter(|(_, touching)| !touching).for_each(|(row, _)| *row = NONE);
-    }
+    });
+    debug_assert_eq!(begin, next_dynamic);
+    drop_out_of_range((constrained, contacts), bodies, first_dynamic..next_dynamic);
+    [next_dynamic, next_non_dynamic]
+}
 
-    /// Writes what was worked out, alone or with other worlds, over what the integrator made of the
-    /// same bodies.
-    pub(crate) fn write(&self, columns: &mut WorldColumns<'_>, contact_solver: &ContactSolver) {
-        let SolverGroup { bodies, contact_works, .. } = &contact_solver.group;
-        columns.for_each_chunk(|archetype, chunk| {
-            let slots = self.body_index.slots_in(archetype).iter().skip(chunk.first_row);
-            for (i, slot) in slots.enumerate().take(chunk.len()) {
-                let row = self.rows[*slot as usize];
-                if row != NONE {
-                    let axes = chunk.axes.map(|axes| Quat::from(axes[i].0));
-                    chunk.set_state(i, &bodies.state(row as usize, axes));
-                }
+/// Gives rows to the dynamic bodies, in the order of their places. Returns the row after them.
+fn give_rows(
+    constrained: &mut ConstrainedBodies,
+    body_index: &BodyIndex,
+    columns: &WorldColumns<'_>,
+    mut next: usize,
+) -> usize {
+    for (archetype, _) in columns.kinds().filter(|(_, is_dynamic)| *is_dynamic) {
+        for slot in body_index.slots_in(archetype) {
+            if constrained.contains(*slot) {
+                constrained.set_row(*slot, SolverRow(next as u32));
+                next += 1;
             }
-        });
-        // Worlds in which accounts are kept are not packed with others.
-        for (slot, work) in contact_works.close(bodies).filter(|(slot, _)| self.rows[*slot] != NONE) {
-            let place = self.body_index.place(slot);
-            if let Some(works) = columns.moving_mut(place).and_then(|moving| moving.work.as_mut()) {
-                works[place.row as usize] = work;
+        }
+    }
+    next
+}
+
+/// Gives rows to the bodies that are not dynamic, and reads them. Returns the row after them.
+fn gather_non_dynamic(
+    constrained: &mut ConstrainedBodies,
+    body_index: &BodyIndex,
+    columns: &WorldColumns<'_>,
+    bodies: &mut SolverBodies,
+    mut next: usize,
+) -> usize {
+    for (archetype, _) in columns.kinds().filter(|(_, is_dynamic)| !*is_dynamic) {
+        for slot in body_index.slots_in(archetype) {
+            let place = body_index.place(*slot);
+            let ArchetypeBodies::NonDynamic(columns) = columns.bodies(place) else { continue };
+            if constrained.contains(*slot) {
+                let (row, velocity) = (place.row as usize, columns.velocity(place.row as usize));
+                let center = Vec3::from(columns.pose[row].position);
+                bodies.set_non_dynamic(next, center, velocity.linear.into(), velocity.angular.into());
+                constrained.set_row(*slot, SolverRow(next as u32));
+                next += 1;
             }
+        }
+    }
+    next
+}
+
+/// Drops the contacts of bodies of these rows whose forces are out of range: what becomes of those
+/// is the integrator's.
+fn drop_out_of_range(
+    (constrained, contacts): (&mut ConstrainedBodies, &mut ContactSet),
+    bodies: &SolverBodies,
+    rows: Range<usize>,
+) {
+    if rows.clone().all(|row| bodies.is_kicked_in_range(row)) {
+        return;
+    }
+    contacts.retain(|contact| {
+        let mut its_rows = constrained.rows_of(contact.slots).into_iter().map(SolverRow::index);
+        its_rows.all(|row| !rows.contains(&row) || bodies.is_kicked_in_range(row))
+    });
+    constrained.retain(contacts.records.iter().map(|contact| contact.slots));
+}
+
+/// Writes the constrained bodies back to their columns, with the work done on them. Wrenches are
+/// consumed where it is the last substep.
+pub(crate) fn scatter(
+    constrained: &ConstrainedBodies,
+    body_index: &BodyIndex,
+    columns: &mut WorldColumns<'_>,
+    (bodies, contact_works): (&SolverBodies, &ContactWorks),
+    wrenches: Wrenches,
+) {
+    columns.for_each_chunk(|archetype, chunk| {
+        let slots = body_index.slots_in(archetype).iter().skip(chunk.first_row);
+        for (i, slot) in slots.enumerate().take(chunk.len()) {
+            let Some(row) = constrained.row(*slot) else { continue };
+            let axes = chunk.axes.map(|axes| Quat::from(axes[i].0));
+            chunk.set_state(i, &bodies.state(row.index(), axes));
+            if wrenches == Wrenches::Consumed {
+                chunk.wrench[i] = Wrench::default();
+            }
+        }
+    });
+    // Worlds in which accounts are kept are not packed with others.
+    for (slot, work) in contact_works.close(bodies).filter(|(slot, _)| constrained.contains(*slot)) {
+        let place = body_index.place(slot);
+        if let Some(works) = columns.moving_mut(place).and_then(|moving| moving.work.as_mut()) {
+            works[place.row as usize] += work;
         }
     }
 }
 
-/// How bodies that touch something are read.
+/// How constrained bodies are read.
 struct Gather<'a> {
-    /// By slot.
-    rows: &'a [u32],
+    constrained: &'a ConstrainedBodies,
     settings: &'a Settings,
     /// Time at the start of the substep \[s\].
     time: f64,
 }
 
 impl Gather<'_> {
-    /// How many of these touch something.
-    fn count(&self, slots: &[u32]) -> usize {
-        slots.iter().filter(|slot| self.rows[**slot as usize] != NONE).count()
+    /// How many of these are constrained.
+    fn count(&self, slots: &[Slot]) -> usize {
+        slots.iter().filter(|slot| self.constrained.contains(**slot)).count()
     }
 
-    /// Reads those bodies of a chunk that touch something, of which the slots are given, in
-    /// parallel.
-    fn read_in_parts(&self, (chunk, laws): (Chunk<'_>, Laws<'_>), slots: &[u32], free: FreeRows<'_>) {
+    /// Reads the constrained bodies of a chunk, of which the slots are given, in parallel.
+    fn read_in_parts(&self, (chunk, laws): (Chunk<'_>, Laws<'_>), slots: &[Slot], free: FreeRows<'_>) {
         if chunk.len() <= MIN_CHUNK {
             return self.read((&chunk, laws), slots, free, None);
         }
@@ -145,14 +181,14 @@ impl Gather<'_> {
     fn read(
         &self,
         (chunk, laws): (&Chunk<'_>, Laws<'_>),
-        slots: &[u32],
+        slots: &[Slot],
         mut free: FreeRows<'_>,
         mut contact_works: Option<&mut ContactWorks>,
     ) {
-        let Self { rows, settings, time } = *self;
+        let Self { constrained, settings, time } = *self;
         let h = settings.contact_substep();
-        let touching = slots.iter().enumerate().filter(|(_, slot)| rows[**slot as usize] != NONE);
-        for (next, (i, &slot)) in touching.enumerate() {
+        let rows = slots.iter().enumerate().filter_map(|(i, slot)| Some((i, *slot, constrained.row(*slot)?)));
+        for (next, (i, slot, solver_row)) in rows.enumerate() {
             let constants: Constants<Real> = chunk.constants(i);
             let state: State<Real> = chunk.state(i);
             let wind = chunk.wind.map_or(WorldVec3::ZERO, |wind| wind[i].0);
@@ -160,9 +196,8 @@ impl Gather<'_> {
             let (wrench, row) = (chunk.wrench[i], chunk.first_row + i);
             let forces = LawForces { constants: &constants, context: &context, wrench, laws, row, time };
             free.set(next, &constants, &state, forces.at(0.0, &state), h);
-            if let (Some(work), Some(contact_works)) = (chunk.work.as_deref(), contact_works.as_deref_mut()) {
-                let (booked, gravity) = ((slot as usize, rows[slot as usize]), chunk.gravity_on(i, settings));
-                contact_works.open(booked, work[i], (&forces, gravity), &state, h);
+            if let Some(contact_works) = contact_works.as_deref_mut() {
+                contact_works.open((slot, solver_row), (&forces, chunk.gravity_on(i, settings)), &state, h);
             }
         }
     }

@@ -1,5 +1,7 @@
 //! Greedy graph coloring of contacts, so that no two of one color share a dynamic body.
 
+use crate::solver::solver_bodies::SolverRow;
+
 /// Which contacts can be worked on side by side: those of one color have no body in common that
 /// impulses move.
 ///
@@ -36,20 +38,20 @@ impl GraphColoring {
 
     /// Of contacts, each with the rows of its bodies; those from `first_non_dynamic` on impulses do
     /// not move.
-    pub(crate) fn color(&mut self, rows: impl Iterator<Item = [u32; 2]>, first_non_dynamic: usize) {
+    pub(crate) fn color(&mut self, rows: impl Iterator<Item = [SolverRow; 2]>, first_non_dynamic: usize) {
         self.taken.clear();
         self.taken.resize(first_non_dynamic, [0; 2]);
         self.colors.clear();
         for [first, second] in rows {
-            let has_non_dynamic = first as usize >= first_non_dynamic;
+            let has_non_dynamic = first.index() >= first_non_dynamic;
             let which = usize::from(has_non_dynamic);
             let taken =
-                self.taken[second as usize][which] | if has_non_dynamic { 0 } else { self.taken[first as usize][0] };
+                self.taken[second.index()][which] | if has_non_dynamic { 0 } else { self.taken[first.index()][0] };
             let index = taken.trailing_ones();
             if index < ContactColor::ALONE {
-                self.taken[second as usize][which] |= 1 << index;
+                self.taken[second.index()][which] |= 1 << index;
                 if !has_non_dynamic {
-                    self.taken[first as usize][0] |= 1 << index;
+                    self.taken[first.index()][0] |= 1 << index;
                 }
             }
             self.colors.push(ContactColor { has_non_dynamic, index });

@@ -1,16 +1,13 @@
 //! Joint contact solving of several small worlds, to fill the SIMD lanes.
 
-use hecs::World;
-
-use crate::collision::collider::Collider;
 use crate::collision::contact::{ContactRecord, FRICTION_IMPULSE, NORMAL_IMPULSE};
 use crate::collision::contact_materials::Extras;
-use crate::collision::find_contacts::Contacts;
-use crate::components::{Pose, Work};
-use crate::forces::registry::ForceLaws;
-use crate::math::Real;
+use crate::collision::contact_set::ContactSet;
 use crate::settings::Settings;
-use crate::solver::substeps::ContactSolver;
+use crate::solver::constrained_bodies::ConstrainedBodies;
+use crate::solver::gather_scatter::Moving;
+use crate::solver::substeps::Solver;
+use crate::storage::body_index::BodyIndex;
 use crate::storage::world_columns::WorldColumns;
 
 /// Contacts of several small worlds, solved side by side: of one world alone they would leave most
@@ -21,137 +18,54 @@ use crate::storage::world_columns::WorldColumns;
 /// each other.
 #[derive(Default)]
 pub(crate) struct MultiWorld {
-    contact_solver: ContactSolver,
-    /// Those of all worlds, between rows in the place of slots.
+    solver: Solver,
+    /// Those of all worlds.
     contacts: Vec<ContactRecord>,
-    /// Where the next world's rows begin: of what impulses move and of what they do not.
-    next: [usize; 2],
+    /// Where the next world's rows begin: of dynamic bodies, and of others.
+    next_rows: [usize; 2],
     /// How many contacts have been given back.
     returned: usize,
 }
 
-/// What worlds must have in common to be packed.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct PackKey {
-    dt: Real,
-    substeps: u32,
-    contact_substeps: u32,
-    restitution_threshold: Real,
-    extras: Extras,
-}
-
-/// Worlds of more entities fill lanes by themselves, and threads if there are many more.
-const MAX_ENTITIES: u32 = 128;
-
-impl PackKey {
-    /// Of a world in which something may touch; `None` where it is better off alone.
-    pub(crate) fn of(world: &World, settings: &Settings) -> Option<Self> {
-        let is_booked = world.archetypes().any(|archetype| !archetype.is_empty() && archetype.has::<Work>());
-        if world.len() > MAX_ENTITIES || is_booked || !crate::collision::are_in(world) {
-            return None;
-        }
-        let mut extras = Extras::default();
-        // Those that contacts know of.
-        for collider in world.query::<&Collider>().with::<&Pose>().iter() {
-            collider.materials().for_each(|material| extras.add(material));
-        }
-        let Settings { dt, substeps, contact_substeps, restitution_threshold, .. } = *settings;
-        Some(Self { dt, substeps, contact_substeps, restitution_threshold, extras })
-    }
-}
-
 impl MultiWorld {
-    /// Makes room for the bodies that impulses move and for those that they do not.
-    pub(crate) fn begin(&mut self, touching: [usize; 2]) {
-        self.contact_solver.reset(touching);
+    /// Makes room for dynamic bodies, and for others.
+    pub(crate) fn begin(&mut self, counts: [usize; 2]) {
+        self.solver.reset(counts);
         self.contacts.clear();
-        self.next = [0, self.contact_solver.group.bodies.first_non_dynamic()];
+        self.next_rows = self.solver.first_rows();
         self.returned = 0;
     }
 
-    /// Adds what touches in a world.
+    /// Adds the constrained bodies of a world, and their contacts.
     pub(crate) fn add(
         &mut self,
-        found: &mut Contacts,
+        (constrained, contacts): (&mut ConstrainedBodies, &mut ContactSet),
+        body_index: &BodyIndex,
         columns: &mut WorldColumns<'_>,
-        settings: &Settings,
-        laws: &ForceLaws,
-        time: f64,
+        moving: Moving<'_>,
     ) {
-        self.next = found.gather(columns, (settings, laws, time), &mut self.contact_solver.group, self.next);
-        found.add_round_contacts(self.contacts.len(), &mut self.contact_solver.group.rounds);
-        let ContactSolver { group, halvings, stacks, .. } = &mut self.contact_solver;
-        stacks.add_halvings(found, settings, &group.bodies, halvings);
-        let found = &*found;
-        self.contacts.extend(
-            found.contacts.iter().map(|contact| ContactRecord { slots: found.rows_of(contact), ..contact.clone() }),
-        );
+        let constraints = (constrained, &mut *contacts);
+        self.next_rows = self.solver.add_world(constraints, body_index, columns, moving, self.next_rows);
+        self.contacts.extend_from_slice(&contacts.records);
     }
 
     /// Solves the contacts of all worlds together, with settings that are alike.
-    pub(crate) fn solve_substeps(&mut self, settings: &Settings, pack_key: &PackKey) {
-        self.contact_solver.solve_substeps(&mut self.contacts, |contact| contact.slots, settings, pack_key.extras);
+    pub(crate) fn solve_substeps(&mut self, settings: &Settings, extras: Extras) {
+        self.solver.solve_substeps(&mut self.contacts, settings, extras);
     }
 
     /// Gives the contacts of the next world their impulses, in the order in which worlds were
     /// added.
-    pub(crate) fn return_impulses(&mut self, found: &mut Contacts) {
-        for (contact, pushed) in found.contacts.iter_mut().zip(&self.contacts[self.returned..]) {
+    pub(crate) fn return_impulses(&mut self, contacts: &mut [ContactRecord]) {
+        for (contact, solved) in contacts.iter_mut().zip(&self.contacts[self.returned..]) {
             for which in [NORMAL_IMPULSE, FRICTION_IMPULSE] {
-                contact.numbers[which] = pushed.numbers[which];
+                contact.numbers[which] = solved.numbers[which];
             }
         }
-        self.returned += found.contacts.len();
+        self.returned += contacts.len();
     }
 
-    pub(crate) fn contact_solver(&self) -> &ContactSolver {
-        &self.contact_solver
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::Shape;
-    use crate::body::rigid_body::RigidBody;
-    use crate::collision::material::Material;
-
-    fn world(material: Material) -> World {
-        let (mut world, shape) = (World::new(), Shape::sphere(0.5));
-        let collider = Collider::new(&shape).and_then(|it| it.with_material(material));
-        if let (Ok(body), Ok(collider)) = (RigidBody::new(shape).mass(1.0).build(), collider) {
-            body.spawn_with(&mut world, (collider,));
-        }
-        world
-    }
-
-    #[test]
-    fn alike_is_what_is_solved_in_the_same_way() {
-        let (plain, settings) = (world(Material::default()), Settings::default());
-        let pack_key = |world: &World, settings: Settings| PackKey::of(world, &settings);
-        let common = pack_key(&plain, settings);
-        assert!(common.is_some());
-        assert_eq!(pack_key(&world(Material::new(0.1, 0.0)), settings.with_gravity(crate::math::Vec3::ZERO)), common);
-        for other in [
-            pack_key(&plain, settings.with_dt(0.01)),
-            pack_key(&plain, settings.with_substeps(2)),
-            pack_key(&plain, settings.with_contact_substeps(8)),
-            pack_key(&plain, Settings { restitution_threshold: 0.1, ..settings }),
-            pack_key(&world(Material::new(0.5, 0.5)), settings),
-            pack_key(&world(Material { rolling_resistance: 0.01, ..Material::default() }), settings),
-            pack_key(&World::new(), settings),
-        ] {
-            assert_ne!(other, common);
-        }
-        let mut booked = world(Material::default());
-        let bodies: Vec<_> = booked.query::<hecs::Entity>().iter().collect();
-        bodies.into_iter().for_each(|body| assert!(booked.insert_one(body, Work::default()).is_ok()));
-        assert_eq!(pack_key(&booked, settings), None);
-        // A collider without a place touches nothing, so what it is like does not matter.
-        let mut with_template = world(Material::default());
-        if let Ok(bouncy) = Collider::half_space().with_material(Material::new(0.5, 1.0)) {
-            with_template.spawn((bouncy,));
-        }
-        assert_eq!(pack_key(&with_template, settings), common);
+    pub(crate) fn solver(&self) -> &Solver {
+        &self.solver
     }
 }

@@ -15,7 +15,18 @@ use crate::simd::block_lanes::{put_two_vectors, two_vectors};
 use crate::simd::{BLOCK, Eight, Kernel, Tile, dispatch_in_blocks};
 use crate::threads::InParts;
 
-/// The bodies that touch something, as the solver sees them: momentum is what it changes, and the
+/// The number of a body among those of the solver.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[repr(transparent)]
+pub(crate) struct SolverRow(pub(crate) u32);
+
+impl SolverRow {
+    pub(crate) fn index(self) -> usize {
+        self.0 as usize
+    }
+}
+
+/// The constrained bodies, as the solver sees them: momentum is what it changes, and the
 /// rest says what that does.
 ///
 /// First those that impulses move, in whole blocks of which the last is filled up with points
@@ -112,6 +123,17 @@ impl SolverBodies {
         self.motion[row] = Eight([linear.x, linear.y, linear.z, angular.x, angular.y, angular.z, 1.0, 0.0]);
     }
 
+    /// Where the centre of mass of a body was when the step began \[m\].
+    pub(crate) fn center(&self, row: SolverRow) -> Vec3<Real> {
+        let Eight([x, y, z, ..]) = self.pose[row.index()];
+        Vec3::new(x, y, z)
+    }
+
+    /// Whether impulses move a body.
+    pub(crate) fn is_dynamic(&self, row: SolverRow) -> bool {
+        row.index() < self.first_non_dynamic()
+    }
+
     /// What a body that impulses move has become.
     pub(crate) fn state(&self, row: usize, axes: Option<Quat<Real>>) -> State<Real> {
         let Eight([px, py, pz, lx, ly, lz, ..]) = self.motion[row];
@@ -128,8 +150,8 @@ impl SolverBodies {
     }
 
     /// The least inverse moment of inertia over the greatest; one of what impulses do not turn.
-    pub(crate) fn inertia_ratio(&self, row: u32) -> Real {
-        self.inertia.get(row as usize).map_or(1.0, |Eight([_, _, _, x, y, z, ..])| {
+    pub(crate) fn inertia_ratio(&self, row: SolverRow) -> Real {
+        self.inertia.get(row.index()).map_or(1.0, |Eight([_, _, _, x, y, z, ..])| {
             let (least, most) = (x.min(*y).min(*z), x.max(*y).max(*z));
             if most > 0.0 { least / most } else { 1.0 }
         })
@@ -137,9 +159,9 @@ impl SolverBodies {
 
     /// Of what impulses move: one over the mass, the inverse inertia about two directions, and what
     /// is beside them.
-    pub(crate) fn mobility(&self, row: u32, [u, v]: [Vec3<Real>; 2]) -> [Real; 4] {
+    pub(crate) fn mobility(&self, row: SolverRow, [u, v]: [Vec3<Real>; 2]) -> [Real; 4] {
         let (Eight([.., mass, _]), Eight([xx, yy, zz, yz, zx, xy, ..])) =
-            (self.motion[row as usize], self.inv_inertia[row as usize]);
+            (self.motion[row.index()], self.inv_inertia[row.index()]);
         let times = |v| symmetric_product(Vec3::new(xx, yy, zz), Vec3::new(yz, zx, xy), v);
         [mass, u.dot(times(u)), v.dot(times(v)), u.dot(times(v))]
     }
@@ -165,9 +187,9 @@ impl SolverBodies {
 
     /// Takes over the bodies of these rows of others, those that impulses move first; forces act as
     /// in substeps halved so often.
-    pub(crate) fn copy(&mut self, others: &Self, rows: &[u32], halvings: u8) {
+    pub(crate) fn copy(&mut self, others: &Self, rows: &[SolverRow], halvings: u8) {
         let first_non_dynamic = others.first_non_dynamic();
-        let free = rows.iter().take_while(|row| (**row as usize) < first_non_dynamic).count();
+        let free = rows.iter().take_while(|row| row.index() < first_non_dynamic).count();
         self.reset(free, rows.len() - free);
         for (place, row) in self.places(rows) {
             self.motion[place] = others.motion[row];
@@ -181,7 +203,7 @@ impl SolverBodies {
     }
 
     /// Copies the dynamic bodies back to the rows that they were taken from.
-    pub(crate) fn copy_back(&self, others: &mut Self, rows: &[u32]) {
+    pub(crate) fn copy_back(&self, others: &mut Self, rows: &[SolverRow]) {
         for (place, row) in self.places(rows).take(self.free) {
             others.motion[row] = self.motion[place];
             others.inv_inertia[row] = self.inv_inertia[place];
@@ -191,10 +213,10 @@ impl SolverBodies {
     }
 
     /// The rows here of copies of these rows.
-    pub(crate) fn places<'a>(&self, rows: &'a [u32]) -> impl Iterator<Item = (usize, usize)> + use<'a> {
+    pub(crate) fn places<'a>(&self, rows: &'a [SolverRow]) -> impl Iterator<Item = (usize, usize)> + use<'a> {
         let (free, first_non_dynamic) = (self.free, self.first_non_dynamic());
         let place = move |i: usize| if i < free { i } else { first_non_dynamic + i - free };
-        rows.iter().enumerate().map(move |(i, row)| (place(i), *row as usize))
+        rows.iter().enumerate().map(move |(i, row)| (place(i), row.index()))
     }
 
     /// Adds what forces do in a substep.

@@ -5,13 +5,15 @@ use tumble_collide::MAX_MANIFOLD_POINTS;
 use tumble_math::lane::Vec3;
 
 use crate::collision::contact::{ContactRecord, FRICTION_IMPULSE, MAX_HALVINGS, POINTS, SHAPE};
-use crate::collision::find_contacts::{ColliderState, Contacts, NONE, PART};
+use crate::collision::pipeline::PART;
 use crate::math::Real;
 use crate::settings::Settings;
 use crate::simd::{BLOCK, Eight, Kernel, Tile, dispatch_in_blocks};
+use crate::solver::constrained_bodies::ConstrainedBodies;
 use crate::solver::contact::softness::Softness;
 use crate::solver::islands::Islands;
 use crate::solver::solver_bodies::SolverBodies;
+use crate::storage::body_index::Slot;
 use crate::threads::InParts;
 
 /// The loads of a world's bodies on each other under gravity, and the islands that need shorter
@@ -34,11 +36,11 @@ pub(crate) struct Stacks {
     /// Where the supports of each slot begin among `by_upper`.
     begins: Vec<u32>,
     /// The number of a support, and the slot of the lower body.
-    by_upper: Vec<(u32, u32)>,
+    by_upper: Vec<(u32, Slot)>,
     /// By slot: how many supports hand it loads that have not done so.
     waiting: Vec<u32>,
     /// Slots that rest on something, each after all that rest on it.
-    order: Vec<u32>,
+    order: Vec<Slot>,
     islands: Islands,
     /// By slot of an island's root, how often its substeps were halved before.
     before: Vec<u8>,
@@ -90,17 +92,18 @@ impl Stacks {
     /// Adds how often the substeps of each contact of a world are to be halved.
     pub(crate) fn add_halvings(
         &mut self,
-        found: &mut Contacts,
+        contacts: &mut [ContactRecord],
+        constrained: &ConstrainedBodies,
         settings: &Settings,
         bodies: &SolverBodies,
         halvings: &mut Vec<u8>,
     ) {
         let first = halvings.len();
-        let Contacts { contacts, shapes, rows, .. } = found;
         halvings.resize(first + contacts.len(), 0);
-        let in_need = self.load(contacts, (shapes, rows), bodies, settings);
+        let in_need = self.load(contacts, constrained, bodies, settings);
         if in_need || contacts.iter().any(|contact| contact.halvings() > 0) {
-            self.halve(contacts, shapes, &mut halvings[first..]);
+            let moves = |slot: Slot| constrained.row(slot).is_some_and(|row| bodies.is_dynamic(row));
+            self.halve(contacts, moves, &mut halvings[first..]);
         }
     }
 
@@ -108,14 +111,15 @@ impl Stacks {
     fn load(
         &mut self,
         contacts: &[ContactRecord],
-        (shapes, rows): (&[ColliderState], &[u32]),
+        constrained: &ConstrainedBodies,
         bodies: &SolverBodies,
         settings: &Settings,
     ) -> bool {
+        let slots = constrained.rows().len();
         let gravity = Vec3::from(settings.gravity);
         let g = gravity.dot(gravity).sqrt();
         self.loads.clear();
-        self.loads.resize(shapes.len(), Load::default());
+        self.loads.resize(slots, Load::default());
         if g == 0.0 || contacts.is_empty() {
             return false;
         }
@@ -123,11 +127,12 @@ impl Stacks {
         let sides = sides(up);
         let Self { bodies: rows_of_slots, supports, loads, begins, by_upper, waiting, order, .. } = self;
         rows_of_slots.clear();
-        rows_of_slots.extend(rows.iter().zip(shapes).map(|(row, shape)| {
-            let Vec3 { x, y, z } = shape.center;
-            let is_free = *row != NONE && shape.moves;
-            let [mass, a, b, c] = if is_free { bodies.mobility(*row, sides) } else { [0.0; 4] };
-            Eight([x, y, z, mass, a, b, c, if shape.moves { 1.0 } else { 0.0 }])
+        rows_of_slots.extend(constrained.rows().map(|row| {
+            let Some(row) = row else { return Eight::ZERO };
+            let Vec3 { x, y, z } = bodies.center(row);
+            let moves = bodies.is_dynamic(row);
+            let [mass, a, b, c] = if moves { bodies.mobility(row, sides) } else { [0.0; 4] };
+            Eight([x, y, z, mass, a, b, c, if moves { 1.0 } else { 0.0 }])
         }));
         let bodies = &*rows_of_slots;
         supports.resize(contacts.len().next_multiple_of(BLOCK), Eight::ZERO);
@@ -136,40 +141,41 @@ impl Stacks {
         parts.by_at_least(2).for_each(|(supports, contacts)| {
             dispatch_in_blocks(&mut Bear { supports, contacts, bodies, up, sides, rates });
         });
-        order_by_upper((supports, contacts), shapes.len(), begins, by_upper);
-        let supports_of = |slot: u32| {
-            let range = begins[slot as usize] as usize..begins[slot as usize + 1] as usize;
+        order_by_upper((supports, contacts), slots, begins, by_upper);
+        let supports_of = |slot: Slot| {
+            let range = begins[slot.index()] as usize..begins[slot.index() + 1] as usize;
             by_upper[range].iter().map(|(index, lower)| (Base::read(&supports[*index as usize]), *lower))
         };
 
         waiting.clear();
-        waiting.resize(shapes.len(), 0);
-        by_upper.iter().for_each(|(_, lower)| waiting[*lower as usize] += 1);
-        let bears_on = |slot: usize| begins[slot] < begins[slot + 1];
+        waiting.resize(slots, 0);
+        by_upper.iter().for_each(|(_, lower)| waiting[lower.index()] += 1);
+        let bears_on = |slot: Slot| begins[slot.index()] < begins[slot.index() + 1];
         order.clear();
-        order.extend((0..shapes.len() as u32).filter(|slot| bears_on(*slot as usize) && waiting[*slot as usize] == 0));
+        order.extend((0..slots as u32).map(Slot).filter(|slot| bears_on(*slot) && waiting[slot.index()] == 0));
         let (mut most, mut next, mut first_left) = (0.0, 0, 0);
         loop {
             // Of bodies that bear each other in a ring the one with the lowest slot begins.
             if next == order.len() {
-                let left = first_left..shapes.len();
-                let Some(slot) = left.into_iter().find(|slot| bears_on(*slot) && waiting[*slot] > 0) else { break };
-                (waiting[slot], first_left) = (0, slot + 1);
-                order.push(slot as u32);
+                let mut left = (first_left..slots as u32).map(Slot);
+                let Some(slot) = left.find(|slot| bears_on(*slot) && waiting[slot.index()] > 0) else { break };
+                (waiting[slot.index()], first_left) = (0, slot.0 + 1);
+                order.push(slot);
             }
             let slot = order[next];
             next += 1;
-            let height = shapes[slot as usize].center.dot(up);
-            let load = &mut loads[slot as usize];
+            let Eight([x, y, z, mass, ..]) = bodies[slot.index()];
+            let height = Vec3::new(x, y, z).dot(up);
+            let load = &mut loads[slot.index()];
             let (mut base, mut on_face, mut margin) = (Base::default(), false, Real::INFINITY);
             let mut is_stacked = load.weight > 0.0;
             for ((support, signed_margin), lower) in supports_of(slot) {
                 base.add(&support);
                 on_face |= signed_margin > 0.0;
-                is_stacked |= shapes[lower as usize].moves;
+                is_stacked |= bodies[lower.index()].0[7] > 0.0;
                 margin = margin.min(signed_margin.abs());
             }
-            let own = g / bodies[slot as usize].0[3];
+            let own = g / mass;
             load.weight += own;
             load.moment += own * height;
             load.lean += base.lean(on_face, load, (height, MIN_SPREAD * margin));
@@ -181,12 +187,12 @@ impl Stacks {
             let Load { weight, moment, lean, .. } = *load;
             for ((support, _), lower) in supports_of(slot) {
                 let share = support.stiffness / base.stiffness;
-                let below = &mut loads[lower as usize];
+                let below = &mut loads[lower.index()];
                 below.weight += share * weight;
                 below.moment += share * moment;
                 below.lean = below.lean.max(lean);
-                let waiting = &mut waiting[lower as usize];
-                if *waiting == 1 && bears_on(lower as usize) {
+                let waiting = &mut waiting[lower.index()];
+                if *waiting == 1 && bears_on(lower) {
                     order.push(lower);
                 }
                 *waiting = waiting.saturating_sub(1);
@@ -196,22 +202,22 @@ impl Stacks {
     }
 
     /// Halves the substeps of whole islands, as often as the body needs it that needs it most.
-    fn halve(&mut self, contacts: &mut [ContactRecord], shapes: &[ColliderState], halvings: &mut [u8]) {
+    fn halve(&mut self, contacts: &mut [ContactRecord], moves: impl Fn(Slot) -> bool, halvings: &mut [u8]) {
         let Self { loads, islands, .. } = self;
-        islands.join(shapes.len(), contacts.iter().map(|contact| contact.slots), |slot| shapes[slot as usize].moves);
-        for slot in 0..shapes.len() as u32 {
-            let root = islands.root(slot);
-            let need = loads[slot as usize].need.max(loads[root as usize].need);
-            loads[root as usize].need = need;
+        let slots = loads.len();
+        islands.join(slots, contacts.iter().map(|contact| contact.slots), moves);
+        for slot in (0..slots as u32).map(Slot) {
+            let root = islands.root(slot).index();
+            loads[root].need = loads[slot.index()].need.max(loads[root].need);
         }
         self.before.clear();
-        self.before.resize(shapes.len(), 0);
+        self.before.resize(slots, 0);
         for contact in &*contacts {
-            let before = &mut self.before[islands.root(contact.slots[1]) as usize];
+            let before = &mut self.before[islands.root(contact.slots[1]).index()];
             *before = contact.halvings().max(*before);
         }
         for (contact, halvings) in contacts.iter_mut().zip(halvings) {
-            let root = islands.root(contact.slots[1]) as usize;
+            let root = islands.root(contact.slots[1]).index();
             let need = loads[root].need;
             *halvings = self.before[root].clamp(halvings_for(need), halvings_for(SLACK * need));
             // Longer substeps begin with the impulses of a shorter one: what an impact gave in it
@@ -293,7 +299,7 @@ impl Bear<'_> {
         let mut picked = [&Eight::ZERO; BLOCK];
         let mut l = 0;
         while l < T::WIDTH && i + l < self.contacts.len() {
-            picked[l] = &self.bodies[self.contacts[i + l].slots[which] as usize];
+            picked[l] = &self.bodies[self.contacts[i + l].slots[which].index()];
             l += 1;
         }
         T::gather(&picked)
@@ -384,14 +390,14 @@ fn order_by_upper(
     (supports, contacts): (&[Eight], &[ContactRecord]),
     slots: usize,
     begins: &mut Vec<u32>,
-    by_upper: &mut Vec<(u32, u32)>,
+    by_upper: &mut Vec<(u32, Slot)>,
 ) {
     let pairs = || {
         let all = supports.iter().zip(contacts).enumerate();
         all.filter(|(_, (support, _))| support.0[0] != 0.0).map(|(index, (support, contact))| {
             let [first, second] = contact.slots;
             let (upper, lower) = if support.0[0] > 0.0 { (second, first) } else { (first, second) };
-            (upper as usize, (index as u32, lower))
+            (upper.index(), (index as u32, lower))
         })
     };
     begins.clear();
@@ -405,7 +411,7 @@ fn order_by_upper(
         begins[slot] += begins[slot - 1];
     }
     by_upper.clear();
-    by_upper.resize(count, (0, 0));
+    by_upper.resize(count, (0, Slot(0)));
     for (upper, support) in pairs() {
         let place = &mut begins[upper + 1];
         by_upper[*place as usize] = support;

@@ -10,20 +10,21 @@ use crate::solver::contact::constraint::{Block, Bounce, Rolling};
 use crate::solver::contact::prepare::Prepare;
 use crate::solver::contact::restitution::{ApplyRestitution, RecordApproachSpeed, SubstepMoment};
 use crate::solver::contact::round_contacts;
-use crate::solver::contact::round_contacts::RoundContact;
+use crate::solver::contact::round_contacts::RoundConstraint;
 use crate::solver::contact::softness::Softness;
 use crate::solver::contact::solve::{Blocks, Solve, StageBodies};
 use crate::solver::contact::store_impulses::StoreImpulses;
 use crate::solver::graph_coloring::{ContactColor, GraphColoring};
 use crate::solver::solver_bodies::SolverBodies;
+use crate::solver::substeps::GroupContact;
 use crate::threads;
 
 /// The contacts of a step, colored and laid out in blocks.
 #[derive(Clone, Default)]
-pub(crate) struct Solver {
+pub(crate) struct ContactConstraints {
     coloring: GraphColoring,
     /// Contacts by color and number of points.
-    order: Vec<u32>,
+    order: Vec<GroupContact>,
     ones: BlockSheet<1, 0>,
     fours: BlockSheet<4, 6>,
     stages: Vec<ColorRange>,
@@ -85,30 +86,30 @@ const COLORS: usize = ContactColor::ALONE as usize + 1;
 /// Fewer blocks are not shared among threads.
 const MIN_PART: usize = 16;
 
-impl Solver {
-    /// Lays out the contacts of these numbers between rows of bodies, with room for extras.
+impl ContactConstraints {
+    /// Lays out the contacts of a group, with room for extras.
     pub(crate) fn lay_out(
         &mut self,
-        (contacts, selected): (&[ContactRecord], &[u32]),
-        rows: impl Fn(&ContactRecord) -> [u32; 2],
+        all: &[ContactRecord],
+        contacts: &[GroupContact],
         bodies: &SolverBodies,
         extras: Extras,
     ) {
-        let ends = self.sort((contacts, selected), &rows, bodies.first_non_dynamic());
+        let ends = self.sort(all, contacts, bodies.first_non_dynamic());
         let Self { order, ones, fours, stages, colors, .. } = self;
         stages.clear();
         colors.reset(bodies.first_non_dynamic());
         let (mut one, mut four) = (0, 0);
-        let mut add = |has_non_dynamic, with_one: &[u32], with_more: &[u32]| {
+        let mut add = |has_non_dynamic, with_one: &[GroupContact], with_more: &[GroupContact]| {
             let (first_one, first_four) = (one, four);
             colors.begin(has_non_dynamic);
             for chunk in with_one.chunks(BLOCK) {
-                colors.push(chunk.iter().map(|index| rows(&contacts[*index as usize])));
+                colors.push(chunk.iter().map(|contact| contact.rows.map(|row| row.0)));
                 ones.set(one, chunk);
                 one += 1;
             }
             for chunk in with_more.chunks(BLOCK) {
-                colors.push(chunk.iter().map(|index| rows(&contacts[*index as usize])));
+                colors.push(chunk.iter().map(|contact| contact.rows.map(|row| row.0)));
                 fours.set(four, chunk);
                 four += 1;
             }
@@ -134,31 +135,30 @@ impl Solver {
     /// one point and those with more. Returns where each of these ends.
     fn sort(
         &mut self,
-        (contacts, selected): (&[ContactRecord], &[u32]),
-        rows: impl Fn(&ContactRecord) -> [u32; 2],
+        all: &[ContactRecord],
+        contacts: &[GroupContact],
         first_non_dynamic: usize,
     ) -> [usize; 4 * COLORS] {
-        let contact = |index: u32| &contacts[index as usize];
-        self.coloring.color(selected.iter().map(|index| rows(contact(*index))), first_non_dynamic);
+        self.coloring.color(contacts.iter().map(|contact| contact.rows), first_non_dynamic);
         let colors = self.coloring.colors();
         let kind = |index: usize| {
             let ContactColor { has_non_dynamic, index: color } = colors[index];
             let alone = color == ContactColor::ALONE;
             let place = if alone { 0 } else { color as usize + 1 };
             (usize::from(has_non_dynamic) * COLORS + place) * 2
-                + usize::from(alone || contact(selected[index]).count() > 1)
+                + usize::from(alone || all[contacts[index].number as usize].count() > 1)
         };
         let mut ends = [0; 4 * COLORS];
-        (0..selected.len()).for_each(|index| ends[kind(index)] += 1);
+        (0..contacts.len()).for_each(|index| ends[kind(index)] += 1);
         let mut sum = 0;
         for end in &mut ends {
             (*end, sum) = (sum, sum + *end);
         }
         self.order.clear();
-        self.order.resize(selected.len(), 0);
-        for index in 0..selected.len() {
+        self.order.extend_from_slice(contacts);
+        for (index, contact) in contacts.iter().enumerate() {
             let place = &mut ends[kind(index)];
-            self.order[*place] = selected[index];
+            self.order[*place] = *contact;
             *place += 1;
         }
         ends
@@ -184,7 +184,7 @@ impl Solver {
     }
 
     /// Finds out where the contacts with these numbers, in their order, are laid out.
-    pub(crate) fn locate(&mut self, contacts: usize, rounds: &[RoundContact]) {
+    pub(crate) fn locate(&mut self, contacts: usize, rounds: &[RoundConstraint]) {
         self.places.clear();
         if rounds.is_empty() {
             return;
@@ -192,11 +192,11 @@ impl Solver {
         let mut places = vec![Place::default(); contacts];
         self.ones.places(false, &mut places);
         self.fours.places(true, &mut places);
-        self.places.extend(rounds.iter().map(|round| places[round.contact as usize]));
+        self.places.extend(rounds.iter().map(|round| places[round.number() as usize]));
     }
 
     /// Finds round contacts again after their bodies have moved.
-    pub(crate) fn update_round_contacts(&mut self, rounds: &[RoundContact], delta_pose: &[Eight]) {
+    pub(crate) fn update_round_contacts(&mut self, rounds: &[RoundConstraint], delta_pose: &[Eight]) {
         let Self { ones, fours, places, .. } = self;
         for ((round, found), place) in rounds.iter().zip(round_contacts::find(rounds, delta_pose)).zip(places) {
             let (Some(manifold), motion) = (found, (delta_pose, round)) else { continue };
@@ -219,13 +219,13 @@ impl Solver {
 
 impl<const P: usize, const C: usize> BlockSheet<P, C> {
     /// Says which contacts are in a block, one that is there or the next.
-    fn set(&mut self, index: usize, contacts: &[u32]) {
+    fn set(&mut self, index: usize, contacts: &[GroupContact]) {
         if self.blocks.len() == index {
             self.blocks.push(Block::empty());
         }
         let block = &mut self.blocks[index];
         block.count = contacts.len();
-        block.contacts[..contacts.len()].copy_from_slice(contacts);
+        block.contacts.iter_mut().zip(contacts).for_each(|(number, contact)| *number = contact.number);
     }
 
     /// Drops the blocks from `count` on, and makes room for extras.

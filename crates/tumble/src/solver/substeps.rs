@@ -1,31 +1,32 @@
-//! The substep loop of the contact solver, with islands on shorter substeps in separate groups.
+//! The solver: the substep loop over constrained bodies, with islands on shorter substeps in
+//! separate groups.
 
 use crate::collision::contact::ContactRecord;
 use crate::collision::contact_materials::Extras;
-use crate::collision::find_contacts::{Contacts, rows_of};
-use crate::forces::registry::ForceLaws;
+use crate::collision::contact_set::ContactSet;
 use crate::math::Real;
 use crate::settings::Settings;
+use crate::solver::constrained_bodies::ConstrainedBodies;
 use crate::solver::contact::restitution::SubstepMoment;
-use crate::solver::contact::round_contacts;
-use crate::solver::contact::round_contacts::RoundContact;
+use crate::solver::contact::round_contacts::RoundConstraint;
 use crate::solver::contact_work::ContactWorks;
+use crate::solver::gather_scatter::{Moving, gather};
 use crate::solver::halved_substeps::HalvedGroup;
-use crate::solver::solver_bodies::SolverBodies;
+use crate::solver::solver_bodies::{SolverBodies, SolverRow};
 use crate::solver::stack_stiffness::Stacks;
-use crate::solver::stages::{Solver, SolverStage};
+use crate::solver::stages::{ContactConstraints, SolverStage};
+use crate::storage::body_index::BodyIndex;
 use crate::storage::world_columns::WorldColumns;
 
-/// The bodies that touch something and what is done to them in a substep of the settings: those of
-/// one world, or of several.
+/// Advances constrained bodies over a substep of the settings: those of one world, or of several.
 #[derive(Clone, Default)]
-pub(crate) struct ContactSolver {
+pub(crate) struct Solver {
     /// At first all bodies; where some have shorter substeps, in the end too.
-    pub(crate) group: SolverGroup,
+    group: SolverGroup,
     /// By contact, how often its substeps are halved.
-    pub(crate) halvings: Vec<u8>,
+    halvings: Vec<u8>,
     halved_groups: Vec<HalvedGroup>,
-    pub(crate) stacks: Stacks,
+    stacks: Stacks,
 }
 
 /// Bodies that are advanced in substeps of the same length, and the contacts among them.
@@ -34,10 +35,18 @@ pub(crate) struct SolverGroup {
     pub(crate) bodies: SolverBodies,
     pub(crate) contact_works: ContactWorks,
     /// Contacts that are found again in each substep.
-    pub(crate) rounds: Vec<RoundContact>,
-    /// The numbers of its contacts.
-    pub(crate) selected: Vec<u32>,
-    solver: Solver,
+    pub(crate) rounds: Vec<RoundConstraint>,
+    pub(crate) contacts: Vec<GroupContact>,
+    constraints: ContactConstraints,
+}
+
+/// A contact of a group.
+#[derive(Clone, Copy)]
+pub(crate) struct GroupContact {
+    /// Its number among all.
+    pub(crate) number: u32,
+    /// Its bodies in the group.
+    pub(crate) rows: [SolverRow; 2],
 }
 
 /// What a free fall over this many substeps of the settings gives is no impact yet: it may rest,
@@ -57,66 +66,90 @@ pub(crate) struct SubstepSettings {
     impact_speed: Real,
 }
 
-impl ContactSolver {
-    /// Makes room for the bodies that impulses move and for those that they do not.
+impl Solver {
+    /// Makes room for dynamic bodies, and for others.
     pub(crate) fn reset(&mut self, [dynamic, non_dynamic]: [usize; 2]) {
-        self.group.contact_works.clear();
-        self.group.rounds.clear();
+        let SolverGroup { bodies, contact_works, rounds, contacts, .. } = &mut self.group;
+        contact_works.clear();
+        rounds.clear();
+        contacts.clear();
+        bodies.reset(dynamic, non_dynamic);
         self.halvings.clear();
-        self.group.bodies.reset(dynamic, non_dynamic);
     }
 
-    /// Works out where the bodies of one world that touch something will be after one substep of
-    /// the settings, starting from the world as it is.
+    /// The first rows that a world's bodies can have: dynamic ones, and others.
+    pub(crate) fn first_rows(&self) -> [usize; 2] {
+        [0, self.group.bodies.first_non_dynamic()]
+    }
+
+    /// Adds the constrained bodies of a world, in rows from these on, and their contacts. Returns
+    /// the rows after them.
+    pub(crate) fn add_world(
+        &mut self,
+        (constrained, contacts): (&mut ConstrainedBodies, &mut ContactSet),
+        body_index: &BodyIndex,
+        columns: &mut WorldColumns<'_>,
+        moving: Moving<'_>,
+        first_rows: [usize; 2],
+    ) -> [usize; 2] {
+        let Self { group: SolverGroup { bodies, contact_works, rounds, contacts: all, .. }, halvings, stacks, .. } =
+            self;
+        let results = (&mut *bodies, contact_works);
+        let next_rows = gather((constrained, contacts), body_index, columns, moving, results, first_rows);
+        let (constrained, first) = (&*constrained, all.len() as u32);
+        let ContactSet { records, rounds: found, .. } = contacts;
+        rounds.extend(found.drain(..).map(|round| {
+            let contact = &records[round.contact as usize];
+            RoundConstraint::new(round, contact, constrained.rows_of(contact.slots), first)
+        }));
+        all.extend(
+            (first..)
+                .zip(&*records)
+                .map(|(number, contact)| GroupContact { number, rows: constrained.rows_of(contact.slots) }),
+        );
+        stacks.add_halvings(records, constrained, moving.0, bodies, halvings);
+        next_rows
+    }
+
+    /// Advances the bodies of one world over a substep of the settings, from where they are.
     pub(crate) fn solve_world(
         &mut self,
-        found: &mut Contacts,
+        (constrained, contacts): (&mut ConstrainedBodies, &mut ContactSet),
+        body_index: &BodyIndex,
         columns: &mut WorldColumns<'_>,
-        (settings, laws, time): (&Settings, &ForceLaws, f64),
+        moving: Moving<'_>,
     ) {
-        let touching = found.find_touching(columns, settings);
-        self.reset(touching);
-        let first = [0, self.group.bodies.first_non_dynamic()];
-        found.gather(columns, (settings, laws, time), &mut self.group, first);
-        found.add_round_contacts(0, &mut self.group.rounds);
-        self.stacks.add_halvings(found, settings, &self.group.bodies, &mut self.halvings);
-        let Contacts { contacts, rows, materials, .. } = found;
-        self.solve_substeps(contacts, |contact| rows_of(contact, rows), settings, materials.extras());
+        self.reset(constrained.counts());
+        let first_rows = self.first_rows();
+        self.add_world((constrained, contacts), body_index, columns, moving, first_rows);
+        self.solve_substeps(&mut contacts.records, moving.0, contacts.extras);
     }
 
-    /// Solves the contacts between these rows over one substep of the settings. Bodies are left
-    /// where they end up, and contacts with the impulses of their last substep.
-    pub(crate) fn solve_substeps(
-        &mut self,
-        contacts: &mut [ContactRecord],
-        rows: impl Fn(&ContactRecord) -> [u32; 2],
-        settings: &Settings,
-        extras: Extras,
-    ) {
+    /// Solves the contacts that were added over one substep of the settings. Bodies are left where
+    /// they end up, and contacts with the impulses of their last substep.
+    pub(crate) fn solve_substeps(&mut self, contacts: &mut [ContactRecord], settings: &Settings, extras: Extras) {
         let Self { group, halvings, halved_groups, .. } = self;
         let (substeps, h) = (settings.contact_substeps_each(), settings.contact_substep());
         let threshold = settings.restitution_threshold;
         let impact_speed = threshold.max(FALLS * settings.gravity.length() * settings.substep());
         let solving = SubstepSettings { substeps, h, extras, threshold, impact_speed };
         let mut parts = 0;
-        let numbers = 0..contacts.len() as u32;
-        group.selected.clear();
-        match halvings.iter().max() {
-            None | Some(0) => group.selected.extend(numbers),
-            Some(most) => {
-                for times in (1..=*most).filter(|times| halvings.contains(times)) {
-                    halved_groups.resize_with(halved_groups.len().max(parts + 1), HalvedGroup::default);
-                    halved_groups[parts].take((times, halvings), contacts, &rows, group);
-                    parts += 1;
-                }
-                group.selected.extend(numbers.filter(|contact| halvings[*contact as usize] == 0));
-            }
+        let most = halvings.iter().copied().max().unwrap_or(0);
+        for times in (1..=most).filter(|times| halvings.contains(times)) {
+            halved_groups.resize_with(halved_groups.len().max(parts + 1), HalvedGroup::default);
+            halved_groups[parts].take((times, halvings), group);
+            parts += 1;
         }
-        group.solve_substeps(contacts, &rows, solving);
+        group.solve_substeps(contacts, solving);
         for part in &mut halved_groups[..parts] {
-            part.solve_substeps(contacts, &rows, solving);
+            part.solve_substeps(contacts, solving);
             part.return_results(contacts, group);
         }
+    }
+
+    /// The bodies, and the works done on those that have accounts.
+    pub(crate) fn results(&self) -> (&SolverBodies, &ContactWorks) {
+        (&self.group.bodies, &self.group.contact_works)
     }
 }
 
@@ -128,19 +161,18 @@ impl SubstepSettings {
 }
 
 impl SolverGroup {
-    /// Advances the bodies under their chosen contacts; `rows` are those of a contact here.
+    /// Advances the bodies under their contacts, of those of all groups.
     pub(crate) fn solve_substeps(
         &mut self,
-        contacts: &mut [ContactRecord],
-        rows: impl Fn(&ContactRecord) -> [u32; 2],
+        all: &mut [ContactRecord],
         SubstepSettings { substeps, h, extras, threshold, impact_speed }: SubstepSettings,
     ) {
-        let (Self { bodies, contact_works, rounds, selected, solver }, solve) =
+        let (Self { bodies, contact_works, rounds, contacts, constraints }, solve) =
             (self, SolverStage::solve(h, impact_speed));
-        solver.lay_out((contacts, selected), rows, bodies, extras);
-        round_contacts::drop_needles(rounds, bodies);
-        solver.locate(contacts.len(), rounds);
-        bodies.with_poses(|bodies, poses| solver.run(SolverStage::Prepare(contacts, poses), bodies));
+        constraints.lay_out(all, contacts, bodies, extras);
+        rounds.retain(|round| !round.is_on_needle(bodies));
+        constraints.locate(all.len(), rounds);
+        bodies.with_poses(|bodies, poses| constraints.run(SolverStage::Prepare(all, poses), bodies));
         for substep in 0..substeps {
             contact_works.before_forces(bodies);
             bodies.integrate_velocities();
@@ -149,23 +181,23 @@ impl SolverGroup {
             // come together, and to bounce them would make energy.
             if extras.bounces {
                 let moment = if substep == 0 { SubstepMoment::FirstForces } else { SubstepMoment::Forces };
-                solver.run(SolverStage::RecordApproachSpeed(h, moment), bodies);
+                constraints.run(SolverStage::RecordApproachSpeed(h, moment), bodies);
             }
             bodies.apply_warm_start();
-            solver.run(solve, bodies);
+            constraints.run(solve, bodies);
             contact_works.before_motion(bodies);
             bodies.integrate_positions(h);
-            solver.update_round_contacts(rounds, &bodies.delta_pose);
+            constraints.update_round_contacts(rounds, &bodies.delta_pose);
             contact_works.after_motion(bodies);
             if extras.bounces {
-                solver.run(SolverStage::RecordApproachSpeed(h, SubstepMoment::Motion), bodies);
+                constraints.run(SolverStage::RecordApproachSpeed(h, SubstepMoment::Motion), bodies);
             }
-            solver.run(SolverStage::Relax { h, impact_speed, stores_warm_start: substep + 1 < substeps }, bodies);
+            constraints.run(SolverStage::Relax { h, impact_speed, stores_warm_start: substep + 1 < substeps }, bodies);
             contact_works.after_substep(bodies);
         }
         if extras.bounces {
-            solver.run(SolverStage::ApplyRestitution(threshold), bodies);
+            constraints.run(SolverStage::ApplyRestitution(threshold), bodies);
         }
-        solver.store_impulses(contacts);
+        constraints.store_impulses(all);
     }
 }

@@ -5,7 +5,7 @@ use tumble_collide::MAX_MANIFOLD_POINTS;
 
 use crate::collision::contact::{ContactRecord, FRICTION_IMPULSE, NORMAL_IMPULSE, SHAPE};
 use crate::collision::contact_events::ContactEvent;
-use crate::collision::find_contacts::Contacts;
+use crate::collision::pipeline::CollisionPipeline;
 use crate::math::{Real, Vec3};
 use crate::step::interactions::Interactions;
 use crate::step::simulation::Simulation;
@@ -117,7 +117,7 @@ impl Simulation {
     /// # Ok::<(), Box<dyn std::error::Error>>(())
     /// ```
     pub fn contacts(&self) -> impl Iterator<Item = Contact> + '_ {
-        self.touching().into_iter().flat_map(Contacts::report)
+        self.collision().into_iter().flat_map(CollisionPipeline::report)
     }
 
     /// What began and ended to touch in the steps of the last call of [`step`](Self::step),
@@ -149,16 +149,18 @@ impl Simulation {
     /// # Ok::<(), Box<dyn std::error::Error>>(())
     /// ```
     pub fn contact_events(&self) -> impl Iterator<Item = ContactEvent> + '_ {
-        let contacts = self.touching().filter(|_| self.has_stepped);
-        let of_call = contacts.into_iter().flat_map(|it| it.previous.events.iter().copied().chain(it.events_of_step()));
+        let collision = self.collision().filter(|_| self.has_stepped);
+        let of_call = collision
+            .into_iter()
+            .flat_map(|it| it.cache.events.iter().copied().chain(it.cache.events_of_step(&it.contacts.records)));
         self.events.iter().copied().chain(of_call)
     }
 
     /// Forgets the events of the steps before the last.
     pub(crate) fn forget_events(&mut self) {
         self.events.clear();
-        if let Some(contacts) = self.interactions.as_mut().and_then(|interactions| interactions.contacts.as_mut()) {
-            contacts.previous.events.clear();
+        if let Some(collision) = self.interactions.as_mut().and_then(|interactions| interactions.collision.as_mut()) {
+            collision.cache.events.clear();
         }
     }
 
@@ -187,44 +189,44 @@ impl Simulation {
     /// # Ok::<(), Box<dyn std::error::Error>>(())
     /// ```
     pub fn pairs_left_out(&self) -> usize {
-        self.touching().map_or(0, |contacts| contacts.pair_limit.left_out)
+        self.collision().map_or(0, |collision| collision.near.limit.left_out)
     }
 
-    pub(crate) fn touching(&self) -> Option<&Contacts> {
+    pub(crate) fn collision(&self) -> Option<&CollisionPipeline> {
         let interactions: &Interactions = self.interactions.as_deref()?;
-        interactions.contacts.as_ref()
+        interactions.collision.as_ref()
     }
 }
 
-impl Contacts {
+impl CollisionPipeline {
     /// The contacts of the last step, in the order of their bodies.
     pub(crate) fn report(&self) -> impl Iterator<Item = Contact> + '_ {
-        let mut order: Vec<&ContactRecord> = self.contacts.iter().collect();
+        let mut order: Vec<&ContactRecord> = self.contacts.records.iter().collect();
         // They are in this order but for the kinds of their shapes, which takes a sort that merges
         // little time.
         order.sort_by_key(|contact| (contact.pair(), contact.part));
         order.into_iter().map(|contact| self.report_one(contact))
     }
 
-    fn report_one(&self, held: &ContactRecord) -> Contact {
-        let [x, y, z, ..] = held.numbers[SHAPE].0;
-        let [u, v, w, ..] = held.numbers[FRICTION_IMPULSE].0;
-        let center = Vec3::from(self.center(held.slots[1]));
+    fn report_one(&self, contact: &ContactRecord) -> Contact {
+        let [x, y, z, ..] = contact.numbers[SHAPE].0;
+        let [u, v, w, ..] = contact.numbers[FRICTION_IMPULSE].0;
+        let center = Vec3::from(self.center(contact.slots[1]));
         let mut points = [ContactPoint::default(); MAX_MANIFOLD_POINTS];
-        for (j, point) in points.iter_mut().enumerate().take(held.count()) {
-            let place = Vec3::from(held.half_way(j));
-            let (separation, impulse) = (held.separation(j), held.numbers[NORMAL_IMPULSE].0[j]);
+        for (j, point) in points.iter_mut().enumerate().take(contact.count()) {
+            let place = Vec3::from(contact.half_way(j));
+            let (separation, impulse) = (contact.separation(j), contact.numbers[NORMAL_IMPULSE].0[j]);
             *point = ContactPoint { position: center + place, separation, impulse };
         }
         // What the solver has for the first may be the second in order.
-        let sign = if held.slots[0] < held.slots[1] { 1.0 } else { -1.0 };
+        let sign = if contact.slots[0] < contact.slots[1] { 1.0 } else { -1.0 };
         Contact {
-            bodies: held.pair().map(|slot| self.body_keys().entity(slot)),
+            bodies: contact.pair().map(|slot| self.cache.body_keys.entity(slot)),
             normal: Vec3::new(x, y, z) * sign,
             friction: Vec3::new(u, v, w) * sign,
             points,
-            count: held.count(),
-            touches: held.touches(),
+            count: contact.count(),
+            touches: contact.touches(),
         }
     }
 }

@@ -3,7 +3,7 @@
 use hecs::World;
 
 use crate::collision::collider::Collider;
-use crate::collision::find_contacts::Contacts;
+use crate::collision::pipeline::CollisionPipeline;
 use crate::forces::pairwise::{GravityMass, Spring};
 use crate::forces::registry::ForceLaws;
 use crate::threads::{BODY, BODY_UNDER_LAWS, Effort};
@@ -18,7 +18,12 @@ const PAIR_OF_OTHERS: f64 = 3.0;
 
 /// Of steps in a world, whose contacts were these after the last. Of bodies that act on each other
 /// it is that of one step, for they wait for each other in every one.
-pub(crate) fn effort_of_steps(world: &World, laws: &ForceLaws, contacts: Option<&Contacts>, steps: u32) -> Effort {
+pub(crate) fn effort_of_steps(
+    world: &World,
+    laws: &ForceLaws,
+    collision: Option<&CollisionPipeline>,
+    steps: u32,
+) -> Effort {
     let [mut attracting, mut springs, mut colliders] = [0.0; 3];
     let mut bodies = 0.0;
     for archetype in world.archetypes().filter(|archetype| !archetype.is_empty()) {
@@ -32,7 +37,7 @@ pub(crate) fn effort_of_steps(world: &World, laws: &ForceLaws, contacts: Option<
         return Effort::of_microseconds(bodies * f64::from(steps));
     }
     // Before the first step nobody knows how many touch.
-    let (known, of_others) = contacts.map_or((0, 0), Contacts::counts);
+    let (known, of_others) = collision.map_or((0, 0), CollisionPipeline::counts);
     let contacts = CONTACT * colliders.max(known as f64) + PAIR_OF_OTHERS * of_others as f64;
     Effort::of_microseconds(bodies + ATTRACTION * attracting * attracting + SPRING * springs + contacts)
 }

@@ -7,12 +7,14 @@ use crate::clock::Clock;
 use crate::components::Wrenches;
 use crate::forces::registry::ForceLaws;
 use crate::integrator::Integrator;
-use crate::math::Real;
 use crate::settings::Settings;
-use crate::solver::multi_world::{MultiWorld, PackKey};
+use crate::solver::gather_scatter::scatter;
+use crate::solver::multi_world::MultiWorld;
+use crate::solver::substeps::Solver;
 use crate::step::interactions::Interactions;
+use crate::step::pack_key::PackKey;
 use crate::step::phase_times::{Phase, PhaseTimes, Stopwatch};
-use crate::step::systems::{accumulate_forces_of, integrate_bodies, remember_poses, update_derived_of};
+use crate::step::systems::{accumulate_forces_of, integrate_unconstrained, remember_poses, update_derived_of};
 use crate::storage::world_columns::WorldColumns;
 
 /// A world in which bodies act on each other, and what it is stepped with.
@@ -28,8 +30,22 @@ pub(crate) struct InteractingWorld<'a> {
 /// What worlds that go step by step together are packed in, and what they have in common.
 pub(crate) type Together<'a> = (&'a mut MultiWorld, PackKey);
 
-/// Steps: a whole world goes from one kick to the next together, kinematic bodies too. Of several
-/// worlds contacts are packed, and they have the same [`PackKey`].
+/// A step of several, and a substep of it.
+#[derive(Clone, Copy)]
+pub(crate) struct Moment {
+    pub(crate) step: u32,
+    pub(crate) substep: u32,
+}
+
+/// Which of the two kicks of a substep.
+#[derive(Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Kick {
+    Before,
+    After,
+}
+
+/// Steps of whole worlds, kinematic bodies too. Several worlds have the same [`PackKey`], and their
+/// contacts are solved together.
 pub(crate) fn step_interacting(
     worlds: &mut [InteractingWorld<'_>],
     mut together: Option<Together<'_>>,
@@ -38,97 +54,71 @@ pub(crate) fn step_interacting(
 ) {
     for step in 0..steps {
         let mut stopwatch = PhaseTimes::start(times);
-        for InteractingWorld { columns, settings, .. } in &mut *worlds {
-            columns.for_each_chunk(|_, bodies| {
-                remember_poses(bodies);
-                accumulate_forces_of(bodies, settings);
-            });
-        }
+        worlds.iter_mut().for_each(InteractingWorld::accumulate_forces);
         stopwatch.end_of(Phase::AccumulateForces);
-        let beside = |columns: &mut WorldColumns<'_>, settings: &Settings, substep| {
-            columns.move_kinematic_bodies(settings.substep(), substep);
-        };
-        integrate_interacting(worlds, together.as_mut(), step, beside, &mut stopwatch);
-        for InteractingWorld { columns, .. } in &mut *worlds {
-            columns.for_each_chunk(|_, bodies| update_derived_of(bodies));
-        }
+        integrate_interacting(worlds, together.as_mut(), step, |it, moment| it.move_kinematic(moment), &mut stopwatch);
+        worlds.iter_mut().for_each(InteractingWorld::update_derived);
         stopwatch.end_of(Phase::UpdateDerived);
     }
 }
 
-/// The integration of a step, this many after the clocks: kicks between bodies before and after
-/// each substep, all of it before where the integrator is of first order, and contacts in the place
-/// of the integrator where something touches. `beside` is called for what else moves in a substep,
-/// with its number.
+/// The integration of a step, this many after the clocks. `move_kinematic` moves in a substep what
+/// neither constraints nor forces do.
 pub(crate) fn integrate_interacting(
     worlds: &mut [InteractingWorld<'_>],
     mut together: Option<&mut Together<'_>>,
     step: u32,
-    beside: impl Fn(&mut WorldColumns<'_>, &Settings, u32),
+    move_kinematic: impl Fn(&mut InteractingWorld<'_>, Moment),
     stopwatch: &mut Stopwatch<'_>,
 ) {
-    for contacts in worlds.iter_mut().filter_map(|it| it.interactions.contacts.as_mut()) {
-        contacts.begin_step();
-    }
     let substeps = worlds.first().map_or(0, |it| it.settings.substeps);
     debug_assert!(worlds.iter().all(|it| it.settings.substeps == substeps));
     let pull = worlds.iter().any(|it| it.interactions.pairs.is_some());
-    let touch = worlds.iter().any(|it| it.interactions.contacts.is_some());
+    let touch = worlds.iter().any(|it| it.interactions.collision.is_some());
+    worlds.iter_mut().for_each(InteractingWorld::begin_step);
     for substep in 0..substeps {
-        for it in &mut *worlds {
-            it.kick(it.kicks().0);
-        }
+        let moment = Moment { step, substep };
+        worlds.iter_mut().for_each(|it| it.apply_pair_forces(Kick::Before));
         stopwatch.end_if(pull, Phase::Pairs);
+        worlds.iter_mut().for_each(InteractingWorld::find_contacts);
         match &mut together {
-            Some((multi_world, pack_key)) => solve_together(worlds, multi_world, pack_key, (step, substep)),
-            None => worlds.iter_mut().for_each(|it| it.solve_alone(it.time_of(step, substep))),
+            Some(together) => solve_together(worlds, together, moment),
+            None => worlds.iter_mut().for_each(|it| it.solve(moment)),
         }
         stopwatch.end_if(touch, Phase::Contacts);
-        for it in &mut *worlds {
-            it.integrate(it.time_of(step, substep), substep);
-            beside(&mut it.columns, it.settings, substep);
-        }
+        worlds.iter_mut().for_each(|it| it.integrate(moment));
+        worlds.iter_mut().for_each(|it| move_kinematic(it, moment));
         stopwatch.end_of(Phase::Integrate);
-        for it in &mut *worlds {
-            it.write_constrained(together.as_deref());
-        }
-        stopwatch.end_if(touch, Phase::Contacts);
-        for it in &mut *worlds {
-            if let Some(after) = it.kicks().1 {
-                it.kick(after);
-            }
-        }
+        worlds.iter_mut().for_each(|it| it.apply_pair_forces(Kick::After));
         stopwatch.end_if(pull, Phase::Pairs);
     }
 }
 
-/// Solves the contacts of all worlds at the same time.
-fn solve_together(
-    worlds: &mut [InteractingWorld<'_>],
-    multi_world: &mut MultiWorld,
-    pack_key: &PackKey,
-    (step, substep): (u32, u32),
-) {
-    crate::scope::scope!("tumble::contacts");
+/// Solves the constraints of all worlds at the same time.
+fn solve_together(worlds: &mut [InteractingWorld<'_>], (multi_world, pack_key): &mut Together<'_>, moment: Moment) {
+    crate::scope::scope!("tumble::solve");
     let Some(settings) = worlds.first().map(|it| it.settings) else { return };
-    let mut touching = [0; 2];
-    for it in &mut *worlds {
-        if let Some(contacts) = &mut it.interactions.contacts {
-            let [dynamic, non_dynamic] = contacts.find_touching(&it.columns, it.settings);
-            touching = [touching[0] + dynamic, touching[1] + non_dynamic];
+    let counts = worlds.iter().map(|it| it.interactions.constrained.counts());
+    multi_world.begin(counts.fold([0; 2], |[a, b], [c, d]| [a + c, b + d]));
+    for InteractingWorld { columns, settings, laws, interactions, clock } in &mut *worlds {
+        let Interactions { collision, constrained, .. } = &mut **interactions;
+        if let Some(collision) = collision {
+            let moving = (*settings, *laws, time_of(clock, settings, moment));
+            multi_world.add((constrained, &mut collision.contacts), &collision.body_index, columns, moving);
         }
     }
-    multi_world.begin(touching);
-    for it in &mut *worlds {
-        let time = it.time_of(step, substep);
-        if let Some(contacts) = &mut it.interactions.contacts {
-            multi_world.add(contacts, &mut it.columns, it.settings, it.laws, time);
+    multi_world.solve_substeps(settings, pack_key.extras);
+    for it in worlds {
+        if let Some(collision) = &mut it.interactions.collision {
+            multi_world.return_impulses(&mut collision.contacts.records);
         }
+        it.scatter(multi_world.solver(), moment);
     }
-    multi_world.solve_substeps(settings, pack_key);
-    for contacts in worlds.iter_mut().filter_map(|it| it.interactions.contacts.as_mut()) {
-        multi_world.return_impulses(contacts);
-    }
+}
+
+/// When a substep begins \[s\].
+fn time_of(clock: &Clock, settings: &Settings, Moment { step, substep }: Moment) -> f64 {
+    clock.time_after(step) + f64::from(substep) * f64::from(settings.substep())
 }
 
 impl<'a> InteractingWorld<'a> {
@@ -141,55 +131,113 @@ impl<'a> InteractingWorld<'a> {
         interactions: &'a mut Interactions,
         clock: Clock,
     ) -> Self {
-        interactions.find(world);
+        interactions.update(world);
+        Self::of_known(world, settings, laws, interactions, clock)
+    }
+
+    /// The same of a world in which nothing was spawned, despawned or changed but component values
+    /// since.
+    pub(crate) fn of_known(
+        world: &'a World,
+        settings: &'a Settings,
+        laws: &'a ForceLaws,
+        interactions: &'a mut Interactions,
+        clock: Clock,
+    ) -> Self {
         Self { columns: laws.columns_of(world), settings, laws, interactions, clock }
     }
 
-    /// When a substep begins \[s\].
-    fn time_of(&self, step: u32, substep: u32) -> f64 {
-        self.clock.time_after(step) + f64::from(substep) * f64::from(self.settings.substep())
-    }
-
-    /// How long the kicks before and after a substep act \[s\].
-    fn kicks(&self) -> (Real, Option<Real>) {
-        let h = self.settings.substep();
-        match self.settings.integrator {
-            Integrator::SemiImplicitEuler => (h, None),
-            Integrator::RungeKutta4 | Integrator::MoserVeselov => (h * 0.5, Some(h * 0.5)),
-        }
-    }
-
-    fn kick(&mut self, duration: Real) {
-        if let Some(pairs) = &mut self.interactions.pairs {
-            crate::scope::scope!("tumble::pairs");
-            pairs.kick(&mut self.columns, duration, self.settings.substep());
-        }
-    }
-
-    fn solve_alone(&mut self, time: f64) {
-        if let Some(contacts) = &mut self.interactions.contacts {
-            crate::scope::scope!("tumble::contacts");
-            let contact_solver = self.interactions.contact_solver.get_or_insert_default();
-            contact_solver.solve_world(contacts, &mut self.columns, (self.settings, self.laws, time));
-        }
-    }
-
-    /// Integrates all bodies over a substep.
-    fn integrate(&mut self, time: f64, substep: u32) {
-        let one = Settings { dt: self.settings.substep(), substeps: 1, ..*self.settings };
-        let wrenches = if substep + 1 == self.settings.substeps { Wrenches::Consumed } else { Wrenches::Kept };
-        self.laws.for_each_chunk_of(&mut self.columns, |bodies, laws| {
-            integrate_bodies(bodies, laws, &one, time, wrenches);
+    /// Copies the poses before the step, and adds gravity to the wrenches.
+    fn accumulate_forces(&mut self) {
+        let settings = self.settings;
+        self.columns.for_each_chunk(|_, bodies| {
+            remember_poses(bodies);
+            accumulate_forces_of(bodies, settings);
         });
     }
 
-    /// Puts the bodies that touch something where contacts have pushed them.
-    fn write_constrained(&mut self, together: Option<&Together<'_>>) {
-        let contact_solver = together
-            .map(|(multi_world, _)| multi_world.contact_solver())
-            .or(self.interactions.contact_solver.as_deref());
-        if let (Some(contacts), Some(contact_solver)) = (&self.interactions.contacts, contact_solver) {
-            contacts.write(&mut self.columns, contact_solver);
+    /// To be called before the first substep of a step.
+    pub(crate) fn begin_step(&mut self) {
+        if let Some(collision) = &mut self.interactions.collision {
+            collision.begin_step();
         }
+    }
+
+    /// Kicks bodies by the forces between them: for half a substep before it and after it, or all
+    /// of it before where the integrator is of first order.
+    pub(crate) fn apply_pair_forces(&mut self, kick: Kick) {
+        let h = self.settings.substep();
+        let duration = match (self.settings.integrator, kick) {
+            (Integrator::SemiImplicitEuler, Kick::Before) => h,
+            (Integrator::SemiImplicitEuler, Kick::After) => return,
+            (Integrator::RungeKutta4 | Integrator::MoserVeselov, _) => h * 0.5,
+        };
+        if let Some(pairs) = &mut self.interactions.pairs {
+            crate::scope::scope!("tumble::pairs");
+            pairs.kick(&mut self.columns, duration, h);
+        }
+    }
+
+    /// Finds the contacts, and the bodies that they constrain.
+    pub(crate) fn find_contacts(&mut self) {
+        let Interactions { collision, constrained, .. } = &mut *self.interactions;
+        match collision {
+            Some(collision) => {
+                crate::scope::scope!("tumble::find_contacts");
+                collision.find_contacts(&self.columns, self.settings);
+                let pairs = collision.contacts.records.iter().map(|contact| contact.slots);
+                constrained.find(pairs, &collision.body_index, &self.columns);
+            }
+            None => constrained.clear(),
+        }
+    }
+
+    /// Advances the constrained bodies over a substep.
+    pub(crate) fn solve(&mut self, moment: Moment) {
+        let Interactions { collision, constrained, solver, .. } = &mut *self.interactions;
+        if let Some(collision) = collision.as_mut().filter(|_| !constrained.is_empty()) {
+            crate::scope::scope!("tumble::solve");
+            let moving = (self.settings, self.laws, time_of(&self.clock, self.settings, moment));
+            let mut taken = solver.take().unwrap_or_default();
+            taken.solve_world((constrained, &mut collision.contacts), &collision.body_index, &mut self.columns, moving);
+            self.scatter(&taken, moment);
+            self.interactions.solver = Some(taken);
+        }
+    }
+
+    /// Writes the constrained bodies back to the world.
+    fn scatter(&mut self, solver: &Solver, moment: Moment) {
+        let wrenches = self.wrenches(moment);
+        let Interactions { collision, constrained, .. } = &*self.interactions;
+        if let Some(collision) = collision {
+            scatter(constrained, &collision.body_index, &mut self.columns, solver.results(), wrenches);
+        }
+    }
+
+    /// Integrates the bodies that nothing constrains over a substep.
+    pub(crate) fn integrate(&mut self, moment: Moment) {
+        let one = Settings { dt: self.settings.substep(), substeps: 1, ..*self.settings };
+        let (time, wrenches) = (time_of(&self.clock, self.settings, moment), self.wrenches(moment));
+        let Self { columns, laws, interactions, .. } = self;
+        let Interactions { collision, constrained, .. } = &**interactions;
+        let constraints = collision.as_ref().map(|collision| (constrained, &collision.body_index));
+        laws.for_each_chunk_of(columns, |archetype, bodies, laws| {
+            let constrained =
+                constraints.map(|(constrained, body_index)| (constrained, body_index.slots_in(archetype)));
+            integrate_unconstrained(bodies, laws, &one, (time, wrenches), constrained);
+        });
+    }
+
+    /// Wrenches act in all substeps of a step, and are consumed by the last.
+    fn wrenches(&self, moment: Moment) -> Wrenches {
+        if moment.substep + 1 == self.settings.substeps { Wrenches::Consumed } else { Wrenches::Kept }
+    }
+
+    pub(crate) fn move_kinematic(&mut self, moment: Moment) {
+        self.columns.move_kinematic_bodies(self.settings.substep(), moment.substep);
+    }
+
+    fn update_derived(&mut self) {
+        self.columns.for_each_chunk(|_, bodies| update_derived_of(bodies));
     }
 }

@@ -5,25 +5,27 @@ use std::fmt;
 use hecs::World;
 
 use crate::collision;
-use crate::collision::find_contacts::Contacts;
+use crate::collision::pipeline::CollisionPipeline;
 use crate::forces::pairwise;
 use crate::forces::pairwise::PairForces;
-use crate::solver::substeps::ContactSolver;
+use crate::solver::constrained_bodies::ConstrainedBodies;
+use crate::solver::substeps::Solver;
 
 /// What bodies do to each other, kept from step to step.
 #[derive(Clone, Default)]
 pub(crate) struct Interactions {
     pub(crate) pairs: Option<PairForces>,
-    pub(crate) contacts: Option<Contacts>,
-    /// Solves the contacts, where they are not solved together with those of other worlds; no
-    /// state.
-    pub(crate) contact_solver: Option<Box<ContactSolver>>,
+    pub(crate) collision: Option<CollisionPipeline>,
+    /// In the last substep; no state.
+    pub(crate) constrained: ConstrainedBodies,
+    /// Where contacts are not solved together with those of other worlds; no state.
+    pub(crate) solver: Option<Box<Solver>>,
 }
 
 impl fmt::Debug for Interactions {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let Self { pairs, contacts, contact_solver: _ } = self;
-        f.debug_struct("Interactions").field("pairs", pairs).field("contacts", contacts).finish_non_exhaustive()
+        let Self { pairs, collision, constrained: _, solver: _ } = self;
+        f.debug_struct("Interactions").field("pairs", pairs).field("collision", collision).finish_non_exhaustive()
     }
 }
 
@@ -35,25 +37,25 @@ impl Interactions {
 
     /// Finds out what acts between which bodies. To be called again when anything was spawned,
     /// despawned or changed but momentum and pose.
-    pub(crate) fn find(&mut self, world: &World) {
+    pub(crate) fn update(&mut self, world: &World) {
         if pairwise::are_in(world) {
             self.pairs.get_or_insert_default().find(world);
         } else {
             self.pairs = None;
         }
-        if collision::are_in(world) || self.contacts.as_ref().is_some_and(|contacts| !contacts.are_over()) {
-            self.contacts.get_or_insert_default().find(world);
+        if collision::are_in(world) || self.collision.as_ref().is_some_and(|collision| !collision.are_over()) {
+            self.collision.get_or_insert_default().update(world);
         } else {
-            self.contacts = None;
+            self.collision = None;
         }
     }
 
     /// Steps of a world in which nothing acts on anything: what touched does no more.
     pub(crate) fn pass(&mut self, world: &World, steps: u32) {
-        if let Some(contacts) = self.contacts.as_mut().filter(|contacts| !contacts.are_over()) {
-            contacts.pass(world, steps);
+        if let Some(collision) = self.collision.as_mut().filter(|collision| !collision.are_over()) {
+            collision.pass(world, steps);
         } else {
-            self.contacts = None;
+            self.collision = None;
         }
     }
 }

@@ -5,6 +5,7 @@ pub(crate) mod contact_report;
 pub(crate) mod effort;
 pub(crate) mod interacting;
 pub(crate) mod interactions;
+pub(crate) mod pack_key;
 pub(crate) mod phase_times;
 pub(crate) mod simulation;
 pub(crate) mod systems;
@@ -62,9 +63,9 @@ pub(crate) fn steps_under_laws(
     times: Option<&PhaseTimes>,
 ) {
     crate::scope::scope!("tumble::step");
-    let contacts = interactions.as_ref().and_then(|interactions| interactions.contacts.as_ref());
-    let work = effort_of_steps(world, laws, contacts, steps);
-    work.run(|| steps_here(world, settings, laws, interactions, steps, clock, times));
+    let collision = interactions.as_ref().and_then(|interactions| interactions.collision.as_ref());
+    let effort = effort_of_steps(world, laws, collision, steps);
+    effort.run(|| steps_here(world, settings, laws, interactions, steps, clock, times));
 }
 
 /// The same where the caller is.

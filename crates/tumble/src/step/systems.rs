@@ -21,9 +21,11 @@ use crate::integrators::{AnyWidth, ConstantForce, MoserVeselov, NoAccount, Runge
 use crate::math::{Real, Vec3};
 use crate::settings::Settings;
 use crate::simd::{Kernel, Tile, dispatch};
+use crate::solver::constrained_bodies::ConstrainedBodies;
 use crate::step::interacting::{InteractingWorld, integrate_interacting};
 use crate::step::interactions::Interactions;
 use crate::step::phase_times::PhaseTimes;
+use crate::storage::body_index::Slot;
 use crate::storage::chunk::{Chunk, for_each_chunk};
 use crate::storage::tile_io::splat;
 
@@ -95,7 +97,7 @@ pub fn integrate_under_laws(world: &mut World, settings: &Settings, laws: &Force
     if Interactions::is_in(world) {
         let mut interactions = Interactions::default();
         let interacting = InteractingWorld::new(world, settings, laws, &mut interactions, Clock::at(time));
-        integrate_interacting(&mut [interacting], None, 0, |_, _, _| (), &mut PhaseTimes::start(None));
+        integrate_interacting(&mut [interacting], None, 0, |_, _| (), &mut PhaseTimes::start(None));
     } else {
         for_each_chunk_under(world, laws, |bodies, laws| {
             integrate_bodies(bodies, laws, settings, time, Wrenches::Consumed);
@@ -178,6 +180,23 @@ pub(crate) fn integrate_bodies(
     if wrenches == Wrenches::Consumed {
         bodies.wrench.fill(Wrench::default());
     }
+}
+
+/// [`integrate_bodies`] for those of a chunk that no constraint acts on; `constrained` gives the
+/// slots of its archetype.
+pub(crate) fn integrate_unconstrained(
+    bodies: &mut Chunk<'_>,
+    laws: Laws<'_>,
+    settings: &Settings,
+    (time, wrenches): (f64, Wrenches),
+    constrained: Option<(&ConstrainedBodies, &[Slot])>,
+) {
+    let Some((constrained, slots)) = constrained.filter(|(_, slots)| !slots.is_empty()) else {
+        return integrate_bodies(bodies, laws, settings, time, wrenches);
+    };
+    let slots = &slots[bodies.first_row..][..bodies.len()];
+    let is_free = |row: usize| !constrained.contains(slots[row]);
+    bodies.for_included(!laws.is_empty(), is_free, |bodies| integrate_bodies(bodies, laws, settings, time, wrenches));
 }
 
 /// How much of how many steps is done.

@@ -10,8 +10,19 @@ use crate::math::Real;
 use crate::range::{MAX_DISTANCE, MAX_SPEED, within};
 use crate::storage::world_columns::{ArchetypeBodies, WorldColumns};
 
-/// No slot.
-const NONE: u32 = u32::MAX;
+/// The number of a body among those of a [`BodyIndex`].
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+#[repr(transparent)]
+pub(crate) struct Slot(pub(crate) u32);
+
+impl Slot {
+    /// No slot.
+    pub(crate) const NONE: Self = Self(u32::MAX);
+
+    pub(crate) fn index(self) -> usize {
+        self.0 as usize
+    }
+}
 
 /// What the order of bodies goes by: those without a [`BodyId`] last, by the number of their
 /// entity.
@@ -49,9 +60,9 @@ pub(crate) struct BodyIndex {
     /// By entity number, whether it is concerned.
     marks: Vec<bool>,
     /// By entity number.
-    slots: Vec<u32>,
+    slots: Vec<Slot>,
     /// The slots in the order of places.
-    by_place: Vec<u32>,
+    by_place: Vec<Slot>,
     /// By archetype, where its slots begin in that order; and where the last end.
     begins: Vec<u32>,
     pub(crate) views: Vec<BodyView>,
@@ -67,7 +78,7 @@ impl BodyIndex {
             marked(archetype, &mut |entity| mark(&mut marks, entity as usize));
         }
         // From step to step they are mostly the same, and need not be sorted again.
-        let known = self.by_place.iter().map(|slot| self.members[*slot as usize]);
+        let known = self.by_place.iter().map(|slot| self.members[slot.index()]);
         if !known.eq(found(world, &marks)) {
             self.list(found(world, &marks));
         }
@@ -75,7 +86,7 @@ impl BodyIndex {
         let mut begin = 0;
         for (index, _) in world.archetypes().enumerate() {
             self.begins.push(begin as u32);
-            let is_here = |slot: &&u32| self.members[**slot as usize].place.archetype as usize == index;
+            let is_here = |slot: &&Slot| self.members[slot.index()].place.archetype as usize == index;
             begin += self.by_place[begin..].iter().take_while(is_here).count();
         }
         self.begins.push(begin as u32);
@@ -95,40 +106,40 @@ impl BodyIndex {
         for (slot, member) in members.iter().enumerate() {
             let entity = member.key.2 as usize;
             if slots.len() <= entity {
-                slots.resize(entity + 1, NONE);
+                slots.resize(entity + 1, Slot::NONE);
             }
-            slots[entity] = slot as u32;
-            by_place.push(slot as u32);
+            slots[entity] = Slot(slot as u32);
+            by_place.push(Slot(slot as u32));
         }
-        let place = |slot: &u32| members[*slot as usize].place;
+        let place = |slot: &Slot| members[slot.index()].place;
         if !by_place.is_sorted_by_key(place) {
             by_place.sort_unstable_by_key(place);
         }
     }
 
     /// The slot of an entity, if it is a body that was found.
-    pub(crate) fn slot(&self, id: u32) -> Option<usize> {
-        self.slots.get(id as usize).filter(|slot| **slot != NONE).map(|slot| *slot as usize)
+    pub(crate) fn slot(&self, id: u32) -> Option<Slot> {
+        self.slots.get(id as usize).copied().filter(|slot| *slot != Slot::NONE)
     }
 
     /// What the order of slots goes by.
-    pub(crate) fn key(&self, slot: usize) -> Key {
-        self.members[slot].key
+    pub(crate) fn key(&self, slot: Slot) -> Key {
+        self.members[slot.index()].key
     }
 
     /// Where the components of a slot's body are.
-    pub(crate) fn place(&self, slot: usize) -> RowPlace {
-        self.members[slot].place
+    pub(crate) fn place(&self, slot: Slot) -> RowPlace {
+        self.members[slot.index()].place
     }
 
-    /// All slots in the order of places.
-    pub(crate) fn in_order_of_places(&self) -> impl Iterator<Item = usize> + '_ {
-        self.by_place.iter().map(|slot| *slot as usize)
+    /// All slots, in order.
+    pub(crate) fn all(&self) -> impl Iterator<Item = Slot> + use<> {
+        (0..self.members.len() as u32).map(Slot)
     }
 
     /// The slots of the bodies in an archetype, by its index, in the order of rows: those of all
     /// its rows where archetypes are marked as a whole.
-    pub(crate) fn slots_in(&self, archetype: usize) -> &[u32] {
+    pub(crate) fn slots_in(&self, archetype: usize) -> &[Slot] {
         match self.begins.get(archetype..archetype + 2) {
             Some(&[begin, end]) => &self.by_place[begin as usize..end as usize],
             _ => &[],
@@ -143,12 +154,12 @@ impl BodyIndex {
     pub(crate) fn for_each_archetype(
         &self,
         world: &World,
-        mut then: impl FnMut(&Archetype, &mut dyn Iterator<Item = (usize, usize)>),
+        mut then: impl FnMut(&Archetype, &mut dyn Iterator<Item = (usize, Slot)>),
     ) {
         for (index, archetype) in world.archetypes().enumerate() {
-            let slots = self.slots_in(index).iter().map(|slot| *slot as usize);
+            let slots = self.slots_in(index).iter();
             if slots.len() > 0 {
-                then(archetype, &mut slots.map(|slot| (self.members[slot].place.row as usize, slot)));
+                then(archetype, &mut slots.map(|slot| (self.place(*slot).row as usize, *slot)));
             }
         }
     }

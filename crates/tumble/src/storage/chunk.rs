@@ -138,8 +138,8 @@ macro_rules! columns {
             }
         }
 
-        /// Copies of the last rows of a chunk, and of the very last as often as it takes to fill
-        /// `W` rows.
+        /// Copies of some rows of a chunk, and of the last of them as often as it takes to fill `W`
+        /// rows.
         struct Padded<const W: usize> {
             $($written: [$Written; W],)+
             $($read: [$Read; W],)+
@@ -148,12 +148,12 @@ macro_rules! columns {
         }
 
         impl<const W: usize> Padded<W> {
-            fn of(last: &Chunk<'_>) -> Self {
+            fn of(chunk: &Chunk<'_>, rows: &[usize]) -> Self {
                 Self {
-                    $($written: padded(last.$written),)+
-                    $($read: padded(last.$read),)+
-                    $($maybe_written: last.$maybe_written.as_deref().map(padded),)+
-                    $($maybe_read: last.$maybe_read.map(padded),)+
+                    $($written: padded(chunk.$written, rows),)+
+                    $($read: padded(chunk.$read, rows),)+
+                    $($maybe_written: chunk.$maybe_written.as_deref().map(|column| padded(column, rows)),)+
+                    $($maybe_read: chunk.$maybe_read.map(|column| padded(column, rows)),)+
                 }
             }
 
@@ -167,11 +167,11 @@ macro_rules! columns {
                 }
             }
 
-            fn write_back(&self, last: &mut Chunk<'_>) {
-                $(last.$written.copy_from_slice(&self.$written[..last.$written.len()]);)+
+            fn write_back(&self, chunk: &mut Chunk<'_>, rows: &[usize]) {
+                $(rows.iter().zip(&self.$written).for_each(|(row, copy)| chunk.$written[*row] = *copy);)+
                 $(
-                    if let (Some(column), Some(copy)) = (last.$maybe_written.as_deref_mut(), &self.$maybe_written) {
-                        column.copy_from_slice(&copy[..column.len()]);
+                    if let (Some(column), Some(copies)) = (chunk.$maybe_written.as_deref_mut(), &self.$maybe_written) {
+                        rows.iter().zip(copies).for_each(|(row, copy)| column[*row] = *copy);
                     }
                 )+
             }
@@ -206,24 +206,56 @@ impl Chunk<'_> {
             tiles(&mut self.rows(0..whole));
         }
         let mut last = self.rows(whole..whole + left);
+        let rows: [usize; WIDEST] = std::array::from_fn(|i| i);
+        let rows = &rows[..left.min(WIDEST)];
         match width {
-            2 => in_padded_tile::<2>(&mut last, tiles),
-            4 => in_padded_tile::<4>(&mut last, tiles),
-            8 => in_padded_tile::<8>(&mut last, tiles),
-            _ => in_padded_tile::<WIDEST>(&mut last, tiles),
+            2 => in_padded_tile::<2>(&mut last, rows, tiles),
+            4 => in_padded_tile::<4>(&mut last, rows, tiles),
+            8 => in_padded_tile::<8>(&mut last, rows, tiles),
+            _ => in_padded_tile::<WIDEST>(&mut last, rows, tiles),
+        }
+    }
+
+    /// Calls `system` with the bodies of the rows that `is_included`, each of them once: runs of
+    /// neighbouring rows, and copies of single rows side by side unless `keeps_rows`, since their
+    /// first row is not that of the archetype.
+    pub(crate) fn for_included(
+        &mut self,
+        keeps_rows: bool,
+        is_included: impl Fn(usize) -> bool,
+        mut system: impl FnMut(&mut Chunk<'_>),
+    ) {
+        let (mut single, mut singles) = ([0; WIDEST], 0);
+        let mut next = 0;
+        while let Some(begin) = (next..self.len()).find(|row| is_included(*row)) {
+            next = (begin..self.len()).find(|row| !is_included(*row)).unwrap_or(self.len());
+            if keeps_rows || next - begin >= WIDEST {
+                system(&mut self.rows(begin..next));
+                continue;
+            }
+            for row in begin..next {
+                (single[singles], singles) = (row, singles + 1);
+                if singles == WIDEST {
+                    in_padded_tile::<WIDEST>(self, &single, &mut system);
+                    singles = 0;
+                }
+            }
+        }
+        if singles > 0 {
+            in_padded_tile::<WIDEST>(self, &single[..singles], system);
         }
     }
 }
 
-fn in_padded_tile<const W: usize>(last: &mut Chunk<'_>, mut tiles: impl FnMut(&mut Chunk<'_>)) {
-    let mut padded = Padded::<W>::of(last);
-    tiles(&mut padded.chunk(last.first_row));
-    padded.write_back(last);
+fn in_padded_tile<const W: usize>(chunk: &mut Chunk<'_>, rows: &[usize], mut tiles: impl FnMut(&mut Chunk<'_>)) {
+    let mut padded = Padded::<W>::of(chunk, rows);
+    tiles(&mut padded.chunk(chunk.first_row));
+    padded.write_back(chunk, rows);
 }
 
 /// The rows, and the last of them as often as it takes.
-fn padded<T: Copy, const W: usize>(rows: &[T]) -> [T; W] {
-    std::array::from_fn(|i| rows[i.min(rows.len() - 1)])
+fn padded<T: Copy, const W: usize>(column: &[T], rows: &[usize]) -> [T; W] {
+    std::array::from_fn(|i| column[rows[i.min(rows.len() - 1)]])
 }
 
 /// Calls `system` once for every chunk of moving bodies, in parallel. Moving bodies have [`Pose`],

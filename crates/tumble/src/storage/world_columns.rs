@@ -94,6 +94,15 @@ impl<'w> WorldColumns<'w> {
         Self { archetypes }
     }
 
+    /// The archetypes of bodies by index, and whether these are dynamic.
+    pub(crate) fn kinds(&self) -> impl Iterator<Item = (usize, bool)> + '_ {
+        self.archetypes.iter().enumerate().filter_map(|(index, held)| match held.bodies {
+            ArchetypeBodies::Moving(_) => Some((index, true)),
+            ArchetypeBodies::NonDynamic(_) => Some((index, false)),
+            ArchetypeBodies::None => None,
+        })
+    }
+
     /// The columns of the archetype of a place.
     pub(crate) fn bodies(&self, place: RowPlace) -> &ArchetypeBodies<'w> {
         &self.archetypes[place.archetype as usize].bodies

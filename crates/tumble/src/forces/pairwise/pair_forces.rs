@@ -54,7 +54,7 @@ impl PairForces {
         let Self { body_index, attracting, .. } = self;
         body_index.for_each_archetype(world, |archetype, places| {
             if let Some(column) = archetype.get::<&GravityMass>() {
-                attracting.extend(places.map(|(row, slot)| (slot, column[row])));
+                attracting.extend(places.map(|(row, slot)| (slot.index(), column[row])));
             }
         });
         self.attracting.sort_unstable_by_key(|(slot, _)| *slot);
@@ -93,8 +93,10 @@ impl PairForces {
             }
             self.springs.update(&self.velocities);
         }
-        for (slot, view) in self.body_index.views.iter().enumerate().filter(|(_, view)| view.constants.is_some()) {
-            let place = self.body_index.place(slot);
+        for (slot, view) in
+            self.body_index.all().zip(&self.body_index.views).filter(|(_, view)| view.constants.is_some())
+        {
+            let (place, slot) = (self.body_index.place(slot), slot.index());
             let (Some(moving), row) = (columns.moving_mut(place), place.row as usize) else { continue };
             let (by_springs, by_gravity) = (self.springs.impulse(slot), self.by_gravity(slot, t));
             let momentum = &mut moving.momentum[row];

@@ -8,7 +8,7 @@ use crate::forces::spring_potential::{End, Hooke, pull};
 use crate::forces::stable_spring::{MAX_ANGLE, MAX_ANGLE_IN_A_NET, stable_damping};
 use crate::math::Real;
 use crate::range::{MAX_IMPULSE, MAX_SPEED, within};
-use crate::storage::body_index::{BodyIndex, BodyView};
+use crate::storage::body_index::{BodyIndex, BodyView, Slot};
 use crate::threads::InParts;
 
 /// A spring and the slots of its bodies.
@@ -75,7 +75,7 @@ impl Springs {
             let pulls = |spring: &&Spring| spring.stiffness != 0.0 || spring.damping != 0.0;
             let is_there = |spring: &&Spring| spring.bodies.iter().all(|body| world.contains(*body));
             for spring in springs.iter().filter(pulls).filter(is_there) {
-                let [a, b] = spring.bodies.map(|body| body_index.slot(body.id()));
+                let [a, b] = spring.bodies.map(|body| body_index.slot(body.id()).map(Slot::index));
                 if let (Some(a), Some(b)) = (a, b)
                     && a != b
                 {

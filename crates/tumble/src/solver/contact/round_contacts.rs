@@ -1,10 +1,11 @@
-//! Contacts of round shapes, found again where their bodies have moved to within a step.
+//! Contacts of round shapes whose constraints are renewed in every substep.
 
 use rayon::prelude::*;
-use tumble_collide::{ColliderShape, Isometry, MAX_MANIFOLD_POINTS, Manifold, contact_manifolds};
+use tumble_collide::{MAX_MANIFOLD_POINTS, Manifold};
 use tumble_math::lane::{Quat, Vec3};
 
-use crate::collision::find_contacts::Contacts;
+use crate::collision::contact::ContactRecord;
+use crate::collision::round_contact::{Displacement, RoundContact};
 use crate::math::Real;
 use crate::simd::block_lanes::{put, put_vector};
 use crate::simd::{BLOCK, Eight};
@@ -13,27 +14,16 @@ use crate::solver::contact::contact_frame::{ContactFrame, DeltaPoses, along_norm
 use crate::solver::contact::friction::FrictionImpulse;
 use crate::solver::contact::prepare::MIN_WEIGHT;
 use crate::solver::contact::update_geometry::tangents;
-use crate::solver::solver_bodies::SolverBodies;
+use crate::solver::solver_bodies::{SolverBodies, SolverRow};
 use crate::threads::InParts;
 
-/// A contact of which a shape is round. Lengths are from the second body's centre of mass when the
-/// step began.
+/// A round contact among those of a group of the solver.
 #[derive(Clone)]
-pub(crate) struct RoundContact {
-    /// Its number among the contacts.
-    pub(crate) contact: u32,
-    pub(crate) rows: [u32; 2],
-    part: u32,
-    geometries: [ColliderShape<Real>; 2],
-    placements: [Isometry<Real>; 2],
+pub(crate) struct RoundConstraint {
+    contact: RoundContact,
+    pub(crate) rows: [SolverRow; 2],
     /// What the middle of the contact is made of.
     weights: [Real; MAX_MANIFOLD_POINTS],
-    /// Whether impulses move the second body alone.
-    pub(crate) alone: bool,
-    /// The first body's centre of mass.
-    apart: Vec3<Real>,
-    /// How near surfaces are a contact \[m\].
-    margin: Real,
 }
 
 /// Contacts found by one thread at a time.
@@ -44,36 +34,26 @@ const FAR: Real = 1e6;
 /// spins turns over between substeps, and impulses that are taken back at other places than they
 /// were given heat it up.
 const MIN_RATIO: Real = 1.0 / 400.0;
-/// A pair that has moved by less than this part of its margin is where it was.
-const STILL: Real = 1e-3;
 
-impl Contacts {
-    /// Adds the round contacts, with numbers from `first` on.
-    pub(crate) fn add_round_contacts(&self, first: usize, rounds: &mut Vec<RoundContact>) {
-        for (index, contact) in self.contacts.iter().enumerate().filter(|(_, contact)| contact.is_refined()) {
-            let shapes = contact.slots.map(|slot| &self.shapes[slot as usize]);
-            let colliders = contact.slots.map(|slot| self.colliders[slot as usize].as_ref());
-            let [Some((a, _)), Some((b, _))] = colliders else { continue };
-            let origin = shapes[1].center;
-            let nearest = (0..contact.count()).map(|j| contact.separation(j)).fold(Real::INFINITY, Real::min).max(0.0);
-            let placements = shapes.map(|shape| Isometry {
-                position: shape.placement.position - origin,
-                orientation: shape.placement.orientation,
-            });
-            rounds.push(RoundContact {
-                contact: (first + index) as u32,
-                rows: self.rows_of(contact),
-                part: contact.part,
-                geometries: [a.geometry.clone(), b.geometry.clone()],
-                placements,
-                weights: std::array::from_fn(|j| {
-                    if j < contact.count() { weight((contact.separation(j) - nearest) / contact.margin()) } else { 0.0 }
-                }),
-                alone: !shapes[0].moves,
-                apart: shapes[0].center - origin,
-                margin: shapes[0].reach + shapes[1].reach,
-            });
-        }
+impl RoundConstraint {
+    /// Of a contact between these rows, the number of which is one from `first` on.
+    pub(crate) fn new(mut round: RoundContact, contact: &ContactRecord, rows: [SolverRow; 2], first: u32) -> Self {
+        let nearest = (0..contact.count()).map(|j| contact.separation(j)).fold(Real::INFINITY, Real::min).max(0.0);
+        let weights = std::array::from_fn(|j| {
+            if j < contact.count() { weight((contact.separation(j) - nearest) / contact.margin()) } else { 0.0 }
+        });
+        round.contact += first;
+        Self { contact: round, rows, weights }
+    }
+
+    /// Its number among the contacts.
+    pub(crate) fn number(&self) -> u32 {
+        self.contact.contact
+    }
+
+    /// Whether it is that of a needle, which stays as it was found.
+    pub(crate) fn is_on_needle(&self, bodies: &SolverBodies) -> bool {
+        self.rows.iter().any(|row| bodies.inertia_ratio(*row) < MIN_RATIO)
     }
 }
 
@@ -85,55 +65,28 @@ fn weight(margins: Real) -> Real {
 
 /// What has become of the contacts, if their bodies have moved: manifolds about the second body's
 /// centre of mass as it is now.
-pub(crate) fn find(rounds: &[RoundContact], delta_pose: &[Eight]) -> Vec<Option<Manifold<Real>>> {
+pub(crate) fn find(rounds: &[RoundConstraint], delta_pose: &[Eight]) -> Vec<Option<Manifold<Real>>> {
     let mut found = vec![None; rounds.len()];
     let parts = rounds.par_chunks(PART).zip(found.par_chunks_mut(PART));
     parts.by_at_least(2).for_each(|(rounds, found)| {
-        rounds.iter().zip(found).for_each(|(round, found)| *found = round.find(delta_pose));
+        for (round, found) in rounds.iter().zip(found) {
+            *found = round.contact.find(round.rows.map(|row| displacement(&delta_pose[row.index()])));
+        }
     });
     found
 }
 
-/// Leaves out the contacts of needles: these stay as they were found.
-pub(crate) fn drop_needles(rounds: &mut Vec<RoundContact>, bodies: &SolverBodies) {
-    rounds.retain(|round| round.rows.iter().all(|row| bodies.inertia_ratio(*row) >= MIN_RATIO));
-}
-
-impl RoundContact {
-    fn find(&self, delta_pose: &[Eight]) -> Option<Manifold<Real>> {
-        let [first, second] = self.rows.map(|row| &delta_pose[row as usize].0);
-        let slid = Vec3::new(first[0] - second[0], first[1] - second[1], first[2] - second[2]);
-        let still = STILL * self.margin;
-        if first[7] + second[7] == 0.0 && slid.dot(slid) < still * still {
-            return None;
-        }
-
-        let turn = |row: &[Real; 8]| Quat { x: row[3], y: row[4], z: row[5], w: row[6] };
-        let [a, b] = &self.placements;
-        let (p, q) = (turn(first), turn(second));
-        let first_at = Isometry {
-            position: self.apart + slid + p.rotate(a.position - self.apart),
-            orientation: p * a.orientation,
-        };
-        let second_at = Isometry { position: q.rotate(b.position), orientation: q * b.orientation };
-        let mut found = Manifold::none();
-        let [one, other] = &self.geometries;
-        contact_manifolds(one, &first_at, other, &second_at, self.margin, &mut |part, manifold| {
-            if part == self.part {
-                found = *manifold;
-            }
-        });
-        Some(found)
-    }
+fn displacement(Eight([x, y, z, i, j, k, w, turned]): &Eight) -> Displacement {
+    Displacement { way: Vec3::new(*x, *y, *z), turn: Quat { x: *i, y: *j, z: *k, w: *w }, has_turned: *turned != 0.0 }
 }
 
 /// Writes a manifold that was found over the contact in a lane of a block.
 pub(crate) fn write<const P: usize, const C: usize>(
     manifold: &Manifold<Real>,
     (block, rolling, lane): (&mut Block<P, C>, Option<&mut Rolling>, usize),
-    (delta_pose, round): (&[Eight], &RoundContact),
+    (delta_pose, round): (&[Eight], &RoundConstraint),
 ) {
-    let (rows, alone) = (round.rows, round.alone);
+    let (rows, alone) = (round.rows, round.contact.alone);
     let before = ContactFrame::<Real>::load(block, lane);
     let points = manifold.points();
     if points.is_empty() {
@@ -176,7 +129,7 @@ pub(crate) fn write<const P: usize, const C: usize>(
     let friction = FrictionImpulse::from_world(&frame, friction.linear(&before), friction.angular(&before));
     friction.store(&mut block.friction, rolling, lane);
 
-    let rows = rows.map(|row| [row; BLOCK]);
+    let rows = rows.map(|row| [row.0; BLOCK]);
     let apart = Vec3::new(block.start.apart[0][lane], block.start.apart[1][lane], block.start.apart[2][lane]);
     let way = frame.normal_parts(&DeltaPoses::<Real>::load(delta_pose, &rows, 0).relative([middle + apart, middle]));
     for (j, place) in places.into_iter().enumerate() {

@@ -1,0 +1,86 @@
+//! Where a collider is in a substep, and how its body goes on from there.
+
+use tumble_collide::{Aabb, ColliderShape, Isometry, Proxy};
+use tumble_math::lane::{Quat, Vec3};
+
+use crate::collision::narrow_phase::{LaneKind, ShapeLanes};
+use crate::math::Real;
+
+/// By slot: where bodies with colliders are in this substep.
+#[derive(Clone, Default)]
+pub(crate) struct ColliderStates {
+    pub(crate) states: Vec<ColliderState>,
+    pub(crate) proxies: Vec<Proxy<Real>>,
+    pub(crate) lanes: ShapeLanes,
+}
+
+/// Where a body with a collider is at the start of a step.
+#[derive(Clone, Copy)]
+pub(crate) struct ColliderState {
+    pub(crate) placement: Isometry<Real>,
+    /// Centre of mass \[m\].
+    pub(crate) center: Vec3<Real>,
+    pub(crate) kind: LaneKind,
+    /// Whether impulses move it.
+    pub(crate) moves: bool,
+    /// How far from its surface another's may be to be a contact, with the other's reach added
+    /// \[m\].
+    pub(crate) reach: Real,
+    /// The same but for how fast it goes \[m\]; zero of what impulses do not move.
+    pub(crate) margin: Real,
+    /// Of what impulses do not move \[m/s\] \[rad/s\].
+    pub(crate) velocity: (Vec3<Real>, Vec3<Real>),
+    pub(crate) motion: Motion,
+}
+
+/// How a body with a collider goes on if nothing holds it, through a step and one more substep: so
+/// far contacts look ahead.
+#[derive(Clone, Copy)]
+pub(crate) struct Motion {
+    /// How far its centre of mass goes \[m\].
+    pub(crate) way: Vec3<Real>,
+    /// By which angle it turns, about this direction \[rad\]; zero of what hardly does.
+    pub(crate) turn: Vec3<Real>,
+    /// How far from its centre of mass its collider reaches \[m\].
+    pub(crate) radius: Real,
+}
+
+impl Motion {
+    pub(crate) const NONE: Self = {
+        let zero = Vec3 { x: 0.0, y: 0.0, z: 0.0 };
+        Self { way: zero, turn: zero, radius: 0.0 }
+    };
+}
+
+impl ColliderState {
+    /// What the broad phase is to know of it. What has no geometry is nowhere.
+    pub(crate) fn proxy(&self, geometry: Option<&ColliderShape<Real>>) -> Proxy<Real> {
+        let nowhere = Some(Aabb::about(Vec3::splat(Real::NAN), Vec3::zero()));
+        let aabb = geometry.map_or(nowhere, |geometry| geometry.aabb(&self.placement, self.reach));
+        Proxy { aabb, moves: self.moves }
+    }
+
+    /// Known by its centre of mass alone.
+    pub(crate) fn at_center([x, y, z]: [Real; 3]) -> Self {
+        Self { center: Vec3::new(x, y, z), ..Self::NOWHERE }
+    }
+
+    pub(crate) fn center(&self) -> [Real; 3] {
+        [self.center.x, self.center.y, self.center.z]
+    }
+
+    pub(crate) const NOWHERE: Self = {
+        let zero = Vec3 { x: 0.0, y: 0.0, z: 0.0 };
+        let orientation = Quat { x: 0.0, y: 0.0, z: 0.0, w: 1.0 };
+        Self {
+            placement: Isometry { position: zero, orientation },
+            center: zero,
+            kind: LaneKind::Other,
+            moves: false,
+            reach: 0.0,
+            margin: 0.0,
+            velocity: (zero, zero),
+            motion: Motion::NONE,
+        }
+    };
+}

@@ -1,0 +1,241 @@
+//! Contact detection of a substep: broad phase, narrow phase, and matching with the previous
+//! contacts.
+
+use std::fmt;
+
+use hecs::World;
+use rayon::prelude::*;
+use tumble_collide::{BroadPhase, ColliderShape, contact_manifolds};
+
+use crate::collision::collider::{Collider, Groups};
+use crate::collision::collider_state::{ColliderState, ColliderStates};
+use crate::collision::contact::{ContactRecord, FIXED, MATERIAL, REFINED, Second};
+use crate::collision::contact_cache::ContactCache;
+use crate::collision::contact_materials::Materials;
+use crate::collision::contact_set::ContactSet;
+use crate::collision::internal_edges::InternalEdges;
+use crate::collision::narrow_phase::LaneKind;
+use crate::collision::near_pairs::NearPairs;
+use crate::collision::round_contact::RoundContact;
+use crate::collision::speculative::Way;
+use crate::components::CenterOfMass;
+use crate::math::{Real, Vec3 as WorldVec3};
+use crate::settings::Settings;
+use crate::storage::body_index::{BodyIndex, Slot};
+use crate::storage::world_columns::WorldColumns;
+use crate::threads::InParts;
+
+/// Finds the contacts of a world, and keeps what the next step begins with.
+#[derive(Clone, Default)]
+pub(crate) struct CollisionPipeline {
+    /// The bodies with colliders, as of the last [`update`](Self::update).
+    pub(crate) body_index: BodyIndex,
+    pub(crate) colliders: Colliders,
+    /// In this substep.
+    pub(crate) states: ColliderStates,
+    pub(crate) contacts: ContactSet,
+    /// Kept from step to step.
+    pub(crate) broad_phase: BroadPhase<Real>,
+    pub(crate) cache: ContactCache,
+    /// Memory that every substep overwrites.
+    pub(crate) near: NearPairs,
+    found: Vec<Vec<ContactRecord>>,
+    pub(crate) ways: Vec<Way>,
+    pub(crate) internal_edges: InternalEdges,
+}
+
+/// The colliders of a world, by slot.
+#[derive(Clone, Default)]
+pub(crate) struct Colliders {
+    /// Each with its body's centre of mass, in the body's frame \[m\].
+    pub(crate) list: Vec<Option<(Collider, WorldVec3)>>,
+    pub(crate) groups: Vec<Groups>,
+    pub(crate) materials: Materials,
+}
+
+/// Contacts that one thread takes at a time.
+pub(crate) const PART: usize = 512;
+/// Pairs of shapes without lanes of their own that one thread takes at a time.
+const OTHERS_PART: usize = 16;
+
+impl fmt::Debug for CollisionPipeline {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.debug_struct("CollisionPipeline").field("contacts", &self.contacts.records.len()).finish_non_exhaustive()
+    }
+}
+
+impl Colliders {
+    /// That of a slot, if its body has one, with the centre of mass in the body's frame \[m\].
+    pub(crate) fn get(&self, slot: Slot) -> Option<&(Collider, WorldVec3)> {
+        self.list[slot.index()].as_ref()
+    }
+
+    /// Takes over those of a world. Returns whether pairs are filtered as before.
+    fn update(&mut self, world: &World, body_index: &BodyIndex) -> bool {
+        let Self { list, groups, materials } = self;
+        list.clear();
+        list.resize(body_index.len(), None);
+        body_index.for_each_archetype(world, |archetype, places| {
+            if let Some(column) = archetype.get::<&Collider>() {
+                let offsets = archetype.get::<&CenterOfMass>();
+                let offset = |row: usize| offsets.as_deref().map_or(WorldVec3::ZERO, |offsets| offsets[row].0);
+                places.for_each(|(row, slot)| list[slot.index()] = Some((column[row].clone(), offset(row))));
+            }
+        });
+        materials.list(list.iter().map(|collider| collider.as_ref().map(|(collider, _)| collider)));
+        let of = |collider: &Option<(Collider, _)>| collider.as_ref().map_or(Groups::ALL, |(it, _)| it.filter_groups());
+        let same = list.iter().map(of).eq(groups.iter().copied());
+        if !same {
+            groups.clear();
+            groups.extend(list.iter().map(of));
+        }
+        same
+    }
+}
+
+impl CollisionPipeline {
+    /// Finds out what has a collider. To be called again when anything was spawned, despawned or
+    /// changed but momentum and pose.
+    pub(crate) fn update(&mut self, world: &World) {
+        self.body_index.find(world, |archetype, mark| {
+            if archetype.has::<Collider>() {
+                archetype.ids().iter().for_each(|id| mark(*id));
+            }
+        });
+        let Self { body_index, colliders, contacts, broad_phase, cache, .. } = self;
+        let same_groups = colliders.update(world, body_index);
+        contacts.extras = colliders.materials.extras();
+        let same_slots = cache.renumber(world, body_index, colliders, &mut contacts.records);
+        if !(same_groups && same_slots) {
+            // It asks once whether a pair is wanted.
+            broad_phase.reset();
+        }
+    }
+
+    /// A step, or several, in which nothing has a collider.
+    pub(crate) fn pass(&mut self, world: &World, steps: u32) {
+        self.update(world);
+        for _ in 0..steps.min(2) {
+            self.begin_step();
+            self.cache.pass();
+        }
+    }
+
+    /// To be called before the first substep of every step.
+    pub(crate) fn begin_step(&mut self) {
+        self.cache.begin_step(&self.contacts.records);
+    }
+
+    /// Finds the contacts of a substep of the settings, with the impulses that they begin with.
+    pub(crate) fn find_contacts(&mut self, columns: &WorldColumns<'_>, settings: &Settings) {
+        // After the last substep contacts see to it that in one more nothing would come too near.
+        let ahead = settings.substep() + settings.contact_substep();
+        self.update_aabbs(columns, [settings.substep(), ahead]);
+        let Self { states, colliders, broad_phase, near, .. } = self;
+        near.find(states, &colliders.groups, broad_phase);
+        self.cache.keep_previous(&mut self.contacts.records);
+        self.find_manifolds();
+        let fall = settings.gravity.length() * ahead * ahead;
+        self.limit_speculative(fall);
+        self.leave_out_internal_edges();
+        self.match_impulses();
+        let Self { states, colliders, contacts: ContactSet { records, rounds, .. }, .. } = self;
+        rounds.clear();
+        let numbered = (0..).zip(&*records);
+        rounds.extend(numbered.filter_map(|contact| RoundContact::of(contact, colliders, &states.states)));
+    }
+
+    /// How many contacts there were after the last step, and how many pairs of shapes without lanes
+    /// of their own.
+    pub(crate) fn counts(&self) -> (usize, usize) {
+        (self.contacts.records.len(), self.near.others.len())
+    }
+
+    /// The narrow phase: contacts of the pairs that are near each other.
+    fn find_manifolds(&mut self) {
+        let Self { states, near, found, contacts: ContactSet { records: contacts, .. }, colliders, .. } = self;
+        let (end, some_empty) = near.cuboids.touch(LaneKind::Cuboid, &states.lanes, contacts, 0);
+        let (end, more_empty) = near.spheres.touch(LaneKind::Sphere, &states.lanes, contacts, end);
+        contacts.truncate(end);
+        let parts = near.others.len().div_ceil(OTHERS_PART);
+        found.resize_with(parts.max(found.len()), Vec::new);
+        near.others.par_chunks(OTHERS_PART).zip(&mut *found).by_at_least(2).for_each(|(pairs, found)| {
+            found.clear();
+            pairs.iter().for_each(|slots| collide_pair(*slots, &states.states, colliders, found));
+        });
+        found[..parts].iter().for_each(|found| contacts.extend_from_slice(found));
+        if some_empty || more_empty || contacts[end..].iter().any(|contact| contact.count() == 0) {
+            contacts.retain(|contact| contact.count() > 0);
+        }
+    }
+
+    /// Begins contacts with the impulses of those of the last substep.
+    fn match_impulses(&mut self) {
+        let Self { contacts: ContactSet { records, .. }, cache, colliders, .. } = self;
+        let last = &cache.last;
+        records
+            .par_chunks_mut(PART)
+            .by_at_least(2)
+            .for_each(|contacts| match_impulses(contacts, last, &colliders.materials));
+        // The next step's list takes the place of the last one's: so it allocates nothing. Exactly
+        // as much, for with some more both would outgrow each other forever.
+        cache.last.reserve_exact(records.capacity().saturating_sub(cache.last.len()));
+    }
+}
+
+/// Adds the contacts of shapes that have no lanes of their own.
+fn collide_pair(slots: [Slot; 2], states: &[ColliderState], colliders: &Colliders, found: &mut Vec<ContactRecord>) {
+    let [first, second] = slots.map(|slot| &states[slot.index()]);
+    if let [Some((a, _)), Some((b, _))] = slots.map(|slot| colliders.get(slot)) {
+        let before = found.len();
+        let margin = first.reach + second.reach;
+        let of_second = Second { center: second.center, alone: !first.moves, margin: first.margin + second.margin };
+        let rolls = law([first, second], [&a.geometry, &b.geometry]);
+        contact_manifolds(
+            &a.geometry,
+            &first.placement,
+            &b.geometry,
+            &second.placement,
+            margin,
+            &mut |part, manifold| {
+                if a.parts_touch(b, part) {
+                    // What lies on three points does not roll.
+                    let law = if manifold.points().len() < 3 { rolls } else { MATERIAL };
+                    found.push(ContactRecord::new(slots, part, manifold, of_second, law));
+                }
+            },
+        );
+        found[before..].sort_by_key(ContactRecord::key);
+    }
+}
+
+/// How the geometry of a contact follows its bodies.
+fn law(states: [&ColliderState; 2], shapes: [&ColliderShape<Real>; 2]) -> f64 {
+    if !shapes.iter().any(|geometry| geometry.is_round()) {
+        return MATERIAL;
+    }
+    let is_centered = |which: usize| {
+        let apart = states[which].placement.position - states[which].center;
+        matches!(shapes[which], ColliderShape::Sphere { .. }) && apart.dot(apart) == 0.0
+    };
+    let is_flat_ground = |which: usize| {
+        let [u, v, w] = [states[which].velocity.1.x, states[which].velocity.1.y, states[which].velocity.1.z];
+        let flat =
+            matches!(shapes[which], ColliderShape::HalfSpace | ColliderShape::Mesh(_) | ColliderShape::HeightField(_));
+        flat && !states[which].moves && [u, v, w] == [0.0; 3]
+    };
+    if (is_centered(0) && is_flat_ground(1)) || (is_centered(1) && is_flat_ground(0)) { FIXED } else { REFINED }
+}
+
+/// Begins contacts with the impulses of those there were, both in the order of their keys.
+fn match_impulses(contacts: &mut [ContactRecord], last: &[ContactRecord], materials: &Materials) {
+    let Some(first) = contacts.first().map(ContactRecord::key) else { return };
+    let mut last = last[last.partition_point(|old| old.key() < first)..].iter().peekable();
+    for contact in contacts {
+        while last.next_if(|old| old.key() < contact.key()).is_some() {}
+        if let Some(old) = last.next_if(|old| old.key() == contact.key()) {
+            contact.take_impulses_of(old);
+        }
+        contact.set_surface(&materials.between(contact.slots, contact.part));
+    }
+}

@@ -1,0 +1,83 @@
+//! The bodies of a world that constraints act on in a substep, each with its row in the solver.
+
+use crate::solver::solver_bodies::SolverRow;
+use crate::storage::body_index::{BodyIndex, Slot};
+use crate::storage::world_columns::WorldColumns;
+
+/// Which bodies of a world the solver moves, or reads. All others are the integrator's.
+#[derive(Clone, Default)]
+pub(crate) struct ConstrainedBodies {
+    /// By slot; [`NONE`] where no constraint acts on the body.
+    rows: Vec<SolverRow>,
+    /// How many are dynamic, and how many are not.
+    counts: [usize; 2],
+}
+
+const NONE: SolverRow = SolverRow(u32::MAX);
+/// In the place of a row that is still to be given.
+const MARKED: SolverRow = SolverRow(0);
+
+impl ConstrainedBodies {
+    /// Those of the constraints between `pairs` of slots, without rows.
+    pub(crate) fn find(
+        &mut self,
+        pairs: impl Iterator<Item = [Slot; 2]>,
+        body_index: &BodyIndex,
+        columns: &WorldColumns<'_>,
+    ) {
+        let Self { rows, counts } = self;
+        rows.clear();
+        rows.resize(body_index.len(), NONE);
+        pairs.flatten().for_each(|slot| rows[slot.index()] = MARKED);
+        *counts = [0; 2];
+        for (archetype, is_dynamic) in columns.kinds() {
+            let slots = body_index.slots_in(archetype).iter();
+            counts[usize::from(!is_dynamic)] += slots.filter(|slot| rows[slot.index()] != NONE).count();
+        }
+    }
+
+    /// None.
+    pub(crate) fn clear(&mut self) {
+        self.rows.clear();
+        self.counts = [0; 2];
+    }
+
+    /// How many are dynamic, and how many are not.
+    pub(crate) fn counts(&self) -> [usize; 2] {
+        self.counts
+    }
+
+    pub(crate) fn is_empty(&self) -> bool {
+        self.counts == [0; 2]
+    }
+
+    pub(crate) fn contains(&self, slot: Slot) -> bool {
+        self.rows[slot.index()] != NONE
+    }
+
+    pub(crate) fn row(&self, slot: Slot) -> Option<SolverRow> {
+        Some(self.rows[slot.index()]).filter(|row| *row != NONE)
+    }
+
+    /// The rows of a constraint's bodies.
+    pub(crate) fn rows_of(&self, slots: [Slot; 2]) -> [SolverRow; 2] {
+        slots.map(|slot| self.rows[slot.index()])
+    }
+
+    /// By slot.
+    pub(crate) fn rows(&self) -> impl ExactSizeIterator<Item = Option<SolverRow>> + '_ {
+        self.rows.iter().map(|row| Some(*row).filter(|row| *row != NONE))
+    }
+
+    pub(crate) fn set_row(&mut self, slot: Slot, row: SolverRow) {
+        self.rows[slot.index()] = row;
+    }
+
+    /// Drops the bodies that no constraint between `pairs` of slots acts on any more.
+    pub(crate) fn retain(&mut self, pairs: impl Iterator<Item = [Slot; 2]>) {
+        let mut is_constrained = vec![false; self.rows.len()];
+        pairs.flatten().for_each(|slot| is_constrained[slot.index()] = true);
+        let rows = self.rows.iter_mut().zip(is_constrained);
+        rows.filter(|(_, is_constrained)| !is_constrained).for_each(|(row, _)| *row = NONE);
+    }
+}
