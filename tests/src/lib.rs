@@ -45,6 +45,9 @@ mod documents {
     #[doc = include_str!("../../docs/rollback.md")]
     struct Rollback;
 
+    #[doc = include_str!("../../docs/schedule.md")]
+    struct Schedule;
+
     #[doc = include_str!("../../docs/spinning.md")]
     struct Spinning;
 }

@@ -118,6 +118,7 @@ pub use components::{
 pub use debug_draw::{DebugDraw, DebugView};
 pub use energy::ledger::{Ledger, LedgerEntry};
 pub use energy::totals::Totals;
+pub use forces::body_forces::BodyForces;
 pub use forces::components::{
     AngularVelocityServo, Buoyancy, ConstantWrench, Drag, Frame, Hull, Magnus, PointGravity, SpringToPoint, Thruster,
 };
@@ -138,9 +139,12 @@ pub use snapshot::state_rates::derivative_to_array;
 pub use step::body_slices::{BodySlices, LengthMismatch};
 pub use step::contact_report::{Contact, ContactPoint};
 pub use step::phase_times::PhaseTimes;
-pub use step::simulation::Simulation;
+pub use step::phased_step::{Step, StepPhase};
+pub use step::simulation::{Simulation, StepHooks};
 pub use step::step;
-pub use step::systems::{accumulate_forces, integrate, integrate_under_laws, update_derived};
+pub use step::systems::{
+    accumulate_forces, integrate, integrate_under_laws, move_kinematic_bodies, remember_poses, update_derived,
+};
 pub use storage::body_order::BodyOrder;
 
 pub use {glam, hecs};

@@ -139,6 +139,11 @@ impl ContactRecord {
         f64::from(self.numbers[SHAPE].0[7]) == REFINED
     }
 
+    /// Whether its points are fixed to the bodies, as between flat faces.
+    pub(crate) fn is_material(&self) -> bool {
+        f64::from(self.numbers[SHAPE].0[7]) == MATERIAL
+    }
+
     /// Multiplies the impulses that it begins with.
     pub(crate) fn scale_impulses(&mut self, by: Real) {
         self.numbers[NORMAL_IMPULSE].0[..MAX_MANIFOLD_POINTS].iter_mut().for_each(|impulse| *impulse *= by);

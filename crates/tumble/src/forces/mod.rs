@@ -1,5 +1,6 @@
 //! Forces: laws of the caller, force components, and forces between pairs of bodies.
 
+pub(crate) mod body_forces;
 pub(crate) mod components;
 pub(crate) mod evaluate;
 pub(crate) mod force_context;

@@ -246,18 +246,14 @@ impl ForceLaws {
         self.added.iter().map(|source| source.potential(body, state)).sum()
     }
 
-    /// The wrench of a body's force components, but for those between bodies.
-    pub(crate) fn wrench_of_components(body: EntityRef<'_>, state: &BodyState<'_>) -> Wrench {
-        let mut sum = Wrench::default();
-        KNOWN.iter().for_each(|source| sum.add(source.wrench(body, state)));
-        sum
+    /// The wrenches of a body's force components, but for those between bodies.
+    pub(crate) fn wrenches_of_components(body: EntityRef<'_>, state: &BodyState<'_>) -> impl Iterator<Item = Wrench> {
+        KNOWN.iter().map(move |source| source.wrench(body, state))
     }
 
-    /// The wrench of the laws that were added on a body.
-    pub(crate) fn wrench_of_added(&self, body: EntityRef<'_>, state: &BodyState<'_>) -> Wrench {
-        let mut sum = Wrench::default();
-        self.added.iter().for_each(|source| sum.add(source.wrench(body, state)));
-        sum
+    /// The wrenches of the laws that were added on a body.
+    pub(crate) fn wrenches_of_added(&self, body: EntityRef<'_>, state: &BodyState<'_>) -> impl Iterator<Item = Wrench> {
+        self.added.iter().map(move |source| source.wrench(body, state))
     }
 }
 

@@ -67,8 +67,8 @@ impl ContactWorks {
         self.forces.clear();
     }
 
-    /// Opens the account of a body under these forces, of which so much is gravity, for kicks of `h`
-    /// \[s\].
+    /// Opens the account of a body under these forces, of which so much is gravity, for kicks of
+    /// `h` \[s\].
     pub(crate) fn open(
         &mut self,
         (slot, row): (Slot, SolverRow),

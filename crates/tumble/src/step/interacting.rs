@@ -14,7 +14,7 @@ use crate::solver::substeps::Solver;
 use crate::step::interactions::Interactions;
 use crate::step::pack_key::PackKey;
 use crate::step::phase_times::{Phase, PhaseTimes, Stopwatch};
-use crate::step::systems::{accumulate_forces_of, integrate_unconstrained, remember_poses, update_derived_of};
+use crate::step::systems::{accumulate_forces_of, integrate_unconstrained, remember_poses_of, update_derived_of};
 use crate::storage::world_columns::WorldColumns;
 
 /// A world in which bodies act on each other, and what it is stepped with.
@@ -37,6 +37,13 @@ pub(crate) struct Moment {
     pub(crate) substep: u32,
 }
 
+/// What kinematic bodies do in the substeps of a step.
+#[derive(Clone, Copy, PartialEq, Eq)]
+pub(crate) enum KinematicBodies {
+    Move,
+    Stay,
+}
+
 /// Which of the two kicks of a substep.
 #[derive(Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Kick {
@@ -54,28 +61,28 @@ pub(crate) fn step_interacting(
 ) {
     for step in 0..steps {
         let mut stopwatch = PhaseTimes::start(times);
+        worlds.iter_mut().for_each(InteractingWorld::remember_poses);
         worlds.iter_mut().for_each(InteractingWorld::accumulate_forces);
         stopwatch.end_of(Phase::AccumulateForces);
-        integrate_interacting(worlds, together.as_mut(), step, |it, moment| it.move_kinematic(moment), &mut stopwatch);
+        integrate_interacting(worlds, together.as_mut(), step, KinematicBodies::Move, &mut stopwatch);
         worlds.iter_mut().for_each(InteractingWorld::update_derived);
         stopwatch.end_of(Phase::UpdateDerived);
     }
 }
 
-/// The integration of a step, this many after the clocks. `move_kinematic` moves in a substep what
-/// neither constraints nor forces do.
+/// The integration of a step, this many after the clocks.
 pub(crate) fn integrate_interacting(
     worlds: &mut [InteractingWorld<'_>],
     mut together: Option<&mut Together<'_>>,
     step: u32,
-    move_kinematic: impl Fn(&mut InteractingWorld<'_>, Moment),
+    kinematic: KinematicBodies,
     stopwatch: &mut Stopwatch<'_>,
 ) {
     let substeps = worlds.first().map_or(0, |it| it.settings.substeps);
     debug_assert!(worlds.iter().all(|it| it.settings.substeps == substeps));
     let pull = worlds.iter().any(|it| it.interactions.pairs.is_some());
     let touch = worlds.iter().any(|it| it.interactions.collision.is_some());
-    worlds.iter_mut().for_each(InteractingWorld::begin_step);
+    worlds.iter_mut().for_each(|it| it.interactions.begin_step());
     for substep in 0..substeps {
         let moment = Moment { step, substep };
         worlds.iter_mut().for_each(|it| it.apply_pair_forces(Kick::Before));
@@ -87,7 +94,9 @@ pub(crate) fn integrate_interacting(
         }
         stopwatch.end_if(touch, Phase::Contacts);
         worlds.iter_mut().for_each(|it| it.integrate(moment));
-        worlds.iter_mut().for_each(|it| move_kinematic(it, moment));
+        if kinematic == KinematicBodies::Move {
+            worlds.iter_mut().for_each(|it| it.move_kinematic(moment));
+        }
         stopwatch.end_of(Phase::Integrate);
         worlds.iter_mut().for_each(|it| it.apply_pair_forces(Kick::After));
         stopwatch.end_if(pull, Phase::Pairs);
@@ -147,20 +156,15 @@ impl<'a> InteractingWorld<'a> {
         Self { columns: laws.columns_of(world), settings, laws, interactions, clock }
     }
 
-    /// Copies the poses before the step, and adds gravity to the wrenches.
-    fn accumulate_forces(&mut self) {
-        let settings = self.settings;
-        self.columns.for_each_chunk(|_, bodies| {
-            remember_poses(bodies);
-            accumulate_forces_of(bodies, settings);
-        });
+    /// Copies the poses before the step.
+    pub(crate) fn remember_poses(&mut self) {
+        self.columns.for_each_chunk(|_, bodies| remember_poses_of(bodies));
     }
 
-    /// To be called before the first substep of a step.
-    pub(crate) fn begin_step(&mut self) {
-        if let Some(collision) = &mut self.interactions.collision {
-            collision.begin_step();
-        }
+    /// Adds gravity to the wrenches.
+    pub(crate) fn accumulate_forces(&mut self) {
+        let settings = self.settings;
+        self.columns.for_each_chunk(|_, bodies| accumulate_forces_of(bodies, settings));
     }
 
     /// Kicks bodies by the forces between them: for half a substep before it and after it, or all
@@ -237,7 +241,7 @@ impl<'a> InteractingWorld<'a> {
         self.columns.move_kinematic_bodies(self.settings.substep(), moment.substep);
     }
 
-    fn update_derived(&mut self) {
+    pub(crate) fn update_derived(&mut self) {
         self.columns.for_each_chunk(|_, bodies| update_derived_of(bodies));
     }
 }

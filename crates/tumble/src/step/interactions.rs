@@ -50,6 +50,13 @@ impl Interactions {
         }
     }
 
+    /// To be called before the first substep of every step.
+    pub(crate) fn begin_step(&mut self) {
+        if let Some(collision) = &mut self.collision {
+            collision.begin_step();
+        }
+    }
+
     /// Steps of a world in which nothing acts on anything: what touched does no more.
     pub(crate) fn pass(&mut self, world: &World, steps: u32) {
         if let Some(collision) = self.collision.as_mut().filter(|collision| !collision.are_over()) {

@@ -1,5 +1,6 @@
 //! The step: force accumulation, integration and derived quantities, chunk by chunk.
 
+pub(crate) mod body_forces;
 pub(crate) mod body_slices;
 pub(crate) mod contact_report;
 pub(crate) mod effort;
@@ -7,6 +8,7 @@ pub(crate) mod interacting;
 pub(crate) mod interactions;
 pub(crate) mod pack_key;
 pub(crate) mod phase_times;
+pub(crate) mod phased_step;
 pub(crate) mod simulation;
 pub(crate) mod systems;
 
@@ -22,7 +24,7 @@ use crate::step::effort::effort_of_steps;
 use crate::step::interacting::{InteractingWorld, step_interacting};
 use crate::step::interactions::Interactions;
 use crate::step::phase_times::{Phase, PhaseTimes};
-use crate::step::systems::{accumulate_forces_of, integrate_bodies, remember_poses, step_chunk, update_derived_of};
+use crate::step::systems::{accumulate_forces_of, integrate_bodies, remember_poses_of, step_chunk, update_derived_of};
 
 /// Advances every body of the world by `settings.dt`: the three systems, the motion of kinematic
 /// bodies, and [`PreviousPose`](crate::PreviousPose).
@@ -90,7 +92,7 @@ fn steps_here(
                 return step_chunk(bodies, laws, settings, steps, &|step| clock.time_after(step));
             }
             for step in 0..steps {
-                remember_poses(bodies);
+                remember_poses_of(bodies);
                 let mut stopwatch = PhaseTimes::start(times);
                 accumulate_forces_of(bodies, settings);
                 stopwatch.end_of(Phase::AccumulateForces);

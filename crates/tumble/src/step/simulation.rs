@@ -54,6 +54,39 @@ pub struct Simulation {
     owed: f64,
 }
 
+/// What is called before and after every step of
+/// [`advance_with_hooks`](Simulation::advance_with_hooks).
+///
+/// ```
+/// # use tumble::{Simulation, StepHooks, hecs::World};
+/// #[derive(Default)]
+/// struct Counter(u64);
+///
+/// impl StepHooks for Counter {
+///     fn after_step(&mut self, _: &mut World, simulation: &Simulation) {
+///         self.0 = simulation.steps();
+///     }
+/// }
+/// ```
+pub trait StepHooks {
+    /// With the world and the simulation as the last step left them: the place to add the forces of
+    /// the next.
+    fn before_step(&mut self, _world: &mut World, _simulation: &Simulation) {}
+
+    /// With the world and the simulation as the step left them:
+    /// [`contact_events`](Simulation::contact_events) gives those of this step.
+    fn after_step(&mut self, _world: &mut World, _simulation: &Simulation) {}
+}
+
+/// Calls a closure before every step.
+struct BeforeStep<F>(F);
+
+impl<F: FnMut(&mut World, &Simulation)> StepHooks for BeforeStep<F> {
+    fn before_step(&mut self, world: &mut World, simulation: &Simulation) {
+        (self.0)(world, simulation);
+    }
+}
+
 impl Simulation {
     /// The most steps that one [`advance`](Self::advance) takes; the time beyond is dropped, so
     /// that a slow frame is not followed by slower ones.
@@ -189,6 +222,13 @@ impl Simulation {
         Some(InteractingWorld::new(world, &self.settings, &self.laws, interactions, clock))
     }
 
+    /// The same in the course of a step, as far as it is known what acts between which bodies.
+    pub(crate) fn interacting_as_known<'a>(&'a mut self, world: &'a World) -> InteractingWorld<'a> {
+        let clock = self.clock();
+        let interactions = self.interactions.get_or_insert_default();
+        InteractingWorld::of_known(world, &self.settings, &self.laws, interactions, clock)
+    }
+
     /// Counts steps that have been taken with [`interacting`](Self::interacting).
     pub(crate) fn count_steps(&mut self, count: u32) {
         self.steps += u64::from(count);
@@ -245,8 +285,33 @@ impl Simulation {
         &mut self,
         world: &mut World,
         frame_seconds: f64,
-        mut before_step: impl FnMut(&mut World, &Self),
+        before_step: impl FnMut(&mut World, &Self),
     ) -> Real {
+        self.advance_with_hooks(world, frame_seconds, &mut BeforeStep(before_step))
+    }
+
+    /// [`advance`](Self::advance), calling `hooks` before and after every step.
+    ///
+    /// ```
+    /// # use tumble::prelude::*;
+    /// # use tumble::StepHooks;
+    /// # let mut world = hecs::World::new();
+    /// # let body = RigidBody::new(Shape::Point).mass(1.0).build()?.spawn(&mut world);
+    /// #[derive(Default)]
+    /// struct Game { heights: Vec<Real> }
+    ///
+    /// impl StepHooks for Game {
+    ///     fn after_step(&mut self, world: &mut hecs::World, _: &Simulation) {
+    ///         self.heights.extend(world.query_mut::<&Pose>().into_iter().map(|pose| pose.position.y));
+    ///     }
+    /// }
+    ///
+    /// let (mut game, mut simulation) = (Game::default(), Simulation::new(Settings::default().with_dt(0.01))?);
+    /// simulation.advance_with_hooks(&mut world, 0.035, &mut game);
+    /// assert_eq!(game.heights.len(), 3);
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    pub fn advance_with_hooks(&mut self, world: &mut World, frame_seconds: f64, hooks: &mut impl StepHooks) -> Real {
         let dt = f64::from(self.settings.dt);
         if frame_seconds > 0.0 && frame_seconds.is_finite() {
             self.owed += frame_seconds;
@@ -257,11 +322,12 @@ impl Simulation {
         while self.owed >= dt && taken < Self::MAX_STEPS_PER_FRAME {
             self.forget_events();
             self.has_stepped = true;
-            before_step(world, self);
+            hooks.before_step(world, self);
             if taken > 0 {
                 events.extend(self.contact_events());
             }
             self.step(world);
+            hooks.after_step(world, self);
             self.owed -= dt;
             taken += 1;
         }

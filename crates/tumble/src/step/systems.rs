@@ -15,6 +15,7 @@ use crate::forces::tile_buffer::TileBuffer;
 use crate::forces::under_laws::for_each_chunk_under;
 use crate::integrator::Integrator;
 use crate::integrators::derived::derived;
+use crate::integrators::kinematic;
 use crate::integrators::kinetic_energy::KineticEnergy;
 use crate::integrators::state::{Force, State};
 use crate::integrators::{AnyWidth, ConstantForce, MoserVeselov, NoAccount, RungeKutta4, Scheme, SemiImplicitEuler};
@@ -22,7 +23,7 @@ use crate::math::{Real, Vec3};
 use crate::settings::Settings;
 use crate::simd::{Kernel, Tile, dispatch};
 use crate::solver::constrained_bodies::ConstrainedBodies;
-use crate::step::interacting::{InteractingWorld, integrate_interacting};
+use crate::step::interacting::{InteractingWorld, KinematicBodies, integrate_interacting};
 use crate::step::interactions::Interactions;
 use crate::step::phase_times::PhaseTimes;
 use crate::storage::body_index::Slot;
@@ -97,7 +98,7 @@ pub fn integrate_under_laws(world: &mut World, settings: &Settings, laws: &Force
     if Interactions::is_in(world) {
         let mut interactions = Interactions::default();
         let interacting = InteractingWorld::new(world, settings, laws, &mut interactions, Clock::at(time));
-        integrate_interacting(&mut [interacting], None, 0, |_, _| (), &mut PhaseTimes::start(None));
+        integrate_interacting(&mut [interacting], None, 0, KinematicBodies::Stay, &mut PhaseTimes::start(None));
     } else {
         for_each_chunk_under(world, laws, |bodies, laws| {
             integrate_bodies(bodies, laws, settings, time, Wrenches::Consumed);
@@ -122,7 +123,39 @@ pub fn update_derived(world: &mut World) {
     for_each_chunk(world, update_derived_of);
 }
 
-pub(crate) fn remember_poses(bodies: &mut Chunk<'_>) {
+/// Copies the [`Pose`](crate::Pose) of the moving bodies to their
+/// [`PreviousPose`](crate::PreviousPose), where they have one.
+///
+/// ```
+/// # use tumble::{remember_poses, prelude::*};
+/// # let mut world = hecs::World::new();
+/// let body = RigidBody::new(Shape::Point).mass(2.0).build()?.spawn_with(&mut world, (PreviousPose::default(),));
+/// world.get::<&mut Pose>(body)?.position = Vec3::X;
+/// remember_poses(&mut world);
+/// assert_eq!(world.get::<&PreviousPose>(body)?.0.position, Vec3::X);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+pub fn remember_poses(world: &mut World) {
+    for_each_chunk(world, remember_poses_of);
+}
+
+/// Moves the kinematic bodies, those with a [`Velocity`](crate::Velocity) and no
+/// [`Momentum`](crate::Momentum), by `settings.dt`, and sets their
+/// [`PreviousPose`](crate::PreviousPose), where they have one.
+///
+/// ```
+/// # use tumble::{move_kinematic_bodies, prelude::*};
+/// # let mut world = hecs::World::new();
+/// let lift = RigidBody::new(Shape::Point).velocity(Vec3::Y).kinematic().build()?.spawn(&mut world);
+/// move_kinematic_bodies(&mut world, &Settings::default().with_dt(0.5));
+/// assert_eq!(world.get::<&Pose>(lift)?.position, Vec3::Y * 0.5);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+pub fn move_kinematic_bodies(world: &mut World, settings: &Settings) {
+    kinematic::move_kinematic_bodies(world, settings.dt, 1);
+}
+
+pub(crate) fn remember_poses_of(bodies: &mut Chunk<'_>) {
     if let Some(previous) = bodies.previous_pose.as_deref_mut() {
         for (previous, pose) in previous.iter_mut().zip(&*bodies.pose) {
             *previous = PreviousPose(*pose);

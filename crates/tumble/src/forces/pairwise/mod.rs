@@ -8,6 +8,7 @@
 //! Bodies are gathered in the order of `BodyId`, and every sum is taken in an order that follows
 //! from it.
 
+pub(crate) mod between_bodies;
 pub(crate) mod gravity_mass;
 pub(crate) mod pair_forces;
 pub(crate) mod potential;

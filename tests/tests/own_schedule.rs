@@ -1,0 +1,265 @@
+//! Promise: a step taken phase by phase has the bits, the events and the accounts of a whole step,
+//! for bodies of every kind, whatever reads the world in between and however early the caller
+//! stops; what a system changes between two phases acts; the hooks of a frame are called before and
+//! after every step; and a caller's law is asked once for a body at each stage, constrained or
+//! free.
+//!
+//! Why: a caller's own schedule is worth nothing if contacts, their warm start, or kinematic bodies
+//! only work in the closed step. It fails if a phase reads what another one left stale, if a phase
+//! is run twice or never, or if the free motion of a constrained body is computed besides.
+
+use std::sync::Arc;
+use std::sync::atomic::{AtomicU64, Ordering};
+
+use hecs::{Entity, World};
+use tumble::math::{Real, Vec3};
+use tumble::prelude::*;
+use tumble::{
+    ContactEvent, ForceLaws, StepHooks, StepPhase, Work, accumulate_forces, integrate_under_laws,
+    move_kinematic_bodies, remember_poses, update_derived,
+};
+use tumble_tests::touching::{collider, cube, ground, spawn};
+use tumble_tests::{Draw, by_precision, hash, run};
+
+/// A field that grows, and counts how often it is asked.
+#[derive(Clone, Default)]
+struct Field(Arc<AtomicU64>);
+
+impl ForceLaw for Field {
+    fn wrench(&self, state: &BodyState<'_>) -> Wrench {
+        self.0.fetch_add(1, Ordering::Relaxed);
+        Wrench { force: Vec3::X * (0.3 * state.mass * state.time as Real), torque: Vec3::ZERO }
+    }
+}
+
+/// Bodies of many kinds, of sizes from a decimetre to metres, some of which touch something.
+fn scene(case: u64) -> World {
+    let (mut world, mut draw) = (World::new(), Draw::new(0x5C4E, case));
+    if draw.often(0.8) {
+        ground(&mut world, Material::default(), tumble::math::Quat::IDENTITY);
+    }
+    let mut bodies = Vec::new();
+    for i in 0..24 {
+        let size = draw.log_between(0.1, 1.0);
+        let shape = if draw.often(0.5) { Shape::sphere(size) } else { cube(size) };
+        let at = draw.vector(3.0).as_vec3() + glam::Vec3::Y * 3.0;
+        let mut body = RigidBody::new(shape.clone()).density(500.0).id(BodyId(i)).position(vector(at));
+        body = body.angular_velocity(vector(draw.vector(3.0).as_vec3()));
+        if draw.often(0.15) {
+            body = body.kinematic();
+        }
+        let body = body.build().unwrap();
+        let entity = if draw.often(0.7) {
+            body.spawn_with(&mut world, (collider(&shape), PreviousPose::default()))
+        } else {
+            body.spawn_with(&mut world, (PreviousPose::default(),))
+        };
+        if draw.often(0.3) {
+            world.insert_one(entity, Damping { linear: 0.2, angular: 0.1 }).unwrap();
+        }
+        bodies.push(entity);
+    }
+    if draw.often(0.5) {
+        for pair in bodies.windows(2).step_by(5) {
+            world.spawn((Spring::between(pair[0], pair[1]).stiffness(40.0).damping(1.0),));
+        }
+    }
+    if draw.often(0.3) {
+        bodies.iter().step_by(3).for_each(|body| world.insert_one(*body, GravityMass::new(50.0)).unwrap());
+    }
+    world
+}
+
+fn vector(v: glam::Vec3) -> Vec3 {
+    Vec3::new(v.x.into(), v.y.into(), v.z.into())
+}
+
+fn simulation(case: u64, field: &Field) -> Simulation {
+    let settings = Settings::default()
+        .with_substeps(1 + case as u32 % 3)
+        .with_integrator(Integrator::ALL[case as usize / 3 % Integrator::ALL.len()]);
+    let mut simulation = Simulation::new(settings).unwrap();
+    simulation.add_global_law(field.clone());
+    simulation
+}
+
+fn works(world: &World) -> Vec<Option<Work>> {
+    let mut works: Vec<_> = world.query::<(Entity, Option<&Work>)>().iter().map(|(id, it)| (id, it.copied())).collect();
+    works.sort_by_key(|(id, _)| *id);
+    works.into_iter().map(|(_, work)| work).collect()
+}
+
+/// Poses before the last step.
+fn previous(world: &World) -> Vec<(Entity, PreviousPose)> {
+    let mut poses: Vec<_> = world.query::<(Entity, &PreviousPose)>().iter().map(|(id, it)| (id, *it)).collect();
+    poses.sort_by_key(|(id, _)| *id);
+    poses
+}
+
+/// Also with a reader between the phases, and with a caller who leaves the rest to `drop`.
+#[test]
+fn phase_by_phase_is_the_step() {
+    let mut touched = 0;
+    for case in 0..60 {
+        let fields = [Field::default(), Field::default()];
+        let mut worlds = [scene(case), scene(case)];
+        let mut simulations = fields.each_ref().map(|field| simulation(case, field));
+        if case % 4 == 0 {
+            for (world, simulation) in worlds.iter_mut().zip(&simulations) {
+                Ledger::attach(world, simulation);
+            }
+        }
+        for step in 0..40 {
+            simulations[0].step(&mut worlds[0]);
+            let bodies = worlds[0].query::<&Pose>().iter().count();
+            let mut phases = simulations[1].begin_step(&mut worlds[1]);
+            let mut left = if step % 3 == 2 { step % 7 } else { u32::MAX };
+            while left > 0 && phases.run_phase().is_some() {
+                left -= 1;
+                let count = phases.world().query::<(&Pose, Option<&mut Momentum>)>().iter().count();
+                assert_eq!(count, bodies);
+                assert!(phases.simulation().contacts().all(|contact| !contact.points().is_empty()));
+            }
+            drop(phases);
+            let [a, b] = worlds.each_ref();
+            assert_eq!(hash(a), hash(b), "case {case}, step {step}");
+            assert_eq!(previous(a), previous(b), "case {case}, step {step}");
+            assert_eq!(works(a), works(b), "case {case}, step {step}");
+            let events: [Vec<ContactEvent>; 2] = simulations.each_ref().map(|it| it.contact_events().collect());
+            touched += events[0].len();
+            assert_eq!(events[0], events[1], "case {case}, step {step}");
+            let contacts = simulations.each_ref().map(|it| it.contacts().collect::<Vec<_>>());
+            assert_eq!(contacts[0], contacts[1], "case {case}, step {step}");
+        }
+        assert_eq!(simulations[0].clock(), simulations[1].clock());
+        assert_eq!(fields[0].0.load(Ordering::Relaxed), fields[1].0.load(Ordering::Relaxed), "case {case}");
+    }
+    assert!(touched > 500, "{touched}");
+}
+
+/// Where no contact is kept from step to step, the free functions are enough.
+#[test]
+fn the_public_systems_are_the_step_of_bodies_alone() {
+    for case in 0..12 {
+        let alone = || {
+            let mut world = scene(case);
+            let bodies: Vec<Entity> = world.query::<Entity>().iter().collect();
+            for body in bodies {
+                world.remove_one::<Collider>(body).ok();
+                world.remove_one::<GravityMass>(body).ok();
+                if world.get::<&Spring>(body).is_ok() {
+                    world.despawn(body).unwrap();
+                }
+            }
+            world
+        };
+        let (mut stepped, mut composed) = (alone(), alone());
+        let mut whole = simulation(case, &Field::default());
+        let mut laws = ForceLaws::default();
+        laws.add_global(Field::default());
+        for step in 0..20 {
+            let (settings, time) = (*whole.settings(), whole.time());
+            whole.step(&mut stepped);
+            remember_poses(&mut composed);
+            accumulate_forces(&mut composed, &settings);
+            integrate_under_laws(&mut composed, &settings, &laws, time);
+            move_kinematic_bodies(&mut composed, &settings);
+            update_derived(&mut composed);
+            assert_eq!(hash(&stepped), hash(&composed), "case {case}, step {step}");
+            assert_eq!(previous(&stepped), previous(&composed), "case {case}, step {step}");
+        }
+    }
+}
+
+/// In order, with those of a substep as often as there are substeps.
+#[test]
+fn the_phases_are_the_documented_ones() {
+    use StepPhase::*;
+    let phases_of = |world: &mut World, simulation: &mut Simulation| {
+        let mut step = simulation.begin_step(world);
+        assert_eq!((step.next_phase(), step.substep()), (Some(RememberPoses), 0));
+        let phases: Vec<_> = std::iter::from_fn(|| step.run_phase()).collect();
+        assert_eq!((step.next_phase(), step.run_phase()), (None, None));
+        phases
+    };
+    let mut simulation = Simulation::new(Settings::default().with_substeps(2)).unwrap();
+    let mut world = World::new();
+    let apart = phases_of(&mut world, &mut simulation);
+    assert_eq!(apart, [RememberPoses, AccumulateForces, Integrate, MoveKinematic, UpdateDerived]);
+    ground(&mut world, Material::default(), tumble::math::Quat::IDENTITY);
+    let substep = [PairForcesBefore, FindContacts, SolveContacts, Integrate, MoveKinematic, PairForcesAfter];
+    let expected: Vec<_> =
+        [RememberPoses, AccumulateForces].into_iter().chain(substep).chain(substep).chain([UpdateDerived]).collect();
+    assert_eq!(phases_of(&mut world, &mut simulation), expected);
+    assert_eq!(simulation.steps(), 2);
+}
+
+/// A box on the ground that a system lifts with twice its weight, between two phases.
+#[test]
+fn a_system_between_two_phases_acts() {
+    let (mut world, shape) = (World::new(), cube(0.5));
+    ground(&mut world, Material::default(), tumble::math::Quat::IDENTITY);
+    let body = spawn(&mut world, RigidBody::new(shape.clone()).mass(2.0).position(Vec3::Y * 0.5), collider(&shape));
+    let mut simulation = Simulation::new(Settings::default().with_dt(0.01)).unwrap();
+    run(&mut simulation, &mut world, 20);
+    for _ in 0..10 {
+        let mut step = simulation.begin_step(&mut world);
+        while let Some(phase) = step.run_phase() {
+            if phase == StepPhase::AccumulateForces {
+                step.world().get::<&mut Wrench>(body).unwrap().add_force(Vec3::Y * (2.0 * 2.0 * 9.81));
+            }
+        }
+    }
+    let speed = f64::from(world.get::<&Velocity>(body).unwrap().linear.y);
+    assert!((speed - 0.1 * 9.81).abs() < by_precision(1e-3, 1e-3), "{speed}");
+}
+
+/// Once in each step of the first-order integrator, of a body that lies and of one that falls.
+#[test]
+fn a_law_is_asked_once_for_each_body() {
+    let (mut world, shape, field) = (World::new(), cube(0.5), Field::default());
+    ground(&mut world, Material::default(), tumble::math::Quat::IDENTITY);
+    for height in [0.5, 100.0] {
+        let body = RigidBody::new(shape.clone()).mass(2.0).position(Vec3::Y * height);
+        spawn(&mut world, body, collider(&shape));
+    }
+    let settings = Settings::default().with_integrator(Integrator::SemiImplicitEuler);
+    let mut simulation = Simulation::new(settings).unwrap();
+    simulation.add_global_law(field.clone());
+    run(&mut simulation, &mut world, 10);
+    assert!(simulation.contacts().count() == 1);
+    assert_eq!(field.0.load(Ordering::Relaxed), 20);
+}
+
+#[derive(Default)]
+struct Diary(Vec<(&'static str, u64, usize)>);
+
+impl StepHooks for Diary {
+    fn before_step(&mut self, _: &mut World, simulation: &Simulation) {
+        self.0.push(("before", simulation.steps(), simulation.contact_events().count()));
+    }
+
+    fn after_step(&mut self, world: &mut World, simulation: &Simulation) {
+        assert!(world.query_mut::<&Pose>().into_iter().count() == 2);
+        self.0.push(("after", simulation.steps(), simulation.contact_events().count()));
+    }
+}
+
+/// A ball that falls on the ground in the second of three steps: its event is that of that step
+/// after it, and before the next; the frame has it once.
+#[test]
+fn hooks_are_called_before_and_after_every_step() {
+    let (mut world, shape) = (World::new(), Shape::sphere(0.5));
+    ground(&mut world, Material::default(), tumble::math::Quat::IDENTITY);
+    let ball = RigidBody::new(shape.clone()).mass(1.0).position(Vec3::Y * 0.65).linear_velocity(Vec3::Y * -10.0);
+    spawn(&mut world, ball, collider(&shape));
+    let mut simulation = Simulation::new(Settings::default().with_dt(0.01)).unwrap();
+    let mut diary = Diary::default();
+    simulation.advance_with_hooks(&mut world, 0.0351, &mut diary);
+    let begun = diary.0.iter().find(|(_, _, events)| *events == 1).map(|(when, step, _)| (*when, *step));
+    assert_eq!(begun, Some(("after", 2)));
+    let calls: Vec<_> = diary.0.iter().map(|(when, step, _)| (*when, *step)).collect();
+    assert_eq!(calls, [("before", 0), ("after", 1), ("before", 1), ("after", 2), ("before", 2), ("after", 3)]);
+    assert_eq!([diary.0[4].2, diary.0[5].2], [1, 0]);
+    assert_eq!(simulation.contact_events().count(), 1);
+}
