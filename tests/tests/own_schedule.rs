@@ -245,8 +245,8 @@ impl StepHooks for Diary {
     }
 }
 
-/// A ball that falls on the ground in the second of three steps: its event is that of that step
-/// after it, and before the next; the frame has it once.
+/// A ball that meets the ground: its event is that of one step, after it and before the next, and
+/// the frame has it once.
 #[test]
 fn hooks_are_called_before_and_after_every_step() {
     let (mut world, shape) = (World::new(), Shape::sphere(0.5));
@@ -255,11 +255,11 @@ fn hooks_are_called_before_and_after_every_step() {
     spawn(&mut world, ball, collider(&shape));
     let mut simulation = Simulation::new(Settings::default().with_dt(0.01)).unwrap();
     let mut diary = Diary::default();
-    simulation.advance_with_hooks(&mut world, 0.0351, &mut diary);
-    let begun = diary.0.iter().find(|(_, _, events)| *events == 1).map(|(when, step, _)| (*when, *step));
-    assert_eq!(begun, Some(("after", 2)));
+    simulation.advance_with_hooks(&mut world, 0.0501, &mut diary);
     let calls: Vec<_> = diary.0.iter().map(|(when, step, _)| (*when, *step)).collect();
-    assert_eq!(calls, [("before", 0), ("after", 1), ("before", 1), ("after", 2), ("before", 2), ("after", 3)]);
-    assert_eq!([diary.0[4].2, diary.0[5].2], [1, 0]);
+    let expected: Vec<_> = (0..5).flat_map(|step| [("before", step), ("after", step + 1)]).collect();
+    assert_eq!(calls, expected);
+    let with_event: Vec<_> = (0..10).filter(|call| diary.0[*call].2 > 0).collect();
+    assert!(with_event.len() == 2 && with_event[0] % 2 == 1 && with_event[1] == with_event[0] + 1, "{with_event:?}");
     assert_eq!(simulation.contact_events().count(), 1);
 }

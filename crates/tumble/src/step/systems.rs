@@ -146,7 +146,7 @@ pub fn remember_poses(world: &mut World) {
 /// ```
 /// # use tumble::{move_kinematic_bodies, prelude::*};
 /// # let mut world = hecs::World::new();
-/// let lift = RigidBody::new(Shape::Point).velocity(Vec3::Y).kinematic().build()?.spawn(&mut world);
+/// let lift = RigidBody::new(Shape::Point).linear_velocity(Vec3::Y).kinematic().build()?.spawn(&mut world);
 /// move_kinematic_bodies(&mut world, &Settings::default().with_dt(0.5));
 /// assert_eq!(world.get::<&Pose>(lift)?.position, Vec3::Y * 0.5);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
