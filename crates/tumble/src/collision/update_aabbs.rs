@@ -85,10 +85,10 @@ impl AabbUpdate<'_> {
         let from_center = placement.position - center;
         let radius = geometry.reach().unwrap_or(0.0) + from_center.dot(from_center).sqrt();
         let ccd_thickness = geometry.ccd_thickness();
-        let moves = bodies.pushed.is_some();
+        let moves = bodies.dynamic.is_some();
         let margin = if moves { (MARGIN_SHARE * ccd_thickness).min(MAX_MARGIN) } else { 0.0 };
         let mut motion = Motion { radius, ..Motion::NONE };
-        let (linear, in_range) = match bodies.pushed {
+        let (linear, in_range) = match bodies.dynamic {
             Some((momenta, masses, inertia)) => {
                 let (mass, Momentum { linear, angular }) = (masses[i].kilograms(), momenta[i]);
                 let inertia = inertia.map(|inertia| Moments::new(&inertia[i], bodies.axes.map(|axes| &axes[i])));

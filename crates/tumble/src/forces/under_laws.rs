@@ -37,10 +37,10 @@ impl ForceLaws {
     /// the laws that act on them, in parallel.
     pub(crate) fn for_each_chunk_of(
         &self,
-        held: &mut WorldColumns<'_>,
+        columns: &mut WorldColumns<'_>,
         system: impl Fn(usize, &mut Chunk<'_>, Laws<'_>) + Sync,
     ) {
-        self.for_each_archetype_of(held, |archetype, chunk, laws| {
+        self.for_each_archetype_of(columns, |archetype, chunk, laws| {
             for_each_part(chunk, &|bodies: &mut Chunk<'_>| system(archetype, bodies, laws));
         });
     }
@@ -49,10 +49,10 @@ impl ForceLaws {
     /// them, one archetype after the other.
     pub(crate) fn for_each_archetype_of(
         &self,
-        held: &mut WorldColumns<'_>,
+        columns: &mut WorldColumns<'_>,
         mut then: impl FnMut(usize, Chunk<'_>, Laws<'_>),
     ) {
-        held.for_each_archetype(|index, (archetype, may_have_laws), columns| {
+        columns.for_each_archetype(|index, (archetype, may_have_laws), columns| {
             if may_have_laws {
                 self.with_rows(archetype, &mut |laws| then(index, columns.chunk(), laws));
             } else {

@@ -32,7 +32,7 @@ pub(crate) type Together<'a> = (&'a mut MultiWorld, PackKey);
 
 /// A step of several, and a substep of it.
 #[derive(Clone, Copy)]
-pub(crate) struct Moment {
+pub(crate) struct SubstepIndex {
     pub(crate) step: u32,
     pub(crate) substep: u32,
 }
@@ -44,11 +44,11 @@ pub(crate) enum KinematicBodies {
     Stay,
 }
 
-/// Which of the two kicks of a substep.
+/// Before or after what else happens in a substep.
 #[derive(Clone, Copy, PartialEq, Eq)]
-pub(crate) enum Kick {
-    Before,
-    After,
+pub(crate) enum SubstepHalf {
+    First,
+    Second,
 }
 
 /// Steps of whole worlds, kinematic bodies too. Several worlds have the same [`PackKey`], and their
@@ -84,27 +84,31 @@ pub(crate) fn integrate_interacting(
     let touch = worlds.iter().any(|it| it.interactions.collision.is_some());
     worlds.iter_mut().for_each(|it| it.interactions.begin_step());
     for substep in 0..substeps {
-        let moment = Moment { step, substep };
-        worlds.iter_mut().for_each(|it| it.apply_pair_forces(Kick::Before));
+        let index = SubstepIndex { step, substep };
+        worlds.iter_mut().for_each(|it| it.apply_pair_forces(SubstepHalf::First));
         stopwatch.end_if(pull, Phase::Pairs);
         worlds.iter_mut().for_each(InteractingWorld::find_contacts);
         match &mut together {
-            Some(together) => solve_together(worlds, together, moment),
-            None => worlds.iter_mut().for_each(|it| it.solve(moment)),
+            Some(together) => solve_together(worlds, together, index),
+            None => worlds.iter_mut().for_each(|it| it.solve(index)),
         }
         stopwatch.end_if(touch, Phase::Contacts);
-        worlds.iter_mut().for_each(|it| it.integrate(moment));
+        worlds.iter_mut().for_each(|it| it.integrate(index));
         if kinematic == KinematicBodies::Move {
-            worlds.iter_mut().for_each(|it| it.move_kinematic(moment));
+            worlds.iter_mut().for_each(|it| it.move_kinematic(index));
         }
         stopwatch.end_of(Phase::Integrate);
-        worlds.iter_mut().for_each(|it| it.apply_pair_forces(Kick::After));
+        worlds.iter_mut().for_each(|it| it.apply_pair_forces(SubstepHalf::Second));
         stopwatch.end_if(pull, Phase::Pairs);
     }
 }
 
 /// Solves the constraints of all worlds at the same time.
-fn solve_together(worlds: &mut [InteractingWorld<'_>], (multi_world, pack_key): &mut Together<'_>, moment: Moment) {
+fn solve_together(
+    worlds: &mut [InteractingWorld<'_>],
+    (multi_world, pack_key): &mut Together<'_>,
+    index: SubstepIndex,
+) {
     crate::scope::scope!("tumble::solve");
     let Some(settings) = worlds.first().map(|it| it.settings) else { return };
     let counts = worlds.iter().map(|it| it.interactions.constrained.counts());
@@ -112,7 +116,7 @@ fn solve_together(worlds: &mut [InteractingWorld<'_>], (multi_world, pack_key): 
     for InteractingWorld { columns, settings, laws, interactions, clock } in &mut *worlds {
         let Interactions { collision, constrained, .. } = &mut **interactions;
         if let Some(collision) = collision {
-            let moving = (*settings, *laws, time_of(clock, settings, moment));
+            let moving = (*settings, *laws, time_of(clock, settings, index));
             multi_world.add((constrained, &mut collision.contacts), &collision.body_index, columns, moving);
         }
     }
@@ -121,12 +125,12 @@ fn solve_together(worlds: &mut [InteractingWorld<'_>], (multi_world, pack_key): 
         if let Some(collision) = &mut it.interactions.collision {
             multi_world.return_impulses(&mut collision.contacts.records);
         }
-        it.scatter(multi_world.solver(), moment);
+        it.scatter(multi_world.solver(), index);
     }
 }
 
 /// When a substep begins \[s\].
-fn time_of(clock: &Clock, settings: &Settings, Moment { step, substep }: Moment) -> f64 {
+fn time_of(clock: &Clock, settings: &Settings, SubstepIndex { step, substep }: SubstepIndex) -> f64 {
     clock.time_after(step) + f64::from(substep) * f64::from(settings.substep())
 }
 
@@ -167,18 +171,18 @@ impl<'a> InteractingWorld<'a> {
         self.columns.for_each_chunk(|_, bodies| accumulate_forces_of(bodies, settings));
     }
 
-    /// Kicks bodies by the forces between them: for half a substep before it and after it, or all
-    /// of it before where the integrator is of first order.
-    pub(crate) fn apply_pair_forces(&mut self, kick: Kick) {
+    /// Changes momenta by the forces between bodies, over half of a substep; over all of it in the
+    /// first half where the integrator is of first order.
+    pub(crate) fn apply_pair_forces(&mut self, half: SubstepHalf) {
         let h = self.settings.substep();
-        let duration = match (self.settings.integrator, kick) {
-            (Integrator::SemiImplicitEuler, Kick::Before) => h,
-            (Integrator::SemiImplicitEuler, Kick::After) => return,
+        let duration = match (self.settings.integrator, half) {
+            (Integrator::SemiImplicitEuler, SubstepHalf::First) => h,
+            (Integrator::SemiImplicitEuler, SubstepHalf::Second) => return,
             (Integrator::RungeKutta4 | Integrator::MoserVeselov, _) => h * 0.5,
         };
         if let Some(pairs) = &mut self.interactions.pairs {
             crate::scope::scope!("tumble::pairs");
-            pairs.kick(&mut self.columns, duration, h);
+            pairs.apply(&mut self.columns, duration, h);
         }
     }
 
@@ -197,21 +201,21 @@ impl<'a> InteractingWorld<'a> {
     }
 
     /// Advances the constrained bodies over a substep.
-    pub(crate) fn solve(&mut self, moment: Moment) {
+    pub(crate) fn solve(&mut self, index: SubstepIndex) {
         let Interactions { collision, constrained, solver, .. } = &mut *self.interactions;
         if let Some(collision) = collision.as_mut().filter(|_| !constrained.is_empty()) {
             crate::scope::scope!("tumble::solve");
-            let moving = (self.settings, self.laws, time_of(&self.clock, self.settings, moment));
+            let moving = (self.settings, self.laws, time_of(&self.clock, self.settings, index));
             let mut taken = solver.take().unwrap_or_default();
             taken.solve_world((constrained, &mut collision.contacts), &collision.body_index, &mut self.columns, moving);
-            self.scatter(&taken, moment);
+            self.scatter(&taken, index);
             self.interactions.solver = Some(taken);
         }
     }
 
     /// Writes the constrained bodies back to the world.
-    fn scatter(&mut self, solver: &Solver, moment: Moment) {
-        let wrenches = self.wrenches(moment);
+    fn scatter(&mut self, solver: &Solver, index: SubstepIndex) {
+        let wrenches = self.wrenches(index);
         let Interactions { collision, constrained, .. } = &*self.interactions;
         if let Some(collision) = collision {
             scatter(constrained, &collision.body_index, &mut self.columns, solver.results(), wrenches);
@@ -219,9 +223,9 @@ impl<'a> InteractingWorld<'a> {
     }
 
     /// Integrates the bodies that nothing constrains over a substep.
-    pub(crate) fn integrate(&mut self, moment: Moment) {
+    pub(crate) fn integrate(&mut self, index: SubstepIndex) {
         let one = Settings { dt: self.settings.substep(), substeps: 1, ..*self.settings };
-        let (time, wrenches) = (time_of(&self.clock, self.settings, moment), self.wrenches(moment));
+        let (time, wrenches) = (time_of(&self.clock, self.settings, index), self.wrenches(index));
         let Self { columns, laws, interactions, .. } = self;
         let Interactions { collision, constrained, .. } = &**interactions;
         let constraints = collision.as_ref().map(|collision| (constrained, &collision.body_index));
@@ -233,12 +237,12 @@ impl<'a> InteractingWorld<'a> {
     }
 
     /// Wrenches act in all substeps of a step, and are consumed by the last.
-    fn wrenches(&self, moment: Moment) -> Wrenches {
-        if moment.substep + 1 == self.settings.substeps { Wrenches::Consumed } else { Wrenches::Kept }
+    fn wrenches(&self, index: SubstepIndex) -> Wrenches {
+        if index.substep + 1 == self.settings.substeps { Wrenches::Consumed } else { Wrenches::Kept }
     }
 
-    pub(crate) fn move_kinematic(&mut self, moment: Moment) {
-        self.columns.move_kinematic_bodies(self.settings.substep(), moment.substep);
+    pub(crate) fn move_kinematic(&mut self, index: SubstepIndex) {
+        self.columns.move_kinematic_bodies(self.settings.substep(), index.substep);
     }
 
     pub(crate) fn update_derived(&mut self) {

@@ -7,7 +7,7 @@ use hecs::World;
 use crate::components::Wrenches;
 use crate::forces::under_laws::for_each_chunk_under;
 use crate::step::effort::effort_of_steps;
-use crate::step::interacting::{Kick, Moment};
+use crate::step::interacting::{SubstepHalf, SubstepIndex};
 use crate::step::interactions::Interactions;
 use crate::step::simulation::Simulation;
 use crate::step::systems::{
@@ -216,17 +216,17 @@ impl Drop for Step<'_> {
 
 /// Of a world in which bodies act on each other.
 fn run_interacting(simulation: &mut Simulation, world: &mut World, phase: StepPhase, substep: u32) {
-    let moment = Moment { step: 0, substep };
+    let index = SubstepIndex { step: 0, substep };
     let mut it = simulation.interacting_as_known(world);
     match phase {
         StepPhase::RememberPoses => it.remember_poses(),
         StepPhase::AccumulateForces => it.accumulate_forces(),
-        StepPhase::PairForcesBefore => it.apply_pair_forces(Kick::Before),
+        StepPhase::PairForcesBefore => it.apply_pair_forces(SubstepHalf::First),
         StepPhase::FindContacts => it.find_contacts(),
-        StepPhase::SolveContacts => it.solve(moment),
-        StepPhase::Integrate => it.integrate(moment),
-        StepPhase::MoveKinematic => it.move_kinematic(moment),
-        StepPhase::PairForcesAfter => it.apply_pair_forces(Kick::After),
+        StepPhase::SolveContacts => it.solve(index),
+        StepPhase::Integrate => it.integrate(index),
+        StepPhase::MoveKinematic => it.move_kinematic(index),
+        StepPhase::PairForcesAfter => it.apply_pair_forces(SubstepHalf::Second),
         StepPhase::UpdateDerived => it.update_derived(),
     }
 }

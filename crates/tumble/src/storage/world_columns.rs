@@ -55,7 +55,7 @@ pub(crate) type MomentumView<'a> = (&'a [Momentum], &'a [Mass], Option<&'a [Iner
 pub(crate) struct PoseView<'a> {
     pub(crate) pose: &'a [Pose],
     /// Of bodies that forces move.
-    pub(crate) pushed: Option<MomentumView<'a>>,
+    pub(crate) dynamic: Option<MomentumView<'a>>,
     pub(crate) velocity: Option<&'a [Velocity]>,
     /// Of what forces move, where they are not the body's.
     pub(crate) axes: Option<&'a [PrincipalAxes]>,
@@ -65,7 +65,7 @@ impl<'a> PoseView<'a> {
     pub(crate) fn rows(self, rows: Range<usize>) -> Self {
         Self {
             pose: &self.pose[rows.clone()],
-            pushed: self.pushed.map(|(momenta, masses, inertia)| {
+            dynamic: self.dynamic.map(|(momenta, masses, inertia)| {
                 (&momenta[rows.clone()], &masses[rows.clone()], inertia.map(|inertia| &inertia[rows.clone()]))
             }),
             velocity: self.velocity.map(|velocities| &velocities[rows.clone()]),
@@ -77,15 +77,15 @@ impl<'a> PoseView<'a> {
 thread_local! {
     /// Memory of columns that were given back, for the next. hecs keeps borrowed columns to one
     /// thread, so it is not a simulation's, which goes from thread to thread.
-    static ROOMS: RefCell<Vec<Vec<ArchetypeColumns<'static>>>> = const { RefCell::new(Vec::new()) };
+    static SPARE: RefCell<Vec<Vec<ArchetypeColumns<'static>>>> = const { RefCell::new(Vec::new()) };
 }
 
 impl<'w> WorldColumns<'w> {
     /// Borrows the columns of all bodies of a world, and marks some archetypes for
     /// [`for_each_archetype`](Self::for_each_archetype).
     pub(crate) fn of(world: &'w World, mark: impl Fn(&Archetype) -> bool) -> Self {
-        let room = ROOMS.try_with(|rooms| rooms.borrow_mut().pop()).ok().flatten();
-        let mut archetypes = emptied(room.unwrap_or_default());
+        let spare = SPARE.try_with(|spares| spares.borrow_mut().pop()).ok().flatten();
+        let mut archetypes = emptied(spare.unwrap_or_default());
         archetypes.extend(world.archetypes().map(|archetype| ArchetypeColumns {
             archetype,
             is_marked: mark(archetype),
@@ -96,7 +96,7 @@ impl<'w> WorldColumns<'w> {
 
     /// The archetypes of bodies by index, and whether these are dynamic.
     pub(crate) fn kinds(&self) -> impl Iterator<Item = (usize, bool)> + '_ {
-        self.archetypes.iter().enumerate().filter_map(|(index, held)| match held.bodies {
+        self.archetypes.iter().enumerate().filter_map(|(index, of_archetype)| match of_archetype.bodies {
             ArchetypeBodies::Moving(_) => Some((index, true)),
             ArchetypeBodies::NonDynamic(_) => Some((index, false)),
             ArchetypeBodies::None => None,
@@ -118,15 +118,15 @@ impl<'w> WorldColumns<'w> {
 
     /// What is to be read, by archetype.
     pub(crate) fn pose_views(&self) -> impl Iterator<Item = (usize, PoseView<'_>)> {
-        self.archetypes.iter().enumerate().filter_map(|(index, held)| {
-            let pose_views = match &held.bodies {
+        self.archetypes.iter().enumerate().filter_map(|(index, of_archetype)| {
+            let pose_views = match &of_archetype.bodies {
                 ArchetypeBodies::Moving(columns) => {
-                    let pushed = Some((&*columns.momentum, &*columns.mass, columns.inertia.as_deref()));
+                    let dynamic = Some((&*columns.momentum, &*columns.mass, columns.inertia.as_deref()));
                     let pose = &*columns.pose;
-                    PoseView { pose, pushed, velocity: columns.velocity.as_deref(), axes: columns.axes.as_deref() }
+                    PoseView { pose, dynamic, velocity: columns.velocity.as_deref(), axes: columns.axes.as_deref() }
                 }
                 ArchetypeBodies::NonDynamic(columns) => {
-                    PoseView { pose: &columns.pose, pushed: None, velocity: columns.velocity.as_deref(), axes: None }
+                    PoseView { pose: &columns.pose, dynamic: None, velocity: columns.velocity.as_deref(), axes: None }
                 }
                 ArchetypeBodies::None => return None,
             };
@@ -137,8 +137,8 @@ impl<'w> WorldColumns<'w> {
     /// Calls `system` once for every chunk of moving bodies, with the index of their archetype, in
     /// parallel.
     pub(crate) fn for_each_chunk(&mut self, system: impl Fn(usize, &mut Chunk<'_>) + Sync) {
-        for (index, held) in self.archetypes.iter_mut().enumerate() {
-            if let ArchetypeBodies::Moving(columns) = &mut held.bodies {
+        for (index, of_archetype) in self.archetypes.iter_mut().enumerate() {
+            if let ArchetypeBodies::Moving(columns) = &mut of_archetype.bodies {
                 for_each_part(columns.chunk(), &|part: &mut Chunk<'_>| system(index, part));
             }
         }
@@ -157,8 +157,8 @@ impl<'w> WorldColumns<'w> {
     /// Moves the kinematic bodies for one of the equal parts, `h` \[s\], of a step; the previous
     /// pose is that before the first.
     pub(crate) fn move_kinematic_bodies(&mut self, h: Real, substep: u32) {
-        for held in &mut self.archetypes {
-            match &mut held.bodies {
+        for of_archetype in &mut self.archetypes {
+            match &mut of_archetype.bodies {
                 ArchetypeBodies::NonDynamic(bodies) if bodies.is_kinematic => bodies.move_a_substep(h, substep),
                 _ => {}
             }
@@ -167,16 +167,16 @@ impl<'w> WorldColumns<'w> {
 }
 
 /// The memory of what is no longer borrowed: collected in place.
-fn emptied<'b>(mut held: Vec<ArchetypeColumns<'_>>) -> Vec<ArchetypeColumns<'b>> {
-    held.clear();
-    held.into_iter().map_while(|_| None).collect()
+fn emptied<'b>(mut columns: Vec<ArchetypeColumns<'_>>) -> Vec<ArchetypeColumns<'b>> {
+    columns.clear();
+    columns.into_iter().map_while(|_| None).collect()
 }
 
 impl Drop for WorldColumns<'_> {
     fn drop(&mut self) {
-        let room = emptied(std::mem::take(&mut self.archetypes));
+        let spare = emptied(std::mem::take(&mut self.archetypes));
         // A thread that ends keeps no memory.
-        let _ = ROOMS.try_with(|rooms| rooms.borrow_mut().push(room));
+        let _ = SPARE.try_with(|spares| spares.borrow_mut().push(spare));
     }
 }
 

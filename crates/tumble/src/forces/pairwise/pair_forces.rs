@@ -65,7 +65,7 @@ impl PairForces {
 
     /// Changes the momenta by what the forces, as they are now, do in the time `t` \[s\]; `h` \[s\]
     /// is the substep.
-    pub(crate) fn kick(&mut self, columns: &mut WorldColumns<'_>, t: Real, h: Real) {
+    pub(crate) fn apply(&mut self, columns: &mut WorldColumns<'_>, t: Real, h: Real) {
         self.body_index.update_views(columns);
         let views = &self.body_index.views;
         self.gravity.update(self.attracting.iter().map(|(slot, mass)| {
