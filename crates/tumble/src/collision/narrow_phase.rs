@@ -7,12 +7,11 @@ use tumble_collide::lanes::{CuboidLanes, ManifoldLanes, cuboid_gap, cuboid_pair,
 use tumble_collide::{ColliderShape, Isometry, MAX_MANIFOLD_POINTS};
 use tumble_math::lane::{Quat, Vec3};
 
-use crate::collision::contact::{
-    CENTERS, ContactRecord, FRICTION_IMPULSE, MATERIAL, NORMAL_IMPULSE, POINTS, REFINED, SHAPE,
-};
+use crate::collision::contact::{ContactRecord, UpdateRule};
+use crate::collision::contact_rows::{ContactGeometry, PointPair};
 use crate::math::Real;
 use crate::simd::block_lanes::put;
-use crate::simd::{BLOCK, Eight, Kernel, Tile, dispatch_in_blocks, gather};
+use crate::simd::{BLOCK, Eight, Kernel, Octet, Tile, dispatch_in_blocks, gather, store_rows};
 use crate::storage::body_index::Slot;
 use crate::threads::InParts;
 
@@ -241,7 +240,7 @@ impl Kernel for CuboidContacts<'_> {
         write(
             &manifold,
             other.offset,
-            T::splat(MATERIAL),
+            T::splat(UpdateRule::BodyFixed.number()),
             [place.margin, other.margin],
             &mut self.found[i..],
             rows,
@@ -270,8 +269,9 @@ impl Kernel for SphereContacts<'_> {
         let manifold = sphere_pair(first, second, b - a, place.reach + other.reach);
         // Balls that are not about their centres of mass wobble.
         let off = place.offset.dot(place.offset) + other.offset.dot(other.offset);
-        let law = T::select(T::splat(0.0).lt(off), T::splat(REFINED), T::splat(CENTERS));
-        write(&manifold, other.offset, law, [place.margin, other.margin], &mut self.found[i..], rows, lane);
+        let [refined, centers] = [T::splat(UpdateRule::Refined.number()), T::splat(UpdateRule::LineOfCenters.number())];
+        let update_rule = T::select(T::splat(0.0).lt(off), refined, centers);
+        write(&manifold, other.offset, update_rule, [place.margin, other.margin], &mut self.found[i..], rows, lane);
     }
 }
 
@@ -313,7 +313,7 @@ fn spheres<T: Tile>(shapes: &ShapeLanes, slots: &[u32; BLOCK], lane: usize) -> (
 fn write<T: Tile>(
     manifold: &ManifoldLanes<T>,
     offset: Vec3<T>,
-    law: T,
+    update_rule: T,
     margins: [T; 2],
     found: &mut [ContactRecord],
     rows: &[[u32; BLOCK]; 2],
@@ -321,21 +321,29 @@ fn write<T: Tile>(
 ) {
     let zero = T::splat(0.0);
     let n = manifold.normal;
-    let mut numbers = [[Eight::ZERO; BLOCK]; 3];
-    T::store([n.x, n.y, n.z, manifold.carried, manifold.count, zero, zero, law], &mut numbers[SHAPE]);
+    let mut geometries = [ContactGeometry::ZERO; BLOCK];
+    let geometry = ContactGeometry {
+        normal: n,
+        carried: manifold.carried,
+        count: manifold.count,
+        rolling_resistance: zero,
+        restitution: zero,
+        update_rule,
+    };
+    store_rows(geometry, &mut geometries);
     // As `Second::share` has it.
     let share = T::select(zero.lt(margins[0]), manifold.carried, T::splat(1.0));
     let (mut shares, mut margin) = ([0.0; BLOCK], [0.0; BLOCK]);
     put(share, &mut shares, 0);
     put(margins[0] + margins[1], &mut margin, 0);
+    let mut points = [[PointPair::ZERO; BLOCK]; MAX_MANIFOLD_POINTS / 2];
     let mut half = 0;
-    while half < POINTS.len() {
+    while half < points.len() {
         let (j, k) = (2 * half, 2 * half + 1);
         let (s, t) = (manifold.separations[j], manifold.separations[k]);
         let to_surface = share - T::splat(0.5);
         let (a, b) = (manifold.places[j] + n * (s * to_surface), manifold.places[k] + n * (t * to_surface));
-        let (a, b) = (a + offset, b + offset);
-        T::store([a.x, a.y, a.z, s, b.x, b.y, b.z, t], &mut numbers[POINTS[half]]);
+        store_rows(PointPair { positions: [a + offset, b + offset], separations: [s, t] }, &mut points[half]);
         half += 1;
     }
     let mut features = [[0.0; BLOCK]; MAX_MANIFOLD_POINTS];
@@ -348,12 +356,9 @@ fn write<T: Tile>(
     while i < T::WIDTH {
         let contact = &mut found[i];
         contact.slots = [Slot(rows[0][lane + i]), Slot(rows[1][lane + i])];
-        (contact.numbers[NORMAL_IMPULSE].0[7], contact.numbers[FRICTION_IMPULSE].0[6]) = (shares[i], margin[i]);
-        let mut which = 0;
-        while which < numbers.len() {
-            contact.numbers[which] = numbers[which][i];
-            which += 1;
-        }
+        (contact.normal_impulses.gap_share, contact.friction.margin) = (shares[i], margin[i]);
+        contact.geometry = geometries[i];
+        contact.points = [points[0][i], points[1][i]];
         let mut j = 0;
         while j < MAX_MANIFOLD_POINTS {
             contact.features[j] = features[j][i] as u32;

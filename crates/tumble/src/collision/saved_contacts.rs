@@ -1,10 +1,12 @@
 //! Contacts apart from the world that they were found in.
 
 use tumble_collide::MAX_MANIFOLD_POINTS;
+use tumble_math::lane::Vec3;
 
 use crate::collision::body_key::BodyKey;
 use crate::collision::collider::Collider;
-use crate::collision::contact::{ContactRecord, FRICTION_IMPULSE, MAX_HALVINGS, NORMAL_IMPULSE, POINTS, SHAPE};
+use crate::collision::contact::{ContactRecord, MAX_HALVINGS};
+use crate::collision::contact_rows::{NormalImpulses, WorldFriction};
 use crate::collision::narrow_phase::LaneKind;
 use crate::math::Real;
 use crate::storage::body_index::Slot;
@@ -112,17 +114,16 @@ impl SavedContacts {
 impl ContactRecord {
     /// What of it decides the next step, and what is reported of it; the rest is recomputed.
     fn saved(&self) -> SavedContact {
-        let [x, y, z, ..] = self.numbers[SHAPE].0;
-        let [a, b, c, d, e, f, ..] = self.numbers[FRICTION_IMPULSE].0;
+        let [n, p, l] = [self.geometry.normal, self.friction.linear, self.friction.angular];
         let mut points = [SavedPoint::default(); MAX_MANIFOLD_POINTS];
         for (j, point) in points.iter_mut().enumerate().take(self.count()) {
-            let place = &self.numbers[POINTS[j / 2]].0[j % 2 * 4..][..4];
+            let Vec3 { x, y, z } = self.place(j);
             point.feature = self.features[j];
-            point.numbers[..4].copy_from_slice(place);
-            point.numbers[4] = self.numbers[NORMAL_IMPULSE].0[j];
+            point.numbers = [x, y, z, self.separation(j), self.normal_impulses.at_points[j]];
         }
-        let [.., steady, share] = self.numbers[NORMAL_IMPULSE].0;
-        let numbers = [x, y, z, a, b, c, d, e, f, steady, share, self.margin(), Real::from(self.halvings())];
+        let NormalImpulses { steady, gap_share, .. } = self.normal_impulses;
+        let (margin, halvings) = (self.margin(), Real::from(self.halvings()));
+        let numbers = [n.x, n.y, n.z, p.x, p.y, p.z, l.x, l.y, l.z, steady, gap_share, margin, halvings];
         let (part, touched) = (self.part, self.touched);
         SavedContact { bodies: self.slots.map(|slot| slot.0), part, touched, numbers, points, count: self.count() }
     }
@@ -130,14 +131,16 @@ impl ContactRecord {
     fn of_saved(saved: &SavedContact) -> Self {
         let mut contact =
             Self { slots: saved.bodies.map(Slot), part: saved.part, touched: saved.touched, ..Self::NONE };
-        contact.numbers[SHAPE].0[..3].copy_from_slice(&saved.numbers[..3]);
-        contact.numbers[SHAPE].0[4] = saved.count as Real;
-        contact.numbers[FRICTION_IMPULSE].0[..6].copy_from_slice(&saved.numbers[3..9]);
-        contact.numbers[NORMAL_IMPULSE].0[6..].copy_from_slice(&saved.numbers[9..11]);
-        contact.numbers[FRICTION_IMPULSE].0[6..].copy_from_slice(&saved.numbers[11..]);
+        let [nx, ny, nz, px, py, pz, lx, ly, lz, steady, gap_share, margin, halvings] = saved.numbers;
+        (contact.geometry.normal, contact.geometry.count) = (Vec3::new(nx, ny, nz), saved.count as Real);
+        (contact.normal_impulses.steady, contact.normal_impulses.gap_share) = (steady, gap_share);
+        let (linear, angular) = (Vec3::new(px, py, pz), Vec3::new(lx, ly, lz));
+        contact.friction = WorldFriction { linear, angular, margin, halvings };
         for (j, point) in saved.points.iter().enumerate().take(saved.count) {
-            contact.numbers[POINTS[j / 2]].0[j % 2 * 4..][..4].copy_from_slice(&point.numbers[..4]);
-            contact.numbers[NORMAL_IMPULSE].0[j] = point.numbers[4];
+            let [x, y, z, separation, impulse] = point.numbers;
+            let pair = &mut contact.points[j / 2];
+            (pair.positions[j % 2], pair.separations[j % 2]) = (Vec3::new(x, y, z), separation);
+            contact.normal_impulses.at_points[j] = impulse;
             contact.features[j] = point.feature;
         }
         contact

@@ -19,6 +19,7 @@ use crate::math::Real;
 pub(crate) mod block_lanes;
 mod disjoint;
 mod gather;
+mod octet;
 #[cfg(vector_code)]
 mod pair;
 mod record;
@@ -27,6 +28,7 @@ mod x86_64;
 
 pub(crate) use disjoint::{RowColors, Rows};
 pub(crate) use gather::gather;
+pub(crate) use octet::{NumberField, Octet, gather_rows, octet, store_rows};
 pub(crate) use record::{Eight, Record};
 
 /// The most bodies of a tile for which a chunk may have to be filled up.

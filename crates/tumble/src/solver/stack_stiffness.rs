@@ -4,7 +4,8 @@ use rayon::prelude::*;
 use tumble_collide::MAX_MANIFOLD_POINTS;
 use tumble_math::lane::Vec3;
 
-use crate::collision::contact::{ContactRecord, FRICTION_IMPULSE, MAX_HALVINGS, POINTS, SHAPE};
+use crate::collision::contact::{ContactRecord, MAX_HALVINGS};
+use crate::collision::contact_rows::{ContactGeometry, ContactLanes};
 use crate::collision::pipeline::PART;
 use crate::math::Real;
 use crate::settings::Settings;
@@ -281,16 +282,16 @@ struct Bear<'a> {
 }
 
 impl Bear<'_> {
-    /// A row of numbers of the contacts from `i` on.
+    /// The contacts from `i` on.
     #[inline(always)]
-    fn numbers<T: Tile, const N: usize>(&self, which: usize, i: usize) -> [T; N] {
-        let mut picked = [&Eight::ZERO; BLOCK];
+    fn contacts<T: Tile>(&self, i: usize) -> ContactLanes<'_> {
+        let mut picked = ContactLanes::empty();
         let mut l = 0;
         while l < T::WIDTH && i + l < self.contacts.len() {
-            picked[l] = &self.contacts[i + l].numbers[which];
+            picked.set(l, &self.contacts[i + l]);
             l += 1;
         }
-        T::gather(&picked)
+        picked
     }
 
     /// The first or the second bodies of the contacts from `i` on.
@@ -316,11 +317,10 @@ impl Kernel for Bear<'_> {
     fn tile<T: Tile>(&mut self, i: usize) {
         let (zero, one) = (T::splat(0.0), T::splat(1.0));
         let (up, sides) = (splat(self.up), [splat(self.sides[0]), splat(self.sides[1])]);
-        let [nx, ny, nz, _, count] = self.numbers(SHAPE, i);
-        let [ax, ay, az, s0, bx, by, bz, s1] = self.numbers(POINTS[0], i);
-        let [cx, cy, cz, s2, dx, dy, dz, s3] = self.numbers(POINTS[1], i);
-        let [_, _, _, _, _, _, margin]: [T; 7] = self.numbers(FRICTION_IMPULSE, i);
-        let slope = up.dot(Vec3::new(nx, ny, nz));
+        let contacts = self.contacts::<T>(i);
+        let ContactGeometry { normal, count, .. } = contacts.geometry::<T>();
+        let margin = contacts.friction::<T>().margin;
+        let slope = up.dot(normal);
         let (first, second): ([T; 8], [T; 8]) = (self.bodies(0, i), self.bodies(1, i));
         let (mut upper, mut lower) = ([zero; 8], [zero; 8]);
         let mut k = 0;
@@ -332,8 +332,7 @@ impl Kernel for Bear<'_> {
         let center = Vec3::new(upper[0], upper[1], upper[2]);
         let to_upper = Vec3::new(second[0], second[1], second[2]) - center;
 
-        let places = [Vec3::new(ax, ay, az), Vec3::new(bx, by, bz), Vec3::new(cx, cy, cz), Vec3::new(dx, dy, dz)];
-        let separations = [s0, s1, s2, s3];
+        let (places, separations) = contacts.points::<T>();
         let deep = margin * T::splat(-DEEP);
         let (mut points, mut sum, mut second_moments) = (zero, [zero; 3], [zero; 3]);
         let mut j = 0;
