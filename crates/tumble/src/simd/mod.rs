@@ -28,7 +28,7 @@ mod x86_64;
 
 pub(crate) use disjoint::{RowColors, Rows};
 pub(crate) use gather::gather;
-pub(crate) use octet::{NumberField, Octet, gather_rows, octet, store_rows};
+pub(crate) use octet::{NumberField, Octet, gather_rows, load_rows, octet, store_rows};
 pub(crate) use record::{Eight, Record};
 
 /// The most bodies of a tile for which a chunk may have to be filled up.

@@ -10,7 +10,7 @@ use super::{BLOCK, Eight, Record, Tile};
 ///
 /// # Safety
 /// It is `Lanes<Real>`, and `Lanes<T>` is laid out as [`Eight<T>`](Eight) for every `T`.
-pub(crate) unsafe trait Octet: Record {
+pub(crate) unsafe trait Octet: Record + 'static {
     /// The same fields, each of several records side by side.
     type Lanes<T: Copy>: Copy;
 
@@ -103,7 +103,7 @@ pub(crate) use octet;
 
 /// Eight numbers by their names.
 #[inline(always)]
-pub(super) fn named<R: Octet, T: Copy>(numbers: [T; 8]) -> R::Lanes<T> {
+fn named<R: Octet, T: Copy>(numbers: [T; 8]) -> R::Lanes<T> {
     const { assert!(size_of::<R::Lanes<T>>() == size_of::<Eight<T>>()) };
     const { assert!(align_of::<R::Lanes<T>>() == align_of::<Eight<T>>()) };
     let numbers = Eight(numbers);
@@ -113,7 +113,7 @@ pub(super) fn named<R: Octet, T: Copy>(numbers: [T; 8]) -> R::Lanes<T> {
 
 /// The numbers of lanes.
 #[inline(always)]
-pub(super) fn numbers<R: Octet, T: Copy>(lanes: &R::Lanes<T>) -> [T; 8] {
+fn numbers<R: Octet, T: Copy>(lanes: &R::Lanes<T>) -> [T; 8] {
     const { assert!(size_of::<R::Lanes<T>>() == size_of::<Eight<T>>()) };
     // SAFETY: the promise of `Octet`.
     unsafe { *std::ptr::from_ref(lanes).cast() }
@@ -127,24 +127,45 @@ pub(crate) fn gather_rows<T: Tile, R: Octet>(rows: &[&R; BLOCK]) -> R::Lanes<T> 
     named::<R, T>(T::gather(rows))
 }
 
+/// The first records, as many as a tile has lanes.
+#[inline(always)]
+pub(crate) fn load_rows<T: Tile, R: Octet>(rows: &[R]) -> R::Lanes<T> {
+    named::<R, T>(T::load(rows))
+}
+
 /// Overwrites the first records, as many as a tile has lanes.
 #[inline(always)]
 pub(crate) fn store_rows<T: Tile, R: Octet>(lanes: R::Lanes<T>, rows: &mut [R]) {
     T::store(numbers::<R, T>(&lanes), rows);
 }
 
+/// A record to test with.
 #[cfg(test)]
-mod tests {
-    use super::*;
+pub(super) mod sample {
+    use super::{Quat, Vec3};
     use crate::math::Real;
 
     octet! {
-        struct Sample<T> {
-            vector: Vec3<T>,
-            number: T,
-            quaternion: Quat<T>,
+        pub(in crate::simd) struct Sample<T> {
+            pub(in crate::simd) vector: Vec3<T>,
+            pub(in crate::simd) number: T,
+            pub(in crate::simd) quaternion: Quat<T>,
         }
     }
+
+    impl Sample {
+        /// Eight times the same number.
+        pub(in crate::simd) fn of(x: Real) -> Self {
+            Self { vector: Vec3::splat(x), number: x, quaternion: Quat { x, y: x, z: x, w: x } }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::sample::Sample;
+    use super::*;
+    use crate::math::Real;
 
     #[test]
     fn fields_are_in_their_order() {
@@ -157,11 +178,12 @@ mod tests {
     #[test]
     fn a_record_is_stored_and_gathered() {
         let mut rows = [Sample::ZERO; 2];
-        let sample = Sample { vector: Vec3::splat(1.0), number: 2.0, quaternion: Sample::ZERO.quaternion };
+        let sample = Sample { number: 2.0, ..Sample::of(1.0) };
         store_rows::<Real, Sample>(sample, &mut rows[1..]);
         assert_eq!((rows[0].number, rows[1].number), (0.0, 2.0));
         let gathered = gather_rows::<Real, _>(&[&rows[1]; BLOCK]);
         assert_eq!((gathered.vector, gathered.number), (sample.vector, 2.0));
+        assert_eq!(load_rows::<Real, _>(&rows[1..]).quaternion, sample.quaternion);
         assert_eq!(Sample::zero().vector, Vec3::zero());
     }
 }

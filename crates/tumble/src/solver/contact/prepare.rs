@@ -4,8 +4,9 @@ use tumble_math::lane::Vec3;
 
 use crate::collision::contact::{ContactRecord, UpdateRule};
 use crate::collision::contact_rows::{ContactGeometry, ContactLanes, NormalImpulses, WorldFriction};
-use crate::simd::block_lanes::{at, gather_two_vectors, put, put_vector};
-use crate::simd::{BLOCK, Eight, Kernel, Tile};
+use crate::simd::block_lanes::{at, put, put_vector};
+use crate::simd::{BLOCK, Kernel, Tile, gather};
+use crate::solver::body_rows::BodyPose;
 use crate::solver::contact::constraint::Block;
 use crate::solver::contact::contact_frame::{BodyLanes, ContactFrame, InverseInertias};
 use crate::solver::contact::effective_mass;
@@ -19,8 +20,7 @@ pub(crate) struct Prepare<'a, const P: usize, const C: usize> {
     pub(crate) blocks: Blocks<'a, P, C>,
     pub(crate) contacts: &'a [ContactRecord],
     pub(crate) bodies: StageBodies<'a>,
-    /// Where they are.
-    pub(crate) poses: &'a [Eight],
+    pub(crate) poses: &'a [BodyPose],
 }
 
 /// Weight of a point in the middle at the least, so that a middle there is.
@@ -76,9 +76,9 @@ impl<const P: usize, const C: usize> Kernel for Prepare<'_, P, C> {
         }
         let arm = sum * T::select(zero.lt(total), one / total, zero);
         let rows = self.bodies.motion.pairs(index);
-        let (first, _) = gather_two_vectors::<T>(self.poses, &rows[0], lane);
-        let (second, _) = gather_two_vectors::<T>(self.poses, &rows[1], lane);
-        let apart = second - first;
+        let first = gather::<T, _>(self.poses, &rows[0], lane);
+        let second = gather::<T, _>(self.poses, &rows[1], lane);
+        let apart = second.center - first.center;
         put_vector(normal, &mut block.normal, lane);
         put_vector(tangents[0], &mut block.tangent, lane);
         put_vector(arm + apart, &mut block.arms[0], lane);
