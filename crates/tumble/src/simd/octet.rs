@@ -81,8 +81,7 @@ macro_rules! octet {
 
         const _: () = assert!(
             <$Name>::NUMBERS == 8
-                && size_of::<$Name>() == size_of::<$crate::simd::Eight>()
-                && align_of::<$Name>() == align_of::<$crate::simd::Eight>()
+                && $crate::simd::is_as_eight::<$Name>()
         );
 
         // SAFETY: `repr(C)`, and eight numbers, which is checked above.
@@ -101,6 +100,11 @@ macro_rules! octet {
 
 pub(crate) use octet;
 
+/// Whether a record has the size and the alignment of eight numbers in a row.
+pub(crate) const fn is_as_eight<R: Record>() -> bool {
+    size_of::<R>() == size_of::<Eight>() && align_of::<R>() == align_of::<Eight>()
+}
+
 /// Eight numbers by their names.
 #[inline(always)]
 fn named<R: Octet, T: Copy>(numbers: [T; 8]) -> R::Lanes<T> {
@@ -117,6 +121,19 @@ fn numbers<R: Octet, T: Copy>(lanes: &R::Lanes<T>) -> [T; 8] {
     const { assert!(size_of::<R::Lanes<T>>() == size_of::<Eight<T>>()) };
     // SAFETY: the promise of `Octet`.
     unsafe { *std::ptr::from_ref(lanes).cast() }
+}
+
+/// Every number of the first where a mask is set, else of the second.
+#[inline(always)]
+pub(crate) fn select_rows<T: Tile, R: Octet>(mask: T::Mask, first: R::Lanes<T>, second: R::Lanes<T>) -> R::Lanes<T> {
+    let (first, second) = (numbers::<R, T>(&first), numbers::<R, T>(&second));
+    let mut selected = first;
+    let mut i = 0;
+    while i < selected.len() {
+        selected[i] = T::select(mask, first[i], second[i]);
+        i += 1;
+    }
+    named::<R, T>(selected)
 }
 
 /// Records that are anywhere, as many as a tile has lanes: at most a block's.

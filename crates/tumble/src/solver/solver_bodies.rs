@@ -150,12 +150,12 @@ impl SolverBodies {
         })
     }
 
-    /// Of what impulses move: one over the mass, the inverse inertia about two directions, and what
-    /// is beside them.
-    pub(crate) fn mobility(&self, row: SolverRow, [u, v]: [Vec3<Real>; 2]) -> [Real; 4] {
+    /// Of what impulses move: one over the mass, and of the inverse inertia what belongs to two
+    /// directions: `uu vv uv`.
+    pub(crate) fn mobility(&self, row: SolverRow, [u, v]: [Vec3<Real>; 2]) -> (Real, [Real; 3]) {
         let WorldInverseInertia { diagonal, off_diagonal, .. } = self.inv_inertia[row.index()];
         let times = |v| symmetric_product(diagonal, off_diagonal, v);
-        [self.motion[row.index()].inverse_mass, u.dot(times(u)), v.dot(times(v)), u.dot(times(v))]
+        (self.motion[row.index()].inverse_mass, [u.dot(times(u)), v.dot(times(v)), u.dot(times(v))])
     }
 
     /// Whether what forces do to a body is in range, as to be gathered before.
