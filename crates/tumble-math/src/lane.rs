@@ -134,6 +134,7 @@ one_body_lane!(f64, u64, 52, 1023, libm::sincos);
 /// assert_eq!(x.cross(y), Vec3::new(0.0, 0.0, 1.0));
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[repr(C)]
 pub struct Vec3<L> {
     /// First component.
     pub x: L,
@@ -227,6 +228,7 @@ impl<L: Lane> Mul<L> for Vec3<L> {
 /// assert_eq!(half_turn.rotate(Vec3::new(1.0, 2.0, 3.0)), Vec3::new(-1.0, -2.0, 3.0));
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[repr(C)]
 pub struct Quat<L> {
     /// First component of the vector part.
     pub x: L,

@@ -9,7 +9,7 @@ use tumble_math::lane::Vec3;
 
 use crate::collision::collider_state::ColliderState;
 use crate::collision::compound_parts::numbers;
-use crate::collision::contact::{ContactRecord, SHAPE};
+use crate::collision::contact::ContactRecord;
 use crate::collision::contact_set::ContactSet;
 use crate::collision::pipeline::{Colliders, CollisionPipeline};
 use crate::math::Real;
@@ -52,8 +52,7 @@ pub(crate) struct Floor {
 impl Floor {
     /// That of a contact, under its second body or the first.
     pub(crate) fn of(contact: &ContactRecord, under_second: bool, shapes: &[ColliderState]) -> Self {
-        let [x, y, z, ..] = contact.numbers[SHAPE].0;
-        let normal = Vec3::new(x, y, z);
+        let normal = contact.geometry.normal;
         let center = shapes[contact.slots[1].index()].center;
         let sign = if under_second { 0.5 } else { -0.5 };
         let point = center + contact.half_way(0) - normal * (contact.separation(0) * sign);
@@ -170,7 +169,6 @@ fn is_face(contact: &ContactRecord, slot: Slot, shapes: &[ColliderState], collid
 
 /// The normal of a contact towards a body.
 fn normal_of(contact: &ContactRecord, slot: Slot) -> Vec3<Real> {
-    let [x, y, z, ..] = contact.numbers[SHAPE].0;
-    let normal = Vec3::new(x, y, z);
+    let normal = contact.geometry.normal;
     if contact.slots[1] == slot { normal } else { normal * -1.0 }
 }

@@ -18,6 +18,7 @@ pub(crate) mod contact;
 pub(crate) mod contact_cache;
 pub(crate) mod contact_events;
 pub(crate) mod contact_materials;
+pub(crate) mod contact_rows;
 pub(crate) mod contact_set;
 pub(crate) mod internal_edges;
 pub(crate) mod material;

@@ -7,24 +7,43 @@ use tumble_collide::lanes::{CuboidLanes, ManifoldLanes, cuboid_gap, cuboid_pair,
 use tumble_collide::{ColliderShape, Isometry, MAX_MANIFOLD_POINTS};
 use tumble_math::lane::{Quat, Vec3};
 
-use crate::collision::contact::{
-    CENTERS, ContactRecord, FRICTION_IMPULSE, MATERIAL, NORMAL_IMPULSE, POINTS, REFINED, SHAPE,
-};
+use crate::collision::contact::{ContactRecord, UpdateRule};
+use crate::collision::contact_rows::{ContactGeometry, PointPair};
 use crate::math::Real;
 use crate::simd::block_lanes::put;
-use crate::simd::{BLOCK, Eight, Kernel, Tile, dispatch_in_blocks, gather};
+use crate::simd::{BLOCK, Kernel, Octet, Tile, dispatch_in_blocks, gather, octet, store_rows};
 use crate::storage::body_index::Slot;
 use crate::threads::InParts;
 
-/// Where shapes are whose pairs are tested in lanes, by slot.
+/// Shapes whose pairs are tested in lanes, by slot.
 #[derive(Clone, Default)]
 pub(crate) struct ShapeLanes {
-    /// Position of the shape's origin, and its orientation.
-    places: Vec<Eight>,
-    /// Half extents, or a radius, the shape's origin from the body's centre of mass, world frame,
-    /// how far it looks for others, and how near they are a contact, which is zero of what impulses
-    /// do not move.
-    sizes: Vec<Eight>,
+    poses: Vec<ShapePose>,
+    sizes: Vec<ShapeSize>,
+}
+
+octet! {
+    /// Where a shape is.
+    struct ShapePose<T> {
+        /// Of its origin \[m\].
+        position: Vec3<T>,
+        orientation: Quat<T>,
+        _unused: T,
+    }
+}
+
+octet! {
+    /// How far a shape extends.
+    struct ShapeSize<T> {
+        /// Half of them; of a ball its radius first \[m\].
+        extents: Vec3<T>,
+        /// Its origin from the body's centre of mass, world frame \[m\].
+        offset: Vec3<T>,
+        /// How far it looks for others \[m\].
+        reach: T,
+        /// The same but for how fast it goes \[m\]; zero of what impulses do not move.
+        margin: T,
+    }
 }
 
 /// Which lanes a shape is for.
@@ -53,36 +72,36 @@ impl LaneKind {
 
 impl ShapeLanes {
     pub(crate) fn reset(&mut self, count: usize) {
-        for rows in [&mut self.places, &mut self.sizes] {
-            rows.clear();
-            // One more, for lanes without a pair.
-            rows.resize(count + 1, Eight::ZERO);
-        }
+        // One more, for lanes without a pair.
+        self.poses.clear();
+        self.poses.resize(count + 1, ShapePose::ZERO);
+        self.sizes.clear();
+        self.sizes.resize(count + 1, ShapeSize::ZERO);
     }
 
     /// A slot without pairs.
     fn nobody(&self) -> u32 {
-        (self.places.len() - 1) as u32
+        (self.poses.len() - 1) as u32
     }
 
     /// Some slots, to be set.
     pub(crate) fn part(&mut self, slots: Range<usize>) -> ShapeLanesPart<'_> {
-        ShapeLanesPart { places: &mut self.places[slots.clone()], sizes: &mut self.sizes[slots] }
+        ShapeLanesPart { poses: &mut self.poses[slots.clone()], sizes: &mut self.sizes[slots] }
     }
 }
 
 /// Some neighbouring slots.
 pub(crate) struct ShapeLanesPart<'a> {
-    places: &'a mut [Eight],
-    sizes: &'a mut [Eight],
+    poses: &'a mut [ShapePose],
+    sizes: &'a mut [ShapeSize],
 }
 
 impl ShapeLanesPart<'_> {
     /// The first `middle`, and the others.
     pub(crate) fn split_at(self, middle: usize) -> (Self, Self) {
-        let (places, other_places) = self.places.split_at_mut(middle);
+        let (poses, other_poses) = self.poses.split_at_mut(middle);
         let (sizes, other_sizes) = self.sizes.split_at_mut(middle);
-        (Self { places, sizes }, Self { places: other_places, sizes: other_sizes })
+        (Self { poses, sizes }, Self { poses: other_poses, sizes: other_sizes })
     }
 
     pub(crate) fn set(
@@ -93,14 +112,13 @@ impl ShapeLanesPart<'_> {
         center: Vec3<Real>,
         (reach, margin): (Real, Real),
     ) {
-        let (x, q, offset) = (at.position, at.orientation, at.position - center);
-        let size = match *geometry {
+        let extents = match *geometry {
             ColliderShape::Cuboid { half_extents } => half_extents,
             ColliderShape::Sphere { radius } => Vec3::new(radius, 0.0, 0.0),
             _ => Vec3::zero(),
         };
-        self.places[slot] = Eight([x.x, x.y, x.z, q.x, q.y, q.z, q.w, 0.0]);
-        self.sizes[slot] = Eight([size.x, size.y, size.z, offset.x, offset.y, offset.z, reach, margin]);
+        self.poses[slot] = ShapePose { position: at.position, orientation: at.orientation, _unused: 0.0 };
+        self.sizes[slot] = ShapeSize { extents, offset: at.position - center, reach, margin };
     }
 }
 
@@ -192,9 +210,9 @@ impl Kernel for CuboidGaps<'_> {
     #[inline(always)]
     fn tile<T: Tile>(&mut self, i: usize) {
         let (rows, lane) = (&self.blocks[i / BLOCK], i % BLOCK);
-        let (first, a, place) = cuboids::<T>(self.shapes, &rows[0], lane);
+        let (first, a, size) = cuboids::<T>(self.shapes, &rows[0], lane);
         let (second, b, other) = cuboids::<T>(self.shapes, &rows[1], lane);
-        T::store([cuboid_gap(&first, &second, b - a) - (place.reach + other.reach)], &mut self.gaps[i..]);
+        T::store([cuboid_gap(&first, &second, b - a) - (size.reach + other.reach)], &mut self.gaps[i..]);
     }
 }
 
@@ -213,10 +231,10 @@ impl Kernel for SphereGaps<'_> {
     #[inline(always)]
     fn tile<T: Tile>(&mut self, i: usize) {
         let (rows, lane) = (&self.blocks[i / BLOCK], i % BLOCK);
-        let (first, a, place) = spheres::<T>(self.shapes, &rows[0], lane);
+        let (first, a, size) = spheres::<T>(self.shapes, &rows[0], lane);
         let (second, b, other) = spheres::<T>(self.shapes, &rows[1], lane);
         let apart = b - a;
-        T::store([apart.dot(apart).sqrt() - (first + second) - (place.reach + other.reach)], &mut self.gaps[i..]);
+        T::store([apart.dot(apart).sqrt() - (first + second) - (size.reach + other.reach)], &mut self.gaps[i..]);
     }
 }
 
@@ -235,14 +253,14 @@ impl Kernel for CuboidContacts<'_> {
     #[inline(always)]
     fn tile<T: Tile>(&mut self, i: usize) {
         let (rows, lane) = (&self.blocks[i / BLOCK], i % BLOCK);
-        let (first, a, place) = cuboids::<T>(self.shapes, &rows[0], lane);
+        let (first, a, size) = cuboids::<T>(self.shapes, &rows[0], lane);
         let (second, b, other) = cuboids::<T>(self.shapes, &rows[1], lane);
-        let manifold = cuboid_pair(&first, &second, b - a, place.reach + other.reach);
+        let manifold = cuboid_pair(&first, &second, b - a, size.reach + other.reach);
         write(
             &manifold,
             other.offset,
-            T::splat(MATERIAL),
-            [place.margin, other.margin],
+            T::splat(UpdateRule::BodyFixed.number()),
+            [size.margin, other.margin],
             &mut self.found[i..],
             rows,
             lane,
@@ -265,46 +283,31 @@ impl Kernel for SphereContacts<'_> {
     #[inline(always)]
     fn tile<T: Tile>(&mut self, i: usize) {
         let (rows, lane) = (&self.blocks[i / BLOCK], i % BLOCK);
-        let (first, a, place) = spheres::<T>(self.shapes, &rows[0], lane);
+        let (first, a, size) = spheres::<T>(self.shapes, &rows[0], lane);
         let (second, b, other) = spheres::<T>(self.shapes, &rows[1], lane);
-        let manifold = sphere_pair(first, second, b - a, place.reach + other.reach);
+        let manifold = sphere_pair(first, second, b - a, size.reach + other.reach);
         // Balls that are not about their centres of mass wobble.
-        let off = place.offset.dot(place.offset) + other.offset.dot(other.offset);
-        let law = T::select(T::splat(0.0).lt(off), T::splat(REFINED), T::splat(CENTERS));
-        write(&manifold, other.offset, law, [place.margin, other.margin], &mut self.found[i..], rows, lane);
+        let off = size.offset.dot(size.offset) + other.offset.dot(other.offset);
+        let [refined, centers] = [T::splat(UpdateRule::Refined.number()), T::splat(UpdateRule::LineOfCenters.number())];
+        let update_rule = T::select(T::splat(0.0).lt(off), refined, centers);
+        write(&manifold, other.offset, update_rule, [size.margin, other.margin], &mut self.found[i..], rows, lane);
     }
-}
-
-/// Of the shapes of a tile.
-struct ReachLanes<T> {
-    /// From their bodies' centres of mass to their origins \[m\].
-    offset: Vec3<T>,
-    /// How far they look for others \[m\].
-    reach: T,
-    /// The same but for how fast they go \[m\]; zero of what impulses do not move.
-    margin: T,
 }
 
 /// A tile's boxes, and where they are.
 #[inline(always)]
-fn cuboids<T: Tile>(
-    shapes: &ShapeLanes,
-    slots: &[u32; BLOCK],
-    lane: usize,
-) -> (CuboidLanes<T>, Vec3<T>, ReachLanes<T>) {
-    let [x, y, z, qx, qy, qz, qw] = gather(&shapes.places, slots, lane);
-    let [a, b, c, u, v, w, reach, margin] = gather(&shapes.sizes, slots, lane);
-    let orientation = Quat { x: qx, y: qy, z: qz, w: qw };
-    let place = ReachLanes { offset: Vec3::new(u, v, w), reach, margin };
-    (CuboidLanes { half_extents: Vec3::new(a, b, c), orientation }, Vec3::new(x, y, z), place)
+fn cuboids<T: Tile>(shapes: &ShapeLanes, slots: &[u32; BLOCK], lane: usize) -> (CuboidLanes<T>, Vec3<T>, ShapeSize<T>) {
+    let pose = gather::<T, _>(&shapes.poses, slots, lane);
+    let size = gather::<T, _>(&shapes.sizes, slots, lane);
+    (CuboidLanes { half_extents: size.extents, orientation: pose.orientation }, pose.position, size)
 }
 
 /// A tile's radii, and where the balls are.
 #[inline(always)]
-fn spheres<T: Tile>(shapes: &ShapeLanes, slots: &[u32; BLOCK], lane: usize) -> (T, Vec3<T>, ReachLanes<T>) {
-    let [x, y, z, _] = gather(&shapes.places, slots, lane);
-    let [radius, _, _, u, v, w, reach, margin] = gather(&shapes.sizes, slots, lane);
-    (radius, Vec3::new(x, y, z), ReachLanes { offset: Vec3::new(u, v, w), reach, margin })
+fn spheres<T: Tile>(shapes: &ShapeLanes, slots: &[u32; BLOCK], lane: usize) -> (T, Vec3<T>, ShapeSize<T>) {
+    let pose = gather::<T, _>(&shapes.poses, slots, lane);
+    let size = gather::<T, _>(&shapes.sizes, slots, lane);
+    (size.extents.x, pose.position, size)
 }
 
 /// Writes a tile's manifolds as contacts; `offset` goes from the second bodies' centres of mass to
@@ -313,7 +316,7 @@ fn spheres<T: Tile>(shapes: &ShapeLanes, slots: &[u32; BLOCK], lane: usize) -> (
 fn write<T: Tile>(
     manifold: &ManifoldLanes<T>,
     offset: Vec3<T>,
-    law: T,
+    update_rule: T,
     margins: [T; 2],
     found: &mut [ContactRecord],
     rows: &[[u32; BLOCK]; 2],
@@ -321,21 +324,29 @@ fn write<T: Tile>(
 ) {
     let zero = T::splat(0.0);
     let n = manifold.normal;
-    let mut numbers = [[Eight::ZERO; BLOCK]; 3];
-    T::store([n.x, n.y, n.z, manifold.carried, manifold.count, zero, zero, law], &mut numbers[SHAPE]);
+    let mut geometries = [ContactGeometry::ZERO; BLOCK];
+    let geometry = ContactGeometry {
+        normal: n,
+        carried: manifold.carried,
+        count: manifold.count,
+        rolling_resistance: zero,
+        restitution: zero,
+        update_rule,
+    };
+    store_rows(geometry, &mut geometries);
     // As `Second::share` has it.
     let share = T::select(zero.lt(margins[0]), manifold.carried, T::splat(1.0));
     let (mut shares, mut margin) = ([0.0; BLOCK], [0.0; BLOCK]);
     put(share, &mut shares, 0);
     put(margins[0] + margins[1], &mut margin, 0);
+    let mut points = [[PointPair::ZERO; BLOCK]; MAX_MANIFOLD_POINTS / 2];
     let mut half = 0;
-    while half < POINTS.len() {
+    while half < points.len() {
         let (j, k) = (2 * half, 2 * half + 1);
         let (s, t) = (manifold.separations[j], manifold.separations[k]);
         let to_surface = share - T::splat(0.5);
         let (a, b) = (manifold.places[j] + n * (s * to_surface), manifold.places[k] + n * (t * to_surface));
-        let (a, b) = (a + offset, b + offset);
-        T::store([a.x, a.y, a.z, s, b.x, b.y, b.z, t], &mut numbers[POINTS[half]]);
+        store_rows(PointPair { positions: [a + offset, b + offset], separations: [s, t] }, &mut points[half]);
         half += 1;
     }
     let mut features = [[0.0; BLOCK]; MAX_MANIFOLD_POINTS];
@@ -348,12 +359,9 @@ fn write<T: Tile>(
     while i < T::WIDTH {
         let contact = &mut found[i];
         contact.slots = [Slot(rows[0][lane + i]), Slot(rows[1][lane + i])];
-        (contact.numbers[NORMAL_IMPULSE].0[7], contact.numbers[FRICTION_IMPULSE].0[6]) = (shares[i], margin[i]);
-        let mut which = 0;
-        while which < numbers.len() {
-            contact.numbers[which] = numbers[which][i];
-            which += 1;
-        }
+        (contact.normal_impulses.gap_share, contact.friction.margin) = (shares[i], margin[i]);
+        contact.geometry = geometries[i];
+        contact.points = [points[0][i], points[1][i]];
         let mut j = 0;
         while j < MAX_MANIFOLD_POINTS {
             contact.features[j] = features[j][i] as u32;

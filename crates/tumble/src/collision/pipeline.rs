@@ -9,7 +9,7 @@ use tumble_collide::{BroadPhase, ColliderShape, contact_manifolds};
 
 use crate::collision::collider::{Collider, Groups};
 use crate::collision::collider_state::{ColliderState, ColliderStates};
-use crate::collision::contact::{ContactRecord, FIXED, MATERIAL, REFINED, Second};
+use crate::collision::contact::{ContactRecord, Second, UpdateRule};
 use crate::collision::contact_cache::ContactCache;
 use crate::collision::contact_materials::Materials;
 use crate::collision::contact_set::ContactSet;
@@ -190,7 +190,7 @@ fn collide_pair(slots: [Slot; 2], states: &[ColliderState], colliders: &Collider
         let before = found.len();
         let margin = first.reach + second.reach;
         let of_second = Second { center: second.center, alone: !first.moves, margin: first.margin + second.margin };
-        let rolls = law([first, second], [&a.geometry, &b.geometry]);
+        let rolls = update_rule([first, second], [&a.geometry, &b.geometry]);
         contact_manifolds(
             &a.geometry,
             &first.placement,
@@ -200,8 +200,8 @@ fn collide_pair(slots: [Slot; 2], states: &[ColliderState], colliders: &Collider
             &mut |part, manifold| {
                 if a.parts_touch(b, part) {
                     // What lies on three points does not roll.
-                    let law = if manifold.points().len() < 3 { rolls } else { MATERIAL };
-                    found.push(ContactRecord::new(slots, part, manifold, of_second, law));
+                    let rule = if manifold.points().len() < 3 { rolls } else { UpdateRule::BodyFixed };
+                    found.push(ContactRecord::new(slots, part, manifold, of_second, rule));
                 }
             },
         );
@@ -210,9 +210,9 @@ fn collide_pair(slots: [Slot; 2], states: &[ColliderState], colliders: &Collider
 }
 
 /// How the geometry of a contact follows its bodies.
-fn law(states: [&ColliderState; 2], shapes: [&ColliderShape<Real>; 2]) -> f64 {
+fn update_rule(states: [&ColliderState; 2], shapes: [&ColliderShape<Real>; 2]) -> UpdateRule {
     if !shapes.iter().any(|geometry| geometry.is_round()) {
-        return MATERIAL;
+        return UpdateRule::BodyFixed;
     }
     let is_centered = |which: usize| {
         let apart = states[which].placement.position - states[which].center;
@@ -224,7 +224,8 @@ fn law(states: [&ColliderState; 2], shapes: [&ColliderShape<Real>; 2]) -> f64 {
             matches!(shapes[which], ColliderShape::HalfSpace | ColliderShape::Mesh(_) | ColliderShape::HeightField(_));
         flat && !states[which].moves && [u, v, w] == [0.0; 3]
     };
-    if (is_centered(0) && is_flat_ground(1)) || (is_centered(1) && is_flat_ground(0)) { FIXED } else { REFINED }
+    let is_constant = (is_centered(0) && is_flat_ground(1)) || (is_centered(1) && is_flat_ground(0));
+    if is_constant { UpdateRule::Constant } else { UpdateRule::Refined }
 }
 
 /// Begins contacts with the impulses of those there were, both in the order of their keys.

@@ -1,10 +1,12 @@
 //! Contacts apart from the world that they were found in.
 
 use tumble_collide::MAX_MANIFOLD_POINTS;
+use tumble_math::lane::Vec3;
 
 use crate::collision::body_key::BodyKey;
 use crate::collision::collider::Collider;
-use crate::collision::contact::{ContactRecord, FRICTION_IMPULSE, MAX_HALVINGS, NORMAL_IMPULSE, POINTS, SHAPE};
+use crate::collision::contact::{ContactRecord, MAX_HALVINGS};
+use crate::collision::contact_rows::WorldFriction;
 use crate::collision::narrow_phase::LaneKind;
 use crate::math::Real;
 use crate::storage::body_index::Slot;
@@ -25,7 +27,7 @@ pub(crate) struct SavedContacts {
     pub(crate) places: Vec<Slot>,
 }
 
-/// The numbers of a contact that a file has.
+/// What a file has of a contact.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct SavedContact {
     /// The bodies, as places among the keys.
@@ -34,28 +36,84 @@ pub(crate) struct SavedContact {
     pub(crate) part: u32,
     /// Whether they touched before this step.
     pub(crate) touched: bool,
-    /// The normal from the first body to the second; impulse \[N s\] and angular impulse [N m s] of
-    /// friction; how steady effective masses were in the last substep, which share of the gap is
-    /// before a point, the margin \[m\], and how often the substeps of its island were halved.
-    pub(crate) numbers: [Real; Self::NUMBERS],
+    /// From the first body to the second.
+    pub(crate) normal: Vec3<Real>,
+    /// Impulse \[N s\] and angular impulse [N m s] of friction.
+    pub(crate) friction: [Vec3<Real>; 2],
+    /// As [`NormalImpulses`](crate::collision::contact_rows::NormalImpulses) has them.
+    pub(crate) steady: Real,
+    pub(crate) gap_share: Real,
+    /// As [`WorldFriction`] has them.
+    pub(crate) margin: Real,
+    pub(crate) halvings: Real,
     pub(crate) points: [SavedPoint; MAX_MANIFOLD_POINTS],
     /// How many points there are.
     pub(crate) count: usize,
 }
 
 /// A point of a contact.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct SavedPoint {
     /// Which features of the shapes meet.
     pub(crate) feature: u32,
-    /// From the second body's centre of mass \[m\], separation \[m\], impulse along the normal \[N
-    /// s\].
-    pub(crate) numbers: [Real; 5],
+    /// From the second body's centre of mass \[m\].
+    pub(crate) position: Vec3<Real>,
+    /// \[m\].
+    pub(crate) separation: Real,
+    /// Along the normal \[N s\].
+    pub(crate) impulse: Real,
+}
+
+impl SavedPoint {
+    /// How many numbers a point has in a file.
+    pub(crate) const NUMBERS: usize = 5;
+    pub(crate) const NONE: Self =
+        Self { feature: 0, position: Vec3 { x: 0.0, y: 0.0, z: 0.0 }, separation: 0.0, impulse: 0.0 };
+
+    /// In the order of a file.
+    pub(crate) fn numbers(&self) -> [Real; Self::NUMBERS] {
+        let Vec3 { x, y, z } = self.position;
+        [x, y, z, self.separation, self.impulse]
+    }
+
+    pub(crate) fn new(feature: u32, [x, y, z, separation, impulse]: [Real; Self::NUMBERS]) -> Self {
+        Self { feature, position: Vec3::new(x, y, z), separation, impulse }
+    }
 }
 
 impl SavedContact {
+    /// How many numbers a contact has in a file, but for its points.
     pub(crate) const NUMBERS: usize = 13;
     pub(crate) const MAX_HALVINGS: u8 = MAX_HALVINGS;
+
+    /// In the order of a file.
+    pub(crate) fn numbers(&self) -> [Real; Self::NUMBERS] {
+        let Self { normal: n, friction: [p, l], steady, gap_share, margin, halvings, .. } = *self;
+        [n.x, n.y, n.z, p.x, p.y, p.z, l.x, l.y, l.z, steady, gap_share, margin, halvings]
+    }
+
+    /// Of this many points, which are to be set.
+    pub(crate) fn new(
+        (bodies, part): ([u32; 2], u32),
+        touched: bool,
+        numbers: [Real; Self::NUMBERS],
+        count: usize,
+    ) -> Self {
+        let [nx, ny, nz, px, py, pz, lx, ly, lz, steady, gap_share, margin, halvings] = numbers;
+        Self {
+            bodies,
+            part,
+            touched,
+            normal: Vec3::new(nx, ny, nz),
+            friction: [Vec3::new(px, py, pz), Vec3::new(lx, ly, lz)],
+            steady,
+            gap_share,
+            margin,
+            halvings,
+            points: [SavedPoint::NONE; MAX_MANIFOLD_POINTS],
+            count,
+        }
+    }
 
     /// What contacts of a file are in the order of.
     pub(crate) fn key(&self) -> (u32, u32, u32) {
@@ -112,32 +170,41 @@ impl SavedContacts {
 impl ContactRecord {
     /// What of it decides the next step, and what is reported of it; the rest is recomputed.
     fn saved(&self) -> SavedContact {
-        let [x, y, z, ..] = self.numbers[SHAPE].0;
-        let [a, b, c, d, e, f, ..] = self.numbers[FRICTION_IMPULSE].0;
-        let mut points = [SavedPoint::default(); MAX_MANIFOLD_POINTS];
+        let mut points = [SavedPoint::NONE; MAX_MANIFOLD_POINTS];
         for (j, point) in points.iter_mut().enumerate().take(self.count()) {
-            let place = &self.numbers[POINTS[j / 2]].0[j % 2 * 4..][..4];
-            point.feature = self.features[j];
-            point.numbers[..4].copy_from_slice(place);
-            point.numbers[4] = self.numbers[NORMAL_IMPULSE].0[j];
+            *point = SavedPoint {
+                feature: self.features[j],
+                position: self.place(j),
+                separation: self.separation(j),
+                impulse: self.normal_impulses.at_points[j],
+            };
         }
-        let [.., steady, share] = self.numbers[NORMAL_IMPULSE].0;
-        let numbers = [x, y, z, a, b, c, d, e, f, steady, share, self.margin(), Real::from(self.halvings())];
-        let (part, touched) = (self.part, self.touched);
-        SavedContact { bodies: self.slots.map(|slot| slot.0), part, touched, numbers, points, count: self.count() }
+        SavedContact {
+            bodies: self.slots.map(|slot| slot.0),
+            part: self.part,
+            touched: self.touched,
+            normal: self.geometry.normal,
+            friction: [self.friction.linear, self.friction.angular],
+            steady: self.normal_impulses.steady,
+            gap_share: self.normal_impulses.gap_share,
+            margin: self.margin(),
+            halvings: Real::from(self.halvings()),
+            points,
+            count: self.count(),
+        }
     }
 
     fn of_saved(saved: &SavedContact) -> Self {
         let mut contact =
             Self { slots: saved.bodies.map(Slot), part: saved.part, touched: saved.touched, ..Self::NONE };
-        contact.numbers[SHAPE].0[..3].copy_from_slice(&saved.numbers[..3]);
-        contact.numbers[SHAPE].0[4] = saved.count as Real;
-        contact.numbers[FRICTION_IMPULSE].0[..6].copy_from_slice(&saved.numbers[3..9]);
-        contact.numbers[NORMAL_IMPULSE].0[6..].copy_from_slice(&saved.numbers[9..11]);
-        contact.numbers[FRICTION_IMPULSE].0[6..].copy_from_slice(&saved.numbers[11..]);
+        let SavedContact { friction: [linear, angular], steady, gap_share, margin, halvings, .. } = *saved;
+        (contact.geometry.normal, contact.geometry.count) = (saved.normal, saved.count as Real);
+        (contact.normal_impulses.steady, contact.normal_impulses.gap_share) = (steady, gap_share);
+        contact.friction = WorldFriction { linear, angular, margin, halvings };
         for (j, point) in saved.points.iter().enumerate().take(saved.count) {
-            contact.numbers[POINTS[j / 2]].0[j % 2 * 4..][..4].copy_from_slice(&point.numbers[..4]);
-            contact.numbers[NORMAL_IMPULSE].0[j] = point.numbers[4];
+            let pair = &mut contact.points[j / 2];
+            (pair.positions[j % 2], pair.separations[j % 2]) = (point.position, point.separation);
+            contact.normal_impulses.at_points[j] = point.impulse;
             contact.features[j] = point.feature;
         }
         contact

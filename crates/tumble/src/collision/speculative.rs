@@ -10,7 +10,7 @@ use tumble_math::lane::Vec3;
 
 use crate::collision::collider_state::{ColliderState, Motion};
 use crate::collision::compound_parts::numbers;
-use crate::collision::contact::{ContactRecord, FIXED, MATERIAL, SHAPE, Second};
+use crate::collision::contact::{ContactRecord, Second, UpdateRule};
 use crate::collision::contact_set::ContactSet;
 use crate::collision::narrow_phase::LaneKind;
 use crate::collision::pipeline::{Colliders, CollisionPipeline, PART};
@@ -140,8 +140,7 @@ fn length(v: Vec3<Real>) -> Real {
 /// Whether two bodies get through the plane of their contact, that is further than the margin or
 /// passed fast.
 fn is_doubtful(contact: &ContactRecord, gap: Real, shapes: [&ColliderState; 2], fall: Real) -> bool {
-    let [x, y, z, ..] = contact.numbers[SHAPE].0;
-    let normal = Vec3::new(x, y, z);
+    let normal = contact.geometry.normal;
     let [Motion { way: a, turn: s, radius: r, .. }, Motion { way: b, turn: t, radius: q, .. }] =
         shapes.map(|shape| shape.motion);
     let way = b - a;
@@ -209,8 +208,7 @@ fn is_surface(geometry: &ColliderShape<Real>) -> bool {
 }
 
 fn normal(contact: &ContactRecord) -> Vec3<f64> {
-    let [x, y, z, ..] = contact.numbers[SHAPE].0;
-    wide(Vec3::new(x, y, z))
+    wide(contact.geometry.normal)
 }
 
 /// The bodies of encounters, by slot.
@@ -421,7 +419,7 @@ impl View<'_> {
         }
         let follow = self.follow(encounter);
         let of_second = Second { center: shapes[1].center, alone: !shapes[0].moves, margin };
-        let law = if follow == Follow::Centers { FIXED } else { MATERIAL };
+        let rule = if follow == Follow::Centers { UpdateRule::Constant } else { UpdateRule::BodyFixed };
         // Once they have met, what is behind comes down on the same plane.
         let reach = shapes[0].reach + shapes[1].reach;
         for met in &encounter.meetings {
@@ -449,7 +447,7 @@ impl View<'_> {
                     contacts.push(match same {
                         Some(known) => known.clone(),
                         None => {
-                            ContactRecord { kind: *kind, ..ContactRecord::new(*slots, part, manifold, of_second, law) }
+                            ContactRecord { kind: *kind, ..ContactRecord::new(*slots, part, manifold, of_second, rule) }
                         }
                     });
                 },

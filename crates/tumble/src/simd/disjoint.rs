@@ -7,7 +7,7 @@ use std::marker::PhantomData;
 use std::ops::Range;
 
 use super::gather::gather_from;
-use super::{BLOCK, Eight, Tile};
+use super::{BLOCK, Octet, Tile, store_rows};
 
 /// Blocks of pairs of rows, in colors: within a color no row that is changed occurs twice.
 #[derive(Clone, Debug, Default)]
@@ -79,7 +79,7 @@ impl RowColors {
     ///
     /// # Panics
     /// Where there are fewer rows than may be changed.
-    pub(crate) fn rows<'a>(&'a self, color: usize, rows: &'a mut [Eight]) -> Rows<'a> {
+    pub(crate) fn rows<'a, R: Octet>(&'a self, color: usize, rows: &'a mut [R]) -> Rows<'a, R> {
         assert!(rows.len() >= self.last.len(), "too few rows");
         let RowColor { has_non_dynamic, blocks } = self.colors[color].clone();
         Rows {
@@ -94,20 +94,20 @@ impl RowColors {
 
 /// Some of the blocks of one color: nobody else has access to the rows that they change, and nobody
 /// changes those that they only read.
-pub(crate) struct Rows<'a> {
+pub(crate) struct Rows<'a, R> {
     blocks: &'a [RowPairs],
     has_non_dynamic: bool,
-    base: *mut Eight,
+    base: *mut R,
     count: usize,
-    rows: PhantomData<&'a mut [Eight]>,
+    rows: PhantomData<&'a mut [R]>,
 }
 
 // SAFETY: the rows that blocks of one color change are different ones, and there is one `Rows` for
 // a block at a time: it is made from the only reference to the rows, and split into parts without a
 // block in common.
-unsafe impl Send for Rows<'_> {}
+unsafe impl<R: Send> Send for Rows<'_, R> {}
 
-impl Rows<'_> {
+impl<R: Octet> Rows<'_, R> {
     /// The first `middle` blocks, and the others.
     pub(crate) fn split_at(self, middle: usize) -> (Self, Self) {
         let (first, second) = self.blocks.split_at(middle);
@@ -126,10 +126,10 @@ impl Rows<'_> {
         &self.blocks[block].rows
     }
 
-    /// The first numbers of the first or the second rows of a tile from `lane` on. Lanes without a
-    /// pair have those of the row that stands for none, which nobody changes.
+    /// The first or the second rows of a tile from `lane` on. Lanes without a pair have the row
+    /// that stands for none, which nobody changes.
     #[inline(always)]
-    pub(crate) fn gather<T: Tile, const N: usize>(&self, block: usize, which: usize, lane: usize) -> [T; N] {
+    pub(crate) fn gather<T: Tile>(&self, block: usize, which: usize, lane: usize) -> R::Lanes<T> {
         let indices = &self.blocks[block].rows[which];
         // SAFETY: nobody changes these rows: see the type; nor the one that stands for none, which
         // no block lists.
@@ -139,11 +139,11 @@ impl Rows<'_> {
     /// Overwrites the first or the second rows of a tile from `lane` on. First rows that are only
     /// read stay as they are, and so does the row that stands for none.
     #[inline(always)]
-    pub(crate) fn scatter<T: Tile>(&mut self, numbers: [T; 8], block: usize, which: usize, lane: usize) {
+    pub(crate) fn scatter<T: Tile>(&mut self, lanes: R::Lanes<T>, block: usize, which: usize, lane: usize) {
         let RowPairs { rows, count } = &self.blocks[block];
         let count = if self.has_non_dynamic && which == 0 { 0 } else { *count };
-        let mut changed = [Eight::ZERO; BLOCK];
-        T::store(numbers, &mut changed);
+        let mut changed = [R::ZERO; BLOCK];
+        store_rows::<T, R>(lanes, &mut changed);
         let mut i = 0;
         while i < T::WIDTH && lane + i < count {
             let row = rows[which][lane + i] as usize;
@@ -159,6 +159,7 @@ impl Rows<'_> {
 mod tests {
     use super::*;
     use crate::math::Real;
+    use crate::simd::octet::sample::Sample;
 
     fn colors() -> RowColors {
         let mut colors = RowColors::default();
@@ -174,15 +175,14 @@ mod tests {
         colors.push([[0, 1]].into_iter());
         colors.begin(true);
         colors.push([[4, 1], [4, 2]].into_iter());
-        let mut rows = [1.0, 2.0, 3.0, 4.0, 5.0].map(|x| Eight([x; 8]));
+        let mut rows = [1.0, 2.0, 3.0, 4.0, 5.0].map(Sample::of);
         let mut of_color = colors.rows(1, &mut rows);
-        let gathered: [Real; 4] = of_color.gather(0, 1, 1);
-        assert_eq!(gathered, [3.0; 4]);
-        of_color.scatter::<Real>([9.0; 8], 0, 1, 1);
-        of_color.scatter::<Real>([9.0; 8], 0, 0, 0);
+        assert_eq!(of_color.gather::<Real>(0, 1, 1).number, 3.0);
+        of_color.scatter::<Real>(Sample::of(9.0), 0, 1, 1);
+        of_color.scatter::<Real>(Sample::of(9.0), 0, 0, 0);
         // A lane without a pair.
-        of_color.scatter::<Real>([9.0; 8], 0, 1, 5);
-        assert_eq!(rows.map(|row| row.0[0]), [1.0, 2.0, 9.0, 4.0, 5.0]);
+        of_color.scatter::<Real>(Sample::of(9.0), 0, 1, 5);
+        assert_eq!(rows.map(|row| row.number), [1.0, 2.0, 9.0, 4.0, 5.0]);
     }
 
     #[test]

@@ -19,6 +19,7 @@ use crate::math::Real;
 pub(crate) mod block_lanes;
 mod disjoint;
 mod gather;
+mod octet;
 #[cfg(vector_code)]
 mod pair;
 mod record;
@@ -27,7 +28,9 @@ mod x86_64;
 
 pub(crate) use disjoint::{RowColors, Rows};
 pub(crate) use gather::gather;
-pub(crate) use record::{Eight, Record};
+pub(crate) use octet::{NumberField, Octet, gather_rows, is_as_eight, load_rows, octet, select_rows, store_rows};
+use record::Eight;
+pub(crate) use record::Record;
 
 /// The most bodies of a tile for which a chunk may have to be filled up.
 pub(crate) const WIDEST: usize = 16;

@@ -24,9 +24,9 @@ pub(crate) unsafe trait Record: Copy {
 }
 
 /// Eight numbers that belong together, in half a cache line or, in double precision, a whole one.
-#[derive(Clone, Copy, Debug, Default)]
+#[derive(Clone, Copy, Debug)]
 #[repr(C, align(32))]
-pub(crate) struct Eight(pub(crate) [Real; 8]);
+pub(crate) struct Eight<T = Real>(pub(crate) [T; 8]);
 
 impl Eight {
     pub(crate) const ZERO: Self = Self([0.0; 8]);

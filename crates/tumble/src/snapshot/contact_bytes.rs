@@ -46,7 +46,7 @@ impl Counts {
             ids.saturating_mul(8 + 3 * number),
             entities.saturating_mul(4 + 3 * number),
             self.contacts.saturating_mul(16 + SavedContact::NUMBERS as u64 * number),
-            self.points.saturating_mul(4 + 5 * number),
+            self.points.saturating_mul(4 + SavedPoint::NUMBERS as u64 * number),
         ];
         parts.into_iter().fold(0, u64::saturating_add)
     }
@@ -83,11 +83,11 @@ impl<'a> Written<'a> {
             let [first, second] = contact.bodies;
             let points = contact.count as u32 | if contact.touched { TOUCHED } else { 0 };
             bytes.extend([first, second, contact.part, points].into_iter().flat_map(u32::to_le_bytes));
-            bytes.extend(contact.numbers.into_iter().flat_map(Real::to_le_bytes));
+            bytes.extend(contact.numbers().into_iter().flat_map(Real::to_le_bytes));
         }
         for point in self.contacts.iter().flat_map(|contact| &contact.points[..contact.count]) {
             bytes.extend(point.feature.to_le_bytes());
-            bytes.extend(point.numbers.into_iter().flat_map(Real::to_le_bytes));
+            bytes.extend(point.numbers().into_iter().flat_map(Real::to_le_bytes));
         }
     }
 }
@@ -116,7 +116,7 @@ pub(crate) fn read(reader: &mut Reader<'_>, counts: &Counts) -> Result<SavedCont
     }
     for contact in &mut contacts {
         for point in &mut contact.points[..contact.count] {
-            *point = SavedPoint { feature: reader.u32()?, numbers: reader.numbers()? };
+            *point = SavedPoint::new(reader.u32()?, reader.numbers()?);
         }
     }
     let mut before = None;
@@ -131,36 +131,29 @@ pub(crate) fn read(reader: &mut Reader<'_>, counts: &Counts) -> Result<SavedCont
 
 fn contact(reader: &mut Reader<'_>) -> Result<SavedContact, SnapshotError> {
     let (bodies, part, points) = ([reader.u32()?, reader.u32()?], reader.u32()?, reader.u32()?);
-    Ok(SavedContact {
-        bodies,
-        part,
-        touched: points & TOUCHED != 0,
-        numbers: reader.numbers()?,
-        points: Default::default(),
-        count: (points & !TOUCHED) as usize,
-    })
+    let (touched, count) = (points & TOUCHED != 0, (points & !TOUCHED) as usize);
+    Ok(SavedContact::new((bodies, part), touched, reader.numbers()?, count))
 }
 
 /// What is wrong with a contact that comes after another, with this many bodies.
 fn defect(contact: &SavedContact, before: Option<&SavedContact>, bodies: usize) -> Option<ContactDefect> {
     let [first, second] = contact.bodies;
     let points = &contact.points[..contact.count];
-    let numbers = || contact.numbers.iter().chain(points.iter().flat_map(|point| &point.numbers));
-    let [x, y, z, ..] = contact.numbers;
-    let length = (x * x + y * y + z * z).sqrt();
+    let numbers = || contact.numbers().into_iter().chain(points.iter().flat_map(SavedPoint::numbers));
+    let length = contact.normal.dot(contact.normal).sqrt();
     if first == second || first.max(second) as usize >= bodies {
         Some(ContactDefect::Bodies)
     } else if before.is_some_and(|before| before.key() >= contact.key()) {
         Some(ContactDefect::Order)
-    } else if !numbers().all(|number| number.is_finite()) {
+    } else if !numbers().all(Real::is_finite) {
         Some(ContactDefect::NotFinite)
     } else if (length - 1.0).abs() > UNIT_TOLERANCE {
         Some(ContactDefect::Normal)
-    } else if contact.numbers[9..11].iter().any(|part| !(0.0..=1.0).contains(part)) {
+    } else if [contact.steady, contact.gap_share].iter().any(|part| !(0.0..=1.0).contains(part)) {
         Some(ContactDefect::Part)
-    } else if !(0..=SavedContact::MAX_HALVINGS).any(|times| contact.numbers[12] == Real::from(times)) {
+    } else if !(0..=SavedContact::MAX_HALVINGS).any(|times| contact.halvings == Real::from(times)) {
         Some(ContactDefect::Halvings)
-    } else if points.iter().any(|point| point.numbers[4] < 0.0) {
+    } else if points.iter().any(|point| point.impulse < 0.0) {
         Some(ContactDefect::Pull)
     } else {
         None

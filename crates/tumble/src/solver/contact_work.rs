@@ -1,7 +1,7 @@
 //! The works of bodies that touch something, for those who keep account of them.
 
 use glam::DVec3;
-use tumble_math::lane::{Quat, Vec3};
+use tumble_math::lane::Quat;
 
 use crate::components::{Work, Wrench};
 use crate::forces::evaluate::LawForces;
@@ -11,7 +11,7 @@ use crate::integrators::derived::symmetric_product;
 use crate::integrators::kinetic_energy::KineticEnergy;
 use crate::integrators::state::{Constants, State};
 use crate::math::{Real, Vec3 as WorldVec3, double, dvec3};
-use crate::simd::Eight;
+use crate::solver::body_rows::BodyMotion;
 use crate::solver::solver_bodies::{SolverBodies, SolverRow};
 use crate::storage::body_index::Slot;
 
@@ -130,7 +130,7 @@ impl ContactWorks {
     /// Notes momenta before contacts push.
     pub(crate) fn before_solve(&mut self, bodies: &SolverBodies) {
         for body in &mut self.bodies {
-            body.momenta = two_vectors(&bodies.motion[body.row]);
+            body.momenta = momenta(&bodies.motion[body.row]);
         }
     }
 
@@ -173,20 +173,21 @@ impl BodyWork {
 
     /// Velocities at momenta, with the attitude as it is.
     fn velocities(&self, (p, l): (DVec3, DVec3), bodies: &SolverBodies) -> (DVec3, DVec3) {
-        let (diagonal, off_diagonal) = two_vectors(&bodies.inv_inertia[self.row]);
+        let inverse = &bodies.inv_inertia[self.row];
+        let [diagonal, off_diagonal] = [inverse.diagonal, inverse.off_diagonal].map(double);
         let angular = symmetric_product(diagonal.into(), off_diagonal.into(), l.into()).into();
         (p / f64::from(self.constants.mass), angular)
     }
 
     fn begin_substep(&mut self, bodies: &SolverBodies) {
-        let (p, l) = two_vectors(&bodies.motion[self.row]);
+        let (p, l) = momenta(&bodies.motion[self.row]);
         let damped = (p * f64::from(self.kept.0), l * f64::from(self.kept.1));
         let mean = self.velocities(((p + damped.0) * 0.5, (l + damped.1) * 0.5), bodies);
         self.damping += (damped.0 - p).dot(mean.0) + (damped.1 - l).dot(mean.1);
     }
 
     fn end_substep(&mut self, bodies: &SolverBodies) {
-        let now = two_vectors(&bodies.motion[self.row]);
+        let now = momenta(&bodies.motion[self.row]);
         self.pushed |= now != self.momenta;
         self.momenta = now;
     }
@@ -195,7 +196,8 @@ impl BodyWork {
         let mut work = Work { damping: self.damping, integrator: self.moving, ..Work::default() };
         // Twice the vector of the rotation's quaternion is the angle about its axis, to third
         // order.
-        let (way, half_turn) = two_vectors(&bodies.delta_pose[self.row]);
+        let delta = &bodies.delta_pose[self.row];
+        let [way, half_turn] = [delta.translation, delta.rotation.vector()].map(double);
         let turn = half_turn * 2.0;
         for (source, wrench) in forces {
             let done = dvec3(wrench.force).dot(way) + dvec3(wrench.torque).dot(turn);
@@ -208,7 +210,7 @@ impl BodyWork {
         let rest = self.energy(bodies) - self.start - work.total();
         // What was near something and touched nothing is the integrator's alone. A bounce comes
         // after the last substep.
-        if self.pushed || two_vectors(&bodies.motion[self.row]) != self.momenta {
+        if self.pushed || momenta(&bodies.motion[self.row]) != self.momenta {
             work.contacts = rest;
         } else {
             work.integrator += rest;
@@ -217,7 +219,6 @@ impl BodyWork {
     }
 }
 
-fn two_vectors(row: &Eight) -> (DVec3, DVec3) {
-    let Eight([a, b, c, d, e, f, ..]) = *row;
-    (double(Vec3::new(a, b, c)), double(Vec3::new(d, e, f)))
+fn momenta(motion: &BodyMotion) -> (DVec3, DVec3) {
+    (double(motion.momentum), double(motion.angular_momentum))
 }

@@ -1,6 +1,6 @@
 //! Joint contact solving of several small worlds, to fill the SIMD lanes.
 
-use crate::collision::contact::{ContactRecord, FRICTION_IMPULSE, NORMAL_IMPULSE};
+use crate::collision::contact::ContactRecord;
 use crate::collision::contact_materials::Extras;
 use crate::collision::contact_set::ContactSet;
 use crate::settings::Settings;
@@ -58,9 +58,7 @@ impl MultiWorld {
     /// added.
     pub(crate) fn return_impulses(&mut self, contacts: &mut [ContactRecord]) {
         for (contact, solved) in contacts.iter_mut().zip(&self.contacts[self.returned..]) {
-            for which in [NORMAL_IMPULSE, FRICTION_IMPULSE] {
-                contact.numbers[which] = solved.numbers[which];
-            }
+            (contact.normal_impulses, contact.friction) = (solved.normal_impulses, solved.friction);
         }
         self.returned += contacts.len();
     }

@@ -11,8 +11,10 @@ use crate::integrators::derived::symmetric_product;
 use crate::integrators::state::{Constants, Force, Moments, State};
 use crate::math::Real;
 use crate::range::{MAX_IMPULSE, MAX_SPEED, within};
-use crate::simd::block_lanes::{put_two_vectors, two_vectors};
-use crate::simd::{BLOCK, Eight, Kernel, Tile, dispatch_in_blocks};
+use crate::simd::{BLOCK, Kernel, Octet, Tile, dispatch_in_blocks, load_rows, store_rows};
+use crate::solver::body_rows::{
+    BodyMotion, BodyPose, DeltaPose, ForceImpulse, PrincipalMoments, WarmStartImpulse, WorldInverseInertia,
+};
 use crate::threads::InParts;
 
 /// The number of a body among those of the solver.
@@ -34,25 +36,13 @@ impl SolverRow {
 /// are told.
 #[derive(Clone, Default)]
 pub(crate) struct SolverBodies {
-    /// Linear and angular momentum, and one over the mass; of what impulses do not move the
-    /// velocities.
-    pub(crate) motion: Vec<Eight>,
-    /// What contacts do when the next substep begins, by the impulses that the last ended with:
-    /// where nothing changes they are what that needs. Impulse and angular impulse.
-    pub(crate) warm_start: Vec<Eight>,
-    /// Inverse inertia in the world: `xx yy zz`, `yz zx xy`; of what impulses do not move one.
-    pub(crate) inv_inertia: Vec<Eight>,
-    /// What forces do in a substep: impulse, angular impulse, and what is left of linear and
-    /// angular momentum under damping.
-    force_impulse: Vec<Eight>,
-    /// Principal moments, their inverses, whether it turns, and the square of half the angle
-    /// \[rad\] that it may turn in a step before contacts are turned with it.
-    inertia: Vec<Eight>,
-    /// Position when the step began, and orientation of the principal frame now.
-    pose: Vec<Eight>,
-    /// Since the start of the step: how far the centre went \[m\], the rotation as a unit
-    /// quaternion, and whether that is or was more than is left out of account.
-    pub(crate) delta_pose: Vec<Eight>,
+    pub(crate) motion: Vec<BodyMotion>,
+    pub(crate) warm_start: Vec<WarmStartImpulse>,
+    pub(crate) inv_inertia: Vec<WorldInverseInertia>,
+    force_impulse: Vec<ForceImpulse>,
+    inertia: Vec<PrincipalMoments>,
+    pose: Vec<BodyPose>,
+    pub(crate) delta_pose: Vec<DeltaPose>,
     /// How many impulses move.
     free: usize,
 }
@@ -62,15 +52,20 @@ const PART: usize = 256;
 /// Fewest parts that are shared: one takes some microseconds.
 const MIN_PARTS: usize = 2;
 
-/// Nowhere, and not turned.
-const UNMOVED: Eight = Eight([0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0]);
+/// Not moved, and not turned.
+const UNMOVED: DeltaPose = DeltaPose { rotation: NO_ROTATION, ..DeltaPose::ZERO };
+/// At the origin, and not turned.
+const ORIGIN: BodyPose = BodyPose { orientation: NO_ROTATION, ..BodyPose::ZERO };
+const NO_ROTATION: Quat<Real> = Quat { x: 0.0, y: 0.0, z: 0.0, w: 1.0 };
+/// Of what impulses do not turn.
+const NOT_TURNING: PrincipalMoments = PrincipalMoments { moments: ONES, ..PrincipalMoments::ZERO };
+/// The unit matrix.
+const UNIT: WorldInverseInertia = WorldInverseInertia { diagonal: ONES, ..WorldInverseInertia::ZERO };
+const ONES: Vec3<Real> = Vec3 { x: 1.0, y: 1.0, z: 1.0 };
 /// Angle \[rad\] that a cube may turn in a step before its contacts turn with it: what that leaves
 /// out is 1e-4 of an arm. What a body of another shape may turn is less as its radii of gyration
 /// differ, since they say by how much its response to impulses changes.
 const TURN: Real = 1e-4;
-
-/// The unit matrix: the diagonal, and what is beside it.
-const ONE: Eight = Eight([1.0, 1.0, 1.0, 0.0, 0.0, 0.0, 0.0, 0.0]);
 
 impl SolverBodies {
     /// Makes room for those that impulses move and those that they do not; all are nowhere at
@@ -78,21 +73,21 @@ impl SolverBodies {
     pub(crate) fn reset(&mut self, free: usize, non_dynamic: usize) {
         self.free = free;
         let (in_blocks, dynamic) = (free.next_multiple_of(BLOCK), self.first_non_dynamic());
-        for (rows, empty) in [(&mut self.motion, Eight::ZERO), (&mut self.delta_pose, UNMOVED)] {
-            rows.clear();
-            rows.resize(dynamic + non_dynamic, empty);
-        }
+        self.motion.clear();
+        self.motion.resize(dynamic + non_dynamic, BodyMotion::ZERO);
+        self.delta_pose.clear();
+        self.delta_pose.resize(dynamic + non_dynamic, UNMOVED);
         self.warm_start.clear();
-        self.warm_start.resize(dynamic, Eight::ZERO);
+        self.warm_start.resize(dynamic, WarmStartImpulse::ZERO);
         self.inv_inertia.clear();
-        self.inv_inertia.resize(dynamic, Eight::ZERO);
-        self.inv_inertia.resize(dynamic + non_dynamic, ONE);
+        self.inv_inertia.resize(dynamic, WorldInverseInertia::ZERO);
+        self.inv_inertia.resize(dynamic + non_dynamic, UNIT);
         self.force_impulse.clear();
-        self.force_impulse.resize(in_blocks, Eight::ZERO);
+        self.force_impulse.resize(in_blocks, ForceImpulse::ZERO);
         self.pose.clear();
-        self.pose.resize(dynamic + non_dynamic, Eight([0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0]));
+        self.pose.resize(dynamic + non_dynamic, ORIGIN);
         self.inertia.clear();
-        self.inertia.resize(in_blocks, Eight([1.0, 1.0, 1.0, 0.0, 0.0, 0.0, 0.0, 0.0]));
+        self.inertia.resize(in_blocks, NOT_TURNING);
     }
 
     /// How many rows.
@@ -119,14 +114,13 @@ impl SolverBodies {
 
     /// Sets what moves with given velocities.
     pub(crate) fn set_non_dynamic(&mut self, row: usize, x: Vec3<Real>, linear: Vec3<Real>, angular: Vec3<Real>) {
-        self.pose[row].0[..3].copy_from_slice(&[x.x, x.y, x.z]);
-        self.motion[row] = Eight([linear.x, linear.y, linear.z, angular.x, angular.y, angular.z, 1.0, 0.0]);
+        self.pose[row].center = x;
+        self.motion[row] = BodyMotion { momentum: linear, angular_momentum: angular, inverse_mass: 1.0, _unused: 0.0 };
     }
 
     /// Where the centre of mass of a body was when the step began \[m\].
     pub(crate) fn center(&self, row: SolverRow) -> Vec3<Real> {
-        let Eight([x, y, z, ..]) = self.pose[row.index()];
-        Vec3::new(x, y, z)
+        self.pose[row.index()].center
     }
 
     /// Whether impulses move a body.
@@ -136,50 +130,47 @@ impl SolverBodies {
 
     /// What a body that impulses move has become.
     pub(crate) fn state(&self, row: usize, axes: Option<Quat<Real>>) -> State<Real> {
-        let Eight([px, py, pz, lx, ly, lz, ..]) = self.motion[row];
-        let Eight([x, y, z, i, j, k, w, _]) = self.pose[row];
-        let Eight([dx, dy, dz, ..]) = self.delta_pose[row];
-        let orientation = Quat { x: i, y: j, z: k, w };
+        let BodyMotion { momentum, angular_momentum, .. } = self.motion[row];
+        let BodyPose { center, orientation, .. } = self.pose[row];
         State {
             // Rounded once a step: rounded in each of many short substeps, it would creep.
-            position: Vec3::new(x, y, z) + Vec3::new(dx, dy, dz),
+            position: center + self.delta_pose[row].translation,
             orientation: axes.map_or(orientation, |axes| (orientation * axes.conjugate()).normalize()),
-            linear: Vec3::new(px, py, pz),
-            angular: Vec3::new(lx, ly, lz),
+            linear: momentum,
+            angular: angular_momentum,
         }
     }
 
     /// The least inverse moment of inertia over the greatest; one of what impulses do not turn.
     pub(crate) fn inertia_ratio(&self, row: SolverRow) -> Real {
-        self.inertia.get(row.index()).map_or(1.0, |Eight([_, _, _, x, y, z, ..])| {
-            let (least, most) = (x.min(*y).min(*z), x.max(*y).max(*z));
+        self.inertia.get(row.index()).map_or(1.0, |inertia| {
+            let Vec3 { x, y, z } = inertia.inverse_moments;
+            let (least, most) = (x.min(y).min(z), x.max(y).max(z));
             if most > 0.0 { least / most } else { 1.0 }
         })
     }
 
-    /// Of what impulses move: one over the mass, the inverse inertia about two directions, and what
-    /// is beside them.
-    pub(crate) fn mobility(&self, row: SolverRow, [u, v]: [Vec3<Real>; 2]) -> [Real; 4] {
-        let (Eight([.., mass, _]), Eight([xx, yy, zz, yz, zx, xy, ..])) =
-            (self.motion[row.index()], self.inv_inertia[row.index()]);
-        let times = |v| symmetric_product(Vec3::new(xx, yy, zz), Vec3::new(yz, zx, xy), v);
-        [mass, u.dot(times(u)), v.dot(times(v)), u.dot(times(v))]
+    /// Of what impulses move: one over the mass, and of the inverse inertia what belongs to two
+    /// directions: `uu vv uv`.
+    pub(crate) fn mobility(&self, row: SolverRow, [u, v]: [Vec3<Real>; 2]) -> (Real, [Real; 3]) {
+        let WorldInverseInertia { diagonal, off_diagonal, .. } = self.inv_inertia[row.index()];
+        let times = |v| symmetric_product(diagonal, off_diagonal, v);
+        (self.motion[row.index()].inverse_mass, [u.dot(times(u)), v.dot(times(v)), u.dot(times(v))])
     }
 
     /// Whether what forces do to a body is in range, as to be gathered before.
     pub(crate) fn is_kicked_in_range(&self, row: usize) -> bool {
-        let Eight([px, py, pz, lx, ly, lz, linear, angular]) = self.force_impulse[row];
-        let impulses = within(Vec3::new(px, py, pz), MAX_IMPULSE) && within(Vec3::new(lx, ly, lz), MAX_IMPULSE);
-        let kept = |part: Real| (0.0..=1.0).contains(&part);
-        let Eight([.., inverse_mass, _]) = self.motion[row];
-        let change = within(Vec3::new(px, py, pz) * inverse_mass, MAX_SPEED);
-        let Eight([.., ix, iy, iz, _, _]) = self.inertia[row];
-        let turn = within(Vec3::new(lx, ly, lz) * ix.max(iy).max(iz), MAX_SPEED);
-        impulses && change && turn && kept(linear) && kept(angular)
+        let ForceImpulse { linear, angular, kept_linear, kept_angular } = self.force_impulse[row];
+        let impulses = within(linear, MAX_IMPULSE) && within(angular, MAX_IMPULSE);
+        let is_part = |kept: Real| (0.0..=1.0).contains(&kept);
+        let change = within(linear * self.motion[row].inverse_mass, MAX_SPEED);
+        let Vec3 { x, y, z } = self.inertia[row].inverse_moments;
+        let turn = within(angular * x.max(y).max(z), MAX_SPEED);
+        impulses && change && turn && is_part(kept_linear) && is_part(kept_angular)
     }
 
     /// Hands out the poses beside the rest.
-    pub(crate) fn with_poses(&mut self, then: impl FnOnce(&mut Self, &[Eight])) {
+    pub(crate) fn with_poses(&mut self, then: impl FnOnce(&mut Self, &[BodyPose])) {
         let poses = std::mem::take(&mut self.pose);
         then(self, &poses);
         self.pose = poses;
@@ -241,14 +232,12 @@ impl SolverBodies {
     /// a body spins on as it does without contacts.
     pub(crate) fn integrate_positions(&mut self, h: Real) {
         for row in self.first_non_dynamic()..self.motion.len() {
-            let (Eight([x, y, z, u, v, w, ..]), Eight(delta_pose)) = (&self.motion[row], &mut self.delta_pose[row]);
-            for (coordinate, velocity) in delta_pose.iter_mut().zip([x, y, z]) {
-                *coordinate += velocity * h;
-            }
-            if [*u, *v, *w] != [0.0; 3] {
-                let before = Quat { x: delta_pose[3], y: delta_pose[4], z: delta_pose[5], w: delta_pose[6] };
-                let q = tumble_math::rotate_exactly(before, Vec3::new(*u, *v, *w), h);
-                delta_pose[3..].copy_from_slice(&[q.x, q.y, q.z, q.w, 1.0]);
+            let BodyMotion { momentum: velocity, angular_momentum: angular_velocity, .. } = self.motion[row];
+            let delta = &mut self.delta_pose[row];
+            delta.translation = delta.translation + velocity * h;
+            if angular_velocity != Vec3::zero() {
+                delta.rotation = tumble_math::rotate_exactly(delta.rotation, angular_velocity, h);
+                delta.has_turned = 1.0;
             }
         }
         let Self { motion, inv_inertia, pose, inertia, delta_pose, .. } = self;
@@ -265,11 +254,11 @@ impl SolverBodies {
 
 /// Rows of bodies that forces move.
 pub(crate) struct FreeRows<'a> {
-    motion: &'a mut [Eight],
-    inv_inertia: &'a mut [Eight],
-    force_impulse: &'a mut [Eight],
-    inertia: &'a mut [Eight],
-    pose: &'a mut [Eight],
+    motion: &'a mut [BodyMotion],
+    inv_inertia: &'a mut [WorldInverseInertia],
+    force_impulse: &'a mut [ForceImpulse],
+    inertia: &'a mut [PrincipalMoments],
+    pose: &'a mut [BodyPose],
 }
 
 impl FreeRows<'_> {
@@ -299,30 +288,33 @@ impl FreeRows<'_> {
         force: Force<Real>,
         h: Real,
     ) {
-        let (p, l, x) = (state.linear, state.angular, state.position);
         let mut orientation = state.orientation.normalize();
         if let Some(inertia) = &constants.inertia {
-            let (d, o) = inertia.inverse_in_world(orientation);
-            self.inv_inertia[row] = Eight([d.x, d.y, d.z, o.x, o.y, o.z, 0.0, 0.0]);
-            let (m, i) = (inertia.moments, inertia.inverse_moments);
-            let tolerance = turn_tolerance(i);
-            self.inertia[row] = Eight([m.x, m.y, m.z, i.x, i.y, i.z, 1.0, tolerance]);
+            let (diagonal, off_diagonal) = inertia.inverse_in_world(orientation);
+            self.inv_inertia[row] = WorldInverseInertia { diagonal, off_diagonal, _unused: [0.0; 2] };
+            let Moments { moments, inverse_moments, .. } = *inertia;
+            let turn_tolerance = turn_tolerance(inverse_moments);
+            self.inertia[row] = PrincipalMoments { moments, inverse_moments, turns: 1.0, turn_tolerance };
             orientation = inertia.axes.map_or(orientation, |axes| orientation * axes);
         }
-        let q = orientation;
-        self.motion[row] = Eight([p.x, p.y, p.z, l.x, l.y, l.z, 1.0 / constants.mass, 0.0]);
-        self.pose[row] = Eight([x.x, x.y, x.z, q.x, q.y, q.z, q.w, 0.0]);
+        self.motion[row] = BodyMotion {
+            momentum: state.linear,
+            angular_momentum: state.angular,
+            inverse_mass: 1.0 / constants.mass,
+            _unused: 0.0,
+        };
+        self.pose[row] = BodyPose { center: state.position, orientation, _unused: 0.0 };
         let kick = Kick::new(constants, h);
         let still = State { linear: Vec3::zero(), angular: Vec3::zero(), ..*state };
-        let State { linear: p, angular: l, .. } = kick.kicked(still, force);
-        let (linear, angular) = kick.kept();
-        self.force_impulse[row] = Eight([p.x, p.y, p.z, l.x, l.y, l.z, linear, angular]);
+        let State { linear, angular, .. } = kick.kicked(still, force);
+        let (kept_linear, kept_angular) = kick.kept();
+        self.force_impulse[row] = ForceImpulse { linear, angular, kept_linear, kept_angular };
     }
 }
 
 struct IntegrateVelocities<'a> {
-    motion: &'a mut [Eight],
-    force_impulse: &'a [Eight],
+    motion: &'a mut [BodyMotion],
+    force_impulse: &'a [ForceImpulse],
 }
 
 impl Kernel for IntegrateVelocities<'_> {
@@ -333,16 +325,17 @@ impl Kernel for IntegrateVelocities<'_> {
 
     #[inline(always)]
     fn tile<T: Tile>(&mut self, i: usize) {
-        let (p, l) = two_vectors::<T>(&self.motion[i..]);
-        let [px, py, pz, lx, ly, lz, linear, angular] = T::load(&self.force_impulse[i..]);
-        let (p, l) = (p * linear + Vec3::new(px, py, pz), l * angular + Vec3::new(lx, ly, lz));
-        put_two_vectors(p, l, &mut self.motion[i..]);
+        let before = load_rows::<T, _>(&self.motion[i..]);
+        let kick = load_rows::<T, _>(&self.force_impulse[i..]);
+        let momentum = before.momentum * kick.kept_linear + kick.linear;
+        let angular_momentum = before.angular_momentum * kick.kept_angular + kick.angular;
+        store_rows(BodyMotion { momentum, angular_momentum, ..before }, &mut self.motion[i..]);
     }
 }
 
 struct ApplyWarmStart<'a> {
-    motion: &'a mut [Eight],
-    warm_start: &'a mut [Eight],
+    motion: &'a mut [BodyMotion],
+    warm_start: &'a mut [WarmStartImpulse],
 }
 
 impl Kernel for ApplyWarmStart<'_> {
@@ -353,19 +346,25 @@ impl Kernel for ApplyWarmStart<'_> {
 
     #[inline(always)]
     fn tile<T: Tile>(&mut self, i: usize) {
-        let (p, l) = two_vectors::<T>(&self.motion[i..]);
-        let (linear, angular) = two_vectors(&self.warm_start[i..]);
-        put_two_vectors(p + linear, l + angular, &mut self.motion[i..]);
-        put_two_vectors(Vec3::<T>::zero(), Vec3::zero(), &mut self.warm_start[i..]);
+        let before = load_rows::<T, _>(&self.motion[i..]);
+        let impulse = load_rows::<T, _>(&self.warm_start[i..]);
+        let momentum = before.momentum + impulse.linear;
+        let angular_momentum = before.angular_momentum + impulse.angular;
+        store_rows(BodyMotion { momentum, angular_momentum, ..before }, &mut self.motion[i..]);
+        let mut k = 0;
+        while k < T::WIDTH {
+            self.warm_start[i + k] = WarmStartImpulse::ZERO;
+            k += 1;
+        }
     }
 }
 
 struct IntegratePositions<'a> {
-    motion: &'a [Eight],
-    inv_inertia: &'a mut [Eight],
-    pose: &'a mut [Eight],
-    inertia: &'a [Eight],
-    delta_pose: &'a mut [Eight],
+    motion: &'a [BodyMotion],
+    inv_inertia: &'a mut [WorldInverseInertia],
+    pose: &'a mut [BodyPose],
+    inertia: &'a [PrincipalMoments],
+    delta_pose: &'a mut [DeltaPose],
     h: Real,
 }
 
@@ -378,45 +377,46 @@ impl Kernel for IntegratePositions<'_> {
     #[inline(always)]
     fn tile<T: Tile>(&mut self, i: usize) {
         let h = T::splat(self.h.into());
-        let [px, py, pz, lx, ly, lz, inverse_mass] = T::load(&self.motion[i..]);
-        let [x, y, z, qx, qy, qz, qw] = T::load(&self.pose[i..]);
-        let [a, b, c, inverse_a, inverse_b, inverse_c, turns, tolerance] = T::load(&self.inertia[i..]);
-        let [dx, dy, dz, ti, tj, tk, tw, had_turned] = T::load(&self.delta_pose[i..]);
+        let motion = load_rows::<T, _>(&self.motion[i..]);
+        let pose = load_rows::<T, _>(&self.pose[i..]);
+        let PrincipalMoments { moments, inverse_moments, turns, turn_tolerance } =
+            load_rows::<T, _>(&self.inertia[i..]);
+        let delta = load_rows::<T, _>(&self.delta_pose[i..]);
 
-        let l = Vec3::new(lx, ly, lz);
-        let way = Vec3::new(px, py, pz) * inverse_mass * h;
-        let inverse_moments = Vec3::new(inverse_a, inverse_b, inverse_c);
-        let moments = Moments { moments: Vec3::new(a, b, c), inverse_moments, axes: None };
-        let rotation = FreeRotation::new(moments.moments, moments.inverse_moments, None, h);
-        let before = Quat { x: qx, y: qy, z: qz, w: qw };
-        let q = rotation.rotate(before, l * turns);
-        T::store([x, y, z, q.x, q.y, q.z, q.w], &mut self.pose[i..]);
+        let way = motion.momentum * motion.inverse_mass * h;
+        let rotation = FreeRotation::new(moments, inverse_moments, None, h);
+        let before = pose.orientation;
+        let q = rotation.rotate(before, motion.angular_momentum * turns);
+        store_rows(BodyPose { orientation: q, ..pose }, &mut self.pose[i..]);
         let (zero, one) = (T::splat(0.0), T::splat(1.0));
         // The product of the two would be rounded to the grid of one in every substep, and what
         // lies would creep.
         let change = Quat { x: q.x - before.x, y: q.y - before.y, z: q.z - before.z, w: q.w - before.w };
         let turn = change * before.conjugate();
-        let t = Quat { w: one + turn.w, ..turn } * Quat { x: ti, y: tj, z: tk, w: tw };
-        let turned = T::select(tolerance.lt(t.vector().dot(t.vector())), one, had_turned);
-        T::store([dx + way.x, dy + way.y, dz + way.z, t.x, t.y, t.z, t.w, turned], &mut self.delta_pose[i..]);
+        let t = Quat { w: one + turn.w, ..turn } * delta.rotation;
+        let turned = T::select(turn_tolerance.lt(t.vector().dot(t.vector())), one, delta.has_turned);
+        let after = DeltaPose { translation: delta.translation + way, rotation: t, has_turned: turned };
+        store_rows(after, &mut self.delta_pose[i..]);
         // Otherwise contacts go on with the masses that they have, which belong to this response.
         if T::any(zero.lt(turned)) {
-            let (diagonal, off_diagonal) = moments.inverse_in_world(q);
-            let (d, o) = two_vectors::<T>(&self.inv_inertia[i..]);
+            let (diagonal, off_diagonal) = Moments { moments, inverse_moments, axes: None }.inverse_in_world(q);
+            let before = load_rows::<T, _>(&self.inv_inertia[i..]);
             let turned = zero.lt(turned);
-            let (d, o) = (Vec3::select(turned, diagonal, d), Vec3::select(turned, off_diagonal, o));
-            put_two_vectors(d, o, &mut self.inv_inertia[i..]);
+            let diagonal = Vec3::select(turned, diagonal, before.diagonal);
+            let off_diagonal = Vec3::select(turned, off_diagonal, before.off_diagonal);
+            store_rows(WorldInverseInertia { diagonal, off_diagonal, ..before }, &mut self.inv_inertia[i..]);
         }
     }
 }
 
 /// What forces do in substeps that are halved so often: twice it does what the kick of the substep
 /// before does.
-fn halved(force_impulse: Eight, halvings: u8) -> Eight {
-    (0..halvings).fold(force_impulse, |Eight([px, py, pz, lx, ly, lz, linear, angular]), _| {
-        let (linear, angular) = (linear.sqrt(), angular.sqrt());
-        let (p, l) = (1.0 / (1.0 + linear), 1.0 / (1.0 + angular));
-        Eight([px * p, py * p, pz * p, lx * l, ly * l, lz * l, linear, angular])
+fn halved(force_impulse: ForceImpulse, halvings: u8) -> ForceImpulse {
+    (0..halvings).fold(force_impulse, |ForceImpulse { linear, angular, kept_linear, kept_angular }, _| {
+        let (kept_linear, kept_angular) = (kept_linear.sqrt(), kept_angular.sqrt());
+        let linear = linear * (1.0 / (1.0 + kept_linear));
+        let angular = angular * (1.0 / (1.0 + kept_angular));
+        ForceImpulse { linear, angular, kept_linear, kept_angular }
     })
 }
 

@@ -4,11 +4,12 @@ use rayon::prelude::*;
 use tumble_collide::MAX_MANIFOLD_POINTS;
 use tumble_math::lane::Vec3;
 
-use crate::collision::contact::{ContactRecord, FRICTION_IMPULSE, MAX_HALVINGS, POINTS, SHAPE};
+use crate::collision::contact::{ContactRecord, MAX_HALVINGS};
+use crate::collision::contact_rows::{ContactGeometry, ContactLanes};
 use crate::collision::pipeline::PART;
 use crate::math::Real;
 use crate::settings::Settings;
-use crate::simd::{BLOCK, Eight, Kernel, Tile, dispatch_in_blocks};
+use crate::simd::{BLOCK, Kernel, Octet, Tile, dispatch_in_blocks, gather_rows, octet, select_rows, store_rows};
 use crate::solver::constrained_bodies::ConstrainedBodies;
 use crate::solver::contact::softness::Softness;
 use crate::solver::islands::Islands;
@@ -26,11 +27,10 @@ use crate::threads::InParts;
 /// is about one (Euler's column under its own weight: 1.3).
 #[derive(Clone, Default)]
 pub(crate) struct Stacks {
-    /// By slot: centre of mass, one over the mass, the inverse inertia about the two horizontal
-    /// directions and off its diagonal, and whether impulses move it.
-    bodies: Vec<Eight>,
-    /// By contact: how it bears its upper body, as [`Base::read`] has it; in whole blocks.
-    supports: Vec<Eight>,
+    /// By slot.
+    bodies: Vec<StackBody>,
+    /// By contact; in whole blocks.
+    supports: Vec<Support>,
     /// By slot.
     loads: Vec<Load>,
     /// Where the supports of each slot begin among `by_upper`.
@@ -44,6 +44,34 @@ pub(crate) struct Stacks {
     islands: Islands,
     /// By slot of an island's root, how often its substeps were halved before.
     before: Vec<u8>,
+}
+
+octet! {
+    /// A body as its loads see it.
+    struct StackBody<T> {
+        /// Of mass \[m\].
+        center: Vec3<T>,
+        /// [1/kg]; zero of what impulses do not move.
+        inverse_mass: T,
+        /// Inverse inertia about the two horizontal directions [1/(kg m^2)]: `xx yy xy`.
+        inverse_inertia: [T; 3],
+        /// One where impulses move it, else zero.
+        is_dynamic: T,
+    }
+}
+
+octet! {
+    /// How a contact bears its upper body: sums over its points, as [`Base`] has them.
+    struct Support<T> {
+        /// [N/m]; below zero where the first body is the upper one, zero where the contact bears
+        /// nothing.
+        signed_stiffness: T,
+        first: [T; 2],
+        second: [T; 3],
+        height: T,
+        /// The margin \[m\]; below zero where fewer than three points bear.
+        signed_margin: T,
+    }
 }
 
 /// What a body rests on: sums over points by their stiffness [N/m].
@@ -128,14 +156,16 @@ impl Stacks {
         let Self { bodies: rows_of_slots, supports, loads, begins, by_upper, waiting, order, .. } = self;
         rows_of_slots.clear();
         rows_of_slots.extend(constrained.rows().map(|row| {
-            let Some(row) = row else { return Eight::ZERO };
-            let Vec3 { x, y, z } = bodies.center(row);
-            let moves = bodies.is_dynamic(row);
-            let [mass, a, b, c] = if moves { bodies.mobility(row, sides) } else { [0.0; 4] };
-            Eight([x, y, z, mass, a, b, c, if moves { 1.0 } else { 0.0 }])
+            let Some(row) = row else { return StackBody::ZERO };
+            let center = bodies.center(row);
+            if !bodies.is_dynamic(row) {
+                return StackBody { center, ..StackBody::ZERO };
+            }
+            let (inverse_mass, inverse_inertia) = bodies.mobility(row, sides);
+            StackBody { center, inverse_mass, inverse_inertia, is_dynamic: 1.0 }
         }));
         let bodies = &*rows_of_slots;
-        supports.resize(contacts.len().next_multiple_of(BLOCK), Eight::ZERO);
+        supports.resize(contacts.len().next_multiple_of(BLOCK), Support::ZERO);
         let rates = Softness::stiffness(settings.contact_substep().into());
         let parts = supports.par_chunks_mut(PART).zip(contacts.par_chunks(PART));
         parts.by_at_least(2).for_each(|(supports, contacts)| {
@@ -144,7 +174,7 @@ impl Stacks {
         order_by_upper((supports, contacts), slots, begins, by_upper);
         let supports_of = |slot: Slot| {
             let range = begins[slot.index()] as usize..begins[slot.index() + 1] as usize;
-            by_upper[range].iter().map(|(index, lower)| (Base::read(&supports[*index as usize]), *lower))
+            by_upper[range].iter().map(|(index, lower)| (&supports[*index as usize], *lower))
         };
 
         waiting.clear();
@@ -164,18 +194,18 @@ impl Stacks {
             }
             let slot = order[next];
             next += 1;
-            let Eight([x, y, z, mass, ..]) = bodies[slot.index()];
-            let height = Vec3::new(x, y, z).dot(up);
+            let StackBody { center, inverse_mass, .. } = bodies[slot.index()];
+            let height = center.dot(up);
             let load = &mut loads[slot.index()];
             let (mut base, mut on_face, mut margin) = (Base::default(), false, Real::INFINITY);
             let mut is_stacked = load.weight > 0.0;
-            for ((support, signed_margin), lower) in supports_of(slot) {
-                base.add(&support);
-                on_face |= signed_margin > 0.0;
-                is_stacked |= bodies[lower.index()].0[7] > 0.0;
-                margin = margin.min(signed_margin.abs());
+            for (support, lower) in supports_of(slot) {
+                base.add(&Base::of(support));
+                on_face |= support.signed_margin > 0.0;
+                is_stacked |= bodies[lower.index()].is_dynamic > 0.0;
+                margin = margin.min(support.signed_margin.abs());
             }
-            let own = g / mass;
+            let own = g / inverse_mass;
             load.weight += own;
             load.moment += own * height;
             load.lean += base.lean(on_face, load, (height, MIN_SPREAD * margin));
@@ -185,8 +215,8 @@ impl Stacks {
             load.need = (load.lean * stiffness).max(depth / MAX_DEPTH);
             most = load.need.max(most);
             let Load { weight, moment, lean, .. } = *load;
-            for ((support, _), lower) in supports_of(slot) {
-                let share = support.stiffness / base.stiffness;
+            for (support, lower) in supports_of(slot) {
+                let share = support.signed_stiffness.abs() / base.stiffness;
                 let below = &mut loads[lower.index()];
                 below.weight += share * weight;
                 below.moment += share * moment;
@@ -229,10 +259,8 @@ impl Stacks {
 }
 
 impl Base {
-    /// Of a support, and its margin, which is negative where fewer than three points bear.
-    fn read(Eight([stiffness, x, y, xx, yy, xy, height, margin]): &Eight) -> (Self, Real) {
-        let base = Self { stiffness: stiffness.abs(), first: [*x, *y], second: [*xx, *yy, *xy], height: *height };
-        (base, *margin)
+    fn of(&Support { signed_stiffness, first, second, height, .. }: &Support) -> Self {
+        Self { stiffness: signed_stiffness.abs(), first, second, height }
     }
 
     fn add(&mut self, other: &Self) {
@@ -271,9 +299,9 @@ fn sides(up: Vec3<Real>) -> [Vec3<Real>; 2] {
 
 /// Works out how contacts bear their upper bodies.
 struct Bear<'a> {
-    supports: &'a mut [Eight],
+    supports: &'a mut [Support],
     contacts: &'a [ContactRecord],
-    bodies: &'a [Eight],
+    bodies: &'a [StackBody],
     up: Vec3<Real>,
     sides: [Vec3<Real>; 2],
     /// Stiffness for each kilogram, of two moving bodies and on what does not move.
@@ -281,28 +309,28 @@ struct Bear<'a> {
 }
 
 impl Bear<'_> {
-    /// A row of numbers of the contacts from `i` on.
+    /// The contacts from `i` on.
     #[inline(always)]
-    fn numbers<T: Tile, const N: usize>(&self, which: usize, i: usize) -> [T; N] {
-        let mut picked = [&Eight::ZERO; BLOCK];
+    fn contacts<T: Tile>(&self, i: usize) -> ContactLanes<'_> {
+        let mut picked = ContactLanes::empty();
         let mut l = 0;
         while l < T::WIDTH && i + l < self.contacts.len() {
-            picked[l] = &self.contacts[i + l].numbers[which];
+            picked.set(l, &self.contacts[i + l]);
             l += 1;
         }
-        T::gather(&picked)
+        picked
     }
 
     /// The first or the second bodies of the contacts from `i` on.
     #[inline(always)]
-    fn bodies<T: Tile>(&self, which: usize, i: usize) -> [T; 8] {
-        let mut picked = [&Eight::ZERO; BLOCK];
+    fn bodies<T: Tile>(&self, which: usize, i: usize) -> StackBody<T> {
+        let mut picked = [StackBody::zero(); BLOCK];
         let mut l = 0;
         while l < T::WIDTH && i + l < self.contacts.len() {
             picked[l] = &self.bodies[self.contacts[i + l].slots[which].index()];
             l += 1;
         }
-        T::gather(&picked)
+        gather_rows(&picked)
     }
 }
 
@@ -316,24 +344,16 @@ impl Kernel for Bear<'_> {
     fn tile<T: Tile>(&mut self, i: usize) {
         let (zero, one) = (T::splat(0.0), T::splat(1.0));
         let (up, sides) = (splat(self.up), [splat(self.sides[0]), splat(self.sides[1])]);
-        let [nx, ny, nz, _, count] = self.numbers(SHAPE, i);
-        let [ax, ay, az, s0, bx, by, bz, s1] = self.numbers(POINTS[0], i);
-        let [cx, cy, cz, s2, dx, dy, dz, s3] = self.numbers(POINTS[1], i);
-        let [_, _, _, _, _, _, margin]: [T; 7] = self.numbers(FRICTION_IMPULSE, i);
-        let slope = up.dot(Vec3::new(nx, ny, nz));
-        let (first, second): ([T; 8], [T; 8]) = (self.bodies(0, i), self.bodies(1, i));
-        let (mut upper, mut lower) = ([zero; 8], [zero; 8]);
-        let mut k = 0;
-        while k < 8 {
-            upper[k] = T::select(zero.lt(slope), second[k], first[k]);
-            lower[k] = T::select(zero.lt(slope), first[k], second[k]);
-            k += 1;
-        }
-        let center = Vec3::new(upper[0], upper[1], upper[2]);
-        let to_upper = Vec3::new(second[0], second[1], second[2]) - center;
+        let contacts = self.contacts::<T>(i);
+        let ContactGeometry { normal, count, .. } = contacts.geometry::<T>();
+        let margin = contacts.friction::<T>().margin;
+        let slope = up.dot(normal);
+        let (first, second) = (self.bodies::<T>(0, i), self.bodies::<T>(1, i));
+        let upper = select_rows::<T, StackBody>(zero.lt(slope), second, first);
+        let lower = select_rows::<T, StackBody>(zero.lt(slope), first, second);
+        let to_upper = second.center - upper.center;
 
-        let places = [Vec3::new(ax, ay, az), Vec3::new(bx, by, bz), Vec3::new(cx, cy, cz), Vec3::new(dx, dy, dz)];
-        let separations = [s0, s1, s2, s3];
+        let (places, separations) = contacts.points::<T>();
         let deep = margin * T::splat(-DEEP);
         let (mut points, mut sum, mut second_moments) = (zero, [zero; 3], [zero; 3]);
         let mut j = 0;
@@ -348,7 +368,7 @@ impl Kernel for Bear<'_> {
             second_moments = [second_moments[0] + x * x, second_moments[1] + y * y, second_moments[2] + x * y];
             j += 1;
         }
-        let apart = center - Vec3::new(lower[0], lower[1], lower[2]);
+        let apart = upper.center - lower.center;
         let (x, y, two) = (sides[0].dot(apart), sides[1].dot(apart), T::splat(2.0));
         let about_lower = [
             second_moments[0] + x * (two * sum[0] + points * x),
@@ -358,26 +378,29 @@ impl Kernel for Bear<'_> {
         let responses =
             summed_inverse_mass(&upper, points, second_moments) + summed_inverse_mass(&lower, points, about_lower);
         let [between, on_ground] = [T::splat(self.rates[0].into()), T::splat(self.rates[1].into())];
-        let rate = T::select(zero.lt(lower[7]), between, on_ground);
+        let rate = T::select(zero.lt(lower.is_dynamic), between, on_ground);
         // Nothing is borne by a wall, or by what impulses do not move, or where no point is near.
         let stiffness = rate * points / responses;
         let stiffness = T::select(slope.abs().lt(T::splat(MIN_SLOPE)), zero, stiffness);
-        let stiffness = T::select(zero.lt(points * upper[7] * margin), stiffness, zero);
-        let s = [sum[0] * stiffness, sum[1] * stiffness, sum[2] * stiffness];
+        let stiffness = T::select(zero.lt(points * upper.is_dynamic * margin), stiffness, zero);
         let [xx, yy, xy] = second_moments;
         let total = stiffness * points;
-        let signed_total = T::select(zero.lt(slope), total, zero - total);
-        let signed_margin = T::select(two.lt(points), margin, zero - margin);
-        let second = [xx * stiffness, yy * stiffness, xy * stiffness];
-        let row = [signed_total, s[0], s[1], second[0], second[1], second[2], s[2], signed_margin];
-        T::store(row, &mut self.supports[i..]);
+        let support = Support {
+            signed_stiffness: T::select(zero.lt(slope), total, zero - total),
+            first: [sum[0] * stiffness, sum[1] * stiffness],
+            second: [xx * stiffness, yy * stiffness, xy * stiffness],
+            height: sum[2] * stiffness,
+            signed_margin: T::select(two.lt(points), margin, zero - margin),
+        };
+        store_rows(support, &mut self.supports[i..]);
     }
 }
 
 /// How points at these second moments from the centre of a body give way to impulses, summed.
 #[inline(always)]
-fn summed_inverse_mass<T: Tile>(body: &[T; 8], points: T, [xx, yy, xy]: [T; 3]) -> T {
-    body[3] * points + body[4] * yy + body[5] * xx - T::splat(2.0) * body[6] * xy
+fn summed_inverse_mass<T: Tile>(body: &StackBody<T>, points: T, [xx, yy, xy]: [T; 3]) -> T {
+    let [about_x, about_y, coupled] = body.inverse_inertia;
+    body.inverse_mass * points + about_x * yy + about_y * xx - T::splat(2.0) * coupled * xy
 }
 
 #[inline(always)]
@@ -387,16 +410,16 @@ fn splat<T: Tile>(v: Vec3<Real>) -> Vec3<T> {
 
 /// Orders supports by the slot of the upper body, keeping their order.
 fn order_by_upper(
-    (supports, contacts): (&[Eight], &[ContactRecord]),
+    (supports, contacts): (&[Support], &[ContactRecord]),
     slots: usize,
     begins: &mut Vec<u32>,
     by_upper: &mut Vec<(u32, Slot)>,
 ) {
     let pairs = || {
         let all = supports.iter().zip(contacts).enumerate();
-        all.filter(|(_, (support, _))| support.0[0] != 0.0).map(|(index, (support, contact))| {
+        all.filter(|(_, (support, _))| support.signed_stiffness != 0.0).map(|(index, (support, contact))| {
             let [first, second] = contact.slots;
-            let (upper, lower) = if support.0[0] > 0.0 { (second, first) } else { (first, second) };
+            let (upper, lower) = if support.signed_stiffness > 0.0 { (second, first) } else { (first, second) };
             (upper.index(), (index as u32, lower))
         })
     };

@@ -5,7 +5,8 @@ use std::ops::Range;
 use crate::collision::contact::ContactRecord;
 use crate::collision::contact_materials::Extras;
 use crate::math::Real;
-use crate::simd::{BLOCK, Eight, Kernel, RowColors, dispatch_in_blocks};
+use crate::simd::{BLOCK, Kernel, RowColors, dispatch_in_blocks};
+use crate::solver::body_rows::{BodyPose, DeltaPose};
 use crate::solver::contact::constraint::{Block, Bounce, Rolling};
 use crate::solver::contact::prepare::Prepare;
 use crate::solver::contact::restitution::{ApplyRestitution, RecordApproachSpeed, SubstepMoment};
@@ -67,7 +68,7 @@ struct ColorRange {
 #[derive(Clone, Copy)]
 pub(crate) enum SolverStage<'a> {
     /// Fills the blocks for bodies with these poses, as the contacts have it.
-    Prepare(&'a [ContactRecord], &'a [Eight]),
+    Prepare(&'a [ContactRecord], &'a [BodyPose]),
     /// Pushes overlapping bodies apart, two that move and one on what does not, in substeps of `h`
     /// \[s\]. What closes faster than `impact_speed` \[m/s\] is an impact.
     Solve { softness: [Softness; 2], h: Real, impact_speed: Real },
@@ -196,7 +197,7 @@ impl ContactConstraints {
     }
 
     /// Finds round contacts again after their bodies have moved.
-    pub(crate) fn update_round_contacts(&mut self, rounds: &[RoundConstraint], delta_pose: &[Eight]) {
+    pub(crate) fn update_round_contacts(&mut self, rounds: &[RoundConstraint], delta_pose: &[DeltaPose]) {
         let Self { ones, fours, places, .. } = self;
         for ((round, found), place) in rounds.iter().zip(round_contacts::find(rounds, delta_pose)).zip(places) {
             let (Some(manifold), motion) = (found, (delta_pose, round)) else { continue };

@@ -2,7 +2,7 @@
 
 use hecs::{Entity, World};
 
-use crate::collision::contact::{ContactRecord, FRICTION_IMPULSE, NORMAL_IMPULSE, SHAPE};
+use crate::collision::contact::ContactRecord;
 use crate::collision::pipeline::CollisionPipeline;
 use crate::components::Wrench;
 use crate::forces::body_forces::BodyForces;
@@ -75,13 +75,12 @@ impl CollisionPipeline {
 /// Impulse and angular impulse of a contact, times `sign`, about the point from which the second
 /// body's centre of mass is at `arm` \[m\].
 fn impulse_on_second(contact: &ContactRecord, arm: Vec3, sign: Real) -> Wrench {
-    let [x, y, z, ..] = contact.numbers[SHAPE].0;
-    let [fx, fy, fz, tx, ty, tz, ..] = contact.numbers[FRICTION_IMPULSE].0;
-    let (normal, friction) = (Vec3::new(x, y, z), Vec3::new(fx, fy, fz));
-    let mut impulse = Wrench { force: Vec3::ZERO, torque: Vec3::new(tx, ty, tz) * sign };
+    let normal = Vec3::from(contact.geometry.normal);
+    let (friction, twist) = (Vec3::from(contact.friction.linear), Vec3::from(contact.friction.angular));
+    let mut impulse = Wrench { force: Vec3::ZERO, torque: twist * sign };
     let place = |j: usize| -> Vec3 { arm + Vec3::from(contact.place(j)) };
     for j in 0..contact.count() {
-        let along_normal = normal * (contact.numbers[NORMAL_IMPULSE].0[j] * sign);
+        let along_normal = normal * (contact.normal_impulses.at_points[j] * sign);
         impulse.add_force_at(along_normal, place(j), Vec3::ZERO);
     }
     impulse.add_force_at(friction * sign, arm + middle(contact), Vec3::ZERO);
@@ -92,7 +91,7 @@ fn impulse_on_second(contact: &ContactRecord, arm: Vec3, sign: Real) -> Wrench {
 /// [`Prepare`](crate::solver::contact::prepare::Prepare) has it.
 fn middle(contact: &ContactRecord) -> Vec3 {
     let nearest = (0..contact.count()).map(|j| contact.separation(j)).fold(Real::INFINITY, Real::min).max(0.0);
-    let from = if contact.is_material() { 0.0 } else { nearest };
+    let from = if contact.is_body_fixed() { 0.0 } else { nearest };
     let (mut sum, mut total) = (Vec3::ZERO, 0.0);
     for j in 0..contact.count() {
         let margins = (contact.separation(j) - from) / contact.margin();

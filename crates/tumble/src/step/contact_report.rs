@@ -3,7 +3,7 @@
 use hecs::Entity;
 use tumble_collide::MAX_MANIFOLD_POINTS;
 
-use crate::collision::contact::{ContactRecord, FRICTION_IMPULSE, NORMAL_IMPULSE, SHAPE};
+use crate::collision::contact::ContactRecord;
 use crate::collision::contact_events::ContactEvent;
 use crate::collision::pipeline::CollisionPipeline;
 use crate::math::{Real, Vec3};
@@ -209,21 +209,19 @@ impl CollisionPipeline {
     }
 
     fn report_one(&self, contact: &ContactRecord) -> Contact {
-        let [x, y, z, ..] = contact.numbers[SHAPE].0;
-        let [u, v, w, ..] = contact.numbers[FRICTION_IMPULSE].0;
         let center = Vec3::from(self.center(contact.slots[1]));
         let mut points = [ContactPoint::default(); MAX_MANIFOLD_POINTS];
         for (j, point) in points.iter_mut().enumerate().take(contact.count()) {
             let place = Vec3::from(contact.half_way(j));
-            let (separation, impulse) = (contact.separation(j), contact.numbers[NORMAL_IMPULSE].0[j]);
+            let (separation, impulse) = (contact.separation(j), contact.normal_impulses.at_points[j]);
             *point = ContactPoint { position: center + place, separation, impulse };
         }
         // What the solver has for the first may be the second in order.
         let sign = if contact.slots[0] < contact.slots[1] { 1.0 } else { -1.0 };
         Contact {
             bodies: contact.pair().map(|slot| self.cache.body_keys.entity(slot)),
-            normal: Vec3::new(x, y, z) * sign,
-            friction: Vec3::new(u, v, w) * sign,
+            normal: Vec3::from(contact.geometry.normal) * sign,
+            friction: Vec3::from(contact.friction.linear) * sign,
             points,
             count: contact.count(),
             touches: contact.touches(),

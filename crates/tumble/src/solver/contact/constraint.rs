@@ -47,9 +47,8 @@ pub(crate) struct Start<const P: usize> {
     pub(crate) apart: [Lanes; 3],
     /// How much of the middle is fixed to the second body, from 0 to 1.
     pub(crate) carried: Lanes,
-    /// How the geometry follows the bodies: [`MATERIAL`](crate::collision::contact::MATERIAL) or
-    /// another.
-    pub(crate) law: Lanes,
+    /// The number of an [`UpdateRule`](crate::collision::contact::UpdateRule).
+    pub(crate) update_rule: Lanes,
     /// How far an arm may change \[m\] before the effective masses are computed again; below zero
     /// where that is done in any case.
     pub(crate) slide: Lanes,
@@ -157,7 +156,7 @@ impl<const P: usize, const C: usize> Block<P, C> {
                 arm: [ZEROS; 3],
                 apart: [ZEROS; 3],
                 carried: ZEROS,
-                law: ZEROS,
+                update_rule: ZEROS,
                 slide: ZEROS,
                 steady: ZEROS,
                 is_impact: ZEROS,

@@ -3,8 +3,9 @@
 use tumble_math::lane::{Quat, Vec3};
 
 use crate::integrators::derived::symmetric_product;
-use crate::simd::block_lanes::{gather_two_vectors, vector_at};
-use crate::simd::{BLOCK, Eight, Rows, Tile, gather};
+use crate::simd::block_lanes::vector_at;
+use crate::simd::{BLOCK, Rows, Tile, gather};
+use crate::solver::body_rows::{BodyMotion, DeltaPose, WarmStartImpulse, WorldInverseInertia};
 use crate::solver::contact::constraint::Block;
 use crate::solver::contact::effective_mass::Mobility;
 
@@ -73,13 +74,13 @@ pub(crate) struct DeltaPoses<T> {
 
 impl<T: Tile> DeltaPoses<T> {
     #[inline(always)]
-    pub(crate) fn load(delta_pose: &[Eight], rows: &[[u32; BLOCK]; 2], lane: usize) -> Self {
-        let [ax, ay, az, ai, aj, ak, aw, a_turned] = gather(delta_pose, &rows[0], lane);
-        let [bx, by, bz, bi, bj, bk, bw, b_turned]: [T; 8] = gather(delta_pose, &rows[1], lane);
+    pub(crate) fn load(delta_pose: &[DeltaPose], rows: &[[u32; BLOCK]; 2], lane: usize) -> Self {
+        let first = gather::<T, _>(delta_pose, &rows[0], lane);
+        let second = gather::<T, _>(delta_pose, &rows[1], lane);
         Self {
-            linear: [Vec3::new(ax, ay, az), Vec3::new(bx, by, bz)],
-            rotation: [Quat { x: ai, y: aj, z: ak, w: aw }, Quat { x: bi, y: bj, z: bk, w: bw }],
-            turned: b_turned.max(a_turned),
+            linear: [first.translation, second.translation],
+            rotation: [first.rotation, second.rotation],
+            turned: second.has_turned.max(first.has_turned),
         }
     }
 
@@ -101,16 +102,18 @@ pub(crate) struct Momenta<T> {
 }
 
 impl<T: Tile> Momenta<T> {
-    /// From rows that have nothing else; zero of what impulses do not move.
+    /// What a warm start gives; zero of what impulses do not move.
     #[inline(always)]
-    pub(crate) fn load(rows: &Rows<'_>, block: usize, lane: usize) -> Self {
+    pub(crate) fn of_warm_start(rows: &Rows<'_, WarmStartImpulse>, block: usize, lane: usize) -> Self {
         let has_non_dynamic = rows.has_non_dynamic();
-        let zero = T::splat(0.0);
-        let [a, b, c, d, e, f] = if has_non_dynamic { [zero; 6] } else { rows.gather(block, 0, lane) };
-        let first = (Vec3::new(a, b, c), Vec3::new(d, e, f));
-        let [a, b, c, d, e, f] = rows.gather(block, 1, lane);
-        let second = (Vec3::new(a, b, c), Vec3::new(d, e, f));
-        Self { has_non_dynamic, linear: [first.0, second.0], angular: [first.1, second.1] }
+        let zero = Vec3::zero();
+        let first = if has_non_dynamic {
+            WarmStartImpulse { linear: zero, angular: zero, _unused: [T::splat(0.0); 2] }
+        } else {
+            rows.gather::<T>(block, 0, lane)
+        };
+        let second = rows.gather::<T>(block, 1, lane);
+        Self { has_non_dynamic, linear: [first.linear, second.linear], angular: [first.angular, second.angular] }
     }
 
     /// An impulse in the middle and an angular impulse on the second bodies, the opposite on the
@@ -125,20 +128,20 @@ impl<T: Tile> Momenta<T> {
         self.angular[1] = self.angular[1] + (arms[1].cross(linear) + angular);
     }
 
-    /// Writes them back, with one more number behind each.
+    /// Writes them back as a warm start.
     #[inline(always)]
-    pub(crate) fn store(&self, numbers: [T; 2], rows: &mut Rows<'_>, block: usize, lane: usize) {
-        let row = |which: usize| (self.linear[which], self.angular[which], numbers[which]);
+    pub(crate) fn store_warm_start(&self, rows: &mut Rows<'_, WarmStartImpulse>, block: usize, lane: usize) {
         if !self.has_non_dynamic {
-            rows.scatter(in_a_row(row(0)), block, 0, lane);
+            rows.scatter(self.warm_start(0), block, 0, lane);
         }
-        rows.scatter(in_a_row(row(1)), block, 1, lane);
+        rows.scatter(self.warm_start(1), block, 1, lane);
     }
-}
 
-#[inline(always)]
-fn in_a_row<T: Tile>((p, l, number): (Vec3<T>, Vec3<T>, T)) -> [T; 8] {
-    [p.x, p.y, p.z, l.x, l.y, l.z, number, T::splat(0.0)]
+    /// Of the first or the second bodies.
+    #[inline(always)]
+    fn warm_start(&self, which: usize) -> WarmStartImpulse<T> {
+        WarmStartImpulse { linear: self.linear[which], angular: self.angular[which], _unused: [T::splat(0.0); 2] }
+    }
 }
 
 /// The bodies of a tile's contacts.
@@ -150,14 +153,13 @@ pub(crate) struct BodyLanes<T> {
 
 impl<T: Tile> BodyLanes<T> {
     #[inline(always)]
-    pub(crate) fn load(motion: &Rows<'_>, block: usize, lane: usize) -> Self {
-        let [a, b, c, d, e, f, first_mass] = motion.gather(block, 0, lane);
-        let first = (Vec3::new(a, b, c), Vec3::new(d, e, f));
-        let [a, b, c, d, e, f, second_mass] = motion.gather(block, 1, lane);
-        let second = (Vec3::new(a, b, c), Vec3::new(d, e, f));
-        let (linear, angular) = ([first.0, second.0], [first.1, second.1]);
+    pub(crate) fn load(motion: &Rows<'_, BodyMotion>, block: usize, lane: usize) -> Self {
+        let first = motion.gather::<T>(block, 0, lane);
+        let second = motion.gather::<T>(block, 1, lane);
+        let linear = [first.momentum, second.momentum];
+        let angular = [first.angular_momentum, second.angular_momentum];
         let momenta = Momenta { has_non_dynamic: motion.has_non_dynamic(), linear, angular };
-        Self { momenta, inverse_mass: [first_mass, second_mass] }
+        Self { momenta, inverse_mass: [first.inverse_mass, second.inverse_mass] }
     }
 
     /// Sum of the inverse masses of what impulses move [1/kg].
@@ -213,8 +215,22 @@ impl<T: Tile> BodyLanes<T> {
 
     /// Writes back the momenta.
     #[inline(always)]
-    pub(crate) fn store(&self, motion: &mut Rows<'_>, block: usize, lane: usize) {
-        self.momenta.store(self.inverse_mass, motion, block, lane);
+    pub(crate) fn store(&self, motion: &mut Rows<'_, BodyMotion>, block: usize, lane: usize) {
+        if !self.momenta.has_non_dynamic {
+            motion.scatter(self.motion(0), block, 0, lane);
+        }
+        motion.scatter(self.motion(1), block, 1, lane);
+    }
+
+    /// That of the first or the second bodies.
+    #[inline(always)]
+    fn motion(&self, which: usize) -> BodyMotion<T> {
+        BodyMotion {
+            momentum: self.momenta.linear[which],
+            angular_momentum: self.momenta.angular[which],
+            inverse_mass: self.inverse_mass[which],
+            _unused: T::splat(0.0),
+        }
     }
 }
 
@@ -227,10 +243,11 @@ pub(crate) struct InverseInertias<T> {
 
 impl<T: Tile> InverseInertias<T> {
     #[inline(always)]
-    pub(crate) fn load(inv_inertia: &[Eight], indices: &[[u32; BLOCK]; 2], lane: usize) -> Self {
-        let first = gather_two_vectors(inv_inertia, &indices[0], lane);
-        let second = gather_two_vectors(inv_inertia, &indices[1], lane);
-        Self { diagonal: [first.0, second.0], off_diagonal: [first.1, second.1] }
+    pub(crate) fn load(inv_inertia: &[WorldInverseInertia], indices: &[[u32; BLOCK]; 2], lane: usize) -> Self {
+        let first = gather::<T, _>(inv_inertia, &indices[0], lane);
+        let second = gather::<T, _>(inv_inertia, &indices[1], lane);
+        let off_diagonal = [first.off_diagonal, second.off_diagonal];
+        Self { diagonal: [first.diagonal, second.diagonal], off_diagonal }
     }
 
     /// The same where the first bodies do not answer, if they are `has_non_dynamic`.

@@ -2,24 +2,25 @@
 
 use tumble_math::lane::Vec3;
 
-use crate::collision::contact::{ContactRecord, FRICTION_IMPULSE, NORMAL_IMPULSE, POINTS, SHAPE};
-use crate::simd::block_lanes::{at, gather_two_vectors, put, put_vector};
-use crate::simd::{BLOCK, Eight, Kernel, Tile};
+use crate::collision::contact::{ContactRecord, UpdateRule};
+use crate::collision::contact_rows::{ContactGeometry, ContactLanes, NormalImpulses, WorldFriction};
+use crate::simd::block_lanes::{at, put, put_vector};
+use crate::simd::{BLOCK, Kernel, Tile, gather};
+use crate::solver::body_rows::BodyPose;
 use crate::solver::contact::constraint::Block;
 use crate::solver::contact::contact_frame::{BodyLanes, ContactFrame, InverseInertias};
 use crate::solver::contact::effective_mass;
 use crate::solver::contact::effective_mass::warm_start_factor;
 use crate::solver::contact::friction::FrictionImpulse;
 use crate::solver::contact::solve::{Blocks, StageBodies, accumulate_warm_start, speeds};
-use crate::solver::contact::update_geometry::tangents;
+use crate::solver::contact::update_geometry::{is_rule, tangents};
 
 /// Fills blocks whose lanes know their contacts and rows.
 pub(crate) struct Prepare<'a, const P: usize, const C: usize> {
     pub(crate) blocks: Blocks<'a, P, C>,
     pub(crate) contacts: &'a [ContactRecord],
     pub(crate) bodies: StageBodies<'a>,
-    /// Where they are.
-    pub(crate) poses: &'a [Eight],
+    pub(crate) poses: &'a [BodyPose],
 }
 
 /// Weight of a point in the middle at the least, so that a middle there is.
@@ -41,18 +42,15 @@ impl<const P: usize, const C: usize> Kernel for Prepare<'_, P, C> {
         let (index, lane) = (i / BLOCK, i % BLOCK);
         let (zero, one) = (T::splat(0.0), T::splat(1.0));
         let block = &mut self.blocks.blocks[index];
-        let [nx, ny, nz, carried, count, length, restitution, law] = pick(self.contacts, block, SHAPE, lane);
-        let normal = Vec3::new(nx, ny, nz);
+        let contacts = pick::<T, P, C>(self.contacts, block, lane);
+        let ContactGeometry { normal, carried, count, rolling_resistance, restitution, update_rule } =
+            contacts.geometry::<T>();
         let tangents = tangents(normal);
-        let [ax, ay, az, s0, bx, by, bz, s1]: [T; 8] = pick(self.contacts, block, POINTS[0], lane);
-        let [cx, cy, cz, s2, dx, dy, dz, s3] = pick(self.contacts, block, POINTS[1], lane);
-        let places = [Vec3::new(ax, ay, az), Vec3::new(bx, by, bz), Vec3::new(cx, cy, cz), Vec3::new(dx, dy, dz)];
-        let separations: [T; 4] = [s0, s1, s2, s3];
+        let (places, separations) = contacts.points::<T>();
 
         // A point that comes into reach has no weight yet, so the middle does not jump. A patch is
         // made of the nearest.
-        let [_, _, _, _, _, _, margin]: [T; 7] = pick(self.contacts, block, FRICTION_IMPULSE, lane);
-        let inverse_margin = one / margin;
+        let inverse_margin = one / contacts.friction::<T>().margin;
         let (mut nearest, mut j) = (separations[0], 1);
         while j < P {
             nearest = nearest.min(T::select(T::splat(j as f64).lt(count), separations[j], nearest));
@@ -61,7 +59,7 @@ impl<const P: usize, const C: usize> Kernel for Prepare<'_, P, C> {
         let nearest = nearest.max(zero);
         // Of what is round and far from all its points, the nearest have the middle; a box would be
         // spun by it in an impact.
-        let from = T::select(law.lt(T::splat(0.5)), zero, nearest);
+        let from = T::select(is_rule(update_rule, UpdateRule::BodyFixed), zero, nearest);
         let (mut sum, mut total) = (Vec3::zero(), zero);
         let (mut of_patch, mut weights) = (zero, [zero; P]);
         let mut j = 0;
@@ -78,9 +76,9 @@ impl<const P: usize, const C: usize> Kernel for Prepare<'_, P, C> {
         }
         let arm = sum * T::select(zero.lt(total), one / total, zero);
         let rows = self.bodies.motion.pairs(index);
-        let (first, _) = gather_two_vectors::<T>(self.poses, &rows[0], lane);
-        let (second, _) = gather_two_vectors::<T>(self.poses, &rows[1], lane);
-        let apart = second - first;
+        let first = gather::<T, _>(self.poses, &rows[0], lane);
+        let second = gather::<T, _>(self.poses, &rows[1], lane);
+        let apart = second.center - first.center;
         put_vector(normal, &mut block.normal, lane);
         put_vector(tangents[0], &mut block.tangent, lane);
         put_vector(arm + apart, &mut block.arms[0], lane);
@@ -88,10 +86,10 @@ impl<const P: usize, const C: usize> Kernel for Prepare<'_, P, C> {
         put_vector(arm, &mut block.start.arm, lane);
         put_vector(apart, &mut block.start.apart, lane);
         put(carried, &mut block.start.carried, lane);
-        put(law, &mut block.start.law, lane);
+        put(update_rule, &mut block.start.update_rule, lane);
         put_vector(normal, &mut block.start.normal, lane);
         put_vector(tangents[0], &mut block.start.tangent, lane);
-        let [h0, h1, h2, h3, _, _, steady]: [T; 7] = pick(self.contacts, block, NORMAL_IMPULSE, lane);
+        let NormalImpulses { at_points: [h0, h1, h2, h3], steady, .. } = contacts.normal_impulses::<T>();
         let kept = warm_start_factor(steady);
         let warm_start = [h0 * kept, h1 * kept, h2 * kept, h3 * kept];
         put(steady, &mut block.start.steady, lane);
@@ -123,7 +121,7 @@ impl<const P: usize, const C: usize> Kernel for Prepare<'_, P, C> {
         );
         let Blocks { blocks, rolling, .. } = &mut self.blocks;
         effective_mass::compute(&mut blocks[index], rolling.get_mut(index), lane, &mobility, one);
-        self.prepare_friction(index, lane, (&weights, of_patch), length);
+        self.prepare_friction(index, lane, (&weights, of_patch), (&contacts, rolling_resistance));
         self.prepare_bounce(index, lane, restitution, (&bodies, &inv_inertia));
     }
 }
@@ -155,7 +153,13 @@ impl<const P: usize, const C: usize> Prepare<'_, P, C> {
     /// Sets the patch and begins with the impulses of the last step. A point that is far off makes
     /// no patch.
     #[inline(always)]
-    fn prepare_friction<T: Tile>(&mut self, index: usize, lane: usize, (weights, total): (&[T; P], T), length: T) {
+    fn prepare_friction<T: Tile>(
+        &mut self,
+        index: usize,
+        lane: usize,
+        (weights, total): (&[T; P], T),
+        (contacts, rolling_resistance): (&ContactLanes<'_>, T),
+    ) {
         let zero = T::splat(0.0);
         let block = &mut self.blocks.blocks[index];
         let frame = ContactFrame::<T>::load(block, lane);
@@ -174,36 +178,34 @@ impl<const P: usize, const C: usize> Prepare<'_, P, C> {
             radius = T::select(T::splat(1.0 + 1e-6).lt(total), patch, zero);
         }
         put(radius, &mut block.friction.radius, lane);
-        let [_, _, _, _, fixed, sliding, steady]: [T; 7] = pick(self.contacts, block, NORMAL_IMPULSE, lane);
-        put(fixed, &mut block.friction.limits[0], lane);
-        put(sliding, &mut block.friction.limits[1], lane);
+        let NormalImpulses { static_friction, dynamic_friction, steady, .. } = contacts.normal_impulses::<T>();
+        put(static_friction, &mut block.friction.limits[0], lane);
+        put(dynamic_friction, &mut block.friction.limits[1], lane);
 
-        let [p, q, r, u, v, w] = pick(self.contacts, block, FRICTION_IMPULSE, lane);
-        let (linear, angular) = (Vec3::new(p, q, r), Vec3::new(u, v, w));
+        let WorldFriction { linear, angular, .. } = contacts.friction();
         if let Some(rolling) = self.blocks.rolling.get_mut(index) {
-            put(length, &mut rolling.length, lane);
+            put(rolling_resistance, &mut rolling.length, lane);
         }
         let friction = FrictionImpulse::from_world(&frame, linear, angular)
-            .of_what_rolls(length)
+            .of_what_rolls(rolling_resistance)
             .scaled(warm_start_factor(steady));
         friction.store(&mut block.friction, self.blocks.rolling.get_mut(index), lane);
         accumulate_warm_start(block, &frame, &friction, &mut self.bodies.warm_start, (index, lane));
     }
 }
 
-/// Some of the numbers of a tile's contacts.
+/// The contacts in the lanes of a tile.
 #[inline(always)]
-fn pick<T: Tile, const P: usize, const C: usize, const N: usize>(
-    contacts: &[ContactRecord],
+fn pick<'a, T: Tile, const P: usize, const C: usize>(
+    contacts: &'a [ContactRecord],
     block: &Block<P, C>,
-    which: usize,
     lane: usize,
-) -> [T; N] {
-    let mut picked = [&Eight::ZERO; BLOCK];
+) -> ContactLanes<'a> {
+    let mut picked = ContactLanes::empty();
     let mut i = 0;
     while i < T::WIDTH && lane + i < block.count {
-        picked[i] = &contacts[block.contacts[lane + i] as usize].numbers[which];
+        picked.set(i, &contacts[block.contacts[lane + i] as usize]);
         i += 1;
     }
-    T::gather(&picked)
+    picked
 }

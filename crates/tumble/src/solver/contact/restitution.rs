@@ -2,14 +2,14 @@
 
 use tumble_math::lane::Vec3;
 
-use crate::collision::contact::CENTERS;
+use crate::collision::contact::UpdateRule;
 use crate::math::Real;
 use crate::simd::block_lanes::{at, put, put_vector};
 use crate::simd::{BLOCK, Kernel, Tile};
 use crate::solver::contact::contact_frame::{BodyLanes, ContactFrame, DeltaPoses, InverseInertias};
 use crate::solver::contact::friction::FrictionImpulse;
 use crate::solver::contact::impact::Alone;
-use crate::solver::contact::update_geometry::follow;
+use crate::solver::contact::update_geometry::{follow, is_rule};
 
 use crate::solver::contact::solve::{Blocks, StageBodies, along_normals, apply_friction, couple, speeds, work};
 
@@ -150,8 +150,8 @@ impl<const P: usize, const C: usize> Kernel for ApplyRestitution<'_, P, C> {
         // Balls are as hard to move as before: what each of a heap gives back may have come in
         // through another.
         let one = T::splat(1.0);
-        let turns = T::splat(0.5).lt((at::<T>(&block.start.law, lane) - T::splat(CENTERS)).abs());
-        let most = T::select(turns, most, given);
+        let is_of_balls = is_rule(at::<T>(&block.start.update_rule, lane), UpdateRule::LineOfCenters);
+        let most = T::select(is_of_balls, given, most);
         let part = T::select(most.lt(given), most / given, one);
         let mut j = 0;
         while j < P {

@@ -2,13 +2,14 @@
 
 use rayon::prelude::*;
 use tumble_collide::{MAX_MANIFOLD_POINTS, Manifold};
-use tumble_math::lane::{Quat, Vec3};
+use tumble_math::lane::Vec3;
 
 use crate::collision::contact::ContactRecord;
 use crate::collision::round_contact::{Displacement, RoundContact};
 use crate::math::Real;
+use crate::simd::BLOCK;
 use crate::simd::block_lanes::{put, put_vector};
-use crate::simd::{BLOCK, Eight};
+use crate::solver::body_rows::DeltaPose;
 use crate::solver::contact::constraint::{Block, Rolling};
 use crate::solver::contact::contact_frame::{ContactFrame, DeltaPoses, along_normal};
 use crate::solver::contact::friction::FrictionImpulse;
@@ -65,7 +66,7 @@ fn weight(margins: Real) -> Real {
 
 /// What has become of the contacts, if their bodies have moved: manifolds about the second body's
 /// centre of mass as it is now.
-pub(crate) fn find(rounds: &[RoundConstraint], delta_pose: &[Eight]) -> Vec<Option<Manifold<Real>>> {
+pub(crate) fn find(rounds: &[RoundConstraint], delta_pose: &[DeltaPose]) -> Vec<Option<Manifold<Real>>> {
     let mut found = vec![None; rounds.len()];
     let parts = rounds.par_chunks(PART).zip(found.par_chunks_mut(PART));
     parts.by_at_least(2).for_each(|(rounds, found)| {
@@ -76,15 +77,15 @@ pub(crate) fn find(rounds: &[RoundConstraint], delta_pose: &[Eight]) -> Vec<Opti
     found
 }
 
-fn displacement(Eight([x, y, z, i, j, k, w, turned]): &Eight) -> Displacement {
-    Displacement { way: Vec3::new(*x, *y, *z), turn: Quat { x: *i, y: *j, z: *k, w: *w }, has_turned: *turned != 0.0 }
+fn displacement(delta: &DeltaPose) -> Displacement {
+    Displacement { way: delta.translation, turn: delta.rotation, has_turned: delta.has_turned != 0.0 }
 }
 
 /// Writes a manifold that was found over the contact in a lane of a block.
 pub(crate) fn write<const P: usize, const C: usize>(
     manifold: &Manifold<Real>,
     (block, rolling, lane): (&mut Block<P, C>, Option<&mut Rolling>, usize),
-    (delta_pose, round): (&[Eight], &RoundConstraint),
+    (delta_pose, round): (&[DeltaPose], &RoundConstraint),
 ) {
     let (rows, alone) = (round.rows, round.contact.alone);
     let before = ContactFrame::<Real>::load(block, lane);

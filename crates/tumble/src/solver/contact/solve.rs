@@ -4,7 +4,8 @@ use tumble_math::lane::Vec3;
 
 use crate::math::Real;
 use crate::simd::block_lanes::{at, put, vector_at};
-use crate::simd::{BLOCK, Eight, Kernel, Rows, Tile};
+use crate::simd::{BLOCK, Kernel, Rows, Tile};
+use crate::solver::body_rows::{BodyMotion, DeltaPose, WarmStartImpulse, WorldInverseInertia};
 use crate::solver::contact::constraint::{Block, Bounce, Rolling};
 use crate::solver::contact::contact_frame::{
     BodyLanes, ContactFrame, DeltaPoses, InverseInertias, Momenta, along_normal,
@@ -42,11 +43,10 @@ impl<'a, const P: usize, const C: usize> Blocks<'a, P, C> {
 
 /// The bodies that a pass reads and writes.
 pub(crate) struct StageBodies<'a> {
-    pub(crate) motion: Rows<'a>,
-    /// What contacts do to them when the next substep begins.
-    pub(crate) warm_start: Rows<'a>,
-    pub(crate) inv_inertia: &'a [Eight],
-    pub(crate) delta_pose: &'a [Eight],
+    pub(crate) motion: Rows<'a, BodyMotion>,
+    pub(crate) warm_start: Rows<'a, WarmStartImpulse>,
+    pub(crate) inv_inertia: &'a [WorldInverseInertia],
+    pub(crate) delta_pose: &'a [DeltaPose],
 }
 
 impl StageBodies<'_> {
@@ -364,7 +364,7 @@ pub(crate) fn accumulate_warm_start<T: Tile, const P: usize, const C: usize>(
     block: &Block<P, C>,
     frame: &ContactFrame<T>,
     friction: &FrictionImpulse<T>,
-    warm_start: &mut Rows<'_>,
+    warm_start: &mut Rows<'_, WarmStartImpulse>,
     (index, lane): (usize, usize),
 ) {
     let mut impulses = [T::splat(0.0); P];
@@ -374,7 +374,7 @@ pub(crate) fn accumulate_warm_start<T: Tile, const P: usize, const C: usize>(
         j += 1;
     }
     let (linear, angular) = along_normals(block, frame, lane, impulses);
-    let mut momenta = Momenta::load(warm_start, index, lane);
+    let mut momenta = Momenta::of_warm_start(warm_start, index, lane);
     momenta.push(frame.arms, linear + friction.linear(frame), angular + friction.angular(frame));
-    momenta.store([T::splat(0.0); 2], warm_start, index, lane);
+    momenta.store_warm_start(warm_start, index, lane);
 }

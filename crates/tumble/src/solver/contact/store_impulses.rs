@@ -1,8 +1,8 @@
 //! Write-back of solved impulses from constraint blocks to the contact records.
 
-use crate::collision::contact::{ContactRecord, FRICTION_IMPULSE, NORMAL_IMPULSE};
-use crate::simd::block_lanes::put_two_vectors;
-use crate::simd::{BLOCK, Eight, Kernel, Tile};
+use crate::collision::contact::ContactRecord;
+use crate::collision::contact_rows::WorldFriction;
+use crate::simd::{BLOCK, Kernel, Octet, Tile, store_rows};
 use crate::solver::contact::contact_frame::ContactFrame;
 use crate::solver::contact::friction::FrictionImpulse;
 use crate::solver::contact::solve::Blocks;
@@ -25,17 +25,19 @@ impl<const P: usize, const C: usize> Kernel for StoreImpulses<'_, P, C> {
         let block = &self.blocks.blocks[index];
         let frame = ContactFrame::<T>::load(block, lane);
         let friction = FrictionImpulse::load(&block.friction, self.blocks.rolling.get(index), lane);
-        let mut friction_rows = [Eight::ZERO; BLOCK];
-        put_two_vectors(friction.linear(&frame), friction.angular(&frame), &mut friction_rows);
+        let mut frictions = [WorldFriction::ZERO; BLOCK];
+        let (linear, angular, zero) = (friction.linear(&frame), friction.angular(&frame), T::splat(0.0));
+        store_rows(WorldFriction { linear, angular, margin: zero, halvings: zero }, &mut frictions);
         let mut l = 0;
         while l < T::WIDTH && lane + l < block.count {
             let contact = &mut self.contacts[block.contacts[lane + l] as usize];
-            contact.numbers[FRICTION_IMPULSE].0[..6].copy_from_slice(&friction_rows[l].0[..6]);
+            let WorldFriction { linear, angular, .. } = frictions[l];
+            (contact.friction.linear, contact.friction.angular) = (linear, angular);
             let is_impact = block.start.is_impact[lane + l] > 0.0;
-            contact.numbers[NORMAL_IMPULSE].0[6] = if is_impact { 0.0 } else { block.start.steady[lane + l] };
+            contact.normal_impulses.steady = if is_impact { 0.0 } else { block.start.steady[lane + l] };
             let mut j = 0;
             while j < P {
-                contact.numbers[NORMAL_IMPULSE].0[j] = block.points[j].impulse[lane + l];
+                contact.normal_impulses.at_points[j] = block.points[j].impulse[lane + l];
                 j += 1;
             }
             l += 1;

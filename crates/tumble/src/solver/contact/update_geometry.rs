@@ -2,7 +2,7 @@
 
 use tumble_math::lane::Vec3;
 
-use crate::collision::contact::{CENTERS, MATERIAL};
+use crate::collision::contact::UpdateRule;
 use crate::simd::Tile;
 use crate::simd::block_lanes::{at, put, put_vector, vector_at};
 use crate::solver::contact::constraint::{Block, Rolling};
@@ -79,10 +79,9 @@ fn refresh<T: Tile, const P: usize, const C: usize>(
     let now = apart + slid;
     let frame = ContactFrame::<T>::load(block, lane);
 
-    let law: T = at(&start.law, lane);
-    let half = T::splat(0.5);
-    let between_centers = T::select((law - T::splat(CENTERS)).abs().lt(half), one, zero);
-    let material = T::select((law - T::splat(MATERIAL)).abs().lt(half), one, zero);
+    let rule: T = at(&start.update_rule, lane);
+    let between_centers = T::select(is_rule(rule, UpdateRule::LineOfCenters), one, zero);
+    let body_fixed = T::select(is_rule(rule, UpdateRule::BodyFixed), one, zero);
     let second = arm + slid * (carried - one);
     let way = frame.normal_parts(&delta_pose.relative([arm + apart, arm]));
     put_vector(second + now, &mut block.arms[0], lane);
@@ -106,12 +105,18 @@ fn refresh<T: Tile, const P: usize, const C: usize>(
     );
     let changed = T::select(zero.lt(between_centers), zero, slide.max(delta_pose.turned));
     if T::any(zero.lt(changed)) {
-        turn(block, lane, delta_pose, (carried, slid, now), delta_pose.turned * material);
+        turn(block, lane, delta_pose, (carried, slid, now), delta_pose.turned * body_fixed);
         let steady = effective_mass::compute(block, rolling, lane, mobility, changed);
         put(steady, &mut block.start.steady, lane);
     } else {
         put(one, &mut block.start.steady, lane);
     }
+}
+
+/// Where numbers are those of a rule.
+#[inline(always)]
+pub(crate) fn is_rule<T: Tile>(number: T, rule: UpdateRule) -> T::Mask {
+    (number - T::splat(rule.number())).abs().lt(T::splat(0.5))
 }
 
 /// The contact of balls, along the line of their centres.
