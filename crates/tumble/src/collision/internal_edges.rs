@@ -72,30 +72,21 @@ impl Floor {
     }
 }
 
-impl CollisionPipeline {
-    /// Leaves out the contacts of bodies with what lies level with the floor that they slide over.
-    pub(crate) fn leave_out_internal_edges(&mut self) {
-        let Self { contacts: ContactSet { records: contacts, .. }, states, colliders, internal_edges, .. } = self;
-        let InternalEdges { on_fixed, sliding, left_out } = internal_edges;
-        let shapes = &states.states[..];
-        let slides = |shape: &ColliderState, margin: Real| {
-            let way = shape.motion.way;
-            way.dot(way) > SLIDES * SLIDES * margin * margin
-        };
-        if !shapes.iter().any(|shape| shape.moves && slides(shape, shape.margin)) {
-            return;
-        }
+impl InternalEdges {
+    /// Finds the bodies on a floor that go past something else that they are in contact with.
+    fn find_sliding(&mut self, contacts: &[ContactRecord], shapes: &[ColliderState]) {
+        let Self { on_fixed, sliding, .. } = self;
         // Only what impulses do not move is a floor: what they move may be left out of the step
         // later.
         on_fixed.clear();
         on_fixed.resize(shapes.len(), false);
-        for ContactRecord { slots: [a, b], .. } in &*contacts {
+        for ContactRecord { slots: [a, b], .. } in contacts {
             if shapes[a.index()].moves != shapes[b.index()].moves {
                 (on_fixed[a.index()], on_fixed[b.index()]) = (true, true);
             }
         }
         sliding.clear();
-        for (index, contact) in (0_u32..).zip(&*contacts) {
+        for (index, contact) in (0_u32..).zip(contacts) {
             let may_slide = |slot: Slot| on_fixed[slot.index()] && shapes[slot.index()].moves;
             if !contact.slots.into_iter().any(may_slide) {
                 continue;
@@ -107,6 +98,11 @@ impl CollisionPipeline {
             }
         }
         sliding.sort_unstable();
+    }
+
+    /// Finds the contacts with what lies level with a floor.
+    fn find_seams(&mut self, contacts: &[ContactRecord], shapes: &[ColliderState], colliders: &Colliders) {
+        let Self { sliding, left_out, .. } = self;
         left_out.clear();
         for group in sliding.chunk_by(|a, b| a.0 == b.0).filter(|group| group.len() > 1) {
             let slot = group[0].0;
@@ -135,6 +131,24 @@ impl CollisionPipeline {
                 }
             }
         }
+    }
+}
+
+impl CollisionPipeline {
+    /// Leaves out the contacts of bodies with what lies level with the floor that they slide over.
+    pub(crate) fn leave_out_internal_edges(&mut self) {
+        let Self { contacts: ContactSet { records: contacts, .. }, states, colliders, internal_edges, .. } = self;
+        let shapes = &states.states[..];
+        let slides = |shape: &ColliderState, margin: Real| {
+            let way = shape.motion.way;
+            way.dot(way) > SLIDES * SLIDES * margin * margin
+        };
+        if !shapes.iter().any(|shape| shape.moves && slides(shape, shape.margin)) {
+            return;
+        }
+        internal_edges.find_sliding(contacts, shapes);
+        internal_edges.find_seams(contacts, shapes, colliders);
+        let left_out = &mut internal_edges.left_out;
         if left_out.is_empty() {
             return;
         }

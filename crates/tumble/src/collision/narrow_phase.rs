@@ -1,5 +1,6 @@
 //! Narrow phase of sphere and cuboid pairs in SIMD lanes.
 
+use std::marker::PhantomData;
 use std::ops::Range;
 
 use rayon::prelude::*;
@@ -151,13 +152,25 @@ impl Pairs {
         contacts: &mut Vec<ContactRecord>,
         begin: usize,
     ) -> (usize, bool) {
+        match kind {
+            LaneKind::Cuboid => self.touch_as::<Cuboids>(kind, shapes, contacts, begin),
+            LaneKind::Sphere | LaneKind::Other => self.touch_as::<Spheres>(kind, shapes, contacts, begin),
+        }
+    }
+
+    fn touch_as<S: LaneShape>(
+        &mut self,
+        kind: LaneKind,
+        shapes: &ShapeLanes,
+        contacts: &mut Vec<ContactRecord>,
+        begin: usize,
+    ) -> (usize, bool) {
         self.fill_blocks(shapes.nobody());
         self.gaps.clear();
         self.gaps.resize(self.blocks.len() * BLOCK, 0.0);
         let parts = self.blocks.par_chunks(PART).zip(self.gaps.par_chunks_mut(PART * BLOCK));
-        parts.by_at_least(1).for_each(|(blocks, gaps)| match kind {
-            LaneKind::Cuboid => dispatch_in_blocks(&mut CuboidGaps { blocks, shapes, gaps }),
-            _ => dispatch_in_blocks(&mut SphereGaps { blocks, shapes, gaps }),
+        parts.by_at_least(1).for_each(|(blocks, gaps)| {
+            dispatch_in_blocks(&mut Gaps::<S> { blocks, shapes, gaps, kind: PhantomData });
         });
         let mut gaps = self.gaps.iter();
         // What is not a number is not near.
@@ -172,10 +185,7 @@ impl Pairs {
         }
         let parts = self.blocks.par_chunks(PART).zip(contacts[begin..end].par_chunks_mut(PART * BLOCK));
         let parts = parts.zip(self.pairs.par_chunks(PART * BLOCK)).by_at_least(1).map(|((blocks, found), pairs)| {
-            match kind {
-                LaneKind::Cuboid => dispatch_in_blocks(&mut CuboidContacts { blocks, shapes, found }),
-                _ => dispatch_in_blocks(&mut SphereContacts { blocks, shapes, found }),
-            }
+            dispatch_in_blocks(&mut Manifolds::<S> { blocks, shapes, found, kind: PhantomData });
             let found = &mut found[..pairs.len()];
             found.iter_mut().for_each(|contact| contact.begin(kind));
             found.iter().any(|contact| contact.count() == 0)
@@ -195,119 +205,161 @@ impl Pairs {
     }
 }
 
-struct CuboidGaps<'a> {
-    blocks: &'a [[[u32; BLOCK]; 2]],
-    shapes: &'a ShapeLanes,
-    gaps: &'a mut [Real],
+/// A kind of shape whose pairs are tested in lanes.
+trait LaneShape {
+    /// What of it is in a tile, about its origin.
+    type Lanes<T: Tile>;
+
+    /// A shape of a size and an orientation.
+    fn lanes<T: Tile>(pose: &ShapePose<T>, size: &ShapeSize<T>) -> Self::Lanes<T>;
+
+    /// How far two are apart at least, `between` from the first to the second \[m\].
+    fn gap<T: Tile>(first: &Self::Lanes<T>, second: &Self::Lanes<T>, between: Vec3<T>) -> T;
+
+    fn manifold<T: Tile>(
+        first: &Self::Lanes<T>,
+        second: &Self::Lanes<T>,
+        between: Vec3<T>,
+        reach: T,
+    ) -> ManifoldLanes<T>;
+
+    /// How the geometry of a contact follows the bodies: the number of an [`UpdateRule`].
+    fn update_rule<T: Tile>(offsets: [Vec3<T>; 2]) -> T;
 }
 
-impl Kernel for CuboidGaps<'_> {
+struct Cuboids;
+
+impl LaneShape for Cuboids {
+    type Lanes<T: Tile> = CuboidLanes<T>;
+
     #[inline(always)]
-    fn len(&self) -> usize {
-        self.gaps.len()
+    fn lanes<T: Tile>(pose: &ShapePose<T>, size: &ShapeSize<T>) -> CuboidLanes<T> {
+        CuboidLanes { half_extents: size.extents, orientation: pose.orientation }
     }
 
     #[inline(always)]
-    fn tile<T: Tile>(&mut self, i: usize) {
-        let (rows, lane) = (&self.blocks[i / BLOCK], i % BLOCK);
-        let (first, a, size) = cuboids::<T>(self.shapes, &rows[0], lane);
-        let (second, b, other) = cuboids::<T>(self.shapes, &rows[1], lane);
-        T::store([cuboid_gap(&first, &second, b - a) - (size.reach + other.reach)], &mut self.gaps[i..]);
-    }
-}
-
-struct SphereGaps<'a> {
-    blocks: &'a [[[u32; BLOCK]; 2]],
-    shapes: &'a ShapeLanes,
-    gaps: &'a mut [Real],
-}
-
-impl Kernel for SphereGaps<'_> {
-    #[inline(always)]
-    fn len(&self) -> usize {
-        self.gaps.len()
+    fn gap<T: Tile>(first: &CuboidLanes<T>, second: &CuboidLanes<T>, between: Vec3<T>) -> T {
+        cuboid_gap(first, second, between)
     }
 
     #[inline(always)]
-    fn tile<T: Tile>(&mut self, i: usize) {
-        let (rows, lane) = (&self.blocks[i / BLOCK], i % BLOCK);
-        let (first, a, size) = spheres::<T>(self.shapes, &rows[0], lane);
-        let (second, b, other) = spheres::<T>(self.shapes, &rows[1], lane);
-        let apart = b - a;
-        T::store([apart.dot(apart).sqrt() - (first + second) - (size.reach + other.reach)], &mut self.gaps[i..]);
-    }
-}
-
-struct CuboidContacts<'a> {
-    blocks: &'a [[[u32; BLOCK]; 2]],
-    shapes: &'a ShapeLanes,
-    found: &'a mut [ContactRecord],
-}
-
-impl Kernel for CuboidContacts<'_> {
-    #[inline(always)]
-    fn len(&self) -> usize {
-        self.found.len()
+    fn manifold<T: Tile>(
+        first: &CuboidLanes<T>,
+        second: &CuboidLanes<T>,
+        between: Vec3<T>,
+        reach: T,
+    ) -> ManifoldLanes<T> {
+        cuboid_pair(first, second, between, reach)
     }
 
     #[inline(always)]
-    fn tile<T: Tile>(&mut self, i: usize) {
-        let (rows, lane) = (&self.blocks[i / BLOCK], i % BLOCK);
-        let (first, a, size) = cuboids::<T>(self.shapes, &rows[0], lane);
-        let (second, b, other) = cuboids::<T>(self.shapes, &rows[1], lane);
-        let manifold = cuboid_pair(&first, &second, b - a, size.reach + other.reach);
-        write(
-            &manifold,
-            other.offset,
-            T::splat(UpdateRule::BodyFixed.number()),
-            [size.margin, other.margin],
-            &mut self.found[i..],
-            rows,
-            lane,
-        );
+    fn update_rule<T: Tile>(_: [Vec3<T>; 2]) -> T {
+        T::splat(UpdateRule::BodyFixed.number())
     }
 }
 
-struct SphereContacts<'a> {
-    blocks: &'a [[[u32; BLOCK]; 2]],
-    shapes: &'a ShapeLanes,
-    found: &'a mut [ContactRecord],
-}
+struct Spheres;
 
-impl Kernel for SphereContacts<'_> {
+impl LaneShape for Spheres {
+    /// Radii \[m\].
+    type Lanes<T: Tile> = T;
+
     #[inline(always)]
-    fn len(&self) -> usize {
-        self.found.len()
+    fn lanes<T: Tile>(_: &ShapePose<T>, size: &ShapeSize<T>) -> T {
+        size.extents.x
     }
 
     #[inline(always)]
-    fn tile<T: Tile>(&mut self, i: usize) {
-        let (rows, lane) = (&self.blocks[i / BLOCK], i % BLOCK);
-        let (first, a, size) = spheres::<T>(self.shapes, &rows[0], lane);
-        let (second, b, other) = spheres::<T>(self.shapes, &rows[1], lane);
-        let manifold = sphere_pair(first, second, b - a, size.reach + other.reach);
+    fn gap<T: Tile>(first: &T, second: &T, between: Vec3<T>) -> T {
+        between.dot(between).sqrt() - (*first + *second)
+    }
+
+    #[inline(always)]
+    fn manifold<T: Tile>(first: &T, second: &T, between: Vec3<T>, reach: T) -> ManifoldLanes<T> {
+        sphere_pair(*first, *second, between, reach)
+    }
+
+    #[inline(always)]
+    fn update_rule<T: Tile>([first, second]: [Vec3<T>; 2]) -> T {
         // Balls that are not about their centres of mass wobble.
-        let off = size.offset.dot(size.offset) + other.offset.dot(other.offset);
-        let [refined, centers] = [T::splat(UpdateRule::Refined.number()), T::splat(UpdateRule::LineOfCenters.number())];
-        let update_rule = T::select(T::splat(0.0).lt(off), refined, centers);
-        write(&manifold, other.offset, update_rule, [size.margin, other.margin], &mut self.found[i..], rows, lane);
+        let off = first.dot(first) + second.dot(second);
+        let [refined, centers] = [UpdateRule::Refined, UpdateRule::LineOfCenters].map(UpdateRule::number);
+        T::select(T::splat(0.0).lt(off), T::splat(refined), T::splat(centers))
     }
 }
 
-/// A tile's boxes, and where they are.
-#[inline(always)]
-fn cuboids<T: Tile>(shapes: &ShapeLanes, slots: &[u32; BLOCK], lane: usize) -> (CuboidLanes<T>, Vec3<T>, ShapeSize<T>) {
-    let pose = gather::<T, _>(&shapes.poses, slots, lane);
-    let size = gather::<T, _>(&shapes.sizes, slots, lane);
-    (CuboidLanes { half_extents: size.extents, orientation: pose.orientation }, pose.position, size)
+/// The pairs of a tile.
+struct PairLanes<T: Tile, S: LaneShape> {
+    shapes: [S::Lanes<T>; 2],
+    /// From the origin of the first to that of the second \[m\].
+    between: Vec3<T>,
+    sizes: [ShapeSize<T>; 2],
 }
 
-/// A tile's radii, and where the balls are.
-#[inline(always)]
-fn spheres<T: Tile>(shapes: &ShapeLanes, slots: &[u32; BLOCK], lane: usize) -> (T, Vec3<T>, ShapeSize<T>) {
-    let pose = gather::<T, _>(&shapes.poses, slots, lane);
-    let size = gather::<T, _>(&shapes.sizes, slots, lane);
-    (size.extents.x, pose.position, size)
+impl<T: Tile, S: LaneShape> PairLanes<T, S> {
+    #[inline(always)]
+    fn load(shapes: &ShapeLanes, rows: &[[u32; BLOCK]; 2], lane: usize) -> Self {
+        let first = gather::<T, _>(&shapes.poses, &rows[0], lane);
+        let second = gather::<T, _>(&shapes.poses, &rows[1], lane);
+        let sizes = [gather::<T, _>(&shapes.sizes, &rows[0], lane), gather::<T, _>(&shapes.sizes, &rows[1], lane)];
+        let between = second.position - first.position;
+        Self { shapes: [S::lanes(&first, &sizes[0]), S::lanes(&second, &sizes[1])], between, sizes }
+    }
+
+    /// How far apart surfaces may be to be a contact \[m\].
+    #[inline(always)]
+    fn reach(&self) -> T {
+        self.sizes[0].reach + self.sizes[1].reach
+    }
+}
+
+/// How far pairs are apart, but for their reach.
+struct Gaps<'a, S> {
+    blocks: &'a [[[u32; BLOCK]; 2]],
+    shapes: &'a ShapeLanes,
+    gaps: &'a mut [Real],
+    kind: PhantomData<S>,
+}
+
+impl<S: LaneShape> Kernel for Gaps<'_, S> {
+    #[inline(always)]
+    fn len(&self) -> usize {
+        self.gaps.len()
+    }
+
+    #[inline(always)]
+    fn tile<T: Tile>(&mut self, i: usize) {
+        let pairs = PairLanes::<T, S>::load(self.shapes, &self.blocks[i / BLOCK], i % BLOCK);
+        let [first, second] = &pairs.shapes;
+        T::store([S::gap(first, second, pairs.between) - pairs.reach()], &mut self.gaps[i..]);
+    }
+}
+
+/// The manifolds of pairs.
+struct Manifolds<'a, S> {
+    blocks: &'a [[[u32; BLOCK]; 2]],
+    shapes: &'a ShapeLanes,
+    found: &'a mut [ContactRecord],
+    kind: PhantomData<S>,
+}
+
+impl<S: LaneShape> Kernel for Manifolds<'_, S> {
+    #[inline(always)]
+    fn len(&self) -> usize {
+        self.found.len()
+    }
+
+    #[inline(always)]
+    fn tile<T: Tile>(&mut self, i: usize) {
+        let (rows, lane) = (&self.blocks[i / BLOCK], i % BLOCK);
+        let pairs = PairLanes::<T, S>::load(self.shapes, rows, lane);
+        let [first, second] = &pairs.shapes;
+        let manifold = S::manifold(first, second, pairs.between, pairs.reach());
+        let [size, other] = &pairs.sizes;
+        let update_rule = S::update_rule([size.offset, other.offset]);
+        let margins = [size.margin, other.margin];
+        write(&manifold, other.offset, update_rule, margins, &mut self.found[i..], rows, lane);
+    }
 }
 
 /// Writes a tile's manifolds as contacts; `offset` goes from the second bodies' centres of mass to

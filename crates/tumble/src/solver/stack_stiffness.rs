@@ -152,10 +152,15 @@ impl Stacks {
             return false;
         }
         let up = gravity * (-1.0 / g);
-        let sides = sides(up);
-        let Self { bodies: rows_of_slots, supports, loads, begins, by_upper, waiting, order, .. } = self;
-        rows_of_slots.clear();
-        rows_of_slots.extend(constrained.rows().map(|row| {
+        self.read_bodies(constrained, bodies, sides(up));
+        self.find_supports(contacts, up, settings);
+        self.sum_loads(up, g) > 1.0
+    }
+
+    /// Reads the bodies, by slot; `sides` are two horizontal directions.
+    fn read_bodies(&mut self, constrained: &ConstrainedBodies, bodies: &SolverBodies, sides: [Vec3<Real>; 2]) {
+        self.bodies.clear();
+        self.bodies.extend(constrained.rows().map(|row| {
             let Some(row) = row else { return StackBody::ZERO };
             let center = bodies.center(row);
             if !bodies.is_dynamic(row) {
@@ -164,19 +169,30 @@ impl Stacks {
             let (inverse_mass, inverse_inertia) = bodies.mobility(row, sides);
             StackBody { center, inverse_mass, inverse_inertia, is_dynamic: 1.0 }
         }));
-        let bodies = &*rows_of_slots;
+    }
+
+    /// Finds which contacts bear which bodies.
+    fn find_supports(&mut self, contacts: &[ContactRecord], up: Vec3<Real>, settings: &Settings) {
+        let Self { bodies, supports, begins, by_upper, .. } = self;
+        let (bodies, sides) = (&**bodies, sides(up));
         supports.resize(contacts.len().next_multiple_of(BLOCK), Support::ZERO);
         let rates = Softness::stiffness(settings.contact_substep().into());
         let parts = supports.par_chunks_mut(PART).zip(contacts.par_chunks(PART));
         parts.by_at_least(2).for_each(|(supports, contacts)| {
             dispatch_in_blocks(&mut Bear { supports, contacts, bodies, up, sides, rates });
         });
-        order_by_upper((supports, contacts), slots, begins, by_upper);
+        order_by_upper((supports, contacts), bodies.len(), begins, by_upper);
+    }
+
+    /// Sums loads from the top down; returns the stiffness that is needed most, over that which
+    /// there is.
+    fn sum_loads(&mut self, up: Vec3<Real>, g: Real) -> Real {
+        let Self { bodies, supports, loads, begins, by_upper, waiting, order, .. } = self;
+        let (bodies, slots) = (&**bodies, loads.len());
         let supports_of = |slot: Slot| {
             let range = begins[slot.index()] as usize..begins[slot.index() + 1] as usize;
             by_upper[range].iter().map(|(index, lower)| (&supports[*index as usize], *lower))
         };
-
         waiting.clear();
         waiting.resize(slots, 0);
         by_upper.iter().for_each(|(_, lower)| waiting[lower.index()] += 1);
@@ -228,7 +244,7 @@ impl Stacks {
                 *waiting = waiting.saturating_sub(1);
             }
         }
-        most > 1.0
+        most
     }
 
     /// Halves the substeps of whole islands, as often as the body needs it that needs it most.

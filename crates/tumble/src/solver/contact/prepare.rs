@@ -48,33 +48,10 @@ impl<const P: usize, const C: usize> Kernel for Prepare<'_, P, C> {
         let tangents = tangents(normal);
         let (places, separations) = contacts.points::<T>();
 
-        // A point that comes into reach has no weight yet, so the middle does not jump. A patch is
-        // made of the nearest.
-        let inverse_margin = one / contacts.friction::<T>().margin;
-        let (mut nearest, mut j) = (separations[0], 1);
-        while j < P {
-            nearest = nearest.min(T::select(T::splat(j as f64).lt(count), separations[j], nearest));
-            j += 1;
-        }
-        let nearest = nearest.max(zero);
-        // Of what is round and far from all its points, the nearest have the middle; a box would be
-        // spun by it in an impact.
-        let from = T::select(is_rule(update_rule, UpdateRule::BodyFixed), zero, nearest);
-        let (mut sum, mut total) = (Vec3::zero(), zero);
-        let (mut of_patch, mut weights) = (zero, [zero; P]);
-        let mut j = 0;
-        while j < P {
-            let is_point = T::splat(j as f64).lt(count);
-            let weight = T::splat(2.0) - (separations[j] - from) * inverse_margin;
-            let weight = T::select(is_point, weight.max(T::splat(MIN_WEIGHT)).min(one), zero);
-            sum = sum + places[j] * weight;
-            total = total + weight;
-            let weight = T::splat(2.0) - (separations[j] - nearest) * inverse_margin;
-            weights[j] = T::select(is_point, weight.max(T::splat(MIN_WEIGHT)).min(one), zero);
-            of_patch = of_patch + weights[j];
-            j += 1;
-        }
-        let arm = sum * T::select(zero.lt(total), one / total, zero);
+        let margin = contacts.friction::<T>().margin;
+        let is_fixed = is_rule(update_rule, UpdateRule::BodyFixed);
+        let patch = Patch::<T, P>::of((&places, &separations), count, margin, is_fixed);
+        let arm = patch.middle;
         let rows = self.bodies.motion.pairs(index);
         let first = gather::<T, _>(self.poses, &rows[0], lane);
         let second = gather::<T, _>(self.poses, &rows[1], lane);
@@ -111,8 +88,7 @@ impl<const P: usize, const C: usize> Kernel for Prepare<'_, P, C> {
             j += 1;
         }
 
-        let inv_inertia = InverseInertias::<T>::load(self.bodies.inv_inertia, self.bodies.motion.pairs(index), lane);
-        let bodies = BodyLanes::<T>::load(&self.bodies.motion, index, lane);
+        let (bodies, inv_inertia) = self.bodies.load::<T>(index, lane);
         let mobility = bodies.mobility(&inv_inertia);
         put(
             bodies.least_size(&mobility.inv_inertia) * T::splat(SLIDE),
@@ -121,7 +97,7 @@ impl<const P: usize, const C: usize> Kernel for Prepare<'_, P, C> {
         );
         let Blocks { blocks, rolling, .. } = &mut self.blocks;
         effective_mass::compute(&mut blocks[index], rolling.get_mut(index), lane, &mobility, one);
-        self.prepare_friction(index, lane, (&weights, of_patch), (&contacts, rolling_resistance));
+        self.prepare_friction(index, lane, &patch, (&contacts, rolling_resistance));
         self.prepare_bounce(index, lane, restitution, (&bodies, &inv_inertia));
     }
 }
@@ -157,10 +133,11 @@ impl<const P: usize, const C: usize> Prepare<'_, P, C> {
         &mut self,
         index: usize,
         lane: usize,
-        (weights, total): (&[T; P], T),
+        patch: &Patch<T, P>,
         (contacts, rolling_resistance): (&ContactLanes<'_>, T),
     ) {
         let zero = T::splat(0.0);
+        let Patch { weights, total, .. } = *patch;
         let block = &mut self.blocks.blocks[index];
         let frame = ContactFrame::<T>::load(block, lane);
         let mut radius = zero;
@@ -191,6 +168,50 @@ impl<const P: usize, const C: usize> Prepare<'_, P, C> {
             .scaled(warm_start_factor(steady));
         friction.store(&mut block.friction, self.blocks.rolling.get_mut(index), lane);
         accumulate_warm_start(block, &frame, &friction, &mut self.bodies.warm_start, (index, lane));
+    }
+}
+
+/// The points of a contact, weighted by how near they are.
+struct Patch<T, const P: usize> {
+    middle: Vec3<T>,
+    weights: [T; P],
+    /// Sum of the weights.
+    total: T,
+}
+
+impl<T: Tile, const P: usize> Patch<T, P> {
+    /// Of points at these places with these separations, of which the first `count` are there.
+    #[inline(always)]
+    fn of((places, separations): (&[Vec3<T>; 4], &[T; 4]), count: T, margin: T, is_fixed: T::Mask) -> Self {
+        // A point that comes into reach has no weight yet, so the middle does not jump. A patch is
+        // made of the nearest.
+        let (zero, one) = (T::splat(0.0), T::splat(1.0));
+        let inverse_margin = one / margin;
+        let (mut nearest, mut j) = (separations[0], 1);
+        while j < P {
+            nearest = nearest.min(T::select(T::splat(j as f64).lt(count), separations[j], nearest));
+            j += 1;
+        }
+        let nearest = nearest.max(zero);
+        // Of what is round and far from all its points, the nearest have the middle; a box would be
+        // spun by it in an impact.
+        let from = T::select(is_fixed, zero, nearest);
+        let (mut sum, mut total) = (Vec3::zero(), zero);
+        let (mut of_patch, mut weights) = (zero, [zero; P]);
+        let mut j = 0;
+        while j < P {
+            let is_point = T::splat(j as f64).lt(count);
+            let weight = T::splat(2.0) - (separations[j] - from) * inverse_margin;
+            let weight = T::select(is_point, weight.max(T::splat(MIN_WEIGHT)).min(one), zero);
+            sum = sum + places[j] * weight;
+            total = total + weight;
+            let weight = T::splat(2.0) - (separations[j] - nearest) * inverse_margin;
+            weights[j] = T::select(is_point, weight.max(T::splat(MIN_WEIGHT)).min(one), zero);
+            of_patch = of_patch + weights[j];
+            j += 1;
+        }
+        let middle = sum * T::select(zero.lt(total), one / total, zero);
+        Self { middle, weights, total: of_patch }
     }
 }
 

@@ -6,7 +6,8 @@ use crate::collision::contact::UpdateRule;
 use crate::math::Real;
 use crate::simd::block_lanes::{at, put, put_vector};
 use crate::simd::{BLOCK, Kernel, Tile};
-use crate::solver::contact::contact_frame::{BodyLanes, ContactFrame, DeltaPoses, InverseInertias};
+use crate::solver::contact::constraint::{Block, Bounce};
+use crate::solver::contact::contact_frame::ContactFrame;
 use crate::solver::contact::friction::FrictionImpulse;
 use crate::solver::contact::impact::Alone;
 use crate::solver::contact::update_geometry::{follow, is_rule};
@@ -45,10 +46,9 @@ impl<const P: usize, const C: usize> Kernel for RecordApproachSpeed<'_, P, C> {
     fn tile<T: Tile>(&mut self, i: usize) {
         let (index, lane) = (i / BLOCK, i % BLOCK);
         let block = &mut self.blocks.blocks[index];
-        let inv_inertia = InverseInertias::<T>::load(self.bodies.inv_inertia, self.bodies.motion.pairs(index), lane);
-        let bodies = BodyLanes::<T>::load(&self.bodies.motion, index, lane);
+        let (bodies, inv_inertia) = self.bodies.load::<T>(index, lane);
         if self.moment == SubstepMoment::Motion {
-            let delta_pose = DeltaPoses::load(self.bodies.delta_pose, self.bodies.motion.pairs(index), lane);
+            let delta_pose = self.bodies.delta_poses(index, lane);
             let h = T::splat(1.0) / T::splat(self.inverse_h.into());
             let lag =
                 follow(block, self.blocks.rolling.get_mut(index), (lane, h), &delta_pose, (&bodies, &inv_inertia));
@@ -104,46 +104,12 @@ impl<const P: usize, const C: usize> Kernel for ApplyRestitution<'_, P, C> {
         let zero = T::splat(0.0);
         let (block, bounce) = (&mut self.blocks.blocks[index], &mut self.blocks.bounces[index]);
         let frame = ContactFrame::<T>::load(block, lane);
-        let inv_inertia = InverseInertias::<T>::load(self.bodies.inv_inertia, self.bodies.motion.pairs(index), lane);
-        let mut bodies = BodyLanes::<T>::load(&self.bodies.motion, index, lane);
+        let (mut bodies, inv_inertia) = self.bodies.load::<T>(index, lane);
         let arms = frame.arms;
         let restitution: T = at(&bounce.restitution, lane);
         let slowest = T::splat(-f64::from(self.threshold));
-
-        let mut speeds = speeds(block, lane, frame.normal_parts(&bodies.relative(&inv_inertia, arms)));
-        let (mut changes, mut added, mut given) = ([zero; P], zero, zero);
-        if P > 1 {
-            let mut alone = Alone::none();
-            let mut j = 0;
-            while j < P {
-                let approach: T = at(&bounce.approach[j], lane);
-                let bounces = T::select(approach.lt(slowest), restitution, zero);
-                let mass: T = at(&block.points[j].mass, lane);
-                alone.set(j, zero - (speeds[j] + restitution * approach) * mass, mass, bounces);
-                j += 1;
-            }
-            let means;
-            (changes, means) = alone.together(block, lane, &mut speeds);
-            j = 0;
-            while j < P {
-                given = given + changes[j] * means[j];
-                j += 1;
-            }
-        }
-        let mut j = 0;
-        while j < P {
-            let approach: T = at(&bounce.approach[j], lane);
-            let bounces = zero.lt(T::select(approach.lt(slowest), restitution, zero));
-            let point = &mut block.points[j];
-            let (before, mass): (T, T) = (at(&point.impulse, lane), at(&point.mass, lane));
-            let start = before + changes[j];
-            let wanted = start - (speeds[j] + restitution * approach) * mass;
-            let change = T::select(bounces, wanted.max(zero), start) - start;
-            given = given + work(change, speeds[j], mass);
-            couple(block, lane, j, change, &mut speeds);
-            changes[j] = changes[j] + change;
-            j += 1;
-        }
+        let speeds = speeds(block, lane, frame.normal_parts(&bodies.relative(&inv_inertia, arms)));
+        let (mut changes, given) = leaving_impulses(block, bounce, lane, (restitution, slowest), speeds);
         // Bodies that turn while they touch come back with other effective masses, but never with
         // more energy.
         let most = restitution * restitution * at::<T>(&bounce.absorbed, lane).max(zero);
@@ -153,7 +119,7 @@ impl<const P: usize, const C: usize> Kernel for ApplyRestitution<'_, P, C> {
         let is_of_balls = is_rule(at::<T>(&block.start.update_rule, lane), UpdateRule::LineOfCenters);
         let most = T::select(is_of_balls, given, most);
         let part = T::select(most.lt(given), most / given, one);
-        let mut j = 0;
+        let (mut added, mut j) = (zero, 0);
         while j < P {
             changes[j] = changes[j] * part;
             added = added + changes[j];
@@ -177,4 +143,51 @@ impl<const P: usize, const C: usize> Kernel for ApplyRestitution<'_, P, C> {
         );
         bodies.store(&mut self.bodies.motion, index, lane);
     }
+}
+
+/// Changes of the impulses that make points which came in faster than `slowest` \[m/s\] leave with
+/// the restitution, and the energy \[J\] that they give.
+#[inline(always)]
+fn leaving_impulses<T: Tile, const P: usize, const C: usize>(
+    block: &Block<P, C>,
+    bounce: &Bounce<P>,
+    lane: usize,
+    (restitution, slowest): (T, T),
+    mut speeds: [T; P],
+) -> ([T; P], T) {
+    let zero = T::splat(0.0);
+    let (mut changes, mut given) = ([zero; P], zero);
+    if P > 1 {
+        let mut alone = Alone::none();
+        let mut j = 0;
+        while j < P {
+            let approach: T = at(&bounce.approach[j], lane);
+            let bounces = T::select(approach.lt(slowest), restitution, zero);
+            let mass: T = at(&block.points[j].mass, lane);
+            alone.set(j, zero - (speeds[j] + restitution * approach) * mass, mass, bounces);
+            j += 1;
+        }
+        let means;
+        (changes, means) = alone.together(block, lane, &mut speeds);
+        j = 0;
+        while j < P {
+            given = given + changes[j] * means[j];
+            j += 1;
+        }
+    }
+    let mut j = 0;
+    while j < P {
+        let approach: T = at(&bounce.approach[j], lane);
+        let bounces = zero.lt(T::select(approach.lt(slowest), restitution, zero));
+        let point = &block.points[j];
+        let (before, mass): (T, T) = (at(&point.impulse, lane), at(&point.mass, lane));
+        let start = before + changes[j];
+        let wanted = start - (speeds[j] + restitution * approach) * mass;
+        let change = T::select(bounces, wanted.max(zero), start) - start;
+        given = given + work(change, speeds[j], mass);
+        couple(block, lane, j, change, &mut speeds);
+        changes[j] = changes[j] + change;
+        j += 1;
+    }
+    (changes, given)
 }

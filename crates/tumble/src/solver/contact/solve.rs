@@ -50,6 +50,19 @@ pub(crate) struct StageBodies<'a> {
 }
 
 impl StageBodies<'_> {
+    /// Those of a tile from a lane of a block on.
+    #[inline(always)]
+    pub(crate) fn load<T: Tile>(&self, index: usize, lane: usize) -> (BodyLanes<T>, InverseInertias<T>) {
+        let inv_inertia = InverseInertias::load(self.inv_inertia, self.motion.pairs(index), lane);
+        (BodyLanes::load(&self.motion, index, lane), inv_inertia)
+    }
+
+    /// How those of a tile have moved since the step began.
+    #[inline(always)]
+    pub(crate) fn delta_poses<T: Tile>(&self, index: usize, lane: usize) -> DeltaPoses<T> {
+        DeltaPoses::load(self.delta_pose, self.motion.pairs(index), lane)
+    }
+
     /// Those of the first `middle` blocks, and of the others.
     pub(crate) fn split_at(self, middle: usize) -> (Self, Self) {
         let (motion, other_motion) = self.motion.split_at(middle);
@@ -83,14 +96,13 @@ impl<const P: usize, const C: usize> Kernel for Solve<'_, P, C> {
     fn tile<T: Tile>(&mut self, i: usize) {
         let (index, lane) = (i / BLOCK, i % BLOCK);
         let block = &mut self.blocks.blocks[index];
-        let inv_inertia = InverseInertias::<T>::load(self.bodies.inv_inertia, self.bodies.motion.pairs(index), lane);
-        let mut bodies = BodyLanes::<T>::load(&self.bodies.motion, index, lane);
+        let (mut bodies, inv_inertia) = self.bodies.load::<T>(index, lane);
         let lag = match (self.softness, self.blocks.bounces.get(index)) {
             (Some(_), _) => Vec3::zero(),
             // Where bodies bounce, contacts have followed.
             (None, Some(bounce)) => vector_at(&bounce.lag, lane),
             (None, None) => {
-                let delta_pose = DeltaPoses::load(self.bodies.delta_pose, self.bodies.motion.pairs(index), lane);
+                let delta_pose = self.bodies.delta_poses(index, lane);
                 let h = T::splat(1.0) / T::splat(self.inverse_h.into());
                 follow(block, self.blocks.rolling.get_mut(index), (lane, h), &delta_pose, (&bodies, &inv_inertia))
             }
