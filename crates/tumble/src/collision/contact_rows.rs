@@ -24,8 +24,8 @@ octet! {
 }
 
 octet! {
-    /// Two points of a contact when the step began. They are on the surface of the body that carries
-    /// them, so that friction has the arm that it has when they meet.
+    /// Two points of a contact when the step began. They are on the surface of the body that
+    /// carries them, so that friction has the arm that it has when they meet.
     pub(crate) struct PointPair<T> {
         /// From the second body's centre of mass \[m\].
         pub(crate) positions: [Vec3<T>; 2],

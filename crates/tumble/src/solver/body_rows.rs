@@ -19,8 +19,8 @@ octet! {
 }
 
 octet! {
-    /// What contacts do when the next substep begins, by the impulses that the last ended with: where
-    /// nothing changes they are what that needs.
+    /// What contacts do when the next substep begins, by the impulses that the last ended with:
+    /// where nothing changes they are what that needs.
     pub(crate) struct WarmStartImpulse<T> {
         /// \[N s\].
         pub(crate) linear: Vec3<T>,
