@@ -21,6 +21,9 @@ mod documents {
     #[doc = include_str!("../../README.md")]
     struct Readme;
 
+    #[doc = include_str!("../../crates/tumble-import/README.md")]
+    struct ReadmeOfImport;
+
     #[doc = include_str!("../../crates/tumble-math/README.md")]
     struct ReadmeOfMath;
 

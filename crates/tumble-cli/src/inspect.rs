@@ -5,9 +5,8 @@ use std::io::Write as _;
 use std::path::Path;
 
 use tumble::MeshAudit;
-use tumble_scene::{
-    Audit, AuditedBody, AuditedCollider, MeshOptions, MeshRepairs, PendingFile, printable, printable_json,
-};
+use tumble_import::{printable, printable_json};
+use tumble_scene::{Audit, AuditedBody, AuditedCollider, MeshOptions, MeshRepairs, PendingFile};
 
 use crate::ending::check_ending;
 use crate::failure::Failure;

@@ -7,7 +7,8 @@ use std::path::Path;
 use std::time::{Duration, Instant};
 
 use tumble::for_each_world;
-use tumble_scene::{RunStatus, Sweep, SweepFile, SweepIdentity, printable};
+use tumble_import::printable;
+use tumble_scene::{RunStatus, Sweep, SweepFile, SweepIdentity};
 
 use crate::ending::check_ending;
 use crate::failure::Failure;

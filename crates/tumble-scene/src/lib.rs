@@ -1,6 +1,6 @@
 //! Scene files for [`tumble`] in, trajectories and summaries out.
 //!
-//! A scene is settings and bodies, written as JSON or RON after one model, or what [glTF](gltf) and
+//! A scene is settings and bodies, written as JSON or RON after one model, or what [glTF](tumble_import::gltf) and
 //! URDF files say. [`Scene::open`] reads and checks it whole before anything is spawned, and a
 //! mistake is a [`SceneError`] of one line that names file, body and field. [`Audit`] shows the
 //! mass properties and forces of every body, [`TrajectoryWriter`] records states, [`Sweep`] makes
@@ -25,28 +25,18 @@
 mod bodies;
 mod error;
 mod error_context;
-mod import;
 mod limits;
 mod pending_file;
-mod read_file;
 mod record;
 mod scene;
 mod sweep;
-mod terminal;
-mod tessellation;
 mod values;
 
-pub use bodies::appearance::{Appearance, BODY_COLORS, FIXED_COLOR, GROUND_COLOR, Heights};
-pub use bodies::collider::{ColliderRole, SceneCollider};
 pub use bodies::force::{Force, HullShape};
-pub use error::{Place, SceneError};
-pub use import::gltf;
-pub use import::inertia_repair::InertiaRepairs;
-pub use limits::{
-    MAX_BODIES, MAX_FILE_BYTES, MAX_HEIGHTS, MAX_HULL_POINTS, MAX_MESH, MAX_PARTS, MAX_STEPS, TIME_STEPS, step_count,
-    steps_of_duration, time_step,
-};
+pub use error::SceneError;
+pub use limits::{MAX_BODIES, MAX_HEIGHTS, MAX_STEPS, TIME_STEPS, step_count, steps_of_duration, time_step};
 pub use pending_file::PendingFile;
+pub use record::colors::{BODY_COLORS, FIXED_COLOR, GROUND_COLOR};
 pub use record::csv_cell::csv_cell;
 pub use record::plot::axis::Scale;
 pub use record::plot::{Plot, SeriesStyle};
@@ -76,5 +66,3 @@ pub use sweep::sweep_file::{SweepFile, SweepFileError, SweepReader, sweep_header
 pub use sweep::sweep_identity::SweepIdentity;
 pub use sweep::sweep_parameter::SweepParameter;
 pub use sweep::{MAX_WORLDS, RunLength, Sweep, SweepPlan, SweepWorld};
-pub use terminal::{printable, printable_json, printable_lines};
-pub use tessellation::Tessellation;

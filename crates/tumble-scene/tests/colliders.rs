@@ -10,7 +10,8 @@ use std::io::Cursor;
 use glam::DVec3;
 use hecs::World;
 use tumble::{BodyOrder, Collider, CombineRule, Pose, Simulation};
-use tumble_scene::{Animation, Appearance, Audit, Frame, Scene, Sweep, SweepPlan, TrajectoryWriter};
+use tumble_import::Appearance;
+use tumble_scene::{Animation, Audit, Frame, Scene, Sweep, SweepPlan, TrajectoryWriter};
 
 /// Where the bodies of a scene are after some steps.
 fn run(scene: Scene, steps: u32) -> Vec<DVec3> {

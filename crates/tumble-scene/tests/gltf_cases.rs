@@ -13,8 +13,8 @@ use glam::{DQuat, DVec3};
 use hecs::World;
 use serde_json::Value;
 use tumble::{BodyId, Pose, Simulation};
+use tumble_import::gltf::{Geometry, MotionKind, Physics, PhysicsNode, SurfaceMaterial};
 use tumble_scene::Scene;
-use tumble_scene::gltf::{Geometry, MotionKind, Physics, PhysicsNode, SurfaceMaterial};
 
 /// The figures have nine digits, the files are written in f32.
 const TOLERANCE: f64 = 2e-7;

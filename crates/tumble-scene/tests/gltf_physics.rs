@@ -14,8 +14,9 @@ use tumble::{
     BodyId, BodyOrder, Collider, GravityScale, Inertia, Mass, Momentum, Pose, PrincipalAxes, RigidBody, Shape,
     Simulation, Velocity, state_hash,
 };
-use tumble_scene::gltf::{CombineRule, Geometry, Physics};
-use tumble_scene::{Audit, AuditedBody, BodyNames, ColliderRole, Scene};
+use tumble_import::ColliderRole;
+use tumble_import::gltf::{CombineRule, Geometry, Physics};
+use tumble_scene::{Audit, AuditedBody, BodyNames, Scene};
 
 fn file(name: &str) -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/gltf_scenes").join(name)

@@ -9,7 +9,8 @@ use tumble::{
     BodyId, BodyOrder, CenterOfMass, Collider, Inertia, Mass, Momentum, Pose, PreviousPose, PrincipalAxes, Shape,
     Velocity, equivalent_ellipsoid,
 };
-use tumble_scene::{Appearance, BODY_COLORS, BodyNames, FIXED_COLOR, GROUND_COLOR, SurfaceSet, ground_patches};
+use tumble_import::Appearance;
+use tumble_scene::{BODY_COLORS, BodyNames, FIXED_COLOR, GROUND_COLOR, SurfaceSet, ground_patches};
 
 use crate::colliders;
 use crate::convert::{dquat, dvec3};

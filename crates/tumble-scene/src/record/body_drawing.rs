@@ -216,7 +216,7 @@ impl<'a> Portrait<'a> {
                 y,
                 end + 8.0,
                 y + 4.0,
-                crate::error::shortest(length)
+                tumble_import::shortest(length)
             ),
         );
     }

@@ -1,6 +1,7 @@
 //! What a run leaves: trajectories, animations, summaries, plots and reports.
 
 pub(crate) mod body_drawing;
+pub(crate) mod colors;
 pub(crate) mod csv_cell;
 pub(crate) mod plot;
 pub(crate) mod report_page;

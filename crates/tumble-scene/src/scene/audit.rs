@@ -4,27 +4,20 @@ use std::path::{Path, PathBuf};
 
 use serde::Serialize;
 use tumble::{MassProperties, MeshAudit};
+use tumble_import::gltf::{GltfBodies, GltfBody};
+use tumble_import::{Appearance, FieldError, InertiaRepairs, MeshFormat, Robot, RobotLink};
 
-use crate::bodies::appearance::Appearance;
 use crate::bodies::force::Force;
 use crate::bodies::scene_body::SceneBody;
-use crate::error::invalid;
-use crate::error::{FieldError, SceneError};
-use crate::import::gltf;
-use crate::import::gltf::{GltfBody, GltfScene};
-use crate::import::inertia_repair::InertiaRepairs;
-use crate::import::mesh_file::MeshFormat;
-use crate::import::urdf::{MAX_URDF_BYTES, Robot, RobotLink};
-use crate::read_file::read_limited;
+use crate::error::{SceneError, invalid};
 use crate::scene::audit_collider::AuditedCollider;
-use crate::scene::audit_mesh;
 use crate::scene::audit_mesh::{MeshOptions, MeshRepairs};
-use crate::scene::builtin;
-use crate::scene::convert;
 use crate::scene::convert::forces::Others;
 use crate::scene::model::SceneModel;
 use crate::scene::stress::DEFAULT_BODIES;
-use crate::scene::{duplicates, is_path, is_urdf, load_model, settings, stress_bodies, unknown};
+use crate::scene::{
+    audit_mesh, builtin, convert, duplicates, is_path, is_urdf, load_model, settings, stress_bodies, unknown,
+};
 
 /// Each body of a scene as `tumble inspect` shows it.
 ///
@@ -112,7 +105,7 @@ impl Audit {
     }
 
     /// As [`open`](Self::open), with a density for a mesh and a word on its repairs, which are
-    /// those of [inertias](crate::InertiaRepairs) too.
+    /// those of [inertias](InertiaRepairs) too.
     ///
     /// # Errors
     /// As [`open`](Self::open).
@@ -124,7 +117,7 @@ impl Audit {
         };
         match MeshFormat::of_path(path) {
             Some(MeshFormat::Gltf) => {
-                let scene = gltf::load(path, repairs)?;
+                let scene = GltfBodies::open(path, repairs)?;
                 // Without physics it is a file of triangles like any other.
                 if !scene.bodies.is_empty() {
                     return Ok(Self::of_gltf(scene));
@@ -137,7 +130,7 @@ impl Audit {
             None => {}
         }
         if is_path(name_or_path) && is_urdf(path) {
-            let robot = Robot::read(&read_limited(path, MAX_URDF_BYTES)?, name_or_path, repairs)?;
+            let robot = Robot::open(path, repairs)?;
             return Ok(Self { files: vec![path.to_owned()], ..Self::of_robot(robot) });
         }
         if is_path(name_or_path) {
@@ -167,12 +160,12 @@ impl Audit {
     /// # Errors
     /// [`SceneError`] if the text is not a robot at all.
     pub fn from_urdf(text: &str, file: &str) -> Result<Self, SceneError> {
-        Ok(Self::of_robot(Robot::read(text, file, InertiaRepairs::Refused)?))
+        Ok(Self::of_robot(Robot::from_text(text, file, InertiaRepairs::Refused)?))
     }
 
     fn of_robot(robot: Robot) -> Self {
         let audited = |link: RobotLink| match link.body {
-            Ok(body) => AuditedBody::of(link.name, &body, Up::Z),
+            Ok(body) => AuditedBody::of(link.name, &body.into(), Up::Z),
             Err(problems) => AuditedBody::impossible(link.name, &problems),
         };
         let bodies = robot.links.into_iter().map(audited).collect();
@@ -185,9 +178,9 @@ impl Audit {
         self.bodies.iter().any(|body| !body.problems.is_empty())
     }
 
-    fn of_gltf(scene: GltfScene) -> Self {
+    fn of_gltf(scene: GltfBodies) -> Self {
         let audited = |GltfBody { name, body }: GltfBody| match body {
-            Ok(body) => AuditedBody::of(name, &body, Up::Y),
+            Ok(body) => AuditedBody::of(name, &body.into(), Up::Y),
             Err(error) => AuditedBody::impossible(name, &[error]),
         };
         let bodies = scene.bodies.into_iter().map(audited).collect();
@@ -224,7 +217,7 @@ fn stress() -> Result<Audit, SceneError> {
     let bodies = stress_bodies(DEFAULT_BODIES, 0)
         .enumerate()
         .map(|(index, body)| Ok(AuditedBody::of(convert::numbered(index as u64), &body?, Up::Y)));
-    Ok(Audit { bodies: bodies.collect::<Result<_, _>>()?, notices: Vec::new(), files: Vec::new() })
+    Ok(Audit { bodies: bodies.collect::<Result<_, SceneError>>()?, notices: Vec::new(), files: Vec::new() })
 }
 
 impl AuditedBody {

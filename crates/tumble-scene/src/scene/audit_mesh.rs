@@ -4,15 +4,12 @@ use std::path::Path;
 use std::sync::Arc;
 
 use tumble::Amount;
+use tumble_import::checked::positive;
+use tumble_import::{Appearance, MeshFile, MeshFormat, Reading, one_line};
 use tumble_math::{MeshAudit, MeshError, SolidMesh, TriangleMesh};
 
-use crate::bodies::appearance::Appearance;
-use crate::error::{SceneError, one_line};
-use crate::import::mesh_file;
-use crate::import::mesh_file::{MeshFile, MeshFormat};
-use crate::import::named_files::Reading;
+use crate::error::SceneError;
 use crate::scene::audit::{Audit, AuditedBody, Up};
-use crate::values::checked::positive;
 
 /// How a mesh is inspected.
 ///
@@ -52,7 +49,7 @@ pub enum MeshRepairs {
 /// Audits a mesh file. The one body is called like the file.
 pub(crate) fn of_file(path: &Path, format: MeshFormat, options: MeshOptions) -> Result<Audit, SceneError> {
     let mut reading = Reading::default();
-    let MeshFile { mesh, mut notices } = mesh_file::load(path, &mut reading)?;
+    let MeshFile { mesh, mut notices } = MeshFile::read(path, &mut reading)?;
     let name = path.file_stem().map_or_else(|| "mesh".to_owned(), |stem| one_line(&stem.to_string_lossy()));
     let body = audited(name, mesh, format, options, &mut notices);
     Ok(Audit { bodies: vec![body], notices, files: reading.into_files() })

@@ -1,7 +1,8 @@
 //! The part of the model that makes bodies touch. Values are checked in `convert/collider.rs`.
 
+use tumble_import::CombineName;
+
 use crate::scene::model::Groups;
-use crate::values::combine_rule::CombineModel;
 
 /// What is left out has the default of [`tumble::Material`].
 #[derive(Clone, Debug, Default, serde::Deserialize)]
@@ -13,8 +14,8 @@ pub(crate) struct ColliderModel {
     pub(crate) dynamic_friction: Option<f64>,
     pub(crate) restitution: Option<f64>,
     pub(crate) rolling_resistance: Option<f64>,
-    pub(crate) friction_combine: Option<CombineModel>,
-    pub(crate) restitution_combine: Option<CombineModel>,
+    pub(crate) friction_combine: Option<CombineName>,
+    pub(crate) restitution_combine: Option<CombineName>,
     /// Numbers of the groups that it is in, and of those that it touches.
     pub(crate) groups: Option<Groups>,
     pub(crate) touches: Option<Groups>,

@@ -12,13 +12,12 @@ use tumble::{Amount, BodyId, InertiaTensor, Part, PrincipalInertia, RigidBody, S
 
 pub(crate) use crate::scene::convert::forces::{Others, indices, springs_by_distance};
 
-use crate::bodies::appearance::Appearance;
+use tumble_import::checked::{check_name, note, positive, real_quaternion, real_vector, unit_quaternion};
+use tumble_import::{Appearance, FieldError};
+
 use crate::bodies::scene_body::SceneBody;
-use crate::error::FieldError;
 use crate::scene::model::{BodyModel, InertiaModel, PartModel, ShapeModel};
-use crate::values::checked::{
-    check_name, finite_triple, note, positive, real_quaternion, real_vector, unit_quaternion,
-};
+use crate::values::checked::finite_triple;
 use crate::values::tuple::Triple;
 
 /// The model's body with its name and forces, or everything that is wrong with it.
@@ -191,7 +190,7 @@ fn part(model: &PartModel) -> Result<Part, FieldError> {
         part = part.at(finite_triple("position", position)?);
     }
     if let Some(orientation) = &model.orientation {
-        part = part.turned(unit_quaternion("orientation", orientation)?);
+        part = part.turned(unit_quaternion("orientation", orientation.0)?);
     }
     Ok(part)
 }
@@ -218,7 +217,7 @@ fn principal_inertia(model: &InertiaModel) -> Result<PrincipalInertia, FieldErro
         }
         (Some(moments), None) => {
             let axes = match &model.axes {
-                Some(axes) => unit_quaternion("inertia.axes", axes)?,
+                Some(axes) => unit_quaternion("inertia.axes", axes.0)?,
                 None => DQuat::IDENTITY,
             };
             // The tensor is made for its checks; moments and axes keep the order they were given

@@ -5,7 +5,7 @@ use std::sync::Arc;
 use glam::{DQuat, DVec3};
 use tumble::TriangleMesh;
 
-use crate::bodies::appearance::Appearance;
+use tumble_import::Appearance;
 
 /// Corners of a plate that nothing cuts.
 const CORNERS: usize = 48;
@@ -23,7 +23,8 @@ const TANGENT: f64 = 0.065_543_462_815_238_23;
 ///
 /// ```
 /// use tumble::glam::{DQuat, DVec3};
-/// use tumble_scene::{Appearance, ground_patches};
+/// use tumble_import::Appearance;
+/// use tumble_scene::ground_patches;
 ///
 /// let ground = (DVec3::ZERO, DQuat::IDENTITY);
 /// let plate = ground_patches(&[ground], DVec3::new(7.0, 5.0, 0.0), 2.0).remove(0);

@@ -9,15 +9,12 @@ use std::sync::Arc;
 
 use glam::{DAffine3, DVec3};
 use tumble::{SolidMesh, convex_hull};
+use tumble_import::checked::positive;
+use tumble_import::{FieldError, MAX_MESH, MeshFile, MeshFormat, Reading, beside};
 use tumble_math::MeshError;
 
-use crate::error::FieldError;
-use crate::import::mesh_file;
-use crate::import::mesh_file::{MeshFile, MeshFormat};
-use crate::import::named_files::{Reading, beside};
-use crate::limits::MAX_MESH;
 use crate::scene::model::{SceneModel, ShapeModel};
-use crate::values::checked::{finite_triple, positive};
+use crate::values::checked::finite_triple;
 use crate::values::tuple::Triple;
 
 /// A shape's solid, or why there is none; nothing before it has been looked for.
@@ -88,7 +85,7 @@ impl Maker {
         let real = beside(&self.directory, file).map_err(|problem| bad(&problem))?;
         let known = self.files.get(&real).cloned();
         let read = known.unwrap_or_else(|| {
-            let read = mesh_file::load(&real, &mut self.reading).map(Arc::new).map_err(|error| bad(&error));
+            let read = MeshFile::read(&real, &mut self.reading).map(Arc::new).map_err(|error| bad(&error));
             self.files.insert(real, read.clone());
             read
         })?;

@@ -6,8 +6,9 @@
 use std::marker::PhantomData;
 
 use serde::de::Deserializer;
+use tumble_import::{MAX_HULL_POINTS, MAX_PARTS};
 
-use crate::limits::{MAX_BODIES, MAX_HEIGHTS, MAX_HULL_POINTS, MAX_PARTS};
+use crate::limits::{MAX_BODIES, MAX_HEIGHTS};
 use crate::scene::collider_model::ColliderModel;
 use crate::scene::force_model::ForceModel;
 use crate::scene::mesh_shape::Made;

@@ -2,8 +2,9 @@
 
 use serde::de::DeserializeSeed;
 use serde_path_to_error::Segment;
+use tumble_import::{FileError, Place, one_line};
 
-use crate::error::{Place, SceneError, one_line};
+use crate::error::SceneError;
 use crate::error_context::NameOfBody;
 use crate::scene::mesh_shape;
 use crate::scene::model::SceneModel;
@@ -51,7 +52,7 @@ pub(crate) fn parse(text: &str, format: Format, file: &str) -> Result<SceneModel
         Format::Json => parse_json(text),
         Format::Ron => parse_ron(text),
     }
-    .map_err(|(path, problem)| SceneError::Malformed {
+    .map_err(|(path, problem)| FileError::Malformed {
         file: one_line(file),
         place: place(&path, text, format),
         problem: one_line(&problem),

@@ -5,10 +5,10 @@ use rand_core::Rng as _;
 use rand_pcg::Pcg32;
 use tumble::math::Vec3;
 use tumble::{Amount, BodyError, BodyId, Part, RigidBody, Shape};
+use tumble_import::Appearance;
+use tumble_import::checked::{real_quaternion, real_vector};
 
-use crate::bodies::appearance::Appearance;
 use crate::bodies::scene_body::SceneBody;
-use crate::values::checked::{real_quaternion, real_vector};
 
 /// Bodies of the stress scene unless told otherwise.
 pub(crate) const DEFAULT_BODIES: usize = 10_000;

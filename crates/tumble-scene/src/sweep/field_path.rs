@@ -1,8 +1,8 @@
 //! Numeric fields of a scene, by their path.
 
 use tumble::Settings;
+use tumble_import::FieldError;
 
-use crate::error::FieldError;
 use crate::limits::MAX_STEPS;
 use crate::scene::collider_model::ColliderModel;
 use crate::scene::convert;
@@ -176,7 +176,7 @@ impl Slot<'_> {
             if (0.0..=most as f64).contains(&value) && value.fract() == 0.0 {
                 Ok(value as u64)
             } else {
-                Err(format!("must be a whole number from 0 to {most}, not {}", crate::error::shortest(value)))
+                Err(format!("must be a whole number from 0 to {most}, not {}", tumble_import::shortest(value)))
             }
         };
         match self {
@@ -325,8 +325,7 @@ fn from_identity<'a>(quaternion: &'a mut Option<Quadruple>, axis: &str) -> Optio
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::scene::parse::Format;
-    use crate::scene::parse::parse;
+    use crate::scene::parse::{Format, parse};
 
     /// A scene in which every kind of field is there, as `field_paths` names them.
     const SCENE: &str = r#"{ "dt": 0.25, "bodies": [

@@ -70,8 +70,7 @@ fn in_hull<'a>(hull: &'a mut HullModel, path: &[&str]) -> Option<&'a mut f64> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::scene::parse::Format;
-    use crate::scene::parse::parse;
+    use crate::scene::parse::{Format, parse};
 
     /// Forces, and the paths of all their numbers. The first force leaves out what can be.
     const FORCES: [(&str, &str); 18] = [

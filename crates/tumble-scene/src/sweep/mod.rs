@@ -15,19 +15,15 @@ use std::path::PathBuf;
 use hecs::World;
 use tumble::math::Real;
 use tumble::{Integrator, Rng, Settings, SettingsError, Trial};
+use tumble_import::{FieldError, one_line, read_text};
 
 use crate::bodies::scene_body::SceneBody;
-use crate::error::FieldError;
-use crate::error::SceneError;
-use crate::error::invalid;
+use crate::error::{SceneError, invalid};
 use crate::limits::steps_of_duration;
-use crate::read_file::read_text;
-use crate::scene::contact_scenes;
 use crate::scene::convert::forces::Others;
 use crate::scene::model::{BodyModel, SceneModel};
 use crate::scene::parse::{Format, parse};
-use crate::scene::{Scene, builtin, convert};
-use crate::scene::{is_path, settings, unknown};
+use crate::scene::{Scene, builtin, contact_scenes, convert, is_path, settings, unknown};
 use crate::sweep::distribution::Distribution;
 use crate::sweep::field_path::FieldPath;
 use crate::sweep::sweep_error::SweepError;
@@ -322,9 +318,8 @@ fn scene_model(name: &str) -> Result<(SceneModel, u64), SweepError> {
     let parsed = |text: &str, format| Ok((parse(text, format, name)?, fnv1a(text)));
     if is_path(name) {
         let path = std::path::Path::new(name);
-        let format =
-            Format::of_path(path).ok_or_else(|| SceneError::UnknownFormat { file: crate::error::one_line(name) })?;
-        return parsed(&read_text(path)?, format);
+        let format = Format::of_path(path).ok_or_else(|| SceneError::UnknownFormat { file: one_line(name) })?;
+        return parsed(&read_text(path).map_err(SceneError::from)?, format);
     }
     if name == builtin::STRESS {
         return Err(SweepError::Stress);

@@ -1,7 +1,8 @@
 //! Errors of sweep construction.
 
-use crate::error::{FieldError, SceneError, one_line};
-use crate::terminal::printable;
+use tumble_import::{FieldError, one_line, printable};
+
+use crate::error::SceneError;
 
 /// Why a sweep cannot be made. `Display` is one line that names the field.
 ///

@@ -5,9 +5,10 @@ use std::io::{self, BufRead, BufReader, Read, Seek, SeekFrom, Write};
 use std::ops::Range;
 use std::path::{Path, PathBuf};
 
+use tumble_import::printable;
+
 use crate::record::run_status::RunStatus;
 use crate::sweep::sweep_identity::SweepIdentity;
-use crate::terminal::printable;
 
 /// What the first line of every file begins with; readers of CSV take it for a comment.
 const BEFORE_IDENTITY: &str = "# tumble sweep ";

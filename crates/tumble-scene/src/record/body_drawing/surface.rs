@@ -5,10 +5,9 @@ use std::fmt::Write as _;
 
 use glam::DVec3;
 use tumble::{Shape, TriangleMesh};
+use tumble_import::{Appearance, Tessellation};
 
-use crate::bodies::appearance::Appearance;
 use crate::record::body_drawing::camera::Camera;
-use crate::tessellation::Tessellation;
 
 /// Most triangles that are drawn; more of them are a megabyte that no eye tells apart.
 const MAX_TRIANGLES: usize = 20_000;

@@ -6,7 +6,7 @@ use base64::Engine as _;
 use base64::engine::general_purpose::STANDARD;
 use serde::Serialize;
 
-use crate::bodies::appearance::{BODY_COLORS, FIXED_COLOR, GROUND_COLOR};
+use crate::record::colors::{BODY_COLORS, FIXED_COLOR, GROUND_COLOR};
 use crate::record::report_page::replay::{Replay, Shown};
 use crate::record::report_page::surfaces::{arrays, is_wide};
 use crate::record::trajectory::glb::bodies::Color;

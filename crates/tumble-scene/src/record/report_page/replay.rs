@@ -1,6 +1,7 @@
 //! What is shown of a run, collected while it goes on.
 
-use crate::bodies::appearance::Appearance;
+use tumble_import::Appearance;
+
 use crate::error::SceneError;
 use crate::record::report_page::choice::choose;
 use crate::record::report_page::figures::{count, figure, rounded};

@@ -2,11 +2,11 @@
 
 use glam::DVec3;
 use tumble::Shape;
+use tumble_import::Tessellation;
 
 use crate::record::trajectory::glb::bodies::Bodies;
 use crate::record::trajectory::glb::geometry::Surface;
 use crate::record::trajectory::glb::sample::single;
-use crate::tessellation::Tessellation;
 
 /// Position in f32, normal in four bytes.
 const VERTEX_BYTES: u64 = size_of::<[f32; 3]>() as u64 + size_of::<[i8; 4]>() as u64;

@@ -16,8 +16,8 @@ pub(crate) mod sample;
 use std::io::{self, BufWriter, Seek, SeekFrom, Write};
 
 use tumble::Pose;
+use tumble_import::Appearance;
 
-use crate::bodies::appearance::Appearance;
 use crate::record::trajectory::error::TrajectoryError;
 use crate::record::trajectory::frame::Frame;
 pub(crate) use crate::record::trajectory::glb::bodies::Bodies;

@@ -2,12 +2,11 @@
 
 use tumble::math::Real;
 use tumble::{Collider, ColliderError, Material, Pose, Shape};
+use tumble_import::checked::{note, real, real_quaternion, real_vector};
+use tumble_import::{Appearance, FieldError, shortest};
 
-use crate::bodies::appearance::Appearance;
-use crate::error::{FieldError, shortest};
 use crate::scene::collider_model::ColliderModel;
 use crate::scene::model::{BodyModel, Groups, ShapeModel};
-use crate::values::checked::{note, real, real_quaternion, real_vector};
 
 /// What the body touches others with; `ground` is what it is, `shape` is `None` if it has been
 /// complained of already.

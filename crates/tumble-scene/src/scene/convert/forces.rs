@@ -4,13 +4,14 @@ use std::collections::HashMap;
 
 use glam::{DQuat, DVec3};
 use tumble::{Frame, GravityMass};
+use tumble_import::checked::{finite, note, positive, real, real_vector};
+use tumble_import::{FieldError, shortest};
 
 use crate::bodies::force::{Force, HullShape, thrust_is_finite};
-use crate::error::{FieldError, shortest};
 use crate::scene::convert::name;
 use crate::scene::force_model::{ForceModel, FrameModel, HullModel, PerAxis};
 use crate::scene::model::{BodyModel, ShapeModel};
-use crate::values::checked::{double_vector, finite, finite_triple, note, positive, rate, real, real_vector};
+use crate::values::checked::{double_vector, finite_triple, rate};
 use crate::values::tuple::Triple;
 
 /// Fresh water [kg/m^3].

@@ -5,13 +5,13 @@ use std::collections::HashMap;
 use glam::{DQuat, DVec3};
 use hecs::Entity;
 use tumble::{BodyId, CenterOfMass, Momentum, Pose, Shape, Velocity};
+use tumble_import::{Appearance, POINT_RADIUS};
 
-use crate::bodies::appearance::{Appearance, BODY_COLORS};
+use crate::record::colors::BODY_COLORS;
 use crate::record::trajectory::frame::Frame;
 use crate::record::trajectory::glb::geometry::SurfaceSet;
 use crate::record::trajectory::glb::sample::{Sample, double, single};
 use crate::scene::ground_patches::ground_patches;
-use crate::tessellation::POINT_RADIUS;
 
 /// A body without size is drawn as this part of the scene, where that is more than its octahedron
 /// has.

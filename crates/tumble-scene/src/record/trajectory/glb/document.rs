@@ -5,7 +5,7 @@ use std::io::{self, Seek, SeekFrom, Write};
 use serde::Serialize;
 use serde_json::{Value, json};
 
-use crate::bodies::appearance::{BODY_COLORS, FIXED_COLOR, GROUND_COLOR};
+use crate::record::colors::{BODY_COLORS, FIXED_COLOR, GROUND_COLOR};
 use crate::record::trajectory::glb::Animation;
 use crate::record::trajectory::glb::bodies::{Bodies, Color, DrawnBody, Look};
 use crate::record::trajectory::glb::geometry::Surface;

@@ -6,10 +6,9 @@ use std::io::{self, Write};
 
 use glam::DVec3;
 use tumble::Shape;
+use tumble_import::{Appearance, Tessellation};
 
-use crate::bodies::appearance::Appearance;
 use crate::record::trajectory::glb::sample::single;
-use crate::tessellation::Tessellation;
 
 const VERTEX: u64 = size_of::<[f32; 3]>() as u64;
 
@@ -18,7 +17,8 @@ const VERTEX: u64 = size_of::<[f32; 3]>() as u64;
 ///
 /// ```
 /// use tumble::{Shape, glam::DVec3};
-/// use tumble_scene::{Appearance, SurfaceSet};
+/// use tumble_import::Appearance;
+/// use tumble_scene::SurfaceSet;
 ///
 /// let mut surfaces = SurfaceSet::default();
 /// assert_eq!(surfaces.insert(&Appearance::Shape(Shape::sphere(2.0))), (0, DVec3::splat(2.0)));
