@@ -27,6 +27,9 @@ mod documents {
     #[doc = include_str!("../../crates/tumble-math/README.md")]
     struct ReadmeOfMath;
 
+    #[doc = include_str!("../../crates/tumble-record/README.md")]
+    struct ReadmeOfRecord;
+
     #[doc = include_str!("../../crates/tumble-scene/README.md")]
     struct ReadmeOfScene;
 

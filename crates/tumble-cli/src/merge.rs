@@ -4,7 +4,8 @@ use std::fs;
 use std::io::{ErrorKind, Write as _};
 use std::path::{Path, PathBuf};
 
-use tumble_scene::{PendingFile, Shard, SweepFileError, SweepIdentity, SweepReader};
+use tumble_record::PendingFile;
+use tumble_scene::{Shard, SweepFileError, SweepIdentity, SweepReader};
 
 use crate::ending::check_ending;
 use crate::failure::Failure;

@@ -7,10 +7,10 @@ use std::num::NonZeroU64;
 use std::path::{Path, PathBuf};
 
 use tumble::PhaseTimes;
-use tumble_scene::{
-    Animation, Frame, PendingFile, Replay, ReportPage, Scene, Summary, TrajectoryError, TrajectoryFormat,
-    TrajectoryWriter,
+use tumble_record::{
+    Animation, Frame, PendingFile, Replay, ReportPage, Summary, TrajectoryError, TrajectoryFormat, TrajectoryWriter,
 };
+use tumble_scene::Scene;
 
 use crate::ending::trajectory_format;
 use crate::failure::Failure;

@@ -8,7 +8,8 @@ use rayon::{ThreadPool, ThreadPoolBuilder};
 use tumble::math::PRECISION;
 use tumble::{BodyId, BodyOrder, PhaseTimes, Simulation, simd_name, state_hash};
 use tumble_import::InertiaRepairs;
-use tumble_scene::{BodyNames, Frame, Replay, Scene, Summary, steps_of_duration};
+use tumble_record::{Frame, Replay, Summary};
+use tumble_scene::{BodyNames, Scene, steps_of_duration};
 
 use crate::drift::{Drift, NotFinite, interval};
 use crate::failure::Failure;

@@ -3,7 +3,8 @@
 use std::io::Write as _;
 use std::path::{Path, PathBuf};
 
-use tumble_scene::{PendingFile, Plot, Scale, SeriesStyle, SweepReader, csv_cell};
+use tumble_record::{PendingFile, Plot, Scale, SeriesStyle, csv_cell};
+use tumble_scene::SweepReader;
 
 use crate::ending::check_ending;
 use crate::failure::Failure;

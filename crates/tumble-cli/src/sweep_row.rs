@@ -5,7 +5,8 @@ use std::ops::ControlFlow;
 
 use tumble::math::Real;
 use tumble::{BodyOrder, Pose, Trial, Velocity};
-use tumble_scene::{RunStatus, STATE_COLUMNS, Sweep, SweepWorld, csv_cell, state_numbers};
+use tumble_record::{STATE_COLUMNS, csv_cell, state_numbers};
+use tumble_scene::{RunStatus, Sweep, SweepWorld};
 
 use crate::drift::Drift;
 use crate::interrupt;

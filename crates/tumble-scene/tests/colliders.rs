@@ -5,13 +5,11 @@
 //! Why: a collider that is read and dropped lets bodies fall through a floor that everyone sees.
 #![allow(clippy::unwrap_used, reason = "a test fails by panicking, in its helper functions too")]
 
-use std::io::Cursor;
-
 use glam::DVec3;
 use hecs::World;
 use tumble::{BodyOrder, Collider, CombineRule, Pose, Simulation};
 use tumble_import::Appearance;
-use tumble_scene::{Animation, Audit, Frame, Scene, Sweep, SweepPlan, TrajectoryWriter};
+use tumble_scene::{Audit, Scene, Sweep, SweepPlan};
 
 /// Where the bodies of a scene are after some steps.
 fn run(scene: Scene, steps: u32) -> Vec<DVec3> {
@@ -380,31 +378,4 @@ fn a_mesh_that_stands_still_is_touched_as_it_is() {
     // On the pit's floor, at -0.5, or on the lid that its hull has at 1.
     assert!((height(r#""fixed": true"#) + 0.25).abs() < 2e-3, "{}", height(r#""fixed": true"#));
     assert!((height(r#""mass": 1000"#) - 1.25).abs() < 5e-3, "{}", height(r#""mass": 1000"#));
-}
-
-/// Infinite ground is a disc in a record, as wide as the scene, and a surface that is seen from
-/// above only.
-#[test]
-fn a_record_has_a_plate_for_ground() {
-    let scene = Scene::from_json(BOX_ON_GROUND, "box.json").unwrap();
-    let (settings, animation) = (scene.settings, Animation::of(&scene, 0, 1).unwrap());
-    let mut world = World::new();
-    let names = scene.spawn(&mut world).unwrap();
-    let simulation = Simulation::new(settings).unwrap();
-    let order = BodyOrder::of(&world);
-    let frame = Frame::of(&simulation, &world, &order, &names);
-    let mut writer = TrajectoryWriter::glb(Cursor::new(Vec::new()), animation);
-    writer.record(&frame).unwrap();
-    let bytes = writer.finish().unwrap().into_inner();
-    let length = u32::from_le_bytes(bytes[12..16].try_into().unwrap()) as usize;
-    let document: serde_json::Value = serde_json::from_slice(&bytes[20..20 + length]).unwrap();
-    let ground = &document["nodes"][0];
-    assert_eq!(ground["name"], "ground");
-    let primitive = &document["meshes"][ground["mesh"].as_u64().unwrap() as usize]["primitives"][0];
-    let positions = &document["accessors"][primitive["attributes"]["POSITION"].as_u64().unwrap() as usize];
-    let half_width = positions["max"][0].as_f64().unwrap();
-    // The box reaches 0.75 m from its middle, in a box with a diagonal of 2 x 0.75 x sqrt(3).
-    assert!((half_width / (1.6 * 0.75 * 3.0_f64.sqrt()) - 1.0).abs() < 1e-6, "{half_width}");
-    assert_eq!((positions["min"][1].as_f64(), positions["max"][1].as_f64()), (Some(0.0), Some(0.0)));
-    assert_eq!(document["materials"][primitive["material"].as_u64().unwrap() as usize].get("doubleSided"), None);
 }

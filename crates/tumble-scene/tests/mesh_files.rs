@@ -338,7 +338,7 @@ proptest! {
         }
         for repairs in [MeshRepairs::Refused, MeshRepairs::Made] {
             match Files::new().audit(name, &bytes, MeshOptions { density: 1.0, repairs }) {
-                Ok(audit) => drop(audit.bodies[0].portrait()),
+                Ok(audit) => prop_assert_eq!(audit.bodies.len(), 1),
                 Err(message) => prop_assert!(message.starts_with(name) && !message.chars().any(char::is_control), "{message:?}"),
             }
         }

@@ -10,7 +10,8 @@ use tumble::{
     Velocity, equivalent_ellipsoid,
 };
 use tumble_import::Appearance;
-use tumble_scene::{BODY_COLORS, BodyNames, FIXED_COLOR, GROUND_COLOR, SurfaceSet, ground_patches};
+use tumble_record::{BODY_COLORS, FIXED_COLOR, GROUND_COLOR, SurfaceSet, ground_patches};
+use tumble_scene::BodyNames;
 
 use crate::colliders;
 use crate::convert::{dquat, dvec3};

@@ -85,13 +85,23 @@ pub struct AuditedBody {
     pub problems: Vec<String>,
     /// What it looks like in its own frame, and which axis of that is up.
     #[serde(skip)]
-    pub(crate) appearance: Option<(Appearance, Up)>,
+    pub appearance: Option<(Appearance, Up)>,
 }
 
-/// An axis of a body's frame.
+/// The axis of a body's frame that points up in pictures.
+///
+/// ```
+/// use tumble_scene::{Audit, Up};
+///
+/// let audit = Audit::open("t-handle")?;
+/// assert!(matches!(audit.bodies[0].appearance, Some((_, Up::Y))));
+/// # Ok::<(), tumble_scene::SceneError>(())
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Up {
+pub enum Up {
+    /// As in scenes and glTF.
     Y,
+    /// As in robots and files of machine parts.
     Z,
 }
 

@@ -9,10 +9,8 @@ pub(crate) mod collider_model;
 pub(crate) mod contact_scenes;
 pub(crate) mod convert;
 pub(crate) mod force_model;
-pub(crate) mod ground_patches;
 pub(crate) mod mesh_shape;
 pub(crate) mod model;
-pub(crate) mod momentum_scale;
 pub(crate) mod parse;
 pub(crate) mod stress;
 
@@ -272,7 +270,10 @@ impl Scene {
     }
 
     /// What the bodies with these indices look like, which increase.
-    pub(crate) fn appearance_of(&self, chosen: &[usize]) -> Result<Vec<Appearance>, SceneError> {
+    ///
+    /// # Errors
+    /// As [`spawn`](Self::spawn).
+    pub fn appearance_of(&self, chosen: &[usize]) -> Result<Vec<Appearance>, SceneError> {
         match &self.bodies {
             Bodies::Listed { bodies, .. } => {
                 Ok(chosen.iter().filter_map(|&index| bodies.get(index)).map(|body| body.appearance.clone()).collect())
@@ -288,7 +289,8 @@ impl Scene {
 
     /// Whether forces move the body of this index; those that they do not stand still or move as
     /// they are told.
-    pub(crate) fn is_free(&self, index: usize) -> bool {
+    #[must_use]
+    pub fn is_free(&self, index: usize) -> bool {
         match &self.bodies {
             Bodies::Listed { bodies, .. } => bodies.get(index).is_some_and(|body| body.body.properties().is_some()),
             Bodies::Stress { .. } => true,

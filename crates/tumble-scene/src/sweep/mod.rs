@@ -3,6 +3,7 @@
 pub(crate) mod distribution;
 pub(crate) mod field_path;
 pub(crate) mod force_path;
+pub(crate) mod run_status;
 pub(crate) mod shard;
 pub(crate) mod sweep_error;
 pub(crate) mod sweep_file;

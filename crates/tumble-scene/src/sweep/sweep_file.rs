@@ -7,7 +7,7 @@ use std::path::{Path, PathBuf};
 
 use tumble_import::printable;
 
-use crate::record::run_status::RunStatus;
+use crate::sweep::run_status::RunStatus;
 use crate::sweep::sweep_identity::SweepIdentity;
 
 /// What the first line of every file begins with; readers of CSV take it for a comment.

@@ -6,7 +6,7 @@ use macroquad::miniquad::{
     VertexFormat, VertexStep,
 };
 use tumble_import::Tessellation;
-use tumble_scene::SurfaceSet;
+use tumble_record::SurfaceSet;
 
 use super::instances::Instances;
 use super::{GpuError, Picture, shader};
