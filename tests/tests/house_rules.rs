@@ -59,7 +59,7 @@ const IMPORT: [&str; 14] = [
     "lib",
 ];
 /// The same of the crate of scenes.
-const SCENE: [&str; 8] = ["error", "error_context", "values", "limits", "bodies", "scene", "sweep", "lib"];
+const SCENE: [&str; 8] = ["error", "error_context", "values", "limits", "bodies", "scene", "fields", "lib"];
 /// The same of the crate of records.
 const RECORD: [&str; 12] = [
     "svg",

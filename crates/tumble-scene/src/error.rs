@@ -44,6 +44,12 @@ pub enum SceneError {
         /// The built-in names, separated by commas.
         known: String,
     },
+    /// The scene is generated, and its bodies have no fields that could vary.
+    #[error("the {name} scene cannot be swept: it is generated, and has no fields to vary")]
+    Generated {
+        /// The scene's name.
+        name: String,
+    },
     /// A size or a seed was given for a scene that is not generated from it.
     #[error("--{option} goes with scenes that are generated from it, not with {name:?}")]
     NotGenerated {

@@ -3,8 +3,8 @@
 //! A scene is settings and bodies with forces, written as JSON or RON after one model, or what glTF
 //! and URDF files say, which [`tumble_import`] reads. [`Scene::open`] reads and checks it whole
 //! before anything is spawned, and a mistake is a [`SceneError`] of one line that names file, body
-//! and field. [`Audit`] shows the mass properties and forces of every body, and [`Sweep`] makes many
-//! worlds of one scene.
+//! and field. [`Audit`] shows the mass properties and forces of every body, and [`VariedScene`]
+//! makes worlds of one scene that differ in some of its numbers.
 //!
 //! ```
 //! use tumble_scene::Scene;
@@ -20,13 +20,16 @@
 mod bodies;
 mod error;
 mod error_context;
+mod fields;
 mod limits;
 mod scene;
-mod sweep;
 mod values;
 
 pub use bodies::force::{Force, HullShape};
 pub use error::SceneError;
+pub use fields::field_path::FieldPath;
+pub use fields::scene_template::{RunLength, RunOverrides, SceneTemplate};
+pub use fields::varied_scene::{VariedScene, VariedWorld};
 pub use limits::{MAX_BODIES, MAX_HEIGHTS, MAX_STEPS, TIME_STEPS, step_count, steps_of_duration, time_step};
 pub use scene::audit::{Audit, AuditedBody, Up};
 pub use scene::audit_collider::AuditedCollider;
@@ -35,11 +38,3 @@ pub use scene::body_names::BodyNames;
 pub use scene::builtin::builtin_names;
 pub use scene::parse::Format;
 pub use scene::{DEFAULT_STEPS, Scene};
-pub use sweep::distribution::Distribution;
-pub use sweep::run_status::RunStatus;
-pub use sweep::shard::Shard;
-pub use sweep::sweep_error::SweepError;
-pub use sweep::sweep_file::{SweepFile, SweepFileError, SweepReader, sweep_header};
-pub use sweep::sweep_identity::SweepIdentity;
-pub use sweep::sweep_parameter::SweepParameter;
-pub use sweep::{MAX_WORLDS, RunLength, Sweep, SweepPlan, SweepWorld};

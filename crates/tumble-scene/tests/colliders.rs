@@ -9,7 +9,7 @@ use glam::DVec3;
 use hecs::World;
 use tumble::{BodyOrder, Collider, CombineRule, Pose, Simulation};
 use tumble_import::Appearance;
-use tumble_scene::{Audit, Scene, Sweep, SweepPlan};
+use tumble_scene::{Audit, RunOverrides, Scene, SceneTemplate};
 
 /// Where the bodies of a scene are after some steps.
 fn run(scene: Scene, steps: u32) -> Vec<DVec3> {
@@ -197,14 +197,16 @@ fn a_sweep_varies_surfaces_and_settings() {
     let directory = tempfile::tempdir().unwrap();
     let path = directory.path().join("bounce.json");
     std::fs::write(&path, text).unwrap();
-    let plan = |vary: &str| {
-        let vary = vec![vary.parse().unwrap()];
-        SweepPlan { scene: path.to_str().unwrap().to_owned(), vary, ..SweepPlan::default() }
+    let varied = |field: &str| {
+        let template = SceneTemplate::open(path.to_str().unwrap(), RunOverrides::default()).unwrap();
+        let field = template.field(field).unwrap();
+        template.varied(vec![field])
     };
-    let sweep = Sweep::new(plan("bodies.ball.collider.restitution=grid(0,1,3)")).unwrap();
-    let heights: Vec<f64> = (0..3)
-        .map(|world| {
-            let mut world = sweep.build(&sweep.draw(world)).unwrap();
+    let scene = varied("bodies.ball.collider.restitution");
+    let heights: Vec<f64> = [0.0, 0.5, 1.0]
+        .into_iter()
+        .map(|restitution| {
+            let mut world = scene.build(&[restitution]).unwrap();
             // It falls for 0.4515 s, and rises for as long times the restitution.
             let mut highest = f64::NEG_INFINITY;
             for step in 0..1000 {
@@ -219,15 +221,16 @@ fn a_sweep_varies_surfaces_and_settings() {
     for (height, expected) in heights.iter().zip([0.0, 0.25, 1.0]) {
         assert!((height - expected).abs() < 0.01, "{heights:?}");
     }
-    for setting in [
-        "contact_substeps=grid(1,8,2)",
-        "restitution_threshold=grid(0,2,2)",
-        "bodies.ground.shape.normal.0=grid(0,1,2)",
+    for (setting, values) in [
+        ("contact_substeps", [1.0, 8.0]),
+        ("restitution_threshold", [0.0, 2.0]),
+        ("bodies.ground.shape.normal.0", [0.0, 1.0]),
     ] {
-        let sweep = Sweep::new(plan(setting)).unwrap();
-        let ends: Vec<_> = (0..2)
-            .map(|world| {
-                let mut world = sweep.build(&sweep.draw(world)).unwrap();
+        let scene = varied(setting);
+        let ends: Vec<_> = values
+            .into_iter()
+            .map(|value| {
+                let mut world = scene.build(&[value]).unwrap();
                 world.trial.step_many(600);
                 places(&world.trial.world)[1]
             })

@@ -5,38 +5,29 @@ use std::ops::Range;
 use std::str::FromStr;
 
 /// One of several equal parts of a sweep, written `I/N` with `I` from 1 to `N`.
-///
-/// ```
-/// use tumble_scene::Shard;
-///
-/// let shard: Shard = "2/3".parse()?;
-/// assert_eq!(shard.range(10), 3..6);
-/// assert!("4/3".parse::<Shard>().is_err());
-/// # Ok::<(), String>(())
-/// ```
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
-pub struct Shard {
+pub(crate) struct Shard {
     index: u64,
     count: u64,
 }
 
 impl Shard {
     /// The most shards.
-    pub const MAX: u64 = 1_000_000;
+    pub(crate) const MAX: u64 = 1_000_000;
 
     /// Which one, from 1.
-    pub fn index(self) -> u64 {
+    pub(crate) fn index(self) -> u64 {
         self.index
     }
 
     /// Of how many.
-    pub fn count(self) -> u64 {
+    pub(crate) fn count(self) -> u64 {
         self.count
     }
 
     /// The worlds of this shard: those of all shards follow each other, and differ in number by one
     /// at most.
-    pub fn range(self, worlds: u64) -> Range<u64> {
+    pub(crate) fn range(self, worlds: u64) -> Range<u64> {
         let end = |index: u64| (u128::from(worlds) * u128::from(index) / u128::from(self.count)) as u64;
         end(self.index - 1)..end(self.index)
     }

@@ -1,7 +1,7 @@
 //! The numbers of a force, by what follows `forces.I` in a path.
 
+use crate::fields::field_path::{component, from_zero};
 use crate::scene::force_model::{ForceModel, HullModel, PerAxis};
-use crate::sweep::field_path::{component, from_zero};
 
 /// The number that a path such as `["drag", "linear"]` leads to, if the force has it.
 pub(crate) fn in_force<'a>(force: &'a mut ForceModel, path: &[&str]) -> Option<&'a mut f64> {

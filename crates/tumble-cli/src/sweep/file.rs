@@ -7,8 +7,8 @@ use std::path::{Path, PathBuf};
 
 use tumble_import::printable;
 
+use crate::sweep::identity::SweepIdentity;
 use crate::sweep::run_status::RunStatus;
-use crate::sweep::sweep_identity::SweepIdentity;
 
 /// What the first line of every file begins with; readers of CSV take it for a comment.
 const BEFORE_IDENTITY: &str = "# tumble sweep ";
@@ -17,16 +17,8 @@ const BEFORE_IDENTITY: &str = "# tumble sweep ";
 const LONGEST_LINE: u64 = 16 << 20;
 
 /// Why a sweep's file cannot be used. `Display` is one line that names the file.
-///
-/// ```
-/// use tumble_scene::{SweepFileError, SweepReader};
-///
-/// let missing = SweepReader::open(std::path::Path::new("nowhere.csv"));
-/// assert!(matches!(missing, Err(SweepFileError::Io { .. })));
-/// ```
 #[derive(Debug, thiserror::Error)]
-#[non_exhaustive]
-pub enum SweepFileError {
+pub(crate) enum SweepFileError {
     /// The system refuses.
     #[error("{path}: {error}", path = shown(.path))]
     Io {
@@ -82,18 +74,9 @@ impl SweepFileError {
 
 /// The two lines that a file begins with.
 ///
-/// ```
-/// use tumble_scene::{Sweep, SweepIdentity, SweepPlan, sweep_header};
-///
-/// let plan = SweepPlan { scene: "iss".into(), worlds: Some(2), ..SweepPlan::default() };
-/// let identity = SweepIdentity::new(&Sweep::new(plan)?, None);
-/// assert!(sweep_header(&identity, &["world".into(), "hash".into()])?.ends_with("\nworld,hash\n"));
-/// # Ok::<(), Box<dyn std::error::Error>>(())
-/// ```
-///
 /// # Errors
 /// Where the identity or the columns cannot be written, which is a bug.
-pub fn sweep_header(identity: &SweepIdentity, columns: &[String]) -> io::Result<String> {
+pub(crate) fn sweep_header(identity: &SweepIdentity, columns: &[String]) -> io::Result<String> {
     let mut csv = csv::Writer::from_writer(Vec::new());
     csv.write_record(columns)?;
     let columns = csv.into_inner().map_err(csv::IntoInnerError::into_error)?;
@@ -106,25 +89,8 @@ pub fn sweep_header(identity: &SweepIdentity, columns: &[String]) -> io::Result<
 /// A row is refused unless it is that of the next world, and each field is what its column has: a
 /// number, a known outcome, 16 hexadecimal digits, or nothing where the outcome says so. What is
 /// not seen is a change that leaves a field well-formed, such as another digit in a number.
-///
-/// ```
-/// use tumble_scene::{Sweep, SweepFile, SweepIdentity, SweepPlan, SweepReader};
-///
-/// let plan = SweepPlan { scene: "iss".into(), worlds: Some(2), ..SweepPlan::default() };
-/// let identity = SweepIdentity::new(&Sweep::new(plan)?, None);
-/// let path = std::env::temp_dir().join(format!("tumble-doc-sweep-{}.csv", std::process::id()));
-/// let mut file = SweepFile::open(&path, &identity, &["world".into(), "outcome".into()])?;
-/// file.append(b"0,ok\n1,o")?; // killed in the middle of a row
-/// drop(file);
-///
-/// let mut reader = SweepReader::open(&path)?;
-/// assert_eq!(reader.next_row()?, Some(&b"0,ok\n"[..]));
-/// assert_eq!(reader.next_row()?, None);
-/// # std::fs::remove_file(&path)?;
-/// # Ok::<(), Box<dyn std::error::Error>>(())
-/// ```
 #[derive(Debug)]
-pub struct SweepReader {
+pub(crate) struct SweepReader {
     path: PathBuf,
     reader: BufReader<File>,
     identity: SweepIdentity,
@@ -141,7 +107,7 @@ impl SweepReader {
     ///
     /// # Errors
     /// [`SweepFileError`] where it cannot be read or is no sweep's.
-    pub fn open(path: &Path) -> Result<Self, SweepFileError> {
+    pub(crate) fn open(path: &Path) -> Result<Self, SweepFileError> {
         refuse_irregular(path)?;
         Self::new(path, File::open(path).map_err(SweepFileError::io(path))?)
     }
@@ -185,22 +151,22 @@ impl SweepReader {
     }
 
     /// What the rows depend on.
-    pub fn identity(&self) -> &SweepIdentity {
+    pub(crate) fn identity(&self) -> &SweepIdentity {
         &self.identity
     }
 
     /// The names of the columns, which the second line has.
-    pub fn columns(&self) -> &[String] {
+    pub(crate) fn columns(&self) -> &[String] {
         &self.columns
     }
 
     /// The worlds that a finished file has.
-    pub fn worlds(&self) -> Range<u64> {
+    pub(crate) fn worlds(&self) -> Range<u64> {
         self.worlds.clone()
     }
 
     /// The world whose row comes next, or would.
-    pub fn next_world(&self) -> u64 {
+    pub(crate) fn next_world(&self) -> u64 {
         self.next
     }
 
@@ -208,7 +174,7 @@ impl SweepReader {
     ///
     /// # Errors
     /// [`SweepFileError::Another`], which says what differs.
-    pub fn refuse_another(&self, identity: &SweepIdentity) -> Result<(), SweepFileError> {
+    pub(crate) fn refuse_another(&self, identity: &SweepIdentity) -> Result<(), SweepFileError> {
         match self.identity.difference(identity) {
             Some(difference) => Err(SweepFileError::Another { path: self.path.clone(), difference }),
             None => Ok(()),
@@ -219,7 +185,7 @@ impl SweepReader {
     ///
     /// # Errors
     /// [`SweepFileError::Busy`] where a program is writing to the file.
-    pub fn lock(&self) -> Result<(), SweepFileError> {
+    pub(crate) fn lock(&self) -> Result<(), SweepFileError> {
         lock(&self.path, self.reader.get_ref())
     }
 
@@ -227,7 +193,7 @@ impl SweepReader {
     ///
     /// # Errors
     /// [`SweepFileError`] where it cannot be read, or is not the row of the next world.
-    pub fn next_row(&mut self) -> Result<Option<&[u8]>, SweepFileError> {
+    pub(crate) fn next_row(&mut self) -> Result<Option<&[u8]>, SweepFileError> {
         self.line.clear();
         let limited = Read::by_ref(&mut self.reader).take(LONGEST_LINE).read_until(b'\n', &mut self.line);
         limited.map_err(SweepFileError::io(&self.path))?;
@@ -294,22 +260,8 @@ impl SweepReader {
 /// Opened again after the program was killed, it goes on where it ended: whole rows stay, a row
 /// that was not written to its end is cut off. A file of another sweep is refused and stays as it
 /// is.
-///
-/// ```
-/// use tumble_scene::{Sweep, SweepFile, SweepIdentity, SweepPlan};
-///
-/// let plan = SweepPlan { scene: "iss".into(), worlds: Some(2), ..SweepPlan::default() };
-/// let identity = SweepIdentity::new(&Sweep::new(plan)?, None);
-/// let path = std::env::temp_dir().join(format!("tumble-doc-sweep-file-{}.csv", std::process::id()));
-/// let mut file = SweepFile::open(&path, &identity, &["world".into(), "outcome".into()])?;
-/// assert_eq!(file.first_missing_world(), 0);
-/// file.append(b"0,ok\n")?;
-/// file.finish()?;
-/// # std::fs::remove_file(&path)?;
-/// # Ok::<(), Box<dyn std::error::Error>>(())
-/// ```
 #[derive(Debug)]
-pub struct SweepFile {
+pub(crate) struct SweepFile {
     path: PathBuf,
     file: File,
     next: u64,
@@ -320,7 +272,7 @@ impl SweepFile {
     ///
     /// # Errors
     /// [`SweepFileError`]; a file that was there is unchanged then.
-    pub fn open(path: &Path, identity: &SweepIdentity, columns: &[String]) -> Result<Self, SweepFileError> {
+    pub(crate) fn open(path: &Path, identity: &SweepIdentity, columns: &[String]) -> Result<Self, SweepFileError> {
         let io = || SweepFileError::io(path);
         let header = sweep_header(identity, columns).map_err(io())?;
         refuse_irregular(path)?;
@@ -344,7 +296,7 @@ impl SweepFile {
     }
 
     /// The first world that had no row when the file was opened.
-    pub fn first_missing_world(&self) -> u64 {
+    pub(crate) fn first_missing_world(&self) -> u64 {
         self.next
     }
 
@@ -352,7 +304,7 @@ impl SweepFile {
     ///
     /// # Errors
     /// [`SweepFileError`] where the disk is full, say; the rows before stay.
-    pub fn append(&mut self, rows: &[u8]) -> Result<(), SweepFileError> {
+    pub(crate) fn append(&mut self, rows: &[u8]) -> Result<(), SweepFileError> {
         self.file.write_all(rows).map_err(SweepFileError::io(&self.path))
     }
 
@@ -360,7 +312,7 @@ impl SweepFile {
     ///
     /// # Errors
     /// [`SweepFileError`] where the disk refuses.
-    pub fn finish(self) -> Result<(), SweepFileError> {
+    pub(crate) fn finish(self) -> Result<(), SweepFileError> {
         self.file.sync_all().map_err(SweepFileError::io(&self.path))
     }
 }

@@ -3,10 +3,13 @@
 use std::fmt::Write as _;
 use std::ops::ControlFlow;
 
+use tumble_record::{STATE_COLUMNS, csv_cell, state_numbers};
+use tumble_scene::VariedWorld;
+
+use crate::sweep::Sweep;
+use crate::sweep::run_status::RunStatus;
 use tumble::math::Real;
 use tumble::{BodyOrder, Pose, Trial, Velocity};
-use tumble_record::{STATE_COLUMNS, csv_cell, state_numbers};
-use tumble_scene::{RunStatus, Sweep, SweepWorld};
 
 use crate::drift::Drift;
 use crate::interrupt;
@@ -71,8 +74,8 @@ pub(crate) fn row(sweep: &Sweep, index: u64) -> Option<Row> {
 }
 
 /// The end of a world, or an error if it is not finite.
-fn run(sweep: &Sweep, world: SweepWorld) -> Option<Result<End, ()>> {
-    let SweepWorld { mut trial, steps } = world;
+fn run(sweep: &Sweep, world: VariedWorld) -> Option<Result<End, ()>> {
+    let VariedWorld { mut trial, steps } = world;
     let order = BodyOrder::of(&trial.world);
     let Ok(mut drift) = Drift::start(&trial.world, trial.simulation.settings(), &order) else { return Some(Err(())) };
     let period = period(order.len(), trial.simulation.settings().substeps);

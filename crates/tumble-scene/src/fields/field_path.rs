@@ -3,16 +3,26 @@
 use tumble::Settings;
 use tumble_import::FieldError;
 
+use crate::fields::force_path::in_force;
 use crate::limits::MAX_STEPS;
 use crate::scene::collider_model::ColliderModel;
 use crate::scene::convert;
 use crate::scene::model::{BodyModel, InertiaModel, PartModel, SceneModel, ShapeModel};
-use crate::sweep::force_path::in_force;
 use crate::values::tuple::{Quadruple, Triple, Tuple};
 
 /// Where a number stands: in the scene itself, or in one of its bodies.
+///
+/// ```
+/// use tumble_scene::{RunOverrides, SceneTemplate};
+///
+/// let scene = SceneTemplate::open("t-handle", RunOverrides::default())?;
+/// let field = scene.field("bodies[0].angular_velocity.1")?;
+/// assert!(field.same_place(&scene.field("bodies.0.angular_velocity[1]")?));
+/// assert!(scene.field("steps")?.is_count());
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Clone, Debug, PartialEq)]
-pub(crate) struct FieldPath {
+pub struct FieldPath {
     /// As it was written.
     text: String,
     body: Option<usize>,
@@ -72,12 +82,14 @@ impl FieldPath {
     }
 
     /// As it was written.
-    pub(crate) fn text(&self) -> &str {
+    #[must_use]
+    pub fn text(&self) -> &str {
         &self.text
     }
 
     /// Whether it is the same number as another one, however they are written.
-    pub(crate) fn same_place(&self, other: &Self) -> bool {
+    #[must_use]
+    pub fn same_place(&self, other: &Self) -> bool {
         self.body == other.body && self.canonical() == other.canonical()
     }
 
@@ -110,7 +122,8 @@ impl FieldPath {
     }
 
     /// The field's name, if it is one of the scene that has no parts.
-    pub(crate) fn scene_field(&self) -> Option<&str> {
+    #[must_use]
+    pub fn scene_field(&self) -> Option<&str> {
         match self.segments.as_slice() {
             [name] if self.body.is_none() => Some(name),
             _ => None,
@@ -118,7 +131,8 @@ impl FieldPath {
     }
 
     /// Whether the field counts something.
-    pub(crate) fn is_count(&self) -> bool {
+    #[must_use]
+    pub fn is_count(&self) -> bool {
         self.body.is_none()
             && matches!(self.segments.first().map(String::as_str), Some("steps" | "substeps" | "contact_substeps"))
     }
@@ -277,7 +291,7 @@ fn in_part<'a>(part: &'a mut PartModel, path: &[&str]) -> Option<&'a mut f64> {
 }
 
 fn element<'a, T>(list: &'a mut [T], index: &str) -> Option<&'a mut T> {
-    list.get_mut(crate::sweep::field_path::index(index)?)
+    list.get_mut(crate::fields::field_path::index(index)?)
 }
 
 /// `a[1]` is another way to write `a.1`: messages about scenes do.

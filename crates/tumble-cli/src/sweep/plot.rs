@@ -4,12 +4,13 @@ use std::io::Write as _;
 use std::path::{Path, PathBuf};
 
 use tumble_record::{PendingFile, Plot, Scale, SeriesStyle, csv_cell};
-use tumble_scene::SweepReader;
+
+use crate::sweep::file::SweepReader;
 
 use crate::ending::check_ending;
 use crate::failure::Failure;
 use crate::replacing::{Guard, Kind};
-use crate::sweep_options::PlotOptions;
+use crate::sweep::options::PlotOptions;
 
 /// Points of a picture: more cannot be told apart, and a picture of all worlds would have no
 /// bounds.
@@ -77,7 +78,7 @@ impl SweepPlot {
         written.map_err(|error| Failure::writing(&self.path, &error))
     }
 
-    fn points(&self, from: &Path) -> Result<Vec<(f64, f64)>, tumble_scene::SweepFileError> {
+    fn points(&self, from: &Path) -> Result<Vec<(f64, f64)>, crate::sweep::file::SweepFileError> {
         let mut reader = SweepReader::open(from)?;
         let worlds = reader.worlds();
         let stride = (worlds.end - worlds.start).div_ceil(MAX_POINTS).max(1);

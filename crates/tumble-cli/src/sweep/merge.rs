@@ -5,13 +5,16 @@ use std::io::{ErrorKind, Write as _};
 use std::path::{Path, PathBuf};
 
 use tumble_record::PendingFile;
-use tumble_scene::{Shard, SweepFileError, SweepIdentity, SweepReader};
+
+use crate::sweep::file::{SweepFileError, SweepReader};
+use crate::sweep::identity::SweepIdentity;
+use crate::sweep::shard::Shard;
 
 use crate::ending::check_ending;
 use crate::failure::Failure;
 use crate::interrupt;
-use crate::sweep_options::MergeOptions;
-use crate::sweep_plot::SweepPlot;
+use crate::sweep::options::MergeOptions;
+use crate::sweep::plot::SweepPlot;
 
 /// Writes the file that the whole sweep would have written on one machine.
 pub(crate) fn merge(options: &MergeOptions) -> Result<(), Failure> {
@@ -27,7 +30,7 @@ pub(crate) fn merge(options: &MergeOptions) -> Result<(), Failure> {
     let plot = SweepPlot::open(&options.plot, &columns, options.shards.clone())?;
     let mut replaced = claim(out, &identity)?;
     let mut file = PendingFile::create(out).map_err(|error| Failure::opening(out, &error))?;
-    let header = tumble_scene::sweep_header(&identity, &columns);
+    let header = crate::sweep::file::sweep_header(&identity, &columns);
     let mut written = header.and_then(|header| file.write_all(header.as_bytes()));
     for (_, path) in &files {
         let mut reader = SweepReader::open(path)?;

@@ -1,15 +1,8 @@
 //! The status of a world in a sweep, as its row in the result file names it.
 
 /// What a world of a sweep came to, as its row says it.
-///
-/// ```
-/// use tumble_scene::RunStatus;
-///
-/// assert_eq!(RunStatus::named("not-finite"), Some(RunStatus::NotFinite));
-/// assert_eq!(RunStatus::named("fine"), None);
-/// ```
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum RunStatus {
+pub(crate) enum RunStatus {
     /// It was run to its end; only then does anything follow in the row.
     Ok,
     /// No body, or no simulation, has the values that were drawn.
@@ -22,7 +15,7 @@ impl RunStatus {
     const ALL: [Self; 3] = [Self::Ok, Self::Impossible, Self::NotFinite];
 
     /// The word for it in a row.
-    pub fn name(self) -> &'static str {
+    pub(crate) fn name(self) -> &'static str {
         match self {
             Self::Ok => "ok",
             Self::Impossible => "impossible",
@@ -31,7 +24,7 @@ impl RunStatus {
     }
 
     /// The one that a row has this word for.
-    pub fn named(name: &str) -> Option<Self> {
+    pub(crate) fn named(name: &str) -> Option<Self> {
         Self::ALL.into_iter().find(|outcome| outcome.name() == name)
     }
 }

@@ -6,17 +6,21 @@ use std::ops::{ControlFlow, Range};
 use std::path::Path;
 use std::time::{Duration, Instant};
 
-use tumble::for_each_world;
 use tumble_import::printable;
-use tumble_scene::{RunStatus, Sweep, SweepFile, SweepIdentity};
+
+use crate::sweep::Sweep;
+use crate::sweep::file::SweepFile;
+use crate::sweep::identity::SweepIdentity;
+use crate::sweep::run_status::RunStatus;
+use tumble::for_each_world;
 
 use crate::ending::check_ending;
 use crate::failure::Failure;
 use crate::progress::Progress;
 use crate::run::{check_simd, pool};
-use crate::sweep_options::SweepOptions;
-use crate::sweep_plot::SweepPlot;
-use crate::sweep_row::{columns, row};
+use crate::sweep::options::SweepOptions;
+use crate::sweep::plot::SweepPlot;
+use crate::sweep::row::{columns, row};
 use crate::{interrupt, print};
 
 /// Runs the worlds of a sweep and writes a row for each.

@@ -7,20 +7,12 @@ use crate::sweep::distribution::Distribution;
 
 /// A numeric field of a scene and what its values are drawn from, written `FIELD=LO..HI` and the
 /// like.
-///
-/// ```
-/// use tumble_scene::SweepParameter;
-///
-/// let vary: SweepParameter = "bodies.brick.mass=normal(2,0.1)".parse()?;
-/// assert_eq!((vary.field.as_str(), vary.to_string().as_str()), ("bodies.brick.mass", "bodies.brick.mass=normal(2,0.1)"));
-/// # Ok::<(), String>(())
-/// ```
 #[derive(Clone, Debug, PartialEq)]
-pub struct SweepParameter {
-    /// The path of the field; see [`Sweep`](crate::Sweep).
-    pub field: String,
+pub(crate) struct SweepParameter {
+    /// The path of the field; see [`Sweep`](crate::sweep::Sweep).
+    pub(crate) field: String,
     /// What its values are drawn from.
-    pub distribution: Distribution,
+    pub(crate) distribution: Distribution,
 }
 
 impl FromStr for SweepParameter {

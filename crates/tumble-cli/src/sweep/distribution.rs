@@ -6,21 +6,11 @@ use std::str::FromStr;
 
 use tumble::Rng;
 
-/// What the values of a field are drawn from in a [`Sweep`](crate::Sweep).
+/// What the values of a field are drawn from in a [`Sweep`](crate::sweep::Sweep).
 ///
 /// Read and written as `LO..HI`, `normal(MEAN,SD)` or `grid(LO,HI,N)`.
-///
-/// ```
-/// use tumble_scene::Distribution;
-///
-/// assert_eq!("0.5..2".parse(), Ok(Distribution::Uniform { low: 0.5, high: 2.0 }));
-/// assert_eq!("grid(0, 1, 5)".parse::<Distribution>()?.to_string(), "grid(0,1,5)");
-/// assert!("normal(1,-2)".parse::<Distribution>().is_err());
-/// # Ok::<(), String>(())
-/// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
-#[non_exhaustive]
-pub enum Distribution {
+pub(crate) enum Distribution {
     /// Any number from `low` to `high`, equally likely.
     Uniform {
         /// The smallest.

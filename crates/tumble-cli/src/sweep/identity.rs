@@ -4,9 +4,10 @@ use std::ops::Range;
 
 use serde::{Deserialize, Serialize};
 use tumble::math::PRECISION;
+use tumble_scene::RunLength;
 
+use crate::sweep::Sweep;
 use crate::sweep::shard::Shard;
-use crate::sweep::{RunLength, Sweep};
 
 /// The version of the files; the only one so far.
 const FORMAT: u32 = 1;
@@ -22,18 +23,9 @@ const ARITHMETIC: u32 = 1;
 /// Threads and instruction sets are not in it, because no bit depends on them. It says nothing of
 /// the place of the scene's file either, which differs between machines; a hash of its text stands
 /// for it.
-///
-/// ```
-/// use tumble_scene::{Sweep, SweepPlan, SweepIdentity};
-///
-/// let plan = |seed| SweepPlan { scene: "iss".into(), worlds: Some(10), seed, ..SweepPlan::default() };
-/// let identity = |seed| Ok::<_, tumble_scene::SweepError>(SweepIdentity::new(&Sweep::new(plan(seed))?, None));
-/// assert_eq!(identity(7)?.difference(&identity(8)?), Some("seed: 7 is not 8".into()));
-/// # Ok::<(), tumble_scene::SweepError>(())
-/// ```
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct SweepIdentity {
+pub(crate) struct SweepIdentity {
     format: u32,
     tumble: String,
     arithmetic: u32,
@@ -61,7 +53,7 @@ pub struct SweepIdentity {
 impl SweepIdentity {
     /// That of a sweep, or of one shard of it.
     #[allow(clippy::useless_conversion, reason = "dt is f64 already in one of the two builds")]
-    pub fn new(sweep: &Sweep, shard: Option<Shard>) -> Self {
+    pub(crate) fn new(sweep: &Sweep, shard: Option<Shard>) -> Self {
         let plan = sweep.plan();
         let (steps, duration) = match plan.length {
             Some(RunLength::Steps(steps)) => (Some(steps), None),
@@ -87,29 +79,24 @@ impl SweepIdentity {
         }
     }
 
-    /// How many worlds the whole sweep has.
-    pub fn worlds(&self) -> u64 {
-        self.worlds
-    }
-
     /// Which part of the sweep the file is; `None` for the whole.
-    pub fn shard(&self) -> Option<Shard> {
+    pub(crate) fn shard(&self) -> Option<Shard> {
         self.shard.as_ref().and_then(|shard| shard.parse().ok())
     }
 
     /// The worlds that the finished file has: all, or those of its shard.
-    pub fn range(&self) -> Range<u64> {
+    pub(crate) fn range(&self) -> Range<u64> {
         self.shard().map_or(0..self.worlds, |shard| shard.range(self.worlds))
     }
 
     /// The same as the whole of the sweep.
     #[must_use]
-    pub fn whole(&self) -> Self {
+    pub(crate) fn whole(&self) -> Self {
         Self { shard: None, ..self.clone() }
     }
 
     /// The first thing in which two of them differ, and how.
-    pub fn difference(&self, other: &Self) -> Option<String> {
+    pub(crate) fn difference(&self, other: &Self) -> Option<String> {
         let keys = |identity: &Self| match serde_json::to_value(identity) {
             Ok(serde_json::Value::Object(keys)) => keys,
             _ => serde_json::Map::new(),

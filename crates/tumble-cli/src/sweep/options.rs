@@ -2,8 +2,12 @@
 
 use std::path::PathBuf;
 
+use tumble_scene::RunLength;
+
+use crate::sweep::parameter::SweepParameter;
+use crate::sweep::shard::Shard;
+use crate::sweep::{MAX_WORLDS, SweepPlan};
 use clap::Args;
-use tumble_scene::{MAX_WORLDS, RunLength, Shard, SweepParameter, SweepPlan};
 
 use crate::options::StepOptions;
 
