@@ -59,7 +59,8 @@ const IMPORT: [&str; 14] = [
     "lib",
 ];
 /// The same of the crate of scenes.
-const SCENE: [&str; 8] = ["error", "error_context", "values", "limits", "bodies", "scene", "fields", "lib"];
+const SCENE: [&str; 11] =
+    ["error", "limits", "values", "bodies", "model", "convert", "builtin", "scene", "audit", "fields", "lib"];
 /// The same of the crate of records.
 const RECORD: [&str; 12] = [
     "svg",

@@ -17,24 +17,27 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
+mod audit;
 mod bodies;
+mod builtin;
+mod convert;
 mod error;
-mod error_context;
 mod fields;
 mod limits;
+mod model;
 mod scene;
 mod values;
 
+pub use audit::collider::AuditedCollider;
+pub use audit::mesh::{MeshOptions, MeshRepairs};
+pub use audit::{Audit, AuditedBody, Up};
 pub use bodies::force::{Force, HullShape};
+pub use builtin::builtin_names;
 pub use error::SceneError;
 pub use fields::field_path::FieldPath;
 pub use fields::scene_template::{RunLength, RunOverrides, SceneTemplate};
 pub use fields::varied_scene::{VariedScene, VariedWorld};
 pub use limits::{MAX_BODIES, MAX_HEIGHTS, MAX_STEPS, TIME_STEPS, step_count, steps_of_duration, time_step};
-pub use scene::audit::{Audit, AuditedBody, Up};
-pub use scene::audit_collider::AuditedCollider;
-pub use scene::audit_mesh::{MeshOptions, MeshRepairs};
+pub use model::parse::Format;
 pub use scene::body_names::BodyNames;
-pub use scene::builtin::builtin_names;
-pub use scene::parse::Format;
 pub use scene::{DEFAULT_STEPS, Scene};

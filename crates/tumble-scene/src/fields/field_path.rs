@@ -3,11 +3,11 @@
 use tumble::Settings;
 use tumble_import::FieldError;
 
+use crate::convert;
 use crate::fields::force_path::in_force;
 use crate::limits::MAX_STEPS;
-use crate::scene::collider_model::ColliderModel;
-use crate::scene::convert;
-use crate::scene::model::{BodyModel, InertiaModel, PartModel, SceneModel, ShapeModel};
+use crate::model::collider_model::ColliderModel;
+use crate::model::scene_model::{BodyModel, InertiaModel, PartModel, SceneModel, ShapeModel};
 use crate::values::tuple::{Quadruple, Triple, Tuple};
 
 /// Where a number stands: in the scene itself, or in one of its bodies.
@@ -339,7 +339,7 @@ fn from_identity<'a>(quaternion: &'a mut Option<Quadruple>, axis: &str) -> Optio
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::scene::parse::{Format, parse};
+    use crate::model::parse::{Format, parse};
 
     /// A scene in which every kind of field is there, as `field_paths` names them.
     const SCENE: &str = r#"{ "dt": 0.25, "bodies": [

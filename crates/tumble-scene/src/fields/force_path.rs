@@ -1,7 +1,7 @@
 //! The numbers of a force, by what follows `forces.I` in a path.
 
 use crate::fields::field_path::{component, from_zero};
-use crate::scene::force_model::{ForceModel, HullModel, PerAxis};
+use crate::model::force_model::{ForceModel, HullModel, PerAxis};
 
 /// The number that a path such as `["drag", "linear"]` leads to, if the force has it.
 pub(crate) fn in_force<'a>(force: &'a mut ForceModel, path: &[&str]) -> Option<&'a mut f64> {
@@ -70,7 +70,7 @@ fn in_hull<'a>(hull: &'a mut HullModel, path: &[&str]) -> Option<&'a mut f64> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::scene::parse::{Format, parse};
+    use crate::model::parse::{Format, parse};
 
     /// Forces, and the paths of all their numbers. The first force leaves out what can be.
     const FORCES: [(&str, &str); 18] = [

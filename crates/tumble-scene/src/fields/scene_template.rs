@@ -7,12 +7,14 @@ use tumble::math::Real;
 use tumble_import::{FieldError, one_line, read_text};
 
 use crate::bodies::scene_body::SceneBody;
+use crate::builtin::contact_scenes;
 use crate::error::SceneError;
 use crate::fields::field_path::FieldPath;
 use crate::fields::varied_scene::VariedScene;
-use crate::scene::model::SceneModel;
-use crate::scene::parse::{Format, parse};
-use crate::scene::{Scene, builtin, contact_scenes, convert, is_path, unknown};
+use crate::model::parse::{Format, parse};
+use crate::model::scene_model::SceneModel;
+use crate::scene::{Scene, is_path, unknown};
+use crate::{builtin, convert};
 
 /// How long a world is run.
 ///

@@ -7,13 +7,14 @@ use tumble::{Settings, SettingsError, Trial};
 use tumble_import::FieldError;
 
 use crate::bodies::scene_body::SceneBody;
+use crate::convert;
+use crate::convert::forces::Others;
 use crate::error::{SceneError, invalid};
 use crate::fields::field_path::FieldPath;
 use crate::fields::scene_template::{RunLength, RunOverrides, SceneTemplate};
 use crate::limits::steps_of_duration;
-use crate::scene::convert::forces::Others;
-use crate::scene::model::{BodyModel, SceneModel};
-use crate::scene::{convert, settings};
+use crate::model::scene_model::{BodyModel, SceneModel};
+use crate::scene::settings;
 
 /// A scene with fields that differ from world to world.
 ///

@@ -1,18 +1,6 @@
 //! A scene: settings, bodies and their names.
 
-pub(crate) mod audit;
-pub(crate) mod audit_collider;
-pub(crate) mod audit_mesh;
 pub(crate) mod body_names;
-pub(crate) mod builtin;
-pub(crate) mod collider_model;
-pub(crate) mod contact_scenes;
-pub(crate) mod convert;
-pub(crate) mod force_model;
-pub(crate) mod mesh_shape;
-pub(crate) mod model;
-pub(crate) mod parse;
-pub(crate) mod stress;
 
 use std::collections::HashMap;
 use std::path::{Path, PathBuf};
@@ -26,15 +14,16 @@ use tumble_import::{
 };
 
 use crate::bodies::scene_body::SceneBody;
+use crate::builtin::stress::StressBodies;
+use crate::builtin::{builtin_names, contact_scenes, stress};
+use crate::convert::forces::Others;
 use crate::error::{SceneError, invalid};
 use crate::limits::{MAX_BODIES, step_count, time_step};
+use crate::model::parse::{Format, parse};
+use crate::model::scene_model::SceneModel;
 use crate::scene::body_names::BodyNames;
-use crate::scene::builtin::builtin_names;
-use crate::scene::convert::forces::Others;
-use crate::scene::model::SceneModel;
-use crate::scene::parse::{Format, parse};
-use crate::scene::stress::StressBodies;
 use crate::values::checked::finite_triple;
+use crate::{builtin, convert};
 
 /// Steps of a scene that does not say how many.
 pub const DEFAULT_STEPS: u64 = 600;

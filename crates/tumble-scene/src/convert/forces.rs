@@ -8,9 +8,9 @@ use tumble_import::checked::{finite, note, positive, real, real_vector};
 use tumble_import::{FieldError, shortest};
 
 use crate::bodies::force::{Force, HullShape, thrust_is_finite};
-use crate::scene::convert::name;
-use crate::scene::force_model::{ForceModel, FrameModel, HullModel, PerAxis};
-use crate::scene::model::{BodyModel, ShapeModel};
+use crate::convert::name;
+use crate::model::force_model::{ForceModel, FrameModel, HullModel, PerAxis};
+use crate::model::scene_model::{BodyModel, ShapeModel};
 use crate::values::checked::{double_vector, finite_triple, rate};
 use crate::values::tuple::Triple;
 
@@ -141,7 +141,7 @@ fn alone(body: &BodyModel, force: &ForceModel) -> Result<Force, FieldError> {
             Force::GravityMass { mu: gravity_of(body, mu)?, softening: softening_length(softening)? }
         }
         ForceModel::Buoyancy { density, level, ref hull, ref center } => {
-            let hull = crate::scene::convert::forces::hull(body, hull.as_ref())?;
+            let hull = crate::convert::forces::hull(body, hull.as_ref())?;
             let density = not_negative("density", density.unwrap_or(WATER))?;
             number("density", density * hull.volume()).map_err(|_| FieldError::new("hull", "displaces too much"))?;
             Force::Buoyancy { density, level: finite("level", level)?, hull, center: or_zero("center", center)? }
@@ -190,7 +190,7 @@ fn spring(body: &BodyModel, force: &ForceModel, other: Option<&BodyModel>) -> Re
 /// to be at rest there, not nearly so. Of a body that has no place the error is its own.
 fn world_point(body: &BodyModel, point: [f64; 3]) -> DVec3 {
     let position = body.position.map_or(DVec3::ZERO, |position| DVec3::from_array(position.0));
-    let orientation = crate::scene::convert::ground::orientation(body).ok().flatten();
+    let orientation = crate::convert::ground::orientation(body).ok().flatten();
     let turned = orientation.unwrap_or(DQuat::IDENTITY) * DVec3::from_array(point);
     DVec3::from_array(double_vector(real_vector(position))) + turned
 }
@@ -205,7 +205,7 @@ fn gravity_of(body: &BodyModel, mu: Option<f64>) -> Result<f64, FieldError> {
 
 /// The mass of a body that was not given one \[kg\].
 fn mass_of(body: &BodyModel) -> Result<f64, FieldError> {
-    let properties = crate::scene::convert::shape(body.shape.as_ref()).ok().and_then(|shape| match body.density {
+    let properties = crate::convert::shape(body.shape.as_ref()).ok().and_then(|shape| match body.density {
         Some(density) => shape.mass_properties(tumble::Amount::Density(density)).ok(),
         None => shape.own_mass_properties().ok(),
     });

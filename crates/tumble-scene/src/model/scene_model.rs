@@ -1,6 +1,6 @@
 //! The one serde model behind `.json` and `.ron`: what a scene file may say.
 //!
-//! Nothing is checked here but names and types; `convert.rs` checks values. The names that serde
+//! Nothing is checked here but names and types; the folder `convert` checks values. The names that serde
 //! gets are those that RON may write before a bracket and that messages use.
 
 use std::marker::PhantomData;
@@ -9,9 +9,9 @@ use serde::de::Deserializer;
 use tumble_import::{MAX_HULL_POINTS, MAX_PARTS};
 
 use crate::limits::{MAX_BODIES, MAX_HEIGHTS};
-use crate::scene::collider_model::ColliderModel;
-use crate::scene::force_model::ForceModel;
-use crate::scene::mesh_shape::Made;
+use crate::model::collider_model::ColliderModel;
+use crate::model::force_model::ForceModel;
+use crate::model::mesh_shape::Made;
 use crate::values::tuple::{List, Quadruple, Triple, Tuple};
 
 /// A whole file. `name`, `description` and `source` are for people.

@@ -1,10 +1,12 @@
 //! Scenes that are found by name.
 
+pub(crate) mod contact_scenes;
+pub(crate) mod stress;
+
+use crate::builtin::contact_scenes::CONTACT_SCENES;
 use crate::error::SceneError;
-use crate::scene::contact_scenes;
-use crate::scene::contact_scenes::CONTACT_SCENES;
-use crate::scene::model::SceneModel;
-use crate::scene::parse::{Format, parse};
+use crate::model::parse::{Format, parse};
+use crate::model::scene_model::SceneModel;
 
 /// Name of the generated scene; see [`Scene::stress`](crate::Scene::stress).
 pub(crate) const STRESS: &str = "stress";

@@ -5,9 +5,9 @@ use serde_path_to_error::Segment;
 use tumble_import::{FileError, Place, one_line};
 
 use crate::error::SceneError;
-use crate::error_context::NameOfBody;
-use crate::scene::mesh_shape;
-use crate::scene::model::SceneModel;
+use crate::model::error_context::NameOfBody;
+use crate::model::mesh_shape;
+use crate::model::scene_model::SceneModel;
 
 /// How a scene is written down.
 ///

@@ -1,7 +1,7 @@
 //! The dominoes scene: a line of pieces along alternating half circles, with the first one tipping.
 
-use crate::scene::collider_model::ColliderModel;
-use crate::scene::model::{BodyModel, SceneModel};
+use crate::model::collider_model::ColliderModel;
+use crate::model::scene_model::{BodyModel, SceneModel};
 
 /// Half the thickness, the height and the width of a piece \[m\].
 const HALF: [f64; 3] = [0.05, 0.5, 0.25];

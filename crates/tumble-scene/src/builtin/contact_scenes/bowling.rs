@@ -1,7 +1,7 @@
 //! The bowling scene: a rolling ball and ten compound pins.
 
-use crate::scene::collider_model::ColliderModel;
-use crate::scene::model::{BodyModel, PartModel, SceneModel, ShapeModel};
+use crate::model::collider_model::ColliderModel;
+use crate::model::scene_model::{BodyModel, PartModel, SceneModel, ShapeModel};
 use crate::values::tuple::Tuple;
 
 /// Distance between the spots of neighbouring pins: 12 inches \[m\].

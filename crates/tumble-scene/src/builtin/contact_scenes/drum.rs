@@ -2,8 +2,8 @@
 
 use tumble::Rng;
 
-use crate::scene::collider_model::ColliderModel;
-use crate::scene::model::{BodyModel, SceneModel};
+use crate::model::collider_model::ColliderModel;
+use crate::model::scene_model::{BodyModel, SceneModel};
 use crate::values::tuple::Tuple;
 
 /// Inner radius of the drum and half its length \[m\].

@@ -8,8 +8,8 @@ use tumble_import::checked::positive;
 use tumble_import::{Appearance, MeshFile, MeshFormat, Reading, one_line};
 use tumble_math::{MeshAudit, MeshError, SolidMesh, TriangleMesh};
 
+use crate::audit::{Audit, AuditedBody, Up};
 use crate::error::SceneError;
-use crate::scene::audit::{Audit, AuditedBody, Up};
 
 /// How a mesh is inspected.
 ///

@@ -1,8 +1,8 @@
 //! The Newton's cradle scene: five balls, each suspended on two stiff springs.
 
-use crate::scene::collider_model::ColliderModel;
-use crate::scene::force_model::ForceModel;
-use crate::scene::model::{BodyModel, SceneModel};
+use crate::model::collider_model::ColliderModel;
+use crate::model::force_model::ForceModel;
+use crate::model::scene_model::{BodyModel, SceneModel};
 use crate::values::tuple::Tuple;
 
 /// \[m\], \[kg\]

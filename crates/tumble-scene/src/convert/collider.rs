@@ -5,8 +5,8 @@ use tumble::{Collider, ColliderError, Material, Pose, Shape};
 use tumble_import::checked::{note, real, real_quaternion, real_vector};
 use tumble_import::{Appearance, FieldError, shortest};
 
-use crate::scene::collider_model::ColliderModel;
-use crate::scene::model::{BodyModel, Groups, ShapeModel};
+use crate::model::collider_model::ColliderModel;
+use crate::model::scene_model::{BodyModel, Groups, ShapeModel};
 
 /// What the body touches others with; `ground` is what it is, `shape` is `None` if it has been
 /// complained of already.

@@ -2,7 +2,7 @@
 
 use tumble_import::CombineName;
 
-use crate::scene::model::Groups;
+use crate::model::scene_model::Groups;
 
 /// What is left out has the default of [`tumble::Material`].
 #[derive(Clone, Debug, Default, serde::Deserialize)]

@@ -2,8 +2,8 @@
 
 use tumble::Rng;
 
-use crate::scene::collider_model::ColliderModel;
-use crate::scene::model::{BodyModel, Row, Rows, SceneModel, ShapeModel};
+use crate::model::collider_model::ColliderModel;
+use crate::model::scene_model::{BodyModel, Row, Rows, SceneModel, ShapeModel};
 use crate::values::tuple::Tuple;
 
 /// Columns and rows of heights, and their distance \[m\].

@@ -2,8 +2,8 @@
 
 use tumble::Rng;
 
-use crate::scene::collider_model::ColliderModel;
-use crate::scene::model::{BodyModel, SceneModel, ShapeModel};
+use crate::model::collider_model::ColliderModel;
+use crate::model::scene_model::{BodyModel, SceneModel, ShapeModel};
 
 /// Distance between the places of a layer, and between layers \[m\]; no body is longer.
 const PITCH: f64 = 1.0;

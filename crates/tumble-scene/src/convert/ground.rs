@@ -8,7 +8,7 @@ use tumble_import::checked::{note, unit_quaternion};
 use tumble_import::{Appearance, FieldError, Heights, shortest};
 
 use crate::limits::MAX_HEIGHTS;
-use crate::scene::model::{BodyModel, Rows, ShapeModel};
+use crate::model::scene_model::{BodyModel, Rows, ShapeModel};
 use crate::values::checked::finite_triple;
 use crate::values::tuple::{Triple, Tuple};
 

@@ -13,7 +13,7 @@ use tumble_import::checked::positive;
 use tumble_import::{FieldError, MAX_MESH, MeshFile, MeshFormat, Reading, beside};
 use tumble_math::MeshError;
 
-use crate::scene::model::{SceneModel, ShapeModel};
+use crate::model::scene_model::{SceneModel, ShapeModel};
 use crate::values::checked::finite_triple;
 use crate::values::tuple::Triple;
 

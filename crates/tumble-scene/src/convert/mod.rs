@@ -10,13 +10,13 @@ use glam::{DMat3, DQuat, DVec3};
 use tumble::math::Vec3;
 use tumble::{Amount, BodyId, InertiaTensor, Part, PrincipalInertia, RigidBody, Shape};
 
-pub(crate) use crate::scene::convert::forces::{Others, indices, springs_by_distance};
+pub(crate) use crate::convert::forces::{Others, indices, springs_by_distance};
 
 use tumble_import::checked::{check_name, note, positive, real_quaternion, real_vector, unit_quaternion};
 use tumble_import::{Appearance, FieldError};
 
 use crate::bodies::scene_body::SceneBody;
-use crate::scene::model::{BodyModel, InertiaModel, PartModel, ShapeModel};
+use crate::model::scene_model::{BodyModel, InertiaModel, PartModel, ShapeModel};
 use crate::values::checked::finite_triple;
 use crate::values::tuple::Triple;
 

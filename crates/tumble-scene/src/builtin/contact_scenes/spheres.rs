@@ -1,6 +1,6 @@
 //! The spheres scene: jittered layers of balls dropped between four half-space walls.
 
-use crate::scene::model::{BodyModel, SceneModel};
+use crate::model::scene_model::{BodyModel, SceneModel};
 
 /// Places along a side of a layer, and the distance between them \[m\].
 const SIDE: usize = 18;

@@ -1,6 +1,6 @@
 //! The pyramid scene: square layers of boxes, each one box narrower than the layer below.
 
-use crate::scene::model::{BodyModel, SceneModel};
+use crate::model::scene_model::{BodyModel, SceneModel};
 
 /// Distance between the middles of neighbours \[m\].
 const PITCH: f64 = 1.1;

@@ -12,7 +12,7 @@ pub(crate) mod pyramid;
 pub(crate) mod spheres;
 pub(crate) mod wall;
 
-use crate::scene::model::SceneModel;
+use crate::model::scene_model::SceneModel;
 
 /// A scene that is generated on each request.
 pub(crate) struct ContactScene {

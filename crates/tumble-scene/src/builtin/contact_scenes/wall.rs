@@ -1,7 +1,7 @@
 //! The wall scene: a brick wall in running bond, hit by a heavy ball.
 
-use crate::scene::collider_model::ColliderModel;
-use crate::scene::model::{BodyModel, SceneModel};
+use crate::model::collider_model::ColliderModel;
+use crate::model::scene_model::{BodyModel, SceneModel};
 
 /// Half the size of a brick, along the wall, up, and through it \[m\].
 const HALF: [f64; 3] = [0.2, 0.1, 0.1];

@@ -1,8 +1,8 @@
 //! Models of bodies with colliders, in few words.
 
-use crate::scene::collider_model::ColliderModel;
-use crate::scene::force_model::ForceModel;
-use crate::scene::model::{BodyModel, SceneModel, ShapeModel};
+use crate::model::collider_model::ColliderModel;
+use crate::model::force_model::ForceModel;
+use crate::model::scene_model::{BodyModel, SceneModel, ShapeModel};
 use crate::values::tuple::Tuple;
 
 impl SceneModel {

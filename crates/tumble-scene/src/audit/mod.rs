@@ -1,5 +1,8 @@
 //! The mass properties and forces of a scene's bodies, and what is wrong with them.
 
+pub(crate) mod collider;
+pub(crate) mod mesh;
+
 use std::path::{Path, PathBuf};
 
 use serde::Serialize;
@@ -7,17 +10,16 @@ use tumble::{MassProperties, MeshAudit};
 use tumble_import::gltf::{GltfBodies, GltfBody};
 use tumble_import::{Appearance, FieldError, InertiaRepairs, MeshFormat, Robot, RobotLink};
 
+use crate::audit::collider::AuditedCollider;
+use crate::audit::mesh::{MeshOptions, MeshRepairs};
 use crate::bodies::force::Force;
 use crate::bodies::scene_body::SceneBody;
+use crate::builtin::stress::DEFAULT_BODIES;
+use crate::convert::forces::Others;
 use crate::error::{SceneError, invalid};
-use crate::scene::audit_collider::AuditedCollider;
-use crate::scene::audit_mesh::{MeshOptions, MeshRepairs};
-use crate::scene::convert::forces::Others;
-use crate::scene::model::SceneModel;
-use crate::scene::stress::DEFAULT_BODIES;
-use crate::scene::{
-    audit_mesh, builtin, convert, duplicates, is_path, is_urdf, load_model, settings, stress_bodies, unknown,
-};
+use crate::model::scene_model::SceneModel;
+use crate::scene::{duplicates, is_path, is_urdf, load_model, settings, stress_bodies, unknown};
+use crate::{builtin, convert};
 
 /// Each body of a scene as `tumble inspect` shows it.
 ///
@@ -132,11 +134,11 @@ impl Audit {
                 if !scene.bodies.is_empty() {
                     return Ok(Self::of_gltf(scene));
                 }
-                let mut audit = audit_mesh::of_file(path, MeshFormat::Gltf, options)?;
+                let mut audit = mesh::of_file(path, MeshFormat::Gltf, options)?;
                 audit.notices.extend(scene.notices);
                 return Ok(audit);
             }
-            Some(format) => return audit_mesh::of_file(path, format, options),
+            Some(format) => return mesh::of_file(path, format, options),
             None => {}
         }
         if is_path(name_or_path) && is_urdf(path) {
@@ -162,7 +164,7 @@ impl Audit {
     /// # Errors
     /// As [`open`](Self::open).
     pub fn from_json(text: &str, file: &str) -> Result<Self, SceneError> {
-        Self::of_model(&crate::scene::parse::parse(text, crate::Format::Json, file)?, file)
+        Self::of_model(&crate::model::parse::parse(text, crate::Format::Json, file)?, file)
     }
 
     /// Audits the links of a robot in URDF text; `file` is what messages call it.
