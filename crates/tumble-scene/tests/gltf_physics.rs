@@ -274,26 +274,6 @@ fn a_body_is_the_same_as_one_made_by_hand() {
     assert!(spawned.world.get::<&PrincipalAxes>(entity).is_err() && spawned.world.get::<&Mass>(entity).is_ok());
 }
 
-/// Scales turn nothing: what the file says of rotations and velocities is not found again from a
-/// matrix that has other factors too.
-#[test]
-fn mirrors_do_not_turn_what_is_written() {
-    for (scale, rotation, linear, angular) in [
-        ([-1.0, -1.0, 1.0], [0.0, 0.0, 0.0, 1.0], [1.0, 0.0, 0.0], [0.0, 0.0, 2.0]),
-        ([-1.0, 1.0, 1.0], [0.0, 1.0, 0.0, 0.0], [-1.0, 0.0, 0.0], [0.0, 0.0, -2.0]),
-        ([2.0, -3.0, 0.5], [0.0, 0.0, 0.0, 1.0], [1.0, 0.0, 0.0], [0.0, 0.0, 2.0]),
-    ] {
-        let text = format!(
-            r#"{{ "asset": {{ "version": "2.0" }}, "nodes": [ {{ "scale": {scale:?}, "rotation": {rotation:?}, "extensions": {{
-            "KHR_physics_rigid_bodies": {{ "motion": {{ "linearVelocity": [1, 0, 0], "angularVelocity": [0, 0, 2] }} }} }} }} ] }}"#
-        );
-        let node = &Physics::from_json(&text, "m.gltf").unwrap().nodes[0];
-        close(node.linear_velocity(), linear);
-        close(node.angular_velocity(), angular);
-        close(node.scale, scale);
-    }
-}
-
 #[test]
 fn names_are_those_of_the_file_and_none_is_there_twice() {
     let node = |name: &str| {

@@ -1,7 +1,7 @@
 //! The one serde model behind `.json` and `.ron`: what a scene file may say.
 //!
-//! Nothing is checked here but names and types; the folder `convert` checks values. The names that serde
-//! gets are those that RON may write before a bracket and that messages use.
+//! Nothing is checked here but names and types; the folder `convert` checks values. The names that
+//! serde gets are those that RON may write before a bracket and that messages use.
 
 use std::marker::PhantomData;
 
