@@ -1,5 +1,5 @@
-//! Promise: a scale in a glTF file, mirroring or uneven, changes no rotation and no velocity that the
-//! file gives for the same node.
+//! Promise: a scale in a glTF file, mirroring or uneven, changes no rotation and no velocity that
+//! the file gives for the same node.
 //!
 //! Why: a matrix with a negative factor has several rotations in it. It would fail if the rotation
 //! were taken from the matrix and not from the file.

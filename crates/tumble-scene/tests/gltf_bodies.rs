@@ -1,5 +1,5 @@
-//! Scenes that others wrote for KHR_physics_rigid_bodies and OMI_physics_body become the bodies, and
-//! the motions, that they are said to be.
+//! Scenes that others wrote for KHR_physics_rigid_bodies and OMI_physics_body become the bodies and
+//! the motions that they are said to be.
 //!
 //! They carry no licence, so they are not part of this repository. `TUMBLE_GLTF_CASES` names their
 //! folder; the default is `shared/cases/gltf` beside the repository. Where there is none, the tests

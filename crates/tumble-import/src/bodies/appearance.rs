@@ -42,7 +42,8 @@ pub struct Heights {
 }
 
 impl Heights {
-    /// What is touched of it, with the default surface, and what is seen of it, in the body's frame.
+    /// What is touched of it, with the default surface, and what is seen of it, both in the body's
+    /// frame.
     #[must_use]
     pub fn new(collider: Collider, triangles: TriangleMesh) -> Self {
         Self { collider, triangles }
