@@ -218,7 +218,7 @@ impl Scene {
     }
 
     /// The generated scene: mixed tumbling shapes on a grid, falling, the same bits on every
-    /// platform for the same count and seed (PCG32 and plain arithmetic).
+    /// platform for the same count and seed (SplitMix64 and plain arithmetic).
     ///
     /// # Errors
     /// [`SceneError::File`] for more bodies than [`MAX_BODIES`].
