@@ -7,6 +7,7 @@ use std::fs;
 use std::path::PathBuf;
 use std::sync::OnceLock;
 
+use tumble_record::body_drawing;
 use tumble_scene::{Audit, MeshOptions, MeshRepairs, Scene};
 
 /// A directory of this process, with what the seeds refer to.
@@ -30,7 +31,7 @@ pub fn open(bytes: &[u8], ending: &str) {
         match Audit::open_with(&name, MeshOptions { density: 1.0, repairs }) {
             Ok(audit) => {
                 for body in audit.bodies.iter().take(3) {
-                    assert!(body.portrait().starts_with("<svg"));
+                    assert!(body_drawing(body).starts_with("<svg"));
                 }
             }
             Err(error) => assert!(error.to_string().starts_with(&*name), "{error}"),

@@ -21,8 +21,14 @@ mod documents {
     #[doc = include_str!("../../README.md")]
     struct Readme;
 
+    #[doc = include_str!("../../crates/tumble-import/README.md")]
+    struct ReadmeOfImport;
+
     #[doc = include_str!("../../crates/tumble-math/README.md")]
     struct ReadmeOfMath;
+
+    #[doc = include_str!("../../crates/tumble-record/README.md")]
+    struct ReadmeOfRecord;
 
     #[doc = include_str!("../../crates/tumble-scene/README.md")]
     struct ReadmeOfScene;

@@ -2,7 +2,7 @@
 
 use hecs::{Entity, World};
 use tumble::{BodyOrder, Settings, Totals};
-use tumble_scene::{Conserved, MomentumScale};
+use tumble_record::{Conserved, MomentumScale};
 
 /// Up to this number of body-steps every step is a sample: measuring them all takes a second at
 /// most.

@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use tumble_scene::TrajectoryFormat;
+use tumble_record::TrajectoryFormat;
 
 use crate::failure::Failure;
 

@@ -2,6 +2,11 @@
 
 use std::path::Path;
 
+use tumble_scene::SceneError;
+
+use crate::sweep::error::SweepError;
+use crate::sweep::file::SweepFileError;
+
 /// Each variant has an exit code of its own.
 #[derive(Debug, thiserror::Error)]
 pub(crate) enum Failure {
@@ -37,25 +42,25 @@ impl Failure {
     }
 }
 
-impl From<tumble_scene::SceneError> for Failure {
-    fn from(error: tumble_scene::SceneError) -> Self {
+impl From<SceneError> for Failure {
+    fn from(error: SceneError) -> Self {
         Self::Input(error.to_string())
     }
 }
 
-impl From<tumble_scene::SweepError> for Failure {
-    fn from(error: tumble_scene::SweepError) -> Self {
+impl From<SweepError> for Failure {
+    fn from(error: SweepError) -> Self {
         Self::Input(error.to_string())
     }
 }
 
 /// Found when the file is opened; what goes wrong later is to be made a failure while running.
-impl From<tumble_scene::SweepFileError> for Failure {
-    fn from(error: tumble_scene::SweepFileError) -> Self {
+impl From<SweepFileError> for Failure {
+    fn from(error: SweepFileError) -> Self {
         use std::io::ErrorKind::{FileTooLarge, QuotaExceeded, StorageFull, WriteZero};
         match &error {
             // Not the fault of what was asked for: the file could be opened, and the disk is full.
-            tumble_scene::SweepFileError::Io { error: io, .. }
+            SweepFileError::Io { error: io, .. }
                 if matches!(io.kind(), FileTooLarge | QuotaExceeded | StorageFull | WriteZero) =>
             {
                 Self::Running(error.to_string())

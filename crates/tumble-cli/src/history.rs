@@ -4,7 +4,7 @@ use std::io::{self, Write};
 
 use hecs::World;
 use tumble::{ForceLaws, Ledger, LedgerEntry, Simulation, Totals};
-use tumble_scene::{Plot, Scale, SeriesStyle};
+use tumble_record::{Plot, Scale, SeriesStyle};
 
 use crate::drift::EVERY_STEP_UP_TO;
 

@@ -5,9 +5,9 @@ use std::io::Write as _;
 use std::path::Path;
 
 use tumble::MeshAudit;
-use tumble_scene::{
-    Audit, AuditedBody, AuditedCollider, MeshOptions, MeshRepairs, PendingFile, printable, printable_json,
-};
+use tumble_import::{printable, printable_json};
+use tumble_record::{PendingFile, body_drawing};
+use tumble_scene::{Audit, AuditedBody, AuditedCollider, MeshOptions, MeshRepairs};
 
 use crate::ending::check_ending;
 use crate::failure::Failure;
@@ -68,7 +68,7 @@ pub(crate) fn is_repairable(file: &str) -> bool {
 fn draw(audit: &Audit, file: &str, path: &Path) -> Result<(), Failure> {
     let body = audit.bodies.first().ok_or_else(|| Failure::Input(format!("{file}: there is no body to draw")))?;
     let mut drawing = PendingFile::create(path).map_err(|error| Failure::opening(path, &error))?;
-    let written = drawing.write_all(body.portrait().as_bytes());
+    let written = drawing.write_all(body_drawing(body).as_bytes());
     written.and_then(|()| drawing.finish()).map_err(|error| Failure::writing(path, &error))
 }
 

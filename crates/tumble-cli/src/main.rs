@@ -10,7 +10,6 @@ mod failure;
 mod history;
 mod inspect;
 mod interrupt;
-mod merge;
 mod options;
 mod outputs;
 mod print;
@@ -18,9 +17,6 @@ mod progress;
 mod replacing;
 mod run;
 mod sweep;
-mod sweep_options;
-mod sweep_plot;
-mod sweep_row;
 mod table;
 
 use std::process::ExitCode;
@@ -45,8 +41,8 @@ fn main() -> ExitCode {
     };
     let done = match options.command.unwrap_or_else(|| Command::Run(RunOptions::default())) {
         Command::Run(options) => run::run(&options),
-        Command::Sweep(options) => sweep::sweep(&options),
-        Command::Merge(options) => merge::merge(&options),
+        Command::Sweep(options) => sweep::command::sweep(&options),
+        Command::Merge(options) => sweep::merge::merge(&options),
         Command::Inspect(options) => inspect::inspect(&options),
     };
     match done {

@@ -8,7 +8,7 @@ use tumble::math::Real;
 use tumble::{Integrator, Settings};
 use tumble_scene::{MAX_BODIES, TIME_STEPS, step_count, time_step};
 
-use crate::sweep_options::{MergeOptions, SweepOptions};
+use crate::sweep::options::{MergeOptions, SweepOptions};
 
 /// Threads that can be asked for.
 const MAX_THREADS: u64 = 1024;

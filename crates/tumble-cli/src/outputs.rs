@@ -1,16 +1,16 @@
 //! The files of a run: opened before the first step, so that what cannot be written is known early,
 //! and renamed into place at the end.
 
-use std::fs;
-use std::io::{self, Write};
+use std::io::Write;
 use std::num::NonZeroU64;
 use std::path::{Path, PathBuf};
+use std::{fs, io};
 
 use tumble::PhaseTimes;
-use tumble_scene::{
-    Animation, Frame, PendingFile, Replay, ReportPage, Scene, Summary, TrajectoryError, TrajectoryFormat,
-    TrajectoryWriter,
+use tumble_record::{
+    Animation, Frame, PendingFile, Replay, ReportPage, Summary, TrajectoryError, TrajectoryFormat, TrajectoryWriter,
 };
+use tumble_scene::Scene;
 
 use crate::ending::trajectory_format;
 use crate::failure::Failure;

@@ -5,7 +5,7 @@ use std::fmt::Display;
 use std::io::{self, ErrorKind, Write};
 
 use clap::error::ContextValue;
-use tumble_scene::{printable, printable_lines};
+use tumble_import::{printable, printable_lines};
 
 use crate::failure::Failure;
 

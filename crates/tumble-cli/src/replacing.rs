@@ -4,7 +4,7 @@ use std::fs::{self, File};
 use std::io::{Read as _, Seek as _, SeekFrom};
 use std::path::{Path, PathBuf};
 
-use tumble_scene::{COLUMNS, TrajectoryFormat};
+use tumble_record::{COLUMNS, TrajectoryFormat};
 
 use crate::failure::Failure;
 

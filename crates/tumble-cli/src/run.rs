@@ -7,7 +7,9 @@ use hecs::World;
 use rayon::{ThreadPool, ThreadPoolBuilder};
 use tumble::math::PRECISION;
 use tumble::{BodyId, BodyOrder, PhaseTimes, Simulation, simd_name, state_hash};
-use tumble_scene::{BodyNames, Frame, InertiaRepairs, Replay, Scene, Summary, steps_of_duration};
+use tumble_import::InertiaRepairs;
+use tumble_record::{Frame, Replay, Summary};
+use tumble_scene::{BodyNames, Scene, steps_of_duration};
 
 use crate::drift::{Drift, NotFinite, interval};
 use crate::failure::Failure;

@@ -4,7 +4,7 @@ use std::fmt::{self, Display};
 use std::time::Duration;
 
 use tumble::PhaseTimes;
-use tumble_scene::{Conserved, Summary};
+use tumble_record::{Conserved, Summary};
 
 use crate::drift::Drift;
 

@@ -268,7 +268,7 @@ fn a_file_beyond_the_limit_is_not_read() {
     let place = Place::new();
     // Sparse: it takes no space, and reading it would show as a complaint about its zeros.
     let file = std::fs::File::create(place.path("large.json")).unwrap();
-    file.set_len(tumble_scene::MAX_FILE_BYTES + 1).unwrap();
+    file.set_len(tumble_import::MAX_FILE_BYTES + 1).unwrap();
     place.refused(&["run", "large.json"], "larger than 268435456 bytes");
 }
 

@@ -269,9 +269,17 @@ fn json_reads_back_to_the_same_name() {
 fn nothing_else_writes_to_a_stream() {
     let crates = Path::new(env!("CARGO_MANIFEST_DIR")).join("..");
     let writers = ["tumble-cli/src/print.rs", "tumble-view/src/main.rs"];
-    let mut open = ["tumble-math", "tumble-collide", "tumble", "tumble-scene", "tumble-cli", "tumble-view"]
-        .map(|name| crates.join(name).join("src"))
-        .to_vec();
+    let members = [
+        "tumble-math",
+        "tumble-collide",
+        "tumble",
+        "tumble-import",
+        "tumble-scene",
+        "tumble-record",
+        "tumble-cli",
+        "tumble-view",
+    ];
+    let mut open = members.map(|name| crates.join(name).join("src")).to_vec();
     let mut seen = 0;
     while let Some(path) = open.pop() {
         if path.is_dir() {

@@ -1,12 +1,10 @@
-//! Scene files for [`tumble`] in, trajectories and summaries out.
+//! Scenes for [`tumble`]: what to simulate, from files or built in.
 //!
-//! A scene is settings and bodies, written as JSON or RON after one model, or what [glTF](gltf) and
-//! URDF files say. [`Scene::open`] reads and checks it whole before anything is spawned, and a
-//! mistake is a [`SceneError`] of one line that names file, body and field. [`Audit`] shows the
-//! mass properties and forces of every body, [`TrajectoryWriter`] records states, [`Sweep`] makes
-//! many worlds of one scene, [`Summary`] is what a run reports and [`MomentumScale`] what it
-//! measures drift by, [`ReportPage`] the same as a page to look at, and [`PendingFile`] makes files
-//! appear whole or not at all.
+//! A scene is settings and bodies with forces, written as JSON or RON after one model, or what glTF
+//! and URDF files say, which [`tumble_import`] reads. [`Scene::open`] reads and checks it whole
+//! before anything is spawned, and a mistake is a [`SceneError`] of one line that names file, body
+//! and field. [`Audit`] shows the mass properties and forces of every body, and [`VariedScene`]
+//! makes worlds of one scene that differ in some of its numbers.
 //!
 //! ```
 //! use tumble_scene::Scene;
@@ -19,62 +17,27 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
-// On docs.rs items say which feature they need.
-#![cfg_attr(docsrs, feature(doc_cfg))]
-
+mod audit;
 mod bodies;
+mod builtin;
+mod convert;
 mod error;
-mod error_context;
-mod import;
+mod fields;
 mod limits;
-mod pending_file;
-mod read_file;
-mod record;
+mod model;
 mod scene;
-mod sweep;
-mod terminal;
-mod tessellation;
 mod values;
 
-pub use bodies::appearance::{Appearance, BODY_COLORS, FIXED_COLOR, GROUND_COLOR, Heights};
-pub use bodies::collider::{ColliderRole, SceneCollider};
+pub use audit::collider::AuditedCollider;
+pub use audit::mesh::{MeshOptions, MeshRepairs};
+pub use audit::{Audit, AuditedBody, Up};
 pub use bodies::force::{Force, HullShape};
-pub use error::{Place, SceneError};
-pub use import::gltf;
-pub use import::inertia_repair::InertiaRepairs;
-pub use limits::{
-    MAX_BODIES, MAX_FILE_BYTES, MAX_HEIGHTS, MAX_HULL_POINTS, MAX_MESH, MAX_PARTS, MAX_STEPS, TIME_STEPS, step_count,
-    steps_of_duration, time_step,
-};
-pub use pending_file::PendingFile;
-pub use record::csv_cell::csv_cell;
-pub use record::plot::axis::Scale;
-pub use record::plot::{Plot, SeriesStyle};
-pub use record::report_page::ReportPage;
-pub use record::report_page::replay::Replay;
-pub use record::run_status::RunStatus;
-pub use record::summary::{Conserved, Summary};
-pub use record::trajectory::error::TrajectoryError;
-pub use record::trajectory::format::TrajectoryFormat;
-pub use record::trajectory::frame::Frame;
-pub use record::trajectory::glb::Animation;
-pub use record::trajectory::glb::geometry::SurfaceSet;
-pub use record::trajectory::{COLUMNS, STATE_COLUMNS, TrajectoryWriter, state_numbers};
-pub use scene::audit::{Audit, AuditedBody};
-pub use scene::audit_collider::AuditedCollider;
-pub use scene::audit_mesh::{MeshOptions, MeshRepairs};
+pub use builtin::builtin_names;
+pub use error::SceneError;
+pub use fields::field_path::FieldPath;
+pub use fields::scene_template::{RunLength, RunOverrides, SceneTemplate};
+pub use fields::varied_scene::{VariedScene, VariedWorld};
+pub use limits::{MAX_BODIES, MAX_HEIGHTS, MAX_STEPS, TIME_STEPS, step_count, steps_of_duration, time_step};
+pub use model::parse::Format;
 pub use scene::body_names::BodyNames;
-pub use scene::builtin::builtin_names;
-pub use scene::ground_patches::ground_patches;
-pub use scene::momentum_scale::MomentumScale;
-pub use scene::parse::Format;
 pub use scene::{DEFAULT_STEPS, Scene};
-pub use sweep::distribution::Distribution;
-pub use sweep::shard::Shard;
-pub use sweep::sweep_error::SweepError;
-pub use sweep::sweep_file::{SweepFile, SweepFileError, SweepReader, sweep_header};
-pub use sweep::sweep_identity::SweepIdentity;
-pub use sweep::sweep_parameter::SweepParameter;
-pub use sweep::{MAX_WORLDS, RunLength, Sweep, SweepPlan, SweepWorld};
-pub use terminal::{printable, printable_json, printable_lines};
-pub use tessellation::Tessellation;

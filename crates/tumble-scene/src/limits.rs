@@ -3,21 +3,10 @@
 use std::ops::RangeInclusive;
 
 use tumble::math::Real;
-
-/// Largest scene file that is read \[bytes\].
-pub const MAX_FILE_BYTES: u64 = 256 << 20;
+use tumble_import::{checked, shortest};
 
 /// Most bodies of a scene, listed or generated.
 pub const MAX_BODIES: usize = 10_000_000;
-
-/// Most parts of one compound.
-pub const MAX_PARTS: usize = 100_000;
-
-/// Most vertices of a mesh in a file, and most triangles.
-pub const MAX_MESH: usize = 20_000_000;
-
-/// Most points of a convex hull in a scene.
-pub const MAX_HULL_POINTS: usize = 100_000;
 
 /// Most heights of a height field in a scene.
 pub const MAX_HEIGHTS: usize = 4_000_000;
@@ -39,13 +28,13 @@ pub const TIME_STEPS: RangeInclusive<f64> = 1e-9..=1e6;
 /// ```
 pub fn time_step(seconds: f64) -> Result<Real, String> {
     if TIME_STEPS.contains(&seconds) {
-        Ok(crate::values::checked::real(seconds))
+        Ok(checked::real(seconds))
     } else {
         Err(format!(
             "must be from {:e} to {:e} seconds, not {}",
             TIME_STEPS.start(),
             TIME_STEPS.end(),
-            crate::error::shortest(seconds)
+            shortest(seconds)
         ))
     }
 }

@@ -5,12 +5,11 @@
 //! Why: a collider that is read and dropped lets bodies fall through a floor that everyone sees.
 #![allow(clippy::unwrap_used, reason = "a test fails by panicking, in its helper functions too")]
 
-use std::io::Cursor;
-
 use glam::DVec3;
 use hecs::World;
 use tumble::{BodyOrder, Collider, CombineRule, Pose, Simulation};
-use tumble_scene::{Animation, Appearance, Audit, Frame, Scene, Sweep, SweepPlan, TrajectoryWriter};
+use tumble_import::Appearance;
+use tumble_scene::{Audit, RunOverrides, Scene, SceneTemplate};
 
 /// Where the bodies of a scene are after some steps.
 fn run(scene: Scene, steps: u32) -> Vec<DVec3> {
@@ -198,14 +197,16 @@ fn a_sweep_varies_surfaces_and_settings() {
     let directory = tempfile::tempdir().unwrap();
     let path = directory.path().join("bounce.json");
     std::fs::write(&path, text).unwrap();
-    let plan = |vary: &str| {
-        let vary = vec![vary.parse().unwrap()];
-        SweepPlan { scene: path.to_str().unwrap().to_owned(), vary, ..SweepPlan::default() }
+    let varied = |field: &str| {
+        let template = SceneTemplate::open(path.to_str().unwrap(), RunOverrides::default()).unwrap();
+        let field = template.field(field).unwrap();
+        template.varied(vec![field])
     };
-    let sweep = Sweep::new(plan("bodies.ball.collider.restitution=grid(0,1,3)")).unwrap();
-    let heights: Vec<f64> = (0..3)
-        .map(|world| {
-            let mut world = sweep.build(&sweep.draw(world)).unwrap();
+    let scene = varied("bodies.ball.collider.restitution");
+    let heights: Vec<f64> = [0.0, 0.5, 1.0]
+        .into_iter()
+        .map(|restitution| {
+            let mut world = scene.build(&[restitution]).unwrap();
             // It falls for 0.4515 s, and rises for as long times the restitution.
             let mut highest = f64::NEG_INFINITY;
             for step in 0..1000 {
@@ -220,15 +221,16 @@ fn a_sweep_varies_surfaces_and_settings() {
     for (height, expected) in heights.iter().zip([0.0, 0.25, 1.0]) {
         assert!((height - expected).abs() < 0.01, "{heights:?}");
     }
-    for setting in [
-        "contact_substeps=grid(1,8,2)",
-        "restitution_threshold=grid(0,2,2)",
-        "bodies.ground.shape.normal.0=grid(0,1,2)",
+    for (setting, values) in [
+        ("contact_substeps", [1.0, 8.0]),
+        ("restitution_threshold", [0.0, 2.0]),
+        ("bodies.ground.shape.normal.0", [0.0, 1.0]),
     ] {
-        let sweep = Sweep::new(plan(setting)).unwrap();
-        let ends: Vec<_> = (0..2)
-            .map(|world| {
-                let mut world = sweep.build(&sweep.draw(world)).unwrap();
+        let scene = varied(setting);
+        let ends: Vec<_> = values
+            .into_iter()
+            .map(|value| {
+                let mut world = scene.build(&[value]).unwrap();
                 world.trial.step_many(600);
                 places(&world.trial.world)[1]
             })
@@ -379,31 +381,4 @@ fn a_mesh_that_stands_still_is_touched_as_it_is() {
     // On the pit's floor, at -0.5, or on the lid that its hull has at 1.
     assert!((height(r#""fixed": true"#) + 0.25).abs() < 2e-3, "{}", height(r#""fixed": true"#));
     assert!((height(r#""mass": 1000"#) - 1.25).abs() < 5e-3, "{}", height(r#""mass": 1000"#));
-}
-
-/// Infinite ground is a disc in a record, as wide as the scene, and a surface that is seen from
-/// above only.
-#[test]
-fn a_record_has_a_plate_for_ground() {
-    let scene = Scene::from_json(BOX_ON_GROUND, "box.json").unwrap();
-    let (settings, animation) = (scene.settings, Animation::of(&scene, 0, 1).unwrap());
-    let mut world = World::new();
-    let names = scene.spawn(&mut world).unwrap();
-    let simulation = Simulation::new(settings).unwrap();
-    let order = BodyOrder::of(&world);
-    let frame = Frame::of(&simulation, &world, &order, &names);
-    let mut writer = TrajectoryWriter::glb(Cursor::new(Vec::new()), animation);
-    writer.record(&frame).unwrap();
-    let bytes = writer.finish().unwrap().into_inner();
-    let length = u32::from_le_bytes(bytes[12..16].try_into().unwrap()) as usize;
-    let document: serde_json::Value = serde_json::from_slice(&bytes[20..20 + length]).unwrap();
-    let ground = &document["nodes"][0];
-    assert_eq!(ground["name"], "ground");
-    let primitive = &document["meshes"][ground["mesh"].as_u64().unwrap() as usize]["primitives"][0];
-    let positions = &document["accessors"][primitive["attributes"]["POSITION"].as_u64().unwrap() as usize];
-    let half_width = positions["max"][0].as_f64().unwrap();
-    // The box reaches 0.75 m from its middle, in a box with a diagonal of 2 x 0.75 x sqrt(3).
-    assert!((half_width / (1.6 * 0.75 * 3.0_f64.sqrt()) - 1.0).abs() < 1e-6, "{half_width}");
-    assert_eq!((positions["min"][1].as_f64(), positions["max"][1].as_f64()), (Some(0.0), Some(0.0)));
-    assert_eq!(document["materials"][primitive["material"].as_u64().unwrap() as usize].get("doubleSided"), None);
 }

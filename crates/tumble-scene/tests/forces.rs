@@ -11,7 +11,7 @@ use tumble::{
     AngularVelocityServo, BodyId, Buoyancy, ConstantWrench, Damping, Drag, Frame, GravityMass, GravityScale, Hull,
     Magnus, PointGravity, Spring, SpringToPoint, Thruster, Wind,
 };
-use tumble_scene::{Audit, Force, Scene, Sweep, SweepPlan};
+use tumble_scene::{Audit, Force, RunOverrides, Scene, SceneTemplate};
 
 const JSON: &str = r#"{ "bodies": [ { "name": "box", "shape": { "cuboid": { "half_extents": [1, 2, 3] } }, "mass": 5, "forces": [
     { "damping": { "linear": 0.5 } }, { "gravity_scale": 2 }, { "drag": { "linear": 0.1, "angular": [1, 2, 3] } },
@@ -178,20 +178,18 @@ fn a_spring_lets_its_bodies_swing_and_keeps_their_momentum() {
 
 /// A body that a spring leads to moves from world to world; the spring's own does not.
 #[test]
-fn in_a_sweep_the_length_of_a_spring_is_the_distance_in_each_world() {
+fn the_length_of_a_spring_is_the_distance_in_each_world() {
     let directory = tempfile::tempdir().unwrap();
     let path = directory.path().join("scene.json");
     let scene = r#"{ "bodies": [ { "name": "a", "mass": 1, "forces": [ { "spring": { "to": "b", "stiffness": 1 } },
         { "spring": { "to": "c", "stiffness": 1 } } ] }, { "name": "b", "mass": 1 }, { "name": "c", "mass": 1, "position": [0, 7, 0] } ] }"#;
     std::fs::write(&path, scene).unwrap();
-    let vary = vec![
-        "bodies.b.position.0=grid(1,3,3)".parse().unwrap(),
-        "bodies.a.forces.0.spring.stiffness=grid(5,5,1)".parse().unwrap(),
-    ];
-    let plan = SweepPlan { scene: path.to_string_lossy().into_owned(), vary, ..SweepPlan::default() };
-    let sweep = Sweep::new(plan).unwrap();
+    let template = SceneTemplate::open(&path.to_string_lossy(), RunOverrides::default()).unwrap();
+    let fields =
+        ["bodies.b.position.0", "bodies.a.forces.0.spring.stiffness"].map(|path| template.field(path).unwrap());
+    let scene = template.varied(fields.to_vec());
     for (value, length) in [(1.0, 1.0), (2.0, 2.0), (3.0, 3.0)] {
-        let world = sweep.build(&[value, 5.0]).unwrap().trial.world;
+        let world = scene.build(&[value, 5.0]).unwrap().trial.world;
         let mut lengths: Vec<(Real, Real)> =
             springs(&world).iter().map(|spring| (spring.rest_length, spring.stiffness)).collect();
         lengths.sort_by(|a, b| a.0.total_cmp(&b.0));

@@ -8,7 +8,8 @@
 use glam::DVec3;
 use hecs::World;
 use tumble::{BodyOrder, Pose, Simulation};
-use tumble_scene::{Appearance, MAX_HEIGHTS, Scene};
+use tumble_import::Appearance;
+use tumble_scene::{MAX_HEIGHTS, Scene};
 
 /// Where the bodies are after a number of steps, in the order of the scene.
 #[allow(clippy::useless_conversion, reason = "it is f64 already in one of the two builds")]

@@ -11,7 +11,7 @@
 use std::path::{Path, PathBuf};
 
 use proptest::prelude::*;
-use tumble_scene::{Audit, AuditedBody, MeshOptions, MeshRepairs, Scene, Sweep, SweepPlan};
+use tumble_scene::{Audit, AuditedBody, MeshOptions, MeshRepairs, RunOverrides, Scene, SceneTemplate};
 
 /// A unit cube of quads, with what else files have.
 const CUBE: &str = "\u{feff}# a cube\nmtllib a.mtl\no cube\nv 0 0 0 # corner\nv 1 0 0 0.5\nv 1 1 0 1 0 0\nv 0 1 0\nv 0 0 1\nv 1 0 1\nv 1 1 1\nv 0 1 1\n\
@@ -297,25 +297,20 @@ fn a_bad_mesh_of_a_scene_is_named_with_file_body_and_field() {
 /// another sweep.
 #[test]
 #[allow(clippy::useless_conversion, reason = "a mass is f64 already in one of the two builds")]
-fn a_sweep_reads_its_mesh_once() {
+fn a_scene_of_many_worlds_reads_its_mesh_once() {
     let files = Files::new();
     let mesh = files.write("part.obj", CUBE);
     let path = files.write("scene.json", scene(r#"{ "mesh": { "file": "part.obj" } }"#));
-    let plan = SweepPlan {
-        scene: path.to_str().unwrap().to_owned(),
-        worlds: Some(3),
-        vary: vec!["bodies.part.density=1..2".parse().unwrap(), "bodies.part.angular_velocity.0=1..2".parse().unwrap()],
-        ..SweepPlan::default()
-    };
-    let sweep = Sweep::new(plan).unwrap();
+    let template = SceneTemplate::open(path.to_str().unwrap(), RunOverrides::default()).unwrap();
+    let fields = ["bodies.part.density", "bodies.part.angular_velocity.0"].map(|path| template.field(path).unwrap());
+    let scene = template.varied(fields.to_vec());
     std::fs::remove_file(mesh).unwrap();
-    for world in 0..3 {
-        let drawn = sweep.draw(world);
-        let mut world = sweep.build(&drawn).unwrap();
+    for values in [[1.25, 1.5], [1.75, 1.0], [2.0, 2.0]] {
+        let mut world = scene.build(&values).unwrap();
         world.trial.step_many(3);
         let mass = world.trial.world.query::<&tumble::Mass>().iter().next().unwrap().kilograms();
         // Single precision.
-        assert!((f64::from(mass) / drawn[0] - 1.0).abs() < 1e-7, "{mass} for {}", drawn[0]);
+        assert!((f64::from(mass) / values[0] - 1.0).abs() < 1e-7, "{mass} for {}", values[0]);
     }
 }
 
@@ -338,7 +333,7 @@ proptest! {
         }
         for repairs in [MeshRepairs::Refused, MeshRepairs::Made] {
             match Files::new().audit(name, &bytes, MeshOptions { density: 1.0, repairs }) {
-                Ok(audit) => drop(audit.bodies[0].portrait()),
+                Ok(audit) => prop_assert_eq!(audit.bodies.len(), 1),
                 Err(message) => prop_assert!(message.starts_with(name) && !message.chars().any(char::is_control), "{message:?}"),
             }
         }

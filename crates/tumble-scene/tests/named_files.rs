@@ -10,7 +10,8 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 use proptest::prelude::*;
-use tumble_scene::{Audit, InertiaRepairs, MeshOptions, MeshRepairs, Scene, SceneError};
+use tumble_import::{FileError, InertiaRepairs};
+use tumble_scene::{Audit, MeshOptions, MeshRepairs, Scene, SceneError};
 
 const TETRAHEDRON: &str = "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n";
 
@@ -174,7 +175,7 @@ fn links_are_repaired_in_their_own_axes() {
     // of x and y.
     let link = r#"<link name="wheel"><inertial><mass value="2"/><inertia ixx="0.25" ixy="0.15" ixz="0" iyy="0.25" iyz="0" izz="0.1"/></inertial></link>"#;
     fs::write(&path, format!(r#"<robot name="cart">{link}</robot>"#)).unwrap();
-    assert!(matches!(Scene::load(&path), Err(SceneError::Link { .. })));
+    assert!(matches!(Scene::load(&path), Err(SceneError::File(FileError::Link { .. }))));
     let scene = Scene::load_with(&path, InertiaRepairs::Made).unwrap();
     assert!(scene.notices.iter().any(|notice| notice.contains("\"wheel\"") && notice.contains("repaired")));
     let options = MeshOptions { repairs: MeshRepairs::Made, ..MeshOptions::default() };

@@ -12,7 +12,8 @@
 use proptest::prelude::*;
 use serde_json::Value;
 use tumble::Pose;
-use tumble_scene::{Appearance, Audit, AuditedBody, Scene, SceneError};
+use tumble_import::{Appearance, FileError};
+use tumble_scene::{Audit, AuditedBody, Scene, SceneError};
 
 const PUBLISHED: &str = include_str!("../../../tests/data/inertia_robot_links.json");
 
@@ -314,7 +315,7 @@ fn what_is_no_body_and_what_is_not_read_is_told() {
 
 fn refusal(text: &str) -> String {
     let error = Scene::from_urdf(text, "r.urdf").unwrap_err();
-    assert!(matches!(error, SceneError::Malformed { .. }), "{error:?}");
+    assert!(matches!(error, SceneError::File(FileError::Malformed { .. })), "{error:?}");
     assert_eq!(Audit::from_urdf(text, "r.urdf").unwrap_err(), error);
     error.to_string()
 }

@@ -9,7 +9,9 @@ use tumble::{
     BodyId, BodyOrder, CenterOfMass, Collider, Inertia, Mass, Momentum, Pose, PreviousPose, PrincipalAxes, Shape,
     Velocity, equivalent_ellipsoid,
 };
-use tumble_scene::{Appearance, BODY_COLORS, BodyNames, FIXED_COLOR, GROUND_COLOR, SurfaceSet, ground_patches};
+use tumble_import::Appearance;
+use tumble_record::{BODY_COLORS, FIXED_COLOR, GROUND_COLOR, SurfaceSet, ground_patches};
+use tumble_scene::BodyNames;
 
 use crate::colliders;
 use crate::convert::{dquat, dvec3};

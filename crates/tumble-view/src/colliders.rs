@@ -1,7 +1,7 @@
 //! What bodies touch with, where that is not what is seen of them.
 
 use tumble::{Collider, Pose, Shape, TriangleMesh, convex_hull};
-use tumble_scene::Appearance;
+use tumble_import::Appearance;
 
 /// A mesh fills its convex hull if what is missing is less than this part of it: rounding of sums
 /// over all triangles.
@@ -31,7 +31,6 @@ fn of_appearance(appearance: &Appearance) -> [Option<Collider>; 2] {
             let solid = if fills_its_hull(shape) { Collider::new(shape).ok() } else { None };
             [solid, if let Shape::Mesh(mesh) = shape { surface(mesh.mesh()) } else { None }]
         }
-        _ => [None, None],
     }
 }
 

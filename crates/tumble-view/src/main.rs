@@ -39,7 +39,7 @@ use std::io::Write as _;
 use std::process::ExitCode;
 
 use clap::Parser as _;
-use tumble_scene::{printable, printable_lines};
+use tumble_import::{printable, printable_lines};
 
 use crate::failure::Failure;
 use crate::options::Options;

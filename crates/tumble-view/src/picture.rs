@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 use macroquad::camera::{Camera2D, set_camera, set_default_camera};
 use macroquad::math::Rect;
 use macroquad::texture::{RenderTarget, RenderTargetParams, render_target_ex};
-use tumble_scene::PendingFile;
+use tumble_record::PendingFile;
 
 use crate::failure::Failure;
 use crate::gpu::{Background, Gpu, Renderer};

@@ -5,7 +5,8 @@ use std::time::{Duration, Instant};
 use hecs::{Entity, World};
 use tumble::math::Real;
 use tumble::{BodyOrder, Pose, PreviousPose, Simulation, Snapshot, Totals, Velocity};
-use tumble_scene::{MomentumScale, Scene};
+use tumble_record::MomentumScale;
+use tumble_scene::Scene;
 
 use crate::bodies::{Bodies, Placed};
 use crate::convert::real;

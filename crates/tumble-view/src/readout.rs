@@ -2,7 +2,7 @@
 
 use tumble::glam::DVec3;
 use tumble::{Inertia, Mass, Momentum, Pose, Totals, Velocity};
-use tumble_scene::MomentumScale;
+use tumble_record::MomentumScale;
 
 use crate::bodies::DrawnBody;
 use crate::convert::dvec3;

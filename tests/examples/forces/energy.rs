@@ -5,7 +5,7 @@ use std::fmt::Write as _;
 use hecs::{Entity, World};
 use tumble::math::{Real, Vec3};
 use tumble::{BodyId, BodyOrder, GravityMass, RigidBody, Settings, Shape, Simulation, Spring, Totals};
-use tumble_scene::{Plot, Scale, SeriesStyle};
+use tumble_record::{Plot, Scale, SeriesStyle};
 
 use crate::{Failure, Findings};
 

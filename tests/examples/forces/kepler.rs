@@ -6,7 +6,7 @@ use std::fmt::Write as _;
 use hecs::{Entity, World};
 use tumble::math::{Real, Vec3};
 use tumble::{PointGravity, Pose, RigidBody, Settings, Shape, Simulation, Velocity};
-use tumble_scene::{Plot, Scale, SeriesStyle};
+use tumble_record::{Plot, Scale, SeriesStyle};
 use tumble_tests::dvec3;
 
 use crate::{Failure, Findings};

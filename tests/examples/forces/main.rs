@@ -16,7 +16,7 @@ use std::io::Write as _;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
-use tumble_scene::Plot;
+use tumble_record::Plot;
 
 /// Text for the terminal, and pictures with the names of their files.
 type Findings = (String, Vec<(&'static str, Plot)>);

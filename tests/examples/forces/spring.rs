@@ -6,7 +6,7 @@ use std::fmt::Write as _;
 use hecs::World;
 use tumble::math::{Real, Vec3};
 use tumble::{Pose, RigidBody, Settings, Shape, Simulation, Spring};
-use tumble_scene::{Plot, Scale, SeriesStyle};
+use tumble_record::{Plot, Scale, SeriesStyle};
 use tumble_tests::seconds;
 
 use crate::{Failure, Findings};

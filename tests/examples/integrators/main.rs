@@ -19,7 +19,7 @@ use std::io::Write as _;
 use std::path::PathBuf;
 use std::process::ExitCode;
 
-use tumble_scene::Plot;
+use tumble_record::Plot;
 
 /// What was asked for.
 struct Options {

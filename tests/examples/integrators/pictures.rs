@@ -3,7 +3,7 @@
 use hecs::{Entity, World};
 use tumble::math::Vec3;
 use tumble::{Integrator, Momentum, Pose, Settings, Simulation};
-use tumble_scene::{Plot, Scale, SeriesStyle};
+use tumble_record::{Plot, Scale, SeriesStyle};
 use tumble_tests::references::Tumbler;
 use tumble_tests::{dquat, dvec3};
 

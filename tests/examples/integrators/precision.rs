@@ -3,7 +3,7 @@
 use hecs::World;
 use tumble::math::{Real, Vec3};
 use tumble::{Integrator, Pose, Settings, Simulation};
-use tumble_scene::{Plot, Scale, SeriesStyle};
+use tumble_record::{Plot, Scale, SeriesStyle};
 use tumble_tests::references::double_quat;
 use tumble_tests::{FreeBody, attitude_error, dquat, energy_of};
 

@@ -9,7 +9,7 @@ use tumble::{
     PointGravity, Spring, SpringToPoint, Thruster, Wind,
 };
 
-use crate::values::checked::{real, real_vector};
+use tumble_import::checked::{real, real_vector};
 
 /// A force on a body of a scene, as `tumble inspect` lists it: written as JSON it is what the scene
 /// file could have said.

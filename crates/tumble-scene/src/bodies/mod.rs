@@ -1,8 +1,4 @@
-//! Bodies of any source: what is to be spawned, with its collider and its appearance.
+//! Bodies of a scene: what is to be spawned, with its forces.
 
-pub(crate) mod appearance;
-pub(crate) mod collider;
-pub(crate) mod collider_geometry;
 pub(crate) mod force;
 pub(crate) mod scene_body;
-pub(crate) mod surface_material;

@@ -3,9 +3,8 @@
 use glam::DVec3;
 use hecs::{Entity, EntityBuilder, World};
 use tumble::{Body, Collider};
+use tumble_import::{Appearance, ImportedBody, ImportedCollider};
 
-use crate::bodies::appearance::Appearance;
-use crate::bodies::collider::SceneCollider;
 use crate::bodies::force::Force;
 
 /// A checked body, what it looks like, and its checked forces.
@@ -19,7 +18,14 @@ pub(crate) struct SceneBody {
     /// What it touches others with.
     pub(crate) collider: Option<Collider>,
     /// What a glTF file says of its colliders and triggers.
-    pub(crate) pieces: Vec<SceneCollider>,
+    pub(crate) pieces: Vec<ImportedCollider>,
+}
+
+impl From<ImportedBody> for SceneBody {
+    /// A body on which nothing acts but gravity.
+    fn from(ImportedBody { body, appearance, collider, pieces }: ImportedBody) -> Self {
+        Self { body, appearance, forces: Vec::new(), springs_to: Vec::new(), collider, pieces }
+    }
 }
 
 impl SceneBody {

@@ -2,7 +2,7 @@
 
 use std::borrow::Cow;
 
-use crate::scene::convert;
+use crate::convert;
 
 /// The names of a scene's bodies, by [`BodyId`](tumble::BodyId).
 ///

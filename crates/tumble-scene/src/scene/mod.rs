@@ -1,44 +1,29 @@
 //! A scene: settings, bodies and their names.
 
-pub(crate) mod audit;
-pub(crate) mod audit_collider;
-pub(crate) mod audit_mesh;
 pub(crate) mod body_names;
-pub(crate) mod builtin;
-pub(crate) mod collider_model;
-pub(crate) mod contact_scenes;
-pub(crate) mod convert;
-pub(crate) mod force_model;
-pub(crate) mod ground_patches;
-pub(crate) mod mesh_shape;
-pub(crate) mod model;
-pub(crate) mod momentum_scale;
-pub(crate) mod parse;
-pub(crate) mod stress;
 
 use std::collections::HashMap;
 use std::path::{Path, PathBuf};
 
 use hecs::World;
 use tumble::{BodyError, BodyId, Settings};
+use tumble_import::checked::{finite, real, real_vector};
+use tumble_import::gltf::{GltfBodies, GltfBody};
+use tumble_import::{
+    Appearance, FieldError, ImportedCollider, InertiaRepairs, MeshFormat, Robot, Scope, one_line, read_text,
+};
 
-use crate::bodies::appearance::Appearance;
-use crate::bodies::collider::SceneCollider;
 use crate::bodies::scene_body::SceneBody;
-use crate::error::{FieldError, SceneError, Scope, invalid, one_line};
-use crate::import::gltf;
-use crate::import::gltf::{GltfBody, GltfScene};
-use crate::import::inertia_repair::InertiaRepairs;
-use crate::import::mesh_file::MeshFormat;
-use crate::import::urdf::{MAX_URDF_BYTES, Robot};
+use crate::builtin::stress::StressBodies;
+use crate::builtin::{builtin_names, contact_scenes, stress};
+use crate::convert::forces::Others;
+use crate::error::{SceneError, invalid};
 use crate::limits::{MAX_BODIES, step_count, time_step};
-use crate::read_file::{read_limited, read_text};
+use crate::model::parse::{Format, parse};
+use crate::model::scene_model::SceneModel;
 use crate::scene::body_names::BodyNames;
-use crate::scene::builtin::builtin_names;
-use crate::scene::convert::forces::Others;
-use crate::scene::model::SceneModel;
-use crate::scene::parse::{Format, parse};
-use crate::scene::stress::StressBodies;
+use crate::values::checked::finite_triple;
+use crate::{builtin, convert};
 
 /// Steps of a scene that does not say how many.
 pub const DEFAULT_STEPS: u64 = 600;
@@ -114,7 +99,7 @@ impl Scene {
     ///
     /// # Errors
     /// [`SceneError`]; [`SceneError::NotGenerated`] where either is given for a scene that has no
-    /// use for it, and [`SceneError::Invalid`] for more bodies than [`MAX_BODIES`].
+    /// use for it, and [`SceneError::File`] for more bodies than [`MAX_BODIES`].
     pub fn open_with(name_or_path: &str, bodies: Option<u64>, seed: Option<u64>) -> Result<Self, SceneError> {
         let Some(option) = bodies.map(|_| "bodies").or(seed.map(|_| "seed")) else { return Self::open(name_or_path) };
         // What is more than there can be is refused with all that is too many.
@@ -151,10 +136,10 @@ impl Scene {
     pub fn load_with(path: &Path, repairs: InertiaRepairs) -> Result<Self, SceneError> {
         let file = path.to_string_lossy();
         if MeshFormat::of_path(path) == Some(MeshFormat::Gltf) {
-            return Self::of_gltf(gltf::load(path, repairs)?, &file);
+            return Self::of_gltf(GltfBodies::open(path, repairs)?, &file);
         }
         if is_urdf(path) {
-            let robot = Robot::read(&read_limited(path, MAX_URDF_BYTES)?, &file, repairs)?;
+            let robot = Robot::open(path, repairs)?;
             return Ok(Self { files: vec![path.to_owned()], ..Self::of_robot(robot, &file)? });
         }
         let mut scene = Self::from_model(&load_model(path)?, &file)?;
@@ -201,18 +186,19 @@ impl Scene {
     /// # Errors
     /// [`SceneError`], whose message names file, link and field.
     pub fn from_urdf(text: &str, file: &str) -> Result<Self, SceneError> {
-        Self::of_robot(Robot::read(text, file, InertiaRepairs::Refused)?, file)
+        Self::of_robot(Robot::from_text(text, file, InertiaRepairs::Refused)?, file)
     }
 
     fn of_robot(mut robot: Robot, file: &str) -> Result<Self, SceneError> {
         let (name, notices) = (robot.name.take(), std::mem::take(&mut robot.notices));
         let (bodies, names) = robot.into_bodies(file)?;
+        let bodies = bodies.into_iter().map(SceneBody::from).collect();
         Ok(Self {
             origin: file.to_owned(),
             name,
             description: None,
             source: None,
-            settings: Robot::settings(),
+            settings: Settings::default().with_gravity(Robot::GRAVITY),
             steps: DEFAULT_STEPS,
             notices,
             left_out: Vec::new(),
@@ -228,14 +214,14 @@ impl Scene {
     /// [`SceneError`], whose message names file, node and field.
     pub fn from_gltf(bytes: &[u8], file: &str) -> Result<Self, SceneError> {
         let directory = Path::new(file).parent();
-        Self::of_gltf(gltf::from_bytes(bytes, directory, file, InertiaRepairs::Refused)?, file)
+        Self::of_gltf(GltfBodies::from_bytes(bytes, directory, file, InertiaRepairs::Refused)?, file)
     }
 
     /// The generated scene: mixed tumbling shapes on a grid, falling, the same bits on every
-    /// platform for the same count and seed (PCG32 and plain arithmetic).
+    /// platform for the same count and seed (SplitMix64 and plain arithmetic).
     ///
     /// # Errors
-    /// [`SceneError::Invalid`] for more bodies than [`MAX_BODIES`].
+    /// [`SceneError::File`] for more bodies than [`MAX_BODIES`].
     pub fn stress(bodies: usize, seed: u64) -> Result<Self, SceneError> {
         check_count(builtin::STRESS, bodies)?;
         Ok(Self {
@@ -273,7 +259,10 @@ impl Scene {
     }
 
     /// What the bodies with these indices look like, which increase.
-    pub(crate) fn appearance_of(&self, chosen: &[usize]) -> Result<Vec<Appearance>, SceneError> {
+    ///
+    /// # Errors
+    /// As [`spawn`](Self::spawn).
+    pub fn appearance_of(&self, chosen: &[usize]) -> Result<Vec<Appearance>, SceneError> {
         match &self.bodies {
             Bodies::Listed { bodies, .. } => {
                 Ok(chosen.iter().filter_map(|&index| bodies.get(index)).map(|body| body.appearance.clone()).collect())
@@ -289,7 +278,8 @@ impl Scene {
 
     /// Whether forces move the body of this index; those that they do not stand still or move as
     /// they are told.
-    pub(crate) fn is_free(&self, index: usize) -> bool {
+    #[must_use]
+    pub fn is_free(&self, index: usize) -> bool {
         match &self.bodies {
             Bodies::Listed { bodies, .. } => bodies.get(index).is_some_and(|body| body.body.properties().is_some()),
             Bodies::Stress { .. } => true,
@@ -300,7 +290,7 @@ impl Scene {
     /// them, and gives the bodies' names.
     ///
     /// # Errors
-    /// [`SceneError::Invalid`] if the generated scene made an impossible body, which its tests
+    /// [`SceneError::File`] if the generated scene made an impossible body, which its tests
     /// deny.
     pub fn spawn(self, world: &mut World) -> Result<BodyNames, SceneError> {
         match self.bodies {
@@ -319,7 +309,7 @@ impl Scene {
 
     /// A scene of bodies that are at fault or not, with the engine's settings. Refused if there is
     /// none without a fault.
-    fn of_gltf(scene: GltfScene, file: &str) -> Result<Self, SceneError> {
+    fn of_gltf(scene: GltfBodies, file: &str) -> Result<Self, SceneError> {
         let (mut bodies, mut names) = (Vec::with_capacity(scene.bodies.len()), Vec::with_capacity(scene.bodies.len()));
         let (mut left_out, mut notices) = (Vec::new(), scene.notices);
         for GltfBody { name, body } in scene.bodies {
@@ -327,14 +317,14 @@ impl Scene {
                 Ok(mut body) => {
                     // Ids are indices, also where a body before it is missing.
                     body.body = body.body.with_id(Some(BodyId(bodies.len() as u64)));
-                    bodies.push(body);
+                    bodies.push(SceneBody::from(body));
                     names.push(name);
                 }
                 Err(error) if error.scope == Scope::Body => {
                     notices.push(one_line(&format!("body {name:?} is left out: {error}")));
-                    left_out.push(gltf::invalid(file, error));
+                    left_out.push(invalid(file, None, error));
                 }
-                Err(error) => return Err(gltf::invalid(file, error)),
+                Err(error) => return Err(invalid(file, None, error)),
             }
         }
         if bodies.is_empty() && !left_out.is_empty() {
@@ -356,7 +346,7 @@ impl Scene {
 
     /// What a glTF file says of the colliders and triggers of its bodies, each with the index of
     /// its body.
-    pub fn colliders(&self) -> impl Iterator<Item = (usize, &SceneCollider)> {
+    pub fn colliders(&self) -> impl Iterator<Item = (usize, &ImportedCollider)> {
         let bodies = match &self.bodies {
             Bodies::Listed { bodies, .. } => bodies.as_slice(),
             Bodies::Stress { .. } => &[],
@@ -454,9 +444,7 @@ pub(crate) fn stress_bodies(count: usize, seed: u64) -> impl Iterator<Item = Res
 pub(crate) fn settings(model: &SceneModel) -> Result<(Settings, u64), FieldError> {
     let mut settings = Settings::default();
     if let Some(gravity) = &model.gravity {
-        settings = settings.with_gravity(crate::values::checked::real_vector(crate::values::checked::finite_triple(
-            "gravity", gravity,
-        )?));
+        settings = settings.with_gravity(real_vector(finite_triple("gravity", gravity)?));
     }
     if let Some(dt) = model.dt {
         settings = settings.with_dt(time_step(dt).map_err(|problem| FieldError::new("dt", problem))?);
@@ -472,8 +460,8 @@ pub(crate) fn settings(model: &SceneModel) -> Result<(Settings, u64), FieldError
         settings = settings.with_contact_substeps(substeps);
     }
     if let Some(speed) = model.restitution_threshold {
-        let speed = crate::values::checked::finite("restitution_threshold", speed)?;
-        settings = settings.with_restitution_threshold(crate::values::checked::real(speed));
+        let speed = finite("restitution_threshold", speed)?;
+        settings = settings.with_restitution_threshold(real(speed));
     }
     settings.validate().map_err(|error| FieldError::new(error.field(), error))?;
     let steps = step_count(model.steps.unwrap_or(DEFAULT_STEPS));

@@ -1,5 +1,4 @@
-//! Values in files: checks, lists, and words.
+//! Values in scene files: checks and lists.
 
 pub(crate) mod checked;
-pub(crate) mod combine_rule;
 pub(crate) mod tuple;

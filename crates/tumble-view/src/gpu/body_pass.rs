@@ -5,7 +5,8 @@ use macroquad::miniquad::{
     Comparison, Equation, Pipeline, PipelineParams, RenderingBackend, UniformType, UniformsSource, VertexAttribute,
     VertexFormat, VertexStep,
 };
-use tumble_scene::{SurfaceSet, Tessellation};
+use tumble_import::Tessellation;
+use tumble_record::SurfaceSet;
 
 use super::instances::Instances;
 use super::{GpuError, Picture, shader};

@@ -1,0 +1,143 @@
+//! `tumble sweep`.
+
+use std::collections::BTreeSet;
+use std::fs;
+use std::ops::{ControlFlow, Range};
+use std::path::Path;
+use std::time::{Duration, Instant};
+
+use tumble_import::printable;
+
+use crate::sweep::Sweep;
+use crate::sweep::file::SweepFile;
+use crate::sweep::identity::SweepIdentity;
+use crate::sweep::run_status::RunStatus;
+use tumble::for_each_world;
+
+use crate::ending::check_ending;
+use crate::failure::Failure;
+use crate::progress::Progress;
+use crate::run::{check_simd, pool};
+use crate::sweep::options::SweepOptions;
+use crate::sweep::plot::SweepPlot;
+use crate::sweep::row::{columns, row};
+use crate::{interrupt, print};
+
+/// Runs the worlds of a sweep and writes a row for each.
+pub(crate) fn sweep(options: &SweepOptions) -> Result<(), Failure> {
+    check_ending(&options.out, "a sweep's file", "csv")?;
+    refuse_twice(&options.body)?;
+    check_simd()?;
+    let sweep = Sweep::new(options.plan())?;
+    let columns = columns(&sweep);
+    let pool = pool(&options.stepping)?;
+    interrupt::watch()?;
+    let plot = SweepPlot::open(&options.plot, &columns, sweep.files().to_vec())?;
+    let identity = SweepIdentity::new(&sweep, options.shard);
+    let file = open(&options.out, &identity, &columns)?;
+    let mut report = Report { worlds: identity.range(), begun_at: file.first_missing_world(), ..Report::default() };
+    let done = pool.install(|| run(&sweep, file, &mut report, options.quiet))?;
+    if done.is_continue()
+        && let Some(plot) = plot
+    {
+        plot.draw(&options.out, &options.scene)?;
+    }
+    if !options.quiet {
+        print::output(&report.text(&sweep, &options.out))?;
+    }
+    if done.is_break() { Err(Failure::Interrupted) } else { Ok(()) }
+}
+
+/// Opens or makes the file; one that was made and cannot be written does not stay.
+fn open(path: &Path, identity: &SweepIdentity, columns: &[String]) -> Result<SweepFile, Failure> {
+    let was_there = fs::symlink_metadata(path).is_ok();
+    SweepFile::open(path, identity, columns).map_err(|error| {
+        let failure = Failure::from(error);
+        if !was_there && matches!(failure, Failure::Running(_)) {
+            // If even that fails, the first failure is the one to tell.
+            drop(fs::remove_file(path));
+        }
+        failure
+    })
+}
+
+fn refuse_twice(bodies: &[String]) -> Result<(), Failure> {
+    let mut seen = BTreeSet::new();
+    match bodies.iter().find(|body| !seen.insert(*body)) {
+        Some(body) => Err(Failure::Input(format!("--body {body:?}: is named twice"))),
+        None => Ok(()),
+    }
+}
+
+/// Runs what is not in the file yet; breaks if the user did not want to wait for the end.
+fn run(sweep: &Sweep, mut file: SweepFile, report: &mut Report, quiet: bool) -> Result<ControlFlow<()>, Failure> {
+    let begun = Instant::now();
+    let Range { start, end } = report.worlds;
+    let progress = Progress::start_worlds(report.begun_at - start, end - start, quiet);
+    let stopped = for_each_world(
+        report.begun_at..end,
+        |index| if interrupt::asked() { None } else { row(sweep, index) },
+        |index, row| {
+            let Some(row) = row else { return ControlFlow::Break(None) };
+            // Not kept back: what is finished is safe if the program is killed.
+            if let Err(error) = file.append(row.text.as_bytes()) {
+                return ControlFlow::Break(Some(Failure::Running(error.to_string())));
+            }
+            report.count(row.outcome);
+            progress.at(index + 1 - start);
+            ControlFlow::Continue(())
+        },
+    );
+    drop(progress);
+    report.time = begun.elapsed();
+    file.finish().map_err(|error| Failure::Running(error.to_string()))?;
+    match stopped {
+        ControlFlow::Continue(()) => Ok(ControlFlow::Continue(())),
+        ControlFlow::Break(None) => Ok(ControlFlow::Break(())),
+        ControlFlow::Break(Some(failure)) => Err(failure),
+    }
+}
+
+/// What a sweep did, for people.
+#[derive(Default)]
+struct Report {
+    worlds: Range<u64>,
+    begun_at: u64,
+    ok: u64,
+    impossible: u64,
+    not_finite: u64,
+    time: Duration,
+}
+
+impl Report {
+    fn count(&mut self, outcome: RunStatus) {
+        match outcome {
+            RunStatus::Ok => self.ok += 1,
+            RunStatus::Impossible => self.impossible += 1,
+            RunStatus::NotFinite => self.not_finite += 1,
+        }
+    }
+
+    fn text(&self, sweep: &Sweep, out: &Path) -> String {
+        let run = self.ok + self.impossible + self.not_finite;
+        let (asked, before) = (self.worlds.end - self.worlds.start, self.begun_at - self.worlds.start);
+        let mut lines = vec![("worlds", format!("{} of {asked}", before + run))];
+        if asked != sweep.worlds() {
+            lines.push(("  of the whole sweep", format!("{}", sweep.worlds())));
+        }
+        if before > 0 {
+            lines.push(("  finished before", before.to_string()));
+        }
+        if self.impossible > 0 {
+            lines.push(("  impossible", self.impossible.to_string()));
+        }
+        if self.not_finite > 0 {
+            lines.push(("  not finite", self.not_finite.to_string()));
+        }
+        let seconds = self.time.as_secs_f64();
+        lines.push(("wall time", format!("{seconds:.6} s")));
+        lines.push(("worlds per second", format!("{:.4e}", run as f64 / seconds.max(f64::MIN_POSITIVE))));
+        lines.push(("written to", printable(&out.to_string_lossy())));
+        lines.iter().map(|(label, value)| format!("{label:<22} {value}\n")).collect()
+    }
+}

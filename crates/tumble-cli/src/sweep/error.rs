@@ -1,0 +1,33 @@
+//! Errors of sweep construction.
+
+use tumble_import::{FieldError, one_line, printable};
+
+use tumble_scene::SceneError;
+
+/// Why a sweep cannot be made. `Display` is one line that names the field.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub(crate) enum SweepError {
+    /// The scene cannot be used, or cannot with the values at the ends of what is to be drawn.
+    #[error(transparent)]
+    Scene(#[from] SceneError),
+    /// A field cannot be varied.
+    #[error("--vary {}: {}", printable(.field), printable(.problem))]
+    SweepParameter {
+        /// Its path.
+        field: String,
+        /// Why not.
+        problem: String,
+    },
+    /// No body has the name.
+    #[error("--body {0:?}: the scene has no body of that name")]
+    Body(String),
+    /// The number of worlds is missing, zero or absurd.
+    #[error("--worlds {}", printable(.0))]
+    Worlds(String),
+}
+
+impl From<FieldError> for SweepError {
+    fn from(error: FieldError) -> Self {
+        Self::SweepParameter { field: one_line(&error.field), problem: error.problem }
+    }
+}

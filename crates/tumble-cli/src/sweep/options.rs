@@ -1,0 +1,95 @@
+//! The command line of sweeps.
+
+use std::path::PathBuf;
+
+use tumble_scene::RunLength;
+
+use crate::sweep::parameter::SweepParameter;
+use crate::sweep::shard::Shard;
+use crate::sweep::{MAX_WORLDS, SweepPlan};
+use clap::Args;
+
+use crate::options::StepOptions;
+
+#[derive(Debug, Args)]
+pub(crate) struct SweepOptions {
+    /// A .json or .ron file, or the name of a built-in scene
+    #[arg(value_name = "SCENE")]
+    pub(crate) scene: String,
+    /// The .csv file to write, or to go on with: one row for each world
+    #[arg(long, value_name = "FILE")]
+    pub(crate) out: PathBuf,
+    /// A numeric field and its values: FIELD=LO..HI, FIELD=normal(MEAN,SD) or FIELD=grid(LO,HI,N);
+    /// may be given again
+    ///
+    /// FIELD is the path in the file: gravity.1, dt, bodies.0.mass,
+    /// bodies.brick.angular_velocity.2, …
+    #[arg(long, value_name = "FIELD=VALUES", value_parser = str::parse::<SweepParameter>)]
+    pub(crate) vary: Vec<SweepParameter>,
+    /// Worlds [default: all combinations, where there are only grids]
+    #[arg(long, value_name = "N", allow_negative_numbers = true, value_parser = clap::value_parser!(u64).range(1..=MAX_WORLDS))]
+    pub(crate) worlds: Option<u64>,
+    /// What chance begins with
+    #[arg(long, value_name = "N", allow_negative_numbers = true, default_value_t = 0)]
+    pub(crate) seed: u64,
+    /// A body whose end is written, by name; may be given again [default: the first]
+    #[arg(long, value_name = "NAME")]
+    pub(crate) body: Vec<String>,
+    /// Only the I-th of N parts of the worlds
+    #[arg(long, value_name = "I/N", value_parser = str::parse::<Shard>)]
+    pub(crate) shard: Option<Shard>,
+    #[command(flatten)]
+    pub(crate) stepping: StepOptions,
+    #[command(flatten)]
+    pub(crate) plot: PlotOptions,
+    /// Print nothing unless something goes wrong
+    #[arg(long)]
+    pub(crate) quiet: bool,
+}
+
+#[derive(Debug, Args)]
+pub(crate) struct MergeOptions {
+    /// The .csv file to write
+    #[arg(value_name = "OUT")]
+    pub(crate) out: PathBuf,
+    /// The files of all shards, in any order
+    #[arg(value_name = "SHARD", required = true)]
+    pub(crate) shards: Vec<PathBuf>,
+    #[command(flatten)]
+    pub(crate) plot: PlotOptions,
+}
+
+/// The picture of a sweep.
+#[derive(Debug, Default, Args)]
+pub(crate) struct PlotOptions {
+    /// Draw one column against another into an .svg file
+    #[arg(long, value_name = "FILE")]
+    pub(crate) plot: Option<PathBuf>,
+    /// Replace a plot's file that this program did not write
+    #[arg(long, requires = "plot")]
+    pub(crate) force: bool,
+    /// The column from left to right [default: the first field that varies]
+    #[arg(long, value_name = "COLUMN", requires = "plot")]
+    pub(crate) x: Option<String>,
+    /// The column from bottom to top [default: energy_drift]
+    #[arg(long, value_name = "COLUMN", requires = "plot")]
+    pub(crate) y: Option<String>,
+}
+
+impl SweepOptions {
+    /// What of it the results depend on.
+    pub(crate) fn plan(&self) -> SweepPlan {
+        let length = self.stepping.steps.map(RunLength::Steps).or(self.stepping.duration.map(RunLength::Duration));
+        SweepPlan {
+            scene: self.scene.clone(),
+            worlds: self.worlds,
+            seed: self.seed,
+            vary: self.vary.clone(),
+            length,
+            dt: self.stepping.dt,
+            substeps: self.stepping.substeps,
+            integrator: self.stepping.integrator,
+            bodies: self.body.clone(),
+        }
+    }
+}

@@ -1,0 +1,127 @@
+//! One world of a sweep: run, and what became of it as a line of CSV.
+
+use std::fmt::Write as _;
+use std::ops::ControlFlow;
+
+use tumble_record::{STATE_COLUMNS, csv_cell, state_numbers};
+use tumble_scene::VariedWorld;
+
+use crate::sweep::Sweep;
+use crate::sweep::run_status::RunStatus;
+use tumble::math::Real;
+use tumble::{BodyOrder, Pose, Trial, Velocity};
+
+use crate::drift::Drift;
+use crate::interrupt;
+
+/// Substeps of one body between two looks at Ctrl-C: a tenth of a second or less, unless a single
+/// step takes longer.
+const UNINTERRUPTED: usize = 1_000_000;
+
+/// The line of one world, with its end.
+pub(crate) struct Row {
+    pub(crate) text: String,
+    pub(crate) outcome: RunStatus,
+}
+
+/// The end of a world that was run.
+struct End {
+    steps: u64,
+    time: f64,
+    states: Vec<[Real; STATE_COLUMNS.len()]>,
+    energy: f64,
+    drift: f64,
+    hash: u64,
+}
+
+/// The names of the columns.
+pub(crate) fn columns(sweep: &Sweep) -> Vec<String> {
+    let mut columns = vec!["world".to_owned()];
+    columns.extend(sweep.fields().map(str::to_owned));
+    columns.extend(["outcome", "steps_taken", "time"].map(str::to_owned));
+    columns.extend(
+        sweep
+            .reported_names()
+            .iter()
+            .flat_map(|name| STATE_COLUMNS.map(|of| csv_cell(&format!("{name}.{of}")).into_owned())),
+    );
+    columns.extend(["energy", "energy_drift", "hash"].map(str::to_owned));
+    columns
+}
+
+/// Runs a world; `None` if the user did not want to wait for its end.
+pub(crate) fn row(sweep: &Sweep, index: u64) -> Option<Row> {
+    let drawn = sweep.draw(index);
+    let (outcome, end) = match sweep.build(&drawn) {
+        Ok(world) => match run(sweep, world)? {
+            Ok(end) => (RunStatus::Ok, Some(end)),
+            Err(()) => (RunStatus::NotFinite, None),
+        },
+        Err(_) => (RunStatus::Impossible, None),
+    };
+    let mut text = index.to_string();
+    for value in drawn {
+        put(&mut text, format_args!(",{value:?}"));
+    }
+    put(&mut text, format_args!(",{}", outcome.name()));
+    match end {
+        Some(end) => end.write(&mut text),
+        // The columns are there, with nothing in them.
+        None => text.extend(std::iter::repeat_n(',', 5 + STATE_COLUMNS.len() * sweep.reported().len())),
+    }
+    text.push('\n');
+    Some(Row { text, outcome })
+}
+
+/// The end of a world, or an error if it is not finite.
+fn run(sweep: &Sweep, world: VariedWorld) -> Option<Result<End, ()>> {
+    let VariedWorld { mut trial, steps } = world;
+    let order = BodyOrder::of(&trial.world);
+    let Ok(mut drift) = Drift::start(&trial.world, trial.simulation.settings(), &order) else { return Some(Err(())) };
+    let period = period(order.len(), trial.simulation.settings().substeps);
+    let run = trial
+        .run(steps, period, |_| if interrupt::asked() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) });
+    if run.is_break() && trial.simulation.steps() < steps {
+        return None;
+    }
+    if drift.sample(&trial.world, trial.simulation.settings(), &order).is_err() {
+        return Some(Err(()));
+    }
+    let energy = drift.energy();
+    Some(Ok(End {
+        steps: trial.simulation.steps(),
+        time: trial.simulation.time(),
+        states: sweep.reported().iter().filter_map(|&body| state(&trial, *order.entities().get(body)?)).collect(),
+        energy: energy.r#final,
+        drift: energy.max_relative_drift,
+        hash: tumble::state_hash(&trial.world, &order),
+    }))
+}
+
+/// Steps between two looks at Ctrl-C.
+fn period(bodies: usize, substeps: u32) -> u32 {
+    let of_a_step = bodies.max(1).saturating_mul(usize::try_from(substeps).unwrap_or(usize::MAX).max(1));
+    u32::try_from((UNINTERRUPTED / of_a_step).max(1)).unwrap_or(u32::MAX)
+}
+
+fn state(trial: &Trial, body: tumble::hecs::Entity) -> Option<[Real; STATE_COLUMNS.len()]> {
+    let body = trial.world.entity(body).ok()?;
+    let (pose, velocity) = (body.get::<&Pose>()?, body.get::<&Velocity>());
+    Some(state_numbers(&pose, velocity.as_deref()))
+}
+
+impl End {
+    /// The fewest digits that read back to the same bits.
+    fn write(&self, text: &mut String) {
+        put(text, format_args!(",{},{:?}", self.steps, self.time));
+        for number in self.states.iter().flatten() {
+            put(text, format_args!(",{number:?}"));
+        }
+        put(text, format_args!(",{:?},{:?},{:016x}", self.energy, self.drift, self.hash));
+    }
+}
+
+fn put(text: &mut String, what: std::fmt::Arguments<'_>) {
+    // Writing to a string cannot fail.
+    let _ = text.write_fmt(what);
+}

@@ -1,0 +1,6 @@
+//! Numbers of a scene by their path, and worlds of one scene that differ in them.
+
+pub(crate) mod field_path;
+pub(crate) mod force_path;
+pub(crate) mod scene_template;
+pub(crate) mod varied_scene;

@@ -1,0 +1,182 @@
+//! A scene whose fields are found by their paths, before worlds are made of it.
+
+use std::path::{Path, PathBuf};
+
+use tumble::Integrator;
+use tumble::math::Real;
+use tumble_import::{FieldError, one_line, read_text};
+
+use crate::bodies::scene_body::SceneBody;
+use crate::builtin::contact_scenes;
+use crate::error::SceneError;
+use crate::fields::field_path::FieldPath;
+use crate::fields::varied_scene::VariedScene;
+use crate::model::parse::{Format, parse};
+use crate::model::scene_model::SceneModel;
+use crate::scene::{Scene, is_path, unknown};
+use crate::{builtin, convert};
+
+/// How long a world is run.
+///
+/// ```
+/// use tumble_scene::{RunLength, RunOverrides, SceneTemplate};
+///
+/// let overrides = RunOverrides { length: Some(RunLength::Steps(50)), ..RunOverrides::default() };
+/// let scene = SceneTemplate::open("t-handle", overrides)?.varied(Vec::new());
+/// assert_eq!(scene.build(&[])?.steps, 50);
+/// # Ok::<(), tumble_scene::SceneError>(())
+/// ```
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum RunLength {
+    /// Number of steps.
+    Steps(u64),
+    /// So much simulated time \[s\], rounded to whole steps of the world's own length.
+    Duration(f64),
+}
+
+/// What to run a scene with instead of what it says.
+///
+/// ```
+/// use tumble_scene::{RunOverrides, SceneTemplate};
+///
+/// let overrides = RunOverrides { dt: Some(0.25), ..RunOverrides::default() };
+/// let scene = SceneTemplate::open("t-handle", overrides)?.varied(Vec::new());
+/// assert_eq!(scene.build(&[])?.trial.simulation.settings().dt, 0.25);
+/// # Ok::<(), tumble_scene::SceneError>(())
+/// ```
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct RunOverrides {
+    /// How long to run.
+    pub length: Option<RunLength>,
+    /// Step \[s\].
+    pub dt: Option<Real>,
+    /// Substeps.
+    pub substeps: Option<u32>,
+    /// Integrator.
+    pub integrator: Option<Integrator>,
+}
+
+/// A scene that has been read and checked, whose numbers go by their paths in the file:
+/// `gravity.1`, `dt`, `bodies.0.mass`, `bodies.brick.angular_velocity.2`,
+/// `bodies.0.shape.cuboid.half_extents.0`. Bodies go by index or name, and `bodies[0]` is
+/// understood too.
+///
+/// ```
+/// use tumble_scene::{RunOverrides, SceneTemplate};
+///
+/// let scene = SceneTemplate::open("t-handle", RunOverrides::default())?;
+/// let spin = scene.field("bodies.0.angular_velocity.1")?;
+/// let scene = scene.varied(vec![spin]);
+/// scene.build(&[5.0])?.trial.step_many(10);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+#[derive(Clone, Debug)]
+pub struct SceneTemplate {
+    pub(crate) origin: String,
+    pub(crate) overrides: RunOverrides,
+    pub(crate) model: SceneModel,
+    pub(crate) bodies: Vec<SceneBody>,
+    hash: u64,
+    files: Vec<PathBuf>,
+}
+
+impl SceneTemplate {
+    /// Opens a `.json` or `.ron` file or a built-in scene; names as in [`Scene::open`].
+    ///
+    /// # Errors
+    /// [`SceneError`], whose message names file, body and field;
+    /// [`Generated`](SceneError::Generated) for a scene that has no fields.
+    pub fn open(name_or_path: &str, overrides: RunOverrides) -> Result<Self, SceneError> {
+        let (mut model, text_hash) = scene_model(name_or_path)?;
+        apply(&overrides, &mut model);
+        let scene = Scene::from_model(&model, name_or_path)?;
+        let hash = text_hash ^ model.meshes_hash;
+        let own_file = is_path(name_or_path).then(|| PathBuf::from(name_or_path));
+        let files = own_file.into_iter().chain(std::mem::take(&mut model.files)).collect();
+        Ok(Self { origin: name_or_path.to_owned(), overrides, model, bodies: scene.into_bodies(), hash, files })
+    }
+
+    /// The field of that path. Whether the scene has the number is found by
+    /// [`check`](Self::check).
+    ///
+    /// # Errors
+    /// [`FieldError`] if the path is none, or leads to a body that there is not.
+    pub fn field(&self, path: &str) -> Result<FieldPath, FieldError> {
+        FieldPath::new(path, &self.model)
+    }
+
+    /// Whether the scene has the number of a field: it is set in a copy.
+    ///
+    /// # Errors
+    /// [`FieldError`] with what there may be.
+    pub fn check(&self, field: &FieldPath) -> Result<(), FieldError> {
+        match field.body().and_then(|index| self.model.bodies.get(index)) {
+            Some(body) => field.set_in_body(&mut body.clone(), 0.0),
+            None => field.set_in_scene(&mut SceneModel { bodies: Vec::new(), ..self.model.clone() }, 0.0),
+        }
+    }
+
+    /// Names of the bodies, by their [`BodyId`](tumble::BodyId).
+    #[must_use]
+    pub fn body_names(&self) -> Vec<String> {
+        self.model.bodies.iter().enumerate().map(|(index, body)| convert::name(body, index)).collect()
+    }
+
+    /// A hash of what the scene says: of its text and its meshes.
+    #[must_use]
+    pub fn hash(&self) -> u64 {
+        self.hash
+    }
+
+    /// The files that the scene was read from: its own and those of meshes.
+    #[must_use]
+    pub fn files(&self) -> &[PathBuf] {
+        &self.files
+    }
+
+    /// The scene, to make worlds of in which these fields have other values.
+    #[must_use]
+    pub fn varied(self, fields: Vec<FieldPath>) -> VariedScene {
+        VariedScene::new(self, fields)
+    }
+}
+
+/// The scene, and a hash of its text; of one that is made, of what it is made of.
+fn scene_model(name: &str) -> Result<(SceneModel, u64), SceneError> {
+    let parsed = |text: &str, format| Ok((parse(text, format, name)?, fnv1a(text)));
+    if is_path(name) {
+        let path = Path::new(name);
+        let format = Format::of_path(path).ok_or_else(|| SceneError::UnknownFormat { file: one_line(name) })?;
+        return parsed(&read_text(path)?, format);
+    }
+    if name == builtin::STRESS {
+        return Err(SceneError::Generated { name: builtin::STRESS.to_owned() });
+    }
+    match (builtin::text(name), contact_scenes::named(name)) {
+        (Some(text), _) => parsed(text, Format::Json),
+        (None, Some(scene)) => {
+            let model = scene.model(None, None);
+            let hash = fnv1a(&format!("{model:?}"));
+            Ok((model, hash))
+        }
+        (None, None) => Err(unknown(name)),
+    }
+}
+
+/// What is said instead of the scene.
+#[allow(clippy::useless_conversion, reason = "dt is f64 already in one of the two builds")]
+fn apply(overrides: &RunOverrides, model: &mut SceneModel) {
+    model.dt = overrides.dt.map(f64::from).or(model.dt);
+    model.substeps = overrides.substeps.or(model.substeps);
+    if let Some(integrator) = overrides.integrator {
+        model.integrator = Some(integrator.name().to_owned());
+    }
+    if let Some(RunLength::Steps(steps)) = overrides.length {
+        model.steps = Some(steps);
+    }
+}
+
+/// 64-bit FNV-1a of a text.
+fn fnv1a(text: &str) -> u64 {
+    text.bytes().fold(0xcbf2_9ce4_8422_2325, |hash, byte| (hash ^ u64::from(byte)).wrapping_mul(0x0000_0100_0000_01b3))
+}

@@ -1,0 +1,8 @@
+//! What a scene file may say, and how it is read.
+
+pub(crate) mod collider_model;
+pub(crate) mod error_context;
+pub(crate) mod force_model;
+pub(crate) mod mesh_shape;
+pub(crate) mod parse;
+pub(crate) mod scene_model;
