@@ -69,10 +69,18 @@ macro_rules! octet {
         }
     ) => {
         $(#[$about])*
-        #[derive(Clone, Copy, Debug)]
+        #[derive(Copy, Debug)]
         #[repr(C, align(32))]
         $vis struct $Name<$T = $crate::math::Real> {
             $($(#[$about_field])* $field_vis $field: $Field,)+
+        }
+
+        // Derived, it would clone field by field, since the parameter need not be `Copy`.
+        impl<$T: Copy> Clone for $Name<$T> {
+            #[inline(always)]
+            fn clone(&self) -> Self {
+                *self
+            }
         }
 
         impl<$T: Copy> $Name<$T> {
