@@ -30,7 +30,7 @@ pub(crate) const MAX_WORLDS: u64 = 1_000_000_000_000;
 /// What a [`Sweep`] is to be; everything but the scene may be left at its default.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(crate) struct SweepPlan {
-    /// A file, or the name of a built-in scene, as for [`Scene::open`].
+    /// A file, or the name of a built-in scene, as for [`Scene::open`](tumble_scene::Scene::open).
     pub(crate) scene: String,
     /// How many worlds; if nothing is drawn at random, each combination of the grids once unless
     /// this says otherwise.

@@ -64,7 +64,7 @@ impl Animation {
     /// first.
     ///
     /// # Errors
-    /// As [`Scene::appearance`](crate::Scene::appearance).
+    /// As [`Scene::appearance`](tumble_scene::Scene::appearance).
     #[allow(clippy::useless_conversion, reason = "dt is f64 already in one of the two builds")]
     pub fn of(scene: &tumble_scene::Scene, steps: u64, every: u64) -> Result<Self, tumble_scene::SceneError> {
         Ok(Self {
