@@ -66,7 +66,8 @@ fn the_sum_is_the_rate_of_the_momentum() {
             let all = forces(&simulation, &world, *body);
             assert_eq!((all.laws.len(), all.contacts), (1, Wrench::default()));
             let total = all.total();
-            let sizes = all.components.iter().chain(&all.laws).chain([&all.gravity, &all.applied, &all.damping]);
+            let sizes = all.components().map(|(_, wrench)| wrench).chain(all.laws.iter().copied());
+            let sizes = sizes.chain([all.gravity, all.applied, all.damping]);
             let most = sizes.map(|it| it.force.length() + it.torque.length()).fold(1.0, Real::max);
             for (rate, sum) in rates[7..].iter().zip([total.force, total.torque].iter().flat_map(Vec3::to_array)) {
                 assert!((rate - sum).abs() <= most * by_precision(1e-5, 1e-13) as Real, "case {case}: {rate}, {sum}");
@@ -132,14 +133,30 @@ fn contacts_act_on_both_bodies() {
     }
 }
 
+/// Also where the other end has just been pushed, and where it has no `Velocity`.
+#[test]
+fn a_damper_sees_both_ends_as_they_are() {
+    let mut world = World::new();
+    let ball = |x: Real| RigidBody::new(Shape::sphere(0.1)).mass(2.0).position(Vec3::X * x);
+    let [a, b] = [0.0, 2.0].map(|x| ball(x).build().unwrap().spawn(&mut world));
+    world.spawn((Spring::between(a, b).rest_length(2.0).stiffness(10.0).damping(3.0),));
+    let simulation = Simulation::new(Settings::default()).unwrap();
+    world.get::<&mut Momentum>(b).unwrap().apply_impulse(Vec3::X * 8.0);
+    world.remove_one::<Velocity>(b).unwrap();
+    let of = |body: Entity| forces(&simulation, &world, body).of_component("Spring").unwrap().force;
+    assert_eq!([of(a), of(b)], [Vec3::X * 12.0, Vec3::X * -12.0]);
+}
+
 #[test]
 fn what_forces_do_not_move_has_none() {
     let mut world = World::new();
     let fixed = ground(&mut world, Material::default(), Quat::IDENTITY);
     let kinematic = RigidBody::new(Shape::sphere(1.0)).kinematic().build().unwrap().spawn(&mut world);
-    let gone = RigidBody::new(Shape::sphere(1.0)).mass(1.0).build().unwrap().spawn(&mut world);
+    let moving = |world: &mut World| RigidBody::new(Shape::sphere(1.0)).mass(1.0).build().unwrap().spawn(world);
+    let (gone, untouched) = (moving(&mut world), moving(&mut world));
     world.despawn(gone).unwrap();
+    world.remove_one::<Wrench>(untouched).unwrap();
     let mut simulation = Simulation::new(Settings::default()).unwrap();
     simulation.step(&mut world);
-    assert!([fixed, kinematic, gone].into_iter().all(|body| simulation.forces(&world, body).is_none()));
+    assert!([fixed, kinematic, gone, untouched].into_iter().all(|body| simulation.forces(&world, body).is_none()));
 }

@@ -74,6 +74,25 @@ fn each_world_is_as_it_is_alone() {
 
 /// What is changed between the steps is changed in its own world, and goes on: a body that goes,
 /// one that comes, other settings.
+/// What counts as an impact follows from gravity where steps are long.
+#[test]
+fn worlds_of_different_gravity_are_as_they_are_alone() {
+    let trial = |index: u64| {
+        let gravity = Vec3::Y * -(1.0 + 6.0 * index as tumble::math::Real);
+        let settings = Settings::default().with_dt(1.0 / 20.0).with_gravity(gravity);
+        Trial::new(settings, eight_boxes(index)).unwrap()
+    };
+    let mut batch: Batch = (0..16).map(trial).collect();
+    let mut alone: Vec<Trial> = (0..16).map(trial).collect();
+    for step in 0..60 {
+        batch.step_many(1);
+        for (index, (together, alone)) in batch.trials().iter().zip(&mut alone).enumerate() {
+            alone.step_many(1);
+            assert_eq!(known(together), known(alone), "world {index}, step {step}");
+        }
+    }
+}
+
 #[test]
 fn worlds_may_change_between_steps() {
     let mut batch: Batch = (0..20).map(|index| trial(4 * index)).collect();

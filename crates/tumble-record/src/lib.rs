@@ -1,8 +1,8 @@
 //! What a run of [`tumble`] leaves: records, animations, summaries, plots, drawings and reports.
 //!
-//! [`TrajectoryWriter`] records the states of the bodies of a [`Scene`](tumble_scene::Scene) as CSV,
-//! Parquet or animated glTF, so that the file can be read at any moment. [`Summary`] is what a run
-//! reports and [`MomentumScale`] what it measures drift by, [`Plot`] is a picture of series,
+//! [`TrajectoryWriter`] records the states of the bodies of a [`Scene`](tumble_scene::Scene) as
+//! CSV, Parquet or animated glTF, so that the file can be read at any moment. [`Summary`] is what a
+//! run reports and [`MomentumScale`] what it measures drift by, [`Plot`] is a picture of series,
 //! [`body_drawing`] one of a body, and [`ReportPage`] a page that shows all of it with a
 //! [`Replay`]. [`PendingFile`] makes files appear whole or not at all.
 //!

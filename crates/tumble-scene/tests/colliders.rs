@@ -91,6 +91,7 @@ fn a_normal_tilts_the_ground() {
 }
 
 #[test]
+#[allow(clippy::too_many_lines, reason = "a table of cases")]
 fn what_cannot_be_is_refused_by_body_and_field() {
     let ground = r#""shape": { "half_space": {} }"#;
     let ball = r#""shape": { "sphere": { "radius": 1 } }, "mass": 1"#;

@@ -309,6 +309,7 @@ fn document(physics: &str, shape: &str) -> String {
 }
 
 #[test]
+#[allow(clippy::too_many_lines, reason = "a table of cases")]
 fn a_mistake_names_file_node_and_field() {
     let sphere = r#"{ "type": "sphere" }"#;
     let in_node = |physics: &str| document(physics, sphere);

@@ -172,6 +172,7 @@ fn links_are_where_their_joints_put_them() {
 }
 
 #[test]
+#[allow(clippy::too_many_lines, reason = "a table of cases")]
 fn every_mistake_of_a_link_is_told() {
     let cases: [(&str, &[&str]); 9] = [
         ("", &["inertial.mass: is missing, at line 3", "inertial.inertia: is missing, at line 3"]),

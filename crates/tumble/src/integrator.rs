@@ -3,6 +3,8 @@
 use std::fmt;
 use std::str::FromStr;
 
+use crate::math::Real;
+
 /// How a step advances the state. All three treat [`Damping`](crate::Damping) exactly and take the
 /// [`Wrench`](crate::Wrench) as constant over the step.
 ///
@@ -48,6 +50,25 @@ impl Integrator {
             Self::SemiImplicitEuler => "semi-implicit-euler",
             Self::RungeKutta4 => "runge-kutta4",
             Self::MoserVeselov => "moser-veselov",
+        }
+    }
+
+    /// How long forces between bodies act before and after a substep of `h` \[s\]; those of a
+    /// scheme of first order act before it alone.
+    pub(crate) fn pair_kicks(self, h: Real) -> [Option<Real>; 2] {
+        match self {
+            Self::SemiImplicitEuler => [Some(h), None],
+            Self::RungeKutta4 | Self::MoserVeselov => [Some(h * 0.5); 2],
+        }
+    }
+
+    /// How long a kick applies the force of one evaluation, in substeps of `h` \[s\]; zero where
+    /// there are no kicks, but rates at stages.
+    pub(crate) fn law_kick(self, h: Real) -> Real {
+        match self {
+            Self::SemiImplicitEuler => h,
+            Self::MoserVeselov => h * 0.5,
+            Self::RungeKutta4 => 0.0,
         }
     }
 }

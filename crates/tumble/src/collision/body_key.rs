@@ -107,6 +107,11 @@ impl BodyKeys {
         !same
     }
 
+    /// By slot before the last [`renew`](Self::renew) that changed slots, the slot since.
+    pub(crate) fn renumbered(&self) -> &[Slot] {
+        &self.now
+    }
+
     /// Whether what had a key by the number of its entity is gone, and that number another's: hecs
     /// gives it to the next that is spawned.
     fn is_replaced(&self, old: usize, new: usize) -> bool {

@@ -5,6 +5,7 @@ use tumble_math::lane::{Quat, Vec3};
 
 use crate::collision::narrow_phase::{LaneKind, ShapeLanes};
 use crate::math::Real;
+use crate::storage::body_index::Slot;
 
 /// By slot: where bodies with colliders are in this substep.
 #[derive(Clone, Default)]
@@ -12,6 +13,16 @@ pub(crate) struct ColliderStates {
     pub(crate) states: Vec<ColliderState>,
     pub(crate) proxies: Vec<Proxy<Real>>,
     pub(crate) lanes: ShapeLanes,
+}
+
+impl ColliderStates {
+    /// Gives the states the slots that their bodies have now; `slots` are these by slot before.
+    pub(crate) fn renumber(&mut self, slots: &[Slot], count: usize) {
+        let before = std::mem::replace(&mut self.states, vec![ColliderState::NOWHERE; count]);
+        for (state, slot) in before.into_iter().zip(slots).filter(|(_, slot)| **slot != Slot::NONE) {
+            self.states[slot.index()] = state;
+        }
+    }
 }
 
 /// Where a body with a collider is at the start of a step.

@@ -102,10 +102,13 @@ impl CollisionPipeline {
                 archetype.ids().iter().for_each(|id| mark(*id));
             }
         });
-        let Self { body_index, colliders, contacts, broad_phase, cache, .. } = self;
+        let Self { body_index, colliders, states, contacts, broad_phase, cache, .. } = self;
         let same_groups = colliders.update(world, body_index);
         contacts.extras = colliders.materials.extras();
         let same_slots = cache.renumber(world, body_index, colliders, &mut contacts.records);
+        if !same_slots {
+            states.renumber(cache.body_keys.renumbered(), body_index.len());
+        }
         if !(same_groups && same_slots) {
             // It asks once whether a pair is wanted.
             broad_phase.reset();

@@ -27,14 +27,13 @@ use crate::settings::Settings;
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 #[derive(Clone, Debug, Default, PartialEq)]
+#[non_exhaustive]
 pub struct BodyForces {
     /// By the simulation's gravity.
     pub gravity: Wrench,
     /// What the body's [`Wrench`] holds: what the caller has added since the last step.
     pub applied: Wrench,
-    /// By each kind of force component, in the order of
-    /// [`ForceLaws::COMPONENTS`](crate::ForceLaws::COMPONENTS).
-    pub components: [Wrench; FORCE_KINDS.len()],
+    components: [Wrench; FORCE_KINDS.len()],
     /// By each force law, in the order they were added.
     pub laws: Vec<Wrench>,
     /// By [`Damping`].
@@ -78,6 +77,11 @@ impl BodyForces {
         let wrench = |pulled: &Pulled| Wrench { force: vec3(pulled.force), torque: vec3(pulled.torque) };
         self.components[SPRING] = wrench(springs);
         self.components[GRAVITY_MASS] = wrench(gravity);
+    }
+
+    /// By each kind of force component, with its name.
+    pub fn components(&self) -> impl Iterator<Item = (&'static str, Wrench)> + '_ {
+        FORCE_KINDS.into_iter().zip(self.components)
     }
 
     /// By a kind of force component, by its name: `"Drag"`. `None` where no kind is called so.

@@ -3,7 +3,6 @@
 use hecs::EntityRef;
 
 use crate::components::Wind;
-use crate::integrator::Integrator;
 use crate::math::{Real, Vec3};
 use crate::settings::Settings;
 
@@ -25,11 +24,7 @@ impl ForceContext {
     /// Those of a body in still air.
     pub(crate) fn new(settings: &Settings) -> Self {
         let substep = settings.substep();
-        let kick = match settings.integrator {
-            Integrator::SemiImplicitEuler => substep,
-            Integrator::MoserVeselov => substep * 0.5,
-            Integrator::RungeKutta4 => 0.0,
-        };
+        let kick = settings.integrator.law_kick(substep);
         Self { wind: Vec3::ZERO, gravity: settings.gravity, kick, substep }
     }
 

@@ -104,8 +104,8 @@ pub(crate) struct Rows<'a, R> {
 
 // SAFETY: the rows that blocks of one color change are different ones, and there is one `Rows` for
 // a block at a time: it is made from the only reference to the rows, and split into parts without a
-// block in common.
-unsafe impl<R: Send> Send for Rows<'_, R> {}
+// block in common. Rows that are only read are read by several threads.
+unsafe impl<R: Send + Sync> Send for Rows<'_, R> {}
 
 impl<R: Octet> Rows<'_, R> {
     /// The first `middle` blocks, and the others.

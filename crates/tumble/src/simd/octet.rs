@@ -21,8 +21,9 @@ pub(crate) unsafe trait Octet: Record + 'static {
     /// The zero record, for lanes without a row.
     #[inline(always)]
     fn zero() -> &'static Self {
+        const NUMBERS: &Eight = &Eight::ZERO;
         // SAFETY: laid out as the numbers.
-        unsafe { &*std::ptr::from_ref(&Eight::ZERO).cast() }
+        unsafe { &*std::ptr::from_ref(NUMBERS).cast() }
     }
 }
 

@@ -15,7 +15,7 @@ pub(crate) struct ConstrainedBodies {
 
 const NONE: SolverRow = SolverRow(u32::MAX);
 /// In the place of a row that is still to be given.
-const MARKED: SolverRow = SolverRow(0);
+const MARKED: SolverRow = SolverRow(u32::MAX - 1);
 
 impl ConstrainedBodies {
     /// Those of the constraints between `pairs` of slots, without rows.

@@ -5,13 +5,14 @@ use std::ops::Range;
 use tumble_math::lane::{Quat, Vec3};
 
 use crate::collision::contact_set::ContactSet;
-use crate::components::{Wrench, Wrenches};
 use crate::forces::evaluate::LawForces;
 use crate::forces::force_context::ForceContext;
 use crate::forces::registry::{ForceLaws, Laws};
 use crate::integrators::Forces;
+use crate::integrators::response_range::responds_in_range;
 use crate::integrators::state::{Constants, State};
 use crate::math::{Real, Vec3 as WorldVec3};
+use crate::range::{MAX_DISTANCE_OF_CONTACTS, MAX_SPEED, within};
 use crate::settings::Settings;
 use crate::solver::constrained_bodies::ConstrainedBodies;
 use crate::solver::contact_work::ContactWorks;
@@ -94,8 +95,12 @@ fn gather_non_dynamic(
             let ArchetypeBodies::NonDynamic(columns) = columns.bodies(place) else { continue };
             if constrained.contains(*slot) {
                 let (row, velocity) = (place.row as usize, columns.velocity(place.row as usize));
-                let center = Vec3::from(columns.pose[row].position);
-                bodies.set_non_dynamic(next, center, velocity.linear.into(), velocity.angular.into());
+                let [center, linear, angular] =
+                    [columns.pose[row].position, velocity.linear, velocity.angular].map(Vec3::from);
+                let in_range = within(linear, MAX_SPEED) && within(angular, MAX_SPEED);
+                if in_range && within(center, MAX_DISTANCE_OF_CONTACTS) {
+                    bodies.set_non_dynamic(next, center, linear, angular);
+                }
                 constrained.set_row(*slot, SolverRow(next as u32));
                 next += 1;
             }
@@ -121,14 +126,12 @@ fn drop_out_of_range(
     constrained.retain(contacts.records.iter().map(|contact| contact.slots));
 }
 
-/// Writes the constrained bodies back to their columns, with the work done on them. Wrenches are
-/// consumed where it is the last substep.
+/// Writes the constrained bodies back to their columns, with the work done on them.
 pub(crate) fn scatter(
     constrained: &ConstrainedBodies,
     body_index: &BodyIndex,
     columns: &mut WorldColumns<'_>,
     (bodies, contact_works): (&SolverBodies, &ContactWorks),
-    wrenches: Wrenches,
 ) {
     columns.for_each_chunk(|archetype, chunk| {
         let slots = body_index.slots_in(archetype).iter().skip(chunk.first_row);
@@ -136,9 +139,6 @@ pub(crate) fn scatter(
             let Some(row) = constrained.row(*slot) else { continue };
             let axes = chunk.axes.map(|axes| Quat::from(axes[i].0));
             chunk.set_state(i, &bodies.state(row.index(), axes));
-            if wrenches == Wrenches::Consumed {
-                chunk.wrench[i] = Wrench::default();
-            }
         }
     });
     // Worlds in which accounts are kept are not packed with others.
@@ -196,6 +196,11 @@ impl Gather<'_> {
             let (wrench, row) = (chunk.wrench[i], chunk.first_row + i);
             let forces = LawForces { constants: &constants, context: &context, wrench, laws, row, time };
             free.set(next, &constants, &state, forces.at(0.0, &state), h);
+            // It is, unless the caller has changed it since contacts were found.
+            let responds = responds_in_range(&constants, [state.linear, state.angular], 0.0);
+            if !(responds && within(state.position, MAX_DISTANCE_OF_CONTACTS)) {
+                free.set_out_of_range(next);
+            }
             if let Some(contact_works) = contact_works.as_deref_mut() {
                 contact_works.open((slot, solver_row), (&forces, chunk.gravity_on(i, settings)), &state, h);
             }

@@ -310,6 +310,11 @@ impl FreeRows<'_> {
         let (kept_linear, kept_angular) = kick.kept();
         self.force_impulse[row] = ForceImpulse { linear, angular, kept_linear, kept_angular };
     }
+
+    /// Marks a body as one that is not [kicked in range](SolverBodies::is_kicked_in_range).
+    pub(crate) fn set_out_of_range(&mut self, row: usize) {
+        self.force_impulse[row].kept_linear = Real::NAN;
+    }
 }
 
 struct IntegrateVelocities<'a> {

@@ -130,8 +130,7 @@ impl Solver {
     pub(crate) fn solve_substeps(&mut self, contacts: &mut [ContactRecord], settings: &Settings, extras: Extras) {
         let Self { group, halvings, halved_groups, .. } = self;
         let (substeps, h) = (settings.contact_substeps_each(), settings.contact_substep());
-        let threshold = settings.restitution_threshold;
-        let impact_speed = threshold.max(FALLS * settings.gravity.length() * settings.substep());
+        let (threshold, impact_speed) = (settings.restitution_threshold, impact_speed(settings));
         let solving = SubstepSettings { substeps, h, extras, threshold, impact_speed };
         let mut parts = 0;
         let most = halvings.iter().copied().max().unwrap_or(0);
@@ -151,6 +150,11 @@ impl Solver {
     pub(crate) fn results(&self) -> (&SolverBodies, &ContactWorks) {
         (&self.group.bodies, &self.group.contact_works)
     }
+}
+
+/// What comes faster is an impact \[m/s\].
+pub(crate) fn impact_speed(settings: &Settings) -> Real {
+    settings.restitution_threshold.max(FALLS * settings.gravity.length() * settings.substep())
 }
 
 impl SubstepSettings {

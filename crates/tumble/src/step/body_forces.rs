@@ -9,7 +9,7 @@ use crate::forces::body_forces::BodyForces;
 use crate::forces::pairwise::between_bodies::forces_between_bodies;
 use crate::integrators::state::moving_body;
 use crate::math::{Real, Vec3};
-use crate::solver::contact::prepare::MIN_WEIGHT;
+use crate::solver::contact::round_contacts::point_weight;
 use crate::step::simulation::Simulation;
 
 impl Simulation {
@@ -19,6 +19,9 @@ impl Simulation {
     /// Contacts are those of the last step, and what they give is the mean over its last
     /// [`contact_substep`](crate::Settings::contact_substep). Springs are as stiff as they were
     /// given, not as their step allows. Force laws are evaluated at the simulation's time.
+    ///
+    /// To be asked between steps. Between the phases of one the [`Wrench`] holds gravity too, and
+    /// after other settings or a restore contacts have the impulses of substeps that were others.
     ///
     /// ```
     /// use tumble::{Collider, prelude::*};
@@ -39,7 +42,7 @@ impl Simulation {
     /// ```
     pub fn forces(&self, world: &World, entity: Entity) -> Option<BodyForces> {
         let body = world.entity(entity).ok()?;
-        let (constants, state) = moving_body(body)?;
+        let (constants, state) = moving_body(body).filter(|_| body.has::<Wrench>())?;
         let mut forces = BodyForces::of(body, self.settings(), (self.laws(), self.time()), (&constants, &state));
         if let [pull] = &forces_between_bodies(world, &[entity], &[state])[..] {
             forces.add_between_bodies(pull);
@@ -95,7 +98,7 @@ fn middle(contact: &ContactRecord) -> Vec3 {
     let (mut sum, mut total) = (Vec3::ZERO, 0.0);
     for j in 0..contact.count() {
         let margins = (contact.separation(j) - from) / contact.margin();
-        let weight = (2.0 - margins).clamp(crate::math::real(MIN_WEIGHT), 1.0);
+        let weight = point_weight(margins);
         sum += Vec3::from(contact.place(j)) * weight;
         total += weight;
     }

@@ -6,7 +6,6 @@ use hecs::World;
 use crate::clock::Clock;
 use crate::components::Wrenches;
 use crate::forces::registry::ForceLaws;
-use crate::integrator::Integrator;
 use crate::settings::Settings;
 use crate::solver::gather_scatter::scatter;
 use crate::solver::multi_world::MultiWorld;
@@ -125,7 +124,7 @@ fn solve_together(
         if let Some(collision) = &mut it.interactions.collision {
             multi_world.return_impulses(&mut collision.contacts.records);
         }
-        it.scatter(multi_world.solver(), index);
+        it.scatter(multi_world.solver());
     }
 }
 
@@ -175,11 +174,8 @@ impl<'a> InteractingWorld<'a> {
     /// first half where the integrator is of first order.
     pub(crate) fn apply_pair_forces(&mut self, half: SubstepHalf) {
         let h = self.settings.substep();
-        let duration = match (self.settings.integrator, half) {
-            (Integrator::SemiImplicitEuler, SubstepHalf::First) => h,
-            (Integrator::SemiImplicitEuler, SubstepHalf::Second) => return,
-            (Integrator::RungeKutta4 | Integrator::MoserVeselov, _) => h * 0.5,
-        };
+        let kicks = self.settings.integrator.pair_kicks(h);
+        let Some(duration) = kicks[usize::from(half == SubstepHalf::Second)] else { return };
         if let Some(pairs) = &mut self.interactions.pairs {
             crate::scope::scope!("tumble::pairs");
             pairs.apply(&mut self.columns, duration, h);
@@ -208,21 +204,21 @@ impl<'a> InteractingWorld<'a> {
             let moving = (self.settings, self.laws, time_of(&self.clock, self.settings, index));
             let mut taken = solver.take().unwrap_or_default();
             taken.solve_world((constrained, &mut collision.contacts), &collision.body_index, &mut self.columns, moving);
-            self.scatter(&taken, index);
+            self.scatter(&taken);
             self.interactions.solver = Some(taken);
         }
     }
 
     /// Writes the constrained bodies back to the world.
-    fn scatter(&mut self, solver: &Solver, index: SubstepIndex) {
-        let wrenches = self.wrenches(index);
+    fn scatter(&mut self, solver: &Solver) {
         let Interactions { collision, constrained, .. } = &*self.interactions;
         if let Some(collision) = collision {
-            scatter(constrained, &collision.body_index, &mut self.columns, solver.results(), wrenches);
+            scatter(constrained, &collision.body_index, &mut self.columns, solver.results());
         }
     }
 
-    /// Integrates the bodies that nothing constrains over a substep.
+    /// Integrates the bodies that nothing constrains over a substep, and in the last one consumes
+    /// the wrenches of all.
     pub(crate) fn integrate(&mut self, index: SubstepIndex) {
         let one = Settings { dt: self.settings.substep(), substeps: 1, ..*self.settings };
         let (time, wrenches) = (time_of(&self.clock, self.settings, index), self.wrenches(index));

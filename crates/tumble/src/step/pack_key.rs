@@ -7,6 +7,7 @@ use crate::collision::contact_materials::Extras;
 use crate::components::{Pose, Work};
 use crate::math::Real;
 use crate::settings::Settings;
+use crate::solver::substeps::impact_speed;
 
 /// What worlds must have in common to be packed.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -15,6 +16,7 @@ pub(crate) struct PackKey {
     substeps: u32,
     contact_substeps: u32,
     restitution_threshold: Real,
+    impact_speed: Real,
     pub(crate) extras: Extras,
 }
 
@@ -34,7 +36,8 @@ impl PackKey {
             collider.materials().for_each(|material| extras.add(material));
         }
         let Settings { dt, substeps, contact_substeps, restitution_threshold, .. } = *settings;
-        Some(Self { dt, substeps, contact_substeps, restitution_threshold, extras })
+        let impact_speed = impact_speed(settings);
+        Some(Self { dt, substeps, contact_substeps, restitution_threshold, impact_speed, extras })
     }
 }
 
@@ -66,6 +69,7 @@ mod tests {
             pack_key(&plain, settings.with_substeps(2)),
             pack_key(&plain, settings.with_contact_substeps(8)),
             pack_key(&plain, Settings { restitution_threshold: 0.1, ..settings }),
+            pack_key(&plain, settings.with_gravity(crate::math::Vec3::Y * -100.0)),
             pack_key(&world(Material::new(0.5, 0.5)), settings),
             pack_key(&world(Material { rolling_resistance: 0.01, ..Material::default() }), settings),
             pack_key(&World::new(), settings),

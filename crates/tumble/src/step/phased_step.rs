@@ -19,8 +19,8 @@ use crate::threads::Effort;
 ///
 /// Where bodies have colliders or act on each other by forces, all phases run, and those from
 /// [`PairForcesBefore`](Self::PairForcesBefore) to [`PairForcesAfter`](Self::PairForcesAfter) once
-/// in each of [`Settings::substeps`](crate::Settings::substeps). Elsewhere no pair forces and
-/// contacts are left, and each of the others runs once.
+/// in each of [`Settings::substeps`](crate::Settings::substeps). Elsewhere
+/// there are no pair forces and contacts, and each of the other phases runs once.
 ///
 /// ```
 /// use tumble::prelude::*;
@@ -34,12 +34,15 @@ use crate::threads::Effort;
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[non_exhaustive]
 pub enum StepPhase {
-    /// Copies each [`Pose`](crate::Pose) to the [`PreviousPose`](crate::PreviousPose).
+    /// Copies the [`Pose`](crate::Pose) of each moving body to its
+    /// [`PreviousPose`](crate::PreviousPose); those of kinematic bodies follow when they move.
     RememberPoses,
     /// Adds gravity to each [`Wrench`](crate::Wrench): [`accumulate_forces`].
     AccumulateForces,
-    /// Changes momenta by springs and the gravity of bodies, for the first half of the substep.
+    /// Changes momenta by springs and the gravity of bodies, for the first half of the substep; for
+    /// all of it with [`SemiImplicitEuler`](crate::Integrator::SemiImplicitEuler).
     PairForcesBefore,
     /// Finds the contacts of the substep.
     FindContacts,
@@ -60,8 +63,11 @@ pub enum StepPhase {
 ///
 /// Between two phases the world can be read, and the values of components changed, through
 /// [`world`](Self::world); what is spawned, despawned, inserted or removed waits for the end of the
-/// step. A changed [`Collider`](crate::Collider) counts from the next step on. Phases that are left
-/// when it is dropped run then, so a step is always whole.
+/// step. A changed [`Collider`](crate::Collider), [`CenterOfMass`](crate::CenterOfMass) of a
+/// collider's body, [`Spring`](crate::Spring), [`GravityMass`](crate::GravityMass) or
+/// [`BodyId`](crate::BodyId) counts from the next step on. Forces of this step are to be added
+/// before [`SolveContacts`](StepPhase::SolveContacts); after it, bodies in contact take no more.
+/// Phases that are left when it is dropped run then.
 ///
 /// The bits are those of [`Simulation::step`]; it takes longer, since each phase looks up the
 /// components again.
@@ -73,7 +79,7 @@ pub enum StepPhase {
 /// # let mut simulation = Simulation::new(Settings::default())?;
 /// let mut step = simulation.begin_step(&mut world);
 /// while let Some(phase) = step.run_phase() {
-///     println!("{phase:?} of substep {}: {} bodies", step.substep(), step.world().len());
+///     println!("after {phase:?}: {} bodies", step.world().len());
 /// }
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
@@ -114,7 +120,7 @@ impl Simulation {
     /// ```
     pub fn begin_step<'a>(&'a mut self, world: &'a mut World) -> Step<'a> {
         self.forget_events();
-        self.has_stepped = true;
+        self.has_stepped = false;
         let effort = effort_of_steps(world, self.laws(), self.collision(), 1);
         let interacting = Interactions::is_in(world);
         if interacting {
@@ -148,10 +154,11 @@ impl Step<'_> {
         if *interacting {
             self.effort.run(|| run_interacting(simulation, world, phase, substep));
         } else {
-            self.effort.run(|| run_alone(simulation, world, phase));
+            self.effort.run(|| run_without_interactions(simulation, world, phase));
         }
         self.next = self.after(phase);
         if self.next.is_none() {
+            self.simulation.has_stepped = true;
             self.simulation.count_steps(1);
         }
         Some(phase)
@@ -168,9 +175,10 @@ impl Step<'_> {
         self.world
     }
 
-    /// The simulation; [`contacts`](Simulation::contacts) are those of this substep from
-    /// [`FindContacts`](StepPhase::FindContacts) on, and have their impulses from
-    /// [`SolveContacts`](StepPhase::SolveContacts) on.
+    /// The simulation. [`contacts`](Simulation::contacts) are those of this substep from
+    /// [`FindContacts`](StepPhase::FindContacts) on; until
+    /// [`SolveContacts`](StepPhase::SolveContacts) their impulses are those that they begin with,
+    /// so whether they touch is not known. There are no events until the step is done.
     pub fn simulation(&self) -> &Simulation {
         self.simulation
     }
@@ -232,7 +240,7 @@ fn run_interacting(simulation: &mut Simulation, world: &mut World, phase: StepPh
 }
 
 /// Of a world in which they do not.
-fn run_alone(simulation: &Simulation, world: &mut World, phase: StepPhase) {
+fn run_without_interactions(simulation: &Simulation, world: &mut World, phase: StepPhase) {
     let (settings, laws, time) = (simulation.settings(), simulation.laws(), simulation.time());
     match phase {
         StepPhase::RememberPoses => remember_poses(world),

@@ -229,7 +229,7 @@ impl Simulation {
         InteractingWorld::of_known(world, &self.settings, &self.laws, interactions, clock)
     }
 
-    /// Counts steps that have been taken with [`interacting`](Self::interacting).
+    /// Counts steps that were taken by other means than [`step_many`](Self::step_many).
     pub(crate) fn count_steps(&mut self, count: u32) {
         self.steps += u64::from(count);
     }

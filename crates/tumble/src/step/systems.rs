@@ -27,7 +27,7 @@ use crate::step::interacting::{InteractingWorld, KinematicBodies, integrate_inte
 use crate::step::interactions::Interactions;
 use crate::step::phase_times::PhaseTimes;
 use crate::storage::body_index::Slot;
-use crate::storage::chunk::{Chunk, for_each_chunk};
+use crate::storage::chunk::{Chunk, RowOrder, for_each_chunk};
 use crate::storage::tile_io::splat;
 
 /// Adds to each moving body's [`Wrench`] the force that is the same at every stage of a step:
@@ -215,8 +215,8 @@ pub(crate) fn integrate_bodies(
     }
 }
 
-/// [`integrate_bodies`] for those of a chunk that no constraint acts on; `constrained` gives the
-/// slots of its archetype.
+/// [`integrate_bodies`] for those of a chunk that no constraint acts on, with the wrenches of all;
+/// `constrained` gives the slots of its archetype.
 pub(crate) fn integrate_unconstrained(
     bodies: &mut Chunk<'_>,
     laws: Laws<'_>,
@@ -229,7 +229,11 @@ pub(crate) fn integrate_unconstrained(
     };
     let slots = &slots[bodies.first_row..][..bodies.len()];
     let is_free = |row: usize| !constrained.contains(slots[row]);
-    bodies.for_included(!laws.is_empty(), is_free, |bodies| integrate_bodies(bodies, laws, settings, time, wrenches));
+    let rows = if laws.is_empty() { RowOrder::Any } else { RowOrder::OfArchetype };
+    bodies.for_included(rows, is_free, |bodies| integrate_bodies(bodies, laws, settings, time, wrenches));
+    if wrenches == Wrenches::Consumed {
+        bodies.wrench.fill(Wrench::default());
+    }
 }
 
 /// How much of how many steps is done.

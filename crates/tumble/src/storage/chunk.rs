@@ -187,6 +187,14 @@ columns! {
         wind: Wind;
 }
 
+/// Which rows a system can be given side by side.
+#[derive(Clone, Copy, PartialEq, Eq)]
+pub(crate) enum RowOrder {
+    /// Neighbours in the archetype, from its first row on.
+    OfArchetype,
+    Any,
+}
+
 impl Chunk<'_> {
     /// How many bodies.
     pub(crate) fn len(&self) -> usize {
@@ -217,11 +225,10 @@ impl Chunk<'_> {
     }
 
     /// Calls `system` with the bodies of the rows that `is_included`, each of them once: runs of
-    /// neighbouring rows, and copies of single rows side by side unless `keeps_rows`, since their
-    /// first row is not that of the archetype.
+    /// neighbouring rows, and in any [order](RowOrder) copies of single rows side by side.
     pub(crate) fn for_included(
         &mut self,
-        keeps_rows: bool,
+        order: RowOrder,
         is_included: impl Fn(usize) -> bool,
         mut system: impl FnMut(&mut Chunk<'_>),
     ) {
@@ -229,7 +236,7 @@ impl Chunk<'_> {
         let mut next = 0;
         while let Some(begin) = (next..self.len()).find(|row| is_included(*row)) {
             next = (begin..self.len()).find(|row| !is_included(*row)).unwrap_or(self.len());
-            if keeps_rows || next - begin >= WIDEST {
+            if order == RowOrder::OfArchetype || next - begin >= WIDEST {
                 system(&mut self.rows(begin..next));
                 continue;
             }

@@ -8,7 +8,7 @@ use hecs::{Entity, World};
 use crate::components::{Mass, Momentum, Pose, Velocity};
 use crate::forces::pairwise;
 use crate::forces::pairwise::{GravityMass, Spring};
-use crate::integrators::state::{State, moving_body};
+use crate::integrators::state::{Constants, State, moving_body};
 use crate::math::{Real, double, double_quat, dquat, dvec3};
 
 /// A body as forces between bodies see it, in double precision.
@@ -19,6 +19,19 @@ struct End {
     angular_velocity: DVec3,
     /// Its place among those that are asked for.
     index: Option<usize>,
+}
+
+impl End {
+    fn of(constants: &Constants<Real>, state: &State<Real>, index: Option<usize>) -> Self {
+        let upright = State { orientation: state.orientation.normalize(), ..*state };
+        Self {
+            position: double(state.position),
+            orientation: double_quat(upright.orientation),
+            linear_velocity: double(constants.velocity(state.linear)),
+            angular_velocity: double(constants.angular_velocity(&upright)),
+            index,
+        }
+    }
 }
 
 /// What other bodies do to one, by springs and by gravity.
@@ -64,14 +77,10 @@ impl BetweenBodies<'_> {
         let index = self.places.get(&entity).copied();
         if let Some(state) = index.and_then(|index| self.states.get(index)) {
             let (constants, _) = moving_body(body)?;
-            let upright = State { orientation: state.orientation.normalize(), ..*state };
-            return Some(End {
-                position: double(state.position),
-                orientation: double_quat(upright.orientation),
-                linear_velocity: double(constants.velocity(state.linear)),
-                angular_velocity: double(constants.angular_velocity(&upright)),
-                index,
-            });
+            return Some(End::of(&constants, state, index));
+        }
+        if let Some((constants, state)) = moving_body(body) {
+            return Some(End::of(&constants, &state, None));
         }
         let pose = *body.get::<&Pose>()?;
         let velocity = body.get::<&Velocity>().map_or(Velocity::default(), |velocity| *velocity);

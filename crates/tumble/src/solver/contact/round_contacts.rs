@@ -41,7 +41,7 @@ impl RoundConstraint {
     pub(crate) fn new(mut round: RoundContact, contact: &ContactRecord, rows: [SolverRow; 2], first: u32) -> Self {
         let nearest = (0..contact.count()).map(|j| contact.separation(j)).fold(Real::INFINITY, Real::min).max(0.0);
         let weights = std::array::from_fn(|j| {
-            if j < contact.count() { weight((contact.separation(j) - nearest) / contact.margin()) } else { 0.0 }
+            if j < contact.count() { point_weight((contact.separation(j) - nearest) / contact.margin()) } else { 0.0 }
         });
         round.contact += first;
         Self { contact: round, rows, weights }
@@ -60,7 +60,7 @@ impl RoundConstraint {
 
 /// Weight in the middle of its contact of a point that is this many margins further than the
 /// nearest, as [`Prepare`](crate::solver::contact::prepare::Prepare) has it.
-fn weight(margins: Real) -> Real {
+pub(crate) fn point_weight(margins: Real) -> Real {
     (2.0 - margins).clamp(crate::math::real(MIN_WEIGHT), 1.0)
 }
 
