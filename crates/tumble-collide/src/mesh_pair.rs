@@ -23,7 +23,7 @@ use crate::work;
 /// Overlaps of no more than this part of the margin need no second look: the way out is the
 /// triangle's own.
 const SHALLOW: f64 = 0.05;
-/// A direction may be outside of a Voronoi region by so much, for rounding, as a sine.
+/// How far a direction may be outside of a Voronoi region, for rounding, as a sine.
 const OUTSIDE: f64 = 1e-3;
 /// Cosine of directions that are the same to a face and to an edge of it: within a thousandth of a
 /// radian.

@@ -146,7 +146,7 @@ impl Facet {
 }
 
 impl Corner {
-    /// Whether another is so much lower that this one cannot touch.
+    /// Whether another is too much lower for this one to touch.
     fn is_behind(&self, other: &Self) -> bool {
         let up = f64::max(self.above - other.above, self.height - other.height);
         up > STEEPEST * length(minus(self.at, other.at))

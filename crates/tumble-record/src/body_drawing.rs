@@ -23,7 +23,7 @@ const DOWN: [f64; 2] = [84.0, HEIGHT - 92.0];
 const FIGURES: f64 = 568.0;
 const COLUMN: usize = 31;
 const LINE: f64 = 19.0;
-/// Axes reach so much further than the furthest point of the surface along them.
+/// By how much axes reach further than the furthest point of the surface along them.
 const BEYOND: f64 = 1.18;
 /// Points of an ellipse.
 const AROUND: usize = 72;

@@ -66,7 +66,7 @@ pub(crate) struct Viewport {
     shift: DVec3,
     largest: Largest,
     arrow_length: f64,
-    /// The books are made up so often, for they take time where many bodies attract each other.
+    /// How often the ledger takes its sums: they take time where many bodies attract each other.
     pub(crate) books_every: Duration,
     books: Option<(Instant, Totals)>,
 }

@@ -6,7 +6,7 @@ use super::Proxy;
 use crate::aabb::Aabb;
 use crate::scalar::Scalar;
 
-/// A box is so much larger to every side, as a part of its mean extent ...
+/// By how much a box is larger to every side, as a part of its mean extent ...
 const MARGIN: f64 = 0.125;
 /// ... but not by more than this \[m\]. With twice as much a pile of balls of a metre has a quarter
 /// more pairs to look at, and is searched in a tenth less time.

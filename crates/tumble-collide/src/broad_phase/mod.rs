@@ -16,7 +16,7 @@ use pair_list::{Pair, PairList, merge};
 
 use crate::scalar::Scalar;
 
-/// The tree is rebuilt when its leaves have become so much longer than they were when it was made.
+/// The tree is rebuilt when its leaves have become longer than when it was made by this factor.
 /// Between 1.15 and 1.3 the number makes no difference to speak of; at 1.05 the tree is rebuilt too
 /// often, and a tree that is never rebuilt takes half as long again where balls mix.
 const MAX_LOOSENESS: f64 = 1.2;

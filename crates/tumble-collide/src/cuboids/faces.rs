@@ -23,8 +23,8 @@ struct Facing<L> {
 const CANDIDATES: usize = 12;
 /// Nearer to zero than this \[m\] an edge does not go along an axis.
 const MIN_WAY: f64 = 1e-12;
-/// A face is so much wider when it is asked whether a corner of the other is within it: one that
-/// lies on its edge is, however that is rounded, or boxes that are stacked flush would lose
+/// By how much a face is wider when it is asked whether a corner of the other is within it: one
+/// that lies on its edge is, however that is rounded, or boxes that are stacked flush would lose
 /// corners.
 const WIDER: f64 = 1.0 + 4e-6;
 

@@ -15,12 +15,12 @@ use tumble_math::lane::{Lane, Quat, Vec3};
 
 use crate::lanes::{FAR, ManifoldLanes};
 
-/// An edge axis must separate by so much more \[m\] than the best face to be taken: a face holds a
+/// By how much more \[m\] an edge axis must separate than the best face to be taken: a face holds a
 /// body better, and a choice that changes back and forth holds it worst.
 const EDGE_LEAD: f64 = 5e-4;
 /// But by no more than this part of the margin.
 const LEAD_SHARE: f64 = 0.025;
-/// And a face of the second box by so much more than one of the first.
+/// And a face of the second box than one of the first.
 const SECOND_LEAD: f64 = 2.5e-4;
 /// Edges at a smaller sine of the angle between them are parallel: a face separates as well.
 const MIN_SINE: f64 = 5e-3;

@@ -24,7 +24,7 @@ pub(crate) use crate::trajectory::glb::bodies::Bodies;
 use crate::trajectory::glb::layout::Layout;
 pub(crate) use crate::trajectory::glb::sample::{Sample, single};
 
-/// Frames that are kept back take at most so much, but for one of more bodies \[bytes\].
+/// Frames that are kept back take at most that much, but for one of more bodies \[bytes\].
 const PENDING_BYTES: u64 = 16 << 20;
 
 /// What is to be known of a run before its first step, to record it as an animation.

@@ -30,7 +30,7 @@ use crate::{builtin, convert};
 pub enum RunLength {
     /// Number of steps.
     Steps(u64),
-    /// So much simulated time \[s\], rounded to whole steps of the world's own length.
+    /// This much simulated time \[s\], rounded to whole steps of the world's own length.
     Duration(f64),
 }
 

@@ -41,7 +41,7 @@ impl Format {
     }
 }
 
-/// So much of a bad word is shown to either side of the place \[characters\].
+/// This much of a bad word is shown to either side of the place \[characters\].
 const LONGEST_WORD: usize = 30;
 
 /// Nesting is limited by both parsers to 128 levels, so a hostile file cannot overflow the stack.

@@ -111,8 +111,9 @@ impl Batch {
     /// vector empty: up to sixteen neighbours, each with the bits that it has alone. In a pack are
     /// worlds of at most 128 entities, without a ledger, that have `dt`, `substeps`,
     /// `contact_substeps` and `restitution_threshold` in common with the first of them, and also
-    /// whether anything in them bounces or resists rolling. The others take their steps by
-    /// themselves, as all do in [`map`](Self::map) and [`run`](Self::run).
+    /// whether anything in them bounces or resists rolling, and which speed is an impact: where
+    /// steps are long, that follows from gravity. The others take their steps by themselves, as all
+    /// do in [`map`](Self::map) and [`run`](Self::run).
     pub fn step_many(&mut self, count: u32) {
         // With fewer worlds than would give each thread a pack, threads come first.
         let size = self.trials.len().div_ceil(rayon::current_num_threads()).clamp(1, PACK);

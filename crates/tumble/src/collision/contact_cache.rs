@@ -107,6 +107,7 @@ impl CollisionPipeline {
     /// Forgets all contacts, so that the next step begins without.
     pub(crate) fn forget(&mut self) {
         self.contacts.records.clear();
+        self.contacts.substep = 0.0;
         self.cache.forget();
     }
 

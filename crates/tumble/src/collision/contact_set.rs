@@ -3,6 +3,7 @@
 use crate::collision::contact::ContactRecord;
 use crate::collision::contact_materials::Extras;
 use crate::collision::round_contact::RoundContact;
+use crate::math::Real;
 
 /// The contacts that there are, with the impulses that they begin with.
 #[derive(Clone, Default)]
@@ -12,6 +13,8 @@ pub(crate) struct ContactSet {
     /// Of those of round shapes, what they are found again with as their bodies move.
     pub(crate) rounds: Vec<RoundContact>,
     pub(crate) extras: Extras,
+    /// Length of the substeps that their impulses are for \[s\]; zero where it is not known.
+    pub(crate) substep: Real,
 }
 
 impl ContactSet {

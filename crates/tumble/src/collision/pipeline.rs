@@ -138,6 +138,7 @@ impl CollisionPipeline {
         near.find(states, &colliders.groups, broad_phase);
         self.cache.keep_previous(&mut self.contacts.records);
         self.find_manifolds();
+        self.contacts.substep = settings.contact_substep();
         let fall = settings.gravity.length() * ahead * ahead;
         self.limit_speculative(fall);
         self.leave_out_internal_edges();

@@ -129,9 +129,9 @@ const FORESEEN: Real = 0.02;
 /// turn, for what it meets.
 const TURNED: Real = 0.25;
 
-/// How much further a shape looks for others \[m\] that goes so far \[m\] in a step. What goes less
-/// than half its half thickness is stopped in what it hits and leaves it on the side it came from;
-/// only what is faster looks as far as it goes.
+/// How much further a shape that goes a `way` \[m\] in a step looks for others \[m\]. What goes
+/// less than half its half thickness is stopped in what it hits and leaves it on the side it came
+/// from; only what is faster looks as far as it goes.
 fn ahead(ccd_thickness: Real, way: Real) -> Real {
     if way.is_finite() { (way - 0.5 * ccd_thickness).max(way.min(FORESEEN)) } else { 0.0 }
 }

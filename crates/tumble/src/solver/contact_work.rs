@@ -67,7 +67,7 @@ impl ContactWorks {
         self.forces.clear();
     }
 
-    /// Opens the account of a body under these forces, of which so much is gravity, for kicks of
+    /// Opens the account of a body under these forces, with `gravity` among them, for kicks of
     /// `h` \[s\].
     pub(crate) fn open(
         &mut self,
@@ -100,8 +100,8 @@ impl ContactWorks {
         });
     }
 
-    /// Takes over the accounts of bodies whose rows have a place here, for substeps halved so
-    /// often.
+    /// Takes over the accounts of bodies whose rows have a place here, for substeps halved
+    /// this many times.
     pub(crate) fn copy(&mut self, others: &Self, place: impl Fn(usize) -> Option<usize>, halvings: u8) {
         self.clear();
         for body in &others.bodies {

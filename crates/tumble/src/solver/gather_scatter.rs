@@ -12,7 +12,7 @@ use crate::integrators::Forces;
 use crate::integrators::response_range::responds_in_range;
 use crate::integrators::state::{Constants, State};
 use crate::math::{Real, Vec3 as WorldVec3};
-use crate::range::{MAX_DISTANCE_OF_CONTACTS, MAX_SPEED, within};
+use crate::range::{MAX_DISTANCE_OF_CONTACTS, MAX_SPEED, is_rotation, within};
 use crate::settings::Settings;
 use crate::solver::constrained_bodies::ConstrainedBodies;
 use crate::solver::contact_work::ContactWorks;
@@ -198,7 +198,8 @@ impl Gather<'_> {
             free.set(next, &constants, &state, forces.at(0.0, &state), h);
             // It is, unless the caller has changed it since contacts were found.
             let responds = responds_in_range(&constants, [state.linear, state.angular], 0.0);
-            if !(responds && within(state.position, MAX_DISTANCE_OF_CONTACTS)) {
+            let is_somewhere = within(state.position, MAX_DISTANCE_OF_CONTACTS) && is_rotation(state.orientation);
+            if !(responds && is_somewhere) {
                 free.set_out_of_range(next);
             }
             if let Some(contact_works) = contact_works.as_deref_mut() {

@@ -21,7 +21,7 @@ pub(crate) struct HalvedGroup {
 const NONE: SolverRow = SolverRow(u32::MAX);
 
 impl HalvedGroup {
-    /// Takes the contacts whose substeps are halved so often, and copies their bodies.
+    /// Takes the contacts whose substeps are halved `these` times, and copies their bodies.
     pub(crate) fn take(&mut self, (these, halvings): (u8, &[u8]), all: &mut SolverGroup) {
         let Self { group, rows, places, .. } = self;
         let is_here = |number: u32| halvings[number as usize] == these;

@@ -177,7 +177,7 @@ impl SolverBodies {
     }
 
     /// Takes over the bodies of these rows of others, those that impulses move first; forces act as
-    /// in substeps halved so often.
+    /// in substeps halved this many times.
     pub(crate) fn copy(&mut self, others: &Self, rows: &[SolverRow], halvings: u8) {
         let first_non_dynamic = others.first_non_dynamic();
         let free = rows.iter().take_while(|row| row.index() < first_non_dynamic).count();
@@ -414,8 +414,8 @@ impl Kernel for IntegratePositions<'_> {
     }
 }
 
-/// What forces do in substeps that are halved so often: twice it does what the kick of the substep
-/// before does.
+/// What forces do in substeps that are halved this many times: twice it does what the kick of the
+/// substep before does.
 fn halved(force_impulse: ForceImpulse, halvings: u8) -> ForceImpulse {
     (0..halvings).fold(force_impulse, |ForceImpulse { linear, angular, kept_linear, kept_angular }, _| {
         let (kept_linear, kept_angular) = (kept_linear.sqrt(), kept_angular.sqrt());

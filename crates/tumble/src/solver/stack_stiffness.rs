@@ -286,7 +286,7 @@ impl Base {
         self.second.iter_mut().zip(other.second).for_each(|(sum, it)| *sum += it);
     }
 
-    /// `W H / k` of what a body at a height \[m\] bears, on points that are spread by so much at
+    /// `W H / k` of what a body at a height \[m\] bears, on points with a spread of at
     /// least \[m\].
     fn lean(&self, on_face: bool, load: &Load, (height, spread): (Real, Real)) -> Real {
         let Self { stiffness, first: [x, y], second: [xx, yy, xy], .. } = *self;

@@ -158,7 +158,7 @@ pub(crate) fn impact_speed(settings: &Settings) -> Real {
 }
 
 impl SubstepSettings {
-    /// The same in substeps halved so often.
+    /// The same in substeps halved this many times.
     pub(crate) fn halved(self, times: u8) -> Self {
         Self { substeps: self.substeps << times, h: self.h / (1u32 << times) as Real, ..self }
     }

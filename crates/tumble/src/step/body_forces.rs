@@ -17,11 +17,12 @@ impl Simulation {
     /// forces do not move.
     ///
     /// Contacts are those of the last step, and what they give is the mean over its last
-    /// [`contact_substep`](crate::Settings::contact_substep). Springs are as stiff as they were
-    /// given, not as their step allows. Force laws are evaluated at the simulation's time.
+    /// [`contact_substep`](crate::Settings::contact_substep), or the last of the shorter ones that
+    /// a stack may take: an impact before it is not in it. Springs are as stiff as they were given,
+    /// not as their step allows. Force laws are evaluated at the simulation's time.
     ///
-    /// To be asked between steps. Between the phases of one the [`Wrench`] holds gravity too, and
-    /// after other settings or a restore contacts have the impulses of substeps that were others.
+    /// To be asked between steps: between the phases of one the [`Wrench`] holds gravity too. After
+    /// a restore the impulses of contacts are taken for those of substeps of these settings.
     ///
     /// ```
     /// use tumble::{Collider, prelude::*};
@@ -49,7 +50,8 @@ impl Simulation {
         }
         if let Some(collision) = self.collision() {
             let impulse = collision.impulse_on(entity);
-            let rate = 1.0 / self.settings().contact_substep();
+            let known = Some(collision.contacts.substep).filter(|substep| *substep > 0.0);
+            let rate = 1.0 / known.unwrap_or(self.settings().contact_substep());
             forces.contacts = Wrench { force: impulse.force * rate, torque: impulse.torque * rate };
         }
         Some(forces)

@@ -125,7 +125,8 @@ impl Simulation {
     /// [`advance_with`](Self::advance_with): every event once, in the order of the steps, and
     /// within a step in the order of the bodies. A frame without a step has none, nor has a
     /// simulation that was restored and has taken no step since. Within the closure of
-    /// [`advance_with`](Self::advance_with) they are those of the last step.
+    /// [`advance_with`](Self::advance_with) they are those of the last step. In the course of a
+    /// step that is taken [phase by phase](Self::begin_step) there are none.
     ///
     /// A pair begins and ends once, whatever happens at its points, and not while it rests: see
     /// [`Contact::touches`](crate::Contact::touches). What hits another, does not bounce and is

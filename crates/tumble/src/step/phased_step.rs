@@ -67,7 +67,9 @@ pub enum StepPhase {
 /// collider's body, [`Spring`](crate::Spring), [`GravityMass`](crate::GravityMass) or
 /// [`BodyId`](crate::BodyId) counts from the next step on. Forces of this step are to be added
 /// before [`SolveContacts`](StepPhase::SolveContacts); after it, bodies in contact take no more.
-/// Phases that are left when it is dropped run then.
+/// Phases that are left when it is dropped run then, unless a panic drops it. One that is cut off
+/// by a panic or leaked leaves the world between two phases: restore a snapshot, or set what forces
+/// have added to each [`Wrench`](crate::Wrench) to zero.
 ///
 /// The bits are those of [`Simulation::step`]; it takes longer, since each phase looks up the
 /// components again.
@@ -83,6 +85,7 @@ pub enum StepPhase {
 /// }
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
+#[must_use = "a step that is dropped at once is taken as a whole"]
 pub struct Step<'a> {
     simulation: &'a mut Simulation,
     world: &'a mut World,
@@ -91,6 +94,8 @@ pub struct Step<'a> {
     interacting: bool,
     next: Option<StepPhase>,
     substep: u32,
+    /// Whether the thread was unwinding when the step began.
+    began_unwinding: bool,
 }
 
 impl Simulation {
@@ -130,7 +135,15 @@ impl Simulation {
         } else if let Some(interactions) = &mut self.interactions {
             interactions.pass(world, 1);
         }
-        Step { simulation: self, world, effort, interacting, next: Some(StepPhase::RememberPoses), substep: 0 }
+        Step {
+            simulation: self,
+            world,
+            effort,
+            interacting,
+            next: Some(StepPhase::RememberPoses),
+            substep: 0,
+            began_unwinding: std::thread::panicking(),
+        }
     }
 }
 
@@ -216,7 +229,7 @@ impl Step<'_> {
 
 impl Drop for Step<'_> {
     fn drop(&mut self) {
-        if !std::thread::panicking() {
+        if self.began_unwinding || !std::thread::panicking() {
             self.run_all();
         }
     }

@@ -19,7 +19,8 @@ use crate::simd::{MAX_BODIES, WIDEST, narrowest_for, widest};
 use crate::threads;
 use crate::threads::Effort;
 
-/// So few bodies are gone through one by one: borrowing a dozen columns takes longer than a query.
+/// Up to this many bodies are visited one by one: borrowing a dozen columns takes longer than a
+/// query.
 const FEW: u32 = 2;
 
 /// Fewer bodies are not shared among threads: a step of 512 takes six microseconds, and handing

@@ -58,7 +58,7 @@ impl SimdForceLaw<6> for Drag {
     }
 }
 
-/// `-|u| K u`, with K along the body's axes; at the most so much along each that a kick takes away
+/// `-|u| K u`, with K along the body's axes; at the most what lets a kick take away
 /// all of the velocity there.
 #[inline(always)]
 fn resistance<L: Lane>(body: &SimdBody<L>, u: LaneVec3<L>, k: LaneVec3<L>, inertia: LaneVec3<L>) -> LaneVec3<L> {
