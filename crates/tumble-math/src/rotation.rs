@@ -88,7 +88,7 @@ pub fn to_axis_angle(q: DQuat) -> (DVec3, f64) {
     let v = if q.w < 0.0 { -q.xyz() } else { q.xyz() };
     match unit_vector(v) {
         Some(axis) if q.w.is_finite() => {
-            let angle = 2.0 * v.dot(axis).atan2(q.w.abs());
+            let angle = 2.0 * libm::atan2(v.dot(axis), q.w.abs());
             (axis, angle)
         }
         _ => (DVec3::X, 0.0),

@@ -33,7 +33,8 @@
 //! | by the step: derived from it | [`Velocity`], [`InverseInertia`], [`PreviousPose`], and [`Work`] where a [`Ledger`] wants it |
 //! | by you, for one step, which sets it to zero | [`Wrench`] |
 //! | by you, until it is removed | [`GravityScale`], [`Damping`]; forces: [`ConstantWrench`], [`Thruster`], [`Drag`], [`Wind`], [`Magnus`], [`SpringToPoint`], [`PointGravity`], [`Buoyancy`], [`AngularVelocityServo`], [`GravityMass`]; laws of your own: [`ForceLaw`], [`SimdForceLaw`]; what others bump into: [`Collider`], with a [`Material`] |
-//! | by you, on an entity of its own | [`Spring`] |
+//! | by you, on an entity of its own | [`Spring`], [`Joint`] |
+//! | by the step, on a joint's entity | [`JointLoad`] |
 //!
 //! A body needs [`Pose`], [`Momentum`], [`Mass`] and [`Wrench`] to be moved by forces. One without
 //! [`Momentum`] is kinematic if it has a [`Velocity`], and moves as that says; else it is fixed.
@@ -82,6 +83,7 @@ mod energy;
 mod forces;
 mod integrator;
 mod integrators;
+mod joints;
 pub mod lane;
 pub mod math;
 mod range;
@@ -127,6 +129,10 @@ pub use forces::pairwise::{GravityMass, Spring};
 pub use forces::registry::ForceLaws;
 pub use forces::simd_force_law::{SimdBody, SimdForceLaw, SimdWrench};
 pub use integrator::{Integrator, UnknownIntegrator};
+pub use joints::axes::Axes;
+pub use joints::joint::Joint;
+pub use joints::joint_error::JointError;
+pub use joints::joint_load::JointLoad;
 pub use settings::{Settings, SettingsError};
 pub use simd::simd_name;
 pub use snapshot::Snapshot;

@@ -8,6 +8,7 @@ use crate::collision::collider::Groups;
 use crate::collision::collider_state::{ColliderState, ColliderStates};
 use crate::collision::narrow_phase::{LaneKind, Pairs};
 use crate::collision::pair_limit::{PairLimit, most_listed};
+use crate::joints::joint_list::JointList;
 use crate::math::Real;
 use crate::storage::body_index::Slot;
 use crate::threads::InParts;
@@ -38,9 +39,11 @@ impl NearPairs {
         ColliderStates { states, proxies, .. }: &ColliderStates,
         groups: &[Groups],
         broad_phase: &mut BroadPhase<Real>,
+        joints: &JointList,
     ) {
         let Self { found, limit, cuboids, spheres, others } = self;
-        let wanted = |a: u32, b: u32| groups[a as usize].touch(groups[b as usize]);
+        let wanted =
+            |a: u32, b: u32| groups[a as usize].touch(groups[b as usize]) && !joints.keeps_apart([Slot(a), Slot(b)]);
         let mut parts = 1;
         if let Some(candidates) = broad_phase.update_within(proxies, most_listed(proxies.len()), wanted) {
             parts = candidates.len().div_ceil(PART);

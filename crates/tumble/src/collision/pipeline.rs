@@ -19,6 +19,7 @@ use crate::collision::near_pairs::NearPairs;
 use crate::collision::round_contact::RoundContact;
 use crate::collision::speculative::Way;
 use crate::components::CenterOfMass;
+use crate::joints::joint_list::{JointEnds, JointList};
 use crate::math::{Real, Vec3 as WorldVec3};
 use crate::settings::Settings;
 use crate::storage::body_index::{BodyIndex, Slot};
@@ -28,7 +29,7 @@ use crate::threads::InParts;
 /// Finds the contacts of a world, and keeps what the next step begins with.
 #[derive(Clone, Default)]
 pub(crate) struct CollisionPipeline {
-    /// The bodies with colliders, as of the last [`update`](Self::update).
+    /// The bodies with colliders or joints, as of the last [`update`](Self::update).
     pub(crate) body_index: BodyIndex,
     pub(crate) colliders: Colliders,
     /// In this substep.
@@ -94,11 +95,11 @@ impl Colliders {
 }
 
 impl CollisionPipeline {
-    /// Finds out what has a collider. To be called again when anything was spawned, despawned or
-    /// changed but momentum and pose.
-    pub(crate) fn update(&mut self, world: &World) {
+    /// Finds out what has a collider, or joints. To be called again when anything was spawned,
+    /// despawned or changed but momentum and pose.
+    pub(crate) fn update(&mut self, world: &World, joints: &JointEnds) {
         self.body_index.find(world, |archetype, mark| {
-            if archetype.has::<Collider>() {
+            if archetype.has::<Collider>() || joints.connect_any_of(archetype) {
                 archetype.ids().iter().for_each(|id| mark(*id));
             }
         });
@@ -117,7 +118,7 @@ impl CollisionPipeline {
 
     /// A step, or several, in which nothing has a collider.
     pub(crate) fn pass(&mut self, world: &World, steps: u32) {
-        self.update(world);
+        self.update(world, &JointEnds::default());
         for _ in 0..steps.min(2) {
             self.begin_step();
             self.cache.pass();
@@ -130,12 +131,12 @@ impl CollisionPipeline {
     }
 
     /// Finds the contacts of a substep of the settings, with the impulses that they begin with.
-    pub(crate) fn find_contacts(&mut self, columns: &WorldColumns<'_>, settings: &Settings) {
+    pub(crate) fn find_contacts(&mut self, columns: &WorldColumns<'_>, settings: &Settings, joints: &JointList) {
         // After the last substep contacts see to it that in one more nothing would come too near.
         let ahead = settings.substep() + settings.contact_substep();
         self.update_aabbs(columns, [settings.substep(), ahead]);
         let Self { states, colliders, broad_phase, near, .. } = self;
-        near.find(states, &colliders.groups, broad_phase);
+        near.find(states, &colliders.groups, broad_phase, joints);
         self.cache.keep_previous(&mut self.contacts.records);
         self.find_manifolds();
         self.contacts.substep = settings.contact_substep();

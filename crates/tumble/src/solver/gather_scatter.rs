@@ -11,11 +11,13 @@ use crate::forces::registry::{ForceLaws, Laws};
 use crate::integrators::Forces;
 use crate::integrators::response_range::responds_in_range;
 use crate::integrators::state::{Constants, State};
+use crate::joints::joint_list::JointList;
 use crate::math::{Real, Vec3 as WorldVec3};
 use crate::range::{MAX_DISTANCE_OF_CONTACTS, MAX_SPEED, is_rotation, within};
 use crate::settings::Settings;
 use crate::solver::constrained_bodies::ConstrainedBodies;
 use crate::solver::contact_work::ContactWorks;
+use crate::solver::mechanism::mechanisms::Mechanisms;
 use crate::solver::solver_bodies::{FreeRows, SolverBodies, SolverRow};
 use crate::storage::body_index::{BodyIndex, Slot};
 use crate::storage::chunk::{Chunk, MIN_CHUNK};
@@ -26,13 +28,20 @@ use crate::threads;
 /// the substep \[s\].
 pub(crate) type Moving<'a> = (&'a Settings, &'a ForceLaws, f64);
 
+/// The constraints of a world, and the bodies that they act on.
+pub(crate) struct Constraints<'a> {
+    pub(crate) bodies: &'a mut ConstrainedBodies,
+    pub(crate) contacts: &'a mut ContactSet,
+    pub(crate) mechanisms: &'a mut Mechanisms,
+}
+
 /// Reads the constrained bodies, and the forces on them as they are now, into rows from these on:
 /// dynamic ones, and others. Returns the rows after them.
 ///
 /// Contacts of bodies under forces out of range are dropped, and those bodies are no longer
 /// constrained.
 pub(crate) fn gather(
-    (constrained, contacts): (&mut ConstrainedBodies, &mut ContactSet),
+    Constraints { bodies: constrained, contacts, mechanisms }: &mut Constraints<'_>,
     body_index: &BodyIndex,
     columns: &mut WorldColumns<'_>,
     (settings, laws, time): Moving<'_>,
@@ -59,7 +68,7 @@ pub(crate) fn gather(
         }
     });
     debug_assert_eq!(begin, next_dynamic);
-    drop_out_of_range((constrained, contacts), bodies, first_dynamic..next_dynamic);
+    drop_out_of_range((constrained, contacts, &mechanisms.list), bodies, first_dynamic..next_dynamic);
     [next_dynamic, next_non_dynamic]
 }
 
@@ -99,7 +108,7 @@ fn gather_non_dynamic(
                     [columns.pose[row].position, velocity.linear, velocity.angular].map(Vec3::from);
                 let in_range = within(linear, MAX_SPEED) && within(angular, MAX_SPEED);
                 if in_range && within(center, MAX_DISTANCE_OF_CONTACTS) {
-                    bodies.set_non_dynamic(next, center, linear, angular);
+                    bodies.set_non_dynamic(next, (center, columns.pose[row].orientation.into()), [linear, angular]);
                 }
                 constrained.set_row(*slot, SolverRow(next as u32));
                 next += 1;
@@ -112,18 +121,20 @@ fn gather_non_dynamic(
 /// Drops the contacts of bodies of these rows whose forces are out of range: what becomes of those
 /// is the integrator's.
 fn drop_out_of_range(
-    (constrained, contacts): (&mut ConstrainedBodies, &mut ContactSet),
+    (constrained, contacts, joints): (&mut ConstrainedBodies, &mut ContactSet, &JointList),
     bodies: &SolverBodies,
     rows: Range<usize>,
 ) {
     if rows.clone().all(|row| bodies.is_kicked_in_range(row)) {
         return;
     }
-    contacts.retain(|contact| {
-        let mut its_rows = constrained.rows_of(contact.slots).into_iter().map(SolverRow::index);
-        its_rows.all(|row| !rows.contains(&row) || bodies.is_kicked_in_range(row))
-    });
-    constrained.retain(contacts.records.iter().map(|contact| contact.slots));
+    let is_in_range = |slots: &[Slot; 2]| {
+        let mut its_rows = slots.iter().map(|slot| constrained.row(*slot).map(SolverRow::index));
+        its_rows.all(|row| row.is_some_and(|row| !rows.contains(&row) || bodies.is_kicked_in_range(row)))
+    };
+    contacts.retain(|contact| is_in_range(&contact.slots));
+    let pairs: Vec<_> = joints.pairs().filter(is_in_range).collect();
+    constrained.retain(contacts.records.iter().map(|contact| contact.slots).chain(pairs));
 }
 
 /// Writes the constrained bodies back to their columns, with the work done on them.

@@ -49,7 +49,7 @@ impl HalvedGroup {
 
     /// Advances them by a substep of the settings, as others are `solving` theirs.
     pub(crate) fn solve_substeps(&mut self, contacts: &mut [ContactRecord], solving: SubstepSettings) {
-        self.group.solve_substeps(contacts, solving.halved(self.halvings));
+        self.group.solve_substeps(contacts, solving.halved(self.halvings), None);
     }
 
     /// Gives back what has become of them, the impulses as those of a substep of the settings.

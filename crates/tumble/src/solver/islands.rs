@@ -3,7 +3,7 @@
 use crate::storage::body_index::Slot;
 
 /// Bodies that contacts between moving ones connect: disjoint sets of slots.
-#[derive(Clone, Default)]
+#[derive(Clone, Debug, Default)]
 pub(crate) struct Islands {
     /// A slot of the same island, lower than the slot itself or the same.
     parents: Vec<Slot>,

@@ -2,10 +2,9 @@
 
 use crate::collision::contact::ContactRecord;
 use crate::collision::contact_materials::Extras;
-use crate::collision::contact_set::ContactSet;
 use crate::settings::Settings;
-use crate::solver::constrained_bodies::ConstrainedBodies;
-use crate::solver::gather_scatter::Moving;
+use crate::solver::gather_scatter::{Constraints, Moving};
+use crate::solver::mechanism::mechanisms::Mechanisms;
 use crate::solver::substeps::Solver;
 use crate::storage::body_index::BodyIndex;
 use crate::storage::world_columns::WorldColumns;
@@ -39,19 +38,19 @@ impl MultiWorld {
     /// Adds the constrained bodies of a world, and their contacts.
     pub(crate) fn add(
         &mut self,
-        (constrained, contacts): (&mut ConstrainedBodies, &mut ContactSet),
+        mut constraints: Constraints<'_>,
         body_index: &BodyIndex,
         columns: &mut WorldColumns<'_>,
         moving: Moving<'_>,
     ) {
-        let constraints = (constrained, &mut *contacts);
-        self.next_rows = self.solver.add_world(constraints, body_index, columns, moving, self.next_rows);
-        self.contacts.extend_from_slice(&contacts.records);
+        self.next_rows = self.solver.add_world(&mut constraints, body_index, columns, moving, self.next_rows);
+        self.contacts.extend_from_slice(&constraints.contacts.records);
     }
 
     /// Solves the contacts of all worlds together, with settings that are alike.
     pub(crate) fn solve_substeps(&mut self, settings: &Settings, extras: Extras) {
-        self.solver.solve_substeps(&mut self.contacts, settings, extras);
+        // Worlds with joints are not packed.
+        self.solver.solve_substeps(&mut self.contacts, settings, extras, &mut Mechanisms::default());
     }
 
     /// Gives the contacts of the next world their impulses, in the order in which worlds were

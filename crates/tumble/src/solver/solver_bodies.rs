@@ -39,9 +39,9 @@ pub(crate) struct SolverBodies {
     pub(crate) motion: Vec<BodyMotion>,
     pub(crate) warm_start: Vec<WarmStartImpulse>,
     pub(crate) inv_inertia: Vec<WorldInverseInertia>,
-    force_impulse: Vec<ForceImpulse>,
-    inertia: Vec<PrincipalMoments>,
-    pose: Vec<BodyPose>,
+    pub(crate) force_impulse: Vec<ForceImpulse>,
+    pub(crate) inertia: Vec<PrincipalMoments>,
+    pub(crate) pose: Vec<BodyPose>,
     pub(crate) delta_pose: Vec<DeltaPose>,
     /// How many impulses move.
     free: usize,
@@ -113,8 +113,13 @@ impl SolverBodies {
     }
 
     /// Sets what moves with given velocities.
-    pub(crate) fn set_non_dynamic(&mut self, row: usize, x: Vec3<Real>, linear: Vec3<Real>, angular: Vec3<Real>) {
-        self.pose[row].center = x;
+    pub(crate) fn set_non_dynamic(
+        &mut self,
+        row: usize,
+        (center, orientation): (Vec3<Real>, Quat<Real>),
+        [linear, angular]: [Vec3<Real>; 2],
+    ) {
+        self.pose[row] = BodyPose { center, orientation: orientation.normalize(), _unused: 0.0 };
         self.motion[row] = BodyMotion { momentum: linear, angular_momentum: angular, inverse_mass: 1.0, _unused: 0.0 };
     }
 
@@ -416,7 +421,7 @@ impl Kernel for IntegratePositions<'_> {
 
 /// What forces do in substeps that are halved this many times: twice it does what the kick of the
 /// substep before does.
-fn halved(force_impulse: ForceImpulse, halvings: u8) -> ForceImpulse {
+pub(crate) fn halved(force_impulse: ForceImpulse, halvings: u8) -> ForceImpulse {
     (0..halvings).fold(force_impulse, |ForceImpulse { linear, angular, kept_linear, kept_angular }, _| {
         let (kept_linear, kept_angular) = (kept_linear.sqrt(), kept_angular.sqrt());
         let linear = linear * (1.0 / (1.0 + kept_linear));

@@ -6,12 +6,12 @@ use crate::collision::contact_materials::Extras;
 use crate::collision::contact_set::ContactSet;
 use crate::math::Real;
 use crate::settings::Settings;
-use crate::solver::constrained_bodies::ConstrainedBodies;
 use crate::solver::contact::restitution::SubstepMoment;
 use crate::solver::contact::round_contacts::RoundConstraint;
 use crate::solver::contact_work::ContactWorks;
-use crate::solver::gather_scatter::{Moving, gather};
+use crate::solver::gather_scatter::{Constraints, Moving, gather};
 use crate::solver::halved_substeps::HalvedGroup;
+use crate::solver::mechanism::mechanisms::Mechanisms;
 use crate::solver::solver_bodies::{SolverBodies, SolverRow};
 use crate::solver::stack_stiffness::Stacks;
 use crate::solver::stages::{ContactConstraints, SolverStage};
@@ -86,7 +86,7 @@ impl Solver {
     /// the rows after them.
     pub(crate) fn add_world(
         &mut self,
-        (constrained, contacts): (&mut ConstrainedBodies, &mut ContactSet),
+        constraints: &mut Constraints<'_>,
         body_index: &BodyIndex,
         columns: &mut WorldColumns<'_>,
         moving: Moving<'_>,
@@ -95,9 +95,13 @@ impl Solver {
         let Self { group: SolverGroup { bodies, contact_works, rounds, contacts: all, .. }, halvings, stacks, .. } =
             self;
         let results = (&mut *bodies, contact_works);
-        let next_rows = gather((constrained, contacts), body_index, columns, moving, results, first_rows);
-        let (constrained, first) = (&*constrained, all.len() as u32);
-        let ContactSet { records, rounds: found, .. } = contacts;
+        let next_rows = gather(constraints, body_index, columns, moving, results, first_rows);
+        let Constraints { bodies: constrained, contacts, mechanisms } = constraints;
+        let (constrained, first) = (&**constrained, all.len() as u32);
+        if !mechanisms.list.is_empty() {
+            mechanisms.gather((constrained, contacts), body_index, columns, bodies);
+        }
+        let ContactSet { records, rounds: found, .. } = &mut **contacts;
         rounds.extend(found.drain(..).map(|round| {
             let contact = &records[round.contact as usize];
             RoundConstraint::new(round, contact, constrained.rows_of(contact.slots), first)
@@ -108,26 +112,47 @@ impl Solver {
                 .map(|(number, contact)| GroupContact { number, rows: constrained.rows_of(contact.slots) }),
         );
         stacks.add_halvings(records, constrained, moving.0, bodies, halvings);
+        if !mechanisms.list.is_empty() {
+            mechanisms.keep_whole(records, constrained, bodies, &mut halvings[first as usize..]);
+        }
         next_rows
     }
 
     /// Advances the bodies of one world over a substep of the settings, from where they are.
     pub(crate) fn solve_world(
         &mut self,
-        (constrained, contacts): (&mut ConstrainedBodies, &mut ContactSet),
+        mut constraints: Constraints<'_>,
         body_index: &BodyIndex,
         columns: &mut WorldColumns<'_>,
         moving: Moving<'_>,
     ) {
-        self.reset(constrained.counts());
+        self.reset(constraints.bodies.counts());
         let first_rows = self.first_rows();
-        self.add_world((constrained, contacts), body_index, columns, moving, first_rows);
-        self.solve_substeps(&mut contacts.records, moving.0, contacts.extras);
+        self.add_world(&mut constraints, body_index, columns, moving, first_rows);
+        let Constraints { bodies, contacts, mechanisms } = constraints;
+        let [dynamic, _] = bodies.counts();
+        let settings = moving.0;
+        if !mechanisms.list.is_empty() {
+            mechanisms.advance_untouched(settings.contact_substeps_each(), settings.contact_substep());
+        }
+        // Bodies of mechanisms that nothing touches have been advanced.
+        if mechanisms.advanced() < dynamic {
+            self.solve_substeps(&mut contacts.records, settings, contacts.extras, mechanisms);
+        }
+        if !mechanisms.list.is_empty() {
+            mechanisms.write(&mut self.group.bodies);
+        }
     }
 
     /// Solves the contacts that were added over one substep of the settings. Bodies are left where
     /// they end up, and contacts with the impulses of their last substep.
-    pub(crate) fn solve_substeps(&mut self, contacts: &mut [ContactRecord], settings: &Settings, extras: Extras) {
+    pub(crate) fn solve_substeps(
+        &mut self,
+        contacts: &mut [ContactRecord],
+        settings: &Settings,
+        extras: Extras,
+        mechanisms: &mut Mechanisms,
+    ) {
         let Self { group, halvings, halved_groups, .. } = self;
         let (substeps, h) = (settings.contact_substeps_each(), settings.contact_substep());
         let (threshold, impact_speed) = (settings.restitution_threshold, impact_speed(settings));
@@ -139,7 +164,7 @@ impl Solver {
             halved_groups[parts].take((times, halvings), group);
             parts += 1;
         }
-        group.solve_substeps(contacts, solving);
+        group.solve_substeps(contacts, solving, Some(mechanisms));
         for part in &mut halved_groups[..parts] {
             part.solve_substeps(contacts, solving);
             part.return_results(contacts, group);
@@ -170,13 +195,18 @@ impl SolverGroup {
         &mut self,
         all: &mut [ContactRecord],
         SubstepSettings { substeps, h, extras, threshold, impact_speed }: SubstepSettings,
+        mechanisms: Option<&mut Mechanisms>,
     ) {
+        let mut mechanisms = mechanisms.filter(|mechanisms| mechanisms.are_touched());
         let (Self { bodies, contact_works, rounds, contacts, constraints }, solve) =
             (self, SolverStage::solve(h, impact_speed));
         constraints.lay_out(all, contacts, bodies, extras);
         rounds.retain(|round| !round.is_on_needle(bodies));
         constraints.locate(all.len(), rounds);
         bodies.with_poses(|bodies, poses| constraints.run(SolverStage::Prepare(all, poses), bodies));
+        if let Some(mechanisms) = &mut mechanisms {
+            mechanisms.begin_touched(bodies);
+        }
         for substep in 0..substeps {
             contact_works.before_forces(bodies);
             bodies.integrate_velocities();
@@ -188,6 +218,9 @@ impl SolverGroup {
                 constraints.run(SolverStage::RecordApproachSpeed(h, moment), bodies);
             }
             bodies.apply_warm_start();
+            if let Some(mechanisms) = &mut mechanisms {
+                mechanisms.solve_positions(bodies, h);
+            }
             constraints.run(solve, bodies);
             contact_works.before_motion(bodies);
             bodies.integrate_positions(h);
@@ -195,6 +228,9 @@ impl SolverGroup {
             contact_works.after_motion(bodies);
             if extras.bounces {
                 constraints.run(SolverStage::RecordApproachSpeed(h, SubstepMoment::Motion), bodies);
+            }
+            if let Some(mechanisms) = &mut mechanisms {
+                mechanisms.solve_velocities(bodies);
             }
             constraints.run(SolverStage::Relax { h, impact_speed, stores_warm_start: substep + 1 < substeps }, bodies);
             contact_works.after_substep(bodies);

@@ -6,8 +6,9 @@ use hecs::World;
 use crate::clock::Clock;
 use crate::components::Wrenches;
 use crate::forces::registry::ForceLaws;
+use crate::joints::joint_load::JointLoad;
 use crate::settings::Settings;
-use crate::solver::gather_scatter::scatter;
+use crate::solver::gather_scatter::{Constraints, scatter};
 use crate::solver::multi_world::MultiWorld;
 use crate::solver::substeps::Solver;
 use crate::step::interactions::Interactions;
@@ -113,10 +114,11 @@ fn solve_together(
     let counts = worlds.iter().map(|it| it.interactions.constrained.counts());
     multi_world.begin(counts.fold([0; 2], |[a, b], [c, d]| [a + c, b + d]));
     for InteractingWorld { columns, settings, laws, interactions, clock } in &mut *worlds {
-        let Interactions { collision, constrained, .. } = &mut **interactions;
+        let Interactions { collision, constrained, mechanisms, .. } = &mut **interactions;
         if let Some(collision) = collision {
             let moving = (*settings, *laws, time_of(clock, settings, index));
-            multi_world.add((constrained, &mut collision.contacts), &collision.body_index, columns, moving);
+            let constraints = Constraints { bodies: constrained, contacts: &mut collision.contacts, mechanisms };
+            multi_world.add(constraints, &collision.body_index, columns, moving);
         }
     }
     multi_world.solve_substeps(settings, pack_key.extras);
@@ -184,12 +186,13 @@ impl<'a> InteractingWorld<'a> {
 
     /// Finds the contacts, and the bodies that they constrain.
     pub(crate) fn find_contacts(&mut self) {
-        let Interactions { collision, constrained, .. } = &mut *self.interactions;
+        let Interactions { collision, constrained, mechanisms, .. } = &mut *self.interactions;
         match collision {
             Some(collision) => {
                 crate::scope::scope!("tumble::find_contacts");
-                collision.find_contacts(&self.columns, self.settings);
+                collision.find_contacts(&self.columns, self.settings, &mechanisms.list);
                 let pairs = collision.contacts.records.iter().map(|contact| contact.slots);
+                let pairs = pairs.chain(mechanisms.list.pairs());
                 constrained.find(pairs, &collision.body_index, &self.columns);
             }
             None => constrained.clear(),
@@ -198,12 +201,13 @@ impl<'a> InteractingWorld<'a> {
 
     /// Advances the constrained bodies over a substep.
     pub(crate) fn solve(&mut self, index: SubstepIndex) {
-        let Interactions { collision, constrained, solver, .. } = &mut *self.interactions;
+        let Interactions { collision, constrained, solver, mechanisms, .. } = &mut *self.interactions;
         if let Some(collision) = collision.as_mut().filter(|_| !constrained.is_empty()) {
             crate::scope::scope!("tumble::solve");
             let moving = (self.settings, self.laws, time_of(&self.clock, self.settings, index));
             let mut taken = solver.take().unwrap_or_default();
-            taken.solve_world((constrained, &mut collision.contacts), &collision.body_index, &mut self.columns, moving);
+            let constraints = Constraints { bodies: constrained, contacts: &mut collision.contacts, mechanisms };
+            taken.solve_world(constraints, &collision.body_index, &mut self.columns, moving);
             self.scatter(&taken);
             self.interactions.solver = Some(taken);
         }
@@ -237,11 +241,20 @@ impl<'a> InteractingWorld<'a> {
         if index.substep + 1 == self.settings.substeps { Wrenches::Consumed } else { Wrenches::Kept }
     }
 
+    /// Writes what joints carry to those that want to know.
+    fn write_joint_loads(&mut self) {
+        for (joint, load) in self.interactions.mechanisms.joint_loads(self.settings.dt) {
+            let column = self.columns.archetype(joint.place).get::<&mut JointLoad>();
+            column.into_iter().for_each(|mut column| column[joint.place.row as usize] = load);
+        }
+    }
+
     pub(crate) fn move_kinematic(&mut self, index: SubstepIndex) {
         self.columns.move_kinematic_bodies(self.settings.substep(), index.substep);
     }
 
     pub(crate) fn update_derived(&mut self) {
+        self.write_joint_loads();
         self.columns.for_each_chunk(|_, bodies| update_derived_of(bodies));
     }
 }

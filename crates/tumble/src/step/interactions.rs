@@ -8,7 +8,10 @@ use crate::collision;
 use crate::collision::pipeline::CollisionPipeline;
 use crate::forces::pairwise;
 use crate::forces::pairwise::PairForces;
+use crate::joints;
+use crate::joints::joint_list::JointEnds;
 use crate::solver::constrained_bodies::ConstrainedBodies;
+use crate::solver::mechanism::mechanisms::Mechanisms;
 use crate::solver::substeps::Solver;
 
 /// What bodies do to each other, kept from step to step.
@@ -16,6 +19,8 @@ use crate::solver::substeps::Solver;
 pub(crate) struct Interactions {
     pub(crate) pairs: Option<PairForces>,
     pub(crate) collision: Option<CollisionPipeline>,
+    pub(crate) mechanisms: Mechanisms,
+    joint_ends: JointEnds,
     /// In the last substep; no state.
     pub(crate) constrained: ConstrainedBodies,
     /// Where contacts are not solved together with those of other worlds; no state.
@@ -24,7 +29,7 @@ pub(crate) struct Interactions {
 
 impl fmt::Debug for Interactions {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let Self { pairs, collision, constrained: _, solver: _ } = self;
+        let Self { pairs, collision, mechanisms: _, joint_ends: _, constrained: _, solver: _ } = self;
         f.debug_struct("Interactions").field("pairs", pairs).field("collision", collision).finish_non_exhaustive()
     }
 }
@@ -32,7 +37,7 @@ impl fmt::Debug for Interactions {
 impl Interactions {
     /// Whether bodies of a world may act on each other.
     pub(crate) fn is_in(world: &World) -> bool {
-        pairwise::are_in(world) || collision::are_in(world)
+        pairwise::are_in(world) || collision::are_in(world) || joints::are_in(world)
     }
 
     /// Finds out what acts between which bodies. To be called again when anything was spawned,
@@ -43,8 +48,18 @@ impl Interactions {
         } else {
             self.pairs = None;
         }
-        if collision::are_in(world) || self.collision.as_ref().is_some_and(|collision| !collision.are_over()) {
-            self.collision.get_or_insert_default().update(world);
+        if collision::are_in(world)
+            || joints::are_in(world)
+            || self.collision.as_ref().is_some_and(|collision| !collision.are_over())
+        {
+            let Self { collision, mechanisms, joint_ends, .. } = self;
+            let collision = collision.get_or_insert_default();
+            joint_ends.find(world);
+            collision.update(world, joint_ends);
+            let same_pairs = mechanisms.list.find(world, &collision.body_index);
+            if !same_pairs {
+                collision.broad_phase.reset();
+            }
         } else {
             self.collision = None;
         }
@@ -55,6 +70,7 @@ impl Interactions {
         if let Some(collision) = &mut self.collision {
             collision.begin_step();
         }
+        self.mechanisms.begin_step();
     }
 
     /// Steps of a world in which nothing acts on anything: what touched does no more.

@@ -27,7 +27,7 @@ impl PackKey {
     /// Of a world in which something may touch; `None` where it is better off alone.
     pub(crate) fn of(world: &World, settings: &Settings) -> Option<Self> {
         let is_booked = world.archetypes().any(|archetype| !archetype.is_empty() && archetype.has::<Work>());
-        if world.len() > MAX_ENTITIES || is_booked || !crate::collision::are_in(world) {
+        if world.len() > MAX_ENTITIES || is_booked || !crate::collision::are_in(world) || crate::joints::are_in(world) {
             return None;
         }
         let mut extras = Extras::default();

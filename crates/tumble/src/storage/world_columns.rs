@@ -108,6 +108,11 @@ impl<'w> WorldColumns<'w> {
         &self.archetypes[place.archetype as usize].bodies
     }
 
+    /// The archetype of a place.
+    pub(crate) fn archetype(&self, place: RowPlace) -> &Archetype {
+        self.archetypes[place.archetype as usize].archetype
+    }
+
     /// The columns of the archetype of a place where forces move its bodies.
     pub(crate) fn moving_mut(&mut self, place: RowPlace) -> Option<&mut Columns<'w>> {
         match &mut self.archetypes[place.archetype as usize].bodies {

@@ -1,0 +1,119 @@
+//! The joints of a world, between slots.
+
+use hecs::{Archetype, World};
+
+use crate::components::Pose;
+use crate::joints::joint::Joint;
+use crate::joints::joint_load::JointLoad;
+use crate::storage::body_index::{BodyIndex, RowPlace, Slot};
+
+/// A joint between slots.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct ListedJoint {
+    pub(crate) slots: [Slot; 2],
+    pub(crate) joint: Joint,
+    /// Where its components are.
+    pub(crate) place: RowPlace,
+    /// Whether it has a [`JointLoad`].
+    pub(crate) has_load: bool,
+}
+
+/// The joints of a world whose bodies are there, in the order of their slots.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct JointList {
+    pub(crate) joints: Vec<ListedJoint>,
+    /// Pairs of slots whose colliders do not touch, the lower first, in order.
+    untouching: Vec<[Slot; 2]>,
+    /// The same in the step before.
+    untouching_before: Vec<[Slot; 2]>,
+}
+
+/// The entities that joints of a world connect.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct JointEnds {
+    /// By number of the entity.
+    is_end: Vec<bool>,
+}
+
+impl JointEnds {
+    pub(crate) fn find(&mut self, world: &World) {
+        let is_end = &mut self.is_end;
+        is_end.clear();
+        for archetype in world.archetypes() {
+            let Some(joints) = archetype.get::<&Joint>() else { continue };
+            for end in joints.iter().flat_map(|joint| joint.bodies).filter(|end| world.contains(*end)) {
+                let number = end.id() as usize;
+                is_end.resize(is_end.len().max(number + 1), false);
+                is_end[number] = true;
+            }
+        }
+    }
+
+    /// Whether an entity of an archetype is among them.
+    pub(crate) fn connect_any_of(&self, archetype: &Archetype) -> bool {
+        let is_end = |id: &u32| self.is_end.get(*id as usize).is_some_and(|is_end| *is_end);
+        !self.is_end.is_empty() && archetype.ids().iter().any(is_end)
+    }
+}
+
+impl JointList {
+    /// Takes over the joints of a world; those whose bodies are not there, or one and the same, or
+    /// whose frames are out of range are left out.
+    ///
+    /// Returns whether they keep the same pairs apart as before.
+    pub(crate) fn find(&mut self, world: &World, body_index: &BodyIndex) -> bool {
+        let Self { joints, untouching, untouching_before } = self;
+        std::mem::swap(untouching, untouching_before);
+        joints.clear();
+        for (index, archetype) in world.archetypes().enumerate() {
+            let Some(column) = archetype.get::<&Joint>() else { continue };
+            let has_load = archetype.has::<JointLoad>();
+            for (row, joint) in column.iter().enumerate().filter(|(_, joint)| joint.is_in_range()) {
+                let is_here = joint.bodies.iter().all(|body| world.satisfies::<&Pose>(*body));
+                let [a, b] = joint.bodies.map(|body| body_index.slot(body.id()));
+                if let (Some(a), Some(b), true) = (a, b, is_here)
+                    && a != b
+                {
+                    let place = RowPlace { archetype: index as u32, row: row as u32 };
+                    joints.push(ListedJoint { slots: [a, b], joint: *joint, place, has_load });
+                }
+            }
+        }
+        if !joints.is_sorted_by(|a, b| a.order() < b.order()) {
+            joints.sort_unstable_by_key(ListedJoint::order);
+        }
+        untouching.clear();
+        let apart = joints.iter().filter(|it| !it.joint.contacts_enabled).map(|it| it.slots);
+        untouching.extend(apart.map(|[a, b]| [a.min(b), a.max(b)]));
+        untouching.sort_unstable();
+        untouching.dedup();
+        untouching == untouching_before
+    }
+
+    /// The bodies of each.
+    pub(crate) fn pairs(&self) -> impl Iterator<Item = [Slot; 2]> + '_ {
+        self.joints.iter().map(|joint| joint.slots)
+    }
+
+    pub(crate) fn is_empty(&self) -> bool {
+        self.joints.is_empty()
+    }
+
+    /// Whether a joint keeps the colliders of two bodies from touching.
+    pub(crate) fn keeps_apart(&self, [a, b]: [Slot; 2]) -> bool {
+        !self.untouching.is_empty() && self.untouching.binary_search(&[a.min(b), a.max(b)]).is_ok()
+    }
+}
+
+impl ListedJoint {
+    /// Equal only for joints that do the same.
+    fn order(&self) -> ([Slot; 2], u8, [u64; 14]) {
+        let mut numbers = [0; 14];
+        let of_frames = self.joint.frames.iter().flat_map(|frame| {
+            let (p, q) = (frame.position, frame.orientation);
+            [p.x, p.y, p.z, q.x, q.y, q.z, q.w]
+        });
+        numbers.iter_mut().zip(of_frames).for_each(|(bits, number)| *bits = u64::from(number.to_bits()));
+        (self.slots, self.joint.free.bits(), numbers)
+    }
+}

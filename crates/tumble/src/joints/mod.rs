@@ -1,0 +1,16 @@
+//! Joints between bodies: the component, what it leaves free, and those of a world by slot.
+
+pub(crate) mod axes;
+pub(crate) mod joint;
+pub(crate) mod joint_error;
+pub(crate) mod joint_list;
+pub(crate) mod joint_load;
+
+use hecs::World;
+
+use crate::joints::joint::Joint;
+
+/// Whether there are joints in a world.
+pub(crate) fn are_in(world: &World) -> bool {
+    world.archetypes().any(|archetype| !archetype.is_empty() && archetype.has::<Joint>())
+}

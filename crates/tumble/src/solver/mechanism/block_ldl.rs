@@ -1,0 +1,290 @@
+//! A sparse symmetric positive matrix in blocks, factored as `L D L^T`.
+
+use crate::math::Real;
+use crate::solver::mechanism::elimination::Elimination;
+
+/// The matrix of a mechanism's rows, block by block: a node has the rows of a joint.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct BlockLdl {
+    pub(crate) elimination: Elimination,
+    /// By place in the order of elimination: the rows of a node.
+    sizes: Vec<usize>,
+    /// By place, where its numbers begin in a vector; and how many there are.
+    pub(crate) starts: Vec<usize>,
+    /// By place, where its block on the diagonal begins, of `size x size` numbers in rows; and
+    /// where the last ends.
+    diagonal_starts: Vec<usize>,
+    /// Once factored, their inverses.
+    diagonal: Vec<f64>,
+    /// By block beyond the diagonal, where it begins; and where the last ends.
+    block_starts: Vec<usize>,
+    blocks: Vec<f64>,
+    /// Once factored: `D^-1 B` of each block `B`.
+    weights: Vec<f64>,
+    /// For each row and each pair of its blocks, the first of them below: the block that the pair
+    /// changes.
+    targets: Vec<u32>,
+}
+
+/// By how much of itself each number on the diagonal is raised: it makes rows harmless that depend
+/// on others. Rounding of the state makes those contradict each other a little, which is divided
+/// by this.
+const REGULARIZATION: f64 = if Real::EPSILON > 1e-10 as Real { 1e-7 } else { 1e-9 };
+
+impl BlockLdl {
+    /// Of nodes with these numbers of rows.
+    pub(crate) fn new(elimination: Elimination, sizes: Vec<usize>) -> Self {
+        let mut it = Self { elimination, sizes, ..Self::default() };
+        let Self { elimination, sizes, .. } = &it;
+        let starts = ends(sizes.iter().copied());
+        let diagonal_starts = ends(sizes.iter().map(|size| size * size));
+        let mut of_blocks = Vec::new();
+        let mut targets = Vec::new();
+        for row in 0..sizes.len() {
+            let blocks = elimination.blocks_of(row);
+            for block in blocks.clone() {
+                let column = elimination.columns[block];
+                of_blocks.push(sizes[row] * sizes[column as usize]);
+                for before in blocks.start..block {
+                    let above = elimination.columns[before] as usize;
+                    // Elimination makes the neighbours of a node neighbours of each other.
+                    targets.push(elimination.block_at(above, column).map_or(u32::MAX, |target| target as u32));
+                }
+            }
+        }
+        let block_starts = ends(of_blocks.into_iter());
+        it.diagonal = vec![0.0; last(&diagonal_starts)];
+        it.blocks = vec![0.0; last(&block_starts)];
+        it.weights = it.blocks.clone();
+        Self { starts, diagonal_starts, block_starts, targets, ..it }
+    }
+
+    /// How many rows in all.
+    pub(crate) fn len(&self) -> usize {
+        last(&self.starts)
+    }
+
+    /// Sets all blocks beyond the diagonal to zero.
+    pub(crate) fn clear(&mut self) {
+        self.blocks.fill(0.0);
+    }
+
+    /// The block of a node on the diagonal, to be set as a whole, in rows of its size.
+    pub(crate) fn diagonal_mut(&mut self, node: usize) -> &mut [f64] {
+        &mut self.diagonal[self.diagonal_starts[node]..self.diagonal_starts[node + 1]]
+    }
+
+    /// A block beyond the diagonal, to be added to.
+    pub(crate) fn block_mut(&mut self, block: usize) -> &mut [f64] {
+        &mut self.blocks[self.block_starts[block]..self.block_starts[block + 1]]
+    }
+
+    /// Factors the matrix that was set.
+    pub(crate) fn factor(&mut self) {
+        let Self { elimination, sizes, diagonal_starts, diagonal, block_starts, blocks, weights, targets, .. } = self;
+        let mut target = targets.iter();
+        for row in 0..sizes.len() {
+            let n = sizes[row];
+            let pivot = &mut diagonal[diagonal_starts[row]..diagonal_starts[row + 1]];
+            (0..n).for_each(|i| pivot[i * n + i] *= 1.0 + REGULARIZATION);
+            invert(pivot, n);
+            let range = elimination.blocks_of(row);
+            for block in range.clone() {
+                let column = elimination.columns[block] as usize;
+                let m = sizes[column];
+                let pivot = &diagonal[diagonal_starts[row]..diagonal_starts[row + 1]];
+                let whole = block_starts[block]..block_starts[block + 1];
+                product(pivot, &blocks[whole.clone()], &mut weights[whole.clone()], [n, m]);
+                for before in range.start..block {
+                    let Some(&target) = target.next() else { return };
+                    let k = sizes[elimination.columns[before] as usize];
+                    let [first, at] = [before, target as usize].map(|it| block_starts[it]..block_starts[it + 1]);
+                    // The target belongs to a later row than both factors.
+                    let (left, right) = blocks.split_at_mut(at.start);
+                    subtract_transposed(&left[first], &weights[whole.clone()], &mut right[..k * m], [n, k, m]);
+                }
+                let at = diagonal_starts[column]..diagonal_starts[column + 1];
+                subtract_transposed(&blocks[whole.clone()], &weights[whole], &mut diagonal[at], [n, m, m]);
+            }
+        }
+    }
+
+    /// Solves for a right side, in its place.
+    pub(crate) fn solve(&self, x: &mut [f64]) {
+        let Self { elimination, sizes, starts, diagonal_starts, diagonal, block_starts, weights, .. } = self;
+        for row in 0..sizes.len() {
+            let n = sizes[row];
+            let (before, after) = x.split_at_mut(starts[row + 1]);
+            let here = &before[starts[row]..];
+            for block in elimination.blocks_of(row) {
+                let column = elimination.columns[block] as usize;
+                let (weight, m) = (&weights[block_starts[block]..], sizes[column]);
+                let there = &mut after[starts[column] - starts[row + 1]..][..m];
+                for i in 0..n {
+                    for (to, w) in there.iter_mut().zip(&weight[i * m..(i + 1) * m]) {
+                        *to -= w * here[i];
+                    }
+                }
+            }
+        }
+        for row in (0..sizes.len()).rev() {
+            let n = sizes[row];
+            let (before, after) = x.split_at_mut(starts[row + 1]);
+            let here = &mut before[starts[row]..];
+            let pivot = &diagonal[diagonal_starts[row]..];
+            let mut y = [0.0; MAX_ROWS];
+            for i in 0..n {
+                y[i] = pivot[i * n..(i + 1) * n].iter().zip(&*here).map(|(d, x)| d * x).sum();
+            }
+            for block in elimination.blocks_of(row) {
+                let column = elimination.columns[block] as usize;
+                let (weight, m) = (&weights[block_starts[block]..], sizes[column]);
+                let there = &after[starts[column] - starts[row + 1]..][..m];
+                for i in 0..n {
+                    y[i] -= weight[i * m..(i + 1) * m].iter().zip(there).map(|(w, x)| w * x).sum::<f64>();
+                }
+            }
+            here.copy_from_slice(&y[..n]);
+        }
+    }
+}
+
+/// The most rows of a node.
+pub(crate) const MAX_ROWS: usize = 6;
+
+/// Sums of the counts before each, and of all.
+fn ends(counts: impl Iterator<Item = usize>) -> Vec<usize> {
+    let mut ends = vec![0];
+    ends.extend(counts.scan(0, |sum, count| {
+        *sum += count;
+        Some(*sum)
+    }));
+    ends
+}
+
+fn last(ends: &[usize]) -> usize {
+    ends.last().copied().unwrap_or(0)
+}
+
+/// The product of an `n x n` and an `n x m` matrix.
+fn product(a: &[f64], b: &[f64], c: &mut [f64], [n, m]: [usize; 2]) {
+    for i in 0..n {
+        let row = &mut c[i * m..(i + 1) * m];
+        row.fill(0.0);
+        for k in 0..n {
+            let factor = a[i * n + k];
+            row.iter_mut().zip(&b[k * m..(k + 1) * m]).for_each(|(c, b)| *c += factor * b);
+        }
+    }
+}
+
+/// `c -= a^T b`, with `a` of `n x k` and `b` of `n x m` numbers.
+fn subtract_transposed(a: &[f64], b: &[f64], c: &mut [f64], [n, k, m]: [usize; 3]) {
+    for r in 0..n {
+        for i in 0..k {
+            let factor = a[r * k + i];
+            let row = &mut c[i * m..(i + 1) * m];
+            row.iter_mut().zip(&b[r * m..(r + 1) * m]).for_each(|(c, b)| *c -= factor * b);
+        }
+    }
+}
+
+/// Inverts a symmetric positive matrix in its place. A row without response, as of bodies that do
+/// not turn, gets none.
+fn invert(a: &mut [f64], n: usize) {
+    // L below the diagonal, and 1/D.
+    let mut inverse_pivots = [0.0; MAX_ROWS];
+    for j in 0..n {
+        let pivot = a[j * n + j];
+        inverse_pivots[j] = if pivot > 0.0 { 1.0 / pivot } else { 0.0 };
+        for i in j + 1..n {
+            let factor = a[i * n + j] * inverse_pivots[j];
+            for k in j + 1..=i {
+                a[i * n + k] -= factor * a[k * n + j];
+            }
+        }
+        for i in j + 1..n {
+            a[i * n + j] *= inverse_pivots[j];
+        }
+    }
+    let mut inverse = [0.0; MAX_ROWS * MAX_ROWS];
+    for column in 0..n {
+        let mut y = [0.0; MAX_ROWS];
+        y[column] = 1.0;
+        for i in column + 1..n {
+            y[i] = -(column..i).map(|k| a[i * n + k] * y[k]).sum::<f64>();
+        }
+        for i in (0..n).rev() {
+            y[i] = y[i] * inverse_pivots[i] - (i + 1..n).map(|k| a[k * n + i] * y[k]).sum::<f64>();
+            inverse[i * n + column] = y[i];
+        }
+    }
+    // Of both halves one, so that it stays symmetric.
+    for i in 0..n {
+        for j in 0..=i {
+            let x = inverse[i * n + j];
+            (a[i * n + j], a[j * n + i]) = (x, x);
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Random positive matrices with the pattern of a ring with a tail, of blocks of all sizes:
+    /// the solution times the matrix is the right side.
+    #[test]
+    fn what_is_solved_satisfies_the_equations() {
+        // A linear congruential generator: its upper bits.
+        let mut state = 1_u32;
+        let mut number = move || {
+            state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+            f64::from(state) / f64::from(1_u32 << 31) - 1.0
+        };
+        for _ in 0..20 {
+            let mut groups: Vec<_> = (0..7).map(|node| vec![node, (node + 1) % 7]).collect();
+            groups.extend([vec![3, 7, 8], vec![8, 9]]);
+            let elimination = Elimination::by_minimum_degree(10, &groups);
+            let sizes: Vec<_> = (0..10).map(|_| 1 + ((number() + 1.0) * 2.99) as usize).collect();
+            let mut ldl = BlockLdl::new(elimination, sizes.clone());
+            ldl.clear();
+            let count = ldl.len();
+            let mut dense = vec![vec![0.0; count]; count];
+            let place: Vec<_> = (0..10_u32).map(|n| ldl.elimination.order.iter().position(|m| *m == n)).collect();
+            // The sum over groups of a positive matrix on the group's rows.
+            for group in &groups {
+                let nodes: Vec<_> = group.iter().filter_map(|node| place[*node as usize]).collect();
+                let rows: Vec<_> = nodes.iter().flat_map(|n| ldl.starts[*n]..ldl.starts[*n] + sizes[*n]).collect();
+                for _ in 0..rows.len() + 2 {
+                    let v: Vec<_> = rows.iter().map(|_| number()).collect();
+                    for (i, r) in rows.iter().enumerate() {
+                        rows.iter().enumerate().for_each(|(j, c)| dense[*r][*c] += v[i] * v[j]);
+                    }
+                }
+            }
+            for row in 0..10 {
+                let (n, at) = (sizes[row], ldl.starts[row]);
+                for i in 0..n {
+                    (0..n).for_each(|j| ldl.diagonal_mut(row)[i * n + j] = dense[at + i][at + j]);
+                }
+                for block in ldl.elimination.blocks_of(row) {
+                    let column = ldl.elimination.columns[block] as usize;
+                    let (m, to) = (sizes[column], ldl.starts[column]);
+                    for i in 0..n {
+                        (0..m).for_each(|j| ldl.block_mut(block)[i * m + j] = dense[at + i][to + j]);
+                    }
+                }
+            }
+            ldl.factor();
+            let right: Vec<_> = (0..count).map(|_| number()).collect();
+            let mut x = right.clone();
+            ldl.solve(&mut x);
+            let scale = x.iter().fold(1.0, |most: f64, x| most.max(x.abs()));
+            for (row, b) in dense.iter().zip(&right) {
+                let sum: f64 = row.iter().zip(&x).map(|(a, x)| a * x).sum();
+                assert!((sum - b).abs() < 300.0 * REGULARIZATION * scale, "{sum} {b} {scale}");
+            }
+        }
+    }
+}

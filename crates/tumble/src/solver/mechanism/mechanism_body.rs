@@ -1,0 +1,286 @@
+//! A body of a mechanism, in double precision.
+
+use tumble_math::FreeRotation;
+use tumble_math::lane::{Quat, Vec3};
+
+use crate::integrators::derived::symmetric_product;
+use crate::integrators::state::Moments;
+use crate::math::{Real, double, double_quat, real};
+use crate::solver::body_rows::{DeltaPose, WorldInverseInertia};
+use crate::solver::solver_bodies::{SolverBodies, SolverRow, halved};
+
+/// A body as the joints of its mechanism see it.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct MechanismBody {
+    pub(crate) row: SolverRow,
+    /// Zero of a body that impulses do not move [1/kg].
+    pub(crate) inverse_mass: f64,
+    /// Its own principal moments [kg m^2].
+    own_moments: Vec3<f64>,
+    /// The same, raised to the load.
+    moments: Vec3<f64>,
+    inverse_moments: Vec3<f64>,
+    /// Whether impulses turn it.
+    pub(crate) turns: bool,
+    /// What each moment is raised to at least, for what the joints pull at it [kg m^2].
+    pub(crate) load: f64,
+    /// Centre of mass when the step began \[m\].
+    pub(crate) center: Vec3<f64>,
+    /// How far it has gone since \[m\].
+    pub(crate) translation: Vec3<f64>,
+    /// Of the principal frame; of a body that impulses do not move, of its own.
+    pub(crate) orientation: Quat<f64>,
+    /// When the step began.
+    start: Quat<f64>,
+    /// [kg m/s]; velocity \[m/s\] of a body that impulses do not move.
+    pub(crate) linear: Vec3<f64>,
+    /// [kg m^2/s]; angular velocity \[rad/s\] of a body that impulses do not move.
+    pub(crate) angular: Vec3<f64>,
+    /// Inverse inertia in the world [1/(kg m^2)]: `xx yy zz`, then `yz zx xy`.
+    inverse_inertia: [Vec3<f64>; 2],
+    /// What forces do in half a substep [N s] [N m s], and what damping leaves.
+    kick: [Vec3<f64>; 2],
+    kept: [f64; 2],
+}
+
+/// Where a body is, to go back there.
+pub(crate) type Place = (Vec3<f64>, Quat<f64>);
+
+/// A body turns under its load by at most the square root of this [rad] a substep: what is
+/// lighter is given that much inertia.
+const MAX_SQUARED_ANGLE: f64 = 0.5;
+/// What is this many times the inertia is a sudden load.
+const SUDDEN: f64 = 2.0;
+/// What is left of the raised inertia in the next substep, where the load is gone.
+const KEPT_LOAD: f64 = 0.9;
+
+impl MechanismBody {
+    /// Reads a row of the solver, with the load of the last substep.
+    pub(crate) fn read(bodies: &SolverBodies, row: SolverRow, load: f64) -> Self {
+        let i = row.index();
+        let (motion, pose, delta) = (&bodies.motion[i], &bodies.pose[i], &bodies.delta_pose[i]);
+        let [zero, one] = [0.0, 1.0].map(Vec3::splat);
+        let orientation: Quat<f64> = double_quat(pose.orientation).into();
+        let mut it = Self {
+            row,
+            inverse_mass: 0.0,
+            own_moments: one,
+            moments: one,
+            inverse_moments: one,
+            turns: false,
+            load,
+            center: double(pose.center).into(),
+            translation: double(delta.translation).into(),
+            orientation,
+            start: orientation,
+            linear: double(motion.momentum).into(),
+            angular: double(motion.angular_momentum).into(),
+            inverse_inertia: [zero; 2],
+            kick: [zero; 2],
+            kept: [1.0; 2],
+        };
+        if bodies.is_dynamic(row) {
+            let inertia = &bodies.inertia[i];
+            it.inverse_mass = f64::from(motion.inverse_mass);
+            it.own_moments = double(inertia.moments).into();
+            it.moments = it.own_moments;
+            it.turns = inertia.turns != 0.0;
+            let kick = halved(bodies.force_impulse[i], 1);
+            it.kick = [kick.linear, kick.angular].map(|of_forces| double(of_forces).into());
+            it.kept = [kick.kept_linear, kick.kept_angular].map(f64::from);
+            it.raise(load);
+        } else {
+            it.read_motion(bodies);
+        }
+        it
+    }
+
+    /// Reads again what others change in the course of a step.
+    pub(crate) fn read_motion(&mut self, bodies: &SolverBodies) {
+        let i = self.row.index();
+        let (motion, delta) = (&bodies.motion[i], &bodies.delta_pose[i]);
+        self.linear = double(motion.momentum).into();
+        self.angular = double(motion.angular_momentum).into();
+        self.translation = double(delta.translation).into();
+        if self.inverse_mass == 0.0 {
+            let turned: Quat<f64> = double_quat(delta.rotation).into();
+            self.orientation = turned * self.start;
+        } else {
+            self.orientation = double_quat(bodies.pose[i].orientation).into();
+            self.update_inertia();
+        }
+    }
+
+    /// Writes to its row what a step has changed.
+    pub(crate) fn write(&self, bodies: &mut SolverBodies) {
+        let i = self.row.index();
+        if self.inverse_mass == 0.0 {
+            return;
+        }
+        let motion = &mut bodies.motion[i];
+        (motion.momentum, motion.angular_momentum) = (single(self.linear), single(self.own_angular()));
+        bodies.pose[i].orientation = single_quat(self.orientation);
+        let [diagonal, off_diagonal] = self.inverse_inertia.map(single);
+        bodies.inv_inertia[i] = WorldInverseInertia { diagonal, off_diagonal, ..bodies.inv_inertia[i] };
+        bodies.delta_pose[i] = DeltaPose {
+            translation: single(self.translation),
+            rotation: single_quat(self.orientation * self.start.conjugate()),
+            has_turned: 1.0,
+        };
+    }
+
+    /// Writes to its row, at the end of a step, the momentum with its own moments.
+    pub(crate) fn write_own_momentum(&mut self, bodies: &mut SolverBodies) {
+        if self.turns && self.load > 0.0 {
+            self.read_motion(bodies);
+            bodies.motion[self.row.index()].angular_momentum = single(self.own_angular());
+        }
+    }
+
+    /// Writes to its row what impulses have changed, and the raised moments that it moves on with.
+    pub(crate) fn write_momentum(&self, bodies: &mut SolverBodies) {
+        let i = self.row.index();
+        if self.inverse_mass == 0.0 {
+            return;
+        }
+        let motion = &mut bodies.motion[i];
+        (motion.momentum, motion.angular_momentum) = (single(self.linear), single(self.angular));
+        if self.turns && self.load > 0.0 {
+            let inertia = &mut bodies.inertia[i];
+            (inertia.moments, inertia.inverse_moments) = (single(self.moments), single(self.inverse_moments));
+            let [diagonal, off_diagonal] = self.inverse_inertia.map(single);
+            bodies.inv_inertia[i] = WorldInverseInertia { diagonal, off_diagonal, ..bodies.inv_inertia[i] };
+        }
+    }
+
+    /// Sets the moments of inertia to a load [kg m^2], with the angular velocity that it has.
+    fn raise(&mut self, load: f64) {
+        let (own, before) = (self.own_moments, self.moments);
+        self.load = load;
+        self.moments = Vec3::new(own.x.max(load), own.y.max(load), own.z.max(load));
+        self.scale_momentum(before, self.moments);
+        self.inverse_moments = Vec3::new(1.0 / self.moments.x, 1.0 / self.moments.y, 1.0 / self.moments.z);
+        self.update_inertia();
+    }
+
+    /// Takes the sum over its joints of impulse times arm [kg m^2/s] in a substep of `h` \[s\].
+    pub(crate) fn take_load(&mut self, impulse_times_arm: f64, h: f64) {
+        if !self.turns {
+            return;
+        }
+        let load = (h * impulse_times_arm / MAX_SQUARED_ANGLE).max(KEPT_LOAD * self.load);
+        if load > self.load {
+            self.slow_down(load);
+        } else {
+            self.raise(load);
+        }
+    }
+
+    /// The same before the body moves, where the load has grown so much that the inertia that it
+    /// has would not do for this substep. Returns whether it has.
+    pub(crate) fn take_sudden_load(&mut self, impulse_times_arm: f64, h: f64) -> bool {
+        let own = self.own_moments;
+        let load = h * impulse_times_arm / MAX_SQUARED_ANGLE;
+        let is_sudden = self.turns && load > SUDDEN * self.load.max(own.x.min(own.y).min(own.z));
+        if is_sudden {
+            self.slow_down(load);
+        }
+        is_sudden
+    }
+
+    /// Raises the inertia at the angular momentum that it has. Less inertia does not speed it up:
+    /// neither makes energy.
+    fn slow_down(&mut self, load: f64) {
+        let angular = self.angular;
+        self.raise(load);
+        self.angular = angular;
+    }
+
+    /// Changes the angular momentum from that with these moments to that with others, at the same
+    /// angular velocity.
+    fn scale_momentum(&mut self, before: Vec3<f64>, after: Vec3<f64>) {
+        if self.turns && (before.x != after.x || before.y != after.y || before.z != after.z) {
+            let y = self.orientation.rotate_back(self.angular);
+            let ratio = Vec3::new(after.x / before.x, after.y / before.y, after.z / before.z);
+            self.angular = self.orientation.rotate(y.scale(ratio));
+        }
+    }
+
+    /// The angular momentum with the body's own moments.
+    fn own_angular(&self) -> Vec3<f64> {
+        let mut own = *self;
+        own.scale_momentum(self.moments, self.own_moments);
+        own.angular
+    }
+
+    fn update_inertia(&mut self) {
+        if self.turns {
+            let moments = Moments { moments: self.moments, inverse_moments: self.inverse_moments, axes: None };
+            self.inverse_inertia = moments.inverse_in_world(self.orientation).into();
+        }
+    }
+
+    pub(crate) fn linear_velocity(&self) -> Vec3<f64> {
+        if self.inverse_mass == 0.0 { self.linear } else { self.linear * self.inverse_mass }
+    }
+
+    pub(crate) fn angular_velocity(&self) -> Vec3<f64> {
+        if self.inverse_mass == 0.0 { self.angular } else { self.times_inverse_inertia(self.angular) }
+    }
+
+    pub(crate) fn times_inverse_inertia(&self, torque: Vec3<f64>) -> Vec3<f64> {
+        let [diagonal, off_diagonal] = self.inverse_inertia;
+        symmetric_product(diagonal, off_diagonal, torque)
+    }
+
+    /// Adds an impulse \[N s\] at an arm from its centre of mass \[m\], and an angular one [N m s].
+    pub(crate) fn push(&mut self, impulse: Vec3<f64>, arm: Vec3<f64>, angular: Vec3<f64>) {
+        if self.inverse_mass != 0.0 {
+            self.linear = self.linear + impulse;
+            self.angular = self.angular + arm.cross(impulse) + angular;
+        }
+    }
+
+    /// Adds what forces do in half a substep.
+    pub(crate) fn kick(&mut self) {
+        let ([linear, angular], [kept_linear, kept_angular]) = (self.kick, self.kept);
+        self.linear = self.linear * kept_linear + linear;
+        self.angular = self.angular * kept_angular + angular;
+    }
+
+    pub(crate) fn place(&self) -> Place {
+        (self.translation, self.orientation)
+    }
+
+    /// Moves it for `h` \[s\] from a place, without what turns with it but the orientation.
+    pub(crate) fn drift_from(&mut self, (translation, orientation): Place, h: f64) {
+        self.translation = translation + self.linear_velocity() * h;
+        self.orientation = if self.inverse_mass == 0.0 {
+            tumble_math::rotate_exactly(orientation, self.angular, h)
+        } else if self.turns {
+            FreeRotation::new(self.moments, self.inverse_moments, None, h).rotate(orientation, self.angular)
+        } else {
+            orientation
+        };
+    }
+
+    /// Lets the inverse inertia follow the orientation.
+    pub(crate) fn end_drift(&mut self) {
+        self.update_inertia();
+    }
+
+    /// Whether every number of its state is finite.
+    pub(crate) fn is_finite(&self) -> bool {
+        let vectors = [self.translation, self.linear, self.angular];
+        let Quat { x, y, z, w } = self.orientation;
+        vectors.iter().all(|v| v.dot(*v).is_finite()) && (x + y + z + w).is_finite()
+    }
+}
+
+fn single(v: Vec3<f64>) -> Vec3<Real> {
+    Vec3::new(real(v.x), real(v.y), real(v.z))
+}
+
+fn single_quat(q: Quat<f64>) -> Quat<Real> {
+    Quat { x: real(q.x), y: real(q.y), z: real(q.z), w: real(q.w) }
+}

@@ -1,0 +1,309 @@
+//! The substeps of one mechanism: impulses of all joints at once, and the motion of its bodies.
+
+use tumble_math::lane::Vec3;
+
+use crate::solver::mechanism::block_ldl::{BlockLdl, MAX_ROWS};
+use crate::solver::mechanism::elimination::Elimination;
+use crate::solver::mechanism::joint_rows::{JointRows, length};
+use crate::solver::mechanism::mechanism_body::{MechanismBody, Place};
+
+/// Bodies that hang together, their joints, and the matrix of these.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct MechanismSolver {
+    pub(crate) bodies: Vec<MechanismBody>,
+    /// In the order of elimination.
+    pub(crate) joints: Vec<JointRows>,
+    matrix: BlockLdl,
+    couplings: Vec<Coupling>,
+    /// By joint, what it has done since the step began: impulse \[N s\] on the second body, and
+    /// angular impulse about its anchor [N m s].
+    pub(crate) done: Vec<[Vec3<f64>; 2]>,
+    /// By joint and end, of each row: what turns the body, and how fast it turns by that.
+    turning: Vec<[[Turning; MAX_ROWS]; 2]>,
+    /// By row.
+    impulses: Vec<f64>,
+    right: Vec<f64>,
+    places: Vec<Place>,
+    /// By body: sum of impulse times arm.
+    pulls: Vec<f64>,
+}
+
+/// A body that two joints share.
+#[derive(Clone, Copy, Debug)]
+struct Coupling {
+    block: usize,
+    /// Row and column of the block, and which end of each joint the body is.
+    joints: [usize; 2],
+    ends: [usize; 2],
+}
+
+/// What one newton second along a row turns a body by: angular impulse, and angular velocity.
+#[derive(Clone, Copy, Debug)]
+struct Turning {
+    torque: Vec3<f64>,
+    response: Vec3<f64>,
+}
+
+/// Solutions for the impulses of a substep, at most.
+const MAX_SOLUTIONS: u32 = 4;
+/// The errors at which impulses are accepted: of the size of the arms, and \[rad\].
+const TOLERANCE: f64 = 1e-10;
+/// Solutions before the first of these, with more inertia each, at most.
+const MAX_RAISES: u32 = 3;
+/// The direction of a joint's impulse on each of its bodies.
+const SIGNS: [f64; 2] = [-1.0, 1.0];
+
+impl MechanismSolver {
+    /// Of joints between bodies that are numbered from 0; `moves` says which of these impulses
+    /// move. Returns the order in which it has the joints.
+    pub(crate) fn new(joints: &[JointRows], moves: &[bool]) -> (Self, Vec<u32>) {
+        let mut groups = vec![Vec::new(); moves.len()];
+        for (number, joint) in (0..).zip(joints) {
+            joint.bodies.iter().filter(|body| moves[**body]).for_each(|body| groups[*body].push(number));
+        }
+        let elimination = Elimination::by_minimum_degree(joints.len(), &groups);
+        let order = elimination.order.clone();
+        let ordered: Vec<_> = order.iter().map(|joint| joints[*joint as usize].clone()).collect();
+        let mut couplings = Vec::new();
+        for row in 0..ordered.len() {
+            for block in elimination.blocks_of(row) {
+                let column = elimination.columns[block] as usize;
+                for ends in [[0, 0], [0, 1], [1, 0], [1, 1]] {
+                    let body = ordered[row].bodies[ends[0]];
+                    if body == ordered[column].bodies[ends[1]] && moves[body] {
+                        couplings.push(Coupling { block, joints: [row, column], ends });
+                    }
+                }
+            }
+        }
+        let matrix = BlockLdl::new(elimination, ordered.iter().map(|joint| joint.count).collect());
+        let none = Turning { torque: Vec3::zero(), response: Vec3::zero() };
+        let it = Self {
+            done: vec![[Vec3::zero(); 2]; ordered.len()],
+            turning: vec![[[none; MAX_ROWS]; 2]; ordered.len()],
+            impulses: vec![0.0; matrix.len()],
+            right: vec![0.0; matrix.len()],
+            pulls: vec![0.0; moves.len()],
+            joints: ordered,
+            matrix,
+            couplings,
+            ..Self::default()
+        };
+        (it, order)
+    }
+
+    /// To be called once the bodies have been read, before the first substep.
+    pub(crate) fn begin(&mut self) {
+        let Self { joints, bodies, .. } = self;
+        joints.iter_mut().for_each(|joint| joint.begin_step(bodies));
+    }
+
+    /// Advances the bodies by substeps of `h` \[s\]. Returns whether all numbers stayed finite.
+    pub(crate) fn advance(&mut self, substeps: u32, h: f64) -> bool {
+        self.begin();
+        self.update_rows();
+        // What was done to velocities since the last step is no load.
+        self.solve_velocities();
+        for _ in 0..substeps {
+            self.bodies.iter_mut().for_each(MechanismBody::kick);
+            self.solve_positions(h);
+            self.bodies.iter_mut().for_each(MechanismBody::kick);
+            self.take_loads(h);
+            self.update_rows();
+            self.solve_velocities();
+        }
+        self.bodies.iter().all(MechanismBody::is_finite)
+    }
+
+    /// Finds the impulses with which the joints are met at the end of the substep, and moves the
+    /// bodies there.
+    fn solve_positions(&mut self, h: f64) {
+        self.places.clear();
+        self.places.extend(self.bodies.iter().map(MechanismBody::place));
+        self.impulses.fill(0.0);
+        self.joints.iter_mut().for_each(|joint| joint.plan_correction(h));
+        self.solve_first(h);
+        for solution in 1..=MAX_SOLUTIONS {
+            if solution > 1 {
+                self.matrix.solve(&mut self.right);
+            }
+            self.impulses.iter_mut().zip(&self.right).for_each(|(sum, impulse)| *sum += impulse);
+            self.push();
+            for (body, place) in self.bodies.iter_mut().zip(&self.places) {
+                body.drift_from(*place, h);
+            }
+            if solution == MAX_SOLUTIONS || self.set_remaining(h) {
+                break;
+            }
+        }
+        self.bodies.iter_mut().for_each(MechanismBody::end_drift);
+        self.note_impulses(true);
+    }
+
+    /// Solves for the impulses that meet the joints at the end of the substep if bodies move
+    /// straight on, with as much inertia as these impulses ask for.
+    fn solve_first(&mut self, h: f64) {
+        for attempt in 1..=MAX_RAISES {
+            self.set_right_side(1.0 / h);
+            self.matrix.solve(&mut self.right);
+            if attempt == MAX_RAISES || !self.take_sudden_loads(h) {
+                break;
+            }
+            self.assemble();
+            self.matrix.factor();
+        }
+    }
+
+    /// Finds the impulses that meet the joints at the end of a substep of `h` \[s\] to first order,
+    /// where others move the bodies.
+    pub(crate) fn solve_once(&mut self, h: f64) {
+        self.joints.iter_mut().for_each(|joint| joint.plan_correction(h));
+        self.solve_first(h);
+        self.impulses.copy_from_slice(&self.right);
+        self.push();
+        self.note_impulses(true);
+        self.take_loads(h);
+    }
+
+    /// Takes out the velocities against the joints.
+    pub(crate) fn solve_velocities(&mut self) {
+        self.set_right_side(0.0);
+        self.matrix.solve(&mut self.right);
+        self.impulses.copy_from_slice(&self.right);
+        self.push();
+        self.note_impulses(false);
+    }
+
+    /// Makes the right side of what the rows' speeds are to become: zero, and beside it what takes
+    /// the errors out at a rate [1/s].
+    pub(crate) fn set_right_side(&mut self, rate: f64) {
+        let Self { joints, bodies, matrix, right, .. } = self;
+        for (number, joint) in joints.iter().enumerate() {
+            let speeds = joint.speeds(bodies);
+            for row in 0..joint.count {
+                let correction = (joint.errors[row] - joint.wanted[row]) * rate;
+                right[matrix.starts[number] + row] = -(speeds[row] + correction);
+            }
+        }
+    }
+
+    /// Makes the right side of what is left of the errors; returns whether it is nothing.
+    fn set_remaining(&mut self, h: f64) -> bool {
+        let Self { joints, bodies, matrix, right, .. } = self;
+        let mut is_met = true;
+        for (number, joint) in joints.iter().enumerate() {
+            let errors = joint.errors(bodies);
+            let linear = joint.linear_count();
+            let size = length(joint.arms[0]) + length(joint.arms[1]);
+            for row in 0..joint.count {
+                let left = errors[row] - joint.wanted[row];
+                is_met &= left.abs() <= TOLERANCE * if row < linear { size } else { 1.0 };
+                right[matrix.starts[number] + row] = -left / h;
+            }
+        }
+        is_met
+    }
+
+    /// Adds the impulses on the right side to the momenta.
+    fn push(&mut self) {
+        let Self { joints, bodies, matrix, right, .. } = self;
+        for (number, joint) in joints.iter().enumerate() {
+            let [impulse, angular] = joint.impulse(&right[matrix.starts[number]..][..joint.count]);
+            for end in 0..2 {
+                let sign = SIGNS[end];
+                bodies[joint.bodies[end]].push(impulse * sign, joint.arms[end], angular * sign);
+            }
+        }
+    }
+
+    /// Adds the impulses of a solution to what joints have done, and where they `pull`, sets what
+    /// that loads the bodies with.
+    fn note_impulses(&mut self, pull: bool) {
+        let Self { joints, matrix, impulses, done, .. } = self;
+        for (number, joint) in joints.iter().enumerate() {
+            let [impulse, angular] = joint.impulse(&impulses[matrix.starts[number]..][..joint.count]);
+            done[number][0] = done[number][0] + impulse;
+            done[number][1] = done[number][1] + angular + joint.from_anchor.cross(impulse);
+        }
+        if pull {
+            set_pulls(&mut self.pulls, &self.joints, &self.matrix, &self.impulses);
+        }
+    }
+
+    /// Raises the inertia of bodies on which the impulses of the right side are a sudden load.
+    /// Returns whether there are any.
+    fn take_sudden_loads(&mut self, h: f64) -> bool {
+        let Self { bodies, joints, matrix, right, pulls, .. } = self;
+        set_pulls(pulls, joints, matrix, right);
+        let mut is_any = false;
+        for (body, pull) in bodies.iter_mut().zip(&*pulls) {
+            is_any |= body.take_sudden_load(*pull, h);
+        }
+        is_any
+    }
+
+    /// Raises the inertia of bodies to the loads of the substep.
+    fn take_loads(&mut self, h: f64) {
+        for (body, pull) in self.bodies.iter_mut().zip(&self.pulls) {
+            body.take_load(*pull, h);
+        }
+    }
+
+    /// Sets the rows and the matrix to where the bodies are.
+    pub(crate) fn update_rows(&mut self) {
+        let Self { joints, bodies, .. } = self;
+        joints.iter_mut().for_each(|joint| joint.update(bodies));
+        self.assemble();
+        self.matrix.factor();
+    }
+
+    fn assemble(&mut self) {
+        let Self { joints, bodies, matrix, couplings, turning, .. } = self;
+        matrix.clear();
+        for (number, (joint, turning)) in joints.iter().zip(&mut *turning).enumerate() {
+            for end in 0..2 {
+                let body = &bodies[joint.bodies[end]];
+                for row in 0..joint.count {
+                    let torque = joint.arms[end].cross(joint.linear[row]) + joint.angular[row];
+                    turning[end][row] = Turning { torque, response: body.times_inverse_inertia(torque) };
+                }
+            }
+            let inverse_mass: f64 = joint.bodies.iter().map(|body| bodies[*body].inverse_mass).sum();
+            let (n, diagonal) = (joint.count, matrix.diagonal_mut(number));
+            for i in 0..n {
+                for j in i..n {
+                    let mut sum = inverse_mass * joint.linear[i].dot(joint.linear[j]);
+                    for of_end in &*turning {
+                        sum += of_end[i].torque.dot(of_end[j].response);
+                    }
+                    (diagonal[i * n + j], diagonal[j * n + i]) = (sum, sum);
+                }
+            }
+        }
+        for &Coupling { block, joints: [first, second], ends } in &*couplings {
+            let (row, column) = (&joints[first], &joints[second]);
+            let sign = SIGNS[ends[0]] * SIGNS[ends[1]];
+            let inverse_mass = sign * bodies[row.bodies[ends[0]]].inverse_mass;
+            let (of_row, of_column) = (&turning[first][ends[0]], &turning[second][ends[1]]);
+            let numbers = matrix.block_mut(block);
+            for i in 0..row.count {
+                for j in 0..column.count {
+                    numbers[i * column.count + j] += inverse_mass * row.linear[i].dot(column.linear[j])
+                        + sign * of_row[i].torque.dot(of_column[j].response);
+                }
+            }
+        }
+    }
+}
+
+/// Sets by body the sum over its joints of impulse times arm.
+fn set_pulls(pulls: &mut [f64], joints: &[JointRows], matrix: &BlockLdl, impulses: &[f64]) {
+    pulls.fill(0.0);
+    for (number, joint) in joints.iter().enumerate() {
+        let [impulse, _] = joint.impulse(&impulses[matrix.starts[number]..][..joint.count]);
+        let strength = length(impulse);
+        for end in 0..2 {
+            pulls[joint.bodies[end]] += strength * length(joint.arms[end]);
+        }
+    }
+}

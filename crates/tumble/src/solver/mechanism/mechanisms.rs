@@ -1,0 +1,301 @@
+//! The mechanisms of a world: which bodies hang together, from step to step.
+
+use rayon::prelude::*;
+use tumble_math::lane::{Quat, Vec3};
+
+use crate::collision::contact::ContactRecord;
+use crate::collision::contact_set::ContactSet;
+use crate::joints::axes::Axes;
+use crate::joints::joint_list::{JointList, ListedJoint};
+use crate::joints::joint_load::JointLoad;
+use crate::math::{Real, double, double_quat, real, vec3};
+use crate::range::{MAX_DISTANCE_OF_CONTACTS, MAX_SPEED, is_rotation, within};
+use crate::solver::constrained_bodies::ConstrainedBodies;
+use crate::solver::islands::Islands;
+use crate::solver::mechanism::joint_rows::{Anchor, JointRows};
+use crate::solver::mechanism::mechanism_body::MechanismBody;
+use crate::solver::mechanism::mechanism_solver::MechanismSolver;
+use crate::solver::solver_bodies::SolverBodies;
+use crate::storage::body_index::{BodyIndex, Slot};
+use crate::storage::world_columns::{ArchetypeBodies, WorldColumns};
+use crate::threads::InParts;
+
+/// The joints of a world, and what is kept of them from step to step.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Mechanisms {
+    pub(crate) list: JointList,
+    /// By slot: inertia that the load of the last substep asks for [kg m^2]. It is state.
+    pub(crate) loads: Vec<f64>,
+    /// The joints that act in this substep, as numbers in the list.
+    active: Vec<u32>,
+    mechanisms: Vec<Mechanism>,
+    /// What the mechanisms were made for.
+    structure: Vec<Link>,
+    /// By number in the list: impulse and angular impulse in this step [N s] [N m s].
+    done: Vec<[Vec3<f64>; 2]>,
+    /// By number in the list.
+    values_and_speeds: Vec<[[f64; 6]; 2]>,
+    islands: Islands,
+}
+
+/// Bodies that hang together.
+#[derive(Clone, Debug)]
+struct Mechanism {
+    solver: MechanismSolver,
+    slots: Vec<Slot>,
+    /// In the order of the solver's, as numbers in the list.
+    joints: Vec<u32>,
+    /// Whether a contact acts on one of its bodies in this substep.
+    is_touched: bool,
+    /// Whether all its numbers are finite.
+    is_sound: bool,
+}
+
+/// A joint as the structure of a mechanism depends on it: its bodies, which of them impulses move,
+/// and its free axes.
+type Link = ([Slot; 2], [bool; 2], Axes);
+
+impl Mechanisms {
+    /// To be called before the first substep of every step.
+    pub(crate) fn begin_step(&mut self) {
+        self.done.clear();
+        self.done.resize(self.list.joints.len(), [Vec3::zero(); 2]);
+        self.values_and_speeds.clear();
+        self.values_and_speeds.resize(self.list.joints.len(), [[0.0; 6]; 2]);
+    }
+
+    /// Finds the mechanisms of the joints whose bodies are in range: gathered into rows, of which
+    /// they read the state. Which of them are touched follows from the contacts.
+    pub(crate) fn gather(
+        &mut self,
+        (constrained, contacts): (&ConstrainedBodies, &ContactSet),
+        body_index: &BodyIndex,
+        columns: &WorldColumns<'_>,
+        bodies: &SolverBodies,
+    ) {
+        self.loads.resize(body_index.len(), 0.0);
+        let Self { list, active, .. } = self;
+        active.clear();
+        let acts = |joint: &ListedJoint| {
+            joint.slots.into_iter().all(|slot| constrained.contains(slot) && is_in_range(body_index, columns, slot))
+        };
+        let moves = |slot: &Slot| constrained.row(*slot).is_some_and(|row| bodies.is_dynamic(row));
+        let numbered = (0..).zip(&list.joints);
+        active.extend(
+            numbered.filter(|(_, joint)| joint.slots.iter().any(moves) && acts(joint)).map(|(number, _)| number),
+        );
+        let links = active.iter().map(|number| {
+            let joint = &list.joints[*number as usize];
+            (joint.slots, joint.slots.each_ref().map(moves), joint.joint.free)
+        });
+        if !links.clone().eq(self.structure.iter().copied()) {
+            self.structure = links.collect();
+            self.arrange(body_index.len());
+        }
+        let mut is_touched = vec![false; body_index.len()];
+        for slot in contacts.records.iter().flat_map(|contact| contact.slots).filter(moves) {
+            is_touched[slot.index()] = true;
+        }
+        let Self { list, loads, mechanisms, active, .. } = self;
+        for mechanism in mechanisms {
+            mechanism.is_touched = mechanism.slots.iter().any(|slot| is_touched[slot.index()]);
+            mechanism.solver.bodies.clear();
+            for slot in &mechanism.slots {
+                let Some(row) = constrained.row(*slot) else { continue };
+                mechanism.solver.bodies.push(MechanismBody::read(bodies, row, loads[slot.index()]));
+            }
+            for (rows, number) in mechanism.solver.joints.iter_mut().zip(&mechanism.joints) {
+                let listed = &list.joints[active[*number as usize] as usize];
+                rows.anchors = [0, 1].map(|end| anchor(listed, end, body_index, columns));
+            }
+        }
+    }
+
+    /// Makes mechanisms of the structure.
+    fn arrange(&mut self, slots: usize) {
+        let Self { structure, mechanisms, islands, .. } = self;
+        let mut dynamic = vec![false; slots];
+        for (of_link, moves, _) in &*structure {
+            (0..2).for_each(|end| dynamic[of_link[end].index()] = moves[end]);
+        }
+        islands.join(slots, structure.iter().map(|(slots, ..)| *slots), |slot| dynamic[slot.index()]);
+        let root = |islands: &mut Islands, [a, b]: [Slot; 2]| islands.root(if dynamic[a.index()] { a } else { b });
+        let mut by_root: Vec<(Slot, u32)> = Vec::new();
+        for (number, (of_link, ..)) in (0..).zip(&*structure) {
+            by_root.push((root(islands, *of_link), number));
+        }
+        by_root.sort_unstable();
+        mechanisms.clear();
+        for links in by_root.chunk_by(|a, b| a.0 == b.0) {
+            let mut of_it: Vec<Slot> = links.iter().flat_map(|(_, number)| structure[*number as usize].0).collect();
+            of_it.sort_unstable();
+            of_it.dedup();
+            let joints: Vec<_> = links
+                .iter()
+                .map(|(_, number)| {
+                    let (slots, _, free) = structure[*number as usize];
+                    let bodies = slots.map(|slot| of_it.binary_search(&slot).unwrap_or(0));
+                    JointRows::new(bodies, [Anchor::CENTER; 2], free)
+                })
+                .collect();
+            let moves: Vec<_> = of_it.iter().map(|slot| dynamic[slot.index()]).collect();
+            let (solver, order) = MechanismSolver::new(&joints, &moves);
+            let joints = order.iter().map(|place| links[*place as usize].1).collect();
+            mechanisms.push(Mechanism { solver, slots: of_it, joints, is_touched: false, is_sound: true });
+        }
+    }
+
+    /// Advances the mechanisms that nothing touches by substeps of `h` \[s\].
+    pub(crate) fn advance_untouched(&mut self, substeps: u32, h: Real) {
+        let untouched = |mechanism: &&mut Mechanism| !mechanism.is_touched;
+        let advance = |mechanism: &mut Mechanism| {
+            mechanism.is_sound = mechanism.solver.advance(substeps, f64::from(h));
+        };
+        self.mechanisms.par_iter_mut().by_at_least(1).filter(untouched).for_each(advance);
+    }
+
+    /// How many dynamic bodies belong to mechanisms that have been advanced already.
+    pub(crate) fn advanced(&self) -> usize {
+        let advanced = self.mechanisms.iter().filter(|mechanism| !mechanism.is_touched && mechanism.is_sound);
+        advanced.flat_map(|mechanism| &mechanism.solver.bodies).filter(|body| body.inverse_mass != 0.0).count()
+    }
+
+    /// Whether any contact acts on a mechanism.
+    pub(crate) fn are_touched(&self) -> bool {
+        self.mechanisms.iter().any(|mechanism| mechanism.is_touched)
+    }
+
+    /// Takes back the halvings of contacts in islands with touched mechanisms: these have the
+    /// substeps of the settings.
+    pub(crate) fn keep_whole(
+        &mut self,
+        contacts: &[ContactRecord],
+        constrained: &ConstrainedBodies,
+        bodies: &SolverBodies,
+        halvings: &mut [u8],
+    ) {
+        if !self.are_touched() || halvings.iter().all(|times| *times == 0) {
+            return;
+        }
+        let Self { list, mechanisms, islands, loads, .. } = self;
+        let moves = |slot: Slot| constrained.row(slot).is_some_and(|row| bodies.is_dynamic(row));
+        let pairs = contacts.iter().map(|contact| contact.slots).chain(list.pairs());
+        islands.join(loads.len(), pairs, moves);
+        let mut has_joints = vec![false; loads.len()];
+        for slot in mechanisms.iter().flat_map(|mechanism| &mechanism.slots).filter(|slot| moves(**slot)) {
+            has_joints[islands.root(*slot).index()] = true;
+        }
+        for (contact, times) in contacts.iter().zip(halvings) {
+            let [a, b] = contact.slots;
+            let moving = if moves(a) { a } else { b };
+            if has_joints[islands.root(moving).index()] {
+                *times = 0;
+            }
+        }
+    }
+
+    /// To be called before the first substep of touched mechanisms.
+    pub(crate) fn begin_touched(&mut self, bodies: &mut SolverBodies) {
+        for mechanism in self.mechanisms.iter_mut().filter(|mechanism| mechanism.is_touched) {
+            mechanism.solver.begin();
+            mechanism.solver.bodies.iter().for_each(|body| body.write_momentum(bodies));
+        }
+    }
+
+    /// Solves the joints of touched mechanisms before their bodies move on for `h` \[s\].
+    pub(crate) fn solve_positions(&mut self, bodies: &mut SolverBodies, h: Real) {
+        self.solve_touched(bodies, |solver| solver.solve_once(f64::from(h)));
+    }
+
+    /// Takes out the velocities against the joints of touched mechanisms.
+    pub(crate) fn solve_velocities(&mut self, bodies: &mut SolverBodies) {
+        self.solve_touched(bodies, MechanismSolver::solve_velocities);
+    }
+
+    fn solve_touched(&mut self, bodies: &mut SolverBodies, solve: impl Fn(&mut MechanismSolver)) {
+        for mechanism in self.mechanisms.iter_mut().filter(|mechanism| mechanism.is_touched) {
+            let solver = &mut mechanism.solver;
+            solver.bodies.iter_mut().for_each(|body| body.read_motion(bodies));
+            solver.update_rows();
+            solve(solver);
+            mechanism.is_sound = solver.bodies.iter().all(MechanismBody::is_finite);
+            if mechanism.is_sound {
+                solver.bodies.iter().for_each(|body| body.write_momentum(bodies));
+            }
+        }
+    }
+
+    /// Notes the loads, what joints have done, and how they stand, and writes the bodies of
+    /// mechanisms that nothing touches to their rows.
+    pub(crate) fn write(&mut self, bodies: &mut SolverBodies) {
+        let Self { mechanisms, loads, active, done, values_and_speeds, .. } = self;
+        for Mechanism { solver, slots, joints, is_touched, is_sound } in mechanisms {
+            for (slot, body) in slots.iter().zip(&mut solver.bodies) {
+                loads[slot.index()] = body.load;
+                if *is_touched {
+                    body.write_own_momentum(bodies);
+                } else if *is_sound {
+                    body.write(bodies);
+                }
+            }
+            for ((rows, done_here), number) in solver.joints.iter().zip(&mut solver.done).zip(&*joints) {
+                let number = active[*number as usize] as usize;
+                let [impulse, angular] = std::mem::replace(done_here, [Vec3::zero(); 2]);
+                done[number] = [done[number][0] + impulse, done[number][1] + angular];
+                values_and_speeds[number] = rows.values_and_speeds(&solver.bodies);
+            }
+        }
+    }
+
+    /// The load of each joint that has a [`JointLoad`], and where that is, over a step of `dt`
+    /// \[s\].
+    pub(crate) fn joint_loads(&self, dt: Real) -> impl Iterator<Item = (&ListedJoint, JointLoad)> + '_ {
+        let with_load = self.list.joints.iter().enumerate().filter(|(_, joint)| joint.has_load);
+        with_load.map(move |(number, joint)| {
+            let [force, torque] = self.done[number].map(|sum| vec3(glam::DVec3::from(sum) / f64::from(dt)));
+            let [values, speeds] = self.values_and_speeds[number].map(|numbers| numbers.map(real));
+            (joint, JointLoad { force, torque, values, speeds })
+        })
+    }
+}
+
+impl Anchor {
+    /// At the centre of mass.
+    const CENTER: Self =
+        Self { position: Vec3 { x: 0.0, y: 0.0, z: 0.0 }, orientation: Quat { x: 0.0, y: 0.0, z: 0.0, w: 1.0 } };
+}
+
+/// The frame of a joint at one end, along the axes that its row's orientation goes by.
+fn anchor(joint: &ListedJoint, end: usize, body_index: &BodyIndex, columns: &WorldColumns<'_>) -> Anchor {
+    let frame = &joint.joint.frames[end];
+    let place = body_index.place(joint.slots[end]);
+    let position = double(frame.position.into()).into();
+    let orientation = Quat::<f64>::from(double_quat(frame.orientation.into())).normalize();
+    let axes = match columns.bodies(place) {
+        ArchetypeBodies::Moving(moving) => moving.axes.as_deref().map(|axes| axes[place.row as usize]),
+        _ => None,
+    };
+    match axes {
+        Some(axes) => {
+            let axes = Quat::<f64>::from(double_quat(axes.0.into())).normalize();
+            Anchor { position: axes.rotate_back(position), orientation: axes.conjugate() * orientation }
+        }
+        None => Anchor { position, orientation },
+    }
+}
+
+/// Whether a body can have joints, but for what forces do to a dynamic one.
+fn is_in_range(body_index: &BodyIndex, columns: &WorldColumns<'_>, slot: Slot) -> bool {
+    let place = body_index.place(slot);
+    let row = place.row as usize;
+    match columns.bodies(place) {
+        ArchetypeBodies::Moving(_) => true,
+        ArchetypeBodies::NonDynamic(columns) => {
+            let (pose, velocity) = (columns.pose[row], columns.velocity(row));
+            within(pose.position.into(), MAX_DISTANCE_OF_CONTACTS)
+                && is_rotation(pose.orientation.into())
+                && [velocity.linear, velocity.angular].into_iter().all(|it| within(it.into(), MAX_SPEED))
+        }
+        ArchetypeBodies::None => false,
+    }
+}

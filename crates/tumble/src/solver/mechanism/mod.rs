@@ -1,0 +1,13 @@
+//! Mechanisms: bodies that hang together by joints, with all their joints solved at once by a
+//! sparse direct factorisation.
+//!
+//! A substep is SHAKE and RATTLE over the engine's free motion: impulses such that the joints are
+//! met where the bodies end up, and velocities along the joints in the end (R. I. McLachlan,
+//! K. Modin, O. Verdier, M. Wilkins, "Geometric generalisations of SHAKE and RATTLE", 2014).
+
+pub(crate) mod block_ldl;
+pub(crate) mod elimination;
+pub(crate) mod joint_rows;
+pub(crate) mod mechanism_body;
+pub(crate) mod mechanism_solver;
+pub(crate) mod mechanisms;
