@@ -32,6 +32,7 @@ const ENGINE: [&str; 23] = [
     "storage",
     "body",
     "forces",
+    "joints",
     "collision",
     "solver",
     "step",

@@ -6,6 +6,7 @@ use hecs::{Entity, World};
 use crate::collision::collider::Collider;
 use crate::collision::contact::ContactRecord;
 use crate::components::{BodyId, Pose};
+use crate::joints::joint::Joint;
 use crate::storage::body_index::{BodyIndex, Slot};
 
 /// The persistent key of a body: its [`BodyId`], whatever its entity, or without one the number of
@@ -79,6 +80,11 @@ impl BodyKeys {
         self.here.resize(count, Entity::DANGLING);
         for entity in world.query::<Entity>().with::<&Collider>().iter() {
             if let Some(slot) = body_index.slot(entity.id()) {
+                self.here[slot.index()] = entity;
+            }
+        }
+        for entity in world.query::<&Joint>().iter().flat_map(|joint| joint.bodies) {
+            if let Some(slot) = body_index.slot(entity.id()).filter(|_| world.contains(entity)) {
                 self.here[slot.index()] = entity;
             }
         }

@@ -111,15 +111,18 @@ impl CollisionPipeline {
         self.cache.forget();
     }
 
-    /// Copies what decides the next step.
-    pub(crate) fn save(&self, into: &mut SavedContacts) {
+    /// Copies what decides the next step, with the loads of joints by slot.
+    pub(crate) fn save(&self, joint_loads: &[f64], into: &mut SavedContacts) {
         into.clear();
-        let SavedContacts { body_keys, centers, contacts, places } = into;
+        let SavedContacts { body_keys, centers, loads, contacts, places } = into;
         let Self { cache, contacts: ContactSet { records, .. }, .. } = self;
         places.clear();
         places.resize(cache.body_keys.len(), Slot::NONE);
         for slot in records.iter().flat_map(|contact| contact.slots) {
             places[slot.index()] = Slot(0);
+        }
+        for (place, _) in places.iter_mut().zip(joint_loads).filter(|(_, load)| **load > 0.0) {
+            *place = Slot(0);
         }
         for (slot, place) in (0..).map(Slot).zip(&mut *places).filter(|(_, place)| **place != Slot::NONE) {
             let key = cache.body_keys.key(slot);
@@ -129,6 +132,7 @@ impl CollisionPipeline {
             if *place != Slot::NONE {
                 body_keys.push(key);
                 centers.push(self.center(slot));
+                loads.push(joint_loads.get(slot.index()).copied().unwrap_or(0.0));
             }
         }
         contacts.extend(records.iter().filter_map(|contact| {

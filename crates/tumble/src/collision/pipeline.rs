@@ -97,7 +97,9 @@ impl Colliders {
 impl CollisionPipeline {
     /// Finds out what has a collider, or joints. To be called again when anything was spawned,
     /// despawned or changed but momentum and pose.
-    pub(crate) fn update(&mut self, world: &World, joints: &JointEnds) {
+    ///
+    /// Returns whether all slots are what they were.
+    pub(crate) fn update(&mut self, world: &World, joints: &JointEnds) -> bool {
         self.body_index.find(world, |archetype, mark| {
             if archetype.has::<Collider>() || joints.connect_any_of(archetype) {
                 archetype.ids().iter().for_each(|id| mark(*id));
@@ -114,6 +116,7 @@ impl CollisionPipeline {
             // It asks once whether a pair is wanted.
             broad_phase.reset();
         }
+        same_slots
     }
 
     /// A step, or several, in which nothing has a collider.

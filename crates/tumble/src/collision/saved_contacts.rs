@@ -11,16 +11,18 @@ use crate::collision::narrow_phase::LaneKind;
 use crate::math::Real;
 use crate::storage::body_index::Slot;
 
-/// Contacts as the last step left them, between bodies by their keys: what a step begins with
-/// beside the bodies, and what is reported of them.
+/// Contacts and the loads of joints as the last step left them, between bodies by their keys: what
+/// a step begins with beside the bodies, and what is reported of contacts.
 ///
 /// Forces, materials and colors are recomputed in every step.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct SavedContacts {
-    /// Of the bodies that have contacts, in order, no two the same.
+    /// Of the bodies that have contacts or loads, in order, no two the same.
     pub(crate) body_keys: Vec<BodyKey>,
     /// Where their centres of mass were when the step began \[m\], one for each key.
     pub(crate) centers: Vec<[Real; 3]>,
+    /// How much inertia the loads of joints ask for, one for each key [kg m^2].
+    pub(crate) loads: Vec<f64>,
     /// Whose slots are places among the keys.
     pub(crate) contacts: Vec<ContactRecord>,
     /// By slot, the place among the keys.
@@ -126,11 +128,12 @@ impl SavedContacts {
     pub(crate) fn clear(&mut self) {
         self.body_keys.clear();
         self.centers.clear();
+        self.loads.clear();
         self.contacts.clear();
     }
 
     pub(crate) fn is_empty(&self) -> bool {
-        self.contacts.is_empty()
+        self.body_keys.is_empty()
     }
 
     pub(crate) fn body_keys(&self) -> &[BodyKey] {
@@ -141,6 +144,10 @@ impl SavedContacts {
         &self.centers
     }
 
+    pub(crate) fn loads(&self) -> &[f64] {
+        &self.loads
+    }
+
     /// The contacts in the order of their keys.
     pub(crate) fn contacts(&self) -> Vec<SavedContact> {
         let mut contacts: Vec<_> = self.contacts.iter().map(ContactRecord::saved).collect();
@@ -148,11 +155,16 @@ impl SavedContacts {
         contacts
     }
 
-    /// What was read from a file: one centre for each key, and contacts between those.
-    pub(crate) fn new(body_keys: Vec<BodyKey>, centers: Vec<[Real; 3]>, contacts: &[SavedContact]) -> Self {
+    /// What was read from a file: one centre and load for each key, and contacts between those.
+    pub(crate) fn new(
+        body_keys: Vec<BodyKey>,
+        (centers, loads): (Vec<[Real; 3]>, Vec<f64>),
+        contacts: &[SavedContact],
+    ) -> Self {
         Self {
             body_keys,
             centers,
+            loads,
             contacts: contacts.iter().map(ContactRecord::of_saved).collect(),
             places: Vec::new(),
         }
@@ -162,6 +174,7 @@ impl SavedContacts {
     pub(crate) fn memory(&self) -> usize {
         self.body_keys.capacity() * size_of::<BodyKey>()
             + self.centers.capacity() * size_of::<[Real; 3]>()
+            + self.loads.capacity() * size_of::<f64>()
             + self.contacts.capacity() * size_of::<ContactRecord>()
             + self.places.capacity() * size_of::<Slot>()
     }

@@ -54,6 +54,10 @@ pub struct Work {
     /// a body touches something, forces are those of the start of the step, and what neither they
     /// nor damping nor the free motion did is the contacts'.
     pub contacts: f64,
+    /// By joints: what they changed of the kinetic energy. Joints that are not driven only pass
+    /// energy on, so over all bodies of a mechanism it is zero but for the error of the method and
+    /// what a kinematic body does through them.
+    pub joints: f64,
     /// What nothing did: energy that the integrator made or lost, rounding included.
     pub integrator: f64,
 }
@@ -65,7 +69,7 @@ impl Work {
     /// By all of them \[J\].
     pub fn total(&self) -> f64 {
         let of_forces = self.forces.iter().sum::<f64>() + self.laws.iter().sum::<f64>();
-        self.gravity + self.applied + self.damping + self.contacts + self.integrator + of_forces
+        self.gravity + self.applied + self.damping + self.contacts + self.joints + self.integrator + of_forces
     }
 
     /// By a kind of force component, by its name: `"Drag"`. `None` where no kind is called so.
@@ -89,6 +93,7 @@ impl AddAssign for Work {
         self.applied += other.applied;
         self.damping += other.damping;
         self.contacts += other.contacts;
+        self.joints += other.joints;
         self.integrator += other.integrator;
         for (sum, force) in self.forces.iter_mut().zip(other.forces) {
             *sum += force;

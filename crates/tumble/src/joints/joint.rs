@@ -5,8 +5,8 @@ use hecs::{Entity, World};
 use crate::components::Pose;
 use crate::joints::axes::Axes;
 use crate::joints::joint_error::JointError;
-use crate::math::{Quat, Real, Vec3};
-use crate::range::MAX_DISTANCE_OF_CONTACTS;
+use crate::math::{Quat, Vec3};
+use crate::range::{MAX_DISTANCE_OF_CONTACTS, is_rotation, within};
 
 /// A joint: it locks some of the axes along and about which one body can move against another. It
 /// is a component of an entity of its own, so a body can have any number.
@@ -122,7 +122,8 @@ impl Joint {
             return Err(JointError::SameBody(a));
         }
         let [first, second] = [pose_of(world, a)?, pose_of(world, b)?];
-        if !(point.abs().max_element() <= MAX_DISTANCE_OF_CONTACTS) {
+        // What is not a number is within nothing.
+        if !within(point.into(), MAX_DISTANCE_OF_CONTACTS) {
             return Err(JointError::Point(a, b));
         }
         let frame = |body: Pose| Pose {
@@ -148,8 +149,7 @@ impl Joint {
     /// Whether its frames are of numbers that can be reckoned with.
     pub(crate) fn is_in_range(&self) -> bool {
         self.frames.iter().all(|frame| {
-            let turned: Real = frame.orientation.length_squared();
-            frame.position.abs().max_element() <= MAX_DISTANCE_OF_CONTACTS && (0.25..=4.0).contains(&turned)
+            within(frame.position.into(), MAX_DISTANCE_OF_CONTACTS) && is_rotation(frame.orientation.into())
         })
     }
 }

@@ -95,6 +95,11 @@ impl JointList {
         self.joints.iter().map(|joint| joint.slots)
     }
 
+    pub(crate) fn clear(&mut self) {
+        self.joints.clear();
+        self.untouching.clear();
+    }
+
     pub(crate) fn is_empty(&self) -> bool {
         self.joints.is_empty()
     }

@@ -10,6 +10,8 @@ use crate::snapshot::error::SnapshotError;
 
 /// How far from one the length of a normal may be.
 const UNIT_TOLERANCE: Real = 1e-3;
+/// The most inertia that the load of joints asks for [kg m^2].
+const MAX_LOAD: f64 = 1e300;
 /// The bit beside the number of points that says whether the bodies touched before.
 const TOUCHED: u32 = 1 << 8;
 
@@ -43,8 +45,8 @@ impl Counts {
         let number = NUMBER as u64;
         let [ids, entities] = self.body_keys;
         let parts = [
-            ids.saturating_mul(8 + 3 * number),
-            entities.saturating_mul(4 + 3 * number),
+            ids.saturating_mul(16 + 3 * number),
+            entities.saturating_mul(12 + 3 * number),
             self.contacts.saturating_mul(16 + SavedContact::NUMBERS as u64 * number),
             self.points.saturating_mul(4 + SavedPoint::NUMBERS as u64 * number),
         ];
@@ -79,6 +81,7 @@ impl<'a> Written<'a> {
             }
         }
         bytes.extend(self.saved.centers().iter().flatten().flat_map(|number| number.to_le_bytes()));
+        bytes.extend(self.saved.loads().iter().flat_map(|load| load.to_le_bytes()));
         for contact in &self.contacts {
             let [first, second] = contact.bodies;
             let points = contact.count as u32 | if contact.touched { TOUCHED } else { 0 };
@@ -99,11 +102,15 @@ pub(crate) fn read(reader: &mut Reader<'_>, counts: &Counts) -> Result<SavedCont
     let mut body_keys = reader.many(ids, |reader| Ok(BodyKey::Id(BodyId(reader.u64()?))))?;
     body_keys.extend(reader.many(entities, |reader| Ok(BodyKey::Entity(reader.u32()?)))?);
     let centers = reader.many(body_keys.len(), Reader::numbers)?;
+    let loads = reader.many(body_keys.len(), |reader| reader.u64().map(f64::from_bits))?;
     if let Some(pair) = body_keys.windows(2).position(|pair| pair[0] >= pair[1]) {
         return Err(SnapshotError::ContactBody { body: pair + 1 });
     }
     if let Some(body) = centers.iter().position(|center| !center.iter().all(|number| number.is_finite())) {
         return Err(SnapshotError::ContactBody { body });
+    }
+    if let Some(body) = loads.iter().position(|load| !(0.0..=MAX_LOAD).contains(load)) {
+        return Err(SnapshotError::JointLoad { body });
     }
     let mut contacts = reader.many(counts.contacts as usize, contact)?;
     if let Some(index) = contacts.iter().position(|contact| !(1..=contact.points.len()).contains(&contact.count)) {
@@ -126,7 +133,7 @@ pub(crate) fn read(reader: &mut Reader<'_>, counts: &Counts) -> Result<SavedCont
         }
         before = Some(contact);
     }
-    Ok(SavedContacts::new(body_keys, centers, &contacts))
+    Ok(SavedContacts::new(body_keys, (centers, loads), &contacts))
 }
 
 fn contact(reader: &mut Reader<'_>) -> Result<SavedContact, SnapshotError> {

@@ -96,6 +96,12 @@ pub enum SnapshotError {
         /// Which, counted from zero.
         body: usize,
     },
+    /// The inertia that joints ask for of a body is negative or not finite.
+    #[error("the load of joints on body {body} of those in contact is negative or not finite")]
+    JointLoad {
+        /// Which, counted from zero.
+        body: usize,
+    },
     /// A contact is one that no step leaves.
     #[error("contact {contact} {defect}")]
     Contact {

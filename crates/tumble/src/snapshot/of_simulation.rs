@@ -5,6 +5,7 @@ use hecs::{Entity, World};
 use crate::snapshot::Snapshot;
 use crate::snapshot::error::SnapshotError;
 use crate::snapshot::row_map::Matching;
+use crate::step::interactions::Interactions;
 use crate::step::simulation::Simulation;
 
 impl Simulation {
@@ -61,8 +62,10 @@ impl Simulation {
     pub(crate) fn take_snapshot(&self, world: &World, snapshot: &mut Snapshot) -> Result<(), SnapshotError> {
         snapshot.recapture(world)?;
         snapshot.set_clock(self.clock());
-        if let Some(collision) = self.collision() {
-            collision.save(&mut snapshot.contacts);
+        if let Some(interactions) = &self.interactions
+            && let Some(collision) = &interactions.collision
+        {
+            collision.save(&interactions.mechanisms.loads, &mut snapshot.contacts);
         }
         Ok(())
     }
@@ -80,12 +83,14 @@ impl Simulation {
             self.set_clock(clock);
         }
         if !snapshot.contacts.is_empty() {
-            let collision = self.interactions.get_or_insert_default().collision.get_or_insert_default();
-            collision.put_back(&snapshot.contacts, world);
-        } else if let Some(collision) =
-            self.interactions.as_mut().and_then(|interactions| interactions.collision.as_mut())
-        {
-            collision.forget();
+            let Interactions { collision, mechanisms, .. } = &mut **self.interactions.get_or_insert_default();
+            collision.get_or_insert_default().put_back(&snapshot.contacts, world);
+            mechanisms.loads.clone_from(&snapshot.contacts.loads);
+        } else if let Some(Interactions { collision, mechanisms, .. }) = self.interactions.as_deref_mut() {
+            mechanisms.loads.clear();
+            if let Some(collision) = collision {
+                collision.forget();
+            }
         }
         Ok(spawned_since)
     }

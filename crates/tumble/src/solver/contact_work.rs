@@ -50,6 +50,9 @@ struct BodyWork {
     last: f64,
     damping: f64,
     moving: f64,
+    joints: f64,
+    /// Whether it belongs to a mechanism that nothing touches: what is left is the joints'.
+    is_of_joints: bool,
 }
 
 /// What a force comes from.
@@ -97,6 +100,8 @@ impl ContactWorks {
             last: start,
             damping: 0.0,
             moving: 0.0,
+            joints: 0.0,
+            is_of_joints: false,
         });
     }
 
@@ -148,6 +153,26 @@ impl ContactWorks {
         }
     }
 
+    /// Notes energies before joints push.
+    pub(crate) fn before_joints(&mut self, bodies: &SolverBodies) {
+        self.before_motion(bodies);
+    }
+
+    /// Notes what joints did to the energies.
+    pub(crate) fn after_joints(&mut self, bodies: &SolverBodies) {
+        for body in &mut self.bodies {
+            body.joints += body.energy(bodies) - body.last;
+            body.momenta = momenta(&bodies.motion[body.row]);
+        }
+    }
+
+    /// Leaves the account of a body to its joints, but for what damping did \[J\].
+    pub(crate) fn leave_to_joints(&mut self, row: SolverRow, damping: f64) {
+        for body in self.bodies.iter_mut().filter(|body| body.row == row.index()) {
+            (body.damping, body.moving, body.is_of_joints) = (damping, 0.0, true);
+        }
+    }
+
     /// Notes whether contacts pushed in a substep.
     pub(crate) fn after_substep(&mut self, bodies: &SolverBodies) {
         for body in &mut self.bodies {
@@ -193,7 +218,8 @@ impl BodyWork {
     }
 
     fn closed(&self, forces: &[(WorkSource, Wrench)], bodies: &SolverBodies) -> Work {
-        let mut work = Work { damping: self.damping, integrator: self.moving, ..Work::default() };
+        let Self { damping, joints, .. } = *self;
+        let mut work = Work { damping, joints, integrator: self.moving, ..Work::default() };
         // Twice the vector of the rotation's quaternion is the angle about its axis, to third
         // order.
         let delta = &bodies.delta_pose[self.row];
@@ -210,7 +236,9 @@ impl BodyWork {
         let rest = self.energy(bodies) - self.start - work.total();
         // What was near something and touched nothing is the integrator's alone. A bounce comes
         // after the last substep.
-        if self.pushed || momenta(&bodies.motion[self.row]) != self.momenta {
+        if self.is_of_joints {
+            work.joints += rest;
+        } else if self.pushed || momenta(&bodies.motion[self.row]) != self.momenta {
             work.contacts = rest;
         } else {
             work.integrator += rest;

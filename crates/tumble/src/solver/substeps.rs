@@ -140,7 +140,8 @@ impl Solver {
             self.solve_substeps(&mut contacts.records, settings, contacts.extras, mechanisms);
         }
         if !mechanisms.list.is_empty() {
-            mechanisms.write(&mut self.group.bodies);
+            let SolverGroup { bodies, contact_works, .. } = &mut self.group;
+            mechanisms.write(bodies, contact_works);
         }
     }
 
@@ -219,9 +220,16 @@ impl SolverGroup {
             }
             bodies.apply_warm_start();
             if let Some(mechanisms) = &mut mechanisms {
+                contact_works.before_joints(bodies);
                 mechanisms.solve_positions(bodies, h);
+                contact_works.after_joints(bodies);
             }
             constraints.run(solve, bodies);
+            if let Some(mechanisms) = &mut mechanisms {
+                contact_works.before_joints(bodies);
+                mechanisms.solve_positions(bodies, h);
+                contact_works.after_joints(bodies);
+            }
             contact_works.before_motion(bodies);
             bodies.integrate_positions(h);
             constraints.update_round_contacts(rounds, &bodies.delta_pose);
@@ -230,7 +238,9 @@ impl SolverGroup {
                 constraints.run(SolverStage::RecordApproachSpeed(h, SubstepMoment::Motion), bodies);
             }
             if let Some(mechanisms) = &mut mechanisms {
+                contact_works.before_joints(bodies);
                 mechanisms.solve_velocities(bodies);
+                contact_works.after_joints(bodies);
             }
             constraints.run(SolverStage::Relax { h, impact_speed, stores_warm_start: substep + 1 < substeps }, bodies);
             contact_works.after_substep(bodies);

@@ -192,7 +192,7 @@ impl<'a> InteractingWorld<'a> {
                 crate::scope::scope!("tumble::find_contacts");
                 collision.find_contacts(&self.columns, self.settings, &mechanisms.list);
                 let pairs = collision.contacts.records.iter().map(|contact| contact.slots);
-                let pairs = pairs.chain(mechanisms.list.pairs());
+                let pairs = pairs.chain(mechanisms.pairs(&collision.body_index, &self.columns));
                 constrained.find(pairs, &collision.body_index, &self.columns);
             }
             None => constrained.clear(),

@@ -55,13 +55,16 @@ impl Interactions {
             let Self { collision, mechanisms, joint_ends, .. } = self;
             let collision = collision.get_or_insert_default();
             joint_ends.find(world);
-            collision.update(world, joint_ends);
+            if !collision.update(world, joint_ends) {
+                mechanisms.renumber(collision.cache.body_keys.renumbered(), collision.body_index.len());
+            }
             let same_pairs = mechanisms.list.find(world, &collision.body_index);
             if !same_pairs {
                 collision.broad_phase.reset();
             }
         } else {
             self.collision = None;
+            self.mechanisms.forget();
         }
     }
 
@@ -75,6 +78,7 @@ impl Interactions {
 
     /// Steps of a world in which nothing acts on anything: what touched does no more.
     pub(crate) fn pass(&mut self, world: &World, steps: u32) {
+        self.mechanisms.forget();
         if let Some(collision) = self.collision.as_mut().filter(|collision| !collision.are_over()) {
             collision.pass(world, steps);
         } else {

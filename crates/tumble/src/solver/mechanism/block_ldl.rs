@@ -21,15 +21,18 @@ pub(crate) struct BlockLdl {
     blocks: Vec<f64>,
     /// Once factored: `D^-1 B` of each block `B`.
     weights: Vec<f64>,
+    /// By row, by how much its number on the diagonal was raised.
+    raised: Vec<f64>,
     /// For each row and each pair of its blocks, the first of them below: the block that the pair
     /// changes.
     targets: Vec<u32>,
+    /// Whether a row depends on others, as far as the factors tell.
+    pub(crate) has_dependent_rows: bool,
 }
 
-/// By how much of itself each number on the diagonal is raised: it makes rows harmless that depend
-/// on others. Rounding of the state makes those contradict each other a little, which is divided
-/// by this.
-const REGULARIZATION: f64 = if Real::EPSILON > 1e-10 as Real { 1e-7 } else { 1e-9 };
+/// By how much of itself each number on the diagonal is raised, which makes rows harmless that
+/// depend on others. Rounding of the state makes such rows contradict each other a little.
+const REGULARIZATION: f64 = if size_of::<Real>() == size_of::<f64>() { 1e-9 } else { 1e-7 };
 
 impl BlockLdl {
     /// Of nodes with these numbers of rows.
@@ -83,11 +86,19 @@ impl BlockLdl {
     pub(crate) fn factor(&mut self) {
         let Self { elimination, sizes, diagonal_starts, diagonal, block_starts, blocks, weights, targets, .. } = self;
         let mut target = targets.iter();
+        self.has_dependent_rows = false;
+        self.raised.clear();
+        for (start, n) in diagonal_starts.iter().zip(&*sizes) {
+            for i in 0..*n {
+                let number = &mut diagonal[start + i * n + i];
+                self.raised.push(*number * REGULARIZATION);
+                *number *= 1.0 + REGULARIZATION;
+            }
+        }
         for row in 0..sizes.len() {
             let n = sizes[row];
             let pivot = &mut diagonal[diagonal_starts[row]..diagonal_starts[row + 1]];
-            (0..n).for_each(|i| pivot[i * n + i] *= 1.0 + REGULARIZATION);
-            invert(pivot, n);
+            self.has_dependent_rows |= invert(pivot, &self.raised[self.starts[row]..], n);
             let range = elimination.blocks_of(row);
             for block in range.clone() {
                 let column = elimination.columns[block] as usize;
@@ -189,13 +200,19 @@ fn subtract_transposed(a: &[f64], b: &[f64], c: &mut [f64], [n, k, m]: [usize; 3
     }
 }
 
-/// Inverts a symmetric positive matrix in its place. A row without response, as of bodies that do
-/// not turn, gets none.
-fn invert(a: &mut [f64], n: usize) {
+/// A pivot that is no more than this many times what it was raised by is one of a dependent row.
+const DEPENDENT: f64 = 30.0;
+
+/// Inverts a symmetric positive matrix in its place, of which the diagonal was raised. A row
+/// without response, as of bodies that do not turn, gets none. Returns whether a row depends on
+/// others.
+fn invert(a: &mut [f64], raised: &[f64], n: usize) -> bool {
+    let mut is_dependent = false;
     // L below the diagonal, and 1/D.
     let mut inverse_pivots = [0.0; MAX_ROWS];
     for j in 0..n {
         let pivot = a[j * n + j];
+        is_dependent |= pivot <= DEPENDENT * raised[j];
         inverse_pivots[j] = if pivot > 0.0 { 1.0 / pivot } else { 0.0 };
         for i in j + 1..n {
             let factor = a[i * n + j] * inverse_pivots[j];
@@ -226,6 +243,7 @@ fn invert(a: &mut [f64], n: usize) {
             (a[i * n + j], a[j * n + i]) = (x, x);
         }
     }
+    is_dependent
 }
 
 #[cfg(test)]

@@ -173,14 +173,16 @@ impl JointRows {
 
     /// How fast each error grows by the velocities of the bodies.
     pub(crate) fn speeds(&self, bodies: &[MechanismBody]) -> [f64; MAX_ROWS] {
-        let [a, b] = self.bodies.map(|body| &bodies[body]);
-        let (turn_a, turn_b) = (a.angular_velocity(), b.angular_velocity());
-        let apart =
-            (b.linear_velocity() + turn_b.cross(self.arms[1])) - (a.linear_velocity() + turn_a.cross(self.arms[0]));
-        let turn = turn_b - turn_a;
+        self.speeds_at(self.bodies.map(|body| [bodies[body].linear_velocity(), bodies[body].angular_velocity()]))
+    }
+
+    /// The same by linear and angular velocities of both bodies.
+    pub(crate) fn speeds_at(&self, [a, b]: [[Vec3<f64>; 2]; 2]) -> [f64; MAX_ROWS] {
+        let apart = (b[0] + b[1].cross(self.arms[1])) - (a[0] + a[1].cross(self.arms[0]));
+        let turn = b[1] - a[1];
         let mut speeds = [0.0; MAX_ROWS];
-        for row in 0..self.count {
-            speeds[row] = self.linear[row].dot(apart) + self.angular[row].dot(turn);
+        for (row, speed) in speeds.iter_mut().enumerate().take(self.count) {
+            *speed = self.linear[row].dot(apart) + self.angular[row].dot(turn);
         }
         speeds
     }

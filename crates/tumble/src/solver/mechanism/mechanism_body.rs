@@ -41,6 +41,11 @@ pub(crate) struct MechanismBody {
     /// What forces do in half a substep [N s] [N m s], and what damping leaves.
     kick: [Vec3<f64>; 2],
     kept: [f64; 2],
+    /// Angular momentum of raised moments that was dropped since the body was read, less what was
+    /// made [kg m^2/s].
+    pub(crate) dropped: Vec3<f64>,
+    /// What damping did since the body was read \[J\].
+    pub(crate) damping_work: f64,
 }
 
 /// Where a body is, to go back there.
@@ -78,6 +83,8 @@ impl MechanismBody {
             inverse_inertia: [zero; 2],
             kick: [zero; 2],
             kept: [1.0; 2],
+            dropped: zero,
+            damping_work: 0.0,
         };
         if bodies.is_dynamic(row) {
             let inertia = &bodies.inertia[i];
@@ -118,7 +125,7 @@ impl MechanismBody {
             return;
         }
         let motion = &mut bodies.motion[i];
-        (motion.momentum, motion.angular_momentum) = (single(self.linear), single(self.own_angular()));
+        (motion.momentum, motion.angular_momentum) = (single(self.linear), single(self.angular));
         bodies.pose[i].orientation = single_quat(self.orientation);
         let [diagonal, off_diagonal] = self.inverse_inertia.map(single);
         bodies.inv_inertia[i] = WorldInverseInertia { diagonal, off_diagonal, ..bodies.inv_inertia[i] };
@@ -133,7 +140,8 @@ impl MechanismBody {
     pub(crate) fn write_own_momentum(&mut self, bodies: &mut SolverBodies) {
         if self.turns && self.load > 0.0 {
             self.read_motion(bodies);
-            bodies.motion[self.row.index()].angular_momentum = single(self.own_angular());
+            self.take_own_moments();
+            bodies.motion[self.row.index()].angular_momentum = single(self.angular);
         }
     }
 
@@ -168,7 +176,11 @@ impl MechanismBody {
         if !self.turns {
             return;
         }
-        let load = (h * impulse_times_arm / MAX_SQUARED_ANGLE).max(KEPT_LOAD * self.load);
+        let mut load = (h * impulse_times_arm / MAX_SQUARED_ANGLE).max(KEPT_LOAD * self.load);
+        if load <= self.least_moment() {
+            // It changes nothing now, and nothing that is left of it will.
+            load = 0.0;
+        }
         if load > self.load {
             self.slow_down(load);
         } else {
@@ -179,21 +191,24 @@ impl MechanismBody {
     /// The same before the body moves, where the load has grown so much that the inertia that it
     /// has would not do for this substep. Returns whether it has.
     pub(crate) fn take_sudden_load(&mut self, impulse_times_arm: f64, h: f64) -> bool {
-        let own = self.own_moments;
         let load = h * impulse_times_arm / MAX_SQUARED_ANGLE;
-        let is_sudden = self.turns && load > SUDDEN * self.load.max(own.x.min(own.y).min(own.z));
+        let is_sudden = self.turns && load > SUDDEN * self.load.max(self.least_moment());
         if is_sudden {
             self.slow_down(load);
         }
         is_sudden
     }
 
+    fn least_moment(&self) -> f64 {
+        self.own_moments.x.min(self.own_moments.y).min(self.own_moments.z)
+    }
+
     /// Raises the inertia at the angular momentum that it has. Less inertia does not speed it up:
     /// neither makes energy.
     fn slow_down(&mut self, load: f64) {
-        let angular = self.angular;
+        let (angular, dropped) = (self.angular, self.dropped);
         self.raise(load);
-        self.angular = angular;
+        (self.angular, self.dropped) = (angular, dropped);
     }
 
     /// Changes the angular momentum from that with these moments to that with others, at the same
@@ -202,15 +217,43 @@ impl MechanismBody {
         if self.turns && (before.x != after.x || before.y != after.y || before.z != after.z) {
             let y = self.orientation.rotate_back(self.angular);
             let ratio = Vec3::new(after.x / before.x, after.y / before.y, after.z / before.z);
-            self.angular = self.orientation.rotate(y.scale(ratio));
+            let scaled = self.orientation.rotate(y.scale(ratio));
+            self.dropped = self.dropped + self.angular - scaled;
+            self.angular = scaled;
         }
     }
 
-    /// The angular momentum with the body's own moments.
-    fn own_angular(&self) -> Vec3<f64> {
-        let mut own = *self;
-        own.scale_momentum(self.moments, self.own_moments);
-        own.angular
+    /// Gives it its own moments, at the angular velocity that it has.
+    pub(crate) fn take_own_moments(&mut self) {
+        self.scale_momentum(self.moments, self.own_moments);
+        self.moments = self.own_moments;
+    }
+
+    /// Mass \[kg\] of a body that impulses move.
+    pub(crate) fn mass(&self) -> f64 {
+        1.0 / self.inverse_mass
+    }
+
+    /// Centre of mass \[m\].
+    pub(crate) fn position(&self) -> Vec3<f64> {
+        self.center + self.translation
+    }
+
+    /// Its own moments about its centre of mass in the world [kg m^2]: `xx yy zz`, then `yz zx xy`.
+    pub(crate) fn own_inertia(&self) -> [Vec3<f64>; 2] {
+        if !self.turns {
+            return [Vec3::zero(); 2];
+        }
+        // The inverse of the inverse moments.
+        let of_world = Moments { moments: self.own_moments, inverse_moments: self.own_moments, axes: None };
+        of_world.inverse_in_world(self.orientation).into()
+    }
+
+    /// Adds a rotation of the whole, about a point from which its centre of mass is at `arm`.
+    pub(crate) fn turn_along(&mut self, angular_velocity: Vec3<f64>, arm: Vec3<f64>) {
+        let [diagonal, off_diagonal] = self.own_inertia();
+        self.linear = self.linear + angular_velocity.cross(arm) * self.mass();
+        self.angular = self.angular + symmetric_product(diagonal, off_diagonal, angular_velocity);
     }
 
     fn update_inertia(&mut self) {
@@ -244,6 +287,12 @@ impl MechanismBody {
     /// Adds what forces do in half a substep.
     pub(crate) fn kick(&mut self) {
         let ([linear, angular], [kept_linear, kept_angular]) = (self.kick, self.kept);
+        if kept_linear != 1.0 || kept_angular != 1.0 {
+            let (p, l) = (self.linear, self.angular);
+            let mean = [p * (0.5 + 0.5 * kept_linear), l * (0.5 + 0.5 * kept_angular)];
+            self.damping_work += (kept_linear - 1.0) * p.dot(mean[0]) * self.inverse_mass
+                + (kept_angular - 1.0) * l.dot(self.times_inverse_inertia(mean[1]));
+        }
         self.linear = self.linear * kept_linear + linear;
         self.angular = self.angular * kept_angular + angular;
     }

@@ -24,6 +24,8 @@ pub(crate) struct MechanismSolver {
     impulses: Vec<f64>,
     right: Vec<f64>,
     places: Vec<Place>,
+    /// By body, memory of a product with the matrix.
+    velocities: Vec<[Vec3<f64>; 2]>,
     /// By body: sum of impulse times arm.
     pulls: Vec<f64>,
 }
@@ -112,7 +114,36 @@ impl MechanismSolver {
             self.update_rows();
             self.solve_velocities();
         }
+        self.return_dropped_momentum();
         self.bodies.iter().all(MechanismBody::is_finite)
+    }
+
+    /// Gives bodies their own moments. What flies free gets back the angular momentum that raised
+    /// moments have made or dropped, as a rotation of the whole, which no joint resists.
+    fn return_dropped_momentum(&mut self) {
+        let bodies = &mut self.bodies;
+        bodies.iter_mut().for_each(MechanismBody::take_own_moments);
+        let dropped = bodies.iter().fold(Vec3::zero(), |sum: Vec3<f64>, body| sum + body.dropped);
+        if dropped.dot(dropped) == 0.0 || bodies.iter().any(|body| body.inverse_mass == 0.0) {
+            return;
+        }
+        let mass: f64 = bodies.iter().map(MechanismBody::mass).sum();
+        let moment = bodies.iter().fold(Vec3::zero(), |sum, body| sum + body.position() * body.mass());
+        let center = moment * (1.0 / mass);
+        let mut inertia = glam::DMat3::ZERO;
+        for body in &*bodies {
+            let arm = glam::DVec3::from(body.position() - center);
+            let [diagonal, off_diagonal] = body.own_inertia().map(glam::DVec3::from);
+            let (d, o) = (diagonal, off_diagonal);
+            let own = glam::DMat3::from_cols_array(&[d.x, o.z, o.y, o.z, d.y, o.x, o.y, o.x, d.z]);
+            let square = glam::DMat3::from_diagonal(glam::DVec3::splat(arm.length_squared()));
+            let product = glam::DMat3::from_cols(arm * arm.x, arm * arm.y, arm * arm.z);
+            inertia += own + (square - product) * body.mass();
+        }
+        let turn = inertia.inverse() * glam::DVec3::from(dropped);
+        if turn.is_finite() {
+            bodies.iter_mut().for_each(|body| body.turn_along(turn.into(), body.position() - center));
+        }
     }
 
     /// Finds the impulses with which the joints are met at the end of the substep, and moves the
@@ -125,7 +156,7 @@ impl MechanismSolver {
         self.solve_first(h);
         for solution in 1..=MAX_SOLUTIONS {
             if solution > 1 {
-                self.matrix.solve(&mut self.right);
+                self.solve_right_side();
             }
             self.impulses.iter_mut().zip(&self.right).for_each(|(sum, impulse)| *sum += impulse);
             self.push();
@@ -145,7 +176,7 @@ impl MechanismSolver {
     fn solve_first(&mut self, h: f64) {
         for attempt in 1..=MAX_RAISES {
             self.set_right_side(1.0 / h);
-            self.matrix.solve(&mut self.right);
+            self.solve_right_side();
             if attempt == MAX_RAISES || !self.take_sudden_loads(h) {
                 break;
             }
@@ -168,7 +199,7 @@ impl MechanismSolver {
     /// Takes out the velocities against the joints.
     pub(crate) fn solve_velocities(&mut self) {
         self.set_right_side(0.0);
-        self.matrix.solve(&mut self.right);
+        self.solve_right_side();
         self.impulses.copy_from_slice(&self.right);
         self.push();
         self.note_impulses(false);
@@ -184,6 +215,41 @@ impl MechanismSolver {
                 let correction = (joint.errors[row] - joint.wanted[row]) * rate;
                 right[matrix.starts[number] + row] = -(speeds[row] + correction);
             }
+        }
+    }
+
+    /// Solves for the impulses that change the rows' speeds by the right side, in its place.
+    ///
+    /// Where rows depend on others, what contradicts itself in the right side would become great
+    /// impulses against each other. To see what speeds the solution gives, and to solve for these,
+    /// leaves it out.
+    fn solve_right_side(&mut self) {
+        self.matrix.solve(&mut self.right);
+        if self.matrix.has_dependent_rows {
+            self.set_speeds_of_impulses();
+            self.matrix.solve(&mut self.right);
+        }
+    }
+
+    /// Puts the speeds that impulses give to rows in the place of these.
+    fn set_speeds_of_impulses(&mut self) {
+        let Self { joints, bodies, matrix, right, velocities, .. } = self;
+        velocities.clear();
+        velocities.resize(bodies.len(), [Vec3::zero(); 2]);
+        for (number, joint) in joints.iter().enumerate() {
+            let [impulse, angular] = joint.impulse(&right[matrix.starts[number]..][..joint.count]);
+            for end in 0..2 {
+                let [linear, turning] = &mut velocities[joint.bodies[end]];
+                *linear = *linear + impulse * SIGNS[end];
+                *turning = *turning + (joint.arms[end].cross(impulse) + angular) * SIGNS[end];
+            }
+        }
+        for (body, [linear, turning]) in bodies.iter().zip(&mut *velocities) {
+            (*linear, *turning) = (*linear * body.inverse_mass, body.times_inverse_inertia(*turning));
+        }
+        for (number, joint) in joints.iter().enumerate() {
+            let speeds = joint.speeds_at(joint.bodies.map(|body| velocities[body]));
+            right[matrix.starts[number]..][..joint.count].copy_from_slice(&speeds[..joint.count]);
         }
     }
 
@@ -261,11 +327,11 @@ impl MechanismSolver {
         let Self { joints, bodies, matrix, couplings, turning, .. } = self;
         matrix.clear();
         for (number, (joint, turning)) in joints.iter().zip(&mut *turning).enumerate() {
-            for end in 0..2 {
+            for (end, turning) in turning.iter_mut().enumerate() {
                 let body = &bodies[joint.bodies[end]];
-                for row in 0..joint.count {
+                for (row, turning) in turning.iter_mut().enumerate().take(joint.count) {
                     let torque = joint.arms[end].cross(joint.linear[row]) + joint.angular[row];
-                    turning[end][row] = Turning { torque, response: body.times_inverse_inertia(torque) };
+                    *turning = Turning { torque, response: body.times_inverse_inertia(torque) };
                 }
             }
             let inverse_mass: f64 = joint.bodies.iter().map(|body| bodies[*body].inverse_mass).sum();

@@ -11,6 +11,7 @@ use crate::joints::joint_load::JointLoad;
 use crate::math::{Real, double, double_quat, real, vec3};
 use crate::range::{MAX_DISTANCE_OF_CONTACTS, MAX_SPEED, is_rotation, within};
 use crate::solver::constrained_bodies::ConstrainedBodies;
+use crate::solver::contact_work::ContactWorks;
 use crate::solver::islands::Islands;
 use crate::solver::mechanism::joint_rows::{Anchor, JointRows};
 use crate::solver::mechanism::mechanism_body::MechanismBody;
@@ -56,6 +57,30 @@ struct Mechanism {
 type Link = ([Slot; 2], [bool; 2], Axes);
 
 impl Mechanisms {
+    /// Forgets all joints and loads.
+    pub(crate) fn forget(&mut self) {
+        self.list.clear();
+        self.loads.clear();
+    }
+
+    /// The bodies of the joints that can act, by slot.
+    pub(crate) fn pairs<'a>(
+        &'a self,
+        body_index: &'a BodyIndex,
+        columns: &'a WorldColumns<'_>,
+    ) -> impl Iterator<Item = [Slot; 2]> + 'a {
+        let is_in_range = |slot: &Slot| is_in_range(body_index, columns, *slot);
+        self.list.pairs().filter(move |slots| slots.iter().all(is_in_range))
+    }
+
+    /// Gives the loads the slots that their bodies have now; `slots` are these by slot before.
+    pub(crate) fn renumber(&mut self, slots: &[Slot], count: usize) {
+        let before = std::mem::replace(&mut self.loads, vec![0.0; count]);
+        for (load, slot) in before.into_iter().zip(slots).filter(|(_, slot)| **slot != Slot::NONE) {
+            self.loads[slot.index()] = load;
+        }
+    }
+
     /// To be called before the first substep of every step.
     pub(crate) fn begin_step(&mut self) {
         self.done.clear();
@@ -227,7 +252,7 @@ impl Mechanisms {
 
     /// Notes the loads, what joints have done, and how they stand, and writes the bodies of
     /// mechanisms that nothing touches to their rows.
-    pub(crate) fn write(&mut self, bodies: &mut SolverBodies) {
+    pub(crate) fn write(&mut self, bodies: &mut SolverBodies, works: &mut ContactWorks) {
         let Self { mechanisms, loads, active, done, values_and_speeds, .. } = self;
         for Mechanism { solver, slots, joints, is_touched, is_sound } in mechanisms {
             for (slot, body) in slots.iter().zip(&mut solver.bodies) {
@@ -236,6 +261,7 @@ impl Mechanisms {
                     body.write_own_momentum(bodies);
                 } else if *is_sound {
                     body.write(bodies);
+                    works.leave_to_joints(body.row, body.damping_work);
                 }
             }
             for ((rows, done_here), number) in solver.joints.iter().zip(&mut solver.done).zip(&*joints) {

@@ -1,0 +1,142 @@
+//! Random mechanisms: trees with loops, of joints of every kind between bodies of many sizes.
+
+use glam::{DQuat, DVec3};
+use hecs::{Entity, World};
+use tumble::math::{Quat, Real, Vec3};
+use tumble::{Axes, BodyId, Joint, JointLoad, RigidBody, Shape};
+use tumble_tests::Draw;
+
+/// What mechanisms are drawn from.
+#[derive(Clone, Copy)]
+pub(crate) struct Class {
+    /// How many bodies.
+    pub(crate) bodies: u64,
+    /// How much heavier the heaviest body is than the lightest, at most.
+    pub(crate) mass_ratio: f64,
+    /// Half the length of bodies \[m\].
+    pub(crate) size: f64,
+    /// The longest edge over the shortest, at most.
+    pub(crate) aspect: f64,
+    /// Speeds \[m/s\] that bodies begin with; the joints take out what they forbid.
+    pub(crate) speed: f64,
+    /// Probability that a joint goes to a body that is there already by another way.
+    pub(crate) loops: f64,
+    /// Where the first body is \[m\].
+    pub(crate) origin: DVec3,
+    /// Whether the first body is fixed.
+    pub(crate) is_fixed: bool,
+}
+
+impl Class {
+    pub(crate) const PLAIN: Self = Self {
+        bodies: 12,
+        mass_ratio: 10.0,
+        size: 0.5,
+        aspect: 5.0,
+        speed: 2.0,
+        loops: 0.0,
+        origin: DVec3::ZERO,
+        is_fixed: false,
+    };
+}
+
+pub(crate) fn vector(v: DVec3) -> Vec3 {
+    Vec3::new(v.x as Real, v.y as Real, v.z as Real)
+}
+
+fn quat(q: DQuat) -> Quat {
+    Quat::from_xyzw(q.x as Real, q.y as Real, q.z as Real, q.w as Real).normalize()
+}
+
+/// The free axes of every kind of joint with a constructor.
+pub(crate) const KINDS: [fn(Entity, Entity) -> Joint; 7] =
+    [Joint::ball, Joint::hinge, Joint::slider, Joint::cylinder, Joint::universal, Joint::planar, Joint::fixed];
+
+/// A joint to come: the numbers of its bodies, its kind, a point \[m\] and an axis.
+#[derive(Clone, Copy)]
+pub(crate) struct Plan {
+    pub(crate) bodies: [usize; 2],
+    pub(crate) kind: usize,
+    pub(crate) point: DVec3,
+    pub(crate) axis: DVec3,
+}
+
+/// Bodies and joints of a mechanism.
+pub(crate) struct Mechanism {
+    pub(crate) bodies: Vec<RigidBody>,
+    pub(crate) joints: Vec<Plan>,
+}
+
+/// A mechanism of a class.
+pub(crate) fn mechanism(class: Class, draw: &mut Draw) -> Mechanism {
+    let Class { mass_ratio, size, aspect, speed, origin, .. } = class;
+    let (mut bodies, mut joints, mut places) = (Vec::new(), Vec::new(), Vec::<DVec3>::new());
+    for number in 0..class.bodies as usize {
+        let mut half = || size / draw.log_between(1.0, aspect);
+        let edges = [half(), half(), half()];
+        let parent = number.checked_sub(1).map(|last| (draw.between(0.0, 1.0) * (last + 1) as f64) as usize);
+        let at = parent.map_or(origin, |parent| places[parent] + draw.direction() * size * 1.5);
+        let mut body = RigidBody::new(Shape::cuboid(edges)).mass(draw.log_between(1.0, mass_ratio));
+        body = body.id(BodyId(10 + number as u64)).position(vector(at)).orientation(quat(draw.orientation()));
+        if number == 0 && class.is_fixed {
+            body = body.fixed();
+        } else {
+            body = body.linear_velocity(vector(draw.vector(speed)));
+            body = body.angular_velocity(vector(draw.vector(speed / size)));
+        }
+        let kind = |draw: &mut Draw| (draw.between(0.0, 1.0) * 6.999) as usize;
+        if let Some(parent) = parent {
+            let point = (places[parent] + at) * 0.5 + draw.vector(0.2 * size);
+            joints.push(Plan { bodies: [parent, number], kind: kind(draw), point, axis: draw.direction() });
+            if draw.often(class.loops) {
+                let other = (draw.between(0.0, 1.0) * number as f64) as usize;
+                joints.push(Plan { bodies: [other, number], kind: 0, point: at, axis: draw.direction() });
+            }
+        }
+        places.push(at);
+        bodies.push(body);
+    }
+    Mechanism { bodies, joints }
+}
+
+impl Mechanism {
+    /// Spawns the bodies, and the joints between them, in these orders.
+    pub(crate) fn spawn(&self, world: &mut World, bodies: &[usize], joints: &[usize]) -> (Vec<Entity>, Vec<Entity>) {
+        let mut of_number = vec![Entity::DANGLING; self.bodies.len()];
+        for &number in bodies {
+            of_number[number] = self.bodies[number].clone().build().unwrap().spawn(world);
+        }
+        let mut made = vec![Entity::DANGLING; self.joints.len()];
+        for &number in joints {
+            let Plan { bodies: [a, b], kind, point, axis } = self.joints[number];
+            let joint = KINDS[kind](of_number[a], of_number[b]);
+            let joint = joint.at(world, vector(point), vector(axis)).unwrap();
+            made[number] = world.spawn((joint, JointLoad::default()));
+        }
+        (of_number, made)
+    }
+
+    /// In the order in which they were drawn.
+    pub(crate) fn spawn_in_order(&self, world: &mut World) -> (Vec<Entity>, Vec<Entity>) {
+        let all = |count: usize| (0..count).collect::<Vec<_>>();
+        self.spawn(world, &all(self.bodies.len()), &all(self.joints.len()))
+    }
+}
+
+/// The largest error of the joints of a world: \[m\] and \[rad\].
+pub(crate) fn errors(world: &World) -> [f64; 2] {
+    let mut most = [0.0_f64; 2];
+    for (joint, load) in &mut world.query::<(&Joint, &JointLoad)>() {
+        let angular = joint.free.contains(Axes::ANGULAR_X) || joint.free.contains(Axes::ANGULAR_Y);
+        for (axis, one) in [Axes::LINEAR_X, Axes::LINEAR_Y, Axes::LINEAR_Z].into_iter().enumerate() {
+            if !joint.free.contains(one) {
+                most[0] = most[0].max(f64::from(load.values[axis]).abs());
+            }
+        }
+        // With free rotations the vector of the rotation is no error axis by axis.
+        if !angular {
+            load.values[3..].iter().for_each(|value| most[1] = most[1].max(f64::from(*value).abs()));
+        }
+    }
+    most
+}
