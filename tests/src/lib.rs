@@ -48,6 +48,9 @@ mod documents {
     #[doc = include_str!("../../docs/from-rapier.md")]
     struct FromRapier;
 
+    #[doc = include_str!("../../docs/joints.md")]
+    struct Joints;
+
     #[doc = include_str!("../../docs/rollback.md")]
     struct Rollback;
 

@@ -18,6 +18,7 @@ use hecs::World;
 use rayon::ThreadPoolBuilder;
 use tumble::{BodyOrder, BodyState, ForceLaw, Integrator, Ledger, Rollback, Settings, Simulation, Wrench};
 use tumble_benches::{mixed_bodies, tumbling_boxes};
+use tumble_tests::Draw;
 
 #[global_allocator]
 static ALLOCATOR: Allocator<std::alloc::System> = Allocator::system();
@@ -41,6 +42,21 @@ fn braked_bodies() -> World {
 }
 
 mod coupled;
+mod mechanisms;
+use mechanisms::{Class, mechanism};
+
+/// Mechanisms with loops that fly apart, and one that hangs.
+fn jointed_bodies() -> World {
+    let mut world = World::new();
+    for case in 0..40 {
+        let class = Class { bodies: 15, loops: 0.2, is_fixed: case == 0, first_id: 100 * case, ..Class::PLAIN };
+        let plan = mechanism(class, &mut Draw::new(0xA110C, case));
+        let all = |count: usize| (0..count).collect::<Vec<_>>();
+        plan.spawn(&mut world, &all(plan.bodies.len()), &all(plan.joints.len()));
+    }
+    world
+}
+
 /// A pyramid of 204 boxes, which stands: contacts neither come nor go.
 fn pyramid() -> World {
     tumble_benches::pyramid(8)
@@ -55,7 +71,7 @@ fn coupled_bodies() -> World {
 fn a_step_allocates_nothing() {
     let session = Session::new();
     type Scene = fn() -> World;
-    let scenes: [(&str, Scene); 10] = [
+    let scenes: [(&str, Scene); 12] = [
         ("empty", World::new),
         ("one", || tumbling_boxes(1)),
         ("boxes", || tumbling_boxes(20_000)),
@@ -66,6 +82,8 @@ fn a_step_allocates_nothing() {
         ("coupled and booked", coupled_bodies),
         ("touching", pyramid),
         ("touching and booked", pyramid),
+        ("jointed", jointed_bodies),
+        ("jointed and booked", jointed_bodies),
     ];
     for threads in [1, 2] {
         let pool = ThreadPoolBuilder::new().num_threads(threads).build().unwrap();

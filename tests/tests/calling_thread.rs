@@ -18,7 +18,8 @@ use tumble_benches::pool;
 use tumble_tests::touching::{collider, cube, ground, spawn};
 use tumble_tests::{hash, run};
 
-/// Bodies of all shapes in a heap, some with springs, some that attract each other, by a number.
+/// Bodies of all shapes in a heap, some with springs or joints, some that attract each other, by a
+/// number.
 fn heap(seed: u64, count: usize) -> World {
     let mut rng = Rng::new(seed);
     let mut world = World::new();
@@ -39,6 +40,10 @@ fn heap(seed: u64, count: usize) -> World {
     }
     for pair in bodies.windows(2).filter(|_| kinds & 1 << 40 != 0) {
         world.spawn((Spring::between(pair[0], pair[1]).stiffness(5.0).damping(1.0),));
+    }
+    for pair in bodies.chunks_exact(2).filter(|_| kinds & 1 << 42 != 0) {
+        let joint = Joint::ball(pair[0], pair[1]).at_point(&world, Vec3::Y).unwrap();
+        world.spawn((joint, JointLoad::default()));
     }
     if kinds & 1 << 41 != 0 {
         bodies.iter().for_each(|body| world.insert_one(*body, GravityMass::of_kilograms(1e9)).unwrap());

@@ -40,6 +40,8 @@
 //! [`Momentum`] is kinematic if it has a [`Velocity`], and moves as that says; else it is fixed.
 //! All other components may be there or not.
 //!
+//! A [`Joint`] locks axes along and about which two bodies can move against each other.
+//!
 //! Bodies with a [`Collider`] touch each other: a [`Simulation`] keeps their contacts from step to
 //! step, and tells of them in [`contacts`](Simulation::contacts) and
 //! [`contact_events`](Simulation::contact_events). Those without pass through everything.
@@ -167,8 +169,8 @@ pub mod prelude {
     pub use crate::math::{Mat3, Quat, Real, Vec3};
     pub use crate::{
         AngularVelocityServo, BodyId, BodyState, Buoyancy, CenterOfMass, Collider, ConstantWrench, Damping, Drag,
-        ForceLaw, Frame, GravityMass, GravityScale, Hull, Inertia, Integrator, Ledger, Magnus, Mass, Material,
-        Momentum, PointGravity, Pose, PreviousPose, PrincipalAxes, RigidBody, Settings, Shape, Simulation, Spring,
-        SpringToPoint, Thruster, Velocity, Wind, Wrench,
+        ForceLaw, Frame, GravityMass, GravityScale, Hull, Inertia, Integrator, Joint, JointLoad, Ledger, Magnus, Mass,
+        Material, Momentum, PointGravity, Pose, PreviousPose, PrincipalAxes, RigidBody, Settings, Shape, Simulation,
+        Spring, SpringToPoint, Thruster, Velocity, Wind, Wrench,
     };
 }

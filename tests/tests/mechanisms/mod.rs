@@ -3,7 +3,7 @@
 use glam::{DQuat, DVec3};
 use hecs::{Entity, World};
 use tumble::math::{Quat, Real, Vec3};
-use tumble::{Axes, BodyId, Joint, JointLoad, RigidBody, Shape};
+use tumble::{BodyId, Joint, JointLoad, RigidBody, Shape};
 use tumble_tests::Draw;
 
 /// What mechanisms are drawn from.
@@ -11,6 +11,8 @@ use tumble_tests::Draw;
 pub(crate) struct Class {
     /// How many bodies.
     pub(crate) bodies: u64,
+    /// The [`BodyId`] of the first; others count on.
+    pub(crate) first_id: u64,
     /// How much heavier the heaviest body is than the lightest, at most.
     pub(crate) mass_ratio: f64,
     /// Half the length of bodies \[m\].
@@ -30,6 +32,7 @@ pub(crate) struct Class {
 impl Class {
     pub(crate) const PLAIN: Self = Self {
         bodies: 12,
+        first_id: 10,
         mass_ratio: 10.0,
         size: 0.5,
         aspect: 5.0,
@@ -77,7 +80,8 @@ pub(crate) fn mechanism(class: Class, draw: &mut Draw) -> Mechanism {
         let parent = number.checked_sub(1).map(|last| (draw.between(0.0, 1.0) * (last + 1) as f64) as usize);
         let at = parent.map_or(origin, |parent| places[parent] + draw.direction() * size * 1.5);
         let mut body = RigidBody::new(Shape::cuboid(edges)).mass(draw.log_between(1.0, mass_ratio));
-        body = body.id(BodyId(10 + number as u64)).position(vector(at)).orientation(quat(draw.orientation()));
+        body =
+            body.id(BodyId(class.first_id + number as u64)).position(vector(at)).orientation(quat(draw.orientation()));
         if number == 0 && class.is_fixed {
             body = body.fixed();
         } else {
@@ -115,28 +119,4 @@ impl Mechanism {
         }
         (of_number, made)
     }
-
-    /// In the order in which they were drawn.
-    pub(crate) fn spawn_in_order(&self, world: &mut World) -> (Vec<Entity>, Vec<Entity>) {
-        let all = |count: usize| (0..count).collect::<Vec<_>>();
-        self.spawn(world, &all(self.bodies.len()), &all(self.joints.len()))
-    }
-}
-
-/// The largest error of the joints of a world: \[m\] and \[rad\].
-pub(crate) fn errors(world: &World) -> [f64; 2] {
-    let mut most = [0.0_f64; 2];
-    for (joint, load) in &mut world.query::<(&Joint, &JointLoad)>() {
-        let angular = joint.free.contains(Axes::ANGULAR_X) || joint.free.contains(Axes::ANGULAR_Y);
-        for (axis, one) in [Axes::LINEAR_X, Axes::LINEAR_Y, Axes::LINEAR_Z].into_iter().enumerate() {
-            if !joint.free.contains(one) {
-                most[0] = most[0].max(f64::from(load.values[axis]).abs());
-            }
-        }
-        // With free rotations the vector of the rotation is no error axis by axis.
-        if !angular {
-            load.values[3..].iter().for_each(|value| most[1] = most[1].max(f64::from(*value).abs()));
-        }
-    }
-    most
 }

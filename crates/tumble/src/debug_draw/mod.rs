@@ -2,6 +2,7 @@
 
 pub(crate) mod colliders;
 pub(crate) mod contacts;
+pub(crate) mod joints;
 pub(crate) mod outline;
 pub(crate) mod springs;
 
@@ -20,8 +21,8 @@ use crate::debug_draw::outline::outline;
 use crate::forces::components::{ConstantWrench, Frame, Thruster};
 use crate::math::{Real, Vec3, dquat, dvec3, vec3};
 
-/// What a renderer has to be able to do, so that bodies, axes, momenta, forces, springs and
-/// contacts can be seen through [`DebugView`].
+/// What a renderer has to be able to do, so that bodies, axes, momenta, forces, springs,
+/// joints and contacts can be seen through [`DebugView`].
 ///
 /// A closure that draws lines is one, and whatever else implements it. Colours are red, green and
 /// blue from 0 to 1, as displays take them (sRGB). No coordinate is ever infinite or not a number.
@@ -118,6 +119,12 @@ pub struct DebugView {
     /// [`SpringToPoint`](crate::SpringToPoint) from the body to its anchor. One of which a body is
     /// gone is not drawn. Where [`forces`](Self::forces) are shown too, it has their colour.
     pub springs: bool,
+    /// Of each [`Joint`](crate::Joint) lines from the centres of mass to its point, and the axes of
+    /// the first frame along or about which it is free, in red, green and blue: their length \[m\].
+    pub joints: Option<Real>,
+    /// The force of each joint that has a [`JointLoad`](crate::JointLoad) on its second body, as an
+    /// arrow: metres for 1 N.
+    pub joint_forces: Option<Real>,
     /// Edges of each [`Collider`] at its place: what others bump into, which need not be what is
     /// seen. A half-space has none.
     pub colliders: bool,
@@ -164,6 +171,8 @@ impl DebugView {
     pub const TORQUE: [f32; 3] = [0.85, 0.42, 0.18];
     /// Colour of springs where forces are not shown.
     pub const SPRING: [f32; 3] = [0.76, 0.78, 0.80];
+    /// Colour of joints, but for their free axes.
+    pub const JOINT: [f32; 3] = [0.62, 0.66, 0.74];
     /// Colour of colliders.
     pub const COLLIDER: [f32; 3] = [0.30, 0.90, 0.62];
     /// Colour of contacts: of where bodies touch, and of what pushes there.
@@ -180,6 +189,8 @@ impl DebugView {
             angular_velocity: None,
             forces: None,
             springs: false,
+            joints: None,
+            joint_forces: None,
             colliders: false,
             contacts: None,
             contact_forces: None,
@@ -188,12 +199,13 @@ impl DebugView {
         }
     }
 
-    /// Draws every entity that has a [`Pose`], and every [`Spring`](crate::Spring) if springs or
-    /// forces are shown.
+    /// Draws every entity that has a [`Pose`], every [`Spring`](crate::Spring) if springs or forces
+    /// are shown, and every [`Joint`](crate::Joint) if joints or their forces are.
     pub fn draw(&self, world: &World, target: &mut dyn DebugDraw) {
         for entity in world.iter() {
             self.draw_entity(entity, target);
             self.draw_spring(world, entity, target);
+            self.draw_joint(world, entity, target);
         }
     }
 

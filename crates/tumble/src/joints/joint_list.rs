@@ -87,7 +87,10 @@ impl JointList {
         untouching.extend(apart.map(|[a, b]| [a.min(b), a.max(b)]));
         untouching.sort_unstable();
         untouching.dedup();
-        untouching == untouching_before
+        let same = untouching == untouching_before;
+        // The next step takes it in place of the other.
+        untouching_before.reserve_exact(untouching.capacity().saturating_sub(untouching_before.len()));
+        same
     }
 
     /// The bodies of each.

@@ -44,9 +44,9 @@ impl Snapshot {
     pub const VERSION: u32 = 4;
 
     /// The snapshot as bytes for a file or a peer: 128 bytes and 60 a body in single precision, 112
-    /// in double, with up to 160 or 288 a contact and 28 or 40 a body that has any, or that joints load. Bodies are in
-    /// the order of their [`BodyId`]s, so the same state gives the same bytes, whatever the order
-    /// they were spawned in.
+    /// in double, with up to 160 or 288 a contact and 28 or 40 a body that has any, or that joints
+    /// load. Bodies are in the order of their [`BodyId`]s, so the same state gives the same bytes,
+    /// whatever the order they were spawned in.
     ///
     /// With the cargo feature `serde` a snapshot is serialised as these bytes.
     ///

@@ -6,11 +6,14 @@ use crate::collision::collider::Collider;
 use crate::collision::pipeline::CollisionPipeline;
 use crate::forces::pairwise::{GravityMass, Spring};
 use crate::forces::registry::ForceLaws;
+use crate::joints::joint::Joint;
 use crate::threads::{BODY, BODY_UNDER_LAWS, Effort};
 
 /// What two bodies do that attract each other.
 const ATTRACTION: f64 = 0.002;
 const SPRING: f64 = 0.2;
+/// A joint, over four substeps.
+const JOINT: f64 = 4.0;
 /// A contact, from finding it to the last of four substeps.
 const CONTACT: f64 = 0.6;
 /// What is added where shapes have no lanes of their own.
@@ -24,20 +27,23 @@ pub(crate) fn effort_of_steps(
     collision: Option<&CollisionPipeline>,
     steps: u32,
 ) -> Effort {
-    let [mut attracting, mut springs, mut colliders] = [0.0; 3];
+    let [mut attracting, mut springs, mut joints, mut colliders] = [0.0; 4];
     let mut bodies = 0.0;
     for archetype in world.archetypes().filter(|archetype| !archetype.is_empty()) {
         let count = f64::from(archetype.len());
         bodies += count * if laws.may_act_on(archetype) { BODY_UNDER_LAWS } else { BODY };
         attracting += if archetype.has::<GravityMass>() { count } else { 0.0 };
         springs += if archetype.has::<Spring>() { count } else { 0.0 };
+        joints += if archetype.has::<Joint>() { count } else { 0.0 };
         colliders += if archetype.has::<Collider>() { count } else { 0.0 };
     }
-    if attracting + springs + colliders == 0.0 {
+    if attracting + springs + joints + colliders == 0.0 {
         return Effort::of_microseconds(bodies * f64::from(steps));
     }
     // Before the first step nobody knows how many touch.
     let (known, of_others) = collision.map_or((0, 0), CollisionPipeline::counts);
     let contacts = CONTACT * colliders.max(known as f64) + PAIR_OF_OTHERS * of_others as f64;
-    Effort::of_microseconds(bodies + ATTRACTION * attracting * attracting + SPRING * springs + contacts)
+    Effort::of_microseconds(
+        bodies + ATTRACTION * attracting * attracting + SPRING * springs + JOINT * joints + contacts,
+    )
 }

@@ -46,7 +46,8 @@ pub enum StepPhase {
     PairForcesBefore,
     /// Finds the contacts of the substep.
     FindContacts,
-    /// Advances momenta and poses of the bodies that have contacts, under these and all forces.
+    /// Advances momenta and poses of the bodies that have contacts or joints, under these and all
+    /// forces.
     SolveContacts,
     /// Advances momenta and poses of the other moving bodies: [`integrate`](crate::integrate).
     Integrate,
@@ -64,12 +65,13 @@ pub enum StepPhase {
 /// Between two phases the world can be read, and the values of components changed, through
 /// [`world`](Self::world); what is spawned, despawned, inserted or removed waits for the end of the
 /// step. A changed [`Collider`](crate::Collider), [`CenterOfMass`](crate::CenterOfMass) of a
-/// collider's body, [`Spring`](crate::Spring), [`GravityMass`](crate::GravityMass) or
-/// [`BodyId`](crate::BodyId) counts from the next step on. Forces of this step are to be added
-/// before [`SolveContacts`](StepPhase::SolveContacts); after it, bodies in contact take no more.
-/// Phases that are left when it is dropped run then, unless a panic drops it. One that is cut off
-/// by a panic or leaked leaves the world between two phases: restore a snapshot, or set what forces
-/// have added to each [`Wrench`](crate::Wrench) to zero.
+/// collider's body, [`Spring`](crate::Spring), [`Joint`](crate::Joint),
+/// [`GravityMass`](crate::GravityMass) or [`BodyId`](crate::BodyId) counts from the next step on.
+/// Forces of this step are to be added before [`SolveContacts`](StepPhase::SolveContacts); after
+/// it, bodies with contacts or joints take no more. Phases that are left when it is dropped run
+/// then, unless a panic drops it. One that is cut off by a panic or leaked leaves the world between
+/// two phases: restore a snapshot, or set what forces have added to each [`Wrench`](crate::Wrench)
+/// to zero.
 ///
 /// The bits are those of [`Simulation::step`]; it takes longer, since each phase looks up the
 /// components again.

@@ -34,6 +34,19 @@ pub(crate) struct BlockLdl {
 /// depend on others. Rounding of the state makes such rows contradict each other a little.
 const REGULARIZATION: f64 = if size_of::<Real>() == size_of::<f64>() { 1e-9 } else { 1e-7 };
 
+/// Calls a kernel with the sizes of its blocks: for those of balls, hinges and welds with
+/// constants, so that its loops are unrolled.
+macro_rules! sized {
+    ($kernel:ident($($argument:expr),*; $sizes:expr)) => {
+        match $sizes {
+            [3, 3] => $kernel($($argument,)* [3, 3]),
+            [5, 5] => $kernel($($argument,)* [5, 5]),
+            [6, 6] => $kernel($($argument,)* [6, 6]),
+            sizes => $kernel($($argument,)* sizes),
+        }
+    };
+}
+
 impl BlockLdl {
     /// Of nodes with these numbers of rows.
     pub(crate) fn new(elimination: Elimination, sizes: Vec<usize>) -> Self {
@@ -59,6 +72,7 @@ impl BlockLdl {
         it.diagonal = vec![0.0; last(&diagonal_starts)];
         it.blocks = vec![0.0; last(&block_starts)];
         it.weights = it.blocks.clone();
+        it.raised = Vec::with_capacity(last(&starts));
         Self { starts, diagonal_starts, block_starts, targets, ..it }
     }
 
@@ -98,24 +112,34 @@ impl BlockLdl {
         for row in 0..sizes.len() {
             let n = sizes[row];
             let pivot = &mut diagonal[diagonal_starts[row]..diagonal_starts[row + 1]];
-            self.has_dependent_rows |= invert(pivot, &self.raised[self.starts[row]..], n);
+            self.has_dependent_rows |= invert_sized(pivot, &self.raised[self.starts[row]..], n);
             let range = elimination.blocks_of(row);
             for block in range.clone() {
                 let column = elimination.columns[block] as usize;
                 let m = sizes[column];
                 let pivot = &diagonal[diagonal_starts[row]..diagonal_starts[row + 1]];
                 let whole = block_starts[block]..block_starts[block + 1];
-                product(pivot, &blocks[whole.clone()], &mut weights[whole.clone()], [n, m]);
+                sized!(product(pivot, &blocks[whole.clone()], &mut weights[whole.clone()]; [n, m]));
                 for before in range.start..block {
                     let Some(&target) = target.next() else { return };
                     let k = sizes[elimination.columns[before] as usize];
                     let [first, at] = [before, target as usize].map(|it| block_starts[it]..block_starts[it + 1]);
                     // The target belongs to a later row than both factors.
                     let (left, right) = blocks.split_at_mut(at.start);
-                    subtract_transposed(&left[first], &weights[whole.clone()], &mut right[..k * m], [n, k, m]);
+                    let (left, right) = (&left[first], &mut right[..k * m]);
+                    if n == k {
+                        sized!(subtract_transposed_square(left, &weights[whole.clone()], right; [n, m]));
+                    } else {
+                        subtract_transposed(left, &weights[whole.clone()], right, [n, k, m]);
+                    }
                 }
                 let at = diagonal_starts[column]..diagonal_starts[column + 1];
-                subtract_transposed(&blocks[whole.clone()], &weights[whole], &mut diagonal[at], [n, m, m]);
+                let (of_row, weight, at) = (&blocks[whole.clone()], &weights[whole], &mut diagonal[at]);
+                if n == m {
+                    sized!(subtract_transposed_square(of_row, weight, at; [n, m]));
+                } else {
+                    subtract_transposed(of_row, weight, at, [n, m, m]);
+                }
             }
         }
     }
@@ -129,31 +153,22 @@ impl BlockLdl {
             let here = &before[starts[row]..];
             for block in elimination.blocks_of(row) {
                 let column = elimination.columns[block] as usize;
-                let (weight, m) = (&weights[block_starts[block]..], sizes[column]);
-                let there = &mut after[starts[column] - starts[row + 1]..][..m];
-                for i in 0..n {
-                    for (to, w) in there.iter_mut().zip(&weight[i * m..(i + 1) * m]) {
-                        *to -= w * here[i];
-                    }
-                }
+                let there = &mut after[starts[column] - starts[row + 1]..];
+                sized!(forward(&weights[block_starts[block]..], here, there; [n, sizes[column]]));
             }
         }
         for row in (0..sizes.len()).rev() {
             let n = sizes[row];
             let (before, after) = x.split_at_mut(starts[row + 1]);
             let here = &mut before[starts[row]..];
-            let pivot = &diagonal[diagonal_starts[row]..];
             let mut y = [0.0; MAX_ROWS];
-            for i in 0..n {
-                y[i] = pivot[i * n..(i + 1) * n].iter().zip(&*here).map(|(d, x)| d * x).sum();
-            }
+            // The inverse counts the other way round.
+            sized!(backward(&diagonal[diagonal_starts[row]..], here, &mut y; [n, n]));
+            y.iter_mut().for_each(|y| *y = -*y);
             for block in elimination.blocks_of(row) {
                 let column = elimination.columns[block] as usize;
-                let (weight, m) = (&weights[block_starts[block]..], sizes[column]);
-                let there = &after[starts[column] - starts[row + 1]..][..m];
-                for i in 0..n {
-                    y[i] -= weight[i * m..(i + 1) * m].iter().zip(there).map(|(w, x)| w * x).sum::<f64>();
-                }
+                let there = &after[starts[column] - starts[row + 1]..];
+                sized!(backward(&weights[block_starts[block]..], there, &mut y; [n, sizes[column]]));
             }
             here.copy_from_slice(&y[..n]);
         }
@@ -177,26 +192,71 @@ fn last(ends: &[usize]) -> usize {
     ends.last().copied().unwrap_or(0)
 }
 
-/// The product of an `n x n` and an `n x m` matrix.
+/// `c = a b`, with `a` of `n x n` and `b` of `n x m` numbers.
+#[inline(always)]
 fn product(a: &[f64], b: &[f64], c: &mut [f64], [n, m]: [usize; 2]) {
+    let (a, b, c) = (&a[..n * n], &b[..n * m], &mut c[..n * m]);
     for i in 0..n {
-        let row = &mut c[i * m..(i + 1) * m];
-        row.fill(0.0);
-        for k in 0..n {
-            let factor = a[i * n + k];
-            row.iter_mut().zip(&b[k * m..(k + 1) * m]).for_each(|(c, b)| *c += factor * b);
+        for j in 0..m {
+            let mut sum = a[i * n] * b[j];
+            for k in 1..n {
+                sum += a[i * n + k] * b[k * m + j];
+            }
+            c[i * m + j] = sum;
         }
     }
 }
 
+/// `c -= a^T b`, with `a` of `n x n` and `b` of `n x m` numbers.
+#[inline(always)]
+fn subtract_transposed_square(a: &[f64], b: &[f64], c: &mut [f64], [n, m]: [usize; 2]) {
+    subtract_transposed(a, b, c, [n, n, m]);
+}
+
 /// `c -= a^T b`, with `a` of `n x k` and `b` of `n x m` numbers.
+#[inline(always)]
 fn subtract_transposed(a: &[f64], b: &[f64], c: &mut [f64], [n, k, m]: [usize; 3]) {
-    for r in 0..n {
-        for i in 0..k {
-            let factor = a[r * k + i];
-            let row = &mut c[i * m..(i + 1) * m];
-            row.iter_mut().zip(&b[r * m..(r + 1) * m]).for_each(|(c, b)| *c -= factor * b);
+    let (a, b, c) = (&a[..n * k], &b[..n * m], &mut c[..k * m]);
+    for i in 0..k {
+        for j in 0..m {
+            let mut sum = c[i * m + j];
+            for r in 0..n {
+                sum -= a[r * k + i] * b[r * m + j];
+            }
+            c[i * m + j] = sum;
         }
+    }
+}
+
+/// `y -= w^T x`, with `w` of `n x m` numbers.
+#[inline(always)]
+fn forward(w: &[f64], x: &[f64], y: &mut [f64], [n, m]: [usize; 2]) {
+    let (w, x, y) = (&w[..n * m], &x[..n], &mut y[..m]);
+    for i in 0..n {
+        for j in 0..m {
+            y[j] -= w[i * m + j] * x[i];
+        }
+    }
+}
+
+/// `y -= w x`, with `w` of `n x m` numbers.
+#[inline(always)]
+fn backward(w: &[f64], x: &[f64], y: &mut [f64], [n, m]: [usize; 2]) {
+    let (w, x, y) = (&w[..n * m], &x[..m], &mut y[..n]);
+    for i in 0..n {
+        for j in 0..m {
+            y[i] -= w[i * m + j] * x[j];
+        }
+    }
+}
+
+/// Inverts a block on the diagonal, as [`invert`].
+fn invert_sized(a: &mut [f64], raised: &[f64], n: usize) -> bool {
+    match n {
+        3 => invert(a, raised, 3),
+        5 => invert(a, raised, 5),
+        6 => invert(a, raised, 6),
+        n => invert(a, raised, n),
     }
 }
 
@@ -206,7 +266,9 @@ const DEPENDENT: f64 = 30.0;
 /// Inverts a symmetric positive matrix in its place, of which the diagonal was raised. A row
 /// without response, as of bodies that do not turn, gets none. Returns whether a row depends on
 /// others.
+#[inline(always)]
 fn invert(a: &mut [f64], raised: &[f64], n: usize) -> bool {
+    let (a, raised) = (&mut a[..n * n], &raised[..n]);
     let mut is_dependent = false;
     // L below the diagonal, and 1/D.
     let mut inverse_pivots = [0.0; MAX_ROWS];

@@ -76,8 +76,22 @@ impl JointRows {
         let [a, b] = self.bodies.map(|body| &bodies[body]);
         let arms = [a.orientation.rotate(self.anchors[0].position), b.orientation.rotate(self.anchors[1].position)];
         let gap = (b.center - a.center) + (b.translation - a.translation) + (arms[1] - arms[0]);
+        if self.is_ball() {
+            let none = [Vec3::zero(); 3];
+            return Stance { anchor_arms: arms, gap, orientations: [a.orientation, b.orientation], axes: [none; 2] };
+        }
+        self.turned_stance(bodies, arms, gap)
+    }
+
+    /// Whether its rows do not depend on how its frames are turned.
+    fn is_ball(&self) -> bool {
+        self.free == Axes::ANGULAR
+    }
+
+    fn turned_stance(&self, bodies: &[MechanismBody], anchor_arms: [Vec3<f64>; 2], gap: Vec3<f64>) -> Stance {
+        let [a, b] = self.bodies.map(|body| &bodies[body]);
         let orientations = [a.orientation * self.anchors[0].orientation, b.orientation * self.anchors[1].orientation];
-        Stance { anchor_arms: arms, gap, orientations, axes: orientations.map(Quat::axes) }
+        Stance { anchor_arms, gap, orientations, axes: orientations.map(Quat::axes) }
     }
 
     /// How many rows push along a line; they are the first.
@@ -90,18 +104,18 @@ impl JointRows {
         let stance = self.stance(bodies);
         let [a, b] = stance.axes;
         let zero = Vec3::zero();
-        (self.linear, self.angular) = ([zero; MAX_ROWS], [zero; MAX_ROWS]);
         let mut row = 0;
         let mut locked_gap = zero;
         for axis in (0..3).filter(|axis| !self.free.has(*axis)) {
             let along = linear_axis(self.free, axis, &a);
-            self.linear[row] = along;
+            (self.linear[row], self.angular[row]) = (along, zero);
             locked_gap = locked_gap + along * along.dot(stance.gap);
             row += 1;
         }
         let half = locked_gap * 0.5;
         self.arms = [stance.anchor_arms[0] + stance.gap - half, stance.anchor_arms[1] - half];
         self.from_anchor = half * -1.0;
+        self.linear[row..self.count].fill(zero);
         match self.rotations() {
             Rotations::Locked => self.angular[row..row + 3].copy_from_slice(&a),
             Rotations::About(k) => {
@@ -200,7 +214,8 @@ impl JointRows {
     /// Where the second frame is against the first, along the axes of the first, and how fast it
     /// moves: translation \[m\], rotation vector \[rad\].
     pub(crate) fn values_and_speeds(&self, bodies: &[MechanismBody]) -> [[f64; 6]; 2] {
-        let Stance { gap, orientations, axes: [axes, _], anchor_arms } = self.stance(bodies);
+        let Stance { gap, anchor_arms, .. } = self.stance(bodies);
+        let Stance { orientations, axes: [axes, _], .. } = self.turned_stance(bodies, anchor_arms, gap);
         let q = orientations[0].conjugate() * orientations[1];
         let turn = tumble_math::to_scaled_axis(q.into());
         let [a, b] = self.bodies.map(|body| &bodies[body]);

@@ -188,7 +188,7 @@ impl MechanismBody {
         }
     }
 
-    /// The same before the body moves, where the load has grown so much that the inertia that it
+    /// The same before the body moves, where the load has grown beyond what the inertia that it
     /// has would not do for this substep. Returns whether it has.
     pub(crate) fn take_sudden_load(&mut self, impulse_times_arm: f64, h: f64) -> bool {
         let load = h * impulse_times_arm / MAX_SQUARED_ANGLE;

@@ -86,6 +86,9 @@ impl MechanismSolver {
             impulses: vec![0.0; matrix.len()],
             right: vec![0.0; matrix.len()],
             pulls: vec![0.0; moves.len()],
+            bodies: Vec::with_capacity(moves.len()),
+            places: Vec::with_capacity(moves.len()),
+            velocities: vec![[Vec3::zero(); 2]; moves.len()],
             joints: ordered,
             matrix,
             couplings,
@@ -234,8 +237,7 @@ impl MechanismSolver {
     /// Puts the speeds that impulses give to rows in the place of these.
     fn set_speeds_of_impulses(&mut self) {
         let Self { joints, bodies, matrix, right, velocities, .. } = self;
-        velocities.clear();
-        velocities.resize(bodies.len(), [Vec3::zero(); 2]);
+        velocities.fill([Vec3::zero(); 2]);
         for (number, joint) in joints.iter().enumerate() {
             let [impulse, angular] = joint.impulse(&right[matrix.starts[number]..][..joint.count]);
             for end in 0..2 {

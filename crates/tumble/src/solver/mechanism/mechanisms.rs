@@ -37,6 +37,8 @@ pub(crate) struct Mechanisms {
     /// By number in the list.
     values_and_speeds: Vec<[[f64; 6]; 2]>,
     islands: Islands,
+    /// By slot, whether a contact acts on the body.
+    is_touched: Vec<bool>,
 }
 
 /// Bodies that hang together.
@@ -117,11 +119,13 @@ impl Mechanisms {
             self.structure = links.collect();
             self.arrange(body_index.len());
         }
-        let mut is_touched = vec![false; body_index.len()];
+        let is_touched = &mut self.is_touched;
+        is_touched.clear();
+        is_touched.resize(body_index.len(), false);
         for slot in contacts.records.iter().flat_map(|contact| contact.slots).filter(moves) {
             is_touched[slot.index()] = true;
         }
-        let Self { list, loads, mechanisms, active, .. } = self;
+        let Self { list, loads, mechanisms, active, is_touched, .. } = self;
         for mechanism in mechanisms {
             mechanism.is_touched = mechanism.slots.iter().any(|slot| is_touched[slot.index()]);
             mechanism.solver.bodies.clear();
