@@ -2,3 +2,4 @@
 
 pub(crate) mod force;
 pub(crate) mod scene_body;
+pub(crate) mod scene_joint;

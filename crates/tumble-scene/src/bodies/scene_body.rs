@@ -3,9 +3,10 @@
 use glam::DVec3;
 use hecs::{Entity, EntityBuilder, World};
 use tumble::{Body, Collider};
-use tumble_import::{Appearance, ImportedBody, ImportedCollider};
+use tumble_import::{Appearance, FieldError, ImportedBody, ImportedCollider};
 
 use crate::bodies::force::Force;
+use crate::bodies::scene_joint::SceneJoint;
 
 /// A checked body, what it looks like, and its checked forces.
 #[derive(Clone, Debug)]
@@ -29,9 +30,16 @@ impl From<ImportedBody> for SceneBody {
 }
 
 impl SceneBody {
-    /// Spawns bodies and then the springs between them. A spring finds the other body by its index
+    /// Spawns bodies and then the springs and joints between them, which find bodies by their index
     /// among them.
-    pub(crate) fn spawn_all<'a>(bodies: impl IntoIterator<Item = &'a Self>, world: &mut World) {
+    ///
+    /// # Errors
+    /// [`FieldError`] where a joint cannot be made.
+    pub(crate) fn spawn_all<'a>(
+        bodies: impl IntoIterator<Item = &'a Self>,
+        joints: &[SceneJoint],
+        world: &mut World,
+    ) -> Result<(), FieldError> {
         let spawned: Vec<(Entity, &Self)> = bodies.into_iter().map(|body| (body.spawn(world), body)).collect();
         for (entity, body) in &spawned {
             let springs = body.forces.iter().filter(|force| matches!(force, Force::Spring { .. }));
@@ -42,6 +50,11 @@ impl SceneBody {
                 }
             }
         }
+        let entities: Vec<Entity> = spawned.iter().map(|(entity, _)| *entity).collect();
+        for (index, joint) in joints.iter().enumerate() {
+            joint.spawn(&entities, world).map_err(|error| FieldError::new(format!("joints[{index}]"), error))?;
+        }
+        Ok(())
     }
 
     fn spawn(&self, world: &mut World) -> Entity {

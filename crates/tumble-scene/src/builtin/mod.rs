@@ -12,8 +12,9 @@ use crate::model::scene_model::SceneModel;
 pub(crate) const STRESS: &str = "stress";
 
 /// Scenes, each with the source of its figures in the file.
-const FILES: [(&str, &str); 11] = [
+const FILES: [(&str, &str); 12] = [
     ("drake-cylinder", include_str!("../../scenes/drake-cylinder.json")),
+    ("heavy-chain", include_str!("../../scenes/heavy-chain.json")),
     ("iss", include_str!("../../scenes/iss.json")),
     ("mujoco-box", include_str!("../../scenes/mujoco-box.json")),
     ("raft", include_str!("../../scenes/raft.json")),
@@ -66,7 +67,7 @@ mod tests {
     #[test]
     fn the_names_are_sorted_and_complete() {
         let names: Vec<_> = builtin_names().collect();
-        let known = "bowling cradle dominoes drake-cylinder drum hills iss mujoco-box pile pyramid raft satellite \
+        let known = "bowling cradle dominoes drake-cylinder drum heavy-chain hills iss mujoco-box pile pyramid raft satellite \
                      skater solar-system spheres stress t-handle van-zon-top wall weighted-sphere windy-day";
         assert_eq!(names.join(" "), known);
     }

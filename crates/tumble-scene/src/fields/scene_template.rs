@@ -7,6 +7,7 @@ use tumble::math::Real;
 use tumble_import::{FieldError, one_line, read_text};
 
 use crate::bodies::scene_body::SceneBody;
+use crate::bodies::scene_joint::SceneJoint;
 use crate::builtin::contact_scenes;
 use crate::error::SceneError;
 use crate::fields::field_path::FieldPath;
@@ -76,6 +77,7 @@ pub struct SceneTemplate {
     pub(crate) overrides: RunOverrides,
     pub(crate) model: SceneModel,
     pub(crate) bodies: Vec<SceneBody>,
+    pub(crate) joints: Vec<SceneJoint>,
     hash: u64,
     files: Vec<PathBuf>,
 }
@@ -93,7 +95,8 @@ impl SceneTemplate {
         let hash = text_hash ^ model.meshes_hash;
         let own_file = is_path(name_or_path).then(|| PathBuf::from(name_or_path));
         let files = own_file.into_iter().chain(std::mem::take(&mut model.files)).collect();
-        Ok(Self { origin: name_or_path.to_owned(), overrides, model, bodies: scene.into_bodies(), hash, files })
+        let (bodies, joints) = scene.into_bodies();
+        Ok(Self { origin: name_or_path.to_owned(), overrides, model, bodies, joints, hash, files })
     }
 
     /// The field of that path. Whether the scene has the number is found by

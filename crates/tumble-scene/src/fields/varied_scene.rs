@@ -7,6 +7,7 @@ use tumble::{Settings, SettingsError, Trial};
 use tumble_import::FieldError;
 
 use crate::bodies::scene_body::SceneBody;
+use crate::bodies::scene_joint::SceneJoint;
 use crate::convert;
 use crate::convert::forces::Others;
 use crate::error::{SceneError, invalid};
@@ -39,6 +40,7 @@ pub struct VariedScene {
     /// The scene without its bodies.
     head: SceneModel,
     bodies: Vec<SceneBody>,
+    joints: Vec<SceneJoint>,
     /// The bodies in which something varies, and those with a spring whose length that changes.
     varied_bodies: BTreeMap<usize, BodyModel>,
     /// The other bodies to which springs of those lead.
@@ -67,7 +69,7 @@ pub struct VariedWorld {
 
 impl VariedScene {
     pub(crate) fn new(template: SceneTemplate, fields: Vec<FieldPath>) -> Self {
-        let SceneTemplate { origin, overrides, model, bodies, .. } = template;
+        let SceneTemplate { origin, overrides, model, bodies, joints, .. } = template;
         let by_name = convert::indices(&model.bodies);
         let (varied_bodies, neighbours) = varied_bodies(&fields, &model.bodies, &by_name);
         let head = SceneModel {
@@ -80,7 +82,7 @@ impl VariedScene {
             restitution_threshold: model.restitution_threshold,
             ..SceneModel::default()
         };
-        Self { origin, overrides, head, bodies, varied_bodies, neighbours, by_name, fields }
+        Self { origin, overrides, head, bodies, joints, varied_bodies, neighbours, by_name, fields }
     }
 
     /// What differs between worlds.
@@ -115,7 +117,7 @@ impl VariedScene {
         }
         let mut world = World::new();
         let bodies = self.bodies.iter().enumerate().map(|(index, body)| remade.get(&index).unwrap_or(body));
-        SceneBody::spawn_all(bodies, &mut world);
+        SceneBody::spawn_all(bodies, &self.joints, &mut world).map_err(|error| invalid(file, None, error))?;
         let refused = |error: SettingsError| invalid(file, None, FieldError::new(error.field(), error));
         let trial = Trial::new(settings, world).map_err(refused)?;
         Ok(VariedWorld { trial, steps })

@@ -11,6 +11,7 @@ use tumble_import::{MAX_HULL_POINTS, MAX_PARTS};
 use crate::limits::{MAX_BODIES, MAX_HEIGHTS};
 use crate::model::collider_model::ColliderModel;
 use crate::model::force_model::ForceModel;
+use crate::model::joint_model::JointModel;
 use crate::model::mesh_shape::Made;
 use crate::values::tuple::{List, Quadruple, Triple, Tuple};
 
@@ -30,6 +31,8 @@ pub(crate) struct SceneModel {
     pub(crate) restitution_threshold: Option<f64>,
     #[serde(default, deserialize_with = "bodies")]
     pub(crate) bodies: Vec<BodyModel>,
+    #[serde(default, deserialize_with = "joints")]
+    pub(crate) joints: Vec<JointModel>,
     /// What is to be told of the meshes.
     #[serde(skip)]
     pub(crate) notices: Vec<String>,
@@ -195,6 +198,10 @@ fn groups<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Vec<u32>, D::Err
 
 fn bodies<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Vec<BodyModel>, D::Error> {
     deserializer.deserialize_seq(List { exactly: None, at_most: MAX_BODIES, noun: "bodies", of: PhantomData })
+}
+
+fn joints<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Vec<JointModel>, D::Error> {
+    deserializer.deserialize_seq(List { exactly: None, at_most: MAX_BODIES, noun: "joints", of: PhantomData })
 }
 
 fn parts<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Vec<PartModel>, D::Error> {

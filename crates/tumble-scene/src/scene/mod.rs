@@ -14,6 +14,7 @@ use tumble_import::{
 };
 
 use crate::bodies::scene_body::SceneBody;
+use crate::bodies::scene_joint::SceneJoint;
 use crate::builtin::stress::StressBodies;
 use crate::builtin::{builtin_names, contact_scenes, stress};
 use crate::convert::forces::Others;
@@ -69,7 +70,7 @@ pub struct Scene {
 
 #[derive(Clone, Debug)]
 enum Bodies {
-    Listed { bodies: Vec<SceneBody>, names: Vec<String> },
+    Listed { bodies: Vec<SceneBody>, joints: Vec<SceneJoint>, names: Vec<String> },
     Stress { count: usize, seed: u64 },
 }
 
@@ -203,7 +204,7 @@ impl Scene {
             notices,
             left_out: Vec::new(),
             files: Vec::new(),
-            bodies: Bodies::Listed { bodies, names },
+            bodies: Bodies::Listed { bodies, joints: Vec::new(), names },
         })
     }
 
@@ -294,8 +295,8 @@ impl Scene {
     /// deny.
     pub fn spawn(self, world: &mut World) -> Result<BodyNames, SceneError> {
         match self.bodies {
-            Bodies::Listed { bodies, names } => {
-                SceneBody::spawn_all(&bodies, world);
+            Bodies::Listed { bodies, joints, names } => {
+                SceneBody::spawn_all(&bodies, &joints, world).map_err(|error| invalid(&self.origin, None, error))?;
                 Ok(BodyNames { given: Some(names) })
             }
             Bodies::Stress { count, seed } => {
@@ -340,7 +341,7 @@ impl Scene {
             notices,
             left_out,
             files: scene.files,
-            bodies: Bodies::Listed { bodies, names },
+            bodies: Bodies::Listed { bodies, joints: Vec::new(), names },
         })
     }
 
@@ -354,11 +355,11 @@ impl Scene {
         bodies.iter().enumerate().flat_map(|(index, body)| body.pieces.iter().map(move |collider| (index, collider)))
     }
 
-    /// The bodies of a scene that lists them.
-    pub(crate) fn into_bodies(self) -> Vec<SceneBody> {
+    /// The bodies and joints of a scene that lists them.
+    pub(crate) fn into_bodies(self) -> (Vec<SceneBody>, Vec<SceneJoint>) {
         match self.bodies {
-            Bodies::Listed { bodies, .. } => bodies,
-            Bodies::Stress { .. } => Vec::new(),
+            Bodies::Listed { bodies, joints, .. } => (bodies, joints),
+            Bodies::Stress { .. } => (Vec::new(), Vec::new()),
         }
     }
 
@@ -386,6 +387,7 @@ impl Scene {
         if let Some((index, error)) = duplicates(&names).into_iter().next() {
             return Err(invalid(file, Some((index, names.get(index).cloned())), error));
         }
+        let joints = convert::joints::joints(&model.joints, &names).map_err(|error| invalid(file, None, error))?;
         Ok(Self {
             origin: file.to_owned(),
             name: model.name.clone(),
@@ -396,7 +398,7 @@ impl Scene {
             notices: model.notices.clone(),
             left_out: Vec::new(),
             files: model.files.clone(),
-            bodies: Bodies::Listed { bodies, names },
+            bodies: Bodies::Listed { bodies, joints, names },
         })
     }
 }

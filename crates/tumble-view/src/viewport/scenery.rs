@@ -1,7 +1,8 @@
-//! Lines of what stands around the bodies: grounds, springs and trails.
+//! Lines of what stands around the bodies: grounds, springs, joints and trails.
 
 use tumble::glam::DVec3;
-use tumble::{DebugView, Spring, SpringToPoint};
+use tumble::math::Real;
+use tumble::{DebugView, Joint, Spring, SpringToPoint};
 
 use crate::bodies::Placed;
 use crate::framing::{Frame, Grid};
@@ -14,9 +15,11 @@ use crate::viewport::Viewport;
 const TRAIL: f32 = 1.6;
 /// Width of a spring \[points\].
 const SPRING: f32 = 1.4;
+/// Length of the free axes of a joint, as a part of the radius of the scene.
+const JOINT_AXES: f64 = 0.04;
 
 impl Viewport {
-    /// What bodies hide: the grid, springs and trails.
+    /// What bodies hide: the grid, springs, joints and trails.
     pub(super) fn scenery(&self, places: &[Placed]) -> Vec<Line> {
         let mut lines = Vec::new();
         if self.layers.has(Layer::Grid) {
@@ -49,11 +52,13 @@ impl Viewport {
     pub(super) fn springs(&self, lines: &mut Vec<Line>) {
         let world = &self.playback.world;
         // Not to go through ten thousand bodies for nothing.
-        let there_are =
-            world.query::<&Spring>().iter().next().is_some() || world.query::<&SpringToPoint>().iter().next().is_some();
+        let there_are = world.query::<&Spring>().iter().next().is_some()
+            || world.query::<&SpringToPoint>().iter().next().is_some()
+            || world.query::<&Joint>().iter().next().is_some();
         if there_are {
             let mut marks = Marks::default();
-            let view = DebugView { springs: true, alpha: self.playback.alpha(), ..DebugView::nothing() };
+            let joints = Some((JOINT_AXES * self.start.radius) as Real);
+            let view = DebugView { springs: true, joints, alpha: self.playback.alpha(), ..DebugView::nothing() };
             view.draw(world, &mut marks);
             lines.extend(marks.lines.into_iter().map(|line| Line { width: SPRING, ..line }));
         }

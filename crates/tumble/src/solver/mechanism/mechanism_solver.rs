@@ -8,7 +8,7 @@ use crate::solver::mechanism::joint_rows::{JointRows, length};
 use crate::solver::mechanism::mechanism_body::{MechanismBody, Place};
 
 /// Bodies that hang together, their joints, and the matrix of these.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug)]
 pub(crate) struct MechanismSolver {
     pub(crate) bodies: Vec<MechanismBody>,
     /// In the order of elimination.
@@ -92,7 +92,6 @@ impl MechanismSolver {
             joints: ordered,
             matrix,
             couplings,
-            ..Self::default()
         };
         (it, order)
     }

@@ -1,0 +1,27 @@
+//! A joint of a scene.
+
+use hecs::{Entity, World};
+use tumble::math::Vec3;
+use tumble::{Joint, JointError, JointLoad};
+
+/// A checked joint between two bodies of a scene, by their indices.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct SceneJoint {
+    pub(crate) bodies: [usize; 2],
+    /// The constructor of its kind.
+    pub(crate) kind: fn(Entity, Entity) -> Joint,
+    /// Point of the world \[m\].
+    pub(crate) at: Vec3,
+    pub(crate) axis: Vec3,
+    pub(crate) contacts: bool,
+}
+
+impl SceneJoint {
+    /// Spawns the joint between bodies as they are.
+    pub(crate) fn spawn(&self, bodies: &[Entity], world: &mut World) -> Result<(), JointError> {
+        let [Some(a), Some(b)] = self.bodies.map(|index| bodies.get(index)) else { return Ok(()) };
+        let joint = (self.kind)(*a, *b).at(world, self.at, self.axis)?;
+        world.spawn((if self.contacts { joint.with_contacts() } else { joint }, JointLoad::default()));
+        Ok(())
+    }
+}

@@ -1,0 +1,142 @@
+//! Joints of a scene from their models.
+
+use std::collections::HashMap;
+
+use hecs::Entity;
+use tumble::Joint;
+use tumble_import::FieldError;
+use tumble_import::checked::{check_name, real_vector};
+
+use crate::bodies::scene_joint::SceneJoint;
+use crate::model::joint_model::{JointModel, JointPlaceModel};
+use crate::values::checked::finite_triple;
+
+/// How far from the origin a joint can be \[m\].
+const MAX_DISTANCE: f64 = 1e9;
+
+/// Makes a joint between two bodies.
+type Constructor = fn(Entity, Entity) -> Joint;
+
+/// The joints between bodies of these names, in the order of the names.
+pub(crate) fn joints(models: &[JointModel], names: &[String]) -> Result<Vec<SceneJoint>, FieldError> {
+    if models.is_empty() {
+        return Ok(Vec::new());
+    }
+    let by_name: HashMap<&str, usize> = names.iter().enumerate().map(|(index, name)| (name.as_str(), index)).collect();
+    let inside = |index: usize| move |error: FieldError| error.inside(&format!("joints[{index}]"));
+    models.iter().enumerate().map(|(index, model)| joint(model, &by_name).map_err(inside(index))).collect()
+}
+
+fn joint(model: &JointModel, by_name: &HashMap<&str, usize>) -> Result<SceneJoint, FieldError> {
+    if let Some(name) = &model.name {
+        check_name(name)?;
+    }
+    let Some(between) = &model.between else {
+        return Err(FieldError::new("between", "is missing: give the names of two bodies"));
+    };
+    let body = |name: &String| {
+        let unknown = || FieldError::new("between", format!("no body is called {name:?}"));
+        by_name.get(name.as_str()).copied().ok_or_else(unknown)
+    };
+    let bodies = [body(&between.0[0])?, body(&between.0[1])?];
+    if bodies[0] == bodies[1] {
+        return Err(FieldError::new("between", "names one body twice"));
+    }
+    let (name, kind, place) = kind(model)?;
+    let (at, axis) = place_of(name, place).map_err(|error| error.inside(name))?;
+    Ok(SceneJoint { bodies, kind, at: real_vector(at), axis: real_vector(axis), contacts: model.contacts })
+}
+
+/// The one kind that is given, with its name.
+fn kind(model: &JointModel) -> Result<(&'static str, Constructor, &JointPlaceModel), FieldError> {
+    let kinds: [(&str, Constructor, &Option<JointPlaceModel>); 7] = [
+        ("ball", Joint::ball, &model.ball),
+        ("hinge", Joint::hinge, &model.hinge),
+        ("slider", Joint::slider, &model.slider),
+        ("cylinder", Joint::cylinder, &model.cylinder),
+        ("universal", Joint::universal, &model.universal),
+        ("planar", Joint::planar, &model.planar),
+        ("fixed", Joint::fixed, &model.fixed),
+    ];
+    let mut given = kinds.into_iter().filter_map(|(name, kind, place)| Some((name, kind, place.as_ref()?)));
+    match (given.next(), given.next()) {
+        (Some(one), None) => Ok(one),
+        (Some((first, ..)), Some((second, ..))) => {
+            Err(FieldError::new(second, format!("{first} is given too: a joint is of one kind")))
+        }
+        (None, _) => {
+            let names = kinds.map(|(name, ..)| name).join(", ");
+            Err(FieldError::new("kind", format!("is missing: give one of {names}")))
+        }
+    }
+}
+
+/// Where a joint of a kind is \[m\], and along which axis its frames are.
+fn place_of(kind: &str, place: &JointPlaceModel) -> Result<(glam::DVec3, glam::DVec3), FieldError> {
+    let Some(at) = &place.at else {
+        return Err(FieldError::new("at", "is missing: give a point of the world"));
+    };
+    let at = finite_triple("at", at)?;
+    if at.abs().max_element() > MAX_DISTANCE {
+        return Err(FieldError::new("at", format!("is further than {MAX_DISTANCE:e} m from the origin")));
+    }
+    let needs_axis = !matches!(kind, "ball" | "fixed");
+    let axis = match &place.axis {
+        Some(axis) => finite_triple("axis", axis)?,
+        None if needs_axis => return Err(FieldError::new("axis", "is missing: give a direction")),
+        None => glam::DVec3::X,
+    };
+    // Scaled first, since a square may overflow or vanish.
+    match (axis / axis.abs().max_element()).try_normalize() {
+        Some(axis) => Ok((at, axis)),
+        None => Err(FieldError::new("axis", "is zero: give a direction")),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use crate::Scene;
+
+    fn scene(joint: &str) -> Result<hecs::World, String> {
+        let body = |name: &str, x: f64| {
+            format!(
+                r#"{{ "name": "{name}", "shape": {{ "sphere": {{ "radius": 0.1 }} }}, "mass": 1, "position": [{x}, 0, 0] }}"#
+            )
+        };
+        let text = format!(r#"{{ "bodies": [ {}, {} ], "joints": [ {joint} ] }}"#, body("a", 0.0), body("b", 1.0));
+        let mut world = hecs::World::new();
+        let scene = Scene::from_json(&text, "scene.json").map_err(|error| error.to_string())?;
+        scene.spawn(&mut world).map_err(|error| error.to_string())?;
+        Ok(world)
+    }
+
+    #[test]
+    fn every_kind_is_spawned_between_its_bodies() {
+        for kind in ["ball", "hinge", "slider", "cylinder", "universal", "planar", "fixed"] {
+            let text = format!(r#"{{ "between": ["a", "b"], "{kind}": {{ "at": [0.5, 0, 0], "axis": [0, 0, 2] }} }}"#);
+            let world = scene(&text).unwrap();
+            let mut joints = world.query::<&tumble::Joint>();
+            let joint = joints.iter().next().unwrap();
+            assert_eq!(joint.frames.map(|frame| frame.position.x), [0.5, -0.5], "{kind}");
+            assert!(!joint.contacts_enabled);
+        }
+    }
+
+    #[test]
+    fn what_is_wrong_with_a_joint_is_named() {
+        for (joint, problem) in [
+            (r#"{ "ball": { "at": [0, 0, 0] } }"#, "joints[0].between: is missing"),
+            (r#"{ "between": ["a", "c"], "ball": { "at": [0, 0, 0] } }"#, "no body is called \"c\""),
+            (r#"{ "between": ["a", "a"], "ball": { "at": [0, 0, 0] } }"#, "names one body twice"),
+            (r#"{ "between": ["a", "b"] }"#, "joints[0].kind: is missing: give one of ball, hinge"),
+            (r#"{ "between": ["a", "b"], "ball": {}, "hinge": {} }"#, "joints[0].hinge: ball is given too"),
+            (r#"{ "between": ["a", "b"], "hinge": { "at": [0, 0, 0] } }"#, "joints[0].hinge.axis: is missing"),
+            (r#"{ "between": ["a", "b"], "hinge": { "axis": [0, 0, 1] } }"#, "joints[0].hinge.at: is missing"),
+            (r#"{ "between": ["a", "b"], "hinge": { "at": [0, 0, 0], "axis": [0, 0, 0] } }"#, "is zero"),
+            (r#"{ "between": ["a", "b"], "ball": { "at": [1e10, 0, 0] } }"#, "further than 1e9 m"),
+        ] {
+            let error = scene(joint).err().unwrap();
+            assert!(error.contains(problem), "{error}");
+        }
+    }
+}
