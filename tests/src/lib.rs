@@ -51,6 +51,9 @@ mod documents {
     #[doc = include_str!("../../docs/joints.md")]
     struct Joints;
 
+    #[doc = include_str!("../../docs/reproducible-runs.md")]
+    struct ReproducibleRuns;
+
     #[doc = include_str!("../../docs/rollback.md")]
     struct Rollback;
 
