@@ -9,7 +9,7 @@ pub mod references;
 mod simulation;
 pub mod touching;
 
-pub use comparison::{DOUBLE, EPSILON, attitude_error, by_precision, dquat, dvec3, energy_of, seconds};
+pub use comparison::{DOUBLE, EPSILON, attitude_error, by_precision, dquat, dvec3, energy_of, largest, seconds};
 pub use draw::Draw;
 pub use free_body::{Elliptic, FreeBody, Sample, Translation};
 pub use instruction_sets::run_on_every_instruction_set;

@@ -9,11 +9,12 @@ mod reference;
 
 use glam::{DAffine3, DMat3, DQuat, DVec3};
 use proptest::prelude::*;
-use reference::{Check, largest, list, matrix};
+use reference::{Check, list, matrix};
 use serde_json::Value;
 use tumble_math::{
     Amount, MassProperties, MeshDefect, MeshError, Shape, SolidMesh, TriangleMesh, change_of_basis, convex_hull,
 };
+use tumble_tests::largest;
 use tumble_tests::meshes::{block, reference_mesh, sphere, torus, without_shared_vertices};
 use tumble_tests::references::{number, parse, vector};
 

@@ -10,11 +10,12 @@ mod reference;
 use std::f64::consts::{PI, TAU};
 
 use glam::{DMat3, DMat4, DQuat, DVec3, DVec4, EulerRot};
-use reference::{Check, largest, list, matrix};
+use reference::{Check, list, matrix};
 use tumble_math::{
     angle_between, from_scaled_axis, left_multiplication_matrix, quat_from_matrix, right_multiplication_matrix,
     to_axis_angle, to_euler, to_scaled_axis,
 };
+use tumble_tests::largest;
 use tumble_tests::references::{number, parse, quaternion, vector};
 
 /// Absolute errors: elements of rotations are at most one.

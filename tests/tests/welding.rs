@@ -10,14 +10,14 @@ mod reference;
 use glam::{DMat3, DQuat, DVec3};
 use hecs::{Entity, World};
 use proptest::prelude::*;
-use reference::{Check, largest, list, matrix};
+use reference::{Check, list, matrix};
 use tumble::math::{Quat, Real, Vec3};
 use tumble::{
     BodyId, CenterOfMass, Damping, GravityScale, Momentum, Pose, RigidBody, Velocity, WeldError, Wrench, weld,
 };
 use tumble_math::{Amount, InertiaTensor, MassProperties, MovingBody, Part, Shape, quat_from_matrix};
 use tumble_tests::references::{number, parse, vector};
-use tumble_tests::{EPSILON, dquat, dvec3, run, weightless};
+use tumble_tests::{EPSILON, dquat, dvec3, largest, run, weightless};
 
 fn kinetic_energy(p: &MassProperties, v: DVec3, w: DVec3) -> f64 {
     0.5 * (p.mass() * v.length_squared() + w.dot(p.tensor_about_center() * w))
