@@ -248,7 +248,7 @@ fn the_systems_one_by_one_are_the_step() {
         let mut simulation = Simulation::new(settings).unwrap();
         for _ in 0..50 {
             simulation.step(&mut together);
-            accumulate_forces(&mut apart, &settings);
+            accumulate_forces(&mut apart, settings.gravity);
             integrate(&mut apart, &settings);
             update_derived(&mut apart);
         }

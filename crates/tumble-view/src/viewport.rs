@@ -284,8 +284,8 @@ impl Viewport {
             view.draw(world, &mut marks);
         };
         if layers.has(Layer::Forces) {
-            let settings = *self.playback.simulation.settings();
-            arrows::with_forces(&mut self.playback.world, &settings, draw);
+            let gravity = self.playback.simulation.settings().gravity;
+            arrows::with_forces(&mut self.playback.world, gravity, draw);
         } else {
             draw(&self.playback.world);
         }

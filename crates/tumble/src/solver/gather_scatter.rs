@@ -214,7 +214,7 @@ impl Gather<'_> {
                 free.set_out_of_range(next);
             }
             if let Some(contact_works) = contact_works.as_deref_mut() {
-                contact_works.open((slot, solver_row), (&forces, chunk.gravity_on(i, settings)), &state, h);
+                contact_works.open((slot, solver_row), (&forces, chunk.gravity_on(i, settings.gravity)), &state, h);
             }
         }
     }

@@ -168,8 +168,8 @@ impl<'a> InteractingWorld<'a> {
 
     /// Adds gravity to the wrenches.
     pub(crate) fn accumulate_forces(&mut self) {
-        let settings = self.settings;
-        self.columns.for_each_chunk(|_, bodies| accumulate_forces_of(bodies, settings));
+        let gravity = self.settings.gravity;
+        self.columns.for_each_chunk(|_, bodies| accumulate_forces_of(bodies, gravity));
     }
 
     /// Changes momenta by the forces between bodies, over half of a substep; over all of it in the

@@ -94,7 +94,7 @@ fn steps_here(
             for step in 0..steps {
                 remember_poses_of(bodies);
                 let mut stopwatch = PhaseTimes::start(times);
-                accumulate_forces_of(bodies, settings);
+                accumulate_forces_of(bodies, settings.gravity);
                 stopwatch.end_of(Phase::AccumulateForces);
                 integrate_bodies(bodies, laws, settings, clock.time_after(step), Wrenches::Consumed);
                 stopwatch.end_of(Phase::Integrate);

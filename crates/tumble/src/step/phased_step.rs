@@ -259,11 +259,11 @@ fn run_without_interactions(simulation: &Simulation, world: &mut World, phase: S
     let (settings, laws, time) = (simulation.settings(), simulation.laws(), simulation.time());
     match phase {
         StepPhase::RememberPoses => remember_poses(world),
-        StepPhase::AccumulateForces => accumulate_forces(world, settings),
+        StepPhase::AccumulateForces => accumulate_forces(world, settings.gravity),
         StepPhase::Integrate => for_each_chunk_under(world, laws, |bodies, laws| {
             integrate_bodies(bodies, laws, settings, time, Wrenches::Consumed);
         }),
-        StepPhase::MoveKinematic => move_kinematic_bodies(world, settings),
+        StepPhase::MoveKinematic => move_kinematic_bodies(world, settings.dt),
         StepPhase::UpdateDerived => update_derived(world),
         StepPhase::PairForcesBefore
         | StepPhase::FindContacts
