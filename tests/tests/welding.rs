@@ -123,9 +123,8 @@ proptest! {
         let composite = weld(&world, &entities).unwrap().spawn(&mut world);
         let after = about_origin(&world, composite);
         let sum = before.iter().fold((DVec3::ZERO, DVec3::ZERO, 0.0), |s, b| (s.0 + b.0, s.1 + b.1, s.2 + b.2));
-        // Each component of what comes out is rounded once: half an EPSILON of it. The position is
-        // too, and moves the arm of the momentum. The sums before that are good to 1e-14, as in the
-        // first test.
+        // Each component of the result is rounded once: half an EPSILON. So is the position, which
+        // moves the arm of the momentum. The sums before are good to 1e-14, as in the first test.
         prop_assert!((after.0 - sum.0).length() <= EPSILON * sum.0.length() + 1e-14 * sum.2);
         prop_assert!((after.1 - sum.1).length() <= (EPSILON + 1e-14) * (sum.2 + after.2));
         // The velocity is derived already.
