@@ -357,7 +357,7 @@ impl Viewport {
     }
 }
 
-/// Of the bodies that forces move; the others have no mass, and those that are lost no place \[m\].
+/// Of the dynamic bodies; the others have no mass, and those that are lost no place \[m\].
 fn center_of_mass(playback: &Playback, places: &[Placed]) -> Option<DVec3> {
     let bodies = playback.bodies.all.iter().zip(places).filter(|(_, placed)| placed.center.is_finite());
     let (mass, moment) = bodies.fold((0.0, DVec3::ZERO), |(mass, moment), (body, placed)| {

@@ -60,6 +60,10 @@ pub enum StepPhase {
     UpdateDerived,
 }
 
+impl StepPhase {
+    pub(crate) const COUNT: usize = Self::UpdateDerived as usize + 1;
+}
+
 /// A step that is taken phase by phase: [`Simulation::begin_step`].
 ///
 /// Between two phases the world can be read, and the values of components changed, through
@@ -207,7 +211,7 @@ impl Step<'_> {
         while self.run_phase().is_some() {}
     }
 
-    /// What comes after a phase, and in which substep.
+    /// The phase after a phase; counts the substeps.
     fn after(&mut self, phase: StepPhase) -> Option<StepPhase> {
         Some(match phase {
             StepPhase::RememberPoses => StepPhase::AccumulateForces,

@@ -229,9 +229,9 @@ pub(crate) fn integrate_unconstrained(
         return integrate_bodies(bodies, laws, settings, time, wrenches);
     };
     let slots = &slots[bodies.first_row..][..bodies.len()];
-    let is_free = |row: usize| !constrained.contains(slots[row]);
+    let is_unconstrained = |row: usize| !constrained.contains(slots[row]);
     let rows = if laws.is_empty() { RowOrder::Any } else { RowOrder::OfArchetype };
-    bodies.for_included(rows, is_free, |bodies| integrate_bodies(bodies, laws, settings, time, wrenches));
+    bodies.for_included(rows, is_unconstrained, |bodies| integrate_bodies(bodies, laws, settings, time, wrenches));
     if wrenches == Wrenches::Consumed {
         bodies.wrench.fill(Wrench::default());
     }
