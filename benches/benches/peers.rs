@@ -165,9 +165,8 @@ fn compare(world: &mut World, rapier: &rapier::PhysicsWorld, settings: &Settings
 
         let [x, y, z, w] = body.rotation().to_array().map(Real::from);
         let angle = Quat::from_xyzw(x, y, z, w).angle_between(pose.orientation);
-        // Each substep turns at a rate that is up to dw/dt h/2 off, and |dw/dt| <= |w|^2/sqrt 3 by
-        // the triangle inequality of the moments; the sqrt 3 is left for |w| changing on the way.
-        // glam's angle is good to a thousandth in single precision.
+        // Each substep turns at a rate up to dw/dt h/2 off, |dw/dt| <= |w|^2/sqrt 3 (triangle
+        // inequality); sqrt 3 is for |w| changing. glam's single-precision angle is good to 1e-3.
         let rate = velocity.angular.length();
         let allowed = 0.5 * time * substep * rate * rate + 2e-3;
         assert!(angle <= allowed, "a body is turned {angle} rad from Rapier's, at most {allowed} rad was expected");

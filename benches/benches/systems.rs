@@ -15,7 +15,7 @@ fn systems(criterion: &mut Criterion) {
     let pools = pools();
     let settings = Settings::default();
     let systems: [(&str, System); 3] = [
-        ("accumulate_forces", accumulate_forces),
+        ("accumulate_forces", |world, settings| accumulate_forces(world, settings.gravity)),
         ("integrate", integrate),
         ("update_derived", |world, _| update_derived(world)),
     ];

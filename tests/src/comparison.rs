@@ -1,6 +1,6 @@
 //! How results in the precision of the build are compared with references in double precision.
 
-use glam::DQuat;
+use glam::{DMat3, DQuat};
 use hecs::{Entity, World};
 pub use tumble::math::dvec3;
 use tumble::math::{Quat, Real};
@@ -31,6 +31,11 @@ pub fn seconds(dt: Real) -> f64 {
 pub fn attitude_error(a: DQuat, b: DQuat) -> f64 {
     let between = a.conjugate() * b;
     2.0 * between.xyz().length().atan2(between.w.abs())
+}
+
+/// The largest absolute value of the elements; NaN if there is one.
+pub fn largest(m: DMat3) -> f64 {
+    if m.is_nan() { f64::NAN } else { m.to_cols_array().iter().fold(0.0, |largest: f64, x| largest.max(x.abs())) }
 }
 
 /// Rotational energy \[J\] of one body from its state, `L.w/2`, summed in double precision.

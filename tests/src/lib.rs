@@ -9,7 +9,7 @@ pub mod references;
 mod simulation;
 pub mod touching;
 
-pub use comparison::{DOUBLE, EPSILON, attitude_error, by_precision, dquat, dvec3, energy_of, seconds};
+pub use comparison::{DOUBLE, EPSILON, attitude_error, by_precision, dquat, dvec3, energy_of, largest, seconds};
 pub use draw::Draw;
 pub use free_body::{Elliptic, FreeBody, Sample, Translation};
 pub use instruction_sets::run_on_every_instruction_set;
@@ -50,6 +50,9 @@ mod documents {
 
     #[doc = include_str!("../../docs/joints.md")]
     struct Joints;
+
+    #[doc = include_str!("../../docs/reproducible-runs.md")]
+    struct ReproducibleRuns;
 
     #[doc = include_str!("../../docs/rollback.md")]
     struct Rollback;

@@ -15,7 +15,7 @@ use std::sync::Barrier;
 
 use alloc_tracker::{Allocator, Session};
 use hecs::World;
-use rayon::ThreadPoolBuilder;
+use rayon::{ThreadPool, ThreadPoolBuilder};
 use tumble::{BodyOrder, BodyState, ForceLaw, Integrator, Ledger, Rollback, Settings, Simulation, Wrench};
 use tumble_benches::{mixed_bodies, tumbling_boxes};
 use tumble_tests::Draw;
@@ -67,9 +67,22 @@ fn coupled_bodies() -> World {
     coupled::plain_scene(coupled::Kinds::All)
 }
 
-#[test]
-fn a_step_allocates_nothing() {
-    let session = Session::new();
+/// A thread's first theft makes it known to the others, once in its life; on a busy machine that
+/// may be in a later step than the first.
+fn wake(pool: &ThreadPool) {
+    let all_at_work = Barrier::new(pool.current_num_threads());
+    pool.install(|| {
+        rayon::scope(|scope| {
+            for _ in 0..pool.current_num_threads() {
+                scope.spawn(|_| {
+                    all_at_work.wait();
+                });
+            }
+        });
+    });
+}
+
+fn count_steps(session: &Session) {
     type Scene = fn() -> World;
     let scenes: [(&str, Scene); 12] = [
         ("empty", World::new),
@@ -87,18 +100,7 @@ fn a_step_allocates_nothing() {
     ];
     for threads in [1, 2] {
         let pool = ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
-        // A thread's first theft makes it known to the others, once in its life; on a busy machine
-        // that may be in a later step than the first.
-        let all_at_work = Barrier::new(threads);
-        pool.install(|| {
-            rayon::scope(|scope| {
-                for _ in 0..threads {
-                    scope.spawn(|_| {
-                        all_at_work.wait();
-                    });
-                }
-            });
-        });
+        wake(&pool);
         for (name, scene) in scenes {
             for integrator in Integrator::ALL {
                 let mut world = scene();
@@ -120,6 +122,9 @@ fn a_step_allocates_nothing() {
             }
         }
     }
+}
+
+fn count_rollback(session: &Session) {
     let counted = session.operation("rollback of what touches");
     ThreadPoolBuilder::new().num_threads(1).build().unwrap().install(|| {
         let (mut world, mut simulation) = (pyramid(), Simulation::new(Settings::default()).unwrap());
@@ -139,6 +144,13 @@ fn a_step_allocates_nothing() {
         }
         assert!(simulation.contacts().count() > 200);
     });
+}
+
+#[test]
+fn a_step_allocates_nothing() {
+    let session = Session::new();
+    count_steps(&session);
+    count_rollback(&session);
     for (name, counted) in session.to_report().operations() {
         assert_eq!(counted.total_allocations_count(), 0, "{name}: {counted}");
     }

@@ -172,11 +172,8 @@ fn a_box_displaces_what_slices_of_it_add_up_to() {
                     (moment - (dvec3(pose.position) - up() * f64::from(level)) * volume).cross(up()) * weight;
                 let whole = 8.0 * f64::from(half.x * half.y * half.z) * weight;
                 let size = dvec3(half).length() + dvec3(hull_center).length();
-                // The height has some roundings of the place, two metres at most; a tilt of the box
-                // as large as a rounding lifts its ends by that times its length. All relative to
-                // the height of the box across the surface, as little as 0.02 m for the flat one.
-                // And volumes are sums of pyramids over the faces, as large as the largest face
-                // times that height.
+                // Rounding of the place (two metres at most), of the tilt times the length, and of
+                // volumes (pyramids over faces), relative to the height of the box, 0.02 m or more.
                 let face = reach / f64::from(half.min_element());
                 let roundings = EPSILON * (16.0 + 16.0 * (2.0 + size) / reach + 8.0 * face);
                 let errors = (
@@ -284,9 +281,8 @@ fn what_floats_lies_as_deep_as_it_weighs() {
         let (raft, ball) = (place(box_body.orientation(Quat::from_rotation_z(0.3)), box_hull), place(ball, ball_hull));
         run(&mut with_gravity_down(integrator), &mut world, 6000);
         let pose = |body| *world.get::<&Pose>(body).unwrap();
-        // What is left of the way there is nothing; it stalls where a kick of w^2 dt^2 of the
-        // depth's error is below a rounding. Under RungeKutta4 with damping, gravity and lift have
-        // different weights in the fourth order of the step.
+        // It stalls where a kick of w^2 dt^2 of the error in depth is below a rounding. RungeKutta4
+        // with damping weighs gravity and lift differently in the fourth order of the step.
         let of_weights = if integrator == RungeKutta4 { (2.0 * seconds(DT)).powi(4) } else { 0.0 };
         let allowed = 1000.0 * EPSILON + of_weights;
         let height = f64::from(pose(raft).position.y);

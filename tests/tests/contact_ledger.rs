@@ -90,9 +90,8 @@ fn each_force_on_a_touching_body_has_its_own_work() {
     let (work, way) = (work(&world, pushed), dvec3(world.get::<&Pose>(pushed).unwrap().position).x);
     assert!((work.applied / way - 1.0).abs() < 1e-3, "{work:?}, {way} m");
     assert!((work.of("ConstantWrench").unwrap() / (2.0 * way) - 1.0).abs() < 1e-3, "{work:?}, {way} m");
-    // On a plane without friction, contacts do nothing but hold up what sinks in by a tenth of a
-    // millimetre. To their account comes what a substep does to a force that drives and a damping
-    // that brakes, of first order: half of h c F v a second, a millijoule.
+    // Contacts only hold up what sinks in by 0.1 mm. To their account comes the first-order
+    // coupling of a force and a damping in a substep: half of h c F v a second, a millijoule.
     let change = kinetic(&world, pushed) - before;
     assert!((work.contacts + work.gravity).abs() < 2e-3 && work.gravity.abs() < 3e-3, "{work:?}");
     assert!((work.damping - (change - 3.0 * way)).abs() < 2e-2 && work.damping < -5.0, "{work:?}, {change}");

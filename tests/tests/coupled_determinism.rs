@@ -126,7 +126,7 @@ fn the_systems_one_by_one_are_the_step() {
         let mut simulation = simulation(integrator);
         let (mut together, mut apart) = (plain_scene(Kinds::NoKinematic), plain_scene(Kinds::NoKinematic));
         for _ in 0..40 {
-            accumulate_forces(&mut apart, &settings);
+            accumulate_forces(&mut apart, settings.gravity);
             integrate_under_laws(&mut apart, &settings, simulation.laws(), simulation.time());
             update_derived(&mut apart);
             simulation.step(&mut together);

@@ -8,11 +8,11 @@
 //! library or a fused multiply-add gets in, or threads share state.
 
 use hecs::World;
-use tumble::math::{PRECISION, Quat, Real, Vec3};
+use tumble::math::{PRECISION, Real, Vec3};
 use tumble::{
-    BodyId, BodyOrder, BodySlices, BodyState, Damping, ForceLaw, GravityMass, GravityScale, Inertia, Integrator,
-    InverseInertia, LengthMismatch, Mass, Momentum, Pose, PreviousPose, PrincipalAxes, Settings, Simulation,
-    SpringToPoint, Totals, Velocity, Wrench, accumulate_forces, integrate, simd_name, update_derived,
+    BodyId, BodyOrder, BodyState, ForceLaw, GravityMass, Integrator, InverseInertia, Momentum, Pose, PreviousPose,
+    Settings, Simulation, SpringToPoint, Totals, Velocity, Wrench, accumulate_forces, integrate, simd_name,
+    update_derived,
 };
 use tumble_benches::{mixed_bodies, mixed_body, mixed_moving_bodies, pool, tumbling_boxes};
 use tumble_tests::{hash, run, run_on_every_instruction_set};
@@ -236,74 +236,6 @@ fn everything_else(world: &World, body: hecs::Entity) -> Rest {
     )
 }
 
-/// A column of a world whose bodies are all of one kind.
-fn column<T: hecs::Component + Copy>(world: &mut World) -> Vec<T> {
-    world.query_mut::<&T>().into_iter().copied().collect()
-}
-
-/// Boxes with every component there is.
-fn boxes_with_everything(count: usize) -> World {
-    let mut world = tumbling_boxes(count);
-    let axes = PrincipalAxes(Quat::from_xyzw(0.5, -0.5, 0.5, 0.5));
-    for (i, body) in BodyOrder::of(&world).entities().iter().enumerate() {
-        let i = i as Real;
-        let damping = Damping { linear: 0.1 + 0.001 * i, angular: 0.3 };
-        world.insert(*body, (axes, GravityScale(1.0 - 0.01 * i), damping, PreviousPose(Pose::default()))).unwrap();
-    }
-    world
-}
-
-/// Bodies in plain slices get the bits of bodies in a world, on any number of threads, with all
-/// components and in worlds of any size.
-#[test]
-fn slices_are_as_good_as_a_world() {
-    for (integrator, count) in Integrator::ALL.into_iter().flat_map(|i| [1, 3, 7, 13, 40, 5000].map(|count| (i, count)))
-    {
-        let world = &mut boxes_with_everything(count);
-        let (mut poses, mut momenta, mut wrenches) = (column(world), column(world), column(world));
-        let (masses, inertias, axes): (Vec<_>, Vec<Inertia>, Vec<PrincipalAxes>) =
-            (column(world), column(world), column(world));
-        let (scales, dampings): (Vec<GravityScale>, Vec<Damping>) = (column(world), column(world));
-        let mut velocities = vec![Velocity::default(); count];
-        let mut tensors = vec![InverseInertia::default(); count];
-        let mut before = vec![PreviousPose(Pose::default()); count];
-
-        let mut bodies = BodySlices::new(&mut poses, &mut momenta, &mut wrenches, &masses);
-        bodies.inertia = Some(&inertias);
-        bodies.axes = Some(&axes);
-        bodies.gravity_scale = Some(&scales);
-        bodies.damping = Some(&dampings);
-        bodies.velocity = Some(&mut velocities);
-        bodies.inverse_inertia = Some(&mut tensors);
-        bodies.previous_pose = Some(&mut before);
-        pool(2).install(|| {
-            bodies.step(&settings(integrator)).unwrap();
-            bodies.step_many(&settings(integrator), 9).unwrap();
-        });
-        hash_after(world, settings(integrator), 10);
-        assert_eq!((poses, momenta, wrenches), (column(world), column(world), column(world)), "{integrator}, {count}");
-        assert_eq!(
-            (velocities, tensors, before),
-            (column(world), column(world), column(world)),
-            "{integrator}, {count}"
-        );
-    }
-}
-
-/// Slices of different lengths are refused by name, and nothing is moved.
-#[test]
-fn unequal_slices_are_refused() {
-    let (mut poses, mut momenta, mut wrenches) =
-        ([Pose::default(); 3], [Momentum::default(); 3], [Wrench::default(); 3]);
-    let masses = [Mass::new(1.0).unwrap(); 3];
-    let mut bodies = BodySlices::new(&mut poses, &mut momenta, &mut wrenches, &masses);
-    bodies.damping = Some(&[]);
-    let error = bodies.step(&Settings::default()).unwrap_err();
-    assert_eq!(error, LengthMismatch { column: "damping", rows: 0, bodies: 3 });
-    assert_eq!(error.to_string(), "damping has 0 rows, and there are 3 poses");
-    assert_eq!(poses, [Pose::default(); 3]);
-}
-
 /// `step` is `accumulate_forces`, `integrate` and `update_derived`, on bodies that forces move, one
 /// after the other over the whole world.
 #[test]
@@ -316,7 +248,7 @@ fn the_systems_one_by_one_are_the_step() {
         let mut simulation = Simulation::new(settings).unwrap();
         for _ in 0..50 {
             simulation.step(&mut together);
-            accumulate_forces(&mut apart, &settings);
+            accumulate_forces(&mut apart, settings.gravity);
             integrate(&mut apart, &settings);
             update_derived(&mut apart);
         }

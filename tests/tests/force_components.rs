@@ -4,75 +4,26 @@
 //! Why: these are the forces that people build games and studies on, and a factor of two in one of
 //! them looks plausible on a screen. It fails if a component takes a vector in the wrong frame,
 //! forgets the wind or the throttle, takes moments about the wrong point, or acts at the wrong
-//! stage of a step.
+//! stage of a step. Springs are in `spring_to_point.rs` and `springs.rs`.
+
+mod one_body;
 
 use glam::{DQuat, DVec3};
-use hecs::{DynamicBundle, Entity, World};
+use hecs::DynamicBundle;
+use one_body::{DT, MASS, MOMENTS, after, allowed, assert_near, body, state, world_of};
 use tumble::Integrator::{self, MoserVeselov, RungeKutta4, SemiImplicitEuler};
 use tumble::math::{Quat, Real, Vec3};
 use tumble::{
-    AngularVelocityServo, ConstantWrench, Drag, Frame, Inertia, Magnus, Momentum, PointGravity, Pose, RigidBody, Shape,
-    SpringToPoint, Thruster, Velocity, Wind,
+    AngularVelocityServo, ConstantWrench, Drag, Frame, Inertia, Magnus, Momentum, PointGravity, RigidBody, Shape,
+    Thruster, Wind,
 };
-use tumble_tests::{EPSILON, attitude_error, by_precision, dquat, dvec3, run, seconds, simulation, weightless};
-
-/// A power of two, so that all that is multiplied with it keeps its bits.
-const DT: Real = 1.0 / 128.0;
-
-/// What a method of order p may be off by, relative to what moves at this rate [1/s]: in each step
-/// the term of the Taylor series after the last that it has, `(rate dt)^(p+1)/(p+1)!`, and a
-/// rounding of the state; compounded, as what a step adds grows with what is there.
-fn allowed(integrator: Integrator, rate: f64, steps: u32) -> f64 {
-    let (power, factorial) = match integrator {
-        SemiImplicitEuler => (2, 2.0),
-        MoserVeselov => (3, 6.0),
-        _ => (5, 120.0),
-    };
-    (f64::from(steps) * ((rate * seconds(DT)).powi(power) / factorial + EPSILON)).exp_m1()
-}
+use tumble_tests::{EPSILON, attitude_error, dquat, dvec3, run, seconds, simulation, weightless};
 
 /// How near to a steady velocity a body comes, relative to it, that goes there at this rate [1/s]:
 /// it stays where what a step adds to its momentum is less than what the step rounds it by, half of
 /// `EPSILON` in each of up to four additions.
 fn stalls_at(rate: f64) -> f64 {
     EPSILON * (16.0 + 2.0 / (rate * seconds(DT)))
-}
-
-/// Asserts that a vector is as near to its closed form as [`allowed`], relative to a scale.
-fn assert_near(what: &str, integrator: Integrator, found: Vec3, exact: DVec3, scale: f64, rate: f64, steps: u32) {
-    let error = (dvec3(found) - exact).length();
-    let bound = scale * allowed(integrator, rate, steps);
-    println!("{what}, {integrator}: {found} for {exact}, off by {error:.1e} of {bound:.1e}");
-    assert!(error <= bound, "{what}, {integrator}: {found} for {exact}, off by {error:e}, allowed {bound:e}");
-}
-
-const MOMENTS: DVec3 = DVec3::new(0.4, 0.5, 0.6);
-const MASS: f64 = 2.0;
-
-/// Two kilograms; principal moments [`MOMENTS`].
-fn body() -> RigidBody {
-    let inertia = tumble::InertiaTensor::from_principal(MOMENTS, DQuat::IDENTITY).unwrap();
-    RigidBody::new(Shape::Point).mass(MASS).inertia(inertia)
-}
-
-/// A world of one body with components, and the body.
-fn world_of(body: RigidBody, components: impl DynamicBundle) -> (World, Entity) {
-    let mut world = World::new();
-    let entity = body.build().unwrap().spawn(&mut world);
-    world.insert(entity, components).unwrap();
-    (world, entity)
-}
-
-/// Where a body is, and its velocities.
-fn state(world: &World, body: Entity) -> (Pose, Velocity) {
-    (*world.get::<&Pose>(body).unwrap(), *world.get::<&Velocity>(body).unwrap())
-}
-
-/// The state of one body after this many steps without gravity.
-fn after(steps: u32, integrator: Integrator, body: RigidBody, components: impl DynamicBundle) -> (Pose, Velocity) {
-    let (mut world, entity) = world_of(body, components);
-    run(&mut weightless(integrator, DT), &mut world, steps);
-    state(&world, entity)
 }
 
 /// The wrench on a body as the step applies it: `SemiImplicitEuler` adds it to the momentum as it
@@ -330,123 +281,6 @@ fn a_constant_torque_spins_a_body_up() {
                     "{integrator}, {frame:?}: {error:e}"
                 );
             }
-        }
-    }
-}
-
-/// The angle that a spring's swing turns through in a step \[rad\].
-fn angle_a_step(stiffness: f64) -> f64 {
-    (stiffness / MASS).sqrt() * seconds(DT)
-}
-
-/// Without rest length, in three dimensions: `x0 cos w t + v0/w sin w t`. The splitting methods go
-/// through the points of the swing at its true frequency, with `sin w dt/(w dt)` of the amplitude
-/// in the part from `v0` — up to 0.45 swings a step, for they act with the stiffness that makes it
-/// so.
-#[test]
-fn a_spring_swings_at_its_frequency() {
-    let (x, v) = (Vec3::new(0.5, -0.2, 0.1), Vec3::new(-0.3, 0.4, 0.6));
-    let anchor = Vec3::new(1.0, 2.0, -3.0);
-    for swings_a_step in [0.01, 0.1, 0.25, 0.45] {
-        let angle = std::f64::consts::TAU * swings_a_step;
-        let stiffness = (MASS * (angle / seconds(DT)).powi(2)) as Real;
-        let angle = angle_a_step(stiffness.into());
-        let spring = SpringToPoint { anchor, stiffness, ..SpringToPoint::default() };
-        for integrator in [SemiImplicitEuler, MoserVeselov] {
-            for steps in [1, 2, 7, 100] {
-                let ball = body().position(anchor + x).linear_velocity(v);
-                let (pose, _) = after(steps, integrator, ball, (spring,));
-                let (sin, cos) = (f64::from(steps) * angle).sin_cos();
-                // What a step makes of the start: of the state by the full kick or by half of it.
-                let kicked = if integrator == MoserVeselov { 0.0 } else { angle.cos() - 1.0 };
-                let second = (dvec3(x) * kicked + dvec3(v) * seconds(DT)) / angle.sin();
-                let exact = dvec3(anchor) + dvec3(x) * cos + second * sin;
-                // The place, four metres away, is rounded in each step, and the stiffness has some
-                // eight roundings, which turn the angle by that over its sine.
-                let amplitude = dvec3(x).length() + second.length();
-                let bound = EPSILON * f64::from(steps) * (4.0 + 8.0 * amplitude / angle.sin());
-                let error = (dvec3(pose.position) - exact).length();
-                assert!(error <= bound, "{integrator}, {swings_a_step}, {steps}: off by {error:e} of {bound:e}");
-            }
-        }
-    }
-    let ball = body().position(anchor + x).linear_velocity(v);
-    let (pose, _) =
-        after(128, RungeKutta4, ball, (SpringToPoint { anchor, stiffness: 50.0, ..SpringToPoint::default() },));
-    let exact = dvec3(anchor) + dvec3(x) * 5.0_f64.cos() + dvec3(v) / 5.0 * 5.0_f64.sin();
-    assert_near("swing", RungeKutta4, pose.position, exact, 4.0, 5.0, 128);
-}
-
-/// Decays at the rate `c/2M` and swings a little slower for it, about the rest length.
-#[test]
-fn a_damped_spring_decays() {
-    let (stiffness, damping) = (50.0, 4.0);
-    let spring = SpringToPoint { anchor: Vec3::X, rest_length: 2.0, stiffness, damping, ..SpringToPoint::default() };
-    for integrator in Integrator::ALL {
-        for steps in [64, 128, 256] {
-            let ball = body().position(Vec3::X * 3.5);
-            let (pose, _) = after(steps, integrator, ball, (spring,));
-            let (decay, w) = (4.0 / (2.0 * MASS), f64::sqrt(50.0 / MASS - 1.0));
-            let time = f64::from(steps) * seconds(DT);
-            let swing = (-decay * time).exp() * ((w * time).cos() + decay / w * (w * time).sin());
-            let exact = DVec3::X * (3.0 + 0.5 * swing);
-            assert_near("swing", integrator, pose.position, exact, 3.5, 5.0, steps);
-        }
-    }
-}
-
-/// However strong the spring and the damper, under the methods that split a step: nothing grows.
-/// Without the damper, at 0.45 swings a step, velocities of up to `1/cos(0.45 pi)`, 6.4 times the
-/// amplitude over half a step, belong to the swing.
-#[test]
-fn no_spring_to_a_point_is_too_stiff() {
-    for integrator in [SemiImplicitEuler, MoserVeselov] {
-        for (stiffness, damping) in [(1e6, 0.0), (1e20, 0.0), (1e6, 1e3), (1e6, 1e20), (0.0, 1e20), (1e20, 1e20)] {
-            let spring = SpringToPoint { rest_length: 0.5, stiffness, damping, ..SpringToPoint::default() };
-            let (mut world, ball) = world_of(body().position(Vec3::X).linear_velocity(Vec3::X * 3.0), (spring,));
-            let mut simulation = weightless(integrator, DT);
-            // It starts half a metre from rest, with another 3 m/s times a step.
-            let most = (0.5 + 3.0 * seconds(DT)) * 6.4;
-            for _ in 0..10_000 {
-                simulation.step(&mut world);
-                let x = f64::from(state(&world, ball).0.position.x);
-                assert!((x - 0.5).abs() <= most, "{integrator}, {stiffness:e}, {damping:e}: {x}");
-            }
-        }
-    }
-}
-
-/// A spring that is attached off the centre turns the body too: small swings have
-/// `w^2 = k (1/M + r^2/I)`. A centimetre (in double precision a tenth of a millimetre) of a metre,
-/// so the frequency is off by the square of that.
-#[test]
-fn a_spring_off_the_centre_turns_the_body() {
-    let amplitude = by_precision(1e-2, 1e-4);
-    let attachment = Vec3::Y * 0.5;
-    let spring = SpringToPoint {
-        anchor: Vec3::new(-4.0, 0.5, 0.0),
-        attachment,
-        rest_length: 4.0,
-        stiffness: 60.0,
-        ..SpringToPoint::default()
-    };
-    let rate = f64::sqrt(60.0 * (1.0 / MASS + 0.25 / MOMENTS.z));
-    for integrator in Integrator::ALL {
-        let ball = body().position(Vec3::X * amplitude as Real);
-        let (mut world, ball) = world_of(ball, (spring,));
-        let mut simulation = weightless(integrator, DT);
-        for step in 1..=128 {
-            simulation.step(&mut world);
-            let pose = state(&world, ball).0;
-            let stretch = dvec3(pose.transform_point(attachment)).x;
-            let exact = amplitude * (rate * f64::from(step) * seconds(DT)).cos();
-            // The places are rounded where they are a metre.
-            let bound = amplitude * (allowed(integrator, rate, 128) + 4.0 * amplitude) + 256.0 * EPSILON;
-            assert!((stretch - exact).abs() <= bound, "{integrator}, step {step}: {stretch} for {exact}");
-            let angle = 2.0 * f64::from(pose.orientation.z);
-            // The centre and the turning share the stretch as their inverse masses do.
-            let of_turning = -0.5 / MOMENTS.z / (1.0 / MASS + 0.25 / MOMENTS.z);
-            assert!((angle - of_turning * (exact - amplitude)).abs() <= 4.0 * bound, "{integrator}: {angle}");
         }
     }
 }

@@ -189,9 +189,8 @@ fn all_integrators_agree() {
         let euler = distance(&after_a_second(kind, SemiImplicitEuler, 4096), &exact);
         let split = distance(&after_a_second(kind, MoserVeselov, 1024), &exact);
         println!("{kind:?}: semi-implicit-euler {euler:.1e}, moser-veselov {split:.1e}");
-        // Up to three bodies: half a step of the first-order method turns each by some 1e-3; the
-        // split is off by (w dt)^2/24 of what it goes through, at up to 10 rad/s, and steps are
-        // rounded.
+        // Up to three bodies: half a first-order step turns each by some 1e-3; the split is off by
+        // (w dt)^2/24 at up to 10 rad/s, and steps are rounded.
         assert!(euler <= 3e-2, "{kind:?}: {euler:e}");
         let bodies = exact.len() as f64;
         assert!(split <= bodies * (3e-4 + 4096.0 * EPSILON), "{kind:?}: {split:e}");

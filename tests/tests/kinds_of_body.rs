@@ -169,7 +169,7 @@ fn an_empty_world_can_be_stepped() {
     for mut simulation in simulations() {
         let mut world = World::new();
         simulation.step(&mut world);
-        accumulate_forces(&mut world, simulation.settings());
+        accumulate_forces(&mut world, simulation.settings().gravity);
         integrate(&mut world, simulation.settings());
         update_derived(&mut world);
         assert!(world.is_empty());

@@ -37,9 +37,8 @@ fn no_engine_does_better() {
             let attitude = run.attitude_after(10.0);
             assert!(attitude < peer.attitude, "{}: {} has {:e}", body.name, peer.engine, peer.attitude);
             let missed = |flips: u32| flips.abs_diff(body.flips);
-            // Bullet, losing 97 % of the energy, has the right count of flips by accident; and in
-            // single precision the handle's count is a matter of rounding for us as well
-            // (tests/long_run.rs).
+            // Bullet loses 97 % of the energy and has the right count by accident; the count of the
+            // handle in single precision depends on rounding here too (`long_run.rs`).
             let by_chance = peer.energy < -0.9 || (!DOUBLE && body.name == "thandle");
             assert!(by_chance || missed(run.flips) <= missed(peer.flips), "{}: {} flips", peer.engine, peer.flips);
         }

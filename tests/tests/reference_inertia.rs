@@ -8,9 +8,10 @@
 mod reference;
 
 use glam::{DMat3, DQuat, DVec3};
-use reference::{Check, largest, list, matrix};
+use reference::{Check, list, matrix};
 use serde_json::Value;
 use tumble_math::{Amount, InertiaError, InertiaTensor, MassProperties, Part, Shape, quat_from_matrix};
+use tumble_tests::largest;
 use tumble_tests::references::{number, parse, vector};
 
 /// Errors relative to the expected figure.

@@ -10,11 +10,12 @@ mod reference;
 use std::f64::consts::{PI, TAU};
 
 use glam::{DMat3, DMat4, DQuat, DVec3, DVec4, EulerRot};
-use reference::{Check, largest, list, matrix};
+use reference::{Check, list, matrix};
 use tumble_math::{
     angle_between, from_scaled_axis, left_multiplication_matrix, quat_from_matrix, right_multiplication_matrix,
     to_axis_angle, to_euler, to_scaled_axis,
 };
+use tumble_tests::largest;
 use tumble_tests::references::{number, parse, quaternion, vector};
 
 /// Absolute errors: elements of rotations are at most one.
@@ -93,9 +94,8 @@ fn euler_angles() {
     let file = parse(include_str!("../data/rotations_euler.json"));
     let mut check = Check::new("rotations_euler", &file);
     let mut back = Check::new("rotations_euler, angles back", &file);
-    // Angles from a rounded quaternion: 1.1e-16 in each component is up to 2/cos(71.25 deg) = 6.2
-    // times that in the first and the third angle, on top of their own rounding (4.4e-16 above 2
-    // rad).
+    // Angles from a rounded quaternion: 1.1e-16 a component is up to 2/cos(71.25 deg) = 6.2 times
+    // that in the first and third angle, beside their own rounding (4.4e-16 above 2 rad).
     back.tolerance = 2e-15;
     assert_eq!(list(&file, "vectors").len(), 36);
     for record in list(&file, "vectors") {

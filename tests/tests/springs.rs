@@ -101,10 +101,8 @@ fn two_bodies_swing_at_their_frequency() {
                 println!(
                     "{integrator}, {swings_a_step}, {rest_length}: frequency off by {error:.1e}, swing by {off:.1e}"
                 );
-                // The stiffness has 8 roundings, of which the angle gets tan(a/2)/a; the series
-                // ends at 2e-13. Places are rounded where they are up to three metres, 24
-                // amplitudes, and 200 of these roundings, at random, turn the swing by 1/200 of the
-                // largest.
+                // 8 roundings of the stiffness are tan(a/2)/a in the angle; the series ends at
+                // 2e-13. 200 random roundings, 24 amplitudes away, turn the swing by 1/200 of them.
                 let of_stiffness = (8.0 * EPSILON + 2e-13) * (exact / 2.0).tan() / exact;
                 let of_places = 24.0 * EPSILON / (exact * 200.0_f64.sqrt() * exact.sin());
                 assert!(error <= of_stiffness + of_places, "{integrator}, {swings_a_step}, {rest_length}: {error:e}");

@@ -9,10 +9,7 @@ use std::f64::consts::PI;
 use glam::{DMat3, DVec3};
 use proptest::prelude::*;
 use tumble_math::{Amount, MassProperties, Shape};
-
-fn largest(m: DMat3) -> f64 {
-    m.to_cols_array().iter().fold(0.0, |largest: f64, x| if x.is_nan() { f64::NAN } else { largest.max(x.abs()) })
-}
+use tumble_tests::largest;
 
 /// Of density one.
 fn body(shape: &Shape) -> MassProperties {

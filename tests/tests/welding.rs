@@ -10,14 +10,14 @@ mod reference;
 use glam::{DMat3, DQuat, DVec3};
 use hecs::{Entity, World};
 use proptest::prelude::*;
-use reference::{Check, largest, list, matrix};
+use reference::{Check, list, matrix};
 use tumble::math::{Quat, Real, Vec3};
 use tumble::{
     BodyId, CenterOfMass, Damping, GravityScale, Momentum, Pose, RigidBody, Velocity, WeldError, Wrench, weld,
 };
 use tumble_math::{Amount, InertiaTensor, MassProperties, MovingBody, Part, Shape, quat_from_matrix};
 use tumble_tests::references::{number, parse, vector};
-use tumble_tests::{EPSILON, dquat, dvec3, run, weightless};
+use tumble_tests::{EPSILON, dquat, dvec3, largest, run, weightless};
 
 fn kinetic_energy(p: &MassProperties, v: DVec3, w: DVec3) -> f64 {
     0.5 * (p.mass() * v.length_squared() + w.dot(p.tensor_about_center() * w))
@@ -123,9 +123,8 @@ proptest! {
         let composite = weld(&world, &entities).unwrap().spawn(&mut world);
         let after = about_origin(&world, composite);
         let sum = before.iter().fold((DVec3::ZERO, DVec3::ZERO, 0.0), |s, b| (s.0 + b.0, s.1 + b.1, s.2 + b.2));
-        // Each component of what comes out is rounded once: half an EPSILON of it. The position is
-        // too, and moves the arm of the momentum. The sums before that are good to 1e-14, as in the
-        // first test.
+        // Each component of the result is rounded once: half an EPSILON. So is the position, which
+        // moves the arm of the momentum. The sums before are good to 1e-14, as in the first test.
         prop_assert!((after.0 - sum.0).length() <= EPSILON * sum.0.length() + 1e-14 * sum.2);
         prop_assert!((after.1 - sum.1).length() <= (EPSILON + 1e-14) * (sum.2 + after.2));
         // The velocity is derived already.

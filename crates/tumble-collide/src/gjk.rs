@@ -164,9 +164,8 @@ pub(crate) fn on_triangle([a, b, c]: [Vector; 3]) -> [f64; 3] {
     if d3 >= 0.0 && d4 <= d3 {
         return [0.0, 1.0, 0.0];
     }
-    // Twice the areas that the origin's foot makes with two corners, times that of all three:
-    // products of differences, that lose fewer digits of thin triangles than those of the products
-    // above.
+    // Twice the areas that the origin's foot makes with two corners, times that of all three, from
+    // products of differences: they lose fewer digits of thin triangles.
     let normal = ab.cross(ac);
     let area = |from: Vector, to: Vector| normal.dot(from.cross(to - from));
     let vc = area(a, b);

@@ -182,10 +182,8 @@ fn check(first: &ColliderShape<f64>, second: &ColliderShape<f64>, at: &Isometry<
     prop_assert!((along - found.between).abs() <= apart + 1e-9 * size, "{along} is said to be {}", found.between);
     prop_assert!((found.normal.dot(found.normal) - 1.0).abs() < 1e-9, "{:?}", found.normal);
     let ways = ways_out(&shapes);
-    // Of sticks hundreds of times as long as thick directions are good to the first part. What is
-    // round is cut with 256 planes, and where a polyhedron tears the shortest way is only the
-    // shortest of those near where it was sought: of an overlap that is nearly the same in all
-    // directions some part is left.
+    // Directions of very thin shapes are good to the first part; round shapes are cut with 256
+    // planes; a polyhedron that tears gives the shortest way near by, so some overlap is left.
     let left = if is_certain { 0.0 } else { UNCERTAIN * along.abs() };
     let slack = (if ways.is_some() { 1e-8 } else { 1e-7 }) * size + left;
     for way in ways.into_iter().flatten().chain(directions(100)) {

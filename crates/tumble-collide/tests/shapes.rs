@@ -155,9 +155,8 @@ proptest! {
         prop_assert!((length(normal) - 1.0).abs() < 1e-12, "{normal:?}");
         let along = separation(&a, &at, &b, &bt, normal);
         let found = least(&manifold).unwrap();
-        // Some point is as near as the shapes are, within what is not worth one more. Triangles of
-        // a hull at less than 1.4e-5 to each other are one face, and hulls are up to two metres
-        // across.
+        // Some point is as near as the shapes are, within the tolerance of reduction. Triangles of
+        // a hull within 1.4e-5 are one face, and hulls are up to two metres across.
         let flat = if matches!(a, ColliderShape::Hull(_)) || matches!(b, ColliderShape::Hull(_)) { 3e-5 } else { 1e-6 };
         prop_assert!(found > along - flat && found <= along + 0.005 * 10.0 + HYSTERESIS, "{found} along {along}");
         // So far from each other only the nearest points count, and the normal need not be better

@@ -275,9 +275,8 @@ fn check<R: Scalar>(body: &Body, kind: Ground, turn: Quat<f64>, lift: f64, margi
         let whole = outline(near.iter().map(|(place, _)| *place).collect());
         let held = outline(points.iter().map(|(place, _)| *place).collect());
         let part = area_of(&held) / area_of(&whole);
-        // Four points of an ellipse's rim make 0.64 of it at the most, the largest triangle 0.41.
-        // Of two points at a ten-thousandth of the size from each other, as where a side of a
-        // triangle passes by a corner, either may be shown.
+        // Four points of an ellipse's rim have at most 0.64 of its area, the largest triangle 0.41.
+        // Of two points 1e-4 of the size apart, where a side passes a corner, either may be shown.
         let least = if body.is_box { 1.0 - 1e-3 - 1e3 * slack / thin } else { 0.41 };
         prop_assert!(part > least, "{part} of {whole:?}: {points:?}");
         // Where three corners are all there is room is left for others.

@@ -6,31 +6,15 @@
 //! say so and pass.
 #![allow(clippy::unwrap_used, clippy::panic, reason = "a test fails by panicking, in its helper functions too")]
 
-use std::path::{Path, PathBuf};
+mod cases;
 
+use cases::{cases, expected};
 use glam::{DQuat, DVec3};
 use serde_json::Value;
 use tumble_import::gltf::{Geometry, MotionKind, Physics, PhysicsNode, SurfaceMaterial};
 
 /// The figures have nine digits, the files are written in f32.
 const TOLERANCE: f64 = 2e-7;
-
-fn cases() -> Option<PathBuf> {
-    let beside = || Path::new(env!("CARGO_MANIFEST_DIR")).join("../../../shared/cases/gltf");
-    let folder = std::env::var_os("TUMBLE_GLTF_CASES").map_or_else(beside, PathBuf::from);
-    if folder.join("expected.json").is_file() {
-        return Some(folder);
-    }
-    println!("skipped: no scenes at {}", folder.display());
-    None
-}
-
-/// Every case with its file and what is expected of it.
-fn expected(folder: &Path) -> Vec<(PathBuf, Value)> {
-    let text = std::fs::read_to_string(folder.join("expected.json")).unwrap();
-    let cases: serde_json::Map<String, Value> = serde_json::from_str(&text).unwrap();
-    cases.into_iter().filter(|(name, _)| name != "_notes").map(|(name, case)| (folder.join(name), case)).collect()
-}
 
 fn numbers(value: &Value) -> Vec<f64> {
     value.as_array().unwrap().iter().map(|number| number.as_f64().unwrap()).collect()

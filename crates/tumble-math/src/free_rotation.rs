@@ -367,10 +367,8 @@ impl<L: Lane> Map<L> {
             let adjugate_residual = c1 * residual.x + r3.cross(r1) * residual.y + r1.cross(r2) * residual.z;
             let correction = adjugate_residual * (one / r1.dot(c1));
             u = Vec3::select(zero.lt(open), u - correction, u);
-            // The next correction is at most about the square of this one. A body whose next one is
-            // far below rounding is done, and stays as it is while others of its tile go on. Far
-            // below, because what is left is no accident of rounding but goes the same way in every
-            // step.
+            // The next correction is at most about the square of this one. A body is done where
+            // that is far below rounding, as the error left has the same sign in every step.
             let size = correction.dot(correction);
             let limit = L::splat(L::ROUNDING / 1024.0);
             let goes_on = (limit * limit * u.dot(u)).lt(size * size);

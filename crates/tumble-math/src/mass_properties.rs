@@ -200,9 +200,8 @@ impl MassProperties {
         let center_of_mass = self.center_of_mass - d * share;
         let shift = parallel_axis(self.mass * share, d);
         let tensor = self.tensor - hole.tensor - shift;
-        // What rounding in the three terms can amount to: a few eps of each, of the masses'
-        // difference (hence their ratio), and of the two centres, whose difference d may be small
-        // beside them.
+        // Bound of the rounding in the three terms: a few eps of each, of the masses' difference
+        // (hence their ratio), and of the centres, whose difference d may be small beside them.
         let reach = self.center_of_mass.length() + hole.center_of_mass.length();
         let terms = half_trace(self.tensor) + half_trace(hole.tensor) + half_trace(shift);
         let rounding = 8.0 * f64::EPSILON * (self.mass / mass) * (terms + self.mass * share * d.length() * reach);

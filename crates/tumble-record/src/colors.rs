@@ -1,7 +1,7 @@
 //! The colours that bodies are drawn in.
 
 /// Colours that look different to most eyes, after Okabe and Ito, as red, green, blue in linear
-/// light, taken by bodies that forces move in turn. Their number has no factor in common with the
+/// light, taken by dynamic bodies in turn. Their number has no factor in common with the
 /// kinds of a scene that repeats every two, four or eight.
 pub const BODY_COLORS: [[f32; 3]; 7] = [
     [0.791, 0.347, 0.0],
@@ -13,7 +13,7 @@ pub const BODY_COLORS: [[f32; 3]; 7] = [
     [0.604, 0.191, 0.386],
 ];
 
-/// The colour of what forces do not move, in linear light.
+/// The colour of fixed and kinematic bodies, in linear light.
 pub const FIXED_COLOR: [f32; 3] = [0.3, 0.3, 0.3];
 
 /// The colour of infinite ground, in linear light.

@@ -112,9 +112,8 @@ fn a_wall_stands_until_it_is_struck() {
     let mut run = Run::of("wall", None);
     let start = run.places("brick");
     run.until(0.45);
-    // Contacts are springs of 30 Hz: in a column, k layers press that below them in by 2 k g/w^2.
-    // Of 16 layers the uppermost sinks by the sum for 1 to 15, and what lies on the ground, whose
-    // springs have 60 Hz, by 16 g/w^2.
+    // Contacts are springs of 30 Hz: k layers press the next one in by 2 k g/w^2, so the top of 16
+    // sinks by the sum for 1 to 15, and by 16 g/w^2 on the ground, with 60 Hz.
     let sag = (2.0 * 120.0 * 9.81) / (TAU * 30.0).powi(2) + 16.0 * 9.81 / (TAU * 60.0).powi(2);
     for (from, to) in start.iter().zip(run.places("brick")) {
         let by = to - *from;

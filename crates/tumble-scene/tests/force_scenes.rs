@@ -149,9 +149,8 @@ fn the_planets_come_round_in_their_years() {
     check(&inner[..4], &rates[..4], 3e-4);
     // Saturn pulls Jupiter back and forth by a degree.
     check(&inner[4..], &rates[4..], 3e-3);
-    // The same in whole days, which is enough for those. The sun goes round the centre of mass at
-    // up to 16 m/s, and the elements are from the sun: that is 0.3 % of Neptune's velocity, and
-    // three times that of its year.
+    // The same in steps of a whole day. The sun goes round the centre of mass at up to 16 m/s, and
+    // elements are from the sun: 0.3 % of Neptune's velocity, and three times that of its year.
     let outer = years(Some(1), 61_000);
     check(&outer[5..], &[1_222.493_622_01, 428.482_027_85, 218.459_453_25], 0.01);
 }
@@ -169,9 +168,8 @@ fn raft(substeps: u32) -> Run {
 fn the_raft_keeps_its_energy_and_what_water_cannot_change() {
     let run = raft(4);
     let (start, end) = (run.start(), run.ledger.entries()[run.ledger.entries().len() - 1]);
-    // Of the energy that a spring has that vibrates at w, (w h)^2/12 is not where the potential
-    // says; for the stiffest, 0.3 rad a substep, this is 0.7 %, and half of all energy comes to be
-    // in springs and their vibrations.
+    // The potential misses (w h)^2/12 of the energy of a spring that vibrates at w: 0.7 % for the
+    // stiffest, at 0.3 rad a substep. Half of all energy comes to be in springs.
     let energy = run.largest_change(LedgerEntry::energy);
     assert!(energy < 0.003 * start.energy(), "{energy} J of {} J", start.energy());
     // With the square of the substep. The vibrations are chaotic, so one run has more of them than
@@ -179,10 +177,8 @@ fn the_raft_keeps_its_energy_and_what_water_cannot_change() {
     let ratio = energy / raft(16).largest_change(LedgerEntry::energy);
     assert!((10.0..24.0).contains(&ratio), "{ratio}");
 
-    // Lift is upright, so it changes neither horizontal momentum nor spin about the vertical.
-    // Rounding: twelve bodies, 16 000 kicks, momenta of up to 500 kg m/s (half a unit of the last
-    // place: 1.5e-5, 3e-14), which makes 440 times that where they go either way; arms are up to
-    // 2.4 m.
+    // Lift is vertical: horizontal momentum and vertical spin stay. Rounding: 12 bodies, 16 000
+    // kicks of up to 500 kg m/s (half a unit: 1.5e-5, 3e-14) at random, 440 times that; arms 2.4 m.
     let horizontal = run.largest_change_of(|totals| totals.linear_momentum.with_y(0.0));
     assert!(horizontal < by_precision(7e-3, 1.3e-11), "{horizontal:e}");
     let spin = run.largest_change(|entry| entry.totals.angular_momentum.y);
@@ -220,10 +216,8 @@ fn the_satellite_stops_and_rises_by_the_works_of_wheel_and_nozzles() {
     assert!((404.0..405.0).contains(&(at_first / 0.2)), "{at_first}");
 
     let start = run.start();
-    // The wheel did all that was done to the rotation, the nozzles, which push through the centre
-    // of mass, all to the orbit. In single precision energies of 4 J are rounded 7200 times by
-    // 1e-7; in double what is left is the scheme's, whose push is that of both ends of a step while
-    // it turns by 0.05 rad.
+    // The wheel did the work on the rotation, the nozzles that on the orbit. Single precision
+    // rounds 4 J by 1e-7, 7200 times; in double the scheme is left, which turns by 0.05 rad a step.
     for entry in run.ledger.entries() {
         let change = |of: fn(&LedgerEntry) -> f64| of(entry) - of(&start);
         let turning = change(|entry| entry.totals.rotational_kinetic) - work(entry, "AngularVelocityServo");

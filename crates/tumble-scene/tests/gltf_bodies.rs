@@ -7,30 +7,15 @@
 #![allow(clippy::unwrap_used, clippy::panic, reason = "a test fails by panicking, in its helper functions too")]
 #![cfg_attr(feature = "f64", allow(clippy::useless_conversion, reason = "Real is f64 in this build, f32 in the other"))]
 
-use std::path::{Path, PathBuf};
+#[path = "../../tumble-import/tests/cases/mod.rs"]
+mod cases;
 
+use cases::{cases, expected};
 use glam::{DQuat, DVec3};
 use hecs::World;
 use serde_json::Value;
 use tumble::{BodyId, Pose, Simulation};
 use tumble_scene::Scene;
-
-fn cases() -> Option<PathBuf> {
-    let beside = || Path::new(env!("CARGO_MANIFEST_DIR")).join("../../../shared/cases/gltf");
-    let folder = std::env::var_os("TUMBLE_GLTF_CASES").map_or_else(beside, PathBuf::from);
-    if folder.join("expected.json").is_file() {
-        return Some(folder);
-    }
-    println!("skipped: no scenes at {}", folder.display());
-    None
-}
-
-/// Every case with its file and what is expected of it.
-fn expected(folder: &Path) -> Vec<(PathBuf, Value)> {
-    let text = std::fs::read_to_string(folder.join("expected.json")).unwrap();
-    let cases: serde_json::Map<String, Value> = serde_json::from_str(&text).unwrap();
-    cases.into_iter().filter(|(name, _)| name != "_notes").map(|(name, case)| (folder.join(name), case)).collect()
-}
 
 /// Every scene whose buffers are there becomes bodies; where one is missing the message names it.
 #[test]

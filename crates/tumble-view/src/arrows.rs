@@ -2,7 +2,7 @@
 
 use hecs::{Entity, World};
 use tumble::glam::DVec3;
-use tumble::math::Real;
+use tumble::math::{Real, Vec3};
 use tumble::{ConstantWrench, DebugView, Momentum, Simulation, Thruster, Velocity, Wrench};
 
 use crate::convert::{dvec3, real};
@@ -108,10 +108,10 @@ pub(crate) fn length(reaches: impl Iterator<Item = f64>, radius: f64) -> f64 {
 /// Calls with what acts on every body in its [`Wrench`], and leaves the world as it was.
 ///
 /// A step sums up gravity in the wrench, uses it and sets it to zero, so it would never be seen.
-pub(crate) fn with_forces(world: &mut World, settings: &tumble::Settings, look: impl FnOnce(&World)) {
+pub(crate) fn with_forces(world: &mut World, gravity: Vec3, look: impl FnOnce(&World)) {
     let before: Vec<(Entity, Wrench)> =
         world.query_mut::<(Entity, &Wrench)>().into_iter().map(|(entity, wrench)| (entity, *wrench)).collect();
-    tumble::accumulate_forces(world, settings);
+    tumble::accumulate_forces(world, gravity);
     look(world);
     for (entity, wrench) in before {
         if let Ok(mut now) = world.get::<&mut Wrench>(entity) {
@@ -151,9 +151,8 @@ mod tests {
     #[test]
     fn gravity_is_seen_and_the_world_left_alone() {
         let mut world = spinning();
-        let settings = Settings::default();
         let mut largest = Largest::default();
-        with_forces(&mut world, &settings, |world| largest.look(world));
+        with_forces(&mut world, Settings::default().gravity, |world| largest.look(world));
         assert!((largest.force - 2.0 * 9.81).abs() < 1e-5, "{}", largest.force);
         assert!(world.query_mut::<&Wrench>().into_iter().all(|wrench| *wrench == Wrench::default()));
     }

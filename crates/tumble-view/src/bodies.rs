@@ -40,7 +40,7 @@ pub(crate) struct DrawnBody {
     /// Whether it touches others with something else than what is seen of it.
     pub(crate) touches_unseen: bool,
     pub(crate) turns: bool,
-    /// Zero for a body that forces do not move \[kg\].
+    /// Zero for fixed and kinematic bodies \[kg\].
     pub(crate) mass: f64,
     /// How far the surface reaches from the centre of mass \[m\].
     pub(crate) reach: f64,

@@ -284,8 +284,8 @@ impl Viewport {
             view.draw(world, &mut marks);
         };
         if layers.has(Layer::Forces) {
-            let settings = *self.playback.simulation.settings();
-            arrows::with_forces(&mut self.playback.world, &settings, draw);
+            let gravity = self.playback.simulation.settings().gravity;
+            arrows::with_forces(&mut self.playback.world, gravity, draw);
         } else {
             draw(&self.playback.world);
         }
@@ -357,7 +357,7 @@ impl Viewport {
     }
 }
 
-/// Of the bodies that forces move; the others have no mass, and those that are lost no place \[m\].
+/// Of the dynamic bodies; the others have no mass, and those that are lost no place \[m\].
 fn center_of_mass(playback: &Playback, places: &[Placed]) -> Option<DVec3> {
     let bodies = playback.bodies.all.iter().zip(places).filter(|(_, placed)| placed.center.is_finite());
     let (mass, moment) = bodies.fold((0.0, DVec3::ZERO), |(mass, moment), (body, placed)| {

@@ -164,7 +164,7 @@ pub use tumble_math::{
     PrincipalInertia, Shape, SolidMesh, TriangleMesh, convex_hull, equivalent_ellipsoid,
 };
 
-/// What most programs need: `use tumble::prelude::*;`.
+/// The types that most programs need: `use tumble::prelude::*;`.
 pub mod prelude {
     pub use crate::math::{Mat3, Quat, Real, Vec3};
     pub use crate::{

@@ -1,5 +1,4 @@
-//! What is in range: numbers with which nothing that bodies do to each other overflows, in either
-//! precision.
+//! Limits of numbers within which no interaction of bodies overflows, in either precision.
 //!
 //! Squares of these fit single precision with room for what they are multiplied by. A body with
 //! other numbers does what it does by itself, and touches and pulls nothing.

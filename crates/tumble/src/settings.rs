@@ -4,7 +4,7 @@ use crate::integrator::Integrator;
 use crate::math::{Real, Vec3};
 use crate::range::{MAX_GRAVITY, MAX_SPEED, SECONDS, within};
 
-/// What one simulation is run with.
+/// The settings of a simulation.
 ///
 /// ```
 /// # use tumble::{Integrator, Settings, math::Vec3};

@@ -13,11 +13,6 @@ pub(crate) fn matrix(value: &Value) -> DMat3 {
     DMat3::from_cols(vector(&value[0]), vector(&value[1]), vector(&value[2])).transpose()
 }
 
-/// The largest absolute value of the elements; NaN if there is one.
-pub(crate) fn largest(m: DMat3) -> f64 {
-    if m.is_nan() { f64::NAN } else { m.to_cols_array().iter().fold(0.0, |largest: f64, x| largest.max(x.abs())) }
-}
-
 /// Checks errors against the tolerance stated in a file and keeps the worst.
 pub(crate) struct Check {
     name: &'static str,

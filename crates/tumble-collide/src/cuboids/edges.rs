@@ -78,9 +78,8 @@ pub(super) fn contact<L: Lane>(pair: &Pair<L>, code: L, separation: L) -> Manifo
         corners = corners * L::splat(9.0) + (weight_a + one) * L::splat(3.0) + (weight_b + one);
         k += 1;
     }
-    // Of the edges, on_a + s d and on_b + t e, the points nearest to each other. Those of the lines
-    // they are on may be past their ends: two corners that are near each other are furthest apart
-    // along no axis of these, so an edge is taken that does not reach as far.
+    // The points of the edges on_a + s d and on_b + t e that are nearest to each other. Those of
+    // the lines may be past the ends, where corners are near each other and no axis separates more.
     let (half_d, half_e) = (of_three(pair.half[0], i), of_three(pair.half[1], j));
     let (from_a, across) = (on_b - on_a, d.dot(e));
     let (along_d, along_e) = (d.dot(from_a), e.dot(from_a));

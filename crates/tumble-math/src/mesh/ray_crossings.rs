@@ -125,9 +125,8 @@ fn crossing(corners: [DVec3; 3], line: DVec2) -> Option<(f64, i32)> {
             (true, false) => (to, from),
             _ => continue,
         };
-        // At the height of the line, the edge is at y = line.x + (l u + r d)/(u + d). Heights
-        // of the ends are d > 0 above and u >= 0 below, and l and r how far right of the line they
-        // are. Only the sign of l u + r d is asked for.
+        // At the height of the line the edge is at y = line.x + (l u + r d)/(u + d), with its ends
+        // d > 0 above, u >= 0 below, l and r to the right. Only the sign of l u + r d counts.
         let (up, down) = (above.z - line.y, line.y - below.z);
         let is_right = (below.y - line.x) * up + (above.y - line.x) * down > 0.0;
         let t = down / (up + down);

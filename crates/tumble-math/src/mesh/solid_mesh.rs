@@ -81,9 +81,8 @@ impl SolidMesh {
         let Moments { volume, center, second } = moments(corners, &frame);
         let unit = frame.unit;
         let cubic_metres = volume.value * unit * unit * unit;
-        // A surface that crosses itself may have any volume, but the second moments of matter have
-        // no negative eigenvalue. Each determinant's rounding, d/6 in the volume, is d/120 times at
-        // most 27 + 9 in them: the corners are within sqrt(3), their sum 3 sqrt(3).
+        // Second moments of matter have no negative eigenvalue, unlike those of a surface that
+        // crosses itself. A determinant's rounding, d/6 in the volume, is at most 36 d/120 in them.
         let spread = symmetric_eigen(second).0;
         let is_matter = volume.value > volume.rounding && spread.min_element() >= -2.0 * volume.rounding;
         if !is_matter {

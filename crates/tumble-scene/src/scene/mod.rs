@@ -277,8 +277,7 @@ impl Scene {
         }
     }
 
-    /// Whether forces move the body of this index; those that they do not stand still or move as
-    /// they are told.
+    /// Whether the body of this index is dynamic; the others are fixed or kinematic.
     #[must_use]
     pub fn is_free(&self, index: usize) -> bool {
         match &self.bodies {

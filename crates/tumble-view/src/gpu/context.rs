@@ -16,10 +16,8 @@ impl Gpu {
     /// Lends the graphics card, after what macroquad has kept back for it is drawn.
     #[expect(unsafe_code, reason = "macroquad lends its graphics context in no other way")]
     pub(crate) fn with<R>(&mut self, draw: impl FnOnce(&mut dyn RenderingBackend) -> R) -> R {
-        // SAFETY: macroquad checks that there is a window and that this is its thread. The
-        // reference must be the only one: it cannot be taken again while `draw` runs, for this
-        // takes `self` exclusively, of which there is one; macroquad's own functions hold theirs
-        // only while they run, and `draw` is given none of macroquad to call.
+        // SAFETY: macroquad checks window and thread. The reference stays the only one: `draw` runs
+        // under `&mut self`, of which there is one, and is given no function of macroquad to call.
         let mut lent = unsafe { get_internal_gl() };
         lent.flush();
         draw(lent.quad_context)

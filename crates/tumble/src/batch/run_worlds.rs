@@ -15,7 +15,7 @@ const LARGEST_BLOCK: usize = 8192;
 /// Works through any number of worlds in bounded memory: each is made, run, reduced and dropped
 /// inside `work`, in parallel, and `take` is given the results in the order of the worlds.
 ///
-/// Worlds are worked on in blocks of a tenth of a second, of 8192 worlds at most: a block begins no
+/// Worlds are run in blocks of a tenth of a second, of 8192 worlds at most: a block begins no
 /// world after that time, but one on each thread. So at most 8192 results are in memory, and what
 /// is finished waits to be taken for a tenth of a second and the time of one world, about. Of the
 /// worlds themselves there is one a thread; but a thread that waits inside `work` for others in the

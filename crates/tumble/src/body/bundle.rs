@@ -10,7 +10,7 @@ use crate::components::{
 use crate::integrators::derived::derived;
 use crate::integrators::state::{Constants, Moments, State};
 
-/// What a body that forces move has if nothing more is asked of it.
+/// The components of a dynamic body without optional ones.
 type Plain = (Pose, Momentum, Mass, Inertia, Wrench, Velocity, InverseInertia);
 type PlainWithId = (Pose, Momentum, Mass, Inertia, Wrench, Velocity, InverseInertia, BodyId);
 
@@ -76,7 +76,7 @@ impl Body {
     }
 
     /// Mass \[kg\], centre of mass \[m\] and inertia [kg m^2] in double precision, in the body's
-    /// own frame; `None` for a body that forces do not move.
+    /// own frame; `None` for a fixed or kinematic body.
     pub fn properties(&self) -> Option<&MassProperties> {
         self.properties.as_ref()
     }

@@ -25,7 +25,7 @@ use crate::math::{Vec3, dquat, dvec3, quat, vec3};
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum ChangeMassError {
-    /// The entity is gone, or forces do not move it.
+    /// The entity is gone, or no dynamic body.
     #[error("entity {0:?} is not a moving body: it needs Pose, Momentum and Mass")]
     NotMoving(Entity),
     /// The mass does not fit the precision of the build.

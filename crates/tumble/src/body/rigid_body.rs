@@ -13,14 +13,14 @@ use crate::math::{Quat, Real, Vec3, dquat, dvec3, quat, vec3};
 use crate::range;
 use crate::range::{MAX_DISTANCE, MAX_SPEED};
 
-/// What makes a body move.
+/// Whether a body is dynamic, kinematic or fixed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Motion {
-    /// Forces.
+enum MotionType {
+    /// Forces move it.
     Dynamic,
-    /// The velocity it is given.
+    /// It moves with a prescribed velocity.
     Kinematic,
-    /// Nothing.
+    /// It does not move.
     Fixed,
 }
 
@@ -43,7 +43,7 @@ enum Motion {
 #[must_use]
 pub struct RigidBody {
     shape: Shape,
-    motion: Motion,
+    motion: MotionType,
     amount: Option<Amount>,
     inertia: Option<PrincipalInertia>,
     center_of_mass: Option<DVec3>,
@@ -63,7 +63,7 @@ impl RigidBody {
     pub fn new(shape: Shape) -> Self {
         Self {
             shape,
-            motion: Motion::Dynamic,
+            motion: MotionType::Dynamic,
             amount: None,
             inertia: None,
             center_of_mass: None,
@@ -80,14 +80,14 @@ impl RigidBody {
 
     /// Makes it a body that does not move. It needs no mass.
     pub fn fixed(self) -> Self {
-        Self { motion: Motion::Fixed, ..self }
+        Self { motion: MotionType::Fixed, ..self }
     }
 
     /// Makes it a body that moves with the velocities it is given, whatever pushes it. It needs no
     /// mass; it turns about the origin of its frame, or about the
     /// [`center_of_mass`](Self::center_of_mass) that it is given.
     pub fn kinematic(self) -> Self {
-        Self { motion: Motion::Kinematic, ..self }
+        Self { motion: MotionType::Kinematic, ..self }
     }
 
     /// Its mass \[kg\]. Replaces a density.
@@ -176,14 +176,14 @@ impl RigidBody {
         let pose = Pose { position: self.position, orientation: quat(orientation) };
         let mut body = Body { id: self.id, ..Body::at(pose) };
         match self.motion {
-            Motion::Fixed => {
+            MotionType::Fixed => {
                 // It needs no mass, but its shape and what was given must be possible.
                 self.shape_properties(Some(Amount::Mass(1.0)))?;
                 if (self.linear_velocity, self.angular_velocity) != (Vec3::ZERO, Vec3::ZERO) {
                     return Err(BodyError::MovingFixed);
                 }
             }
-            Motion::Kinematic => {
+            MotionType::Kinematic => {
                 self.shape_properties(Some(Amount::Mass(1.0)))?;
                 body.velocity = Some(Velocity { linear: self.linear_velocity, angular: self.angular_velocity });
                 if let Some(center) = self.center_of_mass {
@@ -191,7 +191,7 @@ impl RigidBody {
                     body.pose.position = finite("position", vec3(dvec3(self.position) + orientation * center))?;
                 }
             }
-            Motion::Dynamic => self.make_dynamic(&mut body, orientation)?,
+            MotionType::Dynamic => self.make_dynamic(&mut body, orientation)?,
         }
         body.previous_pose = self.interpolated.then_some(PreviousPose(body.pose));
         Ok(body)

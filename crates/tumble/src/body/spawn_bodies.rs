@@ -105,7 +105,7 @@ impl Body {
     ///
     /// What depends on the state, such as the [`Velocity`](crate::Velocity), is computed; all else
     /// is the body's. A body with a [`BodyId`] gives it to the first copy, and the next ids to the
-    /// others, from 0 on after the largest. A body that forces do not move takes the poses and no
+    /// others, from 0 on after the largest. A fixed or kinematic body takes the poses and no
     /// momenta. Poses are taken as they are: finite, with unit quaternions.
     ///
     /// This is the fastest way to many bodies: the columns are allocated once and filled one after
@@ -181,7 +181,7 @@ impl Body {
         }
     }
 
-    /// Puts it elsewhere; the momentum is that of a body that forces move.
+    /// Puts it elsewhere; the momentum is that of a dynamic body.
     fn set_state(&mut self, pose: Pose, momentum: Momentum) {
         self.pose = pose;
         self.previous_pose = self.previous_pose.map(|_| PreviousPose(pose));

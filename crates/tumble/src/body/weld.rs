@@ -35,8 +35,8 @@ pub enum WeldError {
         /// The entity.
         entity: Entity,
     },
-    /// The entity is no body that forces move, but fixed, kinematic or no body at all: it has not
-    /// all of [`Pose`], [`Momentum`] and [`Mass`].
+    /// The entity is no dynamic body, but fixed, kinematic or no body at all: it has not all of
+    /// [`Pose`], [`Momentum`] and [`Mass`].
     #[error("{entity:?} is no body that forces move: it lacks a {lacks}")]
     Immovable {
         /// The entity.
@@ -90,7 +90,7 @@ pub enum WeldError {
 /// ```
 ///
 /// # Errors
-/// [`WeldError`] names the entity that is there twice, gone, or no body that forces move.
+/// [`WeldError`] names the entity that is there twice, gone, or no dynamic body.
 pub fn weld(world: &World, entities: &[Entity]) -> Result<Body, WeldError> {
     let first = *entities.first().ok_or(WeldError::NoBodies)?;
     check_unique(entities)?;

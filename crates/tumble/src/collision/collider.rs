@@ -15,7 +15,7 @@ use crate::components::Pose;
 use crate::math::Real;
 use crate::range::{LENGTHS, within};
 
-/// What other bodies bump into: a shape and its surface. A component of anything that has a
+/// The shape by which a body collides, and its surface. A component of anything that has a
 /// [`Pose`](crate::Pose).
 ///
 /// The shape is in the body's own frame, or at a [place](Self::with_offset) in it. A body with
@@ -53,8 +53,8 @@ pub struct Collider {
     parts: Option<Arc<[PartSurface]>>,
 }
 
-/// What a collider is and what it touches, as bits. Two touch if each is something that the other
-/// touches.
+/// Collision groups as bits: memberships and filter. Two colliders touch if each is a member of a
+/// group in the other's filter.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct Groups {
     membership: u32,
@@ -69,7 +69,7 @@ impl Groups {
         (self.membership, self.filter)
     }
 
-    /// What either is, and what either touches.
+    /// The union of both.
     pub(crate) fn with(self, other: Self) -> Self {
         Self { membership: self.membership | other.membership, filter: self.filter | other.filter }
     }
@@ -230,8 +230,7 @@ impl Collider {
         &self.material
     }
 
-    /// What it is, and what it touches; of [several colliders](Self::compound) what any of them
-    /// does.
+    /// Its collision groups; of [several colliders](Self::compound) the union of theirs.
     #[must_use]
     pub fn groups(&self) -> (u32, u32) {
         self.groups.bits()
@@ -250,7 +249,7 @@ impl Collider {
         self.offset
     }
 
-    /// What its parts have, if they have it each for itself.
+    /// The surfaces of its parts, if they have their own.
     pub(crate) fn surfaces(&self) -> &[PartSurface] {
         self.parts.as_deref().unwrap_or_default()
     }

@@ -1,4 +1,4 @@
-//! What can be touched of the shapes that bodies have.
+//! From the shapes of bodies to those of colliders.
 
 use std::sync::Arc;
 
@@ -70,7 +70,7 @@ pub(crate) fn of_shape(shape: &Shape) -> Result<ColliderShape, ColliderError> {
     })
 }
 
-/// What of a compound can be touched.
+/// The collider shape of a compound.
 fn compound(parts: &[Part], depth: usize) -> Result<ColliderShape, ColliderError> {
     let mut found = Vec::new();
     if depth > Shape::MAX_DEPTH {
@@ -103,7 +103,7 @@ pub(crate) fn hull(points: &[DVec3]) -> Result<ColliderShape, ColliderError> {
     checked(ColliderShape::Hull(Arc::new(ConvexHull::new(&points)?)))
 }
 
-/// What is given in double precision has to have a size in the build's.
+/// Sizes given in double precision must not vanish in that of the build.
 pub(crate) fn checked(geometry: ColliderShape) -> Result<ColliderShape, ColliderError> {
     match geometry.reach() {
         Some(reach) if !(reach.is_normal() && reach > 0.0) => {

@@ -1,4 +1,4 @@
-//! Where a collider is in a substep, and how its body goes on from there.
+//! Where a collider is in a substep, and how its body moves on.
 
 use tumble_collide::{Aabb, ColliderShape, Isometry, Proxy};
 use tumble_math::lane::{Quat, Vec3};
@@ -32,25 +32,25 @@ pub(crate) struct ColliderState {
     /// Centre of mass \[m\].
     pub(crate) center: Vec3<Real>,
     pub(crate) kind: LaneKind,
-    /// Whether impulses move it.
-    pub(crate) moves: bool,
+    /// Whether the body is dynamic.
+    pub(crate) is_dynamic: bool,
     /// How far from its surface another's may be to be a contact, with the other's reach added
     /// \[m\].
     pub(crate) reach: Real,
-    /// The same but for how fast it goes \[m\]; zero of what impulses do not move.
+    /// The same without what its velocity adds \[m\]; zero for non-dynamic bodies.
     pub(crate) margin: Real,
-    /// Of what impulses do not move \[m/s\] \[rad/s\].
+    /// Linear and angular, of non-dynamic bodies [m/s] [rad/s].
     pub(crate) velocity: (Vec3<Real>, Vec3<Real>),
     pub(crate) motion: Motion,
 }
 
-/// How a body with a collider goes on if nothing holds it, through a step and one more substep: so
-/// far contacts look ahead.
+/// How a body with a collider moves without contacts, through a step and one more substep: so far
+/// contacts look ahead.
 #[derive(Clone, Copy)]
 pub(crate) struct Motion {
     /// How far its centre of mass goes \[m\].
     pub(crate) way: Vec3<Real>,
-    /// By which angle it turns, about this direction \[rad\]; zero of what hardly does.
+    /// By which angle it turns, about this direction \[rad\]; zero where that is negligible.
     pub(crate) turn: Vec3<Real>,
     /// How far from its centre of mass its collider reaches \[m\].
     pub(crate) radius: Real,
@@ -64,11 +64,11 @@ impl Motion {
 }
 
 impl ColliderState {
-    /// What the broad phase is to know of it. What has no geometry is nowhere.
+    /// Its proxy in the broad phase. Without geometry it is nowhere.
     pub(crate) fn proxy(&self, geometry: Option<&ColliderShape<Real>>) -> Proxy<Real> {
         let nowhere = Some(Aabb::about(Vec3::splat(Real::NAN), Vec3::zero()));
         let aabb = geometry.map_or(nowhere, |geometry| geometry.aabb(&self.placement, self.reach));
-        Proxy { aabb, moves: self.moves }
+        Proxy { aabb, moves: self.is_dynamic }
     }
 
     /// Known by its centre of mass alone.
@@ -87,7 +87,7 @@ impl ColliderState {
             placement: Isometry { position: zero, orientation },
             center: zero,
             kind: LaneKind::Other,
-            moves: false,
+            is_dynamic: false,
             reach: 0.0,
             margin: 0.0,
             velocity: (zero, zero),

@@ -9,7 +9,7 @@ use crate::collision::collider_error::ColliderError;
 use crate::collision::collider_shape::{ColliderShape, checked};
 use crate::collision::material::Material;
 
-/// What is a part's own.
+/// The surface and groups of a part.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct PartSurface {
     /// Of the numbers of the shape's parts, the first after those of this one.

@@ -10,10 +10,10 @@ use crate::math::Real;
 use crate::simd::Octet;
 use crate::storage::body_index::Slot;
 
-/// Two bodies that touch: where, and what held them there. What is kept from step to step.
+/// A contact of two bodies: points, surface and impulses. Kept from step to step.
 #[derive(Clone, Debug)]
 pub(crate) struct ContactRecord {
-    /// Slots of the bodies; where impulses move only one, it is the second.
+    /// Slots of the bodies; where only one is dynamic, it is the second.
     pub(crate) slots: [Slot; 2],
     /// Of the shapes.
     pub(crate) kind: LaneKind,
@@ -33,18 +33,17 @@ pub(crate) struct ContactRecord {
 pub(crate) struct Second {
     /// Its centre of mass \[m\].
     pub(crate) center: Vec3<Real>,
-    /// Whether impulses move it alone.
-    pub(crate) alone: bool,
+    /// Whether the first body is not dynamic.
+    pub(crate) has_non_dynamic: bool,
     /// How near its surface and the other are a contact \[m\].
     pub(crate) margin: Real,
 }
 
 impl Second {
-    /// Which share of the gap between the surfaces is before a point: none of it where the second
-    /// alone is moved, so that what is thin has the arms that it has however deep it is in what
-    /// does not move.
+    /// Which share of the gap between the surfaces is before a point: all of it on a non-dynamic
+    /// body, so that the arms of a thin body do not depend on the penetration.
     fn share(&self, carried: Real) -> Real {
-        if self.alone { 1.0 } else { carried }
+        if self.has_non_dynamic { 1.0 } else { carried }
     }
 }
 
@@ -58,7 +57,7 @@ pub(crate) enum UpdateRule {
     BodyFixed,
     /// Of balls: the normal is along the line of the centres of mass.
     LineOfCenters,
-    /// What is round and rolls: found again in each substep.
+    /// Of round shapes that roll: found again in each substep.
     Refined,
     /// Of a ball about its centre of mass on a plane that does not turn: nothing changes.
     Constant,
@@ -77,7 +76,7 @@ impl UpdateRule {
 const SAME_PLACE: Real = 0.5;
 
 impl ContactRecord {
-    /// Of nobody.
+    /// Of no bodies.
     pub(crate) const NONE: Self = Self {
         kind: LaneKind::Other,
         part: 0,
@@ -143,8 +142,7 @@ impl ContactRecord {
         self.normal_impulses.dynamic_friction = surface.dynamic_friction;
     }
 
-    /// What contacts are in the order of: the kind of the shapes, both slots, the lower first, and
-    /// the part.
+    /// The sort key of contacts: the kind of the shapes, both slots, the lower first, and the part.
     pub(crate) fn key(&self) -> (LaneKind, Slot, Slot, u32) {
         let [a, b] = self.slots;
         (self.kind, a.min(b), a.max(b), self.part)

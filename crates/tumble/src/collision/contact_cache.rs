@@ -1,5 +1,5 @@
-//! What contacts keep from step to step: matched with the bodies that there are now, saved, put
-//! back, and compared for what began and ended.
+//! The contacts of the last step: matched with the bodies of this one, saved and restored, and
+//! compared for events.
 
 use hecs::World;
 
@@ -23,7 +23,7 @@ pub(crate) struct ContactCache {
     before_step: Vec<ContactRecord>,
     /// How often contacts were found since the step began: once a substep of the settings.
     substeps: u32,
-    /// What touched and has lost one of two bodies between the steps.
+    /// Pairs that touched and have lost a body between the steps.
     pub(crate) ended: Vec<EndedPair>,
     /// Of the steps before the last that were taken in the same call.
     pub(crate) events: Vec<ContactEvent>,
@@ -144,16 +144,18 @@ impl CollisionPipeline {
     /// Puts back what was saved, between the bodies that have the same keys in this world.
     pub(crate) fn put_back(&mut self, saved: &SavedContacts, world: &World) {
         self.forget();
-        let Self { cache: ContactCache { body_keys, .. }, contacts: ContactSet { records, .. }, states, .. } = self;
+        let Self {
+            cache: ContactCache { body_keys, .. }, contacts: ContactSet { records, .. }, collider_states, ..
+        } = self;
         body_keys.set(&saved.body_keys, world);
         records.extend_from_slice(&saved.contacts);
         records.retain(|contact| contact.slots.iter().all(|slot| body_keys.is_here(*slot)));
-        states.states.clear();
-        states.states.extend(saved.centers.iter().copied().map(ColliderState::at_center));
+        collider_states.states.clear();
+        collider_states.states.extend(saved.centers.iter().copied().map(ColliderState::at_center));
     }
 
     /// Where the centre of mass of a slot was when the step began \[m\].
     pub(crate) fn center(&self, slot: Slot) -> [Real; 3] {
-        self.states.states.get(slot.index()).map_or([0.0; 3], ColliderState::center)
+        self.collider_states.states.get(slot.index()).map_or([0.0; 3], ColliderState::center)
     }
 }

@@ -1,4 +1,4 @@
-//! What begins and ends to touch.
+//! Contact events: which bodies begin and end to touch.
 
 use hecs::Entity;
 
@@ -8,7 +8,7 @@ use crate::collision::contact_cache::ContactCache;
 use crate::collision::narrow_phase::LaneKind;
 use crate::storage::body_index::Slot;
 
-/// What changed in a step between two bodies with colliders; see
+/// The begin or end of the contact of two bodies with colliders in a step; see
 /// [`Simulation::contact_events`](crate::Simulation::contact_events).
 ///
 /// ```
@@ -49,7 +49,7 @@ impl ContactEvent {
     }
 }
 
-/// What contacts are in the order of, but for the part.
+/// The sort key of contacts without the part.
 type Pair = (LaneKind, [Slot; 2]);
 
 impl ContactCache {
@@ -60,8 +60,7 @@ impl ContactCache {
         self.events.extend(events);
     }
 
-    /// What began and ended to touch in the last step, in the order of the bodies; `contacts` are
-    /// those after it.
+    /// The events of the last step, in the order of the bodies; `contacts` are those after it.
     pub(crate) fn events_of_step(&self, contacts: &[ContactRecord]) -> impl Iterator<Item = ContactEvent> + use<> {
         let Self { body_keys, ended, .. } = self;
         let mut events: Vec<([BodyKey; 2], ContactEvent)> = Vec::new();

@@ -5,7 +5,7 @@ use crate::collision::compound_parts::numbers;
 use crate::collision::material::{Material, Surface};
 use crate::storage::body_index::Slot;
 
-/// What only some surfaces do, and takes passes and numbers of its own.
+/// Which optional stages the contacts need: those for restitution and for rolling resistance.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(crate) struct Extras {
     pub(crate) rolls: bool,
@@ -13,7 +13,7 @@ pub(crate) struct Extras {
 }
 
 impl Extras {
-    /// Adds what a surface may do, whatever it touches.
+    /// Adds what a surface needs.
     pub(crate) fn add(&mut self, material: &Material) {
         self.rolls |= material.rolling_resistance > 0.0;
         self.bounces |= material.restitution > 0.0;
@@ -99,16 +99,15 @@ impl Materials {
         known.unwrap_or(self.different.len() - 1) as u32
     }
 
-    /// What any of them may do. That of the contacts there are would change from step to step, and
-    /// with it how those without are rounded.
+    /// Those that any of the materials needs. Taken from the contacts they would change from step
+    /// to step, and with them the rounding of other contacts.
     pub(crate) fn extras(&self) -> Extras {
         let mut extras = Extras::default();
         self.different.iter().for_each(|material| extras.add(material));
         extras
     }
 
-    /// What the surfaces of two slots' colliders are like where they touch, in the contact of this
-    /// number.
+    /// The combined surface of two slots' colliders in the contact of this number.
     pub(crate) fn between(&self, slots: [Slot; 2], pair: u32) -> Surface {
         let [mut a, mut b] = slots.map(|slot| self.of_slots[slot.index()]);
         if (a | b) & OF_PARTS != 0 {

@@ -15,7 +15,7 @@ use crate::collision::pipeline::{Colliders, CollisionPipeline};
 use crate::math::Real;
 use crate::storage::body_index::Slot;
 
-/// What goes less than this part of a margin past another in a step meets no edge of it.
+/// A body that slides less than this part of a margin in a step meets no internal edge.
 const SLIDES: Real = 0.5;
 /// Tops that differ by less than this part of the margin are one floor: a hundredth of half the
 /// thickness of what slides.
@@ -28,10 +28,10 @@ const SAME_NORMAL: Real = 0.999_999;
 /// Most contacts of a body on a floor that are compared.
 const MAX: usize = 64;
 
-/// What the seams of floors are found with.
+/// Scratch memory of the search for internal edges.
 #[derive(Clone, Default)]
 pub(crate) struct InternalEdges {
-    /// By slot: whether it is in contact with what impulses do not move, or is that.
+    /// By slot: whether the body is in contact with a non-dynamic body, or is one.
     on_fixed: Vec<bool>,
     /// Slots of bodies on a floor, and the numbers of their contacts with what they go past.
     sliding: Vec<(Slot, u32)>,
@@ -51,9 +51,9 @@ pub(crate) struct Floor {
 
 impl Floor {
     /// That of a contact, under its second body or the first.
-    pub(crate) fn of(contact: &ContactRecord, under_second: bool, shapes: &[ColliderState]) -> Self {
+    pub(crate) fn of(contact: &ContactRecord, under_second: bool, states: &[ColliderState]) -> Self {
         let normal = contact.geometry.normal;
-        let center = shapes[contact.slots[1].index()].center;
+        let center = states[contact.slots[1].index()].center;
         let sign = if under_second { 0.5 } else { -0.5 };
         let point = center + contact.half_way(0) - normal * (contact.separation(0) * sign);
         let normal = if under_second { normal } else { normal * -1.0 };
@@ -74,24 +74,23 @@ impl Floor {
 
 impl InternalEdges {
     /// Finds the bodies on a floor that go past something else that they are in contact with.
-    fn find_sliding(&mut self, contacts: &[ContactRecord], shapes: &[ColliderState]) {
+    fn find_sliding(&mut self, contacts: &[ContactRecord], states: &[ColliderState]) {
         let Self { on_fixed, sliding, .. } = self;
-        // Only what impulses do not move is a floor: what they move may be left out of the step
-        // later.
+        // Only non-dynamic bodies are floors: a dynamic one may be left out of the step later.
         on_fixed.clear();
-        on_fixed.resize(shapes.len(), false);
+        on_fixed.resize(states.len(), false);
         for ContactRecord { slots: [a, b], .. } in contacts {
-            if shapes[a.index()].moves != shapes[b.index()].moves {
+            if states[a.index()].is_dynamic != states[b.index()].is_dynamic {
                 (on_fixed[a.index()], on_fixed[b.index()]) = (true, true);
             }
         }
         sliding.clear();
         for (index, contact) in (0_u32..).zip(contacts) {
-            let may_slide = |slot: Slot| on_fixed[slot.index()] && shapes[slot.index()].moves;
+            let may_slide = |slot: Slot| on_fixed[slot.index()] && states[slot.index()].is_dynamic;
             if !contact.slots.into_iter().any(may_slide) {
                 continue;
             }
-            let [a, b] = contact.slots.map(|slot| &shapes[slot.index()]);
+            let [a, b] = contact.slots.map(|slot| &states[slot.index()]);
             let (way, most) = (b.motion.way - a.motion.way, SLIDES * contact.margin());
             if way.dot(way) > most * most {
                 sliding.extend(contact.slots.into_iter().filter(|slot| may_slide(*slot)).map(|slot| (slot, index)));
@@ -101,7 +100,7 @@ impl InternalEdges {
     }
 
     /// Finds the contacts with what lies level with a floor.
-    fn find_seams(&mut self, contacts: &[ContactRecord], shapes: &[ColliderState], colliders: &Colliders) {
+    fn find_seams(&mut self, contacts: &[ContactRecord], states: &[ColliderState], colliders: &Colliders) {
         let Self { sliding, left_out, .. } = self;
         left_out.clear();
         for group in sliding.chunk_by(|a, b| a.0 == b.0).filter(|group| group.len() > 1) {
@@ -118,13 +117,13 @@ impl InternalEdges {
                     let contact = &contacts[*index as usize];
                     let under = contact.slots[usize::from(contact.slots[0] == slot)];
                     let up = normal_of(contact, slot).dot(away);
-                    let floor = || Floor::of(contact, contact.slots[1] == slot, shapes);
+                    let floor = || Floor::of(contact, contact.slots[1] == slot, states);
                     let is_one_point = contact.count() == 1 && edge.count() == 1;
                     let same = if is_one_point { SAME_NORMAL } else { SAME_FACE };
                     (SAME_FACE - 1.0..same).contains(&up)
-                        && !shapes[under.index()].moves
-                        && floor().is_level_with(&collider.geometry, number, &shapes[its_slot.index()])
-                        && is_face(contact, slot, shapes, colliders)
+                        && !states[under.index()].is_dynamic
+                        && floor().is_level_with(&collider.geometry, number, &states[its_slot.index()])
+                        && is_face(contact, slot, states, colliders)
                 });
                 if let Some((_, of_floor)) = floor {
                     left_out.push((*of_edge, *of_floor));
@@ -137,17 +136,18 @@ impl InternalEdges {
 impl CollisionPipeline {
     /// Leaves out the contacts of bodies with what lies level with the floor that they slide over.
     pub(crate) fn leave_out_internal_edges(&mut self) {
-        let Self { contacts: ContactSet { records: contacts, .. }, states, colliders, internal_edges, .. } = self;
-        let shapes = &states.states[..];
-        let slides = |shape: &ColliderState, margin: Real| {
-            let way = shape.motion.way;
+        let Self { contacts: ContactSet { records: contacts, .. }, collider_states, colliders, internal_edges, .. } =
+            self;
+        let states = &collider_states.states[..];
+        let slides = |state: &ColliderState, margin: Real| {
+            let way = state.motion.way;
             way.dot(way) > SLIDES * SLIDES * margin * margin
         };
-        if !shapes.iter().any(|shape| shape.moves && slides(shape, shape.margin)) {
+        if !states.iter().any(|state| state.is_dynamic && slides(state, state.margin)) {
             return;
         }
-        internal_edges.find_sliding(contacts, shapes);
-        internal_edges.find_seams(contacts, shapes, colliders);
+        internal_edges.find_sliding(contacts, states);
+        internal_edges.find_seams(contacts, states, colliders);
         let left_out = &mut internal_edges.left_out;
         if left_out.is_empty() {
             return;
@@ -170,14 +170,14 @@ impl CollisionPipeline {
 
 /// Whether a contact holds a body over a flat face of the other: what holds it over an edge may
 /// itself be a seam.
-fn is_face(contact: &ContactRecord, slot: Slot, shapes: &[ColliderState], colliders: &Colliders) -> bool {
+fn is_face(contact: &ContactRecord, slot: Slot, states: &[ColliderState], colliders: &Colliders) -> bool {
     let other = usize::from(contact.slots[0] == slot);
     let [Some((collider, _)), Some((second, _))] = [other, 1].map(|which| colliders.get(contact.slots[which])) else {
         return false;
     };
     let number = numbers(contact.part, second.geometry.parts())[other];
     let (_, inner, part) = collider.geometry.part_of(number);
-    let at = shapes[contact.slots[other].index()].placement.then(&inner);
+    let at = states[contact.slots[other].index()].placement.then(&inner);
     part.has_face(at.orientation.rotate_back(normal_of(contact, slot)))
 }
 

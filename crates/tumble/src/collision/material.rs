@@ -3,8 +3,8 @@
 use crate::collision::collider_error::ColliderError;
 use crate::math::Real;
 
-/// What the surface of a [`Collider`](crate::Collider) is like. Rules and fields are those of
-/// KHR_physics_rigid_bodies, and resistance to rolling.
+/// Friction, restitution and rolling resistance of a [`Collider`](crate::Collider). Rules and
+/// fields are those of KHR_physics_rigid_bodies, and resistance to rolling.
 ///
 /// ```
 /// use tumble::{Collider, Material, Shape};

@@ -35,7 +35,7 @@ use hecs::World;
 
 use crate::collision::collider::Collider;
 
-/// Whether anything in a world can touch anything.
+/// Whether any contacts are possible in a world.
 pub(crate) fn are_in(world: &World) -> bool {
     world.archetypes().any(|archetype| !archetype.is_empty() && archetype.has::<Collider>())
 }

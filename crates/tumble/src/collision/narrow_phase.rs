@@ -42,7 +42,7 @@ octet! {
         offset: Vec3<T>,
         /// How far it looks for others \[m\].
         reach: T,
-        /// The same but for how fast it goes \[m\]; zero of what impulses do not move.
+        /// The same without what its velocity adds \[m\]; zero for non-dynamic bodies.
         margin: T,
     }
 }
@@ -207,7 +207,7 @@ impl Pairs {
 
 /// A kind of shape whose pairs are tested in lanes.
 trait LaneShape {
-    /// What of it is in a tile, about its origin.
+    /// The shapes of a tile, about their origins.
     type Lanes<T: Tile>;
 
     /// A shape of a size and an orientation.

@@ -32,8 +32,8 @@ pub(crate) type NearPair = (LaneKind, [Slot; 2]);
 const PART: usize = 1024;
 
 impl NearPairs {
-    /// Finds the pairs that may touch, and sorts them by the kind of their shapes. Where impulses
-    /// move only one of two, it is the second.
+    /// Finds the pairs that may touch, and sorts them by the kind of their shapes. Where only one
+    /// of two is dynamic, it is the second.
     pub(crate) fn find(
         &mut self,
         ColliderStates { states, proxies, .. }: &ColliderStates,
@@ -77,7 +77,7 @@ impl NearPairs {
     }
 }
 
-/// A pair with the kind of its shapes. Where impulses move only one of two, it is the second.
+/// A pair with the kind of its shapes. Where only one of two is dynamic, it is the second.
 fn near_pair(states: &[ColliderState], proxies: &[Proxy<Real>], (first, second): (u32, u32)) -> NearPair {
     let [p, q] = [&proxies[first as usize], &proxies[second as usize]];
     let slots = if p.moves && !q.moves { [second, first] } else { [first, second] };

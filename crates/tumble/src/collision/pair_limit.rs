@@ -22,7 +22,7 @@ pub(crate) fn most_listed(bodies: usize) -> usize {
     MAX_LISTED * bodies.max(FEW_BODIES)
 }
 
-/// What the limit is found out with.
+/// Scratch memory of the pair limit.
 #[derive(Clone, Default)]
 pub(crate) struct PairLimit {
     /// By slot, how many pairs it is in.

@@ -33,7 +33,7 @@ pub(crate) struct CollisionPipeline {
     pub(crate) body_index: BodyIndex,
     pub(crate) colliders: Colliders,
     /// In this substep.
-    pub(crate) states: ColliderStates,
+    pub(crate) collider_states: ColliderStates,
     pub(crate) contacts: ContactSet,
     /// Kept from step to step.
     pub(crate) broad_phase: BroadPhase<Real>,
@@ -71,7 +71,7 @@ impl Colliders {
         self.list[slot.index()].as_ref()
     }
 
-    /// Takes over those of a world. Returns whether pairs are filtered as before.
+    /// Reads the colliders of a world. Returns whether pairs are filtered as before.
     fn update(&mut self, world: &World, body_index: &BodyIndex) -> bool {
         let Self { list, groups, materials } = self;
         list.clear();
@@ -95,7 +95,7 @@ impl Colliders {
 }
 
 impl CollisionPipeline {
-    /// Finds out what has a collider, or joints. To be called again when anything was spawned,
+    /// Lists the bodies with colliders or joints. To be called again when anything was spawned,
     /// despawned or changed but momentum and pose.
     ///
     /// Returns whether all slots are what they were.
@@ -105,12 +105,12 @@ impl CollisionPipeline {
                 archetype.ids().iter().for_each(|id| mark(*id));
             }
         });
-        let Self { body_index, colliders, states, contacts, broad_phase, cache, .. } = self;
+        let Self { body_index, colliders, collider_states, contacts, broad_phase, cache, .. } = self;
         let same_groups = colliders.update(world, body_index);
         contacts.extras = colliders.materials.extras();
         let same_slots = cache.renumber(world, body_index, colliders, &mut contacts.records);
         if !same_slots {
-            states.renumber(cache.body_keys.renumbered(), body_index.len());
+            collider_states.renumber(cache.body_keys.renumbered(), body_index.len());
         }
         if !(same_groups && same_slots) {
             // It asks once whether a pair is wanted.
@@ -138,8 +138,8 @@ impl CollisionPipeline {
         // After the last substep contacts see to it that in one more nothing would come too near.
         let ahead = settings.substep() + settings.contact_substep();
         self.update_aabbs(columns, [settings.substep(), ahead]);
-        let Self { states, colliders, broad_phase, near, .. } = self;
-        near.find(states, &colliders.groups, broad_phase, joints);
+        let Self { collider_states, colliders, broad_phase, near, .. } = self;
+        near.find(collider_states, &colliders.groups, broad_phase, joints);
         self.cache.keep_previous(&mut self.contacts.records);
         self.find_manifolds();
         self.contacts.substep = settings.contact_substep();
@@ -147,10 +147,10 @@ impl CollisionPipeline {
         self.limit_speculative(fall);
         self.leave_out_internal_edges();
         self.match_impulses();
-        let Self { states, colliders, contacts: ContactSet { records, rounds, .. }, .. } = self;
+        let Self { collider_states, colliders, contacts: ContactSet { records, rounds, .. }, .. } = self;
         rounds.clear();
         let numbered = (0..).zip(&*records);
-        rounds.extend(numbered.filter_map(|contact| RoundContact::of(contact, colliders, &states.states)));
+        rounds.extend(numbered.filter_map(|contact| RoundContact::of(contact, colliders, &collider_states.states)));
     }
 
     /// How many contacts there were after the last step, and how many pairs of shapes without lanes
@@ -161,15 +161,15 @@ impl CollisionPipeline {
 
     /// The narrow phase: contacts of the pairs that are near each other.
     fn find_manifolds(&mut self) {
-        let Self { states, near, found, contacts: ContactSet { records: contacts, .. }, colliders, .. } = self;
-        let (end, some_empty) = near.cuboids.touch(LaneKind::Cuboid, &states.lanes, contacts, 0);
-        let (end, more_empty) = near.spheres.touch(LaneKind::Sphere, &states.lanes, contacts, end);
+        let Self { collider_states, near, found, contacts: ContactSet { records: contacts, .. }, colliders, .. } = self;
+        let (end, some_empty) = near.cuboids.touch(LaneKind::Cuboid, &collider_states.lanes, contacts, 0);
+        let (end, more_empty) = near.spheres.touch(LaneKind::Sphere, &collider_states.lanes, contacts, end);
         contacts.truncate(end);
         let parts = near.others.len().div_ceil(OTHERS_PART);
         found.resize_with(parts.max(found.len()), Vec::new);
         near.others.par_chunks(OTHERS_PART).zip(&mut *found).by_at_least(2).for_each(|(pairs, found)| {
             found.clear();
-            pairs.iter().for_each(|slots| collide_pair(*slots, &states.states, colliders, found));
+            pairs.iter().for_each(|slots| collide_pair(*slots, &collider_states.states, colliders, found));
         });
         found[..parts].iter().for_each(|found| contacts.extend_from_slice(found));
         if some_empty || more_empty || contacts[end..].iter().any(|contact| contact.count() == 0) {
@@ -197,7 +197,8 @@ fn collide_pair(slots: [Slot; 2], states: &[ColliderState], colliders: &Collider
     if let [Some((a, _)), Some((b, _))] = slots.map(|slot| colliders.get(slot)) {
         let before = found.len();
         let margin = first.reach + second.reach;
-        let of_second = Second { center: second.center, alone: !first.moves, margin: first.margin + second.margin };
+        let of_second =
+            Second { center: second.center, has_non_dynamic: !first.is_dynamic, margin: first.margin + second.margin };
         let rolls = update_rule([first, second], [&a.geometry, &b.geometry]);
         contact_manifolds(
             &a.geometry,
@@ -230,7 +231,7 @@ fn update_rule(states: [&ColliderState; 2], shapes: [&ColliderShape<Real>; 2]) -
         let [u, v, w] = [states[which].velocity.1.x, states[which].velocity.1.y, states[which].velocity.1.z];
         let flat =
             matches!(shapes[which], ColliderShape::HalfSpace | ColliderShape::Mesh(_) | ColliderShape::HeightField(_));
-        flat && !states[which].moves && [u, v, w] == [0.0; 3]
+        flat && !states[which].is_dynamic && [u, v, w] == [0.0; 3]
     };
     let is_constant = (is_centered(0) && is_flat_ground(1)) || (is_centered(1) && is_flat_ground(0));
     if is_constant { UpdateRule::Constant } else { UpdateRule::Refined }

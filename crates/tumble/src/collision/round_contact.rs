@@ -1,7 +1,7 @@
 //! Contacts of round shapes, found again where their bodies have moved to within a step.
 
 use tumble_collide::{ColliderShape, Isometry, Manifold, contact_manifolds};
-use tumble_math::lane::{Quat, Vec3};
+use tumble_math::lane::Vec3;
 
 use crate::collision::collider_state::ColliderState;
 use crate::collision::contact::ContactRecord;
@@ -17,22 +17,12 @@ pub(crate) struct RoundContact {
     part: u32,
     geometries: [ColliderShape<Real>; 2],
     placements: [Isometry<Real>; 2],
-    /// Whether impulses move the second body alone.
-    pub(crate) alone: bool,
+    /// Whether the first body is not dynamic.
+    pub(crate) has_non_dynamic: bool,
     /// The first body's centre of mass.
     apart: Vec3<Real>,
     /// How near surfaces are a contact \[m\].
     margin: Real,
-}
-
-/// How a body has moved since the step began.
-#[derive(Clone, Copy)]
-pub(crate) struct Displacement {
-    /// Of its centre of mass \[m\].
-    pub(crate) way: Vec3<Real>,
-    pub(crate) turn: Quat<Real>,
-    /// Whether it has turned at all.
-    pub(crate) has_turned: bool,
 }
 
 /// A pair that has moved by less than this part of its margin is where it was.
@@ -48,34 +38,35 @@ impl RoundContact {
         if !contact.is_refined() {
             return None;
         }
-        let shapes = contact.slots.map(|slot| &states[slot.index()]);
+        let states = contact.slots.map(|slot| &states[slot.index()]);
         let [Some((a, _)), Some((b, _))] = contact.slots.map(|slot| colliders.get(slot)) else { return None };
-        let origin = shapes[1].center;
-        let placements = shapes.map(|shape| Isometry {
-            position: shape.placement.position - origin,
-            orientation: shape.placement.orientation,
+        let origin = states[1].center;
+        let placements = states.map(|state| Isometry {
+            position: state.placement.position - origin,
+            orientation: state.placement.orientation,
         });
         Some(Self {
             contact: number,
             part: contact.part,
             geometries: [a.geometry.clone(), b.geometry.clone()],
             placements,
-            alone: !shapes[0].moves,
-            apart: shapes[0].center - origin,
-            margin: shapes[0].reach + shapes[1].reach,
+            has_non_dynamic: !states[0].is_dynamic,
+            apart: states[0].center - origin,
+            margin: states[0].reach + states[1].reach,
         })
     }
 
-    /// What has become of it, if its bodies have moved: a manifold about the second body's centre
-    /// of mass as it is now.
-    pub(crate) fn find(&self, [first, second]: [Displacement; 2]) -> Option<Manifold<Real>> {
-        let slid = first.way - second.way;
+    /// The manifold now, about the second body's centre of mass as it is now, if the bodies have
+    /// moved: by these delta poses since the step began, of centres of mass \[m\] and orientations.
+    pub(crate) fn find(&self, delta_poses: [Isometry<Real>; 2], has_turned: bool) -> Option<Manifold<Real>> {
+        let [first, second] = delta_poses;
+        let slid = first.position - second.position;
         let still = STILL * self.margin;
-        if !(first.has_turned || second.has_turned) && slid.dot(slid) < still * still {
+        if !has_turned && slid.dot(slid) < still * still {
             return None;
         }
         let [a, b] = &self.placements;
-        let (p, q) = (first.turn, second.turn);
+        let (p, q) = (first.orientation, second.orientation);
         let first_at = Isometry {
             position: self.apart + slid + p.rotate(a.position - self.apart),
             orientation: p * a.orientation,

@@ -29,7 +29,7 @@ pub(crate) struct SavedContacts {
     pub(crate) places: Vec<Slot>,
 }
 
-/// What a file has of a contact.
+/// A contact as a file has it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct SavedContact {
     /// The bodies, as places among the keys.
@@ -117,7 +117,7 @@ impl SavedContact {
         }
     }
 
-    /// What contacts of a file are in the order of.
+    /// The sort key of the contacts of a file.
     pub(crate) fn key(&self) -> (u32, u32, u32) {
         let [a, b] = self.bodies;
         (a.min(b), a.max(b), self.part)
@@ -155,7 +155,7 @@ impl SavedContacts {
         contacts
     }
 
-    /// What was read from a file: one centre and load for each key, and contacts between those.
+    /// From a file: one centre and load for each key, and contacts between those.
     pub(crate) fn new(
         body_keys: Vec<BodyKey>,
         (centers, loads): (Vec<[Real; 3]>, Vec<f64>),
@@ -181,7 +181,7 @@ impl SavedContacts {
 }
 
 impl ContactRecord {
-    /// What of it decides the next step, and what is reported of it; the rest is recomputed.
+    /// The part that the next step and reports depend on; the rest is recomputed.
     fn saved(&self) -> SavedContact {
         let mut points = [SavedPoint::NONE; MAX_MANIFOLD_POINTS];
         for (j, point) in points.iter_mut().enumerate().take(self.count()) {

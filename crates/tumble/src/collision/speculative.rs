@@ -1,5 +1,5 @@
-//! What bodies meet on their ways through a step: contacts that they only would have if surfaces
-//! had no end are left out, and the others lie as they do when the bodies meet.
+//! Speculative contacts: those that bodies miss on their paths through a step are left out, and the
+//! others lie where the bodies meet.
 //!
 //! A body that is stopped goes on along what stops it, so what it would have met behind is left
 //! out, and what is beside counts.
@@ -20,7 +20,7 @@ use crate::threads::InParts;
 
 /// Surfaces nearer than this part of their margin meet.
 const MEETING: Real = 0.25;
-/// What goes further past the other than this many margins in a step is gone along even where it is
+/// A body that passes another by more than this many margins in a step is traced even where it is
 /// nearer than the margin.
 const FAST: Real = 4.0;
 /// A contact is as it was found where, until they meet, the bodies go past each other by less than
@@ -30,9 +30,10 @@ const BESIDE: f64 = 10.0;
 const SAME_NORMAL: f64 = 1e-2;
 /// ... and its plane to this part of the margin.
 const SAME_PLANE: f64 = 0.05;
-/// What turns by less about other axes than its own \[rad\] leaves points where they are on it.
+/// Contact points stay where they are on a body that turns by less \[rad\] about axes other than
+/// its axis of symmetry.
 const ROLLS: Real = 0.2;
-/// How often a body may be stopped in a step and go on along what stopped it.
+/// How often a body may be stopped in a step and slide on along the obstacle.
 const ROUNDS: usize = 3;
 /// Slower than this part of the way they go they do not approach what they go along.
 const ALONG: f64 = 1e-6;
@@ -62,7 +63,7 @@ struct Traveller {
     turned_off: f64,
 }
 
-/// What is known of the ways that two bodies go.
+/// How a contact is treated, by the paths of its two bodies.
 #[derive(Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Way {
     /// Their contact is as it was found.
@@ -74,13 +75,13 @@ pub(crate) enum Way {
 }
 
 impl Way {
-    fn of(contact: &ContactRecord, shapes: [&ColliderState; 2], fall: Real) -> Self {
+    fn of(contact: &ContactRecord, states: [&ColliderState; 2], fall: Real) -> Self {
         let gap = nearest(contact);
-        let is_doubtful = gap > 0.0 && is_doubtful(contact, gap, shapes, fall);
+        let is_doubtful = gap > 0.0 && is_doubtful(contact, gap, states, fall);
         match (is_doubtful, contact.is_between_centers()) {
             (false, _) => Self::Plain,
             (true, false) => Self::Doubtful,
-            (true, true) if balls_pass(contact, gap, shapes, fall) => Self::Passed,
+            (true, true) if balls_pass(contact, gap, states, fall) => Self::Passed,
             (true, true) => Self::Plain,
         }
     }
@@ -89,9 +90,9 @@ impl Way {
 impl CollisionPipeline {
     /// Goes along the ways of bodies that are about to get through the plane of a contact.
     pub(crate) fn limit_speculative(&mut self, fall: Real) {
-        let Self { contacts: ContactSet { records: contacts, .. }, states, colliders, ways, .. } = self;
-        let shapes = &states.states[..];
-        let class = |contact: &ContactRecord| Way::of(contact, contact.slots.map(|slot| &shapes[slot.index()]), fall);
+        let Self { contacts: ContactSet { records: contacts, .. }, collider_states, colliders, ways, .. } = self;
+        let states = &collider_states.states[..];
+        let class = |contact: &ContactRecord| Way::of(contact, contact.slots.map(|slot| &states[slot.index()]), fall);
         ways.clear();
         ways.resize(contacts.len(), Way::Plain);
         let parts = ways.par_chunks_mut(PART).zip(contacts.par_chunks(PART));
@@ -101,13 +102,13 @@ impl CollisionPipeline {
         if ways.iter().all(|way| *way == Way::Plain) {
             return;
         }
-        let mut encounters = encounters((contacts, ways), colliders, shapes);
-        let mut travellers = travellers(&encounters, shapes);
-        let view = View { shapes, colliders, fall };
+        let mut encounters = encounters((contacts, ways), colliders, states);
+        let mut travellers = travellers(&encounters, states);
+        let view = View { states, colliders, fall };
         view.meet(&mut encounters, &travellers);
-        let held = held_already((contacts, ways), &travellers, shapes);
+        let held = held_already((contacts, ways), &travellers, states);
         for _ in 0..ROUNDS {
-            if !turn_off(&mut travellers, &encounters, &held, shapes) {
+            if !turn_off(&mut travellers, &encounters, &held, states) {
                 break;
             }
             view.meet_again(&mut encounters, &travellers);
@@ -139,10 +140,10 @@ fn length(v: Vec3<Real>) -> Real {
 
 /// Whether two bodies get through the plane of their contact, that is further than the margin or
 /// passed fast.
-fn is_doubtful(contact: &ContactRecord, gap: Real, shapes: [&ColliderState; 2], fall: Real) -> bool {
+fn is_doubtful(contact: &ContactRecord, gap: Real, states: [&ColliderState; 2], fall: Real) -> bool {
     let normal = contact.geometry.normal;
     let [Motion { way: a, turn: s, radius: r, .. }, Motion { way: b, turn: t, radius: q, .. }] =
-        shapes.map(|shape| shape.motion);
+        states.map(|state| state.motion);
     let way = b - a;
     let turned = [normal.cross(s), normal.cross(t)].map(length);
     let swing = [if turned[0] > 0.0 { turned[0] * r } else { 0.0 }, if turned[1] > 0.0 { turned[1] * q } else { 0.0 }];
@@ -166,7 +167,7 @@ fn balls_pass(contact: &ContactRecord, gap: Real, [first, second]: [&ColliderSta
 fn encounters<'a>(
     (contacts, ways): (&[ContactRecord], &[Way]),
     colliders: &'a Colliders,
-    shapes: &[ColliderState],
+    states: &[ColliderState],
 ) -> Vec<Encounter<'a>> {
     let mut encounters: Vec<Encounter<'a>> = Vec::new();
     for (contact, _) in contacts.iter().zip(ways).filter(|(_, way)| **way == Way::Doubtful) {
@@ -187,7 +188,7 @@ fn encounters<'a>(
                 inner: [at, other_at],
                 plane: [one, other]
                     .contains(&&ColliderShape::HalfSpace)
-                    .then(|| plane(contact, contact.slots.map(|slot| &shapes[slot.index()]))),
+                    .then(|| plane(contact, contact.slots.map(|slot| &states[slot.index()]))),
                 meetings: Vec::new(),
             });
         }
@@ -196,9 +197,9 @@ fn encounters<'a>(
 }
 
 /// When the plane of a contact is met.
-fn plane(contact: &ContactRecord, shapes: [&ColliderState; 2]) -> Meeting {
+fn plane(contact: &ContactRecord, states: [&ColliderState; 2]) -> Meeting {
     let normal = normal(contact);
-    let way = wide(shapes[1].motion.way - shapes[0].motion.way);
+    let way = wide(states[1].motion.way - states[0].motion.way);
     let (gap, along) = (f64::from(nearest(contact)), -normal.dot(way));
     Meeting { moment: if along > gap { gap / along } else { 1.0 }, is_hit: along > gap, distance: 0.0, normal }
 }
@@ -212,12 +213,12 @@ fn normal(contact: &ContactRecord) -> Vec3<f64> {
 }
 
 /// The bodies of encounters, by slot.
-fn travellers(encounters: &[Encounter<'_>], shapes: &[ColliderState]) -> Vec<Traveller> {
+fn travellers(encounters: &[Encounter<'_>], states: &[ColliderState]) -> Vec<Traveller> {
     let mut slots: Vec<Slot> = encounters.iter().flat_map(|encounter| encounter.slots).collect();
     slots.sort_unstable();
     slots.dedup();
     let traveller = |slot: Slot| {
-        let ColliderState { placement, center, motion, .. } = &shapes[slot.index()];
+        let ColliderState { placement, center, motion, .. } = &states[slot.index()];
         let course = Course::new(placement, *center, motion.way, motion.turn);
         Traveller { slot, course, stops: Vec::new(), turned_off: 0.0 }
     };
@@ -228,11 +229,11 @@ fn find(travellers: &[Traveller], slot: Slot) -> usize {
     travellers.partition_point(|traveller| traveller.slot < slot)
 }
 
-/// What holds travellers from the beginning: who, what else, and the outward normal.
+/// The contacts that hold travellers from the beginning: who, the other body, the outward normal.
 fn held_already(
     (contacts, ways): (&[ContactRecord], &[Way]),
     travellers: &[Traveller],
-    shapes: &[ColliderState],
+    states: &[ColliderState],
 ) -> Vec<(usize, Slot, Vec3<f64>)> {
     let mut held = Vec::new();
     if travellers.is_empty() {
@@ -240,7 +241,7 @@ fn held_already(
     }
     for (contact, way) in contacts.iter().zip(ways) {
         let [a, b] = contact.slots;
-        let (slot, other, sign) = match [a, b].map(|slot| shapes[slot.index()].moves) {
+        let (slot, other, sign) = match [a, b].map(|slot| states[slot.index()].is_dynamic) {
             [true, false] => (a, b, -1.0),
             [false, true] => (b, a, 1.0),
             _ => continue,
@@ -257,10 +258,10 @@ fn held_already(
 }
 
 /// How far a body goes in a step at a moment.
-fn linear(travellers: &[Traveller], shapes: &[ColliderState], slot: Slot, moment: f64) -> Vec3<f64> {
+fn linear(travellers: &[Traveller], states: &[ColliderState], slot: Slot, moment: f64) -> Vec3<f64> {
     match travellers.get(find(travellers, slot)).filter(|traveller| traveller.slot == slot) {
         Some(traveller) => traveller.course.linear(moment),
-        None => wide(shapes[slot.index()].motion.way),
+        None => wide(states[slot.index()].motion.way),
     }
 }
 
@@ -277,7 +278,7 @@ fn turn_off(
     travellers: &mut [Traveller],
     encounters: &[Encounter<'_>],
     held: &[(usize, Slot, Vec3<f64>)],
-    shapes: &[ColliderState],
+    states: &[ColliderState],
 ) -> bool {
     // By traveller: when, by whom, and the outward normal.
     let mut stops: Vec<Vec<(f64, Slot, Vec3<f64>)>> = travellers.iter().map(|_| Vec::new()).collect();
@@ -287,12 +288,11 @@ fn turn_off(
     for encounter in encounters {
         let [a, b] = encounter.slots;
         for met in encounter.meetings.iter().filter(|met| met.is_hit) {
-            // What impulses move may be left out of the step later, and would have had a say in
-            // that of others.
-            if !shapes[b.index()].moves {
+            // A dynamic body may be left out of the step later, and must not have changed others.
+            if !states[b.index()].is_dynamic {
                 stops[find(travellers, a)].push((met.moment, b, met.normal * -1.0));
             }
-            if !shapes[a.index()].moves {
+            if !states[a.index()].is_dynamic {
                 stops[find(travellers, b)].push((met.moment, a, met.normal));
             }
         }
@@ -300,18 +300,18 @@ fn turn_off(
     let mut changes: Vec<Option<Change>> = Vec::new();
     for (traveller, stops) in travellers.iter().zip(&mut stops) {
         changes.push(None);
-        if !shapes[traveller.slot.index()].moves {
+        if !states[traveller.slot.index()].is_dynamic {
             continue;
         }
         stops.sort_by(|a, b| a.0.total_cmp(&b.0));
         let stop =
             stops.iter().filter(|(moment, ..)| *moment >= traveller.turned_off).find(|(moment, other, normal)| {
-                let (way, its) = (traveller.course.linear(*moment), linear(travellers, shapes, *other, *moment));
+                let (way, its) = (traveller.course.linear(*moment), linear(travellers, states, *other, *moment));
                 let most = (way.dot(way) + its.dot(its)).sqrt();
                 normal.dot(way - its) < -ALONG * most
             });
         let Some((moment, other, normal)) = stop else { continue };
-        let (way, its) = (traveller.course.linear(*moment), linear(travellers, shapes, *other, *moment));
+        let (way, its) = (traveller.course.linear(*moment), linear(travellers, states, *other, *moment));
         let mut way = way - *normal * normal.dot(way - its);
         let mut normals = traveller.stops.clone();
         normals.push(*normal);
@@ -335,16 +335,16 @@ fn turn_off(
     is_any
 }
 
-/// What is known of the bodies.
+/// The states and colliders of the bodies.
 struct View<'a> {
-    shapes: &'a [ColliderState],
+    states: &'a [ColliderState],
     colliders: &'a Colliders,
     fall: Real,
 }
 
 impl View<'_> {
     fn margin(&self, slots: [Slot; 2]) -> Real {
-        slots.iter().fold(0.0, |sum, slot| sum + self.shapes[slot.index()].margin)
+        slots.iter().fold(0.0, |sum, slot| sum + self.states[slot.index()].margin)
     }
 
     fn courses(&self, encounter: &Encounter<'_>, travellers: &[Traveller]) -> [Course; 2] {
@@ -400,7 +400,7 @@ impl View<'_> {
         contacts: &mut Vec<ContactRecord>,
     ) {
         let Encounter { slots, kind, shapes_of_pair, .. } = encounter;
-        let shapes = slots.map(|slot| &self.shapes[slot.index()]);
+        let states = slots.map(|slot| &self.states[slot.index()]);
         let [Some((a, _)), Some((b, _))] = slots.map(|slot| self.colliders.get(slot)) else { return };
         let [first, second] = self.courses(encounter, travellers);
         let (margin, parts) = (self.margin(*slots), b.geometry.parts());
@@ -418,10 +418,10 @@ impl View<'_> {
             return;
         }
         let follow = self.follow(encounter);
-        let of_second = Second { center: shapes[1].center, alone: !shapes[0].moves, margin };
+        let of_second = Second { center: states[1].center, has_non_dynamic: !states[0].is_dynamic, margin };
         let rule = if follow == Follow::Centers { UpdateRule::Constant } else { UpdateRule::BodyFixed };
         // Once they have met, what is behind comes down on the same plane.
-        let reach = shapes[0].reach + shapes[1].reach;
+        let reach = states[0].reach + states[1].reach;
         for met in &encounter.meetings {
             let least = margin + crate::math::real(met.distance.clamp(0.0, f64::from(reach)));
             let way = second.gone(met.moment) - first.gone(met.moment);
@@ -458,10 +458,10 @@ impl View<'_> {
         }
     }
 
-    /// What rolls turns under its points.
+    /// A body that rolls turns under its points.
     fn follow(&self, encounter: &Encounter<'_>) -> Follow {
         let rolls = |which: usize| {
-            let ColliderState { motion, placement, .. } = &self.shapes[encounter.slots[which].index()];
+            let ColliderState { motion, placement, .. } = &self.states[encounter.slots[which].index()];
             let turn = motion.turn;
             let is_round = encounter.shapes_of_pair[which].is_round();
             let [_, axis, _] = placement.orientation.axes();

@@ -20,7 +20,7 @@ impl CollisionPipeline {
     /// Reads where all bodies with colliders are, how far from there they may go in an interval,
     /// and how they go on in the one that the solver looks ahead \[s\].
     pub(crate) fn update_aabbs(&mut self, columns: &WorldColumns<'_>, intervals: [Real; 2]) {
-        let Self { body_index, states: ColliderStates { states, proxies, lanes }, colliders, .. } = self;
+        let Self { body_index, collider_states: ColliderStates { states, proxies, lanes }, colliders, .. } = self;
         lanes.reset(body_index.len());
         states.clear();
         states.resize(body_index.len(), ColliderState::NOWHERE);
@@ -85,8 +85,8 @@ impl AabbUpdate<'_> {
         let from_center = placement.position - center;
         let radius = geometry.reach().unwrap_or(0.0) + from_center.dot(from_center).sqrt();
         let ccd_thickness = geometry.ccd_thickness();
-        let moves = bodies.dynamic.is_some();
-        let margin = if moves { (MARGIN_SHARE * ccd_thickness).min(MAX_MARGIN) } else { 0.0 };
+        let is_dynamic = bodies.dynamic.is_some();
+        let margin = if is_dynamic { (MARGIN_SHARE * ccd_thickness).min(MAX_MARGIN) } else { 0.0 };
         let mut motion = Motion { radius, ..Motion::NONE };
         let (linear, in_range) = match bodies.dynamic {
             Some((momenta, masses, inertia)) => {
@@ -113,20 +113,20 @@ impl AabbUpdate<'_> {
         let reach = margin + ahead(ccd_thickness, linear.length() * interval);
         self.lanes.set(i, geometry, &placement, center, (reach, margin));
         let velocity = (velocity.linear.into(), velocity.angular.into());
-        self.states[i] = ColliderState { placement, center, kind, moves, reach, margin, velocity, motion };
+        self.states[i] = ColliderState { placement, center, kind, is_dynamic, reach, margin, velocity, motion };
         self.proxies[i] = self.states[i].proxy(Some(geometry));
     }
 }
 
-/// How near surfaces are a contact is this share of half the thickness of what impulses move ...
+/// The margin of a dynamic body as a share of half its thickness, ...
 const MARGIN_SHARE: Real = 0.02;
-/// ... but no more than this \[m\]; of two that impulses move the sum.
+/// ... but no more than this \[m\]; two dynamic bodies have the sum of theirs.
 const MAX_MARGIN: Real = 0.01;
 
-/// As far as this \[m\] what moves is foreseen in any case.
+/// Least distance \[m\] by which contacts look ahead.
 const FORESEEN: Real = 0.02;
-/// What turns so little that its furthest points go less than this part of its margin does not
-/// turn, for what it meets.
+/// A body whose furthest points turn by less than this part of its margin does not turn, for
+/// speculative contacts.
 const TURNED: Real = 0.25;
 
 /// How much further a shape that goes a `way` \[m\] in a step looks for others \[m\]. What goes

@@ -58,7 +58,7 @@ pub struct Work {
     /// energy on, so over all bodies of a mechanism it is zero but for the error of the method and
     /// what a kinematic body does through them.
     pub joints: f64,
-    /// What nothing did: energy that the integrator made or lost, rounding included.
+    /// Energy that the integrator made or lost, rounding included.
     pub integrator: f64,
 }
 

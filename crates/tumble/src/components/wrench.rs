@@ -63,7 +63,7 @@ impl Wrench {
     }
 }
 
-/// What becomes of the wrenches when the bodies have been integrated.
+/// Whether wrenches are set to zero when the bodies have been integrated.
 #[derive(Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Wrenches {
     /// They are zero.

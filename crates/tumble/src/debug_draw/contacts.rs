@@ -14,7 +14,7 @@ impl DebugView {
     /// [`contacts`](Self::contacts) and [`contact_forces`](Self::contact_forces).
     ///
     /// An arrow goes along [`Contact::normal`] and shows how the second of [`Contact::bodies`] is
-    /// pushed by the first; where forces move the first only, how that is pushed, so that arrows on
+    /// pushed by the first; where only the first is dynamic, how that is pushed, so that arrows on
     /// the ground point up. It stands for the force of the last substep of contacts, its impulse
     /// over [`Settings::contact_substep`](crate::Settings::contact_substep), without friction; a
     /// hit that was over before, see [`Contact`], is not seen. Where nothing pushes there is no

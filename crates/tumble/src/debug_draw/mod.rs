@@ -21,8 +21,8 @@ use crate::debug_draw::outline::outline;
 use crate::forces::components::{ConstantWrench, Frame, Thruster};
 use crate::math::{Real, Vec3, dquat, dvec3, vec3};
 
-/// What a renderer has to be able to do, so that bodies, axes, momenta, forces, springs,
-/// joints and contacts can be seen through [`DebugView`].
+/// The interface to a renderer, through which [`DebugView`] draws bodies, axes, momenta, forces,
+/// springs, joints and contacts.
 ///
 /// A closure that draws lines is one, and whatever else implements it. Colours are red, green and
 /// blue from 0 to 1, as displays take them (sRGB). No coordinate is ever infinite or not a number.
@@ -70,7 +70,7 @@ impl<F: FnMut(Vec3, Vec3, [f32; 3])> DebugDraw for F {
     }
 }
 
-/// What is to be seen of the bodies of a world. What is `None` or `false` is not.
+/// Which properties of the bodies of a world are drawn: those that are not `None` or `false`.
 ///
 /// Vectors are arrows from the centre of mass, as long as the figure times the length given here.
 ///
@@ -131,7 +131,7 @@ pub struct DebugView {
     /// A cross at each point where bodies touch, in the plane between them: its width \[m\].
     /// [`draw_contacts`](Self::draw_contacts) draws it.
     pub contacts: Option<Real>,
-    /// What pushes at each point where bodies touch, as an arrow along the normal: metres for 1 N.
+    /// The contact force at each point, as an arrow along the normal: metres for 1 N.
     /// [`draw_contacts`](Self::draw_contacts) draws it.
     pub contact_forces: Option<Real>,
     /// The number of the [`BodyId`] of those that have one, as text.
@@ -149,9 +149,9 @@ impl Default for DebugView {
 }
 
 impl DebugView {
-    /// Colour of outlines of bodies that forces move.
+    /// Colour of outlines of dynamic bodies.
     pub const DYNAMIC: [f32; 3] = [0.92, 0.92, 0.94];
-    /// Colour of outlines of bodies that move as they are told.
+    /// Colour of outlines of kinematic bodies.
     pub const KINEMATIC: [f32; 3] = [0.55, 0.75, 0.95];
     /// Colour of outlines of bodies that do not move.
     pub const FIXED: [f32; 3] = [0.55, 0.56, 0.60];

@@ -17,14 +17,15 @@ use crate::settings::Settings;
 use crate::storage::body_order::BodyOrder;
 use crate::threads::Effort;
 
-/// What the sums need of a moving body.
+/// The components of a dynamic body that the sums read.
 type Measured<'a> = (
     (&'a Pose, &'a Momentum, &'a Mass),
     (Option<&'a Inertia>, Option<&'a PrincipalAxes>, Option<&'a GravityScale>, Option<&'a Wind>),
     KnownLaws<'a>,
 );
 
-/// What a system of bodies has in all, in double precision. Only bodies with momentum count.
+/// Total momenta and energies of a system of bodies, in double precision. Only bodies with momentum
+/// count.
 ///
 /// ```
 /// # use tumble::{BodyOrder, Totals, prelude::*};

@@ -1,4 +1,4 @@
-//! What acts on one body now, source by source.
+//! Forces on one body now, by source.
 
 use hecs::EntityRef;
 
@@ -7,7 +7,7 @@ use crate::components::{Damping, GravityScale, Wrench};
 use crate::forces::force_context::ForceContext;
 use crate::forces::force_law::BodyState;
 use crate::forces::pairwise::between_bodies::{Pull, Pulled};
-use crate::forces::registry::ForceLaws;
+use crate::forces::registry::{ForceLaws, GRAVITY_MASS, SPRING};
 use crate::integrators::state::{Constants, State};
 use crate::math::{Real, Vec3, vec3};
 use crate::settings::Settings;
@@ -31,7 +31,7 @@ use crate::settings::Settings;
 pub struct BodyForces {
     /// By the simulation's gravity.
     pub gravity: Wrench,
-    /// What the body's [`Wrench`] holds: what the caller has added since the last step.
+    /// The body's [`Wrench`]: the sum of what the caller has added since the last step.
     pub applied: Wrench,
     components: [Wrench; FORCE_KINDS.len()],
     /// By each force law, in the order they were added.
@@ -41,10 +41,6 @@ pub struct BodyForces {
     /// By contacts: the mean over their last substep.
     pub contacts: Wrench,
 }
-
-/// Where springs and the gravity of bodies are among the components.
-const SPRING: usize = FORCE_KINDS.len() - 2;
-const GRAVITY_MASS: usize = FORCE_KINDS.len() - 1;
 
 impl BodyForces {
     /// Of a body in a state, but for other bodies.

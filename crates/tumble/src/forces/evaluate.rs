@@ -60,7 +60,7 @@ impl Forces<Real> for LawForces<'_> {
     }
 }
 
-/// The laws that act on a tile of bodies, and what they are told of them.
+/// The laws that act on a tile of bodies, and their inputs.
 pub(crate) struct ActingLaws<'a, T: Tile> {
     constants: Constants<T>,
     tile: RefCell<&'a mut TileBuffer>,

@@ -6,7 +6,7 @@ use crate::components::Wind;
 use crate::math::{Real, Vec3};
 use crate::settings::Settings;
 
-/// What laws are told beside time and the state of a body.
+/// The inputs of laws beside time and the state of a body.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct ForceContext {
     /// Velocity of the medium around the body [m/s].

@@ -83,9 +83,9 @@ known! {
     servo: AngularVelocityServo, 5;
 }
 
-/// Index of the account of springs between bodies.
+/// Index of [`Spring`](crate::Spring) in [`FORCE_KINDS`].
 pub(crate) const SPRING: usize = KNOWN_NAMES.len();
-/// Index of the account of gravity among bodies.
+/// Index of [`GravityMass`](crate::GravityMass) in [`FORCE_KINDS`].
 pub(crate) const GRAVITY_MASS: usize = SPRING + 1;
 
 // The accounts of works are named in the order of the laws.
@@ -124,7 +124,7 @@ trait LawSource: Send + Sync {
     /// The potential energy \[J\] of one body.
     fn potential(&self, body: EntityRef<'_>, state: &BodyState<'_>) -> f64;
 
-    /// What it does to one body; nothing where it does not act.
+    /// Its wrench on one body; zero where it does not act.
     fn wrench(&self, body: EntityRef<'_>, state: &BodyState<'_>) -> Wrench;
 }
 

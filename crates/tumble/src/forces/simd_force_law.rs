@@ -60,7 +60,7 @@ use crate::math::Real;
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 pub trait SimdForceLaw<const N: usize>: Send + Sync + 'static {
-    /// What [`wrench`](Self::wrench) takes of one body's law.
+    /// The numbers of one body's law that [`wrench`](Self::wrench) reads.
     fn numbers(&self) -> [Real; N];
 
     /// The wrench on each body, from each body's numbers.

@@ -38,12 +38,11 @@ const MAX_DAMPED: f64 = 0.25;
 pub(crate) struct End<L> {
     /// From the centre of mass to the attachment \[m\], world frame.
     pub(crate) arm: Vec3<L>,
-    /// What moving and what turning, at its most, add to the inverse of the mass that the spring
-    /// moves [1/kg].
+    /// Translation and, at its most, rotation in the inverse effective mass of the spring [1/kg].
     pub(crate) inverse_masses: [L; 2],
 }
 
-/// What a spring does at one moment: on its first end, and the opposite on its second.
+/// The force of a spring at one moment: on its first end, and the opposite on its second.
 #[derive(Clone, Copy)]
 pub(crate) struct Pull<L> {
     /// From one end to the other, of unit length.
@@ -80,7 +79,7 @@ struct Arm<L> {
     angle_squared: L,
 }
 
-/// What a spring does, whose bodies' centres of mass are `difference` apart; `most_angle` is that
+/// The force of a spring whose bodies' centres of mass are `difference` apart; `most_angle` is that
 /// of moving in a substep \[rad\].
 #[inline(always)]
 pub(crate) fn pull<L: Lane>(spring: Hooke<L>, difference: Vec3<L>, ends: [End<L>; 2], most_angle: L) -> Pull<L> {

@@ -16,8 +16,8 @@ use crate::simd::{Kernel, MAX_BODIES, Tile, dispatch};
 /// One number of each body.
 type Row = [Real; MAX_BODIES];
 
-/// What laws see of a tile of bodies at one stage, and the sum of what they answer. One for a
-/// chunk, refilled for every tile.
+/// The state of a tile of bodies at one stage, as laws read it, and the sum of their wrenches. One
+/// for a chunk, refilled for every tile.
 #[repr(align(64))]
 pub(crate) struct TileBuffer {
     mass: Row,
@@ -62,7 +62,7 @@ impl TileBuffer {
         }
     }
 
-    /// Takes over what does not change during a step, of bodies whose first is that of a row among
+    /// Copies the constants of a step, of bodies whose first is that of a row among
     /// the laws' rows.
     #[inline(always)]
     pub(crate) fn set_constants<T: Tile>(
@@ -88,7 +88,7 @@ impl TileBuffer {
         }
     }
 
-    /// Takes over a state that the bodies reach `offset` \[s\] after `time` \[s\], the start of a
+    /// Copies a state that the bodies reach `offset` \[s\] after `time` \[s\], the start of a
     /// substep, and forgets the forces.
     #[inline(always)]
     pub(crate) fn set_stage<T: Tile>(&mut self, time: f64, offset: T, constants: &Constants<T>, state: &State<T>) {

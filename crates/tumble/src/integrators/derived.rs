@@ -37,9 +37,8 @@ impl<L: Lane> Moments<L> {
     /// `yz, zx, xy`.
     #[inline(always)]
     pub(crate) fn inverse_in_world(&self, orientation: Quat<L>) -> (Vec3<L>, Vec3<L>) {
-        // The sum over the principal axes r in the world of r r^T/I: of three terms, none negative
-        // on the diagonal. Two would do, since the three r r^T add up to the unit matrix, but for a
-        // needle along the third axis all digits cancel.
+        // The sum of r r^T/I over the principal axes r. Two terms would do, since the three r r^T
+        // add up to the unit matrix, but for a needle along the third axis all digits cancel.
         let [a, b, c] = self.world_axes(orientation);
         let m = self.inverse_moments;
         let (a_weighed, b_weighed, c_weighed) = (a * m.x, b * m.y, c * m.z);

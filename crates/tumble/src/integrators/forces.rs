@@ -4,7 +4,7 @@ use tumble_math::lane::Lane;
 
 use crate::integrators::state::{Force, State};
 
-/// What pushes a body, at any stage of a substep.
+/// The forces on a body, at any stage of a substep.
 pub(crate) trait Forces<L: Lane> {
     /// Whether there is more than the constant part.
     const VARY: bool;

@@ -6,7 +6,7 @@ use tumble_math::{Decay, decay};
 use crate::integrators::state::{Constants, Force, State};
 use crate::integrators::{Account, Forces, Mean};
 
-/// What a force and a damping do to the momenta over a fixed time: `p <- kept p + weight F`, exact
+/// The change of momenta by a force and damping over a fixed time: `p <- kept p + weight F`, exact
 /// for a constant force.
 #[derive(Clone, Copy)]
 pub(crate) struct Kick<L> {
@@ -40,7 +40,7 @@ impl<L: Lane> Part<L> {
         kept + force * self.weight
     }
 
-    /// What damping adds to the momentum.
+    /// The change of a momentum by damping.
     #[inline(always)]
     fn damped(&self, momentum: Vec3<L>) -> Vec3<L> {
         match self.kept {
@@ -133,8 +133,7 @@ impl<L: Lane> Kick<L> {
         mean
     }
 
-    /// What is left of a momentum that is added at the start of the kick: of the linear and the
-    /// angular one.
+    /// The factors that damping leaves of the linear and the angular momentum over the kick.
     #[inline(always)]
     pub(crate) fn kept(&self) -> (L, L) {
         let one = L::splat(1.0);

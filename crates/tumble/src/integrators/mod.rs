@@ -30,7 +30,7 @@ use crate::integrators::state::{Constants, State};
 
 /// One integration scheme, prepared for one body and one length of substep.
 pub(crate) trait Scheme<L: Lane> {
-    /// What of the scheme depends on the body and the substep but not on the state.
+    /// Of a body and the length of a substep: all that does not depend on the state.
     fn new(constants: &Constants<L>, h: L) -> Self;
 
     /// The state one substep later, under forces that are evaluated at every stage and, where asked

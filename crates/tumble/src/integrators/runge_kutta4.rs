@@ -16,7 +16,7 @@ use crate::integrators::{Account, Forces, Scheme};
 /// fourth order.
 pub(crate) struct RungeKutta4<L> {
     constants: Constants<L>,
-    /// What constant forces and damping do to the momenta in half a step and in a whole one.
+    /// Kicks of constant forces and damping over half a step and over a whole one.
     half: Kick<L>,
     whole: Kick<L>,
     h: L,

@@ -6,12 +6,12 @@ use tumble_math::lane::{Lane, Quat, Vec3};
 use crate::components::{Inertia, Mass, Momentum, Pose, PrincipalAxes, Wrench};
 use crate::math::{Real, double, double_quat};
 
-/// What does not change during a step.
+/// Mass, inertia and damping of a body: constant during a step.
 #[derive(Clone, Copy)]
 pub(crate) struct Constants<L> {
     /// Mass \[kg\].
     pub(crate) mass: L,
-    /// What resists turning; a point mass has none and does not turn.
+    /// Moments of inertia; a point mass has none and does not turn.
     pub(crate) inertia: Option<Moments<L>>,
     /// Rates [1/s] at which momentum decays.
     pub(crate) damping: Option<DampingRates<L>>,

@@ -92,8 +92,8 @@ impl RowColors {
     }
 }
 
-/// Some of the blocks of one color: nobody else has access to the rows that they change, and nobody
-/// changes those that they only read.
+/// Some of the blocks of one color: nothing else has access to the rows that they change, and
+/// nothing changes those that they only read.
 pub(crate) struct Rows<'a, R> {
     blocks: &'a [RowPairs],
     has_non_dynamic: bool,
@@ -102,9 +102,8 @@ pub(crate) struct Rows<'a, R> {
     rows: PhantomData<&'a mut [R]>,
 }
 
-// SAFETY: the rows that blocks of one color change are different ones, and there is one `Rows` for
-// a block at a time: it is made from the only reference to the rows, and split into parts without a
-// block in common. Rows that are only read are read by several threads.
+// SAFETY: blocks of one color change different rows, and each block is in one `Rows`: it is made
+// from the only reference and split into disjoint parts. Rows that are only read may be shared.
 unsafe impl<R: Send + Sync> Send for Rows<'_, R> {}
 
 impl<R: Octet> Rows<'_, R> {
@@ -127,11 +126,11 @@ impl<R: Octet> Rows<'_, R> {
     }
 
     /// The first or the second rows of a tile from `lane` on. Lanes without a pair have the row
-    /// that stands for none, which nobody changes.
+    /// that stands for none, which nothing changes.
     #[inline(always)]
     pub(crate) fn gather<T: Tile>(&self, block: usize, which: usize, lane: usize) -> R::Lanes<T> {
         let indices = &self.blocks[block].rows[which];
-        // SAFETY: nobody changes these rows: see the type; nor the one that stands for none, which
+        // SAFETY: nothing changes these rows: see the type; nor the one that stands for none, which
         // no block lists.
         unsafe { gather_from(self.base, self.count, indices, lane) }
     }
@@ -148,7 +147,7 @@ impl<R: Octet> Rows<'_, R> {
         while i < T::WIDTH && lane + i < count {
             let row = rows[which][lane + i] as usize;
             assert!(row < self.count);
-            // SAFETY: the row is there, and nobody else has access to it: see the type.
+            // SAFETY: the row is there, and nothing else has access to it: see the type.
             unsafe { *self.base.add(row) = changed[i] };
             i += 1;
         }

@@ -38,9 +38,8 @@ macro_rules! records {
             const _: () = assert!(
                 size_of::<$Component>() % size_of::<Real>() == 0 && size_of::<$Component>() >= $numbers * size_of::<Real>()
             );
-            // SAFETY: `repr(C)` or `repr(transparent)` around glam vectors and numbers, which are
-            // their components in order; a vector of three has no padding, and the one of four
-            // numbers comes first.
+            // SAFETY: `repr(C)` or `repr(transparent)` around glam vectors and numbers in order;
+            // `Vec3` has no padding, and the one vector of four numbers comes first.
             unsafe impl Record for $Component {
                 const NUMBERS: usize = $numbers;
             }

@@ -144,7 +144,7 @@ fn checksum(bytes: &[u8]) -> u64 {
     hash.value()
 }
 
-/// What comes before the bodies.
+/// The head of the file, before the bodies.
 struct Header {
     /// Moving, kinematic and fixed bodies.
     counts: [usize; 3],

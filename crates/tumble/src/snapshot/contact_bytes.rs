@@ -26,7 +26,7 @@ pub(crate) struct Counts {
 
 impl Counts {
     fn of(body_keys: &[BodyKey], contacts: &[SavedContact]) -> Self {
-        let ids = body_keys.iter().filter(|name| matches!(name, BodyKey::Id(_))).count();
+        let ids = body_keys.iter().filter(|key| matches!(key, BodyKey::Id(_))).count();
         let points = contacts.iter().map(|contact| contact.count).sum::<usize>();
         Self {
             body_keys: [ids as u64, (body_keys.len() - ids) as u64],
@@ -74,8 +74,8 @@ impl<'a> Written<'a> {
     }
 
     pub(crate) fn write(&self, bytes: &mut Vec<u8>) {
-        for name in self.saved.body_keys() {
-            match name {
+        for key in self.saved.body_keys() {
+            match key {
                 BodyKey::Id(id) => bytes.extend(id.0.to_le_bytes()),
                 BodyKey::Entity(entity) => bytes.extend(entity.to_le_bytes()),
             }
@@ -142,7 +142,7 @@ fn contact(reader: &mut Reader<'_>) -> Result<SavedContact, SnapshotError> {
     Ok(SavedContact::new((bodies, part), touched, reader.numbers()?, count))
 }
 
-/// What is wrong with a contact that comes after another, with this many bodies.
+/// The defect, if any, of a contact that comes after another, with this many bodies.
 fn defect(contact: &SavedContact, before: Option<&SavedContact>, bodies: usize) -> Option<ContactDefect> {
     let [first, second] = contact.bodies;
     let points = &contact.points[..contact.count];

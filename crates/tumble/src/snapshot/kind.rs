@@ -6,7 +6,7 @@ use hecs::Archetype;
 
 use crate::components::{Momentum, Pose, Velocity};
 
-/// What moves a body, and so what of it is state.
+/// Whether a body is dynamic, kinematic or fixed, which decides what its state is.
 ///
 /// ```
 /// # use tumble::BodyKind;
@@ -14,7 +14,7 @@ use crate::components::{Momentum, Pose, Velocity};
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum BodyKind {
-    /// It has [`Momentum`]: forces move it. Pose and momentum are its state.
+    /// Dynamic: it has [`Momentum`]. Pose and momentum are its state.
     Moving,
     /// It has a [`Velocity`] and no momentum. Pose and velocity are its state.
     Kinematic,

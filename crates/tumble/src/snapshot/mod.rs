@@ -356,8 +356,7 @@ impl Snapshot {
         rows
     }
 
-    /// What a row holds of a body: position, orientation x y z w and, where it moves, momenta or
-    /// velocities.
+    /// The numbers of a row: position, orientation x y z w and, if it moves, momenta or velocities.
     fn numbers(&self, row: usize) -> impl Iterator<Item = Real> {
         let pose = &self.poses[row];
         let momentum = self.momenta.get(row).map(|momentum| [momentum.linear, momentum.angular]);

@@ -5,8 +5,8 @@ use tumble_math::lane::{Quat, Vec3};
 use crate::simd::octet;
 
 octet! {
-    /// How a body moves. A body that impulses do not move has its velocities in place of momenta,
-    /// and an inverse mass of one.
+    /// The motion of a body. A non-dynamic body has its velocities in place of momenta, and an
+    /// inverse mass of one.
     pub(crate) struct BodyMotion<T> {
         /// Of its centre of mass [kg m/s].
         pub(crate) momentum: Vec3<T>,
@@ -19,8 +19,8 @@ octet! {
 }
 
 octet! {
-    /// What contacts do when the next substep begins, by the impulses that the last ended with:
-    /// where nothing changes they are what that needs.
+    /// The impulses with which the last substep ended, summed over the contacts of a body: with
+    /// them the next begins.
     pub(crate) struct WarmStartImpulse<T> {
         /// \[N s\].
         pub(crate) linear: Vec3<T>,
@@ -31,7 +31,7 @@ octet! {
 }
 
 octet! {
-    /// Inverse inertia in the world [1/(kg m^2)]; one of what impulses do not move.
+    /// Inverse inertia in the world [1/(kg m^2)]; the unit matrix for non-dynamic bodies.
     pub(crate) struct WorldInverseInertia<T> {
         /// `xx yy zz`.
         pub(crate) diagonal: Vec3<T>,
@@ -42,15 +42,15 @@ octet! {
 }
 
 octet! {
-    /// What forces and damping do in a substep.
+    /// The impulse of forces and the decay by damping in a substep.
     pub(crate) struct ForceImpulse<T> {
         /// \[N s\].
         pub(crate) linear: Vec3<T>,
         /// [N m s].
         pub(crate) angular: Vec3<T>,
-        /// What damping leaves of the momentum, from 0 to 1.
+        /// The factor of damping on the momentum, from 0 to 1.
         pub(crate) kept_linear: T,
-        /// What it leaves of the angular momentum.
+        /// The factor of damping on the angular momentum.
         pub(crate) kept_angular: T,
     }
 }

@@ -73,11 +73,16 @@ impl ConstrainedBodies {
         self.rows[slot.index()] = row;
     }
 
-    /// Drops the bodies that no constraint between `pairs` of slots acts on any more.
-    pub(crate) fn retain(&mut self, pairs: impl Iterator<Item = [Slot; 2]>) {
+    /// Drops the bodies that no constraint between `pairs` of slots acts on any more. All have
+    /// rows, of which those of dynamic bodies are given.
+    pub(crate) fn retain(&mut self, pairs: impl Iterator<Item = [Slot; 2]>, is_dynamic: impl Fn(SolverRow) -> bool) {
         let mut is_constrained = vec![false; self.rows.len()];
         pairs.flatten().for_each(|slot| is_constrained[slot.index()] = true);
-        let rows = self.rows.iter_mut().zip(is_constrained);
-        rows.filter(|(_, is_constrained)| !is_constrained).for_each(|(row, _)| *row = NONE);
+        for (row, is_constrained) in self.rows.iter_mut().zip(is_constrained) {
+            if *row != NONE && !is_constrained {
+                self.counts[usize::from(!is_dynamic(*row))] -= 1;
+                *row = NONE;
+            }
+        }
     }
 }

@@ -55,7 +55,7 @@ struct BodyWork {
     is_of_joints: bool,
 }
 
-/// What a force comes from.
+/// The source of a force.
 #[derive(Clone, Copy, Debug)]
 enum WorkSource {
     Gravity,
@@ -105,7 +105,7 @@ impl ContactWorks {
         });
     }
 
-    /// Takes over the accounts of bodies whose rows have a place here, for substeps halved
+    /// Copies the accounts of bodies whose rows have a place here, for substeps halved
     /// this many times.
     pub(crate) fn copy(&mut self, others: &Self, place: impl Fn(usize) -> Option<usize>, halvings: u8) {
         self.clear();
@@ -117,7 +117,7 @@ impl ContactWorks {
         }
     }
 
-    /// Gives back to others the accounts that were taken over from them.
+    /// Copies the accounts back to those that they were taken from.
     pub(crate) fn copy_back(&self, others: &mut Self, place: impl Fn(usize) -> Option<usize>) {
         let taken = others.bodies.iter_mut().filter(|body| place(body.row).is_some());
         for (body, here) in taken.zip(&self.bodies) {

@@ -18,15 +18,15 @@ use crate::settings::Settings;
 use crate::solver::constrained_bodies::ConstrainedBodies;
 use crate::solver::contact_work::ContactWorks;
 use crate::solver::mechanism::mechanisms::Mechanisms;
-use crate::solver::solver_bodies::{FreeRows, SolverBodies, SolverRow};
+use crate::solver::solver_bodies::{DynamicRows, SolverBodies, SolverRow};
 use crate::storage::body_index::{BodyIndex, Slot};
 use crate::storage::chunk::{Chunk, MIN_CHUNK};
 use crate::storage::world_columns::{ArchetypeBodies, WorldColumns};
 use crate::threads;
 
-/// What moves the bodies of a world but constraints: settings, laws, and the time at the start of
+/// What the forces on the bodies of a world depend on: settings, laws, and the time at the start of
 /// the substep \[s\].
-pub(crate) type Moving<'a> = (&'a Settings, &'a ForceLaws, f64);
+pub(crate) type ForceInputs<'a> = (&'a Settings, &'a ForceLaws, f64);
 
 /// The constraints of a world, and the bodies that they act on.
 pub(crate) struct Constraints<'a> {
@@ -44,7 +44,7 @@ pub(crate) fn gather(
     Constraints { bodies: constrained, contacts, mechanisms }: &mut Constraints<'_>,
     body_index: &BodyIndex,
     columns: &mut WorldColumns<'_>,
-    (settings, laws, time): Moving<'_>,
+    (settings, laws, time): ForceInputs<'_>,
     (bodies, contact_works): (&mut SolverBodies, &mut ContactWorks),
     [first_dynamic, first_non_dynamic]: [usize; 2],
 ) -> [usize; 2] {
@@ -59,12 +59,12 @@ pub(crate) fn gather(
             slots.is_empty() || slots.len() == chunk.len(),
             "all bodies of an archetype have a slot, or none"
         );
-        let free = bodies.free_rows(begin..begin + count);
+        let dynamic = bodies.dynamic_rows(begin..begin + count);
         begin += count;
         if chunk.work.is_some() {
-            gathering.read((&chunk, laws), slots, free, Some(contact_works));
+            gathering.read((&chunk, laws), slots, dynamic, Some(contact_works));
         } else if count > 0 {
-            gathering.read_in_parts((chunk, laws), slots, free);
+            gathering.read_in_parts((chunk, laws), slots, dynamic);
         }
     });
     debug_assert_eq!(begin, next_dynamic);
@@ -134,7 +134,7 @@ fn drop_out_of_range(
     };
     contacts.retain(|contact| is_in_range(&contact.slots));
     let pairs: Vec<_> = joints.pairs().filter(is_in_range).collect();
-    constrained.retain(contacts.records.iter().map(|contact| contact.slots).chain(pairs));
+    constrained.retain(contacts.records.iter().map(|contact| contact.slots).chain(pairs), |row| bodies.is_dynamic(row));
 }
 
 /// Writes the constrained bodies back to their columns, with the work done on them.
@@ -155,7 +155,7 @@ pub(crate) fn scatter(
     // Worlds in which accounts are kept are not packed with others.
     for (slot, work) in contact_works.close(bodies).filter(|(slot, _)| constrained.contains(*slot)) {
         let place = body_index.place(slot);
-        if let Some(works) = columns.moving_mut(place).and_then(|moving| moving.work.as_mut()) {
+        if let Some(works) = columns.dynamic_mut(place).and_then(|moving| moving.work.as_mut()) {
             works[place.row as usize] += work;
         }
     }
@@ -176,16 +176,16 @@ impl Gather<'_> {
     }
 
     /// Reads the constrained bodies of a chunk, of which the slots are given, in parallel.
-    fn read_in_parts(&self, (chunk, laws): (Chunk<'_>, Laws<'_>), slots: &[Slot], free: FreeRows<'_>) {
+    fn read_in_parts(&self, (chunk, laws): (Chunk<'_>, Laws<'_>), slots: &[Slot], dynamic: DynamicRows<'_>) {
         if chunk.len() <= MIN_CHUNK {
-            return self.read((&chunk, laws), slots, free, None);
+            return self.read((&chunk, laws), slots, dynamic, None);
         }
         let (slots, other_slots) = slots.split_at(slots.len() / 2);
         let (chunk, other_chunk) = chunk.split_at(slots.len());
-        let (free, other_free) = free.split_at(self.count(slots));
+        let (dynamic, other_dynamic) = dynamic.split_at(self.count(slots));
         threads::join(
-            || self.read_in_parts((chunk, laws), slots, free),
-            || self.read_in_parts((other_chunk, laws), other_slots, other_free),
+            || self.read_in_parts((chunk, laws), slots, dynamic),
+            || self.read_in_parts((other_chunk, laws), other_slots, other_dynamic),
         );
     }
 
@@ -193,7 +193,7 @@ impl Gather<'_> {
         &self,
         (chunk, laws): (&Chunk<'_>, Laws<'_>),
         slots: &[Slot],
-        mut free: FreeRows<'_>,
+        mut dynamic: DynamicRows<'_>,
         mut contact_works: Option<&mut ContactWorks>,
     ) {
         let Self { constrained, settings, time } = *self;
@@ -206,15 +206,15 @@ impl Gather<'_> {
             let context = ForceContext { wind, ..ForceContext::new(settings) };
             let (wrench, row) = (chunk.wrench[i], chunk.first_row + i);
             let forces = LawForces { constants: &constants, context: &context, wrench, laws, row, time };
-            free.set(next, &constants, &state, forces.at(0.0, &state), h);
+            dynamic.set(next, &constants, &state, forces.at(0.0, &state), h);
             // It is, unless the caller has changed it since contacts were found.
             let responds = responds_in_range(&constants, [state.linear, state.angular], 0.0);
             let is_somewhere = within(state.position, MAX_DISTANCE_OF_CONTACTS) && is_rotation(state.orientation);
             if !(responds && is_somewhere) {
-                free.set_out_of_range(next);
+                dynamic.set_out_of_range(next);
             }
             if let Some(contact_works) = contact_works.as_deref_mut() {
-                contact_works.open((slot, solver_row), (&forces, chunk.gravity_on(i, settings)), &state, h);
+                contact_works.open((slot, solver_row), (&forces, chunk.gravity_on(i, settings.gravity)), &state, h);
             }
         }
     }

@@ -2,15 +2,14 @@
 
 use crate::solver::solver_bodies::SolverRow;
 
-/// Which contacts can be worked on side by side: those of one color have no body in common that
-/// impulses move.
+/// Which contacts can be solved in parallel: those of one color have no dynamic body in common.
 ///
 /// Colors are given in the order of the contacts, to each the lowest that both bodies have not got
 /// yet, so they depend on nothing but which contacts there are.
 #[derive(Clone, Default)]
 pub(crate) struct GraphColoring {
-    /// By row, the colors that it has: as bits, of contacts between moving bodies and of those with
-    /// what does not move.
+    /// By row, the colors that it has as bits: of contacts between dynamic bodies, and of those
+    /// with a non-dynamic body.
     taken: Vec<[u64; 2]>,
     /// By contact.
     colors: Vec<ContactColor>,
@@ -19,15 +18,16 @@ pub(crate) struct GraphColoring {
 /// The color of a contact.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct ContactColor {
-    /// Impulses move only the second body.
+    /// Only the second body is dynamic.
     pub(crate) has_non_dynamic: bool,
-    /// From 0; [`ContactColor::ALONE`] for one that is worked on by itself, since its bodies have
-    /// all colors.
+    /// From 0; [`ContactColor::OVERFLOW`] for a contact whose bodies have all colors already, which
+    /// is solved by itself.
     pub(crate) index: u32,
 }
 
 impl ContactColor {
-    pub(crate) const ALONE: u32 = u64::BITS;
+    /// The index of contacts without a color.
+    pub(crate) const OVERFLOW: u32 = u64::BITS;
 }
 
 impl GraphColoring {
@@ -36,8 +36,8 @@ impl GraphColoring {
         &self.colors
     }
 
-    /// Of contacts, each with the rows of its bodies; those from `first_non_dynamic` on impulses do
-    /// not move.
+    /// Of contacts, each with the rows of its bodies; those from `first_non_dynamic` on are not
+    /// dynamic.
     pub(crate) fn color(&mut self, rows: impl Iterator<Item = [SolverRow; 2]>, first_non_dynamic: usize) {
         self.taken.clear();
         self.taken.resize(first_non_dynamic, [0; 2]);
@@ -48,7 +48,7 @@ impl GraphColoring {
             let taken =
                 self.taken[second.index()][which] | if has_non_dynamic { 0 } else { self.taken[first.index()][0] };
             let index = taken.trailing_ones();
-            if index < ContactColor::ALONE {
+            if index < ContactColor::OVERFLOW {
                 self.taken[second.index()][which] |= 1 << index;
                 if !has_non_dynamic {
                     self.taken[first.index()][0] |= 1 << index;

@@ -52,7 +52,7 @@ impl HalvedGroup {
         self.group.solve_substeps(contacts, solving.halved(self.halvings), None);
     }
 
-    /// Gives back what has become of them, the impulses as those of a substep of the settings.
+    /// Copies the results back, with impulses over a substep of the settings.
     pub(crate) fn return_results(&self, contacts: &mut [ContactRecord], all: &mut SolverGroup) {
         let parts = (1u32 << self.halvings) as Real;
         self.group.contacts.iter().for_each(|contact| contacts[contact.number as usize].scale_impulses(parts));

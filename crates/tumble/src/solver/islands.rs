@@ -10,11 +10,16 @@ pub(crate) struct Islands {
 }
 
 impl Islands {
-    /// Joins the bodies of contacts, but not through those that impulses do not move.
-    pub(crate) fn join(&mut self, slots: usize, pairs: impl Iterator<Item = [Slot; 2]>, moves: impl Fn(Slot) -> bool) {
+    /// Joins the bodies of contacts, but not through non-dynamic bodies.
+    pub(crate) fn join(
+        &mut self,
+        slots: usize,
+        pairs: impl Iterator<Item = [Slot; 2]>,
+        is_dynamic: impl Fn(Slot) -> bool,
+    ) {
         self.parents.clear();
         self.parents.extend((0..slots as u32).map(Slot));
-        for [a, b] in pairs.filter(|pair| pair.iter().all(|slot| moves(*slot))) {
+        for [a, b] in pairs.filter(|pair| pair.iter().all(|slot| is_dynamic(*slot))) {
             let (a, b) = (self.root(a), self.root(b));
             self.parents[a.max(b).index()] = a.min(b);
         }

@@ -3,7 +3,7 @@
 use crate::collision::contact::ContactRecord;
 use crate::collision::contact_materials::Extras;
 use crate::settings::Settings;
-use crate::solver::gather_scatter::{Constraints, Moving};
+use crate::solver::gather_scatter::{Constraints, ForceInputs};
 use crate::solver::mechanism::mechanisms::Mechanisms;
 use crate::solver::substeps::Solver;
 use crate::storage::body_index::BodyIndex;
@@ -41,9 +41,9 @@ impl MultiWorld {
         mut constraints: Constraints<'_>,
         body_index: &BodyIndex,
         columns: &mut WorldColumns<'_>,
-        moving: Moving<'_>,
+        inputs: ForceInputs<'_>,
     ) {
-        self.next_rows = self.solver.add_world(&mut constraints, body_index, columns, moving, self.next_rows);
+        self.next_rows = self.solver.add_world(&mut constraints, body_index, columns, inputs, self.next_rows);
         self.contacts.extend_from_slice(&constraints.contacts.records);
     }
 

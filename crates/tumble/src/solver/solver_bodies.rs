@@ -28,12 +28,11 @@ impl SolverRow {
     }
 }
 
-/// The constrained bodies, as the solver sees them: momentum is what it changes, and the
-/// rest says what that does.
+/// The constrained bodies in the layout of the solver: the momenta that it changes, and masses,
+/// inertias and poses.
 ///
-/// First those that impulses move, in whole blocks of which the last is filled up with points
-/// without mass that nothing acts on, and one more such point; then those that stay or move as they
-/// are told.
+/// First the dynamic bodies, in whole blocks of which the last is filled up with points without
+/// mass that nothing acts on, and one more such point; then the fixed and kinematic ones.
 #[derive(Clone, Default)]
 pub(crate) struct SolverBodies {
     pub(crate) motion: Vec<BodyMotion>,
@@ -43,8 +42,8 @@ pub(crate) struct SolverBodies {
     pub(crate) inertia: Vec<PrincipalMoments>,
     pub(crate) pose: Vec<BodyPose>,
     pub(crate) delta_pose: Vec<DeltaPose>,
-    /// How many impulses move.
-    free: usize,
+    /// How many are dynamic.
+    dynamic: usize,
 }
 
 /// Bodies that one thread advances at a time.
@@ -57,7 +56,7 @@ const UNMOVED: DeltaPose = DeltaPose { rotation: NO_ROTATION, ..DeltaPose::ZERO 
 /// At the origin, and not turned.
 const ORIGIN: BodyPose = BodyPose { orientation: NO_ROTATION, ..BodyPose::ZERO };
 const NO_ROTATION: Quat<Real> = Quat { x: 0.0, y: 0.0, z: 0.0, w: 1.0 };
-/// Of what impulses do not turn.
+/// Of a body that impulses do not turn.
 const NOT_TURNING: PrincipalMoments = PrincipalMoments { moments: ONES, ..PrincipalMoments::ZERO };
 /// The unit matrix.
 const UNIT: WorldInverseInertia = WorldInverseInertia { diagonal: ONES, ..WorldInverseInertia::ZERO };
@@ -68,24 +67,23 @@ const ONES: Vec3<Real> = Vec3 { x: 1.0, y: 1.0, z: 1.0 };
 const TURN: Real = 1e-4;
 
 impl SolverBodies {
-    /// Makes room for those that impulses move and those that they do not; all are nowhere at
-    /// first.
-    pub(crate) fn reset(&mut self, free: usize, non_dynamic: usize) {
-        self.free = free;
-        let (in_blocks, dynamic) = (free.next_multiple_of(BLOCK), self.first_non_dynamic());
+    /// Makes room for dynamic bodies and others; all are nowhere at first.
+    pub(crate) fn reset(&mut self, dynamic: usize, non_dynamic: usize) {
+        self.dynamic = dynamic;
+        let (in_blocks, first_non_dynamic) = (dynamic.next_multiple_of(BLOCK), self.first_non_dynamic());
         self.motion.clear();
-        self.motion.resize(dynamic + non_dynamic, BodyMotion::ZERO);
+        self.motion.resize(first_non_dynamic + non_dynamic, BodyMotion::ZERO);
         self.delta_pose.clear();
-        self.delta_pose.resize(dynamic + non_dynamic, UNMOVED);
+        self.delta_pose.resize(first_non_dynamic + non_dynamic, UNMOVED);
         self.warm_start.clear();
-        self.warm_start.resize(dynamic, WarmStartImpulse::ZERO);
+        self.warm_start.resize(first_non_dynamic, WarmStartImpulse::ZERO);
         self.inv_inertia.clear();
-        self.inv_inertia.resize(dynamic, WorldInverseInertia::ZERO);
-        self.inv_inertia.resize(dynamic + non_dynamic, UNIT);
+        self.inv_inertia.resize(first_non_dynamic, WorldInverseInertia::ZERO);
+        self.inv_inertia.resize(first_non_dynamic + non_dynamic, UNIT);
         self.force_impulse.clear();
         self.force_impulse.resize(in_blocks, ForceImpulse::ZERO);
         self.pose.clear();
-        self.pose.resize(dynamic + non_dynamic, ORIGIN);
+        self.pose.resize(first_non_dynamic + non_dynamic, ORIGIN);
         self.inertia.clear();
         self.inertia.resize(in_blocks, NOT_TURNING);
     }
@@ -95,15 +93,15 @@ impl SolverBodies {
         self.motion.len()
     }
 
-    /// The row of the first that impulses do not move. The one before it is nobody's.
+    /// The row of the first non-dynamic body. The row before it belongs to no body.
     pub(crate) fn first_non_dynamic(&self) -> usize {
-        self.free.next_multiple_of(BLOCK) + 1
+        self.dynamic.next_multiple_of(BLOCK) + 1
     }
 
-    /// Rows of bodies that forces move, to be set.
-    pub(crate) fn free_rows(&mut self, rows: Range<usize>) -> FreeRows<'_> {
+    /// Rows of dynamic bodies, to be set.
+    pub(crate) fn dynamic_rows(&mut self, rows: Range<usize>) -> DynamicRows<'_> {
         let Self { motion, inv_inertia, force_impulse, inertia, pose, .. } = self;
-        FreeRows {
+        DynamicRows {
             motion: &mut motion[rows.clone()],
             inv_inertia: &mut inv_inertia[rows.clone()],
             force_impulse: &mut force_impulse[rows.clone()],
@@ -112,7 +110,7 @@ impl SolverBodies {
         }
     }
 
-    /// Sets what moves with given velocities.
+    /// Sets a fixed or kinematic body.
     pub(crate) fn set_non_dynamic(
         &mut self,
         row: usize,
@@ -128,12 +126,12 @@ impl SolverBodies {
         self.pose[row.index()].center
     }
 
-    /// Whether impulses move a body.
+    /// Whether a body is dynamic.
     pub(crate) fn is_dynamic(&self, row: SolverRow) -> bool {
         row.index() < self.first_non_dynamic()
     }
 
-    /// What a body that impulses move has become.
+    /// The state of a dynamic body.
     pub(crate) fn state(&self, row: usize, axes: Option<Quat<Real>>) -> State<Real> {
         let BodyMotion { momentum, angular_momentum, .. } = self.motion[row];
         let BodyPose { center, orientation, .. } = self.pose[row];
@@ -146,7 +144,7 @@ impl SolverBodies {
         }
     }
 
-    /// The least inverse moment of inertia over the greatest; one of what impulses do not turn.
+    /// The least inverse moment of inertia over the greatest; one for bodies that do not turn.
     pub(crate) fn inertia_ratio(&self, row: SolverRow) -> Real {
         self.inertia.get(row.index()).map_or(1.0, |inertia| {
             let Vec3 { x, y, z } = inertia.inverse_moments;
@@ -155,8 +153,8 @@ impl SolverBodies {
         })
     }
 
-    /// Of what impulses move: one over the mass, and of the inverse inertia what belongs to two
-    /// directions: `uu vv uv`.
+    /// Of a dynamic body: one over the mass, and the inverse inertia in two directions: `uu vv
+    /// uv`.
     pub(crate) fn mobility(&self, row: SolverRow, [u, v]: [Vec3<Real>; 2]) -> (Real, [Real; 3]) {
         let WorldInverseInertia { diagonal, off_diagonal, .. } = self.inv_inertia[row.index()];
         let times = |v| symmetric_product(diagonal, off_diagonal, v);
@@ -174,24 +172,24 @@ impl SolverBodies {
         impulses && change && turn && is_part(kept_linear) && is_part(kept_angular)
     }
 
-    /// Hands out the poses beside the rest.
+    /// Calls with the poses beside the rest.
     pub(crate) fn with_poses(&mut self, then: impl FnOnce(&mut Self, &[BodyPose])) {
         let poses = std::mem::take(&mut self.pose);
         then(self, &poses);
         self.pose = poses;
     }
 
-    /// Takes over the bodies of these rows of others, those that impulses move first; forces act as
-    /// in substeps halved this many times.
+    /// Copies the bodies of these rows of others, dynamic ones first; forces act as in substeps
+    /// halved this many times.
     pub(crate) fn copy(&mut self, others: &Self, rows: &[SolverRow], halvings: u8) {
         let first_non_dynamic = others.first_non_dynamic();
-        let free = rows.iter().take_while(|row| row.index() < first_non_dynamic).count();
-        self.reset(free, rows.len() - free);
+        let dynamic = rows.iter().take_while(|row| row.index() < first_non_dynamic).count();
+        self.reset(dynamic, rows.len() - dynamic);
         for (place, row) in self.places(rows) {
             self.motion[place] = others.motion[row];
             self.inv_inertia[place] = others.inv_inertia[row];
             self.pose[place] = others.pose[row];
-            if place < free {
+            if place < dynamic {
                 self.inertia[place] = others.inertia[row];
                 self.force_impulse[place] = halved(others.force_impulse[row], halvings);
             }
@@ -200,7 +198,7 @@ impl SolverBodies {
 
     /// Copies the dynamic bodies back to the rows that they were taken from.
     pub(crate) fn copy_back(&self, others: &mut Self, rows: &[SolverRow]) {
-        for (place, row) in self.places(rows).take(self.free) {
+        for (place, row) in self.places(rows).take(self.dynamic) {
             others.motion[row] = self.motion[place];
             others.inv_inertia[row] = self.inv_inertia[place];
             others.pose[row] = self.pose[place];
@@ -210,12 +208,12 @@ impl SolverBodies {
 
     /// The rows here of copies of these rows.
     pub(crate) fn places<'a>(&self, rows: &'a [SolverRow]) -> impl Iterator<Item = (usize, usize)> + use<'a> {
-        let (free, first_non_dynamic) = (self.free, self.first_non_dynamic());
-        let place = move |i: usize| if i < free { i } else { first_non_dynamic + i - free };
+        let (dynamic, first_non_dynamic) = (self.dynamic, self.first_non_dynamic());
+        let place = move |i: usize| if i < dynamic { i } else { first_non_dynamic + i - dynamic };
         rows.iter().enumerate().map(move |(i, row)| (place(i), row.index()))
     }
 
-    /// Adds what forces do in a substep.
+    /// Adds the force impulses of a substep.
     pub(crate) fn integrate_velocities(&mut self) {
         let rows = self.force_impulse.len();
         let parts = self.motion[..rows].par_chunks_mut(PART).zip(self.force_impulse.par_chunks(PART));
@@ -257,8 +255,8 @@ impl SolverBodies {
     }
 }
 
-/// Rows of bodies that forces move.
-pub(crate) struct FreeRows<'a> {
+/// Rows of dynamic bodies.
+pub(crate) struct DynamicRows<'a> {
     motion: &'a mut [BodyMotion],
     inv_inertia: &'a mut [WorldInverseInertia],
     force_impulse: &'a mut [ForceImpulse],
@@ -266,7 +264,7 @@ pub(crate) struct FreeRows<'a> {
     pose: &'a mut [BodyPose],
 }
 
-impl FreeRows<'_> {
+impl DynamicRows<'_> {
     /// The first `middle`, and the others.
     pub(crate) fn split_at(self, middle: usize) -> (Self, Self) {
         let (motion, other_motion) = self.motion.split_at_mut(middle);
@@ -284,7 +282,7 @@ impl FreeRows<'_> {
         (Self { motion, inv_inertia, force_impulse, inertia, pose }, others)
     }
 
-    /// Sets what forces move, for substeps of `h` \[s\].
+    /// Sets a dynamic body, for substeps of `h` \[s\].
     pub(crate) fn set(
         &mut self,
         row: usize,
@@ -419,8 +417,8 @@ impl Kernel for IntegratePositions<'_> {
     }
 }
 
-/// What forces do in substeps that are halved this many times: twice it does what the kick of the
-/// substep before does.
+/// The force impulse of a substep halved this many times: applied twice it is that of the longer
+/// substep.
 pub(crate) fn halved(force_impulse: ForceImpulse, halvings: u8) -> ForceImpulse {
     (0..halvings).fold(force_impulse, |ForceImpulse { linear, angular, kept_linear, kept_angular }, _| {
         let (kept_linear, kept_angular) = (kept_linear.sqrt(), kept_angular.sqrt());

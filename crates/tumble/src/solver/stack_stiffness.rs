@@ -51,11 +51,11 @@ octet! {
     struct StackBody<T> {
         /// Of mass \[m\].
         center: Vec3<T>,
-        /// [1/kg]; zero of what impulses do not move.
+        /// [1/kg]; zero for non-dynamic bodies.
         inverse_mass: T,
         /// Inverse inertia about the two horizontal directions [1/(kg m^2)]: `xx yy xy`.
         inverse_inertia: [T; 3],
-        /// One where impulses move it, else zero.
+        /// One where the body is dynamic, else zero.
         is_dynamic: T,
     }
 }
@@ -74,7 +74,7 @@ octet! {
     }
 }
 
-/// What a body rests on: sums over points by their stiffness [N/m].
+/// The support of a body: sums over points by their stiffness [N/m].
 #[derive(Clone, Copy, Default)]
 struct Base {
     stiffness: Real,
@@ -85,7 +85,7 @@ struct Base {
     height: Real,
 }
 
-/// What rests on a body.
+/// The load on a body.
 #[derive(Clone, Copy, Default)]
 struct Load {
     /// Weight of it and of what it bears \[N\], and their moment about height zero [N m].
@@ -101,13 +101,12 @@ struct Load {
 const MIN_SLOPE: f64 = 0.5;
 /// Least `k / (W H)` of a column that is left as it is: it buckles at 1/1.3.
 const MIN_STIFFNESS: Real = 1.25;
-/// What `k / (W H)` becomes at least where there is less. Layers of several blocks side by side
-/// still shake at half of it.
+/// Least `k / (W H)`. Layers of several blocks side by side still shake at half of it.
 const STIFFNESS: Real = 2.5;
 /// How deep \[margins\] a body in a stack may be pressed in by its load: a tenth of half its
 /// thickness.
 const MAX_DEPTH: Real = 5.0;
-/// What is deeper \[margins\] does not rest but was shot in: twice half its thickness.
+/// A body that is deeper \[margins\] was shot in and does not rest: twice half its thickness.
 const DEEP: f64 = 100.0;
 /// Root mean square distance from the middle \[margins\] of what a body rests on, below which that
 /// is an edge or a corner and not a face.
@@ -320,7 +319,7 @@ struct Bear<'a> {
     bodies: &'a [StackBody],
     up: Vec3<Real>,
     sides: [Vec3<Real>; 2],
-    /// Stiffness for each kilogram, of two moving bodies and on what does not move.
+    /// Stiffness for each kilogram: between dynamic bodies, and on a non-dynamic one.
     rates: [Real; 2],
 }
 
@@ -395,7 +394,7 @@ impl Kernel for Bear<'_> {
             summed_inverse_mass(&upper, points, second_moments) + summed_inverse_mass(&lower, points, about_lower);
         let [between, on_ground] = [T::splat(self.rates[0].into()), T::splat(self.rates[1].into())];
         let rate = T::select(zero.lt(lower.is_dynamic), between, on_ground);
-        // Nothing is borne by a wall, or by what impulses do not move, or where no point is near.
+        // Nothing rests on a wall, nor where no point is near; non-dynamic bodies need no support.
         let stiffness = rate * points / responses;
         let stiffness = T::select(slope.abs().lt(T::splat(MIN_SLOPE)), zero, stiffness);
         let stiffness = T::select(zero.lt(points * upper.is_dynamic * margin), stiffness, zero);

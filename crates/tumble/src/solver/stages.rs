@@ -28,11 +28,12 @@ pub(crate) struct ContactConstraints {
     order: Vec<GroupContact>,
     ones: BlockSheet<1, 0>,
     fours: BlockSheet<4, 6>,
-    stages: Vec<ColorRange>,
+    /// One for each color, in the order in which they are solved.
+    colors: Vec<ColorRange>,
+    /// Which rows the contacts of each color change.
+    row_colors: RowColors,
     /// Of the round contacts.
     places: Vec<Place>,
-    /// Which rows the contacts of each stage change.
-    colors: RowColors,
 }
 
 /// Blocks of contacts of up to `P` points, and what only some have: for all blocks, or for none.
@@ -49,40 +50,48 @@ impl<const P: usize, const C: usize> Default for BlockSheet<P, C> {
     }
 }
 
+/// Which of the two sheets.
+#[derive(Clone, Copy, Default)]
+enum Sheet {
+    #[default]
+    Ones,
+    Fours,
+}
+
 /// Where a contact is laid out.
 #[derive(Clone, Copy, Default)]
 struct Place {
-    has_four: bool,
+    sheet: Sheet,
     block: usize,
     lane: usize,
 }
 
-/// Blocks that can be worked on at the same time: one color's.
+/// The blocks of a color, which can be solved in parallel.
 #[derive(Clone, Debug)]
 struct ColorRange {
     ones: Range<usize>,
     fours: Range<usize>,
 }
 
-/// What is done to all contacts.
+/// A stage of the solver, run on all contacts.
 #[derive(Clone, Copy)]
 pub(crate) enum SolverStage<'a> {
     /// Fills the blocks for bodies with these poses, as the contacts have it.
     Prepare(&'a [ContactRecord], &'a [BodyPose]),
-    /// Pushes overlapping bodies apart, two that move and one on what does not, in substeps of `h`
-    /// \[s\]. What closes faster than `impact_speed` \[m/s\] is an impact.
+    /// Pushes overlapping bodies apart, with softness between dynamic bodies and on others, in
+    /// substeps of `h` \[s\]. Points that approach faster than `impact_speed` [m/s] are impacts.
     Solve { softness: [Softness; 2], h: Real, impact_speed: Real },
-    /// Takes out again the velocity that this gave, and adds friction; and, where it is said, notes
-    /// for another substep what contacts then do to bodies.
+    /// Removes the velocity that the bias gave, and applies friction; with `stores_warm_start` it
+    /// stores the impulses for the next substep.
     Relax { h: Real, impact_speed: Real, stores_warm_start: bool },
-    /// Notes how fast bodies come together in substeps of this length \[s\].
+    /// Records the approach speeds in substeps of this length \[s\].
     RecordApproachSpeed(Real, SubstepMoment),
-    /// Lets bodies bounce that came together faster than this \[m/s\].
+    /// Applies restitution to points that approached faster than this [m/s].
     ApplyRestitution(Real),
 }
 
-/// Colors of each kind, and one more for contacts that are worked on by themselves.
-const COLORS: usize = ContactColor::ALONE as usize + 1;
+/// Colors of each kind, and one more for contacts without a color.
+const COLORS: usize = ContactColor::OVERFLOW as usize + 1;
 
 /// Fewer blocks are not shared among threads.
 const MIN_PART: usize = 16;
@@ -97,24 +106,24 @@ impl ContactConstraints {
         extras: Extras,
     ) {
         let ends = self.sort(all, contacts, bodies.first_non_dynamic());
-        let Self { order, ones, fours, stages, colors, .. } = self;
-        stages.clear();
-        colors.reset(bodies.first_non_dynamic());
+        let Self { order, ones, fours, colors, row_colors, .. } = self;
+        colors.clear();
+        row_colors.reset(bodies.first_non_dynamic());
         let (mut one, mut four) = (0, 0);
         let mut add = |has_non_dynamic, with_one: &[GroupContact], with_more: &[GroupContact]| {
             let (first_one, first_four) = (one, four);
-            colors.begin(has_non_dynamic);
+            row_colors.begin(has_non_dynamic);
             for chunk in with_one.chunks(BLOCK) {
-                colors.push(chunk.iter().map(|contact| contact.rows.map(|row| row.0)));
+                row_colors.push(chunk.iter().map(|contact| contact.rows.map(|row| row.0)));
                 ones.set(one, chunk);
                 one += 1;
             }
             for chunk in with_more.chunks(BLOCK) {
-                colors.push(chunk.iter().map(|contact| contact.rows.map(|row| row.0)));
+                row_colors.push(chunk.iter().map(|contact| contact.rows.map(|row| row.0)));
                 fours.set(four, chunk);
                 four += 1;
             }
-            stages.push(ColorRange { ones: first_one..one, fours: first_four..four });
+            colors.push(ColorRange { ones: first_one..one, fours: first_four..four });
         };
         let mut begin = 0;
         for (index, kinds) in ends.chunks_exact(2).enumerate() {
@@ -122,7 +131,7 @@ impl ContactConstraints {
             begin = kinds[1];
             let has_non_dynamic = index >= COLORS;
             if index % COLORS == 0 {
-                with_more.chunks(1).for_each(|alone| add(has_non_dynamic, &[], alone));
+                with_more.chunks(1).for_each(|contact| add(has_non_dynamic, &[], contact));
             } else if !(with_one.is_empty() && with_more.is_empty()) {
                 add(has_non_dynamic, with_one, with_more);
             }
@@ -131,9 +140,9 @@ impl ContactConstraints {
         fours.finish(four, extras);
     }
 
-    /// Puts the contacts in the order of what is done first: those between moving bodies, then
-    /// those with what does not move; of each those by themselves, then color by color those with
-    /// one point and those with more. Returns where each of these ends.
+    /// Sorts the contacts into the order in which they are solved: those between dynamic bodies,
+    /// then those with a non-dynamic body; of each those without a color, then color by color those
+    /// with one point and those with more. Returns where each of these ends.
     fn sort(
         &mut self,
         all: &[ContactRecord],
@@ -144,10 +153,10 @@ impl ContactConstraints {
         let colors = self.coloring.colors();
         let kind = |index: usize| {
             let ContactColor { has_non_dynamic, index: color } = colors[index];
-            let alone = color == ContactColor::ALONE;
-            let place = if alone { 0 } else { color as usize + 1 };
+            let overflows = color == ContactColor::OVERFLOW;
+            let place = if overflows { 0 } else { color as usize + 1 };
             (usize::from(has_non_dynamic) * COLORS + place) * 2
-                + usize::from(alone || all[contacts[index].number as usize].count() > 1)
+                + usize::from(overflows || all[contacts[index].number as usize].count() > 1)
         };
         let mut ends = [0; 4 * COLORS];
         (0..contacts.len()).for_each(|index| ends[kind(index)] += 1);
@@ -165,22 +174,21 @@ impl ContactConstraints {
         ends
     }
 
-    /// Does to all contacts, color by color, what a pass does; those with what does not move have
-    /// the last word.
-    pub(crate) fn run(&mut self, pass: SolverStage<'_>, bodies: &mut SolverBodies) {
-        let Self { ones, fours, stages, colors, .. } = self;
-        for (index, stage) in stages.iter().enumerate() {
+    /// Runs a stage on all contacts, color by color; those with non-dynamic bodies come last.
+    pub(crate) fn run(&mut self, stage: SolverStage<'_>, bodies: &mut SolverBodies) {
+        let Self { ones, fours, colors, row_colors, .. } = self;
+        for (index, color) in colors.iter().enumerate() {
             let SolverBodies { motion, warm_start, inv_inertia, delta_pose, .. } = bodies;
             let (inv_inertia, delta_pose) = (&**inv_inertia, &**delta_pose);
             let bodies = StageBodies {
-                motion: colors.rows(index, motion),
-                warm_start: colors.rows(index, warm_start),
+                motion: row_colors.rows(index, motion),
+                warm_start: row_colors.rows(index, warm_start),
                 inv_inertia,
                 delta_pose,
             };
-            let (of_ones, of_fours) = bodies.split_at(stage.ones.len());
-            pass.in_parts(ones.blocks(&stage.ones), of_ones);
-            pass.in_parts(fours.blocks(&stage.fours), of_fours);
+            let (of_ones, of_fours) = bodies.split_at(color.ones.len());
+            stage.in_parts(ones.blocks(&color.ones), of_ones);
+            stage.in_parts(fours.blocks(&color.fours), of_fours);
         }
     }
 
@@ -191,8 +199,8 @@ impl ContactConstraints {
             return;
         }
         let mut places = vec![Place::default(); contacts];
-        self.ones.places(false, &mut places);
-        self.fours.places(true, &mut places);
+        self.ones.places(Sheet::Ones, &mut places);
+        self.fours.places(Sheet::Fours, &mut places);
         self.places.extend(rounds.iter().map(|round| places[round.number() as usize]));
     }
 
@@ -201,15 +209,14 @@ impl ContactConstraints {
         let Self { ones, fours, places, .. } = self;
         for ((round, found), place) in rounds.iter().zip(round_contacts::find(rounds, delta_pose)).zip(places) {
             let (Some(manifold), motion) = (found, (delta_pose, round)) else { continue };
-            if place.has_four {
-                round_contacts::write(&manifold, fours.lane(place), motion);
-            } else {
-                round_contacts::write(&manifold, ones.lane(place), motion);
+            match place.sheet {
+                Sheet::Ones => round_contacts::write(&manifold, ones.lane(place), motion),
+                Sheet::Fours => round_contacts::write(&manifold, fours.lane(place), motion),
             }
         }
     }
 
-    /// Gives the impulses back to the contacts.
+    /// Stores the impulses in the contacts.
     pub(crate) fn store_impulses(&mut self, contacts: &mut [ContactRecord]) {
         let Self { ones, fours, .. } = self;
         let (all_ones, all_fours) = (0..ones.blocks.len(), 0..fours.blocks.len());
@@ -219,7 +226,7 @@ impl ContactConstraints {
 }
 
 impl<const P: usize, const C: usize> BlockSheet<P, C> {
-    /// Says which contacts are in a block, one that is there or the next.
+    /// Sets which contacts are in a block, an existing one or the next.
     fn set(&mut self, index: usize, contacts: &[GroupContact]) {
         if self.blocks.len() == index {
             self.blocks.push(Block::empty());
@@ -237,10 +244,10 @@ impl<const P: usize, const C: usize> BlockSheet<P, C> {
     }
 
     /// Notes where each contact is.
-    fn places(&self, has_four: bool, places: &mut [Place]) {
+    fn places(&self, sheet: Sheet, places: &mut [Place]) {
         for (index, block) in self.blocks.iter().enumerate() {
             for (lane, contact) in block.contacts[..block.count].iter().enumerate() {
-                places[*contact as usize] = Place { has_four, block: index, lane };
+                places[*contact as usize] = Place { sheet, block: index, lane };
             }
         }
     }

@@ -9,7 +9,7 @@ use crate::settings::Settings;
 use crate::solver::contact::restitution::SubstepMoment;
 use crate::solver::contact::round_contacts::RoundConstraint;
 use crate::solver::contact_work::ContactWorks;
-use crate::solver::gather_scatter::{Constraints, Moving, gather};
+use crate::solver::gather_scatter::{Constraints, ForceInputs, gather};
 use crate::solver::halved_substeps::HalvedGroup;
 use crate::solver::mechanism::mechanisms::Mechanisms;
 use crate::solver::solver_bodies::{SolverBodies, SolverRow};
@@ -49,8 +49,8 @@ pub(crate) struct GroupContact {
     pub(crate) rows: [SolverRow; 2],
 }
 
-/// What a free fall over this many substeps of the settings gives is no impact yet: it may rest,
-/// and shake.
+/// A speed up to that of a free fall over this many substeps of the settings is no impact: bodies
+/// at rest may shake that fast.
 const FALLS: Real = 4.0;
 
 /// How contacts are solved in a substep of the settings.
@@ -62,7 +62,7 @@ pub(crate) struct SubstepSettings {
     extras: Extras,
     /// Slower points do not bounce [m/s].
     threshold: Real,
-    /// What comes faster is an impact \[m/s\].
+    /// Points that approach faster are impacts [m/s].
     impact_speed: Real,
 }
 
@@ -89,13 +89,13 @@ impl Solver {
         constraints: &mut Constraints<'_>,
         body_index: &BodyIndex,
         columns: &mut WorldColumns<'_>,
-        moving: Moving<'_>,
+        inputs: ForceInputs<'_>,
         first_rows: [usize; 2],
     ) -> [usize; 2] {
         let Self { group: SolverGroup { bodies, contact_works, rounds, contacts: all, .. }, halvings, stacks, .. } =
             self;
         let results = (&mut *bodies, contact_works);
-        let next_rows = gather(constraints, body_index, columns, moving, results, first_rows);
+        let next_rows = gather(constraints, body_index, columns, inputs, results, first_rows);
         let Constraints { bodies: constrained, contacts, mechanisms } = constraints;
         let (constrained, first) = (&**constrained, all.len() as u32);
         if !mechanisms.list.is_empty() {
@@ -111,7 +111,7 @@ impl Solver {
                 .zip(&*records)
                 .map(|(number, contact)| GroupContact { number, rows: constrained.rows_of(contact.slots) }),
         );
-        stacks.add_halvings(records, constrained, moving.0, bodies, halvings);
+        stacks.add_halvings(records, constrained, inputs.0, bodies, halvings);
         if !mechanisms.list.is_empty() {
             mechanisms.keep_whole(records, constrained, bodies, &mut halvings[first as usize..]);
         }
@@ -124,14 +124,14 @@ impl Solver {
         mut constraints: Constraints<'_>,
         body_index: &BodyIndex,
         columns: &mut WorldColumns<'_>,
-        moving: Moving<'_>,
+        inputs: ForceInputs<'_>,
     ) {
         self.reset(constraints.bodies.counts());
         let first_rows = self.first_rows();
-        self.add_world(&mut constraints, body_index, columns, moving, first_rows);
+        self.add_world(&mut constraints, body_index, columns, inputs, first_rows);
         let Constraints { bodies, contacts, mechanisms } = constraints;
         let [dynamic, _] = bodies.counts();
-        let settings = moving.0;
+        let settings = inputs.0;
         if !mechanisms.list.is_empty() {
             mechanisms.advance_untouched(settings.contact_substeps_each(), settings.contact_substep());
         }
@@ -178,7 +178,7 @@ impl Solver {
     }
 }
 
-/// What comes faster is an impact \[m/s\].
+/// Points that approach faster are impacts [m/s].
 pub(crate) fn impact_speed(settings: &Settings) -> Real {
     settings.restitution_threshold.max(FALLS * settings.gravity.length() * settings.substep())
 }

@@ -1,4 +1,4 @@
-//! What acts on a body now, as a simulation with its laws and contacts tells it.
+//! Forces on a body now, by source, with the laws and contacts of a simulation.
 
 use hecs::{Entity, World};
 
@@ -13,8 +13,8 @@ use crate::solver::contact::round_contacts::point_weight;
 use crate::step::simulation::Simulation;
 
 impl Simulation {
-    /// What acts on a body in the state that it has now, source by source; `None` of an entity that
-    /// forces do not move.
+    /// The forces on a body in its state now, by source; `None` for an entity
+    /// that is no dynamic body.
     ///
     /// Contacts are those of the last step, and what they give is the mean over its last
     /// [`contact_substep`](crate::Settings::contact_substep), or the last of the shorter ones that

@@ -1,4 +1,4 @@
-//! What a simulation tells of its contacts.
+//! Contacts and contact events of a simulation.
 
 use hecs::Entity;
 use tumble_collide::MAX_MANIFOLD_POINTS;
@@ -120,7 +120,7 @@ impl Simulation {
         self.collision().into_iter().flat_map(CollisionPipeline::report)
     }
 
-    /// What began and ended to touch in the steps of the last call of [`step`](Self::step),
+    /// The contact events of the steps of the last call of [`step`](Self::step),
     /// [`step_many`](Self::step_many), [`advance`](Self::advance) or
     /// [`advance_with`](Self::advance_with): every event once, in the order of the steps, and
     /// within a step in the order of the bodies. A frame without a step has none, nor has a

@@ -9,14 +9,14 @@ use crate::forces::registry::ForceLaws;
 use crate::joints::joint::Joint;
 use crate::threads::{BODY, BODY_UNDER_LAWS, Effort};
 
-/// What two bodies do that attract each other.
+/// Mutual gravity of two bodies.
 const ATTRACTION: f64 = 0.002;
 const SPRING: f64 = 0.2;
 /// A joint, over four substeps.
 const JOINT: f64 = 4.0;
 /// A contact, from finding it to the last of four substeps.
 const CONTACT: f64 = 0.6;
-/// What is added where shapes have no lanes of their own.
+/// Added for a pair of shapes without lanes of their own.
 const PAIR_OF_OTHERS: f64 = 3.0;
 
 /// Of steps in a world, whose contacts were these after the last. Of bodies that act on each other
@@ -40,7 +40,7 @@ pub(crate) fn effort_of_steps(
     if attracting + springs + joints + colliders == 0.0 {
         return Effort::of_microseconds(bodies * f64::from(steps));
     }
-    // Before the first step nobody knows how many touch.
+    // Before the first step the number of contacts is unknown.
     let (known, of_others) = collision.map_or((0, 0), CollisionPipeline::counts);
     let contacts = CONTACT * colliders.max(known as f64) + PAIR_OF_OTHERS * of_others as f64;
     Effort::of_microseconds(

@@ -13,7 +13,8 @@ use crate::solver::multi_world::MultiWorld;
 use crate::solver::substeps::Solver;
 use crate::step::interactions::Interactions;
 use crate::step::pack_key::PackKey;
-use crate::step::phase_times::{Phase, PhaseTimes, Stopwatch};
+use crate::step::phase_times::{PhaseTimes, Stopwatch};
+use crate::step::phased_step::StepPhase;
 use crate::step::systems::{accumulate_forces_of, integrate_unconstrained, remember_poses_of, update_derived_of};
 use crate::storage::world_columns::WorldColumns;
 
@@ -27,7 +28,7 @@ pub(crate) struct InteractingWorld<'a> {
     clock: Clock,
 }
 
-/// What worlds that go step by step together are packed in, and what they have in common.
+/// The memory in which packed worlds are stepped together, and their common key.
 pub(crate) type Together<'a> = (&'a mut MultiWorld, PackKey);
 
 /// A step of several, and a substep of it.
@@ -63,10 +64,10 @@ pub(crate) fn step_interacting(
         let mut stopwatch = PhaseTimes::start(times);
         worlds.iter_mut().for_each(InteractingWorld::remember_poses);
         worlds.iter_mut().for_each(InteractingWorld::accumulate_forces);
-        stopwatch.end_of(Phase::AccumulateForces);
+        stopwatch.end_of(StepPhase::AccumulateForces);
         integrate_interacting(worlds, together.as_mut(), step, KinematicBodies::Move, &mut stopwatch);
         worlds.iter_mut().for_each(InteractingWorld::update_derived);
-        stopwatch.end_of(Phase::UpdateDerived);
+        stopwatch.end_of(StepPhase::UpdateDerived);
     }
 }
 
@@ -86,20 +87,21 @@ pub(crate) fn integrate_interacting(
     for substep in 0..substeps {
         let index = SubstepIndex { step, substep };
         worlds.iter_mut().for_each(|it| it.apply_pair_forces(SubstepHalf::First));
-        stopwatch.end_if(pull, Phase::Pairs);
+        stopwatch.end_if(pull, StepPhase::PairForcesBefore);
         worlds.iter_mut().for_each(InteractingWorld::find_contacts);
+        stopwatch.end_if(touch, StepPhase::FindContacts);
         match &mut together {
             Some(together) => solve_together(worlds, together, index),
             None => worlds.iter_mut().for_each(|it| it.solve(index)),
         }
-        stopwatch.end_if(touch, Phase::Contacts);
+        stopwatch.end_if(touch, StepPhase::SolveContacts);
         worlds.iter_mut().for_each(|it| it.integrate(index));
         if kinematic == KinematicBodies::Move {
             worlds.iter_mut().for_each(|it| it.move_kinematic(index));
         }
-        stopwatch.end_of(Phase::Integrate);
+        stopwatch.end_of(StepPhase::Integrate);
         worlds.iter_mut().for_each(|it| it.apply_pair_forces(SubstepHalf::Second));
-        stopwatch.end_if(pull, Phase::Pairs);
+        stopwatch.end_if(pull, StepPhase::PairForcesAfter);
     }
 }
 
@@ -116,9 +118,9 @@ fn solve_together(
     for InteractingWorld { columns, settings, laws, interactions, clock } in &mut *worlds {
         let Interactions { collision, constrained, mechanisms, .. } = &mut **interactions;
         if let Some(collision) = collision {
-            let moving = (*settings, *laws, time_of(clock, settings, index));
+            let inputs = (*settings, *laws, time_of(clock, settings, index));
             let constraints = Constraints { bodies: constrained, contacts: &mut collision.contacts, mechanisms };
-            multi_world.add(constraints, &collision.body_index, columns, moving);
+            multi_world.add(constraints, &collision.body_index, columns, inputs);
         }
     }
     multi_world.solve_substeps(settings, pack_key.extras);
@@ -168,8 +170,8 @@ impl<'a> InteractingWorld<'a> {
 
     /// Adds gravity to the wrenches.
     pub(crate) fn accumulate_forces(&mut self) {
-        let settings = self.settings;
-        self.columns.for_each_chunk(|_, bodies| accumulate_forces_of(bodies, settings));
+        let gravity = self.settings.gravity;
+        self.columns.for_each_chunk(|_, bodies| accumulate_forces_of(bodies, gravity));
     }
 
     /// Changes momenta by the forces between bodies, over half of a substep; over all of it in the
@@ -204,10 +206,10 @@ impl<'a> InteractingWorld<'a> {
         let Interactions { collision, constrained, solver, mechanisms, .. } = &mut *self.interactions;
         if let Some(collision) = collision.as_mut().filter(|_| !constrained.is_empty()) {
             crate::scope::scope!("tumble::solve");
-            let moving = (self.settings, self.laws, time_of(&self.clock, self.settings, index));
+            let inputs = (self.settings, self.laws, time_of(&self.clock, self.settings, index));
             let mut taken = solver.take().unwrap_or_default();
             let constraints = Constraints { bodies: constrained, contacts: &mut collision.contacts, mechanisms };
-            taken.solve_world(constraints, &collision.body_index, &mut self.columns, moving);
+            taken.solve_world(constraints, &collision.body_index, &mut self.columns, inputs);
             self.scatter(&taken);
             self.interactions.solver = Some(taken);
         }

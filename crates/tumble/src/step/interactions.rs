@@ -14,7 +14,7 @@ use crate::solver::constrained_bodies::ConstrainedBodies;
 use crate::solver::mechanism::mechanisms::Mechanisms;
 use crate::solver::substeps::Solver;
 
-/// What bodies do to each other, kept from step to step.
+/// Interactions of bodies, kept from step to step.
 #[derive(Clone, Default)]
 pub(crate) struct Interactions {
     pub(crate) pairs: Option<PairForces>,
@@ -40,7 +40,7 @@ impl Interactions {
         pairwise::are_in(world) || collision::are_in(world) || joints::are_in(world)
     }
 
-    /// Finds out what acts between which bodies. To be called again when anything was spawned,
+    /// Lists springs, gravity sources and colliders. To be called again when anything was spawned,
     /// despawned or changed but momentum and pose.
     pub(crate) fn update(&mut self, world: &World) {
         if pairwise::are_in(world) {
@@ -76,7 +76,7 @@ impl Interactions {
         self.mechanisms.begin_step();
     }
 
-    /// Steps of a world in which nothing acts on anything: what touched does no more.
+    /// Steps of a world without interactions: contacts end.
     pub(crate) fn pass(&mut self, world: &World, steps: u32) {
         self.mechanisms.forget();
         if let Some(collision) = self.collision.as_mut().filter(|collision| !collision.are_over()) {

@@ -23,7 +23,8 @@ use crate::settings::Settings;
 use crate::step::effort::effort_of_steps;
 use crate::step::interacting::{InteractingWorld, step_interacting};
 use crate::step::interactions::Interactions;
-use crate::step::phase_times::{Phase, PhaseTimes};
+use crate::step::phase_times::PhaseTimes;
+use crate::step::phased_step::StepPhase;
 use crate::step::systems::{accumulate_forces_of, integrate_bodies, remember_poses_of, step_chunk, update_derived_of};
 
 /// Advances every body of the world by `settings.dt`: the three systems, the motion of kinematic
@@ -94,12 +95,12 @@ fn steps_here(
             for step in 0..steps {
                 remember_poses_of(bodies);
                 let mut stopwatch = PhaseTimes::start(times);
-                accumulate_forces_of(bodies, settings);
-                stopwatch.end_of(Phase::AccumulateForces);
+                accumulate_forces_of(bodies, settings.gravity);
+                stopwatch.end_of(StepPhase::AccumulateForces);
                 integrate_bodies(bodies, laws, settings, clock.time_after(step), Wrenches::Consumed);
-                stopwatch.end_of(Phase::Integrate);
+                stopwatch.end_of(StepPhase::Integrate);
                 update_derived_of(bodies);
-                stopwatch.end_of(Phase::UpdateDerived);
+                stopwatch.end_of(StepPhase::UpdateDerived);
             }
         });
         move_kinematic_bodies(world, settings.dt, steps);

@@ -9,7 +9,7 @@ use crate::math::Real;
 use crate::settings::Settings;
 use crate::solver::substeps::impact_speed;
 
-/// What worlds must have in common to be packed.
+/// Equal for worlds that can be packed.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct PackKey {
     dt: Real,

@@ -3,6 +3,8 @@
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::time::{Duration, Instant};
 
+use crate::step::phased_step::StepPhase;
+
 /// Time spent in each system, summed over steps, and over threads where bodies do not act on each
 /// other: with two threads busy it then grows by two seconds a second. A step in which bodies act
 /// on each other goes from system to system together, and its times are those of the thread that
@@ -19,17 +21,8 @@ use std::time::{Duration, Instant};
 /// ```
 #[derive(Debug, Default)]
 pub struct PhaseTimes {
-    nanoseconds: [AtomicU64; 5],
-}
-
-/// A system of the step, as an index into the times.
-#[derive(Clone, Copy)]
-pub(crate) enum Phase {
-    AccumulateForces,
-    Integrate,
-    UpdateDerived,
-    Pairs,
-    Contacts,
+    /// By phase.
+    nanoseconds: [AtomicU64; StepPhase::COUNT],
 }
 
 /// Runs from one phase's end to the next; does nothing where no one asked for times.
@@ -40,31 +33,31 @@ pub(crate) struct Stopwatch<'a> {
 impl PhaseTimes {
     /// In [`accumulate_forces`](crate::accumulate_forces).
     pub fn accumulate_forces(&self) -> Duration {
-        self.of(Phase::AccumulateForces)
+        self.of(StepPhase::AccumulateForces)
     }
 
     /// In [`integrate`](crate::integrate).
     pub fn integrate(&self) -> Duration {
-        self.of(Phase::Integrate)
+        self.of(StepPhase::Integrate)
     }
 
     /// In [`update_derived`](crate::update_derived).
     pub fn update_derived(&self) -> Duration {
-        self.of(Phase::UpdateDerived)
+        self.of(StepPhase::UpdateDerived)
     }
 
     /// In what springs and the gravity of bodies do to others: [`Spring`](crate::Spring),
     /// [`GravityMass`](crate::GravityMass).
     pub fn pairs(&self) -> Duration {
-        self.of(Phase::Pairs)
+        self.of(StepPhase::PairForcesBefore) + self.of(StepPhase::PairForcesAfter)
     }
 
     /// In finding contacts, and in solving them: [`Collider`](crate::Collider).
     pub fn contacts(&self) -> Duration {
-        self.of(Phase::Contacts)
+        self.of(StepPhase::FindContacts) + self.of(StepPhase::SolveContacts)
     }
 
-    fn of(&self, phase: Phase) -> Duration {
+    fn of(&self, phase: StepPhase) -> Duration {
         Duration::from_nanos(self.nanoseconds[phase as usize].load(Ordering::Relaxed))
     }
 
@@ -75,13 +68,13 @@ impl PhaseTimes {
 
 impl Stopwatch<'_> {
     /// Ends a phase that may not be there; if it is not, what little was done counts for the next.
-    pub(crate) fn end_if(&mut self, is_there: bool, phase: Phase) {
+    pub(crate) fn end_if(&mut self, is_there: bool, phase: StepPhase) {
         if is_there {
             self.end_of(phase);
         }
     }
 
-    pub(crate) fn end_of(&mut self, phase: Phase) {
+    pub(crate) fn end_of(&mut self, phase: StepPhase) {
         if let Some((times, since)) = &mut self.running {
             let now = Instant::now();
             let spent = u64::try_from(now.duration_since(*since).as_nanos()).unwrap_or(u64::MAX);

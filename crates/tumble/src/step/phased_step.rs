@@ -60,6 +60,10 @@ pub enum StepPhase {
     UpdateDerived,
 }
 
+impl StepPhase {
+    pub(crate) const COUNT: usize = Self::UpdateDerived as usize + 1;
+}
+
 /// A step that is taken phase by phase: [`Simulation::begin_step`].
 ///
 /// Between two phases the world can be read, and the values of components changed, through
@@ -207,7 +211,7 @@ impl Step<'_> {
         while self.run_phase().is_some() {}
     }
 
-    /// What comes after a phase, and in which substep.
+    /// The phase after a phase; counts the substeps.
     fn after(&mut self, phase: StepPhase) -> Option<StepPhase> {
         Some(match phase {
             StepPhase::RememberPoses => StepPhase::AccumulateForces,
@@ -259,11 +263,11 @@ fn run_without_interactions(simulation: &Simulation, world: &mut World, phase: S
     let (settings, laws, time) = (simulation.settings(), simulation.laws(), simulation.time());
     match phase {
         StepPhase::RememberPoses => remember_poses(world),
-        StepPhase::AccumulateForces => accumulate_forces(world, settings),
+        StepPhase::AccumulateForces => accumulate_forces(world, settings.gravity),
         StepPhase::Integrate => for_each_chunk_under(world, laws, |bodies, laws| {
             integrate_bodies(bodies, laws, settings, time, Wrenches::Consumed);
         }),
-        StepPhase::MoveKinematic => move_kinematic_bodies(world, settings),
+        StepPhase::MoveKinematic => move_kinematic_bodies(world, settings.dt),
         StepPhase::UpdateDerived => update_derived(world),
         StepPhase::PairForcesBefore
         | StepPhase::FindContacts

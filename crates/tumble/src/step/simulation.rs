@@ -38,11 +38,9 @@ use crate::step::steps_under_laws;
 pub struct Simulation {
     settings: Settings,
     laws: ForceLaws,
-    /// What forces between bodies are evaluated with, and contacts as they were left; none until
-    /// there are any.
+    /// Springs, mutual gravity and contacts of the last step; none until there are any.
     pub(crate) interactions: Option<Box<Interactions>>,
-    /// What began and ended to touch in the last call, in the steps that were taken one by one
-    /// before the last.
+    /// Contact events of the last call, of the steps taken one by one before its last.
     pub(crate) events: Vec<ContactEvent>,
     /// Whether the last call took a step.
     pub(crate) has_stepped: bool,
@@ -54,7 +52,7 @@ pub struct Simulation {
     owed: f64,
 }
 
-/// What is called before and after every step of
+/// Callbacks before and after every step of
 /// [`advance_with_hooks`](Simulation::advance_with_hooks).
 ///
 /// ```
@@ -110,7 +108,7 @@ impl Simulation {
         })
     }
 
-    /// What the simulation is run with.
+    /// The settings of the simulation.
     pub fn settings(&self) -> &Settings {
         &self.settings
     }
@@ -209,8 +207,7 @@ impl Simulation {
         }
     }
 
-    /// What the steps of a world in which bodies act on each other are taken with, if they do in
-    /// this one.
+    /// The world with its interactions, if bodies act on each other in it.
     pub(crate) fn interacting<'a>(&'a mut self, world: &'a mut World) -> Option<InteractingWorld<'a>> {
         if !Interactions::is_in(world) {
             return None;

@@ -31,7 +31,7 @@ use crate::storage::chunk::{Chunk, RowOrder, for_each_chunk};
 use crate::storage::tile_io::splat;
 
 /// Adds to each moving body's [`Wrench`] the force that is the same at every stage of a step:
-/// gravity, scaled by its [`GravityScale`](crate::GravityScale).
+/// gravity [m/s^2], scaled by its [`GravityScale`](crate::GravityScale).
 ///
 /// Force components that depend on the state, such as [`Drag`](crate::Drag), are evaluated in
 /// [`integrate`], as laws are; so is [`Damping`](crate::Damping), a decay that is treated exactly.
@@ -40,12 +40,12 @@ use crate::storage::tile_io::splat;
 /// # use tumble::{accumulate_forces, prelude::*};
 /// # let mut world = hecs::World::new();
 /// let body = RigidBody::new(Shape::Point).mass(2.0).build()?.spawn(&mut world);
-/// accumulate_forces(&mut world, &Settings::default());
+/// accumulate_forces(&mut world, Vec3::NEG_Y * 9.81);
 /// assert_eq!(world.get::<&Wrench>(body)?.force, Vec3::Y * -19.62);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
-pub fn accumulate_forces(world: &mut World, settings: &Settings) {
-    for_each_chunk(world, |bodies| accumulate_forces_of(bodies, settings));
+pub fn accumulate_forces(world: &mut World, gravity: Vec3) {
+    for_each_chunk(world, |bodies| accumulate_forces_of(bodies, gravity));
 }
 
 /// Advances [`Momentum`](crate::Momentum) and [`Pose`](crate::Pose) of the moving bodies by
@@ -53,7 +53,8 @@ pub fn accumulate_forces(world: &mut World, settings: &Settings) {
 ///
 /// It takes the chosen [`Integrator`] through `settings.substeps` equal parts, under the wrench,
 /// the force components and the forces between bodies. Gravity is not in it, but in what
-/// [`accumulate_forces`] adds. Bodies that touch are pushed apart, but in each call as if they had
+/// [`accumulate_forces`] adds; `settings.gravity` is that of [`Buoyancy`](crate::Buoyancy) and of
+/// accounts. Bodies that touch are pushed apart, but in each call as if they had
 /// not touched before: for piles take a [`Simulation`](crate::Simulation), which keeps what held
 /// them.
 ///
@@ -140,19 +141,19 @@ pub fn remember_poses(world: &mut World) {
 }
 
 /// Moves the kinematic bodies, those with a [`Velocity`](crate::Velocity) and no
-/// [`Momentum`](crate::Momentum), by `settings.dt`, and sets their
+/// [`Momentum`](crate::Momentum), by a step of `dt` \[s\], and sets their
 /// [`PreviousPose`](crate::PreviousPose), where they have one.
 ///
 /// ```
 /// # use tumble::{move_kinematic_bodies, prelude::*};
 /// # let mut world = hecs::World::new();
 /// let lift = RigidBody::new(Shape::Point).linear_velocity(Vec3::Y).kinematic().build()?.spawn(&mut world);
-/// move_kinematic_bodies(&mut world, &Settings::default().with_dt(0.5));
+/// move_kinematic_bodies(&mut world, 0.5);
 /// assert_eq!(world.get::<&Pose>(lift)?.position, Vec3::Y * 0.5);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
-pub fn move_kinematic_bodies(world: &mut World, settings: &Settings) {
-    kinematic::move_kinematic_bodies(world, settings.dt, 1);
+pub fn move_kinematic_bodies(world: &mut World, dt: Real) {
+    kinematic::move_kinematic_bodies(world, dt, 1);
 }
 
 pub(crate) fn remember_poses_of(bodies: &mut Chunk<'_>) {
@@ -163,17 +164,17 @@ pub(crate) fn remember_poses_of(bodies: &mut Chunk<'_>) {
     }
 }
 
-pub(crate) fn accumulate_forces_of(bodies: &mut Chunk<'_>, settings: &Settings) {
+pub(crate) fn accumulate_forces_of(bodies: &mut Chunk<'_>, gravity: Vec3) {
     crate::scope::scope!("tumble::accumulate_forces");
     for i in 0..bodies.len() {
-        bodies.wrench[i].force += bodies.gravity_on(i, settings);
+        bodies.wrench[i].force += bodies.gravity_on(i, gravity);
     }
 }
 
 impl Chunk<'_> {
     /// The force of gravity on a body \[N\].
-    pub(crate) fn gravity_on(&self, i: usize, settings: &Settings) -> Vec3 {
-        self.gravity(i, self.mass[i].kilograms(), splat(settings.gravity)).into()
+    pub(crate) fn gravity_on(&self, i: usize, gravity: Vec3) -> Vec3 {
+        self.gravity(i, self.mass[i].kilograms(), splat(gravity)).into()
     }
 }
 
@@ -228,9 +229,9 @@ pub(crate) fn integrate_unconstrained(
         return integrate_bodies(bodies, laws, settings, time, wrenches);
     };
     let slots = &slots[bodies.first_row..][..bodies.len()];
-    let is_free = |row: usize| !constrained.contains(slots[row]);
+    let is_unconstrained = |row: usize| !constrained.contains(slots[row]);
     let rows = if laws.is_empty() { RowOrder::Any } else { RowOrder::OfArchetype };
-    bodies.for_included(rows, is_free, |bodies| integrate_bodies(bodies, laws, settings, time, wrenches));
+    bodies.for_included(rows, is_unconstrained, |bodies| integrate_bodies(bodies, laws, settings, time, wrenches));
     if wrenches == Wrenches::Consumed {
         bodies.wrench.fill(Wrench::default());
     }
@@ -408,7 +409,7 @@ fn integrate_with_account<S: Scheme<Real>>(bodies: &mut Chunk<'_>, laws: Laws<'_
     for i in 0..bodies.len() {
         let constants = bodies.constants::<Real>(i);
         let scheme = S::new(&constants, h);
-        let gravity = bodies.gravity_on(i, settings);
+        let gravity = bodies.gravity_on(i, settings.gravity);
         let wind = bodies.wind.map_or(Vec3::ZERO, |wind| wind[i].0);
         let context = ForceContext { wind, ..ForceContext::new(settings) };
         let (start, row) = (bodies.state::<Real>(i), bodies.first_row + i);

@@ -24,8 +24,7 @@ impl Slot {
     }
 }
 
-/// What the order of bodies goes by: those without a [`BodyId`] last, by the number of their
-/// entity.
+/// The sort key of bodies: those without a [`BodyId`] come last, by the number of their entity.
 pub(crate) type Key = (bool, Option<BodyId>, u32);
 
 /// Where a body's components are.
@@ -46,9 +45,9 @@ pub(crate) struct RowPlace {
 #[derive(Clone, Copy)]
 pub(crate) struct BodyView {
     pub(crate) state: State<Real>,
-    /// Zero for a body that forces do not move.
+    /// Zero for non-dynamic bodies.
     pub(crate) inverse_mass: Real,
-    /// Of one that they move.
+    /// Of a dynamic body.
     pub(crate) constants: Option<Constants<Real>>,
     pub(crate) derived: Derived<Real>,
 }
@@ -122,7 +121,7 @@ impl BodyIndex {
         self.slots.get(id as usize).copied().filter(|slot| *slot != Slot::NONE)
     }
 
-    /// What the order of slots goes by.
+    /// The sort key of a slot.
     pub(crate) fn key(&self, slot: Slot) -> Key {
         self.members[slot.index()].key
     }
@@ -222,7 +221,7 @@ impl BodyView {
     /// A body in a row.
     fn of(bodies: &ArchetypeBodies<'_>, row: usize) -> Self {
         let columns = match bodies {
-            ArchetypeBodies::Moving(columns) => columns,
+            ArchetypeBodies::Dynamic(columns) => columns,
             ArchetypeBodies::NonDynamic(columns) => {
                 return Self::non_dynamic(columns.pose[row], columns.velocity(row));
             }

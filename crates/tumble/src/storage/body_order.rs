@@ -39,7 +39,7 @@ impl BodyOrder {
         Self::sorted(bodies.iter().map(|(entity, _, id)| (id.copied(), entity)).collect())
     }
 
-    /// Those that forces move: the ones that have a state array.
+    /// The dynamic bodies: those that have a state array.
     pub fn moving(world: &World) -> Self {
         let mut bodies = world.query::<(Entity, &Pose, &Momentum, &Mass, Option<&BodyId>)>();
         Self::sorted(bodies.iter().map(|(entity, _, _, _, id)| (id.copied(), entity)).collect())
@@ -55,7 +55,7 @@ impl BodyOrder {
         &self.entities
     }
 
-    /// What is made of each block of bodies, in order; in parallel within a pool.
+    /// Maps each block of bodies, in order; in parallel within a pool.
     pub(crate) fn in_blocks<T: Send>(&self, of_block: impl Fn(&[Entity]) -> T + Sync) -> Vec<T> {
         self.entities.par_chunks(BLOCK).by_at_least(1).map(&of_block).collect()
     }

@@ -9,7 +9,7 @@ use crate::simd::Tile;
 use crate::storage::chunk::Chunk;
 
 impl Chunk<'_> {
-    /// What does not change during a step, of the bodies from row `i`.
+    /// Mass, inertia and damping of the bodies from row `i`.
     #[inline(always)]
     pub(crate) fn constants<T: Tile>(&self, i: usize) -> Constants<T> {
         let [mass] = T::load(&self.mass[i..]);

@@ -23,7 +23,7 @@ pub(crate) struct WorldColumns<'w> {
 
 struct ArchetypeColumns<'w> {
     archetype: &'w Archetype,
-    /// What the caller marked when it borrowed the columns.
+    /// The marks that the caller gave when it borrowed the columns.
     is_marked: bool,
     bodies: ArchetypeBodies<'w>,
 }
@@ -31,15 +31,15 @@ struct ArchetypeColumns<'w> {
 /// The columns of one archetype.
 #[allow(clippy::large_enum_variant, reason = "there are a few of them, and boxes would be allocated in every call")]
 pub(crate) enum ArchetypeBodies<'w> {
-    /// Of bodies that forces move.
-    Moving(Columns<'w>),
-    /// Of bodies that stay or move as they are told.
+    /// Of dynamic bodies.
+    Dynamic(Columns<'w>),
+    /// Of fixed and kinematic bodies.
     NonDynamic(NonDynamicColumns<'w>),
     /// Of no bodies.
     None,
 }
 
-/// The columns of bodies that forces do not move.
+/// The columns of fixed and kinematic bodies.
 pub(crate) struct NonDynamicColumns<'w> {
     pub(crate) pose: ArchetypeColumnMut<'w, Pose>,
     velocity: Option<ArchetypeColumn<'w, Velocity>>,
@@ -50,14 +50,14 @@ pub(crate) struct NonDynamicColumns<'w> {
 /// Momenta, masses and, of what turns, inertia.
 pub(crate) type MomentumView<'a> = (&'a [Momentum], &'a [Mass], Option<&'a [Inertia]>);
 
-/// What is read of the bodies of one archetype.
+/// The columns that collision detection reads of one archetype.
 #[derive(Clone, Copy)]
 pub(crate) struct PoseView<'a> {
     pub(crate) pose: &'a [Pose],
-    /// Of bodies that forces move.
+    /// Of dynamic bodies.
     pub(crate) dynamic: Option<MomentumView<'a>>,
     pub(crate) velocity: Option<&'a [Velocity]>,
-    /// Of what forces move, where they are not the body's.
+    /// Of dynamic bodies, where they are not the body's.
     pub(crate) axes: Option<&'a [PrincipalAxes]>,
 }
 
@@ -97,7 +97,7 @@ impl<'w> WorldColumns<'w> {
     /// The archetypes of bodies by index, and whether these are dynamic.
     pub(crate) fn kinds(&self) -> impl Iterator<Item = (usize, bool)> + '_ {
         self.archetypes.iter().enumerate().filter_map(|(index, of_archetype)| match of_archetype.bodies {
-            ArchetypeBodies::Moving(_) => Some((index, true)),
+            ArchetypeBodies::Dynamic(_) => Some((index, true)),
             ArchetypeBodies::NonDynamic(_) => Some((index, false)),
             ArchetypeBodies::None => None,
         })
@@ -113,19 +113,19 @@ impl<'w> WorldColumns<'w> {
         self.archetypes[place.archetype as usize].archetype
     }
 
-    /// The columns of the archetype of a place where forces move its bodies.
-    pub(crate) fn moving_mut(&mut self, place: RowPlace) -> Option<&mut Columns<'w>> {
+    /// The columns of the archetype of a place, if its bodies are dynamic.
+    pub(crate) fn dynamic_mut(&mut self, place: RowPlace) -> Option<&mut Columns<'w>> {
         match &mut self.archetypes[place.archetype as usize].bodies {
-            ArchetypeBodies::Moving(columns) => Some(columns),
+            ArchetypeBodies::Dynamic(columns) => Some(columns),
             ArchetypeBodies::NonDynamic(_) | ArchetypeBodies::None => None,
         }
     }
 
-    /// What is to be read, by archetype.
+    /// The columns to be read, by archetype.
     pub(crate) fn pose_views(&self) -> impl Iterator<Item = (usize, PoseView<'_>)> {
         self.archetypes.iter().enumerate().filter_map(|(index, of_archetype)| {
             let pose_views = match &of_archetype.bodies {
-                ArchetypeBodies::Moving(columns) => {
+                ArchetypeBodies::Dynamic(columns) => {
                     let dynamic = Some((&*columns.momentum, &*columns.mass, columns.inertia.as_deref()));
                     let pose = &*columns.pose;
                     PoseView { pose, dynamic, velocity: columns.velocity.as_deref(), axes: columns.axes.as_deref() }
@@ -143,7 +143,7 @@ impl<'w> WorldColumns<'w> {
     /// parallel.
     pub(crate) fn for_each_chunk(&mut self, system: impl Fn(usize, &mut Chunk<'_>) + Sync) {
         for (index, of_archetype) in self.archetypes.iter_mut().enumerate() {
-            if let ArchetypeBodies::Moving(columns) = &mut of_archetype.bodies {
+            if let ArchetypeBodies::Dynamic(columns) = &mut of_archetype.bodies {
                 for_each_part(columns.chunk(), &|part: &mut Chunk<'_>| system(index, part));
             }
         }
@@ -153,7 +153,7 @@ impl<'w> WorldColumns<'w> {
     /// whether it was marked, and its columns.
     pub(crate) fn for_each_archetype(&mut self, mut then: impl FnMut(usize, (&Archetype, bool), &mut Columns<'w>)) {
         for (index, ArchetypeColumns { archetype, is_marked, bodies }) in self.archetypes.iter_mut().enumerate() {
-            if let ArchetypeBodies::Moving(columns) = bodies {
+            if let ArchetypeBodies::Dynamic(columns) = bodies {
                 then(index, (archetype, *is_marked), columns);
             }
         }
@@ -191,7 +191,7 @@ impl<'w> ArchetypeBodies<'w> {
             return Self::None;
         }
         if let Some(columns) = Columns::borrow(archetype) {
-            return Self::Moving(columns);
+            return Self::Dynamic(columns);
         }
         let Some(pose) = archetype.get::<&mut Pose>() else { return Self::None };
         let velocity = archetype.get::<&Velocity>();

@@ -34,7 +34,7 @@ impl End {
     }
 }
 
-/// What other bodies do to one, by springs and by gravity.
+/// Forces of other bodies on one, by springs and by gravity.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Pull {
     pub(crate) springs: Pulled,
@@ -48,7 +48,7 @@ pub(crate) struct Pulled {
     pub(crate) torque: DVec3,
 }
 
-/// What other bodies do to these in these states, in their order; empty where nothing does. The
+/// The forces of other bodies on these in these states, in their order; empty without any. The
 /// states of all others are those of the world.
 pub(crate) fn forces_between_bodies(world: &World, bodies: &[Entity], states: &[State<Real>]) -> Vec<Pull> {
     if !pairwise::are_in(world) {

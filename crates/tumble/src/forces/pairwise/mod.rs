@@ -1,6 +1,6 @@
 //! Forces between bodies: springs and gravity among them.
 //!
-//! What two bodies do to each other cannot be computed a chunk at a time. So these forces are
+//! Forces between two bodies cannot be computed a chunk at a time. So these forces are
 //! kicks: impulses on all bodies concerned, before and after each substep of everything else (the
 //! first alone for the first-order integrator). Momentum changes and place does not, so no stage of
 //! an integrator sees half a kick.

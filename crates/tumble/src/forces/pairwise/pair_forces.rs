@@ -35,7 +35,7 @@ impl fmt::Debug for PairForces {
 }
 
 impl PairForces {
-    /// Finds out what acts between which bodies of a world. To be called again when anything was
+    /// Lists the springs and gravity sources of a world. To be called again when anything was
     /// spawned, despawned or changed but momentum and pose.
     pub(crate) fn find(&mut self, world: &World) {
         self.body_index.find(world, |archetype, mark| {
@@ -83,9 +83,8 @@ impl PairForces {
         self.springs.prepare(&self.body_index, t, h);
         self.springs.update(&self.velocities);
         if self.springs.are_damped() {
-            // Once more at the velocities half-way, which makes the kick one of second order. No
-            // damper takes more than the velocity there is, in all of a net together: the kick
-            // leaves between half and all of every motion.
+            // Once more at the half-way velocities, which makes the kick one of second order. All
+            // dampers of a net together leave between half and all of every motion.
             for slot in 0..self.body_index.len() {
                 let mut impulse = self.springs.impulse(slot);
                 impulse.linear = impulse.linear + self.by_gravity(slot, t).linear;
@@ -97,7 +96,7 @@ impl PairForces {
             self.body_index.all().zip(&self.body_index.views).filter(|(_, view)| view.constants.is_some())
         {
             let (place, slot) = (self.body_index.place(slot), slot.index());
-            let (Some(moving), row) = (columns.moving_mut(place), place.row as usize) else { continue };
+            let (Some(moving), row) = (columns.dynamic_mut(place), place.row as usize) else { continue };
             let (by_springs, by_gravity) = (self.springs.impulse(slot), self.by_gravity(slot, t));
             let momentum = &mut moving.momentum[row];
             momentum.linear = (view.state.linear + (by_springs.linear + by_gravity.linear)).into();

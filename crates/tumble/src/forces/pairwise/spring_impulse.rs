@@ -1,4 +1,4 @@
-//! What springs between bodies do in a kick.
+//! Impulses of springs between bodies in a kick.
 
 use rayon::prelude::*;
 use tumble_math::lane::{Lane, Vec3};
@@ -18,7 +18,7 @@ struct Connection {
     spring: Spring,
 }
 
-/// What a spring does in a kick, but for the velocities.
+/// A spring in a kick, before velocities are known.
 #[derive(Clone, Copy)]
 struct Pull {
     slots: [usize; 2],
@@ -58,7 +58,7 @@ pub(crate) struct Springs {
     /// For each slot its springs, in order: the spring's index, and which end of it.
     ends: Vec<(usize, usize)>,
     pulls: Vec<Pull>,
-    /// What each spring does to each of its bodies.
+    /// The impulses of each spring on its bodies.
     impulses: Vec<[Impulse; 2]>,
 }
 
@@ -66,7 +66,7 @@ pub(crate) struct Springs {
 const PART: usize = 1024;
 
 impl Springs {
-    /// Takes over the springs of a world; those whose bodies are not there, or one and the same,
+    /// Reads the springs of a world; those whose bodies are not there, or one and the same,
     /// are left out.
     pub(crate) fn find(&mut self, world: &hecs::World, body_index: &BodyIndex) {
         self.connections.clear();
@@ -147,7 +147,7 @@ impl Springs {
         });
     }
 
-    /// What all springs together do to a body.
+    /// The impulse of all springs on a body.
     pub(crate) fn impulse(&self, slot: usize) -> Impulse {
         let mut sum = Impulse::zero();
         for &(index, end) in &self.ends[self.first_end[slot]..self.first_end[slot + 1]] {
@@ -166,7 +166,7 @@ impl Connection {
         (self.slots, numbers.map(|number| u64::from(number.to_bits())))
     }
 
-    /// What it does in a kick over the time `t` in substeps of `h`. Each body lends the spring its
+    /// Its impulse in a kick over the time `t` in substeps of `h`. Each body lends the spring its
     /// share of mass and inertia, one part for every spring that it has. What the spring moves is
     /// taken at its lightest, so that it does not depend on attitude: a stiffness that changes as
     /// bodies turn has no potential, and energy would not come back.
@@ -231,7 +231,7 @@ impl Pull {
 impl BodyView {
     /// As
     /// [`Constants::most_inverse_mass_at`](crate::integrators::state::Constants::most_inverse_mass_at);
-    /// zero for one that forces do not move.
+    /// zero for non-dynamic bodies.
     fn most_inverse_mass_at(&self, point_body: crate::math::Vec3) -> Real {
         self.constants.map_or(0.0, |constants| constants.most_inverse_mass_at(point_body.into()))
     }

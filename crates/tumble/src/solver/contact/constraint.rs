@@ -3,8 +3,8 @@
 use crate::simd::BLOCK;
 use crate::simd::block_lanes::Lanes;
 
-/// Contacts side by side that have no body in common that impulses move, of up to `P` points each
-/// with `C` couplings between them.
+/// Contacts side by side that have no dynamic body in common, of up to `P` points each with `C`
+/// couplings between them.
 ///
 /// A contact is a small problem in a frame of its own: impulses along the normal at its points, and
 /// in one point in their middle friction and what resists turning. Both bodies are pushed at one
@@ -14,8 +14,8 @@ use crate::simd::block_lanes::Lanes;
 /// `c + a t1 + b t2` is `n.u - a t2.r + b t1.r`, where `u` is the relative velocity at `c` and `r`
 /// the relative angular velocity.
 ///
-/// What the passes read lies in the order in which they need more of it, so that the first does not
-/// fetch what only the last has a use for.
+/// Fields are in the order in which stages need them, so that early stages do not fetch those of
+/// the last.
 #[derive(Clone, Copy)]
 #[repr(C, align(64))]
 pub(crate) struct Block<const P: usize, const C: usize> {
@@ -62,7 +62,7 @@ pub(crate) struct Start<const P: usize> {
     pub(crate) offsets: [[Lanes; 2]; P],
 }
 
-/// What keeps two bodies apart at one point: an impulse along the normal that never pulls.
+/// The normal constraint at one point: its impulse never pulls.
 #[derive(Clone, Copy)]
 #[repr(C)]
 pub(crate) struct Point {
@@ -76,7 +76,8 @@ pub(crate) struct Point {
     pub(crate) impulse: Lanes,
 }
 
-/// What resists sliding and twisting in the middle of a contact. Impulses are those of a substep.
+/// Friction against sliding and twisting in the middle of a contact. Impulses are those of a
+/// substep.
 #[derive(Clone, Copy)]
 #[repr(C)]
 pub(crate) struct Friction {
@@ -95,7 +96,7 @@ pub(crate) struct Friction {
     pub(crate) twist: Lanes,
 }
 
-/// What resists rolling, of the contacts of a block.
+/// Rolling resistance of the contacts of a block.
 #[derive(Clone, Copy)]
 #[repr(C)]
 pub(crate) struct Rolling {
@@ -108,13 +109,13 @@ pub(crate) struct Rolling {
     pub(crate) impulse: [Lanes; 2],
 }
 
-/// What makes bodies leave each other, of the contacts of a block.
+/// Restitution of the contacts of a block.
 #[derive(Clone, Copy)]
 #[repr(C)]
 pub(crate) struct Bounce<const P: usize> {
     pub(crate) restitution: Lanes,
-    /// What relaxing leaves of the velocity in the middle, as
-    /// [`follow`](crate::solver::contact::update_geometry::follow) has it \[m/s\].
+    /// The velocity in the middle after the relax stage, see
+    /// [`follow`](crate::solver::contact::update_geometry::follow) [m/s].
     pub(crate) lag: [Lanes; 3],
     /// The fastest that the bodies came together at each point before it held them, in this step:
     /// velocity along the normal \[m/s\].

@@ -93,8 +93,8 @@ impl<T: Tile> DeltaPoses<T> {
     }
 }
 
-/// Linear and angular momenta of a tile's bodies. Where they are `has_non_dynamic`, impulses move
-/// only the second of each.
+/// Linear and angular momenta of a tile's bodies. With `has_non_dynamic` only the second of each is
+/// dynamic.
 pub(crate) struct Momenta<T> {
     has_non_dynamic: bool,
     linear: [Vec3<T>; 2],
@@ -102,7 +102,7 @@ pub(crate) struct Momenta<T> {
 }
 
 impl<T: Tile> Momenta<T> {
-    /// What a warm start gives; zero of what impulses do not move.
+    /// The impulses of a warm start; zero for non-dynamic bodies.
     #[inline(always)]
     pub(crate) fn of_warm_start(rows: &Rows<'_, WarmStartImpulse>, block: usize, lane: usize) -> Self {
         let has_non_dynamic = rows.has_non_dynamic();
@@ -146,7 +146,7 @@ impl<T: Tile> Momenta<T> {
 
 /// The bodies of a tile's contacts.
 pub(crate) struct BodyLanes<T> {
-    /// Of what impulses do not move, the velocities.
+    /// Of non-dynamic bodies the velocities.
     momenta: Momenta<T>,
     inverse_mass: [T; 2],
 }
@@ -162,7 +162,7 @@ impl<T: Tile> BodyLanes<T> {
         Self { momenta, inverse_mass: [first.inverse_mass, second.inverse_mass] }
     }
 
-    /// Sum of the inverse masses of what impulses move [1/kg].
+    /// Sum of the inverse masses of the dynamic bodies [1/kg].
     #[inline(always)]
     pub(crate) fn inverse_mass(&self) -> T {
         if self.momenta.has_non_dynamic { self.inverse_mass[1] } else { self.inverse_mass[0] + self.inverse_mass[1] }
@@ -172,7 +172,7 @@ impl<T: Tile> BodyLanes<T> {
     #[inline(always)]
     pub(crate) fn mobility(&self, inv_inertia: &InverseInertias<T>) -> Mobility<T> {
         Mobility {
-            inv_inertia: inv_inertia.of_what_moves(self.momenta.has_non_dynamic),
+            inv_inertia: inv_inertia.of_dynamic(self.momenta.has_non_dynamic),
             inverse_mass: self.inverse_mass(),
         }
     }
@@ -252,7 +252,7 @@ impl<T: Tile> InverseInertias<T> {
 
     /// The same where the first bodies do not answer, if they are `has_non_dynamic`.
     #[inline(always)]
-    pub(crate) fn of_what_moves(&self, has_non_dynamic: bool) -> Self {
+    pub(crate) fn of_dynamic(&self, has_non_dynamic: bool) -> Self {
         let zero = Vec3::zero();
         let (first, beside) = if has_non_dynamic { (zero, zero) } else { (self.diagonal[0], self.off_diagonal[0]) };
         Self { diagonal: [first, self.diagonal[1]], off_diagonal: [beside, self.off_diagonal[1]] }

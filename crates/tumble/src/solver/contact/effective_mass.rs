@@ -8,7 +8,7 @@ use crate::solver::contact::solve::coupling;
 
 /// How the bodies of a tile's contacts answer to impulses.
 pub(crate) struct Mobility<T> {
-    /// Inverse inertias, zero of what impulses do not move.
+    /// Inverse inertias, zero for non-dynamic bodies.
     pub(crate) inv_inertia: InverseInertias<T>,
     /// Sum of the inverse masses [1/kg].
     pub(crate) inverse_mass: T,

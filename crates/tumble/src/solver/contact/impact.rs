@@ -8,15 +8,15 @@ use crate::simd::block_lanes::at;
 use crate::solver::contact::constraint::Block;
 use crate::solver::contact::solve::coupling;
 
-/// What each point of a contact would take of an impact if it were alone.
-pub(crate) struct Alone<T, const P: usize> {
+/// The impulse that each point of a contact would take of an impact if there were no other point.
+pub(crate) struct DecoupledImpulses<T, const P: usize> {
     /// \[N s\].
     impulses: [T; P],
     /// The velocities along the normal that these give at the same points \[m/s\].
     responses: [T; P],
 }
 
-impl<T: Tile, const P: usize> Alone<T, P> {
+impl<T: Tile, const P: usize> DecoupledImpulses<T, P> {
     #[inline(always)]
     pub(crate) fn none() -> Self {
         Self { impulses: [T::splat(0.0); P], responses: [T::splat(0.0); P] }
@@ -46,7 +46,7 @@ impl<T: Tile, const P: usize> Alone<T, P> {
     ) -> ([T; P], [T; P]) {
         let (zero, half) = (T::splat(0.0), T::splat(0.5));
         let (wanted, mut responses) = (self.impulses, self.responses);
-        let (mut alone, mut all) = (zero, zero);
+        let (mut decoupled, mut coupled) = (zero, zero);
         let mut j = 0;
         while j < P {
             let mut k = j + 1;
@@ -56,12 +56,12 @@ impl<T: Tile, const P: usize> Alone<T, P> {
                 responses[k] = responses[k] + between * wanted[j];
                 k += 1;
             }
-            alone = alone + self.responses[j] * wanted[j];
-            all = all + responses[j] * wanted[j];
+            decoupled = decoupled + self.responses[j] * wanted[j];
+            coupled = coupled + responses[j] * wanted[j];
             j += 1;
         }
         // Where points hardly resist together rounding would have the say.
-        let part = T::select(zero.lt(all), (alone / all).min(T::splat(P as f64)), zero);
+        let part = T::select(zero.lt(coupled), (decoupled / coupled).min(T::splat(P as f64)), zero);
         let (mut impulses, mut means) = (wanted, *speeds);
         j = 0;
         while j < P {

@@ -9,7 +9,7 @@ use crate::simd::{BLOCK, Kernel, Tile};
 use crate::solver::contact::constraint::{Block, Bounce};
 use crate::solver::contact::contact_frame::ContactFrame;
 use crate::solver::contact::friction::FrictionImpulse;
-use crate::solver::contact::impact::Alone;
+use crate::solver::contact::impact::DecoupledImpulses;
 use crate::solver::contact::update_geometry::{follow, is_rule};
 
 use crate::solver::contact::solve::{Blocks, StageBodies, along_normals, apply_friction, couple, speeds, work};
@@ -158,17 +158,17 @@ fn leaving_impulses<T: Tile, const P: usize, const C: usize>(
     let zero = T::splat(0.0);
     let (mut changes, mut given) = ([zero; P], zero);
     if P > 1 {
-        let mut alone = Alone::none();
+        let mut decoupled = DecoupledImpulses::none();
         let mut j = 0;
         while j < P {
             let approach: T = at(&bounce.approach[j], lane);
             let bounces = T::select(approach.lt(slowest), restitution, zero);
             let mass: T = at(&block.points[j].mass, lane);
-            alone.set(j, zero - (speeds[j] + restitution * approach) * mass, mass, bounces);
+            decoupled.set(j, zero - (speeds[j] + restitution * approach) * mass, mass, bounces);
             j += 1;
         }
         let means;
-        (changes, means) = alone.together(block, lane, &mut speeds);
+        (changes, means) = decoupled.together(block, lane, &mut speeds);
         j = 0;
         while j < P {
             given = given + changes[j] * means[j];

@@ -1,11 +1,11 @@
 //! Contacts of round shapes whose constraints are renewed in every substep.
 
 use rayon::prelude::*;
-use tumble_collide::{MAX_MANIFOLD_POINTS, Manifold};
+use tumble_collide::{Isometry, MAX_MANIFOLD_POINTS, Manifold};
 use tumble_math::lane::Vec3;
 
 use crate::collision::contact::ContactRecord;
-use crate::collision::round_contact::{Displacement, RoundContact};
+use crate::collision::round_contact::RoundContact;
 use crate::math::Real;
 use crate::simd::BLOCK;
 use crate::simd::block_lanes::{put, put_vector};
@@ -23,7 +23,7 @@ use crate::threads::InParts;
 pub(crate) struct RoundConstraint {
     contact: RoundContact,
     pub(crate) rows: [SolverRow; 2],
-    /// What the middle of the contact is made of.
+    /// Of the points in the middle of the contact.
     weights: [Real; MAX_MANIFOLD_POINTS],
 }
 
@@ -64,21 +64,19 @@ pub(crate) fn point_weight(margins: Real) -> Real {
     (2.0 - margins).clamp(crate::math::real(MIN_WEIGHT), 1.0)
 }
 
-/// What has become of the contacts, if their bodies have moved: manifolds about the second body's
-/// centre of mass as it is now.
+/// The manifolds now of contacts whose bodies have moved, about the second body's centre of mass.
 pub(crate) fn find(rounds: &[RoundConstraint], delta_pose: &[DeltaPose]) -> Vec<Option<Manifold<Real>>> {
     let mut found = vec![None; rounds.len()];
     let parts = rounds.par_chunks(PART).zip(found.par_chunks_mut(PART));
     parts.by_at_least(2).for_each(|(rounds, found)| {
         for (round, found) in rounds.iter().zip(found) {
-            *found = round.contact.find(round.rows.map(|row| displacement(&delta_pose[row.index()])));
+            let deltas = round.rows.map(|row| delta_pose[row.index()]);
+            let has_turned = deltas.iter().any(|delta| delta.has_turned != 0.0);
+            let delta_poses = deltas.map(|delta| Isometry { position: delta.translation, orientation: delta.rotation });
+            *found = round.contact.find(delta_poses, has_turned);
         }
     });
     found
-}
-
-fn displacement(delta: &DeltaPose) -> Displacement {
-    Displacement { way: delta.translation, turn: delta.rotation, has_turned: delta.has_turned != 0.0 }
 }
 
 /// Writes a manifold that was found over the contact in a lane of a block.
@@ -87,7 +85,7 @@ pub(crate) fn write<const P: usize, const C: usize>(
     (block, rolling, lane): (&mut Block<P, C>, Option<&mut Rolling>, usize),
     (delta_pose, round): (&[DeltaPose], &RoundConstraint),
 ) {
-    let (rows, alone) = (round.rows, round.contact.alone);
+    let (rows, has_non_dynamic) = (round.rows, round.contact.has_non_dynamic);
     let before = ContactFrame::<Real>::load(block, lane);
     let points = manifold.points();
     if points.is_empty() {
@@ -97,7 +95,7 @@ pub(crate) fn write<const P: usize, const C: usize>(
         return;
     }
     let normal = manifold.normal;
-    let share = if alone { 1.0 } else { manifold.carried };
+    let share = if has_non_dynamic { 1.0 } else { manifold.carried };
     let at = |k: usize| points[k].position + normal * (points[k].separation * (share - 0.5));
     let [s, t] = tangents::<Real>(normal);
 

@@ -33,13 +33,13 @@ impl Softness {
         Self::new(PERIODS / h, DAMPING_RATIO, h)
     }
 
-    /// On a body that does not move. Stiffer, so that what is below in a stack gives way least.
+    /// On a non-dynamic body. Stiffer, so that what is below in a stack gives way least.
     pub(crate) fn on_ground(h: f64) -> Self {
         Self::new(2.0 * PERIODS / h, 0.5 * DAMPING_RATIO, h)
     }
 
-    /// Stiffness for each kilogram of effective mass [N/m/kg] in substeps of `h` \[s\], of two
-    /// moving bodies and of one on what does not move.
+    /// Stiffness for each kilogram of effective mass [N/m/kg] in substeps of `h` \[s\], between
+    /// dynamic bodies, and on a non-dynamic one.
     pub(crate) fn stiffness(h: f64) -> [Real; 2] {
         [1.0, 2.0].map(|times| crate::math::real((times * PERIODS / h * std::f64::consts::TAU).powi(2)))
     }

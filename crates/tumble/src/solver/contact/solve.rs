@@ -1,4 +1,4 @@
-//! What is done to the contacts of a color in a substep, a tile at a time.
+//! The solve and relax stages: the contacts of a color, a tile at a time.
 
 use tumble_math::lane::Vec3;
 
@@ -12,7 +12,7 @@ use crate::solver::contact::contact_frame::{
 };
 use crate::solver::contact::effective_mass::warm_start_factor;
 use crate::solver::contact::friction::FrictionImpulse;
-use crate::solver::contact::impact::{Alone, record_impact};
+use crate::solver::contact::impact::{DecoupledImpulses, record_impact};
 use crate::solver::contact::softness::Softness;
 use crate::solver::contact::update_geometry::follow;
 
@@ -78,9 +78,9 @@ pub(crate) struct Solve<'a, const P: usize, const C: usize> {
     pub(crate) bodies: StageBodies<'a>,
     /// How what overlaps is pushed apart; none where it is to relax.
     pub(crate) softness: Option<Softness>,
-    /// What comes faster is an impact \[m/s\].
+    /// Points that approach faster are impacts [m/s].
     pub(crate) impact_speed: Real,
-    /// Whether another substep begins with the impulses that there are after it has relaxed.
+    /// Whether the impulses are stored for the warm start of the next substep.
     pub(crate) stores_warm_start: bool,
     /// One over the substep [1/s].
     pub(crate) inverse_h: Real,
@@ -173,15 +173,15 @@ impl<const P: usize, const C: usize> Solve<'_, P, C> {
         let (begun, mut speeds) = (speeds, speeds);
         let mut means = speeds;
         if P > 1 && T::any(zero.lt(is_impact)) {
-            let mut alone = Alone::none();
+            let mut decoupled = DecoupledImpulses::none();
             j = 0;
             while j < P {
                 let aim = aim(block, (j, lane), to, speeds[j]);
                 let mass: T = at(&block.points[j].mass, lane);
-                alone.set(j, aim.impulse(before[j], speeds[j], mass) - before[j], mass, is_impact);
+                decoupled.set(j, aim.impulse(before[j], speeds[j], mass) - before[j], mass, is_impact);
                 j += 1;
             }
-            (changes, means) = alone.together(block, lane, &mut speeds);
+            (changes, means) = decoupled.together(block, lane, &mut speeds);
         }
 
         let mut sum = zero;
@@ -236,7 +236,7 @@ impl<T: Tile> Aim<T> {
     }
 }
 
-/// What is aimed at at a point with this speed along the normal \[m/s\].
+/// The target of a point with this speed along the normal [m/s].
 #[inline(always)]
 fn aim<T: Tile, const P: usize, const C: usize>(
     block: &Block<P, C>,
@@ -316,7 +316,7 @@ pub(crate) fn speeds<T: Tile, const P: usize, const C: usize>(
     speeds
 }
 
-/// What an impulse at a point does to the velocities at those after it.
+/// The coupling of an impulse at a point to the velocities at those after it.
 #[inline(always)]
 pub(crate) fn couple<T: Tile, const P: usize, const C: usize>(
     block: &Block<P, C>,
@@ -359,7 +359,7 @@ pub(crate) fn along_normals<T: Tile, const P: usize, const C: usize>(
     (frame.normal * sum, frame.tangents[0] * about_1 - frame.tangents[1] * about_2)
 }
 
-/// What is left of the impulses along the normal for the next substep to begin with.
+/// Scales the normal impulses for the warm start of the next substep.
 #[inline(always)]
 pub(crate) fn scale_impulses<T: Tile, const P: usize, const C: usize>(block: &mut Block<P, C>, lane: usize, kept: T) {
     let mut j = 0;

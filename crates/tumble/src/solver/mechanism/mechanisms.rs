@@ -302,7 +302,7 @@ fn anchor(joint: &ListedJoint, end: usize, body_index: &BodyIndex, columns: &Wor
     let position = double(frame.position.into()).into();
     let orientation = Quat::<f64>::from(double_quat(frame.orientation.into())).normalize();
     let axes = match columns.bodies(place) {
-        ArchetypeBodies::Moving(moving) => moving.axes.as_deref().map(|axes| axes[place.row as usize]),
+        ArchetypeBodies::Dynamic(moving) => moving.axes.as_deref().map(|axes| axes[place.row as usize]),
         _ => None,
     };
     match axes {
@@ -319,7 +319,7 @@ fn is_in_range(body_index: &BodyIndex, columns: &WorldColumns<'_>, slot: Slot) -
     let place = body_index.place(slot);
     let row = place.row as usize;
     match columns.bodies(place) {
-        ArchetypeBodies::Moving(_) => true,
+        ArchetypeBodies::Dynamic(_) => true,
         ArchetypeBodies::NonDynamic(columns) => {
             let (pose, velocity) = (columns.pose[row], columns.velocity(row));
             within(pose.position.into(), MAX_DISTANCE_OF_CONTACTS)
