@@ -257,7 +257,9 @@ const NUMBER: usize = size_of::<Real>();
 /// Where the bodies in contact begin: after two moving bodies.
 const NAMES: usize = 120 + 2 * (8 + 13 * NUMBER);
 const CENTERS: usize = NAMES + 2 * 8 + 4;
-const CONTACTS: usize = CENTERS + 3 * 3 * NUMBER;
+/// Of joints, in double precision.
+const LOADS: usize = CENTERS + 3 * 3 * NUMBER;
+const CONTACTS: usize = LOADS + 3 * 8;
 const CONTACT: usize = 16 + 13 * NUMBER;
 const POINTS: usize = CONTACTS + 2 * CONTACT;
 const POINT: usize = 4 + 5 * NUMBER;
@@ -272,6 +274,7 @@ fn contacts_are_in_the_file_as_documented() {
     assert_eq!([88, 96, 104, 112].map(word), [2, 1, 2, 8]);
     assert_eq!([NAMES, NAMES + 8].map(word), [7, 9]);
     assert_eq!(half(NAMES + 16), 0);
+    assert_eq!([0, 8, 16].map(|place| word(LOADS + place)), [0; 3]);
     // The ground is not moved by impulses, so it is the first of the two in both, though it comes
     // last.
     for (contact, body) in [(0, 0), (1, 1)] {
@@ -294,6 +297,11 @@ fn impossible_contacts_are_refused() {
     for count in [0, 1] {
         let body = 1;
         assert_eq!(error(NAMES + 8, &u64::to_le_bytes(7 - count)), SnapshotError::ContactBody { body });
+    }
+    for bad in [f64::NAN, f64::INFINITY, -1e-300] {
+        for body in 0..3 {
+            assert_eq!(error(LOADS + 8 * body, &bad.to_le_bytes()), SnapshotError::JointLoad { body });
+        }
     }
     let bad_numbers = [Real::NAN, Real::INFINITY, Real::NEG_INFINITY];
     for bad in bad_numbers.map(Real::to_le_bytes) {

@@ -13,7 +13,7 @@ use crate::solver::solver_bodies::{SolverBodies, SolverRow, halved};
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct MechanismBody {
     pub(crate) row: SolverRow,
-    /// Zero of a body that impulses do not move [1/kg].
+    /// Zero of a body that is not dynamic [1/kg].
     pub(crate) inverse_mass: f64,
     /// Its own principal moments [kg m^2].
     own_moments: Vec3<f64>,
@@ -28,13 +28,13 @@ pub(crate) struct MechanismBody {
     pub(crate) center: Vec3<f64>,
     /// How far it has gone since \[m\].
     pub(crate) translation: Vec3<f64>,
-    /// Of the principal frame; of a body that impulses do not move, of its own.
+    /// Of the principal frame; of a body that is not dynamic, of its own.
     pub(crate) orientation: Quat<f64>,
     /// When the step began.
     start: Quat<f64>,
-    /// [kg m/s]; velocity \[m/s\] of a body that impulses do not move.
+    /// [kg m/s]; velocity \[m/s\] of a body that is not dynamic.
     pub(crate) linear: Vec3<f64>,
-    /// [kg m^2/s]; angular velocity \[rad/s\] of a body that impulses do not move.
+    /// [kg m^2/s]; angular velocity \[rad/s\] of a body that is not dynamic.
     pub(crate) angular: Vec3<f64>,
     /// Inverse inertia in the world [1/(kg m^2)]: `xx yy zz`, then `yz zx xy`.
     inverse_inertia: [Vec3<f64>; 2],
@@ -229,7 +229,7 @@ impl MechanismBody {
         self.moments = self.own_moments;
     }
 
-    /// Mass \[kg\] of a body that impulses move.
+    /// Mass \[kg\] of a dynamic body.
     pub(crate) fn mass(&self) -> f64 {
         1.0 / self.inverse_mass
     }

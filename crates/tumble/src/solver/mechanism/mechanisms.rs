@@ -54,7 +54,7 @@ struct Mechanism {
     is_sound: bool,
 }
 
-/// A joint as the structure of a mechanism depends on it: its bodies, which of them impulses move,
+/// A joint as the structure of a mechanism depends on it: its bodies, which of them are dynamic,
 /// and its free axes.
 type Link = ([Slot; 2], [bool; 2], Axes);
 
