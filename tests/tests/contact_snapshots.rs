@@ -290,6 +290,17 @@ fn contacts_are_in_the_file_as_documented() {
 }
 
 #[test]
+fn impossible_loads_are_refused() {
+    let (_, _, bytes) = two_boxes();
+    for bad in [f64::NAN, f64::INFINITY, -1e-300] {
+        for body in 0..3 {
+            let error = Snapshot::from_bytes(&forged(&bytes, LOADS + 8 * body, &bad.to_le_bytes())).unwrap_err();
+            assert_eq!(error, SnapshotError::JointLoad { body });
+        }
+    }
+}
+
+#[test]
 fn impossible_contacts_are_refused() {
     let (mut world, mut simulation, bytes) = two_boxes();
     let error = |place: usize, other: &[u8]| Snapshot::from_bytes(&forged(&bytes, place, other)).unwrap_err();
@@ -297,11 +308,6 @@ fn impossible_contacts_are_refused() {
     for count in [0, 1] {
         let body = 1;
         assert_eq!(error(NAMES + 8, &u64::to_le_bytes(7 - count)), SnapshotError::ContactBody { body });
-    }
-    for bad in [f64::NAN, f64::INFINITY, -1e-300] {
-        for body in 0..3 {
-            assert_eq!(error(LOADS + 8 * body, &bad.to_le_bytes()), SnapshotError::JointLoad { body });
-        }
     }
     let bad_numbers = [Real::NAN, Real::INFINITY, Real::NEG_INFINITY];
     for bad in bad_numbers.map(Real::to_le_bytes) {
