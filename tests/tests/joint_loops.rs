@@ -1,7 +1,8 @@
 //! Promise: closed loops of hinges, of which every one in a plane has redundant rows, keep their
-//! geometry, whether driven or free: a slider-crank at every angle of its crank, a parallelogram
-//! through the positions in which all its links lie in one line. Energy has no drift, and no force
-//! stands across the plane, where nothing pulls.
+//! geometry, whether driven or free: a slider-crank at every angle of its crank, and in double
+//! precision a parallelogram through the positions in which all its links lie in one line. Energy
+//! has no drift, and no force stands across the plane, where nothing pulls. In single precision the
+//! parallelogram gains no energy there, but may lose it.
 //!
 //! Why: loops make the matrix of the joints singular, for good and at single positions. It fails if
 //! redundant rows push against each other, if what they push raises inertia, or if the solution
@@ -16,7 +17,7 @@ use hecs::Entity;
 use jointed::*;
 use tumble::{Joint, RigidBody, Shape};
 use tumble_tests::references::real_quat;
-use tumble_tests::{DOUBLE, by_precision};
+use tumble_tests::{DOUBLE, EPSILON, by_precision};
 
 /// Crank and connecting rod \[m\].
 const CRANK: f64 = 0.3;
@@ -81,15 +82,15 @@ fn a_driven_slider_crank_keeps_its_geometry() {
     assert!(worst.gap <= by_precision(2e-6, 1e-10), "{:e}", worst.gap);
 }
 
-/// 20 rows for 17 degrees of freedom. All forces are in the plane: a thousandth of the 30 N that
-/// there are may be across it, and a tenth where the state is of single precision.
+/// 20 rows for 17 degrees of freedom. All forces are in the plane: of the 30 N that there are, two
+/// thousand roundings may be across it.
 #[test]
 fn a_flywheel_drives_a_slider_crank() {
     let worst = slider_crank(false);
     assert!(worst.place <= by_precision(2e-6, 2e-8), "{:e}", worst.place);
     assert!(worst.gap <= by_precision(2e-6, 2e-8), "{:e}", worst.gap);
     assert!(worst.energy <= 1e-3, "{:e}", worst.energy);
-    assert!(worst.across <= by_precision(3.0, 0.03), "{:e} N", worst.across);
+    assert!(worst.across <= 2e3 * EPSILON, "{:e} N", worst.across);
 }
 
 /// The angle of a parallelogram's cranks by the classical fourth-order method.
