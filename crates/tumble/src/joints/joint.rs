@@ -90,6 +90,12 @@ impl Joint {
         Self::with_free(a, b, Axes::NONE)
     }
 
+    /// All axes free, for [`Limits`](crate::Limits), [`Drives`](crate::Drives) and friction: a rope,
+    /// a rod, a bungee.
+    pub fn free(a: Entity, b: Entity) -> Self {
+        Self::with_free(a, b, Axes::LINEAR | Axes::ANGULAR)
+    }
+
     /// The same with both frames at a point of the world \[m\], x along an axis, where the bodies
     /// are now.
     ///

@@ -1,21 +1,30 @@
 //! The joints of a world, between slots.
 
-use hecs::{Archetype, World};
+use std::cmp::Ordering;
+
+use hecs::{Archetype, Entity, World};
 
 use crate::components::Pose;
+use crate::joints::breakable::Breakable;
 use crate::joints::joint::Joint;
+use crate::joints::joint_event::JointEvent;
 use crate::joints::joint_load::JointLoad;
+use crate::joints::joint_options::JointOptions;
 use crate::storage::body_index::{BodyIndex, RowPlace, Slot};
 
 /// A joint between slots.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Debug)]
 pub(crate) struct ListedJoint {
     pub(crate) slots: [Slot; 2],
     pub(crate) joint: Joint,
+    entity: Entity,
     /// Where its components are.
     pub(crate) place: RowPlace,
     /// Whether it has a [`JointLoad`].
     pub(crate) has_load: bool,
+    pub(crate) breakable: Option<Breakable>,
+    /// Limits, drives and friction, where it has any.
+    pub(crate) options: Option<Box<JointOptions>>,
 }
 
 /// The joints of a world whose bodies are there, in the order of their slots.
@@ -26,6 +35,13 @@ pub(crate) struct JointList {
     untouching: Vec<[Slot; 2]>,
     /// The same in the step before.
     untouching_before: Vec<[Slot; 2]>,
+    /// Joints of which an end is gone, and those of the step before.
+    endless: Vec<Entity>,
+    endless_before: Vec<Entity>,
+    /// Of the steps since they were forgotten.
+    pub(crate) events: Vec<JointEvent>,
+    /// Boxes to use again.
+    spare: Vec<Box<JointOptions>>,
 }
 
 /// The entities that joints of a world connect.
@@ -57,31 +73,62 @@ impl JointEnds {
 }
 
 impl JointList {
-    /// Takes over the joints of a world; those whose bodies are not there, or one and the same, or
-    /// whose frames are out of range are left out.
+    /// Takes over the joints of a world; those that are broken, whose bodies are not there, or one
+    /// and the same, or whose frames are out of range are left out.
     ///
     /// Returns whether they keep the same pairs apart as before.
     pub(crate) fn find(&mut self, world: &World, body_index: &BodyIndex) -> bool {
-        let Self { joints, untouching, untouching_before } = self;
-        std::mem::swap(untouching, untouching_before);
-        joints.clear();
+        let Self { joints, spare, endless, endless_before, .. } = self;
+        spare.extend(joints.drain(..).filter_map(|joint| joint.options));
+        std::mem::swap(endless, endless_before);
+        endless.clear();
+        // Goes through archetypes and rows in the same order.
+        let mut with_joint = world.query::<Entity>().with::<&Joint>();
+        let mut entities = with_joint.iter();
         for (index, archetype) in world.archetypes().enumerate() {
             let Some(column) = archetype.get::<&Joint>() else { continue };
             let has_load = archetype.has::<JointLoad>();
-            for (row, joint) in column.iter().enumerate().filter(|(_, joint)| joint.is_in_range()) {
+            let breakables = archetype.get::<&Breakable>();
+            for (row, (joint, entity)) in column.iter().zip(&mut entities).enumerate() {
+                let breakable = breakables.as_deref().map(|breakables| breakables[row]);
+                if breakable.is_some_and(|breakable| breakable.is_broken) || !joint.is_in_range() {
+                    continue;
+                }
                 let is_here = joint.bodies.iter().all(|body| world.satisfies::<&Pose>(*body));
+                if !is_here {
+                    endless.push(entity);
+                }
                 let [a, b] = joint.bodies.map(|body| body_index.slot(body.id()));
                 if let (Some(a), Some(b), true) = (a, b, is_here)
                     && a != b
                 {
                     let place = RowPlace { archetype: index as u32, row: row as u32 };
-                    joints.push(ListedJoint { slots: [a, b], joint: *joint, place, has_load });
+                    let options = JointOptions::of_row(archetype, row, joint.free, spare);
+                    let joint = *joint;
+                    joints.push(ListedJoint { slots: [a, b], joint, entity, place, has_load, breakable, options });
                 }
             }
         }
-        if !joints.is_sorted_by(|a, b| a.order() < b.order()) {
-            joints.sort_unstable_by_key(ListedJoint::order);
+        if !joints.is_sorted_by(|a, b| a.cmp(b).is_le()) {
+            joints.sort_unstable_by(ListedJoint::cmp);
         }
+        let gone = endless.iter().filter(|joint| !endless_before.contains(joint));
+        self.events.extend(gone.map(|joint| JointEvent::EndIsGone(*joint)));
+        self.find_untouching()
+    }
+
+    /// Takes out what is broken; returns whether the others keep the same pairs apart as before.
+    pub(crate) fn leave_out_broken(&mut self) -> bool {
+        let Self { joints, events, .. } = self;
+        let is_broken = |joint: &ListedJoint| joint.breakable.is_some_and(|breakable| breakable.is_broken);
+        events.extend(joints.iter().filter(|joint| is_broken(joint)).map(|joint| JointEvent::Broke(joint.entity)));
+        joints.retain(|joint| !is_broken(joint));
+        self.find_untouching()
+    }
+
+    fn find_untouching(&mut self) -> bool {
+        let Self { joints, untouching, untouching_before, .. } = self;
+        std::mem::swap(untouching, untouching_before);
         untouching.clear();
         let apart = joints.iter().filter(|it| !it.joint.contacts_enabled).map(|it| it.slots);
         untouching.extend(apart.map(|[a, b]| [a.min(b), a.max(b)]));
@@ -115,13 +162,20 @@ impl JointList {
 
 impl ListedJoint {
     /// Equal only for joints that do the same.
-    fn order(&self) -> ([Slot; 2], u8, [u64; 14]) {
-        let mut numbers = [0; 14];
-        let of_frames = self.joint.frames.iter().flat_map(|frame| {
-            let (p, q) = (frame.position, frame.orientation);
-            [p.x, p.y, p.z, q.x, q.y, q.z, q.w]
-        });
-        numbers.iter_mut().zip(of_frames).for_each(|(bits, number)| *bits = u64::from(number.to_bits()));
-        (self.slots, self.joint.free.bits(), numbers)
+    fn cmp(&self, other: &Self) -> Ordering {
+        let numbers = |joint: &Self| {
+            let mut numbers = [0; 14];
+            let of_frames = joint.joint.frames.iter().flat_map(|frame| {
+                let (p, q) = (frame.position, frame.orientation);
+                [p.x, p.y, p.z, q.x, q.y, q.z, q.w]
+            });
+            numbers.iter_mut().zip(of_frames).for_each(|(bits, number)| *bits = u64::from(number.to_bits()));
+            numbers
+        };
+        let by_slots = self.slots.cmp(&other.slots);
+        by_slots
+            .then_with(|| self.joint.free.bits().cmp(&other.joint.free.bits()))
+            .then_with(|| numbers(self).cmp(&numbers(other)))
+            .then_with(|| JointOptions::cmp(self.options.as_deref(), other.options.as_deref()))
     }
 }

@@ -239,7 +239,7 @@ impl SolverGroup {
             }
             if let Some(mechanisms) = &mut mechanisms {
                 contact_works.before_joints(bodies);
-                mechanisms.solve_velocities(bodies);
+                mechanisms.solve_velocities(bodies, h);
                 contact_works.after_joints(bodies);
             }
             constraints.run(SolverStage::Relax { h, impact_speed, stores_warm_start: substep + 1 < substeps }, bodies);

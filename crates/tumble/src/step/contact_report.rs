@@ -160,7 +160,10 @@ impl Simulation {
     /// Forgets the events of the steps before the last.
     pub(crate) fn forget_events(&mut self) {
         self.events.clear();
-        if let Some(collision) = self.interactions.as_mut().and_then(|interactions| interactions.collision.as_mut()) {
+        self.joint_events.clear();
+        let Some(interactions) = &mut self.interactions else { return };
+        interactions.mechanisms.list.events.clear();
+        if let Some(collision) = &mut interactions.collision {
             collision.cache.events.clear();
         }
     }

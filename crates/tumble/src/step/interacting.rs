@@ -6,6 +6,7 @@ use hecs::World;
 use crate::clock::Clock;
 use crate::components::Wrenches;
 use crate::forces::registry::ForceLaws;
+use crate::joints::breakable::Breakable;
 use crate::joints::joint_load::JointLoad;
 use crate::settings::Settings;
 use crate::solver::gather_scatter::{Constraints, scatter};
@@ -243,11 +244,24 @@ impl<'a> InteractingWorld<'a> {
         if index.substep + 1 == self.settings.substeps { Wrenches::Consumed } else { Wrenches::Kept }
     }
 
-    /// Writes what joints carry to those that want to know.
+    /// Writes what joints carry to those that want to know, and which of them broke.
     fn write_joint_loads(&mut self) {
-        for (joint, load) in self.interactions.mechanisms.joint_loads(self.settings.dt) {
+        let Interactions { mechanisms, collision, .. } = &mut *self.interactions;
+        for (joint, load) in mechanisms.joint_loads(self.settings.dt) {
             let column = self.columns.archetype(joint.place).get::<&mut JointLoad>();
             column.into_iter().for_each(|mut column| column[joint.place.row as usize] = load);
+        }
+        if mechanisms.mark_broken(self.settings.dt) {
+            let breakable =
+                mechanisms.list.joints.iter().filter_map(|joint| joint.breakable.map(|it| (joint.place, it)));
+            for (place, it) in breakable.filter(|(_, it)| it.is_broken) {
+                let column = self.columns.archetype(place).get::<&mut Breakable>();
+                column.into_iter().for_each(|mut column| column[place.row as usize] = it);
+            }
+            let same_pairs = mechanisms.list.leave_out_broken();
+            if let Some(collision) = collision.as_mut().filter(|_| !same_pairs) {
+                collision.broad_phase.reset();
+            }
         }
     }
 

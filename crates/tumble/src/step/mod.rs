@@ -6,6 +6,7 @@ pub(crate) mod contact_report;
 pub(crate) mod effort;
 pub(crate) mod interacting;
 pub(crate) mod interactions;
+pub(crate) mod joint_report;
 pub(crate) mod pack_key;
 pub(crate) mod phase_times;
 pub(crate) mod phased_step;

@@ -7,6 +7,7 @@ use crate::collision::contact_events::ContactEvent;
 use crate::forces::force_law::ForceLaw;
 use crate::forces::registry::ForceLaws;
 use crate::forces::simd_force_law::SimdForceLaw;
+use crate::joints::joint_event::JointEvent;
 use crate::math::Real;
 use crate::settings::{Settings, SettingsError};
 use crate::step::interacting::InteractingWorld;
@@ -42,6 +43,8 @@ pub struct Simulation {
     pub(crate) interactions: Option<Box<Interactions>>,
     /// Contact events of the last call, of the steps taken one by one before its last.
     pub(crate) events: Vec<ContactEvent>,
+    /// The same of joints.
+    pub(crate) joint_events: Vec<JointEvent>,
     /// Whether the last call took a step.
     pub(crate) has_stepped: bool,
     steps: u64,
@@ -101,6 +104,7 @@ impl Simulation {
             laws: ForceLaws::default(),
             interactions: None,
             events: Vec::new(),
+            joint_events: Vec::new(),
             has_stepped: false,
             steps: 0,
             since: (0, 0.0),
@@ -315,20 +319,23 @@ impl Simulation {
         }
         let mut taken = 0;
         let mut events = std::mem::take(&mut self.events);
+        let mut joint_events = std::mem::take(&mut self.joint_events);
         events.clear();
+        joint_events.clear();
         while self.owed >= dt && taken < Self::MAX_STEPS_PER_FRAME {
             self.forget_events();
             self.has_stepped = true;
             hooks.before_step(world, self);
             if taken > 0 {
                 events.extend(self.contact_events());
+                joint_events.extend(self.joint_events());
             }
             self.step(world);
             hooks.after_step(world, self);
             self.owed -= dt;
             taken += 1;
         }
-        self.events = events;
+        (self.events, self.joint_events) = (events, joint_events);
         self.has_stepped = taken > 0;
         if self.owed >= dt {
             self.owed %= dt;

@@ -3,8 +3,11 @@
 use tumble_math::lane::{Quat, Vec3};
 
 use crate::joints::axes::Axes;
+use crate::joints::joint_options::JointOptions;
 use crate::math::Real;
 use crate::solver::mechanism::block_ldl::MAX_ROWS;
+use crate::solver::mechanism::free_axis::{FreeAxis, first_angle, free_axes, relative_rotation, second_angle};
+use crate::solver::mechanism::free_row::{FreeRow, Mode, Phase};
 use crate::solver::mechanism::mechanism_body::MechanismBody;
 
 /// The frame of a joint on one of its bodies: origin \[m\] from the centre of mass and orientation,
@@ -22,10 +25,17 @@ pub(crate) struct JointRows {
     pub(crate) bodies: [usize; 2],
     pub(crate) anchors: [Anchor; 2],
     free: Axes,
-    /// Along what each row pushes, and about what it turns besides; world frame.
+    /// Along what each row pushes, and about what it turns besides; world frame. Those of locked
+    /// axes come first.
     pub(crate) linear: [Vec3<f64>; MAX_ROWS],
     pub(crate) angular: [Vec3<f64>; MAX_ROWS],
     pub(crate) count: usize,
+    /// How many are of locked axes.
+    pub(crate) locked: usize,
+    /// Those of free axes.
+    pub(crate) free_rows: Vec<FreeRow>,
+    /// The rotation that values of three free rotations are taken against.
+    reference: Quat<f64>,
     /// From each centre of mass to the point where both bodies are pushed \[m\].
     pub(crate) arms: [Vec3<f64>; 2],
     /// From the second body's anchor to that point \[m\].
@@ -39,31 +49,39 @@ pub(crate) struct JointRows {
 }
 
 /// A joint as it stands: what rows and errors are made of.
-struct Stance {
+pub(crate) struct Stance {
     /// From each centre of mass to its anchor \[m\].
     anchor_arms: [Vec3<f64>; 2],
     /// From the first anchor to the second \[m\].
-    gap: Vec3<f64>,
-    orientations: [Quat<f64>; 2],
-    axes: [[Vec3<f64>; 3]; 2],
+    pub(crate) gap: Vec3<f64>,
+    pub(crate) orientations: [Quat<f64>; 2],
+    pub(crate) axes: [[Vec3<f64>; 3]; 2],
 }
 
-/// Speeds at which errors are taken out that a joint begins with [m/s] [rad/s].
-const CORRECTION_SPEED: f64 = 3.0;
-const CORRECTION_ANGULAR_SPEED: f64 = 10.0;
+/// The speed at which errors are taken out that a joint begins with [m/s] [rad/s].
+pub(crate) fn correction_speed(is_linear: bool) -> f64 {
+    if is_linear { 3.0 } else { 10.0 }
+}
+
+const IDENTITY: Quat<f64> = Quat { x: 0.0, y: 0.0, z: 0.0, w: 1.0 };
 /// Roundings of the state within which a joint is met.
 const ROUNDINGS: f64 = 4.0;
 
 impl JointRows {
-    pub(crate) fn new(bodies: [usize; 2], anchors: [Anchor; 2], free: Axes) -> Self {
+    pub(crate) fn new(bodies: [usize; 2], anchors: [Anchor; 2], free: Axes, options: Option<&JointOptions>) -> Self {
         let zero = Vec3::zero();
+        let locked = 6 - free.count() as usize;
+        let free_rows: Vec<_> = options.into_iter().flat_map(|it| free_axes(it, free)).map(FreeRow::new).collect();
         Self {
             bodies,
             anchors,
             free,
             linear: [zero; MAX_ROWS],
             angular: [zero; MAX_ROWS],
-            count: 6 - free.count() as usize,
+            count: locked + free_rows.len(),
+            locked,
+            free_rows,
+            reference: IDENTITY,
             arms: [zero; 2],
             from_anchor: zero,
             errors: [0.0; MAX_ROWS],
@@ -72,11 +90,50 @@ impl JointRows {
         }
     }
 
+    /// Takes over what acts along its free axes, which are as many as when it was made.
+    pub(crate) fn take_options(&mut self, options: &JointOptions) {
+        let place = |axis: usize| {
+            let drives = options.drives.iter().filter(move |drive| drive.axes.has(axis));
+            drives.clone().find_map(|drive| drive.position).map_or(0.0, f64::from)
+        };
+        let is_ball = self.free.contains(Axes::ANGULAR);
+        let of_reference = if is_ball { [place(3), place(4), place(5)] } else { [0.0; 3] };
+        let [x, y, z] = of_reference;
+        self.reference = tumble_math::rotate_exactly(IDENTITY, Vec3::new(x, y, z), 1.0);
+        for (row, axis) in self.free_rows.iter_mut().zip(free_axes(options, self.free)) {
+            row.reset(axis);
+            let (number, origin) = match axis {
+                FreeAxis::Translation(axis) => (axis, 0.0),
+                FreeAxis::Rotation(axis) => (3 + axis, of_reference[axis]),
+                FreeAxis::Twist(axis) => {
+                    options.limits.axes[3 + axis].into_iter().for_each(|limit| row.add_limit(limit));
+                    continue;
+                }
+                FreeAxis::Distance => {
+                    options.limits.distance.into_iter().for_each(|limit| row.add_limit(limit));
+                    continue;
+                }
+                FreeAxis::Cone(_) => {
+                    let gain = options.limits.cone.map(|cone| cone.gain).unwrap_or_default();
+                    row.add_bounds([-f64::INFINITY, 0.0], gain);
+                    continue;
+                }
+            };
+            if !(is_ball && number >= 3) {
+                options.limits.axes[number].into_iter().for_each(|limit| row.add_limit(limit));
+            }
+            row.add_friction(options.friction.max[number].into());
+            for drive in options.drives.iter().filter(|drive| drive.axes.has(number)) {
+                row.add_drive(drive, drive.position.map(|position| f64::from(position) - origin));
+            }
+        }
+    }
+
     fn stance(&self, bodies: &[MechanismBody]) -> Stance {
         let [a, b] = self.bodies.map(|body| &bodies[body]);
         let arms = [a.orientation.rotate(self.anchors[0].position), b.orientation.rotate(self.anchors[1].position)];
         let gap = (b.center - a.center) + (b.translation - a.translation) + (arms[1] - arms[0]);
-        if self.is_ball() {
+        if self.is_plain_ball() {
             let none = [Vec3::zero(); 3];
             return Stance { anchor_arms: arms, gap, orientations: [a.orientation, b.orientation], axes: [none; 2] };
         }
@@ -84,8 +141,8 @@ impl JointRows {
     }
 
     /// Whether its rows do not depend on how its frames are turned.
-    fn is_ball(&self) -> bool {
-        self.free == Axes::ANGULAR
+    fn is_plain_ball(&self) -> bool {
+        self.free == Axes::ANGULAR && self.free_rows.is_empty()
     }
 
     fn turned_stance(&self, bodies: &[MechanismBody], anchor_arms: [Vec3<f64>; 2], gap: Vec3<f64>) -> Stance {
@@ -115,14 +172,20 @@ impl JointRows {
         let half = locked_gap * 0.5;
         self.arms = [stance.anchor_arms[0] + stance.gap - half, stance.anchor_arms[1] - half];
         self.from_anchor = half * -1.0;
-        self.linear[row..self.count].fill(zero);
-        match self.rotations() {
+        self.linear[row..self.locked].fill(zero);
+        match Rotations::of(self.free) {
             Rotations::Locked => self.angular[row..row + 3].copy_from_slice(&a),
             Rotations::About(k) => {
                 (self.angular[row], self.angular[row + 1]) = (a[(k + 1) % 3], a[(k + 2) % 3]);
             }
             Rotations::AboutBoth(i, j) => self.angular[row] = b[j].cross(a[i]),
             Rotations::Free => {}
+        }
+        let Self { free_rows, linear, angular, locked, free, reference, .. } = self;
+        for (row, it) in (*locked..).zip(free_rows) {
+            let direction = it.axis.direction(&stance, *free, *reference);
+            (linear[row], angular[row]) = (direction.linear, direction.angular);
+            it.value = direction.value;
         }
         self.errors = self.errors_of(&stance);
     }
@@ -140,7 +203,7 @@ impl JointRows {
             errors[row] = stance.gap.dot(linear_axis(self.free, axis, a));
             row += 1;
         }
-        match self.rotations() {
+        match Rotations::of(self.free) {
             Rotations::Locked => {
                 let q = stance.orientations[0].conjugate() * stance.orientations[1];
                 let twice = if q.w < 0.0 { -2.0 } else { 2.0 };
@@ -157,6 +220,9 @@ impl JointRows {
         for (error, rounding) in errors.iter_mut().zip(&self.rounding) {
             *error -= rounding;
         }
+        for (row, it) in (self.locked..).zip(&self.free_rows).filter(|(_, it)| it.is_at_bound()) {
+            errors[row] = it.error_at_bound(it.axis.direction(stance, self.free, self.reference).value);
+        }
         errors
     }
 
@@ -169,7 +235,7 @@ impl JointRows {
         let of_state = ROUNDINGS * f64::from(Real::EPSILON);
         let tolerances = [of_state * most.into_iter().sum::<f64>(), of_state];
         let linear = self.linear_count();
-        for (row, error) in errors.into_iter().enumerate() {
+        for (row, error) in errors.into_iter().enumerate().take(self.locked) {
             if error.abs() <= tolerances[usize::from(row >= linear)] {
                 self.rounding[row] = error;
             }
@@ -180,9 +246,95 @@ impl JointRows {
     pub(crate) fn plan_correction(&mut self, h: f64) {
         let linear = self.linear_count();
         for (row, (wanted, error)) in self.wanted.iter_mut().zip(&self.errors).enumerate() {
-            let most = h * if row < linear { CORRECTION_SPEED } else { CORRECTION_ANGULAR_SPEED };
+            let most = h * correction_speed(row < linear);
             *wanted = error - error.clamp(-most, most);
         }
+        for (row, it) in (self.locked..).zip(&self.free_rows) {
+            // A bound may be reached as fast as the bodies are.
+            let most = h * correction_speed(it.axis.is_linear());
+            let past = if it.is_at_bound() { self.errors[row] } else { 0.0 };
+            self.wanted[row] = match it.mode {
+                Mode::AtUpper if past > most => past - most,
+                Mode::AtLower if past < -most => past + most,
+                _ => 0.0,
+            };
+        }
+    }
+
+    /// Prepares the rows of free axes for a phase; see [`FreeRow::prepare`].
+    pub(crate) fn prepare(&mut self, bodies: &[MechanismBody], phase: Phase, time: (f64, f64), is_first: bool) {
+        if self.free_rows.is_empty() {
+            return;
+        }
+        let speeds = self.speeds(bodies);
+        for (row, it) in (self.locked..).zip(&mut self.free_rows) {
+            it.prepare(phase, time, is_first.then_some(speeds[row]));
+        }
+        self.update_bounds();
+    }
+
+    /// Corrects the modes of rows of free axes by a solution: what it adds to the speeds, and its
+    /// impulses. Returns whether any has changed.
+    pub(crate) fn settle(
+        &mut self,
+        bodies: &[MechanismBody],
+        (phase, h): (Phase, f64),
+        (response, impulses): (&[f64], &[f64]),
+    ) -> bool {
+        if self.free_rows.is_empty() {
+            return false;
+        }
+        let speeds = self.speeds(bodies);
+        let mut is_changed = false;
+        for (row, it) in (self.locked..).zip(&mut self.free_rows) {
+            is_changed |= it.settle(phase, h, speeds[row] + response[row], impulses[row]);
+        }
+        self.update_bounds();
+        if is_changed && phase == Phase::Positions {
+            self.plan_correction(h);
+        }
+        is_changed
+    }
+
+    /// Pushes the bodies by what acts along free axes at any speed.
+    pub(crate) fn push_constants(&mut self, bodies: &mut [MechanismBody]) {
+        let Self { free_rows, locked, linear, angular, arms, bodies: ends, .. } = self;
+        for (row, it) in (*locked..).zip(free_rows) {
+            let most = it.constant.unwrap_or(0.0);
+            let amount = most - std::mem::replace(&mut it.pushed, most);
+            if amount != 0.0 {
+                for (end, sign) in [-amount, amount].into_iter().enumerate() {
+                    bodies[ends[end]].push(linear[row] * sign, arms[end], angular[row] * sign);
+                }
+            }
+        }
+    }
+
+    /// Sets the errors of rows that are at a bound, as their modes have changed.
+    fn update_bounds(&mut self) {
+        for (row, it) in (self.locked..).zip(&self.free_rows) {
+            self.errors[row] = if it.is_at_bound() { it.error_at_bound(it.value) } else { 0.0 };
+        }
+    }
+
+    /// By row: the speed that it gets by an impulse of one along it, other joints apart.
+    pub(crate) fn own_responses(&self, bodies: &[MechanismBody]) -> [f64; MAX_ROWS] {
+        let mut responses = [0.0; MAX_ROWS];
+        for (row, response) in responses.iter_mut().enumerate().take(self.count) {
+            for (body, arm) in self.bodies.iter().zip(self.arms) {
+                let body = &bodies[*body];
+                let torque = arm.cross(self.linear[row]) + self.angular[row];
+                let linear = body.inverse_mass * self.linear[row].dot(self.linear[row]);
+                *response += linear + torque.dot(body.times_inverse_inertia(torque));
+            }
+        }
+        responses
+    }
+
+    /// Whether a row is of a free axis along which no impulse depends on the speed.
+    pub(crate) fn is_off(&self, row: usize) -> bool {
+        let law = row.checked_sub(self.locked).and_then(|row| self.free_rows.get(row));
+        law.is_some_and(|law| law.constant.is_some())
     }
 
     /// How fast each error grows by the velocities of the bodies.
@@ -215,52 +367,55 @@ impl JointRows {
     /// moves: translation \[m\], rotation vector \[rad\].
     pub(crate) fn values_and_speeds(&self, bodies: &[MechanismBody]) -> [[f64; 6]; 2] {
         let Stance { gap, anchor_arms, .. } = self.stance(bodies);
-        let Stance { orientations, axes: [axes, _], .. } = self.turned_stance(bodies, anchor_arms, gap);
-        let q = orientations[0].conjugate() * orientations[1];
-        let turn = tumble_math::to_scaled_axis(q.into());
+        let stance = self.turned_stance(bodies, anchor_arms, gap);
+        let [axes, of_second] = stance.axes;
+        let turn = match Rotations::of(self.free) {
+            Rotations::AboutBoth(i, j) => {
+                let q = relative_rotation(&stance);
+                let mut angles = glam::DVec3::ZERO;
+                (angles[i], angles[j]) = (first_angle(q, i, j), second_angle(q, i, j));
+                angles[3 - i - j] = axes[i].dot(of_second[j]);
+                angles
+            }
+            _ => tumble_math::to_scaled_axis(relative_rotation(&stance).into()),
+        };
         let [a, b] = self.bodies.map(|body| &bodies[body]);
         let (turn_a, turn_b) = (a.angular_velocity(), b.angular_velocity());
         let apart = (b.linear_velocity() + turn_b.cross(anchor_arms[1]))
             - (a.linear_velocity() + turn_a.cross(anchor_arms[0] + gap));
         let turning = turn_b - turn_a;
         let along = |v: Vec3<f64>| axes.map(|axis| axis.dot(v));
-        let ([x, y, z], [u, v, w], [p, q, r]) = (along(gap), along(apart), along(turning));
-        [[x, y, z, turn.x, turn.y, turn.z], [u, v, w, p, q, r]]
-    }
-
-    fn rotations(&self) -> Rotations {
-        let free = |axis: usize| self.free.has(3 + axis);
-        match (0..3).filter(|axis| free(*axis)).count() {
-            0 => Rotations::Locked,
-            1 => Rotations::About(if free(0) {
-                0
-            } else if free(1) {
-                1
-            } else {
-                2
-            }),
-            2 => {
-                let [i, j] = if !free(0) {
-                    [1, 2]
-                } else if !free(1) {
-                    [0, 2]
-                } else {
-                    [0, 1]
-                };
-                Rotations::AboutBoth(i, j)
-            }
-            _ => Rotations::Free,
+        let ([x, y, z], [u, v, w], mut rates) = (along(gap), along(apart), along(turning));
+        if let Rotations::AboutBoth(_, j) = Rotations::of(self.free) {
+            rates[j] = of_second[j].dot(turning);
         }
+        let [p, q, r] = rates;
+        [[x, y, z, turn.x, turn.y, turn.z], [u, v, w, p, q, r]]
     }
 }
 
 /// Which rotations a joint leaves free.
-enum Rotations {
+pub(crate) enum Rotations {
     Locked,
     About(usize),
     /// About an axis of the first frame, and another of the second.
     AboutBoth(usize, usize),
     Free,
+}
+
+impl Rotations {
+    pub(crate) fn of(free: Axes) -> Self {
+        match [3, 4, 5].map(|axis| free.has(axis)) {
+            [false, false, false] => Self::Locked,
+            [true, false, false] => Self::About(0),
+            [false, true, false] => Self::About(1),
+            [false, false, true] => Self::About(2),
+            [false, true, true] => Self::AboutBoth(1, 2),
+            [true, false, true] => Self::AboutBoth(0, 2),
+            [true, true, false] => Self::AboutBoth(0, 1),
+            [true, true, true] => Self::Free,
+        }
+    }
 }
 
 /// Along which a translation is locked: where all are, those of the world do as well.

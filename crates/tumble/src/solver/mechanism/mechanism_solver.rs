@@ -4,6 +4,7 @@ use tumble_math::lane::Vec3;
 
 use crate::solver::mechanism::block_ldl::{BlockLdl, MAX_ROWS};
 use crate::solver::mechanism::elimination::Elimination;
+use crate::solver::mechanism::free_row::Phase;
 use crate::solver::mechanism::joint_rows::{JointRows, length};
 use crate::solver::mechanism::mechanism_body::{MechanismBody, Place};
 
@@ -13,7 +14,7 @@ pub(crate) struct MechanismSolver {
     pub(crate) bodies: Vec<MechanismBody>,
     /// In the order of elimination.
     pub(crate) joints: Vec<JointRows>,
-    matrix: BlockLdl,
+    pub(super) matrix: BlockLdl,
     couplings: Vec<Coupling>,
     /// By joint, what it has done since the step began: impulse \[N s\] on the second body, and
     /// angular impulse about its anchor [N m s].
@@ -22,12 +23,25 @@ pub(crate) struct MechanismSolver {
     turning: Vec<[[Turning; MAX_ROWS]; 2]>,
     /// By row.
     impulses: Vec<f64>,
-    right: Vec<f64>,
+    pub(super) right: Vec<f64>,
     places: Vec<Place>,
     /// By body, memory of a product with the matrix.
     velocities: Vec<[Vec3<f64>; 2]>,
     /// By body: sum of impulse times arm.
     pulls: Vec<f64>,
+    /// By row: how impulses change the speeds.
+    pub(super) response: Vec<f64>,
+    pub(super) has_free_rows: bool,
+    /// Whether no substep of this step has been solved.
+    pub(super) is_first: bool,
+}
+
+/// Which half of a substep of `h` \[s\] is solved, and the share of forces in the first.
+#[derive(Clone, Copy)]
+pub(crate) struct Half {
+    pub(crate) phase: Phase,
+    pub(crate) h: f64,
+    pub(crate) before: f64,
 }
 
 /// A body that two joints share.
@@ -52,6 +66,8 @@ const MAX_SOLUTIONS: u32 = 4;
 const TOLERANCE: f64 = 1e-10;
 /// Solutions before the first of these, with more inertia each, at most.
 const MAX_RAISES: u32 = 3;
+/// Solutions in which rows along free axes change between parts of their laws, at most.
+const MAX_CHANGES: u32 = 6;
 /// The direction of a joint's impulse on each of its bodies.
 const SIGNS: [f64; 2] = [-1.0, 1.0];
 
@@ -86,6 +102,9 @@ impl MechanismSolver {
             impulses: vec![0.0; matrix.len()],
             right: vec![0.0; matrix.len()],
             pulls: vec![0.0; moves.len()],
+            response: vec![0.0; matrix.len()],
+            is_first: false,
+            has_free_rows: ordered.iter().any(|joint| !joint.free_rows.is_empty()),
             bodies: Vec::with_capacity(moves.len()),
             places: Vec::with_capacity(moves.len()),
             velocities: vec![[Vec3::zero(); 2]; moves.len()],
@@ -100,21 +119,27 @@ impl MechanismSolver {
     pub(crate) fn begin(&mut self) {
         let Self { joints, bodies, .. } = self;
         joints.iter_mut().for_each(|joint| joint.begin_step(bodies));
+        self.is_first = true;
+        if self.has_free_rows {
+            self.update_rows();
+            self.find_masses();
+        }
     }
 
     /// Advances the bodies by substeps of `h` \[s\]. Returns whether all numbers stayed finite.
     pub(crate) fn advance(&mut self, substeps: u32, h: f64) -> bool {
+        let half = |phase| Half { phase, h, before: 0.5 };
         self.begin();
         self.update_rows();
         // What was done to velocities since the last step is no load.
-        self.solve_velocities();
+        self.solve_velocities(half(Phase::Begin));
         for _ in 0..substeps {
             self.bodies.iter_mut().for_each(MechanismBody::kick);
-            self.solve_positions(h);
+            self.solve_positions(half(Phase::Positions));
             self.bodies.iter_mut().for_each(MechanismBody::kick);
             self.take_loads(h);
             self.update_rows();
-            self.solve_velocities();
+            self.solve_velocities(half(Phase::Velocities));
         }
         self.return_dropped_momentum();
         self.bodies.iter().all(MechanismBody::is_finite)
@@ -150,12 +175,17 @@ impl MechanismSolver {
 
     /// Finds the impulses with which the joints are met at the end of the substep, and moves the
     /// bodies there.
-    fn solve_positions(&mut self, h: f64) {
+    fn solve_positions(&mut self, half: Half) {
+        let h = half.h;
         self.places.clear();
         self.places.extend(self.bodies.iter().map(MechanismBody::place));
         self.impulses.fill(0.0);
+        if self.has_free_rows {
+            self.begin_half(half);
+            self.factor();
+        }
         self.joints.iter_mut().for_each(|joint| joint.plan_correction(h));
-        self.solve_first(h);
+        self.solve_half(half);
         for solution in 1..=MAX_SOLUTIONS {
             if solution > 1 {
                 self.solve_right_side();
@@ -169,53 +199,74 @@ impl MechanismSolver {
                 break;
             }
         }
+        self.note_springs();
         self.bodies.iter_mut().for_each(MechanismBody::end_drift);
         self.note_impulses(true);
-    }
-
-    /// Solves for the impulses that meet the joints at the end of the substep if bodies move
-    /// straight on, with as much inertia as these impulses ask for.
-    fn solve_first(&mut self, h: f64) {
-        for attempt in 1..=MAX_RAISES {
-            self.set_right_side(1.0 / h);
-            self.solve_right_side();
-            if attempt == MAX_RAISES || !self.take_sudden_loads(h) {
-                break;
-            }
-            self.assemble();
-            self.matrix.factor();
-        }
     }
 
     /// Finds the impulses that meet the joints at the end of a substep of `h` \[s\] to first order,
     /// where others move the bodies.
     pub(crate) fn solve_once(&mut self, h: f64) {
+        let half = Half { phase: Phase::Positions, h, before: 1.0 };
+        self.begin_half(half);
+        self.factor();
         self.joints.iter_mut().for_each(|joint| joint.plan_correction(h));
-        self.solve_first(h);
+        self.solve_half(half);
         self.impulses.copy_from_slice(&self.right);
         self.push();
+        self.note_springs();
         self.note_impulses(true);
         self.take_loads(h);
     }
 
+    /// Takes out the velocities against the joints, where others have moved the bodies for `h`
+    /// \[s\].
+    pub(crate) fn solve_velocities_once(&mut self, h: f64) {
+        self.solve_velocities(Half { phase: Phase::Velocities, h, before: 1.0 });
+    }
+
     /// Takes out the velocities against the joints.
-    pub(crate) fn solve_velocities(&mut self) {
-        self.set_right_side(0.0);
-        self.solve_right_side();
+    fn solve_velocities(&mut self, half: Half) {
+        self.begin_half(half);
+        self.factor();
+        self.solve_half(half);
         self.impulses.copy_from_slice(&self.right);
         self.push();
         self.note_impulses(false);
     }
 
-    /// Makes the right side of what the rows' speeds are to become: zero, and beside it what takes
-    /// the errors out at a rate [1/s].
-    pub(crate) fn set_right_side(&mut self, rate: f64) {
+    /// Solves for the impulses of one half: in the first those that meet the joints at the end of
+    /// the substep if bodies move straight on, with as much inertia as these impulses ask for.
+    fn solve_half(&mut self, half: Half) {
+        let is_first = half.phase == Phase::Positions;
+        let (mut changes, mut raises) = (0, 1);
+        loop {
+            self.set_right_side(if is_first { 1.0 / half.h } else { 0.0 });
+            self.solve_right_side();
+            if changes < MAX_CHANGES && self.settle(half) {
+                changes += 1;
+            } else if is_first && raises < MAX_RAISES && self.take_sudden_loads(half.h) {
+                raises += 1;
+            } else {
+                break;
+            }
+            self.factor();
+        }
+    }
+
+    /// Makes the right side of what the rows' speeds are to become: zero, or what the law of a free
+    /// axis says, and beside it what takes the errors out at a rate [1/s].
+    fn set_right_side(&mut self, rate: f64) {
         let Self { joints, bodies, matrix, right, .. } = self;
         for (number, joint) in joints.iter().enumerate() {
             let speeds = joint.speeds(bodies);
+            let right = &mut right[matrix.starts[number]..][..joint.count];
             for row in 0..joint.count {
                 let correction = (joint.errors[row] - joint.wanted[row]) * rate;
-                right[matrix.starts[number] + row] = -(speeds[row] + correction);
+                right[row] = -(speeds[row] + correction);
+            }
+            for (right, row) in right[joint.locked..].iter_mut().zip(&joint.free_rows) {
+                *right = if row.constant.is_some() { 0.0 } else { *right - row.bias };
             }
         }
     }
@@ -228,14 +279,23 @@ impl MechanismSolver {
     fn solve_right_side(&mut self) {
         self.matrix.solve(&mut self.right);
         if self.matrix.has_dependent_rows {
-            self.set_speeds_of_impulses();
+            self.set_response();
+            let Self { joints, matrix, right, response, .. } = self;
+            for (number, joint) in joints.iter().enumerate() {
+                let rows = matrix.starts[number] + joint.locked..;
+                for (place, row) in rows.zip(&joint.free_rows) {
+                    let is_off = row.constant.is_some();
+                    response[place] = if is_off { 0.0 } else { response[place] + row.gamma * right[place] };
+                }
+            }
+            right.copy_from_slice(response);
             self.matrix.solve(&mut self.right);
         }
     }
 
-    /// Puts the speeds that impulses give to rows in the place of these.
-    fn set_speeds_of_impulses(&mut self) {
-        let Self { joints, bodies, matrix, right, velocities, .. } = self;
+    /// Sets how the impulses of the right side change the rows' speeds.
+    pub(super) fn set_response(&mut self) {
+        let Self { joints, bodies, matrix, right, velocities, response, .. } = self;
         velocities.fill([Vec3::zero(); 2]);
         for (number, joint) in joints.iter().enumerate() {
             let [impulse, angular] = joint.impulse(&right[matrix.starts[number]..][..joint.count]);
@@ -250,22 +310,38 @@ impl MechanismSolver {
         }
         for (number, joint) in joints.iter().enumerate() {
             let speeds = joint.speeds_at(joint.bodies.map(|body| velocities[body]));
-            right[matrix.starts[number]..][..joint.count].copy_from_slice(&speeds[..joint.count]);
+            response[matrix.starts[number]..][..joint.count].copy_from_slice(&speeds[..joint.count]);
         }
     }
 
     /// Makes the right side of what is left of the errors; returns whether it is nothing.
     fn set_remaining(&mut self, h: f64) -> bool {
-        let Self { joints, bodies, matrix, right, .. } = self;
+        let Self { joints, bodies, matrix, right, impulses, .. } = self;
         let mut is_met = true;
         for (number, joint) in joints.iter().enumerate() {
             let errors = joint.errors(bodies);
-            let linear = joint.linear_count();
             let size = length(joint.arms[0]) + length(joint.arms[1]);
-            for row in 0..joint.count {
+            let linear = joint.linear_count();
+            let begin = matrix.starts[number];
+            for row in 0..joint.locked {
                 let left = errors[row] - joint.wanted[row];
                 is_met &= left.abs() <= TOLERANCE * if row < linear { size } else { 1.0 };
-                right[matrix.starts[number] + row] = -left / h;
+                right[begin + row] = -left / h;
+            }
+            if joint.free_rows.is_empty() {
+                continue;
+            }
+            let speeds = joint.speeds(bodies);
+            for (row, it) in (joint.locked..).zip(&joint.free_rows) {
+                right[begin + row] = if it.is_at_bound() {
+                    let left = errors[row] - joint.wanted[row];
+                    is_met &= left.abs() <= TOLERANCE * if it.axis.is_linear() { size } else { 1.0 };
+                    -left / h
+                } else if it.constant.is_some() {
+                    0.0
+                } else {
+                    -(speeds[row] + it.bias + it.gamma * impulses[begin + row])
+                };
             }
         }
         is_met
@@ -288,6 +364,9 @@ impl MechanismSolver {
     fn note_impulses(&mut self, pull: bool) {
         let Self { joints, matrix, impulses, done, .. } = self;
         for (number, joint) in joints.iter().enumerate() {
+            for (impulse, row) in impulses[matrix.starts[number] + joint.locked..].iter_mut().zip(&joint.free_rows) {
+                *impulse += row.pushed;
+            }
             let [impulse, angular] = joint.impulse(&impulses[matrix.starts[number]..][..joint.count]);
             done[number][0] = done[number][0] + impulse;
             done[number][1] = done[number][1] + angular + joint.from_anchor.cross(impulse);
@@ -316,10 +395,14 @@ impl MechanismSolver {
         }
     }
 
-    /// Sets the rows and the matrix to where the bodies are.
+    /// Sets the rows to where the bodies are.
     pub(crate) fn update_rows(&mut self) {
         let Self { joints, bodies, .. } = self;
         joints.iter_mut().for_each(|joint| joint.update(bodies));
+    }
+
+    /// Sets and factors the matrix.
+    pub(super) fn factor(&mut self) {
         self.assemble();
         self.matrix.factor();
     }
@@ -346,6 +429,14 @@ impl MechanismSolver {
                     (diagonal[i * n + j], diagonal[j * n + i]) = (sum, sum);
                 }
             }
+            for (row, law) in (joint.locked..n).zip(&joint.free_rows) {
+                if law.constant.is_some() {
+                    (0..n).for_each(|other| (diagonal[row * n + other], diagonal[other * n + row]) = (0.0, 0.0));
+                    diagonal[row * n + row] = 1.0;
+                } else {
+                    diagonal[row * n + row] += law.gamma;
+                }
+            }
         }
         for &Coupling { block, joints: [first, second], ends } in &*couplings {
             let (row, column) = (&joints[first], &joints[second]);
@@ -357,6 +448,13 @@ impl MechanismSolver {
                 for j in 0..column.count {
                     numbers[i * column.count + j] += inverse_mass * row.linear[i].dot(column.linear[j])
                         + sign * of_row[i].torque.dot(of_column[j].response);
+                }
+            }
+            if !(row.free_rows.is_empty() && column.free_rows.is_empty()) {
+                for place in (0..numbers.len())
+                    .filter(|place| row.is_off(place / column.count) || column.is_off(place % column.count))
+                {
+                    numbers[place] = 0.0;
                 }
             }
         }

@@ -13,7 +13,8 @@ use crate::range::{MAX_DISTANCE_OF_CONTACTS, MAX_SPEED, is_rotation, within};
 use crate::solver::constrained_bodies::ConstrainedBodies;
 use crate::solver::contact_work::ContactWorks;
 use crate::solver::islands::Islands;
-use crate::solver::mechanism::joint_rows::{Anchor, JointRows};
+use crate::solver::mechanism::free_axis::free_axis_bits;
+use crate::solver::mechanism::joint_rows::{Anchor, JointRows, length};
 use crate::solver::mechanism::mechanism_body::MechanismBody;
 use crate::solver::mechanism::mechanism_solver::MechanismSolver;
 use crate::solver::solver_bodies::SolverBodies;
@@ -55,8 +56,8 @@ struct Mechanism {
 }
 
 /// A joint as the structure of a mechanism depends on it: its bodies, which of them are dynamic,
-/// and its free axes.
-type Link = ([Slot; 2], [bool; 2], Axes);
+/// its free axes, and along which of these anything acts.
+type Link = ([Slot; 2], [bool; 2], Axes, u16);
 
 impl Mechanisms {
     /// Forgets all joints and loads.
@@ -113,7 +114,9 @@ impl Mechanisms {
         );
         let links = active.iter().map(|number| {
             let joint = &list.joints[*number as usize];
-            (joint.slots, joint.slots.each_ref().map(moves), joint.joint.free)
+            let free = joint.joint.free;
+            let bits = free_axis_bits(joint.options.as_deref(), free);
+            (joint.slots, joint.slots.each_ref().map(moves), free, bits)
         });
         if !links.clone().eq(self.structure.iter().copied()) {
             self.structure = links.collect();
@@ -136,15 +139,16 @@ impl Mechanisms {
             for (rows, number) in mechanism.solver.joints.iter_mut().zip(&mechanism.joints) {
                 let listed = &list.joints[active[*number as usize] as usize];
                 rows.anchors = [0, 1].map(|end| anchor(listed, end, body_index, columns));
+                listed.options.iter().for_each(|options| rows.take_options(options));
             }
         }
     }
 
     /// Makes mechanisms of the structure.
     fn arrange(&mut self, slots: usize) {
-        let Self { structure, mechanisms, islands, .. } = self;
+        let Self { structure, mechanisms, islands, list, active, .. } = self;
         let mut dynamic = vec![false; slots];
-        for (of_link, moves, _) in &*structure {
+        for (of_link, moves, ..) in &*structure {
             (0..2).for_each(|end| dynamic[of_link[end].index()] = moves[end]);
         }
         islands.join(slots, structure.iter().map(|(slots, ..)| *slots), |slot| dynamic[slot.index()]);
@@ -162,9 +166,10 @@ impl Mechanisms {
             let joints: Vec<_> = links
                 .iter()
                 .map(|(_, number)| {
-                    let (slots, _, free) = structure[*number as usize];
+                    let (slots, _, free, _) = structure[*number as usize];
                     let bodies = slots.map(|slot| of_it.binary_search(&slot).unwrap_or(0));
-                    JointRows::new(bodies, [Anchor::CENTER; 2], free)
+                    let options = list.joints[active[*number as usize] as usize].options.as_deref();
+                    JointRows::new(bodies, [Anchor::CENTER; 2], free, options)
                 })
                 .collect();
             let moves: Vec<_> = of_it.iter().map(|slot| dynamic[slot.index()]).collect();
@@ -237,8 +242,8 @@ impl Mechanisms {
     }
 
     /// Takes out the velocities against the joints of touched mechanisms.
-    pub(crate) fn solve_velocities(&mut self, bodies: &mut SolverBodies) {
-        self.solve_touched(bodies, MechanismSolver::solve_velocities);
+    pub(crate) fn solve_velocities(&mut self, bodies: &mut SolverBodies, h: Real) {
+        self.solve_touched(bodies, |solver| solver.solve_velocities_once(f64::from(h)));
     }
 
     fn solve_touched(&mut self, bodies: &mut SolverBodies, solve: impl Fn(&mut MechanismSolver)) {
@@ -275,6 +280,19 @@ impl Mechanisms {
                 values_and_speeds[number] = rows.values_and_speeds(&solver.bodies);
             }
         }
+    }
+
+    /// Marks the joints that broke in a step of `dt` \[s\]; returns whether there are any.
+    pub(crate) fn mark_broken(&mut self, dt: Real) -> bool {
+        let mut is_any = false;
+        for (joint, done) in self.list.joints.iter_mut().zip(&self.done) {
+            if let Some(breakable) = &mut joint.breakable {
+                let [force, torque] = done.map(|sum| real(length(sum) / f64::from(dt)));
+                breakable.is_broken = force > breakable.max_force || torque > breakable.max_torque;
+                is_any |= breakable.is_broken;
+            }
+        }
+        is_any
     }
 
     /// The load of each joint that has a [`JointLoad`], and where that is, over a step of `dt`

@@ -7,7 +7,11 @@
 
 pub(crate) mod block_ldl;
 pub(crate) mod elimination;
+pub(crate) mod free_axis;
+pub(crate) mod free_row;
 pub(crate) mod joint_rows;
 pub(crate) mod mechanism_body;
+mod mechanism_free_rows;
 pub(crate) mod mechanism_solver;
 pub(crate) mod mechanisms;
+pub(crate) mod row_spring;

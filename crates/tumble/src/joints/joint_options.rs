@@ -1,0 +1,81 @@
+//! What a joint has beside its frames: limits, drives and friction, as the step takes them over.
+
+use std::cmp::Ordering;
+
+use hecs::Archetype;
+
+use crate::joints::axes::Axes;
+use crate::joints::drives::{Drive, Drives};
+use crate::joints::friction::JointFriction;
+use crate::joints::gain::Gain;
+use crate::joints::limits::Limits;
+use crate::math::Real;
+
+/// Limits, drives and friction of a joint, without what does nothing.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct JointOptions {
+    pub(crate) limits: Limits,
+    pub(crate) friction: JointFriction,
+    pub(crate) drives: Vec<Drive>,
+}
+
+impl JointOptions {
+    /// Of a row of an archetype of joints, in a spare box if there is one.
+    pub(crate) fn of_row(
+        archetype: &Archetype,
+        row: usize,
+        free: Axes,
+        spare: &mut Vec<Box<Self>>,
+    ) -> Option<Box<Self>> {
+        let limits = archetype.get::<&Limits>();
+        let friction = archetype.get::<&JointFriction>();
+        let drives = archetype.get::<&Drives>();
+        if limits.is_none() && friction.is_none() && drives.is_none() {
+            return None;
+        }
+        let mut it = spare.pop().unwrap_or_default();
+        it.limits = limits.map_or_else(Limits::default, |limits| limits[row].within(free));
+        let friction = friction.map(|friction| friction[row]).filter(JointFriction::is_in_range);
+        it.friction = friction.unwrap_or_default().along_only(free);
+        it.drives.clear();
+        if let Some(drives) = drives {
+            it.drives.extend(drives[row].0.iter().filter(|drive| drive.is_in_range()));
+        }
+        Some(it)
+    }
+
+    /// Equal only for options that do the same.
+    pub(crate) fn cmp(a: Option<&Self>, b: Option<&Self>) -> Ordering {
+        match (a, b) {
+            (Some(a), Some(b)) => a.numbers().cmp(b.numbers()),
+            _ => a.is_some().cmp(&b.is_some()),
+        }
+    }
+
+    fn numbers(&self) -> impl Iterator<Item = u64> + '_ {
+        let Limits { axes, distance, cone } = &self.limits;
+        let of_limits = axes.iter().chain([distance]).flat_map(|limit| {
+            let [a, b] = limit.map_or([Real::NAN; 2], |limit| [limit.min, limit.max]);
+            let [kind, c, d] = limit.map_or([-1.0; 3], |limit| numbers_of(limit.gain));
+            [a, b, kind, c, d]
+        });
+        let [a, b] = cone.map_or([0.0; 2], |cone| cone.half_angles);
+        let [kind, c, d] = cone.map_or([-1.0; 3], |cone| numbers_of(cone.gain));
+        let of_drives = self.drives.iter().flat_map(|drive| {
+            let [kind, stiffness, damping] = numbers_of(drive.gain);
+            let position = drive.position.unwrap_or(Real::NAN);
+            [Real::from(drive.axes.bits()), position, drive.velocity, kind, stiffness, damping, drive.max_force]
+        });
+        let all = of_limits.chain([a, b, kind, c, d]).chain(self.friction.max).chain(of_drives);
+        all.map(|number| u64::from(number.to_bits()))
+    }
+}
+
+fn numbers_of(gain: Gain) -> [Real; 3] {
+    match gain {
+        Gain::Rigid => [0.0; 3],
+        Gain::Stiffness { stiffness, damping } => [1.0, stiffness, damping],
+        Gain::Frequency { hertz, damping_ratio } => [2.0, hertz, damping_ratio],
+        Gain::Acceleration { stiffness, damping } => [3.0, stiffness, damping],
+    }
+}

@@ -1,0 +1,202 @@
+//! Rows along free axes of a joint: where it stands along them.
+
+use tumble_math::lane::{Quat, Vec3};
+
+use crate::joints::axes::Axes;
+use crate::joints::joint_options::JointOptions;
+use crate::solver::mechanism::joint_rows::{Rotations, Stance, length};
+
+/// Along which a row acts that is not locked.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) enum FreeAxis {
+    /// Along an axis of the first frame.
+    Translation(usize),
+    /// About an axis of the joint.
+    Rotation(usize),
+    /// About an axis, of a joint with three free rotations.
+    Twist(usize),
+    /// Along the line between the origins, as far as it is free.
+    Distance,
+    /// Of the second frame's x axis out of a cone with these tangents of half the half angles.
+    Cone([f64; 2]),
+}
+
+/// A direction in which both bodies are pushed, and where the joint stands along it.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Direction {
+    pub(crate) value: f64,
+    pub(crate) linear: Vec3<f64>,
+    pub(crate) angular: Vec3<f64>,
+}
+
+/// The rows that a joint with these options has along its free axes, in order: by kind and axis.
+pub(crate) fn free_axes(options: &JointOptions, free: Axes) -> impl Iterator<Item = FreeAxis> + '_ {
+    let is_ball = free.contains(Axes::ANGULAR);
+    let has_row = move |axis: &usize| {
+        let is_limited = options.limits.axes[*axis].is_some() && !(is_ball && *axis >= 3);
+        let is_driven = options.drives.iter().any(|drive| drive.axes.has(*axis));
+        free.has(*axis) && (is_limited || is_driven || options.friction.max[*axis] > 0.0)
+    };
+    let translations = (0..3).filter(has_row).map(FreeAxis::Translation);
+    let rotations = (3..6).filter(has_row).map(|axis| FreeAxis::Rotation(axis - 3));
+    let has_twist = move |axis: &usize| is_ball && options.limits.axes[3 + axis].is_some();
+    let twists = (0..3).filter(has_twist).map(FreeAxis::Twist);
+    let distance = options.limits.distance.map(|_| FreeAxis::Distance);
+    let cone =
+        options.limits.cone.map(|cone| FreeAxis::Cone(cone.half_angles.map(|angle| tangent_of_half(angle.into()))));
+    translations.chain(rotations).chain(twists).chain(distance).chain(cone)
+}
+
+/// A bit for each row that there is.
+pub(crate) fn free_axis_bits(options: Option<&JointOptions>, free: Axes) -> u16 {
+    let axes = options.into_iter().flat_map(|options| free_axes(options, free));
+    axes.fold(0, |bits, axis| {
+        bits | 1
+            << match axis {
+                FreeAxis::Translation(axis) => axis,
+                FreeAxis::Rotation(axis) => 3 + axis,
+                FreeAxis::Twist(axis) => 6 + axis,
+                FreeAxis::Distance => 9,
+                FreeAxis::Cone(_) => 10,
+            }
+    })
+}
+
+impl FreeAxis {
+    /// Whether it is a length.
+    pub(crate) fn is_linear(self) -> bool {
+        matches!(self, Self::Translation(_) | Self::Distance)
+    }
+
+    /// Whether it is a rotation of which the value is not an angle.
+    pub(crate) fn is_cone(self) -> bool {
+        matches!(self, Self::Cone(_))
+    }
+
+    /// Whether its values are those of the limits alone.
+    pub(crate) fn is_of_limit(self) -> bool {
+        matches!(self, Self::Twist(_) | Self::Distance | Self::Cone(_))
+    }
+
+    /// Where a joint stands; of three free rotations against a rotation to go to.
+    pub(crate) fn direction(self, stance: &Stance, free: Axes, reference: Quat<f64>) -> Direction {
+        let zero = Vec3::zero();
+        let along = |value, linear| Direction { value, linear, angular: zero };
+        let about = |value, angular| Direction { value, linear: zero, angular };
+        let [a, b] = &stance.axes;
+        match self {
+            Self::Translation(axis) => along(stance.gap.dot(a[axis]), a[axis]),
+            Self::Rotation(axis) => {
+                let q = relative_rotation(stance);
+                match Rotations::of(free) {
+                    Rotations::AboutBoth(i, j) if axis == i => about(first_angle(q, i, j), a[i]),
+                    Rotations::AboutBoth(i, j) => about(second_angle(q, i, j), b[j]),
+                    Rotations::Free => {
+                        let vector = tumble_math::to_scaled_axis((q * reference.conjugate()).into());
+                        about(vector[axis], a[axis])
+                    }
+                    Rotations::About(_) | Rotations::Locked => about(twist(q, axis), a[axis]),
+                }
+            }
+            Self::Twist(axis) => {
+                let sum = a[axis] + b[axis];
+                let fall = 1.0 + a[axis].dot(b[axis]);
+                // Bent back by half a turn it has no twist.
+                let angular = if fall > 1e-6 { sum * (1.0 / fall) } else { a[axis] };
+                about(twist(relative_rotation(stance), axis), angular)
+            }
+            Self::Distance => {
+                let mut apart = zero;
+                for axis in (0..3).filter(|axis| free.has(*axis)) {
+                    apart = apart + a[axis] * a[axis].dot(stance.gap);
+                }
+                let distance = length(apart);
+                let first_free = (0..3).find(|axis| free.has(*axis)).unwrap_or(0);
+                along(distance, if distance > 0.0 { apart * (1.0 / distance) } else { a[first_free] })
+            }
+            Self::Cone(tangents) => {
+                let (value, angular) = out_of_cone(a, b[0], tangents);
+                about(value, angular)
+            }
+        }
+    }
+}
+
+/// Of the second frame against the first; the nearer of both quaternions.
+pub(crate) fn relative_rotation(stance: &Stance) -> Quat<f64> {
+    let q = stance.orientations[0].conjugate() * stance.orientations[1];
+    if q.w < 0.0 { Quat { x: -q.x, y: -q.y, z: -q.z, w: -q.w } } else { q }
+}
+
+/// The angle of a rotation about an axis, from -pi to pi.
+pub(crate) fn twist(q: Quat<f64>, axis: usize) -> f64 {
+    twice_angle_of([q.x, q.y, q.z][axis], q.w)
+}
+
+/// Of a rotation about axis `i` and then `j` of the body, the first angle.
+pub(crate) fn first_angle(q: Quat<f64>, i: usize, j: usize) -> f64 {
+    let (v, third, sign) = parts(q, i, j);
+    let [here, there] = [v[i] * v[i] + q.w * q.w, v[j] * v[j] + third * third];
+    if here >= there { twice_angle_of(v[i], q.w) } else { twice_angle_of(sign * third, v[j]) }
+}
+
+/// Of a rotation about axis `i` and then `j` of the body, the second angle.
+pub(crate) fn second_angle(q: Quat<f64>, i: usize, j: usize) -> f64 {
+    let (v, third, sign) = parts(q, i, j);
+    let [here, there] = [v[j] * v[j] + q.w * q.w, v[i] * v[i] + third * third];
+    if here >= there { twice_angle_of(v[j], q.w) } else { twice_angle_of(sign * third, v[i]) }
+}
+
+/// `2 atan2(y, x)`, from -pi to pi.
+fn twice_angle_of(y: f64, x: f64) -> f64 {
+    tumble_math::to_scaled_axis(glam::DQuat::from_xyzw(y, 0.0, 0.0, x)).x
+}
+
+/// The vector part, that about the third axis, and the sign of `i x j` along it.
+fn parts(q: Quat<f64>, i: usize, j: usize) -> ([f64; 3], f64, f64) {
+    let v = [q.x, q.y, q.z];
+    (v, v[3 - i - j], if (i + 1) % 3 == j { 1.0 } else { -1.0 })
+}
+
+/// An angle within two turns, brought to -pi to pi.
+pub(crate) fn wrapped(angle: f64) -> f64 {
+    use std::f64::consts::{PI, TAU};
+    if angle > PI {
+        angle - TAU
+    } else if angle < -PI {
+        angle + TAU
+    } else {
+        angle
+    }
+}
+
+/// How far an axis is out of an elliptic cone about the first of three axes, and about what it
+/// turns further out. The tangents are those of half the half angles about the second and third.
+fn out_of_cone(a: &[Vec3<f64>; 3], b: Vec3<f64>, [about_y, about_z]: [f64; 2]) -> (f64, Vec3<f64>) {
+    let fall = 1.0 + a[0].dot(b);
+    if fall < 1e-6 {
+        // It points straight back: any way out is as good.
+        return (std::f64::consts::PI, a[1]);
+    }
+    let t = [a[1].dot(b) / fall, a[2].dot(b) / fall];
+    // A rotation about y moves x along z.
+    let scaled = [t[0] / about_z, t[1] / about_y];
+    let size = (scaled[0] * scaled[0] + scaled[1] * scaled[1]).sqrt();
+    if size < 1e-9 {
+        return (-f64::MAX, a[1]);
+    }
+    let slope = [scaled[0] / (size * about_z), scaled[1] / (size * about_y)];
+    let mut angular = Vec3::zero();
+    for axis in 0..2 {
+        let change = b.cross(a[1 + axis]) - b.cross(a[0]) * t[axis];
+        angular = angular + change * (slope[axis] / fall);
+    }
+    let steepness = length(angular);
+    ((size - 1.0) / steepness, angular * (1.0 / steepness))
+}
+
+/// `tan(angle / 2)` of an angle between 0 and pi.
+fn tangent_of_half(angle: f64) -> f64 {
+    let q = tumble_math::rotate_exactly(Quat { x: 0.0, y: 0.0, z: 0.0, w: 1.0 }, Vec3::new(angle, 0.0, 0.0), 1.0);
+    q.x / q.w
+}

@@ -1,0 +1,374 @@
+//! What acts along a free axis of a joint: limits, a motor, friction and springs, as one law of
+//! impulse by speed.
+
+use std::f64::consts::PI;
+
+use crate::joints::drives::Drive;
+use crate::joints::gain::Gain;
+use crate::joints::limits::Limit;
+use crate::solver::mechanism::free_axis::{FreeAxis, wrapped};
+use crate::solver::mechanism::joint_rows::correction_speed;
+use crate::solver::mechanism::row_spring::{RowSpring, Side};
+
+/// The half of a substep for which impulses are sought: those with which bodies move on, or those
+/// that set the velocities when they have.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Phase {
+    /// Before all others, what others did to velocities is taken out: nothing acts but what is
+    /// locked.
+    Begin,
+    Positions,
+    Velocities,
+}
+
+/// A rigid drive.
+#[derive(Clone, Copy, Debug)]
+struct Motor {
+    position: Option<f64>,
+    velocity: f64,
+    max_force: f64,
+}
+
+/// What decides the speed along a row.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) enum Mode {
+    /// A bound is met.
+    AtLower,
+    AtUpper,
+    /// The motor has its speed.
+    Driven,
+    /// Friction keeps it from moving, and the motor gives all it has in this direction.
+    Stuck(f64),
+    /// Springs, and what gives all it has: the motor in the direction of the first sign, friction
+    /// in that of the second.
+    Loose(f64, f64),
+}
+
+/// A row along a free axis.
+#[derive(Clone, Debug)]
+pub(crate) struct FreeRow {
+    pub(crate) axis: FreeAxis,
+    bounds: [f64; 2],
+    motor: Option<Motor>,
+    friction: f64,
+    springs: Vec<RowSpring>,
+    /// What it moves \[kg\] [kg m^2].
+    mass: f64,
+    /// Where it stands.
+    pub(crate) value: f64,
+    pub(crate) mode: Mode,
+    /// What is added to the row's diagonal, and to its speed.
+    pub(crate) gamma: f64,
+    pub(crate) bias: f64,
+    /// Where nothing there depends on the speed: the impulse.
+    pub(crate) constant: Option<f64>,
+    /// Of that, what has been given.
+    pub(crate) pushed: f64,
+    /// The impulses to be had from motor and friction in this phase.
+    motor_impulse: f64,
+    friction_impulse: f64,
+    /// The speed that the motor wants in this phase, and the same within the bounds.
+    motor_speed: f64,
+    speed_in_bounds: f64,
+}
+
+impl FreeRow {
+    pub(crate) fn new(axis: FreeAxis) -> Self {
+        Self {
+            axis,
+            bounds: [-f64::INFINITY, f64::INFINITY],
+            motor: None,
+            friction: 0.0,
+            springs: Vec::new(),
+            mass: f64::INFINITY,
+            value: 0.0,
+            mode: Mode::Loose(0.0, 0.0),
+            gamma: 0.0,
+            bias: 0.0,
+            constant: Some(0.0),
+            pushed: 0.0,
+            motor_impulse: 0.0,
+            friction_impulse: 0.0,
+            motor_speed: 0.0,
+            speed_in_bounds: 0.0,
+        }
+    }
+
+    /// Takes away all that acts along it.
+    pub(crate) fn reset(&mut self, axis: FreeAxis) {
+        let springs = std::mem::take(&mut self.springs);
+        *self = Self { springs, ..Self::new(axis) };
+        self.springs.clear();
+    }
+
+    pub(crate) fn add_limit(&mut self, limit: Limit) {
+        let mut bounds = [f64::from(limit.min), f64::from(limit.max)];
+        if !self.axis.is_linear() {
+            // Values of rotations are from -pi to pi.
+            let [lower, upper] = bounds;
+            bounds[0] = if lower <= -PI { -f64::INFINITY } else { lower };
+            bounds[1] = if upper >= PI { f64::INFINITY } else { upper };
+        }
+        self.add_bounds(bounds, limit.gain);
+    }
+
+    /// Adds a range, infinite where there is no bound.
+    pub(crate) fn add_bounds(&mut self, bounds: [f64; 2], gain: Gain) {
+        if gain == Gain::Rigid {
+            self.bounds = bounds;
+            return;
+        }
+        for (bound, side) in bounds.into_iter().zip([Side::Lower, Side::Upper]).filter(|(bound, _)| bound.is_finite()) {
+            self.springs.push(RowSpring::new(gain, side, (Some(bound), 0.0), f64::INFINITY));
+        }
+    }
+
+    pub(crate) fn add_friction(&mut self, max: f64) {
+        self.friction = max;
+    }
+
+    /// Adds a drive, of which the position is this far from where values count from.
+    pub(crate) fn add_drive(&mut self, drive: &Drive, position: Option<f64>) {
+        let (velocity, max_force) = (f64::from(drive.velocity), f64::from(drive.max_force));
+        if drive.gain != Gain::Rigid {
+            self.springs.push(RowSpring::new(drive.gain, Side::Both, (position, velocity), max_force));
+        } else if self.motor.is_none() {
+            self.motor = Some(Motor { position, velocity, max_force });
+        }
+    }
+
+    /// Whether the mass that its springs move is by all joints.
+    pub(crate) fn moves_with_all(&self) -> bool {
+        !self.springs.is_empty() && !self.axis.is_of_limit()
+    }
+
+    /// Has it held where it is, to find the mass that others move; not where it is of a limit.
+    pub(crate) fn hold(&mut self) {
+        self.gamma = 0.0;
+        self.constant = self.axis.is_of_limit().then_some(0.0);
+    }
+
+    /// Takes the mass \[kg\] [kg m^2] that it moves.
+    pub(crate) fn set_mass(&mut self, mass: f64) {
+        self.mass = mass;
+        self.springs.iter_mut().for_each(|spring| spring.set_mass(mass));
+    }
+
+    /// Whether both bounds are the same.
+    fn is_rod(&self) -> bool {
+        self.bounds[0] == self.bounds[1]
+    }
+
+    /// How far it is past a bound; negative within.
+    pub(crate) fn past(&self, value: f64, upper: bool) -> f64 {
+        let [lower_bound, upper_bound] = self.bounds;
+        let apart = if upper { value - upper_bound } else { lower_bound - value };
+        let is_turn = !self.axis.is_linear() && !self.axis.is_cone();
+        if is_turn && lower_bound.is_finite() && upper_bound.is_finite() {
+            // From the middle of the range, the shorter way round.
+            let middle = 0.5 * (lower_bound + upper_bound);
+            let from_middle = wrapped(value - middle);
+            let half = 0.5 * (upper_bound - lower_bound);
+            return if upper { from_middle - half } else { -from_middle - half };
+        }
+        apart
+    }
+
+    /// The error of a row that is at a bound.
+    pub(crate) fn error_at_bound(&self, value: f64) -> f64 {
+        if self.mode == Mode::AtUpper { self.past(value, true) } else { -self.past(value, false) }
+    }
+
+    pub(crate) fn is_at_bound(&self) -> bool {
+        matches!(self.mode, Mode::AtLower | Mode::AtUpper)
+    }
+
+    /// Prepares for a phase of a substep of `h` \[s\], of which forces have the share `before`
+    /// before bodies move on; in the first of a step with the speed that it has.
+    pub(crate) fn prepare(&mut self, phase: Phase, (h, before): (f64, f64), first_speed: Option<f64>) {
+        let share = match phase {
+            Phase::Begin => 0.0,
+            Phase::Positions => before,
+            Phase::Velocities => 1.0 - before,
+        };
+        (self.motor_impulse, self.friction_impulse) = (0.0, self.friction * h * share);
+        match phase {
+            Phase::Begin => {}
+            Phase::Positions => {
+                let (value, is_angle) = (self.value, !self.axis.is_linear());
+                for spring in &mut self.springs {
+                    let error = spring.error(value, is_angle);
+                    spring.prepare((h, before), error, first_speed);
+                }
+            }
+            Phase::Velocities => self.springs.iter_mut().for_each(RowSpring::turn_to_velocities),
+        }
+        let within = [-self.past(self.value, false), -self.past(self.value, true)].map(|room| room.max(0.0) / h);
+        if let Some(motor) = &self.motor {
+            let max = motor.max_force;
+            self.motor_impulse = if max.is_finite() { max * h * share } else { max };
+            self.motor_speed = match (motor.position, phase) {
+                (Some(_), Phase::Begin | Phase::Velocities) => 0.0,
+                (Some(position), Phase::Positions) => {
+                    let left = position - self.value;
+                    let left = if self.axis.is_linear() { left } else { wrapped(left) };
+                    let most = correction_speed(self.axis.is_linear());
+                    (left / h).clamp(-most, most)
+                }
+                (None, _) => motor.velocity,
+            };
+            self.speed_in_bounds = self.motor_speed.clamp(-within[0], within[1]);
+        }
+        match (phase, first_speed) {
+            (Phase::Begin, _) => self.mode = if self.is_rod() { Mode::AtLower } else { Mode::Loose(0.0, 0.0) },
+            (Phase::Positions, Some(speed)) => self.mode = self.first_mode(speed, h),
+            _ => {}
+        }
+        self.pushed = 0.0;
+        self.set_law(phase);
+    }
+
+    /// What is likely before any solution is known.
+    fn first_mode(&self, speed: f64, h: f64) -> Mode {
+        let next = self.value + h * speed;
+        if self.is_rod() || self.past(next, false) > 0.0 {
+            Mode::AtLower
+        } else if self.past(next, true) > 0.0 {
+            Mode::AtUpper
+        } else if self.motor.is_none() && self.friction > 0.0 && self.mass * speed.abs() > self.friction_impulse {
+            Mode::Loose(0.0, -speed.signum())
+        } else {
+            self.mode_without_bound(0.0)
+        }
+    }
+
+    fn mode_without_bound(&self, speed: f64) -> Mode {
+        if self.motor.is_some() {
+            Mode::Driven
+        } else if self.friction > 0.0 {
+            if speed == 0.0 { Mode::Stuck(0.0) } else { Mode::Loose(0.0, -speed.signum()) }
+        } else {
+            Mode::Loose(0.0, 0.0)
+        }
+    }
+
+    /// Sets what the matrix and its right side need by the mode.
+    fn set_law(&mut self, phase: Phase) {
+        (self.gamma, self.bias, self.constant) = (0.0, 0.0, None);
+        match self.mode {
+            Mode::AtLower | Mode::AtUpper | Mode::Stuck(_) => {}
+            Mode::Driven => self.bias = -self.speed_in_bounds,
+            Mode::Loose(..) if phase == Phase::Begin => self.constant = Some(0.0),
+            Mode::Loose(motor, friction) => {
+                let mut constant = signed(motor, self.motor_impulse) + signed(friction, self.friction_impulse);
+                let [mut slope, mut linear] = [0.0; 2];
+                for spring in &self.springs {
+                    match spring.line().filter(|_| phase == Phase::Positions) {
+                        Some([gamma, bias]) => {
+                            slope += 1.0 / gamma;
+                            linear += bias / gamma;
+                        }
+                        None => constant += spring.constant(),
+                    }
+                }
+                if slope > 0.0 {
+                    self.gamma = 1.0 / slope;
+                    self.bias = (linear - constant) * self.gamma;
+                } else {
+                    self.constant = Some(constant);
+                }
+            }
+        }
+    }
+
+    /// Corrects the mode by a solution: the `speed` that the row gets, and its impulse. Returns
+    /// whether the solution has to be found again.
+    pub(crate) fn settle(&mut self, phase: Phase, h: f64, speed: f64, impulse: f64) -> bool {
+        if phase == Phase::Begin {
+            return false;
+        }
+        let is_position = phase == Phase::Positions;
+        let of_spring = |spring: &RowSpring| if is_position { spring.impulse_at(speed) } else { spring.constant() };
+        let rest = impulse - self.springs.iter().map(of_spring).sum::<f64>();
+        let mode = match self.mode {
+            Mode::AtLower | Mode::AtUpper if self.is_rod() => self.mode,
+            Mode::AtLower if rest < self.others(speed)[0] => self.mode_without_bound(0.0),
+            Mode::AtUpper if rest > self.others(speed)[1] => self.mode_without_bound(0.0),
+            Mode::AtLower | Mode::AtUpper => self.mode,
+            Mode::Driven => self.driven_mode(speed, rest),
+            Mode::Stuck(motor) => {
+                let of_friction = rest - signed(motor, self.motor_impulse);
+                let slides = of_friction.abs() > self.friction_impulse;
+                if slides { Mode::Loose(motor, of_friction.signum()) } else { self.mode }
+            }
+            Mode::Loose(motor, friction) => self.loose_mode(phase, h, speed, (motor, friction)),
+        };
+        let mut is_changed = mode != self.mode;
+        self.mode = mode;
+        if is_position {
+            let matters = matches!(mode, Mode::Loose(..));
+            for spring in &mut self.springs {
+                is_changed |= spring.settle(speed) && matters;
+            }
+        }
+        if is_changed {
+            self.set_law(phase);
+        }
+        is_changed
+    }
+
+    /// What motor and friction can give at a speed, from least to most.
+    fn others(&self, speed: f64) -> [f64; 2] {
+        let of_friction = if speed == 0.0 { [-1.0, 1.0] } else { [-speed.signum(); 2] };
+        let wish = if self.motor.is_some() { self.motor_speed - speed } else { 0.0 };
+        let of_motor = if wish == 0.0 { [-1.0, 1.0] } else { [wish.signum(); 2] };
+        [0, 1].map(|end| signed(of_friction[end], self.friction_impulse) + signed(of_motor[end], self.motor_impulse))
+    }
+
+    /// A motor that has its speed by an impulse for it and friction.
+    fn driven_mode(&self, speed: f64, impulse: f64) -> Mode {
+        let of_motor = impulse - signed(-speed, self.friction_impulse);
+        if of_motor.abs() <= self.motor_impulse {
+            return Mode::Driven;
+        }
+        let sign = of_motor.signum();
+        if speed != 0.0 {
+            Mode::Loose(sign, -speed.signum())
+        } else if self.friction > 0.0 {
+            Mode::Stuck(sign)
+        } else {
+            Mode::Loose(sign, 0.0)
+        }
+    }
+
+    fn loose_mode(&self, phase: Phase, h: f64, speed: f64, (motor, friction): (f64, f64)) -> Mode {
+        if phase == Phase::Positions {
+            let next = self.value + h * speed;
+            if self.past(next, false) > 0.0 {
+                return Mode::AtLower;
+            }
+            if self.past(next, true) > 0.0 {
+                return Mode::AtUpper;
+            }
+        }
+        if motor != 0.0 && (speed - self.speed_in_bounds) * motor > 0.0 {
+            return Mode::Driven;
+        }
+        if self.friction > 0.0 && speed * friction > 0.0 {
+            return Mode::Stuck(motor);
+        }
+        Mode::Loose(motor, friction)
+    }
+
+    /// Notes what springs give, once the speed is known.
+    pub(crate) fn note_springs(&mut self, speed: f64) {
+        self.springs.iter_mut().for_each(|spring| {
+            spring.settle(speed);
+        });
+    }
+}
+
+/// A greatest impulse with a sign, none for zero.
+fn signed(sign: f64, most: f64) -> f64 {
+    if sign == 0.0 { 0.0 } else { sign.signum() * most }
+}

@@ -1,0 +1,74 @@
+//! Rows of free axes in the substeps of a mechanism: their laws, and which part of them applies.
+
+use crate::solver::mechanism::free_row::{FreeRow, Phase};
+use crate::solver::mechanism::mechanism_solver::{Half, MechanismSolver};
+
+impl MechanismSolver {
+    /// Finds what the rows of free axes move: those with springs by all joints, as if all that is
+    /// driven besides were held.
+    pub(crate) fn find_masses(&mut self) {
+        let Self { joints, bodies, .. } = self;
+        for joint in &mut *joints {
+            let responses = joint.own_responses(bodies);
+            let locked = joint.locked;
+            for (row, it) in (locked..).zip(&mut joint.free_rows) {
+                it.set_mass(1.0 / responses[row]);
+                it.hold();
+            }
+        }
+        if !joints.iter().flat_map(|joint| &joint.free_rows).any(FreeRow::moves_with_all) {
+            return;
+        }
+        self.factor();
+        let Self { joints, matrix, right, .. } = self;
+        for (number, joint) in joints.iter_mut().enumerate() {
+            let rows = matrix.starts[number] + joint.locked..;
+            for (place, row) in rows.zip(&mut joint.free_rows).filter(|(_, row)| row.moves_with_all()) {
+                right.fill(0.0);
+                right[place] = 1.0;
+                matrix.solve(right);
+                row.set_mass(right[place]);
+            }
+        }
+    }
+
+    /// Sets the laws of rows of free axes for one half of a substep.
+    pub(crate) fn begin_half(&mut self, half: Half) {
+        if !self.has_free_rows {
+            return;
+        }
+        let is_first = half.phase == Phase::Positions && std::mem::replace(&mut self.is_first, false);
+        let Self { joints, bodies, .. } = self;
+        for joint in &mut *joints {
+            joint.prepare(bodies, half.phase, (half.h, half.before), is_first);
+        }
+        joints.iter_mut().for_each(|joint| joint.push_constants(bodies));
+    }
+
+    /// Corrects the laws of rows of free axes by the solution on the right side. Returns whether it
+    /// has to be found again.
+    pub(crate) fn settle(&mut self, half: Half) -> bool {
+        if !self.has_free_rows || half.phase == Phase::Begin {
+            return false;
+        }
+        self.set_response();
+        let Self { joints, bodies, matrix, right, response, .. } = self;
+        let mut is_changed = false;
+        for (number, joint) in joints.iter_mut().enumerate() {
+            let begin = matrix.starts[number];
+            is_changed |= joint.settle(bodies, (half.phase, half.h), (&response[begin..], &right[begin..]));
+        }
+        joints.iter_mut().for_each(|joint| joint.push_constants(bodies));
+        is_changed
+    }
+
+    /// Notes what springs of free axes give at the speeds that there are.
+    pub(crate) fn note_springs(&mut self) {
+        let Self { joints, bodies, .. } = self;
+        for joint in joints.iter_mut().filter(|joint| !joint.free_rows.is_empty()) {
+            let speeds = joint.speeds(bodies);
+            let locked = joint.locked;
+            (locked..).zip(&mut joint.free_rows).for_each(|(row, it)| it.note_springs(speeds[row]));
+        }
+    }
+}
