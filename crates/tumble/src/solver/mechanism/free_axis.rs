@@ -170,8 +170,10 @@ pub(crate) fn wrapped(angle: f64) -> f64 {
     }
 }
 
-/// How far an axis is out of an elliptic cone about the first of three axes, and about what it
-/// turns further out. The tangents are those of half the half angles about the second and third.
+/// How far an axis is out of an elliptic cone about the first of three axes \[rad\], and about what
+/// it turns further out. The tangents are those of half the half angles about the second and third.
+///
+/// Projected from the opposite pole the cone is an ellipse, and angles are kept.
 fn out_of_cone(a: &[Vec3<f64>; 3], b: Vec3<f64>, [about_y, about_z]: [f64; 2]) -> (f64, Vec3<f64>) {
     let fall = 1.0 + a[0].dot(b);
     if fall < 1e-6 {
@@ -180,19 +182,56 @@ fn out_of_cone(a: &[Vec3<f64>; 3], b: Vec3<f64>, [about_y, about_z]: [f64; 2]) -
     }
     let t = [a[1].dot(b) / fall, a[2].dot(b) / fall];
     // A rotation about y moves x along z.
-    let scaled = [t[0] / about_z, t[1] / about_y];
-    let size = (scaled[0] * scaled[0] + scaled[1] * scaled[1]).sqrt();
-    if size < 1e-9 {
-        return (-f64::MAX, a[1]);
-    }
-    let slope = [scaled[0] / (size * about_z), scaled[1] / (size * about_y)];
+    let (distance, out) = out_of_ellipse(t, [about_z, about_y]);
     let mut angular = Vec3::zero();
     for axis in 0..2 {
-        let change = b.cross(a[1 + axis]) - b.cross(a[0]) * t[axis];
-        angular = angular + change * (slope[axis] / fall);
+        angular = angular + (b.cross(a[1 + axis]) - b.cross(a[0]) * t[axis]) * out[axis];
     }
-    let steepness = length(angular);
-    ((size - 1.0) / steepness, angular * (1.0 / steepness))
+    (distance * fall, angular)
+}
+
+/// How far a point is out of an ellipse with these half axes, negative inside, and the way out.
+///
+/// D. Eberly, "Distance from a Point to an Ellipse, an Ellipsoid, or a Hyperellipsoid", 2013.
+fn out_of_ellipse(point: [f64; 2], half_axes: [f64; 2]) -> (f64, [f64; 2]) {
+    let long = usize::from(half_axes[1] > half_axes[0]);
+    let [major, minor] = [half_axes[long], half_axes[1 - long]];
+    let [x, y] = [point[long].abs(), point[1 - long].abs()];
+    let scaled = [x / major, y / minor];
+    let is_out = scaled[0] * scaled[0] + scaled[1] * scaled[1] > 1.0;
+    let nearest = if y > 0.0 {
+        let ratio = (major / minor) * (major / minor);
+        let s = parameter_of_nearest(ratio, scaled, is_out);
+        [ratio * x / (s + ratio), y / (s + 1.0)]
+    } else if major * x < major * major - minor * minor {
+        let along = x * major / (major * major - minor * minor);
+        [major * along, minor * (1.0 - along * along).max(0.0).sqrt()]
+    } else {
+        [major, 0.0]
+    };
+    let [dx, dy] = [x - nearest[0], y - nearest[1]];
+    let distance = (dx * dx + dy * dy).sqrt();
+    let normal = [nearest[0] / (major * major), nearest[1] / (minor * minor)];
+    let size = (normal[0] * normal[0] + normal[1] * normal[1]).sqrt();
+    let mut out = [0.0; 2];
+    out[long] = (normal[0] / size).copysign(point[long]);
+    out[1 - long] = (normal[1] / size).copysign(point[1 - long]);
+    (if is_out { distance } else { -distance }, out)
+}
+
+/// The root of `(ratio z_0 / (s + ratio))^2 + (z_1 / (s + 1))^2 = 1`, by bisection.
+fn parameter_of_nearest(ratio: f64, z: [f64; 2], is_out: bool) -> f64 {
+    let n = ratio * z[0];
+    let (mut low, mut high) = (z[1] - 1.0, if is_out { (n * n + z[1] * z[1]).sqrt() - 1.0 } else { 0.0 });
+    for _ in 0..80 {
+        let s = 0.5 * (low + high);
+        if s == low || s == high {
+            break;
+        }
+        let [a, b] = [n / (s + ratio), z[1] / (s + 1.0)];
+        if a * a + b * b > 1.0 { low = s } else { high = s }
+    }
+    0.5 * (low + high)
 }
 
 /// `tan(angle / 2)` of an angle between 0 and pi.

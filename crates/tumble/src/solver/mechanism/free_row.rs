@@ -57,6 +57,8 @@ pub(crate) struct FreeRow {
     /// Where it stands.
     pub(crate) value: f64,
     pub(crate) mode: Mode,
+    /// Whether it was past a bound where the substep began: what brings it back is no speed to keep.
+    pub(crate) is_corrected: bool,
     /// What is added to the row's diagonal, and to its speed.
     pub(crate) gamma: f64,
     pub(crate) bias: f64,
@@ -83,6 +85,7 @@ impl FreeRow {
             mass: f64::INFINITY,
             value: 0.0,
             mode: Mode::Loose(0.0, 0.0),
+            is_corrected: false,
             gamma: 0.0,
             bias: 0.0,
             constant: Some(0.0),
@@ -152,6 +155,11 @@ impl FreeRow {
     pub(crate) fn set_mass(&mut self, mass: f64) {
         self.mass = mass;
         self.springs.iter_mut().for_each(|spring| spring.set_mass(mass));
+    }
+
+    /// Whether there is a bound.
+    pub(crate) fn is_bounded(&self) -> bool {
+        self.bounds[0].is_finite() || self.bounds[1].is_finite()
     }
 
     /// Whether both bounds are the same.
@@ -230,10 +238,9 @@ impl FreeRow {
 
     /// What is likely before any solution is known.
     fn first_mode(&self, speed: f64, h: f64) -> Mode {
-        let next = self.value + h * speed;
-        if self.is_rod() || self.past(next, false) > 0.0 {
+        if self.is_rod() || self.past(self.value, false) > h * speed {
             Mode::AtLower
-        } else if self.past(next, true) > 0.0 {
+        } else if self.past(self.value, true) > -h * speed {
             Mode::AtUpper
         } else if self.motor.is_none() && self.friction > 0.0 && self.mass * speed.abs() > self.friction_impulse {
             Mode::Loose(0.0, -speed.signum())
@@ -291,7 +298,7 @@ impl FreeRow {
         let of_spring = |spring: &RowSpring| if is_position { spring.impulse_at(speed) } else { spring.constant() };
         let rest = impulse - self.springs.iter().map(of_spring).sum::<f64>();
         let mode = match self.mode {
-            Mode::AtLower | Mode::AtUpper if self.is_rod() => self.mode,
+            Mode::AtLower | Mode::AtUpper if self.is_rod() || (self.is_corrected && !is_position) => self.mode,
             Mode::AtLower if rest < self.others(speed)[0] => self.mode_without_bound(0.0),
             Mode::AtUpper if rest > self.others(speed)[1] => self.mode_without_bound(0.0),
             Mode::AtLower | Mode::AtUpper => self.mode,
@@ -343,11 +350,10 @@ impl FreeRow {
 
     fn loose_mode(&self, phase: Phase, h: f64, speed: f64, (motor, friction): (f64, f64)) -> Mode {
         if phase == Phase::Positions {
-            let next = self.value + h * speed;
-            if self.past(next, false) > 0.0 {
+            if self.past(self.value, false) > h * speed {
                 return Mode::AtLower;
             }
-            if self.past(next, true) > 0.0 {
+            if self.past(self.value, true) > -h * speed {
                 return Mode::AtUpper;
             }
         }
@@ -358,6 +364,21 @@ impl FreeRow {
             return Mode::Stuck(motor);
         }
         Mode::Loose(motor, friction)
+    }
+
+    /// Goes to a bound that bodies have gone past, to this value; returns whether they have.
+    pub(crate) fn meet_bound(&mut self, phase: Phase, value: f64) -> bool {
+        if self.is_at_bound() {
+            return false;
+        }
+        let is_past = [self.past(value, false) > 0.0, self.past(value, true) > 0.0];
+        self.mode = match is_past {
+            [true, _] => Mode::AtLower,
+            [_, true] => Mode::AtUpper,
+            _ => return false,
+        };
+        self.set_law(phase);
+        true
     }
 
     /// Notes what springs give, once the speed is known.

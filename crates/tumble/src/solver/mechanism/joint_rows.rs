@@ -6,7 +6,7 @@ use crate::joints::axes::Axes;
 use crate::joints::joint_options::JointOptions;
 use crate::math::Real;
 use crate::solver::mechanism::block_ldl::MAX_ROWS;
-use crate::solver::mechanism::free_axis::{FreeAxis, first_angle, free_axes, relative_rotation, second_angle};
+use crate::solver::mechanism::free_axis::{Direction, FreeAxis, first_angle, free_axes, relative_rotation, second_angle};
 use crate::solver::mechanism::free_row::{FreeRow, Mode, Phase};
 use crate::solver::mechanism::mechanism_body::MechanismBody;
 
@@ -221,7 +221,10 @@ impl JointRows {
             *error -= rounding;
         }
         for (row, it) in (self.locked..).zip(&self.free_rows).filter(|(_, it)| it.is_at_bound()) {
-            errors[row] = it.error_at_bound(it.axis.direction(stance, self.free, self.reference).value);
+            let Direction { value, linear, angular } = it.axis.direction(stance, self.free, self.reference);
+            let along = linear.dot(self.linear[row]) + angular.dot(self.angular[row]);
+            // Where the way back has turned, more along the row does not lead there.
+            errors[row] = if along > 0.5 { it.error_at_bound(value) } else { self.wanted[row] };
         }
         errors
     }
@@ -249,15 +252,13 @@ impl JointRows {
             let most = h * correction_speed(row < linear);
             *wanted = error - error.clamp(-most, most);
         }
-        for (row, it) in (self.locked..).zip(&self.free_rows) {
+        for (row, it) in (self.locked..).zip(&mut self.free_rows) {
             // A bound may be reached as fast as the bodies are.
             let most = h * correction_speed(it.axis.is_linear());
-            let past = if it.is_at_bound() { self.errors[row] } else { 0.0 };
-            self.wanted[row] = match it.mode {
-                Mode::AtUpper if past > most => past - most,
-                Mode::AtLower if past < -most => past + most,
-                _ => 0.0,
-            };
+            let error = if it.is_at_bound() { self.errors[row] } else { 0.0 };
+            let past = if it.mode == Mode::AtLower { -error } else { error };
+            it.is_corrected = past > 0.0;
+            self.wanted[row] = (past - most).max(0.0).copysign(error);
         }
     }
 
@@ -294,6 +295,24 @@ impl JointRows {
             self.plan_correction(h);
         }
         is_changed
+    }
+
+    /// Holds free axes at bounds that the bodies have gone past; returns whether there are any.
+    pub(crate) fn meet_bounds(&mut self, bodies: &[MechanismBody], h: f64) -> bool {
+        if !self.free_rows.iter().any(FreeRow::is_bounded) {
+            return false;
+        }
+        let stance = self.stance(bodies);
+        let Self { free_rows, free, reference, .. } = self;
+        let mut is_any = false;
+        for it in free_rows {
+            is_any |= it.meet_bound(Phase::Positions, it.axis.direction(&stance, *free, *reference).value);
+        }
+        if is_any {
+            self.update_bounds();
+            self.plan_correction(h);
+        }
+        is_any
     }
 
     /// Pushes the bodies by what acts along free axes at any speed.

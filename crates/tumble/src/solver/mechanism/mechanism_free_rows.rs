@@ -62,6 +62,21 @@ impl MechanismSolver {
         is_changed
     }
 
+    /// Holds rows of free axes at bounds that the bodies went past in the substep. Returns whether
+    /// there are any, with a matrix that knows.
+    pub(crate) fn meet_bounds(&mut self, h: f64) -> bool {
+        let Self { joints, bodies, .. } = self;
+        let mut is_any = false;
+        for joint in &mut *joints {
+            is_any |= joint.meet_bounds(bodies, h);
+        }
+        if is_any {
+            joints.iter_mut().for_each(|joint| joint.push_constants(bodies));
+            self.factor();
+        }
+        is_any
+    }
+
     /// Notes what springs of free axes give at the speeds that there are.
     pub(crate) fn note_springs(&mut self) {
         let Self { joints, bodies, .. } = self;

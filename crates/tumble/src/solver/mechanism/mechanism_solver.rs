@@ -62,6 +62,8 @@ struct Turning {
 
 /// Solutions for the impulses of a substep, at most.
 const MAX_SOLUTIONS: u32 = 4;
+/// The same where bodies went past a bound with the first of them.
+const MAX_SOLUTIONS_AT_BOUNDS: u32 = 8;
 /// The errors at which impulses are accepted: of the size of the arms, and \[rad\].
 const TOLERANCE: f64 = 1e-10;
 /// Solutions before the first of these, with more inertia each, at most.
@@ -186,7 +188,8 @@ impl MechanismSolver {
         }
         self.joints.iter_mut().for_each(|joint| joint.plan_correction(h));
         self.solve_half(half);
-        for solution in 1..=MAX_SOLUTIONS {
+        let (mut solution, mut most) = (1, MAX_SOLUTIONS);
+        loop {
             if solution > 1 {
                 self.solve_right_side();
             }
@@ -195,9 +198,17 @@ impl MechanismSolver {
             for (body, place) in self.bodies.iter_mut().zip(&self.places) {
                 body.drift_from(*place, h);
             }
-            if solution == MAX_SOLUTIONS || self.set_remaining(h) {
+            if solution == most {
                 break;
             }
+            let meets_bounds = self.has_free_rows && self.meet_bounds(h);
+            if meets_bounds {
+                most = MAX_SOLUTIONS_AT_BOUNDS;
+            }
+            if self.set_remaining(h) && !meets_bounds {
+                break;
+            }
+            solution += 1;
         }
         self.note_springs();
         self.bodies.iter_mut().for_each(MechanismBody::end_drift);
