@@ -165,7 +165,9 @@ fn what_is_driven_and_flies_keeps_its_momentum() {
         let ratio = draw.log_between(1e-2, 1e2);
         let bodies = [1.0, ratio].map(|mass| {
             let at = draw.vector(1.0);
-            rig.spawn(rod(mass, 1.0, at).angular_velocity(real(draw.vector(3.0))).linear_velocity(real(draw.vector(1.0))))
+            rig.spawn(
+                rod(mass, 1.0, at).angular_velocity(real(draw.vector(3.0))).linear_velocity(real(draw.vector(1.0))),
+            )
         });
         let at = draw.vector(1.0);
         let axis = draw.direction();

@@ -141,7 +141,8 @@ fn a_rope_is_slack_and_taut_and_makes_no_energy() {
             rig.step();
             let now = rig.energy();
             let scale = 3.0 * G * length;
-            assert!(now < before + by_precision(2e-5, 1e-5) * scale, "{length}: {now} after {before}");
+            // A taut swing has its energy to (w h)^2 in a step.
+            assert!(now < before + 3e-5 * scale, "{length}: {now} after {before}");
             let distance = rig.position(ball).length() / length;
             assert!(distance < 1.0 + by_precision(2e-6, 1e-9), "{length}: {distance}");
             is_taut |= distance > 0.999;

@@ -3,7 +3,10 @@
 use glam::{DQuat, DVec3};
 use hecs::{Entity, World};
 use tumble::math::{Quat, Real, Vec3};
-use tumble::{BodyId, Joint, JointLoad, RigidBody, Shape};
+use tumble::{
+    Axes, BodyId, Breakable, Cone, Drive, Drives, Gain, Joint, JointFriction, JointLoad, Limit, Limits, RigidBody,
+    Shape,
+};
 use tumble_tests::Draw;
 
 /// What mechanisms are drawn from.
@@ -118,5 +121,60 @@ impl Mechanism {
             made[number] = world.spawn((joint, JointLoad::default()));
         }
         (of_number, made)
+    }
+}
+
+const AXES: [Axes; 6] =
+    [Axes::LINEAR_X, Axes::LINEAR_Y, Axes::LINEAR_Z, Axes::ANGULAR_X, Axes::ANGULAR_Y, Axes::ANGULAR_Z];
+
+/// What joints have beside their frames.
+#[derive(Clone, Copy)]
+pub(crate) struct Options {
+    /// Whether there are drives and soft limits, which hold energy or make it.
+    pub(crate) has_springs: bool,
+    /// Whether some can break.
+    pub(crate) breaks: bool,
+    /// Half the length of bodies \[m\], and their mass \[kg\].
+    pub(crate) size: f64,
+    pub(crate) mass: f64,
+}
+
+/// Gives joints limits, drives and friction, to each by its number.
+pub(crate) fn add_options(world: &mut World, joints: &[Entity], options: Options, case: u64) {
+    for (number, joint) in joints.iter().enumerate() {
+        let mut draw = Draw::new(0x0B + case, number as u64);
+        let free = world.get::<&Joint>(*joint).unwrap().free;
+        let mut limits = Limits::default();
+        let mut friction = JointFriction::default();
+        let mut drives = Vec::new();
+        for (index, axis) in AXES.into_iter().enumerate().filter(|(_, axis)| free.contains(*axis)) {
+            let scale = if index < 3 { options.size } else { 1.0 };
+            let force = options.mass * 10.0 * if index < 3 { 1.0 } else { options.size };
+            let bounds = [-draw.between(0.0, 0.8), draw.between(0.0, 0.8)].map(|bound| (bound * scale) as Real);
+            if draw.often(0.5) {
+                let hard = Limit::new(bounds[0], bounds[1]);
+                let is_soft = draw.often(0.3) && options.has_springs;
+                limits.axes[index] = Some(if is_soft { hard.with_frequency(8.0, 0.5) } else { hard });
+            }
+            if draw.often(0.4) {
+                friction.max[index] = draw.log_between(1e-3 * force, force) as Real;
+            }
+            if draw.often(0.4) && options.has_springs {
+                let most = draw.log_between(0.1 * force, 10.0 * force) as Real;
+                let motor = Drive::velocity(axis, (draw.between(-2.0, 2.0) * scale) as Real).with_max_force(most);
+                let servo = Drive::position(axis, (draw.between(-1.0, 1.0) * scale) as Real);
+                let spring = servo.with_frequency(draw.log_between(0.1, 30.0) as Real, draw.between(0.0, 1.5) as Real);
+                drives.push(if draw.often(0.5) { motor } else { spring });
+            }
+        }
+        if free.contains(Axes::ANGULAR) && draw.often(0.5) {
+            let half_angles = [draw.between(0.1, 1.5), draw.between(0.1, 1.5)].map(|angle| angle as Real);
+            limits.cone = Some(Cone { half_angles, gain: Gain::Rigid });
+        }
+        world.insert(*joint, (limits, friction, Drives(drives))).unwrap();
+        if options.breaks && draw.often(0.3) {
+            let force = (options.mass * draw.log_between(10.0, 1000.0)) as Real;
+            world.insert_one(*joint, Breakable::at_force(force)).unwrap();
+        }
     }
 }

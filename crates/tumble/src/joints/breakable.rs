@@ -26,7 +26,8 @@ pub struct Breakable {
     pub max_force: Real,
     /// The greatest torque [N m] about the second body's anchor, by the mean over a step.
     pub max_torque: Real,
-    /// Set by the step where there was more. A broken joint does nothing, until this is taken back.
+    /// Set by the step where there was more. A broken joint does nothing until this is taken back.
+    /// Snapshots do not have it.
     pub is_broken: bool,
 }
 

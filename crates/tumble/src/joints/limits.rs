@@ -27,8 +27,8 @@ use crate::math::Real;
 #[derive(Clone, Copy, Debug, PartialEq, Default)]
 pub struct Limits {
     /// Of each axis alone, in the order of [`JointLoad::values`](crate::JointLoad::values):
-    /// translations \[m\], then rotations \[rad\]. Of a joint with three free rotations it is the
-    /// twist about the axis.
+    /// translations \[m\], then rotations \[rad\]. Of three free rotations only that about x, the
+    /// twist, can be limited alone; the others have a cone.
     pub axes: [Option<Limit>; 6],
     /// Of the distance between the origins, along the free translations \[m\].
     pub distance: Option<Limit>,
@@ -68,6 +68,10 @@ impl Limits {
     /// Those that do something where these axes are free, and whose numbers can be reckoned with.
     pub(crate) fn within(&self, free: Axes) -> Self {
         let axes = std::array::from_fn(|axis| self.axes[axis].filter(|limit| free.has(axis) && limit.is_in_range()));
+        let mut axes: [Option<Limit>; 6] = axes;
+        if free.contains(Axes::ANGULAR) {
+            (axes[4], axes[5]) = (None, None);
+        }
         let can_move = (0..3).any(|axis| free.has(axis));
         let distance = self.distance.filter(|limit| can_move && limit.is_in_range() && limit.max >= 0.0);
         let cone = self.cone.filter(|cone| free.contains(Axes::ANGULAR) && cone.is_in_range());

@@ -175,8 +175,8 @@ impl BlockLdl {
     }
 }
 
-/// The most rows of a node: of a joint with six free axes, three twists, a distance and a cone.
-pub(crate) const MAX_ROWS: usize = 11;
+/// The most rows of a node: of a joint with six free axes, a twist, a distance and a cone.
+pub(crate) const MAX_ROWS: usize = 9;
 
 /// Sums of the counts before each, and of all.
 fn ends(counts: impl Iterator<Item = usize>) -> Vec<usize> {

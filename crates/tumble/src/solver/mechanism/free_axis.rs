@@ -13,8 +13,8 @@ pub(crate) enum FreeAxis {
     Translation(usize),
     /// About an axis of the joint.
     Rotation(usize),
-    /// About an axis, of a joint with three free rotations.
-    Twist(usize),
+    /// About the x axis, of a joint with three free rotations.
+    Twist,
     /// Along the line between the origins, as far as it is free.
     Distance,
     /// Of the second frame's x axis out of a cone with these tangents of half the half angles.
@@ -24,10 +24,17 @@ pub(crate) enum FreeAxis {
 /// A direction in which both bodies are pushed, and where the joint stands along it.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Direction {
+    /// Not a number where it has none: a twist of what is bent back by half a turn.
     pub(crate) value: f64,
     pub(crate) linear: Vec3<f64>,
     pub(crate) angular: Vec3<f64>,
 }
+
+/// One more than the cosine of how far an axis is bent back, below which there is no twist about it:
+/// near half a turn a small motion is a large twist.
+const LEAST_FALL: f64 = 0.2;
+/// The same below which there is no way out of a cone.
+const LEAST_FALL_IN_CONE: f64 = 1e-4;
 
 /// The rows that a joint with these options has along its free axes, in order: by kind and axis.
 pub(crate) fn free_axes(options: &JointOptions, free: Axes) -> impl Iterator<Item = FreeAxis> + '_ {
@@ -39,12 +46,11 @@ pub(crate) fn free_axes(options: &JointOptions, free: Axes) -> impl Iterator<Ite
     };
     let translations = (0..3).filter(has_row).map(FreeAxis::Translation);
     let rotations = (3..6).filter(has_row).map(|axis| FreeAxis::Rotation(axis - 3));
-    let has_twist = move |axis: &usize| is_ball && options.limits.axes[3 + axis].is_some();
-    let twists = (0..3).filter(has_twist).map(FreeAxis::Twist);
+    let twist = options.limits.axes[3].filter(|_| is_ball).map(|_| FreeAxis::Twist);
     let distance = options.limits.distance.map(|_| FreeAxis::Distance);
     let cone =
         options.limits.cone.map(|cone| FreeAxis::Cone(cone.half_angles.map(|angle| tangent_of_half(angle.into()))));
-    translations.chain(rotations).chain(twists).chain(distance).chain(cone)
+    translations.chain(rotations).chain(twist).chain(distance).chain(cone)
 }
 
 /// A bit for each row that there is.
@@ -55,9 +61,9 @@ pub(crate) fn free_axis_bits(options: Option<&JointOptions>, free: Axes) -> u16 
             << match axis {
                 FreeAxis::Translation(axis) => axis,
                 FreeAxis::Rotation(axis) => 3 + axis,
-                FreeAxis::Twist(axis) => 6 + axis,
-                FreeAxis::Distance => 9,
-                FreeAxis::Cone(_) => 10,
+                FreeAxis::Twist => 6,
+                FreeAxis::Distance => 7,
+                FreeAxis::Cone(_) => 8,
             }
     })
 }
@@ -75,7 +81,7 @@ impl FreeAxis {
 
     /// Whether its values are those of the limits alone.
     pub(crate) fn is_of_limit(self) -> bool {
-        matches!(self, Self::Twist(_) | Self::Distance | Self::Cone(_))
+        matches!(self, Self::Twist | Self::Distance | Self::Cone(_))
     }
 
     /// Where a joint stands; of three free rotations against a rotation to go to.
@@ -98,12 +104,12 @@ impl FreeAxis {
                     Rotations::About(_) | Rotations::Locked => about(twist(q, axis), a[axis]),
                 }
             }
-            Self::Twist(axis) => {
-                let sum = a[axis] + b[axis];
-                let fall = 1.0 + a[axis].dot(b[axis]);
-                // Bent back by half a turn it has no twist.
-                let angular = if fall > 1e-6 { sum * (1.0 / fall) } else { a[axis] };
-                about(twist(relative_rotation(stance), axis), angular)
+            Self::Twist => {
+                let fall = 1.0 + a[0].dot(b[0]);
+                if fall < LEAST_FALL {
+                    return about(f64::NAN, a[0]);
+                }
+                about(twist(relative_rotation(stance), 0), (a[0] + b[0]) * (1.0 / fall))
             }
             Self::Distance => {
                 let mut apart = zero;
@@ -176,9 +182,8 @@ pub(crate) fn wrapped(angle: f64) -> f64 {
 /// Projected from the opposite pole the cone is an ellipse, and angles are kept.
 fn out_of_cone(a: &[Vec3<f64>; 3], b: Vec3<f64>, [about_y, about_z]: [f64; 2]) -> (f64, Vec3<f64>) {
     let fall = 1.0 + a[0].dot(b);
-    if fall < 1e-6 {
-        // It points straight back: any way out is as good.
-        return (std::f64::consts::PI, a[1]);
+    if fall < LEAST_FALL_IN_CONE {
+        return (f64::NAN, a[1]);
     }
     let t = [a[1].dot(b) / fall, a[2].dot(b) / fall];
     // A rotation about y moves x along z.

@@ -230,6 +230,7 @@ impl FreeRow {
         match (phase, first_speed) {
             (Phase::Begin, _) => self.mode = if self.is_rod() { Mode::AtLower } else { Mode::Loose(0.0, 0.0) },
             (Phase::Positions, Some(speed)) => self.mode = self.first_mode(speed, h),
+            _ if self.value.is_nan() && self.is_at_bound() => self.mode = self.mode_without_bound(0.0),
             _ => {}
         }
         self.pushed = 0.0;
@@ -368,10 +369,13 @@ impl FreeRow {
 
     /// Goes to a bound that bodies have gone past, to this value; returns whether they have.
     pub(crate) fn meet_bound(&mut self, phase: Phase, value: f64) -> bool {
-        if self.is_at_bound() {
+        // What has no value before was not within; an angle that jumped did not go there.
+        let most = if self.axis.is_linear() { f64::INFINITY } else { 0.5 };
+        if self.is_at_bound() || self.value.is_nan() {
             return false;
         }
-        let is_past = [self.past(value, false) > 0.0, self.past(value, true) > 0.0];
+        let is_past =
+            [false, true].map(|upper| (0.0..most).contains(&self.past(value, upper)) && self.past(value, upper) != 0.0);
         self.mode = match is_past {
             [true, _] => Mode::AtLower,
             [_, true] => Mode::AtUpper,

@@ -6,7 +6,9 @@ use crate::joints::axes::Axes;
 use crate::joints::joint_options::JointOptions;
 use crate::math::Real;
 use crate::solver::mechanism::block_ldl::MAX_ROWS;
-use crate::solver::mechanism::free_axis::{Direction, FreeAxis, first_angle, free_axes, relative_rotation, second_angle};
+use crate::solver::mechanism::free_axis::{
+    Direction, FreeAxis, first_angle, free_axes, relative_rotation, second_angle,
+};
 use crate::solver::mechanism::free_row::{FreeRow, Mode, Phase};
 use crate::solver::mechanism::mechanism_body::MechanismBody;
 
@@ -105,8 +107,8 @@ impl JointRows {
             let (number, origin) = match axis {
                 FreeAxis::Translation(axis) => (axis, 0.0),
                 FreeAxis::Rotation(axis) => (3 + axis, of_reference[axis]),
-                FreeAxis::Twist(axis) => {
-                    options.limits.axes[3 + axis].into_iter().for_each(|limit| row.add_limit(limit));
+                FreeAxis::Twist => {
+                    options.limits.axes[3].into_iter().for_each(|limit| row.add_limit(limit));
                     continue;
                 }
                 FreeAxis::Distance => {
@@ -224,7 +226,8 @@ impl JointRows {
             let Direction { value, linear, angular } = it.axis.direction(stance, self.free, self.reference);
             let along = linear.dot(self.linear[row]) + angular.dot(self.angular[row]);
             // Where the way back has turned, more along the row does not lead there.
-            errors[row] = if along > 0.5 { it.error_at_bound(value) } else { self.wanted[row] };
+            let leads_back = along > 0.5 && !value.is_nan();
+            errors[row] = if leads_back { it.error_at_bound(value) } else { self.wanted[row] };
         }
         errors
     }

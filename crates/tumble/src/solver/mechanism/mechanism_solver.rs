@@ -24,6 +24,8 @@ pub(crate) struct MechanismSolver {
     /// By row.
     impulses: Vec<f64>,
     pub(super) right: Vec<f64>,
+    /// The solution before.
+    last: Vec<f64>,
     places: Vec<Place>,
     /// By body, memory of a product with the matrix.
     velocities: Vec<[Vec3<f64>; 2]>,
@@ -103,6 +105,7 @@ impl MechanismSolver {
             turning: vec![[[none; MAX_ROWS]; 2]; ordered.len()],
             impulses: vec![0.0; matrix.len()],
             right: vec![0.0; matrix.len()],
+            last: vec![0.0; matrix.len()],
             pulls: vec![0.0; moves.len()],
             response: vec![0.0; matrix.len()],
             is_first: false,
@@ -188,31 +191,53 @@ impl MechanismSolver {
         }
         self.joints.iter_mut().for_each(|joint| joint.plan_correction(h));
         self.solve_half(half);
-        let (mut solution, mut most) = (1, MAX_SOLUTIONS);
+        let (mut solution, mut most, mut worst) = (1, MAX_SOLUTIONS, f64::INFINITY);
         loop {
             if solution > 1 {
                 self.solve_right_side();
             }
-            self.impulses.iter_mut().zip(&self.right).for_each(|(sum, impulse)| *sum += impulse);
-            self.push();
-            for (body, place) in self.bodies.iter_mut().zip(&self.places) {
-                body.drift_from(*place, h);
-            }
-            if solution == most {
+            self.add_solution(1.0);
+            self.drift_from_places(h);
+            if solution == most && !self.has_free_rows {
                 break;
             }
             let meets_bounds = self.has_free_rows && self.meet_bounds(h);
             if meets_bounds {
                 most = MAX_SOLUTIONS_AT_BOUNDS;
             }
-            if self.set_remaining(h) && !meets_bounds {
+            if self.has_free_rows {
+                self.last.copy_from_slice(&self.right);
+            }
+            let left = self.set_remaining(h);
+            if left > worst && self.has_free_rows && !meets_bounds {
+                // The rows have turned away: what was added leads nowhere.
+                self.right.copy_from_slice(&self.last);
+                self.add_solution(-1.0);
+                self.drift_from_places(h);
                 break;
             }
+            if solution == most || (left <= TOLERANCE && !meets_bounds) {
+                break;
+            }
+            worst = if meets_bounds { f64::INFINITY } else { left };
             solution += 1;
         }
         self.note_springs();
         self.bodies.iter_mut().for_each(MechanismBody::end_drift);
         self.note_impulses(true);
+    }
+
+    /// Adds the solution on the right side, or takes it back.
+    fn add_solution(&mut self, sign: f64) {
+        self.right.iter_mut().for_each(|impulse| *impulse *= sign);
+        self.impulses.iter_mut().zip(&self.right).for_each(|(sum, impulse)| *sum += impulse);
+        self.push();
+    }
+
+    fn drift_from_places(&mut self, h: f64) {
+        for (body, place) in self.bodies.iter_mut().zip(&self.places) {
+            body.drift_from(*place, h);
+        }
     }
 
     /// Finds the impulses that meet the joints at the end of a substep of `h` \[s\] to first order,
@@ -325,10 +350,11 @@ impl MechanismSolver {
         }
     }
 
-    /// Makes the right side of what is left of the errors; returns whether it is nothing.
-    fn set_remaining(&mut self, h: f64) -> bool {
+    /// Makes the right side of what is left of the errors; returns the largest, of the size of the
+    /// arms or \[rad\].
+    fn set_remaining(&mut self, h: f64) -> f64 {
         let Self { joints, bodies, matrix, right, impulses, .. } = self;
-        let mut is_met = true;
+        let mut most = 0.0_f64;
         for (number, joint) in joints.iter().enumerate() {
             let errors = joint.errors(bodies);
             let size = length(joint.arms[0]) + length(joint.arms[1]);
@@ -336,7 +362,7 @@ impl MechanismSolver {
             let begin = matrix.starts[number];
             for row in 0..joint.locked {
                 let left = errors[row] - joint.wanted[row];
-                is_met &= left.abs() <= TOLERANCE * if row < linear { size } else { 1.0 };
+                most = most.max(left.abs() / if row < linear { size } else { 1.0 });
                 right[begin + row] = -left / h;
             }
             if joint.free_rows.is_empty() {
@@ -346,7 +372,7 @@ impl MechanismSolver {
             for (row, it) in (joint.locked..).zip(&joint.free_rows) {
                 right[begin + row] = if it.is_at_bound() {
                     let left = errors[row] - joint.wanted[row];
-                    is_met &= left.abs() <= TOLERANCE * if it.axis.is_linear() { size } else { 1.0 };
+                    most = most.max(left.abs() / if it.axis.is_linear() { size } else { 1.0 });
                     -left / h
                 } else if it.constant.is_some() {
                     0.0
@@ -355,7 +381,7 @@ impl MechanismSolver {
                 };
             }
         }
-        is_met
+        most
     }
 
     /// Adds the impulses on the right side to the momenta.

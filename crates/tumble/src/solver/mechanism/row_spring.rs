@@ -106,7 +106,8 @@ impl RowSpring {
         let share = [turns, slows].iter().fold(before, |share, rate| share.max(1.0 - 1.0 / rate.max(1.0)));
         self.time = share * h;
         self.after = (1.0 - share) / share;
-        self.gamma = 1.0 / (self.time * (c + k * self.time));
+        let stiff = if error.is_nan() { 0.0 } else { c + k * self.time };
+        self.gamma = 1.0 / (self.time * stiff);
         self.bias = self.gamma * self.time * (k * error - c * self.velocity);
         let most = self.time * self.max_force;
         self.range = match self.side {
