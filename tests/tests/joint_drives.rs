@@ -124,7 +124,8 @@ fn any_stiffness_is_stable() {
         let servo = servo.with_stiffness(stiffness as Real, damping as Real).with_max_force(most as Real);
         let mass = draw.log_between(1e-3, 1e3);
         let (mut rig, rod, _) = driven_rod(mass, DVec3::ZERO, 4, vec![servo]);
-        // There is no more energy than the spring had at first, or the motor's strength over its way.
+        // There is no more energy than the spring had at first, or the motor's strength over its
+        // way.
         let whole = (0.5 * stiffness * target * target).min(most * PI);
         for _ in 0..120 {
             rig.step();

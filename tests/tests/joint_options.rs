@@ -8,8 +8,12 @@
 //! what brought the joint there.
 
 use hecs::{Entity, World};
-use tumble::math::{Real, Vec3};
-use tumble::{BodyOrder, Drives, JointFriction, JointLoad, Limits, Momentum, Pose, Settings, Simulation, Totals};
+use tumble::math::{Quat, Real, Vec3};
+use tumble::{
+    BodyOrder, Collider, Drives, JointFriction, JointLoad, Limits, Material, Momentum, Pose, Settings, Shape,
+    Simulation, Totals,
+};
+use tumble_tests::touching::ground;
 use tumble_tests::{Draw, EPSILON, by_precision, dvec3};
 
 mod mechanisms;
@@ -138,4 +142,35 @@ fn what_hangs_with_limits_and_friction_gains_nothing() {
     }
     // The smallest swing by 0.15 rad a substep, which leaves energy to a thousandth.
     assert!(worst <= 1e-3, "{worst:e}");
+}
+
+/// Bodies with limits and friction that fall on the ground.
+#[test]
+fn what_falls_with_limits_comes_down() {
+    let mut worst = 0.0_f64;
+    for case in 0..40 {
+        let mut draw = Draw::new(0x804, case);
+        let (mut world, _, size) = spawn(case, &mut draw, HARD, false);
+        let bodies: Vec<Entity> = world.query::<Entity>().with::<&Momentum>().iter().collect();
+        for body in bodies {
+            let collider = Collider::new(&Shape::sphere((0.3 * size) as Real)).unwrap();
+            world.insert_one(body, collider).unwrap();
+            world.get::<&mut Pose>(body).unwrap().position.y += (20.0 * size) as Real;
+        }
+        ground(&mut world, Material::default(), Quat::IDENTITY);
+        let mut simulation = simulation(9.81, 1.0 / draw.between(60.0, 240.0));
+        simulation.step(&mut world);
+        let before = totals(&world, &simulation);
+        let mut gain = 0.0_f64;
+        for _ in 0..400 {
+            simulation.step(&mut world);
+            gain = gain.max((totals(&world, &simulation).energy() - before.energy()) / before.energy());
+        }
+        println!("case {case}: gain {gain:e}");
+        worst = worst.max(gain);
+        let lowest =
+            world.query::<(&Pose, &Momentum)>().iter().map(|(pose, _)| pose.position.y).fold(Real::MAX, Real::min);
+        assert!(lowest > -(0.5 * size) as Real, "case {case}: {lowest} of {size}");
+    }
+    assert!(worst <= 0.01, "{worst:e}");
 }

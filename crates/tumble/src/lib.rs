@@ -33,14 +33,15 @@
 //! | by the step: derived from it | [`Velocity`], [`InverseInertia`], [`PreviousPose`], and [`Work`] where a [`Ledger`] wants it |
 //! | by you, for one step, which sets it to zero | [`Wrench`] |
 //! | by you, until it is removed | [`GravityScale`], [`Damping`]; forces: [`ConstantWrench`], [`Thruster`], [`Drag`], [`Wind`], [`Magnus`], [`SpringToPoint`], [`PointGravity`], [`Buoyancy`], [`AngularVelocityServo`], [`GravityMass`]; laws of your own: [`ForceLaw`], [`SimdForceLaw`]; what others bump into: [`Collider`], with a [`Material`] |
-//! | by you, on an entity of its own | [`Spring`], [`Joint`] |
-//! | by the step, on a joint's entity | [`JointLoad`] |
+//! | by you, on an entity of its own | [`Spring`]; [`Joint`], with [`Limits`], [`Drives`], [`JointFriction`]; [`Gear`] |
+//! | by the step, on a joint's entity | [`JointLoad`], [`Breakable`] |
 //!
 //! A body needs [`Pose`], [`Momentum`], [`Mass`] and [`Wrench`] to be moved by forces. One without
 //! [`Momentum`] is kinematic if it has a [`Velocity`], and moves as that says; else it is fixed.
 //! All other components may be there or not.
 //!
-//! A [`Joint`] locks axes along and about which two bodies can move against each other.
+//! A [`Joint`] locks axes along and about which two bodies can move against each other;
+//! [`Simulation::joint_events`] tells which broke.
 //!
 //! Bodies with a [`Collider`] touch each other: a [`Simulation`] keeps their contacts from step to
 //! step, and tells of them in [`contacts`](Simulation::contacts) and
@@ -136,6 +137,7 @@ pub use joints::breakable::Breakable;
 pub use joints::drives::{Drive, Drives};
 pub use joints::friction::JointFriction;
 pub use joints::gain::Gain;
+pub use joints::gear::Gear;
 pub use joints::joint::Joint;
 pub use joints::joint_error::JointError;
 pub use joints::joint_event::JointEvent;

@@ -90,8 +90,8 @@ impl Joint {
         Self::with_free(a, b, Axes::NONE)
     }
 
-    /// All axes free, for [`Limits`](crate::Limits), [`Drives`](crate::Drives) and friction: a rope,
-    /// a rod, a bungee.
+    /// All axes free, for [`Limits`](crate::Limits), [`Drives`](crate::Drives) and friction: a
+    /// rope, a rod, a bungee.
     pub fn free(a: Entity, b: Entity) -> Self {
         Self::with_free(a, b, Axes::LINEAR | Axes::ANGULAR)
     }

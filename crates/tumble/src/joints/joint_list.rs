@@ -6,6 +6,7 @@ use hecs::{Archetype, Entity, World};
 
 use crate::components::Pose;
 use crate::joints::breakable::Breakable;
+use crate::joints::gear::Gear;
 use crate::joints::joint::Joint;
 use crate::joints::joint_event::JointEvent;
 use crate::joints::joint_load::JointLoad;
@@ -27,6 +28,17 @@ pub(crate) struct ListedJoint {
     pub(crate) options: Option<Box<JointOptions>>,
 }
 
+/// A gear between joints of the list.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct ListedGear {
+    /// Numbers in the list.
+    pub(crate) joints: [u32; 2],
+    /// Indices of their axes.
+    pub(crate) axes: [usize; 2],
+    pub(crate) ratio: f64,
+    pub(crate) offset: f64,
+}
+
 /// The joints of a world whose bodies are there, in the order of their slots.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct JointList {
@@ -40,6 +52,11 @@ pub(crate) struct JointList {
     endless_before: Vec<Entity>,
     /// Of the steps since they were forgotten.
     pub(crate) events: Vec<JointEvent>,
+    /// The gears of the world, and those between joints that are listed.
+    all_gears: Vec<Gear>,
+    pub(crate) gears: Vec<ListedGear>,
+    /// By entity, the numbers of joints; memory.
+    numbers: Vec<(Entity, u32)>,
     /// Boxes to use again.
     spare: Vec<Box<JointOptions>>,
 }
@@ -112,6 +129,10 @@ impl JointList {
         if !joints.is_sorted_by(|a, b| a.cmp(b).is_le()) {
             joints.sort_unstable_by(ListedJoint::cmp);
         }
+        self.all_gears.clear();
+        self.all_gears.extend(world.query::<&Gear>().iter().filter(|gear| gear.is_in_range()));
+        self.find_gears();
+        let Self { endless, endless_before, .. } = self;
         let gone = endless.iter().filter(|joint| !endless_before.contains(joint));
         self.events.extend(gone.map(|joint| JointEvent::EndIsGone(*joint)));
         self.find_untouching()
@@ -123,7 +144,36 @@ impl JointList {
         let is_broken = |joint: &ListedJoint| joint.breakable.is_some_and(|breakable| breakable.is_broken);
         events.extend(joints.iter().filter(|joint| is_broken(joint)).map(|joint| JointEvent::Broke(joint.entity)));
         joints.retain(|joint| !is_broken(joint));
+        self.find_gears();
         self.find_untouching()
+    }
+
+    /// Lists the gears between joints that are listed, in the order of these.
+    fn find_gears(&mut self) {
+        let Self { joints, all_gears, gears, numbers, .. } = self;
+        gears.clear();
+        if all_gears.is_empty() {
+            return;
+        }
+        numbers.clear();
+        numbers.extend((0..).zip(&*joints).map(|(number, joint)| (joint.entity, number)));
+        numbers.sort_unstable();
+        let number = |joint: Entity| {
+            let place = numbers.binary_search_by_key(&joint, |(entity, _)| *entity).ok()?;
+            Some(numbers[place].1)
+        };
+        for gear in &*all_gears {
+            let [Some(first), Some(second)] = gear.joints.map(number) else { continue };
+            let axis = |end: usize, number: u32| gear.axis(end, joints[number as usize].joint.free);
+            if let (Some(a), Some(b)) = (axis(0, first), axis(1, second))
+                && first != second
+            {
+                let (ratio, offset) = (f64::from(gear.ratio), f64::from(gear.offset));
+                gears.push(ListedGear { joints: [first, second], axes: [a, b], ratio, offset });
+            }
+        }
+        let key = |gear: &ListedGear| (gear.joints, gear.axes, gear.ratio.to_bits(), gear.offset.to_bits());
+        gears.sort_unstable_by_key(key);
     }
 
     fn find_untouching(&mut self) -> bool {
@@ -147,6 +197,7 @@ impl JointList {
 
     pub(crate) fn clear(&mut self) {
         self.joints.clear();
+        self.gears.clear();
         self.untouching.clear();
     }
 

@@ -5,6 +5,7 @@ pub(crate) mod breakable;
 pub(crate) mod drives;
 pub(crate) mod friction;
 pub(crate) mod gain;
+pub(crate) mod gear;
 pub(crate) mod joint;
 pub(crate) mod joint_error;
 pub(crate) mod joint_event;

@@ -30,11 +30,11 @@ pub(crate) struct Direction {
     pub(crate) angular: Vec3<f64>,
 }
 
-/// One more than the cosine of how far an axis is bent back, below which there is no twist about it:
-/// near half a turn a small motion is a large twist.
-const LEAST_FALL: f64 = 0.2;
+/// One more than the cosine of how far an axis is bent back, below which there is no twist about
+/// it: near half a turn a small motion is a large twist.
+const MIN_FALL: f64 = 0.2;
 /// The same below which there is no way out of a cone.
-const LEAST_FALL_IN_CONE: f64 = 1e-4;
+const MIN_FALL_IN_CONE: f64 = 1e-4;
 
 /// The rows that a joint with these options has along its free axes, in order: by kind and axis.
 pub(crate) fn free_axes(options: &JointOptions, free: Axes) -> impl Iterator<Item = FreeAxis> + '_ {
@@ -106,7 +106,7 @@ impl FreeAxis {
             }
             Self::Twist => {
                 let fall = 1.0 + a[0].dot(b[0]);
-                if fall < LEAST_FALL {
+                if fall < MIN_FALL {
                     return about(f64::NAN, a[0]);
                 }
                 about(twist(relative_rotation(stance), 0), (a[0] + b[0]) * (1.0 / fall))
@@ -182,7 +182,7 @@ pub(crate) fn wrapped(angle: f64) -> f64 {
 /// Projected from the opposite pole the cone is an ellipse, and angles are kept.
 fn out_of_cone(a: &[Vec3<f64>; 3], b: Vec3<f64>, [about_y, about_z]: [f64; 2]) -> (f64, Vec3<f64>) {
     let fall = 1.0 + a[0].dot(b);
-    if fall < LEAST_FALL_IN_CONE {
+    if fall < MIN_FALL_IN_CONE {
         return (f64::NAN, a[1]);
     }
     let t = [a[1].dot(b) / fall, a[2].dot(b) / fall];

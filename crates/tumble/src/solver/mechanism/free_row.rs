@@ -57,7 +57,8 @@ pub(crate) struct FreeRow {
     /// Where it stands.
     pub(crate) value: f64,
     pub(crate) mode: Mode,
-    /// Whether it was past a bound where the substep began: what brings it back is no speed to keep.
+    /// Whether it was past a bound where the substep began: what brings it back is no speed to
+    /// keep.
     pub(crate) is_corrected: bool,
     /// What is added to the row's diagonal, and to its speed.
     pub(crate) gamma: f64,

@@ -10,6 +10,7 @@ use crate::solver::mechanism::free_axis::{
     Direction, FreeAxis, first_angle, free_axes, relative_rotation, second_angle,
 };
 use crate::solver::mechanism::free_row::{FreeRow, Mode, Phase};
+use crate::solver::mechanism::gear_rows::GearRows;
 use crate::solver::mechanism::mechanism_body::MechanismBody;
 
 /// The frame of a joint on one of its bodies: origin \[m\] from the centre of mass and orientation,
@@ -38,6 +39,8 @@ pub(crate) struct JointRows {
     pub(crate) free_rows: Vec<FreeRow>,
     /// The rotation that values of three free rotations are taken against.
     reference: Quat<f64>,
+    /// What it is in the place of a joint: its one row acts on four bodies.
+    pub(crate) gear: Option<Box<GearRows>>,
     /// From each centre of mass to the point where both bodies are pushed \[m\].
     pub(crate) arms: [Vec3<f64>; 2],
     /// From the second body's anchor to that point \[m\].
@@ -84,12 +87,31 @@ impl JointRows {
             locked,
             free_rows,
             reference: IDENTITY,
+            gear: None,
             arms: [zero; 2],
             from_anchor: zero,
             errors: [0.0; MAX_ROWS],
             rounding: [0.0; MAX_ROWS],
             wanted: [0.0; MAX_ROWS],
         }
+    }
+
+    /// A gear between two joints.
+    pub(crate) fn of_gear(gear: GearRows) -> Self {
+        let [first, _] = &gear.joints;
+        let it = Self::new(first.bodies, first.anchors, Axes::LINEAR | Axes::ANGULAR_Y | Axes::ANGULAR_Z, None);
+        Self { gear: Some(Box::new(gear)), ..it }
+    }
+
+    /// The bodies that it acts on: of a gear four, of which some may be the same.
+    pub(crate) fn ends(&self) -> impl Iterator<Item = usize> + '_ {
+        let more = self.gear.iter().flat_map(|gear| gear.joints[1].bodies);
+        self.bodies.into_iter().chain(more)
+    }
+
+    /// Along what its rows push the bodies of both ends, or of the other two of a gear.
+    pub(crate) fn linear_of(&self, pair: usize) -> &[Vec3<f64>] {
+        self.gear.as_ref().map_or(&self.linear[..], |gear| &gear.linear[pair..])
     }
 
     /// Takes over what acts along its free axes, which are as many as when it was made.
@@ -160,6 +182,11 @@ impl JointRows {
 
     /// Sets the rows, and their errors, to where the bodies are.
     pub(crate) fn update(&mut self, bodies: &[MechanismBody]) {
+        if let Some(gear) = &mut self.gear {
+            gear.update(bodies);
+            self.errors = self.errors(bodies);
+            return;
+        }
         let stance = self.stance(bodies);
         let [a, b] = stance.axes;
         let zero = Vec3::zero();
@@ -194,6 +221,11 @@ impl JointRows {
 
     /// The errors where the bodies are.
     pub(crate) fn errors(&self, bodies: &[MechanismBody]) -> [f64; MAX_ROWS] {
+        if let Some(gear) = &self.gear {
+            let mut errors = [0.0; MAX_ROWS];
+            errors[0] = gear.error_since(self.rounding[0], bodies);
+            return errors;
+        }
         self.errors_of(&self.stance(bodies))
     }
 
@@ -235,6 +267,10 @@ impl JointRows {
     /// Notes which of the errors there are at the start of a step are rounding of the state.
     pub(crate) fn begin_step(&mut self, bodies: &[MechanismBody]) {
         self.rounding = [0.0; MAX_ROWS];
+        if let Some(gear) = &self.gear {
+            self.rounding[0] = gear.error_of_rounding(bodies, ROUNDINGS * f64::from(Real::EPSILON));
+            return;
+        }
         let errors = self.errors(bodies);
         let [a, b] = self.bodies.map(|body| &bodies[body]);
         let most = [a.center, b.center, self.anchors[0].position, self.anchors[1].position].map(length);
@@ -361,18 +397,30 @@ impl JointRows {
 
     /// How fast each error grows by the velocities of the bodies.
     pub(crate) fn speeds(&self, bodies: &[MechanismBody]) -> [f64; MAX_ROWS] {
-        self.speeds_at(self.bodies.map(|body| [bodies[body].linear_velocity(), bodies[body].angular_velocity()]))
+        self.speeds_by(|body| [bodies[body].linear_velocity(), bodies[body].angular_velocity()])
     }
 
-    /// The same by linear and angular velocities of both bodies.
-    pub(crate) fn speeds_at(&self, [a, b]: [[Vec3<f64>; 2]; 2]) -> [f64; MAX_ROWS] {
+    /// The same by linear and angular velocities of bodies.
+    #[inline]
+    pub(crate) fn speeds_by(&self, velocities: impl Fn(usize) -> [Vec3<f64>; 2]) -> [f64; MAX_ROWS] {
+        let mut speeds = [0.0; MAX_ROWS];
+        if let Some(gear) = &self.gear {
+            speeds[0] = gear.speed(velocities);
+            return speeds;
+        }
+        let [a, b] = self.bodies.map(velocities);
         let apart = (b[0] + b[1].cross(self.arms[1])) - (a[0] + a[1].cross(self.arms[0]));
         let turn = b[1] - a[1];
-        let mut speeds = [0.0; MAX_ROWS];
         for (row, speed) in speeds.iter_mut().enumerate().take(self.count) {
             *speed = self.linear[row].dot(apart) + self.angular[row].dot(turn);
         }
         speeds
+    }
+
+    /// Where it stands along a free axis.
+    pub(crate) fn direction(&self, axis: FreeAxis, bodies: &[MechanismBody]) -> Direction {
+        let Stance { anchor_arms, gap, .. } = self.stance(bodies);
+        axis.direction(&self.turned_stance(bodies, anchor_arms, gap), self.free, self.reference)
     }
 
     /// The impulse and the angular impulse on the second body of impulses along the rows.

@@ -3,10 +3,10 @@
 use tumble_math::lane::Vec3;
 
 use crate::solver::mechanism::block_ldl::{BlockLdl, MAX_ROWS};
-use crate::solver::mechanism::elimination::Elimination;
 use crate::solver::mechanism::free_row::Phase;
 use crate::solver::mechanism::joint_rows::{JointRows, length};
 use crate::solver::mechanism::mechanism_body::{MechanismBody, Place};
+use crate::solver::mechanism::mechanism_matrix::{Coupling, Turning, arranged};
 
 /// Bodies that hang together, their joints, and the matrix of these.
 #[derive(Clone, Debug)]
@@ -15,12 +15,12 @@ pub(crate) struct MechanismSolver {
     /// In the order of elimination.
     pub(crate) joints: Vec<JointRows>,
     pub(super) matrix: BlockLdl,
-    couplings: Vec<Coupling>,
+    pub(super) couplings: Vec<Coupling>,
     /// By joint, what it has done since the step began: impulse \[N s\] on the second body, and
     /// angular impulse about its anchor [N m s].
     pub(crate) done: Vec<[Vec3<f64>; 2]>,
     /// By joint and end, of each row: what turns the body, and how fast it turns by that.
-    turning: Vec<[[Turning; MAX_ROWS]; 2]>,
+    pub(super) turning: Vec<[[Turning; MAX_ROWS]; 2]>,
     /// By row.
     impulses: Vec<f64>,
     pub(super) right: Vec<f64>,
@@ -46,22 +46,6 @@ pub(crate) struct Half {
     pub(crate) before: f64,
 }
 
-/// A body that two joints share.
-#[derive(Clone, Copy, Debug)]
-struct Coupling {
-    block: usize,
-    /// Row and column of the block, and which end of each joint the body is.
-    joints: [usize; 2],
-    ends: [usize; 2],
-}
-
-/// What one newton second along a row turns a body by: angular impulse, and angular velocity.
-#[derive(Clone, Copy, Debug)]
-struct Turning {
-    torque: Vec3<f64>,
-    response: Vec3<f64>,
-}
-
 /// Solutions for the impulses of a substep, at most.
 const MAX_SOLUTIONS: u32 = 4;
 /// The same where bodies went past a bound with the first of them.
@@ -73,36 +57,17 @@ const MAX_RAISES: u32 = 3;
 /// Solutions in which rows along free axes change between parts of their laws, at most.
 const MAX_CHANGES: u32 = 6;
 /// The direction of a joint's impulse on each of its bodies.
-const SIGNS: [f64; 2] = [-1.0, 1.0];
+pub(super) const SIGNS: [f64; 2] = [-1.0, 1.0];
 
 impl MechanismSolver {
     /// Of joints between bodies that are numbered from 0; `moves` says which of these impulses
     /// move. Returns the order in which it has the joints.
     pub(crate) fn new(joints: &[JointRows], moves: &[bool]) -> (Self, Vec<u32>) {
-        let mut groups = vec![Vec::new(); moves.len()];
-        for (number, joint) in (0..).zip(joints) {
-            joint.bodies.iter().filter(|body| moves[**body]).for_each(|body| groups[*body].push(number));
-        }
-        let elimination = Elimination::by_minimum_degree(joints.len(), &groups);
-        let order = elimination.order.clone();
+        let (matrix, couplings, order) = arranged(joints, moves);
         let ordered: Vec<_> = order.iter().map(|joint| joints[*joint as usize].clone()).collect();
-        let mut couplings = Vec::new();
-        for row in 0..ordered.len() {
-            for block in elimination.blocks_of(row) {
-                let column = elimination.columns[block] as usize;
-                for ends in [[0, 0], [0, 1], [1, 0], [1, 1]] {
-                    let body = ordered[row].bodies[ends[0]];
-                    if body == ordered[column].bodies[ends[1]] && moves[body] {
-                        couplings.push(Coupling { block, joints: [row, column], ends });
-                    }
-                }
-            }
-        }
-        let matrix = BlockLdl::new(elimination, ordered.iter().map(|joint| joint.count).collect());
-        let none = Turning { torque: Vec3::zero(), response: Vec3::zero() };
         let it = Self {
             done: vec![[Vec3::zero(); 2]; ordered.len()],
-            turning: vec![[[none; MAX_ROWS]; 2]; ordered.len()],
+            turning: vec![[[Turning::NONE; MAX_ROWS]; 2]; ordered.len()],
             impulses: vec![0.0; matrix.len()],
             right: vec![0.0; matrix.len()],
             last: vec![0.0; matrix.len()],
@@ -340,12 +305,19 @@ impl MechanismSolver {
                 *linear = *linear + impulse * SIGNS[end];
                 *turning = *turning + (joint.arms[end].cross(impulse) + angular) * SIGNS[end];
             }
+            if let Some(gear) = &joint.gear {
+                gear.for_each_end(right[matrix.starts[number]], |body, arm, impulse, angular| {
+                    let [linear, turning] = &mut velocities[body];
+                    *linear = *linear + impulse;
+                    *turning = *turning + arm.cross(impulse) + angular;
+                });
+            }
         }
         for (body, [linear, turning]) in bodies.iter().zip(&mut *velocities) {
             (*linear, *turning) = (*linear * body.inverse_mass, body.times_inverse_inertia(*turning));
         }
         for (number, joint) in joints.iter().enumerate() {
-            let speeds = joint.speeds_at(joint.bodies.map(|body| velocities[body]));
+            let speeds = joint.speeds_by(|body| velocities[body]);
             response[matrix.starts[number]..][..joint.count].copy_from_slice(&speeds[..joint.count]);
         }
     }
@@ -393,6 +365,11 @@ impl MechanismSolver {
                 let sign = SIGNS[end];
                 bodies[joint.bodies[end]].push(impulse * sign, joint.arms[end], angular * sign);
             }
+            if let Some(gear) = &joint.gear {
+                gear.for_each_end(right[matrix.starts[number]], |body, arm, impulse, angular| {
+                    bodies[body].push(impulse, arm, angular);
+                });
+            }
         }
     }
 
@@ -436,65 +413,6 @@ impl MechanismSolver {
     pub(crate) fn update_rows(&mut self) {
         let Self { joints, bodies, .. } = self;
         joints.iter_mut().for_each(|joint| joint.update(bodies));
-    }
-
-    /// Sets and factors the matrix.
-    pub(super) fn factor(&mut self) {
-        self.assemble();
-        self.matrix.factor();
-    }
-
-    fn assemble(&mut self) {
-        let Self { joints, bodies, matrix, couplings, turning, .. } = self;
-        matrix.clear();
-        for (number, (joint, turning)) in joints.iter().zip(&mut *turning).enumerate() {
-            for (end, turning) in turning.iter_mut().enumerate() {
-                let body = &bodies[joint.bodies[end]];
-                for (row, turning) in turning.iter_mut().enumerate().take(joint.count) {
-                    let torque = joint.arms[end].cross(joint.linear[row]) + joint.angular[row];
-                    *turning = Turning { torque, response: body.times_inverse_inertia(torque) };
-                }
-            }
-            let inverse_mass: f64 = joint.bodies.iter().map(|body| bodies[*body].inverse_mass).sum();
-            let (n, diagonal) = (joint.count, matrix.diagonal_mut(number));
-            for i in 0..n {
-                for j in i..n {
-                    let mut sum = inverse_mass * joint.linear[i].dot(joint.linear[j]);
-                    for of_end in &*turning {
-                        sum += of_end[i].torque.dot(of_end[j].response);
-                    }
-                    (diagonal[i * n + j], diagonal[j * n + i]) = (sum, sum);
-                }
-            }
-            for (row, law) in (joint.locked..n).zip(&joint.free_rows) {
-                if law.constant.is_some() {
-                    (0..n).for_each(|other| (diagonal[row * n + other], diagonal[other * n + row]) = (0.0, 0.0));
-                    diagonal[row * n + row] = 1.0;
-                } else {
-                    diagonal[row * n + row] += law.gamma;
-                }
-            }
-        }
-        for &Coupling { block, joints: [first, second], ends } in &*couplings {
-            let (row, column) = (&joints[first], &joints[second]);
-            let sign = SIGNS[ends[0]] * SIGNS[ends[1]];
-            let inverse_mass = sign * bodies[row.bodies[ends[0]]].inverse_mass;
-            let (of_row, of_column) = (&turning[first][ends[0]], &turning[second][ends[1]]);
-            let numbers = matrix.block_mut(block);
-            for i in 0..row.count {
-                for j in 0..column.count {
-                    numbers[i * column.count + j] += inverse_mass * row.linear[i].dot(column.linear[j])
-                        + sign * of_row[i].torque.dot(of_column[j].response);
-                }
-            }
-            if !(row.free_rows.is_empty() && column.free_rows.is_empty()) {
-                for place in (0..numbers.len())
-                    .filter(|place| row.is_off(place / column.count) || column.is_off(place % column.count))
-                {
-                    numbers[place] = 0.0;
-                }
-            }
-        }
     }
 }
 

@@ -6,7 +6,7 @@ use tumble_math::lane::{Quat, Vec3};
 use crate::collision::contact::ContactRecord;
 use crate::collision::contact_set::ContactSet;
 use crate::joints::axes::Axes;
-use crate::joints::joint_list::{JointList, ListedJoint};
+use crate::joints::joint_list::{JointList, ListedGear, ListedJoint};
 use crate::joints::joint_load::JointLoad;
 use crate::math::{Real, double, double_quat, real, vec3};
 use crate::range::{MAX_DISTANCE_OF_CONTACTS, MAX_SPEED, is_rotation, within};
@@ -14,6 +14,7 @@ use crate::solver::constrained_bodies::ConstrainedBodies;
 use crate::solver::contact_work::ContactWorks;
 use crate::solver::islands::Islands;
 use crate::solver::mechanism::free_axis::free_axis_bits;
+use crate::solver::mechanism::gear_rows::GearRows;
 use crate::solver::mechanism::joint_rows::{Anchor, JointRows, length};
 use crate::solver::mechanism::mechanism_body::MechanismBody;
 use crate::solver::mechanism::mechanism_solver::MechanismSolver;
@@ -33,6 +34,9 @@ pub(crate) struct Mechanisms {
     mechanisms: Vec<Mechanism>,
     /// What the mechanisms were made for.
     structure: Vec<Link>,
+    gear_structure: Vec<GearLink>,
+    /// The gears that act, with numbers of active joints.
+    gears: Vec<ListedGear>,
     /// By number in the list: impulse and angular impulse in this step [N s] [N m s].
     done: Vec<[Vec3<f64>; 2]>,
     /// By number in the list.
@@ -58,6 +62,9 @@ struct Mechanism {
 /// A joint as the structure of a mechanism depends on it: its bodies, which of them are dynamic,
 /// its free axes, and along which of these anything acts.
 type Link = ([Slot; 2], [bool; 2], Axes, u16);
+
+/// A gear in the same way: numbers of active joints, and their axes.
+type GearLink = ([u32; 2], [usize; 2]);
 
 impl Mechanisms {
     /// Forgets all joints and loads.
@@ -118,8 +125,17 @@ impl Mechanisms {
             let bits = free_axis_bits(joint.options.as_deref(), free);
             (joint.slots, joint.slots.each_ref().map(moves), free, bits)
         });
-        if !links.clone().eq(self.structure.iter().copied()) {
+        let is_active = |number: u32| active.binary_search(&number).ok().map(|place| place as u32);
+        self.gears.clear();
+        self.gears.extend(list.gears.iter().filter_map(|gear| {
+            let [first, second] = gear.joints.map(is_active);
+            Some(ListedGear { joints: [first?, second?], ..*gear })
+        }));
+        let gear_links = self.gears.iter().map(|gear| (gear.joints, gear.axes));
+        let is_same = gear_links.clone().eq(self.gear_structure.iter().copied());
+        if !(is_same && links.clone().eq(self.structure.iter().copied())) {
             self.structure = links.collect();
+            self.gear_structure = gear_links.collect();
             self.arrange(body_index.len());
         }
         let is_touched = &mut self.is_touched;
@@ -128,7 +144,7 @@ impl Mechanisms {
         for slot in contacts.records.iter().flat_map(|contact| contact.slots).filter(moves) {
             is_touched[slot.index()] = true;
         }
-        let Self { list, loads, mechanisms, active, is_touched, .. } = self;
+        let Self { list, loads, mechanisms, active, is_touched, gears, .. } = self;
         for mechanism in mechanisms {
             mechanism.is_touched = mechanism.slots.iter().any(|slot| is_touched[slot.index()]);
             mechanism.solver.bodies.clear();
@@ -137,6 +153,15 @@ impl Mechanisms {
                 mechanism.solver.bodies.push(MechanismBody::read(bodies, row, loads[slot.index()]));
             }
             for (rows, number) in mechanism.solver.joints.iter_mut().zip(&mechanism.joints) {
+                if let Some(of_gear) = &mut rows.gear {
+                    let gear = &gears[*number as usize - active.len()];
+                    of_gear.take_numbers(gear);
+                    for (rows, number) in of_gear.joints.iter_mut().zip(gear.joints) {
+                        let listed = &list.joints[active[number as usize] as usize];
+                        rows.anchors = [0, 1].map(|end| anchor(listed, end, body_index, columns));
+                    }
+                    continue;
+                }
                 let listed = &list.joints[active[*number as usize] as usize];
                 rows.anchors = [0, 1].map(|end| anchor(listed, end, body_index, columns));
                 listed.options.iter().for_each(|options| rows.take_options(options));
@@ -146,30 +171,48 @@ impl Mechanisms {
 
     /// Makes mechanisms of the structure.
     fn arrange(&mut self, slots: usize) {
-        let Self { structure, mechanisms, islands, list, active, .. } = self;
+        let Self { structure, mechanisms, islands, list, active, gears, .. } = self;
         let mut dynamic = vec![false; slots];
         for (of_link, moves, ..) in &*structure {
             (0..2).for_each(|end| dynamic[of_link[end].index()] = moves[end]);
         }
-        islands.join(slots, structure.iter().map(|(slots, ..)| *slots), |slot| dynamic[slot.index()]);
-        let root = |islands: &mut Islands, [a, b]: [Slot; 2]| islands.root(if dynamic[a.index()] { a } else { b });
+        let moving = |number: u32| {
+            let [a, b] = structure[number as usize].0;
+            if dynamic[a.index()] { a } else { b }
+        };
+        let geared = gears.iter().map(|gear| gear.joints.map(moving));
+        let pairs = structure.iter().map(|(slots, ..)| *slots).chain(geared);
+        islands.join(slots, pairs, |slot| dynamic[slot.index()]);
+        let of_gears = gears.iter().map(|gear| gear.joints[0]);
         let mut by_root: Vec<(Slot, u32)> = Vec::new();
-        for (number, (of_link, ..)) in (0..).zip(&*structure) {
-            by_root.push((root(islands, *of_link), number));
+        for (number, joint) in (0..).zip((0..structure.len() as u32).chain(of_gears)) {
+            by_root.push((islands.root(moving(joint)), number));
         }
         by_root.sort_unstable();
         mechanisms.clear();
         for links in by_root.chunk_by(|a, b| a.0 == b.0) {
-            let mut of_it: Vec<Slot> = links.iter().flat_map(|(_, number)| structure[*number as usize].0).collect();
+            let of_links = links.iter().filter_map(|(_, number)| structure.get(*number as usize));
+            let mut of_it: Vec<Slot> = of_links.flat_map(|link| link.0).collect();
             of_it.sort_unstable();
             of_it.dedup();
+            let rows_of = |number: u32| {
+                let (slots, _, free, _) = structure[number as usize];
+                let bodies = slots.map(|slot| of_it.binary_search(&slot).unwrap_or(0));
+                let options = list.joints[active[number as usize] as usize].options.as_deref();
+                (bodies, free, options)
+            };
+            let plain = |(bodies, free, _)| JointRows::new(bodies, [Anchor::CENTER; 2], free, None);
             let joints: Vec<_> = links
                 .iter()
-                .map(|(_, number)| {
-                    let (slots, _, free, _) = structure[*number as usize];
-                    let bodies = slots.map(|slot| of_it.binary_search(&slot).unwrap_or(0));
-                    let options = list.joints[active[*number as usize] as usize].options.as_deref();
-                    JointRows::new(bodies, [Anchor::CENTER; 2], free, options)
+                .map(|(_, number)| match (*number as usize).checked_sub(structure.len()) {
+                    Some(gear) => {
+                        let joints = gears[gear].joints.map(|number| plain(rows_of(number)));
+                        JointRows::of_gear(GearRows::new(joints, &gears[gear]))
+                    }
+                    None => {
+                        let (bodies, free, options) = rows_of(*number);
+                        JointRows::new(bodies, [Anchor::CENTER; 2], free, options)
+                    }
                 })
                 .collect();
             let moves: Vec<_> = of_it.iter().map(|slot| dynamic[slot.index()]).collect();
@@ -273,7 +316,8 @@ impl Mechanisms {
                     works.leave_to_joints(body.row, body.damping_work);
                 }
             }
-            for ((rows, done_here), number) in solver.joints.iter().zip(&mut solver.done).zip(&*joints) {
+            let all = solver.joints.iter().zip(&mut solver.done).zip(&*joints);
+            for ((rows, done_here), number) in all.filter(|((rows, _), _)| rows.gear.is_none()) {
                 let number = active[*number as usize] as usize;
                 let [impulse, angular] = std::mem::replace(done_here, [Vec3::zero(); 2]);
                 done[number] = [done[number][0] + impulse, done[number][1] + angular];
