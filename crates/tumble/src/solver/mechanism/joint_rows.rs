@@ -9,7 +9,7 @@ use crate::solver::mechanism::block_ldl::MAX_ROWS;
 use crate::solver::mechanism::free_axis::{
     Direction, FreeAxis, first_angle, free_axes, relative_rotation, second_angle,
 };
-use crate::solver::mechanism::free_row::{FreeRow, Mode, Phase};
+use crate::solver::mechanism::free_row::{FreeRow, Mode};
 use crate::solver::mechanism::gear_rows::GearRows;
 use crate::solver::mechanism::mechanism_body::MechanismBody;
 
@@ -27,7 +27,7 @@ pub(crate) struct JointRows {
     /// Among those of the mechanism.
     pub(crate) bodies: [usize; 2],
     pub(crate) anchors: [Anchor; 2],
-    free: Axes,
+    pub(super) free: Axes,
     /// Along what each row pushes, and about what it turns besides; world frame. Those of locked
     /// axes come first.
     pub(crate) linear: [Vec3<f64>; MAX_ROWS],
@@ -38,7 +38,7 @@ pub(crate) struct JointRows {
     /// Those of free axes.
     pub(crate) free_rows: Vec<FreeRow>,
     /// The rotation that values of three free rotations are taken against.
-    reference: Quat<f64>,
+    pub(super) reference: Quat<f64>,
     /// What it is in the place of a joint: its one row acts on four bodies.
     pub(crate) gear: Option<Box<GearRows>>,
     /// From each centre of mass to the point where both bodies are pushed \[m\].
@@ -68,7 +68,7 @@ pub(crate) fn correction_speed(is_linear: bool) -> f64 {
     if is_linear { 3.0 } else { 10.0 }
 }
 
-const IDENTITY: Quat<f64> = Quat { x: 0.0, y: 0.0, z: 0.0, w: 1.0 };
+pub(super) const IDENTITY: Quat<f64> = Quat { x: 0.0, y: 0.0, z: 0.0, w: 1.0 };
 /// Roundings of the state within which a joint is met.
 const ROUNDINGS: f64 = 4.0;
 
@@ -114,46 +114,7 @@ impl JointRows {
         self.gear.as_ref().map_or(&self.linear[..], |gear| &gear.linear[pair..])
     }
 
-    /// Takes over what acts along its free axes, which are as many as when it was made.
-    pub(crate) fn take_options(&mut self, options: &JointOptions) {
-        let place = |axis: usize| {
-            let drives = options.drives.iter().filter(move |drive| drive.axes.has(axis));
-            drives.clone().find_map(|drive| drive.position).map_or(0.0, f64::from)
-        };
-        let is_ball = self.free.contains(Axes::ANGULAR);
-        let of_reference = if is_ball { [place(3), place(4), place(5)] } else { [0.0; 3] };
-        let [x, y, z] = of_reference;
-        self.reference = tumble_math::rotate_exactly(IDENTITY, Vec3::new(x, y, z), 1.0);
-        for (row, axis) in self.free_rows.iter_mut().zip(free_axes(options, self.free)) {
-            row.reset(axis);
-            let (number, origin) = match axis {
-                FreeAxis::Translation(axis) => (axis, 0.0),
-                FreeAxis::Rotation(axis) => (3 + axis, of_reference[axis]),
-                FreeAxis::Twist => {
-                    options.limits.axes[3].into_iter().for_each(|limit| row.add_limit(limit));
-                    continue;
-                }
-                FreeAxis::Distance => {
-                    options.limits.distance.into_iter().for_each(|limit| row.add_limit(limit));
-                    continue;
-                }
-                FreeAxis::Cone(_) => {
-                    let gain = options.limits.cone.map(|cone| cone.gain).unwrap_or_default();
-                    row.add_bounds([-f64::INFINITY, 0.0], gain);
-                    continue;
-                }
-            };
-            if !(is_ball && number >= 3) {
-                options.limits.axes[number].into_iter().for_each(|limit| row.add_limit(limit));
-            }
-            row.add_friction(options.friction.max[number].into());
-            for drive in options.drives.iter().filter(|drive| drive.axes.has(number)) {
-                row.add_drive(drive, drive.position.map(|position| f64::from(position) - origin));
-            }
-        }
-    }
-
-    fn stance(&self, bodies: &[MechanismBody]) -> Stance {
+    pub(super) fn stance(&self, bodies: &[MechanismBody]) -> Stance {
         let [a, b] = self.bodies.map(|body| &bodies[body]);
         let arms = [a.orientation.rotate(self.anchors[0].position), b.orientation.rotate(self.anchors[1].position)];
         let gap = (b.center - a.center) + (b.translation - a.translation) + (arms[1] - arms[0]);
@@ -299,100 +260,6 @@ impl JointRows {
             it.is_corrected = past > 0.0;
             self.wanted[row] = (past - most).max(0.0).copysign(error);
         }
-    }
-
-    /// Prepares the rows of free axes for a phase; see [`FreeRow::prepare`].
-    pub(crate) fn prepare(&mut self, bodies: &[MechanismBody], phase: Phase, time: (f64, f64), is_first: bool) {
-        if self.free_rows.is_empty() {
-            return;
-        }
-        let speeds = self.speeds(bodies);
-        for (row, it) in (self.locked..).zip(&mut self.free_rows) {
-            it.prepare(phase, time, is_first.then_some(speeds[row]));
-        }
-        self.update_bounds();
-    }
-
-    /// Corrects the modes of rows of free axes by a solution: what it adds to the speeds, and its
-    /// impulses. Returns whether any has changed.
-    pub(crate) fn settle(
-        &mut self,
-        bodies: &[MechanismBody],
-        (phase, h): (Phase, f64),
-        (response, impulses): (&[f64], &[f64]),
-    ) -> bool {
-        if self.free_rows.is_empty() {
-            return false;
-        }
-        let speeds = self.speeds(bodies);
-        let mut is_changed = false;
-        for (row, it) in (self.locked..).zip(&mut self.free_rows) {
-            is_changed |= it.settle(phase, h, speeds[row] + response[row], impulses[row]);
-        }
-        self.update_bounds();
-        if is_changed && phase == Phase::Positions {
-            self.plan_correction(h);
-        }
-        is_changed
-    }
-
-    /// Holds free axes at bounds that the bodies have gone past; returns whether there are any.
-    pub(crate) fn meet_bounds(&mut self, bodies: &[MechanismBody], h: f64) -> bool {
-        if !self.free_rows.iter().any(FreeRow::is_bounded) {
-            return false;
-        }
-        let stance = self.stance(bodies);
-        let Self { free_rows, free, reference, .. } = self;
-        let mut is_any = false;
-        for it in free_rows {
-            is_any |= it.meet_bound(Phase::Positions, it.axis.direction(&stance, *free, *reference).value);
-        }
-        if is_any {
-            self.update_bounds();
-            self.plan_correction(h);
-        }
-        is_any
-    }
-
-    /// Pushes the bodies by what acts along free axes at any speed.
-    pub(crate) fn push_constants(&mut self, bodies: &mut [MechanismBody]) {
-        let Self { free_rows, locked, linear, angular, arms, bodies: ends, .. } = self;
-        for (row, it) in (*locked..).zip(free_rows) {
-            let most = it.constant.unwrap_or(0.0);
-            let amount = most - std::mem::replace(&mut it.pushed, most);
-            if amount != 0.0 {
-                for (end, sign) in [-amount, amount].into_iter().enumerate() {
-                    bodies[ends[end]].push(linear[row] * sign, arms[end], angular[row] * sign);
-                }
-            }
-        }
-    }
-
-    /// Sets the errors of rows that are at a bound, as their modes have changed.
-    fn update_bounds(&mut self) {
-        for (row, it) in (self.locked..).zip(&self.free_rows) {
-            self.errors[row] = if it.is_at_bound() { it.error_at_bound(it.value) } else { 0.0 };
-        }
-    }
-
-    /// By row: the speed that it gets by an impulse of one along it, other joints apart.
-    pub(crate) fn own_responses(&self, bodies: &[MechanismBody]) -> [f64; MAX_ROWS] {
-        let mut responses = [0.0; MAX_ROWS];
-        for (row, response) in responses.iter_mut().enumerate().take(self.count) {
-            for (body, arm) in self.bodies.iter().zip(self.arms) {
-                let body = &bodies[*body];
-                let torque = arm.cross(self.linear[row]) + self.angular[row];
-                let linear = body.inverse_mass * self.linear[row].dot(self.linear[row]);
-                *response += linear + torque.dot(body.times_inverse_inertia(torque));
-            }
-        }
-        responses
-    }
-
-    /// Whether a row is of a free axis along which no impulse depends on the speed.
-    pub(crate) fn is_off(&self, row: usize) -> bool {
-        let law = row.checked_sub(self.locked).and_then(|row| self.free_rows.get(row));
-        law.is_some_and(|law| law.constant.is_some())
     }
 
     /// How fast each error grows by the velocities of the bodies.
