@@ -284,3 +284,13 @@ fn limits_work_on_frames_that_are_turned() {
         assert!(off.abs() < by_precision(3e-5, 3e-7), "{off}");
     }
 }
+
+#[test]
+fn a_free_joint_without_limits_does_nothing() {
+    let mut rig = Rig::new(down(), 1.0 / 60.0, 4);
+    let ground = rig.ground();
+    let ball = rig.spawn(RigidBody::new(Shape::sphere(0.1)).mass(3.0));
+    rig.join(Joint::free(ground, ball));
+    rig.run_to(1.0);
+    assert!((rig.velocity(ball) + DVec3::Y * G).length() < 1e-4);
+}

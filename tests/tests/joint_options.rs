@@ -10,8 +10,8 @@
 use hecs::{Entity, World};
 use tumble::math::{Quat, Real, Vec3};
 use tumble::{
-    BodyOrder, Collider, Drives, JointFriction, JointLoad, Limits, Material, Momentum, Pose, Settings, Shape,
-    Simulation, Totals,
+    Axes, BodyOrder, Collider, Cone, Drive, Drives, Gain, Gear, JointFriction, JointLoad, Limit, Limits, Material,
+    Momentum, Pose, Settings, Shape, Simulation, Totals,
 };
 use tumble_tests::touching::ground;
 use tumble_tests::{Draw, EPSILON, by_precision, dvec3};
@@ -142,6 +142,54 @@ fn what_hangs_with_limits_and_friction_gains_nothing() {
     }
     // The smallest swing by 0.15 rad a substep, which leaves energy to a thousandth.
     assert!(worst <= 1e-3, "{worst:e}");
+}
+
+/// Numbers that are none, infinite, negative or far too large, in every field: bodies stay finite.
+#[test]
+fn senseless_numbers_leave_bodies_finite() {
+    const ODD: [f64; 12] =
+        [f64::NAN, f64::INFINITY, f64::NEG_INFINITY, -1.0, 0.0, 1e-30, 1e-9, 1.0, 3.2, 1e9, 1e30, f64::MAX];
+    for case in 0..150 {
+        let mut draw = Draw::new(0x805, case);
+        let (mut world, joints, _) = spawn(case, &mut draw, HARD, case % 2 == 0);
+        let mut simulation = simulation(9.81, 1.0 / 60.0);
+        let gears: Vec<Entity> = (0..2).map(|_| world.spawn(())).collect();
+        for _ in 0..60 {
+            let mut odd = || ODD[(draw.between(0.0, 12.0) as usize).min(11)] as Real;
+            let mut gain = || match (odd() > 1.0, odd() > 1.0) {
+                (true, true) => Gain::Rigid,
+                (true, false) => Gain::Stiffness { stiffness: odd(), damping: odd() },
+                (false, true) => Gain::Frequency { hertz: odd(), damping_ratio: odd() },
+                (false, false) => Gain::Acceleration { stiffness: odd(), damping: odd() },
+            };
+            let gains = [0; 6].map(|_| gain());
+            let limit = |gain: Gain, odd: &mut dyn FnMut() -> Real| Some(Limit { min: odd(), max: odd(), gain });
+            let limits = Limits {
+                axes: gains.map(|gain| limit(gain, &mut odd)),
+                distance: limit(gains[0], &mut odd),
+                cone: Some(Cone { half_angles: [odd(), odd()], gain: gains[1] }),
+            };
+            let axes = Axes::LINEAR | Axes::ANGULAR;
+            let drive = |gain: Gain, odd: &mut dyn FnMut() -> Real| {
+                let position = Some(odd()).filter(|position| *position != 0.0);
+                Drive { axes, position, velocity: odd(), gain, max_force: odd() }
+            };
+            let drives = Drives(gains[2..5].iter().map(|gain| drive(*gain, &mut odd)).collect());
+            let friction = JointFriction { max: [0; 6].map(|_| odd()) };
+            let joint = joints[(odd().abs() as usize) % joints.len()];
+            world.insert(joint, (limits, drives, friction)).unwrap();
+            for gear in &gears {
+                let other = joints[(odd().abs() as usize) % joints.len()];
+                let gear_of = Gear { offset: odd(), ..Gear::new(joint, other, odd()) };
+                world.insert_one(*gear, gear_of).unwrap();
+            }
+            simulation.step(&mut world);
+            for (pose, momentum) in &mut world.query::<(&Pose, &Momentum)>() {
+                assert!(pose.position.is_finite() && pose.orientation.is_finite(), "case {case}");
+                assert!(momentum.linear.is_finite() && momentum.angular.is_finite(), "case {case}");
+            }
+        }
+    }
 }
 
 /// Bodies with limits and friction that fall on the ground.

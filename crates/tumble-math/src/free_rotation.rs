@@ -108,7 +108,7 @@ pub fn rotate_freely<L: Lane>(
 /// }
 /// assert!((orientation.z - 0.5_f64.sin()).abs() < 1e-9);
 /// ```
-#[derive(Clone, Copy)]
+#[derive(Clone, Copy, Debug)]
 pub struct FreeRotation<L> {
     ratios: Ratios<L>,
     axes: Option<Quat<L>>,
@@ -248,7 +248,7 @@ fn parts_needed<L: Lane>(kappa: L) -> L {
 }
 
 /// A body's principal moments as ratios, in units of half their sum `T_1 + T_2 + T_3`.
-#[derive(Clone, Copy)]
+#[derive(Clone, Copy, Debug)]
 struct Ratios<L> {
     /// One over the unit.
     unit: L,

@@ -1,5 +1,7 @@
 //! Random mechanisms: trees with loops, of joints of every kind between bodies of many sizes.
 
+#![allow(dead_code, reason = "each test uses a part of it")]
+
 use glam::{DQuat, DVec3};
 use hecs::{Entity, World};
 use tumble::math::{Quat, Real, Vec3};

@@ -58,6 +58,7 @@ pub(crate) struct JointList {
     /// By entity, the numbers of joints; memory.
     numbers: Vec<(Entity, u32)>,
     /// Boxes to use again.
+    #[allow(clippy::vec_box, reason = "boxes go to joints and come back, so that none is allocated")]
     spare: Vec<Box<JointOptions>>,
 }
 

@@ -21,6 +21,7 @@ pub(crate) struct JointOptions {
 
 impl JointOptions {
     /// Of a row of an archetype of joints, in a spare box if there is one.
+    #[allow(clippy::vec_box, reason = "boxes go to joints and come back, so that none is allocated")]
     pub(crate) fn of_row(
         archetype: &Archetype,
         row: usize,

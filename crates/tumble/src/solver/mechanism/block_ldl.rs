@@ -161,16 +161,18 @@ impl BlockLdl {
             let n = sizes[row];
             let (before, after) = x.split_at_mut(starts[row + 1]);
             let here = &mut before[starts[row]..];
-            let mut y = [0.0; MAX_ROWS];
-            // The inverse counts the other way round.
-            sized!(backward(&diagonal[diagonal_starts[row]..], here, &mut y; [n, n]));
-            y.iter_mut().for_each(|y| *y = -*y);
+            let pivot = &diagonal[diagonal_starts[row]..];
+            match n {
+                3 => multiply(pivot, here, 3),
+                5 => multiply(pivot, here, 5),
+                6 => multiply(pivot, here, 6),
+                _ => multiply(pivot, here, n),
+            }
             for block in elimination.blocks_of(row) {
                 let column = elimination.columns[block] as usize;
                 let there = &after[starts[column] - starts[row + 1]..];
-                sized!(backward(&weights[block_starts[block]..], there, &mut y; [n, sizes[column]]));
+                sized!(backward(&weights[block_starts[block]..], there, here; [n, sizes[column]]));
             }
-            here.copy_from_slice(&y[..n]);
         }
     }
 }
@@ -237,6 +239,21 @@ fn forward(w: &[f64], x: &[f64], y: &mut [f64], [n, m]: [usize; 2]) {
             y[j] -= w[i * m + j] * x[i];
         }
     }
+}
+
+/// `x = a x`, with `a` of `n x n` numbers.
+#[inline(always)]
+fn multiply(a: &[f64], x: &mut [f64], n: usize) {
+    let (a, x) = (&a[..n * n], &mut x[..n]);
+    let mut products = [0.0; MAX_ROWS];
+    for i in 0..n {
+        let mut sum = a[i * n] * x[0];
+        for j in 1..n {
+            sum += a[i * n + j] * x[j];
+        }
+        products[i] = sum;
+    }
+    x.copy_from_slice(&products[..n]);
 }
 
 /// `y -= w x`, with `w` of `n x m` numbers.

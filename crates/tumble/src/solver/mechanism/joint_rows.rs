@@ -43,6 +43,7 @@ pub(crate) struct JointRows {
     pub(crate) gear: Option<Box<GearRows>>,
     /// From each centre of mass to the point where both bodies are pushed \[m\].
     pub(crate) arms: [Vec3<f64>; 2],
+    pub(crate) arm_lengths: [f64; 2],
     /// From the second body's anchor to that point \[m\].
     pub(crate) from_anchor: Vec3<f64>,
     /// By row: how far it is from being met, \[m\] or roughly \[rad\], where rows were set.
@@ -89,6 +90,7 @@ impl JointRows {
             reference: IDENTITY,
             gear: None,
             arms: [zero; 2],
+            arm_lengths: [0.0; 2],
             from_anchor: zero,
             errors: [0.0; MAX_ROWS],
             rounding: [0.0; MAX_ROWS],
@@ -125,7 +127,7 @@ impl JointRows {
         self.turned_stance(bodies, arms, gap)
     }
 
-    /// Whether its rows do not depend on how its frames are turned.
+    /// Whether its rows are along the axes of the world.
     fn is_plain_ball(&self) -> bool {
         self.free == Axes::ANGULAR && self.free_rows.is_empty()
     }
@@ -161,6 +163,7 @@ impl JointRows {
         }
         let half = locked_gap * 0.5;
         self.arms = [stance.anchor_arms[0] + stance.gap - half, stance.anchor_arms[1] - half];
+        self.arm_lengths = self.arms.map(length);
         self.from_anchor = half * -1.0;
         self.linear[row..self.locked].fill(zero);
         match Rotations::of(self.free) {
@@ -185,6 +188,13 @@ impl JointRows {
         if let Some(gear) = &self.gear {
             let mut errors = [0.0; MAX_ROWS];
             errors[0] = gear.error_since(self.rounding[0], bodies);
+            return errors;
+        }
+        if self.is_plain_ball() {
+            let gap = self.stance(bodies).gap;
+            let mut errors = [0.0; MAX_ROWS];
+            (errors[0], errors[1], errors[2]) =
+                (gap.x - self.rounding[0], gap.y - self.rounding[1], gap.z - self.rounding[2]);
             return errors;
         }
         self.errors_of(&self.stance(bodies))
@@ -277,6 +287,10 @@ impl JointRows {
         }
         let [a, b] = self.bodies.map(velocities);
         let apart = (b[0] + b[1].cross(self.arms[1])) - (a[0] + a[1].cross(self.arms[0]));
+        if self.is_plain_ball() {
+            (speeds[0], speeds[1], speeds[2]) = (apart.x, apart.y, apart.z);
+            return speeds;
+        }
         let turn = b[1] - a[1];
         for (row, speed) in speeds.iter_mut().enumerate().take(self.count) {
             *speed = self.linear[row].dot(apart) + self.angular[row].dot(turn);
@@ -292,6 +306,9 @@ impl JointRows {
 
     /// The impulse and the angular impulse on the second body of impulses along the rows.
     pub(crate) fn impulse(&self, along: &[f64]) -> [Vec3<f64>; 2] {
+        if let (true, &[x, y, z]) = (self.is_plain_ball(), along) {
+            return [Vec3::new(x, y, z), Vec3::zero()];
+        }
         let mut sum = [Vec3::zero(); 2];
         for (row, amount) in along.iter().enumerate() {
             sum[0] = sum[0] + self.linear[row] * *amount;

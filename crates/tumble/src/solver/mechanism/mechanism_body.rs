@@ -301,13 +301,18 @@ impl MechanismBody {
         (self.translation, self.orientation)
     }
 
+    /// Prepares for drifts of `h` \[s\].
+    pub(crate) fn free_rotation(&self, h: f64) -> FreeRotation<f64> {
+        FreeRotation::new(self.moments, self.inverse_moments, None, h)
+    }
+
     /// Moves it for `h` \[s\] from a place, without what turns with it but the orientation.
-    pub(crate) fn drift_from(&mut self, (translation, orientation): Place, h: f64) {
+    pub(crate) fn drift_from(&mut self, (translation, orientation): Place, rotation: &FreeRotation<f64>, h: f64) {
         self.translation = translation + self.linear_velocity() * h;
         self.orientation = if self.inverse_mass == 0.0 {
             tumble_math::rotate_exactly(orientation, self.angular, h)
         } else if self.turns {
-            FreeRotation::new(self.moments, self.inverse_moments, None, h).rotate(orientation, self.angular)
+            rotation.rotate(orientation, self.angular)
         } else {
             orientation
         };
@@ -318,11 +323,12 @@ impl MechanismBody {
         self.update_inertia();
     }
 
-    /// Whether every number of its state is finite.
+    /// Whether every number of its state is one of the build.
     pub(crate) fn is_finite(&self) -> bool {
         let vectors = [self.translation, self.linear, self.angular];
         let Quat { x, y, z, w } = self.orientation;
-        vectors.iter().all(|v| v.dot(*v).is_finite()) && (x + y + z + w).is_finite()
+        let most = 0.1 * f64::from(Real::MAX);
+        vectors.iter().all(|v| v.dot(*v).sqrt() < most) && (x + y + z + w).is_finite()
     }
 }
 

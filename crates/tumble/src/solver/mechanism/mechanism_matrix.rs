@@ -86,11 +86,21 @@ impl MechanismSolver {
             let (of_row, of_column) = (&turning[first][ends[0]][pairs[0]..], &turning[second][ends[1]][pairs[1]..]);
             let (linear_row, linear_column) = (row.linear_of(pairs[0]), column.linear_of(pairs[1]));
             let numbers = matrix.block_mut(block);
-            for i in 0..row.count {
-                for j in 0..column.count {
-                    numbers[i * column.count + j] += inverse_mass * linear_row[i].dot(linear_column[j])
-                        + sign * of_row[i].torque.dot(of_column[j].response);
+            let add = |numbers: &mut [f64], n: usize, m: usize| {
+                let (linear_row, linear_column) = (&linear_row[..n], &linear_column[..m]);
+                let (of_row, of_column, numbers) = (&of_row[..n], &of_column[..m], &mut numbers[..n * m]);
+                for i in 0..n {
+                    for j in 0..m {
+                        numbers[i * m + j] += inverse_mass * linear_row[i].dot(linear_column[j])
+                            + sign * of_row[i].torque.dot(of_column[j].response);
+                    }
                 }
+            };
+            match [row.count, column.count] {
+                [3, 3] => add(numbers, 3, 3),
+                [5, 5] => add(numbers, 5, 5),
+                [6, 6] => add(numbers, 6, 6),
+                [n, m] => add(numbers, n, m),
             }
             if !(row.free_rows.is_empty() && column.free_rows.is_empty()) {
                 let is_off = |place: &usize| row.is_off(place / column.count) || column.is_off(place % column.count);
@@ -106,22 +116,12 @@ impl MechanismSolver {
                 matrix.diagonal_mut(number)[0] = of_gear(joint, bodies, turning);
                 continue;
             }
-            for (end, turning) in turning.iter_mut().enumerate() {
-                let body = &bodies[joint.bodies[end]];
-                for (row, turning) in turning.iter_mut().enumerate().take(joint.count) {
-                    *turning = Turning::of(body, joint.arms[end], joint.linear[row], joint.angular[row]);
-                }
-            }
-            let inverse_mass: f64 = joint.bodies.iter().map(|body| bodies[*body].inverse_mass).sum();
             let (n, diagonal) = (joint.count, matrix.diagonal_mut(number));
-            for i in 0..n {
-                for j in i..n {
-                    let mut sum = inverse_mass * joint.linear[i].dot(joint.linear[j]);
-                    for of_end in &*turning {
-                        sum += of_end[i].torque.dot(of_end[j].response);
-                    }
-                    (diagonal[i * n + j], diagonal[j * n + i]) = (sum, sum);
-                }
+            match n {
+                3 => set_diagonal(joint, bodies, turning, diagonal, 3),
+                5 => set_diagonal(joint, bodies, turning, diagonal, 5),
+                6 => set_diagonal(joint, bodies, turning, diagonal, 6),
+                _ => set_diagonal(joint, bodies, turning, diagonal, n),
             }
             for (row, law) in (joint.locked..n).zip(&joint.free_rows) {
                 if law.constant.is_some() {
@@ -131,6 +131,36 @@ impl MechanismSolver {
                     diagonal[row * n + row] += law.gamma;
                 }
             }
+        }
+    }
+}
+
+/// Sets what the rows of a joint turn its bodies by, and how these respond, for `n` rows.
+#[inline(always)]
+fn set_diagonal(
+    joint: &JointRows,
+    bodies: &[MechanismBody],
+    turning: &mut [[Turning; MAX_ROWS]; 2],
+    diagonal: &mut [f64],
+    n: usize,
+) {
+    let diagonal = &mut diagonal[..n * n];
+    let (linear, angular) = (&joint.linear[..n], &joint.angular[..n]);
+    for (end, turning) in turning.iter_mut().enumerate() {
+        let body = &bodies[joint.bodies[end]];
+        let turning = &mut turning[..n];
+        for row in 0..n {
+            turning[row] = Turning::of(body, joint.arms[end], linear[row], angular[row]);
+        }
+    }
+    let inverse_mass: f64 = joint.bodies.iter().map(|body| bodies[*body].inverse_mass).sum();
+    let [first, second] = turning.each_ref().map(|turning| &turning[..n]);
+    for i in 0..n {
+        for j in i..n {
+            let mut sum = inverse_mass * linear[i].dot(linear[j]);
+            sum += first[i].torque.dot(first[j].response);
+            sum += second[i].torque.dot(second[j].response);
+            (diagonal[i * n + j], diagonal[j * n + i]) = (sum, sum);
         }
     }
 }

@@ -1,5 +1,6 @@
 //! The substeps of one mechanism: impulses of all joints at once, and the motion of its bodies.
 
+use tumble_math::FreeRotation;
 use tumble_math::lane::Vec3;
 
 use crate::solver::mechanism::block_ldl::{BlockLdl, MAX_ROWS};
@@ -26,7 +27,9 @@ pub(crate) struct MechanismSolver {
     pub(super) right: Vec<f64>,
     /// The solution before.
     last: Vec<f64>,
+    /// By body, where it was before the drift, and how it drifts.
     places: Vec<Place>,
+    rotations: Vec<FreeRotation<f64>>,
     /// By body, memory of a product with the matrix.
     velocities: Vec<[Vec3<f64>; 2]>,
     /// By body: sum of impulse times arm.
@@ -77,6 +80,7 @@ impl MechanismSolver {
             has_free_rows: ordered.iter().any(|joint| !joint.free_rows.is_empty()),
             bodies: Vec::with_capacity(moves.len()),
             places: Vec::with_capacity(moves.len()),
+            rotations: Vec::with_capacity(moves.len()),
             velocities: vec![[Vec3::zero(); 2]; moves.len()],
             joints: ordered,
             matrix,
@@ -156,6 +160,8 @@ impl MechanismSolver {
         }
         self.joints.iter_mut().for_each(|joint| joint.plan_correction(h));
         self.solve_half(half);
+        self.rotations.clear();
+        self.rotations.extend(self.bodies.iter().map(|body| body.free_rotation(h)));
         let (mut solution, mut most, mut worst) = (1, MAX_SOLUTIONS, f64::INFINITY);
         loop {
             if solution > 1 {
@@ -200,8 +206,9 @@ impl MechanismSolver {
     }
 
     fn drift_from_places(&mut self, h: f64) {
-        for (body, place) in self.bodies.iter_mut().zip(&self.places) {
-            body.drift_from(*place, h);
+        let Self { bodies, places, rotations, .. } = self;
+        for ((body, place), rotation) in bodies.iter_mut().zip(places).zip(rotations) {
+            body.drift_from(*place, rotation, h);
         }
     }
 
@@ -329,7 +336,7 @@ impl MechanismSolver {
         let mut most = 0.0_f64;
         for (number, joint) in joints.iter().enumerate() {
             let errors = joint.errors(bodies);
-            let size = length(joint.arms[0]) + length(joint.arms[1]);
+            let size = joint.arm_lengths[0] + joint.arm_lengths[1];
             let linear = joint.linear_count();
             let begin = matrix.starts[number];
             for row in 0..joint.locked {
@@ -423,7 +430,7 @@ fn set_pulls(pulls: &mut [f64], joints: &[JointRows], matrix: &BlockLdl, impulse
         let [impulse, _] = joint.impulse(&impulses[matrix.starts[number]..][..joint.count]);
         let strength = length(impulse);
         for end in 0..2 {
-            pulls[joint.bodies[end]] += strength * length(joint.arms[end]);
+            pulls[joint.bodies[end]] += strength * joint.arm_lengths[end];
         }
     }
 }
