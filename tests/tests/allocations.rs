@@ -16,7 +16,7 @@ use std::sync::Barrier;
 use alloc_tracker::{Allocator, Session};
 use hecs::World;
 use rayon::{ThreadPool, ThreadPoolBuilder};
-use tumble::{BodyOrder, BodyState, ForceLaw, Integrator, Ledger, Rollback, Settings, Simulation, Wrench};
+use tumble::{BodyOrder, BodyState, ForceLaw, Gear, Integrator, Ledger, Rollback, Settings, Simulation, Wrench};
 use tumble_benches::{mixed_bodies, tumbling_boxes};
 use tumble_tests::Draw;
 
@@ -43,7 +43,7 @@ fn braked_bodies() -> World {
 
 mod coupled;
 mod mechanisms;
-use mechanisms::{Class, mechanism};
+use mechanisms::{Class, Options, add_options, mechanism};
 
 /// Mechanisms with loops that fly apart, and one that hangs.
 fn jointed_bodies() -> World {
@@ -52,7 +52,12 @@ fn jointed_bodies() -> World {
         let class = Class { bodies: 15, loops: 0.2, is_fixed: case == 0, first_id: 100 * case, ..Class::PLAIN };
         let plan = mechanism(class, &mut Draw::new(0xA110C, case));
         let all = |count: usize| (0..count).collect::<Vec<_>>();
-        plan.spawn(&mut world, &all(plan.bodies.len()), &all(plan.joints.len()));
+        let (_, joints) = plan.spawn(&mut world, &all(plan.bodies.len()), &all(plan.joints.len()));
+        if case % 2 == 0 {
+            let options = Options { has_springs: true, breaks: false, size: 0.5, mass: 5.0 };
+            add_options(&mut world, &joints, options, case);
+            world.spawn((Gear::new(joints[0], joints[1], -2.0),));
+        }
     }
     world
 }

@@ -203,7 +203,8 @@ fn three_springs_of_a_ball_pull_straight_back() {
                 Axes::ANGULAR_Y => target.y,
                 _ => target.z,
             };
-            Drive::position(axis, place as Real).with_frequency(1.0, 0.0)
+            // Of 1 Hz on 0.5 kg m^2.
+            Drive::position(axis, place as Real).with_stiffness((0.5 * TAU * TAU) as Real, 0.0)
         });
         rig.world.insert_one(joint, Drives(drives.to_vec())).unwrap();
         for _ in 0..25 {

@@ -144,6 +144,48 @@ fn what_hangs_with_limits_and_friction_gains_nothing() {
     assert!(worst <= 1e-3, "{worst:e}");
 }
 
+/// Springs of every kind on every axis of trees, damped or not: after a second there is no more
+/// motion than there was in the first, for they have a potential.
+#[test]
+fn springs_make_no_energy() {
+    for case in 0..40 {
+        let mut draw = Draw::new(0x806, case);
+        let class = Class { bodies: 10, first_id: 1, is_fixed: case % 2 == 0, ..Class::PLAIN };
+        let mut world = World::new();
+        let plan = mechanism(class, &mut draw);
+        let all = |count: usize| (0..count).collect::<Vec<_>>();
+        let (_, joints) = plan.spawn(&mut world, &all(plan.bodies.len()), &all(plan.joints.len()));
+        add_options(&mut world, &joints, Options { has_springs: true, breaks: false, size: 0.5, mass: 5.0 }, case);
+        // A frequency makes another spring of every mass, and so of every step.
+        let fixed = |gain: Gain| match gain {
+            Gain::Frequency { hertz, damping_ratio } => {
+                let rate = hertz * 6.28;
+                Gain::Stiffness { stiffness: rate * rate, damping: 2.0 * damping_ratio * rate }
+            }
+            other => other,
+        };
+        for joint in joints {
+            let mut drives = world.get::<&mut Drives>(joint).unwrap();
+            drives.0.retain(|drive| drive.gain != Gain::Rigid);
+            drives.0.iter_mut().for_each(|drive| drive.gain = fixed(drive.gain));
+            let mut limits = world.get::<&mut Limits>(joint).unwrap();
+            limits.axes.iter_mut().flatten().for_each(|limit| limit.gain = fixed(limit.gain));
+        }
+        let mut simulation = simulation(0.0, 1.0 / 60.0);
+        let mut kinetic = |steps: u32| {
+            (0..steps).fold(0.0_f64, |most, _| {
+                simulation.step(&mut world);
+                most.max(totals(&world, &simulation).energy())
+            })
+        };
+        let first = kinetic(60);
+        kinetic(180);
+        let later = kinetic(60);
+        println!("case {case}: {first:e} J, later {later:e} J");
+        assert!(later <= 1.5 * first, "case {case}: {first:e} {later:e}");
+    }
+}
+
 /// Numbers that are none, infinite, negative or far too large, in every field: bodies stay finite.
 #[test]
 fn senseless_numbers_leave_bodies_finite() {

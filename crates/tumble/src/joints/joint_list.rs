@@ -25,7 +25,7 @@ pub(crate) struct ListedJoint {
     pub(crate) has_load: bool,
     pub(crate) breakable: Option<Breakable>,
     /// Limits, drives and friction, where it has any.
-    pub(crate) options: Option<Box<JointOptions>>,
+    options: Option<u32>,
 }
 
 /// A gear between joints of the list.
@@ -57,9 +57,8 @@ pub(crate) struct JointList {
     pub(crate) gears: Vec<ListedGear>,
     /// By entity, the numbers of joints; memory.
     numbers: Vec<(Entity, u32)>,
-    /// Boxes to use again.
-    #[allow(clippy::vec_box, reason = "boxes go to joints and come back, so that none is allocated")]
-    spare: Vec<Box<JointOptions>>,
+    /// Of the joints that have any, in the order in which they were found; more are memory.
+    options: Vec<JointOptions>,
 }
 
 /// The entities that joints of a world connect.
@@ -96,8 +95,9 @@ impl JointList {
     ///
     /// Returns whether they keep the same pairs apart as before.
     pub(crate) fn find(&mut self, world: &World, body_index: &BodyIndex) -> bool {
-        let Self { joints, spare, endless, endless_before, .. } = self;
-        spare.extend(joints.drain(..).filter_map(|joint| joint.options));
+        let Self { joints, options, endless, endless_before, .. } = self;
+        joints.clear();
+        let mut with_options = 0;
         std::mem::swap(endless, endless_before);
         endless.clear();
         // Goes through archetypes and rows in the same order.
@@ -121,14 +121,20 @@ impl JointList {
                     && a != b
                 {
                     let place = RowPlace { archetype: index as u32, row: row as u32 };
-                    let options = JointOptions::of_row(archetype, row, joint.free, spare);
                     let joint = *joint;
-                    joints.push(ListedJoint { slots: [a, b], joint, entity, place, has_load, breakable, options });
+                    let number = JointOptions::are_in(archetype).then_some(with_options);
+                    if number.is_some() {
+                        options.resize_with(options.len().max(with_options as usize + 1), JointOptions::default);
+                        options[with_options as usize].take_row(archetype, row, joint.free);
+                        with_options += 1;
+                    }
+                    let slots = [a, b];
+                    joints.push(ListedJoint { slots, joint, entity, place, has_load, breakable, options: number });
                 }
             }
         }
-        if !joints.is_sorted_by(|a, b| a.cmp(b).is_le()) {
-            joints.sort_unstable_by(ListedJoint::cmp);
+        if !joints.is_sorted_by(|a, b| a.cmp(b, options).is_le()) {
+            joints.sort_unstable_by(|a, b| a.cmp(b, options));
         }
         self.all_gears.clear();
         self.all_gears.extend(world.query::<&Gear>().iter().filter(|gear| gear.is_in_range()));
@@ -191,6 +197,11 @@ impl JointList {
         same
     }
 
+    /// Limits, drives and friction of a joint, if it has any.
+    pub(crate) fn options(&self, joint: &ListedJoint) -> Option<&JointOptions> {
+        joint.options.map(|number| &self.options[number as usize])
+    }
+
     /// The bodies of each.
     pub(crate) fn pairs(&self) -> impl Iterator<Item = [Slot; 2]> + '_ {
         self.joints.iter().map(|joint| joint.slots)
@@ -214,7 +225,7 @@ impl JointList {
 
 impl ListedJoint {
     /// Equal only for joints that do the same.
-    fn cmp(&self, other: &Self) -> Ordering {
+    fn cmp(&self, other: &Self, options: &[JointOptions]) -> Ordering {
         let numbers = |joint: &Self| {
             let mut numbers = [0; 14];
             let of_frames = joint.joint.frames.iter().flat_map(|frame| {
@@ -228,6 +239,9 @@ impl ListedJoint {
         by_slots
             .then_with(|| self.joint.free.bits().cmp(&other.joint.free.bits()))
             .then_with(|| numbers(self).cmp(&numbers(other)))
-            .then_with(|| JointOptions::cmp(self.options.as_deref(), other.options.as_deref()))
+            .then_with(|| {
+                let [a, b] = [self, other].map(|joint| joint.options.map(|number| &options[number as usize]));
+                JointOptions::cmp(a, b)
+            })
     }
 }

@@ -20,29 +20,22 @@ pub(crate) struct JointOptions {
 }
 
 impl JointOptions {
-    /// Of a row of an archetype of joints, in a spare box if there is one.
-    #[allow(clippy::vec_box, reason = "boxes go to joints and come back, so that none is allocated")]
-    pub(crate) fn of_row(
-        archetype: &Archetype,
-        row: usize,
-        free: Axes,
-        spare: &mut Vec<Box<Self>>,
-    ) -> Option<Box<Self>> {
+    /// Whether joints of an archetype have any.
+    pub(crate) fn are_in(archetype: &Archetype) -> bool {
+        archetype.has::<Limits>() || archetype.has::<JointFriction>() || archetype.has::<Drives>()
+    }
+
+    /// Takes over those of a row of an archetype of joints, of which these axes are free.
+    pub(crate) fn take_row(&mut self, archetype: &Archetype, row: usize, free: Axes) {
         let limits = archetype.get::<&Limits>();
         let friction = archetype.get::<&JointFriction>();
-        let drives = archetype.get::<&Drives>();
-        if limits.is_none() && friction.is_none() && drives.is_none() {
-            return None;
-        }
-        let mut it = spare.pop().unwrap_or_default();
-        it.limits = limits.map_or_else(Limits::default, |limits| limits[row].within(free));
+        self.limits = limits.map_or_else(Limits::default, |limits| limits[row].within(free));
         let friction = friction.map(|friction| friction[row]).filter(JointFriction::is_in_range);
-        it.friction = friction.unwrap_or_default().along_only(free);
-        it.drives.clear();
-        if let Some(drives) = drives {
-            it.drives.extend(drives[row].0.iter().filter(|drive| drive.is_in_range()));
+        self.friction = friction.unwrap_or_default().along_only(free);
+        self.drives.clear();
+        if let Some(drives) = archetype.get::<&Drives>() {
+            self.drives.extend(drives[row].0.iter().filter(|drive| drive.is_in_range()));
         }
-        Some(it)
     }
 
     /// Equal only for options that do the same.

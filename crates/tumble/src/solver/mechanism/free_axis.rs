@@ -84,8 +84,8 @@ impl FreeAxis {
         matches!(self, Self::Twist | Self::Distance | Self::Cone(_))
     }
 
-    /// Where a joint stands; of three free rotations against a rotation to go to.
-    pub(crate) fn direction(self, stance: &Stance, free: Axes, reference: Quat<f64>) -> Direction {
+    /// Where a joint stands; of three free rotations against a rotation to go to, if there is one.
+    pub(crate) fn direction(self, stance: &Stance, free: Axes, reference: Option<Quat<f64>>) -> Direction {
         let zero = Vec3::zero();
         let along = |value, linear| Direction { value, linear, angular: zero };
         let about = |value, angular| Direction { value, linear: zero, angular };
@@ -97,10 +97,13 @@ impl FreeAxis {
                 match Rotations::of(free) {
                     Rotations::AboutBoth(i, j) if axis == i => about(first_angle(q, i, j), a[i]),
                     Rotations::AboutBoth(i, j) => about(second_angle(q, i, j), b[j]),
-                    Rotations::Free => {
-                        let vector = tumble_math::to_scaled_axis((q * reference.conjugate()).into());
-                        about(vector[axis], a[axis])
-                    }
+                    Rotations::Free => match reference {
+                        Some(reference) => {
+                            let (value, [x, y, z]) = along_rotation_vector(q * reference.conjugate(), axis);
+                            about(value, a[0] * x + a[1] * y + a[2] * z)
+                        }
+                        None => about(0.0, a[axis]),
+                    },
                     Rotations::About(_) | Rotations::Locked => about(twist(q, axis), a[axis]),
                 }
             }
@@ -126,6 +129,20 @@ impl FreeAxis {
             }
         }
     }
+}
+
+/// A component of the rotation vector, and its gradient: about what a rotation changes it.
+///
+/// Springs along these have a potential; along the axes themselves they would not.
+fn along_rotation_vector(q: Quat<f64>, axis: usize) -> (f64, [f64; 3]) {
+    let vector = tumble_math::to_scaled_axis(q.into());
+    let angle = vector.length();
+    let unit = glam::DVec3::AXES[axis];
+    let sine = glam::DVec3::new(q.x, q.y, q.z).length();
+    // (1 - x cot x) / (2 x)^2 at half the angle; 1/12 at none.
+    let factor = if angle < 1e-4 { 1.0 / 12.0 } else { (1.0 - 0.5 * angle * q.w.abs() / sine) / (angle * angle) };
+    let bent = vector.cross(unit);
+    (vector[axis], (unit + bent * 0.5 + vector.cross(bent) * factor).to_array())
 }
 
 /// Of the second frame against the first; the nearer of both quaternions.

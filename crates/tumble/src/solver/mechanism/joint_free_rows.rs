@@ -3,6 +3,7 @@
 use tumble_math::lane::Vec3;
 
 use crate::joints::axes::Axes;
+use crate::joints::drives::Drive;
 use crate::joints::joint_options::JointOptions;
 use crate::solver::mechanism::block_ldl::MAX_ROWS;
 use crate::solver::mechanism::free_axis::{FreeAxis, free_axes};
@@ -20,7 +21,12 @@ impl JointRows {
         let is_ball = self.free.contains(Axes::ANGULAR);
         let of_reference = if is_ball { [place(3), place(4), place(5)] } else { [0.0; 3] };
         let [x, y, z] = of_reference;
-        self.reference = tumble_math::rotate_exactly(IDENTITY, Vec3::new(x, y, z), 1.0);
+        let goes_somewhere = |drive: &&Drive| drive.position.is_some() && (3..6).any(|axis| drive.axes.has(axis));
+        self.reference = options
+            .drives
+            .iter()
+            .find(goes_somewhere)
+            .map(|_| tumble_math::rotate_exactly(IDENTITY, Vec3::new(x, y, z), 1.0));
         for (row, axis) in self.free_rows.iter_mut().zip(free_axes(options, self.free)) {
             row.reset(axis);
             let (number, origin) = match axis {

@@ -38,7 +38,7 @@ pub(crate) struct JointRows {
     /// Those of free axes.
     pub(crate) free_rows: Vec<FreeRow>,
     /// The rotation that values of three free rotations are taken against.
-    pub(super) reference: Quat<f64>,
+    pub(super) reference: Option<Quat<f64>>,
     /// What it is in the place of a joint: its one row acts on four bodies.
     pub(crate) gear: Option<Box<GearRows>>,
     /// From each centre of mass to the point where both bodies are pushed \[m\].
@@ -87,7 +87,7 @@ impl JointRows {
             count: locked + free_rows.len(),
             locked,
             free_rows,
-            reference: IDENTITY,
+            reference: None,
             gear: None,
             arms: [zero; 2],
             arm_lengths: [0.0; 2],

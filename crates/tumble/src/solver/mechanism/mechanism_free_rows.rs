@@ -3,6 +3,10 @@
 use crate::solver::mechanism::free_row::{FreeRow, Phase};
 use crate::solver::mechanism::mechanism_solver::{Half, MechanismSolver};
 
+/// How much more than without other joints a spring moves, at most: beyond, a loop locks its axis,
+/// and what it moves is no mass.
+const MAX_MASS_RATIO: f64 = 1e5;
+
 impl MechanismSolver {
     /// Finds what the rows of free axes move: those with springs by all joints, as if all that is
     /// driven besides were held.
@@ -12,7 +16,7 @@ impl MechanismSolver {
             let responses = joint.own_responses(bodies);
             let locked = joint.locked;
             for (row, it) in (locked..).zip(&mut joint.free_rows) {
-                it.set_mass(1.0 / responses[row]);
+                it.set_mass(1.0 / responses[row], 1.0 / responses[row]);
                 it.hold();
             }
         }
@@ -27,7 +31,9 @@ impl MechanismSolver {
                 right.fill(0.0);
                 right[place] = 1.0;
                 matrix.solve(right);
-                row.set_mass(right[place]);
+                let own_mass = row.own_mass();
+                let is_locked = right[place] > MAX_MASS_RATIO * own_mass;
+                row.set_mass(if is_locked { own_mass } else { right[place] }, own_mass);
             }
         }
     }

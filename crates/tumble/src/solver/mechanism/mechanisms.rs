@@ -122,7 +122,7 @@ impl Mechanisms {
         let links = active.iter().map(|number| {
             let joint = &list.joints[*number as usize];
             let free = joint.joint.free;
-            let bits = free_axis_bits(joint.options.as_deref(), free);
+            let bits = free_axis_bits(list.options(joint), free);
             (joint.slots, joint.slots.each_ref().map(moves), free, bits)
         });
         let is_active = |number: u32| active.binary_search(&number).ok().map(|place| place as u32);
@@ -164,7 +164,7 @@ impl Mechanisms {
                 }
                 let listed = &list.joints[active[*number as usize] as usize];
                 rows.anchors = [0, 1].map(|end| anchor(listed, end, body_index, columns));
-                listed.options.iter().for_each(|options| rows.take_options(options));
+                list.options(listed).into_iter().for_each(|options| rows.take_options(options));
             }
         }
     }
@@ -198,7 +198,7 @@ impl Mechanisms {
             let rows_of = |number: u32| {
                 let (slots, _, free, _) = structure[number as usize];
                 let bodies = slots.map(|slot| of_it.binary_search(&slot).unwrap_or(0));
-                let options = list.joints[active[number as usize] as usize].options.as_deref();
+                let options = list.options(&list.joints[active[number as usize] as usize]);
                 (bodies, free, options)
             };
             let plain = |(bodies, free, _)| JointRows::new(bodies, [Anchor::CENTER; 2], free, None);
