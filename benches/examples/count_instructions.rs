@@ -16,19 +16,27 @@ use std::process::{Command, ExitCode};
 
 use tumble::math::{PRECISION, Vec3};
 use tumble::{Batch, Integrator, Settings, Simulation, Trial, simd_name};
-use tumble_benches::{attracting_points, eight_boxes, falling_balls, net_of_springs, pyramid, tumbling_boxes};
+use tumble_benches::{
+    JointKind, attracting_points, chain, eight_boxes, falling_balls, net_of_springs, pyramid, tumbling_boxes,
+};
 
 /// Of free bodies: whole tiles, in whole chunks.
 const BODIES: u32 = 4096;
 /// Where bodies act on each other: a name, how many they are, and after how many steps counting
 /// begins.
-const COUPLED: [(&str, u32, u32); 5] = [
+const COUPLED: [(&str, u32, u32); 7] = [
     ("springs", 1024, 5),
     ("attraction", 256, 5),
     ("pyramid", 204, 5),
     ("balls", 1000, 90),
     ("worlds", WORLDS * 8, 60),
+    ("chain", JOINTS * SUBSTEPS, 5),
+    ("hinges", JOINTS * SUBSTEPS, 5),
 ];
+/// In a chain.
+const JOINTS: u32 = 100;
+/// In a step: with joints, what is counted is per joint and substep.
+const SUBSTEPS: u32 = 4;
 /// Of eight boxes.
 const WORLDS: u32 = 16;
 /// Steps of free bodies before counting begins.
@@ -73,6 +81,8 @@ fn step_world(scene: &str, steps: u32) -> Result<(), Failure> {
         "attraction" => (attracting_points(count as usize), settings.with_gravity(Vec3::ZERO).with_dt(1e-3)),
         "pyramid" => (pyramid(8), settings),
         "balls" => (falling_balls(count as usize), settings),
+        "chain" => (chain(JOINTS as usize, JointKind::Ball), settings.with_contact_substeps(SUBSTEPS)),
+        "hinges" => (chain(JOINTS as usize, JointKind::Hinge), settings.with_contact_substeps(SUBSTEPS)),
         integrator => (tumbling_boxes(count as usize), settings.with_integrator(integrator.parse()?)),
     };
     let mut simulation = Simulation::new(settings)?;
