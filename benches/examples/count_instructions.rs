@@ -2,9 +2,10 @@
 //! they are the same on a busy machine and on a quiet one.
 //!
 //! `cargo run --release -p tumble-benches --example count_instructions`, with `--features f64` for
-//! double precision, runs boxes under each integrator, bodies that pull at each other and bodies
-//! that touch under valgrind, with each instruction set that valgrind knows, and fails where a
-//! body-step has over 3 % more instructions than in `benches/instruction_counts.csv`. `-- --record`
+//! double precision, runs boxes under each integrator, bodies that pull at each other, bodies that
+//! touch and chains of joints under valgrind, with each instruction set that valgrind knows, and
+//! fails where a body-step, or a joint's substep, has over 3 % more instructions than in
+//! `benches/instruction_counts.csv`. `-- --record`
 //! writes what it finds there; that file says with which compiler, since another one makes other
 //! code. A minute; not among the checks of every change.
 //!
@@ -184,7 +185,7 @@ fn compare(counts: &[Count]) -> Result<ExitCode, Failure> {
     for count in counts {
         let key = count.key();
         let Some(recorded) = record.lines().find_map(|line| line.strip_prefix(&key)?.strip_prefix(',')) else {
-            println!("{key} is not on record");
+            println!("{key}: {:.1}, not on record", count.instructions);
             exceeded += 1;
             continue;
         };

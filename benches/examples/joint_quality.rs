@@ -2,11 +2,14 @@
 //! how much energy is lost, over ten seconds at 60 steps a second with four substeps.
 //!
 //! `cargo run --release -p tumble-benches --features peers --example joint_quality`, with the name
-//! of a scene for that one alone, and `-- threads` to let both engines take the threads that they
-//! want instead of one. Every engine takes ten steps, then the next one does, so that what else the
-//! machine does hits all; times are medians of all steps. Rapier runs with its impulse joints and
-//! its default of four iterations, and with its multibody joints where it can. What has
-//! taken a minute is stopped; `simulated` says how far it came.
+//! of a scene for that one alone. Rapier runs with its impulse joints and its default of four
+//! iterations, and with its multibody joints where it can. An engine that has taken ten seconds for
+//! this is stopped; `simulated` says how far it came.
+//!
+//! Then the engines take blocks of steps in turn, so that what else the machine does hits all, and
+//! medians of three are printed. Both have one thread, and what is measured is its processor time,
+//! which is not that of others; `-- threads` lets both take the threads that they want, and
+//! measures the time that passes.
 //!
 //! `gap` is the largest distance between the two points that a joint holds together, `stretch` the
 //! mean of these gaps over the length of a link, both at their worst step. `energy` is the change
@@ -25,10 +28,12 @@ use tumble_benches::{JointKind, LINK, RapierJoints, RapierWorld, arm, bridge, ch
 type RunStatus<T> = Result<T, Box<dyn std::error::Error + Send + Sync>>;
 
 const STEPS: u32 = 600;
-/// Steps of one engine before it is the next one's turn.
-const TURN: u32 = 10;
-/// How long an engine may take for a scene.
-const PATIENCE: Duration = Duration::from_secs(60);
+/// How long an engine may take for these.
+const PATIENCE: Duration = Duration::from_secs(10);
+/// Blocks of steps of each engine that are timed, and how long they are at least: the system counts
+/// processor time in pieces of some milliseconds.
+const BLOCKS: usize = 3;
+const BLOCK: Duration = Duration::from_millis(300);
 
 /// A scene: how it is made, whether it only swings, so that its energy stays, and whether Rapier's
 /// multibody joints can have it in this time, which is not so with loops or a thousand links.
@@ -69,10 +74,24 @@ fn main() -> RunStatus<()> {
     println!("|---|---|---|---|---|---|---|---|");
     let alone = pool(1);
     for scene in SCENES.iter().filter(|scene| names.is_empty() || names.iter().any(|name| *name == scene.name)) {
-        if own_threads { scene.run()? } else { alone.install(|| scene.run())? }
+        let start = Instant::now();
+        if own_threads {
+            scene.run(&|| start.elapsed())?;
+        } else {
+            alone.install(|| scene.run(&|| processor_time().unwrap_or_else(|| start.elapsed())))?;
+        }
     }
     Ok(())
 }
+
+/// What this thread has had of a processor, where the system tells it.
+fn processor_time() -> Option<Duration> {
+    let told = std::fs::read_to_string("/proc/thread-self/schedstat").ok()?;
+    told.split_whitespace().next()?.parse().ok().map(Duration::from_nanos)
+}
+
+/// Time since some moment.
+type Clock<'a> = &'a dyn Fn() -> Duration;
 
 /// An engine with a scene in it.
 enum Engine {
@@ -110,31 +129,43 @@ impl Engine {
 struct Run {
     name: &'static str,
     engine: Engine,
-    /// Of steps \[s\].
-    times: Vec<f64>,
+    steps: u32,
     largest_gap: f64,
     largest_mean: f64,
+    energy_change: f64,
+    /// Of a step in each block \[s\].
+    times: Vec<f64>,
 }
 
 impl Run {
     fn new(name: &'static str, engine: Engine) -> Self {
-        Self { name, engine, times: Vec::new(), largest_gap: 0.0, largest_mean: 0.0 }
+        Self { name, engine, steps: 0, largest_gap: 0.0, largest_mean: 0.0, energy_change: 0.0, times: Vec::new() }
     }
 
-    fn take_turn(&mut self, start: &World) {
-        if Duration::from_secs_f64(self.times.iter().sum()) > PATIENCE {
-            return;
-        }
-        for _ in 0..TURN {
-            let begin = Instant::now();
+    fn simulate(&mut self, start: &World, settings: &Settings, clock: Clock<'_>) {
+        let mut taken = Duration::ZERO;
+        while self.steps < STEPS && taken < PATIENCE {
+            let begin = clock();
             self.engine.step();
-            self.times.push(begin.elapsed().as_secs_f64());
+            taken += clock() - begin;
+            self.steps += 1;
             let mut query = start.query::<&Joint>();
             let gaps: Vec<f64> = query.iter().filter_map(|joint| self.gap(joint)).collect();
             let mean = gaps.iter().sum::<f64>() / gaps.len() as f64;
             self.largest_gap = gaps.into_iter().fold(self.largest_gap, f64::max);
             self.largest_mean = self.largest_mean.max(mean);
         }
+        self.energy_change = self.energy_change(start, settings);
+    }
+
+    fn time_block(&mut self, clock: Clock<'_>) {
+        let (begin, mut steps) = (clock(), 0);
+        while clock() - begin < BLOCK {
+            // Reading the clock takes longer than a step of a small scene may.
+            (0..4).for_each(|_| self.engine.step());
+            steps += 4;
+        }
+        self.times.push((clock() - begin).as_secs_f64() / f64::from(steps));
     }
 
     /// How far apart the points are that a joint holds together \[m\].
@@ -175,7 +206,7 @@ fn energy_to_fall(start: &World, settings: &Settings) -> f64 {
 }
 
 impl Scene {
-    fn run(&self) -> RunStatus<()> {
+    fn run(&self, clock: Clock<'_>) -> RunStatus<()> {
         let start = (self.made)();
         let settings = Settings::default();
         let ours = Engine::Tumble(Box::new(((self.made)(), Simulation::new(settings)?)));
@@ -188,13 +219,14 @@ impl Scene {
                 runs.push(Run::new(name, Engine::Rapier(Box::new(peer))));
             }
         }
-        for _ in 0..STEPS / TURN {
-            runs.iter_mut().for_each(|run| run.take_turn(&start));
+        runs.iter_mut().for_each(|run| run.simulate(&start, &settings, clock));
+        for _ in 0..BLOCKS {
+            runs.iter_mut().for_each(|run| run.time_block(clock));
         }
         let whole = energy_to_fall(&start, &settings);
         let ours = runs[0].median();
         for run in &runs {
-            let lost = 100.0 * run.energy_change(&start, &settings) / whole;
+            let lost = 100.0 * run.energy_change / whole;
             let energy = match lost.abs() {
                 _ if !self.swings => "-".to_owned(),
                 some if some < 1e3 => format!("{lost:+.2} %"),
@@ -202,7 +234,7 @@ impl Scene {
             };
             let (scene, time, gap) = (self.name, run.median(), run.largest_gap * 1e3);
             let stretch = run.largest_mean / f64::from(LINK);
-            let seconds = run.times.len() as f64 / 60.0;
+            let seconds = f64::from(run.steps) / 60.0;
             println!(
                 "| {scene} | {} | {:.3} | {:.2} | {gap:.4} | {stretch:.2e} | {energy} | {seconds:.1} s |",
                 run.name,
