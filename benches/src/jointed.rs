@@ -94,8 +94,8 @@ fn join_planks(world: &mut World, bodies: [Entity; 2], at: Vec3, kind: JointKind
     }
 }
 
-/// A horizontal arm of this many links of 1 kg and 10 cm on hinges about z and y by turns, each with
-/// a drive to its own position of 5 Hz and limits of a radian both ways.
+/// A horizontal arm of this many links of 1 kg and 10 cm on hinges about z and y, one after the
+/// other, each with a drive to a position at 5 Hz and limits of a radian both ways.
 pub fn arm(links: usize) -> World {
     let mut world = World::new();
     let mut last = fixed(&mut world, 0, Vec3::ZERO);
