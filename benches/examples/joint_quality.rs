@@ -19,6 +19,14 @@
 //! Under `--features f64` tumble is in double precision and Rapier, a crate of single precision, is
 //! not.
 
+#![cfg_attr(
+    feature = "f64",
+    allow(
+        clippy::useless_conversion,
+        reason = "Real is f64 in this build; the same line converts from f32 in the other"
+    )
+)]
+
 use std::time::{Duration, Instant};
 
 use hecs::{Entity, World};
