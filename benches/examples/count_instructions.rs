@@ -2,9 +2,10 @@
 //! they are the same on a busy machine and on a quiet one.
 //!
 //! `cargo run --release -p tumble-benches --example count_instructions`, with `--features f64` for
-//! double precision, runs boxes under each integrator, bodies that pull at each other and bodies
-//! that touch under valgrind, with each instruction set that valgrind knows, and fails where a
-//! body-step has over 3 % more instructions than in `benches/instruction_counts.csv`. `-- --record`
+//! double precision, runs boxes under each integrator, bodies that pull at each other, bodies that
+//! touch and chains of joints under valgrind, with each instruction set that valgrind knows, and
+//! fails where a body-step, or a joint's substep, has over 3 % more instructions than in
+//! `benches/instruction_counts.csv`. `-- --record`
 //! writes what it finds there; that file says with which compiler, since another one makes other
 //! code. A minute; not among the checks of every change.
 //!
@@ -16,19 +17,27 @@ use std::process::{Command, ExitCode};
 
 use tumble::math::{PRECISION, Vec3};
 use tumble::{Batch, Integrator, Settings, Simulation, Trial, simd_name};
-use tumble_benches::{attracting_points, eight_boxes, falling_balls, net_of_springs, pyramid, tumbling_boxes};
+use tumble_benches::{
+    JointKind, attracting_points, chain, eight_boxes, falling_balls, net_of_springs, pyramid, tumbling_boxes,
+};
 
 /// Of free bodies: whole tiles, in whole chunks.
 const BODIES: u32 = 4096;
 /// Where bodies act on each other: a name, how many they are, and after how many steps counting
 /// begins.
-const COUPLED: [(&str, u32, u32); 5] = [
+const COUPLED: [(&str, u32, u32); 7] = [
     ("springs", 1024, 5),
     ("attraction", 256, 5),
     ("pyramid", 204, 5),
     ("balls", 1000, 90),
     ("worlds", WORLDS * 8, 60),
+    ("chain", JOINTS * SUBSTEPS, 5),
+    ("hinges", JOINTS * SUBSTEPS, 5),
 ];
+/// In a chain.
+const JOINTS: u32 = 100;
+/// In a step: with joints, what is counted is per joint and substep.
+const SUBSTEPS: u32 = 4;
 /// Of eight boxes.
 const WORLDS: u32 = 16;
 /// Steps of free bodies before counting begins.
@@ -73,6 +82,8 @@ fn step_world(scene: &str, steps: u32) -> Result<(), Failure> {
         "attraction" => (attracting_points(count as usize), settings.with_gravity(Vec3::ZERO).with_dt(1e-3)),
         "pyramid" => (pyramid(8), settings),
         "balls" => (falling_balls(count as usize), settings),
+        "chain" => (chain(JOINTS as usize, JointKind::Ball), settings.with_contact_substeps(SUBSTEPS)),
+        "hinges" => (chain(JOINTS as usize, JointKind::Hinge), settings.with_contact_substeps(SUBSTEPS)),
         integrator => (tumbling_boxes(count as usize), settings.with_integrator(integrator.parse()?)),
     };
     let mut simulation = Simulation::new(settings)?;
@@ -174,7 +185,7 @@ fn compare(counts: &[Count]) -> Result<ExitCode, Failure> {
     for count in counts {
         let key = count.key();
         let Some(recorded) = record.lines().find_map(|line| line.strip_prefix(&key)?.strip_prefix(',')) else {
-            println!("{key} is not on record");
+            println!("{key}: {:.1}, not on record", count.instructions);
             exceeded += 1;
             continue;
         };

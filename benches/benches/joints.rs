@@ -1,0 +1,91 @@
+//! What joints cost: chains, pendulums, a rope bridge, and an arm with drives and limits. A step of
+//! 1/60 s in four substeps.
+//!
+//! `cargo bench --bench joints`; with `--features peers` the same scenes are run in Rapier in the
+//! same process: its impulse joints with its default of four iterations, and where there are no
+//! loops and not too many bodies its multibody joints. `1 thread` is a pool of one thread, `as
+//! called` is from a thread that is in no pool, as a game calls, with each engine's own choice of
+//! threads. What joints are worth beside their time is printed by
+//! `cargo run --release -p tumble-benches --features peers --example joint_quality`.
+//!
+//! Under `--features f64` tumble is in double precision and Rapier, a crate of single precision, is
+//! not.
+
+mod setup;
+
+use criterion::measurement::WallTime;
+use criterion::{BenchmarkGroup, BenchmarkId, Criterion, Throughput, criterion_group, criterion_main};
+use hecs::World;
+use tumble::{Joint, Settings, Simulation};
+use tumble_benches::{JointKind, arm, bridge, chain, label, pendulums, pool};
+#[cfg(feature = "peers")]
+use tumble_benches::{RapierJoints, RapierWorld};
+
+/// The same scene in both engines; `with_multibody` where Rapier's take less than a second a step.
+#[cfg_attr(not(feature = "peers"), allow(unused_variables, reason = "there is no other engine"))]
+fn scene(group: &mut BenchmarkGroup<'_, WallTime>, size: usize, with_multibody: bool, made: impl Fn() -> World) {
+    let pool = pool(1);
+    let joints = made().query::<&Joint>().iter().count();
+    group.throughput(Throughput::Elements(joints as u64));
+    for is_alone in [true, false] {
+        let threads = if is_alone { label(&pool) } else { "as called".to_owned() };
+        let mut run = |name: &str, step: &mut (dyn FnMut() + Send)| {
+            group.bench_function(BenchmarkId::new(format!("{name}/{threads}"), size), |bencher| {
+                if is_alone {
+                    pool.install(|| bencher.iter(&mut *step));
+                } else {
+                    bencher.iter(&mut *step);
+                }
+            });
+        };
+        let Ok(mut simulation) = Simulation::new(Settings::default()) else { return };
+        let mut world = made();
+        run("tumble", &mut || simulation.step(&mut world));
+        #[cfg(feature = "peers")]
+        for (name, joints) in [("Rapier", RapierJoints::Impulse), ("Rapier multibody", RapierJoints::Multibody)] {
+            if joints == RapierJoints::Multibody && !with_multibody {
+                continue;
+            }
+            let Some(mut peer) = RapierWorld::new(&made(), simulation.settings(), joints) else { return };
+            run(name, &mut || peer.step());
+        }
+    }
+}
+
+/// An element is a joint.
+fn chains(criterion: &mut Criterion) {
+    let mut group = criterion.benchmark_group("chain of balls");
+    for links in [100, 1_000, 10_000] {
+        scene(&mut group, links, links == 100, || chain(links, JointKind::Ball));
+    }
+    group.finish();
+    let mut group = criterion.benchmark_group("chain of hinges");
+    scene(&mut group, 100, true, || chain(100, JointKind::Hinge));
+}
+
+/// Each of ten links.
+fn many_pendulums(criterion: &mut Criterion) {
+    let mut group = criterion.benchmark_group("pendulums");
+    scene(&mut group, 300, true, || pendulums(300));
+}
+
+/// Of planks between two fixed ends.
+fn bridges(criterion: &mut Criterion) {
+    for (name, kind) in [("bridge on balls", JointKind::Ball), ("bridge on hinges", JointKind::Hinge)] {
+        let mut group = criterion.benchmark_group(name);
+        scene(&mut group, 50, false, || bridge(50, kind));
+    }
+}
+
+/// Hinges with a drive and limits each.
+fn arms(criterion: &mut Criterion) {
+    let mut group = criterion.benchmark_group("arm with drives and limits");
+    scene(&mut group, 10, true, || arm(10));
+}
+
+criterion_group! {
+    name = benches;
+    config = setup::criterion();
+    targets = chains, many_pendulums, bridges, arms
+}
+criterion_main!(benches);

@@ -1,0 +1,128 @@
+//! Benchmark scenes with joints: chains, pendulums, a rope bridge, an arm with drives and limits.
+
+use hecs::{Entity, World};
+use tumble::math::{Quat, Real, Vec3};
+use tumble::{Axes, BodyId, Drive, Drives, Joint, JointError, Limit, Limits, RigidBody, Shape};
+
+/// Length of a link of a chain \[m\].
+pub const LINK: Real = 0.1;
+
+/// What connects the links of a chain or the planks of a bridge.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum JointKind {
+    /// One ball joint in a chain, one at each rail of a bridge.
+    Ball,
+    /// Hinges about z.
+    Hinge,
+}
+
+impl JointKind {
+    fn connect(self, world: &mut World, [a, b]: [Entity; 2], at: Vec3) {
+        let joint = match self {
+            Self::Ball => Joint::ball(a, b).at_point(world, at),
+            Self::Hinge => Joint::hinge(a, b).at(world, at, Vec3::Z),
+        };
+        world.spawn((made(joint),));
+    }
+}
+
+/// A chain of this many links of 1 kg and 10 cm on a fixed body, let go from 45 degrees.
+pub fn chain(links: usize, kind: JointKind) -> World {
+    let mut world = World::new();
+    hang(&mut world, 0, Vec3::ZERO, links, kind);
+    world
+}
+
+/// Such chains of ten links with balls, each on a fixed body of its own.
+pub fn pendulums(count: usize) -> World {
+    const LINKS: usize = 10;
+    let mut world = World::new();
+    (0..count).for_each(|number| {
+        let at = Vec3::Z * number as Real;
+        hang(&mut world, number * (LINKS + 1), at, LINKS, JointKind::Ball);
+    });
+    world
+}
+
+/// Hangs links on a fixed body at a point of the world, in a straight line.
+fn hang(world: &mut World, first_id: usize, at: Vec3, links: usize, kind: JointKind) {
+    // An eighth of a turn about z.
+    let orientation = Quat::from_xyzw(0.0, 0.0, 1.0, 1.0 + Real::sqrt(2.0)).normalize();
+    let down = orientation * -Vec3::Y * LINK;
+    let mut last = fixed(world, first_id, at);
+    for i in 0..links {
+        let link = RigidBody::new(Shape::cuboid([0.02, 0.05, 0.02])).mass(1.0);
+        let link = link.id(BodyId((first_id + 1 + i) as u64)).orientation(orientation);
+        let link = spawn(world, link.position(at + down * (i as Real + 0.5)));
+        kind.connect(world, [last, link], at + down * i as Real);
+        last = link;
+    }
+}
+
+/// A rope bridge of planks of 20 kg, 40 cm wide, on a sagging arc between two fixed bodies: two
+/// balls or one hinge between neighbours.
+pub fn bridge(planks: usize, kind: JointKind) -> World {
+    const WIDTH: Real = 0.4;
+    /// Angle by which one plank is turned against the one before \[rad\], nearly.
+    const BEND: Real = 0.02;
+    let mut world = World::new();
+    let mut last = fixed(&mut world, 0, Vec3::ZERO);
+    let mut at = Vec3::ZERO;
+    for i in 0..planks {
+        let turn = BEND * (i as Real - 0.5 * (planks as Real - 1.0));
+        // Exact enough for an angle of half a radian at most, and the same on every machine.
+        let half = 0.5 * turn;
+        let orientation = Quat::from_xyzw(0.0, 0.0, half, 1.0).normalize();
+        let along = orientation * Vec3::X * WIDTH;
+        let plank = RigidBody::new(Shape::cuboid([0.2, 0.02, 0.5])).mass(20.0).id(BodyId(i as u64 + 1));
+        let plank = spawn(&mut world, plank.position(at + along * 0.5).orientation(orientation));
+        join_planks(&mut world, [last, plank], at, kind);
+        (at, last) = (at + along, plank);
+    }
+    let end = fixed(&mut world, planks + 1, at);
+    join_planks(&mut world, [last, end], at, kind);
+    world
+}
+
+fn join_planks(world: &mut World, bodies: [Entity; 2], at: Vec3, kind: JointKind) {
+    let places = match kind {
+        JointKind::Ball => &[-0.5, 0.5][..],
+        JointKind::Hinge => &[0.0][..],
+    };
+    for z in places {
+        kind.connect(world, bodies, at + Vec3::Z * *z);
+    }
+}
+
+/// A horizontal arm of this many links of 1 kg and 10 cm on hinges about z and y, one after the
+/// other, each with a drive to a position at 5 Hz and limits of a radian both ways.
+pub fn arm(links: usize) -> World {
+    let mut world = World::new();
+    let mut last = fixed(&mut world, 0, Vec3::ZERO);
+    for i in 0..links {
+        let begin = Vec3::X * (i as Real * LINK);
+        let link = RigidBody::new(Shape::cuboid([0.05, 0.02, 0.02])).mass(1.0).id(BodyId(i as u64 + 1));
+        let link = spawn(&mut world, link.position(begin + Vec3::X * (0.5 * LINK)));
+        let axis = if i % 2 == 0 { Vec3::Z } else { Vec3::Y };
+        let hinge = Joint::hinge(last, link).at(&world, begin, axis);
+        let drive = Drive::position(Axes::ANGULAR_X, if i % 4 < 2 { 0.3 } else { -0.3 }).with_frequency(5.0, 1.0);
+        let limits = Limits::along(Axes::ANGULAR_X, Limit::new(-1.0, 1.0));
+        world.spawn((made(hinge), Drives::from(drive), limits));
+        last = link;
+    }
+    world
+}
+
+fn fixed(world: &mut World, id: usize, at: Vec3) -> Entity {
+    spawn(world, RigidBody::new(Shape::Point).fixed().position(at).id(BodyId(id as u64)))
+}
+
+#[allow(clippy::expect_used, reason = "the bodies made above are possible")]
+fn spawn(world: &mut World, body: RigidBody) -> Entity {
+    body.build().expect("a possible body").spawn(world)
+}
+
+#[allow(clippy::expect_used, reason = "the joints made above are between bodies of the world")]
+fn made(joint: Result<Joint, JointError>) -> Joint {
+    joint.expect("a possible joint")
+}
