@@ -43,6 +43,7 @@ mod urdf;
 pub use bodies::appearance::{Appearance, Heights};
 pub use bodies::imported_body::ImportedBody;
 pub use bodies::imported_collider::{ColliderRole, ImportedCollider};
+pub use bodies::imported_joint::ImportedJoint;
 pub use combine_rule::CombineName;
 pub use error::{FieldError, FileError, Place, Scope};
 pub use inertia_repair::InertiaRepairs;
