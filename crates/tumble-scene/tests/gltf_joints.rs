@@ -209,8 +209,8 @@ proptest! {
             let velocity = *running.world.query::<&Velocity>().iter().next().unwrap();
             turn = turn.max(dvec3(velocity.angular).length() * h).max(dvec3(velocity.linear).length() * h / 0.25);
         }
-        // In a substep a point moves straight on: out by half its way squared times the curvature of
-        // what it moves along, which is cot 0.4 = 2.4 on the cone and 4/m on the sphere; or rounding.
+        // In a substep a point moves straight on: out by half its way squared times the curvature
+        // of what it moves along, cot 0.4 = 2.4 on the cone and 4/m on the sphere; or rounding.
         prop_assert!(most < 1.2 * turn * turn + 2e-5, "{most} {turn}");
     }
 }

@@ -36,7 +36,8 @@ impl Assembly {
             let Some(link) = links.get(head).filter(|_| !members.is_empty()) else { continue };
             let is_fixed = welds.fixed == Some(head);
             let has_inertial = members.iter().any(|link| links[*link].inertial.is_some());
-            if !has_inertial && !(is_fixed && leads_on(tree, &welds, head)) {
+            let holds_others = is_fixed && leads_on(tree, &welds, head);
+            if !(has_inertial || holds_others) {
                 continue;
             }
             let placed: Vec<(&Link, Frame)> = members.iter().map(|link| (&links[*link], welds.within[*link])).collect();
