@@ -5,7 +5,10 @@
 //! Why: an axis that is taken in the wrong frame, or a sense of rotation the wrong way round, gives
 //! a robot that moves and looks right until it is driven.
 #![allow(clippy::unwrap_used, reason = "a test fails by panicking, in its helper functions too")]
-#![cfg_attr(feature = "f64", allow(clippy::useless_conversion, reason = "Real is f64 in this build, f32 in the other"))]
+#![cfg_attr(
+    feature = "f64",
+    allow(clippy::useless_conversion, clippy::unnecessary_cast, reason = "Real is f64 here, f32 in the other build")
+)]
 
 use glam::{DMat3, DQuat, DVec3};
 use hecs::World;
