@@ -7,8 +7,12 @@ use std::fs;
 use std::path::PathBuf;
 use std::sync::OnceLock;
 
+use tumble::Simulation;
 use tumble_record::body_drawing;
 use tumble_scene::{Audit, MeshOptions, MeshRepairs, Scene};
+
+/// Most bodies of a scene that is stepped.
+const MAX_STEPPED: usize = 16;
 
 /// A directory of this process, with what the seeds refer to.
 fn directory() -> &'static tempfile::TempDir {
@@ -19,6 +23,16 @@ fn directory() -> &'static tempfile::TempDir {
         fs::copy(beside, directory.path().join("tetrahedron data.bin")).expect("the buffer of a seed can be copied");
         directory
     })
+}
+
+/// Spawns a scene; one of few bodies is stepped too, with its joints.
+fn run(scene: Scene) {
+    let (settings, count) = (scene.settings, scene.body_count());
+    let mut world = hecs::World::new();
+    if scene.spawn(&mut world).is_ok() && count <= MAX_STEPPED {
+        let mut simulation = Simulation::new(settings).expect("the settings of a scene are checked");
+        simulation.step_many(&mut world, 2);
+    }
 }
 
 /// Opens the bytes as a file of this ending, audits, repairs and draws what is in it, and spawns
@@ -38,7 +52,7 @@ pub fn open(bytes: &[u8], ending: &str) {
         }
     }
     match Scene::open(&name) {
-        Ok(scene) => drop(scene.spawn(&mut hecs::World::new())),
+        Ok(scene) => run(scene),
         Err(error) => assert!(error.to_string().starts_with(&*name), "{error}"),
     }
 }

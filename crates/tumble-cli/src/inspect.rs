@@ -7,7 +7,7 @@ use std::path::Path;
 use tumble::MeshAudit;
 use tumble_import::{printable, printable_json};
 use tumble_record::{PendingFile, body_drawing};
-use tumble_scene::{Audit, AuditedBody, AuditedCollider, MeshOptions, MeshRepairs};
+use tumble_scene::{Audit, AuditedBody, AuditedCollider, AuditedJoint, MeshOptions, MeshRepairs};
 
 use crate::ending::check_ending;
 use crate::failure::Failure;
@@ -36,12 +36,17 @@ pub(crate) fn inspect(options: &InspectOptions) -> Result<(), Failure> {
     }
     if let Some(name) = &options.body {
         audit.bodies.retain(|body| body.name == *name);
+        audit.joints.retain(|joint| joint.between.contains(name));
         if audit.bodies.is_empty() {
             return Err(Failure::Input(format!("{file}: no body is called {name:?}")));
         }
     }
-    let text =
-        if options.json { json(&audit)? } else { audit.bodies.iter().map(people).collect::<Result<String, _>>()? };
+    let text = if options.json {
+        json(&audit)?
+    } else {
+        let bodies = audit.bodies.iter().map(people);
+        bodies.chain(audit.joints.iter().map(joint)).collect::<Result<String, _>>()?
+    };
     if let Some(path) = &options.draw {
         Guard { inputs: audit.files.clone(), force: options.force }.check(path, Kind::Picture)?;
         draw(&audit, file, path)?;
@@ -122,6 +127,34 @@ fn people(body: &AuditedBody) -> Result<String, Failure> {
     }
     for problem in &body.problems {
         line("PROBLEM", problem);
+    }
+    Ok(text)
+}
+
+/// A paragraph on a joint. Limits and drives are written as in JSON.
+fn joint(joint: &AuditedJoint) -> Result<String, Failure> {
+    let mut text = format!("{}\n", printable(&joint.name));
+    let mut line = |label: &str, value: &str| {
+        // Writing to a string cannot fail.
+        let _ = writeln!(text, "  {label:<22} {}", printable(value));
+    };
+    line("joint", joint.kind);
+    line("between", &joint.between.join(", "));
+    line("free", &joint.free.join(" "));
+    for limit in &joint.limits {
+        line("limit", &serde_json::to_string(limit).map_err(|error| unwritten(&error))?);
+    }
+    for drive in &joint.drives {
+        line("drive", &serde_json::to_string(drive).map_err(|error| unwritten(&error))?);
+    }
+    for friction in &joint.friction {
+        line("friction", &serde_json::to_string(friction).map_err(|error| unwritten(&error))?);
+    }
+    for (label, value) in [("max effort [N] [N m]", joint.max_effort), ("max speed [m/s] [rad/s]", joint.max_speed)] {
+        value.iter().for_each(|value| line(label, &value.to_string()));
+    }
+    if joint.contacts {
+        line("contacts", "between its bodies");
     }
     Ok(text)
 }

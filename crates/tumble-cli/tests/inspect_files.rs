@@ -32,9 +32,10 @@ fn a_robot_is_listed_link_by_link_and_refused_as_a_scene() {
     assert_eq!((bodies.len(), &bodies[0]["mass"], &bodies[0]["problems"]), (2, &2.0.into(), &serde_json::json!([])));
     let problem = "inertial.mass.value: must be positive and finite, not 0, at line 4";
     assert_eq!(bodies[1]["problems"], serde_json::json!([problem]));
-    assert_eq!(audit["notices"], serde_json::json!(["1 revolute joint not simulated, the links move freely: wrist"]));
+    assert_eq!(audit["notices"], serde_json::json!(["1 revolute joint without limit, taken for continuous: wrist"]));
+    assert!(audit.get("joints").is_none());
     let output = place.run(&["inspect", "two.urdf"]);
-    assert!(stderr(&output).contains("tumble: note: 1 revolute joint not simulated"), "{}", stderr(&output));
+    assert!(stderr(&output).contains("tumble: note: 1 revolute joint without limit"), "{}", stderr(&output));
     let refused = place.run(&["run", "two.urdf"]);
     assert_eq!(refused.status.code(), Some(2));
     let expected = format!("tumble: two.urdf: link \"<tip>\", field {problem}\n");
@@ -43,6 +44,36 @@ fn a_robot_is_listed_link_by_link_and_refused_as_a_scene() {
     let report = place.succeed(&["run", "good.urdf", "--steps", "10"]);
     assert!(report.contains("bodies                 2"), "{report}");
     assert!(json(&place, &["two.urdf", "--body", "base"], 0)["bodies"].as_array().unwrap().len() == 1);
+}
+
+/// Joints are listed with their limits and drives, and with a body those of the body.
+#[test]
+fn joints_are_listed() {
+    let place = Place::new();
+    let inside = r#"<axis xyz="0 1 0"/><limit lower="-0.5" upper="2" effort="10" velocity="3"/><dynamics damping="0.25" friction="0.5"/>"#;
+    let robot = ROBOT
+        .replace("value=\"0\"", "value=\"1\"")
+        .replace("type=\"revolute\">", &format!("type=\"revolute\">{inside}"));
+    place.write("arm.urdf", &robot);
+    let wrist = json(&place, &["arm.urdf"], 0)["joints"][0].clone();
+    let expected = serde_json::json!({
+        "name": "wrist", "kind": "hinge", "between": ["base", "<tip>"], "free": ["angular_x"],
+        "limits": [ { "of": "angular_x", "min": -0.5, "max": 2.0 } ],
+        "drives": [ { "of": ["angular_x"], "velocity": 0.0, "gain": { "mode": "force", "stiffness": 0.0, "damping": 0.25 } } ],
+        "friction": [ { "of": "angular_x", "max": 0.5 } ],
+        "max_effort": 10.0, "max_speed": 3.0, "contacts": false,
+    });
+    assert_eq!(wrist, expected);
+    let text = place.succeed(&["inspect", "arm.urdf"]);
+    for line in [
+        "wrist\n  joint                  hinge\n  between                base, <tip>\n  free                   angular_x\n",
+        "  limit                  {\"of\":\"angular_x\",\"min\":-0.5,\"max\":2.0}\n",
+        "  friction               {\"of\":\"angular_x\",\"max\":0.5}\n",
+        "  max effort [N] [N m]   10\n",
+    ] {
+        assert!(text.contains(line), "{text}");
+    }
+    assert_eq!(json(&place, &["arm.urdf", "--body", "base"], 0)["joints"].as_array().unwrap().len(), 1);
 }
 
 #[test]

@@ -1,7 +1,8 @@
 //! Files of others to neutral bodies: glTF 2.0 with physics, URDF robots, OBJ and STL meshes.
 //!
 //! There is no scene here and nothing that is run: an [`ImportedBody`] is the engine's description
-//! of a body with its collider and its [`Appearance`], under the name that its file gives it.
+//! of a body with its collider and its [`Appearance`], under the name that its file gives it, an
+//! [`ImportedJoint`] that of a joint between two of them.
 //! [`gltf::GltfBodies`] and [`Robot`] read bodies, [`MeshFile`] reads triangles. Files are taken to
 //! be hostile: every count, size and index is limited or checked before it is used, and a mistake
 //! is a [`FileError`] of one line that names file and field.
@@ -43,6 +44,7 @@ mod urdf;
 pub use bodies::appearance::{Appearance, Heights};
 pub use bodies::imported_body::ImportedBody;
 pub use bodies::imported_collider::{ColliderRole, ImportedCollider};
+pub use bodies::imported_joint::ImportedJoint;
 pub use combine_rule::CombineName;
 pub use error::{FieldError, FileError, Place, Scope};
 pub use inertia_repair::InertiaRepairs;

@@ -161,10 +161,12 @@ fn glb(text: &str) -> Vec<u8> {
 
 const SCENES: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/gltf_scenes");
 
-/// One file with its buffer in the text, and one whose buffer is to be in a binary chunk.
-fn gltf_texts() -> [String; 2] {
+/// One file with its buffer in the text, one whose buffer is to be in a binary chunk, and one of
+/// joints.
+fn gltf_texts() -> [String; 3] {
     let read = |name: &str| std::fs::read_to_string(format!("{SCENES}/{name}")).unwrap();
-    [read("everything.gltf"), read("omi.gltf").replace(r#", "uri": "tetrahedron%20data.bin""#, "")]
+    let omi = read("omi.gltf").replace(r#", "uri": "tetrahedron%20data.bin""#, "");
+    [read("everything.gltf"), omi, read("joints.gltf")]
 }
 
 proptest! {
@@ -172,15 +174,16 @@ proptest! {
 
     #[test]
     fn mutated_gltf(edits in prop::collection::vec(edit(), 1..4)) {
-        let [text, binary] = gltf_texts().map(|text| apply(&text, &edits));
+        let [text, binary, joints] = gltf_texts().map(|text| apply(&text, &edits));
         check(Scene::from_gltf(text.as_bytes(), "scene.x"))?;
         check(Scene::from_gltf(&glb(&binary), "scene.x"))?;
+        check(Scene::from_gltf(joints.as_bytes(), "scene.x"))?;
     }
 
     #[test]
     fn mutated_bytes_of_gltf(changes in prop::collection::vec((any::<prop::sample::Index>(), any::<u8>()), 1..6), cut in any::<prop::sample::Index>(), whole: bool) {
-        let [text, binary] = gltf_texts();
-        for mut bytes in [text.into_bytes(), glb(&binary)] {
+        let [text, binary, joints] = gltf_texts();
+        for mut bytes in [text.into_bytes(), glb(&binary), joints.into_bytes()] {
             for (at, byte) in &changes {
                 let at = at.index(bytes.len());
                 bytes[at] = *byte;
@@ -196,7 +199,8 @@ fn the_unmutated_scenes_are_good() {
     // Without this the tests above could pass on texts that are refused at the first letter.
     assert_eq!(Scene::from_json(JSON, "scene.x").unwrap().body_count(), 5);
     assert_eq!(Scene::from_ron(RON, "scene.x").unwrap().body_count(), 3);
-    let [text, binary] = gltf_texts();
-    assert_eq!(Scene::from_gltf(text.as_bytes(), "scene.x").unwrap().body_count(), 16);
+    let [text, binary, joints] = gltf_texts();
+    assert_eq!(Scene::from_gltf(text.as_bytes(), "scene.x").unwrap().body_count(), 17);
     assert_eq!(Scene::from_gltf(&glb(&binary), "scene.x").unwrap().body_count(), 4);
+    assert_eq!(Scene::from_gltf(joints.as_bytes(), "scene.x").unwrap().body_count(), 7);
 }

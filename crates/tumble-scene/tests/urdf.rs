@@ -155,7 +155,7 @@ fn links_are_where_their_joints_put_them() {
     );
     let scene = Scene::from_urdf(&text, "r.urdf").unwrap();
     assert_eq!(scene.settings.gravity.to_array(), [0.0, 0.0, -9.81]);
-    assert_eq!(scene.notices, ["2 revolute joints not simulated, the links move freely: wrist, shoulder"]);
+    assert_eq!(scene.notices, ["2 revolute joints without limit, taken for continuous: wrist, shoulder"]);
     let mut world = hecs::World::new();
     let names = scene.spawn(&mut world).unwrap();
     for (pose, id) in world.query::<(&Pose, &tumble::BodyId)>().iter() {
@@ -296,8 +296,6 @@ fn what_is_no_body_and_what_is_not_read_is_told() {
     assert_eq!(
         scene.notices,
         [
-            "1 fixed joint not simulated, the links move freely: j",
-            "1 link without inertial, not simulated: world",
             "1 mesh file not read, for appearance only: package://r/hand.dae",
             "1 geometry not understood, for appearance only: link \"a\", collision.box: half_extents must be a length from 1e-90 to \
              1e90 m, it is -0.5, at line 6",
@@ -372,7 +370,23 @@ fn example() -> String {
                 .to_owned(),
             link("b"),
             joint("fix", "fixed", "world", "a", ""),
-            joint("turn", "continuous", "a", "b", r#"<origin xyz="0 0 1" rpy="0 0 1"/>"#),
+            link("c"),
+            link("d"),
+            joint(
+                "turn",
+                "continuous",
+                "a",
+                "b",
+                r#"<origin xyz="0 0 1" rpy="0 0 1"/><dynamics damping="0.1" friction="0.2"/>"#,
+            ),
+            joint("bend", "revolute", "b", "c", r#"<limit lower="-1" upper="2.5" effort="10" velocity="3"/>"#),
+            joint(
+                "slide",
+                "prismatic",
+                "b",
+                "d",
+                r#"<limit lower="0" upper="0.5" effort="10" velocity="3"/><mimic joint="bend" multiplier="0.2"/>"#,
+            ),
         ]
         .join("\n"),
     )
@@ -381,7 +395,7 @@ fn example() -> String {
 #[test]
 fn the_unmutated_robot_is_good() {
     let bodies = audit(&example()).bodies;
-    assert!(bodies.len() == 2 && bodies.iter().all(|body: &AuditedBody| body.problems.is_empty()), "{bodies:?}");
+    assert!(bodies.len() == 4 && bodies.iter().all(|body: &AuditedBody| body.problems.is_empty()), "{bodies:?}");
 }
 
 proptest! {

@@ -4,4 +4,5 @@ pub(crate) mod appearance;
 pub(crate) mod collider_geometry;
 pub(crate) mod imported_body;
 pub(crate) mod imported_collider;
+pub(crate) mod imported_joint;
 pub(crate) mod surface_material;

@@ -8,6 +8,7 @@ use tumble::{Amount, BodyId, Part, RigidBody, Shape};
 use crate::bodies::appearance::Appearance;
 use crate::bodies::imported_body::ImportedBody;
 use crate::bodies::imported_collider::{ColliderRole, ImportedCollider};
+use crate::bodies::imported_joint::ImportedJoint;
 use crate::checked::{MAX_NAME_BYTES, check_name, real_quaternion, real_vector};
 use crate::error::FieldError;
 use crate::gltf::Geometry;
@@ -15,8 +16,10 @@ use crate::gltf::MotionKind;
 use crate::gltf::SurfaceMaterial;
 use crate::gltf::collider::{Colliders, collider, is_ground};
 use crate::gltf::groups;
+use crate::gltf::joints::{WORLD, joints};
 use crate::gltf::moving::moving;
 use crate::gltf::solid::solid;
+use crate::gltf::tree::Tree;
 use crate::gltf::triangles::Triangles;
 use crate::gltf::unsupported::listed;
 use crate::gltf::{Physics, PhysicsNode};
@@ -57,12 +60,12 @@ struct Made<'a, 'b> {
 type Notices = Vec<(usize, String)>;
 
 /// The bodies of a scene: one for every motion, and one for every collider or trigger that nothing
-/// carries. With what there is to tell of them.
+/// carries; the joints between them; and what there is to tell of both.
 pub(crate) fn bodies(
-    physics: &Physics,
+    (physics, tree): (&Physics, &Tree),
     triangles: &mut Triangles<'_>,
     repairs: InertiaRepairs,
-) -> (Vec<GltfBody>, Vec<String>) {
+) -> (Vec<GltfBody>, Vec<ImportedJoint>, Vec<String>) {
     let mut carried: BTreeMap<usize, Vec<&PhysicsNode>> = BTreeMap::new();
     for node in &physics.nodes {
         if node.motion.is_some() {
@@ -78,16 +81,19 @@ pub(crate) fn bodies(
     let mut names = BodyNames::default();
     let mut bodies = Vec::with_capacity(carried.len());
     let mut made = Made { triangles, colliders: HashMap::new(), repairs };
+    let mut nodes = Vec::with_capacity(carried.len());
     for (index, parts) in carried {
         let Some(node) = physics.node(index) else { continue };
+        nodes.push(index);
         let name = names.of(node);
         let id = BodyId(bodies.len() as u64);
         let body = body(node, &parts, id, &mut made, &mut notices);
         bodies.push(GltfBody { name, body });
     }
+    let joints = joints((physics, tree), &nodes, &mut bodies, || names.unique(WORLD, "still"), &mut notices);
     let mut told = grouped(physics, &notices);
     told.extend(groups::assign(bodies.iter_mut().filter_map(|body| body.body.as_mut().ok())));
-    (bodies, told)
+    (bodies, joints, told)
 }
 
 /// What is said of many nodes is said once, with their names.
@@ -113,7 +119,13 @@ struct BodyNames(HashSet<String>);
 impl BodyNames {
     fn of(&mut self, node: &PhysicsNode) -> String {
         let given = node.name.as_deref().filter(|name| check_name(name).is_ok());
-        let mut name = given.map_or_else(|| format!("node-{}", node.index), str::to_owned);
+        let number = format!("node-{}", node.index);
+        self.unique(given.unwrap_or(&number), &number)
+    }
+
+    /// The name itself or, if it is taken, with what tells it apart and a count behind it.
+    fn unique(&mut self, given: &str, mark: &str) -> String {
+        let mut name = given.to_owned();
         // With room for what is added.
         let base: String = name.chars().take(MAX_NAME_BYTES / 8).collect();
         let mut tries = 0_usize;
@@ -121,7 +133,7 @@ impl BodyNames {
             tries += 1;
             // Other nodes may bear such names already.
             let again = if tries == 1 { String::new() } else { format!(", {tries}") };
-            name = format!("{base} (node-{}{again})", node.index);
+            name = format!("{base} ({mark}{again})");
         }
         name
     }

@@ -1,6 +1,9 @@
-//! Joints, which are read and not simulated yet.
+//! Joints as files describe them.
 
 use serde::Deserialize;
+
+use crate::checked::finite;
+use crate::error::FieldError;
 
 /// A description of a joint: what it keeps from moving, and what it drives.
 ///
@@ -22,6 +25,19 @@ pub struct Joint {
     pub limits: Vec<JointLimit>,
     /// What pushes them.
     pub drives: Vec<JointDrive>,
+}
+
+impl Joint {
+    /// Checks its numbers.
+    pub(crate) fn check(&self) -> Result<(), FieldError> {
+        for (index, limit) in self.limits.iter().enumerate() {
+            limit.check().map_err(|error| error.inside(&format!("limits[{index}]")))?;
+        }
+        for (index, drive) in self.drives.iter().enumerate() {
+            drive.check().map_err(|error| error.inside(&format!("drives[{index}]")))?;
+        }
+        Ok(())
+    }
 }
 
 /// A limit of the relative motion along or about one to three axes of the joint's frame (0 x, 1 y,
@@ -49,6 +65,49 @@ pub struct JointLimit {
     pub stiffness: Option<f64>,
     /// Damping beyond the limit [N s/m] or [N m s/rad].
     pub damping: f64,
+}
+
+impl JointLimit {
+    fn check(&self) -> Result<(), FieldError> {
+        let (field, axes) = match (self.linear_axes.as_slice(), self.angular_axes.as_slice()) {
+            ([], []) => {
+                return Err(FieldError::new("linearAxes", "is missing, and so is angularAxes: give one of them"));
+            }
+            (linear, []) => ("linearAxes", linear),
+            ([], angular) => ("angularAxes", angular),
+            _ => return Err(FieldError::new("angularAxes", "linearAxes is given too: give one of them")),
+        };
+        for (place, axis) in axes.iter().enumerate() {
+            check_axis(field, *axis)?;
+            if axes.iter().take(place).any(|earlier| earlier == axis) {
+                return Err(FieldError::new(field, format!("has axis {axis} twice")));
+            }
+        }
+        let [min, max] = [("min", self.min), ("max", self.max)]
+            .map(|(field, bound)| bound.map(|bound| finite(field, bound)).transpose());
+        if let (Some(min), Some(max)) = (min?, max?)
+            && min > max
+        {
+            return Err(FieldError::new("min", format!("is {min}, more than max, {max}")));
+        }
+        not_negative("stiffness", self.stiffness.unwrap_or(0.0))?;
+        not_negative("damping", self.damping)
+    }
+}
+
+fn check_axis(field: &str, axis: u8) -> Result<(), FieldError> {
+    if axis <= 2 {
+        Ok(())
+    } else {
+        Err(FieldError::new(field, format!("there is no axis {axis}: they are 0, 1 and 2")))
+    }
+}
+
+fn not_negative(field: &str, value: f64) -> Result<(), FieldError> {
+    match finite(field, value)? {
+        value if value < 0.0 => Err(FieldError::new(field, format!("must not be negative, as {value} is"))),
+        _ => Ok(()),
+    }
 }
 
 /// A motor or spring along or about one axis of the joint's frame.
@@ -79,4 +138,21 @@ pub struct JointDrive {
     pub stiffness: f64,
     /// Pull towards the wanted velocity.
     pub damping: f64,
+}
+
+impl JointDrive {
+    fn check(&self) -> Result<(), FieldError> {
+        for (field, value) in [("type", &self.r#type), ("mode", &self.mode)] {
+            if value.is_empty() {
+                return Err(FieldError::new(field, "is missing"));
+            }
+        }
+        check_axis("axis", self.axis)?;
+        for (field, target) in [("positionTarget", self.position_target), ("velocityTarget", self.velocity_target)] {
+            finite(field, target.unwrap_or(0.0))?;
+        }
+        not_negative("maxForce", self.max_force.unwrap_or(0.0))?;
+        not_negative("stiffness", self.stiffness)?;
+        not_negative("damping", self.damping)
+    }
 }

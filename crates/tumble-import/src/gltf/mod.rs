@@ -3,7 +3,7 @@
 //!
 //! [`Physics`] is what a file says, in the world's frame and with every default filled in;
 //! [`GltfBodies`] is the bodies that it makes. Of colliders the engine's are made where
-//! it has their like; filters and joints are read and kept.
+//! it has their like; filters are read and kept. Joints are between the bodies.
 //!
 //! ```
 //! use tumble_import::gltf::Physics;
@@ -27,6 +27,8 @@ pub(crate) mod document;
 pub(crate) mod geometry;
 pub(crate) mod groups;
 pub(crate) mod joint;
+pub(crate) mod joint_axes;
+pub(crate) mod joints;
 pub(crate) mod motion;
 pub(crate) mod moving;
 pub(crate) mod physics;
@@ -49,6 +51,7 @@ pub use crate::gltf::motion::{Motion, MotionKind};
 pub use crate::gltf::physics::{Collider, JointTo, Physics, PhysicsNode, Trigger};
 pub use tumble::CombineRule;
 
+use crate::bodies::imported_joint::ImportedJoint;
 use crate::error::{FieldError, FileError, Place};
 use crate::gltf::buffers::Buffers;
 use crate::gltf::document::Document;
@@ -78,6 +81,8 @@ pub struct GltfBodies {
     pub name: Option<String>,
     /// The bodies, the impossible ones too.
     pub bodies: Vec<GltfBody>,
+    /// What connects them.
+    pub joints: Vec<ImportedJoint>,
     /// What is read and not simulated, or was decided: a line each.
     pub notices: Vec<String>,
     /// The files that were read.
@@ -117,7 +122,7 @@ impl GltfBodies {
     ) -> Result<Self, FileError> {
         let read = File::read(bytes, file)?;
         let mut triangles = read.triangles(directory, &mut reading);
-        let (bodies, told) = bodies::bodies(&read.physics, &mut triangles, repairs);
+        let (bodies, joints, told) = bodies::bodies((&read.physics, &read.tree), &mut triangles, repairs);
         let mut notices = [read.physics.notices.as_slice(), &told].concat();
         notices.extend(triangles.notices);
         if bodies.is_empty() {
@@ -125,7 +130,13 @@ impl GltfBodies {
         }
         let notices = notices.iter().map(|notice| one_line(notice)).collect();
         let scene = read.document.scenes.get(read.document.scene.unwrap_or(0));
-        Ok(Self { name: scene.and_then(|scene| scene.name.clone()), bodies, notices, files: reading.into_files() })
+        Ok(Self {
+            name: scene.and_then(|scene| scene.name.clone()),
+            bodies,
+            joints,
+            notices,
+            files: reading.into_files(),
+        })
     }
 }
 

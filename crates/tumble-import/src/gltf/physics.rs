@@ -162,7 +162,11 @@ pub struct JointTo {
 impl Physics {
     pub(crate) fn of(document: &Document, tree: &Tree) -> Result<Self, FieldError> {
         let tables = &document.extensions;
-        for (extension, table) in [("KHR_physics_rigid_bodies", &tables.khr), ("OMI_physics_body", &tables.omi)] {
+        for (extension, table) in [
+            ("KHR_physics_rigid_bodies", &tables.khr),
+            ("OMI_physics_body", &tables.omi),
+            ("OMI_physics_joint", &tables.omi_joints),
+        ] {
             check_table(table).map_err(|error| error.inside(&format!("extensions.{extension}")))?;
         }
         let bodies = tree.inherited(|index| document.nodes.get(index).filter(|node| moves(node)).map(|_| index));
@@ -341,6 +345,9 @@ fn check_table(table: &PhysicsTables) -> Result<(), FieldError> {
             let problem = "collideWithSystems is given too: give one of them";
             return Err(FieldError::new(format!("collisionFilters[{index}].notCollideWithSystems"), problem));
         }
+    }
+    for (index, joint) in table.physics_joints.iter().enumerate() {
+        joint.check().map_err(|error| error.inside(&format!("physicsJoints[{index}]")))?;
     }
     Ok(())
 }

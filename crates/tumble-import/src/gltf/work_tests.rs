@@ -79,7 +79,7 @@ fn cost(text: &str, directory: &Path) -> Cost {
     let read = File::read(text.as_bytes(), "scene.gltf").unwrap();
     MADE.with(|made| made.set(0));
     let mut triangles = read.triangles(Some(directory), &mut reading);
-    let (bodies, _) = bodies::bodies(&read.physics, &mut triangles, InertiaRepairs::Refused);
+    let (bodies, ..) = bodies::bodies((&read.physics, &read.tree), &mut triangles, InertiaRepairs::Refused);
     let (work, solids) = (triangles.work(), triangles.solids.len());
     Cost { bytes: reading.bytes(), work, solids, colliders: MADE.with(std::cell::Cell::get), bodies }
 }
@@ -151,22 +151,25 @@ fn limits_are_of_the_whole_document() {
     let text = text.replace("./a.bin", "y.bin").replace("a.bin", "x.bin");
     let mut reading = Reading::default();
     let both = File::read(text.as_bytes(), "scene.gltf").unwrap();
-    let (bodies, _) =
-        bodies::bodies(&both.physics, &mut both.triangles(Some(place.path()), &mut reading), InertiaRepairs::Refused);
+    let (bodies, ..) = bodies::bodies(
+        (&both.physics, &both.tree),
+        &mut both.triangles(Some(place.path()), &mut reading),
+        InertiaRepairs::Refused,
+    );
     let Err(error) = &bodies[0].body else { panic!("no limit") };
     assert_eq!(error.scope, Scope::Limit("bytes in all buffers together", MAX_FILE_BYTES));
     // Of triangles: the last that has room is made, the next is not.
     let mut reading = Reading::default();
     let mut triangles = read.triangles(Some(place.path()), &mut reading);
     triangles.take(triangles::MAX_TRIANGLES - VERTICES - TRIANGLES - 1).unwrap();
-    let (bodies, _) = bodies::bodies(&read.physics, &mut triangles, InertiaRepairs::Refused);
+    let (bodies, ..) = bodies::bodies((&read.physics, &read.tree), &mut triangles, InertiaRepairs::Refused);
     assert!(bodies[0].body.is_ok());
     let text = document(&[(0, 1.0, true), (0, 2.0, true)], 1, "a.bin");
     let twice = File::read(text.as_bytes(), "scene.gltf").unwrap();
     let mut reading = Reading::default();
     let mut triangles = twice.triangles(Some(place.path()), &mut reading);
     triangles.take(triangles::MAX_TRIANGLES - VERTICES - TRIANGLES - 2).unwrap();
-    let (bodies, _) = bodies::bodies(&twice.physics, &mut triangles, InertiaRepairs::Refused);
+    let (bodies, ..) = bodies::bodies((&twice.physics, &twice.tree), &mut triangles, InertiaRepairs::Refused);
     let Err(error) = &bodies[1].body else { panic!("no limit") };
     assert_eq!(error.scope, Scope::Limit(triangles::OF_COLLIDERS, triangles::MAX_TRIANGLES as u64));
     assert!(matches!(

@@ -20,6 +20,12 @@ impl Frame {
             orientation: (self.orientation * inner.orientation).normalize(),
         }
     }
+
+    /// The outer frame, seen from this one.
+    pub(crate) fn inverse(self) -> Self {
+        let orientation = self.orientation.conjugate();
+        Self { position: orientation * -self.position, orientation }
+    }
 }
 
 /// Roll, pitch and yaw about the fixed axes x, y and z, in this order:

@@ -1,29 +1,32 @@
 //! Robots in the Unified Robot Description Format (URDF, <http://wiki.ros.org/urdf/XML>): links
 //! that have an inertial become bodies.
 
+pub(crate) mod assembly;
 pub(crate) mod element;
 pub(crate) mod frame;
+pub(crate) mod joint;
 pub(crate) mod link;
 pub(crate) mod tree;
+pub(crate) mod welds;
 
 use std::collections::HashMap;
 use std::path::Path;
 
 use tumble::math::Vec3;
-use tumble::{Amount, BodyId, Part, RigidBody, Shape};
 
-use crate::bodies::appearance::Appearance;
 use crate::bodies::imported_body::ImportedBody;
-use crate::checked::{check_name, real_quaternion, real_vector};
+use crate::bodies::imported_joint::{ImportedJoint, angles};
+use crate::checked::check_name;
 use crate::error::{FieldError, FileError, Place};
 use crate::inertia_repair::InertiaRepairs;
 use crate::read_file::read_limited;
 use crate::terminal::one_line;
 
+use crate::urdf::assembly::Assembly;
 use crate::urdf::element::{Element, Lines};
-use crate::urdf::frame::Frame;
-use crate::urdf::link::{Inertial, LeftOut, Link};
-use crate::urdf::tree::JointNames;
+use crate::urdf::joint::{Joint, Kind};
+use crate::urdf::link::{LeftOut, Link};
+use crate::urdf::tree::Tree;
 
 /// Largest robot that is read \[bytes\]. The largest published ones have a hundredth of this; the
 /// parser needs memory many times it.
@@ -32,10 +35,12 @@ const MAX_URDF_BYTES: u64 = 32 << 20;
 /// Most names in one notice.
 const MAX_NAMES: usize = 12;
 
-/// A robot whose links are read, the impossible ones too.
+/// A robot whose links and joints are read, the impossible ones too.
 ///
-/// Links with an inertial are free bodies at the poses they have while no joint is moved, in the
-/// frame of the root. Joints are not simulated; the notices name them.
+/// Links are at the poses they have while no joint is moved, in the frame of the root. Those that
+/// fixed joints connect are one body, and so is a link without an inertial with its parent. The
+/// root's body is fixed if the root is called `world` or there is no inertial in it. Where a link
+/// has problems, all are listed one by one, and there are no joints.
 ///
 /// ```
 /// use tumble_import::{InertiaRepairs, Robot};
@@ -53,6 +58,8 @@ pub struct Robot {
     pub name: Option<String>,
     /// Those that are bodies or have problems, in the order of the file.
     pub links: Vec<RobotLink>,
+    /// What connects them, by their index; none where a link has problems.
+    pub joints: Vec<ImportedJoint>,
     /// What is in the file and not in the bodies: a line each.
     pub notices: Vec<String>,
 }
@@ -116,11 +123,17 @@ impl Robot {
             return Err(malformed("the robot has no link".to_owned()));
         }
         check_names(&mut links);
-        let (frames, joints) = tree::place(robot, &mut links);
-        let mut notices = notices(&links, &joints, &left_out);
+        let tree = Tree::read(robot, &mut links);
+        let is_sound = links.iter().all(|link| link.problems.is_empty());
+        let assembly = is_sound.then(|| Assembly::of(&links, &tree));
+        let mut notices = notices(&links, &tree, assembly.as_ref(), &left_out);
         notices.extend(left_out.repaired.iter().map(|repair| one_line(repair)));
         let name = robot.attribute("name").map(one_line);
-        Ok(Self { name, links: bodies(links, &frames), notices })
+        let (links, joints) = match assembly {
+            Some(assembly) => (assembly.links, assembly.joints),
+            None => (assembly::one_by_one(&links, &tree.frames), Vec::new()),
+        };
+        Ok(Self { name, links, joints, notices })
     }
 
     /// Bodies and their names, or the first problem.
@@ -163,70 +176,63 @@ fn check_names(links: &mut [Link]) {
     }
 }
 
-fn bodies(links: Vec<Link>, frames: &[Frame]) -> Vec<RobotLink> {
-    let mut found = Vec::with_capacity(links.len());
-    for (mut link, frame) in links.into_iter().zip(frames) {
-        let body = link.inertial.take().map(|inertial| body(&inertial, link.shape.take(), frame, found.len() as u64));
-        let body = match body {
-            _ if !link.problems.is_empty() => Err(link.problems),
-            Some(Err(problem)) => Err(vec![problem]),
-            Some(Ok(body)) => Ok(body),
-            None => continue,
-        };
-        found.push(RobotLink { name: link.name, body });
-    }
-    found
-}
-
-/// A body whose frame is the link's. What it looks like has no part in its mass properties.
-fn body(inertial: &Inertial, shape: Option<Shape>, frame: &Frame, index: u64) -> Result<ImportedBody, FieldError> {
-    let body = RigidBody::new(Shape::Point)
-        .mass(inertial.mass)
-        .center_of_mass(inertial.center_of_mass)
-        .inertia(inertial.tensor)
-        .position(real_vector(frame.position))
-        .orientation(real_quaternion(frame.orientation))
-        .id(BodyId(index));
-    let body = body.build().map_err(|error| FieldError::new("inertial", error))?;
-    let point = || Shape::compound([Part::new(Shape::Point, Amount::Mass(inertial.mass)).at(inertial.center_of_mass)]);
-    Ok(ImportedBody {
-        body,
-        appearance: Appearance::Shape(shape.unwrap_or_else(point)),
-        collider: None,
-        pieces: Vec::new(),
-    })
-}
-
-/// What is in the file and not in the simulation.
-fn notices(links: &[Link], joints: &JointNames, left_out: &LeftOut) -> Vec<String> {
+/// What is in the file and not in the simulation, or otherwise than the file has it.
+fn notices(links: &[Link], tree: &Tree, assembly: Option<&Assembly>, left_out: &LeftOut) -> Vec<String> {
     let mut notices = Vec::new();
-    for (kind, names) in joints {
+    let mut list = |names: &[String], noun: &str, what: &str| {
         if !names.is_empty() {
-            let joints = counted(names.len(), &format!("{kind} joint"));
-            notices.push(format!("{joints} not simulated, the links move freely: {}", listed(names)));
+            notices.push(format!("{} {what}: {}", counted(names.len(), noun), listed(names)));
         }
-    }
+    };
+    let joints = |wanted: &dyn Fn(&Joint) -> bool| -> Vec<String> {
+        tree.joints.iter().filter(|joint| wanted(joint)).map(|joint| joint.name.clone()).collect()
+    };
+    let is_held =
+        |joint: &Joint| assembly.is_some_and(|assembly| assembly.welds.held.binary_search(&joint.child).is_ok());
     let without: Vec<String> = links
         .iter()
-        .filter(|link| link.inertial.is_none() && link.problems.is_empty())
-        .map(|link| link.name.clone())
+        .enumerate()
+        .filter(|(index, link)| link.inertial.is_none() && link.problems.is_empty() && !is_part(*index, assembly))
+        .map(|(_, link)| link.name.clone())
         .collect();
-    if !without.is_empty() {
-        notices.push(format!(
-            "{} without inertial, not simulated: {}",
-            counted(without.len(), "link"),
-            listed(&without)
-        ));
-    }
-    if !left_out.meshes.is_empty() {
-        let meshes = counted(left_out.meshes.len(), "mesh file");
-        notices.push(format!("{meshes} not read, for appearance only: {}", listed(&left_out.meshes)));
-    }
-    if !left_out.shapes.is_empty() {
-        let shapes = counted(left_out.shapes.len(), "geometry");
-        notices.push(format!("{shapes} not understood, for appearance only: {}", listed(&left_out.shapes)));
-    }
+    list(&joints(&is_held), "joint", "to what has no inertial, held as if fixed");
+    list(
+        &joints(&|joint| joint.mimics && !is_held(joint)),
+        "joint",
+        "with mimic, which is not simulated: free of what it follows",
+    );
+    let turns = |joint: &Joint| joint.kind == Kind::Revolute && !is_held(joint);
+    list(
+        &joints(&|joint| turns(joint) && joint.limit.is_none()),
+        "revolute joint",
+        "without limit, taken for continuous",
+    );
+    let is_cut = |joint: &Joint| {
+        joint.limit.is_some_and(|limit| angles(limit.lower, limit.upper) != Some([limit.lower, limit.upper]))
+    };
+    list(
+        &joints(&|joint| turns(joint) && is_cut(joint)),
+        "revolute joint",
+        "with limits beyond half a turn, where angles end",
+    );
+    let slides = |joint: &Joint| joint.kind == Kind::Prismatic && joint.limit.is_none() && !is_held(joint);
+    list(&joints(&slides), "prismatic joint", "without limit");
+    let has_dynamics = |joint: &Joint| (joint.damping, joint.friction) != (0.0, 0.0);
+    let is_wide = |joint: &Joint| matches!(joint.kind, Kind::Planar | Kind::Floating);
+    list(
+        &joints(&|joint| is_wide(joint) && has_dynamics(joint)),
+        "joint",
+        "with several axes, whose dynamics is not simulated",
+    );
+    list(&without, "link", "without inertial, not simulated");
+    list(&left_out.meshes, "mesh file", "not read, for appearance only");
+    list(&left_out.shapes, "geometry", "not understood, for appearance only");
     notices
+}
+
+/// Whether a link is a body or a part of one.
+fn is_part(link: usize, assembly: Option<&Assembly>) -> bool {
+    assembly.is_some_and(|assembly| assembly.is_body[link])
 }
 
 fn counted(count: usize, noun: &str) -> String {

@@ -52,7 +52,7 @@ pub(crate) fn of_file(path: &Path, format: MeshFormat, options: MeshOptions) -> 
     let MeshFile { mesh, mut notices } = MeshFile::read(path, &mut reading)?;
     let name = path.file_stem().map_or_else(|| "mesh".to_owned(), |stem| one_line(&stem.to_string_lossy()));
     let body = audited(name, mesh, format, options, &mut notices);
-    Ok(Audit { bodies: vec![body], notices, files: reading.into_files() })
+    Ok(Audit { bodies: vec![body], joints: Vec::new(), notices, files: reading.into_files() })
 }
 
 fn audited(

@@ -1,6 +1,7 @@
-//! The mass properties and forces of a scene's bodies, and what is wrong with them.
+//! The mass properties and forces of a scene's bodies, their joints, and what is wrong with them.
 
 pub(crate) mod collider;
+pub(crate) mod joint;
 pub(crate) mod mesh;
 
 use std::path::{Path, PathBuf};
@@ -11,6 +12,7 @@ use tumble_import::gltf::{GltfBodies, GltfBody};
 use tumble_import::{Appearance, FieldError, InertiaRepairs, MeshFormat, Robot, RobotLink};
 
 use crate::audit::collider::AuditedCollider;
+use crate::audit::joint::AuditedJoint;
 use crate::audit::mesh::{MeshOptions, MeshRepairs};
 use crate::bodies::force::Force;
 use crate::bodies::scene_body::SceneBody;
@@ -37,6 +39,9 @@ use crate::{builtin, convert};
 pub struct Audit {
     /// In the order of the scene.
     pub bodies: Vec<AuditedBody>,
+    /// The joints of a glTF or URDF file, in its order.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub joints: Vec<AuditedJoint>,
     /// As [`Scene::notices`](crate::Scene::notices).
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub notices: Vec<String>,
@@ -180,8 +185,10 @@ impl Audit {
             Ok(body) => AuditedBody::of(link.name, &body.into(), Up::Z),
             Err(problems) => AuditedBody::impossible(link.name, &problems),
         };
+        let names: Vec<String> = robot.links.iter().map(|link| link.name.clone()).collect();
+        let joints = robot.joints.iter().map(|joint| AuditedJoint::of(joint, &names)).collect();
         let bodies = robot.links.into_iter().map(audited).collect();
-        Self { bodies, notices: robot.notices, files: Vec::new() }
+        Self { bodies, joints, notices: robot.notices, files: Vec::new() }
     }
 
     /// Whether anything is wrong with any body.
@@ -195,8 +202,10 @@ impl Audit {
             Ok(body) => AuditedBody::of(name, &body.into(), Up::Y),
             Err(error) => AuditedBody::impossible(name, &[error]),
         };
+        let names: Vec<String> = scene.bodies.iter().map(|body| body.name.clone()).collect();
+        let joints = scene.joints.iter().map(|joint| AuditedJoint::of(joint, &names)).collect();
         let bodies = scene.bodies.into_iter().map(audited).collect();
-        Self { bodies, notices: scene.notices, files: scene.files }
+        Self { bodies, joints, notices: scene.notices, files: scene.files }
     }
 
     fn of_model(model: &SceneModel, file: &str) -> Result<Self, SceneError> {
@@ -221,7 +230,7 @@ impl Audit {
                 body.problems.push(error.to_string());
             }
         }
-        Ok(Self { bodies, notices: model.notices.clone(), files: model.files.clone() })
+        Ok(Self { bodies, joints: Vec::new(), notices: model.notices.clone(), files: model.files.clone() })
     }
 }
 
@@ -229,7 +238,8 @@ fn stress() -> Result<Audit, SceneError> {
     let bodies = stress_bodies(DEFAULT_BODIES, 0)
         .enumerate()
         .map(|(index, body)| Ok(AuditedBody::of(convert::numbered(index as u64), &body?, Up::Y)));
-    Ok(Audit { bodies: bodies.collect::<Result<_, SceneError>>()?, notices: Vec::new(), files: Vec::new() })
+    let bodies = bodies.collect::<Result<_, SceneError>>()?;
+    Ok(Audit { bodies, joints: Vec::new(), notices: Vec::new(), files: Vec::new() })
 }
 
 impl AuditedBody {

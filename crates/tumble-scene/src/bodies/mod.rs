@@ -1,5 +1,6 @@
 //! Bodies of a scene: what is to be spawned, with its forces.
 
+pub(crate) mod file_joint;
 pub(crate) mod force;
 pub(crate) mod scene_body;
 pub(crate) mod scene_joint;

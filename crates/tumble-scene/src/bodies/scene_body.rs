@@ -31,7 +31,7 @@ impl From<ImportedBody> for SceneBody {
 
 impl SceneBody {
     /// Spawns bodies and then the springs and joints between them, which find bodies by their index
-    /// among them.
+    /// among them, and gives the entities of the bodies.
     ///
     /// # Errors
     /// [`FieldError`] where a joint cannot be made.
@@ -39,7 +39,7 @@ impl SceneBody {
         bodies: impl IntoIterator<Item = &'a Self>,
         joints: &[SceneJoint],
         world: &mut World,
-    ) -> Result<(), FieldError> {
+    ) -> Result<Vec<Entity>, FieldError> {
         let spawned: Vec<(Entity, &Self)> = bodies.into_iter().map(|body| (body.spawn(world), body)).collect();
         for (entity, body) in &spawned {
             let springs = body.forces.iter().filter(|force| matches!(force, Force::Spring { .. }));
@@ -54,7 +54,7 @@ impl SceneBody {
         for (index, joint) in joints.iter().enumerate() {
             joint.spawn(&entities, world).map_err(|error| FieldError::new(format!("joints[{index}]"), error))?;
         }
-        Ok(())
+        Ok(entities)
     }
 
     fn spawn(&self, world: &mut World) -> Entity {

@@ -10,9 +10,11 @@ use tumble::{BodyError, BodyId, Settings};
 use tumble_import::checked::{finite, real, real_vector};
 use tumble_import::gltf::{GltfBodies, GltfBody};
 use tumble_import::{
-    Appearance, FieldError, ImportedCollider, InertiaRepairs, MeshFormat, Robot, Scope, one_line, read_text,
+    Appearance, FieldError, ImportedCollider, ImportedJoint, InertiaRepairs, MeshFormat, Robot, Scope, one_line,
+    read_text,
 };
 
+use crate::bodies::file_joint::spawn_joints;
 use crate::bodies::scene_body::SceneBody;
 use crate::bodies::scene_joint::SceneJoint;
 use crate::builtin::stress::StressBodies;
@@ -70,7 +72,7 @@ pub struct Scene {
 
 #[derive(Clone, Debug)]
 enum Bodies {
-    Listed { bodies: Vec<SceneBody>, joints: Vec<SceneJoint>, names: Vec<String> },
+    Listed { bodies: Vec<SceneBody>, joints: Vec<SceneJoint>, file_joints: Vec<ImportedJoint>, names: Vec<String> },
     Stress { count: usize, seed: u64 },
 }
 
@@ -168,9 +170,9 @@ impl Scene {
 
     /// Reads a robot in URDF text; `file` is what messages call it.
     ///
-    /// Links with an inertial are free bodies at the poses they have while no joint is moved, in
-    /// the frame of the root, with gravity along -z. Joints are not simulated; the
-    /// [`notices`](Self::notices) name them.
+    /// Links are at the poses they have while no joint is moved, in the frame of the root, with
+    /// gravity along -z; those that fixed joints connect are one body. What is not simulated is in
+    /// the [`notices`](Self::notices).
     ///
     /// ```
     /// use tumble_scene::Scene;
@@ -192,6 +194,7 @@ impl Scene {
 
     fn of_robot(mut robot: Robot, file: &str) -> Result<Self, SceneError> {
         let (name, notices) = (robot.name.take(), std::mem::take(&mut robot.notices));
+        let file_joints = std::mem::take(&mut robot.joints);
         let (bodies, names) = robot.into_bodies(file)?;
         let bodies = bodies.into_iter().map(SceneBody::from).collect();
         Ok(Self {
@@ -204,7 +207,7 @@ impl Scene {
             notices,
             left_out: Vec::new(),
             files: Vec::new(),
-            bodies: Bodies::Listed { bodies, joints: Vec::new(), names },
+            bodies: Bodies::Listed { bodies, joints: Vec::new(), file_joints, names },
         })
     }
 
@@ -286,23 +289,24 @@ impl Scene {
         }
     }
 
-    /// Spawns the bodies, with their index as [`BodyId`](tumble::BodyId), and the springs between
-    /// them, and gives the bodies' names.
+    /// Spawns the bodies, with their index as [`BodyId`](tumble::BodyId), and the springs and joints
+    /// between them, and gives their names.
     ///
     /// # Errors
     /// [`SceneError::File`] if the generated scene made an impossible body, which its tests
     /// deny.
     pub fn spawn(self, world: &mut World) -> Result<BodyNames, SceneError> {
         match self.bodies {
-            Bodies::Listed { bodies, joints, names } => {
-                SceneBody::spawn_all(&bodies, &joints, world).map_err(|error| invalid(&self.origin, None, error))?;
-                Ok(BodyNames { given: Some(names) })
+            Bodies::Listed { bodies, joints, file_joints, names } => {
+                let entities = SceneBody::spawn_all(&bodies, &joints, world);
+                let entities = entities.map_err(|error| invalid(&self.origin, None, error))?;
+                Ok(BodyNames { given: Some(names), joints: spawn_joints(&file_joints, &entities, world) })
             }
             Bodies::Stress { count, seed } => {
                 for body in stress_bodies(count, seed) {
                     body?.body.spawn(world);
                 }
-                Ok(BodyNames { given: None })
+                Ok(BodyNames { given: None, joints: Vec::new() })
             }
         }
     }
@@ -312,7 +316,9 @@ impl Scene {
     fn of_gltf(scene: GltfBodies, file: &str) -> Result<Self, SceneError> {
         let (mut bodies, mut names) = (Vec::with_capacity(scene.bodies.len()), Vec::with_capacity(scene.bodies.len()));
         let (mut left_out, mut notices) = (Vec::new(), scene.notices);
+        let mut indices = Vec::with_capacity(scene.bodies.len());
         for GltfBody { name, body } in scene.bodies {
+            indices.push(body.is_ok().then_some(bodies.len()));
             match body {
                 Ok(mut body) => {
                     // Ids are indices, also where a body before it is missing.
@@ -330,6 +336,11 @@ impl Scene {
         if bodies.is_empty() && !left_out.is_empty() {
             return Err(left_out.remove(0));
         }
+        let kept = |joint: ImportedJoint| match joint.bodies.map(|body| indices.get(body).copied().flatten()) {
+            [Some(a), Some(b)] => Some(ImportedJoint { bodies: [a, b], ..joint }),
+            _ => None,
+        };
+        let file_joints = scene.joints.into_iter().filter_map(kept).collect();
         Ok(Self {
             origin: file.to_owned(),
             name: scene.name,
@@ -340,7 +351,7 @@ impl Scene {
             notices,
             left_out,
             files: scene.files,
-            bodies: Bodies::Listed { bodies, joints: Vec::new(), names },
+            bodies: Bodies::Listed { bodies, joints: Vec::new(), file_joints, names },
         })
     }
 
@@ -397,7 +408,7 @@ impl Scene {
             notices: model.notices.clone(),
             left_out: Vec::new(),
             files: model.files.clone(),
-            bodies: Bodies::Listed { bodies, joints, names },
+            bodies: Bodies::Listed { bodies, joints, file_joints: Vec::new(), names },
         })
     }
 }

@@ -1,0 +1,167 @@
+//! A joint of a file, checked.
+
+use std::f64::consts::{PI, TAU};
+
+use glam::{DQuat, DVec3};
+use tumble::hecs::Entity;
+use tumble::{Axes, Drives, Joint, JointFriction, Limit, Limits, Pose};
+
+use crate::bodies::imported_body::ImportedBody;
+use crate::checked::{real, real_quaternion, real_vector};
+
+/// How far from the centre of mass of its bodies a joint can be \[m\].
+const MAX_DISTANCE: f64 = 1e9;
+
+/// The largest angle that a limit with another below it may have: values of rotations end at pi.
+const HALF_TURN: f64 = PI - 1e-6;
+
+/// A checked joint between two bodies of a file, with what the file says of its axes.
+///
+/// ```
+/// use tumble_import::{InertiaRepairs, Robot};
+///
+/// let link = |name: &str| format!(r#"<link name="{name}"> <inertial> <mass value="2"/>
+///     <inertia ixx="0.02" ixy="0" ixz="0" iyy="0.03" iyz="0" izz="0.04"/> </inertial> </link>"#);
+/// let robot = format!(r#"<robot name="arm"> {} {} <joint name="elbow" type="revolute">
+///     <origin xyz="0 0 1"/> <parent link="upper"/> <child link="lower"/> <axis xyz="0 1 0"/>
+///     <limit lower="-1" upper="2" effort="10" velocity="3"/> </joint> </robot>"#, link("upper"), link("lower"));
+/// let robot = Robot::from_text(&robot, "arm.urdf", InertiaRepairs::Refused)?;
+/// let elbow = &robot.joints[0];
+/// assert_eq!((elbow.name.as_str(), elbow.bodies, elbow.kind()), ("elbow", [0, 1], "hinge"));
+/// assert_eq!((elbow.max_effort, elbow.max_speed), (Some(10.0), Some(3.0)));
+/// # Ok::<(), tumble_import::FileError>(())
+/// ```
+#[derive(Clone, Debug)]
+pub struct ImportedJoint {
+    /// What its file calls it.
+    pub name: String,
+    /// The bodies, by their index among those of the file.
+    pub bodies: [usize; 2],
+    /// The frame of each: origin \[m\] from the centre of mass and orientation, both along the
+    /// body's axes.
+    pub frames: [Pose; 2],
+    /// The axes that are not locked.
+    pub free: Axes,
+    /// Whether the colliders of its two bodies touch each other.
+    pub contacts_enabled: bool,
+    /// How far it goes.
+    pub limits: Option<Limits>,
+    /// Its motors, springs and dampers.
+    pub drives: Option<Drives>,
+    /// Its dry friction.
+    pub friction: Option<JointFriction>,
+    /// The greatest force \[N\] or torque [N m] of what drives it, as the file says. It drives
+    /// nothing by itself.
+    pub max_effort: Option<f64>,
+    /// The greatest speed [m/s] [rad/s], as the file says. Nothing keeps to it.
+    pub max_speed: Option<f64>,
+}
+
+impl ImportedJoint {
+    /// The engine's joint between these entities, the bodies in the order of
+    /// [`bodies`](Self::bodies).
+    #[must_use]
+    pub fn between(&self, [a, b]: [Entity; 2]) -> Joint {
+        let joint = Joint::with_free(a, b, self.free).with_frames(self.frames[0], self.frames[1]);
+        if self.contacts_enabled { joint.with_contacts() } else { joint }
+    }
+
+    /// What joints that leave such axes free are called: as the constructors of [`Joint`], or
+    /// `other`.
+    #[must_use]
+    pub fn kind(&self) -> &'static str {
+        kind_of(self.free)
+    }
+}
+
+/// All axes, in the order of a joint's values.
+pub(crate) const AXES: [Axes; 6] =
+    [Axes::LINEAR_X, Axes::LINEAR_Y, Axes::LINEAR_Z, Axes::ANGULAR_X, Axes::ANGULAR_Y, Axes::ANGULAR_Z];
+
+fn kind_of(free: Axes) -> &'static str {
+    let along: Vec<usize> = (0..3).filter(|axis| free.contains(AXES[*axis])).collect();
+    let about: Vec<usize> = (0..3).filter(|axis| free.contains(AXES[3 + axis])).collect();
+    match (along.as_slice(), about.as_slice()) {
+        ([], []) => "fixed",
+        ([], [_]) => "hinge",
+        ([], [_, _]) => "universal",
+        ([], _) => "ball",
+        ([_], []) => "slider",
+        ([a], [b]) if a == b => "cylinder",
+        ([a, b], [c]) if a != c && b != c => "planar",
+        ([_, _, _], [_, _, _]) => "free",
+        _ => "other",
+    }
+}
+
+/// The frame of a joint on a body, from where it is in the body's frame; `None` if it is too far
+/// from the centre of mass.
+pub(crate) fn frame_on(body: &ImportedBody, position: DVec3, orientation: DQuat) -> Option<Pose> {
+    let center = body.body.properties().map_or(DVec3::ZERO, tumble::MassProperties::center_of_mass);
+    let from_center = position - center;
+    // Written so that what is not a number is too far.
+    let is_near = from_center.abs().max_element() <= MAX_DISTANCE && orientation.is_finite();
+    let orientation = real_quaternion(orientation.normalize());
+    is_near.then(|| Pose { position: real_vector(from_center), orientation })
+}
+
+/// A range of angles \[rad\] as the engine has it, whose angles are between -pi and pi: `None` of a
+/// whole turn or more, and of a bound that they never reach; what is beyond half a turn is cut off.
+pub(crate) fn angles(lower: f64, upper: f64) -> Option<[f64; 2]> {
+    let is_one_sided = lower.is_infinite() || upper.is_infinite();
+    if (lower <= -PI && upper >= PI) || (!is_one_sided && upper - lower >= TAU) {
+        return None;
+    }
+    if is_one_sided {
+        // Past half a turn it would be on the other side of its bound.
+        return Some([lower.max(-HALF_TURN), upper.min(HALF_TURN)]).filter(|[lower, upper]| lower <= upper);
+    }
+    // The same angles, turns away, as near to zero as they are.
+    let middle = 0.5 * (lower + upper);
+    let turns = (middle / TAU).round() * TAU;
+    let [lower, upper] = if middle.abs() > PI { [lower - turns, upper - turns] } else { [lower, upper] };
+    Some([lower.max(-HALF_TURN), upper.min(HALF_TURN)])
+}
+
+/// A hard limit in the engine's precision.
+pub(crate) fn hard([lower, upper]: [f64; 2]) -> Limit {
+    Limit::new(real(lower), real(upper))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn angles_are_cut_and_turned_back() {
+        assert_eq!(angles(-1.0, 2.0), Some([-1.0, 2.0]));
+        assert_eq!(angles(-TAU, TAU), None);
+        assert_eq!(angles(-PI, PI), None);
+        assert_eq!(angles(f64::NEG_INFINITY, f64::INFINITY), None);
+        assert_eq!(angles(0.5, f64::INFINITY), Some([0.5, HALF_TURN]));
+        assert_eq!(angles(-7.0, f64::INFINITY), None);
+        assert_eq!(angles(4.0, f64::INFINITY), None);
+        // The sixth joint of a published arm.
+        assert_eq!(angles(-0.0175, 3.7525), Some([-0.0175, HALF_TURN]));
+        let [lower, upper] = angles(TAU + 0.5, TAU + 1.0).unwrap();
+        assert!((lower - 0.5).abs() < 1e-15 && (upper - 1.0).abs() < 1e-15);
+    }
+
+    #[test]
+    fn kinds_are_those_of_the_constructors() {
+        let [a, b] = [Entity::DANGLING; 2];
+        for (joint, kind) in [
+            (Joint::ball(a, b), "ball"),
+            (Joint::hinge(a, b), "hinge"),
+            (Joint::slider(a, b), "slider"),
+            (Joint::cylinder(a, b), "cylinder"),
+            (Joint::universal(a, b), "universal"),
+            (Joint::planar(a, b), "planar"),
+            (Joint::fixed(a, b), "fixed"),
+            (Joint::free(a, b), "free"),
+            (Joint::with_free(a, b, Axes::LINEAR_X | Axes::ANGULAR_Y), "other"),
+        ] {
+            assert_eq!(kind_of(joint.free), kind);
+        }
+    }
+}

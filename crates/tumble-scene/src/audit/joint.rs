@@ -1,0 +1,212 @@
+//! Joints as an audit shows them.
+
+use serde::Serialize;
+use tumble::math::Real;
+use tumble::{Axes, Drive, Gain, Limit, Limits};
+use tumble_import::ImportedJoint;
+
+/// A joint between two bodies, as `tumble inspect` shows it.
+///
+/// ```
+/// use tumble_scene::Audit;
+///
+/// let link = |name: &str| format!(r#"<link name="{name}"> <inertial> <mass value="2"/>
+///     <inertia ixx="0.02" ixy="0" ixz="0" iyy="0.03" iyz="0" izz="0.04"/> </inertial> </link>"#);
+/// let robot = format!(r#"<robot name="arm"> {} {} <joint name="elbow" type="revolute">
+///     <parent link="upper"/> <child link="lower"/> <limit lower="-0.5" upper="2"/> </joint> </robot>"#,
+///     link("upper"), link("lower"));
+/// let elbow = &Audit::from_urdf(&robot, "arm.urdf")?.joints[0];
+/// assert_eq!((elbow.kind, elbow.between.join(" ")), ("hinge", "upper lower".to_owned()));
+/// assert_eq!((elbow.limits[0].of.as_str(), elbow.limits[0].max), ("angular_x", Some(2.0)));
+/// # Ok::<(), tumble_scene::SceneError>(())
+/// ```
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct AuditedJoint {
+    /// What its file calls it.
+    pub name: String,
+    /// What joints that leave such axes free are called: as the constructors of
+    /// [`Joint`](tumble::Joint), or `other`.
+    pub kind: &'static str,
+    /// The names of its bodies.
+    pub between: [String; 2],
+    /// The axes that are not locked, such as `angular_x`.
+    pub free: Vec<&'static str>,
+    /// How far it goes.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub limits: Vec<AuditedLimit>,
+    /// Its motors, springs and dampers.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub drives: Vec<AuditedDrive>,
+    /// Its dry friction.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub friction: Vec<AuditedFriction>,
+    /// The greatest force \[N\] or torque [N m] of what drives it, as the file says.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub max_effort: Option<f64>,
+    /// The greatest speed [m/s] [rad/s], as the file says.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub max_speed: Option<f64>,
+    /// Whether the colliders of its bodies touch each other.
+    pub contacts: bool,
+}
+
+/// A range that a joint stays in.
+///
+/// ```
+/// use tumble_scene::AuditedLimit;
+///
+/// let limit = AuditedLimit { of: "distance".into(), min: None, max: Some(2.0), gain: None };
+/// assert_eq!(limit.max, Some(2.0));
+/// ```
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct AuditedLimit {
+    /// An axis, `distance` or `cone`.
+    pub of: String,
+    /// \[m\] \[rad\]
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub min: Option<f64>,
+    /// \[m\] \[rad\]; of a cone its half angle, the lesser of two.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub max: Option<f64>,
+    /// `None` of a hard limit.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub gain: Option<AuditedGain>,
+}
+
+/// What drives a joint along one axis or several.
+///
+/// ```
+/// use tumble_scene::{AuditedDrive, AuditedGain};
+///
+/// let gain = Some(AuditedGain { mode: "force", stiffness: 0.0, damping: 0.5 });
+/// let damper = AuditedDrive { of: vec!["angular_x"], position: None, velocity: 0.0, gain, max_force: None };
+/// assert!(damper.position.is_none());
+/// ```
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct AuditedDrive {
+    /// Along or about which axes.
+    pub of: Vec<&'static str>,
+    /// Where to, if anywhere \[m\] \[rad\].
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub position: Option<f64>,
+    /// How fast [m/s] [rad/s].
+    pub velocity: f64,
+    /// `None` of one that does what it takes.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub gain: Option<AuditedGain>,
+    /// The greatest force \[N\] or torque [N m].
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub max_force: Option<f64>,
+}
+
+/// How hard a limit or a drive pulls.
+///
+/// ```
+/// use tumble_scene::AuditedGain;
+///
+/// let spring = AuditedGain { mode: "force", stiffness: 100.0, damping: 1.0 };
+/// assert_eq!(spring.mode, "force");
+/// ```
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct AuditedGain {
+    /// `force` [N/m] [N s/m], `acceleration` [1/s^2] [1/s], or `frequency`: \[Hz\] and the ratio to
+    /// critical damping.
+    pub mode: &'static str,
+    /// Of the spring.
+    pub stiffness: f64,
+    /// Of the damper.
+    pub damping: f64,
+}
+
+/// Dry friction along or about one axis.
+///
+/// ```
+/// let friction = tumble_scene::AuditedFriction { of: "angular_x", max: 0.5 };
+/// assert_eq!(friction.max, 0.5);
+/// ```
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct AuditedFriction {
+    /// The axis.
+    pub of: &'static str,
+    /// The greatest force \[N\] or torque [N m].
+    pub max: f64,
+}
+
+/// The axes in the order of a joint's values, and what they are called.
+const AXES: [(Axes, &str); 6] = [
+    (Axes::LINEAR_X, "linear_x"),
+    (Axes::LINEAR_Y, "linear_y"),
+    (Axes::LINEAR_Z, "linear_z"),
+    (Axes::ANGULAR_X, "angular_x"),
+    (Axes::ANGULAR_Y, "angular_y"),
+    (Axes::ANGULAR_Z, "angular_z"),
+];
+
+impl AuditedJoint {
+    /// Of a joint between bodies of these names.
+    pub(crate) fn of(joint: &ImportedJoint, names: &[String]) -> Self {
+        let friction = joint.friction.map_or([0.0; 6], |friction| friction.max);
+        let friction = AXES.iter().zip(friction).filter(|(_, max)| *max > 0.0);
+        Self {
+            name: joint.name.clone(),
+            kind: joint.kind(),
+            between: joint.bodies.map(|body| names.get(body).cloned().unwrap_or_default()),
+            free: named(joint.free),
+            limits: joint.limits.iter().flat_map(AuditedLimit::all).collect(),
+            drives: joint.drives.iter().flat_map(|drives| &drives.0).map(AuditedDrive::of).collect(),
+            friction: friction.map(|((_, of), max)| AuditedFriction { of, max: double(max) }).collect(),
+            max_effort: joint.max_effort,
+            max_speed: joint.max_speed,
+            contacts: joint.contacts_enabled,
+        }
+    }
+}
+
+impl AuditedLimit {
+    fn all(limits: &Limits) -> Vec<Self> {
+        let of = |of: &str, limit: Limit| {
+            let [min, max] = [limit.min, limit.max].map(|bound| Some(double(bound)).filter(|it| it.is_finite()));
+            Self { of: of.to_owned(), min, max, gain: AuditedGain::of(limit.gain) }
+        };
+        let axes = AXES.iter().zip(limits.axes).filter_map(|((_, name), limit)| Some(of(name, limit?)));
+        let distance = limits.distance.map(|limit| of("distance", limit));
+        let cone = limits.cone.map(|cone| {
+            let [a, b] = cone.half_angles;
+            Self { of: "cone".to_owned(), min: None, max: Some(double(a.min(b))), gain: AuditedGain::of(cone.gain) }
+        });
+        axes.chain(distance).chain(cone).collect()
+    }
+}
+
+impl AuditedDrive {
+    fn of(drive: &Drive) -> Self {
+        Self {
+            of: named(drive.axes),
+            position: drive.position.map(double),
+            velocity: double(drive.velocity),
+            gain: AuditedGain::of(drive.gain),
+            max_force: Some(double(drive.max_force)).filter(|max| max.is_finite()),
+        }
+    }
+}
+
+impl AuditedGain {
+    fn of(gain: Gain) -> Option<Self> {
+        let (mode, stiffness, damping) = match gain {
+            Gain::Rigid => return None,
+            Gain::Stiffness { stiffness, damping } => ("force", stiffness, damping),
+            Gain::Acceleration { stiffness, damping } => ("acceleration", stiffness, damping),
+            Gain::Frequency { hertz, damping_ratio } => ("frequency", hertz, damping_ratio),
+        };
+        Some(Self { mode, stiffness: double(stiffness), damping: double(damping) })
+    }
+}
+
+fn named(axes: Axes) -> Vec<&'static str> {
+    AXES.iter().filter(|(axis, _)| axes.contains(*axis)).map(|(_, name)| *name).collect()
+}
+
+/// Of the engine's number the shortest decimal, as files have it.
+fn double(value: Real) -> f64 {
+    value.to_string().parse().unwrap_or(f64::NAN)
+}
