@@ -49,14 +49,20 @@ impl JointAxes {
         }
         let distance = reading.distance();
         let cone = reading.cone();
-        // The engine's cone is about x: its y and z are the next axes, in a circle.
-        let first = cone.map_or(0, |(axis, _)| axis);
+        let is_ball = (3..6).all(|axis| !reading.locked[axis]);
+        let limited = (0..3).find(|axis| is_ball && reading.limits[3 + axis].is_some());
+        // The engine's cone and twist are about x: its y and z are the next axes, in a circle.
+        let first = cone.map_or(limited.unwrap_or(0), |(axis, _)| axis);
         let turned = [[0.0, 0.0, 0.0, 1.0], [0.5, 0.5, 0.5, 0.5], [-0.5, -0.5, -0.5, 0.5]][first];
         let place = |axis: usize| if axis < 3 { (axis + 3 - first) % 3 } else { 3 + (axis - first) % 3 };
         let mut free = Axes::NONE;
         let mut limits = Limits { distance, cone: cone.map(|(_, cone)| cone), ..Limits::default() };
         for axis in (0..6).filter(|axis| !reading.locked[*axis]) {
             free = free | AXES[place(axis)];
+            if is_ball && place(axis) > 3 && reading.limits[axis].is_some() {
+                reading.left_out.push("a limit about one of three free rotations, beside the twist");
+                continue;
+            }
             limits.axes[place(axis)] = reading.limits[axis];
         }
         let mut drives = Drives::default();

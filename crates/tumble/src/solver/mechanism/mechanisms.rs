@@ -307,11 +307,17 @@ impl Mechanisms {
     pub(crate) fn write(&mut self, bodies: &mut SolverBodies, works: &mut ContactWorks) {
         let Self { mechanisms, loads, active, done, values_and_speeds, .. } = self;
         for Mechanism { solver, slots, joints, is_touched, is_sound } in mechanisms {
+            if !*is_sound {
+                // Its bodies stay where they were, as if the step had not been.
+                slots.iter().for_each(|slot| loads[slot.index()] = 0.0);
+                solver.done.fill([Vec3::zero(); 2]);
+                continue;
+            }
             for (slot, body) in slots.iter().zip(&mut solver.bodies) {
                 loads[slot.index()] = body.load;
                 if *is_touched {
                     body.write_own_momentum(bodies);
-                } else if *is_sound {
+                } else {
                     body.write(bodies);
                     works.leave_to_joints(body.row, body.damping_work);
                 }
