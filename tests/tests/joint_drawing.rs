@@ -132,11 +132,11 @@ proptest! {
     }
 
     #[test]
-    fn the_rim_of_a_cone_is_at_its_half_angles((y, z) in (0.1..3.0, 0.1..3.0), out in 0.0..1.5) {
+    fn the_rim_of_a_cone_is_at_its_half_angles((y, z) in (0.1..3.0, 0.1..3.0), out in 0.0..1.5_f64) {
         let cone = Cone { half_angles: [y as Real, z as Real], gain: Gain::Rigid };
         let limits = Limits { cone: Some(cone), ..Limits::default() };
         // A rotation about y takes x to -z.
-        prop_assume!((out - 1.0_f64).abs() > 0.05 && out * y < 3.1);
+        prop_assume!((out - 1.0).abs() > 0.05 && out * y < 3.1);
         let drawn = Drawn::of(Axes::ANGULAR, DVec3::ZERO, DQuat::from_rotation_y(out * y), limits);
         let color = if out < 1.0 { DebugView::LIMIT } else { DebugView::LIMIT_REACHED };
         let ends = drawn.ends(color);
@@ -160,7 +160,7 @@ proptest! {
     }
 
     #[test]
-    fn a_range_is_as_long_as_it_is((a, b) in (-3.0..3.0, -3.0..3.0), value in -3.0..3.0) {
+    fn a_range_is_as_long_as_it_is((a, b) in (-3.0..3.0, -3.0..3.0), value in -3.0..3.0_f64) {
         let (min, max) = (f64::min(a, b), f64::max(a, b));
         prop_assume!(max - min > 0.1 && (value - min).abs() > 0.01 && (value - max).abs() > 0.01);
         let limits = Limits::along(Axes::LINEAR_Y, Limit::new(min as Real, max as Real));

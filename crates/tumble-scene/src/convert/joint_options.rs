@@ -23,7 +23,7 @@ const AXES: [(&str, Axes); 6] = [
 ];
 
 /// Bounds of rotations may be a little more than pi, for it is rounded in files \[rad\].
-const MOST_ANGLE: f64 = PI + 1e-4;
+const MAX_ANGLE: f64 = PI + 1e-4;
 
 /// The limits of a joint with these free axes.
 pub(crate) fn limits(model: &LimitsModel, free: Axes) -> Result<Limits, FieldError> {
@@ -33,7 +33,7 @@ pub(crate) fn limits(model: &LimitsModel, free: Axes) -> Result<Limits, FieldErr
     for ((model, (name, axis)), place) in of_axes.into_iter().zip(AXES).zip(&mut limits.axes) {
         let Some(model) = model else { continue };
         check_free(name, axis, free)?;
-        let most = if Axes::ANGULAR.contains(axis) { MOST_ANGLE } else { f64::INFINITY };
+        let most = if Axes::ANGULAR.contains(axis) { MAX_ANGLE } else { f64::INFINITY };
         *place = Some(limit(model, most).map_err(|error| error.inside(name))?);
     }
     if let Some(model) = distance {

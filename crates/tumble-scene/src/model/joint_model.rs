@@ -3,8 +3,8 @@
 use crate::model::joint_options_model::{BreakModel, DriveModel, FrictionModel, LimitsModel, drives};
 use crate::values::tuple::{Triple, Tuple};
 
-/// One of the kinds, each with where it is. What most joints do not have is in boxes, since a file may
-/// have millions of joints.
+/// One of the kinds, each with where it is. What most joints lack is in boxes, for a file may have
+/// millions of them.
 #[derive(Clone, Debug, Default, serde::Deserialize)]
 #[serde(deny_unknown_fields, rename = "Joint", expecting = "a joint with named fields")]
 pub(crate) struct JointModel {

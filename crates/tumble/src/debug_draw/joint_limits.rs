@@ -31,9 +31,9 @@ impl Pen<'_> {
     /// The limits of a joint; arcs and cones have this radius \[m\].
     pub(crate) fn limits(&mut self, limits: &Limits, at: &Standing, radius: f64) {
         let limits = limits.within(at.free);
-        for axis in 0..3 {
+        for (axis, unit) in UNITS.into_iter().enumerate() {
             if let Some(limit) = limits.axes[axis] {
-                self.range(&limit, at, at.orientations[0] * UNITS[axis], radius);
+                self.range(&limit, at, at.orientations[0] * unit, radius);
             }
             if let Some(limit) = limits.axes[3 + axis] {
                 self.arc(&limit, at, axis, radius);
@@ -93,7 +93,7 @@ impl Pen<'_> {
         let [about_y, about_z] = tangents;
         let fall = 1.0 + a[0].dot(b[0]);
         let out = DVec3::new(a[1].dot(b[0]) / about_z, a[2].dot(b[0]) / about_y, 0.0).length() / fall;
-        let color = color(!(out < 1.0 - NEAR));
+        let color = color(out.is_nan() || out > 1.0 - NEAR);
         let on_rim = |turn: f64| {
             let (t, u) = (about_z * turn.cos(), about_y * turn.sin());
             let square = t * t + u * u;
