@@ -3,7 +3,7 @@
 use std::io::{self, Write};
 
 use hecs::World;
-use tumble::{ForceLaws, Ledger, LedgerEntry, Simulation, Totals};
+use tumble::{ForceLaws, Ledger, LedgerEntry, Simulation, Totals, Work};
 use tumble_record::{Plot, Scale, SeriesStyle};
 
 use crate::drift::EVERY_STEP_UP_TO;
@@ -43,7 +43,7 @@ impl History {
         let kinds = if self.works { self.working_kinds() } else { Vec::new() };
         write!(to, "step,time,linear_kinetic,rotational_kinetic,potential,force_potential,energy,px,py,pz,lx,ly,lz")?;
         if self.works {
-            write!(to, ",work_gravity,work_applied,work_damping,work_contacts,work_integrator")?;
+            write!(to, ",work_gravity,work_applied,work_damping,work_contacts,work_joints,work_integrator")?;
         }
         for kind in &kinds {
             write!(to, ",work_{}", snake_case(ForceLaws::COMPONENTS[*kind]))?;
@@ -56,7 +56,8 @@ impl History {
             let mut numbers = vec![entry.time, totals.linear_kinetic, totals.rotational_kinetic, totals.potential];
             numbers.extend([totals.force_potential, entry.energy(), px, py, pz, lx, ly, lz]);
             if self.works {
-                numbers.extend([work.gravity, work.applied, work.damping, work.contacts, work.integrator]);
+                let Work { gravity, applied, damping, contacts, joints, integrator, .. } = *work;
+                numbers.extend([gravity, applied, damping, contacts, joints, integrator]);
             }
             numbers.extend(kinds.iter().map(|kind| work.forces[*kind]));
             write!(to, "{}", entry.step)?;

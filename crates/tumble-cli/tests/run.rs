@@ -119,7 +119,7 @@ fn last_of_ledger(place: &Place) -> (Vec<String>, std::collections::HashMap<Stri
 fn the_ledger_has_a_column_for_each_kind_of_force_that_worked() {
     let place = Place::new();
     let common = "step time linear_kinetic rotational_kinetic potential force_potential energy px py pz lx ly lz";
-    let works = "work_gravity work_applied work_damping work_contacts work_integrator";
+    let works = "work_gravity work_applied work_damping work_contacts work_joints work_integrator";
     place.write("scene.json", SCENE);
     place.succeed(&["run", "scene.json", "--report", "report"]);
     assert_eq!(last_of_ledger(&place).0.join(" "), format!("{common} {works}"));
@@ -141,6 +141,25 @@ fn the_ledger_has_a_column_for_each_kind_of_force_that_worked() {
     // Long runs have no works, but the potential.
     place.succeed(&["run", "satellite", "--steps", "1000001", "--report", "report", "--quiet"]);
     assert_eq!(last_of_ledger(&place).0.join(" "), common);
+}
+
+/// A motor of 2 N m brings a wheel of `m r^2/2` = 0.225 kg m^2 to 10 rad/s in 1.125 s.
+#[test]
+fn the_ledger_has_the_work_of_joints() {
+    let place = Place::new();
+    place.write(
+        "wheel.json",
+        r#"{ "gravity": [0, 0, 0], "steps": 120, "bodies": [ { "name": "base", "fixed": true },
+            { "name": "wheel", "shape": { "cylinder": { "radius": 0.3, "half_height": 0.1 } }, "mass": 5 } ],
+          "joints": [ { "between": ["base", "wheel"], "hinge": { "at": [0, 0, 0], "axis": [0, 1, 0] },
+            "drives": [ { "axes": ["angular_x"], "velocity": 10, "max_force": 2 } ] } ] }"#,
+    );
+    place.succeed(&["run", "wheel.json", "--report", "report"]);
+    let last = last_of_ledger(&place).1;
+    let energy = 0.5 * 0.225 * 100.0;
+    // Sums of single precision's momenta, of 2 N m s.
+    assert!((last["work_joints"] - energy).abs() < 1e-4, "{}", last["work_joints"]);
+    assert!((last["rotational_kinetic"] - energy).abs() < 1e-4, "{}", last["rotational_kinetic"]);
 }
 
 #[test]

@@ -8,6 +8,9 @@ use tumble_import::{checked, shortest};
 /// Most bodies of a scene, listed or generated.
 pub const MAX_BODIES: usize = 10_000_000;
 
+/// Most drives of a joint.
+pub(crate) const MAX_DRIVES: usize = 64;
+
 /// Most heights of a height field in a scene.
 pub const MAX_HEIGHTS: usize = 4_000_000;
 

@@ -26,7 +26,17 @@ const JSON: &str = r#"{ "name": "mixed", "gravity": [0, -9.81, 0], "dt": 0.01, "
     { "shape": "point", "mass": 1, "position": [1, 0, 0], "orientation": [0, 0, 0, 1] } ] } } },
   { "name": "floor", "fixed": true, "shape": { "cone": { "radius": 1, "half_height": 2 } }, "forces": [ { "gravity_mass": { "mu": 5 } } ] },
   { "name": "belt", "kinematic": true, "angular_velocity": [0, 1, 0] },
-  { "name": "tensor", "mass": 1, "inertia": { "tensor": [[2, 0.1, 0], [0.1, 2, 0], [0, 0, 2]] } } ] }"#;
+  { "name": "tensor", "mass": 1, "inertia": { "tensor": [[2, 0.1, 0], [0.1, 2, 0], [0, 0, 2]] } } ],
+  "joints": [
+  { "name": "hatch", "between": ["brick", "floor"], "cylinder": { "at": [1, 2, 2], "axis": [0, 1, 0] }, "contacts": true,
+    "limits": { "angular_x": [-0.5, 1], "linear_x": { "min": 0, "stiffness": 100, "damping": 2 } },
+    "drives": [ { "axes": ["angular_x"], "velocity": 10, "max_force": 2 },
+      { "axes": ["linear_x"], "position": 0.1, "velocity": 1, "stiffness": 50, "damping": 5, "mode": "acceleration" } ],
+    "friction": { "angular_x": 0.5, "linear_x": 1 }, "break": { "force": 100, "torque": 20 } },
+  { "between": ["brick", "tensor"], "free": { "at": [1, 2, 3], "to": [0, 0, 0] },
+    "limits": { "distance": [1, 4], "cone": { "half_angles": [1.2, 0.7], "frequency": 5, "damping_ratio": 0.5 } },
+    "drives": [ { "axes": ["angular"], "position": 0.5, "frequency": 2 } ] },
+  { "between": ["tensor", "belt"], "ball": { "at": [0, 0, 1], "axis": [1, 0, 0] }, "limits": { "cone": 1, "angular_x": [-1, 1] } } ] }"#;
 
 const RON: &str = r#"( name: "mixed", gravity: (0, -9.81, 0), dt: 0.01, steps: 10, integrator: "moser-veselov", bodies: [
   ( name: "brick", shape: cuboid(half_extents: (0.1, 0.05, 0.03)), mass: 2.0,
@@ -35,7 +45,10 @@ const RON: &str = r#"( name: "mixed", gravity: (0, -9.81, 0), dt: 0.01, steps: 1
       spring(to: "body-2", stiffness: 10), buoyancy(hull: cuboid(half_extents: (1, 1, 1))), gravity_mass(),
       constant_wrench(force: (1, 0, 0), frame: world) ] ),
   ( shape: compound(parts: [ (shape: capsule(radius: 1, half_height: 2), density: 10), (shape: point, mass: 1) ]) ),
-  ( fixed: true, shape: ellipsoid(radii: (1, 2, 3)) ) ] )"#;
+  ( fixed: true, shape: ellipsoid(radii: (1, 2, 3)) ) ],
+  joints: [ ( between: ("brick", "body-2"), universal: (at: (1, 2, 2), axis: (0, 1, 0)), limits: (angular_y: (-1, 1)),
+      drives: [ (axes: [angular_x], position: 1, frequency: 3) ], friction: (angular_y: 1), break: (torque: 5) ),
+    ( between: ["body-1", "body-2"], free: (at: (0, 0, 0)), limits: (cone: (1, 2), distance: (max: 3, frequency: 2)) ) ] )"#;
 
 /// What slips of fingers and hostile minds put in the place of something else.
 const NASTY: [&str; 22] = [

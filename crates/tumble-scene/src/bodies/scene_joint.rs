@@ -1,27 +1,51 @@
 //! A joint of a scene.
 
-use hecs::{Entity, World};
+use hecs::{Entity, EntityBuilder, World};
 use tumble::math::Vec3;
-use tumble::{Joint, JointError, JointLoad};
+use tumble::{Breakable, Drives, Joint, JointError, JointFriction, JointLoad, Limits};
 
 /// A checked joint between two bodies of a scene, by their indices.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Debug)]
 pub(crate) struct SceneJoint {
     pub(crate) bodies: [usize; 2],
     /// The constructor of its kind.
     pub(crate) kind: fn(Entity, Entity) -> Joint,
     /// Point of the world \[m\].
     pub(crate) at: Vec3,
+    /// Where the frame of the second body is, if elsewhere \[m\].
+    pub(crate) to: Option<Vec3>,
     pub(crate) axis: Vec3,
     pub(crate) contacts: bool,
+    pub(crate) limits: Option<Limits>,
+    pub(crate) drives: Option<Drives>,
+    pub(crate) friction: Option<JointFriction>,
+    pub(crate) breakable: Option<Breakable>,
 }
 
 impl SceneJoint {
     /// Spawns the joint between bodies as they are.
     pub(crate) fn spawn(&self, bodies: &[Entity], world: &mut World) -> Result<(), JointError> {
         let [Some(a), Some(b)] = self.bodies.map(|index| bodies.get(index)) else { return Ok(()) };
-        let joint = (self.kind)(*a, *b).at(world, self.at, self.axis)?;
-        world.spawn((if self.contacts { joint.with_contacts() } else { joint }, JointLoad::default()));
+        let joint = (self.kind)(*a, *b);
+        let mut joint = if self.contacts { joint.with_contacts() } else { joint }.at(world, self.at, self.axis)?;
+        if let Some(to) = self.to {
+            joint.frames[1] = joint.at(world, to, self.axis)?.frames[1];
+        }
+        let mut entity = EntityBuilder::new();
+        entity.add(joint).add(JointLoad::default());
+        if let Some(limits) = self.limits {
+            entity.add(limits);
+        }
+        if let Some(drives) = &self.drives {
+            entity.add(drives.clone());
+        }
+        if let Some(friction) = self.friction {
+            entity.add(friction);
+        }
+        if let Some(breakable) = self.breakable {
+            entity.add(breakable);
+        }
+        world.spawn(entity.build());
         Ok(())
     }
 }

@@ -12,12 +12,18 @@ use crate::model::scene_model::SceneModel;
 pub(crate) const STRESS: &str = "stress";
 
 /// Scenes, each with the source of its figures in the file.
-const FILES: [(&str, &str); 12] = [
+const FILES: [(&str, &str); 18] = [
+    ("arm", include_str!("../../scenes/arm.json")),
+    ("crane", include_str!("../../scenes/crane.json")),
     ("drake-cylinder", include_str!("../../scenes/drake-cylinder.json")),
+    ("foucault", include_str!("../../scenes/foucault.json")),
+    ("gimbals", include_str!("../../scenes/gimbals.json")),
     ("heavy-chain", include_str!("../../scenes/heavy-chain.json")),
     ("iss", include_str!("../../scenes/iss.json")),
     ("mujoco-box", include_str!("../../scenes/mujoco-box.json")),
     ("raft", include_str!("../../scenes/raft.json")),
+    ("ragdoll", include_str!("../../scenes/ragdoll.json")),
+    ("rope-bridge", include_str!("../../scenes/rope-bridge.json")),
     ("satellite", include_str!("../../scenes/satellite.json")),
     ("skater", include_str!("../../scenes/skater.json")),
     ("solar-system", include_str!("../../scenes/solar-system.json")),
@@ -67,8 +73,9 @@ mod tests {
     #[test]
     fn the_names_are_sorted_and_complete() {
         let names: Vec<_> = builtin_names().collect();
-        let known = "bowling cradle dominoes drake-cylinder drum heavy-chain hills iss mujoco-box pile pyramid raft satellite \
-                     skater solar-system spheres stress t-handle van-zon-top wall weighted-sphere windy-day";
+        let known = "arm bowling cradle crane dominoes drake-cylinder drum foucault gimbals heavy-chain hills iss \
+                     mujoco-box pile pyramid raft ragdoll rope-bridge satellite skater solar-system spheres stress \
+                     t-handle van-zon-top wall weighted-sphere windy-day";
         assert_eq!(names.join(" "), known);
     }
 }

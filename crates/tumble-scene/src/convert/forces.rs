@@ -4,14 +4,14 @@ use std::collections::HashMap;
 
 use glam::{DQuat, DVec3};
 use tumble::{Frame, GravityMass};
-use tumble_import::checked::{finite, note, positive, real, real_vector};
-use tumble_import::{FieldError, shortest};
+use tumble_import::FieldError;
+use tumble_import::checked::{finite, note, positive, real_vector};
 
 use crate::bodies::force::{Force, HullShape, thrust_is_finite};
 use crate::convert::name;
 use crate::model::force_model::{ForceModel, FrameModel, HullModel, PerAxis};
 use crate::model::scene_model::{BodyModel, ShapeModel};
-use crate::values::checked::{double_vector, finite_triple, rate};
+use crate::values::checked::{double_vector, finite_triple, not_negative, number, rate};
 use crate::values::tuple::Triple;
 
 /// Fresh water [kg/m^3].
@@ -278,21 +278,4 @@ fn coefficients(field: &str, numbers: Option<PerAxis>) -> Result<[f64; 3], Field
 /// A length whose square has room \[m\].
 fn softening_length(length: f64) -> Result<f64, FieldError> {
     finite("softening", not_negative("softening", length)?)
-}
-
-fn not_negative(field: &str, value: f64) -> Result<f64, FieldError> {
-    if value < 0.0 {
-        return Err(FieldError::new(field, format!("must not be negative, as {} is", shortest(value))));
-    }
-    number(field, value)
-}
-
-/// A number of any size that the engine's precision has.
-fn number(field: &str, value: f64) -> Result<f64, FieldError> {
-    if real(value).is_finite() {
-        Ok(value)
-    } else {
-        let precision = tumble::math::PRECISION;
-        Err(FieldError::new(field, format!("{} is not a finite number of {precision}", shortest(value))))
-    }
 }

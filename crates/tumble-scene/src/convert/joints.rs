@@ -2,14 +2,17 @@
 
 use std::collections::HashMap;
 
+use glam::DVec3;
 use hecs::Entity;
 use tumble::Joint;
 use tumble_import::FieldError;
 use tumble_import::checked::{check_name, real_vector};
 
 use crate::bodies::scene_joint::SceneJoint;
+use crate::convert::joint_options;
 use crate::model::joint_model::{JointModel, JointPlaceModel};
 use crate::values::checked::finite_triple;
+use crate::values::tuple::Triple;
 
 /// How far from the origin a joint can be \[m\].
 const MAX_DISTANCE: f64 = 1e9;
@@ -43,13 +46,29 @@ fn joint(model: &JointModel, by_name: &HashMap<&str, usize>) -> Result<SceneJoin
         return Err(FieldError::new("between", "names one body twice"));
     }
     let (name, kind, place) = kind(model)?;
-    let (at, axis) = place_of(name, place).map_err(|error| error.inside(name))?;
-    Ok(SceneJoint { bodies, kind, at: real_vector(at), axis: real_vector(axis), contacts: model.contacts })
+    let (at, to, axis) = place_of(name, place).map_err(|error| error.inside(name))?;
+    let free = kind(Entity::DANGLING, Entity::DANGLING).free;
+    let limits = model.limits.as_ref().map(|limits| joint_options::limits(limits, free));
+    let friction = model.friction.as_ref().map(|friction| joint_options::friction(friction, free));
+    let breakable = model.breaks.as_ref().map(|breaks| joint_options::breakable(breaks));
+    let drives = (!model.drives.is_empty()).then(|| joint_options::drives(&model.drives, free));
+    Ok(SceneJoint {
+        bodies,
+        kind,
+        at: real_vector(at),
+        to: to.map(real_vector),
+        axis: real_vector(axis),
+        contacts: model.contacts,
+        limits: limits.transpose().map_err(|error| error.inside("limits"))?,
+        drives: drives.transpose()?,
+        friction: friction.transpose().map_err(|error| error.inside("friction"))?,
+        breakable: breakable.transpose().map_err(|error| error.inside("break"))?,
+    })
 }
 
 /// The one kind that is given, with its name.
 fn kind(model: &JointModel) -> Result<(&'static str, Constructor, &JointPlaceModel), FieldError> {
-    let kinds: [(&str, Constructor, &Option<JointPlaceModel>); 7] = [
+    let kinds: [(&str, Constructor, &Option<Box<JointPlaceModel>>); 8] = [
         ("ball", Joint::ball, &model.ball),
         ("hinge", Joint::hinge, &model.hinge),
         ("slider", Joint::slider, &model.slider),
@@ -57,8 +76,9 @@ fn kind(model: &JointModel) -> Result<(&'static str, Constructor, &JointPlaceMod
         ("universal", Joint::universal, &model.universal),
         ("planar", Joint::planar, &model.planar),
         ("fixed", Joint::fixed, &model.fixed),
+        ("free", Joint::free, &model.free),
     ];
-    let mut given = kinds.into_iter().filter_map(|(name, kind, place)| Some((name, kind, place.as_ref()?)));
+    let mut given = kinds.into_iter().filter_map(|(name, kind, place)| Some((name, kind, place.as_deref()?)));
     match (given.next(), given.next()) {
         (Some(one), None) => Ok(one),
         (Some((first, ..)), Some((second, ..))) => {
@@ -71,26 +91,37 @@ fn kind(model: &JointModel) -> Result<(&'static str, Constructor, &JointPlaceMod
     }
 }
 
-/// Where a joint of a kind is \[m\], and along which axis its frames are.
-fn place_of(kind: &str, place: &JointPlaceModel) -> Result<(glam::DVec3, glam::DVec3), FieldError> {
+/// Where a joint of a kind is \[m\], where that of its second body if elsewhere, and along which
+/// axis its frames are.
+fn place_of(kind: &str, place: &JointPlaceModel) -> Result<(DVec3, Option<DVec3>, DVec3), FieldError> {
     let Some(at) = &place.at else {
         return Err(FieldError::new("at", "is missing: give a point of the world"));
     };
-    let at = finite_triple("at", at)?;
-    if at.abs().max_element() > MAX_DISTANCE {
-        return Err(FieldError::new("at", format!("is further than {MAX_DISTANCE:e} m from the origin")));
+    let at = point("at", at)?;
+    let to = place.to.as_ref().map(|to| point("to", to)).transpose()?;
+    if to.is_some() && kind != "free" {
+        return Err(FieldError::new("to", "is for free joints: others hold both bodies at one point"));
     }
-    let needs_axis = !matches!(kind, "ball" | "fixed");
+    let needs_axis = !matches!(kind, "ball" | "fixed" | "free");
     let axis = match &place.axis {
         Some(axis) => finite_triple("axis", axis)?,
         None if needs_axis => return Err(FieldError::new("axis", "is missing: give a direction")),
-        None => glam::DVec3::X,
+        None => DVec3::X,
     };
     // Scaled first, since a square may overflow or vanish.
     match (axis / axis.abs().max_element()).try_normalize() {
-        Some(axis) => Ok((at, axis)),
+        Some(axis) => Ok((at, to, axis)),
         None => Err(FieldError::new("axis", "is zero: give a direction")),
     }
+}
+
+/// A point of the world \[m\].
+fn point(field: &str, point: &Triple) -> Result<DVec3, FieldError> {
+    let point = finite_triple(field, point)?;
+    if point.abs().max_element() > MAX_DISTANCE {
+        return Err(FieldError::new(field, format!("is further than {MAX_DISTANCE:e} m from the origin")));
+    }
+    Ok(point)
 }
 
 #[cfg(test)]
@@ -112,7 +143,7 @@ mod tests {
 
     #[test]
     fn every_kind_is_spawned_between_its_bodies() {
-        for kind in ["ball", "hinge", "slider", "cylinder", "universal", "planar", "fixed"] {
+        for kind in ["ball", "hinge", "slider", "cylinder", "universal", "planar", "fixed", "free"] {
             let text = format!(r#"{{ "between": ["a", "b"], "{kind}": {{ "at": [0.5, 0, 0], "axis": [0, 0, 2] }} }}"#);
             let world = scene(&text).unwrap();
             let mut joints = world.query::<&tumble::Joint>();
@@ -134,6 +165,10 @@ mod tests {
             (r#"{ "between": ["a", "b"], "hinge": { "axis": [0, 0, 1] } }"#, "joints[0].hinge.at: is missing"),
             (r#"{ "between": ["a", "b"], "hinge": { "at": [0, 0, 0], "axis": [0, 0, 0] } }"#, "is zero"),
             (r#"{ "between": ["a", "b"], "ball": { "at": [1e10, 0, 0] } }"#, "further than 1e9 m"),
+            (
+                r#"{ "between": ["a", "b"], "ball": { "at": [0, 0, 0], "to": [1, 0, 0] } }"#,
+                "joints[0].ball.to: is for free",
+            ),
         ] {
             let error = scene(joint).err().unwrap();
             assert!(error.contains(problem), "{error}");

@@ -3,6 +3,7 @@
 pub(crate) mod collider;
 pub(crate) mod forces;
 pub(crate) mod ground;
+pub(crate) mod joint_options;
 pub(crate) mod joints;
 
 use std::sync::Arc;

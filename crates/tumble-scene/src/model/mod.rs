@@ -4,6 +4,7 @@ pub(crate) mod collider_model;
 pub(crate) mod error_context;
 pub(crate) mod force_model;
 pub(crate) mod joint_model;
+pub(crate) mod joint_options_model;
 pub(crate) mod mesh_shape;
 pub(crate) mod parse;
 pub(crate) mod scene_model;

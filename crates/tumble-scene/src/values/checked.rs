@@ -2,7 +2,7 @@
 
 use glam::DVec3;
 use tumble::math::Vec3;
-use tumble_import::checked::{MAX_COMPONENT, finite};
+use tumble_import::checked::{MAX_COMPONENT, finite, real};
 use tumble_import::{FieldError, shortest};
 
 use crate::values::tuple::Triple;
@@ -26,5 +26,23 @@ pub(crate) fn rate(field: &str, value: f64) -> Result<f64, FieldError> {
         Ok(value)
     } else {
         Err(FieldError::new(field, format!("must be a rate from 0 to {MAX_COMPONENT:e}, not {}", shortest(value))))
+    }
+}
+
+/// A number of any size that the engine's precision has, and not below zero.
+pub(crate) fn not_negative(field: &str, value: f64) -> Result<f64, FieldError> {
+    if value < 0.0 {
+        return Err(FieldError::new(field, format!("must not be negative, as {} is", shortest(value))));
+    }
+    number(field, value)
+}
+
+/// A number of any size that the engine's precision has.
+pub(crate) fn number(field: &str, value: f64) -> Result<f64, FieldError> {
+    if real(value).is_finite() {
+        Ok(value)
+    } else {
+        let precision = tumble::math::PRECISION;
+        Err(FieldError::new(field, format!("{} is not a finite number of {precision}", shortest(value))))
     }
 }

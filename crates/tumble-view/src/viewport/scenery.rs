@@ -16,7 +16,7 @@ const TRAIL: f32 = 1.6;
 /// Width of a spring \[points\].
 const SPRING: f32 = 1.4;
 /// Length of the free axes of a joint, as a part of the radius of the scene.
-const JOINT_AXES: f64 = 0.04;
+const JOINT_AXES: f64 = 0.08;
 
 impl Viewport {
     /// What bodies hide: the grid, springs, joints and trails.

@@ -2,6 +2,7 @@
 
 pub(crate) mod colliders;
 pub(crate) mod contacts;
+pub(crate) mod joint_limits;
 pub(crate) mod joints;
 pub(crate) mod outline;
 pub(crate) mod springs;
@@ -121,6 +122,11 @@ pub struct DebugView {
     pub springs: bool,
     /// Of each [`Joint`](crate::Joint) lines from the centres of mass to its point, and the axes of
     /// the first frame along or about which it is free, in red, green and blue: their length \[m\].
+    ///
+    /// Of its [`Limits`](crate::Limits), arcs with a hand for rotations and a cone with its axis,
+    /// with that length as their radius; a line with a stroke across at each bound for
+    /// translations, and one between the points for a distance. What is at a bound or past it has a
+    /// colour of its own. A broken joint is not drawn.
     pub joints: Option<Real>,
     /// The force of each joint that has a [`JointLoad`](crate::JointLoad) on its second body, as an
     /// arrow: metres for 1 N.
@@ -173,6 +179,10 @@ impl DebugView {
     pub const SPRING: [f32; 3] = [0.76, 0.78, 0.80];
     /// Colour of joints, but for their free axes.
     pub const JOINT: [f32; 3] = [0.62, 0.66, 0.74];
+    /// Colour of limits of joints.
+    pub const LIMIT: [f32; 3] = [0.90, 0.82, 0.45];
+    /// Colour of limits of joints that are reached.
+    pub const LIMIT_REACHED: [f32; 3] = [0.98, 0.36, 0.30];
     /// Colour of colliders.
     pub const COLLIDER: [f32; 3] = [0.30, 0.90, 0.62];
     /// Colour of contacts: of where bodies touch, and of what pushes there.
