@@ -126,6 +126,33 @@ fn a_twist_stops_just_short_of_half_a_turn() {
 }
 
 #[test]
+fn ranges_of_angles_go_past_half_a_turn() {
+    // Of a robot's joint, from just below zero to beyond pi; and with no greatest angle.
+    for (min, max, stops) in [(-0.0175, 3.7525, 3.7525 - 2.0 * PI), (-0.5, f64::INFINITY, PI), (-4.0, 1.0, 1.0)] {
+        for is_soft in [false, true] {
+            let mut rig = Rig::new(DVec3::ZERO, 1.0 / 60.0, 4);
+            let ground = rig.ground();
+            let disc = rig.spawn(body(1.0, DVec3::new(0.1, 0.2, 0.25), ORIGIN).angular_velocity(real(DVec3::Z * 0.9)));
+            let joint = rig.join_at(Joint::hinge(ground, disc), ORIGIN, DVec3::Z);
+            let hard = limit(min, max);
+            let limit = if is_soft { hard.with_stiffness(5e4, 5e3) } else { hard };
+            rig.world.insert_one(joint, Limits::along(Axes::ANGULAR_X, limit)).unwrap();
+            let until = (max.min(PI) - 0.1) / 0.9;
+            while rig.simulation.time() < until {
+                rig.step();
+                let speed = rig.angular_velocity(disc).z;
+                assert!((speed - 0.9).abs() < 1e-5, "{min} {max} {is_soft}: {speed}");
+            }
+            rig.run_to(8.0);
+            let place = f64::from(rig.load(joint).values[3]);
+            let off = (place - stops).abs().min((place.abs() - stops.abs()).abs());
+            // A damper stops what would be past the bound in a substep: 0.9 / 240 rad.
+            assert!(off < if is_soft { 4e-3 } else { 1e-5 }, "{min} {max} {is_soft}: {place} of {stops}");
+        }
+    }
+}
+
+#[test]
 fn a_rope_is_slack_and_taut_and_makes_no_energy() {
     let mut draw = Draw::new(5, 0);
     for _ in 0..60 {

@@ -33,6 +33,9 @@ pub(crate) fn limits(model: &LimitsModel, free: Axes) -> Result<Limits, FieldErr
     for ((model, (name, axis)), place) in of_axes.into_iter().zip(AXES).zip(&mut limits.axes) {
         let Some(model) = model else { continue };
         check_free(name, axis, free)?;
+        if free.contains(Axes::ANGULAR) && (axis == Axes::ANGULAR_Y || axis == Axes::ANGULAR_Z) {
+            return Err(FieldError::new(name, "does nothing: of three free rotations it takes a cone"));
+        }
         let most = if Axes::ANGULAR.contains(axis) { MAX_ANGLE } else { f64::INFINITY };
         *place = Some(limit(model, most).map_err(|error| error.inside(name))?);
     }

@@ -289,8 +289,8 @@ impl Scene {
         }
     }
 
-    /// Spawns the bodies, with their index as [`BodyId`](tumble::BodyId), and the springs and joints
-    /// between them, and gives their names.
+    /// Spawns the bodies, with their index as [`BodyId`](tumble::BodyId), and the springs and
+    /// joints between them, and gives their names.
     ///
     /// # Errors
     /// [`SceneError::File`] if the generated scene made an impossible body, which its tests

@@ -89,9 +89,10 @@ impl Limits {
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Limit {
-    /// \[m\] \[rad\]; no bound if it is minus infinity. Of a rotation one below -pi is none.
+    /// \[m\] \[rad\]; no bound if it is minus infinity, but of a rotation with a greatest angle,
+    /// which is then from -pi. A range of a rotation of a whole turn bounds nothing.
     pub min: Real,
-    /// Not less than `min`; no bound if it is infinite. Of a rotation one above pi is none.
+    /// Not less than `min`; no bound if it is infinite, but of a rotation with a least angle.
     pub max: Real,
     /// How hard it is.
     pub gain: Gain,

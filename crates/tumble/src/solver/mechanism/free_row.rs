@@ -1,7 +1,7 @@
 //! What acts along a free axis of a joint: limits, a motor, friction and springs, as one law of
 //! impulse by speed.
 
-use std::f64::consts::PI;
+use std::f64::consts::{PI, TAU};
 
 use crate::joints::drives::Drive;
 use crate::joints::gain::Gain;
@@ -108,10 +108,15 @@ impl FreeRow {
     pub(crate) fn add_limit(&mut self, limit: Limit) {
         let mut bounds = [f64::from(limit.min), f64::from(limit.max)];
         if !self.axis.is_linear() {
-            // Values of rotations are from -pi to pi.
-            let [lower, upper] = bounds;
-            bounds[0] = if lower <= -PI { -f64::INFINITY } else { lower };
-            bounds[1] = if upper >= PI { f64::INFINITY } else { upper };
+            // A bound alone needs another, as angles go round.
+            bounds = match bounds.map(f64::is_finite) {
+                [true, false] => [bounds[0], bounds[0].max(PI)],
+                [false, true] => [bounds[1].min(-PI), bounds[1]],
+                _ => bounds,
+            };
+            if bounds[1] - bounds[0] >= TAU {
+                return;
+            }
         }
         self.add_bounds(bounds, limit.gain);
     }
@@ -123,7 +128,9 @@ impl FreeRow {
             return;
         }
         for (bound, side) in bounds.into_iter().zip([Side::Lower, Side::Upper]).filter(|(bound, _)| bound.is_finite()) {
-            self.springs.push(RowSpring::new(gain, side, (Some(bound), 0.0), f64::INFINITY));
+            let middle = 0.5 * (bounds[0] + bounds[1]);
+            let spring = RowSpring::new(gain, side, (Some(bound), 0.0), f64::INFINITY);
+            self.springs.push(spring.of_range(middle));
         }
     }
 

@@ -21,6 +21,8 @@ pub(crate) struct RowSpring {
     side: Side,
     /// Where it is at rest, if anywhere; and the speed that its damper wants.
     position: Option<f64>,
+    /// The middle of the range of a soft bound: angles count from there.
+    middle: Option<f64>,
     velocity: f64,
     max_force: f64,
     stiffness: f64,
@@ -55,6 +57,7 @@ impl RowSpring {
             gain,
             side,
             position,
+            middle: None,
             velocity,
             max_force,
             stiffness: 0.0,
@@ -87,10 +90,19 @@ impl RowSpring {
         self.damping = damping;
     }
 
+    /// The same for a bound of a range with this middle.
+    pub(crate) fn of_range(self, middle: f64) -> Self {
+        Self { middle: Some(middle).filter(|middle| middle.is_finite()), ..self }
+    }
+
     /// How far a row is from where the spring is at rest.
     pub(crate) fn error(&self, value: f64, is_angle: bool) -> f64 {
-        let error = self.position.map_or(0.0, |position| value - position);
-        if is_angle { wrapped(error) } else { error }
+        let Some(position) = self.position else { return 0.0 };
+        match self.middle.filter(|_| is_angle) {
+            Some(middle) => wrapped(value - middle) + (middle - position),
+            None if is_angle && self.side == Side::Both => wrapped(value - position),
+            None => value - position,
+        }
     }
 
     /// Prepares for a substep of `h` \[s\], of which forces have at least the share `before` before
