@@ -309,7 +309,7 @@ proptest! {
         for format in [Format::Json, Format::Ron] {
             let text = case.write(format);
             let world = format.open(&text).map_err(|error| TestCaseError::fail(format!("{error}\n{text}")))?;
-            let joint = world.iter().find(|entity| entity.has::<Joint>()).unwrap();
+            let joint = world.iter().find(hecs::EntityRef::has::<Joint>).unwrap();
             prop_assert_eq!(joint.get::<&Limits>().map(|limits| *limits), case.limits(), "{}", text);
             let drives: Vec<_> = case.drives.iter().map(DriveCase::drive).collect();
             prop_assert_eq!(joint.get::<&Drives>().map_or(Vec::new(), |drives| drives.0.clone()), drives, "{}", text);
@@ -339,70 +339,71 @@ fn short_forms_are_understood() {
     assert_eq!(*world.query::<&Drives>().iter().next().unwrap(), Drives::from(drive));
 }
 
+/// What a hinge is given, and what is said of it.
+const OF_HINGE: &[(&str, &str)] = &[
+    (r#""limits": {}"#, "joints[0].limits: needs an axis"),
+    (r#""limits": { "angular": [0, 1] }"#, "joints[0].limits.angular: unknown field `angular`"),
+    (r#""limits": { "angular_y": [0, 1] }"#, "joints[0].limits.angular_y: does nothing: the joint locks that axis"),
+    (r#""limits": { "linear_x": [0, 1] }"#, "joints[0].limits.linear_x: does nothing"),
+    (r#""limits": { "distance": [0, 1] }"#, "joints[0].limits.distance: does nothing"),
+    (r#""limits": { "cone": 1 }"#, "joints[0].limits.cone: does nothing"),
+    (r#""limits": { "angular_x": [1, 0] }"#, "joints[0].limits.angular_x.min: is more than max: 1 and 0"),
+    (r#""limits": { "angular_x": [0] }"#, "joints[0].limits.angular_x: invalid length 1"),
+    (r#""limits": { "angular_x": {} }"#, "joints[0].limits.angular_x: needs min or max"),
+    (r#""limits": { "angular_x": { "max": 4 } }"#, "joints[0].limits.angular_x.max: is an angle from -pi to pi, not 4"),
+    (r#""limits": { "angular_x": { "min": 0, "stiffness": -1 } }"#, "limits.angular_x.stiffness: must not be negative"),
+    (
+        r#""limits": { "angular_x": { "min": 0, "stiffness": 1, "frequency": 1 } }"#,
+        "limits.angular_x.frequency: is for",
+    ),
+    (r#""limits": { "angular_x": { "min": 0, "damping_ratio": 1 } }"#, "limits.angular_x.frequency: is missing"),
+    (
+        r#""limits": { "angular_x": { "min": 0, "frequency": 1, "damping_ratio": -1 } }"#,
+        "damping_ratio: must not be negative",
+    ),
+    (r#""limits": { "angular_x": { "min": 0, "mode": "force" } }"#, "limits.angular_x.mode: is for"),
+    (r#""limits": { "angular_x": { "min": 0, "mode": "speed", "damping": 1 } }"#, "unknown variant `speed`"),
+    (r#""drives": [ {} ]"#, "joints[0].drives[0].axes: is missing"),
+    (r#""drives": [ { "axes": ["sideways"] } ]"#, "drives[0].axes[0]: unknown variant `sideways`"),
+    (r#""drives": [ { "axes": ["angular_z"] } ]"#, "drives[0].axes.angular_z: does nothing: the joint locks that axis"),
+    (r#""drives": [ { "axes": ["angular"] } ]"#, "drives[0].axes.angular_y: does nothing"),
+    (r#""drives": [ { "axes": ["angular_x", "angular_x"] } ]"#, "drives[0].axes: angular_x is there twice"),
+    (
+        r#""drives": [ { "axes": ["angular_x"], "stiffness": 1 } ]"#,
+        "drives[0].stiffness: does nothing without a position",
+    ),
+    (
+        r#""drives": [ { "axes": ["angular_x"], "frequency": 1 } ]"#,
+        "drives[0].frequency: does nothing without a position",
+    ),
+    (r#""drives": [ { "axes": ["angular_x"], "position": 1, "velocity": 1 } ]"#, "drives[0].velocity: does nothing"),
+    (r#""drives": [ { "axes": ["angular_x"], "max_force": -1 } ]"#, "drives[0].max_force: must not be negative"),
+    (r#""drives": [ { "axes": ["angular_x"], "velocity": 1e300, "max_force": 1e300 } ]"#, "drives[0]"),
+    (
+        r#""drives": [ { "axes": ["angular_x"] }, { "axes": ["angular_x"], "position": 1 } ]"#,
+        "drives[1].axes: another drive",
+    ),
+    (r#""friction": {}"#, "joints[0].friction: needs an axis"),
+    (r#""friction": { "angular_x": -0.5 }"#, "joints[0].friction.angular_x: must not be negative"),
+    (r#""friction": { "linear_y": 0.5 }"#, "joints[0].friction.linear_y: does nothing"),
+    (r#""break": {}"#, "joints[0].break: needs force or torque"),
+    (r#""break": { "force": 0 }"#, "joints[0].break.force: must be positive"),
+    (r#""break": { "torque": -2 }"#, "joints[0].break.torque: must be positive"),
+];
+
+/// Limits of a free joint, and what is said of them.
+const OF_FREE: &[(&str, &str)] = &[
+    (r#"{ "cone": 0 }"#, "joints[0].limits.cone.half_angles: must be more than 0 and less than pi, not 0"),
+    (r#"{ "cone": [1, 3.2] }"#, "limits.cone.half_angles: must be more than 0 and less than pi, not 3.2"),
+    (r#"{ "cone": {} }"#, "limits.cone.half_angles: is missing"),
+    (r#"{ "cone": { "half_angles": [1, 1], "damping": -1 } }"#, "limits.cone.damping: must not be negative"),
+    (r#"{ "distance": [-1, 1] }"#, "limits.distance.min: must not be negative"),
+    (r#"{ "distance": { "max": -1 } }"#, "limits.distance.max: must not be negative"),
+];
+
 #[test]
 fn what_a_joint_cannot_mean_is_refused_with_its_field() {
-    for (options, problem) in [
-        (r#""limits": {}"#, "joints[0].limits: needs an axis"),
-        (r#""limits": { "angular": [0, 1] }"#, "joints[0].limits.angular: unknown field `angular`"),
-        (r#""limits": { "angular_y": [0, 1] }"#, "joints[0].limits.angular_y: does nothing: the joint locks that axis"),
-        (r#""limits": { "linear_x": [0, 1] }"#, "joints[0].limits.linear_x: does nothing"),
-        (r#""limits": { "distance": [0, 1] }"#, "joints[0].limits.distance: does nothing"),
-        (r#""limits": { "cone": 1 }"#, "joints[0].limits.cone: does nothing"),
-        (r#""limits": { "angular_x": [1, 0] }"#, "joints[0].limits.angular_x.min: is more than max: 1 and 0"),
-        (r#""limits": { "angular_x": [0] }"#, "joints[0].limits.angular_x: invalid length 1"),
-        (r#""limits": { "angular_x": {} }"#, "joints[0].limits.angular_x: needs min or max"),
-        (
-            r#""limits": { "angular_x": { "max": 4 } }"#,
-            "joints[0].limits.angular_x.max: is an angle from -pi to pi, not 4",
-        ),
-        (
-            r#""limits": { "angular_x": { "min": 0, "stiffness": -1 } }"#,
-            "limits.angular_x.stiffness: must not be negative",
-        ),
-        (
-            r#""limits": { "angular_x": { "min": 0, "stiffness": 1, "frequency": 1 } }"#,
-            "limits.angular_x.frequency: is for",
-        ),
-        (r#""limits": { "angular_x": { "min": 0, "damping_ratio": 1 } }"#, "limits.angular_x.frequency: is missing"),
-        (
-            r#""limits": { "angular_x": { "min": 0, "frequency": 1, "damping_ratio": -1 } }"#,
-            "damping_ratio: must not be negative",
-        ),
-        (r#""limits": { "angular_x": { "min": 0, "mode": "force" } }"#, "limits.angular_x.mode: is for"),
-        (r#""limits": { "angular_x": { "min": 0, "mode": "speed", "damping": 1 } }"#, "unknown variant `speed`"),
-        (r#""drives": [ {} ]"#, "joints[0].drives[0].axes: is missing"),
-        (r#""drives": [ { "axes": ["sideways"] } ]"#, "drives[0].axes[0]: unknown variant `sideways`"),
-        (
-            r#""drives": [ { "axes": ["angular_z"] } ]"#,
-            "drives[0].axes.angular_z: does nothing: the joint locks that axis",
-        ),
-        (r#""drives": [ { "axes": ["angular"] } ]"#, "drives[0].axes.angular_y: does nothing"),
-        (r#""drives": [ { "axes": ["angular_x", "angular_x"] } ]"#, "drives[0].axes: angular_x is there twice"),
-        (
-            r#""drives": [ { "axes": ["angular_x"], "stiffness": 1 } ]"#,
-            "drives[0].stiffness: does nothing without a position",
-        ),
-        (
-            r#""drives": [ { "axes": ["angular_x"], "frequency": 1 } ]"#,
-            "drives[0].frequency: does nothing without a position",
-        ),
-        (
-            r#""drives": [ { "axes": ["angular_x"], "position": 1, "velocity": 1 } ]"#,
-            "drives[0].velocity: does nothing",
-        ),
-        (r#""drives": [ { "axes": ["angular_x"], "max_force": -1 } ]"#, "drives[0].max_force: must not be negative"),
-        (r#""drives": [ { "axes": ["angular_x"], "velocity": 1e300, "max_force": 1e300 } ]"#, "drives[0]"),
-        (
-            r#""drives": [ { "axes": ["angular_x"] }, { "axes": ["angular_x"], "position": 1 } ]"#,
-            "drives[1].axes: another drive",
-        ),
-        (r#""friction": {}"#, "joints[0].friction: needs an axis"),
-        (r#""friction": { "angular_x": -0.5 }"#, "joints[0].friction.angular_x: must not be negative"),
-        (r#""friction": { "linear_y": 0.5 }"#, "joints[0].friction.linear_y: does nothing"),
-        (r#""break": {}"#, "joints[0].break: needs force or torque"),
-        (r#""break": { "force": 0 }"#, "joints[0].break.force: must be positive"),
-        (r#""break": { "torque": -2 }"#, "joints[0].break.torque: must be positive"),
-    ] {
+    for (options, problem) in OF_HINGE {
         let joint =
             format!(r#"{{ "between": ["a", "b"], "hinge": {{ "at": [0, 0, 0], "axis": [1, 0, 0] }}, {options} }}"#);
         let refused = Format::Json.open(&joint).err();
@@ -414,14 +415,7 @@ fn what_a_joint_cannot_mean_is_refused_with_its_field() {
         let error = refused.unwrap_or_default();
         assert!(error.contains(problem), "{options}: {error:?} is not {problem:?}");
     }
-    for (limits, problem) in [
-        (r#"{ "cone": 0 }"#, "joints[0].limits.cone.half_angles: must be more than 0 and less than pi, not 0"),
-        (r#"{ "cone": [1, 3.2] }"#, "limits.cone.half_angles: must be more than 0 and less than pi, not 3.2"),
-        (r#"{ "cone": {} }"#, "limits.cone.half_angles: is missing"),
-        (r#"{ "cone": { "half_angles": [1, 1], "damping": -1 } }"#, "limits.cone.damping: must not be negative"),
-        (r#"{ "distance": [-1, 1] }"#, "limits.distance.min: must not be negative"),
-        (r#"{ "distance": { "max": -1 } }"#, "limits.distance.max: must not be negative"),
-    ] {
+    for (limits, problem) in OF_FREE {
         let joint = format!(r#"{{ "between": ["a", "b"], "free": {{ "at": [0, 0, 0] }}, "limits": {limits} }}"#);
         let error = Format::Json.open(&joint).err().unwrap_or_default();
         assert!(error.contains(problem), "{limits}: {error:?} is not {problem:?}");
