@@ -159,7 +159,7 @@ fn springs_make_no_energy() {
         // A frequency makes another spring of every mass, and so of every step.
         let fixed = |gain: Gain| match gain {
             Gain::Frequency { hertz, damping_ratio } => {
-                let rate = hertz * 6.28;
+                let rate = hertz * std::f64::consts::TAU as Real;
                 Gain::Stiffness { stiffness: rate * rate, damping: 2.0 * damping_ratio * rate }
             }
             other => other,

@@ -181,16 +181,10 @@ fn parts(q: Quat<f64>, i: usize, j: usize) -> ([f64; 3], f64, f64) {
     (v, v[3 - i - j], if (i + 1) % 3 == j { 1.0 } else { -1.0 })
 }
 
-/// An angle within two turns, brought to -pi to pi.
+/// An angle brought to -pi to pi.
 pub(crate) fn wrapped(angle: f64) -> f64 {
-    use std::f64::consts::{PI, TAU};
-    if angle > PI {
-        angle - TAU
-    } else if angle < -PI {
-        angle + TAU
-    } else {
-        angle
-    }
+    use std::f64::consts::TAU;
+    angle - TAU * (angle / TAU).round()
 }
 
 /// How far an axis is out of an elliptic cone about the first of three axes \[rad\], and about what
