@@ -146,7 +146,7 @@ fn ranges_of_angles_go_past_half_a_turn() {
                 let speed = rig.angular_velocity(disc).z;
                 assert!((speed - 0.9).abs() < 1e-5, "{min} {max} {is_soft}: {speed}");
             }
-            rig.run_to(until + 0.5);
+            rig.run_to(way / 0.9 + 0.2);
             let place = f64::from(rig.load(joint).values[3]);
             let off = (place - way).abs().min((place - way + 2.0 * PI).abs());
             // A damper stops what would be past the bound in a substep of 0.9 / 240 rad, and lets it go
