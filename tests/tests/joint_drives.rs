@@ -237,7 +237,7 @@ fn friction_slows_down_by_torque_over_inertia_and_then_holds() {
         rig.run_to(1.6);
         let place = rig.load(joint).values[3];
         rig.run_to(8.0);
-        assert_eq!(rig.angular_velocity(rod).z.abs() < 1e-6, true);
+        assert!(rig.angular_velocity(rod).z.abs() < 1e-6);
         assert!((rig.load(joint).values[3] - place).abs() < 1e-6);
     }
 }
