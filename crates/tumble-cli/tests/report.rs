@@ -134,7 +134,7 @@ fn notices_of_the_scene_are_on_the_page() {
     let robot = format!(
         r#"<robot name="arm"><link name="base">{link}</link><link name="tip">{link}</link>
            <joint name="elbow &lt;b&gt;" type="revolute"><parent link="base"/><child link="tip"/><axis xyz="0 0 1"/>
-           <limit effort="1" velocity="1" lower="0" upper="1"/></joint></robot>"#
+           <mimic joint="another"/> <limit effort="1" velocity="1" lower="0" upper="1"/></joint></robot>"#
     );
     place.write("arm.urdf", robot);
     let page = page(&place, &["arm.urdf", "--steps", "2"]);

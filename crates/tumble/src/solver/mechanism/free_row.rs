@@ -159,10 +159,10 @@ impl FreeRow {
         self.constant = self.axis.is_of_limit().then_some(0.0);
     }
 
-    /// Takes the mass \[kg\] [kg m^2] that it moves, and the least that it may, other joints apart.
-    pub(crate) fn set_mass(&mut self, mass: f64, own_mass: f64) {
+    /// Takes the mass \[kg\] [kg m^2] that it moves.
+    pub(crate) fn set_mass(&mut self, mass: f64) {
         self.mass = mass;
-        self.springs.iter_mut().for_each(|spring| spring.set_mass(mass, own_mass));
+        self.springs.iter_mut().for_each(|spring| spring.set_mass(mass));
     }
 
     /// Whether there is a bound.
@@ -170,8 +170,8 @@ impl FreeRow {
         self.bounds[0].is_finite() || self.bounds[1].is_finite()
     }
 
-    /// The least mass that it may move \[kg\] [kg m^2].
-    pub(crate) fn own_mass(&self) -> f64 {
+    /// What it moves as far as that is known \[kg\] [kg m^2].
+    pub(crate) fn mass(&self) -> f64 {
         self.mass
     }
 

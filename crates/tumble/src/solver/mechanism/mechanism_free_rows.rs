@@ -16,7 +16,7 @@ impl MechanismSolver {
             let responses = joint.own_responses(bodies);
             let locked = joint.locked;
             for (row, it) in (locked..).zip(&mut joint.free_rows) {
-                it.set_mass(1.0 / responses[row], 1.0 / responses[row]);
+                it.set_mass(1.0 / responses[row]);
                 it.hold();
             }
         }
@@ -31,9 +31,8 @@ impl MechanismSolver {
                 right.fill(0.0);
                 right[place] = 1.0;
                 matrix.solve(right);
-                let own_mass = row.own_mass();
-                let is_locked = right[place] > MAX_MASS_RATIO * own_mass;
-                row.set_mass(if is_locked { own_mass } else { right[place] }, own_mass);
+                let is_locked = right[place] > MAX_MASS_RATIO * row.mass();
+                row.set_mass(if is_locked { row.mass() } else { right[place] });
             }
         }
     }

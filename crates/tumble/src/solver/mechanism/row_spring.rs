@@ -27,8 +27,8 @@ pub(crate) struct RowSpring {
     max_force: f64,
     stiffness: f64,
     damping: f64,
-    /// The least mass that it may move, other joints apart \[kg\] [kg m^2].
-    own_mass: f64,
+    /// The mass that it moves \[kg\] [kg m^2].
+    mass: f64,
     error: f64,
     /// The share of its impulse that is given before bodies move on, times the substep \[s\].
     time: f64,
@@ -62,7 +62,7 @@ impl RowSpring {
             max_force,
             stiffness: 0.0,
             damping: 0.0,
-            own_mass: f64::INFINITY,
+            mass: f64::INFINITY,
             error: 0.0,
             time: 0.0,
             after: 0.0,
@@ -74,9 +74,9 @@ impl RowSpring {
         }
     }
 
-    /// Takes the mass that it moves, and the least that it may, other joints apart.
-    pub(crate) fn set_mass(&mut self, mass: f64, own_mass: f64) {
-        self.own_mass = own_mass;
+    /// Takes the mass that it moves.
+    pub(crate) fn set_mass(&mut self, mass: f64) {
+        self.mass = mass;
         let [stiffness, damping] = match self.gain {
             Gain::Rigid => [0.0; 2],
             Gain::Stiffness { stiffness, damping } => [stiffness, damping].map(f64::from),
@@ -113,8 +113,8 @@ impl RowSpring {
     pub(crate) fn prepare(&mut self, (h, before): (f64, f64), error: f64, first_speed: Option<f64>) {
         let (k, c) = (self.stiffness, self.damping);
         self.error = error;
-        let turns = h * (k / self.own_mass).sqrt();
-        let slows = h * c / self.own_mass;
+        let turns = h * (k / self.mass).sqrt();
+        let slows = h * c / self.mass;
         let share = [turns, slows].iter().fold(before, |share, rate| share.max(1.0 - 1.0 / rate.max(1.0)));
         self.time = share * h;
         self.after = (1.0 - share) / share;
