@@ -127,7 +127,8 @@ fn a_twist_stops_just_short_of_half_a_turn() {
 
 #[test]
 fn ranges_of_angles_go_past_half_a_turn() {
-    // Of a robot's joint, from just below zero to beyond pi; with no greatest angle; two turns away.
+    // Of a robot's joint, from just below zero to beyond pi; with no greatest angle; two turns
+    // away.
     let turns = 4.0 * PI;
     for (min, max, way) in
         [(-0.0175, 3.7525, 3.7525), (-0.5, f64::INFINITY, PI), (-4.0, 1.0, 1.0), (12.0, 14.0, 14.0 - turns)]
@@ -149,8 +150,8 @@ fn ranges_of_angles_go_past_half_a_turn() {
             rig.run_to(way / 0.9 + 0.2);
             let place = f64::from(rig.load(joint).values[3]);
             let off = (place - way).abs().min((place - way + 2.0 * PI).abs());
-            // A damper stops what would be past the bound in a substep of 0.9 / 240 rad, and lets it go
-            // with a hundredth of its speed.
+            // A damper stops what would be past the bound in a substep of 0.9 / 240 rad, and lets
+            // it go with a hundredth of its speed.
             assert!(off < if is_soft { 0.01 } else { 1e-5 }, "{min} {max} {is_soft}: {place} of {way}");
         }
     }
