@@ -222,6 +222,23 @@ fn a_rod_rests_on_a_cone() {
 }
 
 #[test]
+fn a_cone_leaves_its_middle_alone() {
+    // On its axis to rounding, of which the way to the bound is any.
+    for half_angles in [[0.5, 0.5], [0.2, 1.4]] {
+        for tilt in [0.0, 1e-18, 1e-12, 1e-7] {
+            let mut rig = Rig::new(DVec3::ZERO, 1.0 / 60.0, 4);
+            let ground = rig.ground();
+            let rod = rig.spawn(turned(rod(1.0, 1.0, ORIGIN), DVec3::Y, tilt).linear_velocity(real(DVec3::X)));
+            let joint = rig.join(Joint::free(ground, rod));
+            let cone = Cone { half_angles, gain: Gain::Rigid };
+            rig.world.insert_one(joint, Limits { cone: Some(cone), ..Limits::default() }).unwrap();
+            rig.run_to(1.0);
+            assert!((rig.position(rod) - DVec3::X).length() < 1e-5, "{half_angles:?} {tilt}");
+        }
+    }
+}
+
+#[test]
 fn nothing_leaves_a_cone() {
     let mut draw = Draw::new(17, 0);
     for round in 0..60 {

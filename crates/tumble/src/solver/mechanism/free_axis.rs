@@ -215,7 +215,7 @@ fn out_of_ellipse(point: [f64; 2], half_axes: [f64; 2]) -> (f64, [f64; 2]) {
     let [x, y] = [point[long].abs(), point[1 - long].abs()];
     let scaled = [x / major, y / minor];
     let is_out = scaled[0] * scaled[0] + scaled[1] * scaled[1] > 1.0;
-    let nearest = if y > 0.0 {
+    let nearest = if y > 1e-9 * minor {
         let ratio = (major / minor) * (major / minor);
         let s = parameter_of_nearest(ratio, scaled, is_out);
         [ratio * x / (s + ratio), y / (s + 1.0)]
