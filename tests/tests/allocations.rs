@@ -130,7 +130,7 @@ fn count_steps(session: &Session) {
 }
 
 fn count_rollback(session: &Session) {
-    let counted = session.operation("rollback of what touches");
+    let counted = session.operation("rollback with contacts");
     ThreadPoolBuilder::new().num_threads(1).build().unwrap().install(|| {
         let (mut world, mut simulation) = (pyramid(), Simulation::new(Settings::default()).unwrap());
         simulation.step_many(&mut world, 10);

@@ -8,27 +8,16 @@
 //! what brought the joint there.
 
 use hecs::{Entity, World};
-use tumble::math::{Quat, Real, Vec3};
+use tumble::math::{Quat, Real};
 use tumble::{
-    Axes, BodyOrder, Collider, Cone, Drive, Drives, Gain, Gear, JointFriction, JointLoad, Limit, Limits, Material,
-    Momentum, Pose, Settings, Shape, Simulation, Totals,
+    Axes, Collider, Cone, Drive, Drives, Gain, Gear, JointFriction, JointLoad, Limit, Limits, Material, Momentum, Pose,
+    Shape,
 };
 use tumble_tests::touching::ground;
-use tumble_tests::{Draw, EPSILON, by_precision, dvec3};
+use tumble_tests::{Draw, EPSILON, by_precision};
 
 mod mechanisms;
-use mechanisms::{Class, Options, add_options, mechanism};
-
-fn simulation(gravity: f64, dt: f64) -> Simulation {
-    let gravity = Vec3::Y * -(gravity as Real);
-    Simulation::new(Settings::default().with_gravity(gravity).with_dt(dt as Real)).unwrap()
-}
-
-fn totals(world: &World, simulation: &Simulation) -> Totals {
-    let totals = Totals::of(world, simulation.settings(), &BodyOrder::of(world));
-    assert_eq!(totals.non_finite, None);
-    totals
-}
+use mechanisms::{Class, Options, add_options, mechanism, scale, simulation, totals};
 
 /// A mechanism of a class with options, and half the length of its bodies \[m\].
 fn spawn(case: u64, draw: &mut Draw, options: Options, is_fixed: bool) -> (World, Vec<Entity>, f64) {
@@ -52,14 +41,6 @@ fn spawn(case: u64, draw: &mut Draw, options: Options, is_fixed: bool) -> (World
 }
 
 const HARD: Options = Options { has_springs: false, breaks: false, size: 1.0, mass: 5.0 };
-
-fn scale(world: &World) -> f64 {
-    let of_body = |(pose, momentum): (&Pose, &Momentum)| {
-        let (p, l) = (dvec3(momentum.linear).length(), dvec3(momentum.angular).length());
-        p * (1.0 + dvec3(pose.position).length()) + l
-    };
-    world.query::<(&Pose, &Momentum)>().iter().map(of_body).sum()
-}
 
 #[test]
 fn limits_and_friction_keep_momentum_and_make_no_energy() {

@@ -13,26 +13,12 @@
 use glam::DVec3;
 use hecs::{Entity, World};
 use tumble::math::{Real, Vec3};
-use tumble::{
-    Axes, BodyOrder, Collider, Joint, JointError, JointLoad, Material, Momentum, Pose, RigidBody, Settings, Shape,
-    Simulation, Totals,
-};
+use tumble::{Axes, Collider, Joint, JointError, JointLoad, Material, Momentum, Pose, RigidBody, Shape};
 use tumble_tests::touching::{ground, pose};
 use tumble_tests::{Draw, EPSILON, by_precision, dvec3, run};
 
 mod mechanisms;
-use mechanisms::{Class, KINDS, Mechanism, mechanism, vector};
-
-fn totals(world: &World, simulation: &Simulation) -> Totals {
-    let totals = Totals::of(world, simulation.settings(), &BodyOrder::of(world));
-    assert_eq!(totals.non_finite, None);
-    totals
-}
-
-fn simulation(gravity: f64, dt: f64) -> Simulation {
-    let gravity = Vec3::Y * -(gravity as Real);
-    Simulation::new(Settings::default().with_gravity(gravity).with_dt(dt as Real)).unwrap()
-}
+use mechanisms::{Class, KINDS, Mechanism, mechanism, scale, simulation, totals, vector};
 
 /// The largest error of the joints of a world: \[m\] and \[rad\].
 fn errors(world: &World) -> [f64; 2] {
@@ -56,15 +42,6 @@ fn errors(world: &World) -> [f64; 2] {
 fn spawn(mechanism: &Mechanism, world: &mut World) -> (Vec<Entity>, Vec<Entity>) {
     let all = |count: usize| (0..count).collect::<Vec<_>>();
     mechanism.spawn(world, &all(mechanism.bodies.len()), &all(mechanism.joints.len()))
-}
-
-/// The sum of all momenta there could be: what their rounding is measured by.
-fn scale(world: &World) -> f64 {
-    let of_body = |(pose, momentum): (&Pose, &Momentum)| {
-        let (p, l) = (dvec3(momentum.linear).length(), dvec3(momentum.angular).length());
-        p * (1.0 + dvec3(pose.position).length()) + l
-    };
-    world.query::<(&Pose, &Momentum)>().iter().map(of_body).sum()
 }
 
 /// Mechanisms that fly free, of every class: joints are met, momentum stays, and energy does not

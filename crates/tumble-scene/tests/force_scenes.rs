@@ -14,12 +14,8 @@ use hecs::World;
 use tumble::{BodyId, Ledger, LedgerEntry, Momentum, Pose, Simulation, Totals};
 use tumble_scene::Scene;
 
-const SINGLE: bool = size_of::<tumble::math::Real>() == 4;
-
-/// The first in single precision, the second in double.
-fn by_precision(single: f64, double: f64) -> f64 {
-    if SINGLE { single } else { double }
-}
+mod precision;
+use precision::by_precision;
 
 struct Run {
     world: World,

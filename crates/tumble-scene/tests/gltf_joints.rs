@@ -93,9 +93,6 @@ fn relative(world: &World, joint: &Joint) -> (DVec3, DQuat) {
     (qa.conjugate() * (b - a), qa.conjugate() * qb)
 }
 
-const AXES: [Axes; 6] =
-    [Axes::LINEAR_X, Axes::LINEAR_Y, Axes::LINEAR_Z, Axes::ANGULAR_X, Axes::ANGULAR_Y, Axes::ANGULAR_Z];
-
 /// By how much the joints of a world are out of what locks and limits them, hard limits only: the
 /// largest of lengths \[m\] and angles \[rad\], by the draft's own measures.
 fn worst(world: &World) -> f64 {
@@ -105,8 +102,8 @@ fn worst(world: &World) -> f64 {
         let (gap, turn) = relative(world, &joint);
         let turn = if turn.w < 0.0 { -turn } else { turn };
         let twist = |axis: usize| 2.0 * turn.to_array()[axis].atan2(turn.w);
-        let rotations = (3..6).filter(|axis| joint.free.contains(AXES[*axis])).count();
-        for axis in (0..6).filter(|axis| !joint.free.contains(AXES[*axis])) {
+        let rotations = (3..6).filter(|axis| joint.free.contains(Axes::EACH[*axis])).count();
+        for axis in (0..6).filter(|axis| !joint.free.contains(Axes::EACH[*axis])) {
             // Of a universal joint the third rotation is given by the other two.
             if axis < 3 || rotations < 2 {
                 worst = worst.max(if axis < 3 { gap[axis].abs() } else { twist(axis - 3).abs() });

@@ -16,7 +16,8 @@ use tumble::math::Real;
 use tumble::{BodyOrder, Momentum, Pose, Rng, Simulation, Totals, Velocity};
 use tumble_scene::Scene;
 
-const SINGLE: bool = size_of::<Real>() == 4;
+mod precision;
+use precision::SINGLE;
 
 struct Run {
     world: World,

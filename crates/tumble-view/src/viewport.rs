@@ -208,9 +208,9 @@ impl Viewport {
         let bodies = self.instances(&view, &places);
         let mut marks = self.marks();
         let mut scenery = self.scenery(&places);
-        let mut touching = self.touching();
-        let lines = if touching.len() <= MAX_THROUGH { &mut marks.lines } else { &mut scenery };
-        lines.append(&mut touching);
+        let mut contact_lines = self.contact_lines();
+        let lines = if contact_lines.len() <= MAX_THROUGH { &mut marks.lines } else { &mut scenery };
+        lines.append(&mut contact_lines);
         let picture = Picture {
             view: &view,
             up: single3(self.camera.up.axis()),
@@ -292,8 +292,8 @@ impl Viewport {
         marks
     }
 
-    /// What the engine draws of what touches.
-    fn touching(&mut self) -> Vec<Line> {
+    /// What the engine draws of contacts, and of colliders that differ from what is seen.
+    fn contact_lines(&mut self) -> Vec<Line> {
         let mut marks = Marks::default();
         let Playback { simulation, world, bodies, .. } = &self.playback;
         let alpha = self.playback.alpha();

@@ -6,10 +6,10 @@ use glam::{DQuat, DVec3};
 use hecs::{Entity, World};
 use tumble::math::{Quat, Real, Vec3};
 use tumble::{
-    Axes, BodyId, Breakable, Cone, Drive, Drives, Gain, Joint, JointFriction, JointLoad, Limit, Limits, RigidBody,
-    Shape,
+    Axes, BodyId, BodyOrder, Breakable, Cone, Drive, Drives, Gain, Joint, JointFriction, JointLoad, Limit, Limits,
+    Momentum, Pose, RigidBody, Settings, Shape, Simulation, Totals,
 };
-use tumble_tests::Draw;
+use tumble_tests::{Draw, dvec3};
 
 /// What mechanisms are drawn from.
 #[derive(Clone, Copy)]
@@ -126,9 +126,6 @@ impl Mechanism {
     }
 }
 
-const AXES: [Axes; 6] =
-    [Axes::LINEAR_X, Axes::LINEAR_Y, Axes::LINEAR_Z, Axes::ANGULAR_X, Axes::ANGULAR_Y, Axes::ANGULAR_Z];
-
 /// What joints have beside their frames.
 #[derive(Clone, Copy)]
 pub(crate) struct Options {
@@ -149,7 +146,7 @@ pub(crate) fn add_options(world: &mut World, joints: &[Entity], options: Options
         let mut limits = Limits::default();
         let mut friction = JointFriction::default();
         let mut drives = Vec::new();
-        for (index, axis) in AXES.into_iter().enumerate().filter(|(_, axis)| free.contains(*axis)) {
+        for (index, axis) in Axes::EACH.into_iter().enumerate().filter(|(_, axis)| free.contains(*axis)) {
             let scale = if index < 3 { options.size } else { 1.0 };
             let force = options.mass * 10.0 * if index < 3 { 1.0 } else { options.size };
             let bounds = [-draw.between(0.0, 0.8), draw.between(0.0, 0.8)].map(|bound| (bound * scale) as Real);
@@ -179,4 +176,26 @@ pub(crate) fn add_options(world: &mut World, joints: &[Entity], options: Options
             world.insert_one(*joint, Breakable::at_force(force)).unwrap();
         }
     }
+}
+
+/// Gravity along -y [m/s^2], and the length of a step \[s\].
+pub(crate) fn simulation(gravity: f64, dt: f64) -> Simulation {
+    let gravity = Vec3::Y * -(gravity as Real);
+    Simulation::new(Settings::default().with_gravity(gravity).with_dt(dt as Real)).unwrap()
+}
+
+/// The totals of a world in which everything is finite.
+pub(crate) fn totals(world: &World, simulation: &Simulation) -> Totals {
+    let totals = Totals::of(world, simulation.settings(), &BodyOrder::of(world));
+    assert_eq!(totals.non_finite, None);
+    totals
+}
+
+/// The sum of all momenta there could be: what their rounding is measured by.
+pub(crate) fn scale(world: &World) -> f64 {
+    let of_body = |(pose, momentum): (&Pose, &Momentum)| {
+        let (p, l) = (dvec3(momentum.linear).length(), dvec3(momentum.angular).length());
+        p * (1.0 + dvec3(pose.position).length()) + l
+    };
+    world.query::<(&Pose, &Momentum)>().iter().map(of_body).sum()
 }

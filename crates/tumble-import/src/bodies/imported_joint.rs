@@ -74,13 +74,9 @@ impl ImportedJoint {
     }
 }
 
-/// All axes, in the order of a joint's values.
-pub(crate) const AXES: [Axes; 6] =
-    [Axes::LINEAR_X, Axes::LINEAR_Y, Axes::LINEAR_Z, Axes::ANGULAR_X, Axes::ANGULAR_Y, Axes::ANGULAR_Z];
-
 fn kind_of(free: Axes) -> &'static str {
-    let along: Vec<usize> = (0..3).filter(|axis| free.contains(AXES[*axis])).collect();
-    let about: Vec<usize> = (0..3).filter(|axis| free.contains(AXES[3 + axis])).collect();
+    let along: Vec<usize> = (0..3).filter(|axis| free.contains(Axes::EACH[*axis])).collect();
+    let about: Vec<usize> = (0..3).filter(|axis| free.contains(Axes::EACH[3 + axis])).collect();
     match (along.as_slice(), about.as_slice()) {
         ([], []) => "fixed",
         ([], [_]) => "hinge",

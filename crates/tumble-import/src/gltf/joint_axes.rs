@@ -5,7 +5,7 @@ use std::f64::consts::PI;
 use glam::DQuat;
 use tumble::{Axes, Cone, Drive, Drives, Gain, Limit, Limits};
 
-use crate::bodies::imported_joint::{AXES, angles};
+use crate::bodies::imported_joint::angles;
 use crate::checked::real;
 use crate::gltf::{Joint, JointDrive, JointLimit};
 
@@ -58,7 +58,7 @@ impl JointAxes {
         let mut free = Axes::NONE;
         let mut limits = Limits { distance, cone: cone.map(|(_, cone)| cone), ..Limits::default() };
         for axis in (0..6).filter(|axis| !reading.locked[*axis]) {
-            free = free | AXES[place(axis)];
+            free = free | Axes::EACH[place(axis)];
             if is_ball && place(axis) > 3 && reading.limits[axis].is_some() {
                 reading.left_out.push("a limit about one of three free rotations, beside the twist");
                 continue;
@@ -202,7 +202,7 @@ impl Reading {
             return Err("a drive of a locked axis");
         }
         Ok(Some(Drive {
-            axes: AXES[place(axis)],
+            axes: Axes::EACH[place(axis)],
             position: position.map(real),
             velocity: real(drive.velocity_target.unwrap_or(0.0)),
             gain,

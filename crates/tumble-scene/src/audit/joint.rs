@@ -5,6 +5,8 @@ use tumble::math::Real;
 use tumble::{Axes, Drive, Gain, Limit, Limits};
 use tumble_import::ImportedJoint;
 
+use crate::values::axes::named_axes;
+
 /// A joint between two bodies, as `tumble inspect` shows it.
 ///
 /// ```
@@ -132,21 +134,11 @@ pub struct AuditedFriction {
     pub max: f64,
 }
 
-/// The axes in the order of a joint's values, and what they are called.
-const AXES: [(Axes, &str); 6] = [
-    (Axes::LINEAR_X, "linear_x"),
-    (Axes::LINEAR_Y, "linear_y"),
-    (Axes::LINEAR_Z, "linear_z"),
-    (Axes::ANGULAR_X, "angular_x"),
-    (Axes::ANGULAR_Y, "angular_y"),
-    (Axes::ANGULAR_Z, "angular_z"),
-];
-
 impl AuditedJoint {
     /// Of a joint between bodies of these names.
     pub(crate) fn of(joint: &ImportedJoint, names: &[String]) -> Self {
         let friction = joint.friction.map_or([0.0; 6], |friction| friction.max);
-        let friction = AXES.iter().zip(friction).filter(|(_, max)| *max > 0.0);
+        let friction = named_axes().zip(friction).filter(|(_, max)| *max > 0.0);
         Self {
             name: joint.name.clone(),
             kind: joint.kind(),
@@ -154,7 +146,7 @@ impl AuditedJoint {
             free: named(joint.free),
             limits: joint.limits.iter().flat_map(AuditedLimit::all).collect(),
             drives: joint.drives.iter().flat_map(|drives| &drives.0).map(AuditedDrive::of).collect(),
-            friction: friction.map(|((_, of), max)| AuditedFriction { of, max: double(max) }).collect(),
+            friction: friction.map(|((of, _), max)| AuditedFriction { of, max: double(max) }).collect(),
             max_effort: joint.max_effort,
             max_speed: joint.max_speed,
             contacts: joint.contacts_enabled,
@@ -168,7 +160,7 @@ impl AuditedLimit {
             let [min, max] = [limit.min, limit.max].map(|bound| Some(double(bound)).filter(|it| it.is_finite()));
             Self { of: of.to_owned(), min, max, gain: AuditedGain::of(limit.gain) }
         };
-        let axes = AXES.iter().zip(limits.axes).filter_map(|((_, name), limit)| Some(of(name, limit?)));
+        let axes = named_axes().zip(limits.axes).filter_map(|((name, _), limit)| Some(of(name, limit?)));
         let distance = limits.distance.map(|limit| of("distance", limit));
         let cone = limits.cone.map(|cone| {
             let [a, b] = cone.half_angles;
@@ -203,7 +195,7 @@ impl AuditedGain {
 }
 
 fn named(axes: Axes) -> Vec<&'static str> {
-    AXES.iter().filter(|(axis, _)| axes.contains(*axis)).map(|(_, name)| *name).collect()
+    named_axes().filter(|(_, axis)| axes.contains(*axis)).map(|(name, _)| name).collect()
 }
 
 /// Of the engine's number the shortest decimal, as files have it.

@@ -1,8 +1,9 @@
 //! Joints of the files of others.
 
-use hecs::{Entity, EntityBuilder, World};
-use tumble::JointLoad;
+use hecs::{Entity, World};
 use tumble_import::ImportedJoint;
+
+use crate::bodies::joint_options::JointOptions;
 
 /// Spawns joints between bodies, which they find by their index, and gives their names and
 /// entities.
@@ -10,18 +11,13 @@ pub(crate) fn spawn_joints(joints: &[ImportedJoint], bodies: &[Entity], world: &
     let mut spawned = Vec::with_capacity(joints.len());
     for joint in joints {
         let [Some(a), Some(b)] = joint.bodies.map(|index| bodies.get(index)) else { continue };
-        let mut entity = EntityBuilder::new();
-        entity.add_bundle((joint.between([*a, *b]), JointLoad::default()));
-        if let Some(limits) = joint.limits {
-            entity.add(limits);
-        }
-        if let Some(drives) = joint.drives.clone() {
-            entity.add(drives);
-        }
-        if let Some(friction) = joint.friction {
-            entity.add(friction);
-        }
-        spawned.push((joint.name.clone(), world.spawn(entity.build())));
+        let options = JointOptions {
+            limits: joint.limits,
+            drives: joint.drives.clone(),
+            friction: joint.friction,
+            breakable: None,
+        };
+        spawned.push((joint.name.clone(), options.spawn(joint.between([*a, *b]), world)));
     }
     spawned
 }

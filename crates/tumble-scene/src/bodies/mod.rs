@@ -2,5 +2,6 @@
 
 pub(crate) mod file_joint;
 pub(crate) mod force;
+pub(crate) mod joint_options;
 pub(crate) mod scene_body;
 pub(crate) mod scene_joint;

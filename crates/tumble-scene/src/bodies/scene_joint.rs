@@ -1,8 +1,10 @@
 //! A joint of a scene.
 
-use hecs::{Entity, EntityBuilder, World};
+use hecs::{Entity, World};
 use tumble::math::Vec3;
-use tumble::{Breakable, Drives, Joint, JointError, JointFriction, JointLoad, Limits};
+use tumble::{Joint, JointError};
+
+use crate::bodies::joint_options::JointOptions;
 
 /// A checked joint between two bodies of a scene, by their indices.
 #[derive(Clone, Debug)]
@@ -16,10 +18,7 @@ pub(crate) struct SceneJoint {
     pub(crate) to: Option<Vec3>,
     pub(crate) axis: Vec3,
     pub(crate) contacts: bool,
-    pub(crate) limits: Option<Limits>,
-    pub(crate) drives: Option<Drives>,
-    pub(crate) friction: Option<JointFriction>,
-    pub(crate) breakable: Option<Breakable>,
+    pub(crate) options: JointOptions,
 }
 
 impl SceneJoint {
@@ -31,21 +30,7 @@ impl SceneJoint {
         if let Some(to) = self.to {
             joint.frames[1] = joint.at(world, to, self.axis)?.frames[1];
         }
-        let mut entity = EntityBuilder::new();
-        entity.add(joint).add(JointLoad::default());
-        if let Some(limits) = self.limits {
-            entity.add(limits);
-        }
-        if let Some(drives) = &self.drives {
-            entity.add(drives.clone());
-        }
-        if let Some(friction) = self.friction {
-            entity.add(friction);
-        }
-        if let Some(breakable) = self.breakable {
-            entity.add(breakable);
-        }
-        world.spawn(entity.build());
+        self.options.spawn(joint, world);
         Ok(())
     }
 }

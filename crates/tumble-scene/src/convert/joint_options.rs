@@ -10,17 +10,8 @@ use tumble_import::{FieldError, shortest};
 use crate::model::joint_options_model::{
     AxisModel, BreakModel, ConeModel, DriveModel, FrictionModel, GainModel, LimitModel, LimitsModel, ModeModel,
 };
+use crate::values::axes::named_axes;
 use crate::values::checked::{not_negative, number};
-
-/// The six axes in the engine's order.
-const AXES: [(&str, Axes); 6] = [
-    ("linear_x", Axes::LINEAR_X),
-    ("linear_y", Axes::LINEAR_Y),
-    ("linear_z", Axes::LINEAR_Z),
-    ("angular_x", Axes::ANGULAR_X),
-    ("angular_y", Axes::ANGULAR_Y),
-    ("angular_z", Axes::ANGULAR_Z),
-];
 
 /// Bounds of rotations may be a little more than pi, for it is rounded in files \[rad\].
 const MAX_ANGLE: f64 = PI + 1e-4;
@@ -30,7 +21,7 @@ pub(crate) fn limits(model: &LimitsModel, free: Axes) -> Result<Limits, FieldErr
     let LimitsModel { linear_x, linear_y, linear_z, angular_x, angular_y, angular_z, distance, cone } = model;
     let of_axes = [linear_x, linear_y, linear_z, angular_x, angular_y, angular_z];
     let mut limits = Limits::default();
-    for ((model, (name, axis)), place) in of_axes.into_iter().zip(AXES).zip(&mut limits.axes) {
+    for ((model, (name, axis)), place) in of_axes.into_iter().zip(named_axes()).zip(&mut limits.axes) {
         let Some(model) = model else { continue };
         check_free(name, axis, free)?;
         if free.contains(Axes::ANGULAR) && (axis == Axes::ANGULAR_Y || axis == Axes::ANGULAR_Z) {
@@ -40,7 +31,7 @@ pub(crate) fn limits(model: &LimitsModel, free: Axes) -> Result<Limits, FieldErr
         *place = Some(limit(model, most).map_err(|error| error.inside(name))?);
     }
     if let Some(model) = distance {
-        if !AXES[..3].iter().any(|(_, axis)| free.contains(*axis)) {
+        if !Axes::EACH[..3].iter().any(|axis| free.contains(*axis)) {
             return Err(FieldError::new("distance", "does nothing: the joint locks all translations"));
         }
         for (field, bound) in [("distance.min", model.min), ("distance.max", model.max)] {
@@ -68,7 +59,7 @@ pub(crate) fn drives(models: &[DriveModel], free: Axes) -> Result<Drives, FieldE
         let inside = |error: FieldError| error.inside(&format!("drives[{index}]"));
         let drive = drive(model, free).map_err(inside)?;
         if drive.gain == Gain::Rigid {
-            if AXES.iter().any(|(_, axis)| rigid.contains(*axis) && drive.axes.contains(*axis)) {
+            if Axes::EACH.iter().any(|axis| rigid.contains(*axis) && drive.axes.contains(*axis)) {
                 let problem = "another drive without stiffness, damping and frequency is along the same axis";
                 return Err(inside(FieldError::new("axes", problem)));
             }
@@ -84,7 +75,7 @@ pub(crate) fn friction(model: &FrictionModel, free: Axes) -> Result<JointFrictio
     let FrictionModel { linear_x, linear_y, linear_z, angular_x, angular_y, angular_z } = model;
     let of_axes = [linear_x, linear_y, linear_z, angular_x, angular_y, angular_z];
     let mut friction = JointFriction::default();
-    for ((model, (name, axis)), max) in of_axes.into_iter().zip(AXES).zip(&mut friction.max) {
+    for ((model, (name, axis)), max) in of_axes.into_iter().zip(named_axes()).zip(&mut friction.max) {
         let Some(model) = model else { continue };
         check_free(name, axis, free)?;
         *max = real(not_negative(name, *model)?);
@@ -183,7 +174,7 @@ fn drive(model: &DriveModel, free: Axes) -> Result<Drive, FieldError> {
     let mut axes = Axes::NONE;
     for axis in &model.axes {
         let these = Axes::from(*axis);
-        for (name, one) in AXES.into_iter().filter(|(_, one)| these.contains(*one)) {
+        for (name, one) in named_axes().filter(|(_, one)| these.contains(*one)) {
             check_free(name, one, free).map_err(|error| error.inside("axes"))?;
             if axes.contains(one) {
                 return Err(FieldError::new("axes", format!("{name} is there twice")));

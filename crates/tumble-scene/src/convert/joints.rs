@@ -8,6 +8,7 @@ use tumble::Joint;
 use tumble_import::FieldError;
 use tumble_import::checked::{check_name, real_vector};
 
+use crate::bodies::joint_options::JointOptions;
 use crate::bodies::scene_joint::SceneJoint;
 use crate::convert::joint_options;
 use crate::model::joint_model::{JointModel, JointPlaceModel};
@@ -59,10 +60,12 @@ fn joint(model: &JointModel, by_name: &HashMap<&str, usize>) -> Result<SceneJoin
         to: to.map(real_vector),
         axis: real_vector(axis),
         contacts: model.contacts,
-        limits: limits.transpose().map_err(|error| error.inside("limits"))?,
-        drives: drives.transpose()?,
-        friction: friction.transpose().map_err(|error| error.inside("friction"))?,
-        breakable: breakable.transpose().map_err(|error| error.inside("break"))?,
+        options: JointOptions {
+            limits: limits.transpose().map_err(|error| error.inside("limits"))?,
+            drives: drives.transpose()?,
+            friction: friction.transpose().map_err(|error| error.inside("friction"))?,
+            breakable: breakable.transpose().map_err(|error| error.inside("break"))?,
+        },
     })
 }
 

@@ -5,8 +5,8 @@
 //! [`ContactRecord`](contact::ContactRecord). Then momenta and poses of all bodies that touch
 //! something are advanced together in substeps: forces, a pass that pushes bodies apart, free
 //! motion, a pass that takes the push's velocity out again and adds friction ("Small Steps in
-//! Physics Simulation", M. Macklin and others, SCA 2019; E. Catto, "Solver2D", 2024). What touches
-//! nothing is left to the integrator of the settings.
+//! Physics Simulation", M. Macklin and others, SCA 2019; E. Catto, "Solver2D", 2024). Bodies
+//! without contacts are left to the integrator of the settings.
 
 pub(crate) mod body_key;
 pub(crate) mod collider;

@@ -36,12 +36,12 @@ impl Pen<'_> {
                 self.range(&limit, at, at.orientations[0] * unit, radius);
             }
             if let Some(limit) = limits.axes[3 + axis] {
-                self.arc(&limit, at, axis, radius);
+                limit.bounds_of_angle().into_iter().for_each(|bounds| self.arc(bounds, at, axis, radius));
             }
         }
         if let Some(limit) = limits.distance {
             let apart = at.apart();
-            let is_reached = is_reached(&limit, apart.length(), NEAR * radius);
+            let is_reached = is_reached(limit.bounds(), apart.length(), NEAR * radius);
             self.line(at.anchors[0], at.anchors[0] + apart, color(is_reached));
         }
         if let Some(cone) = limits.cone {
@@ -53,8 +53,8 @@ impl Pen<'_> {
     fn range(&mut self, limit: &Limit, at: &Standing, axis: DVec3, radius: f64) {
         let origin = at.anchors[0];
         let value = axis.dot(at.anchors[1] - origin);
-        let color = color(is_reached(limit, value, NEAR * radius));
-        let bounds = bounds(limit);
+        let color = color(is_reached(limit.bounds(), value, NEAR * radius));
+        let bounds = limit.bounds();
         let across = axis.any_orthonormal_vector() * (0.25 * radius);
         for bound in bounds.into_iter().filter(|bound| bound.is_finite()) {
             let end = origin + axis * bound;
@@ -67,15 +67,14 @@ impl Pen<'_> {
 
     /// The arc in which the hand of a rotation can be, with a stroke from the middle to either end,
     /// and the hand.
-    fn arc(&mut self, limit: &Limit, at: &Standing, axis: usize, radius: f64) {
+    fn arc(&mut self, bounds: [f64; 2], at: &Standing, axis: usize, radius: f64) {
         let Turn { about, zero, hand } = at.turn(axis);
         let value = about.dot(zero.cross(hand)).atan2(zero.dot(hand));
-        let color = color(is_reached(limit, from_middle(limit, value), NEAR));
+        let color = color(is_reached(bounds, from_middle(bounds, value), NEAR));
         let origin = at.anchors[0];
         let at_angle = |angle: f64| origin + DQuat::from_axis_angle(about, angle) * zero * radius;
-        let half_turn = 0.5 * TAU;
-        let [min, max] = bounds(limit).map(|bound| bound.clamp(-half_turn, half_turn));
-        let count = ((max - min) / half_turn * SEGMENTS).ceil().max(1.0);
+        let [min, max] = bounds;
+        let count = ((max - min) / (0.5 * TAU) * SEGMENTS).ceil().max(1.0);
         let points = (0..=count as u32).map(|number| at_angle(min + (max - min) * f64::from(number) / count));
         let mut before = origin;
         for point in points.chain([origin]) {
@@ -142,20 +141,14 @@ impl Standing {
     }
 }
 
-fn bounds(limit: &Limit) -> [f64; 2] {
-    [limit.min.into(), limit.max.into()]
-}
-
 /// An angle, gone round to where it is nearest to the middle of its range.
-fn from_middle(limit: &Limit, angle: f64) -> f64 {
-    let [min, max] = bounds(limit);
-    let middle = if min.is_finite() && max.is_finite() { 0.5 * (min + max) } else { 0.0 };
+fn from_middle([min, max]: [f64; 2], angle: f64) -> f64 {
+    let middle = 0.5 * (min + max);
     angle - TAU * ((angle - middle) / TAU).round()
 }
 
 /// Whether it is at a bound or past it.
-fn is_reached(limit: &Limit, value: f64, near: f64) -> bool {
-    let [min, max] = bounds(limit);
+fn is_reached([min, max]: [f64; 2], value: f64, near: f64) -> bool {
     value < min + near || value > max - near
 }
 

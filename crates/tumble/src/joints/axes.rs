@@ -30,6 +30,9 @@ impl Axes {
     pub const ANGULAR_Y: Self = Self(1 << 4);
     /// Rotation about z.
     pub const ANGULAR_Z: Self = Self(1 << 5);
+    /// Each axis alone, in the order of [`JointLoad::values`](crate::JointLoad::values).
+    pub const EACH: [Self; 6] =
+        [Self::LINEAR_X, Self::LINEAR_Y, Self::LINEAR_Z, Self::ANGULAR_X, Self::ANGULAR_Y, Self::ANGULAR_Z];
     /// All translations.
     pub const LINEAR: Self = Self(0b111);
     /// All rotations.

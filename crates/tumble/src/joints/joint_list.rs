@@ -99,6 +99,7 @@ impl JointList {
         joints.clear();
         let mut with_options = 0;
         std::mem::swap(endless, endless_before);
+        endless_before.sort_unstable();
         endless.clear();
         // Goes through archetypes and rows in the same order.
         let mut with_joint = world.query::<Entity>().with::<&Joint>();
@@ -140,7 +141,7 @@ impl JointList {
         self.all_gears.extend(world.query::<&Gear>().iter().filter(|gear| gear.is_in_range()));
         self.find_gears();
         let Self { endless, endless_before, .. } = self;
-        let gone = endless.iter().filter(|joint| !endless_before.contains(joint));
+        let gone = endless.iter().filter(|joint| endless_before.binary_search(joint).is_err());
         self.events.extend(gone.map(|joint| JointEvent::EndIsGone(*joint)));
         self.find_untouching()
     }

@@ -1,5 +1,7 @@
 //! How far a joint lets its bodies go.
 
+use std::f64::consts::{PI, TAU};
+
 use crate::joints::axes::Axes;
 use crate::joints::gain::Gain;
 use crate::math::Real;
@@ -116,6 +118,24 @@ impl Limit {
         Self { gain: Gain::Frequency { hertz, damping_ratio }, ..self }
     }
 
+    /// Both bounds, infinite where there is none.
+    pub(crate) fn bounds(&self) -> [f64; 2] {
+        [self.min.into(), self.max.into()]
+    }
+
+    /// The same of an angle: both are finite, and they are less than a turn apart, or there are
+    /// none.
+    pub(crate) fn bounds_of_angle(&self) -> Option<[f64; 2]> {
+        let [min, max] = self.bounds();
+        // A bound alone needs another, as angles go round.
+        let bounds = match [min.is_finite(), max.is_finite()] {
+            [true, false] => [min, min.max(PI)],
+            [false, true] => [max.min(-PI), max],
+            _ => [min, max],
+        };
+        Some(bounds).filter(|[min, max]| max - min < TAU)
+    }
+
     /// Whether its numbers can be reckoned with.
     pub(crate) fn is_in_range(&self) -> bool {
         self.min <= self.max && self.gain.is_in_range()
@@ -143,7 +163,6 @@ pub struct Cone {
 impl Cone {
     /// Whether its numbers can be reckoned with.
     pub(crate) fn is_in_range(&self) -> bool {
-        let pi = std::f64::consts::PI as Real;
-        self.half_angles.iter().all(|angle| *angle > 0.0 && *angle < pi) && self.gain.is_in_range()
+        self.half_angles.iter().all(|angle| *angle > 0.0 && *angle < PI as Real) && self.gain.is_in_range()
     }
 }

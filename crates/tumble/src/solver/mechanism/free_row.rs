@@ -1,8 +1,6 @@
 //! What acts along a free axis of a joint: limits, a motor, friction and springs, as one law of
 //! impulse by speed.
 
-use std::f64::consts::{PI, TAU};
-
 use crate::joints::drives::Drive;
 use crate::joints::gain::Gain;
 use crate::joints::limits::Limit;
@@ -106,19 +104,8 @@ impl FreeRow {
     }
 
     pub(crate) fn add_limit(&mut self, limit: Limit) {
-        let mut bounds = [f64::from(limit.min), f64::from(limit.max)];
-        if !self.axis.is_linear() {
-            // A bound alone needs another, as angles go round.
-            bounds = match bounds.map(f64::is_finite) {
-                [true, false] => [bounds[0], bounds[0].max(PI)],
-                [false, true] => [bounds[1].min(-PI), bounds[1]],
-                _ => bounds,
-            };
-            if bounds[1] - bounds[0] >= TAU {
-                return;
-            }
-        }
-        self.add_bounds(bounds, limit.gain);
+        let bounds = if self.axis.is_linear() { Some(limit.bounds()) } else { limit.bounds_of_angle() };
+        bounds.into_iter().for_each(|bounds| self.add_bounds(bounds, limit.gain));
     }
 
     /// Adds a range, infinite where there is no bound.
@@ -212,7 +199,7 @@ impl FreeRow {
             Phase::Positions => before,
             Phase::Velocities => 1.0 - before,
         };
-        (self.motor_impulse, self.friction_impulse) = (0.0, self.friction * h * share);
+        (self.motor_impulse, self.friction_impulse) = (0.0, impulse_of(self.friction, h * share));
         match phase {
             Phase::Begin => {}
             Phase::Positions => {
@@ -226,8 +213,7 @@ impl FreeRow {
         }
         let within = [-self.past(self.value, false), -self.past(self.value, true)].map(|room| room.max(0.0) / h);
         if let Some(motor) = &self.motor {
-            let max = motor.max_force;
-            self.motor_impulse = if max.is_finite() { max * h * share } else { max };
+            self.motor_impulse = impulse_of(motor.max_force, h * share);
             self.motor_speed = match (motor.position, phase) {
                 (Some(_), Phase::Begin | Phase::Velocities) => 0.0,
                 (Some(position), Phase::Positions) => {
@@ -305,9 +291,6 @@ impl FreeRow {
     /// Corrects the mode by a solution: the `speed` that the row gets, and its impulse. Returns
     /// whether the solution has to be found again.
     pub(crate) fn settle(&mut self, phase: Phase, h: f64, speed: f64, impulse: f64) -> bool {
-        if phase == Phase::Begin {
-            return false;
-        }
         let is_position = phase == Phase::Positions;
         let of_spring = |spring: &RowSpring| if is_position { spring.impulse_at(speed) } else { spring.constant() };
         let rest = impulse - self.springs.iter().map(of_spring).sum::<f64>();
@@ -381,20 +364,25 @@ impl FreeRow {
     }
 
     /// Goes to a bound that bodies have gone past, to this value; returns whether they have.
-    pub(crate) fn meet_bound(&mut self, phase: Phase, value: f64) -> bool {
-        // What has no value before was not within; an angle that jumped did not go there.
-        let most = if self.axis.is_linear() { f64::INFINITY } else { 0.5 };
+    pub(crate) fn meet_bound(&mut self, value: f64) -> bool {
         if self.is_at_bound() || self.value.is_nan() {
+            // What had no value was not within.
             return false;
         }
-        let is_past =
-            [false, true].map(|upper| (0.0..most).contains(&self.past(value, upper)) && self.past(value, upper) != 0.0);
-        self.mode = match is_past {
-            [true, _] => Mode::AtLower,
-            [_, true] => Mode::AtUpper,
-            _ => return false,
+        // An angle that jumped did not go there.
+        let most = if self.axis.is_linear() { f64::INFINITY } else { 0.5 };
+        let is_past = |upper: bool| {
+            let past = self.past(value, upper);
+            past > 0.0 && past < most
         };
-        self.set_law(phase);
+        self.mode = if is_past(false) {
+            Mode::AtLower
+        } else if is_past(true) {
+            Mode::AtUpper
+        } else {
+            return false;
+        };
+        self.set_law(Phase::Positions);
         true
     }
 
@@ -404,6 +392,11 @@ impl FreeRow {
             spring.settle(speed);
         });
     }
+}
+
+/// What a greatest force gives in a time \[s\]; an infinite one has no end in none either.
+fn impulse_of(max_force: f64, time: f64) -> f64 {
+    if max_force.is_finite() { max_force * time } else { max_force }
 }
 
 /// A greatest impulse with a sign, none for zero.

@@ -116,9 +116,8 @@ impl GearRows {
     pub(crate) fn speed(&self, velocities: impl Fn(usize) -> [Vec3<f64>; 2]) -> f64 {
         let mut speed = 0.0;
         for (end, joint) in self.joints.iter().enumerate() {
-            let [a, b] = joint.bodies.map(&velocities);
-            let apart = (b[0] + b[1].cross(joint.arms[1])) - (a[0] + a[1].cross(joint.arms[0]));
-            speed += self.linear[end].dot(apart) + self.angular[end].dot(b[1] - a[1]);
+            let [apart, turn] = joint.relative_velocity(&velocities);
+            speed += self.linear[end].dot(apart) + self.angular[end].dot(turn);
         }
         speed
     }

@@ -10,6 +10,7 @@ use crate::solver::mechanism::free_axis::{FreeAxis, free_axes};
 use crate::solver::mechanism::free_row::{FreeRow, Phase};
 use crate::solver::mechanism::joint_rows::{IDENTITY, JointRows};
 use crate::solver::mechanism::mechanism_body::MechanismBody;
+use crate::solver::mechanism::mechanism_matrix::Turning;
 
 impl JointRows {
     /// Takes over what acts along its free axes, which are as many as when it was made.
@@ -100,7 +101,7 @@ impl JointRows {
         let Self { free_rows, free, reference, .. } = self;
         let mut is_any = false;
         for it in free_rows {
-            is_any |= it.meet_bound(Phase::Positions, it.axis.direction(&stance, *free, *reference).value);
+            is_any |= it.meet_bound(it.axis.direction(&stance, *free, *reference).value);
         }
         if is_any {
             self.update_bounds();
@@ -136,9 +137,9 @@ impl JointRows {
         for (row, response) in responses.iter_mut().enumerate().take(self.count) {
             for (body, arm) in self.bodies.iter().zip(self.arms) {
                 let body = &bodies[*body];
-                let torque = arm.cross(self.linear[row]) + self.angular[row];
+                let Turning { torque, response: turned } = Turning::of(body, arm, self.linear[row], self.angular[row]);
                 let linear = body.inverse_mass * self.linear[row].dot(self.linear[row]);
-                *response += linear + torque.dot(body.times_inverse_inertia(torque));
+                *response += linear + torque.dot(turned);
             }
         }
         responses

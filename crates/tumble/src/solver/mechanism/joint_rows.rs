@@ -285,17 +285,22 @@ impl JointRows {
             speeds[0] = gear.speed(velocities);
             return speeds;
         }
-        let [a, b] = self.bodies.map(velocities);
-        let apart = (b[0] + b[1].cross(self.arms[1])) - (a[0] + a[1].cross(self.arms[0]));
+        let [apart, turn] = self.relative_velocity(velocities);
         if self.is_plain_ball() {
             (speeds[0], speeds[1], speeds[2]) = (apart.x, apart.y, apart.z);
             return speeds;
         }
-        let turn = b[1] - a[1];
         for (row, speed) in speeds.iter_mut().enumerate().take(self.count) {
             *speed = self.linear[row].dot(apart) + self.angular[row].dot(turn);
         }
         speeds
+    }
+
+    /// Of the second body against the first where they are pushed, linear and angular.
+    #[inline]
+    pub(crate) fn relative_velocity(&self, velocities: impl Fn(usize) -> [Vec3<f64>; 2]) -> [Vec3<f64>; 2] {
+        let [a, b] = self.bodies.map(velocities);
+        [(b[0] + b[1].cross(self.arms[1])) - (a[0] + a[1].cross(self.arms[0])), b[1] - a[1]]
     }
 
     /// Where it stands along a free axis.

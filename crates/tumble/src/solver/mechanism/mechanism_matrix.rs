@@ -20,8 +20,8 @@ pub(crate) struct Coupling {
 /// What one newton second along a row turns a body by: angular impulse, and angular velocity.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Turning {
-    torque: Vec3<f64>,
-    response: Vec3<f64>,
+    pub(crate) torque: Vec3<f64>,
+    pub(crate) response: Vec3<f64>,
 }
 
 impl Turning {
@@ -30,7 +30,7 @@ impl Turning {
         Self { torque: zero, response: zero }
     };
 
-    fn of(body: &MechanismBody, arm: Vec3<f64>, linear: Vec3<f64>, angular: Vec3<f64>) -> Self {
+    pub(crate) fn of(body: &MechanismBody, arm: Vec3<f64>, linear: Vec3<f64>, angular: Vec3<f64>) -> Self {
         let torque = arm.cross(linear) + angular;
         Self { torque, response: body.times_inverse_inertia(torque) }
     }

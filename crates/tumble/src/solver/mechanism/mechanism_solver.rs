@@ -246,14 +246,14 @@ impl MechanismSolver {
     /// Solves for the impulses of one half: in the first those that meet the joints at the end of
     /// the substep if bodies move straight on, with as much inertia as these impulses ask for.
     fn solve_half(&mut self, half: Half) {
-        let is_first = half.phase == Phase::Positions;
+        let is_position = half.phase == Phase::Positions;
         let (mut changes, mut raises) = (0, 1);
         loop {
-            self.set_right_side(if is_first { 1.0 / half.h } else { 0.0 });
+            self.set_right_side(if is_position { 1.0 / half.h } else { 0.0 });
             self.solve_right_side();
             if changes < MAX_CHANGES && self.settle(half) {
                 changes += 1;
-            } else if is_first && raises < MAX_RAISES && self.take_sudden_loads(half.h) {
+            } else if is_position && raises < MAX_RAISES && self.take_sudden_loads(half.h) {
                 raises += 1;
             } else {
                 break;

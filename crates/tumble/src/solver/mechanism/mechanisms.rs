@@ -308,7 +308,7 @@ impl Mechanisms {
         let Self { mechanisms, loads, active, done, values_and_speeds, .. } = self;
         for Mechanism { solver, slots, joints, is_touched, is_sound } in mechanisms {
             if !*is_sound {
-                // Its bodies stay where they were, as if the step had not been.
+                // Its bodies have moved as if they had no joints.
                 slots.iter().for_each(|slot| loads[slot.index()] = 0.0);
                 solver.done.fill([Vec3::zero(); 2]);
                 continue;
