@@ -33,11 +33,11 @@ use crate::snapshot::state_hash::{Fnv, canonical};
 /// The state of all bodies of a world at one moment, by [`BodyId`].
 ///
 /// It holds the [`Pose`] of every body that has a [`BodyId`], the [`Momentum`] of those that forces
-/// move and the [`Velocity`] of kinematic ones: 64 bytes a body in single precision, 112 in double.
-/// It also holds which [`Breakable`](crate::Breakable) joints are broken. With a [`Clock`] and,
-/// where bodies touch, the contacts, that is all that a run continues from, to the bit:
-/// [`Simulation::snapshot`](crate::Simulation::snapshot) takes all of it. What is no state is not in
-/// it: masses, laws, joints and other components, the settings, the caller's own.
+/// move and the [`Velocity`] of kinematic ones: 64 bytes a body in single precision, 112 in double;
+/// and which [`Breakable`](crate::Breakable) joints are broken. With a [`Clock`] and, where bodies
+/// touch, the contacts, that is all that a run continues from, to the bit:
+/// [`Simulation::snapshot`](crate::Simulation::snapshot) takes all of it. What is no state is not
+/// in it: masses, laws, joints and other components, the settings, the caller's own.
 ///
 /// A joint is known by the [`BodyId`] of its entity, which may be that of a body too, or without
 /// one by the entity; in another world that is the one that was spawned at the same place in the
