@@ -7,6 +7,8 @@
 
 mod support;
 
+use std::collections::BTreeSet;
+
 use support::Place;
 use tumble::Pose;
 use tumble::math::{Quat, Real, Vec3};
@@ -214,7 +216,7 @@ fn joints_are_drawn_where_they_hold() {
             assert!(joint["until"].is_null(), "{scene}");
             for frame in [0, 30, 60] {
                 let apart = anchor(&data, joint, 0, frame).distance(anchor(&data, joint, 1, frame));
-                // Rotations in sixteen bits, at up to eighteen metres; the trolley goes out on its slider.
+                // Rotations have sixteen bits, at up to eighteen metres. The trolley goes out.
                 let most = if joint["line"] == true { 9.601 } else { 1e-3 };
                 let is_slider = (scene, number) == ("crane", 1);
                 assert!(apart < most || is_slider && frame > 0, "{scene} {number}: {apart} m in frame {frame}");
@@ -253,4 +255,32 @@ fn joints_that_break_go() {
     assert!((until - (2.0 * 0.5 / 9.81_f64).sqrt()).abs() < 2.0 / 60.0, "{until}");
     let lengths = [0, 60, 120].map(|frame| anchor(&data, second, 0, frame).distance(anchor(&data, second, 1, frame)));
     assert!((lengths[0] * lengths[0] - 2.0).abs() < 1e-3 && lengths.iter().all(|length| *length < 1.51), "{lengths:?}");
+}
+
+#[test]
+fn joints_of_bodies_that_are_left_out_are_too() {
+    let place = Place::new();
+    let bodies: Vec<_> = (0..1200).map(|i| serde_json::json!({ "mass": 1, "position": [i, 0, 0] })).collect();
+    let joint = |i: usize| {
+        let between = [format!("body-{i}"), format!("body-{}", i + 1)];
+        serde_json::json!({ "between": between, "ball": { "at": [i as f64 + 0.5, 0, 0] } })
+    };
+    let joints: Vec<_> = (0..1199).map(joint).collect();
+    place.write("chain.json", serde_json::json!({ "bodies": bodies, "joints": joints }).to_string());
+    let page = page(&place, &["chain.json", "--steps", "1"]);
+    let data = data(&page);
+    let shown = list(&data, "joints").len();
+    // A body that is left out takes the joints on both sides with it.
+    let names: BTreeSet<_> = list(&data, "bodies").iter().map(|body| body["name"].as_str().unwrap()).collect();
+    let is_there = |i: usize| names.contains(format!("body-{i}").as_str());
+    assert_eq!(shown, (0..1199).filter(|i| is_there(*i) && is_there(i + 1)).count());
+    assert!(shown > 100 && shown < 1199);
+    assert!(page.contains(&format!("{shown} of the 1199 joints are shown.")), "{shown}");
+    for (end, joint) in list(&data, "joints").iter().flat_map(|joint| [(0, joint), (1, joint)]) {
+        let body = joint["bodies"][end].as_u64().unwrap() as usize;
+        let name = list(&data, "bodies")[body]["name"].as_str().unwrap();
+        let at: f64 = name.trim_start_matches("body-").parse().unwrap();
+        let expected = at + joint["anchors"][end][0].as_f64().unwrap();
+        assert_eq!(expected.fract(), 0.5, "{name}");
+    }
 }
