@@ -1,7 +1,7 @@
 //! Promise: random mechanisms of joints of every kind, with loops, of bodies from a centimetre to
 //! ten metres, whose joints have limits, friction, drives and break, stay finite; what flies free
 //! keeps its momentum; limits and friction make no energy; limits, drives and friction of one step
-//! can be others in the next.
+//! can be others in the next; a joint that does nothing has no load.
 //!
 //! Why: rows that come and go within a step are where solvers explode. It fails if a row that is
 //! off still couples, if what was given before a change of law is kept, or if a limit gives back
@@ -10,8 +10,8 @@
 use hecs::{Entity, World};
 use tumble::math::{Quat, Real};
 use tumble::{
-    Axes, Collider, Cone, Drive, Drives, Gain, Gear, JointFriction, JointLoad, Limit, Limits, Material, Momentum, Pose,
-    Shape,
+    Axes, Breakable, Collider, Cone, Drive, Drives, Gain, Gear, Joint, JointFriction, JointLoad, Limit, Limits,
+    Material, Momentum, Pose, Shape,
 };
 use tumble_tests::touching::ground;
 use tumble_tests::{Draw, EPSILON, by_precision};
@@ -244,4 +244,52 @@ fn what_falls_with_limits_comes_down() {
         assert!(lowest > -(0.5 * size) as Real, "case {case}: {lowest} of {size}");
     }
     assert!(worst <= 0.01, "{worst:e}");
+}
+
+#[test]
+fn joints_that_do_nothing_have_no_load() {
+    let (mut broken, mut endless) = (0, 0);
+    for case in 0..24 {
+        let [mut by_one, mut at_once] = [(); 2].map(|()| {
+            let options = Options { has_springs: true, breaks: true, ..HARD };
+            let (world, joints, _) = spawn(case, &mut Draw::new(0x8A, case), options, true);
+            (world, joints, simulation(9.81, 1.0 / 100.0))
+        });
+        for round in 0..6 {
+            let (world, joints, simulation) = &mut by_one;
+            for _ in 0..5 {
+                let acts = |joint: &Entity| {
+                    let is_broken = world.get::<&Breakable>(*joint).is_ok_and(|it| it.is_broken);
+                    let has_ends = world.get::<&Joint>(*joint).unwrap().bodies.iter().all(|body| world.contains(*body));
+                    broken += usize::from(is_broken);
+                    endless += usize::from(!has_ends);
+                    !is_broken && has_ends
+                };
+                let acted: Vec<bool> = joints.iter().map(acts).collect();
+                simulation.step(world);
+                for (joint, acted) in joints.iter().zip(acted) {
+                    let load = *world.get::<&JointLoad>(*joint).unwrap();
+                    assert_eq!(load != JointLoad::default(), acted, "case {case}: {load:?}");
+                    // In the step where it breaks it is what was too much.
+                    if let Some(it) = world.get::<&Breakable>(*joint).ok().filter(|it| acted && it.is_broken) {
+                        assert!(load.force.length() >= it.max_force);
+                    }
+                }
+            }
+            let (world, _, simulation) = &mut at_once;
+            simulation.step_many(world, 5);
+            for (joint, other) in by_one.1.iter().zip(&at_once.1) {
+                let load = *by_one.0.get::<&JointLoad>(*joint).unwrap();
+                assert_eq!(load, *at_once.0.get::<&JointLoad>(*other).unwrap());
+            }
+            if round % 2 == 1 {
+                for (world, joints, _) in [&mut by_one, &mut at_once] {
+                    let end = world.get::<&Joint>(joints[round % joints.len()]).unwrap().bodies[1];
+                    let _ = world.despawn(end);
+                }
+            }
+        }
+    }
+    println!("{broken} broken, {endless} without an end");
+    assert!(broken > 50 && endless > 100);
 }

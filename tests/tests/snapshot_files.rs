@@ -9,12 +9,12 @@
 use hecs::World;
 use proptest::prelude::{Just, ProptestConfig, any, prop, prop_oneof, proptest};
 use tumble::math::Real;
-use tumble::{BodyId, BodyOrder, Settings, Simulation, Snapshot, SnapshotError, state_hash};
+use tumble::{BodyId, BodyOrder, Breakable, Joint, Settings, Simulation, Snapshot, SnapshotError, state_hash};
 use tumble_benches::{mixed_bodies, mixed_body};
 
 /// Bytes of a number.
 const NUMBER: usize = size_of::<Real>();
-const HEADER: usize = 120;
+const HEADER: usize = 136;
 
 /// Bodies 13 to 15, of which one is moving, one kinematic and one fixed, two steps into a run.
 fn three_bodies() -> (World, Vec<u8>) {
@@ -68,16 +68,18 @@ fn the_format_is_as_documented() {
     assert_eq!(bytes.len(), HEADER + 3 * 8 + (3 * 7 + 2 * 6) * NUMBER + 8);
     assert_eq!(&bytes[..8], b"TUMBLE-S");
     let word = |place: usize| u64::from_le_bytes(*bytes[place..].first_chunk().unwrap());
-    assert_eq!(word(8), 4 | (NUMBER as u64) << 32);
+    assert_eq!(word(8), 5 | (NUMBER as u64) << 32);
     assert_eq!([16, 24, 32].map(word), [1, 1, 1]);
     assert_eq!([40, 48, 56, 64].map(word), [1, 2, 0, 0]);
     assert_eq!(f64::from_bits(word(72)), 0.125);
     // No contacts; those have a file of their own, `contact_snapshots.rs`.
     assert_eq!([88, 96, 104, 112].map(word), [0; 4]);
-    assert_eq!([120, 128, 136].map(word), [13, 14, 15]);
+    // No breakable joints.
+    assert_eq!([120, 128].map(word), [0; 2]);
+    assert_eq!([136, 144, 152].map(word), [13, 14, 15]);
     let first = BodyOrder::of(&world).entities()[0];
     let x = world.get::<&tumble::Pose>(first).unwrap().position.x;
-    assert_eq!(&bytes[144..144 + NUMBER], x.to_le_bytes());
+    assert_eq!(&bytes[160..160 + NUMBER], x.to_le_bytes());
     assert_eq!(forged(&bytes, 0, b"TUMBLE-S"), bytes);
 }
 
@@ -93,7 +95,7 @@ fn every_flipped_bit_is_refused() {
             0..8 => error == SnapshotError::NotASnapshot,
             8..12 => matches!(error, SnapshotError::Version { .. }),
             12..16 => matches!(error, SnapshotError::Precision { .. }),
-            16..40 | 88..120 => matches!(error, SnapshotError::Length { .. }),
+            16..40 | 88..136 => matches!(error, SnapshotError::Length { .. }),
             _ => error == SnapshotError::Checksum,
         };
         assert!(fits, "bit {bit}: {error}");
@@ -189,11 +191,37 @@ fn impossible_clocks_are_refused() {
     assert_eq!(simulation.steps(), (1 << 53) + 1);
 }
 
+/// Breakable joints that are named twice, out of order, or half broken.
+#[test]
+fn impossible_joints_are_refused() {
+    let mut world = World::new();
+    let body = mixed_body(13).spawn(&mut world);
+    for id in [Some(3), None, Some(1)] {
+        let joint =
+            world.spawn((Joint::free(body, body), Breakable { is_broken: id == Some(3), ..Breakable::at_force(1.0) }));
+        id.into_iter().for_each(|id| world.insert_one(joint, BodyId(id)).unwrap());
+    }
+    let bytes = Snapshot::capture(&world).unwrap().to_bytes();
+    let (flags, keys) = (bytes.len() - 8 - 3, bytes.len() - 8 - 3 * 9);
+    assert_eq!(bytes[flags..flags + 3], [0, 1, 0]);
+    assert_eq!([&bytes[keys..keys + 8], &bytes[keys + 8..keys + 16]], [1, 3].map(u64::to_le_bytes));
+    for joint in 0..3 {
+        assert!(Snapshot::from_bytes(&forged(&bytes, flags + joint, &[1])).is_ok());
+        assert_eq!(error_of(&forged(&bytes, flags + joint, &[2])), SnapshotError::Joint { joint });
+    }
+    for first in [3_u64, 4] {
+        let error = error_of(&forged(&bytes, keys, &first.to_le_bytes()));
+        assert_eq!(error, SnapshotError::Joint { joint: 1 });
+    }
+    let too_many = error_of(&forged(&bytes, 120, &u64::MAX.to_le_bytes()));
+    assert_eq!(too_many, SnapshotError::Length { found: bytes.len(), expected: u64::MAX });
+}
+
 proptest! {
     #![proptest_config(ProptestConfig { failure_persistence: None, ..ProptestConfig::with_cases(2000) })]
     #[test]
     fn no_bytes_make_it_panic(
-        place in 8_usize..332,
+        place in 8_usize..348,
         other in prop::collection::vec(any::<u8>(), 1..64),
         cut in prop_oneof![Just(0_usize), 1_usize..40],
     ) {

@@ -7,7 +7,11 @@
 
 mod support;
 
+use std::collections::BTreeSet;
+
 use support::Place;
+use tumble::Pose;
+use tumble::math::{Quat, Real, Vec3};
 
 const ATTACK: &str = "</script><img src=x onerror=alert(1)>";
 
@@ -163,5 +167,120 @@ fn scenes_of_contacts_are_reported() {
         assert!(rows > 0 && rows.is_multiple_of(41), "{scene}: {rows} rows");
         assert!(bodies >= rows / 41, "{scene}: {bodies} bodies in the page, {rows} rows");
         assert!(std::fs::metadata(place.path("record.glb")).unwrap().len() > 1000, "{scene}");
+    }
+}
+
+/// Bytes of base64, without a crate for it.
+fn bytes(text: &str) -> Vec<u8> {
+    let digit = |c: u8| match c {
+        b'A'..=b'Z' => u32::from(c - b'A'),
+        b'a'..=b'z' => u32::from(c - b'a') + 26,
+        b'0'..=b'9' => u32::from(c - b'0') + 52,
+        b'+' => 62,
+        _ => 63,
+    };
+    let text = text.trim_end_matches('=').as_bytes();
+    let mut all = Vec::new();
+    for chunk in text.chunks(4) {
+        let word = (0..4).fold(0, |word, at| word << 6 | chunk.get(at).map_or(0, |c| digit(*c)));
+        all.extend(word.to_be_bytes()[1..chunk.len()].iter().copied());
+    }
+    all
+}
+
+/// An anchor of a joint in a frame \[m\], as the script finds it.
+fn anchor(data: &serde_json::Value, joint: &serde_json::Value, end: usize, frame: usize) -> Vec3 {
+    let at = frame * list(data, "bodies").len() + joint["bodies"][end].as_u64().unwrap() as usize;
+    let [positions, rotations] = ["positions", "rotations"].map(|key| bytes(data[key].as_str().unwrap()));
+    let position = |i: usize| f32::from_le_bytes(*positions[4 * (3 * at + i)..].first_chunk().unwrap()) as Real;
+    let rotation = |i: usize| Real::from(i16::from_le_bytes(*rotations[2 * (4 * at + i)..].first_chunk().unwrap()));
+    let arm = [0, 1, 2].map(|i| joint["anchors"][end][i].as_f64().unwrap() as Real);
+    let orientation = Quat::from_array([0, 1, 2, 3].map(rotation)).normalize();
+    Pose { position: Vec3::from_array([0, 1, 2].map(position)), orientation }.transform_point(Vec3::from_array(arm))
+}
+
+/// Both anchors of a joint are one point in every frame, and those of a rope no further apart than
+/// it is long, for bodies whose frames are off their centres too.
+#[test]
+fn joints_are_drawn_where_they_hold() {
+    for (scene, ropes) in
+        [("ragdoll", 0), ("heavy-chain", 0), ("rope-bridge", 0), ("gimbals", 0), ("arm", 0), ("crane", 1)]
+    {
+        let place = Place::new();
+        let page = page(&place, &[scene, "--steps", "60"]);
+        let data = data(&page);
+        let joints = list(&data, "joints");
+        assert!(!joints.is_empty(), "{scene}");
+        assert_eq!(joints.iter().filter(|joint| joint["line"] == true).count(), ropes, "{scene}");
+        for (number, joint) in joints.iter().enumerate() {
+            assert!(joint["until"].is_null(), "{scene}");
+            for frame in [0, 30, 60] {
+                let apart = anchor(&data, joint, 0, frame).distance(anchor(&data, joint, 1, frame));
+                // Rotations have sixteen bits, at up to eighteen metres. The trolley goes out.
+                let most = if joint["line"] == true { 9.601 } else { 1e-3 };
+                let is_slider = (scene, number) == ("crane", 1);
+                assert!(apart < most || is_slider && frame > 0, "{scene} {number}: {apart} m in frame {frame}");
+            }
+        }
+    }
+}
+
+#[test]
+fn joints_that_break_go() {
+    let place = Place::new();
+    let body = |name: &str, x: f64| {
+        format!(
+            r#"{{ "name": "{name}", "shape": {{ "sphere": {{ "radius": 0.1 }} }}, "mass": 1, "position": [{x}, 0, 0] }}"#
+        )
+    };
+    let joint = |second: &str, x: f64, more: &str| {
+        format!(
+            r#"{{ "between": ["hook", "{second}"], "free": {{ "at": [0, 1, 0], "to": [{x}, 0, 0] }}, "limits": {{ "distance": [0, 1.5] }}{more} }}"#
+        )
+    };
+    let scene = format!(
+        r#"{{ "bodies": [ {{ "name": "hook", "fixed": true }}, {}, {} ], "joints": [ {}, {} ] }}"#,
+        body("a", 0.0),
+        body("b", 1.0),
+        joint("a", 0.0, r#", "break": { "force": 5 }"#),
+        joint("b", 1.0, ""),
+    );
+    place.write("ropes.json", scene);
+    let page = page(&place, &["ropes.json", "--steps", "120"]);
+    let data = data(&page);
+    let [first, second] = list(&data, "joints") else { panic!("two joints") };
+    assert!(first["line"] == true && second["line"] == true && second["until"].is_null());
+    // It falls by half a metre, in 0.32 s, and breaks in the first step in which the rope is tight.
+    let until = first["until"].as_f64().unwrap();
+    assert!((until - (2.0 * 0.5 / 9.81_f64).sqrt()).abs() < 2.0 / 60.0, "{until}");
+    let lengths = [0, 60, 120].map(|frame| anchor(&data, second, 0, frame).distance(anchor(&data, second, 1, frame)));
+    assert!((lengths[0] * lengths[0] - 2.0).abs() < 1e-3 && lengths.iter().all(|length| *length < 1.51), "{lengths:?}");
+}
+
+#[test]
+fn joints_of_bodies_that_are_left_out_are_too() {
+    let place = Place::new();
+    let bodies: Vec<_> = (0..1200).map(|i| serde_json::json!({ "mass": 1, "position": [i, 0, 0] })).collect();
+    let joint = |i: usize| {
+        let between = [format!("body-{i}"), format!("body-{}", i + 1)];
+        serde_json::json!({ "between": between, "ball": { "at": [i as f64 + 0.5, 0, 0] } })
+    };
+    let joints: Vec<_> = (0..1199).map(joint).collect();
+    place.write("chain.json", serde_json::json!({ "bodies": bodies, "joints": joints }).to_string());
+    let page = page(&place, &["chain.json", "--steps", "1"]);
+    let data = data(&page);
+    let shown = list(&data, "joints").len();
+    // A body that is left out takes the joints on both sides with it.
+    let names: BTreeSet<_> = list(&data, "bodies").iter().map(|body| body["name"].as_str().unwrap()).collect();
+    let is_there = |i: usize| names.contains(format!("body-{i}").as_str());
+    assert_eq!(shown, (0..1199).filter(|i| is_there(*i) && is_there(i + 1)).count());
+    assert!(shown > 100 && shown < 1199);
+    assert!(page.contains(&format!("{shown} of the 1199 joints are shown.")), "{shown}");
+    for (end, joint) in list(&data, "joints").iter().flat_map(|joint| [(0, joint), (1, joint)]) {
+        let body = joint["bodies"][end].as_u64().unwrap() as usize;
+        let name = list(&data, "bodies")[body]["name"].as_str().unwrap();
+        let at: f64 = name.trim_start_matches("body-").parse().unwrap();
+        let expected = at + joint["anchors"][end][0].as_f64().unwrap();
+        assert_eq!(expected.fract(), 0.5, "{name}");
     }
 }

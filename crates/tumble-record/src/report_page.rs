@@ -4,6 +4,7 @@ pub(crate) mod choice;
 pub(crate) mod data;
 pub(crate) mod figures;
 pub(crate) mod frames;
+pub(crate) mod joints;
 pub(crate) mod replay;
 pub(crate) mod surfaces;
 pub(crate) mod tables;

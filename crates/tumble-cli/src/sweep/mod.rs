@@ -54,10 +54,10 @@ pub(crate) struct SweepPlan {
 /// A scene with fields that differ from world to world: at random, or over the values of a grid.
 ///
 /// A field is named by its path in the file: `gravity.1`, `dt`, `bodies.0.mass`,
-/// `bodies.brick.angular_velocity.2`, `bodies.0.shape.cuboid.half_extents.0`; bodies go by index or
-/// name, and `bodies[0]` is understood too. The value of a field in a world depends on the seed,
-/// the place of the field among those that are varied, and the index of the world, and on nothing
-/// else. Several grids make all combinations, the last one changing fastest; past the last
+/// `bodies.brick.angular_velocity.2`, `bodies.0.shape.cuboid.half_extents.0`; bodies and joints go
+/// by index or name, and `bodies[0]` is understood too. The value of a field in a world depends on
+/// the seed, the place of the field among those that are varied, and the index of the world, and on
+/// nothing else. Several grids make all combinations, the last one changing fastest; past the last
 /// combination they start over.
 #[derive(Clone, Debug)]
 pub(crate) struct Sweep {

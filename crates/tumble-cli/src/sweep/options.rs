@@ -23,7 +23,7 @@ pub(crate) struct SweepOptions {
     /// may be given again
     ///
     /// FIELD is the path in the file: gravity.1, dt, bodies.0.mass,
-    /// bodies.brick.angular_velocity.2, …
+    /// bodies.brick.angular_velocity.2, joints.elbow.drives.0.stiffness, …
     #[arg(long, value_name = "FIELD=VALUES", value_parser = str::parse::<SweepParameter>)]
     pub(crate) vary: Vec<SweepParameter>,
     /// Worlds [default: all combinations, where there are only grids]

@@ -7,6 +7,7 @@ use base64::engine::general_purpose::STANDARD;
 use serde::Serialize;
 
 use crate::colors::{BODY_COLORS, FIXED_COLOR, GROUND_COLOR};
+use crate::report_page::joints::DrawnJoint;
 use crate::report_page::replay::{Replay, Shown};
 use crate::report_page::surfaces::{arrays, is_wide};
 use crate::trajectory::glb::bodies::Color;
@@ -16,7 +17,7 @@ const LONGEST_NAME: usize = 60;
 
 /// The object that the script reads. Arrays are base64 of little-endian numbers.
 #[derive(Default, Serialize)]
-struct Data {
+struct Data<'a> {
     /// The direction up.
     up: [u8; 3],
     /// In linear light: those of bodies that move, then that of those that do not, then that of
@@ -28,6 +29,7 @@ struct Data {
     times: Vec<f64>,
     positions: String,
     rotations: String,
+    joints: &'a [DrawnJoint],
 }
 
 #[derive(Serialize)]
@@ -68,8 +70,8 @@ pub(crate) fn write(replay: &Replay, to: &mut impl Write) -> io::Result<()> {
     to.write_all(serde_json::to_string(&data)?.replace('<', "\\u003c").as_bytes())
 }
 
-impl Data {
-    fn fill(&mut self, Shown { bodies, surfaces, frames }: &Shown) {
+impl<'a> Data<'a> {
+    fn fill(&mut self, Shown { bodies, surfaces, frames, joints }: &'a Shown) {
         for (index, surface) in bodies.geometry.surfaces.iter().enumerate() {
             let triangles = surfaces.triangles(index, surface);
             let [positions, normals, indices] = arrays(&triangles).map(|bytes| STANDARD.encode(bytes));
@@ -92,6 +94,7 @@ impl Data {
                 one_sided: body.one_sided,
             });
         }
+        self.joints = &joints.shown;
         self.times.clone_from(&frames.times);
         self.positions = encoded(frames.positions.iter().flat_map(|number| number.to_le_bytes()));
         self.rotations = encoded(frames.rotations.iter().flat_map(|number| number.to_le_bytes()));

@@ -231,8 +231,9 @@
     void main() { gl_Position = projection * vec4(corner, 1.0); }`;
   const LINE_FRAGMENT = `#version 300 es
     precision mediump float;
+    uniform vec4 paint;
     out vec4 result;
-    void main() { result = vec4(0.5, 0.53, 0.56, 1.0) * 0.42; }`;
+    void main() { result = paint; }`;
 
   function program(vertex, fragment) {
     const made = gl.createProgram();
@@ -309,17 +310,54 @@
     return new Float32Array(corners);
   }
 
-  function drawGrid(view) {
-    const corners = grid();
+  // Corners of lines or triangles, in a colour that is multiplied with its opacity.
+  function drawPlain(view, kind, corners, paint) {
     gl.useProgram(lineProgram);
     gl.uniformMatrix4fv(gl.getUniformLocation(lineProgram, 'projection'), false, view.matrix);
+    gl.uniform4fv(gl.getUniformLocation(lineProgram, 'paint'), paint);
     gl.bindVertexArray(lines);
     gl.bindBuffer(gl.ARRAY_BUFFER, lineCorners);
     gl.bufferData(gl.ARRAY_BUFFER, corners, gl.DYNAMIC_DRAW);
     gl.enable(gl.BLEND);
     gl.blendFunc(gl.ONE, gl.ONE_MINUS_SRC_ALPHA);
-    gl.drawArrays(gl.LINES, 0, corners.length / 3);
+    gl.drawArrays(kind, 0, corners.length / 3);
     gl.disable(gl.BLEND);
+  }
+
+  // From the target and in the camera's unit.
+  function anchor(joint, end) {
+    const body = joint.bodies[end];
+    const [x, y, z, w] = [0, 1, 2, 3].map((i) => placed.rotations[4 * body + i]);
+    const arm = joint.anchors[end];
+    const bent = cross([x, y, z], cross([x, y, z], arm).map((part, i) => part + w * arm[i]));
+    return arm.map((part, i) => (placed.positions[3 * body + i] + part + 2 * bent[i] - camera.target[i]) / camera.unit);
+  }
+
+  // A band from anchor to anchor of each rope or rod that holds, and a mark at the anchor of other joints.
+  function jointCorners(view) {
+    const pixel = 2 * camera.distance * Math.tan(FIELD_OF_VIEW / 2) / Math.max(1, canvas.clientHeight);
+    const corners = [];
+    const quad = (a, b, c, d) => corners.push(...a, ...b, ...c, ...a, ...c, ...d);
+    const add = (point, along, by) => point.map((part, i) => part + by * along[i]);
+    for (const joint of run.joints) {
+      if (joint.until !== null && now >= joint.until) continue;
+      const [from, to] = [anchor(joint, 0), anchor(joint, 1)];
+      const size = 3.5 * pixel;
+      quad(add(to, view.right, size), add(to, view.above, size), add(to, view.right, -size), add(to, view.above, -size));
+      if (!joint.line) continue;
+      const side = cross(add(to, from, -1), view.towards);
+      const half = pixel / (Math.hypot(...side) || 1);
+      quad(add(from, side, half), add(to, side, half), add(to, side, -half), add(from, side, -half));
+    }
+    return new Float32Array(corners);
+  }
+
+  // Joints are mostly inside bodies, and are seen through them.
+  function drawJoints(view) {
+    if (run.joints.length === 0) return;
+    gl.disable(gl.DEPTH_TEST);
+    drawPlain(view, gl.TRIANGLES, jointCorners(view), [0.85, 0.3, 0.1, 1]);
+    gl.enable(gl.DEPTH_TEST);
   }
 
   // Infinite ground is not seen from below, so that walls on this side do not hide what is between them.
@@ -376,7 +414,8 @@
     gl.enable(gl.DEPTH_TEST);
     drawBodies(view);
     // What moves past a grid that stays behind says nothing; it is for looking at the whole.
-    if (element('follow').value === 'path') drawGrid(view);
+    if (element('follow').value === 'path') drawPlain(view, gl.LINES, grid(), [0.21, 0.2226, 0.2352, 0.42]);
+    drawJoints(view);
     if (!document.body.dataset.replay) {
       // The measure of how fast the page opens: the pixels are there.
       gl.finish();

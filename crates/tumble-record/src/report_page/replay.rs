@@ -6,6 +6,7 @@ use tumble_scene::{Scene, SceneError};
 use crate::report_page::choice::choose;
 use crate::report_page::figures::{count, figure, rounded};
 use crate::report_page::frames::Frames;
+use crate::report_page::joints::Joints;
 use crate::report_page::surfaces::Surfaces;
 use crate::trajectory::frame::Frame;
 use crate::trajectory::glb::bodies::Bodies;
@@ -60,6 +61,7 @@ pub(crate) struct Shown {
     pub(crate) bodies: Bodies,
     pub(crate) surfaces: Surfaces,
     pub(crate) frames: Frames,
+    pub(crate) joints: Joints,
 }
 
 impl Replay {
@@ -91,20 +93,22 @@ impl Replay {
 
     /// Keeps the state of the bodies that are shown, if it is a step's turn.
     pub fn record(&mut self, frame: &Frame<'_>) {
-        let Shown { bodies, frames, .. } = self.shown(frame);
+        let Shown { bodies, frames, joints, .. } = self.shown(frame);
         frames.record(frame, bodies);
+        joints.record(frame);
     }
 
     /// Keeps the state at the end of the run.
     pub fn finish(&mut self, frame: &Frame<'_>) {
-        let Shown { bodies, frames, .. } = self.shown(frame);
+        let Shown { bodies, frames, joints, .. } = self.shown(frame);
         frames.record_last(frame, bodies);
+        joints.record(frame);
     }
 
     /// What the replay does not show, and how it makes up for it: sentences.
     #[must_use]
     pub fn left_out(&self) -> Vec<String> {
-        let Some(Shown { bodies, surfaces, frames }) = &self.shown else { return Vec::new() };
+        let Some(Shown { bodies, surfaces, frames, joints }) = &self.shown else { return Vec::new() };
         let mut said = Vec::new();
         let shown = bodies.all().len();
         if shown < self.bodies {
@@ -114,6 +118,10 @@ impl Replay {
             ));
         } else {
             said.push("All bodies are shown.".to_owned());
+        }
+        if joints.shown.len() < joints.all {
+            let [shown, all] = [joints.shown.len(), joints.all].map(|joints| count(joints as u64));
+            said.push(format!("{shown} of the {all} joints are shown."));
         }
         let boxed = bodies.all().iter().filter(|body| Self::is_boxed(surfaces, bodies, body.look)).count();
         if boxed > 0 {
@@ -151,7 +159,8 @@ impl Replay {
             let surfaces = Surfaces::within(MESH_BYTES, &bodies);
             let left = BYTES.saturating_sub(surfaces.bytes);
             let frames = Frames::new(bodies.all().len(), usize::try_from(left).unwrap_or(usize::MAX));
-            Shown { bodies, surfaces, frames }
+            let joints = Joints::of(frame, &bodies);
+            Shown { bodies, surfaces, frames, joints }
         })
     }
 

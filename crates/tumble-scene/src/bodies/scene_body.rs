@@ -37,7 +37,7 @@ impl SceneBody {
     /// [`FieldError`] where a joint cannot be made.
     pub(crate) fn spawn_all<'a>(
         bodies: impl IntoIterator<Item = &'a Self>,
-        joints: &[SceneJoint],
+        joints: impl IntoIterator<Item = &'a SceneJoint>,
         world: &mut World,
     ) -> Result<Vec<Entity>, FieldError> {
         let spawned: Vec<(Entity, &Self)> = bodies.into_iter().map(|body| (body.spawn(world), body)).collect();
@@ -51,7 +51,7 @@ impl SceneBody {
             }
         }
         let entities: Vec<Entity> = spawned.iter().map(|(entity, _)| *entity).collect();
-        for (index, joint) in joints.iter().enumerate() {
+        for (index, joint) in joints.into_iter().enumerate() {
             joint.spawn(&entities, world).map_err(|error| FieldError::new(format!("joints[{index}]"), error))?;
         }
         Ok(entities)

@@ -28,10 +28,12 @@ pub(crate) fn joints(models: &[JointModel], names: &[String]) -> Result<Vec<Scen
     }
     let by_name: HashMap<&str, usize> = names.iter().enumerate().map(|(index, name)| (name.as_str(), index)).collect();
     let inside = |index: usize| move |error: FieldError| error.inside(&format!("joints[{index}]"));
-    models.iter().enumerate().map(|(index, model)| joint(model, &by_name).map_err(inside(index))).collect()
+    let find = |name: &str| by_name.get(name).copied();
+    models.iter().enumerate().map(|(index, model)| joint(model, &find).map_err(inside(index))).collect()
 }
 
-fn joint(model: &JointModel, by_name: &HashMap<&str, usize>) -> Result<SceneJoint, FieldError> {
+/// A joint between bodies whose indices are found by their names.
+pub(crate) fn joint(model: &JointModel, find: &dyn Fn(&str) -> Option<usize>) -> Result<SceneJoint, FieldError> {
     if let Some(name) = &model.name {
         check_name(name)?;
     }
@@ -40,7 +42,7 @@ fn joint(model: &JointModel, by_name: &HashMap<&str, usize>) -> Result<SceneJoin
     };
     let body = |name: &String| {
         let unknown = || FieldError::new("between", format!("no body is called {name:?}"));
-        by_name.get(name.as_str()).copied().ok_or_else(unknown)
+        find(name).ok_or_else(unknown)
     };
     let bodies = [body(&between.0[0])?, body(&between.0[1])?];
     if bodies[0] == bodies[1] {

@@ -4,13 +4,14 @@ use tumble::Settings;
 use tumble_import::FieldError;
 
 use crate::convert;
-use crate::fields::force_path::in_force;
+use crate::fields::body_path::in_body;
+use crate::fields::joint_path::in_joint;
 use crate::limits::MAX_STEPS;
-use crate::model::collider_model::ColliderModel;
-use crate::model::scene_model::{BodyModel, InertiaModel, PartModel, SceneModel, ShapeModel};
-use crate::values::tuple::{Quadruple, Triple, Tuple};
+use crate::model::joint_model::JointModel;
+use crate::model::scene_model::{BodyModel, SceneModel};
+use crate::values::tuple::{Triple, Tuple};
 
-/// Where a number stands: in the scene itself, or in one of its bodies.
+/// Where a number stands: in the scene itself, or in one of its bodies or joints.
 ///
 /// ```
 /// use tumble_scene::{RunOverrides, SceneTemplate};
@@ -25,9 +26,17 @@ use crate::values::tuple::{Quadruple, Triple, Tuple};
 pub struct FieldPath {
     /// As it was written.
     text: String,
-    body: Option<usize>,
-    /// What follows the body.
+    owner: Owner,
+    /// What follows the owner.
     segments: Vec<String>,
+}
+
+/// What a number is of: bodies and joints by their index.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Owner {
+    Scene,
+    Body(usize),
+    Joint(usize),
 }
 
 /// A number of the model.
@@ -37,48 +46,36 @@ enum Slot<'a> {
     Count64(&'a mut u64),
 }
 
-const OF_A_SCENE: &str = "gravity.0 to gravity.2, dt, steps, substeps, contact_substeps, restitution_threshold and bodies.INDEX_OR_NAME.FIELD";
+const OF_A_SCENE: &str = "gravity.0 to gravity.2, dt, steps, substeps, contact_substeps, restitution_threshold, bodies.INDEX_OR_NAME.FIELD and joints.INDEX_OR_NAME.FIELD";
 const OF_A_BODY: &str = "mass, density, gravity_scale, position.I, orientation.I, linear_velocity.I, \
      angular_velocity.I, center_of_mass.I, inertia.principal.I, inertia.axes.I, inertia.tensor.I.J, shape.FIELD, collider.FIELD and forces.I.FIELD";
 
+const OF_A_JOINT: &str = "KIND.at.I, KIND.to.I, KIND.axis.I, limits.AXIS.BOUND, limits.cone.half_angles.I, \
+     drives.I.FIELD, friction.AXIS, break.force and break.torque";
+
 impl FieldPath {
-    /// Finds the body that the path names. Whether it has the field is found out by
-    /// [`set_in_scene`](Self::set_in_scene) and [`set_in_body`](Self::set_in_body).
+    /// Finds the body or joint that the path names. Whether it has the field is found out by
+    /// [`set_in_scene`](Self::set_in_scene), [`set_in_body`](Self::set_in_body) and
+    /// [`set_in_joint`](Self::set_in_joint).
     ///
-    /// Bodies go by their index or, if that is not a number, by their name, which may have dots in
-    /// it.
+    /// Bodies and joints go by their index or, if that is not a number, by their name, which may
+    /// have dots in it.
     pub(crate) fn new(text: &str, model: &SceneModel) -> Result<Self, FieldError> {
-        let refuse = |problem: String| Err(FieldError::new(text, problem));
-        let path = |body, after: &str, owner: usize| match segments(after) {
-            Some(segments) => {
-                Ok(Self { text: text.to_owned(), body, segments: segments.into_iter().skip(owner).collect() })
-            }
-            None => refuse("brackets go around an index, as in gravity[1]".to_owned()),
+        let bodies = || model.bodies.iter().enumerate().map(|(index, body)| (index, convert::name(body, index)));
+        let joints = || model.joints.iter().enumerate().filter_map(|(index, joint)| Some((index, joint.name.clone()?)));
+        let found = if is_of_list(text, "bodies") {
+            find(text, ("bodies", "body"), model.bodies.len(), bodies())
+                .map(|(index, after)| (Owner::Body(index), after))
+        } else if is_of_list(text, "joints") {
+            find(text, ("joints", "joint"), model.joints.len(), joints())
+                .map(|(index, after)| (Owner::Joint(index), after))
+        } else {
+            Ok((Owner::Scene, segments(text)))
         };
-        let Some(first) = text.strip_prefix("bodies.").or(text.strip_prefix("bodies[")) else {
-            return path(None, text, 0);
-        };
-        let first = first.split(['.', '[', ']']).next().unwrap_or_default();
-        if let Some(index) = index(first) {
-            let count = model.bodies.len();
-            return if index < count {
-                // Without the word and the index.
-                path(Some(index), text, 2)
-            } else {
-                refuse(format!("there are {count} bodies, so none is bodies[{index}]"))
-            };
-        }
-        // A name may be the beginning of another one, and may have dots and brackets itself.
-        let rest = text.strip_prefix("bodies.").unwrap_or_default();
-        let names = model.bodies.iter().enumerate().map(|(index, body)| (index, convert::name(body, index)));
-        let named = names.filter_map(|(index, name)| {
-            let after = rest.strip_prefix(name.as_str())?.strip_prefix('.')?;
-            Some((name.len(), index, after))
-        });
-        match named.max_by_key(|(length, ..)| *length) {
-            Some((_, body, after)) => path(Some(body), after, 0),
-            None => refuse(format!("no body is called {first:?}")),
-        }
+        let brackets = || "brackets go around an index, as in gravity[1]".to_owned();
+        let whole = found.and_then(|(owner, after)| Ok((owner, after.ok_or_else(brackets)?)));
+        let (owner, segments) = whole.map_err(|problem| FieldError::new(text, problem))?;
+        Ok(Self { text: text.to_owned(), owner, segments })
     }
 
     /// As it was written.
@@ -90,7 +87,7 @@ impl FieldPath {
     /// Whether it is the same number as another one, however they are written.
     #[must_use]
     pub fn same_place(&self, other: &Self) -> bool {
-        self.body == other.body && self.canonical() == other.canonical()
+        self.owner == other.owner && self.canonical() == other.canonical()
     }
 
     /// Without the name of a shape, which may be left out, and with the lower index of a symmetric
@@ -116,16 +113,16 @@ impl FieldPath {
         segments
     }
 
-    /// The body it is in, if it is in one.
-    pub(crate) fn body(&self) -> Option<usize> {
-        self.body
+    /// What it is of.
+    pub(crate) fn owner(&self) -> Owner {
+        self.owner
     }
 
     /// The field's name, if it is one of the scene that has no parts.
     #[must_use]
     pub fn scene_field(&self) -> Option<&str> {
         match self.segments.as_slice() {
-            [name] if self.body.is_none() => Some(name),
+            [name] if self.owner == Owner::Scene => Some(name),
             _ => None,
         }
     }
@@ -133,7 +130,7 @@ impl FieldPath {
     /// Whether the field counts something.
     #[must_use]
     pub fn is_count(&self) -> bool {
-        self.body.is_none()
+        self.owner == Owner::Scene
             && matches!(self.segments.first().map(String::as_str), Some("steps" | "substeps" | "contact_substeps"))
     }
 
@@ -152,7 +149,7 @@ impl FieldPath {
         slot.ok_or_else(|| self.unknown("the scene", OF_A_SCENE))?.set(value).map_err(|problem| self.error(problem))
     }
 
-    /// Sets a field of a body, [the one](Self::body) it is in.
+    /// Sets a field of a body, [the one](Self::owner) it is in.
     pub(crate) fn set_in_body(&self, body: &mut BodyModel, value: f64) -> Result<(), FieldError> {
         let segments = self.segments();
         let unknown = || {
@@ -168,6 +165,13 @@ impl FieldPath {
             // The tensor is symmetric, so an entry off the diagonal is two.
             *in_body(body, &["inertia", "tensor", column, row]).ok_or_else(unknown)? = value;
         }
+        Ok(())
+    }
+
+    /// Sets a field of a joint, [the one](Self::owner) it is in.
+    pub(crate) fn set_in_joint(&self, joint: &mut JointModel, value: f64) -> Result<(), FieldError> {
+        let unknown = || self.unknown("the joint as it stands in the scene", OF_A_JOINT);
+        *in_joint(joint, &self.segments()).ok_or_else(unknown)? = value;
         Ok(())
     }
 
@@ -207,90 +211,49 @@ fn default_gravity() -> Triple {
     Tuple(crate::values::checked::double_vector(Settings::default().gravity))
 }
 
-fn in_body<'a>(body: &'a mut BodyModel, path: &[&str]) -> Option<&'a mut f64> {
-    match path {
-        ["mass"] => Some(body.mass.get_or_insert(0.0)),
-        ["density"] => Some(body.density.get_or_insert(0.0)),
-        ["gravity_scale"] => Some(body.gravity_scale.get_or_insert(0.0)),
-        ["position", axis] => from_zero(&mut body.position, axis),
-        ["linear_velocity", axis] => from_zero(&mut body.linear_velocity, axis),
-        ["angular_velocity", axis] => from_zero(&mut body.angular_velocity, axis),
-        ["orientation", axis] => from_identity(&mut body.orientation, axis),
-        // Only what is given can be varied: the shape's would have to be known here.
-        ["center_of_mass", axis] => component(body.center_of_mass.as_mut()?, axis),
-        ["inertia", rest @ ..] => in_inertia(body.inertia.as_deref_mut()?, rest),
-        ["shape", rest @ ..] => in_shape(body.shape.as_mut()?, rest),
-        ["collider", field] => in_collider(body.collider.as_mut()?, field),
-        ["forces", index, rest @ ..] => in_force(element(&mut body.forces, index)?, rest),
-        _ => None,
-    }
+/// Whether a path begins with the name of a list and one of its elements.
+fn is_of_list(path: &str, list: &str) -> bool {
+    path.strip_prefix(list).is_some_and(|rest| rest.starts_with(['.', '[']))
 }
 
-fn in_inertia<'a>(inertia: &'a mut InertiaModel, path: &[&str]) -> Option<&'a mut f64> {
-    match path {
-        ["principal", axis] => component(inertia.principal.as_mut()?, axis),
-        ["axes", axis] => from_identity(&mut inertia.axes, axis),
-        ["tensor", row, column] => component(element(&mut inertia.tensor.as_mut()?.0, row)?, column),
-        _ => None,
+/// The index of the element of a list that a path leads to, by index or name, and the segments
+/// after it; none where their brackets do not match.
+fn find(
+    path: &str,
+    (list, one): (&str, &str),
+    count: usize,
+    names: impl Iterator<Item = (usize, String)>,
+) -> Result<(usize, Option<Vec<String>>), String> {
+    let rest = path.get(list.len()..).unwrap_or_default();
+    let (is_after_dot, rest) = (rest.starts_with('.'), rest.get(1..).unwrap_or_default());
+    let first = rest.split(['.', '[', ']']).next().unwrap_or_default();
+    if let Some(index) = index(first) {
+        // Without the list and the index.
+        let after = segments(path).map(|segments| segments.into_iter().skip(2).collect());
+        return if index < count {
+            Ok((index, after))
+        } else {
+            Err(format!("there are {count} {list}, so none is {list}[{index}]"))
+        };
     }
-}
-
-/// Of both coefficients of friction in one and each alone, that which the file has; neither begins
-/// from another.
-fn in_collider<'a>(collider: &'a mut ColliderModel, field: &str) -> Option<&'a mut f64> {
-    let is_split = collider.static_friction.is_some() || collider.dynamic_friction.is_some();
-    match field {
-        "friction" if !is_split => Some(collider.friction.get_or_insert(0.0)),
-        "static_friction" => collider.static_friction.as_mut(),
-        "dynamic_friction" => collider.dynamic_friction.as_mut(),
-        "restitution" => Some(collider.restitution.get_or_insert(0.0)),
-        "rolling_resistance" => Some(collider.rolling_resistance.get_or_insert(0.0)),
-        _ => None,
-    }
-}
-
-/// With or without the shape's name, as in the file or as in messages.
-fn in_shape<'a>(shape: &'a mut ShapeModel, path: &[&str]) -> Option<&'a mut f64> {
-    let path = match path.split_first() {
-        Some((name, rest)) if *name == shape.name() => rest,
-        _ => path,
-    };
-    match (shape, path) {
-        (ShapeModel::Sphere { radius } | ShapeModel::HollowSphere { radius }, ["radius"]) => Some(radius),
-        (ShapeModel::Cuboid { half_extents: lengths }, ["half_extents", axis])
-        | (ShapeModel::Ellipsoid { radii: lengths }, ["radii", axis]) => component(lengths, axis),
-        (
-            ShapeModel::Cylinder { radius, half_height }
-            | ShapeModel::Capsule { radius, half_height }
-            | ShapeModel::Cone { radius, half_height },
-            [length],
-        ) => match *length {
-            "radius" => Some(radius),
-            "half_height" => Some(half_height),
-            _ => None,
-        },
-        (ShapeModel::HalfSpace { normal }, ["normal", axis]) => component(normal, axis),
-        (ShapeModel::HeightField { spacing, .. }, ["spacing", axis]) => component(spacing, axis),
-        (ShapeModel::HeightField { heights, .. }, ["heights", row, column]) => {
-            element(&mut element(&mut heights.0, row)?.0, column)
+    // A name may be the beginning of another one, and may have dots and brackets itself.
+    let named: Vec<_> = names
+        .filter(|_| is_after_dot)
+        .filter_map(|(index, name)| Some((name.len(), index, rest.strip_prefix(name.as_str())?.strip_prefix('.')?)))
+        .collect();
+    let longest = named.iter().map(|(length, ..)| *length).max();
+    let mut of_longest = named.iter().filter(|(length, ..)| Some(*length) == longest);
+    match (of_longest.next(), of_longest.next()) {
+        (Some((_, index, after)), None) => Ok((*index, segments(after))),
+        (Some((length, ..)), Some(_)) => {
+            let name = rest.get(..*length).unwrap_or_default();
+            Err(format!("two {list} are called {name:?}: give an index"))
         }
-        (ShapeModel::Compound { parts }, ["parts", index, rest @ ..]) => in_part(element(parts, index)?, rest),
-        _ => None,
+        (None, _) => Err(format!("no {one} is called {first:?}")),
     }
 }
 
-fn in_part<'a>(part: &'a mut PartModel, path: &[&str]) -> Option<&'a mut f64> {
-    match path {
-        ["mass"] => Some(part.mass.get_or_insert(0.0)),
-        ["density"] => Some(part.density.get_or_insert(0.0)),
-        ["position", axis] => from_zero(&mut part.position, axis),
-        ["orientation", axis] => from_identity(&mut part.orientation, axis),
-        ["shape", rest @ ..] => in_shape(&mut part.shape, rest),
-        _ => None,
-    }
-}
-
-fn element<'a, T>(list: &'a mut [T], index: &str) -> Option<&'a mut T> {
+pub(crate) fn element<'a, T>(list: &'a mut [T], index: &str) -> Option<&'a mut T> {
     list.get_mut(crate::fields::field_path::index(index)?)
 }
 
@@ -332,10 +295,6 @@ pub(crate) fn from_zero<'a>(vector: &'a mut Option<Triple>, axis: &str) -> Optio
     component(vector.get_or_insert(Tuple([0.0; 3])), axis)
 }
 
-fn from_identity<'a>(quaternion: &'a mut Option<Quadruple>, axis: &str) -> Option<&'a mut f64> {
-    component(quaternion.get_or_insert(Tuple([0.0, 0.0, 0.0, 1.0])), axis)
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -352,7 +311,10 @@ mod tests {
         { "shape": { "ellipsoid": { "radii": [1, 2, 3] } }, "density": 1, "center_of_mass": [0, 0, 0],
           "inertia": { "principal": [2, 2, 2] }, "collider": {} },
         { "shape": { "half_space": {} }, "fixed": true, "collider": { "static_friction": 1, "dynamic_friction": 1 } },
-        { "shape": { "height_field": { "heights": [[0, 1], [2, 3]] } }, "fixed": true, "collider": {} } ] }"#;
+        { "shape": { "height_field": { "heights": [[0, 1], [2, 3]] } }, "fixed": true, "collider": {} } ],
+        "joints": [ { "name": "j", "hinge": { "at": [0, 0, 0] } },
+        { "name": "j.k", "hinge": { "at": [0, 0, 0] }, "drives": [ { "axes": ["angular_x"] } ] },
+        { "free": { "at": [0, 0, 0] } }, { "name": "twin" }, { "name": "twin" } ] }"#;
 
     fn model() -> SceneModel {
         parse(SCENE, Format::Json, "scene").unwrap()
@@ -362,9 +324,10 @@ mod tests {
     fn set(path: &str) -> Result<String, FieldError> {
         let mut model = model();
         let path = FieldPath::new(path, &model)?;
-        match path.body() {
-            Some(body) => path.set_in_body(&mut model.bodies[body], 4321.0)?,
-            None => path.set_in_scene(&mut model, 4321.0)?,
+        match path.owner() {
+            Owner::Body(body) => path.set_in_body(&mut model.bodies[body], 4321.0)?,
+            Owner::Joint(joint) => path.set_in_joint(&mut model.joints[joint], 4321.0)?,
+            Owner::Scene => path.set_in_scene(&mut model, 4321.0)?,
         }
         Ok(format!("{model:?}"))
     }
@@ -381,7 +344,9 @@ mod tests {
              bodies.2.center_of_mass.1 contact_substeps restitution_threshold bodies.2.collider.friction \
              bodies.2.collider.restitution bodies.2.collider.rolling_resistance bodies.3.collider.static_friction \
              bodies.3.collider.dynamic_friction bodies.3.shape.half_space.normal.0 bodies.3.shape.normal.2 \
-             bodies.4.shape.height_field.heights.1.0 bodies.4.shape.heights[0][1] bodies.4.shape.spacing.1";
+             bodies.4.shape.height_field.heights.1.0 bodies.4.shape.heights[0][1] bodies.4.shape.spacing.1 \
+             joints.j.hinge.at.1 joints[1].hinge.at[0] joints.j.k.drives[0].max_force joints.2.free.at.2 \
+             joints.2.friction.linear_x joints.3.break.force";
         let mut seen = std::collections::BTreeSet::new();
         for path in paths.split_whitespace() {
             let text = set(path).unwrap();
@@ -444,6 +409,17 @@ mod tests {
             "bodies.a.collider.friction",
             "bodies.2.collider.static_friction",
             "bodies.3.collider.friction",
+            "joints",
+            "joints.0",
+            "joints.0.name",
+            "joints.5.hinge.at.0",
+            "joints.l.hinge.at.0",
+            "joints.j.ball.at.0",
+            "joints[j].hinge.at.0",
+            "joints[0.hinge.at.0",
+            "joints.0.drives.0.velocity",
+            "joints.2.limits.distance.max",
+            "joints.twin.break.force",
         ] {
             let error = set(bad).unwrap_err();
             assert_eq!(error.field, bad, "{error}");
@@ -472,6 +448,8 @@ mod tests {
         assert!(same("bodies.1.shape.cone.radius", "bodies.a.b[1].shape.radius"));
         assert!(same("bodies.1.inertia.tensor.0.2", "bodies.1.inertia.tensor.2.0"));
         assert!(!same("bodies.1.inertia.tensor.0.2", "bodies.1.inertia.tensor.1.2"));
+        assert!(same("joints.j.k.hinge.at.0", "joints[1].hinge.at[0]"));
+        assert!(!same("joints.0.hinge.at.0", "joints.1.hinge.at.0"));
         assert!(!same("bodies.0.mass", "bodies.1.mass") && !same("gravity.0", "gravity.1"));
     }
 

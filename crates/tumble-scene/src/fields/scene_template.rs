@@ -10,7 +10,7 @@ use crate::bodies::scene_body::SceneBody;
 use crate::bodies::scene_joint::SceneJoint;
 use crate::builtin::contact_scenes;
 use crate::error::SceneError;
-use crate::fields::field_path::FieldPath;
+use crate::fields::field_path::{FieldPath, Owner};
 use crate::fields::varied_scene::VariedScene;
 use crate::model::parse::{Format, parse};
 use crate::model::scene_model::SceneModel;
@@ -59,8 +59,8 @@ pub struct RunOverrides {
 
 /// A scene that has been read and checked, whose numbers go by their paths in the file:
 /// `gravity.1`, `dt`, `bodies.0.mass`, `bodies.brick.angular_velocity.2`,
-/// `bodies.0.shape.cuboid.half_extents.0`. Bodies go by index or name, and `bodies[0]` is
-/// understood too.
+/// `bodies.0.shape.cuboid.half_extents.0`, `joints.elbow.drives.0.stiffness`. Bodies and joints go
+/// by index or name, and `bodies[0]` is understood too.
 ///
 /// ```
 /// use tumble_scene::{RunOverrides, SceneTemplate};
@@ -103,7 +103,7 @@ impl SceneTemplate {
     /// [`check`](Self::check).
     ///
     /// # Errors
-    /// [`FieldError`] if the path is none, or leads to a body that there is not.
+    /// [`FieldError`] if the path is none, or leads to a body or joint that there is not.
     pub fn field(&self, path: &str) -> Result<FieldPath, FieldError> {
         FieldPath::new(path, &self.model)
     }
@@ -113,9 +113,13 @@ impl SceneTemplate {
     /// # Errors
     /// [`FieldError`] with what there may be.
     pub fn check(&self, field: &FieldPath) -> Result<(), FieldError> {
-        match field.body().and_then(|index| self.model.bodies.get(index)) {
-            Some(body) => field.set_in_body(&mut body.clone(), 0.0),
-            None => field.set_in_scene(&mut SceneModel { bodies: Vec::new(), ..self.model.clone() }, 0.0),
+        let SceneModel { bodies, joints, .. } = &self.model;
+        match field.owner() {
+            Owner::Body(index) => bodies.get(index).map_or(Ok(()), |body| field.set_in_body(&mut body.clone(), 0.0)),
+            Owner::Joint(index) => {
+                joints.get(index).map_or(Ok(()), |joint| field.set_in_joint(&mut joint.clone(), 0.0))
+            }
+            Owner::Scene => field.set_in_scene(&mut self.model.head(), 0.0),
         }
     }
 

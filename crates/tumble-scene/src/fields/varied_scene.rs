@@ -11,9 +11,10 @@ use crate::bodies::scene_joint::SceneJoint;
 use crate::convert;
 use crate::convert::forces::Others;
 use crate::error::{SceneError, invalid};
-use crate::fields::field_path::FieldPath;
+use crate::fields::field_path::{FieldPath, Owner};
 use crate::fields::scene_template::{RunLength, RunOverrides, SceneTemplate};
 use crate::limits::steps_of_duration;
+use crate::model::joint_model::JointModel;
 use crate::model::scene_model::{BodyModel, SceneModel};
 use crate::scene::settings;
 
@@ -47,6 +48,10 @@ pub struct VariedScene {
     neighbours: BTreeMap<usize, BodyModel>,
     /// Indices of all bodies, where there are springs.
     by_name: HashMap<String, usize>,
+    /// The joints in which something varies.
+    varied_joints: BTreeMap<usize, JointModel>,
+    /// Indices of the bodies of those.
+    joint_ends: HashMap<String, usize>,
     fields: Vec<FieldPath>,
 }
 
@@ -72,17 +77,21 @@ impl VariedScene {
         let SceneTemplate { origin, overrides, model, bodies, joints, .. } = template;
         let by_name = convert::indices(&model.bodies);
         let (varied_bodies, neighbours) = varied_bodies(&fields, &model.bodies, &by_name);
-        let head = SceneModel {
-            gravity: model.gravity,
-            dt: model.dt,
-            steps: model.steps,
-            substeps: model.substeps,
-            integrator: model.integrator,
-            contact_substeps: model.contact_substeps,
-            restitution_threshold: model.restitution_threshold,
-            ..SceneModel::default()
-        };
-        Self { origin, overrides, head, bodies, joints, varied_bodies, neighbours, by_name, fields }
+        let (varied_joints, joint_ends) = varied_joints(&fields, &model.joints, &joints);
+        let head = model.head();
+        Self {
+            origin,
+            overrides,
+            head,
+            bodies,
+            joints,
+            varied_bodies,
+            neighbours,
+            by_name,
+            varied_joints,
+            joint_ends,
+            fields,
+        }
     }
 
     /// What differs between worlds.
@@ -98,11 +107,16 @@ impl VariedScene {
     pub fn build(&self, values: &[f64]) -> Result<VariedWorld, SceneError> {
         let file = &self.origin;
         let mut head = self.head.clone();
-        let mut varied_bodies = self.varied_bodies.clone();
+        let (mut varied_bodies, mut varied_joints) = (self.varied_bodies.clone(), self.varied_joints.clone());
         for (field, &value) in self.fields.iter().zip(values) {
-            let set = match field.body().and_then(|index| varied_bodies.get_mut(&index)) {
-                Some(body) => field.set_in_body(body, value),
-                None => field.set_in_scene(&mut head, value),
+            let set = match field.owner() {
+                Owner::Body(index) => {
+                    varied_bodies.get_mut(&index).map_or(Ok(()), |body| field.set_in_body(body, value))
+                }
+                Owner::Joint(index) => {
+                    varied_joints.get_mut(&index).map_or(Ok(()), |joint| field.set_in_joint(joint, value))
+                }
+                Owner::Scene => field.set_in_scene(&mut head, value),
             };
             set.map_err(|error| invalid(file, None, error))?;
         }
@@ -115,9 +129,16 @@ impl VariedScene {
             let body = convert::body(model, index, others);
             remade.insert(index, body.map_err(|problems| impossible(file, index, model, problems))?);
         }
+        let mut remade_joints = BTreeMap::new();
+        for (&index, model) in &varied_joints {
+            let joint = convert::joints::joint(model, &|name| self.joint_ends.get(name).copied());
+            let inside = |error: FieldError| invalid(file, None, error.inside(&format!("joints[{index}]")));
+            remade_joints.insert(index, joint.map_err(inside)?);
+        }
         let mut world = World::new();
+        let joints = self.joints.iter().enumerate().map(|(index, joint)| remade_joints.get(&index).unwrap_or(joint));
         let bodies = self.bodies.iter().enumerate().map(|(index, body)| remade.get(&index).unwrap_or(body));
-        SceneBody::spawn_all(bodies, &self.joints, &mut world).map_err(|error| invalid(file, None, error))?;
+        SceneBody::spawn_all(bodies, joints, &mut world).map_err(|error| invalid(file, None, error))?;
         let refused = |error: SettingsError| invalid(file, None, FieldError::new(error.field(), error));
         let trial = Trial::new(settings, world).map_err(refused)?;
         Ok(VariedWorld { trial, steps })
@@ -139,7 +160,10 @@ fn varied_bodies(
     bodies: &[BodyModel],
     by_name: &HashMap<String, usize>,
 ) -> (BTreeMap<usize, BodyModel>, BTreeMap<usize, BodyModel>) {
-    let varied: BTreeSet<usize> = fields.iter().filter_map(FieldPath::body).collect();
+    let varied: BTreeSet<usize> = fields
+        .iter()
+        .filter_map(|field| if let Owner::Body(index) = field.owner() { Some(index) } else { None })
+        .collect();
     let is_remade = |(index, body): &(usize, &BodyModel)| {
         varied.contains(index) || convert::springs_by_distance(body, by_name).any(|to| varied.contains(&to))
     };
@@ -149,6 +173,24 @@ fn varied_bodies(
     let seen = leads_to.filter(|to| !remade.contains_key(to));
     let neighbours = seen.filter_map(|to| Some((to, bodies.get(to)?.clone()))).collect();
     (remade, neighbours)
+}
+
+/// Models of the joints to be made for every world, and the indices of their bodies by name.
+fn varied_joints(
+    fields: &[FieldPath],
+    models: &[JointModel],
+    joints: &[SceneJoint],
+) -> (BTreeMap<usize, JointModel>, HashMap<String, usize>) {
+    let (mut varied, mut ends) = (BTreeMap::new(), HashMap::new());
+    for field in fields {
+        let Owner::Joint(index) = field.owner() else { continue };
+        if let (Some(model), Some(joint)) = (models.get(index), joints.get(index)) {
+            let names = model.between.iter().flat_map(|between| between.0.iter().cloned());
+            ends.extend(names.zip(joint.bodies));
+            varied.insert(index, model.clone());
+        }
+    }
+    (varied, ends)
 }
 
 fn impossible(file: &str, index: usize, model: &BodyModel, problems: Vec<FieldError>) -> SceneError {

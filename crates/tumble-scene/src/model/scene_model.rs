@@ -44,6 +44,22 @@ pub(crate) struct SceneModel {
     pub(crate) files: Vec<std::path::PathBuf>,
 }
 
+impl SceneModel {
+    /// What it says of the simulation, without bodies and joints.
+    pub(crate) fn head(&self) -> Self {
+        Self {
+            gravity: self.gravity,
+            dt: self.dt,
+            steps: self.steps,
+            substeps: self.substeps,
+            integrator: self.integrator.clone(),
+            contact_substeps: self.contact_substeps,
+            restitution_threshold: self.restitution_threshold,
+            ..Self::default()
+        }
+    }
+}
+
 #[derive(Clone, Debug, Default, serde::Deserialize)]
 #[serde(deny_unknown_fields, rename = "Body", expecting = "a body with named fields")]
 pub(crate) struct BodyModel {

@@ -56,7 +56,10 @@ pub struct Work {
     pub contacts: f64,
     /// By joints: what they changed of the kinetic energy. Joints that are not driven only pass
     /// energy on, so over all bodies of a mechanism it is zero but for the error of the method and
-    /// what a kinematic body does through them.
+    /// what a kinematic body does through them. What their springs gave is in it, as that of other
+    /// springs is in `forces`: with the change of
+    /// [`Totals::force_potential`](crate::Totals::force_potential) it is what motors, dampers and
+    /// friction did.
     pub joints: f64,
     /// Energy that the integrator made or lost, rounding included.
     pub integrator: f64,

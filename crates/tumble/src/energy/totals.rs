@@ -14,6 +14,7 @@ use crate::integrators::kinetic_energy::KineticEnergy;
 use crate::integrators::state::{Constants, Moments, State};
 use crate::math::{double, dvec3};
 use crate::settings::Settings;
+use crate::solver::mechanism::joint_potential::joint_potential;
 use crate::storage::body_order::BodyOrder;
 use crate::threads::Effort;
 
@@ -48,6 +49,11 @@ pub struct Totals {
     /// [`Spring`](crate::Spring) \[J\], with the parameters that they were given; a spring that is
     /// stiff for the step acts softer, and has less. `Totals::of` takes time with the square of the
     /// number of [`GravityMass`](crate::GravityMass)es.
+    ///
+    /// The springs of joints are among them: [drives](crate::Drives) and soft
+    /// [limits](crate::Limits) with a [`Gain::Stiffness`](crate::Gain::Stiffness), but for cones. A
+    /// frequency or an acceleration goes by the mass that there is in each step and has no
+    /// potential.
     pub force_potential: f64,
     /// `sum P` [kg m/s].
     pub linear_momentum: DVec3,
@@ -87,12 +93,12 @@ impl Totals {
             });
             let mut totals = Self::default();
             blocks.iter().for_each(|block| totals.append(block));
-            totals.force_potential += pairwise::potential(world, order);
+            totals.force_potential += pairwise::potential(world, order) + joint_potential(world);
             totals
         })
     }
 
-    /// Of one body, without what forces between bodies hold; nothing but
+    /// Of one body, without what forces between bodies and joints hold; nothing but
     /// [`non_finite`](Self::non_finite) if its state is not finite.
     ///
     /// ```
@@ -121,7 +127,7 @@ impl Totals {
         self.linear_kinetic + self.rotational_kinetic
     }
 
-    /// Energy in gravity and in force components \[J\].
+    /// Energy in gravity, in force components and in springs of joints \[J\].
     pub fn all_potential(&self) -> f64 {
         self.potential + self.force_potential
     }

@@ -27,7 +27,7 @@ pub struct Breakable {
     /// The greatest torque [N m] about the second body's anchor, by the mean over a step.
     pub max_torque: Real,
     /// Set by the step where there was more. A broken joint does nothing until this is taken back.
-    /// Snapshots do not have it.
+    /// It is state: snapshots and hashes have it.
     pub is_broken: bool,
 }
 

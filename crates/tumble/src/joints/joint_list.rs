@@ -59,6 +59,8 @@ pub(crate) struct JointList {
     numbers: Vec<(Entity, u32)>,
     /// Of the joints that have any, in the order in which they were found; more are memory.
     options: Vec<JointOptions>,
+    /// Where the [`JointLoad`]s of joints are that are left out.
+    pub(crate) idle_loads: Vec<RowPlace>,
 }
 
 /// The entities that joints of a world connect.
@@ -95,8 +97,9 @@ impl JointList {
     ///
     /// Returns whether they keep the same pairs apart as before.
     pub(crate) fn find(&mut self, world: &World, body_index: &BodyIndex) -> bool {
-        let Self { joints, options, endless, endless_before, .. } = self;
+        let Self { joints, options, endless, endless_before, idle_loads, .. } = self;
         joints.clear();
+        idle_loads.clear();
         let mut with_options = 0;
         std::mem::swap(endless, endless_before);
         endless_before.sort_unstable();
@@ -110,7 +113,9 @@ impl JointList {
             let breakables = archetype.get::<&Breakable>();
             for (row, (joint, entity)) in column.iter().zip(&mut entities).enumerate() {
                 let breakable = breakables.as_deref().map(|breakables| breakables[row]);
+                let place = RowPlace { archetype: index as u32, row: row as u32 };
                 if breakable.is_some_and(|breakable| breakable.is_broken) || !joint.is_in_range() {
+                    idle_loads.extend(has_load.then_some(place));
                     continue;
                 }
                 let is_here = joint.bodies.iter().all(|body| world.satisfies::<&Pose>(*body));
@@ -121,7 +126,6 @@ impl JointList {
                 if let (Some(a), Some(b), true) = (a, b, is_here)
                     && a != b
                 {
-                    let place = RowPlace { archetype: index as u32, row: row as u32 };
                     let joint = *joint;
                     let number = JointOptions::are_in(archetype).then_some(with_options);
                     if number.is_some() {
@@ -131,6 +135,8 @@ impl JointList {
                     }
                     let slots = [a, b];
                     joints.push(ListedJoint { slots, joint, entity, place, has_load, breakable, options: number });
+                } else {
+                    idle_loads.extend(has_load.then_some(place));
                 }
             }
         }
@@ -148,9 +154,10 @@ impl JointList {
 
     /// Takes out what is broken; returns whether the others keep the same pairs apart as before.
     pub(crate) fn leave_out_broken(&mut self) -> bool {
-        let Self { joints, events, .. } = self;
+        let Self { joints, events, idle_loads, .. } = self;
         let is_broken = |joint: &ListedJoint| joint.breakable.is_some_and(|breakable| breakable.is_broken);
         events.extend(joints.iter().filter(|joint| is_broken(joint)).map(|joint| JointEvent::Broke(joint.entity)));
+        idle_loads.extend(joints.iter().filter(|joint| joint.has_load && is_broken(joint)).map(|joint| joint.place));
         joints.retain(|joint| !is_broken(joint));
         self.find_gears();
         self.find_untouching()

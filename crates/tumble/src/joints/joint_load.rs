@@ -5,6 +5,9 @@ use crate::math::{Real, Vec3};
 /// What a [`Joint`](crate::Joint) carries and where it stands, written by every step of a
 /// [`Simulation`](crate::Simulation) where it is a component of the joint's entity.
 ///
+/// In the step in which a joint breaks it is what broke it. While a joint does nothing, as it is
+/// broken or a body of it is gone, all is zero, values and speeds too.
+///
 /// ```
 /// use tumble::{Joint, JointLoad, prelude::*};
 ///

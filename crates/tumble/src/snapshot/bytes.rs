@@ -8,6 +8,7 @@
 //! | 8 | 1 with a clock, 0 without; the clock's five fields are then zero |
 //! | 8, 8, 8, 8, 8 | steps; steps and time when the settings last changed; dt; frame time owed |
 //! | 8, 8, 8, 8 | of contacts: how many bodies have any, with a `BodyId` and without; contacts; their points |
+//! | 8, 8 | how many breakable joints, with a `BodyId` and without |
 //! | 8 a body | identities: of moving, kinematic and fixed bodies, each in ascending order |
 //! | 7 numbers a body | position, orientation x y z w |
 //! | 6 numbers a moving body | linear and angular momentum |
@@ -17,6 +18,8 @@
 //! | 8 a body in contact | how much inertia the loads of its joints ask for, in double precision; bodies with such a load are among those in contact |
 //! | 16 and 13 numbers a contact | two bodies, as indices of those in contact; which of the contacts of the two; number of points, and 256 if the two touched before. Normal from the first to the second; impulse and angular impulse of friction on the second; how steady its effective masses were, from 0 to 1; which share of the gap is before its points; the margin; how often the substeps of its island were halved. In the order of both bodies, the lower index first, and which |
 //! | 4 and 5 numbers a point | contact by contact: which features meet; place, from the second body's centre of mass; separation; impulse along the normal |
+//! | 8 a breakable joint | which it is: identities of those that have one, then entities as bits, each in ascending order |
+//! | 1 a breakable joint | 1 if it is broken, 0 if not |
 //! | 8 | 64-bit FNV-1a of all before |
 
 use crate::clock::Clock;
@@ -26,11 +29,12 @@ use crate::snapshot::contact_bytes;
 use crate::snapshot::contact_bytes::{Counts, Written};
 use crate::snapshot::error::SnapshotError;
 use crate::snapshot::kind::BodyKind;
+use crate::snapshot::saved_joints::SavedJoints;
 use crate::snapshot::state_hash::Fnv;
 use crate::snapshot::{Segment, Snapshot, first_duplicate};
 
 const MAGIC: [u8; 8] = *b"TUMBLE-S";
-const HEADER: usize = 120;
+const HEADER: usize = 136;
 /// Bytes of the clock, which is between the counts of bodies and those of contacts.
 const CLOCK: usize = 48;
 const CHECKSUM: usize = 8;
@@ -41,12 +45,12 @@ const UNIT_TOLERANCE: f64 = 1e-3;
 
 impl Snapshot {
     /// The version of the format of [`to_bytes`](Self::to_bytes).
-    pub const VERSION: u32 = 4;
+    pub const VERSION: u32 = 5;
 
-    /// The snapshot as bytes for a file or a peer: 128 bytes and 60 a body in single precision, 112
-    /// in double, with up to 160 or 288 a contact and 28 or 40 a body that has any, or that joints
-    /// load. Bodies are in the order of their [`BodyId`]s, so the same state gives the same bytes,
-    /// whatever the order they were spawned in.
+    /// The snapshot as bytes for a file or a peer: 144 bytes and 60 a body in single precision, 112
+    /// in double, with up to 160 or 288 a contact, 28 or 40 a body that has any, or that joints
+    /// load, and 9 a breakable joint. Bodies are in the order of their [`BodyId`]s, so the same
+    /// state gives the same bytes, whatever the order they were spawned in.
     ///
     /// With the cargo feature `serde` a snapshot is serialised as these bytes.
     ///
@@ -54,16 +58,19 @@ impl Snapshot {
     /// # use tumble::Snapshot;
     /// # let world = hecs::World::new();
     /// let bytes = Snapshot::capture(&world)?.to_bytes();
-    /// assert_eq!(bytes.len(), 128);
+    /// assert_eq!(bytes.len(), 144);
     /// assert!(Snapshot::from_bytes(&bytes)?.is_empty());
     /// # Ok::<(), tumble::SnapshotError>(())
     /// ```
     pub fn to_bytes(&self) -> Vec<u8> {
         let contacts = Written::new(&self.contacts);
         let of_contacts = contacts.counts.length() as usize;
-        let mut bytes = Vec::with_capacity(HEADER + self.len() * (8 + 13 * NUMBER) + of_contacts + CHECKSUM);
+        let of_joints = SavedJoints::length(self.joints.counts()) as usize;
+        let of_bodies = self.len() * (8 + 13 * NUMBER);
+        let mut bytes = Vec::with_capacity(HEADER + of_bodies + of_contacts + of_joints + CHECKSUM);
         self.write_header(&mut bytes);
         contacts.write_counts(&mut bytes);
+        bytes.extend(self.joints.counts().into_iter().flat_map(u64::to_le_bytes));
         let rows: Vec<usize> = BodyKind::ALL.into_iter().flat_map(|kind| self.rows_by_id(self.rows(kind))).collect();
         for &row in &rows {
             bytes.extend(self.ids[row].0.to_le_bytes());
@@ -75,6 +82,7 @@ impl Snapshot {
             }
         }
         contacts.write(&mut bytes);
+        self.joints.write_bytes(&mut bytes);
         let sum = checksum(&bytes);
         bytes.extend(sum.to_le_bytes());
         bytes
@@ -110,8 +118,9 @@ impl Snapshot {
         let momenta = rest.many(header.counts[0], Reader::momentum)?;
         let velocities = rest.many(header.counts[1], Reader::velocity)?;
         let contacts = contact_bytes::read(&mut rest, &header.contacts)?;
-        let mut snapshot =
-            Self { ids, poses, momenta, velocities, segments: Vec::new(), clock: header.clock, contacts };
+        let joints = SavedJoints::read(&mut rest, header.joints)?;
+        let (segments, clock) = (Vec::new(), header.clock);
+        let mut snapshot = Self { ids, poses, momenta, velocities, segments, clock, contacts, joints };
         for kind in BodyKind::ALL {
             let rows = snapshot.rows(kind);
             snapshot.segments.push(Segment { archetype: usize::MAX, start: rows.start, len: rows.len() });
@@ -150,6 +159,8 @@ struct Header {
     counts: [usize; 3],
     clock: Option<Clock>,
     contacts: Counts,
+    /// Breakable joints by [`BodyId`], and by entity.
+    joints: [u64; 2],
 }
 
 impl Header {
@@ -171,7 +182,9 @@ impl Header {
         let mut past_clock = Reader { rest: reader.rest, found: reader.found };
         past_clock.take::<CLOCK>()?;
         let contacts = Counts::read(&mut past_clock)?;
-        let expected = expected_length(counts).saturating_add(contacts.length());
+        let joints = [past_clock.u64()?, past_clock.u64()?];
+        let of_joints = SavedJoints::length(joints);
+        let expected = expected_length(counts).saturating_add(contacts.length()).saturating_add(of_joints);
         let (body, sum) = match bytes.split_last_chunk::<CHECKSUM>() {
             Some(split) if bytes.len() as u64 == expected => split,
             _ => return Err(SnapshotError::Length { found: bytes.len(), expected }),
@@ -180,7 +193,7 @@ impl Header {
             return Err(SnapshotError::Checksum);
         }
         // The bytes are there, so the counts fit into memory.
-        Ok(Self { counts: counts.map(|count| count as usize), clock: reader.clock()?, contacts })
+        Ok(Self { counts: counts.map(|count| count as usize), clock: reader.clock()?, contacts, joints })
     }
 }
 
@@ -218,6 +231,10 @@ impl Reader<'_> {
             all.push(one(self)?);
         }
         Ok(all)
+    }
+
+    pub(crate) fn u8(&mut self) -> Result<u8, SnapshotError> {
+        self.take().map(|[byte]| byte)
     }
 
     pub(crate) fn u32(&mut self) -> Result<u32, SnapshotError> {

@@ -25,6 +25,12 @@ pub enum SnapshotError {
         /// The smallest such identity.
         id: BodyId,
     },
+    /// Two breakable joints of the world have the same [`BodyId`].
+    #[error("two breakable joints have the same BodyId {}", .id.0)]
+    DuplicateJoint {
+        /// The smallest such identity.
+        id: BodyId,
+    },
     /// Bodies of the snapshot are not in the world. They were despawned since, or never spawned in
     /// this one: spawn them, with these identities, and restore again.
     #[error("{} bodies of the snapshot are not in the world, the first is BodyId {}", .ids.len(), .ids.first().map_or(0, |id| id.0))]
@@ -101,6 +107,12 @@ pub enum SnapshotError {
     JointLoad {
         /// Which, counted from zero.
         body: usize,
+    },
+    /// One of the breakable joints is not named after the one before, or neither broken nor whole.
+    #[error("breakable joint {joint} is out of order, named twice, or neither broken nor whole")]
+    Joint {
+        /// Which, counted from zero.
+        joint: usize,
     },
     /// A contact is one that no step leaves.
     #[error("contact {contact} {defect}")]

@@ -7,6 +7,7 @@ pub(crate) mod kind;
 pub(crate) mod of_simulation;
 pub(crate) mod rollback;
 pub(crate) mod row_map;
+pub(crate) mod saved_joints;
 #[cfg(feature = "serde")]
 mod serialize;
 pub(crate) mod state_arrays;
@@ -26,16 +27,21 @@ use crate::collision::saved_contacts::SavedContacts;
 use crate::components::{BodyId, Momentum, Pose, PreviousPose, Velocity, Wrench};
 use crate::math::Real;
 use crate::snapshot::row_map::Run;
+use crate::snapshot::saved_joints::SavedJoints;
 use crate::snapshot::state_hash::{Fnv, canonical};
 
 /// The state of all bodies of a world at one moment, by [`BodyId`].
 ///
 /// It holds the [`Pose`] of every body that has a [`BodyId`], the [`Momentum`] of those that forces
-/// move and the [`Velocity`] of kinematic ones: 64 bytes a body in single precision, 112 in double.
-/// With a [`Clock`] and, where bodies touch, the contacts, that is all that a run continues from,
-/// to the bit: [`Simulation::snapshot`](crate::Simulation::snapshot) takes all three. What is no
-/// state of the bodies is not in it: masses, laws and other components of theirs, the settings, the
-/// caller's own.
+/// move and the [`Velocity`] of kinematic ones: 64 bytes a body in single precision, 112 in double;
+/// and which [`Breakable`](crate::Breakable) joints are broken. With a [`Clock`] and, where bodies
+/// touch, the contacts, that is all that a run continues from, to the bit:
+/// [`Simulation::snapshot`](crate::Simulation::snapshot) takes all of it. What is no state is not
+/// in it: masses, laws, joints and other components, the settings, the caller's own.
+///
+/// A joint is known by the [`BodyId`] of its entity, which may be that of a body too, or without
+/// one by the entity; in another world that is the one that was spawned at the same place in the
+/// sequence.
 ///
 /// Bodies may be spawned and despawned, and gain and lose components, between capture and
 /// [`restore`](Self::restore).
@@ -72,6 +78,7 @@ pub struct Snapshot {
     segments: Vec<Segment>,
     clock: Option<Clock>,
     contacts: SavedContacts,
+    joints: SavedJoints,
 }
 
 /// The rows of one archetype.
@@ -94,7 +101,8 @@ impl Snapshot {
     ///
     /// # Errors
     /// [`SnapshotError::Unidentified`] where a body that steps move has no [`BodyId`],
-    /// [`SnapshotError::Duplicate`] where two have the same.
+    /// [`SnapshotError::Duplicate`] where two have the same, and
+    /// [`SnapshotError::DuplicateJoint`] where two breakable joints do.
     pub fn capture(world: &World) -> Result<Self, SnapshotError> {
         let mut snapshot = Self::default();
         snapshot.recapture(world)?;
@@ -123,6 +131,7 @@ impl Snapshot {
         self.segments.clear();
         self.clock = None;
         self.contacts.clear();
+        self.joints.clear();
     }
 
     fn record(&mut self, world: &World) -> Result<(), SnapshotError> {
@@ -141,7 +150,8 @@ impl Snapshot {
         self.segments.sort_unstable_by_key(|segment| segment.archetype);
         // Identities that are where they were in the last capture were checked then.
         let duplicate = if known { None } else { first_duplicate(&self.ids) };
-        duplicate.map_or(Ok(()), |id| Err(SnapshotError::Duplicate { id }))
+        duplicate.map_or(Ok(()), |id| Err(SnapshotError::Duplicate { id }))?;
+        self.joints.record(world)
     }
 
     /// Room for exactly as many bodies as there are: growing by doubling would hold twice the
@@ -187,6 +197,9 @@ impl Snapshot {
     /// Puts the world's bodies back to where they were, and returns those that were spawned since,
     /// by [`BodyId`]: they are left as they are, and it is the caller's to despawn them.
     ///
+    /// Breakable joints break and hold again as they were; those that were spawned since are left
+    /// as they are, and those that were despawned stay away.
+    ///
     /// Pending [`Wrench`]es are zeroed and [`PreviousPose`] becomes the pose. As after every change
     /// of a momentum, the derived quantities follow with the next step, or with
     /// [`update_derived`](crate::update_derived) where something looks at them before. The
@@ -217,6 +230,7 @@ impl Snapshot {
             self.write(archetype, of_archetype);
             runs = rest;
         }
+        self.joints.write(world);
         Ok(matching.newcomers(world))
     }
 
@@ -284,6 +298,7 @@ impl Snapshot {
             + self.velocities.capacity() * size_of::<Velocity>()
             + self.segments.capacity() * size_of::<Segment>()
             + self.contacts.memory()
+            + self.joints.memory()
     }
 
     /// The moment that it is of, where one was set.
@@ -304,8 +319,8 @@ impl Snapshot {
     }
 
     /// The hash that [`state_hash`](crate::state_hash()) gives the world when it is as it
-    /// was, if all its bodies have a [`BodyId`]. It is of the bodies, as that is: clock and
-    /// contacts are not in it.
+    /// was, if all its bodies have a [`BodyId`]. It is of bodies and broken joints, as that is:
+    /// clock and contacts are not in it.
     ///
     /// What peers compare: each has the snapshot of a past step at hand, whatever step its world is
     /// at now.
@@ -317,12 +332,14 @@ impl Snapshot {
                 hash.add_momentum(momentum);
             }
         }
+        self.joints.add_to(&mut hash);
         hash.value()
     }
 
     /// The body with the smallest [`BodyId`] that is in only one of the two, or whose kind or state
-    /// is not the same to the bit: where to look first when two peers differ. Clock and contacts
-    /// are not compared; what differs in them differs in bodies a step later.
+    /// is not the same to the bit: where to look first when two peers differ. Clock,
+    /// contacts and broken joints are not compared; what differs in them differs in bodies a step
+    /// later.
     pub fn first_difference(&self, other: &Self) -> Option<BodyId> {
         let (ours, theirs) = (self.rows_by_id(0..self.len()), other.rows_by_id(0..other.len()));
         let same = ours.iter().zip(&theirs).take_while(|&(&a, &b)| {

@@ -1,17 +1,20 @@
-//! A bitwise FNV-1a hash of poses and momenta.
+//! A bitwise FNV-1a hash of poses and momenta, and of what is broken.
 
 use hecs::World;
 
-use crate::components::{Momentum, Pose};
+use crate::components::{BodyId, Momentum, Pose};
 use crate::math::Real;
+use crate::snapshot::saved_joints::add_broken_joints;
 use crate::storage::body_order::BodyOrder;
 
-/// A hash of the state to the bit: equal hashes mean equal positions, orientations and momenta, in
-/// all likelihood.
+/// A hash of the state to the bit: equal hashes mean equal positions, orientations and momenta, and
+/// as many broken joints, in all likelihood.
 ///
 /// 64-bit FNV-1a over the little-endian bytes of each body's position x y z, orientation x y z w
 /// and, where it has one, linear and angular momentum x y z, body after body in order; any NaN
-/// counts as the same one. Bodies that are gone are passed over.
+/// counts as the same one. Bodies that are gone are passed over. Where joints between these bodies,
+/// or of them with others, are [broken](crate::Breakable::is_broken), their number follows, as 64
+/// bits, and in ascending order the [`BodyId`]s of those joints that have one.
 ///
 /// ```
 /// # use tumble::{BodyOrder, state_hash};
@@ -28,6 +31,7 @@ pub fn state_hash(world: &World, order: &BodyOrder) -> u64 {
             hash.add_momentum(&momentum);
         }
     }
+    add_broken_joints(&mut hash, world, order);
     hash.value()
 }
 
@@ -69,6 +73,15 @@ impl Fnv {
     pub(crate) fn add_momentum(&mut self, momentum: &Momentum) {
         self.add_numbers(&momentum.linear.to_array());
         self.add_numbers(&momentum.angular.to_array());
+    }
+
+    /// Adds how many joints are broken, and which of those that have an identity, in order; nothing
+    /// where none is.
+    pub(crate) fn add_broken(&mut self, count: usize, ids: impl Iterator<Item = BodyId>) {
+        if count > 0 {
+            self.add_bytes(&(count as u64).to_le_bytes());
+            ids.for_each(|id| self.add_bytes(&id.0.to_le_bytes()));
+        }
     }
 
     pub(crate) fn value(&self) -> u64 {

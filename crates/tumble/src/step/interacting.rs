@@ -247,9 +247,11 @@ impl<'a> InteractingWorld<'a> {
     /// Writes what joints carry to those that want to know, and which of them broke.
     fn write_joint_loads(&mut self) {
         let Interactions { mechanisms, collision, .. } = &mut *self.interactions;
-        for (joint, load) in mechanisms.joint_loads(self.settings.dt) {
-            let column = self.columns.archetype(joint.place).get::<&mut JointLoad>();
-            column.into_iter().for_each(|mut column| column[joint.place.row as usize] = load);
+        let of_idle = mechanisms.list.idle_loads.iter().map(|place| (*place, JointLoad::default()));
+        let of_others = mechanisms.joint_loads(self.settings.dt).map(|(joint, load)| (joint.place, load));
+        for (place, load) in of_idle.chain(of_others) {
+            let column = self.columns.archetype(place).get::<&mut JointLoad>();
+            column.into_iter().for_each(|mut column| column[place.row as usize] = load);
         }
         if mechanisms.mark_broken(self.settings.dt) {
             let breakable =

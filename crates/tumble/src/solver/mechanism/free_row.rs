@@ -146,6 +146,13 @@ impl FreeRow {
         self.constant = self.axis.is_of_limit().then_some(0.0);
     }
 
+    /// The energy in its springs where it stands at a value \[J\]; of a cone there is none, as its
+    /// springs have no potential.
+    pub(crate) fn potential(&self, value: f64) -> f64 {
+        let of_spring = |spring: &RowSpring| spring.potential(value, !self.axis.is_linear());
+        if self.axis.is_cone() { 0.0 } else { self.springs.iter().map(of_spring).sum() }
+    }
+
     /// Takes the mass \[kg\] [kg m^2] that it moves.
     pub(crate) fn set_mass(&mut self, mass: f64) {
         self.mass = mass;

@@ -57,7 +57,7 @@ pub(crate) struct JointRows {
 /// A joint as it stands: what rows and errors are made of.
 pub(crate) struct Stance {
     /// From each centre of mass to its anchor \[m\].
-    anchor_arms: [Vec3<f64>; 2],
+    pub(super) anchor_arms: [Vec3<f64>; 2],
     /// From the first anchor to the second \[m\].
     pub(crate) gap: Vec3<f64>,
     pub(crate) orientations: [Quat<f64>; 2],

@@ -105,6 +105,25 @@ impl RowSpring {
         }
     }
 
+    /// The energy in it where its row stands at a value \[J\]: of a stiffness, which does not
+    /// change with the mass that it moves.
+    pub(crate) fn potential(&self, value: f64, is_angle: bool) -> f64 {
+        let (Gain::Stiffness { stiffness, .. }, Some(_)) = (self.gain, self.position) else { return 0.0 };
+        let error = self.error(value, is_angle);
+        let stretch = match self.side {
+            Side::Both => error.abs(),
+            Side::Lower => (-error).max(0.0),
+            Side::Upper => error.max(0.0),
+        };
+        let force = f64::from(stiffness) * stretch;
+        if force > self.max_force {
+            // Further on it pulls with the greatest force.
+            self.max_force * (stretch - 0.5 * self.max_force / f64::from(stiffness))
+        } else {
+            0.5 * force * stretch
+        }
+    }
+
     /// Prepares for a substep of `h` \[s\], of which forces have at least the share `before` before
     /// bodies move on; in the first of a step with the speed that the row has.
     ///
