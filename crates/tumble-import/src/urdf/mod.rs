@@ -207,13 +207,11 @@ fn notices(links: &[Link], tree: &Tree, assembly: Option<&Assembly>, left_out: &
         "revolute joint",
         "without limit, taken for continuous",
     );
-    let is_cut = |joint: &Joint| {
-        joint.limit.is_some_and(|limit| angles(limit.lower, limit.upper) != Some([limit.lower, limit.upper]))
-    };
+    let is_endless = |joint: &Joint| joint.limit.is_some_and(|limit| angles(limit.lower, limit.upper).is_none());
     list(
-        &joints(&|joint| turns(joint) && is_cut(joint)),
+        &joints(&|joint| turns(joint) && is_endless(joint)),
         "revolute joint",
-        "with limits beyond half a turn, where angles end",
+        "with a range of a turn or more, which bounds nothing",
     );
     let slides = |joint: &Joint| joint.kind == Kind::Prismatic && joint.limit.is_none() && !is_held(joint);
     list(&joints(&slides), "prismatic joint", "without limit");
