@@ -54,6 +54,7 @@ fn joint(model: &JointModel, by_name: &HashMap<&str, usize>) -> Result<SceneJoin
     let breakable = model.breaks.as_ref().map(|breaks| joint_options::breakable(breaks));
     let drives = (!model.drives.is_empty()).then(|| joint_options::drives(&model.drives, free));
     Ok(SceneJoint {
+        name: model.name.clone(),
         bodies,
         kind,
         at: real_vector(at),

@@ -7,7 +7,7 @@ use tumble::{Settings, SettingsError, Trial};
 use tumble_import::FieldError;
 
 use crate::bodies::scene_body::SceneBody;
-use crate::bodies::scene_joint::SceneJoint;
+use crate::bodies::scene_joints::SceneJoints;
 use crate::convert;
 use crate::convert::forces::Others;
 use crate::error::{SceneError, invalid};
@@ -40,7 +40,7 @@ pub struct VariedScene {
     /// The scene without its bodies.
     head: SceneModel,
     bodies: Vec<SceneBody>,
-    joints: Vec<SceneJoint>,
+    joints: SceneJoints,
     /// The bodies in which something varies, and those with a spring whose length that changes.
     varied_bodies: BTreeMap<usize, BodyModel>,
     /// The other bodies to which springs of those lead.
@@ -117,7 +117,8 @@ impl VariedScene {
         }
         let mut world = World::new();
         let bodies = self.bodies.iter().enumerate().map(|(index, body)| remade.get(&index).unwrap_or(body));
-        SceneBody::spawn_all(bodies, &self.joints, &mut world).map_err(|error| invalid(file, None, error))?;
+        let bodies = SceneBody::spawn_all(bodies, &mut world);
+        self.joints.spawn(&bodies, &mut world).map_err(|error| invalid(file, None, error))?;
         let refused = |error: SettingsError| invalid(file, None, FieldError::new(error.field(), error));
         let trial = Trial::new(settings, world).map_err(refused)?;
         Ok(VariedWorld { trial, steps })
