@@ -1,9 +1,9 @@
 //! Promise: a gear of a scene file is the gear that the world has, in JSON and in RON, and what it
-//! cannot mean is refused with its field; a joint of a robot that follows another (`mimic`) keeps to
-//! its multiplier and its offset, whatever they are and whichever kinds the two joints are.
+//! cannot mean is refused with its field; a joint of a robot that follows another (`mimic`) keeps
+//! to its multiplier and its offset, whatever they are and whichever kinds the two joints are.
 //!
-//! Why: a ratio that is taken the wrong way round, or an offset with the wrong sign, moves a gripper
-//! that looks right where both fingers are alike.
+//! Why: a ratio that is taken the wrong way round, or an offset with the wrong sign, moves a
+//! gripper that looks right where both fingers are alike.
 #![allow(clippy::unwrap_used, reason = "a test fails by panicking, in its helper functions too")]
 #![allow(clippy::useless_conversion, clippy::unnecessary_cast, reason = "Real is f64 in one of the two builds")]
 
