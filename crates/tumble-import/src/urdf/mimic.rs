@@ -98,7 +98,7 @@ pub(crate) fn gears(joints: &[Joint], assembled: &[Option<usize>]) -> (Vec<Impor
         let Some(Mimic { multiplier, offset, .. }) = joint.mimic else { continue };
         let ends = [leaders[index].and_then(with_one_axis), with_one_axis(index)];
         match ends {
-            [Some(leader), Some(follower)] if real(multiplier) != 0.0 && real(multiplier).is_finite() => {
+            [Some(leader), Some(follower)] if real(multiplier) != 0.0 => {
                 gears.push(ImportedGear { joints: [leader, follower], ratio: multiplier, offset });
             }
             _ => others.push(joint.child),
