@@ -1,7 +1,8 @@
 //! Promise: the built-in scenes of joints do what their titles say. The crane's rope is as long as
 //! it was; the arm's servos give way by torque over stiffness; the gyroscope goes round at the
-//! torque over its spin; the hands of the clock keep their ratios; the hall turns below Foucault's pendulum by the sine of the latitude; the
-//! bridge and the figure come to rest; and energy comes of motors alone.
+//! torque over its spin; the hands of the clock keep their ratios; the hall turns below Foucault's
+//! pendulum by the sine of the latitude; the bridge and the figure come to rest; and energy comes
+//! of motors alone.
 //!
 //! Why: they are what the documentation shows joints with, and the first thing that people try. A
 //! drive with a wrong sign, a limit that is overrun or a joint that makes energy would show here.
