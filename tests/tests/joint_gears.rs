@@ -1,7 +1,7 @@
 //! Promise: gears keep the ratio of two joints for any number of turns, at any ratio of teeth;
 //! wheels on a train move as if they were one inertia; a rack moves with its pinion and carries its
-//! weight; a ratio that is no fraction is kept as a speed; what is geared and flies free keeps its
-//! momentum.
+//! weight; a ratio that is no fraction is kept as a speed, and with limits as a position; what is
+//! geared and flies free keeps its momentum.
 //!
 //! Why: a gear acts on four bodies, some of which may be one. It fails if a factor has the wrong
 //! sign, if two ends on one body are counted once, or if an angle that passes half a turn jumps.
@@ -14,7 +14,7 @@ use glam::DVec3;
 use hecs::Entity;
 use jointed::*;
 use tumble::math::{Real, Vec3};
-use tumble::{Axes, ConstantWrench, Drive, Drives, Gear, Joint, RigidBody, Shape};
+use tumble::{Axes, ConstantWrench, Drive, Drives, Gear, Joint, Limit, Limits, RigidBody, Shape};
 use tumble_tests::{Draw, by_precision};
 
 /// Wheels about z on a body, with these moments, each with its hinge.
@@ -122,6 +122,52 @@ fn a_ratio_that_is_no_fraction_is_a_speed() {
         rig.step();
         let [first, second] = [0, 1].map(|wheel| rig.angular_velocity(train[wheel].0).z);
         assert!((second / first - PI).abs() < 1e-4, "{first} {second}");
+    }
+}
+
+#[test]
+fn rotations_within_limits_take_any_ratio_and_offset() {
+    let mut draw = Draw::new(7, 0);
+    for case in 0..40 {
+        let mut rig = Rig::new(DVec3::ZERO, 1.0 / 60.0, 4);
+        let ground = rig.ground();
+        let train = wheels(&mut rig, ground, &[draw.log_between(0.05, 2.0), draw.log_between(0.05, 2.0)]);
+        let ratio = draw.log_between(0.3, 3.0) * if draw.often(0.5) { 1.0 } else { -1.0 };
+        let offset = draw.between(-PI, PI);
+        // Either range may be wherever it likes, up to most of a turn.
+        let most = 5.8_f64.min(5.8 / ratio.abs());
+        let width = draw.between(0.3, 1.0) * most;
+        let least = -draw.between(0.05, 0.95) * width;
+        let first = [least, least + width];
+        let mut second = first.map(|bound| ratio * bound + offset);
+        second.sort_unstable_by(f64::total_cmp);
+        let second = [second[0] - 0.1, second[1] + 0.1];
+        for ((_, joint), [min, max]) in train.iter().zip([first, second]) {
+            rig.world.insert_one(*joint, Limits::along(Axes::ANGULAR_X, Limit::new(min as Real, max as Real))).unwrap();
+        }
+        let gear = Gear { offset: offset as Real, ..Gear::new(train[0].1, train[1].1, ratio as Real) };
+        rig.world.spawn((gear,));
+        let mut reached = [0.0_f64; 2];
+        for way in [1.0, -1.0] {
+            let motor = Drive::velocity(Axes::ANGULAR_X, way * 4.0).with_max_force(50.0);
+            rig.world.insert_one(train[0].1, Drives::from(motor)).unwrap();
+            for step in 0..150 {
+                rig.step();
+                // From the middle of its range, the shorter way round.
+                let value = |wheel: usize, [min, max]: [f64; 2]| {
+                    let off = f64::from(rig.load(train[wheel].1).values[3]) - 0.5 * (min + max);
+                    0.5 * (min + max) + off - 2.0 * PI * (off / (2.0 * PI)).round()
+                };
+                let [a, b] = [value(0, first), value(1, second)];
+                reached = [reached[0].min(a), reached[1].max(a)];
+                // The offset at the start is closed at 10 rad/s at most.
+                let off = (b - ratio * a - offset).abs();
+                let most = by_precision(2e-6, 1e-9) * (1.0 + ratio.abs());
+                assert!((way > 0.0 && step < 60) || off < most, "case {case}, step {step}: {a} {b} off by {off:e}");
+            }
+        }
+        let off = (reached[0] - first[0]).abs().max((reached[1] - first[1]).abs());
+        assert!(off < 1e-4, "case {case}: {reached:?} of {first:?}");
     }
 }
 

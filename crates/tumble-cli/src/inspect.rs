@@ -150,6 +150,9 @@ fn joint(joint: &AuditedJoint) -> Result<String, Failure> {
     for friction in &joint.friction {
         line("friction", &serde_json::to_string(friction).map_err(|error| unwritten(&error))?);
     }
+    if let Some(gear) = &joint.follows {
+        line("follows", &serde_json::to_string(gear).map_err(|error| unwritten(&error))?);
+    }
     for (label, value) in [("max effort [N] [N m]", joint.max_effort), ("max speed [m/s] [rad/s]", joint.max_speed)] {
         value.iter().for_each(|value| line(label, &value.to_string()));
     }

@@ -2,10 +2,10 @@
 //!
 //! There is no scene here and nothing that is run: an [`ImportedBody`] is the engine's description
 //! of a body with its collider and its [`Appearance`], under the name that its file gives it, an
-//! [`ImportedJoint`] that of a joint between two of them.
-//! [`gltf::GltfBodies`] and [`Robot`] read bodies, [`MeshFile`] reads triangles. Files are taken to
-//! be hostile: every count, size and index is limited or checked before it is used, and a mistake
-//! is a [`FileError`] of one line that names file and field.
+//! [`ImportedJoint`] that of a joint between two of them, an [`ImportedGear`] that of a gear
+//! between two joints. [`gltf::GltfBodies`] and [`Robot`] read bodies, [`MeshFile`] reads
+//! triangles. Files are taken to be hostile: every count, size and index is limited or checked
+//! before it is used, and a mistake is a [`FileError`] of one line that names file and field.
 //!
 //! What `tumble-scene` shares with the importers is here too: these bodies, the surfaces that they
 //! are seen by ([`Tessellation`]), the [checks](checked) of single values, and the way in which a
@@ -44,6 +44,7 @@ mod urdf;
 pub use bodies::appearance::{Appearance, Heights};
 pub use bodies::imported_body::ImportedBody;
 pub use bodies::imported_collider::{ColliderRole, ImportedCollider};
+pub use bodies::imported_gear::ImportedGear;
 pub use bodies::imported_joint::ImportedJoint;
 pub use combine_rule::CombineName;
 pub use error::{FieldError, FileError, Place, Scope};

@@ -141,6 +141,16 @@ fn limit(least: f64) -> impl Strategy<Value = LimitCase> {
     })
 }
 
+/// Ranges of less than a turn, wherever they are. A bound alone is within half a turn of zero.
+fn limit_of_angle() -> impl Strategy<Value = LimitCase> {
+    (limit(-3.0), number(-9.0..9.0)).prop_map(|(mut limit, by)| {
+        if let [Some(min), Some(max)] = &mut limit.bounds {
+            (*min, *max) = (f64::from((*min + by) as f32), f64::from((*max + by) as f32));
+        }
+        limit
+    })
+}
+
 impl LimitCase {
     fn limit(&self) -> Limit {
         let [min, max] = self.bounds.map(|bound| bound.map(real));
@@ -218,13 +228,17 @@ fn drive(free: &'static [usize]) -> impl Strategy<Value = DriveCase> {
 
 fn case() -> impl Strategy<Value = Case> {
     prop::sample::select(KINDS.to_vec()).prop_flat_map(|(kind, free)| {
-        let six = || prop::array::uniform6(prop::option::of(limit(-3.0)));
+        let three = (
+            prop::array::uniform3(prop::option::of(limit(-3.0))),
+            prop::array::uniform3(prop::option::of(limit_of_angle())),
+        );
+        let six = three.prop_map(|([a, b, c], [d, e, f])| [a, b, c, d, e, f]);
         let drives: BoxedStrategy<Vec<DriveCase>> =
             if free.is_empty() { Just(Vec::new()).boxed() } else { prop::collection::vec(drive(free), 0..3).boxed() };
         let cone = prop::option::of((prop::array::uniform2(number(0.01..3.1)), gain()));
         let friction = prop::array::uniform6(prop::option::of(number(0.0..9.0)));
         let breaks = prop::array::uniform2(prop::option::of(number(0.1..9.0)));
-        (six(), prop::option::of(limit(0.0)), cone, drives, friction, breaks).prop_map(
+        (six, prop::option::of(limit(0.0)), cone, drives, friction, breaks).prop_map(
             move |(mut limits, distance, cone, mut drives, mut friction, breaks)| {
                 (0..6).filter(|axis| !free.contains(axis)).for_each(|axis| {
                     limits[axis] = None;
@@ -354,7 +368,10 @@ const OF_HINGE: &[(&str, &str)] = &[
     (r#""limits": { "angular_x": [1, 0] }"#, "joints[0].limits.angular_x.min: is more than max: 1 and 0"),
     (r#""limits": { "angular_x": [0] }"#, "joints[0].limits.angular_x: invalid length 1"),
     (r#""limits": { "angular_x": {} }"#, "joints[0].limits.angular_x: needs min or max"),
-    (r#""limits": { "angular_x": { "max": 4 } }"#, "joints[0].limits.angular_x.max: is an angle from -pi to pi, not 4"),
+    (r#""limits": { "angular_x": { "max": 4 } }"#, "joints[0].limits.angular_x: is a range of more than a turn"),
+    (r#""limits": { "angular_x": [-3, 3.5] }"#, "joints[0].limits.angular_x: is a range of more than a turn"),
+    (r#""limits": { "angular_x": { "min": 4 } }"#, "joints[0].limits.angular_x.min: is 4, more than pi: give max too"),
+    (r#""limits": { "angular_x": { "max": -4 } }"#, "limits.angular_x.max: is -4, less than -pi: give min too"),
     (r#""limits": { "angular_x": { "min": 0, "stiffness": -1 } }"#, "limits.angular_x.stiffness: must not be negative"),
     (
         r#""limits": { "angular_x": { "min": 0, "stiffness": 1, "frequency": 1 } }"#,

@@ -1,7 +1,8 @@
 //! Promise: the built-in scenes of joints do what their titles say. The crane's rope is as long as
 //! it was; the arm's servos give way by torque over stiffness; the gyroscope goes round at the
-//! torque over its spin; the hall turns below Foucault's pendulum by the sine of the latitude; the
-//! bridge and the figure come to rest; and energy comes of motors alone.
+//! torque over its spin; the hands of the clock keep their ratios; the hall turns below Foucault's
+//! pendulum by the sine of the latitude; the bridge and the figure come to rest; and energy comes
+//! of motors alone.
 //!
 //! Why: they are what the documentation shows joints with, and the first thing that people try. A
 //! drive with a wrong sign, a limit that is overrun or a joint that makes energy would show here.
@@ -46,6 +47,11 @@ struct Falling {
 
 fn double(vector: tumble::math::Vec3) -> DVec3 {
     DVec3::from_array(vector.to_array().map(f64::from))
+}
+
+/// An angle brought to -pi to pi.
+fn wrapped(angle: f64) -> f64 {
+    angle - std::f64::consts::TAU * (angle / std::f64::consts::TAU).round()
 }
 
 fn turn(rotation: tumble::math::Quat) -> DQuat {
@@ -339,6 +345,43 @@ fn the_gyroscope_goes_round_by_torque_over_spin() {
     assert!(rate * run.seconds() > 8.9);
     assert!(level < 3e-4 && late < 3e-4, "{level:e} {late:e}");
     assert!(change < 5e-5 && gap < by_precision(1e-6, 1e-9), "{change:e} {gap:e}");
+}
+
+/// Closed form: the fly turns as fast as its drag holds the weight, `c w^2 = m g r/720`.
+#[test]
+fn the_hands_of_the_clock_keep_their_ratios() {
+    let mut run = Run::of("clockwork");
+    let [drum, minute, second, hour] = [1, 2, 4, 7];
+    let mut turned = [0.0_f64; 8];
+    let (mut slip, mut change, mut gap, mut braked, mut speed) = ([0.0_f64; 3], 0.0_f64, 0.0_f64, 0.0, 0.0);
+    for _ in 0..run.steps {
+        let begin = run.seconds();
+        run.step();
+        for (joint, turned) in turned.iter_mut().enumerate().skip(1) {
+            *turned += wrapped(f64::from(run.load(joint).values[3]) - *turned);
+        }
+        // Clockwise, each as often as it should.
+        let [hours, minutes] = [turned[hour] * 12.0 - turned[minute], turned[minute] * 60.0 - turned[second]];
+        let fallen = f64::from(run.load(0).values[0]) + 0.08 * turned[drum];
+        slip = [slip[0].max(hours.abs()), slip[1].max(minutes.abs()), slip[2].max(fallen.abs())];
+        let before = std::mem::replace(&mut speed, run.velocity(run.body("fly"))[1].z);
+        braked += 2.2e-6 * (run.seconds() - begin) * 0.5 * (before.powi(3) + speed.powi(3));
+        let energy = run.record();
+        change = change.max((energy - run.start() + braked).abs());
+        gap = gap.max(run.largest_gap());
+    }
+    let expected = (5.0 * 9.81 * 0.08 / 720.0 / 2.2e-6_f64).sqrt();
+    println!("slip {slip:?} braked {braked} J, energy {change:e} fly {speed} of {expected} gap {gap:e}");
+    // More than a hundred turns of the second hand, and all three clockwise.
+    assert!(turned[second] < -700.0 && turned[hour] < -1.0 && turned[drum] > 4.0, "{turned:?}");
+    // Some roundings of an angle, 1.2e-7 in single precision, at the end of 12 and of 60 to one; of
+    // the weight's place below the origin.
+    let most = [by_precision(2e-5, 1e-9), by_precision(1e-4, 1e-9), by_precision(2e-6, 1e-10)];
+    assert!(slip.iter().zip(most).all(|(slip, most)| *slip < most), "{slip:?}");
+    assert!(gap < by_precision(1e-6, 1e-9), "{gap:e}");
+    // What the fly took is of second order in the step while it comes to its speed. The places of
+    // the hands' counterweights are rounded to 0.1 mm, of the second hand 2e-4 of its torque.
+    assert!(change < 2e-4 * braked && (speed / expected - 1.0).abs() < 1e-4, "{change} {braked} {speed} {expected}");
 }
 
 /// Closed form: the plane of the swing stays, so in the hall it turns by `W sin(latitude) t`, from

@@ -36,7 +36,9 @@ const JSON: &str = r#"{ "name": "mixed", "gravity": [0, -9.81, 0], "dt": 0.01, "
   { "between": ["brick", "tensor"], "free": { "at": [1, 2, 3], "to": [0, 0, 0] },
     "limits": { "distance": [1, 4], "cone": { "half_angles": [1.2, 0.7], "frequency": 5, "damping_ratio": 0.5 } },
     "drives": [ { "axes": ["angular"], "position": 0.5, "frequency": 2 } ] },
-  { "between": ["tensor", "belt"], "ball": { "at": [0, 0, 1], "axis": [1, 0, 0] }, "limits": { "cone": 1, "angular_x": [-1, 1] } } ] }"#;
+  { "between": ["tensor", "belt"], "ball": { "at": [0, 0, 1], "axis": [1, 0, 0] }, "limits": { "cone": 1, "angular_x": [-1, 1] } },
+  { "name": "rail", "between": ["floor", "tensor"], "slider": { "at": [0, 0, 0], "axis": [1, 0, 0] } } ],
+  "gears": [ { "joints": ["hatch", "rail"], "axes": ["angular_x", "linear_x"], "ratio": -0.1, "offset": 0.2 } ] }"#;
 
 const RON: &str = r#"( name: "mixed", gravity: (0, -9.81, 0), dt: 0.01, steps: 10, integrator: "moser-veselov", bodies: [
   ( name: "brick", shape: cuboid(half_extents: (0.1, 0.05, 0.03)), mass: 2.0,
@@ -46,9 +48,11 @@ const RON: &str = r#"( name: "mixed", gravity: (0, -9.81, 0), dt: 0.01, steps: 1
       constant_wrench(force: (1, 0, 0), frame: world) ] ),
   ( shape: compound(parts: [ (shape: capsule(radius: 1, half_height: 2), density: 10), (shape: point, mass: 1) ]) ),
   ( fixed: true, shape: ellipsoid(radii: (1, 2, 3)) ) ],
-  joints: [ ( between: ("brick", "body-2"), universal: (at: (1, 2, 2), axis: (0, 1, 0)), limits: (angular_y: (-1, 1)),
+  gears: [ (joints: ("a", "b"), ratio: 2.5), (joints: ["b", "a"], axes: (linear_y, angular_y), ratio: 1, offset: 0.5) ],
+  joints: [ ( name: "a", between: ("brick", "body-2"), universal: (at: (1, 2, 2), axis: (0, 1, 0)), limits: (angular_y: (-1, 1)),
       drives: [ (axes: [angular_x], position: 1, frequency: 3) ], friction: (angular_y: 1), break: (torque: 5) ),
-    ( between: ["body-1", "body-2"], free: (at: (0, 0, 0)), limits: (cone: (1, 2), distance: (max: 3, frequency: 2)) ) ] )"#;
+    ( between: ["body-1", "body-2"], free: (at: (0, 0, 0)), limits: (cone: (1, 2), distance: (max: 3, frequency: 2)) ),
+    ( name: "b", between: ("body-1", "brick"), planar: (at: (0, 1, 0), axis: (0, 1, 1)) ) ] )"#;
 
 /// What slips of fingers and hostile minds put in the place of something else.
 const NASTY: [&str; 22] = [

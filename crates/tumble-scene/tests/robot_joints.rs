@@ -381,9 +381,9 @@ fn what_of_joints_is_not_simulated_is_told() {
         |lower: f64, upper: f64| format!(r#"<limit lower="{lower}" upper="{upper}" effort="1" velocity="1"/>"#);
     let parts: Vec<String> = ["base", "a", "b", "c", "d"].map(|name| link(name, DVec3::ZERO)).into();
     let joints = [
-        joint("finger", "prismatic", ["base", "a"], &format!(r#"{}<mimic joint="other"/>"#, limited(0.0, 1.0))),
+        joint("finger", "prismatic", ["base", "a"], &format!(r#"{}<mimic joint="table"/>"#, limited(0.0, 1.0))),
         joint("bare", "revolute", ["base", "b"], ""),
-        joint("far", "revolute", ["base", "c"], &limited(-0.0175, 3.7525)),
+        joint("far", "revolute", ["base", "c"], &limited(-2.0, 4.5)),
         joint("table", "planar", ["base", "d"], r#"<dynamics damping="1"/>"#),
         r#"<link name="tip"/>"#.to_owned(),
         joint("tool", "continuous", ["d", "tip"], ""),
@@ -393,9 +393,9 @@ fn what_of_joints_is_not_simulated_is_told() {
         scene.notices,
         [
             "1 joint to what has no inertial, held as if fixed: tool",
-            "1 joint with mimic, which is not simulated: free of what it follows: finger",
+            "1 joint with mimic that ties no two moving axes, not simulated: finger",
             "1 revolute joint without limit, taken for continuous: bare",
-            "1 revolute joint with limits beyond half a turn, where angles end: far",
+            "1 revolute joint with a range of a turn or more, which bounds nothing: far",
             "1 joint with several axes, whose dynamics is not simulated: table",
         ]
     );

@@ -12,9 +12,6 @@ use crate::checked::{real, real_quaternion, real_vector};
 /// How far from the centre of mass of its bodies a joint can be \[m\].
 const MAX_DISTANCE: f64 = 1e9;
 
-/// The largest angle that a limit with another below it may have: values of rotations end at pi.
-const HALF_TURN: f64 = PI - 1e-6;
-
 /// A checked joint between two bodies of a file, with what the file says of its axes.
 ///
 /// ```
@@ -101,22 +98,12 @@ pub(crate) fn frame_on(body: &ImportedBody, position: DVec3, orientation: DQuat)
     is_near.then(|| Pose { position: real_vector(from_center), orientation })
 }
 
-/// A range of angles \[rad\] as the engine has it, whose angles are between -pi and pi: `None` of a
-/// whole turn or more, and of a bound that they never reach; what is beyond half a turn is cut off.
+/// A range of angles \[rad\] if it bounds anything: less than a whole turn, with half a turn in the
+/// place of a bound that is infinite.
 pub(crate) fn angles(lower: f64, upper: f64) -> Option<[f64; 2]> {
-    let is_one_sided = lower.is_infinite() || upper.is_infinite();
-    if (lower <= -PI && upper >= PI) || (!is_one_sided && upper - lower >= TAU) {
-        return None;
-    }
-    if is_one_sided {
-        // Past half a turn it would be on the other side of its bound.
-        return Some([lower.max(-HALF_TURN), upper.min(HALF_TURN)]).filter(|[lower, upper]| lower <= upper);
-    }
-    // The same angles, turns away, as near to zero as they are.
-    let middle = 0.5 * (lower + upper);
-    let turns = (middle / TAU).round() * TAU;
-    let [lower, upper] = if middle.abs() > PI { [lower - turns, upper - turns] } else { [lower, upper] };
-    Some([lower.max(-HALF_TURN), upper.min(HALF_TURN)])
+    let from = if lower.is_finite() { lower } else { -PI };
+    let to = if upper.is_finite() { upper } else { PI };
+    Some([lower, upper]).filter(|_| (0.0..TAU).contains(&(to - from)))
 }
 
 /// A hard limit in the engine's precision.
@@ -129,18 +116,22 @@ mod tests {
     use super::*;
 
     #[test]
-    fn angles_are_cut_and_turned_back() {
+    fn ranges_of_angles_are_as_they_are_up_to_a_turn() {
         assert_eq!(angles(-1.0, 2.0), Some([-1.0, 2.0]));
+        assert_eq!(angles(0.5, 0.5), Some([0.5, 0.5]));
         assert_eq!(angles(-TAU, TAU), None);
         assert_eq!(angles(-PI, PI), None);
         assert_eq!(angles(f64::NEG_INFINITY, f64::INFINITY), None);
-        assert_eq!(angles(0.5, f64::INFINITY), Some([0.5, HALF_TURN]));
-        assert_eq!(angles(-7.0, f64::INFINITY), None);
-        assert_eq!(angles(4.0, f64::INFINITY), None);
+        assert_eq!(angles(0.5, f64::INFINITY), Some([0.5, f64::INFINITY]));
+        assert_eq!(angles(f64::NEG_INFINITY, 2.5), Some([f64::NEG_INFINITY, 2.5]));
+        for bound in [-7.0, -PI, 4.0] {
+            assert_eq!(angles(bound, f64::INFINITY), None);
+            assert_eq!(angles(f64::NEG_INFINITY, -bound), None);
+        }
         // The sixth joint of a published arm.
-        assert_eq!(angles(-0.0175, 3.7525), Some([-0.0175, HALF_TURN]));
-        let [lower, upper] = angles(TAU + 0.5, TAU + 1.0).unwrap();
-        assert!((lower - 0.5).abs() < 1e-15 && (upper - 1.0).abs() < 1e-15);
+        assert_eq!(angles(-0.0175, 3.7525), Some([-0.0175, 3.7525]));
+        assert_eq!(angles(TAU + 0.5, TAU + 1.0), Some([TAU + 0.5, TAU + 1.0]));
+        assert_eq!(angles(-1.0, TAU - 1.0), None);
     }
 
     #[test]

@@ -4,5 +4,6 @@ pub(crate) mod appearance;
 pub(crate) mod collider_geometry;
 pub(crate) mod imported_body;
 pub(crate) mod imported_collider;
+pub(crate) mod imported_gear;
 pub(crate) mod imported_joint;
 pub(crate) mod surface_material;

@@ -63,7 +63,7 @@ impl JointAxes {
                 reading.left_out.push("a limit about one of three free rotations, beside the twist");
                 continue;
             }
-            limits.axes[place(axis)] = reading.limits[axis];
+            limits.axes[place(axis)] = reading.limits[axis].filter(|limit| axis < 3 || bounds_an_angle(limit));
         }
         let mut drives = Drives::default();
         for drive in &joint.drives {
@@ -117,14 +117,13 @@ impl Reading {
 
     /// Adds a range of one axis.
     fn limit(&mut self, axis: usize, bounds: [f64; 2], gain: Gain) {
-        // A spring has no other side to come to.
-        let is_one_sided_spring = gain != Gain::Rigid && bounds.iter().any(|bound| bound.is_infinite());
-        let bounds = if axis < 3 || is_one_sided_spring {
-            Some(bounds).filter(|[lower, upper]| lower.is_finite() || upper.is_finite())
-        } else {
-            angles(bounds[0], bounds[1])
-        };
-        let Some([min, max]) = bounds.map(|bounds| bounds.map(real)) else { return };
+        let [has_min, has_max] = bounds.map(f64::is_finite);
+        // A second limit may give the bound that is missing.
+        let is_endless = axis >= 3 && has_min && has_max && angles(bounds[0], bounds[1]).is_none();
+        if is_endless || !(has_min || has_max) {
+            return;
+        }
+        let [min, max] = bounds.map(real);
         let both = match self.limits[axis] {
             None => Some(Limit { min, max, gain }),
             Some(earlier) if earlier.gain == gain && gain == Gain::Rigid => {
@@ -209,6 +208,12 @@ impl Reading {
             max_force: drive.max_force.map_or(tumble::math::Real::INFINITY, real),
         }))
     }
+}
+
+/// Whether a limit of a rotation, with all that was read of it, does anything.
+#[allow(clippy::useless_conversion, reason = "Real is f64 already in one of the two builds")]
+fn bounds_an_angle(limit: &Limit) -> bool {
+    angles(limit.min.into(), limit.max.into()).is_some()
 }
 
 fn which(axes: &[u8]) -> [bool; 3] {

@@ -6,6 +6,7 @@ use tumble_math::MassError;
 
 use crate::bodies::appearance::Appearance;
 use crate::bodies::imported_body::ImportedBody;
+use crate::bodies::imported_gear::ImportedGear;
 use crate::bodies::imported_joint::{ImportedJoint, angles, frame_on, hard};
 use crate::checked::{real, real_quaternion, real_vector};
 use crate::error::FieldError;
@@ -15,6 +16,7 @@ use crate::urdf::RobotLink;
 use crate::urdf::frame::Frame;
 use crate::urdf::joint::{Joint, Kind};
 use crate::urdf::link::{Inertial, Link};
+use crate::urdf::mimic;
 use crate::urdf::tree::Tree;
 use crate::urdf::welds::Welds;
 
@@ -22,6 +24,9 @@ use crate::urdf::welds::Welds;
 pub(crate) struct Assembly {
     pub(crate) links: Vec<RobotLink>,
     pub(crate) joints: Vec<ImportedJoint>,
+    pub(crate) gears: Vec<ImportedGear>,
+    /// The links to which joints lead that would follow others, in order.
+    pub(crate) not_geared: Vec<usize>,
     pub(crate) welds: Welds,
     /// Of each link whether it is a body or part of one.
     pub(crate) is_body: Vec<bool>,
@@ -46,7 +51,9 @@ impl Assembly {
             bodies.push(RobotLink { name: link.name.clone(), body: body.map_err(|problem| vec![problem]) });
         }
         let mut joints = Vec::new();
-        for joint in tree.joints.iter().filter(|joint| joint.kind != Kind::Floating) {
+        let mut assembled = vec![None; tree.joints.len()];
+        let not_floating = tree.joints.iter().zip(&mut assembled).filter(|(joint, _)| joint.kind != Kind::Floating);
+        for (joint, place) in not_floating {
             let [Some(a), Some(b)] = [joint.parent, joint.child].map(|link| indices[welds.heads[link]]) else {
                 continue;
             };
@@ -59,12 +66,16 @@ impl Assembly {
                 _ => continue,
             };
             match made {
-                Ok(joint) => joints.push(joint),
+                Ok(joint) => {
+                    *place = Some(joints.len());
+                    joints.push(joint);
+                }
                 Err(problem) => bodies[b].body = Err(vec![problem]),
             }
         }
         let is_body = welds.heads.iter().map(|head| indices[*head].is_some()).collect();
-        Self { links: bodies, joints, welds, is_body }
+        let (gears, not_geared) = mimic::gears(&tree.joints, &assembled);
+        Self { links: bodies, joints, gears, not_geared, welds, is_body }
     }
 }
 

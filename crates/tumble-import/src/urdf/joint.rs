@@ -8,6 +8,7 @@ use crate::checked::note;
 use crate::error::FieldError;
 use crate::urdf::element::Element;
 use crate::urdf::frame::Frame;
+use crate::urdf::mimic::Mimic;
 
 /// What a joint leaves free.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -61,8 +62,8 @@ pub(crate) struct Joint {
     pub(crate) damping: f64,
     /// \[N\] [N m]
     pub(crate) friction: f64,
-    /// Whether it follows another.
-    pub(crate) mimics: bool,
+    /// What it follows.
+    pub(crate) mimic: Option<Mimic>,
 }
 
 /// What `limit` says.
@@ -95,6 +96,7 @@ impl Joint {
         };
         let limit = note(problems, Range::read(element)).flatten();
         let dynamics = note(problems, dynamics(element));
+        let mimic = note(problems, Mimic::read(element)).flatten();
         // The child is what a bad joint leaves in the wrong place.
         let bears = child.or(parent).unwrap_or(0);
         let [damping, friction] = dynamics.unwrap_or_default();
@@ -109,7 +111,7 @@ impl Joint {
                 limit,
                 damping,
                 friction,
-                mimics: element.all("mimic").next().is_some(),
+                mimic,
             })
         };
         (read(), bears)

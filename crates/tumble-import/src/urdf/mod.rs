@@ -6,6 +6,7 @@ pub(crate) mod element;
 pub(crate) mod frame;
 pub(crate) mod joint;
 pub(crate) mod link;
+pub(crate) mod mimic;
 pub(crate) mod tree;
 pub(crate) mod welds;
 
@@ -15,6 +16,7 @@ use std::path::Path;
 use tumble::math::Vec3;
 
 use crate::bodies::imported_body::ImportedBody;
+use crate::bodies::imported_gear::ImportedGear;
 use crate::bodies::imported_joint::{ImportedJoint, angles};
 use crate::checked::check_name;
 use crate::error::{FieldError, FileError, Place};
@@ -60,6 +62,9 @@ pub struct Robot {
     pub links: Vec<RobotLink>,
     /// What connects them, by their index; none where a link has problems.
     pub joints: Vec<ImportedJoint>,
+    /// What ties joints that follow others (`mimic`) to these: the first is the one that is
+    /// followed.
+    pub gears: Vec<ImportedGear>,
     /// What is in the file and not in the bodies: a line each.
     pub notices: Vec<String>,
 }
@@ -129,11 +134,11 @@ impl Robot {
         let mut notices = notices(&links, &tree, assembly.as_ref(), &left_out);
         notices.extend(left_out.repaired.iter().map(|repair| one_line(repair)));
         let name = robot.attribute("name").map(one_line);
-        let (links, joints) = match assembly {
-            Some(assembly) => (assembly.links, assembly.joints),
-            None => (assembly::one_by_one(&links, &tree.frames), Vec::new()),
+        let (links, joints, gears) = match assembly {
+            Some(assembly) => (assembly.links, assembly.joints, assembly.gears),
+            None => (assembly::one_by_one(&links, &tree.frames), Vec::new(), Vec::new()),
         };
-        Ok(Self { name, links, joints, notices })
+        Ok(Self { name, links, joints, gears, notices })
     }
 
     /// Bodies and their names, or the first problem.
@@ -196,10 +201,12 @@ fn notices(links: &[Link], tree: &Tree, assembly: Option<&Assembly>, left_out: &
         .map(|(_, link)| link.name.clone())
         .collect();
     list(&joints(&is_held), "joint", "to what has no inertial, held as if fixed");
+    let not_geared =
+        |joint: &Joint| assembly.is_some_and(|assembly| assembly.not_geared.binary_search(&joint.child).is_ok());
     list(
-        &joints(&|joint| joint.mimics && !is_held(joint)),
+        &joints(&|joint| not_geared(joint) && !is_held(joint)),
         "joint",
-        "with mimic, which is not simulated: free of what it follows",
+        "with mimic that ties no two moving axes, not simulated",
     );
     let turns = |joint: &Joint| joint.kind == Kind::Revolute && !is_held(joint);
     list(
@@ -207,13 +214,11 @@ fn notices(links: &[Link], tree: &Tree, assembly: Option<&Assembly>, left_out: &
         "revolute joint",
         "without limit, taken for continuous",
     );
-    let is_cut = |joint: &Joint| {
-        joint.limit.is_some_and(|limit| angles(limit.lower, limit.upper) != Some([limit.lower, limit.upper]))
-    };
+    let is_endless = |joint: &Joint| joint.limit.is_some_and(|limit| angles(limit.lower, limit.upper).is_none());
     list(
-        &joints(&|joint| turns(joint) && is_cut(joint)),
+        &joints(&|joint| turns(joint) && is_endless(joint)),
         "revolute joint",
-        "with limits beyond half a turn, where angles end",
+        "with a range of a turn or more, which bounds nothing",
     );
     let slides = |joint: &Joint| joint.kind == Kind::Prismatic && joint.limit.is_none() && !is_held(joint);
     list(&joints(&slides), "prismatic joint", "without limit");

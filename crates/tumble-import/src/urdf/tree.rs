@@ -9,6 +9,7 @@ use crate::urdf::element::Element;
 use crate::urdf::frame::Frame;
 use crate::urdf::joint::Joint;
 use crate::urdf::link::Link;
+use crate::urdf::mimic;
 
 /// The joints between known links, and where these are while no joint is moved.
 pub(crate) struct Tree {
@@ -96,6 +97,10 @@ fn joints(robot: Element<'_>, links: &mut [Link]) -> Vec<Joint> {
             complain(links, bears, format!("{}.{}", field(name), problem.field), problem.problem);
         }
         joints.extend(joint);
+    }
+    for (index, problem) in mimic::problems(&joints, &seen) {
+        let Joint { name, child, .. } = &joints[index];
+        complain(links, *child, format!("{}.{}", field(name), problem.field), problem.problem);
     }
     joints
 }

@@ -3,7 +3,7 @@
 use serde::Serialize;
 use tumble::math::Real;
 use tumble::{Axes, Drive, Gain, Limit, Limits};
-use tumble_import::ImportedJoint;
+use tumble_import::{ImportedGear, ImportedJoint};
 
 use crate::values::axes::named_axes;
 
@@ -48,8 +48,27 @@ pub struct AuditedJoint {
     /// The greatest speed [m/s] [rad/s], as the file says.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub max_speed: Option<f64>,
+    /// What it follows (`mimic` of a robot).
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub follows: Option<AuditedGear>,
     /// Whether the colliders of its bodies touch each other.
     pub contacts: bool,
+}
+
+/// How a joint follows another: its value is `ratio` times that of the other, and `offset`.
+///
+/// ```
+/// let finger = tumble_scene::AuditedGear { joint: "thumb".into(), ratio: -1.0, offset: 0.0 };
+/// assert_eq!(finger.ratio, -1.0);
+/// ```
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct AuditedGear {
+    /// The name of the other joint.
+    pub joint: String,
+    /// A number, [m/rad] or [rad/m].
+    pub ratio: f64,
+    /// \[m\] \[rad\]
+    pub offset: f64,
 }
 
 /// A range that a joint stays in.
@@ -135,8 +154,19 @@ pub struct AuditedFriction {
 }
 
 impl AuditedJoint {
+    /// Of joints between bodies of these names, and of the gears between the joints.
+    pub(crate) fn all(joints: &[ImportedJoint], gears: &[ImportedGear], names: &[String]) -> Vec<Self> {
+        let mut audited: Vec<Self> = joints.iter().map(|joint| Self::of(joint, names)).collect();
+        for ImportedGear { joints: [first, second], ratio, offset } in gears {
+            if let (Some(leader), Some(follower)) = (joints.get(*first), audited.get_mut(*second)) {
+                follower.follows = Some(AuditedGear { joint: leader.name.clone(), ratio: *ratio, offset: *offset });
+            }
+        }
+        audited
+    }
+
     /// Of a joint between bodies of these names.
-    pub(crate) fn of(joint: &ImportedJoint, names: &[String]) -> Self {
+    fn of(joint: &ImportedJoint, names: &[String]) -> Self {
         let friction = joint.friction.map_or([0.0; 6], |friction| friction.max);
         let friction = named_axes().zip(friction).filter(|(_, max)| *max > 0.0);
         Self {
@@ -149,6 +179,7 @@ impl AuditedJoint {
             friction: friction.map(|((of, _), max)| AuditedFriction { of, max: double(max) }).collect(),
             max_effort: joint.max_effort,
             max_speed: joint.max_speed,
+            follows: None,
             contacts: joint.contacts_enabled,
         }
     }

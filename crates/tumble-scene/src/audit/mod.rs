@@ -186,7 +186,7 @@ impl Audit {
             Err(problems) => AuditedBody::impossible(link.name, &problems),
         };
         let names: Vec<String> = robot.links.iter().map(|link| link.name.clone()).collect();
-        let joints = robot.joints.iter().map(|joint| AuditedJoint::of(joint, &names)).collect();
+        let joints = AuditedJoint::all(&robot.joints, &robot.gears, &names);
         let bodies = robot.links.into_iter().map(audited).collect();
         Self { bodies, joints, notices: robot.notices, files: Vec::new() }
     }
@@ -203,7 +203,7 @@ impl Audit {
             Err(error) => AuditedBody::impossible(name, &[error]),
         };
         let names: Vec<String> = scene.bodies.iter().map(|body| body.name.clone()).collect();
-        let joints = scene.joints.iter().map(|joint| AuditedJoint::of(joint, &names)).collect();
+        let joints = AuditedJoint::all(&scene.joints, &[], &names);
         let bodies = scene.bodies.into_iter().map(audited).collect();
         Self { bodies, joints, notices: scene.notices, files: scene.files }
     }

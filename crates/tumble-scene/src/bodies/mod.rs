@@ -5,3 +5,4 @@ pub(crate) mod force;
 pub(crate) mod joint_options;
 pub(crate) mod scene_body;
 pub(crate) mod scene_joint;
+pub(crate) mod scene_joints;

@@ -3,10 +3,9 @@
 use glam::DVec3;
 use hecs::{Entity, EntityBuilder, World};
 use tumble::{Body, Collider};
-use tumble_import::{Appearance, FieldError, ImportedBody, ImportedCollider};
+use tumble_import::{Appearance, ImportedBody, ImportedCollider};
 
 use crate::bodies::force::Force;
-use crate::bodies::scene_joint::SceneJoint;
 
 /// A checked body, what it looks like, and its checked forces.
 #[derive(Clone, Debug)]
@@ -30,16 +29,9 @@ impl From<ImportedBody> for SceneBody {
 }
 
 impl SceneBody {
-    /// Spawns bodies and then the springs and joints between them, which find bodies by their index
-    /// among them, and gives the entities of the bodies.
-    ///
-    /// # Errors
-    /// [`FieldError`] where a joint cannot be made.
-    pub(crate) fn spawn_all<'a>(
-        bodies: impl IntoIterator<Item = &'a Self>,
-        joints: impl IntoIterator<Item = &'a SceneJoint>,
-        world: &mut World,
-    ) -> Result<Vec<Entity>, FieldError> {
+    /// Spawns bodies and then the springs between them, which find bodies by their index among
+    /// them, and gives the entities of the bodies.
+    pub(crate) fn spawn_all<'a>(bodies: impl IntoIterator<Item = &'a Self>, world: &mut World) -> Vec<Entity> {
         let spawned: Vec<(Entity, &Self)> = bodies.into_iter().map(|body| (body.spawn(world), body)).collect();
         for (entity, body) in &spawned {
             let springs = body.forces.iter().filter(|force| matches!(force, Force::Spring { .. }));
@@ -50,11 +42,7 @@ impl SceneBody {
                 }
             }
         }
-        let entities: Vec<Entity> = spawned.iter().map(|(entity, _)| *entity).collect();
-        for (index, joint) in joints.into_iter().enumerate() {
-            joint.spawn(&entities, world).map_err(|error| FieldError::new(format!("joints[{index}]"), error))?;
-        }
-        Ok(entities)
+        spawned.into_iter().map(|(entity, _)| entity).collect()
     }
 
     fn spawn(&self, world: &mut World) -> Entity {

@@ -12,8 +12,9 @@ use crate::model::scene_model::SceneModel;
 pub(crate) const STRESS: &str = "stress";
 
 /// Scenes, each with the source of its figures in the file.
-const FILES: [(&str, &str); 18] = [
+const FILES: [(&str, &str); 19] = [
     ("arm", include_str!("../../scenes/arm.json")),
+    ("clockwork", include_str!("../../scenes/clockwork.json")),
     ("crane", include_str!("../../scenes/crane.json")),
     ("drake-cylinder", include_str!("../../scenes/drake-cylinder.json")),
     ("foucault", include_str!("../../scenes/foucault.json")),
@@ -73,7 +74,7 @@ mod tests {
     #[test]
     fn the_names_are_sorted_and_complete() {
         let names: Vec<_> = builtin_names().collect();
-        let known = "arm bowling cradle crane dominoes drake-cylinder drum foucault gimbals heavy-chain hills iss \
+        let known = "arm bowling clockwork cradle crane dominoes drake-cylinder drum foucault gimbals heavy-chain hills iss \
                      mujoco-box pile pyramid raft ragdoll rope-bridge satellite skater solar-system spheres stress \
                      t-handle van-zon-top wall weighted-sphere windy-day";
         assert_eq!(names.join(" "), known);

@@ -1,6 +1,6 @@
 //! What a joint has beside its place, from its model: limits, drives, friction and breaking.
 
-use std::f64::consts::PI;
+use std::f64::consts::{PI, TAU};
 
 use tumble::math::Real;
 use tumble::{Axes, Breakable, Cone, Drive, Drives, Gain, JointFriction, Limit, Limits};
@@ -13,8 +13,8 @@ use crate::model::joint_options_model::{
 use crate::values::axes::named_axes;
 use crate::values::checked::{not_negative, number};
 
-/// Bounds of rotations may be a little more than pi, for it is rounded in files \[rad\].
-const MAX_ANGLE: f64 = PI + 1e-4;
+/// A range may be a little more than a turn, for pi is rounded in files \[rad\].
+const MAX_RANGE: f64 = TAU + 2e-4;
 
 /// The limits of a joint with these free axes.
 pub(crate) fn limits(model: &LimitsModel, free: Axes) -> Result<Limits, FieldError> {
@@ -27,8 +27,8 @@ pub(crate) fn limits(model: &LimitsModel, free: Axes) -> Result<Limits, FieldErr
         if free.contains(Axes::ANGULAR) && (axis == Axes::ANGULAR_Y || axis == Axes::ANGULAR_Z) {
             return Err(FieldError::new(name, "does nothing: of three free rotations it takes a cone"));
         }
-        let most = if Axes::ANGULAR.contains(axis) { MAX_ANGLE } else { f64::INFINITY };
-        *place = Some(limit(model, most).map_err(|error| error.inside(name))?);
+        let checked = if Axes::ANGULAR.contains(axis) { range_of_angles(model) } else { Ok(()) };
+        *place = Some(checked.and_then(|()| limit(model)).map_err(|error| error.inside(name))?);
     }
     if let Some(model) = distance {
         if !Axes::EACH[..3].iter().any(|axis| free.contains(*axis)) {
@@ -37,7 +37,7 @@ pub(crate) fn limits(model: &LimitsModel, free: Axes) -> Result<Limits, FieldErr
         for (field, bound) in [("distance.min", model.min), ("distance.max", model.max)] {
             bound.map(|bound| not_negative(field, bound)).transpose()?;
         }
-        limits.distance = Some(limit(model, f64::INFINITY).map_err(|error| error.inside("distance"))?);
+        limits.distance = Some(limit(model).map_err(|error| error.inside("distance"))?);
     }
     if let Some(model) = cone {
         if !free.contains(Axes::ANGULAR) {
@@ -106,17 +106,28 @@ fn check_free(name: &str, axis: Axes, free: Axes) -> Result<(), FieldError> {
     if free.contains(axis) { Ok(()) } else { Err(FieldError::new(name, "does nothing: the joint locks that axis")) }
 }
 
-/// A range of which neither bound is beyond `most` from zero.
-fn limit(model: &LimitModel, most: f64) -> Result<Limit, FieldError> {
+/// Refuses a range of angles that bounds nothing. A bound that is missing is half a turn.
+fn range_of_angles(model: &LimitModel) -> Result<(), FieldError> {
+    match (model.min, model.max) {
+        (Some(min), None) if min > PI => {
+            Err(FieldError::new("min", format!("is {}, more than pi: give max too", shortest(min))))
+        }
+        (None, Some(max)) if max < -PI => {
+            Err(FieldError::new("max", format!("is {}, less than -pi: give min too", shortest(max))))
+        }
+        (min, max) if max.unwrap_or(PI) - min.unwrap_or(-PI) > MAX_RANGE => {
+            Err(FieldError::new("", "is a range of more than a turn, which bounds nothing"))
+        }
+        _ => Ok(()),
+    }
+}
+
+fn limit(model: &LimitModel) -> Result<Limit, FieldError> {
     if model.min.is_none() && model.max.is_none() {
         return Err(FieldError::new("", "needs min or max"));
     }
     let bound = |field, value: Option<f64>, none| -> Result<Real, FieldError> {
         let Some(value) = value else { return Ok(none) };
-        if value.abs() > most {
-            let problem = format!("is an angle from -pi to pi, not {}: without one there is no bound", shortest(value));
-            return Err(FieldError::new(field, problem));
-        }
         number(field, value).map(real)
     };
     let min = bound("min", model.min, Real::NEG_INFINITY)?;

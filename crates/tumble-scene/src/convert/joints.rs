@@ -56,6 +56,7 @@ pub(crate) fn joint(model: &JointModel, find: &dyn Fn(&str) -> Option<usize>) ->
     let breakable = model.breaks.as_ref().map(|breaks| joint_options::breakable(breaks));
     let drives = (!model.drives.is_empty()).then(|| joint_options::drives(&model.drives, free));
     Ok(SceneJoint {
+        name: model.name.clone(),
         bodies,
         kind,
         at: real_vector(at),

@@ -2,6 +2,7 @@
 
 pub(crate) mod collider;
 pub(crate) mod forces;
+pub(crate) mod gears;
 pub(crate) mod ground;
 pub(crate) mod joint_options;
 pub(crate) mod joints;

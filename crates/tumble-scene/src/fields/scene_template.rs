@@ -7,7 +7,7 @@ use tumble::math::Real;
 use tumble_import::{FieldError, one_line, read_text};
 
 use crate::bodies::scene_body::SceneBody;
-use crate::bodies::scene_joint::SceneJoint;
+use crate::bodies::scene_joints::SceneJoints;
 use crate::builtin::contact_scenes;
 use crate::error::SceneError;
 use crate::fields::field_path::{FieldPath, Owner};
@@ -77,7 +77,7 @@ pub struct SceneTemplate {
     pub(crate) overrides: RunOverrides,
     pub(crate) model: SceneModel,
     pub(crate) bodies: Vec<SceneBody>,
-    pub(crate) joints: Vec<SceneJoint>,
+    pub(crate) joints: SceneJoints,
     hash: u64,
     files: Vec<PathBuf>,
 }

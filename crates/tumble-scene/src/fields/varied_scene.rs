@@ -8,6 +8,7 @@ use tumble_import::FieldError;
 
 use crate::bodies::scene_body::SceneBody;
 use crate::bodies::scene_joint::SceneJoint;
+use crate::bodies::scene_joints::SceneJoints;
 use crate::convert;
 use crate::convert::forces::Others;
 use crate::error::{SceneError, invalid};
@@ -41,7 +42,7 @@ pub struct VariedScene {
     /// The scene without its bodies.
     head: SceneModel,
     bodies: Vec<SceneBody>,
-    joints: Vec<SceneJoint>,
+    joints: SceneJoints,
     /// The bodies in which something varies, and those with a spring whose length that changes.
     varied_bodies: BTreeMap<usize, BodyModel>,
     /// The other bodies to which springs of those lead.
@@ -77,7 +78,7 @@ impl VariedScene {
         let SceneTemplate { origin, overrides, model, bodies, joints, .. } = template;
         let by_name = convert::indices(&model.bodies);
         let (varied_bodies, neighbours) = varied_bodies(&fields, &model.bodies, &by_name);
-        let (varied_joints, joint_ends) = varied_joints(&fields, &model.joints, &joints);
+        let (varied_joints, joint_ends) = varied_joints(&fields, &model.joints, &joints.joints);
         let head = model.head();
         Self {
             origin,
@@ -136,9 +137,10 @@ impl VariedScene {
             remade_joints.insert(index, joint.map_err(inside)?);
         }
         let mut world = World::new();
-        let joints = self.joints.iter().enumerate().map(|(index, joint)| remade_joints.get(&index).unwrap_or(joint));
         let bodies = self.bodies.iter().enumerate().map(|(index, body)| remade.get(&index).unwrap_or(body));
-        SceneBody::spawn_all(bodies, joints, &mut world).map_err(|error| invalid(file, None, error))?;
+        let bodies = SceneBody::spawn_all(bodies, &mut world);
+        let spawned = self.joints.spawn_with(&remade_joints, &bodies, &mut world);
+        spawned.map_err(|error| invalid(file, None, error))?;
         let refused = |error: SettingsError| invalid(file, None, FieldError::new(error.field(), error));
         let trial = Trial::new(settings, world).map_err(refused)?;
         Ok(VariedWorld { trial, steps })

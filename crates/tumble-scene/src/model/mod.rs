@@ -3,6 +3,7 @@
 pub(crate) mod collider_model;
 pub(crate) mod error_context;
 pub(crate) mod force_model;
+pub(crate) mod gear_model;
 pub(crate) mod joint_model;
 pub(crate) mod joint_options_model;
 pub(crate) mod mesh_shape;

@@ -11,6 +11,7 @@ use tumble_import::{MAX_HULL_POINTS, MAX_PARTS};
 use crate::limits::{MAX_BODIES, MAX_HEIGHTS};
 use crate::model::collider_model::ColliderModel;
 use crate::model::force_model::ForceModel;
+use crate::model::gear_model::GearModel;
 use crate::model::joint_model::JointModel;
 use crate::model::mesh_shape::Made;
 use crate::values::tuple::{List, Quadruple, Triple, Tuple};
@@ -33,6 +34,8 @@ pub(crate) struct SceneModel {
     pub(crate) bodies: Vec<BodyModel>,
     #[serde(default, deserialize_with = "joints")]
     pub(crate) joints: Vec<JointModel>,
+    #[serde(default, deserialize_with = "gears")]
+    pub(crate) gears: Vec<GearModel>,
     /// What is to be told of the meshes.
     #[serde(skip)]
     pub(crate) notices: Vec<String>,
@@ -218,6 +221,10 @@ fn bodies<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Vec<BodyModel>, 
 
 fn joints<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Vec<JointModel>, D::Error> {
     deserializer.deserialize_seq(List { exactly: None, at_most: MAX_BODIES, noun: "joints", of: PhantomData })
+}
+
+fn gears<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Vec<GearModel>, D::Error> {
+    deserializer.deserialize_seq(List { exactly: None, at_most: MAX_BODIES, noun: "gears", of: PhantomData })
 }
 
 fn parts<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Vec<PartModel>, D::Error> {

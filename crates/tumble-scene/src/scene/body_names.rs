@@ -20,7 +20,7 @@ use crate::convert;
 pub struct BodyNames {
     /// `None` where all are called by their number.
     pub(crate) given: Option<Vec<String>>,
-    /// The joints of a file of others, by name.
+    /// The joints that have a name.
     pub(crate) joints: Vec<(String, Entity)>,
 }
 
@@ -35,7 +35,7 @@ impl BodyNames {
         }
     }
 
-    /// The joint of this name in a glTF or URDF file, the first if there are more: to read its
+    /// The joint of this name, the first if there are more: to read its
     /// [`JointLoad`](tumble::JointLoad), or give it [`Drives`](tumble::Drives).
     ///
     /// ```

@@ -14,9 +14,9 @@ use tumble_import::{
     read_text,
 };
 
-use crate::bodies::file_joint::spawn_joints;
+use crate::bodies::file_joint::FileJoints;
 use crate::bodies::scene_body::SceneBody;
-use crate::bodies::scene_joint::SceneJoint;
+use crate::bodies::scene_joints::SceneJoints;
 use crate::builtin::stress::StressBodies;
 use crate::builtin::{builtin_names, contact_scenes, stress};
 use crate::convert::forces::Others;
@@ -72,7 +72,7 @@ pub struct Scene {
 
 #[derive(Clone, Debug)]
 enum Bodies {
-    Listed { bodies: Vec<SceneBody>, joints: Vec<SceneJoint>, file_joints: Vec<ImportedJoint>, names: Vec<String> },
+    Listed { bodies: Vec<SceneBody>, joints: SceneJoints, file_joints: FileJoints, names: Vec<String> },
     Stress { count: usize, seed: u64 },
 }
 
@@ -194,7 +194,8 @@ impl Scene {
 
     fn of_robot(mut robot: Robot, file: &str) -> Result<Self, SceneError> {
         let (name, notices) = (robot.name.take(), std::mem::take(&mut robot.notices));
-        let file_joints = std::mem::take(&mut robot.joints);
+        let file_joints =
+            FileJoints { joints: std::mem::take(&mut robot.joints), gears: std::mem::take(&mut robot.gears) };
         let (bodies, names) = robot.into_bodies(file)?;
         let bodies = bodies.into_iter().map(SceneBody::from).collect();
         Ok(Self {
@@ -207,7 +208,7 @@ impl Scene {
             notices,
             left_out: Vec::new(),
             files: Vec::new(),
-            bodies: Bodies::Listed { bodies, joints: Vec::new(), file_joints, names },
+            bodies: Bodies::Listed { bodies, joints: SceneJoints::default(), file_joints, names },
         })
     }
 
@@ -289,8 +290,8 @@ impl Scene {
         }
     }
 
-    /// Spawns the bodies, with their index as [`BodyId`](tumble::BodyId), and the springs and
-    /// joints between them, and gives their names.
+    /// Spawns the bodies, with their index as [`BodyId`](tumble::BodyId), and the springs, joints
+    /// and gears between them, and gives their names.
     ///
     /// # Errors
     /// [`SceneError::File`] if the generated scene made an impossible body, which its tests
@@ -298,9 +299,10 @@ impl Scene {
     pub fn spawn(self, world: &mut World) -> Result<BodyNames, SceneError> {
         match self.bodies {
             Bodies::Listed { bodies, joints, file_joints, names } => {
-                let entities = SceneBody::spawn_all(&bodies, &joints, world);
-                let entities = entities.map_err(|error| invalid(&self.origin, None, error))?;
-                Ok(BodyNames { given: Some(names), joints: spawn_joints(&file_joints, &entities, world) })
+                let entities = SceneBody::spawn_all(&bodies, world);
+                let mut named = joints.spawn(&entities, world).map_err(|error| invalid(&self.origin, None, error))?;
+                named.extend(file_joints.spawn(&entities, world));
+                Ok(BodyNames { given: Some(names), joints: named })
             }
             Bodies::Stress { count, seed } => {
                 for body in stress_bodies(count, seed) {
@@ -340,7 +342,8 @@ impl Scene {
             [Some(a), Some(b)] => Some(ImportedJoint { bodies: [a, b], ..joint }),
             _ => None,
         };
-        let file_joints = scene.joints.into_iter().filter_map(kept).collect();
+        let joints = scene.joints.into_iter().filter_map(kept).collect();
+        let file_joints = FileJoints { joints, gears: Vec::new() };
         Ok(Self {
             origin: file.to_owned(),
             name: scene.name,
@@ -351,7 +354,7 @@ impl Scene {
             notices,
             left_out,
             files: scene.files,
-            bodies: Bodies::Listed { bodies, joints: Vec::new(), file_joints, names },
+            bodies: Bodies::Listed { bodies, joints: SceneJoints::default(), file_joints, names },
         })
     }
 
@@ -366,10 +369,10 @@ impl Scene {
     }
 
     /// The bodies and joints of a scene that lists them.
-    pub(crate) fn into_bodies(self) -> (Vec<SceneBody>, Vec<SceneJoint>) {
+    pub(crate) fn into_bodies(self) -> (Vec<SceneBody>, SceneJoints) {
         match self.bodies {
             Bodies::Listed { bodies, joints, .. } => (bodies, joints),
-            Bodies::Stress { .. } => (Vec::new(), Vec::new()),
+            Bodies::Stress { .. } => (Vec::new(), SceneJoints::default()),
         }
     }
 
@@ -397,7 +400,7 @@ impl Scene {
         if let Some((index, error)) = duplicates(&names).into_iter().next() {
             return Err(invalid(file, Some((index, names.get(index).cloned())), error));
         }
-        let joints = convert::joints::joints(&model.joints, &names).map_err(|error| invalid(file, None, error))?;
+        let joints = convert::gears::joints_and_gears(model, &names).map_err(|error| invalid(file, None, error))?;
         Ok(Self {
             origin: file.to_owned(),
             name: model.name.clone(),
@@ -408,7 +411,7 @@ impl Scene {
             notices: model.notices.clone(),
             left_out: Vec::new(),
             files: model.files.clone(),
-            bodies: Bodies::Listed { bodies, joints, file_joints: Vec::new(), names },
+            bodies: Bodies::Listed { bodies, joints, file_joints: FileJoints::default(), names },
         })
     }
 }

@@ -11,8 +11,9 @@ use crate::math::Real;
 ///
 /// Values are those of [`JointLoad::values`](crate::JointLoad::values). The ratio of two rotations
 /// that go round and round has to be a fraction with a denominator of at most 64, as the numbers
-/// of teeth make it; any other is kept as a speed, and its position within the step only. While one
-/// of the joints does not act, neither does the gear.
+/// of teeth make it; any other is kept as a speed, and its position within the step only. A
+/// rotation with a limit of less than a turn does not go round, and may have any ratio: its angle
+/// is that within the limit. While one of the joints does not act, neither does the gear.
 ///
 /// ```
 /// use tumble::{Gear, Joint, prelude::*};

@@ -37,6 +37,8 @@ pub(crate) struct ListedGear {
     pub(crate) axes: [usize; 2],
     pub(crate) ratio: f64,
     pub(crate) offset: f64,
+    /// Of rotations that cannot go round, the middle of their range.
+    pub(crate) middles: [Option<f64>; 2],
 }
 
 /// The joints of a world whose bodies are there, in the order of their slots.
@@ -165,7 +167,7 @@ impl JointList {
 
     /// Lists the gears between joints that are listed, in the order of these.
     fn find_gears(&mut self) {
-        let Self { joints, all_gears, gears, numbers, .. } = self;
+        let Self { joints, options, all_gears, gears, numbers, .. } = self;
         gears.clear();
         if all_gears.is_empty() {
             return;
@@ -184,7 +186,12 @@ impl JointList {
                 && first != second
             {
                 let (ratio, offset) = (f64::from(gear.ratio), f64::from(gear.offset));
-                gears.push(ListedGear { joints: [first, second], axes: [a, b], ratio, offset });
+                let middles = [(first, a), (second, b)].map(|(number, axis)| {
+                    let options = &options[joints[number as usize].options? as usize];
+                    let [min, max] = options.limits.axes[axis].filter(|_| axis >= 3)?.bounds_of_angle()?;
+                    Some(0.5 * (min + max))
+                });
+                gears.push(ListedGear { joints: [first, second], axes: [a, b], ratio, offset, middles });
             }
         }
         let key = |gear: &ListedGear| (gear.joints, gear.axes, gear.ratio.to_bits(), gear.offset.to_bits());

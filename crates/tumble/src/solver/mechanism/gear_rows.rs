@@ -5,7 +5,7 @@ use std::f64::consts::TAU;
 use tumble_math::lane::Vec3;
 
 use crate::joints::joint_list::ListedGear;
-use crate::solver::mechanism::free_axis::FreeAxis;
+use crate::solver::mechanism::free_axis::{FreeAxis, wrapped};
 use crate::solver::mechanism::joint_rows::{JointRows, length};
 use crate::solver::mechanism::mechanism_body::MechanismBody;
 
@@ -18,6 +18,8 @@ pub(crate) struct GearRows {
     /// By joint, how much the row's error changes with its value.
     factors: [f64; 2],
     offset: f64,
+    /// By joint, the middle of the range in which its angle is, where it cannot go round.
+    middles: [Option<f64>; 2],
     /// By what the error may be off, as angles go round.
     period: f64,
     /// By joint, the directions in which its second body is pushed, times its factor.
@@ -38,6 +40,7 @@ impl GearRows {
                 .map(|axis| if axis < 3 { FreeAxis::Translation(axis) } else { FreeAxis::Rotation(axis - 3) }),
             factors: [0.0; 2],
             offset: 0.0,
+            middles: [None; 2],
             period: f64::INFINITY,
             linear: [zero; 2],
             angular: [zero; 2],
@@ -46,15 +49,17 @@ impl GearRows {
         it
     }
 
-    /// Takes over ratio and offset.
+    /// Takes over ratio, offset and ranges.
     pub(crate) fn take_numbers(&mut self, gear: &ListedGear) {
         self.factors = [-gear.ratio, 1.0];
         self.offset = gear.offset;
-        self.period = match self.axes.map(FreeAxis::is_linear) {
-            [true, true] => f64::INFINITY,
-            [true, false] => TAU,
-            [false, true] => TAU * gear.ratio.abs(),
-            [false, false] => {
+        self.middles = gear.middles;
+        let goes_round = [0, 1].map(|end| !self.axes[end].is_linear() && gear.middles[end].is_none());
+        self.period = match goes_round {
+            [false, false] => f64::INFINITY,
+            [false, true] => TAU,
+            [true, false] => TAU * gear.ratio.abs(),
+            [true, true] => {
                 let whole = |teeth: &u32| {
                     let product = gear.ratio * f64::from(*teeth);
                     (product - product.round()).abs() <= 1e-6 * product.abs()
@@ -79,7 +84,9 @@ impl GearRows {
     fn error(&self, bodies: &[MechanismBody]) -> f64 {
         let mut error = -self.offset;
         for end in 0..2 {
-            error += self.factors[end] * self.joints[end].direction(self.axes[end], bodies).value;
+            let value = self.joints[end].direction(self.axes[end], bodies).value;
+            let value = self.middles[end].map_or(value, |middle| middle + wrapped(value - middle));
+            error += self.factors[end] * value;
         }
         if self.period > 0.0 && self.period.is_finite() {
             error -= self.period * (error / self.period).round();
