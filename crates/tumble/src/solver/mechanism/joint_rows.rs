@@ -28,6 +28,8 @@ pub(crate) struct JointRows {
     pub(crate) bodies: [usize; 2],
     pub(crate) anchors: [Anchor; 2],
     pub(super) free: Axes,
+    /// Whether its rows are along the axes of the world, and all of it.
+    is_plain_ball: bool,
     /// Along what each row pushes, and about what it turns besides; world frame. Those of locked
     /// axes come first.
     pub(crate) linear: [Vec3<f64>; MAX_ROWS],
@@ -78,11 +80,17 @@ impl JointRows {
         let zero = Vec3::zero();
         let locked = 6 - free.count() as usize;
         let free_rows: Vec<_> = options.into_iter().flat_map(|it| free_axes(it, free)).map(FreeRow::new).collect();
+        let mut linear = [zero; MAX_ROWS];
+        let is_plain_ball = free == Axes::ANGULAR && free_rows.is_empty();
+        if is_plain_ball {
+            (0..3).for_each(|axis| linear[axis] = linear_axis(free, axis, &[zero; 3]));
+        }
         Self {
             bodies,
             anchors,
             free,
-            linear: [zero; MAX_ROWS],
+            is_plain_ball,
+            linear,
             angular: [zero; MAX_ROWS],
             count: locked + free_rows.len(),
             locked,
@@ -111,28 +119,33 @@ impl JointRows {
         self.bodies.into_iter().chain(more)
     }
 
-    /// Along what its rows push the bodies of both ends, or of the other two of a gear.
-    pub(crate) fn linear_of(&self, pair: usize) -> &[Vec3<f64>] {
-        self.gear.as_ref().map_or(&self.linear[..], |gear| &gear.linear[pair..])
-    }
-
-    pub(super) fn stance(&self, bodies: &[MechanismBody]) -> Stance {
-        let [a, b] = self.bodies.map(|body| &bodies[body]);
-        let arms = [a.orientation.rotate(self.anchors[0].position), b.orientation.rotate(self.anchors[1].position)];
-        let gap = (b.center - a.center) + (b.translation - a.translation) + (arms[1] - arms[0]);
-        if self.is_plain_ball() {
-            let none = [Vec3::zero(); 3];
-            return Stance { anchor_arms: arms, gap, orientations: [a.orientation, b.orientation], axes: [none; 2] };
-        }
-        self.turned_stance(bodies, arms, gap)
+    /// From each centre of mass to its anchor, and from the first anchor to the second.
+    #[inline(always)]
+    fn arms_and_gap(&self, bodies: &[MechanismBody]) -> ([Vec3<f64>; 2], Vec3<f64>) {
+        let (a, b) = (&bodies[self.bodies[0]], &bodies[self.bodies[1]]);
+        let first = a.orientation.rotate(self.anchors[0].position);
+        let second = b.orientation.rotate(self.anchors[1].position);
+        let gap = (b.center - a.center) + (b.translation - a.translation) + (second - first);
+        ([first, second], gap)
     }
 
     /// Whether its rows are along the axes of the world.
-    fn is_plain_ball(&self) -> bool {
-        self.free == Axes::ANGULAR && self.free_rows.is_empty()
+    #[inline(always)]
+    pub(crate) fn is_plain_ball(&self) -> bool {
+        self.is_plain_ball
     }
 
-    fn turned_stance(&self, bodies: &[MechanismBody], anchor_arms: [Vec3<f64>; 2], gap: Vec3<f64>) -> Stance {
+    /// What is left of the errors of a plain ball.
+    #[inline(always)]
+    pub(crate) fn ball_left(&self, bodies: &[MechanismBody]) -> Vec3<f64> {
+        let (_, gap) = self.arms_and_gap(bodies);
+        let [x, y, z, ..] = self.rounding;
+        let [p, q, r, ..] = self.wanted;
+        gap - Vec3::new(x, y, z) - Vec3::new(p, q, r)
+    }
+
+    pub(super) fn stance(&self, bodies: &[MechanismBody]) -> Stance {
+        let (anchor_arms, gap) = self.arms_and_gap(bodies);
         let [a, b] = self.bodies.map(|body| &bodies[body]);
         let orientations = [a.orientation * self.anchors[0].orientation, b.orientation * self.anchors[1].orientation];
         Stance { anchor_arms, gap, orientations, axes: orientations.map(Quat::axes) }
@@ -150,6 +163,13 @@ impl JointRows {
             self.errors = self.errors(bodies);
             return;
         }
+        if self.is_plain_ball {
+            let (anchor_arms, gap) = self.arms_and_gap(bodies);
+            self.set_arms(anchor_arms, gap, gap * 0.5);
+            let [x, y, z, ..] = self.rounding;
+            (self.errors[0], self.errors[1], self.errors[2]) = (gap.x - x, gap.y - y, gap.z - z);
+            return;
+        }
         let stance = self.stance(bodies);
         let [a, b] = stance.axes;
         let zero = Vec3::zero();
@@ -161,10 +181,7 @@ impl JointRows {
             locked_gap = locked_gap + along * along.dot(stance.gap);
             row += 1;
         }
-        let half = locked_gap * 0.5;
-        self.arms = [stance.anchor_arms[0] + stance.gap - half, stance.anchor_arms[1] - half];
-        self.arm_lengths = self.arms.map(length);
-        self.from_anchor = half * -1.0;
+        self.set_arms(stance.anchor_arms, stance.gap, locked_gap * 0.5);
         self.linear[row..self.locked].fill(zero);
         match Rotations::of(self.free) {
             Rotations::Locked => self.angular[row..row + 3].copy_from_slice(&a),
@@ -183,18 +200,19 @@ impl JointRows {
         self.errors = self.errors_of(&stance);
     }
 
+    /// Has both bodies pushed at a point that is half the locked gap from the second anchor.
+    #[inline(always)]
+    fn set_arms(&mut self, anchor_arms: [Vec3<f64>; 2], gap: Vec3<f64>, half: Vec3<f64>) {
+        self.arms = [anchor_arms[0] + gap - half, anchor_arms[1] - half];
+        self.arm_lengths = [length(self.arms[0]), length(self.arms[1])];
+        self.from_anchor = half * -1.0;
+    }
+
     /// The errors where the bodies are.
     pub(crate) fn errors(&self, bodies: &[MechanismBody]) -> [f64; MAX_ROWS] {
         if let Some(gear) = &self.gear {
             let mut errors = [0.0; MAX_ROWS];
             errors[0] = gear.error_since(self.rounding[0], bodies);
-            return errors;
-        }
-        if self.is_plain_ball() {
-            let gap = self.stance(bodies).gap;
-            let mut errors = [0.0; MAX_ROWS];
-            (errors[0], errors[1], errors[2]) =
-                (gap.x - self.rounding[0], gap.y - self.rounding[1], gap.z - self.rounding[2]);
             return errors;
         }
         self.errors_of(&self.stance(bodies))
@@ -305,8 +323,7 @@ impl JointRows {
 
     /// Where it stands along a free axis.
     pub(crate) fn direction(&self, axis: FreeAxis, bodies: &[MechanismBody]) -> Direction {
-        let Stance { anchor_arms, gap, .. } = self.stance(bodies);
-        axis.direction(&self.turned_stance(bodies, anchor_arms, gap), self.free, self.reference)
+        axis.direction(&self.stance(bodies), self.free, self.reference)
     }
 
     /// The impulse and the angular impulse on the second body of impulses along the rows.
@@ -325,9 +342,8 @@ impl JointRows {
     /// Where the second frame is against the first, along the axes of the first, and how fast it
     /// moves: translation \[m\], rotation vector \[rad\].
     pub(crate) fn values_and_speeds(&self, bodies: &[MechanismBody]) -> [[f64; 6]; 2] {
-        let Stance { gap, anchor_arms, .. } = self.stance(bodies);
-        let stance = self.turned_stance(bodies, anchor_arms, gap);
-        let [axes, of_second] = stance.axes;
+        let stance = self.stance(bodies);
+        let Stance { gap, anchor_arms, axes: [axes, of_second], .. } = stance;
         let turn = match Rotations::of(self.free) {
             Rotations::AboutBoth(i, j) => {
                 let q = relative_rotation(&stance);
