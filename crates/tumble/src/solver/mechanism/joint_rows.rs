@@ -275,8 +275,8 @@ impl JointRows {
 
     /// Sets what is left of the errors after a substep of `h` \[s\].
     pub(crate) fn plan_correction(&mut self, h: f64) {
-        let linear = self.linear_count();
-        for (row, (wanted, error)) in self.wanted.iter_mut().zip(&self.errors).enumerate() {
+        let linear = if self.is_plain_ball { 3 } else { self.linear_count() };
+        for (row, (wanted, error)) in self.wanted.iter_mut().zip(&self.errors).enumerate().take(self.locked) {
             let most = h * correction_speed(row < linear);
             *wanted = error - error.clamp(-most, most);
         }
@@ -293,6 +293,14 @@ impl JointRows {
     /// How fast each error grows by the velocities of the bodies.
     pub(crate) fn speeds(&self, bodies: &[MechanismBody]) -> [f64; MAX_ROWS] {
         self.speeds_by(|body| [bodies[body].linear_velocity(), bodies[body].angular_velocity()])
+    }
+
+    /// How fast the anchors of a plain ball part.
+    #[inline(always)]
+    pub(crate) fn velocity_apart(&self, bodies: &[MechanismBody]) -> Vec3<f64> {
+        let (a, b) = (&bodies[self.bodies[0]], &bodies[self.bodies[1]]);
+        (b.linear_velocity() + b.angular_velocity().cross(self.arms[1]))
+            - (a.linear_velocity() + a.angular_velocity().cross(self.arms[0]))
     }
 
     /// The same by linear and angular velocities of bodies.
@@ -327,10 +335,15 @@ impl JointRows {
     }
 
     /// The impulse and the angular impulse on the second body of impulses along the rows.
+    #[inline(always)]
     pub(crate) fn impulse(&self, along: &[f64]) -> [Vec3<f64>; 2] {
         if let (true, &[x, y, z]) = (self.is_plain_ball(), along) {
             return [Vec3::new(x, y, z), Vec3::zero()];
         }
+        self.impulse_of_rows(along)
+    }
+
+    fn impulse_of_rows(&self, along: &[f64]) -> [Vec3<f64>; 2] {
         let mut sum = [Vec3::zero(); 2];
         for (row, amount) in along.iter().enumerate() {
             sum[0] = sum[0] + self.linear[row] * *amount;

@@ -177,6 +177,9 @@ impl MechanismBody {
             // It changes nothing now, and nothing that is left of it will.
             load = 0.0;
         }
+        if load == 0.0 && self.load == 0.0 {
+            return;
+        }
         if load > self.load {
             self.slow_down(load);
         } else {
@@ -291,11 +294,6 @@ impl MechanismBody {
         }
         self.linear = self.linear * kept_linear + linear;
         self.angular = self.angular * kept_angular + angular;
-    }
-
-    /// Lets the inverse inertia follow the orientation.
-    pub(crate) fn end_drift(&mut self) {
-        self.update_inertia();
     }
 
     /// Whether every number of its state is one of the build.

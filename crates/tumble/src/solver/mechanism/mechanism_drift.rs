@@ -3,6 +3,7 @@
 use tumble_math::FreeRotation;
 use tumble_math::lane::{Quat, Vec3};
 
+use crate::integrators::state::Moments;
 use crate::simd::{Four, FourKernel, FourLane, dispatch_fours};
 use crate::solver::mechanism::mechanism_body::MechanismBody;
 
@@ -50,14 +51,10 @@ impl FourBodies {
         let h = T::splat(h);
         let [linear, angular] = [vector::<T>(&momenta[0]), vector::<T>(&momenta[1])];
         let translation = vector::<T>(&self.translation) + linear * T::load(&self.inverse_mass) * h;
-        let [x, y, z, w] = &self.orientation;
-        let orientation = Quat { x: T::load(x), y: T::load(y), z: T::load(z), w: T::load(w) };
         let (moments, inverses) = (vector::<T>(&self.moments), vector::<T>(&self.inverse_moments));
-        let turned = FreeRotation::new(moments, inverses, None, h).rotate(orientation, angular);
+        let turned = FreeRotation::new(moments, inverses, None, h).rotate(rotation(&self.orientation), angular);
         let (mut at, mut along) = ([[0.0; 4]; 3], [[0.0; 4]; 4]);
-        translation.x.store(&mut at[0]);
-        translation.y.store(&mut at[1]);
-        translation.z.store(&mut at[2]);
+        store(translation, &mut at);
         turned.x.store(&mut along[0]);
         turned.y.store(&mut along[1]);
         turned.z.store(&mut along[2]);
@@ -84,6 +81,40 @@ impl Drift {
     }
 }
 
+impl Drift {
+    /// Lets the inverse inertia of the bodies follow their orientations.
+    pub(crate) fn end(&self, bodies: &mut [MechanismBody]) {
+        dispatch_fours(End { drift: self, bodies });
+    }
+}
+
+struct End<'a> {
+    drift: &'a Drift,
+    bodies: &'a mut [MechanismBody],
+}
+
+impl FourKernel for End<'_> {
+    #[inline(always)]
+    fn run<T: FourLane>(self) {
+        for (four, bodies) in self.drift.fours.iter().zip(self.bodies.chunks_mut(4)) {
+            let mut orientation = FourBodies::NONE.orientation;
+            for (place, body) in bodies.iter().enumerate() {
+                let Quat { x, y, z, w } = body.orientation;
+                set(&mut orientation, place, [x, y, z, w]);
+            }
+            let inverse_moments = vector::<T>(&four.inverse_moments);
+            let moments = Moments { moments: inverse_moments, inverse_moments, axes: None };
+            let (diagonal, off_diagonal) = moments.inverse_in_world(rotation(&orientation));
+            let mut inertia = [[[0.0; 4]; 3]; 2];
+            store(diagonal, &mut inertia[0]);
+            store(off_diagonal, &mut inertia[1]);
+            for (place, body) in bodies.iter_mut().enumerate().filter(|(_, body)| body.turns) {
+                body.inverse_inertia = [at(&inertia[0], place), at(&inertia[1], place)];
+            }
+        }
+    }
+}
+
 struct Run<'a> {
     drift: &'a Drift,
     bodies: &'a mut [MechanismBody],
@@ -104,7 +135,7 @@ impl FourKernel for Run<'_> {
             }
             let (at, along) = four.drift::<T>(&momenta, h);
             for (place, body) in bodies.iter_mut().enumerate() {
-                body.translation = Vec3::new(at[0][place], at[1][place], at[2][place]);
+                body.translation = self::at(&at, place);
                 if body.turns {
                     let [x, y, z, w] = along;
                     body.orientation = Quat { x: x[place], y: y[place], z: z[place], w: w[place] };
@@ -130,6 +161,24 @@ fn set<const N: usize>(numbers: &mut [Four; N], place: usize, values: [f64; N]) 
 #[inline(always)]
 fn vector<T: FourLane>([x, y, z]: &[Four; 3]) -> Vec3<T> {
     Vec3::new(T::load(x), T::load(y), T::load(z))
+}
+
+#[inline(always)]
+fn store<T: FourLane>(v: Vec3<T>, [x, y, z]: &mut [Four; 3]) {
+    v.x.store(x);
+    v.y.store(y);
+    v.z.store(z);
+}
+
+#[inline(always)]
+fn rotation<T: FourLane>([x, y, z, w]: &[Four; 4]) -> Quat<T> {
+    Quat { x: T::load(x), y: T::load(y), z: T::load(z), w: T::load(w) }
+}
+
+/// Of one body.
+#[inline(always)]
+fn at([x, y, z]: &[Four; 3], place: usize) -> Vec3<f64> {
+    Vec3::new(x[place], y[place], z[place])
 }
 
 #[inline(always)]

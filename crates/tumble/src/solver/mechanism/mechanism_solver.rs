@@ -2,6 +2,7 @@
 
 use tumble_math::lane::Vec3;
 
+use crate::math::Real;
 use crate::simd::Four;
 use crate::solver::mechanism::block_ldl::BlockLdl;
 use crate::solver::mechanism::free_row::Phase;
@@ -27,6 +28,9 @@ pub(crate) struct MechanismSolver {
     pub(super) right: Vec<Four>,
     /// The solution before.
     last: Vec<Four>,
+    /// By row, what the bodies' paths bend by in a substep as a speed: what solutions after the
+    /// first of the last substep took out.
+    bend: Vec<Four>,
     drift: Drift,
     /// By body, memory of a product with the matrix.
     velocities: Vec<[Vec3<f64>; 2]>,
@@ -51,8 +55,9 @@ pub(crate) struct Half {
 const MAX_SOLUTIONS: u32 = 4;
 /// The same where bodies went past a bound with the first of them.
 const MAX_SOLUTIONS_AT_BOUNDS: u32 = 8;
-/// The errors at which impulses are accepted: of the size of the arms, and \[rad\].
-const TOLERANCE: f64 = 1e-10;
+/// The errors at which impulses are accepted: of the size of the arms, and \[rad\]. In single
+/// precision a tenth of the rounding of the state.
+const TOLERANCE: f64 = if size_of::<Real>() == size_of::<f64>() { 1e-10 } else { 1.2e-8 };
 /// Solutions before the first of these, with more inertia each, at most.
 const MAX_RAISES: u32 = 3;
 /// Solutions in which rows along free axes change between parts of their laws, at most.
@@ -74,6 +79,7 @@ impl MechanismSolver {
             impulses: vec![[0.0; 4]; matrix.len()],
             right: vec![[0.0; 4]; matrix.len()],
             last: vec![[0.0; 4]; matrix.len()],
+            bend: vec![[0.0; 4]; matrix.len()],
             pulls: vec![0.0; moves.len()],
             response: vec![[0.0; 4]; matrix.len()],
             is_first: false,
@@ -93,6 +99,7 @@ impl MechanismSolver {
         let Self { joints, bodies, .. } = self;
         joints.iter_mut().for_each(|joint| joint.begin_step(bodies));
         self.is_first = true;
+        self.bend.fill([0.0; 4]);
         if self.has_free_rows {
             self.update_rows();
             self.find_masses();
@@ -186,12 +193,19 @@ impl MechanismSolver {
             if solution == most || (left <= TOLERANCE && !meets_bounds) {
                 break;
             }
+            self.note_bend();
             worst = if meets_bounds { f64::INFINITY } else { left };
             solution += 1;
         }
         self.note_springs();
-        self.bodies.iter_mut().for_each(MechanismBody::end_drift);
+        self.drift.end(&mut self.bodies);
         self.note_impulses(true);
+    }
+
+    /// Adds what is left of the errors, on the right side, to the bend.
+    fn note_bend(&mut self) {
+        let (bend, right) = (self.bend.as_flattened_mut(), self.right.as_flattened());
+        bend.iter_mut().zip(right).for_each(|(bend, right)| *bend += right);
     }
 
     /// Adds the solution on the right side, or takes it back.
@@ -257,13 +271,26 @@ impl MechanismSolver {
     /// Makes the right side of what the rows' speeds are to become: zero, or what the law of a free
     /// axis says, and beside it what takes the errors out at a rate [1/s].
     fn set_right_side(&mut self, rate: f64) {
-        let Self { joints, bodies, matrix, right, .. } = self;
+        let Self { joints, bodies, matrix, right, bend, .. } = self;
+        let (right, bend) = (right.as_flattened_mut(), bend.as_flattened());
         for (number, joint) in joints.iter().enumerate() {
+            let begin = matrix.place(number);
+            if joint.is_plain_ball() {
+                let bend = if rate == 0.0 { Vec3::zero() } else { triple(&bend[begin..]) };
+                let errors = (triple(&joint.errors) - triple(&joint.wanted)) * rate;
+                let Vec3 { x, y, z } = bend - (joint.velocity_apart(bodies) + errors);
+                right[begin..begin + 3].copy_from_slice(&[x, y, z]);
+                continue;
+            }
             let speeds = joint.speeds(bodies);
-            let right = &mut right.as_flattened_mut()[matrix.place(number)..][..joint.count];
+            let right = &mut right[begin..][..joint.count];
             for row in 0..joint.count {
                 let correction = (joint.errors[row] - joint.wanted[row]) * rate;
                 right[row] = -(speeds[row] + correction);
+            }
+            if rate != 0.0 {
+                let bend = &bend[begin..];
+                right.iter_mut().zip(bend).take(joint.locked).for_each(|(right, bend)| *right += bend);
             }
             for (right, row) in right[joint.locked..].iter_mut().zip(&joint.free_rows) {
                 *right = if row.constant.is_some() { 0.0 } else { *right - row.bias };
@@ -423,6 +450,13 @@ impl MechanismSolver {
     pub(crate) fn update_rows(&mut self) {
         let Self { joints, bodies, .. } = self;
         joints.iter_mut().for_each(|joint| joint.update(bodies));
+    }
+}
+
+fn triple(numbers: &[f64]) -> Vec3<f64> {
+    match *numbers {
+        [x, y, z, ..] => Vec3::new(x, y, z),
+        _ => Vec3::zero(),
     }
 }
 
