@@ -28,7 +28,10 @@ pub(crate) struct JointRows {
     pub(crate) bodies: [usize; 2],
     pub(crate) anchors: [Anchor; 2],
     pub(super) free: Axes,
-    /// Whether its rows are along the axes of the world, and all of it.
+    /// Whether all translations are locked: then these are its first rows, along the axes of the
+    /// world, and no other has a linear part.
+    is_pinned: bool,
+    /// Whether that is all of it.
     is_plain_ball: bool,
     /// Along what each row pushes, and about what it turns besides; world frame. Those of locked
     /// axes come first.
@@ -81,14 +84,17 @@ impl JointRows {
         let locked = 6 - free.count() as usize;
         let free_rows: Vec<_> = options.into_iter().flat_map(|it| free_axes(it, free)).map(FreeRow::new).collect();
         let mut linear = [zero; MAX_ROWS];
+        let has_distance = free_rows.iter().any(|row| matches!(row.axis, FreeAxis::Distance));
+        let is_pinned = !(free.has(0) || free.has(1) || free.has(2) || has_distance);
         let is_plain_ball = free == Axes::ANGULAR && free_rows.is_empty();
-        if is_plain_ball {
+        if is_pinned {
             (0..3).for_each(|axis| linear[axis] = linear_axis(free, axis, &[zero; 3]));
         }
         Self {
             bodies,
             anchors,
             free,
+            is_pinned,
             is_plain_ball,
             linear,
             angular: [zero; MAX_ROWS],
@@ -129,10 +135,23 @@ impl JointRows {
         ([first, second], gap)
     }
 
+    /// How its frames are turned.
+    #[inline(always)]
+    fn orientations(&self, bodies: &[MechanismBody]) -> [Quat<f64>; 2] {
+        let (a, b) = (&bodies[self.bodies[0]], &bodies[self.bodies[1]]);
+        [a.orientation * self.anchors[0].orientation, b.orientation * self.anchors[1].orientation]
+    }
+
     /// Whether its rows are along the axes of the world.
     #[inline(always)]
     pub(crate) fn is_plain_ball(&self) -> bool {
         self.is_plain_ball
+    }
+
+    /// Whether all its translations are locked.
+    #[inline(always)]
+    pub(crate) fn is_pinned(&self) -> bool {
+        self.is_pinned
     }
 
     /// What is left of the errors of a plain ball.
@@ -146,8 +165,7 @@ impl JointRows {
 
     pub(super) fn stance(&self, bodies: &[MechanismBody]) -> Stance {
         let (anchor_arms, gap) = self.arms_and_gap(bodies);
-        let [a, b] = self.bodies.map(|body| &bodies[body]);
-        let orientations = [a.orientation * self.anchors[0].orientation, b.orientation * self.anchors[1].orientation];
+        let orientations = self.orientations(bodies);
         Stance { anchor_arms, gap, orientations, axes: orientations.map(Quat::axes) }
     }
 
@@ -163,15 +181,18 @@ impl JointRows {
             self.errors = self.errors(bodies);
             return;
         }
-        if self.is_plain_ball {
+        if self.is_pinned && self.free_rows.is_empty() {
             let (anchor_arms, gap) = self.arms_and_gap(bodies);
             self.set_arms(anchor_arms, gap, gap * 0.5);
-            let [x, y, z, ..] = self.rounding;
-            (self.errors[0], self.errors[1], self.errors[2]) = (gap.x - x, gap.y - y, gap.z - z);
+            if !self.is_plain_ball {
+                let [first, second] = self.orientations(bodies);
+                self.set_rotations([first.axes(), second.axes()], 3);
+            }
+            self.errors = self.pinned_errors(bodies, gap);
             return;
         }
         let stance = self.stance(bodies);
-        let [a, b] = stance.axes;
+        let [a, _] = stance.axes;
         let zero = Vec3::zero();
         let mut row = 0;
         let mut locked_gap = zero;
@@ -183,6 +204,19 @@ impl JointRows {
         }
         self.set_arms(stance.anchor_arms, stance.gap, locked_gap * 0.5);
         self.linear[row..self.locked].fill(zero);
+        self.set_rotations(stance.axes, row);
+        let Self { free_rows, linear, angular, locked, free, reference, .. } = self;
+        for (row, it) in (*locked..).zip(free_rows) {
+            let direction = it.axis.direction(&stance, *free, *reference);
+            (linear[row], angular[row]) = (direction.linear, direction.angular);
+            it.value = direction.value;
+        }
+        self.errors = self.errors_of(&stance);
+    }
+
+    /// Sets about what rows of locked rotations turn, from a row on.
+    #[inline(always)]
+    fn set_rotations(&mut self, [a, b]: [[Vec3<f64>; 3]; 2], row: usize) {
         match Rotations::of(self.free) {
             Rotations::Locked => self.angular[row..row + 3].copy_from_slice(&a),
             Rotations::About(k) => {
@@ -191,13 +225,6 @@ impl JointRows {
             Rotations::AboutBoth(i, j) => self.angular[row] = b[j].cross(a[i]),
             Rotations::Free => {}
         }
-        let Self { free_rows, linear, angular, locked, free, reference, .. } = self;
-        for (row, it) in (*locked..).zip(free_rows) {
-            let direction = it.axis.direction(&stance, *free, *reference);
-            (linear[row], angular[row]) = (direction.linear, direction.angular);
-            it.value = direction.value;
-        }
-        self.errors = self.errors_of(&stance);
     }
 
     /// Has both bodies pushed at a point that is half the locked gap from the second anchor.
@@ -209,7 +236,32 @@ impl JointRows {
     }
 
     /// The errors where the bodies are.
+    #[inline(always)]
     pub(crate) fn errors(&self, bodies: &[MechanismBody]) -> [f64; MAX_ROWS] {
+        if self.is_pinned && self.free_rows.is_empty() {
+            return self.pinned_errors(bodies, self.arms_and_gap(bodies).1);
+        }
+        self.other_errors(bodies)
+    }
+
+    /// The same of a pinned joint along whose free axes nothing acts, where this is its gap.
+    #[inline(always)]
+    fn pinned_errors(&self, bodies: &[MechanismBody], gap: Vec3<f64>) -> [f64; MAX_ROWS] {
+        let mut errors = [0.0; MAX_ROWS];
+        let rounding = &self.rounding;
+        (errors[0], errors[1], errors[2]) = (gap.x - rounding[0], gap.y - rounding[1], gap.z - rounding[2]);
+        if !self.is_plain_ball {
+            let [first, second] = self.orientations(bodies);
+            let rotations = self.rotation_errors(first.conjugate() * second);
+            for (row, error) in (3..self.locked).zip(rotations) {
+                errors[row] = error - rounding[row];
+            }
+        }
+        errors
+    }
+
+    /// The same of other joints and gears.
+    fn other_errors(&self, bodies: &[MechanismBody]) -> [f64; MAX_ROWS] {
         if let Some(gear) = &self.gear {
             let mut errors = [0.0; MAX_ROWS];
             errors[0] = gear.error_since(self.rounding[0], bodies);
@@ -218,28 +270,37 @@ impl JointRows {
         self.errors_of(&self.stance(bodies))
     }
 
-    fn errors_of(&self, stance: &Stance) -> [f64; MAX_ROWS] {
-        let mut errors = [0.0; MAX_ROWS];
-        let [a, b] = &stance.axes;
-        let mut row = 0;
-        for axis in (0..3).filter(|axis| !self.free.has(*axis)) {
-            errors[row] = stance.gap.dot(linear_axis(self.free, axis, a));
-            row += 1;
-        }
+    /// Errors of the locked rotations where the second frame is turned like this against the first.
+    #[inline(always)]
+    fn rotation_errors(&self, turned: Quat<f64>) -> [f64; 3] {
+        let (v, w) = ([turned.x, turned.y, turned.z], turned.w);
+        // Axes of the second frame along those of the first, but for cosines of the whole.
+        let rises = |i: usize, k: usize, j: usize| 2.0 * (v[i] * v[k] + w * v[j]);
+        let falls = |i: usize, k: usize, j: usize| 2.0 * (v[i] * v[k] - w * v[j]);
         match Rotations::of(self.free) {
             Rotations::Locked => {
-                let q = stance.orientations[0].conjugate() * stance.orientations[1];
-                let twice = if q.w < 0.0 { -2.0 } else { 2.0 };
-                errors[row..row + 3].copy_from_slice(&[q.x * twice, q.y * twice, q.z * twice]);
+                let twice = if w < 0.0 { -2.0 } else { 2.0 };
+                v.map(|component| component * twice)
             }
-            Rotations::About(k) => {
-                let bent = a[k].cross(b[k]);
-                errors[row] = bent.dot(a[(k + 1) % 3]);
-                errors[row + 1] = bent.dot(a[(k + 2) % 3]);
-            }
-            Rotations::AboutBoth(i, j) => errors[row] = a[i].dot(b[j]),
-            Rotations::Free => {}
+            Rotations::About(0) => [-falls(2, 0, 1), rises(1, 0, 2), 0.0],
+            Rotations::About(1) => [-falls(0, 1, 2), rises(2, 1, 0), 0.0],
+            Rotations::About(_) => [-falls(1, 2, 0), rises(0, 2, 1), 0.0],
+            Rotations::AboutBoth(0, 2) => [rises(0, 2, 1), 0.0, 0.0],
+            Rotations::AboutBoth(0, _) => [falls(0, 1, 2), 0.0, 0.0],
+            Rotations::AboutBoth(..) => [falls(1, 2, 0), 0.0, 0.0],
+            Rotations::Free => [0.0; 3],
         }
+    }
+
+    fn errors_of(&self, stance: &Stance) -> [f64; MAX_ROWS] {
+        let mut errors = [0.0; MAX_ROWS];
+        let mut row = 0;
+        for axis in (0..3).filter(|axis| !self.free.has(*axis)) {
+            errors[row] = stance.gap.dot(linear_axis(self.free, axis, &stance.axes[0]));
+            row += 1;
+        }
+        let rotations = self.rotation_errors(stance.orientations[0].conjugate() * stance.orientations[1]);
+        errors[row..self.locked].iter_mut().zip(rotations).for_each(|(error, rotation)| *error = rotation);
         for (error, rounding) in errors.iter_mut().zip(&self.rounding) {
             *error -= rounding;
         }
@@ -316,7 +377,12 @@ impl JointRows {
             (speeds[0], speeds[1], speeds[2]) = (apart.x, apart.y, apart.z);
             return speeds;
         }
-        for (row, speed) in speeds.iter_mut().enumerate().take(self.count) {
+        let mut first = 0;
+        if self.is_pinned {
+            (speeds[0], speeds[1], speeds[2]) = (apart.x, apart.y, apart.z);
+            first = 3;
+        }
+        for (row, speed) in speeds.iter_mut().enumerate().take(self.count).skip(first) {
             *speed = self.linear[row].dot(apart) + self.angular[row].dot(turn);
         }
         speeds
@@ -345,6 +411,12 @@ impl JointRows {
 
     fn impulse_of_rows(&self, along: &[f64]) -> [Vec3<f64>; 2] {
         let mut sum = [Vec3::zero(); 2];
+        if let (true, &[x, y, z, ..]) = (self.is_pinned, along) {
+            sum[0] = Vec3::new(x, y, z);
+            let rows = self.angular.iter().zip(along).skip(3);
+            rows.for_each(|(angular, amount)| sum[1] = sum[1] + *angular * *amount);
+            return sum;
+        }
         for (row, amount) in along.iter().enumerate() {
             sum[0] = sum[0] + self.linear[row] * *amount;
             sum[1] = sum[1] + self.angular[row] * *amount;

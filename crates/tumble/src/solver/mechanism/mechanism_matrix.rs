@@ -4,7 +4,7 @@ use tumble_math::lane::Vec3;
 
 use crate::integrators::derived::symmetric_product;
 use crate::simd::{Four, FourKernel, FourLane, dispatch_fours};
-use crate::solver::mechanism::block_ldl::{BlockLdl, MAX_ROWS, ends, fours, sized};
+use crate::solver::mechanism::block_ldl::{BlockLdl, ends, fours, sized};
 use crate::solver::mechanism::elimination::Elimination;
 use crate::solver::mechanism::joint_rows::JointRows;
 use crate::solver::mechanism::mechanism_body::MechanismBody;
@@ -24,6 +24,8 @@ pub(crate) struct Coupling {
     of_column: [u32; 2],
     /// Negative where one pushes the body and the other pulls.
     sign: f64,
+    /// Whether there is something in the block already.
+    adds: bool,
 }
 
 /// What one newton second along a row turns a body by: angular impulse, and angular velocity.
@@ -38,22 +40,22 @@ pub(crate) fn turning(body: &MechanismBody, arm: Vec3<f64>, linear: Vec3<f64>, a
 pub(crate) struct RowColumns {
     /// By joint, where its numbers begin; and where the last ones end.
     starts: Vec<usize>,
-    /// Of each joint the directions, and at either end the angular impulses and the angular
-    /// velocities: vectors of three columns each. A gear has that of both its pairs of bodies.
-    /// Directions of balls are set when these are made.
+    /// Of each joint the directions, linear and angular, and at either end the angular impulses and
+    /// the angular velocities: vectors of three columns each. A gear has that of both its pairs of
+    /// bodies. What is the same in every substep is set when these are made.
     columns: Vec<Four>,
 }
 
-/// Vectors for each row: a direction, and two at either end.
-const VECTORS: usize = 5;
+/// Vectors for each row: two of its direction, and two at either end.
+const VECTORS: usize = 6;
 
 impl RowColumns {
     pub(super) fn new(joints: &[JointRows]) -> Self {
         let pairs = |joint: &JointRows| if joint.gear.is_some() { 2 } else { 1 };
         let starts = ends(joints.iter().map(|joint| pairs(joint) * VECTORS * 3 * fours(joint.count)));
         let mut columns = vec![[0.0; 4]; starts.last().copied().unwrap_or(0)];
-        for (start, _) in starts.iter().zip(joints).filter(|(_, joint)| joint.is_plain_ball()) {
-            (0..3).for_each(|axis| columns[start + axis][axis] = 1.0);
+        for (start, joint) in starts.iter().zip(joints).filter(|(_, joint)| joint.is_pinned()) {
+            (0..3).for_each(|axis| columns[start + axis * fours(joint.count)][axis] = 1.0);
         }
         Self { starts, columns }
     }
@@ -62,7 +64,7 @@ impl RowColumns {
     /// angular velocities there, for rows that take this many fours.
     fn places(&self, joint: usize, end: usize, width: usize) -> [u32; 3] {
         let begin = self.starts[joint] + end / 2 * VECTORS * 3 * width;
-        [0, 1 + 2 * (end % 2), 2 + 2 * (end % 2)].map(|vector| (begin + vector * 3 * width) as u32)
+        [0, 2 + 2 * (end % 2), 3 + 2 * (end % 2)].map(|vector| (begin + vector * 3 * width) as u32)
     }
 }
 
@@ -83,17 +85,19 @@ pub(crate) fn arranged(joints: &[JointRows], moves: &[bool]) -> (BlockLdl, Vec<u
     (BlockLdl::new(elimination, sizes), order)
 }
 
-/// The bodies that joints share, of joints in the order of a matrix.
+/// The bodies that joints share, of joints in the order of a matrix, and the blocks of joints that
+/// share none.
 pub(crate) fn couplings(
     joints: &[JointRows],
     moves: &[bool],
     matrix: &BlockLdl,
     columns: &RowColumns,
-) -> Vec<Coupling> {
-    let mut couplings = Vec::new();
+) -> (Vec<Coupling>, Vec<usize>) {
+    let mut couplings: Vec<Coupling> = Vec::new();
+    let mut filled = Vec::new();
     for (row, first) in joints.iter().enumerate() {
         for block in matrix.elimination.blocks_of(row) {
-            let column = matrix.elimination.columns[block] as usize;
+            let (column, count) = (matrix.elimination.columns[block] as usize, couplings.len());
             let second = &joints[column];
             for (a, body) in first.ends().enumerate().filter(|(_, body)| moves[*body]) {
                 for (b, _) in second.ends().enumerate().filter(|(_, other)| *other == body) {
@@ -106,12 +110,16 @@ pub(crate) fn couplings(
                         of_row: [of_row, torque],
                         of_column: [of_column, response],
                         sign: SIGNS[a % 2] * SIGNS[b % 2],
+                        adds: couplings.len() > count,
                     });
                 }
             }
+            if couplings.len() == count {
+                filled.push(block);
+            }
         }
     }
-    couplings
+    (couplings, filled)
 }
 
 impl MechanismSolver {
@@ -123,8 +131,8 @@ impl MechanismSolver {
     #[inline(always)]
     fn assemble<T: FourLane>(&mut self) {
         self.assemble_diagonal::<T>();
-        let Self { joints, bodies, matrix, couplings, columns, .. } = self;
-        matrix.clear();
+        let Self { joints, bodies, matrix, couplings, filled, columns, .. } = self;
+        filled.iter().for_each(|block| matrix.clear(*block));
         let (blocks, columns) = (matrix.blocks_mut(), &columns.columns[..]);
         for coupling in &*couplings {
             let (row, column) = (&joints[coupling.joints[0] as usize], &joints[coupling.joints[1] as usize]);
@@ -133,7 +141,7 @@ impl MechanismSolver {
             let numbers = &mut blocks[coupling.block as usize..];
             let of_row = coupling.of_row.map(|start| &columns[start as usize..]);
             let of_column = coupling.of_column.map(|start| &columns[start as usize..]);
-            sized!(add_coupling(of_row, of_column, factors, numbers; [row.count, column.count]));
+            sized!(add_coupling(of_row, of_column, (factors, coupling.adds), numbers; [row.count, column.count]));
             if !(row.free_rows.is_empty() && column.free_rows.is_empty()) {
                 for place in 0..row.count * column.count {
                     let (i, j) = (place / column.count, place % column.count);
@@ -156,9 +164,6 @@ impl MechanismSolver {
             }
             let (n, diagonal) = (joint.count, matrix.diagonal_mut(number));
             match n {
-                3 if joint.is_plain_ball() => {
-                    set_diagonal_by::<T>(joint, bodies, columns, diagonal, &[[0.0; 4]; 3], 3);
-                }
                 3 => set_diagonal::<T>(joint, bodies, columns, diagonal, 3),
                 5 => set_diagonal::<T>(joint, bodies, columns, diagonal, 5),
                 6 => set_diagonal::<T>(joint, bodies, columns, diagonal, 6),
@@ -190,13 +195,13 @@ impl FourKernel for Factor<'_> {
     }
 }
 
-/// Adds what a body does that two joints share, of `n` and `m` rows: `factors` are of the linear
-/// and of the angular part.
+/// Sets or adds what a body does that two joints share, of `n` and `m` rows: `factors` are of the
+/// linear and of the angular part.
 #[inline(always)]
 fn add_coupling<T: FourLane>(
     of_row: [&[Four]; 2],
     of_column: [&[Four]; 2],
-    factors: [f64; 2],
+    (factors, adds): ([f64; 2], bool),
     numbers: &mut [Four],
     [n, m]: [usize; 2],
 ) {
@@ -209,7 +214,8 @@ fn add_coupling<T: FourLane>(
         for j in 0..v {
             let sum = inverse_mass * row_by_columns::<T>(linear, i, w, linear_column, j, v)
                 + sign * row_by_columns::<T>(torque, i, w, response, j, v);
-            (T::load(&numbers[i * v + j]) + sum).store(&mut numbers[i * v + j]);
+            let sum = if adds { T::load(&numbers[i * v + j]) + sum } else { sum };
+            sum.store(&mut numbers[i * v + j]);
         }
     }
 }
@@ -234,30 +240,16 @@ fn set_diagonal<T: FourLane>(
 ) {
     let w = fours(n);
     let (columns, diagonal) = (&mut columns[..VECTORS * 3 * w], &mut diagonal[..n * w]);
-    let mut angular = [[0.0; 4]; 3 * fours(MAX_ROWS)];
-    for row in 0..n {
-        let (along, about) = (joint.linear[row], joint.angular[row]);
-        (columns[row / 4][row % 4], angular[row / 4][row % 4]) = (along.x, about.x);
-        (columns[w + row / 4][row % 4], angular[w + row / 4][row % 4]) = (along.y, about.y);
-        (columns[2 * w + row / 4][row % 4], angular[2 * w + row / 4][row % 4]) = (along.z, about.z);
+    let (directions, turning) = columns.split_at_mut(6 * w);
+    // The first rows of a pinned joint are always the same.
+    let rows = joint.linear[..n].iter().zip(&joint.angular[..n]).enumerate();
+    for (row, (along, about)) in rows.skip(if joint.is_pinned() { 3 } else { 0 }) {
+        let numbers = [along.x, along.y, along.z, about.x, about.y, about.z];
+        for (axis, number) in numbers.into_iter().enumerate() {
+            directions[axis * w + row / 4][row % 4] = number;
+        }
     }
-    set_diagonal_by::<T>(joint, bodies, columns, diagonal, &angular, n);
-}
-
-/// The same where directions are set, of which the `angular` part is in columns.
-#[inline(always)]
-fn set_diagonal_by<T: FourLane>(
-    joint: &JointRows,
-    bodies: &[MechanismBody],
-    columns: &mut [Four],
-    diagonal: &mut [Four],
-    angular: &[Four],
-    n: usize,
-) {
-    let w = fours(n);
-    let (columns, diagonal) = (&mut columns[..VECTORS * 3 * w], &mut diagonal[..n * w]);
-    let angular = &angular[..3 * w];
-    let (linear, turning) = columns.split_at_mut(3 * w);
+    let (linear, angular) = directions.split_at(3 * w);
     for (end, turning) in turning.chunks_exact_mut(6 * w).enumerate() {
         let body = &bodies[joint.bodies[end]];
         let arm = lanes::<T>(joint.arms[end]);
@@ -305,7 +297,7 @@ fn of_gear(joint: &JointRows, bodies: &[MechanismBody], columns: &mut [Four]) ->
             turnings[2 * pair + end] = turning(body, of_pair.arms[end], linear, gear.angular[pair]);
         }
         let [first, second] = [turnings[2 * pair], turnings[2 * pair + 1]];
-        let vectors = [linear, first[0], first[1], second[0], second[1]];
+        let vectors = [linear, gear.angular[pair], first[0], first[1], second[0], second[1]];
         for (of_vector, v) in columns[3 * VECTORS * pair..].chunks_exact_mut(3).zip(vectors) {
             (of_vector[0][0], of_vector[1][0], of_vector[2][0]) = (v.x, v.y, v.z);
         }

@@ -19,6 +19,8 @@ pub(crate) struct MechanismSolver {
     pub(crate) joints: Vec<JointRows>,
     pub(super) matrix: BlockLdl,
     pub(super) couplings: Vec<Coupling>,
+    /// Blocks of joints that share no body.
+    pub(super) filled: Vec<usize>,
     /// By joint, what it has done since the step began: impulse \[N s\] on the second body, and
     /// angular impulse about its anchor [N m s].
     pub(crate) done: Vec<[Vec3<f64>; 2]>,
@@ -72,7 +74,7 @@ impl MechanismSolver {
         let (matrix, order) = arranged(joints, moves);
         let ordered: Vec<_> = order.iter().map(|joint| joints[*joint as usize].clone()).collect();
         let columns = RowColumns::new(&ordered);
-        let couplings = couplings(&ordered, moves, &matrix, &columns);
+        let (couplings, filled) = couplings(&ordered, moves, &matrix, &columns);
         let it = Self {
             done: vec![[Vec3::zero(); 2]; ordered.len()],
             columns,
@@ -90,6 +92,7 @@ impl MechanismSolver {
             joints: ordered,
             matrix,
             couplings,
+            filled,
         };
         (it, order)
     }
