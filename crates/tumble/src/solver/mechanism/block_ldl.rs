@@ -108,6 +108,22 @@ macro_rules! sized {
 }
 pub(super) use sized;
 
+/// A loop over rows, at most [`MAX_ROWS`], that is unrolled where their number is a constant.
+macro_rules! unrolled {
+    ($i:ident in $n:ident $body:block) => {
+        $crate::solver::mechanism::block_ldl::unrolled!(@ $i $n $body 0 1 2 3 4 5 6 7 8)
+    };
+    (@ $i:ident $n:ident $body:block $($number:literal)+) => {
+        $(
+            if $n > $number {
+                let $i: usize = $number;
+                $body
+            }
+        )+
+    };
+}
+pub(super) use unrolled;
+
 /// How many fours a row of `n` numbers takes.
 #[inline(always)]
 pub(crate) const fn fours(n: usize) -> usize {
@@ -182,7 +198,6 @@ impl BlockLdl {
     /// Factors the matrix that was set.
     #[inline(always)]
     pub(crate) fn factor<T: FourLane>(&mut self) {
-        self.raise();
         uniformly!(self.factor_uniform());
     }
 
@@ -231,17 +246,17 @@ impl BlockLdl {
         }
     }
 
-    /// Raises the numbers on the diagonal.
+    /// Raises the numbers on the diagonal of a node of `n` rows, once they are set.
     #[inline(always)]
-    fn raise(&mut self) {
-        let Self { sizes, starts, diagonal_starts, diagonal, raised, .. } = self;
-        for ((start, n), of_node) in diagonal_starts.iter().zip(&*sizes).zip(&*starts) {
-            for i in 0..*n {
-                let number = &mut diagonal[start + i * fours(*n) + i / 4][i % 4];
-                raised[of_node + i / 4][i % 4] = *number * REGULARIZATION;
-                *number *= 1.0 + REGULARIZATION;
-            }
-        }
+    pub(super) fn raise(&mut self, node: usize, n: usize) {
+        let w = fours(n);
+        let numbers = &mut self.diagonal[self.diagonal_starts[node]..][..n * w];
+        let raised = &mut self.raised[self.starts[node]..][..w];
+        unrolled!(i in n {
+            let number = &mut numbers[i * w + i / 4][i % 4];
+            raised[i / 4][i % 4] = *number * REGULARIZATION;
+            *number *= 1.0 + REGULARIZATION;
+        });
     }
 
     /// Solves for a right side, in its place.
@@ -450,7 +465,7 @@ fn invert<T: FourLane>(a: &mut [Four], raised: &[Four], n: usize) -> bool {
         }
     }
     let mut is_dependent = false;
-    for j in 0..n {
+    unrolled!(j in n {
         let pivot = a[j * w + j / 4][j % 4];
         is_dependent |= pivot <= DEPENDENT * raised[j / 4][j % 4];
         let inverse = T::splat(if pivot > 0.0 { 1.0 / pivot } else { 0.0 });
@@ -469,7 +484,7 @@ fn invert<T: FourLane>(a: &mut [Four], raised: &[Four], n: usize) -> bool {
                 changed.store(&mut a[i * w + v]);
             }
         }
-    }
+    });
     // Of both halves one, so that it stays symmetric.
     for i in 0..n {
         for j in 0..i {
@@ -480,7 +495,8 @@ fn invert<T: FourLane>(a: &mut [Four], raised: &[Four], n: usize) -> bool {
 }
 
 /// One at a place, and one at all others.
-const UNITS: [Four; 4] = [[1.0, 0.0, 0.0, 0.0], [0.0, 1.0, 0.0, 0.0], [0.0, 0.0, 1.0, 0.0], [0.0, 0.0, 0.0, 1.0]];
+pub(super) const UNITS: [Four; 4] =
+    [[1.0, 0.0, 0.0, 0.0], [0.0, 1.0, 0.0, 0.0], [0.0, 0.0, 1.0, 0.0], [0.0, 0.0, 0.0, 1.0]];
 const OTHERS: [Four; 4] = [[0.0, 1.0, 1.0, 1.0], [1.0, 0.0, 1.0, 1.0], [1.0, 1.0, 0.0, 1.0], [1.0, 1.0, 1.0, 0.0]];
 
 #[cfg(test)]
@@ -545,6 +561,7 @@ mod tests {
                     }
                 }
             }
+            sizes.iter().enumerate().for_each(|(node, size)| ldl.raise(node, *size));
             dispatch_fours(Factor { matrix: &mut ldl });
             let right: Vec<Four> = (0..ldl.len()).map(|_| [0; 4].map(|_| number())).collect();
             let mut x = right.clone();

@@ -4,7 +4,7 @@ use tumble_math::lane::Vec3;
 
 use crate::integrators::derived::symmetric_product;
 use crate::simd::{Four, FourKernel, FourLane, dispatch_fours};
-use crate::solver::mechanism::block_ldl::{BlockLdl, ends, fours, sized};
+use crate::solver::mechanism::block_ldl::{BlockLdl, UNITS, ends, fours, sized, unrolled};
 use crate::solver::mechanism::elimination::Elimination;
 use crate::solver::mechanism::joint_rows::JointRows;
 use crate::solver::mechanism::mechanism_body::MechanismBody;
@@ -141,7 +141,13 @@ impl MechanismSolver {
             let numbers = &mut blocks[coupling.block as usize..];
             let of_row = coupling.of_row.map(|start| &columns[start as usize..]);
             let of_column = coupling.of_column.map(|start| &columns[start as usize..]);
-            sized!(add_coupling(of_row, of_column, (factors, coupling.adds), numbers; [row.count, column.count]));
+            if row.is_pinned() && column.is_pinned() {
+                let pinned = true;
+                sized!(set_coupling(of_row, of_column, (factors, coupling.adds, pinned), numbers; [row.count, column.count]));
+            } else {
+                let factors = (factors, coupling.adds, false);
+                set_coupling::<T>(of_row, of_column, factors, numbers, [row.count, column.count]);
+            }
             if !(row.free_rows.is_empty() && column.free_rows.is_empty()) {
                 for place in 0..row.count * column.count {
                     let (i, j) = (place / column.count, place % column.count);
@@ -160,6 +166,7 @@ impl MechanismSolver {
             let columns = &mut columns.columns[columns.starts[number]..columns.starts[number + 1]];
             if joint.gear.is_some() {
                 matrix.diagonal_mut(number)[0][0] = of_gear(joint, bodies, columns);
+                matrix.raise(number, 1);
                 continue;
             }
             let (n, diagonal) = (joint.count, matrix.diagonal_mut(number));
@@ -179,6 +186,12 @@ impl MechanismSolver {
                     diagonal[row * width + row / 4][row % 4] += law.gamma;
                 }
             }
+            match n {
+                3 => matrix.raise(number, 3),
+                5 => matrix.raise(number, 5),
+                6 => matrix.raise(number, 6),
+                _ => matrix.raise(number, n),
+            }
         }
     }
 }
@@ -195,13 +208,13 @@ impl FourKernel for Factor<'_> {
     }
 }
 
-/// Sets or adds what a body does that two joints share, of `n` and `m` rows: `factors` are of the
-/// linear and of the angular part.
+/// Sets or adds what a body does that two joints share, of `n` and `m` rows: factors are of the
+/// linear and of the angular part. Directions of two pinned joints are not read.
 #[inline(always)]
-fn add_coupling<T: FourLane>(
+fn set_coupling<T: FourLane>(
     of_row: [&[Four]; 2],
     of_column: [&[Four]; 2],
-    (factors, adds): ([f64; 2], bool),
+    ([inverse_mass, sign], adds, is_pinned): ([f64; 2], bool, bool),
     numbers: &mut [Four],
     [n, m]: [usize; 2],
 ) {
@@ -209,15 +222,19 @@ fn add_coupling<T: FourLane>(
     let [linear, torque] = of_row.map(|vector| &vector[..3 * w]);
     let [linear_column, response] = of_column.map(|vector| &vector[..3 * v]);
     let numbers = &mut numbers[..n * v];
-    let [inverse_mass, sign] = [T::splat(factors[0]), T::splat(factors[1])];
-    for i in 0..n {
+    let [inverse_mass, sign] = [T::splat(inverse_mass), T::splat(sign)];
+    unrolled!(i in n {
         for j in 0..v {
-            let sum = inverse_mass * row_by_columns::<T>(linear, i, w, linear_column, j, v)
-                + sign * row_by_columns::<T>(torque, i, w, response, j, v);
+            let mut sum = sign * row_by_columns::<T>(torque, i, w, response, j, v);
+            if !is_pinned {
+                sum = inverse_mass * row_by_columns::<T>(linear, i, w, linear_column, j, v) + sum;
+            } else if i < 3 && j == 0 {
+                sum = inverse_mass * T::load(&UNITS[i % 4]) + sum;
+            }
             let sum = if adds { T::load(&numbers[i * v + j]) + sum } else { sum };
             sum.store(&mut numbers[i * v + j]);
         }
-    }
+    });
 }
 
 /// The vector of row `i` times those of the four rows from `4 j` on; each are as many fours wide as
@@ -242,13 +259,16 @@ fn set_diagonal<T: FourLane>(
     let (columns, diagonal) = (&mut columns[..VECTORS * 3 * w], &mut diagonal[..n * w]);
     let (directions, turning) = columns.split_at_mut(6 * w);
     // The first rows of a pinned joint are always the same.
-    let rows = joint.linear[..n].iter().zip(&joint.angular[..n]).enumerate();
-    for (row, (along, about)) in rows.skip(if joint.is_pinned() { 3 } else { 0 }) {
-        let numbers = [along.x, along.y, along.z, about.x, about.y, about.z];
-        for (axis, number) in numbers.into_iter().enumerate() {
-            directions[axis * w + row / 4][row % 4] = number;
+    let first = if joint.is_pinned() { 3 } else { 0 };
+    unrolled!(row in n {
+        if row >= first {
+            let (along, about) = (joint.linear[row], joint.angular[row]);
+            let numbers = [along.x, along.y, along.z, about.x, about.y, about.z];
+            for (axis, number) in numbers.into_iter().enumerate() {
+                directions[axis * w + row / 4][row % 4] = number;
+            }
         }
-    }
+    });
     let (linear, angular) = directions.split_at(3 * w);
     for (end, turning) in turning.chunks_exact_mut(6 * w).enumerate() {
         let body = &bodies[joint.bodies[end]];
@@ -270,15 +290,20 @@ fn set_diagonal<T: FourLane>(
     }
     let inverse_mass: f64 = joint.bodies.iter().map(|body| bodies[*body].inverse_mass).sum();
     let inverse_mass = T::splat(inverse_mass);
-    for i in 0..n {
+    let is_pinned = joint.is_pinned();
+    unrolled!(i in n {
         // To the left of the diagonal, and as far beyond as fours go.
         for j in 0..=i / 4 {
-            let sum = inverse_mass * row_by_columns::<T>(linear, i, w, linear, j, w)
-                + row_by_columns::<T>(&turning[3 * w..], i, w, turning, j, w)
+            let mut sum = row_by_columns::<T>(&turning[3 * w..], i, w, turning, j, w)
                 + row_by_columns::<T>(&turning[9 * w..], i, w, &turning[6 * w..], j, w);
+            if !is_pinned {
+                sum = inverse_mass * row_by_columns::<T>(linear, i, w, linear, j, w) + sum;
+            } else if i < 3 && j == 0 {
+                sum = inverse_mass * T::load(&UNITS[i % 4]) + sum;
+            }
             sum.store(&mut diagonal[i * w + j]);
         }
-    }
+    });
 }
 
 #[inline(always)]
