@@ -38,8 +38,10 @@ pub(crate) struct JointRows {
     pub(crate) linear: [Vec3<f64>; MAX_ROWS],
     pub(crate) angular: [Vec3<f64>; MAX_ROWS],
     pub(crate) count: usize,
-    /// How many are of locked axes.
+    /// How many are of locked axes, and how many of these of translations.
     pub(crate) locked: usize,
+    linear_count: usize,
+    rotations: Rotations,
     /// Those of free axes.
     pub(crate) free_rows: Vec<FreeRow>,
     /// The rotation that values of three free rotations are taken against.
@@ -100,6 +102,8 @@ impl JointRows {
             angular: [zero; MAX_ROWS],
             count: locked + free_rows.len(),
             locked,
+            linear_count: (0..3).filter(|axis| !free.has(*axis)).count(),
+            rotations: Rotations::of(free),
             free_rows,
             reference: None,
             gear: None,
@@ -171,7 +175,7 @@ impl JointRows {
 
     /// How many rows push along a line; they are the first.
     pub(crate) fn linear_count(&self) -> usize {
-        (0..3).filter(|axis| !self.free.has(*axis)).count()
+        self.linear_count
     }
 
     /// Sets the rows, and their errors, to where the bodies are.
@@ -186,7 +190,7 @@ impl JointRows {
             self.set_arms(anchor_arms, gap, gap * 0.5);
             if !self.is_plain_ball {
                 let [first, second] = self.orientations(bodies);
-                self.set_rotations([first.axes(), second.axes()], 3);
+                self.set_rotations([first, second], 3);
             }
             self.errors = self.pinned_errors(bodies, gap);
             return;
@@ -204,7 +208,7 @@ impl JointRows {
         }
         self.set_arms(stance.anchor_arms, stance.gap, locked_gap * 0.5);
         self.linear[row..self.locked].fill(zero);
-        self.set_rotations(stance.axes, row);
+        self.set_rotations(stance.orientations, row);
         let Self { free_rows, linear, angular, locked, free, reference, .. } = self;
         for (row, it) in (*locked..).zip(free_rows) {
             let direction = it.axis.direction(&stance, *free, *reference);
@@ -216,13 +220,14 @@ impl JointRows {
 
     /// Sets about what rows of locked rotations turn, from a row on.
     #[inline(always)]
-    fn set_rotations(&mut self, [a, b]: [[Vec3<f64>; 3]; 2], row: usize) {
-        match Rotations::of(self.free) {
+    fn set_rotations(&mut self, [first, second]: [Quat<f64>; 2], row: usize) {
+        let a = first.axes();
+        match self.rotations {
             Rotations::Locked => self.angular[row..row + 3].copy_from_slice(&a),
             Rotations::About(k) => {
                 (self.angular[row], self.angular[row + 1]) = (a[(k + 1) % 3], a[(k + 2) % 3]);
             }
-            Rotations::AboutBoth(i, j) => self.angular[row] = b[j].cross(a[i]),
+            Rotations::AboutBoth(i, j) => self.angular[row] = second.axes()[j].cross(a[i]),
             Rotations::Free => {}
         }
     }
@@ -277,7 +282,7 @@ impl JointRows {
         // Axes of the second frame along those of the first, but for cosines of the whole.
         let rises = |i: usize, k: usize, j: usize| 2.0 * (v[i] * v[k] + w * v[j]);
         let falls = |i: usize, k: usize, j: usize| 2.0 * (v[i] * v[k] - w * v[j]);
-        match Rotations::of(self.free) {
+        match self.rotations {
             Rotations::Locked => {
                 let twice = if w < 0.0 { -2.0 } else { 2.0 };
                 v.map(|component| component * twice)
@@ -336,7 +341,7 @@ impl JointRows {
 
     /// Sets what is left of the errors after a substep of `h` \[s\].
     pub(crate) fn plan_correction(&mut self, h: f64) {
-        let linear = if self.is_plain_ball { 3 } else { self.linear_count() };
+        let linear = self.linear_count;
         for (row, (wanted, error)) in self.wanted.iter_mut().zip(&self.errors).enumerate().take(self.locked) {
             let most = h * correction_speed(row < linear);
             *wanted = error - error.clamp(-most, most);
@@ -391,7 +396,7 @@ impl JointRows {
     /// Of the second body against the first where they are pushed, linear and angular.
     #[inline]
     pub(crate) fn relative_velocity(&self, velocities: impl Fn(usize) -> [Vec3<f64>; 2]) -> [Vec3<f64>; 2] {
-        let [a, b] = self.bodies.map(velocities);
+        let (a, b) = (velocities(self.bodies[0]), velocities(self.bodies[1]));
         [(b[0] + b[1].cross(self.arms[1])) - (a[0] + a[1].cross(self.arms[0])), b[1] - a[1]]
     }
 
@@ -429,7 +434,7 @@ impl JointRows {
     pub(crate) fn values_and_speeds(&self, bodies: &[MechanismBody]) -> [[f64; 6]; 2] {
         let stance = self.stance(bodies);
         let Stance { gap, anchor_arms, axes: [axes, of_second], .. } = stance;
-        let turn = match Rotations::of(self.free) {
+        let turn = match self.rotations {
             Rotations::AboutBoth(i, j) => {
                 let q = relative_rotation(&stance);
                 let mut angles = glam::DVec3::ZERO;
@@ -446,7 +451,7 @@ impl JointRows {
         let turning = turn_b - turn_a;
         let along = |v: Vec3<f64>| axes.map(|axis| axis.dot(v));
         let ([x, y, z], [u, v, w], mut rates) = (along(gap), along(apart), along(turning));
-        if let Rotations::AboutBoth(_, j) = Rotations::of(self.free) {
+        if let Rotations::AboutBoth(_, j) = self.rotations {
             rates[j] = of_second[j].dot(turning);
         }
         let [p, q, r] = rates;
@@ -455,6 +460,7 @@ impl JointRows {
 }
 
 /// Which rotations a joint leaves free.
+#[derive(Clone, Copy, Debug)]
 pub(crate) enum Rotations {
     Locked,
     About(usize),

@@ -358,6 +358,7 @@ impl MechanismSolver {
     fn set_remaining(&mut self, h: f64) -> f64 {
         let Self { joints, bodies, matrix, right, impulses, .. } = self;
         let (right, impulses) = (right.as_flattened_mut(), impulses.as_flattened());
+        let rate = -1.0 / h;
         let mut most = 0.0_f64;
         for (number, joint) in joints.iter().enumerate() {
             let size = joint.arm_lengths[0] + joint.arm_lengths[1];
@@ -365,16 +366,19 @@ impl MechanismSolver {
             if joint.is_plain_ball() {
                 let left = joint.ball_left(bodies);
                 most = most.max(left.x.abs().max(left.y.abs()).max(left.z.abs()) / size);
-                right[begin..begin + 3].copy_from_slice(&[-left.x / h, -left.y / h, -left.z / h]);
+                right[begin..begin + 3].copy_from_slice(&[left.x * rate, left.y * rate, left.z * rate]);
                 continue;
             }
             let errors = joint.errors(bodies);
             let linear = joint.linear_count();
-            for row in 0..joint.locked {
+            let mut most_linear = 0.0_f64;
+            for (row, right) in right[begin..][..joint.locked].iter_mut().enumerate() {
                 let left = errors[row] - joint.wanted[row];
-                most = most.max(left.abs() / if row < linear { size } else { 1.0 });
-                right[begin + row] = -left / h;
+                let of_kind = if row < linear { &mut most_linear } else { &mut most };
+                *of_kind = of_kind.max(left.abs());
+                *right = left * rate;
             }
+            most = most.max(most_linear / size);
             if joint.free_rows.is_empty() {
                 continue;
             }
@@ -383,7 +387,7 @@ impl MechanismSolver {
                 right[begin + row] = if it.is_at_bound() {
                     let left = errors[row] - joint.wanted[row];
                     most = most.max(left.abs() / if it.axis.is_linear() { size } else { 1.0 });
-                    -left / h
+                    left * rate
                 } else if it.constant.is_some() {
                     0.0
                 } else {
