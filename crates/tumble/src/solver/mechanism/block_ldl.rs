@@ -212,7 +212,7 @@ impl BlockLdl {
             let (n, w) = (layout.size(row), fours(layout.size(row)));
             let (before, after) = diagonal.split_at_mut(layout.diagonal(row) + n * w);
             let pivot = &mut before[layout.diagonal(row)..];
-            self.has_dependent_rows |= invert_sized::<T>(pivot, &raised[layout.start(row)..], n);
+            self.has_dependent_rows |= invert_sized(pivot, &raised[layout.start(row)..], n);
             let range = elimination.blocks_of(row);
             for block in range.clone() {
                 let column = elimination.columns[block] as usize;
@@ -440,12 +440,12 @@ fn multiply<T: FourLane>(a: &[Four], x: &mut [Four], [n, _]: [usize; 2]) {
 
 /// Inverts a block on the diagonal, as [`invert`].
 #[inline(always)]
-fn invert_sized<T: FourLane>(a: &mut [Four], raised: &[Four], n: usize) -> bool {
+fn invert_sized(a: &mut [Four], raised: &[Four], n: usize) -> bool {
     match n {
-        3 => invert::<T>(a, raised, 3),
-        5 => invert::<T>(a, raised, 5),
-        6 => invert::<T>(a, raised, 6),
-        n => invert::<T>(a, raised, n),
+        3 => invert(a, raised, 3),
+        5 => invert(a, raised, 5),
+        6 => invert(a, raised, 6),
+        n => invert(a, raised, n),
     }
 }
 
@@ -453,51 +453,60 @@ fn invert_sized<T: FourLane>(a: &mut [Four], raised: &[Four], n: usize) -> bool 
 const DEPENDENT: f64 = 30.0;
 
 /// Inverts a symmetric positive matrix in its place, of which the diagonal was raised, from the
-/// half below its diagonal: by Gauss and Jordan, a row at a time. A row without response, as of
-/// bodies that do not turn, gets none. Returns whether a row depends on others.
+/// half below its diagonal. A row without response, as of bodies that do not turn, gets none.
+/// Returns whether a row depends on others.
 #[inline(always)]
-fn invert<T: FourLane>(a: &mut [Four], raised: &[Four], n: usize) -> bool {
+fn invert(a: &mut [Four], raised: &[Four], n: usize) -> bool {
     let w = fours(n);
     let (a, raised) = (&mut a[..n * w], &raised[..w]);
-    for i in 0..n {
-        for j in i + 1..n {
-            a[i * w + j / 4][j % 4] = a[j * w + i / 4][i % 4];
-        }
-    }
     let mut is_dependent = false;
+    // L below the diagonal, and 1/D.
+    let mut inverse_pivots = [0.0; MAX_ROWS];
     unrolled!(j in n {
         let pivot = a[j * w + j / 4][j % 4];
         is_dependent |= pivot <= DEPENDENT * raised[j / 4][j % 4];
-        let inverse = T::splat(if pivot > 0.0 { 1.0 / pivot } else { 0.0 });
-        let (unit, others) = (T::load(&UNITS[j % 4]), T::load(&OTHERS[j % 4]));
-        let mut pivot_row = [T::splat(0.0); fours(MAX_ROWS)];
-        for v in 0..w {
-            let numbers = T::load(&a[j * w + v]);
-            pivot_row[v] = (if v == j / 4 { numbers * others + unit } else { numbers }) * inverse;
-        }
-        for i in 0..n {
-            let factor = T::splat(a[i * w + j / 4][j % 4]);
-            for v in 0..w {
-                let numbers = T::load(&a[i * w + v]);
-                let numbers = if v == j / 4 { numbers * others } else { numbers };
-                let changed = if i == j { pivot_row[v] } else { numbers - factor * pivot_row[v] };
-                changed.store(&mut a[i * w + v]);
+        inverse_pivots[j] = if pivot > 0.0 { 1.0 / pivot } else { 0.0 };
+        for i in j + 1..n {
+            let factor = a[i * w + j / 4][j % 4] * inverse_pivots[j];
+            for k in j + 1..=i {
+                a[i * w + k / 4][k % 4] -= factor * a[k * w + j / 4][j % 4];
             }
         }
+        for i in j + 1..n {
+            a[i * w + j / 4][j % 4] *= inverse_pivots[j];
+        }
     });
-    // Of both halves one, so that it stays symmetric.
-    for i in 0..n {
+    // The inverse above the diagonal, where nothing is left that it needs.
+    unrolled!(column in n {
+        let mut y = [0.0; MAX_ROWS];
+        y[column] = 1.0;
+        for i in column + 1..n {
+            let mut sum = a[i * w + column / 4][column % 4];
+            for k in column + 1..i {
+                sum += a[i * w + k / 4][k % 4] * y[k];
+            }
+            y[i] = -sum;
+        }
+        for i in (column..n).rev() {
+            let mut sum = 0.0;
+            for k in i + 1..n {
+                sum += a[k * w + i / 4][i % 4] * y[k];
+            }
+            y[i] = y[i] * inverse_pivots[i] - sum;
+            a[column * w + i / 4][i % 4] = y[i];
+        }
+    });
+    unrolled!(i in n {
         for j in 0..i {
             a[i * w + j / 4][j % 4] = a[j * w + i / 4][i % 4];
         }
-    }
+    });
     is_dependent
 }
 
-/// One at a place, and one at all others.
+/// One at a place.
 pub(super) const UNITS: [Four; 4] =
     [[1.0, 0.0, 0.0, 0.0], [0.0, 1.0, 0.0, 0.0], [0.0, 0.0, 1.0, 0.0], [0.0, 0.0, 0.0, 1.0]];
-const OTHERS: [Four; 4] = [[0.0, 1.0, 1.0, 1.0], [1.0, 0.0, 1.0, 1.0], [1.0, 1.0, 0.0, 1.0], [1.0, 1.0, 1.0, 0.0]];
 
 #[cfg(test)]
 mod tests {

@@ -171,6 +171,7 @@ impl MechanismSolver {
             }
             let (n, diagonal) = (joint.count, matrix.diagonal_mut(number));
             match n {
+                0 => continue,
                 3 => set_diagonal::<T>(joint, bodies, columns, diagonal, 3),
                 5 => set_diagonal::<T>(joint, bodies, columns, diagonal, 5),
                 6 => set_diagonal::<T>(joint, bodies, columns, diagonal, 6),

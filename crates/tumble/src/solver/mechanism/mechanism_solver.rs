@@ -60,6 +60,9 @@ const MAX_SOLUTIONS_AT_BOUNDS: u32 = 8;
 /// The errors at which impulses are accepted: of the size of the arms, and \[rad\]. In single
 /// precision a tenth of the rounding of the state.
 const TOLERANCE: f64 = if size_of::<Real>() == size_of::<f64>() { 1e-10 } else { 1.2e-8 };
+/// The error after the first solution, of the same size, beyond which the next substep is too
+/// different to begin with the bend of this one.
+const MAX_FIRST_ERROR: f64 = 1e-4;
 /// Solutions before the first of these, with more inertia each, at most.
 const MAX_RAISES: u32 = 3;
 /// Solutions in which rows along free axes change between parts of their laws, at most.
@@ -169,6 +172,7 @@ impl MechanismSolver {
         self.solve_half(half);
         self.drift.begin_at(&self.bodies);
         let (mut solution, mut most, mut worst) = (1, MAX_SOLUTIONS, f64::INFINITY);
+        let (mut first, mut last) = (f64::INFINITY, f64::INFINITY);
         loop {
             if solution > 1 {
                 self.solve_right_side();
@@ -186,6 +190,7 @@ impl MechanismSolver {
                 self.last.copy_from_slice(&self.right);
             }
             let left = self.set_remaining(h);
+            (first, last) = (if solution == 1 { left } else { first }, left);
             if left > worst && self.has_free_rows && !meets_bounds {
                 // The rows have turned away: what was added leads nowhere.
                 self.right.copy_from_slice(&self.last);
@@ -199,6 +204,9 @@ impl MechanismSolver {
             self.note_bend();
             worst = if meets_bounds { f64::INFINITY } else { left };
             solution += 1;
+        }
+        if first > MAX_FIRST_ERROR || last > TOLERANCE {
+            self.bend.fill([0.0; 4]);
         }
         self.note_springs();
         self.drift.end(&mut self.bodies);
