@@ -207,7 +207,8 @@ fn foucaults_plane_stands_still_under_a_turning_support() {
         }
     }
     println!("in 60 s: {aside:.1e} m aside, plane off by {turned:.1e} rad");
-    assert!(aside <= by_precision(1e-10, 1e-15) && turned <= by_precision(1e-5, 1e-13), "{aside:e}, {turned:e}");
+    // In single precision joints are met to a tenth of the rounding of the state.
+    assert!(aside <= by_precision(1.2e-8, 1e-15) && turned <= by_precision(1e-5, 1e-13), "{aside:e}, {turned:e}");
 }
 
 /// The carousel: a rod on a hinge that a kinematic body carries round at `W`, `R` off the axis. It

@@ -18,6 +18,7 @@ use crate::math::Real;
 
 pub(crate) mod block_lanes;
 mod disjoint;
+mod four;
 mod gather;
 mod octet;
 #[cfg(vector_code)]
@@ -27,6 +28,7 @@ mod record;
 mod x86_64;
 
 pub(crate) use disjoint::{RowColors, Rows};
+pub(crate) use four::{Four, FourKernel, FourLane};
 pub(crate) use gather::gather;
 pub(crate) use octet::{NumberField, Octet, gather_rows, is_as_eight, load_rows, octet, select_rows, store_rows};
 use record::Eight;
@@ -228,6 +230,18 @@ pub(crate) fn dispatch_in_blocks(kernel: &mut impl Kernel) {
         Level::Avx2 => x86_64::blocks_with_avx2(kernel),
         #[cfg(vector_code)]
         Level::Avx512 => x86_64::blocks_with_avx512(kernel),
+    }
+}
+
+/// Runs a kernel of fours with the instruction set in force; AVX-512 has no other fours than AVX2.
+#[inline]
+pub(crate) fn dispatch_fours(kernel: impl FourKernel) {
+    match Level::chosen() {
+        Level::Scalar => kernel.run::<four::PortableFour>(),
+        #[cfg(vector_code)]
+        Level::Baseline => kernel.run::<four::PortableFour>(),
+        #[cfg(vector_code)]
+        Level::Avx2 | Level::Avx512 => x86_64::fours_with_avx2(kernel),
     }
 }
 

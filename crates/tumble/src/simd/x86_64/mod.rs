@@ -11,6 +11,7 @@ use std::ops::{Add, Div, Mul, Neg, Sub};
 
 use tumble_math::lane::Lane;
 
+use super::four::{Four, FourKernel, FourLane, PortableFour};
 use super::pair::Pair;
 use super::record::{numbers, set_numbers};
 use super::{BLOCK, Eight, Kernel, Record, Tile, one_by_one, tiles};
@@ -115,33 +116,30 @@ fn align_the_stack() {
     std::hint::black_box(&mut CacheLine(0).0);
 }
 
-/// Declares a tile: its intrinsics, and the few operations that differ in more than a name.
-macro_rules! tile {
+/// Declares a lane: its intrinsics, and the few operations that differ in more than a name.
+macro_rules! lane {
     (
-        $Tile:ident, $Vector:ident, $Mask:ident, $width:literal,
+        $Tile:ident, $Number:ty, $Vector:ident, $Mask:ident, $width:literal,
         $set1:ident, $load:ident, $store:ident, $add:ident, $sub:ident, $mul:ident, $div:ident, $sqrt:ident, $min:ident, $max:ident,
         neg: |$n:ident| $neg:expr,
         lt: |$a:ident, $b:ident| $lt:expr,
         select: |$mask:ident, $if_true:ident, $if_false:ident| $select:expr,
         bits: |$m:ident| $bits:expr,
         exp2: |$e:ident| $exp2:expr,
-        or: |$x:ident, $y:ident| $or:expr,
-        is_zero: |$v:ident| $is_zero:expr,
-        rows: $rows:ident,
     ) => {
         #[derive(Clone, Copy)]
         pub(super) struct $Tile($Vector);
 
         impl $Tile {
             #[inline(always)]
-            fn from_array(numbers: &[Real; $width]) -> Self {
+            fn from_array(numbers: &[$Number; $width]) -> Self {
                 // SAFETY: the array has the size of the vector, and an unaligned load is used; for
                 // the rest see the module.
                 Self(unsafe { $load(numbers.as_ptr()) })
             }
 
             #[inline(always)]
-            fn to_array(self) -> [Real; $width] {
+            fn to_array(self) -> [$Number; $width] {
                 let mut numbers = [0.0; $width];
                 // SAFETY: the array has the size of the vector, and an unaligned store is used; for
                 // the rest see the module.
@@ -150,6 +148,114 @@ macro_rules! tile {
             }
         }
 
+        lane!(@operator $Tile, Add, add, $add);
+        lane!(@operator $Tile, Sub, sub, $sub);
+        lane!(@operator $Tile, Mul, mul, $mul);
+        lane!(@operator $Tile, Div, div, $div);
+
+        impl Neg for $Tile {
+            type Output = Self;
+            #[inline(always)]
+            fn neg(self) -> Self {
+                let $n = self.0;
+                // SAFETY: see the module.
+                Self(unsafe { $neg })
+            }
+        }
+
+        impl Lane for $Tile {
+            type Mask = $Mask;
+
+            const ROUNDING: f64 = <$Number as Lane>::ROUNDING;
+
+            #[inline(always)]
+            fn splat(value: f64) -> Self {
+                // SAFETY: see the module.
+                Self(unsafe { $set1(<$Number>::splat(value)) })
+            }
+
+            #[inline(always)]
+            fn sqrt(self) -> Self {
+                // SAFETY: see the module.
+                Self(unsafe { $sqrt(self.0) })
+            }
+
+            #[inline(always)]
+            fn lt(self, other: Self) -> $Mask {
+                let ($a, $b) = (self.0, other.0);
+                // SAFETY: see the module.
+                unsafe { $lt }
+            }
+
+            #[inline(always)]
+            fn select($mask: $Mask, if_true: Self, if_false: Self) -> Self {
+                let ($if_true, $if_false) = (if_true.0, if_false.0);
+                // SAFETY: see the module.
+                Self(unsafe { $select })
+            }
+
+            // The instructions too give the second where a number is none or both are zero.
+            #[inline(always)]
+            fn min(self, other: Self) -> Self {
+                // SAFETY: see the module.
+                Self(unsafe { $min(self.0, other.0) })
+            }
+
+            #[inline(always)]
+            fn max(self, other: Self) -> Self {
+                // SAFETY: see the module.
+                Self(unsafe { $max(self.0, other.0) })
+            }
+
+            #[inline(always)]
+            fn any($m: $Mask) -> bool {
+                let bits = $bits as u32;
+                bits != 0
+            }
+
+            #[inline(always)]
+            fn all($m: $Mask) -> bool {
+                let bits = $bits as u32;
+                bits == (1 << $width) - 1
+            }
+
+            #[inline(always)]
+            fn exp2_of_integer(self) -> Self {
+                let $e = self.0;
+                // SAFETY: see the module.
+                Self(unsafe { $exp2 })
+            }
+
+            #[inline(always)]
+            fn sin_cos(self) -> (Self, Self) {
+                let (mut sines, mut cosines) = (self.to_array(), [0.0; $width]);
+                for (sine, cosine) in sines.iter_mut().zip(&mut cosines) {
+                    (*sine, *cosine) = <$Number as Lane>::sin_cos(*sine);
+                }
+                (Self::from_array(&sines), Self::from_array(&cosines))
+            }
+        }
+    };
+    (@operator $Tile:ident, $Operator:ident, $method:ident, $intrinsic:ident) => {
+        impl $Operator for $Tile {
+            type Output = Self;
+            #[inline(always)]
+            fn $method(self, other: Self) -> Self {
+                // SAFETY: see the module.
+                Self(unsafe { $intrinsic(self.0, other.0) })
+            }
+        }
+    };
+}
+
+/// Makes a tile of a lane of the build's numbers.
+macro_rules! tile {
+    (
+        $Tile:ident, $Vector:ident, $width:literal, $load:ident, $store:ident,
+        or: |$x:ident, $y:ident| $or:expr,
+        is_zero: |$v:ident| $is_zero:expr,
+        rows: $rows:ident,
+    ) => {
         impl Tile for $Tile {
             const WIDTH: usize = $width;
 
@@ -242,113 +348,57 @@ macro_rules! tile {
                 unsafe { $is_zero }
             }
         }
-
-        tile!(@operator $Tile, Add, add, $add);
-        tile!(@operator $Tile, Sub, sub, $sub);
-        tile!(@operator $Tile, Mul, mul, $mul);
-        tile!(@operator $Tile, Div, div, $div);
-
-        impl Neg for $Tile {
-            type Output = Self;
-            #[inline(always)]
-            fn neg(self) -> Self {
-                let $n = self.0;
-                // SAFETY: see the module.
-                Self(unsafe { $neg })
-            }
-        }
-
-        impl Lane for $Tile {
-            type Mask = $Mask;
-
-            const ROUNDING: f64 = <Real as Lane>::ROUNDING;
-
-            #[inline(always)]
-            fn splat(value: f64) -> Self {
-                // SAFETY: see the module.
-                Self(unsafe { $set1(Real::splat(value)) })
-            }
-
-            #[inline(always)]
-            fn sqrt(self) -> Self {
-                // SAFETY: see the module.
-                Self(unsafe { $sqrt(self.0) })
-            }
-
-            #[inline(always)]
-            fn lt(self, other: Self) -> $Mask {
-                let ($a, $b) = (self.0, other.0);
-                // SAFETY: see the module.
-                unsafe { $lt }
-            }
-
-            #[inline(always)]
-            fn select($mask: $Mask, if_true: Self, if_false: Self) -> Self {
-                let ($if_true, $if_false) = (if_true.0, if_false.0);
-                // SAFETY: see the module.
-                Self(unsafe { $select })
-            }
-
-            // The instructions too give the second where a number is none or both are zero.
-            #[inline(always)]
-            fn min(self, other: Self) -> Self {
-                // SAFETY: see the module.
-                Self(unsafe { $min(self.0, other.0) })
-            }
-
-            #[inline(always)]
-            fn max(self, other: Self) -> Self {
-                // SAFETY: see the module.
-                Self(unsafe { $max(self.0, other.0) })
-            }
-
-            #[inline(always)]
-            fn any($m: $Mask) -> bool {
-                let bits = $bits as u32;
-                bits != 0
-            }
-
-            #[inline(always)]
-            fn all($m: $Mask) -> bool {
-                let bits = $bits as u32;
-                bits == (1 << $width) - 1
-            }
-
-            #[inline(always)]
-            fn exp2_of_integer(self) -> Self {
-                let $e = self.0;
-                // SAFETY: see the module.
-                Self(unsafe { $exp2 })
-            }
-
-            #[inline(always)]
-            fn sin_cos(self) -> (Self, Self) {
-                let (mut sines, mut cosines) = (self.to_array(), [0.0; $width]);
-                for (sine, cosine) in sines.iter_mut().zip(&mut cosines) {
-                    (*sine, *cosine) = <Real as Lane>::sin_cos(*sine);
-                }
-                (Self::from_array(&sines), Self::from_array(&cosines))
-            }
-        }
     };
-    (@operator $Tile:ident, $Operator:ident, $method:ident, $intrinsic:ident) => {
-        impl $Operator for $Tile {
-            type Output = Self;
-            #[inline(always)]
-            fn $method(self, other: Self) -> Self {
-                // SAFETY: see the module.
-                Self(unsafe { $intrinsic(self.0, other.0) })
-            }
-        }
-    };
+}
+
+lane! {
+    Avx2Four, f64, __m256d, __m256d, 4,
+    _mm256_set1_pd, _mm256_loadu_pd, _mm256_storeu_pd, _mm256_add_pd, _mm256_sub_pd, _mm256_mul_pd, _mm256_div_pd,
+    _mm256_sqrt_pd, _mm256_min_pd, _mm256_max_pd,
+    neg: |n| _mm256_xor_pd(n, _mm256_set1_pd(-0.0)),
+    lt: |a, b| _mm256_cmp_pd::<_CMP_LT_OQ>(a, b),
+    select: |mask, t, f| _mm256_blendv_pd(f, t, mask),
+    // SAFETY: see the module.
+    bits: |m| unsafe { _mm256_movemask_pd(m) },
+    exp2: |e| _mm256_castsi256_pd(_mm256_slli_epi64::<52>(_mm256_add_epi64(
+        _mm256_cvtepi32_epi64(_mm256_cvttpd_epi32(e)),
+        _mm256_set1_epi64x(1023),
+    ))),
+}
+
+impl FourLane for Avx2Four {
+    #[inline(always)]
+    fn load(numbers: &Four) -> Self {
+        Self::from_array(numbers)
+    }
+
+    #[inline(always)]
+    fn store(self, numbers: &mut Four) {
+        *numbers = self.to_array();
+    }
+}
+
+/// Runs a kernel of fours with AVX2, or without where the machine has none.
+pub(super) fn fours_with_avx2(kernel: impl FourKernel) {
+    #[target_feature(enable = "avx2")]
+    fn enabled(kernel: impl FourKernel) {
+        align_the_stack();
+        kernel.run::<Avx2Four>();
+    }
+    if std::arch::is_x86_feature_detected!("avx2") {
+        // SAFETY: the machine has AVX2.
+        unsafe { enabled(kernel) }
+    } else {
+        kernel.run::<PortableFour>();
+    }
 }
 
 #[cfg(not(feature = "f64"))]
 mod precision {
     use super::*;
 
-    tile! {
-        Sse2, __m128, __m128, 4,
+    lane! {
+        Sse2, f32, __m128, __m128, 4,
         _mm_set1_ps, _mm_loadu_ps, _mm_storeu_ps, _mm_add_ps, _mm_sub_ps, _mm_mul_ps, _mm_div_ps, _mm_sqrt_ps, _mm_min_ps, _mm_max_ps,
         neg: |n| _mm_xor_ps(n, _mm_set1_ps(-0.0)),
         lt: |a, b| _mm_cmplt_ps(a, b),
@@ -356,13 +406,17 @@ mod precision {
         // SAFETY: see the module.
         bits: |m| unsafe { _mm_movemask_ps(m) },
         exp2: |e| _mm_castsi128_ps(_mm_slli_epi32::<23>(_mm_add_epi32(_mm_cvttps_epi32(e), _mm_set1_epi32(127)))),
+    }
+
+    tile! {
+        Sse2, __m128, 4, _mm_loadu_ps, _mm_storeu_ps,
         or: |x, y| _mm_or_ps(x, y),
         is_zero: |v| _mm_movemask_epi8(_mm_cmpeq_epi32(_mm_castps_si128(v), _mm_setzero_si128())) == 0xffff,
         rows: blocks,
     }
 
-    tile! {
-        Avx2, __m256, __m256, 8,
+    lane! {
+        Avx2, f32, __m256, __m256, 8,
         _mm256_set1_ps, _mm256_loadu_ps, _mm256_storeu_ps, _mm256_add_ps, _mm256_sub_ps, _mm256_mul_ps, _mm256_div_ps,
         _mm256_sqrt_ps, _mm256_min_ps, _mm256_max_ps,
         neg: |n| _mm256_xor_ps(n, _mm256_set1_ps(-0.0)),
@@ -374,13 +428,17 @@ mod precision {
             _mm256_cvttps_epi32(e),
             _mm256_set1_epi32(127),
         ))),
+    }
+
+    tile! {
+        Avx2, __m256, 8, _mm256_loadu_ps, _mm256_storeu_ps,
         or: |x, y| _mm256_or_ps(x, y),
         is_zero: |v| _mm256_testz_si256(_mm256_castps_si256(v), _mm256_castps_si256(v)) == 1,
         rows: blocks,
     }
 
-    tile! {
-        Avx512, __m512, __mmask16, 16,
+    lane! {
+        Avx512, f32, __m512, __mmask16, 16,
         _mm512_set1_ps, _mm512_loadu_ps, _mm512_storeu_ps, _mm512_add_ps, _mm512_sub_ps, _mm512_mul_ps, _mm512_div_ps,
         _mm512_sqrt_ps, _mm512_min_ps, _mm512_max_ps,
         neg: |n| _mm512_castsi512_ps(_mm512_xor_si512(_mm512_castps_si512(n), _mm512_set1_epi32(i32::MIN))),
@@ -391,6 +449,10 @@ mod precision {
             _mm512_cvttps_epi32(e),
             _mm512_set1_epi32(127),
         ))),
+    }
+
+    tile! {
+        Avx512, __m512, 16, _mm512_loadu_ps, _mm512_storeu_ps,
         or: |x, y| _mm512_castsi512_ps(_mm512_or_si512(_mm512_castps_si512(x), _mm512_castps_si512(y))),
         is_zero: |v| _mm512_test_epi32_mask(_mm512_castps_si512(v), _mm512_castps_si512(v)) == 0,
         rows: wide,
@@ -412,8 +474,8 @@ mod precision {
         }
     }
 
-    tile! {
-        Sse2, __m128d, __m128d, 2,
+    lane! {
+        Sse2, f64, __m128d, __m128d, 2,
         _mm_set1_pd, _mm_loadu_pd, _mm_storeu_pd, _mm_add_pd, _mm_sub_pd, _mm_mul_pd, _mm_div_pd, _mm_sqrt_pd, _mm_min_pd, _mm_max_pd,
         neg: |n| _mm_xor_pd(n, _mm_set1_pd(-0.0)),
         lt: |a, b| _mm_cmplt_pd(a, b),
@@ -421,31 +483,26 @@ mod precision {
         // SAFETY: see the module.
         bits: |m| unsafe { _mm_movemask_pd(m) },
         exp2: |e| exponents_128(_mm_cvttpd_epi32(e)),
+    }
+
+    tile! {
+        Sse2, __m128d, 2, _mm_loadu_pd, _mm_storeu_pd,
         or: |x, y| _mm_or_pd(x, y),
         is_zero: |v| _mm_movemask_epi8(_mm_cmpeq_epi32(_mm_castpd_si128(v), _mm_setzero_si128())) == 0xffff,
         rows: blocks,
     }
 
+    pub(super) use super::Avx2Four as Avx2;
+
     tile! {
-        Avx2, __m256d, __m256d, 4,
-        _mm256_set1_pd, _mm256_loadu_pd, _mm256_storeu_pd, _mm256_add_pd, _mm256_sub_pd, _mm256_mul_pd, _mm256_div_pd,
-        _mm256_sqrt_pd, _mm256_min_pd, _mm256_max_pd,
-        neg: |n| _mm256_xor_pd(n, _mm256_set1_pd(-0.0)),
-        lt: |a, b| _mm256_cmp_pd::<_CMP_LT_OQ>(a, b),
-        select: |mask, t, f| _mm256_blendv_pd(f, t, mask),
-        // SAFETY: see the module.
-        bits: |m| unsafe { _mm256_movemask_pd(m) },
-        exp2: |e| _mm256_castsi256_pd(_mm256_slli_epi64::<52>(_mm256_add_epi64(
-            _mm256_cvtepi32_epi64(_mm256_cvttpd_epi32(e)),
-            _mm256_set1_epi64x(1023),
-        ))),
+        Avx2, __m256d, 4, _mm256_loadu_pd, _mm256_storeu_pd,
         or: |x, y| _mm256_or_pd(x, y),
         is_zero: |v| _mm256_testz_si256(_mm256_castpd_si256(v), _mm256_castpd_si256(v)) == 1,
         rows: blocks,
     }
 
-    tile! {
-        Avx512, __m512d, __mmask8, 8,
+    lane! {
+        Avx512, f64, __m512d, __mmask8, 8,
         _mm512_set1_pd, _mm512_loadu_pd, _mm512_storeu_pd, _mm512_add_pd, _mm512_sub_pd, _mm512_mul_pd, _mm512_div_pd,
         _mm512_sqrt_pd, _mm512_min_pd, _mm512_max_pd,
         neg: |n| _mm512_castsi512_pd(_mm512_xor_si512(_mm512_castpd_si512(n), _mm512_set1_epi64(i64::MIN))),
@@ -456,6 +513,10 @@ mod precision {
             _mm512_cvtepi32_epi64(_mm512_cvttpd_epi32(e)),
             _mm512_set1_epi64(1023),
         ))),
+    }
+
+    tile! {
+        Avx512, __m512d, 8, _mm512_loadu_pd, _mm512_storeu_pd,
         or: |x, y| _mm512_castsi512_pd(_mm512_or_si512(_mm512_castpd_si512(x), _mm512_castpd_si512(y))),
         is_zero: |v| _mm512_test_epi32_mask(_mm512_castpd_si512(v), _mm512_castpd_si512(v)) == 0,
         rows: wide,

@@ -1,33 +1,93 @@
 //! A sparse symmetric positive matrix in blocks, factored as `L D L^T`.
 
 use crate::math::Real;
+use crate::simd::{Four, FourKernel, FourLane, dispatch_fours};
 use crate::solver::mechanism::elimination::Elimination;
 
 /// The matrix of a mechanism's rows, block by block: a node has the rows of a joint.
+///
+/// Vectors and the rows of blocks are in whole fours, of which the last numbers may mean nothing.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct BlockLdl {
     pub(crate) elimination: Elimination,
     /// By place in the order of elimination: the rows of a node.
     sizes: Vec<usize>,
-    /// By place, where its numbers begin in a vector; and how many there are.
+    /// By place, where its numbers begin in a vector, in fours; and how many fours there are.
     pub(crate) starts: Vec<usize>,
-    /// By place, where its block on the diagonal begins, of `size x size` numbers in rows; and
-    /// where the last ends.
+    /// By place, where its block on the diagonal begins; and where the last ends. Blocks are in
+    /// rows of whole fours.
     diagonal_starts: Vec<usize>,
     /// Once factored, their inverses.
-    diagonal: Vec<f64>,
+    diagonal: Vec<Four>,
     /// By block beyond the diagonal, where it begins; and where the last ends.
     block_starts: Vec<usize>,
-    blocks: Vec<f64>,
+    blocks: Vec<Four>,
     /// Once factored: `D^-1 B` of each block `B`.
-    weights: Vec<f64>,
+    weights: Vec<Four>,
+    /// The same transposed: where each begins, and the numbers.
+    transposed_starts: Vec<usize>,
+    transposed: Vec<Four>,
     /// By row, by how much its number on the diagonal was raised.
-    raised: Vec<f64>,
+    raised: Vec<Four>,
     /// For each row and each pair of its blocks, the first of them below: the block that the pair
     /// changes.
     targets: Vec<u32>,
+    /// The rows of every node, if all have as many and there is code for that many, else zero.
+    uniform: usize,
     /// Whether a row depends on others, as far as the factors tell.
     pub(crate) has_dependent_rows: bool,
+}
+
+/// Where the numbers of nodes and blocks are. Where all nodes have the same number of rows, and
+/// that is a constant, it follows from their place alone.
+#[derive(Clone, Copy)]
+struct Layout<'a> {
+    uniform: usize,
+    sizes: &'a [usize],
+    starts: &'a [usize],
+    diagonal_starts: &'a [usize],
+    block_starts: &'a [usize],
+    transposed_starts: &'a [usize],
+}
+
+impl Layout<'_> {
+    #[inline(always)]
+    fn size(self, node: usize) -> usize {
+        if self.uniform == 0 { self.sizes[node] } else { self.uniform }
+    }
+
+    #[inline(always)]
+    fn start(self, node: usize) -> usize {
+        if self.uniform == 0 { self.starts[node] } else { node * fours(self.uniform) }
+    }
+
+    #[inline(always)]
+    fn diagonal(self, node: usize) -> usize {
+        if self.uniform == 0 { self.diagonal_starts[node] } else { node * self.uniform * fours(self.uniform) }
+    }
+
+    #[inline(always)]
+    fn block(self, block: usize) -> usize {
+        if self.uniform == 0 { self.block_starts[block] } else { block * self.uniform * fours(self.uniform) }
+    }
+
+    #[inline(always)]
+    fn transposed(self, block: usize) -> usize {
+        if self.uniform == 0 { self.transposed_starts[block] } else { self.block(block) }
+    }
+}
+
+/// Calls a method with the number of rows of all nodes: for those of balls, hinges and welds with a
+/// constant.
+macro_rules! uniformly {
+    ($it:ident.$method:ident($($argument:expr),*)) => {
+        match $it.uniform {
+            3 => $it.$method::<T>($($argument,)* 3),
+            5 => $it.$method::<T>($($argument,)* 5),
+            6 => $it.$method::<T>($($argument,)* 6),
+            _ => $it.$method::<T>($($argument,)* 0),
+        }
+    };
 }
 
 /// By how much of itself each number on the diagonal is raised, which makes rows harmless that
@@ -39,12 +99,35 @@ const REGULARIZATION: f64 = if size_of::<Real>() == size_of::<f64>() { 1e-9 } el
 macro_rules! sized {
     ($kernel:ident($($argument:expr),*; $sizes:expr)) => {
         match $sizes {
-            [3, 3] => $kernel($($argument,)* [3, 3]),
-            [5, 5] => $kernel($($argument,)* [5, 5]),
-            [6, 6] => $kernel($($argument,)* [6, 6]),
-            sizes => $kernel($($argument,)* sizes),
+            [3, 3] => $kernel::<T>($($argument,)* [3, 3]),
+            [5, 5] => $kernel::<T>($($argument,)* [5, 5]),
+            [6, 6] => $kernel::<T>($($argument,)* [6, 6]),
+            sizes => $kernel::<T>($($argument,)* sizes),
         }
     };
+}
+pub(super) use sized;
+
+/// A loop over rows, at most [`MAX_ROWS`], that is unrolled where their number is a constant.
+macro_rules! unrolled {
+    ($i:ident in $n:ident $body:block) => {
+        $crate::solver::mechanism::block_ldl::unrolled!(@ $i $n $body 0 1 2 3 4 5 6 7 8)
+    };
+    (@ $i:ident $n:ident $body:block $($number:literal)+) => {
+        $(
+            if $n > $number {
+                let $i: usize = $number;
+                $body
+            }
+        )+
+    };
+}
+pub(super) use unrolled;
+
+/// How many fours a row of `n` numbers takes.
+#[inline(always)]
+pub(crate) const fn fours(n: usize) -> usize {
+    n.div_ceil(4)
 }
 
 impl BlockLdl {
@@ -52,15 +135,17 @@ impl BlockLdl {
     pub(crate) fn new(elimination: Elimination, sizes: Vec<usize>) -> Self {
         let mut it = Self { elimination, sizes, ..Self::default() };
         let Self { elimination, sizes, .. } = &it;
-        let starts = ends(sizes.iter().copied());
-        let diagonal_starts = ends(sizes.iter().map(|size| size * size));
-        let mut of_blocks = Vec::new();
+        let starts = ends(sizes.iter().map(|size| fours(*size)));
+        let diagonal_starts = ends(sizes.iter().map(|size| size * fours(*size)));
+        let (mut of_blocks, mut of_transposed) = (Vec::new(), Vec::new());
         let mut targets = Vec::new();
         for row in 0..sizes.len() {
             let blocks = elimination.blocks_of(row);
             for block in blocks.clone() {
                 let column = elimination.columns[block];
-                of_blocks.push(sizes[row] * sizes[column as usize]);
+                let (n, m) = (sizes[row], sizes[column as usize]);
+                of_blocks.push(n * fours(m));
+                of_transposed.push(m * fours(n));
                 for before in blocks.start..block {
                     let above = elimination.columns[before] as usize;
                     // Elimination makes the neighbours of a node neighbours of each other.
@@ -68,112 +153,172 @@ impl BlockLdl {
                 }
             }
         }
-        let block_starts = ends(of_blocks.into_iter());
-        it.diagonal = vec![0.0; last(&diagonal_starts)];
-        it.blocks = vec![0.0; last(&block_starts)];
+        let first = sizes.first().copied().unwrap_or(0);
+        let is_uniform = matches!(first, 3 | 5 | 6) && sizes.iter().all(|size| *size == first);
+        let uniform = if is_uniform { first } else { 0 };
+        let [block_starts, transposed_starts] = [of_blocks, of_transposed].map(|counts| ends(counts.into_iter()));
+        it.diagonal = vec![[0.0; 4]; last(&diagonal_starts)];
+        it.blocks = vec![[0.0; 4]; last(&block_starts)];
         it.weights = it.blocks.clone();
-        it.raised = Vec::with_capacity(last(&starts));
-        Self { starts, diagonal_starts, block_starts, targets, ..it }
+        it.transposed = vec![[0.0; 4]; last(&transposed_starts)];
+        it.raised = vec![[0.0; 4]; last(&starts)];
+        Self { starts, diagonal_starts, block_starts, transposed_starts, targets, uniform, ..it }
     }
 
-    /// How many rows in all.
+    /// How many fours a vector has.
     pub(crate) fn len(&self) -> usize {
         last(&self.starts)
     }
 
-    /// Sets all blocks beyond the diagonal to zero.
-    pub(crate) fn clear(&mut self) {
-        self.blocks.fill(0.0);
+    /// Where a block beyond the diagonal begins.
+    pub(super) fn block_start(&self, block: usize) -> usize {
+        self.block_starts[block]
     }
 
-    /// The block of a node on the diagonal, to be set as a whole, in rows of its size.
-    pub(crate) fn diagonal_mut(&mut self, node: usize) -> &mut [f64] {
+    /// The numbers of all blocks beyond the diagonal.
+    pub(super) fn blocks_mut(&mut self) -> &mut [Four] {
+        &mut self.blocks
+    }
+
+    /// Where the numbers of a node are in a vector, number by number.
+    pub(crate) fn place(&self, node: usize) -> usize {
+        4 * self.starts[node]
+    }
+
+    /// Sets a block beyond the diagonal to zero.
+    pub(crate) fn clear(&mut self, block: usize) {
+        self.blocks[self.block_starts[block]..self.block_starts[block + 1]].fill([0.0; 4]);
+    }
+
+    /// The block of a node on the diagonal, of which the half below the diagonal is to be set.
+    pub(crate) fn diagonal_mut(&mut self, node: usize) -> &mut [Four] {
         &mut self.diagonal[self.diagonal_starts[node]..self.diagonal_starts[node + 1]]
     }
 
-    /// A block beyond the diagonal, to be added to.
-    pub(crate) fn block_mut(&mut self, block: usize) -> &mut [f64] {
-        &mut self.blocks[self.block_starts[block]..self.block_starts[block + 1]]
+    /// Factors the matrix that was set.
+    #[inline(always)]
+    pub(crate) fn factor<T: FourLane>(&mut self) {
+        uniformly!(self.factor_uniform());
     }
 
-    /// Factors the matrix that was set.
-    pub(crate) fn factor(&mut self) {
-        let Self { elimination, sizes, diagonal_starts, diagonal, block_starts, blocks, weights, targets, .. } = self;
-        let mut target = targets.iter();
+    #[inline(always)]
+    fn factor_uniform<T: FourLane>(&mut self, uniform: usize) {
+        let Self { elimination, sizes, starts, diagonal_starts, block_starts, transposed_starts, .. } = self;
+        let layout = Layout { uniform, sizes, starts, diagonal_starts, block_starts, transposed_starts };
+        let Self { diagonal, blocks, weights, transposed, targets, raised, .. } = self;
+        let mut targets = targets.iter();
         self.has_dependent_rows = false;
-        self.raised.clear();
-        for (start, n) in diagonal_starts.iter().zip(&*sizes) {
-            for i in 0..*n {
-                let number = &mut diagonal[start + i * n + i];
-                self.raised.push(*number * REGULARIZATION);
-                *number *= 1.0 + REGULARIZATION;
-            }
-        }
         for row in 0..sizes.len() {
-            let n = sizes[row];
-            let pivot = &mut diagonal[diagonal_starts[row]..diagonal_starts[row + 1]];
-            self.has_dependent_rows |= invert_sized(pivot, &self.raised[self.starts[row]..], n);
+            let (n, w) = (layout.size(row), fours(layout.size(row)));
+            let (before, after) = diagonal.split_at_mut(layout.diagonal(row) + n * w);
+            let pivot = &mut before[layout.diagonal(row)..];
+            self.has_dependent_rows |= invert_sized(pivot, &raised[layout.start(row)..], n);
             let range = elimination.blocks_of(row);
             for block in range.clone() {
                 let column = elimination.columns[block] as usize;
-                let m = sizes[column];
-                let pivot = &diagonal[diagonal_starts[row]..diagonal_starts[row + 1]];
-                let whole = block_starts[block]..block_starts[block + 1];
-                sized!(product(pivot, &blocks[whole.clone()], &mut weights[whole.clone()]; [n, m]));
+                let m = layout.size(column);
+                let v = fours(m);
+                let of_row = layout.block(block)..layout.block(block) + n * v;
+                let weight = &mut weights[of_row.clone()];
+                let weight_transposed = &mut transposed[layout.transposed(block)..][..m * w];
+                sized!(product(pivot, &blocks[of_row.clone()], weight; [n, m]));
+                sized!(transposed_product(pivot, &blocks[of_row.clone()], weight_transposed; [n, m]));
                 for before in range.start..block {
-                    let Some(&target) = target.next() else { return };
-                    let k = sizes[elimination.columns[before] as usize];
-                    let [first, at] = [before, target as usize].map(|it| block_starts[it]..block_starts[it + 1]);
+                    let Some(&target) = targets.next() else { return };
+                    let k = layout.size(elimination.columns[before] as usize);
                     // The target belongs to a later row than both factors.
-                    let (left, right) = blocks.split_at_mut(at.start);
-                    let (left, right) = (&left[first], &mut right[..k * m]);
+                    let (left, right) = blocks.split_at_mut(layout.block(target as usize));
+                    let (left, right) = (&left[layout.block(before)..][..n * fours(k)], &mut right[..k * v]);
                     if n == k {
-                        sized!(subtract_transposed_square(left, &weights[whole.clone()], right; [n, m]));
+                        sized!(subtract_transposed_square(left, weight, right; [n, m]));
                     } else {
-                        subtract_transposed(left, &weights[whole.clone()], right, [n, k, m]);
+                        subtract_transposed::<T>(left, weight, right, [n, k, m]);
                     }
                 }
-                let at = diagonal_starts[column]..diagonal_starts[column + 1];
-                let (of_row, weight, at) = (&blocks[whole.clone()], &weights[whole], &mut diagonal[at]);
+                let at = layout.diagonal(column) - layout.diagonal(row) - n * w;
+                let (of_row, at) = (&blocks[of_row], &mut after[at..][..m * v]);
                 if n == m {
                     sized!(subtract_transposed_square(of_row, weight, at; [n, m]));
                 } else {
-                    subtract_transposed(of_row, weight, at, [n, m, m]);
+                    subtract_transposed::<T>(of_row, weight, at, [n, m, m]);
                 }
             }
         }
     }
 
+    /// Raises the numbers on the diagonal of a node of `n` rows, once they are set.
+    #[inline(always)]
+    pub(super) fn raise(&mut self, node: usize, n: usize) {
+        let w = fours(n);
+        let numbers = &mut self.diagonal[self.diagonal_starts[node]..][..n * w];
+        let raised = &mut self.raised[self.starts[node]..][..w];
+        unrolled!(i in n {
+            let number = &mut numbers[i * w + i / 4][i % 4];
+            raised[i / 4][i % 4] = *number * REGULARIZATION;
+            *number *= 1.0 + REGULARIZATION;
+        });
+    }
+
     /// Solves for a right side, in its place.
-    pub(crate) fn solve(&self, x: &mut [f64]) {
-        let Self { elimination, sizes, starts, diagonal_starts, diagonal, block_starts, weights, .. } = self;
+    pub(crate) fn solve(&self, x: &mut [Four]) {
+        dispatch_fours(Solve { matrix: self, x });
+    }
+
+    #[inline(always)]
+    fn solve_uniform<T: FourLane>(&self, x: &mut [Four], uniform: usize) {
+        let Self { elimination, sizes, starts, diagonal_starts, block_starts, transposed_starts, .. } = self;
+        let layout = Layout { uniform, sizes, starts, diagonal_starts, block_starts, transposed_starts };
+        let x = &mut x[..last(starts)];
         for row in 0..sizes.len() {
-            let n = sizes[row];
-            let (before, after) = x.split_at_mut(starts[row + 1]);
-            let here = &before[starts[row]..];
+            let n = layout.size(row);
+            let here = local(&x[layout.start(row)..][..fours(n)]);
             for block in elimination.blocks_of(row) {
                 let column = elimination.columns[block] as usize;
-                let there = &mut after[starts[column] - starts[row + 1]..];
-                sized!(forward(&weights[block_starts[block]..], here, there; [n, sizes[column]]));
+                let m = layout.size(column);
+                let weight = &self.weights[layout.block(block)..][..n * fours(m)];
+                let there = &mut x[layout.start(column)..][..fours(m)];
+                sized!(forward(weight, &here, there; [n, m]));
             }
         }
         for row in (0..sizes.len()).rev() {
-            let n = sizes[row];
-            let (before, after) = x.split_at_mut(starts[row + 1]);
-            let here = &mut before[starts[row]..];
-            let pivot = &diagonal[diagonal_starts[row]..];
-            match n {
-                3 => multiply(pivot, here, 3),
-                5 => multiply(pivot, here, 5),
-                6 => multiply(pivot, here, 6),
-                _ => multiply(pivot, here, n),
-            }
+            let n = layout.size(row);
+            let mut here = local(&x[layout.start(row)..][..fours(n)]);
+            let pivot = &self.diagonal[layout.diagonal(row)..][..n * fours(n)];
+            sized!(multiply(pivot, &mut here; [n, n]));
             for block in elimination.blocks_of(row) {
                 let column = elimination.columns[block] as usize;
-                let there = &after[starts[column] - starts[row + 1]..];
-                sized!(backward(&weights[block_starts[block]..], there, here; [n, sizes[column]]));
+                let m = layout.size(column);
+                let weight = &self.transposed[layout.transposed(block)..][..m * fours(n)];
+                let there = &x[layout.start(column)..][..fours(m)];
+                sized!(backward(weight, there, &mut here; [n, m]));
             }
+            x[layout.start(row)..][..fours(n)].copy_from_slice(&here[..fours(n)]);
         }
+    }
+}
+
+/// A copy of the numbers of a node.
+#[inline(always)]
+fn local(numbers: &[Four]) -> [Four; fours(MAX_ROWS)] {
+    let mut local = [[0.0; 4]; fours(MAX_ROWS)];
+    let mut i = 0;
+    while i < numbers.len() {
+        local[i] = numbers[i];
+        i += 1;
+    }
+    local
+}
+
+struct Solve<'a> {
+    matrix: &'a BlockLdl,
+    x: &'a mut [Four],
+}
+
+impl FourKernel for Solve<'_> {
+    #[inline(always)]
+    fn run<T: FourLane>(self) {
+        let Self { matrix, x } = self;
+        uniformly!(matrix.solve_uniform(x));
     }
 }
 
@@ -181,7 +326,7 @@ impl BlockLdl {
 pub(crate) const MAX_ROWS: usize = 9;
 
 /// Sums of the counts before each, and of all.
-fn ends(counts: impl Iterator<Item = usize>) -> Vec<usize> {
+pub(super) fn ends(counts: impl Iterator<Item = usize>) -> Vec<usize> {
     let mut ends = vec![0];
     ends.extend(counts.scan(0, |sum, count| {
         *sum += count;
@@ -196,79 +341,106 @@ fn last(ends: &[usize]) -> usize {
 
 /// `c = a b`, with `a` of `n x n` and `b` of `n x m` numbers.
 #[inline(always)]
-fn product(a: &[f64], b: &[f64], c: &mut [f64], [n, m]: [usize; 2]) {
-    let (a, b, c) = (&a[..n * n], &b[..n * m], &mut c[..n * m]);
+fn product<T: FourLane>(a: &[Four], b: &[Four], c: &mut [Four], [n, m]: [usize; 2]) {
+    let (w, v) = (fours(n), fours(m));
+    let (a, b, c) = (&a[..n * w], &b[..n * v], &mut c[..n * v]);
     for i in 0..n {
-        for j in 0..m {
-            let mut sum = a[i * n] * b[j];
+        for j in 0..v {
+            let mut sum = T::splat(a[i * w][0]) * T::load(&b[j]);
             for k in 1..n {
-                sum += a[i * n + k] * b[k * m + j];
+                sum = sum + T::splat(a[i * w + k / 4][k % 4]) * T::load(&b[k * v + j]);
             }
-            c[i * m + j] = sum;
+            sum.store(&mut c[i * v + j]);
+        }
+    }
+}
+
+/// `c = (a b)^T`, with a symmetric `a` of `n x n` and `b` of `n x m` numbers: the same bits as of
+/// [`product`].
+#[inline(always)]
+fn transposed_product<T: FourLane>(a: &[Four], b: &[Four], c: &mut [Four], [n, m]: [usize; 2]) {
+    let (w, v) = (fours(n), fours(m));
+    let (a, b, c) = (&a[..n * w], &b[..n * v], &mut c[..m * w]);
+    for i in 0..m {
+        for j in 0..w {
+            let mut sum = T::splat(b[i / 4][i % 4]) * T::load(&a[j]);
+            for k in 1..n {
+                sum = sum + T::splat(b[k * v + i / 4][i % 4]) * T::load(&a[k * w + j]);
+            }
+            sum.store(&mut c[i * w + j]);
         }
     }
 }
 
 /// `c -= a^T b`, with `a` of `n x n` and `b` of `n x m` numbers.
 #[inline(always)]
-fn subtract_transposed_square(a: &[f64], b: &[f64], c: &mut [f64], [n, m]: [usize; 2]) {
-    subtract_transposed(a, b, c, [n, n, m]);
+fn subtract_transposed_square<T: FourLane>(a: &[Four], b: &[Four], c: &mut [Four], [n, m]: [usize; 2]) {
+    subtract_transposed::<T>(a, b, c, [n, n, m]);
 }
 
 /// `c -= a^T b`, with `a` of `n x k` and `b` of `n x m` numbers.
 #[inline(always)]
-fn subtract_transposed(a: &[f64], b: &[f64], c: &mut [f64], [n, k, m]: [usize; 3]) {
-    let (a, b, c) = (&a[..n * k], &b[..n * m], &mut c[..k * m]);
+fn subtract_transposed<T: FourLane>(a: &[Four], b: &[Four], c: &mut [Four], [n, k, m]: [usize; 3]) {
+    let (w, v) = (fours(k), fours(m));
+    let (a, b, c) = (&a[..n * w], &b[..n * v], &mut c[..k * v]);
     for i in 0..k {
-        for j in 0..m {
-            let mut sum = c[i * m + j];
+        for j in 0..v {
+            let mut sum = T::load(&c[i * v + j]);
             for r in 0..n {
-                sum -= a[r * k + i] * b[r * m + j];
+                sum = sum - T::splat(a[r * w + i / 4][i % 4]) * T::load(&b[r * v + j]);
             }
-            c[i * m + j] = sum;
+            sum.store(&mut c[i * v + j]);
         }
     }
 }
 
 /// `y -= w^T x`, with `w` of `n x m` numbers.
 #[inline(always)]
-fn forward(w: &[f64], x: &[f64], y: &mut [f64], [n, m]: [usize; 2]) {
-    let (w, x, y) = (&w[..n * m], &x[..n], &mut y[..m]);
-    for i in 0..n {
-        for j in 0..m {
-            y[j] -= w[i * m + j] * x[i];
+fn forward<T: FourLane>(w: &[Four], x: &[Four], y: &mut [Four], [n, m]: [usize; 2]) {
+    subtract_columns::<T>(w, x, y, [n, m]);
+}
+
+/// `y -= w x`, with `w^T` of `m x n` numbers.
+#[inline(always)]
+fn backward<T: FourLane>(transposed: &[Four], x: &[Four], y: &mut [Four], [n, m]: [usize; 2]) {
+    subtract_columns::<T>(transposed, x, y, [m, n]);
+}
+
+/// `y -= w^T x`, with `w` of `n x m` numbers.
+#[inline(always)]
+fn subtract_columns<T: FourLane>(w: &[Four], x: &[Four], y: &mut [Four], [n, m]: [usize; 2]) {
+    let v = fours(m);
+    let (w, x, y) = (&w[..n * v], &x[..fours(n)], &mut y[..v]);
+    for j in 0..v {
+        let mut sum = T::load(&y[j]);
+        for i in 0..n {
+            sum = sum - T::load(&w[i * v + j]) * T::splat(x[i / 4][i % 4]);
         }
+        sum.store(&mut y[j]);
     }
 }
 
-/// `x = a x`, with `a` of `n x n` numbers.
+/// `x = a x`, with a symmetric `a` of `n x n` numbers.
 #[inline(always)]
-fn multiply(a: &[f64], x: &mut [f64], n: usize) {
-    let (a, x) = (&a[..n * n], &mut x[..n]);
-    let mut products = [0.0; MAX_ROWS];
-    for i in 0..n {
-        let mut sum = a[i * n] * x[0];
-        for j in 1..n {
-            sum += a[i * n + j] * x[j];
+fn multiply<T: FourLane>(a: &[Four], x: &mut [Four], [n, _]: [usize; 2]) {
+    let w = fours(n);
+    let (a, x) = (&a[..n * w], &mut x[..w]);
+    let mut products = [T::splat(0.0); fours(MAX_ROWS)];
+    for j in 0..w {
+        let mut sum = T::load(&a[j]) * T::splat(x[0][0]);
+        for i in 1..n {
+            sum = sum + T::load(&a[i * w + j]) * T::splat(x[i / 4][i % 4]);
         }
-        products[i] = sum;
+        products[j] = sum;
     }
-    x.copy_from_slice(&products[..n]);
-}
-
-/// `y -= w x`, with `w` of `n x m` numbers.
-#[inline(always)]
-fn backward(w: &[f64], x: &[f64], y: &mut [f64], [n, m]: [usize; 2]) {
-    let (w, x, y) = (&w[..n * m], &x[..m], &mut y[..n]);
-    for i in 0..n {
-        for j in 0..m {
-            y[i] -= w[i * m + j] * x[j];
-        }
+    for j in 0..w {
+        products[j].store(&mut x[j]);
     }
 }
 
 /// Inverts a block on the diagonal, as [`invert`].
-fn invert_sized(a: &mut [f64], raised: &[f64], n: usize) -> bool {
+#[inline(always)]
+fn invert_sized(a: &mut [Four], raised: &[Four], n: usize) -> bool {
     match n {
         3 => invert(a, raised, 3),
         5 => invert(a, raised, 5),
@@ -280,54 +452,75 @@ fn invert_sized(a: &mut [f64], raised: &[f64], n: usize) -> bool {
 /// A pivot that is no more than this many times what it was raised by is one of a dependent row.
 const DEPENDENT: f64 = 30.0;
 
-/// Inverts a symmetric positive matrix in its place, of which the diagonal was raised. A row
-/// without response, as of bodies that do not turn, gets none. Returns whether a row depends on
-/// others.
+/// Inverts a symmetric positive matrix in its place, of which the diagonal was raised, from the
+/// half below its diagonal. A row without response, as of bodies that do not turn, gets none.
+/// Returns whether a row depends on others.
 #[inline(always)]
-fn invert(a: &mut [f64], raised: &[f64], n: usize) -> bool {
-    let (a, raised) = (&mut a[..n * n], &raised[..n]);
+fn invert(a: &mut [Four], raised: &[Four], n: usize) -> bool {
+    let w = fours(n);
+    let (a, raised) = (&mut a[..n * w], &raised[..w]);
     let mut is_dependent = false;
     // L below the diagonal, and 1/D.
     let mut inverse_pivots = [0.0; MAX_ROWS];
-    for j in 0..n {
-        let pivot = a[j * n + j];
-        is_dependent |= pivot <= DEPENDENT * raised[j];
+    unrolled!(j in n {
+        let pivot = a[j * w + j / 4][j % 4];
+        is_dependent |= pivot <= DEPENDENT * raised[j / 4][j % 4];
         inverse_pivots[j] = if pivot > 0.0 { 1.0 / pivot } else { 0.0 };
         for i in j + 1..n {
-            let factor = a[i * n + j] * inverse_pivots[j];
+            let factor = a[i * w + j / 4][j % 4] * inverse_pivots[j];
             for k in j + 1..=i {
-                a[i * n + k] -= factor * a[k * n + j];
+                a[i * w + k / 4][k % 4] -= factor * a[k * w + j / 4][j % 4];
             }
         }
         for i in j + 1..n {
-            a[i * n + j] *= inverse_pivots[j];
+            a[i * w + j / 4][j % 4] *= inverse_pivots[j];
         }
-    }
-    let mut inverse = [0.0; MAX_ROWS * MAX_ROWS];
-    for column in 0..n {
+    });
+    // The inverse above the diagonal, where nothing is left that it needs.
+    unrolled!(column in n {
         let mut y = [0.0; MAX_ROWS];
         y[column] = 1.0;
         for i in column + 1..n {
-            y[i] = -(column..i).map(|k| a[i * n + k] * y[k]).sum::<f64>();
+            let mut sum = a[i * w + column / 4][column % 4];
+            for k in column + 1..i {
+                sum += a[i * w + k / 4][k % 4] * y[k];
+            }
+            y[i] = -sum;
         }
-        for i in (0..n).rev() {
-            y[i] = y[i] * inverse_pivots[i] - (i + 1..n).map(|k| a[k * n + i] * y[k]).sum::<f64>();
-            inverse[i * n + column] = y[i];
+        for i in (column..n).rev() {
+            let mut sum = 0.0;
+            for k in i + 1..n {
+                sum += a[k * w + i / 4][i % 4] * y[k];
+            }
+            y[i] = y[i] * inverse_pivots[i] - sum;
+            a[column * w + i / 4][i % 4] = y[i];
         }
-    }
-    // Of both halves one, so that it stays symmetric.
-    for i in 0..n {
-        for j in 0..=i {
-            let x = inverse[i * n + j];
-            (a[i * n + j], a[j * n + i]) = (x, x);
+    });
+    unrolled!(i in n {
+        for j in 0..i {
+            a[i * w + j / 4][j % 4] = a[j * w + i / 4][i % 4];
         }
-    }
+    });
     is_dependent
 }
+
+/// One at a place.
+pub(super) const UNITS: [Four; 4] =
+    [[1.0, 0.0, 0.0, 0.0], [0.0, 1.0, 0.0, 0.0], [0.0, 0.0, 1.0, 0.0], [0.0, 0.0, 0.0, 1.0]];
 
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    struct Factor<'a> {
+        matrix: &'a mut BlockLdl,
+    }
+
+    impl FourKernel for Factor<'_> {
+        fn run<T: FourLane>(self) {
+            self.matrix.factor::<T>();
+        }
+    }
 
     /// Random positive matrices with the pattern of a ring with a tail, of blocks of all sizes:
     /// the solution times the matrix is the right side.
@@ -339,20 +532,21 @@ mod tests {
             state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
             f64::from(state) / f64::from(1_u32 << 31) - 1.0
         };
-        for _ in 0..20 {
+        for case in 0..24 {
             let mut groups: Vec<_> = (0..7).map(|node| vec![node, (node + 1) % 7]).collect();
             groups.extend([vec![3, 7, 8], vec![8, 9]]);
             let elimination = Elimination::by_minimum_degree(10, &groups);
-            let sizes: Vec<_> = (0..10).map(|_| 1 + ((number() + 1.0) * 2.99) as usize).collect();
+            // Of a third of them all nodes have one size.
+            let size = |_| if case % 3 == 0 { 1 + case % 9 } else { 1 + ((number() + 1.0) * 4.49) as usize };
+            let sizes: Vec<_> = (0..10).map(size).collect();
             let mut ldl = BlockLdl::new(elimination, sizes.clone());
-            ldl.clear();
-            let count = ldl.len();
+            let count = 4 * ldl.len();
             let mut dense = vec![vec![0.0; count]; count];
             let place: Vec<_> = (0..10_u32).map(|n| ldl.elimination.order.iter().position(|m| *m == n)).collect();
             // The sum over groups of a positive matrix on the group's rows.
             for group in &groups {
                 let nodes: Vec<_> = group.iter().filter_map(|node| place[*node as usize]).collect();
-                let rows: Vec<_> = nodes.iter().flat_map(|n| ldl.starts[*n]..ldl.starts[*n] + sizes[*n]).collect();
+                let rows: Vec<_> = nodes.iter().flat_map(|n| ldl.place(*n)..ldl.place(*n) + sizes[*n]).collect();
                 for _ in 0..rows.len() + 2 {
                     let v: Vec<_> = rows.iter().map(|_| number()).collect();
                     for (i, r) in rows.iter().enumerate() {
@@ -361,25 +555,32 @@ mod tests {
                 }
             }
             for row in 0..10 {
-                let (n, at) = (sizes[row], ldl.starts[row]);
+                let (n, at) = (sizes[row], ldl.place(row));
                 for i in 0..n {
-                    (0..n).for_each(|j| ldl.diagonal_mut(row)[i * n + j] = dense[at + i][at + j]);
+                    (0..=i).for_each(|j| ldl.diagonal_mut(row)[i * fours(n) + j / 4][j % 4] = dense[at + i][at + j]);
                 }
                 for block in ldl.elimination.blocks_of(row) {
                     let column = ldl.elimination.columns[block] as usize;
-                    let (m, to) = (sizes[column], ldl.starts[column]);
+                    let (m, to) = (sizes[column], ldl.place(column));
+                    let begin = ldl.block_start(block);
                     for i in 0..n {
-                        (0..m).for_each(|j| ldl.block_mut(block)[i * m + j] = dense[at + i][to + j]);
+                        for j in 0..m {
+                            ldl.blocks_mut()[begin + i * fours(m) + j / 4][j % 4] = dense[at + i][to + j];
+                        }
                     }
                 }
             }
-            ldl.factor();
-            let right: Vec<_> = (0..count).map(|_| number()).collect();
+            sizes.iter().enumerate().for_each(|(node, size)| ldl.raise(node, *size));
+            dispatch_fours(Factor { matrix: &mut ldl });
+            let right: Vec<Four> = (0..ldl.len()).map(|_| [0; 4].map(|_| number())).collect();
             let mut x = right.clone();
             ldl.solve(&mut x);
-            let scale = x.iter().fold(1.0, |most: f64, x| most.max(x.abs()));
-            for (row, b) in dense.iter().zip(&right) {
-                let sum: f64 = row.iter().zip(&x).map(|(a, x)| a * x).sum();
+            let (x, right) = (x.as_flattened(), right.as_flattened());
+            let is_row = |at: &usize| (0..10).any(|row| (ldl.place(row)..ldl.place(row) + sizes[row]).contains(at));
+            let rows: Vec<_> = (0..count).filter(is_row).collect();
+            let scale = rows.iter().fold(1.0, |most: f64, at| most.max(x[*at].abs()));
+            for at in &rows {
+                let (sum, b) = (rows.iter().map(|other| dense[*at][*other] * x[*other]).sum::<f64>(), right[*at]);
                 assert!((sum - b).abs() < 300.0 * REGULARIZATION * scale, "{sum} {b} {scale}");
             }
         }

@@ -10,7 +10,7 @@ use crate::solver::mechanism::free_axis::{FreeAxis, free_axes};
 use crate::solver::mechanism::free_row::{FreeRow, Phase};
 use crate::solver::mechanism::joint_rows::{IDENTITY, JointRows};
 use crate::solver::mechanism::mechanism_body::MechanismBody;
-use crate::solver::mechanism::mechanism_matrix::Turning;
+use crate::solver::mechanism::mechanism_matrix::turning;
 
 impl JointRows {
     /// Takes over what acts along its free axes, which are as many as when it was made.
@@ -137,7 +137,7 @@ impl JointRows {
         for (row, response) in responses.iter_mut().enumerate().take(self.count) {
             for (body, arm) in self.bodies.iter().zip(self.arms) {
                 let body = &bodies[*body];
-                let Turning { torque, response: turned } = Turning::of(body, arm, self.linear[row], self.angular[row]);
+                let [torque, turned] = turning(body, arm, self.linear[row], self.angular[row]);
                 let linear = body.inverse_mass * self.linear[row].dot(self.linear[row]);
                 *response += linear + torque.dot(turned);
             }

@@ -28,13 +28,20 @@ pub(crate) struct JointRows {
     pub(crate) bodies: [usize; 2],
     pub(crate) anchors: [Anchor; 2],
     pub(super) free: Axes,
+    /// Whether all translations are locked: then these are its first rows, along the axes of the
+    /// world, and no other has a linear part.
+    is_pinned: bool,
+    /// Whether that is all of it.
+    is_plain_ball: bool,
     /// Along what each row pushes, and about what it turns besides; world frame. Those of locked
     /// axes come first.
     pub(crate) linear: [Vec3<f64>; MAX_ROWS],
     pub(crate) angular: [Vec3<f64>; MAX_ROWS],
     pub(crate) count: usize,
-    /// How many are of locked axes.
+    /// How many are of locked axes, and how many of these of translations.
     pub(crate) locked: usize,
+    linear_count: usize,
+    rotations: Rotations,
     /// Those of free axes.
     pub(crate) free_rows: Vec<FreeRow>,
     /// The rotation that values of three free rotations are taken against.
@@ -78,14 +85,25 @@ impl JointRows {
         let zero = Vec3::zero();
         let locked = 6 - free.count() as usize;
         let free_rows: Vec<_> = options.into_iter().flat_map(|it| free_axes(it, free)).map(FreeRow::new).collect();
+        let mut linear = [zero; MAX_ROWS];
+        let has_distance = free_rows.iter().any(|row| matches!(row.axis, FreeAxis::Distance));
+        let is_pinned = !(free.has(0) || free.has(1) || free.has(2) || has_distance);
+        let is_plain_ball = free == Axes::ANGULAR && free_rows.is_empty();
+        if is_pinned {
+            (0..3).for_each(|axis| linear[axis] = linear_axis(free, axis, &[zero; 3]));
+        }
         Self {
             bodies,
             anchors,
             free,
-            linear: [zero; MAX_ROWS],
+            is_pinned,
+            is_plain_ball,
+            linear,
             angular: [zero; MAX_ROWS],
             count: locked + free_rows.len(),
             locked,
+            linear_count: (0..3).filter(|axis| !free.has(*axis)).count(),
+            rotations: Rotations::of(free),
             free_rows,
             reference: None,
             gear: None,
@@ -111,36 +129,53 @@ impl JointRows {
         self.bodies.into_iter().chain(more)
     }
 
-    /// Along what its rows push the bodies of both ends, or of the other two of a gear.
-    pub(crate) fn linear_of(&self, pair: usize) -> &[Vec3<f64>] {
-        self.gear.as_ref().map_or(&self.linear[..], |gear| &gear.linear[pair..])
+    /// From each centre of mass to its anchor, and from the first anchor to the second.
+    #[inline(always)]
+    fn arms_and_gap(&self, bodies: &[MechanismBody]) -> ([Vec3<f64>; 2], Vec3<f64>) {
+        let (a, b) = (&bodies[self.bodies[0]], &bodies[self.bodies[1]]);
+        let first = a.orientation.rotate(self.anchors[0].position);
+        let second = b.orientation.rotate(self.anchors[1].position);
+        let gap = (b.center - a.center) + (b.translation - a.translation) + (second - first);
+        ([first, second], gap)
     }
 
-    pub(super) fn stance(&self, bodies: &[MechanismBody]) -> Stance {
-        let [a, b] = self.bodies.map(|body| &bodies[body]);
-        let arms = [a.orientation.rotate(self.anchors[0].position), b.orientation.rotate(self.anchors[1].position)];
-        let gap = (b.center - a.center) + (b.translation - a.translation) + (arms[1] - arms[0]);
-        if self.is_plain_ball() {
-            let none = [Vec3::zero(); 3];
-            return Stance { anchor_arms: arms, gap, orientations: [a.orientation, b.orientation], axes: [none; 2] };
-        }
-        self.turned_stance(bodies, arms, gap)
+    /// How its frames are turned.
+    #[inline(always)]
+    fn orientations(&self, bodies: &[MechanismBody]) -> [Quat<f64>; 2] {
+        let (a, b) = (&bodies[self.bodies[0]], &bodies[self.bodies[1]]);
+        [a.orientation * self.anchors[0].orientation, b.orientation * self.anchors[1].orientation]
     }
 
     /// Whether its rows are along the axes of the world.
-    fn is_plain_ball(&self) -> bool {
-        self.free == Axes::ANGULAR && self.free_rows.is_empty()
+    #[inline(always)]
+    pub(crate) fn is_plain_ball(&self) -> bool {
+        self.is_plain_ball
     }
 
-    fn turned_stance(&self, bodies: &[MechanismBody], anchor_arms: [Vec3<f64>; 2], gap: Vec3<f64>) -> Stance {
-        let [a, b] = self.bodies.map(|body| &bodies[body]);
-        let orientations = [a.orientation * self.anchors[0].orientation, b.orientation * self.anchors[1].orientation];
+    /// Whether all its translations are locked.
+    #[inline(always)]
+    pub(crate) fn is_pinned(&self) -> bool {
+        self.is_pinned
+    }
+
+    /// What is left of the errors of a plain ball.
+    #[inline(always)]
+    pub(crate) fn ball_left(&self, bodies: &[MechanismBody]) -> Vec3<f64> {
+        let (_, gap) = self.arms_and_gap(bodies);
+        let [x, y, z, ..] = self.rounding;
+        let [p, q, r, ..] = self.wanted;
+        gap - Vec3::new(x, y, z) - Vec3::new(p, q, r)
+    }
+
+    pub(super) fn stance(&self, bodies: &[MechanismBody]) -> Stance {
+        let (anchor_arms, gap) = self.arms_and_gap(bodies);
+        let orientations = self.orientations(bodies);
         Stance { anchor_arms, gap, orientations, axes: orientations.map(Quat::axes) }
     }
 
     /// How many rows push along a line; they are the first.
     pub(crate) fn linear_count(&self) -> usize {
-        (0..3).filter(|axis| !self.free.has(*axis)).count()
+        self.linear_count
     }
 
     /// Sets the rows, and their errors, to where the bodies are.
@@ -150,8 +185,18 @@ impl JointRows {
             self.errors = self.errors(bodies);
             return;
         }
+        if self.is_pinned && self.free_rows.is_empty() {
+            let (anchor_arms, gap) = self.arms_and_gap(bodies);
+            self.set_arms(anchor_arms, gap, gap * 0.5);
+            if !self.is_plain_ball {
+                let [first, second] = self.orientations(bodies);
+                self.set_rotations([first, second], 3);
+            }
+            self.errors = self.pinned_errors(bodies, gap);
+            return;
+        }
         let stance = self.stance(bodies);
-        let [a, b] = stance.axes;
+        let [a, _] = stance.axes;
         let zero = Vec3::zero();
         let mut row = 0;
         let mut locked_gap = zero;
@@ -161,19 +206,9 @@ impl JointRows {
             locked_gap = locked_gap + along * along.dot(stance.gap);
             row += 1;
         }
-        let half = locked_gap * 0.5;
-        self.arms = [stance.anchor_arms[0] + stance.gap - half, stance.anchor_arms[1] - half];
-        self.arm_lengths = self.arms.map(length);
-        self.from_anchor = half * -1.0;
+        self.set_arms(stance.anchor_arms, stance.gap, locked_gap * 0.5);
         self.linear[row..self.locked].fill(zero);
-        match Rotations::of(self.free) {
-            Rotations::Locked => self.angular[row..row + 3].copy_from_slice(&a),
-            Rotations::About(k) => {
-                (self.angular[row], self.angular[row + 1]) = (a[(k + 1) % 3], a[(k + 2) % 3]);
-            }
-            Rotations::AboutBoth(i, j) => self.angular[row] = b[j].cross(a[i]),
-            Rotations::Free => {}
-        }
+        self.set_rotations(stance.orientations, row);
         let Self { free_rows, linear, angular, locked, free, reference, .. } = self;
         for (row, it) in (*locked..).zip(free_rows) {
             let direction = it.axis.direction(&stance, *free, *reference);
@@ -183,45 +218,94 @@ impl JointRows {
         self.errors = self.errors_of(&stance);
     }
 
+    /// Sets about what rows of locked rotations turn, from a row on.
+    #[inline(always)]
+    fn set_rotations(&mut self, [first, second]: [Quat<f64>; 2], row: usize) {
+        let a = first.axes();
+        match self.rotations {
+            Rotations::Locked => self.angular[row..row + 3].copy_from_slice(&a),
+            Rotations::About(k) => {
+                (self.angular[row], self.angular[row + 1]) = (a[(k + 1) % 3], a[(k + 2) % 3]);
+            }
+            Rotations::AboutBoth(i, j) => self.angular[row] = second.axes()[j].cross(a[i]),
+            Rotations::Free => {}
+        }
+    }
+
+    /// Has both bodies pushed at a point that is half the locked gap from the second anchor.
+    #[inline(always)]
+    fn set_arms(&mut self, anchor_arms: [Vec3<f64>; 2], gap: Vec3<f64>, half: Vec3<f64>) {
+        self.arms = [anchor_arms[0] + gap - half, anchor_arms[1] - half];
+        self.arm_lengths = [length(self.arms[0]), length(self.arms[1])];
+        self.from_anchor = half * -1.0;
+    }
+
     /// The errors where the bodies are.
+    #[inline(always)]
     pub(crate) fn errors(&self, bodies: &[MechanismBody]) -> [f64; MAX_ROWS] {
+        if self.is_pinned && self.free_rows.is_empty() {
+            return self.pinned_errors(bodies, self.arms_and_gap(bodies).1);
+        }
+        self.other_errors(bodies)
+    }
+
+    /// The same of a pinned joint along whose free axes nothing acts, where this is its gap.
+    #[inline(always)]
+    fn pinned_errors(&self, bodies: &[MechanismBody], gap: Vec3<f64>) -> [f64; MAX_ROWS] {
+        let mut errors = [0.0; MAX_ROWS];
+        let rounding = &self.rounding;
+        (errors[0], errors[1], errors[2]) = (gap.x - rounding[0], gap.y - rounding[1], gap.z - rounding[2]);
+        if !self.is_plain_ball {
+            let [first, second] = self.orientations(bodies);
+            let rotations = self.rotation_errors(first.conjugate() * second);
+            for (row, error) in (3..self.locked).zip(rotations) {
+                errors[row] = error - rounding[row];
+            }
+        }
+        errors
+    }
+
+    /// The same of other joints and gears.
+    fn other_errors(&self, bodies: &[MechanismBody]) -> [f64; MAX_ROWS] {
         if let Some(gear) = &self.gear {
             let mut errors = [0.0; MAX_ROWS];
             errors[0] = gear.error_since(self.rounding[0], bodies);
             return errors;
         }
-        if self.is_plain_ball() {
-            let gap = self.stance(bodies).gap;
-            let mut errors = [0.0; MAX_ROWS];
-            (errors[0], errors[1], errors[2]) =
-                (gap.x - self.rounding[0], gap.y - self.rounding[1], gap.z - self.rounding[2]);
-            return errors;
-        }
         self.errors_of(&self.stance(bodies))
+    }
+
+    /// Errors of the locked rotations where the second frame is turned like this against the first.
+    #[inline(always)]
+    fn rotation_errors(&self, turned: Quat<f64>) -> [f64; 3] {
+        let (v, w) = ([turned.x, turned.y, turned.z], turned.w);
+        // Axes of the second frame along those of the first, but for cosines of the whole.
+        let rises = |i: usize, k: usize, j: usize| 2.0 * (v[i] * v[k] + w * v[j]);
+        let falls = |i: usize, k: usize, j: usize| 2.0 * (v[i] * v[k] - w * v[j]);
+        match self.rotations {
+            Rotations::Locked => {
+                let twice = if w < 0.0 { -2.0 } else { 2.0 };
+                v.map(|component| component * twice)
+            }
+            Rotations::About(0) => [-falls(2, 0, 1), rises(1, 0, 2), 0.0],
+            Rotations::About(1) => [-falls(0, 1, 2), rises(2, 1, 0), 0.0],
+            Rotations::About(_) => [-falls(1, 2, 0), rises(0, 2, 1), 0.0],
+            Rotations::AboutBoth(0, 2) => [rises(0, 2, 1), 0.0, 0.0],
+            Rotations::AboutBoth(0, _) => [falls(0, 1, 2), 0.0, 0.0],
+            Rotations::AboutBoth(..) => [falls(1, 2, 0), 0.0, 0.0],
+            Rotations::Free => [0.0; 3],
+        }
     }
 
     fn errors_of(&self, stance: &Stance) -> [f64; MAX_ROWS] {
         let mut errors = [0.0; MAX_ROWS];
-        let [a, b] = &stance.axes;
         let mut row = 0;
         for axis in (0..3).filter(|axis| !self.free.has(*axis)) {
-            errors[row] = stance.gap.dot(linear_axis(self.free, axis, a));
+            errors[row] = stance.gap.dot(linear_axis(self.free, axis, &stance.axes[0]));
             row += 1;
         }
-        match Rotations::of(self.free) {
-            Rotations::Locked => {
-                let q = stance.orientations[0].conjugate() * stance.orientations[1];
-                let twice = if q.w < 0.0 { -2.0 } else { 2.0 };
-                errors[row..row + 3].copy_from_slice(&[q.x * twice, q.y * twice, q.z * twice]);
-            }
-            Rotations::About(k) => {
-                let bent = a[k].cross(b[k]);
-                errors[row] = bent.dot(a[(k + 1) % 3]);
-                errors[row + 1] = bent.dot(a[(k + 2) % 3]);
-            }
-            Rotations::AboutBoth(i, j) => errors[row] = a[i].dot(b[j]),
-            Rotations::Free => {}
-        }
+        let rotations = self.rotation_errors(stance.orientations[0].conjugate() * stance.orientations[1]);
+        errors[row..self.locked].iter_mut().zip(rotations).for_each(|(error, rotation)| *error = rotation);
         for (error, rounding) in errors.iter_mut().zip(&self.rounding) {
             *error -= rounding;
         }
@@ -257,8 +341,8 @@ impl JointRows {
 
     /// Sets what is left of the errors after a substep of `h` \[s\].
     pub(crate) fn plan_correction(&mut self, h: f64) {
-        let linear = self.linear_count();
-        for (row, (wanted, error)) in self.wanted.iter_mut().zip(&self.errors).enumerate() {
+        let linear = self.linear_count;
+        for (row, (wanted, error)) in self.wanted.iter_mut().zip(&self.errors).enumerate().take(self.locked) {
             let most = h * correction_speed(row < linear);
             *wanted = error - error.clamp(-most, most);
         }
@@ -277,6 +361,14 @@ impl JointRows {
         self.speeds_by(|body| [bodies[body].linear_velocity(), bodies[body].angular_velocity()])
     }
 
+    /// How fast the anchors of a plain ball part.
+    #[inline(always)]
+    pub(crate) fn velocity_apart(&self, bodies: &[MechanismBody]) -> Vec3<f64> {
+        let (a, b) = (&bodies[self.bodies[0]], &bodies[self.bodies[1]]);
+        (b.linear_velocity() + b.angular_velocity().cross(self.arms[1]))
+            - (a.linear_velocity() + a.angular_velocity().cross(self.arms[0]))
+    }
+
     /// The same by linear and angular velocities of bodies.
     #[inline]
     pub(crate) fn speeds_by(&self, velocities: impl Fn(usize) -> [Vec3<f64>; 2]) -> [f64; MAX_ROWS] {
@@ -290,7 +382,12 @@ impl JointRows {
             (speeds[0], speeds[1], speeds[2]) = (apart.x, apart.y, apart.z);
             return speeds;
         }
-        for (row, speed) in speeds.iter_mut().enumerate().take(self.count) {
+        let mut first = 0;
+        if self.is_pinned {
+            (speeds[0], speeds[1], speeds[2]) = (apart.x, apart.y, apart.z);
+            first = 3;
+        }
+        for (row, speed) in speeds.iter_mut().enumerate().take(self.count).skip(first) {
             *speed = self.linear[row].dot(apart) + self.angular[row].dot(turn);
         }
         speeds
@@ -299,22 +396,32 @@ impl JointRows {
     /// Of the second body against the first where they are pushed, linear and angular.
     #[inline]
     pub(crate) fn relative_velocity(&self, velocities: impl Fn(usize) -> [Vec3<f64>; 2]) -> [Vec3<f64>; 2] {
-        let [a, b] = self.bodies.map(velocities);
+        let (a, b) = (velocities(self.bodies[0]), velocities(self.bodies[1]));
         [(b[0] + b[1].cross(self.arms[1])) - (a[0] + a[1].cross(self.arms[0])), b[1] - a[1]]
     }
 
     /// Where it stands along a free axis.
     pub(crate) fn direction(&self, axis: FreeAxis, bodies: &[MechanismBody]) -> Direction {
-        let Stance { anchor_arms, gap, .. } = self.stance(bodies);
-        axis.direction(&self.turned_stance(bodies, anchor_arms, gap), self.free, self.reference)
+        axis.direction(&self.stance(bodies), self.free, self.reference)
     }
 
     /// The impulse and the angular impulse on the second body of impulses along the rows.
+    #[inline(always)]
     pub(crate) fn impulse(&self, along: &[f64]) -> [Vec3<f64>; 2] {
         if let (true, &[x, y, z]) = (self.is_plain_ball(), along) {
             return [Vec3::new(x, y, z), Vec3::zero()];
         }
+        self.impulse_of_rows(along)
+    }
+
+    fn impulse_of_rows(&self, along: &[f64]) -> [Vec3<f64>; 2] {
         let mut sum = [Vec3::zero(); 2];
+        if let (true, &[x, y, z, ..]) = (self.is_pinned, along) {
+            sum[0] = Vec3::new(x, y, z);
+            let rows = self.angular.iter().zip(along).skip(3);
+            rows.for_each(|(angular, amount)| sum[1] = sum[1] + *angular * *amount);
+            return sum;
+        }
         for (row, amount) in along.iter().enumerate() {
             sum[0] = sum[0] + self.linear[row] * *amount;
             sum[1] = sum[1] + self.angular[row] * *amount;
@@ -325,10 +432,9 @@ impl JointRows {
     /// Where the second frame is against the first, along the axes of the first, and how fast it
     /// moves: translation \[m\], rotation vector \[rad\].
     pub(crate) fn values_and_speeds(&self, bodies: &[MechanismBody]) -> [[f64; 6]; 2] {
-        let Stance { gap, anchor_arms, .. } = self.stance(bodies);
-        let stance = self.turned_stance(bodies, anchor_arms, gap);
-        let [axes, of_second] = stance.axes;
-        let turn = match Rotations::of(self.free) {
+        let stance = self.stance(bodies);
+        let Stance { gap, anchor_arms, axes: [axes, of_second], .. } = stance;
+        let turn = match self.rotations {
             Rotations::AboutBoth(i, j) => {
                 let q = relative_rotation(&stance);
                 let mut angles = glam::DVec3::ZERO;
@@ -345,7 +451,7 @@ impl JointRows {
         let turning = turn_b - turn_a;
         let along = |v: Vec3<f64>| axes.map(|axis| axis.dot(v));
         let ([x, y, z], [u, v, w], mut rates) = (along(gap), along(apart), along(turning));
-        if let Rotations::AboutBoth(_, j) = Rotations::of(self.free) {
+        if let Rotations::AboutBoth(_, j) = self.rotations {
             rates[j] = of_second[j].dot(turning);
         }
         let [p, q, r] = rates;
@@ -354,6 +460,7 @@ impl JointRows {
 }
 
 /// Which rotations a joint leaves free.
+#[derive(Clone, Copy, Debug)]
 pub(crate) enum Rotations {
     Locked,
     About(usize),

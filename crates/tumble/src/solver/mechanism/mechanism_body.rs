@@ -1,6 +1,5 @@
 //! A body of a mechanism, in double precision.
 
-use tumble_math::FreeRotation;
 use tumble_math::lane::{Quat, Vec3};
 
 use crate::integrators::derived::symmetric_product;
@@ -18,8 +17,8 @@ pub(crate) struct MechanismBody {
     /// Its own principal moments [kg m^2].
     own_moments: Vec3<f64>,
     /// The same, raised to the load.
-    moments: Vec3<f64>,
-    inverse_moments: Vec3<f64>,
+    pub(crate) moments: Vec3<f64>,
+    pub(crate) inverse_moments: Vec3<f64>,
     /// Whether impulses turn it.
     pub(crate) turns: bool,
     /// What each moment is raised to at least, for what the joints pull at it [kg m^2].
@@ -37,7 +36,7 @@ pub(crate) struct MechanismBody {
     /// [kg m^2/s]; angular velocity \[rad/s\] of a body that is not dynamic.
     pub(crate) angular: Vec3<f64>,
     /// Inverse inertia in the world [1/(kg m^2)]: `xx yy zz`, then `yz zx xy`.
-    inverse_inertia: [Vec3<f64>; 2],
+    pub(crate) inverse_inertia: [Vec3<f64>; 2],
     /// What forces do in half a substep [N s] [N m s], and what damping leaves.
     kick: [Vec3<f64>; 2],
     kept: [f64; 2],
@@ -47,9 +46,6 @@ pub(crate) struct MechanismBody {
     /// What damping did since the body was read \[J\].
     pub(crate) damping_work: f64,
 }
-
-/// Where a body is, to go back there.
-pub(crate) type Place = (Vec3<f64>, Quat<f64>);
 
 /// A body turns under its load by at most the square root of this [rad] a substep: what is
 /// lighter is given that much inertia.
@@ -181,6 +177,9 @@ impl MechanismBody {
             // It changes nothing now, and nothing that is left of it will.
             load = 0.0;
         }
+        if load == 0.0 && self.load == 0.0 {
+            return;
+        }
         if load > self.load {
             self.slow_down(load);
         } else {
@@ -295,32 +294,6 @@ impl MechanismBody {
         }
         self.linear = self.linear * kept_linear + linear;
         self.angular = self.angular * kept_angular + angular;
-    }
-
-    pub(crate) fn place(&self) -> Place {
-        (self.translation, self.orientation)
-    }
-
-    /// Prepares for drifts of `h` \[s\].
-    pub(crate) fn free_rotation(&self, h: f64) -> FreeRotation<f64> {
-        FreeRotation::new(self.moments, self.inverse_moments, None, h)
-    }
-
-    /// Moves it for `h` \[s\] from a place, without what turns with it but the orientation.
-    pub(crate) fn drift_from(&mut self, (translation, orientation): Place, rotation: &FreeRotation<f64>, h: f64) {
-        self.translation = translation + self.linear_velocity() * h;
-        self.orientation = if self.inverse_mass == 0.0 {
-            tumble_math::rotate_exactly(orientation, self.angular, h)
-        } else if self.turns {
-            rotation.rotate(orientation, self.angular)
-        } else {
-            orientation
-        };
-    }
-
-    /// Lets the inverse inertia follow the orientation.
-    pub(crate) fn end_drift(&mut self) {
-        self.update_inertia();
     }
 
     /// Whether every number of its state is one of the build.

@@ -26,13 +26,14 @@ impl MechanismSolver {
         self.factor();
         let Self { joints, matrix, right, .. } = self;
         for (number, joint) in joints.iter_mut().enumerate() {
-            let rows = matrix.starts[number] + joint.locked..;
+            let rows = matrix.place(number) + joint.locked..;
             for (place, row) in rows.zip(&mut joint.free_rows).filter(|(_, row)| row.moves_with_all()) {
-                right.fill(0.0);
-                right[place] = 1.0;
+                right.fill([0.0; 4]);
+                right.as_flattened_mut()[place] = 1.0;
                 matrix.solve(right);
-                let is_locked = right[place] > MAX_MASS_RATIO * row.mass();
-                row.set_mass(if is_locked { row.mass() } else { right[place] });
+                let mass = right.as_flattened()[place];
+                let is_locked = mass > MAX_MASS_RATIO * row.mass();
+                row.set_mass(if is_locked { row.mass() } else { mass });
             }
         }
     }
@@ -58,9 +59,10 @@ impl MechanismSolver {
         }
         self.set_response();
         let Self { joints, bodies, matrix, right, response, .. } = self;
+        let (right, response) = (right.as_flattened(), response.as_flattened());
         let mut is_changed = false;
         for (number, joint) in joints.iter_mut().enumerate() {
-            let begin = matrix.starts[number];
+            let begin = matrix.place(number);
             is_changed |= joint.settle(bodies, (half.phase, half.h), (&response[begin..], &right[begin..]));
         }
         joints.iter_mut().for_each(|joint| joint.push_constants(bodies));

@@ -2,43 +2,75 @@
 
 use tumble_math::lane::Vec3;
 
-use crate::solver::mechanism::block_ldl::{BlockLdl, MAX_ROWS};
+use crate::integrators::derived::symmetric_product;
+use crate::simd::{Four, FourKernel, FourLane, dispatch_fours};
+use crate::solver::mechanism::block_ldl::{BlockLdl, UNITS, ends, fours, sized, unrolled};
 use crate::solver::mechanism::elimination::Elimination;
 use crate::solver::mechanism::joint_rows::JointRows;
 use crate::solver::mechanism::mechanism_body::MechanismBody;
 use crate::solver::mechanism::mechanism_solver::{MechanismSolver, SIGNS};
 
-/// A body that two joints share.
+/// A body that two joints share, and where the numbers are of what it does.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Coupling {
-    block: usize,
-    /// Row and column of the block, and which end of each joint the body is.
-    joints: [usize; 2],
-    ends: [usize; 2],
+    /// Row and column of the block.
+    joints: [u32; 2],
+    body: u32,
+    /// In the matrix.
+    block: u32,
+    /// In the columns of rows: directions and angular impulses of the first joint, directions and
+    /// angular velocities of the second.
+    of_row: [u32; 2],
+    of_column: [u32; 2],
+    /// Negative where one pushes the body and the other pulls.
+    sign: f64,
+    /// Whether there is something in the block already.
+    adds: bool,
 }
 
 /// What one newton second along a row turns a body by: angular impulse, and angular velocity.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Turning {
-    pub(crate) torque: Vec3<f64>,
-    pub(crate) response: Vec3<f64>,
+pub(crate) fn turning(body: &MechanismBody, arm: Vec3<f64>, linear: Vec3<f64>, angular: Vec3<f64>) -> [Vec3<f64>; 2] {
+    let torque = arm.cross(linear) + angular;
+    [torque, body.times_inverse_inertia(torque)]
 }
 
-impl Turning {
-    pub(crate) const NONE: Self = {
-        let zero = Vec3 { x: 0.0, y: 0.0, z: 0.0 };
-        Self { torque: zero, response: zero }
-    };
+/// By joint, along what its rows push its bodies, and what that turns them by: numbers of all rows
+/// side by side.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct RowColumns {
+    /// By joint, where its numbers begin; and where the last ones end.
+    starts: Vec<usize>,
+    /// Of each joint the directions, linear and angular, and at either end the angular impulses and
+    /// the angular velocities: vectors of three columns each. A gear has that of both its pairs of
+    /// bodies. What is the same in every substep is set when these are made.
+    columns: Vec<Four>,
+}
 
-    pub(crate) fn of(body: &MechanismBody, arm: Vec3<f64>, linear: Vec3<f64>, angular: Vec3<f64>) -> Self {
-        let torque = arm.cross(linear) + angular;
-        Self { torque, response: body.times_inverse_inertia(torque) }
+/// Vectors for each row: two of its direction, and two at either end.
+const VECTORS: usize = 6;
+
+impl RowColumns {
+    pub(super) fn new(joints: &[JointRows]) -> Self {
+        let pairs = |joint: &JointRows| if joint.gear.is_some() { 2 } else { 1 };
+        let starts = ends(joints.iter().map(|joint| pairs(joint) * VECTORS * 3 * fours(joint.count)));
+        let mut columns = vec![[0.0; 4]; starts.last().copied().unwrap_or(0)];
+        for (start, joint) in starts.iter().zip(joints).filter(|(_, joint)| joint.is_pinned()) {
+            (0..3).for_each(|axis| columns[start + axis * fours(joint.count)][axis] = 1.0);
+        }
+        Self { starts, columns }
+    }
+
+    /// Where the directions of the rows of a joint begin, the angular impulses at an end and the
+    /// angular velocities there, for rows that take this many fours.
+    fn places(&self, joint: usize, end: usize, width: usize) -> [u32; 3] {
+        let begin = self.starts[joint] + end / 2 * VECTORS * 3 * width;
+        [0, 2 + 2 * (end % 2), 3 + 2 * (end % 2)].map(|vector| (begin + vector * 3 * width) as u32)
     }
 }
 
-/// The matrix of joints between bodies of which some are moved by impulses, the bodies that joints
-/// share, and the order in which the matrix has the joints.
-pub(crate) fn arranged(joints: &[JointRows], moves: &[bool]) -> (BlockLdl, Vec<Coupling>, Vec<u32>) {
+/// The matrix of joints between bodies of which some are moved by impulses, and the order in which
+/// it has the joints.
+pub(crate) fn arranged(joints: &[JointRows], moves: &[bool]) -> (BlockLdl, Vec<u32>) {
     let mut groups: Vec<Vec<u32>> = vec![Vec::new(); moves.len()];
     for (number, joint) in (0..).zip(joints) {
         for body in joint.ends().filter(|body| moves[*body]) {
@@ -49,129 +81,251 @@ pub(crate) fn arranged(joints: &[JointRows], moves: &[bool]) -> (BlockLdl, Vec<C
     }
     let elimination = Elimination::by_minimum_degree(joints.len(), &groups);
     let order = elimination.order.clone();
-    let mut couplings = Vec::new();
-    for row in 0..order.len() {
-        for block in elimination.blocks_of(row) {
-            let column = elimination.columns[block] as usize;
-            let [first, second] = [row, column].map(|place| &joints[order[place] as usize]);
+    let sizes = order.iter().map(|joint| joints[*joint as usize].count).collect();
+    (BlockLdl::new(elimination, sizes), order)
+}
+
+/// The bodies that joints share, of joints in the order of a matrix, and the blocks of joints that
+/// share none.
+pub(crate) fn couplings(
+    joints: &[JointRows],
+    moves: &[bool],
+    matrix: &BlockLdl,
+    columns: &RowColumns,
+) -> (Vec<Coupling>, Vec<usize>) {
+    let mut couplings: Vec<Coupling> = Vec::new();
+    let mut filled = Vec::new();
+    for (row, first) in joints.iter().enumerate() {
+        for block in matrix.elimination.blocks_of(row) {
+            let (column, count) = (matrix.elimination.columns[block] as usize, couplings.len());
+            let second = &joints[column];
             for (a, body) in first.ends().enumerate().filter(|(_, body)| moves[*body]) {
                 for (b, _) in second.ends().enumerate().filter(|(_, other)| *other == body) {
-                    couplings.push(Coupling { block, joints: [row, column], ends: [a, b] });
+                    let [of_row, torque, _] = columns.places(row, a, fours(first.count));
+                    let [of_column, _, response] = columns.places(column, b, fours(second.count));
+                    couplings.push(Coupling {
+                        joints: [row as u32, column as u32],
+                        body: body as u32,
+                        block: matrix.block_start(block) as u32,
+                        of_row: [of_row, torque],
+                        of_column: [of_column, response],
+                        sign: SIGNS[a % 2] * SIGNS[b % 2],
+                        adds: couplings.len() > count,
+                    });
                 }
+            }
+            if couplings.len() == count {
+                filled.push(block);
             }
         }
     }
-    let sizes = order.iter().map(|joint| joints[*joint as usize].count).collect();
-    (BlockLdl::new(elimination, sizes), couplings, order)
+    (couplings, filled)
 }
 
 impl MechanismSolver {
     /// Sets and factors the matrix.
     pub(super) fn factor(&mut self) {
-        self.assemble();
-        self.matrix.factor();
+        dispatch_fours(Factor { solver: self });
     }
 
-    fn assemble(&mut self) {
-        self.assemble_diagonal();
-        let Self { joints, bodies, matrix, couplings, turning, .. } = self;
-        matrix.clear();
-        for &Coupling { block, joints: [first, second], ends } in &*couplings {
-            let (row, column) = (&joints[first], &joints[second]);
-            // Of a gear the third and fourth end have the second of its directions.
-            let [pairs, ends] = [ends.map(|end| end / 2), ends.map(|end| end % 2)];
-            let sign = SIGNS[ends[0]] * SIGNS[ends[1]];
-            let body = if pairs[0] == 0 { row.bodies[ends[0]] } else { row.ends().nth(2 + ends[0]).unwrap_or(0) };
-            let inverse_mass = sign * bodies[body].inverse_mass;
-            let (of_row, of_column) = (&turning[first][ends[0]][pairs[0]..], &turning[second][ends[1]][pairs[1]..]);
-            let (linear_row, linear_column) = (row.linear_of(pairs[0]), column.linear_of(pairs[1]));
-            let numbers = matrix.block_mut(block);
-            let add = |numbers: &mut [f64], n: usize, m: usize| {
-                let (linear_row, linear_column) = (&linear_row[..n], &linear_column[..m]);
-                let (of_row, of_column, numbers) = (&of_row[..n], &of_column[..m], &mut numbers[..n * m]);
-                for i in 0..n {
-                    for j in 0..m {
-                        numbers[i * m + j] += inverse_mass * linear_row[i].dot(linear_column[j])
-                            + sign * of_row[i].torque.dot(of_column[j].response);
-                    }
-                }
-            };
-            match [row.count, column.count] {
-                [3, 3] => add(numbers, 3, 3),
-                [5, 5] => add(numbers, 5, 5),
-                [6, 6] => add(numbers, 6, 6),
-                [n, m] => add(numbers, n, m),
+    #[inline(always)]
+    fn assemble<T: FourLane>(&mut self) {
+        self.assemble_diagonal::<T>();
+        let Self { joints, bodies, matrix, couplings, filled, columns, .. } = self;
+        filled.iter().for_each(|block| matrix.clear(*block));
+        let (blocks, columns) = (matrix.blocks_mut(), &columns.columns[..]);
+        for coupling in &*couplings {
+            let (row, column) = (&joints[coupling.joints[0] as usize], &joints[coupling.joints[1] as usize]);
+            let body = &bodies[coupling.body as usize];
+            let factors = [coupling.sign * body.inverse_mass, coupling.sign];
+            let numbers = &mut blocks[coupling.block as usize..];
+            let of_row = coupling.of_row.map(|start| &columns[start as usize..]);
+            let of_column = coupling.of_column.map(|start| &columns[start as usize..]);
+            if row.is_pinned() && column.is_pinned() {
+                let pinned = true;
+                sized!(set_coupling(of_row, of_column, (factors, coupling.adds, pinned), numbers; [row.count, column.count]));
+            } else {
+                let factors = (factors, coupling.adds, false);
+                set_coupling::<T>(of_row, of_column, factors, numbers, [row.count, column.count]);
             }
             if !(row.free_rows.is_empty() && column.free_rows.is_empty()) {
-                let is_off = |place: &usize| row.is_off(place / column.count) || column.is_off(place % column.count);
-                (0..numbers.len()).filter(is_off).for_each(|place| numbers[place] = 0.0);
+                for place in 0..row.count * column.count {
+                    let (i, j) = (place / column.count, place % column.count);
+                    if row.is_off(i) || column.is_off(j) {
+                        numbers[i * fours(column.count) + j / 4][j % 4] = 0.0;
+                    }
+                }
             }
         }
     }
 
-    fn assemble_diagonal(&mut self) {
-        let Self { joints, bodies, matrix, turning, .. } = self;
-        for (number, (joint, turning)) in joints.iter().zip(&mut *turning).enumerate() {
+    #[inline(always)]
+    fn assemble_diagonal<T: FourLane>(&mut self) {
+        let Self { joints, bodies, matrix, columns, .. } = self;
+        for (number, joint) in joints.iter().enumerate() {
+            let columns = &mut columns.columns[columns.starts[number]..columns.starts[number + 1]];
             if joint.gear.is_some() {
-                matrix.diagonal_mut(number)[0] = of_gear(joint, bodies, turning);
+                matrix.diagonal_mut(number)[0][0] = of_gear(joint, bodies, columns);
+                matrix.raise(number, 1);
                 continue;
             }
             let (n, diagonal) = (joint.count, matrix.diagonal_mut(number));
             match n {
-                3 => set_diagonal(joint, bodies, turning, diagonal, 3),
-                5 => set_diagonal(joint, bodies, turning, diagonal, 5),
-                6 => set_diagonal(joint, bodies, turning, diagonal, 6),
-                _ => set_diagonal(joint, bodies, turning, diagonal, n),
+                0 => continue,
+                3 => set_diagonal::<T>(joint, bodies, columns, diagonal, 3),
+                5 => set_diagonal::<T>(joint, bodies, columns, diagonal, 5),
+                6 => set_diagonal::<T>(joint, bodies, columns, diagonal, 6),
+                _ => set_diagonal::<T>(joint, bodies, columns, diagonal, n),
             }
+            let width = fours(n);
             for (row, law) in (joint.locked..n).zip(&joint.free_rows) {
                 if law.constant.is_some() {
-                    (0..n).for_each(|other| (diagonal[row * n + other], diagonal[other * n + row]) = (0.0, 0.0));
-                    diagonal[row * n + row] = 1.0;
+                    (0..row).for_each(|other| diagonal[row * width + other / 4][other % 4] = 0.0);
+                    (row + 1..n).for_each(|other| diagonal[other * width + row / 4][row % 4] = 0.0);
+                    diagonal[row * width + row / 4][row % 4] = 1.0;
                 } else {
-                    diagonal[row * n + row] += law.gamma;
+                    diagonal[row * width + row / 4][row % 4] += law.gamma;
                 }
+            }
+            match n {
+                3 => matrix.raise(number, 3),
+                5 => matrix.raise(number, 5),
+                6 => matrix.raise(number, 6),
+                _ => matrix.raise(number, n),
             }
         }
     }
 }
 
-/// Sets what the rows of a joint turn its bodies by, and how these respond, for `n` rows.
+struct Factor<'a> {
+    solver: &'a mut MechanismSolver,
+}
+
+impl FourKernel for Factor<'_> {
+    #[inline(always)]
+    fn run<T: FourLane>(self) {
+        self.solver.assemble::<T>();
+        self.solver.matrix.factor::<T>();
+    }
+}
+
+/// Sets or adds what a body does that two joints share, of `n` and `m` rows: factors are of the
+/// linear and of the angular part. Directions of two pinned joints are not read.
 #[inline(always)]
-fn set_diagonal(
+fn set_coupling<T: FourLane>(
+    of_row: [&[Four]; 2],
+    of_column: [&[Four]; 2],
+    ([inverse_mass, sign], adds, is_pinned): ([f64; 2], bool, bool),
+    numbers: &mut [Four],
+    [n, m]: [usize; 2],
+) {
+    let (w, v) = (fours(n), fours(m));
+    let [linear, torque] = of_row.map(|vector| &vector[..3 * w]);
+    let [linear_column, response] = of_column.map(|vector| &vector[..3 * v]);
+    let numbers = &mut numbers[..n * v];
+    let [inverse_mass, sign] = [T::splat(inverse_mass), T::splat(sign)];
+    unrolled!(i in n {
+        for j in 0..v {
+            let mut sum = sign * row_by_columns::<T>(torque, i, w, response, j, v);
+            if !is_pinned {
+                sum = inverse_mass * row_by_columns::<T>(linear, i, w, linear_column, j, v) + sum;
+            } else if i < 3 && j == 0 {
+                sum = inverse_mass * T::load(&UNITS[i % 4]) + sum;
+            }
+            let sum = if adds { T::load(&numbers[i * v + j]) + sum } else { sum };
+            sum.store(&mut numbers[i * v + j]);
+        }
+    });
+}
+
+/// The vector of row `i` times those of the four rows from `4 j` on; each are as many fours wide as
+/// `w` and `v` say.
+#[inline(always)]
+fn row_by_columns<T: FourLane>(row: &[Four], i: usize, w: usize, columns: &[Four], j: usize, v: usize) -> T {
+    T::splat(row[i / 4][i % 4]) * T::load(&columns[j])
+        + T::splat(row[w + i / 4][i % 4]) * T::load(&columns[v + j])
+        + T::splat(row[2 * w + i / 4][i % 4]) * T::load(&columns[2 * v + j])
+}
+
+/// Sets what `n` rows of a joint push along, what they turn its bodies by, and how these respond.
+#[inline(always)]
+fn set_diagonal<T: FourLane>(
     joint: &JointRows,
     bodies: &[MechanismBody],
-    turning: &mut [[Turning; MAX_ROWS]; 2],
-    diagonal: &mut [f64],
+    columns: &mut [Four],
+    diagonal: &mut [Four],
     n: usize,
 ) {
-    let diagonal = &mut diagonal[..n * n];
-    let (linear, angular) = (&joint.linear[..n], &joint.angular[..n]);
-    for (end, turning) in turning.iter_mut().enumerate() {
+    let w = fours(n);
+    let (columns, diagonal) = (&mut columns[..VECTORS * 3 * w], &mut diagonal[..n * w]);
+    let (directions, turning) = columns.split_at_mut(6 * w);
+    // The first rows of a pinned joint are always the same.
+    let first = if joint.is_pinned() { 3 } else { 0 };
+    unrolled!(row in n {
+        if row >= first {
+            let (along, about) = (joint.linear[row], joint.angular[row]);
+            let numbers = [along.x, along.y, along.z, about.x, about.y, about.z];
+            for (axis, number) in numbers.into_iter().enumerate() {
+                directions[axis * w + row / 4][row % 4] = number;
+            }
+        }
+    });
+    let (linear, angular) = directions.split_at(3 * w);
+    for (end, turning) in turning.chunks_exact_mut(6 * w).enumerate() {
         let body = &bodies[joint.bodies[end]];
-        let turning = &mut turning[..n];
-        for row in 0..n {
-            turning[row] = Turning::of(body, joint.arms[end], linear[row], angular[row]);
+        let arm = lanes::<T>(joint.arms[end]);
+        let [d, o] = body.inverse_inertia.map(lanes::<T>);
+        let (torques, responses) = turning.split_at_mut(3 * w);
+        for j in 0..w {
+            let along = Vec3::new(T::load(&linear[j]), T::load(&linear[w + j]), T::load(&linear[2 * w + j]));
+            let about = Vec3::new(T::load(&angular[j]), T::load(&angular[w + j]), T::load(&angular[2 * w + j]));
+            let torque = arm.cross(along) + about;
+            let response = symmetric_product(d, o, torque);
+            torque.x.store(&mut torques[j]);
+            torque.y.store(&mut torques[w + j]);
+            torque.z.store(&mut torques[2 * w + j]);
+            response.x.store(&mut responses[j]);
+            response.y.store(&mut responses[w + j]);
+            response.z.store(&mut responses[2 * w + j]);
         }
     }
     let inverse_mass: f64 = joint.bodies.iter().map(|body| bodies[*body].inverse_mass).sum();
-    let [first, second] = turning.each_ref().map(|turning| &turning[..n]);
-    for i in 0..n {
-        for j in i..n {
-            let mut sum = inverse_mass * linear[i].dot(linear[j]);
-            sum += first[i].torque.dot(first[j].response);
-            sum += second[i].torque.dot(second[j].response);
-            (diagonal[i * n + j], diagonal[j * n + i]) = (sum, sum);
+    let inverse_mass = T::splat(inverse_mass);
+    let is_pinned = joint.is_pinned();
+    unrolled!(i in n {
+        // To the left of the diagonal, and as far beyond as fours go.
+        for j in 0..=i / 4 {
+            let mut sum = row_by_columns::<T>(&turning[3 * w..], i, w, turning, j, w)
+                + row_by_columns::<T>(&turning[9 * w..], i, w, &turning[6 * w..], j, w);
+            if !is_pinned {
+                sum = inverse_mass * row_by_columns::<T>(linear, i, w, linear, j, w) + sum;
+            } else if i < 3 && j == 0 {
+                sum = inverse_mass * T::load(&UNITS[i % 4]) + sum;
+            }
+            sum.store(&mut diagonal[i * w + j]);
         }
-    }
+    });
+}
+
+#[inline(always)]
+fn lanes<T: FourLane>(v: Vec3<f64>) -> Vec3<T> {
+    Vec3::new(T::splat(v.x), T::splat(v.y), T::splat(v.z))
 }
 
 /// Sets what a gear turns its bodies by, and returns how its row responds.
-fn of_gear(joint: &JointRows, bodies: &[MechanismBody], turning: &mut [[Turning; MAX_ROWS]; 2]) -> f64 {
+fn of_gear(joint: &JointRows, bodies: &[MechanismBody], columns: &mut [Four]) -> f64 {
     let Some(gear) = &joint.gear else { return 0.0 };
+    let mut turnings = [[Vec3::zero(); 2]; 4];
     for (pair, of_pair) in gear.joints.iter().enumerate() {
-        for (end, turning) in turning.iter_mut().enumerate() {
+        let linear = gear.linear[pair];
+        for end in 0..2 {
             let body = &bodies[of_pair.bodies[end]];
-            turning[pair] = Turning::of(body, of_pair.arms[end], gear.linear[pair], gear.angular[pair]);
+            turnings[2 * pair + end] = turning(body, of_pair.arms[end], linear, gear.angular[pair]);
+        }
+        let [first, second] = [turnings[2 * pair], turnings[2 * pair + 1]];
+        let vectors = [linear, gear.angular[pair], first[0], first[1], second[0], second[1]];
+        for (of_vector, v) in columns[3 * VECTORS * pair..].chunks_exact_mut(3).zip(vectors) {
+            (of_vector[0][0], of_vector[1][0], of_vector[2][0]) = (v.x, v.y, v.z);
         }
     }
     let mut sum = 0.0;
@@ -179,7 +333,7 @@ fn of_gear(joint: &JointRows, bodies: &[MechanismBody], turning: &mut [[Turning;
         for (b, _) in joint.ends().enumerate().filter(|(_, other)| *other == body) {
             let sign = SIGNS[a % 2] * SIGNS[b % 2];
             let linear = bodies[body].inverse_mass * gear.linear[a / 2].dot(gear.linear[b / 2]);
-            sum += sign * (linear + turning[a % 2][a / 2].torque.dot(turning[b % 2][b / 2].response));
+            sum += sign * (linear + turnings[a][0].dot(turnings[b][1]));
         }
     }
     sum

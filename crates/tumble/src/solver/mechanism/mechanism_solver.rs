@@ -1,13 +1,15 @@
 //! The substeps of one mechanism: impulses of all joints at once, and the motion of its bodies.
 
-use tumble_math::FreeRotation;
 use tumble_math::lane::Vec3;
 
-use crate::solver::mechanism::block_ldl::{BlockLdl, MAX_ROWS};
+use crate::math::Real;
+use crate::simd::Four;
+use crate::solver::mechanism::block_ldl::BlockLdl;
 use crate::solver::mechanism::free_row::Phase;
 use crate::solver::mechanism::joint_rows::{JointRows, length};
-use crate::solver::mechanism::mechanism_body::{MechanismBody, Place};
-use crate::solver::mechanism::mechanism_matrix::{Coupling, Turning, arranged};
+use crate::solver::mechanism::mechanism_body::MechanismBody;
+use crate::solver::mechanism::mechanism_drift::Drift;
+use crate::solver::mechanism::mechanism_matrix::{Coupling, RowColumns, arranged, couplings};
 
 /// Bodies that hang together, their joints, and the matrix of these.
 #[derive(Clone, Debug)]
@@ -17,25 +19,27 @@ pub(crate) struct MechanismSolver {
     pub(crate) joints: Vec<JointRows>,
     pub(super) matrix: BlockLdl,
     pub(super) couplings: Vec<Coupling>,
+    /// Blocks of joints that share no body.
+    pub(super) filled: Vec<usize>,
     /// By joint, what it has done since the step began: impulse \[N s\] on the second body, and
     /// angular impulse about its anchor [N m s].
     pub(crate) done: Vec<[Vec3<f64>; 2]>,
-    /// By joint and end, of each row: what turns the body, and how fast it turns by that.
-    pub(super) turning: Vec<[[Turning; MAX_ROWS]; 2]>,
+    pub(super) columns: RowColumns,
     /// By row.
-    impulses: Vec<f64>,
-    pub(super) right: Vec<f64>,
+    impulses: Vec<Four>,
+    pub(super) right: Vec<Four>,
     /// The solution before.
-    last: Vec<f64>,
-    /// By body, where it was before the drift, and how it drifts.
-    places: Vec<Place>,
-    rotations: Vec<FreeRotation<f64>>,
+    last: Vec<Four>,
+    /// By row, what the bodies' paths bend by in a substep as a speed: what solutions after the
+    /// first of the last substep took out.
+    bend: Vec<Four>,
+    drift: Drift,
     /// By body, memory of a product with the matrix.
     velocities: Vec<[Vec3<f64>; 2]>,
     /// By body: sum of impulse times arm.
     pulls: Vec<f64>,
     /// By row: how impulses change the speeds.
-    pub(super) response: Vec<f64>,
+    pub(super) response: Vec<Four>,
     pub(super) has_free_rows: bool,
     /// Whether no substep of this step has been solved.
     pub(super) is_first: bool,
@@ -53,8 +57,12 @@ pub(crate) struct Half {
 const MAX_SOLUTIONS: u32 = 4;
 /// The same where bodies went past a bound with the first of them.
 const MAX_SOLUTIONS_AT_BOUNDS: u32 = 8;
-/// The errors at which impulses are accepted: of the size of the arms, and \[rad\].
-const TOLERANCE: f64 = 1e-10;
+/// The errors at which impulses are accepted: of the size of the arms, and \[rad\]. In single
+/// precision a tenth of the rounding of the state.
+const TOLERANCE: f64 = if size_of::<Real>() == size_of::<f64>() { 1e-10 } else { 1.2e-8 };
+/// The error after the first solution, of the same size, beyond which the next substep is too
+/// different to begin with the bend of this one.
+const MAX_FIRST_ERROR: f64 = 1e-4;
 /// Solutions before the first of these, with more inertia each, at most.
 const MAX_RAISES: u32 = 3;
 /// Solutions in which rows along free axes change between parts of their laws, at most.
@@ -66,25 +74,28 @@ impl MechanismSolver {
     /// Of joints between bodies that are numbered from 0; `moves` says which of these impulses
     /// move. Returns the order in which it has the joints.
     pub(crate) fn new(joints: &[JointRows], moves: &[bool]) -> (Self, Vec<u32>) {
-        let (matrix, couplings, order) = arranged(joints, moves);
+        let (matrix, order) = arranged(joints, moves);
         let ordered: Vec<_> = order.iter().map(|joint| joints[*joint as usize].clone()).collect();
+        let columns = RowColumns::new(&ordered);
+        let (couplings, filled) = couplings(&ordered, moves, &matrix, &columns);
         let it = Self {
             done: vec![[Vec3::zero(); 2]; ordered.len()],
-            turning: vec![[[Turning::NONE; MAX_ROWS]; 2]; ordered.len()],
-            impulses: vec![0.0; matrix.len()],
-            right: vec![0.0; matrix.len()],
-            last: vec![0.0; matrix.len()],
+            columns,
+            impulses: vec![[0.0; 4]; matrix.len()],
+            right: vec![[0.0; 4]; matrix.len()],
+            last: vec![[0.0; 4]; matrix.len()],
+            bend: vec![[0.0; 4]; matrix.len()],
             pulls: vec![0.0; moves.len()],
-            response: vec![0.0; matrix.len()],
+            response: vec![[0.0; 4]; matrix.len()],
             is_first: false,
             has_free_rows: ordered.iter().any(|joint| !joint.free_rows.is_empty()),
             bodies: Vec::with_capacity(moves.len()),
-            places: Vec::with_capacity(moves.len()),
-            rotations: Vec::with_capacity(moves.len()),
+            drift: Drift::default(),
             velocities: vec![[Vec3::zero(); 2]; moves.len()],
             joints: ordered,
             matrix,
             couplings,
+            filled,
         };
         (it, order)
     }
@@ -94,6 +105,7 @@ impl MechanismSolver {
         let Self { joints, bodies, .. } = self;
         joints.iter_mut().for_each(|joint| joint.begin_step(bodies));
         self.is_first = true;
+        self.bend.fill([0.0; 4]);
         if self.has_free_rows {
             self.update_rows();
             self.find_masses();
@@ -151,24 +163,22 @@ impl MechanismSolver {
     /// bodies there.
     fn solve_positions(&mut self, half: Half) {
         let h = half.h;
-        self.places.clear();
-        self.places.extend(self.bodies.iter().map(MechanismBody::place));
-        self.impulses.fill(0.0);
+        self.impulses.fill([0.0; 4]);
         if self.has_free_rows {
             self.begin_half(half);
             self.factor();
         }
         self.joints.iter_mut().for_each(|joint| joint.plan_correction(h));
         self.solve_half(half);
-        self.rotations.clear();
-        self.rotations.extend(self.bodies.iter().map(|body| body.free_rotation(h)));
+        self.drift.begin_at(&self.bodies);
         let (mut solution, mut most, mut worst) = (1, MAX_SOLUTIONS, f64::INFINITY);
+        let (mut first, mut last) = (f64::INFINITY, f64::INFINITY);
         loop {
             if solution > 1 {
                 self.solve_right_side();
             }
             self.add_solution(1.0);
-            self.drift_from_places(h);
+            self.drift.run(&mut self.bodies, h);
             if solution == most && !self.has_free_rows {
                 break;
             }
@@ -180,36 +190,43 @@ impl MechanismSolver {
                 self.last.copy_from_slice(&self.right);
             }
             let left = self.set_remaining(h);
+            (first, last) = (if solution == 1 { left } else { first }, left);
             if left > worst && self.has_free_rows && !meets_bounds {
                 // The rows have turned away: what was added leads nowhere.
                 self.right.copy_from_slice(&self.last);
                 self.add_solution(-1.0);
-                self.drift_from_places(h);
+                self.drift.run(&mut self.bodies, h);
                 break;
             }
             if solution == most || (left <= TOLERANCE && !meets_bounds) {
                 break;
             }
+            self.note_bend();
             worst = if meets_bounds { f64::INFINITY } else { left };
             solution += 1;
         }
+        if first > MAX_FIRST_ERROR || last > TOLERANCE {
+            self.bend.fill([0.0; 4]);
+        }
         self.note_springs();
-        self.bodies.iter_mut().for_each(MechanismBody::end_drift);
+        self.drift.end(&mut self.bodies);
         self.note_impulses(true);
+    }
+
+    /// Adds what is left of the errors, on the right side, to the bend.
+    fn note_bend(&mut self) {
+        let (bend, right) = (self.bend.as_flattened_mut(), self.right.as_flattened());
+        bend.iter_mut().zip(right).for_each(|(bend, right)| *bend += right);
     }
 
     /// Adds the solution on the right side, or takes it back.
     fn add_solution(&mut self, sign: f64) {
-        self.right.iter_mut().for_each(|impulse| *impulse *= sign);
-        self.impulses.iter_mut().zip(&self.right).for_each(|(sum, impulse)| *sum += impulse);
-        self.push();
-    }
-
-    fn drift_from_places(&mut self, h: f64) {
-        let Self { bodies, places, rotations, .. } = self;
-        for ((body, place), rotation) in bodies.iter_mut().zip(places).zip(rotations) {
-            body.drift_from(*place, rotation, h);
+        let impulses = self.right.as_flattened_mut().iter_mut().zip(self.impulses.as_flattened_mut());
+        for (impulse, sum) in impulses {
+            *impulse *= sign;
+            *sum += *impulse;
         }
+        self.push();
     }
 
     /// Finds the impulses that meet the joints at the end of a substep of `h` \[s\] to first order,
@@ -265,13 +282,26 @@ impl MechanismSolver {
     /// Makes the right side of what the rows' speeds are to become: zero, or what the law of a free
     /// axis says, and beside it what takes the errors out at a rate [1/s].
     fn set_right_side(&mut self, rate: f64) {
-        let Self { joints, bodies, matrix, right, .. } = self;
+        let Self { joints, bodies, matrix, right, bend, .. } = self;
+        let (right, bend) = (right.as_flattened_mut(), bend.as_flattened());
         for (number, joint) in joints.iter().enumerate() {
+            let begin = matrix.place(number);
+            if joint.is_plain_ball() {
+                let bend = if rate == 0.0 { Vec3::zero() } else { triple(&bend[begin..]) };
+                let errors = (triple(&joint.errors) - triple(&joint.wanted)) * rate;
+                let Vec3 { x, y, z } = bend - (joint.velocity_apart(bodies) + errors);
+                right[begin..begin + 3].copy_from_slice(&[x, y, z]);
+                continue;
+            }
             let speeds = joint.speeds(bodies);
-            let right = &mut right[matrix.starts[number]..][..joint.count];
+            let right = &mut right[begin..][..joint.count];
             for row in 0..joint.count {
                 let correction = (joint.errors[row] - joint.wanted[row]) * rate;
                 right[row] = -(speeds[row] + correction);
+            }
+            if rate != 0.0 {
+                let bend = &bend[begin..];
+                right.iter_mut().zip(bend).take(joint.locked).for_each(|(right, bend)| *right += bend);
             }
             for (right, row) in right[joint.locked..].iter_mut().zip(&joint.free_rows) {
                 *right = if row.constant.is_some() { 0.0 } else { *right - row.bias };
@@ -289,14 +319,15 @@ impl MechanismSolver {
         if self.matrix.has_dependent_rows {
             self.set_response();
             let Self { joints, matrix, right, response, .. } = self;
+            let (impulses, response) = (right.as_flattened_mut(), response.as_flattened_mut());
             for (number, joint) in joints.iter().enumerate() {
-                let rows = matrix.starts[number] + joint.locked..;
+                let rows = matrix.place(number) + joint.locked..;
                 for (place, row) in rows.zip(&joint.free_rows) {
                     let is_off = row.constant.is_some();
-                    response[place] = if is_off { 0.0 } else { response[place] + row.gamma * right[place] };
+                    response[place] = if is_off { 0.0 } else { response[place] + row.gamma * impulses[place] };
                 }
             }
-            right.copy_from_slice(response);
+            impulses.copy_from_slice(response);
             self.matrix.solve(&mut self.right);
         }
     }
@@ -304,16 +335,17 @@ impl MechanismSolver {
     /// Sets how the impulses of the right side change the rows' speeds.
     pub(super) fn set_response(&mut self) {
         let Self { joints, bodies, matrix, right, velocities, response, .. } = self;
+        let (right, response) = (right.as_flattened(), response.as_flattened_mut());
         velocities.fill([Vec3::zero(); 2]);
         for (number, joint) in joints.iter().enumerate() {
-            let [impulse, angular] = joint.impulse(&right[matrix.starts[number]..][..joint.count]);
+            let [impulse, angular] = joint.impulse(&right[matrix.place(number)..][..joint.count]);
             for end in 0..2 {
                 let [linear, turning] = &mut velocities[joint.bodies[end]];
                 *linear = *linear + impulse * SIGNS[end];
                 *turning = *turning + (joint.arms[end].cross(impulse) + angular) * SIGNS[end];
             }
             if let Some(gear) = &joint.gear {
-                gear.for_each_end(right[matrix.starts[number]], |body, arm, impulse, angular| {
+                gear.for_each_end(right[matrix.place(number)], |body, arm, impulse, angular| {
                     let [linear, turning] = &mut velocities[body];
                     *linear = *linear + impulse;
                     *turning = *turning + arm.cross(impulse) + angular;
@@ -325,7 +357,7 @@ impl MechanismSolver {
         }
         for (number, joint) in joints.iter().enumerate() {
             let speeds = joint.speeds_by(|body| velocities[body]);
-            response[matrix.starts[number]..][..joint.count].copy_from_slice(&speeds[..joint.count]);
+            response[matrix.place(number)..][..joint.count].copy_from_slice(&speeds[..joint.count]);
         }
     }
 
@@ -333,17 +365,28 @@ impl MechanismSolver {
     /// arms or \[rad\].
     fn set_remaining(&mut self, h: f64) -> f64 {
         let Self { joints, bodies, matrix, right, impulses, .. } = self;
+        let (right, impulses) = (right.as_flattened_mut(), impulses.as_flattened());
+        let rate = -1.0 / h;
         let mut most = 0.0_f64;
         for (number, joint) in joints.iter().enumerate() {
-            let errors = joint.errors(bodies);
             let size = joint.arm_lengths[0] + joint.arm_lengths[1];
-            let linear = joint.linear_count();
-            let begin = matrix.starts[number];
-            for row in 0..joint.locked {
-                let left = errors[row] - joint.wanted[row];
-                most = most.max(left.abs() / if row < linear { size } else { 1.0 });
-                right[begin + row] = -left / h;
+            let begin = matrix.place(number);
+            if joint.is_plain_ball() {
+                let left = joint.ball_left(bodies);
+                most = most.max(left.x.abs().max(left.y.abs()).max(left.z.abs()) / size);
+                right[begin..begin + 3].copy_from_slice(&[left.x * rate, left.y * rate, left.z * rate]);
+                continue;
             }
+            let errors = joint.errors(bodies);
+            let linear = joint.linear_count();
+            let mut most_linear = 0.0_f64;
+            for (row, right) in right[begin..][..joint.locked].iter_mut().enumerate() {
+                let left = errors[row] - joint.wanted[row];
+                let of_kind = if row < linear { &mut most_linear } else { &mut most };
+                *of_kind = of_kind.max(left.abs());
+                *right = left * rate;
+            }
+            most = most.max(most_linear / size);
             if joint.free_rows.is_empty() {
                 continue;
             }
@@ -352,7 +395,7 @@ impl MechanismSolver {
                 right[begin + row] = if it.is_at_bound() {
                     let left = errors[row] - joint.wanted[row];
                     most = most.max(left.abs() / if it.axis.is_linear() { size } else { 1.0 });
-                    -left / h
+                    left * rate
                 } else if it.constant.is_some() {
                     0.0
                 } else {
@@ -366,14 +409,15 @@ impl MechanismSolver {
     /// Adds the impulses on the right side to the momenta.
     fn push(&mut self) {
         let Self { joints, bodies, matrix, right, .. } = self;
+        let right = right.as_flattened();
         for (number, joint) in joints.iter().enumerate() {
-            let [impulse, angular] = joint.impulse(&right[matrix.starts[number]..][..joint.count]);
+            let [impulse, angular] = joint.impulse(&right[matrix.place(number)..][..joint.count]);
             for end in 0..2 {
                 let sign = SIGNS[end];
                 bodies[joint.bodies[end]].push(impulse * sign, joint.arms[end], angular * sign);
             }
             if let Some(gear) = &joint.gear {
-                gear.for_each_end(right[matrix.starts[number]], |body, arm, impulse, angular| {
+                gear.for_each_end(right[matrix.place(number)], |body, arm, impulse, angular| {
                     bodies[body].push(impulse, arm, angular);
                 });
             }
@@ -384,11 +428,12 @@ impl MechanismSolver {
     /// that loads the bodies with.
     fn note_impulses(&mut self, pull: bool) {
         let Self { joints, matrix, impulses, done, .. } = self;
+        let impulses = impulses.as_flattened_mut();
         for (number, joint) in joints.iter().enumerate() {
-            for (impulse, row) in impulses[matrix.starts[number] + joint.locked..].iter_mut().zip(&joint.free_rows) {
+            for (impulse, row) in impulses[matrix.place(number) + joint.locked..].iter_mut().zip(&joint.free_rows) {
                 *impulse += row.pushed;
             }
-            let [impulse, angular] = joint.impulse(&impulses[matrix.starts[number]..][..joint.count]);
+            let [impulse, angular] = joint.impulse(&impulses[matrix.place(number)..][..joint.count]);
             done[number][0] = done[number][0] + impulse;
             done[number][1] = done[number][1] + angular + joint.from_anchor.cross(impulse);
         }
@@ -423,11 +468,19 @@ impl MechanismSolver {
     }
 }
 
+fn triple(numbers: &[f64]) -> Vec3<f64> {
+    match *numbers {
+        [x, y, z, ..] => Vec3::new(x, y, z),
+        _ => Vec3::zero(),
+    }
+}
+
 /// Sets by body the sum over its joints of impulse times arm.
-fn set_pulls(pulls: &mut [f64], joints: &[JointRows], matrix: &BlockLdl, impulses: &[f64]) {
+fn set_pulls(pulls: &mut [f64], joints: &[JointRows], matrix: &BlockLdl, impulses: &[Four]) {
     pulls.fill(0.0);
+    let impulses = impulses.as_flattened();
     for (number, joint) in joints.iter().enumerate() {
-        let [impulse, _] = joint.impulse(&impulses[matrix.starts[number]..][..joint.count]);
+        let [impulse, _] = joint.impulse(&impulses[matrix.place(number)..][..joint.count]);
         let strength = length(impulse);
         for end in 0..2 {
             pulls[joint.bodies[end]] += strength * joint.arm_lengths[end];

@@ -305,7 +305,7 @@ impl Mechanisms {
     /// Notes the loads, what joints have done, and how they stand, and writes the bodies of
     /// mechanisms that nothing touches to their rows.
     pub(crate) fn write(&mut self, bodies: &mut SolverBodies, works: &mut ContactWorks) {
-        let Self { mechanisms, loads, active, done, values_and_speeds, .. } = self;
+        let Self { list, mechanisms, loads, active, done, values_and_speeds, .. } = self;
         for Mechanism { solver, slots, joints, is_touched, is_sound } in mechanisms {
             if !*is_sound {
                 // Its bodies have moved as if they had no joints.
@@ -327,7 +327,9 @@ impl Mechanisms {
                 let number = active[*number as usize] as usize;
                 let [impulse, angular] = std::mem::replace(done_here, [Vec3::zero(); 2]);
                 done[number] = [done[number][0] + impulse, done[number][1] + angular];
-                values_and_speeds[number] = rows.values_and_speeds(&solver.bodies);
+                if list.joints[number].has_load {
+                    values_and_speeds[number] = rows.values_and_speeds(&solver.bodies);
+                }
             }
         }
     }

@@ -14,6 +14,7 @@ mod joint_free_rows;
 pub(crate) mod joint_potential;
 pub(crate) mod joint_rows;
 pub(crate) mod mechanism_body;
+mod mechanism_drift;
 mod mechanism_free_rows;
 mod mechanism_matrix;
 pub(crate) mod mechanism_solver;

@@ -1,0 +1,127 @@
+//! Four numbers of double precision side by side, in builds of either precision.
+
+use std::ops::{Add, Div, Mul, Neg, Sub};
+
+use tumble_math::lane::Lane;
+
+/// Four numbers in memory.
+pub(crate) type Four = [f64; 4];
+
+/// A lane of four numbers of double precision.
+pub(crate) trait FourLane: Lane {
+    fn load(numbers: &Four) -> Self;
+
+    fn store(self, numbers: &mut Four);
+}
+
+/// A computation with fours.
+pub(crate) trait FourKernel {
+    /// Must be `#[inline(always)]`, as must be all that it calls with fours; see
+    /// [`Kernel::tile`](super::Kernel::tile).
+    fn run<T: FourLane>(self);
+}
+
+/// Fours of no particular instruction set: the reference.
+#[derive(Clone, Copy)]
+pub(super) struct PortableFour([f64; 4]);
+
+macro_rules! by_number {
+    ($($Operator:ident: $method:ident),+) => {
+        $(
+            impl $Operator for PortableFour {
+                type Output = Self;
+                #[inline(always)]
+                fn $method(self, other: Self) -> Self {
+                    let ([a, b, c, d], [e, f, g, h]) = (self.0, other.0);
+                    Self([a.$method(e), b.$method(f), c.$method(g), d.$method(h)])
+                }
+            }
+        )+
+    };
+}
+
+by_number!(Add: add, Sub: sub, Mul: mul, Div: div);
+
+impl Neg for PortableFour {
+    type Output = Self;
+    #[inline(always)]
+    fn neg(self) -> Self {
+        let [a, b, c, d] = self.0;
+        Self([-a, -b, -c, -d])
+    }
+}
+
+impl Lane for PortableFour {
+    type Mask = [bool; 4];
+
+    const ROUNDING: f64 = <f64 as Lane>::ROUNDING;
+
+    #[inline(always)]
+    fn splat(value: f64) -> Self {
+        Self([value; 4])
+    }
+
+    #[inline(always)]
+    fn sqrt(self) -> Self {
+        let [a, b, c, d] = self.0;
+        Self([a.sqrt(), b.sqrt(), c.sqrt(), d.sqrt()])
+    }
+
+    #[inline(always)]
+    fn lt(self, other: Self) -> [bool; 4] {
+        let ([a, b, c, d], [e, f, g, h]) = (self.0, other.0);
+        [a < e, b < f, c < g, d < h]
+    }
+
+    #[inline(always)]
+    fn select(mask: [bool; 4], if_true: Self, if_false: Self) -> Self {
+        let mut numbers = if_false.0;
+        let mut i = 0;
+        while i < 4 {
+            if mask[i] {
+                numbers[i] = if_true.0[i];
+            }
+            i += 1;
+        }
+        Self(numbers)
+    }
+
+    #[inline(always)]
+    fn any([a, b, c, d]: [bool; 4]) -> bool {
+        a | b | c | d
+    }
+
+    #[inline(always)]
+    fn all([a, b, c, d]: [bool; 4]) -> bool {
+        a & b & c & d
+    }
+
+    #[inline(always)]
+    fn exp2_of_integer(self) -> Self {
+        let [a, b, c, d] = self.0;
+        Self([a.exp2_of_integer(), b.exp2_of_integer(), c.exp2_of_integer(), d.exp2_of_integer()])
+    }
+
+    #[inline(always)]
+    fn sin_cos(self) -> (Self, Self) {
+        let (mut sines, mut cosines) = (self, self);
+        let mut i = 0;
+        while i < 4 {
+            (sines.0[i], cosines.0[i]) = Lane::sin_cos(self.0[i]);
+            i += 1;
+        }
+        (sines, cosines)
+    }
+}
+
+impl FourLane for PortableFour {
+    #[inline(always)]
+    fn load(numbers: &Four) -> Self {
+        Self(*numbers)
+    }
+
+    #[inline(always)]
+    fn store(self, numbers: &mut Four) {
+        *numbers = self.0;
+    }
+}
