@@ -1,0 +1,62 @@
+//! Tiles of double precision.
+
+use super::*;
+
+/// 2^n in the exponent bits, for whole numbers n in the low halves.
+#[inline(always)]
+unsafe fn exponents_128(n: __m128i) -> __m128d {
+    // SAFETY: SSE2 is part of x86-64. Biased exponents are positive, so zeros extend them to 64
+    // bits.
+    unsafe {
+        let biased = _mm_add_epi32(n, _mm_set1_epi32(1023));
+        _mm_castsi128_pd(_mm_slli_epi64::<52>(_mm_unpacklo_epi32(biased, _mm_setzero_si128())))
+    }
+}
+
+lane! {
+    Sse2, f64, __m128d, __m128d, 2,
+    _mm_set1_pd, _mm_loadu_pd, _mm_storeu_pd, _mm_add_pd, _mm_sub_pd, _mm_mul_pd, _mm_div_pd, _mm_sqrt_pd, _mm_min_pd, _mm_max_pd,
+    neg: |n| _mm_xor_pd(n, _mm_set1_pd(-0.0)),
+    lt: |a, b| _mm_cmplt_pd(a, b),
+    select: |mask, t, f| _mm_or_pd(_mm_and_pd(mask, t), _mm_andnot_pd(mask, f)),
+    // SAFETY: see the module.
+    bits: |m| unsafe { _mm_movemask_pd(m) },
+    exp2: |e| exponents_128(_mm_cvttpd_epi32(e)),
+}
+
+tile! {
+    Sse2, __m128d, 2, _mm_loadu_pd, _mm_storeu_pd,
+    or: |x, y| _mm_or_pd(x, y),
+    is_zero: |v| _mm_movemask_epi8(_mm_cmpeq_epi32(_mm_castpd_si128(v), _mm_setzero_si128())) == 0xffff,
+    rows: blocks,
+}
+
+pub(super) use super::Avx2Four as Avx2;
+
+tile! {
+    Avx2, __m256d, 4, _mm256_loadu_pd, _mm256_storeu_pd,
+    or: |x, y| _mm256_or_pd(x, y),
+    is_zero: |v| _mm256_testz_si256(_mm256_castpd_si256(v), _mm256_castpd_si256(v)) == 1,
+    rows: blocks,
+}
+
+lane! {
+    Avx512, f64, __m512d, __mmask8, 8,
+    _mm512_set1_pd, _mm512_loadu_pd, _mm512_storeu_pd, _mm512_add_pd, _mm512_sub_pd, _mm512_mul_pd, _mm512_div_pd,
+    _mm512_sqrt_pd, _mm512_min_pd, _mm512_max_pd,
+    neg: |n| _mm512_castsi512_pd(_mm512_xor_si512(_mm512_castpd_si512(n), _mm512_set1_epi64(i64::MIN))),
+    lt: |a, b| _mm512_cmp_pd_mask::<_CMP_LT_OQ>(a, b),
+    select: |mask, t, f| _mm512_mask_blend_pd(mask, f, t),
+    bits: |m| m,
+    exp2: |e| _mm512_castsi512_pd(_mm512_slli_epi64::<52>(_mm512_add_epi64(
+        _mm512_cvtepi32_epi64(_mm512_cvttpd_epi32(e)),
+        _mm512_set1_epi64(1023),
+    ))),
+}
+
+tile! {
+    Avx512, __m512d, 8, _mm512_loadu_pd, _mm512_storeu_pd,
+    or: |x, y| _mm512_castsi512_pd(_mm512_or_si512(_mm512_castpd_si512(x), _mm512_castpd_si512(y))),
+    is_zero: |v| _mm512_test_epi32_mask(_mm512_castpd_si512(v), _mm512_castpd_si512(v)) == 0,
+    rows: wide,
+}
