@@ -13,7 +13,9 @@ use glam::DVec3;
 use hecs::Entity;
 use jointed::*;
 use tumble::math::Real;
-use tumble::{Axes, Breakable, Drive, Drives, Joint, JointEvent, JointFriction, Limit, Limits, RigidBody, Shape};
+use tumble::{
+    Axes, Breakable, Drive, Drives, Joint, JointEvent, JointFriction, Limit, Limits, RigidBody, Shape, Spring,
+};
 use tumble_tests::{Draw, by_precision, dvec3};
 
 /// A rod of a mass and 1 m on a hinge about z at the origin, along x, with drives.
@@ -327,4 +329,38 @@ fn what_a_drive_does_is_booked() {
     let kinetic = 0.5 * rig.angular_velocity(rod).z.powi(2);
     assert!((work - kinetic).abs() < by_precision(1e-4, 1e-10) * kinetic, "{work} of {kinetic}");
     assert!((dvec3(rig.world.get::<&tumble::Velocity>(rod).unwrap().angular).z - 4.0).abs() < 1e-4);
+}
+
+/// Infinite friction beside a motor of a finite force: nothing moves, and no impulse is infinite.
+#[test]
+fn infinite_friction_holds_against_a_motor() {
+    for most in [0.0, 3.0, 1e6] {
+        let motor = Drive::velocity(Axes::ANGULAR_X, 4.0).with_max_force(most);
+        let (mut rig, rod, joint) = driven_rod(3.0, down(), 4, vec![motor]);
+        let mut friction = JointFriction::default();
+        friction.max[3] = Real::INFINITY;
+        rig.world.insert_one(joint, friction).unwrap();
+        rig.run_to(1.0);
+        let load = rig.load(joint);
+        assert!(load.values[3].abs() < 1e-4 && rig.angular_velocity(rod).length() < 1e-4, "{load:?}");
+        assert!((f64::from(load.torque.z) / (3.0 * G * 0.5) - 1.0).abs() < 1e-4, "{load:?}");
+    }
+}
+
+/// What is read of joints that do nothing is forgotten with the last joint, in a world that has
+/// other things to solve.
+#[test]
+fn the_last_joint_breaks_and_goes() {
+    let mut rig = Rig::new(down(), 1.0 / 60.0, 4);
+    let ground = rig.ground();
+    let ball = |at: f64| RigidBody::new(Shape::sphere(0.05)).mass(2.0).position(real(DVec3::X * at));
+    let (held, other) = (rig.spawn(ball(1.0)), rig.spawn(ball(3.0)));
+    rig.world.spawn((Spring::between(ground, other).stiffness(100.0).rest_length(1.0),));
+    let joint = rig.join_at(Joint::ball(ground, held), ORIGIN, DVec3::X);
+    rig.world.insert_one(joint, Breakable::at_force(1e-3)).unwrap();
+    rig.run_to(0.1);
+    assert!(rig.world.get::<&Breakable>(joint).unwrap().is_broken);
+    rig.world.despawn(joint).unwrap();
+    rig.run_to(1.0);
+    assert!(rig.position(held).is_finite() && rig.position(held).y < -1.0);
 }

@@ -227,3 +227,33 @@ fn a_gear_without_a_joint_does_nothing() {
     rig.step();
     assert!(rig.angular_velocity(train[0].0).is_finite());
 }
+
+/// What an offset asks for, up to whole turns of the pinion, is gone to at the speed of errors
+/// along a line, whatever the ratio.
+#[test]
+fn a_rack_goes_to_its_offset_at_three_metres_a_second() {
+    let mut draw = Draw::new(5, 0);
+    for _ in 0..20 {
+        let mut rig = Rig::new(DVec3::ZERO, 1.0 / 60.0, 4);
+        let ground = rig.ground();
+        let pinion = rig.spawn(body(1.0, DVec3::new(0.03, 0.03, 0.05), ORIGIN));
+        let hinge = rig.join_at(Joint::hinge(ground, pinion), ORIGIN, DVec3::Z);
+        let rack = rig.spawn(RigidBody::new(Shape::cuboid([0.02, 0.5, 0.02])).mass(draw.log_between(0.1, 10.0)));
+        let slider = rig.join_at(Joint::slider(ground, rack), ORIGIN, DVec3::Y);
+        let (ratio, offset) = (draw.between(0.05, 0.5), draw.between(0.4, 2.0));
+        let gear = Gear { offset: offset as Real, ..Gear::new(hinge, slider, ratio as Real) };
+        rig.world.spawn((gear,));
+        // The angle, followed over whole turns.
+        let (mut angle, mut left) = (0.0, offset);
+        for _ in 0..90 {
+            rig.step();
+            let seen = f64::from(rig.load(hinge).values[3]);
+            angle += (seen - angle + PI).rem_euclid(2.0 * PI) - PI;
+            let now = offset + ratio * angle - rig.position(rack).y;
+            assert!((left - now).abs() < 3.001 / 60.0, "{left} {now}");
+            left = now;
+        }
+        let turn = 2.0 * PI * ratio;
+        assert!((left - turn * (left / turn).round()).abs() < 1e-4, "{left} of {turn}");
+    }
+}

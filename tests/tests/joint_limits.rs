@@ -343,3 +343,17 @@ fn a_free_joint_without_limits_does_nothing() {
     rig.run_to(1.0);
     assert!((rig.velocity(ball) + DVec3::Y * G).length() < 1e-4);
 }
+
+/// A bound alone that no angle from -pi to pi reaches is none.
+#[test]
+fn a_bound_alone_beyond_half_a_turn_does_nothing() {
+    for (min, max) in [(4.0, f64::INFINITY), (f64::NEG_INFINITY, -4.0)] {
+        let mut rig = Rig::new(DVec3::ZERO, 1.0 / 60.0, 4);
+        let ground = rig.ground();
+        let disc = rig.spawn(body(1.0, DVec3::new(0.1, 0.2, 0.25), ORIGIN).angular_velocity(real(DVec3::Z * 3.0)));
+        let joint = rig.join_at(Joint::hinge(ground, disc), ORIGIN, DVec3::Z);
+        rig.world.insert_one(joint, Limits::along(Axes::ANGULAR_X, limit(min, max))).unwrap();
+        rig.run_to(3.0);
+        assert!((rig.angular_velocity(disc).z - 3.0).abs() < 1e-5, "{min} {max}");
+    }
+}

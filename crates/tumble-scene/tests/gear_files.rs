@@ -371,7 +371,7 @@ fn what_is_wrong_with_a_mimic_is_told() {
     let fixed = of("", r#"<mimic joint="a"/>"#).replace("continuous", "fixed");
     for text in [zero, fixed] {
         let scene = Scene::from_urdf(&text, "r.urdf").unwrap();
-        assert_eq!(scene.notices[0], "1 joint with mimic that ties no two moving axes, not simulated: b");
+        assert_eq!(scene.notices[0], "1 joint with mimic that ties nothing, not simulated: b");
         let mut world = World::new();
         scene.spawn(&mut world).unwrap();
         assert_eq!(world.query::<&Gear>().iter().count(), 0);

@@ -393,7 +393,7 @@ fn what_of_joints_is_not_simulated_is_told() {
         scene.notices,
         [
             "1 joint to what has no inertial, held as if fixed: tool",
-            "1 joint with mimic that ties no two moving axes, not simulated: finger",
+            "1 joint with mimic that ties nothing, not simulated: finger",
             "1 revolute joint without limit, taken for continuous: bare",
             "1 revolute joint with a range of a turn or more, which bounds nothing: far",
             "1 joint with several axes, whose dynamics is not simulated: table",

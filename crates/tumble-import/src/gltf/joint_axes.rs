@@ -63,7 +63,11 @@ impl JointAxes {
                 reading.left_out.push("a limit about one of three free rotations, beside the twist");
                 continue;
             }
-            limits.axes[place(axis)] = reading.limits[axis].filter(|limit| axis < 3 || bounds_an_angle(limit));
+            let limit = reading.limits[axis];
+            limits.axes[place(axis)] = limit.filter(|limit| axis < 3 || bounds_an_angle(limit));
+            if limit.is_some() && limits.axes[place(axis)].is_none() {
+                reading.left_out.push("a limit that bounds no angle");
+            }
         }
         let mut drives = Drives::default();
         for drive in &joint.drives {

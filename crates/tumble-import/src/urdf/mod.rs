@@ -206,7 +206,7 @@ fn notices(links: &[Link], tree: &Tree, assembly: Option<&Assembly>, left_out: &
     list(
         &joints(&|joint| not_geared(joint) && !is_held(joint)),
         "joint",
-        "with mimic that ties no two moving axes, not simulated",
+        "with mimic that ties nothing, not simulated",
     );
     let turns = |joint: &Joint| joint.kind == Kind::Revolute && !is_held(joint);
     list(

@@ -333,7 +333,7 @@
     return arm.map((part, i) => (placed.positions[3 * body + i] + part + 2 * bent[i] - camera.target[i]) / camera.unit);
   }
 
-  // A band from anchor to anchor of each rope or rod that holds, and a mark at the anchor of other joints.
+  // Of joints that hold: a mark at the anchor, and of ropes and rods a band from anchor to anchor.
   function jointCorners(view) {
     const pixel = 2 * camera.distance * Math.tan(FIELD_OF_VIEW / 2) / Math.max(1, canvas.clientHeight);
     const corners = [];

@@ -226,6 +226,7 @@ impl JointList {
         self.joints.clear();
         self.gears.clear();
         self.untouching.clear();
+        self.idle_loads.clear();
     }
 
     pub(crate) fn is_empty(&self) -> bool {

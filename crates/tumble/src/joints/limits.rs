@@ -133,7 +133,8 @@ impl Limit {
             [false, true] => [max.min(-PI), max],
             _ => [min, max],
         };
-        Some(bounds).filter(|[min, max]| max - min < TAU)
+        let is_reached = (min <= PI || max.is_finite()) && (max >= -PI || min.is_finite());
+        Some(bounds).filter(|[min, max]| is_reached && max - min < TAU)
     }
 
     /// Whether its numbers can be reckoned with.

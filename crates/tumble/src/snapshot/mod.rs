@@ -338,8 +338,8 @@ impl Snapshot {
 
     /// The body with the smallest [`BodyId`] that is in only one of the two, or whose kind or state
     /// is not the same to the bit: where to look first when two peers differ. Clock,
-    /// contacts and broken joints are not compared; what differs in them differs in bodies a step
-    /// later.
+    /// contacts and broken joints are not compared; what differs in them shows in bodies once it
+    /// moves them.
     pub fn first_difference(&self, other: &Self) -> Option<BodyId> {
         let (ours, theirs) = (self.rows_by_id(0..self.len()), other.rows_by_id(0..other.len()));
         let same = ours.iter().zip(&theirs).take_while(|&(&a, &b)| {

@@ -338,6 +338,9 @@ impl FreeRow {
 
     /// A motor that has its speed by an impulse for it and friction.
     fn driven_mode(&self, speed: f64, impulse: f64) -> Mode {
+        if self.friction_impulse.is_infinite() {
+            return Mode::Stuck(impulse.signum());
+        }
         let of_motor = impulse - signed(-speed, self.friction_impulse);
         if of_motor.abs() <= self.motor_impulse {
             return Mode::Driven;

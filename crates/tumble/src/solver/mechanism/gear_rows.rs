@@ -49,6 +49,11 @@ impl GearRows {
         it
     }
 
+    /// Whether its second value, and so its error, is a translation.
+    pub(crate) fn is_linear(&self) -> bool {
+        self.axes[1].is_linear()
+    }
+
     /// Takes over ratio, offset and ranges.
     pub(crate) fn take_numbers(&mut self, gear: &ListedGear) {
         self.factors = [-gear.ratio, 1.0];

@@ -5,7 +5,7 @@ use tumble_math::lane::Vec3;
 use crate::joints::axes::Axes;
 use crate::joints::drives::Drive;
 use crate::joints::joint_options::JointOptions;
-use crate::solver::mechanism::block_ldl::MAX_ROWS;
+use crate::solver::mechanism::block_kernels::MAX_ROWS;
 use crate::solver::mechanism::free_axis::{FreeAxis, free_axes};
 use crate::solver::mechanism::free_row::{FreeRow, Phase};
 use crate::solver::mechanism::joint_rows::{IDENTITY, JointRows};

@@ -5,7 +5,7 @@ use tumble_math::lane::{Quat, Vec3};
 use crate::joints::axes::Axes;
 use crate::joints::joint_options::JointOptions;
 use crate::math::Real;
-use crate::solver::mechanism::block_ldl::MAX_ROWS;
+use crate::solver::mechanism::block_kernels::MAX_ROWS;
 use crate::solver::mechanism::free_axis::{
     Direction, FreeAxis, first_angle, free_axes, relative_rotation, second_angle,
 };
@@ -321,13 +321,12 @@ impl JointRows {
 
     /// Notes which of the errors there are at the start of a step are rounding of the state.
     pub(crate) fn begin_step(&mut self, bodies: &[MechanismBody]) {
-        self.rounding = [0.0; MAX_ROWS];
+        (self.rounding, self.wanted) = ([0.0; MAX_ROWS], [0.0; MAX_ROWS]);
         if let Some(gear) = &self.gear {
             self.rounding[0] = gear.error_of_rounding(bodies, ROUNDINGS * f64::from(Real::EPSILON));
             return;
         }
-        let errors = self.errors(bodies);
-        let [a, b] = self.bodies.map(|body| &bodies[body]);
+        let (errors, [a, b]) = (self.errors(bodies), self.bodies.map(|body| &bodies[body]));
         let most = [a.center, b.center, self.anchors[0].position, self.anchors[1].position].map(length);
         let of_state = ROUNDINGS * f64::from(Real::EPSILON);
         let tolerances = [of_state * most.into_iter().sum::<f64>(), of_state];
@@ -343,7 +342,8 @@ impl JointRows {
     pub(crate) fn plan_correction(&mut self, h: f64) {
         let linear = self.linear_count;
         for (row, (wanted, error)) in self.wanted.iter_mut().zip(&self.errors).enumerate().take(self.locked) {
-            let most = h * correction_speed(row < linear);
+            let is_linear = self.gear.as_ref().map_or(row < linear, |gear| gear.is_linear());
+            let most = h * correction_speed(is_linear);
             *wanted = error - error.clamp(-most, most);
         }
         for (row, it) in (self.locked..).zip(&mut self.free_rows) {
@@ -369,7 +369,7 @@ impl JointRows {
             - (a.linear_velocity() + a.angular_velocity().cross(self.arms[0]))
     }
 
-    /// The same by linear and angular velocities of bodies.
+    /// How fast each error grows by linear and angular velocities of bodies.
     #[inline]
     pub(crate) fn speeds_by(&self, velocities: impl Fn(usize) -> [Vec3<f64>; 2]) -> [f64; MAX_ROWS] {
         let mut speeds = [0.0; MAX_ROWS];

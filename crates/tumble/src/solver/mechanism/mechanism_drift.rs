@@ -8,7 +8,7 @@ use crate::simd::{Four, FourKernel, FourLane, dispatch_fours};
 use crate::solver::mechanism::mechanism_body::MechanismBody;
 
 /// From where bodies drift, and the inertia that they drift with.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug)]
 pub(crate) struct Drift {
     fours: Vec<FourBodies>,
 }
@@ -64,6 +64,11 @@ impl FourBodies {
 }
 
 impl Drift {
+    /// With room for this many bodies.
+    pub(crate) fn with_capacity(bodies: usize) -> Self {
+        Self { fours: Vec::with_capacity(bodies.div_ceil(4)) }
+    }
+
     /// Takes over where bodies are, and their moments.
     pub(crate) fn begin_at(&mut self, bodies: &[MechanismBody]) {
         self.fours.clear();
@@ -79,9 +84,7 @@ impl Drift {
     pub(crate) fn run(&self, bodies: &mut [MechanismBody], h: f64) {
         dispatch_fours(Run { drift: self, bodies, h });
     }
-}
 
-impl Drift {
     /// Lets the inverse inertia of the bodies follow their orientations.
     pub(crate) fn end(&self, bodies: &mut [MechanismBody]) {
         dispatch_fours(End { drift: self, bodies });

@@ -4,7 +4,8 @@ use tumble_math::lane::Vec3;
 
 use crate::integrators::derived::symmetric_product;
 use crate::simd::{Four, FourKernel, FourLane, dispatch_fours};
-use crate::solver::mechanism::block_ldl::{BlockLdl, UNITS, ends, fours, sized, unrolled};
+use crate::solver::mechanism::block_kernels::{UNITS, fours, sized, unrolled};
+use crate::solver::mechanism::block_ldl::{BlockLdl, ends};
 use crate::solver::mechanism::elimination::Elimination;
 use crate::solver::mechanism::joint_rows::JointRows;
 use crate::solver::mechanism::mechanism_body::MechanismBody;

@@ -90,7 +90,7 @@ impl MechanismSolver {
             is_first: false,
             has_free_rows: ordered.iter().any(|joint| !joint.free_rows.is_empty()),
             bodies: Vec::with_capacity(moves.len()),
-            drift: Drift::default(),
+            drift: Drift::with_capacity(moves.len()),
             velocities: vec![[Vec3::zero(); 2]; moves.len()],
             joints: ordered,
             matrix,

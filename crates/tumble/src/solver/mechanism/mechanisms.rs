@@ -51,7 +51,7 @@ pub(crate) struct Mechanisms {
 struct Mechanism {
     solver: MechanismSolver,
     slots: Vec<Slot>,
-    /// In the order of the solver's, as numbers in the list.
+    /// In the order of the solver's, as numbers of active joints and, past these, of gears.
     joints: Vec<u32>,
     /// Whether a contact acts on one of its bodies in this substep.
     is_touched: bool,

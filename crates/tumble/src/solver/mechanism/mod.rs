@@ -5,6 +5,7 @@
 //! met where the bodies end up, and velocities along the joints in the end (R. I. McLachlan,
 //! K. Modin, O. Verdier, M. Wilkins, "Geometric generalisations of SHAKE and RATTLE", 2014).
 
+pub(crate) mod block_kernels;
 pub(crate) mod block_ldl;
 pub(crate) mod elimination;
 pub(crate) mod free_axis;
