@@ -201,7 +201,7 @@ fn what_passes_does_not_matter() {
 #[test]
 fn the_bits_are_pinned() {
     let [plain, all] = match PRECISION {
-        "f32" => [0xe086_b813_d61d_a9ec_u64, 0xc32b_9965_991d_9d6a],
+        "f32" => [0xe086_b813_d61d_a9ec_u64, 0xcdf5_f088_90eb_c4db],
         _ => [0x196d_29b6_f764_dcea, 0x8555_5cbb_662b_923f],
     };
     println!("\nran on {}", simd_name());

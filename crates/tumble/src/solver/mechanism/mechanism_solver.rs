@@ -60,6 +60,8 @@ const MAX_SOLUTIONS_AT_BOUNDS: u32 = 8;
 /// The errors at which impulses are accepted: of the size of the arms, and \[rad\]. In single
 /// precision a tenth of the rounding of the state.
 const TOLERANCE: f64 = if size_of::<Real>() == size_of::<f64>() { 1e-10 } else { 1.2e-8 };
+/// The same after the first solution, whose errors have one sign in all substeps of a slow swing.
+const FIRST_TOLERANCE: f64 = 1e-10;
 /// The error after the first solution, of the same size, beyond which the next substep is too
 /// different to begin with the bend of this one.
 const MAX_FIRST_ERROR: f64 = 1e-4;
@@ -198,7 +200,8 @@ impl MechanismSolver {
                 self.drift.run(&mut self.bodies, h);
                 break;
             }
-            if solution == most || (left <= TOLERANCE && !meets_bounds) {
+            let tolerance = if solution == 1 { FIRST_TOLERANCE } else { TOLERANCE };
+            if solution == most || (left <= tolerance && !meets_bounds) {
                 break;
             }
             self.note_bend();
