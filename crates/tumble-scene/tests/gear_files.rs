@@ -15,17 +15,10 @@ use tumble::math::Real;
 use tumble::{Axes, Drive, Drives, Gear, JointLoad, Simulation};
 use tumble_scene::{Audit, BodyNames, RunOverrides, Scene, SceneTemplate};
 
+mod axes;
 mod precision;
+use axes::AXES;
 use precision::by_precision;
-
-const AXES: [(&str, Axes); 6] = [
-    ("linear_x", Axes::LINEAR_X),
-    ("linear_y", Axes::LINEAR_Y),
-    ("linear_z", Axes::LINEAR_Z),
-    ("angular_x", Axes::ANGULAR_X),
-    ("angular_y", Axes::ANGULAR_Y),
-    ("angular_z", Axes::ANGULAR_Z),
-];
 
 /// Kinds of joints that can be geared, with the numbers of their axes; each joint has its kind's
 /// name.

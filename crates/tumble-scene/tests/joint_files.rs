@@ -11,14 +11,8 @@ use tumble::math::Real;
 use tumble::{Axes, Breakable, Cone, Drive, Drives, Gain, Joint, JointFriction, Limit, Limits};
 use tumble_scene::Scene;
 
-const AXES: [(&str, Axes); 6] = [
-    ("linear_x", Axes::LINEAR_X),
-    ("linear_y", Axes::LINEAR_Y),
-    ("linear_z", Axes::LINEAR_Z),
-    ("angular_x", Axes::ANGULAR_X),
-    ("angular_y", Axes::ANGULAR_Y),
-    ("angular_z", Axes::ANGULAR_Z),
-];
+mod axes;
+use axes::AXES;
 
 /// The kinds with the numbers of their free axes.
 const KINDS: [(&str, &[usize]); 8] = [

@@ -3,6 +3,7 @@
 use crate::fields::field_path::{component, element};
 use crate::model::joint_model::{JointModel, JointPlaceModel};
 use crate::model::joint_options_model::{BreakModel, DriveModel, FrictionModel, GainModel, LimitModel, LimitsModel};
+use crate::values::axes;
 
 /// The number that a path such as `["drives", "0", "stiffness"]` leads to, if the joint has it.
 ///
@@ -60,55 +61,44 @@ fn in_limits<'a>(limits: &'a mut LimitsModel, path: &[&str]) -> Option<&'a mut f
 }
 
 fn limit<'a>(limits: &'a mut LimitsModel, name: &str) -> Option<&'a mut LimitModel> {
+    let LimitsModel { linear_x, linear_y, linear_z, angular_x, angular_y, angular_z, distance, cone: _ } = limits;
     let limit = match name {
-        "linear_x" => &mut limits.linear_x,
-        "linear_y" => &mut limits.linear_y,
-        "linear_z" => &mut limits.linear_z,
-        "angular_x" => &mut limits.angular_x,
-        "angular_y" => &mut limits.angular_y,
-        "angular_z" => &mut limits.angular_z,
-        "distance" => &mut limits.distance,
-        _ => return None,
+        "distance" => distance,
+        _ => of_axis([linear_x, linear_y, linear_z, angular_x, angular_y, angular_z], name)?,
     };
     limit.as_mut()
 }
 
-fn in_gain<'a>(gain: &'a mut GainModel, field: &str) -> Option<&'a mut f64> {
-    let number = match field {
-        "stiffness" => &mut gain.stiffness,
-        "damping" => &mut gain.damping,
-        "frequency" => &mut gain.frequency,
-        "damping_ratio" => &mut gain.damping_ratio,
-        _ => return None,
-    };
+fn in_friction<'a>(friction: &'a mut FrictionModel, axis: &str) -> Option<&'a mut f64> {
+    let FrictionModel { linear_x, linear_y, linear_z, angular_x, angular_y, angular_z } = friction;
+    let number = of_axis([linear_x, linear_y, linear_z, angular_x, angular_y, angular_z], axis)?;
     Some(number.get_or_insert(0.0))
+}
+
+/// The field of an axis, of those of all six.
+fn of_axis<'a, T>(fields: [&'a mut T; 6], name: &str) -> Option<&'a mut T> {
+    fields.into_iter().zip(axes::NAMES).find(|(_, axis)| *axis == name).map(|(field, _)| field)
 }
 
 fn in_drive<'a>(drive: &'a mut DriveModel, field: &str) -> Option<&'a mut f64> {
+    let DriveModel { position, velocity, max_force, stiffness, damping, frequency, damping_ratio, .. } = drive;
     let number = match field {
-        "position" => &mut drive.position,
-        "velocity" => &mut drive.velocity,
-        "max_force" => &mut drive.max_force,
-        "stiffness" => &mut drive.stiffness,
-        "damping" => &mut drive.damping,
-        "frequency" => &mut drive.frequency,
-        "damping_ratio" => &mut drive.damping_ratio,
-        _ => return None,
+        "position" => position,
+        "velocity" => velocity,
+        "max_force" => max_force,
+        _ => of_gain([stiffness, damping, frequency, damping_ratio], field)?,
     };
     Some(number.get_or_insert(0.0))
 }
 
-fn in_friction<'a>(friction: &'a mut FrictionModel, axis: &str) -> Option<&'a mut f64> {
-    let number = match axis {
-        "linear_x" => &mut friction.linear_x,
-        "linear_y" => &mut friction.linear_y,
-        "linear_z" => &mut friction.linear_z,
-        "angular_x" => &mut friction.angular_x,
-        "angular_y" => &mut friction.angular_y,
-        "angular_z" => &mut friction.angular_z,
-        _ => return None,
-    };
-    Some(number.get_or_insert(0.0))
+fn in_gain<'a>(gain: &'a mut GainModel, field: &str) -> Option<&'a mut f64> {
+    let GainModel { stiffness, damping, frequency, damping_ratio, mode: _ } = gain;
+    Some(of_gain([stiffness, damping, frequency, damping_ratio], field)?.get_or_insert(0.0))
+}
+
+fn of_gain<'a>(fields: [&'a mut Option<f64>; 4], name: &str) -> Option<&'a mut Option<f64>> {
+    let names = ["stiffness", "damping", "frequency", "damping_ratio"];
+    fields.into_iter().zip(names).find(|(_, field)| *field == name).map(|(field, _)| field)
 }
 
 fn in_break<'a>(breaks: &'a mut BreakModel, field: &str) -> Option<&'a mut f64> {

@@ -13,9 +13,9 @@ use crate::step::systems::update_derived;
 /// The last snapshots of a run, to go back to when an input arrives late.
 ///
 /// It holds the state of this many steps, 64 bytes a body and step in single precision, 112 in
-/// double, 192 or 352 a contact, and 24 a joint that can break ([`memory`](Self::memory) says how much it is), and uses the
-/// room of those that it drops: once it is full and while the same bodies are in the world, saving
-/// allocates nothing.
+/// double, 192 or 352 a contact, and 24 a joint that can break ([`memory`](Self::memory) says how
+/// much it is), and uses the room of those that it drops: once it is full and while the same bodies
+/// are in the world, saving allocates nothing.
 ///
 /// Save before the inputs of a step are added and the step is taken; to correct an input, rewind to
 /// its step and do the same again.
