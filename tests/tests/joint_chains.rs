@@ -39,8 +39,8 @@ fn chain(load: f64, speed: f64) -> (Rig, Vec<Entity>, Entity) {
     (rig, joints, weight)
 }
 
-/// Where single precision has four roundings of the places of two bodies as the gap of their joint,
-/// which nothing corrects, a hundred joints sink by half a millimetre at most.
+/// In single precision the gaps of joints are roundings of the places of their bodies, of one sign
+/// as often as of the other: a hundred joints sink by less than one of them.
 #[test]
 fn a_hanging_chain_carries_its_weight() {
     for load in [1.0, 1e3, 1e5] {
@@ -54,11 +54,8 @@ fn a_hanging_chain_carries_its_weight() {
         }
         let (gap, sunk) = (rig.largest_gap(), (rig.position(weight) - start).length());
         println!("1 : {load}: loads off by {worst:.1e}, gaps {gap:.1e} m, sunk by {sunk:.1e} m");
-        assert!(worst <= 1e-3, "{load}: {worst:e}");
-        assert!(
-            gap <= by_precision(2e-5, 1.4e-11) && sunk <= by_precision(4.8e-4, 1.4e-9),
-            "{load}: {gap:e}, {sunk:e}"
-        );
+        assert!(worst <= by_precision(1e-6, 1e-12), "{load}: {worst:e}");
+        assert!(gap <= by_precision(2e-6, 1.4e-11) && sunk <= by_precision(2e-8, 1.4e-9), "{load}: {gap:e}, {sunk:e}");
     }
 }
 
@@ -77,7 +74,7 @@ fn a_swung_chain_does_not_stretch() {
             energy = [energy[0].min(change), energy[1].max(change)];
         }
         println!("1 : {load}: gaps {gap:.1e} m, stretch {stretch:.1e}, energy {energy:?} of the swing's");
-        assert!(gap <= by_precision(2.5e-5, 4e-7) && stretch <= 1e-6, "{load}: {gap:e} m, {stretch:e}");
+        assert!(gap <= by_precision(4e-6, 4e-7) && stretch <= 1e-6, "{load}: {gap:e} m, {stretch:e}");
         assert!(energy[1] <= 1e-3, "{load}: {energy:?}");
     }
 }
@@ -94,5 +91,26 @@ fn a_chain_with_a_hundred_thousand_links_mass_makes_no_energy() {
         gap = gap.max(rig.largest_gap());
     }
     println!("energy at most {most:.1e} of the swing's above the start, gaps {gap:.1e} m");
-    assert!(most <= 1e-3 && gap <= by_precision(3e-5, 3e-9), "{most:e}, {gap:e}");
+    assert!(most <= 1e-3 && gap <= by_precision(4e-6, 3e-9), "{most:e}, {gap:e}");
+}
+
+/// Links under load are given more inertia within a step; what joints tell is of the bodies as they
+/// are.
+#[test]
+fn the_speeds_of_a_loaded_joint_are_those_of_its_bodies() {
+    let (mut rig, joints, _) = chain(1e3, 5.0);
+    let mut fastest = 0.0_f64;
+    for _ in 0..60 {
+        rig.step();
+        for joint in &joints[1..] {
+            let [a, b] = rig.world.get::<&Joint>(*joint).unwrap().bodies;
+            let turning = (rig.angular_velocity(b) - rig.angular_velocity(a)).length();
+            let load = rig.load(*joint);
+            let told = load.speeds[3..].iter().map(|speed| f64::from(*speed).powi(2)).sum::<f64>().sqrt();
+            assert!((told - turning).abs() <= by_precision(2e-5, 1e-12) * (1.0 + turning), "{told} of {turning} rad/s");
+            assert!(load.speeds[..3].iter().all(|speed| f64::from(speed.abs()) <= by_precision(1e-4, 1e-6)));
+            fastest = fastest.max(turning);
+        }
+    }
+    assert!(fastest > 1.0, "{fastest} rad/s");
 }

@@ -82,15 +82,16 @@ fn a_driven_slider_crank_keeps_its_geometry() {
     assert!(worst.gap <= by_precision(2e-6, 1e-10), "{:e}", worst.gap);
 }
 
-/// 20 rows for 17 degrees of freedom. All forces are in the plane: of the 30 N that there are, two
-/// thousand roundings may be across it.
+/// 20 rows for 17 degrees of freedom. All forces are in the plane: across it may be what takes a
+/// tenth of a rounding of the 0.8 m long rod of 1 kg out within a substep.
 #[test]
 fn a_flywheel_drives_a_slider_crank() {
     let worst = slider_crank(false);
     assert!(worst.place <= by_precision(2e-6, 2e-8), "{:e}", worst.place);
     assert!(worst.gap <= by_precision(2e-6, 2e-8), "{:e}", worst.gap);
     assert!(worst.energy <= 1e-3, "{:e}", worst.energy);
-    assert!(worst.across <= 2e3 * EPSILON, "{:e} N", worst.across);
+    let rounding = EPSILON * LINK * 240.0 * 240.0;
+    assert!(worst.across <= 0.1 * rounding, "{:e} N", worst.across);
 }
 
 /// The angle of a parallelogram's cranks by the classical fourth-order method.
@@ -131,22 +132,19 @@ fn parallelogram(rate: f64, substeps: u32) -> f64 {
         rig.join_at(Joint::hinge(crank, coupler), DVec3::new(x, -1.0, 0.0), DVec3::Z);
     }
     let start = rig.energy();
-    let (mut off, mut gap, mut drift, mut gain) = (0.0_f64, 0.0_f64, 0.0_f64, 0.0_f64);
+    let (mut off, mut gap, mut drift) = (0.0_f64, 0.0_f64, 0.0_f64);
     for _ in 0..600 {
         rig.step();
         let angle = exact_crank(-FRAC_PI_2, rate, rig.simulation.time());
         let pin = DVec3::new(angle.cos(), angle.sin(), 0.0);
         off = off.max((rig.position(coupler) - DVec3::X * 0.5 - pin).length());
         gap = gap.max(rig.largest_gap());
-        gain = gain.max((rig.energy() - start) / (4.0 * G));
         drift = drift.max((rig.energy() - start).abs() / (4.0 * G));
     }
     println!("{rate} rad/s, {substeps} substeps: off by {off:.1e} m, gaps {gap:.1e} m, energy by {drift:.1e}");
     let finer = f64::from(substeps) / 16.0;
-    assert!(gap <= by_precision(4e-6, 1e-8), "{rate} rad/s, {substeps}: {gap:e}");
-    assert!(gain <= by_precision(1e-3, 3e-5 / (finer * finer)), "{rate} rad/s, {substeps}: {gain:e}");
-    // In single precision rounding of the state can make it fold there, or stick.
-    assert!(!DOUBLE || drift <= 3e-5 / (finer * finer), "{rate} rad/s, {substeps}: {drift:e}");
+    assert!(gap <= by_precision(1e-6, 1e-8), "{rate} rad/s, {substeps}: {gap:e}");
+    assert!(drift <= by_precision(3e-5, 3e-5 / (finer * finer)), "{rate} rad/s, {substeps}: {drift:e}");
     off
 }
 

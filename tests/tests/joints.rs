@@ -45,10 +45,12 @@ fn spawn(mechanism: &Mechanism, world: &mut World) -> (Vec<Entity>, Vec<Entity>)
 }
 
 /// Mechanisms that fly free, of every class: joints are met, momentum stays, and energy does not
-/// grow beyond what the step leaves.
+/// grow beyond what the step leaves. Of three hundred some have bodies with twice the joints that
+/// would hold them, or are nearly rigid.
 #[test]
 fn random_mechanisms_keep_momentum_and_gain_no_energy() {
-    for case in 0..40 {
+    let mut worst = 0.0_f64;
+    for case in 0..300 {
         let mut draw = Draw::new(0x701, case);
         let size = draw.log_between(0.01, 100.0);
         let class = Class {
@@ -66,18 +68,24 @@ fn random_mechanisms_keep_momentum_and_gain_no_energy() {
         // What the joints forbid of the speeds at the start is taken out in the first step.
         simulation.step(&mut world);
         let (before, scale) = (totals(&world, &simulation), scale(&world));
-        run(&mut simulation, &mut world, 240);
+        let mut most = before.energy();
+        for _ in 0..240 {
+            simulation.step(&mut world);
+            most = most.max(totals(&world, &simulation).energy());
+        }
         let after = totals(&world, &simulation);
         let turned = (after.angular_momentum - before.angular_momentum).length();
         let moved = (after.linear_momentum - before.linear_momentum).length();
         let rounding = 300.0 * EPSILON * scale * size.max(1.0);
         assert!(moved <= rounding && turned <= rounding, "case {case}: {moved:e} {turned:e} {rounding:e}");
-        let most = before.energy() * (1.0 + by_precision(1e-2, 5e-6));
-        assert!(after.energy() <= most, "case {case}: {} {}", before.energy(), after.energy());
+        let gain = most / before.energy() - 1.0;
+        worst = worst.max(gain);
+        assert!(gain <= 1e-4, "case {case}: {} J at most, from {}", most, before.energy());
         let [gap, bend] = errors(&world);
         assert!(gap <= by_precision(2e-5, 1e-9) * size, "case {case}: {gap:e} of {size}");
         assert!(bend <= by_precision(2e-5, 1e-9), "case {case}: {bend:e}");
     }
+    println!("energy grows by at most {worst:.1e}");
 }
 
 /// Masses of one to a million, thin bodies, hanging from a fixed one: nothing gains energy, and

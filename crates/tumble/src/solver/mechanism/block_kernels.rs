@@ -146,7 +146,7 @@ pub(super) fn invert_sized(a: &mut [Four], raised: &[Four], n: usize) -> bool {
 }
 
 /// A pivot that is no more than this many times what it was raised by is one of a dependent row.
-const DEPENDENT: f64 = 30.0;
+const DEPENDENT: f64 = 1e5;
 
 /// Inverts a symmetric positive matrix in its place, of which the diagonal was raised, from the
 /// half below its diagonal. A row without response, as of bodies that do not turn, gets none.

@@ -1,6 +1,5 @@
 //! A sparse symmetric positive matrix in blocks, factored as `L D L^T`.
 
-use crate::math::Real;
 use crate::simd::{Four, FourKernel, FourLane, dispatch_fours};
 use crate::solver::mechanism::block_kernels::{
     MAX_ROWS, backward, fours, invert_sized, multiply, product, sized, subtract_columns, subtract_transposed,
@@ -38,7 +37,8 @@ pub(crate) struct BlockLdl {
     targets: Vec<u32>,
     /// The rows of every node, if all have as many and there is code for that many, else zero.
     uniform: usize,
-    /// Whether a row depends on others, as far as the factors tell.
+    /// Whether rows may depend on others, and whether one does, as far as the factors tell.
+    may_depend: bool,
     pub(crate) has_dependent_rows: bool,
 }
 
@@ -94,14 +94,16 @@ macro_rules! uniformly {
     };
 }
 
-/// By how much of itself each number on the diagonal is raised, which makes rows harmless that
-/// depend on others. Rounding of the state makes such rows contradict each other a little.
-const REGULARIZATION: f64 = if size_of::<Real>() == size_of::<f64>() { 1e-9 } else { 1e-7 };
+/// By how much of itself each number on the diagonal is raised.
+const REGULARIZATION: f64 = 1e-9;
+/// The same where rows may depend on others, which it makes harmless: about as much again is the
+/// rounding of the factors of such rows.
+const REGULARIZATION_OF_DEPENDENT: f64 = 1e-8;
 
 impl BlockLdl {
-    /// Of nodes with these numbers of rows.
-    pub(crate) fn new(elimination: Elimination, sizes: Vec<usize>) -> Self {
-        let mut it = Self { elimination, sizes, ..Self::default() };
+    /// Of nodes with these numbers of rows, which may depend on others or cannot.
+    pub(crate) fn new(elimination: Elimination, sizes: Vec<usize>, may_depend: bool) -> Self {
+        let mut it = Self { elimination, sizes, may_depend, ..Self::default() };
         let Self { elimination, sizes, .. } = &it;
         let starts = ends(sizes.iter().map(|size| fours(*size)));
         let diagonal_starts = ends(sizes.iter().map(|size| size * fours(*size)));
@@ -180,7 +182,7 @@ impl BlockLdl {
             let (n, w) = (layout.size(row), fours(layout.size(row)));
             let (before, after) = diagonal.split_at_mut(layout.diagonal(row) + n * w);
             let pivot = &mut before[layout.diagonal(row)..];
-            self.has_dependent_rows |= invert_sized(pivot, &raised[layout.start(row)..], n);
+            self.has_dependent_rows |= self.may_depend & invert_sized(pivot, &raised[layout.start(row)..], n);
             let range = elimination.blocks_of(row);
             for block in range.clone() {
                 let column = elimination.columns[block] as usize;
@@ -218,12 +220,13 @@ impl BlockLdl {
     #[inline(always)]
     pub(super) fn raise(&mut self, node: usize, n: usize) {
         let w = fours(n);
+        let regularization = if self.may_depend { REGULARIZATION_OF_DEPENDENT } else { REGULARIZATION };
         let numbers = &mut self.diagonal[self.diagonal_starts[node]..][..n * w];
         let raised = &mut self.raised[self.starts[node]..][..w];
         unrolled!(i in n {
             let number = &mut numbers[i * w + i / 4][i % 4];
-            raised[i / 4][i % 4] = *number * REGULARIZATION;
-            *number *= 1.0 + REGULARIZATION;
+            raised[i / 4][i % 4] = *number * regularization;
+            *number *= 1.0 + regularization;
         });
     }
 
@@ -335,7 +338,7 @@ mod tests {
             // Of a third of them all nodes have one size.
             let size = |_| if case % 3 == 0 { 1 + case % 9 } else { 1 + ((number() + 1.0) * 4.49) as usize };
             let sizes: Vec<_> = (0..10).map(size).collect();
-            let mut ldl = BlockLdl::new(elimination, sizes.clone());
+            let mut ldl = BlockLdl::new(elimination, sizes.clone(), true);
             let count = 4 * ldl.len();
             let mut dense = vec![vec![0.0; count]; count];
             let place: Vec<_> = (0..10_u32).map(|n| ldl.elimination.order.iter().position(|m| *m == n)).collect();

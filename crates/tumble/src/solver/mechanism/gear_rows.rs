@@ -6,7 +6,7 @@ use tumble_math::lane::Vec3;
 
 use crate::joints::joint_list::ListedGear;
 use crate::solver::mechanism::free_axis::{FreeAxis, wrapped};
-use crate::solver::mechanism::joint_rows::{JointRows, length};
+use crate::solver::mechanism::joint_rows::JointRows;
 use crate::solver::mechanism::mechanism_body::MechanismBody;
 
 /// A gear between two joints of a mechanism: one row that acts on the bodies of both.
@@ -22,6 +22,8 @@ pub(crate) struct GearRows {
     middles: [Option<f64>; 2],
     /// By what the error may be off, as angles go round.
     period: f64,
+    /// The error at the start of the step that is left.
+    start: f64,
     /// By joint, the directions in which its second body is pushed, times its factor.
     pub(crate) linear: [Vec3<f64>; 2],
     pub(crate) angular: [Vec3<f64>; 2],
@@ -42,6 +44,7 @@ impl GearRows {
             offset: 0.0,
             middles: [None; 2],
             period: f64::INFINITY,
+            start: 0.0,
             linear: [zero; 2],
             angular: [zero; 2],
         };
@@ -99,9 +102,9 @@ impl GearRows {
         error
     }
 
-    /// The same less an error that there is at the start of the step.
-    pub(crate) fn error_since(&self, start: f64, bodies: &[MechanismBody]) -> f64 {
-        let error = self.error(bodies) - start;
+    /// The same less the error that is left from the start of the step.
+    pub(crate) fn error_since_start(&self, bodies: &[MechanismBody]) -> f64 {
+        let error = self.error(bodies) - self.start;
         if self.period > 0.0 {
             return error;
         }
@@ -112,16 +115,9 @@ impl GearRows {
         all.fold(error, |least, other| if other.abs() < least.abs() { other } else { least })
     }
 
-    /// The error at the start of the step that is left: what a rounding of the state explains, or
-    /// all where it says nothing of where the joints should be.
-    pub(crate) fn error_of_rounding(&self, bodies: &[MechanismBody], rounding: f64) -> f64 {
-        let error = self.error(bodies);
-        let size = |end: usize| {
-            let [a, b] = self.joints[end].bodies.map(|body| length(bodies[body].center));
-            self.factors[end].abs() * if self.axes[end].is_linear() { a + b } else { 1.0 }
-        };
-        let is_left = self.period == 0.0 || error.abs() <= rounding * (size(0) + size(1));
-        if is_left { error } else { 0.0 }
+    /// Leaves the error there is where it says nothing of where the joints should be.
+    pub(crate) fn begin_step(&mut self, bodies: &[MechanismBody]) {
+        self.start = if self.period == 0.0 { self.error(bodies) } else { 0.0 };
     }
 
     /// The speed of its error, by the linear and angular velocities of bodies.

@@ -4,7 +4,6 @@ use tumble_math::lane::{Quat, Vec3};
 
 use crate::joints::axes::Axes;
 use crate::joints::joint_options::JointOptions;
-use crate::math::Real;
 use crate::solver::mechanism::block_kernels::MAX_ROWS;
 use crate::solver::mechanism::free_axis::{
     Direction, FreeAxis, first_angle, free_axes, relative_rotation, second_angle,
@@ -55,8 +54,6 @@ pub(crate) struct JointRows {
     pub(crate) from_anchor: Vec3<f64>,
     /// By row: how far it is from being met, \[m\] or roughly \[rad\], where rows were set.
     pub(crate) errors: [f64; MAX_ROWS],
-    /// By row: error at the start of the step that rounding of the state explains.
-    rounding: [f64; MAX_ROWS],
     /// By row: error that is left for the steps after this substep.
     pub(crate) wanted: [f64; MAX_ROWS],
 }
@@ -77,8 +74,6 @@ pub(crate) fn correction_speed(is_linear: bool) -> f64 {
 }
 
 pub(super) const IDENTITY: Quat<f64> = Quat { x: 0.0, y: 0.0, z: 0.0, w: 1.0 };
-/// Roundings of the state within which a joint is met.
-const ROUNDINGS: f64 = 4.0;
 
 impl JointRows {
     pub(crate) fn new(bodies: [usize; 2], anchors: [Anchor; 2], free: Axes, options: Option<&JointOptions>) -> Self {
@@ -111,7 +106,6 @@ impl JointRows {
             arm_lengths: [0.0; 2],
             from_anchor: zero,
             errors: [0.0; MAX_ROWS],
-            rounding: [0.0; MAX_ROWS],
             wanted: [0.0; MAX_ROWS],
         }
     }
@@ -162,9 +156,8 @@ impl JointRows {
     #[inline(always)]
     pub(crate) fn ball_left(&self, bodies: &[MechanismBody]) -> Vec3<f64> {
         let (_, gap) = self.arms_and_gap(bodies);
-        let [x, y, z, ..] = self.rounding;
-        let [p, q, r, ..] = self.wanted;
-        gap - Vec3::new(x, y, z) - Vec3::new(p, q, r)
+        let [x, y, z, ..] = self.wanted;
+        gap - Vec3::new(x, y, z)
     }
 
     pub(super) fn stance(&self, bodies: &[MechanismBody]) -> Stance {
@@ -253,14 +246,11 @@ impl JointRows {
     #[inline(always)]
     fn pinned_errors(&self, bodies: &[MechanismBody], gap: Vec3<f64>) -> [f64; MAX_ROWS] {
         let mut errors = [0.0; MAX_ROWS];
-        let rounding = &self.rounding;
-        (errors[0], errors[1], errors[2]) = (gap.x - rounding[0], gap.y - rounding[1], gap.z - rounding[2]);
+        (errors[0], errors[1], errors[2]) = (gap.x, gap.y, gap.z);
         if !self.is_plain_ball {
             let [first, second] = self.orientations(bodies);
             let rotations = self.rotation_errors(first.conjugate() * second);
-            for (row, error) in (3..self.locked).zip(rotations) {
-                errors[row] = error - rounding[row];
-            }
+            errors[3..self.locked].iter_mut().zip(rotations).for_each(|(error, rotation)| *error = rotation);
         }
         errors
     }
@@ -269,7 +259,7 @@ impl JointRows {
     fn other_errors(&self, bodies: &[MechanismBody]) -> [f64; MAX_ROWS] {
         if let Some(gear) = &self.gear {
             let mut errors = [0.0; MAX_ROWS];
-            errors[0] = gear.error_since(self.rounding[0], bodies);
+            errors[0] = gear.error_since_start(bodies);
             return errors;
         }
         self.errors_of(&self.stance(bodies))
@@ -306,9 +296,6 @@ impl JointRows {
         }
         let rotations = self.rotation_errors(stance.orientations[0].conjugate() * stance.orientations[1]);
         errors[row..self.locked].iter_mut().zip(rotations).for_each(|(error, rotation)| *error = rotation);
-        for (error, rounding) in errors.iter_mut().zip(&self.rounding) {
-            *error -= rounding;
-        }
         for (row, it) in (self.locked..).zip(&self.free_rows).filter(|(_, it)| it.is_at_bound()) {
             let Direction { value, linear, angular } = it.axis.direction(stance, self.free, self.reference);
             let along = linear.dot(self.linear[row]) + angular.dot(self.angular[row]);
@@ -319,22 +306,11 @@ impl JointRows {
         errors
     }
 
-    /// Notes which of the errors there are at the start of a step are rounding of the state.
+    /// To be called before the first substep of a step.
     pub(crate) fn begin_step(&mut self, bodies: &[MechanismBody]) {
-        (self.rounding, self.wanted) = ([0.0; MAX_ROWS], [0.0; MAX_ROWS]);
-        if let Some(gear) = &self.gear {
-            self.rounding[0] = gear.error_of_rounding(bodies, ROUNDINGS * f64::from(Real::EPSILON));
-            return;
-        }
-        let (errors, [a, b]) = (self.errors(bodies), self.bodies.map(|body| &bodies[body]));
-        let most = [a.center, b.center, self.anchors[0].position, self.anchors[1].position].map(length);
-        let of_state = ROUNDINGS * f64::from(Real::EPSILON);
-        let tolerances = [of_state * most.into_iter().sum::<f64>(), of_state];
-        let linear = self.linear_count();
-        for (row, error) in errors.into_iter().enumerate().take(self.locked) {
-            if error.abs() <= tolerances[usize::from(row >= linear)] {
-                self.rounding[row] = error;
-            }
+        self.wanted = [0.0; MAX_ROWS];
+        if let Some(gear) = &mut self.gear {
+            gear.begin_step(bodies);
         }
     }
 

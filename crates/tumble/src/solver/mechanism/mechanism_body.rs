@@ -224,8 +224,11 @@ impl MechanismBody {
 
     /// Gives it its own moments, at the angular velocity that it has.
     pub(crate) fn take_own_moments(&mut self) {
-        self.scale_momentum(self.moments, self.own_moments);
-        self.moments = self.own_moments;
+        if self.load > 0.0 {
+            let load = self.load;
+            self.raise(0.0);
+            self.load = load;
+        }
     }
 
     /// Mass \[kg\] of a dynamic body.

@@ -83,7 +83,15 @@ pub(crate) fn arranged(joints: &[JointRows], moves: &[bool]) -> (BlockLdl, Vec<u
     let elimination = Elimination::by_minimum_degree(joints.len(), &groups);
     let order = elimination.order.clone();
     let sizes = order.iter().map(|joint| joints[*joint as usize].count).collect();
-    (BlockLdl::new(elimination, sizes), order)
+    (BlockLdl::new(elimination, sizes, may_depend(joints, moves)), order)
+}
+
+/// Whether rows of a mechanism may depend on others: there are loops, or more rows act at a joint
+/// than it has freedoms.
+fn may_depend(joints: &[JointRows], moves: &[bool]) -> bool {
+    let (moving, is_held) = (moves.iter().filter(|moves| **moves).count(), moves.contains(&false));
+    let has_loops = joints.len() + usize::from(!is_held) > moving;
+    has_loops || joints.iter().flat_map(|joint| &joint.free_rows).any(|row| row.axis.is_of_limit())
 }
 
 /// The bodies that joints share, of joints in the order of a matrix, and the blocks of joints that
