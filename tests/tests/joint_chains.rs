@@ -11,7 +11,7 @@ mod jointed;
 use glam::DVec3;
 use hecs::Entity;
 use jointed::*;
-use tumble::Joint;
+use tumble::{Damping, Joint, Pose};
 use tumble_tests::{by_precision, dvec3};
 
 const LINKS: usize = 100;
@@ -113,4 +113,49 @@ fn the_speeds_of_a_loaded_joint_are_those_of_its_bodies() {
         }
     }
     assert!(fastest > 1.0, "{fastest} rad/s");
+}
+
+/// Links of two lengths, at rest between two points of one height, two metres apart: their joints are
+/// on `y = a cosh(x / a)` to the square of a link's length.
+#[test]
+fn a_chain_between_two_points_hangs_along_a_catenary() {
+    let a = 0.8_f64;
+    let errors = [20, 40].map(|links| {
+        let mut rig = Rig::new(down(), 1.0 / 60.0, 4);
+        let ground = rig.ground();
+        let reach = a * (1.0 / a).sinh();
+        let points: Vec<_> = (0..=links)
+            .map(|number| {
+                let x = a * (reach * (2.0 * f64::from(number) / f64::from(links) - 1.0) / a).asinh();
+                DVec3::new(x, a * (x / a).cosh(), 0.0)
+            })
+            .collect();
+        let (mut last, mut joints) = (ground, Vec::new());
+        for ends in points.windows(2) {
+            let apart = ends[1] - ends[0];
+            let link = turned(rod(1.0, apart.length(), 0.5 * (ends[0] + ends[1])), DVec3::Z, apart.y.atan2(apart.x));
+            let link = rig.spawn(link);
+            rig.world.insert_one(link, Damping { linear: 1.0, angular: 1.0 }).unwrap();
+            joints.push(rig.join_at(Joint::ball(last, link), ends[0], DVec3::X));
+            last = link;
+        }
+        joints.push(rig.join_at(Joint::ball(last, ground), points[points.len() - 1], DVec3::X));
+        rig.run_to(20.0);
+        let mut worst = 0.0_f64;
+        for joint in &joints {
+            let joint = *rig.world.get::<&Joint>(*joint).unwrap();
+            let pose = *rig.world.get::<&Pose>(joint.bodies[0]).unwrap();
+            let at = dvec3(pose.transform_point(joint.frames[0].position));
+            worst = worst.max((at.y - a * (at.x / a).cosh()).abs());
+        }
+        // Half the weight of all hangs on each end, less what damping of 1/s takes of gravity's impulse
+        // in half a substep.
+        let load = f64::from(rig.load(joints[0]).force.y) / (0.5 * f64::from(links) * G * (1.0 - 0.25 / 240.0));
+        println!("{links} links: off the catenary by {worst:.1e} m, load {load}");
+        assert!((load - 1.0).abs() < 1e-5, "{load}");
+        worst
+    });
+    let link = 2.0 * a * (1.0 / a).sinh() / 20.0;
+    assert!(errors[0] <= link * link, "{errors:?}");
+    assert!((errors[0] / errors[1] - 4.0).abs() < 0.3, "{errors:?}");
 }

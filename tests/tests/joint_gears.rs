@@ -111,6 +111,25 @@ fn a_rack_carries_its_weight_on_the_pinion() {
     assert!((rig.energy() / (3.0 * G * fallen)).abs() < 1e-4);
 }
 
+/// Atwood's machine: two weights on a cord over a wheel without inertia.
+#[test]
+fn two_weights_on_a_cord_fall_by_their_difference() {
+    let mut draw = Draw::new(9, 0);
+    for _ in 0..40 {
+        let mut rig = Rig::new(down(), 1.0 / 60.0, 4);
+        let ground = rig.ground();
+        let masses = [0, 1].map(|_| draw.log_between(1e-2, 1e2));
+        let weights = masses.map(|mass| rig.spawn(RigidBody::new(Shape::sphere(0.1)).mass(mass)));
+        let sliders = weights.map(|weight| rig.join_at(Joint::slider(ground, weight), ORIGIN, DVec3::Y));
+        rig.world.spawn((Gear::new(sliders[0], sliders[1], -1.0),));
+        rig.run_to(1.0);
+        let acceleration = G * (masses[1] - masses[0]) / (masses[0] + masses[1]);
+        let risen = weights.map(|weight| rig.position(weight).y);
+        let off = (risen[0] - 0.5 * acceleration).abs().max((risen[1] + 0.5 * acceleration).abs());
+        assert!(off <= by_precision(2e-5, 1e-8), "{masses:?}: {risen:?} of {}", 0.5 * acceleration);
+    }
+}
+
 #[test]
 fn a_ratio_that_is_no_fraction_is_a_speed() {
     let mut rig = Rig::new(DVec3::ZERO, 1.0 / 60.0, 4);
