@@ -115,8 +115,8 @@ fn the_speeds_of_a_loaded_joint_are_those_of_its_bodies() {
     assert!(fastest > 1.0, "{fastest} rad/s");
 }
 
-/// Links of two lengths, at rest between two points of one height, two metres apart: their joints are
-/// on `y = a cosh(x / a)` to the square of a link's length.
+/// Links of two lengths, at rest between two points of one height, two metres apart: their joints
+/// are on `y = a cosh(x / a)` to the square of a link's length.
 #[test]
 fn a_chain_between_two_points_hangs_along_a_catenary() {
     let a = 0.8_f64;
@@ -148,8 +148,8 @@ fn a_chain_between_two_points_hangs_along_a_catenary() {
             let at = dvec3(pose.transform_point(joint.frames[0].position));
             worst = worst.max((at.y - a * (at.x / a).cosh()).abs());
         }
-        // Half the weight of all hangs on each end, less what damping of 1/s takes of gravity's impulse
-        // in half a substep.
+        // Half the weight of all hangs on each end, less what damping of 1/s takes of gravity's
+        // impulse in half a substep.
         let load = f64::from(rig.load(joints[0]).force.y) / (0.5 * f64::from(links) * G * (1.0 - 0.25 / 240.0));
         println!("{links} links: off the catenary by {worst:.1e} m, load {load}");
         assert!((load - 1.0).abs() < 1e-5, "{load}");

@@ -15,8 +15,8 @@ use crate::options::InspectOptions;
 use crate::print;
 use crate::replacing::{Guard, Kind};
 
-/// Prints the mass properties and forces of every body, or of the one asked for; a failure if one
-/// of them has a problem.
+/// Prints the mass properties and forces of every body, or of the one asked for, and its joints; a
+/// failure if one of them has a problem.
 pub(crate) fn inspect(options: &InspectOptions) -> Result<(), Failure> {
     let file = &options.file;
     if let Some(path) = &options.draw {
@@ -54,10 +54,15 @@ pub(crate) fn inspect(options: &InspectOptions) -> Result<(), Failure> {
     print::notices(&audit.notices);
     print::output(&text)?;
     let bad = audit.bodies.iter().filter(|body| !body.problems.is_empty()).count();
+    let bad_joints = audit.joints.iter().filter(|joint| !joint.problems.is_empty()).count();
+    let (bad, all, kind) = match bad {
+        0 => (bad_joints, audit.joints.len(), "joints"),
+        bad => (bad, audit.bodies.len(), "bodies"),
+    };
     if bad == 0 {
         return Ok(());
     }
-    Err(Failure::Input(format!("{file}: {bad} of {} bodies have problems", audit.bodies.len())))
+    Err(Failure::Input(format!("{file}: {bad} of {all} {kind} have problems")))
 }
 
 /// What is said of `--repair` with anything else.
@@ -138,6 +143,10 @@ fn joint(joint: &AuditedJoint) -> Result<String, Failure> {
         // Writing to a string cannot fail.
         let _ = writeln!(text, "  {label:<22} {}", printable(value));
     };
+    if !joint.problems.is_empty() {
+        joint.problems.iter().for_each(|problem| line("PROBLEM", problem));
+        return Ok(text);
+    }
     line("joint", joint.kind);
     line("between", &joint.between.join(", "));
     line("free", &joint.free.join(" "));
@@ -150,7 +159,10 @@ fn joint(joint: &AuditedJoint) -> Result<String, Failure> {
     for friction in &joint.friction {
         line("friction", &serde_json::to_string(friction).map_err(|error| unwritten(&error))?);
     }
-    if let Some(gear) = &joint.follows {
+    if let Some(breaks) = &joint.breaks {
+        line("breaks at", &serde_json::to_string(breaks).map_err(|error| unwritten(&error))?);
+    }
+    for gear in &joint.follows {
         line("follows", &serde_json::to_string(gear).map_err(|error| unwritten(&error))?);
     }
     for (label, value) in [("max effort [N] [N m]", joint.max_effort), ("max speed [m/s] [rad/s]", joint.max_speed)] {

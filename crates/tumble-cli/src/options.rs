@@ -36,9 +36,9 @@ pub(crate) enum Command {
     /// Put the shards of a sweep together
     #[command(after_help = "Exit codes: 0 all well, 1 a failure while writing, 2 bad input or usage")]
     Merge(MergeOptions),
-    /// Show the mass properties of a scene's bodies, a robot's links or a mesh, and what is wrong
-    /// with them
-    #[command(after_help = "Exit codes: 0 all well, 2 bad input or a body with problems")]
+    /// Show the mass properties and joints of a scene, a robot or a mesh, and what is wrong with
+    /// them
+    #[command(after_help = "Exit codes: 0 all well, 2 bad input or a body or joint with problems")]
     Inspect(InspectOptions),
 }
 

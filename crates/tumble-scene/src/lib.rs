@@ -29,7 +29,9 @@ mod scene;
 mod values;
 
 pub use audit::collider::AuditedCollider;
-pub use audit::joint::{AuditedDrive, AuditedFriction, AuditedGain, AuditedGear, AuditedJoint, AuditedLimit};
+pub use audit::joint::{
+    AuditedBreak, AuditedDrive, AuditedFriction, AuditedGain, AuditedGear, AuditedJoint, AuditedLimit,
+};
 pub use audit::mesh::{MeshOptions, MeshRepairs};
 pub use audit::{Audit, AuditedBody, Up};
 pub use bodies::force::{Force, HullShape};

@@ -326,8 +326,19 @@ fn the_audit_shows_who_follows_whom() {
     let text = robot(&[PALM.to_owned(), link("a"), link("b"), joint("a", "continuous", "world", ""), follow("b", "a")]);
     let audit = Audit::from_urdf(&text, "r.urdf").unwrap();
     let json = serde_json::to_value(&audit.joints[1]).unwrap();
-    assert_eq!(json["follows"], serde_json::json!({ "joint": "a", "ratio": 0.25, "offset": 0.0 }));
-    assert!(audit.joints[0].follows.is_none());
+    assert_eq!(json["follows"], serde_json::json!([{ "joint": "a", "ratio": 0.25, "offset": 0.0 }]));
+    assert!(audit.joints[0].follows.is_empty());
+    // A joint of a scene may follow several.
+    let gears = r#"[ { "joints": ["hinge", "planar"], "ratio": 2, "offset": 0.5 },
+        { "joints": ["slider", "planar"], "axes": ["linear_x", "linear_y"], "ratio": -1 } ]"#;
+    let audit = Audit::from_json(&scene(gears), "gears.json").unwrap();
+    let json = serde_json::to_value(&audit.joints[4]).unwrap();
+    let expected = serde_json::json!([{ "joint": "hinge", "ratio": 2.0, "offset": 0.5 },
+        { "joint": "slider", "axes": ["linear_x", "linear_y"], "ratio": -1.0, "offset": 0.0 }]);
+    assert_eq!((audit.joints[4].name.as_str(), &json["follows"]), ("planar", &expected));
+    let wrong = r#"[ { "joints": ["hinge", "nobody"], "ratio": 2 } ]"#;
+    let error = Audit::from_json(&scene(wrong), "gears.json").unwrap_err().to_string();
+    assert!(error.contains("gears[0].joints: no joint is called \"nobody\""), "{error}");
 }
 
 #[test]

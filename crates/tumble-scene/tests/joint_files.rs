@@ -9,7 +9,7 @@ use hecs::World;
 use proptest::prelude::*;
 use tumble::math::Real;
 use tumble::{Axes, Breakable, Cone, Drive, Drives, Gain, Joint, JointFriction, Limit, Limits};
-use tumble_scene::Scene;
+use tumble_scene::{Audit, Scene};
 
 mod axes;
 use axes::AXES;
@@ -449,4 +449,31 @@ fn what_a_joint_cannot_mean_is_refused_with_its_field() {
             assert!(error.contains("joints[0]."), "{options}: {error:?}");
         }
     }
+}
+
+/// What an audit shows of a joint is what its file says; and a wrong one does not hide the others.
+#[test]
+fn an_audit_shows_joints_and_what_is_wrong_with_them() {
+    let scene = |joints: &str| {
+        let body = |name| format!(r#"{{ "name": "{name}", "shape": {{ "sphere": {{ "radius": 0.1 }} }}, "mass": 1 }}"#);
+        format!(r#"{{ "bodies": [ {}, {} ], "joints": [ {joints} ] }}"#, body("a"), body("b"))
+    };
+    let door = r#"{ "name": "door", "between": ["a", "b"], "contacts": true, "hinge": { "at": [0, 0, 0], "axis": [0, 1, 0] },
+        "limits": { "angular_x": [-1, 2] }, "friction": { "angular_x": 0.25 }, "break": { "torque": 30 },
+        "drives": [ { "axes": ["angular_x"], "position": 0.5, "stiffness": 8, "damping": 2, "max_force": 4 } ] }"#;
+    let wrong = r#"{ "between": ["b", "a"], "hinge": { "at": [0, 0, 0], "axis": [0, 1, 0] }, "limits": { "linear_x": [0, 1] } }"#;
+    let audit = Audit::from_json(&scene(door), "door.json").unwrap();
+    assert!(!audit.has_problems());
+    let expected = serde_json::json!([{ "name": "door", "kind": "hinge", "between": ["a", "b"], "free": ["angular_x"],
+        "limits": [{ "of": "angular_x", "min": -1.0, "max": 2.0 }],
+        "drives": [{ "of": ["angular_x"], "position": 0.5, "velocity": 0.0, "max_force": 4.0,
+            "gain": { "mode": "force", "stiffness": 8.0, "damping": 2.0 } }],
+        "friction": [{ "of": "angular_x", "max": 0.25 }], "breaks": { "torque": 30.0 }, "contacts": true }]);
+    assert_eq!(serde_json::to_value(&audit.joints).unwrap(), expected);
+    let audit = Audit::from_json(&scene(&format!("{wrong}, {door}")), "door.json").unwrap();
+    assert!(audit.has_problems());
+    let [first, second] = [&audit.joints[0], &audit.joints[1]];
+    assert_eq!((first.name.as_str(), first.between.join(" ")), ("joints[0]", "b a".to_owned()));
+    assert_eq!(first.problems, ["limits.linear_x: does nothing: the joint locks that axis"]);
+    assert!(second.problems.is_empty() && second.kind == "hinge");
 }

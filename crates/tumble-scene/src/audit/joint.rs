@@ -1,10 +1,17 @@
 //! Joints as an audit shows them.
 
+use std::collections::HashMap;
+
 use serde::Serialize;
 use tumble::math::Real;
-use tumble::{Axes, Drive, Gain, Limit, Limits};
-use tumble_import::{ImportedGear, ImportedJoint};
+use tumble::{Axes, Drive, Gain, Limit, Limits, Pose};
+use tumble_import::{FieldError, ImportedGear, ImportedJoint};
 
+use crate::bodies::scene_joint::SceneJoint;
+use crate::bodies::scene_joints::SceneGear;
+use crate::convert;
+use crate::model::joint_model::JointModel;
+use crate::model::scene_model::SceneModel;
 use crate::values::axes::named_axes;
 
 /// A joint between two bodies, as `tumble inspect` shows it.
@@ -48,23 +55,48 @@ pub struct AuditedJoint {
     /// The greatest speed [m/s] [rad/s], as the file says.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub max_speed: Option<f64>,
-    /// What it follows (`mimic` of a robot).
+    /// What it breaks at.
     #[serde(skip_serializing_if = "Option::is_none")]
-    pub follows: Option<AuditedGear>,
+    pub breaks: Option<AuditedBreak>,
+    /// What it follows: gears of a scene of which it is the second, `mimic` of a robot.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub follows: Vec<AuditedGear>,
     /// Whether the colliders of its bodies touch each other.
     pub contacts: bool,
+    /// What is wrong with it, as `field: problem`; then only its name and bodies are given.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub problems: Vec<String>,
+}
+
+/// The greatest load that a joint bears.
+///
+/// ```
+/// let thread = tumble_scene::AuditedBreak { force: Some(50.0), torque: None };
+/// assert_eq!(thread.force, Some(50.0));
+/// ```
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct AuditedBreak {
+    /// \[N\]
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub force: Option<f64>,
+    /// [N m]
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub torque: Option<f64>,
 }
 
 /// How a joint follows another: its value is `ratio` times that of the other, and `offset`.
 ///
 /// ```
-/// let finger = tumble_scene::AuditedGear { joint: "thumb".into(), ratio: -1.0, offset: 0.0 };
+/// let finger = tumble_scene::AuditedGear { joint: "thumb".into(), axes: None, ratio: -1.0, offset: 0.0 };
 /// assert_eq!(finger.ratio, -1.0);
 /// ```
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct AuditedGear {
     /// The name of the other joint.
     pub joint: String,
+    /// Along which axis of the other joint, and of this, where the file says so.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub axes: Option<[&'static str; 2]>,
     /// A number, [m/rad] or [rad/m].
     pub ratio: f64,
     /// \[m\] \[rad\]
@@ -157,12 +189,75 @@ impl AuditedJoint {
     /// Of joints between bodies of these names, and of the gears between the joints.
     pub(crate) fn all(joints: &[ImportedJoint], gears: &[ImportedGear], names: &[String]) -> Vec<Self> {
         let mut audited: Vec<Self> = joints.iter().map(|joint| Self::of(joint, names)).collect();
-        for ImportedGear { joints: [first, second], ratio, offset } in gears {
-            if let (Some(leader), Some(follower)) = (joints.get(*first), audited.get_mut(*second)) {
-                follower.follows = Some(AuditedGear { joint: leader.name.clone(), ratio: *ratio, offset: *offset });
-            }
+        for ImportedGear { joints, ratio, offset } in gears {
+            follow(&mut audited, *joints, |joint| AuditedGear { joint, axes: None, ratio: *ratio, offset: *offset });
         }
         audited
+    }
+
+    /// Of the joints of a scene between bodies of these names, and of its gears if no joint has a
+    /// problem.
+    ///
+    /// # Errors
+    /// [`FieldError`] of a gear.
+    pub(crate) fn of_scene(model: &SceneModel, names: &[String]) -> Result<Vec<Self>, FieldError> {
+        let by_name: HashMap<&str, usize> = (0..).zip(names).map(|(index, name)| (name.as_str(), index)).collect();
+        let find = |name: &str| by_name.get(name).copied();
+        let named = |index: usize, model: &JointModel| model.name.clone().unwrap_or_else(|| format!("joints[{index}]"));
+        let mut audited = Vec::with_capacity(model.joints.len());
+        for (index, joint) in model.joints.iter().enumerate() {
+            audited.push(match convert::joints::joint(joint, &find) {
+                Ok(checked) => Self::of_scene_joint(checked, named(index, joint), names),
+                Err(error) => Self::impossible(named(index, joint), joint, &error),
+            });
+        }
+        if audited.iter().all(|joint| joint.problems.is_empty()) {
+            for SceneGear { joints, gear } in convert::gears::joints_and_gears(model, names)?.gears {
+                let axis = |end: usize| named_axes().find(|(_, axis)| *axis == gear.axes[end]).map(|(name, _)| name);
+                let axes = axis(0).zip(axis(1)).map(|(first, second)| [first, second]);
+                let (ratio, offset) = (double(gear.ratio), double(gear.offset));
+                follow(&mut audited, joints, |joint| AuditedGear { joint, axes, ratio, offset });
+            }
+        }
+        Ok(audited)
+    }
+
+    fn of_scene_joint(joint: SceneJoint, name: String, names: &[String]) -> Self {
+        let breaks = joint.options.breakable.map(|breakable| {
+            let finite = |most: Real| Some(double(most)).filter(|most| most.is_finite());
+            AuditedBreak { force: finite(breakable.max_force), torque: finite(breakable.max_torque) }
+        });
+        let imported = ImportedJoint {
+            name,
+            bodies: joint.bodies,
+            frames: [Pose::default(); 2],
+            free: joint.free(),
+            contacts_enabled: joint.contacts,
+            limits: joint.options.limits,
+            drives: joint.options.drives,
+            friction: joint.options.friction,
+            max_effort: None,
+            max_speed: None,
+        };
+        Self { breaks, ..Self::of(&imported, names) }
+    }
+
+    fn impossible(name: String, model: &JointModel, problem: &FieldError) -> Self {
+        Self {
+            name,
+            kind: "other",
+            between: model.between.as_ref().map(|between| between.0.clone()).unwrap_or_default(),
+            free: Vec::new(),
+            limits: Vec::new(),
+            drives: Vec::new(),
+            friction: Vec::new(),
+            max_effort: None,
+            max_speed: None,
+            breaks: None,
+            follows: Vec::new(),
+            contacts: model.contacts,
+            problems: vec![problem.to_string()],
+        }
     }
 
     /// Of a joint between bodies of these names.
@@ -179,9 +274,19 @@ impl AuditedJoint {
             friction: friction.map(|((of, _), max)| AuditedFriction { of, max: double(max) }).collect(),
             max_effort: joint.max_effort,
             max_speed: joint.max_speed,
-            follows: None,
+            breaks: None,
+            follows: Vec::new(),
             contacts: joint.contacts_enabled,
+            problems: Vec::new(),
         }
+    }
+}
+
+/// Has the second of two joints follow the first; `gear` is of the name of the first.
+fn follow(audited: &mut [AuditedJoint], [first, second]: [usize; 2], gear: impl FnOnce(String) -> AuditedGear) {
+    let Some(leader) = audited.get(first).map(|joint| joint.name.clone()) else { return };
+    if let Some(follower) = audited.get_mut(second) {
+        follower.follows.push(gear(leader));
     }
 }
 

@@ -39,7 +39,7 @@ use crate::{builtin, convert};
 pub struct Audit {
     /// In the order of the scene.
     pub bodies: Vec<AuditedBody>,
-    /// The joints of a glTF or URDF file, in its order.
+    /// The joints, in the order of the file.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub joints: Vec<AuditedJoint>,
     /// As [`Scene::notices`](crate::Scene::notices).
@@ -116,7 +116,7 @@ impl Audit {
     /// Audits a file or a built-in scene; names as in [`Scene::open`](crate::Scene::open).
     ///
     /// # Errors
-    /// [`SceneError`] if the text is not a scene at all, or a setting of the scene is wrong.
+    /// [`SceneError`] if the text is not a scene, or a setting or a gear of the scene is wrong.
     pub fn open(name_or_path: &str) -> Result<Self, SceneError> {
         Self::open_with(name_or_path, MeshOptions::default())
     }
@@ -191,10 +191,11 @@ impl Audit {
         Self { bodies, joints, notices: robot.notices, files: Vec::new() }
     }
 
-    /// Whether anything is wrong with any body.
+    /// Whether anything is wrong with any body or joint.
     #[must_use]
     pub fn has_problems(&self) -> bool {
-        self.bodies.iter().any(|body| !body.problems.is_empty())
+        let of_bodies = self.bodies.iter().map(|body| &body.problems);
+        of_bodies.chain(self.joints.iter().map(|joint| &joint.problems)).any(|problems| !problems.is_empty())
     }
 
     fn of_gltf(scene: GltfBodies) -> Self {
@@ -230,7 +231,8 @@ impl Audit {
                 body.problems.push(error.to_string());
             }
         }
-        Ok(Self { bodies, joints: Vec::new(), notices: model.notices.clone(), files: model.files.clone() })
+        let joints = AuditedJoint::of_scene(model, &names).map_err(|error| invalid(file, None, error))?;
+        Ok(Self { bodies, joints, notices: model.notices.clone(), files: model.files.clone() })
     }
 }
 
