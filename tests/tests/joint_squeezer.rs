@@ -1,9 +1,11 @@
-//! Promise: Andrews' squeezing mechanism, seven bodies of grams in three closed loops, is after 30 ms
-//! where the Test Set for Initial Value Problem Solvers has it, with second order in the substep.
+//! Promise: Andrews' squeezing mechanism, seven bodies of grams in three closed loops, is after
+//! 30 ms where the Test Set for Initial Value Problem Solvers has it, with second order in the
+//! substep.
 //!
-//! Why: it is the benchmark that codes for multibody systems are compared by. Ten hinges have 50 rows
-//! for 41 degrees of freedom, four bodies meet in one point, and a crank turns at 1140 rad/s. It fails
-//! if redundant rows carry what does not belong to them, or if impulses of loops are split wrongly.
+//! Why: it is the benchmark that codes for multibody systems are compared by. Ten hinges have 50
+//! rows, of which 41 are independent, four bodies meet in one point, and a crank turns at 1140
+//! rad/s. It fails if redundant rows carry what does not belong to them, or if impulses of loops
+//! are split wrongly.
 
 mod jointed;
 
@@ -13,9 +15,9 @@ use tumble::{ConstantWrench, Joint, Limit, Limits};
 use tumble_tests::references::real_quat;
 use tumble_tests::{DOUBLE, by_precision};
 
-/// Masses \[kg\] and moments about the middle [kg m^2], in the order of the source: W. Schiehlen (ed.),
-/// "Multibody Systems Handbook", 1990; F. Mazzia and C. Magherini, "Test Set for Initial Value Problem
-/// Solvers", release 2.4, problem `andrews`.
+/// Masses \[kg\] and moments about the middle [kg m^2], in the order of the source: W. Schiehlen
+/// (ed.), "Multibody Systems Handbook", 1990; F. Mazzia and C. Magherini, "Test Set for Initial
+/// Value Problem Solvers", release 2.4, problem `andrews`.
 const MASSES: [f64; 7] = [0.04325, 0.00365, 0.02373, 0.00706, 0.0705, 0.00706, 0.05498];
 const MOMENTS: [f64; 7] = [2.194e-6, 4.41e-7, 5.255e-6, 5.667e-7, 1.169e-5, 5.667e-7, 1.912e-5];
 /// The points on the ground \[m\], and the torque on the crank [N m].
@@ -23,8 +25,8 @@ const A: DVec3 = DVec3::new(-0.06934, -0.00227, 0.0);
 const B: DVec3 = DVec3::new(-0.03635, 0.03273, 0.0);
 const C: DVec3 = DVec3::new(0.014, 0.072, 0.0);
 const TORQUE: f64 = 0.033;
-/// The source's angles \[rad\] beta, Theta, gamma, Phi, delta, Omega, epsilon: at the start, and with
-/// their speeds [rad/s] after 30 ms.
+/// The source's angles \[rad\] beta, Theta, gamma, Phi, delta, Omega, epsilon: at the start, and
+/// with their speeds [rad/s] after 30 ms.
 const START: [f64; 7] = [
     -0.061_713_890_014_276_45,
     0.0,
