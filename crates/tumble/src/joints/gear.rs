@@ -13,7 +13,8 @@ use crate::math::Real;
 /// that go round and round has to be a fraction with a denominator of at most 64, as the numbers
 /// of teeth make it; any other is kept as a speed, and its position within the step only. A
 /// rotation with a limit of less than a turn does not go round, and may have any ratio: its angle
-/// is that within the limit. While one of the joints does not act, neither does the gear.
+/// is that within the limit. While one of the joints does not act, neither does the gear: a joint
+/// acts if one of its bodies at least is dynamic.
 ///
 /// ```
 /// use tumble::{Gear, Joint, prelude::*};
@@ -41,7 +42,8 @@ pub struct Gear {
     /// The entities of two [`Joint`](crate::Joint)s.
     pub joints: [Entity; 2],
     /// One free axis of each; none stands for the first that is free, rotations before
-    /// translations.
+    /// translations. Where all three rotations are free, none of them has an angle of its own, and
+    /// a gear of them does nothing.
     pub axes: [Axes; 2],
     /// How much the second value changes with the first: a number, [m/rad] or [rad/m].
     pub ratio: Real,
@@ -58,7 +60,9 @@ impl Gear {
     /// The index of the axis of one of its joints, which has these free, if there is one.
     pub(crate) fn axis(&self, end: usize, free: Axes) -> Option<usize> {
         let axes = self.axes[end];
-        let is_meant = |axis: &usize| free.has(*axis) && (axes == Axes::NONE || axes.has(*axis));
+        let is_ball = free.contains(Axes::ANGULAR);
+        let can_be_geared = |axis: usize| free.has(axis) && (axis < 3 || !is_ball);
+        let is_meant = |axis: &usize| can_be_geared(*axis) && (axes == Axes::NONE || axes.has(*axis));
         [3, 4, 5, 0, 1, 2].into_iter().find(is_meant)
     }
 

@@ -5,7 +5,7 @@ use hecs::{Entity, World};
 use crate::components::Pose;
 use crate::joints::axes::Axes;
 use crate::joints::joint_error::JointError;
-use crate::math::{Quat, Vec3};
+use crate::math::{Quat, Real, Vec3};
 use crate::range::{MAX_DISTANCE_OF_CONTACTS, is_rotation, within};
 
 /// A joint: it locks some of the axes along and about which one body can move against another. It
@@ -110,7 +110,12 @@ impl Joint {
         if !(most > 0.0 && scaled.is_finite()) {
             return Err(JointError::Axis(a, b));
         }
-        self.with_frames_at(world, point, Quat::from_rotation_arc(Vec3::X, scaled.normalize()))
+        let direction = scaled.normalize();
+        // Half a turn about any axis across; glam would make it of the sine of the platform.
+        let is_opposite = direction.x <= -1.0 + 2.0 * Real::EPSILON;
+        let half_turn = Quat::from_xyzw(0.0, 0.0, 1.0, 0.0);
+        let orientation = if is_opposite { half_turn } else { Quat::from_rotation_arc(Vec3::X, direction) };
+        self.with_frames_at(world, point, orientation)
     }
 
     /// The same with both frames at a point of the world \[m\], along the axes of the world, where

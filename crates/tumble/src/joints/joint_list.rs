@@ -11,6 +11,7 @@ use crate::joints::joint::Joint;
 use crate::joints::joint_event::JointEvent;
 use crate::joints::joint_load::JointLoad;
 use crate::joints::joint_options::JointOptions;
+use crate::math::Real;
 use crate::storage::body_index::{BodyIndex, RowPlace, Slot};
 
 /// A joint between slots.
@@ -258,6 +259,10 @@ impl ListedJoint {
             .then_with(|| {
                 let [a, b] = [self, other].map(|joint| joint.options.map(|number| &options[number as usize]));
                 JointOptions::cmp(a, b)
+            })
+            .then_with(|| {
+                let bits = |it: Breakable| [it.max_force, it.max_torque].map(Real::to_bits);
+                self.breakable.map(bits).cmp(&other.breakable.map(bits))
             })
     }
 }

@@ -76,6 +76,9 @@ impl Limits {
         }
         let can_move = (0..3).any(|axis| free.has(axis));
         let distance = self.distance.filter(|limit| can_move && limit.is_in_range() && limit.max >= 0.0);
+        // No distance is less than zero: what comes there goes through.
+        let least = |limit: Limit| if limit.min > 0.0 { limit.min } else { Real::NEG_INFINITY };
+        let distance = distance.map(|limit| Limit { min: least(limit), ..limit });
         let cone = self.cone.filter(|cone| free.contains(Axes::ANGULAR) && cone.is_in_range());
         Self { axes, distance, cone }
     }

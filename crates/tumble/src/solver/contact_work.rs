@@ -9,7 +9,7 @@ use crate::forces::force_law::BodyState;
 use crate::integrators::Kick;
 use crate::integrators::derived::symmetric_product;
 use crate::integrators::kinetic_energy::KineticEnergy;
-use crate::integrators::state::{Constants, State};
+use crate::integrators::state::{Constants, Moments, State};
 use crate::math::{Real, Vec3 as WorldVec3, double, dvec3};
 use crate::solver::body_rows::BodyMotion;
 use crate::solver::solver_bodies::{SolverBodies, SolverRow};
@@ -193,7 +193,11 @@ impl ContactWorks {
 
 impl BodyWork {
     fn energy(&self, bodies: &SolverBodies) -> f64 {
-        KineticEnergy::of(&self.constants, &bodies.state(self.row, self.axes)).sum()
+        // Joints may have raised its moments.
+        let moments = bodies.inertia[self.row].moments;
+        let inertia = self.constants.inertia.map(|inertia| Moments { moments, ..inertia });
+        let constants = Constants { inertia, ..self.constants };
+        KineticEnergy::of(&constants, &bodies.state(self.row, self.axes)).sum()
     }
 
     /// Velocities at momenta, with the attitude as it is.

@@ -98,9 +98,7 @@ impl Solver {
         let next_rows = gather(constraints, body_index, columns, inputs, results, first_rows);
         let Constraints { bodies: constrained, contacts, mechanisms } = constraints;
         let (constrained, first) = (&**constrained, all.len() as u32);
-        if !mechanisms.list.is_empty() {
-            mechanisms.gather((constrained, contacts), body_index, columns, bodies);
-        }
+        mechanisms.gather((constrained, contacts), body_index, columns, bodies);
         let ContactSet { records, rounds: found, .. } = &mut **contacts;
         rounds.extend(found.drain(..).map(|round| {
             let contact = &records[round.contact as usize];
@@ -112,7 +110,7 @@ impl Solver {
                 .map(|(number, contact)| GroupContact { number, rows: constrained.rows_of(contact.slots) }),
         );
         stacks.add_halvings(records, constrained, inputs.0, bodies, halvings);
-        if !mechanisms.list.is_empty() {
+        if mechanisms.are_touched() {
             mechanisms.keep_whole(records, constrained, bodies, &mut halvings[first as usize..]);
         }
         next_rows
@@ -132,17 +130,13 @@ impl Solver {
         let Constraints { bodies, contacts, mechanisms } = constraints;
         let [dynamic, _] = bodies.counts();
         let settings = inputs.0;
-        if !mechanisms.list.is_empty() {
-            mechanisms.advance_untouched(settings.contact_substeps_each(), settings.contact_substep());
-        }
+        mechanisms.advance_untouched(settings.contact_substeps_each(), settings.contact_substep());
         // Bodies of mechanisms that nothing touches have been advanced.
         if mechanisms.advanced() < dynamic {
             self.solve_substeps(&mut contacts.records, settings, contacts.extras, mechanisms);
         }
-        if !mechanisms.list.is_empty() {
-            let SolverGroup { bodies, contact_works, .. } = &mut self.group;
-            mechanisms.write(bodies, contact_works);
-        }
+        let SolverGroup { bodies, contact_works, .. } = &mut self.group;
+        mechanisms.write(bodies, contact_works);
     }
 
     /// Solves the contacts that were added over one substep of the settings. Bodies are left where
@@ -206,7 +200,9 @@ impl SolverGroup {
         constraints.locate(all.len(), rounds);
         bodies.with_poses(|bodies, poses| constraints.run(SolverStage::Prepare(all, poses), bodies));
         if let Some(mechanisms) = &mut mechanisms {
+            contact_works.before_joints(bodies);
             mechanisms.begin_touched(bodies);
+            contact_works.after_joints(bodies);
         }
         for substep in 0..substeps {
             contact_works.before_forces(bodies);
@@ -227,7 +223,7 @@ impl SolverGroup {
             constraints.run(solve, bodies);
             if let Some(mechanisms) = &mut mechanisms {
                 contact_works.before_joints(bodies);
-                mechanisms.solve_positions(bodies, h);
+                mechanisms.solve_positions_again(bodies, h);
                 contact_works.after_joints(bodies);
             }
             contact_works.before_motion(bodies);

@@ -140,10 +140,10 @@ impl FreeRow {
         !self.springs.is_empty() && !self.axis.is_of_limit()
     }
 
-    /// Has it held where it is, to find the mass that others move; not where it is of a limit.
+    /// Has it held where it is if it is driven, to find the mass that others move.
     pub(crate) fn hold(&mut self) {
-        self.gamma = 0.0;
-        self.constant = self.axis.is_of_limit().then_some(0.0);
+        let is_driven = self.motor.is_some() || self.moves_with_all();
+        (self.gamma, self.constant) = (0.0, (!is_driven).then_some(0.0));
     }
 
     /// The energy in its springs where it stands at a value \[J\]; of a cone there is none, as its
@@ -153,9 +153,12 @@ impl FreeRow {
         if self.axis.is_cone() { 0.0 } else { self.springs.iter().map(of_spring).sum() }
     }
 
-    /// Takes the mass \[kg\] [kg m^2] that it moves.
+    /// Takes the mass \[kg\] [kg m^2] that it moves; springs do not move what nothing moves.
     pub(crate) fn set_mass(&mut self, mass: f64) {
         self.mass = mass;
+        if mass.is_infinite() {
+            self.springs.clear();
+        }
         self.springs.iter_mut().for_each(|spring| spring.set_mass(mass));
     }
 
@@ -169,9 +172,9 @@ impl FreeRow {
         self.mass
     }
 
-    /// Whether both bounds are the same.
-    fn is_rod(&self) -> bool {
-        self.bounds[0] == self.bounds[1]
+    /// Whether both bounds are the same, and it has a value.
+    fn is_held(&self) -> bool {
+        self.bounds[0] == self.bounds[1] && !self.value.is_nan()
     }
 
     /// How far it is past a bound; negative within.
@@ -234,7 +237,8 @@ impl FreeRow {
             self.speed_in_bounds = self.motor_speed.clamp(-within[0], within[1]);
         }
         match (phase, first_speed) {
-            (Phase::Begin, _) => self.mode = if self.is_rod() { Mode::AtLower } else { Mode::Loose(0.0, 0.0) },
+            (Phase::Begin, _) if self.is_held() => self.mode = Mode::AtLower,
+            (Phase::Begin, _) => self.mode = Mode::Loose(0.0, 0.0),
             (Phase::Positions, Some(speed)) => self.mode = self.first_mode(speed, h),
             _ if self.value.is_nan() && self.is_at_bound() => self.mode = self.mode_without_bound(0.0),
             _ => {}
@@ -245,7 +249,7 @@ impl FreeRow {
 
     /// What is likely before any solution is known.
     fn first_mode(&self, speed: f64, h: f64) -> Mode {
-        if self.is_rod() || self.past(self.value, false) > h * speed {
+        if self.is_held() || self.past(self.value, false) > h * speed {
             Mode::AtLower
         } else if self.past(self.value, true) > -h * speed {
             Mode::AtUpper
@@ -302,7 +306,7 @@ impl FreeRow {
         let of_spring = |spring: &RowSpring| if is_position { spring.impulse_at(speed) } else { spring.constant() };
         let rest = impulse - self.springs.iter().map(of_spring).sum::<f64>();
         let mode = match self.mode {
-            Mode::AtLower | Mode::AtUpper if self.is_rod() || (self.is_corrected && !is_position) => self.mode,
+            Mode::AtLower | Mode::AtUpper if self.is_held() || (self.is_corrected && !is_position) => self.mode,
             Mode::AtLower if rest < self.others(speed)[0] => self.mode_without_bound(0.0),
             Mode::AtUpper if rest > self.others(speed)[1] => self.mode_without_bound(0.0),
             Mode::AtLower | Mode::AtUpper => self.mode,

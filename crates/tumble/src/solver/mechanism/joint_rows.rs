@@ -50,6 +50,8 @@ pub(crate) struct JointRows {
     /// From each centre of mass to the point where both bodies are pushed \[m\].
     pub(crate) arms: [Vec3<f64>; 2],
     pub(crate) arm_lengths: [f64; 2],
+    /// The sum of the radii of gyration of its bodies \[m\].
+    gyration: f64,
     /// From the second body's anchor to that point \[m\].
     pub(crate) from_anchor: Vec3<f64>,
     /// By row: how far it is from being met, \[m\] or roughly \[rad\], where rows were set.
@@ -104,6 +106,7 @@ impl JointRows {
             gear: None,
             arms: [zero; 2],
             arm_lengths: [0.0; 2],
+            gyration: 0.0,
             from_anchor: zero,
             errors: [0.0; MAX_ROWS],
             wanted: [0.0; MAX_ROWS],
@@ -309,9 +312,18 @@ impl JointRows {
     /// To be called before the first substep of a step.
     pub(crate) fn begin_step(&mut self, bodies: &[MechanismBody]) {
         self.wanted = [0.0; MAX_ROWS];
+        let gyration = |ends: [usize; 2]| ends.map(|body| bodies[body].radius_of_gyration()).iter().sum::<f64>();
+        self.gyration = gyration(self.bodies);
         if let Some(gear) = &mut self.gear {
             gear.begin_step(bodies);
+            self.gyration = gear.joints.iter().map(|joint| gyration(joint.bodies)).sum();
         }
+    }
+
+    /// What errors are compared with: lengths of its arms, or where these are short of its bodies
+    /// \[m\].
+    pub(crate) fn size(&self) -> f64 {
+        (self.arm_lengths[0] + self.arm_lengths[1]).max(self.gyration)
     }
 
     /// Sets what is left of the errors after a substep of `h` \[s\].

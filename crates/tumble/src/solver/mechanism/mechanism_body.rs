@@ -132,12 +132,15 @@ impl MechanismBody {
         };
     }
 
-    /// Writes to its row, at the end of a step, the momentum with its own moments.
+    /// Reads what contacts did after the joints, and writes to its row, at the end of a step, the
+    /// momentum with its own moments.
     pub(crate) fn write_own_momentum(&mut self, bodies: &mut SolverBodies) {
+        self.read_motion(bodies);
         if self.turns && self.load > 0.0 {
-            self.read_motion(bodies);
             self.take_own_moments();
-            bodies.motion[self.row.index()].angular_momentum = single(self.angular);
+            let i = self.row.index();
+            bodies.motion[i].angular_momentum = single(self.angular);
+            bodies.inertia[i].moments = single(self.moments);
         }
     }
 
@@ -229,6 +232,12 @@ impl MechanismBody {
             self.raise(0.0);
             self.load = load;
         }
+    }
+
+    /// By its greatest moment \[m\]; zero of a body that does not turn.
+    pub(crate) fn radius_of_gyration(&self) -> f64 {
+        let Vec3 { x, y, z } = self.own_moments;
+        if self.turns { (x.max(y).max(z) * self.inverse_mass).sqrt() } else { 0.0 }
     }
 
     /// Mass \[kg\] of a dynamic body.

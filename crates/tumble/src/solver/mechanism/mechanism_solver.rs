@@ -26,7 +26,7 @@ pub(crate) struct MechanismSolver {
     pub(crate) done: Vec<[Vec3<f64>; 2]>,
     pub(super) columns: RowColumns,
     /// By row.
-    impulses: Vec<Four>,
+    pub(super) impulses: Vec<Four>,
     pub(super) right: Vec<Four>,
     /// The solution before.
     last: Vec<Four>,
@@ -234,29 +234,8 @@ impl MechanismSolver {
         self.push();
     }
 
-    /// Finds the impulses that meet the joints at the end of a substep of `h` \[s\] to first order,
-    /// where others move the bodies.
-    pub(crate) fn solve_once(&mut self, h: f64) {
-        let half = Half { phase: Phase::Positions, h, before: 1.0 };
-        self.begin_half(half);
-        self.factor();
-        self.joints.iter_mut().for_each(|joint| joint.plan_correction(h));
-        self.solve_half(half);
-        self.impulses.copy_from_slice(&self.right);
-        self.push();
-        self.note_springs();
-        self.note_impulses(true);
-        self.take_loads(h);
-    }
-
-    /// Takes out the velocities against the joints, where others have moved the bodies for `h`
-    /// \[s\].
-    pub(crate) fn solve_velocities_once(&mut self, h: f64) {
-        self.solve_velocities(Half { phase: Phase::Velocities, h, before: 1.0 });
-    }
-
     /// Takes out the velocities against the joints.
-    fn solve_velocities(&mut self, half: Half) {
+    pub(super) fn solve_velocities(&mut self, half: Half) {
         self.begin_half(half);
         self.factor();
         self.solve_half(half);
@@ -267,7 +246,7 @@ impl MechanismSolver {
 
     /// Solves for the impulses of one half: in the first those that meet the joints at the end of
     /// the substep if bodies move straight on, with as much inertia as these impulses ask for.
-    fn solve_half(&mut self, half: Half) {
+    pub(super) fn solve_half(&mut self, half: Half) {
         let is_position = half.phase == Phase::Positions;
         let (mut changes, mut raises) = (0, 1);
         loop {
@@ -374,7 +353,7 @@ impl MechanismSolver {
         let rate = -1.0 / h;
         let mut most = 0.0_f64;
         for (number, joint) in joints.iter().enumerate() {
-            let size = joint.arm_lengths[0] + joint.arm_lengths[1];
+            let size = joint.size();
             let begin = matrix.place(number);
             if joint.is_plain_ball() {
                 let left = joint.ball_left(bodies);
@@ -387,7 +366,8 @@ impl MechanismSolver {
             let mut most_linear = 0.0_f64;
             for (row, right) in right[begin..][..joint.locked].iter_mut().enumerate() {
                 let left = errors[row] - joint.wanted[row];
-                let of_kind = if row < linear { &mut most_linear } else { &mut most };
+                let is_linear = joint.gear.as_ref().map_or(row < linear, |gear| gear.is_linear());
+                let of_kind = if is_linear { &mut most_linear } else { &mut most };
                 *of_kind = of_kind.max(left.abs());
                 *right = left * rate;
             }
@@ -412,7 +392,7 @@ impl MechanismSolver {
     }
 
     /// Adds the impulses on the right side to the momenta.
-    fn push(&mut self) {
+    pub(super) fn push(&mut self) {
         let Self { joints, bodies, matrix, right, .. } = self;
         let right = right.as_flattened();
         for (number, joint) in joints.iter().enumerate() {
@@ -431,7 +411,7 @@ impl MechanismSolver {
 
     /// Adds the impulses of a solution to what joints have done, and where they `pull`, sets what
     /// that loads the bodies with.
-    fn note_impulses(&mut self, pull: bool) {
+    pub(super) fn note_impulses(&mut self, pull: bool) {
         let Self { joints, matrix, impulses, done, .. } = self;
         let impulses = impulses.as_flattened_mut();
         for (number, joint) in joints.iter().enumerate() {
@@ -460,7 +440,7 @@ impl MechanismSolver {
     }
 
     /// Raises the inertia of bodies to the loads of the substep.
-    fn take_loads(&mut self, h: f64) {
+    pub(super) fn take_loads(&mut self, h: f64) {
         for (body, pull) in self.bodies.iter_mut().zip(&self.pulls) {
             body.take_load(*pull, h);
         }

@@ -108,6 +108,13 @@ impl Mechanisms {
         columns: &WorldColumns<'_>,
         bodies: &SolverBodies,
     ) {
+        if self.list.is_empty() {
+            self.loads.clear();
+            self.mechanisms.clear();
+            self.structure.clear();
+            self.gear_structure.clear();
+            return;
+        }
         self.loads.resize(body_index.len(), 0.0);
         let Self { list, active, .. } = self;
         active.clear();
@@ -167,6 +174,8 @@ impl Mechanisms {
                 list.options(listed).into_iter().for_each(|options| rows.take_options(options));
             }
         }
+        // Bodies without joints have none.
+        loads.fill(0.0);
     }
 
     /// Makes mechanisms of the structure.
@@ -251,7 +260,7 @@ impl Mechanisms {
         bodies: &SolverBodies,
         halvings: &mut [u8],
     ) {
-        if !self.are_touched() || halvings.iter().all(|times| *times == 0) {
+        if halvings.iter().all(|times| *times == 0) {
             return;
         }
         let Self { list, mechanisms, islands, loads, .. } = self;
@@ -284,6 +293,14 @@ impl Mechanisms {
         self.solve_touched(bodies, |solver| solver.solve_once(f64::from(h)));
     }
 
+    /// The same again, after contacts have pushed.
+    pub(crate) fn solve_positions_again(&mut self, bodies: &mut SolverBodies, h: Real) {
+        self.solve_touched(bodies, |solver| {
+            solver.take_back();
+            solver.solve_once(f64::from(h));
+        });
+    }
+
     /// Takes out the velocities against the joints of touched mechanisms.
     pub(crate) fn solve_velocities(&mut self, bodies: &mut SolverBodies, h: Real) {
         self.solve_touched(bodies, |solver| solver.solve_velocities_once(f64::from(h)));
@@ -298,6 +315,8 @@ impl Mechanisms {
             mechanism.is_sound = solver.bodies.iter().all(MechanismBody::is_finite);
             if mechanism.is_sound {
                 solver.bodies.iter().for_each(|body| body.write_momentum(bodies));
+            } else {
+                solver.forget_impulses();
             }
         }
     }
@@ -305,12 +324,17 @@ impl Mechanisms {
     /// Notes the loads, what joints have done, and how they stand, and writes the bodies of
     /// mechanisms that nothing touches to their rows.
     pub(crate) fn write(&mut self, bodies: &mut SolverBodies, works: &mut ContactWorks) {
+        let are_touched = self.are_touched();
+        if are_touched {
+            works.after_substep(bodies);
+            works.before_joints(bodies);
+        }
         let Self { list, mechanisms, loads, active, done, values_and_speeds, .. } = self;
         for Mechanism { solver, slots, joints, is_touched, is_sound } in mechanisms {
             if !*is_sound {
                 // Its bodies have moved as if they had no joints.
                 slots.iter().for_each(|slot| loads[slot.index()] = 0.0);
-                solver.done.fill([Vec3::zero(); 2]);
+                solver.forget_impulses();
                 continue;
             }
             for (slot, body) in slots.iter().zip(&mut solver.bodies) {
@@ -331,6 +355,9 @@ impl Mechanisms {
                     values_and_speeds[number] = rows.values_and_speeds(&solver.bodies);
                 }
             }
+        }
+        if are_touched {
+            works.after_joints(bodies);
         }
     }
 

@@ -21,3 +21,4 @@ mod mechanism_matrix;
 pub(crate) mod mechanism_solver;
 pub(crate) mod mechanisms;
 pub(crate) mod row_spring;
+pub(crate) mod touched_mechanism;
