@@ -47,6 +47,18 @@ pub(crate) struct MechanismBody {
     pub(crate) damping_work: f64,
 }
 
+/// What a substep changes of a body.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct SavedBody {
+    load: f64,
+    translation: Vec3<f64>,
+    orientation: Quat<f64>,
+    linear: Vec3<f64>,
+    angular: Vec3<f64>,
+    dropped: Vec3<f64>,
+    damping_work: f64,
+}
+
 /// A body turns under its load by at most the square root of this [rad] a substep: what is
 /// lighter is given that much inertia.
 const MAX_SQUARED_ANGLE: f64 = 0.5;
@@ -295,9 +307,25 @@ impl MechanismBody {
         }
     }
 
-    /// Adds what forces do in half a substep.
-    pub(crate) fn kick(&mut self) {
-        let ([linear, angular], [kept_linear, kept_angular]) = (self.kick, self.kept);
+    /// What a substep changes of it.
+    pub(crate) fn saved(&self) -> SavedBody {
+        let Self { load, translation, orientation, linear, angular, dropped, damping_work, .. } = *self;
+        SavedBody { load, translation, orientation, linear, angular, dropped, damping_work }
+    }
+
+    /// Goes back to what it was.
+    pub(crate) fn restore(&mut self, saved: &SavedBody) {
+        let SavedBody { load, translation, orientation, linear, angular, dropped, damping_work } = *saved;
+        (self.translation, self.orientation, self.linear) = (translation, orientation, linear);
+        if self.inverse_mass != 0.0 {
+            self.raise(load);
+        }
+        (self.angular, self.dropped, self.damping_work) = (angular, dropped, damping_work);
+    }
+
+    /// Adds what forces do in half a substep that was halved this many times.
+    pub(crate) fn kick(&mut self, halvings: u32) {
+        let ([linear, angular], [kept_linear, kept_angular]) = self.kick_of(halvings);
         if kept_linear != 1.0 || kept_angular != 1.0 {
             let (p, l) = (self.linear, self.angular);
             let mean = [p * (0.5 + 0.5 * kept_linear), l * (0.5 + 0.5 * kept_angular)];
@@ -306,6 +334,14 @@ impl MechanismBody {
         }
         self.linear = self.linear * kept_linear + linear;
         self.angular = self.angular * kept_angular + angular;
+    }
+
+    fn kick_of(&self, halvings: u32) -> ([Vec3<f64>; 2], [f64; 2]) {
+        (0..halvings).fold((self.kick, self.kept), |(kick, kept), _| {
+            // Damping goes on in the second of two halves.
+            let first = |kick: Vec3<f64>, kept: f64| kick * (1.0 / (1.0 + kept.sqrt()));
+            ([first(kick[0], kept[0]), first(kick[1], kept[1])], kept.map(f64::sqrt))
+        })
     }
 
     /// Whether every number of its state is one of the build.

@@ -7,14 +7,19 @@ use crate::simd::Four;
 use crate::solver::mechanism::block_ldl::BlockLdl;
 use crate::solver::mechanism::free_row::Phase;
 use crate::solver::mechanism::joint_rows::{JointRows, length};
-use crate::solver::mechanism::mechanism_body::MechanismBody;
+use crate::solver::mechanism::mechanism_body::{MechanismBody, SavedBody};
 use crate::solver::mechanism::mechanism_drift::Drift;
 use crate::solver::mechanism::mechanism_matrix::{Coupling, RowColumns, arranged, couplings};
+use crate::solver::mechanism::mechanism_substeps::MAX_ERROR;
 
 /// Bodies that hang together, their joints, and the matrix of these.
 #[derive(Clone, Debug)]
 pub(crate) struct MechanismSolver {
     pub(crate) bodies: Vec<MechanismBody>,
+    /// Where the substep began.
+    pub(super) saved: Vec<SavedBody>,
+    /// Whether shorter substeps did not help in this step.
+    pub(super) is_stuck: bool,
     /// In the order of elimination.
     pub(crate) joints: Vec<JointRows>,
     pub(super) matrix: BlockLdl,
@@ -32,7 +37,7 @@ pub(crate) struct MechanismSolver {
     last: Vec<Four>,
     /// By row, what the bodies' paths bend by in a substep as a speed: what solutions after the
     /// first of the last substep took out.
-    bend: Vec<Four>,
+    pub(super) bend: Vec<Four>,
     drift: Drift,
     /// By body, memory of a product with the matrix.
     velocities: Vec<[Vec3<f64>; 2]>,
@@ -90,8 +95,10 @@ impl MechanismSolver {
             pulls: vec![0.0; moves.len()],
             response: vec![[0.0; 4]; matrix.len()],
             is_first: false,
+            is_stuck: false,
             has_free_rows: ordered.iter().any(|joint| !joint.free_rows.is_empty()),
             bodies: Vec::with_capacity(moves.len()),
+            saved: Vec::with_capacity(moves.len()),
             drift: Drift::with_capacity(moves.len()),
             velocities: vec![[Vec3::zero(); 2]; moves.len()],
             joints: ordered,
@@ -114,56 +121,9 @@ impl MechanismSolver {
         }
     }
 
-    /// Advances the bodies by substeps of `h` \[s\]. Returns whether all numbers stayed finite.
-    pub(crate) fn advance(&mut self, substeps: u32, h: f64) -> bool {
-        let half = |phase| Half { phase, h, before: 0.5 };
-        self.begin();
-        self.update_rows();
-        // What was done to velocities since the last step is no load.
-        self.solve_velocities(half(Phase::Begin));
-        for _ in 0..substeps {
-            self.bodies.iter_mut().for_each(MechanismBody::kick);
-            self.solve_positions(half(Phase::Positions));
-            self.bodies.iter_mut().for_each(MechanismBody::kick);
-            self.take_loads(h);
-            self.update_rows();
-            self.solve_velocities(half(Phase::Velocities));
-        }
-        self.return_dropped_momentum();
-        self.bodies.iter().all(MechanismBody::is_finite)
-    }
-
-    /// Gives bodies their own moments. What flies free gets back the angular momentum that raised
-    /// moments have made or dropped, as a rotation of the whole, which no joint resists.
-    fn return_dropped_momentum(&mut self) {
-        let bodies = &mut self.bodies;
-        bodies.iter_mut().for_each(MechanismBody::take_own_moments);
-        let dropped = bodies.iter().fold(Vec3::zero(), |sum: Vec3<f64>, body| sum + body.dropped);
-        if dropped.dot(dropped) == 0.0 || bodies.iter().any(|body| body.inverse_mass == 0.0) {
-            return;
-        }
-        let mass: f64 = bodies.iter().map(MechanismBody::mass).sum();
-        let moment = bodies.iter().fold(Vec3::zero(), |sum, body| sum + body.position() * body.mass());
-        let center = moment * (1.0 / mass);
-        let mut inertia = glam::DMat3::ZERO;
-        for body in &*bodies {
-            let arm = glam::DVec3::from(body.position() - center);
-            let [diagonal, off_diagonal] = body.own_inertia().map(glam::DVec3::from);
-            let (d, o) = (diagonal, off_diagonal);
-            let own = glam::DMat3::from_cols_array(&[d.x, o.z, o.y, o.z, d.y, o.x, o.y, o.x, d.z]);
-            let square = glam::DMat3::from_diagonal(glam::DVec3::splat(arm.length_squared()));
-            let product = glam::DMat3::from_cols(arm * arm.x, arm * arm.y, arm * arm.z);
-            inertia += own + (square - product) * body.mass();
-        }
-        let turn = inertia.inverse() * glam::DVec3::from(dropped);
-        if turn.is_finite() {
-            bodies.iter_mut().for_each(|body| body.turn_along(turn.into(), body.position() - center));
-        }
-    }
-
     /// Finds the impulses with which the joints are met at the end of the substep, and moves the
-    /// bodies there.
-    fn solve_positions(&mut self, half: Half) {
+    /// bodies there. Returns the largest error that is left, of the size of the arms or \[rad\].
+    pub(super) fn solve_positions(&mut self, half: Half) -> f64 {
         let h = half.h;
         self.impulses.fill([0.0; 4]);
         if self.has_free_rows {
@@ -174,15 +134,15 @@ impl MechanismSolver {
         self.solve_half(half);
         self.drift.begin_at(&self.bodies);
         let (mut solution, mut most, mut worst) = (1, MAX_SOLUTIONS, f64::INFINITY);
-        let (mut first, mut last) = (f64::INFINITY, f64::INFINITY);
-        loop {
+        let mut first = f64::INFINITY;
+        let last = loop {
             if solution > 1 {
                 self.solve_right_side();
             }
             self.add_solution(1.0);
             self.drift.run(&mut self.bodies, h);
-            if solution == most && !self.has_free_rows {
-                break;
+            if solution == most && !self.has_free_rows && worst <= MAX_ERROR {
+                break worst;
             }
             let meets_bounds = self.has_free_rows && self.meet_bounds(h);
             if meets_bounds {
@@ -192,22 +152,22 @@ impl MechanismSolver {
                 self.last.copy_from_slice(&self.right);
             }
             let left = self.set_remaining(h);
-            (first, last) = (if solution == 1 { left } else { first }, left);
+            first = if solution == 1 { left } else { first };
             if left > worst && self.has_free_rows && !meets_bounds {
                 // The rows have turned away: what was added leads nowhere.
                 self.right.copy_from_slice(&self.last);
                 self.add_solution(-1.0);
                 self.drift.run(&mut self.bodies, h);
-                break;
+                break worst;
             }
             let tolerance = if solution == 1 { FIRST_TOLERANCE } else { TOLERANCE };
             if solution == most || (left <= tolerance && !meets_bounds) {
-                break;
+                break left;
             }
             self.note_bend();
             worst = if meets_bounds { f64::INFINITY } else { left };
             solution += 1;
-        }
+        };
         // In double precision a bend gives energy a trend, of 4e-13 of a swing in a period.
         let has_bend = self.has_free_rows || size_of::<Real>() == size_of::<f32>();
         if !has_bend || first > MAX_FIRST_ERROR || last > TOLERANCE {
@@ -215,7 +175,7 @@ impl MechanismSolver {
         }
         self.note_springs();
         self.drift.end(&mut self.bodies);
-        self.note_impulses(true);
+        last
     }
 
     /// Adds what is left of the errors, on the right side, to the bend.

@@ -19,6 +19,7 @@ mod mechanism_drift;
 mod mechanism_free_rows;
 mod mechanism_matrix;
 pub(crate) mod mechanism_solver;
+mod mechanism_substeps;
 pub(crate) mod mechanisms;
 pub(crate) mod row_spring;
-pub(crate) mod touched_mechanism;
+mod touched_mechanism;
