@@ -1,11 +1,11 @@
-//! Promise: trains of wheels, racks and gears between joints of random mechanisms give the same bits
-//! for any number of threads, order of spawning bodies, joints and gears, many steps at once, phase
-//! by phase, in a batch or alone; and go on to the bit from any step that they are rewound to or
-//! restored at from a file, in the same world or in one that was spawned in another order.
+//! Promise: trains of wheels, racks and gears between joints of random mechanisms give the same
+//! bits for any number of threads, order of spawning bodies, joints and gears, many steps at once,
+//! phase by phase, in a batch or alone; and go on to the bit from any step that they are rewound to
+//! or restored at from a file, in the same world or in one that was spawned in another order.
 //!
-//! Why: a gear couples rows of two joints and up to four bodies, so its place in the matrix must not
-//! follow the order of spawning. It fails if gears are solved in the order of their entities, or if
-//! a turn of a wheel is remembered anywhere that a snapshot does not have.
+//! Why: a gear couples rows of two joints and up to four bodies, so its place in the matrix must
+//! not follow the order of spawning. It fails if gears are solved in the order of their entities,
+//! or if a turn of a wheel is remembered anywhere that a snapshot does not have.
 
 use glam::DVec3;
 use hecs::{Entity, World};
@@ -37,8 +37,8 @@ fn order(count: usize, seed: Option<u64>, salt: u64) -> Vec<usize> {
     all.into_iter().map(|(_, i)| i).collect()
 }
 
-/// Four wheels with ratios of teeth and one that is none, which a rack turns as it falls, and two of
-/// limited angles with a motor. Returns all joints.
+/// Four wheels with ratios of teeth and one that is none, which a rack turns as it falls, and two
+/// of limited angles with a motor. Returns all joints.
 fn clockwork(world: &mut World, seed: Option<u64>, is_geared: bool) -> Vec<Entity> {
     const RATIOS: [f64; 5] = [-2.0, 3.0 / 7.0, std::f64::consts::PI, 0.0, 0.73];
     let plate = RigidBody::new(Shape::Point).id(BodyId(1)).fixed().build().unwrap().spawn(world);

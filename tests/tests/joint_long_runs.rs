@@ -20,7 +20,8 @@ use tumble_tests::{DOUBLE, by_precision};
 const TURN: f64 = 0.25;
 const SINE: f64 = 0.7528;
 
-/// From the axis to the pivot \[m\], where gravity and the centrifugal force are as at the latitude.
+/// From the axis to the pivot \[m\]: there gravity and the centrifugal force
+/// are as at the latitude.
 fn reach() -> f64 {
     G * (1.0 - SINE * SINE).sqrt() / SINE / (TURN * TURN)
 }
@@ -72,7 +73,7 @@ fn foucault(substeps: u32, time: f64) -> (Vec<DVec3>, f64) {
 }
 
 /// The rate at which a plane of swing turns about the way up [rad/s], by the main axes of what is
-/// swept in each period of so many steps.
+/// swept in each period, given in steps.
 fn precession(seen: &[DVec3], up: DVec3, period: usize) -> f64 {
     let east = DVec3::Z;
     let north = up.cross(east);
@@ -131,7 +132,8 @@ fn double_pendulum(angle: f64) -> Rig {
     rig
 }
 
-/// A rod that hangs in a ring of half its mass, hinged across the ring's own hinge, pushed sideways.
+/// A rod that hangs in a ring of half its mass, hinged across the ring's own hinge, and is pushed
+/// sideways.
 fn pendulum_in_a_ring() -> Rig {
     let mut rig = Rig::new(down(), 1.0 / 60.0, 4);
     let ground = rig.ground();

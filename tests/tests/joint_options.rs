@@ -125,8 +125,8 @@ fn what_hangs_with_limits_and_friction_gains_nothing() {
     assert!(worst <= 1e-3, "{worst:e}");
 }
 
-/// Springs of every kind on every axis of trees, damped or not: after a second there is no more
-/// motion than there was in the first, for they have a potential.
+/// Springs of every kind on every axis of trees, damped or not: as they have a potential, there is
+/// never more energy than at the start.
 #[test]
 fn springs_make_no_energy() {
     for case in 0..40 {
@@ -151,8 +151,8 @@ fn springs_make_no_energy() {
             drives.0.iter_mut().for_each(|drive| drive.gain = fixed(drive.gain));
             let mut limits = world.get::<&mut Limits>(joint).unwrap();
             limits.axes.iter_mut().flatten().for_each(|limit| limit.gain = fixed(limit.gain));
-            // A twist limit is off where a ball is bent by more than 140 degrees, and does work when
-            // it comes back.
+            // A twist limit is off where a ball is bent by more than 140 degrees, and does work
+            // when it comes back.
             if world.get::<&Joint>(joint).unwrap().free.contains(Axes::ANGULAR) && limits.cone.is_none() {
                 limits.cone = Some(Cone { half_angles: [1.2, 1.2], gain: Gain::Rigid });
             }

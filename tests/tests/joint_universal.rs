@@ -43,7 +43,7 @@ struct Cross {
 }
 
 impl Cross {
-    /// On a fixed one, with frames turned at random, from the joint by an arm along the body's axes.
+    /// On a fixed one, with frames turned at random, off the joint by an arm along the body's axes.
     fn new(draw: &mut Draw, gravity: DVec3, pair: [usize; 2], angles: [f64; 2], arm: DVec3) -> Self {
         let mut rig = Rig::new(gravity, 1.0 / 60.0, 8);
         let [of_base, first, second] = [(); 3].map(|()| draw.orientation());
@@ -76,8 +76,8 @@ impl Cross {
         [of_second.dot(third).atan2(of_second.dot(j)), of_first.dot(third).atan2(of_first.dot(i))]
     }
 
-    /// As the joint tells.
-    fn told(&self) -> [f64; 2] {
+    /// As they are read from the joint.
+    fn read(&self) -> [f64; 2] {
         let load = self.rig.load(self.joint);
         self.pair.map(|axis| f64::from(load.values[3 + axis]))
     }
@@ -108,8 +108,8 @@ fn apart(a: f64, b: f64) -> f64 {
     (a - b + PI).rem_euclid(2.0 * PI) - PI
 }
 
-/// Bent by any two angles and turning about both axes: the angles told turn the first frame into the
-/// second, are those of the axes, and change at the speeds told.
+/// Bent by any two angles and turning about both axes: the angles that are read turn the first
+/// frame into the second, are those of the axes, and change at the speeds that are read.
 #[test]
 fn angles_and_speeds_are_those_of_two_rotations() {
     let (mut fastest, mut widest) = (0.0_f64, [0.0_f64; 2]);
@@ -120,19 +120,19 @@ fn angles_and_speeds_are_those_of_two_rotations() {
         let arm = draw.vector(0.5);
         let mut cross = Cross::new(&mut draw, DVec3::ZERO, pair, start, arm);
         cross.rig.step();
-        for (told, drawn) in cross.told().into_iter().zip(start) {
-            assert!(apart(told, drawn).abs() < by_precision(2e-6, 1e-12), "{pair:?}: {told} of {drawn}");
+        for (read, drawn) in cross.read().into_iter().zip(start) {
+            assert!(apart(read, drawn).abs() < by_precision(2e-6, 1e-12), "{pair:?}: {read} of {drawn}");
         }
         let rates = [0, 1].map(|_| draw.between(-3.0, 3.0));
         cross.turn(rates);
         let mut before = cross.rig.load(cross.joint);
         for step in 0..60 {
             cross.rig.step();
-            let (told, [first, second]) = (cross.told(), cross.frames());
-            let off = attitude_error(first * bent(pair, told), second);
-            assert!(off < by_precision(2e-6, 1e-8), "{pair:?}, step {step}: {told:?} off by {off:e}");
-            for (told, seen) in told.into_iter().zip(cross.angles()) {
-                assert!(apart(told, seen).abs() < by_precision(2e-6, 1e-8), "{pair:?}: {told} of {seen}");
+            let (read, [first, second]) = (cross.read(), cross.frames());
+            let off = attitude_error(first * bent(pair, read), second);
+            assert!(off < by_precision(2e-6, 1e-8), "{pair:?}, step {step}: {read:?} off by {off:e}");
+            for (read, seen) in read.into_iter().zip(cross.angles()) {
+                assert!(apart(read, seen).abs() < by_precision(2e-6, 1e-8), "{pair:?}: {read} of {seen}");
             }
             let load = cross.rig.load(cross.joint);
             let [a, b] = cross.axes();
@@ -147,7 +147,7 @@ fn angles_and_speeds_are_those_of_two_rotations() {
                 assert!((moved * 60.0 - mean).abs() < 2e-2 * (1.0 + turning.length_squared()), "{moved} {mean}");
             }
             fastest = speeds.iter().fold(fastest, |most, speed| most.max(speed.abs()));
-            widest = [0, 1].map(|angle| widest[angle].max(told[angle].abs()));
+            widest = [0, 1].map(|angle| widest[angle].max(read[angle].abs()));
             before = load;
         }
     }
@@ -293,8 +293,8 @@ fn servos_and_motors_move_each_angle_alone() {
     }
 }
 
-/// Turning about one axis, which is a principal one, at any angle of the other if that is the first:
-/// it slows by that axis's friction over the moment, and then stands.
+/// Turning about one axis, which is a principal one, at any angle of the other if that is the
+/// first: it slows by that axis's friction over the moment, and then stands.
 #[test]
 fn friction_slows_the_angle_it_is_of() {
     let moments = DVec3::new(0.3, 0.4, 0.5);
