@@ -102,6 +102,69 @@ fn a_spring_swings_at_its_frequency_and_keeps_its_energy() {
     }
 }
 
+/// An arm of four links of any mass and bend; the outer ones are held by fixed joints or by rigid
+/// drives of their hinges. Its inertia about the first hinge is what the frequency is of.
+#[test]
+fn a_frequency_is_that_of_all_links_that_hang_on_it() {
+    for case in 0..12 {
+        let mut draw = Draw::new(31, case);
+        let hertz = draw.log_between(0.5, 6.0);
+        let mut rig = Rig::new(DVec3::ZERO, 1.0 / 60.0, 16);
+        let (mut last, mut end, mut joints) = (rig.ground(), ORIGIN, Vec::new());
+        for link in 0..4 {
+            let length = draw.between(0.2, 0.6);
+            let along = DVec3::X * draw.between(0.3, 1.0) + DVec3::Y * draw.between(-1.0, 1.0);
+            let along = along.normalize() * length;
+            let angle = along.y.atan2(along.x);
+            let this = turned(rod(draw.log_between(0.05, 20.0), length, end + along * 0.5), DVec3::Z, angle);
+            // All turn about the first hinge at 0.2 rad/s.
+            let this = rig.spawn(turning_about(this, end + along * 0.5, ORIGIN, DVec3::Z * 0.2));
+            let kind = if link > 0 && case % 2 == 0 { Joint::fixed } else { Joint::hinge };
+            joints.push(rig.join_at(kind(last, this), end, DVec3::Z));
+            (last, end) = (this, end + along);
+        }
+        for (link, joint) in joints.iter().enumerate() {
+            let servo = Drive::position(Axes::ANGULAR_X, 0.0);
+            let spring = servo.with_frequency(hertz as Real, 0.0);
+            rig.world.insert_one(*joint, Drives::from(if link == 0 { spring } else { servo })).unwrap();
+        }
+        let (mut crossings, mut before) = (Vec::new(), 0.0);
+        rig.step();
+        while crossings.len() < 11 {
+            rig.step();
+            let now = f64::from(rig.load(joints[0]).values[3]);
+            if before < 0.0 && now >= 0.0 {
+                crossings.push(rig.simulation.time() - now / (now - before) / 60.0);
+            }
+            before = now;
+        }
+        let found = (crossings[10] - crossings[0]) / 10.0 * hertz;
+        // The midpoint rule swings more slowly by (w h)^2 / 12.
+        let slower = (TAU * hertz / 960.0).powi(2) / 12.0;
+        println!("{case}: {hertz:.2} Hz, off by {:.1e}", found - 1.0 - slower);
+        assert!((found - 1.0 - slower).abs() < 1e-3, "case {case}, {hertz} Hz: {found}");
+    }
+}
+
+/// Against its weight, at the speed at which errors are closed, and never past the target.
+#[test]
+fn a_rigid_servo_goes_straight_there_at_ten_radians_a_second() {
+    for (start, target) in [(0.0, 1.0), (0.0, -2.5), (0.0, 0.05), (2.0, -1.0), (-3.0, 3.0)] {
+        let servo = Drive::position(Axes::ANGULAR_X, start as Real);
+        let (mut rig, _, joint) = driven_rod(2.0, down(), 4, vec![servo]);
+        rig.run_to(1.0);
+        rig.world.insert_one(joint, Drives::from(Drive::position(Axes::ANGULAR_X, target as Real))).unwrap();
+        // The shorter way round.
+        let way = (target - start + PI).rem_euclid(TAU) - PI;
+        for step in 1..=30 {
+            rig.step();
+            let done = (10.0 * f64::from(step) / 60.0).min(way.abs()) * way.signum();
+            let off = (f64::from(rig.load(joint).values[3]) - start - done + PI).rem_euclid(TAU) - PI;
+            assert!(off.abs() < by_precision(1e-5, 1e-8), "{start} to {target}, step {step}: off by {off:e}");
+        }
+    }
+}
+
 #[test]
 fn a_servo_sags_by_load_over_stiffness() {
     for stiffness in [50.0, 1e3, 1e6] {

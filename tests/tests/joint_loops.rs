@@ -153,5 +153,7 @@ fn a_parallelogram_goes_through_its_singular_positions() {
     for rate in [8.0, 8.274, 8.548] {
         let errors = [16, 32].map(|substeps| parallelogram(rate, substeps));
         assert!(!DOUBLE || (errors[0] / errors[1] - 4.0).abs() <= 0.4, "{rate} rad/s: {errors:?}");
+        // Three times what is measured; a coupler that folds is off by metres.
+        assert!(errors[0] <= 3e-3 && errors[1] <= by_precision(1.1e-3, 8e-4), "{rate} rad/s: {errors:?}");
     }
 }

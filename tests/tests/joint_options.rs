@@ -125,8 +125,8 @@ fn what_hangs_with_limits_and_friction_gains_nothing() {
     assert!(worst <= 1e-3, "{worst:e}");
 }
 
-/// Springs of every kind on every axis of trees, damped or not: after a second there is no more
-/// motion than there was in the first, for they have a potential.
+/// Springs of every kind on every axis of trees, damped or not: as they have a potential, there is
+/// never more energy than at the start.
 #[test]
 fn springs_make_no_energy() {
     for case in 0..40 {
@@ -151,19 +151,21 @@ fn springs_make_no_energy() {
             drives.0.iter_mut().for_each(|drive| drive.gain = fixed(drive.gain));
             let mut limits = world.get::<&mut Limits>(joint).unwrap();
             limits.axes.iter_mut().flatten().for_each(|limit| limit.gain = fixed(limit.gain));
+            // A twist limit is off where a ball is bent by more than 140 degrees, and does work
+            // when it comes back.
+            if world.get::<&Joint>(joint).unwrap().free.contains(Axes::ANGULAR) && limits.cone.is_none() {
+                limits.cone = Some(Cone { half_angles: [1.2, 1.2], gain: Gain::Rigid });
+            }
         }
         let mut simulation = simulation(0.0, 1.0 / 60.0);
-        let mut kinetic = |steps: u32| {
-            (0..steps).fold(0.0_f64, |most, _| {
-                simulation.step(&mut world);
-                most.max(totals(&world, &simulation).energy())
-            })
-        };
-        let first = kinetic(60);
-        kinetic(180);
-        let later = kinetic(60);
-        println!("case {case}: {first:e} J, later {later:e} J");
-        assert!(later <= 1.5 * first, "case {case}: {first:e} {later:e}");
+        simulation.step(&mut world);
+        let (start, mut most) = (totals(&world, &simulation).energy(), f64::MIN);
+        for _ in 0..300 {
+            simulation.step(&mut world);
+            most = most.max(totals(&world, &simulation).energy());
+        }
+        println!("case {case}: {start:e} J, at most {:e} more", most / start - 1.0);
+        assert!(most <= start, "case {case}: {start:e} J, {most:e} later");
     }
 }
 

@@ -15,25 +15,43 @@ use hecs::{Entity, World};
 use tumble::math::{Real, Vec3};
 use tumble::{Axes, Collider, Joint, JointError, JointLoad, Material, Momentum, Pose, RigidBody, Shape};
 use tumble_tests::touching::{ground, pose};
-use tumble_tests::{Draw, EPSILON, by_precision, dvec3, run};
+use tumble_tests::{Draw, EPSILON, by_precision, dquat, dvec3, run};
 
 mod mechanisms;
 use mechanisms::{Class, KINDS, Mechanism, mechanism, scale, simulation, totals, vector};
 
-/// The largest error of the joints of a world: \[m\] and \[rad\].
-fn errors(world: &World) -> [f64; 2] {
-    let mut most = [0.0_f64; 2];
+/// How far the frames of a joint are turned from where its free rotations let them be \[rad\].
+fn misalignment(world: &World, joint: &Joint) -> f64 {
+    let [first, second] = [0, 1].map(|end| {
+        let frame = dquat(joint.frames[end].orientation);
+        let axes = glam::DMat3::from_quat(dquat(pose(world, joint.bodies[end]).orientation) * frame);
+        axes.to_cols_array_2d().map(DVec3::from_array)
+    });
+    let rotations = [Axes::ANGULAR_X, Axes::ANGULAR_Y, Axes::ANGULAR_Z];
+    let free: Vec<usize> = (0..3).filter(|axis| joint.free.contains(rotations[*axis])).collect();
+    // Exact where it is tiny.
+    let between = |a: DVec3, b: DVec3| a.cross(b).length().atan2(a.dot(b));
+    match free[..] {
+        [] => (0..3).map(|axis| between(first[axis], second[axis])).fold(0.0, f64::max),
+        [axis] => between(first[axis], second[axis]),
+        [i, j] => first[i].dot(second[j]).abs(),
+        _ => 0.0,
+    }
+}
+
+/// The largest errors of the joints of a world: \[m\], \[rad\] of those without a free rotation,
+/// and of the others.
+fn errors(world: &World) -> [f64; 3] {
+    let mut most = [0.0_f64; 3];
     for (joint, load) in &mut world.query::<(&Joint, &JointLoad)>() {
-        let angular = joint.free.contains(Axes::ANGULAR_X) || joint.free.contains(Axes::ANGULAR_Y);
         for (axis, one) in [Axes::LINEAR_X, Axes::LINEAR_Y, Axes::LINEAR_Z].into_iter().enumerate() {
             if !joint.free.contains(one) {
                 most[0] = most[0].max(f64::from(load.values[axis]).abs());
             }
         }
-        // With free rotations the vector of the rotation is no error axis by axis.
-        if !angular {
-            load.values[3..].iter().for_each(|value| most[1] = most[1].max(f64::from(*value).abs()));
-        }
+        let rotates = [Axes::ANGULAR_X, Axes::ANGULAR_Y, Axes::ANGULAR_Z].iter().any(|it| joint.free.contains(*it));
+        let number = 1 + usize::from(rotates);
+        most[number] = most[number].max(misalignment(world, joint));
     }
     most
 }
@@ -50,6 +68,7 @@ fn spawn(mechanism: &Mechanism, world: &mut World) -> (Vec<Entity>, Vec<Entity>)
 #[test]
 fn random_mechanisms_keep_momentum_and_gain_no_energy() {
     let mut worst = 0.0_f64;
+    let mut most_off = [0.0_f64; 2];
     for case in 0..300 {
         let mut draw = Draw::new(0x701, case);
         let size = draw.log_between(0.01, 100.0);
@@ -81,17 +100,21 @@ fn random_mechanisms_keep_momentum_and_gain_no_energy() {
         let gain = most / before.energy() - 1.0;
         worst = worst.max(gain);
         assert!(gain <= 1e-4, "case {case}: {} J at most, from {}", most, before.energy());
-        let [gap, bend] = errors(&world);
-        assert!(gap <= by_precision(2e-5, 1e-9) * size, "case {case}: {gap:e} of {size}");
-        assert!(bend <= by_precision(2e-5, 1e-9), "case {case}: {bend:e}");
+        let [gap, turned, tilted] = errors(&world);
+        let bend = turned.max(tilted);
+        most_off = [most_off[0].max(gap / size), most_off[1].max(bend)];
+        // Five times what is measured, which is a few roundings.
+        assert!(gap <= by_precision(1.5e-6, 1e-9) * size, "case {case}: {gap:e} of {size}");
+        assert!(bend <= by_precision(1e-6, 6e-10), "case {case}: {bend:e}");
     }
-    println!("energy grows by at most {worst:.1e}");
+    println!("energy grows by at most {worst:.1e}; joints are off by {most_off:?}");
 }
 
 /// Masses of one to a million, thin bodies, hanging from a fixed one: nothing gains energy, and
-/// no joint gives.
+/// no joint gives but where a heavy body whips a light one round, for a step.
 #[test]
 fn unequal_masses_hang_and_swing() {
+    let (mut gaps, mut bends) = (Vec::new(), Vec::new());
     for case in 0..30 {
         let mut draw = Draw::new(0x702, case);
         let class = Class {
@@ -117,9 +140,21 @@ fn unequal_masses_hang_and_swing() {
                 "case {case}, step {step}: {gained} J of {}",
                 mass * reach
             );
-            let [gap, bend] = errors(&world);
-            assert!(gap <= 2e-3 && bend <= 2e-6, "case {case}, step {step}: {gap:e} {bend:e}");
+            let [gap, turned, tilted] = errors(&world);
+            assert!(turned <= 2e-6, "case {case}, step {step}: {turned:e}");
+            gaps.push(gap);
+            bends.push(tilted);
         }
+    }
+    // Five times what is measured: half of all steps, nineteen of twenty, and all.
+    let of_gaps = [by_precision(1.5e-8, 1e-9), 1e-6, 2e-3];
+    let of_bends = [by_precision(3e-7, 1e-9), 1e-6, 8e-3];
+    for (mut errors, most) in [(gaps, of_gaps), (bends, of_bends)] {
+        errors.sort_unstable_by(f64::total_cmp);
+        let last = (errors.len() - 1) as f64;
+        let found = [0.5, 0.95, 1.0].map(|part| errors[(last * part) as usize]);
+        println!("errors of half, of nineteen twentieths and of all: {found:?} of {most:?}");
+        assert!(found.iter().zip(most).all(|(found, most)| *found <= most), "{found:?} of {most:?}");
     }
 }
 
