@@ -1,6 +1,7 @@
 //! Promise: where an option of a joint has no sense, it alone does nothing: a rope at its own
 //! anchor, a held twist of a ball that is bent back, a gear of a ball, a spring of a frequency at a
-//! point that does not turn, and limits that are far away from what a drive is to hold.
+//! point that does not turn, limits that are far away from what a drive is to hold, and a universal
+//! joint whose axes are the same.
 //!
 //! Why: such states are rare in tests and common in games, and one number that is not finite takes
 //! a whole mechanism with it. It fails if a row acts by a value that it does not have.
@@ -146,4 +147,29 @@ fn limits_that_are_not_reached_do_not_change_a_servo() {
     }
     println!("{worst:e} m apart");
     assert!(worst < by_precision(1e-4, 1e-6), "{worst:e}");
+}
+
+/// However its axes are turned against each other, from rest it closes without throwing the body.
+#[test]
+fn a_universal_joint_that_does_not_fit_throws_nothing() {
+    for case in 0..80 {
+        let mut draw = Draw::new(0x97, case);
+        let off = if case % 4 == 0 { 90.0 } else { draw.between(0.0, 90.0) };
+        let turned = DQuat::from_rotation_z(f64::to_radians(off)) * DQuat::from_rotation_y(draw.between(-1.0, 1.0));
+        let at = draw.direction() * draw.between(0.0, 0.5);
+        let mut rig = Rig::new(ORIGIN, 1.0 / draw.between(30.0, 240.0), 4);
+        let base = rig.ground();
+        let it = rig.spawn(RigidBody::new(Shape::cuboid([0.3, 0.2, 0.1])).mass(draw.log_between(1e-3, 1e3)));
+        let joint = Joint::universal(base, it).with_frames(frame(at, turned), frame(at, DQuat::IDENTITY));
+        let joint = rig.join(joint);
+        let mut fastest = 0.0_f64;
+        for _ in 0..400 {
+            rig.step();
+            fastest = fastest.max(rig.velocity(it).length());
+        }
+        assert!(fastest < 10.0, "case {case}, {off} degrees: {fastest} m/s");
+        let cosine = rig.load(joint).values[5].abs();
+        // Axes that are the same have no way to go.
+        assert!(cosine < 1e-4 || off > 89.99, "case {case}, {off} degrees: {cosine}");
+    }
 }

@@ -12,8 +12,8 @@ use glam::DVec3;
 use jointed::*;
 use tumble::math::Real;
 use tumble::{Joint, RigidBody, Shape};
-use tumble_tests::references::real_quat;
 use tumble_tests::Draw;
+use tumble_tests::references::real_quat;
 
 #[test]
 fn thin_rods_stay_together() {

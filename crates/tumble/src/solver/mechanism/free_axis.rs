@@ -4,7 +4,8 @@ use tumble_math::lane::{Quat, Vec3};
 
 use crate::joints::axes::Axes;
 use crate::joints::joint_options::JointOptions;
-use crate::solver::mechanism::joint_rows::{Rotations, Stance, length};
+use crate::solver::mechanism::joint_rows::{Stance, length};
+use crate::solver::mechanism::rotations::Rotations;
 
 /// Along which a row acts that is not locked.
 #[derive(Clone, Copy, Debug, PartialEq)]

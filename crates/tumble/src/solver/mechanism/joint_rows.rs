@@ -11,6 +11,7 @@ use crate::solver::mechanism::free_axis::{
 use crate::solver::mechanism::free_row::{FreeRow, Mode};
 use crate::solver::mechanism::gear_rows::GearRows;
 use crate::solver::mechanism::mechanism_body::MechanismBody;
+use crate::solver::mechanism::rotations::{MIN_SINE, Rotations, from_square};
 
 /// The frame of a joint on one of its bodies: origin \[m\] from the centre of mass and orientation,
 /// along the axes that the body's orientation goes by.
@@ -223,7 +224,13 @@ impl JointRows {
             Rotations::About(k) => {
                 (self.angular[row], self.angular[row + 1]) = (a[(k + 1) % 3], a[(k + 2) % 3]);
             }
-            Rotations::AboutBoth(i, j) => self.angular[row] = second.axes()[j].cross(a[i]),
+            Rotations::AboutBoth(i, j) => {
+                let across = second.axes()[j].cross(a[i]);
+                let sine = length(across);
+                // Where both axes are the same, about any other.
+                let is_none = sine < MIN_SINE;
+                self.angular[row] = if is_none { a[3 - i - j] } else { across * (2.0 / (sine * (1.0 + sine))) };
+            }
             Rotations::Free => {}
         }
     }
@@ -283,9 +290,9 @@ impl JointRows {
             Rotations::About(0) => [-falls(2, 0, 1), rises(1, 0, 2), 0.0],
             Rotations::About(1) => [-falls(0, 1, 2), rises(2, 1, 0), 0.0],
             Rotations::About(_) => [-falls(1, 2, 0), rises(0, 2, 1), 0.0],
-            Rotations::AboutBoth(0, 2) => [rises(0, 2, 1), 0.0, 0.0],
-            Rotations::AboutBoth(0, _) => [falls(0, 1, 2), 0.0, 0.0],
-            Rotations::AboutBoth(..) => [falls(1, 2, 0), 0.0, 0.0],
+            Rotations::AboutBoth(0, 2) => [from_square(rises(0, 2, 1)), 0.0, 0.0],
+            Rotations::AboutBoth(0, _) => [from_square(falls(0, 1, 2)), 0.0, 0.0],
+            Rotations::AboutBoth(..) => [from_square(falls(1, 2, 0)), 0.0, 0.0],
             Rotations::Free => [0.0; 3],
         }
     }
@@ -444,31 +451,6 @@ impl JointRows {
         }
         let [p, q, r] = rates;
         [[x, y, z, turn.x, turn.y, turn.z], [u, v, w, p, q, r]]
-    }
-}
-
-/// Which rotations a joint leaves free.
-#[derive(Clone, Copy, Debug)]
-pub(crate) enum Rotations {
-    Locked,
-    About(usize),
-    /// About an axis of the first frame, and another of the second.
-    AboutBoth(usize, usize),
-    Free,
-}
-
-impl Rotations {
-    pub(crate) fn of(free: Axes) -> Self {
-        match [3, 4, 5].map(|axis| free.has(axis)) {
-            [false, false, false] => Self::Locked,
-            [true, false, false] => Self::About(0),
-            [false, true, false] => Self::About(1),
-            [false, false, true] => Self::About(2),
-            [false, true, true] => Self::AboutBoth(1, 2),
-            [true, false, true] => Self::AboutBoth(0, 2),
-            [true, true, false] => Self::AboutBoth(0, 1),
-            [true, true, true] => Self::Free,
-        }
     }
 }
 

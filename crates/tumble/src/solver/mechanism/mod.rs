@@ -21,5 +21,6 @@ mod mechanism_matrix;
 pub(crate) mod mechanism_solver;
 mod mechanism_substeps;
 pub(crate) mod mechanisms;
+mod rotations;
 pub(crate) mod row_spring;
 mod touched_mechanism;
