@@ -470,6 +470,10 @@ fn an_audit_shows_joints_and_what_is_wrong_with_them() {
             "gain": { "mode": "force", "stiffness": 8.0, "damping": 2.0 } }],
         "friction": [{ "of": "angular_x", "max": 0.25 }], "breaks": { "torque": 30.0 }, "contacts": true }]);
     assert_eq!(serde_json::to_value(&audit.joints).unwrap(), expected);
+    let shoulder = r#"{ "between": ["a", "b"], "ball": { "at": [0, 0, 0] }, "limits": { "cone": { "half_angles": [1.25, 0.75] } } }"#;
+    let audit = Audit::from_json(&scene(shoulder), "shoulder.json").unwrap();
+    let cone = serde_json::to_value(&audit.joints[0].limits).unwrap();
+    assert_eq!(cone, serde_json::json!([{ "of": "cone", "half_angles": [1.25, 0.75] }]));
     let audit = Audit::from_json(&scene(&format!("{wrong}, {door}")), "door.json").unwrap();
     assert!(audit.has_problems());
     let [first, second] = [&audit.joints[0], &audit.joints[1]];

@@ -108,7 +108,8 @@ pub struct AuditedGear {
 /// ```
 /// use tumble_scene::AuditedLimit;
 ///
-/// let limit = AuditedLimit { of: "distance".into(), min: None, max: Some(2.0), gain: None };
+/// let (of, max) = ("distance".to_owned(), Some(2.0));
+/// let limit = AuditedLimit { of, min: None, max, half_angles: None, gain: None };
 /// assert_eq!(limit.max, Some(2.0));
 /// ```
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -118,9 +119,12 @@ pub struct AuditedLimit {
     /// \[m\] \[rad\]
     #[serde(skip_serializing_if = "Option::is_none")]
     pub min: Option<f64>,
-    /// \[m\] \[rad\]; of a cone its half angle, the lesser of two.
+    /// \[m\] \[rad\]
     #[serde(skip_serializing_if = "Option::is_none")]
     pub max: Option<f64>,
+    /// Of a cone, about y and about z of the first frame \[rad\].
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub half_angles: Option<[f64; 2]>,
     /// `None` of a hard limit.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub gain: Option<AuditedGain>,
@@ -294,13 +298,13 @@ impl AuditedLimit {
     fn all(limits: &Limits) -> Vec<Self> {
         let of = |of: &str, limit: Limit| {
             let [min, max] = [limit.min, limit.max].map(|bound| Some(double(bound)).filter(|it| it.is_finite()));
-            Self { of: of.to_owned(), min, max, gain: AuditedGain::of(limit.gain) }
+            Self { of: of.to_owned(), min, max, half_angles: None, gain: AuditedGain::of(limit.gain) }
         };
         let axes = named_axes().zip(limits.axes).filter_map(|((name, _), limit)| Some(of(name, limit?)));
         let distance = limits.distance.map(|limit| of("distance", limit));
         let cone = limits.cone.map(|cone| {
-            let [a, b] = cone.half_angles;
-            Self { of: "cone".to_owned(), min: None, max: Some(double(a.min(b))), gain: AuditedGain::of(cone.gain) }
+            let half_angles = Some(cone.half_angles.map(double));
+            Self { of: "cone".to_owned(), min: None, max: None, half_angles, gain: AuditedGain::of(cone.gain) }
         });
         axes.chain(distance).chain(cone).collect()
     }

@@ -23,7 +23,7 @@ pub enum Gain {
         damping: Real,
     },
     /// A spring and a damper that swing what hangs on the joint, as it stands when the step begins,
-    /// at this frequency.
+    /// at this frequency; with a limit of a distance, a twist or a cone, its two bodies alone.
     Frequency {
         /// \[Hz\]
         hertz: Real,

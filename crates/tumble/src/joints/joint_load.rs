@@ -30,9 +30,10 @@ pub struct JointLoad {
     /// over the step.
     pub torque: Vec3,
     /// Where the second frame is against the first, along the axes of the first: translation \[m\],
-    /// then the vector of the rotation \[rad\]. Zero along locked axes but for the joint's error.
+    /// then the vector of the rotation \[rad\]; of a universal joint its two angles, and the cosine
+    /// between their axes. Zero along locked axes but for the joint's error.
     pub values: [Real; 6],
     /// How fast the second frame moves against the first, along the axes of the first \[m/s\]
-    /// \[rad/s\].
+    /// \[rad/s\]; the second angle of a universal joint about its axis of the second.
     pub speeds: [Real; 6],
 }

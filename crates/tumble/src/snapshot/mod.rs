@@ -35,8 +35,8 @@ use crate::snapshot::state_hash::{Fnv, canonical};
 /// It holds the [`Pose`] of every body that has a [`BodyId`], the [`Momentum`] of those that forces
 /// move and the [`Velocity`] of kinematic ones: 64 bytes a body in single precision, 112 in double;
 /// and which [`Breakable`](crate::Breakable) joints are broken. With a [`Clock`] and, where bodies
-/// touch, the contacts, that is all that a run continues from, to the bit:
-/// [`Simulation::snapshot`](crate::Simulation::snapshot) takes all of it. What is no state is not
+/// touch or are jointed, the contacts and the loads of joints, that is all that a run continues
+/// from, to the bit: [`Simulation::snapshot`](crate::Simulation::snapshot) takes all of it. What is no state is not
 /// in it: masses, laws, joints and other components, the settings, the caller's own.
 ///
 /// A joint is known by the [`BodyId`] of its entity, which may be that of a body too, or without
@@ -92,8 +92,8 @@ struct Segment {
 }
 
 impl Snapshot {
-    /// The state of the world's bodies now, without a clock and without contacts, which are the
-    /// simulation's: see [`Simulation::snapshot`](crate::Simulation::snapshot). Take it between
+    /// The state of the world's bodies now, without the clock, contacts and loads of joints, which
+    /// are the simulation's: see [`Simulation::snapshot`](crate::Simulation::snapshot). Take it between
     /// steps, before the [`Wrench`]es of the next are added: those are inputs, and not in it.
     ///
     /// Fixed bodies without a [`BodyId`] are scenery and left out. Like every query of hecs, it
@@ -203,9 +203,9 @@ impl Snapshot {
     /// Pending [`Wrench`]es are zeroed and [`PreviousPose`] becomes the pose. As after every change
     /// of a momentum, the derived quantities follow with the next step, or with
     /// [`update_derived`](crate::update_derived) where something looks at them before. The
-    /// [`clock`](Self::clock) and the contacts are the simulation's and not set here, but by
-    /// [`Simulation::restore`](crate::Simulation::restore). The world need not be the one that was
-    /// captured, if it has the same bodies.
+    /// [`clock`](Self::clock), contacts and loads of joints are the simulation's and not set here,
+    /// but by [`Simulation::restore`](crate::Simulation::restore). The world need not be the one
+    /// that was captured, if it has the same bodies.
     ///
     /// # Errors
     /// The world is unchanged where a body of the snapshot is not in it ([`SnapshotError::Missing`]
