@@ -10,7 +10,6 @@ mod jointed;
 
 use glam::DVec3;
 use jointed::*;
-use tumble::math::Real;
 use tumble::{Joint, RigidBody, Shape};
 use tumble_tests::Draw;
 use tumble_tests::references::real_quat;

@@ -145,6 +145,18 @@ impl Mechanisms {
             self.gear_structure = gear_links.collect();
             self.arrange(body_index.len());
         }
+        self.read((constrained, contacts), body_index, columns, bodies);
+    }
+
+    /// Reads the bodies of mechanisms, where their joints act, and which are touched.
+    fn read(
+        &mut self,
+        (constrained, contacts): (&ConstrainedBodies, &ContactSet),
+        body_index: &BodyIndex,
+        columns: &WorldColumns<'_>,
+        bodies: &SolverBodies,
+    ) {
+        let moves = |slot: &Slot| constrained.row(*slot).is_some_and(|row| bodies.is_dynamic(row));
         let is_touched = &mut self.is_touched;
         is_touched.clear();
         is_touched.resize(body_index.len(), false);
