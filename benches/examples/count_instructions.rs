@@ -3,9 +3,9 @@
 //!
 //! `cargo run --release -p tumble-benches --example count_instructions`, with `--features f64` for
 //! double precision, runs boxes under each integrator, bodies that pull at each other, bodies that
-//! touch and chains of joints under valgrind, with each instruction set that valgrind knows, and
-//! fails where a body-step, or a joint's substep, has over 3 % more instructions than in
-//! `benches/instruction_counts.csv`. `-- --record`
+//! touch, chains of joints and queries under valgrind, with each instruction set that valgrind
+//! knows, and fails where a body-step, a joint's substep or a ray has over 3 % more instructions
+//! than in `benches/instruction_counts.csv`. `-- --record`
 //! writes what it finds there; that file says with which compiler, since another one makes other
 //! code. A minute; not among the checks of every change.
 //!
@@ -16,16 +16,17 @@ use std::fmt::Write;
 use std::process::{Command, ExitCode};
 
 use tumble::math::{PRECISION, Vec3};
-use tumble::{Batch, Integrator, Settings, Simulation, Trial, simd_name};
+use tumble::{Batch, Integrator, QueryFilter, Settings, Simulation, Trial, simd_name};
 use tumble_benches::{
-    JointKind, attracting_points, chain, eight_boxes, falling_balls, net_of_springs, pyramid, tumbling_boxes,
+    JointKind, attracting_points, chain, eight_boxes, falling_balls, net_of_springs, pyramid, rays_through_boxes,
+    scattered_boxes, tumbling_boxes,
 };
 
 /// Of free bodies: whole tiles, in whole chunks.
 const BODIES: u32 = 4096;
 /// Where bodies act on each other: a name, how many they are, and after how many steps counting
 /// begins.
-const COUPLED: [(&str, u32, u32); 7] = [
+const COUPLED: [(&str, u32, u32); 9] = [
     ("springs", 1024, 5),
     ("attraction", 256, 5),
     ("pyramid", 204, 5),
@@ -33,7 +34,13 @@ const COUPLED: [(&str, u32, u32); 7] = [
     ("worlds", WORLDS * 8, 60),
     ("chain", JOINTS * SUBSTEPS, 5),
     ("hinges", JOINTS * SUBSTEPS, 5),
+    ("rays", RAYS, 1),
+    ("unmoved", UNMOVED, 1),
 ];
+/// Rays of a hundred metres among ten thousand boxes.
+const RAYS: u32 = 256;
+/// Bodies of which queries find out that none has moved.
+const UNMOVED: u32 = 10_000;
 /// In a chain.
 const JOINTS: u32 = 100;
 /// In a step: with joints, what is counted is per joint and substep.
@@ -68,6 +75,7 @@ fn step(scene: &str, steps: u32) -> Result<(), Failure> {
     let pool = rayon::ThreadPoolBuilder::new().num_threads(1).use_current_thread().build()?;
     pool.install(|| match scene {
         "worlds" => step_worlds(steps),
+        "rays" | "unmoved" => ask(scene == "rays", steps),
         _ => step_world(scene, steps),
     })?;
     println!("{}", simd_name());
@@ -94,6 +102,22 @@ fn step_world(scene: &str, steps: u32) -> Result<(), Failure> {
 fn step_worlds(steps: u32) -> Result<(), Failure> {
     let made = |index: u32| Trial::new(Settings::default(), eight_boxes(index.into()));
     (0..WORLDS).map(made).collect::<Result<Batch, _>>()?.step_many(steps);
+    Ok(())
+}
+
+/// Brings queries up to date, and casts rays in them or not.
+fn ask(is_cast: bool, times: u32) -> Result<(), Failure> {
+    let simulation = Simulation::new(Settings::default())?;
+    let world = scattered_boxes(UNMOVED as usize);
+    let rays = rays_through_boxes(RAYS as usize);
+    let mut queries = simulation.queries(&world);
+    for _ in 0..times {
+        if is_cast {
+            std::hint::black_box(queries.cast_rays(&rays, &QueryFilter::ALL));
+        } else {
+            queries = simulation.queries(&world);
+        }
+    }
     Ok(())
 }
 

@@ -16,6 +16,7 @@ mod piles;
 mod pulling;
 #[cfg(feature = "peers")]
 mod rapier_joints;
+mod rays;
 mod scenes;
 mod threads;
 
@@ -24,6 +25,7 @@ pub use piles::{FRICTION, PileShape, eight_boxes, falling_balls, pyramid};
 pub use pulling::{attracting_points, net_of_springs};
 #[cfg(feature = "peers")]
 pub use rapier_joints::{RapierJoints, RapierWorld};
+pub use rays::{rays_through_boxes, scattered_boxes};
 pub use scenes::{mixed_bodies, mixed_body, mixed_moving_bodies, tumbling_box, tumbling_boxes};
 pub use threads::{SIZES, in_pools_of_one, label, pool, pools};
 pub use tumble::Rng;

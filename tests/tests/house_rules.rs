@@ -16,8 +16,9 @@ const MAX_LINES: usize = 500;
 /// Columns of a comment; examples in it may have as many as code.
 const MAX_COMMENT: usize = 100;
 /// Folders and files of the engine's root, from the ground up: each imports only from those before.
-const ENGINE: [&str; 24] = [
+const ENGINE: [&str; 26] = [
     "scope",
+    "event_log",
     "math",
     "lane",
     "range",
@@ -34,6 +35,7 @@ const ENGINE: [&str; 24] = [
     "forces",
     "joints",
     "collision",
+    "queries",
     "solver",
     "step",
     "energy",

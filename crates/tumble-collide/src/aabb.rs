@@ -57,6 +57,18 @@ impl<R: Scalar> Aabb<R> {
             & (other.high.z <= self.high.z)
     }
 
+    /// How far a point is from it \[m\]; zero inside.
+    pub(crate) fn distance(&self, point: Vec3<R>) -> R {
+        let zero = R::splat(0.0);
+        let out = |low: R, high: R, at: R| (low - at).max(at - high).max(zero);
+        let out = Vec3::new(
+            out(self.low.x, self.high.x, point.x),
+            out(self.low.y, self.high.y, point.y),
+            out(self.low.z, self.high.z, point.z),
+        );
+        out.dot(out).sqrt()
+    }
+
     /// Whether it is a box with an end on all sides, and not turned inside out.
     #[inline]
     pub(crate) fn is_finite(&self) -> bool {

@@ -83,19 +83,21 @@ pub enum Follow {
 }
 
 /// Two convex shapes on their ways.
-struct Moving<'a> {
-    shapes: [Convex<'a>; 2],
+pub(crate) struct Moving<'a> {
+    pub(crate) shapes: [Convex<'a>; 2],
     /// Of both together.
-    layers: f64,
-    courses: [&'a Course; 2],
+    pub(crate) layers: f64,
+    pub(crate) courses: [&'a Course; 2],
     /// How far points are from what they turn about at most.
-    radii: [f64; 2],
+    pub(crate) radii: [f64; 2],
 }
 
 /// How far two shapes are apart at some moment, and the unit vector from the first to the second.
-struct Gap {
-    distance: f64,
-    normal: Vector,
+pub(crate) struct Gap {
+    pub(crate) distance: f64,
+    pub(crate) normal: Vector,
+    /// Of the first, inside its layer, the nearest point; world frame.
+    pub(crate) on_first: Vector,
 }
 
 impl Meeting {
@@ -163,7 +165,7 @@ impl<'a> Moving<'a> {
 
     /// Whether balls around both pass each other, or a ball around one passes the other: these turn
     /// as they like.
-    fn are_passed(&self, tolerance: f64, slack: f64) -> bool {
+    pub(crate) fn are_passed(&self, tolerance: f64, slack: f64) -> bool {
         let wrapped = |which: [bool; 2]| {
             let more = (0..2).filter(|i| which[*i]).fold(0.0, |sum, i| sum + self.radii[i]);
             let shape = |i: usize| if which[i] { Convex::Point } else { self.shapes[i] };
@@ -183,22 +185,24 @@ impl<'a> Moving<'a> {
         }
     }
 
-    fn gap(&self, moment: f64) -> Option<Gap> {
+    pub(crate) fn gap(&self, moment: f64) -> Option<Gap> {
         let [first_at, second_at] = self.courses.map(|course| course.at(moment));
         let shapes = difference(self.shapes[0], &first_at, self.shapes[1], &second_at)?;
         Some(match nearest(&shapes, f64::INFINITY) {
-            Nearest::Apart { between, .. } => {
+            Nearest::Apart { between, on_first } => {
                 let length = between.dot(between).sqrt();
                 let normal = first_at.orientation.rotate(between * (1.0 / length));
-                Gap { distance: length - self.layers, normal }
+                Gap { distance: length - self.layers, normal, on_first: first_at.to_world(on_first) }
             }
-            Nearest::Far | Nearest::Overlap(_) => Gap { distance: -self.layers, normal: Vector::zero() },
+            Nearest::Far | Nearest::Overlap(_) => {
+                Gap { distance: -self.layers, normal: Vector::zero(), on_first: first_at.position }
+            }
         })
     }
 
     /// How fast they can come together along a unit vector from the first to the second, in a leg
     /// in which the second goes `way` past the first.
-    fn rate(&self, way: Vector, normal: Vector) -> f64 {
+    pub(crate) fn rate(&self, way: Vector, normal: Vector) -> f64 {
         let turning = |which: usize| {
             let across = normal.cross(self.courses[which].angular());
             across.dot(across).sqrt() * self.radii[which]
@@ -206,7 +210,7 @@ impl<'a> Moving<'a> {
         turning(0) + turning(1) - way.dot(normal)
     }
 
-    fn way(&self, moment: f64) -> Vector {
+    pub(crate) fn way(&self, moment: f64) -> Vector {
         self.courses[1].linear(moment) - self.courses[0].linear(moment)
     }
 
@@ -217,7 +221,7 @@ impl<'a> Moving<'a> {
             work::compared(1);
             let gap = self.gap(now)?;
             if gap.distance <= tolerance {
-                let Gap { distance, normal } = gap;
+                let Gap { distance, normal, .. } = gap;
                 return Some(Meeting { moment: now, is_hit: true, distance, normal });
             }
             let end = self.courses.iter().flat_map(|course| course.turns()).filter(|end| *end > now);
@@ -236,7 +240,7 @@ impl<'a> Moving<'a> {
             (before, now) = (now, next);
         }
         // They graze each other for long: from here on anything may be.
-        let Gap { distance, normal } = self.gap(now)?;
+        let Gap { distance, normal, .. } = self.gap(now)?;
         Some(Meeting { moment: now, is_hit: false, distance, normal })
     }
 
@@ -249,7 +253,7 @@ impl<'a> Moving<'a> {
             if self.gap(a)?.distance <= self.gap(b)?.distance { high = b } else { low = a }
         }
         let moment = if high == high_end { high } else { 0.5 * (low + high) };
-        let Gap { distance, normal } = self.gap(moment)?;
+        let Gap { distance, normal, .. } = self.gap(moment)?;
         (distance <= slack).then_some(Meeting { moment, is_hit: distance <= 0.0, distance, normal })
     }
 }
@@ -316,7 +320,7 @@ fn with_surface<R: Scalar>(
     first
 }
 
-fn furthest_from_origin(corners: [Vector; 3]) -> f64 {
+pub(crate) fn furthest_from_origin(corners: [Vector; 3]) -> f64 {
     corners.iter().fold(0.0, |most, corner| f64::max(most, corner.dot(*corner).sqrt()))
 }
 

@@ -67,6 +67,12 @@ impl<R: Scalar> Compound<R> {
         self.numbers.get(place).copied().zip(self.parts.get(place))
     }
 
+    /// The first of the numbers of a part, by its place in the list; zero where there is none.
+    #[must_use]
+    pub fn number_of(&self, part: usize) -> u32 {
+        self.numbers.get(part).copied().unwrap_or(0)
+    }
+
     /// How many numbers its parts have.
     pub(crate) fn count(&self) -> u32 {
         let last = self.parts.last().zip(self.numbers.last());

@@ -100,6 +100,13 @@ impl ConvexHull {
         sides.filter(|(from, to)| from < to).map(|(from, to)| [*from, *to].map(|corner| self.points[corner as usize]))
     }
 
+    /// The outward unit normal of each face, and a corner of it \[m\].
+    pub(crate) fn planes(&self) -> impl Iterator<Item = (Vector, Vector)> + '_ {
+        self.normals.iter().zip(&self.faces).filter_map(|(normal, face)| {
+            self.corners.get(face.from).map(|corner| (*normal, self.points[*corner as usize]))
+        })
+    }
+
     /// Triangles with a side in common that lie in one plane become one face.
     fn join_faces(&mut self, triangles: &[[u32; 3]]) {
         let at = |corner: u32| self.points[corner as usize];

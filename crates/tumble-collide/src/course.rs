@@ -93,6 +93,21 @@ impl Course {
         Isometry { position, orientation: (turn * self.start.orientation).normalize() }
     }
 
+    /// From one moment to another, as a course of its own.
+    #[must_use]
+    pub fn part(&self, from: f64, to: f64) -> Self {
+        let mut legs = [(1.0, Vector::zero()); MAX_LEGS];
+        legs[0] = (0.0, self.gone(to) - self.gone(from));
+        let (center, _) = self.center_and_turn(from);
+        Self { start: self.at(from), center, angular: self.angular * (to - from), legs, len: 1 }
+    }
+
+    /// Where the centre of mass is \[m\] at a moment, and how the body has turned since the beginning.
+    #[must_use]
+    pub fn center_and_turn(&self, moment: f64) -> (Vec3<f64>, Quat<f64>) {
+        (self.center + self.gone(moment), self.turn(moment))
+    }
+
     /// Of a ball about what it turns about.
     pub(crate) fn of_center(&self) -> Self {
         let start = Isometry { position: self.center, ..self.start };

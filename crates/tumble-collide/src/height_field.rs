@@ -6,6 +6,8 @@ use thiserror::Error;
 
 use crate::aabb::Aabb;
 use crate::bvh::enclosing;
+use crate::query::heights;
+use crate::query::line::Line;
 use crate::support_map::Vector;
 use crate::surface::{Patches, Surface};
 
@@ -150,6 +152,16 @@ impl HeightField {
         self.aabb
     }
 
+    /// The distances of columns and of rows \[m\].
+    pub(crate) fn spacing(&self) -> [f64; 2] {
+        self.spacing
+    }
+
+    /// How many cells there are along x and along z.
+    pub(crate) fn cells(&self) -> [usize; 2] {
+        [self.columns as usize - 1, self.rows as usize - 1]
+    }
+
     /// Column and row of a triangle's cell, and which of the two it is.
     fn cell(&self, triangle: u32) -> (u32, u32, bool) {
         let (cell, wide) = (triangle / 2, self.columns - 1);
@@ -186,7 +198,7 @@ impl Surface for HeightField {
         }
     }
 
-    fn around(&self, corner: u32, visit: &mut dyn FnMut(u32)) {
+    fn corners_beside(&self, corner: u32, visit: &mut dyn FnMut(u32)) {
         let (column, row) = (corner % self.columns, corner / self.columns);
         let (left, right) = (column > 0, column + 1 < self.columns);
         let (back, front) = (row > 0, row + 1 < self.rows);
@@ -225,6 +237,14 @@ impl Surface for HeightField {
                 }
             }
         }
+    }
+
+    fn along(&self, line: &Line, half: Vector, most: f64, visit: &mut dyn FnMut(u32) -> f64) {
+        heights::along(self, line, half, most, visit);
+    }
+
+    fn around(&self, point: Vector, most: f64, visit: &mut dyn FnMut(u32) -> f64) {
+        heights::around(self, point, most, visit);
     }
 
     fn patches(&self) -> &Patches {

@@ -46,6 +46,8 @@ mod mesh_pair;
 mod minkowski;
 #[cfg(test)]
 mod pair_tests;
+mod passage;
+mod query;
 mod scalar;
 mod sphere;
 mod sphere_lanes;
@@ -65,6 +67,11 @@ pub use course::Course;
 pub use height_field::{HeightField, HeightFieldError};
 pub use manifold::{ContactPoint, MAX_MANIFOLD_POINTS, Manifold};
 pub use mesh::Mesh;
+pub use passage::Passage;
+pub use query::point::NearestPoint;
+pub use query::query_tree::{QueryTree, TreeBox};
+pub use query::ray::{Ray, ShapeRayHit};
+pub use query::shape_cast::ShapeCastHit;
 pub use scalar::Scalar;
 #[cfg(feature = "count-work")]
 pub use work::work_done;

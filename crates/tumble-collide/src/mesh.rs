@@ -4,6 +4,7 @@ use tumble_math::{MeshError, TriangleMesh};
 
 use crate::aabb::Aabb;
 use crate::bvh::{Bvh, enclosing};
+use crate::query::line::Line;
 use crate::support_map::Vector;
 use crate::surface::{Patches, Surface};
 
@@ -183,13 +184,21 @@ impl Surface for Mesh {
         self.neighbours[triangle as usize][side]
     }
 
-    fn around(&self, corner: u32, visit: &mut dyn FnMut(u32)) {
+    fn corners_beside(&self, corner: u32, visit: &mut dyn FnMut(u32)) {
         let range = self.starts[corner as usize] as usize..self.starts[corner as usize + 1] as usize;
         self.ends[range].iter().for_each(|end| visit(*end));
     }
 
     fn near(&self, aabb: &Aabb<f64>, visit: &mut dyn FnMut(u32)) {
         self.bvh.near(aabb, visit);
+    }
+
+    fn along(&self, line: &Line, half: Vector, most: f64, visit: &mut dyn FnMut(u32) -> f64) {
+        self.bvh.along(line, half, most, visit);
+    }
+
+    fn around(&self, point: Vector, most: f64, visit: &mut dyn FnMut(u32) -> f64) {
+        self.bvh.around(point, most, visit);
     }
 
     fn patches(&self) -> &Patches {

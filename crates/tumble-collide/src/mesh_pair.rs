@@ -365,7 +365,7 @@ impl<S: Surface> Over<'_, S> {
         let [side, other] = place.sides;
         if side != other {
             let corner = corners[place.corner];
-            self.surface.around(self.surface.corners(triangle)[place.corner], &mut |end| {
+            self.surface.corners_beside(self.surface.corners(triangle)[place.corner], &mut |end| {
                 work::compared(1);
                 visit(unit(self.surface.point(end) - corner));
             });

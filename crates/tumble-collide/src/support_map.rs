@@ -34,6 +34,8 @@ pub(crate) enum Convex<'a> {
         half_height: f64,
     },
     Hull(&'a ConvexHull),
+    /// A hull that is smaller by these factors along its axes, about its middle.
+    SmallerHull(&'a ConvexHull, Vector),
     Triangle([Vector; 3]),
 }
 
@@ -86,6 +88,9 @@ impl<'a> Convex<'a> {
                 if above.dot(d) >= below.dot(d) { above } else { below }
             }
             Self::Hull(hull) => hull.support(d),
+            Self::SmallerHull(hull, scale) => {
+                hull.middle() + (hull.support(d.scale(scale)) - hull.middle()).scale(scale)
+            }
             Self::Triangle(corners) => {
                 let [a, b, c] = corners;
                 let best = if b.dot(d) > a.dot(d) { b } else { a };
@@ -104,7 +109,7 @@ impl<'a> Convex<'a> {
             }
             Self::Cuboid { half } => Feature::of_cuboid(half, d),
             Self::Frustum(frustum) => frustum.feature(d, margin),
-            Self::Ellipsoid { .. } => Feature::point(self.support(d)),
+            Self::Ellipsoid { .. } | Self::SmallerHull(..) => Feature::point(self.support(d)),
             Self::Tapered { radii, half_height } => {
                 let [below, above] = tapered_ends(radii, half_height, d);
                 Feature::segment(below, above)
@@ -131,7 +136,11 @@ impl<'a> Convex<'a> {
                 let normal = unit((b - a).cross(c - a));
                 Some(if normal.dot(d) >= 0.0 { normal } else { normal * -1.0 })
             }
-            Self::Point | Self::Segment { .. } | Self::Ellipsoid { .. } | Self::Tapered { .. } => None,
+            Self::Point
+            | Self::Segment { .. }
+            | Self::Ellipsoid { .. }
+            | Self::Tapered { .. }
+            | Self::SmallerHull(..) => None,
         }
     }
 
@@ -143,7 +152,7 @@ impl<'a> Convex<'a> {
     /// A point inside, far from the surface.
     pub(crate) fn middle(&self) -> Vector {
         match *self {
-            Self::Hull(hull) => hull.middle(),
+            Self::Hull(hull) | Self::SmallerHull(hull, _) => hull.middle(),
             Self::Triangle([a, b, c]) => (a + b + c) * (1.0 / 3.0),
             _ => Vector::zero(),
         }

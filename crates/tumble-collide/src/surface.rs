@@ -1,6 +1,7 @@
 //! What meshes and height fields have in common: triangles that know what is beyond their sides.
 
 use crate::aabb::Aabb;
+use crate::query::line::Line;
 use crate::support_map::{Vector, unit};
 
 /// Triangles, counter-clockwise as seen from outside. Side `k` goes from corner `k` to the next.
@@ -17,10 +18,18 @@ pub(crate) trait Surface {
     fn across(&self, triangle: u32, side: usize) -> Option<u32>;
 
     /// Shows the other ends of all sides at a corner, given by number.
-    fn around(&self, corner: u32, visit: &mut dyn FnMut(u32));
+    fn corners_beside(&self, corner: u32, visit: &mut dyn FnMut(u32));
 
     /// Shows the triangles that a box may meet.
     fn near(&self, aabb: &Aabb<f64>, visit: &mut dyn FnMut(u32));
+
+    /// Shows the triangles that may be met by a box that reaches `half` \[m\] from a line and is
+    /// moved along it, from the line's point on and up to the distance `most` \[m\], which `visit`
+    /// may shorten: it returns the new one. Nearer ones come earlier, more or less.
+    fn along(&self, line: &Line, half: Vector, most: f64, visit: &mut dyn FnMut(u32) -> f64);
+
+    /// The same of triangles that may be nearer to a point than `most` \[m\].
+    fn around(&self, point: Vector, most: f64, visit: &mut dyn FnMut(u32) -> f64);
 
     fn patches(&self) -> &Patches;
 

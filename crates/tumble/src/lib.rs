@@ -83,12 +83,14 @@ mod collision;
 mod components;
 mod debug_draw;
 mod energy;
+mod event_log;
 mod forces;
 mod integrator;
 mod integrators;
 mod joints;
 pub mod lane;
 pub mod math;
+mod queries;
 mod range;
 pub mod rotation;
 mod scope;
@@ -115,10 +117,11 @@ pub use collision::collider::Collider;
 pub use collision::collider_error::ColliderError;
 pub use collision::contact_events::ContactEvent;
 pub use collision::material::{CombineRule, Material};
+pub use collision::sensors::SensorEvent;
 pub use components::property_error::PropertyError;
 pub use components::{
-    BodyId, CenterOfMass, Damping, GravityScale, Inertia, InertiaComponentError, InverseInertia, Mass, Momentum, Pose,
-    PreviousPose, PrincipalAxes, Velocity, Wind, Work, Wrench,
+    BodyId, BodyKind, CenterOfMass, Damping, GravityScale, Inertia, InertiaComponentError, InverseInertia, Mass,
+    Momentum, Pose, PreviousPose, PrincipalAxes, Velocity, Wind, Work, Wrench,
 };
 pub use debug_draw::{DebugDraw, DebugView};
 pub use energy::ledger::{Ledger, LedgerEntry};
@@ -147,7 +150,6 @@ pub use settings::{Settings, SettingsError};
 pub use simd::simd_name;
 pub use snapshot::Snapshot;
 pub use snapshot::error::{ContactDefect, SnapshotError};
-pub use snapshot::kind::BodyKind;
 pub use snapshot::rollback::{Rollback, RollbackError};
 pub use snapshot::state_arrays::{STATE_SIZE, StateArrayError, array_to_derived_state, array_to_state, state_to_array};
 pub use snapshot::state_hash::state_hash;
@@ -162,6 +164,12 @@ pub use step::systems::{
     accumulate_forces, integrate, integrate_under_laws, move_kinematic_bodies, remember_poses, update_derived,
 };
 pub use storage::body_order::BodyOrder;
+
+pub use queries::hits::{PartHit, PointHit, RayHit, ShapeHit};
+pub use queries::query_filter::QueryFilter;
+pub use queries::query_index::QueryIndex;
+pub use queries::ray::Ray;
+pub use queries::world_queries::Queries;
 
 pub use {glam, hecs};
 

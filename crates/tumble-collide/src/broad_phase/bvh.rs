@@ -9,7 +9,7 @@ use crate::scalar::Scalar;
 /// Boxes in eights, the boxes of eights in eights, and so on up to one. It has no pointers: the
 /// children of node `i` are the nodes from `8 i` on, one level below.
 #[derive(Clone, Debug, Default)]
-pub(super) struct Bvh8<R> {
+pub(crate) struct Bvh8<R> {
     /// What is in each lane of each leaf.
     objects: Vec<[u32; LANES]>,
     /// From the leaves up to the root.
@@ -17,9 +17,13 @@ pub(super) struct Bvh8<R> {
     items: Vec<Item<R>>,
 }
 
+/// More nodes than are ever put off, which are eight for each level of a tree of 2^32 objects; a
+/// power of two, so that no place in it has to be checked.
+const MAX_STACK: usize = 128;
+
 impl<R: Scalar> Bvh8<R> {
     /// Makes a tree of some of the objects.
-    pub(super) fn build(&mut self, objects: impl Iterator<Item = u32>, boxes: &[Aabb<R>]) {
+    pub(crate) fn build(&mut self, objects: impl Iterator<Item = u32>, boxes: &[Aabb<R>]) {
         arrange(objects, boxes, &mut self.items, &mut self.objects);
         let mut width = self.objects.len();
         let mut height = 0;
@@ -39,12 +43,12 @@ impl<R: Scalar> Bvh8<R> {
         self.refit();
     }
 
-    pub(super) fn leaves(&self) -> usize {
+    pub(crate) fn leaves(&self) -> usize {
         self.objects.len()
     }
 
     /// The objects of a leaf; [`NONE`] where there is none.
-    pub(super) fn objects(&self, leaf: usize) -> &[u32; LANES] {
+    pub(crate) fn objects(&self, leaf: usize) -> &[u32; LANES] {
         &self.objects[leaf]
     }
 
@@ -60,7 +64,7 @@ impl<R: Scalar> Bvh8<R> {
     }
 
     /// Makes the nodes above the leaves as large as they have to be.
-    pub(super) fn refit(&mut self) {
+    pub(crate) fn refit(&mut self) {
         for height in 1..self.levels.len() {
             let (below, above) = self.levels.split_at_mut(height);
             let children = &below[height - 1];
@@ -74,7 +78,7 @@ impl<R: Scalar> Bvh8<R> {
 
     /// How long the boxes of the leaves are in the mean, as a multiple of those of the objects in
     /// them: the larger, the more leaves meet.
-    pub(super) fn looseness(&self) -> R {
+    pub(crate) fn looseness(&self) -> R {
         let sides = |height: usize| {
             let nodes = self.levels.get(height).into_iter().flatten();
             nodes.fold(R::splat(0.0), |sum, aabb8| sum + aabb8.sides())
@@ -83,7 +87,7 @@ impl<R: Scalar> Bvh8<R> {
     }
 
     /// Adds the leaves, from leaf `from` on, whose boxes meet the other to `found`.
-    pub(super) fn find(&self, other: &Aabb<R>, from: usize, stack: &mut Vec<(u32, u32)>, found: &mut Vec<u32>) {
+    pub(crate) fn find(&self, other: &Aabb<R>, from: usize, stack: &mut Vec<(u32, u32)>, found: &mut Vec<u32>) {
         let Some(root) = self.levels.len().checked_sub(1) else { return };
         if root == 0 {
             found.push(0);
@@ -105,6 +109,81 @@ impl<R: Scalar> Bvh8<R> {
                 stack.extend(children.map(|child| (below, *child)));
             }
         }
+    }
+
+    /// Shows the objects in the order of how near the boxes around them are, as `measure` has it of
+    /// eight boxes, up to `most`, a number, which `visit` may lower: it returns the new one.
+    pub(crate) fn nearest_first(
+        &self,
+        measure: impl Fn(&Aabb8<R>, &mut [R; LANES]),
+        mut most: R,
+        visit: &mut impl FnMut(u32, R) -> R,
+    ) -> R {
+        let Some(top) = self.levels.len().checked_sub(1) else { return most };
+        let zero = R::splat(0.0);
+        let mut stack = [(0_u32, 0_u32, zero); MAX_STACK];
+        let (mut len, mut values) = (1, [zero; LANES]);
+        stack[0] = (top as u32, 0, zero);
+        while len > 0 {
+            len -= 1;
+            let (height, node, value) = stack[len % MAX_STACK];
+            if value > most {
+                continue;
+            }
+            measure(&self.levels[height as usize][node as usize], &mut values);
+            // The children, furthest first, on top of what is put off.
+            let begin = len;
+            for (lane, value) in (0_u32..).zip(values) {
+                if value <= most {
+                    let mut place = len;
+                    while place > begin && stack[(place - 1) % MAX_STACK].2 < value {
+                        stack[place % MAX_STACK] = stack[(place - 1) % MAX_STACK];
+                        place -= 1;
+                    }
+                    stack[place % MAX_STACK] = (height.wrapping_sub(1), node * LANES as u32 + lane, value);
+                    len += 1;
+                }
+            }
+            while height == 0 && len > begin {
+                len -= 1;
+                let (_, place, value) = stack[len % MAX_STACK];
+                let object = self.objects[place as usize / LANES][place as usize % LANES];
+                if value <= most && object != NONE {
+                    most = visit(object, value);
+                }
+            }
+        }
+        most
+    }
+
+    /// Shows the objects in nodes of which a box is met: all whose box is met, and others.
+    pub(crate) fn meeting(&self, aabb: &Aabb<R>, visit: &mut impl FnMut(u32)) {
+        let Some(top) = self.levels.len().checked_sub(1) else { return };
+        let mut stack = [(0_u32, 0_u32); MAX_STACK];
+        let (mut len, mut marks, mut lanes) = (1, Marks::default(), [0; LANES]);
+        stack[0] = (top as u32, 0);
+        while len > 0 {
+            len -= 1;
+            let (height, node) = stack[len];
+            self.levels[height as usize][node as usize].meeting(aabb, &mut marks);
+            let count = marks.select(&mut lanes, |lane| node * LANES as u32 + lane as u32);
+            for child in &lanes[..count] {
+                if height == 0 {
+                    let object = self.objects[*child as usize / LANES][*child as usize % LANES];
+                    if object != NONE {
+                        visit(object);
+                    }
+                } else {
+                    stack[len] = (height - 1, *child);
+                    len += 1;
+                }
+            }
+        }
+    }
+
+    /// Gives the object at a place another box.
+    pub(crate) fn set(&mut self, place: usize, aabb: &Aabb<R>) {
+        self.levels[0][place / LANES].set(place % LANES, aabb);
     }
 
     /// Adds the pairs among the objects of a leaf whose boxes meet.

@@ -15,7 +15,7 @@ use crate::aabb::Aabb;
 use crate::scalar::Scalar;
 
 /// No object: what is in the lanes that are left over.
-pub(super) const NONE: u32 = u32::MAX;
+pub(crate) const NONE: u32 = u32::MAX;
 
 /// An object on its way to a place.
 #[derive(Clone, Copy, Debug)]

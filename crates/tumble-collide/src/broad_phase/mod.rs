@@ -1,8 +1,8 @@
 //! Broad phase: incremental search for overlapping pairs with fat AABBs and two BVHs.
 
-mod aabb8;
-mod bvh;
-mod bvh_build;
+pub(crate) mod aabb8;
+pub(crate) mod bvh;
+pub(crate) mod bvh_build;
 mod fat_aabb;
 mod pair_list;
 mod proxy;
@@ -14,6 +14,7 @@ use bvh_build::NONE;
 use fat_aabb::FatAabbs;
 use pair_list::{Pair, PairList, merge};
 
+use crate::aabb::Aabb;
 use crate::scalar::Scalar;
 
 /// The tree is rebuilt when its leaves have become longer than when it was made by this factor.
@@ -166,6 +167,27 @@ impl<R: Scalar> BroadPhase<R> {
         }
         self.endless.iter().for_each(|pair| then(pair.0, pair.1));
         self.reset();
+    }
+
+    /// Shows the objects with an end of which the box that they were given in the last search meets
+    /// another; that box holds theirs. Those without an end, and those nowhere, are not shown.
+    ///
+    /// ```
+    /// use tumble_collide::{Aabb, BroadPhase, Proxy};
+    /// use tumble_math::lane::Vec3;
+    ///
+    /// let unit = |x: f64| Aabb::about(Vec3::new(x, 0.0, 0.0), Vec3::splat(0.5));
+    /// let proxies = [3.0, 0.0, 9.0].map(|x| Proxy { aabb: Some(unit(x)), moves: x > 0.0 });
+    /// let mut broad_phase = BroadPhase::default();
+    /// broad_phase.update(&proxies, |_, _| true);
+    /// let mut met = Vec::new();
+    /// broad_phase.meeting(&Aabb::about(Vec3::zero(), Vec3::splat(4.0)), &mut |object| met.push(object));
+    /// met.sort_unstable();
+    /// assert_eq!(met, [0, 1]);
+    /// ```
+    pub fn meeting(&self, aabb: &Aabb<R>, visit: &mut impl FnMut(u32)) {
+        self.moving.meeting(aabb, visit);
+        self.still.meeting(aabb, visit);
     }
 
     /// What [`update`](Self::update) found the last time.

@@ -44,11 +44,19 @@ use crate::range::{LENGTHS, within};
 /// ```
 #[derive(Clone, Debug, PartialEq)]
 pub struct Collider {
-    pub(crate) geometry: ColliderShape,
+    /// Shared by all copies, so that it is seen at once whether a collider is still the same.
+    properties: Arc<Properties>,
+}
+
+#[derive(Clone, Debug, PartialEq)]
+struct Properties {
+    geometry: ColliderShape,
     material: Material,
     /// Where the shape is in the body's frame; `None` where that is its own.
     offset: Option<Isometry<Real>>,
     groups: Groups,
+    /// Whether it only senses what is in it, and pushes nothing.
+    is_sensor: bool,
     /// Of a compound of colliders, what its parts have.
     parts: Option<Arc<[PartSurface]>>,
 }
@@ -63,6 +71,10 @@ pub(crate) struct Groups {
 
 impl Groups {
     pub(crate) const ALL: Self = Self { membership: u32::MAX, filter: u32::MAX };
+
+    pub(crate) fn new(membership: u32, filter: u32) -> Self {
+        Self { membership, filter }
+    }
 
     /// Membership and filter.
     pub(crate) fn bits(self) -> (u32, u32) {
@@ -178,7 +190,7 @@ impl Collider {
     pub fn with_material(self, material: Material) -> Result<Self, ColliderError> {
         material.check()?;
         let parts = self.changed_parts(|part| PartSurface { material, ..part });
-        Ok(Self { material, parts, ..self })
+        Ok(self.changed(|it| (it.material, it.parts) = (material, parts)))
     }
 
     /// The same at another place: a pose of the shape's frame in the body's, in place of the one it
@@ -200,7 +212,8 @@ impl Collider {
             return Err(ColliderError::Offset { offset });
         }
         let orientation = offset.orientation.normalize().into();
-        Ok(Self { offset: Some(Isometry { position: offset.position.into(), orientation }), ..self })
+        let offset = Isometry { position: offset.position.into(), orientation };
+        Ok(self.changed(|it| it.offset = Some(offset)))
     }
 
     /// The same with groups: what the collider is, and what it touches, each a set of up to 32
@@ -221,41 +234,98 @@ impl Collider {
     pub fn with_groups(self, membership: u32, filter: u32) -> Self {
         let groups = Groups { membership, filter };
         let parts = self.changed_parts(|part| PartSurface { groups, ..part });
-        Self { groups, parts, ..self }
+        self.changed(|it| (it.groups, it.parts) = (groups, parts))
+    }
+
+    /// The same as a sensor: nothing is pushed by it or pushes it, and
+    /// [`Simulation::sensor_events`](crate::Simulation::sensor_events) tells what comes into it and
+    /// what leaves. Queries pass it over unless asked for sensors.
+    ///
+    /// Sensors do not sense each other, and fixed ones do not sense fixed bodies. In a
+    /// [compound](Self::compound) some parts may be sensors; called on the whole, all are. Meshes and
+    /// height fields are surfaces: as sensors they sense what crosses them.
+    ///
+    /// ```
+    /// use tumble::{Collider, SensorEvent, prelude::*};
+    ///
+    /// let mut world = hecs::World::new();
+    /// let shape = Shape::cuboid([1.0, 0.1, 1.0]);
+    /// let plate = Collider::new(&shape)?.sensor();
+    /// let plate = RigidBody::new(shape).fixed().build()?.spawn_with(&mut world, (plate,));
+    /// let ball = RigidBody::new(Shape::sphere(0.2)).mass(1.0).position(Vec3::Y);
+    /// let ball = ball.build()?.spawn_with(&mut world, (Collider::new(&Shape::sphere(0.2))?,));
+    ///
+    /// let mut simulation = Simulation::new(Settings::default())?;
+    /// simulation.step_many(&mut world, 60);
+    /// let events: Vec<_> = simulation.sensor_events().collect();
+    /// let it = SensorEvent { sensor: plate, part: 0, body: ball, begins: true };
+    /// assert_eq!(events, [it, SensorEvent { begins: false, ..it }]); // it fell through
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    #[must_use]
+    pub fn sensor(self) -> Self {
+        let parts = self.changed_parts(|part| PartSurface { is_sensor: true, ..part });
+        self.changed(|it| (it.is_sensor, it.parts) = (true, parts))
+    }
+
+    /// Whether it, or all of its parts, are [sensors](Self::sensor).
+    #[must_use]
+    pub fn is_sensor(&self) -> bool {
+        self.properties.is_sensor
     }
 
     /// Its surface; of [several colliders](Self::compound) the first one's.
     #[must_use]
     pub fn material(&self) -> &Material {
-        &self.material
+        &self.properties.material
     }
 
     /// Its collision groups; of [several colliders](Self::compound) the union of theirs.
     #[must_use]
     pub fn groups(&self) -> (u32, u32) {
-        self.groups.bits()
+        self.properties.groups.bits()
+    }
+
+    pub(crate) fn geometry(&self) -> &ColliderShape {
+        &self.properties.geometry
+    }
+
+    /// Whether it is the other one, or a copy of it: what was made separately is another, even where
+    /// it is equal.
+    pub(crate) fn is_same(&self, other: &Self) -> bool {
+        Arc::ptr_eq(&self.properties, &other.properties)
+    }
+
+    /// Whether any of it is a sensor.
+    pub(crate) fn has_sensor(&self) -> bool {
+        self.is_sensor() || self.surfaces().iter().any(|part| part.is_sensor)
+    }
+
+    fn changed(mut self, change: impl FnOnce(&mut Properties)) -> Self {
+        change(Arc::make_mut(&mut self.properties));
+        self
     }
 
     pub(crate) fn filter_groups(&self) -> Groups {
-        self.groups
+        self.properties.groups
     }
 
     /// Where the shape is, for a body whose frame is there.
     pub(crate) fn placement(&self, body: Isometry<Real>) -> Isometry<Real> {
-        self.offset.as_ref().map_or(body, |offset| body.then(offset))
+        self.properties.offset.as_ref().map_or(body, |offset| body.then(offset))
     }
 
     pub(crate) fn place(&self) -> Option<Isometry<Real>> {
-        self.offset
+        self.properties.offset
     }
 
     /// The surfaces of its parts, if they have their own.
     pub(crate) fn surfaces(&self) -> &[PartSurface] {
-        self.parts.as_deref().unwrap_or_default()
+        self.properties.parts.as_deref().unwrap_or_default()
     }
 
     fn changed_parts(&self, change: impl Fn(PartSurface) -> PartSurface) -> Option<Arc<[PartSurface]>> {
-        self.parts.as_ref().map(|parts| parts.iter().cloned().map(change).collect())
+        self.properties.parts.as_ref().map(|parts| parts.iter().cloned().map(change).collect())
     }
 
     pub(crate) fn of_parts(
@@ -264,10 +334,14 @@ impl Collider {
         groups: Groups,
         parts: Arc<[PartSurface]>,
     ) -> Self {
-        Self { geometry, material, offset: None, groups, parts: Some(parts) }
+        let is_sensor = parts.iter().all(|part| part.is_sensor);
+        let parts = Some(parts);
+        Self { properties: Arc::new(Properties { geometry, material, offset: None, groups, is_sensor, parts }) }
     }
 
     fn of(geometry: ColliderShape) -> Self {
-        Self { geometry, material: Material::default(), offset: None, groups: Groups::ALL, parts: None }
+        let (material, groups) = (Material::default(), Groups::ALL);
+        let is_sensor = false;
+        Self { properties: Arc::new(Properties { geometry, material, offset: None, groups, is_sensor, parts: None }) }
     }
 }

@@ -32,13 +32,16 @@ pub(crate) struct ColliderState {
     /// Centre of mass \[m\].
     pub(crate) center: Vec3<Real>,
     pub(crate) kind: LaneKind,
-    /// Whether the body is dynamic.
+    /// Whether the body is dynamic, and whether it is fixed.
     pub(crate) is_dynamic: bool,
+    pub(crate) is_fixed: bool,
     /// How far from its surface another's may be to be a contact, with the other's reach added
     /// \[m\].
     pub(crate) reach: Real,
     /// The same without what its velocity adds \[m\]; zero for non-dynamic bodies.
     pub(crate) margin: Real,
+    /// Of its collider where that is thinnest \[m\].
+    pub(crate) half_thickness: Real,
     /// Linear and angular, of non-dynamic bodies [m/s] [rad/s].
     pub(crate) velocity: (Vec3<Real>, Vec3<Real>),
     pub(crate) motion: Motion,
@@ -64,11 +67,15 @@ impl Motion {
 }
 
 impl ColliderState {
-    /// Its proxy in the broad phase. Without geometry it is nowhere.
-    pub(crate) fn proxy(&self, geometry: Option<&ColliderShape<Real>>) -> Proxy<Real> {
-        let nowhere = Some(Aabb::about(Vec3::splat(Real::NAN), Vec3::zero()));
-        let aabb = geometry.map_or(nowhere, |geometry| geometry.aabb(&self.placement, self.reach));
-        Proxy { aabb, moves: self.is_dynamic }
+    /// The proxy of nothing, which is nowhere.
+    pub(crate) fn no_proxy() -> Proxy<Real> {
+        Proxy { aabb: Some(Aabb::about(Vec3::splat(Real::NAN), Vec3::zero())), moves: false }
+    }
+
+    /// Its proxy in the broad phase, larger by `more` \[m\]. What senses is compared with what does
+    /// not move, too.
+    pub(crate) fn proxy(&self, geometry: &ColliderShape<Real>, more: Real, senses: bool) -> Proxy<Real> {
+        Proxy { aabb: geometry.aabb(&self.placement, self.reach + more), moves: self.is_dynamic || senses }
     }
 
     /// Known by its centre of mass alone.
@@ -88,8 +95,10 @@ impl ColliderState {
             center: zero,
             kind: LaneKind::Other,
             is_dynamic: false,
+            is_fixed: false,
             reach: 0.0,
             margin: 0.0,
+            half_thickness: 0.0,
             velocity: (zero, zero),
             motion: Motion::NONE,
         }

@@ -3,11 +3,13 @@
 use std::sync::Arc;
 
 use tumble_collide::{Compound, Isometry};
+use tumble_math::lane::Quat;
 
 use crate::collision::collider::{Collider, Groups};
 use crate::collision::collider_error::ColliderError;
 use crate::collision::collider_shape::{ColliderShape, checked};
 use crate::collision::material::Material;
+use crate::math::{Real, dvec3};
 
 /// The surface and groups of a part.
 #[derive(Clone, Debug, PartialEq)]
@@ -16,6 +18,7 @@ pub(crate) struct PartSurface {
     pub(crate) end: u32,
     pub(crate) material: Material,
     pub(crate) groups: Groups,
+    pub(crate) is_sensor: bool,
 }
 
 impl Collider {
@@ -45,16 +48,21 @@ impl Collider {
         let (mut shapes, mut surfaces) = (Vec::new(), Vec::new());
         let mut first = 0_u32;
         for part in parts {
-            let own = |end| PartSurface { end, material: *part.material(), groups: part.filter_groups() };
+            let own = |end| PartSurface {
+                end,
+                material: *part.material(),
+                groups: part.filter_groups(),
+                is_sensor: part.is_sensor(),
+            };
             match part.surfaces() {
-                [] => surfaces.push(own(first.saturating_add(part.geometry.parts()))),
+                [] => surfaces.push(own(first.saturating_add(part.geometry().parts()))),
                 inner => surfaces.extend(
                     inner.iter().map(|inner| PartSurface { end: first.saturating_add(inner.end), ..inner.clone() }),
                 ),
             }
-            first = first.saturating_add(part.geometry.parts());
+            first = first.saturating_add(part.geometry().parts());
             let at = part.place().unwrap_or(Isometry::at(tumble_math::lane::Vec3::zero()));
-            shapes.push((at, part.geometry));
+            shapes.push((at, part.geometry().clone()));
         }
         let Some(PartSurface { material, groups, .. }) = surfaces.first().cloned() else {
             return Err(ColliderError::Shape { shape: "compound of nothing" });
@@ -92,18 +100,49 @@ impl Collider {
         parts.get(parts.partition_point(|part| part.end <= number)).or(parts.last())
     }
 
-    fn groups_of(&self, number: u32) -> Groups {
-        self.surface_of(number).map_or(self.filter_groups(), |part| part.groups)
+    /// The groups of the part of a number, and whether it is a sensor.
+    fn role_of(&self, number: u32) -> (Groups, bool) {
+        self.surface_of(number).map_or((self.filter_groups(), self.is_sensor()), |part| (part.groups, part.is_sensor))
     }
 
-    /// Whether parts of two colliders touch each other, by the number that their geometries give
-    /// the pair.
+    /// The groups of a part, by its place in the list of parts, and whether it is a sensor.
+    pub(crate) fn role_of_part(&self, place: usize) -> (Groups, bool) {
+        let own = self.surfaces().get(place);
+        own.map_or((self.filter_groups(), self.is_sensor()), |part| (part.groups, part.is_sensor))
+    }
+
+    /// The first of the numbers that a part has, by its place in the list of parts.
+    pub(crate) fn number_of_part(&self, place: u32) -> u32 {
+        match self.geometry() {
+            ColliderShape::Compound(compound) => compound.number_of(place as usize),
+            _ => 0,
+        }
+    }
+
+    /// Shows the parts of a collider placed in the world: which, its groups, whether it is a sensor,
+    /// its shape and where it is.
+    pub(crate) fn for_each_part(
+        &self,
+        at: &Isometry<f64>,
+        mut visit: impl FnMut(u32, (Groups, bool), &ColliderShape, &Isometry<f64>),
+    ) {
+        let ColliderShape::Compound(compound) = self.geometry() else {
+            return visit(0, (self.filter_groups(), self.is_sensor()), self.geometry(), at);
+        };
+        for (place, (inner, shape)) in compound.parts().iter().enumerate() {
+            visit(place as u32, self.role_of_part(place), shape, &at.then(&wide(inner)));
+        }
+    }
+
+    /// Whether parts of two colliders push each other, by the number that their geometries give the
+    /// pair.
     pub(crate) fn parts_touch(&self, other: &Self, pair: u32) -> bool {
         if self.surfaces().is_empty() && other.surfaces().is_empty() {
             return true;
         }
-        let [mine, its] = numbers(pair, other.geometry.parts());
-        self.groups_of(mine).touch(other.groups_of(its))
+        let [mine, its] = numbers(pair, other.geometry().parts());
+        let [(groups, is_sensor), (its_groups, is_other_sensor)] = [self.role_of(mine), other.role_of(its)];
+        !is_sensor && !is_other_sensor && groups.touch(its_groups)
     }
 }
 
@@ -111,4 +150,10 @@ impl Collider {
 pub(crate) fn numbers(pair: u32, of_second: u32) -> [u32; 2] {
     let of_second = of_second.max(1);
     [pair / of_second, pair % of_second]
+}
+
+/// A place in double precision.
+pub(crate) fn wide(at: &Isometry<Real>) -> Isometry<f64> {
+    let [position, vector] = [at.position, at.orientation.vector()].map(|it| dvec3(it.into()).into());
+    Isometry { position, orientation: Quat::from_parts(at.orientation.w.into(), vector).normalize() }
 }

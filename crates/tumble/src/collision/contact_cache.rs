@@ -101,7 +101,7 @@ impl ContactCache {
 impl CollisionPipeline {
     /// Whether nothing touches nor has just parted.
     pub(crate) fn are_over(&self) -> bool {
-        self.contacts.records.is_empty() && self.cache.ended.is_empty()
+        self.contacts.records.is_empty() && self.cache.ended.is_empty() && self.sensors.are_over()
     }
 
     /// Forgets all contacts, so that the next step begins without.
@@ -109,6 +109,7 @@ impl CollisionPipeline {
         self.contacts.records.clear();
         self.contacts.substep = 0.0;
         self.cache.forget();
+        self.sensors.forget();
     }
 
     /// Copies what decides the next step, with the loads of joints by slot.

@@ -77,7 +77,7 @@ impl Materials {
         }
         self.counts.clear();
         if !self.compounds.is_empty() {
-            self.counts.extend(colliders.map(|collider| collider.map_or(1, |it| it.geometry.parts())));
+            self.counts.extend(colliders.map(|collider| collider.map_or(1, |it| it.geometry().parts())));
         }
         self.surfaces.clear();
         if self.different.len() <= MAX {

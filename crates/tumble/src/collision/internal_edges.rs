@@ -111,7 +111,7 @@ impl InternalEdges {
                 let its_slot = edge.slots[other];
                 let Some((collider, _)) = colliders.get(its_slot) else { continue };
                 let Some((second, _)) = colliders.get(edge.slots[1]) else { continue };
-                let number = numbers(edge.part, second.geometry.parts())[other];
+                let number = numbers(edge.part, second.geometry().parts())[other];
                 let away = normal_of(edge, slot);
                 let floor = group.iter().take(MAX).filter(|(_, index)| index != of_edge).find(|(_, index)| {
                     let contact = &contacts[*index as usize];
@@ -122,7 +122,7 @@ impl InternalEdges {
                     let same = if is_one_point { SAME_NORMAL } else { SAME_FACE };
                     (SAME_FACE - 1.0..same).contains(&up)
                         && !states[under.index()].is_dynamic
-                        && floor().is_level_with(&collider.geometry, number, &states[its_slot.index()])
+                        && floor().is_level_with(collider.geometry(), number, &states[its_slot.index()])
                         && is_face(contact, slot, states, colliders)
                 });
                 if let Some((_, of_floor)) = floor {
@@ -175,8 +175,8 @@ fn is_face(contact: &ContactRecord, slot: Slot, states: &[ColliderState], collid
     let [Some((collider, _)), Some((second, _))] = [other, 1].map(|which| colliders.get(contact.slots[which])) else {
         return false;
     };
-    let number = numbers(contact.part, second.geometry.parts())[other];
-    let (_, inner, part) = collider.geometry.part_of(number);
+    let number = numbers(contact.part, second.geometry().parts())[other];
+    let (_, inner, part) = collider.geometry().part_of(number);
     let at = states[contact.slots[other].index()].placement.then(&inner);
     part.has_face(at.orientation.rotate_back(normal_of(contact, slot)))
 }

@@ -28,7 +28,11 @@ pub(crate) mod pair_limit;
 pub(crate) mod pipeline;
 pub(crate) mod round_contact;
 pub(crate) mod saved_contacts;
+pub(crate) mod sensors;
 pub(crate) mod speculative;
+pub(crate) mod strike;
+pub(crate) mod sweep;
+pub(crate) mod traveller;
 pub(crate) mod update_aabbs;
 
 use hecs::World;

@@ -2,7 +2,7 @@
 //! the kind of their shapes.
 
 use rayon::prelude::*;
-use tumble_collide::{BroadPhase, Proxy};
+use tumble_collide::BroadPhase;
 
 use crate::collision::collider::Groups;
 use crate::collision::collider_state::{ColliderState, ColliderStates};
@@ -23,6 +23,24 @@ pub(crate) struct NearPairs {
     pub(crate) spheres: Pairs,
     /// Of shapes without lanes of their own.
     pub(crate) others: Vec<[Slot; 2]>,
+    /// Sensors, each with a body near it.
+    pub(crate) sensed: Vec<[Slot; 2]>,
+}
+
+/// What colliders are in the search for pairs.
+#[derive(Clone, Copy)]
+pub(crate) struct Roles<'a> {
+    /// By slot.
+    pub(crate) groups: &'a [Groups],
+    /// The same; empty where there are no sensors.
+    pub(crate) sensors: &'a [SensorRole],
+}
+
+/// Whether a collider, or some of its parts, are sensors.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct SensorRole {
+    pub(crate) has_sensor: bool,
+    pub(crate) has_solid: bool,
 }
 
 /// A pair with the kind of its shapes.
@@ -37,14 +55,24 @@ impl NearPairs {
     pub(crate) fn find(
         &mut self,
         ColliderStates { states, proxies, .. }: &ColliderStates,
-        groups: &[Groups],
+        roles: Roles<'_>,
         broad_phase: &mut BroadPhase<Real>,
         joints: &JointList,
     ) {
-        let Self { found, limit, cuboids, spheres, others } = self;
-        let wanted =
-            |a: u32, b: u32| groups[a as usize].touch(groups[b as usize]) && !joints.keeps_apart([Slot(a), Slot(b)]);
+        let Self { found, limit, cuboids, spheres, others, sensed } = self;
+        let Roles { groups, sensors } = roles;
+        let senses =
+            |a: u32, b: u32| [a, b].iter().any(|slot| sensors.get(*slot as usize).is_some_and(|it| it.has_sensor));
+        let pushes = |a: u32, b: u32| {
+            let are_solid = [a, b].iter().all(|slot| sensors.get(*slot as usize).is_none_or(|it| it.has_solid));
+            let is_any_dynamic = states[a as usize].is_dynamic || states[b as usize].is_dynamic;
+            are_solid && is_any_dynamic && !joints.keeps_apart([Slot(a), Slot(b)])
+        };
+        let wanted = |a: u32, b: u32| {
+            groups[a as usize].touch(groups[b as usize]) && (senses(a, b) || !joints.keeps_apart([Slot(a), Slot(b)]))
+        };
         let mut parts = 1;
+        sensed.clear();
         if let Some(candidates) = broad_phase.update_within(proxies, most_listed(proxies.len()), wanted) {
             parts = candidates.len().div_ceil(PART);
             found.resize_with(parts.max(found.len()), Vec::new);
@@ -54,16 +82,29 @@ impl NearPairs {
                     // Which others are candidates depends on what was before; the contacts must
                     // not.
                     let is_near = proxies[first as usize].is_near(&proxies[second as usize]);
-                    is_near.then(|| near_pair(states, proxies, (first, second)))
+                    is_near.then(|| near_pair(states, (first, second)))
                 }));
             });
+            if !sensors.is_empty() {
+                let all = || found[..parts].iter().flatten().map(|(_, slots)| slots);
+                sensed.extend(all().flat_map(|slots| sensed_in(*slots, states, sensors)));
+                found[..parts].iter_mut().for_each(|near| near.retain(|(_, [a, b])| pushes(a.0, b.0)));
+            }
             limit.thin_out(&mut found[..parts], proxies);
         } else {
             found.resize_with(found.len().max(1), Vec::new);
             found[0].clear();
-            let kept = limit.nearest_pairs(proxies, broad_phase, wanted);
-            found[0].extend(kept.into_iter().map(|[a, b]| near_pair(states, proxies, (a, b))));
+            if !sensors.is_empty() {
+                broad_phase.for_each_pair(proxies, senses, |a, b| {
+                    if wanted(a, b) && proxies[a as usize].is_near(&proxies[b as usize]) {
+                        sensed.extend(sensed_in([Slot(a), Slot(b)], states, sensors));
+                    }
+                });
+            }
+            let kept = limit.nearest_pairs(proxies, broad_phase, |a, b| wanted(a, b) && pushes(a, b));
+            found[0].extend(kept.into_iter().map(|[a, b]| near_pair(states, (a, b))));
         }
+        sensed.sort_unstable();
         cuboids.clear();
         spheres.clear();
         others.clear();
@@ -77,9 +118,22 @@ impl NearPairs {
     }
 }
 
+/// Those of two that sense the other, each first.
+fn sensed_in<'a>(
+    [a, b]: [Slot; 2],
+    states: &'a [ColliderState],
+    sensors: &'a [SensorRole],
+) -> impl Iterator<Item = [Slot; 2]> + 'a {
+    let is_sensed = move |[sensor, other]: &[Slot; 2]| {
+        let are_fixed = states[sensor.index()].is_fixed && states[other.index()].is_fixed;
+        sensors[sensor.index()].has_sensor && sensors[other.index()].has_solid && !are_fixed
+    };
+    [[a, b], [b, a]].into_iter().filter(is_sensed)
+}
+
 /// A pair with the kind of its shapes. Where only one of two is dynamic, it is the second.
-fn near_pair(states: &[ColliderState], proxies: &[Proxy<Real>], (first, second): (u32, u32)) -> NearPair {
-    let [p, q] = [&proxies[first as usize], &proxies[second as usize]];
-    let slots = if p.moves && !q.moves { [second, first] } else { [first, second] };
-    (LaneKind::both(states[first as usize].kind, states[second as usize].kind), slots.map(Slot))
+fn near_pair(states: &[ColliderState], (first, second): (u32, u32)) -> NearPair {
+    let [p, q] = [&states[first as usize], &states[second as usize]];
+    let slots = if p.is_dynamic && !q.is_dynamic { [second, first] } else { [first, second] };
+    (LaneKind::both(p.kind, q.kind), slots.map(Slot))
 }

@@ -15,9 +15,11 @@ use crate::collision::contact_materials::Materials;
 use crate::collision::contact_set::ContactSet;
 use crate::collision::internal_edges::InternalEdges;
 use crate::collision::narrow_phase::LaneKind;
-use crate::collision::near_pairs::NearPairs;
+use crate::collision::near_pairs::{NearPairs, Roles, SensorRole};
 use crate::collision::round_contact::RoundContact;
+use crate::collision::sensors::Sensors;
 use crate::collision::speculative::Way;
+use crate::collision::sweep::Sweep;
 use crate::components::CenterOfMass;
 use crate::joints::joint_list::{JointEnds, JointList};
 use crate::math::{Real, Vec3 as WorldVec3};
@@ -43,6 +45,10 @@ pub(crate) struct CollisionPipeline {
     found: Vec<Vec<ContactRecord>>,
     pub(crate) ways: Vec<Way>,
     pub(crate) internal_edges: InternalEdges,
+    /// Kept from step to step.
+    pub(crate) sensors: Sensors,
+    /// Memory that every substep overwrites.
+    pub(crate) sweep: Sweep,
 }
 
 /// The colliders of a world, by slot.
@@ -51,6 +57,8 @@ pub(crate) struct Colliders {
     /// Each with its body's centre of mass, in the body's frame \[m\].
     pub(crate) list: Vec<Option<(Collider, WorldVec3)>>,
     pub(crate) groups: Vec<Groups>,
+    /// Empty where there are no sensors.
+    pub(crate) sensors: Vec<SensorRole>,
     pub(crate) materials: Materials,
 }
 
@@ -73,24 +81,51 @@ impl Colliders {
 
     /// Reads the colliders of a world. Returns whether pairs are filtered as before.
     fn update(&mut self, world: &World, body_index: &BodyIndex) -> bool {
-        let Self { list, groups, materials } = self;
-        list.clear();
+        let Self { list, groups, sensors, materials } = self;
+        let mut is_same = list.len() == body_index.len();
         list.resize(body_index.len(), None);
         body_index.for_each_archetype(world, |archetype, places| {
-            if let Some(column) = archetype.get::<&Collider>() {
-                let offsets = archetype.get::<&CenterOfMass>();
-                let offset = |row: usize| offsets.as_deref().map_or(WorldVec3::ZERO, |offsets| offsets[row].0);
-                places.for_each(|(row, slot)| list[slot.index()] = Some((column[row].clone(), offset(row))));
-            }
+            let column = archetype.get::<&Collider>();
+            let offsets = archetype.get::<&CenterOfMass>();
+            let offset = |row: usize| offsets.as_deref().map_or(WorldVec3::ZERO, |offsets| offsets[row].0);
+            places.for_each(|(row, slot)| {
+                let collider = column.as_deref().map(|column| (&column[row], offset(row)));
+                let known = &mut list[slot.index()];
+                if !is_known(known.as_ref(), collider) {
+                    *known = collider.map(|(collider, offset)| (collider.clone(), offset));
+                    is_same = false;
+                }
+            });
         });
+        if is_same {
+            return true;
+        }
         materials.list(list.iter().map(|collider| collider.as_ref().map(|(collider, _)| collider)));
         let of = |collider: &Option<(Collider, _)>| collider.as_ref().map_or(Groups::ALL, |(it, _)| it.filter_groups());
-        let same = list.iter().map(of).eq(groups.iter().copied());
+        let of_sensor = |collider: &Option<(Collider, _)>| {
+            let [has_sensor, has_solid] =
+                collider.as_ref().map_or([false; 2], |(it, _)| [it.has_sensor(), !it.is_sensor()]);
+            SensorRole { has_sensor, has_solid }
+        };
+        let is_any_sensor = list.iter().map(of_sensor).any(|role| role.has_sensor);
+        let roles = || list.iter().map(of_sensor).filter(|_| is_any_sensor);
+        let same = list.iter().map(of).eq(groups.iter().copied()) && roles().eq(sensors.iter().copied());
         if !same {
             groups.clear();
             groups.extend(list.iter().map(of));
+            sensors.clear();
+            sensors.extend(roles());
         }
         same
+    }
+}
+
+/// Whether a collider, with its body's centre of mass, is the one that is known.
+fn is_known(known: Option<&(Collider, WorldVec3)>, now: Option<(&Collider, WorldVec3)>) -> bool {
+    match (known, now) {
+        (Some((known, before)), Some((now, offset))) => known.is_same(now) && *before == offset,
+        (None, None) => true,
+        _ => false,
     }
 }
 
@@ -105,12 +140,13 @@ impl CollisionPipeline {
                 archetype.ids().iter().for_each(|id| mark(*id));
             }
         });
-        let Self { body_index, colliders, collider_states, contacts, broad_phase, cache, .. } = self;
+        let Self { body_index, colliders, collider_states, contacts, broad_phase, cache, sensors, .. } = self;
         let same_groups = colliders.update(world, body_index);
         contacts.extras = colliders.materials.extras();
         let same_slots = cache.renumber(world, body_index, colliders, &mut contacts.records);
         if !same_slots {
             collider_states.renumber(cache.body_keys.renumbered(), body_index.len());
+            sensors.renumber(cache.body_keys.renumbered());
         }
         if !(same_groups && same_slots) {
             // It asks once whether a pair is wanted.
@@ -122,6 +158,7 @@ impl CollisionPipeline {
     /// A step, or several, in which nothing has a collider.
     pub(crate) fn pass(&mut self, world: &World, steps: u32) {
         self.update(world, &JointEnds::default());
+        self.sensors.end_all();
         for _ in 0..steps.min(2) {
             self.begin_step();
             self.cache.pass();
@@ -139,7 +176,8 @@ impl CollisionPipeline {
         let ahead = settings.substep() + settings.contact_substep();
         self.update_aabbs(columns, [settings.substep(), ahead]);
         let Self { collider_states, colliders, broad_phase, near, .. } = self;
-        near.find(collider_states, &colliders.groups, broad_phase, joints);
+        let roles = Roles { groups: &colliders.groups, sensors: &colliders.sensors };
+        near.find(collider_states, roles, broad_phase, joints);
         self.cache.keep_previous(&mut self.contacts.records);
         self.find_manifolds();
         self.contacts.substep = settings.contact_substep();
@@ -199,11 +237,11 @@ fn collide_pair(slots: [Slot; 2], states: &[ColliderState], colliders: &Collider
         let margin = first.reach + second.reach;
         let of_second =
             Second { center: second.center, has_non_dynamic: !first.is_dynamic, margin: first.margin + second.margin };
-        let rolls = update_rule([first, second], [&a.geometry, &b.geometry]);
+        let rolls = update_rule([first, second], [a.geometry(), b.geometry()]);
         contact_manifolds(
-            &a.geometry,
+            a.geometry(),
             &first.placement,
-            &b.geometry,
+            b.geometry(),
             &second.placement,
             margin,
             &mut |part, manifold| {

@@ -48,7 +48,7 @@ impl RoundContact {
         Some(Self {
             contact: number,
             part: contact.part,
-            geometries: [a.geometry.clone(), b.geometry.clone()],
+            geometries: [a.geometry().clone(), b.geometry().clone()],
             placements,
             has_non_dynamic: !states[0].is_dynamic,
             apart: states[0].center - origin,

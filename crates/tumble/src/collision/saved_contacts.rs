@@ -225,7 +225,7 @@ impl ContactRecord {
 
     /// Says of which shapes it is; none are of a body that lost its collider.
     pub(crate) fn set_kind(&mut self, [first, second]: [Option<&Collider>; 2]) {
-        let kind = |collider: Option<&Collider>| collider.map_or(LaneKind::Other, |it| LaneKind::of(&it.geometry));
+        let kind = |collider: Option<&Collider>| collider.map_or(LaneKind::Other, |it| LaneKind::of(it.geometry()));
         self.kind = LaneKind::both(kind(first), kind(second));
     }
 }

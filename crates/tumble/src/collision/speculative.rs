@@ -174,8 +174,8 @@ fn encounters<'a>(
         let [Some((a, _)), Some((b, _))] = contact.slots.map(|slot| colliders.get(slot)) else {
             continue;
         };
-        let [first, second] = numbers(contact.part, b.geometry.parts());
-        let [(first, at, one), (second, other_at, other)] = [a.geometry.part_of(first), b.geometry.part_of(second)];
+        let [first, second] = numbers(contact.part, b.geometry().parts());
+        let [(first, at, one), (second, other_at, other)] = [a.geometry().part_of(first), b.geometry().part_of(second)];
         let is_known = |known: &Encounter<'_>| known.slots == contact.slots && known.numbers == [first, second];
         // Contacts of one pair of bodies follow each other.
         let of_pair = encounters.iter().rev().take_while(|known| known.slots == contact.slots);
@@ -403,7 +403,7 @@ impl View<'_> {
         let states = slots.map(|slot| &self.states[slot.index()]);
         let [Some((a, _)), Some((b, _))] = slots.map(|slot| self.colliders.get(slot)) else { return };
         let [first, second] = self.courses(encounter, travellers);
-        let (margin, parts) = (self.margin(*slots), b.geometry.parts());
+        let (margin, parts) = (self.margin(*slots), b.geometry().parts());
         let from = contacts.len();
         let pair = (*kind, slots[0].min(slots[1]), slots[0].max(slots[1]), 0);
         let before = &before[before.partition_point(|known| known.key() < pair)..];
@@ -411,7 +411,7 @@ impl View<'_> {
         // Of the parts' contacts, of which a surface has one a triangle.
         let is_theirs = |known: &ContactRecord| {
             let [on_first, on_second] = numbers(known.part, parts);
-            [a.geometry.part_of(on_first).0, b.geometry.part_of(on_second).0] == encounter.numbers
+            [a.geometry().part_of(on_first).0, b.geometry().part_of(on_second).0] == encounter.numbers
         };
         if encounter.plane.is_some() {
             contacts.extend(before.filter(|known| is_theirs(known)).cloned());

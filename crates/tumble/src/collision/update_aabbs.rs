@@ -6,6 +6,7 @@ use tumble_math::lane::{Quat, Vec3};
 use crate::collision::collider::Collider;
 use crate::collision::collider_state::{ColliderState, ColliderStates, Motion};
 use crate::collision::narrow_phase::{LaneKind, ShapeLanesPart};
+use crate::collision::near_pairs::SensorRole;
 use crate::collision::pipeline::CollisionPipeline;
 use crate::components::{Momentum, Velocity};
 use crate::integrators::response_range::responds_in_range;
@@ -25,7 +26,7 @@ impl CollisionPipeline {
         states.clear();
         states.resize(body_index.len(), ColliderState::NOWHERE);
         proxies.clear();
-        proxies.resize(body_index.len(), ColliderState::NOWHERE.proxy(None));
+        proxies.resize(body_index.len(), ColliderState::no_proxy());
         for (archetype, bodies) in columns.pose_views() {
             let mut row = 0;
             // Slots go by another order than rows, mostly the same.
@@ -35,7 +36,8 @@ impl CollisionPipeline {
                     colliders: &colliders.list[slots.clone()],
                     states: &mut states[slots.clone()],
                     proxies: &mut proxies[slots.clone()],
-                    lanes: lanes.part(slots),
+                    lanes: lanes.part(slots.clone()),
+                    sensors: colliders.sensors.get(slots).unwrap_or_default(),
                 };
                 update.run(bodies.rows(row..row + run.len()), intervals);
                 row += run.len();
@@ -50,6 +52,8 @@ struct AabbUpdate<'a> {
     states: &'a mut [ColliderState],
     proxies: &'a mut [Proxy<Real>],
     lanes: ShapeLanesPart<'a>,
+    /// Empty where there are none.
+    sensors: &'a [SensorRole],
 }
 
 impl AabbUpdate<'_> {
@@ -63,9 +67,15 @@ impl AabbUpdate<'_> {
         let (states, other_states) = self.states.split_at_mut(middle);
         let (proxies, other_proxies) = self.proxies.split_at_mut(middle);
         let (lanes, other_lanes) = self.lanes.split_at(middle);
-        let others =
-            AabbUpdate { colliders: other_colliders, states: other_states, proxies: other_proxies, lanes: other_lanes };
-        let these = AabbUpdate { colliders, states, proxies, lanes };
+        let (sensors, other_sensors) = self.sensors.split_at(middle.min(self.sensors.len()));
+        let others = AabbUpdate {
+            colliders: other_colliders,
+            states: other_states,
+            proxies: other_proxies,
+            lanes: other_lanes,
+            sensors: other_sensors,
+        };
+        let these = AabbUpdate { colliders, states, proxies, lanes, sensors };
         threads::join(
             || these.run(bodies.rows(0..middle), intervals),
             || others.run(bodies.rows(middle..bodies.pose.len()), intervals),
@@ -79,7 +89,7 @@ impl AabbUpdate<'_> {
         let position = center - orientation.rotate(Vec3::from(*offset));
         let mut placement = collider.placement(Isometry { position, orientation });
         let velocity = bodies.velocity.map_or(Velocity::default(), |velocities| velocities[i]);
-        let geometry = &collider.geometry;
+        let geometry = collider.geometry();
         let turned = (0.25..=4.0).contains(&bodies.pose[i].orientation.length_squared());
         let place = turned && [placement.position, center].into_iter().all(|at| within(at, MAX_DISTANCE_OF_CONTACTS));
         let from_center = placement.position - center;
@@ -110,11 +120,27 @@ impl AabbUpdate<'_> {
             placement.position = Vec3::splat(Real::NAN);
         }
         let kind = LaneKind::of(geometry);
-        let reach = margin + ahead(ccd_thickness, linear.length() * interval);
+        let way = linear.length() * interval;
+        let reach = margin + ahead(ccd_thickness, way);
         self.lanes.set(i, geometry, &placement, center, (reach, margin));
         let velocity = (velocity.linear.into(), velocity.angular.into());
-        self.states[i] = ColliderState { placement, center, kind, is_dynamic, reach, margin, velocity, motion };
-        self.proxies[i] = self.states[i].proxy(Some(geometry));
+        let is_fixed = !is_dynamic && bodies.velocity.is_none();
+        self.states[i] = ColliderState {
+            placement,
+            center,
+            kind,
+            is_dynamic,
+            is_fixed,
+            reach,
+            margin,
+            half_thickness: ccd_thickness,
+            velocity,
+            motion,
+        };
+        // Sensors look all of the way ahead, and at what turns.
+        let more = if self.sensors.is_empty() { 0.0 } else { sensed_ahead(way, &motion) };
+        let senses = self.sensors.get(i).is_some_and(|role| role.has_sensor);
+        self.proxies[i] = self.states[i].proxy(geometry, more, senses);
     }
 }
 
@@ -134,6 +160,13 @@ const TURNED: Real = 0.25;
 /// from; only what is faster looks as far as it goes.
 fn ahead(ccd_thickness: Real, way: Real) -> Real {
     if way.is_finite() { (way - 0.5 * ccd_thickness).max(way.min(FORESEEN)) } else { 0.0 }
+}
+
+/// How much further than for contacts a body is looked for by sensors \[m\].
+fn sensed_ahead(way: Real, motion: &Motion) -> Real {
+    let turn = motion.turn.dot(motion.turn).sqrt() * motion.radius;
+    let more = way + turn;
+    if more.is_finite() { more } else { 0.0 }
 }
 
 /// The angle by which a body turns in an interval \[rad\], if that may be more than `least`.

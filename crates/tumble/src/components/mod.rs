@@ -1,6 +1,7 @@
 //! The components of a body; who writes which is in the documentation of the crate.
 
 pub(crate) mod body_id;
+pub(crate) mod body_kind;
 pub(crate) mod inertia;
 pub(crate) mod mass;
 pub(crate) mod momentum;
@@ -13,6 +14,7 @@ pub(crate) mod work;
 pub(crate) mod wrench;
 
 pub use crate::components::body_id::BodyId;
+pub use crate::components::body_kind::BodyKind;
 pub use crate::components::inertia::{CenterOfMass, Inertia, InertiaComponentError, InverseInertia, PrincipalAxes};
 pub use crate::components::mass::Mass;
 pub use crate::components::momentum::Momentum;

@@ -12,7 +12,7 @@ use crate::math::{Real, dquat, dvec3};
 /// The edges of a collider of a body whose frame is given.
 pub(crate) fn outline_collider(collider: &Collider, frame: Pose, draw: &mut dyn FnMut(DVec3, DVec3)) {
     let frame = Isometry { position: frame.position.into(), orientation: frame.orientation.into() };
-    outline_geometry(&collider.geometry, &collider.placement(frame), draw);
+    outline_geometry(collider.geometry(), &collider.placement(frame), draw);
 }
 
 /// Solids are outlined as the shapes that they are of; surfaces have edges of their own.

@@ -5,6 +5,7 @@ use std::cmp::Ordering;
 use hecs::{Archetype, Entity, World};
 
 use crate::components::Pose;
+use crate::event_log::EventLog;
 use crate::joints::breakable::Breakable;
 use crate::joints::gear::Gear;
 use crate::joints::joint::Joint;
@@ -54,7 +55,7 @@ pub(crate) struct JointList {
     endless: Vec<Entity>,
     endless_before: Vec<Entity>,
     /// Of the steps since they were forgotten.
-    pub(crate) events: Vec<JointEvent>,
+    pub(crate) events: EventLog<JointEvent>,
     /// The gears of the world, and those between joints that are listed.
     all_gears: Vec<Gear>,
     pub(crate) gears: Vec<ListedGear>,

@@ -23,12 +23,12 @@
 //! | 8 | 64-bit FNV-1a of all before |
 
 use crate::clock::Clock;
+use crate::components::BodyKind;
 use crate::components::{BodyId, Momentum, Pose, Velocity};
 use crate::math::{Quat, Real, Vec3, dquat, real};
 use crate::snapshot::contact_bytes;
 use crate::snapshot::contact_bytes::{Counts, Written};
 use crate::snapshot::error::SnapshotError;
-use crate::snapshot::kind::BodyKind;
 use crate::snapshot::saved_joints::SavedJoints;
 use crate::snapshot::state_hash::Fnv;
 use crate::snapshot::{Segment, Snapshot, first_duplicate};

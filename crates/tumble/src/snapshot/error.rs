@@ -1,8 +1,8 @@
 //! The typed errors of snapshots, and the defects of stored contacts.
 
 use crate::components::BodyId;
+use crate::components::BodyKind;
 use crate::math::PRECISION;
-use crate::snapshot::kind::BodyKind;
 
 /// Why a snapshot cannot be taken, read or restored. Whatever it is, the world is as it was.
 ///

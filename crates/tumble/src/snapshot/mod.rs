@@ -3,7 +3,6 @@
 pub(crate) mod bytes;
 pub(crate) mod contact_bytes;
 pub(crate) mod error;
-pub(crate) mod kind;
 pub(crate) mod of_simulation;
 pub(crate) mod rollback;
 pub(crate) mod row_map;
@@ -14,8 +13,8 @@ pub(crate) mod state_arrays;
 pub(crate) mod state_hash;
 pub(crate) mod state_rates;
 
+use crate::components::BodyKind;
 use crate::snapshot::error::SnapshotError;
-use crate::snapshot::kind::BodyKind;
 pub(crate) use crate::snapshot::row_map::Matching;
 
 use std::ops::Range;

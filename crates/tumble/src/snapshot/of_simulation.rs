@@ -2,6 +2,7 @@
 
 use hecs::{Entity, World};
 
+use crate::collision;
 use crate::snapshot::Snapshot;
 use crate::snapshot::error::SnapshotError;
 use crate::snapshot::row_map::Matching;
@@ -86,11 +87,10 @@ impl Simulation {
             let Interactions { collision, mechanisms, .. } = &mut **self.interactions.get_or_insert_default();
             collision.get_or_insert_default().put_back(&snapshot.contacts, world);
             mechanisms.loads.clone_from(&snapshot.contacts.loads);
-        } else if let Some(Interactions { collision, mechanisms, .. }) = self.interactions.as_deref_mut() {
+        } else if self.interactions.is_some() || collision::are_in(world) {
+            let Interactions { collision, mechanisms, .. } = &mut **self.interactions.get_or_insert_default();
             mechanisms.loads.clear();
-            if let Some(collision) = collision {
-                collision.forget();
-            }
+            collision.get_or_insert_default().forget();
         }
         Ok(spawned_since)
     }

@@ -4,9 +4,9 @@ use std::ops::Range;
 
 use hecs::{Archetype, Entity, World};
 
+use crate::components::BodyKind;
 use crate::components::{BodyId, Pose};
 use crate::snapshot::error::SnapshotError;
-use crate::snapshot::kind::BodyKind;
 use crate::snapshot::{Segment, Snapshot, equal_from_the_start};
 
 /// Which rows of a snapshot belong to which rows of a world, and what belongs to none.

@@ -157,14 +157,26 @@ impl Simulation {
         self.events.iter().copied().chain(of_call)
     }
 
-    /// Forgets the events of the steps before the last.
+    /// Forgets the events of the last call.
     pub(crate) fn forget_events(&mut self) {
-        self.events.clear();
-        self.joint_events.clear();
+        self.forget_earlier_events();
         let Some(interactions) = &mut self.interactions else { return };
         interactions.mechanisms.list.events.clear();
         if let Some(collision) = &mut interactions.collision {
+            collision.sensors.events.clear();
+        }
+    }
+
+    /// Forgets the events of the steps before the last.
+    pub(crate) fn forget_earlier_events(&mut self) {
+        self.events.clear();
+        self.joint_events.clear();
+        self.sensor_events.clear();
+        let Some(interactions) = &mut self.interactions else { return };
+        interactions.mechanisms.list.events.forget_earlier();
+        if let Some(collision) = &mut interactions.collision {
             collision.cache.events.clear();
+            collision.sensors.events.forget_earlier();
         }
     }
 

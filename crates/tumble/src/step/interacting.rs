@@ -63,6 +63,9 @@ pub(crate) fn step_interacting(
 ) {
     for step in 0..steps {
         let mut stopwatch = PhaseTimes::start(times);
+        if step > 0 {
+            worlds.iter_mut().for_each(|it| it.interactions.begin_next_step());
+        }
         worlds.iter_mut().for_each(InteractingWorld::remember_poses);
         worlds.iter_mut().for_each(InteractingWorld::accumulate_forces);
         stopwatch.end_of(StepPhase::AccumulateForces);
@@ -100,6 +103,8 @@ pub(crate) fn integrate_interacting(
         if kinematic == KinematicBodies::Move {
             worlds.iter_mut().for_each(|it| it.move_kinematic(index));
         }
+        worlds.iter_mut().for_each(InteractingWorld::stop_crossings);
+        worlds.iter_mut().for_each(InteractingWorld::update_sensors);
         stopwatch.end_of(StepPhase::Integrate);
         worlds.iter_mut().for_each(|it| it.apply_pair_forces(SubstepHalf::Second));
         stopwatch.end_if(pull, StepPhase::PairForcesAfter);
@@ -269,6 +274,22 @@ impl<'a> InteractingWorld<'a> {
 
     pub(crate) fn move_kinematic(&mut self, index: SubstepIndex) {
         self.columns.move_kinematic_bodies(self.settings.substep(), index.substep);
+    }
+
+    /// Puts back what would be through something else.
+    pub(crate) fn stop_crossings(&mut self) {
+        let Interactions { collision, mechanisms, .. } = &mut *self.interactions;
+        if let Some(collision) = collision {
+            let threshold = self.settings.restitution_threshold;
+            collision.stop_crossings(&mut self.columns, &mechanisms.list, threshold);
+        }
+    }
+
+    /// Finds out what is in sensors.
+    pub(crate) fn update_sensors(&mut self) {
+        if let Some(collision) = &mut self.interactions.collision {
+            collision.update_sensors(&self.columns);
+        }
     }
 
     pub(crate) fn update_derived(&mut self) {

@@ -76,6 +76,14 @@ impl Interactions {
         self.mechanisms.begin_step();
     }
 
+    /// To be called before each step of a call but the first.
+    pub(crate) fn begin_next_step(&mut self) {
+        self.mechanisms.list.events.begin_next_step();
+        if let Some(collision) = &mut self.collision {
+            collision.sensors.events.begin_next_step();
+        }
+    }
+
     /// Steps of a world without interactions: contacts end.
     pub(crate) fn pass(&mut self, world: &World, steps: u32) {
         self.mechanisms.forget();

@@ -22,7 +22,7 @@ impl Simulation {
     /// ```
     pub fn joint_events(&self) -> impl Iterator<Item = JointEvent> + '_ {
         let of_call = self.interactions.iter().filter(|_| self.has_stepped);
-        let of_call = of_call.flat_map(|interactions| &interactions.mechanisms.list.events);
+        let of_call = of_call.flat_map(|interactions| interactions.mechanisms.list.events.iter());
         self.joint_events.iter().chain(of_call).copied()
     }
 }

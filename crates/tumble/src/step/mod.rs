@@ -10,6 +10,7 @@ pub(crate) mod joint_report;
 pub(crate) mod pack_key;
 pub(crate) mod phase_times;
 pub(crate) mod phased_step;
+pub(crate) mod sensor_report;
 pub(crate) mod simulation;
 pub(crate) mod systems;
 

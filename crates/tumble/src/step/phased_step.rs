@@ -53,7 +53,8 @@ pub enum StepPhase {
     Integrate,
     /// Moves the kinematic bodies: [`move_kinematic_bodies`].
     MoveKinematic,
-    /// Changes momenta by springs and the gravity of bodies, for the second half of the substep.
+    /// Finds out what is in [sensors](crate::Collider::sensor), and changes momenta by springs and
+    /// the gravity of bodies, for the second half of the substep.
     PairForcesAfter,
     /// Derives [`Velocity`](crate::Velocity) and [`InverseInertia`](crate::InverseInertia):
     /// [`update_derived`].
@@ -253,7 +254,11 @@ fn run_interacting(simulation: &mut Simulation, world: &mut World, phase: StepPh
         StepPhase::SolveContacts => it.solve(index),
         StepPhase::Integrate => it.integrate(index),
         StepPhase::MoveKinematic => it.move_kinematic(index),
-        StepPhase::PairForcesAfter => it.apply_pair_forces(SubstepHalf::Second),
+        StepPhase::PairForcesAfter => {
+            it.stop_crossings();
+            it.update_sensors();
+            it.apply_pair_forces(SubstepHalf::Second);
+        }
         StepPhase::UpdateDerived => it.update_derived(),
     }
 }

@@ -4,11 +4,14 @@ use hecs::{Component, World};
 
 use crate::clock::Clock;
 use crate::collision::contact_events::ContactEvent;
+use crate::collision::sensors::SensorEvent;
 use crate::forces::force_law::ForceLaw;
 use crate::forces::registry::ForceLaws;
 use crate::forces::simd_force_law::SimdForceLaw;
 use crate::joints::joint_event::JointEvent;
 use crate::math::Real;
+use crate::queries::query_cache::QueryCache;
+use crate::queries::world_queries::Queries;
 use crate::settings::{Settings, SettingsError};
 use crate::step::interacting::InteractingWorld;
 use crate::step::interactions::Interactions;
@@ -45,6 +48,8 @@ pub struct Simulation {
     pub(crate) events: Vec<ContactEvent>,
     /// The same of joints.
     pub(crate) joint_events: Vec<JointEvent>,
+    /// The same of sensors.
+    pub(crate) sensor_events: Vec<SensorEvent>,
     /// Whether the last call took a step.
     pub(crate) has_stepped: bool,
     steps: u64,
@@ -53,6 +58,7 @@ pub struct Simulation {
     since: (u64, f64),
     /// Frame time that no step has covered yet \[s\], in [0, dt).
     owed: f64,
+    queries: QueryCache,
 }
 
 /// Callbacks before and after every step of
@@ -105,10 +111,12 @@ impl Simulation {
             interactions: None,
             events: Vec::new(),
             joint_events: Vec::new(),
+            sensor_events: Vec::new(),
             has_stepped: false,
             steps: 0,
             since: (0, 0.0),
             owed: 0.0,
+            queries: QueryCache::default(),
         })
     }
 
@@ -126,6 +134,35 @@ impl Simulation {
         self.since = (self.steps, self.time());
         self.settings = settings;
         Ok(())
+    }
+
+    /// Questions about the bodies of a world as they are now: what rays meet, what is near a point,
+    /// what a shape overlaps or is stopped by.
+    ///
+    /// The simulation keeps what is made for that, by which the next time costs a comparison for
+    /// each body, and more for those that have moved. It may be called from any thread.
+    ///
+    /// # Panics
+    /// Like every query of hecs, while the caller holds a mutable reference to poses, colliders,
+    /// centres of mass or ids.
+    ///
+    /// ```
+    /// use tumble::{Collider, QueryFilter, Ray, prelude::*};
+    ///
+    /// let mut world = hecs::World::new();
+    /// let collider = Collider::new(&Shape::sphere(0.5))?;
+    /// let ball = RigidBody::new(Shape::sphere(0.5)).mass(1.0).build()?.spawn_with(&mut world, (collider,));
+    ///
+    /// let mut simulation = Simulation::new(Settings::default())?;
+    /// simulation.step_many(&mut world, 60);
+    /// let down = Ray::new(Vec3::ZERO, -Vec3::Y);
+    /// let hit = simulation.queries(&world).cast_ray(&down, &QueryFilter::new()).unwrap();
+    /// assert_eq!(hit.entity, ball);
+    /// assert!((hit.distance - (0.5 * 9.81 - 0.5)).abs() < 1e-3); // it has fallen for a second
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    pub fn queries<'a>(&self, world: &'a World) -> Queries<'a> {
+        self.queries.of(world)
     }
 
     /// Makes a [`ForceLaw`] known that is a component of the bodies it acts on.
@@ -320,22 +357,25 @@ impl Simulation {
         let mut taken = 0;
         let mut events = std::mem::take(&mut self.events);
         let mut joint_events = std::mem::take(&mut self.joint_events);
+        let mut sensor_events = std::mem::take(&mut self.sensor_events);
         events.clear();
         joint_events.clear();
+        sensor_events.clear();
         while self.owed >= dt && taken < Self::MAX_STEPS_PER_FRAME {
-            self.forget_events();
+            self.forget_earlier_events();
             self.has_stepped = true;
             hooks.before_step(world, self);
             if taken > 0 {
                 events.extend(self.contact_events());
                 joint_events.extend(self.joint_events());
+                sensor_events.extend(self.sensor_events());
             }
             self.step(world);
             hooks.after_step(world, self);
             self.owed -= dt;
             taken += 1;
         }
-        (self.events, self.joint_events) = (events, joint_events);
+        (self.events, self.joint_events, self.sensor_events) = (events, joint_events, sensor_events);
         self.has_stepped = taken > 0;
         if self.owed >= dt {
             self.owed %= dt;

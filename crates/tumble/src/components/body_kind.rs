@@ -4,7 +4,9 @@ use std::fmt;
 
 use hecs::Archetype;
 
-use crate::components::{Momentum, Pose, Velocity};
+use crate::components::momentum::Momentum;
+use crate::components::pose::Pose;
+use crate::components::velocity::Velocity;
 
 /// Whether a body is dynamic, kinematic or fixed, which decides what its state is.
 ///

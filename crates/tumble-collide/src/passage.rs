@@ -1,0 +1,304 @@
+//! How far a shape gets on its way until its core touches another shape.
+
+use tumble_math::lane::Lane;
+
+use crate::aabb::Aabb;
+use crate::bvh::enclosing;
+use crate::cast::{Moving, furthest_from_origin};
+use crate::collider_shape::{ColliderShape, Isometry};
+use crate::course::Course;
+use crate::frustum::Frustum;
+use crate::query::line::Line;
+use crate::query::overlap::around;
+use crate::scalar::Scalar;
+use crate::support_map::{Convex, Vector};
+use crate::surface::Surface;
+
+/// A way is followed in at most this number of advances; beyond, it is not known to be free.
+const MAX_ADVANCES: usize = 64;
+/// Parts of the half thickness that are taken away for a core. Where a larger one touches from the
+/// beginning a smaller one counts.
+const LESS: [f64; 3] = [0.5, 0.75, 0.9];
+/// Part of the half thickness that stays free between a core and what it would touch.
+const CLEARANCE: f64 = 1e-2;
+
+/// What is left of a convex shape, its layer, and where it is in the shape.
+struct Core<'a> {
+    convex: Convex<'a>,
+    layer: f64,
+    at: Isometry<f64>,
+    /// What stays free around it \[m\].
+    clearance: f64,
+}
+
+/// Where the core of a shape touches another on its way.
+///
+/// The core is what is left of a shape where part of its half thickness is taken away all around:
+/// half of it, and where such a core touches from the beginning, more. As long as a core touches
+/// nothing, its shape is on the side that it came from.
+///
+/// ```
+/// use tumble_collide::{ColliderShape, Course, Isometry, Passage};
+/// use tumble_math::lane::Vec3;
+///
+/// let (zero, sphere) = (Vec3::<f64>::zero(), ColliderShape::Sphere { radius: 0.5 });
+/// let wall = ColliderShape::Cuboid { half_extents: Vec3::new(0.0005, 2.0, 2.0) };
+/// let stays = Course::new(&Isometry::at(zero), zero, zero, zero);
+/// let at = Vec3::new(-5.25, 0.0, 0.0);
+/// let shot = Course::new(&Isometry::at(at), at, Vec3::new(10.0, 0.0, 0.0), zero);
+/// // After five metres of ten a quarter of its diameter is in the wall.
+/// let ends = Passage::find([&wall, &sphere], [&stays, &shot]).unwrap();
+/// assert!((ends.until - 0.5).abs() < 2e-3 && ends.normal.x == -1.0);
+/// assert!((ends.point.x + 0.0005).abs() < 1e-9);
+/// ```
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Passage {
+    /// Up to when the way is free, as a part of the interval.
+    pub until: f64,
+    /// From the first to the second then; unit vector, world frame.
+    pub normal: Vector,
+    /// Of the first, what would be touched then \[m\], world frame.
+    pub point: Vector,
+}
+
+impl Passage {
+    /// How far the core of the second of two shapes gets on its course until it would touch the
+    /// first; `None` where it never does, and where it does from the beginning. Of compounds this is to
+    /// be asked part by part: as they are they are not met. Nor does what is no convex shape meet
+    /// anything as the second. A surface is met from outside.
+    ///
+    /// Shapes that approach each other again and again never touch: what is left between them is
+    /// halved at the most.
+    #[must_use]
+    pub fn find<R: Scalar>(shapes: [&ColliderShape<R>; 2], courses: [&Course; 2]) -> Option<Self> {
+        // The first core that is free at the beginning says.
+        let ends = LESS.iter().map(|less| of_core(*less, shapes, courses));
+        ends.into_iter().find_map(|end| match end {
+            End::Touched => None,
+            End::Free => Some(None),
+            End::At(passage) => Some(Some(passage)),
+        })?
+    }
+}
+
+/// How the way of a core ends.
+#[derive(Clone, Copy)]
+enum End {
+    /// It touches from the beginning.
+    Touched,
+    Free,
+    At(Passage),
+}
+
+impl End {
+    /// What comes first of two.
+    fn first(self, other: Self) -> Self {
+        match (self, other) {
+            (Self::Touched, _) | (_, Self::Touched) => Self::Touched,
+            (Self::At(a), Self::At(b)) if b.until < a.until => other,
+            (Self::At(_), _) => self,
+            (Self::Free, _) => other,
+        }
+    }
+
+    fn until(self) -> f64 {
+        match self {
+            Self::Touched => 0.0,
+            Self::Free => 1.0,
+            Self::At(passage) => passage.until,
+        }
+    }
+}
+
+fn of_core<R: Scalar>(less: f64, [first, second]: [&ColliderShape<R>; 2], courses: [&Course; 2]) -> End {
+    let Some(core) = Core::of(second, less) else { return End::Free };
+    let course = courses[1].of_part(&core.at);
+    let courses = [courses[0], &course];
+    let radius = course.off_center() + core.reach();
+    match first {
+        ColliderShape::Mesh(mesh) => end_at_surface(mesh.as_ref(), &core, courses, radius),
+        ColliderShape::HeightField(field) => end_at_surface(field.as_ref(), &core, courses, radius),
+        ColliderShape::HalfSpace => end_at_half_space(&core, courses, radius),
+        _ => {
+            let Some((convex, layer)) = Convex::of(first) else { return End::Free };
+            let reach: f64 = first.reach().map_or(0.0, Into::into);
+            let radii = [courses[0].off_center() + (reach - layer).max(0.0), radius];
+            let moving = Moving { shapes: [convex, core.convex], layers: layer + core.layer, courses, radii };
+            end_at_shape(&moving, &core, layer)
+        }
+    }
+}
+
+impl<'a> Core<'a> {
+    /// Without this part of the half thickness.
+    fn of<R: Scalar>(shape: &'a ColliderShape<R>, less: f64) -> Option<Self> {
+        let half_thickness: f64 = shape.ccd_thickness().into();
+        let less = less * half_thickness;
+        let (mut convex, mut layer) = Convex::of(shape)?;
+        let mut at = Isometry::at(Vector::zero());
+        let smaller = |v: Vector| v - Vector::splat(less);
+        match convex {
+            Convex::Point | Convex::Segment { .. } => layer -= less,
+            Convex::Cuboid { half } => convex = Convex::Cuboid { half: smaller(half) },
+            Convex::Ellipsoid { radii } => convex = Convex::Ellipsoid { radii: smaller(radii) },
+            Convex::Tapered { radii, half_height } => {
+                convex = Convex::Tapered { radii: radii.map(|radius| radius - less), half_height };
+            }
+            Convex::Frustum(frustum) => {
+                let (core, height) = smaller_frustum(frustum, less);
+                convex = Convex::Frustum(core);
+                at.position.y = height;
+            }
+            Convex::Hull(hull) => {
+                let aabb = around((convex, 0.0), &at);
+                let half = (aabb.high - aabb.low) * 0.5;
+                let factor = |half: f64| Lane::max(1.0 - less / half, 0.0);
+                convex = Convex::SmallerHull(hull, Vector::new(factor(half.x), factor(half.y), factor(half.z)));
+            }
+            Convex::SmallerHull(..) | Convex::Triangle(_) => {}
+        }
+        (half_thickness > 0.0).then_some(Self { convex, layer, at, clearance: CLEARANCE * half_thickness })
+    }
+
+    /// How far points inside the layer are from the origin at most \[m\].
+    fn reach(&self) -> f64 {
+        let here = Isometry::at(Vector::zero());
+        let aabb = around((self.convex, 0.0), &here);
+        let most = |low: f64, high: f64| Lane::max(high, -low);
+        let corner =
+            Vector::new(most(aabb.low.x, aabb.high.x), most(aabb.low.y, aabb.high.y), most(aabb.low.z, aabb.high.z));
+        corner.dot(corner).sqrt()
+    }
+}
+
+/// A frustum without a layer of even thickness, and at which height its middle is.
+fn smaller_frustum(Frustum { radii: [below, above], half_height }: Frustum, less: f64) -> (Frustum, f64) {
+    let slope = (above - below) / (2.0 * half_height);
+    let (middle, across) = (0.5 * (below + above), less * (1.0 + slope * slope).sqrt());
+    let radius = |y: f64| middle + slope * y - across;
+    let (mut low, mut high) = (less - half_height, half_height - less);
+    // Where the side ends in a tip.
+    let tip = (across - middle) / slope;
+    if radius(high) < 0.0 {
+        high = tip.max(low);
+    }
+    if radius(low) < 0.0 {
+        low = tip.min(high);
+    }
+    let radii = [radius(low).max(0.0), radius(high).max(0.0)];
+    (Frustum { radii, half_height: 0.5 * (high - low) }, 0.5 * (high + low))
+}
+
+/// At a convex shape with a layer.
+fn end_at_shape(moving: &Moving<'_>, core: &Core<'_>, layer: f64) -> End {
+    let Some(begin) = moving.gap(0.0) else { return End::Free };
+    if begin.distance <= 0.0 {
+        return End::Touched;
+    }
+    let least = core.clearance.min(0.5 * begin.distance);
+    if begin.distance.is_nan() || moving.are_passed(least, 0.0) {
+        return End::Free;
+    }
+    let (mut now, mut gap) = (0.0, begin);
+    for _ in 0..MAX_ADVANCES {
+        if gap.distance <= least {
+            break;
+        }
+        let end = moving.courses.iter().flat_map(|course| course.turns()).filter(|end| *end > now);
+        let end = end.fold(1.0, f64::min);
+        let rate = moving.rate(moving.way(now), gap.normal);
+        let passes = rate * (end - now) < gap.distance - least;
+        let next = if passes { end } else { now + (gap.distance - 0.5 * least) / rate };
+        if next >= 1.0 {
+            return End::Free;
+        }
+        let Some(there) = moving.gap(next) else { break };
+        (now, gap) = (next, there);
+    }
+    End::At(Passage { until: now, normal: gap.normal, point: gap.on_first + gap.normal * layer })
+}
+
+/// At a half-space.
+fn end_at_half_space(core: &Core<'_>, courses: [&Course; 2], radius: f64) -> End {
+    let lowest = |moment: f64| {
+        let [ground, body] = courses.map(|course| course.at(moment));
+        let up = ground.orientation.rotate(Vector::new(0.0, 1.0, 0.0));
+        let point = body.to_world(core.convex.support(body.orientation.rotate_back(up * -1.0)));
+        let height = up.dot(point - ground.position);
+        (up, point - up * height, height - core.layer)
+    };
+    let (mut now, (mut up, mut point, mut gap)) = (0.0, lowest(0.0));
+    if gap <= 0.0 {
+        return End::Touched;
+    }
+    let least = core.clearance.min(0.5 * gap);
+    let turning = |course: &Course, radius: f64| course.angular().dot(course.angular()).sqrt() * radius;
+    for _ in 0..MAX_ADVANCES {
+        if gap <= least {
+            break;
+        }
+        let way = courses[1].linear(now) - courses[0].linear(now);
+        let apart = courses[1].at(now).position - courses[0].at(now).position;
+        let far = apart.dot(apart).sqrt() + way.dot(way).sqrt() + courses[0].off_center();
+        let rate = turning(courses[1], radius) + turning(courses[0], far) - way.dot(up);
+        let end = courses.iter().flat_map(|course| course.turns()).filter(|end| *end > now).fold(1.0, f64::min);
+        let passes = rate * (end - now) < gap - least;
+        let next = if passes { end } else { now + (gap - 0.5 * least) / rate };
+        if next >= 1.0 || gap.is_nan() {
+            return End::Free;
+        }
+        now = next;
+        (up, point, gap) = lowest(now);
+    }
+    End::At(Passage { until: now, normal: up, point })
+}
+
+/// At one of the triangles of a surface that the core is in front of.
+fn end_at_surface(surface: &impl Surface, core: &Core<'_>, courses: [&Course; 2], radius: f64) -> End {
+    let [ground, body] = courses.map(|course| course.at(0.0));
+    let middle = ground.to_local(body.to_world(core.convex.middle()));
+    let mut end = End::Free;
+    let mut ask = |triangle: u32| {
+        let corners = surface.triangle(triangle);
+        if surface.normal(triangle).dot(middle - corners[0]) > 0.0 {
+            let radii = [courses[0].off_center() + furthest_from_origin(corners), radius];
+            let shapes = [Convex::Triangle(corners), core.convex];
+            end = end.first(end_at_shape(&Moving { shapes, layers: core.layer, courses, radii }, core, 0.0));
+        }
+        end.until()
+    };
+    let way = courses[1].gone(1.0) - courses[0].gone(1.0);
+    let length = way.dot(way).sqrt();
+    let turns = courses[0].angular().dot(courses[0].angular()) > 0.0;
+    let is_straight = courses.iter().all(|course| course.turns().count() == 1);
+    let reach = radius + core.layer + core.clearance;
+    let from = courses[1].of_center().at(0.0).position;
+    if !turns && is_straight && length > 0.0 {
+        let along = ground.orientation.rotate_back(way * (1.0 / length));
+        let line = Line { point: ground.to_local(from), along };
+        surface.along(&line, Vector::splat(reach), length, &mut |triangle| ask(triangle) * length);
+        return end;
+    }
+    // Around where the body is, as the surface sees it, at the beginning and the end.
+    let apart = body.position - ground.position;
+    let angle = courses[0].angular();
+    let swing = angle.dot(angle).sqrt() * (apart.dot(apart).sqrt() + length + courses[0].off_center());
+    let half = Vector::splat(reach + swing + bend(courses));
+    let boxes = [Vector::zero(), way].map(|gone| Aabb::about(ground.to_local(from + gone), half));
+    surface.near(&enclosing(&boxes[0], &boxes[1]), &mut |triangle| {
+        ask(triangle);
+    });
+    end
+}
+
+/// How far courses are off the straight line between their ends at most \[m\].
+fn bend(courses: [&Course; 2]) -> f64 {
+    let of = |course: &Course| {
+        let end = course.gone(1.0);
+        course.turns().fold(0.0, |most: f64, moment| {
+            let off = course.gone(moment) - end * moment;
+            most.max(off.dot(off).sqrt())
+        })
+    };
+    of(courses[0]) + of(courses[1])
+}

@@ -1,0 +1,279 @@
+//! The second net for fast bodies: the way that a body really took in a substep is swept, and one of
+//! which the core would be through something is put back to where that touches, with a blow.
+//!
+//! Contacts foresee what bodies do with the velocities that a substep begins with. A blow changes
+//! them within it: a box that hits a wall with a corner spins, and other corners follow. The way from
+//! the first to the last pose is continuous, so what is on the other side at its end has crossed.
+
+use rayon::prelude::*;
+use tumble_collide::{Aabb, Passage};
+use tumble_math::lane::{Quat, Vec3};
+
+use crate::collision::pipeline::CollisionPipeline;
+use crate::collision::strike::{Struck, strike};
+use crate::collision::traveller::{Traveller, find, first_passage, pose_of, turned_end};
+use crate::components::Pose;
+use crate::joints::joint_list::JointList;
+use crate::math::{Real, quat, vec3};
+use crate::storage::body_index::Slot;
+use crate::storage::world_columns::WorldColumns;
+use crate::threads::InParts;
+
+/// A body of which no point goes further than this part of its half thickness is not swept.
+const SLOW: Real = 0.5;
+/// What is in something else by this part of its half thickness is swept however slow it is.
+const DEEP: Real = 0.25;
+/// Bodies that one thread compares, and that it follows, at a time.
+const PART: usize = 1024;
+const FEW: usize = 4;
+/// How often bodies are followed again where others were stopped on their ways.
+const ROUNDS: usize = 4;
+
+/// Memory of the second net; nothing in it outlives a substep.
+#[derive(Clone, Default)]
+pub(crate) struct Sweep {
+    /// In parts that threads find.
+    found: Vec<Vec<Slot>>,
+    /// The bodies that are swept, in order.
+    fast: Vec<Slot>,
+    /// Each of them with what is near its way; what may be put back is the second.
+    pairs: Vec<[Slot; 2]>,
+    places: Vec<[usize; 2]>,
+    /// The bodies of pairs, by slot.
+    travellers: Vec<Traveller>,
+    jointed: Vec<Slot>,
+    stops: Vec<Option<Stop>>,
+    sorted: Vec<Stop>,
+    limits: Vec<f64>,
+}
+
+/// The end of a body's way: whose it is, and what is touched.
+#[derive(Clone, Copy)]
+struct Stop {
+    traveller: usize,
+    other: usize,
+    /// The number of the pair of their parts.
+    part: u32,
+    passage: Passage,
+}
+
+impl CollisionPipeline {
+    /// Puts back the dynamic bodies of which the core would be through something at the end of a
+    /// substep. What comes faster than `threshold` [m/s] may bounce.
+    pub(crate) fn stop_crossings(&mut self, columns: &mut WorldColumns<'_>, joints: &JointList, threshold: Real) {
+        let mut sweep = std::mem::take(&mut self.sweep);
+        self.find_fast(&mut sweep, columns);
+        if !sweep.fast.is_empty() {
+            self.find_pairs(&mut sweep, columns, joints);
+        }
+        if !sweep.pairs.is_empty() {
+            self.list_travellers(&mut sweep, columns, joints);
+            self.stop_all(&mut sweep, columns, threshold);
+        }
+        self.sweep = sweep;
+    }
+
+    /// Lists the bodies with colliders that are fast, or deep in others.
+    fn find_fast(&self, Sweep { found, fast, pairs, .. }: &mut Sweep, columns: &WorldColumns<'_>) {
+        fast.clear();
+        pairs.clear();
+        for (archetype, bodies) in columns.pose_views() {
+            if bodies.dynamic.is_none() && bodies.velocity.is_none() {
+                continue;
+            }
+            let slots = self.body_index.slots_in(archetype);
+            in_parts(found, slots.par_chunks(PART).zip(bodies.pose.par_chunks(PART)), |(slots, poses), found| {
+                let both = slots.iter().zip(poses).filter(|(slot, pose)| self.is_fast(**slot, pose));
+                found.extend(both.map(|(slot, _)| *slot));
+            });
+            fast.extend(found.iter().flatten());
+        }
+        let states = &self.collider_states.states;
+        let deep = |slot: Slot| {
+            let state = &states[slot.index()];
+            if state.is_dynamic { DEEP * state.half_thickness } else { Real::INFINITY }
+        };
+        in_parts(found, self.contacts.records.par_chunks(PART), |contacts, found| {
+            for contact in contacts {
+                let least = (0..contact.count()).fold(0.0, |least, j| contact.separation(j).min(least));
+                found.extend(contact.slots.into_iter().filter(|slot| least < -deep(*slot)));
+            }
+        });
+        fast.extend(found.iter().flatten());
+        fast.sort_unstable();
+        fast.dedup();
+    }
+
+    fn is_fast(&self, slot: Slot, pose: &Pose) -> bool {
+        let state = &self.collider_states.states[slot.index()];
+        let way = Vec3::from(pose.position) - state.center;
+        let most = SLOW * state.half_thickness;
+        if way.dot(way) > most * most {
+            return true;
+        }
+        // How far its outside is from that of a ball about its centre of mass.
+        let arm = state.motion.radius - state.half_thickness;
+        if arm <= 0.0 || state.half_thickness <= 0.0 {
+            return false;
+        }
+        let Some((collider, _)) = self.colliders.get(slot) else { return false };
+        let turned = (turned_end(pose, collider).conjugate() * state.placement.orientation).vector();
+        // Twice the sine of half the angle, about what a rotation moves points by.
+        4.0 * turned.dot(turned) * arm * arm > most * most
+    }
+
+    /// Lists each fast body with what is near its way.
+    fn find_pairs(&self, Sweep { fast, pairs, .. }: &mut Sweep, columns: &WorldColumns<'_>, joints: &JointList) {
+        let groups = &self.colliders.groups;
+        let is_solid = |slot: Slot| self.colliders.get(slot).is_some_and(|(it, _)| !it.is_sensor());
+        let state = |slot: Slot| &self.collider_states.states[slot.index()];
+        for slot in fast.iter().copied().filter(|slot| is_solid(*slot)) {
+            let Some(aabb) = self.swept_aabb(slot, columns) else { continue };
+            let mut add = |other: u32| {
+                let other = Slot(other);
+                let touch = groups[slot.index()].touch(groups[other.index()]) && !joints.keeps_apart([slot, other]);
+                if other != slot && touch && is_solid(other) {
+                    if state(slot).is_dynamic {
+                        pairs.push([other, slot]);
+                    }
+                    if state(other).is_dynamic {
+                        pairs.push([slot, other]);
+                    }
+                }
+            };
+            self.broad_phase.meeting(&aabb, &mut add);
+            let endless = (0..).zip(&self.collider_states.proxies).filter(|(_, proxy)| proxy.aabb.is_none());
+            endless.for_each(|(other, _)| add(other));
+        }
+        pairs.sort_unstable();
+        pairs.dedup();
+    }
+
+    /// The box around a body's way.
+    fn swept_aabb(&self, slot: Slot, columns: &WorldColumns<'_>) -> Option<Aabb<Real>> {
+        let state = &self.collider_states.states[slot.index()];
+        let end = pose_of(columns, self.body_index.place(slot))?.position;
+        let half = Vec3::splat(state.motion.radius);
+        let [a, b] = [Aabb::about(state.center, half), Aabb::about(Vec3::from(end), half)];
+        let corner =
+            |f: fn(Real, Real) -> Real, a: Vec3<Real>, b: Vec3<Real>| Vec3::new(f(a.x, b.x), f(a.y, b.y), f(a.z, b.z));
+        Some(Aabb { low: corner(Real::min, a.low, b.low), high: corner(Real::max, a.high, b.high) })
+    }
+
+    /// Lists the bodies of pairs.
+    fn list_travellers(&self, sweep: &mut Sweep, columns: &WorldColumns<'_>, joints: &JointList) {
+        let Sweep { fast, pairs, places, travellers, jointed, found, .. } = sweep;
+        found.resize_with(found.len().max(1), Vec::new);
+        let slots = &mut found[0];
+        slots.clear();
+        slots.extend(pairs.iter().flatten());
+        slots.sort_unstable();
+        slots.dedup();
+        jointed.clear();
+        jointed.extend(joints.joints.iter().flat_map(|joint| joint.slots));
+        jointed.sort_unstable();
+        travellers.clear();
+        travellers.extend(slots.iter().filter_map(|slot| {
+            let state = &self.collider_states.states[slot.index()];
+            let (collider, _) = self.colliders.get(*slot)?;
+            let is_free = state.is_dynamic && jointed.binary_search(slot).is_err();
+            let is_fast = fast.binary_search(slot).is_ok();
+            Traveller::of(*slot, self.body_index.place(*slot), (state, collider), [is_free, is_fast], columns)
+        }));
+        places.clear();
+        places.extend(pairs.iter().map(|pair| pair.map(|slot| find(travellers, slot))));
+    }
+
+    /// Follows all pairs, and stops what crosses, the earliest first.
+    fn stop_all(&self, sweep: &mut Sweep, columns: &mut WorldColumns<'_>, threshold: Real) {
+        for _ in 0..ROUNDS {
+            let Sweep { travellers, places, stops, sorted, limits, .. } = sweep;
+            stops.clear();
+            stops.resize(places.len(), None);
+            let parts = places.par_chunks(FEW).zip(stops.par_chunks_mut(FEW)).by_at_least(1);
+            parts.for_each(|(pairs, stops)| {
+                pairs.iter().zip(stops).for_each(|(pair, stop)| *stop = self.find_stop(travellers, *pair));
+            });
+            sorted.clear();
+            sorted.extend(stops.iter().flatten());
+            if sorted.is_empty() {
+                break;
+            }
+            // The earliest first; of equal ones the body that comes first.
+            let order = |it: &Stop| (it.traveller, it.other);
+            sorted.sort_unstable_by(|a, b| a.passage.until.total_cmp(&b.passage.until).then(order(a).cmp(&order(b))));
+            limits.clear();
+            limits.extend(travellers.iter().map(|it| it.until));
+            for stop in &*sorted {
+                // What was stopped in this round is followed again in the next.
+                if [stop.traveller, stop.other].iter().all(|it| travellers[*it].until == limits[*it]) {
+                    self.stop(stop, travellers, columns, threshold);
+                }
+            }
+        }
+        let travellers = &sweep.travellers;
+        for it in travellers.iter().filter(|it| it.until < 1.0) {
+            it.write(travellers, columns);
+        }
+    }
+
+    /// Where the core of a body touches another on its way.
+    fn find_stop(&self, travellers: &[Traveller], [other, traveller]: [usize; 2]) -> Option<Stop> {
+        let [first, second] = [travellers.get(other)?, travellers.get(traveller)?];
+        if !second.is_free || first.with == Some(traveller) || second.with == Some(other) {
+            return None;
+        }
+        let [Some((a, _)), Some((b, _))] = [first, second].map(|it| self.colliders.get(it.slot)) else { return None };
+        // Both go on, and then one of them stays where it was stopped.
+        let both = first.until.min(second.until);
+        let rest = |it: &Traveller| it.course.part(both, it.until.max(both));
+        let parts = [
+            (0.0, both, [first.course.part(0.0, both), second.course.part(0.0, both)]),
+            (both, second.until, [rest(first), rest(second)]),
+        ];
+        let stop = parts.into_iter().filter(|(from, to, _)| from < to).find_map(|(from, to, courses)| {
+            let (part, passage) = first_passage([a, b], &courses)?;
+            let until = from + passage.until * (to - from);
+            Some(Stop { traveller, other, part, passage: Passage { until, ..passage } })
+        })?;
+        // Two that move and overlap in the end are held by their contact.
+        let is_through = !first.is_dynamic || !first.overlaps_in_the_end(a, second, b);
+        is_through.then_some(stop)
+    }
+
+    /// Stops a body, and another that is as fast, with the impulses of a blow.
+    fn stop(
+        &self,
+        &Stop { traveller, other, part, passage }: &Stop,
+        travellers: &mut [Traveller],
+        columns: &mut WorldColumns<'_>,
+        threshold: Real,
+    ) {
+        let are_both_fast = travellers[other].is_fast && travellers[other].is_free;
+        travellers[traveller].stop(passage.until, (!are_both_fast).then_some(other), columns);
+        if are_both_fast {
+            travellers[other].stop(passage.until, None, columns);
+        }
+        let both = [other, traveller].map(|it| &travellers[it]);
+        let [first, second] = both.map(|it| {
+            let at = it.at(passage.until);
+            let arm: Vec3<Real> = vec3((passage.point - at.position).into()).into();
+            let orientation: Quat<Real> = quat(at.orientation.into()).into();
+            Struck { place: it.place, arm, orientation: orientation.normalize() }
+        });
+        let surface = self.colliders.materials.between(both.map(|it| it.slot), part);
+        let normal: Vec3<Real> = vec3(passage.normal.into()).into();
+        strike(columns, [first, second], normal, &surface, threshold);
+    }
+}
+
+/// Has threads find something in parts, into lists that are used again.
+fn in_parts<I: IndexedParallelIterator>(
+    found: &mut Vec<Vec<Slot>>,
+    parts: I,
+    find: impl Fn(I::Item, &mut Vec<Slot>) + Sync,
+) {
+    found.resize_with(parts.len().max(found.len()), Vec::new);
+    found.iter_mut().for_each(Vec::clear);
+    parts.zip(found.par_iter_mut()).by_at_least(2).for_each(|(part, found)| find(part, found));
+}

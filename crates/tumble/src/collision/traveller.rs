@@ -1,0 +1,201 @@
+//! A body on its way through a substep, as the second net follows it.
+
+use tumble_collide::{Course, Isometry, Passage};
+use tumble_math::lane::{Quat, Vec3};
+
+use crate::collision::collider::Collider;
+use crate::collision::collider_state::ColliderState;
+use crate::collision::compound_parts::wide;
+use crate::components::{Momentum, Pose};
+use crate::integrators::kinetic_energy::KineticEnergy;
+use crate::integrators::state::{Constants, Moments, State};
+use crate::math::{Real, dquat, dvec3, quat, vec3};
+use crate::storage::body_index::{RowPlace, Slot};
+use crate::storage::world_columns::{ArchetypeBodies, WorldColumns};
+
+/// A body in a substep.
+#[derive(Clone)]
+pub(crate) struct Traveller {
+    pub(crate) slot: Slot,
+    pub(crate) place: RowPlace,
+    /// Of its collider.
+    pub(crate) course: Course,
+    /// Where it is in the end.
+    end: Pose,
+    /// What it was then, with its energy \[J\], if it is dynamic.
+    before: Option<f64>,
+    pub(crate) is_dynamic: bool,
+    /// Whether it can be put back: a dynamic body that no joint holds.
+    pub(crate) is_free: bool,
+    pub(crate) is_fast: bool,
+    /// Up to which moment it goes, ...
+    pub(crate) until: f64,
+    /// ... and which of the others it stays with then.
+    pub(crate) with: Option<usize>,
+}
+
+impl Traveller {
+    /// A body whose collider was in this state when the substep began; whether it can be put back, and
+    /// whether it is fast.
+    pub(crate) fn of(
+        slot: Slot,
+        place: RowPlace,
+        (state, collider): (&ColliderState, &Collider),
+        [is_free, is_fast]: [bool; 2],
+        columns: &WorldColumns<'_>,
+    ) -> Option<Self> {
+        let end = pose_of(columns, place)?;
+        let turn = wide_quat(turned_end(&end, collider)) * wide_quat(state.placement.orientation).conjugate();
+        let turn = tumble_math::to_scaled_axis(turn.normalize().into());
+        let way = dvec3(end.position) - dvec3(state.center.into());
+        let center: Vec3<f64> = dvec3(state.center.into()).into();
+        Some(Self {
+            slot,
+            place,
+            course: Course::new(&wide(&state.placement), center, way.into(), turn.into()),
+            end,
+            before: energy(columns, place),
+            is_dynamic: state.is_dynamic,
+            is_free,
+            is_fast,
+            until: 1.0,
+            with: None,
+        })
+    }
+
+    /// Where it is at a moment.
+    pub(crate) fn at(&self, moment: f64) -> Isometry<f64> {
+        let (center, turn) = self.course.center_and_turn(moment);
+        let (_, whole) = self.course.center_and_turn(1.0);
+        let orientation = turn * whole.conjugate() * Quat::<f64>::from(dquat(self.end.orientation)).normalize();
+        Isometry { position: center, orientation }
+    }
+
+    /// Stops it at a moment, to stay with another from then on. Its angular momentum turns with it: so
+    /// it has the energy that it had.
+    pub(crate) fn stop(&mut self, moment: f64, with: Option<usize>, columns: &mut WorldColumns<'_>) {
+        let turned_back = self.at(moment).orientation * self.at(self.until).orientation.conjugate();
+        turn_momentum(columns, self.place, turned_back);
+        (self.until, self.with) = (moment, with);
+    }
+
+    /// Writes where it was stopped, with what it touches for the rest of the substep, and books what
+    /// that did.
+    pub(crate) fn write(&self, travellers: &[Self], columns: &mut WorldColumns<'_>) {
+        let here = self.at(self.until);
+        let place = match self.with.map(|other| &travellers[other].course) {
+            Some(course) => carried(&here, course, self.until),
+            None => here,
+        };
+        turn_momentum(columns, self.place, place.orientation * here.orientation.conjugate());
+        let row = self.place.row as usize;
+        if let Some(columns) = columns.dynamic_mut(self.place) {
+            let orientation = quat(place.orientation.normalize().into());
+            columns.pose[row] = Pose { position: vec3(place.position.into()), orientation };
+        }
+        let after = energy(columns, self.place);
+        if let (Some(before), Some(after)) = (self.before, after)
+            && let Some(columns) = columns.dynamic_mut(self.place)
+            && let Some(work) = columns.work.as_deref_mut()
+        {
+            work[row].contacts += after - before;
+        }
+    }
+
+    /// Whether solid parts of two bodies overlap at the end of the substep.
+    pub(crate) fn overlaps_in_the_end(&self, collider: &Collider, other: &Self, of_other: &Collider) -> bool {
+        let mut is_met = false;
+        let [here, there] = [self, other].map(|it| it.course.at(1.0));
+        for_each_pair([collider, of_other], |_, [(shape, inner), (its, its_inner)]| {
+            is_met = is_met || shape.overlap(&here.then(inner), its, &there.then(its_inner)).is_some();
+        });
+        is_met
+    }
+}
+
+/// Turns the angular momentum of a dynamic body.
+fn turn_momentum(columns: &mut WorldColumns<'_>, place: RowPlace, turn: Quat<f64>) {
+    if let Some(columns) = columns.dynamic_mut(place) {
+        let Momentum { angular, .. } = &mut columns.momentum[place.row as usize];
+        *angular = vec3(turn.normalize().rotate(dvec3(*angular).into()).into());
+    }
+}
+
+/// The kinetic energy of a dynamic body \[J\].
+fn energy(columns: &WorldColumns<'_>, place: RowPlace) -> Option<f64> {
+    let (constants, state) = state_of(columns, place)?;
+    Some(KineticEnergy::of(&constants, &state).sum())
+}
+
+/// What is constant of a dynamic body, and its state.
+pub(crate) fn state_of(columns: &WorldColumns<'_>, place: RowPlace) -> Option<(Constants<Real>, State<Real>)> {
+    let row = place.row as usize;
+    let ArchetypeBodies::Dynamic(columns) = columns.bodies(place) else { return None };
+    let axes = columns.axes.as_deref().map(|axes| &axes[row]);
+    let inertia = columns.inertia.as_deref().map(|inertia| Moments::new(&inertia[row], axes));
+    let constants = Constants { mass: columns.mass[row].kilograms(), inertia, damping: None };
+    Some((constants, State::new(&columns.pose[row], &columns.momentum[row])))
+}
+
+/// Where a place is at the end that goes along with a course from a moment on.
+fn carried(place: &Isometry<f64>, course: &Course, from: f64) -> Isometry<f64> {
+    let [(before, turned), (after, turned_on)] = [from, 1.0].map(|moment| course.center_and_turn(moment));
+    let turn = turned_on * turned.conjugate();
+    Isometry { position: after + turn.rotate(place.position - before), orientation: turn * place.orientation }
+}
+
+/// A shape of a collider, and where it is in that.
+type Placed<'a> = (&'a tumble_collide::ColliderShape<Real>, &'a Isometry<f64>);
+
+/// Shows the pairs of solid parts of two colliders that push each other, with their numbers.
+fn for_each_pair([first, second]: [&Collider; 2], mut visit: impl FnMut([u32; 2], [Placed<'_>; 2])) {
+    let here = Isometry::at(Vec3::zero());
+    first.for_each_part(&here, |part, (groups, is_sensor), shape, inner| {
+        second.for_each_part(&here, |its_part, (its_groups, is_its_sensor), its, its_inner| {
+            if !is_sensor && !is_its_sensor && groups.touch(its_groups) {
+                visit([part, its_part], [(shape, inner), (its, its_inner)]);
+            }
+        });
+    });
+}
+
+/// Where the core of a solid part of the second of two colliders first touches a solid part of the
+/// first, and the number of that pair.
+pub(crate) fn first_passage(both: [&Collider; 2], courses: &[Course; 2]) -> Option<(u32, Passage)> {
+    let [first, second] = both;
+    let mut found: Option<(u32, Passage)> = None;
+    for_each_pair(both, |[part, its_part], [(shape, inner), (its, its_inner)]| {
+        let [a, b] = [courses[0].of_part(inner), courses[1].of_part(its_inner)];
+        if let Some(passage) = Passage::find([shape, its], [&a, &b])
+            && found.is_none_or(|(_, first)| passage.until < first.until)
+        {
+            let [number, its_number] = [first.number_of_part(part), second.number_of_part(its_part)];
+            found = Some((number.wrapping_mul(second.geometry().parts()).wrapping_add(its_number), passage));
+        }
+    });
+    found
+}
+
+/// The pose of the body of a row, if it is one.
+pub(crate) fn pose_of(columns: &WorldColumns<'_>, place: RowPlace) -> Option<Pose> {
+    match columns.bodies(place) {
+        ArchetypeBodies::Dynamic(columns) => Some(columns.pose[place.row as usize]),
+        ArchetypeBodies::NonDynamic(columns) => Some(columns.pose[place.row as usize]),
+        ArchetypeBodies::None => None,
+    }
+}
+
+/// The orientation of a body's collider at the end of a substep.
+pub(crate) fn turned_end(pose: &Pose, collider: &Collider) -> Quat<Real> {
+    let body = Quat::<Real>::from(pose.orientation).normalize();
+    collider.place().map_or(body, |inner| body * inner.orientation)
+}
+
+fn wide_quat(it: Quat<Real>) -> Quat<f64> {
+    Quat::<f64>::from(dquat(it.into())).normalize()
+}
+
+/// The place of a slot in a list of travellers.
+pub(crate) fn find(travellers: &[Traveller], slot: Slot) -> usize {
+    travellers.partition_point(|it| it.slot < slot)
+}
