@@ -105,10 +105,10 @@ impl Collider {
         self.surface_of(number).map_or((self.filter_groups(), self.is_sensor()), |part| (part.groups, part.is_sensor))
     }
 
-    /// The groups of a part, by its place in the list of parts, and whether it is a sensor.
-    pub(crate) fn role_of_part(&self, place: usize) -> (Groups, bool) {
-        let own = self.surfaces().get(place);
-        own.map_or((self.filter_groups(), self.is_sensor()), |part| (part.groups, part.is_sensor))
+    /// The groups of a part, by its place in the list of parts of its geometry, and whether it is a
+    /// sensor.
+    pub(crate) fn role_of_part(&self, place: u32) -> (Groups, bool) {
+        self.role_of(self.number_of_part(place))
     }
 
     /// The first of the numbers that a part has, by its place in the list of parts.
@@ -130,7 +130,7 @@ impl Collider {
             return visit(0, (self.filter_groups(), self.is_sensor()), self.geometry(), at);
         };
         for (place, (inner, shape)) in compound.parts().iter().enumerate() {
-            visit(place as u32, self.role_of_part(place), shape, &at.then(&wide(inner)));
+            visit(place as u32, self.role_of_part(place as u32), shape, &at.then(&wide(inner)));
         }
     }
 
