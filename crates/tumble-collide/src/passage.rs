@@ -65,7 +65,8 @@ impl Passage {
     /// How far the core of the second of two shapes gets on its course until it would touch the
     /// first; `None` where it never does, and where it does from the beginning. Of compounds this is to
     /// be asked part by part: as they are they are not met. Nor does what is no convex shape meet
-    /// anything as the second. A surface is met from outside.
+    /// anything as the second. A surface is met from outside; nothing gets through a half-space, and
+    /// none is met.
     ///
     /// Shapes that approach each other again and again never touch: what is left between them is
     /// halved at the most.
@@ -118,7 +119,6 @@ fn of_core<R: Scalar>(less: f64, [first, second]: [&ColliderShape<R>; 2], course
     match first {
         ColliderShape::Mesh(mesh) => end_at_surface(mesh.as_ref(), &core, courses, radius),
         ColliderShape::HeightField(field) => end_at_surface(field.as_ref(), &core, courses, radius),
-        ColliderShape::HalfSpace => end_at_half_space(&core, courses, radius),
         _ => {
             let Some((convex, layer)) = Convex::of(first) else { return End::Free };
             let reach: f64 = first.reach().map_or(0.0, Into::into);
@@ -216,41 +216,6 @@ fn end_at_shape(moving: &Moving<'_>, core: &Core<'_>, layer: f64) -> End {
         (now, gap) = (next, there);
     }
     End::At(Passage { until: now, normal: gap.normal, point: gap.on_first + gap.normal * layer })
-}
-
-/// At a half-space.
-fn end_at_half_space(core: &Core<'_>, courses: [&Course; 2], radius: f64) -> End {
-    let lowest = |moment: f64| {
-        let [ground, body] = courses.map(|course| course.at(moment));
-        let up = ground.orientation.rotate(Vector::new(0.0, 1.0, 0.0));
-        let point = body.to_world(core.convex.support(body.orientation.rotate_back(up * -1.0)));
-        let height = up.dot(point - ground.position);
-        (up, point - up * height, height - core.layer)
-    };
-    let (mut now, (mut up, mut point, mut gap)) = (0.0, lowest(0.0));
-    if gap <= 0.0 {
-        return End::Touched;
-    }
-    let least = core.clearance.min(0.5 * gap);
-    let turning = |course: &Course, radius: f64| course.angular().dot(course.angular()).sqrt() * radius;
-    for _ in 0..MAX_ADVANCES {
-        if gap <= least {
-            break;
-        }
-        let way = courses[1].linear(now) - courses[0].linear(now);
-        let apart = courses[1].at(now).position - courses[0].at(now).position;
-        let far = apart.dot(apart).sqrt() + way.dot(way).sqrt() + courses[0].off_center();
-        let rate = turning(courses[1], radius) + turning(courses[0], far) - way.dot(up);
-        let end = courses.iter().flat_map(|course| course.turns()).filter(|end| *end > now).fold(1.0, f64::min);
-        let passes = rate * (end - now) < gap - least;
-        let next = if passes { end } else { now + (gap - 0.5 * least) / rate };
-        if next >= 1.0 || gap.is_nan() {
-            return End::Free;
-        }
-        now = next;
-        (up, point, gap) = lowest(now);
-    }
-    End::At(Passage { until: now, normal: up, point })
 }
 
 /// At one of the triangles of a surface that the core is in front of.

@@ -6,7 +6,7 @@
 //! the first to the last pose is continuous, so what is on the other side at its end has crossed.
 
 use rayon::prelude::*;
-use tumble_collide::{Aabb, Passage};
+use tumble_collide::{Aabb, ColliderShape, Passage};
 use tumble_math::lane::{Quat, Vec3};
 
 use crate::collision::pipeline::CollisionPipeline;
@@ -127,6 +127,13 @@ impl CollisionPipeline {
         let groups = &self.colliders.groups;
         let is_solid = |slot: Slot| self.colliders.get(slot).is_some_and(|(it, _)| !it.is_sensor());
         let state = |slot: Slot| &self.collider_states.states[slot.index()];
+        // Half-spaces push out what is in them however deep it is; other parts of a compound do not.
+        let is_compound = |slot: &u32| {
+            let collider = self.colliders.get(Slot(*slot));
+            collider.is_some_and(|(it, _)| matches!(it.geometry(), ColliderShape::Compound(_)))
+        };
+        let endless = (0..).zip(&self.collider_states.proxies).filter(|(_, proxy)| proxy.aabb.is_none());
+        let endless = endless.map(|(slot, _)| slot).filter(is_compound);
         for slot in fast.iter().copied().filter(|slot| is_solid(*slot)) {
             let Some(aabb) = self.swept_aabb(slot, columns) else { continue };
             let mut add = |other: u32| {
@@ -142,8 +149,7 @@ impl CollisionPipeline {
                 }
             };
             self.broad_phase.meeting(&aabb, &mut add);
-            let endless = (0..).zip(&self.collider_states.proxies).filter(|(_, proxy)| proxy.aabb.is_none());
-            endless.for_each(|(other, _)| add(other));
+            endless.clone().for_each(&mut add);
         }
         pairs.sort_unstable();
         pairs.dedup();
