@@ -187,6 +187,41 @@ fn an_audit_shows_colliders_with_all_defaults() {
     assert_eq!(serde_json::to_value(&bare).unwrap()["bodies"][0].get("collider"), None);
 }
 
+/// A sensor of a scene senses and pushes nothing, as a whole or as a part of a compound, and what a
+/// part does not say is as the whole has it.
+#[test]
+fn sensors_of_scenes_sense_and_push_nothing() {
+    let ball = r#"{ "name": "ball", "shape": { "sphere": { "radius": 0.1 } }, "mass": 1, "position": [0, 2, 0], "collider": {} }"#;
+    let gate = r#""name": "gate", "fixed": true"#;
+    let slab = r#""shape": { "cuboid": { "half_extents": [1, 0.1, 1] } }"#;
+    let part = |height: f64| format!(r#"{{ {slab}, "mass": 1, "position": [0, {height}, 0] }}"#);
+    let compound = format!(r#""shape": {{ "compound": {{ "parts": [ {}, {} ] }} }}"#, part(1.0), part(-1.0));
+    for (gate_shape, collider, sensed, lowest) in [
+        (slab.to_owned(), r#"{ "sensor": true }"#, vec![0], -1.5),
+        (compound.clone(), r#"{ "parts": [ { "sensor": true }, {} ] }"#, vec![0], -0.81),
+        (compound, r#"{ "sensor": true, "parts": [ {}, { "sensor": false } ] }"#, vec![0], -0.81),
+    ] {
+        let text = format!(r#"{{ "bodies": [ {{ {gate}, {gate_shape}, "collider": {collider} }}, {ball} ] }}"#);
+        let scene = Scene::from_json(&text, "gate.json").unwrap();
+        let mut simulation = Simulation::new(scene.settings).unwrap();
+        let mut world = World::new();
+        scene.spawn(&mut world).unwrap();
+        let mut begun = Vec::new();
+        for _ in 0..55 {
+            simulation.step(&mut world);
+            begun.extend(simulation.sensor_events().filter(|event| event.begins).map(|event| event.part));
+        }
+        assert_eq!(begun, sensed, "{text}");
+        let ball = BodyOrder::of(&world).entities()[1];
+        let height = world.get::<&Pose>(ball).unwrap().position.y;
+        assert!(if lowest < -1.0 { height < lowest } else { (height - lowest).abs() < 0.02 }, "{height} {text}");
+        let audit = serde_json::to_value(Audit::from_json(&text, "gate.json").unwrap()).unwrap();
+        let shown = &audit["bodies"][0]["collider"];
+        assert!(shown["sensor"] == true || shown["parts"][0]["sensor"] == true, "{audit}");
+        assert!(audit["bodies"][1]["collider"].get("sensor").is_none());
+    }
+}
+
 /// A ball bounces as high as its restitution has it, in every world its own way.
 #[test]
 fn a_sweep_varies_surfaces_and_settings() {

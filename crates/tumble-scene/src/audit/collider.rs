@@ -1,4 +1,4 @@
-//! The audit of a collider: friction, restitution, combine rules and collision groups.
+//! The audit of a collider: friction, restitution, combine rules, collision groups, sensors.
 
 use serde::{Serialize, Serializer};
 use tumble::math::Real;
@@ -38,6 +38,9 @@ pub struct AuditedCollider {
     /// Numbers of the groups that it touches; left out of JSON where it touches all.
     #[serde(skip_serializing_if = "are_all")]
     pub touches: Vec<u32>,
+    /// Whether it reports what comes into it and pushes nothing; left out of JSON where it pushes.
+    #[serde(skip_serializing_if = "is_solid")]
+    pub sensor: bool,
     /// Of a compound whose parts have surfaces of their own, each of them in order, but for points;
     /// left out of JSON where there are none.
     #[serde(skip_serializing_if = "Vec::is_empty")]
@@ -46,13 +49,15 @@ pub struct AuditedCollider {
 
 impl AuditedCollider {
     pub(crate) fn of(collider: &Collider) -> Self {
-        let parts: Vec<Self> = collider.materials().zip(collider.groups_of_parts()).map(Self::of_surface).collect();
+        let surfaces = collider.materials().zip(collider.groups_of_parts()).zip(collider.sensors_of_parts());
+        let parts: Vec<Self> =
+            surfaces.map(|((material, groups), sensor)| Self::of_surface(material, groups, sensor)).collect();
         // Of one surface, the part is the whole.
         let parts = if parts.len() > 1 { parts } else { Vec::new() };
-        Self { parts, ..Self::of_surface((collider.material(), collider.groups())) }
+        Self { parts, ..Self::of_surface(collider.material(), collider.groups(), collider.is_sensor()) }
     }
 
-    fn of_surface((material, (membership, filter)): (&Material, (u32, u32))) -> Self {
+    fn of_surface(material: &Material, (membership, filter): (u32, u32), sensor: bool) -> Self {
         let numbers = |bits: u32| (0..u32::BITS).filter(|group| bits >> group & 1 == 1).collect();
         Self {
             static_friction: material.static_friction,
@@ -63,6 +68,7 @@ impl AuditedCollider {
             restitution_combine: material.restitution_combine,
             groups: numbers(membership),
             touches: numbers(filter),
+            sensor,
             parts: Vec::new(),
         }
     }
@@ -70,6 +76,11 @@ impl AuditedCollider {
 
 fn are_all(groups: &[u32]) -> bool {
     groups.len() == u32::BITS as usize
+}
+
+#[allow(clippy::trivially_copy_pass_by_ref, reason = "serde passes a reference")]
+fn is_solid(sensor: &bool) -> bool {
+    !sensor
 }
 
 /// As it is called in files.

@@ -38,7 +38,12 @@ pub(crate) fn collider(
         (_, None) => return None,
     };
     let collider = collider.and_then(|collider| collider.with_groups(membership, filter).with_material(material));
+    let collider = collider.map(|it| as_sensor(it, surface));
     note(problems, collider.map_err(|error| FieldError::new(field(&error), error)))
+}
+
+fn as_sensor(collider: Collider, model: &ColliderModel) -> Collider {
+    if model.sensor == Some(true) { collider.sensor() } else { collider }
 }
 
 /// The surface, and the groups as bits.
@@ -76,7 +81,8 @@ fn of_parts(surface: &ColliderModel, shape: &Shape, problems: &mut Vec<FieldErro
         let at = Pose { position: real_vector(part.position), orientation: real_quaternion(part.orientation) };
         let collider = Collider::new(&part.shape)
             .and_then(|it| it.with_offset(at))
-            .and_then(|it| it.with_groups(membership, filter).with_material(material));
+            .and_then(|it| it.with_groups(membership, filter).with_material(material))
+            .map(|it| as_sensor(it, &part_model));
         let within = |error| FieldError::new(format!("shape.compound.parts[{index}]"), error);
         made.extend(note(problems, collider.map_err(within)));
     }

@@ -19,6 +19,8 @@ pub(crate) struct ColliderModel {
     /// Numbers of the groups that it is in, and of those that it touches.
     pub(crate) groups: Option<Groups>,
     pub(crate) touches: Option<Groups>,
+    /// Whether it reports what comes into it and pushes nothing.
+    pub(crate) sensor: Option<bool>,
     /// Of a compound, for each of its parts what is other there.
     #[serde(default)]
     pub(crate) parts: Vec<ColliderModel>,
@@ -39,6 +41,7 @@ impl ColliderModel {
             restitution_combine: self.restitution_combine.or(whole.restitution_combine),
             groups: self.groups.clone().or(whole.groups.clone()),
             touches: self.touches.clone().or(whole.touches.clone()),
+            sensor: self.sensor.or(whole.sensor),
             parts: Vec::new(),
         }
     }

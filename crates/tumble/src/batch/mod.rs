@@ -160,7 +160,11 @@ fn step_pack(trials: &mut [Trial], pack: &mut MultiWorld, count: u32) {
     let (mut common, mut together, mut others) = (None, Vec::new(), Vec::new());
     for trial in trials {
         match PackKey::of(&trial.world, trial.simulation.settings()) {
-            Some(pack_key) if count > 0 && *common.get_or_insert(pack_key) == pack_key => together.push(trial),
+            Some(pack_key)
+                if count > 0 && !trial.simulation.has_contact_hook() && *common.get_or_insert(pack_key) == pack_key =>
+            {
+                together.push(trial)
+            }
             _ => others.push(trial),
         }
     }

@@ -244,7 +244,8 @@ impl CollisionPipeline {
         })?;
         // Two that move and overlap in the end are held by their contact.
         let is_through = !first.is_dynamic || !first.overlaps_in_the_end(a, second, b);
-        is_through.then_some(stop)
+        let is_stop = is_through && !self.lets_pass([first.slot, second.slot], stop.part, &stop.passage);
+        is_stop.then_some(stop)
     }
 
     /// Stops a body, and another that is as fast, with the impulses of a blow.
