@@ -262,9 +262,7 @@ fn who_takes_the_place_of_another_is_not_taken_for_it() {
     simulation.step(&mut world);
     let events = events(&simulation);
     assert_eq!(events.len(), 2, "{events:?}");
-    assert!(
-        events.contains(&Told::End([ground, heavy])) && events.contains(&Told::Begin([ground, light]))
-    );
+    assert!(events.contains(&Told::End([ground, heavy])) && events.contains(&Told::Begin([ground, light])));
     // It begins without the impulses of the other, which would throw it up.
     let up = world.get::<&Velocity>(light).unwrap().linear.y;
     assert!(up < 0.01, "{up}");

@@ -29,7 +29,7 @@ fn places(world: &World) -> Vec<DVec3> {
 const BOX_ON_GROUND: &str = r#"{ "contact_substeps": 8, "restitution_threshold": 0.25, "bodies": [
     { "name": "ground", "shape": { "half_space": {} }, "fixed": true, "collider": {} },
     { "name": "box", "shape": { "cuboid": { "half_extents": [0.5, 0.25, 0.5] } }, "mass": 2, "position": [0, 1, 0],
-      "collider": { "friction": 0.75, "rolling_resistance": 0.125, "restitution": 0.5,
+      "collider": { "friction": 0.75, "rolling_resistance": 0.125, "restitution": 0.5, "surface_velocity": [0, 0, -2],
                     "friction_combine": "minimum", "restitution_combine": "multiply" } } ] }"#;
 
 #[test]
@@ -44,6 +44,7 @@ fn what_a_scene_says_is_what_the_simulation_has() {
     let material = *collider.material();
     assert_eq!((material.static_friction, material.dynamic_friction), (0.75, 0.75));
     assert_eq!((material.restitution, material.rolling_resistance), (0.5, 0.125));
+    assert_eq!(material.surface_velocity.to_array(), [0.0, 0.0, -2.0]);
     assert_eq!(
         (material.friction_combine, material.restitution_combine),
         (CombineRule::Minimum, CombineRule::Multiply)
@@ -60,7 +61,7 @@ fn both_formats_say_the_same() {
     let ron = r#"( contact_substeps: 8, restitution_threshold: 0.25, bodies: [
         ( name: "ground", shape: half_space(), fixed: true, collider: () ),
         ( name: "box", shape: cuboid(half_extents: (0.5, 0.25, 0.5)), mass: 2, position: (0, 1, 0),
-          collider: ( friction: 0.75, rolling_resistance: 0.125, restitution: 0.5, friction_combine: minimum, restitution_combine: multiply ) ) ] )"#;
+          collider: ( friction: 0.75, rolling_resistance: 0.125, restitution: 0.5, surface_velocity: (0, 0, -2), friction_combine: minimum, restitution_combine: multiply ) ) ] )"#;
     let [json, ron] = [Scene::from_json(BOX_ON_GROUND, "a").unwrap(), Scene::from_ron(ron, "a").unwrap()];
     assert_eq!(run(json, 100), run(ron, 100));
 }
@@ -120,6 +121,7 @@ fn what_cannot_be_is_refused_by_body_and_field() {
             "must be from 0 to 1, not 1.5",
         ),
         (format!(r#"{ball}, "collider": {{ "static_friction": 1e999 }}"#), "collider.static_friction", ""),
+        (format!(r#"{ball}, "collider": {{ "surface_velocity": [0, 2e6, 0] }}"#), "collider.surface_velocity", "2e6"),
         (format!(r#"{ball}, "collider": {{ "rolling_resistance": -0.5 }}"#), "collider.rolling_resistance", "not -0.5"),
         (
             format!(r#"{ball}, "collider": {{ "friction": 1, "dynamic_friction": 1 }}"#),

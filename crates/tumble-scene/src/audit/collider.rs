@@ -25,6 +25,10 @@ pub struct AuditedCollider {
     pub restitution: Real,
     /// Resistance to rolling \[m\].
     pub rolling_resistance: Real,
+    /// Of the surface on the body, in the frame of the collider \[m/s\]; left out of JSON where it
+    /// does not move.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub surface_velocity: Option<[Real; 3]>,
     /// How the frictions of two surfaces become one.
     #[serde(serialize_with = "name")]
     pub friction_combine: CombineRule,
@@ -64,6 +68,7 @@ impl AuditedCollider {
             dynamic_friction: material.dynamic_friction,
             restitution: material.restitution,
             rolling_resistance: material.rolling_resistance,
+            surface_velocity: Some(material.surface_velocity.to_array()).filter(|it| *it != [0.0; 3]),
             friction_combine: material.friction_combine,
             restitution_combine: material.restitution_combine,
             groups: numbers(membership),

@@ -7,6 +7,7 @@ use tumble_import::{Appearance, FieldError, shortest};
 
 use crate::model::collider_model::ColliderModel;
 use crate::model::scene_model::{BodyModel, Groups, ShapeModel};
+use crate::values::checked::finite_triple;
 
 /// What the body touches others with; `ground` is what it is, `shape` is `None` if it has been
 /// complained of already.
@@ -119,12 +120,15 @@ fn material(model: &ColliderModel, problems: &mut Vec<FieldError>) -> Option<Mat
     let sliding = number("dynamic_friction", model.dynamic_friction, Real::MAX).or(both);
     let restitution = number("restitution", model.restitution, 1.0);
     let rolling = number("rolling_resistance", model.rolling_resistance, Real::MAX);
+    let moving = model.surface_velocity.as_ref();
+    let moving = moving.and_then(|it| note(problems, finite_triple("collider.surface_velocity", it)));
     let material = Material {
         // One of the two alone says both.
         static_friction: at_rest.or(sliding).unwrap_or(usual.static_friction),
         dynamic_friction: sliding.or(at_rest).unwrap_or(usual.dynamic_friction),
         restitution: restitution.unwrap_or(usual.restitution),
         rolling_resistance: rolling.unwrap_or(usual.rolling_resistance),
+        surface_velocity: moving.map_or(usual.surface_velocity, real_vector),
         friction_combine: model.friction_combine.map_or(usual.friction_combine, Into::into),
         restitution_combine: model.restitution_combine.map_or(usual.restitution_combine, Into::into),
     };

@@ -40,8 +40,8 @@ use crate::threads::InParts;
 /// let mut simulation = Simulation::new(Settings::default())?;
 /// simulation.set_contact_hook(move |contact: &mut ContactProposal| {
 ///     let Some(up) = contact.normal_from(platform) else { return };
-///     // What it holds stays held; anything else has to come from above.
-///     if !contact.touched && (up.y < 0.7 || contact.least_separation() < -0.01) {
+///     // What it holds stays held; anything else has to come down on it.
+///     if !contact.touched && (up.y < 0.7 || contact.closing_speed == 0.0) {
 ///         contact.refuse();
 ///     }
 /// });

@@ -83,7 +83,7 @@ impl Material {
             ("dynamic_friction", self.dynamic_friction, Real::MAX),
             ("restitution", self.restitution, 1.0),
             ("rolling_resistance", self.rolling_resistance, Real::MAX),
-            ("speed of surface_velocity", self.surface_velocity.length(), MAX_SURFACE_SPEED),
+            ("surface_velocity", self.surface_velocity.length(), MAX_SURFACE_SPEED),
         ];
         match numbers.into_iter().find(|(_, value, most)| !(0.0..=*most).contains(value)) {
             Some((field, value, most)) => Err(ColliderError::Material { field, value, most }),

@@ -233,12 +233,9 @@ impl CollisionPipeline {
         let Self { contacts: ContactSet { records, extras, .. }, cache, colliders, collider_states, .. } = self;
         let (states, materials, ahead) = (&collider_states.states, &colliders.materials, self.ahead);
         let before = Before { contacts: &cache.last, is_of_step: !cache.is_first_substep() };
+        let closing_speed = |it: &ContactRecord| it.closing_speed_of(it.slots.map(|slot| &states[slot.index()]), ahead);
         records.par_chunks_mut(PART).by_at_least(2).for_each(|contacts| {
-            match_impulses(contacts, before, materials);
-            for contact in contacts.iter_mut().filter(|contact| !contact.touched) {
-                contact.closing_speed =
-                    contact.closing_speed_of(contact.slots.map(|slot| &states[slot.index()]), ahead);
-            }
+            match_impulses(contacts, before, materials, closing_speed);
         });
         if extras.conveys {
             records.iter_mut().for_each(|it| convey(it, materials, states));
@@ -313,7 +310,12 @@ struct Before<'a> {
 }
 
 /// Begins contacts with the impulses of those there were, both in the order of their keys.
-fn match_impulses(contacts: &mut [ContactRecord], before: Before<'_>, materials: &Materials) {
+fn match_impulses(
+    contacts: &mut [ContactRecord],
+    before: Before<'_>,
+    materials: &Materials,
+    closing_speed: impl Fn(&ContactRecord) -> Real,
+) {
     let Some(first) = contacts.first().map(ContactRecord::key) else { return };
     let last = before.contacts;
     let mut last = last[last.partition_point(|old| old.key() < first)..].iter().peekable();
@@ -321,8 +323,13 @@ fn match_impulses(contacts: &mut [ContactRecord], before: Before<'_>, materials:
         while last.next_if(|old| old.key() < contact.key()).is_some() {}
         if let Some(old) = last.next_if(|old| old.key() == contact.key()) {
             contact.take_impulses_of(old);
-            contact.closing_speed = old.closing_speed;
-            contact.earlier_impulse = if before.is_of_step { old.impulse_of_step() } else { 0.0 };
+            // What was stopped early in the step before touches now, and met then.
+            let has_met = old.impulse_of_step() > 0.0;
+            contact.closing_speed = if contact.touched || has_met { old.closing_speed } else { closing_speed(contact) };
+            let is_of_begin = before.is_of_step || (has_met && !contact.touched);
+            contact.earlier_impulse = if is_of_begin { old.impulse_of_step() } else { 0.0 };
+        } else {
+            contact.closing_speed = closing_speed(contact);
         }
         contact.set_surface(&materials.between(contact.slots, contact.part));
     }

@@ -130,7 +130,8 @@ impl Simulation {
     ///
     /// A pair begins and ends once, whatever happens at its points, and not while it rests: see
     /// [`Contact::touches`](crate::Contact::touches). What hits another, does not bounce and is
-    /// pushed away within a step is not told of. A body that was despawned has ended to touch in
+    /// pushed away within a step is not told of, nor what bounces in a
+    /// [substep of the settings](crate::Settings::substeps) before the last. A body that was despawned has ended to touch in
     /// the step after.
     ///
     /// Those of a single step are put together when they are asked for. Of several, those of all
