@@ -117,6 +117,7 @@ const RULES: [Rule; 12] = [
     },
     Rule { member: "benches", members: &["tumble", "tumble-collide", "tumble-math", "tumble-scene"], outside: None },
     Rule { member: "examples/docking", members: &["tumble"], outside: Some(&["hecs", "macroquad"]) },
+    Rule { member: "examples/turret", members: &["tumble"], outside: Some(&["hecs", "macroquad"]) },
     Rule {
         member: "tests",
         members: &["tumble", "tumble-benches", "tumble-import", "tumble-math", "tumble-record", "tumble-scene"],

@@ -121,7 +121,7 @@ fn what_cannot_be_is_refused_by_body_and_field() {
             "must be from 0 to 1, not 1.5",
         ),
         (format!(r#"{ball}, "collider": {{ "static_friction": 1e999 }}"#), "collider.static_friction", ""),
-        (format!(r#"{ball}, "collider": {{ "surface_velocity": [0, 2e6, 0] }}"#), "collider.surface_velocity", "2e6"),
+        (format!(r#"{ball}, "collider": {{ "surface_velocity": [0, 2e6, 0] }}"#), "collider.surface_velocity", "got 2000000"),
         (format!(r#"{ball}, "collider": {{ "rolling_resistance": -0.5 }}"#), "collider.rolling_resistance", "not -0.5"),
         (
             format!(r#"{ball}, "collider": {{ "friction": 1, "dynamic_friction": 1 }}"#),
