@@ -65,6 +65,7 @@ fn draw_box(at: Vec3, turned: Quat, color: mq::Color) {
     }
 }
 
-fn screen(v: Vec3) -> mq::Vec3 {
-    mq::Vec3::from_array(v.to_array().map(|part| part as f32))
+/// A vector as macroquad takes it, which has a version of glam of its own.
+fn screen(vector: impl Into<tumble::glam::DVec3>) -> mq::Vec3 {
+    mq::Vec3::from(vector.into().as_vec3().to_array())
 }

@@ -39,7 +39,7 @@ impl ColliderModel {
             dynamic_friction: friction.dynamic_friction,
             restitution: self.restitution.or(whole.restitution),
             rolling_resistance: self.rolling_resistance.or(whole.rolling_resistance),
-            surface_velocity: self.surface_velocity.clone().or(whole.surface_velocity.clone()),
+            surface_velocity: self.surface_velocity.or(whole.surface_velocity),
             friction_combine: self.friction_combine.or(whole.friction_combine),
             restitution_combine: self.restitution_combine.or(whole.restitution_combine),
             groups: self.groups.clone().or(whole.groups.clone()),

@@ -38,7 +38,7 @@ struct Responding {
 /// come together; what comes faster than `threshold` [m/s] bounces.
 pub(crate) fn strike(
     columns: &mut WorldColumns<'_>,
-    both: [Struck; 2],
+    both: &[Struck; 2],
     normal: Vec3<Real>,
     surface: &Surface,
     threshold: Real,
@@ -70,7 +70,7 @@ pub(crate) fn strike(
         let rubbed = if sticks { holds } else { holds.min(surface.dynamic_friction * pressed) };
         push(&mut first, &mut second, along * -rubbed);
     }
-    for (it, struck) in [first, second].iter().zip(&both) {
+    for (it, struck) in [first, second].iter().zip(both) {
         it.write(columns, struck);
     }
 }

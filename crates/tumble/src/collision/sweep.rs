@@ -270,7 +270,7 @@ impl CollisionPipeline {
         });
         let surface = self.colliders.materials.between(both.map(|it| it.slot), part);
         let normal: Vec3<Real> = vec3(passage.normal.into()).into();
-        strike(columns, [first, second], normal, &surface, threshold);
+        strike(columns, &[first, second], normal, &surface, threshold);
     }
 }
 
