@@ -28,11 +28,11 @@ use crate::storage::body_index::Slot;
 ///     simulation.step(&mut world);
 ///     events.extend(simulation.contact_events());
 /// }
-/// let [ContactEvent::Begin(bodies, impact)] = events[..] else { panic!("{events:?}") };
+/// let [ContactEvent::Begin(bodies, impact)] = events[..] else { return Err("one contact begins".into()) };
 /// assert_eq!(bodies, [ground, ball]);
 /// // It fell through half a metre, and was stopped.
-/// assert!((impact.speed - (2.0 * 9.81 * 0.5f64).sqrt() as f32 as tumble::math::Real).abs() < 0.1);
-/// assert!((impact.impulse - 2.0 * impact.speed).abs() < 0.3);
+/// assert!((impact.speed - (9.81 as Real).sqrt()).abs() < 0.2);
+/// assert!((impact.impulse - 2.0 * impact.speed).abs() < 0.4);
 /// world.despawn(ball)?;
 /// simulation.step(&mut world);
 /// assert_eq!(simulation.contact_events().collect::<Vec<_>>(), [ContactEvent::End([ground, ball])]);
