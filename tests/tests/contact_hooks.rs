@@ -1,6 +1,7 @@
-//! Promise: a surface that moves on its body carries what lies on it, by friction alone; a hook sees
-//! every contact before it is solved and what it changes or refuses holds, on any thread and in a
-//! batch; pairs that ignore each other pass; the impact of a contact event is that of the blow.
+//! Promise: a surface that moves on its body carries what lies on it, by friction alone; a hook
+//! sees every contact before it is solved and what it changes or refuses holds, on any thread and
+//! in a batch; pairs that ignore each other pass; the impact of a contact event is that of the
+//! blow.
 //!
 //! Why: conveyor belts, one-way platforms, ice that one character feels and the sound of a blow are
 //! asked for on the first day. It fails if a belt's velocity has the wrong sign or frame, if what a
@@ -123,8 +124,8 @@ fn sliding(friction: Real) -> (World, Entity) {
     (world, it)
 }
 
-/// What a hook sets is what a material would have set, to the bit, on any number of threads and in a
-/// batch; what is no number leaves all as it was.
+/// What a hook sets is what a material would have set, to the bit, on any number of threads and in
+/// a batch; what is no number leaves all as it was.
 #[test]
 fn a_hook_sets_what_materials_set() {
     let after = |friction: Real, set: Option<Real>, threads: usize| {
@@ -210,8 +211,8 @@ fn impact(simulation: &mut Simulation, world: &mut World, steps: u32) -> Impact 
     panic!("nothing met")
 }
 
-/// Two balls of random masses, restitutions and speeds, alone: the speed is theirs, and the impulse the
-/// change of momentum, at most that of a full bounce.
+/// Two balls of random masses, restitutions and speeds, alone: the speed is theirs, and the impulse
+/// the change of momentum, at most that of a full bounce.
 #[test]
 fn an_impact_is_that_of_the_blow() {
     for case in 0..100 {
@@ -237,8 +238,8 @@ fn an_impact_is_that_of_the_blow() {
         let impact = impact(&mut simulation, &mut world, 120);
         let [found, impulse] = [impact.speed, impact.impulse].map(f64::from);
         assert!((found - speed).abs() < 1e-3 * speed, "case {case}: {found} of {speed}");
-        // Nothing else acts: the impulse is what the first one's momentum has lost. A blow in the last
-        // substep may go on in the next step.
+        // Nothing else acts: the impulse is what the first one's momentum has lost. A blow in the
+        // last substep may go on in the next step.
         let left = dvec3(world.get::<&Momentum>(balls[0]).unwrap().linear).dot(along);
         let wanted = 0.5 * masses[0] * speed - left;
         let stop = masses[0] * masses[1] / (masses[0] + masses[1]) * speed;

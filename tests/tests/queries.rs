@@ -162,7 +162,8 @@ fn alone(world: &World, entity: Entity) -> World {
     other
 }
 
-/// The answers to a ray are those of each body by itself, in order; returns how many bodies it meets.
+/// The answers to a ray are those of each body by itself, in order; returns how many bodies it
+/// meets.
 fn rays_agree(together: &Answers, each: &[Answers], i: usize, rank: impl Fn(Entity) -> usize) -> usize {
     let first = each.iter().filter_map(|it| it.rays[i]).reduce(|a, b| if b.distance < a.distance { b } else { a });
     assert_eq!(together.rays[i], first);

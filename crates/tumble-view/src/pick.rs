@@ -111,7 +111,8 @@ mod tests {
         let row = [5.0, -3.0, 1.0].map(|x| block(DVec3::X * x));
         assert_eq!(first_hit(&along_x(0.0), row.into_iter(), |_| None), Some(1));
         assert_eq!(first_hit(&along_x(9.0), row.into_iter(), |_| None), None);
-        // Where shapes are known they count: the ray passes the second, and the first is behind the third.
+        // Where shapes are known they count: the ray passes the second, and the first is behind the
+        // third.
         let exact = |index| [Some(Some(30.0)), Some(None), None][index];
         assert_eq!(first_hit(&along_x(0.0), row.into_iter(), exact), Some(2));
     }

@@ -170,8 +170,8 @@ impl Game {
 mod tests {
     use super::*;
 
-    /// A minute of the game: the turret sees drones, hits most, and none of its bullets is lost in a
-    /// drone or in the ground.
+    /// A minute of the game: the turret sees drones, hits most, and none of its bullets is lost in
+    /// a drone or in the ground.
     #[test]
     fn the_turret_hits_what_it_sees() {
         let mut game = Game::new(7).unwrap();
@@ -182,7 +182,8 @@ mod tests {
             assert!(lowest > 0.0, "{lowest}");
         }
         assert!(game.hits > 40 && game.landed < 20, "{} hits, {} landed", game.hits, game.landed);
-        // No drone was hit but by a bullet that came from where it was seen: pillars stop the others.
+        // No drone was hit but by a bullet that came from where it was seen: pillars stop the
+        // others.
         assert!(game.look.is_some_and(|(_, hit)| game.world.satisfies::<&Drone>(hit.entity)) || game.look.is_none());
     }
 

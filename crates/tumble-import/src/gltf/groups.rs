@@ -54,8 +54,8 @@ fn address(piece: &ImportedCollider) -> *const CollisionFilter {
     piece.filter.as_ref().map_or(std::ptr::null(), Arc::as_ptr)
 }
 
-/// Gives each collider the groups of its filter, and bodies with triggers sensors; what is impossible
-/// is reported.
+/// Gives each collider the groups of its filter, and bodies with triggers sensors; what is
+/// impossible is reported.
 pub(crate) fn assign<'a>(bodies: impl Iterator<Item = &'a mut ImportedBody>) -> Option<String> {
     let mut bodies: Vec<&mut ImportedBody> = bodies
         .filter(|body| body.collider.is_some() || of_role(body, ColliderRole::Trigger).next().is_some())

@@ -77,8 +77,8 @@ pub struct Impact {
     /// How fast they came together along the normal, at the fastest point \[m/s\]: with the
     /// velocities before the step, or before the substep of the settings in which they met.
     pub speed: Real,
-    /// Impulse along the normal over the step in which they met \[N s\], with that of a bounce. Of a
-    /// blow at the end of a step a part may come in the next.
+    /// Impulse along the normal over the step in which they met \[N s\], with that of a bounce. Of
+    /// a blow at the end of a step a part may come in the next.
     pub impulse: Real,
 }
 

@@ -60,8 +60,8 @@ pub struct ContactProposal {
     /// Whether the bodies touched after the last step, as [`Contact::touches`](crate::Contact::touches)
     /// has it.
     pub touched: bool,
-    /// How fast they come together along the normal \[m/s\]; of bodies that touch, how fast they did
-    /// when they began to.
+    /// How fast they come together along the normal \[m/s\]; of bodies that touch, how fast they
+    /// did when they began to.
     pub closing_speed: Real,
     /// Coefficient of friction while nothing slides.
     pub static_friction: Real,

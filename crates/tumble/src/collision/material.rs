@@ -26,8 +26,9 @@ pub struct Material {
     /// Resistance to rolling as a length \[m\]: the torque it resists with is this times the normal
     /// force. Of two surfaces the greater counts.
     pub rolling_resistance: Real,
-    /// Velocity of the surface relative to the body, in the frame of the collider \[m/s\]: that of a
-    /// conveyor belt. Friction takes what touches it along; what is along the normal does nothing.
+    /// Velocity of the surface relative to the body, in the frame of the collider \[m/s\]: that of
+    /// a conveyor belt. Friction takes what touches it along; what is along the normal does
+    /// nothing.
     ///
     /// ```
     /// use tumble::{Collider, Material, prelude::*};

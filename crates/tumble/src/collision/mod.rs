@@ -21,7 +21,6 @@ pub(crate) mod contact_hook;
 pub(crate) mod contact_materials;
 pub(crate) mod contact_rows;
 pub(crate) mod contact_set;
-pub(crate) mod ignore_contacts;
 pub(crate) mod internal_edges;
 pub(crate) mod material;
 pub(crate) mod narrow_phase;

@@ -35,8 +35,8 @@ pub(crate) struct Traveller {
 }
 
 impl Traveller {
-    /// A body whose collider was in this state when the substep began; whether it can be put back, and
-    /// whether it is fast.
+    /// A body whose collider was in this state when the substep began; whether it can be put back,
+    /// and whether it is fast.
     pub(crate) fn of(
         slot: Slot,
         place: RowPlace,
@@ -71,16 +71,16 @@ impl Traveller {
         Isometry { position: center, orientation }
     }
 
-    /// Stops it at a moment, to stay with another from then on. Its angular momentum turns with it: so
-    /// it has the energy that it had.
+    /// Stops it at a moment, to stay with another from then on. Its angular momentum turns with it:
+    /// so it has the energy that it had.
     pub(crate) fn stop(&mut self, moment: f64, with: Option<usize>, columns: &mut WorldColumns<'_>) {
         let turned_back = self.at(moment).orientation * self.at(self.until).orientation.conjugate();
         turn_momentum(columns, self.place, turned_back);
         (self.until, self.with) = (moment, with);
     }
 
-    /// Writes where it was stopped, with what it touches for the rest of the substep, and books what
-    /// that did.
+    /// Writes where it was stopped, with what it touches for the rest of the substep, and books
+    /// what that did.
     pub(crate) fn write(&self, travellers: &[Self], columns: &mut WorldColumns<'_>) {
         let here = self.at(self.until);
         let place = match self.with.map(|other| &travellers[other].course) {

@@ -5,7 +5,7 @@ use crate::math::{Real, dvec3};
 use crate::queries::hits::RayHit;
 use crate::queries::ray::Ray;
 
-/// A ray without end that meets nothing is drawn this long \[m\].
+/// An endless ray that meets nothing is drawn this long \[m\].
 const LONGEST: Real = 1000.0;
 /// The arrow of the normal, as a part of the way to the hit; and its longest \[m\].
 const NORMAL: [Real; 2] = [0.1, 1.0];

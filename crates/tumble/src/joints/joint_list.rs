@@ -4,11 +4,11 @@ use std::cmp::Ordering;
 
 use hecs::{Archetype, Entity, World};
 
-use crate::collision::ignore_contacts::IgnoreContacts;
 use crate::components::Pose;
 use crate::event_log::EventLog;
 use crate::joints::breakable::Breakable;
 use crate::joints::gear::Gear;
+use crate::joints::ignore_contacts::IgnoreContacts;
 use crate::joints::joint::Joint;
 use crate::joints::joint_event::JointEvent;
 use crate::joints::joint_load::JointLoad;
