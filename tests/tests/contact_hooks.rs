@@ -231,7 +231,7 @@ fn an_impact_is_that_of_the_blow() {
             let body = body.linear_velocity(narrow(along * (0.5 * sign * speed))).id(BodyId(which as u64));
             spawn(&mut world, body, surfaced(collider(&Shape::sphere(size)), Material::new(0.3, real(restitution))))
         });
-        // What bounces in a substep before the last is told of in no event.
+        // What bounces in a substep before the last is in no event.
         let substeps = if restitution > 0.0 { 1 } else { 1 + (case % 3) as u32 };
         let settings = Settings::default().with_gravity(Vec3::ZERO).with_substeps(substeps);
         let mut simulation = Simulation::new(settings).unwrap();
