@@ -164,8 +164,8 @@ impl CollisionPipeline {
         pairs.dedup();
     }
 
-    /// Whether a body is where contacts find it, at the end too, and went no faster than bodies may:
-    /// others are to notice nothing of one that is not.
+    /// Whether a body is where contacts find it, at the end too, and went no faster than bodies
+    /// may: others are to notice nothing of one that is not.
     fn is_in_range(&self, slot: Slot, columns: &WorldColumns<'_>) -> bool {
         let state = &self.collider_states.states[slot.index()];
         let Some(end) = pose_of(columns, self.body_index.place(slot)) else { return false };

@@ -111,8 +111,8 @@ impl Traveller {
         }
     }
 
-    /// Whether another body that met this one in the direction of a normal is past its middle in the
-    /// end, in that direction or on a way that came nearer to it than `deep` \[m\].
+    /// Whether another body that met this one in the direction of a normal is past its middle in
+    /// the end, in that direction or on a way that came nearer to it than `deep` \[m\].
     pub(crate) fn is_passed(&self, other: &Self, normal: Vec3<f64>, deep: f64) -> bool {
         let [start, end] = [0.0, 1.0].map(|moment| other.course.at(moment).position - self.course.at(moment).position);
         let way = end - start;
@@ -156,8 +156,8 @@ pub(crate) fn state_of(columns: &WorldColumns<'_>, place: RowPlace) -> Option<(C
     Some((constants, State::new(&columns.pose[row], &columns.momentum[row])))
 }
 
-/// Whether a body moves as fast as bodies may, also where impulses act on it this far from its centre
-/// \[m\].
+/// Whether a body moves as fast as bodies may, also where impulses act on it this far from its
+/// centre \[m\].
 pub(crate) fn moves_in_range(columns: &WorldColumns<'_>, place: RowPlace, radius: Real) -> bool {
     match state_of(columns, place) {
         Some((constants, state)) => responds_in_range(&constants, [state.linear, state.angular], radius),
