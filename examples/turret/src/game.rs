@@ -4,15 +4,15 @@ use hecs::{Entity, World};
 use tumble::prelude::*;
 use tumble::{ContactEvent, QueryFilter, Ray, Rng};
 
-/// Speed of a bullet [m/s]: ten metres a step, through drones that are half a metre thick.
+/// Speed of a bullet \[m/s\]: ten metres a step, through drones that are half a metre thick.
 const MUZZLE_SPEED: Real = 600.0;
-/// Time between two shots [s].
+/// Time between two shots \[s\].
 const RELOAD: f64 = 0.25;
-/// Time between two drones [s].
+/// Time between two drones \[s\].
 const ARRIVAL: f64 = 0.8;
-/// How far the turret sees [m].
+/// How far the turret sees \[m\].
 const SIGHT: Real = 80.0;
-/// Where its eye is [m].
+/// Where its eye is \[m\].
 pub(crate) const EYE: Vec3 = Vec3::new(0.0, 2.0, 0.0);
 
 /// What falls towards the turret, and whether it was hit.
