@@ -18,7 +18,7 @@ use crate::math::Real;
 use crate::storage::body_index::Slot;
 use crate::threads::InParts;
 
-/// Surfaces nearer than this part of their margin meet.
+/// Surfaces nearer than this part of the smaller body's margin meet.
 const MEETING: Real = 0.25;
 /// A body that passes another by more than this many margins in a step is traced even where it is
 /// nearer than the margin.
@@ -81,7 +81,7 @@ impl Way {
         match (is_doubtful, contact.is_between_centers()) {
             (false, _) => Self::Plain,
             (true, false) => Self::Doubtful,
-            (true, true) if balls_pass(contact, gap, states, fall) => Self::Passed,
+            (true, true) if balls_pass(gap, states, fall) => Self::Passed,
             (true, true) => Self::Plain,
         }
     }
@@ -138,6 +138,12 @@ fn length(v: Vec3<Real>) -> Real {
     v.dot(v).sqrt()
 }
 
+/// The margin of the smaller of two bodies, beside which that of the other would be far.
+fn least_margin(states: [&ColliderState; 2]) -> Real {
+    let dynamic = states.into_iter().filter(|state| state.is_dynamic);
+    dynamic.map(|state| state.margin).reduce(Real::min).unwrap_or(0.0)
+}
+
 /// Whether two bodies get through the plane of their contact, that is further than the margin or
 /// passed fast.
 fn is_doubtful(contact: &ContactRecord, gap: Real, states: [&ColliderState; 2], fall: Real) -> bool {
@@ -147,7 +153,7 @@ fn is_doubtful(contact: &ContactRecord, gap: Real, states: [&ColliderState; 2], 
     let way = b - a;
     let turned = [normal.cross(s), normal.cross(t)].map(length);
     let swing = [if turned[0] > 0.0 { turned[0] * r } else { 0.0 }, if turned[1] > 0.0 { turned[1] * q } else { 0.0 }];
-    let margin = contact.margin();
+    let margin = least_margin(states);
     // The plane turns with the bodies.
     let tilt = (length(s) + length(t)) * (gap + length(way));
     let through = gap + normal.dot(way) - swing[0] - swing[1] - tilt < fall;
@@ -155,12 +161,12 @@ fn is_doubtful(contact: &ContactRecord, gap: Real, states: [&ColliderState; 2], 
 }
 
 /// Whether two balls stay further apart than the margin on their ways, which for balls are lines.
-fn balls_pass(contact: &ContactRecord, gap: Real, [first, second]: [&ColliderState; 2], fall: Real) -> bool {
+fn balls_pass(gap: Real, [first, second]: [&ColliderState; 2], fall: Real) -> bool {
     let apart = second.center - first.center;
     let way = second.motion.way - first.motion.way;
     let moment = (-apart.dot(way) / way.dot(way)).clamp(0.0, 1.0);
     let radii = length(apart) - gap;
-    length(apart + way * moment) - radii > contact.margin() + fall
+    length(apart + way * moment) - radii > least_margin([first, second]) + fall
 }
 
 /// Those of doubtful contacts, each once.
@@ -357,12 +363,12 @@ impl View<'_> {
 
     fn find(&self, encounter: &Encounter<'_>, travellers: &[Traveller]) -> Option<Meeting> {
         let [first, second] = self.courses(encounter, travellers);
-        let margin = self.margin(encounter.slots);
-        let slack = f64::from(margin + self.fall);
+        let slack = f64::from(self.margin(encounter.slots) + self.fall);
         if encounter.plane.is_some() {
             return encounter.plane;
         }
-        Meeting::find(encounter.shapes_of_pair, [&first, &second], f64::from(MEETING * margin), slack)
+        let tolerance = f64::from(MEETING * least_margin(encounter.slots.map(|slot| &self.states[slot.index()])));
+        Meeting::find(encounter.shapes_of_pair, [&first, &second], tolerance, slack)
     }
 
     fn meet(&self, encounters: &mut [Encounter<'_>], travellers: &[Traveller]) {
