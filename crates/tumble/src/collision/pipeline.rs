@@ -20,6 +20,7 @@ use crate::collision::round_contact::RoundContact;
 use crate::collision::sensors::Sensors;
 use crate::collision::speculative::Way;
 use crate::collision::sweep::Sweep;
+use crate::collision::update_aabbs::Intervals;
 use crate::components::CenterOfMass;
 use crate::joints::joint_list::{JointEnds, JointList};
 use crate::math::{Real, Vec3 as WorldVec3};
@@ -174,7 +175,8 @@ impl CollisionPipeline {
     pub(crate) fn find_contacts(&mut self, columns: &WorldColumns<'_>, settings: &Settings, joints: &JointList) {
         // After the last substep contacts see to it that in one more nothing would come too near.
         let ahead = settings.substep() + settings.contact_substep();
-        self.update_aabbs(columns, [settings.substep(), ahead]);
+        let drop = settings.gravity * (0.5 * ahead * (ahead + settings.contact_substep()));
+        self.update_aabbs(columns, Intervals { interval: settings.substep(), ahead, drop });
         let Self { collider_states, colliders, broad_phase, near, .. } = self;
         let roles = Roles { groups: &colliders.groups, sensors: &colliders.sensors };
         near.find(collider_states, roles, broad_phase, joints);

@@ -205,7 +205,8 @@ fn encounters<'a>(
 /// When the plane of a contact is met.
 fn plane(contact: &ContactRecord, states: [&ColliderState; 2]) -> Meeting {
     let normal = normal(contact);
-    let way = wide(states[1].motion.way - states[0].motion.way);
+    let [first, second] = states.map(|state| state.motion.way + state.motion.drop);
+    let way = wide(second - first);
     let (gap, along) = (f64::from(nearest(contact)), -normal.dot(way));
     Meeting { moment: if along > gap { gap / along } else { 1.0 }, is_hit: along > gap, distance: 0.0, normal }
 }
@@ -225,7 +226,7 @@ fn travellers(encounters: &[Encounter<'_>], states: &[ColliderState]) -> Vec<Tra
     slots.dedup();
     let traveller = |slot: Slot| {
         let ColliderState { placement, center, motion, .. } = &states[slot.index()];
-        let course = Course::new(placement, *center, motion.way, motion.turn);
+        let course = Course::new(placement, *center, motion.way + motion.drop, motion.turn);
         Traveller { slot, course, stops: Vec::new(), turned_off: 0.0 }
     };
     slots.into_iter().map(traveller).collect()
