@@ -18,10 +18,10 @@ use crate::math::Real;
 use crate::storage::body_index::Slot;
 use crate::threads::InParts;
 
-/// Surfaces nearer than this part of the smaller body's margin meet.
+/// Surfaces nearer than this part of their margin meet, but than no more than the smaller body's.
 const MEETING: Real = 0.25;
-/// A body that passes another by more than this many margins in a step is traced even where it is
-/// nearer than the margin.
+/// A body that passes another by more than this many margins of the smaller in a step is traced even
+/// where it is nearer than the margin.
 const FAST: Real = 4.0;
 /// A contact is as it was found where, until they meet, the bodies go past each other by less than
 /// this many margins, ...
@@ -81,7 +81,7 @@ impl Way {
         match (is_doubtful, contact.is_between_centers()) {
             (false, _) => Self::Plain,
             (true, false) => Self::Doubtful,
-            (true, true) if balls_pass(gap, states, fall) => Self::Passed,
+            (true, true) if balls_pass(contact, gap, states, fall) => Self::Passed,
             (true, true) => Self::Plain,
         }
     }
@@ -153,20 +153,20 @@ fn is_doubtful(contact: &ContactRecord, gap: Real, states: [&ColliderState; 2], 
     let way = b - a;
     let turned = [normal.cross(s), normal.cross(t)].map(length);
     let swing = [if turned[0] > 0.0 { turned[0] * r } else { 0.0 }, if turned[1] > 0.0 { turned[1] * q } else { 0.0 }];
-    let margin = least_margin(states);
+    let (margin, least) = (contact.margin(), least_margin(states));
     // The plane turns with the bodies.
     let tilt = (length(s) + length(t)) * (gap + length(way));
     let through = gap + normal.dot(way) - swing[0] - swing[1] - tilt < fall;
-    through && (gap > margin || length(way) + swing[0] + swing[1] > FAST * margin)
+    through && (gap > margin || length(way) + swing[0] + swing[1] > FAST * least)
 }
 
 /// Whether two balls stay further apart than the margin on their ways, which for balls are lines.
-fn balls_pass(gap: Real, [first, second]: [&ColliderState; 2], fall: Real) -> bool {
+fn balls_pass(contact: &ContactRecord, gap: Real, [first, second]: [&ColliderState; 2], fall: Real) -> bool {
     let apart = second.center - first.center;
     let way = second.motion.way - first.motion.way;
     let moment = (-apart.dot(way) / way.dot(way)).clamp(0.0, 1.0);
     let radii = length(apart) - gap;
-    length(apart + way * moment) - radii > least_margin([first, second]) + fall
+    length(apart + way * moment) - radii > contact.margin() + fall
 }
 
 /// Those of doubtful contacts, each once.
@@ -364,11 +364,13 @@ impl View<'_> {
 
     fn find(&self, encounter: &Encounter<'_>, travellers: &[Traveller]) -> Option<Meeting> {
         let [first, second] = self.courses(encounter, travellers);
-        let slack = f64::from(self.margin(encounter.slots) + self.fall);
+        let margin = self.margin(encounter.slots);
+        let slack = f64::from(margin + self.fall);
         if encounter.plane.is_some() {
             return encounter.plane;
         }
-        let tolerance = f64::from(MEETING * least_margin(encounter.slots.map(|slot| &self.states[slot.index()])));
+        let least = least_margin(encounter.slots.map(|slot| &self.states[slot.index()]));
+        let tolerance = f64::from((MEETING * margin).min(least));
         Meeting::find(encounter.shapes_of_pair, [&first, &second], tolerance, slack)
     }
 
