@@ -9,12 +9,14 @@ use rayon::prelude::*;
 use tumble_collide::{Aabb, ColliderShape, Passage};
 use tumble_math::lane::{Quat, Vec3};
 
+use crate::collision::collider::Collider;
 use crate::collision::pipeline::CollisionPipeline;
 use crate::collision::strike::{Struck, strike};
 use crate::collision::traveller::{Traveller, find, first_passage, pose_of, turned_end};
 use crate::components::Pose;
 use crate::joints::joint_list::JointList;
 use crate::math::{Real, quat, vec3};
+use crate::settings::Settings;
 use crate::storage::body_index::Slot;
 use crate::storage::world_columns::WorldColumns;
 use crate::threads::InParts;
@@ -23,6 +25,8 @@ use crate::threads::InParts;
 const SLOW: Real = 0.5;
 /// What is in something else by this part of its half thickness is swept however slow it is.
 const DEEP: Real = 0.25;
+/// What comes nearer to another's middle than this part of both half thicknesses went through.
+const DEEP_IN: f64 = 0.5;
 /// Bodies that one thread compares, and that it follows, at a time.
 const PART: usize = 1024;
 const FEW: usize = 4;
@@ -59,8 +63,8 @@ struct Stop {
 
 impl CollisionPipeline {
     /// Puts back the dynamic bodies of which the core would be through something at the end of a
-    /// substep. What comes faster than `threshold` [m/s] may bounce.
-    pub(crate) fn stop_crossings(&mut self, columns: &mut WorldColumns<'_>, joints: &JointList, threshold: Real) {
+    /// substep of the settings.
+    pub(crate) fn stop_crossings(&mut self, columns: &mut WorldColumns<'_>, joints: &JointList, settings: &Settings) {
         let mut sweep = std::mem::take(&mut self.sweep);
         self.find_fast(&mut sweep, columns);
         if !sweep.fast.is_empty() {
@@ -68,7 +72,7 @@ impl CollisionPipeline {
         }
         if !sweep.pairs.is_empty() {
             self.list_travellers(&mut sweep, columns, joints);
-            self.stop_all(&mut sweep, columns, threshold);
+            self.stop_all(&mut sweep, columns, settings);
         }
         self.sweep = sweep;
     }
@@ -191,7 +195,7 @@ impl CollisionPipeline {
     }
 
     /// Follows all pairs, and stops what crosses, the earliest first.
-    fn stop_all(&self, sweep: &mut Sweep, columns: &mut WorldColumns<'_>, threshold: Real) {
+    fn stop_all(&self, sweep: &mut Sweep, columns: &mut WorldColumns<'_>, settings: &Settings) {
         for _ in 0..ROUNDS {
             let Sweep { travellers, places, stops, sorted, limits, .. } = sweep;
             stops.clear();
@@ -213,7 +217,7 @@ impl CollisionPipeline {
             for stop in &*sorted {
                 // What was stopped in this round is followed again in the next.
                 if [stop.traveller, stop.other].iter().all(|it| travellers[*it].until == limits[*it]) {
-                    self.stop(stop, travellers, columns, threshold);
+                    self.stop(stop, travellers, columns, settings);
                 }
             }
         }
@@ -242,8 +246,11 @@ impl CollisionPipeline {
             let until = from + passage.until * (to - from);
             Some(Stop { traveller, other, part, passage: Passage { until, ..passage } })
         })?;
-        // Two that move and overlap in the end are held by their contact.
-        let is_through = !first.is_dynamic || !first.overlaps_in_the_end(a, second, b);
+        // Two that move and overlap in the end are held by their contact, unless one is past the middle of
+        // the other: that would push them on.
+        let deep = DEEP_IN * f64::from(a.geometry().ccd_thickness() + b.geometry().ccd_thickness());
+        let is_past = is_one_piece(a) && is_one_piece(b) && first.is_passed(second, stop.passage.normal, deep);
+        let is_through = !first.is_dynamic || is_past || !first.overlaps_in_the_end(a, second, b);
         is_through.then_some(stop)
     }
 
@@ -253,12 +260,13 @@ impl CollisionPipeline {
         &Stop { traveller, other, part, passage }: &Stop,
         travellers: &mut [Traveller],
         columns: &mut WorldColumns<'_>,
-        threshold: Real,
+        settings: &Settings,
     ) {
+        let gained = settings.gravity * settings.substep();
         let are_both_fast = travellers[other].is_fast && travellers[other].is_free;
-        travellers[traveller].stop(passage.until, (!are_both_fast).then_some(other), columns);
+        travellers[traveller].stop(passage.until, (!are_both_fast).then_some(other), columns, gained);
         if are_both_fast {
-            travellers[other].stop(passage.until, None, columns);
+            travellers[other].stop(passage.until, None, columns, gained);
         }
         let both = [other, traveller].map(|it| &travellers[it]);
         let [first, second] = both.map(|it| {
@@ -269,8 +277,14 @@ impl CollisionPipeline {
         });
         let surface = self.colliders.materials.between(both.map(|it| it.slot), part);
         let normal: Vec3<Real> = vec3(passage.normal.into()).into();
-        strike(columns, [first, second], normal, &surface, threshold);
+        strike(columns, [first, second], normal, &surface, settings.restitution_threshold);
     }
+}
+
+/// Whether a collider is one convex shape about its origin.
+fn is_one_piece(collider: &Collider) -> bool {
+    use ColliderShape::{Compound, HeightField, Hull, Mesh};
+    !matches!(collider.geometry(), Compound(_) | HeightField(_) | Hull(_) | Mesh(_))
 }
 
 /// Has threads find something in parts, into lists that are used again.

@@ -9,7 +9,7 @@ use crate::collision::compound_parts::wide;
 use crate::components::{Momentum, Pose};
 use crate::integrators::kinetic_energy::KineticEnergy;
 use crate::integrators::state::{Constants, Moments, State};
-use crate::math::{Real, dquat, dvec3, quat, vec3};
+use crate::math::{Real, Vec3 as WorldVec3, dquat, dvec3, quat, vec3};
 use crate::storage::body_index::{RowPlace, Slot};
 use crate::storage::world_columns::{ArchetypeBodies, WorldColumns};
 
@@ -71,9 +71,16 @@ impl Traveller {
         Isometry { position: center, orientation }
     }
 
-    /// Stops it at a moment, to stay with another from then on. Its angular momentum turns with it: so
-    /// it has the energy that it had.
-    pub(crate) fn stop(&mut self, moment: f64, with: Option<usize>, columns: &mut WorldColumns<'_>) {
+    /// Stops it at a moment, to stay with another from then on. Its angular momentum turns with it, and
+    /// gravity, which gives `gained` [m/s] in a substep, has done nothing since: so it has the energy
+    /// that it had.
+    pub(crate) fn stop(&mut self, moment: f64, with: Option<usize>, columns: &mut WorldColumns<'_>, gained: WorldVec3) {
+        let row = self.place.row as usize;
+        if let Some(columns) = columns.dynamic_mut(self.place) {
+            let scale = columns.gravity_scale.as_deref().map_or(1.0, |scales| scales[row].0);
+            let left_out = crate::math::real(self.until - moment) * scale * columns.mass[row].kilograms();
+            columns.momentum[row].linear -= gained * left_out;
+        }
         let turned_back = self.at(moment).orientation * self.at(self.until).orientation.conjugate();
         turn_momentum(columns, self.place, turned_back);
         (self.until, self.with) = (moment, with);
@@ -100,6 +107,16 @@ impl Traveller {
         {
             work[row].contacts += after - before;
         }
+    }
+
+    /// Whether another body that met this one in the direction of a normal is past its middle in the
+    /// end, in that direction or on a way that came nearer to it than `deep` \[m\].
+    pub(crate) fn is_passed(&self, other: &Self, normal: Vec3<f64>, deep: f64) -> bool {
+        let [start, end] = [0.0, 1.0].map(|moment| other.course.at(moment).position - self.course.at(moment).position);
+        let way = end - start;
+        let beyond = way.dot(end) / way.dot(way);
+        let nearest = end - way * beyond;
+        normal.dot(end) < 0.0 || (beyond > 0.0 && nearest.dot(nearest) < deep * deep)
     }
 
     /// Whether solid parts of two bodies overlap at the end of the substep.
