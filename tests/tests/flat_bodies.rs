@@ -73,8 +73,8 @@ fn check(ground: &str) {
         let (flat, [half, long]) = spawn_flat(&mut world, &mut draw);
         let rate = draw.log_between(60.0, 240.0);
         let mut simulation = Simulation::new(Settings::default().with_dt(real(1.0 / rate))).unwrap();
-        // Half-spaces push out what is in them; there a blow turns the far end in by what it goes in
-        // a substep, where other ground has an underside that must not be reached.
+        // Half-spaces push out what is in them; there a blow turns the far end in by what it goes
+        // in a substep, where other ground has an underside that must not be reached.
         let height = f64::from(pose(&world, flat).position.y);
         let a_substep = (2.0 * GRAVITY * height).sqrt() * f64::from(simulation.settings().contact_substep());
         let deepest = if ground == "plane" { a_substep } else { 0.0 };

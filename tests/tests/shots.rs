@@ -1,8 +1,9 @@
-//! Promise: nothing gets through anything: no shot of any shape through a wall of a millimetre, still
-//! or moving, nor out of a closed box, nor through another shot, at up to a kilometre a second.
+//! Promise: nothing gets through anything: no shot of any shape through a wall of a millimetre,
+//! still or moving, nor out of a closed box, nor through another shot, at up to a kilometre a
+//! second.
 //!
-//! Why: what is foreseen is foreseen with the velocities that a step begins with, and a blow changes
-//! them within it. It fails if what a body really does in a step is not followed.
+//! Why: what is foreseen is foreseen with the velocities that a step begins with, and a blow
+//! changes them within it. It fails if what a body really does in a step is not followed.
 //!
 //! `TUMBLE_SHOTS=100000` draws as many of each shape; without it some hundreds.
 

@@ -119,8 +119,8 @@ impl Collider {
         }
     }
 
-    /// Shows the parts of a collider placed in the world: which, its groups, whether it is a sensor,
-    /// its shape and where it is.
+    /// Shows the parts of a collider placed in the world: which, its groups, whether it is a
+    /// sensor, its shape and where it is.
     pub(crate) fn for_each_part(
         &self,
         at: &Isometry<f64>,

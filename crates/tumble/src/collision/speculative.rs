@@ -20,8 +20,8 @@ use crate::threads::InParts;
 
 /// Surfaces nearer than this part of their margin meet, but than no more than the smaller body's.
 const MEETING: Real = 0.25;
-/// A body that passes another by more than this many margins of the smaller in a step is traced even
-/// where it is nearer than the margin.
+/// A body that passes another by more than this many margins of the smaller in a step is traced
+/// even where it is nearer than the margin.
 const FAST: Real = 4.0;
 /// A contact is as it was found where, until they meet, the bodies go past each other by less than
 /// this many margins, ...

@@ -1,9 +1,10 @@
-//! The second net for fast bodies: the way that a body really took in a substep is swept, and one of
-//! which the core would be through something is put back to where that touches, with a blow.
+//! The second net for fast bodies: the way that a body really took in a substep is swept, and one
+//! of which the core would be through something is put back to where that touches, with a blow.
 //!
 //! Contacts foresee what bodies do with the velocities that a substep begins with. A blow changes
-//! them within it: a box that hits a wall with a corner spins, and other corners follow. The way from
-//! the first to the last pose is continuous, so what is on the other side at its end has crossed.
+//! them within it: a box that hits a wall with a corner spins, and other corners follow. The way
+//! from the first to the last pose is continuous, so what is on the other side at its end has
+//! crossed.
 
 use rayon::prelude::*;
 use tumble_collide::{Aabb, ColliderShape, Passage};
@@ -131,7 +132,8 @@ impl CollisionPipeline {
         let groups = &self.colliders.groups;
         let is_solid = |slot: Slot| self.colliders.get(slot).is_some_and(|(it, _)| !it.is_sensor());
         let state = |slot: Slot| &self.collider_states.states[slot.index()];
-        // Half-spaces push out what is in them however deep it is; other parts of a compound do not.
+        // Half-spaces push out what is in them however deep it is; other parts of a compound do
+        // not.
         let is_compound = |slot: &u32| {
             let collider = self.colliders.get(Slot(*slot));
             collider.is_some_and(|(it, _)| matches!(it.geometry(), ColliderShape::Compound(_)))
@@ -246,8 +248,8 @@ impl CollisionPipeline {
             let until = from + passage.until * (to - from);
             Some(Stop { traveller, other, part, passage: Passage { until, ..passage } })
         })?;
-        // Two that move and overlap in the end are held by their contact, unless one is past the middle of
-        // the other: that would push them on.
+        // Two that move and overlap in the end are held by their contact, unless one is past the
+        // middle of the other: that would push them on.
         let deep = DEEP_IN * f64::from(a.geometry().ccd_thickness() + b.geometry().ccd_thickness());
         let is_past = is_one_piece(a) && is_one_piece(b) && first.is_passed(second, stop.passage.normal, deep);
         let is_through = !first.is_dynamic || is_past || !first.overlaps_in_the_end(a, second, b);

@@ -35,8 +35,8 @@ pub(crate) struct Traveller {
 }
 
 impl Traveller {
-    /// A body whose collider was in this state when the substep began; whether it can be put back, and
-    /// whether it is fast.
+    /// A body whose collider was in this state when the substep began; whether it can be put back,
+    /// and whether it is fast.
     pub(crate) fn of(
         slot: Slot,
         place: RowPlace,
@@ -71,9 +71,9 @@ impl Traveller {
         Isometry { position: center, orientation }
     }
 
-    /// Stops it at a moment, to stay with another from then on. Its angular momentum turns with it, and
-    /// gravity, which gives `gained` [m/s] in a substep, has done nothing since: so it has the energy
-    /// that it had.
+    /// Stops it at a moment, to stay with another from then on. Its angular momentum turns with it,
+    /// and gravity, which gives `gained` [m/s] in a substep, has done nothing since: so it has the
+    /// energy that it had.
     pub(crate) fn stop(&mut self, moment: f64, with: Option<usize>, columns: &mut WorldColumns<'_>, gained: WorldVec3) {
         let row = self.place.row as usize;
         if let Some(columns) = columns.dynamic_mut(self.place) {
@@ -86,8 +86,8 @@ impl Traveller {
         (self.until, self.with) = (moment, with);
     }
 
-    /// Writes where it was stopped, with what it touches for the rest of the substep, and books what
-    /// that did.
+    /// Writes where it was stopped, with what it touches for the rest of the substep, and books
+    /// what that did.
     pub(crate) fn write(&self, travellers: &[Self], columns: &mut WorldColumns<'_>) {
         let here = self.at(self.until);
         let place = match self.with.map(|other| &travellers[other].course) {
@@ -109,8 +109,8 @@ impl Traveller {
         }
     }
 
-    /// Whether another body that met this one in the direction of a normal is past its middle in the
-    /// end, in that direction or on a way that came nearer to it than `deep` \[m\].
+    /// Whether another body that met this one in the direction of a normal is past its middle in
+    /// the end, in that direction or on a way that came nearer to it than `deep` \[m\].
     pub(crate) fn is_passed(&self, other: &Self, normal: Vec3<f64>, deep: f64) -> bool {
         let [start, end] = [0.0, 1.0].map(|moment| other.course.at(moment).position - self.course.at(moment).position);
         let way = end - start;

@@ -167,8 +167,8 @@ const MAX_MARGIN: Real = 0.01;
 
 /// Least distance \[m\] by which contacts look ahead.
 const FORESEEN: Real = 0.02;
-/// A body with half a thickness of less than this many falls in a step is so thin that gravity alone
-/// may take it through the ground, or so deep into it that it shows.
+/// A body with half a thickness of less than this many falls in a step is so thin that gravity
+/// alone may take it through the ground, or so deep into it that it shows.
 const THIN: Real = 5.0;
 /// A body whose furthest points turn by less than this part of its margin does not turn, for
 /// speculative contacts.
