@@ -15,9 +15,6 @@ use crate::support_map::{Convex, Vector, narrow, unit, wide};
 /// A face is taken for a direction between edges that separates by no more than this \[m\]: it
 /// holds a body better, and a choice that changes back and forth holds it worst.
 pub(crate) const FACE_LEAD: f64 = 5e-4;
-/// And for one between edges at a greater cosine of the angle to the normal of the face, about five
-/// degrees: there they cross in the plane of the face, which has more points to hold with.
-const FLAT: f64 = 0.996;
 /// Where something is round, by no more than what its direction is uncertain by.
 const ROUND_LEAD: f64 = 1e-7;
 
@@ -77,11 +74,7 @@ pub(crate) fn with_faces_first(shapes: &Difference<'_>, found: &Approach) -> App
             best = separation;
         }
     }
-    let mut taken = separations.into_iter().flatten().find(|(_, separation)| *separation >= best - lead);
-    if faceted && taken.is_none() {
-        let flat = separations.into_iter().flatten().filter(|(normal, _)| normal.dot(found.normal) > FLAT);
-        taken = flat.max_by(|a, b| a.1.total_cmp(&b.1));
-    }
+    let taken = separations.into_iter().flatten().find(|(_, separation)| *separation >= best - lead);
     taken.map_or(*found, |(normal, between)| Approach { normal, between, lead: best - between, ..*found })
 }
 
