@@ -160,6 +160,36 @@ fn a_ball_past_a_box_keeps_its_speed() {
     }
 }
 
+/// Small shapes fly beside the face of a large crate, fixed or free, nearer than the crate's margin
+/// and further than a part of their own: it is theirs by which they meet.
+#[test]
+fn what_is_small_passes_close_to_what_is_large() {
+    let mut draws = Draws(17);
+    for case in 0..400 {
+        let mut world = World::new();
+        let (size, half) = (draws.over(0.005, 0.1), draws.over(0.3, 2.0));
+        let crate_shape = Shape::cuboid([half; 3]);
+        let turn = draws.turn();
+        let body = RigidBody::new(crate_shape.clone()).mass(draws.over(1.0, 1000.0)).orientation(turn);
+        let body = if case % 2 == 0 { body.fixed() } else { body };
+        spawn(&mut world, body, Collider::new(&crate_shape).unwrap());
+        let gap = draws.over(0.05 * size, 0.01);
+        let dt = 1.0 / draws.within(30.0, 240.0);
+        let speed = draws.over(5.0, 200.0) as Real;
+        let start = -half * 1.5 - draws.unit() * f64::from(speed) * dt;
+        let shape = if case % 3 == 0 { Shape::cuboid([size; 3]) } else { Shape::sphere(size) };
+        let start = Vec3::new(start as Real, (half + size + gap) as Real, 0.0);
+        let body = RigidBody::new(shape.clone()).mass(0.1).position(turn * start).orientation(turn);
+        let shot = spawn(&mut world, body.linear_velocity(turn * Vec3::X * speed), Collider::new(&shape).unwrap());
+        let mut simulation = simulation(dt);
+        for _ in 0..(4.0 * half / (f64::from(speed) * dt)) as u32 + 2 {
+            simulation.step(&mut world);
+        }
+        let changed = (velocity(&world, shot).linear - turn * Vec3::X * speed).length() / speed;
+        assert!(changed < 1e-4, "case {case}: {size} m past {half} m at {speed} m/s, gap {gap}: {changed}");
+    }
+}
+
 /// No friction against another of the same, half of it against others.
 fn slick(shape: &Shape) -> Collider {
     surfaced(Collider::new(shape).unwrap(), Material::new(0.0, 0.0))

@@ -1,5 +1,6 @@
 //! Promise: nothing gets through anything: no shot of any shape through a wall of a millimetre,
-//! still or moving, nor out of a closed box, at up to a kilometre a second.
+//! still or moving, nor out of a closed box, nor through another shot, at up to a kilometre a
+//! second.
 //!
 //! Why: what is foreseen is foreseen with the velocities that a step begins with, and a blow
 //! changes them within it. It fails if what a body really does in a step is not followed.
@@ -9,8 +10,8 @@
 use hecs::World;
 use tumble::math::{Quat, Real, Vec3};
 use tumble::prelude::*;
-use tumble_tests::Draw;
 use tumble_tests::touching::{spawn, surfaced};
+use tumble_tests::{Draw, dvec3};
 
 fn real(number: f64) -> Real {
     number as Real
@@ -169,5 +170,67 @@ fn nothing_gets_out_of_a_closed_box() {
     for kind in KINDS {
         let out = out_of_a_box(kind);
         assert!(out.is_empty(), "{kind}: {} of {}: {out:?}", out.len(), shots());
+    }
+}
+
+/// Of the ball within a shot \[m\].
+fn inner_radius(shape: &Shape) -> f64 {
+    match *shape {
+        Shape::Sphere { radius } => radius,
+        Shape::Cuboid { half_extents } => half_extents.min_element(),
+        Shape::Cylinder { radius, half_height } => radius.min(half_height),
+        _ => unreachable!("not shot at others"),
+    }
+}
+
+/// Two free shots aimed at each other's middle: how near their middles come to each other on the
+/// straight ways from step to step, in radii of the balls within both, and how much of the momentum
+/// of a blow that stops both they give each other.
+fn nearest_middles(kinds: [&str; 2], draw: &mut Draw) -> [f64; 2] {
+    let [(a, of_a), (b, of_b)] = kinds.map(|kind| shot(kind, draw));
+    let radii = inner_radius(&a) + inner_radius(&b);
+    let along = draw.direction();
+    let miss = along.any_orthonormal_vector() * draw.between(0.0, 0.4 * radii);
+    let (speed, share) = (draw.log_between(5.0, 1000.0), draw.between(0.0, 1.0));
+    let dt = 1.0 / draw.log_between(30.0, 240.0);
+    let far = 1.2 + draw.between(0.0, 3.0) * speed * dt;
+    let mut world = World::new();
+    let first = body(a, draw).mass(1.0).position(vec3(miss)).linear_velocity(vec3(along * (speed * share)));
+    let first = spawn(&mut world, first, of_a);
+    let mass = draw.log_between(0.1, 10.0);
+    let way = along * (speed * (share - 1.0));
+    let second = body(b, draw).mass(mass).position(vec3(along * far)).linear_velocity(vec3(way));
+    let second = spawn(&mut world, second, of_b);
+    let settings = Settings::default().with_gravity(Vec3::ZERO).with_dt(real(dt));
+    let mut simulation = Simulation::new(settings).unwrap();
+    let apart = |world: &World| {
+        let [a, b] = [first, second].map(|it| dvec3(world.get::<&Pose>(it).unwrap().position));
+        b - a
+    };
+    let (mut before, mut nearest) = (apart(&world), f64::INFINITY);
+    for _ in 0..(far / (speed * dt)) as u32 + 4 {
+        simulation.step(&mut world);
+        let now = apart(&world);
+        let way = now - before;
+        let moment = (-before.dot(way) / way.length_squared()).clamp(0.0, 1.0);
+        nearest = nearest.min((before + way * moment).length());
+        before = now;
+    }
+    let momentum = dvec3(world.get::<&Momentum>(first).unwrap().linear);
+    let given = (momentum - along * (speed * share)).length() / (speed * mass / (1.0 + mass));
+    [nearest / radii, given]
+}
+
+/// What deflects another by little lets it pass with the radii of both between the middles; what is
+/// nearer than half of them, and was not given a tenth of the momentum of a blow, went through.
+#[test]
+fn no_shot_gets_through_another() {
+    for kinds in [["box", "box"], ["can", "box"], ["can", "can"], ["ball", "box"], ["ball", "can"], ["ball", "ball"]] {
+        let is_through = |case: &u64| {
+            let [nearest, given] = nearest_middles(kinds, &mut Draw::new(2332, *case));
+            nearest < 0.5 && given < 0.1
+        };
+        let through: Vec<u64> = (0..shots()).filter(is_through).collect();
+        assert!(through.is_empty(), "{kinds:?}: {} of {}: {through:?}", through.len(), shots());
     }
 }

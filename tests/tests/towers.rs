@@ -10,7 +10,7 @@
 use hecs::{Entity, World};
 use tumble::math::{Quat, Real, Vec3};
 use tumble::prelude::*;
-use tumble::{Material, Rng};
+use tumble::{Collider, Material, Rng};
 use tumble_tests::touching::{collider, ground, pose, spawn};
 use tumble_tests::{dvec3, run};
 
@@ -31,10 +31,16 @@ impl Stack {
 
     /// Adds a box with these edges \[m\] and this mass \[kg\].
     fn add(&mut self, edges: [f64; 3], mass: f64, place: [f64; 3], turned: Quat) {
+        let touched = collider(&Shape::cuboid(edges.map(|edge| 0.5 * edge)));
+        self.add_with(edges, mass, place, turned, touched);
+    }
+
+    /// The same with a collider of its own.
+    fn add_with(&mut self, edges: [f64; 3], mass: f64, place: [f64; 3], turned: Quat, touched: Collider) {
         let shape = Shape::cuboid(edges.map(|edge| 0.5 * edge));
         let place = self.up * Vec3::from(place.map(|x| x as Real));
-        let body = RigidBody::new(shape.clone()).mass(mass).position(place).orientation(self.up * turned);
-        self.bodies.push((spawn(&mut self.world, body, collider(&shape)), place));
+        let body = RigidBody::new(shape).mass(mass).position(place).orientation(self.up * turned);
+        self.bodies.push((spawn(&mut self.world, body, touched), place));
     }
 
     /// Runs, and returns how far bodies went sideways and down at most \[m\], and how fast the
@@ -113,6 +119,38 @@ fn random_towers_stand() {
             "draw {draw}: {count} of {edge} m at {steps} Hz, {substeps} substeps: {aside} m aside, {down} m down"
         );
     }
+}
+
+/// Short towers of boxes of which each is turned about the vertical as it happens to be, flat to
+/// cubic, a third of them as hulls: their edges cross, and it is their faces that hold them.
+#[test]
+fn towers_of_turned_boxes_stand() {
+    let mut fallen = Vec::new();
+    for draw in 0..120 {
+        let mut rng = Rng::stream(29, draw);
+        let edge = logarithmic(&mut rng, 0.02, 5.0);
+        let count = f64::from(rng.range(5.0, 10.99)) as u8;
+        let mut stack = Stack::new(Quat::IDENTITY);
+        let mut top = 0.0;
+        for _ in 0..count {
+            let [flat, deep] = [(); 2].map(|()| f64::from(rng.range(0.3, 1.0)));
+            let edges = [edge, edge * flat, edge * deep.max(0.6)];
+            let turned = Quat::from_rotation_y(rng.range(0.0, 6.0));
+            let corner = |i: usize| [0, 1, 2].map(|axis| ((i >> axis & 1) as f64 - 0.5) * edges[axis]);
+            let touched = match draw % 3 {
+                0 => Collider::convex_hull((0..8).map(corner)).unwrap(),
+                _ => collider(&Shape::cuboid(edges.map(|edge| 0.5 * edge))),
+            };
+            let mass = 500.0 * edges[0] * edges[1] * edges[2];
+            stack.add_with(edges, mass, [0.0, top + 0.5 * edges[1], 0.0], turned, touched);
+            top += edges[1];
+        }
+        let [aside, down, _] = stack.run(Settings::default(), 10.0);
+        if !(aside < 0.03 * edge && down < 0.1 * edge) {
+            fallen.push(format!("draw {draw}: {count} of {edge:.3} m: {aside:.4} m aside, {down:.4} m down"));
+        }
+    }
+    assert!(fallen.is_empty(), "{} of 120:\n{}", fallen.len(), fallen.join("\n"));
 }
 
 /// A heavy box on a light one, up to a thousand times as heavy, of any size, at four substeps.

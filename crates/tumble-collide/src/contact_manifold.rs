@@ -50,6 +50,34 @@ pub fn contact_manifold<R: Scalar>(
     nearest.map_or(Manifold::none(), |(_, manifold)| manifold)
 }
 
+/// As [`contact_manifold`] of two convex shapes that are no half-space, but with a point where they
+/// are nearest even if no faces or edges lie over one another there. Of others it has no points.
+///
+/// ```
+/// use tumble_collide::{ColliderShape, Isometry, contact_manifold, nearest_manifold};
+/// use tumble_math::lane::Vec3;
+///
+/// let cube = ColliderShape::Cuboid { half_extents: Vec3::splat(0.5_f64) };
+/// // Corners of both, a metre apart along the diagonal.
+/// let (here, there) = (Isometry::at(Vec3::zero()), Isometry::at(Vec3::splat(1.0 + 1.0 / 3.0_f64.sqrt())));
+/// assert!(contact_manifold(&cube, &here, &cube, &there, 2.0).points().is_empty());
+/// let manifold = nearest_manifold(&cube, &here, &cube, &there, 2.0);
+/// assert!((manifold.points()[0].separation - 1.0).abs() < 1e-9);
+/// ```
+pub fn nearest_manifold<R: Scalar>(
+    first: &ColliderShape<R>,
+    first_at: &Isometry<R>,
+    second: &ColliderShape<R>,
+    second_at: &Isometry<R>,
+    margin: R,
+) -> Manifold<R> {
+    if first_at.is_somewhere() && second_at.is_somewhere() {
+        convex_and_convex(first, first_at, second, second_at, margin)
+    } else {
+        Manifold::none()
+    }
+}
+
 /// Shows how all parts of two shapes touch: for each pair of parts that are near, the number of the
 /// pair and the manifold, as [`contact_manifold`] has them.
 ///

@@ -61,7 +61,7 @@ pub use broad_phase::{BroadPhase, Proxy};
 pub use cast::{Follow, Meeting};
 pub use collider_shape::{ColliderShape, Isometry};
 pub use compound::Compound;
-pub use contact_manifold::{contact_manifold, contact_manifolds};
+pub use contact_manifold::{contact_manifold, contact_manifolds, nearest_manifold};
 pub use convex_hull::ConvexHull;
 pub use course::Course;
 pub use height_field::{HeightField, HeightFieldError};

@@ -20,6 +20,9 @@ use crate::lanes::{FAR, ManifoldLanes};
 const EDGE_LEAD: f64 = 5e-4;
 /// But by no more than this part of the margin.
 const LEAD_SHARE: f64 = 0.025;
+/// Nor is an edge axis taken at a greater cosine of the angle to the normal of the best face, about
+/// five degrees: there edges cross in the plane of the face, which has more points to hold with.
+const FLAT: f64 = 0.996;
 /// And a face of the second box than one of the first.
 const SECOND_LEAD: f64 = 2.5e-4;
 /// Edges at a smaller sine of the angle between them are parallel: a face separates as well.
@@ -165,7 +168,11 @@ pub fn cuboid_pair<L: Lane>(
     let mut manifold = faces::contact(&pair, code, margin);
     let by_edges = (best + leads[1]).lt(edge_gap);
     if L::any(by_edges) {
-        manifold = edges::contact(&pair, edge_code, edge_gap).or(by_edges, manifold);
+        let crossing = edges::contact(&pair, edge_code, edge_gap);
+        let (zero, one) = (L::splat(0.0), L::splat(1.0));
+        let is_flat = L::select(L::splat(FLAT).lt(crossing.normal.dot(manifold.normal)), one, zero);
+        let by_edges = (is_flat * manifold.count.min(one)).lt(L::select(by_edges, one, zero));
+        manifold = crossing.or(by_edges, manifold);
     }
     manifold.count = manifold.count * near;
     manifold

@@ -51,8 +51,10 @@ pub(crate) struct ColliderState {
 /// contacts look ahead.
 #[derive(Clone, Copy)]
 pub(crate) struct Motion {
-    /// How far its centre of mass goes \[m\].
+    /// How far its centre of mass goes as it goes at the start \[m\].
     pub(crate) way: Vec3<Real>,
+    /// How much further gravity takes it \[m\]; zero where that is little beside its thickness.
+    pub(crate) drop: Vec3<Real>,
     /// By which angle it turns, about this direction \[rad\]; zero where that is negligible.
     pub(crate) turn: Vec3<Real>,
     /// How far from its centre of mass its collider reaches \[m\].
@@ -62,7 +64,7 @@ pub(crate) struct Motion {
 impl Motion {
     pub(crate) const NONE: Self = {
         let zero = Vec3 { x: 0.0, y: 0.0, z: 0.0 };
-        Self { way: zero, turn: zero, radius: 0.0 }
+        Self { way: zero, drop: zero, turn: zero, radius: 0.0 }
     };
 }
 

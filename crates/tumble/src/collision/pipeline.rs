@@ -5,7 +5,7 @@ use std::fmt;
 
 use hecs::World;
 use rayon::prelude::*;
-use tumble_collide::{BroadPhase, ColliderShape, contact_manifolds};
+use tumble_collide::{BroadPhase, ColliderShape, contact_manifolds, nearest_manifold};
 
 use crate::collision::collider::{Collider, Groups};
 use crate::collision::collider_state::{ColliderState, ColliderStates};
@@ -21,6 +21,7 @@ use crate::collision::round_contact::RoundContact;
 use crate::collision::sensors::Sensors;
 use crate::collision::speculative::Way;
 use crate::collision::sweep::Sweep;
+use crate::collision::update_aabbs::Intervals;
 use crate::components::CenterOfMass;
 use crate::joints::joint_list::{JointEnds, JointList};
 use crate::math::{Real, Vec3 as WorldVec3};
@@ -186,7 +187,8 @@ impl CollisionPipeline {
         // After the last substep contacts see to it that in one more nothing would come too near.
         let ahead = settings.substep() + settings.contact_substep();
         self.ahead = ahead;
-        self.update_aabbs(columns, [settings.substep(), ahead]);
+        let drop = settings.gravity * (0.5 * ahead * (ahead + settings.contact_substep()));
+        self.update_aabbs(columns, Intervals { interval: settings.substep(), ahead, drop });
         let Self { collider_states, colliders, broad_phase, near, .. } = self;
         let roles = Roles { groups: &colliders.groups, sensors: &colliders.sensors };
         near.find(collider_states, roles, broad_phase, joints);
@@ -214,6 +216,9 @@ impl CollisionPipeline {
     fn find_manifolds(&mut self) {
         let Self { collider_states, near, found, contacts: ContactSet { records: contacts, .. }, colliders, .. } = self;
         let (end, some_empty) = near.cuboids.touch(LaneKind::Cuboid, &collider_states.lanes, contacts, 0);
+        if some_empty {
+            contacts[..end].iter_mut().for_each(|contact| fill_fast(contact, &collider_states.states, colliders));
+        }
         let (end, more_empty) = near.spheres.touch(LaneKind::Sphere, &collider_states.lanes, contacts, end);
         contacts.truncate(end);
         let parts = near.others.len().div_ceil(OTHERS_PART);
@@ -243,6 +248,25 @@ impl CollisionPipeline {
         // The next step's list takes the place of the last one's: so it allocates nothing. Exactly
         // as much, for with some more both would outgrow each other forever.
         cache.last.reserve_exact(records.capacity().saturating_sub(cache.last.len()));
+    }
+}
+
+/// A body that goes further in a step than this part of the half thickness of the thinner of two is
+/// fast.
+const FAST: Real = 0.5;
+
+/// Gives a contact of boxes without points, as no faces lie over one another there, the point where
+/// they are nearest if they are so fast that what comes next may be past it.
+fn fill_fast(contact: &mut ContactRecord, states: &[ColliderState], colliders: &Colliders) {
+    let [first, second] = contact.slots.map(|slot| &states[slot.index()]);
+    let (reach, margin) = (first.reach + second.reach, first.margin + second.margin);
+    let is_fast = reach - margin > FAST * first.half_thickness.min(second.half_thickness);
+    let [Some((a, _)), Some((b, _))] = contact.slots.map(|slot| colliders.get(slot)) else { return };
+    if contact.count() == 0 && is_fast {
+        let manifold = nearest_manifold(a.geometry(), &first.placement, b.geometry(), &second.placement, reach);
+        let second = Second { center: second.center, has_non_dynamic: !first.is_dynamic, margin };
+        let found = ContactRecord::new(contact.slots, 0, &manifold, second, UpdateRule::BodyFixed);
+        *contact = ContactRecord { kind: LaneKind::Cuboid, ..found };
     }
 }
 

@@ -4,6 +4,7 @@ use tumble_collide::{ColliderShape, Isometry, Manifold, contact_manifolds};
 use tumble_math::lane::Vec3;
 
 use crate::collision::collider_state::ColliderState;
+use crate::collision::compound_parts::numbers;
 use crate::collision::contact::ContactRecord;
 use crate::collision::pipeline::Colliders;
 use crate::math::Real;
@@ -14,6 +15,7 @@ use crate::math::Real;
 pub(crate) struct RoundContact {
     /// Its number among the contacts.
     pub(crate) contact: u32,
+    /// Of the pair of parts that meet, in what follows: of compounds the two parts alone.
     part: u32,
     geometries: [ColliderShape<Real>; 2],
     placements: [Isometry<Real>; 2],
@@ -41,14 +43,17 @@ impl RoundContact {
         let states = contact.slots.map(|slot| &states[slot.index()]);
         let [Some((a, _)), Some((b, _))] = contact.slots.map(|slot| colliders.get(slot)) else { return None };
         let origin = states[1].center;
-        let placements = states.map(|state| Isometry {
-            position: state.placement.position - origin,
-            orientation: state.placement.orientation,
+        let (part, [(inner, first), (other_inner, second)]) = parts([a.geometry(), b.geometry()], contact.part);
+        let inner = [inner, other_inner];
+        let placements = [0, 1].map(|which| {
+            let Isometry { position, orientation } = states[which].placement;
+            let body = Isometry { position: position - origin, orientation };
+            inner[which].map_or(body, |inner| body.then(&inner))
         });
         Some(Self {
             contact: number,
-            part: contact.part,
-            geometries: [a.geometry().clone(), b.geometry().clone()],
+            part,
+            geometries: [first.clone(), second.clone()],
             placements,
             has_non_dynamic: !states[0].is_dynamic,
             apart: states[0].center - origin,
@@ -81,4 +86,19 @@ impl RoundContact {
         });
         Some(found)
     }
+}
+
+/// A shape, and where it is in a collider if it is a part of that.
+type Placed<'a> = (Option<Isometry<Real>>, &'a ColliderShape<Real>);
+
+/// The parts of two shapes that have a pair's number, and its number among the pairs of these.
+fn parts([first, second]: [&ColliderShape<Real>; 2], pair: u32) -> (u32, [Placed<'_>; 2]) {
+    let is_compound = [first, second].iter().any(|shape| matches!(shape, ColliderShape::Compound(_)));
+    if !is_compound || first.parts().checked_mul(second.parts()).is_none() {
+        return (pair, [(None, first), (None, second)]);
+    }
+    let [on_first, on_second] = numbers(pair, second.parts());
+    let [(from, at, one), (other_from, other_at, other)] = [first.part_of(on_first), second.part_of(on_second)];
+    let part = (on_first - from) * other.parts() + (on_second - other_from);
+    (part, [(Some(at), one), (Some(other_at), other)])
 }

@@ -18,10 +18,10 @@ use crate::math::Real;
 use crate::storage::body_index::Slot;
 use crate::threads::InParts;
 
-/// Surfaces nearer than this part of their margin meet.
+/// Surfaces nearer than this part of their margin meet, but than no more than the smaller body's.
 const MEETING: Real = 0.25;
-/// A body that passes another by more than this many margins in a step is traced even where it is
-/// nearer than the margin.
+/// A body that passes another by more than this many margins of the smaller in a step is traced
+/// even where it is nearer than the margin.
 const FAST: Real = 4.0;
 /// A contact is as it was found where, until they meet, the bodies go past each other by less than
 /// this many margins, ...
@@ -138,6 +138,12 @@ fn length(v: Vec3<Real>) -> Real {
     v.dot(v).sqrt()
 }
 
+/// The margin of the smaller of two bodies, beside which that of the other would be far.
+fn least_margin(states: [&ColliderState; 2]) -> Real {
+    let dynamic = states.into_iter().filter(|state| state.is_dynamic);
+    dynamic.map(|state| state.margin).reduce(Real::min).unwrap_or(0.0)
+}
+
 /// Whether two bodies get through the plane of their contact, that is further than the margin or
 /// passed fast.
 fn is_doubtful(contact: &ContactRecord, gap: Real, states: [&ColliderState; 2], fall: Real) -> bool {
@@ -147,11 +153,11 @@ fn is_doubtful(contact: &ContactRecord, gap: Real, states: [&ColliderState; 2], 
     let way = b - a;
     let turned = [normal.cross(s), normal.cross(t)].map(length);
     let swing = [if turned[0] > 0.0 { turned[0] * r } else { 0.0 }, if turned[1] > 0.0 { turned[1] * q } else { 0.0 }];
-    let margin = contact.margin();
+    let (margin, least) = (contact.margin(), least_margin(states));
     // The plane turns with the bodies.
     let tilt = (length(s) + length(t)) * (gap + length(way));
     let through = gap + normal.dot(way) - swing[0] - swing[1] - tilt < fall;
-    through && (gap > margin || length(way) + swing[0] + swing[1] > FAST * margin)
+    through && (gap > margin || length(way) + swing[0] + swing[1] > FAST * least)
 }
 
 /// Whether two balls stay further apart than the margin on their ways, which for balls are lines.
@@ -199,7 +205,8 @@ fn encounters<'a>(
 /// When the plane of a contact is met.
 fn plane(contact: &ContactRecord, states: [&ColliderState; 2]) -> Meeting {
     let normal = normal(contact);
-    let way = wide(states[1].motion.way - states[0].motion.way);
+    let [first, second] = states.map(|state| state.motion.way + state.motion.drop);
+    let way = wide(second - first);
     let (gap, along) = (f64::from(nearest(contact)), -normal.dot(way));
     Meeting { moment: if along > gap { gap / along } else { 1.0 }, is_hit: along > gap, distance: 0.0, normal }
 }
@@ -219,7 +226,7 @@ fn travellers(encounters: &[Encounter<'_>], states: &[ColliderState]) -> Vec<Tra
     slots.dedup();
     let traveller = |slot: Slot| {
         let ColliderState { placement, center, motion, .. } = &states[slot.index()];
-        let course = Course::new(placement, *center, motion.way, motion.turn);
+        let course = Course::new(placement, *center, motion.way + motion.drop, motion.turn);
         Traveller { slot, course, stops: Vec::new(), turned_off: 0.0 }
     };
     slots.into_iter().map(traveller).collect()
@@ -362,7 +369,9 @@ impl View<'_> {
         if encounter.plane.is_some() {
             return encounter.plane;
         }
-        Meeting::find(encounter.shapes_of_pair, [&first, &second], f64::from(MEETING * margin), slack)
+        let least = least_margin(encounter.slots.map(|slot| &self.states[slot.index()]));
+        let tolerance = f64::from((MEETING * margin).min(least));
+        Meeting::find(encounter.shapes_of_pair, [&first, &second], tolerance, slack)
     }
 
     fn meet(&self, encounters: &mut [Encounter<'_>], travellers: &[Traveller]) {

@@ -8,7 +8,7 @@ use crate::collision::collider_state::{ColliderState, ColliderStates, Motion};
 use crate::collision::narrow_phase::{LaneKind, ShapeLanesPart};
 use crate::collision::near_pairs::SensorRole;
 use crate::collision::pipeline::CollisionPipeline;
-use crate::components::{Momentum, Velocity};
+use crate::components::{GravityScale, Momentum, Velocity};
 use crate::integrators::response_range::responds_in_range;
 use crate::integrators::state::{Constants, Moments};
 use crate::math::{Real, Vec3 as WorldVec3};
@@ -19,8 +19,8 @@ use crate::threads;
 
 impl CollisionPipeline {
     /// Reads where all bodies with colliders are, how far from there they may go in an interval,
-    /// and how they go on in the one that the solver looks ahead \[s\].
-    pub(crate) fn update_aabbs(&mut self, columns: &WorldColumns<'_>, intervals: [Real; 2]) {
+    /// and how they go on in the one that the solver looks ahead.
+    pub(crate) fn update_aabbs(&mut self, columns: &WorldColumns<'_>, intervals: Intervals) {
         let Self { body_index, collider_states: ColliderStates { states, proxies, lanes }, colliders, .. } = self;
         lanes.reset(body_index.len());
         states.clear();
@@ -46,6 +46,17 @@ impl CollisionPipeline {
     }
 }
 
+/// What bodies are looked for over.
+#[derive(Clone, Copy)]
+pub(crate) struct Intervals {
+    /// A substep of the settings \[s\].
+    pub(crate) interval: Real,
+    /// How far the solver looks ahead \[s\].
+    pub(crate) ahead: Real,
+    /// How far gravity takes what is at rest in that time \[m\].
+    pub(crate) drop: WorldVec3,
+}
+
 /// The update of neighbouring slots.
 struct AabbUpdate<'a> {
     colliders: &'a [Option<(Collider, WorldVec3)>],
@@ -58,7 +69,7 @@ struct AabbUpdate<'a> {
 
 impl AabbUpdate<'_> {
     /// Runs in parallel.
-    fn run(mut self, bodies: PoseView<'_>, intervals: [Real; 2]) {
+    fn run(mut self, bodies: PoseView<'_>, intervals: Intervals) {
         let middle = self.states.len() / 2;
         if self.states.len() <= MIN_CHUNK {
             return (0..self.states.len()).for_each(|i| self.update(i, bodies, intervals));
@@ -82,7 +93,7 @@ impl AabbUpdate<'_> {
         );
     }
 
-    fn update(&mut self, i: usize, bodies: PoseView<'_>, [interval, ahead_of]: [Real; 2]) {
+    fn update(&mut self, i: usize, bodies: PoseView<'_>, Intervals { interval, ahead: ahead_of, drop }: Intervals) {
         let Some((collider, offset)) = &self.colliders[i] else { return };
         let center = Vec3::from(bodies.pose[i].position);
         let orientation = Quat::from(bodies.pose[i].orientation).normalize();
@@ -115,13 +126,18 @@ impl AabbUpdate<'_> {
             }
         };
         motion.way = Vec3::from(linear) * ahead_of;
+        motion.drop = if is_dynamic { Vec3::from(drop) * scale_of(bodies.gravity_scale, i) } else { Vec3::zero() };
+        let mut fall = motion.drop.dot(motion.drop).sqrt();
+        if ccd_thickness >= THIN * fall {
+            (motion.drop, fall) = (Vec3::zero(), 0.0);
+        }
         if !in_range {
             // It is nowhere then, and touches nothing that it could spoil.
             placement.position = Vec3::splat(Real::NAN);
         }
         let kind = LaneKind::of(geometry);
         let way = linear.length() * interval;
-        let reach = margin + ahead(ccd_thickness, way);
+        let reach = margin + ahead(ccd_thickness, way) + fall;
         self.lanes.set(i, geometry, &placement, center, (reach, margin));
         let velocity = (velocity.linear.into(), velocity.angular.into());
         let is_fixed = !is_dynamic && bodies.velocity.is_none();
@@ -151,9 +167,16 @@ const MAX_MARGIN: Real = 0.01;
 
 /// Least distance \[m\] by which contacts look ahead.
 const FORESEEN: Real = 0.02;
+/// A body with half a thickness of less than this many falls in a step is so thin that gravity
+/// alone may take it through the ground, or so deep into it that it shows.
+const THIN: Real = 5.0;
 /// A body whose furthest points turn by less than this part of its margin does not turn, for
 /// speculative contacts.
 const TURNED: Real = 0.25;
+
+fn scale_of(scales: Option<&[GravityScale]>, i: usize) -> Real {
+    scales.map_or(1.0, |scales| scales[i].0)
+}
 
 /// How much further a shape that goes a `way` \[m\] in a step looks for others \[m\]. What goes
 /// less than half its half thickness is stopped in what it hits and leaves it on the side it came

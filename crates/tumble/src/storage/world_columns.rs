@@ -9,7 +9,7 @@ use std::ops::Range;
 
 use hecs::{Archetype, ArchetypeColumn, ArchetypeColumnMut, World};
 
-use crate::components::{Inertia, Mass, Momentum, Pose, PreviousPose, PrincipalAxes, Velocity};
+use crate::components::{GravityScale, Inertia, Mass, Momentum, Pose, PreviousPose, PrincipalAxes, Velocity};
 use crate::integrators::kinematic::move_a_substep;
 use crate::math::Real;
 use crate::storage::body_index::RowPlace;
@@ -59,6 +59,7 @@ pub(crate) struct PoseView<'a> {
     pub(crate) velocity: Option<&'a [Velocity]>,
     /// Of dynamic bodies, where they are not the body's.
     pub(crate) axes: Option<&'a [PrincipalAxes]>,
+    pub(crate) gravity_scale: Option<&'a [GravityScale]>,
 }
 
 impl<'a> PoseView<'a> {
@@ -69,7 +70,8 @@ impl<'a> PoseView<'a> {
                 (&momenta[rows.clone()], &masses[rows.clone()], inertia.map(|inertia| &inertia[rows.clone()]))
             }),
             velocity: self.velocity.map(|velocities| &velocities[rows.clone()]),
-            axes: self.axes.map(|axes| &axes[rows]),
+            axes: self.axes.map(|axes| &axes[rows.clone()]),
+            gravity_scale: self.gravity_scale.map(|scales| &scales[rows]),
         }
     }
 }
@@ -127,11 +129,17 @@ impl<'w> WorldColumns<'w> {
             let pose_views = match &of_archetype.bodies {
                 ArchetypeBodies::Dynamic(columns) => {
                     let dynamic = Some((&*columns.momentum, &*columns.mass, columns.inertia.as_deref()));
-                    let pose = &*columns.pose;
-                    PoseView { pose, dynamic, velocity: columns.velocity.as_deref(), axes: columns.axes.as_deref() }
+                    PoseView {
+                        pose: &columns.pose,
+                        dynamic,
+                        velocity: columns.velocity.as_deref(),
+                        axes: columns.axes.as_deref(),
+                        gravity_scale: columns.gravity_scale.as_deref(),
+                    }
                 }
                 ArchetypeBodies::NonDynamic(columns) => {
-                    PoseView { pose: &columns.pose, dynamic: None, velocity: columns.velocity.as_deref(), axes: None }
+                    let velocity = columns.velocity.as_deref();
+                    PoseView { pose: &columns.pose, dynamic: None, velocity, axes: None, gravity_scale: None }
                 }
                 ArchetypeBodies::None => return None,
             };
