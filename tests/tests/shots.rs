@@ -195,11 +195,11 @@ fn nearest_middles(kinds: [&str; 2], draw: &mut Draw) -> [f64; 2] {
     let dt = 1.0 / draw.log_between(30.0, 240.0);
     let far = 1.2 + draw.between(0.0, 3.0) * speed * dt;
     let mut world = World::new();
-    let first = body(a, draw).mass(1.0).position(vec3(miss)).linear_velocity(vec3(along * (speed * share)));
+    let first = body(&a, draw).mass(1.0).position(vec3(miss)).linear_velocity(vec3(along * (speed * share)));
     let first = spawn(&mut world, first, of_a);
     let mass = draw.log_between(0.1, 10.0);
     let way = along * (speed * (share - 1.0));
-    let second = body(b, draw).mass(mass).position(vec3(along * far)).linear_velocity(vec3(way));
+    let second = body(&b, draw).mass(mass).position(vec3(along * far)).linear_velocity(vec3(way));
     let second = spawn(&mut world, second, of_b);
     let settings = Settings::default().with_gravity(Vec3::ZERO).with_dt(real(dt));
     let mut simulation = Simulation::new(settings).unwrap();
