@@ -148,6 +148,7 @@ pub use joints::joint_error::JointError;
 pub use joints::joint_event::JointEvent;
 pub use joints::joint_load::JointLoad;
 pub use joints::limits::{Cone, Limit, Limits};
+pub use joints::locked_axes::LockedAxes;
 pub use settings::{Settings, SettingsError};
 pub use simd::simd_name;
 pub use snapshot::Snapshot;

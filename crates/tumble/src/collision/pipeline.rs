@@ -24,6 +24,7 @@ use crate::collision::sweep::Sweep;
 use crate::collision::update_aabbs::Intervals;
 use crate::components::CenterOfMass;
 use crate::joints::joint_list::{JointEnds, JointList};
+use crate::joints::locked_axes::LockedAxes;
 use crate::math::{Real, Vec3 as WorldVec3};
 use crate::settings::Settings;
 use crate::storage::body_index::{BodyIndex, Slot};
@@ -143,7 +144,7 @@ impl CollisionPipeline {
     /// Returns whether all slots are what they were.
     pub(crate) fn update(&mut self, world: &World, joints: &JointEnds) -> bool {
         self.body_index.find(world, |archetype, mark| {
-            if archetype.has::<Collider>() || joints.connect_any_of(archetype) {
+            if archetype.has::<Collider>() || archetype.has::<LockedAxes>() || joints.connect_any_of(archetype) {
                 archetype.ids().iter().for_each(|id| mark(*id));
             }
         });

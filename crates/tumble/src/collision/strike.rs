@@ -11,7 +11,8 @@ use crate::collision::traveller::state_of;
 use crate::components::{Momentum, Velocity};
 use crate::integrators::derived::{Derived, derived};
 use crate::integrators::state::State;
-use crate::math::Real;
+use crate::joints::axis_lock::AxisLock;
+use crate::math::{Real, double, vec3};
 use crate::storage::body_index::RowPlace;
 use crate::storage::world_columns::{ArchetypeBodies, WorldColumns};
 
@@ -21,6 +22,7 @@ pub(crate) struct Struck {
     /// From its centre of mass to the point \[m\].
     pub(crate) arm: Vec3<Real>,
     pub(crate) orientation: Quat<Real>,
+    pub(crate) lock: AxisLock,
 }
 
 /// How a body moves and responds.
@@ -29,6 +31,7 @@ struct Responding {
     /// Zero of a body that is not dynamic [1/kg].
     inverse_mass: Real,
     derived: Option<Derived<Real>>,
+    lock: AxisLock,
     arm: Vec3<Real>,
     /// What it has received [N s] [N m s].
     impulse: [Vec3<Real>; 2],
@@ -85,11 +88,14 @@ impl Responding {
     fn of(columns: &WorldColumns<'_>, struck: &Struck) -> Option<Self> {
         let (zero, arm) = (Vec3::zero(), struck.arm);
         if let Some((constants, state)) = state_of(columns, struck.place) {
-            let derived = derived(&constants, &State { orientation: struck.orientation, ..state });
+            let state = State { orientation: struck.orientation, ..state };
+            let lock = struck.lock;
+            let derived = lock.locked(&constants, &state, derived(&constants, &state));
             return Some(Self {
                 velocity: [derived.linear, derived.angular],
                 inverse_mass: 1.0 / constants.mass,
                 derived: Some(derived),
+                lock,
                 arm,
                 impulse: [zero; 2],
             });
@@ -99,7 +105,7 @@ impl Responding {
             _ => return None,
         };
         let velocity = [linear.into(), angular.into()];
-        Some(Self { velocity, inverse_mass: 0.0, derived: None, arm, impulse: [zero; 2] })
+        Some(Self { velocity, inverse_mass: 0.0, derived: None, lock: struck.lock, arm, impulse: [zero; 2] })
     }
 
     fn velocity_at(&self) -> Vec3<Real> {
@@ -110,16 +116,23 @@ impl Responding {
     fn response(&self, direction: Vec3<Real>) -> Real {
         let Some(derived) = &self.derived else { return 0.0 };
         let turning = self.arm.cross(direction);
-        self.inverse_mass + turning.dot(derived.apply_inverse_inertia(turning))
+        let moving = self.free(direction).dot(direction) * self.inverse_mass;
+        moving + turning.dot(derived.apply_inverse_inertia(turning))
     }
 
     fn add(&mut self, impulse: Vec3<Real>) {
         if let Some(derived) = &self.derived {
             let turning = self.arm.cross(impulse);
-            self.velocity[0] = self.velocity[0] + impulse * self.inverse_mass;
+            let linear = self.free(impulse);
+            self.velocity[0] = self.velocity[0] + linear * self.inverse_mass;
             self.velocity[1] = self.velocity[1] + derived.apply_inverse_inertia(turning);
-            self.impulse = [self.impulse[0] + impulse, self.impulse[1] + turning];
+            self.impulse = [self.impulse[0] + linear, self.impulse[1] + turning];
         }
+    }
+
+    /// Of an impulse, what is along axes with free translation.
+    fn free(&self, impulse: Vec3<Real>) -> Vec3<Real> {
+        vec3(self.lock.along_free(double(impulse))).into()
     }
 
     fn write(&self, columns: &mut WorldColumns<'_>, struck: &Struck) {

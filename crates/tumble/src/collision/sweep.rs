@@ -15,7 +15,10 @@ use crate::collision::pipeline::CollisionPipeline;
 use crate::collision::strike::{Struck, strike};
 use crate::collision::traveller::{Traveller, find, first_passage, moves_in_range, pose_of, turned_end};
 use crate::components::Pose;
+use crate::joints::axes::Axes;
+use crate::joints::axis_lock::AxisLock;
 use crate::joints::joint_list::JointList;
+use crate::joints::locked_axes::LockedAxes;
 use crate::math::{Real, quat, vec3};
 use crate::range::{MAX_DISTANCE_OF_CONTACTS, within};
 use crate::settings::Settings;
@@ -289,7 +292,9 @@ impl CollisionPipeline {
             let at = it.at(passage.until);
             let arm: Vec3<Real> = vec3((passage.point - at.position).into()).into();
             let orientation: Quat<Real> = quat(at.orientation.into()).into();
-            Struck { place: it.place, arm, orientation: orientation.normalize() }
+            let locked = columns.archetype(it.place).get::<&LockedAxes>().filter(|_| it.is_free);
+            let lock = AxisLock(locked.map_or(Axes::NONE, |column| column[it.place.row as usize].0));
+            Struck { place: it.place, arm, orientation: orientation.normalize(), lock }
         });
         let surface = self.colliders.materials.between(both.map(|it| it.slot), part);
         let normal: Vec3<Real> = vec3(passage.normal.into()).into();

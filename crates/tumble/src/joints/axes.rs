@@ -43,6 +43,11 @@ impl Axes {
         self.0 & other.0 == other.0
     }
 
+    /// The union with another set.
+    pub const fn with(self, other: Self) -> Self {
+        Self(self.0 | other.0)
+    }
+
     /// How many there are, from 0 to 6.
     pub const fn count(self) -> u32 {
         self.0.count_ones()
@@ -63,6 +68,6 @@ impl BitOr for Axes {
     type Output = Self;
 
     fn bitor(self, other: Self) -> Self {
-        Self(self.0 | other.0)
+        self.with(other)
     }
 }

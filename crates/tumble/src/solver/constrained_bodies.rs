@@ -1,5 +1,6 @@
 //! The bodies of a world that constraints act on in a substep, each with its row in the solver.
 
+use crate::joints::axis_lock::AxisLock;
 use crate::solver::solver_bodies::SolverRow;
 use crate::storage::body_index::{BodyIndex, Slot};
 use crate::storage::world_columns::WorldColumns;
@@ -11,6 +12,8 @@ pub(crate) struct ConstrainedBodies {
     rows: Vec<SolverRow>,
     /// How many are dynamic, and how many are not.
     counts: [usize; 2],
+    /// Bodies with locked axes: constraints act on them in any case.
+    pub(crate) locked: Vec<(Slot, AxisLock)>,
 }
 
 const NONE: SolverRow = SolverRow(u32::MAX);
@@ -25,10 +28,11 @@ impl ConstrainedBodies {
         body_index: &BodyIndex,
         columns: &WorldColumns<'_>,
     ) {
-        let Self { rows, counts } = self;
+        let Self { rows, counts, locked } = self;
         rows.clear();
         rows.resize(body_index.len(), NONE);
-        pairs.flatten().for_each(|slot| rows[slot.index()] = MARKED);
+        let locked = locked.iter().map(|(slot, _)| *slot);
+        pairs.flatten().chain(locked).for_each(|slot| rows[slot.index()] = MARKED);
         *counts = [0; 2];
         for (archetype, is_dynamic) in columns.kinds() {
             let slots = body_index.slots_in(archetype).iter();
@@ -62,6 +66,11 @@ impl ConstrainedBodies {
     /// The rows of a constraint's bodies.
     pub(crate) fn rows_of(&self, slots: [Slot; 2]) -> [SolverRow; 2] {
         slots.map(|slot| self.rows[slot.index()])
+    }
+
+    /// The rows of bodies with locked axes.
+    pub(crate) fn locks(&self) -> impl Iterator<Item = (SolverRow, AxisLock)> + '_ {
+        self.locked.iter().filter_map(|(slot, lock)| Some((self.row(*slot)?, *lock)))
     }
 
     /// By slot.

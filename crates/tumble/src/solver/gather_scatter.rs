@@ -5,10 +5,13 @@ use std::ops::Range;
 use tumble_math::lane::{Quat, Vec3};
 
 use crate::collision::contact_set::ContactSet;
+use crate::collision::traveller::state_of;
+use crate::components::Momentum;
 use crate::forces::evaluate::LawForces;
 use crate::forces::force_context::ForceContext;
 use crate::forces::registry::{ForceLaws, Laws};
 use crate::integrators::Forces;
+use crate::integrators::kinetic_energy::KineticEnergy;
 use crate::integrators::response_range::responds_in_range;
 use crate::integrators::state::{Constants, State};
 use crate::joints::joint_list::JointList;
@@ -68,6 +71,7 @@ pub(crate) fn gather(
         }
     });
     debug_assert_eq!(begin, next_dynamic);
+    bodies.lock(constrained.locks());
     drop_out_of_range((constrained, contacts, &mechanisms.list), bodies, first_dynamic..next_dynamic);
     [next_dynamic, next_non_dynamic]
 }
@@ -134,7 +138,9 @@ fn drop_out_of_range(
     };
     contacts.retain(|contact| is_in_range(&contact.slots));
     let pairs: Vec<_> = joints.pairs().filter(is_in_range).collect();
-    constrained.retain(contacts.records.iter().map(|contact| contact.slots).chain(pairs), |row| bodies.is_dynamic(row));
+    let locked: Vec<_> = constrained.locked.iter().map(|(slot, _)| [*slot; 2]).filter(is_in_range).collect();
+    let pairs = contacts.records.iter().map(|contact| contact.slots).chain(pairs).chain(locked);
+    constrained.retain(pairs, |row| bodies.is_dynamic(row));
 }
 
 /// Writes the constrained bodies back to their columns, with the work done on them.
@@ -157,6 +163,22 @@ pub(crate) fn scatter(
         let place = body_index.place(slot);
         if let Some(works) = columns.dynamic_mut(place).and_then(|moving| moving.work.as_mut()) {
             works[place.row as usize] += work;
+        }
+    }
+}
+
+/// Takes from the momenta of bodies with locked axes what they cannot have.
+pub(crate) fn hold_locked(constrained: &ConstrainedBodies, body_index: &BodyIndex, columns: &mut WorldColumns<'_>) {
+    for (slot, lock) in &constrained.locked {
+        let place = body_index.place(*slot);
+        let row = place.row as usize;
+        let Some((constants, state)) = state_of(columns, place) else { continue };
+        let held = lock.held(&constants, &state);
+        let Some(moving) = columns.dynamic_mut(place) else { continue };
+        moving.momentum[row] = Momentum { linear: held.linear.into(), angular: held.angular.into() };
+        if let Some(works) = moving.work.as_mut() {
+            let energy = |state| KineticEnergy::of(&constants, state).sum();
+            works[row].contacts += energy(&held) - energy(&state);
         }
     }
 }

@@ -15,6 +15,7 @@ use crate::simd::{BLOCK, Kernel, Octet, Tile, dispatch_in_blocks, load_rows, sto
 use crate::solver::body_rows::{
     BodyMotion, BodyPose, DeltaPose, ForceImpulse, PrincipalMoments, WarmStartImpulse, WorldInverseInertia,
 };
+use crate::solver::locked_bodies::LockedBodies;
 use crate::threads::InParts;
 
 /// The number of a body among those of the solver.
@@ -42,6 +43,7 @@ pub(crate) struct SolverBodies {
     pub(crate) inertia: Vec<PrincipalMoments>,
     pub(crate) pose: Vec<BodyPose>,
     pub(crate) delta_pose: Vec<DeltaPose>,
+    pub(crate) locked: LockedBodies,
     /// How many are dynamic.
     dynamic: usize,
 }
@@ -86,6 +88,7 @@ impl SolverBodies {
         self.pose.resize(first_non_dynamic + non_dynamic, ORIGIN);
         self.inertia.clear();
         self.inertia.resize(in_blocks, NOT_TURNING);
+        self.locked.clear();
     }
 
     /// How many rows.
@@ -194,6 +197,8 @@ impl SolverBodies {
                 self.force_impulse[place] = halved(others.force_impulse[row], halvings);
             }
         }
+        let places = self.places(rows);
+        self.locked.copy(&others.locked, places);
     }
 
     /// Copies the dynamic bodies back to the rows that they were taken from.
@@ -252,6 +257,7 @@ impl SolverBodies {
         parts.by_at_least(MIN_PARTS).for_each(|(((inv_inertia, pose), delta_pose), (motion, inertia))| {
             dispatch_in_blocks(&mut IntegratePositions { motion, inv_inertia, pose, inertia, delta_pose, h });
         });
+        self.turn_locked(h);
     }
 }
 

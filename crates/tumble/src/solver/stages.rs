@@ -16,6 +16,7 @@ use crate::solver::contact::softness::Softness;
 use crate::solver::contact::solve::{Blocks, Solve, StageBodies};
 use crate::solver::contact::store_impulses::StoreImpulses;
 use crate::solver::graph_coloring::{ContactColor, GraphColoring};
+use crate::solver::locked_bodies::{BlockLocks, LockedBodies};
 use crate::solver::solver_bodies::SolverBodies;
 use crate::solver::substeps::GroupContact;
 use crate::threads;
@@ -43,11 +44,12 @@ struct BlockSheet<const P: usize, const C: usize> {
     rolling: Vec<Rolling>,
     bounces: Vec<Bounce<P>>,
     belts: Vec<Belt>,
+    locks: Vec<BlockLocks>,
 }
 
 impl<const P: usize, const C: usize> Default for BlockSheet<P, C> {
     fn default() -> Self {
-        Self { blocks: Vec::new(), rolling: Vec::new(), bounces: Vec::new(), belts: Vec::new() }
+        Self { blocks: Vec::new(), rolling: Vec::new(), bounces: Vec::new(), belts: Vec::new(), locks: Vec::new() }
     }
 }
 
@@ -116,12 +118,12 @@ impl ContactConstraints {
             row_colors.begin(has_non_dynamic);
             for chunk in with_one.chunks(BLOCK) {
                 row_colors.push(chunk.iter().map(|contact| contact.rows.map(|row| row.0)));
-                ones.set(one, chunk);
+                ones.set(one, chunk, &bodies.locked);
                 one += 1;
             }
             for chunk in with_more.chunks(BLOCK) {
                 row_colors.push(chunk.iter().map(|contact| contact.rows.map(|row| row.0)));
-                fours.set(four, chunk);
+                fours.set(four, chunk, &bodies.locked);
                 four += 1;
             }
             colors.push(ColorRange { ones: first_one..one, fours: first_four..four });
@@ -137,8 +139,8 @@ impl ContactConstraints {
                 add(has_non_dynamic, with_one, with_more);
             }
         }
-        ones.finish(one, extras);
-        fours.finish(four, extras);
+        ones.finish(one, extras, &bodies.locked);
+        fours.finish(four, extras, &bodies.locked);
     }
 
     /// Sorts the contacts into the order in which they are solved: those between dynamic bodies,
@@ -228,21 +230,26 @@ impl ContactConstraints {
 
 impl<const P: usize, const C: usize> BlockSheet<P, C> {
     /// Sets which contacts are in a block, an existing one or the next.
-    fn set(&mut self, index: usize, contacts: &[GroupContact]) {
+    fn set(&mut self, index: usize, contacts: &[GroupContact], locked: &LockedBodies) {
         if self.blocks.len() == index {
             self.blocks.push(Block::empty());
         }
         let block = &mut self.blocks[index];
         block.count = contacts.len();
         block.contacts.iter_mut().zip(contacts).for_each(|(number, contact)| *number = contact.number);
+        if !locked.is_empty() {
+            self.locks.resize(self.locks.len().max(index + 1), BlockLocks::NONE);
+            self.locks[index] = BlockLocks::of(contacts.iter().map(|contact| contact.rows), locked);
+        }
     }
 
     /// Drops the blocks from `count` on, and makes room for extras.
-    fn finish(&mut self, count: usize, extras: Extras) {
+    fn finish(&mut self, count: usize, extras: Extras, locked: &LockedBodies) {
         self.blocks.truncate(count);
         self.rolling.resize(if extras.rolls { count } else { 0 }, Rolling::NONE);
         self.bounces.resize(if extras.bounces { count } else { 0 }, Bounce::NONE);
         self.belts.resize(if extras.conveys { count } else { 0 }, Belt::NONE);
+        self.locks.truncate(if locked.is_empty() { 0 } else { count });
     }
 
     /// Notes where each contact is.
@@ -265,6 +272,7 @@ impl<const P: usize, const C: usize> BlockSheet<P, C> {
             rolling: self.rolling.get_mut(range.clone()).unwrap_or_default(),
             bounces: self.bounces.get_mut(range.clone()).unwrap_or_default(),
             belts: self.belts.get_mut(range.clone()).unwrap_or_default(),
+            locks: self.locks.get(range.clone()).unwrap_or_default(),
         }
     }
 }

@@ -226,6 +226,7 @@ impl SolverGroup {
                 mechanisms.solve_positions_again(bodies, h);
                 contact_works.after_joints(bodies);
             }
+            bodies.settle_locked();
             contact_works.before_motion(bodies);
             bodies.integrate_positions(h);
             constraints.update_round_contacts(rounds, &bodies.delta_pose);
@@ -244,6 +245,7 @@ impl SolverGroup {
         if extras.bounces {
             constraints.run(SolverStage::ApplyRestitution(threshold), bodies);
         }
+        bodies.settle_locked();
         constraints.store_impulses(all);
     }
 }

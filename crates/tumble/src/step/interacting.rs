@@ -9,7 +9,7 @@ use crate::forces::registry::ForceLaws;
 use crate::joints::breakable::Breakable;
 use crate::joints::joint_load::JointLoad;
 use crate::settings::Settings;
-use crate::solver::gather_scatter::{Constraints, scatter};
+use crate::solver::gather_scatter::{Constraints, hold_locked, scatter};
 use crate::solver::multi_world::MultiWorld;
 use crate::solver::substeps::Solver;
 use crate::step::interactions::Interactions;
@@ -107,6 +107,7 @@ pub(crate) fn integrate_interacting(
         worlds.iter_mut().for_each(InteractingWorld::update_sensors);
         stopwatch.end_of(StepPhase::Integrate);
         worlds.iter_mut().for_each(|it| it.apply_pair_forces(SubstepHalf::Second));
+        worlds.iter_mut().for_each(InteractingWorld::hold_locked);
         stopwatch.end_if(pull, StepPhase::PairForcesAfter);
     }
 }
@@ -281,6 +282,14 @@ impl<'a> InteractingWorld<'a> {
         let Interactions { collision, mechanisms, .. } = &mut *self.interactions;
         if let Some(collision) = collision {
             collision.stop_crossings(&mut self.columns, &mechanisms.list, self.settings);
+        }
+    }
+
+    /// Takes from momenta what locked axes do not let be.
+    pub(crate) fn hold_locked(&mut self) {
+        let Interactions { collision, constrained, .. } = &*self.interactions;
+        if let Some(collision) = collision {
+            hold_locked(constrained, &collision.body_index, &mut self.columns);
         }
     }
 

@@ -7,13 +7,18 @@ use hecs::World;
 use crate::collision;
 use crate::collision::contact_hook::ContactHook;
 use crate::collision::pipeline::CollisionPipeline;
+use crate::components::Momentum;
 use crate::forces::pairwise;
 use crate::forces::pairwise::PairForces;
 use crate::joints;
-use crate::joints::joint_list::JointEnds;
+use crate::joints::axes::Axes;
+use crate::joints::axis_lock::AxisLock;
+use crate::joints::joint_list::{JointEnds, JointList};
+use crate::joints::locked_axes::LockedAxes;
 use crate::solver::constrained_bodies::ConstrainedBodies;
 use crate::solver::mechanism::mechanisms::Mechanisms;
 use crate::solver::substeps::Solver;
+use crate::storage::body_index::{BodyIndex, Slot};
 
 /// Interactions of bodies, kept from step to step.
 #[derive(Clone, Default)]
@@ -55,7 +60,7 @@ impl Interactions {
             || joints::are_in(world)
             || self.collision.as_ref().is_some_and(|collision| !collision.are_over())
         {
-            let Self { collision, mechanisms, joint_ends, contact_hook, .. } = self;
+            let Self { collision, mechanisms, joint_ends, contact_hook, constrained, .. } = self;
             let collision = collision.get_or_insert_default();
             collision.hook.clone_from(contact_hook);
             joint_ends.find(world);
@@ -63,6 +68,7 @@ impl Interactions {
                 mechanisms.renumber(collision.cache.body_keys.renumbered(), collision.body_index.len());
             }
             let same_pairs = mechanisms.list.find(world, &collision.body_index);
+            find_locked(world, &collision.body_index, &mechanisms.list, &mut constrained.locked);
             if !same_pairs {
                 collision.broad_phase.reset();
             }
@@ -97,4 +103,21 @@ impl Interactions {
             self.collision = None;
         }
     }
+}
+
+/// Lists the dynamic bodies with locked axes that have no joints.
+fn find_locked(world: &World, body_index: &BodyIndex, joints: &JointList, locked: &mut Vec<(Slot, AxisLock)>) {
+    locked.clear();
+    for (index, archetype) in world.archetypes().enumerate() {
+        let Some(column) = archetype.get::<&LockedAxes>().filter(|_| archetype.has::<Momentum>()) else { continue };
+        let slots = body_index.slots_in(index);
+        locked.extend(slots.iter().map(|slot| (*slot, AxisLock(column[body_index.place(*slot).row as usize].0))));
+    }
+    locked.retain(|(_, AxisLock(axes))| *axes != Axes::NONE);
+    if locked.is_empty() || joints.is_empty() {
+        return;
+    }
+    let mut jointed: Vec<Slot> = joints.pairs().flatten().collect();
+    jointed.sort_unstable();
+    locked.retain(|(slot, _)| jointed.binary_search(slot).is_err());
 }

@@ -8,6 +8,7 @@ use crate::simd::{BLOCK, Rows, Tile, gather};
 use crate::solver::body_rows::{BodyMotion, DeltaPose, WarmStartImpulse, WorldInverseInertia};
 use crate::solver::contact::constraint::Block;
 use crate::solver::contact::effective_mass::Mobility;
+use crate::solver::locked_bodies::BlockLocks;
 
 /// The motion of the second body seen from the first, at the middle of the contact: velocities, or
 /// displacements.
@@ -93,18 +94,35 @@ impl<T: Tile> DeltaPoses<T> {
     }
 }
 
+/// The locked translations of a tile's first and second bodies: one along a locked axis, else zero.
+pub(crate) type Locks<T> = [Vec3<T>; 2];
+
+/// Those of a tile, where any body of its world has locked axes.
+#[inline(always)]
+pub(crate) fn load_locks<T: Tile>(locks: &[BlockLocks], block: usize, lane: usize) -> Option<Locks<T>> {
+    match locks.get(block) {
+        Some(BlockLocks { translations: [first, second] }) => Some([vector_at(first, lane), vector_at(second, lane)]),
+        None => None,
+    }
+}
+
 /// Linear and angular momenta of a tile's bodies. With `has_non_dynamic` only the second of each is
 /// dynamic.
 pub(crate) struct Momenta<T> {
     has_non_dynamic: bool,
     linear: [Vec3<T>; 2],
     angular: [Vec3<T>; 2],
+    locks: Option<Locks<T>>,
 }
 
 impl<T: Tile> Momenta<T> {
     /// The impulses of a warm start; zero for non-dynamic bodies.
     #[inline(always)]
-    pub(crate) fn of_warm_start(rows: &Rows<'_, WarmStartImpulse>, block: usize, lane: usize) -> Self {
+    pub(crate) fn of_warm_start(
+        rows: &Rows<'_, WarmStartImpulse>,
+        (block, lane): (usize, usize),
+        locks: Option<Locks<T>>,
+    ) -> Self {
         let has_non_dynamic = rows.has_non_dynamic();
         let zero = Vec3::zero();
         let first = if has_non_dynamic {
@@ -113,18 +131,24 @@ impl<T: Tile> Momenta<T> {
             rows.gather::<T>(block, 0, lane)
         };
         let second = rows.gather::<T>(block, 1, lane);
-        Self { has_non_dynamic, linear: [first.linear, second.linear], angular: [first.angular, second.angular] }
+        let (linear, angular) = ([first.linear, second.linear], [first.angular, second.angular]);
+        Self { has_non_dynamic, linear, angular, locks }
     }
 
     /// An impulse in the middle and an angular impulse on the second bodies, the opposite on the
     /// first.
     #[inline(always)]
     pub(crate) fn push(&mut self, arms: [Vec3<T>; 2], linear: Vec3<T>, angular: Vec3<T>) {
+        // What holds a locked axis takes the impulse along it, but not its torque.
+        let [to_first, to_second] = match &self.locks {
+            Some([first, second]) => [linear - linear.scale(*first), linear - linear.scale(*second)],
+            None => [linear; 2],
+        };
         if !self.has_non_dynamic {
-            self.linear[0] = self.linear[0] - linear;
+            self.linear[0] = self.linear[0] - to_first;
             self.angular[0] = self.angular[0] - (arms[0].cross(linear) + angular);
         }
-        self.linear[1] = self.linear[1] + linear;
+        self.linear[1] = self.linear[1] + to_second;
         self.angular[1] = self.angular[1] + (arms[1].cross(linear) + angular);
     }
 
@@ -153,12 +177,13 @@ pub(crate) struct BodyLanes<T> {
 
 impl<T: Tile> BodyLanes<T> {
     #[inline(always)]
-    pub(crate) fn load(motion: &Rows<'_, BodyMotion>, block: usize, lane: usize) -> Self {
+    pub(crate) fn load(motion: &Rows<'_, BodyMotion>, block: usize, lane: usize, locks: &[BlockLocks]) -> Self {
         let first = motion.gather::<T>(block, 0, lane);
         let second = motion.gather::<T>(block, 1, lane);
         let linear = [first.momentum, second.momentum];
         let angular = [first.angular_momentum, second.angular_momentum];
-        let momenta = Momenta { has_non_dynamic: motion.has_non_dynamic(), linear, angular };
+        let locks = load_locks(locks, block, lane);
+        let momenta = Momenta { has_non_dynamic: motion.has_non_dynamic(), linear, angular, locks };
         Self { momenta, inverse_mass: [first.inverse_mass, second.inverse_mass] }
     }
 
@@ -168,12 +193,23 @@ impl<T: Tile> BodyLanes<T> {
         if self.momenta.has_non_dynamic { self.inverse_mass[1] } else { self.inverse_mass[0] + self.inverse_mass[1] }
     }
 
+    /// Whether any body of the world has locked axes.
+    #[inline(always)]
+    pub(crate) fn has_locks(&self) -> bool {
+        self.momenta.locks.is_some()
+    }
+
     /// How they answer to impulses.
     #[inline(always)]
     pub(crate) fn mobility(&self, inv_inertia: &InverseInertias<T>) -> Mobility<T> {
         Mobility {
             inv_inertia: inv_inertia.of_dynamic(self.momenta.has_non_dynamic),
             inverse_mass: self.inverse_mass(),
+            locks: match self.momenta.locks {
+                Some(locks) if self.momenta.has_non_dynamic => Some((locks, [T::splat(0.0), self.inverse_mass[1]])),
+                Some(locks) => Some((locks, self.inverse_mass)),
+                None => None,
+            },
         }
     }
 

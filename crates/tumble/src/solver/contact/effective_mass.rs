@@ -1,9 +1,11 @@
 //! Effective masses of contacts: what impulses at them do to the velocities there.
 
+use tumble_math::lane::Vec3;
+
 use crate::simd::Tile;
 use crate::simd::block_lanes::{Lanes, at, put};
 use crate::solver::contact::constraint::{Block, Rolling};
-use crate::solver::contact::contact_frame::{ContactFrame, InverseInertias};
+use crate::solver::contact::contact_frame::{ContactFrame, InverseInertias, Locks};
 use crate::solver::contact::solve::coupling;
 
 /// How the bodies of a tile's contacts answer to impulses.
@@ -12,6 +14,73 @@ pub(crate) struct Mobility<T> {
     pub(crate) inv_inertia: InverseInertias<T>,
     /// Sum of the inverse masses [1/kg].
     pub(crate) inverse_mass: T,
+    /// Locked translations, and the inverse masses that they belong to.
+    pub(crate) locks: Option<(Locks<T>, [T; 2])>,
+}
+
+/// A body answers to impulses along a normal where it does at least this part of what it would
+/// without locks: within six degrees of a locked axis it would be moved nine times as far sideways.
+const LEAST_FREE: f64 = 0.01;
+
+/// Of a matrix of trace one that answers in two directions.
+const LEAST_DETERMINANT: f64 = 1e-5;
+
+impl<T: Tile> Mobility<T> {
+    /// The velocity along a unit vector that translation has of a unit impulse along it [1/kg].
+    #[inline(always)]
+    fn along(&self, n: Vec3<T>) -> T {
+        match &self.locks {
+            Some((locks, [first, second])) => {
+                let one = T::splat(1.0);
+                *first * (one - n.dot(n.scale(locks[0]))) + *second * (one - n.dot(n.scale(locks[1])))
+            }
+            None => self.inverse_mass,
+        }
+    }
+
+    /// That of a contact along its normal, of a unit impulse at a point; `turning` is what the
+    /// rotation of both bodies adds.
+    #[inline(always)]
+    fn at_point(&self, n: Vec3<T>, turning: [T; 2]) -> T {
+        let Some((locks, inverse_masses)) = &self.locks else {
+            return self.inverse_mass + (turning[0] + turning[1]);
+        };
+        let (zero, one, least) = (T::splat(0.0), T::splat(1.0), T::splat(LEAST_FREE));
+        let mut sum = zero;
+        let mut which = 0;
+        while which < 2 {
+            let free = (one - n.dot(n.scale(locks[which]))) * inverse_masses[which] + turning[which];
+            sum = sum + T::select((inverse_masses[which] * least).lt(free), free, zero);
+            which += 1;
+        }
+        sum
+    }
+
+    /// The velocity along the second of two orthogonal unit vectors that translation has of a unit
+    /// impulse along the first.
+    #[inline(always)]
+    fn across(&self, s: Vec3<T>, t: Vec3<T>) -> T {
+        match &self.locks {
+            Some((locks, [first, second])) => -(s.dot(t.scale(locks[0])) * *first + s.dot(t.scale(locks[1])) * *second),
+            None => T::splat(0.0),
+        }
+    }
+
+    /// Inverse of a symmetric 2x2 matrix `xx, xy, yy`: within the direction that answers where locked
+    /// axes leave only one.
+    #[inline(always)]
+    fn inverse(&self, [a, b, c]: [T; 3]) -> [T; 3] {
+        let whole = inverse([a, b, c]);
+        if self.locks.is_none() {
+            return whole;
+        }
+        let (zero, one) = (T::splat(0.0), T::splat(1.0));
+        let scale = T::select(zero.lt(a + c), one / (a + c), zero);
+        let [x, y, z] = [a * scale, b * scale, c * scale];
+        let is_one = (x * z - y * y).lt(T::splat(LEAST_DETERMINANT));
+        let in_one = [x * scale, y * scale, z * scale];
+        [0, 1, 2].map(|i| T::select(is_one, in_one[i], whole[i]))
+    }
 }
 
 /// Which part of the impulses a substep begins with where effective masses are this steady: none
@@ -46,10 +115,11 @@ fn of_points<T: Tile, const P: usize, const C: usize>(
     block: &mut Block<P, C>,
     lane: usize,
     frame: &ContactFrame<T>,
-    Mobility { inv_inertia, inverse_mass }: &Mobility<T>,
+    mobility: &Mobility<T>,
     changed: T,
 ) -> T {
     let (zero, one) = (T::splat(0.0), T::splat(1.0));
+    let (inv_inertia, moving) = (&mobility.inv_inertia, mobility.along(frame.normal));
     let mut most = zero;
     let levers = [frame.arms[0].cross(frame.normal), frame.arms[1].cross(frame.normal)];
     let mut turnings = [levers; P];
@@ -66,9 +136,9 @@ fn of_points<T: Tile, const P: usize, const C: usize>(
         let responses = [inv_inertia.of_first(turnings[j][0]), inv_inertia.of_second(turnings[j][1])];
         let mut k = j;
         while k < P {
-            let turning = turnings[k][0].dot(responses[0]) + turnings[k][1].dot(responses[1]);
-            let between = *inverse_mass + turning;
+            let turning = [turnings[k][0].dot(responses[0]), turnings[k][1].dot(responses[1])];
             if k == j {
+                let between = mobility.at_point(frame.normal, turning);
                 let before: T = at(&block.points[j].mass, lane);
                 let there = T::select(zero.lt(before), between, zero);
                 let mass = T::select(zero.lt(there), one / between, zero);
@@ -76,6 +146,7 @@ fn of_points<T: Tile, const P: usize, const C: usize>(
                 most = T::select(zero.lt(there), most.max(ratio - one), most);
                 put_where(changed, mass, &mut block.points[j].mass, lane);
             } else {
+                let between = moving + (turning[0] + turning[1]);
                 put_where(changed, between, &mut block.couplings[coupling::<P>(j, k)], lane);
             }
             k += 1;
@@ -91,20 +162,22 @@ fn of_friction<T: Tile, const P: usize, const C: usize>(
     rolling: Option<&mut Rolling>,
     lane: usize,
     frame: &ContactFrame<T>,
-    Mobility { inv_inertia, inverse_mass }: &Mobility<T>,
+    mobility: &Mobility<T>,
     changed: T,
 ) -> T {
+    let inv_inertia = &mobility.inv_inertia;
     let (zero, one) = (T::splat(0.0), T::splat(1.0));
     let ([s, t], [first, second]) = (frame.tangents, frame.arms);
     let (s_first, t_first) = (first.cross(s), first.cross(t));
     let (s_second, t_second) = (second.cross(s), second.cross(t));
     let (of_s, of_t) = (inv_inertia.of_first(s_first), inv_inertia.of_second(s_second));
-    let ss = *inverse_mass + s_first.dot(of_s) + s_second.dot(of_t);
-    let st = t_first.dot(of_s) + t_second.dot(of_t);
-    let tt = *inverse_mass + t_first.dot(inv_inertia.of_first(t_first)) + t_second.dot(inv_inertia.of_second(t_second));
+    let ss = mobility.along(s) + s_first.dot(of_s) + s_second.dot(of_t);
+    let st = mobility.across(s, t) + t_first.dot(of_s) + t_second.dot(of_t);
+    let (of_first, of_second) = (inv_inertia.of_first(t_first), inv_inertia.of_second(t_second));
+    let tt = mobility.along(t) + t_first.dot(of_first) + t_second.dot(of_second);
     let m = &block.friction.mass;
     let before: [T; 3] = [at(&m[0], lane), at(&m[1], lane), at(&m[2], lane)];
-    let mass = inverse([ss, st, tt]);
+    let mass = mobility.inverse([ss, st, tt]);
     let [of_ss, of_st, of_tt] = [mass[0] - before[0], mass[1] - before[1], mass[2] - before[2]];
     let change = of_ss.abs().max(of_tt.abs()).max(of_st.abs()) / (mass[0] + mass[2]);
     put_all_where(changed, mass, &mut block.friction.mass, lane);
@@ -118,7 +191,7 @@ fn of_friction<T: Tile, const P: usize, const C: usize>(
         let (s_first, t_first) = (inv_inertia.of_first(s), inv_inertia.of_first(t));
         let (s_second, t_second) = (inv_inertia.of_second(s), inv_inertia.of_second(t));
         let (ss, tt) = (s.dot(s_first) + s.dot(s_second), t.dot(t_first) + t.dot(t_second));
-        let mass = inverse([ss, t.dot(s_first) + t.dot(s_second), tt]);
+        let mass = mobility.inverse([ss, t.dot(s_first) + t.dot(s_second), tt]);
         put_all_where(changed, mass, &mut rolling.mass, lane);
     }
     T::select(zero.lt(change), change, zero)

@@ -138,7 +138,9 @@ impl<T: Tile> FrictionImpulse<T> {
         // more would turn the slip around where the directions differ.
         let both = one / (mass[0] + mass[2]);
         let even = (mass[0] * (mass[2] * both) - mass[1] * (mass[1] * both)) * T::splat(2.0);
-        let of_twist = T::select(has_patch, radius * radius / twisting_mass, zero);
+        // Where locked axes leave one direction, its mass.
+        let even = T::select(zero.lt(even), even, mass[0] + mass[2]);
+        let of_twist = T::select(zero.lt(radius * twisting_mass), radius * radius / twisting_mass, zero);
         let even = even / (one + even * of_twist * T::splat(0.5));
         let lost = [even * along[0], even * along[1], even * (radius * spin)];
         let (p, q) = (self.sliding[0] - lost[0], self.sliding[1] - lost[1]);

@@ -8,7 +8,7 @@ use crate::simd::block_lanes::{at, put, put_vector};
 use crate::simd::{BLOCK, Kernel, Tile, gather};
 use crate::solver::body_rows::BodyPose;
 use crate::solver::contact::constraint::Block;
-use crate::solver::contact::contact_frame::{BodyLanes, ContactFrame, InverseInertias};
+use crate::solver::contact::contact_frame::{BodyLanes, ContactFrame, InverseInertias, load_locks};
 use crate::solver::contact::effective_mass;
 use crate::solver::contact::effective_mass::warm_start_factor;
 use crate::solver::contact::friction::FrictionImpulse;
@@ -89,7 +89,7 @@ impl<const P: usize, const C: usize> Kernel for Prepare<'_, P, C> {
             j += 1;
         }
 
-        let (bodies, inv_inertia) = self.bodies.load::<T>(index, lane);
+        let (bodies, inv_inertia) = self.bodies.load::<T>(index, lane, self.blocks.locks);
         let mobility = bodies.mobility(&inv_inertia);
         put(
             bodies.least_size(&mobility.inv_inertia) * T::splat(SLIDE),
@@ -177,7 +177,8 @@ impl<const P: usize, const C: usize> Prepare<'_, P, C> {
             .of_what_rolls(rolling_resistance)
             .scaled(warm_start_factor(steady));
         friction.store(&mut block.friction, self.blocks.rolling.get_mut(index), lane);
-        accumulate_warm_start(block, &frame, &friction, &mut self.bodies.warm_start, (index, lane));
+        let locks = load_locks(self.blocks.locks, index, lane);
+        accumulate_warm_start(block, (&frame, locks), &friction, &mut self.bodies.warm_start, (index, lane));
     }
 }
 

@@ -46,7 +46,7 @@ impl<const P: usize, const C: usize> Kernel for RecordApproachSpeed<'_, P, C> {
     fn tile<T: Tile>(&mut self, i: usize) {
         let (index, lane) = (i / BLOCK, i % BLOCK);
         let block = &mut self.blocks.blocks[index];
-        let (bodies, inv_inertia) = self.bodies.load::<T>(index, lane);
+        let (bodies, inv_inertia) = self.bodies.load::<T>(index, lane, self.blocks.locks);
         if self.moment == SubstepMoment::Motion {
             let delta_pose = self.bodies.delta_poses(index, lane);
             let h = T::splat(1.0) / T::splat(self.inverse_h.into());
@@ -104,7 +104,7 @@ impl<const P: usize, const C: usize> Kernel for ApplyRestitution<'_, P, C> {
         let zero = T::splat(0.0);
         let (block, bounce) = (&mut self.blocks.blocks[index], &mut self.blocks.bounces[index]);
         let frame = ContactFrame::<T>::load(block, lane);
-        let (mut bodies, inv_inertia) = self.bodies.load::<T>(index, lane);
+        let (mut bodies, inv_inertia) = self.bodies.load::<T>(index, lane, self.blocks.locks);
         let arms = frame.arms;
         let restitution: T = at(&bounce.restitution, lane);
         let slowest = T::splat(-f64::from(self.threshold));
@@ -117,7 +117,7 @@ impl<const P: usize, const C: usize> Kernel for ApplyRestitution<'_, P, C> {
         // through another.
         let one = T::splat(1.0);
         let is_of_balls = is_rule(at::<T>(&block.start.update_rule, lane), UpdateRule::LineOfCenters);
-        let most = T::select(is_of_balls, given, most);
+        let most = if bodies.has_locks() { most } else { T::select(is_of_balls, given, most) };
         let part = T::select(most.lt(given), most / given, one);
         let (mut added, mut j) = (zero, 0);
         while j < P {

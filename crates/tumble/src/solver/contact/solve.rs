@@ -8,13 +8,14 @@ use crate::simd::{BLOCK, Kernel, Rows, Tile};
 use crate::solver::body_rows::{BodyMotion, DeltaPose, WarmStartImpulse, WorldInverseInertia};
 use crate::solver::contact::constraint::{Belt, Block, Bounce, Rolling};
 use crate::solver::contact::contact_frame::{
-    BodyLanes, ContactFrame, DeltaPoses, InverseInertias, Momenta, along_normal,
+    BodyLanes, ContactFrame, DeltaPoses, InverseInertias, Locks, Momenta, along_normal, load_locks,
 };
 use crate::solver::contact::effective_mass::warm_start_factor;
 use crate::solver::contact::friction::FrictionImpulse;
 use crate::solver::contact::impact::{DecoupledImpulses, record_impact};
 use crate::solver::contact::softness::Softness;
 use crate::solver::contact::update_geometry::follow;
+use crate::solver::locked_bodies::BlockLocks;
 
 /// Blocks of one color, with what only some contacts have: as many of it as there are blocks, or
 /// none.
@@ -23,6 +24,7 @@ pub(crate) struct Blocks<'a, const P: usize, const C: usize> {
     pub(crate) rolling: &'a mut [Rolling],
     pub(crate) bounces: &'a mut [Bounce<P>],
     pub(crate) belts: &'a mut [Belt],
+    pub(crate) locks: &'a [BlockLocks],
 }
 
 impl<'a, const P: usize, const C: usize> Blocks<'a, P, C> {
@@ -38,8 +40,15 @@ impl<'a, const P: usize, const C: usize> Blocks<'a, P, C> {
         let (rolling, other_rolling) = self.rolling.split_at_mut(of_some(self.rolling.len()));
         let (bounces, other_bounces) = self.bounces.split_at_mut(of_some(self.bounces.len()));
         let (belts, other_belts) = self.belts.split_at_mut(of_some(self.belts.len()));
-        let others = Self { blocks: other_blocks, rolling: other_rolling, bounces: other_bounces, belts: other_belts };
-        (Self { blocks, rolling, bounces, belts }, others)
+        let (locks, other_locks) = self.locks.split_at(of_some(self.locks.len()));
+        let others = Self {
+            blocks: other_blocks,
+            rolling: other_rolling,
+            bounces: other_bounces,
+            belts: other_belts,
+            locks: other_locks,
+        };
+        (Self { blocks, rolling, bounces, belts, locks }, others)
     }
 
     /// What friction takes out, as a velocity of the second body relative to the first, where that
@@ -64,9 +73,14 @@ pub(crate) struct StageBodies<'a> {
 impl StageBodies<'_> {
     /// Those of a tile from a lane of a block on.
     #[inline(always)]
-    pub(crate) fn load<T: Tile>(&self, index: usize, lane: usize) -> (BodyLanes<T>, InverseInertias<T>) {
+    pub(crate) fn load<T: Tile>(
+        &self,
+        index: usize,
+        lane: usize,
+        locks: &[BlockLocks],
+    ) -> (BodyLanes<T>, InverseInertias<T>) {
         let inv_inertia = InverseInertias::load(self.inv_inertia, self.motion.pairs(index), lane);
-        (BodyLanes::load(&self.motion, index, lane), inv_inertia)
+        (BodyLanes::load(&self.motion, index, lane, locks), inv_inertia)
     }
 
     /// How those of a tile have moved since the step began.
@@ -108,7 +122,7 @@ impl<const P: usize, const C: usize> Kernel for Solve<'_, P, C> {
     fn tile<T: Tile>(&mut self, i: usize) {
         let (index, lane) = (i / BLOCK, i % BLOCK);
         let block = &mut self.blocks.blocks[index];
-        let (mut bodies, inv_inertia) = self.bodies.load::<T>(index, lane);
+        let (mut bodies, inv_inertia) = self.bodies.load::<T>(index, lane, self.blocks.locks);
         let lag = match (self.softness, self.blocks.bounces.get(index)) {
             (Some(_), _) => Vec3::zero(),
             // Where bodies bounce, contacts have followed.
@@ -157,7 +171,8 @@ impl<const P: usize, const C: usize> Kernel for Solve<'_, P, C> {
             after.store(&mut block.friction, self.blocks.rolling.get_mut(index), lane);
             if self.stores_warm_start {
                 scale_impulses(block, lane, kept);
-                accumulate_warm_start(block, &frame, &after, &mut self.bodies.warm_start, (index, lane));
+                let locks = load_locks(self.blocks.locks, index, lane);
+                accumulate_warm_start(block, (&frame, locks), &after, &mut self.bodies.warm_start, (index, lane));
             }
         }
         bodies.store(&mut self.bodies.motion, index, lane);
@@ -390,7 +405,7 @@ pub(crate) fn scale_impulses<T: Tile, const P: usize, const C: usize>(block: &mu
 #[inline(always)]
 pub(crate) fn accumulate_warm_start<T: Tile, const P: usize, const C: usize>(
     block: &Block<P, C>,
-    frame: &ContactFrame<T>,
+    (frame, locks): (&ContactFrame<T>, Option<Locks<T>>),
     friction: &FrictionImpulse<T>,
     warm_start: &mut Rows<'_, WarmStartImpulse>,
     (index, lane): (usize, usize),
@@ -402,7 +417,7 @@ pub(crate) fn accumulate_warm_start<T: Tile, const P: usize, const C: usize>(
         j += 1;
     }
     let (linear, angular) = along_normals(block, frame, lane, impulses);
-    let mut momenta = Momenta::of_warm_start(warm_start, index, lane);
+    let mut momenta = Momenta::of_warm_start(warm_start, (index, lane), locks);
     momenta.push(frame.arms, linear + friction.linear(frame), angular + friction.angular(frame));
     momenta.store_warm_start(warm_start, index, lane);
 }

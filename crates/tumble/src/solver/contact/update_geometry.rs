@@ -103,7 +103,9 @@ fn refresh<T: Tile, const P: usize, const C: usize>(
         one,
         zero,
     );
-    let changed = T::select(zero.lt(between_centers), zero, slide.max(delta_pose.turned));
+    // Balls answer alike in all directions, unless axes of theirs are locked.
+    let of_balls = if mobility.locks.is_some() { one } else { zero };
+    let changed = T::select(zero.lt(between_centers), of_balls, slide.max(delta_pose.turned));
     if T::any(zero.lt(changed)) {
         turn(block, lane, delta_pose, (carried, slid, now), delta_pose.turned * body_fixed);
         let steady = effective_mass::compute(block, rolling, lane, mobility, changed);
