@@ -2,8 +2,9 @@
 //! fixed body does and along the others as it would anyway; about two free axes it turns without a
 //! trend of the energy; on any threads, in a batch and with the accounts closed.
 //!
-//! Why: 2.5-D games and characters that do not tip. It fails if a lock is soft, if what a lock holds
-//! is taken from the other axes, or if inertia about free axes is the inverse of the wrong part.
+//! Why: 2.5-D games and characters that do not tip. It fails if a lock is soft, if what a lock
+//! holds is taken from the other axes, or if inertia about free axes is the inverse of the wrong
+//! part.
 
 use hecs::{Entity, World};
 use tumble::math::{Quat, Real, Vec3};
@@ -40,8 +41,8 @@ fn locked(axes: Axes) -> [glam::DVec3; 2] {
     [glam::DVec3::new(one(0), one(1), one(2)), glam::DVec3::new(one(3), one(4), one(5))]
 }
 
-/// Free bodies of any aspect under gravity: nothing along locked axes, a free fall along the others,
-/// and about the free ones the angular momentum that they began with, and the energy.
+/// Free bodies of any aspect under gravity: nothing along locked axes, a free fall along the
+/// others, and about the free ones the angular momentum that they began with, and the energy.
 #[test]
 fn what_is_free_moves_on() {
     for case in 0..200 {
@@ -249,7 +250,8 @@ fn a_heap_stays_in_its_plane() {
     }
 }
 
-/// Bodies of a heap that are locked along and about any axes, wedged and hanging: none gains energy.
+/// Bodies of a heap that are locked along and about any axes, wedged and hanging: no energy comes
+/// of it.
 #[test]
 fn no_lock_makes_energy() {
     for case in 0..60 {

@@ -130,6 +130,9 @@ fn people(body: &AuditedBody) -> Result<String, Failure> {
             line(&format!("collider part {index}"), &written(part)?);
         }
     }
+    if !body.locked_axes.is_empty() {
+        line("locked axes", &body.locked_axes.join(", "));
+    }
     for problem in &body.problems {
         line("PROBLEM", problem);
     }

@@ -23,7 +23,7 @@ const JSON: &str = r#"{ "name": "mixed", "gravity": [0, -9.81, 0], "dt": 0.01, "
       { "angular_velocity_servo": { "target": [0, 1, 0], "frame": "body", "max_torque": 5 } } ] },
   { "shape": { "compound": { "parts": [ { "shape": { "sphere": { "radius": 1 } }, "density": 10 },
     { "shape": { "convex_hull": { "points": [[0,0,0], [1,0,0], [0,1,0], [0,0,1]] } }, "density": 10 },
-    { "shape": "point", "mass": 1, "position": [1, 0, 0], "orientation": [0, 0, 0, 1] } ] } } },
+    { "shape": "point", "mass": 1, "position": [1, 0, 0], "orientation": [0, 0, 0, 1] } ] } }, "locked_axes": [ "linear_z", "angular_x" ] },
   { "name": "floor", "fixed": true, "shape": { "cone": { "radius": 1, "half_height": 2 } }, "forces": [ { "gravity_mass": { "mu": 5 } } ] },
   { "name": "belt", "kinematic": true, "angular_velocity": [0, 1, 0] },
   { "name": "tensor", "mass": 1, "inertia": { "tensor": [[2, 0.1, 0], [0.1, 2, 0], [0, 0, 2]] } } ],

@@ -32,7 +32,7 @@
 //! | by the step: the state | [`Pose`], [`Momentum`] |
 //! | by the step: derived from it | [`Velocity`], [`InverseInertia`], [`PreviousPose`], and [`Work`] where a [`Ledger`] wants it |
 //! | by you, for one step, which sets it to zero | [`Wrench`] |
-//! | by you, until it is removed | [`GravityScale`], [`Damping`]; forces: [`ConstantWrench`], [`Thruster`], [`Drag`], [`Wind`], [`Magnus`], [`SpringToPoint`], [`PointGravity`], [`Buoyancy`], [`AngularVelocityServo`], [`GravityMass`]; laws of your own: [`ForceLaw`], [`SimdForceLaw`]; what others bump into: [`Collider`], with a [`Material`] |
+//! | by you, until it is removed | [`GravityScale`], [`Damping`], [`LockedAxes`]; forces: [`ConstantWrench`], [`Thruster`], [`Drag`], [`Wind`], [`Magnus`], [`SpringToPoint`], [`PointGravity`], [`Buoyancy`], [`AngularVelocityServo`], [`GravityMass`]; laws of your own: [`ForceLaw`], [`SimdForceLaw`]; what others bump into: [`Collider`], with a [`Material`] |
 //! | by you, on an entity of its own | [`Spring`]; [`Joint`], with [`Limits`], [`Drives`], [`JointFriction`]; [`Gear`] |
 //! | by the step, on a joint's entity | [`JointLoad`], [`Breakable`] |
 //!

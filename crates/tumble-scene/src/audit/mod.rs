@@ -21,6 +21,7 @@ use crate::convert::forces::Others;
 use crate::error::{SceneError, invalid};
 use crate::model::scene_model::SceneModel;
 use crate::scene::{duplicates, is_path, is_urdf, load_model, settings, stress_bodies, unknown};
+use crate::values::axes::named_axes;
 use crate::{builtin, convert};
 
 /// Each body of a scene as `tumble inspect` shows it.
@@ -88,6 +89,9 @@ pub struct AuditedBody {
     /// What it touches others with, with every default filled in.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub collider: Option<AuditedCollider>,
+    /// The axes of the world that it is locked along and about, such as `linear_z`.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub locked_axes: Vec<&'static str>,
     /// Everything wrong with the body, each as `field: problem`.
     pub problems: Vec<String>,
     /// What it looks like in its own frame, and which axis of that is up.
@@ -251,7 +255,9 @@ impl AuditedBody {
             None => Self::impossible(name, &[]),
         };
         let collider = body.collider.as_ref().map(AuditedCollider::of);
-        Self { appearance: Some((body.appearance.clone(), up)), collider, ..audited }
+        let locked = named_axes().filter(|(_, axis)| body.locked_axes.contains(*axis));
+        let locked_axes = locked.map(|(name, _)| name).collect();
+        Self { appearance: Some((body.appearance.clone(), up)), collider, locked_axes, ..audited }
     }
 
     pub(crate) fn of_properties(name: String, properties: &MassProperties) -> Self {
@@ -286,6 +292,7 @@ impl AuditedBody {
             appearance: None,
             forces: Vec::new(),
             collider: None,
+            locked_axes: Vec::new(),
             problems: problems.iter().map(ToString::to_string).collect(),
         }
     }

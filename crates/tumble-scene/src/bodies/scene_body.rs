@@ -2,7 +2,7 @@
 
 use glam::DVec3;
 use hecs::{Entity, EntityBuilder, World};
-use tumble::{Body, Collider};
+use tumble::{Axes, Body, Collider, LockedAxes};
 use tumble_import::{Appearance, ImportedBody, ImportedCollider};
 
 use crate::bodies::force::Force;
@@ -17,6 +17,7 @@ pub(crate) struct SceneBody {
     pub(crate) springs_to: Vec<usize>,
     /// What it touches others with.
     pub(crate) collider: Option<Collider>,
+    pub(crate) locked_axes: Axes,
     /// What a glTF file says of its colliders and triggers.
     pub(crate) pieces: Vec<ImportedCollider>,
 }
@@ -24,7 +25,8 @@ pub(crate) struct SceneBody {
 impl From<ImportedBody> for SceneBody {
     /// A body on which nothing acts but gravity.
     fn from(ImportedBody { body, appearance, collider, pieces }: ImportedBody) -> Self {
-        Self { body, appearance, forces: Vec::new(), springs_to: Vec::new(), collider, pieces }
+        let (forces, springs_to, locked_axes) = (Vec::new(), Vec::new(), Axes::NONE);
+        Self { body, appearance, forces, springs_to, collider, locked_axes, pieces }
     }
 }
 
@@ -46,7 +48,7 @@ impl SceneBody {
     }
 
     fn spawn(&self, world: &mut World) -> Entity {
-        if self.forces.is_empty() && self.collider.is_none() {
+        if self.forces.is_empty() && self.collider.is_none() && self.locked_axes == Axes::NONE {
             return self.body.spawn(world);
         }
         let mut entity = EntityBuilder::new();
@@ -54,6 +56,9 @@ impl SceneBody {
         Force::insert_all(&self.forces, self.center(), &mut entity);
         for collider in self.collider.iter().cloned() {
             entity.add(collider);
+        }
+        if self.locked_axes != Axes::NONE {
+            entity.add(LockedAxes(self.locked_axes));
         }
         world.spawn(entity.build())
     }

@@ -2,7 +2,7 @@
 
 use glam::{DQuat, DVec3};
 use tumble::math::Vec3;
-use tumble::{Amount, BodyError, BodyId, Part, RigidBody, Rng, Shape};
+use tumble::{Amount, Axes, BodyError, BodyId, Part, RigidBody, Rng, Shape};
 use tumble_import::Appearance;
 use tumble_import::checked::{real_quaternion, real_vector};
 
@@ -111,6 +111,7 @@ impl StressBodies {
             forces: Vec::new(),
             springs_to: Vec::new(),
             collider: None,
+            locked_axes: Axes::NONE,
             pieces: Vec::new(),
         })
     }

@@ -11,7 +11,7 @@ use std::sync::Arc;
 
 use glam::{DMat3, DQuat, DVec3};
 use tumble::math::Vec3;
-use tumble::{Amount, BodyId, InertiaTensor, Part, PrincipalInertia, RigidBody, Shape};
+use tumble::{Amount, Axes, BodyId, InertiaTensor, Part, PrincipalInertia, RigidBody, Shape};
 
 pub(crate) use crate::convert::forces::{Others, indices, springs_by_distance};
 
@@ -20,6 +20,7 @@ use tumble_import::{Appearance, FieldError};
 
 use crate::bodies::scene_body::SceneBody;
 use crate::model::scene_model::{BodyModel, InertiaModel, PartModel, ShapeModel};
+use crate::values::axes::axes;
 use crate::values::checked::finite_triple;
 use crate::values::tuple::Triple;
 
@@ -31,13 +32,22 @@ pub(crate) fn body(model: &BodyModel, index: usize, others: Others<'_>) -> Resul
     let collider = collider::collider(model, ground.as_ref(), checked.as_ref(), &mut problems);
     let shape = checked.unwrap_or(Shape::Point);
     let body = with_fields(model, index, shape.clone(), &mut problems);
+    let locked_axes = locked_axes(model, &mut problems);
     let (forces, springs_to) = forces::forces(model, index, others, &mut problems);
     if !problems.is_empty() {
         return Err(problems);
     }
     let body = body.build().map_err(|error| vec![FieldError::new(error.field(), error)])?;
     let appearance = ground.unwrap_or(Appearance::Shape(shape));
-    Ok(SceneBody { body, appearance, forces, springs_to, collider, pieces: Vec::new() })
+    Ok(SceneBody { body, appearance, forces, springs_to, collider, locked_axes, pieces: Vec::new() })
+}
+
+/// The axes of the world that a dynamic body is locked along and about.
+fn locked_axes(model: &BodyModel, problems: &mut Vec<FieldError>) -> Axes {
+    if !model.locked_axes.is_empty() && (model.fixed || model.kinematic) {
+        problems.push(FieldError::new("locked_axes", "is for bodies that are neither fixed nor kinematic"));
+    }
+    note(problems, axes("locked_axes", &model.locked_axes)).unwrap_or_default()
 }
 
 /// The name given, or `body-<index>`.

@@ -78,6 +78,8 @@ pub(crate) struct BodyModel {
     pub(crate) angular_velocity: Option<Triple>,
     pub(crate) gravity_scale: Option<f64>,
     #[serde(default)]
+    pub(crate) locked_axes: Vec<String>,
+    #[serde(default)]
     pub(crate) fixed: bool,
     #[serde(default)]
     pub(crate) kinematic: bool,

@@ -100,7 +100,7 @@ impl AxisLock {
     }
 
     /// Turns a body with these principal moments for `h` \[s\], its principal frame at an
-    /// orientation: by the angular velocity in the middle, which is the same forwards and backwards.
+    /// orientation: by the angular velocity in the middle, so it is the same backwards.
     pub(crate) fn turn(self, moments: DVec3, from: DQuat, angular_momentum: DVec3, h: f64) -> Turned {
         let spin = |orientation: DQuat| self.inverse_inertia(world_inertia(moments, orientation)) * angular_momentum;
         let begun = spin(from);

@@ -20,10 +20,10 @@ pub(crate) struct Mobility<T> {
 
 /// A body answers to impulses along a normal where it does at least this part of what it would
 /// without locks: within six degrees of a locked axis it would be moved nine times as far sideways.
-const LEAST_FREE: f64 = 0.01;
+const MIN_FREE: f64 = 0.01;
 
 /// Of a matrix of trace one that answers in two directions.
-const LEAST_DETERMINANT: f64 = 1e-5;
+const MIN_DETERMINANT: f64 = 1e-5;
 
 impl<T: Tile> Mobility<T> {
     /// The velocity along a unit vector that translation has of a unit impulse along it [1/kg].
@@ -45,7 +45,7 @@ impl<T: Tile> Mobility<T> {
         let Some((locks, inverse_masses)) = &self.locks else {
             return self.inverse_mass + (turning[0] + turning[1]);
         };
-        let (zero, one, least) = (T::splat(0.0), T::splat(1.0), T::splat(LEAST_FREE));
+        let (zero, one, least) = (T::splat(0.0), T::splat(1.0), T::splat(MIN_FREE));
         let mut sum = zero;
         let mut which = 0;
         while which < 2 {
@@ -66,8 +66,8 @@ impl<T: Tile> Mobility<T> {
         }
     }
 
-    /// Inverse of a symmetric 2x2 matrix `xx, xy, yy`: within the direction that answers where locked
-    /// axes leave only one.
+    /// Inverse of a symmetric 2x2 matrix `xx, xy, yy`: where locked axes leave one direction that
+    /// answers, within that.
     #[inline(always)]
     fn inverse(&self, [a, b, c]: [T; 3]) -> [T; 3] {
         let whole = inverse([a, b, c]);
@@ -77,7 +77,7 @@ impl<T: Tile> Mobility<T> {
         let (zero, one) = (T::splat(0.0), T::splat(1.0));
         let scale = T::select(zero.lt(a + c), one / (a + c), zero);
         let [x, y, z] = [a * scale, b * scale, c * scale];
-        let is_one = (x * z - y * y).lt(T::splat(LEAST_DETERMINANT));
+        let is_one = (x * z - y * y).lt(T::splat(MIN_DETERMINANT));
         let in_one = [x * scale, y * scale, z * scale];
         [0, 1, 2].map(|i| T::select(is_one, in_one[i], whole[i]))
     }

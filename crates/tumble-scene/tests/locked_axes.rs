@@ -1,0 +1,49 @@
+//! Promise: a body of a scene file has the locked axes that the file gives, `inspect` shows them,
+//! and what cannot be locked is refused by its field.
+//!
+//! Why: a lock that is misread or has no effect shows only in a long run. It fails if names and
+//! axes are out of step, or if a lock beside a joint, which has no effect, is let through.
+
+use tumble::{Axes, LockedAxes};
+use tumble_scene::{Audit, Scene};
+
+const NAMES: [&str; 6] = ["linear_x", "linear_y", "linear_z", "angular_x", "angular_y", "angular_z"];
+
+fn problem(text: &str) -> String {
+    Scene::from_json(text, "scene.json").map(|_| ()).expect_err(text).to_string()
+}
+
+#[test]
+fn each_axis_has_its_name() {
+    for bits in 0..64_usize {
+        let chosen = || (0..6).filter(|axis| bits & (1 << axis) != 0);
+        let names: Vec<_> = chosen().map(|axis| format!("{:?}", NAMES[axis])).collect();
+        let text = format!(r#"{{ "bodies": [ {{ "mass": 1, "locked_axes": [ {} ] }} ] }}"#, names.join(", "));
+        let expected = chosen().map(|axis| Axes::EACH[axis]).fold(Axes::NONE, Axes::with);
+        let mut world = hecs::World::new();
+        Scene::from_json(&text, "scene.json").unwrap().spawn(&mut world).unwrap();
+        let locked = world.query::<&LockedAxes>().iter().next().map_or(Axes::NONE, |locked| locked.0);
+        assert_eq!(locked, expected, "{text}");
+        let audit = Audit::from_json(&text, "scene.json").unwrap();
+        assert_eq!(audit.bodies[0].locked_axes, chosen().map(|axis| NAMES[axis]).collect::<Vec<_>>());
+    }
+}
+
+#[test]
+fn what_cannot_be_locked_is_refused() {
+    let of_body = |rest: &str| problem(&format!(r#"{{ "bodies": [ {{ "name": "it", {rest} }} ] }}"#));
+    for (rest, words) in [
+        (r#""mass": 1, "locked_axes": ["linear"]"#, "locked_axes[0]: must be one of linear_x"),
+        (r#""mass": 1, "locked_axes": ["linear_x", "linear_x"]"#, "locked_axes[1]: is given twice"),
+        (r#""fixed": true, "locked_axes": ["linear_x"]"#, "locked_axes: is for bodies"),
+        (r#""kinematic": true, "locked_axes": ["linear_x"]"#, "locked_axes: is for bodies"),
+    ] {
+        let message = of_body(rest);
+        assert!(message.contains(words) && message.contains("it"), "{message}");
+    }
+    let message = problem(
+        r#"{ "bodies": [ { "name": "a", "fixed": true }, { "name": "b", "mass": 1, "locked_axes": ["linear_x"] } ],
+             "joints": [ { "between": ["a", "b"], "ball": { "at": [0, 0, 0] } } ] }"#,
+    );
+    assert!(message.contains("bodies[1].locked_axes") && message.contains("joint"), "{message}");
+}
