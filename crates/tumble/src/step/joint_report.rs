@@ -25,4 +25,24 @@ impl Simulation {
         let of_call = of_call.flat_map(|interactions| interactions.mechanisms.list.events.iter());
         self.joint_events.iter().chain(of_call).copied()
     }
+
+    /// In how many parts joints were solved in the last step, of mechanisms that nothing touches: for
+    /// each its substeps, and the halves of those in which its joints were not met. Many more than
+    /// substeps are a mechanism that is too fast for them.
+    ///
+    /// ```
+    /// # use tumble::{Joint, prelude::*};
+    /// # let mut world = tumble::hecs::World::new();
+    /// # let (base, bob) = (RigidBody::new(Shape::Point), RigidBody::new(Shape::Point).mass(1.0).position(Vec3::X));
+    /// # let (base, bob) = (base.fixed().build()?.spawn(&mut world), bob.build()?.spawn(&mut world));
+    /// world.spawn((Joint::ball(base, bob).at_point(&world, Vec3::ZERO)?,));
+    /// let mut simulation = Simulation::new(Settings::default().with_contact_substeps(4))?;
+    /// simulation.step(&mut world);
+    /// assert_eq!(simulation.joint_substeps(), 4);
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    #[must_use]
+    pub fn joint_substeps(&self) -> u64 {
+        self.interactions.as_ref().map_or(0, |interactions| interactions.mechanisms.parts())
+    }
 }

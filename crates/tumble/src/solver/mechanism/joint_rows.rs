@@ -333,6 +333,26 @@ impl JointRows {
         (self.arm_lengths[0] + self.arm_lengths[1]).max(self.gyration)
     }
 
+    /// The largest of numbers by row, of those that are locked or at a bound; of the size of the arms
+    /// where they are lengths.
+    pub(crate) fn largest(&self, of_row: impl Fn(usize) -> f64) -> f64 {
+        let (linear, size) = (self.linear_count, self.size());
+        let of_locked =
+            (0..self.locked).map(|row| (row, self.gear.as_ref().map_or(row < linear, |gear| gear.is_linear())));
+        let at_bounds = (self.locked..).zip(&self.free_rows).filter(|(_, it)| it.is_at_bound());
+        let rows = of_locked.chain(at_bounds.map(|(row, it)| (row, it.axis.is_linear())));
+        rows.map(|(row, is_linear)| of_row(row).abs() / if is_linear { size } else { 1.0 }).fold(0.0, f64::max)
+    }
+
+    /// The largest error of these rows where they were set; a bound that is to be reached has none.
+    pub(crate) fn misfit(&self) -> f64 {
+        self.largest(|row| match row.checked_sub(self.locked).map(|row| self.free_rows[row].mode) {
+            Some(Mode::AtLower) => self.errors[row].min(0.0),
+            Some(_) => self.errors[row].max(0.0),
+            None => self.errors[row],
+        })
+    }
+
     /// Sets what is left of the errors after a substep of `h` \[s\].
     pub(crate) fn plan_correction(&mut self, h: f64) {
         let linear = self.linear_count;
