@@ -186,8 +186,11 @@ fn check(name: &str, make: fn(&mut Draw, f64) -> Case, misfits: &[f64], most_gai
             worst.case
         );
         assert!(worst.gain <= most_gain, "{name} {misfit:e}, case {}: {:e}", worst.case, worst.gain);
-        assert!(gap <= 10.0 * misfit + by_precision(1e-5, 1e-8), "{name} {misfit:e}: {gap:e}");
-        assert!(momentum <= 300.0 * EPSILON, "{name} {misfit:e}: {momentum:e}");
+        // Joints are met to a millionth of their arms.
+        assert!(gap <= 10.0 * (misfit + 1e-6), "{name} {misfit:e}: {gap:e}");
+        // A rounding a step, and in double precision one a substep.
+        let roundings = by_precision(300.0, 300.0 * 12.0);
+        assert!(momentum <= roundings * EPSILON, "{name} {misfit:e}: {momentum:e}");
         for it in &all {
             let most = parts_of_fit[it.case as usize] + 1.0;
             assert!(it.parts <= most, "{name} {misfit:e}, case {}: {} of {most}", it.case, it.parts);
