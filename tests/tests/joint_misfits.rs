@@ -1,13 +1,13 @@
 //! Promise: joints that contradict each other by a misfit of 3e-6 to a hundredth of their size (in
-//! random loops to 3e-4), or as many radians, gain no energy, keep the momenta of what flies free, stay as near as they fit, and are
-//! solved in no more than one part a substep in the mean more than joints that fit: doors on two or
-//! three hinges, four-bars, and random mechanisms with loops, of any size, mass and step. Ropes and rods
-//! that contradict each other have finite loads. Friction of a ball beside its cone and twist limit
-//! gains no energy.
+//! random loops to 3e-4), or as many radians, gain no energy, keep the momenta of what flies free,
+//! stay as near as they fit, and are solved in no more than one part a substep in the mean more
+//! than joints that fit: doors on two or three hinges, four-bars, and random mechanisms with loops,
+//! of any size, mass and step. Ropes and rods that contradict each other have finite loads.
+//! Friction of a ball beside its cone and twist limit gains no energy.
 //!
-//! Why: what a caller sets from drawings and files never fits to the last digit. It fails if rows that
-//! nearly depend on each other lock what is free, if what cannot be met becomes speed, or if substeps
-//! are halved for an error that no substep is short enough for.
+//! Why: what a caller sets from drawings and files never fits to the last digit. It fails if rows
+//! that nearly depend on each other lock what is free, if what cannot be met becomes speed, or if
+//! substeps are halved for an error that no substep is short enough for.
 
 mod jointed;
 
@@ -132,8 +132,8 @@ fn web(draw: &mut Draw, misfit: f64) -> Case {
 /// What a case does in 300 steps, after three in which joints close.
 #[derive(Clone, Copy)]
 struct Outcome {
-    /// Most that the energy grew, and of these cases the number \[1\], in weights times size or of the
-    /// kinetic energy at the start, whichever is more.
+    /// Most that the energy grew, and of these cases the number \[1\], in weights times size or of
+    /// the kinetic energy at the start, whichever is more.
     gain: f64,
     case: u64,
     /// Of the size.
@@ -200,8 +200,8 @@ fn check(name: &str, make: fn(&mut Draw, f64) -> Case, misfits: &[f64], most_gai
 
 const MISFITS: [f64; 7] = [0.0, 3e-6, 3e-5, 1e-4, 3e-4, 3e-3, 1e-2];
 
-/// Its energy is off by what the substep's error of second order makes of a swing, 2e-4 of it where it
-/// fits; at a misfit of 1e-2 a tenth of the speed along what is free is shared out as well.
+/// Its energy is off by what the substep's error of second order makes of a swing, 2e-4 of it where
+/// it fits; at a misfit of 1e-2 a tenth of the speed along what is free is shared out as well.
 #[test]
 fn doors_gain_nothing() {
     check("door", door, &MISFITS, 5e-3);
@@ -263,8 +263,8 @@ fn friction_beside_bounds_gains_nothing() {
     assert!(worst < 1e-3, "{worst:e} in {:?}", gains.iter().position(|gain| *gain == worst));
 }
 
-/// Up to seven ropes and rods between up to four bodies and the ground, of lengths that have nothing to
-/// do with where these are.
+/// Up to seven ropes and rods between up to four bodies and the ground, of lengths that have
+/// nothing to do with where these are.
 #[test]
 fn ropes_that_contradict_each_other_have_finite_loads() {
     let (mut parts, mut largest) = (0.0_f64, 0.0_f64);

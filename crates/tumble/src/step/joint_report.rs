@@ -5,8 +5,7 @@ use crate::step::simulation::Simulation;
 
 impl Simulation {
     /// The joints that broke in the last step, or lost a body before it; in the same order each
-    /// time, and of all the steps of one call, as
-    /// [`contact_events`](Self::contact_events).
+    /// time, and of all the steps of one call, as [`contact_events`](Self::contact_events).
     ///
     /// ```
     /// # use tumble::{JointEvent, prelude::*};
@@ -26,15 +25,17 @@ impl Simulation {
         self.joint_events.iter().chain(of_call).copied()
     }
 
-    /// In how many parts joints were solved in the last step, of mechanisms that nothing touches: for
-    /// each its substeps, and the halves of those in which its joints were not met. Many more than
-    /// substeps are a mechanism that is too fast for them.
+    /// In how many parts joints were solved in the last step, of mechanisms that nothing touches:
+    /// for each its substeps, and the halves of those in which its joints were not met. Many more
+    /// than substeps are a mechanism that is too fast for them.
     ///
     /// ```
     /// # use tumble::{Joint, prelude::*};
     /// # let mut world = tumble::hecs::World::new();
-    /// # let (base, bob) = (RigidBody::new(Shape::Point), RigidBody::new(Shape::Point).mass(1.0).position(Vec3::X));
-    /// # let (base, bob) = (base.fixed().build()?.spawn(&mut world), bob.build()?.spawn(&mut world));
+    /// # let base = RigidBody::new(Shape::Point);
+    /// # let bob = RigidBody::new(Shape::Point).mass(1.0).position(Vec3::X);
+    /// # let base = base.fixed().build()?.spawn(&mut world);
+    /// # let bob = bob.build()?.spawn(&mut world);
     /// world.spawn((Joint::ball(base, bob).at_point(&world, Vec3::ZERO)?,));
     /// let mut simulation = Simulation::new(Settings::default().with_contact_substeps(4))?;
     /// simulation.step(&mut world);

@@ -312,8 +312,8 @@ impl FreeRow {
         }
     }
 
-    /// Has friction hold it firmly, or as a damper beside a bound that shares its direction. Returns
-    /// whether that changes what the matrix needs.
+    /// Has friction hold it firmly, or as a damper beside a bound that shares its direction.
+    /// Returns whether that changes what the matrix needs.
     pub(crate) fn set_slip(&mut self, is_beside_bound: bool, phase: Phase) -> bool {
         let slip = if is_beside_bound { SLIP_BESIDE_BOUND / self.mass } else { 0.0 };
         let is_changed = slip != self.slip && matches!(self.mode, Mode::Stuck(_));

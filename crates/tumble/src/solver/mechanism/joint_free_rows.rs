@@ -127,8 +127,8 @@ impl JointRows {
         }
     }
 
-    /// Has friction slip where a twist, a cone or a distance is at its bound: that is nearly the same
-    /// row, and what one holds would contradict the other. Returns whether the matrix changes.
+    /// Has friction slip where a twist, a cone or a distance is at its bound: that is nearly the
+    /// same row, and what one holds would contradict the other. Returns whether the matrix changes.
     fn update_slip(&mut self, phase: Phase) -> bool {
         let is_beside_bound = self.free_rows.iter().any(|row| row.axis.is_of_limit() && row.is_at_bound());
         let rows = self.free_rows.iter_mut();

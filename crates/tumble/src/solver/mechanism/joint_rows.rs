@@ -333,8 +333,8 @@ impl JointRows {
         (self.arm_lengths[0] + self.arm_lengths[1]).max(self.gyration)
     }
 
-    /// The largest of numbers by row, of those that are locked or at a bound; of the size of the arms
-    /// where they are lengths.
+    /// The largest of numbers by row, of those that are locked or at a bound; of the size of the
+    /// arms where they are lengths.
     pub(crate) fn largest(&self, of_row: impl Fn(usize) -> f64) -> f64 {
         let (linear, size) = (self.linear_count, self.size());
         let of_locked =

@@ -2,8 +2,8 @@
 //!
 //! Two hinges of a door whose axes differ by `d` lock the door's own axis to first order, with a
 //! response of `d^2` of that of other rows. Rows are raised by more than that, so that it counts as
-//! dependent, and what a solution gives is weighted by `f(g)`, `g` its share in one solution:
-//! 1e-8 of a row with a thousandth of what rows are raised by, and all but 1e-2 of one with ten times.
+//! dependent, and what a solution gives is weighted by `f(g)`, `g` its share in one solution: 1e-8
+//! of a row with a thousandth of what rows are raised by, and all but 1e-2 of one with ten times.
 
 use tumble_math::lane::Vec3;
 
@@ -13,9 +13,9 @@ use crate::solver::mechanism::mechanism_solver::MechanismSolver;
 
 /// `f(g) = 10 g^3 - 15 g^4 + 6 g^5`, flat at both ends, by the power of `g`.
 const WEIGHTS: [f64; 5] = [0.0, 0.0, 10.0, -15.0, 6.0];
-/// What joints may add in a step to the energy of motion against each other, as errors of second order
-/// do, where they do not contradict each other: a rod far shorter than its ends move in a substep adds
-/// more.
+/// What joints may add in a step to the energy of motion against each other, as errors of second
+/// order do, where they do not contradict each other: a rod far shorter than its ends move in a
+/// substep adds more.
 const MAX_SHARE: f64 = 0.1;
 /// What is less is rounding, and raises rows by no more than they are: of the size of the arms or
 /// [rad].
@@ -75,8 +75,8 @@ impl MechanismSolver {
         self.note_contradiction();
     }
 
-    /// Sets the speeds that the solution on the right side gives, where rows of free axes are springs
-    /// with what these take.
+    /// Sets the speeds that the solution on the right side gives, where rows of free axes are
+    /// springs with what these take.
     fn set_given(&mut self) {
         self.set_response();
         let Self { joints, matrix, right, response, .. } = self;
@@ -107,8 +107,8 @@ impl MechanismSolver {
         moving.map(MechanismBody::kinetic_energy).sum()
     }
 
-    /// Takes back what joints that contradict each other have added to the energy in this step, from
-    /// the motion of bodies against each other: no momentum, and no joint, resists that.
+    /// Takes back what joints that contradict each other have added to the energy in this step,
+    /// from the motion of bodies against each other: no momentum, and no joint, resists that.
     pub(super) fn take_back_gain(&mut self) {
         let gives_energy = |row: &FreeRow| !row.is_passive();
         let is_driven = self.joints.iter().flat_map(|joint| &joint.free_rows).any(gives_energy)

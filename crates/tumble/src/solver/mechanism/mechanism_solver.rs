@@ -57,7 +57,8 @@ pub(crate) struct MechanismSolver {
     pub(super) solved: Vec<Four>,
     /// How much of it no impulses give, of the size of the arms [1/s].
     pub(super) contradiction: f64,
-    /// Whether joints contradicted each other in this step, and what joints did to the energy \[J\].
+    /// Whether joints contradicted each other in this step, and what joints did to the energy
+    /// \[J\].
     pub(super) contradicts: bool,
     pub(super) gain: f64,
     pub(super) has_free_rows: bool,
