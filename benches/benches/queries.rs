@@ -8,6 +8,8 @@
 //!
 //! `cargo bench --bench queries -- rays`.
 
+#![allow(clippy::unwrap_used, reason = "a bench without what it measures is to fail")]
+
 mod setup;
 
 use std::hint::black_box;

@@ -1,6 +1,7 @@
 //! What the targets do with their bytes: a file of that ending, opened in all the ways there are;
 //! or a pair of shapes.
 
+pub mod casts;
 pub mod pairs;
 
 use std::fs;

@@ -10,7 +10,7 @@ const MAX_REACHED: usize = 4096;
 const MAX_COMPARED: usize = (1 << 18) + (1 << 13);
 
 /// Reads numbers as long as there are bytes, and zeros after that.
-struct Bytes<'a>(std::slice::Iter<'a, u8>);
+pub(crate) struct Bytes<'a>(pub(crate) std::slice::Iter<'a, u8>);
 
 impl Bytes<'_> {
     fn byte(&mut self) -> u8 {
@@ -18,7 +18,7 @@ impl Bytes<'_> {
     }
 
     /// From -1 to 1, with one sixteenth of them on some grid.
-    fn part(&mut self) -> f64 {
+    pub(crate) fn part(&mut self) -> f64 {
         let [high, low] = [self.byte(), self.byte()];
         let low = if high % 16 == 0 { 0 } else { low };
         f64::from(i16::from_be_bytes([high, low])) / 32_768.0
@@ -29,11 +29,11 @@ impl Bytes<'_> {
         10.0_f64.powf(-0.5 + 2.5 * self.part())
     }
 
-    fn vector(&mut self, scale: f64) -> Vec3<f64> {
+    pub(crate) fn vector(&mut self, scale: f64) -> Vec3<f64> {
         Vec3::new(self.part() * scale, self.part() * scale, self.part() * scale)
     }
 
-    fn orientation(&mut self) -> Quat<f64> {
+    pub(crate) fn orientation(&mut self) -> Quat<f64> {
         let [x, y, z, w] = [self.part(), self.part(), self.part(), self.part()];
         let turned = Quat { x, y, z, w };
         if turned.length_squared() > 1e-4 { turned.normalize() } else { Quat { x: 0.0, y: 0.0, z: 0.0, w: 1.0 } }
@@ -44,7 +44,7 @@ impl Bytes<'_> {
         (0..count).map(|_| self.vector(size)).collect()
     }
 
-    fn shape(&mut self, depth: u32) -> Option<ColliderShape<f64>> {
+    pub(crate) fn shape(&mut self, depth: u32) -> Option<ColliderShape<f64>> {
         let kind = self.byte() % if depth == 0 { 11 } else { 9 };
         let [a, b, c] = [self.length(), self.length(), self.length()];
         Some(match kind {

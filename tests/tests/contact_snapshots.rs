@@ -260,7 +260,7 @@ const CENTERS: usize = NAMES + 2 * 8 + 4;
 /// Of joints, in double precision.
 const LOADS: usize = CENTERS + 3 * 3 * NUMBER;
 const CONTACTS: usize = LOADS + 3 * 8;
-const CONTACT: usize = 16 + 13 * NUMBER;
+const CONTACT: usize = 16 + 15 * NUMBER;
 const POINTS: usize = CONTACTS + 2 * CONTACT;
 const POINT: usize = 4 + 5 * NUMBER;
 
@@ -281,6 +281,10 @@ fn contacts_are_in_the_file_as_documented() {
         let place = CONTACTS + contact * CONTACT;
         assert_eq!([0, 4, 8, 12].map(|half_word| half(place + half_word)), [2, body, 0, 4 + 256]);
         assert_eq!([16, 16 + NUMBER, 16 + 2 * NUMBER].map(|at| number(place + at)), [0.0, 1.0, 0.0]);
+        // They were laid down; over a step gravity is held.
+        let [closing, impulse] = [13, 14].map(|i| number(place + 16 + i * NUMBER));
+        let weight = 2.0 * 9.81 * simulation.settings().dt;
+        assert!(closing == 0.0 && (impulse - weight).abs() < 0.05 * weight, "{closing} {impulse} {weight}");
     }
     let first = simulation.contacts().next().unwrap();
     assert_eq!([3, 4].map(|i| number(POINTS + 4 + i * NUMBER)), {
@@ -315,7 +319,7 @@ fn impossible_contacts_are_refused() {
             assert_eq!(error(CENTERS + body * 3 * NUMBER, &bad), SnapshotError::ContactBody { body });
         }
         for contact in 0..2 {
-            for i in 0..13 {
+            for i in 0..15 {
                 let found = error(CONTACTS + contact * CONTACT + 16 + i * NUMBER, &bad);
                 assert_eq!(found, defect(contact, ContactDefect::NotFinite));
             }

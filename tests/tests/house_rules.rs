@@ -93,7 +93,7 @@ struct Rule {
 
 /// The workspace from the bottom up. The engine adds a mathematics crate to what it depends on, and
 /// so may those above it.
-const RULES: [Rule; 12] = [
+const RULES: [Rule; 13] = [
     Rule { member: "crates/tumble-math", members: &[], outside: Some(&["glam", "libm", "serde", "thiserror"]) },
     Rule { member: "crates/tumble-collide", members: &["tumble-math"], outside: Some(&["thiserror"]) },
     Rule {
@@ -117,6 +117,7 @@ const RULES: [Rule; 12] = [
     },
     Rule { member: "benches", members: &["tumble", "tumble-collide", "tumble-math", "tumble-scene"], outside: None },
     Rule { member: "examples/docking", members: &["tumble"], outside: Some(&["hecs", "macroquad"]) },
+    Rule { member: "examples/turret", members: &["tumble"], outside: Some(&["hecs", "macroquad"]) },
     Rule {
         member: "tests",
         members: &["tumble", "tumble-benches", "tumble-import", "tumble-math", "tumble-record", "tumble-scene"],

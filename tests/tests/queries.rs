@@ -162,6 +162,20 @@ fn alone(world: &World, entity: Entity) -> World {
     other
 }
 
+/// The answers to a ray are those of each body by itself, in order; returns how many bodies it
+/// meets.
+fn rays_agree(together: &Answers, each: &[Answers], i: usize, rank: impl Fn(Entity) -> usize) -> usize {
+    let first = each.iter().filter_map(|it| it.rays[i]).reduce(|a, b| if b.distance < a.distance { b } else { a });
+    assert_eq!(together.rays[i], first);
+    let mut all: Vec<RayHit> = each.iter().flat_map(|it| it.through[i].clone()).collect();
+    all.sort_by(|a, b| a.distance.total_cmp(&b.distance).then(rank(a.entity).cmp(&rank(b.entity))));
+    assert_eq!(together.through[i].len(), all.len());
+    assert!(together.through[i].iter().zip(&all).all(|(a, b)| a.distance == b.distance));
+    assert_eq!(together.through[i].first().map(|hit| hit.distance), first.map(|hit| hit.distance));
+    assert_eq!(together.blocked[i], first.is_some());
+    all.len()
+}
+
 /// All answers are made of those that each body gives by itself.
 #[test]
 fn all_bodies_together_are_each_by_itself() {
@@ -192,18 +206,10 @@ fn all_bodies_together_are_each_by_itself() {
             .iter()
             .map(|entity| questions.answers(&Queries::of(&alone(&world, *entity)), &filter))
             .collect();
-        for (i, ray) in questions.rays.iter().enumerate() {
-            let first =
-                each.iter().filter_map(|it| it.rays[i]).reduce(|a, b| if b.distance < a.distance { b } else { a });
-            assert_eq!(together.rays[i], first, "case {case}, {ray:?}");
-            let mut all: Vec<RayHit> = each.iter().flat_map(|it| it.through[i].clone()).collect();
-            all.sort_by(|a, b| a.distance.total_cmp(&b.distance).then(rank(a.entity).cmp(&rank(b.entity))));
-            assert_eq!(together.through[i].len(), all.len(), "case {case}");
-            assert!(together.through[i].iter().zip(&all).all(|(a, b)| a.distance == b.distance), "case {case}");
-            assert_eq!(together.through[i].first().map(|hit| hit.distance), first.map(|hit| hit.distance));
-            assert_eq!(together.blocked[i], first.is_some());
-            found[0] += usize::from(first.is_some());
-            found[1] += usize::from(all.len() > 1);
+        for i in 0..questions.rays.len() {
+            let all = rays_agree(&together, &each, i, rank);
+            found[0] += usize::from(all > 0);
+            found[1] += usize::from(all > 1);
         }
         for i in 0..questions.points.len() {
             let first =

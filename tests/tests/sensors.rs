@@ -1,6 +1,6 @@
-//! Promise: sensors tell what is in them: after each step those bodies that queries find there, each
-//! coming and going once, however steps fall into frames; what passes through one within a step
-//! comes in and leaves in it; and nothing moves otherwise for it.
+//! Promise: sensors tell what is in them: after each step those bodies that queries find there,
+//! each coming and going once, however steps fall into frames; what passes through one within a
+//! step comes in and leaves in it; and nothing moves otherwise for it.
 //!
 //! Why: a trigger that is missed at a hundred metres a second, or that fires twice, is a door that
 //! stays shut. It fails if a pair is left out by the search, if something comes twice or in
@@ -306,7 +306,8 @@ fn sensors_move_nothing() {
     }
 }
 
-/// What is despawned in a sensor leaves it, and so does what loses its collider, or the sensor goes.
+/// What is despawned in a sensor leaves it, and so does what loses its collider, or the sensor
+/// goes.
 #[test]
 fn what_is_gone_has_left() {
     for which in 0..5 {

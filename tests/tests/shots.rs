@@ -1,8 +1,8 @@
-//! Promise: nothing gets through anything: no shot of any shape through a wall of a millimetre, still
-//! or moving, nor out of a closed box, at up to a kilometre a second.
+//! Promise: nothing gets through anything: no shot of any shape through a wall of a millimetre,
+//! still or moving, nor out of a closed box, at up to a kilometre a second.
 //!
-//! Why: what is foreseen is foreseen with the velocities that a step begins with, and a blow changes
-//! them within it. It fails if what a body really does in a step is not followed.
+//! Why: what is foreseen is foreseen with the velocities that a step begins with, and a blow
+//! changes them within it. It fails if what a body really does in a step is not followed.
 //!
 //! `TUMBLE_SHOTS=100000` draws as many of each shape; without it some hundreds.
 
@@ -58,7 +58,7 @@ fn material(draw: &mut Draw) -> Material {
     Material::new(real(friction), real(restitution))
 }
 
-fn body(shape: Shape, draw: &mut Draw) -> RigidBody {
+fn body(shape: &Shape, draw: &mut Draw) -> RigidBody {
     let spin = draw.direction() * draw.log_between(0.1, 200.0);
     let body = RigidBody::new(shape.clone()).orientation(quat(draw.orientation())).angular_velocity(vec3(spin));
     if matches!(shape, Shape::Compound(_)) { body } else { body.mass(1.0) }
@@ -92,7 +92,7 @@ fn is_through_a_wall(kind: &str, wall: &str, draw: &mut Draw) -> bool {
     let dt = 1.0 / draw.log_between(30.0, 240.0);
     let far = 0.7 + draw.between(0.0, 3.0) * speed * dt;
     let target = across(turned * vec3(draw.vector(2.0)));
-    let it = body(shape, draw).position(target - way * real(far)).linear_velocity(drift + way * real(speed));
+    let it = body(&shape, draw).position(target - way * real(far)).linear_velocity(drift + way * real(speed));
     let it = spawn(&mut world, it, surfaced(collider, surface));
     let settings = Settings::default().with_gravity(Vec3::ZERO).with_dt(real(dt));
     let mut simulation = Simulation::new(settings).unwrap();
@@ -143,7 +143,7 @@ fn is_out_of_a_box(kind: &str, draw: &mut Draw) -> bool {
     spawn_box(&mut world, surface);
     let speed = draw.log_between(1.0, 1000.0);
     let place = draw.vector(0.5);
-    let it = body(shape, draw).position(vec3(place)).linear_velocity(vec3(draw.direction() * speed));
+    let it = body(&shape, draw).position(vec3(place)).linear_velocity(vec3(draw.direction() * speed));
     let it = spawn(&mut world, it, surfaced(collider, surface));
     let dt = 1.0 / draw.log_between(30.0, 240.0);
     let settings = Settings::default().with_gravity(Vec3::ZERO).with_dt(real(dt));

@@ -102,7 +102,8 @@ impl Course {
         Self { start: self.at(from), center, angular: self.angular * (to - from), legs, len: 1 }
     }
 
-    /// Where the centre of mass is \[m\] at a moment, and how the body has turned since the beginning.
+    /// Where the centre of mass is \[m\] at a moment, and how the body has turned since the
+    /// beginning.
     #[must_use]
     pub fn center_and_turn(&self, moment: f64) -> (Vec3<f64>, Quat<f64>) {
         (self.center + self.gone(moment), self.turn(moment))

@@ -63,10 +63,10 @@ pub struct Passage {
 
 impl Passage {
     /// How far the core of the second of two shapes gets on its course until it would touch the
-    /// first; `None` where it never does, and where it does from the beginning. Of compounds this is to
-    /// be asked part by part: as they are they are not met. Nor does what is no convex shape meet
-    /// anything as the second. A surface is met from outside; nothing gets through a half-space, and
-    /// none is met.
+    /// first; `None` where it never does, and where it does from the beginning. Of compounds this
+    /// is to be asked part by part: as they are they are not met. Nor does what is no convex shape
+    /// meet anything as the second. A surface is met from outside; nothing gets through a
+    /// half-space, and none is met.
     ///
     /// Shapes that approach each other again and again never touch: what is left between them is
     /// halved at the most.

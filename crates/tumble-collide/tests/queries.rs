@@ -1,10 +1,10 @@
 //! Promise: rays, points, overlaps and casts against every shape say what its surface says, near
 //! misses included.
 //!
-//! Why: a shot that slips between two triangles, or is stopped by air, is the fault that people see.
-//! Lines have closed forms, distances come from another method, and both are tested against each
-//! other and against what is furthest in a direction. `TUMBLE_RAYS=1000000` draws as many of each
-//! shape; without it some thousands.
+//! Why: a shot that slips between two triangles, or is stopped by air, is the fault that people
+//! see. Lines have closed forms, distances come from another method, and both are tested against
+//! each other and against what is furthest in a direction. `TUMBLE_RAYS=1000000` draws as many of
+//! each shape; without it some thousands.
 
 #![allow(clippy::unwrap_used, clippy::panic, reason = "a test fails by panicking")]
 

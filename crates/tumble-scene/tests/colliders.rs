@@ -29,7 +29,7 @@ fn places(world: &World) -> Vec<DVec3> {
 const BOX_ON_GROUND: &str = r#"{ "contact_substeps": 8, "restitution_threshold": 0.25, "bodies": [
     { "name": "ground", "shape": { "half_space": {} }, "fixed": true, "collider": {} },
     { "name": "box", "shape": { "cuboid": { "half_extents": [0.5, 0.25, 0.5] } }, "mass": 2, "position": [0, 1, 0],
-      "collider": { "friction": 0.75, "rolling_resistance": 0.125, "restitution": 0.5,
+      "collider": { "friction": 0.75, "rolling_resistance": 0.125, "restitution": 0.5, "surface_velocity": [0, 0, -2],
                     "friction_combine": "minimum", "restitution_combine": "multiply" } } ] }"#;
 
 #[test]
@@ -44,6 +44,7 @@ fn what_a_scene_says_is_what_the_simulation_has() {
     let material = *collider.material();
     assert_eq!((material.static_friction, material.dynamic_friction), (0.75, 0.75));
     assert_eq!((material.restitution, material.rolling_resistance), (0.5, 0.125));
+    assert_eq!(material.surface_velocity.to_array(), [0.0, 0.0, -2.0]);
     assert_eq!(
         (material.friction_combine, material.restitution_combine),
         (CombineRule::Minimum, CombineRule::Multiply)
@@ -60,7 +61,7 @@ fn both_formats_say_the_same() {
     let ron = r#"( contact_substeps: 8, restitution_threshold: 0.25, bodies: [
         ( name: "ground", shape: half_space(), fixed: true, collider: () ),
         ( name: "box", shape: cuboid(half_extents: (0.5, 0.25, 0.5)), mass: 2, position: (0, 1, 0),
-          collider: ( friction: 0.75, rolling_resistance: 0.125, restitution: 0.5, friction_combine: minimum, restitution_combine: multiply ) ) ] )"#;
+          collider: ( friction: 0.75, rolling_resistance: 0.125, restitution: 0.5, surface_velocity: (0, 0, -2), friction_combine: minimum, restitution_combine: multiply ) ) ] )"#;
     let [json, ron] = [Scene::from_json(BOX_ON_GROUND, "a").unwrap(), Scene::from_ron(ron, "a").unwrap()];
     assert_eq!(run(json, 100), run(ron, 100));
 }
@@ -120,6 +121,7 @@ fn what_cannot_be_is_refused_by_body_and_field() {
             "must be from 0 to 1, not 1.5",
         ),
         (format!(r#"{ball}, "collider": {{ "static_friction": 1e999 }}"#), "collider.static_friction", ""),
+        (format!(r#"{ball}, "collider": {{ "surface_velocity": [0, 2e6, 0] }}"#), "collider.surface_velocity", "got 2000000"),
         (format!(r#"{ball}, "collider": {{ "rolling_resistance": -0.5 }}"#), "collider.rolling_resistance", "not -0.5"),
         (
             format!(r#"{ball}, "collider": {{ "friction": 1, "dynamic_friction": 1 }}"#),
@@ -185,6 +187,41 @@ fn an_audit_shows_colliders_with_all_defaults() {
     assert_eq!((&collider["groups"], &collider["touches"]), (&serde_json::json!([0, 31]), &serde_json::json!([])));
     let bare = Audit::from_json(r#"{ "bodies": [ { "mass": 1 } ] }"#, "bare.json").unwrap();
     assert_eq!(serde_json::to_value(&bare).unwrap()["bodies"][0].get("collider"), None);
+}
+
+/// A sensor of a scene senses and pushes nothing, as a whole or as a part of a compound, and what a
+/// part does not say is as the whole has it.
+#[test]
+fn sensors_of_scenes_sense_and_push_nothing() {
+    let ball = r#"{ "name": "ball", "shape": { "sphere": { "radius": 0.1 } }, "mass": 1, "position": [0, 2, 0], "collider": {} }"#;
+    let gate = r#""name": "gate", "fixed": true"#;
+    let slab = r#""shape": { "cuboid": { "half_extents": [1, 0.1, 1] } }"#;
+    let part = |height: f64| format!(r#"{{ {slab}, "mass": 1, "position": [0, {height}, 0] }}"#);
+    let compound = format!(r#""shape": {{ "compound": {{ "parts": [ {}, {} ] }} }}"#, part(1.0), part(-1.0));
+    for (gate_shape, collider, sensed, lowest) in [
+        (slab.to_owned(), r#"{ "sensor": true }"#, vec![0], -1.5),
+        (compound.clone(), r#"{ "parts": [ { "sensor": true }, {} ] }"#, vec![0], -0.81),
+        (compound, r#"{ "sensor": true, "parts": [ {}, { "sensor": false } ] }"#, vec![0], -0.81),
+    ] {
+        let text = format!(r#"{{ "bodies": [ {{ {gate}, {gate_shape}, "collider": {collider} }}, {ball} ] }}"#);
+        let scene = Scene::from_json(&text, "gate.json").unwrap();
+        let mut simulation = Simulation::new(scene.settings).unwrap();
+        let mut world = World::new();
+        scene.spawn(&mut world).unwrap();
+        let mut begun = Vec::new();
+        for _ in 0..55 {
+            simulation.step(&mut world);
+            begun.extend(simulation.sensor_events().filter(|event| event.begins).map(|event| event.part));
+        }
+        assert_eq!(begun, sensed, "{text}");
+        let ball = BodyOrder::of(&world).entities()[1];
+        let height = world.get::<&Pose>(ball).unwrap().position.y;
+        assert!(if lowest < -1.0 { height < lowest } else { (height - lowest).abs() < 0.02 }, "{height} {text}");
+        let audit = serde_json::to_value(Audit::from_json(&text, "gate.json").unwrap()).unwrap();
+        let shown = &audit["bodies"][0]["collider"];
+        assert!(shown["sensor"] == true || shown["parts"][0]["sensor"] == true, "{audit}");
+        assert!(audit["bodies"][1]["collider"].get("sensor").is_none());
+    }
 }
 
 /// A ball bounces as high as its restitution has it, in every world its own way.

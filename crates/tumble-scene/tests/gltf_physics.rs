@@ -190,12 +190,51 @@ fn colliders_are_kept_with_all_they_say() {
     assert_eq!((joint.connected_node, joint.joint.limits.len(), joint.joint.drives[0].max_force), (2, 2, Some(5.0)));
 }
 
+/// Triggers are sensors: of bodies of their own, beside solid colliders of a body, with filters.
+#[test]
+fn triggers_are_sensors() {
+    let node = |name: &str, y: f64, inner: &str| {
+        let physics = format!(r#""extensions": {{ "KHR_physics_rigid_bodies": {{ {inner} }} }}"#);
+        format!(r#"{{ "name": "{name}", "translation": [0, {y}, 0], {physics} }}"#)
+    };
+    let shape = |number: u32| format!(r#""geometry": {{ "shape": {number} }}"#);
+    let nodes = [
+        node("ball", 3.0, &format!(r#""motion": {{ "mass": 1 }}, "collider": {{ {} }}"#, shape(0))),
+        node("zone", 1.0, &format!(r#""trigger": {{ {} }}"#, shape(1))),
+        node("ghosts only", 1.0, &format!(r#""trigger": {{ {}, "collisionFilter": 0 }}"#, shape(1))),
+        node("pad", -2.0, &format!(r#""collider": {{ {} }}, "trigger": {{ {} }}"#, shape(1), shape(2))),
+    ];
+    let text = format!(
+        r#"{{ "asset": {{ "version": "2.0" }}, "nodes": [ {} ], "extensions": {{
+            "KHR_physics_rigid_bodies": {{ "collisionFilters": [ {{ "collideWithSystems": ["ghosts"] }} ] }},
+            "KHR_implicit_shapes": {{ "shapes": [ {{ "type": "sphere", "sphere": {{ "radius": 0.2 }} }},
+                {{ "type": "box", "box": {{ "size": [2, 0.2, 2] }} }}, {{ "type": "box", "box": {{ "size": [2, 1, 2] }} }} ] }} }} }}"#,
+        nodes.join(", ")
+    );
+    let directory = tempfile::tempdir().unwrap();
+    let path = directory.path().join("zones.gltf");
+    std::fs::write(&path, text).unwrap();
+    let scene = Scene::open(&path.to_string_lossy()).unwrap();
+    assert!(scene.notices.is_empty(), "{:?}", scene.notices);
+    let mut simulation = Simulation::new(scene.settings).unwrap();
+    let mut spawned = Spawned::of(scene);
+    let mut events = Vec::new();
+    for _ in 0..180 {
+        simulation.step(&mut spawned.world);
+        events.extend(simulation.sensor_events().map(|event| (event.sensor, event.part, event.begins)));
+    }
+    let [zone, pad] = ["zone", "pad"].map(|name| spawned.entity(name));
+    assert_eq!(events, [(zone, 0, true), (zone, 0, false), (pad, 1, true)]);
+    // The solid box of the pad holds it.
+    let height = spawned.position("ball").y;
+    assert!((height + 1.7).abs() < 0.01, "{height}");
+}
+
 /// Nothing that the file says is dropped without a word.
 #[test]
 fn what_is_not_simulated_is_named() {
     let notices = open("everything.gltf").notices.join("\n");
     for part in [
-        "triggers are read and notice nothing (1): nodes[19] \"door\"",
         "animations are not played, physics moves (3): nodes[3] \"dumbbell\"",
         "meshes without physics are not part of the scene (1): nodes[21] \"picture\"",
         "extensions that are not read: KHR_lights_punctual",

@@ -203,20 +203,22 @@ impl Bodies {
     /// Where all bodies are, `alpha` of the way from the step before to the last one.
     pub(crate) fn place(&self, world: &World, alpha: Real) -> Vec<Placed> {
         let states = world.view::<(&Pose, Option<&PreviousPose>)>();
-        let placed = |body: &DrawnBody| {
-            let pose = match states.get(body.entity) {
-                Some((pose, Some(previous))) if alpha < 1.0 => previous.0.interpolate(pose, alpha),
-                Some((pose, _)) => *pose,
-                None => Pose::default(),
-            };
-            let (center, orientation) = (dvec3(pose.position), dquat(pose.orientation));
-            Placed { origin: center - orientation * body.center, center, rotation: orientation }
+        let pose = |body: &DrawnBody| match states.get(body.entity) {
+            Some((pose, Some(previous))) if alpha < 1.0 => previous.0.interpolate(pose, alpha),
+            Some((pose, _)) => *pose,
+            None => Pose::default(),
         };
-        self.all.iter().map(placed).collect()
+        self.all.iter().map(|body| body.placed(&pose(body))).collect()
     }
 }
 
 impl DrawnBody {
+    /// Where it is with a pose.
+    pub(crate) fn placed(&self, pose: &Pose) -> Placed {
+        let (center, orientation) = (dvec3(pose.position), dquat(pose.orientation));
+        Placed { origin: center - orientation * self.center, center, rotation: orientation }
+    }
+
     /// The box around the body, made larger by a factor.
     pub(crate) fn bounds(&self, placed: &Placed, factor: f64) -> Bounds {
         Bounds {

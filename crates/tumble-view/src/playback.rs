@@ -3,14 +3,16 @@
 use std::time::{Duration, Instant};
 
 use hecs::{Entity, World};
-use tumble::math::Real;
-use tumble::{BodyOrder, Pose, PreviousPose, Simulation, Snapshot, Totals, Velocity};
+use tumble::math::{Real, Vec3};
+use tumble::{BodyOrder, Collider, Pose, PreviousPose, QueryFilter, Simulation, Snapshot, Totals, Velocity};
 use tumble_record::MomentumScale;
 use tumble_scene::Scene;
 
 use crate::bodies::{Bodies, Placed};
+use crate::camera::Ray;
 use crate::convert::real;
 use crate::failure::Failure;
+use crate::pick::ExactHit;
 use crate::trails::Trails;
 
 /// Scenes of this length are shown in real time \[s\]; others take [`WATCHED`].
@@ -63,6 +65,22 @@ impl Playback {
     /// How far the picture is from the step before to the last one.
     pub(crate) fn alpha(&self) -> Real {
         self.alpha
+    }
+
+    /// How far along a ray a body is met where it is shown, by its collider if it has one.
+    pub(crate) fn hit(&self, index: usize, shown: &Placed, ray: &Ray) -> ExactHit {
+        let body = &self.bodies.all[index];
+        let entity = body.entity;
+        self.world.get::<&Collider>(entity).ok()?;
+        // It is shown between two steps, and is where the last left it.
+        let now = body.placed(&*self.world.get::<&Pose>(entity).ok()?);
+        let turn = now.rotation * shown.rotation.inverse();
+        let origin = now.origin + turn * (ray.origin - shown.origin);
+        let [origin, direction] = [origin, turn * ray.direction].map(|it| Vec3::from_array(it.to_array().map(real)));
+        let only_it = |it: Entity| it == entity;
+        let queries = self.simulation.queries(&self.world);
+        let filter = QueryFilter::new().with_sensors().matching(&only_it);
+        Some(queries.cast_ray(&tumble::Ray::new(origin, direction), &filter).map(|hit| f64::from(hit.distance)))
     }
 
     /// Where the bodies are at the moment that is shown.

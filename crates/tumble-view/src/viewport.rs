@@ -183,11 +183,15 @@ impl Viewport {
     /// The body that is seen at a point of the picture.
     pub(crate) fn body_at(&self, at: DVec2, size: DVec2) -> Option<usize> {
         let (view, places) = (self.view(size), self.playback.place());
-        let bodies = &self.playback.bodies.all;
-        let bounds = bodies.iter().zip(&places).map(|(body, placed)| {
-            body.bounds(placed, framing::enlargement(&view, placed.center, body.reach, bodies.len()))
-        });
-        first_hit(&view.ray(at), bounds)
+        let (bodies, ray) = (&self.playback.bodies.all, view.ray(at));
+        let enlargement =
+            |index: usize| framing::enlargement(&view, places[index].center, bodies[index].reach, bodies.len());
+        let bounds = (0..bodies.len()).map(|index| bodies[index].bounds(&places[index], enlargement(index)));
+        first_hit(&ray, bounds, |index| {
+            // What is seen larger than it is, or is not what others touch, is picked by its box.
+            let is_as_seen = enlargement(index) == 1.0 && !bodies[index].touches_unseen;
+            if is_as_seen { self.playback.hit(index, &places[index], &ray) } else { None }
+        })
     }
 
     pub(crate) fn restart(&mut self) -> Result<(), Failure> {

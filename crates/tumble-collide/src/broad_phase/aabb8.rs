@@ -133,7 +133,8 @@ struct LaneAxis<R> {
 const MIN_COMPONENT: f64 = 1e-30;
 
 impl<R: Scalar> LaneRay<R> {
-    /// Of a box that reaches `half` \[m\] from the origin along each axis, moved along a unit vector.
+    /// Of a box that reaches `half` \[m\] from the origin along each axis, moved along a unit
+    /// vector.
     pub(crate) fn new(origin: Vec3<f64>, direction: Vec3<f64>, half: Vec3<f64>) -> Self {
         Self {
             axes: [

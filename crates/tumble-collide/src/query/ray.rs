@@ -13,8 +13,8 @@ use crate::support_map::{Vector, unit};
 /// use tumble_collide::Ray;
 /// use tumble_math::lane::Vec3;
 ///
-/// let ray = Ray::new(Vec3::zero(), Vec3::new(0.0, 3.0, 4.0), 10.0).unwrap();
-/// assert_eq!(ray.at(5.0), Vec3::new(0.0, 3.0, 4.0));
+/// let ray = Ray::new(Vec3::zero(), Vec3::new(0.0, 3.0, 0.0), 10.0).unwrap();
+/// assert_eq!(ray.at(5.0), Vec3::new(0.0, 5.0, 0.0));
 /// assert!(Ray::new(Vec3::zero(), Vec3::zero(), 10.0).is_none());
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -107,7 +107,8 @@ fn on_half_space<R: Scalar>(
 /// The first meeting of a convex shape that is moved with one that is not.
 ///
 /// G. van den Bergen, "Ray casting against general convex objects with application to continuous
-/// collision detection" (2004): from one distance of both to the next, along the plane between them.
+/// collision detection" (2004): from one distance of both to the next, along the plane between
+/// them.
 fn meet(
     (still, layer): (Convex<'_>, f64),
     at: &Isometry<f64>,

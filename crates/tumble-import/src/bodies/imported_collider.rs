@@ -66,6 +66,6 @@ pub struct ImportedCollider {
 pub enum ColliderRole {
     /// Others bounce off it.
     Solid,
-    /// It notices what enters it.
+    /// A sensor: it reports what comes into it and pushes nothing.
     Trigger,
 }

@@ -20,6 +20,7 @@ pub(crate) fn collider(
     known: &mut Colliders,
     notices: &mut Vec<String>,
 ) -> Option<Collider> {
+    tell_of_triggers(pieces, notices);
     let solid: Vec<&ImportedCollider> = pieces.iter().filter(|piece| piece.role == ColliderRole::Solid).collect();
     let first = solid.first()?;
     let made = match (solid.as_slice(), surface(first)) {
@@ -103,17 +104,20 @@ pub(crate) fn of_pieces(
     solid: &[&ImportedCollider],
     groups: impl Fn(&ImportedCollider) -> Option<(u32, u32)>,
 ) -> Result<Collider, ColliderError> {
-    let parts: Result<Vec<Collider>, ColliderError> = solid
-        .iter()
-        .filter_map(|piece| Some((piece, piece.shape.as_ref()?)))
-        .map(|(piece, shape)| {
-            let (membership, filter) = groups(piece).unwrap_or((u32::MAX, u32::MAX));
-            let at = Pose { position: real_vector(piece.position), orientation: real_quaternion(piece.orientation) };
-            let part = Collider::new(shape)?.with_offset(at)?.with_groups(membership, filter);
-            part.with_material(piece.material.to_engine())
-        })
-        .collect();
+    let parts: Result<Vec<Collider>, ColliderError> =
+        solid.iter().filter_map(|piece| of_piece(piece, groups(piece))).collect();
     Collider::compound(parts?)
+}
+
+/// A piece as a collider of its own; `None` if it has no volume.
+pub(crate) fn of_piece(
+    piece: &ImportedCollider,
+    groups: Option<(u32, u32)>,
+) -> Option<Result<Collider, ColliderError>> {
+    let (membership, filter) = groups.unwrap_or((u32::MAX, u32::MAX));
+    let at = Pose { position: real_vector(piece.position), orientation: real_quaternion(piece.orientation) };
+    let part = Collider::new(piece.shape.as_ref()?).and_then(|it| it.with_offset(at));
+    Some(part.and_then(|it| it.with_groups(membership, filter).with_material(piece.material.to_engine())))
 }
 
 /// Whether the only piece is an endless plane in the body's own frame.
@@ -149,6 +153,17 @@ fn tell_of_solids(solid: &[&ImportedCollider], is_moved: bool, notices: &mut Vec
     if solid.iter().any(|piece| !is_plane(piece) && surface(piece).is_some()) {
         let why = if is_moved { "of a body that moves" } else { "among other colliders of a body" };
         notices.push(format!("has a mesh {why}, which touches as its convex hull"));
+    }
+}
+
+/// What of the triggers is otherwise than the file has it.
+fn tell_of_triggers(pieces: &[ImportedCollider], notices: &mut Vec<String>) {
+    let mut triggers = pieces.iter().filter(|piece| piece.role == ColliderRole::Trigger);
+    if triggers.clone().any(|piece| piece.shape.is_none()) {
+        notices.push("has a trigger without a volume, which senses nothing".to_owned());
+    }
+    if triggers.any(|piece| piece.shape.is_some() && surface(piece).is_some()) {
+        notices.push("has a mesh as a trigger, which senses as its convex hull".to_owned());
     }
 }
 

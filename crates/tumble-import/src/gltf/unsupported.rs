@@ -67,10 +67,6 @@ pub(crate) fn notices(document: &Document, tree: &Tree, physics: &Physics) -> Ve
             notices.push(listed(what, &nodes, called));
         }
     };
-    let with = |wanted: fn(&crate::gltf::PhysicsNode) -> bool| -> Vec<usize> {
-        physics.nodes.iter().filter(|node| wanted(node)).map(|node| node.index).collect()
-    };
-    list("triggers are read and notice nothing", with(|node| node.trigger.is_some()));
     let in_scene = |index: &usize| tree.places.get(*index).is_some_and(Option::is_some);
     let placed: Vec<usize> = (0..document.nodes.len()).filter(in_scene).collect();
     let sheared = |index: &usize| tree.places.get(*index).copied().flatten().is_some_and(|place| place.sheared);

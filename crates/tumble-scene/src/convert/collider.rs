@@ -7,6 +7,7 @@ use tumble_import::{Appearance, FieldError, shortest};
 
 use crate::model::collider_model::ColliderModel;
 use crate::model::scene_model::{BodyModel, Groups, ShapeModel};
+use crate::values::checked::finite_triple;
 
 /// What the body touches others with; `ground` is what it is, `shape` is `None` if it has been
 /// complained of already.
@@ -38,7 +39,12 @@ pub(crate) fn collider(
         (_, None) => return None,
     };
     let collider = collider.and_then(|collider| collider.with_groups(membership, filter).with_material(material));
+    let collider = collider.map(|it| as_sensor(it, surface));
     note(problems, collider.map_err(|error| FieldError::new(field(&error), error)))
+}
+
+fn as_sensor(collider: Collider, model: &ColliderModel) -> Collider {
+    if model.sensor == Some(true) { collider.sensor() } else { collider }
 }
 
 /// The surface, and the groups as bits.
@@ -76,7 +82,8 @@ fn of_parts(surface: &ColliderModel, shape: &Shape, problems: &mut Vec<FieldErro
         let at = Pose { position: real_vector(part.position), orientation: real_quaternion(part.orientation) };
         let collider = Collider::new(&part.shape)
             .and_then(|it| it.with_offset(at))
-            .and_then(|it| it.with_groups(membership, filter).with_material(material));
+            .and_then(|it| it.with_groups(membership, filter).with_material(material))
+            .map(|it| as_sensor(it, &part_model));
         let within = |error| FieldError::new(format!("shape.compound.parts[{index}]"), error);
         made.extend(note(problems, collider.map_err(within)));
     }
@@ -113,12 +120,15 @@ fn material(model: &ColliderModel, problems: &mut Vec<FieldError>) -> Option<Mat
     let sliding = number("dynamic_friction", model.dynamic_friction, Real::MAX).or(both);
     let restitution = number("restitution", model.restitution, 1.0);
     let rolling = number("rolling_resistance", model.rolling_resistance, Real::MAX);
+    let moving = model.surface_velocity.as_ref();
+    let moving = moving.and_then(|it| note(problems, finite_triple("collider.surface_velocity", it)));
     let material = Material {
         // One of the two alone says both.
         static_friction: at_rest.or(sliding).unwrap_or(usual.static_friction),
         dynamic_friction: sliding.or(at_rest).unwrap_or(usual.dynamic_friction),
         restitution: restitution.unwrap_or(usual.restitution),
         rolling_resistance: rolling.unwrap_or(usual.rolling_resistance),
+        surface_velocity: moving.map_or(usual.surface_velocity, real_vector),
         friction_combine: model.friction_combine.map_or(usual.friction_combine, Into::into),
         restitution_combine: model.restitution_combine.map_or(usual.restitution_combine, Into::into),
     };

@@ -20,6 +20,7 @@ pub(crate) fn in_body<'a>(body: &'a mut BodyModel, path: &[&str]) -> Option<&'a 
         ["center_of_mass", axis] => component(body.center_of_mass.as_mut()?, axis),
         ["inertia", rest @ ..] => in_inertia(body.inertia.as_deref_mut()?, rest),
         ["shape", rest @ ..] => in_shape(body.shape.as_mut()?, rest),
+        ["collider", "surface_velocity", axis] => from_zero(&mut body.collider.as_mut()?.surface_velocity, axis),
         ["collider", field] => in_collider(body.collider.as_mut()?, field),
         ["forces", index, rest @ ..] => in_force(element(&mut body.forces, index)?, rest),
         _ => None,

@@ -343,7 +343,7 @@ mod tests {
              bodies.1.inertia.tensor.1.1 bodies.body-2.inertia.principal.0 bodies.2.inertia.axes.3 bodies.2.shape.radii.1 \
              bodies.2.center_of_mass.1 contact_substeps restitution_threshold bodies.2.collider.friction \
              bodies.2.collider.restitution bodies.2.collider.rolling_resistance bodies.3.collider.static_friction \
-             bodies.3.collider.dynamic_friction bodies.3.shape.half_space.normal.0 bodies.3.shape.normal.2 \
+             bodies.3.collider.dynamic_friction bodies.3.collider.surface_velocity.2 bodies.3.shape.half_space.normal.0 bodies.3.shape.normal.2 \
              bodies.4.shape.height_field.heights.1.0 bodies.4.shape.heights[0][1] bodies.4.shape.spacing.1 \
              joints.j.hinge.at.1 joints[1].hinge.at[0] joints.j.k.drives[0].max_force joints.2.free.at.2 \
              joints.2.friction.linear_x joints.3.break.force";

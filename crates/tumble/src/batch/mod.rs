@@ -159,8 +159,9 @@ impl Batch {
 fn step_pack(trials: &mut [Trial], pack: &mut MultiWorld, count: u32) {
     let (mut common, mut together, mut others) = (None, Vec::new(), Vec::new());
     for trial in trials {
-        match PackKey::of(&trial.world, trial.simulation.settings()) {
-            Some(pack_key) if count > 0 && *common.get_or_insert(pack_key) == pack_key => together.push(trial),
+        let is_alone = count == 0 || trial.simulation.has_contact_hook();
+        match PackKey::of(&trial.world, trial.simulation.settings()).filter(|_| !is_alone) {
+            Some(pack_key) if *common.get_or_insert(pack_key) == pack_key => together.push(trial),
             _ => others.push(trial),
         }
     }

@@ -290,8 +290,8 @@ impl Collider {
         &self.properties.geometry
     }
 
-    /// Whether it is the other one, or a copy of it: what was made separately is another, even where
-    /// it is equal.
+    /// Whether it is the other one, or a copy of it: what was made separately is another, even
+    /// where it is equal.
     pub(crate) fn is_same(&self, other: &Self) -> bool {
         Arc::ptr_eq(&self.properties, &other.properties)
     }

@@ -94,6 +94,21 @@ impl Collider {
         whole.into_iter().chain(self.surfaces().iter().map(|part| part.groups.bits()))
     }
 
+    /// Whether each of its parts is a [sensor](Self::sensor), in the same order as their
+    /// [materials](Self::materials); or whether it is.
+    ///
+    /// ```
+    /// # use tumble::{Collider, Shape};
+    /// let ball = || Collider::new(&Shape::sphere(0.5));
+    /// let guard = Collider::compound([ball()?, ball()?.sensor()])?;
+    /// assert_eq!(guard.sensors_of_parts().collect::<Vec<_>>(), [false, true]);
+    /// # Ok::<(), tumble::ColliderError>(())
+    /// ```
+    pub fn sensors_of_parts(&self) -> impl Iterator<Item = bool> {
+        let whole = self.surfaces().is_empty().then_some(self.is_sensor());
+        whole.into_iter().chain(self.surfaces().iter().map(|part| part.is_sensor))
+    }
+
     /// The part of a number, as its geometry has it, if parts have surfaces of their own.
     pub(crate) fn surface_of(&self, number: u32) -> Option<&PartSurface> {
         let parts = self.surfaces();
@@ -119,8 +134,8 @@ impl Collider {
         }
     }
 
-    /// Shows the parts of a collider placed in the world: which, its groups, whether it is a sensor,
-    /// its shape and where it is.
+    /// Shows the parts of a collider placed in the world: which, its groups, whether it is a
+    /// sensor, its shape and where it is.
     pub(crate) fn for_each_part(
         &self,
         at: &Isometry<f64>,

@@ -3,6 +3,7 @@
 use tumble_collide::{MAX_MANIFOLD_POINTS, Manifold};
 use tumble_math::lane::Vec3;
 
+use crate::collision::collider_state::ColliderState;
 use crate::collision::contact_rows::{ContactGeometry, NormalImpulses, PointPair, WorldFriction};
 use crate::collision::material::Surface;
 use crate::collision::narrow_phase::LaneKind;
@@ -26,6 +27,13 @@ pub(crate) struct ContactRecord {
     pub(crate) points: [PointPair; MAX_MANIFOLD_POINTS / 2],
     pub(crate) normal_impulses: NormalImpulses,
     pub(crate) friction: WorldFriction,
+    /// How the surface of the first body moves on it, less that of the second \[m/s\], world frame.
+    pub(crate) surface_velocity: Vec3<Real>,
+    /// How fast the points came together when the bodies did not touch yet \[m/s\].
+    pub(crate) closing_speed: Real,
+    /// Along the normal, over all contact substeps, and before those in this step \[N s\].
+    pub(crate) total_impulse: Real,
+    pub(crate) earlier_impulse: Real,
 }
 
 /// The second body of a contact.
@@ -87,6 +95,10 @@ impl ContactRecord {
         points: [PointPair::ZERO; MAX_MANIFOLD_POINTS / 2],
         normal_impulses: NormalImpulses::ZERO,
         friction: WorldFriction::ZERO,
+        surface_velocity: Vec3 { x: 0.0, y: 0.0, z: 0.0 },
+        closing_speed: 0.0,
+        total_impulse: 0.0,
+        earlier_impulse: 0.0,
     };
 
     /// Of a manifold with points, whose normal goes from the first slot to the second; `second` is
@@ -129,6 +141,7 @@ impl ContactRecord {
     /// Makes it the only contact of two shapes, without impulses.
     pub(crate) fn begin(&mut self, kind: LaneKind) {
         (self.kind, self.part, self.touched) = (kind, 0, false);
+        (self.closing_speed, self.total_impulse, self.earlier_impulse) = (0.0, 0.0, 0.0);
         let (gap_share, margin) = (self.normal_impulses.gap_share, self.margin());
         self.normal_impulses = NormalImpulses { steady: 1.0, gap_share, ..NormalImpulses::ZERO };
         self.friction = WorldFriction { margin, ..WorldFriction::ZERO };
@@ -214,6 +227,22 @@ impl ContactRecord {
     /// A point from the second body's centre of mass when the step began \[m\].
     pub(crate) fn place(&self, j: usize) -> Vec3<Real> {
         self.points[j / 2].positions[j % 2]
+    }
+
+    /// How fast the points that come nearest do so, where bodies move like this in a time \[m/s\].
+    pub(crate) fn closing_speed_of(&self, [first, second]: [&ColliderState; 2], time: Real) -> Real {
+        let apart = second.center - first.center;
+        let way = |state: &ColliderState, arm: Vec3<Real>| state.motion.way + state.motion.turn.cross(arm);
+        let comes = |j: usize| {
+            let arm = self.place(j);
+            self.geometry.normal.dot(way(first, arm + apart) - way(second, arm))
+        };
+        (0..self.count()).map(comes).fold(0.0, Real::max) / time
+    }
+
+    /// Along the normal over the step \[N s\].
+    pub(crate) fn impulse_of_step(&self) -> Real {
+        self.earlier_impulse + self.total_impulse
     }
 
     /// Begins with the impulses of the same contact in the last step, point by point. The same are

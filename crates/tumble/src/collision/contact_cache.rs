@@ -56,13 +56,22 @@ impl ContactCache {
         same
     }
 
-    /// To be called before the first substep of every step, with the contacts of the last.
-    pub(crate) fn begin_step(&mut self, contacts: &[ContactRecord]) {
+    /// Whether the next step follows the last in the same call, with the same bodies.
+    pub(crate) fn goes_on(&self) -> bool {
+        !self.is_next
+    }
+
+    /// To be called before the first substep of every step.
+    pub(crate) fn begin_step(&mut self) {
         if !std::mem::take(&mut self.is_next) {
-            self.keep_events(contacts);
             self.ended.clear();
         }
         self.substeps = 0;
+    }
+
+    /// Whether contacts are found for the first time in a step.
+    pub(crate) fn is_first_substep(&self) -> bool {
+        self.substeps <= 1
     }
 
     /// A step in which nothing touches.

@@ -3,20 +3,25 @@
 use crate::collision::collider::Collider;
 use crate::collision::compound_parts::numbers;
 use crate::collision::material::{Material, Surface};
+use crate::math::Vec3;
 use crate::storage::body_index::Slot;
 
-/// Which optional stages the contacts need: those for restitution and for rolling resistance.
+/// What only some contacts need: rolling resistance, restitution, moving surfaces.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(crate) struct Extras {
     pub(crate) rolls: bool,
     pub(crate) bounces: bool,
+    pub(crate) conveys: bool,
 }
 
 impl Extras {
+    pub(crate) const ALL: Self = Self { rolls: true, bounces: true, conveys: true };
+
     /// Adds what a surface needs.
     pub(crate) fn add(&mut self, material: &Material) {
         self.rolls |= material.rolling_resistance > 0.0;
         self.bounces |= material.restitution > 0.0;
+        self.conveys |= material.surface_velocity != Vec3::ZERO;
     }
 }
 
@@ -109,17 +114,27 @@ impl Materials {
 
     /// The combined surface of two slots' colliders in the contact of this number.
     pub(crate) fn between(&self, slots: [Slot; 2], pair: u32) -> Surface {
+        let [a, b] = self.both(slots, pair);
+        match self.surfaces.get(a * self.different.len() + b) {
+            Some(surface) => *surface,
+            None => Surface::between(&self.different[a], &self.different[b]),
+        }
+    }
+
+    /// The velocities of both surfaces, in the frames of their colliders \[m/s\].
+    pub(crate) fn surface_velocities(&self, slots: [Slot; 2], pair: u32) -> [Vec3; 2] {
+        self.both(slots, pair).map(|which| self.different[which].surface_velocity)
+    }
+
+    /// Which materials two colliders have in the contact of this number.
+    fn both(&self, slots: [Slot; 2], pair: u32) -> [usize; 2] {
         let [mut a, mut b] = slots.map(|slot| self.of_slots[slot.index()]);
         if (a | b) & OF_PARTS != 0 {
             let of_second = self.counts.get(slots[1].index()).copied().unwrap_or(1);
             let [on_first, on_second] = numbers(pair, of_second);
             (a, b) = (self.of_part(a, on_first), self.of_part(b, on_second));
         }
-        let [a, b] = [a, b].map(|which| which as usize);
-        match self.surfaces.get(a * self.different.len() + b) {
-            Some(surface) => *surface,
-            None => Surface::between(&self.different[a], &self.different[b]),
-        }
+        [a, b].map(|which| which as usize)
     }
 
     /// Which material the part of a number has.

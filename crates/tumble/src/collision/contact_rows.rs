@@ -4,6 +4,7 @@ use tumble_collide::MAX_MANIFOLD_POINTS;
 use tumble_math::lane::Vec3;
 
 use crate::collision::contact::ContactRecord;
+use crate::simd::block_lanes::vector_at;
 use crate::simd::{BLOCK, Octet, Tile, gather_rows, octet};
 
 octet! {
@@ -112,6 +113,18 @@ impl<'a> ContactLanes<'a> {
             i += 1;
         }
         gather_rows(&rows)
+    }
+
+    #[inline(always)]
+    pub(crate) fn surface_velocity<T: Tile>(&self) -> Vec3<T> {
+        let mut lanes = [[0.0; BLOCK]; 3];
+        let mut i = 0;
+        while i < T::WIDTH {
+            let Vec3 { x, y, z } = self.0[i].surface_velocity;
+            [lanes[0][i], lanes[1][i], lanes[2][i]] = [x, y, z];
+            i += 1;
+        }
+        vector_at(&lanes, 0)
     }
 
     #[inline(always)]

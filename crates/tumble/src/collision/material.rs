@@ -1,7 +1,7 @@
-//! Surface materials: friction, restitution, rolling resistance, and their combine rules.
+//! Surface materials: friction, restitution, rolling resistance, surface velocity, combine rules.
 
 use crate::collision::collider_error::ColliderError;
-use crate::math::Real;
+use crate::math::{Real, Vec3};
 
 /// Friction, restitution and rolling resistance of a [`Collider`](crate::Collider). Rules and
 /// fields are those of KHR_physics_rigid_bodies, and resistance to rolling.
@@ -26,11 +26,35 @@ pub struct Material {
     /// Resistance to rolling as a length \[m\]: the torque it resists with is this times the normal
     /// force. Of two surfaces the greater counts.
     pub rolling_resistance: Real,
+    /// Velocity of the surface relative to the body, in the frame of the collider \[m/s\]: that of
+    /// a conveyor belt. Friction takes what touches it along; what is along the normal does
+    /// nothing.
+    ///
+    /// ```
+    /// use tumble::{Collider, Material, prelude::*};
+    ///
+    /// let mut world = hecs::World::new();
+    /// let belt = Material { surface_velocity: Vec3::X * 2.0, ..Material::default() };
+    /// let belt = Collider::half_space().with_material(belt)?;
+    /// RigidBody::new(Shape::Point).fixed().build()?.spawn_with(&mut world, (belt,));
+    /// let shape = Shape::cuboid([0.5, 0.2, 0.5]);
+    /// let parcel = RigidBody::new(shape.clone()).mass(3.0).position(Vec3::Y * 0.2);
+    /// let parcel = parcel.build()?.spawn_with(&mut world, (Collider::new(&shape)?,));
+    ///
+    /// let mut simulation = Simulation::new(Settings::default())?;
+    /// simulation.step_many(&mut world, 120);
+    /// assert!((world.get::<&Velocity>(parcel)?.linear.x - 2.0).abs() < 1e-3);
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    pub surface_velocity: Vec3,
     /// How the coefficients of friction of two surfaces become one.
     pub friction_combine: CombineRule,
     /// How the restitutions of two surfaces become one.
     pub restitution_combine: CombineRule,
 }
+
+/// No surface is faster \[m/s\].
+pub(crate) const MAX_SURFACE_SPEED: Real = 1e6;
 
 impl Default for Material {
     /// Friction of one half, no bounce.
@@ -48,6 +72,7 @@ impl Material {
             dynamic_friction: friction,
             restitution,
             rolling_resistance: 0.0,
+            surface_velocity: Vec3::ZERO,
             friction_combine: CombineRule::Average,
             restitution_combine: CombineRule::Average,
         }
@@ -59,6 +84,7 @@ impl Material {
             ("dynamic_friction", self.dynamic_friction, Real::MAX),
             ("restitution", self.restitution, 1.0),
             ("rolling_resistance", self.rolling_resistance, Real::MAX),
+            ("surface_velocity", self.surface_velocity.length(), MAX_SURFACE_SPEED),
         ];
         match numbers.into_iter().find(|(_, value, most)| !(0.0..=*most).contains(value)) {
             Some((field, value, most)) => Err(ColliderError::Material { field, value, most }),

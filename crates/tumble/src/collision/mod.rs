@@ -17,6 +17,7 @@ pub(crate) mod compound_parts;
 pub(crate) mod contact;
 pub(crate) mod contact_cache;
 pub(crate) mod contact_events;
+pub(crate) mod contact_hook;
 pub(crate) mod contact_materials;
 pub(crate) mod contact_rows;
 pub(crate) mod contact_set;

@@ -11,7 +11,8 @@ use crate::collision::collider::{Collider, Groups};
 use crate::collision::collider_state::{ColliderState, ColliderStates};
 use crate::collision::contact::{ContactRecord, Second, UpdateRule};
 use crate::collision::contact_cache::ContactCache;
-use crate::collision::contact_materials::Materials;
+use crate::collision::contact_hook::ContactHook;
+use crate::collision::contact_materials::{Extras, Materials};
 use crate::collision::contact_set::ContactSet;
 use crate::collision::internal_edges::InternalEdges;
 use crate::collision::narrow_phase::LaneKind;
@@ -49,6 +50,11 @@ pub(crate) struct CollisionPipeline {
     pub(crate) sensors: Sensors,
     /// Memory that every substep overwrites.
     pub(crate) sweep: Sweep,
+    /// The time that contacts look ahead \[s\].
+    pub(crate) ahead: Real,
+    /// The caller's, and the pairs that it refused in this substep.
+    pub(crate) hook: Option<ContactHook>,
+    pub(crate) refused: Vec<[Slot; 2]>,
 }
 
 /// The colliders of a world, by slot.
@@ -140,9 +146,10 @@ impl CollisionPipeline {
                 archetype.ids().iter().for_each(|id| mark(*id));
             }
         });
-        let Self { body_index, colliders, collider_states, contacts, broad_phase, cache, sensors, .. } = self;
+        let Self { body_index, colliders, collider_states, contacts, broad_phase, cache, sensors, hook, .. } = self;
         let same_groups = colliders.update(world, body_index);
-        contacts.extras = colliders.materials.extras();
+        // A hook may ask for any of them, from step to step others.
+        contacts.extras = if hook.is_some() { Extras::ALL } else { colliders.materials.extras() };
         let same_slots = cache.renumber(world, body_index, colliders, &mut contacts.records);
         if !same_slots {
             collider_states.renumber(cache.body_keys.renumbered(), body_index.len());
@@ -167,13 +174,18 @@ impl CollisionPipeline {
 
     /// To be called before the first substep of every step.
     pub(crate) fn begin_step(&mut self) {
-        self.cache.begin_step(&self.contacts.records);
+        if self.cache.goes_on() {
+            let events: Vec<_> = self.events_of_step().collect();
+            self.cache.events.extend(events);
+        }
+        self.cache.begin_step();
     }
 
     /// Finds the contacts of a substep of the settings, with the impulses that they begin with.
     pub(crate) fn find_contacts(&mut self, columns: &WorldColumns<'_>, settings: &Settings, joints: &JointList) {
         // After the last substep contacts see to it that in one more nothing would come too near.
         let ahead = settings.substep() + settings.contact_substep();
+        self.ahead = ahead;
         self.update_aabbs(columns, [settings.substep(), ahead]);
         let Self { collider_states, colliders, broad_phase, near, .. } = self;
         let roles = Roles { groups: &colliders.groups, sensors: &colliders.sensors };
@@ -185,6 +197,7 @@ impl CollisionPipeline {
         self.limit_speculative(fall);
         self.leave_out_internal_edges();
         self.match_impulses();
+        self.propose_contacts();
         let Self { collider_states, colliders, contacts: ContactSet { records, rounds, .. }, .. } = self;
         rounds.clear();
         let numbered = (0..).zip(&*records);
@@ -217,12 +230,16 @@ impl CollisionPipeline {
 
     /// Begins contacts with the impulses of those of the last substep.
     fn match_impulses(&mut self) {
-        let Self { contacts: ContactSet { records, .. }, cache, colliders, .. } = self;
-        let last = &cache.last;
-        records
-            .par_chunks_mut(PART)
-            .by_at_least(2)
-            .for_each(|contacts| match_impulses(contacts, last, &colliders.materials));
+        let Self { contacts: ContactSet { records, extras, .. }, cache, colliders, collider_states, .. } = self;
+        let (states, materials, ahead) = (&collider_states.states, &colliders.materials, self.ahead);
+        let before = Before { contacts: &cache.last, is_of_step: !cache.is_first_substep() };
+        let closing_speed = |it: &ContactRecord| it.closing_speed_of(it.slots.map(|slot| &states[slot.index()]), ahead);
+        records.par_chunks_mut(PART).by_at_least(2).for_each(|contacts| {
+            match_impulses(contacts, before, materials, closing_speed);
+        });
+        if extras.conveys {
+            records.iter_mut().for_each(|it| convey(it, materials, states));
+        }
         // The next step's list takes the place of the last one's: so it allocates nothing. Exactly
         // as much, for with some more both would outgrow each other forever.
         cache.last.reserve_exact(records.capacity().saturating_sub(cache.last.len()));
@@ -275,14 +292,44 @@ fn update_rule(states: [&ColliderState; 2], shapes: [&ColliderShape<Real>; 2]) -
     if is_constant { UpdateRule::Constant } else { UpdateRule::Refined }
 }
 
+/// Says how the surfaces of a contact move on their bodies.
+fn convey(contact: &mut ContactRecord, materials: &Materials, states: &[ColliderState]) {
+    let [first, second] = materials.surface_velocities(contact.slots, contact.part);
+    let world = |which: usize, velocity: WorldVec3| {
+        states[contact.slots[which].index()].placement.orientation.rotate(velocity.into())
+    };
+    contact.surface_velocity = world(0, first) - world(1, second);
+}
+
+/// The contacts of before a substep of the settings.
+#[derive(Clone, Copy)]
+struct Before<'a> {
+    contacts: &'a [ContactRecord],
+    /// Whether they are of the same step.
+    is_of_step: bool,
+}
+
 /// Begins contacts with the impulses of those there were, both in the order of their keys.
-fn match_impulses(contacts: &mut [ContactRecord], last: &[ContactRecord], materials: &Materials) {
+fn match_impulses(
+    contacts: &mut [ContactRecord],
+    before: Before<'_>,
+    materials: &Materials,
+    closing_speed: impl Fn(&ContactRecord) -> Real,
+) {
     let Some(first) = contacts.first().map(ContactRecord::key) else { return };
+    let last = before.contacts;
     let mut last = last[last.partition_point(|old| old.key() < first)..].iter().peekable();
     for contact in contacts {
         while last.next_if(|old| old.key() < contact.key()).is_some() {}
         if let Some(old) = last.next_if(|old| old.key() == contact.key()) {
             contact.take_impulses_of(old);
+            // What was stopped early in the step before touches now, and met then.
+            let has_met = old.impulse_of_step() > 0.0;
+            contact.closing_speed = if contact.touched || has_met { old.closing_speed } else { closing_speed(contact) };
+            let is_of_begin = before.is_of_step || (has_met && !contact.touched);
+            contact.earlier_impulse = if is_of_begin { old.impulse_of_step() } else { 0.0 };
+        } else {
+            contact.closing_speed = closing_speed(contact);
         }
         contact.set_surface(&materials.between(contact.slots, contact.part));
     }

@@ -48,6 +48,9 @@ pub(crate) struct SavedContact {
     /// As [`WorldFriction`] has them.
     pub(crate) margin: Real,
     pub(crate) halvings: Real,
+    /// How fast they came together, and the impulse along the normal over the step \[m/s\] \[N s\].
+    pub(crate) closing_speed: Real,
+    pub(crate) impulse_of_step: Real,
     pub(crate) points: [SavedPoint; MAX_MANIFOLD_POINTS],
     /// How many points there are.
     pub(crate) count: usize,
@@ -85,13 +88,14 @@ impl SavedPoint {
 
 impl SavedContact {
     /// How many numbers a contact has in a file, but for its points.
-    pub(crate) const NUMBERS: usize = 13;
+    pub(crate) const NUMBERS: usize = 15;
     pub(crate) const MAX_HALVINGS: u8 = MAX_HALVINGS;
 
     /// In the order of a file.
     pub(crate) fn numbers(&self) -> [Real; Self::NUMBERS] {
         let Self { normal: n, friction: [p, l], steady, gap_share, margin, halvings, .. } = *self;
-        [n.x, n.y, n.z, p.x, p.y, p.z, l.x, l.y, l.z, steady, gap_share, margin, halvings]
+        let impact = [self.closing_speed, self.impulse_of_step];
+        [n.x, n.y, n.z, p.x, p.y, p.z, l.x, l.y, l.z, steady, gap_share, margin, halvings, impact[0], impact[1]]
     }
 
     /// Of this many points, which are to be set.
@@ -101,7 +105,8 @@ impl SavedContact {
         numbers: [Real; Self::NUMBERS],
         count: usize,
     ) -> Self {
-        let [nx, ny, nz, px, py, pz, lx, ly, lz, steady, gap_share, margin, halvings] = numbers;
+        let [nx, ny, nz, px, py, pz, lx, ly, lz, steady, gap_share, margin, halvings, closing_speed, impulse_of_step] =
+            numbers;
         Self {
             bodies,
             part,
@@ -112,6 +117,8 @@ impl SavedContact {
             gap_share,
             margin,
             halvings,
+            closing_speed,
+            impulse_of_step,
             points: [SavedPoint::NONE; MAX_MANIFOLD_POINTS],
             count,
         }
@@ -202,6 +209,8 @@ impl ContactRecord {
             gap_share: self.normal_impulses.gap_share,
             margin: self.margin(),
             halvings: Real::from(self.halvings()),
+            closing_speed: self.closing_speed,
+            impulse_of_step: self.impulse_of_step(),
             points,
             count: self.count(),
         }
@@ -214,6 +223,7 @@ impl ContactRecord {
         (contact.geometry.normal, contact.geometry.count) = (saved.normal, saved.count as Real);
         (contact.normal_impulses.steady, contact.normal_impulses.gap_share) = (steady, gap_share);
         contact.friction = WorldFriction { linear, angular, margin, halvings };
+        (contact.closing_speed, contact.total_impulse) = (saved.closing_speed, saved.impulse_of_step);
         for (j, point) in saved.points.iter().enumerate().take(saved.count) {
             let pair = &mut contact.points[j / 2];
             (pair.positions[j % 2], pair.separations[j % 2]) = (point.position, point.separation);

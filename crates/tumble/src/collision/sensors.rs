@@ -17,6 +17,15 @@ use crate::threads::InParts;
 
 /// A body that comes into a [sensor](crate::Collider::sensor), or leaves it; see
 /// [`Simulation::sensor_events`](crate::Simulation::sensor_events).
+///
+/// ```
+/// # use tumble::{SensorEvent, prelude::*};
+/// # let simulation = Simulation::new(Settings::default())?;
+/// let is_in = |event: &SensorEvent| event.begins;
+/// let arrived: Vec<_> = simulation.sensor_events().filter(is_in).map(|event| event.body).collect();
+/// # assert!(arrived.is_empty());
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct SensorEvent {
     /// The body that has the sensor.

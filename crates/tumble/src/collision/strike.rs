@@ -1,8 +1,8 @@
 //! The blow of two bodies in one point: with restitution, and friction after it.
 //!
-//! Along the normal a blow takes the speed to that of the bounce, and then friction takes what is left
-//! across it as far as its cone lets it: each by the mass that moves in its direction, so that neither
-//! makes energy.
+//! Along the normal a blow takes the speed to that of the bounce, and then friction takes what is
+//! left across it as far as its cone lets it: each by the mass that moves in its direction, so that
+//! neither makes energy.
 
 use tumble_math::lane::{Quat, Vec3};
 
@@ -38,15 +38,15 @@ struct Responding {
 /// come together; what comes faster than `threshold` [m/s] bounces.
 pub(crate) fn strike(
     columns: &mut WorldColumns<'_>,
-    both: [Struck; 2],
+    both: &[Struck; 2],
     normal: Vec3<Real>,
     surface: &Surface,
     threshold: Real,
 ) {
     let [Some(mut first), Some(mut second)] = both.each_ref().map(|it| Responding::of(columns, it)) else { return };
     if normal.dot(second.velocity_at() - first.velocity_at()) >= 0.0 {
-        // What spins away at this point while it comes nearer will meet it with another: in the mean
-        // it is a ball.
+        // What spins away at this point while it comes nearer will meet it with another: in the
+        // mean it is a ball.
         for it in [&mut first, &mut second].into_iter().filter(|it| it.derived.is_some()) {
             it.arm = Vec3::zero();
         }
@@ -70,7 +70,7 @@ pub(crate) fn strike(
         let rubbed = if sticks { holds } else { holds.min(surface.dynamic_friction * pressed) };
         push(&mut first, &mut second, along * -rubbed);
     }
-    for (it, struck) in [first, second].iter().zip(&both) {
+    for (it, struck) in [first, second].iter().zip(both) {
         it.write(columns, struck);
     }
 }

@@ -1,20 +1,24 @@
-//! The second net for fast bodies: the way that a body really took in a substep is swept, and one of
-//! which the core would be through something is put back to where that touches, with a blow.
+//! The second net for fast bodies: the way that a body really took in a substep is swept, and one
+//! of which the core would be through something is put back to where that touches, with a blow.
 //!
 //! Contacts foresee what bodies do with the velocities that a substep begins with. A blow changes
-//! them within it: a box that hits a wall with a corner spins, and other corners follow. The way from
-//! the first to the last pose is continuous, so what is on the other side at its end has crossed.
+//! them within it: a box that hits a wall with a corner spins, and other corners follow. The way
+//! from the first to the last pose is continuous, so what is on the other side at its end has
+//! crossed.
 
 use rayon::prelude::*;
 use tumble_collide::{Aabb, ColliderShape, Passage};
 use tumble_math::lane::{Quat, Vec3};
 
+use crate::collision::collider::Collider;
 use crate::collision::pipeline::CollisionPipeline;
 use crate::collision::strike::{Struck, strike};
-use crate::collision::traveller::{Traveller, find, first_passage, pose_of, turned_end};
+use crate::collision::traveller::{Traveller, find, first_passage, moves_in_range, pose_of, turned_end};
 use crate::components::Pose;
 use crate::joints::joint_list::JointList;
 use crate::math::{Real, quat, vec3};
+use crate::range::{MAX_DISTANCE_OF_CONTACTS, within};
+use crate::settings::Settings;
 use crate::storage::body_index::Slot;
 use crate::storage::world_columns::WorldColumns;
 use crate::threads::InParts;
@@ -23,6 +27,8 @@ use crate::threads::InParts;
 const SLOW: Real = 0.5;
 /// What is in something else by this part of its half thickness is swept however slow it is.
 const DEEP: Real = 0.25;
+/// What comes nearer to another's middle than this part of both half thicknesses went through.
+const DEEP_IN: f64 = 0.5;
 /// Bodies that one thread compares, and that it follows, at a time.
 const PART: usize = 1024;
 const FEW: usize = 4;
@@ -59,8 +65,8 @@ struct Stop {
 
 impl CollisionPipeline {
     /// Puts back the dynamic bodies of which the core would be through something at the end of a
-    /// substep. What comes faster than `threshold` [m/s] may bounce.
-    pub(crate) fn stop_crossings(&mut self, columns: &mut WorldColumns<'_>, joints: &JointList, threshold: Real) {
+    /// substep of the settings.
+    pub(crate) fn stop_crossings(&mut self, columns: &mut WorldColumns<'_>, joints: &JointList, settings: &Settings) {
         let mut sweep = std::mem::take(&mut self.sweep);
         self.find_fast(&mut sweep, columns);
         if !sweep.fast.is_empty() {
@@ -68,7 +74,7 @@ impl CollisionPipeline {
         }
         if !sweep.pairs.is_empty() {
             self.list_travellers(&mut sweep, columns, joints);
-            self.stop_all(&mut sweep, columns, threshold);
+            self.stop_all(&mut sweep, columns, settings);
         }
         self.sweep = sweep;
     }
@@ -125,9 +131,12 @@ impl CollisionPipeline {
     /// Lists each fast body with what is near its way.
     fn find_pairs(&self, Sweep { fast, pairs, .. }: &mut Sweep, columns: &WorldColumns<'_>, joints: &JointList) {
         let groups = &self.colliders.groups;
-        let is_solid = |slot: Slot| self.colliders.get(slot).is_some_and(|(it, _)| !it.is_sensor());
+        let is_solid = |slot: Slot| {
+            self.colliders.get(slot).is_some_and(|(it, _)| !it.is_sensor()) && self.is_in_range(slot, columns)
+        };
         let state = |slot: Slot| &self.collider_states.states[slot.index()];
-        // Half-spaces push out what is in them however deep it is; other parts of a compound do not.
+        // Half-spaces push out what is in them however deep it is; other parts of a compound do
+        // not.
         let is_compound = |slot: &u32| {
             let collider = self.colliders.get(Slot(*slot));
             collider.is_some_and(|(it, _)| matches!(it.geometry(), ColliderShape::Compound(_)))
@@ -153,6 +162,16 @@ impl CollisionPipeline {
         }
         pairs.sort_unstable();
         pairs.dedup();
+    }
+
+    /// Whether a body is where contacts find it, at the end too, and went no faster than bodies
+    /// may: others are to notice nothing of one that is not.
+    fn is_in_range(&self, slot: Slot, columns: &WorldColumns<'_>) -> bool {
+        let state = &self.collider_states.states[slot.index()];
+        let Some(end) = pose_of(columns, self.body_index.place(slot)) else { return false };
+        let places = [state.placement.position, state.center, end.position.into()];
+        let moves = moves_in_range(columns, self.body_index.place(slot), state.motion.radius);
+        places.into_iter().all(|at| within(at, MAX_DISTANCE_OF_CONTACTS)) && end.orientation.is_finite() && moves
     }
 
     /// The box around a body's way.
@@ -191,7 +210,7 @@ impl CollisionPipeline {
     }
 
     /// Follows all pairs, and stops what crosses, the earliest first.
-    fn stop_all(&self, sweep: &mut Sweep, columns: &mut WorldColumns<'_>, threshold: Real) {
+    fn stop_all(&self, sweep: &mut Sweep, columns: &mut WorldColumns<'_>, settings: &Settings) {
         for _ in 0..ROUNDS {
             let Sweep { travellers, places, stops, sorted, limits, .. } = sweep;
             stops.clear();
@@ -213,7 +232,7 @@ impl CollisionPipeline {
             for stop in &*sorted {
                 // What was stopped in this round is followed again in the next.
                 if [stop.traveller, stop.other].iter().all(|it| travellers[*it].until == limits[*it]) {
-                    self.stop(stop, travellers, columns, threshold);
+                    self.stop(stop, travellers, columns, settings);
                 }
             }
         }
@@ -242,9 +261,13 @@ impl CollisionPipeline {
             let until = from + passage.until * (to - from);
             Some(Stop { traveller, other, part, passage: Passage { until, ..passage } })
         })?;
-        // Two that move and overlap in the end are held by their contact.
-        let is_through = !first.is_dynamic || !first.overlaps_in_the_end(a, second, b);
-        is_through.then_some(stop)
+        // Two that move and overlap in the end are held by their contact, unless one is past the
+        // middle of the other: that would push them on.
+        let deep = DEEP_IN * f64::from(a.geometry().ccd_thickness() + b.geometry().ccd_thickness());
+        let is_past = is_one_piece(a) && is_one_piece(b) && first.is_passed(second, stop.passage.normal, deep);
+        let is_through = !first.is_dynamic || is_past || !first.overlaps_in_the_end(a, second, b);
+        let is_stop = is_through && !self.lets_pass([first.slot, second.slot], stop.part, &stop.passage);
+        is_stop.then_some(stop)
     }
 
     /// Stops a body, and another that is as fast, with the impulses of a blow.
@@ -253,12 +276,13 @@ impl CollisionPipeline {
         &Stop { traveller, other, part, passage }: &Stop,
         travellers: &mut [Traveller],
         columns: &mut WorldColumns<'_>,
-        threshold: Real,
+        settings: &Settings,
     ) {
+        let gained = settings.gravity * settings.substep();
         let are_both_fast = travellers[other].is_fast && travellers[other].is_free;
-        travellers[traveller].stop(passage.until, (!are_both_fast).then_some(other), columns);
+        travellers[traveller].stop(passage.until, (!are_both_fast).then_some(other), columns, gained);
         if are_both_fast {
-            travellers[other].stop(passage.until, None, columns);
+            travellers[other].stop(passage.until, None, columns, gained);
         }
         let both = [other, traveller].map(|it| &travellers[it]);
         let [first, second] = both.map(|it| {
@@ -269,8 +293,14 @@ impl CollisionPipeline {
         });
         let surface = self.colliders.materials.between(both.map(|it| it.slot), part);
         let normal: Vec3<Real> = vec3(passage.normal.into()).into();
-        strike(columns, [first, second], normal, &surface, threshold);
+        strike(columns, &[first, second], normal, &surface, settings.restitution_threshold);
     }
+}
+
+/// Whether a collider is one convex shape about its origin.
+fn is_one_piece(collider: &Collider) -> bool {
+    use ColliderShape::{Compound, HeightField, Hull, Mesh};
+    !matches!(collider.geometry(), Compound(_) | HeightField(_) | Hull(_) | Mesh(_))
 }
 
 /// Has threads find something in parts, into lists that are used again.

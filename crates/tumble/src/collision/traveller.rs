@@ -6,10 +6,12 @@ use tumble_math::lane::{Quat, Vec3};
 use crate::collision::collider::Collider;
 use crate::collision::collider_state::ColliderState;
 use crate::collision::compound_parts::wide;
-use crate::components::{Momentum, Pose};
+use crate::components::{Momentum, Pose, Velocity};
 use crate::integrators::kinetic_energy::KineticEnergy;
+use crate::integrators::response_range::responds_in_range;
 use crate::integrators::state::{Constants, Moments, State};
-use crate::math::{Real, dquat, dvec3, quat, vec3};
+use crate::math::{Real, Vec3 as WorldVec3, dquat, dvec3, quat, vec3};
+use crate::range::{MAX_SPEED, within};
 use crate::storage::body_index::{RowPlace, Slot};
 use crate::storage::world_columns::{ArchetypeBodies, WorldColumns};
 
@@ -35,8 +37,8 @@ pub(crate) struct Traveller {
 }
 
 impl Traveller {
-    /// A body whose collider was in this state when the substep began; whether it can be put back, and
-    /// whether it is fast.
+    /// A body whose collider was in this state when the substep began; whether it can be put back,
+    /// and whether it is fast.
     pub(crate) fn of(
         slot: Slot,
         place: RowPlace,
@@ -71,16 +73,23 @@ impl Traveller {
         Isometry { position: center, orientation }
     }
 
-    /// Stops it at a moment, to stay with another from then on. Its angular momentum turns with it: so
-    /// it has the energy that it had.
-    pub(crate) fn stop(&mut self, moment: f64, with: Option<usize>, columns: &mut WorldColumns<'_>) {
+    /// Stops it at a moment, to stay with another from then on. Its angular momentum turns with it,
+    /// and gravity, which gives `gained` [m/s] in a substep, has done nothing since: so it has the
+    /// energy that it had.
+    pub(crate) fn stop(&mut self, moment: f64, with: Option<usize>, columns: &mut WorldColumns<'_>, gained: WorldVec3) {
+        let row = self.place.row as usize;
+        if let Some(columns) = columns.dynamic_mut(self.place) {
+            let scale = columns.gravity_scale.as_deref().map_or(1.0, |scales| scales[row].0);
+            let left_out = crate::math::real(self.until - moment) * scale * columns.mass[row].kilograms();
+            columns.momentum[row].linear -= gained * left_out;
+        }
         let turned_back = self.at(moment).orientation * self.at(self.until).orientation.conjugate();
         turn_momentum(columns, self.place, turned_back);
         (self.until, self.with) = (moment, with);
     }
 
-    /// Writes where it was stopped, with what it touches for the rest of the substep, and books what
-    /// that did.
+    /// Writes where it was stopped, with what it touches for the rest of the substep, and books
+    /// what that did.
     pub(crate) fn write(&self, travellers: &[Self], columns: &mut WorldColumns<'_>) {
         let here = self.at(self.until);
         let place = match self.with.map(|other| &travellers[other].course) {
@@ -100,6 +109,16 @@ impl Traveller {
         {
             work[row].contacts += after - before;
         }
+    }
+
+    /// Whether another body that met this one in the direction of a normal is past its middle in
+    /// the end, in that direction or on a way that came nearer to it than `deep` \[m\].
+    pub(crate) fn is_passed(&self, other: &Self, normal: Vec3<f64>, deep: f64) -> bool {
+        let [start, end] = [0.0, 1.0].map(|moment| other.course.at(moment).position - self.course.at(moment).position);
+        let way = end - start;
+        let beyond = way.dot(end) / way.dot(way);
+        let nearest = end - way * beyond;
+        normal.dot(end) < 0.0 || (beyond > 0.0 && nearest.dot(nearest) < deep * deep)
     }
 
     /// Whether solid parts of two bodies overlap at the end of the substep.
@@ -135,6 +154,21 @@ pub(crate) fn state_of(columns: &WorldColumns<'_>, place: RowPlace) -> Option<(C
     let inertia = columns.inertia.as_deref().map(|inertia| Moments::new(&inertia[row], axes));
     let constants = Constants { mass: columns.mass[row].kilograms(), inertia, damping: None };
     Some((constants, State::new(&columns.pose[row], &columns.momentum[row])))
+}
+
+/// Whether a body moves as fast as bodies may, also where impulses act on it this far from its
+/// centre \[m\].
+pub(crate) fn moves_in_range(columns: &WorldColumns<'_>, place: RowPlace, radius: Real) -> bool {
+    match state_of(columns, place) {
+        Some((constants, state)) => responds_in_range(&constants, [state.linear, state.angular], radius),
+        None => match columns.bodies(place) {
+            ArchetypeBodies::NonDynamic(columns) => {
+                let Velocity { linear, angular } = columns.velocity(place.row as usize);
+                [linear, angular].into_iter().all(|it| within(it.into(), MAX_SPEED))
+            }
+            _ => false,
+        },
+    }
 }
 
 /// Where a place is at the end that goes along with a course from a moment on.

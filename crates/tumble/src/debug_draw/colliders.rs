@@ -9,10 +9,18 @@ use crate::components::Pose;
 use crate::debug_draw::outline::outline;
 use crate::math::{Real, dquat, dvec3};
 
-/// The edges of a collider of a body whose frame is given.
-pub(crate) fn outline_collider(collider: &Collider, frame: Pose, draw: &mut dyn FnMut(DVec3, DVec3)) {
+/// The edges of a collider of a body whose frame is given, each with whether it is of a sensor.
+pub(crate) fn outline_collider(collider: &Collider, frame: Pose, draw: &mut dyn FnMut(DVec3, DVec3, bool)) {
     let frame = Isometry { position: frame.position.into(), orientation: frame.orientation.into() };
-    outline_geometry(collider.geometry(), &collider.placement(frame), draw);
+    let at = collider.placement(frame);
+    let ColliderShape::Compound(compound) = collider.geometry() else {
+        let is_sensor = collider.is_sensor();
+        return outline_geometry(collider.geometry(), &at, &mut |from, to| draw(from, to, is_sensor));
+    };
+    for (place, (inner, part)) in (0..).zip(compound.parts()) {
+        let (_, is_sensor) = collider.role_of_part(place);
+        outline_geometry(part, &at.then(inner), &mut |from, to| draw(from, to, is_sensor));
+    }
 }
 
 /// Solids are outlined as the shapes that they are of; surfaces have edges of their own.
@@ -38,13 +46,7 @@ fn outline_geometry(geometry: &ColliderShape<Real>, at: &Isometry<Real>, draw: &
         ColliderShape::Hull(ref hull) => return hull.edges().for_each(edge),
         ColliderShape::Mesh(ref mesh) => return mesh.edges().for_each(edge),
         ColliderShape::HeightField(ref field) => return field.edges().for_each(edge),
-        ColliderShape::Compound(ref compound) => {
-            for (inner, part) in compound.parts() {
-                outline_geometry(part, &at.then(inner), draw);
-            }
-            return;
-        }
-        // A half-space has no edges.
+        // A half-space has no edges; parts of compounds are outlined one by one.
         _ => return,
     };
     outline(&shape, position, orientation, draw);

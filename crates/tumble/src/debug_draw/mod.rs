@@ -5,6 +5,7 @@ pub(crate) mod contacts;
 pub(crate) mod joint_limits;
 pub(crate) mod joints;
 pub(crate) mod outline;
+pub(crate) mod rays;
 pub(crate) mod springs;
 
 use std::f64::consts::SQRT_2;
@@ -132,7 +133,7 @@ pub struct DebugView {
     /// arrow: metres for 1 N.
     pub joint_forces: Option<Real>,
     /// Edges of each [`Collider`] at its place: what others bump into, which need not be what is
-    /// seen. A half-space has none.
+    /// seen. A half-space has none. [Sensors](Collider::sensor) have a colour of their own.
     pub colliders: bool,
     /// A cross at each point where bodies touch, in the plane between them: its width \[m\].
     /// [`draw_contacts`](Self::draw_contacts) draws it.
@@ -185,6 +186,10 @@ impl DebugView {
     pub const LIMIT_REACHED: [f32; 3] = [0.98, 0.36, 0.30];
     /// Colour of colliders.
     pub const COLLIDER: [f32; 3] = [0.30, 0.90, 0.62];
+    /// Colour of colliders that are sensors.
+    pub const SENSOR: [f32; 3] = [0.96, 0.62, 0.80];
+    /// Colour of rays up to what they meet, and of those that meet nothing.
+    pub const RAY: [[f32; 3]; 2] = [[0.99, 0.93, 0.45], [0.60, 0.62, 0.55]];
     /// Colour of contacts: of where bodies touch, and of what pushes there.
     pub const CONTACT: [f32; 3] = [0.72, 0.98, 0.25];
 
@@ -233,7 +238,9 @@ impl DebugView {
             draw_outline(entity, &pose, &mut pen);
         }
         if let (true, Some(collider)) = (self.colliders, entity.get::<&Collider>()) {
-            outline_collider(&collider, body_frame(entity, &pose), &mut |from, to| pen.line(from, to, Self::COLLIDER));
+            outline_collider(&collider, body_frame(entity, &pose), &mut |from, to, is_sensor| {
+                pen.line(from, to, if is_sensor { Self::SENSOR } else { Self::COLLIDER });
+            });
         }
         let principal = principal_frame(entity, &pose);
         let ellipsoid = self.ellipsoids.then(|| equivalent_radii(entity)).flatten();

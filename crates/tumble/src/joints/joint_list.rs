@@ -8,6 +8,7 @@ use crate::components::Pose;
 use crate::event_log::EventLog;
 use crate::joints::breakable::Breakable;
 use crate::joints::gear::Gear;
+use crate::joints::ignore_contacts::IgnoreContacts;
 use crate::joints::joint::Joint;
 use crate::joints::joint_event::JointEvent;
 use crate::joints::joint_load::JointLoad;
@@ -47,6 +48,9 @@ pub(crate) struct ListedGear {
 #[derive(Clone, Debug, Default)]
 pub(crate) struct JointList {
     pub(crate) joints: Vec<ListedJoint>,
+    /// Pairs of bodies that ignore each other, and their slots; memory.
+    ignoring: Vec<[Entity; 2]>,
+    ignored: Vec<[Slot; 2]>,
     /// Pairs of slots whose colliders do not touch, the lower first, in order.
     untouching: Vec<[Slot; 2]>,
     /// The same in the step before.
@@ -147,6 +151,10 @@ impl JointList {
         if !joints.is_sorted_by(|a, b| a.cmp(b, options).is_le()) {
             joints.sort_unstable_by(|a, b| a.cmp(b, options));
         }
+        IgnoreContacts::list(world, &mut self.ignoring);
+        let slots = |[a, b]: &[Entity; 2]| Some([body_index.slot(a.id())?, body_index.slot(b.id())?]);
+        self.ignored.clear();
+        self.ignored.extend(self.ignoring.iter().filter_map(slots));
         self.all_gears.clear();
         self.all_gears.extend(world.query::<&Gear>().iter().filter(|gear| gear.is_in_range()));
         self.find_gears();
@@ -201,11 +209,11 @@ impl JointList {
     }
 
     fn find_untouching(&mut self) -> bool {
-        let Self { joints, untouching, untouching_before, .. } = self;
+        let Self { joints, ignored, untouching, untouching_before, .. } = self;
         std::mem::swap(untouching, untouching_before);
         untouching.clear();
         let apart = joints.iter().filter(|it| !it.joint.contacts_enabled).map(|it| it.slots);
-        untouching.extend(apart.map(|[a, b]| [a.min(b), a.max(b)]));
+        untouching.extend(apart.chain(ignored.iter().copied()).map(|[a, b]| [a.min(b), a.max(b)]));
         untouching.sort_unstable();
         untouching.dedup();
         let same = untouching == untouching_before;
@@ -227,6 +235,7 @@ impl JointList {
     pub(crate) fn clear(&mut self) {
         self.joints.clear();
         self.gears.clear();
+        self.ignored.clear();
         self.untouching.clear();
         self.idle_loads.clear();
     }
@@ -235,7 +244,7 @@ impl JointList {
         self.joints.is_empty()
     }
 
-    /// Whether a joint keeps the colliders of two bodies from touching.
+    /// Whether a joint keeps the colliders of two bodies from touching, or they ignore each other.
     pub(crate) fn keeps_apart(&self, [a, b]: [Slot; 2]) -> bool {
         !self.untouching.is_empty() && self.untouching.binary_search(&[a.min(b), a.max(b)]).is_ok()
     }

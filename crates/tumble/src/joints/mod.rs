@@ -6,6 +6,7 @@ pub(crate) mod drives;
 pub(crate) mod friction;
 pub(crate) mod gain;
 pub(crate) mod gear;
+pub(crate) mod ignore_contacts;
 pub(crate) mod joint;
 pub(crate) mod joint_error;
 pub(crate) mod joint_event;

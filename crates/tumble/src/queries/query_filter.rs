@@ -15,7 +15,7 @@ use crate::components::BodyKind;
 ///
 /// let mut world = hecs::World::new();
 /// let collider = Collider::new(&Shape::sphere(0.5))?;
-/// let ball = |x: f32| RigidBody::new(Shape::sphere(0.5)).mass(1.0).position(Vec3::X * x as _).build();
+/// let ball = |x: Real| RigidBody::new(Shape::sphere(0.5)).mass(1.0).position(Vec3::X * x).build();
 /// let shooter = ball(0.0)?.spawn_with(&mut world, (collider.clone(),));
 /// let friend = ball(3.0)?.spawn_with(&mut world, (collider.clone(),));
 /// let target = ball(6.0)?.spawn_with(&mut world, (collider,));

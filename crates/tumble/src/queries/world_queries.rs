@@ -130,7 +130,7 @@ impl<'a> Queries<'a> {
     /// RigidBody::new(Shape::Point).fixed().build()?.spawn_with(&mut world, (Collider::half_space(),));
     ///
     /// let simulation = Simulation::new(Settings::default())?;
-    /// let rays: Vec<_> = (1..4).map(|y| Ray::new(Vec3::Y * y as f32 as _, -Vec3::Y)).collect();
+    /// let rays = [1.0, 2.0, 3.0].map(|y| Ray::new(Vec3::Y * y, -Vec3::Y));
     /// let hits = simulation.queries(&world).cast_rays(&rays, &QueryFilter::new());
     /// assert!(hits.iter().map(|hit| hit.unwrap().distance).eq([1.0, 2.0, 3.0]));
     /// # Ok::<(), Box<dyn std::error::Error>>(())
@@ -169,9 +169,9 @@ impl<'a> Queries<'a> {
     /// use tumble::{Collider, QueryFilter, Ray, prelude::*};
     ///
     /// let mut world = hecs::World::new();
-    /// for x in 1..4 {
+    /// for x in [1.0, 2.0, 3.0] {
     ///     let collider = Collider::new(&Shape::sphere(0.25))?;
-    ///     let ball = RigidBody::new(Shape::sphere(0.25)).mass(1.0).position(Vec3::X * x as f32 as _);
+    ///     let ball = RigidBody::new(Shape::sphere(0.25)).mass(1.0).position(Vec3::X * x);
     ///     ball.build()?.spawn_with(&mut world, (collider,));
     /// }
     /// let simulation = Simulation::new(Settings::default())?;

@@ -16,7 +16,7 @@
 //! | 8 or 4 a body in contact | who it is: identities of those that have one, then numbers of entities, each in ascending order |
 //! | 3 numbers a body in contact | where its centre of mass was when the last step began |
 //! | 8 a body in contact | how much inertia the loads of its joints ask for, in double precision; bodies with such a load are among those in contact |
-//! | 16 and 13 numbers a contact | two bodies, as indices of those in contact; which of the contacts of the two; number of points, and 256 if the two touched before. Normal from the first to the second; impulse and angular impulse of friction on the second; how steady its effective masses were, from 0 to 1; which share of the gap is before its points; the margin; how often the substeps of its island were halved. In the order of both bodies, the lower index first, and which |
+//! | 16 and 15 numbers a contact | two bodies, as indices of those in contact; which of the contacts of the two; number of points, and 256 if the two touched before. Normal from the first to the second; impulse and angular impulse of friction on the second; how steady its effective masses were, from 0 to 1; which share of the gap is before its points; the margin; how often the substeps of its island were halved; how fast they came together; impulse along the normal over the step. In the order of both bodies, the lower index first, and which |
 //! | 4 and 5 numbers a point | contact by contact: which features meet; place, from the second body's centre of mass; separation; impulse along the normal |
 //! | 8 a breakable joint | which it is: identities of those that have one, then entities as bits, each in ascending order |
 //! | 1 a breakable joint | 1 if it is broken, 0 if not |
@@ -45,10 +45,10 @@ const UNIT_TOLERANCE: f64 = 1e-3;
 
 impl Snapshot {
     /// The version of the format of [`to_bytes`](Self::to_bytes).
-    pub const VERSION: u32 = 5;
+    pub const VERSION: u32 = 6;
 
     /// The snapshot as bytes for a file or a peer: 144 bytes and 60 a body in single precision, 112
-    /// in double, with up to 160 or 288 a contact, 28 or 40 a body that has any, or that joints
+    /// in double, with up to 168 or 304 a contact, 28 or 40 a body that has any, or that joints
     /// load, and 9 a breakable joint. Bodies are in the order of their [`BodyId`]s, so the same
     /// state gives the same bytes, whatever the order they were spawned in.
     ///

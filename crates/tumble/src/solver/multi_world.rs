@@ -58,6 +58,7 @@ impl MultiWorld {
     pub(crate) fn return_impulses(&mut self, contacts: &mut [ContactRecord]) {
         for (contact, solved) in contacts.iter_mut().zip(&self.contacts[self.returned..]) {
             (contact.normal_impulses, contact.friction) = (solved.normal_impulses, solved.friction);
+            contact.total_impulse = solved.total_impulse;
         }
         self.returned += contacts.len();
     }

@@ -7,7 +7,7 @@ use crate::collision::contact_materials::Extras;
 use crate::math::Real;
 use crate::simd::{BLOCK, Kernel, RowColors, dispatch_in_blocks};
 use crate::solver::body_rows::{BodyPose, DeltaPose};
-use crate::solver::contact::constraint::{Block, Bounce, Rolling};
+use crate::solver::contact::constraint::{Belt, Block, Bounce, Rolling};
 use crate::solver::contact::prepare::Prepare;
 use crate::solver::contact::restitution::{ApplyRestitution, RecordApproachSpeed, SubstepMoment};
 use crate::solver::contact::round_contacts;
@@ -42,11 +42,12 @@ struct BlockSheet<const P: usize, const C: usize> {
     blocks: Vec<Block<P, C>>,
     rolling: Vec<Rolling>,
     bounces: Vec<Bounce<P>>,
+    belts: Vec<Belt>,
 }
 
 impl<const P: usize, const C: usize> Default for BlockSheet<P, C> {
     fn default() -> Self {
-        Self { blocks: Vec::new(), rolling: Vec::new(), bounces: Vec::new() }
+        Self { blocks: Vec::new(), rolling: Vec::new(), bounces: Vec::new(), belts: Vec::new() }
     }
 }
 
@@ -241,6 +242,7 @@ impl<const P: usize, const C: usize> BlockSheet<P, C> {
         self.blocks.truncate(count);
         self.rolling.resize(if extras.rolls { count } else { 0 }, Rolling::NONE);
         self.bounces.resize(if extras.bounces { count } else { 0 }, Bounce::NONE);
+        self.belts.resize(if extras.conveys { count } else { 0 }, Belt::NONE);
     }
 
     /// Notes where each contact is.
@@ -262,6 +264,7 @@ impl<const P: usize, const C: usize> BlockSheet<P, C> {
             blocks: &mut self.blocks[range.clone()],
             rolling: self.rolling.get_mut(range.clone()).unwrap_or_default(),
             bounces: self.bounces.get_mut(range.clone()).unwrap_or_default(),
+            belts: self.belts.get_mut(range.clone()).unwrap_or_default(),
         }
     }
 }

@@ -130,11 +130,12 @@ impl Simulation {
     ///
     /// A pair begins and ends once, whatever happens at its points, and not while it rests: see
     /// [`Contact::touches`](crate::Contact::touches). What hits another, does not bounce and is
-    /// pushed away within a step is not told of. A body that was despawned has ended to touch in
+    /// pushed away within a step is not told of, nor what bounces in a
+    /// [substep of the settings](crate::Settings::substeps) before the last. A body that was despawned has ended to touch in
     /// the step after.
     ///
     /// Those of a single step are put together when they are asked for. Of several, those of all
-    /// but the last are kept, twenty bytes each, until the next call.
+    /// but the last are kept, fifty-six bytes each, until the next call.
     ///
     /// ```
     /// # use tumble::{ContactEvent, prelude::*};
@@ -143,7 +144,9 @@ impl Simulation {
     /// simulation.advance(&mut world, frame_seconds);
     /// for event in simulation.contact_events() {
     ///     match event {
-    ///         ContactEvent::Begin([first, second]) => println!("{first:?} hits {second:?}"),
+    ///         ContactEvent::Begin([first, second], impact) => {
+    ///             println!("{first:?} hits {second:?} at {} m/s", impact.speed);
+    ///         }
     ///         ContactEvent::End([first, second]) => println!("{first:?} leaves {second:?}"),
     ///     }
     /// }
@@ -151,9 +154,7 @@ impl Simulation {
     /// ```
     pub fn contact_events(&self) -> impl Iterator<Item = ContactEvent> + '_ {
         let collision = self.collision().filter(|_| self.has_stepped);
-        let of_call = collision
-            .into_iter()
-            .flat_map(|it| it.cache.events.iter().copied().chain(it.cache.events_of_step(&it.contacts.records)));
+        let of_call = collision.into_iter().flat_map(|it| it.cache.events.iter().copied().chain(it.events_of_step()));
         self.events.iter().copied().chain(of_call)
     }
 
@@ -224,13 +225,16 @@ impl CollisionPipeline {
         order.into_iter().map(|contact| self.report_one(contact))
     }
 
+    /// Where the surfaces of a contact meet at a point \[m\], world frame.
+    pub(crate) fn position(&self, contact: &ContactRecord, j: usize) -> Vec3 {
+        Vec3::from(self.center(contact.slots[1])) + Vec3::from(contact.half_way(j))
+    }
+
     fn report_one(&self, contact: &ContactRecord) -> Contact {
-        let center = Vec3::from(self.center(contact.slots[1]));
         let mut points = [ContactPoint::default(); MAX_MANIFOLD_POINTS];
         for (j, point) in points.iter_mut().enumerate().take(contact.count()) {
-            let place = Vec3::from(contact.half_way(j));
             let (separation, impulse) = (contact.separation(j), contact.normal_impulses.at_points[j]);
-            *point = ContactPoint { position: center + place, separation, impulse };
+            *point = ContactPoint { position: self.position(contact, j), separation, impulse };
         }
         // What the solver has for the first may be the second in order.
         let sign = if contact.slots[0] < contact.slots[1] { 1.0 } else { -1.0 };

@@ -280,8 +280,7 @@ impl<'a> InteractingWorld<'a> {
     pub(crate) fn stop_crossings(&mut self) {
         let Interactions { collision, mechanisms, .. } = &mut *self.interactions;
         if let Some(collision) = collision {
-            let threshold = self.settings.restitution_threshold;
-            collision.stop_crossings(&mut self.columns, &mechanisms.list, threshold);
+            collision.stop_crossings(&mut self.columns, &mechanisms.list, self.settings);
         }
     }
 

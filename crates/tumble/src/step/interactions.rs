@@ -5,6 +5,7 @@ use std::fmt;
 use hecs::World;
 
 use crate::collision;
+use crate::collision::contact_hook::ContactHook;
 use crate::collision::pipeline::CollisionPipeline;
 use crate::forces::pairwise;
 use crate::forces::pairwise::PairForces;
@@ -20,6 +21,8 @@ pub(crate) struct Interactions {
     pub(crate) pairs: Option<PairForces>,
     pub(crate) collision: Option<CollisionPipeline>,
     pub(crate) mechanisms: Mechanisms,
+    /// The caller's.
+    pub(crate) contact_hook: Option<ContactHook>,
     joint_ends: JointEnds,
     /// In the last substep; no state.
     pub(crate) constrained: ConstrainedBodies,
@@ -29,7 +32,7 @@ pub(crate) struct Interactions {
 
 impl fmt::Debug for Interactions {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let Self { pairs, collision, mechanisms: _, joint_ends: _, constrained: _, solver: _ } = self;
+        let Self { pairs, collision, mechanisms: _, contact_hook: _, joint_ends: _, constrained: _, solver: _ } = self;
         f.debug_struct("Interactions").field("pairs", pairs).field("collision", collision).finish_non_exhaustive()
     }
 }
@@ -52,8 +55,9 @@ impl Interactions {
             || joints::are_in(world)
             || self.collision.as_ref().is_some_and(|collision| !collision.are_over())
         {
-            let Self { collision, mechanisms, joint_ends, .. } = self;
+            let Self { collision, mechanisms, joint_ends, contact_hook, .. } = self;
             let collision = collision.get_or_insert_default();
+            collision.hook.clone_from(contact_hook);
             joint_ends.find(world);
             if !collision.update(world, joint_ends) {
                 mechanisms.renumber(collision.cache.body_keys.renumbered(), collision.body_index.len());

@@ -8,10 +8,10 @@ impl Simulation {
     /// call, as [`contact_events`](Self::contact_events): each event once, in the order of the
     /// steps, and within a step in the order of the bodies.
     ///
-    /// A body is in a sensor where their shapes have a point in common at the end of a step, or of a
-    /// substep of the settings. What passes through a sensor within one comes in and leaves in it.
-    /// What is in a sensor and is despawned, or loses its collider, leaves in the step after. After a
-    /// [`restore`](Self::restore) what is in a sensor has come in before.
+    /// A body is in a sensor where their shapes have a point in common at the end of a step, or of
+    /// a substep of the settings. What passes through a sensor within one comes in and leaves in
+    /// it. What is in a sensor and is despawned, or loses its collider, leaves in the step after.
+    /// After a [`restore`](Self::restore) what is in a sensor has come in before.
     ///
     /// ```
     /// # use tumble::prelude::*;

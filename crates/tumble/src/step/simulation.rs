@@ -4,6 +4,7 @@ use hecs::{Component, World};
 
 use crate::clock::Clock;
 use crate::collision::contact_events::ContactEvent;
+use crate::collision::contact_hook::{ContactHook, ContactProposal};
 use crate::collision::sensors::SensorEvent;
 use crate::forces::force_law::ForceLaw;
 use crate::forces::registry::ForceLaws;
@@ -246,6 +247,30 @@ impl Simulation {
             self.interactions = interactions;
             self.count_steps(count);
         }
+    }
+
+    /// Has a function see every contact before it is solved: it may change what friction and
+    /// restitution do there, and refuse it. See [`ContactProposal`].
+    ///
+    /// It is called in every substep of the settings, from any thread and in no order, with bodies
+    /// that touch or may in the next; so that runs can be repeated, it should depend on nothing but
+    /// what it gets and what only changes between steps. It replaces the one before it. It is no
+    /// state: snapshots do not hold it, and a [`restore`](Self::restore) leaves it. A
+    /// [`Batch`](crate::Batch) steps worlds with hooks one by one.
+    pub fn set_contact_hook(&mut self, hook: impl Fn(&mut ContactProposal) + Send + Sync + 'static) {
+        self.interactions.get_or_insert_default().contact_hook = Some(ContactHook::new(hook));
+    }
+
+    /// Takes the hook away again.
+    pub fn clear_contact_hook(&mut self) {
+        if let Some(interactions) = &mut self.interactions {
+            interactions.contact_hook = None;
+        }
+    }
+
+    /// Whether contacts are shown to a hook.
+    pub(crate) fn has_contact_hook(&self) -> bool {
+        self.interactions.as_ref().is_some_and(|interactions| interactions.contact_hook.is_some())
     }
 
     /// The world with its interactions, if bodies act on each other in it.

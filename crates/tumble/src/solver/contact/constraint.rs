@@ -56,6 +56,8 @@ pub(crate) struct Start<const P: usize> {
     pub(crate) steady: Lanes,
     /// Above zero where the impulses of this substep are an impact's: the next begins without.
     pub(crate) is_impact: Lanes,
+    /// Impulse along the normal of the substeps so far \[N s\].
+    pub(crate) total_impulse: Lanes,
     pub(crate) separations: [Lanes; P],
     pub(crate) normal: [Lanes; 3],
     pub(crate) tangent: [Lanes; 3],
@@ -107,6 +109,14 @@ pub(crate) struct Rolling {
     pub(crate) mass: [Lanes; 3],
     /// Angular impulse about the tangents [N m s].
     pub(crate) impulse: [Lanes; 2],
+}
+
+/// Moving surfaces of the contacts of a block.
+#[derive(Clone, Copy)]
+#[repr(C)]
+pub(crate) struct Belt {
+    /// That of the second body relative to the first at which nothing slides \[m/s\], world frame.
+    pub(crate) velocity: [Lanes; 3],
 }
 
 /// Restitution of the contacts of a block.
@@ -161,6 +171,7 @@ impl<const P: usize, const C: usize> Block<P, C> {
                 slide: ZEROS,
                 steady: ZEROS,
                 is_impact: ZEROS,
+                total_impulse: ZEROS,
                 separations: [ZEROS; P],
                 normal: [ZEROS; 3],
                 tangent: [ZEROS; 3],
@@ -174,6 +185,10 @@ impl<const P: usize, const C: usize> Block<P, C> {
 
 impl Rolling {
     pub(crate) const NONE: Self = Self { length: ZEROS, mass: [ZEROS; 3], impulse: [ZEROS; 2] };
+}
+
+impl Belt {
+    pub(crate) const NONE: Self = Self { velocity: [ZEROS; 3] };
 }
 
 impl<const P: usize> Bounce<P> {

@@ -71,6 +71,7 @@ impl<const P: usize, const C: usize> Kernel for Prepare<'_, P, C> {
         let warm_start = [h0 * kept, h1 * kept, h2 * kept, h3 * kept];
         put(steady, &mut block.start.steady, lane);
         put(T::select(zero.lt(steady), zero, one), &mut block.start.is_impact, lane);
+        put(zero, &mut block.start.total_impulse, lane);
         let mut j = 0;
         while j < P {
             let from_middle = places[j] - arm;
@@ -99,6 +100,7 @@ impl<const P: usize, const C: usize> Kernel for Prepare<'_, P, C> {
         effective_mass::compute(&mut blocks[index], rolling.get_mut(index), lane, &mobility, one);
         self.prepare_friction(index, lane, &patch, (&contacts, rolling_resistance));
         self.prepare_bounce(index, lane, restitution, (&bodies, &inv_inertia));
+        self.prepare_belt::<T>(index, lane, &contacts);
     }
 }
 
@@ -123,6 +125,14 @@ impl<const P: usize, const C: usize> Prepare<'_, P, C> {
             put(T::splat(0.0), &mut bounce.approach[j], lane);
             put(speeds[j], &mut bounce.before[j], lane);
             j += 1;
+        }
+    }
+
+    /// Notes how the surfaces move on their bodies.
+    #[inline(always)]
+    fn prepare_belt<T: Tile>(&mut self, index: usize, lane: usize, contacts: &ContactLanes<'_>) {
+        if let Some(belt) = self.blocks.belts.get_mut(index) {
+            put_vector(contacts.surface_velocity::<T>(), &mut belt.velocity, lane);
         }
     }
 

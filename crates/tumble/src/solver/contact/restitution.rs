@@ -130,8 +130,11 @@ impl<const P: usize, const C: usize> Kernel for ApplyRestitution<'_, P, C> {
         let (linear, angular) = along_normals(block, &frame, lane, changes);
         bodies.push(arms, linear, angular);
 
+        let total: T = at(&block.start.total_impulse, lane);
+        put(total + added, &mut block.start.total_impulse, lane);
         let (contact, limit) = ((&frame, lane), added.max(zero));
-        let motion = (&inv_inertia, arms, Vec3::zero());
+        let motion = (&inv_inertia, arms, self.blocks.slip_reference(index, lane, Vec3::zero()));
+        let block = &self.blocks.blocks[index];
         apply_friction(
             FrictionImpulse::none(),
             block,

@@ -6,7 +6,7 @@ use crate::math::Real;
 use crate::simd::block_lanes::{at, put, vector_at};
 use crate::simd::{BLOCK, Kernel, Rows, Tile};
 use crate::solver::body_rows::{BodyMotion, DeltaPose, WarmStartImpulse, WorldInverseInertia};
-use crate::solver::contact::constraint::{Block, Bounce, Rolling};
+use crate::solver::contact::constraint::{Belt, Block, Bounce, Rolling};
 use crate::solver::contact::contact_frame::{
     BodyLanes, ContactFrame, DeltaPoses, InverseInertias, Momenta, along_normal,
 };
@@ -22,6 +22,7 @@ pub(crate) struct Blocks<'a, const P: usize, const C: usize> {
     pub(crate) blocks: &'a mut [Block<P, C>],
     pub(crate) rolling: &'a mut [Rolling],
     pub(crate) bounces: &'a mut [Bounce<P>],
+    pub(crate) belts: &'a mut [Belt],
 }
 
 impl<'a, const P: usize, const C: usize> Blocks<'a, P, C> {
@@ -36,8 +37,19 @@ impl<'a, const P: usize, const C: usize> Blocks<'a, P, C> {
         let (blocks, other_blocks) = self.blocks.split_at_mut(middle);
         let (rolling, other_rolling) = self.rolling.split_at_mut(of_some(self.rolling.len()));
         let (bounces, other_bounces) = self.bounces.split_at_mut(of_some(self.bounces.len()));
-        let others = Self { blocks: other_blocks, rolling: other_rolling, bounces: other_bounces };
-        (Self { blocks, rolling, bounces }, others)
+        let (belts, other_belts) = self.belts.split_at_mut(of_some(self.belts.len()));
+        let others = Self { blocks: other_blocks, rolling: other_rolling, bounces: other_bounces, belts: other_belts };
+        (Self { blocks, rolling, bounces, belts }, others)
+    }
+
+    /// What friction takes out, as a velocity of the second body relative to the first, where that
+    /// differs by a lag.
+    #[inline(always)]
+    pub(crate) fn slip_reference<T: Tile>(&self, index: usize, lane: usize, lag: Vec3<T>) -> Vec3<T> {
+        match self.belts.get(index) {
+            Some(belt) => lag + vector_at(&belt.velocity, lane),
+            None => lag,
+        }
     }
 }
 
@@ -117,6 +129,10 @@ impl<const P: usize, const C: usize> Kernel for Solve<'_, P, C> {
         bodies.push(arms, linear, angular);
 
         if self.softness.is_none() {
+            let lag = self.blocks.slip_reference(index, lane, lag);
+            let block = &mut self.blocks.blocks[index];
+            let total: T = at(&block.start.total_impulse, lane);
+            put(total + sum, &mut block.start.total_impulse, lane);
             let before = FrictionImpulse::load(&block.friction, self.blocks.rolling.get(index), lane);
             let contact = (&frame, lane);
             let after = apply_friction(

@@ -33,6 +33,7 @@ impl<const P: usize, const C: usize> Kernel for StoreImpulses<'_, P, C> {
             let contact = &mut self.contacts[block.contacts[lane + l] as usize];
             let WorldFriction { linear, angular, .. } = frictions[l];
             (contact.friction.linear, contact.friction.angular) = (linear, angular);
+            contact.total_impulse = block.start.total_impulse[lane + l];
             let is_impact = block.start.is_impact[lane + l] > 0.0;
             contact.normal_impulses.steady = if is_impact { 0.0 } else { block.start.steady[lane + l] };
             let mut j = 0;
