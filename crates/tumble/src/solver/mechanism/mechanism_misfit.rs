@@ -19,7 +19,7 @@ const WEIGHTS: [f64; 5] = [0.0, 0.0, 10.0, -15.0, 6.0];
 const MAX_SHARE: f64 = 0.1;
 /// What is less is rounding, and raises rows by no more than they are: of the size of the arms or
 /// [rad].
-const MIN_MISFIT: f64 = 3e-7;
+pub(super) const MIN_MISFIT: f64 = 3e-7;
 /// By how much of its trace the inertia of bodies in one line is raised.
 const RAISED: f64 = 1e-8;
 

@@ -4,7 +4,7 @@ use tumble_math::lane::Vec3;
 
 use crate::solver::mechanism::free_row::Phase;
 use crate::solver::mechanism::mechanism_body::MechanismBody;
-use crate::solver::mechanism::mechanism_misfit::turned_by;
+use crate::solver::mechanism::mechanism_misfit::{MIN_MISFIT, turned_by};
 use crate::solver::mechanism::mechanism_solver::{Half, MechanismSolver};
 
 /// The error beyond which a substep is solved again in two halves, of the size of the arms or
@@ -58,7 +58,9 @@ impl MechanismSolver {
         }
         let most = if left > FALL * before { MAX_ERROR } else { MAX_ERROR_OF_SHORTEST };
         self.is_stuck |= left > most && halvings == MAX_HALVINGS;
-        self.contradicts |= !is_met || halvings > 0 || self.is_softened;
+        // Rounding of poses, once a step, is met by the end of a substep: that is no misfit.
+        let is_misfit = self.is_softened && left > MIN_MISFIT;
+        self.contradicts |= !is_met || halvings > 0 || is_misfit;
         self.gain += if is_counted { self.kinetic_energy() - energy } else { 0.0 };
         self.note_impulses(true);
         self.bodies.iter_mut().for_each(|body| body.kick(halvings));
