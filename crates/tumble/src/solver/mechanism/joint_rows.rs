@@ -51,8 +51,9 @@ pub(crate) struct JointRows {
     /// From each centre of mass to the point where both bodies are pushed \[m\].
     pub(crate) arms: [Vec3<f64>; 2],
     pub(crate) arm_lengths: [f64; 2],
-    /// The sum of the radii of gyration of its bodies \[m\].
-    gyration: f64,
+    /// The sum of the radii of gyration of its bodies, or what errors of points held at their
+    /// centres are compared with \[m\].
+    pub(super) gyration: f64,
     /// From the second body's anchor to that point \[m\].
     pub(crate) from_anchor: Vec3<f64>,
     /// By row: how far it is from being met, \[m\] or roughly \[rad\], where rows were set.
@@ -325,6 +326,12 @@ impl JointRows {
             gear.begin_step(bodies);
             self.gyration = gear.joints.iter().map(|joint| gyration(joint.bodies)).sum();
         }
+    }
+
+    /// Whether its bodies are points that are held at their centres, so that its arms are its gap.
+    pub(super) fn is_of_points(&self) -> bool {
+        let is_centered = |anchor: &Anchor| anchor.position.dot(anchor.position) == 0.0;
+        self.gyration == 0.0 && self.linear_count > 0 && self.anchors.iter().all(is_centered)
     }
 
     /// What errors are compared with: lengths of its arms, or where these are short of its bodies

@@ -143,6 +143,17 @@ impl MechanismSolver {
             self.update_rows();
             self.find_masses();
         }
+        if self.joints.iter().any(JointRows::is_of_points) {
+            self.size_points();
+        }
+    }
+
+    /// Has errors of points that are held at their centres compared with the size of the others.
+    fn size_points(&mut self) {
+        self.update_rows();
+        let others = self.joints.iter().filter(|joint| !joint.is_of_points());
+        let size = others.map(JointRows::size).fold(0.0, f64::max);
+        self.joints.iter_mut().filter(|joint| joint.is_of_points()).for_each(|joint| joint.gyration = size);
     }
 
     /// Finds the impulses with which the joints are met at the end of the substep, and moves the
