@@ -94,34 +94,54 @@ impl<T: Tile> DeltaPoses<T> {
     }
 }
 
-/// The locked translations of a tile's first and second bodies: one along a locked axis, else zero.
-pub(crate) type Locks<T> = [Vec3<T>; 2];
+/// The locks of a tile's bodies, of its block and from its lane on; none where no body of the world
+/// has locked axes.
+#[derive(Clone, Copy)]
+pub(crate) struct TileLocks<'a>(Option<(&'a BlockLocks, usize)>);
 
-/// Those of a tile, where any body of its world has locked axes.
-#[inline(always)]
-pub(crate) fn load_locks<T: Tile>(locks: &[BlockLocks], block: usize, lane: usize) -> Option<Locks<T>> {
-    match locks.get(block) {
-        Some(BlockLocks { translations: [first, second] }) => Some([vector_at(first, lane), vector_at(second, lane)]),
-        None => None,
+impl<'a> TileLocks<'a> {
+    #[inline(always)]
+    pub(crate) fn of(locks: &'a [BlockLocks], block: usize, lane: usize) -> Self {
+        match locks.get(block) {
+            Some(locks) => Self(Some((locks, lane))),
+            None => Self(None),
+        }
+    }
+
+    /// The locked translations of the first and the second bodies: one along a locked axis, else
+    /// zero.
+    #[inline(always)]
+    pub(crate) fn load<T: Tile>(self) -> Option<[Vec3<T>; 2]> {
+        match self.0 {
+            Some((BlockLocks { translations: [first, second] }, lane)) => {
+                Some([vector_at(first, lane), vector_at(second, lane)])
+            }
+            None => None,
+        }
+    }
+
+    #[inline(always)]
+    pub(crate) fn are_there(self) -> bool {
+        self.0.is_some()
     }
 }
 
 /// Linear and angular momenta of a tile's bodies. With `has_non_dynamic` only the second of each is
 /// dynamic.
-pub(crate) struct Momenta<T> {
+pub(crate) struct Momenta<'a, T> {
     has_non_dynamic: bool,
     linear: [Vec3<T>; 2],
     angular: [Vec3<T>; 2],
-    locks: Option<Locks<T>>,
+    locks: TileLocks<'a>,
 }
 
-impl<T: Tile> Momenta<T> {
+impl<'a, T: Tile> Momenta<'a, T> {
     /// The impulses of a warm start; zero for non-dynamic bodies.
     #[inline(always)]
     pub(crate) fn of_warm_start(
         rows: &Rows<'_, WarmStartImpulse>,
         (block, lane): (usize, usize),
-        locks: Option<Locks<T>>,
+        locks: TileLocks<'a>,
     ) -> Self {
         let has_non_dynamic = rows.has_non_dynamic();
         let zero = Vec3::zero();
@@ -140,8 +160,8 @@ impl<T: Tile> Momenta<T> {
     #[inline(always)]
     pub(crate) fn push(&mut self, arms: [Vec3<T>; 2], linear: Vec3<T>, angular: Vec3<T>) {
         // What holds a locked axis takes the impulse along it, but not its torque.
-        let [to_first, to_second] = match &self.locks {
-            Some([first, second]) => [linear - linear.scale(*first), linear - linear.scale(*second)],
+        let [to_first, to_second] = match self.locks.load() {
+            Some([first, second]) => [linear - linear.scale(first), linear - linear.scale(second)],
             None => [linear; 2],
         };
         if !self.has_non_dynamic {
@@ -169,20 +189,20 @@ impl<T: Tile> Momenta<T> {
 }
 
 /// The bodies of a tile's contacts.
-pub(crate) struct BodyLanes<T> {
+pub(crate) struct BodyLanes<'a, T> {
     /// Of non-dynamic bodies the velocities.
-    momenta: Momenta<T>,
+    momenta: Momenta<'a, T>,
     inverse_mass: [T; 2],
 }
 
-impl<T: Tile> BodyLanes<T> {
+impl<'a, T: Tile> BodyLanes<'a, T> {
     #[inline(always)]
-    pub(crate) fn load(motion: &Rows<'_, BodyMotion>, block: usize, lane: usize, locks: &[BlockLocks]) -> Self {
+    pub(crate) fn load(motion: &Rows<'_, BodyMotion>, block: usize, lane: usize, locks: &'a [BlockLocks]) -> Self {
         let first = motion.gather::<T>(block, 0, lane);
         let second = motion.gather::<T>(block, 1, lane);
         let linear = [first.momentum, second.momentum];
         let angular = [first.angular_momentum, second.angular_momentum];
-        let locks = load_locks(locks, block, lane);
+        let locks = TileLocks::of(locks, block, lane);
         let momenta = Momenta { has_non_dynamic: motion.has_non_dynamic(), linear, angular, locks };
         Self { momenta, inverse_mass: [first.inverse_mass, second.inverse_mass] }
     }
@@ -196,20 +216,21 @@ impl<T: Tile> BodyLanes<T> {
     /// Whether any body of the world has locked axes.
     #[inline(always)]
     pub(crate) fn has_locks(&self) -> bool {
-        self.momenta.locks.is_some()
+        self.momenta.locks.are_there()
     }
 
     /// How they answer to impulses.
     #[inline(always)]
-    pub(crate) fn mobility(&self, inv_inertia: &InverseInertias<T>) -> Mobility<T> {
+    pub(crate) fn mobility(&self, inv_inertia: &InverseInertias<T>) -> Mobility<'a, T> {
         Mobility {
             inv_inertia: inv_inertia.of_dynamic(self.momenta.has_non_dynamic),
             inverse_mass: self.inverse_mass(),
-            locks: match self.momenta.locks {
-                Some(locks) if self.momenta.has_non_dynamic => Some((locks, [T::splat(0.0), self.inverse_mass[1]])),
-                Some(locks) => Some((locks, self.inverse_mass)),
-                None => None,
+            inverse_masses: if self.momenta.has_non_dynamic {
+                [T::splat(0.0), self.inverse_mass[1]]
+            } else {
+                self.inverse_mass
             },
+            locks: self.momenta.locks,
         }
     }
 

@@ -5,17 +5,18 @@ use tumble_math::lane::Vec3;
 use crate::simd::Tile;
 use crate::simd::block_lanes::{Lanes, at, put};
 use crate::solver::contact::constraint::{Block, Rolling};
-use crate::solver::contact::contact_frame::{ContactFrame, InverseInertias, Locks};
+use crate::solver::contact::contact_frame::{ContactFrame, InverseInertias, TileLocks};
 use crate::solver::contact::solve::coupling;
 
 /// How the bodies of a tile's contacts answer to impulses.
-pub(crate) struct Mobility<T> {
+pub(crate) struct Mobility<'a, T> {
     /// Inverse inertias, zero for non-dynamic bodies.
     pub(crate) inv_inertia: InverseInertias<T>,
     /// Sum of the inverse masses [1/kg].
     pub(crate) inverse_mass: T,
-    /// Locked translations, and the inverse masses that they belong to.
-    pub(crate) locks: Option<(Locks<T>, [T; 2])>,
+    /// The same of each, zero for non-dynamic bodies.
+    pub(crate) inverse_masses: [T; 2],
+    pub(crate) locks: TileLocks<'a>,
 }
 
 /// A body answers to impulses along a normal where it does at least this part of what it would
@@ -25,14 +26,14 @@ const MIN_FREE: f64 = 0.01;
 /// Of a matrix of trace one that answers in two directions.
 const MIN_DETERMINANT: f64 = 1e-5;
 
-impl<T: Tile> Mobility<T> {
+impl<T: Tile> Mobility<'_, T> {
     /// The velocity along a unit vector that translation has of a unit impulse along it [1/kg].
     #[inline(always)]
     fn along(&self, n: Vec3<T>) -> T {
-        match &self.locks {
-            Some((locks, [first, second])) => {
-                let one = T::splat(1.0);
-                *first * (one - n.dot(n.scale(locks[0]))) + *second * (one - n.dot(n.scale(locks[1])))
+        match self.locks.load() {
+            Some(locks) => {
+                let (one, [first, second]) = (T::splat(1.0), self.inverse_masses);
+                first * (one - n.dot(n.scale(locks[0]))) + second * (one - n.dot(n.scale(locks[1])))
             }
             None => self.inverse_mass,
         }
@@ -42,15 +43,15 @@ impl<T: Tile> Mobility<T> {
     /// rotation of both bodies adds.
     #[inline(always)]
     fn at_point(&self, n: Vec3<T>, turning: [T; 2]) -> T {
-        let Some((locks, inverse_masses)) = &self.locks else {
+        let Some(locks) = self.locks.load::<T>() else {
             return self.inverse_mass + (turning[0] + turning[1]);
         };
         let (zero, one, least) = (T::splat(0.0), T::splat(1.0), T::splat(MIN_FREE));
         let mut sum = zero;
         let mut which = 0;
         while which < 2 {
-            let free = (one - n.dot(n.scale(locks[which]))) * inverse_masses[which] + turning[which];
-            sum = sum + T::select((inverse_masses[which] * least).lt(free), free, zero);
+            let free = (one - n.dot(n.scale(locks[which]))) * self.inverse_masses[which] + turning[which];
+            sum = sum + T::select((self.inverse_masses[which] * least).lt(free), free, zero);
             which += 1;
         }
         sum
@@ -60,8 +61,11 @@ impl<T: Tile> Mobility<T> {
     /// impulse along the first.
     #[inline(always)]
     fn across(&self, s: Vec3<T>, t: Vec3<T>) -> T {
-        match &self.locks {
-            Some((locks, [first, second])) => -(s.dot(t.scale(locks[0])) * *first + s.dot(t.scale(locks[1])) * *second),
+        match self.locks.load() {
+            Some(locks) => {
+                let [first, second] = self.inverse_masses;
+                -(s.dot(t.scale(locks[0])) * first + s.dot(t.scale(locks[1])) * second)
+            }
             None => T::splat(0.0),
         }
     }
@@ -71,7 +75,7 @@ impl<T: Tile> Mobility<T> {
     #[inline(always)]
     fn inverse(&self, [a, b, c]: [T; 3]) -> [T; 3] {
         let whole = inverse([a, b, c]);
-        if self.locks.is_none() {
+        if !self.locks.are_there() {
             return whole;
         }
         let (zero, one) = (T::splat(0.0), T::splat(1.0));
@@ -79,7 +83,13 @@ impl<T: Tile> Mobility<T> {
         let [x, y, z] = [a * scale, b * scale, c * scale];
         let is_one = (x * z - y * y).lt(T::splat(MIN_DETERMINANT));
         let in_one = [x * scale, y * scale, z * scale];
-        [0, 1, 2].map(|i| T::select(is_one, in_one[i], whole[i]))
+        let mut chosen = whole;
+        let mut i = 0;
+        while i < chosen.len() {
+            chosen[i] = T::select(is_one, in_one[i], whole[i]);
+            i += 1;
+        }
+        chosen
     }
 }
 
@@ -100,7 +110,7 @@ pub(crate) fn compute<T: Tile, const P: usize, const C: usize>(
     block: &mut Block<P, C>,
     rolling: Option<&mut Rolling>,
     lane: usize,
-    mobility: &Mobility<T>,
+    mobility: &Mobility<'_, T>,
     changed: T,
 ) -> T {
     let frame = ContactFrame::<T>::load(block, lane);
@@ -115,7 +125,7 @@ fn of_points<T: Tile, const P: usize, const C: usize>(
     block: &mut Block<P, C>,
     lane: usize,
     frame: &ContactFrame<T>,
-    mobility: &Mobility<T>,
+    mobility: &Mobility<'_, T>,
     changed: T,
 ) -> T {
     let (zero, one) = (T::splat(0.0), T::splat(1.0));
@@ -162,7 +172,7 @@ fn of_friction<T: Tile, const P: usize, const C: usize>(
     rolling: Option<&mut Rolling>,
     lane: usize,
     frame: &ContactFrame<T>,
-    mobility: &Mobility<T>,
+    mobility: &Mobility<'_, T>,
     changed: T,
 ) -> T {
     let inv_inertia = &mobility.inv_inertia;

@@ -8,7 +8,7 @@ use crate::simd::block_lanes::{at, put, put_vector};
 use crate::simd::{BLOCK, Kernel, Tile, gather};
 use crate::solver::body_rows::BodyPose;
 use crate::solver::contact::constraint::Block;
-use crate::solver::contact::contact_frame::{BodyLanes, ContactFrame, InverseInertias, load_locks};
+use crate::solver::contact::contact_frame::{BodyLanes, ContactFrame, InverseInertias, TileLocks};
 use crate::solver::contact::effective_mass;
 use crate::solver::contact::effective_mass::warm_start_factor;
 use crate::solver::contact::friction::FrictionImpulse;
@@ -112,7 +112,7 @@ impl<const P: usize, const C: usize> Prepare<'_, P, C> {
         index: usize,
         lane: usize,
         restitution: T,
-        (bodies, inv_inertia): (&BodyLanes<T>, &InverseInertias<T>),
+        (bodies, inv_inertia): (&BodyLanes<'_, T>, &InverseInertias<T>),
     ) {
         let block = &self.blocks.blocks[index];
         let Some(bounce) = self.blocks.bounces.get_mut(index) else { return };
@@ -177,7 +177,7 @@ impl<const P: usize, const C: usize> Prepare<'_, P, C> {
             .of_what_rolls(rolling_resistance)
             .scaled(warm_start_factor(steady));
         friction.store(&mut block.friction, self.blocks.rolling.get_mut(index), lane);
-        let locks = load_locks(self.blocks.locks, index, lane);
+        let locks = TileLocks::of(self.blocks.locks, index, lane);
         accumulate_warm_start(block, (&frame, locks), &friction, &mut self.bodies.warm_start, (index, lane));
     }
 }

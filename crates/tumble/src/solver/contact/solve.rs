@@ -8,7 +8,7 @@ use crate::simd::{BLOCK, Kernel, Rows, Tile};
 use crate::solver::body_rows::{BodyMotion, DeltaPose, WarmStartImpulse, WorldInverseInertia};
 use crate::solver::contact::constraint::{Belt, Block, Bounce, Rolling};
 use crate::solver::contact::contact_frame::{
-    BodyLanes, ContactFrame, DeltaPoses, InverseInertias, Locks, Momenta, along_normal, load_locks,
+    BodyLanes, ContactFrame, DeltaPoses, InverseInertias, Momenta, TileLocks, along_normal,
 };
 use crate::solver::contact::effective_mass::warm_start_factor;
 use crate::solver::contact::friction::FrictionImpulse;
@@ -73,12 +73,12 @@ pub(crate) struct StageBodies<'a> {
 impl StageBodies<'_> {
     /// Those of a tile from a lane of a block on.
     #[inline(always)]
-    pub(crate) fn load<T: Tile>(
+    pub(crate) fn load<'l, T: Tile>(
         &self,
         index: usize,
         lane: usize,
-        locks: &[BlockLocks],
-    ) -> (BodyLanes<T>, InverseInertias<T>) {
+        locks: &'l [BlockLocks],
+    ) -> (BodyLanes<'l, T>, InverseInertias<T>) {
         let inv_inertia = InverseInertias::load(self.inv_inertia, self.motion.pairs(index), lane);
         (BodyLanes::load(&self.motion, index, lane, locks), inv_inertia)
     }
@@ -171,7 +171,7 @@ impl<const P: usize, const C: usize> Kernel for Solve<'_, P, C> {
             after.store(&mut block.friction, self.blocks.rolling.get_mut(index), lane);
             if self.stores_warm_start {
                 scale_impulses(block, lane, kept);
-                let locks = load_locks(self.blocks.locks, index, lane);
+                let locks = TileLocks::of(self.blocks.locks, index, lane);
                 accumulate_warm_start(block, (&frame, locks), &after, &mut self.bodies.warm_start, (index, lane));
             }
         }
@@ -314,7 +314,7 @@ pub(crate) fn apply_friction<T: Tile, const P: usize, const C: usize>(
     block: &Block<P, C>,
     rolling: Option<&Rolling>,
     contact: (&ContactFrame<T>, usize),
-    bodies: &mut BodyLanes<T>,
+    bodies: &mut BodyLanes<'_, T>,
     (inv_inertia, arms, lag): (&InverseInertias<T>, [Vec3<T>; 2], Vec3<T>),
     normal: T,
 ) -> FrictionImpulse<T> {
@@ -405,7 +405,7 @@ pub(crate) fn scale_impulses<T: Tile, const P: usize, const C: usize>(block: &mu
 #[inline(always)]
 pub(crate) fn accumulate_warm_start<T: Tile, const P: usize, const C: usize>(
     block: &Block<P, C>,
-    (frame, locks): (&ContactFrame<T>, Option<Locks<T>>),
+    (frame, locks): (&ContactFrame<T>, TileLocks<'_>),
     friction: &FrictionImpulse<T>,
     warm_start: &mut Rows<'_, WarmStartImpulse>,
     (index, lane): (usize, usize),

@@ -26,7 +26,7 @@ pub(crate) fn follow<T: Tile, const P: usize, const C: usize>(
     rolling: Option<&mut Rolling>,
     (lane, h): (usize, T),
     delta_pose: &DeltaPoses<T>,
-    (bodies, inv_inertia): (&BodyLanes<T>, &InverseInertias<T>),
+    (bodies, inv_inertia): (&BodyLanes<'_, T>, &InverseInertias<T>),
 ) -> Vec3<T> {
     let before: [Vec3<T>; 2] = [vector_at(&block.arms[0], lane), vector_at(&block.arms[1], lane)];
     refresh(block, rolling, lane, delta_pose, &bodies.mobility(inv_inertia));
@@ -69,7 +69,7 @@ fn refresh<T: Tile, const P: usize, const C: usize>(
     rolling: Option<&mut Rolling>,
     lane: usize,
     delta_pose: &DeltaPoses<T>,
-    mobility: &Mobility<T>,
+    mobility: &Mobility<'_, T>,
 ) {
     let (zero, one) = (T::splat(0.0), T::splat(1.0));
     let start = &block.start;
@@ -104,7 +104,7 @@ fn refresh<T: Tile, const P: usize, const C: usize>(
         zero,
     );
     // Balls answer alike in all directions, unless axes of theirs are locked.
-    let of_balls = if mobility.locks.is_some() { one } else { zero };
+    let of_balls = if mobility.locks.are_there() { one } else { zero };
     let changed = T::select(zero.lt(between_centers), of_balls, slide.max(delta_pose.turned));
     if T::any(zero.lt(changed)) {
         turn(block, lane, delta_pose, (carried, slid, now), delta_pose.turned * body_fixed);
