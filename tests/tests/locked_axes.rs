@@ -9,7 +9,7 @@
 use hecs::{Entity, World};
 use tumble::math::{Quat, Real, Vec3};
 use tumble::prelude::*;
-use tumble::{Axes, BodyOrder, Ledger, LockedAxes, Spring, Totals};
+use tumble::{Axes, Batch, BodyOrder, Ledger, LockedAxes, Spring, Totals, Trial};
 use tumble_benches::pool;
 use tumble_tests::touching::{collider, cube, ground, pose, spawn, surfaced, velocity};
 use tumble_tests::{Draw, by_precision, dquat, dvec3, hash, run};
@@ -338,8 +338,7 @@ fn works_add_up() {
     }
 }
 
-/// A free body with locked axes, and a heap of them: the same bits on any threads, whatever the
-/// order of spawning.
+/// A heap of them: the same bits on any threads.
 #[test]
 fn threads_do_not_matter() {
     let run_on = |threads: usize| {
@@ -351,4 +350,28 @@ fn threads_do_not_matter() {
         })
     };
     assert_eq!(run_on(1), run_on(3));
+}
+
+/// Worlds that are solved together, some with locked bodies and some without: the bits that each has
+/// alone.
+#[test]
+fn a_batch_does_not_matter() {
+    let world_of = |case: u64| {
+        let (mut world, bodies, _) = heap(&mut Draw::new(2358, case));
+        if case % 2 == 1 {
+            bodies.iter().for_each(|body| drop(world.remove_one::<LockedAxes>(*body)));
+        }
+        world
+    };
+    let simulation = || Simulation::new(Settings::default()).unwrap();
+    let alone = |case: u64| {
+        let (mut world, mut simulation) = (world_of(case), simulation());
+        run(&mut simulation, &mut world, 60);
+        hash(&world)
+    };
+    let mut batch: Batch = (0..6).map(|case| Trial { world: world_of(case), simulation: simulation() }).collect();
+    batch.step_many(60);
+    for (case, trial) in (0..).zip(batch.trials()) {
+        assert_eq!(hash(&trial.world), alone(case), "case {case}");
+    }
 }
