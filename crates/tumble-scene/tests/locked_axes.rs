@@ -9,8 +9,9 @@ use tumble_scene::{Audit, Scene};
 
 const NAMES: [&str; 6] = ["linear_x", "linear_y", "linear_z", "angular_x", "angular_y", "angular_z"];
 
+/// Why a scene is refused; nothing where it is not.
 fn problem(text: &str) -> String {
-    Scene::from_json(text, "scene.json").map(|_| ()).expect_err(text).to_string()
+    Scene::from_json(text, "scene.json").err().map(|error| error.to_string()).unwrap_or_default()
 }
 
 #[test]

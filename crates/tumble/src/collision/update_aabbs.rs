@@ -126,11 +126,9 @@ impl AabbUpdate<'_> {
             }
         };
         motion.way = Vec3::from(linear) * ahead_of;
-        motion.drop = if is_dynamic { Vec3::from(drop) * scale_of(bodies.gravity_scale, i) } else { Vec3::zero() };
-        let mut fall = motion.drop.dot(motion.drop).sqrt();
-        if ccd_thickness >= THIN * fall {
-            (motion.drop, fall) = (Vec3::zero(), 0.0);
-        }
+        let fallen = Vec3::from(drop) * if is_dynamic { scale_of(bodies.gravity_scale, i) } else { 0.0 };
+        motion.drop = Vec3::select(ccd_thickness < THIN * fallen.dot(fallen).sqrt(), fallen, Vec3::zero());
+        let fall = motion.drop.dot(motion.drop).sqrt();
         if !in_range {
             // It is nowhere then, and touches nothing that it could spoil.
             placement.position = Vec3::splat(Real::NAN);

@@ -112,12 +112,8 @@ impl<'a> TileLocks<'a> {
     /// zero.
     #[inline(always)]
     pub(crate) fn load<T: Tile>(self) -> Option<[Vec3<T>; 2]> {
-        match self.0 {
-            Some((BlockLocks { translations: [first, second] }, lane)) => {
-                Some([vector_at(first, lane), vector_at(second, lane)])
-            }
-            None => None,
-        }
+        let (BlockLocks { translations: [first, second] }, lane) = self.0?;
+        Some([vector_at(first, lane), vector_at(second, lane)])
     }
 
     #[inline(always)]
