@@ -352,8 +352,8 @@ fn threads_do_not_matter() {
     assert_eq!(run_on(1), run_on(3));
 }
 
-/// Worlds that are solved together, some with locked bodies and some without: the bits that each has
-/// alone.
+/// Worlds that are solved together, some with locked bodies and some without: the bits that each
+/// has alone.
 #[test]
 fn a_batch_does_not_matter() {
     let world_of = |case: u64| {
