@@ -22,6 +22,7 @@ pub(crate) mod contact_materials;
 pub(crate) mod contact_rows;
 pub(crate) mod contact_set;
 pub(crate) mod internal_edges;
+pub(crate) mod islands;
 pub(crate) mod material;
 pub(crate) mod narrow_phase;
 pub(crate) mod near_pairs;

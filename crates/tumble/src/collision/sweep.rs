@@ -6,19 +6,19 @@
 //! from the first to the last pose is continuous, so what is on the other side at its end has
 //! crossed.
 
+use glam::DVec3;
 use rayon::prelude::*;
 use tumble_collide::{Aabb, ColliderShape, Passage};
 use tumble_math::lane::{Quat, Vec3};
 
 use crate::collision::collider::Collider;
+use crate::collision::islands::Islands;
 use crate::collision::pipeline::CollisionPipeline;
 use crate::collision::strike::{Struck, strike};
 use crate::collision::traveller::{Traveller, find, first_passage, moves_in_range, pose_of, turned_end};
 use crate::components::Pose;
-use crate::joints::axes::Axes;
 use crate::joints::axis_lock::AxisLock;
 use crate::joints::joint_list::JointList;
-use crate::joints::locked_axes::LockedAxes;
 use crate::math::{Real, quat, vec3};
 use crate::range::{MAX_DISTANCE_OF_CONTACTS, within};
 use crate::settings::Settings;
@@ -54,6 +54,13 @@ pub(crate) struct Sweep {
     stops: Vec<Option<Stop>>,
     sorted: Vec<Stop>,
     limits: Vec<f64>,
+    /// Travellers that were stopped, with what stopped them; their numbers are the slots of groups.
+    stopped: Vec<[Slot; 2]>,
+    groups: Islands,
+    /// Each traveller of a group after the lowest of the group.
+    members: Vec<[Slot; 2]>,
+    /// Angular momentum about the origin of each traveller that is free.
+    before: Vec<Option<DVec3>>,
 }
 
 /// The end of a body's way: whose it is, and what is touched.
@@ -214,8 +221,11 @@ impl CollisionPipeline {
 
     /// Follows all pairs, and stops what crosses, the earliest first.
     fn stop_all(&self, sweep: &mut Sweep, columns: &mut WorldColumns<'_>, settings: &Settings) {
+        sweep.before.clear();
+        sweep.before.extend(sweep.travellers.iter().map(|it| it.angular_momentum(columns)));
+        sweep.stopped.clear();
         for _ in 0..ROUNDS {
-            let Sweep { travellers, places, stops, sorted, limits, .. } = sweep;
+            let Sweep { travellers, places, stops, sorted, limits, stopped, .. } = sweep;
             stops.clear();
             stops.resize(places.len(), None);
             let parts = places.par_chunks(FEW).zip(stops.par_chunks_mut(FEW)).by_at_least(1);
@@ -236,6 +246,7 @@ impl CollisionPipeline {
                 // What was stopped in this round is followed again in the next.
                 if [stop.traveller, stop.other].iter().all(|it| travellers[*it].until == limits[*it]) {
                     self.stop(stop, travellers, columns, settings);
+                    stopped.push([stop.other, stop.traveller].map(|it| Slot(it as u32)));
                 }
             }
         }
@@ -243,6 +254,7 @@ impl CollisionPipeline {
         for it in travellers.iter().filter(|it| it.until < 1.0) {
             it.write(travellers, columns);
         }
+        keep_angular_momentum(sweep, columns);
     }
 
     /// Where the core of a body touches another on its way.
@@ -292,13 +304,36 @@ impl CollisionPipeline {
             let at = it.at(passage.until);
             let arm: Vec3<Real> = vec3((passage.point - at.position).into()).into();
             let orientation: Quat<Real> = quat(at.orientation.into()).into();
-            let locked = columns.archetype(it.place).get::<&LockedAxes>().filter(|_| it.is_free);
-            let lock = AxisLock(locked.map_or(Axes::NONE, |column| column[it.place.row as usize].0));
+            let lock = AxisLock(it.locked_axes(columns));
             Struck { place: it.place, arm, orientation: orientation.normalize(), lock }
         });
         let surface = self.colliders.materials.between(both.map(|it| it.slot), part);
         let normal: Vec3<Real> = vec3(passage.normal.into()).into();
         strike(columns, &[first, second], normal, &surface, settings.restitution_threshold);
+    }
+}
+
+/// Gives free bodies that stopped each other, and nothing else, the angular momentum that they had
+/// `before` they were put back: to their spins, by their moments of inertia.
+fn keep_angular_momentum(sweep: &mut Sweep, columns: &mut WorldColumns<'_>) {
+    let Sweep { travellers, stopped, groups, members, before, .. } = sweep;
+    groups.join(travellers.len(), stopped.iter().copied(), |_| true);
+    members.clear();
+    members.extend(stopped.iter().flatten().map(|it| [groups.root(*it), *it]));
+    members.sort_unstable();
+    members.dedup();
+    for group in members.chunk_by(|a, b| a[0] == b[0]) {
+        let members = || group.iter().map(|[_, it]| (&travellers[it.index()], before[it.index()]));
+        let lost =
+            members().try_fold(DVec3::ZERO, |lost, (it, before)| Some(lost + before? - it.angular_momentum(columns)?));
+        let whole: f64 = members().map(|(it, _)| it.moment_of_inertia(columns)).sum();
+        if let Some(lost) = lost
+            && whole > 0.0
+        {
+            for (it, _) in members() {
+                it.add_spin(lost * (it.moment_of_inertia(columns) / whole), columns);
+            }
+        }
     }
 }
 

@@ -1,5 +1,6 @@
 //! A body on its way through a substep, as the second net follows it.
 
+use glam::DVec3;
 use tumble_collide::{Course, Isometry, Passage};
 use tumble_math::lane::{Quat, Vec3};
 
@@ -10,6 +11,8 @@ use crate::components::{Momentum, Pose, Velocity};
 use crate::integrators::kinetic_energy::KineticEnergy;
 use crate::integrators::response_range::responds_in_range;
 use crate::integrators::state::{Constants, Moments, State};
+use crate::joints::axes::Axes;
+use crate::joints::locked_axes::LockedAxes;
 use crate::math::{Real, Vec3 as WorldVec3, dquat, dvec3, quat, vec3};
 use crate::range::{MAX_SPEED, within};
 use crate::storage::body_index::{RowPlace, Slot};
@@ -34,6 +37,8 @@ pub(crate) struct Traveller {
     pub(crate) until: f64,
     /// ... and which of the others it stays with then.
     pub(crate) with: Option<usize>,
+    /// What gravity did after that and is taken back [N s].
+    taken_back: DVec3,
 }
 
 impl Traveller {
@@ -62,6 +67,7 @@ impl Traveller {
             is_fast,
             until: 1.0,
             with: None,
+            taken_back: DVec3::ZERO,
         })
     }
 
@@ -82,10 +88,53 @@ impl Traveller {
             let scale = columns.gravity_scale.as_deref().map_or(1.0, |scales| scales[row].0);
             let left_out = crate::math::real(self.until - moment) * scale * columns.mass[row].kilograms();
             columns.momentum[row].linear -= gained * left_out;
+            self.taken_back += dvec3(gained * left_out);
         }
         let turned_back = self.at(moment).orientation * self.at(self.until).orientation.conjugate();
         turn_momentum(columns, self.place, turned_back);
         (self.until, self.with) = (moment, with);
+    }
+
+    /// The axes that a free body is locked along and about.
+    pub(crate) fn locked_axes(&self, columns: &WorldColumns<'_>) -> Axes {
+        let locked = columns.archetype(self.place).get::<&LockedAxes>().filter(|_| self.is_free);
+        locked.map_or(Axes::NONE, |column| column[self.place.row as usize].0)
+    }
+
+    /// Angular momentum about the origin of a body that is free to turn as well, with what gravity
+    /// would have added to it [kg m^2/s].
+    pub(crate) fn angular_momentum(&self, columns: &WorldColumns<'_>) -> Option<DVec3> {
+        let may_turn = self.is_free && self.locked_axes(columns) == Axes::NONE;
+        let (_, state) = state_of(columns, self.place).filter(|_| may_turn)?;
+        let [position, linear, angular] = [state.position, state.linear, state.angular].map(|it| dvec3(it.into()));
+        Some(position.cross(linear + self.taken_back) + angular)
+    }
+
+    /// The sum of its principal moments [kg m^2]; zero of a body that does not turn.
+    pub(crate) fn moment_of_inertia(&self, columns: &WorldColumns<'_>) -> f64 {
+        let inertia = state_of(columns, self.place).and_then(|(constants, _)| constants.inertia);
+        inertia.map_or(0.0, |inertia| dvec3(inertia.moments.into()).element_sum())
+    }
+
+    /// Adds angular momentum [kg m^2/s], and books what that did.
+    pub(crate) fn add_spin(&self, angular: DVec3, columns: &mut WorldColumns<'_>) {
+        let before = energy(columns, self.place);
+        if let Some(columns) = columns.dynamic_mut(self.place) {
+            let Momentum { angular: sum, .. } = &mut columns.momentum[self.place.row as usize];
+            *sum = vec3(dvec3(*sum) + angular);
+        }
+        self.book(before, columns);
+    }
+
+    /// Adds to the work of contacts what has changed its energy from this \[J\].
+    fn book(&self, before: Option<f64>, columns: &mut WorldColumns<'_>) {
+        let after = energy(columns, self.place);
+        if let (Some(before), Some(after)) = (before, after)
+            && let Some(columns) = columns.dynamic_mut(self.place)
+            && let Some(work) = columns.work.as_deref_mut()
+        {
+            work[self.place.row as usize].contacts += after - before;
+        }
     }
 
     /// Writes where it was stopped, with what it touches for the rest of the substep, and books
@@ -102,13 +151,7 @@ impl Traveller {
             let orientation = quat(place.orientation.normalize().into());
             columns.pose[row] = Pose { position: vec3(place.position.into()), orientation };
         }
-        let after = energy(columns, self.place);
-        if let (Some(before), Some(after)) = (self.before, after)
-            && let Some(columns) = columns.dynamic_mut(self.place)
-            && let Some(work) = columns.work.as_deref_mut()
-        {
-            work[row].contacts += after - before;
-        }
+        self.book(self.before, columns);
     }
 
     /// Whether another body that met this one in the direction of a normal is past its middle in

@@ -7,7 +7,6 @@ pub(crate) mod contact_work;
 pub(crate) mod gather_scatter;
 pub(crate) mod graph_coloring;
 pub(crate) mod halved_substeps;
-pub(crate) mod islands;
 pub(crate) mod locked_bodies;
 pub(crate) mod mechanism;
 pub(crate) mod multi_world;

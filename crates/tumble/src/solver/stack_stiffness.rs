@@ -6,13 +6,13 @@ use tumble_math::lane::Vec3;
 
 use crate::collision::contact::{ContactRecord, MAX_HALVINGS};
 use crate::collision::contact_rows::{ContactGeometry, ContactLanes};
+use crate::collision::islands::Islands;
 use crate::collision::pipeline::PART;
 use crate::math::Real;
 use crate::settings::Settings;
 use crate::simd::{BLOCK, Kernel, Octet, Tile, dispatch_in_blocks, gather_rows, octet, select_rows, store_rows};
 use crate::solver::constrained_bodies::ConstrainedBodies;
 use crate::solver::contact::softness::Softness;
-use crate::solver::islands::Islands;
 use crate::solver::solver_bodies::SolverBodies;
 use crate::storage::body_index::Slot;
 use crate::threads::InParts;

@@ -5,6 +5,7 @@ use tumble_math::lane::{Quat, Vec3};
 
 use crate::collision::contact::ContactRecord;
 use crate::collision::contact_set::ContactSet;
+use crate::collision::islands::Islands;
 use crate::joints::axes::Axes;
 use crate::joints::joint_list::{JointList, ListedGear, ListedJoint};
 use crate::joints::joint_load::JointLoad;
@@ -12,7 +13,6 @@ use crate::math::{Real, double, double_quat, real, vec3};
 use crate::range::{MAX_DISTANCE_OF_CONTACTS, MAX_SPEED, is_rotation, within};
 use crate::solver::constrained_bodies::ConstrainedBodies;
 use crate::solver::contact_work::ContactWorks;
-use crate::solver::islands::Islands;
 use crate::solver::mechanism::free_axis::free_axis_bits;
 use crate::solver::mechanism::gear_rows::GearRows;
 use crate::solver::mechanism::joint_rows::{Anchor, JointRows, length};
