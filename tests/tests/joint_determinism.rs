@@ -201,8 +201,8 @@ fn what_passes_does_not_matter() {
 #[test]
 fn the_bits_are_pinned() {
     let [plain, all] = match PRECISION {
-        "f32" => [0x735b_7247_3fb7_b861_u64, 0xdf3e_79f7_861c_6fec],
-        _ => [0xbfbb_9d7d_41b8_6253, 0x57de_b86e_7006_7acc],
+        "f32" => [0x8339_8372_c690_9258_u64, 0xd647_6292_c96f_2f1e],
+        _ => [0xbfbb_9d7d_41b8_6253, 0x9203_4ef5_5b7c_8c15],
     };
     println!("\nran on {}", simd_name());
     let found = hash_after(plain_scene(None), 120);

@@ -1,12 +1,12 @@
 //! Promise: closed loops of hinges, of which every one in a plane has redundant rows, keep their
-//! geometry, whether driven or free: a slider-crank at every angle of its crank, and in double
-//! precision a parallelogram through the positions in which all its links lie in one line. Energy
-//! has no drift, and no force stands across the plane, where nothing pulls. In single precision the
-//! parallelogram gains no energy there, but may lose it.
+//! geometry, whether driven or free: a slider-crank at every angle of its crank, and in both
+//! precisions a parallelogram through the positions in which all its links lie in one line. Energy
+//! has no drift beyond 3e-5 of what the parallelogram swings with, to 200 m from the origin but for
+//! rounding there, and no force stands across the plane, where nothing pulls.
 //!
 //! Why: loops make the matrix of the joints singular, for good and at single positions. It fails if
-//! redundant rows push against each other, if what they push raises inertia, or if the solution
-//! leaves the branch that the links move on.
+//! redundant rows push against each other, if what they push raises inertia, if the solution leaves
+//! the branch that the links move on, or if rounding of poses counts as joints that do not fit.
 
 mod jointed;
 
@@ -15,9 +15,9 @@ use std::f64::consts::FRAC_PI_2;
 use glam::{DQuat, DVec3};
 use hecs::Entity;
 use jointed::*;
-use tumble::{Joint, RigidBody, Shape};
+use tumble::{Joint, Pose, RigidBody, Shape};
 use tumble_tests::references::real_quat;
-use tumble_tests::{DOUBLE, EPSILON, by_precision};
+use tumble_tests::{DOUBLE, Draw, EPSILON, by_precision};
 
 /// Crank and connecting rod \[m\].
 const CRANK: f64 = 0.3;
@@ -113,8 +113,9 @@ fn exact_crank(mut angle: f64, mut rate: f64, time: f64) -> f64 {
 /// Three rods of 1 m and 1 kg in a parallelogram whose cranks go all the way round for ten seconds,
 /// from their lowest position at a rate [rad/s]. Four hinges have 20 rows for 17 degrees of
 /// freedom, and 20 for 16 where all lie in one line and the linkage could fold. Its energy is
-/// `5/6 f'^2 + 2 g sin f`. Returns how far off the coupler is \[m\].
-fn parallelogram(rate: f64, substeps: u32) -> f64 {
+/// `5/6 f'^2 + 2 g sin f`. The whole is moved by an offset \[m\], to whose rounding joints are met.
+/// Returns how far off the coupler is \[m\].
+fn parallelogram(rate: f64, substeps: u32, offset: DVec3) -> f64 {
     let mut rig = Rig::new(down(), 1.0 / 60.0, substeps);
     let ground = rig.ground();
     let turn = DVec3::Z * rate;
@@ -131,29 +132,42 @@ fn parallelogram(rate: f64, substeps: u32) -> f64 {
     for (x, crank) in [0.0, 1.0].into_iter().zip(cranks) {
         rig.join_at(Joint::hinge(crank, coupler), DVec3::new(x, -1.0, 0.0), DVec3::Z);
     }
+    rig.world.query_mut::<&mut Pose>().into_iter().for_each(|pose| pose.position += real(offset));
     let start = rig.energy();
     let (mut off, mut gap, mut drift) = (0.0_f64, 0.0_f64, 0.0_f64);
     for _ in 0..600 {
         rig.step();
         let angle = exact_crank(-FRAC_PI_2, rate, rig.simulation.time());
         let pin = DVec3::new(angle.cos(), angle.sin(), 0.0);
-        off = off.max((rig.position(coupler) - DVec3::X * 0.5 - pin).length());
+        off = off.max((rig.position(coupler) - offset - DVec3::X * 0.5 - pin).length());
         gap = gap.max(rig.largest_gap());
         drift = drift.max((rig.energy() - start).abs() / (4.0 * G));
     }
-    println!("{rate} rad/s, {substeps} substeps: off by {off:.1e} m, gaps {gap:.1e} m, energy by {drift:.1e}");
+    let far = offset.length();
+    println!("{far:.0} m, {rate} rad/s, {substeps} substeps: off by {off:.1e} m, gaps {gap:.1e}, energy {drift:.1e}");
     let finer = f64::from(substeps) / 16.0;
-    assert!(gap <= by_precision(1e-6, 1e-8), "{rate} rad/s, {substeps}: {gap:e}");
-    assert!(drift <= by_precision(3e-5, 3e-5 / (finer * finer)), "{rate} rad/s, {substeps}: {drift:e}");
+    assert!(gap <= by_precision(1e-6, 1e-8) + 2.0 * EPSILON * far, "{far} m, {rate} rad/s, {substeps}: {gap:e}");
+    // Twice what 600 steps that begin with such a rounding of poses are measured to do.
+    let most = by_precision(3e-5, 3e-5 / (finer * finer)) + 20.0 * EPSILON * far;
+    assert!(drift <= most, "{far} m, {rate} rad/s, {substeps}: {drift:e}");
     off
 }
 
 #[test]
 fn a_parallelogram_goes_through_its_singular_positions() {
     for rate in [8.0, 8.274, 8.548] {
-        let errors = [16, 32].map(|substeps| parallelogram(rate, substeps));
+        let errors = [16, 32].map(|substeps| parallelogram(rate, substeps, ORIGIN));
         assert!(!DOUBLE || (errors[0] / errors[1] - 4.0).abs() <= 0.4, "{rate} rad/s: {errors:?}");
         // Three times what is measured; a coupler that folds is off by metres.
         assert!(errors[0] <= 3e-3 && errors[1] <= by_precision(1.1e-3, 8e-4), "{rate} rad/s: {errors:?}");
+    }
+}
+
+#[test]
+fn a_parallelogram_far_from_the_origin_keeps_its_energy() {
+    for case in 0..24 {
+        let mut draw = Draw::new(0xE4, case);
+        let offset = draw.direction() * draw.log_between(1.0, 200.0);
+        parallelogram(draw.between(8.0, 8.6), 16 + draw.between(0.0, 16.0) as u32, offset);
     }
 }

@@ -30,6 +30,8 @@ pub(crate) struct BlockLdl {
     /// The same transposed: where each begins, and the numbers.
     transposed_starts: Vec<usize>,
     transposed: Vec<Four>,
+    /// By place, by how much of itself each number on the diagonal is raised.
+    softness: Vec<f64>,
     /// By row, by how much its number on the diagonal was raised.
     raised: Vec<Four>,
     /// For each row and each pair of its blocks, the first of them below: the block that the pair
@@ -99,6 +101,9 @@ const REGULARIZATION: f64 = 1e-9;
 /// The same where rows may depend on others, which it makes harmless: about as much again is the
 /// rounding of the factors of such rows.
 const REGULARIZATION_OF_DEPENDENT: f64 = 1e-8;
+/// The same by the square of a misfit, and the most.
+const SOFTNESS_OF_MISFIT: f64 = 1e5;
+const MAX_SOFTNESS: f64 = 0.1;
 
 impl BlockLdl {
     /// Of nodes with these numbers of rows, which may depend on others or cannot.
@@ -132,7 +137,21 @@ impl BlockLdl {
         it.weights = it.blocks.clone();
         it.transposed = vec![[0.0; 4]; last(&transposed_starts)];
         it.raised = vec![[0.0; 4]; last(&starts)];
+        let regularization = if may_depend { REGULARIZATION_OF_DEPENDENT } else { REGULARIZATION };
+        it.softness = vec![regularization; it.sizes.len()];
         Self { starts, diagonal_starts, block_starts, transposed_starts, targets, uniform, ..it }
+    }
+
+    /// Whether rows may depend on others.
+    pub(super) fn may_depend(&self) -> bool {
+        self.may_depend
+    }
+
+    /// Raises the rows of a node by more where they have a misfit, of the size of the arms or
+    /// \[rad\]: by 1e5 times as much as it makes rows respond.
+    pub(super) fn soften(&mut self, node: usize, misfit: f64) {
+        let softness = (SOFTNESS_OF_MISFIT * misfit * misfit).min(MAX_SOFTNESS);
+        self.softness[node] = softness.max(REGULARIZATION_OF_DEPENDENT);
     }
 
     /// How many fours a vector has.
@@ -220,7 +239,7 @@ impl BlockLdl {
     #[inline(always)]
     pub(super) fn raise(&mut self, node: usize, n: usize) {
         let w = fours(n);
-        let regularization = if self.may_depend { REGULARIZATION_OF_DEPENDENT } else { REGULARIZATION };
+        let regularization = self.softness[node];
         let numbers = &mut self.diagonal[self.diagonal_starts[node]..][..n * w];
         let raised = &mut self.raised[self.starts[node]..][..w];
         unrolled!(i in n {

@@ -65,6 +65,8 @@ pub(crate) struct FreeRow {
     pub(crate) constant: Option<f64>,
     /// Of that, what has been given.
     pub(crate) pushed: f64,
+    /// How fast it moves by an impulse of friction that holds it [1/kg] [1/(kg m^2)].
+    slip: f64,
     /// The impulses to be had from motor and friction in this phase.
     motor_impulse: f64,
     friction_impulse: f64,
@@ -72,6 +74,10 @@ pub(crate) struct FreeRow {
     motor_speed: f64,
     speed_in_bounds: f64,
 }
+
+/// The share of the speed of a row that friction beside a bound leaves it: enough for the bound to
+/// come first where both push in nearly the same direction.
+const SLIP_BESIDE_BOUND: f64 = 0.1;
 
 impl FreeRow {
     pub(crate) fn new(axis: FreeAxis) -> Self {
@@ -89,6 +95,7 @@ impl FreeRow {
             bias: 0.0,
             constant: Some(0.0),
             pushed: 0.0,
+            slip: 0.0,
             motor_impulse: 0.0,
             friction_impulse: 0.0,
             motor_speed: 0.0,
@@ -138,6 +145,11 @@ impl FreeRow {
     /// Whether the mass that its springs move is by all joints.
     pub(crate) fn moves_with_all(&self) -> bool {
         !self.springs.is_empty() && !self.axis.is_of_limit()
+    }
+
+    /// Whether nothing along it can give energy.
+    pub(crate) fn is_passive(&self) -> bool {
+        self.motor.is_none() && self.springs.is_empty()
     }
 
     /// Has it held where it is if it is driven, to find the mass that others move.
@@ -274,7 +286,8 @@ impl FreeRow {
     fn set_law(&mut self, phase: Phase) {
         (self.gamma, self.bias, self.constant) = (0.0, 0.0, None);
         match self.mode {
-            Mode::AtLower | Mode::AtUpper | Mode::Stuck(_) => {}
+            Mode::AtLower | Mode::AtUpper => {}
+            Mode::Stuck(_) => self.gamma = self.slip,
             Mode::Driven => self.bias = -self.speed_in_bounds,
             Mode::Loose(..) if phase == Phase::Begin => self.constant = Some(0.0),
             Mode::Loose(motor, friction) => {
@@ -297,6 +310,18 @@ impl FreeRow {
                 }
             }
         }
+    }
+
+    /// Has friction hold it firmly, or as a damper beside a bound that shares its direction.
+    /// Returns whether that changes what the matrix needs.
+    pub(crate) fn set_slip(&mut self, is_beside_bound: bool, phase: Phase) -> bool {
+        let slip = if is_beside_bound { SLIP_BESIDE_BOUND / self.mass } else { 0.0 };
+        let is_changed = slip != self.slip && matches!(self.mode, Mode::Stuck(_));
+        self.slip = slip;
+        if is_changed {
+            self.set_law(phase);
+        }
+        is_changed
     }
 
     /// Corrects the mode by a solution: the `speed` that the row gets, and its impulse. Returns

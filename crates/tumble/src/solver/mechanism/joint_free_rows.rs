@@ -66,6 +66,7 @@ impl JointRows {
         for (row, it) in (self.locked..).zip(&mut self.free_rows) {
             it.prepare(phase, time, is_first.then_some(speeds[row]));
         }
+        self.update_slip(phase);
         self.update_bounds();
     }
 
@@ -85,6 +86,7 @@ impl JointRows {
         for (row, it) in (self.locked..).zip(&mut self.free_rows) {
             is_changed |= it.settle(phase, h, speeds[row] + response[row], impulses[row]);
         }
+        is_changed |= self.update_slip(phase);
         self.update_bounds();
         if is_changed && phase == Phase::Positions {
             self.plan_correction(h);
@@ -104,6 +106,7 @@ impl JointRows {
             is_any |= it.meet_bound(it.axis.direction(&stance, *free, *reference).value);
         }
         if is_any {
+            self.update_slip(Phase::Positions);
             self.update_bounds();
             self.plan_correction(h);
         }
@@ -122,6 +125,14 @@ impl JointRows {
                 }
             }
         }
+    }
+
+    /// Has friction slip where a twist, a cone or a distance is at its bound: that is nearly the
+    /// same row, and what one holds would contradict the other. Returns whether the matrix changes.
+    fn update_slip(&mut self, phase: Phase) -> bool {
+        let is_beside_bound = self.free_rows.iter().any(|row| row.axis.is_of_limit() && row.is_at_bound());
+        let rows = self.free_rows.iter_mut();
+        rows.fold(false, |is_changed, row| row.set_slip(is_beside_bound, phase) | is_changed)
     }
 
     /// Sets the errors of rows that are at a bound, as their modes have changed.

@@ -51,8 +51,9 @@ pub(crate) struct JointRows {
     /// From each centre of mass to the point where both bodies are pushed \[m\].
     pub(crate) arms: [Vec3<f64>; 2],
     pub(crate) arm_lengths: [f64; 2],
-    /// The sum of the radii of gyration of its bodies \[m\].
-    gyration: f64,
+    /// The sum of the radii of gyration of its bodies, or what errors of points held at their
+    /// centres are compared with \[m\].
+    pub(super) gyration: f64,
     /// From the second body's anchor to that point \[m\].
     pub(crate) from_anchor: Vec3<f64>,
     /// By row: how far it is from being met, \[m\] or roughly \[rad\], where rows were set.
@@ -327,10 +328,40 @@ impl JointRows {
         }
     }
 
+    /// Whether its bodies are points that are held at their centres, so that its arms are its gap.
+    pub(super) fn is_of_points(&self) -> bool {
+        let is_centered = |anchor: &Anchor| anchor.position.dot(anchor.position) == 0.0;
+        self.gyration == 0.0 && self.linear_count > 0 && self.anchors.iter().all(is_centered)
+    }
+
     /// What errors are compared with: lengths of its arms, or where these are short of its bodies
     /// \[m\].
     pub(crate) fn size(&self) -> f64 {
         (self.arm_lengths[0] + self.arm_lengths[1]).max(self.gyration)
+    }
+
+    /// The largest of numbers by row, of those that are locked or at a bound; of the size of the
+    /// arms where they are lengths.
+    pub(crate) fn largest(&self, of_row: impl Fn(usize) -> f64) -> f64 {
+        let (linear, size) = (self.linear_count, self.size());
+        let of_locked =
+            (0..self.locked).map(|row| (row, self.gear.as_ref().map_or(row < linear, |gear| gear.is_linear())));
+        let at_bounds = (self.locked..).zip(&self.free_rows).filter(|(_, it)| it.is_at_bound());
+        let rows = of_locked.chain(at_bounds.map(|(row, it)| (row, it.axis.is_linear())));
+        rows.map(|(row, is_linear)| of_row(row).abs() / if is_linear { size } else { 1.0 }).fold(0.0, f64::max)
+    }
+
+    /// The largest error of these rows where they were set, by which what they lock would differ if
+    /// it were met. A bound that is to be reached has none, nor has a gear: its rows stay the same.
+    pub(crate) fn misfit(&self) -> f64 {
+        if self.gear.is_some() {
+            return 0.0;
+        }
+        self.largest(|row| match row.checked_sub(self.locked).map(|row| self.free_rows[row].mode) {
+            Some(Mode::AtLower) => self.errors[row].min(0.0),
+            Some(_) => self.errors[row].max(0.0),
+            None => self.errors[row],
+        })
     }
 
     /// Sets what is left of the errors after a substep of `h` \[s\].

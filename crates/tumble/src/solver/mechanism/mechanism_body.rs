@@ -279,6 +279,35 @@ impl MechanismBody {
         self.angular = self.angular + symmetric_product(diagonal, off_diagonal, angular_velocity);
     }
 
+    /// With the moments that it has now \[J\].
+    pub(crate) fn kinetic_energy(&self) -> f64 {
+        0.5 * (self.linear.dot(self.linear_velocity()) + self.angular.dot(self.times_inverse_inertia(self.angular)))
+    }
+
+    /// Of what it moves against these velocities, linear and angular \[J\].
+    pub(crate) fn kinetic_energy_against(&self, velocities: (Vec3<f64>, Vec3<f64>)) -> f64 {
+        let [linear, angular] = self.momenta_at(velocities);
+        Self { linear: self.linear - linear, angular: self.angular - angular, ..*self }.kinetic_energy()
+    }
+
+    /// Keeps this share of what it moves against these velocities.
+    pub(crate) fn keep_of_motion(&mut self, kept: f64, velocities: (Vec3<f64>, Vec3<f64>)) {
+        let [linear, angular] = self.momenta_at(velocities);
+        self.linear = linear + (self.linear - linear) * kept;
+        self.angular = angular + (self.angular - angular) * kept;
+    }
+
+    /// Its momenta at these velocities, with its own moments.
+    fn momenta_at(&self, (linear, angular): (Vec3<f64>, Vec3<f64>)) -> [Vec3<f64>; 2] {
+        let [diagonal, off_diagonal] = self.own_inertia();
+        [linear * self.mass(), symmetric_product(diagonal, off_diagonal, angular)]
+    }
+
+    /// Whether a body that impulses do not move has a velocity.
+    pub(crate) fn is_moving(&self) -> bool {
+        self.linear.dot(self.linear) + self.angular.dot(self.angular) > 0.0
+    }
+
     fn update_inertia(&mut self) {
         if self.turns {
             let moments = Moments { moments: self.moments, inverse_moments: self.inverse_moments, axes: None };

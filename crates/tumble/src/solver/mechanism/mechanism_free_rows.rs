@@ -49,6 +49,7 @@ impl MechanismSolver {
             joint.prepare(bodies, half.phase, (half.h, half.before), is_first);
         }
         joints.iter_mut().for_each(|joint| joint.push_constants(bodies));
+        self.soften();
     }
 
     /// Corrects the laws of rows of free axes by the solution on the right side. Returns whether it
@@ -66,6 +67,9 @@ impl MechanismSolver {
             is_changed |= joint.settle(bodies, (half.phase, half.h), (&response[begin..], &right[begin..]));
         }
         joints.iter_mut().for_each(|joint| joint.push_constants(bodies));
+        if is_changed {
+            self.soften();
+        }
         is_changed
     }
 
@@ -79,6 +83,7 @@ impl MechanismSolver {
         }
         if is_any {
             joints.iter_mut().for_each(|joint| joint.push_constants(bodies));
+            self.soften();
             self.factor();
         }
         is_any

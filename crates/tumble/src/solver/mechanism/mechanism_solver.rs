@@ -18,6 +18,11 @@ pub(crate) struct MechanismSolver {
     pub(crate) bodies: Vec<MechanismBody>,
     /// Where the substep began.
     pub(super) saved: Vec<SavedBody>,
+    /// By how much joints contradict each other at the start of this substep, of the size of the
+    /// arms or \[rad\].
+    pub(super) misfit: f64,
+    /// How many substeps have been solved in this step, halves counted.
+    pub(crate) parts: u32,
     /// Whether shorter substeps did not help in this step.
     pub(super) is_stuck: bool,
     /// In the order of elimination.
@@ -45,6 +50,17 @@ pub(crate) struct MechanismSolver {
     pulls: Vec<f64>,
     /// By row: how impulses change the speeds.
     pub(super) response: Vec<Four>,
+    /// Whether rows are raised by more, as joints are not met.
+    pub(super) is_softened: bool,
+    /// What the right side was before a solution, and a sum of solutions.
+    pub(super) asked: Vec<Four>,
+    pub(super) solved: Vec<Four>,
+    /// How much of it no impulses give, of the size of the arms [1/s].
+    pub(super) contradiction: f64,
+    /// Whether joints contradicted each other in this step, and what joints did to the energy
+    /// \[J\].
+    pub(super) contradicts: bool,
+    pub(super) gain: f64,
     pub(super) has_free_rows: bool,
     /// Whether no substep of this step has been solved.
     pub(super) is_first: bool,
@@ -94,6 +110,14 @@ impl MechanismSolver {
             bend: vec![[0.0; 4]; matrix.len()],
             pulls: vec![0.0; moves.len()],
             response: vec![[0.0; 4]; matrix.len()],
+            asked: vec![[0.0; 4]; matrix.len()],
+            solved: vec![[0.0; 4]; matrix.len()],
+            is_softened: false,
+            contradiction: 0.0,
+            contradicts: false,
+            gain: 0.0,
+            misfit: 0.0,
+            parts: 0,
             is_first: false,
             is_stuck: false,
             has_free_rows: ordered.iter().any(|joint| !joint.free_rows.is_empty()),
@@ -119,6 +143,17 @@ impl MechanismSolver {
             self.update_rows();
             self.find_masses();
         }
+        if self.joints.iter().any(JointRows::is_of_points) {
+            self.size_points();
+        }
+    }
+
+    /// Has errors of points that are held at their centres compared with the size of the others.
+    fn size_points(&mut self) {
+        self.update_rows();
+        let others = self.joints.iter().filter(|joint| !joint.is_of_points());
+        let size = others.map(JointRows::size).fold(0.0, f64::max);
+        self.joints.iter_mut().filter(|joint| joint.is_of_points()).for_each(|joint| joint.gyration = size);
     }
 
     /// Finds the impulses with which the joints are met at the end of the substep, and moves the
@@ -131,7 +166,9 @@ impl MechanismSolver {
             self.factor();
         }
         self.joints.iter_mut().for_each(|joint| joint.plan_correction(h));
+        self.contradiction = 0.0;
         self.solve_half(half);
+        self.misfit = self.contradiction * h;
         self.drift.begin_at(&self.bodies);
         let (mut solution, mut most, mut worst) = (1, MAX_SOLUTIONS, f64::INFINITY);
         let mut first = f64::INFINITY;
@@ -250,29 +287,6 @@ impl MechanismSolver {
             for (right, row) in right[joint.locked..].iter_mut().zip(&joint.free_rows) {
                 *right = if row.constant.is_some() { 0.0 } else { *right - row.bias };
             }
-        }
-    }
-
-    /// Solves for the impulses that change the rows' speeds by the right side, in its place.
-    ///
-    /// Where rows depend on others, what contradicts itself in the right side would become great
-    /// impulses against each other. To see what speeds the solution gives, and to solve for these,
-    /// leaves it out.
-    fn solve_right_side(&mut self) {
-        self.matrix.solve(&mut self.right);
-        if self.matrix.has_dependent_rows {
-            self.set_response();
-            let Self { joints, matrix, right, response, .. } = self;
-            let (impulses, response) = (right.as_flattened_mut(), response.as_flattened_mut());
-            for (number, joint) in joints.iter().enumerate() {
-                let rows = matrix.place(number) + joint.locked..;
-                for (place, row) in rows.zip(&joint.free_rows) {
-                    let is_off = row.constant.is_some();
-                    response[place] = if is_off { 0.0 } else { response[place] + row.gamma * impulses[place] };
-                }
-            }
-            impulses.copy_from_slice(response);
-            self.matrix.solve(&mut self.right);
         }
     }
 
@@ -410,6 +424,7 @@ impl MechanismSolver {
     pub(crate) fn update_rows(&mut self) {
         let Self { joints, bodies, .. } = self;
         joints.iter_mut().for_each(|joint| joint.update(bodies));
+        self.soften();
     }
 }
 

@@ -4,6 +4,7 @@ use tumble_math::lane::Vec3;
 
 use crate::solver::mechanism::free_row::Phase;
 use crate::solver::mechanism::mechanism_body::MechanismBody;
+use crate::solver::mechanism::mechanism_misfit::{MIN_MISFIT, turned_by};
 use crate::solver::mechanism::mechanism_solver::{Half, MechanismSolver};
 
 /// The error beyond which a substep is solved again in two halves, of the size of the arms or
@@ -14,46 +15,60 @@ const MAX_HALVINGS: u32 = 6;
 /// The same after the last halving, beyond which joints contradict each other: the rest of the step
 /// has no halves.
 const MAX_ERROR_OF_SHORTEST: f64 = 1e-4;
+/// What is left of a smaller one by the last halving, at most, if shorter substeps help.
+const FALL: f64 = 0.5;
 
 impl MechanismSolver {
     /// Advances the bodies by substeps of `h` \[s\]. Returns whether all numbers stayed finite.
     pub(crate) fn advance(&mut self, substeps: u32, h: f64) -> bool {
         self.begin();
         self.is_stuck = false;
+        (self.contradicts, self.gain) = (false, 0.0);
         self.update_rows();
         // What was done to velocities since the last step is no load.
         self.solve_velocities(Half { phase: Phase::Begin, h, before: 0.5 });
         for _ in 0..substeps {
-            self.advance_once(h, 0);
+            self.advance_once(h, 0, f64::INFINITY);
         }
         self.return_dropped_momentum();
+        self.take_back_gain();
         self.bodies.iter().all(MechanismBody::is_finite)
     }
 
     /// Advances the bodies by a substep of `h` \[s\], that was halved this many times for an error
-    /// that was left.
-    fn advance_once(&mut self, h: f64, halvings: u32) {
+    /// that was left, the last time for this one.
+    fn advance_once(&mut self, h: f64, halvings: u32, before: f64) {
         let half = |phase| Half { phase, h, before: 0.5 };
         self.saved.clear();
         self.saved.extend(self.bodies.iter().map(MechanismBody::saved));
         self.bodies.iter_mut().for_each(|body| body.kick(halvings));
+        let is_counted = self.matrix.may_depend() || halvings > 0;
+        let energy = if is_counted { self.kinetic_energy() } else { 0.0 };
         let left = self.solve_positions(half(Phase::Positions));
-        let is_met = left <= MAX_ERROR;
+        self.parts += 1;
+        let is_met = left <= MAX_ERROR.max(2.0 * self.misfit);
         if !is_met && halvings < MAX_HALVINGS && !self.is_stuck {
             self.bodies.iter_mut().zip(&self.saved).for_each(|(body, saved)| body.restore(saved));
             self.bend.fill([0.0; 4]);
             self.update_rows();
             self.factor();
-            self.advance_once(0.5 * h, halvings + 1);
-            self.advance_once(0.5 * h, halvings + 1);
+            self.advance_once(0.5 * h, halvings + 1, left);
+            self.advance_once(0.5 * h, halvings + 1, left);
             return;
         }
-        self.is_stuck |= left > MAX_ERROR_OF_SHORTEST && halvings == MAX_HALVINGS;
+        let most = if left > FALL * before { MAX_ERROR } else { MAX_ERROR_OF_SHORTEST };
+        self.is_stuck |= left > most && halvings == MAX_HALVINGS;
+        // Rounding of poses, once a step, is met by the end of a substep: that is no misfit.
+        let is_misfit = self.is_softened && left > MIN_MISFIT;
+        self.contradicts |= !is_met || halvings > 0 || is_misfit;
+        self.gain += if is_counted { self.kinetic_energy() - energy } else { 0.0 };
         self.note_impulses(true);
         self.bodies.iter_mut().for_each(|body| body.kick(halvings));
         self.take_loads(h);
         self.update_rows();
+        let energy = if is_counted { self.kinetic_energy() } else { 0.0 };
         self.solve_velocities(half(Phase::Velocities));
+        self.gain += if is_counted { self.kinetic_energy() - energy } else { 0.0 };
     }
 
     /// Gives bodies their own moments. What flies free gets back the angular momentum that raised
@@ -68,19 +83,8 @@ impl MechanismSolver {
         let mass: f64 = bodies.iter().map(MechanismBody::mass).sum();
         let moment = bodies.iter().fold(Vec3::zero(), |sum, body| sum + body.position() * body.mass());
         let center = moment * (1.0 / mass);
-        let mut inertia = glam::DMat3::ZERO;
-        for body in &*bodies {
-            let arm = glam::DVec3::from(body.position() - center);
-            let [diagonal, off_diagonal] = body.own_inertia().map(glam::DVec3::from);
-            let (d, o) = (diagonal, off_diagonal);
-            let own = glam::DMat3::from_cols_array(&[d.x, o.z, o.y, o.z, d.y, o.x, o.y, o.x, d.z]);
-            let square = glam::DMat3::from_diagonal(glam::DVec3::splat(arm.length_squared()));
-            let product = glam::DMat3::from_cols(arm * arm.x, arm * arm.y, arm * arm.z);
-            inertia += own + (square - product) * body.mass();
-        }
-        let turn = inertia.inverse() * glam::DVec3::from(dropped);
-        if turn.is_finite() {
-            bodies.iter_mut().for_each(|body| body.turn_along(turn.into(), body.position() - center));
+        if let Some(turn) = turned_by(bodies, center, dropped) {
+            bodies.iter_mut().for_each(|body| body.turn_along(turn, body.position() - center));
         }
     }
 }

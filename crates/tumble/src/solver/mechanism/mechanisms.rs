@@ -97,6 +97,7 @@ impl Mechanisms {
         self.done.resize(self.list.joints.len(), [Vec3::zero(); 2]);
         self.values_and_speeds.clear();
         self.values_and_speeds.resize(self.list.joints.len(), [[0.0; 6]; 2]);
+        self.mechanisms.iter_mut().for_each(|mechanism| mechanism.solver.parts = 0);
     }
 
     /// Finds the mechanisms of the joints whose bodies are in range: gathered into rows, of which
@@ -250,6 +251,11 @@ impl Mechanisms {
             mechanism.is_sound = mechanism.solver.advance(substeps, f64::from(h));
         };
         self.mechanisms.par_iter_mut().by_at_least(1).filter(untouched).for_each(advance);
+    }
+
+    /// In how many parts mechanisms that nothing touches have been solved in this step.
+    pub(crate) fn parts(&self) -> u64 {
+        self.mechanisms.iter().map(|mechanism| u64::from(mechanism.solver.parts)).sum()
     }
 
     /// How many dynamic bodies belong to mechanisms that have been advanced already.

@@ -18,6 +18,7 @@ pub(crate) mod mechanism_body;
 mod mechanism_drift;
 mod mechanism_free_rows;
 mod mechanism_matrix;
+mod mechanism_misfit;
 pub(crate) mod mechanism_solver;
 mod mechanism_substeps;
 pub(crate) mod mechanisms;
