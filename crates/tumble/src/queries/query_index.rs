@@ -2,7 +2,7 @@
 
 use std::borrow::Cow;
 
-use hecs::{Entity, Satisfies, World};
+use hecs::{Archetype, Entity, Satisfies, With, World};
 use rayon::prelude::*;
 use tumble_collide::{Isometry, QueryTree, TreeBox};
 use tumble_math::lane::{Lane, Quat};
@@ -41,7 +41,7 @@ use crate::threads::{Effort, InParts};
 #[derive(Clone, Debug, Default)]
 pub struct QueryIndex {
     /// The bodies with colliders, in the order in which the world shows them.
-    rows: Vec<Row>,
+    rows: Rows,
     /// By number in the tree.
     objects: Vec<Object>,
     /// Numbers that no body has.
@@ -49,22 +49,36 @@ pub struct QueryIndex {
     tree: QueryTree<Real>,
 }
 
-/// What the index has seen of a body.
-#[derive(Clone, Debug)]
-struct Row {
-    entity: Entity,
-    seen: Seen<Collider>,
-    object: u32,
+/// What the index has seen of bodies, each kind of number in a list of its own: where nothing has
+/// moved, the time of a comparison is that of reading them.
+#[derive(Clone, Debug, Default)]
+struct Rows {
+    entities: Vec<Entity>,
+    poses: Vec<Pose>,
+    colliders: Vec<Collider>,
+    centers: Vec<Vec3>,
+    /// Some number where there is none.
+    ids: Vec<BodyId>,
+    kinds: Vec<Kind>,
+    objects: Vec<u32>,
+}
+
+/// What of a body its archetype decides.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Kind {
+    body: BodyKind,
+    has_center: bool,
+    has_id: bool,
 }
 
 /// What of a body decides where its collider is.
-#[derive(Clone, Copy, Debug, PartialEq)]
-struct Seen<C> {
-    pose: Pose,
+#[derive(Clone, Copy, Debug)]
+struct Seen<'a> {
+    pose: &'a Pose,
+    collider: &'a Collider,
     center: Vec3,
-    id: Option<BodyId>,
-    kind: BodyKind,
-    collider: C,
+    id: BodyId,
+    kind: Kind,
 }
 
 /// A collider at its place.
@@ -124,21 +138,35 @@ impl QueryIndex {
 
     /// What has changed since it was brought up to date.
     pub(crate) fn find_changes(&self, world: &World) -> Changes {
+        let Rows { entities, poses, colliders, centers, ids, kinds, .. } = &self.rows;
+        if !world.query::<With<Entity, (&Pose, &Collider)>>().iter().eq(entities.iter().copied()) {
+            return Changes::Bodies;
+        }
         let mut changed = Vec::new();
-        let mut query = world.query::<Columns<'_>>();
-        let mut rows = self.rows.iter();
-        for (number, columns) in (0..).zip(query.iter()) {
-            let (entity, seen) = seen(columns);
-            match rows.next() {
-                Some(row) if row.entity == entity => {
-                    if !row.seen.is_same(&seen) {
-                        changed.push(number);
-                    }
-                }
-                _ => return Changes::Bodies,
+        let mut begin = 0;
+        for archetype in world.archetypes() {
+            let (Some(now), Some(collide)) = (archetype.get::<&Pose>(), archetype.get::<&Collider>()) else {
+                continue;
+            };
+            let rows = begin..begin + now.len();
+            begin = rows.end;
+            let of_poses = poses[rows.clone()].iter().zip(&*now).map(|(a, b)| is_same_pose(a, b));
+            add_changes(&mut changed, rows.start, of_poses);
+            let of_colliders = colliders[rows.clone()].iter().zip(&*collide).map(|(a, b)| a.is_same(b));
+            add_changes(&mut changed, rows.start, of_colliders);
+            let kind = Kind::of(archetype);
+            add_changes(&mut changed, rows.start, kinds[rows.clone()].iter().map(|it| *it == kind));
+            if let Some(now) = archetype.get::<&CenterOfMass>() {
+                let of_centers = centers[rows.clone()].iter().zip(&*now).map(|(a, b)| is_same_vector(*a, b.0));
+                add_changes(&mut changed, rows.start, of_centers);
+            }
+            if let Some(now) = archetype.get::<&BodyId>() {
+                add_changes(&mut changed, rows.start, ids[rows].iter().zip(&*now).map(|(a, b)| a == b));
             }
         }
-        if rows.next().is_some() { Changes::Bodies } else { Changes::Rows(changed) }
+        changed.sort_unstable();
+        changed.dedup();
+        Changes::Rows(changed)
     }
 
     /// Takes over what has changed.
@@ -158,7 +186,7 @@ impl QueryIndex {
         let mut changed = changed.iter().copied().peekable();
         for (number, columns) in (0..).zip(world.query::<Columns<'_>>().iter()) {
             if changed.next_if_eq(&number).is_some() {
-                self.rows[number as usize].seen = seen(columns).1.cloned();
+                self.rows.set(number as usize, seen(columns).1);
             }
         }
     }
@@ -167,42 +195,39 @@ impl QueryIndex {
     fn list_bodies(&mut self, world: &World) -> Vec<u32> {
         let before = std::mem::take(&mut self.rows);
         // By the number of the entity, the row before.
-        let most = before.iter().map(|row| row.entity.id() as usize + 1).max().unwrap_or(0);
-        let mut row_of = vec![u32::MAX; most];
-        (0..).zip(&before).for_each(|(number, row)| row_of[row.entity.id() as usize] = number);
+        let most = before.entities.iter().map(|entity| entity.id() as usize + 1).max().unwrap_or(0);
+        let mut row_of = vec![usize::MAX; most];
+        before.entities.iter().enumerate().for_each(|(row, entity)| row_of[entity.id() as usize] = row);
         let mut changed = Vec::new();
         let mut stays = vec![false; self.objects.len()];
         self.unused.iter().for_each(|object| stays[*object as usize] = true);
         let mut query = world.query::<Columns<'_>>();
         for (number, columns) in (0..).zip(query.iter()) {
             let (entity, seen) = seen(columns);
-            let known = row_of.get(entity.id() as usize).and_then(|row| before.get(*row as usize));
-            match known.filter(|row| row.entity == entity) {
-                Some(row) => {
-                    stays[row.object as usize] = true;
-                    if row.seen.is_same(&seen) {
-                        self.rows.push(row.clone());
-                    } else {
-                        changed.push(number);
-                        self.rows.push(Row { seen: seen.cloned(), ..*row });
-                    }
-                }
-                None => {
-                    changed.push(number);
-                    self.rows.push(Row { entity, seen: seen.cloned(), object: u32::MAX });
-                }
+            let known = row_of.get(entity.id() as usize).copied();
+            let known = known.filter(|row| before.entities.get(*row) == Some(&entity));
+            let object = known.map_or(u32::MAX, |row| before.objects[row]);
+            if let Some(stays) = stays.get_mut(object as usize) {
+                *stays = true;
             }
+            if known.is_none_or(|row| !before.seen(row).is_same(&seen)) {
+                changed.push(number);
+            }
+            self.rows.push(entity, seen, object);
         }
         for (object, _) in (0..).zip(&stays).filter(|(_, stays)| !**stays) {
             self.tree.set(object, TreeBox::Nowhere);
             self.unused.push(object);
         }
-        for row in self.rows.iter_mut().filter(|row| row.object == u32::MAX) {
-            row.object = self.unused.pop().unwrap_or(self.objects.len() as u32);
-            let object = Object::of(row);
-            match self.objects.get_mut(row.object as usize) {
-                Some(unused) => *unused = object,
-                None => self.objects.push(object),
+        for row in 0..self.rows.objects.len() {
+            if self.rows.objects[row] == u32::MAX {
+                let number = self.unused.pop().unwrap_or(self.objects.len() as u32);
+                self.rows.objects[row] = number;
+                let object = Object::of(self.rows.entities[row], &self.rows.seen(row));
+                match self.objects.get_mut(number as usize) {
+                    Some(unused) => *unused = object,
+                    None => self.objects.push(object),
+                }
             }
         }
         changed
@@ -212,9 +237,9 @@ impl QueryIndex {
     fn place(&mut self, changed: &[u32]) {
         let Self { rows, objects, tree, .. } = self;
         let placed = |number: &u32| {
-            let row = &rows[*number as usize];
-            let object = Object::of(row);
-            (row.object, object.tree_box(&row.seen.pose), object)
+            let row = *number as usize;
+            let object = Object::of(rows.entities[row], &rows.seen(row));
+            (rows.objects[row], object.tree_box(&rows.poses[row]), object)
         };
         let place_all = || -> Vec<Vec<_>> {
             let parts = changed.par_chunks(PART).by_at_least(1);
@@ -240,50 +265,107 @@ impl QueryIndex {
     }
 }
 
-impl<C> Seen<C> {
-    fn with<D>(self, collider: D) -> Seen<D> {
-        let Self { pose, center, id, kind, .. } = self;
-        Seen { pose, center, id, kind, collider }
+impl Rows {
+    fn seen(&self, row: usize) -> Seen<'_> {
+        let Self { poses, colliders, centers, ids, kinds, .. } = self;
+        Seen { pose: &poses[row], collider: &colliders[row], center: centers[row], id: ids[row], kind: kinds[row] }
+    }
+
+    fn push(&mut self, entity: Entity, Seen { pose, collider, center, id, kind }: Seen<'_>, object: u32) {
+        self.entities.push(entity);
+        self.poses.push(*pose);
+        self.colliders.push(collider.clone());
+        self.centers.push(center);
+        self.ids.push(id);
+        self.kinds.push(kind);
+        self.objects.push(object);
+    }
+
+    fn set(&mut self, row: usize, Seen { pose, collider, center, id, kind }: Seen<'_>) {
+        self.poses[row] = *pose;
+        self.colliders[row] = collider.clone();
+        self.centers[row] = center;
+        self.ids[row] = id;
+        self.kinds[row] = kind;
     }
 }
 
-impl Seen<&Collider> {
-    fn cloned(self) -> Seen<Collider> {
-        let collider = self.collider.clone();
-        self.with(collider)
+impl Kind {
+    fn of(archetype: &Archetype) -> Self {
+        Self::new(
+            [archetype.has::<Momentum>(), archetype.has::<Velocity>()],
+            [archetype.has::<CenterOfMass>(), archetype.has::<BodyId>()],
+        )
+    }
+
+    fn new([has_momentum, has_velocity]: [bool; 2], [has_center, has_id]: [bool; 2]) -> Self {
+        let body = match (has_momentum, has_velocity) {
+            (true, _) => BodyKind::Moving,
+            (false, true) => BodyKind::Kinematic,
+            (false, false) => BodyKind::Fixed,
+        };
+        Self { body, has_center, has_id }
     }
 }
 
-impl Seen<Collider> {
-    fn is_same(&self, now: &Seen<&Collider>) -> bool {
-        let Self { pose, center, id, kind, collider } = self;
-        (*pose, *center, *id, *kind) == (now.pose, now.center, now.id, now.kind) && collider.is_same(now.collider)
+impl Seen<'_> {
+    fn is_same(&self, now: &Self) -> bool {
+        let Self { pose, collider, center, id, kind } = self;
+        is_same_pose(pose, now.pose)
+            && collider.is_same(now.collider)
+            && is_same_vector(*center, now.center)
+            && (*id, *kind) == (now.id, now.kind)
+    }
+
+    fn id(&self) -> Option<BodyId> {
+        self.kind.has_id.then_some(self.id)
     }
 }
 
-fn seen((entity, pose, collider, center, id, moves, has_velocity): Shown<'_>) -> (Entity, Seen<&Collider>) {
-    let kind = match (moves, has_velocity) {
-        (true, _) => BodyKind::Moving,
-        (false, true) => BodyKind::Kinematic,
-        (false, false) => BodyKind::Fixed,
-    };
+/// Adds the rows, from the first on, that are not the same. Where all are, which is the usual case,
+/// that is found without a branch for each.
+#[inline(always)]
+fn add_changes(changed: &mut Vec<u32>, first: usize, are_same: impl Iterator<Item = bool> + Clone) {
+    if !are_same.clone().fold(true, |all, is_same| all & is_same) {
+        let rows = (first as u32..).zip(are_same);
+        changed.extend(rows.filter(|(_, is_same)| !is_same).map(|(row, _)| row));
+    }
+}
+
+/// Bit for bit: what is not a number is no change.
+#[inline(always)]
+fn is_same_pose(a: &Pose, b: &Pose) -> bool {
+    let turned = |Pose { orientation: q, .. }: &Pose| [q.x, q.y, q.z, q.w].map(Real::to_bits);
+    let is_turned = turned(a).into_iter().zip(turned(b)).fold(0, |changed, (a, b)| changed | (a ^ b)) != 0;
+    is_same_vector(a.position, b.position) & !is_turned
+}
+
+/// Bit for bit.
+#[inline(always)]
+fn is_same_vector(a: Vec3, b: Vec3) -> bool {
+    let [a, b] = [a, b].map(|it| it.to_array().map(Real::to_bits));
+    (a[0] ^ b[0]) | (a[1] ^ b[1]) | (a[2] ^ b[2]) == 0
+}
+
+fn seen((entity, pose, collider, center, id, moves, has_velocity): Shown<'_>) -> (Entity, Seen<'_>) {
+    let kind = Kind::new([moves, has_velocity], [center.is_some(), id.is_some()]);
     let center = center.map_or(Vec3::ZERO, |center| center.0);
-    (entity, Seen { pose: *pose, center, id: id.copied(), kind, collider })
+    (entity, Seen { pose, collider, center, id: id.copied().unwrap_or(BodyId(0)), kind })
 }
 
 impl Object {
-    fn of(row: &Row) -> Self {
-        let Seen { pose, center, id, kind, collider } = &row.seen;
+    fn of(entity: Entity, seen: &Seen<'_>) -> Self {
+        let Seen { pose, collider, center, kind, .. } = seen;
         let orientation = Quat::<f64>::from(dquat(pose.orientation)).normalize();
         let position = tumble_math::lane::Vec3::from(dvec3(pose.position)) - orientation.rotate(dvec3(*center).into());
         let body = Isometry { position, orientation };
         let placement = collider.place().map_or(body, |offset| body.then(&wide(&offset)));
         Self {
-            entity: row.entity,
-            key: BodyKey::of(*id, row.entity.id()),
-            collider: collider.clone(),
+            entity,
+            key: BodyKey::of(seen.id(), entity.id()),
+            collider: (*collider).clone(),
             placement,
-            kind: *kind,
+            kind: kind.body,
         }
     }
 

@@ -354,12 +354,10 @@ impl JointRows {
     /// The largest error of these rows where they were set, by which what they lock would differ if
     /// it were met. A bound that is to be reached has none, nor has a gear: its rows stay the same.
     pub(crate) fn misfit(&self) -> f64 {
-        if self.gear.is_some() {
-            return 0.0;
-        }
         self.largest(|row| match row.checked_sub(self.locked).map(|row| self.free_rows[row].mode) {
             Some(Mode::AtLower) => self.errors[row].min(0.0),
             Some(_) => self.errors[row].max(0.0),
+            None if self.gear.is_some() => 0.0,
             None => self.errors[row],
         })
     }
