@@ -3,13 +3,13 @@
 use std::sync::Arc;
 
 use tumble_collide::{Compound, Isometry};
-use tumble_math::lane::Quat;
+use tumble_math::lane::{Quat, Vec3};
 
 use crate::collision::collider::{Collider, Groups};
 use crate::collision::collider_error::ColliderError;
 use crate::collision::collider_shape::{ColliderShape, checked};
 use crate::collision::material::Material;
-use crate::math::{Real, dvec3};
+use crate::math::{Real, dvec3, real};
 
 /// The surface and groups of a part.
 #[derive(Clone, Debug, PartialEq)]
@@ -171,4 +171,11 @@ pub(crate) fn numbers(pair: u32, of_second: u32) -> [u32; 2] {
 pub(crate) fn wide(at: &Isometry<Real>) -> Isometry<f64> {
     let [position, vector] = [at.position, at.orientation.vector()].map(|it| dvec3(it.into()).into());
     Isometry { position, orientation: Quat::from_parts(at.orientation.w.into(), vector).normalize() }
+}
+
+/// A place in the precision of the build.
+pub(crate) fn narrow(at: &Isometry<f64>) -> Isometry<Real> {
+    let vector = |v: Vec3<f64>| Vec3::new(real(v.x), real(v.y), real(v.z));
+    let orientation = Quat::from_parts(real(at.orientation.w), vector(at.orientation.vector()));
+    Isometry { position: vector(at.position), orientation }
 }

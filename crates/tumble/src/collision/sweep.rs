@@ -32,6 +32,8 @@ const SLOW: Real = 0.5;
 const DEEP: Real = 0.25;
 /// What comes nearer to another's middle than this part of both half thicknesses went through.
 const DEEP_IN: f64 = 0.5;
+/// Just under half a turn \[rad\]: beyond it the last pose does not tell how far a body has turned.
+const HALF_TURN: Real = 3.0;
 /// Bodies that one thread compares, and that it follows, at a time.
 const PART: usize = 1024;
 const FEW: usize = 4;
@@ -83,7 +85,7 @@ impl CollisionPipeline {
             self.find_pairs(&mut sweep, columns, joints);
         }
         if !sweep.pairs.is_empty() {
-            self.list_travellers(&mut sweep, columns, joints);
+            self.list_travellers(&mut sweep, columns, joints, settings.substep());
             self.stop_all(&mut sweep, columns, settings);
         }
         self.sweep = sweep;
@@ -134,8 +136,11 @@ impl CollisionPipeline {
         }
         let Some((collider, _)) = self.colliders.get(slot) else { return false };
         let turned = (turned_end(pose, collider).conjugate() * state.placement.orientation).vector();
-        // Twice the sine of half the angle, about what a rotation moves points by.
-        4.0 * turned.dot(turned) * arm * arm > most * most
+        // Twice the sine of half the angle, about what a rotation moves points by; most of all what
+        // may have turned by more than half.
+        let may_be_around = state.motion.turn.dot(state.motion.turn) > HALF_TURN * HALF_TURN;
+        let turned = if may_be_around { 1.0 } else { turned.dot(turned) };
+        4.0 * turned * arm * arm > most * most
     }
 
     /// Lists each fast body with what is near its way.
@@ -196,7 +201,7 @@ impl CollisionPipeline {
     }
 
     /// Lists the bodies of pairs.
-    fn list_travellers(&self, sweep: &mut Sweep, columns: &WorldColumns<'_>, joints: &JointList) {
+    fn list_travellers(&self, sweep: &mut Sweep, columns: &WorldColumns<'_>, joints: &JointList, h: Real) {
         let Sweep { fast, pairs, places, travellers, jointed, found, .. } = sweep;
         found.resize_with(found.len().max(1), Vec::new);
         let slots = &mut found[0];
@@ -213,7 +218,7 @@ impl CollisionPipeline {
             let (collider, _) = self.colliders.get(*slot)?;
             let is_free = state.is_dynamic && jointed.binary_search(slot).is_err();
             let is_fast = fast.binary_search(slot).is_ok();
-            Traveller::of(*slot, self.body_index.place(*slot), (state, collider), [is_free, is_fast], columns)
+            Traveller::of(*slot, self.body_index.place(*slot), (state, collider), [is_free, is_fast], columns, h)
         }));
         places.clear();
         places.extend(pairs.iter().map(|pair| pair.map(|slot| find(travellers, slot))));
@@ -280,7 +285,7 @@ impl CollisionPipeline {
         // middle of the other: that would push them on.
         let deep = DEEP_IN * f64::from(a.geometry().ccd_thickness() + b.geometry().ccd_thickness());
         let is_past = is_one_piece(a) && is_one_piece(b) && first.is_passed(second, stop.passage.normal, deep);
-        let is_through = !first.is_dynamic || is_past || !first.overlaps_in_the_end(a, second, b);
+        let is_through = !first.is_dynamic || is_past || !first.holds_in_the_end(a, (second, b), stop.passage.normal);
         let is_stop = is_through && !self.lets_pass([first.slot, second.slot], stop.part, &stop.passage);
         is_stop.then_some(stop)
     }
@@ -302,7 +307,9 @@ impl CollisionPipeline {
         let both = [other, traveller].map(|it| &travellers[it]);
         let [first, second] = both.map(|it| {
             let at = it.at(passage.until);
-            let arm: Vec3<Real> = vec3((passage.point - at.position).into()).into();
+            // What turns by more than half a turn hits again and again: in the mean it is a ball.
+            let arm = if it.spins { Vec3::zero() } else { passage.point - at.position };
+            let arm: Vec3<Real> = vec3(arm.into()).into();
             let orientation: Quat<Real> = quat(at.orientation.into()).into();
             let lock = AxisLock(it.locked_axes(columns));
             Struck { place: it.place, arm, orientation: orientation.normalize(), lock }

@@ -1,13 +1,16 @@
 //! A body on its way through a substep, as the second net follows it.
 
+use std::f64::consts::{PI, TAU};
+
 use glam::DVec3;
-use tumble_collide::{Course, Isometry, Passage};
+use tumble_collide::{Course, Isometry, Passage, contact_manifold};
 use tumble_math::lane::{Quat, Vec3};
 
 use crate::collision::collider::Collider;
 use crate::collision::collider_state::ColliderState;
-use crate::collision::compound_parts::wide;
+use crate::collision::compound_parts::{narrow, wide};
 use crate::components::{Momentum, Pose, Velocity};
+use crate::integrators::derived::derived;
 use crate::integrators::kinetic_energy::KineticEnergy;
 use crate::integrators::response_range::responds_in_range;
 use crate::integrators::state::{Constants, Moments, State};
@@ -17,6 +20,9 @@ use crate::math::{Real, Vec3 as WorldVec3, dquat, dvec3, quat, vec3};
 use crate::range::{MAX_SPEED, within};
 use crate::storage::body_index::{RowPlace, Slot};
 use crate::storage::world_columns::{ArchetypeBodies, WorldColumns};
+
+/// The cosine between the way in and the way back out, of what a contact pushes back.
+const BACK: f64 = 0.8;
 
 /// A body in a substep.
 #[derive(Clone)]
@@ -33,6 +39,8 @@ pub(crate) struct Traveller {
     /// Whether it can be put back: a dynamic body that no joint holds.
     pub(crate) is_free: bool,
     pub(crate) is_fast: bool,
+    /// Whether it turns by more than half a turn in the substep.
+    pub(crate) spins: bool,
     /// Up to which moment it goes, ...
     pub(crate) until: f64,
     /// ... and which of the others it stays with then.
@@ -42,18 +50,24 @@ pub(crate) struct Traveller {
 }
 
 impl Traveller {
-    /// A body whose collider was in this state when the substep began; whether it can be put back,
-    /// and whether it is fast.
+    /// A body whose collider was in this state when the substep of `h` \[s\] began; whether it can
+    /// be put back, and whether it is fast.
     pub(crate) fn of(
         slot: Slot,
         place: RowPlace,
         (state, collider): (&ColliderState, &Collider),
         [is_free, is_fast]: [bool; 2],
         columns: &WorldColumns<'_>,
+        h: Real,
     ) -> Option<Self> {
         let end = pose_of(columns, place)?;
         let turn = wide_quat(turned_end(&end, collider)) * wide_quat(state.placement.orientation).conjugate();
-        let turn = tumble_math::to_scaled_axis(turn.normalize().into());
+        let spin = match state_of(columns, place) {
+            Some((constants, state)) => derived(&constants, &state).angular,
+            None => state.velocity.1,
+        };
+        let expected = dvec3((spin * h).into());
+        let turn = nearest_turn(tumble_math::to_scaled_axis(turn.normalize().into()), expected);
         let way = dvec3(end.position) - dvec3(state.center.into());
         let center: Vec3<f64> = dvec3(state.center.into()).into();
         Some(Self {
@@ -65,6 +79,7 @@ impl Traveller {
             is_dynamic: state.is_dynamic,
             is_free,
             is_fast,
+            spins: expected.length() > PI,
             until: 1.0,
             with: None,
             taken_back: DVec3::ZERO,
@@ -164,15 +179,31 @@ impl Traveller {
         normal.dot(end) < 0.0 || (beyond > 0.0 && nearest.dot(nearest) < deep * deep)
     }
 
-    /// Whether solid parts of two bodies overlap at the end of the substep.
-    pub(crate) fn overlaps_in_the_end(&self, collider: &Collider, other: &Self, of_other: &Collider) -> bool {
-        let mut is_met = false;
+    /// Whether another body that met this one in the direction of a normal is in it at the end of
+    /// the substep, and is pushed back about that way.
+    pub(crate) fn holds_in_the_end(
+        &self,
+        collider: &Collider,
+        (other, its): (&Self, &Collider),
+        normal: Vec3<f64>,
+    ) -> bool {
+        let mut is_held = false;
         let [here, there] = [self, other].map(|it| it.course.at(1.0));
-        for_each_pair([collider, of_other], |_, [(shape, inner), (its, its_inner)]| {
-            is_met = is_met || shape.overlap(&here.then(inner), its, &there.then(its_inner)).is_some();
+        for_each_pair([collider, its], |_, [(shape, inner), (its, its_inner)]| {
+            let [at, its_at] = [here.then(inner), there.then(its_inner)].map(|at| narrow(&at));
+            let manifold = contact_manifold(shape, &at, its, &its_at, 0.0);
+            let pushed = Vec3::<f64>::from(dvec3(manifold.normal.into()));
+            is_held = is_held || (!manifold.points().is_empty() && pushed.dot(normal) > BACK);
         });
-        is_met
+        is_held
     }
+}
+
+/// The same rotation, with the whole turns that bring it nearest to one that is expected \[rad\].
+fn nearest_turn(turn: DVec3, expected: DVec3) -> DVec3 {
+    let angle = turn.length();
+    let axis = if angle > 0.0 { turn / angle } else { expected.normalize_or_zero() };
+    turn + axis * (((axis.dot(expected) - angle) / TAU).round() * TAU)
 }
 
 /// Turns the angular momentum of a dynamic body.

@@ -10,7 +10,7 @@ use tumble_math::lane::{Lane, Quat};
 use crate::collision::body_key::BodyKey;
 use crate::collision::collider::Collider;
 use crate::collision::collider_shape::ColliderShape;
-use crate::collision::compound_parts::wide;
+use crate::collision::compound_parts::{narrow, wide};
 use crate::components::{BodyId, BodyKind, CenterOfMass, Momentum, Pose, Velocity};
 use crate::math::{Real, Vec3, dquat, dvec3, real};
 use crate::queries::query_filter::QueryFilter;
@@ -395,11 +395,4 @@ impl Object {
             }
         });
     }
-}
-
-/// A place in the precision of the build.
-pub(crate) fn narrow(at: &Isometry<f64>) -> Isometry<Real> {
-    let vector = |v: tumble_math::lane::Vec3<f64>| tumble_math::lane::Vec3::new(real(v.x), real(v.y), real(v.z));
-    let orientation = Quat::from_parts(real(at.orientation.w), vector(at.orientation.vector()));
-    Isometry { position: vector(at.position), orientation }
 }

@@ -10,12 +10,12 @@ use tumble_collide::{Aabb, Isometry, NearestPoint, ShapeCastHit, ShapeRayHit};
 use crate::collision::body_key::BodyKey;
 use crate::collision::collider::Collider;
 use crate::collision::collider_shape::ColliderShape;
-use crate::collision::compound_parts::wide;
+use crate::collision::compound_parts::{narrow, wide};
 use crate::components::Pose;
 use crate::math::{Real, Vec3, dquat, dvec3, real, vec3};
 use crate::queries::hits::{PartHit, PointHit, RayHit, ShapeHit};
 use crate::queries::query_filter::QueryFilter;
-use crate::queries::query_index::{Object, QueryIndex, narrow};
+use crate::queries::query_index::{Object, QueryIndex};
 use crate::queries::ray::Ray;
 use crate::threads::{Effort, InParts};
 
