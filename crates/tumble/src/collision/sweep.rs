@@ -61,8 +61,8 @@ pub(crate) struct Sweep {
     groups: Islands,
     /// Each traveller of a group after the lowest of the group.
     members: Vec<[Slot; 2]>,
-    /// Angular momentum about the origin of each traveller that is free.
-    before: Vec<Option<DVec3>>,
+    /// Position and momenta of each traveller that is free, before any is stopped.
+    before: Vec<Option<[DVec3; 3]>>,
 }
 
 /// The end of a body's way: whose it is, and what is touched.
@@ -227,7 +227,8 @@ impl CollisionPipeline {
     /// Follows all pairs, and stops what crosses, the earliest first.
     fn stop_all(&self, sweep: &mut Sweep, columns: &mut WorldColumns<'_>, settings: &Settings) {
         sweep.before.clear();
-        sweep.before.extend(sweep.travellers.iter().map(|it| it.angular_momentum(columns)));
+        let Sweep { travellers, before, .. } = &mut *sweep;
+        before.extend(travellers.iter().map(|it| it.motion(travellers, columns)));
         sweep.stopped.clear();
         for _ in 0..ROUNDS {
             let Sweep { travellers, places, stops, sorted, limits, stopped, .. } = sweep;
@@ -331,8 +332,12 @@ fn keep_angular_momentum(sweep: &mut Sweep, columns: &mut WorldColumns<'_>) {
     members.dedup();
     for group in members.chunk_by(|a, b| a[0] == b[0]) {
         let members = || group.iter().map(|[_, it]| (&travellers[it.index()], before[it.index()]));
-        let lost =
-            members().try_fold(DVec3::ZERO, |lost, (it, before)| Some(lost + before? - it.angular_momentum(columns)?));
+        // About one of them: about what is far away, rounding of linear momenta would count.
+        let about = members().find_map(|(_, before)| before).map_or(DVec3::ZERO, |[position, ..]| position);
+        let momentum = |[position, linear, spin]: [DVec3; 3]| (position - about).cross(linear) + spin;
+        let lost = members().try_fold(DVec3::ZERO, |lost, (it, before)| {
+            Some(lost + momentum(before?) - momentum(it.motion(travellers, columns)?))
+        });
         let whole: f64 = members().map(|(it, _)| it.moment_of_inertia(columns)).sum();
         if let Some(lost) = lost
             && whole > 0.0

@@ -116,13 +116,15 @@ impl Traveller {
         locked.map_or(Axes::NONE, |column| column[self.place.row as usize].0)
     }
 
-    /// Angular momentum about the origin of a body that is free to turn as well, with what gravity
-    /// would have added to it [kg m^2/s].
-    pub(crate) fn angular_momentum(&self, columns: &WorldColumns<'_>) -> Option<DVec3> {
+    /// Position, linear momentum with what gravity would have added to it, and spin angular momentum
+    /// of a body that is free to turn as well \[m\] [kg m/s] [kg m^2/s]; the position not rounded to
+    /// the precision of poses.
+    pub(crate) fn motion(&self, travellers: &[Self], columns: &WorldColumns<'_>) -> Option<[DVec3; 3]> {
         let may_turn = self.is_free && self.locked_axes(columns) == Axes::NONE;
         let (_, state) = state_of(columns, self.place).filter(|_| may_turn)?;
-        let [position, linear, angular] = [state.position, state.linear, state.angular].map(|it| dvec3(it.into()));
-        Some(position.cross(linear + self.taken_back) + angular)
+        let is_stopped = self.until < 1.0;
+        let position = if is_stopped { self.stays(travellers).position.into() } else { dvec3(self.end.position) };
+        Some([position, dvec3(state.linear.into()) + self.taken_back, dvec3(state.angular.into())])
     }
 
     /// The sum of its principal moments [kg m^2]; zero of a body that does not turn.
@@ -152,14 +154,19 @@ impl Traveller {
         }
     }
 
+    /// Where it is at the end of the substep, after it was stopped.
+    fn stays(&self, travellers: &[Self]) -> Isometry<f64> {
+        let here = self.at(self.until);
+        match self.with.map(|other| &travellers[other].course) {
+            Some(course) => carried(&here, course, self.until),
+            None => here,
+        }
+    }
+
     /// Writes where it was stopped, with what it touches for the rest of the substep, and books
     /// what that did.
     pub(crate) fn write(&self, travellers: &[Self], columns: &mut WorldColumns<'_>) {
-        let here = self.at(self.until);
-        let place = match self.with.map(|other| &travellers[other].course) {
-            Some(course) => carried(&here, course, self.until),
-            None => here,
-        };
+        let (here, place) = (self.at(self.until), self.stays(travellers));
         turn_momentum(columns, self.place, place.orientation * here.orientation.conjugate());
         let row = self.place.row as usize;
         if let Some(columns) = columns.dynamic_mut(self.place) {
