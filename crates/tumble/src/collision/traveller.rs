@@ -116,8 +116,8 @@ impl Traveller {
         locked.map_or(Axes::NONE, |column| column[self.place.row as usize].0)
     }
 
-    /// Position, not rounded to the precision of poses, linear momentum with what gravity would have
-    /// added, and spin of a body that is free to turn as well \[m\] [kg m/s] [kg m^2/s].
+    /// Of a body that is free to turn as well: position, not rounded as poses are, linear momentum
+    /// with what gravity would have added, and spin \[m\] [kg m/s] [kg m^2/s].
     pub(crate) fn motion(&self, travellers: &[Self], columns: &WorldColumns<'_>) -> Option<[DVec3; 3]> {
         let may_turn = self.is_free && self.locked_axes(columns) == Axes::NONE;
         let (_, state) = state_of(columns, self.place).filter(|_| may_turn)?;
