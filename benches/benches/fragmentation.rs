@@ -1,7 +1,7 @@
 //! What archetypes cost: 10 000 boxes in 1 to 256 of them, as the caller's own components spread
 //! them.
 //!
-//! The boxes are told apart by up to eight components without data; neighbours are of different
+//! The boxes differ by up to eight components without data; neighbours are of different
 //! archetypes. `cargo bench --bench fragmentation -- "1 thread"`.
 
 mod setup;

@@ -59,7 +59,7 @@ pub struct Meeting {
 /// What points of contact go along with between the beginning of an interval and a meeting.
 ///
 /// ```
-/// use tumble_collide::{Course, Follow, ColliderShape, Meeting, Isometry};
+/// use tumble_collide::{ColliderShape, Course, Follow, Isometry, Meeting};
 /// use tumble_math::lane::Vec3;
 ///
 /// let (zero, sphere) = (Vec3::<f64>::zero(), ColliderShape::Sphere { radius: 0.5_f64 });
@@ -68,7 +68,7 @@ pub struct Meeting {
 /// let shot = Course::new(&Isometry::at(at), at, Vec3::new(4.0, 0.0, 0.0), zero);
 /// let (pair, courses) = ([&sphere, &sphere], [&stays, &shot]);
 /// let met = Meeting::find(pair, courses, 1e-9, 0.0).unwrap();
-/// // They meet with centres 0.6 m apart across the way and 0.8 m along it, so 2.2 m of the way are left.
+/// // They meet with centres 0.6 m apart across the way and 0.8 m along it: 2.2 m are left.
 /// met.manifolds(pair, courses, [0.01, 0.01], Follow::Centers, &mut |_, manifold| {
 ///     assert!((manifold.normal.x + 0.8).abs() < 1e-6);
 ///     assert!((manifold.points()[0].separation - 0.8 * 2.2).abs() < 1e-6);

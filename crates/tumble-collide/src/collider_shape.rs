@@ -103,7 +103,10 @@ const ALONG_NORMAL: f64 = 1.0 - 5e-7;
 /// use tumble_collide::Isometry;
 /// use tumble_math::lane::{Quat, Vec3};
 ///
-/// let turned = Isometry { position: Vec3::new(1.0, 0.0, 0.0), orientation: Quat { x: 0.0, y: 0.0, z: 1.0, w: 0.0 } };
+/// let turned = Isometry {
+///     position: Vec3::new(1.0, 0.0, 0.0),
+///     orientation: Quat { x: 0.0, y: 0.0, z: 1.0, w: 0.0 },
+/// };
 /// let part = turned.then(&Isometry::at(Vec3::new(0.25, 0.0, 0.0)));
 /// assert_eq!(part.position, Vec3::new(0.75, 0.0, 0.0));
 /// ```
@@ -323,11 +326,13 @@ impl<R: Scalar> ColliderShape<R> {
     ///
     /// ```
     /// use std::sync::Arc;
-    /// use tumble_collide::{Compound, ColliderShape, Isometry};
+    /// use tumble_collide::{ColliderShape, Compound, Isometry};
     /// use tumble_math::lane::Vec3;
     ///
-    /// let sphere = |x: f64| (Isometry::at(Vec3::new(x, 0.0, 0.0)), ColliderShape::Sphere { radius: 0.5 });
-    /// let dumbbell = ColliderShape::Compound(Arc::new(Compound::new([sphere(-1.0), sphere(1.0)])));
+    /// let sphere =
+    ///     |x: f64| (Isometry::at(Vec3::new(x, 0.0, 0.0)), ColliderShape::Sphere { radius: 0.5 });
+    /// let dumbbell =
+    ///     ColliderShape::Compound(Arc::new(Compound::new([sphere(-1.0), sphere(1.0)])));
     /// let (first, at, part) = dumbbell.part_of(1);
     /// assert_eq!((first, at.position.x, part), (1, 1.0, &ColliderShape::Sphere { radius: 0.5 }));
     /// ```

@@ -10,10 +10,11 @@ type Part<R> = (Isometry<R>, ColliderShape<R>);
 /// Shapes fixed to each other, made to be touched: each at a place in the compound's frame.
 ///
 /// ```
-/// use tumble_collide::{Compound, ColliderShape, Isometry};
+/// use tumble_collide::{ColliderShape, Compound, Isometry};
 /// use tumble_math::lane::Vec3;
 ///
-/// let sphere = |x: f64| (Isometry::at(Vec3::new(x, 0.0, 0.0)), ColliderShape::Sphere { radius: 0.5 });
+/// let sphere =
+///     |x: f64| (Isometry::at(Vec3::new(x, 0.0, 0.0)), ColliderShape::Sphere { radius: 0.5 });
 /// let dumbbell = Compound::new([sphere(-1.0), sphere(1.0)]);
 /// assert_eq!(dumbbell.parts().len(), 2);
 /// assert_eq!(dumbbell.reach(), Some(1.5));

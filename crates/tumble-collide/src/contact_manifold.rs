@@ -23,7 +23,10 @@ use crate::sphere::{cuboid_and_sphere, sphere_and_sphere};
 /// use tumble_math::lane::Vec3;
 ///
 /// let ground = (ColliderShape::HalfSpace, Isometry::at(Vec3::zero()));
-/// let can = (ColliderShape::Cylinder { radius: 0.5, half_height: 1.0 }, Isometry::at(Vec3::new(0.0, 1.001, 0.0)));
+/// let can = (
+///     ColliderShape::Cylinder { radius: 0.5, half_height: 1.0 },
+///     Isometry::at(Vec3::new(0.0, 1.001, 0.0)),
+/// );
 /// // It stands on four points of its rim, a millimetre above the ground.
 /// let manifold = contact_manifold(&ground.0, &ground.1, &can.0, &can.1, 0.02_f64);
 /// assert_eq!(manifold.points().len(), 4);
@@ -59,7 +62,8 @@ pub fn contact_manifold<R: Scalar>(
 ///
 /// let cube = ColliderShape::Cuboid { half_extents: Vec3::splat(0.5_f64) };
 /// // Corners of both, a metre apart along the diagonal.
-/// let (here, there) = (Isometry::at(Vec3::zero()), Isometry::at(Vec3::splat(1.0 + 1.0 / 3.0_f64.sqrt())));
+/// let (here, there) =
+///     (Isometry::at(Vec3::zero()), Isometry::at(Vec3::splat(1.0 + 1.0 / 3.0_f64.sqrt())));
 /// assert!(contact_manifold(&cube, &here, &cube, &there, 2.0).points().is_empty());
 /// let manifold = nearest_manifold(&cube, &here, &cube, &there, 2.0);
 /// assert!((manifold.points()[0].separation - 1.0).abs() < 1e-9);
@@ -88,16 +92,24 @@ pub fn nearest_manifold<R: Scalar>(
 ///
 /// ```
 /// use std::sync::Arc;
-/// use tumble_collide::{Compound, ColliderShape, Isometry, contact_manifolds};
+/// use tumble_collide::{ColliderShape, Compound, Isometry, contact_manifolds};
 /// use tumble_math::lane::Vec3;
 ///
-/// let sphere = |x: f64| (Isometry::at(Vec3::new(x, 0.0, 0.0)), ColliderShape::Sphere { radius: 0.5 });
+/// let sphere =
+///     |x: f64| (Isometry::at(Vec3::new(x, 0.0, 0.0)), ColliderShape::Sphere { radius: 0.5 });
 /// let dumbbell = ColliderShape::Compound(Arc::new(Compound::new([sphere(-1.0), sphere(1.0)])));
 /// let mut found = Vec::new();
 /// let (ground, above) = (Isometry::at(Vec3::zero()), Isometry::at(Vec3::new(0.0, 0.5, 0.0)));
-/// contact_manifolds(&ColliderShape::HalfSpace, &ground, &dumbbell, &above, 0.02, &mut |pair, manifold| {
-///     found.push((pair, manifold.points()[0].position.x));
-/// });
+/// contact_manifolds(
+///     &ColliderShape::HalfSpace,
+///     &ground,
+///     &dumbbell,
+///     &above,
+///     0.02,
+///     &mut |pair, manifold| {
+///         found.push((pair, manifold.points()[0].position.x));
+///     },
+/// );
 /// assert_eq!(found, [(0, -1.0), (1, 1.0)]);
 /// ```
 pub fn contact_manifolds<R: Scalar>(

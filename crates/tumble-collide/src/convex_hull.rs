@@ -16,7 +16,8 @@ use crate::support_map::{Vector, unit};
 /// use tumble_collide::ConvexHull;
 /// use tumble_math::lane::Vec3;
 ///
-/// let corners: Vec<_> = (0..8).map(|i| Vec3::new((i & 1).into(), (i >> 1 & 1).into(), (i >> 2).into())).collect();
+/// let corners: Vec<_> =
+///     (0..8).map(|i| Vec3::new((i & 1).into(), (i >> 1 & 1).into(), (i >> 2).into())).collect();
 /// let cube = ConvexHull::new(&corners)?;
 /// assert_eq!((cube.points().len(), cube.edges().count(), cube.faces()), (8, 12, 6));
 /// assert!(ConvexHull::new(&corners[..4]).is_err()); // they lie in one plane

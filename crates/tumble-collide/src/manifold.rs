@@ -14,7 +14,9 @@ use crate::scalar::Scalar;
 /// let on_it = Isometry::at(Vec3::new(0.0, 1.01, 0.0));
 /// let manifold = contact_manifold(&cube, &Isometry::at(Vec3::zero()), &cube, &on_it, 0.02);
 /// for point in manifold.points() {
-///     assert!((point.separation - 0.01_f64).abs() < 1e-15 && (point.position.y - 0.505).abs() < 1e-15);
+///     assert!(
+///         (point.separation - 0.01_f64).abs() < 1e-15 && (point.position.y - 0.505).abs() < 1e-15
+///     );
 /// }
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq)]

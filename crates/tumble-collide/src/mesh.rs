@@ -20,7 +20,8 @@ use crate::surface::{Patches, Surface};
 /// use tumble_collide::Mesh;
 /// use tumble_math::lane::Vec3;
 ///
-/// let corners = [[0.0, 0.0, 0.0], [0.0, 0.0, 1.0], [1.0, 0.0, 1.0], [1.0, 0.0, 0.0]].map(|[x, y, z]| Vec3::new(x, y, z));
+/// let corners = [[0.0, 0.0, 0.0], [0.0, 0.0, 1.0], [1.0, 0.0, 1.0], [1.0, 0.0, 0.0]]
+///     .map(|[x, y, z]| Vec3::new(x, y, z));
 /// let ground = Mesh::new(&corners, &[[0, 1, 2], [0, 2, 3]])?;
 /// assert_eq!((ground.triangles().len(), ground.edges().count()), (2, 5));
 /// let error = Mesh::new(&corners, &[[0, 1, 4]]).unwrap_err();

@@ -53,8 +53,17 @@ fn add(_which: usize, _count: usize) {
 /// use tumble_collide::{ColliderShape, Isometry, contact_manifold, work_done};
 /// use tumble_math::lane::Vec3;
 ///
-/// let (disc, cone) = (ColliderShape::Cylinder { radius: 1.0, half_height: 0.1 }, ColliderShape::Cone { radius: 1.0, half_height: 1.0 });
-/// contact_manifold(&disc, &Isometry::at(Vec3::zero()), &cone, &Isometry::at(Vec3::new(0.3, 1.0, 0.2)), 0.02);
+/// let (disc, cone) = (
+///     ColliderShape::Cylinder { radius: 1.0, half_height: 0.1 },
+///     ColliderShape::Cone { radius: 1.0, half_height: 1.0 },
+/// );
+/// contact_manifold(
+///     &disc,
+///     &Isometry::at(Vec3::zero()),
+///     &cone,
+///     &Isometry::at(Vec3::new(0.3, 1.0, 0.2)),
+///     0.02,
+/// );
 /// let [reached, ..] = work_done();
 /// assert!((1..1000).contains(&reached));
 /// ```

@@ -134,7 +134,10 @@ impl fmt::Display for Place {
 ///
 /// let error = FieldError::new("mass", "must be positive").inside("motion");
 /// assert_eq!(error.to_string(), "motion.mass: must be positive");
-/// assert_eq!(error.in_file("a.gltf", None).to_string(), "a.gltf: field motion.mass: must be positive");
+/// assert_eq!(
+///     error.in_file("a.gltf", None).to_string(),
+///     "a.gltf: field motion.mass: must be positive"
+/// );
 /// ```
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct FieldError {

@@ -21,7 +21,8 @@ pub const POINT_RADIUS: f64 = 0.02;
 /// ```
 /// use tumble_import::{Appearance, Tessellation};
 ///
-/// let cube = Tessellation::of_appearance(&Appearance::Shape(tumble::Shape::cuboid([1.0, 1.0, 1.0])));
+/// let cube =
+///     Tessellation::of_appearance(&Appearance::Shape(tumble::Shape::cuboid([1.0, 1.0, 1.0])));
 /// assert_eq!((cube.positions.len(), cube.normals.len(), cube.triangles.len()), (24, 24, 12));
 /// ```
 #[derive(Clone, Debug, Default, PartialEq)]

@@ -77,7 +77,8 @@ const MAX_ITERATIONS: u32 = 6;
 /// use tumble_math::rotate_freely;
 /// // About a principal axis the rotation is uniform: here a tenth of a radian in one step.
 /// let (momentum, moments) = (DVec3::new(0.0, 0.0, 3.0 * 2.0), DVec3::new(1.0, 2.0, 3.0));
-/// let turned: DQuat = rotate_freely(DQuat::IDENTITY.into(), None, momentum.into(), moments.into(), 0.05).into();
+/// let turned: DQuat =
+///     rotate_freely(DQuat::IDENTITY.into(), None, momentum.into(), moments.into(), 0.05).into();
 /// assert!(turned.angle_between(DQuat::from_rotation_z(0.1)) < 1e-10);
 /// ```
 #[inline(always)]
@@ -100,7 +101,8 @@ pub fn rotate_freely<L: Lane>(
 /// use tumble_math::FreeRotation;
 /// use tumble_math::lane::{Quat, Vec3};
 /// // 3 kg m^2/s about the axis with a moment of 3 kg m^2: a radian a second.
-/// let (moments, inverse_moments) = (Vec3::new(1.5, 2.0, 3.0), Vec3::new(1.0 / 1.5, 0.5, 1.0 / 3.0));
+/// let (moments, inverse_moments) =
+///     (Vec3::new(1.5, 2.0, 3.0), Vec3::new(1.0 / 1.5, 0.5, 1.0 / 3.0));
 /// let step = FreeRotation::new(moments, inverse_moments, None, 0.1);
 /// let mut orientation = Quat { x: 0.0, y: 0.0, z: 0.0, w: 1.0 };
 /// for _ in 0..10 {

@@ -14,10 +14,14 @@ use crate::unit::unit_vector;
 /// `angular` is the angular velocity [rad/s]. All vectors in one frame.
 ///
 /// ```
-/// use tumble_math::velocity_at_point;
 /// use glam::DVec3;
+/// use tumble_math::velocity_at_point;
 /// // The foot of a wheel of radius 0.5 that rolls along x stands still.
-/// let foot = velocity_at_point(DVec3::new(2.0, 0.0, 0.0), DVec3::new(0.0, 0.0, -4.0), DVec3::new(0.0, -0.5, 0.0));
+/// let foot = velocity_at_point(
+///     DVec3::new(2.0, 0.0, 0.0),
+///     DVec3::new(0.0, 0.0, -4.0),
+///     DVec3::new(0.0, -0.5, 0.0),
+/// );
 /// assert_eq!(foot, DVec3::ZERO);
 /// ```
 #[must_use]
@@ -31,11 +35,13 @@ pub fn velocity_at_point(linear: DVec3, angular: DVec3, r: DVec3) -> DVec3 {
 /// Adding them up is D'Alembert's principle at work: the body moves as under the single sum.
 ///
 /// ```
-/// use tumble_math::ForceAndTorque;
 /// use glam::DVec3;
+/// use tumble_math::ForceAndTorque;
 /// // A couple: two opposite forces turn without pushing.
-/// let couple: ForceAndTorque =
-///     [1.0, -1.0].into_iter().map(|s| ForceAndTorque::of_force_at(DVec3::Y * s, DVec3::X * s)).sum();
+/// let couple: ForceAndTorque = [1.0, -1.0]
+///     .into_iter()
+///     .map(|s| ForceAndTorque::of_force_at(DVec3::Y * s, DVec3::X * s))
+///     .sum();
 /// assert_eq!((couple.force, couple.torque), (DVec3::ZERO, DVec3::Z * 2.0));
 /// ```
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -92,12 +98,14 @@ impl Sum for ForceAndTorque {
 /// Source: H. Goldstein, C. Poole, J. Safko, "Classical Mechanics", 3rd ed., equation 5.39.
 ///
 /// ```
-/// use tumble_math::{InertiaTensor, angular_acceleration, torque_for_angular_acceleration};
 /// use glam::DVec3;
+/// use tumble_math::{InertiaTensor, angular_acceleration, torque_for_angular_acceleration};
 /// let body = InertiaTensor::axisymmetric(1.0, 3.0, [1.0, 1.0, 0.0])?;
 /// let response = angular_acceleration(&body, DVec3::ZERO, DVec3::X);
 /// assert!(response.x > 0.0 && response.y > 0.0);
-/// assert!((torque_for_angular_acceleration(&body, DVec3::ZERO, response) - DVec3::X).length() < 1e-15);
+/// assert!(
+///     (torque_for_angular_acceleration(&body, DVec3::ZERO, response) - DVec3::X).length() < 1e-15
+/// );
 /// # Ok::<(), tumble_math::InertiaError>(())
 /// ```
 #[must_use]

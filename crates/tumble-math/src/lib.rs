@@ -4,14 +4,15 @@
 //! ```
 //! use tumble_math::{Amount, Part, Shape};
 //!
-//! // A hammer: what does it weigh, where is its centre of mass, about which axes does it spin freely?
+//! // A hammer: its mass, its centre of mass, and the axes about which it spins freely.
 //! let handle = Part::new(Shape::cylinder(0.012, 0.15), Amount::Density(700.0));
-//! let head = Part::new(Shape::cuboid([0.06, 0.015, 0.015]), Amount::Density(7850.0)).at([0.0, 0.15, 0.0]);
+//! let head = Part::new(Shape::cuboid([0.06, 0.015, 0.015]), Amount::Density(7850.0))
+//!     .at([0.0, 0.15, 0.0]);
 //! let hammer = Shape::compound([handle, head]).own_mass_properties()?;
 //! assert!((hammer.mass() - 0.943).abs() < 1e-3);
 //! assert!((hammer.center_of_mass().y - 0.135).abs() < 1e-3);
 //! let principal = hammer.inertia()?.principal();
-//! assert!(principal.spin_instability(0) > 0.0); // thrown with a spin along its head, it flips over
+//! assert!(principal.spin_instability(0) > 0.0); // about its head it flips over
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 //!

@@ -9,7 +9,10 @@ use crate::inertia_error::listed;
 ///
 /// ```
 /// use tumble_math::{MassError, MassProperties};
-/// assert_eq!(MassProperties::point(-1.0, [0.0, 0.0, 0.0]).unwrap_err(), MassError::NotPositive { mass: -1.0 });
+/// assert_eq!(
+///     MassProperties::point(-1.0, [0.0, 0.0, 0.0]).unwrap_err(),
+///     MassError::NotPositive { mass: -1.0 }
+/// );
 /// ```
 #[derive(Clone, Debug, PartialEq, Error)]
 #[non_exhaustive]

@@ -45,7 +45,13 @@ pub struct MovingBody {
 /// let lump = |linear_velocity| -> Result<MovingBody, tumble_math::ShapeError> {
 ///     let properties = Shape::sphere(0.1).mass_properties(Amount::Mass(2.0))?;
 ///     let (position, orientation) = (DVec3::ZERO, DQuat::IDENTITY);
-///     Ok(MovingBody { properties, position, orientation, linear_velocity, angular_velocity: DVec3::ZERO })
+///     Ok(MovingBody {
+///         properties,
+///         position,
+///         orientation,
+///         linear_velocity,
+///         angular_velocity: DVec3::ZERO,
+///     })
 /// };
 /// // Head on, at 3 m/s each: nothing moves any more, and all 18 J are gone.
 /// let stuck = weld([lump(DVec3::X * 3.0)?, lump(DVec3::X * -3.0)?])?;

@@ -35,7 +35,8 @@ pub fn orientation_rate<L: Lane>(orientation: Quat<L>, angular_velocity: Vec3<L>
 /// ```
 /// use glam::{DQuat, DVec3};
 /// use tumble_math::rotate_to_first_order;
-/// let turned: DQuat = rotate_to_first_order(DQuat::IDENTITY.into(), (DVec3::Z * 2.0).into(), 0.5).into();
+/// let turned: DQuat =
+///     rotate_to_first_order(DQuat::IDENTITY.into(), (DVec3::Z * 2.0).into(), 0.5).into();
 /// // One radian, less an error of about 1/12.
 /// assert!((turned.angle_between(DQuat::IDENTITY) - 2.0 * 0.5_f64.atan()).abs() < 1e-12);
 /// ```
@@ -50,7 +51,8 @@ pub fn rotate_to_first_order<L: Lane>(orientation: Quat<L>, angular_velocity: Ve
 /// ```
 /// use glam::{DQuat, DVec3};
 /// use tumble_math::rotate_exactly;
-/// let turned: DQuat = rotate_exactly(DQuat::IDENTITY.into(), DVec3::new(0.0, 2.0, 0.0).into(), 0.5).into();
+/// let turned: DQuat =
+///     rotate_exactly(DQuat::IDENTITY.into(), DVec3::new(0.0, 2.0, 0.0).into(), 0.5).into();
 /// assert!(turned.angle_between(DQuat::from_rotation_y(1.0)) < 1e-15);
 /// ```
 #[inline(always)]

@@ -110,7 +110,8 @@ impl PrincipalInertia {
     ///
     /// ```
     /// use tumble_math::PrincipalInertia;
-    /// let book = PrincipalInertia { moments: [1.0, 2.0, 2.5].into(), axes: glam::DQuat::IDENTITY };
+    /// let book =
+    ///     PrincipalInertia { moments: [1.0, 2.0, 2.5].into(), axes: glam::DQuat::IDENTITY };
     /// let stability: Vec<f64> = (0..3).map(|axis| book.spin_instability(axis)).collect();
     /// assert!(stability[0] < 0.0 && stability[1] > 0.0 && stability[2] < 0.0);
     /// ```

@@ -119,7 +119,9 @@ pub fn to_scaled_axis(q: DQuat) -> DVec3 {
 /// ```
 /// use tumble_math::{angle_between, from_scaled_axis};
 /// let quarter = from_scaled_axis(glam::DVec3::Z * std::f64::consts::FRAC_PI_2);
-/// assert!(angle_between(quarter, glam::DQuat::from_rotation_z(std::f64::consts::FRAC_PI_2)) < 1e-15);
+/// assert!(
+///     angle_between(quarter, glam::DQuat::from_rotation_z(std::f64::consts::FRAC_PI_2)) < 1e-15
+/// );
 /// ```
 #[must_use]
 pub fn from_scaled_axis(v: DVec3) -> DQuat {

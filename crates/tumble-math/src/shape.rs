@@ -115,7 +115,8 @@ pub enum Shape {
 /// use tumble_math::{Amount, Part, Shape};
 /// let arm = Part::new(Shape::cylinder(0.02, 0.3), Amount::Density(2700.0));
 /// // Along x instead of y, and with one end at the origin.
-/// let arm = arm.turned(glam::DQuat::from_rotation_z(-std::f64::consts::FRAC_PI_2)).at([0.3, 0.0, 0.0]);
+/// let arm =
+///     arm.turned(glam::DQuat::from_rotation_z(-std::f64::consts::FRAC_PI_2)).at([0.3, 0.0, 0.0]);
 /// let center = Shape::compound([arm]).own_mass_properties()?.center_of_mass();
 /// assert!(center.abs_diff_eq(glam::DVec3::X * 0.3, 1e-15));
 /// # Ok::<(), tumble_math::ShapeError>(())
@@ -137,7 +138,10 @@ pub struct Part {
 /// ```
 /// use tumble_math::{Amount, Shape};
 /// let cube = Shape::cuboid([0.5, 0.5, 0.5]);
-/// assert_eq!(cube.mass_properties(Amount::Density(1000.0))?, cube.mass_properties(Amount::Mass(1000.0))?);
+/// assert_eq!(
+///     cube.mass_properties(Amount::Density(1000.0))?,
+///     cube.mass_properties(Amount::Mass(1000.0))?
+/// );
 /// # Ok::<(), tumble_math::ShapeError>(())
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq)]

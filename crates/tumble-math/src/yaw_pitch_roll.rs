@@ -12,7 +12,11 @@ use crate::euler::to_euler;
 /// use tumble_math::YawPitchRoll;
 /// let banked = YawPitchRoll { yaw: 0.3, pitch: -0.2, roll: 1.0 };
 /// let found = YawPitchRoll::of(banked.rotation());
-/// assert!((found.yaw - 0.3).abs() < 1e-15 && (found.pitch + 0.2).abs() < 1e-15 && (found.roll - 1.0).abs() < 1e-15);
+/// assert!(
+///     (found.yaw - 0.3).abs() < 1e-15
+///         && (found.pitch + 0.2).abs() < 1e-15
+///         && (found.roll - 1.0).abs() < 1e-15
+/// );
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq, Default)]
 pub struct YawPitchRoll {

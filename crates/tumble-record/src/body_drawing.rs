@@ -31,7 +31,7 @@ const AROUND: usize = 72;
 const APART: f64 = 17.0;
 /// Coordinates below this part of the body's size are shown as zero.
 const NOTHING: f64 = 1e-12;
-/// Longest title \[characters\], and most problems that are told.
+/// Longest title \[characters\], and most problems that are listed.
 const TITLE: usize = 72;
 const MAX_PROBLEMS: usize = 4;
 
@@ -53,7 +53,7 @@ const STYLE_IN_THE_DARK: &str = "text{fill:#ddd}.ground{fill:#15181c}.bar{stroke
 /// A picture of a body as SVG, readable on light and dark grounds: its surface, half transparent,
 /// with the centre of mass, the principal axes and the homogeneous ellipsoid of the same mass and
 /// moments, whose semi-axes are `sqrt(5/2 (I_j + I_k - I_i) / m)`. Of a body with problems only the
-/// surface is drawn, if there is one, and the problems are told.
+/// surface is drawn, if there is one, and the problems are listed.
 ///
 /// ```
 /// let audit = tumble_scene::Audit::open("t-handle")?;

@@ -17,7 +17,13 @@
 //! let order = tumble::BodyOrder::of(&world);
 //! let mut record = TrajectoryWriter::csv(std::io::Cursor::new(Vec::new()))?;
 //! for step in 0..=10 {
-//!     record.record(&Frame { step, time: simulation.time(), world: &world, order: &order, names: &names })?;
+//!     record.record(&Frame {
+//!         step,
+//!         time: simulation.time(),
+//!         world: &world,
+//!         order: &order,
+//!         names: &names,
+//!     })?;
 //!     simulation.step(&mut world);
 //! }
 //! assert!(record.finish()?.into_inner().starts_with(b"step,time,body,"));

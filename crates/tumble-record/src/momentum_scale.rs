@@ -16,11 +16,17 @@ use tumble::{BodyOrder, Momentum, Pose};
 ///
 /// let mut world = hecs::World::new();
 /// for side in [-1.0, 1.0] {
-///     let body = RigidBody::new(Shape::sphere(0.5)).mass(2.0).position(Vec3::Y * side).linear_velocity(Vec3::X * side);
+///     let body = RigidBody::new(Shape::sphere(0.5))
+///         .mass(2.0)
+///         .position(Vec3::Y * side)
+///         .linear_velocity(Vec3::X * side);
 ///     body.build()?.spawn(&mut world);
 /// }
 /// // Two of 2 kg with 1 m/s in opposite directions, 1 m from the origin.
-/// assert_eq!(MomentumScale::of(&world, &tumble::BodyOrder::of(&world)), MomentumScale { linear: 4.0, angular: 4.0 });
+/// assert_eq!(
+///     MomentumScale::of(&world, &tumble::BodyOrder::of(&world)),
+///     MomentumScale { linear: 4.0, angular: 4.0 }
+/// );
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 #[derive(Clone, Copy, Debug, Default, PartialEq)]

@@ -34,7 +34,9 @@ const STYLE_IN_THE_DARK: &str = "text{fill:#ddd}.ground{fill:#15181c}.grid{strok
 ///
 /// ```
 /// use tumble_record::{Plot, SeriesStyle};
-/// let measured = Plot::new("Falls").series("measured", SeriesStyle::Cloud, [(0.1, 0.05), (0.2, 0.19)]).to_svg();
+/// let measured = Plot::new("Falls")
+///     .series("measured", SeriesStyle::Cloud, [(0.1, 0.05), (0.2, 0.19)])
+///     .to_svg();
 /// # assert!(measured.contains("measured"));
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -58,7 +60,11 @@ pub enum SeriesStyle {
 /// ```
 /// use tumble_record::{Plot, Scale, SeriesStyle};
 /// let falls = (0..100).map(|i| (f64::from(i) * 0.01, -4.905 * f64::from(i * i) * 1e-4));
-/// let svg = Plot::new("A fall").x_axis("time [s]", Scale::Linear).y_axis("height [m]", Scale::Linear).series("brick", SeriesStyle::Line, falls).to_svg();
+/// let svg = Plot::new("A fall")
+///     .x_axis("time [s]", Scale::Linear)
+///     .y_axis("height [m]", Scale::Linear)
+///     .series("brick", SeriesStyle::Line, falls)
+///     .to_svg();
 /// assert!(svg.starts_with("<svg") && svg.contains("height [m]"));
 /// ```
 #[derive(Clone, Debug)]

@@ -22,7 +22,7 @@ const PAGE: &str = include_str!("report_page/page.html");
 const STYLE: &str = include_str!("report_page/page.css");
 const SCRIPT: &str = include_str!("report_page/replay.js");
 
-/// Notices that are told; of more it is said how many there are.
+/// Notices that are listed; of more there is only the number.
 const MAX_NOTICES: usize = 100;
 /// Longest text from a scene that is shown as it is \[characters\].
 const LONGEST_TEXT: usize = 600;

@@ -36,7 +36,10 @@ pub const STATE_COLUMNS: [&str; 13] = {
 /// use tumble::{Pose, Velocity, math::Vec3};
 /// use tumble_record::state_numbers;
 ///
-/// let numbers = state_numbers(&Pose::default(), Some(&Velocity { linear: Vec3::X * 3.0, angular: Vec3::ZERO }));
+/// let numbers = state_numbers(
+///     &Pose::default(),
+///     Some(&Velocity { linear: Vec3::X * 3.0, angular: Vec3::ZERO }),
+/// );
 /// assert_eq!((numbers[6], numbers[7]), (1.0, 3.0)); // qw and vx
 /// ```
 pub fn state_numbers(pose: &Pose, velocity: Option<&Velocity>) -> [Real; 13] {
@@ -50,7 +53,7 @@ pub fn state_numbers(pose: &Pose, velocity: Option<&Velocity>) -> [Real; 13] {
 ///
 /// What has been written is readable at every [`checkpoint`](Self::checkpoint), which comes by
 /// itself about once a second, so a program that is killed leaves what it recorded until then.
-/// Formats, columns and units are told in the guide to trajectories.
+/// Formats, columns and units are described in the guide to trajectories.
 ///
 /// As comma-separated values, numbers have the fewest digits that read back to the same bits in the
 /// build's precision (`time` always in f64); what is not finite is written `NaN`, `inf` or `-inf`.

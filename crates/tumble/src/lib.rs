@@ -19,7 +19,7 @@
 //! for _ in 0..600 {
 //!     simulation.step(&mut world);
 //! }
-//! // Angular momentum is the state: nothing acts, so not a bit of it changes, however the body tumbles.
+//! // Angular momentum is the state: nothing acts, so not a bit of it changes.
 //! assert_eq!(*world.get::<&Momentum>(top)?, before);
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```

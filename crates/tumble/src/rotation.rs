@@ -11,7 +11,9 @@
 //! let turned = Quat::from_rotation_z(0.25);
 //! assert!((yaw_pitch_roll(turned).yaw - 0.25).abs() < 1e-6);
 //! let back: YawPitchRoll = yaw_pitch_roll(turned);
-//! assert!((tumble::rotation::to_scaled_axis(turned).z - 0.25).abs() < 1e-6 && back.roll.abs() < 1e-6);
+//! assert!(
+//!     (tumble::rotation::to_scaled_axis(turned).z - 0.25).abs() < 1e-6 && back.roll.abs() < 1e-6
+//! );
 //! ```
 
 use tumble_math::EulerRot;

@@ -19,7 +19,7 @@ pub(crate) const BODIES: u64 = 230;
 #[derive(Clone, Copy, PartialEq)]
 pub(crate) enum Kinds {
     All,
-    /// Without those that move as they are told, which only the step moves.
+    /// Without kinematic ones, which only the step moves.
     NoKinematic,
 }
 

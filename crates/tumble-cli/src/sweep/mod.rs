@@ -111,7 +111,7 @@ impl Sweep {
         self.worlds
     }
 
-    /// A hash of the scene's text, by which two sweeps are told apart.
+    /// A hash of the scene's text, by which two sweeps are distinguished.
     pub(crate) fn scene_hash(&self) -> u64 {
         self.scene_hash
     }

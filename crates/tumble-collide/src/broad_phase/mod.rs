@@ -37,7 +37,8 @@ const MANY: usize = 8;
 /// use tumble_math::lane::Vec3;
 ///
 /// let unit = |x: f64| Some(Aabb::about(Vec3::new(x, 0.0, 0.0), Vec3::splat(0.5)));
-/// let proxies = [unit(3.2), unit(0.0), unit(2.5), unit(0.9)].map(|aabb| Proxy { aabb, moves: true });
+/// let proxies =
+///     [unit(3.2), unit(0.0), unit(2.5), unit(0.9)].map(|aabb| Proxy { aabb, moves: true });
 /// let mut broad_phase = BroadPhase::default();
 /// assert_eq!(broad_phase.update(&proxies, |_, _| true), [(0, 2), (1, 3)]);
 /// ```
@@ -181,7 +182,8 @@ impl<R: Scalar> BroadPhase<R> {
     /// let mut broad_phase = BroadPhase::default();
     /// broad_phase.update(&proxies, |_, _| true);
     /// let mut met = Vec::new();
-    /// broad_phase.meeting(&Aabb::about(Vec3::zero(), Vec3::splat(4.0)), &mut |object| met.push(object));
+    /// broad_phase
+    ///     .meeting(&Aabb::about(Vec3::zero(), Vec3::splat(4.0)), &mut |object| met.push(object));
     /// met.sort_unstable();
     /// assert_eq!(met, [0, 1]);
     /// ```

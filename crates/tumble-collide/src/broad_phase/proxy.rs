@@ -10,7 +10,8 @@ use crate::scalar::Scalar;
 /// use tumble_math::lane::Vec3;
 ///
 /// let unit = |x: f64| Some(Aabb::about(Vec3::new(x, 0.0, 0.0), Vec3::splat(0.5)));
-/// let (crate_of_tea, wall) = (Proxy { aabb: unit(0.0), moves: true }, Proxy { aabb: unit(0.9), moves: false });
+/// let (crate_of_tea, wall) =
+///     (Proxy { aabb: unit(0.0), moves: true }, Proxy { aabb: unit(0.9), moves: false });
 /// let ground = Proxy { aabb: None, moves: false };
 /// assert!(crate_of_tea.is_near(&wall) && crate_of_tea.is_near(&ground));
 /// // Neither of the two moves.

@@ -36,11 +36,19 @@ const MIN_SINE: f64 = 5e-3;
 /// use tumble_math::lane::{Quat, Vec3};
 ///
 /// // An eighth of a turn about y: the corner reaches out by the square root of one half.
-/// let turned = Quat { x: 0.0, y: (std::f64::consts::PI / 8.0).sin(), z: 0.0, w: (std::f64::consts::PI / 8.0).cos() };
+/// let turned = Quat {
+///     x: 0.0,
+///     y: (std::f64::consts::PI / 8.0).sin(),
+///     z: 0.0,
+///     w: (std::f64::consts::PI / 8.0).cos(),
+/// };
 /// let (half_extents, upright) = (Vec3::splat(0.5), Quat { x: 0.0, y: 0.0, z: 0.0, w: 1.0 });
 /// let first = CuboidLanes { half_extents, orientation: upright };
 /// let second = CuboidLanes { half_extents, orientation: turned };
-/// assert!((cuboid_gap(&first, &second, Vec3::new(2.0, 0.0, 0.0)) - (1.5 - 0.5_f64.sqrt())).abs() < 1e-15);
+/// assert!(
+///     (cuboid_gap(&first, &second, Vec3::new(2.0, 0.0, 0.0)) - (1.5 - 0.5_f64.sqrt())).abs()
+///         < 1e-15
+/// );
 /// ```
 #[derive(Clone, Copy, Debug)]
 pub struct CuboidLanes<L> {

@@ -18,7 +18,8 @@ impl<R: Scalar> ColliderShape<R> {
     /// use tumble_collide::{ColliderShape, Isometry};
     /// use tumble_math::lane::Vec3;
     ///
-    /// let (sphere, ground) = (ColliderShape::Sphere { radius: 0.5_f32 }, ColliderShape::HalfSpace);
+    /// let (sphere, ground) =
+    ///     (ColliderShape::Sphere { radius: 0.5_f32 }, ColliderShape::HalfSpace);
     /// let at = |y: f64| Isometry::at(Vec3::new(0.0, y, 0.0));
     /// assert_eq!(sphere.overlap(&at(0.4), &ground, &at(0.0)), Some([0, 0]));
     /// assert_eq!(sphere.overlap(&at(0.6), &ground, &at(0.0)), None);

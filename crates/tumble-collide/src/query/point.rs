@@ -43,7 +43,10 @@ impl<R: Scalar> ColliderShape<R> {
     ///
     /// let can = ColliderShape::Cylinder { radius: 0.5_f32, half_height: 1.0 };
     /// let at = Isometry::at(Vec3::zero());
-    /// assert!(can.contains(&at, Vec3::new(0.3, 0.9, 0.3)) && !can.contains(&at, Vec3::new(0.4, 0.9, 0.4)));
+    /// assert!(
+    ///     can.contains(&at, Vec3::new(0.3, 0.9, 0.3))
+    ///         && !can.contains(&at, Vec3::new(0.4, 0.9, 0.4))
+    /// );
     /// ```
     #[must_use]
     pub fn contains(&self, at: &Isometry<f64>, point: Vector) -> bool {

@@ -10,7 +10,9 @@ use tumble::{Collider, Shape, TriangleMesh};
 /// use tumble_import::{Appearance, Tessellation};
 ///
 /// let ball = Appearance::Shape(tumble::Shape::sphere(0.5));
-/// assert!(Tessellation::of_appearance(&ball).positions.iter().all(|corner| corner.length() < 0.5001));
+/// assert!(
+///     Tessellation::of_appearance(&ball).positions.iter().all(|corner| corner.length() < 0.5001)
+/// );
 /// ```
 #[derive(Clone, Debug, PartialEq)]
 pub enum Appearance {

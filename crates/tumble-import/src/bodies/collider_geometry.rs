@@ -8,11 +8,17 @@ use glam::DVec3;
 /// ```
 /// use tumble_import::gltf::{Geometry, Physics};
 ///
-/// let physics = Physics::from_json(r#"{ "asset": { "version": "2.0" }, "nodes": [
-///     { "extensions": { "KHR_physics_rigid_bodies": { "collider": { "geometry": { "shape": 0 } } } } } ],
-///     "extensions": { "KHR_implicit_shapes": { "shapes": [ { "type": "sphere", "sphere": { "radius": 0.5 } } ] } } }"#, "scene.gltf")?;
+/// let physics = Physics::from_json(
+///     r#"{ "asset": { "version": "2.0" }, "nodes": [
+/// { "extensions": { "KHR_physics_rigid_bodies": { "collider": { "geometry": { "shape": 0 } } } } } ],
+/// "extensions": { "KHR_implicit_shapes": { "shapes": [ { "type": "sphere", "sphere": { "radius": 0.5 } } ] } } }"#,
+///     "scene.gltf",
+/// )?;
 /// let collider = physics.nodes[0].collider.as_ref();
-/// assert_eq!(collider.and_then(|collider| collider.geometry), Some(Geometry::Sphere { radius: 0.5 }));
+/// assert_eq!(
+///     collider.and_then(|collider| collider.geometry),
+///     Some(Geometry::Sphere { radius: 0.5 })
+/// );
 /// # Ok::<(), tumble_import::FileError>(())
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq)]

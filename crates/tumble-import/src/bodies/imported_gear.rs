@@ -10,12 +10,26 @@ use crate::checked::real;
 /// ```
 /// use tumble_import::{InertiaRepairs, Robot};
 ///
-/// let link = |name: &str| format!(r#"<link name="{name}"> <inertial> <mass value="2"/>
-///     <inertia ixx="0.02" ixy="0" ixz="0" iyy="0.03" iyz="0" izz="0.04"/> </inertial> </link>"#);
-/// let joint = |name: &str, inside: &str| format!(r#"<joint name="{name}" type="prismatic">
-///     <parent link="palm"/> <child link="{name}"/> {inside} </joint>"#);
-/// let text = format!(r#"<robot name="gripper"> {} {} {} {} {} </robot>"#, link("palm"), link("left"), link("right"),
-///     joint("left", ""), joint("right", r#"<mimic joint="left" multiplier="-1"/>"#));
+/// let link = |name: &str| {
+///     format!(
+///         r#"<link name="{name}"> <inertial> <mass value="2"/>
+/// <inertia ixx="0.02" ixy="0" ixz="0" iyy="0.03" iyz="0" izz="0.04"/> </inertial> </link>"#
+///     )
+/// };
+/// let joint = |name: &str, inside: &str| {
+///     format!(
+///         r#"<joint name="{name}" type="prismatic">
+/// <parent link="palm"/> <child link="{name}"/> {inside} </joint>"#
+///     )
+/// };
+/// let text = format!(
+///     r#"<robot name="gripper"> {} {} {} {} {} </robot>"#,
+///     link("palm"),
+///     link("left"),
+///     link("right"),
+///     joint("left", ""),
+///     joint("right", r#"<mimic joint="left" multiplier="-1"/>"#)
+/// );
 /// let robot = Robot::from_text(&text, "gripper.urdf", InertiaRepairs::Refused)?;
 /// let gear = robot.gears[0];
 /// assert_eq!(gear.joints.map(|joint| robot.joints[joint].name.as_str()), ["left", "right"]);

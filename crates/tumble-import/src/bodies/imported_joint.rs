@@ -17,11 +17,19 @@ const MAX_DISTANCE: f64 = 1e9;
 /// ```
 /// use tumble_import::{InertiaRepairs, Robot};
 ///
-/// let link = |name: &str| format!(r#"<link name="{name}"> <inertial> <mass value="2"/>
-///     <inertia ixx="0.02" ixy="0" ixz="0" iyy="0.03" iyz="0" izz="0.04"/> </inertial> </link>"#);
-/// let robot = format!(r#"<robot name="arm"> {} {} <joint name="elbow" type="revolute">
-///     <origin xyz="0 0 1"/> <parent link="upper"/> <child link="lower"/> <axis xyz="0 1 0"/>
-///     <limit lower="-1" upper="2" effort="10" velocity="3"/> </joint> </robot>"#, link("upper"), link("lower"));
+/// let link = |name: &str| {
+///     format!(
+///         r#"<link name="{name}"> <inertial> <mass value="2"/>
+/// <inertia ixx="0.02" ixy="0" ixz="0" iyy="0.03" iyz="0" izz="0.04"/> </inertial> </link>"#
+///     )
+/// };
+/// let robot = format!(
+///     r#"<robot name="arm"> {} {} <joint name="elbow" type="revolute">
+/// <origin xyz="0 0 1"/> <parent link="upper"/> <child link="lower"/> <axis xyz="0 1 0"/>
+/// <limit lower="-1" upper="2" effort="10" velocity="3"/> </joint> </robot>"#,
+///     link("upper"),
+///     link("lower")
+/// );
 /// let robot = Robot::from_text(&robot, "arm.urdf", InertiaRepairs::Refused)?;
 /// let elbow = &robot.joints[0];
 /// assert_eq!((elbow.name.as_str(), elbow.bodies, elbow.kind()), ("elbow", [0, 1], "hinge"));

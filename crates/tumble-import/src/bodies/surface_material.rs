@@ -13,7 +13,12 @@ use crate::combine_rule::combine;
 /// ```
 /// use tumble_import::gltf::SurfaceMaterial;
 ///
-/// let rubber = SurfaceMaterial { static_friction: 1.0, dynamic_friction: 0.9, restitution: 0.8, ..SurfaceMaterial::default() };
+/// let rubber = SurfaceMaterial {
+///     static_friction: 1.0,
+///     dynamic_friction: 0.9,
+///     restitution: 0.8,
+///     ..SurfaceMaterial::default()
+/// };
 /// # assert_ne!(rubber, SurfaceMaterial::default());
 /// ```
 #[derive(Clone, Debug, PartialEq, Deserialize)]
@@ -80,8 +85,13 @@ impl SurfaceMaterial {
 /// use tumble_import::gltf::CollisionFilter;
 ///
 /// let everyone = CollisionFilter::default();
-/// let ghosts = CollisionFilter { collision_systems: vec!["ghosts".into()], not_collide_with_systems: Some(vec!["walls".into()]), ..CollisionFilter::default() };
-/// let walls = CollisionFilter { collision_systems: vec!["walls".into()], ..CollisionFilter::default() };
+/// let ghosts = CollisionFilter {
+///     collision_systems: vec!["ghosts".into()],
+///     not_collide_with_systems: Some(vec!["walls".into()]),
+///     ..CollisionFilter::default()
+/// };
+/// let walls =
+///     CollisionFilter { collision_systems: vec!["walls".into()], ..CollisionFilter::default() };
 /// assert!(!ghosts.collides_with(&walls));
 /// assert!(everyone.collides_with(&walls));
 /// ```
@@ -110,7 +120,8 @@ impl CollisionFilter {
     /// use tumble_import::gltf::CollisionFilter;
     ///
     /// let all = CollisionFilter::default();
-    /// let ghost = CollisionFilter { collide_with_systems: Some(vec!["walls".into()]), ..all.clone() };
+    /// let ghost =
+    ///     CollisionFilter { collide_with_systems: Some(vec!["walls".into()]), ..all.clone() };
     /// let wall = CollisionFilter { collision_systems: vec!["walls".into()], ..all.clone() };
     /// assert!(ghost.collides_with(&wall) && wall.collides_with(&ghost));
     /// assert!(!ghost.collides_with(&all) && !all.collides_with(&ghost));

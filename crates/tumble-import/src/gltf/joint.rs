@@ -8,12 +8,15 @@ use crate::error::FieldError;
 /// A description of a joint: what it keeps from moving, and what it drives.
 ///
 /// ```
-/// use tumble_import::gltf::{Physics};
+/// use tumble_import::gltf::Physics;
 ///
-/// let physics = Physics::from_json(r#"{ "asset": { "version": "2.0" }, "nodes": [
-///     { "extensions": { "KHR_physics_rigid_bodies": { "motion": {}, "joint": { "connectedNode": 1, "joint": 0 } } } }, {} ],
-///     "extensions": { "KHR_physics_rigid_bodies": { "physicsJoints": [ {
-///         "limits": [ { "linearAxes": [0, 1, 2] } ], "drives": [ { "type": "angular", "mode": "force", "axis": 1, "velocityTarget": 3 } ] } ] } } }"#, "scene.gltf")?;
+/// let physics = Physics::from_json(
+///     r#"{ "asset": { "version": "2.0" }, "nodes": [
+/// { "extensions": { "KHR_physics_rigid_bodies": { "motion": {}, "joint": { "connectedNode": 1, "joint": 0 } } } }, {} ],
+/// "extensions": { "KHR_physics_rigid_bodies": { "physicsJoints": [ {
+///     "limits": [ { "linearAxes": [0, 1, 2] } ], "drives": [ { "type": "angular", "mode": "force", "axis": 1, "velocityTarget": 3 } ] } ] } } }"#,
+///     "scene.gltf",
+/// )?;
 /// let joint = physics.nodes[0].joint.as_ref();
 /// assert!(joint.is_some_and(|to| to.joint.limits.len() == 1 && to.joint.drives.len() == 1));
 /// # Ok::<(), tumble_import::FileError>(())
@@ -47,7 +50,12 @@ impl Joint {
 /// use tumble_import::gltf::JointLimit;
 ///
 /// // A hinge about y turns by a right angle at most; another limit keeps all else from moving.
-/// let hinge = JointLimit { angular_axes: vec![1], min: Some(0.0), max: Some(1.5708), ..JointLimit::default() };
+/// let hinge = JointLimit {
+///     angular_axes: vec![1],
+///     min: Some(0.0),
+///     max: Some(1.5708),
+///     ..JointLimit::default()
+/// };
 /// # assert!(hinge.linear_axes.is_empty());
 /// ```
 #[derive(Clone, Debug, Default, PartialEq, Deserialize)]
@@ -116,7 +124,13 @@ fn not_negative(field: &str, value: f64) -> Result<(), FieldError> {
 /// use tumble_import::gltf::JointDrive;
 ///
 /// // A motor about y.
-/// let motor = JointDrive { r#type: "angular".into(), axis: 1, velocity_target: Some(3.0), damping: 5.0, ..JointDrive::default() };
+/// let motor = JointDrive {
+///     r#type: "angular".into(),
+///     axis: 1,
+///     velocity_target: Some(3.0),
+///     damping: 5.0,
+///     ..JointDrive::default()
+/// };
 /// # assert_eq!(motor.stiffness, 0.0);
 /// ```
 #[derive(Clone, Debug, Default, PartialEq, Deserialize)]

@@ -10,12 +10,12 @@
 //!
 //! let physics = Physics::from_json(
 //!     r#"{ "asset": { "version": "2.0" }, "nodes": [
-//!          { "rotation": [0, 0.7071068, 0, 0.7071068], "children": [1] },
-//!          { "name": "ball", "extensions": { "KHR_physics_rigid_bodies": { "motion": { "mass": 2, "linearVelocity": [0, 0, 1] } } } } ] }"#,
+//!      { "rotation": [0, 0.7071068, 0, 0.7071068], "children": [1] },
+//!      { "name": "ball", "extensions": { "KHR_physics_rigid_bodies": { "motion": { "mass": 2, "linearVelocity": [0, 0, 1] } } } } ] }"#,
 //!     "ball.gltf",
 //! )?;
 //! let ball = &physics.nodes[0];
-//! assert!((ball.linear_velocity().x - 1.0).abs() < 1e-6); // velocities are written in the node's frame
+//! assert!((ball.linear_velocity().x - 1.0).abs() < 1e-6); // in the node's frame
 //! # Ok::<(), tumble_import::FileError>(())
 //! ```
 
@@ -70,7 +70,7 @@ use crate::terminal::one_line;
 /// use tumble_import::gltf::GltfBodies;
 ///
 /// let text = r#"{ "asset": { "version": "2.0" }, "nodes": [
-///     { "name": "ball", "extensions": { "KHR_physics_rigid_bodies": { "motion": { "mass": 2 } } } } ] }"#;
+/// { "name": "ball", "extensions": { "KHR_physics_rigid_bodies": { "motion": { "mass": 2 } } } } ] }"#;
 /// let file = GltfBodies::from_bytes(text.as_bytes(), None, "ball.gltf", InertiaRepairs::Refused)?;
 /// assert_eq!(file.bodies[0].name, "ball");
 /// # Ok::<(), tumble_import::FileError>(())

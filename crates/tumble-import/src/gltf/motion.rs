@@ -11,8 +11,11 @@ use crate::gltf::tree::unit;
 /// ```
 /// use tumble_import::gltf::{MotionKind, Physics};
 ///
-/// let physics = Physics::from_json(r#"{ "asset": { "version": "2.0" }, "nodes": [
-///     { "extensions": { "KHR_physics_rigid_bodies": { "motion": { "isKinematic": true } } } } ] }"#, "scene.gltf")?;
+/// let physics = Physics::from_json(
+///     r#"{ "asset": { "version": "2.0" }, "nodes": [
+/// { "extensions": { "KHR_physics_rigid_bodies": { "motion": { "isKinematic": true } } } } ] }"#,
+///     "scene.gltf",
+/// )?;
 /// let motion = physics.nodes[0].motion.as_ref();
 /// assert_eq!(motion.map(|motion| motion.kind), Some(MotionKind::Kinematic));
 /// # Ok::<(), tumble_import::FileError>(())
@@ -31,10 +34,13 @@ pub enum MotionKind {
 /// colliders.
 ///
 /// ```
-/// use tumble_import::gltf::{Physics};
+/// use tumble_import::gltf::Physics;
 ///
-/// let physics = Physics::from_json(r#"{ "asset": { "version": "2.0" }, "nodes": [
-///     { "extensions": { "KHR_physics_rigid_bodies": { "motion": { "mass": 2, "gravityFactor": 0 } } } } ] }"#, "scene.gltf")?;
+/// let physics = Physics::from_json(
+///     r#"{ "asset": { "version": "2.0" }, "nodes": [
+/// { "extensions": { "KHR_physics_rigid_bodies": { "motion": { "mass": 2, "gravityFactor": 0 } } } } ] }"#,
+///     "scene.gltf",
+/// )?;
 /// let motion = physics.nodes[0].motion.as_ref();
 /// assert!(motion.is_some_and(|motion| motion.mass == Some(2.0) && motion.gravity_factor == 0.0));
 /// # Ok::<(), tumble_import::FileError>(())

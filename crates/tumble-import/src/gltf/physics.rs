@@ -22,10 +22,13 @@ use crate::gltf::{Geometry, geometry};
 /// counts. [`GltfBodies`](crate::gltf::GltfBodies) is the bodies that it makes.
 ///
 /// ```
-/// use tumble_import::gltf::{Physics};
+/// use tumble_import::gltf::Physics;
 ///
-/// let physics = Physics::from_json(r#"{ "asset": { "version": "2.0" }, "nodes": [
-///     { "extensions": { "KHR_physics_rigid_bodies": { "motion": { "mass": 2 } } } } ] }"#, "scene.gltf")?;
+/// let physics = Physics::from_json(
+///     r#"{ "asset": { "version": "2.0" }, "nodes": [
+/// { "extensions": { "KHR_physics_rigid_bodies": { "motion": { "mass": 2 } } } } ] }"#,
+///     "scene.gltf",
+/// )?;
 /// assert_eq!(physics.nodes.len(), 1);
 /// # Ok::<(), tumble_import::FileError>(())
 /// ```
@@ -40,10 +43,13 @@ pub struct Physics {
 /// A node with physics.
 ///
 /// ```
-/// use tumble_import::gltf::{Physics};
+/// use tumble_import::gltf::Physics;
 ///
-/// let physics = Physics::from_json(r#"{ "asset": { "version": "2.0" }, "nodes": [
-///     { "extensions": { "KHR_physics_rigid_bodies": { "motion": { "mass": 2, "linearVelocity": [0, 0, 3] } } } } ] }"#, "scene.gltf")?;
+/// let physics = Physics::from_json(
+///     r#"{ "asset": { "version": "2.0" }, "nodes": [
+/// { "extensions": { "KHR_physics_rigid_bodies": { "motion": { "mass": 2, "linearVelocity": [0, 0, 3] } } } } ] }"#,
+///     "scene.gltf",
+/// )?;
 /// let node = &physics.nodes[0];
 /// assert_eq!((node.index, node.body, node.linear_velocity().z), (0, Some(0), 3.0));
 /// # Ok::<(), tumble_import::FileError>(())
@@ -96,13 +102,18 @@ impl PhysicsNode {
 /// The collider of a node.
 ///
 /// ```
-/// use tumble_import::gltf::{Physics};
+/// use tumble_import::gltf::Physics;
 ///
-/// let physics = Physics::from_json(r#"{ "asset": { "version": "2.0" }, "nodes": [
-///     { "extensions": { "KHR_physics_rigid_bodies": { "collider": { "geometry": { "shape": 0 } } } } } ],
-///     "extensions": { "KHR_implicit_shapes": { "shapes": [ { "type": "sphere", "sphere": { "radius": 0.5 } } ] } } }"#, "scene.gltf")?;
+/// let physics = Physics::from_json(
+///     r#"{ "asset": { "version": "2.0" }, "nodes": [
+/// { "extensions": { "KHR_physics_rigid_bodies": { "collider": { "geometry": { "shape": 0 } } } } } ],
+/// "extensions": { "KHR_implicit_shapes": { "shapes": [ { "type": "sphere", "sphere": { "radius": 0.5 } } ] } } }"#,
+///     "scene.gltf",
+/// )?;
 /// let collider = physics.nodes[0].collider.as_ref();
-/// assert!(collider.is_some_and(|collider| collider.geometry.is_some() && collider.material.is_none()));
+/// assert!(
+///     collider.is_some_and(|collider| collider.geometry.is_some() && collider.material.is_none())
+/// );
 /// # Ok::<(), tumble_import::FileError>(())
 /// ```
 #[derive(Clone, Debug, PartialEq)]
@@ -118,11 +129,14 @@ pub struct Collider {
 /// The trigger of a node.
 ///
 /// ```
-/// use tumble_import::gltf::{Physics};
+/// use tumble_import::gltf::Physics;
 ///
-/// let physics = Physics::from_json(r#"{ "asset": { "version": "2.0" }, "nodes": [
-///     { "extensions": { "KHR_physics_rigid_bodies": { "trigger": { "geometry": { "shape": 0 } } } } } ],
-///     "extensions": { "KHR_implicit_shapes": { "shapes": [ { "type": "sphere", "sphere": { "radius": 0.5 } } ] } } }"#, "scene.gltf")?;
+/// let physics = Physics::from_json(
+///     r#"{ "asset": { "version": "2.0" }, "nodes": [
+/// { "extensions": { "KHR_physics_rigid_bodies": { "trigger": { "geometry": { "shape": 0 } } } } } ],
+/// "extensions": { "KHR_implicit_shapes": { "shapes": [ { "type": "sphere", "sphere": { "radius": 0.5 } } ] } } }"#,
+///     "scene.gltf",
+/// )?;
 /// let trigger = physics.nodes[0].trigger.as_ref();
 /// assert!(trigger.is_some_and(|trigger| trigger.geometry.is_some() && trigger.nodes.is_empty()));
 /// # Ok::<(), tumble_import::FileError>(())
@@ -140,12 +154,15 @@ pub struct Trigger {
 /// A joint between two nodes.
 ///
 /// ```
-/// use tumble_import::gltf::{Physics};
+/// use tumble_import::gltf::Physics;
 ///
-/// let physics = Physics::from_json(r#"{ "asset": { "version": "2.0" }, "nodes": [
-///     { "extensions": { "KHR_physics_rigid_bodies": { "motion": {}, "joint": { "connectedNode": 1, "joint": 0 } } } }, {} ],
-///     "extensions": { "KHR_physics_rigid_bodies": { "physicsJoints": [ {
-///         "limits": [ { "linearAxes": [0, 1, 2] } ], "drives": [ { "type": "angular", "mode": "force", "axis": 1, "velocityTarget": 3 } ] } ] } } }"#, "scene.gltf")?;
+/// let physics = Physics::from_json(
+///     r#"{ "asset": { "version": "2.0" }, "nodes": [
+/// { "extensions": { "KHR_physics_rigid_bodies": { "motion": {}, "joint": { "connectedNode": 1, "joint": 0 } } } }, {} ],
+/// "extensions": { "KHR_physics_rigid_bodies": { "physicsJoints": [ {
+///     "limits": [ { "linearAxes": [0, 1, 2] } ], "drives": [ { "type": "angular", "mode": "force", "axis": 1, "velocityTarget": 3 } ] } ] } } }"#,
+///     "scene.gltf",
+/// )?;
 /// assert!(physics.nodes[0].joint.as_ref().is_some_and(|to| to.connected_node == 1));
 /// # Ok::<(), tumble_import::FileError>(())
 /// ```

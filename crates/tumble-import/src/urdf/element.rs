@@ -58,7 +58,7 @@ pub(crate) fn has_macros(document: &Document<'_>) -> bool {
     document.descendants().any(|node| {
         let macros = |namespace: &str| XACRO.iter().any(|start| namespace.starts_with(start));
         let unexpanded = |value: &str| value.contains("${") || value.contains("$(");
-        // What simulators are told in their own elements may look like a macro.
+        // Simulators' own elements may look like a macro.
         node.tag_name().namespace().is_some_and(macros)
             || node.attributes().any(|attribute| unexpanded(attribute.value()))
     })

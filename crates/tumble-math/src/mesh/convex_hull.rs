@@ -27,11 +27,12 @@ use crate::shape::Shape;
 /// ACM Trans. Math. Softw. 22 (1996).
 ///
 /// ```
-/// use tumble_math::convex_hull;
 /// use glam::DVec3;
+/// use tumble_math::convex_hull;
 ///
 /// let corners = (0..8).map(|i| DVec3::new((i & 1).into(), (i >> 1 & 1).into(), (i >> 2).into()));
-/// let points: Vec<DVec3> = corners.chain([DVec3::splat(0.5), DVec3::new(0.5, 0.25, 1.0)]).collect();
+/// let points: Vec<DVec3> =
+///     corners.chain([DVec3::splat(0.5), DVec3::new(0.5, 0.25, 1.0)]).collect();
 /// let cube = convex_hull(&points)?;
 /// assert_eq!((cube.positions().len(), cube.triangles().len()), (8, 12));
 /// assert_eq!(cube.solid()?.volume(), 1.0);

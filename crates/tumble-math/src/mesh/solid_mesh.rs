@@ -22,15 +22,22 @@ use crate::symmetric_eigen::symmetric_eigen;
 /// sampling); rounding is some eps of each, wherever in the world the mesh is.
 ///
 /// ```
-/// use tumble_math::{Amount, TriangleMesh};
 /// use glam::{DAffine3, DVec3};
+/// use tumble_math::{Amount, TriangleMesh};
 ///
 /// let corners = [DVec3::ZERO, DVec3::X, DVec3::Y, DVec3::Z];
 /// let outer = TriangleMesh::new(corners, [[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]])?;
-/// let shrink = DAffine3::from_scale_rotation_translation(DVec3::splat(0.5), Default::default(), DVec3::splat(0.1));
+/// let shrink = DAffine3::from_scale_rotation_translation(
+///     DVec3::splat(0.5),
+///     Default::default(),
+///     DVec3::splat(0.1),
+/// );
 /// let both = TriangleMesh::merged([outer.clone(), outer.transformed(&shrink)?])?;
 ///
-/// assert_eq!(both.solid().unwrap_err().to_string(), "the mesh bounds no solid: 1 part inside out");
+/// assert_eq!(
+///     both.solid().unwrap_err().to_string(),
+///     "the mesh bounds no solid: 1 part inside out"
+/// );
 /// let (hollow, repairs) = both.repaired()?;
 /// assert_eq!(repairs[0].to_string(), "1 part turned outside out");
 /// assert_eq!(hollow.cavities(), 1);

@@ -30,10 +30,11 @@ impl SolidMesh {
     /// should be the same smooth function there.
     ///
     /// ```
-    /// use tumble_math::TriangleMesh;
     /// use glam::DVec3;
+    /// use tumble_math::TriangleMesh;
     /// let corners = [DVec3::ZERO, DVec3::X, DVec3::Y, DVec3::Z];
-    /// let solid = TriangleMesh::new(corners, [[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]])?.solid()?;
+    /// let solid =
+    ///     TriangleMesh::new(corners, [[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]])?.solid()?;
     /// // Density x: the integral of x over the tetrahedron is 1/24, that of x^2 is 1/60.
     /// let body = solid.mass_properties_with_density(|place| place.x, 1)?;
     /// assert!((body.mass() - 1.0 / 24.0).abs() < 1e-16);

@@ -4,7 +4,11 @@
 ///
 /// ```
 /// use tumble_record::{Plot, Scale, SeriesStyle};
-/// let plot = Plot::new("Errors").y_axis("error", Scale::Log).series("runs", SeriesStyle::Dots, [(1.0, 1e-3), (2.0, 1e-6)]);
+/// let plot = Plot::new("Errors").y_axis("error", Scale::Log).series(
+///     "runs",
+///     SeriesStyle::Dots,
+///     [(1.0, 1e-3), (2.0, 1e-6)],
+/// );
 /// # assert!(plot.to_svg().contains("error"));
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -37,7 +37,13 @@ const MESH_BYTES: u64 = BYTES / 3 * 2;
 /// let order = tumble::BodyOrder::of(&world);
 /// replay.record(&Frame { step: 0, time: 0.0, world: &world, order: &order, names: &names });
 /// simulation.step(&mut world);
-/// replay.finish(&Frame { step: 1, time: simulation.time(), world: &world, order: &order, names: &names });
+/// replay.finish(&Frame {
+///     step: 1,
+///     time: simulation.time(),
+///     world: &world,
+///     order: &order,
+///     names: &names,
+/// });
 /// assert!(replay.left_out()[0].starts_with("1000 of the 3000 bodies are shown"));
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```

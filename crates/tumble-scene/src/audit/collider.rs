@@ -12,7 +12,10 @@ use tumble::{Collider, CombineRule, Material};
 ///
 /// let text = r#"{ "bodies": [ { "shape": { "sphere": { "radius": 0.5 } }, "mass": 2, "collider": { "friction": 0.25 } } ] }"#;
 /// let audit = Audit::from_json(text, "ball.json")?;
-/// assert_eq!(audit.bodies[0].collider.as_ref().map(|collider| collider.static_friction), Some(0.25));
+/// assert_eq!(
+///     audit.bodies[0].collider.as_ref().map(|collider| collider.static_friction),
+///     Some(0.25)
+/// );
 /// # Ok::<(), tumble_scene::SceneError>(())
 /// ```
 #[derive(Clone, Debug, PartialEq, Serialize)]

@@ -19,11 +19,18 @@ use crate::values::axes::named_axes;
 /// ```
 /// use tumble_scene::Audit;
 ///
-/// let link = |name: &str| format!(r#"<link name="{name}"> <inertial> <mass value="2"/>
-///     <inertia ixx="0.02" ixy="0" ixz="0" iyy="0.03" iyz="0" izz="0.04"/> </inertial> </link>"#);
-/// let robot = format!(r#"<robot name="arm"> {} {} <joint name="elbow" type="revolute">
-///     <parent link="upper"/> <child link="lower"/> <limit lower="-0.5" upper="2"/> </joint> </robot>"#,
-///     link("upper"), link("lower"));
+/// let link = |name: &str| {
+///     format!(
+///         r#"<link name="{name}"> <inertial> <mass value="2"/>
+/// <inertia ixx="0.02" ixy="0" ixz="0" iyy="0.03" iyz="0" izz="0.04"/> </inertial> </link>"#
+///     )
+/// };
+/// let robot = format!(
+///     r#"<robot name="arm"> {} {} <joint name="elbow" type="revolute">
+/// <parent link="upper"/> <child link="lower"/> <limit lower="-0.5" upper="2"/> </joint> </robot>"#,
+///     link("upper"),
+///     link("lower")
+/// );
 /// let elbow = &Audit::from_urdf(&robot, "arm.urdf")?.joints[0];
 /// assert_eq!((elbow.kind, elbow.between.join(" ")), ("hinge", "upper lower".to_owned()));
 /// assert_eq!((elbow.limits[0].of.as_str(), elbow.limits[0].max), ("angular_x", Some(2.0)));
@@ -87,7 +94,8 @@ pub struct AuditedBreak {
 /// How a joint follows another: its value is `ratio` times that of the other, and `offset`.
 ///
 /// ```
-/// let finger = tumble_scene::AuditedGear { joint: "thumb".into(), axes: None, ratio: -1.0, offset: 0.0 };
+/// let finger =
+///     tumble_scene::AuditedGear { joint: "thumb".into(), axes: None, ratio: -1.0, offset: 0.0 };
 /// assert_eq!(finger.ratio, -1.0);
 /// ```
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -136,7 +144,13 @@ pub struct AuditedLimit {
 /// use tumble_scene::{AuditedDrive, AuditedGain};
 ///
 /// let gain = Some(AuditedGain { mode: "force", stiffness: 0.0, damping: 0.5 });
-/// let damper = AuditedDrive { of: vec!["angular_x"], position: None, velocity: 0.0, gain, max_force: None };
+/// let damper = AuditedDrive {
+///     of: vec!["angular_x"],
+///     position: None,
+///     velocity: 0.0,
+///     gain,
+///     max_force: None,
+/// };
 /// assert!(damper.position.is_none());
 /// ```
 #[derive(Clone, Debug, PartialEq, Serialize)]

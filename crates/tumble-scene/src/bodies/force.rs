@@ -20,7 +20,8 @@ use tumble_import::checked::{real, real_vector};
 /// ```
 /// use tumble_scene::{Audit, Force};
 ///
-/// let text = r#"{ "bodies": [ { "mass": 1, "forces": [ { "magnus": { "coefficient": 0.5 } } ] } ] }"#;
+/// let text =
+///     r#"{ "bodies": [ { "mass": 1, "forces": [ { "magnus": { "coefficient": 0.5 } } ] } ] }"#;
 /// let audit = Audit::from_json(text, "ball.json")?;
 /// assert_eq!(audit.bodies[0].forces, [Force::Magnus { coefficient: 0.5 }]);
 /// # Ok::<(), tumble_scene::SceneError>(())
@@ -145,7 +146,10 @@ pub enum Force {
 ///
 /// let text = r#"{ "bodies": [ { "mass": 1, "forces": [ { "buoyancy": { "hull": { "sphere": { "radius": 0.5 } } } } ] } ] }"#;
 /// let audit = Audit::from_json(text, "buoy.json")?;
-/// assert!(matches!(audit.bodies[0].forces[0], Force::Buoyancy { hull: HullShape::Sphere { radius: 0.5 }, .. }));
+/// assert!(matches!(
+///     audit.bodies[0].forces[0],
+///     Force::Buoyancy { hull: HullShape::Sphere { radius: 0.5 }, .. }
+/// ));
 /// # Ok::<(), tumble_scene::SceneError>(())
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]

@@ -61,7 +61,8 @@ pub struct VariedScene {
 /// ```
 /// use tumble_scene::{RunOverrides, SceneTemplate};
 ///
-/// let mut world = SceneTemplate::open("t-handle", RunOverrides::default())?.varied(Vec::new()).build(&[])?;
+/// let mut world =
+///     SceneTemplate::open("t-handle", RunOverrides::default())?.varied(Vec::new()).build(&[])?;
 /// world.trial.step_many(10);
 /// assert!(world.steps > 10); // as many as the scene says
 /// # Ok::<(), tumble_scene::SceneError>(())

@@ -51,7 +51,7 @@ struct Maker {
     room: usize,
     made: HashMap<Wanted, Result<Arc<SolidMesh>, FieldError>>,
     notices: Vec<String>,
-    /// Over all coordinates and corners, so that sweeps over other files are told apart; 0 without
+    /// Over all coordinates and corners, so that sweeps over other files differ; 0 without
     /// a mesh.
     hash: u64,
 }

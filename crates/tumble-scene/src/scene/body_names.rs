@@ -43,9 +43,11 @@ impl BodyNames {
     /// use tumble_scene::Scene;
     ///
     /// let link = r#"<link name="arm"> <inertial> <mass value="2"/>
-    ///     <inertia ixx="0.02" ixy="0" ixz="0" iyy="0.03" iyz="0" izz="0.04"/> </inertial> </link>"#;
-    /// let robot = format!(r#"<robot name="r"> <link name="world"/> {link} <joint name="elbow" type="continuous">
-    ///     <parent link="world"/> <child link="arm"/> <axis xyz="0 0 1"/> </joint> </robot>"#);
+    /// <inertia ixx="0.02" ixy="0" ixz="0" iyy="0.03" iyz="0" izz="0.04"/> </inertial> </link>"#;
+    /// let robot = format!(
+    ///     r#"<robot name="r"> <link name="world"/> {link} <joint name="elbow" type="continuous">
+    /// <parent link="world"/> <child link="arm"/> <axis xyz="0 0 1"/> </joint> </robot>"#
+    /// );
     /// let mut world = hecs::World::new();
     /// let elbow = Scene::from_urdf(&robot, "r.urdf")?.spawn(&mut world)?.joint("elbow");
     /// let servo = Drive::position(Axes::ANGULAR_X, 0.5).with_frequency(2.0, 1.0);

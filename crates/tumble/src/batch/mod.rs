@@ -29,15 +29,19 @@ use crate::step::pack_key::PackKey;
 /// use tumble::{Batch, Trial};
 ///
 /// // A thousand bricks, each thrown in its own way.
-/// let mut batch = Batch::from_seed(1000, 42, |_, mut rng| -> Result<_, Box<dyn std::error::Error + Send + Sync>> {
-///     let mut world = hecs::World::new();
-///     RigidBody::new(Shape::cuboid([0.1, 0.05, 0.03]))
-///         .mass(2.0)
-///         .angular_velocity(rng.vector(-5.0, 5.0))
-///         .build()?
-///         .spawn(&mut world);
-///     Ok(Trial::new(Settings::default(), world)?)
-/// })?;
+/// let mut batch = Batch::from_seed(
+///     1000,
+///     42,
+///     |_, mut rng| -> Result<_, Box<dyn std::error::Error + Send + Sync>> {
+///         let mut world = hecs::World::new();
+///         RigidBody::new(Shape::cuboid([0.1, 0.05, 0.03]))
+///             .mass(2.0)
+///             .angular_velocity(rng.vector(-5.0, 5.0))
+///             .build()?
+///             .spawn(&mut world);
+///         Ok(Trial::new(Settings::default(), world)?)
+///     },
+/// )?;
 /// batch.step_many(60);
 /// let heights: Vec<f64> = batch.map(|_, trial| {
 ///     trial.world.query_mut::<&Pose>().into_iter().map(|pose| f64::from(pose.position.y)).sum()
@@ -139,7 +143,11 @@ impl Batch {
     /// # let mut batch = Batch::from_seed(10, 1, |_, _| Trial::new(Settings::default(), hecs::World::new()))?;
     /// let ends = batch.run(100, 10, |index, trial| {
     ///     // World 3 has seen enough after 50 steps.
-    ///     if index == 3 && trial.simulation.steps() >= 50 { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
+    ///     if index == 3 && trial.simulation.steps() >= 50 {
+    ///         ControlFlow::Break(())
+    ///     } else {
+    ///         ControlFlow::Continue(())
+    ///     }
     /// });
     /// assert_eq!(ends.iter().filter(|end| end.is_break()).count(), 1);
     /// assert_eq!(batch.trials()[3].simulation.steps(), 50);

@@ -35,7 +35,8 @@ const LARGEST_BLOCK: usize = 8192;
 ///     |index| {
 ///         let mut world = hecs::World::new();
 ///         let speed = Rng::stream(1, index).range(0.0, 10.0);
-///         let ball = RigidBody::new(Shape::Point).mass(1.0).linear_velocity(Vec3::Y * speed).build()?;
+///         let ball =
+///             RigidBody::new(Shape::Point).mass(1.0).linear_velocity(Vec3::Y * speed).build()?;
 ///         let ball = ball.spawn(&mut world);
 ///         let mut trial = Trial::new(Settings::default(), world)?;
 ///         trial.step_many(30);

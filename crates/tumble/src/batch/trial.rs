@@ -14,11 +14,12 @@ use crate::storage::body_order::BodyOrder;
 ///
 /// ```
 /// use std::ops::ControlFlow;
-/// use tumble::prelude::*;
 /// use tumble::Trial;
+/// use tumble::prelude::*;
 ///
 /// let mut world = hecs::World::new();
-/// let stone = RigidBody::new(Shape::Point).mass(1.0).position(Vec3::Y * 20.0).build()?.spawn(&mut world);
+/// let stone =
+///     RigidBody::new(Shape::Point).mass(1.0).position(Vec3::Y * 20.0).build()?.spawn(&mut world);
 /// let mut trial = Trial::new(Settings::default(), world)?;
 /// let landed = trial.run(600, 10, |trial| match trial.world.get::<&Pose>(stone) {
 ///     Ok(pose) if pose.position.y <= 0.0 => ControlFlow::Break(trial.simulation.time()),

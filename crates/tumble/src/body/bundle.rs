@@ -154,7 +154,13 @@ impl Body {
     /// ```
     /// # use tumble::{prelude::*, weld};
     /// # let mut world = hecs::World::new();
-    /// let ball = |id, x: Real| RigidBody::new(Shape::sphere(0.5)).mass(1.0).position(Vec3::X * x).id(BodyId(id)).build();
+    /// let ball = |id, x: Real| {
+    ///     RigidBody::new(Shape::sphere(0.5))
+    ///         .mass(1.0)
+    ///         .position(Vec3::X * x)
+    ///         .id(BodyId(id))
+    ///         .build()
+    /// };
     /// let balls = [ball(1, 0.0)?.spawn(&mut world), ball(2, 1.0)?.spawn(&mut world)];
     /// let pair = weld(&world, &balls)?.with_id(Some(BodyId(3)));
     /// assert_eq!(pair.pose().position, Vec3::X * 0.5);

@@ -59,10 +59,13 @@ pub enum ChangeMassError {
 /// let mut world = hecs::World::new();
 /// let arms_out = Shape::cylinder(0.4, 0.9).mass_properties(tumble::Amount::Mass(60.0))?;
 /// let arms_in = Shape::cylinder(0.2, 0.9).mass_properties(tumble::Amount::Mass(60.0))?;
-/// let skater = RigidBody::new(Shape::cylinder(0.4, 0.9)).mass(60.0).angular_velocity(Vec3::Y * 3.0).build()?;
+/// let skater = RigidBody::new(Shape::cylinder(0.4, 0.9))
+///     .mass(60.0)
+///     .angular_velocity(Vec3::Y * 3.0)
+///     .build()?;
 /// let skater = skater.spawn(&mut world);
 /// change_mass_properties(&mut world, skater, &arms_in)?;
-/// assert!((world.get::<&Velocity>(skater)?.angular.y - 12.0).abs() < 1e-4); // a quarter of the moment of inertia
+/// assert!((world.get::<&Velocity>(skater)?.angular.y - 12.0).abs() < 1e-4); // a quarter of the inertia
 /// change_mass_properties(&mut world, skater, &arms_out)?;
 /// assert!((world.get::<&Velocity>(skater)?.angular.y - 3.0).abs() < 1e-5);
 /// # Ok::<(), Box<dyn std::error::Error>>(())

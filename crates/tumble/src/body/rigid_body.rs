@@ -31,12 +31,16 @@ enum MotionType {
 /// use tumble::prelude::*;
 ///
 /// let mut world = hecs::World::new();
-/// let body = RigidBody::new(Shape::cylinder(0.05, 0.2)).density(800.0).position(Vec3::Y).build()?;
+/// let body =
+///     RigidBody::new(Shape::cylinder(0.05, 0.2)).density(800.0).position(Vec3::Y).build()?;
 /// let entity = body.spawn(&mut world);
 /// assert!(world.get::<&Mass>(entity)?.kilograms() > 2.5);
 ///
 /// let error = RigidBody::new(Shape::sphere(0.5)).mass(-1.0).build().unwrap_err();
-/// assert_eq!((error.field().as_str(), error.to_string().as_str()), ("mass", "mass must be positive, it is -1.0"));
+/// assert_eq!(
+///     (error.field().as_str(), error.to_string().as_str()),
+///     ("mass", "mass must be positive, it is -1.0")
+/// );
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 #[derive(Clone, Debug)]
@@ -118,8 +122,14 @@ impl RigidBody {
     ///
     /// ```
     /// # use tumble::prelude::*;
-    /// let weeble = RigidBody::new(Shape::sphere(0.1)).mass(0.3).center_of_mass([0.0, -0.06, 0.0]).build()?;
-    /// assert_eq!(weeble.properties().map(|properties| properties.center_of_mass().y), Some(-0.06));
+    /// let weeble = RigidBody::new(Shape::sphere(0.1))
+    ///     .mass(0.3)
+    ///     .center_of_mass([0.0, -0.06, 0.0])
+    ///     .build()?;
+    /// assert_eq!(
+    ///     weeble.properties().map(|properties| properties.center_of_mass().y),
+    ///     Some(-0.06)
+    /// );
     /// # Ok::<(), tumble::BodyError>(())
     /// ```
     pub fn center_of_mass(self, center: impl Into<DVec3>) -> Self {

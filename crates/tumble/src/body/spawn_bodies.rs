@@ -25,7 +25,8 @@ const BLOCK: usize = 512;
 /// use tumble::spawn_bodies;
 ///
 /// let mut world = hecs::World::new();
-/// let bodies = (1..=1000).map(|i| RigidBody::new(Shape::sphere(0.01 * f64::from(i))).mass(1.0).build());
+/// let bodies =
+///     (1..=1000).map(|i| RigidBody::new(Shape::sphere(0.01 * f64::from(i))).mass(1.0).build());
 /// let entities = spawn_bodies(&mut world, bodies.collect::<Result<Vec<_>, _>>()?);
 /// assert_eq!((world.len(), entities.len()), (1000, 1000));
 /// # Ok::<(), tumble::BodyError>(())

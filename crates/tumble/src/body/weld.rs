@@ -74,7 +74,11 @@ pub enum WeldError {
 ///
 /// let mut world = hecs::World::new();
 /// let ball = |y: Real, v: Real| {
-///     RigidBody::new(Shape::sphere(0.1)).mass(2.0).position(Vec3::Y * y).linear_velocity(Vec3::X * v).build()
+///     RigidBody::new(Shape::sphere(0.1))
+///         .mass(2.0)
+///         .position(Vec3::Y * y)
+///         .linear_velocity(Vec3::X * v)
+///         .build()
 /// };
 /// // Two balls catch each other in passing, and turn about their middle.
 /// let balls = [ball(1.0, 1.0)?.spawn(&mut world), ball(-1.0, -1.0)?.spawn(&mut world)];

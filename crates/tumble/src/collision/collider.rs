@@ -30,7 +30,8 @@ use crate::range::{LENGTHS, within};
 /// world.insert_one(ground, Collider::half_space())?;
 ///
 /// let shape = Shape::cuboid([0.5, 0.25, 0.5]);
-/// let crate_of_tea = RigidBody::new(shape.clone()).mass(10.0).position(Vec3::Y).build()?.spawn(&mut world);
+/// let crate_of_tea =
+///     RigidBody::new(shape.clone()).mass(10.0).position(Vec3::Y).build()?.spawn(&mut world);
 /// world.insert_one(crate_of_tea, Collider::new(&shape)?)?;
 ///
 /// let mut simulation = Simulation::new(Settings::default())?;
@@ -145,7 +146,10 @@ impl Collider {
     /// let corners = [Vec3::ZERO, Vec3::Z, Vec3::X];
     /// assert!(Collider::mesh(corners, &[[0, 1, 2]]).is_ok());
     /// let error = Collider::mesh(corners, &[[0, 1, 3]]).unwrap_err();
-    /// assert_eq!(error, ColliderError::Mesh(MeshError::Index { triangle: 0, index: 3, vertices: 3 }));
+    /// assert_eq!(
+    ///     error,
+    ///     ColliderError::Mesh(MeshError::Index { triangle: 0, index: 3, vertices: 3 })
+    /// );
     /// ```
     ///
     /// # Errors
@@ -199,7 +203,8 @@ impl Collider {
     /// ```
     /// use tumble::{Collider, Pose, Shape, math::Vec3};
     ///
-    /// let foot = Collider::new(&Shape::sphere(0.1))?.with_offset(Pose { position: Vec3::Y * -0.5, ..Pose::default() })?;
+    /// let foot = Collider::new(&Shape::sphere(0.1))?
+    ///     .with_offset(Pose { position: Vec3::Y * -0.5, ..Pose::default() })?;
     /// # Ok::<(), tumble::ColliderError>(())
     /// ```
     ///

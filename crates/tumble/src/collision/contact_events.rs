@@ -17,10 +17,17 @@ use crate::storage::body_index::Slot;
 /// use tumble::{Collider, ContactEvent, prelude::*};
 ///
 /// let mut world = hecs::World::new();
-/// let ground = RigidBody::new(Shape::Point).fixed().build()?.spawn_with(&mut world, (Collider::half_space(),));
+/// let ground = RigidBody::new(Shape::Point)
+///     .fixed()
+///     .build()?
+///     .spawn_with(&mut world, (Collider::half_space(),));
 /// let shape = Shape::sphere(0.5);
 /// let collider = Collider::new(&shape)?;
-/// let ball = RigidBody::new(shape).mass(2.0).position(Vec3::Y).build()?.spawn_with(&mut world, (collider,));
+/// let ball = RigidBody::new(shape)
+///     .mass(2.0)
+///     .position(Vec3::Y)
+///     .build()?
+///     .spawn_with(&mut world, (collider,));
 ///
 /// let mut simulation = Simulation::new(Settings::default())?;
 /// let mut events = Vec::new();
@@ -28,14 +35,19 @@ use crate::storage::body_index::Slot;
 ///     simulation.step(&mut world);
 ///     events.extend(simulation.contact_events());
 /// }
-/// let [ContactEvent::Begin(bodies, impact)] = events[..] else { return Err("one contact begins".into()) };
+/// let [ContactEvent::Begin(bodies, impact)] = events[..] else {
+///     return Err("one contact begins".into());
+/// };
 /// assert_eq!(bodies, [ground, ball]);
 /// // It fell through half a metre, and was stopped.
 /// assert!((impact.speed - (9.81 as Real).sqrt()).abs() < 0.2);
 /// assert!((impact.impulse - 2.0 * impact.speed).abs() < 0.4);
 /// world.despawn(ball)?;
 /// simulation.step(&mut world);
-/// assert_eq!(simulation.contact_events().collect::<Vec<_>>(), [ContactEvent::End([ground, ball])]);
+/// assert_eq!(
+///     simulation.contact_events().collect::<Vec<_>>(),
+///     [ContactEvent::End([ground, ball])]
+/// );
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -28,7 +28,10 @@ use crate::threads::InParts;
 /// // A platform that is solid from above, and open from below.
 /// let mut world = hecs::World::new();
 /// let slab = Shape::cuboid([2.0, 0.1, 2.0]);
-/// let platform = RigidBody::new(slab.clone()).fixed().build()?.spawn_with(&mut world, (Collider::new(&slab)?,));
+/// let platform = RigidBody::new(slab.clone())
+///     .fixed()
+///     .build()?
+///     .spawn_with(&mut world, (Collider::new(&slab)?,));
 /// let ball = |height: f64, speed: f64| -> Result<_, Box<dyn std::error::Error>> {
 ///     let [height, speed] = [height, speed].map(|it| it as Real);
 ///     let body = RigidBody::new(Shape::sphere(0.2)).mass(1.0).position(Vec3::Y * height);

@@ -9,7 +9,8 @@ use crate::math::{Real, Vec3};
 /// ```
 /// use tumble::{Collider, Material, Shape};
 ///
-/// let ice = Material { friction_combine: tumble::CombineRule::Minimum, ..Material::new(0.02, 0.0) };
+/// let ice =
+///     Material { friction_combine: tumble::CombineRule::Minimum, ..Material::new(0.02, 0.0) };
 /// let puck = Collider::new(&Shape::cuboid([0.04, 0.04, 0.04]))?.with_material(ice)?;
 /// assert_eq!(puck.material().dynamic_friction, 0.02);
 /// # Ok::<(), tumble::ColliderError>(())

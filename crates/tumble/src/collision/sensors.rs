@@ -22,7 +22,8 @@ use crate::threads::InParts;
 /// # use tumble::{SensorEvent, prelude::*};
 /// # let simulation = Simulation::new(Settings::default())?;
 /// let is_in = |event: &SensorEvent| event.begins;
-/// let arrived: Vec<_> = simulation.sensor_events().filter(is_in).map(|event| event.body).collect();
+/// let arrived: Vec<_> =
+///     simulation.sensor_events().filter(is_in).map(|event| event.body).collect();
 /// # assert!(arrived.is_empty());
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```

@@ -10,7 +10,8 @@
 /// ```
 /// # use tumble::prelude::*;
 /// # let mut world = hecs::World::new();
-/// let ship = RigidBody::new(Shape::sphere(1.0)).mass(2.0).id(BodyId(7)).build()?.spawn(&mut world);
+/// let ship =
+///     RigidBody::new(Shape::sphere(1.0)).mass(2.0).id(BodyId(7)).build()?.spawn(&mut world);
 /// assert_eq!(*world.get::<&BodyId>(ship)?, BodyId(7));
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```

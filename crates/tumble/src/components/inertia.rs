@@ -16,7 +16,8 @@ use crate::math::{Mat3, Quat, Real, Vec3, vec3};
 /// # use tumble::prelude::*;
 /// # let mut world = hecs::World::new();
 /// // A skater pulls in the arms: half the moment of inertia, twice the angular velocity.
-/// let skater = RigidBody::new(Shape::sphere(0.5)).mass(50.0).angular_velocity(Vec3::Y * 3.0).build()?;
+/// let skater =
+///     RigidBody::new(Shape::sphere(0.5)).mass(50.0).angular_velocity(Vec3::Y * 3.0).build()?;
 /// let skater = skater.spawn(&mut world);
 /// let halved = Inertia::new(world.get::<&Inertia>(skater)?.moments() * 0.5)?;
 /// *world.get::<&mut Inertia>(skater)? = halved;
@@ -129,9 +130,11 @@ pub enum InertiaComponentError {
 /// ```
 /// # use tumble::{InertiaTensor, prelude::*};
 /// # let mut world = hecs::World::new();
-/// let tilted = InertiaTensor::from_principal([1.0, 2.0, 2.5], tumble::glam::DQuat::from_rotation_z(0.3))?;
+/// let tilted =
+///     InertiaTensor::from_principal([1.0, 2.0, 2.5], tumble::glam::DQuat::from_rotation_z(0.3))?;
 /// let body = RigidBody::new(Shape::sphere(1.0)).mass(1.0);
-/// let (plain, tilted) = (body.clone().build()?.spawn(&mut world), body.inertia(tilted).build()?.spawn(&mut world));
+/// let (plain, tilted) =
+///     (body.clone().build()?.spawn(&mut world), body.inertia(tilted).build()?.spawn(&mut world));
 /// assert!(world.get::<&PrincipalAxes>(plain).is_err());
 /// assert!(world.get::<&PrincipalAxes>(tilted).is_ok());
 /// # Ok::<(), Box<dyn std::error::Error>>(())
@@ -149,7 +152,8 @@ pub struct PrincipalAxes(pub Quat);
 /// ```
 /// # use tumble::prelude::*;
 /// # let mut world = hecs::World::new();
-/// let weeble = RigidBody::new(Shape::sphere(0.1)).mass(0.3).center_of_mass([0.0, -0.06, 0.0]).build()?;
+/// let weeble =
+///     RigidBody::new(Shape::sphere(0.1)).mass(0.3).center_of_mass([0.0, -0.06, 0.0]).build()?;
 /// let weeble = weeble.spawn(&mut world);
 /// let (pose, center) = (world.get::<&Pose>(weeble)?, world.get::<&CenterOfMass>(weeble)?);
 /// assert!((pose.position - Vec3::Y * -0.06).length() < 1e-6);

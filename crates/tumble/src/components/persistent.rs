@@ -26,7 +26,8 @@ pub struct GravityScale(pub Real);
 /// ```
 /// # use tumble::prelude::*;
 /// # let mut world = hecs::World::new();
-/// let puck = RigidBody::new(Shape::sphere(0.1)).mass(1.0).gravity_scale(0.0).linear_velocity(Vec3::X);
+/// let puck =
+///     RigidBody::new(Shape::sphere(0.1)).mass(1.0).gravity_scale(0.0).linear_velocity(Vec3::X);
 /// let puck = puck.damping(Damping { linear: 2.0, angular: 0.0 }).build()?.spawn(&mut world);
 /// Simulation::new(Settings::default())?.step_many(&mut world, 60); // a second
 /// assert!((world.get::<&Velocity>(puck)?.linear.x - Real::exp(-2.0)).abs() < 1e-5);

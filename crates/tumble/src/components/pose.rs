@@ -9,7 +9,10 @@ use crate::rotation::{NotARotation, quat_from_matrix};
 ///
 /// ```
 /// # use tumble::{Pose, math::{Quat, Real, Vec3}};
-/// let pose = Pose { position: Vec3::Y, orientation: Quat::from_rotation_z(std::f64::consts::FRAC_PI_2 as Real) };
+/// let pose = Pose {
+///     position: Vec3::Y,
+///     orientation: Quat::from_rotation_z(std::f64::consts::FRAC_PI_2 as Real),
+/// };
 /// assert!((pose.transform_point(Vec3::X) - Vec3::Y * 2.0).length() < 1e-6);
 /// assert!((pose.to_mat4().transform_point3(Vec3::X) - Vec3::Y * 2.0).length() < 1e-6);
 /// ```
@@ -61,7 +64,8 @@ impl Pose {
     ///
     /// ```
     /// # use tumble::{Pose, math::{Mat4, Quat, Vec3}};
-    /// let pose = Pose { position: Vec3::new(1.0, 2.0, 3.0), orientation: Quat::from_rotation_y(0.5) };
+    /// let pose =
+    ///     Pose { position: Vec3::new(1.0, 2.0, 3.0), orientation: Quat::from_rotation_y(0.5) };
     /// let found = Pose::from_mat4(pose.to_mat4())?;
     /// assert_eq!(found.position, pose.position);
     /// assert!((found.orientation - pose.orientation).length() < 1e-6);
@@ -132,7 +136,11 @@ impl std::ops::Mul for Pose {
 /// ```
 /// # use tumble::prelude::*;
 /// # let mut world = hecs::World::new();
-/// let ball = RigidBody::new(Shape::sphere(0.1)).mass(1.0).linear_velocity(Vec3::X).interpolated().build()?;
+/// let ball = RigidBody::new(Shape::sphere(0.1))
+///     .mass(1.0)
+///     .linear_velocity(Vec3::X)
+///     .interpolated()
+///     .build()?;
 /// let ball = ball.spawn(&mut world);
 /// let mut simulation = Simulation::new(Settings::default())?;
 /// let alpha = simulation.advance(&mut world, 1.5 / 60.0); // a step and a half

@@ -9,7 +9,11 @@ use crate::math::Vec3;
 /// # use tumble::prelude::*;
 /// # let mut world = hecs::World::new();
 /// // A feather in a breeze is carried along.
-/// let feather = RigidBody::new(Shape::sphere(0.01)).mass(0.001).gravity_scale(0.0).build()?.spawn(&mut world);
+/// let feather = RigidBody::new(Shape::sphere(0.01))
+///     .mass(0.001)
+///     .gravity_scale(0.0)
+///     .build()?
+///     .spawn(&mut world);
 /// world.insert(feather, (Drag::isotropic(0.01), Wind(Vec3::X * 3.0)))?;
 /// Simulation::new(Settings::default())?.step_many(&mut world, 60);
 /// assert!(world.get::<&Velocity>(feather)?.linear.x > 2.5);

@@ -32,7 +32,7 @@ pub(crate) const FORCE_KINDS: [&str; 10] = [
 /// Ledger::attach(&mut world, &simulation);
 /// simulation.step_many(&mut world, 60);
 /// let work = *world.get::<&Work>(stone)?;
-/// assert!((work.gravity - 9.81 * 9.81).abs() < 1e-3); // M g times the g/2 metres that it fell in a second
+/// assert!((work.gravity - 9.81 * 9.81).abs() < 1e-3); // M g times g/2 metres
 /// assert_eq!(work.of("Drag"), Some(0.0));
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```

@@ -11,7 +11,8 @@ use crate::math::Vec3;
 /// ```
 /// # use tumble::prelude::*;
 /// # let mut world = hecs::World::new();
-/// let crate_ = RigidBody::new(Shape::cuboid([0.5, 0.5, 0.5])).mass(20.0).build()?.spawn(&mut world);
+/// let crate_ =
+///     RigidBody::new(Shape::cuboid([0.5, 0.5, 0.5])).mass(20.0).build()?.spawn(&mut world);
 /// world.get::<&mut Wrench>(crate_)?.add_force(Vec3::X * 100.0); // in the next step
 /// Simulation::new(Settings::default())?.step(&mut world);
 /// assert_eq!(world.get::<&Wrench>(crate_)?.force, Vec3::ZERO);

@@ -25,17 +25,25 @@ impl DebugView {
     /// use tumble::{Collider, DebugView, prelude::*};
     ///
     /// let mut world = hecs::World::new();
-    /// RigidBody::new(Shape::Point).fixed().build()?.spawn_with(&mut world, (Collider::half_space(),));
+    /// RigidBody::new(Shape::Point)
+    ///     .fixed()
+    ///     .build()?
+    ///     .spawn_with(&mut world, (Collider::half_space(),));
     /// let shape = Shape::sphere(0.5);
     /// let collider = Collider::new(&shape)?;
-    /// RigidBody::new(shape).mass(2.0).position(Vec3::Y * 0.5).build()?.spawn_with(&mut world, (collider,));
+    /// RigidBody::new(shape)
+    ///     .mass(2.0)
+    ///     .position(Vec3::Y * 0.5)
+    ///     .build()?
+    ///     .spawn_with(&mut world, (collider,));
     /// let mut simulation = Simulation::new(Settings::default())?;
     /// simulation.step_many(&mut world, 60);
     ///
-    /// let view = DebugView { contacts: Some(0.1), contact_forces: Some(0.05), ..DebugView::nothing() };
+    /// let view =
+    ///     DebugView { contacts: Some(0.1), contact_forces: Some(0.05), ..DebugView::nothing() };
     /// let mut lines = Vec::new();
     /// view.draw_contacts(&simulation, &world, &mut |from, to, _| lines.push(to - from));
-    /// // A cross, a shaft and four strokes of its head. The ground holds 2 kg: 19.62 N, drawn as 0.981 m.
+    /// // A cross, a shaft and four strokes of its head. The ground holds 19.62 N: 0.981 m.
     /// assert_eq!(lines.len(), 2 + 1 + 4);
     /// assert!((lines[0].length() - 0.1).abs() < 1e-6 && (lines[2].y - 0.981).abs() < 1e-3);
     /// # Ok::<(), Box<dyn std::error::Error>>(())

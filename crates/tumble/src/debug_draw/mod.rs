@@ -81,7 +81,11 @@ impl<F: FnMut(Vec3, Vec3, [f32; 3])> DebugDraw for F {
 ///
 /// let mut world = hecs::World::new();
 /// let shape = Shape::cuboid([0.5, 0.5, 0.5]);
-/// let body = RigidBody::new(shape.clone()).mass(1.0).angular_velocity(Vec3::Y).build()?.spawn(&mut world);
+/// let body = RigidBody::new(shape.clone())
+///     .mass(1.0)
+///     .angular_velocity(Vec3::Y)
+///     .build()?
+///     .spawn(&mut world);
 /// // An entity that carries its shape is outlined by it; others by the box that turns as they do.
 /// world.insert_one(body, shape)?;
 ///
@@ -92,7 +96,10 @@ impl<F: FnMut(Vec3, Vec3, [f32; 3])> DebugDraw for F {
 ///
 /// // The edges of a cube, three axes and the angular velocity, a quarter of a metre for one rad/s.
 /// assert!(lines.len() >= 12 + 3 + 1);
-/// assert!(lines.iter().any(|(from, to, color)| *color == DebugView::ANGULAR_VELOCITY && *to - *from == Vec3::Y * 0.25));
+/// assert!(
+///     lines.iter().any(|(from, to, color)| *color == DebugView::ANGULAR_VELOCITY
+///         && *to - *from == Vec3::Y * 0.25)
+/// );
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 #[derive(Clone, Debug, PartialEq)]

@@ -18,12 +18,17 @@ impl DebugView {
     /// use tumble::{Collider, DebugView, Queries, QueryFilter, Ray, prelude::*};
     ///
     /// let mut world = hecs::World::new();
-    /// RigidBody::new(Shape::Point).fixed().build()?.spawn_with(&mut world, (Collider::half_space(),));
+    /// RigidBody::new(Shape::Point)
+    ///     .fixed()
+    ///     .build()?
+    ///     .spawn_with(&mut world, (Collider::half_space(),));
     /// let ray = Ray::new(Vec3::Y * 2.0, -Vec3::Y);
     /// let hit = Queries::of(&world).cast_ray(&ray, &QueryFilter::new());
     ///
     /// let mut lines = Vec::new();
-    /// DebugView::draw_ray(&ray, hit.as_ref(), &mut |from, to, color| lines.push((from, to, color)));
+    /// DebugView::draw_ray(&ray, hit.as_ref(), &mut |from, to, color| {
+    ///     lines.push((from, to, color))
+    /// });
     /// assert_eq!(lines[0], (Vec3::Y * 2.0, Vec3::ZERO, DebugView::RAY[0]));
     /// # Ok::<(), Box<dyn std::error::Error>>(())
     /// ```

@@ -31,7 +31,12 @@ type Measured<'a> = (
 /// ```
 /// # use tumble::{BodyOrder, Totals, prelude::*};
 /// # let mut world = hecs::World::new();
-/// RigidBody::new(Shape::Point).mass(2.0).position(Vec3::Y).linear_velocity(Vec3::X * 3.0).build()?.spawn(&mut world);
+/// RigidBody::new(Shape::Point)
+///     .mass(2.0)
+///     .position(Vec3::Y)
+///     .linear_velocity(Vec3::X * 3.0)
+///     .build()?
+///     .spawn(&mut world);
 /// let totals = Totals::of(&world, &Settings::default(), &BodyOrder::of(&world));
 /// assert_eq!((totals.linear_momentum.x, totals.angular_momentum.z), (6.0, -6.0));
 /// assert!((totals.energy() - (9.0 + 2.0 * 9.81)).abs() < 1e-5);
@@ -72,7 +77,11 @@ impl Totals {
     /// # use tumble::prelude::*;
     /// # use tumble::{BodyOrder, Totals};
     /// let mut world = hecs::World::new();
-    /// RigidBody::new(Shape::Point).mass(2.0).linear_velocity(Vec3::X * 3.0).build()?.spawn(&mut world);
+    /// RigidBody::new(Shape::Point)
+    ///     .mass(2.0)
+    ///     .linear_velocity(Vec3::X * 3.0)
+    ///     .build()?
+    ///     .spawn(&mut world);
     /// let totals = Totals::of(&world, &Settings::default(), &BodyOrder::of(&world));
     /// assert_eq!(totals.linear_kinetic, 9.0);
     /// # Ok::<(), tumble::BodyError>(())
@@ -104,7 +113,11 @@ impl Totals {
     /// ```
     /// # use tumble::{prelude::*, Totals};
     /// # let mut world = hecs::World::new();
-    /// let wheel = RigidBody::new(Shape::cylinder(1.0, 0.1)).mass(4.0).angular_velocity(Vec3::Y * 2.0).build()?.spawn(&mut world);
+    /// let wheel = RigidBody::new(Shape::cylinder(1.0, 0.1))
+    ///     .mass(4.0)
+    ///     .angular_velocity(Vec3::Y * 2.0)
+    ///     .build()?
+    ///     .spawn(&mut world);
     /// let totals = Totals::of_body(world.entity(wheel)?, &Settings::default());
     /// assert!((totals.rotational_kinetic - 4.0).abs() < 1e-6); // m r^2/4 w^2
     /// # Ok::<(), Box<dyn std::error::Error>>(())

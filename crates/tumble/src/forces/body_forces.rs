@@ -19,9 +19,11 @@ use crate::settings::Settings;
 /// # use tumble::{BodyForces, prelude::*};
 /// # let mut world = hecs::World::new();
 /// let thruster = Thruster::new(Vec3::Z * 2.0, Vec3::ZERO);
-/// let probe = RigidBody::new(Shape::sphere(0.5)).mass(2.0).build()?.spawn_with(&mut world, (thruster,));
+/// let probe =
+///     RigidBody::new(Shape::sphere(0.5)).mass(2.0).build()?.spawn_with(&mut world, (thruster,));
 /// world.get::<&mut Wrench>(probe)?.add_force(Vec3::Y * 30.0);
-/// let forces: BodyForces = Simulation::new(Settings::default())?.forces(&world, probe).ok_or("not moving")?;
+/// let forces: BodyForces =
+///     Simulation::new(Settings::default())?.forces(&world, probe).ok_or("not moving")?;
 /// assert_eq!((forces.gravity.force, forces.applied.force), (Vec3::Y * -19.62, Vec3::Y * 30.0));
 /// assert_eq!(forces.of_component("Thruster").map(|wrench| wrench.force), Some(Vec3::Z * 2.0));
 /// # Ok::<(), Box<dyn std::error::Error>>(())

@@ -34,7 +34,9 @@ use crate::math::{Quat, Real, Vec3};
 /// use tumble::{BodyState, ForceLaw};
 ///
 /// /// Pulls towards the origin.
-/// struct Tether { stiffness: Real }
+/// struct Tether {
+///     stiffness: Real,
+/// }
 ///
 /// impl ForceLaw for Tether {
 ///     fn wrench(&self, state: &BodyState<'_>) -> Wrench {
@@ -51,7 +53,8 @@ use crate::math::{Quat, Real, Vec3};
 /// let mut world = hecs::World::new();
 /// let body = RigidBody::new(Shape::Point).mass(1.0).position(Vec3::X).build()?.spawn(&mut world);
 /// world.insert_one(body, Tether { stiffness: 4.0 })?;
-/// let mut simulation = Simulation::new(Settings::default().with_gravity(Vec3::ZERO).with_dt(0.01))?;
+/// let mut simulation =
+///     Simulation::new(Settings::default().with_gravity(Vec3::ZERO).with_dt(0.01))?;
 /// simulation.add_law::<Tether>();
 /// for _ in 0..314 {
 ///     simulation.step(&mut world); // one period is pi seconds

@@ -30,7 +30,9 @@ use crate::math::Real;
 ///
 /// /// Pulls towards the axis x = z = 0.
 /// #[derive(Clone, Copy)]
-/// struct Trough { stiffness: Real }
+/// struct Trough {
+///     stiffness: Real,
+/// }
 ///
 /// impl SimdForceLaw<1> for Trough {
 ///     fn numbers(&self) -> [Real; 1] {
@@ -51,7 +53,8 @@ use crate::math::Real;
 /// let mut world = hecs::World::new();
 /// let body = RigidBody::new(Shape::Point).mass(1.0).position(Vec3::X).build()?.spawn(&mut world);
 /// world.insert_one(body, Trough { stiffness: 4.0 })?;
-/// let mut simulation = Simulation::new(Settings::default().with_gravity(Vec3::ZERO).with_dt(0.01))?;
+/// let mut simulation =
+///     Simulation::new(Settings::default().with_gravity(Vec3::ZERO).with_dt(0.01))?;
 /// simulation.add_simd_law::<Trough, 1>();
 /// for _ in 0..314 {
 ///     simulation.step(&mut world); // one period is pi seconds

@@ -14,7 +14,10 @@ use hecs::{Entity, World};
 /// use tumble::{Collider, IgnoreContacts, prelude::*};
 ///
 /// let mut world = hecs::World::new();
-/// let ground = RigidBody::new(Shape::Point).fixed().build()?.spawn_with(&mut world, (Collider::half_space(),));
+/// let ground = RigidBody::new(Shape::Point)
+///     .fixed()
+///     .build()?
+///     .spawn_with(&mut world, (Collider::half_space(),));
 /// let shape = Shape::sphere(0.5);
 /// let ball = RigidBody::new(shape.clone()).mass(1.0).position(Vec3::Y);
 /// let ball = ball.build()?.spawn_with(&mut world, (Collider::new(&shape)?,));

@@ -8,7 +8,8 @@ use hecs::Entity;
 /// use tumble::{Joint, JointError, prelude::*};
 ///
 /// let mut world = tumble::hecs::World::new();
-/// let door = RigidBody::new(Shape::cuboid([0.5, 1.0, 0.05])).mass(20.0).build()?.spawn(&mut world);
+/// let door =
+///     RigidBody::new(Shape::cuboid([0.5, 1.0, 0.05])).mass(20.0).build()?.spawn(&mut world);
 /// let error = Joint::hinge(door, door).at(&world, Vec3::ZERO, Vec3::Y).unwrap_err();
 /// assert_eq!(error, JointError::SameBody(door));
 /// # Ok::<(), Box<dyn std::error::Error>>(())

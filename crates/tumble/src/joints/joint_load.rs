@@ -13,7 +13,11 @@ use crate::math::{Real, Vec3};
 ///
 /// let mut world = tumble::hecs::World::new();
 /// let hook = RigidBody::new(Shape::Point).fixed().build()?.spawn(&mut world);
-/// let lamp = RigidBody::new(Shape::sphere(0.1)).mass(2.0).position(Vec3::Y * -1.0).build()?.spawn(&mut world);
+/// let lamp = RigidBody::new(Shape::sphere(0.1))
+///     .mass(2.0)
+///     .position(Vec3::Y * -1.0)
+///     .build()?
+///     .spawn(&mut world);
 /// let joint = Joint::ball(hook, lamp).at_point(&world, Vec3::ZERO)?;
 /// let joint = world.spawn((joint, JointLoad::default()));
 /// Simulation::new(Settings::default())?.step(&mut world);

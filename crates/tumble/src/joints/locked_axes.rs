@@ -24,7 +24,8 @@ use crate::joints::axes::Axes;
 /// // A 2.5-D game: nothing leaves the plane z = 0, and boxes turn within it alone.
 /// let shape = Shape::cuboid([0.5, 0.5, 0.5]);
 /// let body = RigidBody::new(shape).mass(1.0).angular_velocity(Vec3::new(1.0, 2.0, 3.0));
-/// let body = body.linear_velocity(Vec3::ONE).build()?.spawn_with(&mut world, (LockedAxes::PLANE_XY,));
+/// let body =
+///     body.linear_velocity(Vec3::ONE).build()?.spawn_with(&mut world, (LockedAxes::PLANE_XY,));
 /// Simulation::new(Settings::default())?.step_many(&mut world, 60);
 /// assert_eq!(world.get::<&Pose>(body)?.position.z, 0.0);
 /// assert_eq!(world.get::<&Pose>(body)?.orientation.x, 0.0);

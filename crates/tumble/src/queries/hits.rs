@@ -12,10 +12,17 @@ use crate::math::{Real, Vec3};
 /// let mut world = hecs::World::new();
 /// let shape = Shape::cuboid([1.0, 1.0, 1.0]);
 /// let collider = Collider::new(&shape)?;
-/// let wall = RigidBody::new(shape).fixed().position(Vec3::X * 5.0).build()?.spawn_with(&mut world, (collider,));
+/// let wall = RigidBody::new(shape)
+///     .fixed()
+///     .position(Vec3::X * 5.0)
+///     .build()?
+///     .spawn_with(&mut world, (collider,));
 ///
 /// let simulation = Simulation::new(Settings::default())?;
-/// let hit = simulation.queries(&world).cast_ray(&Ray::new(Vec3::ZERO, Vec3::X), &QueryFilter::new()).unwrap();
+/// let hit = simulation
+///     .queries(&world)
+///     .cast_ray(&Ray::new(Vec3::ZERO, Vec3::X), &QueryFilter::new())
+///     .unwrap();
 /// assert_eq!((hit.entity, hit.distance), (wall, 4.0));
 /// assert_eq!((hit.point, hit.normal), (Vec3::X * 4.0, -Vec3::X));
 /// # Ok::<(), Box<dyn std::error::Error>>(())
@@ -44,11 +51,18 @@ pub struct RayHit {
 /// use tumble::{Collider, QueryFilter, prelude::*};
 ///
 /// let mut world = hecs::World::new();
-/// let ground = RigidBody::new(Shape::Point).fixed().build()?.spawn_with(&mut world, (Collider::half_space(),));
+/// let ground = RigidBody::new(Shape::Point)
+///     .fixed()
+///     .build()?
+///     .spawn_with(&mut world, (Collider::half_space(),));
 ///
 /// let simulation = Simulation::new(Settings::default())?;
-/// let (ball, from) = (Collider::new(&Shape::sphere(0.5))?, Pose { position: Vec3::Y * 3.0, ..Pose::default() });
-/// let hit = simulation.queries(&world).cast_shape(&ball, &from, Vec3::Y * -10.0, &QueryFilter::new()).unwrap();
+/// let (ball, from) =
+///     (Collider::new(&Shape::sphere(0.5))?, Pose { position: Vec3::Y * 3.0, ..Pose::default() });
+/// let hit = simulation
+///     .queries(&world)
+///     .cast_shape(&ball, &from, Vec3::Y * -10.0, &QueryFilter::new())
+///     .unwrap();
 /// assert_eq!((hit.entity, hit.distance, hit.normal), (ground, 2.5, Vec3::Y));
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
@@ -77,7 +91,8 @@ pub struct ShapeHit {
 ///
 /// let mut world = hecs::World::new();
 /// let ball = Collider::new(&Shape::sphere(0.5))?;
-/// let body = RigidBody::new(Shape::sphere(0.5)).mass(1.0).build()?.spawn_with(&mut world, (ball,));
+/// let body =
+///     RigidBody::new(Shape::sphere(0.5)).mass(1.0).build()?.spawn_with(&mut world, (ball,));
 ///
 /// let simulation = Simulation::new(Settings::default())?;
 /// let hit = simulation.queries(&world).nearest(Vec3::X * 2.0, 10.0, &QueryFilter::new()).unwrap();
@@ -106,7 +121,8 @@ pub struct PointHit {
 ///
 /// let mut world = hecs::World::new();
 /// let ball = Collider::new(&Shape::sphere(0.5))?;
-/// let body = RigidBody::new(Shape::sphere(0.5)).mass(1.0).build()?.spawn_with(&mut world, (ball,));
+/// let body =
+///     RigidBody::new(Shape::sphere(0.5)).mass(1.0).build()?.spawn_with(&mut world, (ball,));
 ///
 /// let simulation = Simulation::new(Settings::default())?;
 /// let hits = simulation.queries(&world).containing(Vec3::X * 0.4, &QueryFilter::new());

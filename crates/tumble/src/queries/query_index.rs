@@ -29,7 +29,8 @@ use crate::threads::{Effort, InParts};
 ///
 /// let mut world = hecs::World::new();
 /// let collider = Collider::new(&Shape::sphere(0.5))?;
-/// let ball = RigidBody::new(Shape::sphere(0.5)).fixed().build()?.spawn_with(&mut world, (collider,));
+/// let ball =
+///     RigidBody::new(Shape::sphere(0.5)).fixed().build()?.spawn_with(&mut world, (collider,));
 ///
 /// let mut index = QueryIndex::default();
 /// let down = Ray::new(Vec3::Y * 3.0, -Vec3::Y);

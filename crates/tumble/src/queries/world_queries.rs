@@ -127,7 +127,10 @@ impl<'a> Queries<'a> {
     /// use tumble::{Collider, QueryFilter, Ray, prelude::*};
     ///
     /// let mut world = hecs::World::new();
-    /// RigidBody::new(Shape::Point).fixed().build()?.spawn_with(&mut world, (Collider::half_space(),));
+    /// RigidBody::new(Shape::Point)
+    ///     .fixed()
+    ///     .build()?
+    ///     .spawn_with(&mut world, (Collider::half_space(),));
     ///
     /// let simulation = Simulation::new(Settings::default())?;
     /// let rays = [1.0, 2.0, 3.0].map(|y| Ray::new(Vec3::Y * y, -Vec3::Y));
@@ -276,7 +279,10 @@ impl<'a> Queries<'a> {
     ///
     /// let mut world = hecs::World::new();
     /// let collider = Collider::new(&Shape::sphere(0.5))?;
-    /// let ball = RigidBody::new(Shape::sphere(0.5)).mass(1.0).build()?.spawn_with(&mut world, (collider.clone(),));
+    /// let ball = RigidBody::new(Shape::sphere(0.5))
+    ///     .mass(1.0)
+    ///     .build()?
+    ///     .spawn_with(&mut world, (collider.clone(),));
     ///
     /// let simulation = Simulation::new(Settings::default())?;
     /// let queries = simulation.queries(&world);
@@ -316,10 +322,17 @@ impl<'a> Queries<'a> {
     ///
     /// let mut world = hecs::World::new();
     /// let collider = Collider::new(&Shape::sphere(0.5))?;
-    /// let ball = RigidBody::new(Shape::sphere(0.5)).mass(1.0).build()?.spawn_with(&mut world, (collider,));
+    /// let ball = RigidBody::new(Shape::sphere(0.5))
+    ///     .mass(1.0)
+    ///     .build()?
+    ///     .spawn_with(&mut world, (collider,));
     ///
     /// let simulation = Simulation::new(Settings::default())?;
-    /// let found = simulation.queries(&world).in_box(Vec3::splat(0.4), Vec3::splat(2.0), &QueryFilter::new());
+    /// let found = simulation.queries(&world).in_box(
+    ///     Vec3::splat(0.4),
+    ///     Vec3::splat(2.0),
+    ///     &QueryFilter::new(),
+    /// );
     /// assert_eq!(found, [ball]);
     /// # Ok::<(), Box<dyn std::error::Error>>(())
     /// ```

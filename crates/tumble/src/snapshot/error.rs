@@ -8,7 +8,10 @@ use crate::math::PRECISION;
 ///
 /// ```
 /// use tumble::{Snapshot, SnapshotError};
-/// assert_eq!(Snapshot::from_bytes(b"a picture, by mistake").unwrap_err(), SnapshotError::NotASnapshot);
+/// assert_eq!(
+///     Snapshot::from_bytes(b"a picture, by mistake").unwrap_err(),
+///     SnapshotError::NotASnapshot
+/// );
 /// ```
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]

@@ -17,7 +17,10 @@ impl Simulation {
     /// use tumble::{BodyOrder, Collider, Snapshot, prelude::*, state_hash};
     ///
     /// let mut world = tumble::hecs::World::new();
-    /// RigidBody::new(Shape::Point).fixed().build()?.spawn_with(&mut world, (Collider::half_space(),));
+    /// RigidBody::new(Shape::Point)
+    ///     .fixed()
+    ///     .build()?
+    ///     .spawn_with(&mut world, (Collider::half_space(),));
     /// let shape = Shape::cuboid([0.5, 0.5, 0.5]);
     /// let collider = Collider::new(&shape)?;
     /// let crate_of_tea = RigidBody::new(shape).mass(2.0).position(Vec3::Y * 0.51).id(BodyId(1));

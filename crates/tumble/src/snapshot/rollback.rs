@@ -21,11 +21,12 @@ use crate::step::systems::update_derived;
 /// its step and do the same again.
 ///
 /// ```
-/// use tumble::prelude::*;
 /// use tumble::Rollback;
+/// use tumble::prelude::*;
 ///
 /// let mut world = hecs::World::new();
-/// let ship = RigidBody::new(Shape::sphere(1.0)).mass(2.0).id(BodyId(1)).build()?.spawn(&mut world);
+/// let ship =
+///     RigidBody::new(Shape::sphere(1.0)).mass(2.0).id(BodyId(1)).build()?.spawn(&mut world);
 /// let mut simulation = Simulation::new(Settings::default().with_gravity(Vec3::ZERO))?;
 /// let mut rollback = Rollback::new(8);
 /// let mut thrusts = [Vec3::ZERO; 5];

@@ -20,7 +20,8 @@ pub const STATE_SIZE: usize = 13;
 /// ```
 /// # use tumble::{BodyOrder, STATE_SIZE, StateArrayError, state_to_array};
 /// let world = hecs::World::new();
-/// let error = state_to_array(&world, &BodyOrder::moving(&world), &mut [0.0; STATE_SIZE]).unwrap_err();
+/// let error =
+///     state_to_array(&world, &BodyOrder::moving(&world), &mut [0.0; STATE_SIZE]).unwrap_err();
 /// assert_eq!(error, StateArrayError::Length { found: 13, bodies: 0, expected: 0 });
 /// ```
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
@@ -71,7 +72,7 @@ pub(crate) fn check_length(array: &[Real], order: &BodyOrder) -> Result<(), Stat
 /// let order = BodyOrder::moving(&world);
 /// let mut array = vec![0.0; order.len() * STATE_SIZE];
 /// state_to_array(&world, &order, &mut array)?;
-/// assert_eq!(array[..7], [3.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0]); // position x y z, orientation w x y z
+/// assert_eq!(array[..7], [3.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0]); // x y z, and w x y z
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 ///

@@ -31,7 +31,13 @@ use crate::storage::body_order::BodyOrder;
 /// let mut state = [0.0; STATE_SIZE];
 /// (state[3], state[7]) = (1.0, 6.0); // w of the orientation, x of the linear momentum
 /// let mut rates = [0.0; STATE_SIZE];
-/// derivative_to_array(&world, &Settings::default(), &BodyOrder::moving(&world), &state, &mut rates)?;
+/// derivative_to_array(
+///     &world,
+///     &Settings::default(),
+///     &BodyOrder::moving(&world),
+///     &state,
+///     &mut rates,
+/// )?;
 /// assert_eq!((rates[0], rates[8]), (3.0, -19.62)); // velocity along x, weight along y
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
@@ -67,7 +73,13 @@ impl Simulation {
     /// simulation.add_global_law(Ramp);
     /// let (mut state, mut rates) = ([0.0; STATE_SIZE], [0.0; STATE_SIZE]);
     /// state[3] = 1.0; // w of the orientation
-    /// simulation.derivative_to_array(&world, 3.0, &BodyOrder::moving(&world), &state, &mut rates)?;
+    /// simulation.derivative_to_array(
+    ///     &world,
+    ///     3.0,
+    ///     &BodyOrder::moving(&world),
+    ///     &state,
+    ///     &mut rates,
+    /// )?;
     /// assert_eq!(rates[7], 3.0);
     /// # Ok::<(), Box<dyn std::error::Error>>(())
     /// ```

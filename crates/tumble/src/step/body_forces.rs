@@ -28,10 +28,17 @@ impl Simulation {
     /// use tumble::{Collider, prelude::*};
     ///
     /// let mut world = hecs::World::new();
-    /// RigidBody::new(Shape::Point).fixed().build()?.spawn_with(&mut world, (Collider::half_space(),));
+    /// RigidBody::new(Shape::Point)
+    ///     .fixed()
+    ///     .build()?
+    ///     .spawn_with(&mut world, (Collider::half_space(),));
     /// let shape = Shape::cuboid([0.5, 0.5, 0.5]);
     /// let collider = Collider::new(&shape)?;
-    /// let stone = RigidBody::new(shape).mass(2.0).position(Vec3::Y * 0.5).build()?.spawn_with(&mut world, (collider,));
+    /// let stone = RigidBody::new(shape)
+    ///     .mass(2.0)
+    ///     .position(Vec3::Y * 0.5)
+    ///     .build()?
+    ///     .spawn_with(&mut world, (collider,));
     ///
     /// let mut simulation = Simulation::new(Settings::default())?;
     /// simulation.step_many(&mut world, 60);

@@ -18,7 +18,8 @@ use crate::storage::chunk::{Chunk, for_each_part};
 /// use tumble::math::Vec3;
 /// use tumble::{BodySlices, Inertia, Mass, Momentum, Pose, Settings, Wrench};
 /// let mut poses = vec![Pose::default(); 100];
-/// let mut momenta = vec![Momentum { angular: Vec3::new(0.1, 2.0, 0.0), ..Momentum::default() }; 100];
+/// let mut momenta =
+///     vec![Momentum { angular: Vec3::new(0.1, 2.0, 0.0), ..Momentum::default() }; 100];
 /// let mut wrenches = vec![Wrench::default(); 100];
 /// let masses = vec![Mass::new(2.0)?; 100];
 /// let inertias = vec![Inertia::new(Vec3::new(1.0, 2.0, 2.5))?; 100];
@@ -59,8 +60,11 @@ pub struct BodySlices<'a> {
 ///
 /// ```
 /// # use tumble::{BodySlices, Momentum, Pose, Settings, LengthMismatch, Wrench};
-/// let (mut pose, mut momentum, mut wrench) = ([Pose::default()], [Momentum::default()], [Wrench::default()]);
-/// let error = BodySlices::new(&mut pose, &mut momentum, &mut wrench, &[]).step(&Settings::default()).unwrap_err();
+/// let (mut pose, mut momentum, mut wrench) =
+///     ([Pose::default()], [Momentum::default()], [Wrench::default()]);
+/// let error = BodySlices::new(&mut pose, &mut momentum, &mut wrench, &[])
+///     .step(&Settings::default())
+///     .unwrap_err();
 /// assert_eq!(error, LengthMismatch { column: "mass", rows: 0, bodies: 1 });
 /// ```
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]

@@ -22,10 +22,17 @@ use crate::step::simulation::Simulation;
 /// use tumble::{Collider, prelude::*};
 ///
 /// let mut world = hecs::World::new();
-/// let ground = RigidBody::new(Shape::Point).fixed().build()?.spawn_with(&mut world, (Collider::half_space(),));
+/// let ground = RigidBody::new(Shape::Point)
+///     .fixed()
+///     .build()?
+///     .spawn_with(&mut world, (Collider::half_space(),));
 /// let shape = Shape::cuboid([0.5, 0.5, 0.5]);
 /// let collider = Collider::new(&shape)?;
-/// let body = RigidBody::new(shape).mass(2.0).position(Vec3::Y * 0.5).build()?.spawn_with(&mut world, (collider,));
+/// let body = RigidBody::new(shape)
+///     .mass(2.0)
+///     .position(Vec3::Y * 0.5)
+///     .build()?
+///     .spawn_with(&mut world, (collider,));
 ///
 /// let mut simulation = Simulation::new(Settings::default())?;
 /// simulation.step_many(&mut world, 60);
@@ -60,7 +67,11 @@ pub struct Contact {
 /// # let shape = Shape::sphere(0.5);
 /// # let collider = Collider::new(&shape)?;
 /// // A ball half a centimetre above the ground, at rest.
-/// RigidBody::new(shape).mass(2.0).position(Vec3::Y * 0.505).build()?.spawn_with(&mut world, (collider,));
+/// RigidBody::new(shape)
+///     .mass(2.0)
+///     .position(Vec3::Y * 0.505)
+///     .build()?
+///     .spawn_with(&mut world, (collider,));
 /// let mut simulation = Simulation::new(Settings::default())?;
 /// simulation.step(&mut world);
 /// let contact = simulation.contacts().next().unwrap();
@@ -111,7 +122,8 @@ impl Simulation {
     /// # let simulation = Simulation::new(Settings::default())?;
     /// let load = |body| -> Vec3 {
     ///     let on_it = simulation.contacts().filter(|contact| contact.bodies[1] == body);
-    ///     on_it.map(|contact| contact.impulse()).sum::<Vec3>() / simulation.settings().contact_substep()
+    ///     on_it.map(|contact| contact.impulse()).sum::<Vec3>()
+    ///         / simulation.settings().contact_substep()
     /// };
     /// # assert_eq!(load(tumble::hecs::Entity::DANGLING), Vec3::ZERO);
     /// # Ok::<(), Box<dyn std::error::Error>>(())

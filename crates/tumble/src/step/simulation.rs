@@ -152,7 +152,10 @@ impl Simulation {
     ///
     /// let mut world = hecs::World::new();
     /// let collider = Collider::new(&Shape::sphere(0.5))?;
-    /// let ball = RigidBody::new(Shape::sphere(0.5)).mass(1.0).build()?.spawn_with(&mut world, (collider,));
+    /// let ball = RigidBody::new(Shape::sphere(0.5))
+    ///     .mass(1.0)
+    ///     .build()?
+    ///     .spawn_with(&mut world, (collider,));
     ///
     /// let mut simulation = Simulation::new(Settings::default())?;
     /// simulation.step_many(&mut world, 60);
@@ -334,7 +337,8 @@ impl Simulation {
     /// # use tumble::prelude::*;
     /// # let mut world = hecs::World::new();
     /// # let body = RigidBody::new(Shape::Point).mass(1.0).build()?.spawn(&mut world);
-    /// let mut simulation = Simulation::new(Settings::default().with_gravity(Vec3::ZERO).with_dt(0.01))?;
+    /// let mut simulation =
+    ///     Simulation::new(Settings::default().with_gravity(Vec3::ZERO).with_dt(0.01))?;
     /// simulation.advance_with(&mut world, 0.055, |world, _| {
     ///     for wrench in world.query_mut::<&mut Wrench>() {
     ///         wrench.add_force(Vec3::X * 2.0);
@@ -361,15 +365,19 @@ impl Simulation {
     /// # let mut world = hecs::World::new();
     /// # let body = RigidBody::new(Shape::Point).mass(1.0).build()?.spawn(&mut world);
     /// #[derive(Default)]
-    /// struct Game { heights: Vec<Real> }
+    /// struct Game {
+    ///     heights: Vec<Real>,
+    /// }
     ///
     /// impl StepHooks for Game {
     ///     fn after_step(&mut self, world: &mut hecs::World, _: &Simulation) {
-    ///         self.heights.extend(world.query_mut::<&Pose>().into_iter().map(|pose| pose.position.y));
+    ///         self.heights
+    ///             .extend(world.query_mut::<&Pose>().into_iter().map(|pose| pose.position.y));
     ///     }
     /// }
     ///
-    /// let (mut game, mut simulation) = (Game::default(), Simulation::new(Settings::default().with_dt(0.01))?);
+    /// let (mut game, mut simulation) =
+    ///     (Game::default(), Simulation::new(Settings::default().with_dt(0.01))?);
     /// simulation.advance_with_hooks(&mut world, 0.035, &mut game);
     /// assert_eq!(game.heights.len(), 3);
     /// # Ok::<(), Box<dyn std::error::Error>>(())

@@ -130,7 +130,10 @@ pub fn update_derived(world: &mut World) {
 /// ```
 /// # use tumble::{remember_poses, prelude::*};
 /// # let mut world = hecs::World::new();
-/// let body = RigidBody::new(Shape::Point).mass(2.0).build()?.spawn_with(&mut world, (PreviousPose::default(),));
+/// let body = RigidBody::new(Shape::Point)
+///     .mass(2.0)
+///     .build()?
+///     .spawn_with(&mut world, (PreviousPose::default(),));
 /// world.get::<&mut Pose>(body)?.position = Vec3::X;
 /// remember_poses(&mut world);
 /// assert_eq!(world.get::<&PreviousPose>(body)?.0.position, Vec3::X);
@@ -147,7 +150,11 @@ pub fn remember_poses(world: &mut World) {
 /// ```
 /// # use tumble::{move_kinematic_bodies, prelude::*};
 /// # let mut world = hecs::World::new();
-/// let lift = RigidBody::new(Shape::Point).linear_velocity(Vec3::Y).kinematic().build()?.spawn(&mut world);
+/// let lift = RigidBody::new(Shape::Point)
+///     .linear_velocity(Vec3::Y)
+///     .kinematic()
+///     .build()?
+///     .spawn(&mut world);
 /// move_kinematic_bodies(&mut world, 0.5);
 /// assert_eq!(world.get::<&Pose>(lift)?.position, Vec3::Y * 0.5);
 /// # Ok::<(), Box<dyn std::error::Error>>(())

@@ -19,7 +19,8 @@ use crate::math::{Real, Vec3};
 /// # use tumble::prelude::*;
 /// # let mut world = hecs::World::new();
 /// let craft = RigidBody::new(Shape::cuboid([0.1, 0.2, 0.3])).mass(2.0).build()?.spawn(&mut world);
-/// let spin = AngularVelocityServo { target: Vec3::Y * 3.0, frame: Frame::World, max_torque: 100.0 };
+/// let spin =
+///     AngularVelocityServo { target: Vec3::Y * 3.0, frame: Frame::World, max_torque: 100.0 };
 /// world.insert_one(craft, spin)?;
 /// Simulation::new(Settings::default())?.step_many(&mut world, 2);
 /// assert!((world.get::<&Velocity>(craft)?.angular - Vec3::Y * 3.0).length() < 1e-3);

@@ -10,7 +10,8 @@ use crate::math::{Real, Vec3};
 /// ```
 /// # use tumble::prelude::*;
 /// // A motor that pushes along the body's own y axis, wherever that points.
-/// let motor = ConstantWrench { force: Vec3::Y * 50.0, frame: Frame::Body, ..ConstantWrench::default() };
+/// let motor =
+///     ConstantWrench { force: Vec3::Y * 50.0, frame: Frame::Body, ..ConstantWrench::default() };
 /// # assert_ne!(motor.frame, Frame::default());
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
@@ -41,8 +42,13 @@ impl Frame {
 /// ```
 /// # use tumble::prelude::*;
 /// # let mut world = hecs::World::new();
-/// let sled = RigidBody::new(Shape::cuboid([0.4, 0.1, 0.2])).mass(5.0).gravity_scale(0.0).build()?.spawn(&mut world);
-/// world.insert_one(sled, ConstantWrench { force: Vec3::X * 10.0, ..ConstantWrench::default() })?;
+/// let sled = RigidBody::new(Shape::cuboid([0.4, 0.1, 0.2]))
+///     .mass(5.0)
+///     .gravity_scale(0.0)
+///     .build()?
+///     .spawn(&mut world);
+/// world
+///     .insert_one(sled, ConstantWrench { force: Vec3::X * 10.0, ..ConstantWrench::default() })?;
 /// Simulation::new(Settings::default())?.step_many(&mut world, 60); // a second
 /// assert!((world.get::<&Velocity>(sled)?.linear.x - 2.0).abs() < 1e-4);
 /// # Ok::<(), Box<dyn std::error::Error>>(())

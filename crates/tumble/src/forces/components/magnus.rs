@@ -16,7 +16,11 @@ use crate::math::Real;
 /// # let mut world = hecs::World::new();
 /// // Topspin: the ball flies along x, and what is on top moves forward.
 /// let ball = RigidBody::new(Shape::sphere(0.03)).mass(0.06).gravity_scale(0.0);
-/// let ball = ball.linear_velocity(Vec3::X * 30.0).angular_velocity(Vec3::Z * -200.0).build()?.spawn(&mut world);
+/// let ball = ball
+///     .linear_velocity(Vec3::X * 30.0)
+///     .angular_velocity(Vec3::Z * -200.0)
+///     .build()?
+///     .spawn(&mut world);
 /// world.insert_one(ball, Magnus { coefficient: 1e-5 })?;
 /// Simulation::new(Settings::default())?.step(&mut world);
 /// assert!(world.get::<&Velocity>(ball)?.linear.y < 0.0); // it dips

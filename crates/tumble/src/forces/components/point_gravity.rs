@@ -19,7 +19,11 @@ use crate::math::{Real, Vec3, dvec3};
 /// # use tumble::prelude::*;
 /// # let mut world = hecs::World::new();
 /// // A circle: the square of the speed is mu over the distance.
-/// let moon = RigidBody::new(Shape::Point).mass(1.0).position(Vec3::X * 2.0).linear_velocity(Vec3::Z).build()?;
+/// let moon = RigidBody::new(Shape::Point)
+///     .mass(1.0)
+///     .position(Vec3::X * 2.0)
+///     .linear_velocity(Vec3::Z)
+///     .build()?;
 /// let moon = moon.spawn(&mut world);
 /// world.insert_one(moon, PointGravity { mu: 2.0, ..PointGravity::default() })?;
 /// Simulation::new(Settings::default().with_gravity(Vec3::ZERO))?.step_many(&mut world, 60);

@@ -29,7 +29,8 @@ use crate::math::{Real, Vec3, dvec3};
 /// // 1 kg on 4 N/m: half a period is pi/2 seconds.
 /// let bob = RigidBody::new(Shape::Point).mass(1.0).position(Vec3::X).build()?.spawn(&mut world);
 /// world.insert_one(bob, SpringToPoint { stiffness: 4.0, ..SpringToPoint::default() })?;
-/// Simulation::new(Settings::default().with_gravity(Vec3::ZERO).with_dt(0.01))?.step_many(&mut world, 157);
+/// Simulation::new(Settings::default().with_gravity(Vec3::ZERO).with_dt(0.01))?
+///     .step_many(&mut world, 157);
 /// assert!((world.get::<&Pose>(bob)?.position.x + 1.0).abs() < 1e-3);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```

@@ -29,8 +29,8 @@ use crate::math::{Real, Vec3};
 /// after that depends on the step.
 ///
 /// ```
-/// use tumble::prelude::*;
 /// use tumble::Spring;
+/// use tumble::prelude::*;
 ///
 /// let mut world = hecs::World::new();
 /// let ball = |x: Real| RigidBody::new(Shape::sphere(0.1)).mass(2.0).position(Vec3::X * x).build();
@@ -38,11 +38,12 @@ use crate::math::{Real, Vec3};
 /// // A reduced mass of 1 kg: they swing apart and together once in pi seconds.
 /// world.spawn((Spring::between(left, right).rest_length(1.0).stiffness(4.0),));
 ///
-/// let mut simulation = Simulation::new(Settings::default().with_gravity(Vec3::ZERO).with_dt(0.01))?;
+/// let mut simulation =
+///     Simulation::new(Settings::default().with_gravity(Vec3::ZERO).with_dt(0.01))?;
 /// for _ in 0..157 {
 ///     simulation.step(&mut world);
 /// }
-/// assert!(world.get::<&Pose>(left)?.position.x.abs() < 1e-2); // half a period: as close as they were far
+/// assert!(world.get::<&Pose>(left)?.position.x.abs() < 1e-2); // half a period
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
