@@ -216,6 +216,59 @@ fn what_passes_through_comes_in_and_leaves() {
     }
 }
 
+/// An arm that turns about z by up to ten turns in a step passes what is within its angles, each
+/// time, and nothing else: not what is on the short way between two ends that the long way joins.
+#[test]
+fn what_turns_through_comes_in_and_leaves() {
+    let (mut passed, mut missed) = (0, 0);
+    for case in 0..400 {
+        let mut draw = Draw::new(2314, case);
+        let mut world = World::new();
+        let size = draw.log_between(0.05, 20.0);
+        let (thin, radius, at) = (0.01 * size, draw.log_between(0.01, 0.05) * size, draw.between(0.4, 0.8) * size);
+        let arm = Shape::cuboid([0.5 * size, thin, thin]);
+        let place = Pose { position: Vec3::X * real(0.5 * size), ..Pose::default() };
+        let turn = draw.log_between(0.3, 60.0);
+        let settings = Settings::default().with_gravity(Vec3::ZERO).with_dt(1.0 / real(draw.log_between(30.0, 240.0)));
+        let body = RigidBody::new(Shape::sphere(0.1 * size));
+        let body = if draw.often(0.5) { body.kinematic() } else { body.mass(1.0) };
+        let way = if draw.often(0.5) { 1.0 } else { -1.0 };
+        let start = draw.between(-3.0, 3.0);
+        let body = body
+            .orientation(Quat::from_rotation_z(real(start)))
+            .angular_velocity(Vec3::Z * real(way * turn / f64::from(settings.dt)));
+        let body = body.build().unwrap().spawn_with(&mut world, (collider(&arm).with_offset(place).unwrap(),));
+        let angle = draw.between(-3.0, 3.0);
+        let there = glam::DVec3::new(angle.cos(), angle.sin(), 0.0) * at;
+        let gate = Shape::sphere(radius);
+        let fixed = RigidBody::new(gate.clone()).fixed().position(vec3(there)).build().unwrap();
+        fixed.spawn_with(&mut world, (collider(&gate).sensor(),));
+        let mut simulation = Simulation::new(settings).unwrap();
+        // Half the angle that the arm takes up, seen from the gate, and rounding.
+        let near = 2.0 * (radius + 2.0 * thin) / at + 1e-3 * turn;
+        for step in 0..20 {
+            let arm_at = |world: &World| {
+                let turned = world.get::<&Pose>(body).unwrap().orientation * Vec3::X;
+                f64::from(turned.y).atan2(f64::from(turned.x))
+            };
+            let before = arm_at(&world);
+            simulation.step(&mut world);
+            // How far ahead of the arm the gate is.
+            let ahead = |arm: f64| (way * (angle - arm)).rem_euclid(std::f64::consts::TAU);
+            let is_clear = |arm: f64| ahead(arm) > near && ahead(arm) < std::f64::consts::TAU - near;
+            if !(is_clear(before) && is_clear(arm_at(&world))) {
+                continue;
+            }
+            let is_passed = ahead(before) < turn;
+            let events: Vec<_> = simulation.sensor_events().map(|event| event.begins).collect();
+            let expected: &[bool] = if is_passed { &[true, false] } else { &[] };
+            assert_eq!(events, expected, "case {case}, step {step}: {turn} rad");
+            *(if is_passed { &mut passed } else { &mut missed }) += 1;
+        }
+    }
+    assert!(passed > 1000 && missed > 500, "{passed} passed, {missed} missed");
+}
+
 /// However steps fall into frames, and in a batch, the same events in the same order.
 #[test]
 fn every_event_comes_once_however_frames_fall() {

@@ -223,6 +223,40 @@ fn rays_meet_the_first_triangle_of_surfaces() {
     assert!(hits > rays() / 4, "{hits} hits");
 }
 
+/// Corners on one line, which rounding may give an area, and the same corner twice.
+#[test]
+fn triangles_without_area_have_no_normal_to_give() {
+    let mut slivers = 0;
+    for case in 0..rays() {
+        let mut random = Random::new(case);
+        let size = random.log_between(1e-3, 1e3);
+        // On a grid as often as not: sides along the axes are what files are made of.
+        let on_grid = random.often(0.5);
+        let place = |v: Vector| {
+            let step = if on_grid { size / 8.0 } else { size * 1e-12 };
+            Vec3::new((v.x / step).round() * step, (v.y / step).round() * step, (v.z / step).round() * step)
+        };
+        let (from, way) = (place(random.vector(size)), place(random.vector(size)));
+        let shares = [0.0, random.unit(), if random.often(0.2) { 0.0 } else { random.between(-2.0, 2.0) }];
+        let corners = shares.map(|share| from + way * share);
+        let mesh = tumble_collide::Mesh::new(&corners, &[[0, 1, 2]]).unwrap();
+        let mesh = ColliderShape::<f64>::Mesh(std::sync::Arc::new(mesh));
+        let at = if random.often(0.5) { Isometry::at(Vec3::zero()) } else { random.placement(size) };
+        for _ in 0..16 {
+            let target = at.position + at.orientation.rotate(from + way * random.between(-0.5, 1.5));
+            let from = if random.often(0.5) { random.direction() } else { Vec3::new(0.0, -1.0, 0.0) };
+            let Some(ray) = Ray::new(target - from * size, from, f64::INFINITY) else { continue };
+            let Some(hit) = mesh.cast_ray(&at, &ray) else { continue };
+            slivers += 1;
+            assert!((length(hit.normal) - 1.0).abs() < 1e-12, "case {case}: {hit:?}");
+            let off = mesh.nearest_point(&at, ray.at(hit.distance), f64::INFINITY).unwrap().distance;
+            assert!(off <= ROUNDING * size, "case {case}: {off} m off");
+        }
+    }
+    // What rounding makes of such triangles is drawn.
+    assert!(slivers > rays() / 100, "{slivers} hits");
+}
+
 /// No ray slips through a closed surface, however it is aimed at edges and corners.
 #[test]
 fn closed_surfaces_are_watertight() {

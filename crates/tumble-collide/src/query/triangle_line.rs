@@ -1,7 +1,7 @@
 //! Where a line meets triangles: between two with a common side nothing gets through.
 
 use crate::query::line::{Line, component};
-use crate::support_map::{Vector, unit};
+use crate::support_map::Vector;
 use crate::surface::Surface;
 
 /// Where a line meets a triangle.
@@ -66,13 +66,15 @@ pub(crate) fn first_triangle(surface: &impl Surface, line: &Line, most: f64) -> 
     let sheared = ShearedLine::of(line);
     let (mut first, mut most): (Option<TriangleLine>, f64) = (None, most);
     surface.along(line, Vector::zero(), most, &mut |triangle| {
-        let corners = surface.triangle(triangle);
-        if let Some(distance) = sheared.meets(&corners, most)
+        if let Some(distance) = sheared.meets(&surface.triangle(triangle), most)
             && first.is_none_or(|first| (distance, triangle) < (first.distance, first.triangle))
         {
-            let [a, b, c] = corners;
-            first = Some(TriangleLine { distance, normal: unit((b - a).cross(c - a)), triangle });
-            most = distance;
+            let normal = surface.normal(triangle);
+            // Rounding has a line meet triangles without area, somewhere along them.
+            if normal.dot(normal) > 0.5 {
+                first = Some(TriangleLine { distance, normal, triangle });
+                most = distance;
+            }
         }
         most
     });

@@ -20,11 +20,6 @@ use crate::values::checked::number;
 /// between the joints.
 pub(crate) fn joints_and_gears(model: &SceneModel, names: &[String]) -> Result<SceneJoints, FieldError> {
     let joints = joints(&model.joints, names)?;
-    let mut ends = joints.iter().flat_map(|joint| joint.bodies);
-    if let Some(body) = ends.find(|body| model.bodies.get(*body).is_some_and(|it| !it.locked_axes.is_empty())) {
-        let problem = "is for bodies without joints: a planar joint to a fixed body keeps one in a plane";
-        return Err(FieldError::new(format!("bodies[{body}].locked_axes"), problem));
-    }
     let gears = if model.gears.is_empty() { Vec::new() } else { gears(&model.gears, &joints)? };
     Ok(SceneJoints { joints, gears })
 }

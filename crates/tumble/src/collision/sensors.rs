@@ -1,5 +1,6 @@
 //! Sensors: which bodies are in which, what came and what left.
 
+use glam::DVec3;
 use hecs::Entity;
 use rayon::prelude::*;
 use tumble_collide::{ColliderShape, Course, Isometry, Meeting};
@@ -8,11 +9,12 @@ use tumble_math::lane::{Lane, Quat, Vec3};
 use crate::collision::collider_state::ColliderState;
 use crate::collision::compound_parts::wide;
 use crate::collision::pipeline::{Colliders, CollisionPipeline};
+use crate::collision::traveller::{course_to, expected_turn, pose_of};
 use crate::components::Pose;
 use crate::event_log::EventLog;
 use crate::math::{Real, dquat, dvec3};
 use crate::storage::body_index::Slot;
-use crate::storage::world_columns::{ArchetypeBodies, WorldColumns};
+use crate::storage::world_columns::WorldColumns;
 use crate::threads::InParts;
 
 /// A body that comes into a [sensor](crate::Collider::sensor), or leaves it; see
@@ -173,31 +175,28 @@ struct Encounter<'a> {
 }
 
 impl CollisionPipeline {
-    /// Finds out what is in sensors at the end of a substep, and what has come through them.
-    pub(crate) fn update_sensors(&mut self, columns: &WorldColumns<'_>) {
+    /// Finds out what is in sensors at the end of a substep of `h` \[s\], and what has come through
+    /// them.
+    pub(crate) fn update_sensors(&mut self, columns: &WorldColumns<'_>, h: Real) {
         let Self { sensors, near, collider_states, colliders, body_index, cache, .. } = self;
         let pairs = &near.sensed;
         if pairs.is_empty() && sensors.are_over() {
             return;
         }
         let states = &collider_states.states;
-        let pose = |slot: Slot| -> Option<Pose> {
+        let end = |slot: Slot| -> Option<(Pose, DVec3)> {
             let place = body_index.place(slot);
-            match columns.bodies(place) {
-                ArchetypeBodies::Dynamic(columns) => Some(columns.pose[place.row as usize]),
-                ArchetypeBodies::NonDynamic(columns) => Some(columns.pose[place.row as usize]),
-                ArchetypeBodies::None => None,
-            }
+            Some((pose_of(columns, place)?, expected_turn(columns, place, &states[slot.index()], h)))
         };
         // Columns are not shared between threads.
-        let poses: Vec<_> = pairs.iter().map(|slots| slots.map(pose)).collect();
+        let ends: Vec<_> = pairs.iter().map(|slots| slots.map(end)).collect();
         let parts = pairs.len().div_ceil(PART);
         sensors.found.resize_with(parts.max(sensors.found.len()), Vec::new);
-        let chunks = pairs.par_chunks(PART).zip(poses.par_chunks(PART)).zip(&mut sensors.found);
-        chunks.by_at_least(1).for_each(|((pairs, poses), found)| {
+        let chunks = pairs.par_chunks(PART).zip(ends.par_chunks(PART)).zip(&mut sensors.found);
+        chunks.by_at_least(1).for_each(|((pairs, ends), found)| {
             found.clear();
-            for (slots, poses) in pairs.iter().zip(poses) {
-                if let [Some(first), Some(second)] = *poses
+            for (slots, ends) in pairs.iter().zip(ends) {
+                if let [Some(first), Some(second)] = *ends
                     && let Some(encounter) = Encounter::of(*slots, [first, second], states, colliders)
                 {
                     encounter.find(found);
@@ -210,23 +209,26 @@ impl CollisionPipeline {
 }
 
 impl<'a> Encounter<'a> {
-    /// With the poses at the end; `None` where either is nowhere.
-    fn of(slots: [Slot; 2], poses: [Pose; 2], states: &[ColliderState], colliders: &'a Colliders) -> Option<Self> {
+    /// With the poses at the end, and by how much the bodies turned about \[rad\]; `None` where
+    /// either is nowhere.
+    fn of(
+        slots: [Slot; 2],
+        ends: [(Pose, DVec3); 2],
+        states: &[ColliderState],
+        colliders: &'a Colliders,
+    ) -> Option<Self> {
         let [Some(first), Some(second)] = slots.map(|slot| colliders.get(slot)) else { return None };
         let colliders_of_both = [first, second];
         let both = [0, 1].map(|which: usize| {
             let state = &states[slots[which].index()];
             let (collider, offset) = colliders_of_both[which];
+            let (pose, expected) = &ends[which];
             let start = wide(&state.placement);
-            let orientation = Quat::<f64>::from(dquat(poses[which].orientation)).normalize();
-            let center = Vec3::<f64>::from(dvec3(poses[which].position));
+            let orientation = Quat::<f64>::from(dquat(pose.orientation)).normalize();
+            let center = Vec3::<f64>::from(dvec3(pose.position));
             let body = Isometry { position: center - orientation.rotate(dvec3(*offset).into()), orientation };
             let end = collider.place().map_or(body, |inner| body.then(&wide(&inner)));
-            let begin_center = Vec3::<f64>::from(dvec3(state.center.into()));
-            let turn = (end.orientation * start.orientation.conjugate()).normalize();
-            let turn = tumble_math::to_scaled_axis(turn.into());
-            let course = Course::new(&start, begin_center, center - begin_center, turn.into());
-            ([start, end], course)
+            ([start, end], course_to(pose, (state, collider), *expected))
         });
         let is_somewhere = both.iter().all(|([start, end], _)| {
             [start, end]

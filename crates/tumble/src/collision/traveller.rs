@@ -61,19 +61,11 @@ impl Traveller {
         h: Real,
     ) -> Option<Self> {
         let end = pose_of(columns, place)?;
-        let turn = wide_quat(turned_end(&end, collider)) * wide_quat(state.placement.orientation).conjugate();
-        let spin = match state_of(columns, place) {
-            Some((constants, state)) => derived(&constants, &state).angular,
-            None => state.velocity.1,
-        };
-        let expected = dvec3((spin * h).into());
-        let turn = nearest_turn(tumble_math::to_scaled_axis(turn.normalize().into()), expected);
-        let way = dvec3(end.position) - dvec3(state.center.into());
-        let center: Vec3<f64> = dvec3(state.center.into()).into();
+        let expected = expected_turn(columns, place, state, h);
         Some(Self {
             slot,
             place,
-            course: Course::new(&wide(&state.placement), center, way.into(), turn.into()),
+            course: course_to(&end, (state, collider), expected),
             end,
             before: energy(columns, place),
             is_dynamic: state.is_dynamic,
@@ -203,6 +195,26 @@ impl Traveller {
         });
         is_held
     }
+}
+
+/// By how much a body that was in this state when a substep of `h` \[s\] began turns in it at the
+/// angular velocity that it has now \[rad\].
+pub(crate) fn expected_turn(columns: &WorldColumns<'_>, place: RowPlace, state: &ColliderState, h: Real) -> DVec3 {
+    let spin = match state_of(columns, place) {
+        Some((constants, state)) => derived(&constants, &state).angular,
+        None => state.velocity.1,
+    };
+    dvec3((spin * h).into())
+}
+
+/// The way of a collider from this state to where its body is in the end, with as many turns as
+/// are `expected` \[rad\].
+pub(crate) fn course_to(end: &Pose, (state, collider): (&ColliderState, &Collider), expected: DVec3) -> Course {
+    let turn = wide_quat(turned_end(end, collider)) * wide_quat(state.placement.orientation).conjugate();
+    let turn = nearest_turn(tumble_math::to_scaled_axis(turn.normalize().into()), expected);
+    let way = dvec3(end.position) - dvec3(state.center.into());
+    let center: Vec3<f64> = dvec3(state.center.into()).into();
+    Course::new(&wide(&state.placement), center, way.into(), turn.into())
 }
 
 /// The same rotation, with the whole turns that bring it nearest to one that is expected \[rad\].

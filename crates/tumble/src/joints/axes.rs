@@ -58,6 +58,11 @@ impl Axes {
         self.0 & (1 << index) != 0
     }
 
+    /// All others.
+    pub(crate) const fn others(self) -> Self {
+        Self(!self.0 & 0b11_1111)
+    }
+
     pub(crate) const fn bits(self) -> u8 {
         self.0
     }

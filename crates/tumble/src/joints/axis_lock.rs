@@ -11,6 +11,7 @@ use crate::integrators::derived::Derived;
 use crate::integrators::state::{Constants, State};
 use crate::joints::axes::Axes;
 use crate::math::{Real, double, double_quat, vec3};
+use crate::storage::body_index::Slot;
 
 /// The axes that a body is locked along and about.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -23,6 +24,15 @@ const MAX_PARTS: u32 = 64;
 /// How often the angular velocity in the middle of a part is found again: each time what is missing
 /// is less by half of the angle.
 const REPETITIONS: u32 = 4;
+
+/// A body whose axes are locked.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct LockedSlot {
+    pub(crate) slot: Slot,
+    pub(crate) lock: AxisLock,
+    /// Whether a joint of the world is between it and another: then they may hang together.
+    pub(crate) has_joint: bool,
+}
 
 /// Where a body has turned to.
 pub(crate) struct Turned {
@@ -38,6 +48,18 @@ impl AxisLock {
     pub(crate) fn translations(self) -> DVec3 {
         let locked = |axis| f64::from(u8::from(self.0.has(axis)));
         DVec3::new(locked(0), locked(1), locked(2))
+    }
+
+    /// What this leaves of motions of a whole of which another body is locked like that: it turns
+    /// about an axis only if all can, and can go across it.
+    pub(crate) fn with_whole(self, other: Self) -> Self {
+        let mut axes = self.0.with(other.0);
+        for axis in 0..3 {
+            if other.0.has((axis + 1) % 3) || other.0.has((axis + 2) % 3) {
+                axes = axes.with(Axes::EACH[3 + axis]);
+            }
+        }
+        Self(axes)
     }
 
     /// Of a vector, what is along axes with free translation.
@@ -97,6 +119,17 @@ impl AxisLock {
         let orientation = state.orientation.normalize();
         let principal = moments.axes.map_or(orientation, |axes| orientation * axes);
         Some(world_inertia(double(moments.moments), double_quat(principal)))
+    }
+
+    /// The part of a rotation that is about free axes, where that is at most one.
+    pub(crate) fn free_part(self, rotation: DQuat) -> DQuat {
+        let is_free = [0, 1, 2].map(|axis| !self.0.has(3 + axis));
+        if is_free.iter().filter(|is_free| **is_free).count() > 1 {
+            return rotation;
+        }
+        let [x, y, z] = is_free.map(|is_free| f64::from(u8::from(is_free)));
+        let free = DQuat::from_xyzw(rotation.x * x, rotation.y * y, rotation.z * z, rotation.w);
+        if free.xyz() == DVec3::ZERO { DQuat::IDENTITY } else { free.normalize() }
     }
 
     /// Turns a body with these principal moments for `h` \[s\], its principal frame at an

@@ -13,9 +13,9 @@ use crate::joints::axes::Axes;
 /// axis it turns exactly, about two with an error of second order and without a trend of the
 /// energy.
 ///
-/// On a fixed or kinematic body, and on a body with a [`Joint`](crate::Joint), it does nothing: a
-/// [`Joint::planar`](crate::Joint::planar) to the ground keeps one body of a mechanism in a plane,
-/// and hinges keep the others there.
+/// The locked axes of a body with [`Joint`](crate::Joint)s are solved together with these. About
+/// two free axes such a body turns with an error of first order. On a fixed or kinematic body it
+/// does nothing.
 ///
 /// ```
 /// # use tumble::prelude::*;

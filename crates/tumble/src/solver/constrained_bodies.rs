@@ -1,6 +1,6 @@
 //! The bodies of a world that constraints act on in a substep, each with its row in the solver.
 
-use crate::joints::axis_lock::AxisLock;
+use crate::joints::axis_lock::{AxisLock, LockedSlot};
 use crate::solver::solver_bodies::SolverRow;
 use crate::storage::body_index::{BodyIndex, Slot};
 use crate::storage::world_columns::WorldColumns;
@@ -13,7 +13,7 @@ pub(crate) struct ConstrainedBodies {
     /// How many are dynamic, and how many are not.
     counts: [usize; 2],
     /// Bodies with locked axes: constraints act on them in any case.
-    pub(crate) locked: Vec<(Slot, AxisLock)>,
+    pub(crate) locked: Vec<LockedSlot>,
 }
 
 const NONE: SolverRow = SolverRow(u32::MAX);
@@ -31,7 +31,7 @@ impl ConstrainedBodies {
         let Self { rows, counts, locked } = self;
         rows.clear();
         rows.resize(body_index.len(), NONE);
-        let locked = locked.iter().map(|(slot, _)| *slot);
+        let locked = locked.iter().map(|it| it.slot);
         pairs.flatten().chain(locked).for_each(|slot| rows[slot.index()] = MARKED);
         *counts = [0; 2];
         for (archetype, is_dynamic) in columns.kinds() {
@@ -68,9 +68,16 @@ impl ConstrainedBodies {
         slots.map(|slot| self.rows[slot.index()])
     }
 
-    /// The rows of bodies with locked axes.
+    /// The rows of bodies with locked axes that have no joints.
     pub(crate) fn locks(&self) -> impl Iterator<Item = (SolverRow, AxisLock)> + '_ {
-        self.locked.iter().filter_map(|(slot, lock)| Some((self.row(*slot)?, *lock)))
+        let without_joint = self.locked.iter().filter(|it| !it.has_joint);
+        without_joint.filter_map(|it| Some((self.row(it.slot)?, it.lock)))
+    }
+
+    /// The bodies with locked axes that have joints, and their rows.
+    pub(crate) fn jointed_locks(&self) -> impl Iterator<Item = (Slot, SolverRow, AxisLock)> + Clone + '_ {
+        let with_joint = self.locked.iter().filter(|it| it.has_joint);
+        with_joint.filter_map(|it| Some((it.slot, self.row(it.slot)?, it.lock)))
     }
 
     /// By slot.

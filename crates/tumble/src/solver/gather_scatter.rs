@@ -14,6 +14,7 @@ use crate::integrators::Forces;
 use crate::integrators::kinetic_energy::KineticEnergy;
 use crate::integrators::response_range::responds_in_range;
 use crate::integrators::state::{Constants, State};
+use crate::joints::axis_lock::LockedSlot;
 use crate::joints::joint_list::JointList;
 use crate::math::{Real, Vec3 as WorldVec3};
 use crate::range::{MAX_DISTANCE_OF_CONTACTS, MAX_SPEED, is_rotation, within};
@@ -138,7 +139,7 @@ fn drop_out_of_range(
     };
     contacts.retain(|contact| is_in_range(&contact.slots));
     let pairs: Vec<_> = joints.pairs().filter(is_in_range).collect();
-    let locked: Vec<_> = constrained.locked.iter().map(|(slot, _)| [*slot; 2]).filter(is_in_range).collect();
+    let locked: Vec<_> = constrained.locked.iter().map(|it| [it.slot; 2]).filter(is_in_range).collect();
     let pairs = contacts.records.iter().map(|contact| contact.slots).chain(pairs).chain(locked);
     constrained.retain(pairs, |row| bodies.is_dynamic(row));
 }
@@ -169,7 +170,7 @@ pub(crate) fn scatter(
 
 /// Takes from the momenta of bodies with locked axes what they cannot have.
 pub(crate) fn hold_locked(constrained: &ConstrainedBodies, body_index: &BodyIndex, columns: &mut WorldColumns<'_>) {
-    for (slot, lock) in &constrained.locked {
+    for LockedSlot { slot, lock, .. } in &constrained.locked {
         let place = body_index.place(*slot);
         let row = place.row as usize;
         let Some((constants, state)) = state_of(columns, place) else { continue };

@@ -20,8 +20,18 @@ pub(crate) struct LockedBodies {
 struct LockedBody {
     row: usize,
     lock: AxisLock,
-    /// Whether it turns, and rotations are locked: then it is turned here.
-    is_turned: bool,
+    rotation: LockedRotation,
+}
+
+/// How the locked rotations of a body are held.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum LockedRotation {
+    /// There are none, or it does not turn.
+    None,
+    /// It is turned here.
+    Here,
+    /// By rows of its mechanism: here only its response to contacts is that of a locked body.
+    InMechanism,
 }
 
 /// The locked translations of the bodies of a block's contacts.
@@ -79,10 +89,23 @@ impl SolverBodies {
         self.locked.bodies.sort_unstable_by_key(|body| body.row);
     }
 
+    /// The same of bodies whose mechanisms have rows for it.
+    pub(crate) fn lock_in_mechanisms(&mut self, locks: impl Iterator<Item = (SolverRow, AxisLock)>) {
+        let Self { locked: LockedBodies { bodies }, inertia, .. } = self;
+        bodies.extend(locks.map(|(row, lock)| {
+            let turns = lock.locks_rotation() && inertia[row.index()].turns != 0.0;
+            let rotation = if turns { LockedRotation::InMechanism } else { LockedRotation::None };
+            LockedBody { row: row.index(), lock, rotation }
+        }));
+        bodies.sort_unstable_by_key(|body| body.row);
+        self.lock_responses();
+    }
+
     fn lock_one(&mut self, row: SolverRow, lock: AxisLock) {
         let i = row.index();
         let is_turned = lock.locks_rotation() && self.inertia[i].turns != 0.0;
-        self.locked.bodies.push(LockedBody { row: i, lock, is_turned });
+        let rotation = if is_turned { LockedRotation::Here } else { LockedRotation::None };
+        self.locked.bodies.push(LockedBody { row: i, lock, rotation });
         let free = |vector: Vec3<Real>| vec3(lock.along_free(double(vector))).into();
         self.motion[i].momentum = free(self.motion[i].momentum);
         self.force_impulse[i].linear = free(self.force_impulse[i].linear);
@@ -96,8 +119,8 @@ impl SolverBodies {
     /// Gives locked bodies the angular momentum of their angular velocity.
     pub(crate) fn settle_locked(&mut self) {
         for place in 0..self.locked.bodies.len() {
-            let LockedBody { row, lock, is_turned } = self.locked.bodies[place];
-            if is_turned {
+            let LockedBody { row, lock, rotation } = self.locked.bodies[place];
+            if rotation != LockedRotation::None {
                 let inertia = self.world_inertia(row);
                 let momentum = &mut self.motion[row].angular_momentum;
                 *momentum = vec3(lock.settled(inertia, double(*momentum))).into();
@@ -108,8 +131,8 @@ impl SolverBodies {
     /// Turns what rotates about some axes only, for `h` \[s\].
     pub(super) fn turn_locked(&mut self, h: Real) {
         for place in 0..self.locked.bodies.len() {
-            let LockedBody { row, lock, is_turned } = self.locked.bodies[place];
-            if !is_turned {
+            let LockedBody { row, lock, rotation } = self.locked.bodies[place];
+            if rotation != LockedRotation::Here {
                 continue;
             }
             let (before, momentum) = (double_quat(self.pose[row].orientation), self.motion[row].angular_momentum);
@@ -125,6 +148,17 @@ impl SolverBodies {
             *delta = DeltaPose { rotation: quat(rotation).into(), has_turned, ..*delta };
             if has_turned > 0.0 {
                 self.set_inverse_inertia(row, turned.inverse_inertia);
+            }
+        }
+        self.lock_responses();
+    }
+
+    /// Has the bodies that mechanisms hold answer to contacts about their free axes only.
+    pub(crate) fn lock_responses(&mut self) {
+        for place in 0..self.locked.bodies.len() {
+            let LockedBody { row, lock, rotation } = self.locked.bodies[place];
+            if rotation == LockedRotation::InMechanism {
+                self.set_inverse_inertia(row, lock.inverse_inertia(self.world_inertia(row)));
             }
         }
     }

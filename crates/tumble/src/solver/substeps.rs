@@ -99,6 +99,9 @@ impl Solver {
         let Constraints { bodies: constrained, contacts, mechanisms } = constraints;
         let (constrained, first) = (&**constrained, all.len() as u32);
         mechanisms.gather((constrained, contacts), body_index, columns, bodies);
+        if constrained.jointed_locks().next().is_some() {
+            mechanisms.lock(constrained, bodies);
+        }
         let ContactSet { records, rounds: found, .. } = &mut **contacts;
         rounds.extend(found.drain(..).map(|round| {
             let contact = &records[round.contact as usize];

@@ -296,7 +296,7 @@ impl<'a> InteractingWorld<'a> {
     /// Finds out what is in sensors.
     pub(crate) fn update_sensors(&mut self) {
         if let Some(collision) = &mut self.interactions.collision {
-            collision.update_sensors(&self.columns);
+            collision.update_sensors(&self.columns, self.settings.substep());
         }
     }
 

@@ -12,7 +12,7 @@ use crate::forces::pairwise;
 use crate::forces::pairwise::PairForces;
 use crate::joints;
 use crate::joints::axes::Axes;
-use crate::joints::axis_lock::AxisLock;
+use crate::joints::axis_lock::{AxisLock, LockedSlot};
 use crate::joints::joint_list::{JointEnds, JointList};
 use crate::joints::locked_axes::LockedAxes;
 use crate::solver::constrained_bodies::ConstrainedBodies;
@@ -105,19 +105,22 @@ impl Interactions {
     }
 }
 
-/// Lists the dynamic bodies with locked axes that have no joints.
-fn find_locked(world: &World, body_index: &BodyIndex, joints: &JointList, locked: &mut Vec<(Slot, AxisLock)>) {
+/// Lists the dynamic bodies with locked axes.
+fn find_locked(world: &World, body_index: &BodyIndex, joints: &JointList, locked: &mut Vec<LockedSlot>) {
     locked.clear();
     for (index, archetype) in world.archetypes().enumerate() {
         let Some(column) = archetype.get::<&LockedAxes>().filter(|_| archetype.has::<Momentum>()) else { continue };
         let slots = body_index.slots_in(index);
-        locked.extend(slots.iter().map(|slot| (*slot, AxisLock(column[body_index.place(*slot).row as usize].0))));
+        locked.extend(slots.iter().map(|slot| {
+            let lock = AxisLock(column[body_index.place(*slot).row as usize].0);
+            LockedSlot { slot: *slot, lock, has_joint: false }
+        }));
     }
-    locked.retain(|(_, AxisLock(axes))| *axes != Axes::NONE);
+    locked.retain(|it| it.lock.0 != Axes::NONE);
     if locked.is_empty() || joints.is_empty() {
         return;
     }
     let mut jointed: Vec<Slot> = joints.pairs().flatten().collect();
     jointed.sort_unstable();
-    locked.retain(|(slot, _)| jointed.binary_search(slot).is_err());
+    locked.iter_mut().for_each(|it| it.has_joint = jointed.binary_search(&it.slot).is_ok());
 }

@@ -4,8 +4,10 @@ use tumble_math::lane::{Quat, Vec3};
 
 use crate::integrators::derived::symmetric_product;
 use crate::integrators::state::Moments;
-use crate::math::{Real, double, double_quat, real};
+use crate::joints::axis_lock::AxisLock;
+use crate::math::{Real, double, double_quat, quat, real, vec3};
 use crate::solver::body_rows::{DeltaPose, WorldInverseInertia};
+use crate::solver::mechanism::joint_rows::IDENTITY;
 use crate::solver::solver_bodies::{SolverBodies, SolverRow, halved};
 
 /// A body as the joints of its mechanism see it.
@@ -108,6 +110,41 @@ impl MechanismBody {
             it.read_motion(bodies);
         }
         it
+    }
+
+    /// A body that does not move, at the centre of mass of this one, with the axes of the world.
+    pub(crate) fn ground_at(body: &Self) -> Self {
+        let [zero, one] = [0.0, 1.0].map(Vec3::splat);
+        Self {
+            inverse_mass: 0.0,
+            own_moments: one,
+            moments: one,
+            inverse_moments: one,
+            turns: false,
+            load: 0.0,
+            orientation: IDENTITY,
+            start: IDENTITY,
+            linear: zero,
+            angular: zero,
+            inverse_inertia: [zero; 2],
+            kick: [zero; 2],
+            kept: [1.0; 2],
+            dropped: zero,
+            damping_work: 0.0,
+            ..*body
+        }
+    }
+
+    /// Writes its pose without what rounding has moved along and about locked axes.
+    pub(crate) fn hold(&self, lock: AxisLock, bodies: &mut SolverBodies) {
+        let i = self.row.index();
+        let delta = &mut bodies.delta_pose[i];
+        delta.translation = vec3(lock.along_free(double(delta.translation))).into();
+        if self.turns && lock.locks_rotation() {
+            let rotation = lock.free_part(double_quat(delta.rotation));
+            delta.rotation = quat(rotation).into();
+            bodies.pose[i].orientation = single_quat(Quat::from(rotation) * self.start);
+        }
     }
 
     /// Reads again what others change in the course of a step.

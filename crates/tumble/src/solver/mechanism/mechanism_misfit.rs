@@ -7,6 +7,7 @@
 
 use tumble_math::lane::Vec3;
 
+use crate::joints::axis_lock::AxisLock;
 use crate::solver::mechanism::free_row::FreeRow;
 use crate::solver::mechanism::mechanism_body::MechanismBody;
 use crate::solver::mechanism::mechanism_solver::MechanismSolver;
@@ -116,8 +117,8 @@ impl MechanismSolver {
         if self.gain <= 0.0 || is_driven {
             return;
         }
-        let is_held = self.bodies.iter().any(|body| body.inverse_mass == 0.0);
-        let rigid = if is_held { Some(Rigid::AT_REST) } else { Rigid::of(&self.bodies) };
+        let lock = self.lock_of_whole;
+        let rigid = self.free_bodies().map_or(Some(Rigid::AT_REST), |bodies| Rigid::of(bodies, lock));
         let Some(rigid) = rigid else { return };
         let moving = self.bodies.iter().filter(|body| body.inverse_mass != 0.0);
         let velocities = |body: &MechanismBody| (rigid.velocity_at(body.position()), rigid.angular);
@@ -145,16 +146,17 @@ impl Rigid {
         Self { center: zero, linear: zero, angular: zero }
     };
 
-    /// The one with the momenta that bodies have together, with their own moments.
-    fn of(bodies: &[MechanismBody]) -> Option<Self> {
+    /// The one with the momenta that bodies have together, with their own moments, along and about
+    /// free axes.
+    fn of(bodies: &[MechanismBody], lock: AxisLock) -> Option<Self> {
         let mass: f64 = bodies.iter().map(MechanismBody::mass).sum();
         let sum = |of_body: &dyn Fn(&MechanismBody) -> Vec3<f64>| {
             bodies.iter().fold(Vec3::zero(), |sum: Vec3<f64>, body| sum + of_body(body))
         };
         let center = sum(&|body| body.position() * body.mass()) * (1.0 / mass);
-        let linear = sum(&|body| body.linear) * (1.0 / mass);
+        let linear = lock.along_free((sum(&|body| body.linear) * (1.0 / mass)).into()).into();
         let momentum = sum(&|body| (body.position() - center).cross(body.linear) + body.angular);
-        let angular = turned_by(bodies, center, momentum)?;
+        let angular = turned_by(bodies, center, momentum, lock)?;
         Some(Self { center, linear, angular })
     }
 
@@ -163,8 +165,14 @@ impl Rigid {
     }
 }
 
-/// The angular velocity that angular momentum about a point gives bodies that are one.
-pub(super) fn turned_by(bodies: &[MechanismBody], center: Vec3<f64>, momentum: Vec3<f64>) -> Option<Vec3<f64>> {
+/// The angular velocity that angular momentum about a point gives bodies that are one, about axes
+/// that are free.
+pub(super) fn turned_by(
+    bodies: &[MechanismBody],
+    center: Vec3<f64>,
+    momentum: Vec3<f64>,
+    lock: AxisLock,
+) -> Option<Vec3<f64>> {
     let mut inertia = glam::DMat3::ZERO;
     for body in bodies {
         let arm = glam::DVec3::from(body.position() - center);
@@ -176,7 +184,8 @@ pub(super) fn turned_by(bodies: &[MechanismBody], center: Vec3<f64>, momentum: V
     }
     let momentum = glam::DVec3::from(momentum);
     let trace = inertia.x_axis.x + inertia.y_axis.y + inertia.z_axis.z;
-    let inverse = (inertia + glam::DMat3::from_diagonal(glam::DVec3::splat(RAISED * trace))).inverse();
+    let raised = inertia + glam::DMat3::from_diagonal(glam::DVec3::splat(RAISED * trace));
+    let inverse = lock.inverse_inertia(raised);
     let turn = inverse * momentum;
     let turn = turn + inverse * (momentum - inertia * turn);
     turn.is_finite().then(|| turn.into())

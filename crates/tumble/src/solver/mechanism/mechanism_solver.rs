@@ -2,6 +2,8 @@
 
 use tumble_math::lane::Vec3;
 
+use crate::joints::axes::Axes;
+use crate::joints::axis_lock::AxisLock;
 use crate::math::Real;
 use crate::simd::Four;
 use crate::solver::mechanism::block_ldl::BlockLdl;
@@ -64,6 +66,10 @@ pub(crate) struct MechanismSolver {
     pub(super) has_free_rows: bool,
     /// Whether no substep of this step has been solved.
     pub(super) is_first: bool,
+    /// How many of the bodies are the ground of locked axes; they are the last.
+    pub(super) grounds: usize,
+    /// What these leave to the whole if nothing else holds it.
+    pub(super) lock_of_whole: AxisLock,
 }
 
 /// Which half of a substep of `h` \[s\] is solved, and the share of forces in the first.
@@ -119,6 +125,8 @@ impl MechanismSolver {
             misfit: 0.0,
             parts: 0,
             is_first: false,
+            grounds: 0,
+            lock_of_whole: AxisLock(Axes::NONE),
             is_stuck: false,
             has_free_rows: ordered.iter().any(|joint| !joint.free_rows.is_empty()),
             bodies: Vec::with_capacity(moves.len()),
@@ -131,6 +139,21 @@ impl MechanismSolver {
             filled,
         };
         (it, order)
+    }
+
+    /// Has the last of the bodies be the ground of these locks.
+    pub(crate) fn ground(&mut self, locks: impl Iterator<Item = AxisLock>) {
+        for lock in locks {
+            self.grounds += 1;
+            self.lock_of_whole = self.lock_of_whole.with_whole(lock);
+        }
+    }
+
+    /// The bodies but for the ground of locked axes; `None` where one of them does not move.
+    pub(super) fn free_bodies(&mut self) -> Option<&mut [MechanismBody]> {
+        let count = self.bodies.len() - self.grounds;
+        let bodies = &mut self.bodies[..count];
+        bodies.iter().all(|body| body.inverse_mass != 0.0).then_some(bodies)
     }
 
     /// To be called once the bodies have been read, before the first substep.

@@ -74,16 +74,17 @@ impl MechanismSolver {
     /// Gives bodies their own moments. What flies free gets back the angular momentum that raised
     /// moments have made or dropped, as a rotation of the whole, which no joint resists.
     fn return_dropped_momentum(&mut self) {
-        let bodies = &mut self.bodies;
-        bodies.iter_mut().for_each(MechanismBody::take_own_moments);
-        let dropped = bodies.iter().fold(Vec3::zero(), |sum: Vec3<f64>, body| sum + body.dropped);
-        if dropped.dot(dropped) == 0.0 || bodies.iter().any(|body| body.inverse_mass == 0.0) {
+        self.bodies.iter_mut().for_each(MechanismBody::take_own_moments);
+        let dropped = self.bodies.iter().fold(Vec3::zero(), |sum: Vec3<f64>, body| sum + body.dropped);
+        if dropped.dot(dropped) == 0.0 {
             return;
         }
+        let lock = self.lock_of_whole;
+        let Some(bodies) = self.free_bodies() else { return };
         let mass: f64 = bodies.iter().map(MechanismBody::mass).sum();
         let moment = bodies.iter().fold(Vec3::zero(), |sum, body| sum + body.position() * body.mass());
         let center = moment * (1.0 / mass);
-        if let Some(turn) = turned_by(bodies, center, dropped) {
+        if let Some(turn) = turned_by(bodies, center, dropped, lock) {
             bodies.iter_mut().for_each(|body| body.turn_along(turn, body.position() - center));
         }
     }

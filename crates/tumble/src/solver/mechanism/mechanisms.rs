@@ -1,20 +1,22 @@
 //! The mechanisms of a world: which bodies hang together, from step to step.
 
 use rayon::prelude::*;
-use tumble_math::lane::{Quat, Vec3};
+use tumble_math::lane::Vec3;
 
 use crate::collision::contact::ContactRecord;
 use crate::collision::contact_set::ContactSet;
 use crate::collision::islands::Islands;
 use crate::joints::axes::Axes;
+use crate::joints::axis_lock::AxisLock;
 use crate::joints::joint_list::{JointList, ListedGear, ListedJoint};
 use crate::joints::joint_load::JointLoad;
-use crate::math::{Real, double, double_quat, real, vec3};
+use crate::math::{Real, real, vec3};
 use crate::range::{MAX_DISTANCE_OF_CONTACTS, MAX_SPEED, is_rotation, within};
 use crate::solver::constrained_bodies::ConstrainedBodies;
 use crate::solver::contact_work::ContactWorks;
 use crate::solver::mechanism::free_axis::free_axis_bits;
 use crate::solver::mechanism::gear_rows::GearRows;
+use crate::solver::mechanism::joint_anchor::anchor;
 use crate::solver::mechanism::joint_rows::{Anchor, JointRows, length};
 use crate::solver::mechanism::mechanism_body::MechanismBody;
 use crate::solver::mechanism::mechanism_solver::MechanismSolver;
@@ -35,6 +37,7 @@ pub(crate) struct Mechanisms {
     /// What the mechanisms were made for.
     structure: Vec<Link>,
     gear_structure: Vec<GearLink>,
+    lock_structure: Vec<LockLink>,
     /// The gears that act, with numbers of active joints.
     gears: Vec<ListedGear>,
     /// By number in the list: impulse and angular impulse in this step [N s] [N m s].
@@ -51,12 +54,24 @@ pub(crate) struct Mechanisms {
 struct Mechanism {
     solver: MechanismSolver,
     slots: Vec<Slot>,
-    /// In the order of the solver's, as numbers of active joints and, past these, of gears.
+    /// In the order of the solver's, as numbers of active joints and, past these, of gears and of
+    /// locks.
     joints: Vec<u32>,
+    /// Those of its bodies that have locked axes. For each the solver has, past these bodies, one
+    /// that does not move.
+    locked: Vec<LockedEnd>,
     /// Whether a contact acts on one of its bodies in this substep.
     is_touched: bool,
     /// Whether all its numbers are finite.
     is_sound: bool,
+}
+
+/// A body of a mechanism whose axes are locked: by rows between it and the ground.
+#[derive(Clone, Copy, Debug)]
+struct LockedEnd {
+    /// Among those of the mechanism.
+    body: usize,
+    lock: AxisLock,
 }
 
 /// A joint as the structure of a mechanism depends on it: its bodies, which of them are dynamic,
@@ -65,6 +80,9 @@ type Link = ([Slot; 2], [bool; 2], Axes, u16);
 
 /// A gear in the same way: numbers of active joints, and their axes.
 type GearLink = ([u32; 2], [usize; 2]);
+
+/// A body with locked axes, in the same way.
+type LockLink = (Slot, Axes);
 
 impl Mechanisms {
     /// Forgets all joints and loads.
@@ -114,6 +132,7 @@ impl Mechanisms {
             self.mechanisms.clear();
             self.structure.clear();
             self.gear_structure.clear();
+            self.lock_structure.clear();
             return;
         }
         self.loads.resize(body_index.len(), 0.0);
@@ -140,13 +159,32 @@ impl Mechanisms {
             Some(ListedGear { joints: [first?, second?], ..*gear })
         }));
         let gear_links = self.gears.iter().map(|gear| (gear.joints, gear.axes));
-        let is_same = gear_links.clone().eq(self.gear_structure.iter().copied());
+        let locked = constrained.jointed_locks().filter(|(_, row, _)| bodies.is_dynamic(*row));
+        let lock_links = locked.map(|(slot, _, lock)| (slot, lock.0));
+        let is_same = gear_links.clone().eq(self.gear_structure.iter().copied())
+            && lock_links.clone().eq(self.lock_structure.iter().copied());
         if !(is_same && links.clone().eq(self.structure.iter().copied())) {
             self.structure = links.collect();
             self.gear_structure = gear_links.collect();
+            self.lock_structure = lock_links.collect();
             self.arrange(body_index.len());
         }
         self.read((constrained, contacts), body_index, columns, bodies);
+    }
+
+    /// Locks axes of bodies that have joints: by rows of their mechanisms, which are gathered, or
+    /// where no joint acts, as of any body.
+    pub(crate) fn lock(&self, constrained: &ConstrainedBodies, bodies: &mut SolverBodies) {
+        let of_mechanism = |it: &Mechanism| it.locked.iter().map(|end| it.slots[end.body]).collect::<Vec<_>>();
+        let mut held: Vec<Slot> = self.mechanisms.iter().flat_map(of_mechanism).collect();
+        held.sort_unstable();
+        let is_held = |slot: Slot| held.binary_search(&slot).is_ok();
+        let locks = |by_rows: bool| {
+            let locks = constrained.jointed_locks().filter(move |(slot, ..)| is_held(*slot) == by_rows);
+            locks.map(|(_, row, lock)| (row, lock))
+        };
+        bodies.lock_in_mechanisms(locks(true));
+        bodies.lock(locks(false));
     }
 
     /// Reads the bodies of mechanisms, where their joints act, and which are touched.
@@ -172,6 +210,7 @@ impl Mechanisms {
                 let Some(row) = constrained.row(*slot) else { continue };
                 mechanism.solver.bodies.push(MechanismBody::read(bodies, row, loads[slot.index()]));
             }
+            mechanism.read_locks();
             for (rows, number) in mechanism.solver.joints.iter_mut().zip(&mechanism.joints) {
                 if let Some(of_gear) = &mut rows.gear {
                     let gear = &gears[*number as usize - active.len()];
@@ -182,7 +221,8 @@ impl Mechanisms {
                     }
                     continue;
                 }
-                let listed = &list.joints[active[*number as usize] as usize];
+                let Some(number) = active.get(*number as usize) else { continue };
+                let listed = &list.joints[*number as usize];
                 rows.anchors = [0, 1].map(|end| anchor(listed, end, body_index, columns));
                 list.options(listed).into_iter().for_each(|options| rows.take_options(options));
             }
@@ -193,7 +233,7 @@ impl Mechanisms {
 
     /// Makes mechanisms of the structure.
     fn arrange(&mut self, slots: usize) {
-        let Self { structure, mechanisms, islands, list, active, gears, .. } = self;
+        let Self { structure, lock_structure, mechanisms, islands, list, active, gears, .. } = self;
         let mut dynamic = vec![false; slots];
         for (of_link, moves, ..) in &*structure {
             (0..2).for_each(|end| dynamic[of_link[end].index()] = moves[end]);
@@ -224,7 +264,8 @@ impl Mechanisms {
                 (bodies, free, options)
             };
             let plain = |(bodies, free, _)| JointRows::new(bodies, [Anchor::CENTER; 2], free, None);
-            let joints: Vec<_> = links
+            let mut numbers: Vec<_> = links.iter().map(|(_, number)| *number).collect();
+            let mut joints: Vec<_> = links
                 .iter()
                 .map(|(_, number)| match (*number as usize).checked_sub(structure.len()) {
                     Some(gear) => {
@@ -237,10 +278,19 @@ impl Mechanisms {
                     }
                 })
                 .collect();
-            let moves: Vec<_> = of_it.iter().map(|slot| dynamic[slot.index()]).collect();
-            let (solver, order) = MechanismSolver::new(&joints, &moves);
-            let joints = order.iter().map(|place| links[*place as usize].1).collect();
-            mechanisms.push(Mechanism { solver, slots: of_it, joints, is_touched: false, is_sound: true });
+            let mut moves: Vec<_> = of_it.iter().map(|slot| dynamic[slot.index()]).collect();
+            let mut locked = Vec::new();
+            for (number, (slot, axes)) in (0..).zip(&*lock_structure) {
+                let Ok(body) = of_it.binary_search(slot) else { continue };
+                numbers.push((structure.len() + gears.len()) as u32 + number);
+                joints.push(JointRows::new([moves.len(), body], [Anchor::CENTER; 2], axes.others(), None));
+                moves.push(false);
+                locked.push(LockedEnd { body, lock: AxisLock(*axes) });
+            }
+            let (mut solver, order) = MechanismSolver::new(&joints, &moves);
+            solver.ground(locked.iter().map(|it| it.lock));
+            let joints = order.iter().map(|place| numbers[*place as usize]).collect();
+            mechanisms.push(Mechanism { solver, slots: of_it, joints, locked, is_touched: false, is_sound: true });
         }
     }
 
@@ -304,6 +354,7 @@ impl Mechanisms {
             mechanism.solver.begin();
             mechanism.solver.bodies.iter().for_each(|body| body.write_momentum(bodies));
         }
+        bodies.lock_responses();
     }
 
     /// Solves the joints of touched mechanisms before their bodies move on for `h` \[s\].
@@ -327,7 +378,8 @@ impl Mechanisms {
     fn solve_touched(&mut self, bodies: &mut SolverBodies, solve: impl Fn(&mut MechanismSolver)) {
         for mechanism in self.mechanisms.iter_mut().filter(|mechanism| mechanism.is_touched) {
             let solver = &mut mechanism.solver;
-            solver.bodies.iter_mut().for_each(|body| body.read_motion(bodies));
+            let moving = solver.bodies.iter_mut().take(mechanism.slots.len());
+            moving.for_each(|body| body.read_motion(bodies));
             solver.update_rows();
             solve(solver);
             mechanism.is_sound = solver.bodies.iter().all(MechanismBody::is_finite);
@@ -337,6 +389,7 @@ impl Mechanisms {
                 solver.forget_impulses();
             }
         }
+        bodies.lock_responses();
     }
 
     /// Notes the loads, what joints have done, and how they stand, and writes the bodies of
@@ -348,7 +401,7 @@ impl Mechanisms {
             works.before_joints(bodies);
         }
         let Self { list, mechanisms, loads, active, done, values_and_speeds, .. } = self;
-        for Mechanism { solver, slots, joints, is_touched, is_sound } in mechanisms {
+        for Mechanism { solver, slots, joints, locked, is_touched, is_sound } in mechanisms {
             if !*is_sound {
                 // Its bodies have moved as if they had no joints.
                 slots.iter().for_each(|slot| loads[slot.index()] = 0.0);
@@ -364,9 +417,10 @@ impl Mechanisms {
                     works.leave_to_joints(body.row, body.damping_work);
                 }
             }
-            let all = solver.joints.iter().zip(&mut solver.done).zip(&*joints);
-            for ((rows, done_here), number) in all.filter(|((rows, _), _)| rows.gear.is_none()) {
-                let number = active[*number as usize] as usize;
+            locked.iter().for_each(|it| solver.bodies[it.body].hold(it.lock, bodies));
+            for ((rows, done_here), number) in solver.joints.iter().zip(&mut solver.done).zip(&*joints) {
+                let Some(number) = active.get(*number as usize) else { continue };
+                let number = *number as usize;
                 let [impulse, angular] = std::mem::replace(done_here, [Vec3::zero(); 2]);
                 done[number] = [done[number][0] + impulse, done[number][1] + angular];
                 if list.joints[number].has_load {
@@ -404,28 +458,18 @@ impl Mechanisms {
     }
 }
 
-impl Anchor {
-    /// At the centre of mass.
-    const CENTER: Self =
-        Self { position: Vec3 { x: 0.0, y: 0.0, z: 0.0 }, orientation: Quat { x: 0.0, y: 0.0, z: 0.0, w: 1.0 } };
-}
-
-/// The frame of a joint at one end, along the axes that its row's orientation goes by.
-fn anchor(joint: &ListedJoint, end: usize, body_index: &BodyIndex, columns: &WorldColumns<'_>) -> Anchor {
-    let frame = &joint.joint.frames[end];
-    let place = body_index.place(joint.slots[end]);
-    let position = double(frame.position.into()).into();
-    let orientation = Quat::<f64>::from(double_quat(frame.orientation.into())).normalize();
-    let axes = match columns.bodies(place) {
-        ArchetypeBodies::Dynamic(moving) => moving.axes.as_deref().map(|axes| axes[place.row as usize]),
-        _ => None,
-    };
-    match axes {
-        Some(axes) => {
-            let axes = Quat::<f64>::from(double_quat(axes.0.into())).normalize();
-            Anchor { position: axes.rotate_back(position), orientation: axes.conjugate() * orientation }
+impl Mechanism {
+    /// Has the rows of locked axes begin where the bodies are, along the axes of the world.
+    fn read_locks(&mut self) {
+        let Self { solver, slots, locked, .. } = self;
+        for LockedEnd { body, .. } in &*locked {
+            let ground = MechanismBody::ground_at(&solver.bodies[*body]);
+            solver.bodies.push(ground);
         }
-        None => Anchor { position, orientation },
+        for rows in solver.joints.iter_mut().filter(|rows| rows.bodies[0] >= slots.len()) {
+            let orientation = solver.bodies[rows.bodies[1]].orientation.conjugate();
+            rows.anchors = [Anchor::CENTER, Anchor { orientation, ..Anchor::CENTER }];
+        }
     }
 }
 

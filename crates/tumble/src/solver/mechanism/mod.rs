@@ -11,6 +11,7 @@ pub(crate) mod elimination;
 pub(crate) mod free_axis;
 pub(crate) mod free_row;
 pub(crate) mod gear_rows;
+mod joint_anchor;
 mod joint_free_rows;
 pub(crate) mod joint_potential;
 pub(crate) mod joint_rows;
