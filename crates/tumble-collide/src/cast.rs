@@ -16,8 +16,10 @@ use crate::support_map::{Convex, Vector, narrow};
 use crate::surface::Surface;
 use crate::work;
 
-/// A way is followed in at most this number of advances; what has not met by then may meet.
+/// A way is followed in at most this number of advances for each half turn, and for that many of
+/// these; what has not met by then may meet.
 const MAX_ADVANCES: usize = 48;
+const MAX_HALF_TURNS: usize = 64;
 /// Shapes that come this many times as near as what counts as meeting are sought the moment for
 /// when they are nearest.
 const NEARLY: f64 = 8.0;
@@ -217,7 +219,7 @@ impl<'a> Moving<'a> {
     fn meet(&self, tolerance: f64, slack: f64) -> Option<Meeting> {
         let (mut now, mut before) = (0.0, 0.0);
         let mut nearest: Option<(f64, [f64; 2])> = None;
-        for _ in 0..MAX_ADVANCES {
+        for _ in 0..self.most_advances() {
             work::compared(1);
             let gap = self.gap(now)?;
             if gap.distance <= tolerance {
@@ -242,6 +244,13 @@ impl<'a> Moving<'a> {
         // They graze each other for long: from here on anything may be.
         let Gap { distance, normal, .. } = self.gap(now)?;
         Some(Meeting { moment: now, is_hit: false, distance, normal })
+    }
+
+    fn most_advances(&self) -> usize {
+        let square = |course: &&Course| course.angular().dot(course.angular());
+        let [a, b] = self.courses.each_ref().map(square);
+        let half_turns = (a.max(b).sqrt() / std::f64::consts::PI) as usize;
+        MAX_ADVANCES * (1 + half_turns).min(MAX_HALF_TURNS)
     }
 
     /// When they are nearest within a span of time, if that is near enough.

@@ -141,7 +141,7 @@ impl Simplex {
 }
 
 /// Weights of the ends in the point nearest to the origin.
-fn on_segment(a: Vector, b: Vector) -> [f64; 2] {
+pub(crate) fn on_segment(a: Vector, b: Vector) -> [f64; 2] {
     let along = b - a;
     let (t, whole) = (-a.dot(along), along.dot(along));
     if t <= 0.0 || whole <= 0.0 {

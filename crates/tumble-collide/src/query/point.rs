@@ -4,7 +4,7 @@ use tumble_math::lane::Lane;
 
 use crate::collider_shape::{ColliderShape, Isometry};
 use crate::convex_pair::{difference, wide_placement};
-use crate::gjk::{Nearest, nearest, on_triangle};
+use crate::gjk::{Nearest, nearest, on_segment, on_triangle};
 use crate::scalar::Scalar;
 use crate::support_map::{Convex, Vector, unit, wide};
 use crate::surface::Surface;
@@ -151,14 +151,26 @@ fn out_of_tapered([below, above]: [f64; 2], half_height: f64, [across, y]: [f64;
     if is_beside { balls.min(away - below) } else { balls }
 }
 
+/// The point of a triangle that is nearest to the origin. Its sides are asked as well: rounding
+/// moves what is in a triangle that is little more than a line.
+pub(crate) fn nearest_of_triangle(corners: [Vector; 3]) -> Vector {
+    let of_sides = [0, 1, 2].map(|side: usize| {
+        let [from, to] = [corners[side], corners[(side + 1) % 3]];
+        let [first, second] = on_segment(from, to);
+        from * first + to * second
+    });
+    let weighted = corners.into_iter().zip(on_triangle(corners));
+    let within = weighted.fold(Vector::zero(), |sum, (corner, weight)| sum + corner * weight);
+    of_sides.into_iter().fold(within, |best, it| if it.dot(it) < best.dot(best) { it } else { best })
+}
+
 fn on_surface(surface: &impl Surface, at: &Isometry<f64>, point: Vector, most: f64) -> Option<NearestPoint> {
     let local = at.to_local(point);
     let mut first: Option<NearestPoint> = None;
     let mut least = most;
     surface.around(local, most, &mut |triangle| {
         let corners = surface.triangle(triangle).map(|corner| corner - local);
-        let weights = on_triangle(corners);
-        let between = corners.iter().zip(weights).fold(Vector::zero(), |sum, (corner, weight)| sum + *corner * weight);
+        let between = nearest_of_triangle(corners);
         let distance = between.dot(between).sqrt();
         let is_first = first.is_none_or(|first| (distance, triangle) < (first.distance, first.triangle));
         if distance <= least && is_first {
