@@ -178,9 +178,10 @@ fn scale_of(scales: Option<&[GravityScale]>, i: usize) -> Real {
 
 /// How much further a shape that goes a `way` \[m\] in a step looks for others \[m\]. What goes
 /// less than half its half thickness is stopped in what it hits and leaves it on the side it came
-/// from; only what is faster looks as far as it goes.
+/// from; only what is faster looks further, and what goes its half thickness as far as it goes.
 fn ahead(ccd_thickness: Real, way: Real) -> Real {
-    if way.is_finite() { (way - 0.5 * ccd_thickness).max(way.min(FORESEEN)) } else { 0.0 }
+    let in_other = if way < ccd_thickness { 0.5 * ccd_thickness } else { 0.0 };
+    if way.is_finite() { (way - in_other).max(way.min(FORESEEN)) } else { 0.0 }
 }
 
 /// How much further than for contacts a body is looked for by sensors \[m\].
