@@ -60,7 +60,8 @@ impl Chain {
         let mut angle = 0.0;
         for link in 0..8 {
             let half = [(); 3].map(|()| size * draw.log_between(0.1, 1.0));
-            let turn = DQuat::from_rotation_z(draw.between(-3.0, 3.0)) * DQuat::from_rotation_x(draw.between(-3.0, 3.0));
+            let turn =
+                DQuat::from_rotation_z(draw.between(-3.0, 3.0)) * DQuat::from_rotation_x(draw.between(-3.0, 3.0));
             let mass = draw.log_between(1.0, self.mass_ratio);
             let [x, y, spin] = [(); 3].map(|()| draw.between(-1.0, 1.0) * (9.81 * size).sqrt());
             let body = RigidBody::new(Shape::cuboid(half)).mass(mass).position(vector(at)).orientation(real_quat(turn));

@@ -33,6 +33,8 @@ pub struct ConvexHull {
     furthest_normals: Furthest,
     /// The corners of all faces, one after the other.
     corners: Vec<u32>,
+    /// Of sharp edges: an outward unit normal, of a plane that nothing is beyond, and a corner.
+    rims: Vec<(Vector, Vector)>,
     middle: Vector,
     reach: f64,
 }
@@ -46,6 +48,10 @@ struct Face {
 
 /// Normals whose scalar product is less than one by no more than this belong to one plane.
 const ONE_PLANE: f64 = 1e-10;
+
+/// The scalar product of the normals on both sides of a sharp edge is less: joined faces, which are
+/// in one plane but for rounding, would meet far from it.
+const SHARP: f64 = -0.5;
 
 /// Part of the hull's reach by which one corner must be further out than others to be shown in
 /// place of one of them.
@@ -71,10 +77,12 @@ impl ConvexHull {
             normals: Vec::new(),
             furthest_normals: Furthest::default(),
             corners: Vec::new(),
+            rims: Vec::new(),
             middle,
             reach,
         };
         this.join_faces(mesh.triangles());
+        this.rims = this.find_rims();
         this.furthest_normals = Furthest::new(&this.normals);
         Ok(this)
     }
@@ -101,11 +109,30 @@ impl ConvexHull {
         sides.filter(|(from, to)| from < to).map(|(from, to)| [*from, *to].map(|corner| self.points[corner as usize]))
     }
 
-    /// The outward unit normal of each face, and a corner of it \[m\].
+    /// Outward unit normals of planes that nothing of it is beyond, and a corner \[m\] in each:
+    /// those of all faces and sharp edges, which have nothing but it between them.
     pub(crate) fn planes(&self) -> impl Iterator<Item = (Vector, Vector)> + '_ {
-        self.normals.iter().zip(&self.faces).filter_map(|(normal, face)| {
+        let of_faces = self.normals.iter().zip(&self.faces).filter_map(|(normal, face)| {
             self.corners.get(face.from).map(|corner| (*normal, self.points[*corner as usize]))
-        })
+        });
+        of_faces.chain(self.rims.iter().copied())
+    }
+
+    /// The planes through sharp edges that halve what is outside.
+    fn find_rims(&self) -> Vec<(Vector, Vector)> {
+        let sides = self.faces.iter().zip(&self.normals).flat_map(|(face, normal)| {
+            let corners = &self.corners[face.from..face.to];
+            corners.iter().zip(corners.iter().cycle().skip(1)).map(move |(from, to)| ([*from, *to], *normal))
+        });
+        let mut sides: Vec<_> = sides.collect();
+        sides.sort_unstable_by_key(|(side, _)| *side);
+        let across = |[from, to]: [u32; 2]| sides.binary_search_by_key(&[to, from], |(side, _)| *side).ok();
+        let rim = |([from, to], normal): &([u32; 2], Vector)| {
+            let (_, other) = sides[across([*from, *to]).filter(|_| from < to)?];
+            let [begin, end] = [from, to].map(|corner| self.points[*corner as usize]);
+            (normal.dot(other) < SHARP).then(|| (unit((end - begin).cross(*normal - other)), begin))
+        };
+        sides.iter().filter_map(rim).collect()
     }
 
     /// Triangles with a side in common that lie in one plane become one face.

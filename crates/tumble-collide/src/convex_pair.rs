@@ -56,7 +56,9 @@ pub(crate) fn approach(shapes: &Difference<'_>, limit: f64) -> Option<Approach> 
 fn flat(shapes: &Difference<'_>) -> Approach {
     let apart = shapes.place(shapes.second.middle()) - shapes.first.middle();
     let up = Vector::new(0.0, 1.0, 0.0);
-    let normal = shapes.first.face_normal(apart).unwrap_or(if apart.dot(apart) > 0.0 { unit(apart) } else { up });
+    // A triangle without area has none.
+    let of_face = shapes.first.face_normal(apart).filter(|normal| normal.dot(*normal) > 0.5);
+    let normal = of_face.unwrap_or(if apart.dot(apart) > 0.0 { unit(apart) } else { up });
     Approach { normal, between: shapes.separation(normal), lead: 0.0, on_first: shapes.first.support(normal) }
 }
 

@@ -137,6 +137,41 @@ fn rays_meet_boxes_and_hulls_where_they_are() {
     ["cuboid", "hull"].into_iter().for_each(check_rays);
 }
 
+/// Hulls as flat as rounding allows, of which faces are joined: what is beside their rim is outside,
+/// and what is met is there.
+#[test]
+fn flat_hulls_end_at_their_rim() {
+    let (mut hits, mut beside) = (0, 0);
+    for case in 0..rays() {
+        let mut random = Random::new(case);
+        let size = random.log_between(1e-3, 1e2);
+        let thin = random.log_between(1e-8, 1e-2);
+        let count = 4 + random.below(12);
+        let turn = random.rotation();
+        let points: Vec<_> =
+            (0..count).map(|_| turn.rotate(random.vector(size).scale(Vec3::new(1.0, thin, 1.0)))).collect();
+        let Ok(hull) = tumble_collide::ConvexHull::new(&points) else { continue };
+        let hull = ColliderShape::<f64>::Hull(std::sync::Arc::new(hull));
+        let at = random.placement(size);
+        for _ in 0..8 {
+            let ray = aimed(&hull, &at, size, &mut random);
+            let far = size + length(ray.origin() - at.position);
+            if let Some(hit) = hull.cast_ray(&at, &ray) {
+                hits += 1;
+                let off = hull.nearest_point(&at, ray.at(hit.distance), f64::INFINITY).unwrap().distance;
+                // The planes of joined faces may differ by 1.42e-5 rad, over the diagonal.
+                let tolerance = 1.42e-5 * 8.0_f64.sqrt() * size + ROUNDING_OF_DISTANCE * far;
+                assert!(off <= tolerance, "case {case}: {off} m off {size}: {hull:?} {at:?} {ray:?}");
+            }
+            let point = at.position + random.vector(2.0 * size);
+            let near = hull.nearest_point(&at, point, f64::INFINITY).unwrap();
+            beside += usize::from(near.distance > 1e-4 * size);
+            assert!(!hull.contains(&at, point) || near.distance <= 1e-4 * size, "case {case}: {near:?}");
+        }
+    }
+    assert!(hits as u64 > rays() && beside as u64 > rays(), "{hits} hits, {beside} beside");
+}
+
 /// The nearest point of a shape, and that nothing of it is nearer: all of it is beyond the plane
 /// through that point.
 #[test]
@@ -260,6 +295,18 @@ fn thin_triangles_are_met_where_they_are() {
                 1 => at.orientation.rotate(aside) + random.direction() * (size * random.log_between(1e-18, 1e-3)),
                 _ => Vec3::new(0.0, -1.0, 0.0),
             };
+            // A ball on it is met at once.
+            let ball = ColliderShape::Sphere { radius: size * random.log_between(1e-3, 1.0) };
+            let corner = at.position + at.orientation.rotate(corners[0]);
+            let target = if random.often(0.1) { corner } else { target };
+            let from = Isometry { position: target, orientation: random.rotation() };
+            let met = Ray::new(target, along, size).and_then(|ray| mesh.cast_shape(&at, &ball, &from, &ray));
+            let overlap = mesh.overlap(&at, &ball, &from).is_some();
+            assert_eq!(
+                overlap,
+                met.is_some_and(|met| met.distance == 0.0),
+                "case {case}: {corners:?} {from:?} {met:?}"
+            );
             let far = size * random.log_between(1.0, 1e3);
             let Some(ray) = Ray::new(target, along, f64::INFINITY) else { continue };
             let ray = Ray::new(target - ray.direction() * far, along, f64::INFINITY).unwrap();
