@@ -112,7 +112,7 @@ fn a_chain_in_its_plane_is_a_chain_of_hinges() {
             assert!(apart + turned < by_precision(1e-2, 1e-6), "case {case}: {apart} of {size} m, {turned} rad");
             assert_eq!(a.position.z, 0.0, "case {case}");
         }
-        assert!(gap < by_precision(3e-6, 1e-9) * size, "case {case}: {gap} m of {size}");
+        assert!(gap < by_precision(3e-6, 5e-8) * size, "case {case}: {gap} m of {size}");
     }
 }
 
@@ -167,7 +167,7 @@ fn what_flies_in_its_plane_keeps_its_momentum() {
             assert!(off < by_precision(1e-6, 1e-13), "case {case}: {off} rad out of the plane");
         }
         let gap = largest_gap(&world);
-        assert!(gap < by_precision(3e-6, 1e-9) * size, "case {case}: {gap} m of {size}");
+        assert!(gap < by_precision(3e-6, 5e-8) * size, "case {case}: {gap} m of {size}");
     }
 }
 

@@ -5,7 +5,6 @@
 
 #![allow(clippy::unwrap_used, clippy::panic, reason = "a test fails by panicking")]
 
-#[allow(dead_code, reason = "shapes are for other tests")]
 mod shapes_at_random;
 
 use shapes_at_random::{Random, Vector, length};
