@@ -92,9 +92,11 @@ fn until_rounding_grows(size: f64) -> u32 {
     (20.0 * size.sqrt()).ceil() as u32
 }
 
-/// The plane is that of hinges: both are the same motion, as long as rounding has not grown.
+/// The plane is that of hinges: both are the same motion, as long as rounding has not grown, but
+/// where one is solved in shorter substeps or with more inertia of light links than the other.
 #[test]
 fn a_chain_in_its_plane_is_a_chain_of_hinges() {
+    let mut all = Vec::new();
     for case in 0..40 {
         let of = |is_locked: bool| {
             let mut draw = Draw::new(2370, case);
@@ -109,11 +111,15 @@ fn a_chain_in_its_plane_is_a_chain_of_hinges() {
         for (a, b) in locked.iter().zip(&hinged) {
             let apart = (dvec3(a.position) - dvec3(b.position)).length() / size;
             let turned = 2.0 * (dquat(a.orientation) * dquat(b.orientation).conjugate()).xyz().length();
-            assert!(apart + turned < by_precision(1e-2, 1e-6), "case {case}: {apart} of {size} m, {turned} rad");
+            assert!(apart + turned < 1e-2, "case {case}: {apart} of {size} m, {turned} rad");
+            all.push(apart + turned);
             assert_eq!(a.position.z, 0.0, "case {case}");
         }
-        assert!(gap < by_precision(3e-6, 5e-8) * size, "case {case}: {gap} m of {size}");
+        assert!(gap < by_precision(3e-6, 3e-7) * size, "case {case}: {gap} m of {size}");
     }
+    all.sort_unstable_by(f64::total_cmp);
+    let median = all[all.len() / 2];
+    assert!(median < by_precision(1e-4, 1e-9), "{median} in the median");
 }
 
 /// What is left of the energy after the first of some steps of a chain of hinges that flies.
@@ -167,7 +173,7 @@ fn what_flies_in_its_plane_keeps_its_momentum() {
             assert!(off < by_precision(1e-6, 1e-13), "case {case}: {off} rad out of the plane");
         }
         let gap = largest_gap(&world);
-        assert!(gap < by_precision(3e-6, 5e-8) * size, "case {case}: {gap} m of {size}");
+        assert!(gap < by_precision(3e-6, 3e-7) * size, "case {case}: {gap} m of {size}");
     }
 }
 
