@@ -48,7 +48,7 @@ fn what_cannot_be_locked_is_refused() {
 #[test]
 fn a_body_with_a_joint_is_locked_too() {
     let text = r#"{ "bodies": [ { "name": "a", "fixed": true },
-             { "name": "b", "mass": 1, "shape": { "cuboid": [0.1, 0.1, 0.1] }, "position": [1, 0, 0],
+             { "name": "b", "mass": 1, "shape": { "cuboid": { "half_extents": [0.1, 0.1, 0.1] } }, "position": [1, 0, 0],
                "linear_velocity": [0, 1, 1], "locked_axes": ["linear_z", "angular_x", "angular_y"] } ],
              "joints": [ { "between": ["a", "b"], "ball": { "at": [0, 0, 0] } } ] }"#;
     let scene = Scene::from_json(text, "scene.json").unwrap();
