@@ -14,6 +14,7 @@ use tumble_tests::touching::collider;
 use tumble_tests::{Draw, dvec3};
 
 const ALL: QueryFilter<'static> = QueryFilter::ALL;
+const EVERYWHERE: [Vec3; 2] = [Vec3::NEG_INFINITY, Vec3::INFINITY];
 
 fn real(number: f64) -> Real {
     number as Real
@@ -126,7 +127,9 @@ impl Questions {
             containing: self.points.iter().map(|point| queries.containing(*point, filter)).collect(),
             casts: self.shapes.iter().map(|(shape, at, way)| queries.cast_shape(shape, at, *way, filter)).collect(),
             overlaps: self.shapes.iter().map(|(shape, at, _)| queries.overlapping(shape, at, filter)).collect(),
-            boxes: self.points.iter().map(|at| queries.in_box(*at - Vec3::ONE, *at + Vec3::ONE, filter)).collect(),
+            boxes: (self.points.iter().map(|at| [*at - Vec3::ONE, *at + Vec3::ONE]).chain([EVERYWHERE]))
+                .map(|[low, high]| queries.in_box(low, high, filter))
+                .collect(),
         }
     }
 }

@@ -329,6 +329,40 @@ fn after_a_restore_the_same_is_told() {
     }
 }
 
+/// With nothing near a sensor when a world is restored, and something put there later.
+#[test]
+fn what_comes_long_after_a_restore_comes_in() {
+    for case in 0..40 {
+        let mut draw = Draw::new(2325, case);
+        let (shape, mut world) = (shape(&mut draw), World::new());
+        let has_sensor = draw.often(0.7);
+        let spawn_sensor = |world: &mut World| {
+            let sensor = collider(&Shape::sphere(0.5)).sensor();
+            let body = RigidBody::new(Shape::Point).fixed().build().unwrap();
+            body.spawn_with(world, (sensor,))
+        };
+        if has_sensor {
+            spawn_sensor(&mut world);
+        }
+        let body = RigidBody::new(shape.clone()).mass(1.0).position(Vec3::X * 50.0).id(BodyId(7)).gravity_scale(0.0);
+        let body = body.build().unwrap().spawn_with(&mut world, (collider(&shape),));
+        let mut simulation = Simulation::new(Settings::default()).unwrap();
+        simulation.step(&mut world);
+        let snapshot = simulation.snapshot(&world).unwrap();
+        simulation.restore(&snapshot, &mut world).unwrap();
+        for _ in 0..1 + draw.between(0.0, 5.0) as u32 {
+            simulation.step(&mut world);
+        }
+        world.get::<&mut Pose>(body).unwrap().position = Vec3::ZERO;
+        if !has_sensor {
+            spawn_sensor(&mut world);
+        }
+        simulation.step(&mut world);
+        let events: Vec<_> = simulation.sensor_events().map(|event| (event.body, event.begins)).collect();
+        assert_eq!(events, [(body, true)], "case {case}, with a sensor before: {has_sensor}");
+    }
+}
+
 /// Bodies move to the bit as they would without the sensors, on any number of threads.
 #[test]
 fn sensors_move_nothing() {

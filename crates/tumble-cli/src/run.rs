@@ -55,6 +55,7 @@ pub(crate) fn run(options: &RunOptions) -> Result<(), Failure> {
         progress: Progress::start(bodies, steps, options.quiet),
         times: PhaseTimes::default(),
         step_time: Duration::ZERO,
+        sensed: [0; 2],
         every: options.every.map_or(1, std::num::NonZero::get),
     };
     pool.install(|| run.complete(options, bodies, steps, pool.current_num_threads() as u64))
@@ -118,6 +119,8 @@ struct Run {
     progress: Progress,
     times: PhaseTimes,
     step_time: Duration,
+    /// How often a body came into a sensor, and left one.
+    sensed: [u64; 2],
     every: u64,
 }
 
@@ -163,7 +166,8 @@ impl Run {
         let interrupted = summary.steps < steps;
         if !options.quiet {
             let simulated = self.simulation.time();
-            let report = Report { summary: &summary, drift: &drift, times: &self.times, simulated, asked: steps };
+            let (times, sensed) = (&self.times, self.sensed);
+            let report = Report { summary: &summary, drift: &drift, times, simulated, asked: steps, sensed };
             print::output(&report.to_string())?;
         }
         if interrupted { Err(Failure::Interrupted) } else { Ok(()) }
@@ -214,6 +218,9 @@ impl Run {
             let stepping = Instant::now();
             while self.simulation.steps() < until.min(shown) && started.elapsed() <= BURST {
                 self.simulation.step_timed(&mut self.world, &self.times);
+                for event in self.simulation.sensor_events() {
+                    self.sensed[usize::from(!event.begins)] += 1;
+                }
             }
             self.step_time += stepping.elapsed();
             self.show();

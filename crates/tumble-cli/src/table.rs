@@ -17,6 +17,8 @@ pub(crate) struct Report<'a> {
     pub(crate) simulated: f64,
     /// Steps that were asked for.
     pub(crate) asked: u64,
+    /// How often a body came into a sensor, and left one.
+    pub(crate) sensed: [u64; 2],
 }
 
 impl Display for Report<'_> {
@@ -36,6 +38,9 @@ impl Display for Report<'_> {
         line(f, "stepping", format_args!("{:.6} s", summary.step_seconds))?;
         self.systems(f)?;
         line(f, "body-steps per second", format_args!("{:.4e}", summary.body_steps_per_second))?;
+        if self.sensed != [0; 2] {
+            line(f, "sensor events", format_args!("{} in, {} out", self.sensed[0], self.sensed[1]))?;
+        }
         self.conserved(f)?;
         line(f, "state hash", &summary.state_hash)
     }

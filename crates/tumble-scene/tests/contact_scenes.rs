@@ -263,3 +263,63 @@ fn spheres_fill_the_box() {
     assert!(nearest > 0.97, "{nearest}");
     assert!(largest(run.velocities("ball").iter().map(|velocity| velocity.length())) < 0.2);
 }
+
+/// When a body came into a sensor, or left it \[s\].
+struct Crossing {
+    sensor: String,
+    body: String,
+    begins: bool,
+    time: f64,
+}
+
+impl Run {
+    fn crossings(&self) -> Vec<Crossing> {
+        let name = |entity| self.names.of(self.order.entities().iter().position(|it| *it == entity).unwrap() as u64);
+        let crossing = |event: tumble::SensorEvent| {
+            let [sensor, body] = [event.sensor, event.body].map(|it| name(it).into_owned());
+            Crossing { sensor, body, begins: event.begins, time: self.simulation.time() }
+        };
+        self.simulation.sensor_events().map(crossing).collect()
+    }
+}
+
+#[test]
+fn the_firing_range_holds_its_shots_and_counts_its_parcels() {
+    let mut run = Run::of("firing-range", None);
+    let mut crossings = Vec::new();
+    let start = run.places("figure")[0];
+    for step in 1..=run.steps {
+        run.simulation.step(&mut run.world);
+        crossings.extend(run.crossings());
+        let shot = run.places("shot")[0];
+        assert!(shot.x > -8.5 && shot.x < 6.0 && shot.y > 0.04, "the shot is at {shot} after step {step}");
+        if step == 2 {
+            // One is back from the sheet, the other is past its edge as if that were not there.
+            let [back, on] = ["shot", "miss"].map(|name| run.velocities(name)[0]);
+            assert!((back.x + 120.0).abs() < 1.2, "{back}");
+            assert!((on - DVec3::new(600.0, -9.81 / 30.0, 0.0)).length() < 1e-3, "{on}");
+        }
+        assert!(smallest(run.uprights("figure")) > 1.0 - 1e-6, "the figure tips in step {step}");
+    }
+    assert!(run.places("figure")[0].x < start.x - 0.1, "the figure was not pushed");
+    let of = |sensor: &str, body: &str| -> Vec<(bool, f64)> {
+        let both = crossings.iter().filter(|it| it.sensor == sensor && it.body == body);
+        both.map(|it| (it.begins, it.time)).collect()
+    };
+    // Through the curtain and back in two steps, in and out each time.
+    assert_eq!(of("curtain", "shot").iter().take(4).map(|it| it.0).collect::<Vec<_>>(), [true, false, true, false]);
+    assert_eq!(of("curtain", "miss").iter().map(|it| it.0).collect::<Vec<_>>(), [true, false]);
+    // Friction brings a parcel to 1 m/s in 1 / (0.6 g), and half of that time is lost.
+    let late = 0.5 / (0.6 * 9.81);
+    for (parcel, (from, half)) in [(1.0, 0.2), (0.0, 0.15), (-1.0, 0.2), (-2.0, 0.25)].into_iter().enumerate() {
+        let passage = of("light-barrier", &format!("parcel-{parcel}"));
+        let expected = [(true, 1.99 - from - half + late), (false, 2.01 - from + half + late)];
+        assert_eq!(passage.len(), 2, "parcel {parcel}");
+        for (found, expected) in passage.iter().zip(expected) {
+            assert!(
+                found.0 == expected.0 && (found.1 - expected.1).abs() < 0.03,
+                "parcel {parcel}: {found:?}, {expected:?}"
+            );
+        }
+    }
+}

@@ -212,7 +212,8 @@ impl<R: Scalar> QueryTree<R> {
     /// shown.
     pub fn meeting(&self, aabb: &Aabb<R>, visit: &mut impl FnMut(u32)) {
         let mut visit_met = |object: u32| {
-            if self.boxes[object as usize].meets(aabb) {
+            // An empty box would meet one without an end.
+            if self.aabb(object).is_some_and(|it| it.meets(aabb)) {
                 visit(object);
             }
         };

@@ -3,7 +3,7 @@
 //! An animation in glTF is one array of times and, for each body, one array of translations and one
 //! of rotations, each in one piece. The number of frames is known before the first step, so every
 //! array has its place from the start, and frames are kept back until there are enough to write a
-//! piece of each. What viewers are told is how many frames there are already: those numbers stand
+//! piece of each. The numbers of frames that are there already, which viewers read, stand
 //! together at the beginning of the file, in fields of fixed width, and are rewritten at every
 //! checkpoint.
 

@@ -12,11 +12,12 @@ use crate::model::scene_model::SceneModel;
 pub(crate) const STRESS: &str = "stress";
 
 /// Scenes, each with the source of its figures in the file.
-const FILES: [(&str, &str); 19] = [
+const FILES: [(&str, &str); 20] = [
     ("arm", include_str!("../../scenes/arm.json")),
     ("clockwork", include_str!("../../scenes/clockwork.json")),
     ("crane", include_str!("../../scenes/crane.json")),
     ("drake-cylinder", include_str!("../../scenes/drake-cylinder.json")),
+    ("firing-range", include_str!("../../scenes/firing-range.json")),
     ("foucault", include_str!("../../scenes/foucault.json")),
     ("gimbals", include_str!("../../scenes/gimbals.json")),
     ("heavy-chain", include_str!("../../scenes/heavy-chain.json")),
@@ -74,8 +75,8 @@ mod tests {
     #[test]
     fn the_names_are_sorted_and_complete() {
         let names: Vec<_> = builtin_names().collect();
-        let known = "arm bowling clockwork cradle crane dominoes drake-cylinder drum foucault gimbals heavy-chain hills iss \
-                     mujoco-box pile pyramid raft ragdoll rope-bridge satellite skater solar-system spheres stress \
+        let known = "arm bowling clockwork cradle crane dominoes drake-cylinder drum firing-range foucault gimbals heavy-chain \
+                     hills iss mujoco-box pile pyramid raft ragdoll rope-bridge satellite skater solar-system spheres stress \
                      t-handle van-zon-top wall weighted-sphere windy-day";
         assert_eq!(names.join(" "), known);
     }

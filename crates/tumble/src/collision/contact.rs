@@ -69,6 +69,9 @@ pub(crate) enum UpdateRule {
     Refined,
     /// Of a ball about its centre of mass on a plane that does not turn: nothing changes.
     Constant,
+    /// Of a ball and one that is not dynamic, which it meets later in the step: the normal is the
+    /// one that they meet with.
+    MeetingCenters,
 }
 
 impl UpdateRule {
@@ -136,6 +139,25 @@ impl ContactRecord {
             friction: WorldFriction { margin: second.margin, ..WorldFriction::ZERO },
             ..Self::NONE
         }
+    }
+
+    /// Of a blow in a point \[m\] from the second body's centre of mass, which no contact foresaw.
+    pub(crate) fn of_blow(slots: [Slot; 2], part: u32, normal: Vec3<Real>, point: Vec3<Real>, margin: Real) -> Self {
+        let mut blow = Self {
+            slots,
+            part,
+            geometry: ContactGeometry {
+                normal,
+                count: 1.0,
+                update_rule: crate::math::real(UpdateRule::BodyFixed.number()),
+                ..ContactGeometry::ZERO
+            },
+            normal_impulses: NormalImpulses { steady: 1.0, ..NormalImpulses::ZERO },
+            friction: WorldFriction { margin, ..WorldFriction::ZERO },
+            ..Self::NONE
+        };
+        blow.points[0].positions[0] = point;
+        blow
     }
 
     /// Makes it the only contact of two shapes, without impulses.
@@ -296,12 +318,12 @@ const TOUCHING: [Real; 2] = [1e-4, 0.05];
 const APART: [Real; 2] = [1e-3, 0.5];
 
 impl ContactRecord {
-    /// Whether the bodies touch: something holds them apart, or nothing is between them. Not to be
-    /// asked before the impulses are known.
+    /// Whether the bodies touch: something held them apart in the step, or nothing is between them.
+    /// Not to be asked before the impulses are known.
     pub(crate) fn touches(&self) -> bool {
         let [most, part] = if self.touched { APART } else { TOUCHING };
         let within = most.min(part * self.margin());
-        (0..self.count()).any(|j| self.separation(j) <= within || self.normal_impulses.at_points[j] > 0.0)
+        self.impulse_of_step() > 0.0 || (0..self.count()).any(|j| self.separation(j) <= within)
     }
 
     /// Both slots, the lower first.

@@ -138,7 +138,7 @@ impl CollisionPipeline {
         }
         Impact {
             point: point / total,
-            normal: normal.normalize_or_zero(),
+            normal: (normal / total).normalize_or_zero(),
             speed: contacts.iter().fold(0.0, |most, contact| contact.closing_speed.max(most)),
             impulse: contacts.iter().map(ContactRecord::impulse_of_step).sum(),
         }

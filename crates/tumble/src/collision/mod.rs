@@ -21,6 +21,7 @@ pub(crate) mod contact_hook;
 pub(crate) mod contact_materials;
 pub(crate) mod contact_rows;
 pub(crate) mod contact_set;
+pub(crate) mod contact_ways;
 pub(crate) mod internal_edges;
 pub(crate) mod islands;
 pub(crate) mod material;

@@ -14,12 +14,12 @@ use crate::collision::contact_cache::ContactCache;
 use crate::collision::contact_hook::ContactHook;
 use crate::collision::contact_materials::{Extras, Materials};
 use crate::collision::contact_set::ContactSet;
+use crate::collision::contact_ways::Way;
 use crate::collision::internal_edges::InternalEdges;
 use crate::collision::narrow_phase::LaneKind;
 use crate::collision::near_pairs::{NearPairs, Roles, SensorRole};
 use crate::collision::round_contact::RoundContact;
 use crate::collision::sensors::Sensors;
-use crate::collision::speculative::Way;
 use crate::collision::sweep::Sweep;
 use crate::collision::update_aabbs::Intervals;
 use crate::components::CenterOfMass;
@@ -348,11 +348,8 @@ fn match_impulses(
         while last.next_if(|old| old.key() < contact.key()).is_some() {}
         if let Some(old) = last.next_if(|old| old.key() == contact.key()) {
             contact.take_impulses_of(old);
-            // What was stopped early in the step before touches now, and met then.
-            let has_met = old.impulse_of_step() > 0.0;
-            contact.closing_speed = if contact.touched || has_met { old.closing_speed } else { closing_speed(contact) };
-            let is_of_begin = before.is_of_step || (has_met && !contact.touched);
-            contact.earlier_impulse = if is_of_begin { old.impulse_of_step() } else { 0.0 };
+            contact.closing_speed = if contact.touched { old.closing_speed } else { closing_speed(contact) };
+            contact.earlier_impulse = if before.is_of_step { old.impulse_of_step() } else { 0.0 };
         } else {
             contact.closing_speed = closing_speed(contact);
         }

@@ -129,7 +129,8 @@ impl Sensors {
 
     /// All that is inside leaves: there are no sensors any more.
     pub(crate) fn end_all(&mut self) {
-        let Self { inside, gone, events, .. } = self;
+        let Self { inside, gone, events, is_unknown, .. } = self;
+        *is_unknown = false;
         events.extend(gone.drain(..).chain(inside.drain(..)).map(|sensed| SensorEvent::of(&sensed, false)));
     }
 
@@ -181,6 +182,7 @@ impl CollisionPipeline {
         let Self { sensors, near, collider_states, colliders, body_index, cache, .. } = self;
         let pairs = &near.sensed;
         if pairs.is_empty() && sensors.are_over() {
+            sensors.is_unknown = false;
             return;
         }
         let states = &collider_states.states;

@@ -8,10 +8,11 @@ use rayon::prelude::*;
 use tumble_collide::{ColliderShape, Course, Follow, Manifold, Meeting};
 use tumble_math::lane::Vec3;
 
-use crate::collision::collider_state::{ColliderState, Motion};
+use crate::collision::collider_state::ColliderState;
 use crate::collision::compound_parts::numbers;
 use crate::collision::contact::{ContactRecord, Second, UpdateRule};
 use crate::collision::contact_set::ContactSet;
+use crate::collision::contact_ways::{Way, least_margin, length, nearest};
 use crate::collision::narrow_phase::LaneKind;
 use crate::collision::pipeline::{Colliders, CollisionPipeline, PART};
 use crate::math::Real;
@@ -20,14 +21,11 @@ use crate::threads::InParts;
 
 /// Surfaces nearer than this part of their margin meet, but than no more than the smaller body's.
 const MEETING: Real = 0.25;
-/// A body that passes another by more than this many margins of the smaller in a step is traced
-/// even where it is nearer than the margin.
-const FAST: Real = 4.0;
 /// A contact is as it was found where, until they meet, the bodies go past each other by less than
 /// this many margins, ...
 const BESIDE: f64 = 10.0;
 /// ... its normal is the same to this angle \[rad\], ...
-const SAME_NORMAL: f64 = 1e-2;
+pub(crate) const SAME_NORMAL: f64 = 1e-2;
 /// ... and its plane to this part of the margin.
 const SAME_PLANE: f64 = 0.05;
 /// Contact points stay where they are on a body that turns by less \[rad\] about axes other than
@@ -61,30 +59,6 @@ struct Traveller {
     /// Outward normals of what has stopped it.
     stops: Vec<Vec3<f64>>,
     turned_off: f64,
-}
-
-/// How a contact is treated, by the paths of its two bodies.
-#[derive(Clone, Copy, PartialEq, Eq)]
-pub(crate) enum Way {
-    /// Their contact is as it was found.
-    Plain,
-    /// They get through the plane of their contact, that is further than the margin or passed fast.
-    Doubtful,
-    /// Balls that pass each other.
-    Passed,
-}
-
-impl Way {
-    fn of(contact: &ContactRecord, states: [&ColliderState; 2], fall: Real) -> Self {
-        let gap = nearest(contact);
-        let is_doubtful = gap > 0.0 && is_doubtful(contact, gap, states, fall);
-        match (is_doubtful, contact.is_between_centers()) {
-            (false, _) => Self::Plain,
-            (true, false) => Self::Doubtful,
-            (true, true) if balls_pass(contact, gap, states, fall) => Self::Passed,
-            (true, true) => Self::Plain,
-        }
-    }
 }
 
 impl CollisionPipeline {
@@ -128,45 +102,6 @@ impl CollisionPipeline {
             contacts.sort_by_key(ContactRecord::key);
         }
     }
-}
-
-fn nearest(contact: &ContactRecord) -> Real {
-    (0..contact.count()).fold(Real::INFINITY, |least, j| least.min(contact.separation(j)))
-}
-
-fn length(v: Vec3<Real>) -> Real {
-    v.dot(v).sqrt()
-}
-
-/// The margin of the smaller of two bodies, beside which that of the other would be far.
-fn least_margin(states: [&ColliderState; 2]) -> Real {
-    let dynamic = states.into_iter().filter(|state| state.is_dynamic);
-    dynamic.map(|state| state.margin).reduce(Real::min).unwrap_or(0.0)
-}
-
-/// Whether two bodies get through the plane of their contact, that is further than the margin or
-/// passed fast.
-fn is_doubtful(contact: &ContactRecord, gap: Real, states: [&ColliderState; 2], fall: Real) -> bool {
-    let normal = contact.geometry.normal;
-    let [Motion { way: a, turn: s, radius: r, .. }, Motion { way: b, turn: t, radius: q, .. }] =
-        states.map(|state| state.motion);
-    let way = b - a;
-    let turned = [normal.cross(s), normal.cross(t)].map(length);
-    let swing = [if turned[0] > 0.0 { turned[0] * r } else { 0.0 }, if turned[1] > 0.0 { turned[1] * q } else { 0.0 }];
-    let (margin, least) = (contact.margin(), least_margin(states));
-    // The plane turns with the bodies.
-    let tilt = (length(s) + length(t)) * (gap + length(way));
-    let through = gap + normal.dot(way) - swing[0] - swing[1] - tilt < fall;
-    through && (gap > margin || length(way) + swing[0] + swing[1] > FAST * least)
-}
-
-/// Whether two balls stay further apart than the margin on their ways, which for balls are lines.
-fn balls_pass(contact: &ContactRecord, gap: Real, [first, second]: [&ColliderState; 2], fall: Real) -> bool {
-    let apart = second.center - first.center;
-    let way = second.motion.way - first.motion.way;
-    let moment = (-apart.dot(way) / way.dot(way)).clamp(0.0, 1.0);
-    let radii = length(apart) - gap;
-    length(apart + way * moment) - radii > contact.margin() + fall
 }
 
 /// Those of doubtful contacts, each once.
@@ -428,7 +363,14 @@ impl View<'_> {
         }
         let follow = self.follow(encounter);
         let of_second = Second { center: states[1].center, has_non_dynamic: !states[0].is_dynamic, margin };
-        let rule = if follow == Follow::Centers { UpdateRule::Constant } else { UpdateRule::BodyFixed };
+        let are_balls = before.clone().any(ContactRecord::is_between_centers);
+        // Impulses before two meet act in one point, or angular momentum would be lost.
+        let are_both_free = states.iter().all(|state| state.is_dynamic);
+        let rule = match follow {
+            Follow::Centers if are_balls && !are_both_free => UpdateRule::MeetingCenters,
+            Follow::Centers => UpdateRule::Constant,
+            Follow::Bodies => UpdateRule::BodyFixed,
+        };
         // Once they have met, what is behind comes down on the same plane.
         let reach = states[0].reach + states[1].reach;
         for met in &encounter.meetings {
@@ -452,7 +394,7 @@ impl View<'_> {
                     }
                     let known = before.clone().find(|known| is_there(known));
                     let same = known
-                        .filter(|known| known.is_between_centers() || (met.is_hit && is_same(known, manifold, way)));
+                        .filter(|known| !known.is_between_centers() && met.is_hit && is_same(known, manifold, way));
                     contacts.push(match same {
                         Some(known) => known.clone(),
                         None => {

@@ -38,15 +38,17 @@ struct Responding {
 }
 
 /// Gives both bodies the impulses of a blow along the normal, from the first to the second, if they
-/// come together; what comes faster than `threshold` [m/s] bounces.
+/// come together; what comes faster than `threshold` [m/s] bounces. Returns how fast they came
+/// together [m/s], and the impulse along the normal \[N s\].
 pub(crate) fn strike(
     columns: &mut WorldColumns<'_>,
     both: &[Struck; 2],
     normal: Vec3<Real>,
     surface: &Surface,
     threshold: Real,
-) {
-    let [Some(mut first), Some(mut second)] = both.each_ref().map(|it| Responding::of(columns, it)) else { return };
+) -> Option<[Real; 2]> {
+    let [first, second] = both.each_ref().map(|it| Responding::of(columns, it));
+    let (mut first, mut second) = (first?, second?);
     if normal.dot(second.velocity_at() - first.velocity_at()) >= 0.0 {
         // What spins away at this point while it comes nearer will meet it with another: in the
         // mean it is a ball.
@@ -58,7 +60,7 @@ pub(crate) fn strike(
     let response = first.response(normal) + second.response(normal);
     let comes_together = speed < 0.0 && response > 0.0 && response < Real::INFINITY;
     if !comes_together {
-        return;
+        return None;
     }
     let restitution = if -speed > threshold { surface.restitution } else { 0.0 };
     let pressed = -speed * (1.0 + restitution) / response;
@@ -76,6 +78,7 @@ pub(crate) fn strike(
     for (it, struck) in [first, second].iter().zip(both) {
         it.write(columns, struck);
     }
+    Some([-speed, pressed])
 }
 
 /// Adds an impulse on the second, and the opposite one on the first.

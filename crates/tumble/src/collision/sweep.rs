@@ -6,12 +6,13 @@
 //! from the first to the last pose is continuous, so what is on the other side at its end has
 //! crossed.
 
-use glam::DVec3;
+use glam::{DMat3, DVec3};
 use rayon::prelude::*;
 use tumble_collide::{Aabb, ColliderShape, Passage};
 use tumble_math::lane::{Quat, Vec3};
 
 use crate::collision::collider::Collider;
+use crate::collision::contact::ContactRecord;
 use crate::collision::islands::Islands;
 use crate::collision::pipeline::CollisionPipeline;
 use crate::collision::strike::{Struck, strike};
@@ -32,6 +33,10 @@ const SLOW: Real = 0.5;
 const DEEP: Real = 0.25;
 /// What comes nearer to another's middle than this part of both half thicknesses went through.
 const DEEP_IN: f64 = 0.5;
+/// Up to which part of their energy bodies get the angular momentum that they lost, ...
+const MAX_GROWTH: f64 = 2.0;
+/// ... and how little of it they may get.
+const MIN_PART: f64 = 1e-3;
 /// Just under half a turn \[rad\]: beyond it the last pose does not tell how far a body has turned.
 const HALF_TURN: Real = 3.0;
 /// Bodies that one thread compares, and that it follows, at a time.
@@ -63,6 +68,8 @@ pub(crate) struct Sweep {
     members: Vec<[Slot; 2]>,
     /// Position and momenta of each traveller that is free, before any is stopped.
     before: Vec<Option<[DVec3; 3]>>,
+    /// The contacts of blows.
+    blows: Vec<ContactRecord>,
 }
 
 /// The end of a body's way: whose it is, and what is touched.
@@ -87,8 +94,25 @@ impl CollisionPipeline {
         if !sweep.pairs.is_empty() {
             self.list_travellers(&mut sweep, columns, joints, settings.substep());
             self.stop_all(&mut sweep, columns, settings);
+            self.add_blows(&mut sweep.blows);
         }
         self.sweep = sweep;
+    }
+
+    /// Adds blows to the contacts of the same parts, or as contacts.
+    fn add_blows(&mut self, blows: &mut Vec<ContactRecord>) {
+        for mut blow in blows.drain(..) {
+            blow.set_kind(blow.slots.map(|slot| self.colliders.get(slot).map(|(it, _)| it)));
+            let contacts = &mut self.contacts.records;
+            match contacts.binary_search_by_key(&blow.key(), ContactRecord::key) {
+                Ok(place) => {
+                    let contact = &mut contacts[place];
+                    contact.total_impulse += blow.total_impulse;
+                    contact.closing_speed = contact.closing_speed.max(blow.closing_speed);
+                }
+                Err(place) => contacts.insert(place, blow),
+            }
+        }
     }
 
     /// Lists the bodies with colliders that are fast, or deep in others.
@@ -231,7 +255,7 @@ impl CollisionPipeline {
         before.extend(travellers.iter().map(|it| it.motion(travellers, columns)));
         sweep.stopped.clear();
         for _ in 0..ROUNDS {
-            let Sweep { travellers, places, stops, sorted, limits, stopped, .. } = sweep;
+            let Sweep { travellers, places, stops, sorted, limits, stopped, blows, .. } = sweep;
             stops.clear();
             stops.resize(places.len(), None);
             let parts = places.par_chunks(FEW).zip(stops.par_chunks_mut(FEW)).by_at_least(1);
@@ -251,7 +275,7 @@ impl CollisionPipeline {
             for stop in &*sorted {
                 // What was stopped in this round is followed again in the next.
                 if [stop.traveller, stop.other].iter().all(|it| travellers[*it].until == limits[*it]) {
-                    self.stop(stop, travellers, columns, settings);
+                    blows.extend(self.stop(stop, travellers, columns, settings));
                     stopped.push([stop.other, stop.traveller].map(|it| Slot(it as u32)));
                 }
             }
@@ -291,14 +315,14 @@ impl CollisionPipeline {
         is_stop.then_some(stop)
     }
 
-    /// Stops a body, and another that is as fast, with the impulses of a blow.
+    /// Stops a body, and another that is as fast, with the impulses of a blow, which is returned.
     fn stop(
         &self,
         &Stop { traveller, other, part, passage }: &Stop,
         travellers: &mut [Traveller],
         columns: &mut WorldColumns<'_>,
         settings: &Settings,
-    ) {
+    ) -> Option<ContactRecord> {
         let gained = settings.gravity * settings.substep();
         let are_both_fast = travellers[other].is_fast && travellers[other].is_free;
         travellers[traveller].stop(passage.until, (!are_both_fast).then_some(other), columns, gained);
@@ -315,14 +339,20 @@ impl CollisionPipeline {
             let lock = AxisLock(it.locked_axes(columns));
             Struck { place: it.place, arm, orientation: orientation.normalize(), lock }
         });
-        let surface = self.colliders.materials.between(both.map(|it| it.slot), part);
+        let slots = both.map(|it| it.slot);
+        let surface = self.colliders.materials.between(slots, part);
         let normal: Vec3<Real> = vec3(passage.normal.into()).into();
-        strike(columns, &[first, second], normal, &surface, settings.restitution_threshold);
+        let [speed, impulse] = strike(columns, &[first, second], normal, &surface, settings.restitution_threshold)?;
+        let states = slots.map(|slot| &self.collider_states.states[slot.index()]);
+        let point = Vec3::from(vec3(passage.point.into())) - states[1].center;
+        let margin = states[0].margin + states[1].margin;
+        let blow = ContactRecord::of_blow(slots, part, normal, point, margin);
+        Some(ContactRecord { closing_speed: speed, total_impulse: impulse, ..blow })
     }
 }
 
 /// Gives free bodies that stopped each other, and nothing else, the angular momentum that they had
-/// `before` they were put back: to their spins, by their moments of inertia.
+/// `before` they were put back.
 fn keep_angular_momentum(sweep: &mut Sweep, columns: &mut WorldColumns<'_>) {
     let Sweep { travellers, stopped, groups, members, before, .. } = sweep;
     groups.join(travellers.len(), stopped.iter().copied(), |_| true);
@@ -338,15 +368,61 @@ fn keep_angular_momentum(sweep: &mut Sweep, columns: &mut WorldColumns<'_>) {
         let lost = members().try_fold(DVec3::ZERO, |lost, (it, before)| {
             Some(lost + momentum(before?) - momentum(it.motion(travellers, columns)?))
         });
-        let whole: f64 = members().map(|(it, _)| it.moment_of_inertia(columns)).sum();
-        if let Some(lost) = lost
-            && whole > 0.0
-        {
-            for (it, _) in members() {
-                it.add_spin(lost * (it.moment_of_inertia(columns) / whole), columns);
+        let Some(lost) = lost else { continue };
+        let bodies: Vec<_> = members()
+            .filter_map(|(it, _)| Some((it, it.motion(travellers, columns)?[0], it.mass_and_inertia(columns)?)))
+            .collect();
+        let mass: f64 = bodies.iter().map(|(.., (mass, _))| mass).sum();
+        let center = bodies.iter().map(|(_, at, (mass, _))| *at * *mass).sum::<DVec3>() / mass;
+        // Of all turning as one body, which takes the least energy.
+        let whole = bodies.iter().fold(DMat3::ZERO, |sum, (_, at, (mass, inertia))| {
+            let arm = *at - center;
+            let outer = DMat3::from_cols(arm * arm.x, arm * arm.y, arm * arm.z);
+            sum + *inertia + (DMat3::from_diagonal(DVec3::splat(arm.length_squared())) - outer) * *mass
+        });
+        let turn = whole.inverse() * lost;
+        if turn.is_finite() {
+            let add = |columns: &mut WorldColumns<'_>, part: f64| {
+                for (it, at, (mass, inertia)) in &bodies {
+                    it.add_momentum([turn.cross(*at - center) * (part * mass), *inertia * turn * part], columns);
+                }
+            };
+            let energy = |columns: &WorldColumns<'_>| members().filter_map(|(it, _)| it.energy(columns)).sum::<f64>();
+            let before: f64 = members().filter_map(|(it, _)| it.energy_before()).sum();
+            add(columns, 1.0);
+            // Where that takes more energy than there is, a part.
+            let mut part = 1.0;
+            while energy(columns) > MAX_GROWTH * before && part > MIN_PART {
+                part *= 0.5;
+                add(columns, -part);
+            }
+            // What energy that gives is taken out along lines between centres, which turns nothing.
+            let mut excess = energy(columns) - before;
+            for pair in stopped.iter().filter(|pair| groups.root(pair[0]) == group[0][0]) {
+                excess -= slow_along_line(pair.map(|it| &travellers[it.index()]), travellers, columns, excess);
             }
         }
     }
+}
+
+/// Takes up to an `excess` of energy \[J\] out of the motion of two bodies along the line between
+/// their centres of mass; returns how much.
+fn slow_along_line(
+    [first, second]: [&Traveller; 2],
+    travellers: &[Traveller],
+    columns: &mut WorldColumns<'_>,
+    excess: f64,
+) -> f64 {
+    let motion = |it: &Traveller| Some((it.motion(travellers, columns)?, 1.0 / it.mass_and_inertia(columns)?.0));
+    let (Some(([a, p, _], m)), Some(([b, q, _], n))) = (motion(first), motion(second)) else { return 0.0 };
+    let (line, mass) = ((b - a).normalize_or_zero(), 1.0 / (m + n));
+    let speed = line.dot(q * n - p * m);
+    let taken = excess.min(0.5 * mass * speed * speed).max(0.0);
+    let slower = speed.signum() * (speed * speed - 2.0 * taken / mass).max(0.0).sqrt();
+    let impulse = line * ((slower - speed) * mass);
+    first.add_momentum([-impulse, DVec3::ZERO], columns);
+    second.add_momentum([impulse, DVec3::ZERO], columns);
+    taken
 }
 
 /// Whether a collider is one convex shape about its origin.

@@ -2,7 +2,7 @@
 
 use std::f64::consts::{PI, TAU};
 
-use glam::DVec3;
+use glam::{DMat3, DVec3};
 use tumble_collide::{Course, Isometry, Passage, contact_manifold};
 use tumble_math::lane::{Quat, Vec3};
 
@@ -118,18 +118,35 @@ impl Traveller {
         Some([position, dvec3(state.linear.into()) + self.taken_back, dvec3(state.angular.into())])
     }
 
-    /// The sum of its principal moments [kg m^2]; zero of a body that does not turn.
-    pub(crate) fn moment_of_inertia(&self, columns: &WorldColumns<'_>) -> f64 {
-        let inertia = state_of(columns, self.place).and_then(|(constants, _)| constants.inertia);
-        inertia.map_or(0.0, |inertia| dvec3(inertia.moments.into()).element_sum())
+    /// Its mass \[kg\] and its inertia tensor in the world frame [kg m^2], which is zero of a body
+    /// that does not turn; if it is dynamic.
+    pub(crate) fn mass_and_inertia(&self, columns: &WorldColumns<'_>) -> Option<(f64, DMat3)> {
+        let (constants, state) = state_of(columns, self.place)?;
+        let turned_by = |angular: DVec3| {
+            let state = State { angular: vec3(angular).into(), ..state };
+            dvec3(derived(&constants, &state).angular.into())
+        };
+        let inverse = DMat3::from_cols(turned_by(DVec3::X), turned_by(DVec3::Y), turned_by(DVec3::Z));
+        let inertia = Some(inverse.inverse()).filter(|it| it.is_finite()).unwrap_or(DMat3::ZERO);
+        Some((f64::from(constants.mass), inertia))
     }
 
-    /// Adds angular momentum [kg m^2/s], and books what that did.
-    pub(crate) fn add_spin(&self, angular: DVec3, columns: &mut WorldColumns<'_>) {
+    /// Its kinetic energy \[J\], if it is dynamic.
+    pub(crate) fn energy(&self, columns: &WorldColumns<'_>) -> Option<f64> {
+        energy(columns, self.place)
+    }
+
+    /// The same at the end of the substep, before it was stopped.
+    pub(crate) fn energy_before(&self) -> Option<f64> {
+        self.before
+    }
+
+    /// Adds linear and angular momentum \[N s\] [kg m^2/s], and books what that did.
+    pub(crate) fn add_momentum(&self, [impulse, spin]: [DVec3; 2], columns: &mut WorldColumns<'_>) {
         let before = energy(columns, self.place);
         if let Some(columns) = columns.dynamic_mut(self.place) {
-            let Momentum { angular: sum, .. } = &mut columns.momentum[self.place.row as usize];
-            *sum = vec3(dvec3(*sum) + angular);
+            let Momentum { linear, angular } = &mut columns.momentum[self.place.row as usize];
+            (*linear, *angular) = (vec3(dvec3(*linear) + impulse), vec3(dvec3(*angular) + spin));
         }
         self.book(before, columns);
     }

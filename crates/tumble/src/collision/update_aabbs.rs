@@ -135,7 +135,7 @@ impl AabbUpdate<'_> {
         }
         let kind = LaneKind::of(geometry);
         let way = linear.length() * interval;
-        let reach = margin + ahead(ccd_thickness, way) + fall;
+        let reach = margin + ahead(way) + fall;
         self.lanes.set(i, geometry, &placement, center, (reach, margin));
         let velocity = (velocity.linear.into(), velocity.angular.into());
         let is_fixed = !is_dynamic && bodies.velocity.is_none();
@@ -163,8 +163,6 @@ const MARGIN_SHARE: Real = 0.02;
 /// ... but no more than this \[m\]; two dynamic bodies have the sum of theirs.
 const MAX_MARGIN: Real = 0.01;
 
-/// Least distance \[m\] by which contacts look ahead.
-const FORESEEN: Real = 0.02;
 /// A body with half a thickness of less than this many falls in a step is so thin that gravity
 /// alone may take it through the ground, or so deep into it that it shows.
 const THIN: Real = 5.0;
@@ -176,12 +174,9 @@ fn scale_of(scales: Option<&[GravityScale]>, i: usize) -> Real {
     scales.map_or(1.0, |scales| scales[i].0)
 }
 
-/// How much further a shape that goes a `way` \[m\] in a step looks for others \[m\]. What goes
-/// less than half its half thickness is stopped in what it hits and leaves it on the side it came
-/// from; only what is faster looks further, and what goes its half thickness as far as it goes.
-fn ahead(ccd_thickness: Real, way: Real) -> Real {
-    let in_other = if way < ccd_thickness { 0.5 * ccd_thickness } else { 0.0 };
-    if way.is_finite() { (way - in_other).max(way.min(FORESEEN)) } else { 0.0 }
+/// How much further a shape that goes a `way` \[m\] in a step looks for others \[m\].
+fn ahead(way: Real) -> Real {
+    if way.is_finite() { way } else { 0.0 }
 }
 
 /// How much further than for contacts a body is looked for by sensors \[m\].

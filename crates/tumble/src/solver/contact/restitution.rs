@@ -116,8 +116,10 @@ impl<const P: usize, const C: usize> Kernel for ApplyRestitution<'_, P, C> {
         // Balls are as hard to move as before: what each of a heap gives back may have come in
         // through another.
         let one = T::splat(1.0);
-        let is_of_balls = is_rule(at::<T>(&block.start.update_rule, lane), UpdateRule::LineOfCenters);
-        let most = if bodies.has_locks() { most } else { T::select(is_of_balls, given, most) };
+        let rule: T = at(&block.start.update_rule, lane);
+        let of_balls = |most: T, of: UpdateRule| T::select(is_rule(rule, of), given, most);
+        let free = of_balls(of_balls(most, UpdateRule::LineOfCenters), UpdateRule::MeetingCenters);
+        let most = if bodies.has_locks() { most } else { free };
         let part = T::select(most.lt(given), most / given, one);
         let (mut added, mut j) = (zero, 0);
         while j < P {
