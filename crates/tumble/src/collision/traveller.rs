@@ -127,7 +127,7 @@ impl Traveller {
             dvec3(derived(&constants, &state).angular.into())
         };
         let inverse = DMat3::from_cols(turned_by(DVec3::X), turned_by(DVec3::Y), turned_by(DVec3::Z));
-        let inertia = Some(inverse.inverse()).filter(|it| it.is_finite()).unwrap_or(DMat3::ZERO);
+        let inertia = Some(inverse.inverse()).filter(DMat3::is_finite).unwrap_or(DMat3::ZERO);
         Some((f64::from(constants.mass), inertia))
     }
 
