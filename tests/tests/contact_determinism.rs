@@ -21,7 +21,7 @@ const STEPS: u32 = 120;
 
 /// The hash of the pile after 200 steps, in single and double precision. A new hash is a new
 /// arithmetic, of contacts or of what finds them; see `determinism.rs`.
-const PINNED: [u64; 2] = [0xf918_c31c_4b5e_47c4, 0xd756_4a79_5c2b_3018];
+const PINNED: [u64; 2] = [0x1ae4_7c6f_1cf9_719f, 0x8974_ed65_0cf9_0f6d];
 /// The same of eight boxes that fall on each other, which neither bounce nor resist rolling, after
 /// 90 steps.
 const PINNED_BOXES: [u64; 2] = [0xc5a3_ee9d_e7f4_f133, 0x636a_a16f_4f54_0406];

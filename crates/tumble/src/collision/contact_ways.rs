@@ -10,6 +10,9 @@ use tumble_math::lane::Vec3;
 /// even where it is nearer than the margin.
 const FAST: Real = 4.0;
 
+/// The same normal \[rad\] of two free balls, which lose bounce where they are followed.
+const FREE_NORMAL: f64 = 0.1;
+
 /// How a contact is treated, by the paths of its two bodies.
 #[derive(Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Way {
@@ -81,5 +84,6 @@ fn balls_turn(contact: &ContactRecord, gap: Real, [first, second]: [&ColliderSta
     let way = second.motion.way - first.motion.way;
     let across = length(contact.geometry.normal.cross(way));
     let radii = length(second.center - first.center) - gap;
-    f64::from(across) > SAME_NORMAL * f64::from(radii)
+    let are_both_free = first.is_dynamic && second.is_dynamic;
+    f64::from(across) > if are_both_free { FREE_NORMAL } else { SAME_NORMAL } * f64::from(radii)
 }
