@@ -1,9 +1,9 @@
 //! How results in the precision of the build are compared with references in double precision.
 
-use glam::{DMat3, DQuat};
+use glam::{DMat3, DQuat, DVec3};
 use hecs::{Entity, World};
 pub use tumble::math::dvec3;
-use tumble::math::{Quat, Real};
+use tumble::math::{Quat, Real, Vec3};
 use tumble::{Inertia, Momentum, Pose, PrincipalAxes};
 
 /// The spacing of numbers at one in the precision of the build.
@@ -15,6 +15,21 @@ pub const DOUBLE: bool = size_of::<Real>() == size_of::<f64>();
 /// One of two tolerances, by the precision of the build.
 pub fn by_precision(single: f64, double: f64) -> f64 {
     if DOUBLE { double } else { single }
+}
+
+/// A number in the precision of the build.
+pub fn real(number: f64) -> Real {
+    number as Real
+}
+
+/// A vector in the precision of the build.
+pub fn vec3(v: DVec3) -> Vec3 {
+    Vec3::new(real(v.x), real(v.y), real(v.z))
+}
+
+/// A rotation in the precision of the build.
+pub fn quat(q: DQuat) -> Quat {
+    Quat::from_xyzw(real(q.x), real(q.y), real(q.z), real(q.w))
 }
 
 /// An orientation of the simulation in double precision, of unit length.

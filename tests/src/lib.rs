@@ -9,7 +9,9 @@ pub mod references;
 mod simulation;
 pub mod touching;
 
-pub use comparison::{DOUBLE, EPSILON, attitude_error, by_precision, dquat, dvec3, energy_of, largest, seconds};
+pub use comparison::{
+    DOUBLE, EPSILON, attitude_error, by_precision, dquat, dvec3, energy_of, largest, quat, real, seconds, vec3,
+};
 pub use draw::Draw;
 pub use free_body::{Elliptic, FreeBody, Sample, Translation};
 pub use instruction_sets::run_on_every_instruction_set;

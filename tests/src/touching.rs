@@ -5,6 +5,8 @@ use tumble::math::Quat;
 use tumble::prelude::*;
 use tumble::{Collider, Material};
 
+use crate::comparison::vec3;
+
 /// A body with a collider.
 pub fn spawn(world: &mut World, body: RigidBody, collider: Collider) -> Entity {
     body.build().expect("a possible body").spawn_with(world, (collider,))
@@ -22,6 +24,19 @@ pub fn ground(world: &mut World, material: Material, orientation: Quat) -> Entit
 /// A collider of a material.
 pub fn surfaced(collider: Collider, material: Material) -> Collider {
     collider.with_material(material).expect("a possible material")
+}
+
+/// Six walls around a cube of two metres about the origin, of half a thickness \[m\].
+pub fn closed_box(world: &mut World, half_thickness: f64, material: Material) {
+    for axis in 0..3 {
+        for sign in [-1.0, 1.0] {
+            let (mut extents, mut place) = ([1.0 + 2.0 * half_thickness; 3], [0.0; 3]);
+            (extents[axis], place[axis]) = (half_thickness, sign * (1.0 + half_thickness));
+            let shape = Shape::cuboid(extents);
+            let wall = RigidBody::new(shape.clone()).fixed().position(vec3(place.into()));
+            spawn(world, wall, surfaced(collider(&shape), material));
+        }
+    }
 }
 
 /// The collider that a shape has.

@@ -1,11 +1,11 @@
 //! Promise: every event of contacts is reported exactly once, however steps fall into frames or
-//! calls: what `advance` and `step_many` tell, put one after the other, is what the same steps tell
-//! one by one, in the same order; the closure of `advance_with` gets those of the step before it;
-//! batches tell the same.
+//! calls: those of `advance` and `step_many`, one after the other, are those of the same steps one
+//! by one, in the same order; the closure of `advance_with` gets those of the step before it;
+//! batches report the same.
 //!
 //! Why: at 20 frames a second a game that reads events after `advance` would miss two of three, and
-//! at 120 hear every blow twice. It fails if a frame tells of its last step only, if one without a
-//! step tells again, or if a body that goes in the middle of a frame takes its events along.
+//! at 120 hear every blow twice. It fails if a frame reports its last step only, if one without
+//! a step reports again, or if a body that goes in the middle of a frame takes its events along.
 
 use hecs::{Entity, World};
 use proptest::prelude::*;
@@ -100,11 +100,11 @@ fn settings(seed: u64) -> Settings {
     Settings::default().with_substeps(1 + (seed % 5 / 4) as u32 * 2)
 }
 
-fn told(simulation: &Simulation) -> Vec<ContactEvent> {
+fn reported(simulation: &Simulation) -> Vec<ContactEvent> {
     simulation.contact_events().collect()
 }
 
-/// Of each step, what it tells.
+/// The events of each step.
 fn step_by_step(seed: u64, steps: u64) -> Vec<Vec<ContactEvent>> {
     let mut scene = Scene::new(seed, steps);
     let mut simulation = Simulation::new(settings(seed)).unwrap();
@@ -112,7 +112,7 @@ fn step_by_step(seed: u64, steps: u64) -> Vec<Vec<ContactEvent>> {
         .map(|step| {
             scene.before_step(step);
             simulation.step(&mut scene.world);
-            told(&simulation)
+            reported(&simulation)
         })
         .collect()
 }
@@ -135,7 +135,7 @@ proptest! {
             let mut world = std::mem::take(&mut scene.world);
             let mut in_closure = Vec::new();
             simulation.advance_with(&mut world, frame, |world, simulation| {
-                in_closure.push((simulation.steps(), told(simulation)));
+                in_closure.push((simulation.steps(), reported(simulation)));
                 std::mem::swap(world, &mut scene.world);
                 scene.before_step(simulation.steps());
                 std::mem::swap(world, &mut scene.world);
@@ -147,13 +147,13 @@ proptest! {
                 prop_assert_eq!(events, last);
             }
             let steps = before as usize..simulation.steps() as usize;
-            prop_assert_eq!(told(&simulation), alone[steps].concat());
-            frames.extend(told(&simulation));
+            prop_assert_eq!(reported(&simulation), alone[steps].concat());
+            frames.extend(reported(&simulation));
         }
         prop_assert_eq!(frames, alone[..simulation.steps() as usize].concat());
         // A frame of no time has no events, nor has a world that was put back.
         simulation.advance(&mut scene.world, 0.0);
-        prop_assert_eq!(told(&simulation), []);
+        prop_assert_eq!(reported(&simulation), []);
     }
 
     #[test]
@@ -168,10 +168,10 @@ proptest! {
             let changed = scene.changes.iter().map(|(at, _)| *at).filter(|at| *at > step).min().unwrap_or(STEPS);
             let end = changed.min(step + 1 + counts.next_u64() % most).min(STEPS);
             simulation.step_many(&mut scene.world, (end - step) as u32);
-            prop_assert_eq!(told(&simulation), alone[step as usize..end as usize].concat());
+            prop_assert_eq!(reported(&simulation), alone[step as usize..end as usize].concat());
         }
         simulation.step_many(&mut scene.world, 0);
-        prop_assert_eq!(told(&simulation), []);
+        prop_assert_eq!(reported(&simulation), []);
     }
 
     #[test]
@@ -185,9 +185,9 @@ proptest! {
             let mut events = Vec::new();
             for _ in 0..count {
                 alone.step_many(1);
-                events.extend(told(&alone.simulation));
+                events.extend(reported(&alone.simulation));
             }
-            prop_assert_eq!(told(&together.simulation), events);
+            prop_assert_eq!(reported(&together.simulation), events);
         }
     }
 }
@@ -203,15 +203,15 @@ fn a_blow_within_a_frame_is_told_whole() {
     let ball = spawn(&mut world, start, surfaced(collider(&shape), bouncy));
     let mut simulation = Simulation::new(Settings::default()).unwrap();
     simulation.advance(&mut world, 8.0 / 60.0 + 1e-6);
-    let told: Vec<_> =
-        told(&simulation).iter().map(|it| (matches!(it, ContactEvent::Begin(..)), it.bodies())).collect();
-    assert_eq!(told, [(true, [ground, ball]), (false, [ground, ball])]);
+    let reported: Vec<_> =
+        reported(&simulation).iter().map(|it| (matches!(it, ContactEvent::Begin(..)), it.bodies())).collect();
+    assert_eq!(reported, [(true, [ground, ball]), (false, [ground, ball])]);
     assert!(world.get::<&Velocity>(ball).unwrap().linear.y > 10.0 as Real);
 }
 
-/// What was told is not told again of a state that was put back.
+/// What was reported is not reported again of a state that was put back.
 #[test]
-fn a_restored_simulation_tells_nothing() {
+fn a_restored_simulation_reports_nothing() {
     let mut world = World::new();
     let ground = RigidBody::new(Shape::Point).fixed().id(BodyId(0));
     spawn(&mut world, ground, Collider::half_space());
@@ -221,13 +221,13 @@ fn a_restored_simulation_tells_nothing() {
     let mut simulation = Simulation::new(Settings::default()).unwrap();
     let start = simulation.snapshot(&world).unwrap();
     simulation.advance(&mut world, 0.1);
-    assert_eq!(told(&simulation).len(), 1);
+    assert_eq!(reported(&simulation).len(), 1);
     let later = simulation.snapshot(&world).unwrap();
     for snapshot in [&later, &start] {
         simulation.advance(&mut world, 0.1);
         simulation.restore(snapshot, &mut world).unwrap();
-        assert_eq!(told(&simulation), []);
+        assert_eq!(reported(&simulation), []);
     }
     simulation.advance(&mut world, 0.1);
-    assert_eq!(told(&simulation).len(), 1);
+    assert_eq!(reported(&simulation).len(), 1);
 }

@@ -16,17 +16,9 @@ use tumble::prelude::*;
 use tumble::{Batch, ContactEvent, ContactProposal, IgnoreContacts, Impact, Trial};
 use tumble_benches::pool;
 use tumble_tests::touching::{collider, cube, ground, pose, spawn, surfaced, velocity};
-use tumble_tests::{Draw, dvec3, hash, run};
+use tumble_tests::{Draw, dvec3, hash, real, run, vec3};
 
 const G: f64 = 9.81;
-
-fn real(number: f64) -> Real {
-    number as Real
-}
-
-fn narrow(v: glam::DVec3) -> Vec3 {
-    Vec3::new(real(v.x), real(v.y), real(v.z))
-}
 
 /// A box of any size on a belt of any direction, on ground that is turned about the upright, or the
 /// belt is the box's own: it slips for `v / (mu g)` and then goes along. Fast belts slip longer.
@@ -227,8 +219,8 @@ fn an_impact_is_that_of_the_blow() {
         let place = [at - along * (size * 1.01), at + along * (size * 1.01)];
         let balls = [1.0, -1.0].map(|sign| {
             let which = usize::from(sign < 0.0);
-            let body = RigidBody::new(Shape::sphere(size)).mass(masses[which]).position(narrow(place[which]));
-            let body = body.linear_velocity(narrow(along * (0.5 * sign * speed))).id(BodyId(which as u64));
+            let body = RigidBody::new(Shape::sphere(size)).mass(masses[which]).position(vec3(place[which]));
+            let body = body.linear_velocity(vec3(along * (0.5 * sign * speed))).id(BodyId(which as u64));
             spawn(&mut world, body, surfaced(collider(&Shape::sphere(size)), Material::new(0.3, real(restitution))))
         });
         // What bounces in a substep before the last is in no event.

@@ -14,19 +14,11 @@ use tumble::prelude::*;
 use tumble::{CombineRule, Material};
 use tumble_math::PrincipalInertia;
 use tumble_tests::touching::{collider, ground, pose, spawn, surfaced, velocity};
-use tumble_tests::{Draw, by_precision, dvec3, run};
+use tumble_tests::{Draw, by_precision, dvec3, quat, run, vec3};
 
 const G: f64 = 9.81;
 /// A substep at default settings \[s\].
 const SUBSTEP: f64 = 1.0 / 240.0;
-
-fn vec3(v: DVec3) -> Vec3 {
-    Vec3::new(v.x as Real, v.y as Real, v.z as Real)
-}
-
-fn quat(q: DQuat) -> Quat {
-    Quat::from_xyzw(q.x as Real, q.y as Real, q.z as Real, q.w as Real)
-}
 
 /// A block that juts out over the edge of a table tips where its centre of mass does, and falls
 /// over the edge as `d^2 a/dt^2 = m g x/(I + m r^2)`: any size, any direction, an edge of the table

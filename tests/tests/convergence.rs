@@ -97,7 +97,8 @@ fn moser_veselov_is_of_sixth_order() {
 /// itself, at random, so by `sqrt(steps)` times it in all. At the separatrix `L^2 = 2 T I_2`, where
 ///
 /// ```text
-/// m = (I2 - I1) (2 T I3 - L^2) / ((I3 - I2) (L^2 - 2 T I1)):    dm/m = dT/T (I3/(I3 - I2) + I1/(I2 - I1))
+/// m = (I2 - I1) (2 T I3 - L^2) / ((I3 - I2) (L^2 - 2 T I1))
+/// dm/m = dT/T (I3/(I3 - I2) + I1/(I2 - I1))
 /// ```
 ///
 /// and a flip takes `ln(16/(1 - m))/lambda`, so each comes late by `dm/((1 - m) lambda)` while the

@@ -6,16 +6,12 @@
 //! left out of how far contacts look ahead, or of what is taken for a path through the ground.
 
 use hecs::{Entity, World};
-use tumble::math::{Quat, Real, Vec3};
+use tumble::math::{Quat, Vec3};
 use tumble::prelude::*;
 use tumble_tests::touching::{pose, spawn, velocity};
-use tumble_tests::{Draw, dvec3};
+use tumble_tests::{Draw, dvec3, real};
 
 const GRAVITY: f64 = 9.81;
-
-fn real(number: f64) -> Real {
-    number as Real
-}
 
 /// Level ground at the origin; of surfaces with cells of a random size.
 fn spawn_ground(world: &mut World, kind: &str, draw: &mut Draw) {

@@ -9,27 +9,14 @@
 
 use glam::DVec3;
 use hecs::{Entity, World};
-use tumble::math::{Quat, Real, Vec3};
+use tumble::math::{Quat, Vec3};
 use tumble::prelude::*;
-use tumble::{ContactEvent, Material};
-use tumble_tests::touching::{collider, ground, pose, spawn, surfaced, velocity};
-use tumble_tests::{Draw, dvec3};
-
-fn real(number: f64) -> Real {
-    number as Real
-}
-
-fn vec3(v: DVec3) -> Vec3 {
-    Vec3::new(real(v.x), real(v.y), real(v.z))
-}
-
-fn quat(q: glam::DQuat) -> Quat {
-    Quat::from_xyzw(real(q.x), real(q.y), real(q.z), real(q.w))
-}
+use tumble::{BodyOrder, ContactEvent, Integrator, Material, Totals};
+use tumble_tests::touching::{closed_box, collider, ground, pose, spawn, surfaced, velocity};
+use tumble_tests::{Draw, dvec3, quat, real, vec3};
 
 fn weightless(steps_a_second: f64) -> Simulation {
-    let settings = Settings::default().with_gravity(Vec3::ZERO).with_dt(real(1.0 / steps_a_second));
-    Simulation::new(settings).unwrap()
+    tumble_tests::weightless(Integrator::default(), real(1.0 / steps_a_second))
 }
 
 fn shape(draw: &mut Draw, size: f64) -> Shape {
@@ -156,15 +143,7 @@ fn growth(draw: &mut Draw) -> f64 {
         _ => Material::new(0.5, 0.0),
     };
     let mut world = World::new();
-    for axis in 0..3 {
-        for sign in [-1.0, 1.0] {
-            let (mut half, mut place) = ([1.4; 3], [0.0; 3]);
-            (half[axis], place[axis]) = (0.2, 1.2 * sign);
-            let wall = Shape::cuboid(half);
-            let body = RigidBody::new(wall.clone()).fixed().position(vec3(place.into()));
-            spawn(&mut world, body, surfaced(collider(&wall), surface));
-        }
-    }
+    closed_box(&mut world, 0.2, surface);
     let speed = draw.log_between(3.0, 100.0);
     for place in [DVec3::ZERO, DVec3::X * 0.6, DVec3::X * -0.6] {
         let (it, size) = (draw.direction() * speed, draw.between(0.1, 0.2));
@@ -173,12 +152,8 @@ fn growth(draw: &mut Draw) -> f64 {
         spawn(&mut world, body, surfaced(collider(&shape), surface));
     }
     let mut simulation = weightless(draw.log_between(30.0, 240.0));
-    let energy = |world: &World| -> f64 {
-        let of = |(velocity, momentum): (&Velocity, &Momentum)| {
-            dvec3(velocity.linear).dot(dvec3(momentum.linear)) + dvec3(velocity.angular).dot(dvec3(momentum.angular))
-        };
-        world.query::<(&Velocity, &Momentum)>().iter().map(of).sum()
-    };
+    let order = BodyOrder::of(&world);
+    let energy = |world: &World| Totals::of(world, &Settings::default(), &order).kinetic();
     let before = energy(&world);
     let mut most: f64 = 0.0;
     for _ in 0..120 {

@@ -7,16 +7,12 @@
 //! part.
 
 use hecs::{Entity, World};
-use tumble::math::{Quat, Real, Vec3};
+use tumble::math::{Quat, Vec3};
 use tumble::prelude::*;
 use tumble::{Axes, Batch, BodyOrder, Ledger, LockedAxes, Spring, Totals, Trial, Work};
 use tumble_benches::pool;
 use tumble_tests::touching::{collider, cube, ground, pose, spawn, surfaced, velocity};
-use tumble_tests::{Draw, by_precision, dquat, dvec3, hash, run};
-
-fn real(number: f64) -> Real {
-    number as Real
-}
+use tumble_tests::{Draw, by_precision, dquat, dvec3, hash, real, run};
 
 fn narrow(v: glam::DVec3) -> Vec3 {
     Vec3::new(real(v.x), real(v.y), real(v.z))

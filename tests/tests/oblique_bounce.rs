@@ -14,7 +14,7 @@ use tumble::math::{Quat, Real, Vec3};
 use tumble::prelude::*;
 use tumble_math::{PrincipalInertia, from_scaled_axis};
 use tumble_tests::touching::{collider, ground, spawn, surfaced};
-use tumble_tests::{Draw, EPSILON, dvec3};
+use tumble_tests::{Draw, EPSILON, dvec3, quat, vec3};
 
 /// A shape that meets the ground at a point `below` its centre of mass, turned so that this point
 /// is straight below.
@@ -98,14 +98,6 @@ impl Blow {
         let impulse = DVec3::Y * normal + rubbing;
         (self.velocity + impulse / self.mass, self.spin + inverse * arm.cross(impulse), sticks)
     }
-}
-
-fn vec3(v: DVec3) -> Vec3 {
-    Vec3::new(v.x as Real, v.y as Real, v.z as Real)
-}
-
-fn quat(q: DQuat) -> Quat {
-    Quat::from_xyzw(q.x as Real, q.y as Real, q.z as Real, q.w as Real)
 }
 
 /// A blow that falls this many seconds after the start of a step of `dt`.

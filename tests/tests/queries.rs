@@ -11,22 +11,10 @@ use tumble::math::{Quat, Real, Vec3};
 use tumble::prelude::*;
 use tumble::{PartHit, PointHit, Queries, QueryFilter, QueryIndex, Ray, RayHit, ShapeHit};
 use tumble_tests::touching::collider;
-use tumble_tests::{Draw, dvec3};
+use tumble_tests::{Draw, dvec3, quat, real, vec3};
 
 const ALL: QueryFilter<'static> = QueryFilter::ALL;
 const EVERYWHERE: [Vec3; 2] = [Vec3::NEG_INFINITY, Vec3::INFINITY];
-
-fn real(number: f64) -> Real {
-    number as Real
-}
-
-fn vec3(v: glam::DVec3) -> Vec3 {
-    Vec3::new(real(v.x), real(v.y), real(v.z))
-}
-
-fn quat(q: glam::DQuat) -> Quat {
-    Quat::from_xyzw(real(q.x), real(q.y), real(q.z), real(q.w))
-}
 
 fn solid(draw: &mut Draw) -> Shape {
     let [a, b, c] = [(); 3].map(|()| draw.log_between(0.02, 3.0));

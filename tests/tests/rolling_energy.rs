@@ -12,10 +12,10 @@ use std::f64::consts::{PI, TAU};
 use glam::{DQuat, DVec3};
 use hecs::{Entity, World};
 use tumble::Material;
-use tumble::math::{Quat, Real, Vec3};
+use tumble::math::{Quat, Real};
 use tumble::prelude::*;
 use tumble_tests::touching::{collider, ground, pose, spawn, surfaced, velocity};
-use tumble_tests::{Draw, dvec3, run};
+use tumble_tests::{Draw, dvec3, quat, run, vec3};
 
 const G: f64 = 9.81;
 /// More than any of these scenes asks for.
@@ -23,14 +23,6 @@ const ROUGH: f64 = 100.0;
 /// By how much a contact on the ground gives way under the weight, at steps of a 60th: `g/w^2` of
 /// 60 Hz.
 const SAG: f64 = 6.9e-5;
-
-fn vec3(v: DVec3) -> Vec3 {
-    Vec3::new(v.x as Real, v.y as Real, v.z as Real)
-}
-
-fn quat(q: DQuat) -> Quat {
-    Quat::from_xyzw(q.x as Real, q.y as Real, q.z as Real, q.w as Real)
-}
 
 /// A body of about a metre, and how it stands on the ground; all lengths and times can be scaled
 /// together.

@@ -9,23 +9,11 @@
 use std::collections::BTreeSet;
 
 use hecs::{Entity, World};
-use tumble::math::{Quat, Real, Vec3};
+use tumble::math::{Quat, Vec3};
 use tumble::prelude::*;
 use tumble::{Batch, QueryFilter, SensorEvent, Trial};
-use tumble_tests::Draw;
 use tumble_tests::touching::collider;
-
-fn real(number: f64) -> Real {
-    number as Real
-}
-
-fn vec3(v: glam::DVec3) -> Vec3 {
-    Vec3::new(real(v.x), real(v.y), real(v.z))
-}
-
-fn quat(q: glam::DQuat) -> Quat {
-    Quat::from_xyzw(real(q.x), real(q.y), real(q.z), real(q.w))
-}
+use tumble_tests::{Draw, quat, real, vec3};
 
 fn shape(draw: &mut Draw) -> Shape {
     let [a, b, c] = [(); 3].map(|()| draw.log_between(0.05, 1.0));

@@ -8,22 +8,10 @@
 //! `TUMBLE_SHOTS=100000` draws as many of each shape; without it some hundreds.
 
 use hecs::World;
-use tumble::math::{Quat, Real, Vec3};
+use tumble::math::Vec3;
 use tumble::prelude::*;
-use tumble_tests::touching::{spawn, surfaced};
-use tumble_tests::{Draw, dvec3};
-
-fn real(number: f64) -> Real {
-    number as Real
-}
-
-fn vec3(v: glam::DVec3) -> Vec3 {
-    Vec3::new(real(v.x), real(v.y), real(v.z))
-}
-
-fn quat(q: glam::DQuat) -> Quat {
-    Quat::from_xyzw(real(q.x), real(q.y), real(q.z), real(q.w))
-}
+use tumble_tests::touching::{closed_box, spawn, surfaced};
+use tumble_tests::{Draw, dvec3, quat, real, vec3};
 
 fn shots() -> u64 {
     std::env::var("TUMBLE_SHOTS").ok().and_then(|count| count.parse().ok()).unwrap_or(300)
@@ -197,19 +185,6 @@ fn shots_bounce_as_they_should() {
     }
 }
 
-/// Six walls around a cube of two metres.
-fn spawn_box(world: &mut World, surface: Material) {
-    for axis in 0..3 {
-        for sign in [-1.0, 1.0] {
-            let (mut extents, mut place) = ([1.0 + 2.0 * THIN; 3], [0.0; 3]);
-            (extents[axis], place[axis]) = (THIN, sign * (1.0 + THIN));
-            let shape = Shape::cuboid(extents);
-            let wall = RigidBody::new(shape.clone()).fixed().position(vec3(place.into()));
-            spawn(world, wall, surfaced(Collider::new(&shape).unwrap(), surface));
-        }
-    }
-}
-
 /// Of all shots in a closed box, which get out of it within a second.
 fn out_of_a_box(kind: &str) -> Vec<u64> {
     (0..shots()).filter(|case| is_out_of_a_box(kind, &mut Draw::new(2331, *case))).collect()
@@ -219,7 +194,7 @@ fn is_out_of_a_box(kind: &str, draw: &mut Draw) -> bool {
     let (shape, collider) = shot(kind, draw);
     let surface = material(draw);
     let mut world = World::new();
-    spawn_box(&mut world, surface);
+    closed_box(&mut world, THIN, surface);
     let speed = draw.log_between(1.0, 1000.0);
     let place = draw.vector(0.5);
     let it = body(&shape, SPINS, draw).position(vec3(place)).linear_velocity(vec3(draw.direction() * speed));

@@ -9,16 +9,12 @@
 //! `TUMBLE_DROPS=100000` draws as many of each shape; without it some hundreds.
 
 use hecs::{Entity, World};
-use tumble::math::{Quat, Real, Vec3};
+use tumble::math::{Quat, Vec3};
 use tumble::prelude::*;
 use tumble::{Collider, Mass, Material};
-use tumble_tests::{Draw, dvec3};
+use tumble_tests::{Draw, dvec3, real};
 
 const GRAVITY: f64 = 9.81;
-
-fn real(number: f64) -> Real {
-    number as Real
-}
 
 fn direction(draw: &mut Draw) -> Vec3 {
     let v = draw.direction();

@@ -214,15 +214,15 @@ impl Run {
         while self.simulation.steps() < until && started.elapsed() <= BURST {
             let every = self.replay.as_ref().map_or(u64::MAX, Replay::every);
             let shown = (self.simulation.steps() / every + 1).saturating_mul(every);
-            // Only what is inside the steps counts as their time.
-            let stepping = Instant::now();
             while self.simulation.steps() < until.min(shown) && started.elapsed() <= BURST {
+                // Only what is inside the steps counts as their time.
+                let stepping = Instant::now();
                 self.simulation.step_timed(&mut self.world, &self.times);
+                self.step_time += stepping.elapsed();
                 for event in self.simulation.sensor_events() {
                     self.sensed[usize::from(!event.begins)] += 1;
                 }
             }
-            self.step_time += stepping.elapsed();
             self.show();
         }
     }

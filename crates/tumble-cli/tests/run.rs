@@ -242,6 +242,21 @@ fn a_pipe_gets_the_table_and_no_progress_bar() {
     assert!(!table.contains('\u{1b}'));
 }
 
+/// Of bodies that came into sensors and left them, in scenes that have sensors.
+#[test]
+fn the_table_counts_the_events_of_sensors() {
+    let table = |scene: &str| {
+        let output = Place::new().run(&["run", scene]);
+        String::from_utf8(output.stdout).unwrap()
+    };
+    let counted = table("firing-range");
+    let row = counted.lines().find_map(|line| line.strip_prefix("sensor events ")).unwrap();
+    let counts: Vec<u32> = row.split_whitespace().filter_map(|word| word.parse().ok()).collect();
+    // Two passages of the shot, one of the miss, and four parcels, none of which stays.
+    assert!(counts[0] >= 7 && counts[1] == counts[0], "{row}");
+    assert!(!table("mujoco-box").contains("sensor events"));
+}
+
 #[test]
 fn no_arguments_run_the_stress_scene() {
     let table = Place::new().succeed(&[]);

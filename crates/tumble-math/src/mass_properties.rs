@@ -72,7 +72,8 @@ impl MassProperties {
     /// Particles `(mass, position)` \[kg, m\] fixed to each other.
     ///
     /// ```text
-    /// M = sum m_i      c = sum m_i x_i / M      I = sum m_i (|r_i|^2 E - r_i r_i^T),  r_i = x_i - c
+    /// M = sum m_i      c = sum m_i x_i / M
+    /// I = sum m_i (|r_i|^2 E - r_i r_i^T),  r_i = x_i - c
     /// ```
     ///
     /// ```

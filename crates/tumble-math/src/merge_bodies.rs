@@ -116,7 +116,8 @@ pub enum WeldError {
 /// d = c - C:
 ///
 /// ```text
-/// M = sum m      C = sum m c / M      P = M V = sum m v      L = sum (I w + d x m (v - V))      L = I_C W
+/// M = sum m      C = sum m c / M      P = M V = sum m v
+/// L = sum (I w + d x m (v - V)) = I_C W
 /// lost energy = 1/2 sum (m u^2 + (w - W) . I (w - W)),  u = v - V - W x d
 /// ```
 ///

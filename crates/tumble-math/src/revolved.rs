@@ -41,7 +41,7 @@ impl Revolved {
     /// in radii,
     ///
     /// ```text
-    /// V = pi k^2 (1 - k/3)       F = pi k^3 (2/3 - k/4)       S = pi k^4 (1/2 - k/5)       integrals of 1, w, w^2
+    /// V = pi k^2 (1 - k/3)    F = pi k^3 (2/3 - k/4)    S = pi k^4 (1/2 - k/5):  of 1, w, w^2
     /// I_yy = pi/2 k^3 (4/3 - k + k^2/5)      I_xx = I_zz = I_yy/2 + S - F^2/V
     /// ```
     ///

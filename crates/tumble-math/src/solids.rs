@@ -37,7 +37,8 @@ impl MassProperties {
     ///
     /// ```text
     /// V = pi H S2/3              y_c = H (b - a)(b + a)/(4 S2)
-    /// I_yy = 3/10 m S4/S2        I_xx = I_zz = 1/2 I_yy + 3/80 m H^2 (a^4 + 4a^3 b + 10a^2 b^2 + 4a b^3 + b^4)/S2^2
+    /// I_yy = 3/10 m S4/S2
+    /// I_xx = I_zz = 1/2 I_yy + 3/80 m H^2 (a^4 + 4a^3 b + 10a^2 b^2 + 4a b^3 + b^4)/S2^2
     /// ```
     ///
     /// From the integrals of `r^2`, `t r^2`, `t^2 r^2` and `r^4` over `r = a + (b - a) t`; all
@@ -147,7 +148,8 @@ impl MassProperties {
     /// A hollow sphere with a wall of any thickness: radii `outer` and `inner` \[m\].
     ///
     /// ```text
-    /// I = 2/5 m (R^5 - r^5)/(R^3 - r^3) = 2/5 m (R^4 + R^3 r + R^2 r^2 + R r^3 + r^4)/(R^2 + R r + r^2)
+    /// I = 2/5 m (R^5 - r^5)/(R^3 - r^3)
+    ///   = 2/5 m (R^4 + R^3 r + R^2 r^2 + R r^3 + r^4)/(R^2 + R r + r^2)
     /// ```
     ///
     /// # Errors

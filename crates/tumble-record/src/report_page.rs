@@ -43,9 +43,12 @@ const LONGEST_TEXT: usize = 600;
 /// replay.record(&Frame { step: 0, time: 0.0, world: &world, order: &order, names: &names });
 /// # let zero = Conserved { initial: 0.0, r#final: 0.0, max_relative_drift: 0.0 };
 /// # let zeros = Conserved { initial: [0.0; 3], r#final: [0.0; 3], max_relative_drift: 0.0 };
-/// # let summary = Summary { bodies: 1, worlds: 1, steps: 0, dt: 0.01, substeps: 1, integrator: "moser-veselov".into(),
-/// #     precision: "f32".into(), threads: 1, simd: "scalar".into(), wall_seconds: 0.0, step_seconds: 0.0,
-/// #     body_steps_per_second: 0.0, energy: zero, linear_momentum: zeros, angular_momentum: zeros, state_hash: "0".into() };
+/// # let summary = Summary {
+/// #     bodies: 1, worlds: 1, steps: 0, dt: 0.01, substeps: 1, integrator: "moser-veselov".into(),
+/// #     precision: "f32".into(), threads: 1, simd: "scalar".into(), wall_seconds: 0.0,
+/// #     step_seconds: 0.0, body_steps_per_second: 0.0, energy: zero, linear_momentum: zeros,
+/// #     angular_momentum: zeros, state_hash: "0".into(),
+/// # };
 /// let page = ReportPage {
 ///     summary: &summary,
 ///     steps_asked: 0,

@@ -26,15 +26,21 @@
 //!
 //! # Components
 //!
-//! | written | components |
-//! |---|---|
-//! | when the body is spawned | [`Mass`], [`Inertia`], [`PrincipalAxes`], [`CenterOfMass`], [`BodyId`] |
-//! | by the step: the state | [`Pose`], [`Momentum`] |
-//! | by the step: derived from it | [`Velocity`], [`InverseInertia`], [`PreviousPose`], and [`Work`] where a [`Ledger`] wants it |
-//! | by you, for one step, which sets it to zero | [`Wrench`] |
-//! | by you, until it is removed | [`GravityScale`], [`Damping`], [`LockedAxes`]; forces: [`ConstantWrench`], [`Thruster`], [`Drag`], [`Wind`], [`Magnus`], [`SpringToPoint`], [`PointGravity`], [`Buoyancy`], [`AngularVelocityServo`], [`GravityMass`]; laws of your own: [`ForceLaw`], [`SimdForceLaw`]; what others bump into: [`Collider`], with a [`Material`] |
-//! | by you, on an entity of its own | [`Spring`]; [`Joint`], with [`Limits`], [`Drives`], [`JointFriction`]; [`Gear`] |
-//! | by the step, on a joint's entity | [`JointLoad`], [`Breakable`] |
+//! They are written
+//!
+//! - when the body is spawned: [`Mass`], [`Inertia`], [`PrincipalAxes`], [`CenterOfMass`],
+//!   [`BodyId`].
+//! - by the step, the state: [`Pose`], [`Momentum`].
+//! - by the step, derived from it: [`Velocity`], [`InverseInertia`], [`PreviousPose`], and [`Work`]
+//!   where a [`Ledger`] wants it.
+//! - by you, for one step, which sets it to zero: [`Wrench`].
+//! - by you, until it is removed: [`GravityScale`], [`Damping`], [`LockedAxes`]; forces:
+//!   [`ConstantWrench`], [`Thruster`], [`Drag`], [`Wind`], [`Magnus`], [`SpringToPoint`],
+//!   [`PointGravity`], [`Buoyancy`], [`AngularVelocityServo`], [`GravityMass`]; laws of your own:
+//!   [`ForceLaw`], [`SimdForceLaw`]; what others touch: [`Collider`], with a [`Material`].
+//! - by you, on an entity of its own: [`Spring`]; [`Joint`], with [`Limits`], [`Drives`],
+//!   [`JointFriction`]; [`Gear`].
+//! - by the step, on a joint's entity: [`JointLoad`], [`Breakable`].
 //!
 //! A body needs [`Pose`], [`Momentum`], [`Mass`] and [`Wrench`] to be moved by forces. One without
 //! [`Momentum`] is kinematic if it has a [`Velocity`], and moves as that says; else it is fixed.

@@ -2,8 +2,9 @@
 //! and what it costs, and draws it.
 //!
 //! ```text
-//! cargo run --release --example integrators                    work and precision, and ten minutes beside eight other engines
+//! cargo run --release --example integrators                    in single precision
 //! cargo run --release --example integrators --features f64     the same in double precision
+//!                      work and precision, and ten minutes beside eight other engines
 //!     --out DIR        where the pictures go (target/integrators)
 //!     --precision      only work and precision
 //!     --peers          only the comparison with other engines

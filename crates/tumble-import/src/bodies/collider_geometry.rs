@@ -10,8 +10,10 @@ use glam::DVec3;
 ///
 /// let physics = Physics::from_json(
 ///     r#"{ "asset": { "version": "2.0" }, "nodes": [
-/// { "extensions": { "KHR_physics_rigid_bodies": { "collider": { "geometry": { "shape": 0 } } } } } ],
-/// "extensions": { "KHR_implicit_shapes": { "shapes": [ { "type": "sphere", "sphere": { "radius": 0.5 } } ] } } }"#,
+/// { "extensions": { "KHR_physics_rigid_bodies": { "collider": { "geometry": { "shape": 0 } }
+///     } } } ],
+/// "extensions": { "KHR_implicit_shapes": { "shapes": [ { "type": "sphere", "sphere": {
+///     "radius": 0.5 } } ] } } }"#,
 ///     "scene.gltf",
 /// )?;
 /// let collider = physics.nodes[0].collider.as_ref();

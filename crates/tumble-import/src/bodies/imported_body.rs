@@ -13,7 +13,8 @@ use crate::bodies::imported_collider::ImportedCollider;
 /// let robot = r#"<robot name="brick"> <link name="base"> <inertial>
 ///     <mass value="2"/> <inertia ixx="0.02" ixy="0" ixz="0" iyy="0.03" iyz="0" izz="0.04"/>
 /// </inertial> <visual> <geometry> <sphere radius="0.1"/> </geometry> </visual> </link> </robot>"#;
-/// let (bodies, names) = Robot::from_text(robot, "brick.urdf", InertiaRepairs::Refused)?.into_bodies("brick.urdf")?;
+/// let robot = Robot::from_text(robot, "brick.urdf", InertiaRepairs::Refused)?;
+/// let (bodies, names) = robot.into_bodies("brick.urdf")?;
 /// assert_eq!(names, ["base"]);
 /// assert!(bodies[0].collider.is_none() && matches!(bodies[0].appearance, Appearance::Shape(_)));
 /// # Ok::<(), tumble_import::FileError>(())

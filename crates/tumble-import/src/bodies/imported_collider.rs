@@ -15,7 +15,8 @@ use crate::bodies::surface_material::{CollisionFilter, SurfaceMaterial};
 /// use tumble_import::gltf::GltfBodies;
 ///
 /// let text = r#"{ "asset": { "version": "2.0" },
-/// "extensions": { "KHR_implicit_shapes": { "shapes": [ { "type": "sphere", "sphere": { "radius": 0.5 } } ] } },
+/// "extensions": { "KHR_implicit_shapes": { "shapes": [ { "type": "sphere", "sphere": {
+///     "radius": 0.5 } } ] } },
 /// "nodes": [ { "name": "ball", "extensions": { "KHR_physics_rigid_bodies": {
 ///     "motion": { "mass": 2 }, "collider": { "geometry": { "shape": 0 } } } } } ] }"#;
 /// let file = GltfBodies::from_bytes(text.as_bytes(), None, "ball.gltf", InertiaRepairs::Refused)?;
@@ -54,7 +55,8 @@ pub struct ImportedCollider {
 /// use tumble_import::{ColliderRole, InertiaRepairs};
 ///
 /// let text = r#"{ "asset": { "version": "2.0" },
-/// "extensions": { "KHR_implicit_shapes": { "shapes": [ { "type": "sphere", "sphere": { "radius": 0.5 } } ] } },
+/// "extensions": { "KHR_implicit_shapes": { "shapes": [ { "type": "sphere", "sphere": {
+///     "radius": 0.5 } } ] } },
 /// "nodes": [ { "name": "ball", "extensions": { "KHR_physics_rigid_bodies": {
 ///     "motion": { "mass": 2 }, "collider": { "geometry": { "shape": 0 } } } } } ] }"#;
 /// let file = GltfBodies::from_bytes(text.as_bytes(), None, "ball.gltf", InertiaRepairs::Refused)?;

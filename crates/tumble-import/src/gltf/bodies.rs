@@ -35,7 +35,8 @@ const MAX_NOTICES: usize = 50;
 /// use tumble_import::gltf::GltfBodies;
 ///
 /// let text = r#"{ "asset": { "version": "2.0" }, "nodes": [
-/// { "name": "ball", "extensions": { "KHR_physics_rigid_bodies": { "motion": { "mass": 1, "inertiaDiagonal": [1, 1, 9] } } } } ] }"#;
+/// { "name": "ball", "extensions": { "KHR_physics_rigid_bodies": { "motion": { "mass": 1,
+///     "inertiaDiagonal": [1, 1, 9] } } } } ] }"#;
 /// let file = GltfBodies::from_bytes(text.as_bytes(), None, "ball.gltf", InertiaRepairs::Refused)?;
 /// assert!(file.bodies[0].body.is_err());
 /// # Ok::<(), tumble_import::FileError>(())

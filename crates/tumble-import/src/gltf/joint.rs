@@ -12,9 +12,11 @@ use crate::error::FieldError;
 ///
 /// let physics = Physics::from_json(
 ///     r#"{ "asset": { "version": "2.0" }, "nodes": [
-/// { "extensions": { "KHR_physics_rigid_bodies": { "motion": {}, "joint": { "connectedNode": 1, "joint": 0 } } } }, {} ],
+/// { "extensions": { "KHR_physics_rigid_bodies": { "motion": {}, "joint": {
+///     "connectedNode": 1, "joint": 0 } } } }, {} ],
 /// "extensions": { "KHR_physics_rigid_bodies": { "physicsJoints": [ {
-///     "limits": [ { "linearAxes": [0, 1, 2] } ], "drives": [ { "type": "angular", "mode": "force", "axis": 1, "velocityTarget": 3 } ] } ] } } }"#,
+///     "limits": [ { "linearAxes": [0, 1, 2] } ], "drives": [ { "type": "angular",
+///         "mode": "force", "axis": 1, "velocityTarget": 3 } ] } ] } } }"#,
 ///     "scene.gltf",
 /// )?;
 /// let joint = physics.nodes[0].joint.as_ref();

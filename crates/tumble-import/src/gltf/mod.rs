@@ -11,7 +11,8 @@
 //! let physics = Physics::from_json(
 //!     r#"{ "asset": { "version": "2.0" }, "nodes": [
 //!      { "rotation": [0, 0.7071068, 0, 0.7071068], "children": [1] },
-//!      { "name": "ball", "extensions": { "KHR_physics_rigid_bodies": { "motion": { "mass": 2, "linearVelocity": [0, 0, 1] } } } } ] }"#,
+//!      { "name": "ball", "extensions": { "KHR_physics_rigid_bodies": { "motion": { "mass": 2,
+//!          "linearVelocity": [0, 0, 1] } } } } ] }"#,
 //!     "ball.gltf",
 //! )?;
 //! let ball = &physics.nodes[0];
@@ -70,7 +71,8 @@ use crate::terminal::one_line;
 /// use tumble_import::gltf::GltfBodies;
 ///
 /// let text = r#"{ "asset": { "version": "2.0" }, "nodes": [
-/// { "name": "ball", "extensions": { "KHR_physics_rigid_bodies": { "motion": { "mass": 2 } } } } ] }"#;
+/// { "name": "ball", "extensions": { "KHR_physics_rigid_bodies": { "motion": { "mass": 2 } } }
+///     } ] }"#;
 /// let file = GltfBodies::from_bytes(text.as_bytes(), None, "ball.gltf", InertiaRepairs::Refused)?;
 /// assert_eq!(file.bodies[0].name, "ball");
 /// # Ok::<(), tumble_import::FileError>(())

@@ -38,7 +38,8 @@ pub enum MotionKind {
 ///
 /// let physics = Physics::from_json(
 ///     r#"{ "asset": { "version": "2.0" }, "nodes": [
-/// { "extensions": { "KHR_physics_rigid_bodies": { "motion": { "mass": 2, "gravityFactor": 0 } } } } ] }"#,
+/// { "extensions": { "KHR_physics_rigid_bodies": { "motion": { "mass": 2, "gravityFactor": 0 }
+///     } } } ] }"#,
 ///     "scene.gltf",
 /// )?;
 /// let motion = physics.nodes[0].motion.as_ref();

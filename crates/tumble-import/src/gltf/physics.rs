@@ -47,7 +47,8 @@ pub struct Physics {
 ///
 /// let physics = Physics::from_json(
 ///     r#"{ "asset": { "version": "2.0" }, "nodes": [
-/// { "extensions": { "KHR_physics_rigid_bodies": { "motion": { "mass": 2, "linearVelocity": [0, 0, 3] } } } } ] }"#,
+/// { "extensions": { "KHR_physics_rigid_bodies": { "motion": { "mass": 2,
+///     "linearVelocity": [0, 0, 3] } } } } ] }"#,
 ///     "scene.gltf",
 /// )?;
 /// let node = &physics.nodes[0];
@@ -106,8 +107,10 @@ impl PhysicsNode {
 ///
 /// let physics = Physics::from_json(
 ///     r#"{ "asset": { "version": "2.0" }, "nodes": [
-/// { "extensions": { "KHR_physics_rigid_bodies": { "collider": { "geometry": { "shape": 0 } } } } } ],
-/// "extensions": { "KHR_implicit_shapes": { "shapes": [ { "type": "sphere", "sphere": { "radius": 0.5 } } ] } } }"#,
+/// { "extensions": { "KHR_physics_rigid_bodies": { "collider": { "geometry": { "shape": 0 } }
+///     } } } ],
+/// "extensions": { "KHR_implicit_shapes": { "shapes": [ { "type": "sphere", "sphere": {
+///     "radius": 0.5 } } ] } } }"#,
 ///     "scene.gltf",
 /// )?;
 /// let collider = physics.nodes[0].collider.as_ref();
@@ -133,8 +136,10 @@ pub struct Collider {
 ///
 /// let physics = Physics::from_json(
 ///     r#"{ "asset": { "version": "2.0" }, "nodes": [
-/// { "extensions": { "KHR_physics_rigid_bodies": { "trigger": { "geometry": { "shape": 0 } } } } } ],
-/// "extensions": { "KHR_implicit_shapes": { "shapes": [ { "type": "sphere", "sphere": { "radius": 0.5 } } ] } } }"#,
+/// { "extensions": { "KHR_physics_rigid_bodies": { "trigger": { "geometry": { "shape": 0 } } }
+///     } } ],
+/// "extensions": { "KHR_implicit_shapes": { "shapes": [ { "type": "sphere", "sphere": {
+///     "radius": 0.5 } } ] } } }"#,
 ///     "scene.gltf",
 /// )?;
 /// let trigger = physics.nodes[0].trigger.as_ref();
@@ -158,9 +163,11 @@ pub struct Trigger {
 ///
 /// let physics = Physics::from_json(
 ///     r#"{ "asset": { "version": "2.0" }, "nodes": [
-/// { "extensions": { "KHR_physics_rigid_bodies": { "motion": {}, "joint": { "connectedNode": 1, "joint": 0 } } } }, {} ],
+/// { "extensions": { "KHR_physics_rigid_bodies": { "motion": {}, "joint": {
+///     "connectedNode": 1, "joint": 0 } } } }, {} ],
 /// "extensions": { "KHR_physics_rigid_bodies": { "physicsJoints": [ {
-///     "limits": [ { "linearAxes": [0, 1, 2] } ], "drives": [ { "type": "angular", "mode": "force", "axis": 1, "velocityTarget": 3 } ] } ] } } }"#,
+///     "limits": [ { "linearAxes": [0, 1, 2] } ], "drives": [ { "type": "angular",
+///         "mode": "force", "axis": 1, "velocityTarget": 3 } ] } ] } } }"#,
 ///     "scene.gltf",
 /// )?;
 /// assert!(physics.nodes[0].joint.as_ref().is_some_and(|to| to.connected_node == 1));

@@ -544,7 +544,7 @@
   for (const end of ['pointerup', 'pointercancel']) canvas.addEventListener(end, (event) => fingers.delete(event.pointerId));
   canvas.addEventListener('wheel', (event) => {
     event.preventDefault();
-    // Lines and pages are told apart from pixels.
+    // Lines and pages are other units than pixels.
     zoomBy(Math.exp(0.0012 * event.deltaY * [1, 16, 400][event.deltaMode]));
   }, { passive: false });
 

@@ -10,7 +10,8 @@ use tumble::{Collider, CombineRule, Material};
 /// ```
 /// use tumble_scene::Audit;
 ///
-/// let text = r#"{ "bodies": [ { "shape": { "sphere": { "radius": 0.5 } }, "mass": 2, "collider": { "friction": 0.25 } } ] }"#;
+/// let text = r#"{ "bodies": [ { "shape": { "sphere": { "radius": 0.5 } }, "mass": 2,
+///     "collider": { "friction": 0.25 } } ] }"#;
 /// let audit = Audit::from_json(text, "ball.json")?;
 /// assert_eq!(
 ///     audit.bodies[0].collider.as_ref().map(|collider| collider.static_friction),

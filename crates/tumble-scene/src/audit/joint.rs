@@ -27,7 +27,8 @@ use crate::values::axes::named_axes;
 /// };
 /// let robot = format!(
 ///     r#"<robot name="arm"> {} {} <joint name="elbow" type="revolute">
-/// <parent link="upper"/> <child link="lower"/> <limit lower="-0.5" upper="2"/> </joint> </robot>"#,
+/// <parent link="upper"/> <child link="lower"/> <limit lower="-0.5" upper="2"/>
+/// </joint> </robot>"#,
 ///     link("upper"),
 ///     link("lower")
 /// );

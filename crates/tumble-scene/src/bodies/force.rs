@@ -144,7 +144,8 @@ pub enum Force {
 /// ```
 /// use tumble_scene::{Audit, Force, HullShape};
 ///
-/// let text = r#"{ "bodies": [ { "mass": 1, "forces": [ { "buoyancy": { "hull": { "sphere": { "radius": 0.5 } } } } ] } ] }"#;
+/// let text = r#"{ "bodies": [ { "mass": 1, "forces": [ { "buoyancy": { "hull": { "sphere": {
+///     "radius": 0.5 } } } } ] } ] }"#;
 /// let audit = Audit::from_json(text, "buoy.json")?;
 /// assert!(matches!(
 ///     audit.bodies[0].forces[0],

@@ -37,7 +37,8 @@ pub const DEFAULT_STEPS: u64 = 600;
 /// use tumble_scene::Scene;
 ///
 /// let scene = Scene::from_ron(
-///     r#"( gravity: (0, 0, 0), bodies: [ ( name: "ball", shape: sphere(radius: 0.5), mass: 2 ) ] )"#,
+///     r#"( gravity: (0, 0, 0),
+///          bodies: [ ( name: "ball", shape: sphere(radius: 0.5), mass: 2 ) ] )"#,
 ///     "ball.ron",
 /// )?;
 /// let mut world = hecs::World::new();
@@ -182,7 +183,8 @@ impl Scene {
     /// </inertial> </link> </robot>"#;
     /// assert_eq!(Scene::from_urdf(robot, "brick.urdf")?.body_count(), 1);
     /// let error = Scene::from_urdf(&robot.replace("0.04", "0.06"), "brick.urdf").unwrap_err();
-    /// assert!(error.to_string().starts_with("brick.urdf: link \"base\", field inertial.inertia: "));
+    /// let field = "brick.urdf: link \"base\", field inertial.inertia: ";
+    /// assert!(error.to_string().starts_with(field));
     /// # Ok::<(), tumble_scene::SceneError>(())
     /// ```
     ///

@@ -140,7 +140,8 @@ impl Batch {
     /// # use std::ops::ControlFlow;
     /// # use tumble::prelude::*;
     /// # use tumble::{Batch, Trial};
-    /// # let mut batch = Batch::from_seed(10, 1, |_, _| Trial::new(Settings::default(), hecs::World::new()))?;
+    /// # let trial = || Trial::new(Settings::default(), hecs::World::new());
+    /// # let mut batch = Batch::from_seed(10, 1, |_, _| trial())?;
     /// let ends = batch.run(100, 10, |index, trial| {
     ///     // World 3 has seen enough after 50 steps.
     ///     if index == 3 && trial.simulation.steps() >= 50 {

@@ -65,7 +65,8 @@ pub enum ChangeMassError {
 ///     .build()?;
 /// let skater = skater.spawn(&mut world);
 /// change_mass_properties(&mut world, skater, &arms_in)?;
-/// assert!((world.get::<&Velocity>(skater)?.angular.y - 12.0).abs() < 1e-4); // a quarter of the inertia
+/// // A quarter of the inertia.
+/// assert!((world.get::<&Velocity>(skater)?.angular.y - 12.0).abs() < 1e-4);
 /// change_mass_properties(&mut world, skater, &arms_out)?;
 /// assert!((world.get::<&Velocity>(skater)?.angular.y - 3.0).abs() < 1e-5);
 /// # Ok::<(), Box<dyn std::error::Error>>(())

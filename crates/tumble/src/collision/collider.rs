@@ -247,8 +247,8 @@ impl Collider {
     /// what leaves. Queries pass it over unless asked for sensors.
     ///
     /// Sensors do not sense each other, and fixed ones do not sense fixed bodies. In a
-    /// [compound](Self::compound) some parts may be sensors; called on the whole, all are. Meshes and
-    /// height fields are surfaces: as sensors they sense what crosses them.
+    /// [compound](Self::compound) some parts may be sensors; called on the whole, all are. Meshes
+    /// and height fields are surfaces: as sensors they sense what crosses them.
     ///
     /// ```
     /// use tumble::{Collider, SensorEvent, prelude::*};

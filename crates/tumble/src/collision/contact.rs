@@ -123,41 +123,41 @@ impl ContactRecord {
             (pair.positions[j % 2], pair.separations[j % 2]) = (from_second, point.separation);
             features[j] = point.feature;
         }
-        Self {
-            slots,
-            part,
-            features,
-            geometry: ContactGeometry {
-                normal: n,
-                carried: manifold.carried,
-                count: count as Real,
-                update_rule: crate::math::real(rule.number()),
-                ..ContactGeometry::ZERO
-            },
-            points,
-            normal_impulses: NormalImpulses { steady: 1.0, gap_share, ..NormalImpulses::ZERO },
-            friction: WorldFriction { margin: second.margin, ..WorldFriction::ZERO },
-            ..Self::NONE
-        }
+        let record = Self::without_points(slots, part, (n, rule), (gap_share, second.margin));
+        let geometry = ContactGeometry { carried: manifold.carried, count: count as Real, ..record.geometry };
+        Self { features, geometry, points, ..record }
     }
 
     /// Of a blow in a point \[m\] from the second body's centre of mass, which no contact foresaw.
     pub(crate) fn of_blow(slots: [Slot; 2], part: u32, normal: Vec3<Real>, point: Vec3<Real>, margin: Real) -> Self {
-        let mut blow = Self {
-            slots,
-            part,
-            geometry: ContactGeometry {
-                normal,
-                count: 1.0,
-                update_rule: crate::math::real(UpdateRule::BodyFixed.number()),
-                ..ContactGeometry::ZERO
-            },
-            normal_impulses: NormalImpulses { steady: 1.0, ..NormalImpulses::ZERO },
-            friction: WorldFriction { margin, ..WorldFriction::ZERO },
-            ..Self::NONE
-        };
+        let mut blow = Self::without_points(slots, part, (normal, UpdateRule::BodyFixed), (0.0, margin));
+        blow.geometry.count = 1.0;
         blow.points[0].positions[0] = point;
         blow
+    }
+
+    /// With a normal from the first slot to the second, and a margin \[m\].
+    fn without_points(
+        slots: [Slot; 2],
+        part: u32,
+        (normal, rule): (Vec3<Real>, UpdateRule),
+        (gap_share, margin): (Real, Real),
+    ) -> Self {
+        let update_rule = crate::math::real(rule.number());
+        Self {
+            slots,
+            part,
+            geometry: ContactGeometry { normal, update_rule, ..ContactGeometry::ZERO },
+            normal_impulses: NormalImpulses { steady: 1.0, gap_share, ..NormalImpulses::ZERO },
+            friction: WorldFriction { margin, ..WorldFriction::ZERO },
+            ..Self::NONE
+        }
+    }
+
+    /// Adds what a blow between the same parts did.
+    pub(crate) fn add_blow(&mut self, blow: &Self) {
+        self.total_impulse += blow.total_impulse;
+        self.closing_speed = self.closing_speed.max(blow.closing_speed);
     }
 
     /// Makes it the only contact of two shapes, without impulses.

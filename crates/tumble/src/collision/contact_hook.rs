@@ -60,8 +60,8 @@ pub struct ContactProposal {
     pub bodies: [Entity; 2],
     /// Unit vector from the first body to the second, world frame.
     pub normal: Vec3,
-    /// Whether the bodies touched after the last step, as [`Contact::touches`](crate::Contact::touches)
-    /// has it.
+    /// Whether the bodies touched after the last step, as
+    /// [`Contact::touches`](crate::Contact::touches) has it.
     pub touched: bool,
     /// How fast they come together along the normal \[m/s\]; of bodies that touch, how fast they
     /// did when they began to.

@@ -1,17 +1,18 @@
 //! Which contacts are of bodies that may miss each other, or that meet with another normal.
 
+use tumble_math::lane::Vec3;
+
 use crate::collision::collider_state::{ColliderState, Motion};
 use crate::collision::contact::ContactRecord;
-use crate::collision::speculative::SAME_NORMAL;
 use crate::math::Real;
-use tumble_math::lane::Vec3;
 
 /// A body that passes another by more than this many margins of the smaller in a step is traced
 /// even where it is nearer than the margin.
 const FAST: Real = 4.0;
-
-/// The same normal \[rad\] of two free balls, which lose bounce where they are followed.
-const FREE_NORMAL: f64 = 0.1;
+/// A normal that turns by less \[rad\] is the same, ...
+pub(crate) const SAME_NORMAL: f64 = 1e-2;
+/// ... and of two free balls this: where they are followed, they lose bounce.
+const SAME_NORMAL_OF_FREE_BALLS: f64 = 0.1;
 
 /// How a contact is treated, by the paths of its two bodies.
 #[derive(Clone, Copy, PartialEq, Eq)]
@@ -85,5 +86,5 @@ fn balls_turn(contact: &ContactRecord, gap: Real, [first, second]: [&ColliderSta
     let across = length(contact.geometry.normal.cross(way));
     let radii = length(second.center - first.center) - gap;
     let are_both_free = first.is_dynamic && second.is_dynamic;
-    f64::from(across) > if are_both_free { FREE_NORMAL } else { SAME_NORMAL } * f64::from(radii)
+    f64::from(across) > if are_both_free { SAME_NORMAL_OF_FREE_BALLS } else { SAME_NORMAL } * f64::from(radii)
 }

@@ -12,7 +12,7 @@ use crate::collision::collider_state::ColliderState;
 use crate::collision::compound_parts::numbers;
 use crate::collision::contact::{ContactRecord, Second, UpdateRule};
 use crate::collision::contact_set::ContactSet;
-use crate::collision::contact_ways::{Way, least_margin, length, nearest};
+use crate::collision::contact_ways::{SAME_NORMAL, Way, least_margin, length, nearest};
 use crate::collision::narrow_phase::LaneKind;
 use crate::collision::pipeline::{Colliders, CollisionPipeline, PART};
 use crate::math::Real;
@@ -22,10 +22,8 @@ use crate::threads::InParts;
 /// Surfaces nearer than this part of their margin meet, but than no more than the smaller body's.
 const MEETING: Real = 0.25;
 /// A contact is as it was found where, until they meet, the bodies go past each other by less than
-/// this many margins, ...
+/// this many margins, its normal is the same, ...
 const BESIDE: f64 = 10.0;
-/// ... its normal is the same to this angle \[rad\], ...
-pub(crate) const SAME_NORMAL: f64 = 1e-2;
 /// ... and its plane to this part of the margin.
 const SAME_PLANE: f64 = 0.05;
 /// Contact points stay where they are on a body that turns by less \[rad\] about axes other than

@@ -25,6 +25,14 @@ pub(crate) struct Struck {
     pub(crate) lock: AxisLock,
 }
 
+/// Of two bodies that came together.
+pub(crate) struct Blow {
+    /// Along the normal, before it [m/s].
+    pub(crate) closing_speed: Real,
+    /// Along the normal \[N s\].
+    pub(crate) impulse: Real,
+}
+
 /// How a body moves and responds.
 struct Responding {
     velocity: [Vec3<Real>; 2],
@@ -38,15 +46,14 @@ struct Responding {
 }
 
 /// Gives both bodies the impulses of a blow along the normal, from the first to the second, if they
-/// come together; what comes faster than `threshold` [m/s] bounces. Returns how fast they came
-/// together [m/s], and the impulse along the normal \[N s\].
+/// come together; what comes faster than `threshold` [m/s] bounces. Returns the blow, if they do.
 pub(crate) fn strike(
     columns: &mut WorldColumns<'_>,
     both: &[Struck; 2],
     normal: Vec3<Real>,
     surface: &Surface,
     threshold: Real,
-) -> Option<[Real; 2]> {
+) -> Option<Blow> {
     let [first, second] = both.each_ref().map(|it| Responding::of(columns, it));
     let (mut first, mut second) = (first?, second?);
     if normal.dot(second.velocity_at() - first.velocity_at()) >= 0.0 {
@@ -78,7 +85,7 @@ pub(crate) fn strike(
     for (it, struck) in [first, second].iter().zip(both) {
         it.write(columns, struck);
     }
-    Some([-speed, pressed])
+    Some(Blow { closing_speed: -speed, impulse: pressed })
 }
 
 /// Adds an impulse on the second, and the opposite one on the first.

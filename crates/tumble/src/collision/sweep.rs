@@ -6,14 +6,13 @@
 //! from the first to the last pose is continuous, so what is on the other side at its end has
 //! crossed.
 
-use glam::{DMat3, DVec3};
 use rayon::prelude::*;
 use tumble_collide::{Aabb, ColliderShape, Passage};
 use tumble_math::lane::{Quat, Vec3};
 
 use crate::collision::collider::Collider;
 use crate::collision::contact::ContactRecord;
-use crate::collision::islands::Islands;
+use crate::collision::lost_momentum::LostMomentum;
 use crate::collision::pipeline::CollisionPipeline;
 use crate::collision::strike::{Struck, strike};
 use crate::collision::traveller::{Traveller, find, first_passage, moves_in_range, pose_of, turned_end};
@@ -33,10 +32,6 @@ const SLOW: Real = 0.5;
 const DEEP: Real = 0.25;
 /// What comes nearer to another's middle than this part of both half thicknesses went through.
 const DEEP_IN: f64 = 0.5;
-/// Up to which part of their energy bodies get the angular momentum that they lost, ...
-const MAX_GROWTH: f64 = 2.0;
-/// ... and how little of it they may get.
-const MIN_PART: f64 = 1e-3;
 /// Just under half a turn \[rad\]: beyond it the last pose does not tell how far a body has turned.
 const HALF_TURN: Real = 3.0;
 /// Bodies that one thread compares, and that it follows, at a time.
@@ -61,13 +56,9 @@ pub(crate) struct Sweep {
     stops: Vec<Option<Stop>>,
     sorted: Vec<Stop>,
     limits: Vec<f64>,
-    /// Travellers that were stopped, with what stopped them; their numbers are the slots of groups.
+    /// Travellers that were stopped, after what stopped them.
     stopped: Vec<[Slot; 2]>,
-    groups: Islands,
-    /// Each traveller of a group after the lowest of the group.
-    members: Vec<[Slot; 2]>,
-    /// Position and momenta of each traveller that is free, before any is stopped.
-    before: Vec<Option<[DVec3; 3]>>,
+    lost: LostMomentum,
     /// The contacts of blows.
     blows: Vec<ContactRecord>,
 }
@@ -101,17 +92,26 @@ impl CollisionPipeline {
 
     /// Adds blows to the contacts of the same parts, or as contacts.
     fn add_blows(&mut self, blows: &mut Vec<ContactRecord>) {
-        for mut blow in blows.drain(..) {
+        let contacts = &mut self.contacts.records;
+        blows.retain_mut(|blow| {
             blow.set_kind(blow.slots.map(|slot| self.colliders.get(slot).map(|(it, _)| it)));
-            let contacts = &mut self.contacts.records;
-            match contacts.binary_search_by_key(&blow.key(), ContactRecord::key) {
-                Ok(place) => {
-                    let contact = &mut contacts[place];
-                    contact.total_impulse += blow.total_impulse;
-                    contact.closing_speed = contact.closing_speed.max(blow.closing_speed);
-                }
-                Err(place) => contacts.insert(place, blow),
+            let known = contacts.binary_search_by_key(&blow.key(), ContactRecord::key);
+            if let Ok(place) = known {
+                contacts[place].add_blow(blow);
             }
+            known.is_err()
+        });
+        if !blows.is_empty() {
+            blows.sort_by_key(ContactRecord::key);
+            blows.dedup_by(|later, first| {
+                let is_same = later.key() == first.key();
+                if is_same {
+                    first.add_blow(later);
+                }
+                is_same
+            });
+            contacts.append(blows);
+            contacts.sort_by_key(ContactRecord::key);
         }
     }
 
@@ -250,9 +250,7 @@ impl CollisionPipeline {
 
     /// Follows all pairs, and stops what crosses, the earliest first.
     fn stop_all(&self, sweep: &mut Sweep, columns: &mut WorldColumns<'_>, settings: &Settings) {
-        sweep.before.clear();
-        let Sweep { travellers, before, .. } = &mut *sweep;
-        before.extend(travellers.iter().map(|it| it.motion(travellers, columns)));
+        sweep.lost.begin(&sweep.travellers, columns);
         sweep.stopped.clear();
         for _ in 0..ROUNDS {
             let Sweep { travellers, places, stops, sorted, limits, stopped, blows, .. } = sweep;
@@ -280,11 +278,11 @@ impl CollisionPipeline {
                 }
             }
         }
-        let travellers = &sweep.travellers;
+        let Sweep { travellers, stopped, lost, .. } = sweep;
         for it in travellers.iter().filter(|it| it.until < 1.0) {
             it.write(travellers, columns);
         }
-        keep_angular_momentum(sweep, columns);
+        lost.give_back(travellers, stopped, columns);
     }
 
     /// Where the core of a body touches another on its way.
@@ -342,87 +340,13 @@ impl CollisionPipeline {
         let slots = both.map(|it| it.slot);
         let surface = self.colliders.materials.between(slots, part);
         let normal: Vec3<Real> = vec3(passage.normal.into()).into();
-        let [speed, impulse] = strike(columns, &[first, second], normal, &surface, settings.restitution_threshold)?;
+        let blow = strike(columns, &[first, second], normal, &surface, settings.restitution_threshold)?;
         let states = slots.map(|slot| &self.collider_states.states[slot.index()]);
         let point = Vec3::from(vec3(passage.point.into())) - states[1].center;
         let margin = states[0].margin + states[1].margin;
-        let blow = ContactRecord::of_blow(slots, part, normal, point, margin);
-        Some(ContactRecord { closing_speed: speed, total_impulse: impulse, ..blow })
+        let contact = ContactRecord::of_blow(slots, part, normal, point, margin);
+        Some(ContactRecord { closing_speed: blow.closing_speed, total_impulse: blow.impulse, ..contact })
     }
-}
-
-/// Gives free bodies that stopped each other, and nothing else, the angular momentum that they had
-/// `before` they were put back.
-fn keep_angular_momentum(sweep: &mut Sweep, columns: &mut WorldColumns<'_>) {
-    let Sweep { travellers, stopped, groups, members, before, .. } = sweep;
-    groups.join(travellers.len(), stopped.iter().copied(), |_| true);
-    members.clear();
-    members.extend(stopped.iter().flatten().map(|it| [groups.root(*it), *it]));
-    members.sort_unstable();
-    members.dedup();
-    for group in members.chunk_by(|a, b| a[0] == b[0]) {
-        let members = || group.iter().map(|[_, it]| (&travellers[it.index()], before[it.index()]));
-        // About one of them: about what is far away, rounding of linear momenta would count.
-        let about = members().find_map(|(_, before)| before).map_or(DVec3::ZERO, |[position, ..]| position);
-        let momentum = |[position, linear, spin]: [DVec3; 3]| (position - about).cross(linear) + spin;
-        let lost = members().try_fold(DVec3::ZERO, |lost, (it, before)| {
-            Some(lost + momentum(before?) - momentum(it.motion(travellers, columns)?))
-        });
-        let Some(lost) = lost else { continue };
-        let bodies: Vec<_> = members()
-            .filter_map(|(it, _)| Some((it, it.motion(travellers, columns)?[0], it.mass_and_inertia(columns)?)))
-            .collect();
-        let mass: f64 = bodies.iter().map(|(.., (mass, _))| mass).sum();
-        let center = bodies.iter().map(|(_, at, (mass, _))| *at * *mass).sum::<DVec3>() / mass;
-        // Of all turning as one body, which takes the least energy.
-        let whole = bodies.iter().fold(DMat3::ZERO, |sum, (_, at, (mass, inertia))| {
-            let arm = *at - center;
-            let outer = DMat3::from_cols(arm * arm.x, arm * arm.y, arm * arm.z);
-            sum + *inertia + (DMat3::from_diagonal(DVec3::splat(arm.length_squared())) - outer) * *mass
-        });
-        let turn = whole.inverse() * lost;
-        if turn.is_finite() {
-            let add = |columns: &mut WorldColumns<'_>, part: f64| {
-                for (it, at, (mass, inertia)) in &bodies {
-                    it.add_momentum([turn.cross(*at - center) * (part * mass), *inertia * turn * part], columns);
-                }
-            };
-            let energy = |columns: &WorldColumns<'_>| members().filter_map(|(it, _)| it.energy(columns)).sum::<f64>();
-            let before: f64 = members().filter_map(|(it, _)| it.energy_before()).sum();
-            add(columns, 1.0);
-            // Where that takes more energy than there is, a part.
-            let mut part = 1.0;
-            while energy(columns) > MAX_GROWTH * before && part > MIN_PART {
-                part *= 0.5;
-                add(columns, -part);
-            }
-            // What energy that gives is taken out along lines between centres, which turns nothing.
-            let mut excess = energy(columns) - before;
-            for pair in stopped.iter().filter(|pair| groups.root(pair[0]) == group[0][0]) {
-                excess -= slow_along_line(pair.map(|it| &travellers[it.index()]), travellers, columns, excess);
-            }
-        }
-    }
-}
-
-/// Takes up to an `excess` of energy \[J\] out of the motion of two bodies along the line between
-/// their centres of mass; returns how much.
-fn slow_along_line(
-    [first, second]: [&Traveller; 2],
-    travellers: &[Traveller],
-    columns: &mut WorldColumns<'_>,
-    excess: f64,
-) -> f64 {
-    let motion = |it: &Traveller| Some((it.motion(travellers, columns)?, 1.0 / it.mass_and_inertia(columns)?.0));
-    let (Some(([a, p, _], m)), Some(([b, q, _], n))) = (motion(first), motion(second)) else { return 0.0 };
-    let (line, mass) = ((b - a).normalize_or_zero(), 1.0 / (m + n));
-    let speed = line.dot(q * n - p * m);
-    let taken = excess.min(0.5 * mass * speed * speed).max(0.0);
-    let slower = speed.signum() * (speed * speed - 2.0 * taken / mass).max(0.0).sqrt();
-    let impulse = line * ((slower - speed) * mass);
-    first.add_momentum([-impulse, DVec3::ZERO], columns);
-    second.add_momentum([impulse, DVec3::ZERO], columns);
-    taken
 }
 
 /// Whether a collider is one convex shape about its origin.

@@ -91,7 +91,8 @@ impl Pose {
     ///
     /// ```
     /// # use tumble::{Pose, math::{Quat, Vec3}};
-    /// # let (station, ship) = (Pose { position: Vec3::X * 3.0, ..Pose::default() }, Pose { position: Vec3::Y * 4.0, ..Pose::default() });
+    /// # let at = |position: Vec3| Pose { position, ..Pose::default() };
+    /// # let (station, ship) = (at(Vec3::X * 3.0), at(Vec3::Y * 4.0));
     /// // The ship in the station's frame.
     /// let relative = station.inverse() * ship;
     /// assert_eq!(relative.position, Vec3::new(-3.0, 4.0, 0.0));

@@ -18,7 +18,9 @@ use crate::math::{Quat, Real, Vec3};
 /// |---|---|---|
 /// | `SemiImplicitEuler` | 1, at the start | 1 |
 /// | `RungeKutta4` | 4 | 4 |
-/// | `MoserVeselov` | 2, at start and end; 3 where the law [depends on velocity](Self::depends_on_velocity) | 2 |
+/// | `MoserVeselov` | 2, at start and end; 3 of what [depends on velocity][velocity] | 2 |
+///
+/// [velocity]: Self::depends_on_velocity
 ///
 /// One that is to run at the speed of the engine's own forces, many bodies at a time, is a
 /// [`SimdForceLaw`](crate::SimdForceLaw).

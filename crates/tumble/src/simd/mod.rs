@@ -17,22 +17,20 @@ use tumble_math::lane::Lane;
 use crate::math::Real;
 
 pub(crate) mod block_lanes;
-mod disjoint;
 mod four;
-mod gather;
-mod octet;
 #[cfg(vector_code)]
 mod pair;
 mod record;
+mod rows;
 #[cfg(vector_code)]
 mod x86_64;
 
-pub(crate) use disjoint::{RowColors, Rows};
 pub(crate) use four::{Four, FourKernel, FourLane};
-pub(crate) use gather::gather;
-pub(crate) use octet::{NumberField, Octet, gather_rows, is_as_eight, load_rows, octet, select_rows, store_rows};
 use record::Eight;
-pub(crate) use record::Record;
+pub(crate) use record::{
+    NumberField, Octet, Record, gather_rows, is_as_eight, load_rows, octet, select_rows, store_rows,
+};
+pub(crate) use rows::{RowColors, Rows, gather};
 
 /// The most bodies of a tile for which a chunk may have to be filled up.
 pub(crate) const WIDEST: usize = 16;

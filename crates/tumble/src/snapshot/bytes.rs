@@ -7,20 +7,32 @@
 //! | 8, 8, 8 | how many moving, kinematic and fixed bodies |
 //! | 8 | 1 with a clock, 0 without; the clock's five fields are then zero |
 //! | 8, 8, 8, 8, 8 | steps; steps and time when the settings last changed; dt; frame time owed |
-//! | 8, 8, 8, 8 | of contacts: how many bodies have any, with a `BodyId` and without; contacts; their points |
+//! | 8, 8, 8, 8 | contacts: bodies that have any, with a `BodyId` and without; contacts; points |
 //! | 8, 8 | how many breakable joints, with a `BodyId` and without |
 //! | 8 a body | identities: of moving, kinematic and fixed bodies, each in ascending order |
 //! | 7 numbers a body | position, orientation x y z w |
 //! | 6 numbers a moving body | linear and angular momentum |
 //! | 6 numbers a kinematic body | linear and angular velocity |
-//! | 8 or 4 a body in contact | who it is: identities of those that have one, then numbers of entities, each in ascending order |
+//! | 8 or 4 a body in contact | who it is: identities, then numbers of entities, each ascending |
 //! | 3 numbers a body in contact | where its centre of mass was when the last step began |
-//! | 8 a body in contact | how much inertia the loads of its joints ask for, in double precision; bodies with such a load are among those in contact |
-//! | 16 and 15 numbers a contact | two bodies, as indices of those in contact; which of the contacts of the two; number of points, and 256 if the two touched before. Normal from the first to the second; impulse and angular impulse of friction on the second; how steady its effective masses were, from 0 to 1; which share of the gap is before its points; the margin; how often the substeps of its island were halved; how fast they came together; impulse along the normal over the step. In the order of both bodies, the lower index first, and which |
-//! | 4 and 5 numbers a point | contact by contact: which features meet; place, from the second body's centre of mass; separation; impulse along the normal |
-//! | 8 a breakable joint | which it is: identities of those that have one, then entities as bits, each in ascending order |
+//! | 8 a body in contact | inertia that the loads of its joints ask for, in double precision (1) |
+//! | 16 and 15 numbers a contact | see (2) |
+//! | 4 and 5 numbers a point | contact by contact (3) |
+//! | 8 a breakable joint | which it is: identities, then entities as bits, each ascending |
 //! | 1 a breakable joint | 1 if it is broken, 0 if not |
 //! | 8 | 64-bit FNV-1a of all before |
+//!
+//! (1) Bodies with such a load are among those in contact.
+//!
+//! (2) Two bodies, as indices of those in contact; which of the contacts of the two; number of
+//! points, and 256 if the two touched before. Normal from the first to the second; impulse and
+//! angular impulse of friction on the second; how steady its effective masses were, from 0 to 1;
+//! which share of the gap is before its points; the margin; how often the substeps of its island
+//! were halved; how fast they came together; impulse along the normal over the step. In the order
+//! of both bodies, the lower index first, and which.
+//!
+//! (3) Which features meet; place, from the second body's centre of mass; separation; impulse along
+//! the normal.
 
 use crate::clock::Clock;
 use crate::components::BodyKind;

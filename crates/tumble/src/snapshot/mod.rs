@@ -35,8 +35,9 @@ use crate::snapshot::state_hash::{Fnv, canonical};
 /// move and the [`Velocity`] of kinematic ones: 64 bytes a body in single precision, 112 in double;
 /// and which [`Breakable`](crate::Breakable) joints are broken. With a [`Clock`] and, where bodies
 /// touch or are jointed, the contacts and the loads of joints, that is all that a run continues
-/// from, to the bit: [`Simulation::snapshot`](crate::Simulation::snapshot) takes all of it. What is no state is not
-/// in it: masses, laws, joints and other components, the settings, the caller's own.
+/// from, to the bit: [`Simulation::snapshot`](crate::Simulation::snapshot) takes all of it. What is
+/// no state is not in it: masses, laws, joints and other components, the settings, the caller's
+/// own.
 ///
 /// A joint is known by the [`BodyId`] of its entity, which may be that of a body too, or without
 /// one by the entity; in another world that is the one that was spawned at the same place in the
@@ -92,8 +93,9 @@ struct Segment {
 
 impl Snapshot {
     /// The state of the world's bodies now, without the clock, contacts and loads of joints, which
-    /// are the simulation's: see [`Simulation::snapshot`](crate::Simulation::snapshot). Take it between
-    /// steps, before the [`Wrench`]es of the next are added: those are inputs, and not in it.
+    /// are the simulation's: see [`Simulation::snapshot`](crate::Simulation::snapshot). Take it
+    /// between steps, before the [`Wrench`]es of the next are added: those are inputs, and not in
+    /// it.
     ///
     /// Fixed bodies without a [`BodyId`] are scenery and left out. Like every query of hecs, it
     /// panics while the caller holds a mutable reference to one of the components.

@@ -63,7 +63,8 @@ pub struct Contact {
 /// ```
 /// # use tumble::{Collider, prelude::*};
 /// # let mut world = hecs::World::new();
-/// # RigidBody::new(Shape::Point).fixed().build()?.spawn_with(&mut world, (Collider::half_space(),));
+/// # let ground = RigidBody::new(Shape::Point).fixed().build()?;
+/// # ground.spawn_with(&mut world, (Collider::half_space(),));
 /// # let shape = Shape::sphere(0.5);
 /// # let collider = Collider::new(&shape)?;
 /// // A ball half a centimetre above the ground, at rest.
@@ -141,17 +142,18 @@ impl Simulation {
     /// step that is taken [phase by phase](Self::begin_step) there are none.
     ///
     /// A pair begins and ends once, whatever happens at its points, and not while it rests: see
-    /// [`Contact::touches`](crate::Contact::touches). What hits another, does not bounce and is
-    /// pushed away within a step is not told of, nor what bounces in a
-    /// [substep of the settings](crate::Settings::substeps) before the last. A body that was despawned has ended to touch in
-    /// the step after.
+    /// [`Contact::touches`](crate::Contact::touches). What hits another begins to touch it in that
+    /// step, however far it is away at the end; but what flies out of reach in a
+    /// [substep of the settings](crate::Settings::substeps) before the last has no event. A body
+    /// that was despawned has ended to touch in the step after.
     ///
     /// Those of a single step are put together when they are asked for. Of several, those of all
     /// but the last are kept, fifty-six bytes each, until the next call.
     ///
     /// ```
     /// # use tumble::{ContactEvent, prelude::*};
-    /// # let (mut world, mut simulation) = (tumble::hecs::World::new(), Simulation::new(Settings::default())?);
+    /// # let mut world = tumble::hecs::World::new();
+    /// # let mut simulation = Simulation::new(Settings::default())?;
     /// # let frame_seconds = 0.02;
     /// simulation.advance(&mut world, frame_seconds);
     /// for event in simulation.contact_events() {

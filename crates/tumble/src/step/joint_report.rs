@@ -9,7 +9,8 @@ impl Simulation {
     ///
     /// ```
     /// # use tumble::{JointEvent, prelude::*};
-    /// # let (mut world, mut simulation) = (tumble::hecs::World::new(), Simulation::new(Settings::default())?);
+    /// # let mut world = tumble::hecs::World::new();
+    /// # let mut simulation = Simulation::new(Settings::default())?;
     /// simulation.step(&mut world);
     /// let gone: Vec<_> = simulation.joint_events().collect();
     /// for event in gone {

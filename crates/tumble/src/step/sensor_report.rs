@@ -15,7 +15,8 @@ impl Simulation {
     ///
     /// ```
     /// # use tumble::prelude::*;
-    /// # let (mut world, mut simulation) = (tumble::hecs::World::new(), Simulation::new(Settings::default())?);
+    /// # let mut world = tumble::hecs::World::new();
+    /// # let mut simulation = Simulation::new(Settings::default())?;
     /// simulation.step(&mut world);
     /// for event in simulation.sensor_events().filter(|event| event.begins) {
     ///     println!("{:?} steps on {:?}", event.body, event.sensor);

@@ -229,9 +229,7 @@ impl Pull {
 }
 
 impl BodyView {
-    /// As
-    /// [`Constants::most_inverse_mass_at`](crate::integrators::state::Constants::most_inverse_mass_at);
-    /// zero for non-dynamic bodies.
+    /// As that of [`Constants`](crate::integrators::state::Constants); zero for non-dynamic bodies.
     fn most_inverse_mass_at(&self, point_body: crate::math::Vec3) -> Real {
         self.constants.map_or(0.0, |constants| constants.most_inverse_mass_at(point_body.into()))
     }

@@ -2,26 +2,18 @@
 
 use super::*;
 
-/// 2^n in the exponent bits, for whole numbers n in the low halves.
-#[inline(always)]
-unsafe fn exponents_128(n: __m128i) -> __m128d {
-    // SAFETY: SSE2 is part of x86-64. Biased exponents are positive, so zeros extend them to 64
-    // bits.
-    unsafe {
-        let biased = _mm_add_epi32(n, _mm_set1_epi32(1023));
-        _mm_castsi128_pd(_mm_slli_epi64::<52>(_mm_unpacklo_epi32(biased, _mm_setzero_si128())))
-    }
-}
-
 lane! {
     Sse2, f64, __m128d, __m128d, 2,
     _mm_set1_pd, _mm_loadu_pd, _mm_storeu_pd, _mm_add_pd, _mm_sub_pd, _mm_mul_pd, _mm_div_pd, _mm_sqrt_pd, _mm_min_pd, _mm_max_pd,
     neg: |n| _mm_xor_pd(n, _mm_set1_pd(-0.0)),
     lt: |a, b| _mm_cmplt_pd(a, b),
     select: |mask, t, f| _mm_or_pd(_mm_and_pd(mask, t), _mm_andnot_pd(mask, f)),
-    // SAFETY: see the module.
-    bits: |m| unsafe { _mm_movemask_pd(m) },
-    exp2: |e| exponents_128(_mm_cvttpd_epi32(e)),
+    bits: |m| _mm_movemask_pd(m),
+    // Biased exponents are positive, so zeros extend them to 64 bits.
+    exp2: |e| _mm_castsi128_pd(_mm_slli_epi64::<52>(_mm_unpacklo_epi32(
+        _mm_add_epi32(_mm_cvttpd_epi32(e), _mm_set1_epi32(1023)),
+        _mm_setzero_si128(),
+    ))),
 }
 
 tile! {
@@ -47,7 +39,7 @@ lane! {
     neg: |n| _mm512_castsi512_pd(_mm512_xor_si512(_mm512_castpd_si512(n), _mm512_set1_epi64(i64::MIN))),
     lt: |a, b| _mm512_cmp_pd_mask::<_CMP_LT_OQ>(a, b),
     select: |mask, t, f| _mm512_mask_blend_pd(mask, f, t),
-    bits: |m| m,
+    bits: |m| _mm512_mask2int(m.into()),
     exp2: |e| _mm512_castsi512_pd(_mm512_slli_epi64::<52>(_mm512_add_epi64(
         _mm512_cvtepi32_epi64(_mm512_cvttpd_epi32(e)),
         _mm512_set1_epi64(1023),

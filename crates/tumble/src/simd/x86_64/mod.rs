@@ -209,13 +209,15 @@ macro_rules! lane {
 
             #[inline(always)]
             fn any($m: $Mask) -> bool {
-                let bits = $bits as u32;
+                // SAFETY: see the module.
+                let bits = unsafe { $bits } as u32;
                 bits != 0
             }
 
             #[inline(always)]
             fn all($m: $Mask) -> bool {
-                let bits = $bits as u32;
+                // SAFETY: see the module.
+                let bits = unsafe { $bits } as u32;
                 bits == (1 << $width) - 1
             }
 
@@ -358,8 +360,7 @@ lane! {
     neg: |n| _mm256_xor_pd(n, _mm256_set1_pd(-0.0)),
     lt: |a, b| _mm256_cmp_pd::<_CMP_LT_OQ>(a, b),
     select: |mask, t, f| _mm256_blendv_pd(f, t, mask),
-    // SAFETY: see the module.
-    bits: |m| unsafe { _mm256_movemask_pd(m) },
+    bits: |m| _mm256_movemask_pd(m),
     exp2: |e| _mm256_castsi256_pd(_mm256_slli_epi64::<52>(_mm256_add_epi64(
         _mm256_cvtepi32_epi64(_mm256_cvttpd_epi32(e)),
         _mm256_set1_epi64x(1023),

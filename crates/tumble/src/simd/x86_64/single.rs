@@ -8,8 +8,7 @@ lane! {
     neg: |n| _mm_xor_ps(n, _mm_set1_ps(-0.0)),
     lt: |a, b| _mm_cmplt_ps(a, b),
     select: |mask, t, f| _mm_or_ps(_mm_and_ps(mask, t), _mm_andnot_ps(mask, f)),
-    // SAFETY: see the module.
-    bits: |m| unsafe { _mm_movemask_ps(m) },
+    bits: |m| _mm_movemask_ps(m),
     exp2: |e| _mm_castsi128_ps(_mm_slli_epi32::<23>(_mm_add_epi32(_mm_cvttps_epi32(e), _mm_set1_epi32(127)))),
 }
 
@@ -27,8 +26,7 @@ lane! {
     neg: |n| _mm256_xor_ps(n, _mm256_set1_ps(-0.0)),
     lt: |a, b| _mm256_cmp_ps::<_CMP_LT_OQ>(a, b),
     select: |mask, t, f| _mm256_blendv_ps(f, t, mask),
-    // SAFETY: see the module.
-    bits: |m| unsafe { _mm256_movemask_ps(m) },
+    bits: |m| _mm256_movemask_ps(m),
     exp2: |e| _mm256_castsi256_ps(_mm256_slli_epi32::<23>(_mm256_add_epi32(
         _mm256_cvttps_epi32(e),
         _mm256_set1_epi32(127),
@@ -49,7 +47,7 @@ lane! {
     neg: |n| _mm512_castsi512_ps(_mm512_xor_si512(_mm512_castps_si512(n), _mm512_set1_epi32(i32::MIN))),
     lt: |a, b| _mm512_cmp_ps_mask::<_CMP_LT_OQ>(a, b),
     select: |mask, t, f| _mm512_mask_blend_ps(mask, f, t),
-    bits: |m| m,
+    bits: |m| _mm512_mask2int(m),
     exp2: |e| _mm512_castsi512_ps(_mm512_slli_epi32::<23>(_mm512_add_epi32(
         _mm512_cvttps_epi32(e),
         _mm512_set1_epi32(127),

@@ -13,7 +13,7 @@ use crate::solver::contact::effective_mass;
 use crate::solver::contact::effective_mass::warm_start_factor;
 use crate::solver::contact::friction::FrictionImpulse;
 use crate::solver::contact::solve::{Blocks, StageBodies, accumulate_warm_start, speeds};
-use crate::solver::contact::update_geometry::{arms_of_balls, is_rule, tangents};
+use crate::solver::contact::update_geometry::{is_rule, met_arms, tangents};
 
 /// Fills blocks whose lanes know their contacts and rows.
 pub(crate) struct Prepare<'a, const P: usize, const C: usize> {
@@ -58,7 +58,7 @@ impl<const P: usize, const C: usize> Kernel for Prepare<'_, P, C> {
         let apart = second.center - first.center;
         put_vector(normal, &mut block.normal, lane);
         put_vector(tangents[0], &mut block.tangent, lane);
-        let arms = if P == 1 { arms_of_balls(update_rule, normal, [arm + apart, arm]) } else { [arm + apart, arm] };
+        let arms = met_arms::<T, P>(update_rule, normal, [arm + apart, arm]);
         put_vector(arms[0], &mut block.arms[0], lane);
         put_vector(arms[1], &mut block.arms[1], lane);
         put_vector(arm, &mut block.start.arm, lane);

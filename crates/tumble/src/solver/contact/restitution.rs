@@ -2,7 +2,6 @@
 
 use tumble_math::lane::Vec3;
 
-use crate::collision::contact::UpdateRule;
 use crate::math::Real;
 use crate::simd::block_lanes::{at, put, put_vector};
 use crate::simd::{BLOCK, Kernel, Tile};
@@ -10,7 +9,7 @@ use crate::solver::contact::constraint::{Block, Bounce};
 use crate::solver::contact::contact_frame::ContactFrame;
 use crate::solver::contact::friction::FrictionImpulse;
 use crate::solver::contact::impact::DecoupledImpulses;
-use crate::solver::contact::update_geometry::{follow, is_rule};
+use crate::solver::contact::update_geometry::{follow, of_balls};
 
 use crate::solver::contact::solve::{Blocks, StageBodies, along_normals, apply_friction, couple, speeds, work};
 
@@ -116,10 +115,8 @@ impl<const P: usize, const C: usize> Kernel for ApplyRestitution<'_, P, C> {
         // Balls are as hard to move as before: what each of a heap gives back may have come in
         // through another.
         let one = T::splat(1.0);
-        let rule: T = at(&block.start.update_rule, lane);
-        let of_balls = |most: T, of: UpdateRule| T::select(is_rule(rule, of), given, most);
-        let free = of_balls(of_balls(most, UpdateRule::LineOfCenters), UpdateRule::MeetingCenters);
-        let most = if bodies.has_locks() { most } else { free };
+        let is_of_balls = zero.lt(of_balls(at::<T>(&block.start.update_rule, lane)));
+        let most = if bodies.has_locks() { most } else { T::select(is_of_balls, given, most) };
         let part = T::select(most.lt(given), most / given, one);
         let (mut added, mut j) = (zero, 0);
         while j < P {

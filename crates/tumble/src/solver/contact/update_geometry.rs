@@ -84,7 +84,7 @@ fn refresh<T: Tile, const P: usize, const C: usize>(
     let body_fixed = T::select(is_rule(rule, UpdateRule::BodyFixed), one, zero);
     let second = arm + slid * (carried - one);
     let way = frame.normal_parts(&delta_pose.relative([arm + apart, arm]));
-    let arms = if P == 1 { arms_of_balls(rule, frame.normal, [second + now, second]) } else { [second + now, second] };
+    let arms = met_arms::<T, P>(rule, frame.normal, [second + now, second]);
     put_vector(arms[0], &mut block.arms[0], lane);
     put_vector(arms[1], &mut block.arms[1], lane);
     let mut j = 0;
@@ -94,7 +94,6 @@ fn refresh<T: Tile, const P: usize, const C: usize>(
         put(at::<T>(&block.start.separations[j], lane) + way, &mut block.points[j].separation, lane);
         j += 1;
     }
-    let mut of_balls = between_centers;
     if P == 1 && T::any(zero.lt(between_centers)) {
         along_centers(block, lane, (between_centers, arm, apart, now));
     }
@@ -103,7 +102,6 @@ fn refresh<T: Tile, const P: usize, const C: usize>(
         let meeting = T::select(is_rule(rule, UpdateRule::MeetingCenters), one, zero);
         let separation = at::<T>(&block.start.separations[0], lane) + frame.normal.dot(slid);
         put_where(meeting, separation, &mut block.points[0].separation, lane);
-        of_balls = of_balls.max(meeting);
     }
 
     // An arm that slides along with the other body changes what impulses do.
@@ -114,7 +112,7 @@ fn refresh<T: Tile, const P: usize, const C: usize>(
     );
     // Balls answer alike in all directions, unless axes of theirs are locked.
     let of_locks = if mobility.locks.are_there() { one } else { zero };
-    let changed = T::select(zero.lt(of_balls), of_locks, slide.max(delta_pose.turned));
+    let changed = T::select(zero.lt(of_balls(rule)), of_locks, slide.max(delta_pose.turned));
     if T::any(zero.lt(changed)) {
         turn(block, lane, delta_pose, (carried, slid, now), delta_pose.turned * body_fixed);
         let steady = effective_mass::compute(block, rolling, lane, mobility, changed);
@@ -130,10 +128,20 @@ pub(crate) fn is_rule<T: Tile>(number: T, rule: UpdateRule) -> T::Mask {
     (number - T::splat(rule.number())).abs().lt(T::splat(0.5))
 }
 
-/// The arms of a contact of one point: of balls that meet later in the step they are along the
-/// normal, as they are then.
+/// One where numbers are those of a rule of balls, else zero.
 #[inline(always)]
-pub(crate) fn arms_of_balls<T: Tile>(rule: T, normal: Vec3<T>, arms: [Vec3<T>; 2]) -> [Vec3<T>; 2] {
+pub(crate) fn of_balls<T: Tile>(number: T) -> T {
+    let [zero, one] = [0.0, 1.0].map(T::splat);
+    let is = |rule: UpdateRule| T::select(is_rule(number, rule), one, zero);
+    is(UpdateRule::LineOfCenters).max(is(UpdateRule::MeetingCenters))
+}
+
+/// Arms as they are when balls meet, along the normal, if they meet later in the step.
+#[inline(always)]
+pub(crate) fn met_arms<T: Tile, const P: usize>(rule: T, normal: Vec3<T>, arms: [Vec3<T>; 2]) -> [Vec3<T>; 2] {
+    if P > 1 {
+        return arms;
+    }
     let meeting = is_rule(rule, UpdateRule::MeetingCenters);
     arms.map(|arm| Vec3::select(meeting, normal * normal.dot(arm), arm))
 }

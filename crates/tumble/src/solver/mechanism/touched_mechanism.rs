@@ -21,8 +21,8 @@ impl MechanismSolver {
         self.take_loads(h);
     }
 
-    /// Takes back what [`solve_once`](Self::solve_once) has found along free axes, of which the laws
-    /// say what acts there in all of a substep.
+    /// Takes back what [`solve_once`](Self::solve_once) has found along free axes, of which the
+    /// laws say what acts there in all of a substep.
     pub(crate) fn take_back(&mut self) {
         let Self { joints, matrix, impulses, right, .. } = self;
         let impulses = impulses.as_flattened_mut();

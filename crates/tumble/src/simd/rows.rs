@@ -1,13 +1,58 @@
-//! Rows that threads change at the same time, each its own: what makes that sound is checked when
-//! the rows are listed.
+//! Rows that lie anywhere in a table: as tiles, and changed by threads at the same time, each its
+//! own. What makes that sound is checked when the rows are listed.
 
-#![allow(unsafe_code, reason = "rows that are changed through a shared pointer; see the SAFETY notes")]
+#![allow(unsafe_code, reason = "one comparison in the place of eight, and a shared pointer; see the SAFETY notes")]
 
 use std::marker::PhantomData;
 use std::ops::Range;
 
-use super::gather::gather_from;
-use super::{BLOCK, Octet, Tile, store_rows};
+use super::{BLOCK, Octet, Tile, gather_rows, store_rows};
+
+/// Rows anywhere in a table.
+///
+/// # Panics
+/// Where there is no such row.
+#[inline(always)]
+pub(crate) fn gather<T: Tile, R: Octet>(table: &[R], indices: &[u32; BLOCK], lane: usize) -> R::Lanes<T> {
+    // SAFETY: all rows of a slice may be read.
+    unsafe { gather_from(table.as_ptr(), table.len(), indices, lane) }
+}
+
+/// The same from a table of `count` rows that begins at `base`.
+///
+/// # Safety
+/// The rows that a tile asks for, where there are any, may be read.
+///
+/// # Panics
+/// Where there is no such row.
+#[inline(always)]
+unsafe fn gather_from<T: Tile, R: Octet>(
+    base: *const R,
+    count: usize,
+    indices: &[u32; BLOCK],
+    lane: usize,
+) -> R::Lanes<T> {
+    assert!(greatest::<T>(indices, lane) < count);
+    let mut rows = [R::zero(); BLOCK];
+    let mut i = 0;
+    while i < T::WIDTH {
+        // SAFETY: no index is greater than the greatest; and the caller's promise.
+        rows[i] = unsafe { &*base.add(indices[lane + i] as usize) };
+        i += 1;
+    }
+    gather_rows(&rows)
+}
+
+/// The greatest index of a tile: one comparison with it is cheaper than one with each.
+#[inline(always)]
+fn greatest<T: Tile>(indices: &[u32; BLOCK], lane: usize) -> usize {
+    let (mut greatest, mut i) = (0, 0);
+    while i < T::WIDTH {
+        greatest = greatest.max(indices[lane + i]);
+        i += 1;
+    }
+    greatest as usize
+}
 
 /// Blocks of pairs of rows, in colors: within a color no row that is changed occurs twice.
 #[derive(Clone, Debug, Default)]
@@ -158,7 +203,7 @@ impl<R: Octet> Rows<'_, R> {
 mod tests {
     use super::*;
     use crate::math::Real;
-    use crate::simd::octet::sample::Sample;
+    use crate::simd::record::sample::Sample;
 
     fn colors() -> RowColors {
         let mut colors = RowColors::default();
@@ -207,5 +252,18 @@ mod tests {
         let mut colors = colors();
         colors.begin(true);
         colors.push([[4, 3]].into_iter());
+    }
+
+    #[test]
+    fn a_row_is_found_where_it_is() {
+        let table = [1.0, 2.0, 3.0].map(|x| Sample { number: 10.0 * x, ..Sample::of(x) });
+        let found = gather::<Real, _>(&table, &[0, 2, 1, 0, 0, 0, 0, 0], 1);
+        assert_eq!((found.vector.x, found.number), (3.0, 30.0));
+    }
+
+    #[test]
+    #[should_panic(expected = "assertion")]
+    fn a_row_that_is_not_there_is_not_read() {
+        let _ = gather::<Real, _>(&[Sample::ZERO; 3], &[0, 3, 0, 0, 0, 0, 0, 0], 1);
     }
 }
