@@ -161,11 +161,12 @@ fn balls_that_fall_off_each_other_hardly_overlap() {
 }
 
 /// RaiSim 8, ODE 112, Bullet 41 498: this solver lets a pair bounce once a step, and what the
-/// others hit before the step is over is lost. 580 J of 34 kJ.
+/// others hit before the step is over is lost. 150 J of 34 kJ in
+/// single precision, 370 in double.
 #[test]
 fn balls_that_bounce_off_each_other_keep_most_of_their_energy() {
     let (mut world, balls) = cube_of_balls(1.101, 1.0);
     let error = energy_error(&mut world, &balls, 10.0, (1e-3, 10.0));
     println!("elastic 666, steps of 1 ms: {error:.3e} J^2");
-    assert!(error < 5e5, "{error}");
+    assert!(error < 3e5, "{error}");
 }

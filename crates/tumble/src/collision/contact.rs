@@ -69,8 +69,8 @@ pub(crate) enum UpdateRule {
     Refined,
     /// Of a ball about its centre of mass on a plane that does not turn: nothing changes.
     Constant,
-    /// Of a ball and one that is not dynamic, which it meets later in the step: the normal is the
-    /// one that they meet with.
+    /// Of two balls that meet later in the step, one of which is not dynamic or that meet nothing
+    /// else that is free: the normal is the one that they meet with.
     MeetingCenters,
 }
 
@@ -203,6 +203,11 @@ impl ContactRecord {
     /// Whether it is that of balls about their centres of mass.
     pub(crate) fn is_between_centers(&self) -> bool {
         self.has_rule(UpdateRule::LineOfCenters)
+    }
+
+    /// Whether it is that of balls about their centres of mass which meet later in the step.
+    pub(crate) fn is_of_meeting_centers(&self) -> bool {
+        self.has_rule(UpdateRule::MeetingCenters)
     }
 
     fn has_rule(&self, rule: UpdateRule) -> bool {

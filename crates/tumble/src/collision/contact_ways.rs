@@ -5,13 +5,14 @@ use tumble_math::lane::Vec3;
 use crate::collision::collider_state::{ColliderState, Motion};
 use crate::collision::contact::ContactRecord;
 use crate::math::Real;
+use crate::storage::body_index::Slot;
 
 /// A body that passes another by more than this many margins of the smaller in a step is traced
 /// even where it is nearer than the margin.
 const FAST: Real = 4.0;
 /// A normal that turns by less \[rad\] is the same, ...
 pub(crate) const SAME_NORMAL: f64 = 1e-2;
-/// ... and of two free balls this: where they are followed, they lose bounce.
+/// ... and this of two free balls near others: where those are followed, they lose bounce.
 const SAME_NORMAL_OF_FREE_BALLS: f64 = 0.1;
 
 /// How a contact is treated, by the paths of its two bodies.
@@ -21,6 +22,9 @@ pub(crate) enum Way {
     Plain,
     /// They get through the plane of their contact, that is further than the margin or passed fast.
     Doubtful,
+    /// Free balls whose line of centres turns little: they are followed where they meet nothing
+    /// else that is free.
+    Free,
     /// Balls that pass each other.
     Passed,
 }
@@ -33,8 +37,14 @@ impl Way {
             (false, _) => Self::Plain,
             (true, false) => Self::Doubtful,
             (true, true) if balls_pass(contact, gap, states, fall) => Self::Passed,
-            (true, true) if balls_turn(contact, gap, states) => Self::Doubtful,
-            (true, true) => Self::Plain,
+            (true, true) => {
+                let are_both_free = states.into_iter().all(|state| state.is_dynamic);
+                match turn_of_balls(contact, gap, states) {
+                    turn if are_both_free && turn <= SAME_NORMAL_OF_FREE_BALLS => Self::Free,
+                    turn if !are_both_free && turn <= SAME_NORMAL => Self::Plain,
+                    _ => Self::Doubtful,
+                }
+            }
         }
     }
 }
@@ -80,11 +90,61 @@ fn balls_pass(contact: &ContactRecord, gap: Real, [first, second]: [&ColliderSta
     length(apart + way * moment) - radii > contact.margin() + fall
 }
 
-/// Whether the line between the centres of two balls turns on their ways.
-fn balls_turn(contact: &ContactRecord, gap: Real, [first, second]: [&ColliderState; 2]) -> bool {
+/// By how much the line between the centres of two balls turns on their ways, about \[rad\].
+fn turn_of_balls(contact: &ContactRecord, gap: Real, [first, second]: [&ColliderState; 2]) -> f64 {
     let way = second.motion.way - first.motion.way;
     let across = length(contact.geometry.normal.cross(way));
     let radii = length(second.center - first.center) - gap;
-    let are_both_free = first.is_dynamic && second.is_dynamic;
-    f64::from(across) > if are_both_free { SAME_NORMAL_OF_FREE_BALLS } else { SAME_NORMAL } * f64::from(radii)
+    f64::from(across) / f64::from(radii)
+}
+
+/// How many contacts with other free bodies each body has, by slot. Empty where no free balls meet
+/// that have to be followed.
+#[derive(Default)]
+pub(crate) struct Partners(Vec<u8>);
+
+impl Partners {
+    /// Of these contacts. Those that joints hold, or that something else stops, have many.
+    pub(crate) fn count(
+        contacts: &[ContactRecord],
+        ways: &[Way],
+        states: &[ColliderState],
+        jointed: impl Iterator<Item = Slot>,
+    ) -> Self {
+        let is_free = |slot: &Slot| states[slot.index()].is_dynamic;
+        let are_free = |contact: &ContactRecord| contact.slots.iter().all(is_free);
+        let is_followed = |(contact, way): (&ContactRecord, &Way)| {
+            !matches!(way, Way::Plain | Way::Passed) && contact.is_between_centers() && are_free(contact)
+        };
+        if !contacts.iter().zip(ways).any(is_followed) {
+            return Self::default();
+        }
+        let mut counts = vec![0; states.len()];
+        for slot in jointed {
+            if let Some(count) = counts.get_mut(slot.index()) {
+                *count = u8::MAX;
+            }
+        }
+        for (contact, _) in contacts.iter().zip(ways).filter(|(_, way)| **way != Way::Passed) {
+            let more = match are_free(contact) {
+                true => 1,
+                false if is_rest(contact, contact.slots.map(|slot| &states[slot.index()])) => 0,
+                false => u8::MAX,
+            };
+            contact.slots.iter().for_each(|slot| counts[slot.index()] = counts[slot.index()].saturating_add(more));
+        }
+        Self(counts)
+    }
+
+    /// Whether two free bodies have contacts with no free body but each other, and nothing else
+    /// stops them.
+    pub(crate) fn are_alone(&self, pair: [Slot; 2]) -> bool {
+        pair.iter().all(|slot| self.0.get(slot.index()) == Some(&1))
+    }
+}
+
+/// Whether bodies lie or roll on each other: in the step they come no nearer than by the margin.
+fn is_rest(contact: &ContactRecord, [first, second]: [&ColliderState; 2]) -> bool {
+    let closing = contact.geometry.normal.dot(first.motion.way - second.motion.way);
+    nearest(contact).max(closing) <= contact.margin()
 }

@@ -10,10 +10,6 @@ use crate::collision::traveller::Traveller;
 use crate::storage::body_index::Slot;
 use crate::storage::world_columns::WorldColumns;
 
-/// Bodies may have this times the energy that they had when they get angular momentum, ...
-const MAX_GROWTH: f64 = 2.0;
-/// ... and get no less than this part of it.
-const MIN_PART: f64 = 1e-3;
 /// How exactly bodies that turn as one have the angular momentum, as a part of it: points in a line
 /// cannot have any about that.
 const EXACTNESS: f64 = 1e-6;
@@ -51,7 +47,7 @@ impl LostMomentum {
     pub(crate) fn give_back(
         &mut self,
         travellers: &[Traveller],
-        stopped: &mut [[Slot; 2]],
+        stopped: &[[Slot; 2]],
         columns: &mut WorldColumns<'_>,
     ) {
         let Self { before, groups, members, bodies } = self;
@@ -60,16 +56,12 @@ impl LostMomentum {
         members.extend(stopped.iter().flatten().map(|it| [groups.root(*it), *it]));
         members.sort_unstable();
         members.dedup();
-        stopped.sort_by_key(|pair| groups.root(pair[0]));
-        let pairs = stopped.chunk_by(|a, b| groups.root(a[0]) == groups.root(b[0]));
-        for (group, pairs) in members.chunk_by(|a, b| a[0] == b[0]).zip(pairs) {
+        for group in members.chunk_by(|a, b| a[0] == b[0]) {
             let members = || group.iter().map(|[_, it]| it.index());
             let Some(lost) = lost(members(), before, travellers, columns) else { continue };
             bodies.clear();
             bodies.extend(members().filter_map(|number| Body::of(number, travellers, columns)));
-            if let Some(turn) = Turn::with(bodies, lost) {
-                turn.give(travellers, pairs, columns);
-            }
+            give(bodies, lost, travellers, columns);
         }
     }
 }
@@ -97,82 +89,82 @@ impl Body {
     }
 }
 
-/// Bodies that turn as one, which of all ways to have an angular momentum takes the least energy.
-struct Turn<'a> {
-    bodies: &'a [Body],
-    /// Their centre of mass \[m\].
+/// Bodies that move as one, which of all ways to have momenta takes the least energy.
+struct Turn {
+    /// Their centre of mass \[m\] and its velocity \[m/s\].
     center: DVec3,
+    linear: DVec3,
     /// [rad/s]
     angular: DVec3,
+    /// What it takes \[J\].
+    energy: f64,
 }
 
-impl<'a> Turn<'a> {
-    /// With an angular momentum; `None` where they cannot have it.
-    fn with(bodies: &'a [Body], momentum: DVec3) -> Option<Self> {
+impl Turn {
+    /// With a momentum, and with an angular momentum about the centre of mass; `None` where they
+    /// cannot have it.
+    fn with(bodies: &[Body], momentum: DVec3, spin: DVec3) -> Option<Self> {
         let mass: f64 = bodies.iter().map(|it| it.mass).sum();
-        let center = bodies.iter().map(|it| it.position * it.mass).sum::<DVec3>() / mass;
+        let center = center(bodies);
         let inertia = bodies.iter().fold(DMat3::ZERO, |sum, it| {
             let arm = it.position - center;
             let outer = DMat3::from_cols(arm * arm.x, arm * arm.y, arm * arm.z);
             sum + it.inertia + (DMat3::from_diagonal(DVec3::splat(arm.length_squared())) - outer) * it.mass
         });
-        let angular = inertia.inverse() * momentum;
-        let is_exact = (inertia * angular - momentum).length() <= EXACTNESS * momentum.length();
-        is_exact.then_some(Self { bodies, center, angular })
+        let angular = inertia.inverse() * spin;
+        let linear = momentum / mass;
+        let energy = 0.5 * (momentum.dot(linear) + spin.dot(angular));
+        let is_exact = (inertia * angular - spin).length() <= EXACTNESS * spin.length();
+        is_exact.then_some(Self { center, linear, angular, energy })
     }
 
-    /// Gives bodies the turn, or a part of it where it would take more energy than there is; what
-    /// energy that gives is taken out along lines between centres, which turns nothing.
-    fn give(&self, travellers: &[Traveller], pairs: &[[Slot; 2]], columns: &mut WorldColumns<'_>) {
-        let members = || self.bodies.iter().map(|it| &travellers[it.traveller]);
-        let energy = |columns: &WorldColumns<'_>| members().filter_map(|it| it.energy(columns)).sum::<f64>();
-        let before: f64 = members().filter_map(Traveller::energy_before).sum();
-        self.add(1.0, travellers, columns);
-        let mut part = 1.0;
-        while energy(columns) > MAX_GROWTH * before && part > MIN_PART {
-            part *= 0.5;
-            self.add(-part, travellers, columns);
-        }
-        let mut excess = energy(columns) - before;
-        for pair in pairs {
-            excess -= self.slow_along_line(pair.map(Slot::index), travellers, columns, excess);
-        }
+    /// As one that bodies have the momenta of.
+    fn of(bodies: &[Body], travellers: &[Traveller], columns: &WorldColumns<'_>) -> Option<Self> {
+        let center = center(bodies);
+        let motions = bodies.iter().filter_map(|it| travellers[it.traveller].motion(travellers, columns));
+        let [momentum, spin] = motions.fold([DVec3::ZERO; 2], |[p, l], [position, linear, spin]| {
+            [p + linear, l + (position - center).cross(linear) + spin]
+        });
+        Self::with(bodies, momentum, spin)
     }
 
-    fn add(&self, part: f64, travellers: &[Traveller], columns: &mut WorldColumns<'_>) {
-        for Body { traveller, position, mass, inertia } in self.bodies {
-            let impulse = self.angular.cross(*position - self.center) * (part * mass);
-            travellers[*traveller].add_momentum([impulse, *inertia * self.angular * part], columns);
-        }
+    /// The momenta that it is of a body.
+    fn momenta(&self, body: &Body) -> [DVec3; 2] {
+        let velocity = self.linear + self.angular.cross(body.position - self.center);
+        [velocity * body.mass, body.inertia * self.angular]
     }
+}
 
-    /// Takes up to an `excess` of energy \[J\] out of the motion of two of the bodies along the
-    /// line between their centres of mass; returns how much.
-    fn slow_along_line(
-        &self,
-        pair: [usize; 2],
-        travellers: &[Traveller],
-        columns: &mut WorldColumns<'_>,
-        excess: f64,
-    ) -> f64 {
-        let [first, second] = pair.map(|it| &travellers[it]);
-        // The bodies are in the order of their travellers.
-        let inverse_mass = |it: usize| {
-            let place = self.bodies.binary_search_by_key(&it, |body| body.traveller).ok()?;
-            Some(1.0 / self.bodies[place].mass)
-        };
-        let motions = first.motion(travellers, columns).zip(second.motion(travellers, columns));
-        let (Some(m), Some(n), Some(([a, p, _], [b, q, _]))) = (inverse_mass(pair[0]), inverse_mass(pair[1]), motions)
-        else {
-            return 0.0;
-        };
-        let (line, mass) = ((b - a).normalize_or_zero(), 1.0 / (m + n));
-        let speed = line.dot(q * n - p * m);
-        let taken = excess.min(0.5 * mass * speed * speed).max(0.0);
-        let slower = speed.signum() * (speed * speed - 2.0 * taken / mass).max(0.0).sqrt();
-        let impulse = line * ((slower - speed) * mass);
-        first.add_momentum([-impulse, DVec3::ZERO], columns);
-        second.add_momentum([impulse, DVec3::ZERO], columns);
-        taken
+/// The centre of mass.
+fn center(bodies: &[Body]) -> DVec3 {
+    let mass: f64 = bodies.iter().map(|it| it.mass).sum();
+    bodies.iter().map(|it| it.position * it.mass).sum::<DVec3>() / mass
+}
+
+/// Gives bodies what they have lost of their angular momentum, as far as there is energy for it:
+/// what that takes is taken out of how they move relative to moving as one, which changes no
+/// momentum.
+fn give(bodies: &[Body], lost: DVec3, travellers: &[Traveller], columns: &mut WorldColumns<'_>) {
+    let both = Turn::with(bodies, DVec3::ZERO, lost).zip(Turn::of(bodies, travellers, columns));
+    let Some((turn, now)) = both else { return };
+    let members = || bodies.iter().map(|it| &travellers[it.traveller]);
+    let before: f64 = members().filter_map(Traveller::energy_before).sum();
+    // Moving as one with a part of it takes the energy `now + b part + a part^2`.
+    let (a, b, c) = (turn.energy, now.angular.dot(lost), now.energy - before);
+    let most = (-2.0 * c) / (b + (b * b - 4.0 * a * c).max(0.0).sqrt());
+    let part = if a + b + c > 0.0 { most.clamp(0.0, 1.0) } else { 1.0 };
+    for body in bodies {
+        travellers[body.traveller].add_momentum(turn.momenta(body).map(|it| it * part), columns);
+    }
+    let energy: f64 = members().filter_map(|it| it.energy(columns)).sum();
+    let least = now.energy + (b + a * part) * part;
+    if energy > before && energy > least {
+        let taken = 1.0 - ((before - least).max(0.0) / (energy - least)).sqrt();
+        for body in bodies {
+            let Some([_, linear, spin]) = travellers[body.traveller].motion(travellers, columns) else { continue };
+            let [[p, l], [more_p, more_l]] = [now.momenta(body), turn.momenta(body)];
+            let change = [p + more_p * part - linear, l + more_l * part - spin];
+            travellers[body.traveller].add_momentum(change.map(|it| it * taken), columns);
+        }
     }
 }

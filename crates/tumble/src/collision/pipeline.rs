@@ -197,7 +197,7 @@ impl CollisionPipeline {
         self.find_manifolds();
         self.contacts.substep = settings.contact_substep();
         let fall = settings.gravity.length() * ahead * ahead;
-        self.limit_speculative(fall);
+        self.limit_speculative(fall, joints);
         self.leave_out_internal_edges();
         self.match_impulses();
         self.propose_contacts();

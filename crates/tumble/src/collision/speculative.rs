@@ -12,15 +12,19 @@ use crate::collision::collider_state::ColliderState;
 use crate::collision::compound_parts::numbers;
 use crate::collision::contact::{ContactRecord, Second, UpdateRule};
 use crate::collision::contact_set::ContactSet;
-use crate::collision::contact_ways::{SAME_NORMAL, Way, least_margin, length, nearest};
+use crate::collision::contact_ways::{Partners, SAME_NORMAL, Way, least_margin, length, nearest};
 use crate::collision::narrow_phase::LaneKind;
 use crate::collision::pipeline::{Colliders, CollisionPipeline, PART};
+use crate::joints::joint_list::JointList;
 use crate::math::Real;
 use crate::storage::body_index::Slot;
 use crate::threads::InParts;
 
 /// Surfaces nearer than this part of their margin meet, but than no more than the smaller body's.
 const MEETING: Real = 0.25;
+/// And balls where they are nearer than this part of their radii: on the way from there to where
+/// they touch the line of their centres turns.
+const MEETING_OF_BALLS: f64 = 1e-7;
 /// A contact is as it was found where, until they meet, the bodies go past each other by less than
 /// this many margins, its normal is the same, ...
 const BESIDE: f64 = 10.0;
@@ -61,7 +65,7 @@ struct Traveller {
 
 impl CollisionPipeline {
     /// Goes along the ways of bodies that are about to get through the plane of a contact.
-    pub(crate) fn limit_speculative(&mut self, fall: Real) {
+    pub(crate) fn limit_speculative(&mut self, fall: Real, joints: &JointList) {
         let Self { contacts: ContactSet { records: contacts, .. }, collider_states, colliders, ways, .. } = self;
         let states = &collider_states.states[..];
         let class = |contact: &ContactRecord| Way::of(contact, contact.slots.map(|slot| &states[slot.index()]), fall);
@@ -71,12 +75,17 @@ impl CollisionPipeline {
         parts.by_at_least(2).for_each(|(ways, contacts)| {
             ways.iter_mut().zip(contacts).for_each(|(way, contact)| *way = class(contact));
         });
+        let jointed = joints.joints.iter().flat_map(|joint| joint.slots);
+        let partners = Partners::count(contacts, ways, states, jointed);
+        for (way, contact) in ways.iter_mut().zip(&*contacts).filter(|(way, _)| **way == Way::Free) {
+            *way = if partners.are_alone(contact.slots) { Way::Doubtful } else { Way::Plain };
+        }
         if ways.iter().all(|way| *way == Way::Plain) {
             return;
         }
         let mut encounters = encounters((contacts, ways), colliders, states);
         let mut travellers = travellers(&encounters, states);
-        let view = View { states, colliders, fall };
+        let view = View { states, colliders, fall, partners };
         view.meet(&mut encounters, &travellers);
         let held = held_already((contacts, ways), &travellers, states);
         for _ in 0..ROUNDS {
@@ -280,6 +289,7 @@ struct View<'a> {
     states: &'a [ColliderState],
     colliders: &'a Colliders,
     fall: Real,
+    partners: Partners,
 }
 
 impl View<'_> {
@@ -303,8 +313,14 @@ impl View<'_> {
             return encounter.plane;
         }
         let least = least_margin(encounter.slots.map(|slot| &self.states[slot.index()]));
-        let tolerance = f64::from((MEETING * margin).min(least));
-        Meeting::find(encounter.shapes_of_pair, [&first, &second], tolerance, slack)
+        let radius = |shape: &ColliderShape<Real>| match shape {
+            ColliderShape::Sphere { radius } => f64::from(*radius),
+            _ => f64::INFINITY,
+        };
+        let radii: f64 = encounter.shapes_of_pair.into_iter().map(radius).sum();
+        let tolerance = f64::from((MEETING * margin).min(least)).min(MEETING_OF_BALLS * radii);
+        let met = Meeting::find(encounter.shapes_of_pair, [&first, &second], tolerance, slack)?;
+        Some(if radii.is_finite() { touching(met, [&first, &second], radii) } else { met })
     }
 
     fn meet(&self, encounters: &mut [Encounter<'_>], travellers: &[Traveller]) {
@@ -362,10 +378,12 @@ impl View<'_> {
         let follow = self.follow(encounter);
         let of_second = Second { center: states[1].center, has_non_dynamic: !states[0].is_dynamic, margin };
         let are_balls = before.clone().any(ContactRecord::is_between_centers);
-        // Impulses before two meet act in one point, or angular momentum would be lost.
+        // Impulses before two meet act in one point, or angular momentum would be lost that only
+        // two that are alone get back.
         let are_both_free = states.iter().all(|state| state.is_dynamic);
+        let keeps_centers = !are_both_free || self.partners.are_alone(*slots);
         let rule = match follow {
-            Follow::Centers if are_balls && !are_both_free => UpdateRule::MeetingCenters,
+            Follow::Centers if are_balls && keeps_centers => UpdateRule::MeetingCenters,
             Follow::Centers => UpdateRule::Constant,
             Follow::Bodies => UpdateRule::BodyFixed,
         };
@@ -420,6 +438,22 @@ impl View<'_> {
         };
         if rolls(0) || rolls(1) { Follow::Centers } else { Follow::Bodies }
     }
+}
+
+/// The meeting of balls in the moment when they touch, from shortly before.
+fn touching(met: Meeting, [first, second]: [&Course; 2], radii: f64) -> Meeting {
+    let [apart, way] = [
+        second.at(met.moment).position - first.at(met.moment).position,
+        second.linear(met.moment) - first.linear(met.moment),
+    ];
+    let (a, b, c) = (way.dot(way), -apart.dot(way), apart.dot(apart) - radii * radii);
+    let root = b * b - a * c;
+    if !met.is_hit || b <= 0.0 || root < 0.0 {
+        return met;
+    }
+    let moment = (met.moment + c / (b + root.sqrt())).clamp(0.0, 1.0);
+    let between = apart + way * (moment - met.moment);
+    Meeting { moment, distance: 0.0, normal: between * (1.0 / radii), is_hit: true }
 }
 
 /// Whether a contact has the plane that the bodies meet with, after one has gone this way past the

@@ -68,6 +68,11 @@ impl LockedBodies {
         self.bodies.is_empty()
     }
 
+    /// Whether a body has locked axes.
+    pub(crate) fn has(&self, row: SolverRow) -> bool {
+        self.of(row.index()).is_some()
+    }
+
     fn of(&self, row: usize) -> Option<&LockedBody> {
         let place = self.bodies.binary_search_by_key(&row, |body| body.row).ok()?;
         Some(&self.bodies[place])

@@ -5,6 +5,7 @@ pub(crate) mod contact_frame;
 pub(crate) mod effective_mass;
 pub(crate) mod friction;
 pub(crate) mod impact;
+pub(crate) mod meeting;
 pub(crate) mod prepare;
 pub(crate) mod restitution;
 pub(crate) mod round_contacts;

@@ -207,7 +207,7 @@ impl<const P: usize, const C: usize> Solve<'_, P, C> {
             let mut decoupled = DecoupledImpulses::none();
             j = 0;
             while j < P {
-                let aim = aim(block, (j, lane), to, speeds[j]);
+                let aim = aim(block, (j, lane), to, (speeds[j], before[j]));
                 let mass: T = at(&block.points[j].mass, lane);
                 decoupled.set(j, aim.impulse(before[j], speeds[j], mass) - before[j], mass, is_impact);
                 j += 1;
@@ -218,7 +218,7 @@ impl<const P: usize, const C: usize> Solve<'_, P, C> {
         let mut sum = zero;
         j = 0;
         while j < P {
-            let aim = aim(block, (j, lane), to, speeds[j]);
+            let aim = aim(block, (j, lane), to, (speeds[j], before[j]));
             let point = &mut block.points[j];
             let (start, mass): (T, T) = (before[j] + changes[j], at(&point.mass, lane));
             let impulse = aim.impulse(start, speeds[j], mass).max(zero);
@@ -267,13 +267,13 @@ impl<T: Tile> Aim<T> {
     }
 }
 
-/// The target of a point with this speed along the normal [m/s].
+/// The target of a point with this speed along the normal [m/s] and this impulse [N s].
 #[inline(always)]
 fn aim<T: Tile, const P: usize, const C: usize>(
     block: &Block<P, C>,
     (j, lane): (usize, usize),
     (softness, inverse_h): (Option<&Softness>, Real),
-    speed: T,
+    (speed, before): (T, T),
 ) -> Aim<T> {
     let (zero, one) = (T::splat(0.0), T::splat(1.0));
     let separation: T = at(&block.points[j].separation, lane);
@@ -290,9 +290,12 @@ fn aim<T: Tile, const P: usize, const C: usize>(
                 impulse_scale: T::select(apart, zero, T::splat(softness.impulse_scale.into())),
             }
         }
-        // Between coming as near as it may and leaving there is nothing to take out.
+        // Between coming as near as it may and leaving there is nothing to take out. What is apart
+        // and was not stopped in this substep is left to the next.
         None => {
-            let bias = T::select(apart, near, zero).min((zero - speed).max(zero));
+            let coming = (zero - speed).max(zero);
+            let near = T::select(zero.lt(before), near, coming);
+            let bias = T::select(apart, near, zero).min(coming);
             Aim { bias, mass_scale: one, impulse_scale: zero }
         }
     }

@@ -1,0 +1,92 @@
+//! Two free balls that meet in the middle of a substep: where they would be had the impulses acted
+//! then.
+//!
+//! The solver's impulses act when substeps begin and end. One along the normal with which the balls
+//! meet turns neither, but is not along the line of their centres then, and so changes the angular
+//! momentum of the two. Had it acted when they met, a ball of mass `m` would be elsewhere: by
+//! `J (t - t_meet) / m` for an impulse `J` at a time `t`. There the two have the angular momentum
+//! that they had before.
+
+use glam::DVec3;
+
+use crate::collision::contact::ContactRecord;
+use crate::math::{double, vec3};
+use crate::solver::solver_bodies::{SolverBodies, SolverRow};
+
+/// Two free balls that meet nothing else that is free.
+#[derive(Clone, Debug)]
+pub(crate) struct Meeting {
+    /// That of the contact among all.
+    pub(crate) number: u32,
+    pub(crate) rows: [SolverRow; 2],
+    normal: DVec3,
+    /// How far they are apart along the normal when the step begins \[m\].
+    gap: f64,
+    /// When they meet, from the begin of the step \[s\].
+    moment: f64,
+    /// Velocity of the second relative to the first before the next impulses \[m/s\].
+    velocity: DVec3,
+    /// How far the second is to be moved relative to the first \[m\].
+    shift: DVec3,
+}
+
+impl Meeting {
+    /// Of a contact; `None` where one of its bodies is not free in all directions.
+    pub(crate) fn new(
+        number: u32,
+        contact: &ContactRecord,
+        rows: [SolverRow; 2],
+        bodies: &SolverBodies,
+    ) -> Option<Self> {
+        let are_free = rows.iter().all(|row| bodies.is_dynamic(*row) && !bodies.locked.has(*row));
+        are_free.then(|| Self {
+            number,
+            rows,
+            normal: double(contact.geometry.normal),
+            gap: contact.separation(0).into(),
+            moment: f64::INFINITY,
+            velocity: DVec3::ZERO,
+            shift: DVec3::ZERO,
+        })
+    }
+
+    /// To be called after forces have acted in the substep that begins at a time \[s\].
+    pub(crate) fn before_impulses(&mut self, bodies: &SolverBodies, time: f64) {
+        self.velocity = self.relative(bodies);
+        if time == 0.0 {
+            let closing = -self.normal.dot(self.velocity);
+            self.moment = if closing > 0.0 { self.gap / closing } else { f64::INFINITY };
+        }
+    }
+
+    /// To be called after impulses at a time \[s\].
+    pub(crate) fn after_impulses(&mut self, bodies: &SolverBodies, time: f64) {
+        let after = self.relative(bodies);
+        if self.moment.is_finite() {
+            self.shift += (after - self.velocity) * (time - self.moment);
+        }
+        self.velocity = after;
+    }
+
+    /// Moves the balls to where they would be, if they met before the `end` of the step \[s\].
+    pub(crate) fn shift(&self, bodies: &mut SolverBodies, end: f64) {
+        if !(0.0..=end).contains(&self.moment) {
+            return;
+        }
+        let [m, n] = self.rows.map(|row| f64::from(bodies.motion[row.index()].inverse_mass));
+        let parts = [-m / (m + n), n / (m + n)];
+        for (row, part) in self.rows.into_iter().zip(parts) {
+            let delta = &mut bodies.delta_pose[row.index()].translation;
+            *delta = vec3(double(*delta) + self.shift * part).into();
+        }
+    }
+
+    /// Velocity of the second ball relative to the first [m/s].
+    fn relative(&self, bodies: &SolverBodies) -> DVec3 {
+        let [first, second] = self.rows.map(|row| {
+            let motion = &bodies.motion[row.index()];
+            double(motion.momentum) * f64::from(motion.inverse_mass)
+        });
+        second - first
+    }
+}
