@@ -383,10 +383,21 @@ fn what_is_cast_at_surfaces_stops_at_the_first_triangle() {
         let all = triangles.triangles().iter().filter_map(|corners| one(*corners)).map(|hit| hit.distance);
         let expected = all.reduce(f64::min);
         for surface in [&field, &mesh] {
-            let hit = surface.cast_shape(&at, &moved, &from, &ray).map(|hit| hit.distance);
-            assert_eq!(hit, expected, "case {case}");
+            let hit = surface.cast_shape(&at, &moved, &from, &ray);
+            let distance = hit.map(|hit| hit.distance);
+            assert_eq!(distance, expected, "case {case}");
             let overlap = surface.overlap(&at, &moved, &from).is_some();
-            assert!(!overlap || hit == Some(0.0), "case {case}");
+            assert!(!overlap || distance == Some(0.0), "case {case}");
+            // The surface that is moved the other way meets the shape where that would meet it.
+            let back = Ray::new(at.position, ray.direction() * -1.0, f64::INFINITY).unwrap();
+            let mirrored = moved.cast_shape(&from, surface, &at, &back);
+            assert_eq!(mirrored.is_some(), hit.is_some(), "case {case}");
+            let Some((hit, mirrored)) = hit.zip(mirrored).filter(|_| !overlap) else { continue };
+            assert!((mirrored.distance - hit.distance).abs() <= 1e-5 * size, "case {case}");
+            let along = ray.direction() * hit.distance;
+            let off = mirrored.point + along - hit.point;
+            assert!(hit.triangle != mirrored.triangle || off.dot(off).sqrt() <= 1e-3 * size, "case {case}: {off:?}");
+            assert!(mirrored.normal.dot(ray.direction()) >= -1e-6, "case {case}");
         }
         hits += usize::from(expected.is_some());
     }

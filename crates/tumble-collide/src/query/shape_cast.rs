@@ -38,14 +38,14 @@ pub struct ShapeCastHit {
     pub normal: Vector,
     /// Of a compound that is met, the place of the part in its list; otherwise zero.
     pub part: u32,
-    /// Of a mesh or a height field that is met, the number of the triangle; otherwise zero.
+    /// Of a mesh or a height field, the number of the triangle; otherwise zero.
     pub triangle: u32,
 }
 
 impl<R: Scalar> ColliderShape<R> {
     /// Where a shape that is at `from` and is moved along a ray without turning meets this one; of
-    /// the ray its direction and length count. Surfaces are met from both sides, and not by other
-    /// surfaces; half-spaces are met, and do not move.
+    /// the ray its direction and length count. Surfaces are met from both sides. No surface meets
+    /// another, nor a half-space; half-spaces are not moved.
     ///
     /// Of what is met at the same distance it is the first part, and the first triangle.
     #[must_use]
@@ -74,8 +74,10 @@ impl<R: Scalar> ColliderShape<R> {
                 }
             }
             (Self::HalfSpace, _) => take(on_half_space(at, moved, from, ray), 0),
-            (Self::Mesh(mesh), _) => take(on_surface(mesh.as_ref(), at, moved, from, ray), 0),
-            (Self::HeightField(field), _) => take(on_surface(field.as_ref(), at, moved, from, ray), 0),
+            (Self::Mesh(mesh), _) => take(on_surface(mesh.as_ref(), at, (moved, from), ray, false), 0),
+            (Self::HeightField(field), _) => take(on_surface(field.as_ref(), at, (moved, from), ray, false), 0),
+            (_, Self::Mesh(mesh)) => take(on_surface(mesh.as_ref(), from, (self, at), ray, true), 0),
+            (_, Self::HeightField(field)) => take(on_surface(field.as_ref(), from, (self, at), ray, true), 0),
             _ => {
                 let pair = Convex::of(self).zip(Convex::of(moved));
                 take(pair.and_then(|(still, moved)| meet(still, at, moved, from, ray)), 0);
@@ -151,30 +153,33 @@ fn meet(
     None
 }
 
-/// The first meeting with a surface, triangle by triangle.
+/// The first meeting of a surface and a convex shape, of which one is moved, triangle by triangle.
 fn on_surface<R: Scalar>(
     surface: &impl Surface,
     ground: &Isometry<f64>,
-    moved: &ColliderShape<R>,
-    from: &Isometry<f64>,
+    (shape, place): (&ColliderShape<R>, &Isometry<f64>),
     ray: &Ray,
+    is_moved: bool,
 ) -> Option<ShapeCastHit> {
-    let convex = Convex::of(moved)?;
+    let convex = Convex::of(shape)?;
     let local = Isometry {
-        position: ground.to_local(from.position),
-        orientation: ground.orientation.conjugate() * from.orientation,
+        position: ground.to_local(place.position),
+        orientation: ground.orientation.conjugate() * place.orientation,
     };
     let aabb = around(convex, &local);
     let (size, center) = (aabb.high - aabb.low, aabb.center());
-    let line = Line { point: center, along: ground.orientation.rotate_back(ray.direction()) };
+    // Seen from a surface that is moved the other shape comes.
+    let direction = ray.direction() * if is_moved { -1.0 } else { 1.0 };
+    let line = Line { point: center, along: ground.orientation.rotate_back(direction) };
     // What is this near touches.
     let slack = 2.0 * TOUCHING * (size.dot(size).sqrt() + center.dot(center).sqrt());
     let half = size * 0.5 + Vector::splat(slack);
     let mut first: Option<ShapeCastHit> = None;
     surface.along(&line, half, ray.max_distance(), &mut |triangle| {
         let most = first.map_or(ray.max_distance(), |first| first.distance);
-        let shape = (Convex::Triangle(surface.triangle(triangle)), 0.0);
-        let hit = meet(shape, ground, convex, from, &ray.shortened(most));
+        let (shape, ray) = ((Convex::Triangle(surface.triangle(triangle)), 0.0), ray.shortened(most));
+        let hit =
+            if is_moved { meet(convex, place, shape, ground, &ray) } else { meet(shape, ground, convex, place, &ray) };
         if let Some(hit) = hit
             && first.is_none_or(|first| (hit.distance, triangle) < (first.distance, first.triangle))
         {

@@ -224,8 +224,8 @@ impl<'a> Queries<'a> {
     }
 
     /// What a shape meets first that is at a pose, as a body's frame, and is moved by a way \[m\]
-    /// without turning. Surfaces are met from both sides, and not by surfaces; half-spaces are met,
-    /// and are not moved.
+    /// without turning. Surfaces are met from both sides. A surface that is moved meets neither
+    /// surfaces nor half-spaces; half-spaces are not moved.
     ///
     /// What it overlaps from the beginning it meets at no distance, whichever way it goes; what it
     /// touches and leaves it does not meet.

@@ -6,7 +6,7 @@ use crate::collision::contact_materials::Extras;
 use crate::collision::contact_set::ContactSet;
 use crate::math::Real;
 use crate::settings::Settings;
-use crate::solver::contact::meeting::Meeting;
+use crate::solver::contact::ball_collision::BallCollision;
 use crate::solver::contact::restitution::SubstepMoment;
 use crate::solver::contact::round_contacts::RoundConstraint;
 use crate::solver::contact_work::ContactWorks;
@@ -37,7 +37,7 @@ pub(crate) struct SolverGroup {
     pub(crate) contact_works: ContactWorks,
     /// Contacts that are found again in each substep.
     pub(crate) rounds: Vec<RoundConstraint>,
-    pub(crate) meetings: Vec<Meeting>,
+    pub(crate) ball_collisions: Vec<BallCollision>,
     pub(crate) contacts: Vec<GroupContact>,
     constraints: ContactConstraints,
 }
@@ -71,10 +71,10 @@ pub(crate) struct SubstepSettings {
 impl Solver {
     /// Makes room for dynamic bodies, and for others.
     pub(crate) fn reset(&mut self, [dynamic, non_dynamic]: [usize; 2]) {
-        let SolverGroup { bodies, contact_works, rounds, meetings, contacts, .. } = &mut self.group;
+        let SolverGroup { bodies, contact_works, rounds, ball_collisions, contacts, .. } = &mut self.group;
         contact_works.clear();
         rounds.clear();
-        meetings.clear();
+        ball_collisions.clear();
         contacts.clear();
         bodies.reset(dynamic, non_dynamic);
         self.halvings.clear();
@@ -96,7 +96,7 @@ impl Solver {
         first_rows: [usize; 2],
     ) -> [usize; 2] {
         let Self { group, halvings, stacks, .. } = self;
-        let SolverGroup { bodies, contact_works, rounds, meetings, contacts: all, .. } = group;
+        let SolverGroup { bodies, contact_works, rounds, ball_collisions, contacts: all, .. } = group;
         let results = (&mut *bodies, contact_works);
         let next_rows = gather(constraints, body_index, columns, inputs, results, first_rows);
         let Constraints { bodies: constrained, contacts, mechanisms } = constraints;
@@ -113,7 +113,7 @@ impl Solver {
         all.extend((first..).zip(&*records).map(|(number, contact)| {
             let rows = constrained.rows_of(contact.slots);
             if contact.is_of_meeting_centers() {
-                meetings.extend(Meeting::new(number, contact, rows, bodies));
+                ball_collisions.extend(BallCollision::new(number, contact, rows, bodies));
             }
             GroupContact { number, rows }
         }));
@@ -202,7 +202,7 @@ impl SolverGroup {
     ) {
         let mut mechanisms = mechanisms.filter(|mechanisms| mechanisms.are_touched());
         let solve = SolverStage::solve(h, impact_speed);
-        let Self { bodies, contact_works, rounds, meetings, contacts, constraints } = self;
+        let Self { bodies, contact_works, rounds, ball_collisions, contacts, constraints } = self;
         constraints.lay_out(all, contacts, bodies, extras);
         rounds.retain(|round| !round.is_on_needle(bodies));
         constraints.locate(all.len(), rounds);
@@ -217,7 +217,7 @@ impl SolverGroup {
             bodies.integrate_velocities();
             contact_works.before_solve(bodies);
             let [begin, end] = [substep, substep + 1].map(|it| f64::from(it) * f64::from(h));
-            meetings.iter_mut().for_each(|it| it.before_impulses(bodies, begin));
+            ball_collisions.iter_mut().for_each(|it| it.before_impulses(bodies, begin));
             // Before the impulses of the last step act: bodies that those push together have not
             // come together, and to bounce them would make energy.
             if extras.bounces {
@@ -237,7 +237,7 @@ impl SolverGroup {
                 contact_works.after_joints(bodies);
             }
             bodies.settle_locked();
-            meetings.iter_mut().for_each(|it| it.after_impulses(bodies, begin));
+            ball_collisions.iter_mut().for_each(|it| it.after_impulses(bodies, begin));
             contact_works.before_motion(bodies);
             bodies.integrate_positions(h);
             constraints.update_round_contacts(rounds, &bodies.delta_pose);
@@ -252,16 +252,16 @@ impl SolverGroup {
             }
             constraints.run(SolverStage::Relax { h, impact_speed, stores_warm_start: substep + 1 < substeps }, bodies);
             contact_works.after_substep(bodies);
-            meetings.iter_mut().for_each(|it| it.after_impulses(bodies, end));
+            ball_collisions.iter_mut().for_each(|it| it.after_impulses(bodies, end));
         }
         if extras.bounces {
             constraints.run(SolverStage::ApplyRestitution(threshold), bodies);
         }
         bodies.settle_locked();
         let end = f64::from(substeps) * f64::from(h);
-        for meeting in meetings {
-            meeting.after_impulses(bodies, end);
-            meeting.shift(bodies, end);
+        for collision in ball_collisions {
+            collision.after_impulses(bodies, end);
+            collision.shift(bodies, end);
         }
         constraints.store_impulses(all);
     }

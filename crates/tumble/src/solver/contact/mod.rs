@@ -1,11 +1,11 @@
 //! Contact constraints: effective masses, impulses, friction and restitution.
 
+pub(crate) mod ball_collision;
 pub(crate) mod constraint;
 pub(crate) mod contact_frame;
 pub(crate) mod effective_mass;
 pub(crate) mod friction;
 pub(crate) mod impact;
-pub(crate) mod meeting;
 pub(crate) mod prepare;
 pub(crate) mod restitution;
 pub(crate) mod round_contacts;

@@ -15,7 +15,7 @@ use crate::solver::solver_bodies::{SolverBodies, SolverRow};
 
 /// Two free balls that meet nothing else that is free.
 #[derive(Clone, Debug)]
-pub(crate) struct Meeting {
+pub(crate) struct BallCollision {
     /// That of the contact among all.
     pub(crate) number: u32,
     pub(crate) rows: [SolverRow; 2],
@@ -30,7 +30,7 @@ pub(crate) struct Meeting {
     shift: DVec3,
 }
 
-impl Meeting {
+impl BallCollision {
     /// Of a contact; `None` where one of its bodies is not free in all directions.
     pub(crate) fn new(
         number: u32,
