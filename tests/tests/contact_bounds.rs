@@ -100,8 +100,8 @@ fn clusters_keep_their_momenta() {
     println!("momenta of clusters: linear {:e}, angular {:e} of the sum of their sizes", worst[0], worst[1]);
     assert!(worst[0] < 2e-6, "{worst:?}");
     // Who was stopped in the middle of a step gets no angular momentum back for which it does not
-    // have the energy.
-    assert!(losses.len() <= 3 && losses.iter().all(|loss| *loss < 2e-3), "{losses:?} of 3600 steps");
+    // have the energy: at most what two of 27 bodies have, in one of a thousand steps.
+    assert!(losses.len() <= 3 && losses.iter().all(|loss| *loss < 2.0 / 27.0), "{losses:?} of 3600 steps");
 }
 
 /// The share of the speed of approach with which two boxes that met face to face leave each other,

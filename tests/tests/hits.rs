@@ -4,7 +4,7 @@
 //!
 //! Why: a blow is found from where bodies are when a step begins, and at 10 m/s they are elsewhere
 //! when they meet. It fails if a contact of balls has the normal of the begin of the step, if a
-//! blow that is over before the step ends has no event, if angular momentum is given back with
+//! blow that is over before the step ends has no event, or its event a part of the impulse, if angular momentum is given back with
 //! energy out of nothing, or if contacts look less far ahead than bodies go.
 
 use glam::DVec3;
@@ -214,5 +214,32 @@ fn what_falls_lands_on_the_ground() {
             let fall = 0.5 * 9.81 / (steps_a_second * steps_a_second);
             assert!(depth < 0.01 * half + fall, "case {case} is {depth} m deep, of {half} m");
         }
+    }
+}
+
+#[test]
+fn the_event_of_a_landing_has_all_of_its_impulse() {
+    for case in 0..300 {
+        let mut draw = Draw::new(2344, case);
+        let (size, steps_a_second) = (draw.log_between(0.01, 10.0), draw.log_between(30.0, 240.0));
+        let mut world = World::new();
+        let surface = Material::new(0.5, 0.0);
+        ground(&mut world, surface, Quat::IDENTITY);
+        // Up to its own size a step, and at least an impact.
+        let speed = (size * steps_a_second * draw.log_between(0.02, 1.0)).max(2.0);
+        let height = size + draw.between(0.5, 3.0) * speed / steps_a_second;
+        let (mass, shape) = (draw.log_between(0.1, 100.0), Shape::sphere(size));
+        let body = RigidBody::new(shape.clone()).mass(mass).position(Vec3::Y * real(height));
+        let body = body.linear_velocity(Vec3::Y * real(-speed));
+        spawn(&mut world, body, surfaced(collider(&shape), surface));
+        let mut simulation = weightless(steps_a_second);
+        let mut landings = Vec::new();
+        for _ in 0..6 {
+            simulation.step(&mut world);
+            landings.extend(simulation.contact_events());
+        }
+        let [ContactEvent::Begin(_, impact)] = landings[..] else { panic!("case {case}: {landings:?}") };
+        let found = [f64::from(impact.speed) / speed, f64::from(impact.impulse) / (mass * speed)];
+        assert!(found.iter().all(|it| (it - 1.0).abs() < 1e-3), "case {case}: {found:?}");
     }
 }

@@ -279,7 +279,7 @@ impl CollisionPipeline {
             }
         }
         let Sweep { travellers, stopped, lost, .. } = sweep;
-        for it in travellers.iter().filter(|it| it.until < 1.0) {
+        for it in travellers.iter() {
             it.write(travellers, columns);
         }
         lost.give_back(travellers, stopped, columns);

@@ -15,6 +15,7 @@ use crate::integrators::kinetic_energy::KineticEnergy;
 use crate::integrators::response_range::responds_in_range;
 use crate::integrators::state::{Constants, Moments, State};
 use crate::joints::axes::Axes;
+use crate::joints::axis_lock::AxisLock;
 use crate::joints::locked_axes::LockedAxes;
 use crate::math::{Real, Vec3 as WorldVec3, dquat, dvec3, quat, vec3};
 use crate::range::{MAX_SPEED, within};
@@ -91,6 +92,7 @@ impl Traveller {
     /// energy that it had.
     pub(crate) fn stop(&mut self, moment: f64, with: Option<usize>, columns: &mut WorldColumns<'_>, gained: WorldVec3) {
         let row = self.place.row as usize;
+        let gained = vec3(AxisLock(self.locked_axes(columns)).along_free(dvec3(gained)));
         if let Some(columns) = columns.dynamic_mut(self.place) {
             let scale = columns.gravity_scale.as_deref().map_or(1.0, |scales| scales[row].0);
             let left_out = crate::math::real(self.until - moment) * scale * columns.mass[row].kilograms();
@@ -171,9 +173,16 @@ impl Traveller {
         }
     }
 
-    /// Writes where it was stopped, with what it touches for the rest of the substep, and books
-    /// what that did.
+    /// Writes where it was stopped, if it was, with what it touches for the rest of the substep, and
+    /// books what that and blows did.
     pub(crate) fn write(&self, travellers: &[Self], columns: &mut WorldColumns<'_>) {
+        if self.until < 1.0 {
+            self.write_pose(travellers, columns);
+        }
+        self.book(self.before, columns);
+    }
+
+    fn write_pose(&self, travellers: &[Self], columns: &mut WorldColumns<'_>) {
         let (here, place) = (self.at(self.until), self.stays(travellers));
         turn_momentum(columns, self.place, place.orientation * here.orientation.conjugate());
         let row = self.place.row as usize;
@@ -181,7 +190,6 @@ impl Traveller {
             let orientation = quat(place.orientation.normalize().into());
             columns.pose[row] = Pose { position: vec3(place.position.into()), orientation };
         }
-        self.book(self.before, columns);
     }
 
     /// Whether another body that met this one in the direction of a normal is past its middle in

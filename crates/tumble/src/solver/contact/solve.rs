@@ -2,6 +2,7 @@
 
 use tumble_math::lane::Vec3;
 
+use crate::collision::contact::UpdateRule;
 use crate::math::Real;
 use crate::simd::block_lanes::{at, put, vector_at};
 use crate::simd::{BLOCK, Kernel, Rows, Tile};
@@ -14,7 +15,7 @@ use crate::solver::contact::effective_mass::warm_start_factor;
 use crate::solver::contact::friction::FrictionImpulse;
 use crate::solver::contact::impact::{DecoupledImpulses, record_impact};
 use crate::solver::contact::softness::Softness;
-use crate::solver::contact::update_geometry::follow;
+use crate::solver::contact::update_geometry::{follow, of_balls, of_rule};
 use crate::solver::locked_bodies::BlockLocks;
 
 /// Blocks of one color, with what only some contacts have: as many of it as there are blocks, or
@@ -290,11 +291,14 @@ fn aim<T: Tile, const P: usize, const C: usize>(
                 impulse_scale: T::select(apart, zero, T::splat(softness.impulse_scale.into())),
             }
         }
-        // Between coming as near as it may and leaving there is nothing to take out. What is apart
-        // and was not stopped in this substep is left to the next.
+        // Between coming as near as it may and leaving there is nothing to take out. A ball that is
+        // apart and was not stopped in this substep is left to the next.
         None => {
             let coming = (zero - speed).max(zero);
-            let near = T::select(zero.lt(before), near, coming);
+            let rule: T = at(&block.start.update_rule, lane);
+            let is_ball = if P == 1 { of_balls(rule).max(of_rule(rule, UpdateRule::Constant)) } else { zero };
+            let is_left = T::select(zero.lt(before), zero, is_ball);
+            let near = T::select(zero.lt(is_left), coming, near);
             let bias = T::select(apart, near, zero).min(coming);
             Aim { bias, mass_scale: one, impulse_scale: zero }
         }

@@ -131,9 +131,13 @@ pub(crate) fn is_rule<T: Tile>(number: T, rule: UpdateRule) -> T::Mask {
 /// One where numbers are those of a rule of balls, else zero.
 #[inline(always)]
 pub(crate) fn of_balls<T: Tile>(number: T) -> T {
-    let [zero, one] = [0.0, 1.0].map(T::splat);
-    let is = |rule: UpdateRule| T::select(is_rule(number, rule), one, zero);
-    is(UpdateRule::LineOfCenters).max(is(UpdateRule::MeetingCenters))
+    of_rule(number, UpdateRule::LineOfCenters).max(of_rule(number, UpdateRule::MeetingCenters))
+}
+
+/// One where numbers are those of a rule, else zero.
+#[inline(always)]
+pub(crate) fn of_rule<T: Tile>(number: T, rule: UpdateRule) -> T {
+    T::select(is_rule(number, rule), T::splat(1.0), T::splat(0.0))
 }
 
 /// Arms as they are when balls meet, along the normal, if they meet later in the step.
