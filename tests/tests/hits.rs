@@ -4,8 +4,9 @@
 //!
 //! Why: a blow is found from where bodies are when a step begins, and at 10 m/s they are elsewhere
 //! when they meet. It fails if a contact of balls has the normal of the begin of the step, if a
-//! blow that is over before the step ends has no event, or its event a part of the impulse, if angular momentum is given back with
-//! energy out of nothing, or if contacts look less far ahead than bodies go.
+//! blow that is over before the step ends has no event, or its event has a part of the impulse, if
+//! angular momentum is given back with energy out of nothing, or if contacts look less far ahead
+//! than bodies go.
 
 use glam::DVec3;
 use hecs::{Entity, World};

@@ -173,8 +173,8 @@ impl Traveller {
         }
     }
 
-    /// Writes where it was stopped, if it was, with what it touches for the rest of the substep, and
-    /// books what that and blows did.
+    /// Writes where it was stopped, if it was, with what it touches for the rest of the substep,
+    /// and books what that and blows did.
     pub(crate) fn write(&self, travellers: &[Self], columns: &mut WorldColumns<'_>) {
         if self.until < 1.0 {
             self.write_pose(travellers, columns);

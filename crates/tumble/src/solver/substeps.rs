@@ -216,7 +216,7 @@ impl SolverGroup {
             contact_works.before_forces(bodies);
             bodies.integrate_velocities();
             contact_works.before_solve(bodies);
-            let [begin, end] = [substep, substep + 1].map(|it| f64::from(it) * f64::from(h));
+            let (begin, end) = (f64::from(substep) * f64::from(h), f64::from(substep + 1) * f64::from(h));
             ball_collisions.iter_mut().for_each(|it| it.before_impulses(bodies, begin));
             // Before the impulses of the last step act: bodies that those push together have not
             // come together, and to bounce them would make energy.
@@ -259,10 +259,7 @@ impl SolverGroup {
         }
         bodies.settle_locked();
         let end = f64::from(substeps) * f64::from(h);
-        for collision in ball_collisions {
-            collision.after_impulses(bodies, end);
-            collision.shift(bodies, end);
-        }
+        ball_collisions.iter_mut().for_each(|it| it.finish(bodies, end));
         constraints.store_impulses(all);
     }
 }

@@ -68,8 +68,10 @@ impl BallCollision {
         self.velocity = after;
     }
 
-    /// Moves the balls to where they would be, if they met before the `end` of the step \[s\].
-    pub(crate) fn shift(&self, bodies: &mut SolverBodies, end: f64) {
+    /// To be called after the last impulses, at the `end` of the step \[s\]: moves the balls to
+    /// where they would be, if they met before.
+    pub(crate) fn finish(&mut self, bodies: &mut SolverBodies, end: f64) {
+        self.after_impulses(bodies, end);
         if !(0.0..=end).contains(&self.moment) {
             return;
         }
