@@ -38,7 +38,7 @@ fn check_the_same_work(simulation: &mut Simulation, world: &mut World, plain: &m
         plain.step(settings.dt, settings.gravity);
     }
     // The two round in different orders, a few roundings a step of numbers up to 50, and the scheme
-    // at worst doubles a difference within so few steps.
+    // at worst doubles a difference within this number of steps.
     let apart = 50.0 * COMPARED as Real * 8.0 * Real::EPSILON;
     let mut compared = 0;
     let bodies = world.query_mut::<(&Pose, &Momentum, &Inertia, &Velocity, &InverseInertia)>();

@@ -1,11 +1,11 @@
 //! Bodies that touch, as tests of contacts need them.
 
 use hecs::{Entity, World};
-use tumble::math::Quat;
+use tumble::math::{Quat, Vec3};
 use tumble::prelude::*;
 use tumble::{Collider, Material};
 
-use crate::comparison::vec3;
+use crate::comparison::{real, vec3};
 
 /// A body with a collider.
 pub fn spawn(world: &mut World, body: RigidBody, collider: Collider) -> Entity {
@@ -24,6 +24,15 @@ pub fn ground(world: &mut World, material: Material, orientation: Quat) -> Entit
 /// A collider of a material.
 pub fn surfaced(collider: Collider, material: Material) -> Collider {
     collider.with_material(material).expect("a possible material")
+}
+
+/// A body of a mass \[kg\] over ground of its material: how high its centre is \[m\], and how fast
+/// it falls [m/s].
+pub fn fall_to_ground(world: &mut World, shape: &Shape, material: Material, mass: f64, fall: [f64; 2]) -> Entity {
+    ground(world, material, Quat::IDENTITY);
+    let [height, speed] = fall.map(real);
+    let body = RigidBody::new(shape.clone()).mass(mass).position(Vec3::Y * height);
+    spawn(world, body.linear_velocity(Vec3::Y * -speed), surfaced(collider(shape), material))
 }
 
 /// Six walls around a cube of two metres about the origin, of half a thickness \[m\].

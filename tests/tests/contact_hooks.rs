@@ -15,7 +15,7 @@ use tumble::math::{Quat, Real, Vec3};
 use tumble::prelude::*;
 use tumble::{Batch, ContactEvent, ContactProposal, IgnoreContacts, Impact, Trial};
 use tumble_benches::pool;
-use tumble_tests::touching::{collider, cube, ground, pose, spawn, surfaced, velocity};
+use tumble_tests::touching::{collider, cube, fall_to_ground, ground, pose, spawn, surfaced, velocity};
 use tumble_tests::{Draw, dvec3, hash, real, run, vec3};
 
 const G: f64 = 9.81;
@@ -251,9 +251,7 @@ fn an_impact_of_a_fall_has_its_speed() {
         let mut draw = Draw::new(2343, case);
         let (half, height) = (draw.log_between(0.02, 1.0), draw.log_between(0.1, 10.0));
         let mut world = World::new();
-        ground(&mut world, Material::default(), Quat::IDENTITY);
-        let body = RigidBody::new(cube(half)).mass(1.0).position(Vec3::Y * real(half + height));
-        spawn(&mut world, body, collider(&cube(half)));
+        fall_to_ground(&mut world, &cube(half), Material::default(), 1.0, [half + height, 0.0]);
         let mut simulation = Simulation::new(Settings::default()).unwrap();
         let impact = impact(&mut simulation, &mut world, 200);
         let (speed, wanted) = (f64::from(impact.speed), (2.0 * G * height).sqrt());

@@ -10,10 +10,9 @@
 
 use glam::DVec3;
 use hecs::{Entity, World};
-use tumble::math::{Quat, Vec3};
 use tumble::prelude::*;
 use tumble::{BodyOrder, ContactEvent, Integrator, Material, Totals};
-use tumble_tests::touching::{closed_box, collider, ground, pose, spawn, surfaced, velocity};
+use tumble_tests::touching::{closed_box, collider, fall_to_ground, pose, spawn, surfaced, velocity};
 use tumble_tests::{Draw, dvec3, quat, real, vec3};
 
 fn weightless(steps_a_second: f64) -> Simulation {
@@ -197,15 +196,13 @@ fn what_falls_lands_on_the_ground() {
             1 => (Shape::cuboid([size, 0.4 * size, 0.8 * size]), 0.4 * size),
             _ => (Shape::Cylinder { radius: 0.7 * size, half_height: size }, size),
         };
-        let mut world = World::new();
         let surface = Material::new(0.5, real(draw.between(0.0, 0.6)));
-        ground(&mut world, surface, Quat::IDENTITY);
         // Up to its own size a step.
         let speed = size * steps_a_second * draw.log_between(0.02, 1.0);
         let height = half + draw.between(0.5, 3.0) * speed / steps_a_second;
-        let body = RigidBody::new(shape.clone()).mass(draw.log_between(0.1, 100.0));
-        let body = body.position(Vec3::Y * real(height)).linear_velocity(Vec3::Y * real(-speed));
-        let body = spawn(&mut world, body, surfaced(collider(&shape), surface));
+        let mut world = World::new();
+        let mass = draw.log_between(0.1, 100.0);
+        let body = fall_to_ground(&mut world, &shape, surface, mass, [height, speed]);
         let settings = Settings::default().with_dt(real(1.0 / steps_a_second));
         let mut simulation = Simulation::new(settings).unwrap();
         for _ in 0..12 {
@@ -223,16 +220,12 @@ fn the_event_of_a_landing_has_all_of_its_impulse() {
     for case in 0..300 {
         let mut draw = Draw::new(2344, case);
         let (size, steps_a_second) = (draw.log_between(0.01, 10.0), draw.log_between(30.0, 240.0));
-        let mut world = World::new();
-        let surface = Material::new(0.5, 0.0);
-        ground(&mut world, surface, Quat::IDENTITY);
         // Up to its own size a step, and at least an impact.
         let speed = (size * steps_a_second * draw.log_between(0.02, 1.0)).max(2.0);
         let height = size + draw.between(0.5, 3.0) * speed / steps_a_second;
+        let mut world = World::new();
         let (mass, shape) = (draw.log_between(0.1, 100.0), Shape::sphere(size));
-        let body = RigidBody::new(shape.clone()).mass(mass).position(Vec3::Y * real(height));
-        let body = body.linear_velocity(Vec3::Y * real(-speed));
-        spawn(&mut world, body, surfaced(collider(&shape), surface));
+        fall_to_ground(&mut world, &shape, Material::new(0.5, 0.0), mass, [height, speed]);
         let mut simulation = weightless(steps_a_second);
         let mut landings = Vec::new();
         for _ in 0..6 {

@@ -15,7 +15,7 @@ use tumble_benches::mixed_moving_bodies;
 use tumble_tests::hash;
 use tumble_tests::touching::{collider, cube, ground, spawn};
 
-/// So few steps are slow enough under an interpreter.
+/// An interpreter is slow.
 const STEPS: u32 = 3;
 
 /// A heap about the origin, and beside it what is free, with a spring and a mass here and there.

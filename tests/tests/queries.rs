@@ -396,7 +396,7 @@ fn far_from_the_origin_answers_are_as_good() {
     }
 }
 
-/// What touches as the step has it is what overlaps, but for what rounding and margins are.
+/// Pairs that are in contact after a step are those that overlap, to rounding and margins.
 #[test]
 fn what_a_step_says_to_touch_is_what_overlaps() {
     let mut world = World::new();

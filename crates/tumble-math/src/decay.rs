@@ -32,8 +32,8 @@ pub struct Decay<L> {
 /// in single precision.
 const LONGEST: f64 = 80.0;
 const LOG2_E: f64 = std::f64::consts::LOG2_E;
-/// ln 2 in two parts; the first has so few bits that its product with a whole number up to 115 is
-/// exact in single precision.
+/// ln 2 in two parts; the first has few enough bits for its product with a whole number up to 115
+/// to be exact in single precision.
 const LN_2_HIGH: f64 = 0.693_145_751_953_125;
 const LN_2_LOW: f64 = 1.428_606_820_309_417_2e-6;
 /// Terms of `e^r - 1` for `|r| <= ln(2)/2`: the first one left out is `r^14/14! < 4e-18`, below

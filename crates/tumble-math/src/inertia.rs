@@ -279,7 +279,15 @@ fn steiner(mass: f64, offset: DVec3) -> Result<DMat3, InertiaError> {
 /// `m (d^2 E - d d^T)` [kg m^2]: the inertia about the origin of a point mass `m` \[kg\] at `d`
 /// \[m\], and the term of the parallel-axis theorem. Diagonal elements as sums of two squares, so
 /// nothing cancels.
-pub(crate) fn parallel_axis(mass: f64, d: DVec3) -> DMat3 {
+///
+/// ```
+/// use glam::{DMat3, DVec3};
+/// use tumble_math::parallel_axis;
+/// let rim = parallel_axis(2.0, DVec3::X * 3.0);
+/// assert_eq!(rim, DMat3::from_diagonal(DVec3::new(0.0, 18.0, 18.0)));
+/// ```
+#[must_use]
+pub fn parallel_axis(mass: f64, d: DVec3) -> DMat3 {
     let (x, y, z) = (d.x, d.y, d.z);
     let (xy, xz, yz) = (-mass * x * y, -mass * x * z, -mass * y * z);
     DMat3::from_cols(

@@ -76,7 +76,7 @@ mod yaw_pitch_roll;
 pub use equivalent_ellipsoid::equivalent_ellipsoid;
 pub use euler::to_euler;
 pub use glam::EulerRot;
-pub use inertia::InertiaTensor;
+pub use inertia::{InertiaTensor, parallel_axis};
 pub use inertia_error::InertiaError;
 pub use kinematics::{
     ForceAndTorque, angular_acceleration, moment_about_axis, torque_for_angular_acceleration, velocity_at_point,

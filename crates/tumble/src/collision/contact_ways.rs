@@ -5,7 +5,6 @@ use tumble_math::lane::Vec3;
 use crate::collision::collider_state::{ColliderState, Motion};
 use crate::collision::contact::ContactRecord;
 use crate::math::Real;
-use crate::storage::body_index::Slot;
 
 /// A body that passes another by more than this many margins of the smaller in a step is traced
 /// even where it is nearer than the margin.
@@ -96,55 +95,4 @@ fn turn_of_balls(contact: &ContactRecord, gap: Real, [first, second]: [&Collider
     let across = length(contact.geometry.normal.cross(way));
     let radii = length(second.center - first.center) - gap;
     f64::from(across) / f64::from(radii)
-}
-
-/// How many contacts with other free bodies each body has, by slot. Empty where no free balls meet
-/// that have to be followed.
-#[derive(Default)]
-pub(crate) struct Partners(Vec<u8>);
-
-impl Partners {
-    /// Of these contacts. Those that joints hold, or that something else stops, have many.
-    pub(crate) fn count(
-        contacts: &[ContactRecord],
-        ways: &[Way],
-        states: &[ColliderState],
-        jointed: impl Iterator<Item = Slot>,
-    ) -> Self {
-        let is_free = |slot: &Slot| states[slot.index()].is_dynamic;
-        let are_free = |contact: &ContactRecord| contact.slots.iter().all(is_free);
-        let is_followed = |(contact, way): (&ContactRecord, &Way)| {
-            !matches!(way, Way::Plain | Way::Passed) && contact.is_between_centers() && are_free(contact)
-        };
-        if !contacts.iter().zip(ways).any(is_followed) {
-            return Self::default();
-        }
-        let mut counts = vec![0; states.len()];
-        for slot in jointed {
-            if let Some(count) = counts.get_mut(slot.index()) {
-                *count = u8::MAX;
-            }
-        }
-        for (contact, _) in contacts.iter().zip(ways).filter(|(_, way)| **way != Way::Passed) {
-            let more = match are_free(contact) {
-                true => 1,
-                false if is_rest(contact, contact.slots.map(|slot| &states[slot.index()])) => 0,
-                false => u8::MAX,
-            };
-            contact.slots.iter().for_each(|slot| counts[slot.index()] = counts[slot.index()].saturating_add(more));
-        }
-        Self(counts)
-    }
-
-    /// Whether two free bodies have contacts with no free body but each other, and nothing else
-    /// stops them.
-    pub(crate) fn are_alone(&self, pair: [Slot; 2]) -> bool {
-        pair.iter().all(|slot| self.0.get(slot.index()) == Some(&1))
-    }
-}
-
-/// Whether bodies lie or roll on each other: in the step they come no nearer than by the margin.
-fn is_rest(contact: &ContactRecord, [first, second]: [&ColliderState; 2]) -> bool {
-    let closing = contact.geometry.normal.dot(first.motion.way - second.motion.way);
-    nearest(contact).max(closing) <= contact.margin()
 }

@@ -4,6 +4,7 @@
 //! is not along the chord, and about any point there is less or more of it than before.
 
 use glam::{DMat3, DVec3};
+use tumble_math::parallel_axis;
 
 use crate::collision::islands::Islands;
 use crate::collision::traveller::Traveller;
@@ -61,7 +62,7 @@ impl LostMomentum {
             let Some(lost) = lost(members(), before, travellers, columns) else { continue };
             bodies.clear();
             bodies.extend(members().filter_map(|number| Body::of(number, travellers, columns)));
-            give(bodies, lost, travellers, columns);
+            Whole::of(bodies).give(lost, travellers, columns);
         }
     }
 }
@@ -89,82 +90,85 @@ impl Body {
     }
 }
 
-/// Bodies that move as one, which of all ways to have momenta takes the least energy.
-struct Turn {
-    /// Their centre of mass \[m\] and its velocity \[m/s\].
+/// Several bodies as one.
+struct Whole<'a> {
+    bodies: &'a [Body],
+    mass: f64,
+    /// Their centre of mass \[m\], and their inertia about it [kg m^2].
     center: DVec3,
+    inertia: DMat3,
+}
+
+/// A motion of bodies as one, which of all that have its momenta takes the least energy.
+struct RigidMotion {
+    /// That of the centre of mass [m/s], and about it [rad/s].
     linear: DVec3,
-    /// [rad/s]
     angular: DVec3,
     /// What it takes \[J\].
     energy: f64,
 }
 
-impl Turn {
-    /// With a momentum, and with an angular momentum about the centre of mass; `None` where they
-    /// cannot have it.
-    fn with(bodies: &[Body], momentum: DVec3, spin: DVec3) -> Option<Self> {
-        let mass: f64 = bodies.iter().map(|it| it.mass).sum();
-        let center = center(bodies);
-        let inertia = bodies.iter().fold(DMat3::ZERO, |sum, it| {
-            let arm = it.position - center;
-            let outer = DMat3::from_cols(arm * arm.x, arm * arm.y, arm * arm.z);
-            sum + it.inertia + (DMat3::from_diagonal(DVec3::splat(arm.length_squared())) - outer) * it.mass
-        });
-        let angular = inertia.inverse() * spin;
-        let linear = momentum / mass;
+impl<'a> Whole<'a> {
+    fn of(bodies: &'a [Body]) -> Self {
+        let mass = bodies.iter().map(|it| it.mass).sum();
+        let center = bodies.iter().map(|it| it.position * it.mass).sum::<DVec3>() / mass;
+        let about_center = |it: &Body| it.inertia + parallel_axis(it.mass, it.position - center);
+        let inertia = bodies.iter().fold(DMat3::ZERO, |sum, it| sum + about_center(it));
+        Self { bodies, mass, center, inertia }
+    }
+
+    /// The motion with a momentum, and with an angular momentum about the centre of mass; `None`
+    /// where they cannot have it.
+    fn motion(&self, momentum: DVec3, spin: DVec3) -> Option<RigidMotion> {
+        let (linear, angular) = (momentum / self.mass, self.inertia.inverse() * spin);
         let energy = 0.5 * (momentum.dot(linear) + spin.dot(angular));
-        let is_exact = (inertia * angular - spin).length() <= EXACTNESS * spin.length();
-        is_exact.then_some(Self { center, linear, angular, energy })
+        let is_exact = (self.inertia * angular - spin).length() <= EXACTNESS * spin.length();
+        is_exact.then_some(RigidMotion { linear, angular, energy })
     }
 
-    /// As one that bodies have the momenta of.
-    fn of(bodies: &[Body], travellers: &[Traveller], columns: &WorldColumns<'_>) -> Option<Self> {
-        let center = center(bodies);
-        let motions = bodies.iter().filter_map(|it| travellers[it.traveller].motion(travellers, columns));
+    /// The motion with the momenta that they have.
+    fn present_motion(&self, travellers: &[Traveller], columns: &WorldColumns<'_>) -> Option<RigidMotion> {
+        let motions = self.bodies.iter().filter_map(|it| travellers[it.traveller].motion(travellers, columns));
         let [momentum, spin] = motions.fold([DVec3::ZERO; 2], |[p, l], [position, linear, spin]| {
-            [p + linear, l + (position - center).cross(linear) + spin]
+            [p + linear, l + (position - self.center).cross(linear) + spin]
         });
-        Self::with(bodies, momentum, spin)
+        self.motion(momentum, spin)
     }
 
-    /// The momenta that it is of a body.
-    fn momenta(&self, body: &Body) -> [DVec3; 2] {
-        let velocity = self.linear + self.angular.cross(body.position - self.center);
-        [velocity * body.mass, body.inertia * self.angular]
+    /// The momenta of one of them in a motion.
+    fn momenta(&self, motion: &RigidMotion, body: &Body) -> [DVec3; 2] {
+        let velocity = motion.linear + motion.angular.cross(body.position - self.center);
+        [velocity * body.mass, body.inertia * motion.angular]
     }
-}
 
-/// The centre of mass.
-fn center(bodies: &[Body]) -> DVec3 {
-    let mass: f64 = bodies.iter().map(|it| it.mass).sum();
-    bodies.iter().map(|it| it.position * it.mass).sum::<DVec3>() / mass
-}
-
-/// Gives bodies what they have lost of their angular momentum, as far as there is energy for it:
-/// what that takes is taken out of how they move relative to moving as one, which changes no
-/// momentum.
-fn give(bodies: &[Body], lost: DVec3, travellers: &[Traveller], columns: &mut WorldColumns<'_>) {
-    let both = Turn::with(bodies, DVec3::ZERO, lost).zip(Turn::of(bodies, travellers, columns));
-    let Some((turn, now)) = both else { return };
-    let members = || bodies.iter().map(|it| &travellers[it.traveller]);
-    let before: f64 = members().filter_map(Traveller::energy_before).sum();
-    // Moving as one with a part of it takes the energy `now + b part + a part^2`.
-    let (a, b, c) = (turn.energy, now.angular.dot(lost), now.energy - before);
-    let most = (-2.0 * c) / (b + (b * b - 4.0 * a * c).max(0.0).sqrt());
-    let part = if a + b + c > 0.0 { most.clamp(0.0, 1.0) } else { 1.0 };
-    for body in bodies {
-        travellers[body.traveller].add_momentum(turn.momenta(body).map(|it| it * part), columns);
-    }
-    let energy: f64 = members().filter_map(|it| it.energy(columns)).sum();
-    let least = now.energy + (b + a * part) * part;
-    if energy > before && energy > least {
-        let taken = 1.0 - ((before - least).max(0.0) / (energy - least)).sqrt();
-        for body in bodies {
-            let Some([_, linear, spin]) = travellers[body.traveller].motion(travellers, columns) else { continue };
-            let [[p, l], [more_p, more_l]] = [now.momenta(body), turn.momenta(body)];
-            let change = [p + more_p * part - linear, l + more_l * part - spin];
-            travellers[body.traveller].add_momentum(change.map(|it| it * taken), columns);
+    /// Gives them what they have `lost` of their angular momentum, as far as there is energy for
+    /// it: what that takes is taken from how they move relative to moving as one.
+    fn give(&self, lost: DVec3, travellers: &[Traveller], columns: &mut WorldColumns<'_>) {
+        let both = self.motion(DVec3::ZERO, lost).zip(self.present_motion(travellers, columns));
+        let Some((more, now)) = both else { return };
+        let members = || self.bodies.iter().map(|it| &travellers[it.traveller]);
+        let before: f64 = members().filter_map(Traveller::energy_before).sum();
+        // As one with a part of it they have the energy `now + b part + a part^2`.
+        let (a, b, c) = (more.energy, now.angular.dot(lost), now.energy - before);
+        let most = (-2.0 * c) / (b + (b * b - 4.0 * a * c).max(0.0).sqrt());
+        let part = if a + b + c > 0.0 { most.clamp(0.0, 1.0) } else { 1.0 };
+        for body in self.bodies {
+            travellers[body.traveller].add_momentum(self.momenta(&more, body).map(|it| it * part), columns);
+        }
+        let energy: f64 = members().filter_map(|it| it.energy(columns)).sum();
+        let least = now.energy + (b + a * part) * part;
+        if energy > before && energy > least {
+            let taken = 1.0 - ((before - least).max(0.0) / (energy - least)).sqrt();
+            let as_one = RigidMotion {
+                linear: now.linear + more.linear * part,
+                angular: now.angular + more.angular * part,
+                energy: least,
+            };
+            for body in self.bodies {
+                let Some([_, linear, spin]) = travellers[body.traveller].motion(travellers, columns) else { continue };
+                let [p, l] = self.momenta(&as_one, body);
+                travellers[body.traveller].add_momentum([(p - linear) * taken, (l - spin) * taken], columns);
+            }
         }
     }
 }

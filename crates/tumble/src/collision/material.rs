@@ -28,8 +28,8 @@ pub struct Material {
     /// force. Of two surfaces the greater counts.
     pub rolling_resistance: Real,
     /// Velocity of the surface relative to the body, in the frame of the collider \[m/s\]: that of
-    /// a conveyor belt. Friction takes what touches it along; what is along the normal does
-    /// nothing.
+    /// a conveyor belt. Friction drags bodies in contact along with it; the part along the normal
+    /// does nothing.
     ///
     /// ```
     /// use tumble::{Collider, Material, prelude::*};

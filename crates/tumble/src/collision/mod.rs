@@ -29,6 +29,7 @@ pub(crate) mod material;
 pub(crate) mod narrow_phase;
 pub(crate) mod near_pairs;
 pub(crate) mod pair_limit;
+pub(crate) mod partners;
 pub(crate) mod pipeline;
 pub(crate) mod round_contact;
 pub(crate) mod saved_contacts;

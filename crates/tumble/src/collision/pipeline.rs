@@ -18,6 +18,7 @@ use crate::collision::contact_ways::Way;
 use crate::collision::internal_edges::InternalEdges;
 use crate::collision::narrow_phase::LaneKind;
 use crate::collision::near_pairs::{NearPairs, Roles, SensorRole};
+use crate::collision::partners::Partners;
 use crate::collision::round_contact::RoundContact;
 use crate::collision::sensors::Sensors;
 use crate::collision::sweep::Sweep;
@@ -47,6 +48,7 @@ pub(crate) struct CollisionPipeline {
     pub(crate) near: NearPairs,
     found: Vec<Vec<ContactRecord>>,
     pub(crate) ways: Vec<Way>,
+    pub(crate) partners: Partners,
     pub(crate) internal_edges: InternalEdges,
     /// Kept from step to step.
     pub(crate) sensors: Sensors,

@@ -11,9 +11,9 @@ use tumble_math::lane::Vec3;
 use crate::collision::collider_state::ColliderState;
 use crate::collision::compound_parts::numbers;
 use crate::collision::contact::{ContactRecord, Second, UpdateRule};
-use crate::collision::contact_set::ContactSet;
-use crate::collision::contact_ways::{Partners, SAME_NORMAL, Way, least_margin, length, nearest};
+use crate::collision::contact_ways::{SAME_NORMAL, Way, least_margin, length, nearest};
 use crate::collision::narrow_phase::LaneKind;
+use crate::collision::partners::Partners;
 use crate::collision::pipeline::{Colliders, CollisionPipeline, PART};
 use crate::joints::joint_list::JointList;
 use crate::math::Real;
@@ -66,7 +66,8 @@ struct Traveller {
 impl CollisionPipeline {
     /// Goes along the ways of bodies that are about to get through the plane of a contact.
     pub(crate) fn limit_speculative(&mut self, fall: Real, joints: &JointList) {
-        let Self { contacts: ContactSet { records: contacts, .. }, collider_states, colliders, ways, .. } = self;
+        let Self { contacts, collider_states, colliders, ways, partners, .. } = self;
+        let contacts = &mut contacts.records;
         let states = &collider_states.states[..];
         let class = |contact: &ContactRecord| Way::of(contact, contact.slots.map(|slot| &states[slot.index()]), fall);
         ways.clear();
@@ -76,7 +77,7 @@ impl CollisionPipeline {
             ways.iter_mut().zip(contacts).for_each(|(way, contact)| *way = class(contact));
         });
         let jointed = joints.joints.iter().flat_map(|joint| joint.slots);
-        let partners = Partners::count(contacts, ways, states, jointed);
+        partners.count(contacts, ways, states, jointed);
         for (way, contact) in ways.iter_mut().zip(&*contacts).filter(|(way, _)| **way == Way::Free) {
             *way = if partners.are_alone(contact.slots) { Way::Doubtful } else { Way::Plain };
         }
@@ -289,7 +290,7 @@ struct View<'a> {
     states: &'a [ColliderState],
     colliders: &'a Colliders,
     fall: Real,
-    partners: Partners,
+    partners: &'a Partners,
 }
 
 impl View<'_> {

@@ -229,29 +229,29 @@ mod tests {
         assert_eq!(rows.map(|row| row.number), [1.0, 2.0, 9.0, 4.0, 5.0]);
     }
 
+    /// A color of blocks of one pair each.
+    fn push_each(has_non_dynamic: bool, pairs: &[[u32; 2]]) {
+        let mut colors = colors();
+        colors.begin(has_non_dynamic);
+        pairs.iter().for_each(|pair| colors.push([*pair].into_iter()));
+    }
+
     #[test]
     #[should_panic(expected = "row 1 is changed twice")]
     fn a_row_is_not_changed_twice() {
-        let mut colors = colors();
-        colors.begin(false);
-        colors.push([[0, 1]].into_iter());
-        colors.push([[1, 2]].into_iter());
+        push_each(false, &[[0, 1], [1, 2]]);
     }
 
     #[test]
     #[should_panic(expected = "row 2 is only read")]
     fn what_is_only_read_is_never_changed() {
-        let mut colors = colors();
-        colors.begin(true);
-        colors.push([[2, 1]].into_iter());
+        push_each(true, &[[2, 1]]);
     }
 
     #[test]
     #[should_panic(expected = "row 3 is not to be changed")]
     fn what_stands_for_none_is_never_changed() {
-        let mut colors = colors();
-        colors.begin(true);
-        colors.push([[4, 3]].into_iter());
+        push_each(true, &[[4, 3]]);
     }
 
     #[test]

@@ -13,8 +13,8 @@ use crate::snapshot::{Segment, Snapshot, equal_from_the_start};
 ///
 /// Most rows are where they were: an archetype's bodies are compared with those that it had at
 /// capture, row by row, and equal rows make a run that is copied as a whole. hecs fills the row of
-/// a body that left with the archetype's last one, so few rows differ when few bodies came or went;
-/// only those are sorted and looked for by identity.
+/// a body that left with the archetype's last one: when few bodies came or went, few rows differ,
+/// and only those are sorted and looked for by identity.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Matching {
     /// By archetype.

@@ -80,8 +80,8 @@ fn refresh<T: Tile, const P: usize, const C: usize>(
     let frame = ContactFrame::<T>::load(block, lane);
 
     let rule: T = at(&start.update_rule, lane);
-    let between_centers = T::select(is_rule(rule, UpdateRule::LineOfCenters), one, zero);
-    let body_fixed = T::select(is_rule(rule, UpdateRule::BodyFixed), one, zero);
+    let between_centers = of_rule(rule, UpdateRule::LineOfCenters);
+    let body_fixed = of_rule(rule, UpdateRule::BodyFixed);
     let second = arm + slid * (carried - one);
     let way = frame.normal_parts(&delta_pose.relative([arm + apart, arm]));
     let arms = met_arms::<T, P>(rule, frame.normal, [second + now, second]);
@@ -99,7 +99,7 @@ fn refresh<T: Tile, const P: usize, const C: usize>(
     }
     if P == 1 {
         // However they turn.
-        let meeting = T::select(is_rule(rule, UpdateRule::MeetingCenters), one, zero);
+        let meeting = of_rule(rule, UpdateRule::MeetingCenters);
         let separation = at::<T>(&block.start.separations[0], lane) + frame.normal.dot(slid);
         put_where(meeting, separation, &mut block.points[0].separation, lane);
     }
