@@ -7,6 +7,7 @@
 //!
 //! `TUMBLE_SHOTS=100000` draws as many of each shape; without it some hundreds.
 
+use glam::DVec3;
 use hecs::World;
 use tumble::math::Vec3;
 use tumble::prelude::*;
@@ -206,6 +207,35 @@ fn is_out_of_a_box(kind: &str, draw: &mut Draw) -> bool {
         simulation.step(&mut world);
         world.get::<&Pose>(it).unwrap().position.abs().max_element() > real(1.0 + REACH)
     })
+}
+
+/// Whether one of several in a closed box gets out of it within half a second.
+fn is_one_of_several_out(draw: &mut Draw) -> bool {
+    let surface = material(draw);
+    let mut world = World::new();
+    closed_box(&mut world, THIN, surface);
+    let speed = draw.log_between(1.0, 1000.0);
+    let places = [-0.6, -0.2, 0.2, 0.6].map(|x| DVec3::new(x, draw.between(-0.6, 0.6), draw.between(-0.6, 0.6)));
+    let all = places.map(|place| {
+        let kind = KINDS[draw.between(0.0, 6.0) as usize];
+        let (shape, collider) = shot(kind, draw);
+        let it = body(&shape, SPINS, draw).mass(draw.log_between(0.1, 10.0)).position(vec3(place));
+        spawn(&mut world, it.linear_velocity(vec3(draw.direction() * speed)), surfaced(collider, surface))
+    });
+    let dt = 1.0 / draw.log_between(30.0, 240.0);
+    let settings = Settings::default().with_gravity(Vec3::ZERO).with_dt(real(dt));
+    let mut simulation = Simulation::new(settings).unwrap();
+    (0..(0.5 / dt) as u32).any(|_| {
+        simulation.step(&mut world);
+        let out = real(1.0 + REACH);
+        all.iter().any(|it| world.get::<&Pose>(*it).unwrap().position.abs().max_element() > out)
+    })
+}
+
+#[test]
+fn none_of_several_gets_out_of_a_closed_box() {
+    let out: Vec<u64> = (0..shots()).filter(|case| is_one_of_several_out(&mut Draw::new(2334, *case))).collect();
+    assert!(out.is_empty(), "{} of {}: {out:?}", out.len(), shots());
 }
 
 #[test]

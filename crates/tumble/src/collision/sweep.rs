@@ -308,7 +308,8 @@ impl CollisionPipeline {
         // middle of the other: that would push them on.
         let deep = DEEP_IN * f64::from(a.geometry().ccd_thickness() + b.geometry().ccd_thickness());
         let is_past = is_one_piece(a) && is_one_piece(b) && first.is_passed(second, stop.passage.normal, deep);
-        let is_through = !first.is_dynamic || is_past || !first.holds_in_the_end(a, (second, b), stop.passage.normal);
+        let is_through =
+            !first.is_dynamic || is_past || !first.holds_in_the_end(a, (second, b), stop.passage.normal, deep);
         let is_stop = is_through && !self.lets_pass([first.slot, second.slot], stop.part, &stop.passage);
         is_stop.then_some(stop)
     }
@@ -322,14 +323,18 @@ impl CollisionPipeline {
         settings: &Settings,
     ) -> Option<ContactRecord> {
         let gained = settings.gravity * settings.substep();
-        let are_both_fast = travellers[other].is_fast && travellers[other].is_free;
-        travellers[traveller].stop(passage.until, (!are_both_fast).then_some(other), columns, gained);
-        if are_both_fast {
+        // What was stopped before stays where it is, and so does what comes up to it.
+        let is_still = travellers[other].until < passage.until;
+        let Traveller { is_free, is_fast, with: its, .. } = travellers[other];
+        // A slow free body is left to its contact: its spin would lead round it, and through walls.
+        let with = if is_still { its } else { (!is_free).then_some(other) };
+        travellers[traveller].stop(passage.until, with, columns, gained);
+        if is_free && is_fast && !is_still {
             travellers[other].stop(passage.until, None, columns, gained);
         }
         let both = [other, traveller].map(|it| &travellers[it]);
         let [first, second] = both.map(|it| {
-            let at = it.at(passage.until);
+            let at = it.at(it.until.min(passage.until));
             // What turns by more than half a turn hits again and again: in the mean it is a ball.
             let arm = if it.spins { Vec3::zero() } else { passage.point - at.position };
             let arm: Vec3<Real> = vec3(arm.into()).into();

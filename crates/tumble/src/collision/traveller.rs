@@ -203,22 +203,24 @@ impl Traveller {
     }
 
     /// Whether another body that met this one in the direction of a normal is in it at the end of
-    /// the substep, and is pushed back about that way.
+    /// the substep, no deeper than `deep` \[m\], and is pushed back about that way.
     pub(crate) fn holds_in_the_end(
         &self,
         collider: &Collider,
         (other, its): (&Self, &Collider),
         normal: Vec3<f64>,
+        deep: f64,
     ) -> bool {
-        let mut is_held = false;
+        let (mut is_held, mut is_deep) = (false, false);
         let [here, there] = [self, other].map(|it| it.course.at(1.0));
         for_each_pair([collider, its], |_, [(shape, inner), (its, its_inner)]| {
             let [at, its_at] = [here.then(inner), there.then(its_inner)].map(|at| narrow(&at));
             let manifold = contact_manifold(shape, &at, its, &its_at, 0.0);
             let pushed = Vec3::<f64>::from(dvec3(manifold.normal.into()));
             is_held = is_held || (!manifold.points().is_empty() && pushed.dot(normal) > BACK);
+            is_deep = is_deep || manifold.points().iter().any(|point| f64::from(point.separation) < -deep);
         });
-        is_held
+        is_held && !is_deep
     }
 }
 
