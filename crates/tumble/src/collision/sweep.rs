@@ -30,7 +30,8 @@ use crate::threads::InParts;
 const SLOW: Real = 0.5;
 /// What is in something else by this part of its half thickness is swept however slow it is.
 const DEEP: Real = 0.25;
-/// What comes nearer to another's middle than this part of both half thicknesses went through.
+/// What comes nearer to another's middle than this part of both half thicknesses, or ends a substep
+/// this deep in it, went through.
 const DEEP_IN: f64 = 0.5;
 /// Just under half a turn \[rad\]: beyond it the last pose does not tell how far a body has turned.
 const HALF_TURN: Real = 3.0;
