@@ -186,6 +186,18 @@ fn shots_bounce_as_they_should() {
     }
 }
 
+/// Whether one of these gets out of a closed box in this time \[s\].
+fn gets_out(world: &mut World, all: &[hecs::Entity], seconds: f64, draw: &mut Draw) -> bool {
+    let dt = 1.0 / draw.log_between(30.0, 240.0);
+    let settings = Settings::default().with_gravity(Vec3::ZERO).with_dt(real(dt));
+    let mut simulation = Simulation::new(settings).unwrap();
+    (0..(seconds / dt) as u32).any(|_| {
+        simulation.step(world);
+        let out = real(1.0 + REACH);
+        all.iter().any(|it| world.get::<&Pose>(*it).unwrap().position.abs().max_element() > out)
+    })
+}
+
 /// Of all shots in a closed box, which get out of it within a second.
 fn out_of_a_box(kind: &str) -> Vec<u64> {
     (0..shots()).filter(|case| is_out_of_a_box(kind, &mut Draw::new(2331, *case))).collect()
@@ -200,13 +212,7 @@ fn is_out_of_a_box(kind: &str, draw: &mut Draw) -> bool {
     let place = draw.vector(0.5);
     let it = body(&shape, SPINS, draw).position(vec3(place)).linear_velocity(vec3(draw.direction() * speed));
     let it = spawn(&mut world, it, surfaced(collider, surface));
-    let dt = 1.0 / draw.log_between(30.0, 240.0);
-    let settings = Settings::default().with_gravity(Vec3::ZERO).with_dt(real(dt));
-    let mut simulation = Simulation::new(settings).unwrap();
-    (0..(1.0 / dt) as u32).any(|_| {
-        simulation.step(&mut world);
-        world.get::<&Pose>(it).unwrap().position.abs().max_element() > real(1.0 + REACH)
-    })
+    gets_out(&mut world, &[it], 1.0, draw)
 }
 
 /// Whether one of several in a closed box gets out of it within half a second.
@@ -222,14 +228,7 @@ fn is_one_of_several_out(draw: &mut Draw) -> bool {
         let it = body(&shape, SPINS, draw).mass(draw.log_between(0.1, 10.0)).position(vec3(place));
         spawn(&mut world, it.linear_velocity(vec3(draw.direction() * speed)), surfaced(collider, surface))
     });
-    let dt = 1.0 / draw.log_between(30.0, 240.0);
-    let settings = Settings::default().with_gravity(Vec3::ZERO).with_dt(real(dt));
-    let mut simulation = Simulation::new(settings).unwrap();
-    (0..(0.5 / dt) as u32).any(|_| {
-        simulation.step(&mut world);
-        let out = real(1.0 + REACH);
-        all.iter().any(|it| world.get::<&Pose>(*it).unwrap().position.abs().max_element() > out)
-    })
+    gets_out(&mut world, &all, 0.5, draw)
 }
 
 #[test]
