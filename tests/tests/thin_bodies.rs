@@ -1,13 +1,16 @@
 //! Promise: what is dropped never has more energy than it had, but for a bound that falls with the
-//! substep, and boards lie still.
+//! substep, stays over the ground, and moves as long as it has a velocity; boards lie still.
 //!
 //! Why: contacts of a slender body do something else as soon as it has turned a little, and a body
 //! that is thinner than the lengths that contacts are found with has its upper corners among them.
+//! The tip of what spins goes further in a substep than it is thick: without the second net it is
+//! in the ground, and if the net lets it go no further it hangs in the air.
 //! Of every shape, aspect 1:1 to 1:500, a millimetre to metres, friction 0 to 2, restitution 0 to
 //! 1, up to 20 m/s and 200 rad/s, 30 to 240 steps a second of 1 to 16 substeps.
 //!
 //! `TUMBLE_DROPS=100000` draws as many of each shape; without it some hundreds.
 
+use glam::DVec3;
 use hecs::{Entity, World};
 use tumble::math::{Quat, Vec3};
 use tumble::prelude::*;
@@ -45,10 +48,13 @@ fn energy(world: &World) -> f64 {
 /// Lengths of a body, the longest first and the shortest last.
 type Lengths = [f64; 3];
 
+/// Steps that a body may stay where it is although it moves: it may bounce off in each.
+const MOST_HELD: u32 = 8;
+
 /// Drops bodies of a shape and returns by how much the worst of them went over what is allowed, as
-/// a part of it.
-fn worst_of(make: impl Fn(&mut Draw, Lengths) -> Shape) -> (f64, u64) {
-    let mut worst = (0.0, 0);
+/// a part of it, and what else is wrong.
+fn worst_of(make: impl Fn(&mut Draw, Lengths) -> Shape) -> ((f64, u64), Vec<String>) {
+    let (mut worst, mut failed) = ((0.0, 0), Vec::new());
     for case in 0..drops() {
         let mut draw = Draw::new(19, case);
         let long = draw.log_between(0.05, 5.0);
@@ -73,7 +79,7 @@ fn worst_of(make: impl Fn(&mut Draw, Lengths) -> Shape) -> (f64, u64) {
             .angular_velocity(direction(&mut draw) * real(spin));
         // Single precision refuses the thinnest.
         let Ok(body) = body.build() else { continue };
-        body.spawn_with(&mut world, (collider,));
+        let body = body.spawn_with(&mut world, (collider,));
 
         let dt = real(1.0 / steps_a_second);
         let settings = Settings::default().with_dt(dt).with_contact_substeps(substeps);
@@ -84,6 +90,7 @@ fn worst_of(make: impl Fn(&mut Draw, Lengths) -> Shape) -> (f64, u64) {
         // substep may give twice over.
         let allowed =
             0.02 * before + 2.0 * mass * GRAVITY * fastest * f64::from(simulation.settings().contact_substep());
+        let (mut place, mut held, mut most_held, mut lowest) = (DVec3::Y * height, 0, 0, height);
         for _ in 0..(3.0 * steps_a_second) as u32 {
             simulation.step(&mut world);
             let over = (energy(&world) - before) / allowed;
@@ -91,15 +98,26 @@ fn worst_of(make: impl Fn(&mut Draw, Lengths) -> Shape) -> (f64, u64) {
             if over > worst.0 {
                 worst = (over, case);
             }
+            let now = dvec3(world.get::<&Pose>(body).unwrap().position);
+            let speed = dvec3(world.get::<&Velocity>(body).unwrap().linear).length();
+            let is_held = speed > 0.1 && now.distance(place) < 0.1 * speed / steps_a_second;
+            (held, place) = (if is_held { held + 1 } else { 0 }, now);
+            (most_held, lowest) = (most_held.max(held), lowest.min(now.y));
+        }
+        // As deep as what rests on its contacts at most, with its centre.
+        let h = f64::from(simulation.settings().contact_substep());
+        if lowest < -GRAVITY * h * h || most_held > MOST_HELD {
+            failed.push(format!("case {case}: {lowest} m over the ground, held for {most_held} steps"));
         }
     }
-    worst
+    (worst, failed)
 }
 
 fn check(make: impl Fn(&mut Draw, Lengths) -> Shape) {
-    let (over, case) = worst_of(make);
+    let ((over, case), failed) = worst_of(make);
     println!("worst: {over:.3} of what is allowed, case {case}");
     assert!(over <= 1.0, "case {case} gains {over} times what is allowed");
+    assert!(failed.is_empty(), "{} of {}:\n{}", failed.len(), drops(), failed.join("\n"));
 }
 
 #[test]
@@ -136,12 +154,9 @@ fn dropped_balls_gain_no_energy() {
     check(|_, [long, _, _]| Shape::sphere(0.5 * long));
 }
 
-/// Of ellipsoids up to 1:20: thinner ones may go through the ground.
 #[test]
 fn dropped_ellipsoids_gain_no_energy() {
-    check(|_, [long, middle, thin]| {
-        Shape::ellipsoid([0.5 * long, 0.5 * middle.max(long / 20.0), 0.5 * thin.max(long / 20.0)])
-    });
+    check(|_, [long, middle, thin]| Shape::ellipsoid([0.5 * long, 0.5 * middle, 0.5 * thin]));
 }
 
 /// Spawns a board of these lengths a little above the ground, turned any way about the vertical and

@@ -57,6 +57,22 @@ impl<R: Scalar> Aabb<R> {
             & (other.high.z <= self.high.z)
     }
 
+    /// The smallest box that holds both.
+    ///
+    /// ```
+    /// use tumble_collide::Aabb;
+    /// use tumble_math::lane::Vec3;
+    ///
+    /// let [a, b] = [-1.0, 2.0].map(|x| Aabb::about(Vec3::new(x, 0.0, 0.0), Vec3::splat(0.5)));
+    /// assert_eq!(a.union(&b), Aabb::about(Vec3::new(0.5, 0.0, 0.0), Vec3::new(2.0, 0.5, 0.5)));
+    /// ```
+    #[must_use]
+    pub fn union(&self, other: &Self) -> Self {
+        let least = |a: Vec3<R>, b: Vec3<R>| Vec3::new(a.x.min(b.x), a.y.min(b.y), a.z.min(b.z));
+        let most = |a: Vec3<R>, b: Vec3<R>| Vec3::new(a.x.max(b.x), a.y.max(b.y), a.z.max(b.z));
+        Self { low: least(self.low, other.low), high: most(self.high, other.high) }
+    }
+
     /// How far a point is from it \[m\]; zero inside.
     pub(crate) fn distance(&self, point: Vec3<R>) -> R {
         let zero = R::splat(0.0);

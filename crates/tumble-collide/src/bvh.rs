@@ -4,7 +4,6 @@ use tumble_math::lane::Vec3;
 
 use crate::aabb::Aabb;
 use crate::query::line::Line;
-use crate::scalar::Scalar;
 use crate::support_map::Vector;
 
 /// A tree of boxes in the order in which it is walked through.
@@ -44,7 +43,7 @@ impl Bvh {
     fn add(&mut self, boxes: &[Aabb<f64>], order: &mut [u32], first: u32) {
         let mut aabb = boxes[order[0] as usize];
         for index in order.iter() {
-            aabb = enclosing(&aabb, &boxes[*index as usize]);
+            aabb = aabb.union(&boxes[*index as usize]);
         }
         let place = self.nodes.len();
         self.nodes.push(Node { aabb, skip: 0, leaf: [first, first] });
@@ -181,11 +180,4 @@ impl Slabs {
 
 fn numbers(v: Vector) -> [f64; 3] {
     [v.x, v.y, v.z]
-}
-
-/// The smallest box that holds both.
-pub(crate) fn enclosing<R: Scalar>(a: &Aabb<R>, b: &Aabb<R>) -> Aabb<R> {
-    let least = |a: Vec3<R>, b: Vec3<R>| Vec3::new(a.x.min(b.x), a.y.min(b.y), a.z.min(b.z));
-    let most = |a: Vec3<R>, b: Vec3<R>| Vec3::new(a.x.max(b.x), a.y.max(b.y), a.z.max(b.z));
-    Aabb { low: least(a.low, b.low), high: most(a.high, b.high) }
 }

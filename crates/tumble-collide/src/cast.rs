@@ -294,7 +294,7 @@ fn with_surface<R: Scalar>(
             + turned * (from_center.dot(from_center).sqrt() + courses[0].off_center());
         let half = Vector::splat(more);
         let around = Aabb::about(ground.to_local(body), half);
-        aabb = crate::bvh::enclosing(&aabb, &around);
+        aabb = aabb.union(&around);
     }
     let mut triangles = Vec::new();
     surface.near(&aabb, &mut |triangle| triangles.push(triangle));

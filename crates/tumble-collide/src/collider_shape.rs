@@ -5,7 +5,6 @@ use std::sync::Arc;
 use tumble_math::lane::{Lane, Quat, Vec3};
 
 use crate::aabb::Aabb;
-use crate::bvh::enclosing;
 use crate::compound::Compound;
 use crate::convex_hull::ConvexHull;
 use crate::height_field::HeightField;
@@ -176,7 +175,7 @@ impl<R: Scalar> ColliderShape<R> {
                 let mut all: Option<Aabb<R>> = None;
                 for (_, at, part) in compound.placed(at) {
                     let aabb = part.aabb(&at, margin)?;
-                    all = Some(all.map_or(aabb, |all| enclosing(&all, &aabb)));
+                    all = Some(all.map_or(aabb, |all: Aabb<R>| all.union(&aabb)));
                 }
                 // Nothing at all is a point.
                 all.or_else(|| Some(Aabb::about(at.position, Vec3::splat(margin))))

@@ -5,7 +5,6 @@ use std::ops::RangeInclusive;
 use thiserror::Error;
 
 use crate::aabb::Aabb;
-use crate::bvh::enclosing;
 use crate::query::heights;
 use crate::query::line::Line;
 use crate::support_map::Vector;
@@ -117,7 +116,7 @@ impl HeightField {
         };
         let points: Vec<Vector> = heights.iter().enumerate().map(place).collect();
         let of = |point: Vector| Aabb { low: point, high: point };
-        let aabb = points.iter().fold(of(points[0]), |aabb, point| enclosing(&aabb, &of(*point)));
+        let aabb = points.iter().fold(of(points[0]), |aabb, point| aabb.union(&of(*point)));
         let (columns, rows) = (columns as u32, rows as u32);
         let mut this = Self { points, columns, rows, spacing, aabb, patches: Patches::default() };
         this.patches = Patches::of(&this);

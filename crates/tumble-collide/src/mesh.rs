@@ -3,7 +3,7 @@
 use tumble_math::{MeshError, TriangleMesh};
 
 use crate::aabb::Aabb;
-use crate::bvh::{Bvh, enclosing};
+use crate::bvh::Bvh;
 use crate::query::line::Line;
 use crate::support_map::Vector;
 use crate::surface::{Patches, Surface};
@@ -115,7 +115,7 @@ impl Mesh {
 /// The box of a triangle.
 pub(crate) fn around([a, b, c]: &[Vector; 3]) -> Aabb<f64> {
     let of = |point: Vector| Aabb { low: point, high: point };
-    enclosing(&enclosing(&of(*a), &of(*b)), &of(*c))
+    of(*a).union(&of(*b)).union(&of(*c))
 }
 
 /// The points at different places, and the number of each point's place.

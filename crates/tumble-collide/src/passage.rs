@@ -3,8 +3,7 @@
 use tumble_math::lane::Lane;
 
 use crate::aabb::Aabb;
-use crate::bvh::enclosing;
-use crate::cast::{Moving, furthest_from_origin};
+use crate::cast::{Gap, Moving, furthest_from_origin};
 use crate::collider_shape::{ColliderShape, Isometry};
 use crate::course::Course;
 use crate::frustum::Frustum;
@@ -65,8 +64,7 @@ impl Passage {
     /// How far the core of the second of two shapes gets on its course until it would touch the
     /// first; `None` where it never does, and where it does from the beginning. Of compounds this
     /// is to be asked part by part: as they are they are not met. Nor does what is no convex shape
-    /// meet anything as the second. A surface is met from outside; nothing gets through a
-    /// half-space, and none is met.
+    /// meet anything as the second. A surface is met from outside.
     ///
     /// Shapes that approach each other again and again never touch: what is left between them is
     /// halved at the most.
@@ -119,6 +117,7 @@ fn of_core<R: Scalar>(less: f64, [first, second]: [&ColliderShape<R>; 2], course
     match first {
         ColliderShape::Mesh(mesh) => end_at_surface(mesh.as_ref(), &core, courses, radius),
         ColliderShape::HeightField(field) => end_at_surface(field.as_ref(), &core, courses, radius),
+        ColliderShape::HalfSpace => end_at_plane(&core, courses, radius),
         _ => {
             let Some((convex, layer)) = Convex::of(first) else { return End::Free };
             let reach: f64 = first.reach().map_or(0.0, Into::into);
@@ -199,23 +198,73 @@ fn end_at_shape(moving: &Moving<'_>, core: &Core<'_>, layer: f64) -> End {
     if begin.distance.is_nan() || moving.are_passed(least, 0.0) {
         return End::Free;
     }
+    let rate = |now: f64, normal: Vector| moving.rate(moving.way(now), normal);
+    let Some((until, gap)) = advance(begin, least, moving.courses, rate, |moment| moving.gap(moment)) else {
+        return End::Free;
+    };
+    End::At(Passage { until, normal: gap.normal, point: gap.on_first + gap.normal * layer })
+}
+
+/// At the plane of a half-space; `radius` is how far points of the core are from what it turns
+/// about.
+fn end_at_plane(core: &Core<'_>, courses: [&Course; 2], radius: f64) -> End {
+    let gap = |moment: f64| {
+        let [ground, body] = courses.map(|course| course.at(moment));
+        let normal = ground.up();
+        let lowest = body.to_world(core.convex.support(body.orientation.rotate_back(normal * -1.0)));
+        let distance = normal.dot(lowest - ground.position) - core.layer;
+        Some(Gap { distance, normal, on_first: lowest - normal * (distance + core.layer) })
+    };
+    let Some(begin) = gap(0.0).filter(|begin| !begin.distance.is_nan()) else { return End::Free };
+    if begin.distance <= 0.0 {
+        return End::Touched;
+    }
+    let [ground, body] = courses.map(Course::of_center);
+    let apart = body.at(0.0).position - ground.at(0.0).position;
+    let way = courses[1].gone(1.0) - courses[0].gone(1.0);
+    let [apart, far, of_ground, of_body] =
+        [apart, way, courses[0].angular(), courses[1].angular()].map(|it| it.dot(it).sqrt());
+    // A plane that turns comes nearer by how far from its body's centre the core is.
+    let sweep = of_ground * (apart + far + bend(courses) + radius);
+    let rate = |now: f64, normal: Vector| {
+        let way = courses[1].linear(now) - courses[0].linear(now);
+        if sweep > 0.0 {
+            return sweep + of_body * radius + way.dot(way).sqrt();
+        }
+        let across = normal.cross(courses[1].angular());
+        across.dot(across).sqrt() * radius - way.dot(normal)
+    };
+    let least = core.clearance.min(0.5 * begin.distance);
+    let Some((until, gap)) = advance(begin, least, courses, rate, gap) else { return End::Free };
+    End::At(Passage { until, normal: gap.normal, point: gap.on_first })
+}
+
+/// Until when a way is free, and the gap then: as long as it is wider than `least` \[m\]. `None`
+/// if all of it is.
+fn advance(
+    begin: Gap,
+    least: f64,
+    courses: [&Course; 2],
+    rate: impl Fn(f64, Vector) -> f64,
+    gap_at: impl Fn(f64) -> Option<Gap>,
+) -> Option<(f64, Gap)> {
     let (mut now, mut gap) = (0.0, begin);
     for _ in 0..MAX_ADVANCES {
         if gap.distance <= least {
             break;
         }
-        let end = moving.courses.iter().flat_map(|course| course.turns()).filter(|end| *end > now);
+        let end = courses.iter().flat_map(|course| course.turns()).filter(|end| *end > now);
         let end = end.fold(1.0, f64::min);
-        let rate = moving.rate(moving.way(now), gap.normal);
+        let rate = rate(now, gap.normal);
         let passes = rate * (end - now) < gap.distance - least;
         let next = if passes { end } else { now + (gap.distance - 0.5 * least) / rate };
         if next >= 1.0 {
-            return End::Free;
+            return None;
         }
-        let Some(there) = moving.gap(next) else { break };
+        let Some(there) = gap_at(next) else { break };
         (now, gap) = (next, there);
     }
-    End::At(Passage { until: now, normal: gap.normal, point: gap.on_first + gap.normal * layer })
+    Some((now, gap))
 }
 
 /// At one of the triangles of a surface that the core is in front of.
@@ -250,7 +299,7 @@ fn end_at_surface(surface: &impl Surface, core: &Core<'_>, courses: [&Course; 2]
     let swing = angle.dot(angle).sqrt() * (apart.dot(apart).sqrt() + length + courses[0].off_center());
     let half = Vector::splat(reach + swing + bend(courses));
     let boxes = [Vector::zero(), way].map(|gone| Aabb::about(ground.to_local(from + gone), half));
-    surface.near(&enclosing(&boxes[0], &boxes[1]), &mut |triangle| {
+    surface.near(&boxes[0].union(&boxes[1]), &mut |triangle| {
         ask(triangle);
     });
     end

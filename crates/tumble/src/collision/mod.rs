@@ -31,6 +31,7 @@ pub(crate) mod near_pairs;
 pub(crate) mod pair_limit;
 pub(crate) mod partners;
 pub(crate) mod pipeline;
+pub(crate) mod remaining_motion;
 pub(crate) mod round_contact;
 pub(crate) mod saved_contacts;
 pub(crate) mod sensors;

@@ -50,6 +50,8 @@ pub(crate) struct Sweep {
     fast: Vec<Slot>,
     /// Each of them with what is near its way; what may be put back is the second.
     pairs: Vec<[Slot; 2]>,
+    /// Half-spaces, and compounds with one, which no box is around.
+    endless: Vec<Slot>,
     places: Vec<[usize; 2]>,
     /// The bodies of pairs, by slot.
     travellers: Vec<Traveller>,
@@ -74,6 +76,13 @@ struct Stop {
     passage: Passage,
 }
 
+/// What says which bodies may touch a body.
+#[derive(Clone, Copy)]
+pub(crate) struct Surroundings<'a> {
+    joints: &'a JointList,
+    endless: &'a [Slot],
+}
+
 impl CollisionPipeline {
     /// Puts back the dynamic bodies of which the core would be through something at the end of a
     /// substep of the settings.
@@ -86,6 +95,8 @@ impl CollisionPipeline {
         if !sweep.pairs.is_empty() {
             self.list_travellers(&mut sweep, columns, joints, settings.substep());
             self.stop_all(&mut sweep, columns, settings);
+            let surroundings = Surroundings { joints, endless: &sweep.endless };
+            self.move_on(&sweep.travellers, columns, surroundings, settings);
             self.add_blows(&mut sweep.blows);
         }
         self.sweep = sweep;
@@ -169,39 +180,60 @@ impl CollisionPipeline {
     }
 
     /// Lists each fast body with what is near its way.
-    fn find_pairs(&self, Sweep { fast, pairs, .. }: &mut Sweep, columns: &WorldColumns<'_>, joints: &JointList) {
+    fn find_pairs(&self, sweep: &mut Sweep, columns: &WorldColumns<'_>, joints: &JointList) {
+        let Sweep { fast, pairs, endless, .. } = sweep;
+        endless.clear();
+        let proxies = (0..).zip(&self.collider_states.proxies);
+        endless.extend(proxies.filter(|(_, proxy)| proxy.aabb.is_none()).map(|(slot, _)| Slot(slot)));
+        let is_dynamic = |slot: Slot| self.collider_states.states[slot.index()].is_dynamic;
+        for slot in fast.iter().copied() {
+            let Some(aabb) = self.swept_aabb(slot, columns) else { continue };
+            self.for_each_near((slot, &aabb), columns, Surroundings { joints, endless }, |other| {
+                if is_dynamic(slot) {
+                    pairs.push([other, slot]);
+                }
+                if is_dynamic(other) {
+                    pairs.push([slot, other]);
+                }
+            });
+        }
+        pairs.sort_unstable();
+        pairs.dedup();
+    }
+
+    /// Shows the solid bodies that are near a box and that a solid body may touch.
+    pub(crate) fn for_each_near(
+        &self,
+        (slot, aabb): (Slot, &Aabb<Real>),
+        columns: &WorldColumns<'_>,
+        Surroundings { joints, endless }: Surroundings<'_>,
+        mut visit: impl FnMut(Slot),
+    ) {
         let groups = &self.colliders.groups;
         let is_solid = |slot: Slot| {
             self.colliders.get(slot).is_some_and(|(it, _)| !it.is_sensor()) && self.is_in_range(slot, columns)
         };
-        let state = |slot: Slot| &self.collider_states.states[slot.index()];
-        // Half-spaces push out what is in them however deep it is; other parts of a compound do
-        // not.
-        let is_compound = |slot: &u32| {
-            let collider = self.colliders.get(Slot(*slot));
-            collider.is_some_and(|(it, _)| matches!(it.geometry(), ColliderShape::Compound(_)))
-        };
-        let endless = (0..).zip(&self.collider_states.proxies).filter(|(_, proxy)| proxy.aabb.is_none());
-        let endless = endless.map(|(slot, _)| slot).filter(is_compound);
-        for slot in fast.iter().copied().filter(|slot| is_solid(*slot)) {
-            let Some(aabb) = self.swept_aabb(slot, columns) else { continue };
-            let mut add = |other: u32| {
-                let other = Slot(other);
-                let touch = groups[slot.index()].touch(groups[other.index()]) && !joints.keeps_apart([slot, other]);
-                if other != slot && touch && is_solid(other) {
-                    if state(slot).is_dynamic {
-                        pairs.push([other, slot]);
-                    }
-                    if state(other).is_dynamic {
-                        pairs.push([slot, other]);
-                    }
-                }
-            };
-            self.broad_phase.meeting(&aabb, &mut add);
-            endless.clone().for_each(&mut add);
+        if !is_solid(slot) {
+            return;
         }
-        pairs.sort_unstable();
-        pairs.dedup();
+        let mut show = |other: Slot| {
+            let touch = groups[slot.index()].touch(groups[other.index()]) && !joints.keeps_apart([slot, other]);
+            if other != slot && touch && is_solid(other) {
+                visit(other);
+            }
+        };
+        self.broad_phase.meeting(aabb, &mut |other| show(Slot(other)));
+        endless.iter().copied().filter(|other| !self.is_above(aabb, *other)).for_each(show);
+    }
+
+    /// Whether a box is above fixed level ground.
+    fn is_above(&self, aabb: &Aabb<Real>, ground: Slot) -> bool {
+        let state = &self.collider_states.states[ground.index()];
+        let is_half_space =
+            self.colliders.get(ground).is_some_and(|(it, _)| matches!(it.geometry(), ColliderShape::HalfSpace));
+        let (up, half) = (state.placement.orientation.rotate(Vec3::new(0.0, 1.0, 0.0)), (aabb.high - aabb.low) * 0.5);
+        let reach = half.dot(Vec3::new(up.x.abs(), up.y.abs(), up.z.abs()));
+        is_half_space && state.is_fixed && up.dot(aabb.low + half - state.placement.position) > reach
     }
 
     /// Whether a body is where contacts find it, at the end too, and went no faster than bodies
@@ -220,9 +252,7 @@ impl CollisionPipeline {
         let end = pose_of(columns, self.body_index.place(slot))?.position;
         let half = Vec3::splat(state.motion.radius);
         let [a, b] = [Aabb::about(state.center, half), Aabb::about(Vec3::from(end), half)];
-        let corner =
-            |f: fn(Real, Real) -> Real, a: Vec3<Real>, b: Vec3<Real>| Vec3::new(f(a.x, b.x), f(a.y, b.y), f(a.z, b.z));
-        Some(Aabb { low: corner(Real::min, a.low, b.low), high: corner(Real::max, a.high, b.high) })
+        Some(a.union(&b))
     }
 
     /// Lists the bodies of pairs.

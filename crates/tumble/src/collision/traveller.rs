@@ -9,7 +9,7 @@ use tumble_math::lane::{Quat, Vec3};
 use crate::collision::collider::Collider;
 use crate::collision::collider_state::ColliderState;
 use crate::collision::compound_parts::{narrow, wide};
-use crate::components::{Momentum, Pose, Velocity};
+use crate::components::{GravityScale, Momentum, Pose, Velocity};
 use crate::integrators::derived::derived;
 use crate::integrators::kinetic_energy::KineticEnergy;
 use crate::integrators::response_range::responds_in_range;
@@ -93,8 +93,8 @@ impl Traveller {
     pub(crate) fn stop(&mut self, moment: f64, with: Option<usize>, columns: &mut WorldColumns<'_>, gained: WorldVec3) {
         let row = self.place.row as usize;
         let gained = vec3(AxisLock(self.locked_axes(columns)).along_free(dvec3(gained)));
+        let scale = crate::math::real(self.gravity_scale(columns));
         if let Some(columns) = columns.dynamic_mut(self.place) {
-            let scale = columns.gravity_scale.as_deref().map_or(1.0, |scales| scales[row].0);
             let left_out = crate::math::real(self.until - moment) * scale * columns.mass[row].kilograms();
             columns.momentum[row].linear -= gained * left_out;
             self.taken_back += dvec3(gained * left_out);
@@ -154,7 +154,7 @@ impl Traveller {
     }
 
     /// Adds to the work of contacts what has changed its energy from this \[J\].
-    fn book(&self, before: Option<f64>, columns: &mut WorldColumns<'_>) {
+    pub(crate) fn book(&self, before: Option<f64>, columns: &mut WorldColumns<'_>) {
         let after = energy(columns, self.place);
         if let (Some(before), Some(after)) = (before, after)
             && let Some(columns) = columns.dynamic_mut(self.place)
@@ -162,6 +162,17 @@ impl Traveller {
         {
             work[self.place.row as usize].contacts += after - before;
         }
+    }
+
+    /// How much of gravity acts on it.
+    pub(crate) fn gravity_scale(&self, columns: &WorldColumns<'_>) -> f64 {
+        let scales = columns.archetype(self.place).get::<&GravityScale>();
+        scales.map_or(1.0, |scales| scales[self.place.row as usize].0.into())
+    }
+
+    /// How far what it stays with carries it after it was stopped \[m\].
+    pub(crate) fn carried_way(&self, travellers: &[Self]) -> DVec3 {
+        (self.stays(travellers).position - self.at(self.until).position).into()
     }
 
     /// Where it is at the end of the substep, after it was stopped.
@@ -245,7 +256,7 @@ pub(crate) fn course_to(end: &Pose, (state, collider): (&ColliderState, &Collide
 }
 
 /// The same rotation, with the whole turns that bring it nearest to one that is expected \[rad\].
-fn nearest_turn(turn: DVec3, expected: DVec3) -> DVec3 {
+pub(crate) fn nearest_turn(turn: DVec3, expected: DVec3) -> DVec3 {
     let angle = turn.length();
     let axis = if angle > 0.0 { turn / angle } else { expected.normalize_or_zero() };
     turn + axis * (((axis.dot(expected) - angle) / TAU).round() * TAU)
@@ -344,7 +355,7 @@ pub(crate) fn turned_end(pose: &Pose, collider: &Collider) -> Quat<Real> {
     collider.place().map_or(body, |inner| body * inner.orientation)
 }
 
-fn wide_quat(it: Quat<Real>) -> Quat<f64> {
+pub(crate) fn wide_quat(it: Quat<Real>) -> Quat<f64> {
     Quat::<f64>::from(dquat(it.into())).normalize()
 }
 

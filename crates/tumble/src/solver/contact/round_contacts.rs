@@ -34,7 +34,7 @@ const FAR: Real = 1e6;
 /// Least inverse moment over the greatest of a body whose contacts are found again. A needle that
 /// spins turns over between substeps, and impulses that are taken back at other places than they
 /// were given heat it up.
-const MIN_RATIO: Real = 1.0 / 400.0;
+const MIN_RATIO: Real = 0.0;
 
 impl RoundConstraint {
     /// Of a contact between these rows, the number of which is one from `first` on.

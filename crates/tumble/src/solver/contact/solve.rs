@@ -148,7 +148,10 @@ impl<const P: usize, const C: usize> Kernel for Solve<'_, P, C> {
             let block = &mut self.blocks.blocks[index];
             let total: T = at(&block.start.total_impulse, lane);
             put(total + sum, &mut block.start.total_impulse, lane);
-            let before = FrictionImpulse::load(&block.friction, self.blocks.rolling.get(index), lane);
+            // What friction did to bodies that have turned right over is not taken back: it would not
+            // be the same elsewhere.
+            let is_same = warm_start_factor(at(&block.start.steady, lane));
+            let before = FrictionImpulse::load(&block.friction, self.blocks.rolling.get(index), lane).scaled(is_same);
             let contact = (&frame, lane);
             let after = apply_friction(
                 before,
@@ -162,11 +165,7 @@ impl<const P: usize, const C: usize> Kernel for Solve<'_, P, C> {
             let (zero, one) = (T::splat(0.0), T::splat(1.0));
             // The impulse of an impact is no force: a body pushed off by it would be somewhere
             // else before that is taken back.
-            let lasting = T::select(
-                zero.lt(at(&block.start.is_impact, lane)),
-                zero,
-                warm_start_factor(at(&block.start.steady, lane)),
-            );
+            let lasting = T::select(zero.lt(at(&block.start.is_impact, lane)), zero, is_same);
             let kept = if self.stores_warm_start { lasting } else { one };
             let after = after.scaled(kept);
             after.store(&mut block.friction, self.blocks.rolling.get_mut(index), lane);
