@@ -58,6 +58,9 @@ pub struct Passage {
     pub normal: Vector,
     /// Of the first, what would be touched then \[m\], world frame.
     pub point: Vector,
+    /// How much nearer the core is then than it is to be kept \[m\], a hundredth of the half
+    /// thickness.
+    pub too_near: f64,
 }
 
 impl Passage {
@@ -159,6 +162,12 @@ impl<'a> Core<'a> {
         (half_thickness > 0.0).then_some(Self { convex, layer, at, clearance: CLEARANCE * half_thickness })
     }
 
+    /// What ends at this moment with this gap.
+    fn passage(&self, until: f64, gap: &Gap) -> Passage {
+        let too_near = (self.clearance - gap.distance).max(0.0);
+        Passage { until, normal: gap.normal, point: gap.on_first, too_near }
+    }
+
     /// How far points inside the layer are from the origin at most \[m\].
     fn reach(&self) -> f64 {
         let here = Isometry::at(Vector::zero());
@@ -202,7 +211,7 @@ fn end_at_shape(moving: &Moving<'_>, core: &Core<'_>, layer: f64) -> End {
     let Some((until, gap)) = advance(begin, least, moving.courses, rate, |moment| moving.gap(moment)) else {
         return End::Free;
     };
-    End::At(Passage { until, normal: gap.normal, point: gap.on_first + gap.normal * layer })
+    End::At(Passage { point: gap.on_first + gap.normal * layer, ..core.passage(until, &gap) })
 }
 
 /// At the plane of a half-space; `radius` is how far points of the core are from what it turns
@@ -236,7 +245,7 @@ fn end_at_plane(core: &Core<'_>, courses: [&Course; 2], radius: f64) -> End {
     };
     let least = core.clearance.min(0.5 * begin.distance);
     let Some((until, gap)) = advance(begin, least, courses, rate, gap) else { return End::Free };
-    End::At(Passage { until, normal: gap.normal, point: gap.on_first })
+    End::At(core.passage(until, &gap))
 }
 
 /// Until when a way is free, and the gap then: as long as it is wider than `least` \[m\]. `None`

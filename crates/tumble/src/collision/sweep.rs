@@ -6,6 +6,7 @@
 //! from the first to the last pose is continuous, so what is on the other side at its end has
 //! crossed.
 
+use glam::DVec3;
 use rayon::prelude::*;
 use tumble_collide::{Aabb, ColliderShape, Passage};
 use tumble_math::lane::{Quat, Vec3};
@@ -360,6 +361,9 @@ impl CollisionPipeline {
         // A slow free body is left to its contact: its spin would lead round it, and through walls.
         let with = if is_still { its } else { (!is_free).then_some(other) };
         travellers[traveller].stop(passage.until, with, columns, gained);
+        // What is stopped again and again may come nearer each time; free bodies keep their centre
+        // of mass.
+        travellers[traveller].off = if is_free { DVec3::ZERO } else { (passage.normal * passage.too_near).into() };
         if is_free && is_fast && !is_still {
             travellers[other].stop(passage.until, None, columns, gained);
         }

@@ -48,6 +48,8 @@ pub(crate) struct Traveller {
     pub(crate) with: Option<usize>,
     /// What gravity did after that and is taken back [N s].
     taken_back: DVec3,
+    /// By how much it is moved off what it comes too near \[m\].
+    pub(crate) off: DVec3,
 }
 
 impl Traveller {
@@ -76,6 +78,7 @@ impl Traveller {
             until: 1.0,
             with: None,
             taken_back: DVec3::ZERO,
+            off: DVec3::ZERO,
         })
     }
 
@@ -199,7 +202,7 @@ impl Traveller {
         let row = self.place.row as usize;
         if let Some(columns) = columns.dynamic_mut(self.place) {
             let orientation = quat(place.orientation.normalize().into());
-            columns.pose[row] = Pose { position: vec3(place.position.into()), orientation };
+            columns.pose[row] = Pose { position: vec3((place.position + Vec3::from(self.off)).into()), orientation };
         }
     }
 
