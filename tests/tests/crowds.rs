@@ -10,9 +10,9 @@ use std::collections::BTreeSet;
 
 use hecs::World;
 use proptest::prelude::*;
-use tumble::Rng;
 use tumble::math::{Quat, Real, Vec3};
 use tumble::prelude::*;
+use tumble::{Collider, Rng};
 use tumble_tests::touching::{collider, ground, spawn};
 
 /// Balls and boxes within a distance of the origin, in an order; and how many pairs their boxes
@@ -73,4 +73,27 @@ fn a_large_body_has_all_its_neighbours() {
     let mut simulation = Simulation::new(Settings::default()).unwrap();
     simulation.step(&mut world);
     assert_eq!((simulation.contacts().count(), simulation.pairs_left_out()), (401, 0));
+}
+
+/// Compounds of so many balls each in one place would have a contact for each pair of them.
+#[test]
+fn contacts_of_compounds_are_limited() {
+    for (parts, expected) in [(8, 64), (32, 1024), (60, 1024), (200, 1024)] {
+        let ball = collider(&Shape::sphere(0.25));
+        let compound = Collider::compound((0..parts).map(|_| ball.clone())).unwrap();
+        let mut world = World::new();
+        for id in 0..2 {
+            let place = Vec3::X * (0.1 * id as Real);
+            let body = RigidBody::new(Shape::sphere(0.25)).mass(1.0).id(BodyId(id)).position(place);
+            spawn(&mut world, body, compound.clone());
+        }
+        let mut simulation = Simulation::new(Settings::default().with_gravity(Vec3::ZERO)).unwrap();
+        simulation.step(&mut world);
+        let found = simulation.contacts().count();
+        assert_eq!((found, found + simulation.pairs_left_out()), (expected, parts * parts));
+        // They part all the same.
+        simulation.step_many(&mut world, 60);
+        let places: Vec<Vec3> = world.query::<&Pose>().iter().map(|pose| pose.position).collect();
+        assert!(places[0].distance(places[1]) > 0.11, "{places:?}");
+    }
 }

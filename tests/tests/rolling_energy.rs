@@ -155,6 +155,7 @@ fn what_rocks_keeps_its_swing() {
                     last = last.max(height);
                 }
             });
+            println!("case {case} kind {} sub {substeps} scale {scale:.3} r {radius:.2} d/r {:.2} angle {angle:.2}: {:+.5}", case % 4, offset / radius, last / first - 1.0);
             worst = worst.max((last / first - 1.0).abs());
         }
         println!("swing at {substeps} substeps: {worst:.4}");

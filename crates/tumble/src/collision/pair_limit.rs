@@ -1,8 +1,9 @@
-//! A limit on the pairs of a body, so that many bodies in one place take time and memory that go
-//! with their number and not with its square.
+//! Limits on the pairs of a body and on the contacts of a pair, so that many bodies or parts in one
+//! place take memory that goes with their number and not with its square.
 
 use tumble_collide::{BroadPhase, Proxy};
 
+use crate::collision::contact::ContactRecord;
 use crate::collision::near_pairs::NearPair;
 use crate::math::Real;
 use crate::storage::body_index::Slot;
@@ -16,6 +17,47 @@ const MAX_PAIRS: usize = 64;
 const MAX_LISTED: usize = 2 * MAX_PAIRS;
 /// Where there are fewer bodies, as many as of these.
 const FEW_BODIES: usize = 1024;
+
+/// Most contacts between two bodies, of pairs of their parts.
+const MAX_CONTACTS: usize = 1024;
+
+/// Contacts of pairs of bodies, as one thread finds them.
+#[derive(Clone, Default)]
+pub(crate) struct FoundContacts {
+    pub(crate) contacts: Vec<ContactRecord>,
+    pub(crate) left_out: usize,
+}
+
+impl FoundContacts {
+    pub(crate) fn clear(&mut self) {
+        self.contacts.clear();
+        self.left_out = 0;
+    }
+
+    /// Adds a contact of the pair of which the first is at `start`.
+    pub(crate) fn push(&mut self, contact: ContactRecord, start: usize) {
+        self.contacts.push(contact);
+        if self.contacts.len() - start >= 2 * MAX_CONTACTS {
+            self.keep_deepest(start);
+        }
+    }
+
+    /// Leaves out all but the deepest contacts of the pair of which the first is at `start`; of
+    /// equal ones those of the first parts stay.
+    pub(crate) fn keep_deepest(&mut self, start: usize) {
+        let of_pair = &mut self.contacts[start..];
+        if of_pair.len() > MAX_CONTACTS {
+            let least =
+                |it: &ContactRecord| (0..it.count()).fold(Real::INFINITY, |least, j| least.min(it.separation(j)));
+            let order = |a: &ContactRecord, b: &ContactRecord| {
+                least(a).total_cmp(&least(b)).then_with(|| a.key().cmp(&b.key()))
+            };
+            of_pair.select_nth_unstable_by(MAX_CONTACTS, order);
+            self.left_out += of_pair.len() - MAX_CONTACTS;
+            self.contacts.truncate(start + MAX_CONTACTS);
+        }
+    }
+}
 
 /// How many pairs of bodies the broad phase may list.
 pub(crate) fn most_listed(bodies: usize) -> usize {

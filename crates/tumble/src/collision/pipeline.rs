@@ -18,6 +18,7 @@ use crate::collision::contact_ways::Way;
 use crate::collision::internal_edges::InternalEdges;
 use crate::collision::narrow_phase::LaneKind;
 use crate::collision::near_pairs::{NearPairs, Roles, SensorRole};
+use crate::collision::pair_limit::FoundContacts;
 use crate::collision::partners::Partners;
 use crate::collision::round_contact::RoundContact;
 use crate::collision::sensors::Sensors;
@@ -46,7 +47,7 @@ pub(crate) struct CollisionPipeline {
     pub(crate) cache: ContactCache,
     /// Memory that every substep overwrites.
     pub(crate) near: NearPairs,
-    found: Vec<Vec<ContactRecord>>,
+    found: Vec<FoundContacts>,
     pub(crate) ways: Vec<Way>,
     pub(crate) partners: Partners,
     pub(crate) internal_edges: InternalEdges,
@@ -225,12 +226,15 @@ impl CollisionPipeline {
         let (end, more_empty) = near.spheres.touch(LaneKind::Sphere, &collider_states.lanes, contacts, end);
         contacts.truncate(end);
         let parts = near.others.len().div_ceil(OTHERS_PART);
-        found.resize_with(parts.max(found.len()), Vec::new);
+        found.resize_with(parts.max(found.len()), FoundContacts::default);
         near.others.par_chunks(OTHERS_PART).zip(&mut *found).by_at_least(2).for_each(|(pairs, found)| {
             found.clear();
             pairs.iter().for_each(|slots| collide_pair(*slots, &collider_states.states, colliders, found));
         });
-        found[..parts].iter().for_each(|found| contacts.extend_from_slice(found));
+        for FoundContacts { contacts: found, left_out } in &found[..parts] {
+            contacts.extend_from_slice(found);
+            near.limit.left_out += left_out;
+        }
         if some_empty || more_empty || contacts[end..].iter().any(|contact| contact.count() == 0) {
             contacts.retain(|contact| contact.count() > 0);
         }
@@ -274,10 +278,10 @@ fn fill_fast(contact: &mut ContactRecord, states: &[ColliderState], colliders: &
 }
 
 /// Adds the contacts of shapes that have no lanes of their own.
-fn collide_pair(slots: [Slot; 2], states: &[ColliderState], colliders: &Colliders, found: &mut Vec<ContactRecord>) {
+fn collide_pair(slots: [Slot; 2], states: &[ColliderState], colliders: &Colliders, found: &mut FoundContacts) {
     let [first, second] = slots.map(|slot| &states[slot.index()]);
     if let [Some((a, _)), Some((b, _))] = slots.map(|slot| colliders.get(slot)) {
-        let before = found.len();
+        let before = found.contacts.len();
         let margin = first.reach + second.reach;
         let of_second =
             Second { center: second.center, has_non_dynamic: !first.is_dynamic, margin: first.margin + second.margin };
@@ -292,11 +296,12 @@ fn collide_pair(slots: [Slot; 2], states: &[ColliderState], colliders: &Collider
                 if a.parts_touch(b, part) {
                     // What lies on three points does not roll.
                     let rule = if manifold.points().len() < 3 { rolls } else { UpdateRule::BodyFixed };
-                    found.push(ContactRecord::new(slots, part, manifold, of_second, rule));
+                    found.push(ContactRecord::new(slots, part, manifold, of_second, rule), before);
                 }
             },
         );
-        found[before..].sort_by_key(ContactRecord::key);
+        found.keep_deepest(before);
+        found.contacts[before..].sort_by_key(ContactRecord::key);
     }
 }
 

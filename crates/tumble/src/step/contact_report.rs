@@ -204,6 +204,9 @@ impl Simulation {
     /// [`BodyOrder`](crate::BodyOrder). So what is large may touch any number of small ones, and
     /// infinite ground all there is.
     ///
+    /// Between two bodies the 1024 contacts of their parts that are deepest count; pairs of parts
+    /// beyond that are in the number.
+    ///
     /// ```
     /// use tumble::{Collider, prelude::*};
     ///

@@ -52,9 +52,7 @@ fn lag<T: Tile>([before, arm]: [Vec3<T>; 2], spin: Vec3<T>, gain: Vec3<T>, h: T)
     let (half, limit) = (T::splat(0.5), T::splat(LAG));
     let (way, gain) = ((arm - before) * half, gain * (h * half));
     let lag = spin.cross(way) + gain.cross(arm - way);
-    let velocity = spin.cross(arm);
     let lag = Vec3::select(way.dot(way).lt(arm.dot(arm) * limit), lag, Vec3::zero());
-    let lag = Vec3::select(lag.dot(lag).lt(velocity.dot(velocity) * limit), lag, Vec3::zero());
     Vec3::select(gain.dot(gain).lt(spin.dot(spin) * limit), lag, Vec3::zero())
 }
 
