@@ -75,7 +75,7 @@ fn a_large_body_has_all_its_neighbours() {
     assert_eq!((simulation.contacts().count(), simulation.pairs_left_out()), (401, 0));
 }
 
-/// Compounds of so many balls each in one place would have a contact for each pair of them.
+/// Compounds of as many balls each in one place would have a contact for each pair of them.
 #[test]
 fn contacts_of_compounds_are_limited() {
     for (parts, expected) in [(8, 64), (32, 1024), (60, 1024), (200, 1024)] {

@@ -137,7 +137,7 @@ fn rocker(kind: u64, radius: f64, offset: f64, angle: f64) -> Start {
 /// of.
 #[test]
 fn what_rocks_keeps_its_swing() {
-    for (substeps, allowed) in [(4, 0.02), (8, 0.006)] {
+    for (substeps, allowed) in [(4, 0.011), (8, 0.004)] {
         let mut worst = 0.0_f64;
         for case in 0..40 {
             let mut draw = Draw::new(1901, case);
@@ -155,7 +155,6 @@ fn what_rocks_keeps_its_swing() {
                     last = last.max(height);
                 }
             });
-            println!("case {case} kind {} sub {substeps} scale {scale:.3} r {radius:.2} d/r {:.2} angle {angle:.2}: {:+.5}", case % 4, offset / radius, last / first - 1.0);
             worst = worst.max((last / first - 1.0).abs());
         }
         println!("swing at {substeps} substeps: {worst:.4}");

@@ -42,6 +42,14 @@ enum Path {
     Along(DVec3),
 }
 
+/// What is in the way of a body.
+struct InTheWay {
+    /// How much of a motion there is until it is touched.
+    until: f64,
+    normal: DVec3,
+    is_dynamic: bool,
+}
+
 /// The rest of a substep.
 #[derive(Clone, Copy)]
 struct Rest {
@@ -76,10 +84,10 @@ impl CollisionPipeline {
         let mut path = Path::Free;
         while rest.time > 0.0 {
             let Some(motion) = Motion::of(it, columns, rest, path) else { return };
-            let Some((part, normal)) = self.first_in_the_way(it.slot, &motion, columns, surroundings) else {
+            let Some(first) = self.first_in_the_way(it.slot, &motion, columns, surroundings) else {
                 return motion.write(it, columns);
             };
-            let until = Rest { time: rest.time * part, ..rest };
+            let until = Rest { time: rest.time * first.until, ..rest };
             let Some(shorter) = Motion::of(it, columns, until, path) else { return };
             // The shorter way is another where the body turns.
             if path != Path::Free || self.first_in_the_way(it.slot, &shorter, columns, surroundings).is_none() {
@@ -88,34 +96,35 @@ impl CollisionPipeline {
             }
             path = match path {
                 Path::Free => Path::Straight,
-                Path::Straight => Path::Along(normal),
-                Path::Along(_) => return,
+                // On any other way than straight on it would not keep its angular momentum.
+                Path::Straight if !first.is_dynamic => Path::Along(first.normal),
+                Path::Straight | Path::Along(_) => return,
             };
         }
     }
 
-    /// How much of a motion there is until the core of a body would touch something, and the normal
-    /// there.
+    /// What the core of a body would touch first in a motion.
     fn first_in_the_way(
         &self,
         slot: Slot,
         motion: &Motion,
         columns: &WorldColumns<'_>,
         surroundings: Surroundings<'_>,
-    ) -> Option<(f64, DVec3)> {
+    ) -> Option<InTheWay> {
         let pose = |slot: Slot| pose_of(columns, self.body_index.place(slot));
         let (start, (collider, offset)) = (pose(slot)?, self.colliders.get(slot)?);
         let course = course((collider, *offset), &start, [motion.way, motion.turn]);
-        let mut first: Option<(f64, DVec3)> = None;
+        let mut first: Option<InTheWay> = None;
         let aabb = self.aabb_of_way(slot, &start, motion.way);
         self.for_each_near((slot, &aabb), columns, surroundings, |other| {
             let (Some(end), Some((its, its_offset))) = (pose(other), self.colliders.get(other)) else { return };
             let its_course = self::course((its, *its_offset), &end, [DVec3::ZERO; 2]);
             if let Some((part, passage)) = first_passage([its, collider], &[its_course, course])
-                && first.is_none_or(|(until, _)| passage.until < until)
+                && first.as_ref().is_none_or(|first| passage.until < first.until)
                 && !self.lets_pass([other, slot], part, &passage)
             {
-                first = Some((passage.until, passage.normal.into()));
+                let is_dynamic = self.collider_states.states[other.index()].is_dynamic;
+                first = Some(InTheWay { until: passage.until, normal: passage.normal.into(), is_dynamic });
             }
         });
         first
@@ -171,8 +180,8 @@ impl Motion {
     }
 }
 
-/// The way of a collider, with its body's centre of mass in the body's frame \[m\], from a pose on,
-/// by so much \[m\] \[rad\].
+/// The course from a pose of a collider, with its body's centre of mass in the body's frame \[m\],
+/// by a way \[m\] and a turn \[rad\].
 fn course((collider, offset): (&Collider, WorldVec3), start: &Pose, [way, turn]: [DVec3; 2]) -> Course {
     let (center, orientation) = (dvec3(start.position), dquat(start.orientation).normalize());
     let body = Isometry { position: (center - orientation * dvec3(offset)).into(), orientation: orientation.into() };

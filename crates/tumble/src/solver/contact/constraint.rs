@@ -58,6 +58,11 @@ pub(crate) struct Start<const P: usize> {
     pub(crate) is_impact: Lanes,
     /// Impulse along the normal of the substeps so far \[N s\].
     pub(crate) total_impulse: Lanes,
+    /// By how much the velocity along the normal at the contact is to be less than in the middle of
+    /// a substep, as the arms change \[m/s\].
+    pub(crate) lead: Lanes,
+    /// Impulse of friction of the last substep \[N s\], world frame.
+    pub(crate) friction: [Lanes; 3],
     pub(crate) separations: [Lanes; P],
     pub(crate) normal: [Lanes; 3],
     pub(crate) tangent: [Lanes; 3],
@@ -172,6 +177,8 @@ impl<const P: usize, const C: usize> Block<P, C> {
                 steady: ZEROS,
                 is_impact: ZEROS,
                 total_impulse: ZEROS,
+                lead: ZEROS,
+                friction: [ZEROS; 3],
                 separations: [ZEROS; P],
                 normal: [ZEROS; 3],
                 tangent: [ZEROS; 3],

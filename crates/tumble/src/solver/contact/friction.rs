@@ -71,6 +71,20 @@ impl<T: Tile> FrictionImpulse<T> {
         Self { sliding: [s * part, t * part], twist: self.twist * part, roll: [u * part, v * part] }
     }
 
+    /// The same with an impulse more against sliding, world frame.
+    #[inline(always)]
+    pub(crate) fn pushed(&self, frame: &ContactFrame<T>, linear: Vec3<T>) -> Self {
+        let ([s, t], [on_s, on_t]) = (self.sliding, frame.tangents);
+        Self { sliding: [s + on_s.dot(linear), t + on_t.dot(linear)], ..*self }
+    }
+
+    #[inline(always)]
+    pub(crate) fn plus(&self, other: &Self) -> Self {
+        let ([s, t], [u, v]) = (self.sliding, self.roll);
+        let ([other_s, other_t], [other_u, other_v]) = (other.sliding, other.roll);
+        Self { sliding: [s + other_s, t + other_t], twist: self.twist + other.twist, roll: [u + other_u, v + other_v] }
+    }
+
     /// The impulse in the tangent plane, world frame.
     #[inline(always)]
     pub(crate) fn linear(&self, frame: &ContactFrame<T>) -> Vec3<T> {

@@ -4,7 +4,7 @@ use tumble_math::lane::Vec3;
 
 use crate::collision::contact::UpdateRule;
 use crate::math::Real;
-use crate::simd::block_lanes::{at, put, vector_at};
+use crate::simd::block_lanes::{at, put, put_vector, vector_at};
 use crate::simd::{BLOCK, Kernel, Rows, Tile};
 use crate::solver::body_rows::{BodyMotion, DeltaPose, WarmStartImpulse, WorldInverseInertia};
 use crate::solver::contact::constraint::{Belt, Block, Bounce, Rolling};
@@ -125,13 +125,16 @@ impl<const P: usize, const C: usize> Kernel for Solve<'_, P, C> {
         let block = &mut self.blocks.blocks[index];
         let (mut bodies, inv_inertia) = self.bodies.load::<T>(index, lane, self.blocks.locks);
         let lag = match (self.softness, self.blocks.bounces.get(index)) {
-            (Some(_), _) => Vec3::zero(),
+            (Some(_), _) => vector_at::<T>(&block.normal, lane) * at::<T>(&block.start.lead, lane),
             // Where bodies bounce, contacts have followed.
             (None, Some(bounce)) => vector_at(&bounce.lag, lane),
             (None, None) => {
                 let delta_pose = self.bodies.delta_poses(index, lane);
                 let h = T::splat(1.0) / T::splat(self.inverse_h.into());
-                follow(block, self.blocks.rolling.get_mut(index), (lane, h), &delta_pose, (&bodies, &inv_inertia))
+                let rolling = self.blocks.rolling.get_mut(index);
+                let lag = follow(block, rolling, (lane, h), &delta_pose, (&bodies, &inv_inertia));
+                put(T::splat(0.0) - lag.dot(vector_at(&block.normal, lane)), &mut block.start.lead, lane);
+                lag
             }
         };
         let frame = ContactFrame::<T>::load(block, lane);
@@ -148,10 +151,11 @@ impl<const P: usize, const C: usize> Kernel for Solve<'_, P, C> {
             let block = &mut self.blocks.blocks[index];
             let total: T = at(&block.start.total_impulse, lane);
             put(total + sum, &mut block.start.total_impulse, lane);
-            // What friction did to bodies that have turned right over is not taken back: it would not
-            // be the same elsewhere.
+            // What friction did to bodies that have turned right over is not taken back: it
+            // would not be the same elsewhere.
             let is_same = warm_start_factor(at(&block.start.steady, lane));
-            let before = FrictionImpulse::load(&block.friction, self.blocks.rolling.get(index), lane).scaled(is_same);
+            let given = FrictionImpulse::load(&block.friction, self.blocks.rolling.get(index), lane);
+            let before = given.scaled(is_same);
             let contact = (&frame, lane);
             let after = apply_friction(
                 before,
@@ -163,10 +167,12 @@ impl<const P: usize, const C: usize> Kernel for Solve<'_, P, C> {
                 sum,
             );
             let (zero, one) = (T::splat(0.0), T::splat(1.0));
+            let after = after.plus(&given.scaled(one - is_same));
             // The impulse of an impact is no force: a body pushed off by it would be somewhere
             // else before that is taken back.
             let lasting = T::select(zero.lt(at(&block.start.is_impact, lane)), zero, is_same);
             let kept = if self.stores_warm_start { lasting } else { one };
+            let after = if self.stores_warm_start { extrapolated(block, lane, (&frame, sum), after) } else { after };
             let after = after.scaled(kept);
             after.store(&mut block.friction, self.blocks.rolling.get_mut(index), lane);
             if self.stores_warm_start {
@@ -249,6 +255,32 @@ impl<const P: usize, const C: usize> Solve<'_, P, C> {
         );
         (changes, sum)
     }
+}
+
+/// Square of the part of the normal impulse by which friction may change from one substep to the
+/// next, and go on changing.
+const STEADY_CHANGE: f64 = 1.0 / 16.0;
+
+/// Friction of contacts that are found again as it will be in the next substep, if it changes by as
+/// much as from the last to this. What lags behind slips, and what rocks loses its energy to that.
+/// Where there are two points it would yaw.
+#[inline(always)]
+fn extrapolated<T: Tile, const P: usize, const C: usize>(
+    block: &mut Block<P, C>,
+    lane: usize,
+    (frame, normal): (&ContactFrame<T>, T),
+    friction: FrictionImpulse<T>,
+) -> FrictionImpulse<T> {
+    let is_found_again = at::<T>(&block.start.slide, lane).lt(T::splat(0.0));
+    if P > 1 || !T::any(is_found_again) {
+        return friction;
+    }
+    let now = friction.linear(frame);
+    let change = now - vector_at(&block.start.friction, lane);
+    put_vector(now, &mut block.start.friction, lane);
+    let change = Vec3::select(is_found_again, change, Vec3::zero());
+    let is_steady = change.dot(change).lt(normal * normal * T::splat(STEADY_CHANGE));
+    friction.pushed(frame, Vec3::select(is_steady, change, Vec3::zero()))
 }
 
 /// A point is to move at `-bias` \[m/s\] along the normal; how much of that a soft contact brings
