@@ -21,6 +21,14 @@ fn spawn_ground(world: &mut World, kind: &str, draw: &mut Draw) {
     let (collider, y) = match kind {
         "plane" => (Collider::half_space(), 0.0),
         "box" => (Collider::new(&Shape::cuboid([10.0, 1.0, 10.0])).unwrap(), -1.0),
+        "hull" => {
+            // The frustum of a pyramid, upside down.
+            let corner = |i: u32| {
+                let [x, y, z] = [0, 1, 2].map(|axis| if i & (1 << axis) == 0 { -1.0 } else { 1.0 });
+                glam::DVec3::new((9.0 + y) * x, y, (9.0 + y) * z)
+            };
+            (Collider::convex_hull((0..8).map(corner)).unwrap(), -1.0)
+        }
         "heights" => (Collider::height_field(vec![0.0; count * count], count, [cell, cell]).unwrap(), 0.0),
         _ => {
             let place = |i: usize| {
@@ -38,8 +46,29 @@ fn spawn_ground(world: &mut World, kind: &str, draw: &mut Draw) {
     spawn(world, RigidBody::new(Shape::Point).fixed().position(Vec3::Y * real(y)), collider);
 }
 
+/// That of the shape, or on a hull, now and then, a prism with three to twelve sides or a board of
+/// two halves.
+fn flat_collider(shape: &Shape, ground: &str, [radius, half]: [f64; 2], draw: &mut Draw) -> Collider {
+    if ground != "hull" || draw.often(0.4) {
+        return Collider::new(shape).unwrap();
+    }
+    if draw.often(0.5) {
+        let sides = draw.between(3.0, 12.99) as u32;
+        let corner = |i: u32| {
+            let (sin, cos) = (std::f64::consts::TAU * f64::from(i / 2) / f64::from(sides)).sin_cos();
+            glam::DVec3::new(radius * cos, if i % 2 == 0 { half } else { -half }, radius * sin)
+        };
+        return Collider::convex_hull((0..2 * sides).map(corner)).unwrap();
+    }
+    let part = Collider::new(&Shape::cuboid([0.5 * radius, half, radius])).unwrap();
+    let halves = [-0.5, 0.5].map(|side| {
+        part.clone().with_offset(Pose { position: Vec3::X * real(side * radius), orientation: Quat::IDENTITY })
+    });
+    Collider::compound(halves.map(Result::unwrap)).unwrap()
+}
+
 /// A coin or a board over the ground, with half its thickness and half its length \[m\].
-fn spawn_flat(world: &mut World, draw: &mut Draw) -> (Entity, [f64; 2]) {
+fn spawn_flat(world: &mut World, ground: &str, draw: &mut Draw) -> (Entity, [f64; 2]) {
     let thin = draw.log_between(1e-3, 0.01);
     let long = thin * draw.log_between(3.0, 30.0);
     let shape = if draw.often(0.5) {
@@ -47,8 +76,8 @@ fn spawn_flat(world: &mut World, draw: &mut Draw) -> (Entity, [f64; 2]) {
     } else {
         Shape::cuboid([0.5 * long, 0.5 * thin, 0.5 * draw.between(2.0 * thin, long)])
     };
+    let collider = flat_collider(&shape, ground, [0.5 * long, 0.5 * thin], draw);
     let gap = if draw.often(0.3) { 0.0 } else { draw.log_between(1e-5, 0.1) };
-    let collider = Collider::new(&shape).unwrap();
     let axis = draw.direction() * glam::DVec3::new(1.0, 0.0, 1.0);
     let tilt = if draw.often(0.5) { 0.0 } else { draw.between(0.0, 0.3) };
     let tilted = Quat::from_axis_angle(Vec3::new(real(axis.x), 0.0, real(axis.z)).normalize(), real(tilt));
@@ -66,7 +95,7 @@ fn check(ground: &str) {
         let mut draw = Draw::new(2411, case);
         let mut world = World::new();
         spawn_ground(&mut world, ground, &mut draw);
-        let (flat, [half, long]) = spawn_flat(&mut world, &mut draw);
+        let (flat, [half, long]) = spawn_flat(&mut world, ground, &mut draw);
         let rate = draw.log_between(60.0, 240.0);
         let mut simulation = Simulation::new(Settings::default().with_dt(real(1.0 / rate))).unwrap();
         // Half-spaces push out what is in them; there a blow turns the far end in by what it goes
@@ -100,6 +129,11 @@ fn flat_bodies_lie_on_a_half_space() {
 #[test]
 fn flat_bodies_lie_on_a_box() {
     check("box");
+}
+
+#[test]
+fn flat_bodies_lie_on_a_hull() {
+    check("hull");
 }
 
 #[test]

@@ -47,7 +47,7 @@ struct InTheWay {
     /// How much of a motion there is until it is touched.
     until: f64,
     normal: DVec3,
-    is_dynamic: bool,
+    other: Slot,
 }
 
 /// The rest of a substep.
@@ -81,6 +81,7 @@ impl CollisionPipeline {
     /// Moves a body as if nothing touched it; from what is in the way on, straight without turning,
     /// and at last along that.
     fn move_one(&self, it: &Traveller, columns: &mut WorldColumns<'_>, surroundings: Surroundings<'_>, mut rest: Rest) {
+        let is_dynamic = |slot: Slot| self.collider_states.states[slot.index()].is_dynamic;
         let mut path = Path::Free;
         while rest.time > 0.0 {
             let Some(motion) = Motion::of(it, columns, rest, path) else { return };
@@ -97,7 +98,7 @@ impl CollisionPipeline {
             path = match path {
                 Path::Free => Path::Straight,
                 // On any other way than straight on it would not keep its angular momentum.
-                Path::Straight if !first.is_dynamic => Path::Along(first.normal),
+                Path::Straight if !is_dynamic(first.other) => Path::Along(first.normal),
                 Path::Straight | Path::Along(_) => return,
             };
         }
@@ -120,11 +121,10 @@ impl CollisionPipeline {
             let (Some(end), Some((its, its_offset))) = (pose(other), self.colliders.get(other)) else { return };
             let its_course = self::course((its, *its_offset), &end, [DVec3::ZERO; 2]);
             if let Some((part, passage)) = first_passage([its, collider], &[its_course, course])
-                && first.as_ref().is_none_or(|first| passage.until < first.until)
+                && first.as_ref().is_none_or(|first| (passage.until, other) < (first.until, first.other))
                 && !self.lets_pass([other, slot], part, &passage)
             {
-                let is_dynamic = self.collider_states.states[other.index()].is_dynamic;
-                first = Some(InTheWay { until: passage.until, normal: passage.normal.into(), is_dynamic });
+                first = Some(InTheWay { until: passage.until, normal: passage.normal.into(), other });
             }
         });
         first

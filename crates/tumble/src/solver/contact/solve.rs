@@ -276,8 +276,10 @@ fn extrapolated<T: Tile, const P: usize, const C: usize>(
         return friction;
     }
     let now = friction.linear(frame);
-    let change = now - vector_at(&block.start.friction, lane);
-    put_vector(now, &mut block.start.friction, lane);
+    let last = vector_at(&block.start.friction, lane);
+    let change = now - last;
+    // What others of the tile do is nothing to a contact.
+    put_vector(Vec3::select(is_found_again, now, last), &mut block.start.friction, lane);
     let change = Vec3::select(is_found_again, change, Vec3::zero());
     let is_steady = change.dot(change).lt(normal * normal * T::splat(STEADY_CHANGE));
     friction.pushed(frame, Vec3::select(is_steady, change, Vec3::zero()))
