@@ -46,28 +46,25 @@ fn spawn_ground(world: &mut World, kind: &str, draw: &mut Draw) {
     spawn(world, RigidBody::new(Shape::Point).fixed().position(Vec3::Y * real(y)), collider);
 }
 
-/// That of the shape, or on a hull, now and then, a prism with three to twelve sides or a board of
-/// two halves.
-fn flat_collider(shape: &Shape, ground: &str, [radius, half]: [f64; 2], draw: &mut Draw) -> Collider {
-    if ground != "hull" || draw.often(0.4) {
-        return Collider::new(shape).unwrap();
-    }
+/// A prism with five to twelve sides, or a board of two halves, with a shape of about its mass.
+fn prism_or_halves(draw: &mut Draw, [radius, half]: [f64; 2]) -> (Shape, Collider) {
     if draw.often(0.5) {
-        let sides = draw.between(3.0, 12.99) as u32;
+        let sides = draw.between(5.0, 12.99) as u32;
         let corner = |i: u32| {
             let (sin, cos) = (std::f64::consts::TAU * f64::from(i / 2) / f64::from(sides)).sin_cos();
             glam::DVec3::new(radius * cos, if i % 2 == 0 { half } else { -half }, radius * sin)
         };
-        return Collider::convex_hull((0..2 * sides).map(corner)).unwrap();
+        return (Shape::cylinder(radius, half), Collider::convex_hull((0..2 * sides).map(corner)).unwrap());
     }
     let part = Collider::new(&Shape::cuboid([0.5 * radius, half, radius])).unwrap();
     let halves = [-0.5, 0.5].map(|side| {
-        part.clone().with_offset(Pose { position: Vec3::X * real(side * radius), orientation: Quat::IDENTITY })
+        let position = Vec3::X * real(side * radius);
+        part.clone().with_offset(Pose { position, orientation: Quat::IDENTITY }).unwrap()
     });
-    Collider::compound(halves.map(Result::unwrap)).unwrap()
+    (Shape::cuboid([radius, half, radius]), Collider::compound(halves).unwrap())
 }
 
-/// A coin or a board over the ground, with half its thickness and half its length \[m\].
+/// A coin or a board over the ground, on a hull a prism or a board of two halves too, with half its thickness and half its length \[m\].
 fn spawn_flat(world: &mut World, ground: &str, draw: &mut Draw) -> (Entity, [f64; 2]) {
     let thin = draw.log_between(1e-3, 0.01);
     let long = thin * draw.log_between(3.0, 30.0);
@@ -76,7 +73,12 @@ fn spawn_flat(world: &mut World, ground: &str, draw: &mut Draw) -> (Entity, [f64
     } else {
         Shape::cuboid([0.5 * long, 0.5 * thin, 0.5 * draw.between(2.0 * thin, long)])
     };
-    let collider = flat_collider(&shape, ground, [0.5 * long, 0.5 * thin], draw);
+    let (shape, collider) = if ground == "hull" && draw.often(0.6) {
+        prism_or_halves(draw, [0.5 * long, 0.5 * thin])
+    } else {
+        let collider = Collider::new(&shape).unwrap();
+        (shape, collider)
+    };
     let gap = if draw.often(0.3) { 0.0 } else { draw.log_between(1e-5, 0.1) };
     let axis = draw.direction() * glam::DVec3::new(1.0, 0.0, 1.0);
     let tilt = if draw.often(0.5) { 0.0 } else { draw.between(0.0, 0.3) };

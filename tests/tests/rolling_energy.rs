@@ -133,8 +133,8 @@ fn rocker(kind: u64, radius: f64, offset: f64, angle: f64) -> Start {
 }
 
 /// Its greatest swing in the first and in the last of twenty seconds is the same: so is the energy,
-/// `m g d (1 - cos)` there. At four substeps to 1.1 hundredths, which eight make less than four tenths
-/// of.
+/// `m g d (1 - cos)` there. At four substeps to 1.1 hundredths, which eight make less than four
+/// tenths of.
 #[test]
 fn what_rocks_keeps_its_swing() {
     for (substeps, allowed) in [(4, 0.011), (8, 0.004)] {

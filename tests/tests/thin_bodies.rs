@@ -49,7 +49,7 @@ fn energy(world: &World) -> f64 {
 type Lengths = [f64; 3];
 
 /// Steps that a body may stay where it is although it moves: it may bounce off in each.
-const MOST_HELD: u32 = 8;
+const MAX_HELD: u32 = 8;
 
 /// Drops bodies of a shape and returns by how much the worst of them went over what is allowed, as
 /// a part of it, and what else is wrong.
@@ -106,7 +106,7 @@ fn worst_of(make: impl Fn(&mut Draw, Lengths) -> Shape) -> ((f64, u64), Vec<Stri
         }
         // As deep as what rests on its contacts at most, with its centre.
         let h = f64::from(simulation.settings().contact_substep());
-        if lowest < -GRAVITY * h * h || most_held > MOST_HELD {
+        if lowest < -GRAVITY * h * h || most_held > MAX_HELD {
             failed.push(format!("case {case}: {lowest} m over the ground, held for {most_held} steps"));
         }
     }

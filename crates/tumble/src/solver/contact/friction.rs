@@ -71,11 +71,13 @@ impl<T: Tile> FrictionImpulse<T> {
         Self { sliding: [s * part, t * part], twist: self.twist * part, roll: [u * part, v * part] }
     }
 
-    /// The same with an impulse more against sliding, world frame.
+    /// The same with an impulse more against sliding, world frame, where `changed` is above zero.
     #[inline(always)]
-    pub(crate) fn pushed(&self, frame: &ContactFrame<T>, linear: Vec3<T>) -> Self {
+    pub(crate) fn pushed_where(&self, changed: T, frame: &ContactFrame<T>, linear: Vec3<T>) -> Self {
         let ([s, t], [on_s, on_t]) = (self.sliding, frame.tangents);
-        Self { sliding: [s + on_s.dot(linear), t + on_t.dot(linear)], ..*self }
+        let changed = T::splat(0.0).lt(changed);
+        let [pushed_s, pushed_t] = [s + on_s.dot(linear), t + on_t.dot(linear)];
+        Self { sliding: [T::select(changed, pushed_s, s), T::select(changed, pushed_t, t)], ..*self }
     }
 
     #[inline(always)]

@@ -132,11 +132,12 @@ impl<const P: usize, const C: usize> Kernel for Solve<'_, P, C> {
                 let delta_pose = self.bodies.delta_poses(index, lane);
                 let h = T::splat(1.0) / T::splat(self.inverse_h.into());
                 let rolling = self.blocks.rolling.get_mut(index);
-                let lag = follow(block, rolling, (lane, h), &delta_pose, (&bodies, &inv_inertia));
-                put(T::splat(0.0) - lag.dot(vector_at(&block.normal, lane)), &mut block.start.lead, lane);
-                lag
+                follow(block, rolling, (lane, h), &delta_pose, (&bodies, &inv_inertia))
             }
         };
+        if self.softness.is_none() {
+            put(T::splat(0.0) - lag.dot(vector_at(&block.normal, lane)), &mut block.start.lead, lane);
+        }
         let frame = ContactFrame::<T>::load(block, lane);
         let arms = frame.arms;
 
@@ -280,9 +281,9 @@ fn extrapolated<T: Tile, const P: usize, const C: usize>(
     let change = now - last;
     // What others of the tile do is nothing to a contact.
     put_vector(Vec3::select(is_found_again, now, last), &mut block.start.friction, lane);
-    let change = Vec3::select(is_found_again, change, Vec3::zero());
-    let is_steady = change.dot(change).lt(normal * normal * T::splat(STEADY_CHANGE));
-    friction.pushed(frame, Vec3::select(is_steady, change, Vec3::zero()))
+    let (zero, one) = (T::splat(0.0), T::splat(1.0));
+    let steady = T::select(change.dot(change).lt(normal * normal * T::splat(STEADY_CHANGE)), one, zero);
+    friction.pushed_where(T::select(is_found_again, steady, zero), frame, change)
 }
 
 /// A point is to move at `-bias` \[m/s\] along the normal; how much of that a soft contact brings
