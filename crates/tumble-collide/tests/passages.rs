@@ -17,7 +17,7 @@ use tumble_math::lane::Vec3;
 /// around, and at edges and corners.
 const KINDS: [(&str, f64); 6] =
     [("sphere", 0.5), ("cuboid", 0.87), ("capsule", 0.5), ("cylinder", 0.71), ("tapered", 0.5), ("ellipsoid", 0.5)];
-/// Moments at which a way is looked at.
+/// Moments of a way that are tested.
 const MOMENTS: u32 = 400;
 /// Of half a thickness, what stays free at most.
 const CLEARANCE: f64 = 0.0101;

@@ -98,9 +98,25 @@ impl CollisionPipeline {
             self.stop_all(&mut sweep, columns, settings);
             let surroundings = Surroundings { joints, endless: &sweep.endless };
             self.move_on(&sweep.travellers, columns, surroundings, settings);
+            self.forget_impulses(&sweep.travellers, columns);
             self.add_blows(&mut sweep.blows);
         }
         self.sweep = sweep;
+    }
+
+    /// Has the next substep begin without the impulses on what stands otherwise now than the solver
+    /// left it: what turned a rod that lay would spin one that stands about its own axis.
+    fn forget_impulses(&mut self, travellers: &[Traveller], columns: &WorldColumns<'_>) {
+        if travellers.iter().all(|it| it.until >= 1.0) {
+            return;
+        }
+        let stands_otherwise = |slot: &Slot| {
+            let place = travellers.binary_search_by_key(slot, |it| it.slot);
+            place.is_ok_and(|place| travellers[place].stands_otherwise(columns))
+        };
+        for contact in self.contacts.records.iter_mut().filter(|it| it.slots.iter().any(stands_otherwise)) {
+            contact.normal_impulses.steady = 0.0;
+        }
     }
 
     /// Adds blows to the contacts of the same parts, or as contacts.

@@ -25,6 +25,9 @@ use crate::storage::world_columns::{ArchetypeBodies, WorldColumns};
 /// The cosine between the way in and the way back out, of what a contact pushes back.
 const BACK: f64 = 0.8;
 
+/// The cosine of half of a sixteenth of a radian.
+const STEADY: f64 = 0.999_512;
+
 /// A body in a substep.
 #[derive(Clone)]
 pub(crate) struct Traveller {
@@ -165,6 +168,13 @@ impl Traveller {
         {
             work[self.place.row as usize].contacts += after - before;
         }
+    }
+
+    /// Whether it is turned by more than a sixteenth of a radian from where it was to end.
+    pub(crate) fn stands_otherwise(&self, columns: &WorldColumns<'_>) -> bool {
+        let now = pose_of(columns, self.place).map_or(self.end.orientation, |pose| pose.orientation);
+        let cosine = dquat(now).normalize().dot(dquat(self.end.orientation).normalize()).abs();
+        self.until < 1.0 && cosine < STEADY
     }
 
     /// How much of gravity acts on it.
