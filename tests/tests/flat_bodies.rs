@@ -64,7 +64,8 @@ fn prism_or_halves(draw: &mut Draw, [radius, half]: [f64; 2]) -> (Shape, Collide
     (Shape::cuboid([radius, half, radius]), Collider::compound(halves).unwrap())
 }
 
-/// A coin or a board over the ground, on a hull a prism or a board of two halves too, with half its thickness and half its length \[m\].
+/// A coin or a board over the ground, on a hull a prism or a board of two halves too, with half its
+/// thickness and half its length \[m\].
 fn spawn_flat(world: &mut World, ground: &str, draw: &mut Draw) -> (Entity, [f64; 2]) {
     let thin = draw.log_between(1e-3, 0.01);
     let long = thin * draw.log_between(3.0, 30.0);
