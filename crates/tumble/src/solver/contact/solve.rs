@@ -154,7 +154,9 @@ impl<const P: usize, const C: usize> Kernel for Solve<'_, P, C> {
             put(total + sum, &mut block.start.total_impulse, lane);
             // What friction did to bodies that have turned right over is not taken back: it
             // would not be the same elsewhere.
-            let is_same = warm_start_factor(at(&block.start.steady, lane));
+            let (zero, one) = (T::splat(0.0), T::splat(1.0));
+            let steady = warm_start_factor(at(&block.start.steady, lane));
+            let is_same = T::select(zero.lt(steady), one, zero);
             let given = FrictionImpulse::load(&block.friction, self.blocks.rolling.get(index), lane);
             let before = given.scaled(is_same);
             let contact = (&frame, lane);
@@ -167,11 +169,10 @@ impl<const P: usize, const C: usize> Kernel for Solve<'_, P, C> {
                 (&inv_inertia, arms, lag),
                 sum,
             );
-            let (zero, one) = (T::splat(0.0), T::splat(1.0));
             let after = after.plus(&given.scaled(one - is_same));
             // The impulse of an impact is no force: a body pushed off by it would be somewhere
             // else before that is taken back.
-            let lasting = T::select(zero.lt(at(&block.start.is_impact, lane)), zero, is_same);
+            let lasting = T::select(zero.lt(at(&block.start.is_impact, lane)), zero, steady);
             let kept = if self.stores_warm_start { lasting } else { one };
             let after = if self.stores_warm_start { extrapolated(block, lane, (&frame, sum), after) } else { after };
             let after = after.scaled(kept);
